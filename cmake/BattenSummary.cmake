@@ -1,0 +1,12 @@
+# What is on, what is off, and what its absence removes.
+function(batten_say what found missing)
+  if(${found})
+    message(STATUS "  ${what}: on")
+  else()
+    message(STATUS "  ${what}: OFF (${missing})")
+  endif()
+endfunction()
+message(STATUS "Batten ${PROJECT_VERSION}, ${CMAKE_BUILD_TYPE}")
+batten_say("CHOLMOD" CHOLMOD_FOUND "factors with Eigen: several times slower on large surfaces")
+batten_say("CGAL" CGAL_FOUND "only the fan mesher: star-shaped regions without inner lines")
+batten_say("files and pictures" BATTEN_WITH_IO "no STEP, IGES, VTK, scenes, program")

@@ -1,0 +1,38 @@
+# batten_library(core SOURCES a.cpp … HEADERS a.h … LINKS batten::x …): one folder, one library.
+add_library(batten_options INTERFACE)
+target_compile_features(batten_options INTERFACE cxx_std_20)
+target_compile_options(batten_options INTERFACE -Wall -Wextra -Wpedantic -Wshadow=local)
+if(BATTEN_WERROR)
+  target_compile_options(batten_options INTERFACE -Werror)
+endif()
+if(BATTEN_ASSERTIONS)
+  target_compile_definitions(batten_options INTERFACE _GLIBCXX_ASSERTIONS)
+  string(REPLACE "-DNDEBUG" "" CMAKE_CXX_FLAGS_RELWITHDEBINFO "${CMAKE_CXX_FLAGS_RELWITHDEBINFO}")
+endif()
+if(BATTEN_SANITIZE)
+  target_compile_options(batten_options INTERFACE -fsanitize=address,undefined
+                         -fno-sanitize-recover=undefined -fno-omit-frame-pointer)
+  target_link_options(batten_options INTERFACE -fsanitize=address,undefined)
+  target_compile_definitions(batten_options INTERFACE BATTEN_NO_CLONES=1)
+endif()
+
+set_property(GLOBAL PROPERTY batten_folders "")
+
+function(batten_library folder)
+  cmake_parse_arguments(ARG "" "" "SOURCES;HEADERS;LINKS;PRIVATE_LINKS" ${ARGN})
+  string(REPLACE "/" "_" name ${folder})
+  add_library(batten_${name} STATIC ${ARG_SOURCES} ${ARG_HEADERS})
+  add_library(batten::${name} ALIAS batten_${name})
+  set_target_properties(batten_${name} PROPERTIES EXPORT_NAME ${name})
+  target_include_directories(batten_${name} PUBLIC
+    $<BUILD_INTERFACE:${PROJECT_BINARY_DIR}/include> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+  target_link_libraries(batten_${name} PUBLIC ${ARG_LINKS}
+                        PRIVATE $<BUILD_INTERFACE:batten_options> ${ARG_PRIVATE_LINKS})
+  if(folder STREQUAL "io")
+    set(export batten-io)
+  else()
+    set(export batten-kernel)
+  endif()
+  install(TARGETS batten_${name} EXPORT ${export} ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+  install(FILES ${ARG_HEADERS} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/batten/${folder})
+endfunction()

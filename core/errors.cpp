@@ -1,0 +1,56 @@
+#include "batten/core/errors.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <numeric>
+
+namespace batten {
+namespace {
+
+std::string describe(const std::vector<ConflictError::Conflict>& conflicts) {
+  std::string text = "constraints contradict each other:";
+  for (const auto& c : conflicts) {
+    text += "\n  ";
+    for (size_t i = 0; i < c.names.size(); ++i)
+      text += (i == 0 ? "'" : i + 1 == c.names.size() ? "' and '" : "', '") + c.names[i];
+    text += "' miss each other by " + number(c.amount);
+  }
+  return text;
+}
+
+}  // namespace
+
+ConflictError::ConflictError(std::vector<Conflict> conflicts)
+    : Error(describe(conflicts)), conflicts_(std::move(conflicts)) {}
+
+std::string number(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.6g", value);
+  return text;
+}
+
+std::string nearest_word(const std::string& word, const std::vector<std::string>& words) {
+  std::string best;
+  size_t best_distance = std::string::npos;
+  for (const auto& candidate : words) {
+    std::vector<size_t> row(candidate.size() + 1);
+    std::iota(row.begin(), row.end(), size_t{0});
+    for (size_t i = 1; i <= word.size(); ++i) {
+      size_t diagonal = row[0];
+      row[0] = i;
+      for (size_t j = 1; j <= candidate.size(); ++j) {
+        const size_t substituted = diagonal + (word[i - 1] != candidate[j - 1]);
+        diagonal = row[j];
+        row[j] = std::min({row[j] + 1, row[j - 1] + 1, substituted});
+      }
+    }
+    if (row.back() < best_distance) {
+      best_distance = row.back();
+      best = candidate;
+    }
+  }
+  const size_t limit = std::max<size_t>(2, word.size() / 3);
+  return best_distance <= limit ? best : "";
+}
+
+}  // namespace batten

@@ -1,0 +1,89 @@
+#include "batten/elements/c1_triangle.h"
+
+#include <cmath>
+
+#include "batten/core/errors.h"
+#include "batten/elements/reference_triangle.h"
+
+namespace batten {
+
+TriangleShape::TriangleShape(const Vec2& v1, const Vec2& v2, const Vec2& v3,
+                             const std::array<double, 3>& signs)
+    : vertex{v1, v2, v3}, edge_sign(signs) {
+  for (int i = 0; i < 3; ++i) {
+    const Vec2 &j = vertex[(i + 1) % 3], &k = vertex[(i + 2) % 3];
+    b[i] = j.y() - k.y();
+    c[i] = k.x() - j.x();
+  }
+  area = 0.5 * (c[2] * b[1] - c[1] * b[2]);
+  if (!(area > 0) || !std::isfinite(area))
+    throw InputError("a parametric triangle of area " + number(area) + " at (" + number(v1.x()) +
+                     ", " + number(v1.y()) +
+                     "): vertices must run counter-clockwise and not lie on one line");
+}
+
+Vec3 TriangleShape::barycentric(const Vec2& p) const {
+  Vec3 L;
+  for (int i = 0; i < 3; ++i) {
+    const Vec2 d = p - vertex[(i + 1) % 3];
+    L[i] = (b[i] * d.x() + c[i] * d.y()) / (2 * area);
+  }
+  return L;
+}
+
+Mat12 C1Triangle::to_reference_dofs() const {
+  const DofMapNumbers numbers(shape_);
+  Mat12 P = Mat12::Zero();
+  for (int i = 0; i < 3; ++i) {
+    const double* g = numbers.gradient[i];
+    P(3 * i, 3 * i) = 1;
+    P.block<2, 2>(3 * i + 1, 3 * i + 1) << g[0], g[1], g[2], g[3];
+  }
+  for (int i = 0; i < 3; ++i) {
+    const int j = (i + 1) % 3, k = (i + 2) % 3;
+    P(9 + i, 9 + i) = numbers.altitude[i];
+    P.row(9 + i) += numbers.slant[i] * (1.5 * (P.row(3 * k) - P.row(3 * j)) -
+                                        0.25 * (P.row(3 * j + 1) - P.row(3 * k + 2)));
+  }
+  return P;
+}
+
+Tabulation C1Triangle::evaluate(const Vec3& L) const {
+  const ReferenceTabulation reference = reference_functions(kind_, L);
+  const DerivativeMap map(shape_);
+  Tabulation local;
+  local.col(kW) = reference.col(0);
+  local.middleCols<2>(kU) = reference.middleCols<2>(1) * map.first.transpose();
+  local.middleCols<3>(kUU) = reference.middleCols<3>(3) * map.second.transpose();
+  return to_reference_dofs().transpose() * local;
+}
+
+Mat12 C1Triangle::stiffness(const SurfaceStiffness& material) const {
+  Mat12 K;
+  constant_stiffness(reference_tensors(kind_), shape_, material, K.data());
+  return K;
+}
+
+Mat12 C1Triangle::mass() const {
+  const Mat12 P = to_reference_dofs();
+  return shape_.area * P.transpose() * reference_tensors(kind_).mass * P;
+}
+
+Vec12 C1Triangle::load() const {
+  return shape_.area * to_reference_dofs().transpose() * reference_tensors(kind_).load;
+}
+
+const TriangleRule& C1Triangle::varying_rule(TriangleElement kind) {
+  static const TriangleRule hct = split_triangle(4);
+  static const TriangleRule z12 = six_duffy(5);
+  return kind == TriangleElement::HCT ? hct : z12;
+}
+
+Eigen::Matrix<double, 10, 3> C1Triangle::bezier(int sub,
+                                                const Eigen::Matrix<double, 12, 3>& q) const {
+  if (kind_ != TriangleElement::HCT)
+    throw InputError("Bezier ordinates exist for HCT triangles only: Z12 is rational");
+  return hct_ordinates(sub) * (to_reference_dofs() * q);
+}
+
+}  // namespace batten

@@ -1,0 +1,401 @@
+#include "batten/elements/reference_triangle.h"
+
+#include <Eigen/LU>
+
+#include "batten/core/errors.h"
+
+// Let the loader pick the widest vector unit the machine has; sanitizers cannot start with ifuncs.
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(BATTEN_NO_CLONES)
+#define BATTEN_CLONES __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
+#else
+#define BATTEN_CLONES
+#endif
+
+namespace batten {
+namespace {
+
+// Value, gradient and Hessian of one function of (L1, L2, L3) treated as independent.
+struct Jet {
+  double value = 0;
+  Vec3 gradient = Vec3::Zero();
+  Mat3 hessian = Mat3::Zero();
+};
+
+Jet variable(int i, const Vec3& L) { return {L[i], Vec3::Unit(i), Mat3::Zero()}; }
+
+Jet operator+(const Jet& a, const Jet& b) {
+  return {a.value + b.value, a.gradient + b.gradient, a.hessian + b.hessian};
+}
+Jet operator*(double s, const Jet& a) { return {s * a.value, s * a.gradient, s * a.hessian}; }
+Jet operator-(const Jet& a, const Jet& b) { return a + -1.0 * b; }
+Jet operator*(const Jet& a, const Jet& b) {
+  const Mat3 cross = a.gradient * b.gradient.transpose();
+  return {a.value * b.value, a.value * b.gradient + b.value * a.gradient,
+          a.value * b.hessian + b.value * a.hessian + cross + cross.transpose()};
+}
+
+using Row6 = Eigen::Matrix<double, 1, 6>;
+
+Row6 reduced(const Jet& f) {
+  const auto& g = f.gradient;
+  const auto& H = f.hessian;
+  Row6 r;
+  r << f.value, g[0] - g[2], g[1] - g[2], H(0, 0) - 2 * H(0, 2) + H(2, 2),
+      H(0, 1) - H(0, 2) - H(1, 2) + H(2, 2), H(1, 1) - 2 * H(1, 2) + H(2, 2);
+  return r;
+}
+
+// --- Z12 ----------------------------------------------------------------------------------------
+
+// e_i = p(L_i) g(L_j) g(L_k), p = x(1+x), g = x²/(1-x). 1 - L_k is taken as L_i + L_j.
+Jet rational_bubble(int i, const Vec3& L) {
+  constexpr double at_vertex = 1e-12;
+  const int j = (i + 1) % 3, k = (i + 2) % 3;
+  for (int v = 0; v < 3; ++v) {
+    const int a = (v + 1) % 3, b = (v + 2) % 3;
+    if (std::abs(L[a]) + std::abs(L[b]) > at_vertex) continue;
+    // Limit at vertex v along the bisecting direction: value and gradient vanish, and the Hessian in
+    // (L_a, L_b) is [[-1/4, 1/2], [1/2, 1/4]] for e_a, its mirror image for e_b, zero for e_v.
+    Jet limit;
+    if (i == v) return limit;
+    const int other = i == a ? b : a;
+    limit.hessian(i, i) = -0.25;
+    limit.hessian(other, other) = 0.25;
+    limit.hessian(i, other) = limit.hessian(other, i) = 0.5;
+    return limit;
+  }
+  const auto g = [&](int m) {
+    const double x = L[m], y = L[(m + 1) % 3] + L[(m + 2) % 3];
+    Jet f;
+    f.value = x * x / y;
+    f.gradient[m] = x * (1 + y) / (y * y);
+    f.hessian(m, m) = 2 / (y * y * y);
+    return f;
+  };
+  Jet p;
+  p.value = L[i] * (1 + L[i]);
+  p.gradient[i] = 1 + 2 * L[i];
+  p.hessian(i, i) = 2;
+  return p * (g(j) * g(k));
+}
+
+// Raw functions f1 f2 f3 f12 f13 f23 f21 f31 f32 e1 e2 e3.
+std::array<Jet, 12> z12_raw(const Vec3& L) {
+  const Jet x[3] = {variable(0, L), variable(1, L), variable(2, L)};
+  const Jet half_bubble = 0.5 * (x[0] * x[1] * x[2]);
+  const auto f = [&](int i, int j) { return x[i] * x[i] * x[j] + half_bubble; };
+  std::array<Jet, 12> raw;
+  for (int i = 0; i < 3; ++i) {
+    const Jet &j = x[(i + 1) % 3], &k = x[(i + 2) % 3];
+    raw[i] = x[i] + x[i] * x[i] * (j + k) - x[i] * (j * j + k * k);
+    raw[9 + i] = rational_bubble(i, L);
+  }
+  raw[3] = f(0, 1);
+  raw[4] = f(0, 2);
+  raw[5] = f(1, 2);
+  raw[6] = f(1, 0);
+  raw[7] = f(2, 0);
+  raw[8] = f(2, 1);
+  return raw;
+}
+
+// Columns: coefficients of N̂_a over the raw functions, the inverse of "reference dofs of raw".
+const Mat12& z12_coefficients() {
+  static const Mat12 coefficients = [] {
+    Mat12 dofs_of_raw;
+    for (int i = 0; i < 3; ++i) {
+      const int next = (i + 1) % 3, previous = (i + 2) % 3;
+      const auto at_vertex = z12_raw(Vec3::Unit(i));
+      const auto at_middle = z12_raw(0.5 * (Vec3::Unit(next) + Vec3::Unit(previous)));
+      const Vec3 median = Vec3::Unit(i) - 0.5 * (Vec3::Unit(next) + Vec3::Unit(previous));
+      for (int r = 0; r < 12; ++r) {
+        const Vec3& g = at_vertex[r].gradient;
+        dofs_of_raw(3 * i, r) = at_vertex[r].value;
+        dofs_of_raw(3 * i + 1, r) = g[next] - g[i];
+        dofs_of_raw(3 * i + 2, r) = g[previous] - g[i];
+        dofs_of_raw(9 + i, r) = at_middle[r].gradient.dot(median);
+      }
+    }
+    return Mat12(dofs_of_raw.inverse());
+  }();
+  return coefficients;
+}
+
+ReferenceTabulation z12_functions(const Vec3& L) {
+  const auto raw = z12_raw(L);
+  ReferenceTabulation t;
+  for (int r = 0; r < 12; ++r) t.row(r) = reduced(raw[r]);
+  return z12_coefficients().transpose() * t;
+}
+
+// --- HCT ----------------------------------------------------------------------------------------
+
+constexpr int bezier_power[10][3] = {{3, 0, 0}, {0, 3, 0}, {0, 0, 3}, {2, 1, 0}, {1, 2, 0},
+                                     {0, 2, 1}, {0, 1, 2}, {1, 0, 2}, {2, 0, 1}, {1, 1, 1}};
+
+std::array<Eigen::Matrix<double, 10, 12>, 3> make_hct_ordinates() {
+  using Row = Eigen::Matrix<double, 1, 12>;
+  const auto w = [](int i) { return Row(Row::Unit(3 * i)); };
+  const auto along = [](int i, int j) {
+    return Row(Row::Unit(3 * i + (j == (i + 1) % 3 ? 1 : 2)));
+  };
+  const auto on_edge = [&](int i, int j) { return Row(w(i) + along(i, j) / 3); };
+  Row on_spoke[3], inside[3], inner[3], centre = Row::Zero();
+  for (int i = 0; i < 3; ++i)
+    on_spoke[i] = w(i) + (along(i, (i + 1) % 3) + along(i, (i + 2) % 3)) / 9;
+  for (int s = 0; s < 3; ++s) {
+    const int j = (s + 1) % 3, k = (s + 2) % 3;
+    inside[s] = 2 * (Row::Unit(9 + s) / 9 +
+                     (w(j) + 3 * on_edge(j, k) + 3 * on_edge(k, j) + w(k)) / 8) -
+                (on_spoke[j] + on_spoke[k]) / 2;
+  }
+  for (int i = 0; i < 3; ++i) {
+    inner[i] = (on_spoke[i] + inside[(i + 1) % 3] + inside[(i + 2) % 3]) / 3;
+    centre += inner[i] / 3;
+  }
+  std::array<Eigen::Matrix<double, 10, 12>, 3> ordinates;
+  for (int s = 0; s < 3; ++s) {
+    const int j = (s + 1) % 3, k = (s + 2) % 3;
+    ordinates[s] << w(j), w(k), centre, on_edge(j, k), on_edge(k, j), on_spoke[k], inner[k],
+        inner[j], on_spoke[j], inside[s];
+  }
+  return ordinates;
+}
+
+ReferenceTabulation hct_functions(const Vec3& L) {
+  int s = 0;
+  if (L[1] < L[s]) s = 1;
+  if (L[2] < L[s]) s = 2;
+  const int j = (s + 1) % 3, k = (s + 2) % 3;
+  const Vec3 local(L[j] - L[s], L[k] - L[s], 3 * L[s]);
+  // Change of the local coordinates along the two reduced directions.
+  Eigen::Matrix<double, 3, 2> D;
+  for (int d = 0; d < 2; ++d) {
+    const Vec3 step = Vec3::Unit(d) - Vec3::Unit(2);
+    D.col(d) = Vec3(step[j] - step[s], step[k] - step[s], 3 * step[s]);
+  }
+  constexpr double factorial[4] = {1, 1, 2, 6};
+  Eigen::Matrix<double, 10, 6> bernstein;
+  for (int m = 0; m < 10; ++m) {
+    double power[3][3];  // [variable][order of derivative] of λ^e
+    double scale = 6;
+    for (int v = 0; v < 3; ++v) {
+      const int e = bezier_power[m][v];
+      const double x = local[v];
+      power[v][0] = e == 0 ? 1 : e == 1 ? x : e == 2 ? x * x : x * x * x;
+      power[v][1] = e == 0 ? 0 : e == 1 ? 1 : e == 2 ? 2 * x : 3 * x * x;
+      power[v][2] = e < 2 ? 0 : e == 2 ? 2 : 6 * x;
+      scale /= factorial[e];
+    }
+    Vec3 g;
+    Mat3 H;
+    for (int a = 0; a < 3; ++a) {
+      const int b = (a + 1) % 3, c = (a + 2) % 3;
+      g[a] = power[a][1] * power[b][0] * power[c][0];
+      H(a, a) = power[a][2] * power[b][0] * power[c][0];
+      H(a, b) = H(b, a) = power[a][1] * power[b][1] * power[c][0];
+    }
+    const Vec3 HD0 = H * D.col(0), HD1 = H * D.col(1);
+    bernstein.row(m) << power[0][0] * power[1][0] * power[2][0], g.dot(D.col(0)), g.dot(D.col(1)),
+        HD0.dot(D.col(0)), HD0.dot(D.col(1)), HD1.dot(D.col(1));
+    bernstein.row(m) *= scale;
+  }
+  return hct_ordinates(s).transpose() * bernstein;
+}
+
+ReferenceTensors make_tensors(TriangleElement kind) {
+  const TriangleRule rule = kind == TriangleElement::HCT ? split_triangle(6) : six_duffy(14);
+  ReferenceTensors T;
+  Eigen::Matrix<double, 12, 12, Eigen::RowMajor> sum[9];
+  for (auto& m : sum) m.setZero();
+  T.mass.setZero();
+  T.load.setZero();
+  for (long p = 0; p < rule.weights.size(); ++p) {
+    const double w = rule.weights[p];
+    const ReferenceTabulation f = reference_functions(kind, rule.L.row(p).transpose());
+    const auto add = [&](int tensor, int x, int y) {
+      const Mat12 product = w * f.col(x) * f.col(y).transpose();
+      sum[tensor] += product;
+      if (x != y) sum[tensor] += product.transpose();
+    };
+    add(0, 1, 1);
+    add(1, 1, 2);
+    add(2, 2, 2);
+    add(3, 3, 3);
+    add(4, 4, 4);
+    add(5, 5, 5);
+    add(6, 3, 4);
+    add(7, 3, 5);
+    add(8, 4, 5);
+    T.mass += w * f.col(0) * f.col(0).transpose();
+    T.load += w * f.col(0);
+  }
+  for (int t = 0; t < 9; ++t) std::copy(sum[t].data(), sum[t].data() + 144, T.stiffness[t]);
+  return T;
+}
+
+// One side of the congruence: K ← Pᵀ K on rows, then the transpose is taken.
+inline __attribute__((always_inline)) void congruence_half(const DofMapNumbers& P, double* K) {
+  const auto axpy = [&](int to, double s, int from) {
+    for (int c = 0; c < 12; ++c) K[12 * to + c] += s * K[12 * from + c];
+  };
+  for (int i = 0; i < 3; ++i) {
+    const int j = (i + 1) % 3, k = (i + 2) % 3;
+    const double mu = P.slant[i];
+    axpy(3 * j, -1.5 * mu, 9 + i);
+    axpy(3 * k, 1.5 * mu, 9 + i);
+    axpy(3 * j + 1, -0.25 * mu, 9 + i);
+    axpy(3 * k + 2, 0.25 * mu, 9 + i);
+  }
+  for (int i = 0; i < 3; ++i) {
+    const double* g = P.gradient[i];
+    double* next = K + 12 * (3 * i + 1);
+    double* previous = next + 12;
+    double* mid = K + 12 * (9 + i);
+    for (int c = 0; c < 12; ++c) {
+      const double a = next[c], b = previous[c];
+      next[c] = g[0] * a + g[2] * b;
+      previous[c] = g[1] * a + g[3] * b;
+      mid[c] *= P.altitude[i];
+    }
+  }
+}
+
+inline __attribute__((always_inline)) void congruence(const DofMapNumbers& P, double* K) {
+  alignas(64) double transposed[144];
+  congruence_half(P, K);
+  for (int r = 0; r < 12; ++r)
+    for (int c = 0; c < 12; ++c) transposed[12 * r + c] = K[12 * c + r];
+  congruence_half(P, transposed);
+  for (int e = 0; e < 144; ++e) K[e] = transposed[e];
+}
+
+BATTEN_CLONES void combine_and_map(const double (*tensors)[144], const double* scale,
+                                   const DofMapNumbers& P, double* K) {
+  alignas(64) double sum[144];
+  for (int e = 0; e < 144; ++e) {
+    double s = 0;
+    for (int t = 0; t < 9; ++t) s += scale[t] * tensors[t][e];
+    sum[e] = s;
+  }
+  congruence(P, sum);
+  for (int e = 0; e < 144; ++e) K[e] = sum[e];
+}
+
+// K = Σ_p rows_pᵀ C_p rows_p, C_p = blockdiag(2×2, 3×3) given as 4 + 9 numbers a point; then Pᵀ K P.
+BATTEN_CLONES void accumulate_and_map(int points, const double* rows, const double* C,
+                                      const DofMapNumbers& P, double* K) {
+  alignas(64) double sum[144] = {};
+  for (int p = 0; p < points; ++p, rows += 60, C += 13) {
+    double weighted[60];
+    for (int a = 0; a < 12; ++a) {
+      const double d1 = rows[a], d2 = rows[12 + a];
+      const double h1 = rows[24 + a], h2 = rows[36 + a], h3 = rows[48 + a];
+      weighted[a] = C[0] * d1 + C[1] * d2;
+      weighted[12 + a] = C[2] * d1 + C[3] * d2;
+      weighted[24 + a] = C[4] * h1 + C[5] * h2 + C[6] * h3;
+      weighted[36 + a] = C[7] * h1 + C[8] * h2 + C[9] * h3;
+      weighted[48 + a] = C[10] * h1 + C[11] * h2 + C[12] * h3;
+    }
+    for (int a = 0; a < 12; ++a)
+      for (int b = 0; b < 12; ++b)
+        sum[12 * a + b] += weighted[a] * rows[b] + weighted[12 + a] * rows[12 + b] +
+                           weighted[24 + a] * rows[24 + b] + weighted[36 + a] * rows[36 + b] +
+                           weighted[48 + a] * rows[48 + b];
+  }
+  congruence(P, sum);
+  for (int e = 0; e < 144; ++e) K[e] = sum[e];
+}
+
+}  // namespace
+
+const Eigen::Matrix<double, 10, 12>& hct_ordinates(int sub) {
+  static const auto ordinates = make_hct_ordinates();
+  return ordinates[sub];
+}
+
+ReferenceTabulation reference_functions(TriangleElement kind, const Vec3& L) {
+  return kind == TriangleElement::HCT ? hct_functions(L) : z12_functions(L);
+}
+
+const ReferenceTensors& reference_tensors(TriangleElement kind) {
+  static const ReferenceTensors hct = make_tensors(TriangleElement::HCT);
+  static const ReferenceTensors z12 = make_tensors(TriangleElement::Z12);
+  return kind == TriangleElement::HCT ? hct : z12;
+}
+
+DerivativeMap::DerivativeMap(const TriangleShape& t) {
+  const double s = 1 / (2 * t.area);
+  const double u1 = t.b[0] * s, u2 = t.b[1] * s, v1 = t.c[0] * s, v2 = t.c[1] * s;
+  first << u1, u2, v1, v2;
+  second << u1 * u1, 2 * u1 * u2, u2 * u2,  //
+      u1 * v1, u1 * v2 + u2 * v1, u2 * v2,  //
+      v1 * v1, 2 * v1 * v2, v2 * v2;
+}
+
+TabulatedRule::TabulatedRule(TriangleElement kind, TriangleRule r) : rule(std::move(r)) {
+  for (long p = 0; p < rule.weights.size(); ++p)
+    functions.push_back(reference_functions(kind, rule.L.row(p).transpose()));
+  for (const auto& f : functions)
+    for (int d = 1; d < 6; ++d) rows.insert(rows.end(), f.col(d).data(), f.col(d).data() + 12);
+}
+
+DofMapNumbers::DofMapNumbers(const TriangleShape& t) {
+  for (int i = 0; i < 3; ++i) {
+    const int j = (i + 1) % 3, k = (i + 2) % 3;
+    // V_next - V_i = (c_k, -b_k) and V_previous - V_i = (-c_j, b_j).
+    gradient[i][0] = t.c[k];
+    gradient[i][1] = -t.b[k];
+    gradient[i][2] = -t.c[j];
+    gradient[i][3] = t.b[j];
+    const double length2 = t.b[i] * t.b[i] + t.c[i] * t.c[i];
+    altitude[i] = t.edge_sign[i] * 2 * t.area / std::sqrt(length2);
+    // V_i - M_i = ((V_i - V_j) + (V_i - V_k))/2 against the edge vector (c_i, -b_i).
+    slant[i] = 0.5 * ((t.c[j] - t.c[k]) * t.c[i] + (t.b[j] - t.b[k]) * t.b[i]) / length2;
+  }
+}
+
+void constant_stiffness(const ReferenceTensors& tensors, const TriangleShape& shape,
+                        const SurfaceStiffness& m, double* K) {
+  const double A = shape.area, s = 1 / (2 * A);
+  const double u1 = shape.b[0] * s, u2 = shape.b[1] * s, v1 = shape.c[0] * s, v2 = shape.c[1] * s;
+  const double a11 = A * m.alpha(0, 0), a12 = A * m.alpha(0, 1), a22 = A * m.alpha(1, 1);
+  const double b1 = A * m.beta[0], b2 = 2 * A * m.beta[1], b3 = A * m.beta[2];
+  const double uu[3] = {u1 * u1, 2 * u1 * u2, u2 * u2};
+  const double uv[3] = {u1 * v1, u1 * v2 + u2 * v1, u2 * v2};
+  const double vv[3] = {v1 * v1, 2 * v1 * v2, v2 * v2};
+  const auto bend = [&](int x, int y) {
+    return b1 * uu[x] * uu[y] + b2 * uv[x] * uv[y] + b3 * vv[x] * vv[y];
+  };
+  const double scale[9] = {a11 * u1 * u1 + 2 * a12 * u1 * v1 + a22 * v1 * v1,
+                           a11 * u1 * u2 + a12 * (u1 * v2 + u2 * v1) + a22 * v1 * v2,
+                           a11 * u2 * u2 + 2 * a12 * u2 * v2 + a22 * v2 * v2,
+                           bend(0, 0),
+                           bend(1, 1),
+                           bend(2, 2),
+                           bend(0, 1),
+                           bend(0, 2),
+                           bend(1, 2)};
+  combine_and_map(tensors.stiffness, scale, DofMapNumbers(shape), K);
+}
+
+void varying_stiffness(const TabulatedRule& points, const TriangleShape& shape,
+                       const std::function<SurfaceStiffness(const Vec3& L)>& material, double* K) {
+  constexpr int most_points = 256;
+  const int n = static_cast<int>(points.functions.size());
+  if (n > most_points) throw InputError("a rule of more than 256 points for varying coefficients");
+  const DerivativeMap map(shape);
+  double C[13 * most_points];
+  for (int p = 0; p < n; ++p) {
+    const SurfaceStiffness m = material(points.rule.L.row(p).transpose());
+    const double w = shape.area * points.rule.weights[p];
+    Eigen::Map<Mat2> stretch(C + 13 * p);
+    Eigen::Map<Mat3> bend(C + 13 * p + 4);
+    stretch = w * map.first.transpose() * m.alpha * map.first;
+    const Vec3 beta(m.beta[0], 2 * m.beta[1], m.beta[2]);
+    bend = w * map.second.transpose() * beta.asDiagonal() * map.second;
+  }
+  accumulate_and_map(n, points.rows.data(), C, DofMapNumbers(shape), K);
+}
+
+}  // namespace batten

@@ -1,0 +1,205 @@
+#include "batten/fem/assembly.h"
+
+#include "batten/core/errors.h"
+#include "batten/core/parallel.h"
+#include "batten/elements/reference_triangle.h"
+
+namespace batten {
+namespace {
+
+std::vector<int> surface_dofs(const ParametricMesh& mesh, const DofMap& dofs) {
+  std::vector<int> all;
+  all.reserve(12 * static_cast<size_t>(mesh.triangle_count()));
+  for (int t = 0; t < mesh.triangle_count(); ++t)
+    for (const int d : dofs.triangle(mesh, t)) all.push_back(d);
+  return all;
+}
+
+const TabulatedRule& varying_functions(TriangleElement kind) {
+  static const TabulatedRule hct(TriangleElement::HCT, C1Triangle::varying_rule(TriangleElement::HCT));
+  static const TabulatedRule z12(TriangleElement::Z12, C1Triangle::varying_rule(TriangleElement::Z12));
+  return kind == TriangleElement::HCT ? hct : z12;
+}
+
+const TabulatedRule& load_functions(TriangleElement kind) {
+  static const TabulatedRule hct(TriangleElement::HCT, split_triangle(8));
+  static const TabulatedRule z12(TriangleElement::Z12, six_duffy(5));
+  return kind == TriangleElement::HCT ? hct : z12;
+}
+
+}  // namespace
+
+SurfaceAssembler::SurfaceAssembler(const ParametricMesh& mesh, TriangleElement kind)
+    : mesh_(mesh),
+      kind_(kind),
+      dofs_(mesh),
+      pattern_(dofs_.count(), 12, surface_dofs(mesh, dofs_)) {
+  shapes_.reserve(mesh.triangle_count());
+  for (int t = 0; t < mesh.triangle_count(); ++t) shapes_.push_back(mesh.shape(t));
+}
+
+void SurfaceAssembler::stiffness(const SurfaceStiffness& material, SparseMatrix& K) const {
+  const ReferenceTensors& tensors = reference_tensors(kind_);
+  pattern_.assemble(
+      [&](int t, double* element) { constant_stiffness(tensors, shapes_[t], material, element); },
+      K);
+}
+
+void SurfaceAssembler::stiffness(const std::vector<SurfaceStiffness>& materials,
+                                 SparseMatrix& K) const {
+  if (static_cast<int>(materials.size()) != mesh_.triangle_count())
+    throw InputError(std::to_string(materials.size()) + " materials for " +
+                     std::to_string(mesh_.triangle_count()) + " triangles");
+  const ReferenceTensors& tensors = reference_tensors(kind_);
+  pattern_.assemble(
+      [&](int t, double* element) {
+        constant_stiffness(tensors, shapes_[t], materials[t], element);
+      },
+      K);
+}
+
+void SurfaceAssembler::stiffness(const MaterialField& material, SparseMatrix& K) const {
+  const TabulatedRule& points = varying_functions(kind_);
+  pattern_.assemble(
+      [&](int t, double* element) {
+        varying_stiffness(
+            points, shapes_[t], [&](const Vec3& L) { return material(shapes_[t].point(L)); },
+            element);
+      },
+      K);
+}
+
+SparseMatrix SurfaceAssembler::stiffness(const SurfaceStiffness& material) const {
+  SparseMatrix K = pattern();
+  stiffness(material, K);
+  return K;
+}
+
+SparseMatrix SurfaceAssembler::mass() const {
+  SparseMatrix M = pattern();
+  pattern_.assemble(
+      [&](int t, double* element) {
+        Eigen::Map<Mat12>(element, 12, 12) = C1Triangle(kind_, shapes_[t]).mass();
+      },
+      M);
+  return M;
+}
+
+Points SurfaceAssembler::load(const Vec3& f) const {
+  Points F = Points::Zero(dofs_.count(), 3);
+  for (int t = 0; t < mesh_.triangle_count(); ++t) {
+    const Vec12 element = C1Triangle(kind_, shapes_[t]).load();
+    const auto dof = dofs_.triangle(mesh_, t);
+    for (int a = 0; a < 12; ++a) F.row(dof[a]) += element[a] * f.transpose();
+  }
+  return F;
+}
+
+Points SurfaceAssembler::load(const LoadField& f) const {
+  const TabulatedRule& points = load_functions(kind_);
+  using Element = Eigen::Matrix<double, 12, 3>;
+  std::vector<Element> elements(mesh_.triangle_count());
+  constexpr int chunk = 64;
+  const int chunks = (mesh_.triangle_count() + chunk - 1) / chunk;
+  parallel_parts(chunks, [&](int c) {
+    for (int t = c * chunk; t < std::min(mesh_.triangle_count(), (c + 1) * chunk); ++t) {
+      const TriangleShape& shape = shapes_[t];
+      Element reference = Element::Zero();
+      for (size_t p = 0; p < points.functions.size(); ++p) {
+        const auto row = static_cast<long>(p);
+        const Vec3 L = points.rule.L.row(row);
+        const Vec3 value = f({t, L}, shape.point(L));
+        reference += points.functions[p].col(0) *
+                     (shape.area * points.rule.weights[row] * value).transpose();
+      }
+      elements[t] = C1Triangle(kind_, shape).to_reference_dofs().transpose() * reference;
+    }
+  });
+  Points F = Points::Zero(dofs_.count(), 3);
+  for (int t = 0; t < mesh_.triangle_count(); ++t) {
+    const auto dof = dofs_.triangle(mesh_, t);
+    for (int a = 0; a < 12; ++a) F.row(dof[a]) += elements[t].row(a);
+  }
+  return F;
+}
+
+Points SurfaceAssembler::point_load(const Location& where, const Vec3& force) const {
+  Points F = Points::Zero(dofs_.count(), 3);
+  const Vec12 N = C1Triangle(kind_, shapes_.at(where.triangle)).evaluate(where.L).col(kW);
+  const auto dof = dofs_.triangle(mesh_, where.triangle);
+  for (int a = 0; a < 12; ++a) F.row(dof[a]) += N[a] * force.transpose();
+  return F;
+}
+
+// --- curves ---------------------------------------------------------------------------------------
+
+namespace {
+
+std::vector<int> curve_dofs(const std::vector<double>& parameters) {
+  if (parameters.size() < 2) throw InputError("a curve needs at least two nodes");
+  std::vector<int> all;
+  for (int s = 0; s + 1 < static_cast<int>(parameters.size()); ++s) {
+    if (!(parameters[s + 1] > parameters[s]))
+      throw InputError("curve parameters must increase: u[" + std::to_string(s) + "] = " +
+                       number(parameters[s]) + ", u[" + std::to_string(s + 1) +
+                       "] = " + number(parameters[s + 1]));
+    for (int d = 0; d < 4; ++d) all.push_back(2 * s + d);
+  }
+  return all;
+}
+
+double at_node(const std::vector<double>& values, size_t node) {
+  return values.size() == 1 ? values[0] : values[node];
+}
+
+}  // namespace
+
+CurveAssembler::CurveAssembler(std::vector<double> parameters)
+    : parameters_(std::move(parameters)), pattern_(dof_count(), 4, curve_dofs(parameters_)) {}
+
+void CurveAssembler::stiffness(const std::vector<double>& alpha, const std::vector<double>& beta,
+                               SparseMatrix& K) const {
+  for (const auto* values : {&alpha, &beta})
+    if (values->size() != 1 && values->size() != parameters_.size())
+      throw InputError(std::to_string(values->size()) + " coefficients for " +
+                       std::to_string(parameters_.size()) + " curve nodes");
+  pattern_.assemble(
+      [&](int s, double* element) {
+        const HermiteSegment segment(parameters_[s + 1] - parameters_[s]);
+        Eigen::Map<HermiteSegment::Matrix>(element, 4, 4) =
+            segment.stretching({at_node(alpha, s), at_node(alpha, s + 1)}) +
+            segment.bending({at_node(beta, s), at_node(beta, s + 1)});
+      },
+      K);
+}
+
+SparseMatrix CurveAssembler::stiffness(double alpha, double beta) const {
+  SparseMatrix K = pattern();
+  stiffness({alpha}, {beta}, K);
+  return K;
+}
+
+SparseMatrix CurveAssembler::mass() const {
+  SparseMatrix M = pattern();
+  pattern_.assemble(
+      [&](int s, double* element) {
+        Eigen::Map<HermiteSegment::Matrix>(element, 4, 4) =
+            HermiteSegment(parameters_[s + 1] - parameters_[s]).mass();
+      },
+      M);
+  return M;
+}
+
+Points CurveAssembler::load(const Points& f) const {
+  if (f.rows() != static_cast<long>(parameters_.size()))
+    throw InputError(std::to_string(f.rows()) + " load values for " +
+                     std::to_string(parameters_.size()) + " curve nodes");
+  Points F = Points::Zero(dof_count(), 3);
+  for (int s = 0; s + 1 < static_cast<int>(parameters_.size()); ++s)
+    for (int c = 0; c < 3; ++c)
+      F.block<4, 1>(2 * s, c) +=
+          HermiteSegment(parameters_[s + 1] - parameters_[s]).load({f(s, c), f(s + 1, c)});
+  return F;
+}
+
+}  // namespace batten

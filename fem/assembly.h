@@ -1,0 +1,87 @@
+// Stiffness, mass and loads of whole curves and surfaces.
+//
+// Energy of one coordinate: E = qᵀK q - 2 Fᵀq, so the minimum satisfies K q = F. x, y and z share K;
+// loads and dofs have one column for each. Matrices are symmetric, kept by their LOWER triangle.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "batten/elements/hermite_segment.h"
+#include "batten/fem/element_pattern.h"
+#include "batten/fem/parametric_mesh.h"
+
+namespace batten {
+
+/// A point of a surface mesh: triangle and barycentric coordinates in it.
+struct Location {
+  int triangle = 0;
+  Vec3 L = Vec3::Constant(1.0 / 3);
+};
+
+class SurfaceAssembler {
+ public:
+  using MaterialField = std::function<SurfaceStiffness(const Vec2& uv)>;
+  using LoadField = std::function<Vec3(const Location& where, const Vec2& uv)>;
+
+  /// Keeps a reference to the mesh. O(triangles).
+  SurfaceAssembler(const ParametricMesh& mesh, TriangleElement kind);
+
+  /// A matrix of the right pattern, for the functions below that write into one.
+  SparseMatrix pattern() const { return pattern_.zero(); }
+
+  /// Constant material: exact, no quadrature.
+  void stiffness(const SurfaceStiffness& material, SparseMatrix& K) const;
+  /// One material for each triangle: exact, no quadrature. Throws InputError on a wrong count.
+  void stiffness(const std::vector<SurfaceStiffness>& materials, SparseMatrix& K) const;
+  /// Material that varies inside triangles, by C1Triangle::varying_rule. The field is called from
+  /// several threads.
+  void stiffness(const MaterialField& material, SparseMatrix& K) const;
+  SparseMatrix stiffness(const SurfaceStiffness& material) const;
+
+  /// ∬ N Nᵀ.
+  SparseMatrix mass() const;
+  /// ∬ N f for constant f: exact.
+  Points load(const Vec3& f) const;
+  /// ∬ N f for f that varies: HCT degree 8 on each sub-triangle, Z12 six-Duffy with m = 5.
+  Points load(const LoadField& f) const;
+  /// A force at one point of the surface.
+  Points point_load(const Location& where, const Vec3& force) const;
+
+  const ParametricMesh& mesh() const { return mesh_; }
+  const DofMap& dofs() const { return dofs_; }
+  TriangleElement kind() const { return kind_; }
+
+ private:
+  const ParametricMesh& mesh_;
+  TriangleElement kind_;
+  DofMap dofs_;
+  std::vector<TriangleShape> shapes_;
+  ElementPattern pattern_;
+};
+
+/// The same for a curve of Hermite segments between parameters u_0 < u_1 < …; dofs 2i: w, 2i+1: w_u
+/// at node i.
+class CurveAssembler {
+ public:
+  /// Throws InputError unless there are two parameters or more, strictly increasing.
+  explicit CurveAssembler(std::vector<double> parameters);
+
+  int dof_count() const { return 2 * static_cast<int>(parameters_.size()); }
+  SparseMatrix pattern() const { return pattern_.zero(); }
+  /// alpha and beta given at the nodes, linear between them (one value each: constant).
+  /// Throws InputError on a wrong count.
+  void stiffness(const std::vector<double>& alpha, const std::vector<double>& beta,
+                 SparseMatrix& K) const;
+  SparseMatrix stiffness(double alpha, double beta) const;
+  SparseMatrix mass() const;
+  /// ∫ H f, f given at the nodes (rows) and linear between them.
+  Points load(const Points& f) const;
+
+ private:
+  std::vector<double> parameters_;
+  ElementPattern pattern_;
+};
+
+}  // namespace batten

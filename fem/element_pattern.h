@@ -1,0 +1,44 @@
+// The pattern of an assembled symmetric matrix and the places where element entries go.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "batten/core/eigen.h"
+
+namespace batten {
+
+/// Built once for a list of elements, used for every matrix over them. Holds the lower triangle.
+/// Filling it on several threads gives the same bits as on one: every entry belongs to one thread,
+/// which adds its contributions in the order of the elements.
+class ElementPattern {
+ public:
+  /// dofs: `per_element` global dofs of each element, one element after the other.
+  ElementPattern(int dof_count, int per_element, std::vector<int> dofs);
+
+  int element_count() const { return static_cast<int>(dofs_.size()) / per_element_; }
+
+  /// A matrix of this pattern with zero entries.
+  SparseMatrix zero() const;
+
+  /// Adds up the elements' matrices into `matrix`, which must have this pattern and is set to zero
+  /// first. `element(e, K)` writes the symmetric matrix of element e, per_element² doubles; it is
+  /// called from several threads, and more than once for elements that threads share.
+  void assemble(const std::function<void(int element, double* K)>& element,
+                SparseMatrix& matrix) const;
+
+ private:
+  struct Part {
+    std::vector<int> elements;  // ascending
+    std::vector<char> shared;   // some entries belong to another part
+  };
+  std::vector<Part> split(int parts) const;
+
+  int per_element_, pairs_;
+  std::vector<int> dofs_;
+  std::vector<int> position_;        // [element][pair a ≥ b] → index into the matrix values
+  std::vector<int> column_, row_;    // pattern: column starts, rows
+  std::vector<int> first_element_;   // of each dof: decides its owner
+};
+
+}  // namespace batten

@@ -1,0 +1,117 @@
+#include "batten/fem/parametric_mesh.h"
+
+#include <cmath>
+
+#include "batten/core/errors.h"
+
+namespace batten {
+
+ParametricMesh::ParametricMesh(std::vector<Vec2> vertices, std::vector<Triangle> triangles)
+    : vertices_(std::move(vertices)), triangles_(std::move(triangles)) {
+  const int n = vertex_count();
+  for (int v = 0; v < n; ++v)
+    if (!vertices_[v].allFinite())
+      throw InputError("parametric vertex " + std::to_string(v) + " is not finite");
+  if (triangles_.empty()) throw InputError("a parametric mesh needs at least one triangle");
+  edges_from_.resize(n);
+  triangle_edges_.resize(triangles_.size());
+  std::vector<char> used(n, 0);
+  for (int t = 0; t < triangle_count(); ++t) {
+    const Triangle& tri = triangles_[t];
+    for (const int v : tri) {
+      if (v < 0 || v >= n)
+        throw InputError("triangle " + std::to_string(t) + " names vertex " + std::to_string(v) +
+                         " of " + std::to_string(n));
+      used[v] = 1;
+    }
+    for (int i = 0; i < 3; ++i) {
+      const int a = tri[(i + 1) % 3], b = tri[(i + 2) % 3];
+      const int low = std::min(a, b), high = std::max(a, b);
+      int e = edge_between(low, high);
+      if (e < 0) {
+        e = edge_count();
+        edges_.push_back({low, high, {t, -1}, {i, -1}});
+        edges_from_[low].push_back(e);
+      } else {
+        Edge& edge = edges_[e];
+        const auto name = std::to_string(low) + "-" + std::to_string(high);
+        if (!edge.boundary()) throw InputError("edge " + name + " has more than two triangles");
+        edge.triangle[1] = t;
+        edge.local[1] = i;
+        if (edge_sign(edge.triangle[0], edge.local[0]) == edge_sign(t, i))
+          throw InputError("the triangles at edge " + name + " are wound in opposite directions");
+      }
+      triangle_edges_[t][i] = e;
+    }
+    shape(t);  // throws unless counter-clockwise
+  }
+  for (int v = 0; v < n; ++v)
+    if (!used[v]) throw InputError("parametric vertex " + std::to_string(v) + " has no triangle");
+}
+
+int ParametricMesh::edge_between(int a, int b) const {
+  const int low = std::min(a, b), high = std::max(a, b);
+  for (const int e : edges_from_[low])
+    if (edges_[e].high == high) return e;
+  return -1;
+}
+
+TriangleShape ParametricMesh::shape(int t) const {
+  const Triangle& tri = triangles_[t];
+  return {vertices_[tri[0]],
+          vertices_[tri[1]],
+          vertices_[tri[2]],
+          {edge_sign(t, 0), edge_sign(t, 1), edge_sign(t, 2)}};
+}
+
+Vec2 ParametricMesh::edge_tangent(int e) const {
+  return (vertices_[edges_[e].high] - vertices_[edges_[e].low]).normalized();
+}
+
+Vec2 ParametricMesh::edge_normal(int e) const {
+  const Vec2 t = edge_tangent(e);
+  return {-t.y(), t.x()};
+}
+
+double ParametricMesh::edge_length(int e) const {
+  return (vertices_[edges_[e].high] - vertices_[edges_[e].low]).norm();
+}
+
+ParametricMesh ParametricMesh::unit_square(int n) {
+  if (n < 1) throw InputError("a square mesh needs at least one square a side");
+  std::vector<Vec2> vertices;
+  std::vector<Triangle> triangles;
+  for (int j = 0; j <= n; ++j)
+    for (int i = 0; i <= n; ++i)
+      vertices.emplace_back(static_cast<double>(i) / n, static_cast<double>(j) / n);
+  for (int j = 0; j < n; ++j)
+    for (int i = 0; i < n; ++i) {
+      const int a = j * (n + 1) + i, b = a + 1, c = a + n + 1, d = c + 1;
+      triangles.push_back({a, b, d});
+      triangles.push_back({a, d, c});
+    }
+  return {std::move(vertices), std::move(triangles)};
+}
+
+ParametricMesh ParametricMesh::refined() const {
+  std::vector<Vec2> vertices = vertices_;
+  for (const Edge& e : edges_) vertices.push_back(0.5 * (vertices_[e.low] + vertices_[e.high]));
+  std::vector<Triangle> triangles;
+  for (int t = 0; t < triangle_count(); ++t) {
+    const Triangle &v = triangles_[t], &e = triangle_edges_[t];
+    const int m[3] = {vertex_count() + e[0], vertex_count() + e[1], vertex_count() + e[2]};
+    triangles.push_back({v[0], m[2], m[1]});
+    triangles.push_back({v[1], m[0], m[2]});
+    triangles.push_back({v[2], m[1], m[0]});
+    triangles.push_back({m[0], m[1], m[2]});
+  }
+  return {std::move(vertices), std::move(triangles)};
+}
+
+std::array<int, 12> DofMap::triangle(const ParametricMesh& mesh, int t) const {
+  const auto &v = mesh.triangles()[t], &e = mesh.edges_of(t);
+  return {3 * v[0],     3 * v[0] + 1, 3 * v[0] + 2, 3 * v[1],   3 * v[1] + 1, 3 * v[1] + 2,
+          3 * v[2],     3 * v[2] + 1, 3 * v[2] + 2, edge(e[0]), edge(e[1]),   edge(e[2])};
+}
+
+}  // namespace batten

@@ -1,0 +1,85 @@
+// Triangle meshes of the (u, v) plane, with the edges that carry dofs.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "batten/core/eigen.h"
+#include "batten/elements/c1_triangle.h"
+
+namespace batten {
+
+/// A conforming mesh of counter-clockwise triangles. Immutable.
+///
+///           V_i                 Edge i of a triangle is opposite its vertex i and runs V_j → V_k,
+///           /\                  (i, j, k) cyclic. Globally an edge is (lower, higher) vertex index:
+///    edge k/  \edge j           that order fixes the sign of its normal (c1_triangle.h).
+///         /____\                Edges are numbered by first appearance over the triangles.
+///      V_j edge i V_k
+class ParametricMesh {
+ public:
+  using Triangle = std::array<int, 3>;
+  struct Edge {
+    int low, high;       ///< vertices, low < high
+    int triangle[2];     ///< the triangles beside it; triangle[1] is -1 on the boundary
+    int local[2];        ///< its number 0..2 in each
+    bool boundary() const { return triangle[1] < 0; }
+  };
+
+  /// Throws InputError: a vertex index out of range, a triangle that is not counter-clockwise, an
+  /// edge with more than two triangles or twice in the same direction, a vertex in no triangle.
+  ParametricMesh(std::vector<Vec2> vertices, std::vector<Triangle> triangles);
+
+  int vertex_count() const { return static_cast<int>(vertices_.size()); }
+  int edge_count() const { return static_cast<int>(edges_.size()); }
+  int triangle_count() const { return static_cast<int>(triangles_.size()); }
+
+  const std::vector<Vec2>& vertices() const { return vertices_; }
+  const std::vector<Triangle>& triangles() const { return triangles_; }
+  const std::vector<Edge>& edges() const { return edges_; }
+  const Triangle& edges_of(int triangle) const { return triangle_edges_[triangle]; }
+  /// Edge between two vertices, or -1.
+  int edge_between(int a, int b) const;
+
+  /// +1 where the edge runs along the triangle's own direction.
+  double edge_sign(int triangle, int local) const {
+    const auto& t = triangles_[triangle];
+    return t[(local + 1) % 3] < t[(local + 2) % 3] ? 1 : -1;
+  }
+  TriangleShape shape(int triangle) const;
+  /// Unit vector from the lower to the higher end, and that vector turned by +90°.
+  Vec2 edge_tangent(int edge) const;
+  Vec2 edge_normal(int edge) const;
+  double edge_length(int edge) const;
+
+  /// n×n squares over [0,1]², each cut along its (0,0)-(1,1) diagonal: the mesh of the benchmarks.
+  static ParametricMesh unit_square(int n);
+  /// Each triangle in four, by the midpoints of its edges.
+  ParametricMesh refined() const;
+
+ private:
+  std::vector<Vec2> vertices_;
+  std::vector<Triangle> triangles_;
+  std::vector<Triangle> triangle_edges_;
+  std::vector<Edge> edges_;
+  std::vector<std::vector<int>> edges_from_;  // by lower vertex
+};
+
+/// Which number each unknown of one coordinate has: 3v + {0: w, 1: w_u, 2: w_v} at vertex v, and
+/// 3·vertices + e for w_n at edge e.
+class DofMap {
+ public:
+  explicit DofMap(const ParametricMesh& mesh)
+      : edge_start_(3 * mesh.vertex_count()), count_(edge_start_ + mesh.edge_count()) {}
+
+  int count() const { return count_; }
+  int vertex(int v, int derivative = 0) const { return 3 * v + derivative; }
+  int edge(int e) const { return edge_start_ + e; }
+  /// In the order of the element's dofs.
+  std::array<int, 12> triangle(const ParametricMesh& mesh, int t) const;
+
+ private:
+  int edge_start_, count_;
+};
+
+}  // namespace batten
