@@ -1,0 +1,97 @@
+// Hard constraints by elimination: x = D y + d0.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "batten/constraints/constraint_set.h"
+#include "batten/core/sparse_cholesky.h"
+
+namespace batten {
+
+/// All x that satisfy C x = d, written as x = D y + d0 with free y. Minimising
+/// E = xᵀK x - 2 Fᵀx over them is then the smaller, unconstrained problem
+///
+///     (Dᵀ K D) y = Dᵀ (F - K d0)
+///
+/// which keeps K symmetric positive definite and holds the constraints to rounding whatever the
+/// solve does. Source: Celniker and Gossard 1991, section 6 (X = D Y + D0, DᵀAD).
+///
+/// D comes from sparse Gauss-Jordan elimination of the rows, each pivoting on its largest
+/// coefficient: constrained dofs become combinations of the free ones, free dofs stay themselves.
+/// A row that others imply is dropped; one that contradicts them is reported with the names of all
+/// constraints that take part and the amount.
+///
+/// Uncoupled sets: D is n×m and serves x, y, z at once (one matrix, three right-hand sides).
+/// A set with coupled rows: the unknowns are stacked, [x; y; z], D is 3n×m (one system of up to 3n).
+///
+/// Which inputs may change without a new factor: F and the right-hand sides d (make a new reduction
+/// with the same rows, D is the same).
+class AffineReduction {
+ public:
+  /// Throws ConflictError.
+  explicit AffineReduction(const ConstraintSet& constraints);
+
+  bool coupled() const { return coupled_; }
+  /// Unknowns that stay free: of each coordinate, or of all three when coupled.
+  int free_count() const { return static_cast<int>(D_.cols()); }
+  /// Rows that were implied by others.
+  int dropped_rows() const { return dropped_; }
+
+  const SparseMatrix& D() const { return D_; }
+  /// n×3, or 3n×1 when coupled.
+  const MatX& d0() const { return d0_; }
+
+  /// Dᵀ K D, lower triangle, from the lower triangle of the n×n matrix K of one coordinate.
+  SparseMatrix reduce(const SparseMatrix& K) const;
+  /// Dᵀ (F - K d0): free_count × 3, or × 1 when coupled.
+  MatX reduce_load(const SparseMatrix& K, const Points& F) const;
+  /// x = D y + d0, always n×3.
+  Points expand(const MatX& y) const;
+
+ private:
+  bool coupled_;
+  int dof_count_, dropped_ = 0;
+  bool selection_ = true;  // D only picks dofs
+  std::vector<int> free_of_;  // dof → column of D, or -1
+  SparseMatrix D_;
+  MatX d0_;
+};
+
+/// Forces that the constraints exert on the dofs: r = K x - F, n×3. Zero on free dofs.
+/// In the sense of the energy E = xᵀKx - 2Fᵀx = 2 (½xᵀKx - Fᵀx): r is the force of the second form.
+Points reaction_forces(const SparseMatrix& K, const Points& x, const Points& F);
+
+/// What each named constraint carries: Σ over its rows of |multiplier| · |row|, by name. Solves
+/// Cᵀ λ = K x - F in the least-squares sense (unique when no rows are redundant).
+struct NamedReaction {
+  std::string name;
+  double magnitude = 0;
+};
+std::vector<NamedReaction> named_reactions(const ConstraintSet& constraints, const Points& reaction);
+
+/// The twin for checking: the saddle point system [K Cᵀ; C 0] by sparse LU. Rows must be
+/// independent. Throws NoSolutionError when it is singular.
+Points solve_kkt(const ConstraintSet& constraints, const SparseMatrix& K, const Points& F);
+
+/// Reduce, factor, solve, expand in one call. Throws ConflictError, NoSolutionError.
+Points solve_constrained(const ConstraintSet& constraints, const SparseMatrix& K, const Points& F);
+
+/// The same with the factor kept, for many loads.
+class ConstrainedSolver {
+ public:
+  /// Throws ConflictError, NoSolutionError.
+  ConstrainedSolver(const ConstraintSet& constraints, SparseMatrix K);
+  /// One pair of triangular solves.
+  Points solve(const Points& F) const;
+  const AffineReduction& reduction() const { return reduction_; }
+  const SparseMatrix& K() const { return K_; }
+
+ private:
+  AffineReduction reduction_;
+  SparseMatrix K_;
+  SparseCholesky cholesky_;
+  MatX fixed_part_;  // -Dᵀ K d0
+};
+
+}  // namespace batten

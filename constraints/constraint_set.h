@@ -1,0 +1,66 @@
+// Named linear constraints on the dofs of a curve, a surface or a mesh.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "batten/core/eigen.h"
+
+namespace batten {
+
+/// Constraints on n unknowns for each of x, y, z, gathered one by one:
+///
+///     uncoupled   Σ_m a_m q_m = d          the same coefficients for x, y and z, three right-hand
+///                                          sides (a point, a fixed dof)
+///     coupled     Σ_m a_m · q_m = d        a_m a 3-vector: one equation that mixes x, y and z (a
+///                                          normal, a plane)
+///
+/// Rows that belong together share a name, which errors and reports use. Nothing is checked until
+/// AffineReduction looks at all of them together.
+class ConstraintSet {
+ public:
+  struct Entry {
+    int dof;
+    double coefficient;
+  };
+  struct CoupledEntry {
+    int dof;
+    Vec3 coefficient;
+  };
+  struct Row {
+    int name;                    ///< index into names()
+    std::vector<Entry> entries;
+    Vec3 value;
+  };
+  struct CoupledRow {
+    int name;
+    std::vector<CoupledEntry> entries;
+    double value;
+  };
+
+  explicit ConstraintSet(int dof_count) : dof_count_(dof_count) {}
+
+  int dof_count() const { return dof_count_; }
+  bool coupled() const { return !coupled_rows_.empty(); }
+  const std::vector<Row>& rows() const { return rows_; }
+  const std::vector<CoupledRow>& coupled_rows() const { return coupled_rows_; }
+  const std::vector<std::string>& names() const { return names_; }
+
+  /// q_dof = value.
+  void fix(const std::string& name, int dof, const Vec3& value);
+  /// Throws InputError on a dof out of range, or a number that is not finite.
+  void add(const std::string& name, std::vector<Entry> entries, const Vec3& value);
+  void add_coupled(const std::string& name, std::vector<CoupledEntry> entries, double value);
+
+  /// Largest |row - value| at dofs q (n×3), over all rows.
+  double max_residual(const Points& q) const;
+
+ private:
+  int name_index(const std::string& name);
+  int dof_count_;
+  std::vector<std::string> names_;
+  std::vector<Row> rows_;
+  std::vector<CoupledRow> coupled_rows_;
+};
+
+}  // namespace batten

@@ -1,0 +1,66 @@
+// Loads on a skinned region, and the shape that they and the constraints make.
+#pragma once
+
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "batten/constraints/affine_reduction.h"
+#include "batten/skinning/skin.h"
+
+namespace batten {
+
+/// f = force per area of the domain, constant.
+struct UniformLoad {
+  Vec3 force;
+};
+/// p n per area of the surface itself, n the current unit normal x_u × x_v / |x_u × x_v|: a follower
+/// load, F = p ∬ N (x_u × x_v) du dv. Positive pushes along the normal.
+struct PressureLoad {
+  double pressure;
+};
+/// A force at the point of the unloaded surface nearest to `at`.
+struct PointLoad {
+  Vec3 at;
+  Vec3 force;
+};
+struct Load {
+  std::string name;
+  std::variant<UniformLoad, PressureLoad, PointLoad> value;
+};
+
+/// Units. Relative (default): alpha, beta and loads are pure numbers on the region scaled to size 1,
+/// so that the same region in mm and in m is the same shape under the same numbers. Absolute: alpha
+/// is force/length, beta force·length, uniform loads and pressure force/length², point loads force,
+/// all in the model's length unit.
+enum class LoadUnits { Relative, Absolute };
+
+struct SculptOptions {
+  SurfaceStiffness material;  ///< alpha, beta, in the units below
+  LoadUnits units = LoadUnits::Relative;
+  /// Converged when no dof moves by more than this times the region's size in one iteration and
+  /// ‖x - K⁻¹F(x)‖ is as small.
+  double tolerance = 1e-12;
+  int max_iterations = 60;     ///< for one load step
+  double smallest_step = 1.0 / 256;  ///< of the whole load; below it NoSolutionError
+};
+
+struct SculptResult {
+  Points dofs;
+  double bending_energy = 0;  ///< ∬ beta part of the energy, per the units
+  int load_steps = 0, iterations = 0;
+  double last_change = 0;     ///< of the last iteration, over the region's size
+  std::vector<NamedReaction> reactions;
+  double max_constraint_residual = 0;  ///< over all rows, over the region's size
+};
+
+/// The shape of least energy under constraints and loads. One factor; uniform and point loads take
+/// one solve, pressure takes load steps of fixed-point iterations with Anderson acceleration, each
+/// one pair of triangular solves.
+/// Throws ConflictError; NoSolutionError when the pressure is past its limit, with the largest
+/// pressure that converged.
+SculptResult sculpt(const RegionLayout& layout, const ConstraintSet& constraints,
+                    const std::vector<Load>& loads, const SculptOptions& options,
+                    const Progress& progress = {});
+
+}  // namespace batten
