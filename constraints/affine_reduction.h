@@ -52,8 +52,6 @@ class AffineReduction {
  private:
   bool coupled_;
   int dof_count_, dropped_ = 0;
-  bool selection_ = true;  // D only picks dofs
-  std::vector<int> free_of_;  // dof → column of D, or -1
   SparseMatrix D_;
   MatX d0_;
 };
@@ -62,11 +60,12 @@ class AffineReduction {
 /// In the sense of the energy E = xᵀKx - 2Fᵀx = 2 (½xᵀKx - Fᵀx): r is the force of the second form.
 Points reaction_forces(const SparseMatrix& K, const Points& x, const Points& F);
 
-/// What each named constraint carries: Σ over its rows of |multiplier| · |row|, by name. Solves
-/// Cᵀ λ = K x - F in the least-squares sense (unique when no rows are redundant).
+/// The share of each named constraint in the reaction: Σ over its rows of multiplier · row, n×3. The
+/// multipliers solve Cᵀ λ = r in the least-squares sense; they are unique when no row is redundant,
+/// otherwise the smallest are taken. Sum over names: r.
 struct NamedReaction {
   std::string name;
-  double magnitude = 0;
+  Points forces;
 };
 std::vector<NamedReaction> named_reactions(const ConstraintSet& constraints, const Points& reaction);
 

@@ -95,24 +95,15 @@ Points SurfaceAssembler::load(const Vec3& f) const {
   return F;
 }
 
-Points SurfaceAssembler::load(const LoadField& f) const {
-  const TabulatedRule& points = load_functions(kind_);
-  using Element = Eigen::Matrix<double, 12, 3>;
-  std::vector<Element> elements(mesh_.triangle_count());
+Points SurfaceAssembler::gather(
+    const std::function<void(int, ElementLoad&)>& element) const {
+  std::vector<ElementLoad> elements(mesh_.triangle_count());
   constexpr int chunk = 64;
-  const int chunks = (mesh_.triangle_count() + chunk - 1) / chunk;
-  parallel_parts(chunks, [&](int c) {
+  parallel_parts((mesh_.triangle_count() + chunk - 1) / chunk, [&](int c) {
     for (int t = c * chunk; t < std::min(mesh_.triangle_count(), (c + 1) * chunk); ++t) {
-      const TriangleShape& shape = shapes_[t];
-      Element reference = Element::Zero();
-      for (size_t p = 0; p < points.functions.size(); ++p) {
-        const auto row = static_cast<long>(p);
-        const Vec3 L = points.rule.L.row(row);
-        const Vec3 value = f({t, L}, shape.point(L));
-        reference += points.functions[p].col(0) *
-                     (shape.area * points.rule.weights[row] * value).transpose();
-      }
-      elements[t] = C1Triangle(kind_, shape).to_reference_dofs().transpose() * reference;
+      ElementLoad reference = ElementLoad::Zero();
+      element(t, reference);
+      elements[t] = C1Triangle(kind_, shapes_[t]).to_reference_dofs().transpose() * reference;
     }
   });
   Points F = Points::Zero(dofs_.count(), 3);
@@ -121,6 +112,35 @@ Points SurfaceAssembler::load(const LoadField& f) const {
     for (int a = 0; a < 12; ++a) F.row(dof[a]) += elements[t].row(a);
   }
   return F;
+}
+
+Points SurfaceAssembler::load(const LoadField& f) const {
+  const TabulatedRule& points = load_functions(kind_);
+  return gather([&](int t, ElementLoad& reference) {
+    for (size_t p = 0; p < points.functions.size(); ++p) {
+      const auto row = static_cast<long>(p);
+      const Vec3 L = points.rule.L.row(row);
+      const Vec3 value = shapes_[t].area * points.rule.weights[row] * f({t, L}, shapes_[t].point(L));
+      reference += points.functions[p].col(0) * value.transpose();
+    }
+  });
+}
+
+Points SurfaceAssembler::pressure_load(const Points& q) const {
+  const TabulatedRule& points = load_functions(kind_);
+  return gather([&](int t, ElementLoad& reference) {
+    ElementLoad local;
+    const auto dof = dofs_.triangle(mesh_, t);
+    for (int a = 0; a < 12; ++a) local.row(a) = q.row(dof[a]);
+    local = C1Triangle(kind_, shapes_[t]).to_reference_dofs() * local.eval();
+    // x_u × x_v times the area of the triangle is half of ∂1x × ∂2x: the map's determinant is 1/(2A).
+    for (size_t p = 0; p < points.functions.size(); ++p) {
+      const auto& N = points.functions[p];
+      const Vec3 x1 = local.transpose() * N.col(1), x2 = local.transpose() * N.col(2);
+      const Vec3 value = 0.5 * points.rule.weights[static_cast<long>(p)] * x1.cross(x2);
+      reference += N.col(0) * value.transpose();
+    }
+  });
 }
 
 Points SurfaceAssembler::point_load(const Location& where, const Vec3& force) const {

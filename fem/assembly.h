@@ -46,6 +46,9 @@ class SurfaceAssembler {
   Points load(const Vec3& f) const;
   /// ∬ N f for f that varies: HCT degree 8 on each sub-triangle, Z12 six-Duffy with m = 5.
   Points load(const LoadField& f) const;
+  /// ∬ N (x_u × x_v) du dv for the surface with dofs q: the load of a unit pressure that follows the
+  /// surface's normal. HCT: exact.
+  Points pressure_load(const Points& q) const;
   /// A force at one point of the surface.
   Points point_load(const Location& where, const Vec3& force) const;
 
@@ -54,6 +57,10 @@ class SurfaceAssembler {
   TriangleElement kind() const { return kind_; }
 
  private:
+  using ElementLoad = Eigen::Matrix<double, 12, 3>;
+  // Sum of the elements' loads, each in reference dofs.
+  Points gather(const std::function<void(int triangle, ElementLoad& reference)>& element) const;
+
   const ParametricMesh& mesh_;
   TriangleElement kind_;
   DofMap dofs_;

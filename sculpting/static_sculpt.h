@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "batten/constraints/affine_reduction.h"
+#include "batten/fairing/energy.h"
 #include "batten/skinning/skin.h"
 
 namespace batten {
@@ -29,12 +30,6 @@ struct Load {
   std::variant<UniformLoad, PressureLoad, PointLoad> value;
 };
 
-/// Units. Relative (default): alpha, beta and loads are pure numbers on the region scaled to size 1,
-/// so that the same region in mm and in m is the same shape under the same numbers. Absolute: alpha
-/// is force/length, beta force·length, uniform loads and pressure force/length², point loads force,
-/// all in the model's length unit.
-enum class LoadUnits { Relative, Absolute };
-
 struct SculptOptions {
   SurfaceStiffness material;  ///< alpha, beta, in the units below
   LoadUnits units = LoadUnits::Relative;
@@ -47,10 +42,16 @@ struct SculptOptions {
 
 struct SculptResult {
   Points dofs;
-  double bending_energy = 0;  ///< ∬ beta part of the energy, per the units
+  SurfaceEnergy energy;  ///< of the domain scaled to size 1; over size² in relative units
   int load_steps = 0, iterations = 0;
   double last_change = 0;     ///< of the last iteration, over the region's size
-  std::vector<NamedReaction> reactions;
+  /// Force with which each named constraint holds the surface (its share of the reaction on the
+  /// position dofs), in the units of the loads.
+  struct Reaction {
+    std::string name;
+    Vec3 force;
+  };
+  std::vector<Reaction> reactions;
   double max_constraint_residual = 0;  ///< over all rows, over the region's size
 };
 

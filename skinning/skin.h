@@ -21,9 +21,13 @@ struct SkinOptions {
   TriangleElement element = TriangleElement::HCT;
   enum class Mesher {
     Delaunay,  ///< CGAL's Mesh_2; falls back to Fan, with a warning, in a build without CGAL
-    Fan        ///< triangles from the domain's centre to its sides, refined: no inner lines
+    Fan        ///< triangles from the domain's centre to its sides, each cut in four again and
+               ///< again; sides of one line each, no inner lines
   };
   Mesher mesher = Mesher::Delaunay;
+  /// How often the fan is cut in four; -1: until edges are short enough. Lines that need more nodes
+  /// than that to reach the tolerance are refused.
+  int fan_refinements = -1;
   /// Target length of element edges, model units. 0: 1/20 of the region's size.
   double edge_length = 0;
 };
@@ -36,6 +40,9 @@ struct SkinOptions {
 ///    wide as the lines make them; it is scaled so that the region's size is 1: (u, v) has no unit;
 /// 4. the polygon is meshed, nodes of lines included;
 /// 5. each line becomes a straight run of element edges.
+/// Lines with corners inside are cut there into "name.1", "name.2", …
+/// The domain runs counter-clockwise along the outline in the direction of its first line, so that
+/// line's direction decides to which side the surface's normal points.
 /// Source: straight-run rule, docs/theory/domains.md.
 class RegionLayout {
  public:
@@ -62,6 +69,8 @@ class RegionLayout {
 
   /// The rows that hold every line exactly: uncoupled, named after the lines.
   ConstraintSet line_constraints() const;
+  /// The rows that hold only the positions of the corners: uncoupled, "corner 1", "corner 2", …
+  ConstraintSet corner_constraints() const;
   /// The region with the given dofs.
   SkinnedRegion region(Points dofs) const;
 

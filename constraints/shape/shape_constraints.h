@@ -39,8 +39,9 @@ class ShapeConstraints {
   void normal(const std::string& name, int vertex, const Vec3& n);
 
   /// The surface is the given curve along a straight run of edges: at each vertex its position, and
-  /// its derivative along the run. `parameters[i]` is the curve's parameter at vertices[i]; between
-  /// two vertices the curve must be one cubic. Exact on the whole run. `direction`: unit vector of
+  /// its derivative along the run. `parameters[i]` is the curve's parameter at vertices[i]; it must
+  /// run evenly with length in the domain (the parameter speed |X'|/|e| is then continuous), and
+  /// between two vertices the curve must be one cubic. Exact on the whole run. `direction`: unit vector of
   /// the run in (u, v). One uncoupled row each. Throws InputError on counts that differ.
   void curve(const std::string& name, const std::vector<int>& vertices,
              const std::vector<double>& parameters, const HermiteCurve& curve,

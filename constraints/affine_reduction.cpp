@@ -1,0 +1,346 @@
+#include "batten/constraints/affine_reduction.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
+#include <set>
+
+#include "batten/core/errors.h"
+
+namespace batten {
+namespace {
+
+constexpr double kPivotTolerance = 1e-9;     // of a row's largest coefficient: smaller is no pivot
+constexpr double kNoise = 1e-14;             // of the same: rounding of terms that cancel
+constexpr double kConflictTolerance = 1e-9;  // of the right-hand sides that take part
+
+using Terms = std::vector<std::pair<int, double>>;  // sorted by index
+using Right = Eigen::RowVector3d;                   // up to three right-hand sides
+
+// target += s · source, both sorted.
+void add_scaled(Terms& target, double s, const Terms& source) {
+  Terms sum;
+  sum.reserve(target.size() + source.size());
+  auto a = target.begin();
+  auto b = source.begin();
+  while (a != target.end() || b != source.end()) {
+    if (b == source.end() || (a != target.end() && a->first < b->first)) {
+      sum.push_back(*a++);
+    } else if (a == target.end() || b->first < a->first) {
+      sum.emplace_back(b->first, s * b->second);
+      ++b;
+    } else {
+      sum.emplace_back(a->first, a->second + s * b->second);
+      ++a;
+      ++b;
+    }
+  }
+  target = std::move(sum);
+}
+
+// Σ terms x = right. `history` says which of the given rows it is made of.
+struct Equation {
+  Terms terms;
+  Right right = Right::Zero();
+  double right_scale = 0;  // size of what was summed into `right`: rounding is relative to it
+  Terms history;
+  int source = 0, name = 0;
+};
+
+// Gauss-Jordan elimination, one row after the other. Each pivot row expresses its pivot by columns
+// that are not pivots.
+class Elimination {
+ public:
+  explicit Elimination(int columns) : pivot_row_(columns, -1), used_by_(columns) {}
+
+  void add(Equation row) {
+    double largest = 0;
+    for (const auto& t : row.terms) largest = std::max(largest, std::abs(t.second));
+    if (largest > 0) scale(row, 1 / largest);
+    row.right_scale = row.right.cwiseAbs().maxCoeff();
+
+    const Terms given = row.terms;
+    for (const auto& [column, coefficient] : given)
+      if (pivot_row_[column] >= 0 && coefficient != 0)
+        subtract(row, coefficient, rows_[pivot_row_[column]]);
+    double remaining = 0;
+    std::erase_if(row.terms, [&](const auto& t) {
+      if (pivot_row_[t.first] >= 0 || std::abs(t.second) <= kNoise) return true;
+      remaining = std::max(remaining, std::abs(t.second));
+      return false;
+    });
+
+    if (remaining <= kPivotTolerance) {
+      if (row.right.cwiseAbs().maxCoeff() > kConflictTolerance * row.right_scale)
+        conflicting_.push_back(std::move(row));
+      else
+        ++dropped_;
+      return;
+    }
+    const auto pivot =
+        std::max_element(row.terms.begin(), row.terms.end(), [](const auto& a, const auto& b) {
+          return std::abs(a.second) < std::abs(b.second);
+        });
+    const int column = pivot->first;
+    scale(row, 1 / pivot->second);
+    const int index = static_cast<int>(rows_.size());
+    for (const int user : std::set<int>(used_by_[column].begin(), used_by_[column].end())) {
+      const auto it = std::lower_bound(rows_[user].terms.begin(), rows_[user].terms.end(),
+                                       std::pair<int, double>(column, -INFINITY));
+      if (it == rows_[user].terms.end() || it->first != column) continue;
+      subtract(rows_[user], it->second, row);
+      std::erase_if(rows_[user].terms, [&](const auto& t) { return t.first == column; });
+      note_use(user, row.terms);
+    }
+    used_by_[column].clear();
+    pivot_row_[column] = index;
+    rows_.push_back(std::move(row));
+    note_use(index, rows_.back().terms);
+  }
+
+  const std::vector<int>& pivot_row() const { return pivot_row_; }
+  const std::vector<Equation>& rows() const { return rows_; }
+  const std::vector<Equation>& conflicting() const { return conflicting_; }
+  int dropped() const { return dropped_; }
+
+ private:
+  static void scale(Equation& row, double s) {
+    for (auto& t : row.terms) t.second *= s;
+    for (auto& t : row.history) t.second *= s;
+    row.right *= s;
+    row.right_scale *= std::abs(s);
+  }
+  static void subtract(Equation& row, double s, const Equation& other) {
+    add_scaled(row.terms, -s, other.terms);
+    add_scaled(row.history, -s, other.history);
+    row.right -= s * other.right;
+    row.right_scale = std::max(row.right_scale, std::abs(s) * other.right_scale);
+  }
+  void note_use(int user, const Terms& terms) {
+    for (const auto& t : terms)
+      if (pivot_row_[t.first] < 0) used_by_[t.first].push_back(user);
+  }
+  std::vector<int> pivot_row_;
+  std::vector<std::vector<int>> used_by_;  // rows that mention a column; may list former users
+  std::vector<Equation> rows_, conflicting_;
+  int dropped_ = 0;
+};
+
+// The scalar equations of a set: n columns and three right-hand sides, or 3n columns and one.
+std::vector<Equation> equations_of(const ConstraintSet& set) {
+  const int n = set.dof_count();
+  std::vector<Equation> all;
+  const auto add = [&](std::map<int, double>& terms, const Right& right, int name) {
+    Equation e;
+    e.terms.assign(terms.begin(), terms.end());
+    e.right = right;
+    e.name = name;
+    e.source = static_cast<int>(all.size());
+    e.history = {{e.source, 1.0}};
+    all.push_back(std::move(e));
+  };
+  const int copies = set.coupled() ? 3 : 1;
+  for (const auto& row : set.rows())
+    for (int c = 0; c < copies; ++c) {
+      std::map<int, double> terms;
+      for (const auto& e : row.entries) terms[c * n + e.dof] += e.coefficient;
+      add(terms, set.coupled() ? Right(row.value[c], 0, 0) : Right(row.value.transpose()),
+          row.name);
+    }
+  for (const auto& row : set.coupled_rows()) {
+    std::map<int, double> terms;
+    for (const auto& e : row.entries)
+      for (int c = 0; c < 3; ++c)
+        if (e.coefficient[c] != 0) terms[c * n + e.dof] += e.coefficient[c];
+    add(terms, Right(row.value, 0, 0), row.name);
+  }
+  return all;
+}
+
+[[noreturn]] void throw_conflicts(const ConstraintSet& set, const std::vector<Equation>& given,
+                                  const std::vector<Equation>& conflicting) {
+  std::vector<ConflictError::Conflict> conflicts;
+  for (const auto& row : conflicting) {
+    std::vector<std::string> names;
+    double own_share = 1;  // back to the units of the row as it was given
+    for (const auto& [index, share] : row.history) {
+      if (index == row.source) own_share = std::abs(share);
+      const std::string& name = set.names()[given[index].name];
+      if (std::abs(share) > kPivotTolerance &&
+          std::find(names.begin(), names.end(), name) == names.end())
+        names.push_back(name);
+    }
+    const double amount = row.right.cwiseAbs().maxCoeff() / own_share;
+    const auto same = std::find_if(conflicts.begin(), conflicts.end(),
+                                   [&](const auto& c) { return c.names == names; });
+    if (same == conflicts.end())
+      conflicts.push_back({names, amount});
+    else
+      same->amount = std::max(same->amount, amount);
+  }
+  throw ConflictError(std::move(conflicts));
+}
+
+}  // namespace
+
+AffineReduction::AffineReduction(const ConstraintSet& constraints)
+    : coupled_(constraints.coupled()), dof_count_(constraints.dof_count()) {
+  const int columns = coupled_ ? 3 * dof_count_ : dof_count_;
+  const std::vector<Equation> given = equations_of(constraints);
+  // Short rows first: what they fix disappears from the longer ones.
+  std::vector<int> order(given.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(), [&](int a, int b) {
+    return given[a].terms.size() < given[b].terms.size();
+  });
+  Elimination elimination(columns);
+  for (const int i : order) elimination.add(given[i]);
+  if (!elimination.conflicting().empty())
+    throw_conflicts(constraints, given, elimination.conflicting());
+  dropped_ = elimination.dropped();
+
+  const auto& pivot_row = elimination.pivot_row();
+  std::vector<int> free_of(columns, -1);
+  int free = 0;
+  for (int c = 0; c < columns; ++c)
+    if (pivot_row[c] < 0) free_of[c] = free++;
+  std::vector<Triplet> entries;
+  d0_ = MatX::Zero(columns, coupled_ ? 1 : 3);
+  for (int c = 0; c < columns; ++c) {
+    if (pivot_row[c] < 0) {
+      entries.emplace_back(c, free_of[c], 1.0);
+      continue;
+    }
+    const Equation& row = elimination.rows()[pivot_row[c]];
+    d0_.row(c) = row.right.head(d0_.cols());
+    for (const auto& [column, coefficient] : row.terms)
+      if (column != c) entries.emplace_back(c, free_of[column], -coefficient);
+  }
+  D_.resize(columns, free);
+  D_.setFromTriplets(entries.begin(), entries.end());
+}
+
+SparseMatrix AffineReduction::reduce(const SparseMatrix& K) const {
+  // Row lists of D, so that each entry of K meets the free unknowns of its two dofs.
+  const Eigen::SparseMatrix<double, Eigen::RowMajor, int> rows = D_;
+  const int* start = rows.outerIndexPtr();
+  const int* column = rows.innerIndexPtr();
+  const double* value = rows.valuePtr();
+  std::vector<Triplet> entries;
+  entries.reserve(static_cast<size_t>(K.nonZeros()) * (coupled_ ? 3 : 1));
+  for (int copy = 0; copy < (coupled_ ? 3 : 1); ++copy) {
+    const int offset = copy * dof_count_;
+    for (int j = 0; j < K.outerSize(); ++j)
+      for (SparseMatrix::InnerIterator it(K, j); it; ++it) {
+        const int i = offset + static_cast<int>(it.row()), jj = offset + j;
+        if (i < jj) continue;
+        for (int a = start[i]; a < start[i + 1]; ++a)
+          for (int b = start[jj]; b < start[jj + 1]; ++b) {
+            const int p = column[a], q = column[b];
+            const double v = it.value() * value[a] * value[b];
+            // The entry stands for (i, j) and (j, i); only the lower triangle of the sum is kept.
+            if (i == jj) {
+              if (p >= q) entries.emplace_back(p, q, v);
+            } else {
+              entries.emplace_back(std::max(p, q), std::min(p, q), p == q ? 2 * v : v);
+            }
+          }
+      }
+  }
+  SparseMatrix reduced(free_count(), free_count());
+  reduced.setFromTriplets(entries.begin(), entries.end());
+  return reduced;
+}
+
+MatX AffineReduction::reduce_load(const SparseMatrix& K, const Points& F) const {
+  const auto symmetric = K.selfadjointView<Eigen::Lower>();
+  if (!coupled_) return D_.transpose() * (F - Points(symmetric * d0_));
+  const Points fixed = Eigen::Map<const Points>(d0_.data(), dof_count_, 3);
+  const Points rest = F - Points(symmetric * fixed);
+  return D_.transpose() * Eigen::Map<const VecX>(rest.data(), rest.size());
+}
+
+Points AffineReduction::expand(const MatX& y) const {
+  const MatX x = D_ * y + d0_;
+  return Eigen::Map<const Points>(x.data(), dof_count_, 3);
+}
+
+Points reaction_forces(const SparseMatrix& K, const Points& x, const Points& F) {
+  return Points(K.selfadjointView<Eigen::Lower>() * x) - F;
+}
+
+namespace {
+
+// Rows of the stacked system, [x; y; z]; the uncoupled ones three times.
+SparseMatrix stacked_rows(const std::vector<Equation>& equations, const ConstraintSet& set) {
+  const int n = set.dof_count();
+  const int copies = set.coupled() ? 1 : 3;
+  std::vector<Triplet> entries;
+  int row = 0;
+  for (const auto& e : equations)
+    for (int c = 0; c < copies; ++c, ++row)
+      for (const auto& [column, coefficient] : e.terms)
+        entries.emplace_back(row, c * n + column, coefficient);
+  SparseMatrix C(row, 3 * n);
+  C.setFromTriplets(entries.begin(), entries.end());
+  return C;
+}
+
+}  // namespace
+
+std::vector<NamedReaction> named_reactions(const ConstraintSet& set, const Points& reaction) {
+  std::vector<Equation> equations = equations_of(set);
+  for (auto& e : equations) {
+    double largest = 0;
+    for (const auto& t : e.terms) largest = std::max(largest, std::abs(t.second));
+    if (largest > 0)
+      for (auto& t : e.terms) t.second /= largest;
+  }
+  const SparseMatrix C = stacked_rows(equations, set);
+  SparseMatrix normal = C * SparseMatrix(C.transpose());
+  // Redundant rows make this singular: a shift far below the entries picks the smallest multipliers.
+  constexpr double shift = 1e-11;
+  for (int i = 0; i < normal.rows(); ++i) normal.coeffRef(i, i) += shift;
+  SparseCholesky cholesky;
+  const SparseMatrix lower = normal.triangularView<Eigen::Lower>();
+  if (!cholesky.factorize(lower)) throw NoSolutionError(cholesky.message());
+  const VecX r = Eigen::Map<const VecX>(reaction.data(), reaction.size());
+  VecX lambda = cholesky.solve(C * r);
+  for (int i = 0; i < 3; ++i) lambda += cholesky.solve(C * (r - C.transpose() * lambda));
+
+  std::vector<NamedReaction> result;
+  for (const auto& name : set.names()) result.push_back({name, Points::Zero(set.dof_count(), 3)});
+  const int copies = set.coupled() ? 1 : 3, n = set.dof_count();
+  int row = 0;
+  for (const auto& e : equations)
+    for (int c = 0; c < copies; ++c, ++row)
+      for (const auto& [column, coefficient] : e.terms) {
+        const int stacked = c * n + column;
+        result[e.name].forces(stacked % n, stacked / n) += lambda[row] * coefficient;
+      }
+  return result;
+}
+
+Points solve_constrained(const ConstraintSet& constraints, const SparseMatrix& K, const Points& F) {
+  return ConstrainedSolver(constraints, K).solve(F);
+}
+
+ConstrainedSolver::ConstrainedSolver(const ConstraintSet& constraints, SparseMatrix K)
+    : reduction_(constraints), K_(std::move(K)) {
+  const SparseMatrix reduced = reduction_.reduce(K_);
+  cholesky_.analyze(reduced);
+  if (!cholesky_.factorize(reduced)) throw NoSolutionError(cholesky_.message());
+  fixed_part_ = reduction_.reduce_load(K_, Points::Zero(constraints.dof_count(), 3));
+}
+
+Points ConstrainedSolver::solve(const Points& F) const {
+  MatX load = fixed_part_;
+  if (reduction_.coupled())
+    load += reduction_.D().transpose() * Eigen::Map<const VecX>(F.data(), F.size());
+  else
+    load += reduction_.D().transpose() * F;
+  return reduction_.expand(cholesky_.solve(load));
+}
+
+}  // namespace batten

@@ -1,0 +1,67 @@
+#include "batten/constraints/constraint_set.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "batten/core/errors.h"
+
+namespace batten {
+namespace {
+
+void check_dof(const std::string& name, int dof, int count) {
+  if (dof < 0 || dof >= count)
+    throw InputError("constraint '" + name + "' names dof " + std::to_string(dof) + " of " +
+                     std::to_string(count));
+}
+
+}  // namespace
+
+int ConstraintSet::name_index(const std::string& name) {
+  // Rows of one constraint come one after the other, so the last name is the likely one.
+  for (auto i = static_cast<int>(names_.size()) - 1; i >= 0; --i)
+    if (names_[i] == name) return i;
+  names_.push_back(name);
+  return static_cast<int>(names_.size()) - 1;
+}
+
+void ConstraintSet::fix(const std::string& name, int dof, const Vec3& value) {
+  add(name, {{dof, 1.0}}, value);
+}
+
+void ConstraintSet::add(const std::string& name, std::vector<Entry> entries, const Vec3& value) {
+  bool finite = value.allFinite();
+  for (const auto& e : entries) {
+    check_dof(name, e.dof, dof_count_);
+    finite = finite && std::isfinite(e.coefficient);
+  }
+  if (!finite) throw InputError("constraint '" + name + "' has a number that is not finite");
+  rows_.push_back({name_index(name), std::move(entries), value});
+}
+
+void ConstraintSet::add_coupled(const std::string& name, std::vector<CoupledEntry> entries,
+                                double value) {
+  bool finite = std::isfinite(value);
+  for (const auto& e : entries) {
+    check_dof(name, e.dof, dof_count_);
+    finite = finite && e.coefficient.allFinite();
+  }
+  if (!finite) throw InputError("constraint '" + name + "' has a number that is not finite");
+  coupled_rows_.push_back({name_index(name), std::move(entries), value});
+}
+
+double ConstraintSet::max_residual(const Points& q) const {
+  double worst = 0;
+  for (const auto& row : rows_) {
+    Vec3 sum = -row.value;
+    for (const auto& e : row.entries) sum += e.coefficient * q.row(e.dof).transpose();
+    worst = std::max(worst, sum.cwiseAbs().maxCoeff());
+  }
+  for (const auto& row : coupled_rows_) {
+    double sum = -row.value;
+    for (const auto& e : row.entries) sum += q.row(e.dof).dot(e.coefficient);
+    worst = std::max(worst, std::abs(sum));
+  }
+  return worst;
+}
+
+}  // namespace batten

@@ -1,0 +1,30 @@
+// Triangle meshes of a polygonal domain, behind one interface.
+#pragma once
+
+#include <vector>
+
+#include "batten/fem/parametric_mesh.h"
+
+namespace batten {
+
+/// What to mesh: points that must become vertices, and segments between them that must become runs
+/// of edges. The outline segments form one closed counter-clockwise polygon.
+struct MeshTask {
+  std::vector<Vec2> points;
+  std::vector<std::array<int, 2>> outline, inner;
+  double edge_length = 0;  ///< target
+};
+
+/// Constrained Delaunay triangulation, refined to the target length with angles above 20.7 degrees
+/// where the input allows, then smoothed: CGAL's Mesh_2. The result's first vertices are the task's
+/// points in their order; vertices and triangles that follow are in spatial order. Segments may be
+/// split further. Throws InputError without CGAL.
+ParametricMesh delaunay_mesh(const MeshTask& task);
+bool have_delaunay_mesher();
+
+/// The polygon of the outline as a fan around its centre, every triangle cut in four `refinements`
+/// times; outline segments are cut evenly. Throws InputError when the polygon is not star-shaped
+/// about its centre, or there are inner segments.
+ParametricMesh fan_mesh(const MeshTask& task, int refinements);
+
+}  // namespace batten

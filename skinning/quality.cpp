@@ -1,0 +1,106 @@
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "batten/skinning/line_fit.h"
+#include "batten/skinning/skin.h"
+
+namespace batten {
+namespace {
+
+// The surface's own edge along a run, as a curve over the run's parameters.
+HermiteCurve surface_edge(const Surface& surface, const LineRun& run) {
+  const auto n = static_cast<long>(run.vertices.size());
+  const ParametricMesh& mesh = surface.mesh();
+  const Vec2 along = mesh.vertices()[run.vertices.back()] - mesh.vertices()[run.vertices.front()];
+  const Vec2 per_parameter = along / (run.parameters.back() - run.parameters.front());
+  Points x(n, 3), d(n, 3);
+  for (long i = 0; i < n; ++i) {
+    const int v = run.vertices[static_cast<size_t>(i)];
+    x.row(i) = surface.dofs().row(surface.dof_map().vertex(v));
+    d.row(i) = per_parameter.x() * surface.dofs().row(surface.dof_map().vertex(v, 1)) +
+               per_parameter.y() * surface.dofs().row(surface.dof_map().vertex(v, 2));
+  }
+  return {run.parameters, x, d};
+}
+
+// A point of an edge, in one of its triangles.
+Location on_edge(const ParametricMesh& mesh, int edge, int side, double fraction_from_low) {
+  const auto& e = mesh.edges()[edge];
+  const int t = e.triangle[side], i = e.local[side];
+  const int low = mesh.edge_sign(t, i) > 0 ? (i + 1) % 3 : (i + 2) % 3;
+  Location where{t, Vec3::Zero()};
+  where.L[low] = 1 - fraction_from_low;
+  where.L[3 - i - low] = fraction_from_low;
+  return where;
+}
+
+}  // namespace
+
+SkinQuality measure(const SkinnedRegion& region) {
+  const Surface& surface = region.surface;
+  const ParametricMesh& mesh = surface.mesh();
+  SkinQuality q;
+
+  constexpr int samples = 6;
+  for (const LineRun& run : region.runs) {
+    for (size_t i = 0; i < run.edges.size(); ++i) {
+      const bool from_low = mesh.edges()[run.edges[i]].low == run.vertices[i];
+      for (int k = 0; k <= samples; ++k) {
+        const double f = static_cast<double>(k) / samples;
+        const Vec3 x = surface.position(on_edge(mesh, run.edges[i], 0, from_low ? f : 1 - f));
+        const double u = run.parameters[i] + f * (run.parameters[i + 1] - run.parameters[i]);
+        q.max_line_residual =
+            std::max(q.max_line_residual, (x - run.fitted.evaluate(u)).norm() / region.size);
+        q.max_line_deviation = std::max(q.max_line_deviation, distance_to(*run.line.curve, x));
+      }
+    }
+    const HermiteCurve edge = surface_edge(surface, run);
+    const InputCurve& input = *run.line.curve;
+    const int count = std::max<int>(64, samples * static_cast<int>(run.edges.size()));
+    for (int k = 0; k <= count; ++k) {
+      const double t = input.start() + (input.end() - input.start()) * k / count;
+      q.max_line_deviation =
+          std::max(q.max_line_deviation, edge.closest_point(input.evaluate(t)).distance);
+    }
+  }
+
+  for (int e = 0; e < mesh.edge_count(); ++e) {
+    if (mesh.edges()[e].boundary()) continue;
+    for (const double f : {0.1, 0.5, 0.8}) {
+      const Vec3 a = surface.jet(on_edge(mesh, e, 0, f)).normal(),
+                 b = surface.jet(on_edge(mesh, e, 1, f)).normal();
+      q.max_normal_jump_deg =
+          std::max(q.max_normal_jump_deg,
+                   std::atan2(a.cross(b).norm(), a.dot(b)) * 180 / std::numbers::pi);
+    }
+  }
+
+  // Oriented Jacobians: against the mean normal of their triangle.
+  const TriangleRule inside = split_triangle(2);
+  std::vector<double> jacobians;
+  std::vector<double> at_vertex(mesh.vertex_count(), 0);
+  for (int t = 0; t < mesh.triangle_count(); ++t) {
+    std::vector<Vec3> areas;
+    Vec3 mean = Vec3::Zero();
+    for (long p = 0; p < inside.weights.size(); ++p) {
+      areas.push_back(surface.jet({t, inside.L.row(p).transpose()}).area_vector());
+      mean += inside.weights[p] * areas.back();
+    }
+    for (int i = 0; i < 3; ++i) {
+      areas.push_back(surface.jet({t, Vec3::Unit(i)}).area_vector());
+      at_vertex[mesh.triangles()[t][i]] = areas.back().norm();
+    }
+    for (const Vec3& a : areas) jacobians.push_back(std::copysign(a.norm(), a.dot(mean)));
+  }
+  std::vector<double> sorted = jacobians;
+  std::nth_element(sorted.begin(), sorted.begin() + static_cast<long>(sorted.size() / 2), sorted.end());
+  const double median = sorted[sorted.size() / 2];
+  q.min_jacobian_ratio = *std::min_element(jacobians.begin(), jacobians.end()) / median;
+  for (const double j : at_vertex)
+    if (!(j > 1e-6 * median)) ++q.singular_nodes;
+  q.area = surface.area();
+  return q;
+}
+
+}  // namespace batten

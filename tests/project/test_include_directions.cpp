@@ -1,0 +1,73 @@
+// The dependency table of docs/architecture.md, checked on the include lines themselves.
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <regex>
+#include <set>
+#include <string>
+
+#include "batten/tests/catch.h"
+
+namespace fs = std::filesystem;
+
+namespace {
+
+// Which folders a folder may include from, besides itself.
+const std::map<std::string, std::set<std::string>> kAllowed = {
+    {"core", {}},
+    {"elements", {"core"}},
+    {"fem", {"core", "elements"}},
+    {"constraints", {"core"}},
+    {"constraints/shape", {"core", "elements", "fem", "constraints"}},
+    {"fairing", {"core", "elements", "fem", "constraints", "constraints/shape"}},
+    {"skinning", {"core", "elements", "fem", "constraints", "constraints/shape", "fairing"}},
+    {"sculpting", {"core", "elements", "fem", "constraints", "constraints/shape", "fairing", "skinning"}},
+    {"io", {"core", "elements", "fem", "constraints", "constraints/shape", "fairing", "skinning", "sculpting"}},
+    {"apps", {"core", "elements", "fem", "constraints", "constraints/shape", "fairing", "skinning", "sculpting", "io"}},
+};
+
+// Libraries that only some folders may touch.
+const std::map<std::string, std::set<std::string>> kForeign = {
+    {"(vtk|BRep|Geom_|TopoDS|STEPControl|IGES|Standard_|gp_|toml|nlohmann)", {"io", "apps"}},
+    {"CGAL/", {"skinning"}},
+    {"cholmod", {"core"}},
+};
+
+std::string folder_of(const std::string& path) {
+  if (path.rfind("constraints/shape/", 0) == 0) return "constraints/shape";
+  return path.substr(0, path.find('/'));
+}
+
+}  // namespace
+
+TEST_CASE("include lines follow the dependency table") {
+  const fs::path root = BATTEN_SOURCE_DIR;
+  const std::regex include_line("^\\s*#\\s*include\\s*[<\"]([^>\"]+)[>\"]");
+  int lines = 0;
+  for (const auto& [folder, allowed] : kAllowed) {
+    REQUIRE(fs::exists(root / folder));
+    for (const auto& entry : fs::recursive_directory_iterator(root / folder)) {
+      const fs::path& file = entry.path();
+      if (file.extension() != ".h" && file.extension() != ".cpp") continue;
+      const std::string relative = fs::relative(file, root).string();
+      if (folder_of(relative) != folder) continue;
+      std::ifstream in(file);
+      std::string line;
+      while (std::getline(in, line)) {
+        std::smatch match;
+        if (!std::regex_search(line, match, include_line)) continue;
+        const std::string name = match[1];
+        INFO(relative << " includes " << name);
+        if (name.rfind("batten/", 0) == 0) {
+          ++lines;
+          const std::string target = folder_of(name.substr(7));
+          CHECK((target == folder || allowed.count(target) == 1));
+        } else {
+          for (const auto& [pattern, folders] : kForeign)
+            if (std::regex_search(name, std::regex("^" + pattern))) CHECK(folders.count(folder) == 1);
+        }
+      }
+    }
+  }
+  CHECK(lines > 50);
+}

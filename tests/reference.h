@@ -1,0 +1,35 @@
+// Where tests find their files.
+#pragma once
+
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include <unistd.h>
+
+namespace batten_test {
+
+/// Gold numbers: tests/reference/<name>.
+inline nlohmann::json reference(const std::string& name) {
+  return nlohmann::json::parse(std::ifstream(std::string(BATTEN_SOURCE_DIR "/tests/reference/") + name));
+}
+
+/// Optional real input beside the project (BATTEN_TEST_DATA, or ../shared/data): empty path when it
+/// is not there, and the test should say that it skips.
+inline std::filesystem::path optional_data(const std::string& name) {
+  const char* set = std::getenv("BATTEN_TEST_DATA");
+  const std::filesystem::path base = set ? set : BATTEN_SOURCE_DIR "/../shared/data";
+  const auto path = base / name;
+  return std::filesystem::exists(path) ? path : std::filesystem::path{};
+}
+
+/// A fresh empty folder for one test.
+inline std::filesystem::path scratch(const std::string& name) {
+  const auto path = std::filesystem::temp_directory_path() / ("batten_test_" + std::to_string(getpid())) / name;
+  std::filesystem::remove_all(path);
+  std::filesystem::create_directories(path);
+  return path;
+}
+
+}  // namespace batten_test
