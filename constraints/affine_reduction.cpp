@@ -14,6 +14,7 @@ namespace {
 constexpr double kPivotTolerance = 1e-9;     // of a row's largest coefficient: smaller is no pivot
 constexpr double kNoise = 1e-14;             // of the same: rounding of terms that cancel
 constexpr double kConflictTolerance = 1e-9;  // of the right-hand sides that take part
+constexpr double kRightNoise = 1e-12;        // of the largest right-hand side of all rows
 
 using Terms = std::vector<std::pair<int, double>>;  // sorted by index
 using Right = Eigen::RowVector3d;                   // up to three right-hand sides
@@ -52,12 +53,10 @@ struct Equation {
 // that are not pivots.
 class Elimination {
  public:
-  explicit Elimination(int columns) : pivot_row_(columns, -1), used_by_(columns) {}
+  Elimination(int columns, double largest_right)
+      : largest_right_(largest_right), pivot_row_(columns, -1), used_by_(columns) {}
 
   void add(Equation row) {
-    double largest = 0;
-    for (const auto& t : row.terms) largest = std::max(largest, std::abs(t.second));
-    if (largest > 0) scale(row, 1 / largest);
     row.right_scale = row.right.cwiseAbs().maxCoeff();
 
     const Terms given = row.terms;
@@ -72,7 +71,9 @@ class Elimination {
     });
 
     if (remaining <= kPivotTolerance) {
-      if (row.right.cwiseAbs().maxCoeff() > kConflictTolerance * row.right_scale)
+      const double allowed =
+          std::max(kConflictTolerance * row.right_scale, kRightNoise * largest_right_);
+      if (row.right.cwiseAbs().maxCoeff() > allowed)
         conflicting_.push_back(std::move(row));
       else
         ++dropped_;
@@ -121,13 +122,15 @@ class Elimination {
     for (const auto& t : terms)
       if (pivot_row_[t.first] < 0) used_by_[t.first].push_back(user);
   }
+  double largest_right_;
   std::vector<int> pivot_row_;
   std::vector<std::vector<int>> used_by_;  // rows that mention a column; may list former users
   std::vector<Equation> rows_, conflicting_;
   int dropped_ = 0;
 };
 
-// The scalar equations of a set: n columns and three right-hand sides, or 3n columns and one.
+// The scalar equations of a set: n columns and three right-hand sides, or 3n columns and one. Each is
+// divided by its largest coefficient, kept as its weight in `history`.
 std::vector<Equation> equations_of(const ConstraintSet& set) {
   const int n = set.dof_count();
   std::vector<Equation> all;
@@ -137,7 +140,13 @@ std::vector<Equation> equations_of(const ConstraintSet& set) {
     e.right = right;
     e.name = name;
     e.source = static_cast<int>(all.size());
-    e.history = {{e.source, 1.0}};
+    double largest = 0;
+    for (const auto& t : e.terms) largest = std::max(largest, std::abs(t.second));
+    if (largest > 0) {
+      for (auto& t : e.terms) t.second /= largest;
+      e.right /= largest;
+    }
+    e.history = {{e.source, largest > 0 ? 1 / largest : 1.0}};
     all.push_back(std::move(e));
   };
   const int copies = set.coupled() ? 3 : 1;
@@ -167,7 +176,7 @@ std::vector<Equation> equations_of(const ConstraintSet& set) {
     for (const auto& [index, share] : row.history) {
       if (index == row.source) own_share = std::abs(share);
       const std::string& name = set.names()[given[index].name];
-      if (std::abs(share) > kPivotTolerance &&
+      if (std::abs(share) > kPivotTolerance * given[index].history[0].second &&
           std::find(names.begin(), names.end(), name) == names.end())
         names.push_back(name);
     }
@@ -194,7 +203,9 @@ AffineReduction::AffineReduction(const ConstraintSet& constraints)
   std::stable_sort(order.begin(), order.end(), [&](int a, int b) {
     return given[a].terms.size() < given[b].terms.size();
   });
-  Elimination elimination(columns);
+  double largest_right = 0;
+  for (const auto& e : given) largest_right = std::max(largest_right, e.right.cwiseAbs().maxCoeff());
+  Elimination elimination(columns, largest_right);
   for (const int i : order) elimination.add(given[i]);
   if (!elimination.conflicting().empty())
     throw_conflicts(constraints, given, elimination.conflicting());
@@ -290,13 +301,7 @@ SparseMatrix stacked_rows(const std::vector<Equation>& equations, const Constrai
 }  // namespace
 
 std::vector<NamedReaction> named_reactions(const ConstraintSet& set, const Points& reaction) {
-  std::vector<Equation> equations = equations_of(set);
-  for (auto& e : equations) {
-    double largest = 0;
-    for (const auto& t : e.terms) largest = std::max(largest, std::abs(t.second));
-    if (largest > 0)
-      for (auto& t : e.terms) t.second /= largest;
-  }
+  const std::vector<Equation> equations = equations_of(set);
   const SparseMatrix C = stacked_rows(equations, set);
   SparseMatrix normal = C * SparseMatrix(C.transpose());
   // Redundant rows make this singular: a shift far below the entries picks the smallest multipliers.

@@ -5,10 +5,8 @@
 #include <CGAL/Constrained_Delaunay_triangulation_2.h>
 #include <CGAL/Delaunay_mesh_face_base_2.h>
 #include <CGAL/Delaunay_mesh_size_criteria_2.h>
-#include <CGAL/Delaunay_mesh_vertex_base_2.h>
 #include <CGAL/Delaunay_mesher_2.h>
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
-#include <CGAL/lloyd_optimize_mesh_2.h>
 
 #include <algorithm>
 #include <cstdint>
@@ -24,7 +22,7 @@ bool have_delaunay_mesher() { return true; }
 namespace {
 
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
-using Vertex = CGAL::Delaunay_mesh_vertex_base_2<Kernel>;
+using Vertex = CGAL::Triangulation_vertex_base_2<Kernel>;
 using Face = CGAL::Delaunay_mesh_face_base_2<Kernel>;
 using Triangulation =
     CGAL::Constrained_Delaunay_triangulation_2<Kernel,
@@ -57,6 +55,48 @@ std::vector<int> spatial_order(const std::vector<Point>& points) {
   return order;
 }
 
+// Sine of the smallest angle, about: 4 √3 area over the sum of squared sides, 1 when equilateral.
+double quality(const Vec2& a, const Vec2& b, const Vec2& c) {
+  const Vec2 ab = b - a, ac = c - a, bc = c - b;
+  const double area2 = ab.x() * ac.y() - ab.y() * ac.x();
+  return 2 * std::sqrt(3.0) * area2 / (ab.squaredNorm() + ac.squaredNorm() + bc.squaredNorm());
+}
+
+// Moves free vertices to the centre of area of their triangles, one after the other, where that does
+// not make the worst of these triangles worse. CGAL's own optimizers add up in the order of
+// addresses, so that their last bits change from run to run.
+void smooth(std::vector<Vec2>& vertices, const std::vector<ParametricMesh::Triangle>& triangles,
+            const std::vector<char>& fixed, int sweeps) {
+  std::vector<std::vector<int>> around(vertices.size());
+  for (size_t t = 0; t < triangles.size(); ++t)
+    for (const int v : triangles[t]) around[v].push_back(static_cast<int>(t));
+  const auto worst = [&](int v) {
+    double q = 1;
+    for (const int t : around[v]) {
+      const auto& [a, b, c] = triangles[t];
+      q = std::min(q, quality(vertices[a], vertices[b], vertices[c]));
+    }
+    return q;
+  };
+  for (int sweep = 0; sweep < sweeps; ++sweep)
+    for (size_t v = 0; v < vertices.size(); ++v) {
+      if (fixed[v]) continue;
+      Vec2 moment = Vec2::Zero();
+      double total = 0;
+      for (const int t : around[v]) {
+        const auto& [a, b, c] = triangles[t];
+        const Vec2 ab = vertices[b] - vertices[a], ac = vertices[c] - vertices[a];
+        const double area2 = ab.x() * ac.y() - ab.y() * ac.x();
+        moment += area2 / 3 * (vertices[a] + vertices[b] + vertices[c]);
+        total += area2;
+      }
+      const Vec2 before = vertices[v];
+      const double quality_before = worst(static_cast<int>(v));
+      vertices[v] = moment / total;
+      if (worst(static_cast<int>(v)) < std::min(quality_before, 0.8)) vertices[v] = before;
+    }
+}
+
 }  // namespace
 
 ParametricMesh delaunay_mesh(const MeshTask& task) {
@@ -72,8 +112,6 @@ ParametricMesh delaunay_mesh(const MeshTask& task) {
   CGAL::Delaunay_mesher_2<Triangulation, Criteria> mesher(
       triangulation, Criteria(least_angle, longest * task.edge_length));
   mesher.refine_mesh();
-  constexpr int smoothings = 8;
-  CGAL::lloyd_optimize_mesh_2(triangulation, CGAL::parameters::max_iteration_number = smoothings);
 
   // The task's points keep their numbers; the others follow along a space-filling curve.
   std::map<Triangulation::Vertex_handle, int> index;
@@ -90,6 +128,10 @@ ParametricMesh delaunay_mesh(const MeshTask& task) {
     index[added[i]] = static_cast<int>(vertices.size());
     vertices.emplace_back(places[i].x(), places[i].y());
   }
+  std::vector<char> fixed(vertices.size(), 0);
+  for (auto e = triangulation.finite_edges_begin(); e != triangulation.finite_edges_end(); ++e)
+    if (triangulation.is_constrained(*e))
+      for (const int side : {1, 2}) fixed[index[e->first->vertex((e->second + side) % 3)]] = 1;
   std::vector<ParametricMesh::Triangle> found, triangles;
   std::vector<Point> centres;
   for (auto f = triangulation.finite_faces_begin(); f != triangulation.finite_faces_end(); ++f) {
@@ -98,6 +140,8 @@ ParametricMesh delaunay_mesh(const MeshTask& task) {
     centres.push_back(CGAL::centroid(triangulation.triangle(f)));
   }
   for (const int i : spatial_order(centres)) triangles.push_back(found[i]);
+  constexpr int sweeps = 6;
+  smooth(vertices, triangles, fixed, sweeps);
   return {std::move(vertices), std::move(triangles)};
 }
 

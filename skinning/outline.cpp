@@ -62,19 +62,48 @@ void require_not_on_one_line(const std::vector<Stretch>& stretches, double size)
 
 }  // namespace
 
+namespace {
+
+// Two polylines of different curves come near each other at these segments: the curves' own distance
+// there, by Gauss-Newton on both parameters.
+std::pair<double, Vec3> curve_distance(const InputCurve& a, int i, const InputCurve& b, int j) {
+  const double step_a = (a.end() - a.start()) / kSamples, step_b = (b.end() - b.start()) / kSamples;
+  const double low_a = a.start() + i * step_a, low_b = b.start() + j * step_b;
+  double s = low_a + 0.5 * step_a, t = low_b + 0.5 * step_b;
+  for (int k = 0; k < 20; ++k) {
+    const Vec3 d = a.evaluate(s) - b.evaluate(t), da = a.evaluate(s, 1), db = b.evaluate(t, 1);
+    Mat2 H;
+    H << da.dot(da), -da.dot(db), -da.dot(db), db.dot(db);
+    H.diagonal() *= 1 + 1e-12;
+    const Vec2 move = H.inverse() * Vec2(da.dot(d), -db.dot(d));
+    if (!move.allFinite()) break;
+    s = std::clamp(s - move[0], low_a - 0.5 * step_a, low_a + 1.5 * step_a);
+    t = std::clamp(t - move[1], low_b - 0.5 * step_b, low_b + 1.5 * step_b);
+    s = std::clamp(s, a.start(), a.end());
+    t = std::clamp(t, b.start(), b.end());
+  }
+  const Vec3 p = a.evaluate(s), q = b.evaluate(t);
+  return {(p - q).norm(), 0.5 * (p + q)};
+}
+
+// How far a curve may lie from the chords of its polyline.
+double sag(const Vec3& a0, const Vec3& a1) { return 0.1 * (a1 - a0).norm(); }
+
+}  // namespace
+
 Crossing find_crossing(const InputCurve& a, const InputCurve& b, double distance,
                        const std::vector<Vec3>& common_ends, double skip) {
   const auto pa = polyline(a), pb = polyline(b);
   for (int i = 0; i < kSamples; ++i)
     for (int j = 0; j < kSamples; ++j) {
-      const auto [d, where] = segment_distance(pa[i], pa[i + 1], pb[j], pb[j + 1]);
-      // Chords of a curve lie off it by up to its sag.
-      const double sag = 0.25 * std::max(1e-12, (pa[i + 1] - pa[i]).norm()) / kSamples;
-      if (d > distance + sag * 1e-6) continue;
-      const bool at_common_end = std::any_of(common_ends.begin(), common_ends.end(), [&](const Vec3& e) {
-        return (where - e).norm() < skip;
-      });
-      if (!at_common_end) return {true, where};
+      const double near = sag(pa[i], pa[i + 1]) + sag(pb[j], pb[j + 1]);
+      if (segment_distance(pa[i], pa[i + 1], pb[j], pb[j + 1]).first > distance + near) continue;
+      const auto [d, where] = curve_distance(a, i, b, j);
+      if (d > distance) continue;
+      const Vec3 place = where;
+      if (std::none_of(common_ends.begin(), common_ends.end(),
+                       [&](const Vec3& e) { return (place - e).norm() < skip; }))
+        return {true, place};
     }
   return {};
 }
@@ -83,10 +112,11 @@ Crossing find_self_crossing(const InputCurve& a, double distance) {
   const auto p = polyline(a);
   const bool closed = (p.front() - p.back()).norm() <= distance;
   for (int i = 0; i < kSamples; ++i)
-    for (int j = i + 2; j < kSamples; ++j) {
-      if (closed && i == 0 && j == kSamples - 1) continue;
-      const auto [d, where] = segment_distance(p[i], p[i + 1], p[j], p[j + 1]);
-      if (d <= distance) return {true, where};
+    for (int j = i + 4; j < kSamples; ++j) {
+      if (closed && i + kSamples - j < 4) continue;
+      const double near = sag(p[i], p[i + 1]) + sag(p[j], p[j + 1]);
+      if (segment_distance(p[i], p[i + 1], p[j], p[j + 1]).first > distance + near) continue;
+      if (const auto [d, where] = curve_distance(a, i, a, j); d <= distance) return {true, where};
     }
   return {};
 }

@@ -44,7 +44,7 @@ std::vector<Vec2> fit_polygon(const std::vector<double>& lengths, const std::vec
 /// Area vector of the loop; its direction is the side from which it runs counter-clockwise.
 Vec3 loop_normal(const Outline& outline);
 
-/// Whether two curves come closer than `distance` (polylines of `samples` segments), and where.
+/// Whether two curves come closer than `distance`, and where: by polylines first, then on the curves.
 /// Near common ends (within `skip` of their points) closeness is no crossing.
 struct Crossing {
   bool found = false;

@@ -335,7 +335,7 @@ class Builder {
 
   ParametricMesh delaunay() const {
     MeshTask task;
-    task.edge_length = edge_ / size_;
+    task.edge_length = rounded(edge_ / size_);
     // Points that strips share (corners, joints, junctions) are one point.
     std::map<std::pair<long long, long long>, int> known;
     const auto add = [&](const Vec2& p) {
@@ -387,7 +387,7 @@ class Builder {
     int refinements = options_.fan_refinements;
     if (refinements < 0) {
       refinements = 0;
-      while (longest > 1.3 * edge_ / size_ * std::pow(2.0, refinements) && refinements < 9)
+      while (longest > 1.3 * rounded(edge_ / size_) * std::pow(2.0, refinements) && refinements < 9)
         ++refinements;
       for (const Strip& s : strips_)
         while (!cut_evenly(s, refinements) && refinements < 9) ++refinements;

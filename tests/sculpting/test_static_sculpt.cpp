@@ -1,0 +1,107 @@
+// Loads: what they mean, and that pressure follows the surface.
+#include "batten/core/errors.h"
+#include "batten/sculpting/static_sculpt.h"
+#include "batten/skinning/mesher.h"
+#include "batten/tests/catch.h"
+#include "../skinning/shapes.h"
+
+using namespace batten_test;
+using Catch::Matchers::Contains;
+
+namespace {
+
+SkinOptions coarse(double edge) {
+  SkinOptions options;
+  options.edge_length = edge;
+  options.mesher = SkinOptions::Mesher::Fan;
+  return options;
+}
+
+std::vector<CharacterLine> square(double side) {
+  return polygon_lines({{0, 0, 0}, {side, 0, 0}, {side, side, 0}, {0, side, 0}});
+}
+
+}  // namespace
+
+TEST_CASE("a small pressure is a uniform load along the normal") {
+  const RegionLayout layout("square", square(1), coarse(0.1));
+  const auto constraints = layout.line_constraints();
+  const auto pressed = sculpt(layout, constraints, {{"p", PressureLoad{1e-4}}}, {});
+  const auto loaded = sculpt(layout, constraints, {{"f", UniformLoad{{0, 0, 1e-4}}}}, {});
+  // Relative units scale the region to its diagonal, √2: the area of the domain is 1/2, as is the
+  // area of the surface over the size squared.
+  CHECK((pressed.dofs - loaded.dofs).cwiseAbs().maxCoeff() < 1e-6 * (loaded.dofs.col(2).cwiseAbs().maxCoeff() + 1e-300));
+}
+
+TEST_CASE("absolute units: the simply held square plate of the handbook") {
+  // w_centre = 0.00406235 q a⁴ / D; beta is D, whatever the unit of length.
+  for (const double a : {1.0, 250.0}) {
+    const RegionLayout layout("square", square(a), coarse(a / 16));
+    SculptOptions options;
+    const double D = 3.5, q = 1e-3 / (a * a * a);
+    options.material = SurfaceStiffness::isotropic(0, D);
+    options.units = LoadUnits::Absolute;
+    const auto result = sculpt(layout, layout.line_constraints(), {{"q", UniformLoad{{0, 0, q}}}}, options);
+    const Surface surface(layout.mesh(), layout.element(), result.dofs);
+    const double centre = surface.closest_point({a / 2, a / 2, 0}).where.triangle >= 0
+                              ? surface.position(surface.closest_point({a / 2, a / 2, 0}).where).z()
+                              : 0;
+    CHECK(centre == Approx(0.00406235 * q * std::pow(a, 4) / D).epsilon(1e-3));
+  }
+}
+
+TEST_CASE("pressure equilibrium: the fixed point satisfies K x = p ∬ N (x_u × x_v)") {
+  const RegionLayout layout("pentagon", curved_polygon(5, 0.2, 0.1), coarse(0.2));
+  const auto constraints = layout.line_constraints();
+  const double p = 60;
+  const auto result = sculpt(layout, constraints, {{"p", PressureLoad{p}}}, {});
+  CHECK(result.last_change < 1e-12);
+  const SurfaceAssembler assembler(*layout.mesh(), layout.element());
+  const SparseMatrix K = assembler.stiffness(SurfaceStiffness{});
+  const Points F = p / layout.size() * assembler.pressure_load(result.dofs);
+  const AffineReduction reduction(constraints);
+  const Points unbalanced = K.selfadjointView<Eigen::Lower>() * result.dofs - F;
+  CHECK((reduction.D().transpose() * unbalanced).cwiseAbs().maxCoeff() < 1e-10 * F.cwiseAbs().maxCoeff());
+  CHECK(result.max_constraint_residual < 1e-13);
+}
+
+TEST_CASE("reactions balance the loads") {
+  const RegionLayout layout("square", square(2), coarse(0.2));
+  const Vec3 f(0.3, -0.2, 1.5);
+  SculptOptions options;
+  options.units = LoadUnits::Absolute;
+  for (const Load& load : {Load{"u", UniformLoad{f}}, Load{"p", PointLoad{{1, 1, 0}, f}}}) {
+    const auto result = sculpt(layout, layout.line_constraints(), {load}, options);
+    Vec3 sum = Vec3::Zero();
+    for (const auto& r : result.reactions) sum += r.force;
+    const Vec3 total = load.name == "u" ? Vec3(4 * f) : f;
+    CHECK((sum + total).norm() < 1e-8);
+  }
+}
+
+TEST_CASE("a pressure past its limit says how far it came") {
+  const RegionLayout layout("square", square(1), coarse(0.2));
+  SculptOptions options;
+  options.material = SurfaceStiffness::isotropic(1, 0.01);
+  CHECK_THROWS_AS(sculpt(layout, layout.line_constraints(), {{"p", PressureLoad{1e4}}}, options), NoSolutionError);
+  CHECK_THROWS_WITH(sculpt(layout, layout.line_constraints(), {{"p", PressureLoad{1e4}}}, options),
+                    Contains("past its limit") && Contains("was reached"));
+}
+
+TEST_CASE("bad materials and loads are refused") {
+  const RegionLayout layout("square", square(1), coarse(0.3));
+  SculptOptions options;
+  options.material = SurfaceStiffness::isotropic(0, -1);
+  CHECK_THROWS_AS(sculpt(layout, layout.line_constraints(), {}, options), InputError);
+  options.material.alpha << 1, 2, 2, 1;
+  options.material.beta = Vec3::Ones();
+  CHECK_THROWS_AS(sculpt(layout, layout.line_constraints(), {}, options), InputError);
+  CHECK_THROWS_WITH(sculpt(layout, layout.line_constraints(), {{"wind", PressureLoad{NAN}}}, {}), Contains("'wind'"));
+}
+
+TEST_CASE("too few constraints: the free motion is reported, not a wrong shape") {
+  const RegionLayout layout("square", square(1), coarse(0.3));
+  ConstraintSet set(DofMap(*layout.mesh()).count());
+  set.fix("one point", 0, Vec3::Zero());
+  CHECK_THROWS_AS(sculpt(layout, set, {}, {}), NoSolutionError);
+}
