@@ -49,7 +49,7 @@ std::string nearest_word(const std::string& word, const std::vector<std::string>
       best = candidate;
     }
   }
-  const size_t limit = std::max<size_t>(2, word.size() / 3);
+  const size_t limit = std::max<size_t>(1, (word.size() + 1) / 3);
   return best_distance <= limit ? best : "";
 }
 

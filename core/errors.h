@@ -54,7 +54,7 @@ class CancelledError : public Error {
 std::string number(double value);
 
 /// The word of `words` nearest to `word` by edit distance, or "" when none is near enough to be
-/// meant (more than a third of its letters differ).
+/// meant (more than a third of its letters differ, and more than one).
 std::string nearest_word(const std::string& word, const std::vector<std::string>& words);
 
 }  // namespace batten

@@ -112,6 +112,7 @@ struct SparseCholesky::Data {
 void SparseCholesky::analyze(const SparseMatrix& A) {
   require_square(A);
   cholmod_free_factor(&data_->factor, &data_->common);
+  if (A.rows() == 0) return;  // nothing is free: CHOLMOD has no such factor
   cholmod_sparse a = view(A);
   data_->factor = cholmod_analyze(&a, &data_->common);
   if (!data_->factor) throw NoSolutionError("out of memory in the symbolic factorization");
@@ -119,9 +120,10 @@ void SparseCholesky::analyze(const SparseMatrix& A) {
 
 bool SparseCholesky::factorize(const SparseMatrix& A) {
   if (!data_->factor) analyze(A);
+  data_->message.clear();
+  if (A.rows() == 0) return true;
   const OneBlasThread guard;
   cholmod_sparse a = view(A);
-  data_->message.clear();
   if (!cholmod_factorize(&a, data_->factor, &data_->common) || data_->common.status < 0) {
     data_->message = "out of memory in the numeric factorization";
     return false;
@@ -140,6 +142,7 @@ bool SparseCholesky::factorize(const SparseMatrix& A) {
 }
 
 MatX SparseCholesky::solve(const Eigen::Ref<const MatX>& b) const {
+  if (b.rows() == 0) return b;
   const OneBlasThread guard;
   MatX rhs = b;
   cholmod_dense view_b{};
@@ -173,14 +176,15 @@ struct SparseCholesky::Data {
 
 void SparseCholesky::analyze(const SparseMatrix& A) {
   require_square(A);
-  data_->ldlt.analyzePattern(A);
+  if (A.rows() > 0) data_->ldlt.analyzePattern(A);
   data_->analysed = true;
 }
 
 bool SparseCholesky::factorize(const SparseMatrix& A) {
   if (!data_->analysed) analyze(A);
-  data_->ldlt.factorize(A);
   data_->message.clear();
+  if (A.rows() == 0) return true;
+  data_->ldlt.factorize(A);
   const auto& D = data_->ldlt.vectorD();
   const VecX diagonal = A.diagonal();
   for (Eigen::Index i = 0; i < D.size(); ++i)
@@ -191,10 +195,13 @@ bool SparseCholesky::factorize(const SparseMatrix& A) {
   return data_->ldlt.info() == Eigen::Success;
 }
 
-MatX SparseCholesky::solve(const Eigen::Ref<const MatX>& b) const { return data_->ldlt.solve(b); }
+MatX SparseCholesky::solve(const Eigen::Ref<const MatX>& b) const {
+  if (b.rows() == 0) return b;
+  return data_->ldlt.solve(b);
+}
 
 long SparseCholesky::factor_entries() const {
-  return data_->ldlt.matrixL().nestedExpression().nonZeros();
+  return data_->ldlt.matrixL().nestedExpression().nonZeros() + data_->ldlt.vectorD().size();
 }
 
 const char* SparseCholesky::backend() { return "Eigen"; }

@@ -23,6 +23,8 @@ HermiteCurve::HermiteCurve(std::vector<double> parameters, Points positions, Poi
                      std::to_string(derivatives_.rows()) + " derivatives");
   if (!positions_.allFinite() || !derivatives_.allFinite())
     throw InputError("a curve node is not finite");
+  if (!std::isfinite(start()) || !std::isfinite(end()))
+    throw InputError("a curve parameter is not finite");
   for (long i = 0; i + 1 < n; ++i)
     if (!(parameters_[i + 1] > parameters_[i]))
       throw InputError("curve parameters must increase: " + number(parameters_[i]) + ", " +
@@ -63,31 +65,33 @@ double HermiteCurve::length() const {
 
 HermiteCurve::Closest HermiteCurve::closest_point(const Vec3& p) const {
   constexpr int samples = 8;
-  Closest best{start(), std::numeric_limits<double>::infinity()};
-  double step = 0;
-  for (int i = 0; i + 1 < node_count(); ++i) {
-    const double h = parameters_[i + 1] - parameters_[i];
-    for (int k = 0; k <= samples; ++k) {
-      const double u = parameters_[i] + h * k / samples;
-      if (const double d = (evaluate(u) - p).norm(); d < best.distance) {
-        best = {u, d};
-        step = h / samples;
-      }
+  std::vector<double> u, distance;
+  for (int i = 0; i + 1 < node_count(); ++i)
+    for (int k = i == 0 ? 0 : 1; k <= samples; ++k) {
+      const double h = parameters_[i + 1] - parameters_[i];
+      u.push_back(k == samples ? parameters_[i + 1] : parameters_[i] + h * k / samples);
+      distance.push_back((evaluate(u.back()) - p).norm());
     }
+  Closest best{start(), std::numeric_limits<double>::infinity()};
+  const size_t last = u.size() - 1;
+  for (size_t i = 0; i <= last; ++i) {
+    const size_t below = i == 0 ? 0 : i - 1, above = std::min(i + 1, last);
+    if (distance[i] < best.distance) best = {u[i], distance[i]};
+    if (distance[i] > distance[below] || distance[i] > distance[above]) continue;
+    // Newton on (X - p)·X' = 0, by bisection where it leaves the two samples beside.
+    double low = u[below], high = u[above], x = u[i];
+    for (int step = 0; step < 60; ++step) {
+      const Vec3 d = evaluate(x) - p, d1 = evaluate(x, 1);
+      const double g = d.dot(d1), slope = d1.squaredNorm() + d.dot(evaluate(x, 2));
+      (g > 0 ? high : low) = x;
+      double next = x - g / slope;
+      if (!(slope > 0) || !(next >= low) || !(next <= high)) next = 0.5 * (low + high);
+      const bool done = std::abs(next - x) <= 1e-15 * (end() - start());
+      x = next;
+      if (done) break;
+    }
+    if (const double d = (evaluate(x) - p).norm(); d < best.distance) best = {x, d};
   }
-  // Newton on (X - p)·X' = 0, kept within one sample of the best.
-  const double low = std::max(start(), best.u - step), high = std::min(end(), best.u + step);
-  double u = best.u;
-  for (int i = 0; i < 20; ++i) {
-    const Vec3 d = evaluate(u) - p, d1 = evaluate(u, 1);
-    const double slope = d1.squaredNorm() + std::max(0.0, d.dot(evaluate(u, 2)));
-    if (!(slope > 0)) break;
-    const double next = std::clamp(u - d.dot(d1) / slope, low, high);
-    const bool done = std::abs(next - u) <= 1e-15 * (end() - start());
-    u = next;
-    if (done) break;
-  }
-  if (const double d = (evaluate(u) - p).norm(); d < best.distance) best = {u, d};
   return best;
 }
 

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "batten/core/errors.h"
+#include "batten/fem/curve.h"
 
 namespace batten {
 namespace {
@@ -65,70 +66,94 @@ SurfaceJet Surface::jet(const Location& where) const {
 
 Location Surface::locate(const Vec2& uv) const {
   Location best;
-  double best_depth = -std::numeric_limits<double>::infinity();
+  double best_distance = std::numeric_limits<double>::infinity();
   for (int t = 0; t < mesh_->triangle_count(); ++t) {
     const TriangleShape shape = mesh_->shape(t);
     const Vec3 L = shape.barycentric(uv);
-    // Distance outside, in lengths of the plane: the altitude is 2A over the edge.
-    double depth = std::numeric_limits<double>::infinity();
-    for (int i = 0; i < 3; ++i)
-      depth = std::min(depth, L[i] * 2 * shape.area / std::hypot(shape.b[i], shape.c[i]));
-    if (depth > best_depth) {
-      best_depth = depth;
-      best = {t, L};
+    if (L.minCoeff() >= 0) return {t, clamped(L)};
+    for (int i = 0; i < 3; ++i) {
+      const int j = (i + 1) % 3, k = (i + 2) % 3;
+      const Vec2 edge = shape.vertex[k] - shape.vertex[j];
+      const double s =
+          std::clamp((uv - shape.vertex[j]).dot(edge) / edge.squaredNorm(), 0.0, 1.0);
+      const double distance = (shape.vertex[j] + s * edge - uv).norm();
+      if (distance >= best_distance) continue;
+      best_distance = distance;
+      best = {t, Vec3::Zero()};
+      best.L[j] = 1 - s;
+      best.L[k] = s;
     }
-    if (depth >= 0) break;
   }
-  best.L = clamped(best.L);
   return best;
 }
 
 Surface::Closest Surface::closest_point(const Vec3& p) const {
-  static const Eigen::Matrix<double, 10, 3> samples = [] {
-    Eigen::Matrix<double, 10, 3> L;
-    int row = 0;
-    for (int i = 0; i <= 3; ++i)
-      for (int j = 0; i + j <= 3; ++j) L.row(row++) << i / 3.0, j / 3.0, (3 - i - j) / 3.0;
-    return L;
-  }();
-  constexpr size_t most_starts = 4;
-  std::vector<std::pair<double, Location>> starts;
+  constexpr int n = 4;
+  struct Start {
+    double distance, spacing;
+    Location where;
+  };
+  std::vector<Start> starts;
+  double nearest = std::numeric_limits<double>::infinity();
   for (int t = 0; t < mesh_->triangle_count(); ++t) {
     const C1Triangle element(kind_, mesh_->shape(t));
     const auto q = triangle_dofs(t);
-    std::pair<double, Location> best{std::numeric_limits<double>::infinity(), {}};
-    for (int s = 0; s < 10; ++s) {
-      const Vec3 L = samples.row(s);
-      const Vec3 x = q.transpose() * element.evaluate(L).col(kW);
-      if (const double d = (x - p).norm(); d < best.first) best = {d, {t, L}};
-    }
+    Start best{std::numeric_limits<double>::infinity(), 0, {}};
+    Vec3 corner[3];
+    for (int i = 0; i <= n; ++i)
+      for (int j = 0; i + j <= n; ++j) {
+        const Vec3 L = Vec3(i, j, n - i - j) / n;
+        const Vec3 x = q.transpose() * element.evaluate(L).col(kW);
+        for (int c = 0; c < 3; ++c)
+          if (L[c] == 1) corner[c] = x;
+        if (const double d = (x - p).norm(); d < best.distance) best = {d, 0, {t, L}};
+      }
+    for (int c = 0; c < 3; ++c)
+      best.spacing = std::max(best.spacing, (corner[c] - corner[(c + 1) % 3]).norm() / n);
+    nearest = std::min(nearest, best.distance);
     starts.push_back(best);
   }
-  const size_t count = std::min(most_starts, starts.size());
-  std::partial_sort(starts.begin(), starts.begin() + static_cast<long>(count), starts.end(),
-                    [](const auto& a, const auto& b) { return a.first < b.first; });
 
-  Closest best{starts[0].second, starts[0].first};
-  for (size_t s = 0; s < count; ++s) {
-    // Gauss-Newton in (u, v); leaving the triangle, the step is cut at its edge.
-    const int t = starts[s].second.triangle;
+  Closest best{{}, std::numeric_limits<double>::infinity()};
+  for (const Start& start : starts) {
+    if (start.distance - 2 * start.spacing > nearest) continue;
+    const int t = start.where.triangle;
     const TriangleShape shape = mesh_->shape(t);
-    Location where = starts[s].second;
+    if (start.distance < best.distance) best = {start.where, start.distance};
+    // Inside by Newton's method, on each edge as a cubic curve.
+    Vec3 L = start.where.L;
     for (int step = 0; step < 30; ++step) {
-      const SurfaceJet j = jet(where);
+      const SurfaceJet j = jet({t, L});
       const Vec3 d = j.x - p;
-      if (d.norm() < best.distance) best = {where, d.norm()};
-      Mat2 H;
-      H << j.x_u.dot(j.x_u), j.x_u.dot(j.x_v), j.x_u.dot(j.x_v), j.x_v.dot(j.x_v);
+      if (d.norm() < best.distance) best = {{t, L}, d.norm()};
+      Mat2 G, H;
+      G << j.x_u.dot(j.x_u), j.x_u.dot(j.x_v), j.x_u.dot(j.x_v), j.x_v.dot(j.x_v);
+      H << j.x_uu.dot(d), j.x_uv.dot(d), j.x_uv.dot(d), j.x_vv.dot(d);
       const Vec2 g(j.x_u.dot(d), j.x_v.dot(d));
-      const Vec2 move = -H.ldlt().solve(g);
+      const Mat2 full = G + H;
+      const bool convex = full(0, 0) > 0 && full.determinant() > 1e-3 * G.determinant();
+      const Vec2 move = -(convex ? full : G).ldlt().solve(g);
       if (!move.allFinite()) break;
-      const Vec3 next = clamped(shape.barycentric(shape.point(where.L) + move));
-      const double moved = (next - where.L).norm();
-      where.L = next;
-      if (moved < 1e-13) break;
+      const Vec3 next = clamped(shape.barycentric(shape.point(L) + move));
+      const double moved = (next - L).norm();
+      L = next;
+      if (moved < 1e-14) break;
     }
-    if (const double d = (position(where) - p).norm(); d < best.distance) best = {where, d};
+    for (int i = 0; i < 3; ++i) {
+      const int a = (i + 1) % 3, b = (i + 2) % 3;
+      const Vec2 edge = shape.vertex[b] - shape.vertex[a];
+      Points X(2, 3), D(2, 3);
+      for (const int end : {0, 1}) {
+        const SurfaceJet j = jet({t, Vec3::Unit(end ? b : a)});
+        X.row(end) = j.x;
+        D.row(end) = edge.x() * j.x_u + edge.y() * j.x_v;
+      }
+      const auto on_edge = HermiteCurve({0, 1}, X, D).closest_point(p);
+      Location where{t, Vec3::Zero()};
+      where.L[a] = 1 - on_edge.u;
+      where.L[b] = on_edge.u;
+      if (const double d = (position(where) - p).norm(); d < best.distance) best = {where, d};
+    }
   }
   return best;
 }

@@ -166,6 +166,16 @@ class Builder {
   }
 
   ParametricMesh mesh(std::vector<std::string>& warnings) {
+    double area = 0;
+    for (size_t i = 0, n = polygon_.size(); i < n; ++i)
+      area += 0.5 * cross(polygon_[i], polygon_[(i + 1) % n]);
+    // Equilateral triangles of that edge.
+    const double expected = area * size_ * size_ / (std::sqrt(3.0) / 4 * edge_ * edge_);
+    constexpr double most_triangles = 2e6;
+    if (options_.fan_refinements < 0 && expected > most_triangles)
+      throw InputError("edge_length = " + number(edge_) + " on a region of size " + number(size_) +
+                       " means about " + number(expected) + " triangles; at most " +
+                       number(most_triangles) + " are allowed (is the unit right?)");
     for (Strip& s : strips_) {
       for (const double u : s.fitted.parameters()) s.nodes.push_back(u / s.fitted.end());
       std::sort(s.nodes.begin(), s.nodes.end());

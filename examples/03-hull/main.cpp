@@ -1,0 +1,105 @@
+// A ship's hull from a formula, by the kernel alone: the whole path in one main.
+//
+// Wigley's hull:  y = B/2 (1 - (2x/L)²) (1 - (z/T)²),  -L/2 ≤ x ≤ L/2,  -T ≤ z ≤ 0
+//
+// 1. lines from the formula: keel, stems, waterline, and frames across the hull
+// 2. layout: a flat domain, its mesh, every line on element edges
+// 3. the surface of least bending energy through all lines
+// 4. how far it is from the formula; STEP and VTK files
+//
+// Usage: hull [OUTPUT FOLDER] [NUMBER OF FRAMES]
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
+#include <filesystem>
+
+#include "batten/io/step.h"
+#include "batten/io/vtk_files.h"
+#include "batten/sculpting/static_sculpt.h"
+
+namespace {
+
+using namespace batten;
+
+constexpr double L = 10, B = 1, T = 0.625;  // metres
+
+double half_breadth(double x, double z) {
+  return B / 2 * (1 - 4 * x * x / (L * L)) * (1 - z * z / (T * T));
+}
+
+// 1. Along x at depth z, from one end to the other; or along z at x, from keel to waterline.
+std::shared_ptr<const InputCurve> lengthwise(double z, bool forward) {
+  return curve_from_formula(0, 1, [=](double t, int order) -> Vec3 {
+    const double sign = forward ? 1 : -1, x = sign * L * (t - 0.5), dx = sign * L;
+    const double fullness = B / 2 * (1 - z * z / (T * T));
+    if (order == 0) return {x, half_breadth(x, z), z};
+    if (order == 1) return {dx, fullness * -8 * x / (L * L) * dx, 0};
+    return {0, fullness * -8 / (L * L) * dx * dx, 0};
+  });
+}
+
+std::shared_ptr<const InputCurve> frame(double x, bool upward) {
+  return curve_from_formula(0, 1, [=](double t, int order) -> Vec3 {
+    const double z = upward ? -T * (1 - t) : -T * t, dz = upward ? T : -T;
+    const double fullness = B / 2 * (1 - 4 * x * x / (L * L));
+    if (order == 0) return {x, half_breadth(x, z), z};
+    if (order == 1) return {0, fullness * -2 * z / (T * T) * dz, dz};
+    return {0, fullness * -2 / (T * T) * dz * dz, 0};
+  });
+}
+
+int run(const std::filesystem::path& out, int frames) {
+  std::vector<CharacterLine> lines = {{"waterline", lengthwise(0, false)},
+                                      {"stern", frame(-L / 2, false)},
+                                      {"keel", lengthwise(-T, true)},
+                                      {"bow", frame(L / 2, true)}};
+  for (int i = 1; i <= frames; ++i) {
+    const double x = L * (static_cast<double>(i) / (frames + 1) - 0.5);
+    lines.push_back({"frame " + std::to_string(i), frame(x, true), CharacterLine::Role::Inner});
+  }
+
+  // 2.
+  SkinOptions options;
+  options.tolerance = 1e-4;
+  options.edge_length = 0.2;
+  const RegionLayout layout("wigley", lines, options);
+
+  // 3.
+  const SculptResult shape = sculpt(layout, layout.line_constraints(), {}, {});
+  const SkinnedRegion hull = layout.region(shape.dofs);
+
+  // 4.
+  const SkinQuality quality = measure(hull);
+  double worst = 0, squares = 0;
+  const Tessellation points = tessellate(hull.surface.mesh(), 4);
+  for (const Location& where : points.points) {
+    const Vec3 p = hull.surface.position(where);
+    const double off = p.y() - half_breadth(p.x(), p.z());
+    worst = std::max(worst, std::abs(off));
+    squares += off * off;
+  }
+  std::filesystem::create_directories(out);
+  write_step(out / "hull.step", {&hull.surface}, 1.0, {});
+  write_vtp(out / "hull.vtp", {&hull});
+
+  std::printf("%d triangles, %d dofs a coordinate\n", hull.surface.mesh().triangle_count(),
+              hull.surface.dof_map().count());
+  std::printf("surface to fitted lines   %.2g of the size\n", quality.max_line_residual);
+  std::printf("surface to input lines    %.2g m (tolerance %.2g m)\n", quality.max_line_deviation,
+              options.tolerance);
+  std::printf("surface to the formula    max %.3g m, rms %.3g m, with %d frames\n", worst,
+              std::sqrt(squares / static_cast<double>(points.points.size())), frames);
+  std::printf("hull.step, hull.vtp in    %s\n", out.c_str());
+  return quality.max_line_deviation <= options.tolerance ? 0 : 4;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return run(argc > 1 ? argv[1] : "out/03-hull", argc > 2 ? std::atoi(argv[2]) : 5);
+  } catch (const std::exception& e) {
+    std::fprintf(stderr, "hull: %s\n", e.what());
+    return 1;
+  }
+}

@@ -1,0 +1,67 @@
+#include "batten/core/errors.h"
+
+#include <limits>
+
+#include "batten/core/progress.h"
+#include "batten/tests/catch.h"
+
+using namespace batten;
+
+TEST_CASE("every error is caught as batten::Error and as std::exception") {
+  CHECK_THROWS_AS(throw InputError("wrong"), Error);
+  CHECK_THROWS_AS(throw NoSolutionError("singular"), Error);
+  CHECK_THROWS_AS(throw ConflictError({}), Error);
+  CHECK_THROWS_AS(throw CancelledError(), Error);
+  CHECK_THROWS_AS(throw CancelledError(), std::exception);
+}
+
+TEST_CASE("a conflict names every constraint that takes part and by how much they miss") {
+  const ConflictError error({{{"corner", "rim", "seam"}, 0.25}, {{"alone"}, 1e-3}});
+  REQUIRE(error.conflicts().size() == 2);
+  CHECK(error.conflicts()[0].names == std::vector<std::string>{"corner", "rim", "seam"});
+  CHECK(error.conflicts()[0].amount == 0.25);
+  const std::string text = error.what();
+  for (const char* word : {"'corner'", "'rim'", "'seam'", "0.25", "'alone'", "0.001"})
+    CHECK(text.find(word) != std::string::npos);
+}
+
+TEST_CASE("number() keeps six digits and never invents any") {
+  CHECK(number(0) == "0");
+  CHECK(number(0.1) == "0.1");
+  CHECK(number(-2.5e-7) == "-2.5e-07");
+  CHECK(number(1.0 / 3) == "0.333333");
+  CHECK(number(1e300) == "1e+300");
+  CHECK(number(std::numeric_limits<double>::quiet_NaN()).find("nan") != std::string::npos);
+}
+
+TEST_CASE("nearest_word finds the word that was meant, and none when no word is near") {
+  const std::vector<std::string> words{"stiffness", "pressure", "point", "uniform"};
+  CHECK(nearest_word("pressure", words) == "pressure");
+  CHECK(nearest_word("presure", words) == "pressure");    // a letter missing
+  CHECK(nearest_word("pressurre", words) == "pressure");  // one too many
+  CHECK(nearest_word("stifnes", words) == "stiffness");   // two missing
+  CHECK(nearest_word("uniporm", words) == "uniform");     // one replaced
+  CHECK(nearest_word("temperature", words) == "");
+  CHECK(nearest_word("point", {}) == "");
+  // Of two that are near, the nearer.
+  CHECK(nearest_word("lined", {"limes", "lines", "line"}) == "lines");
+}
+
+TEST_CASE("an empty progress does nothing; a cancelled one stops the computation") {
+  CHECK_NOTHROW(Progress{}.at("stage", 0.5));
+
+  std::string seen;
+  double fraction = 0;
+  Progress progress;
+  progress.report = [&](std::string_view stage, double f) {
+    seen = stage;
+    fraction = f;
+  };
+  progress.at("factor", 0.25);
+  CHECK(seen == "factor");
+  CHECK(fraction == 0.25);
+
+  progress.cancelled = [] { return true; };
+  CHECK_THROWS_AS(progress.at("solve", 1), CancelledError);
+  CHECK(seen == "factor");  // nothing is reported of a stage that was cancelled
+}

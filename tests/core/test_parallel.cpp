@@ -1,0 +1,88 @@
+#include "batten/core/parallel.h"
+
+#include <atomic>
+#include <mutex>
+#include <set>
+#include <stdexcept>
+#include <thread>
+#include <vector>
+
+#include "batten/tests/catch.h"
+
+using namespace batten;
+
+namespace {
+
+// Leaves the number of threads as it was found.
+struct ThreadGuard {
+  ~ThreadGuard() { set_thread_count(0); }
+};
+
+}  // namespace
+
+TEST_CASE("thread_count is what was set, and the number of cores after 0") {
+  const ThreadGuard guard;
+  const int cores = thread_count();
+  CHECK(cores >= 1);
+  set_thread_count(3);
+  CHECK(thread_count() == 3);
+  set_thread_count(0);
+  CHECK(thread_count() == cores);
+}
+
+TEST_CASE("parallel_parts calls every part exactly once, on any number of threads") {
+  const ThreadGuard guard;
+  for (const int threads : {1, 2, 3, 8})
+    for (const int parts : {0, 1, 2, 7, 1000}) {
+      set_thread_count(threads);
+      std::vector<std::atomic<int>> calls(parts);
+      parallel_parts(parts, [&](int part) { ++calls.at(part); });
+      int wrong = 0;
+      for (const auto& c : calls) wrong += c != 1;
+      CHECK(wrong == 0);
+    }
+}
+
+TEST_CASE("one thread is the caller's own, in order") {
+  const ThreadGuard guard;
+  set_thread_count(1);
+  std::vector<int> order;
+  std::set<std::thread::id> who;
+  parallel_parts(5, [&](int part) {
+    order.push_back(part);
+    who.insert(std::this_thread::get_id());
+  });
+  CHECK(order == std::vector<int>{0, 1, 2, 3, 4});
+  CHECK(who == std::set<std::thread::id>{std::this_thread::get_id()});
+}
+
+TEST_CASE("no more threads work than thread_count") {
+  const ThreadGuard guard;
+  set_thread_count(2);
+  std::mutex mutex;
+  std::set<std::thread::id> who;
+  parallel_parts(200, [&](int) {
+    const std::lock_guard lock(mutex);
+    who.insert(std::this_thread::get_id());
+  });
+  CHECK(who.size() <= 2);
+}
+
+TEST_CASE("an exception of a part reaches the caller, after the other parts are done") {
+  const ThreadGuard guard;
+  for (const int threads : {1, 3}) {
+    set_thread_count(threads);
+    std::atomic<int> done{0};
+    std::string message;
+    try {
+      parallel_parts(50, [&](int part) {
+        if (part == 20) throw std::runtime_error("part 20");
+        ++done;
+      });
+    } catch (const std::runtime_error& error) {
+      message = error.what();
+    }
+    CHECK(message == "part 20");
+    CHECK(done == 49);
+  }
+}

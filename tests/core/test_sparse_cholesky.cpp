@@ -1,0 +1,186 @@
+#include "batten/core/sparse_cholesky.h"
+
+#include <cmath>
+#include <random>
+
+#include "batten/core/errors.h"
+#include "batten/tests/catch.h"
+
+using namespace batten;
+
+namespace {
+
+// The same numbers in [-1, 1) on every machine.
+struct Random {
+  std::mt19937 engine;
+  double operator()() { return engine() * 0x1p-31 - 1; }
+};
+
+// Lower triangle of a random sparse matrix with a dominant diagonal.
+SparseMatrix random_spd(int n, unsigned seed) {
+  Random random{std::mt19937(seed)};
+  std::vector<Triplet> entries;
+  for (int i = 0; i < n; ++i) {
+    entries.emplace_back(i, i, 12 + random());
+    for (int k = 0; k < 4; ++k) {
+      const int j = static_cast<int>(random.engine() % n);
+      if (j < i) entries.emplace_back(i, j, random());
+    }
+  }
+  SparseMatrix A(n, n);
+  A.setFromTriplets(entries.begin(), entries.end());
+  return A;
+}
+
+SparseMatrix lower(const MatX& A) {
+  return SparseMatrix(MatX(A.triangularView<Eigen::Lower>()).sparseView());
+}
+
+// (-1, 2, -1) of the second difference with n unknowns; both ends held unless `free`.
+MatX second_difference(int n, bool free) {
+  MatX A = MatX::Zero(n, n);
+  for (int i = 0; i < n; ++i) {
+    A(i, i) = free && (i == 0 || i == n - 1) ? 1 : 2;
+    if (i > 0) A(i, i - 1) = A(i - 1, i) = -1;
+  }
+  return A;
+}
+
+double residual(const SparseMatrix& A, const MatX& x, const MatX& b) {
+  return (A.selfadjointView<Eigen::Lower>() * x - b).cwiseAbs().maxCoeff();
+}
+
+}  // namespace
+
+TEST_CASE("A x = b is solved to rounding, for one right-hand side and for many") {
+  for (const int n : {1, 2, 3, 50, 600}) {
+    const SparseMatrix A = random_spd(n, n);
+    SparseCholesky cholesky;
+    cholesky.analyze(A);
+    REQUIRE(cholesky.factorize(A));
+    CHECK(cholesky.message().empty());
+    CHECK(cholesky.factor_entries() >= n);
+    Random random{std::mt19937(7)};
+    for (const int columns : {1, 3, 20}) {
+      const MatX b = MatX::NullaryExpr(n, columns, [&] { return random(); });
+      const MatX x = cholesky.solve(b);
+      REQUIRE(x.rows() == n);
+      REQUIRE(x.cols() == columns);
+      CHECK(residual(A, x, b) < 1e-14 * (1 + std::sqrt(n)));
+      // Columns do not see one another.
+      for (int c = 0; c < columns; ++c)
+        CHECK((cholesky.solve(b.col(c)) - x.col(c)).cwiseAbs().maxCoeff() < 1e-14);
+    }
+  }
+}
+
+TEST_CASE("only the lower triangle is read") {
+  const SparseMatrix A = random_spd(30, 4);
+  SparseMatrix with_rubbish = A;
+  with_rubbish.coeffRef(2, 17) = 1e6;
+  with_rubbish.coeffRef(0, 29) = -1e6;
+  with_rubbish.makeCompressed();
+  const VecX b = VecX::LinSpaced(30, -1, 1);
+  SparseCholesky one, other;
+  one.analyze(A);
+  other.analyze(with_rubbish);
+  REQUIRE(one.factorize(A));
+  REQUIRE(other.factorize(with_rubbish));
+  CHECK((one.solve(b) - other.solve(b)).cwiseAbs().maxCoeff() < 1e-14);
+}
+
+TEST_CASE("new numbers in the same pattern need no new analysis") {
+  SparseMatrix A = random_spd(80, 11);
+  SparseCholesky cholesky;
+  cholesky.analyze(A);
+  REQUIRE(cholesky.factorize(A));
+  const VecX b = VecX::Ones(80);
+  const MatX first = cholesky.solve(b);
+  A.coeffs() *= 4;
+  REQUIRE(cholesky.factorize(A));
+  CHECK((4 * cholesky.solve(b) - first).cwiseAbs().maxCoeff() < 1e-14);
+}
+
+TEST_CASE("solving twice gives the same bits") {
+  const SparseMatrix A = random_spd(300, 5);
+  const MatX b = MatX::Ones(300, 3);
+  SparseCholesky one, other;
+  one.analyze(A);
+  other.analyze(A);
+  REQUIRE(one.factorize(A));
+  REQUIRE(other.factorize(A));
+  CHECK(one.solve(b) == one.solve(b));
+  CHECK(one.solve(b) == other.solve(b));
+}
+
+TEST_CASE("a matrix that is not positive definite is reported, not thrown, and can be mended") {
+  SparseCholesky cholesky;
+  const auto fails = [&](const MatX& dense) {
+    const SparseMatrix A = lower(dense);
+    cholesky.analyze(A);
+    const bool ok = cholesky.factorize(A);
+    UNSCOPED_INFO(cholesky.message());
+    return !ok && cholesky.message().find("not positive definite") != std::string::npos;
+  };
+  CHECK(fails(second_difference(40, true)));  // constants cost nothing: singular
+  MatX indefinite = second_difference(40, false);
+  indefinite(13, 13) = -1;
+  CHECK(fails(indefinite));
+  CHECK(fails(MatX::Constant(1, 1, -2)));
+  CHECK(fails((MatX(2, 2) << 1, 2, 2, 1).finished()));
+
+  MatX isolated = MatX::Identity(9, 9);
+  isolated(5, 5) = -1;
+  CHECK(fails(isolated));
+  CHECK(cholesky.message().find("unknown 5") != std::string::npos);
+
+  // Scaling the unknowns changes nothing of what is singular.
+  const VecX scale = VecX::NullaryExpr(40, [](auto i) { return i % 2 ? 1e6 : 1e-6; });
+  CHECK(fails(scale.asDiagonal() * second_difference(40, true) * scale.asDiagonal()));
+  const SparseMatrix stiff =
+      lower(scale.asDiagonal() * second_difference(40, false) * scale.asDiagonal());
+  cholesky.analyze(stiff);
+  CHECK(cholesky.factorize(stiff));
+
+  // The same object, the same pattern, good numbers.
+  const SparseMatrix bad = lower(second_difference(40, true));
+  const SparseMatrix good = lower(second_difference(40, false));
+  cholesky.analyze(bad);
+  REQUIRE_FALSE(cholesky.factorize(bad));
+  REQUIRE(cholesky.factorize(good));
+  CHECK(cholesky.message().empty());
+  const VecX b = VecX::Ones(40);
+  CHECK(residual(good, cholesky.solve(b), b) < 1e-12);
+}
+
+TEST_CASE("numbers that are not finite are no factor") {
+  MatX A = second_difference(20, false);
+  A(7, 7) = std::nan("");
+  const SparseMatrix sparse = lower(A);
+  SparseCholesky cholesky;
+  cholesky.analyze(sparse);
+  CHECK_FALSE(cholesky.factorize(sparse));
+  CHECK_FALSE(cholesky.message().empty());
+}
+
+TEST_CASE("a matrix that is not square is an input error") {
+  SparseCholesky cholesky;
+  CHECK_THROWS_AS(cholesky.analyze(SparseMatrix(3, 4)), InputError);
+  CHECK_THROWS_AS(cholesky.factorize(SparseMatrix(4, 3)), InputError);
+}
+
+TEST_CASE("a factor moves with its numbers") {
+  const SparseMatrix A = random_spd(25, 3);
+  const VecX b = VecX::Ones(25);
+  SparseCholesky first;
+  first.analyze(A);
+  REQUIRE(first.factorize(A));
+  const MatX x = first.solve(b);
+  SparseCholesky second(std::move(first));
+  CHECK(second.solve(b) == x);
+  SparseCholesky third;
+  third = std::move(second);
+  CHECK(third.solve(b) == x);
+  const std::string backend = SparseCholesky::backend();
+  CHECK((backend == "CHOLMOD" || backend == "Eigen"));
+}
