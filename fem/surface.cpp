@@ -99,17 +99,14 @@ Surface::Closest Surface::closest_point(const Vec3& p) const {
     const C1Triangle element(kind_, mesh_->shape(t));
     const auto q = triangle_dofs(t);
     Start best{std::numeric_limits<double>::infinity(), 0, {}};
-    Vec3 corner[3];
     for (int i = 0; i <= n; ++i)
       for (int j = 0; i + j <= n; ++j) {
         const Vec3 L = Vec3(i, j, n - i - j) / n;
         const Vec3 x = q.transpose() * element.evaluate(L).col(kW);
-        for (int c = 0; c < 3; ++c)
-          if (L[c] == 1) corner[c] = x;
         if (const double d = (x - p).norm(); d < best.distance) best = {d, 0, {t, L}};
       }
     for (int c = 0; c < 3; ++c)
-      best.spacing = std::max(best.spacing, (corner[c] - corner[(c + 1) % 3]).norm() / n);
+      best.spacing = std::max(best.spacing, (q.row(3 * c) - q.row(3 * ((c + 1) % 3))).norm() / n);
     nearest = std::min(nearest, best.distance);
     starts.push_back(best);
   }

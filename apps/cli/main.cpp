@@ -1,0 +1,222 @@
+// batten: the command line.
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <iostream>
+
+#include "batten/apps/cli/terminal.h"
+#include "batten/apps/commands/info.h"
+#include "batten/apps/commands/run_scene.h"
+#include "batten/core/parallel.h"
+
+namespace {
+
+using namespace batten;
+
+/// Exit codes, docs/conventions.md.
+enum Exit {
+  kDone = 0,
+  kBadInput = 1,
+  kConflict = 2,
+  kNoSolution = 3,
+  kMissed = 4,
+  kCancelled = 130
+};
+
+const char* const kVersion = "batten " BATTEN_VERSION
+#ifdef BATTEN_HAVE_CHOLMOD
+                             "\nfactorization: CHOLMOD"
+#else
+                             "\nfactorization: Eigen (built without CHOLMOD)"
+#endif
+#ifdef BATTEN_HAVE_CGAL
+                             "\nmeshes: CGAL Mesh_2 and fan";
+#else
+                             "\nmeshes: fan only (built without CGAL)";
+#endif
+
+const char* const kExamples = R"(
+Examples:
+  batten skin outline.csv --out result          lines to a surface: STEP, VTK, report
+  batten run hood.toml --out result             everything a scene asks for
+  batten run hood.toml --out result --set crown=4
+  batten info hood.toml                         its lines and its parameters
+  batten view hood.toml --screenshot hood.png   a picture (needs a display, or xvfb-run)
+
+Exit codes:
+  0 done   1 bad input   2 constraints in conflict   3 no solution
+  4 done, but a promise was missed (which, by how much: see the report)   130 cancelled
+)";
+
+struct Arguments {
+  std::string file, out, unit = "mm", screenshot, show = "shaded";
+  std::vector<std::string> files, inner, settings;
+  std::vector<double> angles;
+  double edge_length = 0, pressure = 0;
+  int threads = 0, contours = 0;
+  bool quiet = false;
+};
+
+int finish(const Report& report, const Arguments& a) {
+  end_progress();
+  if (!a.quiet) std::cout << summary(report, a.out);
+  for (const auto& w : report.warnings) std::cerr << "warning: " << w << "\n";
+  for (const auto& m : report.missed)
+    std::cerr << "promise missed: " << m.what << " " << m.detail << "\n";
+  return report.missed.empty() ? kDone : kMissed;
+}
+
+int run(const Arguments& a) {
+  Scene scene = read_scene(a.file);
+  apply_settings(scene, a.settings);
+  return finish(run_scene(scene, a.out, terminal_progress(a.quiet)), a);
+}
+
+Scene lines_scene(const Arguments& a) {
+  Scene scene =
+      scene_of_lines({a.files.begin(), a.files.end()}, {a.inner.begin(), a.inner.end()}, a.unit);
+  scene.skin.options.edge_length = a.edge_length;
+  if (a.pressure != 0) {
+    SceneLoad load;
+    load.name = "pressure";
+    load.value = a.pressure;
+    scene.loads.push_back(load);
+  }
+  return scene;
+}
+
+int skin(const Arguments& a) {
+  return finish(run_scene(lines_scene(a), a.out, terminal_progress(a.quiet)), a);
+}
+
+int info(const Arguments& a) {
+  std::cout << file_info(a.file, a.unit);
+  return kDone;
+}
+
+int view(Arguments a) {
+  Scene scene;
+  if (a.file.ends_with(".toml")) {
+    scene = read_scene(a.file);
+    apply_settings(scene, a.settings);
+  } else {
+    a.files = {a.file};
+    scene = lines_scene(a);
+  }
+  PictureScene look;
+  using Field = PictureScene::Field;
+  look.title = scene.name;
+  look.field = a.show == "shaded"           ? Field::None
+               : a.show == "mean_curvature" ? Field::Mean
+                                            : Field::Gauss;
+  look.contours = a.contours;
+  if (!a.angles.empty()) {
+    look.azimuth = a.angles[0];
+    look.elevation = a.angles[1];
+  }
+  view_scene(scene, look, a.screenshot, terminal_progress(a.quiet));
+  end_progress();
+  if (!a.quiet) std::cout << a.screenshot << "\n";
+  return kDone;
+}
+
+int command(int argc, char** argv) {
+  Arguments a;
+  CLI::App app("Batten: continuous surfaces that shape themselves", "batten");
+  app.footer(kExamples);
+  app.set_version_flag("--version", kVersion);
+  app.require_subcommand(1);
+
+  const auto common = [&](CLI::App* sub) {
+    sub->add_option("--threads", a.threads, "Threads to use; the number of cores unless given")
+        ->check(CLI::Range(1, 1024));
+    sub->add_flag("--quiet", a.quiet, "Print errors only");
+  };
+  const auto lengths = [&](CLI::App* sub) {
+    sub->add_option("--unit", a.unit, "Unit of lengths")
+        ->check(CLI::IsMember(length_units()))
+        ->capture_default_str();
+  };
+
+  auto* run_command = app.add_subcommand("run", "Do everything a scene asks for");
+  run_command->add_option("scene", a.file, "Scene (.toml)")->required();
+  run_command->add_option("--out", a.out, "Folder for all files, report.json too")->required();
+  run_command->add_option("--set", a.settings, "Set a parameter of the scene: name=value")
+      ->take_all()
+      ->allow_extra_args(false);
+  common(run_command);
+
+  auto* skin_command =
+      app.add_subcommand("skin", "From files of lines straight to a surface: STEP, VTK, report");
+  skin_command->add_option("lines", a.files, "Outline: .csv .txt .xyz .dat .obj .iges .step")
+      ->required();
+  skin_command->add_option("--inner", a.inner, "A file of inner lines")->allow_extra_args(false);
+  skin_command->add_option("--out", a.out, "Folder for all files")->required();
+  lengths(skin_command);
+  skin_command->add_option("--edge-length", a.edge_length, "Target length of element edges")
+      ->check(CLI::PositiveNumber);
+  skin_command->add_option("--pressure", a.pressure, "Pressure along the normal, relative units");
+  common(skin_command);
+
+  auto* info_command =
+      app.add_subcommand("info", "What is in a scene, a file of lines, a STEP file");
+  info_command->add_option("file", a.file, "The file")->required();
+  lengths(info_command);
+
+  auto* view_command =
+      app.add_subcommand("view", "A picture of a scene's or a line file's surface");
+  view_command->add_option("file", a.file, "Scene (.toml) or file of lines")->required();
+  view_command->add_option("--screenshot", a.screenshot, "The picture to write (.png)")->required();
+  view_command->add_option("--set", a.settings, "Set a parameter of the scene: name=value")
+      ->take_all()
+      ->allow_extra_args(false);
+  view_command->add_option("--show", a.show, "What to show")
+      ->check(CLI::IsMember({"shaded", "mean_curvature", "gauss_curvature"}))
+      ->capture_default_str();
+  view_command->add_option("--contours", a.contours, "Number of contour lines")
+      ->check(CLI::Range(0, 1000));
+  view_command->add_option("--view", a.angles, "Azimuth and elevation, degrees")->expected(2);
+  lengths(view_command);
+  common(view_command);
+
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& e) {
+    return app.exit(e) == 0 ? kDone : kBadInput;
+  }
+  set_thread_count(a.threads);
+  catch_interrupts();
+  if (*run_command) return run(a);
+  if (*skin_command) return skin(a);
+  if (*info_command) return info(a);
+  return view(a);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  int code = kBadInput;
+  std::string message;
+  try {
+    code = command(argc, argv);
+  } catch (const ConflictError& e) {
+    code = kConflict;
+    message = e.what();
+  } catch (const NoSolutionError& e) {
+    code = kNoSolution;
+    message = e.what();
+  } catch (const CancelledError& e) {
+    code = kCancelled;
+    message = e.what();
+  } catch (const InputError& e) {
+    message = e.what();
+  } catch (const std::bad_alloc&) {
+    code = kNoSolution;
+    message = "not enough memory";
+  } catch (const std::exception& e) {
+    code = kNoSolution;
+    message = std::string("unexpected: ") + e.what();
+  }
+  end_progress();
+  if (!message.empty()) std::cerr << "batten: " << message << "\n";
+  return code;
+}

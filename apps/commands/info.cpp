@@ -1,0 +1,68 @@
+#include "batten/apps/commands/info.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "batten/apps/commands/line_files.h"
+#include "batten/io/step.h"
+#include "batten/skinning/line_fit.h"
+
+namespace batten {
+namespace {
+
+std::string point_text(const Vec3& p) {
+  return "(" + number(p[0]) + ", " + number(p[1]) + ", " + number(p[2]) + ")";
+}
+
+std::string lines_text(const std::vector<CharacterLine>& lines, const std::string& unit) {
+  std::string text = std::to_string(lines.size()) + (lines.size() == 1 ? " line" : " lines") +
+                     ", lengths in " + unit + "\n";
+  size_t width = 0;
+  for (const auto& line : lines) width = std::max(width, line.name.size());
+  for (const auto& line : lines) {
+    const auto& c = *line.curve;
+    text += "  " + line.name + std::string(width - line.name.size() + 2, ' ') + "length " +
+            number(ArcLength(line.curve).total()) + "  from " + point_text(c.evaluate(c.start())) +
+            " to " + point_text(c.evaluate(c.end())) +
+            (line.role == CharacterLine::Role::Inner ? "  inner" : "") + "\n";
+  }
+  return text;
+}
+
+std::string scene_text(const Scene& scene) {
+  std::string text = "scene '" + scene.name + "', unit " + scene.unit + "\n" +
+                     lines_text(read_lines(scene), scene.unit) + "parameters (--set name=value)\n";
+  for (const Parameter& p : scene.parameters()) {
+    text += "  " + p.name + " = " + number(p.value);
+    if (std::isfinite(p.min) || std::isfinite(p.max))
+      text += "  (" + (std::isfinite(p.min) ? "from " + number(p.min) : std::string("any")) +
+              (std::isfinite(p.max) ? " to " + number(p.max) : " up") + ")";
+    text += "\n";
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string file_info(const std::filesystem::path& file, const std::string& unit) {
+  if (!std::filesystem::is_regular_file(file))
+    throw InputError(file.string() + ": found no such file, expected a scene or a file of lines");
+  if (file.extension() == ".toml") return scene_text(read_scene(file));
+  if (line_file_kind(file) == LineFileKind::None)
+    throw InputError(file.string() + ": found the ending '" + file.extension().string() +
+                     "', expected .toml, .csv, .txt, .xyz, .dat, .obj, .iges or .step");
+  std::string text;
+  const std::string ending = file.extension().string();
+  if (ending == ".step" || ending == ".stp") {
+    const StepReport step = check_step(file, unit_in_metres(unit));
+    if (step.faces > 0)
+      return std::to_string(step.faces) + " faces in " + std::to_string(step.shells) +
+             " shells, lengths in " + unit + "\n  " + (step.valid ? "valid" : "NOT valid") +
+             ", area " + number(step.area) + ", largest gap " + number(step.max_gap) +
+             ", largest normal jump " + number(step.max_normal_jump_deg) + " degrees, " +
+             std::to_string(step.free_edges) + " rim edges\n";
+  }
+  return lines_text(read_line_file(file, unit, unit, 20), unit);
+}
+
+}  // namespace batten

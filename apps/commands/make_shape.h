@@ -1,0 +1,27 @@
+// From a scene to its shape: lines → layout → constraints → sculpting.
+#pragma once
+
+#include <vector>
+
+#include "batten/io/scene.h"
+#include "batten/skinning/skin.h"
+
+namespace batten {
+
+/// The region of a scene before it has a shape. It does not depend on parameters: one layout serves
+/// all their values. Throws InputError.
+RegionLayout lay_out(const Scene& scene, const std::vector<CharacterLine>& lines,
+                     const Progress& progress = {});
+
+struct MadeShape {
+  SkinnedRegion region;
+  Surface unloaded;  ///< what the lines alone make: same mesh, no loads, no [[constraint]]
+  SculptResult sculpt;
+  double max_normal_constraint_deg = 0;  ///< measured at the vertices that a [[constraint]] holds
+};
+
+/// The shape that a scene's constraints, loads and material make of its layout.
+/// Throws ConflictError, NoSolutionError, InputError, CancelledError.
+MadeShape make_shape(const RegionLayout& layout, const Scene& scene, const Progress& progress = {});
+
+}  // namespace batten

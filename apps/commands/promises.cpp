@@ -1,0 +1,35 @@
+#include "batten/apps/commands/promises.h"
+
+#include <cmath>
+
+namespace batten {
+
+std::vector<MissedPromise> broken_promises(const Report& report, double tolerance) {
+  std::vector<MissedPromise> missed = numbers_that_failed(report);
+  const auto at_most = [&](const std::string& what, double value, double limit) {
+    if (value > limit)
+      missed.push_back({what, "is " + number(value) + ", promised at most " + number(limit)});
+  };
+  const auto& s = report.surface;
+  for (const auto& line : report.lines)
+    at_most("lines." + line.name + ".deviation", line.deviation, tolerance);
+  if (s.hold == "lines") {
+    at_most("surface.max_line_residual", s.quality.max_line_residual, 1e-10);
+    at_most("surface.max_line_deviation", s.quality.max_line_deviation, tolerance);
+  }
+  at_most("surface.max_constraint_residual", s.max_constraint_residual, 1e-10);
+  at_most("surface.max_normal_constraint_deg", s.max_normal_constraint_deg, 1e-6);
+  at_most("surface.max_normal_jump_deg", s.quality.max_normal_jump_deg, 1e-3);
+  if (s.quality.min_jacobian_ratio < 0.05)
+    missed.push_back({"surface.min_jacobian_ratio",
+                      "is " + number(s.quality.min_jacobian_ratio) + ", promised at least 0.05"});
+  at_most("surface.singular_nodes", s.quality.singular_nodes, 0);
+  if (report.step) {
+    if (!report.step->valid) missed.push_back({"step.valid", "is false, promised true"});
+    at_most("step.max_gap", report.step->max_gap, 1e-9 * s.size);
+    at_most("step.max_normal_jump_deg", report.step->max_normal_jump_deg, 1e-3);
+  }
+  return missed;
+}
+
+}  // namespace batten

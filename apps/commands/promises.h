@@ -1,0 +1,21 @@
+// What a result must keep to be called done.
+#pragma once
+
+#include <vector>
+
+#include "batten/io/report.h"
+
+namespace batten {
+
+/// The promises that the measured numbers break, and numbers that could not be computed.
+///
+///   lines     deviation of input from fitted curve ≤ tolerance
+///   surface   constraint residual ≤ 1e-10 of the region's size, held normals ≤ 1e-6°,
+///             normal jump inside ≤ 1e-3°, Jacobian ≥ 0.05 of its median, no singular node;
+///             when lines are held: line residual ≤ 1e-10, line deviation ≤ tolerance
+///   step      valid, gap ≤ 1e-9 of the size, normal jump ≤ 1e-3°
+///
+/// `tolerance`: of lines, model units.
+std::vector<MissedPromise> broken_promises(const Report& report, double tolerance);
+
+}  // namespace batten

@@ -1,0 +1,331 @@
+#include "batten/apps/commands/run_scene.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "batten/apps/commands/line_files.h"
+#include "batten/apps/commands/make_shape.h"
+#include "batten/apps/commands/output_folder.h"
+#include "batten/apps/commands/promises.h"
+#include "batten/io/calculix.h"
+#include "batten/io/step.h"
+#include "batten/io/vtk_files.h"
+#include "batten/io/whole_file.h"
+#include "batten/skinning/line_fit.h"
+
+namespace batten {
+namespace {
+
+/// Seconds of each stage, into the report.
+class Stopwatch {
+ public:
+  explicit Stopwatch(Report& report) : report_(report) {}
+  void lap(const std::string& stage) {
+    const auto now = Clock::now();
+    report_.timings.emplace_back(stage, std::chrono::duration<double>(now - last_).count());
+    last_ = now;
+  }
+  void total() {
+    report_.timings.emplace_back("total",
+                                 std::chrono::duration<double>(Clock::now() - start_).count());
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  Report& report_;
+  Clock::time_point start_ = Clock::now(), last_ = start_;
+};
+
+/// Largest distance from samples of the user's line to the fitted curve.
+double deviation(const LineRun& run) {
+  const auto breaks = run.line.curve->breaks();
+  const int samples = std::clamp<int>(2000 / static_cast<int>(breaks.size()), 4, 64);
+  double largest = 0;
+  for (size_t i = 0; i + 1 < breaks.size(); ++i)
+    for (int k = 0; k <= samples; ++k) {
+      const double t = breaks[i] + (breaks[i + 1] - breaks[i]) * k / samples;
+      const double d = run.fitted.closest_point(run.line.curve->evaluate(t)).distance;
+      if (!(d <= largest)) largest = d;
+    }
+  return largest;
+}
+
+void measure_into(Report& report, const MadeShape& made) {
+  for (const LineRun& run : made.region.runs)
+    report.lines.push_back({run.line.name, run.line.role == CharacterLine::Role::Inner,
+                            ArcLength(run.line.curve).total(), deviation(run),
+                            run.fitted.node_count()});
+  auto& s = report.surface;
+  s.triangles = made.region.surface.mesh().triangle_count();
+  s.dofs = made.region.surface.dof_map().count();
+  s.element = made.region.surface.kind() == TriangleElement::HCT ? "hct" : "z12";
+  s.size = made.region.size;
+  s.quality = measure(made.region);
+  s.bending_energy = made.sculpt.energy.bending;
+  s.max_constraint_residual = made.sculpt.max_constraint_residual;
+  s.max_normal_constraint_deg = made.max_normal_constraint_deg;
+  s.load_steps = made.sculpt.load_steps;
+  s.iterations = made.sculpt.iterations;
+  s.last_change = made.sculpt.last_change;
+  for (const auto& r : made.sculpt.reactions) report.reactions.push_back({r.name, r.force});
+}
+
+void write_step_into(Report& report, const Scene& scene, const MadeShape& made,
+                     const OutputFolder& out) {
+  const std::vector<const Surface*> surfaces = {&made.region.surface};
+  const std::string warning = step_size_warning(surfaces);
+  if (!warning.empty()) report.warnings.push_back(warning);
+  StepOptions options;
+  options.name = scene.name;
+  options.z12_as_hct = true;
+  const StepReport step =
+      write_step(out.file(scene.step), surfaces, unit_in_metres(scene.unit), options);
+  report.step = Report::Step{scene.step,
+                             step.faces,
+                             step.max_deviation.value_or(std::nan("")),
+                             step.max_gap,
+                             step.max_normal_jump_deg,
+                             step.valid};
+  if (step.unmeasured > 0)
+    report.missed.push_back(
+        {"step", "has " + std::to_string(step.unmeasured) + " places that could not be measured"});
+  for (const auto& w : step.warnings) report.warnings.push_back(scene.step + ": " + w);
+  if (made.region.surface.kind() == TriangleElement::Z12)
+    report.warnings.push_back(
+        scene.step + ": Z12 is rational and no STEP surface; written by HCT triangles that share " +
+        "its edges, largest distance " + number(report.step->max_deviation) + " " + scene.unit);
+  report.files.push_back(scene.step);
+}
+
+/// A line that was cut at its corners is there as "name.1", "name.2", …
+bool is_part_of(const std::string& run, const std::string& line) {
+  return run == line || (run.starts_with(line + ".") &&
+                         run.find_first_not_of("0123456789", line.size() + 1) == std::string::npos);
+}
+
+ShellDeck deck_of(const Scene& scene, const SkinnedRegion& region) {
+  const SceneStress& stress = *scene.stress;
+  ShellDeck deck;
+  deck.thickness = stress.thickness;
+  deck.young = stress.young;
+  deck.poisson = stress.poisson;
+  deck.density = stress.density;
+  deck.pressure = stress.pressure;
+  deck.gravity = stress.gravity;
+  deck.units = "lengths in " + scene.unit;
+  std::vector<std::string> names;
+  for (const auto& run : region.runs) names.push_back(run.line.name);
+  for (const auto& support : stress.supports) {
+    const size_t before = deck.supports.size();
+    for (const auto& name : names)
+      if (is_part_of(name, support.line.text))
+        deck.supports.push_back({name, support.clamped ? ShellDeck::Support::Kind::Clamped
+                                                       : ShellDeck::Support::Kind::Pinned});
+    if (deck.supports.size() == before)
+      throw InputError(scene.at(support.line.place) + "found a support on the line '" +
+                       support.line.text + "', expected one of: " + listed(names) +
+                       did_you_mean(support.line.text, names));
+  }
+  return deck;
+}
+
+PictureScene picture_of(const PictureScene& look, const SkinnedRegion& region) {
+  PictureScene picture = look;
+  picture.regions = {&region};
+  return picture;
+}
+
+void draw_sweep(const RegionLayout& layout, const Scene& scene, const SceneSweep& sweep,
+                const std::filesystem::path& file, const Progress& progress) {
+  std::vector<MadeShape> shapes;
+  for (size_t i = 0; i < sweep.values.size(); ++i) {
+    progress.at("sweep of " + sweep.parameter,
+                static_cast<double>(i) / static_cast<double>(sweep.values.size()));
+    Scene panel = scene;
+    panel.set(sweep.parameter, sweep.values[i], "");
+    try {
+      shapes.push_back(make_shape(layout, panel, {{}, progress.cancelled}));
+    } catch (const NoSolutionError& e) {
+      throw NoSolutionError("sweep at " + sweep.parameter + " = " + number(sweep.values[i]) + ": " +
+                            e.what());
+    }
+  }
+  const int count = static_cast<int>(shapes.size());
+  const int columns = sweep.columns > 0
+                          ? std::min(sweep.columns, count)
+                          : static_cast<int>(std::ceil(std::sqrt(static_cast<double>(count))));
+  std::vector<PictureScene> panels;
+  for (int i = 0; i < count; ++i) {
+    PictureScene panel = picture_of(sweep.picture.look, shapes[i].region);
+    panel.title +=
+        (panel.title.empty() ? "" : ", ") + sweep.parameter + " = " + number(sweep.values[i]);
+    panels.push_back(panel);
+  }
+  draw_contact_sheet(file, panels, columns, sweep.picture.size);
+}
+
+/// Pictures need a display; a result without them is still a result, but not what was asked for.
+void draw_all(Report& report, const RegionLayout& layout, const Scene& scene, const MadeShape& made,
+              const OutputFolder& out, const Progress& progress) {
+  if (scene.pictures.empty() && scene.sweeps.empty()) return;
+  try {
+    require_display();
+  } catch (const InputError& e) {
+    for (const auto& picture : scene.pictures)
+      report.missed.push_back({picture.file, std::string("is not drawn: ") + e.what()});
+    for (const auto& sweep : scene.sweeps)
+      report.missed.push_back({sweep.picture.file, std::string("is not drawn: ") + e.what()});
+    return;
+  }
+  for (const auto& picture : scene.pictures) {
+    progress.at("picture " + picture.file, 0);
+    draw_picture(out.file(picture.file), picture_of(picture.look, made.region), picture.size);
+    report.files.push_back(picture.file);
+  }
+  for (const auto& sweep : scene.sweeps) {
+    draw_sweep(layout, scene, sweep, out.file(sweep.picture.file), progress);
+    report.files.push_back(sweep.picture.file);
+  }
+}
+
+std::string result_line(const std::string& label, const std::string& text) {
+  return "  " + label + std::string(12 - label.size(), ' ') + text + "\n";
+}
+
+}  // namespace
+
+void apply_settings(Scene& scene, const std::vector<std::string>& settings) {
+  for (const std::string& setting : settings) {
+    const std::string where = "--set " + setting + ": ";
+    const size_t equals = setting.find('=');
+    if (equals == std::string::npos || equals == 0)
+      throw InputError(where + "found no '=', expected name=value");
+    const std::string text = setting.substr(equals + 1);
+    char* end = nullptr;
+    const double value = std::strtod(text.c_str(), &end);
+    if (text.empty() || *end != '\0' || !std::isfinite(value))
+      throw InputError(where + "found '" + text + "', expected a number");
+    scene.set(setting.substr(0, equals), value, where);
+  }
+}
+
+Scene scene_of_lines(const std::vector<std::filesystem::path>& outline,
+                     const std::vector<std::filesystem::path>& inner, const std::string& unit) {
+  Scene scene;
+  scene.unit = unit;
+  scene.name = outline.front().stem().string();
+  for (const auto* files : {&outline, &inner})
+    for (const auto& file : *files) {
+      SceneLine line;
+      line.file = file;
+      line.role = files == &inner ? CharacterLine::Role::Inner : CharacterLine::Role::Outline;
+      scene.lines.push_back(line);
+    }
+  scene.step = scene.name + ".step";
+  scene.vtp = scene.name + ".vtp";
+  return scene;
+}
+
+Report run_scene(const Scene& scene, const std::filesystem::path& folder,
+                 const Progress& progress) {
+  OutputFolder out(folder);
+  Report report;
+  report.name = scene.name;
+  report.unit = scene.unit;
+  report.parameters = scene.parameters();
+  report.surface.hold = scene.skin.hold == SceneSkin::Hold::Corners ? "corners" : "lines";
+  Stopwatch watch(report);
+
+  progress.at("lines", 0);
+  const std::vector<CharacterLine> lines = read_lines(scene);
+  watch.lap("lines");
+  const RegionLayout layout = lay_out(scene, lines, progress);
+  report.warnings = layout.warnings();
+  watch.lap("layout");
+  const MadeShape made = make_shape(layout, scene, progress);
+  watch.lap("sculpt");
+  progress.at("measuring", 0);
+  measure_into(report, made);
+  watch.lap("measure");
+
+  progress.at("files", 0);
+  VtkOptions vtk;
+  if (!scene.loads.empty() || !scene.constraints.empty()) vtk.references = {&made.unloaded};
+  if (!scene.step.empty()) {
+    progress.at(
+        "STEP, " + std::to_string(3 * made.region.surface.mesh().triangle_count()) + " faces", 0);
+    write_step_into(report, scene, made, out);
+    watch.lap("step");
+  }
+  if (!scene.vtp.empty() || !scene.vtu.empty()) {
+    progress.at("VTK", 0);
+    if (!scene.vtp.empty()) write_vtp(out.file(scene.vtp), {&made.region}, vtk);
+    if (!scene.vtu.empty()) write_vtu(out.file(scene.vtu), {&made.region}, vtk);
+    for (const auto& file : {scene.vtp, scene.vtu})
+      if (!file.empty()) report.files.push_back(file);
+    watch.lap("vtk");
+  }
+  if (!scene.calculix.empty()) {
+    write_calculix(out.file(scene.calculix), made.region, deck_of(scene, made.region));
+    report.files.push_back(scene.calculix);
+    watch.lap("calculix");
+  }
+  if (!scene.pictures.empty() || !scene.sweeps.empty()) {
+    draw_all(report, layout, scene, made, out, progress);
+    watch.lap("pictures");
+  }
+  watch.total();
+
+  const double tolerance =
+      scene.skin.options.tolerance > 0 ? scene.skin.options.tolerance : 1e-4 * layout.size();
+  const auto broken = broken_promises(report, tolerance);
+  report.missed.insert(report.missed.end(), broken.begin(), broken.end());
+  report.files.push_back("report.json");
+  write_whole_file(out.file("report.json"), [&](std::ostream& file) { file << to_json(report); });
+  progress.at("files", 1);
+  out.commit();
+  return report;
+}
+
+void view_scene(const Scene& scene, const PictureScene& look, const std::filesystem::path& file,
+                const Progress& progress) {
+  require_display();
+  const RegionLayout layout = lay_out(scene, read_lines(scene), progress);
+  const MadeShape made = make_shape(layout, scene, progress);
+  draw_picture(file, picture_of(look, made.region));
+}
+
+std::string summary(const Report& report, const std::filesystem::path& folder) {
+  const auto& s = report.surface;
+  const auto& q = s.quality;
+  const std::string unit = " " + report.unit;
+  double deviation = 0;
+  for (const auto& line : report.lines) deviation = std::max(deviation, line.deviation);
+
+  std::string text = report.name + "\n";
+  text += result_line(
+      "lines", std::to_string(report.lines.size()) + ", fitted within " + number(deviation) + unit);
+  text +=
+      result_line("surface", std::to_string(s.triangles) + " triangles, " + std::to_string(s.dofs) +
+                                 " unknowns a coordinate, area " + number(q.area) + unit + "²");
+  text += s.hold == "lines"
+              ? result_line("held lines", "residual " + number(q.max_line_residual) +
+                                              ", surface to your lines " +
+                                              number(q.max_line_deviation) + unit)
+              : result_line("held", "corners only, residual " + number(s.max_constraint_residual));
+  text += result_line("quality", "Jacobian " + number(q.min_jacobian_ratio) +
+                                     " of its median, normal jump " +
+                                     number(q.max_normal_jump_deg) + " degrees");
+  if (report.step)
+    text += result_line("STEP", std::to_string(report.step->faces) + " faces, " +
+                                    (report.step->valid ? "valid" : "NOT valid") + ", gap " +
+                                    number(report.step->max_gap) + unit);
+  for (const auto& [stage, seconds] : report.timings)
+    if (stage == "total") text += result_line("time", number(seconds) + " s");
+  text += "files in " + folder.string() + ":\n";
+  for (const auto& file : report.files) text += "  " + file + "\n";
+  return text;
+}
+
+}  // namespace batten

@@ -1,0 +1,50 @@
+// OpenCASCADE's process-wide settings, changed for one task only.
+#pragma once
+
+#include <Message_SequenceOfPrinters.hxx>
+#include <mutex>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace batten {
+
+/// While one of these lives, OpenCASCADE's translators have the settings given by set() and print
+/// nothing; when it dies, settings, unit and printers are what they were before. The settings
+/// belong to the whole process, so only one thread at a time can hold a guard (others wait).
+///
+///     OccSettings occ;
+///     occ.set("xstep.cascade.unit", "MM");
+///     STEPControl_Reader reader;
+class OccSettings {
+ public:
+  OccSettings();
+  ~OccSettings();
+  OccSettings(const OccSettings&) = delete;
+  OccSettings& operator=(const OccSettings&) = delete;
+
+  /// Throws std::logic_error when OpenCASCADE does not know the setting or refuses the value.
+  void set(const char* name, const char* value);
+  void set(const char* name, int value);
+  void set(const char* name, double value);
+
+  /// OpenCASCADE reads into, and writes from, coordinates in this unit ("MM", "M", "INCH" …); the
+  /// unit of a file that is written is the same, so that its coordinates are the given ones.
+  void set_unit(const std::string& name);
+
+  /// OpenCASCADE's name of a length unit, or "" for a unit that STEP files of OpenCASCADE cannot
+  /// have. Known: UM, MM, CM, M, KM, INCH, FT, MI, MIL, UIN.
+  static std::string unit_name(double unit_in_metres);
+
+ private:
+  void keep(const char* name);
+
+  std::unique_lock<std::recursive_mutex> lock_;
+  std::vector<std::pair<std::string, std::string>> texts_;
+  std::vector<std::pair<std::string, int>> integers_;
+  std::vector<std::pair<std::string, double>> reals_;
+  double cascade_unit_;  // millimetres
+  Message_SequenceOfPrinters printers_;
+};
+
+}  // namespace batten

@@ -1,0 +1,55 @@
+// Pictures of surfaces, drawn without a window on the screen.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "batten/skinning/region.h"
+
+namespace batten {
+
+/// What one picture shows and from where. Parallel projection, z upwards; the camera is moved so
+/// that everything fits.
+struct PictureScene {
+  enum class Field {
+    None,  ///< one colour
+    Mean,  ///< mean curvature, blue below 0, red above
+    Gauss  ///< Gauss curvature, the same
+  };
+
+  std::vector<const SkinnedRegion*> regions;
+  std::string title;          ///< UTF-8; made smaller, then shortened, when it is too wide
+  Field field = Field::None;  ///< its scale is symmetric and holds 98 % of the points
+  int contours = 0;           ///< lines of equal height, evenly spaced between lowest and highest
+  Vec3 contour_direction = Vec3::UnitZ();  ///< in which heights are measured
+  int parameter_lines = 0;  ///< lines of equal u, and as many of equal v, evenly spaced
+  bool lines = true;        ///< character lines, as tubes
+  bool mesh = false;        ///< element edges
+  /// Where the camera stands, degrees: azimuth 0 looks along +y, 90 along -x (the camera goes
+  /// counter-clockwise seen from above); elevation above the horizon, -90 to 90.
+  double azimuth = -30, elevation = 30;
+  double zoom = 1;       ///< 1: all in view
+  int tessellation = 0;  ///< facets along each element edge; 0: as many as look smooth
+};
+
+struct PictureSize {
+  int width = 1600, height = 1000;  ///< pixels, 64 to 4096
+};
+
+/// Throws InputError when there is no X server that VTK can draw with: VTK itself would end the
+/// program. Call it before a long computation that ends in pictures. Main thread only.
+void require_display();
+
+/// Draws one PNG. Whole or not at all; main thread only. About 1 s with software OpenGL.
+/// Throws InputError: no display, no region, a value out of its range, a file that cannot be
+/// written.
+void draw_picture(const std::filesystem::path& path, const PictureScene& scene,
+                  const PictureSize& size = {});
+
+/// Several scenes in one PNG, row by row, with their titles as captions below them. `size` is that
+/// of the whole sheet.
+void draw_contact_sheet(const std::filesystem::path& path, const std::vector<PictureScene>& scenes,
+                        int columns, const PictureSize& size = {});
+
+}  // namespace batten

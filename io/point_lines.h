@@ -1,0 +1,38 @@
+// Lines given as points in text files.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "batten/core/eigen.h"
+
+namespace batten {
+
+/// One line of a file: its points in their order, two or more.
+struct NamedPoints {
+  std::string name;          ///< unique in the file
+  std::vector<Vec3> points;  ///< model units
+  int first_line = 0;        ///< where it starts in the file, counted from 1: for messages
+};
+
+/// Reads the lines of a file; the format follows from its extension.
+///
+///   .csv .txt .xyz .dat   One point a row, 2 or 3 numbers with commas, semicolons, tabs or blanks
+///                         between them (2: z = 0). Decimal points, never decimal commas. '#' and
+///                         '//' start comments. The first row may be a header (words only). Blank
+///                         rows, or rows of separators only, separate lines. Names: the file's
+///                         name, with _1, _2, … when there are several lines.
+///   .obj                  `v` and `l` records, indices from 1 or negative (from the end); each `l`
+///                         record is one line, named after the last `o` or `g` record before it
+///                         (numbered when several share the name), else after the file. Everything
+///                         else in the file is passed over.
+///
+/// A UTF-8 byte-order mark and CRLF line ends are accepted. `file_unit_over_model_unit` multiplies
+/// all numbers. About 3 million points a second, the whole file in memory.
+/// Throws InputError, "file:line:column: found X, expected Y": also for a file that is missing or
+/// without points, a line of one point, numbers that are not finite.
+std::vector<NamedPoints> read_point_lines(const std::filesystem::path& path,
+                                          double file_unit_over_model_unit = 1);
+
+}  // namespace batten

@@ -1,0 +1,115 @@
+#include "batten/io/report.h"
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+namespace batten {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json contents(const Report& r) {
+  Json json;
+  json["name"] = r.name;
+  json["unit"] = r.unit;
+
+  double max_deviation = 0;
+  Json each = Json::array();
+  for (const auto& line : r.lines) {
+    // A number that is not one must win over those that are.
+    if (!(line.deviation <= max_deviation)) max_deviation = line.deviation;
+    each.push_back({{"name", line.name},
+                    {"role", line.inner ? "inner" : "outline"},
+                    {"length", line.length},
+                    {"deviation", line.deviation},
+                    {"nodes", line.nodes}});
+  }
+  json["lines"] = {{"count", r.lines.size()}, {"max_deviation", max_deviation}, {"each", each}};
+
+  const auto& s = r.surface;
+  const auto& q = s.quality;
+  json["surface"] = {{"regions", s.regions},
+                     {"triangles", s.triangles},
+                     {"dofs", s.dofs},
+                     {"element", s.element},
+                     {"hold", s.hold},
+                     {"size", s.size},
+                     {"area", q.area},
+                     {"bending_energy", s.bending_energy},
+                     {"max_line_residual", q.max_line_residual},
+                     {"max_line_deviation", q.max_line_deviation},
+                     {"max_constraint_residual", s.max_constraint_residual},
+                     {"max_normal_constraint_deg", s.max_normal_constraint_deg},
+                     {"max_normal_jump_deg", q.max_normal_jump_deg},
+                     {"max_smooth_join_deg", s.max_smooth_join_deg},
+                     {"min_jacobian_ratio", q.min_jacobian_ratio},
+                     {"singular_nodes", q.singular_nodes},
+                     {"load_steps", s.load_steps},
+                     {"iterations", s.iterations},
+                     {"last_change", s.last_change}};
+  if (r.step)
+    json["step"] = {{"file", r.step->file},
+                    {"faces", r.step->faces},
+                    {"max_deviation", r.step->max_deviation},
+                    {"max_gap", r.step->max_gap},
+                    {"max_normal_jump_deg", r.step->max_normal_jump_deg},
+                    {"valid", r.step->valid}};
+
+  json["parameters"] = Json::array();
+  for (const auto& p : r.parameters) {
+    Json parameter = {{"name", p.name}, {"value", p.value}};
+    if (std::isfinite(p.min)) parameter["min"] = p.min;
+    if (std::isfinite(p.max)) parameter["max"] = p.max;
+    json["parameters"].push_back(parameter);
+  }
+  json["reactions"] = Json::array();
+  for (const auto& reaction : r.reactions)
+    json["reactions"].push_back(
+        {{"name", reaction.name},
+         {"force", {reaction.force[0], reaction.force[1], reaction.force[2]}}});
+  json["timings_s"] = Json::object();
+  for (const auto& [stage, seconds] : r.timings) json["timings_s"][stage] = seconds;
+  json["files"] = r.files;
+  json["warnings"] = r.warnings;
+  return json;
+}
+
+/// Replaces numbers that are not finite by words and collects their names.
+void name_failed_numbers(Json& json, const std::string& path, std::vector<MissedPromise>& failed) {
+  if (json.is_number_float() && !std::isfinite(json.get<double>())) {
+    const std::string word = std::isnan(json.get<double>()) ? "nan" : "inf";
+    failed.push_back({path, "could not be computed (" + word + ")"});
+    json = word;
+  } else if (json.is_object()) {
+    for (auto& [key, value] : json.items())
+      name_failed_numbers(value, path.empty() ? key : path + "." + key, failed);
+  } else if (json.is_array()) {
+    for (size_t i = 0; i < json.size(); ++i) {
+      const bool named = json[i].is_object() && json[i].contains("name");
+      const std::string name = named ? json[i]["name"].get<std::string>() : std::to_string(i);
+      name_failed_numbers(json[i], path + "." + name, failed);
+    }
+  }
+}
+
+}  // namespace
+
+std::vector<MissedPromise> numbers_that_failed(const Report& report) {
+  Json json = contents(report);
+  std::vector<MissedPromise> failed;
+  name_failed_numbers(json, "", failed);
+  return failed;
+}
+
+std::string to_json(const Report& report) {
+  Json json = contents(report);
+  std::vector<MissedPromise> failed;
+  name_failed_numbers(json, "", failed);
+  json["missed_promises"] = Json::array();
+  for (const auto& m : report.missed)
+    json["missed_promises"].push_back({{"what", m.what}, {"detail", m.detail}});
+  // Names come from files of any encoding: what is not UTF-8 is replaced.
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace batten

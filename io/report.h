@@ -1,0 +1,70 @@
+// report.json: what was made, measured on the finished result.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "batten/io/scene.h"
+#include "batten/skinning/skin.h"
+
+namespace batten {
+
+/// A promise that the result does not keep.
+struct MissedPromise {
+  std::string what;    ///< "surface.min_jacobian_ratio"
+  std::string detail;  ///< "is 0.01, promised at least 0.05"
+};
+
+/// Lengths in model units, *_residual over the region's size, angles in degrees.
+struct Report {
+  std::string name, unit;
+
+  struct Line {
+    std::string name;
+    bool inner = false;
+    double length = 0;
+    double deviation = 0;  ///< of the input from its fitted curve
+    int nodes = 0;
+  };
+  std::vector<Line> lines;
+
+  struct Surface {
+    int regions = 1, triangles = 0, dofs = 0;
+    std::string element, hold;
+    SkinQuality quality;
+    double size = 0, bending_energy = 0;
+    double max_constraint_residual = 0, max_normal_constraint_deg = 0, max_smooth_join_deg = 0;
+    int load_steps = 0, iterations = 0;
+    double last_change = 0;
+  } surface;
+
+  struct Step {
+    std::string file;
+    int faces = 0;
+    double max_deviation = 0, max_gap = 0, max_normal_jump_deg = 0;
+    bool valid = false;
+  };
+  std::optional<Step> step;  ///< measured on the file read back
+
+  struct Reaction {
+    std::string name;
+    Vec3 force = Vec3::Zero();  ///< net force on the surface, in the units of the loads
+  };
+  std::vector<Reaction> reactions;  ///< of each named constraint
+  std::vector<Parameter> parameters;
+  std::vector<std::pair<std::string, double>> timings;  ///< seconds
+  std::vector<std::string> warnings, files;
+  std::vector<MissedPromise> missed;
+};
+
+/// Numbers of the report that are not finite, by their names in the file ("surface.area").
+std::vector<MissedPromise> numbers_that_failed(const Report& report);
+
+/// The report as JSON text. A number that is not finite cannot stand in JSON: it becomes the word
+/// "nan" or "inf", never null; numbers_that_failed() belongs into `missed` before.
+std::string to_json(const Report& report);
+
+}  // namespace batten

@@ -1,0 +1,252 @@
+#include "batten/io/vtk_files.h"
+
+#include <vtkCellArray.h>
+#include <vtkCellData.h>
+#include <vtkCellType.h>
+#include <vtkDoubleArray.h>
+#include <vtkErrorCode.h>
+#include <vtkFieldData.h>
+#include <vtkIntArray.h>
+#include <vtkNew.h>
+#include <vtkPointData.h>
+#include <vtkPoints.h>
+#include <vtkPolyData.h>
+#include <vtkSmartPointer.h>
+#include <vtkStringArray.h>
+#include <vtkUnstructuredGrid.h>
+#include <vtkXMLPolyDataWriter.h>
+#include <vtkXMLUnstructuredGridWriter.h>
+
+#include <algorithm>
+#include <array>
+
+#include "batten/core/errors.h"
+#include "batten/io/whole_file.h"
+
+namespace batten {
+namespace fs = std::filesystem;
+namespace {
+
+void check(const std::vector<const SkinnedRegion*>& regions, const VtkOptions& options) {
+  if (regions.empty()) throw InputError("there is no region to write");
+  if (options.references.empty()) return;
+  if (options.references.size() != regions.size())
+    throw InputError("found " + std::to_string(options.references.size()) +
+                     " reference surfaces, expected one for each of the " +
+                     std::to_string(regions.size()) + " regions");
+  for (size_t r = 0; r < regions.size(); ++r) {
+    const ParametricMesh &a = regions[r]->surface.mesh(), &b = options.references[r]->mesh();
+    if (a.vertices() != b.vertices() || a.triangles() != b.triangles())
+      throw InputError("region '" + regions[r]->name +
+                       "': the surface that displacements are measured from has another mesh");
+  }
+}
+
+template <class Array>
+vtkSmartPointer<Array> array(const char* name, int components) {
+  auto a = vtkSmartPointer<Array>::New();
+  a->SetName(name);
+  a->SetNumberOfComponents(components);
+  return a;
+}
+
+/// Points of all regions with their data.
+struct PointTable {
+  vtkNew<vtkPoints> points;
+  vtkSmartPointer<vtkDoubleArray> normals = array<vtkDoubleArray>("Normals", 3);
+  vtkSmartPointer<vtkDoubleArray> mean = array<vtkDoubleArray>("Mean_curvature", 1);
+  vtkSmartPointer<vtkDoubleArray> gauss = array<vtkDoubleArray>("Gauss_curvature", 1);
+  vtkSmartPointer<vtkDoubleArray> k1 = array<vtkDoubleArray>("K1", 1);
+  vtkSmartPointer<vtkDoubleArray> k2 = array<vtkDoubleArray>("K2", 1);
+  vtkSmartPointer<vtkDoubleArray> uv = array<vtkDoubleArray>("uv", 3);
+  vtkSmartPointer<vtkDoubleArray> displacement = array<vtkDoubleArray>("Displacement", 3);
+
+  PointTable() { points->SetDataTypeToDouble(); }
+
+  /// Index of the first point added.
+  vtkIdType add(const Surface& surface, const Tessellation& tessellation,
+                const Surface* reference) {
+    const vtkIdType first = points->GetNumberOfPoints();
+    const auto bends = recovered_curvatures(surface, tessellation);
+    for (size_t p = 0; p < bends.size(); ++p) {
+      const Location& where = tessellation.points[p];
+      const SurfaceJet jet = surface.jet(where);
+      points->InsertNextPoint(jet.x.data());
+      normals->InsertNextTuple(jet.normal().eval().data());
+      mean->InsertNextValue(bends[p].mean);
+      gauss->InsertNextValue(bends[p].gauss);
+      k1->InsertNextValue(bends[p].k1);
+      k2->InsertNextValue(bends[p].k2);
+      const Vec2 at = surface.mesh().shape(where.triangle).point(where.L);
+      uv->InsertNextTuple3(at.x(), at.y(), 0);
+      if (!reference) continue;
+      const Vec3 moved = jet.x - reference->position(where);
+      displacement->InsertNextTuple(moved.data());
+    }
+    return first;
+  }
+
+  void give_to(vtkPointSet& grid, bool with_displacement) {
+    grid.SetPoints(points);
+    vtkPointData& data = *grid.GetPointData();
+    data.SetNormals(normals);
+    for (const auto& scalars : {mean, gauss, k1, k2}) data.AddArray(scalars);
+    data.AddArray(uv);
+    if (with_displacement) data.SetVectors(displacement);
+  }
+};
+
+/// Which region, element and line each cell is.
+struct CellTable {
+  vtkSmartPointer<vtkIntArray> region = array<vtkIntArray>("Region", 1);
+  vtkSmartPointer<vtkIntArray> triangle = array<vtkIntArray>("Triangle", 1);
+  vtkSmartPointer<vtkIntArray> line = array<vtkIntArray>("Line", 1);
+
+  void add(size_t region_index, int triangle_index, int line_index) {
+    region->InsertNextValue(static_cast<int>(region_index));
+    triangle->InsertNextValue(triangle_index);
+    line->InsertNextValue(line_index);
+  }
+
+  void append(const CellTable& other) {
+    const vtkIdType here = region->GetNumberOfTuples(), there = other.region->GetNumberOfTuples();
+    region->InsertTuples(here, there, 0, other.region);
+    triangle->InsertTuples(here, there, 0, other.triangle);
+    line->InsertTuples(here, there, 0, other.line);
+  }
+
+  void give_to(vtkPointSet& grid, const std::vector<const SkinnedRegion*>& regions) const {
+    for (const auto& values : {region, triangle, line}) grid.GetCellData()->AddArray(values);
+    const auto region_names = array<vtkStringArray>("Region_names", 1);
+    const auto line_names = array<vtkStringArray>("Line_names", 1);
+    for (const auto* r : regions) {
+      region_names->InsertNextValue(r->name.c_str());
+      for (const LineRun& run : r->runs) line_names->InsertNextValue(run.line.name.c_str());
+    }
+    grid.GetFieldData()->AddArray(region_names);
+    grid.GetFieldData()->AddArray(line_names);
+  }
+};
+
+void write(vtkXMLWriter& writer, vtkDataObject* data, const fs::path& path) {
+  WholeFile file(path);
+  writer.SetInputDataObject(data);
+  writer.SetFileName(file.temporary().c_str());
+  writer.SetDataModeToAppended();
+  writer.SetCompressorTypeToZLib();
+  if (!writer.Write())
+    throw InputError(path.string() + ": cannot write this file: " +
+                     vtkErrorCode::GetStringFromErrorCode(writer.GetErrorCode()));
+  file.commit();
+}
+
+}  // namespace
+
+TessellatedEdges tessellate_with_edges(const ParametricMesh& mesh, int facets_per_edge) {
+  TessellatedEdges result{tessellate(mesh, facets_per_edge), {}};
+  const auto& points = result.tessellation.points;
+  auto& edges = result.edge_points;
+  for (const auto& e : mesh.edges()) edges.push_back({e.low});
+  // After the vertices come the points inside edges, from the lower end, and inside triangles.
+  for (size_t p = static_cast<size_t>(mesh.vertex_count()); p < points.size(); ++p)
+    for (int i = 0; i < 3; ++i)
+      if (points[p].L[i] == 0)
+        edges[mesh.edges_of(points[p].triangle)[i]].push_back(static_cast<int>(p));
+  for (int e = 0; e < mesh.edge_count(); ++e) edges[e].push_back(mesh.edges()[e].high);
+  return result;
+}
+
+vtkSmartPointer<vtkPolyData> to_poly_data(const std::vector<const SkinnedRegion*>& regions,
+                                          const VtkOptions& options) {
+  check(regions, options);
+  PointTable table;
+  CellTable line_cells, facet_cells;
+  vtkNew<vtkCellArray> lines, facets;
+  int line = 0;
+  for (size_t r = 0; r < regions.size(); ++r) {
+    const SkinnedRegion& region = *regions[r];
+    const ParametricMesh& mesh = region.surface.mesh();
+    const auto [tessellation, edge_points] = tessellate_with_edges(mesh, options.facets_per_edge);
+    const vtkIdType first = table.add(region.surface, tessellation,
+                                      options.references.empty() ? nullptr : options.references[r]);
+    for (const LineRun& run : region.runs) {
+      std::vector<vtkIdType> chain;
+      for (size_t k = 0; k < run.edges.size(); ++k) {
+        std::vector<int> piece = edge_points[run.edges[k]];
+        if (piece.front() != run.vertices[k]) std::reverse(piece.begin(), piece.end());
+        for (size_t p = chain.empty() ? 0 : 1; p < piece.size(); ++p)
+          chain.push_back(first + piece[p]);
+      }
+      lines->InsertNextCell(static_cast<vtkIdType>(chain.size()), chain.data());
+      line_cells.add(r, -1, line++);
+    }
+    for (size_t f = 0; f < tessellation.facets.size(); ++f) {
+      const auto& [a, b, c] = tessellation.facets[f];
+      const vtkIdType corners[3] = {first + a, first + b, first + c};
+      facets->InsertNextCell(3, corners);
+      facet_cells.add(r, tessellation.facet_triangle[f], -1);
+    }
+  }
+  auto result = vtkSmartPointer<vtkPolyData>::New();
+  table.give_to(*result, !options.references.empty());
+  result->SetLines(lines);
+  result->SetPolys(facets);
+  line_cells.append(facet_cells);
+  line_cells.give_to(*result, regions);
+  return result;
+}
+
+void write_vtp(const fs::path& path, const std::vector<const SkinnedRegion*>& regions,
+               const VtkOptions& options) {
+  vtkNew<vtkXMLPolyDataWriter> writer;
+  write(*writer, to_poly_data(regions, options), path);
+}
+
+void write_vtu(const fs::path& path, const std::vector<const SkinnedRegion*>& regions,
+               const VtkOptions& options) {
+  check(regions, options);
+  PointTable table;
+  CellTable cells;
+  vtkNew<vtkUnstructuredGrid> grid;
+  std::vector<vtkIdType> first;
+  std::vector<TessellatedEdges> nodes;
+  for (size_t r = 0; r < regions.size(); ++r) {
+    const Surface& surface = regions[r]->surface;
+    nodes.push_back(tessellate_with_edges(surface.mesh(), 2));
+    first.push_back(table.add(surface, nodes[r].tessellation,
+                              options.references.empty() ? nullptr : options.references[r]));
+  }
+  for (size_t r = 0; r < regions.size(); ++r) {
+    const ParametricMesh& mesh = regions[r]->surface.mesh();
+    for (int t = 0; t < mesh.triangle_count(); ++t) {
+      const auto &v = mesh.triangles()[t], &e = mesh.edges_of(t);
+      std::array<vtkIdType, 6> ids{v[0],
+                                   v[1],
+                                   v[2],
+                                   nodes[r].edge_points[e[2]][1],
+                                   nodes[r].edge_points[e[0]][1],
+                                   nodes[r].edge_points[e[1]][1]};
+      for (vtkIdType& id : ids) id += first[r];
+      grid->InsertNextCell(VTK_QUADRATIC_TRIANGLE, 6, ids.data());
+      cells.add(r, t, -1);
+    }
+  }
+  int line = 0;
+  for (size_t r = 0; r < regions.size(); ++r)
+    for (const LineRun& run : regions[r]->runs) {
+      for (size_t k = 0; k < run.edges.size(); ++k) {
+        const std::array<vtkIdType, 3> ids{first[r] + run.vertices[k],
+                                           first[r] + run.vertices[k + 1],
+                                           first[r] + nodes[r].edge_points[run.edges[k]][1]};
+        grid->InsertNextCell(VTK_QUADRATIC_EDGE, 3, ids.data());
+        cells.add(r, -1, line);
+      }
+      ++line;
+    }
+  table.give_to(*grid, !options.references.empty());
+  cells.give_to(*grid, regions);
+  vtkNew<vtkXMLUnstructuredGridWriter> writer;
+  write(*writer, grid, path);
+}
+
+}  // namespace batten

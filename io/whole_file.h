@@ -1,0 +1,41 @@
+// Output files that are written whole or not at all.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <iosfwd>
+
+namespace batten {
+
+/// An output file under way. Libraries write to temporary(), a name in the same folder with the
+/// same extension; commit() gives the file its real name in one step, replacing an older one.
+/// Without a commit nothing is left behind and an older file stays as it was.
+class WholeFile {
+ public:
+  /// Creates the temporary file, so that a folder that is missing or not writable is found out
+  /// before the work is done. Throws InputError with the file and the system's reason; also when
+  /// `path` is there and is not a regular file.
+  explicit WholeFile(std::filesystem::path path);
+  ~WholeFile();
+  WholeFile(const WholeFile&) = delete;
+  WholeFile& operator=(const WholeFile&) = delete;
+
+  const std::filesystem::path& path() const { return path_; }
+  const std::filesystem::path& temporary() const { return temporary_; }
+  /// Call once, after the writer has closed the file. Throws InputError.
+  void commit();
+
+ private:
+  std::filesystem::path path_, temporary_;
+};
+
+/// The same for text that is written to a stream (numbers in the C locale, '\n' line ends). Throws
+/// InputError, also when the disk is full, and whatever `write` throws.
+void write_whole_file(const std::filesystem::path& path,
+                      const std::function<void(std::ostream&)>& write);
+
+/// Makes sure that the folder exists, with all folders above it, and that files can be created in
+/// it. Throws InputError otherwise.
+void make_output_folder(const std::filesystem::path& path);
+
+}  // namespace batten

@@ -1,0 +1,519 @@
+// The program as its users meet it: every case runs batten itself.
+#include <fcntl.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <fstream>
+#include <sstream>
+#include <thread>
+
+#include "batten/tests/catch.h"
+#include "batten/tests/reference.h"
+
+namespace fs = std::filesystem;
+
+namespace {
+
+struct Result {
+  int code = -1;
+  std::string out, err;
+};
+
+std::string contents(const fs::path& file) {
+  std::ostringstream text;
+  text << std::ifstream(file, std::ios::binary).rdbuf();
+  return text.str();
+}
+
+void write(const fs::path& file, const std::string& text) {
+  fs::create_directories(file.parent_path());
+  std::ofstream(file, std::ios::binary) << text;
+}
+
+/// A folder with what one case needs, and the program in it. No display unless asked for.
+class Case {
+ public:
+  explicit Case(const std::string& name) : folder_(batten_test::scratch("cli_" + name)) {}
+  ~Case() { fs::remove_all(folder_); }
+
+  fs::path operator/(const std::string& name) const { return folder_ / name; }
+  void file(const std::string& name, const std::string& text) const { write(folder_ / name, text); }
+
+  /// Starts batten in the folder.
+  pid_t start(const std::vector<std::string>& arguments) const {
+    std::vector<std::string> words = {BATTEN_CLI};
+    words.insert(words.end(), arguments.begin(), arguments.end());
+    std::vector<char*> argv;
+    for (auto& w : words) argv.push_back(w.data());
+    argv.push_back(nullptr);
+    const pid_t child = fork();
+    if (child == 0) {
+      if (chdir(folder_.c_str()) != 0) _exit(127);
+      unsetenv("DISPLAY");
+      dup2(open(".out", O_WRONLY | O_CREAT | O_TRUNC, 0666), STDOUT_FILENO);
+      dup2(open(".err", O_WRONLY | O_CREAT | O_TRUNC, 0666), STDERR_FILENO);
+      execv(argv[0], argv.data());
+      _exit(127);
+    }
+    return child;
+  }
+  Result wait(pid_t child) const {
+    int status = 0;
+    waitpid(child, &status, 0);
+    const int code = WIFEXITED(status) ? WEXITSTATUS(status) : 1000 + WTERMSIG(status);
+    return {code, contents(folder_ / ".out"), contents(folder_ / ".err")};
+  }
+  Result run(const std::vector<std::string>& arguments) const { return wait(start(arguments)); }
+
+  /// `batten run s.toml --out out` on this scene: it must fail like this and leave nothing.
+  void fails(const std::string& scene, int code, const std::vector<std::string>& parts,
+             const std::vector<std::string>& more = {}) const {
+    file("s.toml", scene);
+    std::vector<std::string> arguments = {"run", "s.toml", "--out", "out"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const Result r = run(arguments);
+    INFO("scene:\n" << scene << "\nmessage:\n" << r.err);
+    CHECK(r.code == code);
+    for (const auto& part : parts) {
+      INFO("expected in the message: " << part);
+      CHECK(r.err.find(part) != std::string::npos);
+    }
+    CHECK_FALSE(fs::exists(folder_ / "out"));
+  }
+
+ private:
+  fs::path folder_;
+};
+
+std::string line(const std::string& name, const std::string& points) {
+  return "[[line]]\nname = \"" + name + "\"\npoints = [" + points + "]\n";
+}
+
+/// A square of four lines, 100 wide.
+std::string square() {
+  return line("south", "[0,0,0], [100,0,0]") + line("east", "[100,0,0], [100,100,0]") +
+         line("north", "[100,100,0], [0,100,0]") + line("west", "[0,100,0], [0,0,0]");
+}
+const std::string kUnit = "unit = \"mm\"\n";
+const std::string kCoarse = "[skin]\nedge_length = 30\n";
+const std::string kPressure =
+    "[[load]]\nname = \"crown\"\ntype = \"pressure\"\nvalue = 5\nmin = -1e9\nmax = 1e9\n";
+
+nlohmann::json report(const Case& c, const std::string& folder) {
+  return nlohmann::json::parse(contents(c / (folder + "/report.json")));
+}
+
+}  // namespace
+
+TEST_CASE("run makes what the scene asks for and reports it", "[cli]") {
+  const Case c("run");
+  c.file("s.toml", kUnit + square() + kCoarse + kPressure + R"(
+[[constraint]]
+name = "peak"
+type = "point"
+at = [50, 50, 0]
+to = [50, 50, 12]
+[stress]
+thickness = 1
+young = 210000
+supports = [{line = "south"}, {line = "north", kind = "pinned"}]
+[output]
+step = "s.step"
+vtp = "s.vtp"
+vtu = "s.vtu"
+calculix = "s.inp"
+)");
+  const Result r = c.run({"run", "s.toml", "--out", "a/b"});
+  INFO(r.err);
+  REQUIRE(r.code == 0);
+  CHECK(r.err.empty());
+  for (const char* name : {"s.step", "s.vtp", "s.vtu", "s.inp", "report.json"}) {
+    CHECK(fs::file_size(c / ("a/b/" + std::string(name))) > 100);
+    CHECK(r.out.find(name) != std::string::npos);
+  }
+  CHECK(std::distance(fs::directory_iterator(c / "a/b"), fs::directory_iterator()) == 5);
+
+  const auto json = report(c, "a/b");
+  CHECK(json["missed_promises"].empty());
+  CHECK(json["lines"]["count"] == 4);
+  const auto& s = json["surface"];
+  CHECK(s["max_line_residual"] < 1e-10);
+  CHECK(s["max_constraint_residual"] < 1e-10);
+  CHECK(s["area"] > 10000);  // the square, and the bulge
+  CHECK(s["area"] < 12000);
+  CHECK(s["size"] == Approx(100 * std::sqrt(2.0)));
+  CHECK(json["step"]["valid"] == true);
+  CHECK(json["step"]["faces"] == 3 * s["triangles"].get<int>());
+  CHECK(json["step"]["max_gap"] < 1e-9 * s["size"].get<double>());
+  // What pushes the surface up must be held down by the constraints together.
+  bool peak = false;
+  for (const auto& reaction : json["reactions"]) peak |= reaction["name"] == "peak";
+  CHECK(peak);
+}
+
+TEST_CASE("a parameter set on the command line changes the shape", "[cli]") {
+  const Case c("set");
+  c.file("s.toml", kUnit + square() + kCoarse + kPressure);
+  REQUIRE(c.run({"run", "s.toml", "--out", "a"}).code == 0);
+  REQUIRE(c.run({"run", "s.toml", "--out", "b", "--set", "crown=0"}).code == 0);
+  REQUIRE(c.run({"run", "s.toml", "--out", "c", "--set", "beta=2", "--set", "crown=10", "--quiet",
+                 "--threads", "1"})
+              .code == 0);
+  const double a = report(c, "a")["surface"]["area"], b = report(c, "b")["surface"]["area"];
+  CHECK(a > 10000 * (1 + 1e-9));
+  CHECK(b == Approx(10000).epsilon(1e-12));
+  // Twice the stiffness under twice the load is the same shape.
+  CHECK(report(c, "c")["surface"]["area"].get<double>() == Approx(a).epsilon(1e-9));
+  CHECK(report(c, "c")["parameters"][0]["value"] == 10);
+}
+
+TEST_CASE("the same scene in metres is the same shape", "[cli]") {
+  const Case c("units");
+  c.file("mm.toml", kUnit + "[[line]]\nname = \"rim\"\nfile = \"rim.csv\"\n" + kCoarse + kPressure);
+  c.file("m.toml",
+         "unit = \"m\"\n[[line]]\nname = \"rim\"\nfile = \"rim.csv\"\nunit = \"mm\"\n"
+         "[skin]\nedge_length = 0.03\n" +
+             kPressure);
+  c.file("rim.csv", "x,y,z\n0,0,0\n100,0,0\n100,100,5\n0,100,0\n0,0,0\n");
+  REQUIRE(c.run({"run", "mm.toml", "--out", "mm"}).code == 0);
+  REQUIRE(c.run({"run", "m.toml", "--out", "m"}).code == 0);
+  const auto mm = report(c, "mm")["surface"], m = report(c, "m")["surface"];
+  CHECK(m["triangles"] == mm["triangles"]);
+  CHECK(m["area"].get<double>() == Approx(1e-6 * mm["area"].get<double>()).epsilon(1e-9));
+}
+
+TEST_CASE("the pentagon of 1991 rises as high as its gold number", "[cli]") {
+  const Case c("pentagon");
+  std::string scene = "unit = \"m\"\n";
+  for (int k = 0; k < 5; ++k) {
+    const auto corner = [](int i) {
+      const double angle = (90 + 72 * i) * std::acos(-1.0) / 180;
+      std::ostringstream text;
+      text.precision(17);
+      text << "[" << std::cos(angle) << "," << std::sin(angle) << ",0]";
+      return text.str();
+    };
+    scene += line("side" + std::to_string(k), corner(k) + "," + corner(k + 1));
+  }
+  c.file("s.toml", scene + R"(
+[skin]
+element = "z12"
+mesher = "fan"
+refine = 0
+hold = "corners"
+alpha = 1
+units = "absolute"
+[[load]]
+name = "lift"
+type = "uniform"
+direction = [0, 0, 1]
+value = 1
+[stress]
+thickness = 1
+young = 1
+supports = [{line = "side0"}]
+[output]
+calculix = "s.inp"
+)");
+  const Result r = c.run({"run", "s.toml", "--out", "out"});
+  INFO(r.err);
+  REQUIRE(r.code == 0);
+  const auto s = report(c, "out")["surface"];
+  CHECK(s["triangles"] == 5);
+  CHECK(s["dofs"] == 28);
+  CHECK(s["hold"] == "corners");
+
+  double gold = 0;
+  const auto reference = batten_test::reference("pentagon.json");
+  for (const auto& gold_case : reference["cases"])
+    if (gold_case["element"] == "Z12" && gold_case["quadrature"] == "exact" &&
+        gold_case["alpha"] == 1 && gold_case["beta"] == 1)
+      gold = gold_case["centre_z"];
+  REQUIRE(gold > 0);
+  // The deck is text: "node, x, y, z" rows, the centre among them.
+  bool found = false;
+  std::istringstream deck(contents(c / "out/s.inp"));
+  for (std::string row; std::getline(deck, row);) {
+    int node = 0;
+    double x = 1, y = 1, z = 0;
+    if (std::sscanf(row.c_str(), "%d , %lf , %lf , %lf", &node, &x, &y, &z) != 4) continue;
+    if (std::hypot(x, y) > 1e-9) continue;
+    found = true;
+    CHECK(z == Approx(gold).epsilon(1e-8));  // the domain's polygon is iterated
+  }
+  CHECK(found);
+}
+
+TEST_CASE("skin goes from files of lines straight to a surface", "[cli]") {
+  const Case c("skin");
+  c.file("rim.csv", "0 0 0\n10 0 1\n10 10 0\n0 10 1\n0 0 0\n");
+  c.file("keel.txt", "5 0 0.5\n5 5 1\n5 10 0.5\n");
+  const Result r = c.run(
+      {"skin", "rim.csv", "--out", "out", "--unit", "cm", "--edge-length", "2", "--pressure", "1"});
+  INFO(r.err);
+  REQUIRE(r.code == 0);
+  CHECK(fs::exists(c / "out/rim.step"));
+  CHECK(fs::exists(c / "out/rim.vtp"));
+  const auto json = report(c, "out");
+  CHECK(json["unit"] == "cm");
+  CHECK(json["step"]["valid"] == true);
+  CHECK(json["parameters"][0]["name"] == "pressure");
+
+  const Result keel = c.run({"skin", "rim.csv", "--inner", "keel.txt", "--out", "keel"});
+  INFO(keel.err);
+  CHECK(keel.code == 0);
+  CHECK(report(c, "keel")["lines"]["count"] == 5);
+
+  const Result info = c.run({"info", "out/rim.step"});
+  CHECK(info.code == 0);
+  CHECK(info.out.find(" faces in 1 shell") != std::string::npos);
+  CHECK(info.out.find("valid") != std::string::npos);
+}
+
+TEST_CASE("info tells lines, lengths and parameters", "[cli]") {
+  const Case c("info");
+  c.file("s.toml", kUnit + square() + kPressure);
+  const Result scene = c.run({"info", "s.toml"});
+  CHECK(scene.code == 0);
+  CHECK(scene.out.find("south  length 100  from (0, 0, 0) to (100, 0, 0)") != std::string::npos);
+  CHECK(scene.out.find("crown = 5  (from -1e+09 to 1e+09)") != std::string::npos);
+  c.file("rim.csv", "0 0\n3 4\n\n3 4\n3 5\n");
+  const Result lines = c.run({"info", "rim.csv"});
+  CHECK(lines.code == 0);
+  CHECK(lines.out.find("2 lines") != std::string::npos);
+  CHECK(lines.out.find("rim_1  length 5  from (0, 0, 0) to (3, 4, 0)") != std::string::npos);
+  const Result none = c.run({"info", "rum.csv"});
+  CHECK(none.code == 1);
+  CHECK(none.err.find("rum.csv: found no such file") != std::string::npos);
+}
+
+TEST_CASE("help and version", "[cli]") {
+  const Case c("help");
+  const Result help = c.run({"--help"});
+  CHECK(help.code == 0);
+  CHECK(help.out.find("batten run hood.toml --out result") != std::string::npos);
+  const Result version = c.run({"--version"});
+  CHECK(version.code == 0);
+  CHECK(version.out.find("batten ") == 0);
+  CHECK(version.out.find("CGAL") != std::string::npos);
+  CHECK(c.run({}).code == 1);
+  CHECK(c.run({"rnu"}).code == 1);
+  CHECK(c.run({"run", "s.toml"}).code == 1);
+}
+
+TEST_CASE("lines that are no outline are refused in words", "[cli]") {
+  const Case c("lines");
+  const auto refused = [&](const std::string& lines, const std::vector<std::string>& parts) {
+    c.fails(kUnit + lines + kCoarse, 1, parts);
+  };
+  SECTION("open loop") {
+    refused(line("a", "[0,0,0],[100,0,0]") + line("b", "[100,0,0],[100,100,0]") +
+                line("c", "[100,100,0],[0,100,0]"),
+            {"s.toml: the outline is open at ", "'a'"});
+  }
+  SECTION("two lines crossing") {
+    refused(line("a", "[0,0,0],[100,0,0]") + line("b", "[100,0,0],[20,-50,0],[0,100,0]") +
+                line("c", "[0,100,0],[0,0,0]"),
+            {"s.toml: ", "cross"});
+  }
+  SECTION("a loop that crosses itself") {
+    refused(line("eight", "[0,0,0],[100,100,0],[100,0,0],[0,100,0],[0,0,0]"), {"cross", "eight"});
+  }
+  SECTION("a segment without length") {
+    refused(line("a", "[0,0,0],[100,0,0],[100,0,0],[100,100,0],[0,0,0]"), {"s.toml:4:10: ", "'a'"});
+  }
+  SECTION("a point twice in a file") {
+    c.file("a.csv", "0,0,0\n100,0,0\n100,0,0\n100,100,0\n0,0,0\n");
+    refused("[[line]]\nname = \"a\"\nfile = \"a.csv\"\n",
+            {"a.csv:1:1: ", "'a'", "points 2 and 3", "(100, 0, 0)"});
+  }
+  SECTION("not a number in a file") {
+    c.file("a.csv", "0,0,0\n100,nan,0\n100,100,0\n0,0,0\n");
+    refused("[[line]]\nname = \"a\"\nfile = \"a.csv\"\n", {"a.csv:2:"});
+  }
+  SECTION("not a number in the scene") {
+    refused(line("a", "[0,0,0],[100,nan,0],[0,100,0]"), {"s.toml:4:24: found nan"});
+  }
+  SECTION("all lines on one line") {
+    refused(line("a", "[0,0,0],[50,0,0]") + line("b", "[50,0,0],[100,0,0]") +
+                line("c", "[100,0,0],[0,0,0]"),
+            {"s.toml: "});
+  }
+  SECTION("a file that is missing") {
+    refused("[[line]]\nname = \"a\"\nfile = \"a.csv\"\n", {"s.toml:4:8: found no file 'a.csv'"});
+  }
+  SECTION("a file of an unknown kind") {
+    c.file("a.doc", "x");
+    refused("[[line]]\nname = \"a\"\nfile = \"a.doc\"\n", {"s.toml:4:8: found the ending '.doc'"});
+  }
+  SECTION("an empty file") {
+    c.file("a.csv", "");
+    refused("[[line]]\nname = \"a\"\nfile = \"a.csv\"\n", {"a.csv"});
+  }
+  SECTION("a file of two lines where one is asked for") {
+    c.file("a.csv", "0,0,0\n1,0,0\n\n1,0,0\n1,1,0\n");
+    refused("[[line]]\nname = \"a\"\nfile = \"a.csv\"\n",
+            {"s.toml:4:8: found 2 lines in 'a.csv', expected one for the line 'a'"});
+  }
+  SECTION("a name that the file does not have") {
+    c.file("a.csv", "0,0,0\n1,0,0\n\n1,0,0\n1,1,0\n");
+    refused("[[lines]]\nfile = \"a.csv\"\nonly = [\"a_3\"]\n",
+            {"s.toml:4:9: found the line name 'a_3'", "a_1, a_2", "did you mean 'a_1'?"});
+  }
+}
+
+TEST_CASE("CAD files that are cut short are refused", "[cli]") {
+  const Case c("cad");
+  const std::string start =
+      "                                                                        S      1\n"
+      "1H,,1H;,,,,32,38,6,308,15,,1.,2,2HMM,1,0.01,13H240101.000000,1.E-7,100.,G      1\n"
+      "     110       1       0       0       0       0       0       000000000D      1\n";
+  c.file("a.iges", start);
+  c.fails(kUnit + "[[lines]]\nfile = \"a.iges\"\n", 1, {"a.iges"});
+  c.file("b.step", "ISO-10303-21;\nHEADER;\n");
+  c.fails(kUnit + "[[lines]]\nfile = \"b.step\"\n", 1, {"b.step"});
+  c.file("c.iges", "");
+  c.fails(kUnit + "[[lines]]\nfile = \"c.iges\"\n", 1, {"c.iges", "empty"});
+  c.fails(kUnit + "[[lines]]\nfile = \"c.iges\"\nunit = \"mm\"\n", 1,
+          {"s.toml:3:8: found a unit for 'c.iges'"});
+  c.file("c.iges", start);
+  const auto real = batten_test::optional_data("lines-ship-iges/wigley.iges");
+  if (real.empty()) {
+    WARN("the whole IGES file is not here: its truncation is not tested");
+    return;
+  }
+  const std::string whole = contents(real);
+  c.file("w.iges", whole.substr(0, whole.size() / 2));
+  c.fails(kUnit + "[[lines]]\nfile = \"w.iges\"\n", 1, {"w.iges"});
+}
+
+TEST_CASE("wrong scenes end with exit code 1", "[cli]") {
+  const Case c("scenes");
+  c.fails(kUnit + square() + "[skin]\nedge_lenght = 3\n", 1,
+          {"s.toml:15:1: found key 'edge_lenght' in [skin]", "did you mean 'edge_length'?"});
+  c.fails("", 1, {"s.toml:1:1: found an empty file"});
+  c.fails("unit = mm", 1, {"s.toml:1:8: not TOML"});
+  const Result missing = c.run({"run", "t.toml", "--out", "out"});
+  CHECK(missing.code == 1);
+  CHECK(missing.err.find("t.toml: no such file") != std::string::npos);
+  const std::string good = kUnit + square() + kCoarse + kPressure;
+  c.fails(good, 1, {"--set crwn=3: found parameter 'crwn'", "did you mean 'crown'?"},
+          {"--set", "crwn=3"});
+  c.fails(good, 1,
+          {"--set crown=2e9: found 2e+09 for 'crown', expected a number from -1e+09 to 1e+09"},
+          {"--set", "crown=2e9"});
+  c.fails(good, 1, {"--set crown: found no '='"}, {"--set", "crown"});
+  c.fails(good, 1, {"--set crown=high: found 'high', expected a number"}, {"--set", "crown=high"});
+  c.fails(
+      good + "[[constraint]]\nname = \"east\"\ntype = \"point\"\nat = [50,50,0]\nto = [50,50,1]\n",
+      1, {"s.toml:23:8: found the constraint name 'east'"});
+  c.fails(good +
+              "[stress]\nthickness = 1\nyoung = 1\nsupports = [{line = \"suoth\"}]\n[output]\n"
+              "calculix = \"s.inp\"\n",
+          1, {"found a support on the line 'suoth'", "did you mean 'south'?"});
+}
+
+TEST_CASE("an output folder that cannot be is refused before the work", "[cli]") {
+  const Case c("folder");
+  c.file("s.toml", kUnit + square() + kCoarse);
+  c.file("plain", "not a folder");
+  const Result below = c.run({"run", "s.toml", "--out", "plain/out"});
+  CHECK(below.code == 1);
+  CHECK(below.err.find("plain/out: cannot use this output folder") != std::string::npos);
+  const Result itself = c.run({"run", "s.toml", "--out", "plain"});
+  CHECK(itself.code == 1);
+  CHECK(contents(c / "plain") == "not a folder");
+}
+
+TEST_CASE("constraints in conflict are named", "[cli]") {
+  const Case c("conflict");
+  const auto point = [](const std::string& name, const std::string& to) {
+    return "[[constraint]]\nname = \"" + name + "\"\ntype = \"point\"\nat = [50,50,0]\nto = " + to +
+           "\n";
+  };
+  const std::string scene = kUnit + square() + kCoarse;
+  c.fails(scene + point("up", "[50,50,10]") + point("down", "[50,50,-10]"), 2, {"'up'", "'down'"});
+  c.fails(
+      scene + "[[constraint]]\nname = \"pull\"\ntype = \"point\"\nat = [100,0,0]\nto = [0,0,1]\n",
+      2, {"'pull'", "'south'"});
+}
+
+TEST_CASE("a pressure past its limit has no solution", "[cli]") {
+  const Case c("limit");
+  c.fails(kUnit + square() + kCoarse + kPressure, 3, {"pressure"}, {"--set", "crown=1e8"});
+}
+
+TEST_CASE("a run that fails leaves the files of the run before", "[cli]") {
+  const Case c("before");
+  c.file("s.toml", kUnit + square() + kCoarse + kPressure + "[output]\nvtp = \"s.vtp\"\n");
+  REQUIRE(c.run({"run", "s.toml", "--out", "out"}).code == 0);
+  const std::string vtp = contents(c / "out/s.vtp"), json = contents(c / "out/report.json");
+  REQUIRE(c.run({"run", "s.toml", "--out", "out", "--set", "crown=1e8"}).code == 3);
+  CHECK(contents(c / "out/s.vtp") == vtp);
+  CHECK(contents(c / "out/report.json") == json);
+  CHECK(std::distance(fs::directory_iterator(c / "out"), fs::directory_iterator()) == 2);
+}
+
+TEST_CASE("the same scene gives the same files", "[cli]") {
+  const Case c("same");
+  c.file("s.toml", kUnit + square() + kCoarse + kPressure + "[output]\nvtp = \"s.vtp\"\n");
+  REQUIRE(c.run({"run", "s.toml", "--out", "a", "--threads", "1"}).code == 0);
+  REQUIRE(c.run({"run", "s.toml", "--out", "b", "--threads", "2"}).code == 0);
+  CHECK(contents(c / "a/s.vtp") == contents(c / "b/s.vtp"));
+  auto a = report(c, "a"), b = report(c, "b");
+  a.erase("timings_s");
+  b.erase("timings_s");
+  CHECK(a == b);
+}
+
+TEST_CASE("without a display everything but the pictures is made", "[cli]") {
+  const Case c("display");
+  c.file("s.toml",
+         kUnit + square() + kCoarse + "[output]\nvtp = \"s.vtp\"\n[[picture]]\nfile = \"s.png\"\n");
+  const Result r = c.run({"run", "s.toml", "--out", "out"});
+  CHECK(r.code == 4);
+  CHECK(r.err.find("promise missed: s.png is not drawn: no display") != std::string::npos);
+  CHECK(fs::exists(c / "out/s.vtp"));
+  CHECK_FALSE(fs::exists(c / "out/s.png"));
+  CHECK(report(c, "out")["missed_promises"][0]["what"] == "s.png");
+  const Result view = c.run({"view", "s.toml", "--screenshot", "v.png"});
+  CHECK(view.code == 1);
+  CHECK(view.err.find("no display") != std::string::npos);
+  CHECK_FALSE(fs::exists(c / "v.png"));
+}
+
+TEST_CASE("a promise that is missed is a failure, with name and amount", "[cli]") {
+  const Case c("promise");
+  // A normal that stands the surface on edge at one vertex folds it.
+  c.file("s.toml", kUnit + square() + kCoarse +
+                       "[[constraint]]\nname = \"edge on\"\ntype = \"normal\"\nat = [50,50,0]\n"
+                       "direction = [1,0,0]\n");
+  const Result r = c.run({"run", "s.toml", "--out", "out"});
+  INFO(r.err);
+  CHECK(r.code == 4);
+  CHECK(r.err.find("promise missed: surface.min_jacobian_ratio is ") != std::string::npos);
+  CHECK(r.err.find("promised at least 0.05") != std::string::npos);
+  CHECK(fs::exists(c / "out/report.json"));
+}
+
+TEST_CASE("an interrupted run leaves nothing", "[cli]") {
+  for (const int signal : {SIGINT, SIGTERM}) {
+    const Case c("interrupt");
+    // Far more work than the wait below takes; the hidden folder says that it has begun.
+    c.file("s.toml", kUnit + square() + "[skin]\nedge_length = 0.3\n" + kPressure +
+                         "[output]\nstep = \"s.step\"\n");
+    const pid_t child = c.start({"run", "s.toml", "--out", "out"});
+    const fs::path hidden = c / ("out/.batten-" + std::to_string(child));
+    int status = 0;
+    while (!fs::exists(hidden) && waitpid(child, &status, WNOHANG) == 0)
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    kill(child, signal);
+    const Result r = c.wait(child);
+    INFO(r.err);
+    CHECK(r.code == 130);
+    CHECK(r.err == "batten: cancelled\n");
+    CHECK_FALSE(fs::exists(c / "out"));
+  }
+}
