@@ -55,6 +55,14 @@ Json contents(const Report& r) {
                     {"max_normal_jump_deg", r.step->max_normal_jump_deg},
                     {"valid", r.step->valid}};
 
+  if (r.comparison)
+    json["comparison"] = {{"file", r.comparison->file},
+                          {"points", r.comparison->points},
+                          {"max", r.comparison->max},
+                          {"rms", r.comparison->rms},
+                          {"max_relative", r.comparison->max_relative},
+                          {"rms_relative", r.comparison->rms_relative}};
+
   json["parameters"] = Json::array();
   for (const auto& p : r.parameters) {
     Json parameter = {{"name", p.name}, {"value", p.value}};

@@ -49,6 +49,15 @@ struct Report {
   };
   std::optional<Step> step;  ///< measured on the file read back
 
+  /// Distance of the surface, sampled evenly, from the faces of a CAD file.
+  struct Comparison {
+    std::string file;
+    int points = 0;
+    double max = 0, rms = 0;                    ///< model units
+    double max_relative = 0, rms_relative = 0;  ///< over the longest side of the lines' box
+  };
+  std::optional<Comparison> comparison;
+
   struct Reaction {
     std::string name;
     Vec3 force = Vec3::Zero();  ///< net force on the surface, in the units of the loads

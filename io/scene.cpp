@@ -314,7 +314,7 @@ SceneSweep read_sweep(const TomlTable& table, const Scene& scene, Names& files) 
 Scene read(const toml::table& root_table, const std::filesystem::path& file) {
   const TomlTable root(file.string(), root_table, "the scene",
                        {"name", "unit", "tolerance", "corner_angle", "line", "lines", "skin",
-                        "constraint", "load", "stress", "output", "picture", "sweep"});
+                        "constraint", "load", "stress", "output", "compare", "picture", "sweep"});
   const std::filesystem::path folder = file.parent_path();
   Scene scene;
   scene.file = file;
@@ -361,6 +361,8 @@ Scene read(const toml::table& root_table, const std::filesystem::path& file) {
     scene.stress = read_stress(t);
 
   Names files("file name");
+  for (const TomlTable& t : root.table("compare", {"file"}))
+    scene.compare = folder / t.text("file");
   for (const TomlTable& t : root.table("output", {"step", "vtu", "vtp", "calculix"})) {
     if (t.has("step")) scene.step = output_file(t, "step", files, {".step", ".stp"});
     if (t.has("vtu")) scene.vtu = output_file(t, "vtu", files, {".vtu"});

@@ -103,6 +103,7 @@ struct Scene {
   std::vector<SceneLoad> loads;
   std::optional<SceneStress> stress;
   std::string step, vtu, vtp, calculix;  ///< [output]: file names, "" for none
+  std::filesystem::path compare;         ///< [compare]: a CAD file whose faces to measure against
   std::vector<ScenePicture> pictures;
   std::vector<SceneSweep> sweeps;
 

@@ -117,6 +117,18 @@ class Builder {
           rounded(Vec3((outline_.pieces[outline_.corners[c]].start - origin) / size_)));
     }
     polygon_ = fit_polygon(scaled_lengths, angles, corners, rounded(loop_normal(outline_)));
+    // u runs along the side of the first line, from the middle of the corners.
+    size_t first = 0;
+    for (size_t c = 0; c < sides; ++c)
+      for (const size_t p : side(c))
+        if (p == 0) first = c;
+    const Vec2 u = (polygon_[(first + 1) % sides] - polygon_[first]).normalized();
+    Vec2 middle = Vec2::Zero();
+    for (const Vec2& p : polygon_) middle += p / static_cast<double>(sides);
+    for (Vec2& p : polygon_) {
+      const Vec2 d = p - middle;
+      p = Vec2(rounded(d.dot(u)), rounded(u.x() * d.y() - u.y() * d.x()));
+    }
 
     for (size_t p = 0; p < n; ++p) warn_of_smoothed_joint(p, warnings);
     strips_.resize(n);

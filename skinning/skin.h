@@ -42,7 +42,8 @@ struct SkinOptions {
 /// 5. each line becomes a straight run of element edges.
 /// Lines with corners inside are cut there into "name.1", "name.2", …
 /// The domain runs counter-clockwise along the outline in the direction of its first line, so that
-/// line's direction decides to which side the surface's normal points.
+/// line's direction decides to which side the surface's normal points; u runs along its side of the
+/// polygon (directional alpha and beta refer to it).
 /// Source: straight-run rule, docs/theory/domains.md.
 class RegionLayout {
  public:

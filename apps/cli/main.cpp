@@ -48,10 +48,10 @@ Exit codes:
 )";
 
 struct Arguments {
-  std::string file, out, unit = "mm", screenshot, show = "shaded";
+  std::string file, out, unit = "mm", screenshot, compare, show = "shaded";
   std::vector<std::string> files, inner, settings;
   std::vector<double> angles;
-  double edge_length = 0, pressure = 0;
+  double edge_length = 0, tolerance = 0, pressure = 0;
   int threads = 0, contours = 0;
   bool quiet = false;
 };
@@ -75,6 +75,8 @@ Scene lines_scene(const Arguments& a) {
   Scene scene =
       scene_of_lines({a.files.begin(), a.files.end()}, {a.inner.begin(), a.inner.end()}, a.unit);
   scene.skin.options.edge_length = a.edge_length;
+  scene.skin.options.tolerance = a.tolerance;
+  scene.compare = a.compare;
   if (a.pressure != 0) {
     SceneLoad load;
     load.name = "pressure";
@@ -154,6 +156,9 @@ int command(int argc, char** argv) {
   lengths(skin_command);
   skin_command->add_option("--edge-length", a.edge_length, "Target length of element edges")
       ->check(CLI::PositiveNumber);
+  skin_command->add_option("--tolerance", a.tolerance, "Largest distance of fitted lines")
+      ->check(CLI::PositiveNumber);
+  skin_command->add_option("--compare", a.compare, "CAD file: measure the distance from its faces");
   skin_command->add_option("--pressure", a.pressure, "Pressure along the normal, relative units");
   common(skin_command);
 

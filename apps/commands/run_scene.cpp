@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 
 #include "batten/apps/commands/line_files.h"
 #include "batten/apps/commands/make_shape.h"
 #include "batten/apps/commands/output_folder.h"
 #include "batten/apps/commands/promises.h"
+#include "batten/io/cad_lines.h"
 #include "batten/io/calculix.h"
 #include "batten/io/step.h"
 #include "batten/io/vtk_files.h"
@@ -69,6 +71,40 @@ void measure_into(Report& report, const MadeShape& made) {
   s.iterations = made.sculpt.iterations;
   s.last_change = made.sculpt.last_change;
   for (const auto& r : made.sculpt.reactions) report.reactions.push_back({r.name, r.force});
+}
+
+/// The root mean square is taken over the area of the surface.
+void compare_into(Report& report, const Scene& scene, const SkinnedRegion& region,
+                  const Progress& progress) {
+  const auto faces = read_cad_surfaces(scene.compare, unit_in_metres(scene.unit));
+  if (faces.empty())
+    throw InputError(scene.compare.string() + ": found no faces, expected some to compare with");
+  const TriangleRule inside = split_triangle(2);
+  const ParametricMesh& mesh = region.surface.mesh();
+  Report::Comparison c;
+  c.file = scene.compare.filename().string();
+  double squares = 0, area = 0;
+  Vec3 low = region.surface.position({0, Vec3::Unit(0)}), high = low;
+  for (int t = 0; t < mesh.triangle_count(); ++t) {
+    progress.at("comparing", static_cast<double>(t) / mesh.triangle_count());
+    for (long p = 0; p < inside.weights.size(); ++p) {
+      const SurfaceJet jet = region.surface.jet({t, inside.L.row(p).transpose()});
+      double nearest = std::numeric_limits<double>::infinity();
+      for (const auto& face : faces) nearest = std::min(nearest, face.distance(jet.x));
+      const double weight = inside.weights[p] * mesh.shape(t).area * jet.area_vector().norm();
+      squares += weight * nearest * nearest;
+      area += weight;
+      c.max = std::max(c.max, nearest);
+      low = low.cwiseMin(jet.x);
+      high = high.cwiseMax(jet.x);
+      ++c.points;
+    }
+  }
+  c.rms = std::sqrt(squares / area);
+  const double length = (high - low).maxCoeff();
+  c.max_relative = c.max / length;
+  c.rms_relative = c.rms / length;
+  report.comparison = c;
 }
 
 void write_step_into(Report& report, const Scene& scene, const MadeShape& made,
@@ -249,6 +285,11 @@ Report run_scene(const Scene& scene, const std::filesystem::path& folder,
   measure_into(report, made);
   watch.lap("measure");
 
+  if (!scene.compare.empty()) {
+    compare_into(report, scene, made.region, progress);
+    watch.lap("compare");
+  }
+
   progress.at("files", 0);
   VtkOptions vtk;
   if (!scene.loads.empty() || !scene.constraints.empty()) vtk.references = {&made.unloaded};
@@ -321,6 +362,10 @@ std::string summary(const Report& report, const std::filesystem::path& folder) {
     text += result_line("STEP", std::to_string(report.step->faces) + " faces, " +
                                     (report.step->valid ? "valid" : "NOT valid") + ", gap " +
                                     number(report.step->max_gap) + unit);
+  if (report.comparison)
+    text += result_line("compared", "max " + number(report.comparison->max) + unit + ", rms " +
+                                        number(report.comparison->rms) + unit + " from " +
+                                        report.comparison->file);
   for (const auto& [stage, seconds] : report.timings)
     if (stage == "total") text += result_line("time", number(seconds) + " s");
   text += "files in " + folder.string() + ":\n";
