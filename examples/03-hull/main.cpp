@@ -2,17 +2,18 @@
 //
 // Wigley's hull:  y = B/2 (1 - (2x/L)²) (1 - (z/T)²),  -L/2 ≤ x ≤ L/2,  -T ≤ z ≤ 0
 //
-// 1. lines from the formula: keel, stems, waterline, and frames across the hull
+// 1. lines from the formula: keel, stems, deck edge, and waterlines from stern to bow
 // 2. layout: a flat domain, its mesh, every line on element edges
 // 3. the surface of least bending energy through all lines
-// 4. how far it is from the formula; STEP and VTK files
+// 4. how far it is from the formula; STEP and VTK files, and a picture where there is a display
 //
-// Usage: hull [OUTPUT FOLDER] [NUMBER OF FRAMES]
+// Usage: hull [OUTPUT FOLDER] [NUMBER OF WATERLINES]
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
 #include <filesystem>
 
+#include "batten/io/pictures.h"
 #include "batten/io/step.h"
 #include "batten/io/vtk_files.h"
 #include "batten/sculpting/static_sculpt.h"
@@ -27,7 +28,8 @@ double half_breadth(double x, double z) {
   return B / 2 * (1 - 4 * x * x / (L * L)) * (1 - z * z / (T * T));
 }
 
-// 1. Along x at depth z, from one end to the other; or along z at x, from keel to waterline.
+// 1. Along x at height z, from one end to the other; or the straight stem at x, between keel and
+// deck.
 std::shared_ptr<const InputCurve> lengthwise(double z, bool forward) {
   return curve_from_formula(0, 1, [=](double t, int order) -> Vec3 {
     const double sign = forward ? 1 : -1, x = sign * L * (t - 0.5), dx = sign * L;
@@ -38,25 +40,21 @@ std::shared_ptr<const InputCurve> lengthwise(double z, bool forward) {
   });
 }
 
-std::shared_ptr<const InputCurve> frame(double x, bool upward) {
+std::shared_ptr<const InputCurve> stem(double x, bool upward) {
   return curve_from_formula(0, 1, [=](double t, int order) -> Vec3 {
-    const double z = upward ? -T * (1 - t) : -T * t, dz = upward ? T : -T;
-    const double fullness = B / 2 * (1 - 4 * x * x / (L * L));
-    if (order == 0) return {x, half_breadth(x, z), z};
-    if (order == 1) return {0, fullness * -2 * z / (T * T) * dz, dz};
-    return {0, fullness * -2 / (T * T) * dz * dz, 0};
+    if (order == 0) return {x, 0, upward ? -T * (1 - t) : -T * t};
+    return {0, 0, order == 1 ? (upward ? T : -T) : 0};
   });
 }
 
-int run(const std::filesystem::path& out, int frames) {
-  std::vector<CharacterLine> lines = {{"waterline", lengthwise(0, false)},
-                                      {"stern", frame(-L / 2, false)},
+int run(const std::filesystem::path& out, int waterlines) {
+  std::vector<CharacterLine> lines = {{"deck edge", lengthwise(0, false)},
+                                      {"stern", stem(-L / 2, false)},
                                       {"keel", lengthwise(-T, true)},
-                                      {"bow", frame(L / 2, true)}};
-  for (int i = 1; i <= frames; ++i) {
-    const double x = L * (static_cast<double>(i) / (frames + 1) - 0.5);
-    lines.push_back({"frame " + std::to_string(i), frame(x, true), CharacterLine::Role::Inner});
-  }
+                                      {"bow", stem(L / 2, true)}};
+  for (int i = 1; i <= waterlines; ++i)
+    lines.push_back({"waterline " + std::to_string(i), lengthwise(-T * i / (waterlines + 1), true),
+                     CharacterLine::Role::Inner});
 
   // 2.
   SkinOptions options;
@@ -82,13 +80,24 @@ int run(const std::filesystem::path& out, int frames) {
   write_step(out / "hull.step", {&hull.surface}, 1.0, {});
   write_vtp(out / "hull.vtp", {&hull});
 
+  if (std::getenv("DISPLAY")) {
+    PictureScene picture;
+    picture.regions = {&hull};
+    picture.contours = 8;
+    picture.contour_direction = Vec3::UnitY();
+    picture.azimuth = 228;
+    picture.elevation = 24;
+    picture.title = "Wigley's hull: lines of equal half-breadth";
+    draw_picture(out / "hull.png", picture);
+  }
+
   std::printf("%d triangles, %d dofs a coordinate\n", hull.surface.mesh().triangle_count(),
               hull.surface.dof_map().count());
   std::printf("surface to fitted lines   %.2g of the size\n", quality.max_line_residual);
   std::printf("surface to input lines    %.2g m (tolerance %.2g m)\n", quality.max_line_deviation,
               options.tolerance);
-  std::printf("surface to the formula    max %.3g m, rms %.3g m, with %d frames\n", worst,
-              std::sqrt(squares / static_cast<double>(points.points.size())), frames);
+  std::printf("surface to the formula    max %.3g m, rms %.3g m, with %d waterlines\n", worst,
+              std::sqrt(squares / static_cast<double>(points.points.size())), waterlines);
   std::printf("hull.step, hull.vtp in    %s\n", out.c_str());
   return quality.max_line_deviation <= options.tolerance ? 0 : 4;
 }
@@ -97,7 +106,7 @@ int run(const std::filesystem::path& out, int frames) {
 
 int main(int argc, char** argv) {
   try {
-    return run(argc > 1 ? argv[1] : "out/03-hull", argc > 2 ? std::atoi(argv[2]) : 5);
+    return run(argc > 1 ? argv[1] : "out/03-hull", argc > 2 ? std::atoi(argv[2]) : 2);
   } catch (const std::exception& e) {
     std::fprintf(stderr, "hull: %s\n", e.what());
     return 1;

@@ -121,3 +121,25 @@ TEST_CASE("the pentagon of the paper, as a scene, has the gold height") {
   // Energy of the minimum: minus the work of the load on z, plus that of x and y without load.
   CHECK(run(kExamples + "01-pentagon/scene.toml", "pentagon_example").code == kDone);
 }
+
+TEST_CASE("published hulls are skinned and compared with the surfaces in their files") {
+  for (const std::string file : {"lines-ship-iges/wigley.iges", "lines-ship-iges/series_60.iges",
+                                 "lines-dealii-iges/DTMB-5415_bulbous_bow.iges"}) {
+    const fs::path path = batten_test::optional_data(file);
+    if (path.empty()) {
+      WARN("skipped: " << file << " is not there (set BATTEN_TEST_DATA)");
+      continue;
+    }
+    INFO(file);
+    const fs::path out = batten_test::scratch("hull");
+    const std::string command = "'" BATTEN_CLI "' skin '" + path.string() + "' --unit m --quiet --out '" +
+                                out.string() + "' --compare '" + path.string() + "'";
+    REQUIRE(std::system((command + " 2> /dev/null").c_str()) == 0);
+    const auto report = nlohmann::json::parse(std::ifstream(out / "report.json"));
+    CHECK(report["surface"]["max_line_residual"].get<double>() <= 1e-10);
+    // Metres stay metres, and the surface is the hull's, not another one.
+    CHECK(report["surface"]["size"].get<double>() < 150);
+    CHECK(report["comparison"]["rms_relative"].get<double>() < 0.04);
+    CHECK(report["comparison"]["rms_relative"].get<double>() > 1e-4);
+  }
+}
