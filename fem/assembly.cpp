@@ -16,8 +16,10 @@ std::vector<int> surface_dofs(const ParametricMesh& mesh, const DofMap& dofs) {
 }
 
 const TabulatedRule& varying_functions(TriangleElement kind) {
-  static const TabulatedRule hct(TriangleElement::HCT, C1Triangle::varying_rule(TriangleElement::HCT));
-  static const TabulatedRule z12(TriangleElement::Z12, C1Triangle::varying_rule(TriangleElement::Z12));
+  static const TabulatedRule hct(TriangleElement::HCT,
+                                 C1Triangle::varying_rule(TriangleElement::HCT));
+  static const TabulatedRule z12(TriangleElement::Z12,
+                                 C1Triangle::varying_rule(TriangleElement::Z12));
   return kind == TriangleElement::HCT ? hct : z12;
 }
 
@@ -95,8 +97,7 @@ Points SurfaceAssembler::load(const Vec3& f) const {
   return F;
 }
 
-Points SurfaceAssembler::gather(
-    const std::function<void(int, ElementLoad&)>& element) const {
+Points SurfaceAssembler::gather(const std::function<void(int, ElementLoad&)>& element) const {
   std::vector<ElementLoad> elements(mesh_.triangle_count());
   constexpr int chunk = 64;
   parallel_parts((mesh_.triangle_count() + chunk - 1) / chunk, [&](int c) {
@@ -120,7 +121,8 @@ Points SurfaceAssembler::load(const LoadField& f) const {
     for (size_t p = 0; p < points.functions.size(); ++p) {
       const auto row = static_cast<long>(p);
       const Vec3 L = points.rule.L.row(row);
-      const Vec3 value = shapes_[t].area * points.rule.weights[row] * f({t, L}, shapes_[t].point(L));
+      const Vec3 value =
+          shapes_[t].area * points.rule.weights[row] * f({t, L}, shapes_[t].point(L));
       reference += points.functions[p].col(0) * value.transpose();
     }
   });
@@ -133,7 +135,8 @@ Points SurfaceAssembler::pressure_load(const Points& q) const {
     const auto dof = dofs_.triangle(mesh_, t);
     for (int a = 0; a < 12; ++a) local.row(a) = q.row(dof[a]);
     local = C1Triangle(kind_, shapes_[t]).to_reference_dofs() * local.eval();
-    // x_u × x_v times the area of the triangle is half of ∂1x × ∂2x: the map's determinant is 1/(2A).
+    // x_u × x_v times the area of the triangle is half of ∂1x × ∂2x: the map's determinant is
+    // 1/(2A).
     for (size_t p = 0; p < points.functions.size(); ++p) {
       const auto& N = points.functions[p];
       const Vec3 x1 = local.transpose() * N.col(1), x2 = local.transpose() * N.col(2);
@@ -151,7 +154,8 @@ Points SurfaceAssembler::point_load(const Location& where, const Vec3& force) co
   return F;
 }
 
-// --- curves ---------------------------------------------------------------------------------------
+// --- curves
+// ---------------------------------------------------------------------------------------
 
 namespace {
 
@@ -160,8 +164,8 @@ std::vector<int> curve_dofs(const std::vector<double>& parameters) {
   std::vector<int> all;
   for (int s = 0; s + 1 < static_cast<int>(parameters.size()); ++s) {
     if (!(parameters[s + 1] > parameters[s]))
-      throw InputError("curve parameters must increase: u[" + std::to_string(s) + "] = " +
-                       number(parameters[s]) + ", u[" + std::to_string(s + 1) +
+      throw InputError("curve parameters must increase: u[" + std::to_string(s) +
+                       "] = " + number(parameters[s]) + ", u[" + std::to_string(s + 1) +
                        "] = " + number(parameters[s + 1]));
     for (int d = 0; d < 4; ++d) all.push_back(2 * s + d);
   }

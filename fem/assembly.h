@@ -1,7 +1,7 @@
 // Stiffness, mass and loads of whole curves and surfaces.
 //
-// Energy of one coordinate: E = qᵀK q - 2 Fᵀq, so the minimum satisfies K q = F. x, y and z share K;
-// loads and dofs have one column for each. Matrices are symmetric, kept by their LOWER triangle.
+// Energy of one coordinate: E = qᵀK q - 2 Fᵀq, so the minimum satisfies K q = F. x, y and z share
+// K; loads and dofs have one column for each. Matrices are symmetric, kept by their LOWER triangle.
 #pragma once
 
 #include <functional>
@@ -46,8 +46,8 @@ class SurfaceAssembler {
   Points load(const Vec3& f) const;
   /// ∬ N f for f that varies: HCT degree 8 on each sub-triangle, Z12 six-Duffy with m = 5.
   Points load(const LoadField& f) const;
-  /// ∬ N (x_u × x_v) du dv for the surface with dofs q: the load of a unit pressure that follows the
-  /// surface's normal. HCT: exact.
+  /// ∬ N (x_u × x_v) du dv for the surface with dofs q: the load of a unit pressure that follows
+  /// the surface's normal. HCT: exact.
   Points pressure_load(const Points& q) const;
   /// A force at one point of the surface.
   Points point_load(const Location& where, const Vec3& force) const;

@@ -9,7 +9,9 @@
 namespace batten {
 
 ElementPattern::ElementPattern(int dof_count, int per_element, std::vector<int> dofs)
-    : per_element_(per_element), pairs_(per_element * (per_element + 1) / 2), dofs_(std::move(dofs)) {
+    : per_element_(per_element),
+      pairs_(per_element * (per_element + 1) / 2),
+      dofs_(std::move(dofs)) {
   const int n = per_element_, elements = element_count();
 
   // Elements of each dof, as (element·n + local) in one array.

@@ -36,9 +36,9 @@ class ElementPattern {
 
   int per_element_, pairs_;
   std::vector<int> dofs_;
-  std::vector<int> position_;        // [element][pair a ≥ b] → index into the matrix values
-  std::vector<int> column_, row_;    // pattern: column starts, rows
-  std::vector<int> first_element_;   // of each dof: decides its owner
+  std::vector<int> position_;       // [element][pair a ≥ b] → index into the matrix values
+  std::vector<int> column_, row_;   // pattern: column starts, rows
+  std::vector<int> first_element_;  // of each dof: decides its owner
 };
 
 }  // namespace batten

@@ -110,8 +110,8 @@ ParametricMesh ParametricMesh::refined() const {
 
 std::array<int, 12> DofMap::triangle(const ParametricMesh& mesh, int t) const {
   const auto &v = mesh.triangles()[t], &e = mesh.edges_of(t);
-  return {3 * v[0],     3 * v[0] + 1, 3 * v[0] + 2, 3 * v[1],   3 * v[1] + 1, 3 * v[1] + 2,
-          3 * v[2],     3 * v[2] + 1, 3 * v[2] + 2, edge(e[0]), edge(e[1]),   edge(e[2])};
+  return {3 * v[0], 3 * v[0] + 1, 3 * v[0] + 2, 3 * v[1],   3 * v[1] + 1, 3 * v[1] + 2,
+          3 * v[2], 3 * v[2] + 1, 3 * v[2] + 2, edge(e[0]), edge(e[1]),   edge(e[2])};
 }
 
 }  // namespace batten

@@ -12,7 +12,8 @@ namespace batten {
 /// A conforming mesh of counter-clockwise triangles. Immutable.
 ///
 ///           V_i                 Edge i of a triangle is opposite its vertex i and runs V_j → V_k,
-///           /\                  (i, j, k) cyclic. Globally an edge is (lower, higher) vertex index:
+///           /\                  (i, j, k) cyclic. Globally an edge is (lower, higher) vertex
+///           index:
 ///    edge k/  \edge j           that order fixes the sign of its normal (c1_triangle.h).
 ///         /____\                Edges are numbered by first appearance over the triangles.
 ///      V_j edge i V_k
@@ -20,9 +21,9 @@ class ParametricMesh {
  public:
   using Triangle = std::array<int, 3>;
   struct Edge {
-    int low, high;       ///< vertices, low < high
-    int triangle[2];     ///< the triangles beside it; triangle[1] is -1 on the boundary
-    int local[2];        ///< its number 0..2 in each
+    int low, high;    ///< vertices, low < high
+    int triangle[2];  ///< the triangles beside it; triangle[1] is -1 on the boundary
+    int local[2];     ///< its number 0..2 in each
     bool boundary() const { return triangle[1] < 0; }
   };
 

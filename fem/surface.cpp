@@ -74,8 +74,7 @@ Location Surface::locate(const Vec2& uv) const {
     for (int i = 0; i < 3; ++i) {
       const int j = (i + 1) % 3, k = (i + 2) % 3;
       const Vec2 edge = shape.vertex[k] - shape.vertex[j];
-      const double s =
-          std::clamp((uv - shape.vertex[j]).dot(edge) / edge.squaredNorm(), 0.0, 1.0);
+      const double s = std::clamp((uv - shape.vertex[j]).dot(edge) / edge.squaredNorm(), 0.0, 1.0);
       const double distance = (shape.vertex[j] + s * edge - uv).norm();
       if (distance >= best_distance) continue;
       best_distance = distance;
@@ -98,17 +97,25 @@ Surface::Closest Surface::closest_point(const Vec3& p) const {
   for (int t = 0; t < mesh_->triangle_count(); ++t) {
     const C1Triangle element(kind_, mesh_->shape(t));
     const auto q = triangle_dofs(t);
-    Start best{std::numeric_limits<double>::infinity(), 0, {}};
+    Vec3 x[n + 1][n + 1];
+    for (int i = 0; i <= n; ++i)
+      for (int j = 0; i + j <= n; ++j)
+        x[i][j] = q.transpose() * element.evaluate(Vec3(i, j, n - i - j) / n).col(kW);
+    // Every sample that none of its neighbours beats may lead to the nearest point.
     for (int i = 0; i <= n; ++i)
       for (int j = 0; i + j <= n; ++j) {
-        const Vec3 L = Vec3(i, j, n - i - j) / n;
-        const Vec3 x = q.transpose() * element.evaluate(L).col(kW);
-        if (const double d = (x - p).norm(); d < best.distance) best = {d, 0, {t, L}};
+        Start start{(x[i][j] - p).norm(), 0, {t, Vec3(i, j, n - i - j) / n}};
+        bool lowest = true;
+        constexpr int step[6][2] = {{1, 0}, {-1, 0}, {0, 1}, {0, -1}, {1, -1}, {-1, 1}};
+        for (const auto& [di, dj] : step) {
+          const int k = i + di, l = j + dj;
+          if (k < 0 || l < 0 || k + l > n) continue;
+          lowest = lowest && (x[k][l] - p).norm() >= start.distance;
+          start.spacing = std::max(start.spacing, (x[k][l] - x[i][j]).norm());
+        }
+        nearest = std::min(nearest, start.distance);
+        if (lowest) starts.push_back(start);
       }
-    for (int c = 0; c < 3; ++c)
-      best.spacing = std::max(best.spacing, (q.row(3 * c) - q.row(3 * ((c + 1) % 3))).norm() / n);
-    nearest = std::min(nearest, best.distance);
-    starts.push_back(best);
   }
 
   Closest best{{}, std::numeric_limits<double>::infinity()};
@@ -131,7 +138,14 @@ Surface::Closest Surface::closest_point(const Vec3& p) const {
       const bool convex = full(0, 0) > 0 && full.determinant() > 1e-3 * G.determinant();
       const Vec2 move = -(convex ? full : G).ldlt().solve(g);
       if (!move.allFinite()) break;
-      const Vec3 next = clamped(shape.barycentric(shape.point(L) + move));
+      // A step that leads farther away is halved.
+      Vec3 next = L;
+      double length = 1;
+      for (; length > 1e-3; length *= 0.5) {
+        next = clamped(shape.barycentric(shape.point(L) + length * move));
+        if ((position({t, next}) - p).norm() <= d.norm()) break;
+      }
+      if (length <= 1e-3) break;
       const double moved = (next - L).norm();
       L = next;
       if (moved < 1e-14) break;

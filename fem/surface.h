@@ -51,8 +51,9 @@ class Surface {
   /// outside the domain. O(triangles).
   Location locate(const Vec2& uv) const;
 
-  /// The nearest point of the surface: samples of all triangles, then Newton's method from the best
-  /// ones. O(triangles).
+  /// The nearest point of the surface: 15 samples of each triangle, then Newton's method from every
+  /// sample that its neighbours do not beat. Finds it unless the surface folds between two samples.
+  /// O(triangles).
   Closest closest_point(const Vec3& p) const;
 
   double area() const;

@@ -12,7 +12,8 @@ namespace batten_test {
 
 /// Gold numbers: tests/reference/<name>.
 inline nlohmann::json reference(const std::string& name) {
-  return nlohmann::json::parse(std::ifstream(std::string(BATTEN_SOURCE_DIR "/tests/reference/") + name));
+  return nlohmann::json::parse(
+      std::ifstream(std::string(BATTEN_SOURCE_DIR "/tests/reference/") + name));
 }
 
 /// Optional real input beside the project (BATTEN_TEST_DATA, or ../shared/data): empty path when it
@@ -26,7 +27,8 @@ inline std::filesystem::path optional_data(const std::string& name) {
 
 /// A fresh empty folder for one test.
 inline std::filesystem::path scratch(const std::string& name) {
-  const auto path = std::filesystem::temp_directory_path() / ("batten_test_" + std::to_string(getpid())) / name;
+  const auto path =
+      std::filesystem::temp_directory_path() / ("batten_test_" + std::to_string(getpid())) / name;
   std::filesystem::remove_all(path);
   std::filesystem::create_directories(path);
   return path;

@@ -21,7 +21,8 @@ struct Ran {
 Ran run(const std::string& scene, const std::string& name, const std::string& options = "") {
   const fs::path out = batten_test::scratch(name);
   const std::string command = std::string("'" BATTEN_CLI "' run '") + scene + "' --quiet --out '" +
-                              out.string() + "' " + options + " > '" + (out / "log").string() + "' 2>&1";
+                              out.string() + "' " + options + " > '" + (out / "log").string() +
+                              "' 2>&1";
   const int status = std::system(command.c_str());
   Ran ran{WEXITSTATUS(status), {}, out};
   if (std::ifstream report(out / "report.json"); report) ran.report = nlohmann::json::parse(report);
@@ -56,7 +57,8 @@ TEST_CASE("the hood keeps its promises, and is the same shape in metres") {
   std::ifstream in(kExamples + "02-hood/scene.toml");
   std::string scene((std::istreambuf_iterator<char>(in)), {});
   const auto replace = [&](const std::string& from, const std::string& to) {
-    for (size_t at = scene.find(from); at != std::string::npos; at = scene.find(from, at + to.size()))
+    for (size_t at = scene.find(from); at != std::string::npos;
+         at = scene.find(from, at + to.size()))
       scene.replace(at, from.size(), to);
   };
   replace("unit = \"mm\"", "unit = \"m\"");
@@ -81,7 +83,8 @@ TEST_CASE("the hood keeps its promises, and is the same shape in metres") {
     for (const double f : {0.0, 0.3, 1.0}) {
       const auto &p = *a[i].curve, &q = *b[i].curve;
       worst = std::max(worst, (p.evaluate(p.start() + f * (p.end() - p.start())) / 1840 -
-                               q.evaluate(q.start() + f * (q.end() - q.start())) / 1.84).norm());
+                               q.evaluate(q.start() + f * (q.end() - q.start())) / 1.84)
+                                  .norm());
     }
   CHECK(worst < 1e-9);
 }
@@ -94,7 +97,8 @@ TEST_CASE("CalculiX runs the hood's deck as written") {
   const Ran hood = run(kExamples + "02-hood/scene.toml", "hood_ccx");
   REQUIRE(fs::exists(hood.out / "hood.inp"));
   CHECK(std::system(("'" BATTEN_SOURCE_DIR "/scripts/ccx_max_displacement' '" +
-                     (hood.out / "hood.inp").string() + "'").c_str()) == 0);
+                     (hood.out / "hood.inp").string() + "'")
+                        .c_str()) == 0);
 }
 
 TEST_CASE("Gmsh opens and meshes the hood's STEP file") {
@@ -104,7 +108,8 @@ TEST_CASE("Gmsh opens and meshes the hood's STEP file") {
   }
   const Ran hood = run(kExamples + "02-hood/scene.toml", "hood_gmsh");
   CHECK(std::system(("/usr/bin/python3 '" BATTEN_SOURCE_DIR "/tests/io/gmsh_opens_step.py' '" +
-                     (hood.out / "hood.step").string() + "'").c_str()) == 0);
+                     (hood.out / "hood.step").string() + "'")
+                        .c_str()) == 0);
 }
 
 TEST_CASE("the pentagon of the paper, as a scene, has the gold height") {
@@ -132,8 +137,9 @@ TEST_CASE("published hulls are skinned and compared with the surfaces in their f
     }
     INFO(file);
     const fs::path out = batten_test::scratch("hull");
-    const std::string command = "'" BATTEN_CLI "' skin '" + path.string() + "' --unit m --quiet --out '" +
-                                out.string() + "' --compare '" + path.string() + "'";
+    const std::string command = "'" BATTEN_CLI "' skin '" + path.string() +
+                                "' --unit m --quiet --out '" + out.string() + "' --compare '" +
+                                path.string() + "'";
     REQUIRE(std::system((command + " 2> /dev/null").c_str()) == 0);
     const auto report = nlohmann::json::parse(std::ifstream(out / "report.json"));
     CHECK(report["surface"]["max_line_residual"].get<double>() <= 1e-10);

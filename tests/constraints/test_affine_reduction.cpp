@@ -9,31 +9,25 @@
 
 #include "batten/core/errors.h"
 #include "batten/tests/catch.h"
+#include "batten/tests/sampling.h"
 
-using namespace batten;
+using namespace batten_test;
 
 namespace {
 
 using Entries = std::vector<ConstraintSet::Entry>;
 using CoupledEntries = std::vector<ConstraintSet::CoupledEntry>;
 
-// The same numbers in [-1, 1) on every machine.
-struct Random {
-  std::mt19937 engine;
-  explicit Random(unsigned seed) : engine(seed) {}
-  double operator()() { return engine() * 0x1p-31 - 1; }
+struct Draws : Random {
+  using Random::Random;
   int below(int n) { return static_cast<int>(engine() % n); }
-  Vec3 point() {
-    const double x = (*this)(), y = (*this)(), z = (*this)();
-    return {x, y, z};
-  }
   MatX matrix(long rows, long columns) {
     return MatX::NullaryExpr(rows, columns, [&] { return (*this)(); });
   }
 };
 
 // Lower triangle of a random sparse positive definite matrix.
-SparseMatrix random_stiffness(int n, Random& random) {
+SparseMatrix random_stiffness(int n, Draws& random) {
   std::vector<Triplet> entries;
   for (int i = 0; i < n; ++i) {
     entries.emplace_back(i, i, 6 + random());
@@ -62,7 +56,7 @@ MatX stacked(const SparseMatrix& K, bool coupled) {
 std::string row_name(int i) { return "row " + std::to_string(i); }
 
 // Random rows, independent because each is dominated by a dof of its own.
-ConstraintSet random_constraints(int n, int rows, int coupled_rows, Random& random) {
+ConstraintSet random_constraints(int n, int rows, int coupled_rows, Draws& random) {
   std::vector<int> own(n);
   std::iota(own.begin(), own.end(), 0);
   std::shuffle(own.begin(), own.end(), random.engine);
@@ -116,7 +110,7 @@ TEST_CASE("elimination has the solution of the saddle point system") {
   for (unsigned seed = 1; seed <= 8; ++seed)
     for (const bool coupled : {false, true}) {
       INFO("seed " << seed << (coupled ? ", coupled" : ", uncoupled"));
-      Random random(seed);
+      Draws random(seed);
       const int n = 40;
       const SparseMatrix K = random_stiffness(n, random);
       const Points F = random.matrix(n, 3);
@@ -142,7 +136,7 @@ TEST_CASE("elimination has the solution of the saddle point system") {
 
 TEST_CASE("the rows hold for every y, not only for the solution") {
   for (const bool coupled : {false, true}) {
-    Random random(21);
+    Draws random(21);
     const int n = 30;
     const ConstraintSet set = random_constraints(n, 7, coupled ? 6 : 0, random);
     const AffineReduction reduction(set);
@@ -164,7 +158,7 @@ TEST_CASE("the rows hold for every y, not only for the solution") {
 TEST_CASE("the reduced system is D' K D and D' (F - K d0), symmetric and positive definite") {
   for (unsigned seed = 31; seed < 35; ++seed)
     for (const bool coupled : {false, true}) {
-      Random random(seed);
+      Draws random(seed);
       const int n = 25;
       const SparseMatrix K = random_stiffness(n, random);
       const Points F = random.matrix(n, 3);
@@ -186,7 +180,7 @@ TEST_CASE("the reduced system is D' K D and D' (F - K d0), symmetric and positiv
 }
 
 TEST_CASE("fixed dofs delete rows and columns, nothing else") {
-  Random random(41);
+  Draws random(41);
   const int n = 20;
   const SparseMatrix K = random_stiffness(n, random);
   ConstraintSet set(n);
@@ -208,7 +202,7 @@ TEST_CASE("fixed dofs delete rows and columns, nothing else") {
 }
 
 TEST_CASE("no constraints leave everything free; constraints on all dofs leave nothing") {
-  Random random(42);
+  Draws random(42);
   const int n = 6;
   const SparseMatrix K = random_stiffness(n, random);
   const Points F = random.matrix(n, 3);
@@ -229,7 +223,7 @@ TEST_CASE("no constraints leave everything free; constraints on all dofs leave n
 TEST_CASE("rows that others imply are dropped and counted, and change nothing") {
   for (unsigned seed = 51; seed < 55; ++seed) {
     INFO("seed " << seed);
-    Random random(seed);
+    Draws random(seed);
     const int n = 30, rows = 8;
     const SparseMatrix K = random_stiffness(n, random);
     const Points F = random.matrix(n, 3);
@@ -328,7 +322,7 @@ TEST_CASE("a conflict names exactly the constraints that take part, with the amo
 TEST_CASE("among many rows, a false combination names the rows it is made of") {
   for (unsigned seed = 61; seed < 69; ++seed) {
     INFO("seed " << seed);
-    Random random(seed);
+    Draws random(seed);
     const int n = 50, rows = 15;
     ConstraintSet set = random_constraints(n, rows, 0, random);
     const auto given = set.rows();
@@ -351,7 +345,7 @@ TEST_CASE("among many rows, a false combination names the rows it is made of") {
 
 TEST_CASE("rows in other units are the same rows") {
   for (const bool coupled : {false, true}) {
-    Random random(71);
+    Draws random(71);
     const int n = 30;
     const ConstraintSet set = random_constraints(n, 7, coupled ? 5 : 0, random);
     ConstraintSet scaled(n);
@@ -386,7 +380,7 @@ TEST_CASE("rows in other units are the same rows") {
 }
 
 TEST_CASE("new right-hand sides keep D, and a kept factor serves every load") {
-  Random random(81);
+  Draws random(81);
   const int n = 30;
   const SparseMatrix K = random_stiffness(n, random);
   const ConstraintSet set = random_constraints(n, 5, 4, random);
@@ -449,7 +443,7 @@ TEST_CASE("reactions balance the load, each with its constraint's name") {
 }
 
 TEST_CASE("reactions of redundant rows still add up") {
-  Random random(91);
+  Draws random(91);
   const int n = 20;
   const SparseMatrix K = random_stiffness(n, random);
   const Points F = random.matrix(n, 3);

@@ -2,30 +2,15 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
-#include <random>
 
 #include "batten/constraints/affine_reduction.h"
 #include "batten/core/errors.h"
 #include "batten/tests/catch.h"
+#include "batten/tests/sampling.h"
 
-using namespace batten;
+using namespace batten_test;
 
 namespace {
-
-constexpr TriangleElement both_kinds[] = {TriangleElement::HCT, TriangleElement::Z12};
-
-const char* name(TriangleElement kind) { return kind == TriangleElement::HCT ? "HCT" : "Z12"; }
-
-// The same numbers in [-1, 1) on every machine.
-struct Random {
-  std::mt19937 engine;
-  explicit Random(unsigned seed) : engine(seed) {}
-  double operator()() { return engine() * 0x1p-31 - 1; }
-  Vec3 point() {
-    const double x = (*this)(), y = (*this)(), z = (*this)();
-    return {x, y, z};
-  }
-};
 
 // A square sheet with constraints on it, sculpted by a load that pulls everywhere.
 struct Sheet {

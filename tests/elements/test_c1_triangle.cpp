@@ -12,21 +12,14 @@
 #include "batten/fem/parametric_mesh.h"
 #include "batten/tests/catch.h"
 #include "batten/tests/reference.h"
+#include "batten/tests/sampling.h"
 
-using namespace batten;
+using namespace batten_test;
 
 namespace {
 
-constexpr TriangleElement both_kinds[] = {TriangleElement::HCT, TriangleElement::Z12};
-
-const char* name(TriangleElement kind) { return kind == TriangleElement::HCT ? "HCT" : "Z12"; }
-
-// The same numbers in [-1, 1) on every machine.
-struct Random {
-  std::mt19937 engine;
-  explicit Random(unsigned seed) : engine(seed) {}
-  double operator()() { return engine() * 0x1p-31 - 1; }
-  double between(double low, double high) { return low + (high - low) * engine() * 0x1p-32; }
+struct Draws : Random {
+  using Random::Random;
   Vec12 dofs() {
     return Vec12::NullaryExpr([&] { return (*this)(); });
   }
@@ -261,7 +254,7 @@ TEST_CASE("Z12's reference tensors are the integrals of the paper's raw function
 // --- the functions ------------------------------------------------------------------------------
 
 TEST_CASE("each function is 1 in its own dof and 0 in the eleven others") {
-  Random random(1);
+  Draws random(1);
   for (int trial = 0; trial < 50; ++trial) {
     const TriangleShape shape = random.triangle();
     for (const auto kind : both_kinds) {
@@ -279,7 +272,7 @@ TEST_CASE("each function is 1 in its own dof and 0 in the eleven others") {
 }
 
 TEST_CASE("both triangles hold all cubics with their derivatives, and not all quartics") {
-  Random random(2);
+  Draws random(2);
   for (int trial = 0; trial < 50; ++trial) {
     const TriangleShape shape = random.triangle();
     for (const auto kind : both_kinds) {
@@ -303,7 +296,7 @@ TEST_CASE("both triangles hold all cubics with their derivatives, and not all qu
 }
 
 TEST_CASE("derivatives are those of the functions, by central differences") {
-  Random random(3);
+  Draws random(3);
   constexpr double step = 1e-6;
   for (int trial = 0; trial < 50; ++trial) {
     const TriangleShape shape = random.triangle();
@@ -331,7 +324,7 @@ TEST_CASE("derivatives are those of the functions, by central differences") {
 }
 
 TEST_CASE("two triangles join with one tangent plane, whatever their kinds and vertex order") {
-  Random random(4);
+  Draws random(4);
   double worst = 0, smallest_with_wrong_sign = 1;
   for (int trial = 0; trial < 50; ++trial) {
     // A convex quadrilateral around the origin, cut along 0-2, with vertices numbered at random.
@@ -388,7 +381,7 @@ TEST_CASE("two triangles join with one tangent plane, whatever their kinds and v
 }
 
 TEST_CASE("HCT and Z12 have the same value and gradient on all three edges") {
-  Random random(5);
+  Draws random(5);
   double edges = 0, interior = 0;
   for (int trial = 0; trial < 50; ++trial) {
     const TriangleShape shape = random.triangle();
@@ -411,7 +404,7 @@ TEST_CASE("HCT and Z12 have the same value and gradient on all three edges") {
 }
 
 TEST_CASE("HCT is C1 across its spokes") {
-  Random random(6);
+  Draws random(6);
   double worst = 0;
   for (int trial = 0; trial < 50; ++trial) {
     const TriangleShape shape = random.triangle();
@@ -431,7 +424,7 @@ TEST_CASE("HCT is C1 across its spokes") {
 }
 
 TEST_CASE("Z12 at its vertices is finite, continuous and has the limit along the bisector") {
-  Random random(7);
+  Draws random(7);
   for (int trial = 0; trial < 20; ++trial) {
     const TriangleShape shape = random.triangle();
     const C1Triangle element(TriangleElement::Z12, shape);
@@ -457,7 +450,7 @@ TEST_CASE("Z12 at its vertices is finite, continuous and has the limit along the
 }
 
 TEST_CASE("the Bezier ordinates of HCT are the same surface") {
-  Random random(8);
+  Draws random(8);
   const int index[10][3] = {{3, 0, 0}, {0, 3, 0}, {0, 0, 3}, {2, 1, 0}, {1, 2, 0},
                             {0, 2, 1}, {0, 1, 2}, {1, 0, 2}, {2, 0, 1}, {1, 1, 1}};
   const double factorial[4] = {1, 1, 2, 6};
@@ -496,7 +489,7 @@ TEST_CASE("the Bezier ordinates of HCT are the same surface") {
 // --- the matrices -------------------------------------------------------------------------------
 
 TEST_CASE("stiffness, mass and load are the integrals of the functions") {
-  Random random(9);
+  Draws random(9);
   for (int trial = 0; trial < 10; ++trial) {
     const TriangleShape shape = random.triangle();
     for (const auto kind : both_kinds) {
@@ -549,7 +542,7 @@ TEST_CASE("energies of polynomials are their integrals") {
 }
 
 TEST_CASE("stretching costs nothing for constants only, bending for linear functions only") {
-  Random random(10);
+  Draws random(10);
   for (int trial = 0; trial < 50; ++trial) {
     const TriangleShape shape = random.triangle();
     for (const auto kind : both_kinds) {
@@ -578,7 +571,7 @@ TEST_CASE("stretching costs nothing for constants only, bending for linear funct
 }
 
 TEST_CASE("both triangles carry a constant load in the same way") {
-  Random random(11);
+  Draws random(11);
   for (int trial = 0; trial < 20; ++trial) {
     const TriangleShape shape = random.triangle();
     const Vec12 hct = C1Triangle(TriangleElement::HCT, shape).load();
@@ -597,7 +590,7 @@ TEST_CASE("both triangles carry a constant load in the same way") {
 // --- frames, scales, mistakes -------------------------------------------------------------------
 
 TEST_CASE("a rigid motion of the triangle moves the surface with it") {
-  Random random(12);
+  Draws random(12);
   for (int trial = 0; trial < 20; ++trial) {
     const TriangleShape shape = random.triangle();
     const Mat2 R = Eigen::Rotation2Dd(3 * random()).toRotationMatrix();
@@ -627,7 +620,7 @@ TEST_CASE("a rigid motion of the triangle moves the surface with it") {
 }
 
 TEST_CASE("a triangle of any size is the same triangle in other units") {
-  Random random(13);
+  Draws random(13);
   for (const double scale : {1e8, 1e-8})
     for (int trial = 0; trial < 10; ++trial) {
       const TriangleShape shape = random.triangle();
@@ -658,7 +651,7 @@ TEST_CASE("a triangle of any size is the same triangle in other units") {
 }
 
 TEST_CASE("barycentric coordinates and points are each other's inverse, outside too") {
-  Random random(14);
+  Draws random(14);
   for (int trial = 0; trial < 50; ++trial) {
     const TriangleShape shape = random.triangle();
     const Vec2 p(3 * random(), 3 * random());

@@ -9,21 +9,11 @@
 #include "batten/core/parallel.h"
 #include "batten/core/sparse_cholesky.h"
 #include "batten/tests/catch.h"
+#include "batten/tests/sampling.h"
 
-using namespace batten;
+using namespace batten_test;
 
 namespace {
-
-constexpr TriangleElement both_kinds[] = {TriangleElement::HCT, TriangleElement::Z12};
-
-const char* name(TriangleElement kind) { return kind == TriangleElement::HCT ? "HCT" : "Z12"; }
-
-// The same numbers in [-1, 1) on every machine.
-struct Random {
-  std::mt19937 engine;
-  explicit Random(unsigned seed) : engine(seed) {}
-  double operator()() { return engine() * 0x1p-31 - 1; }
-};
 
 // A square mesh with inner vertices moved by up to 20 % and everything in random order.
 ParametricMesh shuffled_square(int n, unsigned seed) {
@@ -43,20 +33,6 @@ ParametricMesh shuffled_square(int n, unsigned seed) {
   for (auto& t : triangles) t = {number[t[0]], number[t[1]], number[t[2]]};
   std::shuffle(triangles.begin(), triangles.end(), random.engine);
   return {vertices, triangles};
-}
-
-// Dofs of a function given as uv → (w, w_u, w_v).
-template <class Function>
-VecX dofs_of(const ParametricMesh& mesh, const Function& f) {
-  const DofMap dofs(mesh);
-  VecX q(dofs.count());
-  for (int v = 0; v < mesh.vertex_count(); ++v) q.segment<3>(3 * v) = f(mesh.vertices()[v]);
-  for (int e = 0; e < mesh.edge_count(); ++e) {
-    const auto& edge = mesh.edges()[e];
-    const Vec3 at = f(0.5 * (mesh.vertices()[edge.low] + mesh.vertices()[edge.high]));
-    q[dofs.edge(e)] = mesh.edge_normal(e).dot(at.tail<2>());
-  }
-  return q;
 }
 
 MatX dense(const SparseMatrix& lower) {

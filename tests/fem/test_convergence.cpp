@@ -1,50 +1,18 @@
 // Whole problems with known solutions: what the elements promise to their user.
 #include <cmath>
 #include <numbers>
-#include <random>
 
 #include "batten/core/sparse_cholesky.h"
 #include "batten/fem/assembly.h"
 #include "batten/tests/catch.h"
 #include "batten/tests/reference.h"
+#include "batten/tests/sampling.h"
 
-using namespace batten;
+using namespace batten_test;
 
 namespace {
 
 constexpr double pi = std::numbers::pi;
-constexpr TriangleElement both_kinds[] = {TriangleElement::HCT, TriangleElement::Z12};
-
-const char* name(TriangleElement kind) { return kind == TriangleElement::HCT ? "HCT" : "Z12"; }
-
-// n×n×2 triangles of the unit square, inner vertices moved by up to 20 % of the spacing.
-ParametricMesh perturbed_square(int n, unsigned seed) {
-  const ParametricMesh square = ParametricMesh::unit_square(n);
-  std::mt19937 engine(seed);
-  const auto random = [&] { return engine() * 0x1p-31 - 1; };
-  std::vector<Vec2> vertices = square.vertices();
-  for (Vec2& p : vertices)
-    if (p.minCoeff() > 0 && p.maxCoeff() < 1) {
-      p.x() += 0.2 / n * random();
-      p.y() += 0.2 / n * random();
-    }
-  return {vertices, square.triangles()};
-}
-
-// Dofs of a function given as uv → (w, w_u, w_v).
-template <class Function>
-VecX dofs_of(const ParametricMesh& mesh, const Function& f) {
-  const DofMap dofs(mesh);
-  VecX q(dofs.count());
-  for (int v = 0; v < mesh.vertex_count(); ++v) q.segment<3>(3 * v) = f(mesh.vertices()[v]);
-  for (int e = 0; e < mesh.edge_count(); ++e) {
-    const auto& edge = mesh.edges()[e];
-    const Vec3 at = f(0.5 * (mesh.vertices()[edge.low] + mesh.vertices()[edge.high]));
-    q[dofs.edge(e)] = mesh.edge_normal(e).dot(at.tail<2>());
-  }
-  return q;
-}
-
 // Dofs of the boundary: all of them (clamped), or w and the slope along the sides of the square.
 std::vector<char> held_dofs(const ParametricMesh& mesh, bool clamped) {
   const DofMap dofs(mesh);

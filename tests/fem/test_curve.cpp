@@ -4,27 +4,16 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <random>
 
 #include "batten/core/errors.h"
 #include "batten/tests/catch.h"
+#include "batten/tests/sampling.h"
 
-using namespace batten;
+using namespace batten_test;
 
 namespace {
 
 constexpr double pi = std::numbers::pi;
-
-// The same numbers in [-1, 1) on every machine.
-struct Random {
-  std::mt19937 engine;
-  explicit Random(unsigned seed) : engine(seed) {}
-  double operator()() { return engine() * 0x1p-31 - 1; }
-  Vec3 point() {
-    const double x = (*this)(), y = (*this)(), z = (*this)();
-    return {x, y, z};
-  }
-};
 
 // Nodes on a function u → (X, X').
 template <class Function>

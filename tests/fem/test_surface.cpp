@@ -5,69 +5,30 @@
 #include <limits>
 #include <map>
 #include <numbers>
-#include <random>
 
 #include "batten/core/errors.h"
 #include "batten/tests/catch.h"
+#include "batten/tests/sampling.h"
 
-using namespace batten;
+using namespace batten_test;
 
 namespace {
 
-constexpr TriangleElement both_kinds[] = {TriangleElement::HCT, TriangleElement::Z12};
-
-const char* name(TriangleElement kind) { return kind == TriangleElement::HCT ? "HCT" : "Z12"; }
-
-// The same numbers in [-1, 1) on every machine.
-struct Random {
-  std::mt19937 engine;
-  explicit Random(unsigned seed) : engine(seed) {}
-  double operator()() { return engine() * 0x1p-31 - 1; }
-  double between(double low, double high) { return low + (high - low) * engine() * 0x1p-32; }
-  Vec3 point() {
-    const double x = (*this)(), y = (*this)(), z = (*this)();
-    return {x, y, z};
-  }
+struct Draws : Random {
+  using Random::Random;
   Location location(const ParametricMesh& mesh) {
     Vec3 L(between(0, 1), between(0, 1), between(0, 1));
     return {static_cast<int>(engine() % mesh.triangle_count()), L / L.sum()};
   }
 };
 
-// n×n×2 triangles of the unit square, inner vertices moved by up to 20 %.
-std::shared_ptr<const ParametricMesh> perturbed_square(int n, unsigned seed) {
-  const ParametricMesh square = ParametricMesh::unit_square(n);
-  Random random(seed);
-  std::vector<Vec2> vertices = square.vertices();
-  for (Vec2& p : vertices)
-    if (p.minCoeff() > 0 && p.maxCoeff() < 1) p += 0.2 / n * Vec2(random(), random());
-  return std::make_shared<ParametricMesh>(vertices, square.triangles());
+std::shared_ptr<const ParametricMesh> shared_square(int n, unsigned seed) {
+  return std::make_shared<ParametricMesh>(perturbed_square(n, seed));
 }
 
 struct Patch {
   Vec3 x, x_u, x_v;
 };
-
-// The surface that has position and slopes of a patch at its nodes.
-template <class Function>
-Surface interpolate(std::shared_ptr<const ParametricMesh> mesh, TriangleElement kind,
-                    const Function& f) {
-  const DofMap dofs(*mesh);
-  Points q(dofs.count(), 3);
-  for (int v = 0; v < mesh->vertex_count(); ++v) {
-    const Patch p = f(mesh->vertices()[v]);
-    q.row(dofs.vertex(v)) = p.x;
-    q.row(dofs.vertex(v, 1)) = p.x_u;
-    q.row(dofs.vertex(v, 2)) = p.x_v;
-  }
-  for (int e = 0; e < mesh->edge_count(); ++e) {
-    const auto& edge = mesh->edges()[e];
-    const Patch p = f(0.5 * (mesh->vertices()[edge.low] + mesh->vertices()[edge.high]));
-    const Vec2 n = mesh->edge_normal(e);
-    q.row(dofs.edge(e)) = n.x() * p.x_u + n.y() * p.x_v;
-  }
-  return {std::move(mesh), kind, q};
-}
 
 // A cylinder of radius 2 and height 3 over 1.2 rad; x_u × x_v points away from its axis.
 Patch cylinder(const Vec2& p) {
@@ -90,8 +51,8 @@ Patch saddle(const Vec2& p) {
 }
 
 Surface random_surface(int n, TriangleElement kind, unsigned seed) {
-  Random random(seed);
-  return interpolate(perturbed_square(n, seed), kind, [&](const Vec2& p) {
+  Draws random(seed);
+  return interpolated(shared_square(n, seed), kind, [&](const Vec2& p) {
     return Patch{Vec3(p.x(), p.y(), 0) + 0.03 * random.point(),
                  Vec3(1, 0, 0) + 0.3 * random.point(), Vec3(0, 1, 0) + 0.3 * random.point()};
   });
@@ -100,10 +61,10 @@ Surface random_surface(int n, TriangleElement kind, unsigned seed) {
 }  // namespace
 
 TEST_CASE("a surface holds polynomials of degree three with all derivatives") {
-  Random random(1);
+  Draws random(1);
   for (const auto kind : both_kinds) {
     INFO(name(kind));
-    const Surface surface = interpolate(perturbed_square(3, 1), kind, saddle);
+    const Surface surface = interpolated(shared_square(3, 1), kind, saddle);
     for (int trial = 0; trial < 50; ++trial) {
       const Location where = random.location(surface.mesh());
       const Vec2 p = surface.mesh().shape(where.triangle).point(where.L);
@@ -211,10 +172,10 @@ TEST_CASE("interpolated cylinders and spheres converge: area, curvature, recover
     for (const Case& c : cases) {
       INFO(name(kind) << ", " << c.name);
       double area_before = 0, curvature_before = 0, recovered_before = 0;
-      auto mesh = perturbed_square(4, 5);
+      auto mesh = shared_square(4, 5);
       for (int level = 0; level < 3; ++level) {
         if (level > 0) mesh = std::make_shared<ParametricMesh>(mesh->refined());
-        const Surface surface = interpolate(mesh, kind, c.patch);
+        const Surface surface = interpolated(mesh, kind, c.patch);
         const double area = std::abs(surface.area() - c.area);
         double curvature = 0, recovered = 0;
         for (int t = 0; t < surface.mesh().triangle_count(); ++t)
@@ -248,9 +209,9 @@ TEST_CASE("interpolated cylinders and spheres converge: area, curvature, recover
 }
 
 TEST_CASE("locate finds every point of the domain, and the nearest triangle outside") {
-  const auto mesh = perturbed_square(5, 6);
-  const Surface surface = interpolate(mesh, TriangleElement::HCT, saddle);
-  Random random(6);
+  const auto mesh = shared_square(5, 6);
+  const Surface surface = interpolated(mesh, TriangleElement::HCT, saddle);
+  Draws random(6);
   for (int trial = 0; trial < 300; ++trial) {
     const Vec2 uv(random.between(0, 1), random.between(0, 1));
     const Location where = surface.locate(uv);
@@ -319,11 +280,19 @@ double distance_by_search(const Surface& surface, const Vec3& p) {
 
 }  // namespace
 
+// A sheet with random bumps of a fifth of its size, that fold nowhere within an element.
+Surface bumpy_surface(int n, TriangleElement kind, unsigned seed) {
+  const Surface random = random_surface(n, kind, seed);
+  const auto flat = [](const Vec2& p) { return Patch{{p.x(), p.y(), 0}, {1, 0, 0}, {0, 1, 0}}; };
+  const Surface sheet = interpolated(random.shared_mesh(), kind, flat);
+  return {random.shared_mesh(), kind, sheet.dofs() + 0.2 * random.dofs()};
+}
+
 TEST_CASE("the closest point of a surface is the closest point") {
-  Random random(7);
+  Draws random(7);
   for (const auto kind : both_kinds) {
-    const Surface surfaces[] = {interpolate(perturbed_square(4, 7), kind, cylinder),
-                                random_surface(3, kind, 8)};
+    const Surface surfaces[] = {interpolated(shared_square(4, 7), kind, cylinder),
+                                bumpy_surface(3, kind, 8)};
     for (const Surface& surface : surfaces) {
       const Vec3 middle = surface.position(surface.locate({0.5, 0.5}));
       double excess = 0, on_surface = 0;
@@ -346,8 +315,8 @@ TEST_CASE("the closest point of a surface is the closest point") {
 
 TEST_CASE("points beside the boundary and near vertices have their closest points too") {
   const auto flat = [](const Vec2& p) { return Patch{{p.x(), p.y(), 0}, {1, 0, 0}, {0, 1, 0}}; };
-  Random random(9);
-  const Surface surface = interpolate(perturbed_square(4, 9), TriangleElement::HCT, flat);
+  Draws random(9);
+  const Surface surface = interpolated(shared_square(4, 9), TriangleElement::HCT, flat);
   double worst = 0;
   for (int trial = 0; trial < 200; ++trial) {
     const Vec3 p(random.between(-0.5, 1.5), random.between(-0.5, 1.5), random());
@@ -365,7 +334,7 @@ TEST_CASE("points beside the boundary and near vertices have their closest point
 }
 
 TEST_CASE("the evaluation operator is evaluation") {
-  Random random(10);
+  Draws random(10);
   for (const auto kind : both_kinds) {
     INFO(name(kind));
     const Surface surface = random_surface(3, kind, 11);
@@ -396,8 +365,8 @@ TEST_CASE("the evaluation operator is evaluation") {
 }
 
 TEST_CASE("a tessellation is watertight, oriented, and covers the domain") {
-  const auto mesh = perturbed_square(4, 12);
-  const Surface plane = interpolate(mesh, TriangleElement::HCT, [](const Vec2& p) {
+  const auto mesh = shared_square(4, 12);
+  const Surface plane = interpolated(mesh, TriangleElement::HCT, [](const Vec2& p) {
     return Patch{{p.x(), p.y(), 0}, {1, 0, 0}, {0, 1, 0}};
   });
   int boundary_edges = 0;
@@ -448,7 +417,7 @@ TEST_CASE("a tessellation is watertight, oriented, and covers the domain") {
 }
 
 TEST_CASE("facets converge to the surface's area") {
-  const Surface surface = interpolate(perturbed_square(3, 13), TriangleElement::HCT, sphere);
+  const Surface surface = interpolated(shared_square(3, 13), TriangleElement::HCT, sphere);
   double before = 0;
   for (const int n : {2, 4, 8}) {
     const Tessellation t = tessellate(surface.mesh(), n);

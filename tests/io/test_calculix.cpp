@@ -14,8 +14,9 @@
 #include "batten/core/errors.h"
 #include "batten/tests/catch.h"
 #include "batten/tests/reference.h"
+#include "batten/tests/sampling.h"
 
-using namespace batten;
+using namespace batten_test;
 namespace fs = std::filesystem;
 
 namespace {
@@ -25,22 +26,9 @@ using Shape = std::function<SurfaceJet(double u, double v)>;
 
 SkinnedRegion region_of(int n, const Shape& shape, const std::array<std::string, 4>& names) {
   const auto mesh = std::make_shared<const ParametricMesh>(ParametricMesh::unit_square(n));
-  const DofMap dof(*mesh);
-  Points q(dof.count(), 3);
-  for (int v = 0; v < mesh->vertex_count(); ++v) {
-    const SurfaceJet j = shape(mesh->vertices()[v].x(), mesh->vertices()[v].y());
-    q.row(dof.vertex(v)) = j.x;
-    q.row(dof.vertex(v, 1)) = j.x_u;
-    q.row(dof.vertex(v, 2)) = j.x_v;
-  }
-  for (int e = 0; e < mesh->edge_count(); ++e) {
-    const auto& edge = mesh->edges()[e];
-    const Vec2 middle = 0.5 * (mesh->vertices()[edge.low] + mesh->vertices()[edge.high]);
-    const SurfaceJet j = shape(middle.x(), middle.y());
-    const Vec2 normal = mesh->edge_normal(e);
-    q.row(dof.edge(e)) = normal.x() * j.x_u + normal.y() * j.x_v;
-  }
-  SkinnedRegion region{"plate", Surface(mesh, TriangleElement::HCT, q), {}, 1};
+  const Surface surface =
+      interpolated(mesh, TriangleElement::HCT, [&](const Vec2& p) { return shape(p.x(), p.y()); });
+  SkinnedRegion region{"plate", surface, {}, 1};
   const std::array<std::array<int, 2>, 4> sides{
       {{0, 1}, {n * (n + 1), 1}, {0, n + 1}, {n, n + 1}}};  // first vertex, step
   for (size_t s = 0; s < 4; ++s) {

@@ -14,8 +14,9 @@
 #include "batten/core/errors.h"
 #include "batten/tests/catch.h"
 #include "batten/tests/reference.h"
+#include "batten/tests/sampling.h"
 
-using namespace batten;
+using namespace batten_test;
 namespace fs = std::filesystem;
 
 namespace {
@@ -31,23 +32,11 @@ SkinnedRegion region(double height) {
     return e - dome * (x * x + y * y);
   };
   const auto mesh = std::make_shared<const ParametricMesh>(ParametricMesh::unit_square(n));
-  const DofMap dof(*mesh);
-  Points q(dof.count(), 3);
-  const auto slope_u = [&](const Vec2& p) { return Vec3(2, 0, z(p, 1)); };
-  const auto slope_v = [&](const Vec2& p) { return Vec3(0, 2, z(p, 2)); };
-  for (int v = 0; v < mesh->vertex_count(); ++v) {
-    const Vec2& p = mesh->vertices()[v];
-    q.row(dof.vertex(v)) = Vec3(2 * p.x() - 1, 2 * p.y() - 1, z(p, 0));
-    q.row(dof.vertex(v, 1)) = slope_u(p);
-    q.row(dof.vertex(v, 2)) = slope_v(p);
-  }
-  for (int e = 0; e < mesh->edge_count(); ++e) {
-    const auto& edge = mesh->edges()[e];
-    const Vec2 p = 0.5 * (mesh->vertices()[edge.low] + mesh->vertices()[edge.high]);
-    const Vec2 normal = mesh->edge_normal(e);
-    q.row(dof.edge(e)) = normal.x() * slope_u(p) + normal.y() * slope_v(p);
-  }
-  SkinnedRegion result{"dome", Surface(mesh, TriangleElement::HCT, q), {}, 1};
+  const Surface surface = interpolated(mesh, TriangleElement::HCT, [&](const Vec2& p) {
+    return SurfaceJet{
+        {2 * p.x() - 1, 2 * p.y() - 1, z(p, 0)}, {2, 0, z(p, 1)}, {0, 2, z(p, 2)}, {}, {}, {}};
+  });
+  SkinnedRegion result{"dome", surface, {}, 1};
   const int sides[4][2] = {{0, 1}, {n * (n + 1), 1}, {0, n + 1}, {n, n + 1}};
   for (const auto& [first, step] : sides) {
     LineRun run;

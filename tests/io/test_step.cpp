@@ -13,8 +13,9 @@
 #include "batten/core/errors.h"
 #include "batten/tests/catch.h"
 #include "batten/tests/reference.h"
+#include "batten/tests/sampling.h"
 
-using namespace batten;
+using namespace batten_test;
 namespace fs = std::filesystem;
 
 namespace {
@@ -41,21 +42,8 @@ Surface sheet(int n, double scale, TriangleElement kind = TriangleElement::HCT, 
     return scale *
            Vec3(0.2 * std::cos(2 * p.y()), 1, -0.6 * std::sin(3 * p.x()) * std::sin(2 * p.y()));
   };
-  const DofMap dofs(*mesh);
-  Points q(dofs.count(), 3);
-  for (int v = 0; v < mesh->vertex_count(); ++v) {
-    const Vec2& p = mesh->vertices()[v];
-    q.row(dofs.vertex(v)) = x(p);
-    q.row(dofs.vertex(v, 1)) = x_u(p);
-    q.row(dofs.vertex(v, 2)) = x_v(p);
-  }
-  for (int e = 0; e < mesh->edge_count(); ++e) {
-    const auto& edge = mesh->edges()[e];
-    const Vec2 p = 0.5 * (mesh->vertices()[edge.low] + mesh->vertices()[edge.high]);
-    const Vec2 n_e = mesh->edge_normal(e);
-    q.row(dofs.edge(e)) = n_e.x() * x_u(p) + n_e.y() * x_v(p);
-  }
-  return Surface(mesh, kind, q);
+  return interpolated(mesh, kind,
+                      [&](const Vec2& p) { return SurfaceJet{x(p), x_u(p), x_v(p), {}, {}, {}}; });
 }
 
 void expect_exact(const StepReport& r, const Surface& surface) {

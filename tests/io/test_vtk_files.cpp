@@ -25,8 +25,9 @@
 #include "batten/io/whole_file.h"
 #include "batten/tests/catch.h"
 #include "batten/tests/reference.h"
+#include "batten/tests/sampling.h"
 
-using namespace batten;
+using namespace batten_test;
 namespace fs = std::filesystem;
 
 namespace {
@@ -46,22 +47,9 @@ SurfaceJet cubic(double u, double v, double height) {
 /// Its lines: the south side, and the diagonal backwards.
 SkinnedRegion region(const std::string& name, double height) {
   const auto mesh = std::make_shared<const ParametricMesh>(ParametricMesh::unit_square(kN));
-  const DofMap dof(*mesh);
-  Points q(dof.count(), 3);
-  for (int v = 0; v < mesh->vertex_count(); ++v) {
-    const SurfaceJet j = cubic(mesh->vertices()[v].x(), mesh->vertices()[v].y(), height);
-    q.row(dof.vertex(v)) = j.x;
-    q.row(dof.vertex(v, 1)) = j.x_u;
-    q.row(dof.vertex(v, 2)) = j.x_v;
-  }
-  for (int e = 0; e < mesh->edge_count(); ++e) {
-    const auto& edge = mesh->edges()[e];
-    const Vec2 middle = 0.5 * (mesh->vertices()[edge.low] + mesh->vertices()[edge.high]);
-    const SurfaceJet j = cubic(middle.x(), middle.y(), height);
-    const Vec2 normal = mesh->edge_normal(e);
-    q.row(dof.edge(e)) = normal.x() * j.x_u + normal.y() * j.x_v;
-  }
-  SkinnedRegion result{name, Surface(mesh, TriangleElement::HCT, q), {}, 1};
+  const Surface surface = interpolated(mesh, TriangleElement::HCT,
+                                       [&](const Vec2& p) { return cubic(p.x(), p.y(), height); });
+  SkinnedRegion result{name, surface, {}, 1};
   for (const bool diagonal : {false, true}) {
     LineRun run;
     run.line.name = diagonal ? "diagonal" : "south";

@@ -21,9 +21,14 @@ const std::map<std::string, std::set<std::string>> kAllowed = {
     {"constraints/shape", {"core", "elements", "fem", "constraints"}},
     {"fairing", {"core", "elements", "fem", "constraints", "constraints/shape"}},
     {"skinning", {"core", "elements", "fem", "constraints", "constraints/shape", "fairing"}},
-    {"sculpting", {"core", "elements", "fem", "constraints", "constraints/shape", "fairing", "skinning"}},
-    {"io", {"core", "elements", "fem", "constraints", "constraints/shape", "fairing", "skinning", "sculpting"}},
-    {"apps", {"core", "elements", "fem", "constraints", "constraints/shape", "fairing", "skinning", "sculpting", "io"}},
+    {"sculpting",
+     {"core", "elements", "fem", "constraints", "constraints/shape", "fairing", "skinning"}},
+    {"io",
+     {"core", "elements", "fem", "constraints", "constraints/shape", "fairing", "skinning",
+      "sculpting"}},
+    {"apps",
+     {"core", "elements", "fem", "constraints", "constraints/shape", "fairing", "skinning",
+      "sculpting", "io"}},
 };
 
 // Libraries that only some folders may touch.
@@ -64,7 +69,8 @@ TEST_CASE("include lines follow the dependency table") {
           CHECK((target == folder || allowed.count(target) == 1));
         } else {
           for (const auto& [pattern, folders] : kForeign)
-            if (std::regex_search(name, std::regex("^" + pattern))) CHECK(folders.count(folder) == 1);
+            if (std::regex_search(name, std::regex("^" + pattern)))
+              CHECK(folders.count(folder) == 1);
         }
       }
     }

@@ -1,9 +1,9 @@
 // Loads: what they mean, and that pressure follows the surface.
+#include "../skinning/shapes.h"
 #include "batten/core/errors.h"
 #include "batten/sculpting/static_sculpt.h"
 #include "batten/skinning/mesher.h"
 #include "batten/tests/catch.h"
-#include "../skinning/shapes.h"
 
 using namespace batten_test;
 using Catch::Matchers::Contains;
@@ -30,7 +30,8 @@ TEST_CASE("a small pressure is a uniform load along the normal") {
   const auto loaded = sculpt(layout, constraints, {{"f", UniformLoad{{0, 0, 1e-4}}}}, {});
   // Relative units scale the region to its diagonal, √2: the area of the domain is 1/2, as is the
   // area of the surface over the size squared.
-  CHECK((pressed.dofs - loaded.dofs).cwiseAbs().maxCoeff() < 1e-6 * (loaded.dofs.col(2).cwiseAbs().maxCoeff() + 1e-300));
+  CHECK((pressed.dofs - loaded.dofs).cwiseAbs().maxCoeff() <
+        1e-6 * (loaded.dofs.col(2).cwiseAbs().maxCoeff() + 1e-300));
 }
 
 TEST_CASE("absolute units: the simply held square plate of the handbook") {
@@ -41,7 +42,8 @@ TEST_CASE("absolute units: the simply held square plate of the handbook") {
     const double D = 3.5, q = 1e-3 / (a * a * a);
     options.material = SurfaceStiffness::isotropic(0, D);
     options.units = LoadUnits::Absolute;
-    const auto result = sculpt(layout, layout.line_constraints(), {{"q", UniformLoad{{0, 0, q}}}}, options);
+    const auto result =
+        sculpt(layout, layout.line_constraints(), {{"q", UniformLoad{{0, 0, q}}}}, options);
     const Surface surface(layout.mesh(), layout.element(), result.dofs);
     const double centre = surface.closest_point({a / 2, a / 2, 0}).where.triangle >= 0
                               ? surface.position(surface.closest_point({a / 2, a / 2, 0}).where).z()
@@ -61,7 +63,8 @@ TEST_CASE("pressure equilibrium: the fixed point satisfies K x = p ∬ N (x_u ×
   const Points F = p / layout.size() * assembler.pressure_load(result.dofs);
   const AffineReduction reduction(constraints);
   const Points unbalanced = K.selfadjointView<Eigen::Lower>() * result.dofs - F;
-  CHECK((reduction.D().transpose() * unbalanced).cwiseAbs().maxCoeff() < 1e-10 * F.cwiseAbs().maxCoeff());
+  CHECK((reduction.D().transpose() * unbalanced).cwiseAbs().maxCoeff() <
+        1e-10 * F.cwiseAbs().maxCoeff());
   CHECK(result.max_constraint_residual < 1e-13);
 }
 
@@ -83,7 +86,8 @@ TEST_CASE("a pressure past its limit says how far it came") {
   const RegionLayout layout("square", square(1), coarse(0.2));
   SculptOptions options;
   options.material = SurfaceStiffness::isotropic(1, 0.01);
-  CHECK_THROWS_AS(sculpt(layout, layout.line_constraints(), {{"p", PressureLoad{1e4}}}, options), NoSolutionError);
+  CHECK_THROWS_AS(sculpt(layout, layout.line_constraints(), {{"p", PressureLoad{1e4}}}, options),
+                  NoSolutionError);
   CHECK_THROWS_WITH(sculpt(layout, layout.line_constraints(), {{"p", PressureLoad{1e4}}}, options),
                     Contains("past its limit") && Contains("was reached"));
 }
@@ -96,7 +100,8 @@ TEST_CASE("bad materials and loads are refused") {
   options.material.alpha << 1, 2, 2, 1;
   options.material.beta = Vec3::Ones();
   CHECK_THROWS_AS(sculpt(layout, layout.line_constraints(), {}, options), InputError);
-  CHECK_THROWS_WITH(sculpt(layout, layout.line_constraints(), {{"wind", PressureLoad{NAN}}}, {}), Contains("'wind'"));
+  CHECK_THROWS_WITH(sculpt(layout, layout.line_constraints(), {{"wind", PressureLoad{NAN}}}, {}),
+                    Contains("'wind'"));
 }
 
 TEST_CASE("too few constraints: the free motion is reported, not a wrong shape") {

@@ -14,17 +14,21 @@ namespace {
 std::shared_ptr<const InputCurve> helix(double turns) {
   return curve_from_formula(0, 2 * std::numbers::pi * turns, [](double t, int order) -> Vec3 {
     switch (order) {
-      case 0: return {std::cos(t), std::sin(t), 0.3 * t};
-      case 1: return {-std::sin(t), std::cos(t), 0.3};
-      default: return {-std::cos(t), -std::sin(t), 0};
+      case 0:
+        return {std::cos(t), std::sin(t), 0.3 * t};
+      case 1:
+        return {-std::sin(t), std::cos(t), 0.3};
+      default:
+        return {-std::cos(t), -std::sin(t), 0};
     }
   });
 }
 
 HermiteCurve fit(const std::shared_ptr<const InputCurve>& curve, double tolerance) {
-  return fit_by_bisection({"line", CharacterLine::Role::Outline, curve}, tolerance,
-                          {curve->evaluate(curve->start()), curve->evaluate(curve->start(), 1).normalized()},
-                          {curve->evaluate(curve->end()), curve->evaluate(curve->end(), 1).normalized()});
+  return fit_by_bisection(
+      {"line", CharacterLine::Role::Outline, curve}, tolerance,
+      {curve->evaluate(curve->start()), curve->evaluate(curve->start(), 1).normalized()},
+      {curve->evaluate(curve->end()), curve->evaluate(curve->end(), 1).normalized()});
 }
 
 }  // namespace
@@ -42,27 +46,33 @@ TEST_CASE("a curve through points passes them, is C2 between corners and breaks 
     CHECK((curve->evaluate(t - 1e-9, 2) - curve->evaluate(t + 1e-9, 2)).norm() < 1e-6);
   }
   CHECK(curve->evaluate(curve->start(), 2).norm() < 1e-12);  // natural end
-  const auto bent = curve_through_points("line", {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {2, 1, 0}, {2, 2, 0}});
+  const auto bent =
+      curve_through_points("line", {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {2, 1, 0}, {2, 2, 0}});
   const auto parts = cut_at_corners({"line", bent}, 20);
   REQUIRE(parts.size() == 2);
   CHECK(parts[0].name == "line.1");
-  CHECK((parts[0].curve->evaluate(parts[0].curve->end(), 1).normalized() - Vec3(1, 0, 0)).norm() < 1e-9);
-  CHECK((parts[1].curve->evaluate(parts[1].curve->start(), 1).normalized() - Vec3(0, 1, 0)).norm() < 1e-9);
+  CHECK((parts[0].curve->evaluate(parts[0].curve->end(), 1).normalized() - Vec3(1, 0, 0)).norm() <
+        1e-9);
+  CHECK((parts[1].curve->evaluate(parts[1].curve->start(), 1).normalized() - Vec3(0, 1, 0)).norm() <
+        1e-9);
 }
 
 TEST_CASE("points that make no line are refused by name") {
-  CHECK_THROWS_WITH(curve_through_points("rim", {{0, 0, 0}}), Contains("'rim'") && Contains("two or more"));
+  CHECK_THROWS_WITH(curve_through_points("rim", {{0, 0, 0}}),
+                    Contains("'rim'") && Contains("two or more"));
   CHECK_THROWS_WITH(curve_through_points("rim", {{0, 0, 0}, {0, 0, 0}}), Contains("zero length"));
   CHECK_THROWS_WITH(curve_through_points("rim", {{0, 0, 0}, {1, 0, 0}, {1, 0, 0}, {2, 0, 0}}),
                     Contains("points 2 and 3 are duplicates"));
-  CHECK_THROWS_WITH(curve_through_points("rim", {{0, 0, 0}, {NAN, 0, 0}}), Contains("point 2") && Contains("finite"));
+  CHECK_THROWS_WITH(curve_through_points("rim", {{0, 0, 0}, {NAN, 0, 0}}),
+                    Contains("point 2") && Contains("finite"));
 }
 
 TEST_CASE("arc length and its inverse") {
   const ArcLength arc(helix(1));
   const double speed = std::sqrt(1 + 0.09);
   CHECK(arc.total() == Approx(2 * std::numbers::pi * speed).epsilon(1e-13));
-  for (const double s : {0.1, 1.0, 3.3, 6.0}) CHECK(arc.parameter(s) == Approx(s / speed).epsilon(1e-12));
+  for (const double s : {0.1, 1.0, 3.3, 6.0})
+    CHECK(arc.parameter(s) == Approx(s / speed).epsilon(1e-12));
 }
 
 TEST_CASE("bisection reaches its tolerance, with fourth-order economy") {
@@ -72,7 +82,8 @@ TEST_CASE("bisection reaches its tolerance, with fourth-order economy") {
     const HermiteCurve fitted = fit(curve, tolerance);
     double worst = 0;
     for (int i = 0; i <= 1000; ++i)
-      worst = std::max(worst, fitted.closest_point(curve->evaluate(2 * std::numbers::pi * i / 1000)).distance);
+      worst = std::max(
+          worst, fitted.closest_point(curve->evaluate(2 * std::numbers::pi * i / 1000)).distance);
     CHECK(worst <= tolerance);
     CHECK(worst > 1e-4 * tolerance);  // not more nodes than it takes
     for (int i = 0; i < fitted.node_count(); ++i)
@@ -86,21 +97,26 @@ TEST_CASE("bisection reaches its tolerance, with fourth-order economy") {
 
 TEST_CASE("piecewise cubics are kept, in their own parameter") {
   const auto curve = bezier_curve({0, 0, 0}, {1, 0, 1}, {2, 1, 1}, {3, 1, 0});
-  const HermiteCurve kept = exact_cubic({"line", CharacterLine::Role::Outline, curve}, 0.1, curve->evaluate(0), curve->evaluate(1));
+  const HermiteCurve kept = exact_cubic({"line", CharacterLine::Role::Outline, curve}, 0.1,
+                                        curve->evaluate(0), curve->evaluate(1));
   REQUIRE(kept.node_count() == 2);
   for (const double t : {0.1, 0.5, 0.77})
     CHECK((kept.evaluate(t * kept.end()) - curve->evaluate(t)).norm() < 1e-15);
-  CHECK(exact_cubic({"line", CharacterLine::Role::Outline, helix(1)}, 0.1, {1, 0, 0}, {1, 0, 1}).node_count() == 0);
+  CHECK(exact_cubic({"line", CharacterLine::Role::Outline, helix(1)}, 0.1, {1, 0, 0}, {1, 0, 1})
+            .node_count() == 0);
 }
 
 TEST_CASE("a polygon with consistent lengths and angles is found exactly") {
   // An L with a reflex corner.
-  const std::vector<Vec3> corners = {{0, 0, 0}, {3, 0, 0}, {3, 1, 0}, {1, 1, 0}, {1, 2, 0}, {0, 2, 0}};
+  const std::vector<Vec3> corners = {{0, 0, 0}, {3, 0, 0}, {3, 1, 0},
+                                     {1, 1, 0}, {1, 2, 0}, {0, 2, 0}};
   const double right = std::numbers::pi / 2;
-  const auto polygon = fit_polygon({3, 1, 2, 1, 1, 2}, {right, right, right, 3 * right, right, right}, corners, Vec3::UnitZ());
+  const auto polygon = fit_polygon(
+      {3, 1, 2, 1, 1, 2}, {right, right, right, 3 * right, right, right}, corners, Vec3::UnitZ());
   for (size_t i = 0; i < 6; ++i)
     for (size_t j = 0; j < i; ++j)
-      CHECK((polygon[i] - polygon[j]).norm() == Approx((corners[i] - corners[j]).norm()).epsilon(1e-9));
+      CHECK((polygon[i] - polygon[j]).norm() ==
+            Approx((corners[i] - corners[j]).norm()).epsilon(1e-9));
 }
 
 TEST_CASE("loops that are none are refused in words") {
@@ -112,15 +128,18 @@ TEST_CASE("loops that are none are refused in words") {
   auto open = polygon_lines({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}});
   open.pop_back();
   CHECK_THROWS_WITH(outline(open), Contains("open") && Contains("'side 1'") && Contains("away"));
-  CHECK_THROWS_WITH(outline(polygon_lines({{0, 0, 0}, {1, 1, 0}, {1, 0, 0}, {0, 1, 0}})),
-                    Contains("'side 1' and 'side 3'") && Contains("cross") && Contains("(0.5, 0.5, 0)"));
-  CHECK_THROWS_WITH(outline(polygon_lines({{0, 0, 0}, {1, 0, 0}, {3, 0, 0}})), Contains("one straight line"));
+  CHECK_THROWS_WITH(
+      outline(polygon_lines({{0, 0, 0}, {1, 1, 0}, {1, 0, 0}, {0, 1, 0}})),
+      Contains("'side 1' and 'side 3'") && Contains("cross") && Contains("(0.5, 0.5, 0)"));
+  CHECK_THROWS_WITH(outline(polygon_lines({{0, 0, 0}, {1, 0, 0}, {3, 0, 0}})),
+                    Contains("one straight line"));
   CHECK_THROWS_WITH(outline({{"ring", helix(0.9)}}), Contains("open"));
   const auto circle = curve_from_formula(0, 2 * std::numbers::pi, [](double t, int order) -> Vec3 {
     const double a = t + order * std::numbers::pi / 2;
     return {std::cos(a), std::sin(a), 0};
   });
-  CHECK_THROWS_WITH(outline({{"ring", circle}}), Contains("smooth closed outlines are not supported yet"));
+  CHECK_THROWS_WITH(outline({{"ring", circle}}),
+                    Contains("smooth closed outlines are not supported yet"));
   auto two = polygon_lines({{0, 0, 0}, {4, 0, 0}, {4, 4, 0}, {0, 4, 0}});
   for (auto& line : polygon_lines({{1, 1, 0}, {2, 1, 0}, {2, 2, 0}, {1, 2, 0}})) {
     line.name = "hole " + line.name;
@@ -130,9 +149,10 @@ TEST_CASE("loops that are none are refused in words") {
   auto doubled = polygon_lines({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}});
   doubled.push_back({"again", doubled[0].curve});
   CHECK_THROWS_WITH(outline(doubled), Contains("'side 1'") && Contains("'again'"));
-  const auto eight = curve_from_formula(0.3, 2 * std::numbers::pi + 0.1, [](double t, int order) -> Vec3 {
-    if (order == 0) return {std::sin(2 * t), std::sin(t), 0};
-    return {2 * std::cos(2 * t), std::cos(t), 0};
-  });
+  const auto eight =
+      curve_from_formula(0.3, 2 * std::numbers::pi + 0.1, [](double t, int order) -> Vec3 {
+        if (order == 0) return {std::sin(2 * t), std::sin(t), 0};
+        return {2 * std::cos(2 * t), std::cos(t), 0};
+      });
   CHECK_THROWS_WITH(outline({{"eight", eight}}), Contains("'eight' crosses itself"));
 }

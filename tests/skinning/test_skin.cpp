@@ -37,13 +37,17 @@ TEST_CASE("regions of 3, 4, 5 and 11 sides hold their lines to rounding") {
       options.element = element;
       options.edge_length = 0.2;
       check_exact(skinned(curved_polygon(sides, 0.2, 0.3 / sides / sides), options), 1e-12);
-      check_exact(skinned(curved_polygon(sides, 0.2, 0.3 / sides / sides), options, {{"p", PressureLoad{20}}}), 1e-12);
+      check_exact(skinned(curved_polygon(sides, 0.2, 0.3 / sides / sides), options,
+                          {{"p", PressureLoad{20}}}),
+                  1e-12);
     }
 }
 
 TEST_CASE("an L-shaped region with a reflex corner") {
   if (!have_delaunay_mesher()) return;
-  check_exact(skinned(polygon_lines({{0, 0, 0}, {3, 0, 0}, {3, 1, 0}, {1, 1, 0}, {1, 2, 0.4}, {0, 2, 0}})), 1e-12);
+  check_exact(
+      skinned(polygon_lines({{0, 0, 0}, {3, 0, 0}, {3, 1, 0}, {1, 1, 0}, {1, 2, 0.4}, {0, 2, 0}})),
+      1e-12);
 }
 
 TEST_CASE("a flat outline makes a flat surface without bending energy") {
@@ -67,7 +71,8 @@ TEST_CASE("an inner line is held as exactly as the outline") {
   const SkinnedRegion region = skinned(lines, {}, {{"p", PressureLoad{30}}});
   check_exact(region, 1e-12);
   // The rib is inside: both its sides carry triangles.
-  for (const int e : region.runs.back().edges) CHECK_FALSE(region.surface.mesh().edges()[e].boundary());
+  for (const int e : region.runs.back().edges)
+    CHECK_FALSE(region.surface.mesh().edges()[e].boundary());
 }
 
 TEST_CASE("what inner lines cannot do yet is said") {
@@ -75,29 +80,39 @@ TEST_CASE("what inner lines cannot do yet is said") {
   const auto a = lines[0].curve->evaluate(0.3), b = lines[2].curve->evaluate(0.3);
   auto crossing = lines;
   const auto rib = lines[4].curve;
-  crossing.push_back({"second", curve_through_points("second", {lines[1].curve->evaluate(0.5), rib->evaluate(0.5), lines[3].curve->evaluate(0.5)}, 180),
-                      CharacterLine::Role::Inner});
+  crossing.push_back(
+      {"second",
+       curve_through_points(
+           "second",
+           {lines[1].curve->evaluate(0.5), rib->evaluate(0.5), lines[3].curve->evaluate(0.5)}, 180),
+       CharacterLine::Role::Inner});
   const auto layout = [](const std::vector<CharacterLine>& l) { RegionLayout r("region", l, {}); };
-  CHECK_THROWS_WITH(layout(crossing), Contains("'rib' and 'second'") && Contains("not supported yet"));
+  CHECK_THROWS_WITH(layout(crossing),
+                    Contains("'rib' and 'second'") && Contains("not supported yet"));
   auto loose = lines;
-  loose.push_back({"loose", curve_through_points("loose", {a, Vec3(0.5 * (a + b))}), CharacterLine::Role::Inner});
-  CHECK_THROWS_WITH(layout(loose), Contains("'loose' does not end on the outline") && Contains("away"));
+  loose.push_back({"loose", curve_through_points("loose", {a, Vec3(0.5 * (a + b))}),
+                   CharacterLine::Role::Inner});
+  CHECK_THROWS_WITH(layout(loose),
+                    Contains("'loose' does not end on the outline") && Contains("away"));
   auto cornered = lines;
-  cornered.push_back({"bent", curve_through_points("bent", {a, Vec3(0.5 * (a + b) + Vec3(0, 0, 1)), b}), CharacterLine::Role::Inner});
+  cornered.push_back({"bent",
+                      curve_through_points("bent", {a, Vec3(0.5 * (a + b) + Vec3(0, 0, 1)), b}),
+                      CharacterLine::Role::Inner});
   CHECK_THROWS_WITH(layout(cornered), Contains("'bent' has a corner"));
 }
 
 TEST_CASE("lines that are not cubic come within the tolerance, both ways") {
   std::vector<CharacterLine> lines;
   for (int i = 0; i < 4; ++i)
-    lines.push_back({"wave " + std::to_string(i), curve_from_formula(0, 1, [i](double t, int order) -> Vec3 {
-                       const Vec3 corner[5] = {{0, 0, 0}, {2, 0, 0}, {2, 2, 0}, {0, 2, 0}, {0, 0, 0}};
-                       const double k = 2 * std::numbers::pi;
-                       const Vec3 side = corner[i + 1] - corner[i];
-                       if (order == 0) return corner[i] + t * side + Vec3(0, 0, 0.1 * std::sin(k * t));
-                       if (order == 1) return side + Vec3(0, 0, 0.1 * k * std::cos(k * t));
-                       return Vec3(0, 0, -0.1 * k * k * std::sin(k * t));
-                     })});
+    lines.push_back(
+        {"wave " + std::to_string(i), curve_from_formula(0, 1, [i](double t, int order) -> Vec3 {
+           const Vec3 corner[5] = {{0, 0, 0}, {2, 0, 0}, {2, 2, 0}, {0, 2, 0}, {0, 0, 0}};
+           const double k = 2 * std::numbers::pi;
+           const Vec3 side = corner[i + 1] - corner[i];
+           if (order == 0) return corner[i] + t * side + Vec3(0, 0, 0.1 * std::sin(k * t));
+           if (order == 1) return side + Vec3(0, 0, 0.1 * k * std::cos(k * t));
+           return Vec3(0, 0, -0.1 * k * k * std::sin(k * t));
+         })});
   for (const double tolerance : {1e-3, 1e-6}) {
     SkinOptions options;
     options.tolerance = tolerance;
@@ -140,7 +155,9 @@ TEST_CASE("the same region in mm and in m is the same shape") {
 TEST_CASE("one thread and two give the same bits") {
   SkinOptions options;
   options.edge_length = 0.08;
-  const auto shape = [&] { return skinned(curved_polygon(5, 0.3, 0.1), options, {{"p", PressureLoad{25}}}).surface.dofs(); };
+  const auto shape = [&] {
+    return skinned(curved_polygon(5, 0.3, 0.1), options, {{"p", PressureLoad{25}}}).surface.dofs();
+  };
   set_thread_count(1);
   const Points one = shape();
   set_thread_count(2);
@@ -161,10 +178,15 @@ TEST_CASE("the fan of a pentagon without refinement is the paper's five triangle
   const auto circle_arcs = [] {
     std::vector<CharacterLine> lines;
     for (int i = 0; i < 5; ++i)
-      lines.push_back({"arc " + std::to_string(i), curve_from_formula(0, 1, [i](double t, int order) -> Vec3 {
-                         const double w = 2 * std::numbers::pi / 5, a = w * (i + t) + order * std::numbers::pi / 2;
-                         return std::pow(w, order) * Vec3(std::cos(a), std::sin(a), 0) + (order == 0 ? Vec3(0, 0, 0.5 * t * (1 - t)) : order == 1 ? Vec3(0, 0, 0.5 - t) : Vec3(0, 0, -1));
-                       })});
+      lines.push_back(
+          {"arc " + std::to_string(i), curve_from_formula(0, 1, [i](double t, int order) -> Vec3 {
+             const double w = 2 * std::numbers::pi / 5,
+                          a = w * (i + t) + order * std::numbers::pi / 2;
+             return std::pow(w, order) * Vec3(std::cos(a), std::sin(a), 0) +
+                    (order == 0   ? Vec3(0, 0, 0.5 * t * (1 - t))
+                     : order == 1 ? Vec3(0, 0, 0.5 - t)
+                                  : Vec3(0, 0, -1));
+           })});
     return lines;
   };
   CHECK_THROWS_WITH(RegionLayout("pentagon", circle_arcs(), options), Contains("does not have"));
