@@ -79,10 +79,9 @@ class Elimination {
         ++dropped_;
       return;
     }
-    const auto pivot =
-        std::max_element(row.terms.begin(), row.terms.end(), [](const auto& a, const auto& b) {
-          return std::abs(a.second) < std::abs(b.second);
-        });
+    const auto pivot = std::max_element(
+        row.terms.begin(), row.terms.end(),
+        [](const auto& a, const auto& b) { return std::abs(a.second) < std::abs(b.second); });
     const int column = pivot->first;
     scale(row, 1 / pivot->second);
     const int index = static_cast<int>(rows_.size());
@@ -129,8 +128,8 @@ class Elimination {
   int dropped_ = 0;
 };
 
-// The scalar equations of a set: n columns and three right-hand sides, or 3n columns and one. Each is
-// divided by its largest coefficient, kept as its weight in `history`.
+// The scalar equations of a set: n columns and three right-hand sides, or 3n columns and one. Each
+// is divided by its largest coefficient, kept as its weight in `history`.
 std::vector<Equation> equations_of(const ConstraintSet& set) {
   const int n = set.dof_count();
   std::vector<Equation> all;
@@ -200,11 +199,11 @@ AffineReduction::AffineReduction(const ConstraintSet& constraints)
   // Short rows first: what they fix disappears from the longer ones.
   std::vector<int> order(given.size());
   std::iota(order.begin(), order.end(), 0);
-  std::stable_sort(order.begin(), order.end(), [&](int a, int b) {
-    return given[a].terms.size() < given[b].terms.size();
-  });
+  std::stable_sort(order.begin(), order.end(),
+                   [&](int a, int b) { return given[a].terms.size() < given[b].terms.size(); });
   double largest_right = 0;
-  for (const auto& e : given) largest_right = std::max(largest_right, e.right.cwiseAbs().maxCoeff());
+  for (const auto& e : given)
+    largest_right = std::max(largest_right, e.right.cwiseAbs().maxCoeff());
   Elimination elimination(columns, largest_right);
   for (const int i : order) elimination.add(given[i]);
   if (!elimination.conflicting().empty())
@@ -215,7 +214,10 @@ AffineReduction::AffineReduction(const ConstraintSet& constraints)
   std::vector<int> free_of(columns, -1);
   int free = 0;
   for (int c = 0; c < columns; ++c)
-    if (pivot_row[c] < 0) free_of[c] = free++;
+    if (pivot_row[c] < 0) {
+      free_of[c] = free++;
+      free_dofs_.push_back(c);
+    }
   std::vector<Triplet> entries;
   d0_ = MatX::Zero(columns, coupled_ ? 1 : 3);
   for (int c = 0; c < columns; ++c) {
@@ -226,13 +228,37 @@ AffineReduction::AffineReduction(const ConstraintSet& constraints)
     const Equation& row = elimination.rows()[pivot_row[c]];
     d0_.row(c) = row.right.head(d0_.cols());
     for (const auto& [column, coefficient] : row.terms)
-      if (column != c) entries.emplace_back(c, free_of[column], -coefficient);
+      if (column != c) {
+        entries.emplace_back(c, free_of[column], -coefficient);
+        selection_ = false;
+      }
   }
   D_.resize(columns, free);
   D_.setFromTriplets(entries.begin(), entries.end());
 }
 
+namespace {
+
+// Rows and columns of the free dofs alone.
+SparseMatrix picked(const SparseMatrix& K, const std::vector<int>& free_dofs) {
+  std::vector<int> free_of(K.rows(), -1);
+  for (size_t f = 0; f < free_dofs.size(); ++f) free_of[free_dofs[f]] = static_cast<int>(f);
+  const auto n = static_cast<long>(free_dofs.size());
+  SparseMatrix part(n, n);
+  part.reserve(K.nonZeros());
+  for (long f = 0; f < n; ++f) {
+    part.startVec(f);
+    for (SparseMatrix::InnerIterator it(K, free_dofs[f]); it; ++it)
+      if (const int row = free_of[it.row()]; row >= f) part.insertBack(row, f) = it.value();
+  }
+  part.finalize();
+  return part;
+}
+
+}  // namespace
+
 SparseMatrix AffineReduction::reduce(const SparseMatrix& K) const {
+  if (selection_ && !coupled_) return picked(K, free_dofs_);
   // Row lists of D, so that each entry of K meets the free unknowns of its two dofs.
   const Eigen::SparseMatrix<double, Eigen::RowMajor, int> rows = D_;
   const int* start = rows.outerIndexPtr();
@@ -264,8 +290,21 @@ SparseMatrix AffineReduction::reduce(const SparseMatrix& K) const {
   return reduced;
 }
 
+std::vector<int> AffineReduction::order_of_free(const std::vector<int>& dof_order) const {
+  std::vector<int> free_of(D_.rows(), -1), order;
+  for (size_t f = 0; f < free_dofs_.size(); ++f) free_of[free_dofs_[f]] = static_cast<int>(f);
+  for (const int dof : dof_order)
+    for (int stacked = dof; stacked < D_.rows(); stacked += dof_count_)
+      if (free_of[stacked] >= 0) order.push_back(free_of[stacked]);
+  return order;
+}
+
 MatX AffineReduction::reduce_load(const SparseMatrix& K, const Points& F) const {
   const auto symmetric = K.selfadjointView<Eigen::Lower>();
+  if (d0_.isZero(0)) {
+    if (!coupled_) return D_.transpose() * F;
+    return D_.transpose() * Eigen::Map<const VecX>(F.data(), F.size());
+  }
   if (!coupled_) return D_.transpose() * (F - Points(symmetric * d0_));
   const Points fixed = Eigen::Map<const Points>(d0_.data(), dof_count_, 3);
   const Points rest = F - Points(symmetric * fixed);
@@ -304,7 +343,8 @@ std::vector<NamedReaction> named_reactions(const ConstraintSet& set, const Point
   const std::vector<Equation> equations = equations_of(set);
   const SparseMatrix C = stacked_rows(equations, set);
   SparseMatrix normal = C * SparseMatrix(C.transpose());
-  // Redundant rows make this singular: a shift far below the entries picks the smallest multipliers.
+  // Redundant rows make this singular: a shift far below the entries picks the smallest
+  // multipliers.
   constexpr double shift = 1e-11;
   for (int i = 0; i < normal.rows(); ++i) normal.coeffRef(i, i) += shift;
   SparseCholesky cholesky;
@@ -331,10 +371,11 @@ Points solve_constrained(const ConstraintSet& constraints, const SparseMatrix& K
   return ConstrainedSolver(constraints, K).solve(F);
 }
 
-ConstrainedSolver::ConstrainedSolver(const ConstraintSet& constraints, SparseMatrix K)
+ConstrainedSolver::ConstrainedSolver(const ConstraintSet& constraints, SparseMatrix K,
+                                     const std::vector<int>& dof_order)
     : reduction_(constraints), K_(std::move(K)) {
   const SparseMatrix reduced = reduction_.reduce(K_);
-  cholesky_.analyze(reduced);
+  cholesky_.analyze(reduced, reduction_.order_of_free(dof_order));
   if (!cholesky_.factorize(reduced)) throw NoSolutionError(cholesky_.message());
   fixed_part_ = reduction_.reduce_load(K_, Points::Zero(constraints.dof_count(), 3));
 }
@@ -345,7 +386,13 @@ Points ConstrainedSolver::solve(const Points& F) const {
     load += reduction_.D().transpose() * Eigen::Map<const VecX>(F.data(), F.size());
   else
     load += reduction_.D().transpose() * F;
-  return reduction_.expand(cholesky_.solve(load));
+  // A coordinate without load and without values to hold stays zero.
+  MatX y = MatX::Zero(load.rows(), load.cols());
+  std::vector<long> loaded;
+  for (long c = 0; c < load.cols(); ++c)
+    if (!load.col(c).isZero(0)) loaded.push_back(c);
+  if (!loaded.empty()) y(Eigen::all, loaded) = cholesky_.solve(load(Eigen::all, loaded));
+  return reduction_.expand(y);
 }
 
 }  // namespace batten

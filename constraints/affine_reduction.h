@@ -23,7 +23,8 @@ namespace batten {
 /// constraints that take part and the amount.
 ///
 /// Uncoupled sets: D is n×m and serves x, y, z at once (one matrix, three right-hand sides).
-/// A set with coupled rows: the unknowns are stacked, [x; y; z], D is 3n×m (one system of up to 3n).
+/// A set with coupled rows: the unknowns are stacked, [x; y; z], D is 3n×m (one system of up to
+/// 3n).
 ///
 /// Which inputs may change without a new factor: F and the right-hand sides d (make a new reduction
 /// with the same rows, D is the same).
@@ -35,12 +36,17 @@ class AffineReduction {
   bool coupled() const { return coupled_; }
   /// Unknowns that stay free: of each coordinate, or of all three when coupled.
   int free_count() const { return static_cast<int>(D_.cols()); }
+  /// The dof behind each free unknown (0 … n-1, or 0 … 3n-1 of [x; y; z] when coupled).
+  const std::vector<int>& free_dofs() const { return free_dofs_; }
   /// Rows that were implied by others.
   int dropped_rows() const { return dropped_; }
 
   const SparseMatrix& D() const { return D_; }
   /// n×3, or 3n×1 when coupled.
   const MatX& d0() const { return d0_; }
+
+  /// An order of all n dofs as an order of the free unknowns, for SparseCholesky::analyze.
+  std::vector<int> order_of_free(const std::vector<int>& dof_order) const;
 
   /// Dᵀ K D, lower triangle, from the lower triangle of the n×n matrix K of one coordinate.
   SparseMatrix reduce(const SparseMatrix& K) const;
@@ -52,6 +58,8 @@ class AffineReduction {
  private:
   bool coupled_;
   int dof_count_, dropped_ = 0;
+  bool selection_ = true;  // D only picks dofs
+  std::vector<int> free_dofs_;
   SparseMatrix D_;
   MatX d0_;
 };
@@ -60,14 +68,15 @@ class AffineReduction {
 /// In the sense of the energy E = xᵀKx - 2Fᵀx = 2 (½xᵀKx - Fᵀx): r is the force of the second form.
 Points reaction_forces(const SparseMatrix& K, const Points& x, const Points& F);
 
-/// The share of each named constraint in the reaction: Σ over its rows of multiplier · row, n×3. The
-/// multipliers solve Cᵀ λ = r in the least-squares sense; they are unique when no row is redundant,
-/// otherwise the smallest are taken. Sum over names: r.
+/// The share of each named constraint in the reaction: Σ over its rows of multiplier · row, n×3.
+/// The multipliers solve Cᵀ λ = r in the least-squares sense; they are unique when no row is
+/// redundant, otherwise the smallest are taken. Sum over names: r.
 struct NamedReaction {
   std::string name;
   Points forces;
 };
-std::vector<NamedReaction> named_reactions(const ConstraintSet& constraints, const Points& reaction);
+std::vector<NamedReaction> named_reactions(const ConstraintSet& constraints,
+                                           const Points& reaction);
 
 /// The twin for checking: the saddle point system [K Cᵀ; C 0] by sparse LU. Rows must be
 /// independent. Throws NoSolutionError when it is singular.
@@ -79,8 +88,10 @@ Points solve_constrained(const ConstraintSet& constraints, const SparseMatrix& K
 /// The same with the factor kept, for many loads.
 class ConstrainedSolver {
  public:
+  /// `dof_order`: all n dofs in a fill-reducing order (dissection_order of a mesh), or none.
   /// Throws ConflictError, NoSolutionError.
-  ConstrainedSolver(const ConstraintSet& constraints, SparseMatrix K);
+  ConstrainedSolver(const ConstraintSet& constraints, SparseMatrix K,
+                    const std::vector<int>& dof_order = {});
   /// One pair of triangular solves.
   Points solve(const Points& F) const;
   const AffineReduction& reduction() const { return reduction_; }

@@ -28,7 +28,7 @@ class ConstraintSet {
     Vec3 coefficient;
   };
   struct Row {
-    int name;                    ///< index into names()
+    int name;  ///< index into names()
     std::vector<Entry> entries;
     Vec3 value;
   };

@@ -8,7 +8,8 @@ namespace batten {
 
 Points solve_kkt(const ConstraintSet& set, const SparseMatrix& K, const Points& F) {
   const int n = set.dof_count();
-  const int rows = 3 * static_cast<int>(set.rows().size()) + static_cast<int>(set.coupled_rows().size());
+  const int rows =
+      3 * static_cast<int>(set.rows().size()) + static_cast<int>(set.coupled_rows().size());
   std::vector<Triplet> entries;
   VecX right(3 * n + rows);
   const auto both = [&](int i, int j, double v) {

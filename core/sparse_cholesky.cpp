@@ -4,9 +4,14 @@
 
 #if BATTEN_HAVE_CHOLMOD
 #include <cholmod.h>
-// Present when BLAS is OpenBLAS. One BLAS thread keeps the factor's bits independent of the machine.
+// Present when BLAS is OpenBLAS. One BLAS thread keeps the factor's bits independent of the
+// machine.
 extern "C" __attribute__((weak)) void openblas_set_num_threads(int);
 extern "C" __attribute__((weak)) int openblas_get_num_threads(void);
+// Present when CHOLMOD was built with OpenMP. It asks for four threads whatever the machine and the
+// environment say, and on few cores their waiting costs as much as the work.
+extern "C" __attribute__((weak)) void omp_set_max_active_levels(int);
+extern "C" __attribute__((weak)) int omp_get_max_active_levels(void);
 #else
 #include <Eigen/SparseCholesky>
 #endif
@@ -18,7 +23,10 @@ namespace {
 // stay above 1e-10.
 constexpr double singular_pivot = 1e-14;
 
-void require_square(const SparseMatrix& A) {
+void require_fit(const SparseMatrix& A, const std::vector<int>& order) {
+  if (!order.empty() && static_cast<long>(order.size()) != A.rows())
+    throw InputError("an order of " + std::to_string(order.size()) + " unknowns for " +
+                     std::to_string(A.rows()));
   if (A.rows() != A.cols())
     throw InputError("Cholesky factor of a " + std::to_string(A.rows()) + " by " +
                      std::to_string(A.cols()) + " matrix: it must be square");
@@ -35,17 +43,21 @@ std::string not_positive(long unknown) {
 
 namespace {
 
-class OneBlasThread {
+class OneThread {
  public:
-  OneBlasThread() : before_(openblas_get_num_threads ? openblas_get_num_threads() : 0) {
-    if (before_ > 1) openblas_set_num_threads(1);
+  OneThread()
+      : blas_(openblas_get_num_threads ? openblas_get_num_threads() : 0),
+        omp_(omp_get_max_active_levels ? omp_get_max_active_levels() : 0) {
+    if (blas_ > 1) openblas_set_num_threads(1);
+    if (omp_ > 0) omp_set_max_active_levels(0);
   }
-  ~OneBlasThread() {
-    if (before_ > 1) openblas_set_num_threads(before_);
+  ~OneThread() {
+    if (blas_ > 1) openblas_set_num_threads(blas_);
+    if (omp_ > 0) omp_set_max_active_levels(omp_);
   }
 
  private:
-  int before_;
+  int blas_, omp_;
 };
 
 // Smallest ratio of a pivot to its diagonal entry, and where: independent of the scale of the
@@ -98,7 +110,6 @@ struct SparseCholesky::Data {
     cholmod_start(&common);
     common.print = 0;
     common.nmethods = 1;
-    common.method[0].ordering = CHOLMOD_AMD;
     common.postorder = 1;
     common.supernodal = CHOLMOD_SUPERNODAL;
     common.final_ll = 1;
@@ -109,12 +120,14 @@ struct SparseCholesky::Data {
   }
 };
 
-void SparseCholesky::analyze(const SparseMatrix& A) {
-  require_square(A);
+void SparseCholesky::analyze(const SparseMatrix& A, const std::vector<int>& order) {
+  require_fit(A, order);
   cholmod_free_factor(&data_->factor, &data_->common);
   if (A.rows() == 0) return;  // nothing is free: CHOLMOD has no such factor
   cholmod_sparse a = view(A);
-  data_->factor = cholmod_analyze(&a, &data_->common);
+  auto* given = order.empty() ? nullptr : const_cast<int*>(order.data());
+  data_->common.method[0].ordering = given ? CHOLMOD_GIVEN : CHOLMOD_AMD;
+  data_->factor = cholmod_analyze_p(&a, given, nullptr, 0, &data_->common);
   if (!data_->factor) throw NoSolutionError("out of memory in the symbolic factorization");
 }
 
@@ -122,7 +135,7 @@ bool SparseCholesky::factorize(const SparseMatrix& A) {
   if (!data_->factor) analyze(A);
   data_->message.clear();
   if (A.rows() == 0) return true;
-  const OneBlasThread guard;
+  const OneThread guard;
   cholmod_sparse a = view(A);
   if (!cholmod_factorize(&a, data_->factor, &data_->common) || data_->common.status < 0) {
     data_->message = "out of memory in the numeric factorization";
@@ -130,8 +143,8 @@ bool SparseCholesky::factorize(const SparseMatrix& A) {
   }
   if (data_->factor->minor < data_->factor->n) {
     const auto* order = static_cast<const int*>(data_->factor->Perm);
-    data_->message = not_positive(order ? order[data_->factor->minor]
-                                        : static_cast<long>(data_->factor->minor));
+    data_->message =
+        not_positive(order ? order[data_->factor->minor] : static_cast<long>(data_->factor->minor));
     return false;
   }
   if (const auto [ratio, unknown] = smallest_pivot(*data_->factor, A); !(ratio > singular_pivot)) {
@@ -143,7 +156,7 @@ bool SparseCholesky::factorize(const SparseMatrix& A) {
 
 MatX SparseCholesky::solve(const Eigen::Ref<const MatX>& b) const {
   if (b.rows() == 0) return b;
-  const OneBlasThread guard;
+  const OneThread guard;
   MatX rhs = b;
   cholmod_dense view_b{};
   view_b.nrow = static_cast<size_t>(rhs.rows());
@@ -169,13 +182,13 @@ const char* SparseCholesky::backend() { return "CHOLMOD"; }
 #else
 
 struct SparseCholesky::Data {
-  Eigen::SimplicialLDLT<SparseMatrix, Eigen::Lower, Eigen::AMDOrdering<int>> ldlt;
+  Eigen::SimplicialLDLT<SparseMatrix, Eigen::Lower, Eigen::AMDOrdering<int> > ldlt;
   bool analysed = false;
   std::string message;
 };
 
-void SparseCholesky::analyze(const SparseMatrix& A) {
-  require_square(A);
+void SparseCholesky::analyze(const SparseMatrix& A, const std::vector<int>& order) {
+  require_fit(A, order);
   if (A.rows() > 0) data_->ldlt.analyzePattern(A);
   data_->analysed = true;
 }

@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "batten/core/eigen.h"
 
@@ -17,7 +18,7 @@ namespace batten {
 ///     x = cholesky.solve(b);        // one pair of triangular solves for all columns of b
 ///
 /// CHOLMOD's supernodal factor where CHOLMOD is there, otherwise Eigen's simplicial LDLᵀ (same
-/// contract, several times slower on large systems). Ordering: AMD.
+/// contract, several times slower on large systems).
 /// Movable, not copyable.
 class SparseCholesky {
  public:
@@ -26,8 +27,11 @@ class SparseCholesky {
   SparseCholesky(SparseCholesky&&) noexcept;
   SparseCholesky& operator=(SparseCholesky&&) noexcept;
 
-  /// Orders the unknowns and finds the pattern of the factor. Throws InputError unless A is square.
-  void analyze(const SparseMatrix& A);
+  /// Orders the unknowns and finds the pattern of the factor. `order`: unknowns, the first to
+  /// eliminate first, when the caller knows a good order (nested dissection of a mesh); otherwise
+  /// AMD finds one. Eigen's factor takes AMD in any case. Throws InputError unless A is square and
+  /// the order has its size.
+  void analyze(const SparseMatrix& A, const std::vector<int>& order = {});
 
   /// Factors A, whose pattern is the one that was analysed. Returns false when A is not positive
   /// definite; message() then says at which unknown and what that means.

@@ -21,10 +21,10 @@
 // Both contain all cubics and are C1, no more.
 //
 // Inside, both are built the same way. For dofs that any affine map carries along,
-//   [w_i, ∂w_i along V_j-V_i, ∂w_i along V_k-V_i] at the vertices and m_i = ∂w along V_i - M_i at the
-//   midpoint M_i of edge i,
-// the shape functions are fixed functions N̂(L) of the barycentric coordinates. The dofs above follow
-// by one sparse 12×12 matrix P of the triangle's shape: q̂ = P q, so N = Pᵀ N̂.
+//   [w_i, ∂w_i along V_j-V_i, ∂w_i along V_k-V_i] at the vertices and m_i = ∂w along V_i - M_i at
+//   the midpoint M_i of edge i,
+// the shape functions are fixed functions N̂(L) of the barycentric coordinates. The dofs above
+// follow by one sparse 12×12 matrix P of the triangle's shape: q̂ = P q, so N = Pᵀ N̂.
 #pragma once
 
 #include <array>

@@ -54,9 +54,9 @@ Matrix HermiteSegment::stretching(Linear alpha) const {
 Matrix HermiteSegment::bending(Linear beta) const {
   const double h = h_;
   Matrix at_start;
-  at_start << 6, 4 * h, -6, 2 * h,         //
-      4 * h, 3 * h * h, -4 * h, h * h,     //
-      -6, -4 * h, 6, -2 * h,               //
+  at_start << 6, 4 * h, -6, 2 * h,      //
+      4 * h, 3 * h * h, -4 * h, h * h,  //
+      -6, -4 * h, 6, -2 * h,            //
       2 * h, h * h, -2 * h, h * h;
   at_start /= h * h * h;
   return beta.start * at_start + beta.end * reversed(at_start);
@@ -65,9 +65,9 @@ Matrix HermiteSegment::bending(Linear beta) const {
 Matrix HermiteSegment::mass() const {
   const double h = h_;
   Matrix M;
-  M << 156, 22 * h, 54, -13 * h,                //
-      22 * h, 4 * h * h, 13 * h, -3 * h * h,    //
-      54, 13 * h, 156, -22 * h,                 //
+  M << 156, 22 * h, 54, -13 * h,              //
+      22 * h, 4 * h * h, 13 * h, -3 * h * h,  //
+      54, 13 * h, 156, -22 * h,               //
       -13 * h, -3 * h * h, -22 * h, 4 * h * h;
   return M * (h / 420);
 }

@@ -84,7 +84,8 @@ TriangleRule symmetric_triangle(int degree) {
     case 3:
     case 4: {
       // Closed form: a = (8 - √10 ± √(38 - 44 √(2/5)))/18.
-      const double r = std::sqrt(38 - 44 * std::sqrt(0.4)), q = std::sqrt(213125 - 53320 * std::sqrt(10.0));
+      const double r = std::sqrt(38 - 44 * std::sqrt(0.4)),
+                   q = std::sqrt(213125 - 53320 * std::sqrt(10.0));
       const double a = (8 - std::sqrt(10.0) + r) / 18, b = (8 - std::sqrt(10.0) - r) / 18;
       return from_orbits({{(620 + q) / 3720, a, a}, {(620 - q) / 3720, b, b}});
     }

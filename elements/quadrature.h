@@ -28,8 +28,8 @@ SegmentRule gauss_legendre(int n);
 /// algebraically at best (12 % error in the bending stiffness at degree 6).
 TriangleRule symmetric_triangle(int degree);
 
-/// The symmetric rule of `degree` on each of the three sub-triangles (V_j, V_k, centroid): exact for
-/// the piecewise polynomials of the HCT triangle. Points are ordered by sub-triangle.
+/// The symmetric rule of `degree` on each of the three sub-triangles (V_j, V_k, centroid): exact
+/// for the piecewise polynomials of the HCT triangle. Points are ordered by sub-triangle.
 TriangleRule split_triangle(int degree);
 
 /// Six-Duffy rule with 6 m² points for the Z12 triangle, whose functions are singular at the

@@ -54,8 +54,8 @@ Jet rational_bubble(int i, const Vec3& L) {
   for (int v = 0; v < 3; ++v) {
     const int a = (v + 1) % 3, b = (v + 2) % 3;
     if (std::abs(L[a]) + std::abs(L[b]) > at_vertex) continue;
-    // Limit at vertex v along the bisecting direction: value and gradient vanish, and the Hessian in
-    // (L_a, L_b) is [[-1/4, 1/2], [1/2, 1/4]] for e_a, its mirror image for e_b, zero for e_v.
+    // Limit at vertex v along the bisecting direction: value and gradient vanish, and the Hessian
+    // in (L_a, L_b) is [[-1/4, 1/2], [1/2, 1/4]] for e_a, its mirror image for e_b, zero for e_v.
     Jet limit;
     if (i == v) return limit;
     const int other = i == a ? b : a;
@@ -145,9 +145,9 @@ std::array<Eigen::Matrix<double, 10, 12>, 3> make_hct_ordinates() {
     on_spoke[i] = w(i) + (along(i, (i + 1) % 3) + along(i, (i + 2) % 3)) / 9;
   for (int s = 0; s < 3; ++s) {
     const int j = (s + 1) % 3, k = (s + 2) % 3;
-    inside[s] = 2 * (Row::Unit(9 + s) / 9 +
-                     (w(j) + 3 * on_edge(j, k) + 3 * on_edge(k, j) + w(k)) / 8) -
-                (on_spoke[j] + on_spoke[k]) / 2;
+    inside[s] =
+        2 * (Row::Unit(9 + s) / 9 + (w(j) + 3 * on_edge(j, k) + 3 * on_edge(k, j) + w(k)) / 8) -
+        (on_spoke[j] + on_spoke[k]) / 2;
   }
   for (int i = 0; i < 3; ++i) {
     inner[i] = (on_spoke[i] + inside[(i + 1) % 3] + inside[(i + 2) % 3]) / 3;
@@ -282,7 +282,8 @@ BATTEN_CLONES void combine_and_map(const double (*tensors)[144], const double* s
   for (int e = 0; e < 144; ++e) K[e] = sum[e];
 }
 
-// K = Σ_p rows_pᵀ C_p rows_p, C_p = blockdiag(2×2, 3×3) given as 4 + 9 numbers a point; then Pᵀ K P.
+// K = Σ_p rows_pᵀ C_p rows_p, C_p = blockdiag(2×2, 3×3) given as 4 + 9 numbers a point; then Pᵀ K
+// P.
 BATTEN_CLONES void accumulate_and_map(int points, const double* rows, const double* C,
                                       const DofMapNumbers& P, double* K) {
   alignas(64) double sum[144] = {};

@@ -31,8 +31,8 @@ struct ReferenceTensors {
 /// right to about 1e-15.
 const ReferenceTensors& reference_tensors(TriangleElement kind);
 
-/// Derivatives in (u, v) from those in (L1, L2): rows u, v of the gradient map and uu, uv, vv of the
-/// second-derivative map.
+/// Derivatives in (u, v) from those in (L1, L2): rows u, v of the gradient map and uu, uv, vv of
+/// the second-derivative map.
 struct DerivativeMap {
   Eigen::Matrix<double, 2, 2> first;   ///< (w_u, w_v) = first · (∂1, ∂2)
   Eigen::Matrix<double, 3, 3> second;  ///< (w_uu, w_uv, w_vv) = second · (∂11, ∂12, ∂22)

@@ -23,7 +23,7 @@ const TabulatedRule& varying_functions(TriangleElement kind) {
   return kind == TriangleElement::HCT ? hct : z12;
 }
 
-const TabulatedRule& load_functions(TriangleElement kind) {
+const TabulatedRule& pressure_functions(TriangleElement kind) {
   static const TabulatedRule hct(TriangleElement::HCT, split_triangle(8));
   static const TabulatedRule z12(TriangleElement::Z12, six_duffy(5));
   return kind == TriangleElement::HCT ? hct : z12;
@@ -115,8 +115,9 @@ Points SurfaceAssembler::gather(const std::function<void(int, ElementLoad&)>& el
   return F;
 }
 
-Points SurfaceAssembler::load(const LoadField& f) const {
-  const TabulatedRule& points = load_functions(kind_);
+Points SurfaceAssembler::load(const LoadField& f, int degree) const {
+  const TabulatedRule points(
+      kind_, kind_ == TriangleElement::HCT ? split_triangle(degree) : six_duffy(5));
   return gather([&](int t, ElementLoad& reference) {
     for (size_t p = 0; p < points.functions.size(); ++p) {
       const auto row = static_cast<long>(p);
@@ -129,7 +130,7 @@ Points SurfaceAssembler::load(const LoadField& f) const {
 }
 
 Points SurfaceAssembler::pressure_load(const Points& q) const {
-  const TabulatedRule& points = load_functions(kind_);
+  const TabulatedRule& points = pressure_functions(kind_);
   return gather([&](int t, ElementLoad& reference) {
     ElementLoad local;
     const auto dof = dofs_.triangle(mesh_, t);
@@ -147,8 +148,11 @@ Points SurfaceAssembler::pressure_load(const Points& q) const {
 }
 
 Points SurfaceAssembler::point_load(const Location& where, const Vec3& force) const {
+  if (where.triangle < 0 || where.triangle >= mesh_.triangle_count())
+    throw InputError("a point load on triangle " + std::to_string(where.triangle) + " of " +
+                     std::to_string(mesh_.triangle_count()));
   Points F = Points::Zero(dofs_.count(), 3);
-  const Vec12 N = C1Triangle(kind_, shapes_.at(where.triangle)).evaluate(where.L).col(kW);
+  const Vec12 N = C1Triangle(kind_, shapes_[where.triangle]).evaluate(where.L).col(kW);
   const auto dof = dofs_.triangle(mesh_, where.triangle);
   for (int a = 0; a < 12; ++a) F.row(dof[a]) += N[a] * force.transpose();
   return F;

@@ -26,21 +26,32 @@ ElementPattern::ElementPattern(int dof_count, int per_element, std::vector<int> 
   for (int d = 0; d < dof_count; ++d)
     if (start[d] < start[d + 1]) first_element_[d] = uses[start[d]] / n;
 
+  const auto same_elements = [&](int c, int d) {
+    if (c < 0 || start[d] == start[d + 1] || start[d] - start[c] != start[d + 1] - start[d])
+      return false;
+    for (int i = start[c], j = start[d]; i < start[d]; ++i, ++j)
+      if (uses[i] / n != uses[j] / n) return false;
+    return true;
+  };
   position_.resize(static_cast<size_t>(elements) * pairs_);
   column_.assign(1, 0);
   std::vector<int> place(dof_count, -1), rows;
   for (int d = 0; d < dof_count; ++d) {
-    rows.assign(1, d);
-    place[d] = 0;
-    for (int s = start[d]; s < start[d + 1]; ++s) {
-      const int* element = &dofs_[static_cast<size_t>(uses[s] / n) * n];
-      for (int a = 0; a < n; ++a)
-        if (element[a] > d && place[element[a]] < 0) {
-          place[element[a]] = 0;
-          rows.push_back(element[a]);
-        }
+    if (same_elements(d - 1, d)) {
+      rows.erase(rows.begin());  // the column before without its diagonal entry
+    } else {
+      rows.assign(1, d);
+      place[d] = 0;
+      for (int s = start[d]; s < start[d + 1]; ++s) {
+        const int* element = &dofs_[static_cast<size_t>(uses[s] / n) * n];
+        for (int a = 0; a < n; ++a)
+          if (element[a] > d && place[element[a]] < 0) {
+            place[element[a]] = 0;
+            rows.push_back(element[a]);
+          }
+      }
+      std::sort(rows.begin(), rows.end());
     }
-    std::sort(rows.begin(), rows.end());
     const int base = static_cast<int>(row_.size());
     if (static_cast<long>(row_.size()) + static_cast<long>(rows.size()) >
         std::numeric_limits<int>::max())

@@ -294,7 +294,7 @@ vtkSmartPointer<vtkLookupTable> diverging_colours(double limit) {
   return table;
 }
 
-/// Largest magnitude between the 1st and the 99th percentile.
+/// Largest magnitude between the 2nd and the 98th percentile, rounded up.
 double field_limit(vtkDataArray& values) {
   std::vector<double> sorted;
   for (vtkIdType i = 0; i < values.GetNumberOfTuples(); ++i)

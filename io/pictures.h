@@ -20,7 +20,7 @@ struct PictureScene {
 
   std::vector<const SkinnedRegion*> regions;
   std::string title;          ///< UTF-8; made smaller, then shortened, when it is too wide
-  Field field = Field::None;  ///< its scale is symmetric and holds 98 % of the points
+  Field field = Field::None;  ///< its scale is symmetric about 0; 2 % at each end may lie outside
   int contours = 0;           ///< lines of equal height, evenly spaced between lowest and highest
   Vec3 contour_direction = Vec3::UnitZ();  ///< in which heights are measured
   int parameter_lines = 0;  ///< lines of equal u, and as many of equal v, evenly spaced

@@ -7,6 +7,7 @@
 #include <deque>
 
 #include "batten/core/errors.h"
+#include "batten/fem/dissection.h"
 
 namespace batten {
 namespace {
@@ -57,8 +58,7 @@ class Anderson {
     Points guess = g;
     if (!f_.empty()) {
       MatX dF(f.size(), static_cast<long>(f_.size()));
-      for (size_t k = 0; k < f_.size(); ++k)
-        dF.col(static_cast<long>(k)) = (f - f_[k]).reshaped();
+      for (size_t k = 0; k < f_.size(); ++k) dF.col(static_cast<long>(k)) = (f - f_[k]).reshaped();
       const VecX theta = dF.colPivHouseholderQr().solve(VecX(f.reshaped()));
       if (theta.allFinite() && theta.cwiseAbs().maxCoeff() < 1e4)
         for (size_t k = 0; k < f_.size(); ++k) guess -= theta[static_cast<long>(k)] * (g - g_[k]);
@@ -86,7 +86,8 @@ SculptResult sculpt(const RegionLayout& layout, const ConstraintSet& constraints
     throw InputError("alpha must be positive semi-definite and beta not negative");
 
   progress.at("solving", 0);
-  const ConstrainedSolver solver(constraints, assembler.stiffness(material));
+  const ConstrainedSolver solver(constraints, assembler.stiffness(material),
+                                 dissection_order(*layout.mesh()));
   SculptResult result;
   result.dofs = solver.solve(Points::Zero(assembler.dofs().count(), 3));
   const LoadTerms terms =
@@ -119,7 +120,9 @@ SculptResult sculpt(const RegionLayout& layout, const ConstraintSet& constraints
         ++result.iterations;
         converged = change <= options.tolerance;
         // A shape many sizes away has run off: its pressure feeds on its own area.
-        if (!g.allFinite() || g.cwiseAbs().maxCoeff() > 1e6 * (size + result.dofs.cwiseAbs().maxCoeff())) break;
+        if (!g.allFinite() ||
+            g.cwiseAbs().maxCoeff() > 1e6 * (size + result.dofs.cwiseAbs().maxCoeff()))
+          break;
         x = converged ? g : anderson.next(x, g);
       }
       if (converged) {
@@ -141,9 +144,8 @@ SculptResult sculpt(const RegionLayout& layout, const ConstraintSet& constraints
     }
   }
 
-  const Points reaction =
-      reaction_forces(solver.K(), result.dofs, load_at(result.dofs, 1)) /
-      (options.units == LoadUnits::Relative ? size : 1);
+  const Points reaction = reaction_forces(solver.K(), result.dofs, load_at(result.dofs, 1)) /
+                          (options.units == LoadUnits::Relative ? size : 1);
   for (const auto& named : named_reactions(constraints, reaction)) {
     Vec3 force = Vec3::Zero();
     for (int v = 0; v < layout.mesh()->vertex_count(); ++v)

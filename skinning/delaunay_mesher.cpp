@@ -62,8 +62,8 @@ double quality(const Vec2& a, const Vec2& b, const Vec2& c) {
   return 2 * std::sqrt(3.0) * area2 / (ab.squaredNorm() + ac.squaredNorm() + bc.squaredNorm());
 }
 
-// Moves free vertices to the centre of area of their triangles, one after the other, where that does
-// not make the worst of these triangles worse. CGAL's own optimizers add up in the order of
+// Moves free vertices to the centre of area of their triangles, one after the other, where that
+// does not make the worst of these triangles worse. CGAL's own optimizers add up in the order of
 // addresses, so that their last bits change from run to run.
 void smooth(std::vector<Vec2>& vertices, const std::vector<ParametricMesh::Triangle>& triangles,
             const std::vector<char>& fixed, int sweeps) {
@@ -119,7 +119,8 @@ ParametricMesh delaunay_mesh(const MeshTask& task) {
   for (size_t i = 0; i < handle.size(); ++i) index[handle[i]] = static_cast<int>(i);
   std::vector<Triangulation::Vertex_handle> added;
   std::vector<Point> places;
-  for (auto v = triangulation.finite_vertices_begin(); v != triangulation.finite_vertices_end(); ++v)
+  for (auto v = triangulation.finite_vertices_begin(); v != triangulation.finite_vertices_end();
+       ++v)
     if (!index.count(v)) {
       added.push_back(v);
       places.push_back(v->point());
@@ -150,8 +151,9 @@ ParametricMesh delaunay_mesh(const MeshTask& task) {
 bool have_delaunay_mesher() { return false; }
 
 ParametricMesh delaunay_mesh(const MeshTask&) {
-  throw InputError("this build of Batten has no Delaunay mesher (it was built without CGAL): use "
-                   "mesher = \"fan\"");
+  throw InputError(
+      "this build of Batten has no Delaunay mesher (it was built without CGAL): use "
+      "mesher = \"fan\"");
 }
 
 #endif

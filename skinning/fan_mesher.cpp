@@ -21,8 +21,9 @@ ParametricMesh fan_mesh(const MeshTask& task, int refinements) {
   for (const auto& [a, b] : task.outline) {
     const Vec2 p = vertices[a] - vertices[middle], q = vertices[b] - vertices[middle];
     if (!(p.x() * q.y() - p.y() * q.x() > 0))
-      throw InputError("the fan mesher needs a domain whose sides are all seen from its centre: use "
-                       "mesher = \"delaunay\"");
+      throw InputError(
+          "the fan mesher needs a domain whose sides are all seen from its centre: use "
+          "mesher = \"delaunay\"");
     triangles.push_back({middle, a, b});
   }
   ParametricMesh mesh(std::move(vertices), std::move(triangles));

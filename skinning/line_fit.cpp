@@ -73,8 +73,7 @@ std::vector<Stretch> cut_at_corners(const CharacterLine& line, double corner_ang
   Vec3 before = curve.evaluate(curve.start());
   for (int i = 0; i <= samples; ++i) {
     const Vec3 p = curve.evaluate(curve.start() + (curve.end() - curve.start()) * i / samples);
-    if (!p.allFinite())
-      throw InputError("line '" + line.name + "' has a point that is not finite");
+    if (!p.allFinite()) throw InputError("line '" + line.name + "' has a point that is not finite");
     low = low.cwiseMin(p);
     high = high.cwiseMax(p);
     length += (p - before).norm();
@@ -97,7 +96,8 @@ std::vector<Stretch> cut_at_corners(const CharacterLine& line, double corner_ang
   return parts;
 }
 
-// --- arc length -----------------------------------------------------------------------------------
+// --- arc length
+// -----------------------------------------------------------------------------------
 
 namespace {
 
@@ -147,18 +147,21 @@ double ArcLength::parameter(double s) const {
   if (s <= 0) return t_.front();
   if (s >= total()) return t_.back();
   const auto i = std::upper_bound(length_.begin() + 1, length_.end() - 1, s) - length_.begin();
-  const double a = t_[i - 1], b = t_[i], panel = length_[i] - length_[i - 1], rest = s - length_[i - 1];
+  const double a = t_[i - 1], b = t_[i], panel = length_[i] - length_[i - 1],
+               rest = s - length_[i - 1];
   double t = a + (b - a) * rest / panel;
   for (int step = 0; step < 30; ++step) {
     const double speed = curve_->evaluate(t, 1).norm();
-    const double dt = (speed_integral(*curve_, a, t) - rest) / std::max(speed, 1e-3 * panel / (b - a));
+    const double dt =
+        (speed_integral(*curve_, a, t) - rest) / std::max(speed, 1e-3 * panel / (b - a));
     t = std::clamp(t - dt, a, b);
     if (std::abs(dt) <= 1e-15 * (t_.back() - t_.front())) break;
   }
   return t;
 }
 
-// --- fitting ----------------------------------------------------------------------------------------
+// --- fitting
+// ----------------------------------------------------------------------------------------
 
 HermiteCurve fit_by_bisection(const Stretch& stretch, double tolerance, const LineEnd& start,
                               const LineEnd& end) {

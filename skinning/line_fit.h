@@ -37,10 +37,10 @@ class ArcLength {
   std::vector<double> t_, length_;
 };
 
-/// A curve with nodes by repeated halving of arc length until it is within `tolerance` of the input;
-/// its parameter is arc length from 0. Nodes lie on the input with its unit tangent, except the ends,
-/// which are as given: where neighbours meet, they must agree. Throws InputError when 2^14 segments do
-/// not do.
+/// A curve with nodes by repeated halving of arc length until it is within `tolerance` of the
+/// input; its parameter is arc length from 0. Nodes lie on the input with its unit tangent, except
+/// the ends, which are as given: where neighbours meet, they must agree. Throws InputError when
+/// 2^14 segments do not do.
 struct LineEnd {
   Vec3 position;
   Vec3 tangent;  ///< unit, along the stretch
@@ -48,8 +48,8 @@ struct LineEnd {
 HermiteCurve fit_by_bisection(const Stretch& stretch, double tolerance, const LineEnd& start,
                               const LineEnd& end);
 
-/// The input itself when it is piecewise cubic, C1, of even enough speed (fastest/slowest ≤ 3), with
-/// no piece shorter than `shortest` and ends within 1e-12 of its size from `start` and `end`;
+/// The input itself when it is piecewise cubic, C1, of even enough speed (fastest/slowest ≤ 3),
+/// with no piece shorter than `shortest` and ends within 1e-12 of its size from `start` and `end`;
 /// otherwise a curve without nodes. The parameter is scaled to end - start = arc length.
 HermiteCurve exact_cubic(const Stretch& stretch, double shortest, const Vec3& start,
                          const Vec3& end);

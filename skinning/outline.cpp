@@ -64,8 +64,8 @@ void require_not_on_one_line(const std::vector<Stretch>& stretches, double size)
 
 namespace {
 
-// Two polylines of different curves come near each other at these segments: the curves' own distance
-// there, by Gauss-Newton on both parameters.
+// Two polylines of different curves come near each other at these segments: the curves' own
+// distance there, by Gauss-Newton on both parameters.
 std::pair<double, Vec3> curve_distance(const InputCurve& a, int i, const InputCurve& b, int j) {
   const double step_a = (a.end() - a.start()) / kSamples, step_b = (b.end() - b.start()) / kSamples;
   const double low_a = a.start() + i * step_a, low_b = b.start() + j * step_b;
@@ -177,9 +177,10 @@ Outline make_outline(const std::vector<Stretch>& stretches, double size, double 
                                           number(nearest_gap) + " away (ends meet within " +
                                           number(join) + ")"));
     if (near.size() > 1)
-      throw InputError("more than two outline lines end at " + at(point[e]) + ": " + name_of(e) +
-                       ", " + name_of(near[0]) + ", " + name_of(near[1]) +
-                       " (give inner lines role = \"inner\"; branching outlines are not supported)");
+      throw InputError(
+          "more than two outline lines end at " + at(point[e]) + ": " + name_of(e) + ", " +
+          name_of(near[0]) + ", " + name_of(near[1]) +
+          " (give inner lines role = \"inner\"; branching outlines are not supported)");
     partner[e] = near[0];
   }
 
@@ -235,7 +236,8 @@ Vec3 loop_normal(const Outline& outline) {
   return area / length;
 }
 
-// --- polygon --------------------------------------------------------------------------------------
+// --- polygon
+// --------------------------------------------------------------------------------------
 
 namespace {
 
@@ -317,7 +319,8 @@ std::vector<Vec2> fit_polygon(const std::vector<double>& lengths, const std::vec
       H.diagonal().array() += damping * scale;
       const VecX move = -H.ldlt().solve(J.transpose() * r);
       auto q = p;
-      for (size_t k = 0; k < 2 * n; ++k) q[k / 2][static_cast<long>(k % 2)] += move[static_cast<long>(k)];
+      for (size_t k = 0; k < 2 * n; ++k)
+        q[k / 2][static_cast<long>(k % 2)] += move[static_cast<long>(k)];
       const VecX next = residuals(q);
       if (simple_and_ccw(q) && next.squaredNorm() < r.squaredNorm()) {
         const bool settled = move.norm() < 1e-10 * around;
@@ -335,8 +338,9 @@ std::vector<Vec2> fit_polygon(const std::vector<double>& lengths, const std::vec
     }
   }
   if (best.empty())
-    throw InputError("no simple polygon has these side lengths and angles: the outline is too "
-                     "twisted for one flat domain");
+    throw InputError(
+        "no simple polygon has these side lengths and angles: the outline is too "
+        "twisted for one flat domain");
   return best;
 }
 

@@ -12,13 +12,14 @@ namespace batten {
 /// Outline stretches in the order and direction of the loop, merged where they meet.
 struct Outline {
   struct Piece {
-    Stretch stretch;   ///< runs along the loop
-    bool flipped;      ///< the user's line runs the other way
-    double length;     ///< arc length
-    Vec3 start;        ///< where it begins: the mean of the two ends that meet there
+    Stretch stretch;  ///< runs along the loop
+    bool flipped;     ///< the user's line runs the other way
+    double length;    ///< arc length
+    Vec3 start;       ///< where it begins: the mean of the two ends that meet there
   };
   std::vector<Piece> pieces;
-  /// Index of the first piece after each corner: side c is pieces corner[c] … corner[c+1]-1, cyclic.
+  /// Index of the first piece after each corner: side c is pieces corner[c] … corner[c+1]-1,
+  /// cyclic.
   std::vector<int> corners;
   /// Interior angle at each corner, radians in (0, 2π).
   std::vector<double> angles;
@@ -28,15 +29,16 @@ struct Outline {
 };
 
 /// Joins outline stretches into one loop, in the direction of the first. Ends meet within `join`
-/// (model units). Throws InputError in words for the user: an open loop (with the gap), more than one
-/// loop, three lines at one end, lines that cross, fewer than three corners, all lines on one line.
+/// (model units). Throws InputError in words for the user: an open loop (with the gap), more than
+/// one loop, three lines at one end, lines that cross, fewer than three corners, all lines on one
+/// line.
 Outline make_outline(const std::vector<Stretch>& stretches, double size, double join,
                      double corner_angle);
 
 /// A simple counter-clockwise polygon with the given side lengths and interior angles as nearly as
 /// they can be had together, by least squares over log lengths, angles and (weakly) the distances
-/// between corners. `corners`: the corners in space, for the start and those distances; `normal`: the
-/// side from which the loop runs counter-clockwise. Scale: sides keep their length on average.
+/// between corners. `corners`: the corners in space, for the start and those distances; `normal`:
+/// the side from which the loop runs counter-clockwise. Scale: sides keep their length on average.
 /// Throws InputError when no simple polygon is found.
 std::vector<Vec2> fit_polygon(const std::vector<double>& lengths, const std::vector<double>& angles,
                               const std::vector<Vec3>& corners, const Vec3& normal);
@@ -44,8 +46,8 @@ std::vector<Vec2> fit_polygon(const std::vector<double>& lengths, const std::vec
 /// Area vector of the loop; its direction is the side from which it runs counter-clockwise.
 Vec3 loop_normal(const Outline& outline);
 
-/// Whether two curves come closer than `distance`, and where: by polylines first, then on the curves.
-/// Near common ends (within `skip` of their points) closeness is no crossing.
+/// Whether two curves come closer than `distance`, and where: by polylines first, then on the
+/// curves. Near common ends (within `skip` of their points) closeness is no crossing.
 struct Crossing {
   bool found = false;
   Vec3 where = Vec3::Zero();

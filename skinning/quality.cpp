@@ -70,9 +70,8 @@ SkinQuality measure(const SkinnedRegion& region) {
     for (const double f : {0.1, 0.5, 0.8}) {
       const Vec3 a = surface.jet(on_edge(mesh, e, 0, f)).normal(),
                  b = surface.jet(on_edge(mesh, e, 1, f)).normal();
-      q.max_normal_jump_deg =
-          std::max(q.max_normal_jump_deg,
-                   std::atan2(a.cross(b).norm(), a.dot(b)) * 180 / std::numbers::pi);
+      q.max_normal_jump_deg = std::max(
+          q.max_normal_jump_deg, std::atan2(a.cross(b).norm(), a.dot(b)) * 180 / std::numbers::pi);
     }
   }
 
@@ -94,7 +93,8 @@ SkinQuality measure(const SkinnedRegion& region) {
     for (const Vec3& a : areas) jacobians.push_back(std::copysign(a.norm(), a.dot(mean)));
   }
   std::vector<double> sorted = jacobians;
-  std::nth_element(sorted.begin(), sorted.begin() + static_cast<long>(sorted.size() / 2), sorted.end());
+  std::nth_element(sorted.begin(), sorted.begin() + static_cast<long>(sorted.size() / 2),
+                   sorted.end());
   const double median = sorted[sorted.size() / 2];
   q.min_jacobian_ratio = *std::min_element(jacobians.begin(), jacobians.end()) / median;
   for (const double j : at_vertex)

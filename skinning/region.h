@@ -13,11 +13,11 @@ namespace batten {
 /// One character line as the surface carries it: a chain of element edges along a straight run of
 /// the domain, on which the surface is exactly the fitted curve.
 struct LineRun {
-  CharacterLine line;                ///< as the user gave it
-  HermiteCurve fitted;               ///< the C1 cubic curve that the surface interpolates
-  std::vector<int> vertices;         ///< mesh vertices from the line's start to its end
-  std::vector<double> parameters;    ///< of `fitted`, at each of these vertices
-  std::vector<int> edges;            ///< mesh edges between them
+  CharacterLine line;              ///< as the user gave it
+  HermiteCurve fitted;             ///< the C1 cubic curve that the surface interpolates
+  std::vector<int> vertices;       ///< mesh vertices from the line's start to its end
+  std::vector<double> parameters;  ///< of `fitted`, at each of these vertices
+  std::vector<int> edges;          ///< mesh edges between them
 };
 
 struct SkinnedRegion {

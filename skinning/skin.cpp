@@ -14,8 +14,8 @@
 namespace batten {
 namespace {
 
-// Domain numbers are rounded to this, so that lines given in mm and in m, which differ in their last
-// bits, make the same mesh.
+// Domain numbers are rounded to this, so that lines given in mm and in m, which differ in their
+// last bits, make the same mesh.
 double rounded(double x) {
   constexpr double grid = 1 << 30;
   return std::round(x * grid) / grid;
@@ -143,12 +143,11 @@ class Builder {
         strip.line.curve = piece.flipped ? reversed(piece.stretch.curve) : piece.stretch.curve;
         strip.flipped = piece.flipped;
         strip.fitted = fit(piece.stretch, joint(p), joint((p + 1) % n), pieces.size() == 1);
-        // The piece's share of the side is rounded, and its parameter stretched by the same hair, so
-        // that speed stays continuous where pieces meet.
+        // The piece's share of the side is rounded, and its parameter stretched by the same hair,
+        // so that speed stays continuous where pieces meet.
         before += piece.length;
         const double next = p == pieces.back() ? 1 : rounded(before / lengths[c]);
-        strip.fitted =
-            stretched(strip.fitted, (next - fraction) * lengths[c] / strip.fitted.end());
+        strip.fitted = stretched(strip.fitted, (next - fraction) * lengths[c] / strip.fitted.end());
         strip.from = a + fraction * (b - a);
         strip.to = a + next * (b - a);
         fraction = next;
@@ -227,7 +226,8 @@ class Builder {
     for (size_t i = 0; i + 1 < run.vertices.size(); ++i) {
       const int e = mesh.edge_between(run.vertices[i], run.vertices[i + 1]);
       if (e < 0)
-        throw NoSolutionError("the mesher left line '" + strip.line.name + "' without an edge at (" +
+        throw NoSolutionError("the mesher left line '" + strip.line.name +
+                              "' without an edge at (" +
                               number(mesh.vertices()[run.vertices[i]].x()) + ", " +
                               number(mesh.vertices()[run.vertices[i]].y()) + ")");
       run.edges.push_back(e);
@@ -275,7 +275,8 @@ class Builder {
   void warn_of_smoothed_joint(size_t p, std::vector<std::string>& warnings) const {
     if (is_corner(p)) return;
     const size_t n = outline_.pieces.size();
-    const auto &before = outline_.pieces[(p + n - 1) % n].stretch, &after = outline_.pieces[p].stretch;
+    const auto &before = outline_.pieces[(p + n - 1) % n].stretch,
+               &after = outline_.pieces[p].stretch;
     const Vec3 in = before.curve->evaluate(before.curve->end(), 1),
                out = after.curve->evaluate(after.curve->start(), 1);
     const double turn = std::atan2(in.cross(out).norm(), in.dot(out)) * 180 / std::numbers::pi;
@@ -333,9 +334,8 @@ class Builder {
     for (size_t j = 0; j < index; ++j)
       if (const auto c = find_crossing(curve, *inner_[j].curve, 1e-7 * size_, ends, 0.02 * size_);
           c.found)
-        throw InputError("inner lines '" + inner_[j].name + "' and '" + s.name +
-                         "' cross near " + at(c.where) +
-                         ": crossing inner lines are not supported yet");
+        throw InputError("inner lines '" + inner_[j].name + "' and '" + s.name + "' cross near " +
+                         at(c.where) + ": crossing inner lines are not supported yet");
     for (size_t i = 0; i < strips_.size(); ++i) {
       if (!segments_cross(strip.from, strip.to, strips_[i].from, strips_[i].to)) continue;
       throw InputError("inner line '" + s.name + "' would cross line '" + strips_[i].line.name +
@@ -351,7 +351,8 @@ class Builder {
         inside = !inside;
     }
     if (!inside)
-      throw InputError("inner line '" + s.name + "' would run along or outside the outline of the "
+      throw InputError("inner line '" + s.name +
+                       "' would run along or outside the outline of the "
                        "flat domain: only inner lines across the region are supported yet");
   }
 
@@ -377,8 +378,9 @@ class Builder {
       int last = add(s.from);
       for (size_t k = 0; k + 1 < s.nodes.size(); ++k) {
         const double a = s.nodes[k], b = s.nodes[k + 1];
-        const int cuts = std::max(1, static_cast<int>(std::ceil(
-                                         (b - a) * (s.to - s.from).norm() / task.edge_length - 0.2)));
+        const int cuts = std::max(
+            1,
+            static_cast<int>(std::ceil((b - a) * (s.to - s.from).norm() / task.edge_length - 0.2)));
         for (int c = 1; c <= cuts; ++c) {
           const double fraction = a + (b - a) * c / cuts;
           const int next = fraction >= 1 ? add(s.to) : add(s.at(rounded(fraction)));
@@ -403,9 +405,10 @@ class Builder {
     for (const Strip& s : strips_)
       if (s.line.role == CharacterLine::Role::Inner) task.inner.push_back({0, 0});
     if (outline_.pieces.size() != polygon_.size())
-      throw InputError("the fan mesher needs one line for each side between corners, and there are " +
-                       std::to_string(outline_.pieces.size()) + " lines for " + std::to_string(n) +
-                       " sides: use mesher = \"delaunay\"");
+      throw InputError(
+          "the fan mesher needs one line for each side between corners, and there are " +
+          std::to_string(outline_.pieces.size()) + " lines for " + std::to_string(n) +
+          " sides: use mesher = \"delaunay\"");
     int refinements = options_.fan_refinements;
     if (refinements < 0) {
       refinements = 0;
@@ -472,9 +475,8 @@ ConstraintSet RegionLayout::line_constraints() const {
   ConstraintSet set(DofMap(*mesh_).count());
   ShapeConstraints shape(*mesh_, element_, set);
   for (const LineRun& run : runs_)
-    shape.curve(
-        run.line.name, run.vertices, run.parameters, run.fitted,
-        mesh_->vertices()[run.vertices.back()] - mesh_->vertices()[run.vertices.front()]);
+    shape.curve(run.line.name, run.vertices, run.parameters, run.fitted,
+                mesh_->vertices()[run.vertices.back()] - mesh_->vertices()[run.vertices.front()]);
   return set;
 }
 

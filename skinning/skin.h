@@ -49,10 +49,10 @@ class RegionLayout {
  public:
   /// Throws InputError, in words for the user, for what it refuses: an open loop, lines that cross
   /// or touch, a loop that crosses itself, fewer than three corners (smooth closed outlines), all
-  /// lines on one line, a closed inner line, inner lines with corners, that cross, or whose ends are
-  /// not on the outline.
-  RegionLayout(std::string name, const std::vector<CharacterLine>& lines, const SkinOptions& options,
-               const Progress& progress = {});
+  /// lines on one line, a closed inner line, inner lines with corners, that cross, or whose ends
+  /// are not on the outline.
+  RegionLayout(std::string name, const std::vector<CharacterLine>& lines,
+               const SkinOptions& options, const Progress& progress = {});
 
   const std::string& name() const { return name_; }
   const std::shared_ptr<const ParametricMesh>& mesh() const { return mesh_; }
@@ -87,12 +87,12 @@ class RegionLayout {
 
 /// How far the finished surface is from what it promises, measured by sampling.
 struct SkinQuality {
-  double max_line_residual = 0;     ///< surface edge to fitted line, over the region's size
-  double max_line_deviation = 0;    ///< surface edge to input curve, both ways, model units
-  double max_normal_jump_deg = 0;   ///< across inner element edges
-  double min_jacobian_ratio = 0;    ///< smallest |x_u × x_v| (oriented) over the median
-  int singular_nodes = 0;           ///< vertices where x_u × x_v is below 1e-6 of the median
-  double area = 0;                  ///< model units²
+  double max_line_residual = 0;    ///< surface edge to fitted line, over the region's size
+  double max_line_deviation = 0;   ///< surface edge to input curve, both ways, model units
+  double max_normal_jump_deg = 0;  ///< across inner element edges
+  double min_jacobian_ratio = 0;   ///< smallest |x_u × x_v| (oriented) over the median
+  int singular_nodes = 0;          ///< vertices where x_u × x_v is below 1e-6 of the median
+  double area = 0;                 ///< model units²
 };
 SkinQuality measure(const SkinnedRegion& region);
 

@@ -21,8 +21,8 @@ ShapeConstraints::ShapeConstraints(const ParametricMesh& mesh, TriangleElement k
                                    ConstraintSet& set)
     : mesh_(mesh), kind_(kind), set_(set), dofs_(mesh) {
   if (set.dof_count() != dofs_.count())
-    throw InputError("constraints on " + std::to_string(set.dof_count()) + " dofs for a mesh with " +
-                     std::to_string(dofs_.count()));
+    throw InputError("constraints on " + std::to_string(set.dof_count()) +
+                     " dofs for a mesh with " + std::to_string(dofs_.count()));
 }
 
 void ShapeConstraints::point(const std::string& name, int vertex, const Vec3& position) {
@@ -38,7 +38,8 @@ void ShapeConstraints::point(const std::string& name, const Location& where, con
   set_.add(name, std::move(entries), position);
 }
 
-void ShapeConstraints::tangent(const std::string& name, int vertex, const Vec2& s, const Vec3& tau) {
+void ShapeConstraints::tangent(const std::string& name, int vertex, const Vec2& s,
+                               const Vec3& tau) {
   const Vec3 direction = unit(name, "tangent", tau);
   if (!(s.norm() > 0)) throw InputError("constraint '" + name + "': no parametric direction");
   const Vec2 p = s.normalized();
@@ -77,9 +78,8 @@ void ShapeConstraints::constant_normal(const std::string& name, const std::vecto
   const Vec3 direction = unit(name, "normal", n);
   for (const int e : edges) {
     const auto& edge = mesh_.edges()[e];
-    set_.add_coupled(name,
-                     {{dofs_.vertex(edge.high), direction}, {dofs_.vertex(edge.low), -direction}},
-                     0);
+    set_.add_coupled(
+        name, {{dofs_.vertex(edge.high), direction}, {dofs_.vertex(edge.low), -direction}}, 0);
     for (const int v : {edge.low, edge.high}) normal(name, v, n);
     set_.add_coupled(name, {{dofs_.edge(e), direction}}, 0);
   }
@@ -103,8 +103,9 @@ void ShapeConstraints::varying_normal(const std::string& name, const std::vector
     set_.add_coupled(name, {{dofs_.edge(e), middle}}, 0);
     if (shape_is_fixed) continue;
     // Tangential slope at the middle of the cubic: 3/2 (w_b - w_a)/length - (w_t,a + w_t,b)/4.
-    std::vector<ConstraintSet::CoupledEntry> row = {{dofs_.vertex(edge.high), 1.5 / length * middle},
-                                                    {dofs_.vertex(edge.low), -1.5 / length * middle}};
+    std::vector<ConstraintSet::CoupledEntry> row = {
+        {dofs_.vertex(edge.high), 1.5 / length * middle},
+        {dofs_.vertex(edge.low), -1.5 / length * middle}};
     for (const int v : {edge.low, edge.high})
       for (int d = 0; d < 2; ++d) row.push_back({dofs_.vertex(v, 1 + d), -0.25 * t[d] * middle});
     set_.add_coupled(name, std::move(row), 0);

@@ -1,10 +1,10 @@
 // Geometric constraints as rows on the dofs of a surface.
 //
 //   constraint                     rows                                              between nodes
-//   point at a location            N(where) q = p                       uncoupled    that point only
-//   tangent direction at a vertex  r·(s_u q_u + s_v q_v) = 0, r ⟂ τ     2 coupled    that point only
-//   normal direction at a vertex   n·q_u = n·q_v = 0                    2 coupled    that point only
-//   cubic curve along edges        q and tangential slope at the nodes  uncoupled    exact
+//   point at a location            N(where) q = p                       uncoupled    that point
+//   only tangent direction at a vertex  r·(s_u q_u + s_v q_v) = 0, r ⟂ τ     2 coupled    that
+//   point only normal direction at a vertex   n·q_u = n·q_v = 0                    2 coupled that
+//   point only cubic curve along edges        q and tangential slope at the nodes  uncoupled exact
 //   constant normal along edges    see below                            coupled      exact
 //   varying normal along edges     see below                            coupled      O(h³) between
 //
@@ -31,8 +31,8 @@ class ShapeConstraints {
   void point(const std::string& name, const Location& where, const Vec3& position);
   void point(const std::string& name, int vertex, const Vec3& position);
 
-  /// The derivative in parametric direction s at a vertex is parallel to tau (length and sign free):
-  /// two coupled rows. Throws InputError when s or tau is zero.
+  /// The derivative in parametric direction s at a vertex is parallel to tau (length and sign
+  /// free): two coupled rows. Throws InputError when s or tau is zero.
   void tangent(const std::string& name, int vertex, const Vec2& s, const Vec3& tau);
 
   /// The normal at a vertex is parallel to n: two coupled rows. Throws InputError when n is zero.
@@ -41,8 +41,8 @@ class ShapeConstraints {
   /// The surface is the given curve along a straight run of edges: at each vertex its position, and
   /// its derivative along the run. `parameters[i]` is the curve's parameter at vertices[i]; it must
   /// run evenly with length in the domain (the parameter speed |X'|/|e| is then continuous), and
-  /// between two vertices the curve must be one cubic. Exact on the whole run. `direction`: unit vector of
-  /// the run in (u, v). One uncoupled row each. Throws InputError on counts that differ.
+  /// between two vertices the curve must be one cubic. Exact on the whole run. `direction`: unit
+  /// vector of the run in (u, v). One uncoupled row each. Throws InputError on counts that differ.
   void curve(const std::string& name, const std::vector<int>& vertices,
              const std::vector<double>& parameters, const HermiteCurve& curve,
              const Vec2& direction);
@@ -52,9 +52,9 @@ class ShapeConstraints {
   void constant_normal(const std::string& name, const std::vector<int>& edges, const Vec3& n);
 
   /// Normal n(s) along edges, s in [0, 1] from the lower-numbered end of each edge to the higher.
-  /// Cross slopes are held at both ends and the middle, the edge's own tangent too, so its shape must
-  /// allow it; set `shape_is_fixed` when the edge's curve is held already. Exact at three points of
-  /// each edge, O(h³) between.
+  /// Cross slopes are held at both ends and the middle, the edge's own tangent too, so its shape
+  /// must allow it; set `shape_is_fixed` when the edge's curve is held already. Exact at three
+  /// points of each edge, O(h³) between.
   void varying_normal(const std::string& name, const std::vector<int>& edges,
                       const std::function<Vec3(int edge, double s)>& n, bool shape_is_fixed);
 

@@ -1,0 +1,210 @@
+// A surface over a loop of cubics: Batten's skin beside OpenCASCADE's filling.
+//
+// Two regions, a curved pentagon and a four-sided patch with one cubic across. Time: from the
+// curves to the surface, meshing and everything included. Distance: the largest from a point of a
+// curve to the surface that was delivered, and from a point of the surface's line to the nearest
+// curve.
+#include <cmath>
+
+#include "batten/constraints/affine_reduction.h"
+#include "batten/fem/assembly.h"
+#include "batten/skinning/skin.h"
+#include "bench.h"
+#include "occ_filling.h"
+
+namespace {
+
+using namespace batten;
+using namespace batten::bench;
+
+constexpr int rounds = 7, samples_a_curve = 200;
+
+struct Case {
+  std::string name;
+  std::vector<Cubic> outline, inner;
+};
+
+Case pentagon() {
+  const Vec3 corner[] = {
+      {1, 0, 0}, {0.3, 0.95, 0.2}, {-0.8, 0.6, -0.1}, {-0.8, -0.6, 0.15}, {0.3, -0.95, -0.05}};
+  return {"pentagon",
+          {{corner[0], {0.9, 0.4, 0.15}, {0.65, 0.75, 0.3}, corner[1]},
+           {corner[1], {-0.05, 1, 0.25}, {-0.5, 0.85, 0.1}, corner[2]},
+           {corner[2], {-1, 0.25, -0.2}, {-0.95, -0.25, 0.2}, corner[3]},
+           {corner[3], {-0.5, -0.85, 0.2}, {-0.1, -1, 0.05}, corner[4]},
+           {corner[4], {0.6, -0.75, -0.15}, {0.95, -0.35, -0.1}, corner[0]}},
+          {}};
+}
+
+Case patch() {
+  const Vec3 corner[] = {{0, 0, 0}, {2, 0, 0.1}, {2.1, 1.5, 0}, {-0.1, 1.4, 0.2}};
+  Case c{"patch with a line across",
+         {{corner[0], {0.7, -0.1, 0.4}, {1.4, 0.05, 0.3}, corner[1]},
+          {corner[1], {2.1, 0.5, 0.3}, {2.15, 1, 0.2}, corner[2]},
+          {corner[2], {1.4, 1.6, 0.4}, {0.6, 1.3, 0.5}, corner[3]},
+          {corner[3], {-0.15, 0.9, 0.4}, {-0.05, 0.5, 0.25}, corner[0]}},
+         {}};
+  c.inner = {{cubic_point(c.outline[3], 0.5),
+              {0.6, 0.75, 0.55},
+              {1.4, 0.7, 0.6},
+              cubic_point(c.outline[1], 0.5)}};
+  return c;
+}
+
+std::vector<Cubic> all_curves(const Case& c) {
+  std::vector<Cubic> curves = c.outline;
+  curves.insert(curves.end(), c.inner.begin(), c.inner.end());
+  return curves;
+}
+
+SkinnedRegion skin(const Case& c) {
+  std::vector<CharacterLine> lines;
+  for (const Cubic& b : c.outline)
+    lines.push_back({"side " + std::to_string(lines.size() + 1),
+                     bezier_curve(b[0], b[1], b[2], b[3]), CharacterLine::Role::Outline});
+  for (const Cubic& b : c.inner)
+    lines.push_back({"across", bezier_curve(b[0], b[1], b[2], b[3]), CharacterLine::Role::Inner});
+  SkinOptions options;
+  options.edge_length = 0.07;
+  const RegionLayout layout(c.name, lines, options);
+  const SurfaceAssembler assembler(*layout.mesh(), layout.element());
+  const ConstrainedSolver solver(layout.line_constraints(),
+                                 assembler.stiffness(SurfaceStiffness::isotropic(0, 1)));
+  return layout.region(solver.solve(Points::Zero(assembler.dofs().count(), 3)));
+}
+
+// Distance from p to a cubic: the best of many samples, refined by Newton's method.
+double distance_to(const Cubic& c, const Vec3& p) {
+  constexpr int samples = 64;
+  double best = 0, nearest = 1e100;
+  for (int k = 0; k <= samples; ++k) {
+    const double t = static_cast<double>(k) / samples, d = (cubic_point(c, t) - p).norm();
+    if (d < nearest) {
+      nearest = d;
+      best = t;
+    }
+  }
+  double t = best;
+  for (int i = 0; i < 8; ++i) {
+    const double s = 1 - t;
+    const Vec3 first =
+        3 * (s * s * (c[1] - c[0]) + 2 * s * t * (c[2] - c[1]) + t * t * (c[3] - c[2]));
+    const Vec3 second = 6 * (s * (c[2] - 2 * c[1] + c[0]) + t * (c[3] - 2 * c[2] + c[1]));
+    const Vec3 away = cubic_point(c, t) - p;
+    t = std::clamp(t - away.dot(first) / (first.squaredNorm() + away.dot(second)), 0.0, 1.0);
+    nearest = std::min(nearest, (cubic_point(c, t) - p).norm());
+  }
+  return nearest;
+}
+
+double distance_to(const std::vector<Cubic>& curves, const Vec3& p) {
+  double nearest = 1e100;
+  for (const Cubic& c : curves) nearest = std::min(nearest, distance_to(c, p));
+  return nearest;
+}
+
+double largest_distance(const std::vector<Cubic>& curves,
+                        const std::function<double(const Vec3&)>& to_surface,
+                        const std::vector<Vec3>& on_surface) {
+  double largest = 0;
+  for (const Cubic& c : curves)
+    for (int k = 0; k <= samples_a_curve; ++k)
+      largest =
+          std::max(largest, to_surface(cubic_point(c, static_cast<double>(k) / samples_a_curve)));
+  for (const Vec3& p : on_surface) largest = std::max(largest, distance_to(curves, p));
+  return largest;
+}
+
+// Along its lines the surface's element edges are cubics: their control points from four positions
+// of the surface each, and points between these to check.
+struct SurfaceLines {
+  std::vector<Cubic> edges;
+  std::vector<Vec3> points;
+};
+SurfaceLines surface_lines(const SkinnedRegion& region) {
+  const ParametricMesh& mesh = region.surface.mesh();
+  SurfaceLines lines;
+  for (const LineRun& run : region.runs)
+    for (const int e : run.edges) {
+      const auto& edge = mesh.edges()[e];
+      const auto at = [&](double f) {
+        Location where{edge.triangle[0], Vec3::Zero()};
+        where.L[(edge.local[0] + 1) % 3] = 1 - f;
+        where.L[(edge.local[0] + 2) % 3] = f;
+        return region.surface.position(where);
+      };
+      const Vec3 x[] = {at(0), at(1.0 / 3), at(2.0 / 3), at(1)};
+      lines.edges.push_back({x[0], (-5 * x[0] + 18 * x[1] - 9 * x[2] + 2 * x[3]) / 6,
+                             (2 * x[0] - 9 * x[1] + 18 * x[2] - 5 * x[3]) / 6, x[3]});
+      for (const double f : {0.0, 0.17, 0.5, 0.81, 1.0}) lines.points.push_back(at(f));
+    }
+  return lines;
+}
+
+}  // namespace
+
+int main() {
+  one_thread();
+  const std::string version = occ_version();
+  if (version.empty())
+    std::printf("OpenCASCADE is missing from this build: its promises cannot be kept.\n\n");
+  else
+    std::printf("OpenCASCADE %s. Processor time on one thread, medians.\n\n", version.c_str());
+
+  std::vector<FillingSettings> settings;
+  if (!version.empty())
+    settings = {{"OpenCASCADE 1e-3", 1e-3, 15, 9},
+                {"OpenCASCADE 1e-4", 1e-4, 15, 9},
+                {"OpenCASCADE 1e-5", 1e-5, 15, 9},
+                {"OpenCASCADE 1e-5, 60 segments", 1e-5, 15, 60},
+                {"OpenCASCADE 1e-5, 60 segments, 60 points", 1e-5, 60, 60}};
+
+  Promises promises;
+  for (const Case& c : {pentagon(), patch()}) {
+    const std::vector<Cubic> curves = all_curves(c);
+    std::vector<std::function<void()>> works = {[&] { skin(c); }};
+    for (const FillingSettings& s : settings)
+      works.push_back([&c, &s] { Filling(c.outline, c.inner, s); });
+    const std::vector<double> time = side_by_side(rounds, works);
+
+    const SkinnedRegion region = skin(c);
+    const int triangles = region.surface.mesh().triangle_count();
+    const SurfaceLines lines = surface_lines(region);
+    const double ours = largest_distance(
+        curves, [&](const Vec3& p) { return distance_to(lines.edges, p); }, lines.points);
+    const SkinQuality quality = measure(region);
+
+    Table table;
+    table.add({c.name, "milliseconds", "largest distance"});
+    table.add({"Batten, " + std::to_string(triangles) + " triangles", text("%.1f", 1e3 * time[0]),
+               text("%.2g", std::max(ours, quality.max_line_deviation))});
+    std::optional<double> accurate, accurate_time;
+    for (size_t s = 0; s < settings.size(); ++s) {
+      const Filling filling(c.outline, c.inner, settings[s]);
+      std::string reached = "failed";
+      if (filling.done()) {
+        const double distance = largest_distance(
+            curves, [&](const Vec3& p) { return filling.distance(p); },
+            filling.boundary_points(samples_a_curve));
+        reached = text("%.2g", distance);
+        if (!accurate || distance < *accurate) {
+          accurate = distance;
+          accurate_time = time[s + 1];
+        }
+      }
+      table.add({settings[s].name, text("%.1f", 1e3 * time[s + 1]), reached});
+    }
+    table.print();
+    std::printf(
+        "Batten: inner normals jump by %.1e degrees at most, smallest Jacobian %.2f of the "
+        "median.\n\n",
+        quality.max_normal_jump_deg, quality.min_jacobian_ratio);
+
+    promises.at_least(c.name + ": triangles", triangles, 1000);
+    promises.at_most(c.name + ": largest distance to the curves",
+                     std::max(ours, quality.max_line_deviation), 1e-10);
+    promises.at_most(c.name + ": time over OpenCASCADE's at its most accurate",
+                     accurate_time ? std::optional(time[0] / *accurate_time) : std::nullopt, 1);
+  }
+  promises.print("fill");
+}

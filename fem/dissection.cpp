@@ -1,0 +1,95 @@
+#include "batten/fem/dissection.h"
+
+#include <algorithm>
+
+namespace batten {
+namespace {
+
+class Dissection {
+ public:
+  explicit Dissection(const ParametricMesh& mesh)
+      : mesh_(mesh),
+        dofs_(mesh),
+        triangles_(mesh.triangle_count()),
+        centre_(mesh.triangle_count()),
+        seen_(mesh.vertex_count() + mesh.edge_count(), 0),
+        side_(seen_.size(), 0) {
+    for (int t = 0; t < mesh.triangle_count(); ++t) {
+      triangles_[t] = t;
+      const auto& v = mesh.triangles()[t];
+      centre_[t] = mesh.vertices()[v[0]] + mesh.vertices()[v[1]] + mesh.vertices()[v[2]];
+    }
+    order_.resize(dofs_.count());
+    next_ = dofs_.count();
+  }
+
+  std::vector<int> order() {
+    split(0, static_cast<int>(triangles_.size()));
+    return std::move(order_);
+  }
+
+ private:
+  static constexpr int kLeaf = 6;  // triangles
+
+  // Vertices and edges as one list: edges after all vertices.
+  template <class Visit>
+  void for_each_entity(int triangle, const Visit& visit) const {
+    for (const int v : mesh_.triangles()[triangle]) visit(v);
+    for (const int e : mesh_.edges_of(triangle)) visit(mesh_.vertex_count() + e);
+  }
+
+  // Filled from the end: separators first, so that they are eliminated last.
+  void place(int entity) {
+    if (seen_[entity]) return;
+    seen_[entity] = 1;
+    if (entity >= mesh_.vertex_count()) {
+      order_[--next_] = dofs_.edge(entity - mesh_.vertex_count());
+    } else {
+      for (int d = 2; d >= 0; --d) order_[--next_] = dofs_.vertex(entity, d);
+    }
+  }
+
+  void split(int begin, int end) {
+    if (end - begin <= kLeaf) {
+      for (int i = begin; i < end; ++i)
+        for_each_entity(triangles_[i], [&](int entity) { place(entity); });
+      return;
+    }
+    Vec2 low = centre_[triangles_[begin]], high = low;
+    for (int i = begin; i < end; ++i) {
+      low = low.cwiseMin(centre_[triangles_[i]]);
+      high = high.cwiseMax(centre_[triangles_[i]]);
+    }
+    const int axis = high.x() - low.x() >= high.y() - low.y() ? 0 : 1;
+    const int middle = (begin + end) / 2;
+    std::nth_element(triangles_.begin() + begin, triangles_.begin() + middle,
+                     triangles_.begin() + end, [&](int a, int b) {
+                       const double x = centre_[a][axis], y = centre_[b][axis];
+                       return x != y ? x < y : a < b;
+                     });
+    ++stamp_;
+    for (int i = begin; i < middle; ++i)
+      for_each_entity(triangles_[i], [&](int entity) { side_[entity] = stamp_; });
+    for (int i = middle; i < end; ++i)
+      for_each_entity(triangles_[i], [&](int entity) {
+        if (side_[entity] == stamp_) place(entity);
+      });
+    split(begin, middle);
+    split(middle, end);
+  }
+
+  const ParametricMesh& mesh_;
+  DofMap dofs_;
+  std::vector<int> triangles_;
+  std::vector<Vec2> centre_;
+  std::vector<char> seen_;  // vertices, then edges
+  std::vector<int> side_;
+  std::vector<int> order_;
+  int next_ = 0, stamp_ = 0;
+};
+
+}  // namespace
+
+std::vector<int> dissection_order(const ParametricMesh& mesh) { return Dissection(mesh).order(); }
+
+}  // namespace batten

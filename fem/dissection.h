@@ -1,0 +1,17 @@
+// A fill-reducing order of a surface's dofs from its geometry.
+#pragma once
+
+#include <vector>
+
+#include "batten/fem/parametric_mesh.h"
+
+namespace batten {
+
+/// Nested dissection: the triangles are halved by their centres across the longer side of their
+/// box, again and again; the dofs that both halves touch come last, those of the halves before
+/// them, each ordered the same way. O(triangles · log triangles), far cheaper than finding an order
+/// from the matrix, and with less fill on large meshes. Result: all dofs, the first to eliminate
+/// first.
+std::vector<int> dissection_order(const ParametricMesh& mesh);
+
+}  // namespace batten
