@@ -76,8 +76,8 @@ PlateRun batten_plate(int n) {
   SparseMatrix K = assembler.stiffness(SurfaceStiffness::isotropic(0, 1));
   const double assembled = seconds();
   // The degree that the peers use.
-  const Points F = assembler.load(
-      [](const Location&, const Vec2& p) { return Vec3(plate_load(p), 0, 0); }, 4);
+  const Points F =
+      assembler.load([](const Location&, const Vec2& p) { return Vec3(plate_load(p), 0, 0); }, 4);
   const double loaded = seconds();
   const ConstrainedSolver solver(clamped(mesh, assembler.dofs()), std::move(K),
                                  dissection_order(mesh));
@@ -189,8 +189,8 @@ int main() {
       return a ? std::optional(*a / b) : std::nullopt;
     };
     const std::string size = "n = " + std::to_string(n);
-    promises.at_least(size + ": times as fast as GetFEM with MUMPS",
-                      over(fastest[0], ours.total()), n == 32 ? 3 : 4);
+    promises.at_least(size + ": times as fast as GetFEM with MUMPS", over(fastest[0], ours.total()),
+                      n == 32 ? 3 : 4);
     promises.at_most(size + ": H2 error over GetFEM's",
                      error[0] ? std::optional(ours.h2_error / *error[0]) : std::nullopt, 1.0001);
     promises.at_most(size + ": H2 error over FreeFEM's",
