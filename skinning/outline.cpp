@@ -220,6 +220,12 @@ Outline make_outline(const std::vector<Stretch>& stretches, double size, double 
         "the outline has " + std::to_string(outline.corners.size()) +
         " corner(s) that turn by more than " + number(corner_angle) +
         " degrees, and a region needs three or more: smooth closed outlines are not supported yet");
+  constexpr size_t most_corners = 200;
+  if (outline.corners.size() > most_corners)
+    throw InputError("the outline turns by more than " + number(corner_angle) + " degrees at " +
+                     std::to_string(outline.corners.size()) + " places, and a region has at most " +
+                     std::to_string(most_corners) +
+                     " corners: are the points noisy? (raise corner_angle, or smooth the line)");
   return outline;
 }
 
@@ -271,6 +277,7 @@ std::vector<Vec2> fit_polygon(const std::vector<double>& lengths, const std::vec
                               const std::vector<Vec3>& corners, const Vec3& normal) {
   const size_t n = lengths.size();
   constexpr double length_weight = 1, angle_weight = 0.7, distance_weight = 0.25;
+  constexpr size_t most_distances = 24;  // with more corners, lengths and angles say enough
 
   std::vector<std::vector<Vec2>> starts(2);
   const Vec3 e1 = normal.unitOrthogonal(), e2 = normal.cross(e1);
@@ -289,7 +296,7 @@ std::vector<Vec2> fit_polygon(const std::vector<double>& lengths, const std::vec
       const double l = (p[(i + 1) % n] - p[i]).norm();
       r.push_back(length_weight * std::log(std::max(l, 1e-12 * around) / lengths[i]));
       r.push_back(angle_weight * (interior_angle(p, i) - angles[i]));
-      for (size_t j = i + 2; j < n; ++j) {
+      for (size_t j = i + 2; j < n && n <= most_distances; ++j) {
         if (i == 0 && j + 1 == n) continue;
         const double in_space = std::max((corners[i] - corners[j]).norm(), 1e-3 * around);
         r.push_back(distance_weight *
