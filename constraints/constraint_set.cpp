@@ -49,17 +49,27 @@ void ConstraintSet::add_coupled(const std::string& name, std::vector<CoupledEntr
   coupled_rows_.push_back({name_index(name), std::move(entries), value});
 }
 
+ConstraintSet ConstraintSet::moved(const VecX& constant, const Vec3& by) const {
+  ConstraintSet set = *this;
+  for (Row& row : set.rows_)
+    for (const Entry& e : row.entries) row.value -= e.coefficient * constant[e.dof] * by;
+  for (CoupledRow& row : set.coupled_rows_)
+    for (const CoupledEntry& e : row.entries) row.value -= constant[e.dof] * e.coefficient.dot(by);
+  return set;
+}
+
 double ConstraintSet::max_residual(const Points& q) const {
   double worst = 0;
   for (const auto& row : rows_) {
     Vec3 sum = -row.value;
     for (const auto& e : row.entries) sum += e.coefficient * q.row(e.dof).transpose();
-    worst = std::max(worst, sum.cwiseAbs().maxCoeff());
+    for (const double x : sum)
+      if (!(std::abs(x) <= worst)) worst = std::abs(x);  // not a number counts as the worst
   }
   for (const auto& row : coupled_rows_) {
     double sum = -row.value;
     for (const auto& e : row.entries) sum += q.row(e.dof).dot(e.coefficient);
-    worst = std::max(worst, std::abs(sum));
+    if (!(std::abs(sum) <= worst)) worst = std::abs(sum);
   }
   return worst;
 }

@@ -52,6 +52,11 @@ class ConstraintSet {
   void add(const std::string& name, std::vector<Entry> entries, const Vec3& value);
   void add_coupled(const std::string& name, std::vector<CoupledEntry> entries, double value);
 
+  /// The same constraints on q - constant·byᵀ instead of q, for a vector `constant` of n numbers:
+  /// with 1 at the position dofs of a surface, the constraints on the surface moved by -by. Far
+  /// from the origin, solving the moved problem saves the digits that the coordinates would take.
+  ConstraintSet moved(const VecX& constant, const Vec3& by) const;
+
   /// Largest |row - value| at dofs q (n×3), over all rows.
   double max_residual(const Points& q) const;
 

@@ -116,6 +116,12 @@ struct SparseCholesky::Data {
     common.supernodal = CHOLMOD_SUPERNODAL;
     common.final_ll = 1;
   }
+  std::string failure(const char* stage) const {
+    const char* why = common.status == CHOLMOD_OUT_OF_MEMORY ? "out of memory"
+                      : common.status == CHOLMOD_TOO_LARGE   ? "the matrix is too large"
+                                                             : "the order or the matrix is invalid";
+    return std::string("the ") + stage + " factorization failed: " + why;
+  }
   ~Data() {
     cholmod_free_factor(&factor, &common);
     cholmod_finish(&common);
@@ -138,7 +144,7 @@ void SparseCholesky::analyze(const SparseMatrix& A, const std::vector<int>& orde
   auto* given = order.empty() ? nullptr : const_cast<int*>(order.data());
   data_->common.method[0].ordering = given ? CHOLMOD_GIVEN : CHOLMOD_AMD;
   data_->factor = cholmod_analyze_p(&a, given, nullptr, 0, &data_->common);
-  if (!data_->factor) throw NoSolutionError("out of memory in the symbolic factorization");
+  if (!data_->factor) throw NoSolutionError(data_->failure("symbolic"));
 }
 
 bool SparseCholesky::factorize(const SparseMatrix& A) {
@@ -148,7 +154,7 @@ bool SparseCholesky::factorize(const SparseMatrix& A) {
   const OneThread guard;
   cholmod_sparse a = view(A);
   if (!cholmod_factorize(&a, data_->factor, &data_->common) || data_->common.status < 0) {
-    data_->message = "out of memory in the numeric factorization";
+    data_->message = data_->failure("numeric");
     return false;
   }
   if (data_->factor->minor < data_->factor->n) {

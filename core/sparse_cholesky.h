@@ -19,7 +19,7 @@ namespace batten {
 ///
 /// CHOLMOD's supernodal factor where CHOLMOD is there, otherwise Eigen's simplicial LDLᵀ (same
 /// contract, several times slower on large systems).
-/// Movable, not copyable.
+/// Movable, not copyable. One thread at a time, solve() included.
 class SparseCholesky {
  public:
   SparseCholesky();

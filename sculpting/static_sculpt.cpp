@@ -74,7 +74,7 @@ class Anderson {
 
 }  // namespace
 
-SculptResult sculpt(const RegionLayout& layout, const ConstraintSet& constraints,
+SculptResult sculpt(const RegionLayout& layout, const ConstraintSet& given,
                     const std::vector<Load>& loads, const SculptOptions& options,
                     const Progress& progress) {
   const double size = layout.size();
@@ -85,14 +85,21 @@ SculptResult sculpt(const RegionLayout& layout, const ConstraintSet& constraints
       stretch.eigenvalues()[0] < -1e-12 * material.alpha.norm() || material.beta.minCoeff() < 0)
     throw InputError("alpha must be positive semi-definite and beta not negative");
 
+  // Solved with the first corner as the origin: energies, tolerances and conflicts would otherwise
+  // lose the digits of a region that lies far away.
+  const LineRun& first = layout.runs().front();
+  const Vec3 origin = first.fitted.evaluate(first.fitted.start());
+  VecX ones = VecX::Zero(assembler.dofs().count());
+  for (int v = 0; v < layout.mesh()->vertex_count(); ++v) ones[assembler.dofs().vertex(v)] = 1;
+  const ConstraintSet constraints = given.moved(ones, origin);
+
   progress.at("solving", 0);
   const ConstrainedSolver solver(constraints, assembler.stiffness(material),
                                  dissection_order(*layout.mesh()));
   SculptResult result;
   result.dofs = solver.solve(Points::Zero(assembler.dofs().count(), 3));
-  const LoadTerms terms =
-      gather(layout, assembler, Surface(layout.mesh(), layout.element(), result.dofs), loads,
-             options.units);
+  const Surface unloaded(layout.mesh(), layout.element(), result.dofs + ones * origin.transpose());
+  const LoadTerms terms = gather(layout, assembler, unloaded, loads, options.units);
 
   const auto load_at = [&](const Points& q, double factor) -> Points {
     Points F = factor * terms.fixed;
@@ -132,7 +139,8 @@ SculptResult sculpt(const RegionLayout& layout, const ConstraintSet& constraints
         ++result.load_steps;
       } else {
         step = 0.5 * (target - reached);
-        if (step < options.smallest_step) {
+        constexpr double nothing = 1e-12;  // of the load: not even the beginning converges
+        if (step < std::max(options.smallest_step * reached, nothing)) {
           const double full = terms.pressure * (options.units == LoadUnits::Relative ? size : 1);
           throw NoSolutionError("the pressure " + number(full) + " is past its limit: " +
                                 number(reached * full) + " (" + number(100 * reached) +
@@ -158,6 +166,7 @@ SculptResult sculpt(const RegionLayout& layout, const ConstraintSet& constraints
     result.energy.bending /= size * size;
   }
   result.max_constraint_residual = constraints.max_residual(result.dofs) / size;
+  result.dofs += ones * origin.transpose();
   progress.at("solving", 1);
   return result;
 }

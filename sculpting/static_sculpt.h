@@ -15,8 +15,8 @@ namespace batten {
 struct UniformLoad {
   Vec3 force;
 };
-/// p n per area of the surface itself, n the current unit normal x_u × x_v / |x_u × x_v|: a follower
-/// load, F = p ∬ N (x_u × x_v) du dv. Positive pushes along the normal.
+/// p n per area of the surface itself, n the current unit normal x_u × x_v / |x_u × x_v|: a
+/// follower load, F = p ∬ N (x_u × x_v) du dv. Positive pushes along the normal.
 struct PressureLoad {
   double pressure;
 };
@@ -36,15 +36,15 @@ struct SculptOptions {
   /// Converged when no dof moves by more than this times the region's size in one iteration and
   /// ‖x - K⁻¹F(x)‖ is as small.
   double tolerance = 1e-12;
-  int max_iterations = 60;     ///< for one load step
-  double smallest_step = 1.0 / 256;  ///< of the whole load; below it NoSolutionError
+  int max_iterations = 60;           ///< for one load step
+  double smallest_step = 1.0 / 256;  ///< of the load that was reached; below it NoSolutionError
 };
 
 struct SculptResult {
   Points dofs;
   SurfaceEnergy energy;  ///< of the domain scaled to size 1; over size² in relative units
   int load_steps = 0, iterations = 0;
-  double last_change = 0;     ///< of the last iteration, over the region's size
+  double last_change = 0;  ///< of the last iteration, over the region's size
   /// Force with which each named constraint holds the surface (its share of the reaction on the
   /// position dofs), in the units of the loads.
   struct Reaction {

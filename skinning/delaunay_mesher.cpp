@@ -62,9 +62,9 @@ double quality(const Vec2& a, const Vec2& b, const Vec2& c) {
   return 2 * std::sqrt(3.0) * area2 / (ab.squaredNorm() + ac.squaredNorm() + bc.squaredNorm());
 }
 
-// Moves free vertices to the centre of area of their triangles, one after the other, where that
-// does not make the worst of these triangles worse. CGAL's own optimizers add up in the order of
-// addresses, so that their last bits change from run to run.
+// Moves free vertices to the centre of area of their triangles, one after the other, where the
+// worst of these triangles becomes better or stays good (0.8). CGAL's own optimizers add up in the
+// order of addresses, so that their last bits change from run to run.
 void smooth(std::vector<Vec2>& vertices, const std::vector<ParametricMesh::Triangle>& triangles,
             const std::vector<char>& fixed, int sweeps) {
   std::vector<std::vector<int>> around(vertices.size());

@@ -67,15 +67,12 @@ std::shared_ptr<const InputCurve> reversed(std::shared_ptr<const InputCurve> cur
 std::vector<Stretch> cut_at_corners(const CharacterLine& line, double corner_angle) {
   if (!line.curve) throw InputError("line '" + line.name + "' has no curve");
   const InputCurve& curve = *line.curve;
-  Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
   constexpr int samples = 64;
   double length = 0;
   Vec3 before = curve.evaluate(curve.start());
   for (int i = 0; i <= samples; ++i) {
     const Vec3 p = curve.evaluate(curve.start() + (curve.end() - curve.start()) * i / samples);
     if (!p.allFinite()) throw InputError("line '" + line.name + "' has a point that is not finite");
-    low = low.cwiseMin(p);
-    high = high.cwiseMax(p);
     length += (p - before).norm();
     before = p;
   }
@@ -222,6 +219,10 @@ HermiteCurve fit_by_bisection(const Stretch& stretch, double tolerance, const Li
   return {u, x, d};
 }
 
+namespace {
+constexpr double kSameEnd = 1e-8;  // of a line's length: where inner lines meet the outline
+}
+
 HermiteCurve exact_cubic(const Stretch& stretch, double shortest, const Vec3& start,
                          const Vec3& end) {
   const InputCurve& curve = *stretch.curve;
@@ -229,8 +230,8 @@ HermiteCurve exact_cubic(const Stretch& stretch, double shortest, const Vec3& st
   const std::vector<double> breaks = curve.breaks();
   const double total = ArcLength(stretch.curve).total();
   const double scale = total / (curve.end() - curve.start());
-  if ((curve.evaluate(curve.start()) - start).norm() > 1e-12 * total ||
-      (curve.evaluate(curve.end()) - end).norm() > 1e-12 * total)
+  if ((curve.evaluate(curve.start()) - start).norm() > kSameEnd * total ||
+      (curve.evaluate(curve.end()) - end).norm() > kSameEnd * total)
     return {};
   double slowest = std::numeric_limits<double>::infinity(), fastest = 0;
   for (size_t i = 0; i + 1 < breaks.size(); ++i) {

@@ -17,8 +17,7 @@ struct Stretch {
   std::shared_ptr<const InputCurve> curve;  ///< of the whole stretch, in its own direction
 };
 
-/// Cuts lines at their corners. Throws InputError: a curve of zero length, not finite, closed with
-/// fewer than two pieces.
+/// Cuts lines at their corners. Throws InputError: a curve of zero length, or not finite.
 std::vector<Stretch> cut_at_corners(const CharacterLine& line, double corner_angle);
 
 /// The curve run backwards.
@@ -37,20 +36,23 @@ class ArcLength {
   std::vector<double> t_, length_;
 };
 
-/// A curve with nodes by repeated halving of arc length until it is within `tolerance` of the
-/// input; its parameter is arc length from 0. Nodes lie on the input with its unit tangent, except
-/// the ends, which are as given: where neighbours meet, they must agree. Throws InputError when
-/// 2^14 segments do not do.
+/// Where a fitted curve begins or ends.
 struct LineEnd {
   Vec3 position;
   Vec3 tangent;  ///< unit, along the stretch
 };
+
+/// A curve with nodes by repeated halving of arc length until it is within `tolerance` of the
+/// input; its parameter is arc length from 0. Nodes lie on the input with its unit tangent, except
+/// the ends, which are as given: where neighbours meet, they must agree. Throws InputError when
+/// 2^14 segments do not do.
 HermiteCurve fit_by_bisection(const Stretch& stretch, double tolerance, const LineEnd& start,
                               const LineEnd& end);
 
 /// The input itself when it is piecewise cubic, C1, of even enough speed (fastest/slowest ≤ 3),
-/// with no piece shorter than `shortest` and ends within 1e-12 of its size from `start` and `end`;
-/// otherwise a curve without nodes. The parameter is scaled to end - start = arc length.
+/// with no piece shorter than `shortest` and ends within 1e-8 of its length from `start` and `end`,
+/// to which they are moved; otherwise a curve without nodes. The parameter is scaled to end - start
+/// = arc length.
 HermiteCurve exact_cubic(const Stretch& stretch, double shortest, const Vec3& start,
                          const Vec3& end);
 

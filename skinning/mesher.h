@@ -16,9 +16,9 @@ struct MeshTask {
 };
 
 /// Constrained Delaunay triangulation, refined to the target length with angles above 20.7 degrees
-/// where the input allows, then smoothed: CGAL's Mesh_2. The result's first vertices are the task's
-/// points in their order; vertices and triangles that follow are in spatial order. Segments may be
-/// split further. Throws InputError without CGAL.
+/// where the input allows (CGAL's Mesh_2), then smoothed. The result's first vertices are the
+/// task's points in their order; vertices and triangles that follow are in spatial order. Segments
+/// may be split further. Throws InputError without CGAL.
 ParametricMesh delaunay_mesh(const MeshTask& task);
 bool have_delaunay_mesher();
 

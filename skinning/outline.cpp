@@ -177,10 +177,11 @@ Outline make_outline(const std::vector<Stretch>& stretches, double size, double 
                                           number(nearest_gap) + " away (ends meet within " +
                                           number(join) + ")"));
     if (near.size() > 1)
-      throw InputError(
-          "more than two outline lines end at " + at(point[e]) + ": " + name_of(e) + ", " +
-          name_of(near[0]) + ", " + name_of(near[1]) +
-          " (give inner lines role = \"inner\"; branching outlines are not supported)");
+      throw InputError("more than two outline lines end at " + at(point[e]) + ": " + name_of(e) +
+                       ", " + name_of(near[0]) + ", " + name_of(near[1]) + " (ends within " +
+                       number(join) +
+                       " of each other count as one: is the tolerance too large? Give inner lines "
+                       "role = \"inner\"; branching outlines are not supported)");
     partner[e] = near[0];
   }
 
@@ -220,7 +221,7 @@ Outline make_outline(const std::vector<Stretch>& stretches, double size, double 
         "the outline has " + std::to_string(outline.corners.size()) +
         " corner(s) that turn by more than " + number(corner_angle) +
         " degrees, and a region needs three or more: smooth closed outlines are not supported yet");
-  constexpr size_t most_corners = 200;
+  constexpr size_t most_corners = 100;
   if (outline.corners.size() > most_corners)
     throw InputError("the outline turns by more than " + number(corner_angle) + " degrees at " +
                      std::to_string(outline.corners.size()) + " places, and a region has at most " +

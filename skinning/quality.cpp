@@ -8,6 +8,11 @@
 namespace batten {
 namespace {
 
+// A number that is none counts as the largest.
+void raise(double& largest, double value) {
+  if (!(value <= largest)) largest = value;
+}
+
 // The surface's own edge along a run, as a curve over the run's parameters.
 HermiteCurve surface_edge(const Surface& surface, const LineRun& run) {
   const auto n = static_cast<long>(run.vertices.size());
@@ -50,9 +55,8 @@ SkinQuality measure(const SkinnedRegion& region) {
         const double f = static_cast<double>(k) / samples;
         const Vec3 x = surface.position(on_edge(mesh, run.edges[i], 0, from_low ? f : 1 - f));
         const double u = run.parameters[i] + f * (run.parameters[i + 1] - run.parameters[i]);
-        q.max_line_residual =
-            std::max(q.max_line_residual, (x - run.fitted.evaluate(u)).norm() / region.size);
-        q.max_line_deviation = std::max(q.max_line_deviation, distance_to(*run.line.curve, x));
+        raise(q.max_line_residual, (x - run.fitted.evaluate(u)).norm() / region.size);
+        raise(q.max_line_deviation, distance_to(*run.line.curve, x));
       }
     }
     const HermiteCurve edge = surface_edge(surface, run);
@@ -60,8 +64,7 @@ SkinQuality measure(const SkinnedRegion& region) {
     const int count = std::max<int>(64, samples * static_cast<int>(run.edges.size()));
     for (int k = 0; k <= count; ++k) {
       const double t = input.start() + (input.end() - input.start()) * k / count;
-      q.max_line_deviation =
-          std::max(q.max_line_deviation, edge.closest_point(input.evaluate(t)).distance);
+      raise(q.max_line_deviation, edge.closest_point(input.evaluate(t)).distance);
     }
   }
 

@@ -180,10 +180,18 @@ class Builder {
     double area = 0;
     for (size_t i = 0, n = polygon_.size(); i < n; ++i)
       area += 0.5 * cross(polygon_[i], polygon_[(i + 1) % n]);
-    // Equilateral triangles of that edge.
-    const double expected = area * size_ * size_ / (std::sqrt(3.0) / 4 * edge_ * edge_);
+    // Equilateral triangles of that edge, or the fan's.
+    const bool counted =
+        options_.mesher == SkinOptions::Mesher::Fan && options_.fan_refinements >= 0;
+    const double expected =
+        counted ? static_cast<double>(polygon_.size()) * std::pow(4.0, options_.fan_refinements)
+                : area * size_ * size_ / (std::sqrt(3.0) / 4 * edge_ * edge_);
     constexpr double most_triangles = 2e6;
-    if (options_.fan_refinements < 0 && expected > most_triangles)
+    if (counted && expected > most_triangles)
+      throw InputError("a fan refined " + std::to_string(options_.fan_refinements) + " times has " +
+                       number(expected) + " triangles; at most " + number(most_triangles) +
+                       " are allowed");
+    if (expected > most_triangles)
       throw InputError("edge_length = " + number(edge_) + " on a region of size " + number(size_) +
                        " means about " + number(expected) + " triangles; at most " +
                        number(most_triangles) + " are allowed (is the unit right?)");
@@ -402,8 +410,8 @@ class Builder {
       task.outline.push_back({i, (i + 1) % n});
       longest = std::max(longest, (polygon_[(i + 1) % n] - polygon_[i]).norm());
     }
-    for (const Strip& s : strips_)
-      if (s.line.role == CharacterLine::Role::Inner) task.inner.push_back({0, 0});
+    if (!inner_.empty())
+      throw InputError("the fan mesher takes no inner lines: use mesher = \"delaunay\"");
     if (outline_.pieces.size() != polygon_.size())
       throw InputError(
           "the fan mesher needs one line for each side between corners, and there are " +

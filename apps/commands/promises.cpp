@@ -26,6 +26,8 @@ std::vector<MissedPromise> broken_promises(const Report& report, double toleranc
   at_most("surface.singular_nodes", s.quality.singular_nodes, 0);
   if (report.step) {
     if (!report.step->valid) missed.push_back({"step.valid", "is false, promised true"});
+    if (s.element == "hct")
+      at_most("step.max_deviation", report.step->max_deviation, 1e-9 * s.size);
     at_most("step.max_gap", report.step->max_gap, 1e-9 * s.size);
     at_most("step.max_normal_jump_deg", report.step->max_normal_jump_deg, 1e-3);
   }

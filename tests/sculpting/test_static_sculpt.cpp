@@ -110,3 +110,43 @@ TEST_CASE("too few constraints: the free motion is reported, not a wrong shape")
   set.fix("one point", 0, Vec3::Zero());
   CHECK_THROWS_AS(sculpt(layout, set, {}, {}), NoSolutionError);
 }
+
+TEST_CASE("a region far from the origin is the same shape with the same energy") {
+  const Vec3 far(1e6, -2e6, 5e5);
+  const auto lines_at = [](const Vec3& offset) {
+    return polygon_lines(
+        {offset, offset + Vec3(100, 0, 20), offset + Vec3(100, 80, 0), offset + Vec3(0, 80, 20)});
+  };
+  const auto shape = [&](const Vec3& offset) {
+    const RegionLayout layout("panel", lines_at(offset), coarse(10));
+    const auto result = sculpt(layout, layout.line_constraints(), {{"p", PressureLoad{50}}}, {});
+    return std::pair(layout.region(result.dofs), result);
+  };
+  const auto [near_region, near_result] = shape(Vec3::Zero());
+  const auto [far_region, far_result] = shape(far);
+  CHECK(far_result.energy.bending == Approx(near_result.energy.bending).epsilon(1e-7));
+  REQUIRE(far_region.surface.dofs().rows() == near_region.surface.dofs().rows());
+  const ParametricMesh& mesh = near_region.surface.mesh();
+  double worst = 0;
+  for (int v = 0; v < mesh.vertex_count(); ++v)
+    worst = std::max(worst, (far_region.surface.dofs().row(3 * v) -
+                             near_region.surface.dofs().row(3 * v) - far.transpose())
+                                .norm());
+  CHECK(worst < 1e-7);
+}
+
+TEST_CASE("the limit of a pressure is found whatever was asked for") {
+  const RegionLayout layout("square", square(1), coarse(0.2));
+  std::vector<double> reached;
+  for (const double p : {1e3, 1e6}) {
+    try {
+      sculpt(layout, layout.line_constraints(), {{"p", PressureLoad{p}}}, {});
+      FAIL("a pressure of " << p << " should be past its limit");
+    } catch (const NoSolutionError& e) {
+      const std::string text = e.what();
+      reached.push_back(std::stod(text.substr(text.find("limit: ") + 7)));
+    }
+  }
+  CHECK(reached[0] > 10);
+  CHECK(reached[1] == Approx(reached[0]).epsilon(0.05));
+}
