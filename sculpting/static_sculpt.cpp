@@ -37,8 +37,12 @@ LoadTerms gather(const RegionLayout& layout, const SurfaceAssembler& assembler,
     } else {
       const auto& point = std::get<PointLoad>(load.value);
       require_finite(point.force.allFinite() && point.at.allFinite());
-      terms.fixed += assembler.point_load(unloaded.closest_point(point.at).where,
-                                          (relative ? s : 1.0) * point.force);
+      const auto closest = unloaded.closest_point(point.at);
+      constexpr double far = 0.5;  // of the region's size: no rounding, a mistake
+      if (closest.distance > far * s)
+        throw InputError("load '" + load.name + "': the surface is " + number(closest.distance) +
+                         " away from where it should act (the region's size is " + number(s) + ")");
+      terms.fixed += assembler.point_load(closest.where, (relative ? s : 1.0) * point.force);
     }
   }
   return terms;

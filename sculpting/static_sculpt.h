@@ -20,7 +20,8 @@ struct UniformLoad {
 struct PressureLoad {
   double pressure;
 };
-/// A force at the point of the unloaded surface nearest to `at`.
+/// A force at the point of the unloaded surface nearest to `at`, which must not be farther away than
+/// half of the region's size.
 struct PointLoad {
   Vec3 at;
   Vec3 force;
@@ -58,7 +59,8 @@ struct SculptResult {
 /// The shape of least energy under constraints and loads. One factor; uniform and point loads take
 /// one solve, pressure takes load steps of fixed-point iterations with Anderson acceleration, each
 /// one pair of triangular solves.
-/// Throws ConflictError; NoSolutionError when the pressure is past its limit, with the largest
+/// Solved with the first line's start as the origin, so that a region far away keeps its digits.
+/// Throws InputError on bad numbers; ConflictError; NoSolutionError when the pressure is past its limit, with the largest
 /// pressure that converged.
 SculptResult sculpt(const RegionLayout& layout, const ConstraintSet& constraints,
                     const std::vector<Load>& loads, const SculptOptions& options,

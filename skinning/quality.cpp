@@ -73,8 +73,8 @@ SkinQuality measure(const SkinnedRegion& region) {
     for (const double f : {0.1, 0.5, 0.8}) {
       const Vec3 a = surface.jet(on_edge(mesh, e, 0, f)).normal(),
                  b = surface.jet(on_edge(mesh, e, 1, f)).normal();
-      q.max_normal_jump_deg = std::max(
-          q.max_normal_jump_deg, std::atan2(a.cross(b).norm(), a.dot(b)) * 180 / std::numbers::pi);
+      raise(q.max_normal_jump_deg,
+            std::atan2(a.cross(b).norm(), a.dot(b)) * 180 / std::numbers::pi);
     }
   }
 

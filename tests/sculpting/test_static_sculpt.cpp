@@ -100,6 +100,9 @@ TEST_CASE("bad materials and loads are refused") {
   options.material.alpha << 1, 2, 2, 1;
   options.material.beta = Vec3::Ones();
   CHECK_THROWS_AS(sculpt(layout, layout.line_constraints(), {}, options), InputError);
+  CHECK_THROWS_WITH(
+      sculpt(layout, layout.line_constraints(), {{"push", PointLoad{{9, 9, 9}, {0, 0, 1}}}}, {}),
+      Contains("'push'") && Contains("away"));
   CHECK_THROWS_WITH(sculpt(layout, layout.line_constraints(), {{"wind", PressureLoad{NAN}}}, {}),
                     Contains("'wind'"));
 }
