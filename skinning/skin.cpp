@@ -101,6 +101,11 @@ class Builder {
   }
 
   void build_outline(std::vector<std::string>& warnings) {
+    // Decided first: the fan needs lines that are cut evenly.
+    if (options_.mesher == SkinOptions::Mesher::Delaunay && !have_delaunay_mesher()) {
+      warnings.push_back("this build has no CGAL: the fan mesher is used instead");
+      options_.mesher = SkinOptions::Mesher::Fan;
+    }
     outline_ = make_outline(outline_parts_, size_, join_, options_.corner_angle);
     const size_t sides = outline_.corners.size(), n = outline_.pieces.size();
     // The polygon is fitted to rounded numbers of the region scaled to size 1.
@@ -176,7 +181,7 @@ class Builder {
     }
   }
 
-  ParametricMesh mesh(std::vector<std::string>& warnings) {
+  ParametricMesh mesh() {
     double area = 0;
     for (size_t i = 0, n = polygon_.size(); i < n; ++i)
       area += 0.5 * cross(polygon_[i], polygon_[(i + 1) % n]);
@@ -199,12 +204,7 @@ class Builder {
       for (const double u : s.fitted.parameters()) s.nodes.push_back(u / s.fitted.end());
       std::sort(s.nodes.begin(), s.nodes.end());
     }
-    auto mesher = options_.mesher;
-    if (mesher == SkinOptions::Mesher::Delaunay && !have_delaunay_mesher()) {
-      warnings.push_back("this build has no CGAL: the fan mesher is used instead");
-      mesher = SkinOptions::Mesher::Fan;
-    }
-    return mesher == SkinOptions::Mesher::Fan ? fan() : delaunay();
+    return options_.mesher == SkinOptions::Mesher::Fan ? fan() : delaunay();
   }
 
   LineRun run(const ParametricMesh& mesh, const Strip& strip) const {
@@ -466,7 +466,7 @@ RegionLayout::RegionLayout(std::string name, const std::vector<CharacterLine>& l
   progress.at("fitting lines", 0.5);
   builder.add_inner_lines();
   progress.at("meshing", 0);
-  mesh_ = std::make_shared<ParametricMesh>(builder.mesh(warnings_));
+  mesh_ = std::make_shared<ParametricMesh>(builder.mesh());
   progress.at("meshing", 1);
   for (const Strip& s : builder.strips()) runs_.push_back(builder.run(*mesh_, s));
 

@@ -128,7 +128,7 @@ calculix = "s.inp"
   const Result r = c.run({"run", "s.toml", "--out", "a/b"});
   INFO(r.err);
   REQUIRE(r.code == 0);
-  CHECK(r.err.empty());
+  if (BATTEN_TEST_CGAL) CHECK(r.err.empty());  // without CGAL it warns
   for (const char* name : {"s.step", "s.vtp", "s.vtu", "s.inp", "report.json"}) {
     CHECK(fs::file_size(c / ("a/b/" + std::string(name))) > 100);
     CHECK(r.out.find(name) != std::string::npos);
@@ -263,8 +263,13 @@ TEST_CASE("skin goes from files of lines straight to a surface", "[cli]") {
 
   const Result keel = c.run({"skin", "rim.csv", "--inner", "keel.txt", "--out", "keel"});
   INFO(keel.err);
-  CHECK(keel.code == 0);
-  CHECK(report(c, "keel")["lines"]["count"] == 5);
+  if (BATTEN_TEST_CGAL) {
+    CHECK(keel.code == 0);
+    CHECK(report(c, "keel")["lines"]["count"] == 5);
+  } else {
+    CHECK(keel.code == 1);
+    CHECK(keel.err.find("the fan mesher takes no inner lines") != std::string::npos);
+  }
 
   const Result info = c.run({"info", "out/rim.step"});
   CHECK(info.code == 0);

@@ -37,6 +37,10 @@ const int kDone = kDisplay ? 0 : 4;
 }  // namespace
 
 TEST_CASE("the hood keeps its promises, and is the same shape in metres") {
+  if (!BATTEN_TEST_CGAL) {
+    WARN("skipped: these regions need the Delaunay mesher, and this build has no CGAL");
+    return;
+  }
   const Ran mm = run(kExamples + "02-hood/scene.toml", "hood_mm");
   REQUIRE(mm.code == kDone);
   const auto& surface = mm.report["surface"];
@@ -128,6 +132,10 @@ TEST_CASE("the pentagon of the paper, as a scene, has the gold height") {
 }
 
 TEST_CASE("published hulls are skinned and compared with the surfaces in their files") {
+  if (!BATTEN_TEST_CGAL) {
+    WARN("skipped: these regions need the Delaunay mesher, and this build has no CGAL");
+    return;
+  }
   for (const std::string file : {"lines-ship-iges/wigley.iges", "lines-ship-iges/series_60.iges",
                                  "lines-dealii-iges/DTMB-5415_bulbous_bow.iges"}) {
     const fs::path path = batten_test::optional_data(file);
