@@ -6,13 +6,10 @@
 
 #include "batten/core/errors.h"
 #include "batten/fem/curve.h"
+#include "batten/skinning/words.h"
 
 namespace batten {
 namespace {
-
-double turn_degrees(const Vec3& a, const Vec3& b) {
-  return std::atan2(a.cross(b).norm(), a.dot(b)) * 180 / std::numbers::pi;
-}
 
 // Slopes of the natural C2 cubic spline through rows first … last of the points over u.
 void natural_slopes(const std::vector<double>& u, const Points& x, long first, long last,
@@ -106,10 +103,6 @@ class BezierCurve final : public InputCurve {
   Vec3 c_[4];
 };
 
-std::string at(const Vec3& p) {
-  return "(" + number(p.x()) + ", " + number(p.y()) + ", " + number(p.z()) + ")";
-}
-
 }  // namespace
 
 std::shared_ptr<const InputCurve> curve_through_points(const std::string& name,
@@ -139,7 +132,7 @@ std::shared_ptr<const InputCurve> curve_through_points(const std::string& name,
   }
   std::vector<long> corners = {0};
   for (long i = 1; i + 1 < n; ++i)
-    if (turn_degrees(points[i] - points[i - 1], points[i + 1] - points[i]) > corner_angle)
+    if (degrees_between(points[i] - points[i - 1], points[i + 1] - points[i]) > corner_angle)
       corners.push_back(i);
   corners.push_back(n - 1);
   return std::make_shared<PointCurve>(std::move(u), x, corners);

@@ -7,6 +7,7 @@
 
 #include "batten/core/errors.h"
 #include "batten/elements/quadrature.h"
+#include "batten/skinning/words.h"
 
 namespace batten {
 namespace {
@@ -46,10 +47,6 @@ class Part final : public InputCurve {
   double from_, to_;
   bool backwards_;
 };
-
-double degrees_between(const Vec3& a, const Vec3& b) {
-  return std::atan2(a.cross(b).norm(), a.dot(b)) * 180 / std::numbers::pi;
-}
 
 // Derivative just before and just after a break.
 std::pair<Vec3, Vec3> one_sided(const InputCurve& curve, double t) {

@@ -8,16 +8,13 @@
 #include <numeric>
 
 #include "batten/core/errors.h"
+#include "batten/skinning/words.h"
 
 namespace batten {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
 constexpr int kSamples = 48;  // segments of a piece in crossing tests and loop integrals
-
-std::string at(const Vec3& p) {
-  return "(" + number(p.x()) + ", " + number(p.y()) + ", " + number(p.z()) + ")";
-}
 
 Vec3 start_of(const Stretch& s) { return s.curve->evaluate(s.curve->start()); }
 Vec3 end_of(const Stretch& s) { return s.curve->evaluate(s.curve->end()); }

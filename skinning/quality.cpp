@@ -4,6 +4,7 @@
 
 #include "batten/skinning/line_fit.h"
 #include "batten/skinning/skin.h"
+#include "batten/skinning/words.h"
 
 namespace batten {
 namespace {
@@ -73,8 +74,7 @@ SkinQuality measure(const SkinnedRegion& region) {
     for (const double f : {0.1, 0.5, 0.8}) {
       const Vec3 a = surface.jet(on_edge(mesh, e, 0, f)).normal(),
                  b = surface.jet(on_edge(mesh, e, 1, f)).normal();
-      raise(q.max_normal_jump_deg,
-            std::atan2(a.cross(b).norm(), a.dot(b)) * 180 / std::numbers::pi);
+      raise(q.max_normal_jump_deg, degrees_between(a, b));
     }
   }
 

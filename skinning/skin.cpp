@@ -10,6 +10,7 @@
 #include "batten/core/errors.h"
 #include "batten/skinning/mesher.h"
 #include "batten/skinning/outline.h"
+#include "batten/skinning/words.h"
 
 namespace batten {
 namespace {
@@ -22,10 +23,6 @@ double rounded(double x) {
 }
 
 Vec3 rounded(const Vec3& p) { return {rounded(p.x()), rounded(p.y()), rounded(p.z())}; }
-
-std::string at(const Vec3& p) {
-  return "(" + number(p.x()) + ", " + number(p.y()) + ", " + number(p.z()) + ")";
-}
 
 double diagonal_of(const std::vector<CharacterLine>& lines) {
   constexpr double infinity = std::numeric_limits<double>::infinity();
@@ -287,7 +284,7 @@ class Builder {
                &after = outline_.pieces[p].stretch;
     const Vec3 in = before.curve->evaluate(before.curve->end(), 1),
                out = after.curve->evaluate(after.curve->start(), 1);
-    const double turn = std::atan2(in.cross(out).norm(), in.dot(out)) * 180 / std::numbers::pi;
+    const double turn = degrees_between(in, out);
     constexpr double noticeable = 1;
     if (turn > noticeable)
       warnings.push_back("lines '" + before.name + "' and '" + after.name + "' meet at a kink of " +

@@ -1,0 +1,23 @@
+// Points in messages, and angles, said the same way throughout skinning. Not installed.
+#pragma once
+
+#include <cmath>
+#include <numbers>
+#include <string>
+
+#include "batten/core/eigen.h"
+#include "batten/core/errors.h"
+
+namespace batten {
+
+/// "(x, y, z)"
+inline std::string at(const Vec3& p) {
+  return "(" + number(p.x()) + ", " + number(p.y()) + ", " + number(p.z()) + ")";
+}
+
+/// Angle between two vectors of any length, degrees in [0, 180]; exact to rounding near 0 and 180.
+inline double degrees_between(const Vec3& a, const Vec3& b) {
+  return std::atan2(a.cross(b).norm(), a.dot(b)) * 180 / std::numbers::pi;
+}
+
+}  // namespace batten
