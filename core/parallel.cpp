@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <condition_variable>
 #include <exception>
 #include <mutex>
 #include <thread>
@@ -9,8 +10,68 @@
 
 namespace batten {
 namespace {
+
 std::atomic<int> chosen_threads{0};
-}
+
+// Threads that sleep between calls: starting new ones would cost more than many a solve, and
+// memory. A call never waits for a sleeper, only for those that took a part.
+class Pool {
+ public:
+  ~Pool() {
+    {
+      const std::lock_guard lock(mutex_);
+      stop_ = true;
+    }
+    wake_.notify_all();
+    for (auto& t : threads_) t.join();
+  }
+
+  // False: another call is under way (perhaps the caller's own), take all parts yourself.
+  bool run(int helpers, const std::function<void()>& work) {
+    if (busy_.exchange(true)) return false;
+    {
+      const std::lock_guard lock(mutex_);
+      while (static_cast<int>(threads_.size()) < helpers)
+        threads_.emplace_back([this] { serve(); });
+      work_ = &work;
+      wanted_ = helpers;
+    }
+    for (int i = 0; i < helpers; ++i) wake_.notify_one();
+    work();
+    {
+      std::unique_lock lock(mutex_);
+      wanted_ = 0;
+      finished_.wait(lock, [this] { return active_ == 0; });
+    }
+    busy_ = false;
+    return true;
+  }
+
+ private:
+  void serve() {
+    std::unique_lock lock(mutex_);
+    for (;;) {
+      wake_.wait(lock, [this] { return stop_ || wanted_ > 0; });
+      if (stop_) return;
+      --wanted_;
+      ++active_;
+      lock.unlock();
+      (*work_)();
+      lock.lock();
+      if (--active_ == 0) finished_.notify_one();
+    }
+  }
+
+  std::atomic<bool> busy_{false};
+  std::mutex mutex_;
+  std::condition_variable wake_, finished_;
+  std::vector<std::thread> threads_;
+  const std::function<void()>* work_ = nullptr;
+  int wanted_ = 0, active_ = 0;
+  bool stop_ = false;
+};
+
+}  // namespace
 
 int thread_count() {
   const int chosen = chosen_threads.load();
@@ -33,10 +94,9 @@ void parallel_parts(int parts, const std::function<void(int)>& work) {
       }
     }
   };
-  std::vector<std::thread> others;
-  for (int i = 1; i < std::min(parts, thread_count()); ++i) others.emplace_back(run);
-  run();
-  for (auto& t : others) t.join();
+  static Pool pool;
+  const int helpers = std::min(parts, thread_count()) - 1;
+  if (helpers < 1 || !pool.run(helpers, std::ref(run))) run();
   if (failure) std::rethrow_exception(failure);
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -9,17 +10,34 @@
 
 namespace batten {
 
+struct SolvePart;
+
+/// What the effort for a good order of the unknowns is measured against.
+///
+/// One factor: AMD. Many factorizations of one pattern, or thousands of solves: METIS is tried
+/// beside AMD and the factor with fewer entries is kept. Measured on sheets of 13,000 to 300,000
+/// unknowns METIS costs nine to eleven times AMD's analysis and saves a fifth to a third of every
+/// factorization and a fifth of every solve: it has paid after 10 to 25 factorizations, or some 400
+/// solves. An order that the caller knows from the geometry beats both (dissection_order).
+/// Eigen's factor has AMD only.
+enum class Expected { one_factor, many_factors };
+
 /// A = L Lᵀ of a symmetric positive definite matrix, of which only the lower triangle is read.
 ///
 ///     SparseCholesky cholesky;
 ///     cholesky.analyze(A);          // ordering and pattern: once for one pattern
 ///     if (!cholesky.factorize(A))   // numbers: again whenever the numbers change
 ///       throw NoSolutionError(cholesky.message());
-///     x = cholesky.solve(b);        // one pair of triangular solves for all columns of b
+///     x = b;
+///     cholesky.solve_in_place(x);   // one pair of triangular solves for all columns of b
 ///
-/// CHOLMOD's supernodal factor where CHOLMOD is there, otherwise Eigen's simplicial LDLᵀ (same
-/// contract, several times slower on large systems).
-/// Movable, not copyable. One thread at a time, solve() included.
+/// The factor is CHOLMOD's supernodal one where CHOLMOD is there, otherwise Eigen's (several times
+/// slower to compute on large systems, and half again as slow to solve with). The solve is
+/// Batten's own over either (core/supernodal_solve.h): limited by memory, on both cores when the
+/// factor has more than 100,000 entries, the same bits on one thread as on two.
+///
+/// Memory: 8 bytes an entry, once: the solve works in the factor's own storage.
+/// Movable, not copyable. One thread at a time, solves included.
 class SparseCholesky {
  public:
   SparseCholesky();
@@ -27,23 +45,42 @@ class SparseCholesky {
   SparseCholesky(SparseCholesky&&) noexcept;
   SparseCholesky& operator=(SparseCholesky&&) noexcept;
 
-  /// Orders the unknowns and finds the pattern of the factor. `order`: unknowns, the first to
-  /// eliminate first, when the caller knows a good order (nested dissection of a mesh); otherwise
-  /// AMD finds one. Eigen's factor takes AMD in any case. Throws InputError unless A is square and
-  /// the order has its size.
-  void analyze(const SparseMatrix& A, const std::vector<int>& order = {});
+  /// Orders the unknowns and finds the pattern of the factor. Throws InputError unless A is square.
+  void analyze(const SparseMatrix& A, Expected expected = Expected::one_factor);
+  /// The same in a given order: unknowns, the first to eliminate first (nested dissection of a
+  /// mesh). An empty order: AMD. Throws InputError unless it names every unknown once.
+  void analyze(const SparseMatrix& A, const std::vector<int>& order);
 
-  /// Factors A, whose pattern is the one that was analysed. Returns false when A is not positive
-  /// definite; message() then says at which unknown and what that means.
+  /// Factors A, whose pattern is the one that was analysed (otherwise InputError). Returns false
+  /// when A is not positive definite; message() then says at which unknown and what that means.
   bool factorize(const SparseMatrix& A);
 
-  /// x with A x = b, for n×k right-hand sides at once. Needs a successful factorize().
+  /// b, n×k, becomes x with A x = b. Needs a successful factorize(), otherwise NoSolutionError;
+  /// InputError when b has other than n rows. Allocates nothing (but for the first solve of more
+  /// than four columns). Eight columns take about 1.5 times as long as four, and one as long as
+  /// four.
+  void solve_in_place(Eigen::Ref<MatX> b) const;
   MatX solve(const Eigen::Ref<const MatX>& b) const;
+
+  /// The part of the factor that a solve has to visit when b is zero outside the rows `nonzero` and
+  /// only the rows `wanted` of x are needed; no list: all rows. Make it once, use it in every
+  /// solve: making it costs about as much as a solve.
+  ///
+  /// By linearity a right-hand side that changes in few rows is such a case: x changes by the
+  /// solution for the change of b. Forward, the solve visits the elimination tree from the rows
+  /// `nonzero` to the root, backward from the root to the rows `wanted`: half the work when one of
+  /// the two is a small region, almost nothing when both are. SolvePart::entries tells how much of
+  /// the 2 factor_entries() is left. Source: Gilbert, Peierls 1988.
+  SolvePart part(const std::optional<std::vector<int>>& nonzero,
+                 const std::optional<std::vector<int>>& wanted) const;
+  /// Solves through that part: x may be read outside the rows `wanted`, but holds nothing
+  /// meaningful there. The rows `wanted` have the same bits as in a full solve.
+  void solve_in_place(const SolvePart& part, Eigen::Ref<MatX> b) const;
 
   /// Why the last factorize() failed, or "".
   const std::string& message() const;
 
-  /// Entries of the factor that are stored (zeros of supernodes included): 8 bytes each.
+  /// Entries of the factor that a solve reads, twice (zeros of supernodes included).
   long factor_entries() const;
 
   /// "CHOLMOD" or "Eigen".
@@ -53,5 +90,20 @@ class SparseCholesky {
   struct Data;
   std::unique_ptr<Data> data_;
 };
+
+/// One correction step for a least-squares problem min |A x - b|² that was solved by its normal
+/// equations, AᵀA x = Aᵀb with `normal` the factor of AᵀA:
+///
+///     x += (AᵀA)⁻¹ Aᵀ (b - A x)
+///
+/// The normal equations square the condition number: x is then wrong by about 1e-16 cond(A)². The
+/// residual b - A x, unlike Aᵀb - AᵀA x, has lost nothing to the product AᵀA, and one step with it
+/// gives the accuracy of an orthogonal factorization (Björck 1987, corrected seminormal equations).
+/// For systems that move at every event of a mouse: offered for the moment it is released. Costs
+/// one solve and two products with A.
+///
+/// A: m×n, b: m×k, x: n×k. Returns the largest change of an entry of x over the largest entry of x.
+double correct_least_squares(const SparseCholesky& normal, const SparseMatrix& A,
+                             const Eigen::Ref<const MatX>& b, Eigen::Ref<MatX> x);
 
 }  // namespace batten

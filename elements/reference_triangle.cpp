@@ -3,13 +3,7 @@
 #include <Eigen/LU>
 
 #include "batten/core/errors.h"
-
-// Let the loader pick the widest vector unit the machine has; sanitizers cannot start with ifuncs.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(BATTEN_NO_CLONES)
-#define BATTEN_CLONES __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
-#else
-#define BATTEN_CLONES
-#endif
+#include "batten/core/simd.h"
 
 namespace batten {
 namespace {

@@ -1,0 +1,129 @@
+#include "batten/tests/solver_matrices.h"
+
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include "batten/constraints/affine_reduction.h"
+#include "batten/fem/assembly.h"
+#include "batten/fem/dissection.h"
+
+namespace batten::test {
+
+HoledSheet holed_sheet(int vertices) {
+  using std::numbers::pi;
+  constexpr double width = 5, depth = 4, radius = 0.22;  // one hole in every unit square
+  constexpr double kept = 1 - pi * radius * radius;
+  const double h = std::sqrt(width * depth * kept / vertices);
+  const int nu = static_cast<int>(std::round(width / h)),
+            nv = static_cast<int>(std::round(depth / h));
+  // Square grid, its diagonals turning about, without the vertices inside of holes.
+  std::mt19937 random(5);
+  std::vector<int> number((nu + 1) * (nv + 1), -1);
+  std::vector<Vec3> points;
+  std::vector<char> held, rim;
+  for (int j = 0; j <= nv; ++j)
+    for (int i = 0; i <= nu; ++i) {
+      const auto jitter = [&](bool inner) { return inner ? 0.2 * (random() * 0x1p-31 - 1) : 0.0; };
+      const double u = width * (i + jitter(i > 0 && i < nu)) / nu,
+                   v = depth * (j + jitter(j > 0 && j < nv)) / nv;
+      const double from_hole =
+          std::hypot(u - std::floor(u) - 0.5, v - std::floor(v) - 0.5) - radius;
+      if (from_hole < 0) continue;
+      number[j * (nu + 1) + i] = static_cast<int>(points.size());
+      points.emplace_back(u, v, 0.3 * std::sin(u) * std::cos(1.3 * v));
+      held.push_back(i < 2 || j < 2 || i > nu - 2 || j > nv - 2);
+      rim.push_back(from_hole < 1.2 * width / nu);
+    }
+  const auto n = static_cast<int>(points.size());
+  std::vector<Triplet> weights;  // of the integrated cotangent Laplacian
+  std::vector<double> area(n, 0);
+  const auto triangle = [&](int a, int b, int c) {
+    if (a < 0 || b < 0 || c < 0) return;
+    const int corner[3] = {a, b, c};
+    const double twice = (points[b] - points[a]).cross(points[c] - points[a]).norm();
+    for (int k = 0; k < 3; ++k) {
+      const int o = corner[k], p = corner[(k + 1) % 3], q = corner[(k + 2) % 3];
+      const double half_cot = 0.5 * (points[p] - points[o]).dot(points[q] - points[o]) / twice;
+      for (const auto& [r, s] : {std::pair{p, q}, std::pair{q, p}}) {
+        weights.emplace_back(r, r, half_cot);
+        weights.emplace_back(r, s, -half_cot);
+      }
+      area[o] += twice / 6;
+    }
+  };
+  for (int j = 0; j < nv; ++j)
+    for (int i = 0; i < nu; ++i) {
+      const int a = number[j * (nu + 1) + i], b = number[j * (nu + 1) + i + 1],
+                c = number[(j + 1) * (nu + 1) + i + 1], d = number[(j + 1) * (nu + 1) + i];
+      if ((i + j) % 2) {
+        triangle(a, b, c);
+        triangle(a, c, d);
+      } else {
+        triangle(a, b, d);
+        triangle(b, c, d);
+      }
+    }
+
+  HoledSheet sheet;
+  std::vector<int> column(n, -1);
+  int columns = 0;
+  for (int i = 0; i < n; ++i)
+    if (!held[i] && area[i] > 0) {
+      column[i] = columns++;
+      sheet.rim.push_back(rim[i]);
+    }
+  std::vector<Triplet> entries;
+  for (const Triplet& w : weights)
+    if (area[w.row()] > 0 && column[w.col()] >= 0)
+      entries.emplace_back(w.row(), column[w.col()], w.value() / std::sqrt(area[w.row()]));
+  sheet.rows.resize(n, columns);
+  sheet.rows.setFromTriplets(entries.begin(), entries.end());
+  const SparseMatrix normal = sheet.rows.transpose() * sheet.rows;
+  sheet.normal = normal.triangularView<Eigen::Lower>();
+  sheet.shape.resize(columns, 3);
+  for (int i = 0; i < n; ++i)
+    if (column[i] >= 0) sheet.shape.row(column[i]) = points[i];
+  return sheet;
+}
+
+BendingMatrix clamped_bending(int n) {
+  const ParametricMesh mesh = ParametricMesh::unit_square(n);
+  const SurfaceAssembler assembler(mesh, TriangleElement::HCT);
+  const DofMap& dofs = assembler.dofs();
+  ConstraintSet clamped(dofs.count());
+  for (int e = 0; e < mesh.edge_count(); ++e) {
+    const auto& edge = mesh.edges()[e];
+    if (!edge.boundary()) continue;
+    clamped.fix("rim", dofs.edge(e), Vec3::Zero());
+    for (const int v : {edge.low, edge.high})
+      for (int d = 0; d < 3; ++d) clamped.fix("rim", dofs.vertex(v, d), Vec3::Zero());
+  }
+  const AffineReduction reduction(clamped);
+  return {reduction.reduce(assembler.stiffness(SurfaceStiffness::isotropic(0, 1))),
+          reduction.order_of_free(dissection_order(mesh))};
+}
+
+SparseMatrix badly_scaled(const SparseMatrix& A, double digits) {
+  const VecX s =
+      (digits * std::log(10.0) * random_columns(A.rows(), 1, 3).col(0).array()).exp().matrix();
+  return s.asDiagonal() * A * s.asDiagonal();
+}
+
+SparseMatrix disconnected(const SparseMatrix& A, const SparseMatrix& B) {
+  std::vector<Triplet> entries;
+  for (const auto& [part, start] : {std::pair{&A, 0L}, std::pair{&B, A.rows()}})
+    for (int c = 0; c < part->outerSize(); ++c)
+      for (SparseMatrix::InnerIterator e(*part, c); e; ++e)
+        entries.emplace_back(start + e.row(), start + e.col(), e.value());
+  SparseMatrix both(A.rows() + B.rows(), A.rows() + B.rows());
+  both.setFromTriplets(entries.begin(), entries.end());
+  return both;
+}
+
+MatX random_columns(long n, long columns, unsigned seed) {
+  std::mt19937 engine(seed);
+  return MatX::NullaryExpr(n, columns, [&] { return engine() * 0x1p-31 - 1; });
+}
+
+}  // namespace batten::test
