@@ -387,10 +387,14 @@ Points ConstrainedSolver::solve(const Points& F) const {
   else
     load += reduction_.D().transpose() * F;
   // A coordinate without load and without values to hold stays zero.
-  MatX y = MatX::Zero(load.rows(), load.cols());
   std::vector<long> loaded;
   for (long c = 0; c < load.cols(); ++c)
     if (!load.col(c).isZero(0)) loaded.push_back(c);
+  if (static_cast<long>(loaded.size()) == load.cols()) {
+    cholesky_.solve_in_place(load);
+    return reduction_.expand(load);
+  }
+  MatX y = MatX::Zero(load.rows(), load.cols());
   if (!loaded.empty()) y(Eigen::all, loaded) = cholesky_.solve(load(Eigen::all, loaded));
   return reduction_.expand(y);
 }

@@ -8,6 +8,11 @@
 #include <thread>
 #include <vector>
 
+#if defined(__linux__)
+#include <pthread.h>
+#include <sched.h>
+#endif
+
 namespace batten {
 namespace {
 
@@ -35,6 +40,7 @@ class Pool {
         threads_.emplace_back([this] { serve(); });
       work_ = &work;
       wanted_ = helpers;
+      leave_this_core_to_the_caller();
     }
     for (int i = 0; i < helpers; ++i) wake_.notify_one();
     work();
@@ -48,6 +54,22 @@ class Pool {
   }
 
  private:
+  // A system that has slept tends to wake a thread on the core of its waker, where it waits for
+  // the caller to pause: a drag at 60 events a second would run on one core.
+  void leave_this_core_to_the_caller() {
+#if defined(__linux__)
+    const int core = sched_getcpu();
+    if (core < 0 || (core == left_core_ && placed_ == threads_.size())) return;
+    cpu_set_t others;
+    if (sched_getaffinity(0, sizeof others, &others) != 0) return;
+    if (core < CPU_SETSIZE) CPU_CLR(core, &others);
+    if (CPU_COUNT(&others) == 0) return;
+    for (auto& t : threads_) pthread_setaffinity_np(t.native_handle(), sizeof others, &others);
+    left_core_ = core;
+    placed_ = threads_.size();
+#endif
+  }
+
   void serve() {
     std::unique_lock lock(mutex_);
     for (;;) {
@@ -69,6 +91,8 @@ class Pool {
   const std::function<void()>* work_ = nullptr;
   int wanted_ = 0, active_ = 0;
   bool stop_ = false;
+  int left_core_ = -1;
+  std::size_t placed_ = 0;
 };
 
 }  // namespace

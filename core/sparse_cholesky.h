@@ -7,10 +7,9 @@
 #include <vector>
 
 #include "batten/core/eigen.h"
+#include "batten/core/solve_part.h"
 
 namespace batten {
-
-struct SolvePart;
 
 /// What the effort for a good order of the unknowns is measured against.
 ///
@@ -34,7 +33,7 @@ enum class Expected { one_factor, many_factors };
 /// The factor is CHOLMOD's supernodal one where CHOLMOD is there, otherwise Eigen's (several times
 /// slower to compute on large systems, and half again as slow to solve with). The solve is
 /// Batten's own over either (core/supernodal_solve.h): limited by memory, on both cores when the
-/// factor has more than 100,000 entries, the same bits on one thread as on two.
+/// factor has more than 500,000 entries, the same bits on one thread as on two.
 ///
 /// Memory: 8 bytes an entry, once: the solve works in the factor's own storage.
 /// Movable, not copyable. One thread at a time, solves included.

@@ -342,6 +342,14 @@ void SupernodalSolve::cut_into_chunks() {
     children_.insert(children_.end(), children[c].begin(), children[c].end());
     chunks_[c].end_child = static_cast<int>(children_.size());
   }
+  std::vector<long> path(chunks, 0);  // entries that are read one after the other, whoever helps
+  long longest = 0;
+  for (int c = 0; c < chunks; ++c) {
+    for (int s = chunks_[c].first_supernode; s < chunks_[c].end_supernode; ++s) path[c] += own[s];
+    longest = std::max(longest, path[c]);
+    if (const int p = chunks_[c].parent; p >= 0) path[p] = std::max(path[p], path[c]);
+  }
+  splits_ = 3 * longest < 2 * entries_;
   schedule_.resize(chunks);
   std::iota(schedule_.begin(), schedule_.end(), 0);
   std::stable_sort(schedule_.begin(), schedule_.end(),
@@ -438,10 +446,10 @@ void SupernodalSolve::solve_group(const SolvePart* part, double* x, long stride,
   };
 
   const auto count = static_cast<int>(chunks_.size());
-  // Waking a thread takes as long as reading this many entries twice.
-  constexpr long worth_a_thread = 100000;
-  const int threads =
-      (part ? part->entries / 2 : entries_) < worth_a_thread ? 1 : std::min(thread_count(), count);
+  // Waking a thread takes up to 50 µs, and its caches are cold: less is not worth it.
+  constexpr long worth_a_thread = 500000;
+  const bool parallel = splits_ && (part ? part->entries / 2 : entries_) >= worth_a_thread;
+  const int threads = parallel ? std::min(thread_count(), count) : 1;
   if (threads == 1) {
     for (int c = 0; c < count; ++c) forward_chunk(c);
     for (int c = count - 1; c >= 0; --c) backward_chunk(c);
@@ -498,6 +506,8 @@ void SupernodalSolve::solve_part(const SolvePart* part, Eigen::Ref<MatX> x) cons
 void SupernodalSolve::solve(Eigen::Ref<MatX> x) const { solve_part(nullptr, x); }
 
 void SupernodalSolve::solve(const SolvePart& part, Eigen::Ref<MatX> x) const {
+  if (part.forward.size() != parents_.size() || part.chunk_forward.size() != chunks_.size())
+    throw InputError("part of a solve: it was made for another matrix");
   solve_part(&part, x);
 }
 

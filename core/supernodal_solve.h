@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "batten/core/eigen.h"
+#include "batten/core/solve_part.h"
 
 namespace batten {
 
@@ -19,13 +20,6 @@ struct SupernodalPattern {
   const int* row_starts = nullptr;    // count+1: where its rows start in `rows`
   const int* rows = nullptr;          // ascending in each supernode; its own columns come first
   const int* value_starts = nullptr;  // count+1: where its block starts in the values
-};
-
-/// The supernodes that a solve has to visit, see SupernodalSolve::part.
-struct SolvePart {
-  std::vector<char> forward, backward;  // of each supernode
-  std::vector<char> chunk_forward, chunk_backward;
-  long entries = 0;  // of the factor that are read in both sweeps together
 };
 
 /// x with L Lᵀ x = b, in place, for any number of right-hand sides; P the order of the unknowns:
@@ -66,12 +60,12 @@ class SupernodalSolve {
 
   /// What a solve needs when b is zero outside the rows `nonzero` and only the rows `wanted` of x
   /// are of interest (nothing given: all rows). Forward: the supernodes of `nonzero` and their
-  /// ancestors; backward: those of `wanted` and their ancestors.
+  /// ancestors; backward: those of `wanted` and their ancestors. InputError: no such row.
   SolvePart part(const std::optional<std::vector<int>>& nonzero,
                  const std::optional<std::vector<int>>& wanted) const;
 
   /// The same solve, through that part only. x must be zero outside of the part's `nonzero`; what
-  /// it holds outside of `wanted` afterwards is unspecified.
+  /// it holds outside of `wanted` afterwards is unspecified. InputError: a part of another pattern.
   void solve(const SolvePart& part, Eigen::Ref<MatX> x) const;
 
   /// Entries of L that a sweep reads: the lower triangles and the rows below.
@@ -107,6 +101,7 @@ class SupernodalSolve {
   std::vector<int> children_;
   std::vector<int> boundary_targets_;  // place of each boundary row in the parent chunk's part
   std::vector<int> schedule_;          // chunks, the deepest first
+  bool splits_ = false;                // are there subtrees for two threads?
   const double* values_ = nullptr;
   mutable std::unique_ptr<double[]> work_;  // a row of lanes for each column and boundary row
   mutable int work_lanes_ = 0;

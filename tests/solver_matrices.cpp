@@ -121,6 +121,80 @@ SparseMatrix disconnected(const SparseMatrix& A, const SparseMatrix& B) {
   return both;
 }
 
+namespace {
+
+// (-1, 2, -1) with n unknowns, the first and last held.
+SparseMatrix chain(int n) {
+  std::vector<Triplet> entries;
+  for (int i = 0; i < n; ++i) {
+    entries.emplace_back(i, i, 2.0);
+    if (i > 0) entries.emplace_back(i, i - 1, -1.0);
+  }
+  SparseMatrix A(n, n);
+  A.setFromTriplets(entries.begin(), entries.end());
+  return A;
+}
+
+SparseMatrix dense(int n) {
+  const MatX B = random_columns(n, n);
+  const MatX A = MatX(B.transpose() * B) + n * MatX::Identity(n, n);
+  return SparseMatrix(MatX(A.triangularView<Eigen::Lower>()).sparseView());
+}
+
+SparseMatrix diagonal(int n) {
+  const VecX d = random_columns(n, 1).col(0).array() + 1.5;
+  return SparseMatrix(d.asDiagonal());
+}
+
+// 500 chains of 1 to 12 unknowns.
+SparseMatrix crowd() {
+  std::vector<Triplet> entries;
+  int start = 0;
+  for (int part = 0; part < 500; ++part) {
+    const int n = 1 + part % 12;
+    const SparseMatrix A = chain(n);
+    for (int c = 0; c < n; ++c)
+      for (SparseMatrix::InnerIterator e(A, c); e; ++e)
+        entries.emplace_back(start + e.row(), start + e.col(), e.value());
+    start += n;
+  }
+  SparseMatrix A(start, start);
+  A.setFromTriplets(entries.begin(), entries.end());
+  return A;
+}
+
+}  // namespace
+
+std::vector<NamedMatrix> twenty_matrices() {
+  const auto alone = [](const std::string& name, std::function<SparseMatrix()> make) {
+    return NamedMatrix{name, [make] { return BendingMatrix{make(), {}}; }};
+  };
+  std::vector<NamedMatrix> all;
+  for (const auto& [name, n] :
+       {std::pair{"3k", 3300}, {"14k", 14600}, {"101k", 103000}, {"303k", 306500}})
+    all.push_back(alone(std::string("sheet ") + name, [n = n] { return holed_sheet(n).normal; }));
+  for (const int n : {32, 48, 64, 96, 128})
+    all.push_back({"bending " + std::to_string(n) + "²", [n] { return clamped_bending(n); }});
+  all.push_back(
+      alone("sheet 3k scaled 1e±3", [] { return badly_scaled(holed_sheet(3300).normal, 3); }));
+  all.push_back(
+      alone("sheet 14k scaled 1e±6", [] { return badly_scaled(holed_sheet(14600).normal, 6); }));
+  all.push_back({"bending 32² scaled 1e±6", [] {
+                   BendingMatrix bending = clamped_bending(32);
+                   return BendingMatrix{badly_scaled(bending.K, 6), bending.order};
+                 }});
+  for (const int n : {1, 2, 3})
+    all.push_back(alone("n = " + std::to_string(n), [n] { return chain(n); }));
+  all.push_back(alone("disconnected sheets", [] {
+    return disconnected(holed_sheet(3300).normal, holed_sheet(2000).normal);
+  }));
+  all.push_back(alone("500 small parts", crowd));
+  all.push_back(alone("diagonal", [] { return diagonal(20000); }));
+  all.push_back(alone("chain", [] { return chain(50000); }));
+  all.push_back(alone("dense", [] { return dense(400); }));
+  return all;
+}
+
 MatX random_columns(long n, long columns, unsigned seed) {
   std::mt19937 engine(seed);
   return MatX::NullaryExpr(n, columns, [&] { return engine() * 0x1p-31 - 1; });

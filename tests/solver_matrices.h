@@ -1,6 +1,7 @@
 // Matrices like those that Batten factors in earnest, for tests and benchmarks of the solver.
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -34,6 +35,14 @@ SparseMatrix badly_scaled(const SparseMatrix& A, double digits);
 
 /// A and B side by side on the diagonal.
 SparseMatrix disconnected(const SparseMatrix& A, const SparseMatrix& B);
+
+/// Twenty matrices that a solver must not stumble over: sheets and bending, badly scaled,
+/// disconnected, tiny, diagonal, a chain, dense.
+struct NamedMatrix {
+  std::string name;
+  std::function<BendingMatrix()> make;  // an empty order: none is known
+};
+std::vector<NamedMatrix> twenty_matrices();
 
 /// n × columns numbers in [-1, 1), the same on every machine.
 MatX random_columns(long n, long columns, unsigned seed = 1);

@@ -86,3 +86,33 @@ TEST_CASE("an exception of a part reaches the caller, after the other parts are 
     CHECK(done == 49);
   }
 }
+
+TEST_CASE("threads are used again and again, for calls too short to wake them") {
+  const ThreadGuard guard;
+  set_thread_count(4);
+  long sum = 0;
+  for (int call = 0; call < 20000; ++call) {
+    std::atomic<int> parts{0};
+    parallel_parts(3, [&](int part) { parts += part + 1; });
+    sum += parts;
+  }
+  CHECK(sum == 20000 * 6);
+}
+
+TEST_CASE("a part may call parallel_parts, and so may two threads at once") {
+  const ThreadGuard guard;
+  set_thread_count(3);
+  std::atomic<int> inner{0};
+  parallel_parts(6, [&](int) { parallel_parts(5, [&](int) { ++inner; }); });
+  CHECK(inner == 30);
+
+  const auto many = [](std::atomic<long>& sum) {
+    for (int call = 0; call < 2000; ++call) parallel_parts(4, [&](int part) { sum += part; });
+  };
+  std::atomic<long> mine{0}, other{0};
+  std::thread thread([&] { many(other); });
+  many(mine);
+  thread.join();
+  CHECK(mine == 2000 * 6);
+  CHECK(other == 2000 * 6);
+}

@@ -1,0 +1,349 @@
+// The triangular solves of the drag loop: Batten beside CHOLMOD and Eigen, and beside memory.
+//
+// Three right-hand sides with twenty matrices. Bound: a solve reads every stored entry of the
+// factor twice, 8 bytes each, and cannot be faster than memory gives them; memory's speed is that
+// of the triad a = b + s c on one thread, measured beside every matrix.
+#include <Eigen/SparseCholesky>
+#include <array>
+
+#include "batten/core/sparse_cholesky.h"
+#include "batten/tests/solver_matrices.h"
+#include "bench.h"
+#ifdef BATTEN_BENCH_CHOLMOD
+#include <cholmod.h>
+#endif
+
+namespace {
+
+using namespace batten;
+using namespace batten::bench;
+using namespace batten::test;
+
+double wall_seconds() {
+  timespec t{};
+  clock_gettime(CLOCK_MONOTONIC, &t);
+  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+
+// Bytes a second of a = b + s c in arrays far larger than any cache: the best of some passes.
+double triad_bandwidth() {
+  constexpr size_t n = 8 << 20;
+  static std::vector<double> a(n, 1), b(n, 2), c(n, 3);
+  double best = 1e300;
+  for (int pass = 0; pass < 7; ++pass)
+    best = std::min(best, time_of([&] {
+                      for (size_t i = 0; i < n; ++i) a[i] = b[i] + 0.5 * c[i];
+                    }));
+  return a[n / 2] == 3.5 ? 24.0 * n / best : 0;
+}
+
+#ifdef BATTEN_BENCH_CHOLMOD
+
+// CHOLMOD as its manual shows it: supernodal LLᵀ, the same order of unknowns, a solve with kept
+// workspace. Supernodes are joined by its own rule, or by the one that Batten asks of it for small
+// matrices.
+class Cholmod {
+ public:
+  Cholmod(const BendingMatrix& problem, bool joined_as_ours) : order_(problem.order) {
+    cholmod_start(&common_);
+    if (joined_as_ours) {
+      std::copy_n(std::array<size_t, 3>{16, 32, 64}.data(), 3, common_.nrelax);
+      std::copy_n(std::array<double, 3>{0.9, 0.2, 0.1}.data(), 3, common_.zrelax);
+    }
+    common_.nmethods = 1;
+    common_.method[0].ordering = order_.empty() ? CHOLMOD_AMD : CHOLMOD_GIVEN;
+    common_.supernodal = CHOLMOD_SUPERNODAL;
+    common_.final_ll = 1;
+    matrix_.nrow = matrix_.ncol = static_cast<size_t>(problem.K.rows());
+    matrix_.nzmax = static_cast<size_t>(problem.K.nonZeros());
+    matrix_.p = const_cast<int*>(problem.K.outerIndexPtr());
+    matrix_.i = const_cast<int*>(problem.K.innerIndexPtr());
+    matrix_.x = const_cast<double*>(problem.K.valuePtr());
+    matrix_.stype = -1;
+    matrix_.itype = CHOLMOD_INT;
+    matrix_.xtype = CHOLMOD_REAL;
+    matrix_.sorted = matrix_.packed = 1;
+  }
+  Cholmod(const Cholmod&) = delete;
+  ~Cholmod() {
+    cholmod_free_dense(&x_, &common_);
+    cholmod_free_dense(&y_, &common_);
+    cholmod_free_dense(&e_, &common_);
+    cholmod_free_factor(&factor_, &common_);
+    cholmod_finish(&common_);
+  }
+  void analyze() {
+    cholmod_free_factor(&factor_, &common_);
+    factor_ =
+        cholmod_analyze_p(&matrix_, order_.empty() ? nullptr : order_.data(), nullptr, 0, &common_);
+  }
+  void factorize() { cholmod_factorize(&matrix_, factor_, &common_); }
+  void solve(MatX& b) {
+    cholmod_dense view{};
+    view.nrow = view.d = static_cast<size_t>(b.rows());
+    view.ncol = static_cast<size_t>(b.cols());
+    view.nzmax = static_cast<size_t>(b.size());
+    view.x = b.data();
+    view.xtype = CHOLMOD_REAL;
+    cholmod_solve2(CHOLMOD_A, factor_, &view, nullptr, &x_, nullptr, &y_, &e_, &common_);
+  }
+  MatX solution() const {
+    return Eigen::Map<const MatX>(static_cast<const double*>(x_->x), static_cast<long>(x_->nrow),
+                                  static_cast<long>(x_->ncol));
+  }
+
+ private:
+  std::vector<int> order_;
+  cholmod_common common_{};
+  cholmod_sparse matrix_{};
+  cholmod_factor* factor_ = nullptr;
+  cholmod_dense *x_ = nullptr, *y_ = nullptr, *e_ = nullptr;
+};
+
+#endif
+
+struct Times {
+  double analyze = 0, factor = 0, solve = 0;
+};
+struct Result {
+  long n = 0, entries = 0;
+  Times ours, eigen;
+  std::optional<Times> cholmod;
+  double on_all_cores = 0, difference = 0;
+  // `bandwidth`: the best of the whole run.
+  double share(double bandwidth) const {
+    return 16.0 * static_cast<double>(entries) / bandwidth / ours.solve;
+  }
+  std::optional<double> ratio() const {
+    return cholmod ? std::optional(cholmod->solve / ours.solve) : std::nullopt;
+  }
+};
+
+// Short work is repeated until a clock can see it.
+double time_a_call(const std::function<void()>& work, int repeats) {
+  return time_of([&] {
+           for (int i = 0; i < repeats; ++i) work();
+         }) /
+         repeats;
+}
+
+double relative(const MatX& difference, const MatX& x) {
+  return difference.cwiseAbs().maxCoeff() / x.cwiseAbs().maxCoeff();
+}
+
+Result measure(const BendingMatrix& problem, double& bandwidth) {
+  const SparseMatrix& A = problem.K;
+  Result r;
+  r.n = A.rows();
+  const MatX b = random_columns(r.n, 3);
+  SparseCholesky ours;
+  r.ours.analyze = time_of([&] { ours.analyze(A, problem.order); });
+  // Twice: the first time pays for memory that nobody has touched yet.
+  for (int i = 0; i < 2; ++i) r.ours.factor = time_of([&] { ours.factorize(A); });
+  r.entries = ours.factor_entries();
+  const bool big = r.entries > 3000000;
+  const int rounds = big ? 11 : 21, repeats = r.entries < 100000 ? 50 : 1;
+  // Once before the clock runs, so that a factor that fits in a cache is there for everybody.
+  const auto warm = [&](const std::function<void()>& work) {
+    work();
+    return time_a_call(work, repeats);
+  };
+
+  MatX x = b;
+  std::vector<double> our_times, their_times[2], both;
+#ifdef BATTEN_BENCH_CHOLMOD
+  std::optional<Cholmod> cholmod[2];
+  const int variants = r.n < 20000 ? 2 : 1;
+  r.cholmod.emplace();
+  for (int v = variants - 1; v >= 0; --v) {
+    cholmod[v].emplace(problem, v == 1);
+    r.cholmod->analyze = time_of([&] { cholmod[v]->analyze(); });
+    for (int i = 0; i < 2; ++i) r.cholmod->factor = time_of([&] { cholmod[v]->factorize(); });
+  }
+  MatX copy = b;
+#endif
+  bandwidth = std::max(bandwidth, triad_bandwidth());
+  for (int round = 0; round < rounds; ++round) {
+    our_times.push_back(warm([&] { ours.solve_in_place(x); }));
+    set_thread_count(0);
+    ours.solve_in_place(x);
+    const double start = wall_seconds();
+    for (int i = 0; i < repeats; ++i) ours.solve_in_place(x);
+    both.push_back((wall_seconds() - start) / repeats);
+    set_thread_count(1);
+    x = b;
+#ifdef BATTEN_BENCH_CHOLMOD
+    for (int v = 0; v < variants; ++v)
+      their_times[v].push_back(warm([&] { cholmod[v]->solve(copy); }));
+#endif
+  }
+  bandwidth = std::max(bandwidth, triad_bandwidth());
+  r.ours.solve = median(our_times);
+  r.on_all_cores = median(both);
+  ours.solve_in_place(x);
+#ifdef BATTEN_BENCH_CHOLMOD
+  r.cholmod->solve = median(their_times[0]);
+  if (variants == 2) r.cholmod->solve = std::min(r.cholmod->solve, median(their_times[1]));
+  r.difference = relative(x - cholmod[variants - 1]->solution(), x);
+#endif
+
+  Eigen::SimplicialLDLT<SparseMatrix> eigen;
+  r.eigen.analyze = time_of([&] { eigen.analyzePattern(A); });
+  r.eigen.factor = time_of([&] { eigen.factorize(A); });
+  MatX y;
+  std::vector<double> eigen_times;
+  for (int round = 0; round < (big ? 3 : 7); ++round)
+    eigen_times.push_back(warm([&] { y = eigen.solve(b); }));
+  r.eigen.solve = median(eigen_times);
+  if (!r.cholmod) r.difference = relative(x - y, x);
+  return r;
+}
+
+std::string milliseconds(double seconds) { return text("%.3g", 1e3 * seconds); }
+std::string of_cholmod(const Result& r, double Times::*stage) {
+  return r.cholmod ? milliseconds((*r.cholmod).*stage) : "none";
+}
+
+// What an order costs and gives: AMD, METIS beside it, and the mesh's nested dissection.
+void compare_orders() {
+  Table table;
+  table.add({"ms", "order", "analyse", "factor", "solve", "entries (M)"});
+  const auto row = [&](const std::string& name, const std::string& order, const SparseMatrix& A,
+                       const std::function<void(SparseCholesky&)>& analyze) {
+    SparseCholesky cholesky;
+    const double analysis = time_of([&] { analyze(cholesky); });
+    cholesky.factorize(A);
+    std::vector<double> factor, solve;
+    const MatX b = random_columns(A.rows(), 3);
+    MatX x = b;
+    for (int round = 0; round < 5; ++round) {
+      factor.push_back(time_of([&] { cholesky.factorize(A); }));
+      x = b;
+      for (int i = 0; i < 3; ++i) solve.push_back(time_of([&] { cholesky.solve_in_place(x); }));
+    }
+    table.add({name, order, milliseconds(analysis), milliseconds(median(factor)),
+               milliseconds(median(solve)),
+               text("%.2f", 1e-6 * static_cast<double>(cholesky.factor_entries()))});
+  };
+  const auto compare = [&](const std::string& name, const SparseMatrix& A,
+                           const std::vector<int>& order) {
+    row(name, "AMD", A, [&](SparseCholesky& c) { c.analyze(A); });
+    row(name, "METIS tried", A, [&](SparseCholesky& c) { c.analyze(A, Expected::many_factors); });
+    if (!order.empty()) row(name, "dissection", A, [&](SparseCholesky& c) { c.analyze(A, order); });
+  };
+  for (const int n : {3300, 14600, 103000}) compare(text("sheet %d", n), holed_sheet(n).normal, {});
+  for (const int n : {32, 64, 128}) {
+    const BendingMatrix bending = clamped_bending(n);
+    compare(text("bending %d²", n), bending.K, bending.order);
+  }
+  table.print();
+}
+
+// A drag that moves one hole's rim; a viewer that shows a quarter of the sheet.
+void compare_parts() {
+  Table table;
+  table.add({"ms, three columns", "all", "b: a rim", "x: a quarter", "both", "read of the factor"});
+  for (const int n : {14600, 103000}) {
+    const HoledSheet sheet = holed_sheet(n);
+    SparseCholesky cholesky;
+    cholesky.analyze(sheet.normal);
+    cholesky.factorize(sheet.normal);
+    std::vector<int> rim, quarter;
+    for (int i = 0; i < sheet.shape.rows(); ++i) {
+      if (sheet.rim[i] && sheet.shape(i, 0) < 1 && sheet.shape(i, 1) < 1) rim.push_back(i);
+      if (sheet.shape(i, 0) < 2.5 && sheet.shape(i, 1) < 2) quarter.push_back(i);
+    }
+    MatX b = MatX::Zero(sheet.normal.rows(), 3);
+    for (const int i : rim) b.row(i).setOnes();
+    constexpr auto all = std::nullopt;
+    const SolvePart parts[] = {cholesky.part(all, all), cholesky.part(rim, all),
+                               cholesky.part(all, quarter), cholesky.part(rim, quarter)};
+    MatX full = b;
+    cholesky.solve_in_place(full);
+    std::vector<std::string> cells = {text("sheet %d", n)};
+    std::string read;
+    for (const SolvePart& part : parts) {
+      std::vector<double> times;
+      MatX x;
+      for (int round = 0; round < 15; ++round) {
+        x = b;
+        times.push_back(time_of([&] { cholesky.solve_in_place(part, x); }));
+      }
+      if (!(x(quarter, Eigen::all) == full(quarter, Eigen::all))) std::printf("WRONG part\n");
+      cells.push_back(milliseconds(median(times)));
+      read += text("%s%.0f %%", read.empty() ? "" : ", ",
+                   50.0 * static_cast<double>(part.entries) /
+                       static_cast<double>(cholesky.factor_entries()));
+    }
+    cells.push_back(read);
+    table.add(cells);
+  }
+  table.print();
+}
+
+// How far from the true solution: the normal equations, refined with their own residual, and
+// corrected with the least-squares residual.
+void compare_corrections() {
+  Table table;
+  table.add({"error of x", "solved", "own residual", "least-squares residual", "ms"});
+  for (const int n : {3300, 14600, 103000}) {
+    const HoledSheet sheet = holed_sheet(n);
+    SparseCholesky cholesky;
+    cholesky.analyze(sheet.normal);
+    cholesky.factorize(sheet.normal);
+    const MatX truth = sheet.shape, b = sheet.rows * truth;
+    const MatX right = sheet.rows.transpose() * b;
+    const MatX x = cholesky.solve(right);
+    const MatX refined =
+        x + cholesky.solve(right - sheet.normal.selfadjointView<Eigen::Lower>() * x);
+    MatX corrected = x;
+    const double time = time_of([&] { correct_least_squares(cholesky, sheet.rows, b, corrected); });
+    table.add({text("sheet %d", n), text("%.1e", relative(x - truth, truth)),
+               text("%.1e", relative(refined - truth, truth)),
+               text("%.1e", relative(corrected - truth, truth)), milliseconds(time)});
+  }
+  table.print();
+}
+
+}  // namespace
+
+int main() {
+  one_thread();
+  Table table;
+  table.add({"ms", "n", "entries (M)", "analyse", "CHOLMOD", "Eigen", "factor", "CHOLMOD", "Eigen",
+             "solve", "CHOLMOD", "Eigen", "all cores", "of the bound", "x CHOLMOD", "difference"});
+  Promises promises;
+  std::optional<double> slowest;
+  double worst_difference = 0, bandwidth = 0;
+  std::vector<std::pair<std::string, Result>> results;
+  for (const NamedMatrix& m : twenty_matrices())
+    results.emplace_back(m.name, measure(m.make(), bandwidth));
+  for (const auto& [name, r] : results) {
+    table.add({name, text("%ld", r.n), text("%.2f", 1e-6 * static_cast<double>(r.entries)),
+               milliseconds(r.ours.analyze), of_cholmod(r, &Times::analyze),
+               milliseconds(r.eigen.analyze), milliseconds(r.ours.factor),
+               of_cholmod(r, &Times::factor), milliseconds(r.eigen.factor),
+               milliseconds(r.ours.solve), of_cholmod(r, &Times::solve),
+               milliseconds(r.eigen.solve), milliseconds(r.on_all_cores),
+               text("%.0f %%", 100 * r.share(bandwidth)),
+               r.ratio() ? text("%.1f", *r.ratio()) : "none", text("%.0e", r.difference)});
+    if (r.ratio()) slowest = std::min(slowest.value_or(1e9), *r.ratio());
+    worst_difference = std::max(worst_difference, r.difference);
+    const double target = name == "sheet 14k"                            ? 0.5
+                          : name == "sheet 101k" || name == "sheet 303k" ? 0.35
+                                                                         : 0;
+    if (target > 0)
+      promises.at_least("share of the memory bound, " + name, r.share(bandwidth), target);
+    if (name == "sheet 14k") promises.at_least("times as fast as CHOLMOD, " + name, r.ratio(), 2.5);
+  }
+  promises.at_least("times as fast as CHOLMOD, the worst of twenty", slowest, 1);
+  promises.at_most("relative difference from CHOLMOD, the worst of twenty", worst_difference,
+                   1e-12);
+  std::printf("Three right-hand sides, one thread; triad %.1f GB/s; factor with %s\n\n",
+              1e-9 * bandwidth, SparseCholesky::backend());
+  table.print();
+  compare_orders();
+  compare_parts();
+  compare_corrections();
+  promises.print("solve");
+}

@@ -1,0 +1,297 @@
+// The triangular solve behind SparseCholesky, on twenty matrices.
+#include <Eigen/SparseCore>
+
+#include "batten/core/errors.h"
+#include "batten/core/parallel.h"
+#include "batten/core/sparse_cholesky.h"
+#include "batten/tests/catch.h"
+#include "batten/tests/solver_matrices.h"
+
+#ifdef BATTEN_TEST_CHOLMOD
+#include <cholmod.h>
+extern "C" __attribute__((weak)) void openblas_set_num_threads(int);
+extern "C" __attribute__((weak)) void omp_set_max_active_levels(int);
+#endif
+
+using namespace batten;
+using namespace batten::test;
+
+namespace {
+
+// Sets the number of threads for a while.
+struct Threads {
+  explicit Threads(int count) { set_thread_count(count); }
+  ~Threads() { set_thread_count(0); }
+};
+
+SparseCholesky factor_of(const BendingMatrix& problem) {
+  SparseCholesky cholesky;
+  cholesky.analyze(problem.K, problem.order);
+  REQUIRE(cholesky.factorize(problem.K));
+  return cholesky;
+}
+
+// |Ax - b| / (|A| |x|): rounding of one solve, whatever the condition of A.
+double backward_error(const SparseMatrix& A, const MatX& x, const MatX& b) {
+  const MatX residual = A.selfadjointView<Eigen::Lower>() * x - b;
+  VecX row_sums = VecX::Zero(A.rows());
+  for (int c = 0; c < A.outerSize(); ++c)
+    for (SparseMatrix::InnerIterator e(A, c); e; ++e) {
+      row_sums[e.row()] += std::abs(e.value());
+      if (e.row() != c) row_sums[c] += std::abs(e.value());
+    }
+  return residual.cwiseAbs().maxCoeff() / (row_sums.maxCoeff() * x.cwiseAbs().maxCoeff());
+}
+
+#ifdef BATTEN_TEST_CHOLMOD
+// CHOLMOD's own solve. Its factor is made like ours, supernodes and threads, so that it has the
+// same bits: another factor's rounding, times the condition number, would hide what is compared.
+MatX solved_by_cholmod(const BendingMatrix& problem, MatX b) {
+  if (openblas_set_num_threads) openblas_set_num_threads(1);
+  if (omp_set_max_active_levels) omp_set_max_active_levels(0);
+  cholmod_common common;
+  cholmod_start(&common);
+  common.nmethods = 1;
+  common.method[0].ordering = problem.order.empty() ? CHOLMOD_AMD : CHOLMOD_GIVEN;
+  common.supernodal = CHOLMOD_SUPERNODAL;
+  common.final_ll = 1;
+  if (problem.K.rows() < 20000) {
+    const size_t columns[] = {16, 32, 64};
+    const double zeros[] = {0.9, 0.2, 0.1};
+    std::copy_n(columns, 3, common.nrelax);
+    std::copy_n(zeros, 3, common.zrelax);
+  }
+  cholmod_sparse A{};
+  A.nrow = A.ncol = static_cast<size_t>(problem.K.rows());
+  A.nzmax = static_cast<size_t>(problem.K.nonZeros());
+  A.p = const_cast<int*>(problem.K.outerIndexPtr());
+  A.i = const_cast<int*>(problem.K.innerIndexPtr());
+  A.x = const_cast<double*>(problem.K.valuePtr());
+  A.stype = -1;
+  A.itype = CHOLMOD_INT;
+  A.xtype = CHOLMOD_REAL;
+  A.sorted = A.packed = 1;
+  std::vector<int> order = problem.order;
+  cholmod_factor* L =
+      cholmod_analyze_p(&A, order.empty() ? nullptr : order.data(), nullptr, 0, &common);
+  cholmod_factorize(&A, L, &common);
+  cholmod_dense right{};
+  right.nrow = right.d = A.nrow;
+  right.ncol = static_cast<size_t>(b.cols());
+  right.nzmax = static_cast<size_t>(b.size());
+  right.x = b.data();
+  right.xtype = CHOLMOD_REAL;
+  cholmod_dense* x = cholmod_solve(CHOLMOD_A, L, &right, &common);
+  b = Eigen::Map<MatX>(static_cast<double*>(x->x), b.rows(), b.cols());
+  cholmod_free_dense(&x, &common);
+  cholmod_free_factor(&L, &common);
+  cholmod_finish(&common);
+  return b;
+}
+#endif
+
+// Bit by bit. (A failure does not print 100,000 rows.)
+bool same(const MatX& a, const MatX& b) { return a == b; }
+
+std::vector<int> every(int step, long n, int first = 0) {
+  std::vector<int> rows;
+  for (int i = first; i < n; i += step) rows.push_back(i);
+  return rows;
+}
+
+MatX only(const MatX& b, const std::vector<int>& rows) {
+  MatX result = MatX::Zero(b.rows(), b.cols());
+  for (const int i : rows) result.row(i) = b.row(i);
+  return result;
+}
+
+}  // namespace
+
+TEST_CASE(
+    "twenty matrices: the solution is CHOLMOD's, with the same bits on any number of threads") {
+  const std::vector<NamedMatrix> matrices = twenty_matrices();
+  REQUIRE(matrices.size() == 20);
+  const auto& [name, make] = matrices[GENERATE(range(0, 20))];
+  INFO(name);
+  const BendingMatrix problem = make();
+  const SparseCholesky cholesky = factor_of(problem);
+  const MatX b = random_columns(problem.K.rows(), 3);
+  MatX x = b;
+  {
+    const Threads one(1);
+    cholesky.solve_in_place(x);
+  }
+  CHECK(backward_error(problem.K, x, b) < 1e-14);
+#ifdef BATTEN_TEST_CHOLMOD
+  const MatX theirs = solved_by_cholmod(problem, b);
+  CHECK((x - theirs).cwiseAbs().maxCoeff() <= 1e-12 * theirs.cwiseAbs().maxCoeff());
+#endif
+  for (const int threads : {2, 3, 7}) {
+    const Threads several(threads);
+    for (int again = 0; again < 3; ++again) CHECK(same(cholesky.solve(b), x));
+  }
+}
+
+TEST_CASE("any number of right-hand sides, in any block of a larger matrix") {
+  for (const BendingMatrix& problem :
+       {clamped_bending(12), BendingMatrix{holed_sheet(400).normal, {}}}) {
+    const SparseCholesky cholesky = factor_of(problem);
+    const long n = problem.K.rows();
+    const MatX b = random_columns(n, 19);
+    MatX alone = b;
+    for (long c = 0; c < b.cols(); ++c) cholesky.solve_in_place(alone.col(c));
+    for (const long columns : {1, 2, 3, 4, 5, 7, 8, 9, 12, 13, 16, 19}) {
+      MatX larger = MatX::Constant(n + 5, columns + 2, 7);
+      larger.block(2, 1, n, columns) = b.leftCols(columns);
+      cholesky.solve_in_place(larger.block(2, 1, n, columns));
+      CHECK((larger.block(2, 1, n, columns) - alone.leftCols(columns)).cwiseAbs().maxCoeff() <=
+            1e-13 * alone.cwiseAbs().maxCoeff());
+      larger.block(2, 1, n, columns).setConstant(7);
+      CHECK(same(larger, MatX::Constant(n + 5, columns + 2, 7)));
+    }
+    MatX none(n, 0);
+    cholesky.solve_in_place(none);
+  }
+}
+
+TEST_CASE("numbers change again and again, the analysis stays") {
+  const BendingMatrix problem = clamped_bending(20);
+  SparseCholesky cholesky = factor_of(problem);
+  const MatX b = random_columns(problem.K.rows(), 3);
+  const MatX first = cholesky.solve(b);
+  SparseMatrix stiffer = problem.K;
+  stiffer.coeffs() *= 4;
+  SparseMatrix broken = problem.K;
+  broken.coeffRef(40, 40) = -1;
+  for (int round = 0; round < 3; ++round) {
+    REQUIRE(cholesky.factorize(stiffer));
+    CHECK(same(4 * cholesky.solve(b), first));  // the square of a power of two changes no digit
+    REQUIRE_FALSE(cholesky.factorize(broken));
+    CHECK_THROWS_AS(cholesky.solve(b), NoSolutionError);
+    REQUIRE(cholesky.factorize(problem.K));
+    CHECK(same(cholesky.solve(b), first));
+  }
+  // Another matrix in the same object.
+  const BendingMatrix other = clamped_bending(7);
+  cholesky.analyze(other.K);
+  CHECK_THROWS_AS(cholesky.solve(b), NoSolutionError);
+  REQUIRE(cholesky.factorize(other.K));
+  const MatX c = random_columns(other.K.rows(), 2);
+  CHECK(backward_error(other.K, cholesky.solve(c), c) < 1e-14);
+}
+
+TEST_CASE("a part of a solve gives the wanted rows of the whole, bit by bit") {
+  const std::vector<BendingMatrix> problems = {
+      clamped_bending(48),
+      {holed_sheet(3300).normal, {}},
+      {holed_sheet(14600).normal, {}},
+      {disconnected(holed_sheet(500).normal, holed_sheet(900).normal), {}}};
+  const BendingMatrix& problem = problems[GENERATE(range(0, 4))];
+  const SparseCholesky cholesky = factor_of(problem);
+  const long n = problem.K.rows();
+  const MatX b = random_columns(n, 5);
+  const auto all = std::nullopt;
+  using Rows = std::optional<std::vector<int>>;
+  const std::vector<Rows> choices = {all,
+                                     std::vector<int>{},
+                                     std::vector<int>{3},
+                                     std::vector<int>{static_cast<int>(n) - 1},
+                                     every(97, n),
+                                     every(1, n / 9, 11),
+                                     every(1, n, static_cast<int>(n) * 7 / 8)};
+  for (const int threads : {1, 2}) {
+    const Threads use(threads);
+    for (const Rows& nonzero : choices)
+      for (const Rows& wanted : choices) {
+        const SolvePart part = cholesky.part(nonzero, wanted);
+        const MatX right = nonzero ? only(b, *nonzero) : b;
+        for (const long columns : {3, 5}) {
+          const MatX whole = cholesky.solve(right.leftCols(columns));
+          MatX x = right.leftCols(columns);
+          cholesky.solve_in_place(part, x);
+          if (wanted)
+            CHECK(same(only(x, *wanted), only(whole, *wanted)));
+          else
+            CHECK(same(x, whole));
+        }
+        CHECK(part.entries <= 2 * cholesky.factor_entries());
+      }
+  }
+  CHECK(cholesky.part(all, all).entries == 2 * cholesky.factor_entries());
+  CHECK(cholesky.part(std::vector<int>{}, std::vector<int>{}).entries == 0);
+  CHECK(cholesky.part(std::vector<int>{5}, std::vector<int>{5}).entries <
+        cholesky.factor_entries());
+}
+
+TEST_CASE("what cannot be solved is refused in a sentence") {
+  const BendingMatrix problem = clamped_bending(6);
+  SparseCholesky cholesky;
+  MatX b = MatX::Ones(problem.K.rows(), 1);
+  CHECK_THROWS_AS(cholesky.solve(b), NoSolutionError);
+  CHECK_THROWS_AS(cholesky.part(std::nullopt, std::nullopt), NoSolutionError);
+  cholesky = factor_of(problem);
+  MatX shorter = b.topRows(5);
+  CHECK_THROWS_AS(cholesky.solve_in_place(shorter), InputError);
+  SparseMatrix denser = problem.K;
+  denser.coeffRef(problem.K.rows() - 1, 0) = 1e-3;
+  denser.makeCompressed();
+  CHECK_THROWS_AS(cholesky.factorize(denser), InputError);
+  CHECK_THROWS_AS(cholesky.part(std::vector<int>{-1}, std::nullopt), InputError);
+  CHECK_THROWS_AS(cholesky.part(std::nullopt, std::vector<int>{static_cast<int>(b.rows())}),
+                  InputError);
+  const SolvePart part = cholesky.part(std::vector<int>{0}, std::nullopt);
+  const BendingMatrix other = clamped_bending(9);
+  SparseCholesky another = factor_of(other);
+  MatX c = MatX::Ones(other.K.rows(), 1);
+  CHECK_THROWS_AS(another.solve_in_place(part, c), InputError);
+
+  std::vector<int> order = problem.order;
+  order.pop_back();
+  CHECK_THROWS_AS(cholesky.analyze(problem.K, order), InputError);
+  order.push_back(order.front());
+  CHECK_THROWS_AS(cholesky.analyze(problem.K, order), InputError);
+  order.back() = static_cast<int>(b.rows());
+  CHECK_THROWS_AS(cholesky.analyze(problem.K, order), InputError);
+
+  SparseCholesky empty;
+  empty.analyze(SparseMatrix(0, 0));
+  REQUIRE(empty.factorize(SparseMatrix(0, 0)));
+  CHECK(empty.solve(MatX(0, 3)).size() == 0);
+}
+
+TEST_CASE("an order for many factorizations has no more entries than AMD's") {
+  const SparseMatrix A = holed_sheet(14600).normal;
+  SparseCholesky quick, thorough;
+  quick.analyze(A);
+  thorough.analyze(A, Expected::many_factors);
+  REQUIRE(quick.factorize(A));
+  REQUIRE(thorough.factorize(A));
+  if (SparseCholesky::backend() == std::string("CHOLMOD"))
+    CHECK(thorough.factor_entries() < 0.95 * static_cast<double>(quick.factor_entries()));
+  const MatX b = random_columns(A.rows(), 2);
+  CHECK(backward_error(A, thorough.solve(b), b) < 1e-14);
+}
+
+TEST_CASE("the least-squares residual corrects what the normal equations lost") {
+  for (const int vertices : {3300, 14600}) {
+    const HoledSheet sheet = holed_sheet(vertices);
+    SparseCholesky cholesky;
+    cholesky.analyze(sheet.normal);
+    REQUIRE(cholesky.factorize(sheet.normal));
+    const MatX truth = sheet.shape, b = sheet.rows * truth;
+    const auto error = [&](const MatX& x) {
+      return (x - truth).cwiseAbs().maxCoeff() / truth.cwiseAbs().maxCoeff();
+    };
+    const MatX right = sheet.rows.transpose() * b;
+    const MatX solved = cholesky.solve(right);
+    const MatX refined =
+        solved + cholesky.solve(right - sheet.normal.selfadjointView<Eigen::Lower>() * solved);
+    MatX corrected = solved;
+    const double change = correct_least_squares(cholesky, sheet.rows, b, corrected);
+    INFO(error(solved) << " refined " << error(refined) << " corrected " << error(corrected));
+    CHECK(error(corrected) < 5e-14);
+    CHECK(error(solved) > 10 * error(corrected));
+    CHECK(error(refined) > 10 * error(corrected));
+    CHECK_THAT(change, Catch::Matchers::WithinRel(error(solved), 0.1));
+  }
+}
