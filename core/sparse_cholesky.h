@@ -13,12 +13,13 @@ namespace batten {
 
 /// What the effort for a good order of the unknowns is measured against.
 ///
-/// One factor: AMD. Many factorizations of one pattern, or thousands of solves: METIS is tried
-/// beside AMD and the factor with fewer entries is kept. Measured on sheets of 13,000 to 300,000
-/// unknowns METIS costs nine to eleven times AMD's analysis and saves a fifth to a third of every
-/// factorization and a fifth of every solve: it has paid after 10 to 25 factorizations, or some 400
-/// solves. An order that the caller knows from the geometry beats both (dissection_order).
-/// Eigen's factor has AMD only.
+/// One factor: AMD. Many factorizations of one pattern, or thousands of solves: from 10,000
+/// unknowns on METIS is tried beside AMD and the factor with fewer entries is kept. Measured on
+/// sheets, METIS costs ten times AMD's analysis; at 100,000 unknowns it saves a quarter of every
+/// factorization and a seventh of every solve and has paid after 10 factorizations or 450 solves,
+/// at 14,000 unknowns after 35 or 900, below that hardly ever. An order that the caller knows from
+/// the geometry (dissection_order) costs next to nothing and is as good. Eigen's factor has AMD
+/// only.
 enum class Expected { one_factor, many_factors };
 
 /// A = L Lᵀ of a symmetric positive definite matrix, of which only the lower triangle is read.
@@ -30,10 +31,10 @@ enum class Expected { one_factor, many_factors };
 ///     x = b;
 ///     cholesky.solve_in_place(x);   // one pair of triangular solves for all columns of b
 ///
-/// The factor is CHOLMOD's supernodal one where CHOLMOD is there, otherwise Eigen's (several times
-/// slower to compute on large systems, and half again as slow to solve with). The solve is
-/// Batten's own over either (core/supernodal_solve.h): limited by memory, on both cores when the
-/// factor has more than 500,000 entries, the same bits on one thread as on two.
+/// The factor is CHOLMOD's supernodal one where CHOLMOD is there, otherwise Eigen's, which takes
+/// several times as long from 10,000 unknowns on. The solve is Batten's own over either: limited by
+/// memory, on several cores when the factor has more than 500,000 entries, the same bits on one
+/// thread as on many (docs/theory/solver.md).
 ///
 /// Memory: 8 bytes an entry, once: the solve works in the factor's own storage.
 /// Movable, not copyable. One thread at a time, solves included.

@@ -117,7 +117,8 @@ void SupernodalFactor::analyze(const SparseMatrix& A, const std::vector<int>& or
   auto* given = order.empty() ? nullptr : const_cast<int*>(order.data());
   common.nmethods = 1;
   common.method[0].ordering = given ? CHOLMOD_GIVEN : CHOLMOD_AMD;
-  if (!given && expected == Expected::many_factors) {
+  constexpr long worth_metis = 10000;
+  if (!given && expected == Expected::many_factors && A.rows() >= worth_metis) {
     // Both are tried and the factor with fewer entries is kept.
     common.nmethods = 2;
     common.method[1].ordering = CHOLMOD_METIS;

@@ -21,10 +21,13 @@ constexpr int prefetch_bytes = 8192;
 using Row4 = double __attribute__((vector_size(32)));
 using Row8 = double __attribute__((vector_size(64)));
 
+template <class Row>
+constexpr int lanes_of = sizeof(Row) / sizeof(double);
+
 struct Blocks {
   const int* columns;
   const int* row_starts;
-  const int* value_starts;
+  const long* starts;
   const int* targets;
   const double* values;
 };
@@ -113,26 +116,14 @@ BATTEN_INLINE void backward_diagonal(const double* L, long before, Row* x) {
   multiply_transposed<H>(L, before, x, y);
 }
 
-// call(H) with the height of the last, lower panel as a constant.
-template <class Call>
-BATTEN_INLINE void with_height(int height, const Call& call) {
-  switch (height) {
-    case 1:
-      return call(std::integral_constant<int, 1>());
-    case 2:
-      return call(std::integral_constant<int, 2>());
-    case 3:
-      return call(std::integral_constant<int, 3>());
-    case 4:
-      return call(std::integral_constant<int, 4>());
-    case 5:
-      return call(std::integral_constant<int, 5>());
-    case 6:
-      return call(std::integral_constant<int, 6>());
-    case 7:
-      return call(std::integral_constant<int, 7>());
-    default:
-      return;
+// call(n) with n, 1 … most, as a constant; nothing for 0.
+template <int most, class Call>
+BATTEN_INLINE void with_constant(int n, const Call& call) {
+  if constexpr (most > 0) {
+    if (n == most)
+      call(std::integral_constant<int, most>());
+    else
+      with_constant<most - 1>(n, call);
   }
 }
 
@@ -145,11 +136,11 @@ BATTEN_INLINE void forward(const Blocks& b, int first, int end, const char* visi
     if (visit && !visit[s]) continue;
     Row* x = work + b.columns[s];
     const int width = b.columns[s + 1] - b.columns[s];
-    const double* L = b.values + b.value_starts[s];
+    const double* L = b.values + b.starts[s];
     int q = 0;
     for (; q + panel <= width; L += panel * (q + panel), q += panel)
       forward_diagonal<panel>(L, q, x);
-    with_height(
+    with_constant<panel - 1>(
         width - q, BATTEN_CALL { forward_diagonal<height()>(L, q, x); });
     L += (width - q) * static_cast<long>(width);
 
@@ -157,7 +148,7 @@ BATTEN_INLINE void forward(const Blocks& b, int first, int end, const char* visi
     const int* last = b.targets + b.row_starts[s + 1];
     for (; last - target >= panel; target += panel, L += panel * static_cast<long>(width))
       forward_below<panel>(L, width, x, target, work);
-    with_height(
+    with_constant<panel - 1>(
         static_cast<int>(last - target),
         BATTEN_CALL { forward_below<height()>(L, width, x, target, work); });
   }
@@ -171,9 +162,9 @@ BATTEN_INLINE void backward(const Blocks& b, int first, int end, const char* vis
     const int width = b.columns[s + 1] - b.columns[s];
     const int* target = b.targets + b.row_starts[s] + width;
     const int below = static_cast<int>(b.targets + b.row_starts[s + 1] - target);
-    const double* L = b.values + b.value_starts[s] + triangle_size(width) +
+    const double* L = b.values + b.starts[s] + triangle_size(width) +
                       static_cast<long>(below / panel * panel) * width;
-    with_height(
+    with_constant<panel - 1>(
         below % panel, BATTEN_CALL {
           backward_below<height()>(L, width, x, target + below / panel * panel, work);
         });
@@ -183,7 +174,7 @@ BATTEN_INLINE void backward(const Blocks& b, int first, int end, const char* vis
     }
     int q = width / panel * panel;
     L -= (width - q) * static_cast<long>(width);
-    with_height(
+    with_constant<panel - 1>(
         width - q, BATTEN_CALL { backward_diagonal<height()>(L, q, x); });
     while (q > 0) {
       L -= panel * q;
@@ -212,19 +203,38 @@ BATTEN_CLONES void sweep_backward(const Blocks& b, int first, int end, const cha
   backward(b, first, end, visit, work);
 }
 
-// The block of r rows and w columns as panels, with inverted diagonal.
-void pack_block(double* block, long r, long w, std::vector<double>& copy) {
-  copy.assign(block, block + r * w);
-  double* to = block;
+// The block of r rows and w columns as panels, with inverted diagonal. Returns the end.
+double* pack_block(const double* block, long r, long w, double* to) {
   for (long first = 0; first < r;) {
     const bool triangle = first < w;
     const long height = std::min<long>(panel, (triangle ? w : r) - first);
     const long columns = triangle ? first + height : w;
     for (long k = 0; k < columns; ++k)
       for (long i = first; i < first + height; ++i)
-        *to++ = i == k ? 1 / copy[i + k * r] : i < k ? 0 : copy[i + k * r];
+        *to++ = i == k ? 1 / block[i + k * r] : i < k ? 0 : block[i + k * r];
     first += height;
   }
+  return to;
+}
+
+template <class Row>
+void load_rows(const double* x, long stride, int columns, const int* order, Row* row, Row* end) {
+  with_constant<lanes_of<Row>>(columns, [&](auto n) {
+    for (const int* from = order; row < end; ++row, ++from) {
+      Row together{};
+      for (int k = 0; k < n(); ++k) together[k] = x[*from + k * stride];
+      *row = together;
+    }
+  });
+}
+
+template <class Row>
+void store_rows(const Row* row, const Row* end, const int* order, int columns, double* x,
+                long stride) {
+  with_constant<lanes_of<Row>>(columns, [&](auto n) {
+    for (const int* to = order; row < end; ++row, ++to)
+      for (int k = 0; k < n(); ++k) x[*to + k * stride] = (*row)[k];
+  });
 }
 
 void wait_a_moment(int& patience) {
@@ -245,6 +255,7 @@ void SupernodalSolve::analyze(const SupernodalPattern& L, const int* order) {
   row_starts_.assign(L.row_starts, L.row_starts + L.count + 1);
   value_starts_.assign(L.value_starts, L.value_starts + L.count + 1);
   order_.assign(order, order + n_);
+  packed_starts_.assign(L.count, 0);
   values_ = nullptr;
   entries_ = 0;
   parents_.assign(L.count, -1);
@@ -394,13 +405,14 @@ void SupernodalSolve::find_boundaries(const int* rows) {
 }
 
 void SupernodalSolve::pack(double* values) {
-  const auto pack_chunk = [&](int c) {
-    std::vector<double> copy;
-    for (int s = chunks_[c].first_supernode; s < chunks_[c].end_supernode; ++s)
-      pack_block(values + value_starts_[s], row_starts_[s + 1] - row_starts_[s],
-                 columns_[s + 1] - columns_[s], copy);
-  };
-  parallel_parts(static_cast<int>(chunks_.size()), pack_chunk);
+  double* to = values;  // never ahead of what is still to be read
+  std::vector<double> block;
+  for (size_t s = 0; s < parents_.size(); ++s) {
+    const long r = row_starts_[s + 1] - row_starts_[s], w = columns_[s + 1] - columns_[s];
+    block.assign(values + value_starts_[s], values + value_starts_[s] + r * w);
+    packed_starts_[s] = to - values;
+    to = pack_block(block.data(), r, w, to);
+  }
   values_ = values;
 }
 
@@ -410,7 +422,7 @@ void SupernodalSolve::solve_group(const SolvePart* part, double* x, long stride,
   // Rows start where a cache line does.
   const auto address = reinterpret_cast<std::uintptr_t>(work_.get());
   Row* work = reinterpret_cast<Row*>((address + sizeof(Row) - 1) / sizeof(Row) * sizeof(Row));
-  const Blocks blocks{columns_.data(), row_starts_.data(), value_starts_.data(), targets_.data(),
+  const Blocks blocks{columns_.data(), row_starts_.data(), packed_starts_.data(), targets_.data(),
                       values_};
   const auto forward_chunk = [&](int c) {
     const Chunk& chunk = chunks_[c];
@@ -419,11 +431,8 @@ void SupernodalSolve::solve_group(const SolvePart* part, double* x, long stride,
         std::fill(work + chunk.first_column, work + chunk.end_column, Row{});
       return;
     }
-    for (int i = chunk.first_column; i < chunk.end_column; ++i) {
-      Row row{};
-      for (int k = 0; k < columns; ++k) row[k] = x[order_[i] + k * stride];
-      work[i] = row;
-    }
+    load_rows(x, stride, columns, order_.data() + chunk.first_column, work + chunk.first_column,
+              work + chunk.end_column);
     std::fill(work + n_ + chunk.first_boundary, work + n_ + chunk.end_boundary, Row{});
     for (int i = chunk.first_child; i < chunk.end_child; ++i) {
       const Chunk& child = chunks_[children_[i]];
@@ -441,8 +450,8 @@ void SupernodalSolve::solve_group(const SolvePart* part, double* x, long stride,
       work[n_ + e] = work[boundary_targets_[e]];
     sweep_backward(blocks, chunk.first_supernode, chunk.end_supernode,
                    part ? part->backward.data() : nullptr, work);
-    for (int i = chunk.first_column; i < chunk.end_column; ++i)
-      for (int k = 0; k < columns; ++k) x[order_[i] + k * stride] = work[i][k];
+    store_rows(work + chunk.first_column, work + chunk.end_column,
+               order_.data() + chunk.first_column, columns, x, stride);
   };
 
   const auto count = static_cast<int>(chunks_.size());

@@ -29,8 +29,8 @@ struct SupernodalPattern {
 /// memory is read. Four things bring it there (docs/theory/solver.md has the measurements):
 ///
 /// - each row of x holds 4 (or 8) right-hand sides side by side, one vector register;
-/// - blocks are repacked in panels of 8 rows, column by column: in both sweeps eight registers
-///   take a panel's rows and L is one stream;
+/// - blocks are repacked in panels of 8 rows, column by column, and moved together: in both sweeps
+///   eight registers take a panel's rows and L is one stream without gaps;
 /// - the backward sweep walks that stream strictly from its end to its start, because a processor
 ///   reads ahead only of a walk that keeps one direction;
 /// - the elimination tree is cut in chunks. A chunk adds to its own unknowns and, for the unknowns
@@ -95,6 +95,7 @@ class SupernodalSolve {
   long entries_ = 0;
   std::vector<int> order_;  // unknown of each row
   std::vector<int> columns_, row_starts_, value_starts_;
+  std::vector<long> packed_starts_;
   std::vector<int> parents_;  // supernode above each, or -1
   std::vector<int> targets_;  // place of each row of a supernode in the work vector
   std::vector<Chunk> chunks_;
