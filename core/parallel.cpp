@@ -5,12 +5,14 @@
 #include <condition_variable>
 #include <exception>
 #include <mutex>
+#include <system_error>
 #include <thread>
 #include <vector>
 
 #if defined(__linux__)
 #include <pthread.h>
 #include <sched.h>
+#include <unistd.h>
 #endif
 
 namespace batten {
@@ -19,27 +21,20 @@ namespace {
 std::atomic<int> chosen_threads{0};
 
 // Threads that sleep between calls: starting new ones would cost more than many a solve, and
-// memory. A call never waits for a sleeper, only for those that took a part.
+// memory. A call never waits for a sleeper, only for those that took a part. Never destroyed: its
+// threads end with the process, whatever runs in the destructors of others.
 class Pool {
  public:
-  ~Pool() {
-    {
-      const std::lock_guard lock(mutex_);
-      stop_ = true;
-    }
-    wake_.notify_all();
-    for (auto& t : threads_) t.join();
-  }
-
-  // False: another call is under way (perhaps the caller's own), take all parts yourself.
+  // False: another call is under way (perhaps the caller's own), or this is a forked process, which
+  // has none of the threads. Take all parts yourself.
   bool run(int helpers, const std::function<void()>& work) {
-    if (busy_.exchange(true)) return false;
+    if (process_ != this_process() || busy_.exchange(true)) return false;
     {
       const std::lock_guard lock(mutex_);
-      while (static_cast<int>(threads_.size()) < helpers)
-        threads_.emplace_back([this] { serve(); });
+      start_threads(helpers);
       work_ = &work;
-      wanted_ = helpers;
+      wanted_ = std::min(helpers, static_cast<int>(threads_.size()));
+      helpers = wanted_;
       leave_this_core_to_the_caller();
     }
     for (int i = 0; i < helpers; ++i) wake_.notify_one();
@@ -54,15 +49,24 @@ class Pool {
   }
 
  private:
+  void start_threads(int count) {
+    try {
+      while (static_cast<int>(threads_.size()) < count) threads_.emplace_back([this] { serve(); });
+    } catch (const std::system_error&) {
+      // The system gives no more: those that are there will do.
+    }
+  }
+
   // A system that has slept tends to wake a thread on the core of its waker, where it waits for
   // the caller to pause: a drag at 60 events a second would run on one core.
   void leave_this_core_to_the_caller() {
 #if defined(__linux__)
-    const int core = sched_getcpu();
-    if (core < 0 || (core == left_core_ && placed_ == threads_.size())) return;
     cpu_set_t others;
+    const int core = sched_getcpu();
+    if (core < 0 || core >= CPU_SETSIZE) return;
+    if (core == left_core_ && placed_ == threads_.size()) return;
     if (sched_getaffinity(0, sizeof others, &others) != 0) return;
-    if (core < CPU_SETSIZE) CPU_CLR(core, &others);
+    CPU_CLR(core, &others);
     if (CPU_COUNT(&others) == 0) return;
     for (auto& t : threads_) pthread_setaffinity_np(t.native_handle(), sizeof others, &others);
     left_core_ = core;
@@ -70,11 +74,18 @@ class Pool {
 #endif
   }
 
+  static long this_process() {
+#if defined(__linux__)
+    return getpid();
+#else
+    return 0;
+#endif
+  }
+
   void serve() {
     std::unique_lock lock(mutex_);
     for (;;) {
-      wake_.wait(lock, [this] { return stop_ || wanted_ > 0; });
-      if (stop_) return;
+      wake_.wait(lock, [this] { return wanted_ > 0; });
       --wanted_;
       ++active_;
       lock.unlock();
@@ -84,22 +95,28 @@ class Pool {
     }
   }
 
+  const long process_ = this_process();
   std::atomic<bool> busy_{false};
   std::mutex mutex_;
   std::condition_variable wake_, finished_;
   std::vector<std::thread> threads_;
   const std::function<void()>* work_ = nullptr;
   int wanted_ = 0, active_ = 0;
-  bool stop_ = false;
   int left_core_ = -1;
   std::size_t placed_ = 0;
 };
 
 }  // namespace
 
+int core_count() {
+  // Asking costs microseconds.
+  static const int cores = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  return cores;
+}
+
 int thread_count() {
   const int chosen = chosen_threads.load();
-  return chosen > 0 ? chosen : std::max(1u, std::thread::hardware_concurrency());
+  return chosen > 0 ? chosen : core_count();
 }
 
 void set_thread_count(int count) { chosen_threads = std::max(0, count); }
@@ -118,7 +135,7 @@ void parallel_parts(int parts, const std::function<void(int)>& work) {
       }
     }
   };
-  static Pool pool;
+  static Pool& pool = *new Pool;
   const int helpers = std::min(parts, thread_count()) - 1;
   if (helpers < 1 || !pool.run(helpers, std::ref(run))) run();
   if (failure) std::rethrow_exception(failure);

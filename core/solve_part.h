@@ -10,6 +10,7 @@ struct SolvePart {
   /// Entries of the factor that both sweeps read together; a full solve reads 2 factor_entries().
   long entries = 0;
 
+  long analysis = 0;  // for which it was made
   // Of each supernode, and of each chunk of them: is it visited?
   std::vector<char> forward, backward, chunk_forward, chunk_backward;
 };

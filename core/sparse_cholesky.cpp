@@ -1,5 +1,6 @@
 #include "batten/core/sparse_cholesky.h"
 
+#include <cstdint>
 #include <utility>
 
 #include "batten/core/errors.h"
@@ -13,10 +14,26 @@ std::string not_positive_definite(long unknown) {
          ": some motion costs no energy (are enough points held, and beta > 0?)";
 }
 
+namespace {
+
+// Of the places of all entries: tells one pattern from another.
+std::uint64_t pattern_hash(const SparseMatrix& A) {
+  std::uint64_t hash = 14695981039346656037u;  // FNV-1a over whole numbers
+  const auto add = [&](std::uint64_t value) { hash = (hash ^ value) * 1099511628211u; };
+  for (int c = 0; c < A.outerSize(); ++c) {
+    for (SparseMatrix::InnerIterator e(A, c); e; ++e) add(static_cast<std::uint64_t>(e.row()));
+    add(~std::uint64_t{0});
+  }
+  return hash;
+}
+
+}  // namespace
+
 struct SparseCholesky::Data {
   SupernodalFactor factor;
   SupernodalSolve solve;
-  long n = -1, nonzeros = 0;  // of the matrix that was analysed
+  long n = -1;  // of the matrix that was analysed
+  std::uint64_t pattern = 0;
   bool solve_knows_pattern = false, factored = false;
   std::string message;
 
@@ -26,9 +43,10 @@ struct SparseCholesky::Data {
                        std::to_string(A.cols()) + " matrix: it must be square");
     n = -1;
     factored = solve_knows_pattern = false;
+    solve = {};
     if (A.rows() > 0) factor.analyze(A, order, expected);
     n = A.rows();
-    nonzeros = A.nonZeros();
+    pattern = pattern_hash(A);
   }
   void require_solvable(const Eigen::Ref<const MatX>& b) const {
     if (!factored) throw NoSolutionError("solve without a factor: factorize first");
@@ -64,19 +82,18 @@ void SparseCholesky::analyze(const SparseMatrix& A, const std::vector<int>& orde
 bool SparseCholesky::factorize(const SparseMatrix& A) {
   Data& d = *data_;
   if (d.n < 0) analyze(A);
-  if (A.rows() != d.n || A.cols() != d.n || A.nonZeros() != d.nonzeros)
-    throw InputError("factorize: " + std::to_string(A.rows()) + " by " + std::to_string(A.cols()) +
-                     " with " + std::to_string(A.nonZeros()) + " entries, analysed were " +
-                     std::to_string(d.n) + " unknowns with " + std::to_string(d.nonzeros));
-  d.factored = false;
+  if (A.rows() != d.n || A.cols() != d.n || pattern_hash(A) != d.pattern)
+    throw InputError("factorize: the matrix (" + std::to_string(A.rows()) + " by " +
+                     std::to_string(A.cols()) + ", " + std::to_string(A.nonZeros()) +
+                     " entries) has not the pattern that was analysed: analyze it first");
   d.message.clear();
-  if (d.n > 0) d.message = d.factor.factorize(A);
+  d.factored = d.n == 0;
+  if (d.factored) return true;
+  d.message = d.factor.factorize(A);
   if (!d.message.empty()) return false;
-  if (d.n > 0) {
-    if (!d.solve_knows_pattern) d.solve.analyze(d.factor.pattern(), d.factor.order());
-    d.solve_knows_pattern = true;
-    d.solve.pack(d.factor.values());
-  }
+  if (!d.solve_knows_pattern) d.solve.analyze(d.factor.pattern(), d.factor.order());
+  d.solve_knows_pattern = true;
+  d.solve.pack(d.factor.values());
   d.factored = true;
   return true;
 }
@@ -113,6 +130,12 @@ const char* SparseCholesky::backend() { return SupernodalFactor::backend(); }
 
 double correct_least_squares(const SparseCholesky& normal, const SparseMatrix& A,
                              const Eigen::Ref<const MatX>& b, Eigen::Ref<MatX> x) {
+  if (A.rows() != b.rows() || A.cols() != x.rows() || b.cols() != x.cols())
+    throw InputError("least-squares correction: A is " + std::to_string(A.rows()) + " by " +
+                     std::to_string(A.cols()) + ", b " + std::to_string(b.rows()) + " by " +
+                     std::to_string(b.cols()) + ", x " + std::to_string(x.rows()) + " by " +
+                     std::to_string(x.cols()));
+  if (x.size() == 0) return 0;
   MatX change = A.transpose() * (b - A * x);
   normal.solve_in_place(change);
   x += change;

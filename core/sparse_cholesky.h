@@ -33,11 +33,12 @@ enum class Expected { one_factor, many_factors };
 ///
 /// The factor is CHOLMOD's supernodal one where CHOLMOD is there, otherwise Eigen's, which takes
 /// several times as long from 10,000 unknowns on. The solve is Batten's own over either: limited by
-/// memory, on several cores when the factor has more than 500,000 entries, the same bits on one
-/// thread as on many (docs/theory/solver.md).
+/// memory, on several cores when the factor has more than 500,000 entries in a tree with branches,
+/// the same bits on one thread as on many (docs/theory/solver.md).
 ///
-/// Memory: 8 bytes an entry, once: the solve works in the factor's own storage.
-/// Movable, not copyable. One thread at a time, solves included.
+/// Memory: the factor once, 8 bytes an entry, in CHOLMOD's own storage (over Eigen: 20 bytes).
+/// Movable, not copyable; what was moved from can be assigned to or destroyed. One thread at a
+/// time, solves included; different objects in different threads do not meet.
 class SparseCholesky {
  public:
   SparseCholesky();
@@ -56,9 +57,9 @@ class SparseCholesky {
   bool factorize(const SparseMatrix& A);
 
   /// b, n×k, becomes x with A x = b. Needs a successful factorize(), otherwise NoSolutionError;
-  /// InputError when b has other than n rows. Allocates nothing (but for the first solve of more
-  /// than four columns). Eight columns take about 1.5 times as long as four, and one as long as
-  /// four.
+  /// InputError when b has other than n rows. Allocates nothing, but for the first solve of all,
+  /// which starts the threads, and the first of more than four columns. Eight columns take
+  /// about 1.5 times as long as four, and one as long as four.
   void solve_in_place(Eigen::Ref<MatX> b) const;
   MatX solve(const Eigen::Ref<const MatX>& b) const;
 
@@ -74,7 +75,8 @@ class SparseCholesky {
   SolvePart part(const std::optional<std::vector<int>>& nonzero,
                  const std::optional<std::vector<int>>& wanted) const;
   /// Solves through that part: x may be read outside the rows `wanted`, but holds nothing
-  /// meaningful there. The rows `wanted` have the same bits as in a full solve.
+  /// meaningful there. The rows `wanted` equal those of a full solve in every digit. InputError
+  /// when the part was made for another analysis.
   void solve_in_place(const SolvePart& part, Eigen::Ref<MatX> b) const;
 
   /// Why the last factorize() failed, or "".
@@ -102,7 +104,8 @@ class SparseCholesky {
 /// For systems that move at every event of a mouse: offered for the moment it is released. Costs
 /// one solve and two products with A.
 ///
-/// A: m×n, b: m×k, x: n×k. Returns the largest change of an entry of x over the largest entry of x.
+/// A: m×n, b: m×k, x: n×k (otherwise InputError). Returns the largest change of an entry of x over
+/// the largest entry of x.
 double correct_least_squares(const SparseCholesky& normal, const SparseMatrix& A,
                              const Eigen::Ref<const MatX>& b, Eigen::Ref<MatX> x);
 

@@ -1,6 +1,7 @@
 #include <cholmod.h>
 
 #include <algorithm>
+#include <mutex>
 
 #include "batten/core/errors.h"
 #include "batten/core/huge_pages.h"
@@ -18,42 +19,55 @@ extern "C" __attribute__((weak)) int omp_get_max_active_levels(void);
 namespace batten {
 namespace {
 
+// Held by every factorization under way. BLAS's setting belongs to the whole process: the first
+// sets it, the last sets it back. OpenMP's may belong to the thread: everyone sets it.
 class OneThread {
  public:
-  OneThread()
-      : blas_(openblas_get_num_threads ? openblas_get_num_threads() : 0),
-        omp_(omp_get_max_active_levels ? omp_get_max_active_levels() : 0) {
-    if (blas_ > 1) openblas_set_num_threads(1);
-    if (omp_ > 0) omp_set_max_active_levels(0);
+  OneThread() {
+    const std::lock_guard lock(state().mutex);
+    if (state().users++ == 0) {
+      state().blas = openblas_get_num_threads ? openblas_get_num_threads() : 0;
+      state().omp = omp_get_max_active_levels ? omp_get_max_active_levels() : 0;
+      if (state().blas > 1) openblas_set_num_threads(1);
+    }
+    if (state().omp > 0) omp_set_max_active_levels(0);
   }
   ~OneThread() {
-    if (blas_ > 1) openblas_set_num_threads(blas_);
-    if (omp_ > 0) omp_set_max_active_levels(omp_);
+    const std::lock_guard lock(state().mutex);
+    if (--state().users == 0 && state().blas > 1) openblas_set_num_threads(state().blas);
+    if (state().omp > 0) omp_set_max_active_levels(state().omp);
   }
+  OneThread(const OneThread&) = delete;
 
  private:
-  int blas_, omp_;
+  struct State {
+    std::mutex mutex;
+    int users = 0, blas = 0, omp = 0;
+  };
+  static State& state() {
+    static State& state = *new State;
+    return state;
+  }
 };
 
-// Smallest ratio of a pivot to its diagonal entry, and where: independent of the scale of the
-// unknowns, about 1e-16 when a motion costs nothing but rounding let the factor through.
-std::pair<double, long> smallest_pivot(const cholmod_factor& L, const SparseMatrix& A) {
+// The first unknown whose pivot is nothing beside its diagonal entry, or not a number; -1: none.
+// The ratio is independent of the scale of the unknowns, and about 1e-16 when a motion costs
+// nothing but rounding let the factor through.
+long singular_unknown(const cholmod_factor& L, const SparseMatrix& A) {
   const auto* order = static_cast<const int*>(L.Perm);
   const auto* super = static_cast<const int*>(L.super);
   const auto* pi = static_cast<const int*>(L.pi);
   const auto* px = static_cast<const int*>(L.px);
   const auto* x = static_cast<const double*>(L.x);
   const VecX diagonal = A.diagonal();
-  std::pair<double, long> smallest{1.0, 0};
   for (size_t s = 0; s < L.nsuper; ++s) {
     const long rows = pi[s + 1] - pi[s];
     for (long c = super[s]; c < super[s + 1]; ++c) {
       const double pivot = x[px[s] + (c - super[s]) * (rows + 1)];
-      const double ratio = pivot * pivot / diagonal[order[c]];
-      if (!(ratio >= smallest.first)) smallest = {ratio, order[c]};
+      if (!(pivot * pivot > singular_pivot * diagonal[order[c]])) return order[c];
     }
   }
-  return smallest;
+  return -1;
 }
 
 cholmod_sparse view(const SparseMatrix& A) {
@@ -62,14 +76,17 @@ cholmod_sparse view(const SparseMatrix& A) {
   v.ncol = static_cast<size_t>(A.cols());
   v.nzmax = static_cast<size_t>(A.nonZeros());
   v.p = const_cast<int*>(A.outerIndexPtr());
-  v.i = const_cast<int*>(A.innerIndexPtr());
-  v.x = const_cast<double*>(A.valuePtr());
+  v.nz = const_cast<int*>(A.innerNonZeroPtr());
+  static int no_index = 0;  // CHOLMOD takes no null, not even for no entries
+  static double no_value = 0;
+  v.i = v.nzmax > 0 ? const_cast<int*>(A.innerIndexPtr()) : &no_index;
+  v.x = v.nzmax > 0 ? const_cast<double*>(A.valuePtr()) : &no_value;
   v.stype = -1;
   v.itype = CHOLMOD_INT;
   v.xtype = CHOLMOD_REAL;
   v.dtype = CHOLMOD_DOUBLE;
   v.sorted = 1;
-  v.packed = 1;
+  v.packed = A.isCompressed();
   return v;
 }
 
@@ -144,8 +161,8 @@ std::string SupernodalFactor::factorize(const SparseMatrix& A) {
     const auto* order = static_cast<const int*>(L.Perm);
     return not_positive_definite(order ? order[L.minor] : static_cast<long>(L.minor));
   }
-  const auto [ratio, unknown] = smallest_pivot(L, A);
-  return ratio > singular_pivot ? "" : not_positive_definite(unknown);
+  const long unknown = singular_unknown(L, A);
+  return unknown < 0 ? "" : not_positive_definite(unknown);
 }
 
 SupernodalPattern SupernodalFactor::pattern() const {

@@ -97,7 +97,7 @@ void SupernodalFactor::Data::find_supernodes() {
   const SparseMatrix& L = ldlt.matrixL().nestedExpression();
   const int* start = L.outerIndexPtr();
   const int* row = L.innerIndexPtr();
-  columns = {0};
+  std::vector<int> first_columns = {0};
   row_starts = value_starts = {0};
   rows.clear();
   long size = 0;
@@ -106,16 +106,17 @@ void SupernodalFactor::Data::find_supernodes() {
     const int before = start[j] - start[j - 1];
     if (j < n && before > 0 && row[start[j - 1]] == j && before == start[j + 1] - start[j] + 1)
       continue;
-    const int first = columns.back();
+    const int first = first_columns.back();
     rows.push_back(first);
     rows.insert(rows.end(), row + start[first], row + start[first + 1]);
     size += static_cast<long>(j - first) * (1 + start[first + 1] - start[first]);
     if (size > std::numeric_limits<int>::max())
       throw NoSolutionError("the symbolic factorization failed: the matrix is too large");
-    columns.push_back(j);
+    first_columns.push_back(j);
     row_starts.push_back(static_cast<int>(rows.size()));
     value_starts.push_back(static_cast<int>(size));
   }
+  columns = std::move(first_columns);  // complete, or still empty
 }
 
 void SupernodalFactor::Data::fill_blocks() {

@@ -203,7 +203,8 @@ BATTEN_CLONES void sweep_backward(const Blocks& b, int first, int end, const cha
   backward(b, first, end, visit, work);
 }
 
-// The block of r rows and w columns as panels, with inverted diagonal. Returns the end.
+// The block of r rows and w columns as panels, with inverted diagonal; what is above it in a
+// panel is never used. Returns the end.
 double* pack_block(const double* block, long r, long w, double* to) {
   for (long first = 0; first < r;) {
     const bool triangle = first < w;
@@ -211,7 +212,7 @@ double* pack_block(const double* block, long r, long w, double* to) {
     const long columns = triangle ? first + height : w;
     for (long k = 0; k < columns; ++k)
       for (long i = first; i < first + height; ++i)
-        *to++ = i == k ? 1 / block[i + k * r] : i < k ? 0 : block[i + k * r];
+        *to++ = i == k ? 1 / block[i + k * r] : block[i + k * r];
     first += height;
   }
   return to;
@@ -250,7 +251,9 @@ void wait_a_moment(int& patience) {
 }  // namespace
 
 void SupernodalSolve::analyze(const SupernodalPattern& L, const int* order) {
-  n_ = L.count > 0 ? L.columns[L.count] : 0;
+  static std::atomic<long> analyses{0};
+  analysis_ = ++analyses;
+  n_ = L.columns[L.count];
   columns_.assign(L.columns, L.columns + L.count + 1);
   row_starts_.assign(L.row_starts, L.row_starts + L.count + 1);
   value_starts_.assign(L.value_starts, L.value_starts + L.count + 1);
@@ -274,68 +277,95 @@ void SupernodalSolve::analyze(const SupernodalPattern& L, const int* order) {
   pending_ = std::make_unique<std::atomic<int>[]>(chunks_.size());
 }
 
-// Subtrees that are small enough become one chunk, together with their small neighbours under the
-// same parent. What is above them becomes one chunk a supernode; chains of those are joined.
+// Subtrees that are small enough become one chunk. A supernode above them is a chunk of its own,
+// which takes in the small chunks right before it, and along a spine (one large child, small ones
+// beside it) also the chunk of that child. Then neighbouring subtrees under the same chunk are
+// joined.
 void SupernodalSolve::cut_into_chunks() {
   const auto count = static_cast<int>(parents_.size());
-  // Sixteenths of the work keep two to four threads busy; the rows of so many columns stay in a
-  // second-level cache. Nothing here may depend on the number of threads.
+  // So many parts keep a few threads busy; the rows of so many columns stay in a second-level
+  // cache. Nothing here may depend on the number of threads.
   const long most_entries = std::max(entries_ / 24, 16384L);
+  const long little = most_entries / 8;
   constexpr int most_columns = 8192;
-  std::vector<long> own(count), below(count);
-  std::vector<int> first(count), child_count(count, 0);
+  std::vector<long> own(count), below(count, 0), largest_child(count, 0);
+  std::vector<int> first(count);
   std::iota(first.begin(), first.end(), 0);
   for (int s = 0; s < count; ++s) {
-    const long w = columns_[s + 1] - columns_[s], r = row_starts_[s + 1] - row_starts_[s];
-    own[s] = r * w;
+    own[s] = block_entries(s);
     below[s] += own[s];
     if (const int p = parents_[s]; p >= 0) {
       below[p] += below[s];
+      largest_child[p] = std::max(largest_child[p], below[s]);
       first[p] = std::min(first[p], first[s]);
-      ++child_count[p];
     }
   }
   const auto small = [&](int s) {
     return s >= 0 && below[s] <= most_entries &&
            columns_[s + 1] - columns_[first[s]] <= most_columns;
   };
-  chunks_.clear();
-  long size = 0;  // of the last chunk
-  bool open = false, chain = false;
+  struct Piece {
+    int first, end;  // supernodes
+    long entries;
+    bool subtree;  // nothing is below it
+  };
+  std::vector<Piece> pieces;
+  const auto fits = [&](long entries, int end) {
+    return !pieces.empty() && pieces.back().entries + entries <= most_entries &&
+           columns_[end] - columns_[pieces.back().first] <= most_columns;
+  };
   for (int s = 0; s < count; ++s) {
-    const int p = parents_[s];
     if (small(s)) {
-      if (small(p)) continue;
-      if (open && parents_[chunks_.back().end_supernode - 1] == p &&
-          size + below[s] <= most_entries &&
-          columns_[s + 1] - chunks_.back().first_column <= most_columns) {
-        size += below[s];
-      } else {
-        chunks_.push_back({});
-        chunks_.back().first_supernode = first[s];
-        chunks_.back().first_column = columns_[first[s]];
-        size = below[s];
-      }
-      open = true;
-      chain = false;
-    } else {
-      if (chain && child_count[s] == 1 && parents_[s - 1] == s && size + own[s] <= most_entries) {
-        size += own[s];
-      } else {
-        chunks_.push_back({});
-        chunks_.back().first_supernode = s;
-        chunks_.back().first_column = columns_[s];
-        size = own[s];
-      }
-      open = false;
-      chain = true;
+      if (!small(parents_[s])) pieces.push_back({first[s], s + 1, below[s], true});
+      continue;
     }
-    chunks_.back().end_supernode = s + 1;
-    chunks_.back().end_column = columns_[s + 1];
+    const bool spine = below[s] - own[s] - largest_child[s] <= little;
+    Piece piece{s, s + 1, own[s], false};
+    while (fits(piece.entries, piece.end) && pieces.back().first >= first[s] &&
+           (spine || pieces.back().entries <= little)) {
+      piece.first = pieces.back().first;
+      piece.entries += pieces.back().entries;
+      pieces.pop_back();
+    }
+    pieces.push_back(piece);
   }
 
+  std::vector<int> piece_of(count);
+  for (size_t i = 0; i < pieces.size(); ++i)
+    std::fill(piece_of.begin() + pieces[i].first, piece_of.begin() + pieces[i].end,
+              static_cast<int>(i));
+  const auto above = [&](const Piece& piece) {
+    const int p = parents_[piece.end - 1];
+    return p < 0 ? -1 : piece_of[p];
+  };
+  std::vector<Piece> all;
+  all.swap(pieces);
+  for (const Piece& piece : all) {
+    if (piece.subtree && fits(piece.entries, piece.end) && pieces.back().subtree &&
+        above(pieces.back()) == above(piece)) {
+      pieces.back().end = piece.end;
+      pieces.back().entries += piece.entries;
+    } else {
+      pieces.push_back(piece);
+    }
+  }
+  chunks_.clear();
+  std::vector<long> sizes;
+  for (const Piece& piece : pieces) {
+    chunks_.push_back({});
+    chunks_.back().first_supernode = piece.first;
+    chunks_.back().first_column = columns_[piece.first];
+    chunks_.back().end_supernode = piece.end;
+    chunks_.back().end_column = columns_[piece.end];
+    sizes.push_back(piece.entries);
+  }
+  relate_chunks(sizes);
+}
+
+// Parents, children, the order for several threads.
+void SupernodalSolve::relate_chunks(const std::vector<long>& sizes) {
   const auto chunks = static_cast<int>(chunks_.size());
-  std::vector<int> chunk_of(count), level(chunks, 0);
+  std::vector<int> chunk_of(parents_.size()), level(chunks, 0);
   for (int c = 0; c < chunks; ++c)
     std::fill(chunk_of.begin() + chunks_[c].first_supernode,
               chunk_of.begin() + chunks_[c].end_supernode, c);
@@ -356,11 +386,14 @@ void SupernodalSolve::cut_into_chunks() {
   std::vector<long> path(chunks, 0);  // entries that are read one after the other, whoever helps
   long longest = 0;
   for (int c = 0; c < chunks; ++c) {
-    for (int s = chunks_[c].first_supernode; s < chunks_[c].end_supernode; ++s) path[c] += own[s];
+    path[c] += sizes[c];
     longest = std::max(longest, path[c]);
     if (const int p = chunks_[c].parent; p >= 0) path[p] = std::max(path[p], path[c]);
   }
-  splits_ = 3 * longest < 2 * entries_;
+  // Handing a chunk over costs about as much as reading this many entries.
+  constexpr long worth_a_chunk = 10000;
+  splits_ = 3 * longest < 2 * entries_ && entries_ >= worth_a_chunk * chunks;
+  // Level by level, so that nobody has to wait long; any order from children to parents would do.
   schedule_.resize(chunks);
   std::iota(schedule_.begin(), schedule_.end(), 0);
   std::stable_sort(schedule_.begin(), schedule_.end(),
@@ -419,7 +452,7 @@ void SupernodalSolve::pack(double* values) {
 template <class Row>
 void SupernodalSolve::solve_group(const SolvePart* part, double* x, long stride,
                                   int columns) const {
-  // Rows start where a cache line does.
+  // Vectors start at multiples of their size.
   const auto address = reinterpret_cast<std::uintptr_t>(work_.get());
   Row* work = reinterpret_cast<Row*>((address + sizeof(Row) - 1) / sizeof(Row) * sizeof(Row));
   const Blocks blocks{columns_.data(), row_starts_.data(), packed_starts_.data(), targets_.data(),
@@ -455,10 +488,7 @@ void SupernodalSolve::solve_group(const SolvePart* part, double* x, long stride,
   };
 
   const auto count = static_cast<int>(chunks_.size());
-  // Waking a thread takes up to 50 µs, and its caches are cold: less is not worth it.
-  constexpr long worth_a_thread = 500000;
-  const bool parallel = splits_ && (part ? part->entries / 2 : entries_) >= worth_a_thread;
-  const int threads = parallel ? std::min(thread_count(), count) : 1;
+  const int threads = threads_for(part ? part->entries / 2 : entries_);
   if (threads == 1) {
     for (int c = 0; c < count; ++c) forward_chunk(c);
     for (int c = count - 1; c >= 0; --c) backward_chunk(c);
@@ -515,8 +545,8 @@ void SupernodalSolve::solve_part(const SolvePart* part, Eigen::Ref<MatX> x) cons
 void SupernodalSolve::solve(Eigen::Ref<MatX> x) const { solve_part(nullptr, x); }
 
 void SupernodalSolve::solve(const SolvePart& part, Eigen::Ref<MatX> x) const {
-  if (part.forward.size() != parents_.size() || part.chunk_forward.size() != chunks_.size())
-    throw InputError("part of a solve: it was made for another matrix");
+  if (part.analysis != analysis_)
+    throw InputError("part of a solve: it was made for another analysis");
   solve_part(&part, x);
 }
 
@@ -542,7 +572,7 @@ SolvePart SupernodalSolve::part(const std::optional<std::vector<int>>& nonzero,
   SolvePart result;
   result.forward = with_ancestors(nonzero);
   result.backward = with_ancestors(wanted);
-  result.entries = 0;
+  result.analysis = analysis_;
   const auto of_chunks = [&](const std::vector<char>& visit) {
     std::vector<char> chunks(chunks_.size(), 0);
     for (size_t c = 0; c < chunks_.size(); ++c)
@@ -561,6 +591,14 @@ SolvePart SupernodalSolve::part(const std::optional<std::vector<int>>& nonzero,
 long SupernodalSolve::block_entries(int s) const {
   const long w = columns_[s + 1] - columns_[s], r = row_starts_[s + 1] - row_starts_[s];
   return w * (w + 1) / 2 + (r - w) * w;
+}
+
+int SupernodalSolve::threads_for(long entries) const {
+  // Waking a thread takes up to 50 µs, and its caches are cold: less is not worth it.
+  constexpr long worth_a_thread = 500000;
+  if (!splits_ || entries < worth_a_thread) return 1;
+  // A thread without a core would only make the others wait.
+  return std::min({thread_count(), core_count(), chunk_count()});
 }
 
 void SupernodalSolve::make_room(int lanes) const {

@@ -70,6 +70,10 @@ class SupernodalSolve {
 
   /// Entries of L that a sweep reads: the lower triangles and the rows below.
   long entries() const { return entries_; }
+  int chunk_count() const { return static_cast<int>(chunks_.size()); }
+  /// Threads that a solve uses which reads so many entries in each sweep: one unless they and the
+  /// tree are worth more, never more than cores.
+  int threads_for(long entries) const;
 
  private:
   // A connected piece of the tree, or neighbours in it: consecutive supernodes, the columns they
@@ -84,6 +88,7 @@ class SupernodalSolve {
   };
 
   void cut_into_chunks();
+  void relate_chunks(const std::vector<long>& sizes);
   void find_boundaries(const int* rows);
   long block_entries(int s) const;
   void make_room(int lanes) const;
@@ -92,7 +97,7 @@ class SupernodalSolve {
   void solve_group(const SolvePart* part, double* x, long stride, int columns) const;
 
   int n_ = 0;
-  long entries_ = 0;
+  long entries_ = 0, analysis_ = 0;
   std::vector<int> order_;  // unknown of each row
   std::vector<int> columns_, row_starts_, value_starts_;
   std::vector<long> packed_starts_;

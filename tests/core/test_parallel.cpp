@@ -1,6 +1,7 @@
 #include "batten/core/parallel.h"
 
 #include <atomic>
+#include <chrono>
 #include <mutex>
 #include <set>
 #include <stdexcept>
@@ -8,6 +9,14 @@
 #include <vector>
 
 #include "batten/tests/catch.h"
+
+#if defined(__linux__)
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <cstdlib>
+#endif
 
 using namespace batten;
 
@@ -99,6 +108,84 @@ TEST_CASE("threads are used again and again, for calls too short to wake them") 
   CHECK(sum == 20000 * 6);
 }
 
+namespace {
+
+// Two parts that wait for each other: true when two threads took them.
+bool two_threads_work() {
+  std::atomic<int> started{0};
+  std::atomic<bool> together{true};
+  parallel_parts(2, [&](int) {
+    ++started;
+    const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(10);
+    while (started < 2 && std::chrono::steady_clock::now() < end) std::this_thread::yield();
+    if (started < 2) together = false;
+  });
+  return together;
+}
+
+}  // namespace
+
+TEST_CASE("the second thread comes, also after an exception, a nested call, two callers") {
+  const ThreadGuard guard;
+  set_thread_count(2);
+  REQUIRE(two_threads_work());
+  CHECK_THROWS_AS(parallel_parts(4, [](int) { throw std::runtime_error("each"); }),
+                  std::runtime_error);
+  REQUIRE(two_threads_work());
+  parallel_parts(2, [](int) { parallel_parts(2, [](int) {}); });
+  REQUIRE(two_threads_work());
+  std::thread other([] { parallel_parts(100, [](int) {}); });
+  parallel_parts(100, [](int) {});
+  other.join();
+  REQUIRE(two_threads_work());
+}
+
+TEST_CASE("two callers at once keep their parts apart") {
+  const ThreadGuard guard;
+  set_thread_count(3);
+  const auto rounds = [](std::atomic<int>& wrong) {
+    for (int round = 0; round < 200; ++round) {
+      std::vector<std::atomic<int>> calls(6);
+      parallel_parts(6, [&](int part) {
+        std::this_thread::sleep_for(std::chrono::microseconds(50));
+        ++calls[part];
+      });
+      for (const auto& c : calls) wrong += c != 1;
+    }
+  };
+  std::atomic<int> wrong{0};
+  std::thread other([&] { rounds(wrong); });
+  rounds(wrong);
+  other.join();
+  CHECK(wrong == 0);
+}
+
+TEST_CASE("threads that are there already do not join when fewer are asked for") {
+  const ThreadGuard guard;
+  set_thread_count(8);
+  parallel_parts(8, [](int) { std::this_thread::sleep_for(std::chrono::milliseconds(1)); });
+  set_thread_count(2);
+  for (int round = 0; round < 20; ++round) {
+    std::mutex mutex;
+    std::set<std::thread::id> who;
+    parallel_parts(8, [&](int) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      const std::lock_guard lock(mutex);
+      who.insert(std::this_thread::get_id());
+    });
+    CHECK(who.size() <= 2);
+  }
+}
+
+TEST_CASE("the first exception is the one that is thrown again") {
+  const ThreadGuard guard;
+  set_thread_count(1);
+  const auto throws = [](int part) {
+    if (part == 3 || part == 7) throw std::runtime_error("part " + std::to_string(part));
+  };
+  CHECK_THROWS_WITH(parallel_parts(9, throws), "part 3");
+}
+
 TEST_CASE("a part may call parallel_parts, and so may two threads at once") {
   const ThreadGuard guard;
   set_thread_count(3);
@@ -116,3 +203,23 @@ TEST_CASE("a part may call parallel_parts, and so may two threads at once") {
   CHECK(mine == 2000 * 6);
   CHECK(other == 2000 * 6);
 }
+
+#if defined(__linux__) && !defined(__SANITIZE_THREAD__)
+TEST_CASE("a forked process works alone and ends") {
+  const ThreadGuard guard;
+  set_thread_count(3);
+  std::atomic<int> parts{0};
+  parallel_parts(8, [&](int) { ++parts; });
+  std::fflush(nullptr);
+  const pid_t child = fork();
+  if (child == 0) {
+    parallel_parts(8, [&](int) { ++parts; });
+    // exit() runs the destructors of statics.
+    std::exit(parts == 16 ? 0 : 1);
+  }
+  int status = -1;
+  REQUIRE(waitpid(child, &status, 0) == child);
+  CHECK(WIFEXITED(status));
+  CHECK(WEXITSTATUS(status) == 0);
+}
+#endif

@@ -1,15 +1,20 @@
 // The triangular solve behind SparseCholesky, on twenty matrices.
 #include <Eigen/SparseCore>
+#include <cmath>
+#include <thread>
 
 #include "batten/core/errors.h"
 #include "batten/core/parallel.h"
 #include "batten/core/sparse_cholesky.h"
+#include "batten/core/supernodal_factor.h"
+#include "batten/core/supernodal_solve.h"
 #include "batten/tests/catch.h"
 #include "batten/tests/solver_matrices.h"
 
 #ifdef BATTEN_TEST_CHOLMOD
 #include <cholmod.h>
 extern "C" __attribute__((weak)) void openblas_set_num_threads(int);
+extern "C" __attribute__((weak)) int openblas_get_num_threads(void);
 extern "C" __attribute__((weak)) void omp_set_max_active_levels(int);
 #endif
 
@@ -171,13 +176,19 @@ TEST_CASE("numbers change again and again, the analysis stays") {
     REQUIRE(cholesky.factorize(problem.K));
     CHECK(same(cholesky.solve(b), first));
   }
-  // Another matrix in the same object.
-  const BendingMatrix other = clamped_bending(7);
-  cholesky.analyze(other.K);
-  CHECK_THROWS_AS(cholesky.solve(b), NoSolutionError);
-  REQUIRE(cholesky.factorize(other.K));
-  const MatX c = random_columns(other.K.rows(), 2);
-  CHECK(backward_error(other.K, cholesky.solve(c), c) < 1e-14);
+  // Other matrices in the same object, smaller and larger.
+  for (const int n : {7, 30}) {
+    const BendingMatrix other = clamped_bending(n);
+    cholesky.analyze(other.K);
+    CHECK_THROWS_AS(cholesky.solve(b), NoSolutionError);
+    REQUIRE(cholesky.factorize(other.K));
+    const MatX c = random_columns(other.K.rows(), 9);
+    CHECK(backward_error(other.K, cholesky.solve(c), c) < 1e-14);
+  }
+  // An analysis that is refused leaves the old factor.
+  cholesky = factor_of(problem);
+  CHECK_THROWS_AS(cholesky.analyze(SparseMatrix(3, 4)), InputError);
+  CHECK(same(cholesky.solve(b), first));
 }
 
 TEST_CASE("a part of a solve gives the wanted rows of the whole, bit by bit") {
@@ -223,6 +234,94 @@ TEST_CASE("a part of a solve gives the wanted rows of the whole, bit by bit") {
         cholesky.factor_entries());
 }
 
+TEST_CASE("what a part has no need of is not visited") {
+  const SparseMatrix A = holed_sheet(3300).normal;
+  SupernodalFactor factor;
+  factor.analyze(A, {}, Expected::one_factor);
+  REQUIRE(factor.factorize(A).empty());
+  SupernodalSolve solve;
+  solve.analyze(factor.pattern(), factor.order());
+  solve.pack(factor.values());
+  const SupernodalPattern L = factor.pattern();
+  for (const int unknown : {0, 700, 2100}) {
+    const std::vector<int> alone = {unknown};
+    const SolvePart part = solve.part(alone, alone);
+    MatX x = MatX::Zero(A.rows(), 3);
+    x.row(unknown).setOnes();
+    solve.solve(part, x);
+    // No supernode that is not visited has changed, not even beside visited ones.
+    long unvisited = 0, changed = 0;
+    for (int s = 0; s < L.count; ++s)
+      for (int i = L.columns[s]; i < L.columns[s + 1] && !part.forward[s]; ++i) {
+        ++unvisited;
+        changed += !x.row(factor.order()[i]).isZero(0);
+      }
+    CHECK(unvisited > A.rows() / 2);
+    CHECK(changed == 0);
+    CHECK(part.forward == part.backward);
+  }
+}
+
+TEST_CASE("trees are cut in chunks for threads where that pays, and only there") {
+  const Threads use(2);
+  const auto cut = [](const SparseMatrix& A) {
+    SupernodalFactor factor;
+    factor.analyze(A, {}, Expected::one_factor);
+    REQUIRE(factor.factorize(A).empty());
+    SupernodalSolve solve;
+    solve.analyze(factor.pattern(), factor.order());
+    return std::pair(solve.chunk_count(), solve.threads_for(solve.entries()));
+  };
+  const int two = std::min(2, core_count());
+  const auto [sheet, sheet_threads] = cut(holed_sheet(14600).normal);
+  CHECK(sheet >= 24);
+  CHECK(sheet_threads == two);
+  CHECK(cut(holed_sheet(2000).normal).second == 1);
+  const auto [one, one_thread] = cut([] {
+    const MatX B = MatX::Constant(1200, 1200, 1) + 1200 * MatX::Identity(1200, 1200);
+    return SparseMatrix(MatX(B.triangularView<Eigen::Lower>()).sparseView());
+  }());
+  CHECK(one == 1);
+  CHECK(one_thread == 1);
+  // A long strip: one spine, whose pieces would only be handed about.
+  std::vector<Triplet> entries;
+  const int length = 20000, width = 6;
+  for (int i = 0; i < length * width; ++i) {
+    entries.emplace_back(i, i, 5.0);
+    if (i % width) entries.emplace_back(i, i - 1, -1.0);
+    if (i >= width) entries.emplace_back(i, i - width, -1.0);
+  }
+  SparseMatrix strip(length * width, length * width);
+  strip.setFromTriplets(entries.begin(), entries.end());
+  CHECK(cut(strip).first < 200);
+}
+
+#ifdef BATTEN_TEST_CHOLMOD
+TEST_CASE("BLAS has one thread during a factorization, and its own number afterwards") {
+  if (!openblas_set_num_threads) return;
+  const SparseMatrix A = holed_sheet(14600).normal;
+  const MatX b = random_columns(A.rows(), 1);
+  const auto solution = [&] {
+    SparseCholesky cholesky;
+    cholesky.analyze(A);
+    REQUIRE(cholesky.factorize(A));
+    return cholesky.solve(b);
+  };
+  openblas_set_num_threads(1);
+  const MatX x = solution();
+  openblas_set_num_threads(2);
+  CHECK(same(solution(), x));
+  CHECK(openblas_get_num_threads() == 2);
+  MatX other;
+  std::thread beside([&] { other = solution(); });
+  for (int round = 0; round < 3; ++round) CHECK(same(solution(), x));
+  beside.join();
+  CHECK(same(other, x));
+  CHECK(openblas_get_num_threads() == 2);
+  openblas_set_num_threads(1);
+}
+#endif
+
 TEST_CASE("what cannot be solved is refused in a sentence") {
   const BendingMatrix problem = clamped_bending(6);
   SparseCholesky cholesky;
@@ -232,6 +331,14 @@ TEST_CASE("what cannot be solved is refused in a sentence") {
   cholesky = factor_of(problem);
   MatX shorter = b.topRows(5);
   CHECK_THROWS_AS(cholesky.solve_in_place(shorter), InputError);
+  // As many entries, one of them elsewhere.
+  SparseMatrix moved = problem.K;
+  moved.prune([&](long row, long column, double) { return row != 40 || column != 39; });
+  const bool was_there = moved.nonZeros() < problem.K.nonZeros();
+  REQUIRE(was_there);
+  moved.coeffRef(problem.K.rows() - 1, 0) = 1e-3;
+  REQUIRE(moved.nonZeros() == problem.K.nonZeros());
+  CHECK_THROWS_AS(cholesky.factorize(moved), InputError);
   SparseMatrix denser = problem.K;
   denser.coeffRef(problem.K.rows() - 1, 0) = 1e-3;
   denser.makeCompressed();
@@ -244,6 +351,9 @@ TEST_CASE("what cannot be solved is refused in a sentence") {
   SparseCholesky another = factor_of(other);
   MatX c = MatX::Ones(other.K.rows(), 1);
   CHECK_THROWS_AS(another.solve_in_place(part, c), InputError);
+  another.analyze(problem.K);  // the same matrix, another order
+  REQUIRE(another.factorize(problem.K));
+  CHECK_THROWS_AS(another.solve_in_place(part, b), InputError);
 
   std::vector<int> order = problem.order;
   order.pop_back();
@@ -253,10 +363,64 @@ TEST_CASE("what cannot be solved is refused in a sentence") {
   order.back() = static_cast<int>(b.rows());
   CHECK_THROWS_AS(cholesky.analyze(problem.K, order), InputError);
 
-  SparseCholesky empty;
+  CHECK_THROWS_AS(correct_least_squares(cholesky, problem.K, MatX(3, 1), b), InputError);
+  CHECK_THROWS_AS(correct_least_squares(cholesky, problem.K, b, c), InputError);
+
+  SparseCholesky empty = std::move(cholesky);
   empty.analyze(SparseMatrix(0, 0));
   REQUIRE(empty.factorize(SparseMatrix(0, 0)));
   CHECK(empty.solve(MatX(0, 3)).size() == 0);
+  MatX nothing(0, 2);
+  CHECK(correct_least_squares(empty, SparseMatrix(4, 0), MatX::Ones(4, 2), nothing) == 0);
+
+  SparseCholesky without_entries;  // all zero
+  CHECK_FALSE(without_entries.factorize(SparseMatrix(4, 4)));
+  CHECK(without_entries.message().find("not positive definite at unknown") != std::string::npos);
+}
+
+TEST_CASE("a matrix with room between its columns is the same matrix") {
+  const BendingMatrix problem = clamped_bending(8);
+  SparseMatrix loose = problem.K;
+  loose.uncompress();
+  loose.reserve(Eigen::VectorXi::Constant(loose.cols(), 3));
+  REQUIRE_FALSE(loose.isCompressed());
+  SparseCholesky cholesky;
+  cholesky.analyze(loose, problem.order);
+  REQUIRE(cholesky.factorize(loose));
+  const MatX b = random_columns(loose.rows(), 2);
+  CHECK(same(cholesky.solve(b), factor_of(problem).solve(b)));
+  REQUIRE(cholesky.factorize(problem.K));
+  CHECK(same(cholesky.solve(b), factor_of(problem).solve(b)));
+}
+
+TEST_CASE("numbers that are not finite are no factor, wherever they are") {
+  for (const double bad : {std::nan(""), HUGE_VAL, -HUGE_VAL})
+    for (const int where : {0, 1, 7, 24, 25, 49}) {
+      // Two chains that know nothing of each other.
+      std::vector<Triplet> entries;
+      for (int i = 0; i < 50; ++i) {
+        entries.emplace_back(i, i, i == where ? bad : 2.0);
+        if (i % 25) entries.emplace_back(i, i - 1, -1.0);
+      }
+      SparseMatrix A(50, 50);
+      A.setFromTriplets(entries.begin(), entries.end());
+      SparseCholesky cholesky;
+      cholesky.analyze(A);
+      INFO(bad << " at " << where);
+      CHECK_FALSE(cholesky.factorize(A));
+      CHECK_FALSE(cholesky.message().empty());
+    }
+}
+
+TEST_CASE("a pivot of nothing but rounding is none") {
+  SparseMatrix A(2, 2);
+  A.insert(0, 0) = 1;
+  A.insert(1, 0) = 1;
+  A.insert(1, 1) = 1 + 4e-16;
+  SparseCholesky cholesky;
+  cholesky.analyze(A);
+  CHECK_FALSE(cholesky.factorize(A));
+  CHECK(cholesky.message().find("not positive definite") != std::string::npos);
 }
 
 TEST_CASE("an order for many factorizations has no more entries than AMD's") {
@@ -268,6 +432,13 @@ TEST_CASE("an order for many factorizations has no more entries than AMD's") {
   REQUIRE(thorough.factorize(A));
   if (SparseCholesky::backend() == std::string("CHOLMOD"))
     CHECK(thorough.factor_entries() < 0.95 * static_cast<double>(quick.factor_entries()));
+  const long entries = thorough.factor_entries();
+  thorough.analyze(A);  // the thorough order is not remembered
+  REQUIRE(thorough.factorize(A));
+  CHECK(thorough.factor_entries() == quick.factor_entries());
+  thorough.analyze(A, Expected::many_factors);
+  REQUIRE(thorough.factorize(A));
+  CHECK(thorough.factor_entries() == entries);
   const MatX b = random_columns(A.rows(), 2);
   CHECK(backward_error(A, thorough.solve(b), b) < 1e-14);
 }
@@ -293,5 +464,18 @@ TEST_CASE("the least-squares residual corrects what the normal equations lost") 
     CHECK(error(solved) > 10 * error(corrected));
     CHECK(error(refined) > 10 * error(corrected));
     CHECK_THAT(change, Catch::Matchers::WithinRel(error(solved), 0.1));
+
+    // A right-hand side that no x comes near: what is left of it tells nothing about x.
+    MatX far = random_columns(sheet.rows.rows(), 3);
+    for (int again = 0; again < 3; ++again) {
+      MatX near = cholesky.solve(sheet.rows.transpose() * far);
+      far -= sheet.rows * near;
+    }
+    far *= b.norm() / far.norm();
+    MatX x = cholesky.solve(sheet.rows.transpose() * (b + far));
+    correct_least_squares(cholesky, sheet.rows, b + far, x);
+    correct_least_squares(cholesky, sheet.rows, b + far, x);
+    INFO(error(x));
+    CHECK(error(x) < 1e-10);
   }
 }
