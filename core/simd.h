@@ -1,6 +1,8 @@
 // The widest vector unit of the machine, chosen by the loader.
 #pragma once
 
+#include <type_traits>
+
 /// Before a function: compiled for each generation of vector units, the right one picked when the
 /// program starts. Everything it calls must be inlined into it. Nothing where the compiler or the
 /// processor has no such choice (sanitizers cannot start with ifuncs).
@@ -11,3 +13,18 @@
 #endif
 
 #define BATTEN_INLINE __attribute__((always_inline)) inline
+
+namespace batten {
+
+/// call(n) with n, 1 … most, as a constant; nothing for 0.
+template <int most, class Call>
+BATTEN_INLINE void with_constant(int n, const Call& call) {
+  if constexpr (most > 0) {
+    if (n == most)
+      call(std::integral_constant<int, most>());
+    else
+      with_constant<most - 1>(n, call);
+  }
+}
+
+}  // namespace batten

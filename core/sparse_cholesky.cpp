@@ -34,7 +34,7 @@ struct SparseCholesky::Data {
   SupernodalSolve solve;
   long n = -1;  // of the matrix that was analysed
   std::uint64_t pattern = 0;
-  bool solve_knows_pattern = false, factored = false;
+  bool factored = false;
   std::string message;
 
   void analyze(const SparseMatrix& A, const std::vector<int>& order, Expected expected) {
@@ -42,8 +42,8 @@ struct SparseCholesky::Data {
       throw InputError("Cholesky factor of a " + std::to_string(A.rows()) + " by " +
                        std::to_string(A.cols()) + " matrix: it must be square");
     n = -1;
-    factored = solve_knows_pattern = false;
-    solve = {};
+    factored = false;
+    solve = {};  // until there is a factor
     if (A.rows() > 0) factor.analyze(A, order, expected);
     n = A.rows();
     pattern = pattern_hash(A);
@@ -91,8 +91,7 @@ bool SparseCholesky::factorize(const SparseMatrix& A) {
   if (d.factored) return true;
   d.message = d.factor.factorize(A);
   if (!d.message.empty()) return false;
-  if (!d.solve_knows_pattern) d.solve.analyze(d.factor.pattern(), d.factor.order());
-  d.solve_knows_pattern = true;
+  if (d.solve.entries() == 0) d.solve = SupernodalSolve(d.factor.pattern(), d.factor.order());
   d.solve.pack(d.factor.values());
   d.factored = true;
   return true;
@@ -122,9 +121,7 @@ void SparseCholesky::solve_in_place(const SolvePart& part, Eigen::Ref<MatX> b) c
 
 const std::string& SparseCholesky::message() const { return data_->message; }
 
-long SparseCholesky::factor_entries() const {
-  return data_->solve_knows_pattern ? data_->solve.entries() : 0;
-}
+long SparseCholesky::factor_entries() const { return data_->solve.entries(); }
 
 const char* SparseCholesky::backend() { return SupernodalFactor::backend(); }
 

@@ -10,213 +10,13 @@
 #include "batten/core/huge_pages.h"
 #include "batten/core/parallel.h"
 #include "batten/core/simd.h"
+#include "batten/core/supernodal_sweeps.h"
 
 namespace batten {
 namespace {
 
-constexpr int panel = 8;  // rows of a panel: as many vectors as every machine has registers for
-constexpr int prefetch_bytes = 8192;
-
-// One row of the work vector.
-using Row4 = double __attribute__((vector_size(32)));
-using Row8 = double __attribute__((vector_size(64)));
-
 template <class Row>
 constexpr int lanes_of = sizeof(Row) / sizeof(double);
-
-struct Blocks {
-  const int* columns;
-  const int* row_starts;
-  const long* starts;
-  const int* targets;
-  const double* values;
-};
-
-// Where the packed lower triangle of w columns ends: panels of `height` × (columns up to them).
-BATTEN_INLINE long triangle_size(long w) {
-  const long full = w / panel, rest = w % panel;
-  return panel * panel * full * (full + 1) / 2 + rest * w;
-}
-
-// acc_i += Σ_k L_ik x_k of a panel of H rows.
-template <int H, class Row>
-BATTEN_INLINE void multiply(const double* L, long columns, const Row* x, Row* acc) {
-  for (long k = 0; k < columns; ++k, L += H) {
-    __builtin_prefetch(reinterpret_cast<const char*>(L) + prefetch_bytes);
-    const Row xk = x[k];
-    for (int i = 0; i < H; ++i) acc[i] += L[i] * xk;
-  }
-}
-
-// x_k -= Σ_i L_ik y_i of a panel of H rows, from its last column to its first.
-template <int H, class Row>
-BATTEN_INLINE void multiply_transposed(const double* L, long columns, Row* x, const Row* y) {
-  L += H * columns;
-  for (long k = columns - 1; k >= 0; --k) {
-    L -= H;
-    __builtin_prefetch(reinterpret_cast<const char*>(L) - prefetch_bytes);
-    Row even = x[k], odd{};  // two chains: half the wait for each sum
-    for (int i = 0; i < H; ++i) {
-      if (i % 2)
-        odd += L[i] * y[i];
-      else
-        even -= L[i] * y[i];
-    }
-    x[k] = even - odd;
-  }
-}
-
-// T x = x - acc with the H×H lower triangle T, its diagonal inverted.
-template <int H, class Row>
-BATTEN_INLINE void solve_triangle(const double* T, Row* x, Row* acc) {
-  for (int i = 0; i < H; ++i) {
-    const Row xi = (x[i] - acc[i]) * T[i * H + i];
-    x[i] = xi;
-    for (int j = i + 1; j < H; ++j) acc[j] += T[i * H + j] * xi;
-  }
-}
-
-template <int H, class Row>
-BATTEN_INLINE void solve_triangle_transposed(const double* T, Row* x) {
-  for (int i = H - 1; i >= 0; --i) {
-    x[i] *= T[i * H + i];
-    for (int j = 0; j < i; ++j) x[j] -= T[j * H + i] * x[i];
-  }
-}
-
-template <int H, class Row>
-BATTEN_INLINE void forward_diagonal(const double* L, long before, Row* x) {
-  Row acc[H] = {};
-  multiply<H>(L, before, x, acc);
-  solve_triangle<H>(L + H * before, x + before, acc);
-}
-
-template <int H, class Row>
-BATTEN_INLINE void forward_below(const double* L, long width, const Row* x, const int* targets,
-                                 Row* work) {
-  Row acc[H] = {};
-  multiply<H>(L, width, x, acc);
-  for (int i = 0; i < H; ++i) work[targets[i]] -= acc[i];
-}
-
-template <int H, class Row>
-BATTEN_INLINE void backward_below(const double* L, long width, Row* x, const int* targets,
-                                  const Row* work) {
-  Row y[H];
-  for (int i = 0; i < H; ++i) y[i] = work[targets[i]];
-  multiply_transposed<H>(L, width, x, y);
-}
-
-template <int H, class Row>
-BATTEN_INLINE void backward_diagonal(const double* L, long before, Row* x) {
-  Row y[H];
-  for (int i = 0; i < H; ++i) y[i] = x[before + i];
-  solve_triangle_transposed<H>(L + H * before, y);
-  for (int i = 0; i < H; ++i) x[before + i] = y[i];
-  multiply_transposed<H>(L, before, x, y);
-}
-
-// call(n) with n, 1 … most, as a constant; nothing for 0.
-template <int most, class Call>
-BATTEN_INLINE void with_constant(int n, const Call& call) {
-  if constexpr (most > 0) {
-    if (n == most)
-      call(std::integral_constant<int, most>());
-    else
-      with_constant<most - 1>(n, call);
-  }
-}
-
-#define BATTEN_CALL [&](auto height) __attribute__((always_inline))
-
-// `visit`: the supernodes to visit, or null for all.
-template <class Row>
-BATTEN_INLINE void forward(const Blocks& b, int first, int end, const char* visit, Row* work) {
-  for (int s = first; s < end; ++s) {
-    if (visit && !visit[s]) continue;
-    Row* x = work + b.columns[s];
-    const int width = b.columns[s + 1] - b.columns[s];
-    const double* L = b.values + b.starts[s];
-    int q = 0;
-    for (; q + panel <= width; L += panel * (q + panel), q += panel)
-      forward_diagonal<panel>(L, q, x);
-    with_constant<panel - 1>(
-        width - q, BATTEN_CALL { forward_diagonal<height()>(L, q, x); });
-    L += (width - q) * static_cast<long>(width);
-
-    const int* target = b.targets + b.row_starts[s] + width;
-    const int* last = b.targets + b.row_starts[s + 1];
-    for (; last - target >= panel; target += panel, L += panel * static_cast<long>(width))
-      forward_below<panel>(L, width, x, target, work);
-    with_constant<panel - 1>(
-        static_cast<int>(last - target),
-        BATTEN_CALL { forward_below<height()>(L, width, x, target, work); });
-  }
-}
-
-template <class Row>
-BATTEN_INLINE void backward(const Blocks& b, int first, int end, const char* visit, Row* work) {
-  for (int s = end - 1; s >= first; --s) {
-    if (visit && !visit[s]) continue;
-    Row* x = work + b.columns[s];
-    const int width = b.columns[s + 1] - b.columns[s];
-    const int* target = b.targets + b.row_starts[s] + width;
-    const int below = static_cast<int>(b.targets + b.row_starts[s + 1] - target);
-    const double* L = b.values + b.starts[s] + triangle_size(width) +
-                      static_cast<long>(below / panel * panel) * width;
-    with_constant<panel - 1>(
-        below % panel, BATTEN_CALL {
-          backward_below<height()>(L, width, x, target + below / panel * panel, work);
-        });
-    for (int t = below / panel * panel - panel; t >= 0; t -= panel) {
-      L -= panel * static_cast<long>(width);
-      backward_below<panel>(L, width, x, target + t, work);
-    }
-    int q = width / panel * panel;
-    L -= (width - q) * static_cast<long>(width);
-    with_constant<panel - 1>(
-        width - q, BATTEN_CALL { backward_diagonal<height()>(L, q, x); });
-    while (q > 0) {
-      L -= panel * q;
-      q -= panel;
-      backward_diagonal<panel>(L, q, x);
-    }
-  }
-}
-
-#undef BATTEN_CALL
-
-BATTEN_CLONES void sweep_forward(const Blocks& b, int first, int end, const char* visit,
-                                 Row4* work) {
-  forward(b, first, end, visit, work);
-}
-BATTEN_CLONES void sweep_forward(const Blocks& b, int first, int end, const char* visit,
-                                 Row8* work) {
-  forward(b, first, end, visit, work);
-}
-BATTEN_CLONES void sweep_backward(const Blocks& b, int first, int end, const char* visit,
-                                  Row4* work) {
-  backward(b, first, end, visit, work);
-}
-BATTEN_CLONES void sweep_backward(const Blocks& b, int first, int end, const char* visit,
-                                  Row8* work) {
-  backward(b, first, end, visit, work);
-}
-
-// The block of r rows and w columns as panels, with inverted diagonal; what is above it in a
-// panel is never used. Returns the end.
-double* pack_block(const double* block, long r, long w, double* to) {
-  for (long first = 0; first < r;) {
-    const bool triangle = first < w;
-    const long height = std::min<long>(panel, (triangle ? w : r) - first);
-    const long columns = triangle ? first + height : w;
-    for (long k = 0; k < columns; ++k)
-      for (long i = first; i < first + height; ++i)
-        *to++ = i == k ? 1 / block[i + k * r] : block[i + k * r];
-    first += height;
-  }
-  return to;
-}
 
 template <class Row>
 void load_rows(const double* x, long stride, int columns, const int* order, Row* row, Row* end) {
@@ -250,29 +50,26 @@ void wait_a_moment(int& patience) {
 
 }  // namespace
 
-void SupernodalSolve::analyze(const SupernodalPattern& L, const int* order) {
+SupernodalSolve::SupernodalSolve(const SupernodalPattern& L, const int* order)
+    : n_(L.columns[L.count]),
+      order_(order, order + n_),
+      columns_(L.columns, L.columns + L.count + 1),
+      row_starts_(L.row_starts, L.row_starts + L.count + 1),
+      value_starts_(L.value_starts, L.value_starts + L.count + 1),
+      packed_starts_(L.count),
+      parents_(L.count, -1) {
   static std::atomic<long> analyses{0};
   analysis_ = ++analyses;
-  n_ = L.columns[L.count];
-  columns_.assign(L.columns, L.columns + L.count + 1);
-  row_starts_.assign(L.row_starts, L.row_starts + L.count + 1);
-  value_starts_.assign(L.value_starts, L.value_starts + L.count + 1);
-  order_.assign(order, order + n_);
-  packed_starts_.assign(L.count, 0);
-  values_ = nullptr;
-  entries_ = 0;
-  parents_.assign(L.count, -1);
   std::vector<int> supernode_of(n_);
   for (int s = 0; s < L.count; ++s)
     std::fill(supernode_of.begin() + columns_[s], supernode_of.begin() + columns_[s + 1], s);
   for (int s = 0; s < L.count; ++s) {
-    const long w = columns_[s + 1] - columns_[s], r = row_starts_[s + 1] - row_starts_[s];
-    if (r > w) parents_[s] = supernode_of[L.rows[row_starts_[s] + w]];
+    const int first_below = row_starts_[s] + columns_[s + 1] - columns_[s];
+    if (first_below < row_starts_[s + 1]) parents_[s] = supernode_of[L.rows[first_below]];
     entries_ += block_entries(s);
   }
   cut_into_chunks();
   find_boundaries(L.rows);
-  work_lanes_ = 0;
   make_room(4);
   pending_ = std::make_unique<std::atomic<int>[]>(chunks_.size());
 }
@@ -349,7 +146,6 @@ void SupernodalSolve::cut_into_chunks() {
       pieces.push_back(piece);
     }
   }
-  chunks_.clear();
   std::vector<long> sizes;
   for (const Piece& piece : pieces) {
     chunks_.push_back({});
@@ -374,7 +170,6 @@ void SupernodalSolve::relate_chunks(const std::vector<long>& sizes) {
     chunks_[c].parent = p < 0 ? -1 : chunk_of[p];
     if (p >= 0) level[chunk_of[p]] = std::max(level[chunk_of[p]], level[c] + 1);
   }
-  children_.clear();
   std::vector<std::vector<int>> children(chunks);
   for (int c = 0; c < chunks; ++c)
     if (chunks_[c].parent >= 0) children[chunks_[c].parent].push_back(c);
@@ -401,7 +196,7 @@ void SupernodalSolve::relate_chunks(const std::vector<long>& sizes) {
 }
 
 void SupernodalSolve::find_boundaries(const int* rows) {
-  targets_.resize(row_starts_.empty() ? 0 : row_starts_.back());
+  targets_.resize(row_starts_.back());
   std::vector<int> place(n_, -1), boundary, all;
   for (Chunk& chunk : chunks_) {
     boundary.clear();
@@ -444,7 +239,7 @@ void SupernodalSolve::pack(double* values) {
     const long r = row_starts_[s + 1] - row_starts_[s], w = columns_[s + 1] - columns_[s];
     block.assign(values + value_starts_[s], values + value_starts_[s] + r * w);
     packed_starts_[s] = to - values;
-    to = pack_block(block.data(), r, w, to);
+    to = pack_supernode(block.data(), r, w, to);
   }
   values_ = values;
 }
@@ -455,8 +250,8 @@ void SupernodalSolve::solve_group(const SolvePart* part, double* x, long stride,
   // Vectors start at multiples of their size.
   const auto address = reinterpret_cast<std::uintptr_t>(work_.get());
   Row* work = reinterpret_cast<Row*>((address + sizeof(Row) - 1) / sizeof(Row) * sizeof(Row));
-  const Blocks blocks{columns_.data(), row_starts_.data(), packed_starts_.data(), targets_.data(),
-                      values_};
+  const PackedSupernodes packed{columns_.data(), row_starts_.data(), packed_starts_.data(),
+                                targets_.data(), values_};
   const auto forward_chunk = [&](int c) {
     const Chunk& chunk = chunks_[c];
     if (part && !part->chunk_forward[c]) {
@@ -473,7 +268,7 @@ void SupernodalSolve::solve_group(const SolvePart* part, double* x, long stride,
       for (int e = child.first_boundary; e < child.end_boundary; ++e)
         work[boundary_targets_[e]] += work[n_ + e];
     }
-    sweep_forward(blocks, chunk.first_supernode, chunk.end_supernode,
+    sweep_forward(packed, chunk.first_supernode, chunk.end_supernode,
                   part ? part->forward.data() : nullptr, work);
   };
   const auto backward_chunk = [&](int c) {
@@ -481,7 +276,7 @@ void SupernodalSolve::solve_group(const SolvePart* part, double* x, long stride,
     if (part && !part->chunk_backward[c]) return;
     for (int e = chunk.first_boundary; e < chunk.end_boundary; ++e)
       work[n_ + e] = work[boundary_targets_[e]];
-    sweep_backward(blocks, chunk.first_supernode, chunk.end_supernode,
+    sweep_backward(packed, chunk.first_supernode, chunk.end_supernode,
                    part ? part->backward.data() : nullptr, work);
     store_rows(work + chunk.first_column, work + chunk.end_column,
                order_.data() + chunk.first_column, columns, x, stride);

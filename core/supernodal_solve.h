@@ -47,10 +47,10 @@ class SupernodalSolve {
 
   /// `order`: the unknown behind each row of L. Supernodes must be in a postorder of their tree.
   /// O(rows of the pattern). Allocates what solve() needs for 4 right-hand sides.
-  void analyze(const SupernodalPattern& pattern, const int* order);
+  SupernodalSolve(const SupernodalPattern& pattern, const int* order);
 
-  /// Repacks the blocks in place: the values are no longer the factor's own layout. The pattern is
-  /// the one that was analysed; the values must outlive the solves. One read and one write of the
+  /// Repacks the blocks in place: the values are no longer the factor's own layout. The values have
+  /// the pattern of the constructor; they must outlive the solves. One read and one write of the
   /// factor.
   void pack(double* values);
 

@@ -239,8 +239,7 @@ TEST_CASE("what a part has no need of is not visited") {
   SupernodalFactor factor;
   factor.analyze(A, {}, Expected::one_factor);
   REQUIRE(factor.factorize(A).empty());
-  SupernodalSolve solve;
-  solve.analyze(factor.pattern(), factor.order());
+  SupernodalSolve solve(factor.pattern(), factor.order());
   solve.pack(factor.values());
   const SupernodalPattern L = factor.pattern();
   for (const int unknown : {0, 700, 2100}) {
@@ -268,8 +267,7 @@ TEST_CASE("trees are cut in chunks for threads where that pays, and only there")
     SupernodalFactor factor;
     factor.analyze(A, {}, Expected::one_factor);
     REQUIRE(factor.factorize(A).empty());
-    SupernodalSolve solve;
-    solve.analyze(factor.pattern(), factor.order());
+    const SupernodalSolve solve(factor.pattern(), factor.order());
     return std::pair(solve.chunk_count(), solve.threads_for(solve.entries()));
   };
   const int two = std::min(2, core_count());
