@@ -4,7 +4,6 @@
 #include <mutex>
 
 #include "batten/core/errors.h"
-#include "batten/core/huge_pages.h"
 #include "batten/core/supernodal_factor.h"
 
 // Present when BLAS is OpenBLAS. One BLAS thread keeps the factor's bits independent of the
@@ -149,11 +148,6 @@ bool SupernodalFactor::analyzed() const { return data_->factor != nullptr; }
 std::string SupernodalFactor::factorize(const SparseMatrix& A) {
   const OneThread guard;
   cholmod_factor& L = *data_->factor;
-  if (L.xtype == CHOLMOD_PATTERN) {
-    constexpr int yes = 1;
-    if (cholmod_change_factor(CHOLMOD_REAL, yes, yes, yes, yes, &L, &data_->common))
-      advise_huge_pages(L.x, L.xsize * sizeof(double));
-  }
   cholmod_sparse a = view(A);
   if (!cholmod_factorize(&a, &L, &data_->common) || data_->common.status < 0)
     return data_->failure("numeric");

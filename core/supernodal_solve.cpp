@@ -7,7 +7,6 @@
 #include <thread>
 
 #include "batten/core/errors.h"
-#include "batten/core/huge_pages.h"
 #include "batten/core/parallel.h"
 #include "batten/core/simd.h"
 #include "batten/core/supernodal_sweeps.h"
@@ -233,14 +232,19 @@ void SupernodalSolve::find_boundaries(const int* rows) {
 }
 
 void SupernodalSolve::pack(double* values) {
-  double* to = values;  // never ahead of what is still to be read
-  std::vector<double> block;
-  for (size_t s = 0; s < parents_.size(); ++s) {
-    const long r = row_starts_[s + 1] - row_starts_[s], w = columns_[s + 1] - columns_[s];
-    block.assign(values + value_starts_[s], values + value_starts_[s] + r * w);
-    packed_starts_[s] = to - values;
-    to = pack_supernode(block.data(), r, w, to);
-  }
+  const auto pack_chunk = [&](int c) {
+    const Chunk& chunk = chunks_[c];
+    std::vector<double> block;
+    // Never ahead of what is still to be read.
+    double* to = values + value_starts_[chunk.first_supernode];
+    for (int s = chunk.first_supernode; s < chunk.end_supernode; ++s) {
+      const long r = row_starts_[s + 1] - row_starts_[s], w = columns_[s + 1] - columns_[s];
+      block.assign(values + value_starts_[s], values + value_starts_[s] + r * w);
+      packed_starts_[s] = to - values;
+      to = pack_supernode(block.data(), r, w, to);
+    }
+  };
+  parallel_parts(chunk_count(), pack_chunk);
   values_ = values;
 }
 
@@ -398,10 +402,8 @@ int SupernodalSolve::threads_for(long entries) const {
 
 void SupernodalSolve::make_room(int lanes) const {
   if (work_lanes_ >= lanes) return;
-  const size_t size = (n_ + boundary_targets_.size() + 1) * lanes;
-  work_ = std::make_unique_for_overwrite<double[]>(size);
+  work_ = std::make_unique_for_overwrite<double[]>((n_ + boundary_targets_.size() + 1) * lanes);
   work_lanes_ = lanes;
-  advise_huge_pages(work_.get(), size * sizeof(double));
 }
 
 }  // namespace batten
