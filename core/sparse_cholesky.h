@@ -59,13 +59,13 @@ class SparseCholesky {
   /// b, n×k, becomes x with A x = b. Needs a successful factorize(), otherwise NoSolutionError;
   /// InputError when b has other than n rows. Allocates nothing, but for the first solve of all,
   /// which starts the threads, and the first of more than four columns. Eight columns take
-  /// about 1.5 times as long as four, and one as long as four.
+  /// 1.1 to 1.3 times as long as four, and one as long as four.
   void solve_in_place(Eigen::Ref<MatX> b) const;
   MatX solve(const Eigen::Ref<const MatX>& b) const;
 
   /// The part of the factor that a solve has to visit when b is zero outside the rows `nonzero` and
   /// only the rows `wanted` of x are needed; no list: all rows. Make it once, use it in every
-  /// solve: making it costs about as much as a solve.
+  /// solve: making it costs a fraction of a solve.
   ///
   /// By linearity a right-hand side that changes in few rows is such a case: x changes by the
   /// solution for the change of b. Forward, the solve visits the elimination tree from the rows
