@@ -10,6 +10,7 @@
 #include "batten/constraints/affine_reduction.h"
 #include "batten/fem/assembly.h"
 #include "batten/fem/dissection.h"
+#include "batten/tests/clamped_rim.h"
 #include "bench.h"
 #include "getfem_peer.h"
 
@@ -52,21 +53,6 @@ double h2_error(const SurfaceAssembler& assembler, const Points& w) {
   return std::sqrt(sum);
 }
 
-ConstraintSet clamped(const ParametricMesh& mesh, const DofMap& dofs) {
-  ConstraintSet constraints(dofs.count());
-  std::vector<char> rim(mesh.vertex_count(), 0);
-  for (int e = 0; e < mesh.edge_count(); ++e) {
-    const auto& edge = mesh.edges()[e];
-    if (!edge.boundary()) continue;
-    rim[edge.low] = rim[edge.high] = 1;
-    constraints.fix("clamped rim", dofs.edge(e), Vec3::Zero());
-  }
-  for (int v = 0; v < mesh.vertex_count(); ++v)
-    for (int d = 0; rim[v] && d < 3; ++d)
-      constraints.fix("clamped rim", dofs.vertex(v, d), Vec3::Zero());
-  return constraints;
-}
-
 PlateRun batten_plate(int n) {
   PlateRun run;
   const double start = seconds();
@@ -79,7 +65,7 @@ PlateRun batten_plate(int n) {
   const Points F =
       assembler.load([](const Location&, const Vec2& p) { return Vec3(plate_load(p), 0, 0); }, 4);
   const double loaded = seconds();
-  const ConstrainedSolver solver(clamped(mesh, assembler.dofs()), std::move(K),
+  const ConstrainedSolver solver(batten_test::clamped_rim(mesh), std::move(K),
                                  dissection_order(mesh));
   const Points w = solver.solve(F);
   run.solve = seconds() - loaded;

@@ -4,20 +4,19 @@
 // factor twice, 8 bytes each, and cannot be faster than memory gives them; memory's speed is that
 // of the triad a = b + s c on one thread, measured beside every matrix.
 #include <Eigen/SparseCholesky>
-#include <array>
 
 #include "batten/core/sparse_cholesky.h"
 #include "batten/tests/solver_matrices.h"
 #include "bench.h"
 #ifdef BATTEN_BENCH_CHOLMOD
-#include <cholmod.h>
+#include "batten/tests/cholmod_peer.h"
 #endif
 
 namespace {
 
 using namespace batten;
 using namespace batten::bench;
-using namespace batten::test;
+using namespace batten_test;
 
 double wall_seconds() {
   timespec t{};
@@ -37,71 +36,6 @@ double triad_bandwidth() {
   return a[n / 2] == 3.5 ? 24.0 * n / best : 0;
 }
 
-#ifdef BATTEN_BENCH_CHOLMOD
-
-// CHOLMOD as its manual shows it: supernodal LLᵀ, the same order of unknowns, a solve with kept
-// workspace. Supernodes are joined by its own rule, or by the one that Batten asks of it for small
-// matrices.
-class Cholmod {
- public:
-  Cholmod(const BendingMatrix& problem, bool joined_as_ours) : order_(problem.order) {
-    cholmod_start(&common_);
-    if (joined_as_ours) {
-      std::copy_n(std::array<size_t, 3>{16, 32, 64}.data(), 3, common_.nrelax);
-      std::copy_n(std::array<double, 3>{0.9, 0.2, 0.1}.data(), 3, common_.zrelax);
-    }
-    common_.nmethods = 1;
-    common_.method[0].ordering = order_.empty() ? CHOLMOD_AMD : CHOLMOD_GIVEN;
-    common_.supernodal = CHOLMOD_SUPERNODAL;
-    common_.final_ll = 1;
-    matrix_.nrow = matrix_.ncol = static_cast<size_t>(problem.K.rows());
-    matrix_.nzmax = static_cast<size_t>(problem.K.nonZeros());
-    matrix_.p = const_cast<int*>(problem.K.outerIndexPtr());
-    matrix_.i = const_cast<int*>(problem.K.innerIndexPtr());
-    matrix_.x = const_cast<double*>(problem.K.valuePtr());
-    matrix_.stype = -1;
-    matrix_.itype = CHOLMOD_INT;
-    matrix_.xtype = CHOLMOD_REAL;
-    matrix_.sorted = matrix_.packed = 1;
-  }
-  Cholmod(const Cholmod&) = delete;
-  ~Cholmod() {
-    cholmod_free_dense(&x_, &common_);
-    cholmod_free_dense(&y_, &common_);
-    cholmod_free_dense(&e_, &common_);
-    cholmod_free_factor(&factor_, &common_);
-    cholmod_finish(&common_);
-  }
-  void analyze() {
-    cholmod_free_factor(&factor_, &common_);
-    factor_ =
-        cholmod_analyze_p(&matrix_, order_.empty() ? nullptr : order_.data(), nullptr, 0, &common_);
-  }
-  void factorize() { cholmod_factorize(&matrix_, factor_, &common_); }
-  void solve(MatX& b) {
-    cholmod_dense view{};
-    view.nrow = view.d = static_cast<size_t>(b.rows());
-    view.ncol = static_cast<size_t>(b.cols());
-    view.nzmax = static_cast<size_t>(b.size());
-    view.x = b.data();
-    view.xtype = CHOLMOD_REAL;
-    cholmod_solve2(CHOLMOD_A, factor_, &view, nullptr, &x_, nullptr, &y_, &e_, &common_);
-  }
-  MatX solution() const {
-    return Eigen::Map<const MatX>(static_cast<const double*>(x_->x), static_cast<long>(x_->nrow),
-                                  static_cast<long>(x_->ncol));
-  }
-
- private:
-  std::vector<int> order_;
-  cholmod_common common_{};
-  cholmod_sparse matrix_{};
-  cholmod_factor* factor_ = nullptr;
-  cholmod_dense *x_ = nullptr, *y_ = nullptr, *e_ = nullptr;
-};
-
-#endif
-
 struct Times {
   double analyze = 0, factor = 0, solve = 0;
 };
@@ -110,7 +44,7 @@ struct Result {
   Times ours, eigen;
   std::optional<Times> cholmod;
   double on_all_cores = 0;
-  double backward_error = 0;         // |Ax - b| / (|A| |x|), largest entries
+  double backward_error = 0;         // |Ax - b| / (|A| |x|)
   std::optional<double> difference;  // from CHOLMOD's solution with the same factor
   // `bandwidth`: the best of the whole run.
   double share(double bandwidth) const {
@@ -154,15 +88,14 @@ Result measure(const BendingMatrix& problem, double& bandwidth) {
   MatX x = b;
   std::vector<double> our_times, their_times[2], both;
 #ifdef BATTEN_BENCH_CHOLMOD
-  std::optional<Cholmod> cholmod[2];
-  const int variants = r.n < 20000 ? 2 : 1;
+  std::optional<CholmodPeer> cholmod[2];
+  const int variants = r.n < CholmodPeer::small ? 2 : 1;
   r.cholmod.emplace();
   for (int v = variants - 1; v >= 0; --v) {
-    cholmod[v].emplace(problem, v == 1);
+    cholmod[v].emplace(A, problem.order, v == 1);
     r.cholmod->analyze = time_of([&] { cholmod[v]->analyze(); });
     for (int i = 0; i < 2; ++i) r.cholmod->factor = time_of([&] { cholmod[v]->factorize(); });
   }
-  MatX copy = b;
 #endif
   bandwidth = std::max(bandwidth, triad_bandwidth());
   for (int round = 0; round < rounds; ++round) {
@@ -176,15 +109,14 @@ Result measure(const BendingMatrix& problem, double& bandwidth) {
     x = b;
 #ifdef BATTEN_BENCH_CHOLMOD
     for (int v = 0; v < variants; ++v)
-      their_times[v].push_back(warm([&] { cholmod[v]->solve(copy); }));
+      their_times[v].push_back(warm([&] { cholmod[v]->solve(b); }));
 #endif
   }
   bandwidth = std::max(bandwidth, triad_bandwidth());
   r.ours.solve = median(our_times);
   r.on_all_cores = median(both);
   ours.solve_in_place(x);
-  r.backward_error = (A.selfadjointView<Eigen::Lower>() * x - b).cwiseAbs().maxCoeff() /
-                     (A.coeffs().abs().maxCoeff() * x.cwiseAbs().maxCoeff());
+  r.backward_error = backward_error(A, x, b);
 #ifdef BATTEN_BENCH_CHOLMOD
   r.cholmod->solve = median(their_times[0]);
   if (variants == 2) r.cholmod->solve = std::min(r.cholmod->solve, median(their_times[1]));

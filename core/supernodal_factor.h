@@ -20,7 +20,6 @@ class SupernodalFactor {
 
   /// A.rows() > 0. `order` may be empty.
   void analyze(const SparseMatrix& A, const std::vector<int>& order, Expected expected);
-  bool analyzed() const;
 
   /// Why it failed, or "".
   std::string factorize(const SparseMatrix& A);

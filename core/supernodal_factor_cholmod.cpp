@@ -143,8 +143,6 @@ void SupernodalFactor::analyze(const SparseMatrix& A, const std::vector<int>& or
   if (!data_->factor) throw NoSolutionError(data_->failure("symbolic"));
 }
 
-bool SupernodalFactor::analyzed() const { return data_->factor != nullptr; }
-
 std::string SupernodalFactor::factorize(const SparseMatrix& A) {
   const OneThread guard;
   cholmod_factor& L = *data_->factor;

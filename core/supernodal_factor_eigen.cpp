@@ -57,7 +57,6 @@ struct SupernodalFactor::Data {
   std::vector<int> order;  // the unknown behind each row
   std::vector<int> columns, row_starts, rows, value_starts;
   std::vector<double> values;
-  bool analyzed = false;
 
   SparseMatrix permuted(const SparseMatrix& A) const {
     Permutation place(A.rows());
@@ -87,10 +86,7 @@ void SupernodalFactor::analyze(const SparseMatrix& A, const std::vector<int>& or
   std::vector<int> given = std::exchange(d.order, {});
   for (const int node : post) d.order.push_back(given[node]);
   d.ldlt.analyzePattern(d.permuted(A));
-  d.analyzed = true;
 }
-
-bool SupernodalFactor::analyzed() const { return data_->analyzed; }
 
 // Neighbouring columns of L belong together when the rows of one are the next column and its rows.
 void SupernodalFactor::Data::find_supernodes() {

@@ -2,13 +2,14 @@
 
 #include <cmath>
 #include <numbers>
-#include <random>
 
 #include "batten/constraints/affine_reduction.h"
 #include "batten/fem/assembly.h"
 #include "batten/fem/dissection.h"
+#include "batten/tests/clamped_rim.h"
+#include "batten/tests/sampling.h"
 
-namespace batten::test {
+namespace batten_test {
 
 HoledSheet holed_sheet(int vertices) {
   using std::numbers::pi;
@@ -18,13 +19,13 @@ HoledSheet holed_sheet(int vertices) {
   const int nu = static_cast<int>(std::round(width / h)),
             nv = static_cast<int>(std::round(depth / h));
   // Square grid, its diagonals turning about, without the vertices inside of holes.
-  std::mt19937 random(5);
+  Random random(5);
   std::vector<int> number((nu + 1) * (nv + 1), -1);
   std::vector<Vec3> points;
   std::vector<char> held, rim;
   for (int j = 0; j <= nv; ++j)
     for (int i = 0; i <= nu; ++i) {
-      const auto jitter = [&](bool inner) { return inner ? 0.2 * (random() * 0x1p-31 - 1) : 0.0; };
+      const auto jitter = [&](bool inner) { return inner ? 0.2 * random() : 0.0; };
       const double u = width * (i + jitter(i > 0 && i < nu)) / nu,
                    v = depth * (j + jitter(j > 0 && j < nv)) / nv;
       const double from_hole =
@@ -90,16 +91,7 @@ HoledSheet holed_sheet(int vertices) {
 BendingMatrix clamped_bending(int n) {
   const ParametricMesh mesh = ParametricMesh::unit_square(n);
   const SurfaceAssembler assembler(mesh, TriangleElement::HCT);
-  const DofMap& dofs = assembler.dofs();
-  ConstraintSet clamped(dofs.count());
-  for (int e = 0; e < mesh.edge_count(); ++e) {
-    const auto& edge = mesh.edges()[e];
-    if (!edge.boundary()) continue;
-    clamped.fix("rim", dofs.edge(e), Vec3::Zero());
-    for (const int v : {edge.low, edge.high})
-      for (int d = 0; d < 3; ++d) clamped.fix("rim", dofs.vertex(v, d), Vec3::Zero());
-  }
-  const AffineReduction reduction(clamped);
+  const AffineReduction reduction(clamped_rim(mesh));
   return {reduction.reduce(assembler.stiffness(SurfaceStiffness::isotropic(0, 1))),
           reduction.order_of_free(dissection_order(mesh))};
 }
@@ -195,9 +187,14 @@ std::vector<NamedMatrix> twenty_matrices() {
   return all;
 }
 
-MatX random_columns(long n, long columns, unsigned seed) {
-  std::mt19937 engine(seed);
-  return MatX::NullaryExpr(n, columns, [&] { return engine() * 0x1p-31 - 1; });
+double backward_error(const SparseMatrix& A, const MatX& x, const MatX& b) {
+  const MatX residual = A.selfadjointView<Eigen::Lower>() * x - b;
+  return residual.cwiseAbs().maxCoeff() / (A.coeffs().abs().maxCoeff() * x.cwiseAbs().maxCoeff());
 }
 
-}  // namespace batten::test
+MatX random_columns(long n, long columns, unsigned seed) {
+  Random random(seed);
+  return MatX::NullaryExpr(n, columns, [&] { return random(); });
+}
+
+}  // namespace batten_test

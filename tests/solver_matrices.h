@@ -7,7 +7,9 @@
 
 #include "batten/core/eigen.h"
 
-namespace batten::test {
+namespace batten_test {
+
+using namespace batten;
 
 /// Least-squares rows of a deformed sheet: √Aᵢ · mean curvature at every vertex, A x ≈ b.
 struct HoledSheet {
@@ -44,7 +46,11 @@ struct NamedMatrix {
 };
 std::vector<NamedMatrix> twenty_matrices();
 
+/// |Ax - b| / (|A| |x|), largest entries and row sums: rounding of one solve, whatever the
+/// condition of A (lower triangle).
+double backward_error(const SparseMatrix& A, const MatX& x, const MatX& b);
+
 /// n × columns numbers in [-1, 1), the same on every machine.
 MatX random_columns(long n, long columns, unsigned seed = 1);
 
-}  // namespace batten::test
+}  // namespace batten_test

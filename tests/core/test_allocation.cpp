@@ -1,8 +1,8 @@
 // The drag loop allocates nothing. Counted, where malloc can be replaced.
-#include "batten/core/parallel.h"
 #include "batten/core/sparse_cholesky.h"
 #include "batten/tests/catch.h"
 #include "batten/tests/solver_matrices.h"
+#include "batten/tests/threads.h"
 
 #if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__)
 
@@ -40,11 +40,10 @@ void* aligned_alloc(size_t alignment, size_t size) {
 }
 }
 
-using namespace batten;
-using namespace batten::test;
+using namespace batten_test;
 
 TEST_CASE("solves allocate nothing: one thread or more, one column or many, whole or in part") {
-  set_thread_count(2);
+  const ThreadGuard two(2);
   for (const int vertices : {3300, 14600}) {
     const SparseMatrix A = holed_sheet(vertices).normal;
     SparseCholesky cholesky;
@@ -70,7 +69,6 @@ TEST_CASE("solves allocate nothing: one thread or more, one column or many, whol
     counting = false;
     CHECK(allocations > 0);
   }
-  set_thread_count(0);
 }
 
 #endif

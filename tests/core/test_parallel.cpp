@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "batten/tests/catch.h"
+#include "batten/tests/threads.h"
 
 #if defined(__linux__)
 #include <sys/wait.h>
@@ -19,15 +20,7 @@
 #endif
 
 using namespace batten;
-
-namespace {
-
-// Leaves the number of threads as it was found.
-struct ThreadGuard {
-  ~ThreadGuard() { set_thread_count(0); }
-};
-
-}  // namespace
+using namespace batten_test;
 
 TEST_CASE("thread_count is what was set, and the number of cores after 0") {
   const ThreadGuard guard;

@@ -1,24 +1,18 @@
 #include "batten/core/sparse_cholesky.h"
 
 #include <cmath>
-#include <random>
 
 #include "batten/core/errors.h"
 #include "batten/tests/catch.h"
+#include "batten/tests/sampling.h"
 
-using namespace batten;
+using namespace batten_test;
 
 namespace {
 
-// The same numbers in [-1, 1) on every machine.
-struct Random {
-  std::mt19937 engine;
-  double operator()() { return engine() * 0x1p-31 - 1; }
-};
-
 // Lower triangle of a random sparse matrix with a dominant diagonal.
 SparseMatrix random_spd(int n, unsigned seed) {
-  Random random{std::mt19937(seed)};
+  Random random(seed);
   std::vector<Triplet> entries;
   for (int i = 0; i < n; ++i) {
     entries.emplace_back(i, i, 12 + random());
@@ -60,7 +54,7 @@ TEST_CASE("A x = b is solved to rounding, for one right-hand side and for many")
     REQUIRE(cholesky.factorize(A));
     CHECK(cholesky.message().empty());
     CHECK(cholesky.factor_entries() >= n);
-    Random random{std::mt19937(7)};
+    Random random(7);
     for (const int columns : {1, 3, 20}) {
       const MatX b = MatX::NullaryExpr(n, columns, [&] { return random(); });
       const MatX x = cholesky.solve(b);

@@ -4,31 +4,24 @@
 #include <thread>
 
 #include "batten/core/errors.h"
-#include "batten/core/parallel.h"
 #include "batten/core/sparse_cholesky.h"
 #include "batten/core/supernodal_factor.h"
 #include "batten/core/supernodal_solve.h"
 #include "batten/core/supernodal_sweeps.h"
 #include "batten/tests/catch.h"
 #include "batten/tests/solver_matrices.h"
+#include "batten/tests/threads.h"
 
 #ifdef BATTEN_TEST_CHOLMOD
-#include <cholmod.h>
+#include "batten/tests/cholmod_peer.h"
 extern "C" __attribute__((weak)) void openblas_set_num_threads(int);
 extern "C" __attribute__((weak)) int openblas_get_num_threads(void);
 extern "C" __attribute__((weak)) void omp_set_max_active_levels(int);
 #endif
 
-using namespace batten;
-using namespace batten::test;
+using namespace batten_test;
 
 namespace {
-
-// Sets the number of threads for a while.
-struct Threads {
-  explicit Threads(int count) { set_thread_count(count); }
-  ~Threads() { set_thread_count(0); }
-};
 
 SparseCholesky factor_of(const BendingMatrix& problem) {
   SparseCholesky cholesky;
@@ -37,62 +30,17 @@ SparseCholesky factor_of(const BendingMatrix& problem) {
   return cholesky;
 }
 
-// |Ax - b| / (|A| |x|): rounding of one solve, whatever the condition of A.
-double backward_error(const SparseMatrix& A, const MatX& x, const MatX& b) {
-  const MatX residual = A.selfadjointView<Eigen::Lower>() * x - b;
-  VecX row_sums = VecX::Zero(A.rows());
-  for (int c = 0; c < A.outerSize(); ++c)
-    for (SparseMatrix::InnerIterator e(A, c); e; ++e) {
-      row_sums[e.row()] += std::abs(e.value());
-      if (e.row() != c) row_sums[c] += std::abs(e.value());
-    }
-  return residual.cwiseAbs().maxCoeff() / (row_sums.maxCoeff() * x.cwiseAbs().maxCoeff());
-}
-
 #ifdef BATTEN_TEST_CHOLMOD
 // CHOLMOD's own solve. Its factor is made like ours, supernodes and threads, so that it has the
 // same bits: another factor's rounding, times the condition number, would hide what is compared.
-MatX solved_by_cholmod(const BendingMatrix& problem, MatX b) {
+MatX solved_by_cholmod(const BendingMatrix& problem, const MatX& b) {
   if (openblas_set_num_threads) openblas_set_num_threads(1);
   if (omp_set_max_active_levels) omp_set_max_active_levels(0);
-  cholmod_common common;
-  cholmod_start(&common);
-  common.nmethods = 1;
-  common.method[0].ordering = problem.order.empty() ? CHOLMOD_AMD : CHOLMOD_GIVEN;
-  common.supernodal = CHOLMOD_SUPERNODAL;
-  common.final_ll = 1;
-  if (problem.K.rows() < 20000) {
-    const size_t columns[] = {16, 32, 64};
-    const double zeros[] = {0.9, 0.2, 0.1};
-    std::copy_n(columns, 3, common.nrelax);
-    std::copy_n(zeros, 3, common.zrelax);
-  }
-  cholmod_sparse A{};
-  A.nrow = A.ncol = static_cast<size_t>(problem.K.rows());
-  A.nzmax = static_cast<size_t>(problem.K.nonZeros());
-  A.p = const_cast<int*>(problem.K.outerIndexPtr());
-  A.i = const_cast<int*>(problem.K.innerIndexPtr());
-  A.x = const_cast<double*>(problem.K.valuePtr());
-  A.stype = -1;
-  A.itype = CHOLMOD_INT;
-  A.xtype = CHOLMOD_REAL;
-  A.sorted = A.packed = 1;
-  std::vector<int> order = problem.order;
-  cholmod_factor* L =
-      cholmod_analyze_p(&A, order.empty() ? nullptr : order.data(), nullptr, 0, &common);
-  cholmod_factorize(&A, L, &common);
-  cholmod_dense right{};
-  right.nrow = right.d = A.nrow;
-  right.ncol = static_cast<size_t>(b.cols());
-  right.nzmax = static_cast<size_t>(b.size());
-  right.x = b.data();
-  right.xtype = CHOLMOD_REAL;
-  cholmod_dense* x = cholmod_solve(CHOLMOD_A, L, &right, &common);
-  b = Eigen::Map<MatX>(static_cast<double*>(x->x), b.rows(), b.cols());
-  cholmod_free_dense(&x, &common);
-  cholmod_free_factor(&L, &common);
-  cholmod_finish(&common);
-  return b;
+  CholmodPeer peer(problem.K, problem.order, problem.K.rows() < CholmodPeer::small);
+  peer.analyze();
+  peer.factorize();
+  peer.solve(b);
+  return peer.solution();
 }
 #endif
 
@@ -124,7 +72,7 @@ TEST_CASE(
   const MatX b = random_columns(problem.K.rows(), 3);
   MatX x = b;
   {
-    const Threads one(1);
+    const ThreadGuard one(1);
     cholesky.solve_in_place(x);
   }
   CHECK(backward_error(problem.K, x, b) < 1e-14);
@@ -133,7 +81,7 @@ TEST_CASE(
   CHECK((x - theirs).cwiseAbs().maxCoeff() <= 1e-12 * theirs.cwiseAbs().maxCoeff());
 #endif
   for (const int threads : {2, 3, 7}) {
-    const Threads several(threads);
+    const ThreadGuard several(threads);
     for (int again = 0; again < 3; ++again) CHECK(same(cholesky.solve(b), x));
   }
 }
@@ -171,11 +119,11 @@ TEST_CASE("vector registers of every width give the same solution") {
         const MatX right = b.leftCols(columns);
         MatX x = right;
         {
-          const Threads one(1);
+          const ThreadGuard one(1);
           cholesky.solve_in_place(x);
         }
         CHECK(backward_error(problem.K, x, right) < 1e-14);
-        const Threads two(2);
+        const ThreadGuard two(2);
         CHECK(same(cholesky.solve(right), x));
       }
     }
@@ -235,7 +183,7 @@ TEST_CASE("a part of a solve gives the wanted rows of the whole, bit by bit") {
                                      every(1, n / 9, 11),
                                      every(1, n, static_cast<int>(n) * 7 / 8)};
   for (const int threads : {1, 2}) {
-    const Threads use(threads);
+    const ThreadGuard use(threads);
     for (const Rows& nonzero : choices)
       for (const Rows& wanted : choices) {
         const SolvePart part = cholesky.part(nonzero, wanted);
@@ -286,7 +234,7 @@ TEST_CASE("what a part has no need of is not visited") {
 }
 
 TEST_CASE("trees are cut in chunks for threads where that pays, and only there") {
-  const Threads use(2);
+  const ThreadGuard use(2);
   const auto cut = [](const SparseMatrix& A) {
     SupernodalFactor factor;
     factor.analyze(A, {}, Expected::one_factor);

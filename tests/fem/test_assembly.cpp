@@ -10,6 +10,7 @@
 #include "batten/core/sparse_cholesky.h"
 #include "batten/tests/catch.h"
 #include "batten/tests/sampling.h"
+#include "batten/tests/threads.h"
 
 using namespace batten_test;
 
@@ -70,11 +71,6 @@ std::vector<SurfaceStiffness> one_for_each(const ParametricMesh& mesh) {
   for (int t = 0; t < mesh.triangle_count(); ++t) materials.push_back(anisotropic(1 + t % 7));
   return materials;
 }
-
-// Leaves the number of threads as it was found.
-struct ThreadGuard {
-  ~ThreadGuard() { set_thread_count(0); }
-};
 
 }  // namespace
 

@@ -8,26 +8,10 @@
 #include "batten/core/errors.h"
 #include "batten/fem/assembly.h"
 #include "batten/tests/catch.h"
+#include "batten/tests/clamped_rim.h"
 #include "batten/tests/sampling.h"
 
 using namespace batten_test;
-
-namespace {
-
-ConstraintSet clamped(const ParametricMesh& mesh) {
-  const DofMap dofs(mesh);
-  ConstraintSet set(dofs.count());
-  for (int e = 0; e < mesh.edge_count(); ++e) {
-    const auto& edge = mesh.edges()[e];
-    if (!edge.boundary()) continue;
-    set.fix("rim", dofs.edge(e), Vec3::Zero());
-    for (const int v : {edge.low, edge.high})
-      for (int d = 0; d < 3; ++d) set.fix("rim", dofs.vertex(v, d), Vec3::Zero());
-  }
-  return set;
-}
-
-}  // namespace
 
 TEST_CASE("the dissection order holds every dof once") {
   for (const int n : {1, 2, 7, 16}) {
@@ -44,7 +28,7 @@ TEST_CASE("the order changes the fill, not the solution") {
   const ParametricMesh mesh = perturbed_square(40, 5);
   const SurfaceAssembler assembler(mesh, TriangleElement::HCT);
   const SparseMatrix K = assembler.stiffness(SurfaceStiffness{});
-  const ConstraintSet set = clamped(mesh);
+  const ConstraintSet set = clamped_rim(mesh);
   const Points F = assembler.load(Vec3(1, -2, 3));
   const Points amd = ConstrainedSolver(set, K).solve(F);
   const Points dissected = ConstrainedSolver(set, K, dissection_order(mesh)).solve(F);
@@ -77,7 +61,7 @@ TEST_CASE("an order of the wrong size is refused") {
 TEST_CASE("a coordinate without load and values stays exactly zero") {
   const ParametricMesh mesh = ParametricMesh::unit_square(6);
   const SurfaceAssembler assembler(mesh, TriangleElement::HCT);
-  const Points q = solve_constrained(clamped(mesh), assembler.stiffness(SurfaceStiffness{}),
+  const Points q = solve_constrained(clamped_rim(mesh), assembler.stiffness(SurfaceStiffness{}),
                                      assembler.load(Vec3(0, 0, 1)));
   CHECK(q.leftCols(2).isZero(0));
   CHECK(q.col(2).maxCoeff() > 1e-4);

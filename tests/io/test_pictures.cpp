@@ -14,6 +14,7 @@
 #include "batten/core/errors.h"
 #include "batten/tests/catch.h"
 #include "batten/tests/reference.h"
+#include "batten/tests/refusal.h"
 #include "batten/tests/sampling.h"
 
 using namespace batten_test;
@@ -80,16 +81,6 @@ struct Picture {
 bool red(const Vec3& c) { return c[0] > 0.5 && c[0] > 1.8 * c[1] && c[0] > 1.8 * c[2]; }
 bool blue(const Vec3& c) { return c[2] > 0.4 && c[2] > 1.6 * c[0]; }
 bool dark(const Vec3& c) { return c.maxCoeff() < 0.45; }
-
-template <class Action>
-std::string refusal(const Action& action) {
-  try {
-    action();
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
-}
 
 bool have_display() {
   const std::string why = refusal([] { require_display(); });

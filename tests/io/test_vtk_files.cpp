@@ -25,6 +25,7 @@
 #include "batten/io/whole_file.h"
 #include "batten/tests/catch.h"
 #include "batten/tests/reference.h"
+#include "batten/tests/refusal.h"
 #include "batten/tests/sampling.h"
 
 using namespace batten_test;
@@ -125,16 +126,6 @@ std::string bytes(const fs::path& path) {
 size_t files_in(const fs::path& folder) {
   return static_cast<size_t>(
       std::distance(fs::directory_iterator(folder), fs::directory_iterator()));
-}
-
-template <class Action>
-std::string refusal(const Action& action) {
-  try {
-    action();
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include "batten/sculpting/static_sculpt.h"
 #include "batten/skinning/mesher.h"
 #include "batten/tests/catch.h"
+#include "batten/tests/threads.h"
 #include "shapes.h"
 
 using namespace batten_test;
@@ -158,11 +159,10 @@ TEST_CASE("one thread and two give the same bits") {
   const auto shape = [&] {
     return skinned(curved_polygon(5, 0.3, 0.1), options, {{"p", PressureLoad{25}}}).surface.dofs();
   };
-  set_thread_count(1);
+  const ThreadGuard guard(1);
   const Points one = shape();
   set_thread_count(2);
   const Points two = shape();
-  set_thread_count(0);
   CHECK((one.array() == two.array()).all());
 }
 
