@@ -1,0 +1,56 @@
+// From shell elements to a triangle mesh that mathematics can stand on.
+#pragma once
+
+#include <array>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "batten/mesh/shell_mesh.h"
+#include "batten/mesh/triangle_mesh.h"
+
+namespace batten {
+
+/// What a mesh is like, by counting. Lists hold at most the first 8 of their kind.
+struct MeshDiagnosis {
+  int components = 0;                ///< joined by edges
+  int boundary_edges = 0;
+  int unused_nodes = 0;              ///< of no face
+  int collapsed_faces = 0;           ///< fewer than three different corners
+  int duplicate_faces = 0;           ///< the same nodes as an earlier face
+  int turned_faces = 0;              ///< to be turned for one orientation of each component
+  int coincident_nodes = 0;          ///< used nodes at exactly the place of an earlier one
+  int zero_area_triangles = 0;       ///< height below 1e-12 of the longest edge
+  bool orientable = true;
+  std::vector<std::array<int, 2>> non_manifold_edges;  ///< of three faces or more
+  std::vector<int> non_manifold_vertices;              ///< whose faces form several fans
+  int non_manifold_edge_count = 0, non_manifold_vertex_count = 0;
+  std::vector<int> bad_nodes;        ///< a coordinate that is not finite, an index out of range
+};
+
+/// The mathematics' view of shell elements: every face as triangles (quads along their shorter
+/// diagonal, ties along 13; second-order elements along their middle nodes; polygons so that their
+/// worst triangle is best), the same vertex numbers. The elements themselves stay as they are, so
+/// a file can be written back as it was.
+struct PreparedMesh {
+  TriangleMesh mesh;
+  std::vector<int> face_of_triangle;
+  MeshDiagnosis diagnosis;
+  /// What was done or noticed, in sentences: "12 faces turned to run the same way as their
+  /// neighbours".
+  std::vector<std::string> notes;
+};
+
+/// Throws InputError only for indices out of range. O(faces · log faces).
+MeshDiagnosis diagnose(const ShellMesh& shells);
+
+/// Safe repairs, for the mathematics only: collapsed and duplicate faces are left out, faces turned
+/// to agree with their neighbours (the lowest face of each component leads), unused nodes ignored.
+/// Throws InputError with the reason and the first places (nodes by their numbers from 0, or as
+/// `node_name` calls them): no faces, a coordinate that is not finite, an edge of more than two
+/// faces, a vertex whose faces form several fans, a mesh that cannot be oriented (Möbius strip),
+/// triangles of no area.
+PreparedMesh prepare(const ShellMesh& shells,
+                     const std::function<std::string(int)>& node_name = {});
+
+}  // namespace batten

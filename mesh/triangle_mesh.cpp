@@ -1,0 +1,224 @@
+#include "batten/mesh/triangle_mesh.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <string>
+#include <utility>
+
+#include "batten/core/errors.h"
+
+namespace batten {
+namespace {
+
+std::string named(int vertex) { return std::to_string(vertex); }
+
+}  // namespace
+
+MeshTopology::MeshTopology(int vertex_count, std::vector<std::array<int, 3>> triangles)
+    : vertex_count_(vertex_count), triangles_(std::move(triangles)) {
+  for (size_t t = 0; t < triangles_.size(); ++t) {
+    const auto& [a, b, c] = triangles_[t];
+    for (const int v : {a, b, c})
+      if (v < 0 || v >= vertex_count)
+        throw InputError("triangle " + std::to_string(t) + " names vertex " + named(v) + " of " +
+                         std::to_string(vertex_count));
+    if (a == b || b == c || c == a)
+      throw InputError("triangle " + std::to_string(t) + " has vertex " +
+                       named(a == b || a == c ? a : b) + " twice");
+  }
+  find_edges();
+  find_fans();
+  find_loops();
+  find_components();
+}
+
+void MeshTopology::find_edges() {
+  struct Side {
+    int low, high, triangle, corner;  // the edge is opposite to the corner
+    bool forward;                     // the triangle runs low → high
+  };
+  std::vector<Side> sides;
+  sides.reserve(3 * triangles_.size());
+  // By counting at the low end, so that only short lists are left to sort.
+  std::vector<int> start(vertex_count_ + 1, 0);
+  for (const auto& t : triangles_)
+    for (int c = 0; c < 3; ++c) ++start[std::min(t[(c + 1) % 3], t[(c + 2) % 3]) + 1];
+  std::partial_sum(start.begin(), start.end(), start.begin());
+  sides.resize(3 * triangles_.size());
+  std::vector<int> next(start.begin(), start.end() - 1);
+  for (int t = 0; t < triangle_count(); ++t)
+    for (int c = 0; c < 3; ++c) {
+      const int a = triangles_[t][(c + 1) % 3], b = triangles_[t][(c + 2) % 3];
+      sides[next[std::min(a, b)]++] = {std::min(a, b), std::max(a, b), t, c, a < b};
+    }
+  edges_of_.resize(triangles_.size());
+  edges_.reserve(triangles_.size() * 3 / 2 + 16);
+  for (int v = 0; v < vertex_count_; ++v) {
+    std::sort(sides.begin() + start[v], sides.begin() + start[v + 1],
+              [](const Side& x, const Side& y) {
+                return std::pair(x.high, x.triangle) < std::pair(y.high, y.triangle);
+              });
+    for (int i = start[v]; i < start[v + 1];) {
+      int end = i + 1;
+      while (end < start[v + 1] && sides[end].high == sides[i].high) ++end;
+      const std::string where =
+          "the edge between vertices " + named(sides[i].low) + " and " + named(sides[i].high);
+      if (end - i > 2)
+        throw InputError(where + " has " + std::to_string(end - i) +
+                         " triangles, expected one or two");
+      if (end - i == 2 && sides[i].forward == sides[i + 1].forward)
+        throw InputError("the two triangles at " + where +
+                         " run the same way, expected opposite ways");
+      Edge edge{sides[i].low, sides[i].high, -1, -1};
+      for (; i < end; ++i) {
+        (sides[i].forward ? edge.left : edge.right) = sides[i].triangle;
+        edges_of_[sides[i].triangle][sides[i].corner] = static_cast<int>(edges_.size());
+      }
+      edges_.push_back(edge);
+    }
+  }
+
+  neighbour_start_.assign(vertex_count_ + 1, 0);
+  for (const Edge& e : edges_) {
+    ++neighbour_start_[e.low + 1];
+    ++neighbour_start_[e.high + 1];
+  }
+  std::partial_sum(neighbour_start_.begin(), neighbour_start_.end(), neighbour_start_.begin());
+  neighbours_.resize(2 * edges_.size());
+  next.assign(neighbour_start_.begin(), neighbour_start_.end() - 1);
+  // Edges come by (low, high): first the lower neighbours of a vertex ascend, then the higher ones.
+  for (const Edge& e : edges_) neighbours_[next[e.high]++] = e.low;
+  for (const Edge& e : edges_) neighbours_[next[e.low]++] = e.high;
+}
+
+int MeshTopology::across(int triangle, int corner) const {
+  const Edge& e = edges_[edges_of_[triangle][corner]];
+  return e.left == triangle ? e.right : e.left;
+}
+
+void MeshTopology::find_fans() {
+  triangle_start_.assign(vertex_count_ + 1, 0);
+  for (const auto& t : triangles_)
+    for (const int v : t) ++triangle_start_[v + 1];
+  std::partial_sum(triangle_start_.begin(), triangle_start_.end(), triangle_start_.begin());
+  triangles_of_.resize(3 * triangles_.size());
+  std::vector<int> next(triangle_start_.begin(), triangle_start_.end() - 1);
+  for (int t = 0; t < triangle_count(); ++t)
+    for (const int v : triangles_[t]) triangles_of_[next[v]++] = t;
+
+  // A fan has as many edges as triangles when it closes, one more when it does not.
+  on_boundary_.assign(vertex_count_, 0);
+  std::vector<int> open_ends(vertex_count_, 0);
+  for (const Edge& e : edges_)
+    if (e.left < 0 || e.right < 0)
+      for (const int v : {e.low, e.high}) {
+        on_boundary_[v] = 1;
+        ++open_ends[v];
+      }
+  for (int v = 0; v < vertex_count_; ++v) {
+    const auto own = triangles_of(v);
+    if (own.empty()) continue;
+    // Walk the fan from its open end, or from anywhere when it closes.
+    const auto corner_in = [&](int t) {
+      return triangles_[t][0] == v ? 0 : triangles_[t][1] == v ? 1 : 2;
+    };
+    int first = own[0];
+    if (open_ends[v] > 0)
+      for (const int t : own)
+        if (across(t, (corner_in(t) + 2) % 3) < 0) first = t;
+    size_t seen = 0;
+    int t = first;
+    do {
+      ++seen;
+      t = across(t, (corner_in(t) + 1) % 3);
+    } while (t >= 0 && t != first);
+    if (seen != own.size())
+      throw InputError("vertex " + named(v) +
+                       " joins parts of the mesh that share no edge there, expected one fan of "
+                       "triangles around every vertex");
+  }
+}
+
+void MeshTopology::find_loops() {
+  // The surface lies on the left of the boundary: as its one triangle runs.
+  std::vector<int> after(vertex_count_, -1);
+  for (const Edge& e : edges_) {
+    if (e.right < 0) after[e.low] = e.high;
+    if (e.left < 0) after[e.high] = e.low;
+  }
+  for (int v = 0; v < vertex_count_; ++v) {
+    if (after[v] < 0) continue;
+    std::vector<int> loop;
+    for (int w = v; after[w] >= 0;) {
+      loop.push_back(w);
+      w = std::exchange(after[w], -1);
+    }
+    loops_.push_back(std::move(loop));
+  }
+}
+
+void MeshTopology::find_components() {
+  component_.assign(vertex_count_, -1);
+  std::vector<int> stack;
+  for (int v = 0; v < vertex_count_; ++v) {
+    if (component_[v] >= 0 || neighbours(v).empty()) continue;
+    component_[v] = component_count_;
+    stack.push_back(v);
+    while (!stack.empty()) {
+      const int w = stack.back();
+      stack.pop_back();
+      for (const int u : neighbours(w))
+        if (component_[u] < 0) {
+          component_[u] = component_count_;
+          stack.push_back(u);
+        }
+    }
+    ++component_count_;
+  }
+}
+
+TriangleMesh::TriangleMesh(Points points, std::vector<std::array<int, 3>> triangles)
+    : TriangleMesh(std::move(points), nullptr) {
+  topology_ = std::make_shared<const MeshTopology>(static_cast<int>(points_.rows()),
+                                                   std::move(triangles));
+}
+
+TriangleMesh::TriangleMesh(Points points, std::shared_ptr<const MeshTopology> topology)
+    : points_(std::move(points)), topology_(std::move(topology)) {
+  for (long v = 0; v < points_.rows(); ++v)
+    if (!points_.row(v).allFinite())
+      throw InputError("vertex " + named(static_cast<int>(v)) +
+                       " has a coordinate that is not finite");
+}
+
+TriangleMesh TriangleMesh::with_points(Points points) const {
+  if (points.rows() != points_.rows())
+    throw InputError("found " + std::to_string(points.rows()) + " points, expected " +
+                     std::to_string(points_.rows()));
+  return TriangleMesh(std::move(points), topology_);
+}
+
+Vec3 TriangleMesh::area_vector(int triangle) const {
+  const auto& [a, b, c] = triangles()[triangle];
+  return (point(b) - point(a)).cross(point(c) - point(a));
+}
+
+double TriangleMesh::size() const {
+  Vec3 low = Vec3::Constant(INFINITY), high = -low;
+  for (int v = 0; v < vertex_count(); ++v)
+    if (!topology_->neighbours(v).empty()) {
+      low = low.cwiseMin(point(v));
+      high = high.cwiseMax(point(v));
+    }
+  return triangle_count() == 0 ? 0 : (high - low).norm();
+}
+
+double TriangleMesh::length(const std::vector<int>& closed_loop) const {
+  double sum = 0;
+  for (size_t i = 0; i < closed_loop.size(); ++i)
+    sum += (point(closed_loop[i]) - point(closed_loop[(i + 1) % closed_loop.size()])).norm();
+  return sum;
+}
+
+}  // namespace batten
