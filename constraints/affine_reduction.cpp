@@ -17,7 +17,6 @@ constexpr double kConflictTolerance = 1e-9;  // of the right-hand sides that tak
 constexpr double kRightNoise = 1e-12;        // of the largest right-hand side of all rows
 
 using Terms = std::vector<std::pair<int, double>>;  // sorted by index
-using Right = Eigen::RowVector3d;                   // up to three right-hand sides
 
 // target += s · source, both sorted.
 void add_scaled(Terms& target, double s, const Terms& source) {
@@ -40,11 +39,10 @@ void add_scaled(Terms& target, double s, const Terms& source) {
   target = std::move(sum);
 }
 
-// Σ terms x = right. `history` says which of the given rows it is made of.
+// The left side of an equation. `history` says which of the given rows it is made of, and with
+// that how its right-hand side follows from theirs.
 struct Equation {
   Terms terms;
-  Right right = Right::Zero();
-  double right_scale = 0;  // size of what was summed into `right`: rounding is relative to it
   Terms history;
   int source = 0, name = 0;
 };
@@ -53,12 +51,9 @@ struct Equation {
 // that are not pivots.
 class Elimination {
  public:
-  Elimination(int columns, double largest_right)
-      : largest_right_(largest_right), pivot_row_(columns, -1), used_by_(columns) {}
+  explicit Elimination(int columns) : pivot_row_(columns, -1), used_by_(columns) {}
 
   void add(Equation row) {
-    row.right_scale = row.right.cwiseAbs().maxCoeff();
-
     const Terms given = row.terms;
     for (const auto& [column, coefficient] : given)
       if (pivot_row_[column] >= 0 && coefficient != 0)
@@ -71,12 +66,7 @@ class Elimination {
     });
 
     if (remaining <= kPivotTolerance) {
-      const double allowed =
-          std::max(kConflictTolerance * row.right_scale, kRightNoise * largest_right_);
-      if (row.right.cwiseAbs().maxCoeff() > allowed)
-        conflicting_.push_back(std::move(row));
-      else
-        ++dropped_;
+      implied_.push_back(std::move(row));
       return;
     }
     const auto pivot = std::max_element(
@@ -101,98 +91,98 @@ class Elimination {
 
   const std::vector<int>& pivot_row() const { return pivot_row_; }
   const std::vector<Equation>& rows() const { return rows_; }
-  const std::vector<Equation>& conflicting() const { return conflicting_; }
-  int dropped() const { return dropped_; }
+  /// Rows whose left side the others imply.
+  const std::vector<Equation>& implied() const { return implied_; }
 
  private:
   static void scale(Equation& row, double s) {
     for (auto& t : row.terms) t.second *= s;
     for (auto& t : row.history) t.second *= s;
-    row.right *= s;
-    row.right_scale *= std::abs(s);
   }
   static void subtract(Equation& row, double s, const Equation& other) {
     add_scaled(row.terms, -s, other.terms);
     add_scaled(row.history, -s, other.history);
-    row.right -= s * other.right;
-    row.right_scale = std::max(row.right_scale, std::abs(s) * other.right_scale);
   }
   void note_use(int user, const Terms& terms) {
     for (const auto& t : terms)
       if (pivot_row_[t.first] < 0) used_by_[t.first].push_back(user);
   }
-  double largest_right_;
   std::vector<int> pivot_row_;
   std::vector<std::vector<int>> used_by_;  // rows that mention a column; may list former users
-  std::vector<Equation> rows_, conflicting_;
-  int dropped_ = 0;
+  std::vector<Equation> rows_, implied_;
 };
 
-// The scalar equations of a set: n columns and three right-hand sides, or 3n columns and one. Each
-// is divided by its largest coefficient, kept as its weight in `history`.
+// The scalar equations of a set: n columns, or 3n columns when it is coupled. Each is divided by its
+// largest coefficient, kept as its weight in `history`.
 std::vector<Equation> equations_of(const ConstraintSet& set) {
   const int n = set.dof_count();
   std::vector<Equation> all;
-  const auto add = [&](std::map<int, double>& terms, const Right& right, int name) {
+  std::map<int, double> terms;
+  const auto add = [&](int name) {
     Equation e;
     e.terms.assign(terms.begin(), terms.end());
-    e.right = right;
+    terms.clear();
     e.name = name;
     e.source = static_cast<int>(all.size());
     double largest = 0;
     for (const auto& t : e.terms) largest = std::max(largest, std::abs(t.second));
-    if (largest > 0) {
+    if (largest > 0)
       for (auto& t : e.terms) t.second /= largest;
-      e.right /= largest;
-    }
     e.history = {{e.source, largest > 0 ? 1 / largest : 1.0}};
     all.push_back(std::move(e));
   };
   const int copies = set.coupled() ? 3 : 1;
   for (const auto& row : set.rows())
     for (int c = 0; c < copies; ++c) {
-      std::map<int, double> terms;
       for (const auto& e : row.entries) terms[c * n + e.dof] += e.coefficient;
-      add(terms, set.coupled() ? Right(row.value[c], 0, 0) : Right(row.value.transpose()),
-          row.name);
+      add(row.name);
     }
   for (const auto& row : set.coupled_rows()) {
-    std::map<int, double> terms;
     for (const auto& e : row.entries)
       for (int c = 0; c < 3; ++c)
         if (e.coefficient[c] != 0) terms[c * n + e.dof] += e.coefficient[c];
-    add(terms, Right(row.value, 0, 0), row.name);
+    add(row.name);
   }
   return all;
 }
 
-[[noreturn]] void throw_conflicts(const ConstraintSet& set, const std::vector<Equation>& given,
-                                  const std::vector<Equation>& conflicting) {
-  std::vector<ConflictError::Conflict> conflicts;
-  for (const auto& row : conflicting) {
-    std::vector<std::string> names;
-    double own_share = 1;  // back to the units of the row as it was given
-    for (const auto& [index, share] : row.history) {
-      if (index == row.source) own_share = std::abs(share);
-      const std::string& name = set.names()[given[index].name];
-      if (std::abs(share) > kPivotTolerance * given[index].history[0].second &&
-          std::find(names.begin(), names.end(), name) == names.end())
-        names.push_back(name);
-    }
-    const double amount = row.right.cwiseAbs().maxCoeff() / own_share;
-    const auto same = std::find_if(conflicts.begin(), conflicts.end(),
-                                   [&](const auto& c) { return c.names == names; });
-    if (same == conflicts.end())
-      conflicts.push_back({names, amount});
-    else
-      same->amount = std::max(same->amount, amount);
+// Right-hand sides of those equations: three columns, or one when the set is coupled.
+MatX right_sides(const ConstraintSet& set) {
+  const auto rows = static_cast<long>(set.rows().size());
+  const auto coupled_rows = static_cast<long>(set.coupled_rows().size());
+  if (!set.coupled()) {
+    MatX right(rows, 3);
+    for (long r = 0; r < rows; ++r) right.row(r) = set.rows()[r].value;
+    return right;
   }
-  throw ConflictError(std::move(conflicts));
+  MatX right(3 * rows + coupled_rows, 1);
+  for (long r = 0; r < rows; ++r) right.block<3, 1>(3 * r, 0) = set.rows()[r].value;
+  for (long r = 0; r < coupled_rows; ++r) right(3 * rows + r, 0) = set.coupled_rows()[r].value;
+  return right;
+}
+
+// Names and size of the contradiction in one implied row.
+struct Contradiction {
+  std::vector<std::string> names;
+  double own_share = 1;  // back to the units of the row as it was given
+};
+
+Contradiction contradiction(const Equation& row, const std::vector<std::string>& names,
+                            const std::vector<Equation>& given) {
+  Contradiction c;
+  for (const auto& [index, share] : row.history) {
+    if (index == row.source) c.own_share = std::abs(share);
+    const std::string& name = names[given[index].name];
+    if (std::abs(share) > kPivotTolerance * given[index].history[0].second &&
+        std::find(c.names.begin(), c.names.end(), name) == c.names.end())
+      c.names.push_back(name);
+  }
+  return c;
 }
 
 }  // namespace
 
-AffineReduction::AffineReduction(const ConstraintSet& constraints)
+AffineReduction::AffineReduction(const ConstraintSet& constraints, Values values)
     : coupled_(constraints.coupled()), dof_count_(constraints.dof_count()) {
   const int columns = coupled_ ? 3 * dof_count_ : dof_count_;
   const std::vector<Equation> given = equations_of(constraints);
@@ -201,14 +191,8 @@ AffineReduction::AffineReduction(const ConstraintSet& constraints)
   std::iota(order.begin(), order.end(), 0);
   std::stable_sort(order.begin(), order.end(),
                    [&](int a, int b) { return given[a].terms.size() < given[b].terms.size(); });
-  double largest_right = 0;
-  for (const auto& e : given)
-    largest_right = std::max(largest_right, e.right.cwiseAbs().maxCoeff());
-  Elimination elimination(columns, largest_right);
+  Elimination elimination(columns);
   for (const int i : order) elimination.add(given[i]);
-  if (!elimination.conflicting().empty())
-    throw_conflicts(constraints, given, elimination.conflicting());
-  dropped_ = elimination.dropped();
 
   const auto& pivot_row = elimination.pivot_row();
   std::vector<int> free_of(columns, -1);
@@ -218,15 +202,14 @@ AffineReduction::AffineReduction(const ConstraintSet& constraints)
       free_of[c] = free++;
       free_dofs_.push_back(c);
     }
-  std::vector<Triplet> entries;
-  d0_ = MatX::Zero(columns, coupled_ ? 1 : 3);
+  std::vector<Triplet> entries, shares;
   for (int c = 0; c < columns; ++c) {
     if (pivot_row[c] < 0) {
       entries.emplace_back(c, free_of[c], 1.0);
       continue;
     }
     const Equation& row = elimination.rows()[pivot_row[c]];
-    d0_.row(c) = row.right.head(d0_.cols());
+    for (const auto& [index, share] : row.history) shares.emplace_back(c, index, share);
     for (const auto& [column, coefficient] : row.terms)
       if (column != c) {
         entries.emplace_back(c, free_of[column], -coefficient);
@@ -235,6 +218,56 @@ AffineReduction::AffineReduction(const ConstraintSet& constraints)
   }
   D_.resize(columns, free);
   D_.setFromTriplets(entries.begin(), entries.end());
+  from_right_.resize(columns, static_cast<long>(given.size()));
+  from_right_.setFromTriplets(shares.begin(), shares.end());
+  for (const Equation& row : elimination.implied()) {
+    auto [names, own_share] = contradiction(row, constraints.names(), given);
+    implied_.push_back({row.source, row.history, std::move(names), own_share});
+  }
+  d0_ = MatX::Zero(columns, coupled_ ? 1 : 3);
+  if (values == Values::Given) set_right(right_sides(constraints));
+}
+
+std::vector<int> AffineReduction::dropped() const {
+  std::vector<int> rows;
+  for (const Implied& row : implied_) rows.push_back(row.row);
+  std::sort(rows.begin(), rows.end());
+  return rows;
+}
+
+void AffineReduction::set_values(const ConstraintSet& same_rows) {
+  if (same_rows.coupled() != coupled_ || same_rows.dof_count() != dof_count_)
+    throw InputError("values of other constraints than those that were reduced");
+  set_right(right_sides(same_rows));
+}
+
+void AffineReduction::set_right(const MatX& right) {
+  if (right.rows() != from_right_.cols())
+    throw InputError("found " + std::to_string(right.rows()) + " right-hand sides, expected " +
+                     std::to_string(from_right_.cols()));
+  std::vector<ConflictError::Conflict> conflicts;
+  const double largest = right.size() > 0 ? right.cwiseAbs().maxCoeff() : 0;
+  for (const Implied& row : implied_) {
+    Eigen::RowVector3d sum = Eigen::RowVector3d::Zero();
+    double scale = 0;
+    for (const auto& [index, share] : row.shares)
+      for (long c = 0; c < right.cols(); ++c) {
+        sum[c] += share * right(index, c);
+        scale = std::max(scale, std::abs(share * right(index, c)));
+      }
+    const double missed = sum.cwiseAbs().maxCoeff();
+    if (missed <= std::max(kConflictTolerance * scale, kRightNoise * largest * row.own_share))
+      continue;
+    const double amount = missed / row.own_share;
+    const auto same = std::find_if(conflicts.begin(), conflicts.end(),
+                                   [&](const auto& c) { return c.names == row.names; });
+    if (same == conflicts.end())
+      conflicts.push_back({row.names, amount});
+    else
+      same->amount = std::max(same->amount, amount);
+  }
+  if (!conflicts.empty()) throw ConflictError(std::move(conflicts));
+  d0_.noalias() = from_right_ * right;
 }
 
 namespace {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "batten/constraints/constraint_set.h"
@@ -26,12 +27,15 @@ namespace batten {
 /// A set with coupled rows: the unknowns are stacked, [x; y; z], D is 3n×m (one system of up to
 /// 3n).
 ///
-/// Which inputs may change without a new factor: F and the right-hand sides d (make a new reduction
-/// with the same rows, D is the same).
+/// Which inputs may change without a new factor: F and the right-hand sides d (set_values(): D is
+/// the same).
 class AffineReduction {
  public:
-  /// Throws ConflictError.
-  explicit AffineReduction(const ConstraintSet& constraints);
+  enum class Values {
+    Given,  ///< d0 follows from the values in the set: throws ConflictError
+    Later   ///< set_right() will tell them; d0 is zero till then
+  };
+  explicit AffineReduction(const ConstraintSet& constraints, Values values = Values::Given);
 
   bool coupled() const { return coupled_; }
   /// Unknowns that stay free: of each coordinate, or of all three when coupled.
@@ -39,11 +43,24 @@ class AffineReduction {
   /// The dof behind each free unknown (0 … n-1, or 0 … 3n-1 of [x; y; z] when coupled).
   const std::vector<int>& free_dofs() const { return free_dofs_; }
   /// Rows that were implied by others.
-  int dropped_rows() const { return dropped_; }
+  int dropped_rows() const { return static_cast<int>(implied_.size()); }
+  /// Which ones, as set_right() counts them.
+  std::vector<int> dropped() const;
 
   const SparseMatrix& D() const { return D_; }
   /// n×3, or 3n×1 when coupled.
   const MatX& d0() const { return d0_; }
+
+  /// Other right-hand sides for the same rows (their coefficients are not looked at again): only d0
+  /// changes. A sparse product, and a look at each row that others imply: ConflictError when it is
+  /// contradicted now (d0 then stays as it was).
+  void set_values(const ConstraintSet& same_rows);
+  /// The same with the right-hand sides as a matrix, one row for each row of the set: its value
+  /// (×3). When coupled (×1): three rows for each uncoupled row, then one for each coupled one.
+  void set_right(const MatX& right);
+  /// The d0 of any right-hand sides, in as many columns as they have. Contradictions are not looked
+  /// for.
+  MatX particular(const MatX& right) const { return from_right_ * right; }
 
   /// An order of all n dofs as an order of the free unknowns, for SparseCholesky::analyze.
   std::vector<int> order_of_free(const std::vector<int>& dof_order) const;
@@ -57,10 +74,18 @@ class AffineReduction {
 
  private:
   bool coupled_;
-  int dof_count_, dropped_ = 0;
+  // A row that the others imply: Σ shares · right-hand sides has to vanish.
+  struct Implied {
+    int row;
+    std::vector<std::pair<int, double>> shares;
+    std::vector<std::string> names;
+    double own_share;
+  };
+  int dof_count_;
   bool selection_ = true;  // D only picks dofs
   std::vector<int> free_dofs_;
-  SparseMatrix D_;
+  std::vector<Implied> implied_;
+  SparseMatrix D_, from_right_;  // d0 = from_right_ · right-hand sides
   MatX d0_;
 };
 

@@ -1,0 +1,48 @@
+// Few rows that mix x, y and z, on a factor that does not. Internal.
+#pragma once
+
+#include <Eigen/Cholesky>
+#include <vector>
+
+#include "batten/core/sparse_cholesky.h"
+
+namespace batten {
+
+/// Rows n_k · (u_kᵀ y) = g_k over the unknowns y (m×3), where y minimises ½ tr(yᵀ N y) - tr(fᵀ y).
+/// With y⁰ = N⁻¹ f and z_k = N⁻¹ u_k:
+///
+///     y = y⁰ - Σ_k z_k λ_k n_kᵀ,     S λ = G y⁰ - g,     S_kl = (n_k · n_l) u_kᵀ z_l
+///
+/// then projected onto the rows along G itself, which leaves rounding only. One solve for each
+/// different point at construction; m × points numbers are kept. Rows that others imply are found
+/// and left out; contradiction() tells when their right-hand sides contradict the others'.
+class Coupling {
+ public:
+  struct Row {
+    int point;  ///< column of U
+    Vec3 direction;
+  };
+  Coupling() = default;
+  /// U: m × points, sparse. Throws NoSolutionError.
+  Coupling(const SparseCholesky& factor, SparseMatrix U, std::vector<Row> rows);
+
+  bool empty() const { return rows_.empty(); }
+  int rows() const { return static_cast<int>(rows_.size()); }
+  /// Rows that the others do not imply, ascending.
+  const std::vector<int>& independent() const { return independent_; }
+  /// Largest amount by which implied rows are contradicted, for these right-hand sides.
+  double contradiction(const VecX& g) const;
+  /// y⁰ becomes y.
+  void apply(Eigen::Ref<MatX> y, const VecX& g) const;
+
+ private:
+  VecX residual(const Eigen::Ref<const MatX>& y, const VecX& g) const;
+  std::vector<Row> rows_;
+  std::vector<int> independent_, implied_;
+  MatX implied_by_;  // implied × independent
+  SparseMatrix U_;
+  MatX Z_;
+  Eigen::LLT<MatX> schur_, gram_;  // of the independent rows: G N⁻¹ Gᵀ and G Gᵀ
+};
+
+}  // namespace batten

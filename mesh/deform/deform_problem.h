@@ -1,0 +1,108 @@
+// What a deformation holds, moves and keeps: the part that is factored once.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "batten/mesh/triangle_mesh.h"
+
+namespace batten {
+
+/// A fixed linear combination Σ a_m p_m of vertex positions.
+struct VertexCombination {
+  struct Entry {
+    int vertex;
+    double coefficient;
+  };
+  std::vector<Entry> entries;
+
+  /// The mean of vertices: a hole's centre from its rim.
+  static VertexCombination mean_of(const std::vector<int>& vertices);
+  Vec3 at(const Points& points) const;
+};
+
+/// Vertices that the user moves by one similarity.
+struct Handle {
+  std::string name;
+  std::vector<int> vertices;
+};
+
+/// Vertices that keep their shape exactly, up to one similarity p_i = s R p_i⁰ + t.
+struct FormFeature {
+  enum class Kind {
+    Free,          ///< turns with the rotation field, one rotation for all its vertices (eq. 11)
+    KeepsDirection ///< moves, does not turn (eq. 12)
+  };
+  std::string name;
+  std::vector<int> vertices;
+  Kind kind = Kind::Free;
+};
+
+/// A point of the mesh (a hole's centre) that stays on a plane or a line (eq. 13, 14).
+struct GuidedPoint {
+  enum class Kind { OnPlane, OnLine };
+  std::string name;
+  VertexCombination point;  ///< coefficients sum to 1
+  Kind kind = Kind::OnPlane;
+  Vec3 direction = Vec3::UnitZ();  ///< normal of the plane, or direction of the line
+};
+
+/// A line of vertices that keeps its own shape in the soft sense: its curvature vectors
+///
+///     κ_k = [ (p_{k+1} - p_k)/l_k - (p_k - p_{k-1})/l_{k-1} ] / a_k,    a_k = (l_k + l_{k-1})/2
+///
+/// turn with the rotation field, weighted by √(a_k width): it resists like a strip of the surface
+/// of that width. A line that should stay rigid is a FormFeature.
+struct CharacterChain {
+  std::string name;
+  std::vector<int> vertices;  ///< in order, at least three
+  bool closed = false;
+  double width = 0;  ///< model units
+};
+
+/// Σ a_m p_m = target, or R(q_v) target when it turns with the field at a vertex.
+struct CombinationRow {
+  std::string name;
+  VertexCombination combination;
+  Vec3 target = Vec3::Zero();
+  int turns_with = -1;  ///< vertex, or -1
+  std::optional<double> weight;  ///< soft: adds ½ weight |…|² to the energy; none: hard
+};
+
+struct DeformProblem {
+  enum class Weighting {
+    Area,   ///< rows times √A_i: AᵀA is the bilaplacian ¼ L_c M⁻¹ L_c, independent of the mesh
+    Uniform ///< rows as they are, as in the paper
+  };
+
+  std::vector<int> fixed;
+  std::vector<Handle> handles;
+  std::vector<FormFeature> features;
+  std::vector<GuidedPoint> guided;
+  std::vector<CharacterChain> chains;
+  std::vector<CombinationRow> rows;
+  /// Region of interest: only these vertices move. None: all. At its edge the shape joins smoothly:
+  /// the two rings of vertices outside are held and their curvature counts.
+  std::optional<std::vector<int>> region;
+  Weighting weighting = Weighting::Area;
+};
+
+/// How one handle moves: p = about + s R(turn) (p⁰ - about) + shift.
+struct HandleMove {
+  Vec3 about = Vec3::Zero();
+  Vec3 turn = Vec3::Zero();  ///< logarithm of the unit quaternion (core/rotations.h): not reduced
+  Vec3 shift = Vec3::Zero();
+  double scale = 1;  ///< above 0
+  Vec3 operator()(const Vec3& p) const;
+};
+
+/// What may change from one event of the mouse to the next, without a new factor.
+struct DeformEdit {
+  std::vector<HandleMove> handles;     ///< one for each handle
+  std::vector<double> feature_scales;  ///< s_f, one for each feature, above 0; empty: all 1
+  std::vector<Vec3> guides;  ///< a point of each plane or line; empty: where the points are now
+  std::vector<Vec3> targets;           ///< of each row; empty: as in the problem
+};
+
+}  // namespace batten

@@ -1,0 +1,434 @@
+#include "batten/mesh/deform/deform_system.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "batten/core/errors.h"
+#include "batten/mesh/operators.h"
+
+namespace batten {
+namespace {
+
+std::vector<int> sorted(std::vector<int> vertices) {
+  std::sort(vertices.begin(), vertices.end());
+  vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+  return vertices;
+}
+
+void check_vertices(const std::string& what, const std::vector<int>& vertices, int count,
+                    bool may_be_empty = false) {
+  if (vertices.empty() && !may_be_empty)
+    throw InputError(what + " has no vertices, expected at least one");
+  for (const int v : vertices)
+    if (v < 0 || v >= count)
+      throw InputError(what + " names vertex " + std::to_string(v) + " of " +
+                       std::to_string(count));
+}
+
+void check_combination(const std::string& what, const VertexCombination& c, int count) {
+  if (c.entries.empty()) throw InputError(what + " has no vertices, expected at least one");
+  for (const auto& e : c.entries) {
+    check_vertices(what, {e.vertex}, count);
+    if (!std::isfinite(e.coefficient))
+      throw InputError(what + " has a coefficient that is not finite");
+  }
+}
+
+void check(const DeformProblem& problem, int count) {
+  std::set<std::string> names;
+  const auto check_name = [&](const std::string& kind, const std::string& name) {
+    if (name.empty()) throw InputError("found a " + kind + " without name");
+    if (name == "fixed" || !names.insert(name).second)
+      throw InputError("the name '" + name + "' is there twice, expected different names");
+  };
+  check_vertices("the fixed region", problem.fixed, count, true);
+  if (problem.region) check_vertices("the region of interest", *problem.region, count);
+  for (const auto& h : problem.handles) {
+    check_name("handle", h.name);
+    check_vertices("handle '" + h.name + "'", h.vertices, count);
+  }
+  for (const auto& f : problem.features) {
+    check_name("feature", f.name);
+    check_vertices("feature '" + f.name + "'", f.vertices, count);
+  }
+  for (const auto& g : problem.guided) {
+    check_name("guided point", g.name);
+    check_combination("guided point '" + g.name + "'", g.point, count);
+    double sum = 0;
+    for (const auto& e : g.point.entries) sum += e.coefficient;
+    if (!(std::abs(sum - 1) < 1e-9))
+      throw InputError("the coefficients of guided point '" + g.name + "' sum to " + number(sum) +
+                       ", expected 1");
+    if (!g.direction.allFinite() || !(g.direction.norm() > 0))
+      throw InputError("guided point '" + g.name + "' has no direction");
+  }
+  for (const auto& c : problem.chains) {
+    check_name("chain", c.name);
+    check_vertices("chain '" + c.name + "'", c.vertices, count);
+    if (c.vertices.size() < 3)
+      throw InputError("chain '" + c.name + "' has " + std::to_string(c.vertices.size()) +
+                       " vertices, expected at least three");
+    if (!(c.width > 0) || !std::isfinite(c.width))
+      throw InputError("chain '" + c.name + "' has width " + number(c.width) +
+                       ", expected a width above 0");
+  }
+  for (const auto& r : problem.rows) {
+    check_name("row", r.name);
+    check_combination("row '" + r.name + "'", r.combination, count);
+    if (r.turns_with != -1) check_vertices("row '" + r.name + "'", {r.turns_with}, count);
+    if (!r.target.allFinite())
+      throw InputError("row '" + r.name + "' has a target that is not finite");
+    if (r.weight && !(*r.weight > 0 && std::isfinite(*r.weight)))
+      throw InputError("row '" + r.name + "' has weight " + number(*r.weight) +
+                       ", expected a weight above 0, or none for a hard row");
+  }
+  if (problem.fixed.empty() && problem.handles.empty() && !problem.region)
+    throw InputError("nothing is fixed and there is no handle, expected one of them");
+}
+
+/// Visits the vertices of all rows that the user wrote.
+template <class Visit>
+void for_row_vertices(const DeformProblem& problem, const Visit& visit) {
+  for (const auto& g : problem.guided)
+    for (const auto& e : g.point.entries) visit(e.vertex);
+  for (const auto& c : problem.chains)
+    for (const int v : c.vertices) visit(v);
+  for (const auto& r : problem.rows) {
+    for (const auto& e : r.combination.entries) visit(e.vertex);
+    if (r.turns_with >= 0) visit(r.turns_with);
+  }
+}
+
+}  // namespace
+
+VertexCombination VertexCombination::mean_of(const std::vector<int>& vertices) {
+  VertexCombination mean;
+  for (const int v : vertices) mean.entries.push_back({v, 1.0 / static_cast<double>(vertices.size())});
+  return mean;
+}
+
+Vec3 VertexCombination::at(const Points& points) const {
+  Vec3 sum = Vec3::Zero();
+  for (const auto& e : entries) sum += e.coefficient * points.row(e.vertex).transpose();
+  return sum;
+}
+
+DeformSystem::DeformSystem(const TriangleMesh& mesh, const DeformProblem& problem)
+    : positions(0), rotations(0) {
+  check(problem, mesh.vertex_count());
+  const MeshTopology& topology = mesh.topology();
+  for (const auto& f : problem.features) feature_vertices_.push_back(sorted(f.vertices));
+  hold(topology, problem);
+
+  Vec3 low = Vec3::Constant(INFINITY), high = -low;
+  for (int v = 0; v < mesh.vertex_count(); ++v)
+    if (!topology.neighbours(v).empty()) {
+      low = low.cwiseMin(mesh.point(v));
+      high = high.cwiseMax(mesh.point(v));
+    }
+  origin = mesh.triangle_count() > 0 ? Vec3((low + high) / 2) : Vec3(Vec3::Zero());
+  rest = mesh.points().rowwise() - origin.transpose();
+
+  number(topology, problem);
+  positions = ConstraintSet(static_cast<int>(vertex.size()));
+  rotations = ConstraintSet(static_cast<int>(vertex.size()));
+  add_soft_rows(mesh, problem);
+  add_hard_rows(topology, problem);
+}
+
+void DeformSystem::hold(const MeshTopology& topology, const DeformProblem& problem) {
+  const int n = topology.vertex_count();
+  holder.assign(n, kMoves);
+  if (problem.region) {
+    holder.assign(n, kFixed);
+    for (const int v : *problem.region) holder[v] = kMoves;
+  }
+  for (const int v : problem.fixed) holder[v] = kFixed;
+  for (size_t h = 0; h < problem.handles.size(); ++h)
+    for (const int v : problem.handles[h].vertices)
+      if (holder[v] < 0) holder[v] = static_cast<int>(h);
+
+  // What nothing holds or moves stays: vertices without triangles, and whole parts.
+  std::vector<char> taken(topology.component_count(), 0), in_feature(n, 0);  // of one that is held
+  for (int v = 0; v < n; ++v)
+    if (holder[v] != kMoves && topology.component()[v] >= 0) taken[topology.component()[v]] = 1;
+  for (const auto& r : problem.rows)
+    for (const auto& e : r.combination.entries)
+      if (topology.component()[e.vertex] >= 0) taken[topology.component()[e.vertex]] = 1;
+  // A feature may join parts of the mesh: what holds one of them holds all.
+  for (bool changed = true; changed;) {
+    changed = false;
+    for (const auto& vertices : feature_vertices_) {
+      bool any = false;
+      for (const int v : vertices)
+        any = any || holder[v] != kMoves || in_feature[v] ||
+              (topology.component()[v] >= 0 && taken[topology.component()[v]]);
+      if (!any) continue;
+      for (const int v : vertices) {
+        const int c = topology.component()[v];
+        changed = changed || !in_feature[v] || (c >= 0 && !taken[c]);
+        in_feature[v] = 1;
+        if (c >= 0) taken[c] = 1;
+      }
+    }
+  }
+  const auto left = std::count(taken.begin(), taken.end(), 0);
+  if (left > 0)
+    notes.push_back(std::to_string(left) + (left == 1 ? " part" : " parts") +
+                    " of the mesh with nothing fixed and no handle stay where they are");
+  for (int v = 0; v < n; ++v) {
+    const int c = topology.component()[v];
+    if (holder[v] == kMoves && (c < 0 ? !in_feature[v] : !taken[c])) holder[v] = kFixed;
+  }
+}
+
+void DeformSystem::number(const MeshTopology& topology, const DeformProblem& problem) {
+  const int n = topology.vertex_count();
+  std::vector<char> part(n, 0);
+  for (int v = 0; v < n; ++v) {
+    if (holder[v] != kMoves) continue;
+    ++moving;
+    part[v] = 1;
+    for (const int u : topology.neighbours(v)) {
+      part[u] = 1;
+      if (holder[u] != kMoves)
+        for (const int w : topology.neighbours(u)) part[w] = 1;
+    }
+  }
+  for (const auto& vertices : feature_vertices_)
+    for (const int v : vertices) part[v] = 1;
+  for_row_vertices(problem, [&](int v) { part[v] = 1; });
+  // Held twice: the reduction finds out whether that is a conflict.
+  std::vector<char> times(n, 0);
+  for (const int v : sorted(problem.fixed)) times[v] = 1;
+  for (const auto& h : problem.handles)
+    for (const int v : sorted(h.vertices))
+      if (++times[v] > 1) part[v] = 1;
+  dof.assign(n, -1);
+  for (int v = 0; v < n; ++v)
+    if (part[v]) {
+      dof[v] = static_cast<int>(vertex.size());
+      vertex.push_back(v);
+    }
+}
+
+void DeformSystem::add_soft_rows(const TriangleMesh& mesh, const DeformProblem& problem) {
+  const MeshTopology& topology = mesh.topology();
+  const int n = mesh.vertex_count();
+  const bool by_area = problem.weighting == DeformProblem::Weighting::Area;
+  // ½ (cot α + cot β) in the order of neighbours(v): lower ones first, then the higher ones, both
+  // in the order of the edges.
+  const Eigen::Matrix3Xd half = half_cotangents(mesh);
+  std::vector<double> edge_weight(topology.edges().size(), 0);
+  for (int t = 0; t < mesh.triangle_count(); ++t)
+    for (int c = 0; c < 3; ++c) edge_weight[topology.edges_of(t)[c]] += half(c, t);
+  std::vector<int> start(n + 1, 0);
+  for (int v = 0; v < n; ++v)
+    start[v + 1] = start[v] + static_cast<int>(topology.neighbours(v).size());
+  std::vector<double> weight(start[n]);
+  std::vector<int> next(start.begin(), start.end() - 1);
+  for (size_t e = 0; e < edge_weight.size(); ++e) weight[next[topology.edges()[e].high]++] = edge_weight[e];
+  for (size_t e = 0; e < edge_weight.size(); ++e) weight[next[topology.edges()[e].low]++] = edge_weight[e];
+  const VecX area = mixed_areas(mesh);
+
+  std::vector<int> feature_of(n, -1);
+  for (size_t f = 0; f < feature_vertices_.size(); ++f)
+    for (const int v : feature_vertices_[f]) feature_of[v] = static_cast<int>(f);
+  std::vector<int> row_vertex;
+  long entries = 0;
+  for (const int v : vertex) {
+    const auto ring = topology.neighbours(v);
+    bool moves = holder[v] == kMoves, rigid = feature_of[v] >= 0;
+    for (const int u : ring) {
+      moves = moves || holder[u] == kMoves;
+      rigid = rigid && feature_of[u] == feature_of[v];
+    }
+    if (!moves || rigid || ring.empty()) continue;
+    row_vertex.push_back(v);
+    entries += static_cast<long>(ring.size()) + 1;
+  }
+
+  // Rows that the user wrote: chains, then soft combinations.
+  std::vector<std::vector<std::pair<int, double>>> extra;
+  std::vector<Vec3> extra_base;
+  for (const auto& chain : problem.chains)
+    add_chain(chain, problem.weighting, extra, extra_base);
+  const size_t chain_rows = extra.size();
+  std::vector<int> extra_turns, extra_target(extra.size(), -1);
+  for (size_t r = 0; r < chain_rows; ++r) extra_turns.push_back(extra[r][1].first);
+  for (size_t r = 0; r < problem.rows.size(); ++r) {
+    const CombinationRow& row = problem.rows[r];
+    if (!row.weight) continue;
+    std::vector<std::pair<int, double>> terms;
+    for (const auto& e : row.combination.entries)
+      terms.emplace_back(dof[e.vertex], std::sqrt(*row.weight) * e.coefficient);
+    extra.push_back(terms);
+    extra_base.emplace_back(Vec3::Zero());  // comes with each edit
+    extra_turns.push_back(row.turns_with < 0 ? -1 : dof[row.turns_with]);
+    extra_target.push_back(static_cast<int>(r));
+  }
+  for (auto& terms : extra) {
+    std::sort(terms.begin(), terms.end());
+    for (size_t i = 1; i < terms.size();)
+      if (terms[i].first == terms[i - 1].first) {
+        terms[i - 1].second += terms[i].second;
+        terms.erase(terms.begin() + static_cast<long>(i));
+      } else {
+        ++i;
+      }
+    entries += static_cast<long>(terms.size());
+  }
+
+  const auto surface_rows = static_cast<long>(row_vertex.size());
+  const long rows = surface_rows + static_cast<long>(extra.size());
+  A.resize(rows, static_cast<long>(vertex.size()));
+  A.reserve(entries);
+  base.resize(rows, 3);
+  for (long r = 0; r < surface_rows; ++r) {
+    const int v = row_vertex[r];
+    const auto ring = topology.neighbours(v);
+    const double scale = by_area ? 0.5 / std::sqrt(area[v]) : 0.5 / area[v];
+    Vec3 sum = Vec3::Zero();
+    double own = 0;
+    for (size_t k = 0; k < ring.size(); ++k) {
+      const double w = scale * weight[start[v] + static_cast<int>(k)];
+      own += w;
+      sum += w * (rest.row(v) - rest.row(ring[k])).transpose();
+    }
+    A.startVec(r);
+    bool done = false;
+    for (size_t k = 0; k < ring.size(); ++k) {
+      if (!done && ring[k] > v) {
+        A.insertBack(r, dof[v]) = own;
+        done = true;
+      }
+      A.insertBack(r, dof[ring[k]]) = -scale * weight[start[v] + static_cast<int>(k)];
+    }
+    if (!done) A.insertBack(r, dof[v]) = own;
+    base.row(r) = sum;
+    turns_with.push_back(dof[v]);
+    scaled_by.push_back(feature_of[v] >= 0 ? feature_of[v]
+                        : holder[v] >= 0
+                            ? static_cast<int>(feature_vertices_.size()) + holder[v]
+                            : -1);
+    target_row.push_back(-1);
+  }
+  for (size_t e = 0; e < extra.size(); ++e) {
+    const long r = surface_rows + static_cast<long>(e);
+    A.startVec(r);
+    for (const auto& [d, c] : extra[e]) A.insertBack(r, d) = c;
+    base.row(r) = extra_base[e];
+    turns_with.push_back(extra_turns[e]);
+    scaled_by.push_back(-1);
+    target_row.push_back(extra_target[e]);
+  }
+  A.finalize();
+}
+
+void DeformSystem::add_chain(const CharacterChain& chain, DeformProblem::Weighting weighting,
+                             std::vector<std::vector<std::pair<int, double>>>& rows,
+                             std::vector<Vec3>& bases) {
+  const auto& v = chain.vertices;
+  const size_t n = v.size();
+  const auto at = [&](size_t k) { return rest.row(v[k % n]).transpose(); };
+  for (size_t k = chain.closed ? 0 : 1; k < (chain.closed ? n : n - 1); ++k) {
+    const size_t before = (k + n - 1) % n, after = (k + 1) % n;
+    const double l0 = (at(k) - at(before)).norm(), l1 = (at(after) - at(k)).norm();
+    if (!(l0 > 0 && l1 > 0))
+      throw InputError("chain '" + chain.name + "' has neighbours at one place, around vertex " +
+                       std::to_string(v[k]));
+    const double a = (l0 + l1) / 2;
+    const double w = weighting == DeformProblem::Weighting::Area
+                         ? std::sqrt(chain.width / a)
+                         : std::sqrt(chain.width / a) / a;
+    rows.push_back({{dof[v[before]], w / l0}, {dof[v[k]], -w / l0 - w / l1}, {dof[v[after]], w / l1}});
+    bases.push_back(w * ((at(after) - at(k)) / l1 - (at(k) - at(before)) / l0));
+  }
+}
+
+void DeformSystem::add_hard_rows(const MeshTopology& topology, const DeformProblem& problem) {
+  const auto hold_row = [&](const std::string& name, int v, Value::Kind kind, int who) {
+    positions.fix(name, dof[v], Vec3::Zero());
+    values.push_back({kind, who, v, -1});
+    rotations.fix(name, dof[v], Vec3::Zero());
+    turned_by.push_back(kind == Value::Kind::Handle ? who : -1);
+  };
+  for (const int v : vertex)
+    if (holder[v] == kFixed) hold_row("fixed", v, Value::Kind::Fixed, -1);
+  for (size_t h = 0; h < problem.handles.size(); ++h)
+    for (const int v : sorted(problem.handles[h].vertices))
+      if (dof[v] >= 0)
+        hold_row(problem.handles[h].name, v, Value::Kind::Handle, static_cast<int>(h));
+  const size_t held_rows = values.size();
+  for (size_t f = 0; f < problem.features.size(); ++f) {
+    const auto& vertices = feature_vertices_[f];
+    const std::string& name = problem.features[f].name;
+    // The highest vertex is the one that stays free: every row then eliminates its own vertex.
+    const int reference = vertices.back();
+    feature_dof.push_back(dof[reference]);
+    for (size_t i = 0; i + 1 < vertices.size(); ++i) {
+      positions.add(name, {{dof[vertices[i]], 1.0}, {dof[reference], -1.0}}, Vec3::Zero());
+      values.push_back({Value::Kind::Feature, static_cast<int>(f), vertices[i], reference});
+    }
+    for (size_t i = 0; i < vertices.size(); ++i) {
+      if (problem.features[f].kind == FormFeature::Kind::KeepsDirection)
+        rotations.fix(name, dof[vertices[i]], Vec3::Zero());
+      else if (i + 1 < vertices.size())
+        rotations.add(name, {{dof[vertices[i]], 1.0}, {dof[reference], -1.0}}, Vec3::Zero());
+      else
+        continue;
+      turned_by.push_back(-1);
+    }
+  }
+  feature_rows = static_cast<int>(values.size() - held_rows);
+  for (size_t r = 0; r < problem.rows.size(); ++r) {
+    const CombinationRow& row = problem.rows[r];
+    if (row.weight) continue;
+    std::vector<ConstraintSet::Entry> entries;
+    for (const auto& e : row.combination.entries) entries.push_back({dof[e.vertex], e.coefficient});
+    positions.add(row.name, std::move(entries), Vec3::Zero());
+    values.push_back({Value::Kind::Row, static_cast<int>(r), -1, -1});
+  }
+
+  // A part that only rows of positions hold does not turn.
+  std::vector<char> turns(topology.component_count(), 1);
+  for (const auto& row : rotations.rows())
+    if (row.entries.size() == 1) {
+      const int c = topology.component()[vertex[row.entries[0].dof]];
+      if (c >= 0) turns[c] = 0;
+    }
+  for (const auto& vertices : feature_vertices_) {
+    bool held = false;
+    for (const int v : vertices) {
+      const int c = topology.component()[v];
+      held = held || (c < 0 ? holder[v] != kMoves : !turns[c]);
+    }
+    for (const int v : vertices)
+      if (held && topology.component()[v] >= 0) turns[topology.component()[v]] = 0;
+  }
+  for (const int v : vertex) {
+    const int c = topology.component()[v];
+    if (c < 0 || !turns[c]) continue;
+    turns[c] = 0;
+    rotations.fix("no rotation", dof[v], Vec3::Zero());
+    turned_by.push_back(-1);
+  }
+}
+
+SparseMatrix laplacian_of(const DeformSystem& system, const TriangleMesh& mesh) {
+  const SparseMatrix all = cotangent_laplacian(mesh);
+  if (static_cast<int>(system.vertex.size()) == mesh.vertex_count()) return all;
+  const auto n = static_cast<int>(system.vertex.size());
+  SparseMatrix L(n, n);
+  L.reserve(all.nonZeros());
+  for (int d = 0; d < n; ++d) {
+    L.startVec(d);
+    for (SparseMatrix::InnerIterator it(all, system.vertex[d]); it; ++it)
+      if (system.dof[it.row()] >= 0) L.insertBack(system.dof[it.row()], d) = it.value();
+  }
+  L.finalize();
+  return L;
+}
+
+}  // namespace batten

@@ -1,0 +1,62 @@
+// From a DeformProblem to numbered unknowns, soft rows and hard rows. Internal.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "batten/constraints/constraint_set.h"
+#include "batten/mesh/deform/deform_problem.h"
+
+namespace batten {
+
+using RowMatrix = Eigen::SparseMatrix<double, Eigen::RowMajor, int>;
+using RowPoints = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
+
+/// The vertices that take part, "dofs": those that move, and those held ones that a row of a moving
+/// vertex reaches. Positions are relative to `origin`, so that large coordinates cost no digits.
+struct DeformSystem {
+  DeformSystem(const TriangleMesh& mesh, const DeformProblem& problem);
+
+  static constexpr int kMoves = -2, kFixed = -1;  // otherwise the number of a handle
+
+  Vec3 origin;
+  Points rest;                 ///< all vertices of the mesh, relative to origin
+  std::vector<int> holder;     ///< of each vertex of the mesh
+  std::vector<int> vertex;     ///< of each dof, ascending
+  std::vector<int> dof;        ///< of each vertex, or -1
+  int moving = 0;              ///< dofs that are not held
+  std::vector<std::string> notes;
+
+  // Soft rows A p = b; row r has the target scale · R(q) base.
+  RowMatrix A;                 ///< rows × dofs
+  RowPoints base;
+  std::vector<int> turns_with; ///< dof, or -1
+  std::vector<int> scaled_by;  ///< feature, or feature count + handle, or -1
+  std::vector<int> target_row; ///< number of the CombinationRow that the base comes from, or -1
+
+  // Hard rows.
+  struct Value {
+    enum class Kind { Fixed, Handle, Feature, Row } kind;
+    int who;                   ///< handle, feature, row
+    int vertex, reference;     ///< Feature: vertex - reference
+  };
+  ConstraintSet positions, rotations;
+  std::vector<Value> values;   ///< of each row of `positions`
+  std::vector<int> turned_by;  ///< handle of each row of `rotations`, or -1: zero
+  std::vector<int> feature_dof;///< a dof of each feature
+  int feature_rows = 0;
+
+ private:
+  void hold(const MeshTopology& topology, const DeformProblem& problem);
+  void number(const MeshTopology& topology, const DeformProblem& problem);
+  void add_soft_rows(const TriangleMesh& mesh, const DeformProblem& problem);
+  void add_chain(const CharacterChain& chain, DeformProblem::Weighting weighting,
+                 std::vector<std::vector<std::pair<int, double>>>& rows, std::vector<Vec3>& bases);
+  void add_hard_rows(const MeshTopology& topology, const DeformProblem& problem);
+  std::vector<std::vector<int>> feature_vertices_;  // sorted
+};
+
+/// K_q: the cotangent Laplacian of the dofs, lower triangle.
+SparseMatrix laplacian_of(const DeformSystem& system, const TriangleMesh& mesh);
+
+}  // namespace batten

@@ -1,0 +1,552 @@
+#include "batten/mesh/deform/form_feature_deformer.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "batten/constraints/affine_reduction.h"
+#include "batten/core/errors.h"
+#include "batten/core/parallel.h"
+#include "batten/core/rotations.h"
+#include "batten/core/sparse_cholesky.h"
+#include "batten/mesh/deform/coupling.h"
+#include "batten/mesh/deform/deform_system.h"
+#include "batten/mesh/deform/similarity.h"
+
+namespace batten {
+namespace {
+
+constexpr int kChunk = 4096;           // rows a thread takes at a time
+constexpr double kContradiction = 1e-9;  // of the size: guided points that cannot be where they should
+
+/// Calls work(first, last) for pieces of 0 … count-1.
+template <class Work>
+void in_chunks(long count, const Work& work) {
+  const int parts = static_cast<int>((count + kChunk - 1) / kChunk);
+  if (parts <= 1) {
+    work(0L, count);
+    return;
+  }
+  parallel_parts(parts, [&](int p) {
+    work(static_cast<long>(p) * kChunk, std::min<long>(count, static_cast<long>(p + 1) * kChunk));
+  });
+}
+
+/// A D.
+RowMatrix reduced_rows(const RowMatrix& A, const AffineReduction& reduction) {
+  const RowMatrix D = reduction.D();
+  RowMatrix B(A.rows(), D.cols());
+  B.reserve(A.nonZeros());
+  std::vector<std::pair<int, double>> terms;
+  for (long r = 0; r < A.rows(); ++r) {
+    terms.clear();
+    for (RowMatrix::InnerIterator a(A, r); a; ++a)
+      for (RowMatrix::InnerIterator d(D, a.col()); d; ++d)
+        terms.emplace_back(d.col(), a.value() * d.value());
+    std::stable_sort(terms.begin(), terms.end(),
+                     [](const auto& x, const auto& y) { return x.first < y.first; });
+    B.startVec(r);
+    for (size_t i = 0; i < terms.size();) {
+      const int column = terms[i].first;
+      double sum = 0;
+      for (; i < terms.size() && terms[i].first == column; ++i) sum += terms[i].second;
+      B.insertBack(r, column) = sum;
+    }
+  }
+  B.finalize();
+  return B;
+}
+
+/// Lower triangle of Bᵀ B, column by column: for each row that meets the column, its entries from
+/// there on.
+SparseMatrix normal_matrix(const SparseMatrix& B, const RowMatrix& rows) {
+  const long n = B.cols();
+  const long block = 2048, blocks = (n + block - 1) / block;
+  std::vector<std::vector<int>> index(blocks);
+  std::vector<std::vector<double>> value(blocks);
+  std::vector<int> length(n, 0);
+  parallel_parts(static_cast<int>(blocks), [&](int part) {
+    std::vector<double> sum(n, 0);
+    std::vector<int> mark(n, -1), list;
+    const long first = part * block, last = std::min(n, first + block);
+    for (long c = first; c < last; ++c) {
+      list.clear();
+      for (SparseMatrix::InnerIterator b(B, c); b; ++b) {
+        const int* columns = rows.innerIndexPtr();
+        const double* values = rows.valuePtr();
+        const int end = rows.outerIndexPtr()[b.row() + 1];
+        int k = end;
+        while (k > rows.outerIndexPtr()[b.row()] && columns[k - 1] >= c) --k;
+        for (; k < end; ++k) {
+          const int r = columns[k];
+          if (mark[r] != c) {
+            mark[r] = static_cast<int>(c);
+            sum[r] = 0;
+            list.push_back(r);
+          }
+          sum[r] += b.value() * values[k];
+        }
+      }
+      std::sort(list.begin(), list.end());
+      length[c] = static_cast<int>(list.size());
+      for (const int r : list) {
+        index[part].push_back(r);
+        value[part].push_back(sum[r]);
+      }
+    }
+  });
+  SparseMatrix N(n, n);
+  long entries = 0;
+  for (const auto& part : index) entries += static_cast<long>(part.size());
+  N.resizeNonZeros(entries);
+  long at = 0;
+  for (long p = 0; p < blocks; ++p) {
+    std::copy(index[p].begin(), index[p].end(), N.innerIndexPtr() + at);
+    std::copy(value[p].begin(), value[p].end(), N.valuePtr() + at);
+    at += static_cast<long>(index[p].size());
+  }
+  N.outerIndexPtr()[0] = 0;
+  for (long c = 0; c < n; ++c) N.outerIndexPtr()[c + 1] = N.outerIndexPtr()[c] + length[c];
+  return N;
+}
+
+/// Harmonic weights of the handles on the dofs, dofs × handles: 1 on the handle's own vertices, 0
+/// on everything else that is held.
+MatX handle_weights(const DeformSystem& system, const TriangleMesh& mesh, AffineReduction& rotations,
+                    long handles) {
+  MatX indicator = MatX::Zero(static_cast<long>(system.turned_by.size()), handles);
+  for (size_t r = 0; r < system.turned_by.size(); ++r)
+    if (system.turned_by[r] >= 0) indicator(static_cast<long>(r), system.turned_by[r]) = 1;
+  const MatX held = rotations.particular(indicator);
+  if (rotations.free_count() == 0 || handles == 0) return held;
+  const SparseMatrix L = laplacian_of(system, mesh);
+  const SparseMatrix reduced = rotations.reduce(L);
+  SparseCholesky factor;
+  factor.analyze(reduced);
+  if (!factor.factorize(reduced))
+    throw NoSolutionError("the field of rotations: " + factor.message());
+  MatX load = -(rotations.D().transpose() * (L.selfadjointView<Eigen::Lower>() * held));
+  factor.solve_in_place(load);
+  return rotations.D() * load + held;
+}
+
+}  // namespace
+
+Vec3 HandleMove::operator()(const Vec3& p) const {
+  return about + scale * rotated(turn, p - about) + shift;
+}
+
+struct FormFeatureDeformer::Data {
+  Data(const TriangleMesh& mesh, DeformProblem problem);
+
+  void check(const DeformEdit& edit) const;
+  void evaluate_field(const DeformEdit& edit);
+  void set_targets(const DeformEdit& edit);
+  void set_hard_values(const DeformEdit& edit);
+  void set_guides(const DeformEdit& edit);
+  void expand(const DeformEdit& edit);
+  double scale_of(const DeformEdit& edit, int scaled_by) const;
+  /// load = Bᵀ r.
+  void reduce_residual();
+  Vec3 turn_at(int dof) const { return q.row(dof).transpose(); }
+
+  TriangleMesh mesh;
+  DeformProblem problem;
+  DeformSystem system;
+  AffineReduction positions, rotations;
+  SparseMatrix B;         // A D
+  RowMatrix A_held_rows;  // the columns of A where d0 may be other than zero
+  SparseCholesky factor;
+  Coupling coupling;
+  std::vector<Vec3> guide_directions;  // of each coupling row
+  std::vector<int> guide_of;           // guided point of each coupling row
+  double size;
+
+  MatX weights;                // dofs × handles
+  MatX turns;                  // handles × 3
+  Points q;                    // dofs × 3
+  MatX right, rotation_right;  // right-hand sides of the hard rows
+  VecX g;                      // of the coupling rows
+  RowPoints b, r;
+  MatX y, load, x;
+  Points result;
+  DeformEdit last;
+  bool solved = false;       // result is the answer to `last`
+  bool correctable = false;  // and so are y, b, d0
+};
+
+FormFeatureDeformer::Data::Data(const TriangleMesh& given, DeformProblem stated)
+    : mesh(given),
+      problem(std::move(stated)),
+      system(mesh, problem),
+      positions(system.positions, AffineReduction::Values::Later),
+      rotations(system.rotations, AffineReduction::Values::Later),
+      size(mesh.size()) {
+  const auto dofs = static_cast<long>(system.vertex.size());
+  const RowMatrix rows = reduced_rows(system.A, positions);
+  B = rows;
+  // d0 vanishes on dofs that stay free.
+  std::vector<char> held(dofs, 1);
+  for (const int d : positions.free_dofs()) held[d] = 0;
+  A_held_rows.resize(system.A.rows(), dofs);
+  for (long i = 0; i < system.A.rows(); ++i) {
+    A_held_rows.startVec(i);
+    for (RowMatrix::InnerIterator a(system.A, i); a; ++a)
+      if (held[a.col()]) A_held_rows.insertBack(i, a.col()) = a.value();
+  }
+  A_held_rows.finalize();
+
+  parallel_parts(2, [&](int part) {
+    if (part == 1) {
+      weights = handle_weights(system, mesh, rotations, static_cast<long>(problem.handles.size()));
+      return;
+    }
+    if (positions.free_count() == 0) return;
+    const SparseMatrix N = normal_matrix(B, rows);
+    factor.analyze(N);
+    if (!factor.factorize(N)) throw NoSolutionError("the deformation: " + factor.message());
+  });
+
+  std::vector<Coupling::Row> coupled;
+  std::vector<Triplet> combination;
+  for (size_t k = 0; k < problem.guided.size(); ++k) {
+    const GuidedPoint& guide = problem.guided[k];
+    for (const auto& e : guide.point.entries)
+      combination.emplace_back(system.dof[e.vertex], static_cast<int>(k), e.coefficient);
+    const Vec3 n = guide.direction.normalized();
+    if (guide.kind == GuidedPoint::Kind::OnPlane) {
+      coupled.push_back({static_cast<int>(k), n});
+      guide_of.push_back(static_cast<int>(k));
+    } else {
+      const Vec3 l = n.unitOrthogonal(), m = n.cross(l);
+      for (const Vec3& across : {l, m}) {
+        coupled.push_back({static_cast<int>(k), across});
+        guide_of.push_back(static_cast<int>(k));
+      }
+    }
+  }
+  for (const auto& row : coupled) guide_directions.push_back(row.direction);
+  if (!coupled.empty()) {
+    SparseMatrix U(dofs, static_cast<long>(problem.guided.size()));
+    U.setFromTriplets(combination.begin(), combination.end());
+    SparseMatrix reduced = SparseMatrix(positions.D().transpose()) * U;
+    coupling = Coupling(factor, reduced.pruned(), coupled);
+  }
+
+  turns = MatX::Zero(static_cast<long>(problem.handles.size()), 3);
+  q = Points::Zero(dofs, 3);
+  right = MatX::Zero(static_cast<long>(system.values.size()), 3);
+  rotation_right = MatX::Zero(static_cast<long>(system.turned_by.size()), 3);
+  g.resize(static_cast<long>(guide_of.size()));
+  b = r = system.base;
+  load.resize(positions.free_count(), 3);
+  y = MatX::Zero(positions.free_count(), 3);
+  x.resize(dofs, 3);
+  result = mesh.points();
+}
+
+void FormFeatureDeformer::Data::check(const DeformEdit& edit) const {
+  const auto count = [](const std::string& what, size_t found, size_t expected) {
+    if (found != expected)
+      throw InputError("the edit has " + std::to_string(found) + " " + what + ", expected " +
+                       std::to_string(expected));
+  };
+  count("moves of handles", edit.handles.size(), problem.handles.size());
+  if (!edit.feature_scales.empty())
+    count("scales of features", edit.feature_scales.size(), problem.features.size());
+  if (!edit.guides.empty()) count("guides", edit.guides.size(), problem.guided.size());
+  if (!edit.targets.empty()) count("targets", edit.targets.size(), problem.rows.size());
+  for (size_t h = 0; h < edit.handles.size(); ++h) {
+    const HandleMove& m = edit.handles[h];
+    if (!m.about.allFinite() || !m.turn.allFinite() || !m.shift.allFinite() ||
+        !std::isfinite(m.scale) || !(m.scale > 0))
+      throw InputError("the move of handle '" + problem.handles[h].name +
+                       "' has a number that is not finite or a scale not above 0");
+  }
+  for (size_t f = 0; f < edit.feature_scales.size(); ++f)
+    if (!(edit.feature_scales[f] > 0) || !std::isfinite(edit.feature_scales[f]))
+      throw InputError("the scale of feature '" + problem.features[f].name + "' is " +
+                       number(edit.feature_scales[f]) + ", expected a number above 0");
+  for (size_t k = 0; k < edit.guides.size(); ++k)
+    if (!edit.guides[k].allFinite())
+      throw InputError("the guide of '" + problem.guided[k].name + "' is not finite");
+  for (size_t k = 0; k < edit.targets.size(); ++k)
+    if (!edit.targets[k].allFinite())
+      throw InputError("the target of row '" + problem.rows[k].name + "' is not finite");
+}
+
+double FormFeatureDeformer::Data::scale_of(const DeformEdit& edit, int scaled_by) const {
+  if (scaled_by < 0) return 1;
+  const auto features = static_cast<int>(problem.features.size());
+  if (scaled_by >= features) return edit.handles[scaled_by - features].scale;
+  return edit.feature_scales.empty() ? 1 : edit.feature_scales[scaled_by];
+}
+
+void FormFeatureDeformer::Data::evaluate_field(const DeformEdit& edit) {
+  for (size_t h = 0; h < edit.handles.size(); ++h)
+    turns.row(static_cast<long>(h)) = edit.handles[h].turn;
+  if (rotations.dropped_rows() > 0) {  // only they can contradict
+    for (size_t k = 0; k < system.turned_by.size(); ++k)
+      if (const int h = system.turned_by[k]; h >= 0)
+        rotation_right.row(static_cast<long>(k)) = turns.row(h);
+    rotations.set_right(rotation_right);
+  }
+  q.noalias() = weights * turns;
+}
+
+void FormFeatureDeformer::Data::set_targets(const DeformEdit& edit) {
+  const bool still = turns.isZero(0);
+  in_chunks(b.rows(), [&](long first, long last) {
+    for (long i = first; i < last; ++i) {
+      Vec3 target = system.base.row(i).transpose();
+      if (const int t = system.target_row[i]; t >= 0) {
+        const CombinationRow& row = problem.rows[t];
+        target = std::sqrt(*row.weight) * (edit.targets.empty() ? row.target : edit.targets[t]);
+      }
+      const int turns_with = system.turns_with[i];
+      if (!still && turns_with >= 0) target = rotated(turn_at(turns_with), target);
+      if (system.target_row[i] >= 0) {
+        // Positions are relative to the origin.
+        double sum = 0;
+        for (RowMatrix::InnerIterator a(system.A, i); a; ++a) sum += a.value();
+        target -= sum * system.origin;
+      }
+      b.row(i) = scale_of(edit, system.scaled_by[i]) * target.transpose();
+    }
+  });
+}
+
+void FormFeatureDeformer::Data::set_hard_values(const DeformEdit& edit) {
+  using Kind = DeformSystem::Value::Kind;
+  for (size_t k = 0; k < system.values.size(); ++k) {
+    const auto& value = system.values[k];
+    Vec3 d;
+    if (value.kind == Kind::Fixed) {
+      d = system.rest.row(value.vertex);
+    } else if (value.kind == Kind::Handle) {
+      d = edit.handles[value.who](mesh.point(value.vertex)) - system.origin;
+    } else if (value.kind == Kind::Feature) {
+      d = scale_of(edit, value.who) *
+          rotated(turn_at(system.feature_dof[value.who]),
+                  (system.rest.row(value.vertex) - system.rest.row(value.reference)).transpose());
+    } else {
+      const CombinationRow& row = problem.rows[value.who];
+      d = edit.targets.empty() ? row.target : edit.targets[value.who];
+      if (row.turns_with >= 0) d = rotated(turn_at(system.dof[row.turns_with]), d);
+      double sum = 0;
+      for (const auto& e : row.combination.entries) sum += e.coefficient;
+      d -= sum * system.origin;
+    }
+    right.row(static_cast<long>(k)) = d;
+  }
+  positions.set_right(right);
+}
+
+void FormFeatureDeformer::Data::set_guides(const DeformEdit& edit) {
+  for (size_t k = 0; k < guide_of.size(); ++k) {
+    const GuidedPoint& guide = problem.guided[guide_of[k]];
+    const Vec3 through = edit.guides.empty() ? guide.point.at(mesh.points()) : edit.guides[guide_of[k]];
+    double reached = guide_directions[k].dot(through - system.origin);
+    for (const auto& e : guide.point.entries)
+      reached -= e.coefficient * guide_directions[k].dot(positions.d0().row(system.dof[e.vertex]));
+    g[static_cast<long>(k)] = reached;
+  }
+  if (!(coupling.contradiction(g) > kContradiction * size)) return;
+  // The elimination of all rows together names those that take part.
+  ConstraintSet all = system.positions;
+  for (size_t k = 0; k < guide_of.size(); ++k) {
+    const GuidedPoint& guide = problem.guided[guide_of[k]];
+    std::vector<ConstraintSet::CoupledEntry> entries;
+    for (const auto& e : guide.point.entries)
+      entries.push_back({system.dof[e.vertex], e.coefficient * guide_directions[k]});
+    all.add_coupled(guide.name, std::move(entries), 0);
+  }
+  AffineReduction named(all, AffineReduction::Values::Later);
+  MatX stacked(3 * right.rows() + g.size(), 1);
+  for (long k = 0; k < right.rows(); ++k)
+    stacked.block<3, 1>(3 * k, 0) = right.row(k).transpose();
+  for (size_t k = 0; k < guide_of.size(); ++k) {
+    const Vec3 through = edit.guides.empty()
+                             ? problem.guided[guide_of[k]].point.at(mesh.points())
+                             : edit.guides[guide_of[k]];
+    stacked(3 * right.rows() + static_cast<long>(k), 0) =
+        guide_directions[k].dot(through - system.origin);
+  }
+  named.set_right(stacked);
+  throw ConflictError({{{problem.guided[guide_of[0]].name}, coupling.contradiction(g)}});
+}
+
+void FormFeatureDeformer::Data::reduce_residual() {
+  in_chunks(B.cols(), [&](long first, long last) {
+    for (long c = first; c < last; ++c) {
+      Eigen::RowVector3d sum = Eigen::RowVector3d::Zero();
+      for (SparseMatrix::InnerIterator e(B, c); e; ++e) sum += e.value() * r.row(e.row());
+      load.row(c) = sum;
+    }
+  });
+}
+
+void FormFeatureDeformer::Data::expand(const DeformEdit& edit) {
+  x.noalias() = positions.D() * y;
+  x += positions.d0();
+  for (int v = 0; v < mesh.vertex_count(); ++v) {
+    if (const int d = system.dof[v]; d >= 0)
+      result.row(v) = x.row(d) + system.origin.transpose();
+    else if (system.holder[v] >= 0)
+      result.row(v) = edit.handles[system.holder[v]](mesh.point(v));
+  }
+}
+
+FormFeatureDeformer::FormFeatureDeformer(const TriangleMesh& mesh, DeformProblem problem)
+    : data_(std::make_unique<Data>(mesh, std::move(problem))) {}
+FormFeatureDeformer::~FormFeatureDeformer() = default;
+FormFeatureDeformer::FormFeatureDeformer(FormFeatureDeformer&&) noexcept = default;
+FormFeatureDeformer& FormFeatureDeformer::operator=(FormFeatureDeformer&&) noexcept = default;
+
+const Points& FormFeatureDeformer::deform(const DeformEdit& edit) {
+  Data& d = *data_;
+  d.check(edit);
+  d.correctable = false;
+  d.evaluate_field(edit);
+  d.set_hard_values(edit);
+  d.set_guides(edit);
+  d.set_targets(edit);
+  const MatX& d0 = d.positions.d0();
+  in_chunks(d.b.rows(), [&](long first, long last) {
+    for (long i = first; i < last; ++i) {
+      Eigen::RowVector3d sum = d.b.row(i);
+      for (RowMatrix::InnerIterator a(d.A_held_rows, i); a; ++a) sum -= a.value() * d0.row(a.col());
+      d.r.row(i) = sum;
+    }
+  });
+  if (d.positions.free_count() > 0) {
+    d.reduce_residual();
+    d.y = d.load;
+    d.factor.solve_in_place(d.y);
+    d.coupling.apply(d.y, d.g);
+  }
+  d.expand(edit);
+  d.last = edit;
+  d.solved = d.correctable = true;
+  return d.result;
+}
+
+double FormFeatureDeformer::correct() {
+  Data& d = *data_;
+  if (!d.correctable) throw InputError("there is no edit to correct, expected deform() before");
+  if (d.positions.free_count() == 0 || d.size == 0) return 0;
+  // What is left of b - A x, in the rows' own accuracy.
+  const MatX& d0 = d.positions.d0();
+  for (long i = 0; i < d.b.rows(); ++i) {
+    Eigen::RowVector3d sum = d.b.row(i);
+    for (RowMatrix::InnerIterator a(d.A_held_rows, i); a; ++a) sum -= a.value() * d0.row(a.col());
+    d.r.row(i) = sum;
+  }
+  for (long c = 0; c < d.B.cols(); ++c)
+    for (SparseMatrix::InnerIterator e(d.B, c); e; ++e) d.r.row(e.row()) -= e.value() * d.y.row(c);
+  d.reduce_residual();
+  d.factor.solve_in_place(d.load);
+  d.y += d.load;
+  d.coupling.apply(d.y, d.g);
+  const Points before = d.result;
+  d.expand(d.last);
+  return (d.result - before).cwiseAbs().maxCoeff() / d.size;
+}
+
+const Points& FormFeatureDeformer::positions() const { return data_->result; }
+const TriangleMesh& FormFeatureDeformer::mesh() const { return data_->mesh; }
+const DeformProblem& FormFeatureDeformer::problem() const { return data_->problem; }
+const std::vector<std::string>& FormFeatureDeformer::notes() const { return data_->system.notes; }
+
+Points FormFeatureDeformer::rotation_logs() const {
+  const Data& d = *data_;
+  Points q = Points::Zero(d.mesh.vertex_count(), 3);
+  for (int v = 0; v < d.mesh.vertex_count(); ++v)
+    if (const int dof = d.system.dof[v]; dof >= 0)
+      q.row(v) = d.q.row(dof);
+    else if (const int h = d.system.holder[v]; h >= 0)
+      q.row(v) = d.turns.row(h);
+  return q;
+}
+
+double FormFeatureDeformer::hard_residual() const {
+  const Data& d = *data_;
+  if (!d.solved || d.size == 0) return 0;
+  double worst = 0;
+  const auto look = [&](double off) {
+    if (!(off <= worst)) worst = off;
+  };
+  const Points& p = d.result;
+  const auto point = [&](int v) { return Vec3(p.row(v).transpose()); };
+  for (int v = 0; v < d.mesh.vertex_count(); ++v)
+    if (d.system.holder[v] == DeformSystem::kFixed) look((point(v) - d.mesh.point(v)).norm());
+  for (size_t h = 0; h < d.problem.handles.size(); ++h)
+    for (const int v : d.problem.handles[h].vertices)
+      look((point(v) - d.last.handles[h](d.mesh.point(v))).norm());
+  for (size_t f = 0; f < d.problem.features.size(); ++f) {
+    const double scale = d.scale_of(d.last, static_cast<int>(f));
+    const auto& feature = d.problem.features[f];
+    const Similarity fit = fit_similarity(d.mesh.points(), p, feature.vertices, scale);
+    const Vec3 first = d.mesh.point(feature.vertices[0]);
+    for (const int v : feature.vertices) {
+      look((fit.scale * (fit.R * d.mesh.point(v)) + fit.shift - point(v)).norm());
+      if (feature.kind == FormFeature::Kind::KeepsDirection)
+        look((scale * (d.mesh.point(v) - first) - (point(v) - point(feature.vertices[0]))).norm());
+    }
+  }
+  for (size_t k = 0; k < d.guide_of.size(); ++k) {
+    const GuidedPoint& guide = d.problem.guided[d.guide_of[k]];
+    const Vec3 through = d.last.guides.empty() ? guide.point.at(d.mesh.points())
+                                               : d.last.guides[d.guide_of[k]];
+    look(std::abs(d.guide_directions[k].dot(guide.point.at(p) - through)));
+  }
+  const Points q = rotation_logs();
+  for (size_t k = 0; k < d.problem.rows.size(); ++k) {
+    const CombinationRow& row = d.problem.rows[k];
+    if (row.weight) continue;
+    Vec3 target = d.last.targets.empty() ? row.target : d.last.targets[k];
+    if (row.turns_with >= 0) target = rotated(q.row(row.turns_with).transpose(), target);
+    look((row.combination.at(p) - target).norm());
+  }
+  return worst / d.size;
+}
+
+FormFeatureDeformer::Counts FormFeatureDeformer::counts() const {
+  const Data& d = *data_;
+  Counts c;
+  c.moving = d.system.moving;
+  c.unknowns = d.positions.free_count();
+  c.soft_rows = static_cast<int>(d.system.A.rows());
+  c.hard_rows = static_cast<int>(d.system.values.size());
+  c.feature_rows = d.system.feature_rows;
+  c.dropped_rows = d.positions.dropped_rows();
+  c.guide_rows = static_cast<int>(d.guide_of.size());
+  c.factor_entries = d.positions.free_count() > 0 ? d.factor.factor_entries() : 0;
+  return c;
+}
+
+FormFeatureDeformer::Statement FormFeatureDeformer::statement(const DeformEdit& edit) {
+  deform(edit);
+  const Data& d = *data_;
+  Statement s{d.system.vertex, d.system.origin, d.system.A, d.b,
+              ConstraintSet(static_cast<int>(d.system.vertex.size()))};
+  const auto& rows = d.system.positions.rows();
+  std::vector<char> implied(rows.size(), 0);
+  for (const int k : d.positions.dropped()) implied[k] = 1;
+  for (size_t k = 0; k < rows.size(); ++k)
+    if (!implied[k])
+      s.constraints.add(d.system.positions.names()[rows[k].name], rows[k].entries,
+                        d.right.row(static_cast<long>(k)).transpose());
+  for (const int k : d.coupling.independent()) {
+    const GuidedPoint& guide = d.problem.guided[d.guide_of[k]];
+    const Vec3 through =
+        edit.guides.empty() ? guide.point.at(d.mesh.points()) : edit.guides[d.guide_of[k]];
+    std::vector<ConstraintSet::CoupledEntry> entries;
+    for (const auto& e : guide.point.entries)
+      entries.push_back({d.system.dof[e.vertex], e.coefficient * d.guide_directions[k]});
+    s.constraints.add_coupled(guide.name, std::move(entries),
+                              d.guide_directions[k].dot(through - d.system.origin));
+  }
+  return s;
+}
+
+}  // namespace batten

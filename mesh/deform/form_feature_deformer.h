@@ -1,0 +1,105 @@
+// Deformation of a triangle mesh whose form features keep their shape exactly.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "batten/constraints/constraint_set.h"
+#include "batten/mesh/deform/deform_problem.h"
+
+namespace batten {
+
+/// Masuda, Yoshioka, Furukawa 2006: mean-curvature vectors δ_i = L(p_i⁰) are kept in the
+/// least-squares sense while they turn with a smooth field of rotations; handles, fixed vertices
+/// and form features hold exactly:
+///
+///     min ½ |A p - b|²   subject to   C p = d,      rows of A p = b:   w_i L(p_i) = w_i R(q_i) s δ_i
+///
+///     L(p_i) = (L_c p)_i / (2 A_i)      w_i = √A_i (or 1)      s = scale of the feature or handle
+///                                                              that vertex i belongs to, else 1
+///
+/// L_c, A_i: mesh/operators.h, of the mesh as it was given. The logarithms q_i of the rotations are
+/// the harmonic field with q = 0 on fixed vertices and on features that keep their direction, q =
+/// turn on handles, and one q for each free feature. It is linear in the turns of the handles, so
+/// that each handle's weight is solved for once and an edit costs no solve for rotations.
+///
+/// Hard constraints are eliminated (AffineReduction): a feature of any size leaves three unknowns,
+/// its translation. x, y and z share one factor. Rows of guided points (on a plane, on a line) mix
+/// them; there are few, and they are satisfied by the Schur complement on that factor and a
+/// projection after it, exactly to rounding.
+///
+/// Redundant constraints are dropped. Features that share vertices merge, features that touch a
+/// handle go with it, features that touch the fixed region stay. Where that is impossible the
+/// ConflictError names those that contradict each other: at construction never, for it depends on
+/// the edit.
+///
+/// Cost: one sparse Cholesky factor at construction; an edit is one pair of triangular solves and a
+/// few sparse products, without allocation.
+class FormFeatureDeformer {
+ public:
+  /// Throws InputError: vertices out of range, an empty handle or feature, a handle without name or
+  /// two of one name, a guided point whose coefficients do not sum to 1, a direction of length
+  /// zero, a chain whose vertices coincide, nothing fixed and no handle. NoSolutionError when the
+  /// factorization fails.
+  FormFeatureDeformer(const TriangleMesh& mesh, DeformProblem problem);
+  ~FormFeatureDeformer();
+  FormFeatureDeformer(FormFeatureDeformer&&) noexcept;
+  FormFeatureDeformer& operator=(FormFeatureDeformer&&) noexcept;
+
+  /// All vertices after the edit. Every edit starts from the mesh as it was given. Throws
+  /// InputError (numbers missing, not finite, a scale not above 0) and ConflictError; the positions
+  /// then stay as they were.
+  const Points& deform(const DeformEdit& edit);
+  /// One correction step after deform(), for the moment the mouse is released: the normal equations
+  /// square the condition number (correct_least_squares). Costs about one more deform(). Returns
+  /// the largest change of a coordinate over the size of the mesh.
+  double correct();
+
+  const Points& positions() const;
+  /// Logarithms q_i of the last edit, n×3.
+  Points rotation_logs() const;
+  /// Largest violation of a fixed vertex, a handle, a feature (against its own best similarity of
+  /// the stated scale), a guided point or a hard row at positions(), over the size of the mesh.
+  /// Measured from the problem as it was stated, not from the solver's rows.
+  double hard_residual() const;
+
+  const TriangleMesh& mesh() const;
+  const DeformProblem& problem() const;
+  /// Parts of the mesh that nothing moves or holds, in sentences; they stay.
+  const std::vector<std::string>& notes() const;
+
+  struct Counts {
+    int moving = 0;        ///< vertices whose position is solved for
+    int unknowns = 0;      ///< of one coordinate, after the reduction
+    int soft_rows = 0;     ///< of one coordinate
+    int hard_rows = 0;     ///< of one coordinate, those of features included
+    int feature_rows = 0;
+    int dropped_rows = 0;  ///< redundant
+    int guide_rows = 0;    ///< of guided points
+    long factor_entries = 0;
+  };
+  Counts counts() const;
+
+  /// The problem of an edit as plain data, for checking: minimise ½|A x - b|² over the positions x
+  /// (k×3) of the k vertices listed, relative to `origin`, subject to the constraints. Redundant
+  /// rows are left out.
+  struct Statement {
+    std::vector<int> vertices;
+    Vec3 origin;
+    Eigen::SparseMatrix<double, Eigen::RowMajor, int> A;
+    Points b;
+    ConstraintSet constraints;
+  };
+  Statement statement(const DeformEdit& edit);
+
+ private:
+  struct Data;
+  std::unique_ptr<Data> data_;
+};
+
+/// The twin for checking: the same edit by the saddle point system [AᵀA Cᵀ; C 0] (eq. 4), all
+/// vertices. Slow: a sparse LU.
+Points deform_by_kkt(FormFeatureDeformer& deformer, const DeformEdit& edit);
+
+}  // namespace batten

@@ -1,0 +1,63 @@
+#include "batten/mesh/deform/similarity.h"
+
+#include <Eigen/SVD>
+#include <cmath>
+#include <optional>
+
+namespace batten {
+namespace {
+
+Similarity fit(const Points& before, const Points& after, const std::vector<int>& vertices,
+               std::optional<double> scale) {
+  Similarity best;
+  if (vertices.empty()) return best;
+  // Sums relative to the first vertex: far from the origin they would lose digits.
+  const Vec3 from = before.row(vertices[0]), to = after.row(vertices[0]);
+  const auto count = static_cast<double>(vertices.size());
+  Vec3 mean_before = Vec3::Zero(), mean_after = Vec3::Zero(), low = Vec3::Zero(), high = low;
+  for (const int v : vertices) {
+    const Vec3 x = before.row(v).transpose() - from;
+    mean_before += x / count;
+    mean_after += (after.row(v).transpose() - to) / count;
+    low = low.cwiseMin(x);
+    high = high.cwiseMax(x);
+  }
+  Mat3 covariance = Mat3::Zero();
+  double spread = 0;
+  for (const int v : vertices) {
+    const Vec3 x = before.row(v).transpose() - from - mean_before;
+    covariance += (after.row(v).transpose() - to - mean_after) * x.transpose();
+    spread += x.squaredNorm();
+  }
+  const Eigen::JacobiSVD<Mat3> svd(covariance, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  Vec3 sign = Vec3::Ones();
+  if ((svd.matrixU() * svd.matrixV().transpose()).determinant() < 0) sign[2] = -1;
+  best.R = svd.matrixU() * sign.asDiagonal() * svd.matrixV().transpose();
+  best.scale = scale         ? *scale
+               : spread > 0  ? svd.singularValues().dot(sign) / spread
+                             : 1;
+  for (const int v : vertices) {
+    const Vec3 x = before.row(v).transpose() - from - mean_before;
+    const double off =
+        (after.row(v).transpose() - to - mean_after - best.scale * (best.R * x)).norm();
+    if (!(off <= best.max_error)) best.max_error = off;
+  }
+  const double size = (high - low).norm();
+  if (size > 0) best.max_error /= size;
+  best.shift = to + mean_after - best.scale * (best.R * (from + mean_before));
+  return best;
+}
+
+}  // namespace
+
+Similarity fit_similarity(const Points& before, const Points& after,
+                          const std::vector<int>& vertices) {
+  return fit(before, after, vertices, {});
+}
+
+Similarity fit_similarity(const Points& before, const Points& after,
+                          const std::vector<int>& vertices, double scale) {
+  return fit(before, after, vertices, scale);
+}
+
+}  // namespace batten

@@ -1,0 +1,26 @@
+// The best similarity between two shapes of the same points.
+#pragma once
+
+#include <vector>
+
+#include "batten/core/eigen.h"
+
+namespace batten {
+
+/// x → scale · R x + shift.
+struct Similarity {
+  double scale = 1;
+  Mat3 R = Mat3::Identity();
+  Vec3 shift = Vec3::Zero();
+  double max_error = 0;  ///< largest distance left, over the size (box diagonal) of the first shape
+};
+
+/// Least-squares similarity from `before` to `after` on the given vertices, det R = +1. The scale
+/// is fitted unless given. Source: Umeyama 1991. With fewer than three points, or points on one
+/// line, R is one of the many that fit. O(vertices).
+Similarity fit_similarity(const Points& before, const Points& after,
+                          const std::vector<int>& vertices);
+Similarity fit_similarity(const Points& before, const Points& after,
+                          const std::vector<int>& vertices, double scale);
+
+}  // namespace batten
