@@ -112,8 +112,8 @@ class Elimination {
   std::vector<Equation> rows_, implied_;
 };
 
-// The scalar equations of a set: n columns, or 3n columns when it is coupled. Each is divided by its
-// largest coefficient, kept as its weight in `history`.
+// The scalar equations of a set: n columns, or 3n columns when it is coupled. Each is divided by
+// its largest coefficient, kept as its weight in `history`.
 std::vector<Equation> equations_of(const ConstraintSet& set) {
   const int n = set.dof_count();
   std::vector<Equation> all;

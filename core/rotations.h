@@ -9,7 +9,8 @@ namespace batten {
 
 /// The logarithm q of a unit quaternion stands for the turn by 2|q| about q/|q|; q = 0 is no turn.
 /// It is not reduced: a turn by 350° and one by -10° are different logarithms of one rotation, so
-/// that a field of logarithms winds as far as it was asked to. Source: Masuda et al. 2006, eq. 6, 7.
+/// that a field of logarithms winds as far as it was asked to. Source: Masuda et al. 2006, eq.
+/// 6, 7.
 inline Vec3 rotation_log(const Vec3& axis, double angle) { return axis.normalized() * (angle / 2); }
 
 /// R(q) x: one sine, one cosine, two cross products.

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <map>
@@ -12,29 +11,12 @@
 
 #include "batten/core/errors.h"
 #include "batten/elements/quadrature.h"
+#include "batten/io/ccx_deck.h"
 #include "batten/io/whole_file.h"
 
 namespace batten {
 namespace fs = std::filesystem;
 namespace {
-
-/// ccx reads the first 20 characters of a number and silently drops the rest, exponents included.
-constexpr int most_characters = 20;
-
-std::string ccx_number(double value) {
-  char text[40];
-  const auto shortest = std::to_chars(text, text + sizeof text, value);
-  if (shortest.ptr - text <= most_characters) return {text, shortest.ptr};
-  for (int precision = 16;; --precision) {
-    const auto rounded =
-        std::to_chars(text, text + sizeof text, value, std::chars_format::general, precision);
-    if (rounded.ptr - text <= most_characters) return {text, rounded.ptr};
-  }
-}
-
-std::string ccx_vector(const Vec3& v) {
-  return ccx_number(v.x()) + "," + ccx_number(v.y()) + "," + ccx_number(v.z());
-}
 
 /// Set names for the lines of a region, unlike each other and unlike NALL and ALL.
 std::vector<std::string> set_names(const std::vector<LineRun>& runs) {
@@ -156,12 +138,6 @@ std::map<int, Vec3> node_forces(const Surface& surface, const Shell& shell, cons
   return force;
 }
 
-void write_ids(std::ostream& out, const std::vector<int>& ids) {
-  constexpr size_t most_a_row = 16;
-  for (size_t i = 0; i < ids.size(); ++i)
-    out << ids[i] + 1 << ((i + 1) % most_a_row == 0 || i + 1 == ids.size() ? '\n' : ',');
-}
-
 void write_loads(std::ostream& out, const Surface& surface, const Shell& shell,
                  const ShellDeck& deck) {
   const auto forces = node_forces(surface, shell, deck);
@@ -198,14 +174,14 @@ void write_calculix(const fs::path& path, const SkinnedRegion& region, const She
     out << "*ELEMENT,TYPE=S6,ELSET=ALL\n";
     for (size_t t = 0; t < shell.elements.size(); ++t) {
       out << t + 1 << ',';
-      write_ids(out, {shell.elements[t].begin(), shell.elements[t].end()});
+      write_ccx_ids(out, shell.elements[t]);
     }
     for (size_t r = 0; r < region.runs.size(); ++r) {
       const LineRun& run = region.runs[r];
       out << "** Line " << one_line(run.line.name) << "\n*NSET,NSET=" << names[r] << '\n';
       std::vector<int> ids = run.vertices;
       for (const int e : run.edges) ids.push_back(region.surface.mesh().vertex_count() + e);
-      write_ids(out, ids);
+      write_ccx_ids(out, ids);
     }
     out << "*MATERIAL,NAME=SHELL\n*ELASTIC\n"
         << ccx_number(deck.young) << ',' << ccx_number(deck.poisson) << '\n';

@@ -1,12 +1,11 @@
 #include "batten/io/report.h"
 
 #include <cmath>
-#include <nlohmann/json.hpp>
+
+#include "batten/io/report_json.h"
 
 namespace batten {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 Json contents(const Report& r) {
   Json json;
@@ -63,13 +62,7 @@ Json contents(const Report& r) {
                           {"max_relative", r.comparison->max_relative},
                           {"rms_relative", r.comparison->rms_relative}};
 
-  json["parameters"] = Json::array();
-  for (const auto& p : r.parameters) {
-    Json parameter = {{"name", p.name}, {"value", p.value}};
-    if (std::isfinite(p.min)) parameter["min"] = p.min;
-    if (std::isfinite(p.max)) parameter["max"] = p.max;
-    json["parameters"].push_back(parameter);
-  }
+  json["parameters"] = json_of(r.parameters);
   json["reactions"] = Json::array();
   for (const auto& reaction : r.reactions)
     json["reactions"].push_back(
@@ -82,24 +75,6 @@ Json contents(const Report& r) {
   return json;
 }
 
-/// Replaces numbers that are not finite by words and collects their names.
-void name_failed_numbers(Json& json, const std::string& path, std::vector<MissedPromise>& failed) {
-  if (json.is_number_float() && !std::isfinite(json.get<double>())) {
-    const std::string word = std::isnan(json.get<double>()) ? "nan" : "inf";
-    failed.push_back({path, "could not be computed (" + word + ")"});
-    json = word;
-  } else if (json.is_object()) {
-    for (auto& [key, value] : json.items())
-      name_failed_numbers(value, path.empty() ? key : path + "." + key, failed);
-  } else if (json.is_array()) {
-    for (size_t i = 0; i < json.size(); ++i) {
-      const bool named = json[i].is_object() && json[i].contains("name");
-      const std::string name = named ? json[i]["name"].get<std::string>() : std::to_string(i);
-      name_failed_numbers(json[i], path + "." + name, failed);
-    }
-  }
-}
-
 }  // namespace
 
 std::vector<MissedPromise> numbers_that_failed(const Report& report) {
@@ -109,15 +84,6 @@ std::vector<MissedPromise> numbers_that_failed(const Report& report) {
   return failed;
 }
 
-std::string to_json(const Report& report) {
-  Json json = contents(report);
-  std::vector<MissedPromise> failed;
-  name_failed_numbers(json, "", failed);
-  json["missed_promises"] = Json::array();
-  for (const auto& m : report.missed)
-    json["missed_promises"].push_back({{"what", m.what}, {"detail", m.detail}});
-  // Names come from files of any encoding: what is not UTF-8 is replaced.
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
-}
+std::string to_json(const Report& report) { return report_text(contents(report), report.missed); }
 
 }  // namespace batten

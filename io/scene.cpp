@@ -1,12 +1,10 @@
 #include "batten/io/scene.h"
 
-#include <toml++/toml.h>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <fstream>
-#include <map>
-#include <sstream>
+
+#include "batten/io/scene_words.h"
 
 namespace batten {
 namespace {
@@ -56,32 +54,6 @@ std::string range_text(double min, double max) {
   if (min > -kInfinity && max < kInfinity) return "from " + number(min) + " to " + number(max);
   if (min > -kInfinity) return "from " + number(min) + " up";
   return "up to " + number(max);
-}
-
-/// Names of one kind, each once.
-class Names {
- public:
-  explicit Names(std::string kind) : kind_(std::move(kind)) {}
-  void add(const TomlTable& table, const std::string& key, const std::string& name) {
-    const auto [it, added] = lines_.emplace(name, table.place(key).line);
-    if (!added)
-      table.fail(key,
-                 "the " + kind_ + " '" + name + "' again (first in line " +
-                     std::to_string(it->second) + ")",
-                 "a " + kind_ + " of its own");
-  }
-
- private:
-  std::string kind_;
-  std::map<std::string, int> lines_;
-};
-
-std::string unit_word(const TomlTable& table, const std::string& key) {
-  const std::string word = table.text(key);
-  if (std::find(length_units().begin(), length_units().end(), word) == length_units().end())
-    table.fail(key, "the unit '" + word + "'",
-               "one of: " + listed(length_units()) + did_you_mean(word, length_units()));
-  return word;
 }
 
 CharacterLine::Role read_role(const TomlTable& table) {
@@ -254,18 +226,6 @@ SceneStress read_stress(const TomlTable& table) {
 const std::vector<std::string> kPictureKeys = {
     "file", "title", "show", "contours", "parameter_lines", "lines", "mesh", "view", "size"};
 
-/// A file of the output folder: a plain name with the right ending.
-std::string output_file(const TomlTable& table, const std::string& key, Names& files,
-                        const std::vector<std::string>& endings) {
-  const std::filesystem::path name = table.text(key);
-  if (name.is_absolute() || name.has_parent_path())
-    table.fail(key, "'" + name.string() + "'", "a file name without folders (files go to --out)");
-  if (std::find(endings.begin(), endings.end(), name.extension()) == endings.end())
-    table.fail(key, "'" + name.string() + "'", "a file name that ends in " + listed(endings));
-  files.add(table, key, name.string());
-  return name.string();
-}
-
 ScenePicture read_picture(const TomlTable& table, Names& files) {
   using Field = PictureScene::Field;
   ScenePicture picture;
@@ -428,31 +388,11 @@ void Scene::set(const std::string& parameter, double value, const std::string& w
 }
 
 Scene parse_scene(const std::string& text, const std::filesystem::path& file) {
-  if (text.find_first_not_of(" \t\r\n") == std::string::npos)
-    throw InputError(place_prefix(file.string(), {1, 1}) +
-                     "found an empty file, expected a scene (unit, [[line]] …)");
-  toml::table table;
-  try {
-    table = toml::parse(text, file.string());
-  } catch (const toml::parse_error& e) {
-    const auto begin = e.source().begin;
-    throw InputError(place_prefix(file.string(),
-                                  {static_cast<int>(begin.line), static_cast<int>(begin.column)}) +
-                     "not TOML: " + std::string(e.description()));
-  }
-  return read(table, file);
+  return read(parse_toml(text, file, "a scene (unit, [[line]] …)"), file);
 }
 
 Scene read_scene(const std::filesystem::path& file) {
-  if (!std::filesystem::exists(file))
-    throw InputError(file.string() + ": no such file, expected a scene (.toml)");
-  if (std::filesystem::is_directory(file))
-    throw InputError(file.string() + ": found a folder, expected a scene (.toml)");
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) throw InputError(file.string() + ": cannot be opened for reading");
-  std::ostringstream text;
-  text << stream.rdbuf();
-  return parse_scene(text.str(), file);
+  return parse_scene(text_of_file(file, "a scene (.toml)"), file);
 }
 
 const std::vector<std::string>& length_units() {

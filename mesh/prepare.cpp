@@ -113,8 +113,7 @@ class Splitter {
       const Vec3 p = points_.row(v[k]);
       bool inside = true;
       for (int e = 0; e < 3; ++e)
-        inside = inside &&
-                 (corner[(e + 1) % 3] - corner[e]).cross(p - corner[e]).dot(normal) >= 0;
+        inside = inside && (corner[(e + 1) % 3] - corner[e]).cross(p - corner[e]).dot(normal) >= 0;
       if (inside) return true;
     }
     return false;
@@ -308,8 +307,7 @@ Work examine(const ShellMesh& shells) {
 
 MeshDiagnosis diagnose(const ShellMesh& shells) { return examine(shells).found; }
 
-PreparedMesh prepare(const ShellMesh& shells,
-                     const std::function<std::string(int)>& node_name) {
+PreparedMesh prepare(const ShellMesh& shells, const std::function<std::string(int)>& node_name) {
   const auto name = [&](int v) { return node_name ? node_name(v) : std::to_string(v); };
   Work work = examine(shells);
   const MeshDiagnosis& d = work.found;

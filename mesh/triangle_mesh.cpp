@@ -180,8 +180,8 @@ void MeshTopology::find_components() {
 
 TriangleMesh::TriangleMesh(Points points, std::vector<std::array<int, 3>> triangles)
     : TriangleMesh(std::move(points), nullptr) {
-  topology_ = std::make_shared<const MeshTopology>(static_cast<int>(points_.rows()),
-                                                   std::move(triangles));
+  topology_ =
+      std::make_shared<const MeshTopology>(static_cast<int>(points_.rows()), std::move(triangles));
 }
 
 TriangleMesh::TriangleMesh(Points points, std::shared_ptr<const MeshTopology> topology)

@@ -1,7 +1,7 @@
 # Sourced by the other scripts: Debian packages, and where things are.
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 
-build_packages=(git g++ cmake ninja-build libeigen3-dev libsuitesparse-dev libopenblas-dev libcgal-dev
+build_packages=(git g++ cmake ninja-build libeigen3-dev libsuitesparse-dev libopenblas-dev libboost-dev libcgal-dev
   catch2 libtomlplusplus-dev libcli11-dev nlohmann-json3-dev libvtk9-dev libgl-dev libx11-dev
   libocct-foundation-dev libocct-modeling-data-dev libocct-modeling-algorithms-dev
   libocct-data-exchange-dev libocct-ocaf-dev)

@@ -5,6 +5,7 @@
 
 #include "batten/apps/cli/terminal.h"
 #include "batten/apps/commands/info.h"
+#include "batten/apps/commands/run_deform.h"
 #include "batten/apps/commands/run_scene.h"
 #include "batten/core/parallel.h"
 
@@ -39,7 +40,9 @@ Examples:
   batten skin outline.csv --out result          lines to a surface: STEP, VTK, report
   batten run hood.toml --out result             everything a scene asks for
   batten run hood.toml --out result --set crown=4
+  batten deform edit.toml --out result          a mesh moved, its holes and beads exactly kept
   batten info hood.toml                         its lines and its parameters
+  batten info panel.bdf                         a mesh: its holes and creases, what is wrong
   batten view hood.toml --screenshot hood.png   a picture (needs a display, or xvfb-run)
 
 Exit codes:
@@ -56,7 +59,8 @@ struct Arguments {
   bool quiet = false;
 };
 
-int finish(const Report& report, const Arguments& a) {
+template <class AnyReport>
+int finish(const AnyReport& report, const Arguments& a) {
   end_progress();
   if (!a.quiet) std::cout << summary(report, a.out);
   for (const auto& w : report.warnings) std::cerr << "warning: " << w << "\n";
@@ -65,7 +69,14 @@ int finish(const Report& report, const Arguments& a) {
   return report.missed.empty() ? kDone : kMissed;
 }
 
+int deform(const Arguments& a) {
+  DeformScene scene = read_deform_scene(a.file);
+  apply_settings(scene, a.settings);
+  return finish(run_deform(scene, a.out, terminal_progress(a.quiet)), a);
+}
+
 int run(const Arguments& a) {
+  if (edits_a_mesh(a.file)) return deform(a);
   Scene scene = read_scene(a.file);
   apply_settings(scene, a.settings);
   return finish(run_scene(scene, a.out, terminal_progress(a.quiet)), a);
@@ -147,6 +158,15 @@ int command(int argc, char** argv) {
       ->allow_extra_args(false);
   common(run_command);
 
+  auto* deform_command =
+      app.add_subcommand("deform", "Edit a mesh; its form features keep their shape exactly");
+  deform_command->add_option("edits", a.file, "Edits of a mesh (.toml)")->required();
+  deform_command->add_option("--out", a.out, "Folder for all files, report.json too")->required();
+  deform_command->add_option("--set", a.settings, "Set a parameter of the edits: name=value")
+      ->take_all()
+      ->allow_extra_args(false);
+  common(deform_command);
+
   auto* skin_command =
       app.add_subcommand("skin", "From files of lines straight to a surface: STEP, VTK, report");
   skin_command->add_option("lines", a.files, "Outline: .csv .txt .xyz .dat .obj .iges .step")
@@ -163,7 +183,7 @@ int command(int argc, char** argv) {
   common(skin_command);
 
   auto* info_command =
-      app.add_subcommand("info", "What is in a scene, a file of lines, a STEP file");
+      app.add_subcommand("info", "What is in a scene, a file of lines, a mesh, a STEP file");
   info_command->add_option("file", a.file, "The file")->required();
   lengths(info_command);
 
@@ -191,6 +211,7 @@ int command(int argc, char** argv) {
   set_thread_count(a.threads);
   catch_interrupts();
   if (*run_command) return run(a);
+  if (*deform_command) return deform(a);
   if (*skin_command) return skin(a);
   if (*info_command) return info(a);
   return view(a);

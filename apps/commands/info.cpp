@@ -1,9 +1,12 @@
 #include "batten/apps/commands/info.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
+#include <fstream>
 
 #include "batten/apps/commands/line_files.h"
+#include "batten/apps/commands/run_deform.h"
 #include "batten/io/step.h"
 #include "batten/skinning/line_fit.h"
 
@@ -29,10 +32,9 @@ std::string lines_text(const std::vector<CharacterLine>& lines, const std::strin
   return text;
 }
 
-std::string scene_text(const Scene& scene) {
-  std::string text = "scene '" + scene.name + "', unit " + scene.unit + "\n" +
-                     lines_text(read_lines(scene), scene.unit) + "parameters (--set name=value)\n";
-  for (const Parameter& p : scene.parameters()) {
+std::string parameters_text(const std::vector<Parameter>& parameters) {
+  std::string text = "parameters (--set name=value)\n";
+  for (const Parameter& p : parameters) {
     text += "  " + p.name + " = " + number(p.value);
     if (std::isfinite(p.min) || std::isfinite(p.max))
       text += "  (" + (std::isfinite(p.min) ? "from " + number(p.min) : std::string("any")) +
@@ -42,15 +44,45 @@ std::string scene_text(const Scene& scene) {
   return text;
 }
 
+std::string scene_text(const Scene& scene) {
+  return "scene '" + scene.name + "', unit " + scene.unit + "\n" +
+         lines_text(read_lines(scene), scene.unit) + parameters_text(scene.parameters());
+}
+
+std::string edits_text(const DeformScene& scene) {
+  return "edits '" + scene.name + "', unit " + scene.unit + "\n" +
+         mesh_info(scene.mesh, scene.unit) + parameters_text(scene.parameters());
+}
+
+/// Lines and meshes share endings: a mesh has faces, a Nastran deck grid points.
+bool is_mesh_file(const std::filesystem::path& file) {
+  std::string ending = file.extension().string();
+  for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  if (ending == ".obj" || ending == ".dat") {
+    std::ifstream in(file);
+    for (std::string row; std::getline(in, row);)
+      if (row.starts_with(ending == ".obj" ? "f " : "GRID")) return true;
+    return false;
+  }
+  static const std::vector<std::string> endings = {".off", ".ply", ".stl", ".vtp", ".vtu", ".bdf",
+                                                   ".nas", ".inp", ".k",   ".key", ".dyn"};
+  return std::find(endings.begin(), endings.end(), ending) != endings.end();
+}
+
 }  // namespace
 
 std::string file_info(const std::filesystem::path& file, const std::string& unit) {
   if (!std::filesystem::is_regular_file(file))
     throw InputError(file.string() + ": found no such file, expected a scene or a file of lines");
-  if (file.extension() == ".toml") return scene_text(read_scene(file));
+  if (file.extension() == ".toml")
+    return edits_a_mesh(file) ? edits_text(read_deform_scene(file)) : scene_text(read_scene(file));
+  if (is_mesh_file(file)) return mesh_info(file, unit);
   if (line_file_kind(file) == LineFileKind::None)
-    throw InputError(file.string() + ": found the ending '" + file.extension().string() +
-                     "', expected .toml, .csv, .txt, .xyz, .dat, .obj, .iges or .step");
+    throw InputError(
+        file.string() + ": found the ending '" + file.extension().string() +
+        "', expected a scene (.toml), lines (.csv, .txt, .xyz, .dat, .obj, .iges, .step) or a "
+        "mesh (.obj, .off, .ply, .stl, .vtp, .vtu, .bdf, .nas, .dat, .inp, .k, .key, "
+        ".dyn)");
   std::string text;
   const std::string ending = file.extension().string();
   if (ending == ".step" || ending == ".stp") {

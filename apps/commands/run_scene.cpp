@@ -1,7 +1,6 @@
 #include "batten/apps/commands/run_scene.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <limits>
 
@@ -9,6 +8,7 @@
 #include "batten/apps/commands/make_shape.h"
 #include "batten/apps/commands/output_folder.h"
 #include "batten/apps/commands/promises.h"
+#include "batten/apps/commands/run_parts.h"
 #include "batten/io/cad_lines.h"
 #include "batten/io/calculix.h"
 #include "batten/io/step.h"
@@ -18,26 +18,6 @@
 
 namespace batten {
 namespace {
-
-/// Seconds of each stage, into the report.
-class Stopwatch {
- public:
-  explicit Stopwatch(Report& report) : report_(report) {}
-  void lap(const std::string& stage) {
-    const auto now = Clock::now();
-    report_.timings.emplace_back(stage, std::chrono::duration<double>(now - last_).count());
-    last_ = now;
-  }
-  void total() {
-    report_.timings.emplace_back("total",
-                                 std::chrono::duration<double>(Clock::now() - start_).count());
-  }
-
- private:
-  using Clock = std::chrono::steady_clock;
-  Report& report_;
-  Clock::time_point start_ = Clock::now(), last_ = start_;
-};
 
 /// Largest distance from samples of the user's line to the fitted curve.
 double deviation(const LineRun& run) {
@@ -225,25 +205,10 @@ void draw_all(Report& report, const RegionLayout& layout, const Scene& scene, co
   }
 }
 
-std::string result_line(const std::string& label, const std::string& text) {
-  return "  " + label + std::string(12 - label.size(), ' ') + text + "\n";
-}
-
 }  // namespace
 
 void apply_settings(Scene& scene, const std::vector<std::string>& settings) {
-  for (const std::string& setting : settings) {
-    const std::string where = "--set " + setting + ": ";
-    const size_t equals = setting.find('=');
-    if (equals == std::string::npos || equals == 0)
-      throw InputError(where + "found no '=', expected name=value");
-    const std::string text = setting.substr(equals + 1);
-    char* end = nullptr;
-    const double value = std::strtod(text.c_str(), &end);
-    if (text.empty() || *end != '\0' || !std::isfinite(value))
-      throw InputError(where + "found '" + text + "', expected a number");
-    scene.set(setting.substr(0, equals), value, where);
-  }
+  for (const Setting& s : parsed_settings(settings)) scene.set(s.name, s.value, s.where);
 }
 
 Scene scene_of_lines(const std::vector<std::filesystem::path>& outline,
@@ -271,7 +236,7 @@ Report run_scene(const Scene& scene, const std::filesystem::path& folder,
   report.unit = scene.unit;
   report.parameters = scene.parameters();
   report.surface.hold = scene.skin.hold == SceneSkin::Hold::Corners ? "corners" : "lines";
-  Stopwatch watch(report);
+  Stopwatch watch(report.timings);
 
   progress.at("lines", 0);
   const std::vector<CharacterLine> lines = read_lines(scene);

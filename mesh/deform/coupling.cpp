@@ -20,8 +20,7 @@ Coupling::Coupling(const SparseCholesky& factor, SparseMatrix U, std::vector<Row
   MatX gram(count, count);
   for (long a = 0; a < count; ++a)
     for (long b = 0; b < count; ++b)
-      gram(a, b) =
-          rows_[a].direction.dot(rows_[b].direction) * UtU(rows_[a].point, rows_[b].point);
+      gram(a, b) = rows_[a].direction.dot(rows_[b].direction) * UtU(rows_[a].point, rows_[b].point);
   MatX L = MatX::Zero(count, count);
   std::vector<VecX> shares;
   for (long a = 0; a < count; ++a) {
@@ -47,8 +46,8 @@ Coupling::Coupling(const SparseCholesky& factor, SparseMatrix U, std::vector<Row
     for (long b = 0; b < rank; ++b) {
       const Row &x = rows_[independent_[a]], &y = rows_[independent_[b]];
       G(a, b) = gram(independent_[a], independent_[b]);
-      S(a, b) = x.direction.dot(y.direction) * 0.5 *
-                (UtZ(x.point, y.point) + UtZ(y.point, x.point));
+      S(a, b) =
+          x.direction.dot(y.direction) * 0.5 * (UtZ(x.point, y.point) + UtZ(y.point, x.point));
     }
   if (rank > 0) {
     gram_.compute(G);

@@ -31,8 +31,8 @@ struct Handle {
 /// Vertices that keep their shape exactly, up to one similarity p_i = s R p_i⁰ + t.
 struct FormFeature {
   enum class Kind {
-    Free,          ///< turns with the rotation field, one rotation for all its vertices (eq. 11)
-    KeepsDirection ///< moves, does not turn (eq. 12)
+    Free,           ///< turns with the rotation field, one rotation for all its vertices (eq. 11)
+    KeepsDirection  ///< moves, does not turn (eq. 12)
   };
   std::string name;
   std::vector<int> vertices;
@@ -66,14 +66,14 @@ struct CombinationRow {
   std::string name;
   VertexCombination combination;
   Vec3 target = Vec3::Zero();
-  int turns_with = -1;  ///< vertex, or -1
+  int turns_with = -1;           ///< vertex, or -1
   std::optional<double> weight;  ///< soft: adds ½ weight |…|² to the energy; none: hard
 };
 
 struct DeformProblem {
   enum class Weighting {
-    Area,   ///< rows times √A_i: AᵀA is the bilaplacian ¼ L_c M⁻¹ L_c, independent of the mesh
-    Uniform ///< rows as they are, as in the paper
+    Area,  ///< rows times √A_i: AᵀA is the bilaplacian ¼ L_c M⁻¹ L_c, independent of the mesh
+    Uniform  ///< rows as they are, as in the paper
   };
 
   std::vector<int> fixed;
@@ -101,8 +101,8 @@ struct HandleMove {
 struct DeformEdit {
   std::vector<HandleMove> handles;     ///< one for each handle
   std::vector<double> feature_scales;  ///< s_f, one for each feature, above 0; empty: all 1
-  std::vector<Vec3> guides;  ///< a point of each plane or line; empty: where the points are now
-  std::vector<Vec3> targets;           ///< of each row; empty: as in the problem
+  std::vector<Vec3> guides;   ///< a point of each plane or line; empty: where the points are now
+  std::vector<Vec3> targets;  ///< of each row; empty: as in the problem
 };
 
 }  // namespace batten

@@ -104,7 +104,8 @@ void for_row_vertices(const DeformProblem& problem, const Visit& visit) {
 
 VertexCombination VertexCombination::mean_of(const std::vector<int>& vertices) {
   VertexCombination mean;
-  for (const int v : vertices) mean.entries.push_back({v, 1.0 / static_cast<double>(vertices.size())});
+  for (const int v : vertices)
+    mean.entries.push_back({v, 1.0 / static_cast<double>(vertices.size())});
   return mean;
 }
 
@@ -228,8 +229,10 @@ void DeformSystem::add_soft_rows(const TriangleMesh& mesh, const DeformProblem& 
     start[v + 1] = start[v] + static_cast<int>(topology.neighbours(v).size());
   std::vector<double> weight(start[n]);
   std::vector<int> next(start.begin(), start.end() - 1);
-  for (size_t e = 0; e < edge_weight.size(); ++e) weight[next[topology.edges()[e].high]++] = edge_weight[e];
-  for (size_t e = 0; e < edge_weight.size(); ++e) weight[next[topology.edges()[e].low]++] = edge_weight[e];
+  for (size_t e = 0; e < edge_weight.size(); ++e)
+    weight[next[topology.edges()[e].high]++] = edge_weight[e];
+  for (size_t e = 0; e < edge_weight.size(); ++e)
+    weight[next[topology.edges()[e].low]++] = edge_weight[e];
   const VecX area = mixed_areas(mesh);
 
   std::vector<int> feature_of(n, -1);
@@ -252,8 +255,7 @@ void DeformSystem::add_soft_rows(const TriangleMesh& mesh, const DeformProblem& 
   // Rows that the user wrote: chains, then soft combinations.
   std::vector<std::vector<std::pair<int, double>>> extra;
   std::vector<Vec3> extra_base;
-  for (const auto& chain : problem.chains)
-    add_chain(chain, problem.weighting, extra, extra_base);
+  for (const auto& chain : problem.chains) add_chain(chain, problem.weighting, extra, extra_base);
   const size_t chain_rows = extra.size();
   std::vector<int> extra_turns, extra_target(extra.size(), -1);
   for (size_t r = 0; r < chain_rows; ++r) extra_turns.push_back(extra[r][1].first);
@@ -309,9 +311,8 @@ void DeformSystem::add_soft_rows(const TriangleMesh& mesh, const DeformProblem& 
     base.row(r) = sum;
     turns_with.push_back(dof[v]);
     scaled_by.push_back(feature_of[v] >= 0 ? feature_of[v]
-                        : holder[v] >= 0
-                            ? static_cast<int>(feature_vertices_.size()) + holder[v]
-                            : -1);
+                        : holder[v] >= 0   ? static_cast<int>(feature_vertices_.size()) + holder[v]
+                                           : -1);
     target_row.push_back(-1);
   }
   for (size_t e = 0; e < extra.size(); ++e) {
@@ -339,10 +340,10 @@ void DeformSystem::add_chain(const CharacterChain& chain, DeformProblem::Weighti
       throw InputError("chain '" + chain.name + "' has neighbours at one place, around vertex " +
                        std::to_string(v[k]));
     const double a = (l0 + l1) / 2;
-    const double w = weighting == DeformProblem::Weighting::Area
-                         ? std::sqrt(chain.width / a)
-                         : std::sqrt(chain.width / a) / a;
-    rows.push_back({{dof[v[before]], w / l0}, {dof[v[k]], -w / l0 - w / l1}, {dof[v[after]], w / l1}});
+    const double w = weighting == DeformProblem::Weighting::Area ? std::sqrt(chain.width / a)
+                                                                 : std::sqrt(chain.width / a) / a;
+    rows.push_back(
+        {{dof[v[before]], w / l0}, {dof[v[k]], -w / l0 - w / l1}, {dof[v[after]], w / l1}});
     bases.push_back(w * ((at(after) - at(k)) / l1 - (at(k) - at(before)) / l0));
   }
 }

@@ -20,30 +20,30 @@ struct DeformSystem {
   static constexpr int kMoves = -2, kFixed = -1;  // otherwise the number of a handle
 
   Vec3 origin;
-  Points rest;                 ///< all vertices of the mesh, relative to origin
-  std::vector<int> holder;     ///< of each vertex of the mesh
-  std::vector<int> vertex;     ///< of each dof, ascending
-  std::vector<int> dof;        ///< of each vertex, or -1
-  int moving = 0;              ///< dofs that are not held
+  Points rest;              ///< all vertices of the mesh, relative to origin
+  std::vector<int> holder;  ///< of each vertex of the mesh
+  std::vector<int> vertex;  ///< of each dof, ascending
+  std::vector<int> dof;     ///< of each vertex, or -1
+  int moving = 0;           ///< dofs that are not held
   std::vector<std::string> notes;
 
   // Soft rows A p = b; row r has the target scale · R(q) base.
-  RowMatrix A;                 ///< rows × dofs
+  RowMatrix A;  ///< rows × dofs
   RowPoints base;
-  std::vector<int> turns_with; ///< dof, or -1
-  std::vector<int> scaled_by;  ///< feature, or feature count + handle, or -1
-  std::vector<int> target_row; ///< number of the CombinationRow that the base comes from, or -1
+  std::vector<int> turns_with;  ///< dof, or -1
+  std::vector<int> scaled_by;   ///< feature, or feature count + handle, or -1
+  std::vector<int> target_row;  ///< number of the CombinationRow that the base comes from, or -1
 
   // Hard rows.
   struct Value {
     enum class Kind { Fixed, Handle, Feature, Row } kind;
-    int who;                   ///< handle, feature, row
-    int vertex, reference;     ///< Feature: vertex - reference
+    int who;                ///< handle, feature, row
+    int vertex, reference;  ///< Feature: vertex - reference
   };
   ConstraintSet positions, rotations;
-  std::vector<Value> values;   ///< of each row of `positions`
-  std::vector<int> turned_by;  ///< handle of each row of `rotations`, or -1: zero
-  std::vector<int> feature_dof;///< a dof of each feature
+  std::vector<Value> values;     ///< of each row of `positions`
+  std::vector<int> turned_by;    ///< handle of each row of `rotations`, or -1: zero
+  std::vector<int> feature_dof;  ///< a dof of each feature
   int feature_rows = 0;
 
  private:

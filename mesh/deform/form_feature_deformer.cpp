@@ -15,8 +15,9 @@
 namespace batten {
 namespace {
 
-constexpr int kChunk = 4096;           // rows a thread takes at a time
-constexpr double kContradiction = 1e-9;  // of the size: guided points that cannot be where they should
+constexpr int kChunk = 4096;  // rows a thread takes at a time
+constexpr double kContradiction =
+    1e-9;  // of the size: guided points that cannot be where they should
 
 /// Calls work(first, last) for pieces of 0 … count-1.
 template <class Work>
@@ -111,8 +112,8 @@ SparseMatrix normal_matrix(const SparseMatrix& B, const RowMatrix& rows) {
 
 /// Harmonic weights of the handles on the dofs, dofs × handles: 1 on the handle's own vertices, 0
 /// on everything else that is held.
-MatX handle_weights(const DeformSystem& system, const TriangleMesh& mesh, AffineReduction& rotations,
-                    long handles) {
+MatX handle_weights(const DeformSystem& system, const TriangleMesh& mesh,
+                    AffineReduction& rotations, long handles) {
   MatX indicator = MatX::Zero(static_cast<long>(system.turned_by.size()), handles);
   for (size_t r = 0; r < system.turned_by.size(); ++r)
     if (system.turned_by[r] >= 0) indicator(static_cast<long>(r), system.turned_by[r]) = 1;
@@ -344,7 +345,8 @@ void FormFeatureDeformer::Data::set_hard_values(const DeformEdit& edit) {
 void FormFeatureDeformer::Data::set_guides(const DeformEdit& edit) {
   for (size_t k = 0; k < guide_of.size(); ++k) {
     const GuidedPoint& guide = problem.guided[guide_of[k]];
-    const Vec3 through = edit.guides.empty() ? guide.point.at(mesh.points()) : edit.guides[guide_of[k]];
+    const Vec3 through =
+        edit.guides.empty() ? guide.point.at(mesh.points()) : edit.guides[guide_of[k]];
     double reached = guide_directions[k].dot(through - system.origin);
     for (const auto& e : guide.point.entries)
       reached -= e.coefficient * guide_directions[k].dot(positions.d0().row(system.dof[e.vertex]));
@@ -362,12 +364,10 @@ void FormFeatureDeformer::Data::set_guides(const DeformEdit& edit) {
   }
   AffineReduction named(all, AffineReduction::Values::Later);
   MatX stacked(3 * right.rows() + g.size(), 1);
-  for (long k = 0; k < right.rows(); ++k)
-    stacked.block<3, 1>(3 * k, 0) = right.row(k).transpose();
+  for (long k = 0; k < right.rows(); ++k) stacked.block<3, 1>(3 * k, 0) = right.row(k).transpose();
   for (size_t k = 0; k < guide_of.size(); ++k) {
-    const Vec3 through = edit.guides.empty()
-                             ? problem.guided[guide_of[k]].point.at(mesh.points())
-                             : edit.guides[guide_of[k]];
+    const Vec3 through = edit.guides.empty() ? problem.guided[guide_of[k]].point.at(mesh.points())
+                                             : edit.guides[guide_of[k]];
     stacked(3 * right.rows() + static_cast<long>(k), 0) =
         guide_directions[k].dot(through - system.origin);
   }
@@ -495,8 +495,8 @@ double FormFeatureDeformer::hard_residual() const {
   }
   for (size_t k = 0; k < d.guide_of.size(); ++k) {
     const GuidedPoint& guide = d.problem.guided[d.guide_of[k]];
-    const Vec3 through = d.last.guides.empty() ? guide.point.at(d.mesh.points())
-                                               : d.last.guides[d.guide_of[k]];
+    const Vec3 through =
+        d.last.guides.empty() ? guide.point.at(d.mesh.points()) : d.last.guides[d.guide_of[k]];
     look(std::abs(d.guide_directions[k].dot(guide.point.at(p) - through)));
   }
   const Points q = rotation_logs();

@@ -14,7 +14,8 @@ namespace batten {
 /// least-squares sense while they turn with a smooth field of rotations; handles, fixed vertices
 /// and form features hold exactly:
 ///
-///     min ½ |A p - b|²   subject to   C p = d,      rows of A p = b:   w_i L(p_i) = w_i R(q_i) s δ_i
+///     min ½ |A p - b|²   subject to   C p = d,      rows of A p = b:   w_i L(p_i) = w_i R(q_i) s
+///     δ_i
 ///
 ///     L(p_i) = (L_c p)_i / (2 A_i)      w_i = √A_i (or 1)      s = scale of the feature or handle
 ///                                                              that vertex i belongs to, else 1
@@ -70,10 +71,10 @@ class FormFeatureDeformer {
   const std::vector<std::string>& notes() const;
 
   struct Counts {
-    int moving = 0;        ///< vertices whose position is solved for
-    int unknowns = 0;      ///< of one coordinate, after the reduction
-    int soft_rows = 0;     ///< of one coordinate
-    int hard_rows = 0;     ///< of one coordinate, those of features included
+    int moving = 0;     ///< vertices whose position is solved for
+    int unknowns = 0;   ///< of one coordinate, after the reduction
+    int soft_rows = 0;  ///< of one coordinate
+    int hard_rows = 0;  ///< of one coordinate, those of features included
     int feature_rows = 0;
     int dropped_rows = 0;  ///< redundant
     int guide_rows = 0;    ///< of guided points

@@ -33,9 +33,7 @@ Similarity fit(const Points& before, const Points& after, const std::vector<int>
   Vec3 sign = Vec3::Ones();
   if ((svd.matrixU() * svd.matrixV().transpose()).determinant() < 0) sign[2] = -1;
   best.R = svd.matrixU() * sign.asDiagonal() * svd.matrixV().transpose();
-  best.scale = scale         ? *scale
-               : spread > 0  ? svd.singularValues().dot(sign) / spread
-                             : 1;
+  best.scale = scale ? *scale : spread > 0 ? svd.singularValues().dot(sign) / spread : 1;
   for (const int v : vertices) {
     const Vec3 x = before.row(v).transpose() - from - mean_before;
     const double off =

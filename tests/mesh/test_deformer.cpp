@@ -76,10 +76,14 @@ struct Case {
                         {"b", disc(mesh, 2.6, 1.1, 0.4), FormFeature::Kind::KeepsDirection},
                         {"c", disc(mesh, 2.0, 2.8, 0.5), FormFeature::Kind::Free}};
     if (guided)
-      problem.guided = {{"plane", VertexCombination::mean_of(problem.features[0].vertices),
-                         GuidedPoint::Kind::OnPlane, {0.1, 0.2, 1}},
-                        {"line", VertexCombination::mean_of(problem.features[2].vertices),
-                         GuidedPoint::Kind::OnLine, {1, 0.2, 0.1}}};
+      problem.guided = {{"plane",
+                         VertexCombination::mean_of(problem.features[0].vertices),
+                         GuidedPoint::Kind::OnPlane,
+                         {0.1, 0.2, 1}},
+                        {"line",
+                         VertexCombination::mean_of(problem.features[2].vertices),
+                         GuidedPoint::Kind::OnLine,
+                         {1, 0.2, 0.1}}};
     edit.handles = {some_move()};
     edit.feature_scales = {1, 1, 1.3};
   }

@@ -1,0 +1,31 @@
+#include "batten/apps/commands/run_parts.h"
+
+#include <cmath>
+#include <cstdlib>
+
+#include "batten/core/errors.h"
+
+namespace batten {
+
+std::vector<Setting> parsed_settings(const std::vector<std::string>& settings) {
+  std::vector<Setting> parsed;
+  for (const std::string& setting : settings) {
+    const std::string where = "--set " + setting + ": ";
+    const size_t equals = setting.find('=');
+    if (equals == std::string::npos || equals == 0)
+      throw InputError(where + "found no '=', expected name=value");
+    const std::string text = setting.substr(equals + 1);
+    char* end = nullptr;
+    const double value = std::strtod(text.c_str(), &end);
+    if (text.empty() || *end != '\0' || !std::isfinite(value))
+      throw InputError(where + "found '" + text + "', expected a number");
+    parsed.push_back({setting.substr(0, equals), where, value});
+  }
+  return parsed;
+}
+
+std::string result_line(const std::string& label, const std::string& text) {
+  return "  " + label + std::string(12 - label.size(), ' ') + text + "\n";
+}
+
+}  // namespace batten

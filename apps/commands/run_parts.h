@@ -1,0 +1,41 @@
+// What all commands share.
+#pragma once
+
+#include <chrono>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace batten {
+
+/// Seconds of each stage of a run.
+class Stopwatch {
+ public:
+  explicit Stopwatch(std::vector<std::pair<std::string, double>>& timings) : timings_(timings) {}
+  void lap(const std::string& stage) {
+    const auto now = Clock::now();
+    timings_.emplace_back(stage, std::chrono::duration<double>(now - last_).count());
+    last_ = now;
+  }
+  void total() {
+    timings_.emplace_back("total", std::chrono::duration<double>(Clock::now() - start_).count());
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  std::vector<std::pair<std::string, double>>& timings_;
+  Clock::time_point start_ = Clock::now(), last_ = start_;
+};
+
+/// One "name=value" of the command line; messages about it begin with `where`.
+struct Setting {
+  std::string name, where;
+  double value;
+};
+/// Throws InputError.
+std::vector<Setting> parsed_settings(const std::vector<std::string>& settings);
+
+/// A line of a summary.
+std::string result_line(const std::string& label, const std::string& text);
+
+}  // namespace batten

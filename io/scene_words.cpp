@@ -1,0 +1,58 @@
+#include "batten/io/scene_words.h"
+
+#include <algorithm>
+#include <fstream>
+#include <sstream>
+
+#include "batten/core/errors.h"
+#include "batten/io/scene.h"
+
+namespace batten {
+
+std::string unit_word(const TomlTable& table, const std::string& key) {
+  const std::string word = table.text(key);
+  if (std::find(length_units().begin(), length_units().end(), word) == length_units().end())
+    table.fail(key, "the unit '" + word + "'",
+               "one of: " + listed(length_units()) + did_you_mean(word, length_units()));
+  return word;
+}
+
+std::string output_file(const TomlTable& table, const std::string& key, Names& files,
+                        const std::vector<std::string>& endings) {
+  const std::filesystem::path name = table.text(key);
+  if (name.is_absolute() || name.has_parent_path())
+    table.fail(key, "'" + name.string() + "'", "a file name without folders (files go to --out)");
+  if (std::find(endings.begin(), endings.end(), name.extension()) == endings.end())
+    table.fail(key, "'" + name.string() + "'", "a file name that ends in " + listed(endings));
+  files.add(table, key, name.string());
+  return name.string();
+}
+
+std::string text_of_file(const std::filesystem::path& file, const std::string& expected) {
+  if (!std::filesystem::exists(file))
+    throw InputError(file.string() + ": no such file, expected " + expected);
+  if (std::filesystem::is_directory(file))
+    throw InputError(file.string() + ": found a folder, expected " + expected);
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream) throw InputError(file.string() + ": cannot be opened for reading");
+  std::ostringstream text;
+  text << stream.rdbuf();
+  return text.str();
+}
+
+toml::table parse_toml(const std::string& text, const std::filesystem::path& file,
+                       const std::string& expected) {
+  if (text.find_first_not_of(" \t\r\n") == std::string::npos)
+    throw InputError(place_prefix(file.string(), {1, 1}) + "found an empty file, expected " +
+                     expected);
+  try {
+    return toml::parse(text, file.string());
+  } catch (const toml::parse_error& e) {
+    const auto begin = e.source().begin;
+    throw InputError(place_prefix(file.string(),
+                                  {static_cast<int>(begin.line), static_cast<int>(begin.column)}) +
+                     "not TOML: " + std::string(e.description()));
+  }
+}
+
+}  // namespace batten

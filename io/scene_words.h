@@ -1,0 +1,46 @@
+// What readers of scenes share. Internal.
+#pragma once
+
+#include <toml++/toml.h>
+#include <filesystem>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "batten/io/toml_table.h"
+
+namespace batten {
+
+/// Names of one kind, each once.
+class Names {
+ public:
+  explicit Names(std::string kind) : kind_(std::move(kind)) {}
+  void add(const TomlTable& table, const std::string& key, const std::string& name) {
+    const auto [it, added] = lines_.emplace(name, table.place(key).line);
+    if (!added)
+      table.fail(key,
+                 "the " + kind_ + " '" + name + "' again (first in line " +
+                     std::to_string(it->second) + ")",
+                 "a " + kind_ + " of its own");
+  }
+
+ private:
+  std::string kind_;
+  std::map<std::string, int> lines_;
+};
+
+/// A length unit. Throws InputError with the nearest one.
+std::string unit_word(const TomlTable& table, const std::string& key);
+
+/// A file of the output folder: a name without folders that ends in one of `endings` and is not in
+/// `files` yet.
+std::string output_file(const TomlTable& table, const std::string& key, Names& files,
+                        const std::vector<std::string>& endings);
+
+/// `expected`: "a scene (.toml)". Throws InputError.
+std::string text_of_file(const std::filesystem::path& file, const std::string& expected);
+toml::table parse_toml(const std::string& text, const std::filesystem::path& file,
+                       const std::string& expected);
+
+}  // namespace batten

@@ -1,0 +1,51 @@
+// Separating a form feature from a panel by a minimum cut through a band that the user marked.
+#pragma once
+
+#include <vector>
+
+#include "batten/mesh/features/patch_border.h"
+#include "batten/mesh/triangle_mesh.h"
+
+namespace batten {
+
+struct CutOptions {
+  /// η of edges where the surface bends towards its normals, and away from them. The one with the
+  /// larger η attracts the cut. Which is which turns round with the mesh's orientation; for a
+  /// feature seen from its hollow side swap them.
+  double concave = 1, convex = 0.2;
+  /// A vertex of the feature; -1: the feature is the side with the smaller area.
+  int feature_vertex = -1;
+};
+
+struct FeatureCut {
+  std::vector<int> triangles;       ///< of the feature, ascending
+  std::vector<int> vertices;        ///< of these triangles, ascending: the feature with the cut
+  std::vector<BorderChain> chains;  ///< edges of the cut; the panel on their left
+  double cost;                      ///< Σ capacities of these edges
+};
+
+/// The cheapest set of edges that separates the two sides of a band of triangles, where an edge of
+/// length l whose triangles' normals differ by the angle a costs
+///
+///     l / (1 + d / mean d),   d = η (1 - cos a)
+///
+/// and the mean is over all edges of the band that have two triangles, those to the sides included.
+/// Where d does not vary, the shortest cut wins: a mean below that of angles of a tenth of a degree
+/// (bends that small are rounding of files) counts as that. The length makes the cost of a cut
+/// independent of the mesh. Of several cheapest cuts the one nearest to the feature is taken,
+/// whatever finds it.
+///
+/// `band`: triangles, in any order. With them taken out, their part of the mesh must fall into
+/// exactly two (joined by edges): the feature's side and the panel's. Throws InputError that says
+/// what was found instead ("the band leaves 3 parts of 10, 400 and 22 triangles, expected 2"), for
+/// an empty band, one that lies in several parts of the mesh, numbers out of range, a feature
+/// vertex that is not on one side only, η that are negative or not finite.
+///
+/// Capacities are whole numbers of 2⁻⁵² of their sum, so that the cut is exact and repeats.
+/// O(mesh) and the maximum flow in the band: milliseconds for thousands of triangles.
+/// Source: Katz and Tal 2003 (capacities); Masuda, Yoshioka and Furukawa 2007, section 4.3 (the
+/// band); Boykov and Kolmogorov 2004 by Boost.Graph (the flow).
+FeatureCut cut_feature(const TriangleMesh& mesh, const std::vector<int>& band,
+                       const CutOptions& options = {});
+
+}  // namespace batten
