@@ -7,39 +7,50 @@
 namespace batten {
 
 Points solve_kkt(const ConstraintSet& set, const SparseMatrix& K, const Points& F) {
+  // x, y and z are one system each unless a row couples them; then they are stacked.
   const int n = set.dof_count();
-  const int rows =
-      3 * static_cast<int>(set.rows().size()) + static_cast<int>(set.coupled_rows().size());
+  const int copies = set.coupled() ? 3 : 1;
+  const auto rows = static_cast<int>(set.rows().size());
+  const int size = copies * (n + rows) + static_cast<int>(set.coupled_rows().size());
   std::vector<Triplet> entries;
-  VecX right(3 * n + rows);
+  MatX right(size, set.coupled() ? 1 : 3);
   const auto both = [&](int i, int j, double v) {
     entries.emplace_back(i, j, v);
     if (i != j) entries.emplace_back(j, i, v);
   };
-  for (int c = 0; c < 3; ++c) {
-    right.segment(c * n, n) = F.col(c);
+  int row = copies * n;
+  for (int c = 0; c < copies; ++c) {
     for (int j = 0; j < K.outerSize(); ++j)
       for (SparseMatrix::InnerIterator it(K, j); it; ++it)
         if (it.row() >= j) both(c * n + static_cast<int>(it.row()), c * n + j, it.value());
-  }
-  int row = 3 * n;
-  for (const auto& r : set.rows())
-    for (int c = 0; c < 3; ++c, ++row) {
+    for (const auto& r : set.rows()) {
       for (const auto& e : r.entries) both(row, c * n + e.dof, e.coefficient);
-      right[row] = r.value[c];
+      if (set.coupled())
+        right(row, 0) = r.value[c];
+      else
+        right.row(row) = r.value;
+      ++row;
     }
+  }
+  if (set.coupled())
+    right.topRows(3 * n) = Eigen::Map<const VecX>(F.data(), F.size());
+  else
+    right.topRows(n) = F;
   for (const auto& r : set.coupled_rows()) {
     for (const auto& e : r.entries)
       for (int c = 0; c < 3; ++c)
         if (e.coefficient[c] != 0) both(row, c * n + e.dof, e.coefficient[c]);
-    right[row++] = r.value;
+    right(row++, 0) = r.value;
   }
-  SparseMatrix A(3 * n + rows, 3 * n + rows);
+  SparseMatrix A(size, size);
   A.setFromTriplets(entries.begin(), entries.end());
   Eigen::SparseLU<SparseMatrix> lu(A);
   if (lu.info() != Eigen::Success)
     throw NoSolutionError("the saddle point system is singular: " + lu.lastErrorMessage());
-  const VecX x = lu.solve(right);
+  MatX x = lu.solve(right);
+  // Positions and multipliers differ by powers of ten: one step of refinement.
+  x += lu.solve(MatX(right - A * x));
+  if (!set.coupled()) return x.topRows(n);
   return Eigen::Map<const Points>(x.data(), n, 3);
 }
 

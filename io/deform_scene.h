@@ -75,7 +75,7 @@ struct GuideRule {
 struct LineRule {
   std::string name;
   Place place;
-  std::vector<Vec3> through;  ///< the shortest way along edges, by the vertices nearest to these
+  std::vector<Vec3> through;  ///< the vertices nearest to these, and along creases between
   std::vector<long> nodes;    ///< or these, in their order
   bool closed = false;
   bool rigid = false;

@@ -232,7 +232,11 @@ MeshFile::Rounding TextMesh::write(const std::filesystem::path& path, const Poin
                         carriage ? "\r\n" : "\n"));
       continue;
     }
-    for (int c = 0; c < 3; ++c) {
+    // A file may have its y before its x.
+    std::array<int, 3> order{0, 1, 2};
+    std::stable_sort(order.begin(), order.end(),
+                     [&](int a, int b) { return fields[i][a].begin < fields[i][b].begin; });
+    for (const int c : order) {
       const Field& field = fields[i][c];
       if (!changed[c] && !(any_open && field.open)) continue;
       std::string by = placed(new_text(c, field.kind), field, old_text(c));

@@ -223,7 +223,7 @@ class StlMesh : public MeshContent {
     size_t done = 0;
     int face = -1, corner = 0;
     bool changed = false;
-    const auto put = [&](double value) {
+    const auto put = [&](auto value) {
       char digits[32];
       out.append(digits, std::to_chars(digits, digits + sizeof digits, value).ptr);
     };

@@ -3,10 +3,11 @@
 #include <vtkCellData.h>
 #include <vtkCellType.h>
 #include <vtkCellTypes.h>
-#include <vtkCommand.h>
 #include <vtkDoubleArray.h>
 #include <vtkErrorCode.h>
+#include <vtkLogger.h>
 #include <vtkNew.h>
+#include <vtkOutputWindow.h>
 #include <vtkPointData.h>
 #include <vtkPoints.h>
 #include <vtkPolyData.h>
@@ -21,6 +22,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <mutex>
 #include <optional>
 
 #include "batten/core/errors.h"
@@ -31,24 +33,56 @@ namespace batten {
 namespace fs = std::filesystem;
 namespace {
 
-/// Keeps VTK's complaints, which otherwise go to a window or to the terminal.
-class Complaints : public vtkCommand {
+/// Where VTK's complaints go while it reads or writes: else they would fill the terminal, and some
+/// of them are the only sign that a part of the file was passed over.
+class Complaints : public vtkOutputWindow {
  public:
   static Complaints* New() { return new Complaints; }
-  void Execute(vtkObject*, unsigned long event, void* data) override {
-    if (event != vtkCommand::ErrorEvent || !first_.empty()) return;
-    std::string text = data ? static_cast<const char*>(data) : "";
+  void DisplayText(const char*) override {}
+  void DisplayErrorText(const char* text) override {
+    if (!first_.empty()) return;
     // "ERROR: In file, line n\nclass (address): message"
-    if (const size_t at = text.find("): "); at != text.npos) text = text.substr(at + 3);
-    for (char& c : text)
-      if (c == '\n') c = ' ';
-    first_ = std::string(trimmed(text));
+    std::string_view message = text ? text : "";
+    if (const size_t at = message.find("): "); at != message.npos) message = message.substr(at + 3);
+    first_ = trimmed(message.substr(0, message.find('\n')));
     if (first_.empty()) first_ = "it is damaged";
   }
+  void DisplayWarningText(const char*) override {}
+  void DisplayGenericWarningText(const char*) override {}
+  void DisplayDebugText(const char*) override {}
   const std::string& first() const { return first_; }
 
  private:
   std::string first_;
+};
+
+/// Listens as long as it lives; VTK has one window for all, so one at a time.
+class Listening {
+ public:
+  Listening()
+      : lock_(mutex()),
+        before_(vtkOutputWindow::GetInstance()),
+        verbosity_(vtkLogger::GetCurrentVerbosityCutoff()) {
+    vtkOutputWindow::SetInstance(complaints_);
+    vtkLogger::SetStderrVerbosity(vtkLogger::VERBOSITY_OFF);
+  }
+  ~Listening() {
+    vtkLogger::SetStderrVerbosity(verbosity_);
+    vtkOutputWindow::SetInstance(before_);
+  }
+  Listening(const Listening&) = delete;
+  Listening& operator=(const Listening&) = delete;
+  const std::string& first() const { return complaints_->first(); }
+
+ private:
+  static std::mutex& mutex() {
+    static std::mutex one;
+    return one;
+  }
+  std::lock_guard<std::mutex> lock_;
+  vtkSmartPointer<vtkOutputWindow> before_;
+  vtkLogger::Verbosity verbosity_;
+  vtkNew<Complaints> complaints_;
 };
 
 template <class Reader>
@@ -56,12 +90,8 @@ vtkSmartPointer<vtkPointSet> read_with(const fs::path& path) {
   const auto fail = [&](const std::string& reason) -> void {
     throw InputError(path.string() + ": VTK cannot read this file: " + reason);
   };
-  vtkNew<Complaints> complaints;
+  const Listening listening;
   vtkNew<Reader> reader;
-  reader->AddObserver(vtkCommand::ErrorEvent, complaints);
-  reader->AddObserver(vtkCommand::WarningEvent, complaints);
-  reader->SetReaderErrorObserver(complaints);
-  reader->SetParserErrorObserver(complaints);
   try {
     if (!reader->CanReadFile(path.c_str())) fail("it is no VTK XML file of this kind");
     reader->SetFileName(path.c_str());
@@ -71,7 +101,7 @@ vtkSmartPointer<vtkPointSet> read_with(const fs::path& path) {
   } catch (const std::exception& error) {
     fail(error.what());
   }
-  if (!complaints->first().empty()) fail(complaints->first());
+  if (!listening.first().empty()) fail(listening.first());
   if (reader->GetErrorCode() != vtkErrorCode::NoError)
     fail(vtkErrorCode::GetStringFromErrorCode(reader->GetErrorCode()));
   if (!reader->GetOutput() || !reader->GetOutput()->GetPoints()) fail("it has no points");
@@ -136,13 +166,12 @@ std::optional<FaceType> face_type(int cell_type) {
 
 void write_with(vtkXMLWriter& writer, vtkDataObject* data, const fs::path& path) {
   WholeFile file(path);
-  vtkNew<Complaints> complaints;
-  writer.AddObserver(vtkCommand::ErrorEvent, complaints);
+  const Listening listening;
   writer.SetInputDataObject(data);
   writer.SetFileName(file.temporary().c_str());
   writer.SetDataModeToAppended();
   writer.SetCompressorTypeToZLib();
-  if (!writer.Write() || !complaints->first().empty())
+  if (!writer.Write() || !listening.first().empty())
     throw InputError(path.string() + ": cannot write this file: " +
                      vtkErrorCode::GetStringFromErrorCode(writer.GetErrorCode()));
   file.commit();

@@ -52,6 +52,7 @@ class Fronts {
       : mesh_(mesh),
         source_(vertex_flags(mesh.topology(), sources)),
         straight_(mesh.vertex_count(), 0),
+        taken_(mesh.vertex_count(), 0),
         distance_(VecX::Constant(mesh.vertex_count(), kInfinity)) {
     for (const int v : sources) {
       distance_[v] = 0;
@@ -66,7 +67,7 @@ class Fronts {
       const auto [d, v] = queue_.top();
       queue_.pop();
       if (d > farthest + longest) break;
-      if (d == distance_[v]) pass_on(v);
+      if (d == distance_[v] && ++taken_[v] <= kMostTimes) pass_on(v);
     }
     for (double& d : distance_)
       if (d > farthest) d = kInfinity;
@@ -75,6 +76,10 @@ class Fronts {
   VecX take() { return std::move(distance_); }
 
  private:
+  // Vertices are taken once or twice where triangles are sound; where nearly all are obtuse, some
+  // would be taken thousands of times for the last digits.
+  static constexpr int kMostTimes = 20;
+
   void pass_on(int v) {
     for (const int t : mesh_.topology().triangles_of(v)) {
       const auto& corners = mesh_.triangles()[t];
@@ -121,6 +126,7 @@ class Fronts {
   using Entry = std::pair<double, int>;
   const TriangleMesh& mesh_;
   std::vector<char> source_, straight_;  // straight: the front here started from an edge
+  std::vector<int> taken_;
   VecX distance_;
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue_;
 };

@@ -32,6 +32,7 @@ struct Kept {
   std::vector<std::optional<Vec3>> through;  // of each guide
   std::vector<CharacterChain> chains;
   std::vector<CombinationRow> rows;
+  std::vector<std::vector<int>> lines;  // of [[line]], for pictures; a closed one ends as it begins
 };
 
 double chain_length(const TriangleMesh& mesh, const std::vector<int>& chain, bool closed) {
@@ -75,6 +76,8 @@ Kept gather(const DeformScene& scene, VertexSelector& select, const TriangleMesh
   }
   for (const LineRule& rule : scene.lines) {
     const std::vector<int> chain = select.path(rule);
+    kept.lines.push_back(chain);
+    if (rule.closed) kept.lines.back().push_back(chain.front());
     if (rule.rigid) {
       kept.features.push_back({rule.name, chain, FormFeature::Kind::Free});
       continue;
@@ -221,16 +224,11 @@ void draw_all(DeformReport& report, const DeformScene& scene, const MeshFile& fi
   using Show = MeshPictureRule::Show;
   require_display();
   const auto parts = parts_of(file.shells(), kept, tasks.front());
-  std::vector<std::vector<int>> lines;
-  for (const auto& c : kept.chains) {
-    lines.push_back(c.vertices);
-    if (c.closed) lines.back().push_back(c.vertices.front());
-  }
   for (const MeshPictureRule& rule : scene.pictures) {
     MeshPicture look;
     look.shells = &file.shells();
     look.parts = parts;
-    look.lines = lines;
+    look.lines = kept.lines;
     look.mesh = rule.mesh;
     look.azimuth = rule.azimuth;
     look.elevation = rule.elevation;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <numbers>
 #include <numeric>
 #include <queue>
 
@@ -212,6 +213,18 @@ std::vector<int> VertexSelector::path(const LineRule& rule) {
   if (!rule.nodes.empty()) return stops;
   if (rule.closed) stops.push_back(stops.front());
   const MeshTopology& topology = mesh_.topology();
+  // An edge where the surface bends by an angle a counts as shorter by 1 + (a / 10 degrees)².
+  std::map<std::pair<int, int>, double> bend;
+  for (const auto& e : topology.edges()) {
+    if (e.left < 0 || e.right < 0) continue;
+    const Vec3 a = mesh_.area_vector(e.left), b = mesh_.area_vector(e.right);
+    const double degrees = std::atan2(a.cross(b).norm(), a.dot(b)) * 180 / std::numbers::pi;
+    bend[{e.low, e.high}] = 1 + degrees * degrees / 100;
+  }
+  const auto cost = [&](int v, int u) {
+    const auto it = bend.find({std::min(v, u), std::max(v, u)});
+    return (mesh_.point(u) - mesh_.point(v)).norm() / (it == bend.end() ? 1 : it->second);
+  };
   std::vector<int> way = {stops.front()};
   for (size_t s = 0; s + 1 < stops.size(); ++s) {
     // Dijkstra along edges, from the goal, so that the way can be read forwards.
@@ -228,7 +241,7 @@ std::vector<int> VertexSelector::path(const LineRule& rule) {
       if (d > distance[v]) continue;
       if (v == from) break;
       for (const int u : topology.neighbours(v)) {
-        const double longer = d + (mesh_.point(u) - mesh_.point(v)).norm();
+        const double longer = d + cost(v, u);
         if (longer < distance[u]) {
           distance[u] = longer;
           next[u] = v;

@@ -28,7 +28,8 @@ class VertexSelector {
   const FeatureProposal* proposal(const std::string& name);
   const std::vector<FeatureProposal>& proposals();
   int vertex_of_label(long label, const Place& place) const;
-  /// Vertices in order: the shortest way along edges past all of them. Throws InputError.
+  /// Vertices in order: the shortest way along edges past all of them, where creases count as
+  /// shorter than they are. Throws InputError.
   std::vector<int> path(const LineRule& rule);
 
  private:

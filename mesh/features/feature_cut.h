@@ -42,9 +42,10 @@ struct FeatureCut {
 /// vertex that is not on one side only, η that are negative or not finite.
 ///
 /// Capacities are whole numbers of 2⁻⁵² of their sum, so that the cut is exact and repeats.
-/// O(mesh) and the maximum flow in the band: milliseconds for thousands of triangles.
-/// Source: Katz and Tal 2003 (capacities); Masuda, Yoshioka and Furukawa 2007, section 4.3 (the
-/// band); Boykov and Kolmogorov 2004 by Boost.Graph (the flow).
+/// O(mesh) and the maximum flow in the band: 2 ms for 10,000 triangles with a crease among them,
+/// but 0.3 s for as many without any bend, and growing with their square. Source: Katz and Tal 2003
+/// (capacities); Masuda, Yoshioka and Furukawa 2007, section 4.3 (the band); Boykov and Kolmogorov
+/// 2004 by Boost.Graph (the flow).
 FeatureCut cut_feature(const TriangleMesh& mesh, const std::vector<int>& band,
                        const CutOptions& options = {});
 

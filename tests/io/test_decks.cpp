@@ -325,7 +325,7 @@ TEST_CASE("Nastran: wide nodes keep the digits that small fields lose", "[io][de
   for (const std::string& text : {kNastran, with_carriage_returns(kNastran)}) {
     const auto path = file_with("w.bdf", text);
     const MeshFile file = MeshFile::read(path);
-    const Points points = moved(file, 0.3, 2);
+    const Points points = moved(file, 0.3, 1);
     const double small = file.write(mesh_scratch() / "s.bdf", points).largest;
     MeshWriteOptions options;
     options.wide_nodes = true;
@@ -425,7 +425,7 @@ TEST_CASE("Abaqus: nodes, shells, sets and sections", "[io][decks]") {
   CHECK(nodes_of(file, 3) == std::vector<int>{4, 5, 8, 7});
   std::map<std::string, size_t> sizes;
   for (const auto& set : file.sets()) sizes[set.name] = set.nodes.size() + 100 * set.faces.size();
-  CHECK(sizes == std::map<std::string, size_t>{{"ALL", 3},
+  CHECK(sizes == std::map<std::string, size_t>{{"ALL", 15},
                                                {"BOTH", 800},
                                                {"MORE", 4},
                                                {"ODD", 400},
@@ -470,7 +470,10 @@ TEST_CASE("CalculiX runs a deck that was written back", "[io][decks]") {
     WARN("ccx or python3 is not installed: decks were written but not run");
     return;
   }
-  const MeshFile file = MeshFile::read(file_with("run.inp", abaqus_plate()));
+  // ccx does not follow a keyword into the next line.
+  std::string text = abaqus_plate();
+  text.replace(text.find("*NSET,\n NSET"), 12, "*NSET,NSET");
+  const MeshFile file = MeshFile::read(file_with("run.inp", text));
   Points points = moved(file, 0.05, 1);
   for (int i = 0; i < 3; ++i) points(i, 1) = 0;
   points.row(14) = Vec3(2.0 / 3 + 1, 4.0 / 3 + 3, -1e-5 / 3).transpose();
