@@ -26,6 +26,11 @@ std::optional<FaceType> face_type(const std::string& type) {
   return found == types.end() ? std::nullopt : std::optional(found->second);
 }
 
+std::string_view unquoted(std::string_view text) {
+  const bool quotes = text.size() > 1 && text.front() == '"' && text.back() == '"';
+  return quotes ? text.substr(1, text.size() - 2) : text;
+}
+
 /// A keyword line, which goes on in the next one after a comma.
 struct Keyword {
   std::string name;
@@ -91,10 +96,8 @@ class AbaqusReader {
         for (auto word = next_word(words); !word.empty(); word = next_word(words))
           keyword.name += (keyword.name.empty() ? "" : " ") + upper(word);
       } else if (!part.empty()) {
-        std::string_view value = equals == part.npos ? "" : trimmed(part.substr(equals + 1));
-        if (value.size() > 1 && value.front() == '"' && value.back() == '"')
-          value = value.substr(1, value.size() - 2);
-        keyword.parameters[upper(trimmed(part.substr(0, equals)))] = value;
+        const std::string_view value = equals == part.npos ? "" : trimmed(part.substr(equals + 1));
+        keyword.parameters[upper(trimmed(part.substr(0, equals)))] = unquoted(value);
       }
       first = false;
       if (comma == rest.npos) break;
@@ -238,7 +241,7 @@ class AbaqusReader {
       std::vector<std::string_view> values;
       for (std::string_view rest = line_;;) {
         const size_t comma = rest.find(',');
-        const std::string_view value = trimmed(rest.substr(0, comma));
+        const std::string_view value = unquoted(trimmed(rest.substr(0, comma)));
         if (!value.empty()) values.push_back(value);
         if (comma == rest.npos) break;
         rest.remove_prefix(comma + 1);

@@ -39,8 +39,8 @@ Selection vertices_beyond_plane(const TriangleMesh& mesh, const Vec3& through, c
 /// Accuracy: exact to rounding on flat meshes that are seen whole from one source, and of first
 /// order in the edge length h elsewhere. Measured: 0.08 h on spheres at a quarter turn, 0.8 h at
 /// the opposite pole; 0.14 h around a curved row of sources; 0.4 h where two fronts meet; 0.9 h
-/// behind a hole; 0.1 h on flat meshes whose triangles are nearly all very obtuse, where taking
-/// vertices again is stopped after 20 times.
+/// behind a hole; up to 0.3 h on flat meshes whose triangles are nearly all very obtuse, where
+/// taking vertices again is stopped after 20 times.
 ///
 /// Throws InputError when there are no sources. O(n log n).
 /// Source: after Kimmel and Sethian 1998; the two-point update of Novotni and Klein 2002.

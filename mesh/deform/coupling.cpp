@@ -40,7 +40,7 @@ Coupling::Coupling(const SparseCholesky& factor, SparseMatrix U, std::vector<Row
   const auto rank = static_cast<long>(independent_.size());
   MatX G(rank, rank), S(rank, rank);
   Z_ = MatX(U_);
-  if (Z_.cols() > 0) factor.solve_in_place(Z_);
+  if (Z_.size() > 0) factor.solve_in_place(Z_);
   const MatX UtZ = U_.transpose() * Z_;
   for (long a = 0; a < rank; ++a)
     for (long b = 0; b < rank; ++b) {
@@ -55,6 +55,7 @@ Coupling::Coupling(const SparseCholesky& factor, SparseMatrix U, std::vector<Row
     if (gram_.info() != Eigen::Success || schur_.info() != Eigen::Success)
       throw NoSolutionError("the rows of guided points are nearly dependent");
   }
+  scratch_.resize(rank);
   implied_by_ = MatX::Zero(static_cast<long>(implied_.size()), rank);
   for (size_t i = 0; i < implied_.size() && rank > 0; ++i) {
     VecX products(rank);
@@ -74,33 +75,33 @@ double Coupling::contradiction(const VecX& g) const {
   return worst;
 }
 
-VecX Coupling::residual(const Eigen::Ref<const MatX>& y, const VecX& g) const {
-  VecX r(static_cast<long>(independent_.size()));
-  for (long k = 0; k < r.size(); ++k) {
+void Coupling::residual(const Eigen::Ref<const MatX>& y, const VecX& g) const {
+  for (long k = 0; k < scratch_.size(); ++k) {
     const Row& row = rows_[independent_[k]];
     Vec3 at = Vec3::Zero();
     for (SparseMatrix::InnerIterator it(U_, row.point); it; ++it)
       at += it.value() * y.row(it.row()).transpose();
-    r[k] = row.direction.dot(at) - g[independent_[k]];
+    scratch_[k] = row.direction.dot(at) - g[independent_[k]];
   }
-  return r;
 }
 
 void Coupling::apply(Eigen::Ref<MatX> y, const VecX& g) const {
   if (independent_.empty()) return;
-  const VecX multipliers = schur_.solve(residual(y, g));
+  residual(y, g);
+  schur_.solveInPlace(scratch_);
   for (size_t k = 0; k < independent_.size(); ++k) {
     const Row& row = rows_[independent_[k]];
-    const Vec3 step = multipliers[static_cast<long>(k)] * row.direction;
+    const Vec3 step = scratch_[static_cast<long>(k)] * row.direction;
     for (int c = 0; c < 3; ++c)
       if (step[c] != 0) y.col(c) -= step[c] * Z_.col(row.point);
   }
   // The solve left its rounding; along G it is gone in a step, the second one is for safety.
   for (int pass = 0; pass < 2; ++pass) {
-    const VecX rest = gram_.solve(residual(y, g));
+    residual(y, g);
+    gram_.solveInPlace(scratch_);
     for (size_t k = 0; k < independent_.size(); ++k) {
       const Row& row = rows_[independent_[k]];
-      const Vec3 step = rest[static_cast<long>(k)] * row.direction;
+      const Vec3 step = scratch_[static_cast<long>(k)] * row.direction;
       for (SparseMatrix::InnerIterator it(U_, row.point); it; ++it)
         y.row(it.row()) -= it.value() * step.transpose();
     }

@@ -36,13 +36,14 @@ class Coupling {
   void apply(Eigen::Ref<MatX> y, const VecX& g) const;
 
  private:
-  VecX residual(const Eigen::Ref<const MatX>& y, const VecX& g) const;
+  void residual(const Eigen::Ref<const MatX>& y, const VecX& g) const;  // into scratch_
   std::vector<Row> rows_;
   std::vector<int> independent_, implied_;
   MatX implied_by_;  // implied × independent
   SparseMatrix U_;
   MatX Z_;
   Eigen::LLT<MatX> schur_, gram_;  // of the independent rows: G N⁻¹ Gᵀ and G Gᵀ
+  mutable VecX scratch_;           // one number a row, so that apply() allocates nothing
 };
 
 }  // namespace batten

@@ -389,10 +389,11 @@ void FormFeatureDeformer::Data::expand(const DeformEdit& edit) {
   x.noalias() = positions.D() * y;
   x += positions.d0();
   for (int v = 0; v < mesh.vertex_count(); ++v) {
-    if (const int d = system.dof[v]; d >= 0)
-      result.row(v) = x.row(d) + system.origin.transpose();
-    else if (system.holder[v] >= 0)
-      result.row(v) = edit.handles[system.holder[v]](mesh.point(v));
+    // What is held is where it was told to be, to the last bit.
+    if (const int h = system.holder[v]; h == DeformSystem::kMoves)
+      result.row(v) = x.row(system.dof[v]) + system.origin.transpose();
+    else if (h != DeformSystem::kFixed)
+      result.row(v) = edit.handles[h](mesh.point(v));
   }
 }
 

@@ -470,9 +470,10 @@ TEST_CASE("CalculiX runs a deck that was written back", "[io][decks]") {
     WARN("ccx or python3 is not installed: decks were written but not run");
     return;
   }
-  // ccx does not follow a keyword into the next line.
+  // ccx follows no keyword into the next line, and wants quotes wherever a name has blanks.
   std::string text = abaqus_plate();
   text.replace(text.find("*NSET,\n NSET"), 12, "*NSET,NSET");
+  text.replace(text.find("skin a"), 6, "\"skin a\"");
   const MeshFile file = MeshFile::read(file_with("run.inp", text));
   Points points = moved(file, 0.05, 1);
   for (int i = 0; i < 3; ++i) points(i, 1) = 0;
