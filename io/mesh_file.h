@@ -78,11 +78,12 @@ class MeshFile {
   ///
   /// In text and in binary PLY and STL only the coordinates of nodes that moved are replaced: all
   /// other bytes stay, and a coordinate that equals the one that was read keeps its digits. A
-  /// replaced coordinate has the fewest digits that give back the double, or, where the format's
-  /// field is too narrow for them (Nastran 8 or 16 columns, 16 free; LS-DYNA 16 or 20; Abaqus 20;
-  /// binary single precision), the nearest number that fits. STL normals follow; other normals that
-  /// would be wrong are named by warnings(). VTP and VTU are written anew: arrays are kept except
-  /// normals, coordinates become doubles where single precision would round.
+  /// replaced coordinate has the fewest digits that give back the double or, where the field is too
+  /// narrow for them, is the nearest number that fits: Nastran 8 or 16 columns and 16 characters
+  /// between commas (of which solvers keep 8 unless the GRID has a star), LS-DYNA 16 or 20, Abaqus
+  /// 20, binary files with single precision. STL normals follow; other normals that would be wrong
+  /// are named by warnings(). VTP and VTU are written anew: arrays are kept except normals,
+  /// coordinates become doubles where single precision would round.
   ///
   /// Throws InputError: an extension of another format, another number of points, coordinates that
   /// are not finite, what WholeFile throws.

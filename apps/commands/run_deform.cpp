@@ -218,11 +218,19 @@ std::vector<MeshPicture::Part> parts_of(const ShellMesh& shells, const Kept& kep
   return parts;
 }
 
+/// Pictures need a display; a result without them is still a result, but not what was asked for.
 void draw_all(DeformReport& report, const DeformScene& scene, const MeshFile& file,
               const std::vector<Points>& states, const std::vector<Task>& tasks, const Kept& kept,
               const OutputFolder& out) {
+  if (scene.pictures.empty()) return;
   using Show = MeshPictureRule::Show;
-  require_display();
+  try {
+    require_display();
+  } catch (const InputError& e) {
+    for (const auto& rule : scene.pictures)
+      report.missed.push_back({rule.file, std::string("is not drawn: ") + e.what()});
+    return;
+  }
   const auto parts = parts_of(file.shells(), kept, tasks.front());
   for (const MeshPictureRule& rule : scene.pictures) {
     MeshPicture look;
@@ -306,7 +314,6 @@ void apply_settings(DeformScene& scene, const std::vector<std::string>& settings
 
 DeformReport run_deform(const DeformScene& scene, const std::filesystem::path& folder,
                         const Progress& progress) {
-  if (!scene.pictures.empty()) require_display();
   OutputFolder out(folder);
   DeformReport report;
   report.name = scene.name;
@@ -396,12 +403,11 @@ DeformReport run_deform(const DeformScene& scene, const std::filesystem::path& f
   }
   if (scene.modes) write_modes(report, scene, file, select, states.back(), out);
   watch.lap("files");
-  if (!scene.pictures.empty()) {
-    draw_all(report, scene, file, states, tasks, kept, out);
-    watch.lap("pictures");
-  }
+  draw_all(report, scene, file, states, tasks, kept, out);
+  watch.lap("pictures");
   watch.total();
-  report.missed = broken_promises(report);
+  const auto broken = broken_promises(report);
+  report.missed.insert(report.missed.end(), broken.begin(), broken.end());
   report.files.push_back("report.json");
   write_whole_file(out.file("report.json"), [&](std::ostream& text) { text << to_json(report); });
   progress.at("files", 1);

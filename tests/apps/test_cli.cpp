@@ -1,91 +1,14 @@
 // The program as its users meet it: every case runs batten itself.
-#include <fcntl.h>
+#include "batten/tests/apps/cli_case.h"
+
 #include <signal.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <cmath>
-#include <fstream>
-#include <sstream>
 #include <thread>
 
-#include "batten/tests/catch.h"
-#include "batten/tests/reference.h"
-
-namespace fs = std::filesystem;
+using namespace batten_test;
 
 namespace {
-
-struct Result {
-  int code = -1;
-  std::string out, err;
-};
-
-std::string contents(const fs::path& file) {
-  std::ostringstream text;
-  text << std::ifstream(file, std::ios::binary).rdbuf();
-  return text.str();
-}
-
-void write(const fs::path& file, const std::string& text) {
-  fs::create_directories(file.parent_path());
-  std::ofstream(file, std::ios::binary) << text;
-}
-
-/// A folder with what one case needs, and the program in it. No display unless asked for.
-class Case {
- public:
-  explicit Case(const std::string& name) : folder_(batten_test::scratch("cli_" + name)) {}
-  ~Case() { fs::remove_all(folder_); }
-
-  fs::path operator/(const std::string& name) const { return folder_ / name; }
-  void file(const std::string& name, const std::string& text) const { write(folder_ / name, text); }
-
-  /// Starts batten in the folder.
-  pid_t start(const std::vector<std::string>& arguments) const {
-    std::vector<std::string> words = {BATTEN_CLI};
-    words.insert(words.end(), arguments.begin(), arguments.end());
-    std::vector<char*> argv;
-    for (auto& w : words) argv.push_back(w.data());
-    argv.push_back(nullptr);
-    const pid_t child = fork();
-    if (child == 0) {
-      if (chdir(folder_.c_str()) != 0) _exit(127);
-      unsetenv("DISPLAY");
-      dup2(open(".out", O_WRONLY | O_CREAT | O_TRUNC, 0666), STDOUT_FILENO);
-      dup2(open(".err", O_WRONLY | O_CREAT | O_TRUNC, 0666), STDERR_FILENO);
-      execv(argv[0], argv.data());
-      _exit(127);
-    }
-    return child;
-  }
-  Result wait(pid_t child) const {
-    int status = 0;
-    waitpid(child, &status, 0);
-    const int code = WIFEXITED(status) ? WEXITSTATUS(status) : 1000 + WTERMSIG(status);
-    return {code, contents(folder_ / ".out"), contents(folder_ / ".err")};
-  }
-  Result run(const std::vector<std::string>& arguments) const { return wait(start(arguments)); }
-
-  /// `batten run s.toml --out out` on this scene: it must fail like this and leave nothing.
-  void fails(const std::string& scene, int code, const std::vector<std::string>& parts,
-             const std::vector<std::string>& more = {}) const {
-    file("s.toml", scene);
-    std::vector<std::string> arguments = {"run", "s.toml", "--out", "out"};
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    const Result r = run(arguments);
-    INFO("scene:\n" << scene << "\nmessage:\n" << r.err);
-    CHECK(r.code == code);
-    for (const auto& part : parts) {
-      INFO("expected in the message: " << part);
-      CHECK(r.err.find(part) != std::string::npos);
-    }
-    CHECK_FALSE(fs::exists(folder_ / "out"));
-  }
-
- private:
-  fs::path folder_;
-};
 
 std::string line(const std::string& name, const std::string& points) {
   return "[[line]]\nname = \"" + name + "\"\npoints = [" + points + "]\n";
@@ -100,10 +23,6 @@ const std::string kUnit = "unit = \"mm\"\n";
 const std::string kCoarse = "[skin]\nedge_length = 30\n";
 const std::string kPressure =
     "[[load]]\nname = \"crown\"\ntype = \"pressure\"\nvalue = 5\nmin = -1e9\nmax = 1e9\n";
-
-nlohmann::json report(const Case& c, const std::string& folder) {
-  return nlohmann::json::parse(contents(c / (folder + "/report.json")));
-}
 
 }  // namespace
 

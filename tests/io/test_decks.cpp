@@ -488,7 +488,9 @@ TEST_CASE("CalculiX runs a deck that was written back", "[io][decks]") {
   double magnitude = 0;
   int node = 0;
   Vec3 at = Vec3::Zero();
-  REQUIRE(std::fscanf(pipe, "%lf node %d at (%lf, %lf, %lf)", &magnitude, &node, &at[0], &at[1],
+  char answer[300] = "";
+  REQUIRE(std::fgets(answer, sizeof answer, pipe));
+  REQUIRE(std::sscanf(answer, "%lf node %d at (%lf, %lf, %lf)", &magnitude, &node, &at[0], &at[1],
                       &at[2]) == 5);
   pclose(pipe);
   CHECK(magnitude > 0);

@@ -23,23 +23,28 @@ const std::map<std::string, std::set<std::string>> kAllowed = {
     {"skinning", {"core", "elements", "fem", "constraints", "constraints/shape", "fairing"}},
     {"sculpting",
      {"core", "elements", "fem", "constraints", "constraints/shape", "fairing", "skinning"}},
+    {"mesh", {"core", "constraints"}},
+    {"mesh/features", {"core", "mesh"}},
+    {"mesh/deform", {"core", "constraints", "mesh"}},
     {"io",
      {"core", "elements", "fem", "constraints", "constraints/shape", "fairing", "skinning",
-      "sculpting"}},
+      "sculpting", "mesh", "mesh/features", "mesh/deform"}},
     {"apps",
      {"core", "elements", "fem", "constraints", "constraints/shape", "fairing", "skinning",
-      "sculpting", "io"}},
+      "sculpting", "mesh", "mesh/features", "mesh/deform", "io"}},
 };
 
 // Libraries that only some folders may touch.
 const std::map<std::string, std::set<std::string>> kForeign = {
     {"(vtk|BRep|Geom_|TopoDS|STEPControl|IGES|Standard_|gp_|toml|nlohmann)", {"io", "apps"}},
     {"CGAL/", {"skinning"}},
+    {"boost/", {"mesh/features"}},
     {"cholmod", {"core"}},
 };
 
 std::string folder_of(const std::string& path) {
-  if (path.rfind("constraints/shape/", 0) == 0) return "constraints/shape";
+  for (const char* inner : {"constraints/shape", "mesh/deform", "mesh/features"})
+    if (path.rfind(std::string(inner) + "/", 0) == 0) return inner;
   return path.substr(0, path.find('/'));
 }
 

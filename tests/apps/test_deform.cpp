@@ -1,0 +1,265 @@
+// batten deform as its users meet it.
+#include <cmath>
+#include <numbers>
+
+#include "batten/io/mesh_file.h"
+#include "batten/mesh/features/holes.h"
+#include "batten/mesh/prepare.h"
+#include "batten/tests/apps/cli_case.h"
+#include "batten/tests/mesh_models.h"
+
+using namespace batten_test;
+
+namespace {
+
+const std::string kPlate = BATTEN_SOURCE_DIR "/examples/10-plate-with-holes/";
+const std::string kPanel = BATTEN_SOURCE_DIR "/examples/11-panel/";
+
+std::string without_pictures(const std::string& file) {
+  std::string text = contents(file);
+  return text.substr(0, text.find("[[picture]]"));
+}
+
+/// A square of 4 × 4 quads in [0, 4]², with what a scene needs before its edits.
+const std::string kHead =
+    "unit = \"mm\"\nmesh = \"grid.off\"\n"
+    "[[select]]\nname = \"left\"\nbox = [[0,0,-1],[0,4,1]]\n"
+    "[[select]]\nname = \"right\"\nbox = [[4,0,-1],[4,4,1]]\n";
+const std::string kMove =
+    "[[edit]]\nfixed = \"left\"\n[[edit.handle]]\nname = \"right\"\n"
+    "translate = [0, 0, 1]\n";
+
+void put_grid(const Case& c) {
+  std::string off = "OFF\n25 16 0\n";
+  for (int j = 0; j < 5; ++j)
+    for (int i = 0; i < 5; ++i) off += std::to_string(i) + " " + std::to_string(j) + " 0\n";
+  for (int j = 0; j < 4; ++j)
+    for (int i = 0; i < 4; ++i) {
+      const int a = 5 * j + i;
+      off += "4 " + std::to_string(a) + " " + std::to_string(a + 1) + " " + std::to_string(a + 6) +
+             " " + std::to_string(a + 5) + "\n";
+    }
+  c.file("grid.off", off);
+}
+
+}  // namespace
+
+TEST_CASE("the plate's lessons keep their promises", "[deform]") {
+  // The file is the model of the tests.
+  const Case c("deform_plate");
+  batten::write_mesh(c / "plate.obj", plate_with_holes().shells);
+  CHECK(contents(c / "plate.obj") == contents(kPlate + "plate.obj"));
+  for (const std::string name :
+       {"free", "turned", "stretched", "direction", "plane", "line", "line-turning"}) {
+    INFO(name);
+    c.file(name + ".toml", without_pictures(kPlate + name + ".toml"));
+    const Result r = c.run({"deform", name + ".toml", "--out", name});
+    CHECK(r.code == 0);
+    CHECK(r.err.empty());
+    const auto j = report(c, name);
+    CHECK(j["hard"]["max_residual"].get<double>() < 1e-13);
+    CHECK(j["missed_promises"].empty());
+    CHECK(j["features"].size() == (name == "free" ? 0 : 5));
+    for (const auto& f : j["features"]) CHECK(f["max_rigid_error"].get<double>() < 1e-13);
+    double out_of_round = 0;
+    for (const auto& h : j["holes"]) {
+      if (h["nodes"] == 200) continue;  // the outer border
+      const auto &before = h["before"], &after = h["after"];
+      out_of_round =
+          std::max(out_of_round, after["roundness"].get<double>() / before["radius"].get<double>());
+      if (name != "free")
+        CHECK(std::abs(after["radius"].get<double>() / before["radius"].get<double>() - 1) < 1e-12);
+    }
+    CHECK((out_of_round > 0.01) == (name == "free"));
+    CHECK(j["displacement"]["largest"].get<double>() > 80);
+    CHECK(fs::exists(c / (name + "/" + name + ".obj")));
+    CHECK(fs::exists(c / (name + "/" + name + ".vtp")));
+  }
+}
+
+TEST_CASE("the panel's deck comes back with other coordinates and nothing else", "[deform]") {
+  const Case c("deform_panel");
+  fs::copy(kPanel + "panel.bdf", c / "panel.bdf");
+  c.file("edit.toml", without_pictures(kPanel + "edit.toml"));
+  const Result r = c.run({"run", "edit.toml", "--out", "out"});  // run knows edits, too
+  REQUIRE(r.code == 0);
+  CHECK(r.err.find("wide_nodes") != std::string::npos);
+  std::istringstream before(contents(c / "panel.bdf")), after(contents(c / "out/panel-longer.bdf"));
+  int changed = 0;
+  for (std::string a, b; std::getline(before, a);) {
+    REQUIRE(std::getline(after, b));
+    REQUIRE(a.size() == b.size());
+    if (a == b) continue;
+    ++changed;
+    CHECK(a.starts_with("GRID    "));
+    CHECK(a.substr(0, 24) == b.substr(0, 24));
+  }
+  CHECK(after.peek() == EOF);
+  CHECK(changed > 5000);
+  // What was written holds its holes to the rounding of eight columns.
+  const auto file = batten::MeshFile::read(c / "out/panel-longer.bdf");
+  const auto mesh = batten::prepare(file.shells()).mesh;
+  const auto j = report(c, "out");
+  int round = 0;
+  for (const auto& h : j["holes"]) {
+    if (!h["before"]["circular"]) continue;
+    ++round;
+    const auto m = batten::measure_hole(mesh.points(),
+                                        mesh.topology().boundary_loops()[h["loop"].get<int>() - 1]);
+    CHECK(m.radius == Approx(h["before"]["radius"].get<double>()).epsilon(1e-5));
+    CHECK(m.roundness < 1e-4);
+  }
+  CHECK(round == 4);
+  CHECK(j["edits"].size() == 2);
+  CHECK(j["edits"][0]["moving_nodes"].get<int>() < 1000);
+  for (const char* deck : {"out/before.inp", "out/after.inp"})
+    CHECK(contents(c / deck).find("*FREQUENCY") != std::string::npos);
+
+  // Wide nodes: two lines a node, sixteen columns a number.
+  c.file("wide.toml", without_pictures(kPanel + "edit.toml") + "\n");
+  std::string wide = contents(c / "wide.toml");
+  wide.insert(wide.find("[output]") + 9, "wide_nodes = true\n");
+  c.file("wide.toml", wide);
+  REQUIRE(c.run({"deform", "wide.toml", "--out", "wide"}).code == 0);
+  CHECK(report(c, "wide")["file_rounding"].get<double>() < 1e-9);
+}
+
+TEST_CASE("the same mesh in every format gives the same answer", "[deform]") {
+  const Case c("deform_formats");
+  const auto model = plate_with_holes();
+  double expected = 0;
+  for (const std::string ending : {"obj", "off", "ply", "vtp", "vtu", "stl"}) {
+    batten::write_mesh(c / ("plate." + ending), model.shells);
+    std::string text = without_pictures(kPlate + "turned.toml");
+    text.replace(text.find("plate.obj"), 9, "plate." + ending);
+    text = text.substr(0, text.find("[output]"));
+    c.file(ending + ".toml", text);
+    INFO(ending);
+    const Result r = c.run({"deform", ending + ".toml", "--out", ending});
+    INFO(r.err);
+    REQUIRE(r.code == 0);
+    const double moved = report(c, ending)["displacement"]["largest"];
+    if (expected == 0) expected = moved;
+    // STL: single precision, and quads come as triangles.
+    CHECK(moved == Approx(expected).epsilon(ending == "stl" ? 2e-2 : 1e-9));
+    CHECK(fs::exists(c / (ending + "/plate-deformed." + ending)));
+    batten::MeshFile::read(c / (ending + "/plate-deformed." + ending));
+  }
+}
+
+TEST_CASE("constraints in conflict: exit 2, all of them named, nothing written", "[deform]") {
+  const Case c("deform_conflict");
+  put_grid(c);
+  const std::string strut =
+      "[[select]]\nname = \"strut\"\nbox = [[0,2,0],[4,2,0]]\n"
+      "[[feature]]\nname = \"strut\"\n";
+  c.fails(kHead + strut + kMove, 2, {"'fixed'", "'right'", "'strut'"}, {}, "deform");
+  c.fails(kHead + strut +
+              "[[guide]]\nname = \"g\"\nof = \"left\"\n"
+              "plane = { normal = [0,0,1], through = [0,0,3] }\n" +
+              "[[edit]]\nfixed = \"left\"\n[[edit.handle]]\nname = \"right\"\n",
+          2, {"'g'", "'fixed'"}, {}, "deform");
+}
+
+TEST_CASE("bad scenes of edits: exit 1, the place, what was expected", "[deform]") {
+  const Case c("deform_bad");
+  put_grid(c);
+  const auto fails = [&](const std::string& scene, const std::vector<std::string>& parts) {
+    c.fails(scene, 1, parts, {}, "deform");
+  };
+  fails("", {"s.toml:1:1", "empty file"});
+  fails("unit = \"mm\"\n", {"mesh"});
+  fails(kHead, {"[[edit]]"});
+  fails(kHead + kMove + "[output]\nmesh = \"a.obj\"\n", {"a.obj", ".off"});
+  fails(kHead + kMove + "[output]\nmesh = \"../a.off\"\n", {"without folders"});
+  fails("unit = \"mm\"\nmesh = \"none.off\"\n" + kMove, {"none.off"});
+  fails(kHead + "[[edit]]\nfixed = \"lefft\"\n", {"s.toml:10", "'lefft'", "did you mean 'left'"});
+  fails(kHead + "[[edit]]\nname = \"nothing\"\n", {"nothing is fixed and there is no handle"});
+  fails(
+      kHead + "[[select]]\nname = \"far\"\nbox = [[9,9,9],[10,10,10]]\n[[edit]]\nfixed = \"far\"\n",
+      {"'far' has no vertex"});
+  fails(kHead +
+            "[[select]]\nname = \"a\"\nany = \"b\"\n[[select]]\nname = \"b\"\nany = \"a\"\n"
+            "[[edit]]\nfixed = \"a\"\n",
+        {"within itself"});
+  fails(kHead + "[[select]]\nname = \"l\"\nloop = 3\n[[edit]]\nfixed = \"l\"\n",
+        {"loop 3", "1 to 1"});
+  fails(kHead + "[[select]]\nname = \"n\"\nnodes = [99]\n[[edit]]\nfixed = \"n\"\n", {"node 99"});
+  fails(kHead + "[[select]]\nname = \"n\"\nset = \"S\"\n[[edit]]\nfixed = \"n\"\n",
+        {"the set 'S'", "it has none"});
+  fails(kHead + "[[features]]\nof = \"hole-*\"\n" + kMove, {"which no name matches"});
+  fails(kHead + "[[edit]]\nfixed = \"left\"\n[[edit.handle]]\nname = \"right\"\nscale = 0\n",
+        {"scale"});
+  fails(kHead + "[[edit]]\nfixed = \"left\"\n[[edit.scale]]\nfeature = \"x\"\nfactor = 2\n",
+        {"'x'"});
+  fails(kHead + "[[cut]]\nname = \"c\"\nband = \"left\"\n[[feature]]\nname = \"c\"\n" + kMove,
+        {"the cut 'c'", "the band has no triangles"});
+  fails(kHead + kMove + "[[featur]]\n", {"'featur'", "did you mean 'feature'"});
+  fails(kHead + kMove +
+            "[modes]\nthickness = 1\nyoung = 1\npoisson = 0.7\ndensity = 1\n"
+            "after = \"a.inp\"\n",
+        {"0.7"});
+  c.fails(kHead + kMove, 1, {"'edit-1.right.w'", "edit-1.right.x"}, {"--set", "edit-1.right.w=3"},
+          "deform");
+  // A mesh that no deformation can stand on.
+  c.file("grid.off", "OFF\n5 3 0\n0 0 0\n1 0 0\n0 1 0\n0 -1 0\n0 0 1\n3 0 1 2\n3 1 0 3\n3 0 1 4\n");
+  fails(kHead + kMove, {"grid.off", "more than two faces"});
+  put_grid(c);
+  std::string nan = contents(c / "grid.off");
+  nan.replace(nan.find("2 2 0"), 5, "2 nan 0");
+  c.file("grid.off", nan);
+  fails(kHead + kMove, {"grid.off"});
+}
+
+TEST_CASE("parameters are set from outside; an edit that folds the mesh is reported", "[deform]") {
+  const Case c("deform_set");
+  put_grid(c);
+  c.file("s.toml", kHead + kMove);
+  REQUIRE(c.run({"deform", "s.toml", "--out", "a", "--set", "edit-1.right.z=3", "--set",
+                 "edit-1.right.degrees=0"})
+              .code == 0);
+  CHECK(report(c, "a")["displacement"]["largest"].get<double>() == Approx(3));
+  const Result info = c.run({"info", "s.toml"});
+  CHECK(info.code == 0);
+  CHECK(info.out.find("edit-1.right.z = 1") != std::string::npos);
+  CHECK(info.out.find("loop 1: 16 nodes") != std::string::npos);
+  // The handle goes past the fixed strip.
+  c.file("s.toml", kHead + "[[select]]\nname = \"strip\"\nany = \"left\"\ngrow = 1\n" +
+                       "[[edit]]\nfixed = \"strip\"\n[[edit.handle]]\nname = \"right\"\n");
+  const Result folded = c.run({"deform", "s.toml", "--out", "b", "--set", "edit-1.right.x=-9",
+                               "--set", "edit-1.right.z=0"});
+  CHECK(folded.code == 4);
+  CHECK(folded.err.find("quality.inverted") != std::string::npos);
+  CHECK(fs::exists(c / "b/grid-deformed.off"));
+}
+
+TEST_CASE("selections say what they say", "[deform]") {
+  const Case c("deform_select");
+  put_grid(c);
+  const auto moved = [&](const std::string& rule) {
+    c.file("ids.txt", "6, 7 # two of them\n8\n");
+    c.file("s.toml", kHead + "[[select]]\nname = \"it\"\n" + rule +
+                         "\n[[edit]]\nfixed = \"it\"\n[[edit.handle]]\nname = \"h\"\n"
+                         "vertices = \"all\"\ntranslate = [0,0,1]\n"
+                         "[[select]]\nname = \"all\"\nexcept = \"it\"\n");
+    const Result r = c.run({"deform", "s.toml", "--out", "o"});
+    INFO(r.err);
+    REQUIRE((r.code == 0 || r.code == 4));
+    const auto file = batten::MeshFile::read(c / "o/grid-deformed.off");
+    std::vector<int> still;
+    for (int v = 0; v < 25; ++v)
+      if (file.shells().points(v, 2) == 0) still.push_back(v);
+    return still;
+  };
+  using V = std::vector<int>;
+  CHECK(moved("nodes = [0, 24]") == V{0, 24});
+  CHECK(moved("file = \"ids.txt\"") == V{6, 7, 8});
+  CHECK(moved("sphere = { centre = [2, 2, 0], radius = 1 }") == V{7, 11, 12, 13, 17});
+  CHECK(moved("plane = { through = [3, 0, 0], normal = [1, 0, 0] }\nbox = [[0,0,0],[4,1,0]]") ==
+        V{3, 4, 8, 9});
+  CHECK(moved("geodesic = { node = 0, distance = 1.1 }") == V{0, 1, 5});
+  CHECK(moved("geodesic = { point = [4, 4, 0], distance = 1.1 }") == V{19, 23, 24});
+  CHECK(moved("any = [\"left\", \"right\"]\nexcept = \"left\"") == V{4, 9, 14, 19, 24});
+  CHECK(moved("nodes = [0]\ngrow = 1") == V{0, 1, 5, 6});
+  CHECK(moved("loop = 1").size() == 16);
+}

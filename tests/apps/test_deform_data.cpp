@@ -1,0 +1,215 @@
+// Real meshes, where they are beside the project: panels, scans, machine parts, bad ones.
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <numbers>
+
+#include "batten/core/rotations.h"
+#include "batten/io/mesh_file.h"
+#include "batten/mesh/deform/form_feature_deformer.h"
+#include "batten/mesh/deform/similarity.h"
+#include "batten/mesh/features/proposals.h"
+#include "batten/mesh/prepare.h"
+#include "batten/mesh/quality.h"
+#include "batten/mesh/selection.h"
+#include "batten/tests/catch.h"
+#include "batten/tests/reference.h"
+#include "batten/tests/refusal.h"
+
+using namespace batten;
+using namespace batten_test;
+namespace fs = std::filesystem;
+
+namespace {
+
+std::vector<fs::path> meshes_in(const std::string& folder) {
+  std::vector<fs::path> files;
+  const auto path = optional_data(folder);
+  if (path.empty()) {
+    WARN("skipped: no " << folder << " beside the project (BATTEN_TEST_DATA)");
+    return files;
+  }
+  for (const auto& entry : fs::directory_iterator(path))
+    for (const char* ending : {".off", ".obj", ".ply"})
+      if (entry.path().extension() == ending) files.push_back(entry.path());
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+}  // namespace
+
+TEST_CASE("every manifold mesh is deformed once, its features kept", "[data]") {
+  for (const char* folder : {"meshes-cgal", "meshes-pmp"})
+    for (const fs::path& path : meshes_in(folder)) {
+      INFO(path.string());
+      const MeshFile file = MeshFile::read(path);
+      const TriangleMesh mesh = prepare(file.shells()).mesh;
+      // Held: a tenth of the first part at its lowest x; the handle: what is farthest from it along
+      // the surface.
+      const auto& component = mesh.topology().component();
+      double low = INFINITY, high = -INFINITY;
+      for (int v = 0; v < mesh.vertex_count(); ++v)
+        if (component[v] == 0) {
+          low = std::min(low, mesh.point(v).x());
+          high = std::max(high, mesh.point(v).x());
+        }
+      DeformProblem problem;
+      for (int v = 0; v < mesh.vertex_count(); ++v)
+        if (component[v] == 0 && mesh.point(v).x() <= low + 0.1 * (high - low))
+          problem.fixed.push_back(v);
+      const VecX distance = geodesic_distances(mesh, problem.fixed);
+      int farthest = problem.fixed[0];
+      for (int v = 0; v < mesh.vertex_count(); ++v)
+        if (std::isfinite(distance[v]) && distance[v] > distance[farthest]) farthest = v;
+      problem.handles = {{"handle", vertices_within(mesh, {farthest}, 0.1 * distance[farthest])}};
+      // Proposals that touch neither are kept.
+      for (const auto& p : propose_features(mesh))
+        if (common(p.vertices, united(problem.handles[0].vertices, problem.fixed)).empty())
+          problem.features.push_back({p.name, p.vertices});
+      DeformEdit edit;
+      edit.handles = {{}};
+      edit.handles[0].about = mesh.point(farthest);
+      edit.handles[0].shift = 0.1 * mesh.size() * Vec3(0.3, 0.2, 1).normalized();
+      edit.handles[0].turn = rotation_log({1, 0.5, 0.2}, 0.4);
+      FormFeatureDeformer deformer(mesh, problem);
+      deformer.deform(edit);
+      deformer.correct();
+      CHECK(deformer.correct() < 1e-9);
+      CHECK(deformer.hard_residual() < 1e-12);
+      for (const auto& f : problem.features)
+        CHECK(fit_similarity(mesh.points(), deformer.positions(), f.vertices).max_error < 1e-12);
+      // Nothing flies away: no vertex moves much farther than the handle does.
+      CHECK((deformer.positions() - mesh.points()).rowwise().norm().maxCoeff() < 0.6 * mesh.size());
+    }
+}
+
+TEST_CASE("meshes that are bad on purpose are refused with the reason", "[data]") {
+  const auto folder = optional_data("meshes-geometry-central");
+  if (folder.empty()) {
+    WARN("skipped: no meshes-geometry-central beside the project (BATTEN_TEST_DATA)");
+    return;
+  }
+  const auto why = [&](const std::string& name) {
+    const MeshFile file = MeshFile::read(folder / name);
+    return refusal([&] { prepare(file.shells()); });
+  };
+  CHECK(why("moebius.obj").find("one side only") != std::string::npos);
+  CHECK(why("hourglass_ico.obj").find("touch without a common edge") != std::string::npos);
+  CHECK(why("fan3.obj").find("more than two faces") != std::string::npos);
+  for (const char* good : {"spot.ply", "fox.ply", "cat_head.obj"}) CHECK(why(good).empty());
+}
+
+TEST_CASE("the bottle support: 13 holes exact while it is bent and stretched, deck untouched",
+          "[data]") {
+  const auto path = optional_data("panel-bottle-support/W1000BO_pid_1_a_tri.obj");
+  if (path.empty()) {
+    WARN("skipped: no panel-bottle-support beside the project (BATTEN_TEST_DATA)");
+    return;
+  }
+  // As a Nastran deck, small fields.
+  const MeshFile source = MeshFile::read(path);
+  std::string deck = "$ bottle support\r\nBEGIN BULK\r\n";
+  const auto field = [](double x) {
+    char text[16];
+    for (int digits = 5; digits >= 0; --digits) {
+      std::snprintf(text, sizeof text, "%.*f", digits, x);
+      if (std::string(text).size() <= 8) break;
+    }
+    return std::string(8 - std::string(text).size(), ' ') + text;
+  };
+  const auto whole = [](long x) {
+    const std::string text = std::to_string(x);
+    return std::string(8 - text.size(), ' ') + text;
+  };
+  const ShellMesh& shells = source.shells();
+  for (int v = 0; v < shells.node_count(); ++v)
+    deck += "GRID    " + whole(1000 + 3 * v) + "        " + field(shells.points(v, 0)) +
+            field(shells.points(v, 1)) + field(shells.points(v, 2)) + "       0\r\n";
+  for (int f = 0; f < shells.face_count(); ++f) {
+    deck += "CTRIA3  " + whole(f + 1) + whole(1);
+    for (const int v : shells.face(f)) deck += whole(1000 + 3 * v);
+    deck += "\r\n";
+  }
+  deck += "PSHELL  1       1       1.2\r\nENDDATA\r\n";
+  const auto folder = scratch("bottle");
+  std::ofstream(folder / "support.bdf", std::ios::binary) << deck;
+  const MeshFile file = MeshFile::read(folder / "support.bdf");
+  const TriangleMesh mesh = prepare(file.shells()).mesh;
+
+  DeformProblem problem;
+  const auto beyond = [&](double x, double sign) {
+    return vertices_beyond_plane(mesh, {x, 0, 0}, {sign, 0, 0});
+  };
+  problem.fixed = beyond(2880, -1);
+  problem.handles = {{"right", beyond(3480, 1)}};
+  std::vector<HoleMeasure> before;
+  for (const auto& p : propose_features(mesh)) {
+    problem.features.push_back({p.name, p.vertices});
+    before.push_back(p.measure);
+  }
+  REQUIRE(problem.features.size() == 13);
+  DeformEdit edit;
+  edit.handles = {{}};
+  edit.handles[0].about = VertexCombination::mean_of(problem.handles[0].vertices).at(mesh.points());
+  edit.handles[0].shift = {54, 0, 88.9};  // an arc of 15 degrees, 1.1 times 621 mm long
+  edit.handles[0].turn = rotation_log({0, -1, 0}, 15 * std::numbers::pi / 180);
+  FormFeatureDeformer deformer(mesh, problem);
+  deformer.deform(edit);
+  deformer.correct();
+  CHECK(deformer.hard_residual() < 1e-12);
+  const auto proposals = propose_features(mesh);
+  for (size_t f = 0; f < 13; ++f) {
+    CHECK(fit_similarity(mesh.points(), deformer.positions(), problem.features[f].vertices)
+              .max_error < 1e-12);
+    CHECK(measure_hole(deformer.positions(), proposals[f].loop).radius ==
+          Approx(before[f].radius).epsilon(1e-12));
+  }
+
+  file.write(folder / "bent.bdf", deformer.positions());
+  std::ifstream written(folder / "bent.bdf", std::ios::binary);
+  const std::string bent((std::istreambuf_iterator<char>(written)), {});
+  REQUIRE(bent.size() == deck.size());
+  size_t row = 0;
+  for (size_t i = 0; i < deck.size(); ++i) {
+    if (bent[i] != deck[i]) {
+      CHECK(deck.compare(row, 8, "GRID    ") == 0);
+      CHECK((i - row >= 24 && i - row < 48));
+    }
+    if (deck[i] == '\n') row = i + 1;
+  }
+}
+
+TEST_CASE("the body side: door openings rigid while sill and roof move", "[data]") {
+  const auto path = optional_data("panel-neon-side/neon_side.off");
+  if (path.empty()) {
+    WARN("skipped: no panel-neon-side beside the project (BATTEN_TEST_DATA)");
+    return;
+  }
+  const MeshFile file = MeshFile::read(path);
+  const TriangleMesh mesh = prepare(file.shells()).mesh;
+  DeformProblem problem;
+  problem.fixed = united(vertices_in_box(mesh, {4075, -500, -1100}, {4200, 800, -500}),
+                         vertices_in_box(mesh, {1100, -500, -1100}, {1500, 800, -500}));
+  problem.handles = {{"sill", vertices_in_box(mesh, {2200, -420, -1100}, {4000, -330, -500})},
+                     {"roof", vertices_in_box(mesh, {2300, 735, -1100}, {3200, 800, -500})}};
+  int doors = 0;
+  for (const auto& loop : mesh.topology().boundary_loops())
+    if (mesh.length(loop) > 3000 && mesh.length(loop) < 4000)
+      // The stepped flange: 45 mm along the surface.
+      problem.features.push_back(
+          {"door " + std::to_string(++doors), vertices_within(mesh, loop, 45)});
+  REQUIRE(doors == 2);
+  DeformEdit edit;
+  edit.handles.resize(2);
+  edit.handles[0].shift = {0, 0, 30};
+  edit.handles[1].shift = {0, -20, 0};
+  FormFeatureDeformer deformer(mesh, problem);
+  const Points p = deformer.deform(edit);
+  CHECK(deformer.hard_residual() < 1e-13);
+  for (const auto& f : problem.features) {
+    const Similarity fit = fit_similarity(mesh.points(), p, f.vertices);
+    CHECK(fit.max_error < 1e-13);
+    CHECK(fit.shift.norm() > 0);
+  }
+  CHECK(inverted_faces(file.shells(), mesh.points(), p).empty());
+}
