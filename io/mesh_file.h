@@ -63,7 +63,7 @@ class MeshFile {
   };
   /// In the file's order; those without any node or face of the mesh are left out.
   const std::vector<Set>& sets() const;
-  /// What holds thickness and material: each face belongs to one at most.
+  /// What holds thickness and material: face sets.
   const std::vector<Set>& properties() const;
   /// Sentences about what is in the file and is not part of the mesh.
   const std::vector<std::string>& warnings() const;

@@ -23,6 +23,7 @@
 #include <limits>
 #include <map>
 #include <mutex>
+#include <new>
 #include <optional>
 
 #include "batten/core/errors.h"
@@ -98,6 +99,8 @@ vtkSmartPointer<vtkPointSet> read_with(const fs::path& path) {
     reader->Update();
   } catch (const InputError&) {
     throw;
+  } catch (const std::bad_alloc&) {
+    fail("there is not enough memory for what it says it has");
   } catch (const std::exception& error) {
     fail(error.what());
   }

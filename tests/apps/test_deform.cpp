@@ -124,6 +124,32 @@ TEST_CASE("the panel's deck comes back with other coordinates and nothing else",
   CHECK(report(c, "wide")["file_rounding"].get<double>() < 1e-9);
 }
 
+TEST_CASE("door, grill and sheet keep their promises, and their files are the models", "[deform]") {
+  const Case c("deform_parts");
+  const std::string folder = BATTEN_SOURCE_DIR "/examples/12-door-grill-sheet/";
+  for (const auto& [name, model] :
+       {std::pair{"door", door_panel()}, {"grill", grill()}, {"sheet", sheet_with_cavities()}}) {
+    batten::write_mesh(c / (std::string(name) + ".obj"), model.shells);
+    CHECK(contents(c / (std::string(name) + ".obj")) == contents(folder + name + ".obj"));
+  }
+  for (const std::string name : {"door-free", "door", "grill", "sheet"}) {
+    INFO(name);
+    c.file(name + ".toml", without_pictures(folder + name + ".toml"));
+    REQUIRE(c.run({"deform", name + ".toml", "--out", name}).code == 0);
+    const auto j = report(c, name);
+    CHECK(j["features"].size() == (name == "door-free" ? 0
+                                   : name == "door"    ? 3
+                                   : name == "grill"   ? 21
+                                                       : 16));
+    for (const auto& f : j["features"]) {
+      CHECK(f["max_rigid_error"].get<double>() < 1e-13);
+      CHECK(f["scale"].get<double>() == Approx(name == "grill" ? 1.1 : 1).epsilon(1e-12));
+      if (name == "grill") CHECK(f["turned_deg"].get<double>() < 1e-6);
+      if (name == "sheet") CHECK(f["turned_deg"].get<double>() > 5);
+    }
+  }
+}
+
 TEST_CASE("the same mesh in every format gives the same answer", "[deform]") {
   const Case c("deform_formats");
   const auto model = plate_with_holes();
