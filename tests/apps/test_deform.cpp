@@ -132,7 +132,7 @@ TEST_CASE("door, grill and sheet keep their promises, and their files are the mo
     batten::write_mesh(c / (std::string(name) + ".obj"), model.shells);
     CHECK(contents(c / (std::string(name) + ".obj")) == contents(folder + name + ".obj"));
   }
-  for (const std::string name : {"door-free", "door", "grill", "sheet"}) {
+  for (const std::string name : {"door-free", "door", "grill", "sheet-free", "sheet"}) {
     INFO(name);
     c.file(name + ".toml", without_pictures(folder + name + ".toml"));
     REQUIRE(c.run({"deform", name + ".toml", "--out", name}).code == 0);
@@ -288,4 +288,117 @@ TEST_CASE("selections say what they say", "[deform]") {
   CHECK(moved("any = [\"left\", \"right\"]\nexcept = \"left\"") == V{4, 9, 14, 19, 24});
   CHECK(moved("nodes = [0]\ngrow = 1") == V{0, 1, 5, 6});
   CHECK(moved("loop = 1").size() == 16);
+}
+
+TEST_CASE("Abaqus and LS-DYNA decks: properties and sets are selections, coordinates change only",
+          "[deform]") {
+  const Case c("deform_decks");
+  const auto model = plate_with_holes();
+  const auto& shells = model.shells;
+  std::vector<int> pid(shells.face_count(), 1);
+  for (size_t part = 0; part < model.parts.size(); ++part)
+    for (const int f : model.parts[part].items) pid[f] = static_cast<int>(part) + 1;
+  char text[128];
+  std::string inp = "** a plate\n*HEADING\nplate\n*NODE, NSET=NALL\n";
+  std::string key = "$ a plate\n*KEYWORD\n*TITLE\nplate\n*NODE\n$#   nid               x\n";
+  for (int v = 0; v < shells.node_count(); ++v) {
+    const auto p = shells.points.row(v);
+    std::snprintf(text, sizeof text, "%d, %.6f, %.6f, %.6f\n", 10 * v + 7, p[0], p[1], p[2]);
+    inp += text;
+    std::snprintf(text, sizeof text, "%8d%16.9g%16.9g%16.9g%8d%8d\n", 10 * v + 7, p[0], p[1], p[2],
+                  0, 0);
+    key += text;
+  }
+  key += "*ELEMENT_SHELL\n";
+  std::string sections, parts;
+  for (size_t part = 1; part <= model.parts.size(); ++part) {
+    const std::string id = std::to_string(part);
+    inp += "*ELEMENT, TYPE=S4, ELSET=P" + id + "\n";
+    for (int f = 0; f < shells.face_count(); ++f)
+      if (pid[f] == static_cast<int>(part)) {
+        inp += std::to_string(f + 1);
+        for (const int v : shells.face(f)) inp += ", " + std::to_string(10 * v + 7);
+        inp += "\n";
+      }
+    sections += "*SHELL SECTION, ELSET=P" + id + ", MATERIAL=STEEL\n0.8\n";
+    parts += "*PART\npart " + id + "\n" + std::string(9, ' ') + id + "         1         1\n";
+  }
+  inp += "*MATERIAL, NAME=STEEL\n*ELASTIC\n210000., 0.3\n*DENSITY\n7.85e-9\n" + sections +
+         "*NSET, NSET=LEFT\n";
+  std::string left = "*SET_NODE_LIST\n         1\n";
+  for (size_t i = 0; i < model.fixed.size(); ++i) {
+    inp += std::to_string(10 * model.fixed[i] + 7) + "\n";
+    std::snprintf(text, sizeof text, "%10d%s", 10 * model.fixed[i] + 7, i % 8 == 7 ? "\n" : "");
+    left += text;
+  }
+  inp += "*BOUNDARY\nLEFT, 1, 6\n*STEP\n*FREQUENCY\n2\n*END STEP\n";
+  for (int f = 0; f < shells.face_count(); ++f) {
+    std::snprintf(text, sizeof text, "%8d%8d%8d%8d%8d%8d\n", f + 1, pid[f],
+                  10 * shells.face(f)[0] + 7, 10 * shells.face(f)[1] + 7,
+                  10 * shells.face(f)[2] + 7, 10 * shells.face(f)[3] + 7);
+    key += text;
+  }
+  key += parts + left + "\n*END\n";
+  c.file("plate.inp", inp);
+  c.file("plate.k", key);
+  for (const std::string ending : {"inp", "k"}) {
+    INFO(ending);
+    const std::string set = ending == "inp" ? "LEFT" : "1", property = ending == "inp" ? "P1" : "1";
+    c.file("s.toml", "unit = \"mm\"\nmesh = \"plate." + ending +
+                         "\"\n[[select]]\nname = \"left\"\nset = \"" + set +
+                         "\"\n[[select]]\nname = \"sheet\"\nproperty = \"" + property +
+                         "\"\n[[select]]\nname = \"right\"\nany = \"sheet\"\n"
+                         "box = [[299, 0, -1], [300, 300, 1]]\n[[features]]\nof = \"hole-*\"\n"
+                         "[[edit]]\nfixed = \"left\"\n[[edit.handle]]\nname = \"right\"\n"
+                         "translate = [0, 0, 40]\n");
+    const Result r = c.run({"deform", "s.toml", "--out", ending});
+    INFO(r.err);
+    REQUIRE(r.code == 0);
+    CHECK(report(c, ending)["features"].size() == 5);
+    std::istringstream before(ending == "inp" ? inp : key);
+    std::istringstream after(contents(c / (ending + "/plate-deformed." + ending)));
+    int changed = 0, row = 0, first = 0, last = 0;
+    for (std::string a, b; std::getline(before, a);) {
+      ++row;
+      REQUIRE(std::getline(after, b));
+      if (a == b) continue;
+      if (changed++ == 0) first = row;
+      last = row;
+      if (ending == "k")
+        CHECK((a.size() == b.size() && a.substr(0, 8) == b.substr(0, 8) &&
+               a.substr(56) == b.substr(56)));
+      if (ending == "inp") CHECK(a.substr(0, a.find(',')) == b.substr(0, b.find(',')));
+    }
+    CHECK(after.peek() == EOF);
+    CHECK(changed > 2000);
+    CHECK(last - first < shells.node_count());  // the block of nodes
+    // Exact where the file has room for it.
+    const double rounding = report(c, ending)["file_rounding"];
+    CHECK((ending == "inp" ? rounding < 1e-12 : rounding < 1e-6));
+  }
+}
+
+TEST_CASE("a feature cut out of a band by the program", "[deform]") {
+  const Case c("deform_cut");
+  batten::write_mesh(c / "sheet.obj", sheet_with_cavities().shells);
+  const auto scene = [](const std::string& cut) {
+    return "unit = \"mm\"\nmesh = \"sheet.obj\"\n"
+           "[[select]]\nname = \"outer\"\nsphere = { centre = [150, 150, 0], radius = 38 }\n"
+           "[[select]]\nname = \"floor\"\nsphere = { centre = [150, 150, -8], radius = 16 }\n"
+           "[[select]]\nname = \"band\"\nany = \"outer\"\nexcept = \"floor\"\n" +
+           cut +
+           "[[feature]]\nname = \"cavity\"\n"
+           "[[select]]\nname = \"left\"\nbox = [[-1,-1,-1],[1,401,1]]\n"
+           "[[select]]\nname = \"right\"\nbox = [[399,-1,-1],[401,401,1]]\n"
+           "[[edit]]\nfixed = \"left\"\n[[edit.handle]]\nname = \"right\"\ntranslate = [0,0,60]\n";
+  };
+  c.file("s.toml", scene("[[cut]]\nname = \"cavity\"\nband = \"band\"\nconvex = 1\n"));
+  const Result r = c.run({"deform", "s.toml", "--out", "o"});
+  INFO(r.err);
+  REQUIRE(r.code == 0);
+  const auto j = report(c, "o");
+  CHECK(j["features"][0]["nodes"].get<int>() > 30);
+  CHECK(j["features"][0]["max_rigid_error"].get<double>() < 1e-13);
+  c.fails(scene("[[cut]]\nname = \"cavity\"\nband = \"outer\"\n"), 1,
+          {"the cut 'cavity'", "the band leaves 1 part"}, {}, "deform");
 }

@@ -210,3 +210,31 @@ TEST_CASE("reduction and saddle point agree at 14,000 vertices, guided points an
   for (size_t f = 0; f < panel.problem.features.size(); ++f)
     CHECK(panel.fit(deformer.positions(), f).max_error < 1e-12);
 }
+
+TEST_CASE("details turn with the sheet: curvature vectors are rotated") {
+  // The sheet with cavities, none of them a feature, bent by 95 degrees.
+  Part sheet(sheet_with_cavities());
+  sheet.bend(400, 95);
+  sheet.problem.features.clear();
+  const Points p = sheet.deformed();
+  double out_of_round = 0;
+  for (size_t f = 0; f < sheet.model.rims.size(); ++f) {
+    const auto& rim = sheet.model.rims[f].items;
+    const auto& all = sheet.model.features[f].items;
+    const auto depth = [&](const Points& points) {
+      // How far the deepest vertex lies below the plane of the rim, along its normal.
+      const HoleMeasure m = measure_hole(points, rim);
+      double deepest = 0;
+      for (const int v : all)
+        deepest = std::max(deepest, std::abs(m.axis.dot(points.row(v).transpose() - m.centre)));
+      return deepest;
+    };
+    CHECK(depth(p) == Approx(depth(sheet.mesh.points())).epsilon(0.1));
+    const HoleMeasure before = measure_hole(sheet.mesh.points(), rim), after = measure_hole(p, rim);
+    const double x = before.centre.x();
+    CHECK(std::acos(before.axis.dot(after.axis)) * 180 / std::numbers::pi ==
+          Approx(95 * x / 400).margin(8));
+    out_of_round = std::max(out_of_round, after.roundness / before.radius);
+  }
+  CHECK(out_of_round > 0.01);
+}
