@@ -6,7 +6,8 @@
 #include <fstream>
 
 #include "batten/apps/commands/line_files.h"
-#include "batten/apps/commands/run_deform.h"
+#include "batten/apps/commands/mesh_info.h"
+#include "batten/io/deform_scene.h"
 #include "batten/io/step.h"
 #include "batten/skinning/line_fit.h"
 

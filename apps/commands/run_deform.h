@@ -23,7 +23,4 @@ DeformReport run_deform(const DeformScene& scene, const std::filesystem::path& f
 /// What a newcomer wants to know, a dozen lines, ending with the files.
 std::string summary(const DeformReport& report, const std::filesystem::path& folder);
 
-/// What is in a mesh file: counts, what is wrong with it, its boundary loops and proposed features.
-std::string mesh_info(const std::filesystem::path& file, const std::string& unit);
-
 }  // namespace batten

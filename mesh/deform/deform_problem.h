@@ -105,4 +105,11 @@ struct DeformEdit {
   std::vector<Vec3> targets;  ///< of each row; empty: as in the problem
 };
 
+/// Throw InputError on what no deformer can take, with the name of the part: vertices out of range,
+/// an empty handle or feature, no name or one twice, a guided point whose coefficients do not sum
+/// to 1, a direction of length zero, nothing fixed and no handle; numbers that are missing or not
+/// finite, a scale not above 0.
+void check(const DeformProblem& problem, int vertex_count);
+void check(const DeformProblem& problem, const DeformEdit& edit);
+
 }  // namespace batten

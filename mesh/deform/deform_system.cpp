@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 
 #include "batten/core/errors.h"
 #include "batten/mesh/operators.h"
@@ -14,77 +13,6 @@ std::vector<int> sorted(std::vector<int> vertices) {
   std::sort(vertices.begin(), vertices.end());
   vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
   return vertices;
-}
-
-void check_vertices(const std::string& what, const std::vector<int>& vertices, int count,
-                    bool may_be_empty = false) {
-  if (vertices.empty() && !may_be_empty)
-    throw InputError(what + " has no vertices, expected at least one");
-  for (const int v : vertices)
-    if (v < 0 || v >= count)
-      throw InputError(what + " names vertex " + std::to_string(v) + " of " +
-                       std::to_string(count));
-}
-
-void check_combination(const std::string& what, const VertexCombination& c, int count) {
-  if (c.entries.empty()) throw InputError(what + " has no vertices, expected at least one");
-  for (const auto& e : c.entries) {
-    check_vertices(what, {e.vertex}, count);
-    if (!std::isfinite(e.coefficient))
-      throw InputError(what + " has a coefficient that is not finite");
-  }
-}
-
-void check(const DeformProblem& problem, int count) {
-  std::set<std::string> names;
-  const auto check_name = [&](const std::string& kind, const std::string& name) {
-    if (name.empty()) throw InputError("found a " + kind + " without name");
-    if (name == "fixed" || !names.insert(name).second)
-      throw InputError("the name '" + name + "' is there twice, expected different names");
-  };
-  check_vertices("the fixed region", problem.fixed, count, true);
-  if (problem.region) check_vertices("the region of interest", *problem.region, count);
-  for (const auto& h : problem.handles) {
-    check_name("handle", h.name);
-    check_vertices("handle '" + h.name + "'", h.vertices, count);
-  }
-  for (const auto& f : problem.features) {
-    check_name("feature", f.name);
-    check_vertices("feature '" + f.name + "'", f.vertices, count);
-  }
-  for (const auto& g : problem.guided) {
-    check_name("guided point", g.name);
-    check_combination("guided point '" + g.name + "'", g.point, count);
-    double sum = 0;
-    for (const auto& e : g.point.entries) sum += e.coefficient;
-    if (!(std::abs(sum - 1) < 1e-9))
-      throw InputError("the coefficients of guided point '" + g.name + "' sum to " + number(sum) +
-                       ", expected 1");
-    if (!g.direction.allFinite() || !(g.direction.norm() > 0))
-      throw InputError("guided point '" + g.name + "' has no direction");
-  }
-  for (const auto& c : problem.chains) {
-    check_name("chain", c.name);
-    check_vertices("chain '" + c.name + "'", c.vertices, count);
-    if (c.vertices.size() < 3)
-      throw InputError("chain '" + c.name + "' has " + std::to_string(c.vertices.size()) +
-                       " vertices, expected at least three");
-    if (!(c.width > 0) || !std::isfinite(c.width))
-      throw InputError("chain '" + c.name + "' has width " + number(c.width) +
-                       ", expected a width above 0");
-  }
-  for (const auto& r : problem.rows) {
-    check_name("row", r.name);
-    check_combination("row '" + r.name + "'", r.combination, count);
-    if (r.turns_with != -1) check_vertices("row '" + r.name + "'", {r.turns_with}, count);
-    if (!r.target.allFinite())
-      throw InputError("row '" + r.name + "' has a target that is not finite");
-    if (r.weight && !(*r.weight > 0 && std::isfinite(*r.weight)))
-      throw InputError("row '" + r.name + "' has weight " + number(*r.weight) +
-                       ", expected a weight above 0, or none for a hard row");
-  }
-  if (problem.fixed.empty() && problem.handles.empty() && !problem.region)
-    throw InputError("nothing is fixed and there is no handle, expected one of them");
 }
 
 /// Visits the vertices of all rows that the user wrote.
@@ -101,19 +29,6 @@ void for_row_vertices(const DeformProblem& problem, const Visit& visit) {
 }
 
 }  // namespace
-
-VertexCombination VertexCombination::mean_of(const std::vector<int>& vertices) {
-  VertexCombination mean;
-  for (const int v : vertices)
-    mean.entries.push_back({v, 1.0 / static_cast<double>(vertices.size())});
-  return mean;
-}
-
-Vec3 VertexCombination::at(const Points& points) const {
-  Vec3 sum = Vec3::Zero();
-  for (const auto& e : entries) sum += e.coefficient * points.row(e.vertex).transpose();
-  return sum;
-}
 
 DeformSystem::DeformSystem(const TriangleMesh& mesh, const DeformProblem& problem)
     : positions(0), rotations(0) {

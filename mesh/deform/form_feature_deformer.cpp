@@ -10,6 +10,7 @@
 #include "batten/core/sparse_cholesky.h"
 #include "batten/mesh/deform/coupling.h"
 #include "batten/mesh/deform/deform_system.h"
+#include "batten/mesh/deform/normal_equations.h"
 #include "batten/mesh/deform/similarity.h"
 
 namespace batten {
@@ -30,84 +31,6 @@ void in_chunks(long count, const Work& work) {
   parallel_parts(parts, [&](int p) {
     work(static_cast<long>(p) * kChunk, std::min<long>(count, static_cast<long>(p + 1) * kChunk));
   });
-}
-
-/// A D.
-RowMatrix reduced_rows(const RowMatrix& A, const AffineReduction& reduction) {
-  const RowMatrix D = reduction.D();
-  RowMatrix B(A.rows(), D.cols());
-  B.reserve(A.nonZeros());
-  std::vector<std::pair<int, double>> terms;
-  for (long r = 0; r < A.rows(); ++r) {
-    terms.clear();
-    for (RowMatrix::InnerIterator a(A, r); a; ++a)
-      for (RowMatrix::InnerIterator d(D, a.col()); d; ++d)
-        terms.emplace_back(d.col(), a.value() * d.value());
-    std::stable_sort(terms.begin(), terms.end(),
-                     [](const auto& x, const auto& y) { return x.first < y.first; });
-    B.startVec(r);
-    for (size_t i = 0; i < terms.size();) {
-      const int column = terms[i].first;
-      double sum = 0;
-      for (; i < terms.size() && terms[i].first == column; ++i) sum += terms[i].second;
-      B.insertBack(r, column) = sum;
-    }
-  }
-  B.finalize();
-  return B;
-}
-
-/// Lower triangle of Bᵀ B, column by column: for each row that meets the column, its entries from
-/// there on.
-SparseMatrix normal_matrix(const SparseMatrix& B, const RowMatrix& rows) {
-  const long n = B.cols();
-  const long block = 2048, blocks = (n + block - 1) / block;
-  std::vector<std::vector<int>> index(blocks);
-  std::vector<std::vector<double>> value(blocks);
-  std::vector<int> length(n, 0);
-  parallel_parts(static_cast<int>(blocks), [&](int part) {
-    std::vector<double> sum(n, 0);
-    std::vector<int> mark(n, -1), list;
-    const long first = part * block, last = std::min(n, first + block);
-    for (long c = first; c < last; ++c) {
-      list.clear();
-      for (SparseMatrix::InnerIterator b(B, c); b; ++b) {
-        const int* columns = rows.innerIndexPtr();
-        const double* values = rows.valuePtr();
-        const int end = rows.outerIndexPtr()[b.row() + 1];
-        int k = end;
-        while (k > rows.outerIndexPtr()[b.row()] && columns[k - 1] >= c) --k;
-        for (; k < end; ++k) {
-          const int r = columns[k];
-          if (mark[r] != c) {
-            mark[r] = static_cast<int>(c);
-            sum[r] = 0;
-            list.push_back(r);
-          }
-          sum[r] += b.value() * values[k];
-        }
-      }
-      std::sort(list.begin(), list.end());
-      length[c] = static_cast<int>(list.size());
-      for (const int r : list) {
-        index[part].push_back(r);
-        value[part].push_back(sum[r]);
-      }
-    }
-  });
-  SparseMatrix N(n, n);
-  long entries = 0;
-  for (const auto& part : index) entries += static_cast<long>(part.size());
-  N.resizeNonZeros(entries);
-  long at = 0;
-  for (long p = 0; p < blocks; ++p) {
-    std::copy(index[p].begin(), index[p].end(), N.innerIndexPtr() + at);
-    std::copy(value[p].begin(), value[p].end(), N.valuePtr() + at);
-    at += static_cast<long>(index[p].size());
-  }
-  N.outerIndexPtr()[0] = 0;
-  for (long c = 0; c < n; ++c) N.outerIndexPtr()[c + 1] = N.outerIndexPtr()[c] + length[c];
-  return N;
 }
 
 /// Harmonic weights of the handles on the dofs, dofs × handles: 1 on the handle's own vertices, 0
@@ -132,14 +55,9 @@ MatX handle_weights(const DeformSystem& system, const TriangleMesh& mesh,
 
 }  // namespace
 
-Vec3 HandleMove::operator()(const Vec3& p) const {
-  return about + scale * rotated(turn, p - about) + shift;
-}
-
 struct FormFeatureDeformer::Data {
   Data(const TriangleMesh& mesh, DeformProblem problem);
 
-  void check(const DeformEdit& edit) const;
   void evaluate_field(const DeformEdit& edit);
   void set_targets(const DeformEdit& edit);
   void set_hard_values(const DeformEdit& edit);
@@ -243,36 +161,6 @@ FormFeatureDeformer::Data::Data(const TriangleMesh& given, DeformProblem stated)
   y = MatX::Zero(positions.free_count(), 3);
   x.resize(dofs, 3);
   result = mesh.points();
-}
-
-void FormFeatureDeformer::Data::check(const DeformEdit& edit) const {
-  const auto count = [](const std::string& what, size_t found, size_t expected) {
-    if (found != expected)
-      throw InputError("the edit has " + std::to_string(found) + " " + what + ", expected " +
-                       std::to_string(expected));
-  };
-  count("moves of handles", edit.handles.size(), problem.handles.size());
-  if (!edit.feature_scales.empty())
-    count("scales of features", edit.feature_scales.size(), problem.features.size());
-  if (!edit.guides.empty()) count("guides", edit.guides.size(), problem.guided.size());
-  if (!edit.targets.empty()) count("targets", edit.targets.size(), problem.rows.size());
-  for (size_t h = 0; h < edit.handles.size(); ++h) {
-    const HandleMove& m = edit.handles[h];
-    if (!m.about.allFinite() || !m.turn.allFinite() || !m.shift.allFinite() ||
-        !std::isfinite(m.scale) || !(m.scale > 0))
-      throw InputError("the move of handle '" + problem.handles[h].name +
-                       "' has a number that is not finite or a scale not above 0");
-  }
-  for (size_t f = 0; f < edit.feature_scales.size(); ++f)
-    if (!(edit.feature_scales[f] > 0) || !std::isfinite(edit.feature_scales[f]))
-      throw InputError("the scale of feature '" + problem.features[f].name + "' is " +
-                       number(edit.feature_scales[f]) + ", expected a number above 0");
-  for (size_t k = 0; k < edit.guides.size(); ++k)
-    if (!edit.guides[k].allFinite())
-      throw InputError("the guide of '" + problem.guided[k].name + "' is not finite");
-  for (size_t k = 0; k < edit.targets.size(); ++k)
-    if (!edit.targets[k].allFinite())
-      throw InputError("the target of row '" + problem.rows[k].name + "' is not finite");
 }
 
 double FormFeatureDeformer::Data::scale_of(const DeformEdit& edit, int scaled_by) const {
@@ -405,7 +293,7 @@ FormFeatureDeformer& FormFeatureDeformer::operator=(FormFeatureDeformer&&) noexc
 
 const Points& FormFeatureDeformer::deform(const DeformEdit& edit) {
   Data& d = *data_;
-  d.check(edit);
+  check(d.problem, edit);
   d.correctable = false;
   d.evaluate_field(edit);
   d.set_hard_values(edit);

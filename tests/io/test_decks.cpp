@@ -288,6 +288,19 @@ TEST_CASE("Nastran: only coordinates of nodes that moved change", "[io][decks]")
   CHECK(lines[18] == "GRID\t11\t\t7.\t.25     9.");
 }
 
+TEST_CASE("fixed fields: the coordinates beside the one that moved keep their columns",
+          "[io][decks]") {
+  const std::string cards =
+      "GRID    2               1.      0.      0.\nGRID    3               0.      1.      0.\n"
+      "CTRIA3  1       1       1       2       3\n";
+  const std::string grid = "GRID    1                 1.0     2.0     3.0   0\n";
+  const auto path = file_with("beside.bdf", grid + cards);
+  Points points = MeshFile::read(path).shells().points;
+  points(0, 1) = 0.25;
+  CHECK(bytes_of(check_round_trip(path, points, 0)) ==
+        "GRID    1                 1.0        .25  3.0   0\n" + cards);
+}
+
 TEST_CASE("Nastran: no other 8 characters are nearer", "[io][decks]") {
   std::mt19937 random(3);
   std::vector<double> values{1.0 / 3,    -1.0 / 3, 9999999.6, -999999.96,  99999999.0, 1.2345678e10,

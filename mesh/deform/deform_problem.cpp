@@ -1,0 +1,132 @@
+#include "batten/mesh/deform/deform_problem.h"
+
+#include <cmath>
+#include <set>
+
+#include "batten/core/errors.h"
+#include "batten/core/rotations.h"
+
+namespace batten {
+namespace {
+
+void check_vertices(const std::string& what, const std::vector<int>& vertices, int count,
+                    bool may_be_empty = false) {
+  if (vertices.empty() && !may_be_empty)
+    throw InputError(what + " has no vertices, expected at least one");
+  for (const int v : vertices)
+    if (v < 0 || v >= count)
+      throw InputError(what + " names vertex " + std::to_string(v) + " of " +
+                       std::to_string(count));
+}
+
+void check_combination(const std::string& what, const VertexCombination& c, int count) {
+  if (c.entries.empty()) throw InputError(what + " has no vertices, expected at least one");
+  for (const auto& e : c.entries) {
+    check_vertices(what, {e.vertex}, count);
+    if (!std::isfinite(e.coefficient))
+      throw InputError(what + " has a coefficient that is not finite");
+  }
+}
+
+}  // namespace
+
+VertexCombination VertexCombination::mean_of(const std::vector<int>& vertices) {
+  VertexCombination mean;
+  for (const int v : vertices)
+    mean.entries.push_back({v, 1.0 / static_cast<double>(vertices.size())});
+  return mean;
+}
+
+Vec3 VertexCombination::at(const Points& points) const {
+  Vec3 sum = Vec3::Zero();
+  for (const auto& e : entries) sum += e.coefficient * points.row(e.vertex).transpose();
+  return sum;
+}
+
+Vec3 HandleMove::operator()(const Vec3& p) const {
+  return about + scale * rotated(turn, p - about) + shift;
+}
+
+void check(const DeformProblem& problem, int count) {
+  std::set<std::string> names;
+  const auto check_name = [&](const std::string& kind, const std::string& name) {
+    if (name.empty()) throw InputError("found a " + kind + " without name");
+    if (name == "fixed" || !names.insert(name).second)
+      throw InputError("the name '" + name + "' is there twice, expected different names");
+  };
+  check_vertices("the fixed region", problem.fixed, count, true);
+  if (problem.region) check_vertices("the region of interest", *problem.region, count);
+  for (const auto& h : problem.handles) {
+    check_name("handle", h.name);
+    check_vertices("handle '" + h.name + "'", h.vertices, count);
+  }
+  for (const auto& f : problem.features) {
+    check_name("feature", f.name);
+    check_vertices("feature '" + f.name + "'", f.vertices, count);
+  }
+  for (const auto& g : problem.guided) {
+    check_name("guided point", g.name);
+    check_combination("guided point '" + g.name + "'", g.point, count);
+    double sum = 0;
+    for (const auto& e : g.point.entries) sum += e.coefficient;
+    if (!(std::abs(sum - 1) < 1e-9))
+      throw InputError("the coefficients of guided point '" + g.name + "' sum to " + number(sum) +
+                       ", expected 1");
+    if (!g.direction.allFinite() || !(g.direction.norm() > 0))
+      throw InputError("guided point '" + g.name + "' has no direction");
+  }
+  for (const auto& c : problem.chains) {
+    check_name("chain", c.name);
+    check_vertices("chain '" + c.name + "'", c.vertices, count);
+    if (c.vertices.size() < 3)
+      throw InputError("chain '" + c.name + "' has " + std::to_string(c.vertices.size()) +
+                       " vertices, expected at least three");
+    if (!(c.width > 0) || !std::isfinite(c.width))
+      throw InputError("chain '" + c.name + "' has width " + number(c.width) +
+                       ", expected a width above 0");
+  }
+  for (const auto& r : problem.rows) {
+    check_name("row", r.name);
+    check_combination("row '" + r.name + "'", r.combination, count);
+    if (r.turns_with != -1) check_vertices("row '" + r.name + "'", {r.turns_with}, count);
+    if (!r.target.allFinite())
+      throw InputError("row '" + r.name + "' has a target that is not finite");
+    if (r.weight && !(*r.weight > 0 && std::isfinite(*r.weight)))
+      throw InputError("row '" + r.name + "' has weight " + number(*r.weight) +
+                       ", expected a weight above 0, or none for a hard row");
+  }
+  if (problem.fixed.empty() && problem.handles.empty() && !problem.region)
+    throw InputError("nothing is fixed and there is no handle, expected one of them");
+}
+
+void check(const DeformProblem& problem, const DeformEdit& edit) {
+  const auto count = [](const std::string& what, size_t found, size_t expected) {
+    if (found != expected)
+      throw InputError("the edit has " + std::to_string(found) + " " + what + ", expected " +
+                       std::to_string(expected));
+  };
+  count("moves of handles", edit.handles.size(), problem.handles.size());
+  if (!edit.feature_scales.empty())
+    count("scales of features", edit.feature_scales.size(), problem.features.size());
+  if (!edit.guides.empty()) count("guides", edit.guides.size(), problem.guided.size());
+  if (!edit.targets.empty()) count("targets", edit.targets.size(), problem.rows.size());
+  for (size_t h = 0; h < edit.handles.size(); ++h) {
+    const HandleMove& m = edit.handles[h];
+    if (!m.about.allFinite() || !m.turn.allFinite() || !m.shift.allFinite() ||
+        !std::isfinite(m.scale) || !(m.scale > 0))
+      throw InputError("the move of handle '" + problem.handles[h].name +
+                       "' has a number that is not finite or a scale not above 0");
+  }
+  for (size_t f = 0; f < edit.feature_scales.size(); ++f)
+    if (!(edit.feature_scales[f] > 0) || !std::isfinite(edit.feature_scales[f]))
+      throw InputError("the scale of feature '" + problem.features[f].name + "' is " +
+                       number(edit.feature_scales[f]) + ", expected a number above 0");
+  for (size_t k = 0; k < edit.guides.size(); ++k)
+    if (!edit.guides[k].allFinite())
+      throw InputError("the guide of '" + problem.guided[k].name + "' is not finite");
+  for (size_t k = 0; k < edit.targets.size(); ++k)
+    if (!edit.targets[k].allFinite())
+      throw InputError("the target of row '" + problem.rows[k].name + "' is not finite");
+}
+
+}  // namespace batten
