@@ -114,13 +114,13 @@ FormFeatureDeformer::Data::Data(const TriangleMesh& given, DeformProblem stated)
   }
   A_held_rows.finalize();
 
+  const SparseMatrix N = normal_matrix(B, rows);
   parallel_parts(2, [&](int part) {
     if (part == 1) {
       weights = handle_weights(system, mesh, rotations, static_cast<long>(problem.handles.size()));
       return;
     }
     if (positions.free_count() == 0) return;
-    const SparseMatrix N = normal_matrix(B, rows);
     factor.analyze(N);
     if (!factor.factorize(N)) throw NoSolutionError("the deformation: " + factor.message());
   });
