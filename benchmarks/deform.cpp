@@ -181,7 +181,7 @@ void compare(int vertices, int rounds, Promises& promises) {
                text("%.1f", 1e3 * preparation[w]) + (w < first_peer ? " with first answer" : ""),
                text("%.2f", 1e3 * edit[w]), text("%.2g of the radius", e.hole_drift(first[w])),
                text("%.0e", e.missed(first[w]))});
-  if (vertices < 20000) {
+  {
     // Its own statement of the edit is part of its time.
     Points twin;
     const double t = time_of([&] { twin = deform_by_kkt(*own[0]->deformer, own[0]->edit); });

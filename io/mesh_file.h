@@ -39,7 +39,7 @@ class MeshFile {
  public:
   /// Throws InputError, "file:line:column: found …, expected …", on everything that cannot be read
   /// or would be read wrongly: local coordinate systems at nodes of shells, generated nodes,
-  /// several parts, a number twice. O(size): text at 100 to 300 MB/s, in memory about three times
+  /// several parts, a number twice. O(size): text at 60 to 120 MB/s, in memory three to six times
   /// its size.
   static MeshFile read(const std::filesystem::path& path);
 
