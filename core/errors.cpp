@@ -13,15 +13,15 @@ std::string describe(const std::vector<ConflictError::Conflict>& conflicts) {
     text += "\n  ";
     for (size_t i = 0; i < c.names.size(); ++i)
       text += (i == 0 ? "'" : i + 1 == c.names.size() ? "' and '" : "', '") + c.names[i];
-    text += "' miss each other by " + number(c.amount);
+    text += "' miss each other by " + number(c.amount) + c.unit;
   }
   return text;
 }
 
 }  // namespace
 
-ConflictError::ConflictError(std::vector<Conflict> conflicts)
-    : Error(describe(conflicts)), conflicts_(std::move(conflicts)) {}
+ConflictError::ConflictError(std::vector<Conflict> conflicts, const std::string& where)
+    : Error(where + describe(conflicts)), conflicts_(std::move(conflicts)) {}
 
 std::string number(double value) {
   char text[32];

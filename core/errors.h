@@ -29,8 +29,11 @@ class ConflictError : public Error {
   struct Conflict {
     std::vector<std::string> names;
     double amount = 0;
+    std::string unit =
+        {};  ///< behind the amount, " degrees of turn"; empty: of the right-hand side
   };
-  explicit ConflictError(std::vector<Conflict> conflicts);
+  /// `where` goes before the message.
+  explicit ConflictError(std::vector<Conflict> conflicts, const std::string& where = "");
   const std::vector<Conflict>& conflicts() const { return conflicts_; }
 
  private:

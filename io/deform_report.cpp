@@ -1,6 +1,8 @@
 #include "batten/io/deform_report.h"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "batten/core/errors.h"
 #include "batten/io/report_json.h"
@@ -33,13 +35,16 @@ Json contents(const DeformReport& r) {
   Json json;
   json["name"] = r.name;
   json["unit"] = r.unit;
-  json["mesh"] = {
-      {"file", r.mesh_file}, {"format", r.format}, {"nodes", r.nodes}, {"faces", r.faces}};
+  json["mesh"] = {{"file", r.mesh_file},
+                  {"format", r.format},
+                  {"size", r.size},
+                  {"nodes", r.nodes},
+                  {"faces", r.faces}};
 
   double residual = 0;
   json["edits"] = Json::array();
   for (const auto& e : r.edits) {
-    if (!(e.hard_residual <= residual)) residual = e.hard_residual;
+    if (!std::isnan(residual) && !(e.hard_residual <= residual)) residual = e.hard_residual;
     json["edits"].push_back({{"name", e.name},
                              {"moving_nodes", e.moving},
                              {"unknowns", e.unknowns},
@@ -59,6 +64,7 @@ Json contents(const DeformReport& r) {
   for (const auto& f : r.features)
     json["features"].push_back({{"name", f.name},
                                 {"nodes", f.vertices},
+                                {"size", f.size},
                                 {"max_rigid_error", f.max_rigid_error},
                                 {"scale", f.scale},
                                 {"turned_deg", f.turned_deg},
@@ -94,12 +100,16 @@ std::vector<MissedPromise> broken_promises(const DeformReport& report) {
     if (value > limit)
       missed.push_back({what, "is " + number(value) + ", promised at most " + number(limit)});
   };
+  const auto limit = [&](double size) {
+    const double rounding = 16 * std::numeric_limits<double>::epsilon() * report.largest_coordinate;
+    return std::max(1e-12, size > 0 ? rounding / size : 0);
+  };
   for (const auto& e : report.edits) {
-    at_most("edits." + e.name + ".hard_residual", e.hard_residual, 1e-12);
+    at_most("edits." + e.name + ".hard_residual", e.hard_residual, limit(report.size));
     at_most("edits." + e.name + ".last_correction", e.last_correction, 1e-9);
   }
   for (const auto& f : report.features)
-    at_most("features." + f.name + ".max_rigid_error", f.max_rigid_error, 1e-12);
+    at_most("features." + f.name + ".max_rigid_error", f.max_rigid_error, limit(f.size));
   if (!report.inverted.empty())
     missed.push_back(
         {"quality.inverted", std::to_string(report.inverted.size()) + " faces, the first is " +

@@ -16,6 +16,7 @@ namespace batten {
 struct DeformReport {
   std::string name, unit, mesh_file, format;
   int nodes = 0, faces = 0;
+  double size = 0, largest_coordinate = 0;
 
   struct Edit {
     std::string name;
@@ -30,6 +31,7 @@ struct DeformReport {
   struct Feature {
     std::string name;
     int vertices = 0;
+    double size = 0;             ///< diagonal of its box
     double max_rigid_error = 0;  ///< after the best similarity from the mesh as it was read
     double scale = 1, turned_deg = 0, moved = 0;
   };
@@ -54,8 +56,9 @@ struct DeformReport {
   std::vector<MissedPromise> missed;
 };
 
-/// What the report itself shows to be broken: hard_residual and max_rigid_error above 1e-12,
-/// inverted faces, a last correction above 1e-9, numbers that are not finite.
+/// What the report itself shows to be broken: hard_residual and max_rigid_error above 1e-12 (above
+/// what 16 roundings of the largest coordinate cost, where that is more), inverted faces, a last
+/// correction above 1e-9, numbers that are not finite.
 std::vector<MissedPromise> broken_promises(const DeformReport& report);
 
 /// JSON text; numbers that are not finite become the words "nan" and "inf".

@@ -170,6 +170,8 @@ ModesRule read_modes(const TomlTable& t, Names& files) {
   rule.thickness = t.positive("thickness");
   rule.young = t.positive("young");
   rule.poisson = t.number("poisson");
+  if (!(rule.poisson > -1 && rule.poisson < 0.5))
+    t.fail("poisson", number(rule.poisson), "above -1 and below 0.5");
   rule.density = t.positive("density");
   rule.count = t.whole_number("count", 1, 10);
   rule.clamped = names_of(t, "clamped");
@@ -282,6 +284,7 @@ DeformScene read(const toml::table& root_table, const std::filesystem::path& fil
     if (t.has("vtp")) scene.vtp = output_file(t, "vtp", files, {".vtp"});
     scene.wide_nodes = t.boolean("wide_nodes", false);
   }
+  if (!files.has(scene.mesh_out)) files.add(root, "mesh", scene.mesh_out);
   for (const TomlTable& t : root.table("modes", {"thickness", "young", "poisson", "density",
                                                  "count", "clamped", "before", "after"}))
     scene.modes = read_modes(t, files);

@@ -24,6 +24,7 @@ class Names {
                      std::to_string(it->second) + ")",
                  "a " + kind_ + " of its own");
   }
+  bool has(const std::string& name) const { return lines_.count(name) > 0; }
 
  private:
   std::string kind_;

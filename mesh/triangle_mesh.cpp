@@ -179,12 +179,12 @@ void MeshTopology::find_components() {
 }
 
 TriangleMesh::TriangleMesh(Points points, std::vector<std::array<int, 3>> triangles)
-    : TriangleMesh(std::move(points), nullptr) {
+    : TriangleMesh(nullptr, std::move(points)) {
   topology_ =
       std::make_shared<const MeshTopology>(static_cast<int>(points_.rows()), std::move(triangles));
 }
 
-TriangleMesh::TriangleMesh(Points points, std::shared_ptr<const MeshTopology> topology)
+TriangleMesh::TriangleMesh(std::shared_ptr<const MeshTopology> topology, Points points)
     : points_(std::move(points)), topology_(std::move(topology)) {
   for (long v = 0; v < points_.rows(); ++v)
     if (!points_.row(v).allFinite())
@@ -196,7 +196,7 @@ TriangleMesh TriangleMesh::with_points(Points points) const {
   if (points.rows() != points_.rows())
     throw InputError("found " + std::to_string(points.rows()) + " points, expected " +
                      std::to_string(points_.rows()));
-  return TriangleMesh(std::move(points), topology_);
+  return TriangleMesh(topology_, std::move(points));
 }
 
 Vec3 TriangleMesh::area_vector(int triangle) const {

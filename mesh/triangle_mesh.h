@@ -91,7 +91,7 @@ class TriangleMesh {
   double length(const std::vector<int>& closed_loop) const;
 
  private:
-  TriangleMesh(Points points, std::shared_ptr<const MeshTopology> topology);
+  TriangleMesh(std::shared_ptr<const MeshTopology> topology, Points points);
   Points points_;
   std::shared_ptr<const MeshTopology> topology_;
 };

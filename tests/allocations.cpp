@@ -1,9 +1,10 @@
 #include "batten/tests/allocations.h"
 
+#include <cstdlib>  // says which libc this is
+
 #if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__)
 
 #include <atomic>
-#include <cstdlib>
 
 namespace {
 std::atomic<bool> counting{false};

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <numbers>
+#include <set>
 
 #include "batten/core/rotations.h"
 #include "batten/mesh/selection.h"
@@ -52,6 +53,11 @@ Kept gather(const DeformScene& scene, VertexSelector& select, const TriangleMesh
   }
   for (const LineRule& rule : scene.lines) {
     const std::vector<int> chain = select.path(rule);
+    const size_t different = std::set<int>(chain.begin(), chain.end()).size();
+    if (different < 3 || (!rule.rigid && different < chain.size()))
+      throw InputError(scene.at(rule.place) + "the line '" + rule.name + "' has " +
+                       std::to_string(different) + " different vertices of " +
+                       std::to_string(chain.size()) + ", expected at least three, each once");
     kept.lines.push_back(chain);
     if (rule.closed) kept.lines.back().push_back(chain.front());
     if (rule.rigid) {
@@ -97,13 +103,10 @@ Task task_of(const DeformScene& scene, const EditRule& rule, const Kept& kept,
   for (const auto& s : rule.scales) {
     bool any = false;
     for (size_t f = 0; f < names.size(); ++f)
-      for (const auto& name : s.feature.text.find('*') == std::string::npos
-                                  ? std::vector<PlacedWord>{s.feature}
-                                  : select.matching(s.feature))
-        if (names[f] == name.text) {
-          task.edit.feature_scales[f] = s.factor;
-          any = true;
-        }
+      if (matches(s.feature.text, names[f])) {
+        task.edit.feature_scales[f] = s.factor;
+        any = true;
+      }
     if (!any)
       throw InputError(scene.at(s.feature.place) + "found a scale of '" + s.feature.text +
                        "', expected a feature: " + listed(names) +

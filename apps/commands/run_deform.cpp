@@ -37,19 +37,27 @@ void measure_into(DeformReport& report, const MeshFile& file, const TriangleMesh
     const Similarity fit = fit_similarity(before, after, f.vertices);
     const double angle = Eigen::AngleAxisd(fit.R).angle() * 180 / std::numbers::pi;
     const auto centre = VertexCombination::mean_of(f.vertices);
-    report.features.push_back({f.name, static_cast<int>(f.vertices.size()), fit.max_error,
-                               fit.scale, angle, (centre.at(after) - centre.at(before)).norm()});
+    Vec3 low = Vec3::Constant(INFINITY), high = -low;
+    for (const int v : f.vertices) {
+      low = low.cwiseMin(before.row(v).transpose());
+      high = high.cwiseMax(before.row(v).transpose());
+    }
+    report.features.push_back({f.name, static_cast<int>(f.vertices.size()), (high - low).norm(),
+                               fit.max_error, fit.scale, angle,
+                               (centre.at(after) - centre.at(before)).norm()});
   }
+  std::vector<int> feature_of(original.vertex_count(), -1);
+  for (size_t f = 0; f < kept.features.size(); ++f)
+    for (const int v : kept.features[f].vertices) feature_of[v] = static_cast<int>(f);
   const auto& loops = original.topology().boundary_loops();
   for (size_t l = 0; l < loops.size(); ++l) {
     DeformReport::Hole hole;
     hole.loop = static_cast<int>(l) + 1;
     hole.vertices = static_cast<int>(loops[l].size());
-    for (const FormFeature& f : kept.features)
-      if (std::all_of(loops[l].begin(), loops[l].end(), [&](int v) {
-            return std::find(f.vertices.begin(), f.vertices.end(), v) != f.vertices.end();
-          }))
-        hole.feature = f.name;
+    const int owner = feature_of[loops[l][0]];
+    if (owner >= 0 && std::all_of(loops[l].begin(), loops[l].end(),
+                                  [&](int v) { return feature_of[v] == owner; }))
+      hole.feature = kept.features[owner].name;
     hole.before = measure_hole(before, loops[l]);
     hole.after = measure_hole(after, loops[l]);
     report.holes.push_back(hole);
@@ -62,6 +70,8 @@ void measure_into(DeformReport& report, const MeshFile& file, const TriangleMesh
       if (m->worst_face >= 0) m->worst_face = static_cast<int>(file.face_label(m->worst_face));
   for (const int f : inverted_faces(file.shells(), before, after))
     report.inverted.push_back(file.face_label(f));
+  report.size = original.size();
+  report.largest_coordinate = std::max(before.cwiseAbs().maxCoeff(), after.cwiseAbs().maxCoeff());
   int where = 0;
   report.largest_displacement = largest_move(before, after, &where);
   report.largest_displacement_node = file.node_label(where);
@@ -238,8 +248,8 @@ DeformReport run_deform(const DeformScene& scene, const std::filesystem::path& f
                               deformer.hard_residual(), change, set_up, edit});
       for (const auto& note : deformer.notes()) report.warnings.push_back(rule.name + ": " + note);
       states.push_back(deformer.positions());
-    } catch (const ConflictError&) {
-      throw;
+    } catch (const ConflictError& e) {
+      throw ConflictError(e.conflicts(), fail(""));
     } catch (const InputError& e) {
       throw InputError(fail(e.what()));
     } catch (const NoSolutionError& e) {
@@ -310,10 +320,12 @@ std::string summary(const DeformReport& report, const std::filesystem::path& fol
       round += h.before.circular;
       radius = std::max(radius, std::abs(h.after.radius - h.before.radius) / h.before.radius);
     }
-    text += result_line("holes", std::to_string(report.holes.size()) + " loops, " +
-                                     std::to_string(kept) + " in features (" +
-                                     std::to_string(round) + " round), radii changed by " +
-                                     number(radius) + " of themselves at most");
+    text += result_line(
+        "holes", std::to_string(report.holes.size()) + " loops, " + std::to_string(kept) +
+                     " in features" +
+                     (kept == 0 ? ""
+                                : " (" + std::to_string(round) + " round), radii changed by " +
+                                      number(radius) + " of themselves at most"));
   }
   text += result_line("quality", "aspect " + number(report.before.aspect.worst) + " -> " +
                                      number(report.after.aspect.worst) + ", warpage " +

@@ -12,12 +12,6 @@
 namespace batten {
 namespace {
 
-bool matches(const char* pattern, const char* text) {
-  if (*pattern == '*') return matches(pattern + 1, text) || (*text && matches(pattern, text + 1));
-  if (*pattern != *text) return false;
-  return *pattern == '\0' || matches(pattern + 1, text + 1);
-}
-
 const MeshFile::Set& set_named(const std::vector<MeshFile::Set>& sets, const PlacedWord& word,
                                const std::string& kind, const DeformScene& scene) {
   std::vector<std::string> names;
@@ -32,6 +26,26 @@ const MeshFile::Set& set_named(const std::vector<MeshFile::Set>& sets, const Pla
 }
 
 }  // namespace
+
+bool matches(const std::string& pattern, const std::string& text) {
+  size_t p = 0, t = 0, star = std::string::npos, resume = 0;
+  while (t < text.size()) {
+    if (p < pattern.size() && pattern[p] == '*') {
+      star = p++;
+      resume = t;
+    } else if (p < pattern.size() && pattern[p] == text[t]) {
+      ++p;
+      ++t;
+    } else if (star != std::string::npos) {  // the last star takes one letter more
+      p = star + 1;
+      t = ++resume;
+    } else {
+      return false;
+    }
+  }
+  while (p < pattern.size() && pattern[p] == '*') ++p;
+  return p == pattern.size();
+}
 
 VertexSelector::VertexSelector(const DeformScene& scene, const MeshFile& file,
                                const TriangleMesh& mesh)
@@ -61,7 +75,9 @@ std::vector<PlacedWord> VertexSelector::matching(const PlacedWord& word) {
   if (word.text.find('*') == std::string::npos) return {word};
   std::vector<PlacedWord> found;
   for (const auto& name : names())
-    if (matches(word.text.c_str(), name.c_str())) found.push_back({name, word.place});
+    if (matches(word.text, name) &&
+        std::find(under_way_.begin(), under_way_.end(), name) == under_way_.end())
+      found.push_back({name, word.place});
   if (found.empty())
     throw InputError(scene_.at(word.place) + "found '" + word.text +
                      "' which no name matches, expected one of: " + listed(names()));

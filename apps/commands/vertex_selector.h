@@ -11,6 +11,9 @@
 
 namespace batten {
 
+/// Whether a name fits a pattern, in which '*' stands for any letters. O(both).
+bool matches(const std::string& pattern, const std::string& text);
+
 /// Selections, cuts and proposed features of one scene, found when they are asked for. All are
 /// made on the mesh as it was read. Throws InputError with the place of the word: an unknown name
 /// (the nearest is offered), one that selects nothing, selections that need each other.
@@ -22,7 +25,7 @@ class VertexSelector {
   std::vector<int> of(const PlacedWord& name);
   /// Of several together; '*' stands for any letters.
   std::vector<int> of(const std::vector<PlacedWord>& names);
-  /// The names that a word with '*' means.
+  /// The names that a word with '*' means; a selection's own name is not among those it asks for.
   std::vector<PlacedWord> matching(const PlacedWord& word);
   /// The proposal of that name, or nullptr.
   const FeatureProposal* proposal(const std::string& name);

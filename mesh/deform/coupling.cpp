@@ -8,69 +8,83 @@
 namespace batten {
 namespace {
 
-constexpr double kDependent = 1e-9;  // what is left of a unit row once the others are taken out
+constexpr double kDependent = 1e-9;  // what is left of a row once the others are taken out
 
 }  // namespace
 
 Coupling::Coupling(const SparseCholesky& factor, SparseMatrix U, std::vector<Row> rows)
     : rows_(std::move(rows)), U_(std::move(U)) {
   const auto count = static_cast<long>(rows_.size());
-  const MatX UtU = MatX(SparseMatrix(U_.transpose()) * U_);
-  // Gram-Schmidt by the rows' inner products: L of the independent ones grows row by row.
-  MatX gram(count, count);
-  for (long a = 0; a < count; ++a)
-    for (long b = 0; b < count; ++b)
-      gram(a, b) = rows_[a].direction.dot(rows_[b].direction) * UtU(rows_[a].point, rows_[b].point);
-  MatX L = MatX::Zero(count, count);
-  std::vector<VecX> shares;
+  // The rows on the unknowns that any of them touches, x, y, z side by side.
+  std::vector<int> place(U_.rows(), -1);
+  long touched = 0;
+  for (long k = 0; k < U_.cols(); ++k)
+    for (SparseMatrix::InnerIterator it(U_, k); it; ++it)
+      if (place[it.row()] < 0) place[it.row()] = static_cast<int>(touched++);
+  MatX Q(3 * touched, count);  // orthonormal columns
+  R_ = MatX::Zero(count, count);
+  std::vector<VecX> implied_by;
   for (long a = 0; a < count; ++a) {
+    VecX row = VecX::Zero(3 * touched);
+    for (SparseMatrix::InnerIterator it(U_, rows_[a].point); it; ++it)
+      for (int c = 0; c < 3; ++c)
+        row[c * touched + place[it.row()]] += it.value() * rows_[a].direction[c];
     const auto rank = static_cast<long>(independent_.size());
-    VecX l(rank);
-    for (long k = 0; k < rank; ++k) l[k] = gram(a, independent_[k]);
-    if (rank > 0) L.topLeftCorner(rank, rank).triangularView<Eigen::Lower>().solveInPlace(l);
-    const double left = gram(a, a) - l.squaredNorm();
-    if (gram(a, a) > 0 && left > kDependent * gram(a, a)) {
-      L.row(rank).head(rank) = l.transpose();
-      L(rank, rank) = std::sqrt(left);
+    VecX shares = VecX::Zero(rank);
+    for (int pass = 0; pass < 2; ++pass) {  // twice is enough (Kahan, Parlett)
+      const VecX more = Q.leftCols(rank).transpose() * row;
+      row -= Q.leftCols(rank) * more;
+      shares += more;
+    }
+    if (row.norm() > kDependent * rows_[a].size) {
+      R_.row(rank).head(rank) = shares.transpose();
+      R_(rank, rank) = row.norm();
+      Q.col(rank) = row / row.norm();
       independent_.push_back(static_cast<int>(a));
     } else {
       implied_.push_back(static_cast<int>(a));
+      implied_by.push_back(shares);
     }
   }
   const auto rank = static_cast<long>(independent_.size());
-  MatX G(rank, rank), S(rank, rank);
+  R_.conservativeResize(rank, rank);
   Z_ = MatX(U_);
   if (Z_.size() > 0) factor.solve_in_place(Z_);
   const MatX UtZ = U_.transpose() * Z_;
+  MatX S(rank, rank);
   for (long a = 0; a < rank; ++a)
     for (long b = 0; b < rank; ++b) {
       const Row &x = rows_[independent_[a]], &y = rows_[independent_[b]];
-      G(a, b) = gram(independent_[a], independent_[b]);
       S(a, b) =
           x.direction.dot(y.direction) * 0.5 * (UtZ(x.point, y.point) + UtZ(y.point, x.point));
     }
+  const auto lower = R_.triangularView<Eigen::Lower>();
   if (rank > 0) {
-    gram_.compute(G);
-    schur_.compute(S);
-    if (gram_.info() != Eigen::Success || schur_.info() != Eigen::Success)
+    lower.solveInPlace(S);
+    MatX transposed = S.transpose();
+    lower.solveInPlace(transposed);
+    schur_.compute(transposed);
+    if (schur_.info() != Eigen::Success)
       throw NoSolutionError("the rows of guided points are nearly dependent");
   }
   scratch_.resize(rank);
+  // A row that is shares · Q is shares · R⁻¹ times the independent rows.
   implied_by_ = MatX::Zero(static_cast<long>(implied_.size()), rank);
-  for (size_t i = 0; i < implied_.size() && rank > 0; ++i) {
-    VecX products(rank);
-    for (long k = 0; k < rank; ++k) products[k] = gram(implied_[i], independent_[k]);
-    implied_by_.row(static_cast<long>(i)) = gram_.solve(products).transpose();
+  for (size_t i = 0; i < implied_.size(); ++i) {
+    VecX shares = VecX::Zero(rank);
+    shares.head(implied_by[i].size()) = implied_by[i];
+    if (rank > 0) R_.transpose().triangularView<Eigen::Upper>().solveInPlace(shares);
+    implied_by_.row(static_cast<long>(i)) = shares.transpose();
   }
 }
 
-double Coupling::contradiction(const VecX& g) const {
-  double worst = 0;
+std::pair<double, int> Coupling::contradiction(const VecX& g) const {
+  std::pair<double, int> worst{0, implied_.empty() ? -1 : implied_[0]};
   for (size_t i = 0; i < implied_.size(); ++i) {
     double sum = g[implied_[i]];
     for (size_t k = 0; k < independent_.size(); ++k)
       sum -= implied_by_(static_cast<long>(i), static_cast<long>(k)) * g[independent_[k]];
-    worst = std::max(worst, std::abs(sum));
+    if (std::abs(sum) > worst.first) worst = {std::abs(sum), implied_[i]};
   }
   return worst;
 }
@@ -87,8 +101,12 @@ void Coupling::residual(const Eigen::Ref<const MatX>& y, const VecX& g) const {
 
 void Coupling::apply(Eigen::Ref<MatX> y, const VecX& g) const {
   if (independent_.empty()) return;
+  const auto lower = R_.triangularView<Eigen::Lower>();
+  const auto upper = R_.transpose().triangularView<Eigen::Upper>();
   residual(y, g);
+  lower.solveInPlace(scratch_);
   schur_.solveInPlace(scratch_);
+  upper.solveInPlace(scratch_);
   for (size_t k = 0; k < independent_.size(); ++k) {
     const Row& row = rows_[independent_[k]];
     const Vec3 step = scratch_[static_cast<long>(k)] * row.direction;
@@ -98,7 +116,8 @@ void Coupling::apply(Eigen::Ref<MatX> y, const VecX& g) const {
   // The solve left its rounding; along G it is gone in a step, the second one is for safety.
   for (int pass = 0; pass < 2; ++pass) {
     residual(y, g);
-    gram_.solveInPlace(scratch_);
+    lower.solveInPlace(scratch_);
+    upper.solveInPlace(scratch_);
     for (size_t k = 0; k < independent_.size(); ++k) {
       const Row& row = rows_[independent_[k]];
       const Vec3 step = scratch_[static_cast<long>(k)] * row.direction;

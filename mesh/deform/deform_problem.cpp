@@ -48,11 +48,11 @@ Vec3 HandleMove::operator()(const Vec3& p) const {
 }
 
 void check(const DeformProblem& problem, int count) {
-  std::set<std::string> names;
+  std::set<std::pair<std::string, std::string>> names;  // a feature and a handle may share one
   const auto check_name = [&](const std::string& kind, const std::string& name) {
     if (name.empty()) throw InputError("found a " + kind + " without name");
-    if (name == "fixed" || !names.insert(name).second)
-      throw InputError("the name '" + name + "' is there twice, expected different names");
+    if (!names.insert({kind, name}).second)
+      throw InputError("the " + kind + " '" + name + "' is there twice, expected different names");
   };
   check_vertices("the fixed region", problem.fixed, count, true);
   if (problem.region) check_vertices("the region of interest", *problem.region, count);
@@ -89,7 +89,7 @@ void check(const DeformProblem& problem, int count) {
     check_name("row", r.name);
     check_combination("row '" + r.name + "'", r.combination, count);
     if (r.turns_with != -1) check_vertices("row '" + r.name + "'", {r.turns_with}, count);
-    if (!r.target.allFinite())
+    if (!(r.target.cwiseAbs().maxCoeff() < 1e100))
       throw InputError("row '" + r.name + "' has a target that is not finite");
     if (r.weight && !(*r.weight > 0 && std::isfinite(*r.weight)))
       throw InputError("row '" + r.name + "' has weight " + number(*r.weight) +
@@ -100,11 +100,13 @@ void check(const DeformProblem& problem, int count) {
 }
 
 void check(const DeformProblem& problem, const DeformEdit& edit) {
-  const auto count = [](const std::string& what, size_t found, size_t expected) {
+  const auto count = [](const char* what, size_t found, size_t expected) {
     if (found != expected)
       throw InputError("the edit has " + std::to_string(found) + " " + what + ", expected " +
                        std::to_string(expected));
   };
+  // Squares of larger numbers would not be finite.
+  const auto usable = [](const Vec3& v) { return v.cwiseAbs().maxCoeff() < 1e100; };
   count("moves of handles", edit.handles.size(), problem.handles.size());
   if (!edit.feature_scales.empty())
     count("scales of features", edit.feature_scales.size(), problem.features.size());
@@ -112,20 +114,20 @@ void check(const DeformProblem& problem, const DeformEdit& edit) {
   if (!edit.targets.empty()) count("targets", edit.targets.size(), problem.rows.size());
   for (size_t h = 0; h < edit.handles.size(); ++h) {
     const HandleMove& m = edit.handles[h];
-    if (!m.about.allFinite() || !m.turn.allFinite() || !m.shift.allFinite() ||
-        !std::isfinite(m.scale) || !(m.scale > 0))
+    if (!usable(m.about) || !usable(m.turn) || !usable(m.shift) || !(m.scale < 1e100) ||
+        !(m.scale > 0))
       throw InputError("the move of handle '" + problem.handles[h].name +
-                       "' has a number that is not finite or a scale not above 0");
+                       "' has a number that is not finite, above 1e100, or a scale not above 0");
   }
   for (size_t f = 0; f < edit.feature_scales.size(); ++f)
-    if (!(edit.feature_scales[f] > 0) || !std::isfinite(edit.feature_scales[f]))
+    if (!(edit.feature_scales[f] > 0) || !(edit.feature_scales[f] < 1e100))
       throw InputError("the scale of feature '" + problem.features[f].name + "' is " +
                        number(edit.feature_scales[f]) + ", expected a number above 0");
   for (size_t k = 0; k < edit.guides.size(); ++k)
-    if (!edit.guides[k].allFinite())
+    if (!usable(edit.guides[k]))
       throw InputError("the guide of '" + problem.guided[k].name + "' is not finite");
   for (size_t k = 0; k < edit.targets.size(); ++k)
-    if (!edit.targets[k].allFinite())
+    if (!usable(edit.targets[k]))
       throw InputError("the target of row '" + problem.rows[k].name + "' is not finite");
 }
 

@@ -82,8 +82,8 @@ struct DeformProblem {
   std::vector<GuidedPoint> guided;
   std::vector<CharacterChain> chains;
   std::vector<CombinationRow> rows;
-  /// Region of interest: only these vertices move. None: all. At its edge the shape joins smoothly:
-  /// the two rings of vertices outside are held and their curvature counts.
+  /// Region of interest: only these vertices move, and those of handles. None: all. At its edge the
+  /// shape joins smoothly: the two rings of vertices outside are held and their curvature counts.
   std::optional<std::vector<int>> region;
   Weighting weighting = Weighting::Area;
 };
@@ -106,9 +106,9 @@ struct DeformEdit {
 };
 
 /// Throw InputError on what no deformer can take, with the name of the part: vertices out of range,
-/// an empty handle or feature, no name or one twice, a guided point whose coefficients do not sum
-/// to 1, a direction of length zero, nothing fixed and no handle; numbers that are missing or not
-/// finite, a scale not above 0.
+/// an empty handle or feature, no name or one twice within its kind, a guided point whose
+/// coefficients do not sum to 1, a direction of length zero, nothing fixed and no handle; numbers
+/// that are missing, not finite or above 1e100, a scale not above 0.
 void check(const DeformProblem& problem, int vertex_count);
 void check(const DeformProblem& problem, const DeformEdit& edit);
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <numeric>
 
 #include "batten/core/errors.h"
 #include "batten/mesh/operators.h"
@@ -14,6 +16,20 @@ std::vector<int> sorted(std::vector<int> vertices) {
   vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
   return vertices;
 }
+
+/// Disjoint sets.
+class Groups {
+ public:
+  explicit Groups(int count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0); }
+  int of(int i) {
+    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
+    return i;
+  }
+  void join(int a, int b) { parent_[std::max(of(a), of(b))] = std::min(of(a), of(b)); }
+
+ private:
+  std::vector<int> parent_;
+};
 
 /// Visits the vertices of all rows that the user wrote.
 template <class Visit>
@@ -35,6 +51,8 @@ DeformSystem::DeformSystem(const TriangleMesh& mesh, const DeformProblem& proble
   check(problem, mesh.vertex_count());
   const MeshTopology& topology = mesh.topology();
   for (const auto& f : problem.features) feature_vertices_.push_back(sorted(f.vertices));
+  find_parts(topology);
+  order_features();
   hold(topology, problem);
 
   Vec3 low = Vec3::Constant(INFINITY), high = -low;
@@ -50,53 +68,92 @@ DeformSystem::DeformSystem(const TriangleMesh& mesh, const DeformProblem& proble
   positions = ConstraintSet(static_cast<int>(vertex.size()));
   rotations = ConstraintSet(static_cast<int>(vertex.size()));
   add_soft_rows(mesh, problem);
-  add_hard_rows(topology, problem);
+  add_hard_rows(problem);
+}
+
+void DeformSystem::find_parts(const MeshTopology& topology) {
+  const int n = topology.vertex_count(), components = topology.component_count();
+  Groups groups(components + n);
+  const auto node = [&](int v) {
+    return topology.component()[v] >= 0 ? topology.component()[v] : components + v;
+  };
+  for (const auto& vertices : feature_vertices_)
+    for (const int v : vertices) groups.join(node(vertices[0]), node(v));
+  std::vector<int> number(components + n, -1);
+  part_.resize(n);
+  for (int v = 0; v < n; ++v) {
+    int& part = number[groups.of(node(v))];
+    if (part < 0) part = part_count_++;
+    part_[v] = part;
+  }
+}
+
+void DeformSystem::order_features() {
+  const auto count = static_cast<int>(feature_vertices_.size());
+  std::vector<std::pair<int, int>> members;  // vertex, feature
+  for (int f = 0; f < count; ++f)
+    for (const int v : feature_vertices_[f]) members.emplace_back(v, f);
+  std::sort(members.begin(), members.end());
+  std::vector<std::vector<std::pair<int, int>>> shared(count);  // other feature, vertex
+  for (size_t a = 0, b = 0; a < members.size(); a = b) {
+    while (b < members.size() && members[b].first == members[a].first) ++b;
+    // A chain through all that meet here joins them as well as all pairs would.
+    for (size_t k = a + 1; k < b; ++k) {
+      shared[members[k - 1].second].emplace_back(members[k].second, members[a].first);
+      shared[members[k].second].emplace_back(members[k - 1].second, members[a].first);
+    }
+  }
+  std::vector<int> by_highest(count);
+  std::iota(by_highest.begin(), by_highest.end(), 0);
+  std::stable_sort(by_highest.begin(), by_highest.end(), [&](int f, int g) {
+    return feature_vertices_[f].back() > feature_vertices_[g].back();
+  });
+  reference_.assign(count, -1);
+  for (const int first : by_highest) {
+    if (reference_[first] >= 0) continue;
+    reference_[first] = feature_vertices_[first].back();
+    feature_order_.push_back(first);
+    for (size_t next = feature_order_.size() - 1; next < feature_order_.size(); ++next)
+      for (const auto& [other, v] : shared[feature_order_[next]])
+        if (reference_[other] < 0) {
+          reference_[other] = v;
+          feature_order_.push_back(other);
+        }
+  }
 }
 
 void DeformSystem::hold(const MeshTopology& topology, const DeformProblem& problem) {
   const int n = topology.vertex_count();
-  holder.assign(n, kMoves);
-  if (problem.region) {
-    holder.assign(n, kFixed);
+  holder.assign(n, problem.region ? kOutside : kMoves);
+  if (problem.region)
     for (const int v : *problem.region) holder[v] = kMoves;
-  }
   for (const int v : problem.fixed) holder[v] = kFixed;
   for (size_t h = 0; h < problem.handles.size(); ++h)
     for (const int v : problem.handles[h].vertices)
       if (holder[v] < 0) holder[v] = static_cast<int>(h);
 
-  // What nothing holds or moves stays: vertices without triangles, and whole parts.
-  std::vector<char> taken(topology.component_count(), 0), in_feature(n, 0);  // of one that is held
+  // What nothing holds or moves stays. A row holds a part unless it is a difference within it.
+  std::vector<char> held(part_count_, 0);
   for (int v = 0; v < n; ++v)
-    if (holder[v] != kMoves && topology.component()[v] >= 0) taken[topology.component()[v]] = 1;
-  for (const auto& r : problem.rows)
-    for (const auto& e : r.combination.entries)
-      if (topology.component()[e.vertex] >= 0) taken[topology.component()[e.vertex]] = 1;
-  // A feature may join parts of the mesh: what holds one of them holds all.
-  for (bool changed = true; changed;) {
-    changed = false;
-    for (const auto& vertices : feature_vertices_) {
-      bool any = false;
-      for (const int v : vertices)
-        any = any || holder[v] != kMoves || in_feature[v] ||
-              (topology.component()[v] >= 0 && taken[topology.component()[v]]);
-      if (!any) continue;
-      for (const int v : vertices) {
-        const int c = topology.component()[v];
-        changed = changed || !in_feature[v] || (c >= 0 && !taken[c]);
-        in_feature[v] = 1;
-        if (c >= 0) taken[c] = 1;
-      }
+    if (holder[v] != kMoves) held[part_[v]] = 1;
+  for (const auto& r : problem.rows) {
+    std::map<int, double> sum, size;
+    for (const auto& e : r.combination.entries) {
+      sum[part_[e.vertex]] += e.coefficient;
+      size[part_[e.vertex]] += std::abs(e.coefficient);
     }
+    for (const auto& [part, total] : sum)
+      if (std::abs(total) > 1e-9 * size[part]) held[part] = 1;
   }
-  const auto left = std::count(taken.begin(), taken.end(), 0);
-  if (left > 0)
+  std::vector<char> alone(part_count_, 0);
+  for (int v = 0; v < n; ++v) {
+    if (holder[v] != kMoves || held[part_[v]]) continue;
+    holder[v] = kLeftAlone;
+    if (!topology.neighbours(v).empty()) alone[part_[v]] = 1;
+  }
+  if (const auto left = std::count(alone.begin(), alone.end(), 1); left > 0)
     notes.push_back(std::to_string(left) + (left == 1 ? " part" : " parts") +
                     " of the mesh with nothing fixed and no handle stay where they are");
-  for (int v = 0; v < n; ++v) {
-    const int c = topology.component()[v];
-    if (holder[v] == kMoves && (c < 0 ? !in_feature[v] : !taken[c])) holder[v] = kFixed;
-  }
 }
 
 void DeformSystem::number(const MeshTopology& topology, const DeformProblem& problem) {
@@ -116,7 +173,7 @@ void DeformSystem::number(const MeshTopology& topology, const DeformProblem& pro
     for (const int v : vertices) part[v] = 1;
   for_row_vertices(problem, [&](int v) { part[v] = 1; });
   // Held twice: the reduction finds out whether that is a conflict.
-  std::vector<char> times(n, 0);
+  std::vector<int> times(n, 0);
   for (const int v : sorted(problem.fixed)) times[v] = 1;
   for (const auto& h : problem.handles)
     for (const int v : sorted(h.vertices))
@@ -153,6 +210,11 @@ void DeformSystem::add_soft_rows(const TriangleMesh& mesh, const DeformProblem& 
   std::vector<int> feature_of(n, -1);
   for (size_t f = 0; f < feature_vertices_.size(); ++f)
     for (const int v : feature_vertices_[f]) feature_of[v] = static_cast<int>(f);
+  // Whose scale the curvature at a vertex has.
+  const auto scale_of = [&](int v) {
+    if (feature_of[v] >= 0) return feature_of[v];
+    return holder[v] >= 0 ? static_cast<int>(feature_vertices_.size()) + holder[v] : -1;
+  };
   std::vector<int> row_vertex;
   long entries = 0;
   for (const int v : vertex) {
@@ -225,9 +287,7 @@ void DeformSystem::add_soft_rows(const TriangleMesh& mesh, const DeformProblem& 
     if (!done) A.insertBack(r, dof[v]) = own;
     base.row(r) = sum;
     turns_with.push_back(dof[v]);
-    scaled_by.push_back(feature_of[v] >= 0 ? feature_of[v]
-                        : holder[v] >= 0   ? static_cast<int>(feature_vertices_.size()) + holder[v]
-                                           : -1);
+    scaled_by.push_back(scale_of(v));
     target_row.push_back(-1);
   }
   for (size_t e = 0; e < extra.size(); ++e) {
@@ -236,7 +296,7 @@ void DeformSystem::add_soft_rows(const TriangleMesh& mesh, const DeformProblem& 
     for (const auto& [d, c] : extra[e]) A.insertBack(r, d) = c;
     base.row(r) = extra_base[e];
     turns_with.push_back(extra_turns[e]);
-    scaled_by.push_back(-1);
+    scaled_by.push_back(extra_target[e] < 0 ? scale_of(vertex[extra_turns[e]]) : -1);
     target_row.push_back(extra_target[e]);
   }
   A.finalize();
@@ -263,38 +323,42 @@ void DeformSystem::add_chain(const CharacterChain& chain, DeformProblem::Weighti
   }
 }
 
-void DeformSystem::add_hard_rows(const MeshTopology& topology, const DeformProblem& problem) {
+void DeformSystem::add_hard_rows(const DeformProblem& problem) {
   const auto hold_row = [&](const std::string& name, int v, Value::Kind kind, int who) {
     positions.fix(name, dof[v], Vec3::Zero());
     values.push_back({kind, who, v, -1});
     rotations.fix(name, dof[v], Vec3::Zero());
     turned_by.push_back(kind == Value::Kind::Handle ? who : -1);
   };
+  for (const int v : sorted(problem.fixed))
+    if (dof[v] >= 0) hold_row("fixed", v, Value::Kind::Fixed, -1);
   for (const int v : vertex)
-    if (holder[v] == kFixed) hold_row("fixed", v, Value::Kind::Fixed, -1);
+    if (holder[v] == kOutside || holder[v] == kLeftAlone)
+      hold_row(holder[v] == kOutside ? "outside the region" : "a part that nothing holds", v,
+               Value::Kind::Fixed, -1);
   for (size_t h = 0; h < problem.handles.size(); ++h)
     for (const int v : sorted(problem.handles[h].vertices))
       if (dof[v] >= 0)
         hold_row(problem.handles[h].name, v, Value::Kind::Handle, static_cast<int>(h));
   const size_t held_rows = values.size();
-  for (size_t f = 0; f < problem.features.size(); ++f) {
-    const auto& vertices = feature_vertices_[f];
+  feature_dof.resize(problem.features.size());
+  for (const int f : feature_order_) {
     const std::string& name = problem.features[f].name;
-    // The highest vertex is the one that stays free: every row then eliminates its own vertex.
-    const int reference = vertices.back();
-    feature_dof.push_back(dof[reference]);
-    for (size_t i = 0; i + 1 < vertices.size(); ++i) {
-      positions.add(name, {{dof[vertices[i]], 1.0}, {dof[reference], -1.0}}, Vec3::Zero());
-      values.push_back({Value::Kind::Feature, static_cast<int>(f), vertices[i], reference});
-    }
-    for (size_t i = 0; i < vertices.size(); ++i) {
-      if (problem.features[f].kind == FormFeature::Kind::KeepsDirection)
-        rotations.fix(name, dof[vertices[i]], Vec3::Zero());
-      else if (i + 1 < vertices.size())
-        rotations.add(name, {{dof[vertices[i]], 1.0}, {dof[reference], -1.0}}, Vec3::Zero());
-      else
-        continue;
-      turned_by.push_back(-1);
+    const int reference = reference_[f];
+    feature_dof[f] = dof[reference];
+    const bool turns = problem.features[f].kind == FormFeature::Kind::Free;
+    for (const int v : feature_vertices_[f]) {
+      if (!turns) {
+        rotations.fix(name, dof[v], Vec3::Zero());
+        turned_by.push_back(-1);
+      }
+      if (v == reference) continue;
+      positions.add(name, {{dof[v], 1.0}, {dof[reference], -1.0}}, Vec3::Zero());
+      values.push_back({Value::Kind::Feature, f, v, reference});
+      if (turns) {
+        rotations.add(name, {{dof[v], 1.0}, {dof[reference], -1.0}}, Vec3::Zero());
+        turned_by.push_back(-1);
+      }
     }
   }
   feature_rows = static_cast<int>(values.size() - held_rows);
@@ -308,25 +372,12 @@ void DeformSystem::add_hard_rows(const MeshTopology& topology, const DeformProbl
   }
 
   // A part that only rows of positions hold does not turn.
-  std::vector<char> turns(topology.component_count(), 1);
+  std::vector<char> told(part_count_, 0);
   for (const auto& row : rotations.rows())
-    if (row.entries.size() == 1) {
-      const int c = topology.component()[vertex[row.entries[0].dof]];
-      if (c >= 0) turns[c] = 0;
-    }
-  for (const auto& vertices : feature_vertices_) {
-    bool held = false;
-    for (const int v : vertices) {
-      const int c = topology.component()[v];
-      held = held || (c < 0 ? holder[v] != kMoves : !turns[c]);
-    }
-    for (const int v : vertices)
-      if (held && topology.component()[v] >= 0) turns[topology.component()[v]] = 0;
-  }
+    if (row.entries.size() == 1) told[part_[vertex[row.entries[0].dof]]] = 1;
   for (const int v : vertex) {
-    const int c = topology.component()[v];
-    if (c < 0 || !turns[c]) continue;
-    turns[c] = 0;
+    if (told[part_[v]]) continue;
+    told[part_[v]] = 1;
     rotations.fix("no rotation", dof[v], Vec3::Zero());
     turned_by.push_back(-1);
   }

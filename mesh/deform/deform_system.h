@@ -17,7 +17,8 @@ using RowPoints = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
 struct DeformSystem {
   DeformSystem(const TriangleMesh& mesh, const DeformProblem& problem);
 
-  static constexpr int kMoves = -2, kFixed = -1;  // otherwise the number of a handle
+  /// Of a vertex that no handle moves: why it stays, or that it moves.
+  enum Holder { kMoves = -4, kLeftAlone = -3, kOutside = -2, kFixed = -1 };
 
   Vec3 origin;
   Points rest;              ///< all vertices of the mesh, relative to origin
@@ -47,13 +48,23 @@ struct DeformSystem {
   int feature_rows = 0;
 
  private:
+  void find_parts(const MeshTopology& topology);
+  void order_features();
   void hold(const MeshTopology& topology, const DeformProblem& problem);
   void number(const MeshTopology& topology, const DeformProblem& problem);
   void add_soft_rows(const TriangleMesh& mesh, const DeformProblem& problem);
   void add_chain(const CharacterChain& chain, DeformProblem::Weighting weighting,
                  std::vector<std::vector<std::pair<int, double>>>& rows, std::vector<Vec3>& bases);
-  void add_hard_rows(const MeshTopology& topology, const DeformProblem& problem);
+  void add_hard_rows(const DeformProblem& problem);
   std::vector<std::vector<int>> feature_vertices_;  // sorted
+  /// Number of the part of the mesh that a vertex is in. What no edge joins, but a feature, is one
+  /// part; a vertex without triangles that is in no feature is a part of its own.
+  std::vector<int> part_;
+  int part_count_ = 0;
+  /// Features that share vertices one after the other, each with a vertex to refer to: of the first
+  /// the highest of all, of the others one that they share with an earlier one. Every row then
+  /// eliminates its own vertex at once.
+  std::vector<int> feature_order_, reference_;
 };
 
 /// K_q: the cotangent Laplacian of the dofs, lower triangle.

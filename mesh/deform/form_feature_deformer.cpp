@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "batten/constraints/affine_reduction.h"
 #include "batten/core/errors.h"
@@ -11,7 +12,6 @@
 #include "batten/mesh/deform/coupling.h"
 #include "batten/mesh/deform/deform_system.h"
 #include "batten/mesh/deform/normal_equations.h"
-#include "batten/mesh/deform/similarity.h"
 
 namespace batten {
 namespace {
@@ -40,7 +40,7 @@ MatX handle_weights(const DeformSystem& system, const TriangleMesh& mesh,
   MatX indicator = MatX::Zero(static_cast<long>(system.turned_by.size()), handles);
   for (size_t r = 0; r < system.turned_by.size(); ++r)
     if (system.turned_by[r] >= 0) indicator(static_cast<long>(r), system.turned_by[r]) = 1;
-  const MatX held = rotations.particular(indicator);
+  MatX held = rotations.particular(indicator);
   if (rotations.free_count() == 0 || handles == 0) return held;
   const SparseMatrix L = laplacian_of(system, mesh);
   const SparseMatrix reduced = rotations.reduce(L);
@@ -48,9 +48,10 @@ MatX handle_weights(const DeformSystem& system, const TriangleMesh& mesh,
   factor.analyze(reduced);
   if (!factor.factorize(reduced))
     throw NoSolutionError("the field of rotations: " + factor.message());
-  MatX load = -(rotations.D().transpose() * (L.selfadjointView<Eigen::Lower>() * held));
+  MatX load = rotations.D().transpose() * MatX(L.selfadjointView<Eigen::Lower>() * -held);
   factor.solve_in_place(load);
-  return rotations.D() * load + held;
+  held.noalias() += rotations.D() * load;
+  return held;
 }
 
 }  // namespace
@@ -82,7 +83,7 @@ struct FormFeatureDeformer::Data {
 
   MatX weights;                // dofs × handles
   MatX turns;                  // handles × 3
-  Points q;                    // dofs × 3
+  Points q, good_q;            // dofs × 3, of this edit and of the last good one
   MatX right, rotation_right;  // right-hand sides of the hard rows
   VecX g;                      // of the coupling rows
   RowPoints b, r;
@@ -131,14 +132,17 @@ FormFeatureDeformer::Data::Data(const TriangleMesh& given, DeformProblem stated)
     const GuidedPoint& guide = problem.guided[k];
     for (const auto& e : guide.point.entries)
       combination.emplace_back(system.dof[e.vertex], static_cast<int>(k), e.coefficient);
+    double coefficients = 0;
+    for (const auto& e : guide.point.entries) coefficients += e.coefficient * e.coefficient;
+    coefficients = std::sqrt(coefficients);
     const Vec3 n = guide.direction.normalized();
     if (guide.kind == GuidedPoint::Kind::OnPlane) {
-      coupled.push_back({static_cast<int>(k), n});
+      coupled.push_back({static_cast<int>(k), n, coefficients});
       guide_of.push_back(static_cast<int>(k));
     } else {
       const Vec3 l = n.unitOrthogonal(), m = n.cross(l);
       for (const Vec3& across : {l, m}) {
-        coupled.push_back({static_cast<int>(k), across});
+        coupled.push_back({static_cast<int>(k), across, coefficients});
         guide_of.push_back(static_cast<int>(k));
       }
     }
@@ -152,7 +156,7 @@ FormFeatureDeformer::Data::Data(const TriangleMesh& given, DeformProblem stated)
   }
 
   turns = MatX::Zero(static_cast<long>(problem.handles.size()), 3);
-  q = Points::Zero(dofs, 3);
+  q = good_q = Points::Zero(dofs, 3);
   right = MatX::Zero(static_cast<long>(system.values.size()), 3);
   rotation_right = MatX::Zero(static_cast<long>(system.turned_by.size()), 3);
   g.resize(static_cast<long>(guide_of.size()));
@@ -177,9 +181,26 @@ void FormFeatureDeformer::Data::evaluate_field(const DeformEdit& edit) {
     for (size_t k = 0; k < system.turned_by.size(); ++k)
       if (const int h = system.turned_by[k]; h >= 0)
         rotation_right.row(static_cast<long>(k)) = turns.row(h);
-    rotations.set_right(rotation_right);
+    try {
+      rotations.set_right(rotation_right);
+    } catch (const ConflictError& e) {
+      std::vector<ConflictError::Conflict> conflicts = e.conflicts();
+      for (auto& c : conflicts) {
+        c.amount *= 360 / std::numbers::pi;  // logarithms are half the angle
+        c.unit = " degrees of turn";
+      }
+      throw ConflictError(std::move(conflicts));
+    }
   }
-  q.noalias() = weights * turns;
+  // By hand: Eigen's product may ask for memory.
+  in_chunks(q.rows(), [&](long first, long last) {
+    for (int c = 0; c < 3; ++c) {
+      auto column = q.col(c).segment(first, last - first);
+      column.setZero();
+      for (long h = 0; h < turns.rows(); ++h)
+        if (turns(h, c) != 0) column += turns(h, c) * weights.col(h).segment(first, last - first);
+    }
+  });
 }
 
 void FormFeatureDeformer::Data::set_targets(const DeformEdit& edit) {
@@ -240,7 +261,8 @@ void FormFeatureDeformer::Data::set_guides(const DeformEdit& edit) {
       reached -= e.coefficient * guide_directions[k].dot(positions.d0().row(system.dof[e.vertex]));
     g[static_cast<long>(k)] = reached;
   }
-  if (!(coupling.contradiction(g) > kContradiction * size)) return;
+  const auto [missed, row] = coupling.contradiction(g);
+  if (!(missed > kContradiction * size)) return;
   // The elimination of all rows together names those that take part.
   ConstraintSet all = system.positions;
   for (size_t k = 0; k < guide_of.size(); ++k) {
@@ -260,7 +282,7 @@ void FormFeatureDeformer::Data::set_guides(const DeformEdit& edit) {
         guide_directions[k].dot(through - system.origin);
   }
   named.set_right(stacked);
-  throw ConflictError({{{problem.guided[guide_of[0]].name}, coupling.contradiction(g)}});
+  throw ConflictError({{{problem.guided[guide_of[row]].name}, missed}});
 }
 
 void FormFeatureDeformer::Data::reduce_residual() {
@@ -280,7 +302,7 @@ void FormFeatureDeformer::Data::expand(const DeformEdit& edit) {
     // What is held is where it was told to be, to the last bit.
     if (const int h = system.holder[v]; h == DeformSystem::kMoves)
       result.row(v) = x.row(system.dof[v]) + system.origin.transpose();
-    else if (h != DeformSystem::kFixed)
+    else if (h >= 0)
       result.row(v) = edit.handles[h](mesh.point(v));
   }
 }
@@ -313,7 +335,10 @@ const Points& FormFeatureDeformer::deform(const DeformEdit& edit) {
     d.factor.solve_in_place(d.y);
     d.coupling.apply(d.y, d.g);
   }
+  if (!d.y.allFinite() || !d.positions.d0().allFinite())
+    throw NoSolutionError("the edit leads to positions that are not finite");
   d.expand(edit);
+  d.good_q.swap(d.q);
   d.last = edit;
   d.solved = d.correctable = true;
   return d.result;
@@ -351,52 +376,15 @@ Points FormFeatureDeformer::rotation_logs() const {
   Points q = Points::Zero(d.mesh.vertex_count(), 3);
   for (int v = 0; v < d.mesh.vertex_count(); ++v)
     if (const int dof = d.system.dof[v]; dof >= 0)
-      q.row(v) = d.q.row(dof);
-    else if (const int h = d.system.holder[v]; h >= 0)
-      q.row(v) = d.turns.row(h);
+      q.row(v) = d.good_q.row(dof);
+    else if (const int h = d.system.holder[v]; h >= 0 && d.solved)
+      q.row(v) = d.last.handles[h].turn;
   return q;
 }
 
 double FormFeatureDeformer::hard_residual() const {
   const Data& d = *data_;
-  if (!d.solved || d.size == 0) return 0;
-  double worst = 0;
-  const auto look = [&](double off) {
-    if (!(off <= worst)) worst = off;
-  };
-  const Points& p = d.result;
-  const auto point = [&](int v) { return Vec3(p.row(v).transpose()); };
-  for (int v = 0; v < d.mesh.vertex_count(); ++v)
-    if (d.system.holder[v] == DeformSystem::kFixed) look((point(v) - d.mesh.point(v)).norm());
-  for (size_t h = 0; h < d.problem.handles.size(); ++h)
-    for (const int v : d.problem.handles[h].vertices)
-      look((point(v) - d.last.handles[h](d.mesh.point(v))).norm());
-  for (size_t f = 0; f < d.problem.features.size(); ++f) {
-    const double scale = d.scale_of(d.last, static_cast<int>(f));
-    const auto& feature = d.problem.features[f];
-    const Similarity fit = fit_similarity(d.mesh.points(), p, feature.vertices, scale);
-    const Vec3 first = d.mesh.point(feature.vertices[0]);
-    for (const int v : feature.vertices) {
-      look((fit.scale * (fit.R * d.mesh.point(v)) + fit.shift - point(v)).norm());
-      if (feature.kind == FormFeature::Kind::KeepsDirection)
-        look((scale * (d.mesh.point(v) - first) - (point(v) - point(feature.vertices[0]))).norm());
-    }
-  }
-  for (size_t k = 0; k < d.guide_of.size(); ++k) {
-    const GuidedPoint& guide = d.problem.guided[d.guide_of[k]];
-    const Vec3 through =
-        d.last.guides.empty() ? guide.point.at(d.mesh.points()) : d.last.guides[d.guide_of[k]];
-    look(std::abs(d.guide_directions[k].dot(guide.point.at(p) - through)));
-  }
-  const Points q = rotation_logs();
-  for (size_t k = 0; k < d.problem.rows.size(); ++k) {
-    const CombinationRow& row = d.problem.rows[k];
-    if (row.weight) continue;
-    Vec3 target = d.last.targets.empty() ? row.target : d.last.targets[k];
-    if (row.turns_with >= 0) target = rotated(q.row(row.turns_with).transpose(), target);
-    look((row.combination.at(p) - target).norm());
-  }
-  return worst / d.size;
+  return d.solved ? batten::hard_residual(d.mesh, d.problem, d.last, d.result, rotation_logs()) : 0;
 }
 
 FormFeatureDeformer::Counts FormFeatureDeformer::counts() const {

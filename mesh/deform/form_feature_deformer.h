@@ -36,13 +36,13 @@ namespace batten {
 /// the edit.
 ///
 /// Cost: one sparse Cholesky factor at construction; an edit is one pair of triangular solves and a
-/// few sparse products, without allocation.
+/// few sparse products, without allocation. Memory: the factor, and one number for each vertex that
+/// takes part and each handle. A row over k vertices of their own fills k² entries of the matrix:
+/// means of hundreds of vertices belong into a feature or a guide.
 class FormFeatureDeformer {
  public:
-  /// Throws InputError: vertices out of range, an empty handle or feature, a handle without name or
-  /// two of one name, a guided point whose coefficients do not sum to 1, a direction of length
-  /// zero, a chain whose vertices coincide, nothing fixed and no handle. NoSolutionError when the
-  /// factorization fails.
+  /// Throws InputError (check() in deform_problem.h; a chain whose vertices coincide).
+  /// NoSolutionError when the factorization fails.
   FormFeatureDeformer(const TriangleMesh& mesh, DeformProblem problem);
   ~FormFeatureDeformer();
   FormFeatureDeformer(FormFeatureDeformer&&) noexcept;
@@ -54,15 +54,15 @@ class FormFeatureDeformer {
   const Points& deform(const DeformEdit& edit);
   /// One correction step after deform(), for the moment the mouse is released: the normal equations
   /// square the condition number (correct_least_squares). Costs about one more deform(). Returns
-  /// the largest change of a coordinate over the size of the mesh.
+  /// the largest change of a coordinate over the size of the mesh. Throws InputError when there was
+  /// no deform() before it, or the last one failed.
   double correct();
 
   const Points& positions() const;
   /// Logarithms q_i of the last edit, n×3.
   Points rotation_logs() const;
-  /// Largest violation of a fixed vertex, a handle, a feature (against its own best similarity of
-  /// the stated scale), a guided point or a hard row at positions(), over the size of the mesh.
-  /// Measured from the problem as it was stated, not from the solver's rows.
+  /// hard_residual() of positions(): measured from the problem as it was stated, not from the
+  /// solver's rows.
   double hard_residual() const;
 
   const TriangleMesh& mesh() const;
@@ -98,6 +98,12 @@ class FormFeatureDeformer {
   struct Data;
   std::unique_ptr<Data> data_;
 };
+
+/// Largest violation of what the problem states at positions p (n×3) with the field's logarithms
+/// (n×3): a fixed vertex or one outside the region, a handle, a feature against its own best
+/// similarity of the stated scale, a guided point, a hard row; over the size of the mesh.
+double hard_residual(const TriangleMesh& mesh, const DeformProblem& problem, const DeformEdit& edit,
+                     const Points& p, const Points& logs);
 
 /// The twin for checking: the same edit by the saddle point system [AᵀA Cᵀ; C 0] (eq. 4), all
 /// vertices. Slow: a sparse LU.

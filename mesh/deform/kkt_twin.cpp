@@ -6,6 +6,7 @@ namespace batten {
 
 Points deform_by_kkt(FormFeatureDeformer& deformer, const DeformEdit& edit) {
   const FormFeatureDeformer::Statement s = deformer.statement(edit);
+  if (s.vertices.empty()) return deformer.positions();
   const SparseMatrix A = s.A;
   const SparseMatrix transposed = A.transpose();
   const SparseMatrix normal = transposed * A;

@@ -32,7 +32,7 @@ RowMatrix reduced_rows(const RowMatrix& A, const AffineReduction& reduction) {
 
 SparseMatrix normal_matrix(const SparseMatrix& B, const RowMatrix& rows) {
   const long n = B.cols();
-  const long block = 2048, blocks = (n + block - 1) / block;
+  const long block = std::max<long>(2048, n / 8 + 1), blocks = (n + block - 1) / block;
   std::vector<std::vector<int>> index(blocks);
   std::vector<std::vector<double>> value(blocks);
   std::vector<int> length(n, 0);

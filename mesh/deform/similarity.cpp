@@ -33,12 +33,16 @@ Similarity fit(const Points& before, const Points& after, const std::vector<int>
   Vec3 sign = Vec3::Ones();
   if ((svd.matrixU() * svd.matrixV().transpose()).determinant() < 0) sign[2] = -1;
   best.R = svd.matrixU() * sign.asDiagonal() * svd.matrixV().transpose();
+  // Points on one line: of all rotations that fit the smallest.
+  if (svd.singularValues()[1] <= 1e-12 * svd.singularValues()[0])
+    best.R =
+        Eigen::Quaterniond::FromTwoVectors(svd.matrixV().col(0), svd.matrixU().col(0)).matrix();
   best.scale = scale ? *scale : spread > 0 ? svd.singularValues().dot(sign) / spread : 1;
   for (const int v : vertices) {
     const Vec3 x = before.row(v).transpose() - from - mean_before;
     const double off =
         (after.row(v).transpose() - to - mean_after - best.scale * (best.R * x)).norm();
-    if (!(off <= best.max_error)) best.max_error = off;
+    if (!std::isnan(best.max_error) && !(off <= best.max_error)) best.max_error = off;
   }
   const double size = (high - low).norm();
   if (size > 0) best.max_error /= size;

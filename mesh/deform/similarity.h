@@ -16,8 +16,8 @@ struct Similarity {
 };
 
 /// Least-squares similarity from `before` to `after` on the given vertices, det R = +1. The scale
-/// is fitted unless given. Source: Umeyama 1991. With fewer than three points, or points on one
-/// line, R is one of the many that fit. O(vertices).
+/// is fitted unless given. Source: Umeyama 1991. For points on one line R is the
+/// smallest of the rotations that fit. O(vertices).
 Similarity fit_similarity(const Points& before, const Points& after,
                           const std::vector<int>& vertices);
 Similarity fit_similarity(const Points& before, const Points& after,
