@@ -89,7 +89,7 @@ void check(const DeformProblem& problem, int count) {
     check_name("row", r.name);
     check_combination("row '" + r.name + "'", r.combination, count);
     if (r.turns_with != -1) check_vertices("row '" + r.name + "'", {r.turns_with}, count);
-    if (!(r.target.cwiseAbs().maxCoeff() < 1e100))
+    if (!(r.target.array().abs() < 1e100).all())
       throw InputError("row '" + r.name + "' has a target that is not finite");
     if (r.weight && !(*r.weight > 0 && std::isfinite(*r.weight)))
       throw InputError("row '" + r.name + "' has weight " + number(*r.weight) +
@@ -106,7 +106,7 @@ void check(const DeformProblem& problem, const DeformEdit& edit) {
                        std::to_string(expected));
   };
   // Squares of larger numbers would not be finite.
-  const auto usable = [](const Vec3& v) { return v.cwiseAbs().maxCoeff() < 1e100; };
+  const auto usable = [](const Vec3& v) { return (v.array().abs() < 1e100).all(); };
   count("moves of handles", edit.handles.size(), problem.handles.size());
   if (!edit.feature_scales.empty())
     count("scales of features", edit.feature_scales.size(), problem.features.size());
