@@ -515,3 +515,50 @@ TEST_CASE("constraint sets keep rows and names and refuse wrong numbers") {
   CHECK(set.rows().size() == 3);  // what was refused left nothing behind
   CHECK(set.coupled_rows().size() == 1);
 }
+
+TEST_CASE("conflicts: the amount is in the row's own units, the smallest ones are named") {
+  const auto amount = [](double value) {
+    ConstraintSet set(2);
+    set.add("a", {{0, 2.0}, {1, 4.0}}, {2, 0, 0});
+    set.add("b", {{0, 5.0}, {1, 10.0}}, {value, 0, 0});
+    try {
+      AffineReduction reduction(set);
+      CHECK(reduction.dropped_rows() == 1);
+      CHECK(reduction.dropped() == std::vector<int>{1});
+    } catch (const ConflictError& e) {
+      CHECK(e.conflicts()[0].names == std::vector<std::string>{"a", "b"});
+      return e.conflicts()[0].amount;
+    }
+    return 0.0;
+  };
+  CHECK(amount(5) == 0);
+  CHECK(amount(7.5) == Approx(2.5));
+  CHECK(amount(5 + 1e-7) == Approx(1e-7));
+  CHECK(amount(5 + 1e-12) == 0);
+}
+
+TEST_CASE("right-hand sides change without a new elimination") {
+  ConstraintSet set(4);
+  set.add("a", {{0, 2.0}, {1, 1.0}}, {1, 2, 3});
+  set.add("b", {{1, 3.0}, {2, -1.0}}, {0, 1, 0});
+  set.add("a + b", {{0, 2.0}, {1, 4.0}, {2, -1.0}}, {1, 3, 3});
+  AffineReduction reduction(set);
+  REQUIRE(reduction.dropped_rows() == 1);
+  const MatX before = reduction.d0();
+  MatX right(3, 3);
+  right << 4, 5, 6, -1, 2, 7, 3, 7, 13;
+  reduction.set_right(right);
+  ConstraintSet changed(4);
+  for (int r = 0; r < 3; ++r)
+    changed.add(set.names()[set.rows()[r].name], set.rows()[r].entries, right.row(r).transpose());
+  const AffineReduction fresh(changed);
+  CHECK(reduction.d0() == fresh.d0());
+  CHECK(reduction.particular(right) == fresh.d0());
+  right(2, 1) += 0.5;
+  CHECK_THROWS_AS(reduction.set_right(right), ConflictError);
+  CHECK(reduction.d0() == fresh.d0());
+  reduction.set_values(set);
+  CHECK(reduction.d0() == before);
+  CHECK_THROWS_AS(reduction.set_right(MatX::Zero(2, 3)), InputError);
+  CHECK_THROWS_AS(reduction.set_values(ConstraintSet(5)), InputError);
+}
