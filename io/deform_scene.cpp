@@ -191,19 +191,8 @@ MeshPictureRule read_picture(const TomlTable& t, Names& files) {
                         {"after", Show::After},
                         {"displacement", Show::Displacement}});
   rule.mesh = t.boolean("mesh", false);
-  if (t.has("view")) {
-    const VecX view = t.numbers("view", "azimuth, elevation");
-    if (std::abs(view[1]) > 90) t.fail("view", "elevation " + number(view[1]), "-90 to 90 degrees");
-    rule.azimuth = view[0];
-    rule.elevation = view[1];
-  }
+  read_view(t, rule.azimuth, rule.elevation, rule.size);
   rule.zoom = t.positive("zoom", 1);
-  if (t.has("size")) {
-    const VecX size = t.numbers("size", "width, height");
-    if (size.minCoeff() < 64 || size.maxCoeff() > 4096)
-      t.fail("size", number(size[0]) + " by " + number(size[1]), "64 to 4096 pixels each");
-    rule.size = {static_cast<int>(size[0]), static_cast<int>(size[1])};
-  }
   return rule;
 }
 

@@ -240,19 +240,7 @@ ScenePicture read_picture(const TomlTable& table, Names& files) {
   look.parameter_lines = table.whole_number("parameter_lines", 0, 0);
   look.lines = table.boolean("lines", true);
   look.mesh = table.boolean("mesh", false);
-  if (table.has("view")) {
-    const VecX view = table.numbers("view", "azimuth, elevation");
-    if (std::abs(view[1]) > 90)
-      table.fail("view", "elevation " + number(view[1]), "-90 to 90 degrees");
-    look.azimuth = view[0];
-    look.elevation = view[1];
-  }
-  if (table.has("size")) {
-    const VecX size = table.numbers("size", "width, height");
-    if (size.minCoeff() < 64 || size.maxCoeff() > 4096)
-      table.fail("size", number(size[0]) + " by " + number(size[1]), "64 to 4096 pixels each");
-    picture.size = {static_cast<int>(size[0]), static_cast<int>(size[1])};
-  }
+  read_view(table, look.azimuth, look.elevation, picture.size);
   return picture;
 }
 

@@ -1,6 +1,7 @@
 #include "batten/io/scene_words.h"
 
 #include <algorithm>
+#include <cmath>
 #include <fstream>
 #include <sstream>
 
@@ -26,6 +27,22 @@ std::string output_file(const TomlTable& table, const std::string& key, Names& f
     table.fail(key, "'" + name.string() + "'", "a file name that ends in " + listed(endings));
   files.add(table, key, name.string());
   return name.string();
+}
+
+void read_view(const TomlTable& table, double& azimuth, double& elevation, PictureSize& size) {
+  if (table.has("view")) {
+    const VecX view = table.numbers("view", "azimuth, elevation");
+    if (std::abs(view[1]) > 90)
+      table.fail("view", "elevation " + number(view[1]), "-90 to 90 degrees");
+    azimuth = view[0];
+    elevation = view[1];
+  }
+  if (table.has("size")) {
+    const VecX pixels = table.numbers("size", "width, height");
+    if (pixels.minCoeff() < 64 || pixels.maxCoeff() > 4096)
+      table.fail("size", number(pixels[0]) + " by " + number(pixels[1]), "64 to 4096 pixels each");
+    size = {static_cast<int>(pixels[0]), static_cast<int>(pixels[1])};
+  }
 }
 
 std::string text_of_file(const std::filesystem::path& file, const std::string& expected) {

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "batten/io/pictures.h"
 #include "batten/io/toml_table.h"
 
 namespace batten {
@@ -38,6 +39,10 @@ std::string unit_word(const TomlTable& table, const std::string& key);
 /// `files` yet.
 std::string output_file(const TomlTable& table, const std::string& key, Names& files,
                         const std::vector<std::string>& endings);
+
+/// Keys view = [azimuth, elevation] and size = [width, height] of a picture; without them nothing
+/// changes.
+void read_view(const TomlTable& table, double& azimuth, double& elevation, PictureSize& size);
 
 /// `expected`: "a scene (.toml)". Throws InputError.
 std::string text_of_file(const std::filesystem::path& file, const std::string& expected);
