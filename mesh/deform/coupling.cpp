@@ -61,12 +61,12 @@ Coupling::Coupling(const SparseCholesky& factor, SparseMatrix U, std::vector<Row
   const auto lower = R_.triangularView<Eigen::Lower>();
   if (rank > 0) {
     lower.solveInPlace(S);
-    MatX transposed = S.transpose();
-    lower.solveInPlace(transposed);
-    schur_.compute(transposed);
-    if (schur_.info() != Eigen::Success)
-      throw NoSolutionError("the rows of guided points are nearly dependent");
+    S.transposeInPlace();
+    lower.solveInPlace(S);
   }
+  schur_.compute(S);
+  if (schur_.info() != Eigen::Success)
+    throw NoSolutionError("the rows of guided points are nearly dependent");
   scratch_.resize(rank);
   // A row that is shares · Q is shares · R⁻¹ times the independent rows.
   implied_by_ = MatX::Zero(static_cast<long>(implied_.size()), rank);

@@ -237,7 +237,7 @@ TEST_CASE("bad scenes of edits: exit 1, the place, what was expected", "[deform]
   fails(kHead + kMove, {"grid.off"});
 }
 
-TEST_CASE("parameters are set from outside; an edit that folds the mesh is reported", "[deform]") {
+TEST_CASE("parameters are set from outside, an edit that folds the mesh is reported", "[deform]") {
   const Case c("deform_set");
   put_grid(c);
   c.file("s.toml", kHead + kMove);

@@ -201,7 +201,7 @@ TEST_CASE("fixed dofs delete rows and columns, nothing else") {
   CHECK(reduction.d0().row(11) == Eigen::RowVector3d(-1, -2, 0));
 }
 
-TEST_CASE("no constraints leave everything free; constraints on all dofs leave nothing") {
+TEST_CASE("no constraints leave everything free, constraints on all dofs leave nothing") {
   Draws random(42);
   const int n = 6;
   const SparseMatrix K = random_stiffness(n, random);

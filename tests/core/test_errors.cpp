@@ -47,7 +47,7 @@ TEST_CASE("nearest_word finds the word that was meant, and none when no word is 
   CHECK(nearest_word("lined", {"limes", "lines", "line"}) == "lines");
 }
 
-TEST_CASE("an empty progress does nothing; a cancelled one stops the computation") {
+TEST_CASE("an empty progress does nothing, a cancelled one stops the computation") {
   CHECK_NOTHROW(Progress{}.at("stage", 0.5));
 
   std::string seen;

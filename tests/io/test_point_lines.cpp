@@ -50,7 +50,7 @@ TEST_CASE("all dialects of a table give the same points", "[io][points]") {
   }
 }
 
-TEST_CASE("blank rows separate lines; units scale; two columns lie in z = 0", "[io][points]") {
+TEST_CASE("blank rows separate lines, units scale, two columns lie in z = 0", "[io][points]") {
   const auto path = file_with("two lines.csv", "u,v\n\n1,2\n3,4\n,\n\n5,6\n7,8\n9,10\n");
   const auto lines = read_point_lines(path, 0.001);
   REQUIRE(lines.size() == 2);

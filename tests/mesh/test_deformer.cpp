@@ -508,7 +508,7 @@ TEST_CASE("with area weights the shape does not depend on the mesh") {
   CHECK(std::abs(uniform - even) > 0.1 * even);
 }
 
-TEST_CASE("soft rows: from nothing to a hard row as the weight grows; rows that turn") {
+TEST_CASE("soft rows: from nothing to a hard row as the weight grows, and rows that turn") {
   Case c(12, false);
   const int v = nearest_to(c.mesh, {2, 2.0, 0});
   const Vec3 target = c.mesh.point(v) + Vec3(0, 0.2, 1.5);

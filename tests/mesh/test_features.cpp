@@ -297,7 +297,7 @@ TEST_CASE("creases that do not close and single vertices propose nothing") {
         std::string::npos);
 }
 
-TEST_CASE("real panels: thirteen rimmed holes; a body side's openings") {
+TEST_CASE("real panels: thirteen rimmed holes, and a body side's openings") {
   const auto support = optional_data("panel-bottle-support/W1000BO_pid_1_a_tri.obj");
   const auto side = optional_data("panel-neon-side/neon_side.off");
   if (support.empty() || side.empty()) {

@@ -210,7 +210,7 @@ TEST_CASE("the Laplacian: linear functions cost nothing inside, its energy is th
   CHECK(Eigen::SelfAdjointEigenSolver<MatX>(dense).eigenvalues()[0] > -1e-13);
 }
 
-TEST_CASE("mixed areas sum to the area, obtuse triangles or not; spheres have curvature 1/R") {
+TEST_CASE("mixed areas sum to the area, obtuse triangles or not, and spheres have curvature 1/R") {
   Random random(4);
   for (int trial = 0; trial < 20; ++trial) {
     Points p(5, 3);

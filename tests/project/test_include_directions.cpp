@@ -82,3 +82,22 @@ TEST_CASE("include lines follow the dependency table") {
   }
   CHECK(lines > 50);
 }
+
+TEST_CASE("names of test cases have no semicolon, or ctest would not run them") {
+  const std::regex name("TEST_CASE\\(\"([^\"]*)\"");
+  int cases = 0;
+  for (const auto& entry :
+       fs::recursive_directory_iterator(fs::path(BATTEN_SOURCE_DIR) / "tests")) {
+    if (entry.path().extension() != ".cpp") continue;
+    std::ifstream in(entry.path());
+    std::string line;
+    while (std::getline(in, line)) {
+      std::smatch match;
+      if (!std::regex_search(line, match, name)) continue;
+      ++cases;
+      INFO(entry.path().string() << ": " << match[1]);
+      CHECK(match[1].str().find(';') == std::string::npos);
+    }
+  }
+  CHECK(cases > 200);
+}
