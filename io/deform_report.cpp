@@ -83,10 +83,7 @@ Json contents(const DeformReport& r) {
                           {"node", r.largest_displacement_node}};
   json["file_rounding"] = r.rounding;
   json["parameters"] = json_of(r.parameters);
-  json["timings_s"] = Json::object();
-  for (const auto& [stage, seconds] : r.timings) json["timings_s"][stage] = seconds;
-  json["files"] = r.files;
-  json["warnings"] = r.warnings;
+  add_ending(json, r);
   return json;
 }
 

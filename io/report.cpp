@@ -68,10 +68,7 @@ Json contents(const Report& r) {
     json["reactions"].push_back(
         {{"name", reaction.name},
          {"force", {reaction.force[0], reaction.force[1], reaction.force[2]}}});
-  json["timings_s"] = Json::object();
-  for (const auto& [stage, seconds] : r.timings) json["timings_s"][stage] = seconds;
-  json["files"] = r.files;
-  json["warnings"] = r.warnings;
+  add_ending(json, r);
   return json;
 }
 

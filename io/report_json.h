@@ -17,6 +17,15 @@ void name_failed_numbers(Json& json, const std::string& path, std::vector<Missed
 /// The text of a report, with the promises it missed at its end.
 std::string report_text(Json json, const std::vector<MissedPromise>& missed);
 
+/// timings_s, files, warnings: of any kind of report.
+template <class AnyReport>
+void add_ending(Json& json, const AnyReport& report) {
+  json["timings_s"] = Json::object();
+  for (const auto& [stage, seconds] : report.timings) json["timings_s"][stage] = seconds;
+  json["files"] = report.files;
+  json["warnings"] = report.warnings;
+}
+
 /// "name", "value", and the range where there is one.
 Json json_of(const std::vector<Parameter>& parameters);
 

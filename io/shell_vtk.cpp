@@ -2,7 +2,6 @@
 
 #include <vtkCellArray.h>
 #include <vtkDoubleArray.h>
-#include <vtkErrorCode.h>
 #include <vtkFieldData.h>
 #include <vtkIntArray.h>
 #include <vtkNew.h>
@@ -13,8 +12,7 @@
 #include <vtkStringArray.h>
 #include <vtkXMLPolyDataWriter.h>
 
-#include "batten/core/errors.h"
-#include "batten/io/whole_file.h"
+#include "batten/io/vtk_write.h"
 
 namespace batten {
 
@@ -58,16 +56,8 @@ void write_deformed_vtp(const std::filesystem::path& path, const ShellMesh& shel
   for (const auto& name : data.feature_names) names->InsertNextValue(name.c_str());
   poly->GetFieldData()->AddArray(names);
 
-  WholeFile file(path);
   vtkNew<vtkXMLPolyDataWriter> writer;
-  writer->SetInputData(poly);
-  writer->SetFileName(file.temporary().c_str());
-  writer->SetDataModeToAppended();
-  writer->SetCompressorTypeToZLib();
-  if (!writer->Write())
-    throw InputError(path.string() + ": cannot write this file: " +
-                     vtkErrorCode::GetStringFromErrorCode(writer->GetErrorCode()));
-  file.commit();
+  write_xml(*writer, poly, path);
 }
 
 }  // namespace batten

@@ -21,6 +21,7 @@
 #include <array>
 
 #include "batten/core/errors.h"
+#include "batten/io/vtk_write.h"
 #include "batten/io/whole_file.h"
 
 namespace batten {
@@ -128,7 +129,9 @@ struct CellTable {
   }
 };
 
-void write(vtkXMLWriter& writer, vtkDataObject* data, const fs::path& path) {
+}  // namespace
+
+void write_xml(vtkXMLWriter& writer, vtkDataObject* data, const fs::path& path) {
   WholeFile file(path);
   writer.SetInputDataObject(data);
   writer.SetFileName(file.temporary().c_str());
@@ -139,8 +142,6 @@ void write(vtkXMLWriter& writer, vtkDataObject* data, const fs::path& path) {
                      vtkErrorCode::GetStringFromErrorCode(writer.GetErrorCode()));
   file.commit();
 }
-
-}  // namespace
 
 TessellatedEdges tessellate_with_edges(const ParametricMesh& mesh, int facets_per_edge) {
   TessellatedEdges result{tessellate(mesh, facets_per_edge), {}};
@@ -199,7 +200,7 @@ vtkSmartPointer<vtkPolyData> to_poly_data(const std::vector<const SkinnedRegion*
 void write_vtp(const fs::path& path, const std::vector<const SkinnedRegion*>& regions,
                const VtkOptions& options) {
   vtkNew<vtkXMLPolyDataWriter> writer;
-  write(*writer, to_poly_data(regions, options), path);
+  write_xml(*writer, to_poly_data(regions, options), path);
 }
 
 void write_vtu(const fs::path& path, const std::vector<const SkinnedRegion*>& regions,
@@ -246,7 +247,7 @@ void write_vtu(const fs::path& path, const std::vector<const SkinnedRegion*>& re
   table.give_to(*grid, !options.references.empty());
   cells.give_to(*grid, regions);
   vtkNew<vtkXMLUnstructuredGridWriter> writer;
-  write(*writer, grid, path);
+  write_xml(*writer, grid, path);
 }
 
 }  // namespace batten

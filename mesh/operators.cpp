@@ -16,14 +16,21 @@ Eigen::Matrix3Xd half_cotangents(const TriangleMesh& mesh) {
   return half;
 }
 
+std::vector<double> edge_cotangents(const TriangleMesh& mesh) {
+  const MeshTopology& topology = mesh.topology();
+  const Eigen::Matrix3Xd half = half_cotangents(mesh);
+  std::vector<double> weight(topology.edges().size(), 0);
+  for (int t = 0; t < mesh.triangle_count(); ++t)
+    for (int c = 0; c < 3; ++c) weight[topology.edges_of(t)[c]] += half(c, t);
+  return weight;
+}
+
 SparseMatrix cotangent_laplacian(const TriangleMesh& mesh) {
   const MeshTopology& topology = mesh.topology();
   const int n = mesh.vertex_count();
-  const Eigen::Matrix3Xd half = half_cotangents(mesh);
   SparseMatrix L(n, n);
-  std::vector<double> diagonal(n, 0), weight(topology.edges().size(), 0);
-  for (int t = 0; t < mesh.triangle_count(); ++t)
-    for (int c = 0; c < 3; ++c) weight[topology.edges_of(t)[c]] += half(c, t);
+  const std::vector<double> weight = edge_cotangents(mesh);
+  std::vector<double> diagonal(n, 0);
   for (size_t e = 0; e < weight.size(); ++e) {
     diagonal[topology.edges()[e].low] += weight[e];
     diagonal[topology.edges()[e].high] += weight[e];

@@ -21,6 +21,9 @@ SparseMatrix cotangent_laplacian(const TriangleMesh& mesh);
 /// ½ cot of the angles at the three corners of each triangle, what L_c is summed from: 3×triangles.
 Eigen::Matrix3Xd half_cotangents(const TriangleMesh& mesh);
 
+/// ½ (cot α + cot β) of each edge of the topology: -(L_c)_ij.
+std::vector<double> edge_cotangents(const TriangleMesh& mesh);
+
 /// Mixed areas A_i, n: the Voronoi part of each triangle, or a half (at the obtuse corner) and
 /// quarters of it where it is obtuse, so that they sum to the area of the mesh. 0 for vertices
 /// without triangles. Source: Meyer, Desbrun, Schröder, Barr 2003.

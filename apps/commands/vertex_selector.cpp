@@ -230,16 +230,16 @@ std::vector<int> VertexSelector::path(const LineRule& rule) {
   if (rule.closed) stops.push_back(stops.front());
   const MeshTopology& topology = mesh_.topology();
   // An edge where the surface bends by an angle a counts as shorter by 1 + (a / 10 degrees)².
-  std::map<std::pair<int, int>, double> bend;
-  for (const auto& e : topology.edges()) {
-    if (e.left < 0 || e.right < 0) continue;
-    const Vec3 a = mesh_.area_vector(e.left), b = mesh_.area_vector(e.right);
-    const double degrees = std::atan2(a.cross(b).norm(), a.dot(b)) * 180 / std::numbers::pi;
-    bend[{e.low, e.high}] = 1 + degrees * degrees / 100;
-  }
+  const auto& edges = topology.edges();
   const auto cost = [&](int v, int u) {
-    const auto it = bend.find({std::min(v, u), std::max(v, u)});
-    return (mesh_.point(u) - mesh_.point(v)).norm() / (it == bend.end() ? 1 : it->second);
+    const auto e = std::lower_bound(
+        edges.begin(), edges.end(), std::pair(std::min(v, u), std::max(v, u)),
+        [](const auto& edge, const auto& ends) { return std::pair(edge.low, edge.high) < ends; });
+    const double length = (mesh_.point(u) - mesh_.point(v)).norm();
+    if (e->left < 0 || e->right < 0) return length;
+    const Vec3 a = mesh_.area_vector(e->left), b = mesh_.area_vector(e->right);
+    const double degrees = std::atan2(a.cross(b).norm(), a.dot(b)) * 180 / std::numbers::pi;
+    return length / (1 + degrees * degrees / 100);
   };
   std::vector<int> way = {stops.front()};
   for (size_t s = 0; s + 1 < stops.size(); ++s) {

@@ -192,10 +192,7 @@ void DeformSystem::add_soft_rows(const TriangleMesh& mesh, const DeformProblem& 
   const bool by_area = problem.weighting == DeformProblem::Weighting::Area;
   // ½ (cot α + cot β) in the order of neighbours(v): lower ones first, then the higher ones, both
   // in the order of the edges.
-  const Eigen::Matrix3Xd half = half_cotangents(mesh);
-  std::vector<double> edge_weight(topology.edges().size(), 0);
-  for (int t = 0; t < mesh.triangle_count(); ++t)
-    for (int c = 0; c < 3; ++c) edge_weight[topology.edges_of(t)[c]] += half(c, t);
+  const std::vector<double> edge_weight = edge_cotangents(mesh);
   std::vector<int> start(n + 1, 0);
   for (int v = 0; v < n; ++v)
     start[v + 1] = start[v] + static_cast<int>(topology.neighbours(v).size());

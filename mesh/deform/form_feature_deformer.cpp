@@ -65,6 +65,14 @@ struct FormFeatureDeformer::Data {
   void set_guides(const DeformEdit& edit);
   void expand(const DeformEdit& edit);
   double scale_of(const DeformEdit& edit, int scaled_by) const;
+  /// Where coupling row k wants its point.
+  Vec3 through(const DeformEdit& edit, size_t k) const {
+    return edit.guides.empty() ? problem.guided[guide_of[k]].point.at(mesh.points())
+                               : edit.guides[guide_of[k]];
+  }
+  void add_guide_row(ConstraintSet& set, size_t k, double value) const;
+  /// r = b - A d0.
+  void start_residual();
   /// load = Bᵀ r.
   void reduce_residual();
   Vec3 turn_at(int dof) const { return q.row(dof).transpose(); }
@@ -253,11 +261,8 @@ void FormFeatureDeformer::Data::set_hard_values(const DeformEdit& edit) {
 
 void FormFeatureDeformer::Data::set_guides(const DeformEdit& edit) {
   for (size_t k = 0; k < guide_of.size(); ++k) {
-    const GuidedPoint& guide = problem.guided[guide_of[k]];
-    const Vec3 through =
-        edit.guides.empty() ? guide.point.at(mesh.points()) : edit.guides[guide_of[k]];
-    double reached = guide_directions[k].dot(through - system.origin);
-    for (const auto& e : guide.point.entries)
+    double reached = guide_directions[k].dot(through(edit, k) - system.origin);
+    for (const auto& e : problem.guided[guide_of[k]].point.entries)
       reached -= e.coefficient * guide_directions[k].dot(positions.d0().row(system.dof[e.vertex]));
     g[static_cast<long>(k)] = reached;
   }
@@ -265,24 +270,34 @@ void FormFeatureDeformer::Data::set_guides(const DeformEdit& edit) {
   if (!(missed > kContradiction * size)) return;
   // The elimination of all rows together names those that take part.
   ConstraintSet all = system.positions;
-  for (size_t k = 0; k < guide_of.size(); ++k) {
-    const GuidedPoint& guide = problem.guided[guide_of[k]];
-    std::vector<ConstraintSet::CoupledEntry> entries;
-    for (const auto& e : guide.point.entries)
-      entries.push_back({system.dof[e.vertex], e.coefficient * guide_directions[k]});
-    all.add_coupled(guide.name, std::move(entries), 0);
-  }
+  for (size_t k = 0; k < guide_of.size(); ++k) add_guide_row(all, k, 0);
   AffineReduction named(all, AffineReduction::Values::Later);
   MatX stacked(3 * right.rows() + g.size(), 1);
   for (long k = 0; k < right.rows(); ++k) stacked.block<3, 1>(3 * k, 0) = right.row(k).transpose();
-  for (size_t k = 0; k < guide_of.size(); ++k) {
-    const Vec3 through = edit.guides.empty() ? problem.guided[guide_of[k]].point.at(mesh.points())
-                                             : edit.guides[guide_of[k]];
+  for (size_t k = 0; k < guide_of.size(); ++k)
     stacked(3 * right.rows() + static_cast<long>(k), 0) =
-        guide_directions[k].dot(through - system.origin);
-  }
+        guide_directions[k].dot(through(edit, k) - system.origin);
   named.set_right(stacked);
   throw ConflictError({{{problem.guided[guide_of[row]].name}, missed}});
+}
+
+void FormFeatureDeformer::Data::add_guide_row(ConstraintSet& set, size_t k, double value) const {
+  const GuidedPoint& guide = problem.guided[guide_of[k]];
+  std::vector<ConstraintSet::CoupledEntry> entries;
+  for (const auto& e : guide.point.entries)
+    entries.push_back({system.dof[e.vertex], e.coefficient * guide_directions[k]});
+  set.add_coupled(guide.name, std::move(entries), value);
+}
+
+void FormFeatureDeformer::Data::start_residual() {
+  const MatX& d0 = positions.d0();
+  in_chunks(b.rows(), [&](long first, long last) {
+    for (long i = first; i < last; ++i) {
+      Eigen::RowVector3d sum = b.row(i);
+      for (RowMatrix::InnerIterator a(A_held_rows, i); a; ++a) sum -= a.value() * d0.row(a.col());
+      r.row(i) = sum;
+    }
+  });
 }
 
 void FormFeatureDeformer::Data::reduce_residual() {
@@ -321,14 +336,7 @@ const Points& FormFeatureDeformer::deform(const DeformEdit& edit) {
   d.set_hard_values(edit);
   d.set_guides(edit);
   d.set_targets(edit);
-  const MatX& d0 = d.positions.d0();
-  in_chunks(d.b.rows(), [&](long first, long last) {
-    for (long i = first; i < last; ++i) {
-      Eigen::RowVector3d sum = d.b.row(i);
-      for (RowMatrix::InnerIterator a(d.A_held_rows, i); a; ++a) sum -= a.value() * d0.row(a.col());
-      d.r.row(i) = sum;
-    }
-  });
+  d.start_residual();
   if (d.positions.free_count() > 0) {
     d.reduce_residual();
     d.y = d.load;
@@ -349,12 +357,7 @@ double FormFeatureDeformer::correct() {
   if (!d.correctable) throw InputError("there is no edit to correct, expected deform() before");
   if (d.positions.free_count() == 0 || d.size == 0) return 0;
   // What is left of b - A x, in the rows' own accuracy.
-  const MatX& d0 = d.positions.d0();
-  for (long i = 0; i < d.b.rows(); ++i) {
-    Eigen::RowVector3d sum = d.b.row(i);
-    for (RowMatrix::InnerIterator a(d.A_held_rows, i); a; ++a) sum -= a.value() * d0.row(a.col());
-    d.r.row(i) = sum;
-  }
+  d.start_residual();
   for (long c = 0; c < d.B.cols(); ++c)
     for (SparseMatrix::InnerIterator e(d.B, c); e; ++e) d.r.row(e.row()) -= e.value() * d.y.row(c);
   d.reduce_residual();
@@ -413,16 +416,9 @@ FormFeatureDeformer::Statement FormFeatureDeformer::statement(const DeformEdit& 
     if (!implied[k])
       s.constraints.add(d.system.positions.names()[rows[k].name], rows[k].entries,
                         d.right.row(static_cast<long>(k)).transpose());
-  for (const int k : d.coupling.independent()) {
-    const GuidedPoint& guide = d.problem.guided[d.guide_of[k]];
-    const Vec3 through =
-        edit.guides.empty() ? guide.point.at(d.mesh.points()) : edit.guides[d.guide_of[k]];
-    std::vector<ConstraintSet::CoupledEntry> entries;
-    for (const auto& e : guide.point.entries)
-      entries.push_back({d.system.dof[e.vertex], e.coefficient * d.guide_directions[k]});
-    s.constraints.add_coupled(guide.name, std::move(entries),
-                              d.guide_directions[k].dot(through - d.system.origin));
-  }
+  for (const int k : d.coupling.independent())
+    d.add_guide_row(s.constraints, static_cast<size_t>(k),
+                    d.guide_directions[k].dot(d.through(edit, k) - d.system.origin));
   return s;
 }
 

@@ -40,6 +40,33 @@ inline TriangleMesh flat_square(int n, double jitter, unsigned seed) {
   return {p, triangles};
 }
 
+/// n×n squares of a curved sheet over [0, 4]², diagonals turning about, inner vertices moved about.
+/// Vertex (i, j) has the number j (n+1) + i.
+inline TriangleMesh sheet(int n, double height = 0.4, double jitter = 0.15) {
+  Random random(7);
+  Points points((n + 1) * (n + 1), 3);
+  std::vector<std::array<int, 3>> triangles;
+  const double h = 4.0 / n;
+  for (int j = 0; j <= n; ++j)
+    for (int i = 0; i <= n; ++i) {
+      const double x = h * (i + (i > 0 && i < n ? jitter * random() : 0));
+      const double y = h * (j + (j > 0 && j < n ? jitter * random() : 0));
+      points.row(j * (n + 1) + i) << x, y, height * std::sin(x) * std::cos(0.7 * y);
+    }
+  for (int j = 0; j < n; ++j)
+    for (int i = 0; i < n; ++i) {
+      const int a = j * (n + 1) + i, b = a + 1, c = b + n + 1, d = a + n + 1;
+      if ((i + j) % 2) {
+        triangles.push_back({a, b, c});
+        triangles.push_back({a, c, d});
+      } else {
+        triangles.push_back({a, b, d});
+        triangles.push_back({b, c, d});
+      }
+    }
+  return TriangleMesh(points, triangles);
+}
+
 /// A profile (r, z) from outside to inside turned about the z axis in n steps, normals up. A last
 /// point with r = 0 closes it, otherwise there is a hole. Ring k has the vertices kn … kn + n-1.
 inline TriangleMesh turned_profile(const std::vector<Vec2>& profile, int n) {

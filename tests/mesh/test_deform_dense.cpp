@@ -8,6 +8,7 @@
 #include "batten/mesh/deform/form_feature_deformer.h"
 #include "batten/mesh/operators.h"
 #include "batten/tests/catch.h"
+#include "batten/tests/mesh/sample_meshes.h"
 #include "batten/tests/refusal.h"
 #include "batten/tests/sampling.h"
 
@@ -15,28 +16,6 @@ using namespace batten;
 using namespace batten_test;
 
 namespace {
-
-/// n×n squares over [0, 4]², curved, vertices moved about; `far` is added to all points.
-TriangleMesh sheet(int n, const Vec3& far = Vec3::Zero()) {
-  Random random(7);
-  Points points((n + 1) * (n + 1), 3);
-  std::vector<std::array<int, 3>> triangles;
-  const double h = 4.0 / n;
-  for (int j = 0; j <= n; ++j)
-    for (int i = 0; i <= n; ++i) {
-      const double x = h * (i + (i > 0 && i < n ? 0.2 * random() : 0));
-      const double y = h * (j + (j > 0 && j < n ? 0.2 * random() : 0));
-      points.row(j * (n + 1) + i) << x, y, 0.4 * std::sin(x) * std::cos(0.7 * y);
-    }
-  points.rowwise() += far.transpose();
-  for (int j = 0; j < n; ++j)
-    for (int i = 0; i < n; ++i) {
-      const int a = j * (n + 1) + i, b = a + 1, c = b + n + 1, d = a + n + 1;
-      triangles.push_back({a, b, c});
-      triangles.push_back({a, c, d});
-    }
-  return TriangleMesh(points, triangles);
-}
 
 std::vector<int> box(int n, int i0, int i1, int j0, int j1) {
   std::vector<int> vertices;

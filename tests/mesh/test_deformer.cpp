@@ -11,6 +11,7 @@
 #include "batten/mesh/operators.h"
 #include "batten/tests/allocations.h"
 #include "batten/tests/catch.h"
+#include "batten/tests/mesh/sample_meshes.h"
 #include "batten/tests/sampling.h"
 #include "batten/tests/threads.h"
 
@@ -18,32 +19,6 @@ using namespace batten;
 using namespace batten_test;
 
 namespace {
-
-/// n×n squares of a curved sheet over [0, 4]², diagonals turning about, vertices moved about.
-TriangleMesh sheet(int n, double height = 0.4, double jitter = 0.15) {
-  Random random(7);
-  Points points((n + 1) * (n + 1), 3);
-  std::vector<std::array<int, 3>> triangles;
-  const double h = 4.0 / n;
-  for (int j = 0; j <= n; ++j)
-    for (int i = 0; i <= n; ++i) {
-      const double x = h * (i + (i > 0 && i < n ? jitter * random() : 0));
-      const double y = h * (j + (j > 0 && j < n ? jitter * random() : 0));
-      points.row(j * (n + 1) + i) << x, y, height * std::sin(x) * std::cos(0.7 * y);
-    }
-  for (int j = 0; j < n; ++j)
-    for (int i = 0; i < n; ++i) {
-      const int a = j * (n + 1) + i, b = a + 1, c = b + n + 1, d = a + n + 1;
-      if ((i + j) % 2) {
-        triangles.push_back({a, b, c});
-        triangles.push_back({a, c, d});
-      } else {
-        triangles.push_back({a, b, d});
-        triangles.push_back({b, c, d});
-      }
-    }
-  return TriangleMesh(points, triangles);
-}
 
 template <class Inside>
 std::vector<int> where(const TriangleMesh& mesh, const Inside& inside) {
