@@ -1,4 +1,4 @@
-// Stiffness, mass and loads of whole curves and surfaces.
+// Stiffness, mass and loads of whole surfaces.
 //
 // Energy of one coordinate: E = qᵀK q - 2 Fᵀq, so the minimum satisfies K q = F. x, y and z share
 // K; loads and dofs have one column for each. Matrices are symmetric, kept by their LOWER triangle.
@@ -8,7 +8,6 @@
 #include <memory>
 #include <vector>
 
-#include "batten/elements/hermite_segment.h"
 #include "batten/fem/element_pattern.h"
 #include "batten/fem/parametric_mesh.h"
 
@@ -66,29 +65,6 @@ class SurfaceAssembler {
   TriangleElement kind_;
   DofMap dofs_;
   std::vector<TriangleShape> shapes_;
-  ElementPattern pattern_;
-};
-
-/// The same for a curve of Hermite segments between parameters u_0 < u_1 < …; dofs 2i: w, 2i+1: w_u
-/// at node i.
-class CurveAssembler {
- public:
-  /// Throws InputError unless there are two parameters or more, strictly increasing.
-  explicit CurveAssembler(std::vector<double> parameters);
-
-  int dof_count() const { return 2 * static_cast<int>(parameters_.size()); }
-  SparseMatrix pattern() const { return pattern_.zero(); }
-  /// alpha and beta given at the nodes, linear between them (one value each: constant).
-  /// Throws InputError on a wrong count.
-  void stiffness(const std::vector<double>& alpha, const std::vector<double>& beta,
-                 SparseMatrix& K) const;
-  SparseMatrix stiffness(double alpha, double beta) const;
-  SparseMatrix mass() const;
-  /// ∫ H f, f given at the nodes (rows) and linear between them.
-  Points load(const Points& f) const;
-
- private:
-  std::vector<double> parameters_;
   ElementPattern pattern_;
 };
 

@@ -1,50 +1,53 @@
 #include "batten/fem/curve.h"
 
-#include <Eigen/Geometry>
-#include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "batten/core/errors.h"
 #include "batten/elements/hermite_segment.h"
 #include "batten/elements/quadrature.h"
 
 namespace batten {
+namespace {
 
-HermiteCurve::HermiteCurve(std::vector<double> parameters, Points positions, Points derivatives)
-    : parameters_(std::move(parameters)),
-      positions_(std::move(positions)),
-      derivatives_(std::move(derivatives)) {
-  const long n = node_count();
+Points interleaved(const std::vector<double>& parameters, const Points& positions,
+                   const Points& derivatives) {
+  const auto n = static_cast<long>(parameters.size());
   if (n < 2) throw InputError("a curve needs at least two nodes");
-  if (positions_.rows() != n || derivatives_.rows() != n)
+  if (positions.rows() != n || derivatives.rows() != n)
     throw InputError("a curve with " + std::to_string(n) + " parameters, " +
-                     std::to_string(positions_.rows()) + " positions and " +
-                     std::to_string(derivatives_.rows()) + " derivatives");
-  if (!positions_.allFinite() || !derivatives_.allFinite())
-    throw InputError("a curve node is not finite");
-  if (!std::isfinite(start()) || !std::isfinite(end()))
-    throw InputError("a curve parameter is not finite");
-  for (long i = 0; i + 1 < n; ++i)
-    if (!(parameters_[i + 1] > parameters_[i]))
-      throw InputError("curve parameters must increase: " + number(parameters_[i]) + ", " +
-                       number(parameters_[i + 1]));
+                     std::to_string(positions.rows()) + " positions and " +
+                     std::to_string(derivatives.rows()) + " derivatives");
+  Points dofs(2 * n, 3);
+  for (long i = 0; i < n; ++i) {
+    dofs.row(2 * i) = positions.row(i);
+    dofs.row(2 * i + 1) = derivatives.row(i);
+  }
+  return dofs;
 }
 
-int HermiteCurve::segment(double u) const {
-  const auto it = std::upper_bound(parameters_.begin() + 1, parameters_.end() - 1, u);
-  return static_cast<int>(it - parameters_.begin()) - 1;
+}  // namespace
+
+HermiteCurve::HermiteCurve(CurveMesh mesh, Points dofs)
+    : mesh_(std::move(mesh)), dofs_(std::move(dofs)) {
+  if (dofs_.rows() != mesh_.dof_count())
+    throw InputError(std::to_string(dofs_.rows()) + " dofs for a curve that has " +
+                     std::to_string(mesh_.dof_count()));
+  if (!dofs_.allFinite()) throw InputError("a curve node is not finite");
 }
 
-Vec3 HermiteCurve::evaluate(double u, int order) const {
-  u = std::clamp(u, start(), end());
-  const int i = segment(u);
-  const double h = parameters_[i + 1] - parameters_[i];
-  const auto H = HermiteSegment(h).evaluate((u - parameters_[i]) / h, order);
-  return (H[0] * positions_.row(i) + H[1] * derivatives_.row(i) + H[2] * positions_.row(i + 1) +
-          H[3] * derivatives_.row(i + 1))
+HermiteCurve::HermiteCurve(std::vector<double> parameters, const Points& positions,
+                           const Points& derivatives)
+    : HermiteCurve(CurveMesh(parameters), interleaved(parameters, positions, derivatives)) {}
+
+Vec3 HermiteCurve::evaluate(CurveMesh::Where at, int order) const {
+  const auto H = HermiteSegment(mesh_.length(at.segment)).evaluate(at.s, order);
+  const auto dof = mesh_.segment_dofs(at.segment);
+  return (H[0] * dofs_.row(dof[0]) + H[1] * dofs_.row(dof[1]) + H[2] * dofs_.row(dof[2]) +
+          H[3] * dofs_.row(dof[3]))
       .transpose();
 }
+
+Vec3 HermiteCurve::evaluate(double u, int order) const { return evaluate(mesh_.where(u), order); }
 
 double HermiteCurve::curvature(double u) const {
   const Vec3 d1 = evaluate(u, 1), d2 = evaluate(u, 2);
@@ -55,44 +58,53 @@ double HermiteCurve::curvature(double u) const {
 double HermiteCurve::length() const {
   static const SegmentRule rule = gauss_legendre(8);
   double length = 0;
-  for (int i = 0; i + 1 < node_count(); ++i) {
-    const double h = parameters_[i + 1] - parameters_[i];
+  for (int i = 0; i < segment_count(); ++i)
     for (long p = 0; p < rule.s.size(); ++p)
-      length += h * rule.weights[p] * evaluate(parameters_[i] + h * rule.s[p], 1).norm();
-  }
+      length += mesh_.length(i) * rule.weights[p] *
+                evaluate(CurveMesh::Where{i, rule.s[p]}, 1).norm();
   return length;
 }
 
-HermiteCurve::Closest HermiteCurve::closest_point(const Vec3& p) const {
+CurvePoint HermiteCurve::closest_point(const Vec3& p) const {
   constexpr int samples = 8;
-  std::vector<double> u, distance;
-  for (int i = 0; i + 1 < node_count(); ++i)
-    for (int k = i == 0 ? 0 : 1; k <= samples; ++k) {
-      const double h = parameters_[i + 1] - parameters_[i];
-      u.push_back(k == samples ? parameters_[i + 1] : parameters_[i] + h * k / samples);
-      distance.push_back((evaluate(u.back()) - p).norm());
-    }
-  Closest best{start(), std::numeric_limits<double>::infinity()};
-  const size_t last = u.size() - 1;
-  for (size_t i = 0; i <= last; ++i) {
-    const size_t below = i == 0 ? 0 : i - 1, above = std::min(i + 1, last);
-    if (distance[i] < best.distance) best = {u[i], distance[i]};
-    if (distance[i] > distance[below] || distance[i] > distance[above]) continue;
-    // Newton on (X - p)·X' = 0, by bisection where it leaves the two samples beside.
-    double low = u[below], high = u[above], x = u[i];
-    for (int step = 0; step < 60; ++step) {
-      const Vec3 d = evaluate(x) - p, d1 = evaluate(x, 1);
-      const double g = d.dot(d1), slope = d1.squaredNorm() + d.dot(evaluate(x, 2));
-      (g > 0 ? high : low) = x;
-      double next = x - g / slope;
-      if (!(slope > 0) || !(next >= low) || !(next <= high)) next = 0.5 * (low + high);
-      const bool done = std::abs(next - x) <= 1e-15 * (end() - start());
-      x = next;
-      if (done) break;
-    }
-    if (const double d = (evaluate(x) - p).norm(); d < best.distance) best = {x, d};
+  std::vector<double> u = {start()};
+  for (int i = 0; i < segment_count(); ++i) {
+    for (int k = 1; k < samples; ++k)
+      u.push_back(parameters()[i] + mesh_.length(i) * k / samples);
+    u.push_back(parameters()[i + 1]);
   }
-  return best;
+  return closest_on_curve([&](double at, int order) { return evaluate(at, order); }, u, p);
+}
+
+HermiteCurve HermiteCurve::with_nodes(std::vector<double> added) const {
+  std::erase_if(added, [&](double u) { return !(u > start()) || !(u < end()); });
+  std::sort(added.begin(), added.end());
+  std::vector<double> u = {start()};
+  std::vector<int> corners, old_node;  // old_node: of the new nodes, or -1
+  auto next = added.begin();
+  old_node.push_back(0);
+  for (int i = 0; i < segment_count(); ++i) {
+    for (; next != added.end() && *next < parameters()[i + 1]; ++next)
+      if (*next > u.back()) {
+        u.push_back(*next);
+        old_node.push_back(-1);
+      }
+    u.push_back(parameters()[i + 1]);
+    old_node.push_back(i + 1);
+  }
+  if (closed()) old_node.pop_back();
+  for (size_t i = 0; i < old_node.size(); ++i)
+    if (old_node[i] >= 0 && mesh_.is_corner(old_node[i])) corners.push_back(static_cast<int>(i));
+  CurveMesh mesh(std::move(u), closed(), std::move(corners));
+  Points dofs(mesh.dof_count(), 3);
+  for (int i = 0; i < mesh.node_count(); ++i) {
+    const int old = old_node[i];
+    const double at = mesh.parameters()[i];
+    dofs.row(mesh.position_dof(i)) = old < 0 ? evaluate(at) : position(old);
+    dofs.row(mesh.slope_in(i)) = old < 0 ? evaluate(at, 1) : slope_in(old);
+    dofs.row(mesh.slope_out(i)) = old < 0 ? evaluate(at, 1) : slope_out(old);
+  }
+  return {std::move(mesh), std::move(dofs)};
 }
 
 }  // namespace batten

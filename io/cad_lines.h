@@ -5,7 +5,7 @@
 #include <memory>
 #include <vector>
 
-#include "batten/skinning/input_curve.h"
+#include "batten/skinning/character_line.h"
 
 namespace batten {
 

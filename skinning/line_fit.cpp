@@ -7,7 +7,7 @@
 
 #include "batten/core/errors.h"
 #include "batten/elements/quadrature.h"
-#include "batten/skinning/words.h"
+#include "batten/core/words.h"
 
 namespace batten {
 namespace {

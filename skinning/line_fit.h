@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "batten/fem/curve.h"
-#include "batten/skinning/input_curve.h"
+#include "batten/skinning/character_line.h"
 
 namespace batten {
 

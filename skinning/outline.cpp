@@ -8,7 +8,7 @@
 #include <numeric>
 
 #include "batten/core/errors.h"
-#include "batten/skinning/words.h"
+#include "batten/core/words.h"
 
 namespace batten {
 namespace {

@@ -4,7 +4,7 @@
 
 #include "batten/skinning/line_fit.h"
 #include "batten/skinning/skin.h"
-#include "batten/skinning/words.h"
+#include "batten/core/words.h"
 
 namespace batten {
 namespace {

@@ -10,7 +10,7 @@
 #include "batten/core/errors.h"
 #include "batten/skinning/mesher.h"
 #include "batten/skinning/outline.h"
-#include "batten/skinning/words.h"
+#include "batten/core/words.h"
 
 namespace batten {
 namespace {
@@ -58,13 +58,19 @@ HermiteCurve backwards(const HermiteCurve& curve) {
   std::vector<double> u;
   for (auto it = curve.parameters().rbegin(); it != curve.parameters().rend(); ++it)
     u.push_back(curve.start() + curve.end() - *it);
-  return {u, curve.positions().colwise().reverse(), -curve.derivatives().colwise().reverse()};
+  Points dofs = curve.dofs();
+  for (int i = 0; i < curve.node_count(); ++i) {
+    const int other = curve.node_count() - 1 - i;
+    dofs.row(curve.mesh().position_dof(i)) = curve.position(other);
+    dofs.row(curve.mesh().slope_out(i)) = -curve.slope_in(other);
+  }
+  return {CurveMesh(u), dofs};
 }
 
 HermiteCurve stretched(const HermiteCurve& curve, double factor) {
   std::vector<double> u = curve.parameters();
   for (double& x : u) x *= factor;
-  return {u, curve.positions(), curve.derivatives()};
+  return {CurveMesh(u), curve.dofs()};
 }
 
 double cross(const Vec2& a, const Vec2& b) { return a.x() * b.y() - a.y() * b.x(); }

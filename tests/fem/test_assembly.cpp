@@ -1,5 +1,7 @@
 #include "batten/fem/assembly.h"
 
+#include "batten/fem/curve_assembly.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -249,12 +251,13 @@ TEST_CASE("matrices and loads have the same bits on one, two and three threads")
       for (size_t l = 0; l < loads.size(); ++l) CHECK(same_bits(loads[l], reference_loads[l]));
     }
   }
-  std::vector<double> parameters, stiffness;
+  std::vector<double> parameters;
+  CurveAssembler::Along stiffness;
   for (int i = 0; i < 3000; ++i) {
     parameters.push_back(i + 0.3 * std::sin(i));
-    stiffness.push_back(2 + std::cos(i));
+    if (i > 0) stiffness.emplace_back(2 + std::cos(i - 1), 2 + std::cos(i));
   }
-  const CurveAssembler curve(parameters);
+  const CurveAssembler curve{CurveMesh(parameters)};
   SparseMatrix one = curve.pattern(), three = curve.pattern();
   set_thread_count(1);
   curve.stiffness(stiffness, stiffness, one);
@@ -285,14 +288,10 @@ TEST_CASE("wrong counts and foreign matrices are input errors") {
   SparseMatrix empty;
   CHECK_THROWS_AS(assembler.stiffness(SurfaceStiffness{}, empty), InputError);
 
-  CHECK_THROWS_AS(CurveAssembler({1.0}), InputError);
-  CHECK_THROWS_AS(CurveAssembler({}), InputError);
-  CHECK_THROWS_AS(CurveAssembler({0, 1, 1}), InputError);
-  CHECK_THROWS_AS(CurveAssembler({0, 2, 1}), InputError);
-  CHECK_THROWS_AS(CurveAssembler({0, NAN, 1}), InputError);
-  const CurveAssembler curve({0, 1, 2});
+  const CurveAssembler curve{CurveMesh({0, 1, 2, 3})};
   SparseMatrix C = curve.pattern();
   CHECK_THROWS_AS(curve.stiffness({1, 2}, {1}, C), InputError);
+  CHECK_THROWS_AS(curve.mass({1, 2}), InputError);
   CHECK_THROWS_AS(curve.stiffness({1}, {}, C), InputError);
   CHECK_THROWS_AS(curve.load(Points::Zero(2, 3)), InputError);
 }
@@ -319,8 +318,13 @@ VecX solve_held(const SparseMatrix& K, const VecX& F, const std::vector<int>& he
 
 TEST_CASE("an assembled curve is the sum of its segments, with coefficients linear between nodes") {
   const std::vector<double> u{-1, -0.2, 0.1, 1.5}, alpha{1, 2, 3, 5}, beta{4, 3, 2, 7};
-  const CurveAssembler assembler(u);
-  REQUIRE(assembler.dof_count() == 8);
+  const CurveAssembler assembler{CurveMesh(u)};
+  REQUIRE(assembler.mesh().dof_count() == 8);
+  CurveAssembler::Along stretching, bending;
+  for (int s = 0; s < 3; ++s) {
+    stretching.emplace_back(alpha[s], alpha[s + 1]);
+    bending.emplace_back(beta[s], beta[s + 1]);
+  }
   MatX expected = MatX::Zero(8, 8), mass = expected;
   Points load = Points::Zero(8, 3);
   Points f(4, 3);
@@ -333,29 +337,29 @@ TEST_CASE("an assembled curve is the sum of its segments, with coefficients line
     for (int c = 0; c < 3; ++c) load.block<4, 1>(2 * s, c) += segment.load({f(s, c), f(s + 1, c)});
   }
   SparseMatrix K = assembler.pattern();
-  assembler.stiffness(alpha, beta, K);
+  assembler.stiffness(stretching, bending, K);
   CHECK(relative_error(dense(K), expected) < 1e-15);
   CHECK(relative_error(dense(assembler.mass()), mass) < 1e-15);
   CHECK(relative_error(assembler.load(f), load) < 1e-15);
-  // One value stands for the same value at every node.
-  assembler.stiffness(std::vector<double>(4, 2.0), std::vector<double>(4, 0.5), K);
-  CHECK(relative_error(dense(assembler.stiffness(2, 0.5)), dense(K)) < 1e-15);
+  // One value stands for the same value in every segment.
+  assembler.stiffness(CurveAssembler::Along(3, 2.0), CurveAssembler::Along(3, 0.5), K);
+  CHECK(relative_error(dense(assembler.stiffness({2}, {0.5})), dense(K)) < 1e-15);
 }
 
 TEST_CASE("beams and strings have the closed-form solutions at their nodes") {
   const std::vector<double> u{0, 0.13, 0.4, 0.55, 0.9, 1};
-  const CurveAssembler assembler(u);
-  const int last = assembler.dof_count() - 2;
+  const CurveAssembler assembler{CurveMesh(u)};
+  const int last = assembler.mesh().dof_count() - 2;
   Points f = Points::Zero(6, 3);
   for (int i = 0; i < 6; ++i) f.row(i) << 1, u[i], 0;
   const Points F = assembler.load(f);
 
   // Clamped beam: cubic segments are exact at the nodes. f = 1: u²(1-u)²/24; f = u: below.
-  const SparseMatrix bending = assembler.stiffness(0, 2);
+  const SparseMatrix bending = assembler.stiffness({0}, {2});
   const VecX uniform = solve_held(bending, F.col(0), {0, 1, last, last + 1});
   const VecX ramp = solve_held(bending, F.col(1), {0, 1, last, last + 1});
   // String: u(1-u)/2 is a polynomial of the space.
-  const VecX string = solve_held(assembler.stiffness(3, 0), F.col(0), {0, last});
+  const VecX string = solve_held(assembler.stiffness({3}, {0}), F.col(0), {0, last});
   for (int i = 0; i < 6; ++i) {
     const double x = u[i];
     CHECK(std::abs(2 * uniform[2 * i] - x * x * (1 - x) * (1 - x) / 24) < 1e-15);

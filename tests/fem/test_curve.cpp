@@ -77,8 +77,8 @@ TEST_CASE("a curve takes its nodes' positions and derivatives, and is C1 at them
   CHECK(curve.end() == curve.parameters().back());
   for (int i = 0; i < 6; ++i) {
     const double u = curve.parameters()[i];
-    CHECK((curve.evaluate(u) - curve.positions().row(i).transpose()).norm() < 1e-14);
-    CHECK((curve.evaluate(u, 1) - curve.derivatives().row(i).transpose()).norm() < 1e-13);
+    CHECK((curve.evaluate(u) - curve.position(i)).norm() < 1e-14);
+    CHECK((curve.evaluate(u, 1) - curve.slope_out(i)).norm() < 1e-13);
     const double below = std::nextafter(u, -10.0);
     CHECK((curve.evaluate(below) - curve.evaluate(u)).norm() < 1e-13);
     CHECK((curve.evaluate(below, 1) - curve.evaluate(u, 1)).norm() < 1e-12);
@@ -157,7 +157,9 @@ TEST_CASE("length and curvature are those of lines and circles") {
   const HermiteCurve circle = arc(3, 1.5 * pi, 32);
   std::vector<double> faster = circle.parameters();
   for (double& u : faster) u /= 5;
-  const HermiteCurve other(faster, circle.positions(), 5 * circle.derivatives());
+  Points dofs = circle.dofs();
+  for (int i = 0; i < circle.node_count(); ++i) dofs.row(circle.mesh().slope_out(i)) *= 5;
+  const HermiteCurve other(CurveMesh(faster), dofs);
   CHECK(other.curvature(0.3) == Approx(circle.curvature(1.5)).epsilon(1e-12));
   CHECK(other.length() == Approx(circle.length()).epsilon(1e-12));
   // A point that does not move has no curvature rather than an infinite one.

@@ -44,12 +44,4 @@ std::shared_ptr<const InputCurve> curve_from_formula(
 std::shared_ptr<const InputCurve> bezier_curve(const Vec3& p0, const Vec3& p1, const Vec3& p2,
                                                const Vec3& p3);
 
-/// A line that carries the design.
-struct CharacterLine {
-  enum class Role { Outline, Inner };
-  std::string name;
-  std::shared_ptr<const InputCurve> curve;
-  Role role = Role::Outline;
-};
-
 }  // namespace batten

@@ -1,4 +1,4 @@
-// Points in messages, and angles, said the same way throughout skinning. Not installed.
+// Points in messages, and angles, said the same way everywhere.
 #pragma once
 
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "batten/skinning/input_curve.h"
+#include "batten/fairing/input_curve.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,7 @@
 
 #include "batten/core/errors.h"
 #include "batten/fem/curve.h"
-#include "batten/skinning/words.h"
+#include "batten/core/words.h"
 
 namespace batten {
 namespace {

@@ -1,0 +1,47 @@
+// The point of a curve that is nearest to another point.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "batten/core/eigen.h"
+
+namespace batten {
+
+struct CurvePoint {
+  double u = 0;
+  double distance = 0;
+};
+
+/// From each parameter of `u` (ascending; the curve smooth between neighbours) at which the distance
+/// is a local minimum: Newton's method on (X - p)·X' = 0, by bisection where it leaves the two
+/// neighbours. `evaluate(u, order)`, orders 0 to 2. A minimum narrower than the samples is missed.
+template <class Evaluate>
+CurvePoint closest_on_curve(const Evaluate& evaluate, const std::vector<double>& u, const Vec3& p) {
+  std::vector<double> distance(u.size());
+  for (size_t i = 0; i < u.size(); ++i) distance[i] = (evaluate(u[i], 0) - p).norm();
+  CurvePoint best{u.front(), std::numeric_limits<double>::infinity()};
+  const size_t last = u.size() - 1;
+  for (size_t i = 0; i <= last; ++i) {
+    const size_t below = i == 0 ? 0 : i - 1, above = std::min(i + 1, last);
+    if (distance[i] < best.distance) best = {u[i], distance[i]};
+    if (distance[i] > distance[below] || distance[i] > distance[above]) continue;
+    double low = u[below], high = u[above], x = u[i];
+    for (int step = 0; step < 60; ++step) {
+      const Vec3 d = evaluate(x, 0) - p, d1 = evaluate(x, 1);
+      const double g = d.dot(d1), slope = d1.squaredNorm() + d.dot(evaluate(x, 2));
+      (g > 0 ? high : low) = x;
+      double next = x - g / slope;
+      if (!(slope > 0) || !(next >= low) || !(next <= high)) next = 0.5 * (low + high);
+      const bool done = std::abs(next - x) <= 1e-15 * (u.back() - u.front());
+      x = next;
+      if (done) break;
+    }
+    if (const double d = (evaluate(x, 0) - p).norm(); d < best.distance) best = {x, d};
+  }
+  return best;
+}
+
+}  // namespace batten

@@ -1,0 +1,66 @@
+// The parameter line of a deformable curve: segments, how their ends are joined, and the dofs.
+#pragma once
+
+#include <array>
+#include <vector>
+
+namespace batten {
+
+/// Segments between parameters u_0 < u_1 < … < u_m, each with its own parametric length. A closed
+/// curve comes back at u_m to node 0. Where segments meet, position and dX/du are shared (C1),
+/// except at corners, where only the position is: a corner has one slope for each side.
+///
+/// Dofs of one coordinate, numbered along the curve, so that a segment's four follow each other:
+///
+///     smooth node     w, w_u          the w_u of the first node of an open curve stands behind w too
+///     corner          w_u of the segment before, w, w_u of the segment after
+///
+/// An open curve without corners: w, w_u of node i are dofs 2i, 2i + 1.
+class CurveMesh {
+ public:
+  CurveMesh() = default;
+  /// `corners`: nodes, the first and the last of an open curve not among them; node 0 of a closed
+  /// one is its seam. Throws InputError: fewer than two parameters (closed: three), parameters that are not finite
+  /// or do not increase, a corner that is not such a node.
+  explicit CurveMesh(std::vector<double> parameters, bool closed = false,
+                     std::vector<int> corners = {});
+
+  int segment_count() const { return static_cast<int>(parameters_.size()) - 1; }
+  int node_count() const { return segment_count() + (closed_ ? 0 : 1); }
+  int dof_count() const { return dof_count_; }
+  bool closed() const { return closed_; }
+  /// u_0 … u_m: one more than there are nodes when closed.
+  const std::vector<double>& parameters() const { return parameters_; }
+  /// Ascending.
+  const std::vector<int>& corners() const { return corners_; }
+  bool is_corner(int node) const { return slope_in_[node] != slope_out_[node]; }
+
+  double start() const { return parameters_.front(); }
+  double end() const { return parameters_.back(); }
+  double length(int segment) const { return parameters_[segment + 1] - parameters_[segment]; }
+
+  int position_dof(int node) const { return position_[node]; }
+  /// Of the segment that ends at the node, and of the one that begins there.
+  int slope_in(int node) const { return slope_in_[node]; }
+  int slope_out(int node) const { return slope_out_[node]; }
+  /// In the order of HermiteSegment.
+  std::array<int, 4> segment_dofs(int segment) const;
+
+  struct Where {
+    int segment = 0;
+    double s = 0;  ///< in [0, 1]
+  };
+  /// u is clamped to an open curve and comes around on a closed one. At a node: the segment that
+  /// begins there, at the end of an open curve the last.
+  Where where(double u) const;
+  /// u within [start(), end()]: clamped, or come around.
+  double wrapped(double u) const;
+
+ private:
+  std::vector<double> parameters_;
+  bool closed_ = false;
+  std::vector<int> corners_, position_, slope_in_, slope_out_;
+  int dof_count_ = 0;
+};
+
+}  // namespace batten
