@@ -6,14 +6,14 @@
 
 namespace batten {
 
-/// Relative (default): alpha, beta and loads are pure numbers on the region scaled to size 1, so that
-/// the same region in mm and in m is the same shape under the same numbers. Absolute: alpha is
-/// force/length, beta force·length, uniform loads and pressure force/length², point loads force, all
-/// in the model's length unit.
+/// Relative (default): alpha, beta and loads are pure numbers on the region scaled to size 1, so
+/// that the same region in mm and in m is the same shape under the same numbers. Absolute: alpha is
+/// force/length, beta force·length, uniform loads and pressure force/length², point loads force,
+/// all in the model's length unit.
 enum class LoadUnits { Relative, Absolute };
 
-/// The material on a domain that is the region over its size (u = length / size). Stretching is free
-/// of scale in two dimensions; bending carries 1/size² in absolute units.
+/// The material on a domain that is the region over its size (u = length / size). Stretching is
+/// free of scale in two dimensions; bending carries 1/size² in absolute units.
 SurfaceStiffness on_unit_domain(const SurfaceStiffness& material, LoadUnits units, double size);
 
 struct SurfaceEnergy {

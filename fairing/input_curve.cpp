@@ -5,8 +5,8 @@
 #include <numbers>
 
 #include "batten/core/errors.h"
-#include "batten/fem/curve.h"
 #include "batten/core/words.h"
+#include "batten/fem/curve.h"
 
 namespace batten {
 namespace {
@@ -66,6 +66,23 @@ class PointCurve final : public InputCurve {
  private:
   std::vector<double> knots_;
   std::vector<HermiteCurve> pieces_;
+};
+
+class Hermite final : public InputCurve {
+ public:
+  explicit Hermite(HermiteCurve curve) : curve_(std::move(curve)) {}
+  double start() const override { return curve_.start(); }
+  double end() const override { return curve_.end(); }
+  Vec3 evaluate(double t, int order) const override {
+    // Not around the seam of a closed curve.
+    if (t >= curve_.end()) return curve_.evaluate({curve_.segment_count() - 1, 1}, order);
+    return curve_.evaluate(t, order);
+  }
+  std::vector<double> breaks() const override { return curve_.parameters(); }
+  bool piecewise_cubic() const override { return true; }
+
+ private:
+  HermiteCurve curve_;
 };
 
 class FormulaCurve final : public InputCurve {
@@ -136,6 +153,10 @@ std::shared_ptr<const InputCurve> curve_through_points(const std::string& name,
       corners.push_back(i);
   corners.push_back(n - 1);
   return std::make_shared<PointCurve>(std::move(u), x, corners);
+}
+
+std::shared_ptr<const InputCurve> curve_from_hermite(HermiteCurve curve) {
+  return std::make_shared<Hermite>(std::move(curve));
 }
 
 std::shared_ptr<const InputCurve> curve_from_formula(double start, double end,

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "batten/core/eigen.h"
+#include "batten/fem/curve.h"
 
 namespace batten {
 
@@ -35,6 +35,9 @@ class InputCurve {
 std::shared_ptr<const InputCurve> curve_through_points(const std::string& name,
                                                        const std::vector<Vec3>& points,
                                                        double corner_angle = 20);
+
+/// A Hermite curve as it is.
+std::shared_ptr<const InputCurve> curve_from_hermite(HermiteCurve curve);
 
 /// A formula: X(t) and its derivatives up to order 2 for t in [start, end].
 std::shared_ptr<const InputCurve> curve_from_formula(

@@ -116,8 +116,8 @@ Points SurfaceAssembler::gather(const std::function<void(int, ElementLoad&)>& el
 }
 
 Points SurfaceAssembler::load(const LoadField& f, int degree) const {
-  const TabulatedRule points(
-      kind_, kind_ == TriangleElement::HCT ? split_triangle(degree) : six_duffy(5));
+  const TabulatedRule points(kind_,
+                             kind_ == TriangleElement::HCT ? split_triangle(degree) : six_duffy(5));
   return gather([&](int t, ElementLoad& reference) {
     for (size_t p = 0; p < points.functions.size(); ++p) {
       const auto row = static_cast<long>(p);

@@ -43,8 +43,8 @@ class SurfaceAssembler {
   SparseMatrix mass() const;
   /// ∬ N f for constant f: exact.
   Points load(const Vec3& f) const;
-  /// ∬ N f for f that varies: HCT by the symmetric rule of `degree` (0 to 8; 6 is exact for cubic f)
-  /// on each sub-triangle, Z12 by six-Duffy with m = 5. f is called from several threads.
+  /// ∬ N f for f that varies: HCT by the symmetric rule of `degree` (0 to 8; 6 is exact for cubic
+  /// f) on each sub-triangle, Z12 by six-Duffy with m = 5. f is called from several threads.
   Points load(const LoadField& f, int degree = 6) const;
   /// ∬ N (x_u × x_v) du dv for the surface with dofs q: the load of a unit pressure that follows
   /// the surface's normal. HCT: exact.

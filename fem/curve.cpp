@@ -60,8 +60,8 @@ double HermiteCurve::length() const {
   double length = 0;
   for (int i = 0; i < segment_count(); ++i)
     for (long p = 0; p < rule.s.size(); ++p)
-      length += mesh_.length(i) * rule.weights[p] *
-                evaluate(CurveMesh::Where{i, rule.s[p]}, 1).norm();
+      length +=
+          mesh_.length(i) * rule.weights[p] * evaluate(CurveMesh::Where{i, rule.s[p]}, 1).norm();
   return length;
 }
 
@@ -69,8 +69,7 @@ CurvePoint HermiteCurve::closest_point(const Vec3& p) const {
   constexpr int samples = 8;
   std::vector<double> u = {start()};
   for (int i = 0; i < segment_count(); ++i) {
-    for (int k = 1; k < samples; ++k)
-      u.push_back(parameters()[i] + mesh_.length(i) * k / samples);
+    for (int k = 1; k < samples; ++k) u.push_back(parameters()[i] + mesh_.length(i) * k / samples);
     u.push_back(parameters()[i + 1]);
   }
   return closest_on_curve([&](double at, int order) { return evaluate(at, order); }, u, p);

@@ -1,7 +1,8 @@
 // Stiffness, mass and loads of whole curves.
 //
 // Energy of one coordinate: E = ∫ (alpha w_u² + beta w_uu² - 2 f w) du = qᵀK q - 2 Fᵀq, so the
-// minimum satisfies K q = F. x, y and z share K. Matrices are symmetric, kept by their LOWER triangle.
+// minimum satisfies K q = F. x, y and z share K. Matrices are symmetric, kept by their LOWER
+// triangle.
 #pragma once
 
 #include <vector>
@@ -25,10 +26,11 @@ class CurveAssembler {
   /// Exact. Throws InputError on a wrong count.
   void stiffness(const Along& alpha, const Along& beta, SparseMatrix& K) const;
   SparseMatrix stiffness(const Along& alpha, const Along& beta) const;
-  /// ∫ weight H Hᵀ: one weight for all segments, or one for each. Throws InputError on a wrong count.
-  SparseMatrix mass(const std::vector<double>& weight = {1}) const;
-  /// ∫ H f, f given at u_0 … u_m (rows) and linear between them: exact. Throws InputError on a wrong
+  /// ∫ weight H Hᵀ: one weight for all segments, or one for each. Throws InputError on a wrong
   /// count.
+  SparseMatrix mass(const std::vector<double>& weight = {1}) const;
+  /// ∫ H f, f given at u_0 … u_m (rows) and linear between them: exact. Throws InputError on a
+  /// wrong count.
   Points load(const Points& f) const;
   /// A force at one point.
   Points point_load(double u, const Vec3& force) const;

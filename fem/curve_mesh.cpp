@@ -11,7 +11,8 @@ namespace batten {
 CurveMesh::CurveMesh(std::vector<double> parameters, bool closed, std::vector<int> corners)
     : parameters_(std::move(parameters)), closed_(closed), corners_(std::move(corners)) {
   if (parameters_.size() < 2) throw InputError("a curve needs at least two nodes");
-  if (closed_ && parameters_.size() < 3) throw InputError("a closed curve needs two segments or more");
+  if (closed_ && parameters_.size() < 3)
+    throw InputError("a closed curve needs two segments or more");
   if (!std::isfinite(start()) || !std::isfinite(end()))
     throw InputError("a curve parameter is not finite");
   for (size_t i = 0; i + 1 < parameters_.size(); ++i)

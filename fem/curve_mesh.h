@@ -12,16 +12,16 @@ namespace batten {
 ///
 /// Dofs of one coordinate, numbered along the curve, so that a segment's four follow each other:
 ///
-///     smooth node     w, w_u          the w_u of the first node of an open curve stands behind w too
-///     corner          w_u of the segment before, w, w_u of the segment after
+///     smooth node     w, w_u          the w_u of the first node of an open curve stands behind w
+///     too corner          w_u of the segment before, w, w_u of the segment after
 ///
 /// An open curve without corners: w, w_u of node i are dofs 2i, 2i + 1.
 class CurveMesh {
  public:
   CurveMesh() = default;
   /// `corners`: nodes, the first and the last of an open curve not among them; node 0 of a closed
-  /// one is its seam. Throws InputError: fewer than two parameters (closed: three), parameters that are not finite
-  /// or do not increase, a corner that is not such a node.
+  /// one is its seam. Throws InputError: fewer than two parameters (closed: three), parameters that
+  /// are not finite or do not increase, a corner that is not such a node.
   explicit CurveMesh(std::vector<double> parameters, bool closed = false,
                      std::vector<int> corners = {});
 

@@ -1,0 +1,1 @@
+#include "batten/fairing/curve_fit.h"

@@ -1,0 +1,69 @@
+// From points and input curves to few C1 cubic segments: the one curve fit of the kernel.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "batten/fairing/input_curve.h"
+#include "batten/fem/curve.h"
+
+namespace batten {
+
+/// Where an open curve begins or ends: exactly there, and in that direction.
+struct LineEnd {
+  Vec3 position;
+  Vec3 tangent;  ///< unit, along the curve
+};
+
+struct FitOptions {
+  double tolerance = 0;  ///< model units, above 0
+  /// A corner is a point where the direction turns by more than this, degrees in (0, 180]; see
+  /// find_corners(). 180: none.
+  double corner_angle = 50;
+  std::optional<std::vector<int>> corners;  ///< given instead: indices of points
+  std::optional<bool> closed;               ///< not given: when the last point equals the first
+  std::optional<LineEnd> start, end;        ///< open curves; not given: the end points, any tangent
+  int most_segments = 1 << 14;
+};
+
+/// How far a curve and points given in an order lie apart.
+struct Deviation {
+  double max = 0, rms = 0;  ///< of the points from the curve
+  /// Of the curve from the polyline through the points, beyond the bulge of a circle through
+  /// neighbouring points: what the curve does between points is held by it.
+  double between = 0;
+};
+
+struct CurveFit {
+  HermiteCurve curve;
+  std::vector<double> parameters;  ///< of the points, ascending; nearest in their order
+  Deviation deviation;
+};
+
+/// C1 between corners, through the first and the last point and the corners exactly, not farther
+/// than the tolerance from the points, both ways (Deviation::max and ::between). Segments get a
+/// node more where they miss the tolerance, points move to the nearest parameter after every
+/// solve, nodes that are not needed are taken out again. u is close to arc length.
+///
+/// Two points or more; points that repeat the one before them are passed over. Cost: about
+/// O(points · rounds), microseconds for a stroke of ten points.
+/// Throws InputError: fewer than two distinct points, a number that is not finite, a tolerance that
+/// is not above 0, a corner that is not a point, `most_segments` reached. `name` is used in
+/// messages.
+CurveFit fit_points(const std::string& name, const std::vector<Vec3>& points,
+                    const FitOptions& options);
+
+/// The input itself where it is piecewise cubic (corners where it is not C1), otherwise a fit to
+/// samples of it, dense enough that more of them change nothing within the tolerance. u is
+/// close to arc length (exact pieces: proportional to the input's parameter).
+HermiteCurve fit_curve(const std::string& name, const InputCurve& curve, const FitOptions& options);
+
+/// Points at which the direction turns by more than `angle` degrees, ascending, the ends of an open
+/// list not among them. The direction on either side is that of the line through the neighbours
+/// within reach, which is longer where the points are noisy (the noise is estimated from third
+/// differences), so that noise makes no corners; of several such points side by side the sharpest
+/// counts.
+std::vector<int> find_corners(const std::vector<Vec3>& points, bool closed, double angle);
+
+}  // namespace batten

@@ -1,0 +1,35 @@
+// How fair a curve is: what a batten would feel.
+#pragma once
+
+#include <vector>
+
+#include "batten/fem/curve.h"
+
+namespace batten {
+
+/// Integrals by Gauss rules in each segment; counts from samples of the signed curvature: |κ|, its
+/// sign turned over wherever the curvature vector turns by more than 90 degrees from one sample to
+/// the next (for a plane curve, where it bends to the other side). Waves of curvature below a
+/// thousandth of the largest are not counted. Corners are left out, and cut the counts.
+struct Fairness {
+  double length = 0;
+  double bending = 0;            ///< ∫ κ² ds, 1/length
+  double variation = 0;          ///< ∫ (dκ/ds)² ds between nodes, 1/length³
+  double largest_curvature = 0;  ///< 1/length
+  double largest_jump = 0;       ///< of the curvature vector, at nodes; 0 for a C2 curve
+  int extrema = 0;               ///< local extrema of the signed curvature
+  int inflections = 0;
+};
+Fairness fairness(const HermiteCurve& curve);
+
+/// A tooth of a curvature comb: point, unit vector towards the outside of the bend (-curvature
+/// vector), signed curvature. At a corner or a jump, one tooth for each side.
+struct CombTooth {
+  double u = 0;
+  Vec3 point, outward;
+  double curvature = 0;  ///< 1/length, ≥ 0
+};
+/// About `teeth` of them, evenly along the curve, and one at each end of each segment.
+std::vector<CombTooth> curvature_comb(const HermiteCurve& curve, int teeth);
+
+}  // namespace batten

@@ -1,0 +1,1 @@
+#include "batten/tests/catch.h"
