@@ -1,6 +1,7 @@
 // From points and input curves to few C1 cubic segments: the one curve fit of the kernel.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -24,6 +25,11 @@ struct FitOptions {
   std::optional<std::vector<int>> corners;  ///< given instead: indices of points
   std::optional<bool> closed;               ///< not given: when the last point equals the first
   std::optional<LineEnd> start, end;        ///< open curves; not given: the end points, any tangent
+  /// Points keep their first parameters, chord or arc length: more segments, but u runs evenly.
+  bool even = false;
+  /// Nodes only by repeated halving of parameter intervals, none taken out again: for meshes whose
+  /// sides are halved too.
+  bool halved = false;
   int most_segments = 1 << 14;
 };
 
@@ -54,10 +60,16 @@ struct CurveFit {
 CurveFit fit_points(const std::string& name, const std::vector<Vec3>& points,
                     const FitOptions& options);
 
-/// The input itself where it is piecewise cubic (corners where it is not C1), otherwise a fit to
-/// samples of it, dense enough that more of them change nothing within the tolerance. u is
-/// close to arc length (exact pieces: proportional to the input's parameter).
-HermiteCurve fit_curve(const std::string& name, const InputCurve& curve, const FitOptions& options);
+/// The input itself when it is piecewise cubic: corners where its direction turns by more than
+/// `corner_angle`, C1 elsewhere (the parameter of each segment is scaled so that the speed goes on,
+/// and u to the length of the curve). None when it is not, or has a kink below the angle.
+std::optional<HermiteCurve> exact_curve(const InputCurve& curve, double corner_angle);
+
+/// exact_curve() where there is one; otherwise, or when ends are given or nodes halved, a fit to
+/// samples of the input, evenly by arc length, so dense that the tolerance holds between them too.
+/// u is roughly arc length; with options.even, it is so within the tolerance. Throws InputError when the tolerance cannot be reached.
+HermiteCurve fit_curve(const std::string& name, std::shared_ptr<const InputCurve> curve,
+                       const FitOptions& options);
 
 /// Points at which the direction turns by more than `angle` degrees, ascending, the ends of an open
 /// list not among them. The direction on either side is that of the line through the neighbours

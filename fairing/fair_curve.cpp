@@ -1,1 +1,603 @@
 #include "batten/fairing/fair_curve.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <numbers>
+
+#include "batten/constraints/affine_reduction.h"
+#include "batten/constraints/shape/curve_constraints.h"
+#include "batten/core/errors.h"
+#include "batten/elements/quadrature.h"
+#include "batten/fairing/curve_band.h"
+#include "batten/fairing/point_row.h"
+#include "batten/fem/curve_assembly.h"
+
+namespace batten {
+namespace {
+
+// Arc length along a Hermite curve at its nodes and inside its segments.
+class NodeArc {
+ public:
+  explicit NodeArc(const HermiteCurve& curve) : curve_(curve), at_node_{0} {
+    for (int s = 0; s < curve.segment_count(); ++s)
+      at_node_.push_back(at_node_.back() + inside({s, 1}));
+  }
+  double total() const { return at_node_.back(); }
+  double operator()(double u) const {
+    const auto at = curve_.mesh().where(u);
+    return at_node_[at.segment] + inside(at);
+  }
+
+ private:
+  double inside(CurveMesh::Where at) const {
+    static const SegmentRule rule = gauss_legendre(5);
+    double sum = 0;
+    for (long p = 0; p < rule.s.size(); ++p)
+      sum += rule.weights[p] * curve_.evaluate({at.segment, at.s * rule.s[p]}, 1).norm();
+    return sum * at.s * curve_.mesh().length(at.segment);
+  }
+  const HermiteCurve& curve_;
+  std::vector<double> at_node_;
+};
+
+// The springs of a round: what the points of a node want together.
+struct Springs {
+  std::vector<double> weight;  // of each node: points
+  std::vector<Vec3> goal;      // their mean, moved along the curve to the node's parameter
+  double scatter = 0;          // Σ |point - mean of its node|²
+};
+
+// The balance of springs against bending on one mesh, for any λ.
+class Balance {
+ public:
+  Balance(const CurveMesh& mesh, const Springs& springs, double alpha, int points,
+          const std::vector<std::pair<int, Vec3>>& held)
+      : mesh_(mesh), springs_(springs), alpha_(alpha), points_(points), held_(held), band_(mesh) {}
+
+  // Dofs at λ.
+  Points solve(double lambda) {
+    band_.reset(A_);
+    right_.setZero(mesh_.dof_count(), 3);
+    for (int s = 0; s < mesh_.segment_count(); ++s) {
+      const HermiteSegment segment(mesh_.length(s));
+      HermiteSegment::Matrix K = segment.bending(lambda);
+      if (alpha_ > 0) K += segment.stretching(lambda * alpha_);
+      band_.add(A_, s, K);
+    }
+    for (int n = 0; n < mesh_.node_count(); ++n) {
+      const int i = band_.place(mesh_.position_dof(n));
+      A_.add(i, i, springs_.weight[n]);
+      right_.row(i) += springs_.weight[n] * springs_.goal[n].transpose();
+    }
+    for (const auto& [dof, value] : held_) A_.fix(band_.place(dof), value, right_);
+    if (!A_.factorize())
+      throw NoSolutionError("a curve cannot be faired: its system is not positive definite");
+    A_.solve(right_);
+    Points q(mesh_.dof_count(), 3);
+    for (int d = 0; d < mesh_.dof_count(); ++d) q.row(d) = right_.row(band_.place(d));
+    return q;
+  }
+
+  // Trace of the influence matrix of the last solve().
+  double freedom() const {
+    const VecX inverse = A_.inverse_diagonal();
+    double trace = 0;
+    for (int n = 0; n < mesh_.node_count(); ++n) {
+      const int dof = mesh_.position_dof(n);
+      const bool is_held =
+          std::any_of(held_.begin(), held_.end(), [&](const auto& h) { return h.first == dof; });
+      trace += is_held ? 1 : springs_.weight[n] * inverse[band_.place(dof)];
+    }
+    return trace;
+  }
+
+  // Generalised cross-validation at λ. Each degree of freedom counts more than once where there
+  // are points enough; infinite where points move by more than `most` (root mean square).
+  double score(double lambda, double most) {
+    const double dearer = 1 + 0.4 * std::clamp((points_ - 6) / 14.0, 0.0, 1.0);
+    const Points q = solve(lambda);
+    double rest = springs_.scatter;
+    for (int n = 0; n < mesh_.node_count(); ++n)
+      rest += springs_.weight[n] *
+              (q.row(mesh_.position_dof(n)).transpose() - springs_.goal[n]).squaredNorm();
+    const double left = points_ - dearer * freedom();
+    return left > 0 && rest <= points_ * most * most ? rest / (left * left) : std::numeric_limits<double>::infinity();
+  }
+
+ private:
+  const CurveMesh& mesh_;
+  const Springs& springs_;
+  double alpha_;
+  int points_;
+  const std::vector<std::pair<int, Vec3>>& held_;
+  CurveBand band_;
+  BandCholesky A_;
+  Points right_;
+};
+
+// The smallest value of f over [low, high]: `samples` values, then golden sections.
+double minimum_of(const std::function<double(double)>& f, double low, double high, int samples) {
+  double best = high, best_value = std::numeric_limits<double>::infinity();
+  // From the fairest on, so that of equal ones the fairest wins.
+  for (int i = samples; i >= 0; --i) {
+    const double x = low + (high - low) * i / samples, value = f(x);
+    if (value < best_value) {
+      best = x;
+      best_value = value;
+    }
+  }
+  double a = std::max(low, best - (high - low) / samples),
+         b = std::min(high, best + (high - low) / samples);
+  const double golden = 1 / std::numbers::phi;
+  double x = b - golden * (b - a), y = a + golden * (b - a), fx = f(x), fy = f(y);
+  for (int i = 0; i < 8; ++i) {
+    if (fx < fy) {
+      b = y;
+      y = x;
+      fy = fx;
+      fx = f(x = b - golden * (b - a));
+    } else {
+      a = x;
+      x = y;
+      fx = fy;
+      fy = f(y = a + golden * (b - a));
+    }
+  }
+  return fx < best_value || fy < best_value ? (fx < fy ? x : y) : best;
+}
+
+// Signed distance from a condition's plane.
+double height(const CurveCondition& plane, const Vec3& p) {
+  return plane.direction.normalized().dot(p - plane.at);
+}
+
+class Fairing {
+ public:
+  Fairing(const std::string& name, const PointRow& row, const FairOptions& options)
+      : name_(name), row_(row), options_(options), count_(row.count()), length_(row.length()) {
+    u_.assign(row.chord.begin(), row.chord.begin() + count_);
+    tangent_.assign(count_, Vec3::Zero());
+    if (const CurveCondition* plane = symmetry()) centre(*plane);
+  }
+
+  FairCurve run();
+
+ private:
+  using Type = CurveCondition::Type;
+  double lambda_at(double wave) const {
+    return std::pow(wave / (2 * std::numbers::pi), 4) * count_ / length_;
+  }
+  double spacing() const { return length_ / count_; }
+  const CurveCondition* symmetry() const {
+    for (const auto& c : options_.conditions)
+      if (c.type == Type::Symmetry) return &c;
+    return nullptr;
+  }
+  bool free_of_rows() const { return options_.conditions.empty(); }
+
+  void centre(const CurveCondition& plane);
+  std::vector<double> forced_nodes();
+  void choose_nodes();
+  Springs gather() const;
+  std::vector<std::pair<int, Vec3>> held() const;
+  double find_wave(Balance& balance, const Springs& springs, double before);
+  Points solve(Balance& balance, double lambda, const Springs& springs) const;
+  double off_axis(const Points& q, const Springs& springs) const;
+  double project();
+  double residual() const;
+
+  const std::string& name_;
+  const PointRow& row_;
+  const FairOptions& options_;
+  const int count_;
+  double length_;
+  std::vector<double> u_;      // of the points, in [0, length_]
+  std::vector<Vec3> tangent_;  // unit, of the last curve there
+  std::vector<double> at_;     // where the conditions act, or unused
+  int most_nodes_ = 1000;
+  CurveMesh mesh_;
+  std::vector<int> node_of_;  // of each point
+  HermiteCurve curve_;        // of the last round
+  std::vector<double> foot_;  // of each point, on it
+};
+
+// Moves the parameters so that the curve crosses the plane half way; a closed one starts there too.
+void Fairing::centre(const CurveCondition& plane) {
+  std::vector<double> crossings;
+  for (int i = 0; i < (row_.closed ? count_ : count_ - 1); ++i) {
+    const double a = height(plane, row_.points[i]),
+                 b = height(plane, row_.points[(i + 1) % count_]);
+    if ((a < 0) != (b < 0))
+      crossings.push_back(row_.chord[i] + (row_.chord[i + 1] - row_.chord[i]) * a / (a - b));
+  }
+  if (row_.closed && crossings.size() < 2)
+    throw InputError("line '" + name_ + "', condition '" + plane.name +
+                     "': the closed line does not cross the plane of symmetry");
+  const double first = row_.closed ? crossings.front() : 0;
+  double middle = 0.5 * length_, distance = std::numeric_limits<double>::infinity();
+  for (const double c : crossings) {
+    const double u = c - first;
+    if (u > 0 && std::abs(u - 0.5 * length_) < distance) {
+      middle = u;
+      distance = std::abs(u - 0.5 * length_);
+    }
+  }
+  for (double& u : u_) {
+    u -= first;
+    if (u < 0) u += length_;
+    u = u < middle ? u * 0.5 * length_ / middle
+                   : length_ - (length_ - u) * 0.5 * length_ / (length_ - middle);
+  }
+}
+
+// Parameters at which there has to be a node.
+std::vector<double> Fairing::forced_nodes() {
+  std::vector<double> forced = {0};
+  for (const int c : row_.corners) forced.push_back(u_[c]);
+  at_.assign(options_.conditions.size(), 0);
+  for (size_t k = 0; k < options_.conditions.size(); ++k) {
+    const CurveCondition& c = options_.conditions[k];
+    if (c.type != Type::Point && c.type != Type::Tangent) continue;
+    if (curve_.node_count() > 0 && curve_.mesh().dof_count() > 0) {
+      at_[k] = curve_.closest_point(c.at).u * length_ / curve_.end();
+    } else {
+      double nearest = std::numeric_limits<double>::infinity();
+      for (int i = 0; i < (row_.closed ? count_ : count_ - 1); ++i) {
+        const int j = (i + 1) % count_;
+        const Vec3 chord = row_.points[j] - row_.points[i];
+        const double s =
+            std::clamp((c.at - row_.points[i]).dot(chord) / chord.squaredNorm(), 0.0, 1.0);
+        const double d = (row_.points[i] + s * chord - c.at).norm();
+        if (d < nearest) {
+          nearest = d;
+          double gap = u_[j] - u_[i];
+          if (row_.closed && gap < 0) gap += length_;
+          at_[k] = std::fmod(u_[i] + s * gap, length_ * (1 + 1e-15));
+        }
+      }
+    }
+    forced.push_back(at_[k]);
+  }
+  return forced;
+}
+
+void Fairing::choose_nodes() {
+  std::vector<double> forced = forced_nodes(), wanted;
+  if (count_ <= most_nodes_) {
+    wanted = u_;
+  } else {
+    for (int i = 0; i <= most_nodes_; ++i) wanted.push_back(length_ * i / most_nodes_);
+  }
+  const bool mirrored = symmetry() != nullptr;
+  const double end = mirrored ? 0.5 * length_ : length_;
+  if (mirrored)
+    for (auto* all : {&forced, &wanted})
+      for (double& u : *all) u = std::min(u, length_ - u);
+  forced.push_back(end);
+  // The forced ones first; of the others those that are not too near.
+  const double gap = 0.25 * length_ / std::min(count_, most_nodes_), same = 1e-9 * length_;
+  std::sort(forced.begin(), forced.end());
+  std::vector<double> nodes;
+  for (const double u : forced)
+    if (nodes.empty() || u - nodes.back() > same) nodes.push_back(u);
+  nodes.back() = end;
+  std::sort(wanted.begin(), wanted.end());
+  std::vector<double> merged;
+  size_t next = 0;
+  for (size_t k = 0; k + 1 < nodes.size(); ++k) {
+    merged.push_back(nodes[k]);
+    for (; next < wanted.size() && wanted[next] < nodes[k + 1] - gap; ++next)
+      if (wanted[next] >= merged.back() + gap) merged.push_back(wanted[next]);
+  }
+  merged.push_back(end);
+  if (merged.size() < 4)
+    for (const double part : {0.25, 0.5, 0.75}) merged.push_back(part * end);
+  std::sort(merged.begin(), merged.end());
+  merged.erase(std::unique(merged.begin(), merged.end()), merged.end());
+  std::vector<double> parameters = merged;
+  if (mirrored)
+    for (size_t k = merged.size() - 1; k-- > 0;) parameters.push_back(length_ - merged[k]);
+
+  const auto nearest = [&](double u) {
+    const auto above = std::lower_bound(parameters.begin(), parameters.end(), u);
+    if (above == parameters.end()) return static_cast<int>(parameters.size()) - 1;
+    const auto i = above - parameters.begin();
+    return static_cast<int>(i > 0 && u - parameters[i - 1] < *above - u ? i - 1 : i);
+  };
+  const int last = static_cast<int>(parameters.size()) - 1;
+  std::vector<int> corners;
+  for (const int c : row_.corners) {
+    corners.push_back(nearest(u_[c]) % (row_.closed ? last : last + 1));
+    if (mirrored) corners.push_back((last - nearest(u_[c])) % (row_.closed ? last : last + 1));
+  }
+  node_of_.clear();
+  for (const double u : u_) node_of_.push_back(nearest(u) % (row_.closed ? last : last + 1));
+  mesh_ = CurveMesh(std::move(parameters), row_.closed, std::move(corners));
+}
+
+Springs Fairing::gather() const {
+  Springs springs;
+  springs.weight.assign(mesh_.node_count(), 0);
+  springs.goal.assign(mesh_.node_count(), Vec3::Zero());
+  std::vector<Vec3> moved(count_);
+  for (int i = 0; i < count_; ++i) {
+    const int n = node_of_[i];
+    double along = mesh_.parameters()[n] - u_[i];
+    if (row_.closed) along = std::remainder(along, length_);
+    moved[i] = row_.points[i] + along * tangent_[i];
+    springs.weight[n] += 1;
+    springs.goal[n] += moved[i];
+  }
+  for (int n = 0; n < mesh_.node_count(); ++n)
+    if (springs.weight[n] > 0) springs.goal[n] /= springs.weight[n];
+  for (int i = 0; i < count_; ++i)
+    springs.scatter += (moved[i] - springs.goal[node_of_[i]]).squaredNorm();
+  return springs;
+}
+
+std::vector<std::pair<int, Vec3>> Fairing::held() const {
+  if (!options_.hold_ends || row_.closed) return {};
+  return {{mesh_.position_dof(0), row_.points.front()},
+          {mesh_.position_dof(mesh_.node_count() - 1), row_.points.back()}};
+}
+
+// Largest distance of a node's goal from the curve, across its tangent.
+double Fairing::off_axis(const Points& q, const Springs& springs) const {
+  double worst = 0;
+  for (int i = 0; i < count_; ++i) {
+    const int n = node_of_[i];
+    double along = mesh_.parameters()[n] - u_[i];
+    if (row_.closed) along = std::remainder(along, length_);
+    Vec3 d = q.row(mesh_.position_dof(n)).transpose() - row_.points[i] - along * tangent_[i];
+    const Vec3 t = q.row(mesh_.slope_out(n)).normalized();
+    if (!mesh_.is_corner(n)) d -= t.dot(d) * t;
+    worst = std::max(worst, d.norm());
+  }
+  (void)springs;
+  return worst;
+}
+
+double Fairing::find_wave(Balance& balance, const Springs& springs, double before) {
+  const double finest = 0.5 * spacing(), coarsest = 20 * length_;
+  switch (options_.balance) {
+    case FairOptions::Balance::Wavelength:
+      return options_.wavelength;
+    case FairOptions::Balance::CrossValidation: {
+      constexpr int fewest = 6;       // points from which something can be learned about noise
+      constexpr double most = 0.025;  // of the length: what moves farther was no noise
+      if (count_ < fewest) return 0;
+      const double low = before > 0 ? std::max(finest, before / 3) : finest,
+                   high = before > 0 ? std::min(coarsest, before * 3) : coarsest;
+      return std::exp(minimum_of([&](double x) { return balance.score(lambda_at(std::exp(x)), most * length_); },
+                                 std::log(low), std::log(high), before > 0 ? 6 : 16));
+    }
+    case FairOptions::Balance::Deviation: {
+      double low = std::log(1e-3 * finest), high = std::log(coarsest);
+      const auto fits = [&](double x) {
+        return off_axis(solve(balance, lambda_at(std::exp(x)), springs), springs) <=
+               options_.deviation;
+      };
+      if (fits(high)) return coarsest;
+      for (int i = 0; i < 24; ++i) {
+        const double middle = 0.5 * (low + high);
+        (fits(middle) ? low : high) = middle;
+      }
+      return std::exp(low);
+    }
+  }
+  return 0;
+}
+
+Points Fairing::solve(Balance& balance, double lambda, const Springs& springs) const {
+  if (free_of_rows()) return balance.solve(lambda);
+  ConstraintSet set(mesh_.dof_count());
+  for (const auto& [dof, value] : held()) set.fix("ends", dof, value);
+  CurveConstraints rows(mesh_, set);
+  for (size_t k = 0; k < options_.conditions.size(); ++k) {
+    const CurveCondition& c = options_.conditions[k];
+    switch (c.type) {
+      case Type::Point:
+        rows.point(c.name, at_[k], c.at);
+        break;
+      case Type::Tangent:
+        rows.direction(c.name, at_[k], c.direction);
+        break;
+      case Type::ZeroEndCurvature:
+        rows.no_curvature(c.name, mesh_.start());
+        rows.no_curvature(c.name, mesh_.end());
+        break;
+      case Type::Plane:
+        rows.in_plane(c.name, c.at, c.direction);
+        break;
+      case Type::Symmetry:
+        rows.symmetric(c.name, c.at, c.direction);
+        break;
+    }
+  }
+  const CurveAssembler assembler(mesh_);
+  SparseMatrix K =
+      assembler.stiffness({lambda * options_.alpha / (row_.size * row_.size)}, {lambda});
+  Points F = Points::Zero(mesh_.dof_count(), 3);
+  for (int n = 0; n < mesh_.node_count(); ++n) {
+    const int dof = mesh_.position_dof(n);
+    K.coeffRef(dof, dof) += springs.weight[n];
+    F.row(dof) = springs.weight[n] * springs.goal[n].transpose();
+  }
+  // About a point of the curve, so that far from the origin no digits are lost.
+  const Vec3 origin = row_.points.front();
+  VecX positions = VecX::Zero(mesh_.dof_count());
+  for (int n = 0; n < mesh_.node_count(); ++n) {
+    positions[mesh_.position_dof(n)] = 1;
+    F.row(mesh_.position_dof(n)) -= springs.weight[n] * origin.transpose();
+  }
+  return solve_constrained(set.moved(positions, origin), K, F) + positions * origin.transpose();
+}
+
+// Moves every point's parameter to the nearest point of the curve and to arc length; returns the
+// largest change over the length.
+double Fairing::project() {
+  const NodeArc arc(curve_);
+  foot_.resize(count_);
+  double change = 0;
+  for (int i = 0; i < count_; ++i) {
+    const Vec3& p = row_.points[i];
+    double u = u_[i];
+    const bool end = !row_.closed && (i == 0 || i == count_ - 1);
+    if (std::binary_search(row_.corners.begin(), row_.corners.end(), i)) {
+      u = mesh_.parameters()[node_of_[i]];
+    } else if (!end) {
+      const double reach = std::max(3 * spacing(), 2 * (curve_.evaluate(u) - p).norm());
+      std::vector<double> around;
+      for (int k = -4; k <= 4; ++k) {
+        const double x = u + reach * k / 4;
+        around.push_back(row_.closed ? x : std::clamp(x, 0.0, length_));
+      }
+      around.erase(std::unique(around.begin(), around.end()), around.end());
+      u = mesh_.wrapped(
+          closest_on_curve([&](double x, int order) { return curve_.evaluate(x, order); }, around,
+                           p)
+              .u);
+    }
+    foot_[i] = u;
+    const Vec3 d = curve_.evaluate(u, 1);
+    tangent_[i] = d.norm() > 0 ? Vec3(d.normalized()) : Vec3::Zero();
+    const double s = arc(u);
+    double moved = std::abs(s / arc.total() - u_[i] / length_);
+    if (row_.closed) moved = std::min(moved, 1 - moved);
+    change = std::max(change, moved);
+    u_[i] = s;
+  }
+  length_ = arc.total();
+  if (!(length_ > 0)) throw NoSolutionError("line '" + name_ + "' shrinks to a point when faired");
+  return change;
+}
+
+// The conditions, measured on the finished curve, over the size (angles: in radians).
+double Fairing::residual() const {
+  double worst = 0;
+  const double size = row_.size;
+  constexpr int samples = 200;
+  for (size_t k = 0; k < options_.conditions.size(); ++k) {
+    const CurveCondition& c = options_.conditions[k];
+    const auto along = [&](int i) {
+      return curve_.start() + (curve_.end() - curve_.start()) * i / samples;
+    };
+    switch (c.type) {
+      case Type::Point:
+        worst = std::max(worst, curve_.closest_point(c.at).distance / size);
+        break;
+      case Type::Tangent:
+        worst = std::max(
+            worst, curve_.evaluate(at_[k], 1).normalized().cross(c.direction.normalized()).norm());
+        break;
+      case Type::ZeroEndCurvature:
+        for (const double s : {0.0, 1.0})
+          worst = std::max(
+              worst, size * curve_.evaluate({s > 0 ? curve_.segment_count() - 1 : 0, s}, 2).norm());
+        break;
+      case Type::Plane:
+        for (int i = 0; i <= samples; ++i)
+          worst = std::max(worst, std::abs(height(c, curve_.evaluate(along(i)))) / size);
+        break;
+      case Type::Symmetry:
+        for (int i = 0; i <= samples; ++i) {
+          const Vec3 p = curve_.evaluate(along(i));
+          const Vec3 image = p - 2 * height(c, p) * c.direction.normalized();
+          worst = std::max(worst, (image - curve_.evaluate(along(samples - i))).norm() / size);
+        }
+        break;
+    }
+  }
+  return worst;
+}
+
+FairCurve Fairing::run() {
+  FairCurve result;
+  double wave = 0;
+  const double alpha = options_.alpha / (row_.size * row_.size);
+  constexpr int searches = 4;        // rounds in which the balance is sought; it then stays
+  while (true) {
+    choose_nodes();
+    const Springs springs = gather();
+    const auto ends = held();
+    Balance balance(mesh_, springs, alpha, count_, ends);
+    if (result.rounds < searches || options_.balance == FairOptions::Balance::Deviation)
+      wave = find_wave(balance, springs, wave);
+    const double lambda = lambda_at(std::max(wave, 1e-3 * spacing()));
+    const Points q = solve(balance, lambda, springs);
+    if (!free_of_rows()) balance.solve(lambda);
+    result.freedom = balance.freedom();
+    curve_ = HermiteCurve(mesh_, q);
+    if (result.freedom > 0.25 * mesh_.node_count() && most_nodes_ < count_) {
+      most_nodes_ *= 2;  // more nodes than the balance makes use of
+      continue;
+    }
+    const double change = project();
+    ++result.rounds;
+    // Parameters stand still when they move by little of what is smoothed anyway.
+    result.settled = result.rounds > 1 && change * length_ < std::max(1e-4 * length_, 0.01 * wave);
+    if (options_.balance == FairOptions::Balance::Deviation && result.settled) {
+      double worst = 0;
+      for (int i = 0; i < count_; ++i)
+        worst = std::max(worst, (curve_.evaluate(foot_[i]) - row_.points[i]).norm());
+      if (worst > options_.deviation) result.settled = false;
+    }
+    if (result.settled || result.rounds >= options_.most_rounds) break;
+  }
+  result.curve = curve_;
+  result.wavelength = wave;
+  result.deviation = deviation_of(curve_, row_, foot_);
+  for (const int i : row_.index) result.parameters.push_back(foot_[i]);
+  result.max_residual = residual();
+  return result;
+}
+
+void check(const std::string& name, const FairOptions& options, bool closed) {
+  const std::string line = "line '" + name + "': ";
+  const auto positive = [&](double value, const char* what) {
+    if (!(value > 0) || !std::isfinite(value))
+      throw InputError(line + "found the " + what + " " + number(value) +
+                       ", expected a length above 0");
+  };
+  if (options.balance == FairOptions::Balance::Deviation) positive(options.deviation, "deviation");
+  if (options.balance == FairOptions::Balance::Wavelength)
+    positive(options.wavelength, "wavelength");
+  if (!(options.alpha >= 0) || !std::isfinite(options.alpha))
+    throw InputError(line + "found alpha = " + number(options.alpha) + ", expected 0 or more");
+  if (options.most_rounds < 1)
+    throw InputError(line + "found " + std::to_string(options.most_rounds) +
+                     " rounds, expected one or more");
+  for (const auto& c : options.conditions) {
+    if (!c.at.allFinite() || !c.direction.allFinite() ||
+        (c.type != CurveCondition::Type::Point && !(c.direction.norm() > 0)))
+      throw InputError(line + "condition '" + c.name +
+                       "' has a number that is not finite, or a direction of length 0");
+    if (closed && c.type == CurveCondition::Type::ZeroEndCurvature)
+      throw InputError(line + "condition '" + c.name +
+                       "' is for the ends of an open line, found a closed one");
+  }
+}
+
+}  // namespace
+
+FairCurve fair_points(const std::string& name, const std::vector<Vec3>& points,
+                      const FairOptions& options) {
+  const PointRow row(name, points, options.corner_angle, options.corners, options.closed);
+  check(name, options, row.closed);
+  return Fairing(name, row, options).run();
+}
+
+HermiteCurve curve_as_given(const std::string& name, const std::vector<Vec3>& points,
+                            const FairOptions& options) {
+  const PointRow row(name, points, options.corner_angle, options.corners, options.closed);
+  const CurveMesh mesh(row.chord, row.closed, row.corners);
+  Springs springs;
+  springs.weight.assign(row.count(), 1);
+  springs.goal = row.points;
+  std::vector<std::pair<int, Vec3>> held;
+  for (int i = 0; i < row.count(); ++i) held.emplace_back(mesh.position_dof(i), row.points[i]);
+  return {mesh, Balance(mesh, springs, 0, row.count(), held).solve(1)};
+}
+
+}  // namespace batten

@@ -36,8 +36,11 @@ struct CurveCondition {
 struct FairOptions {
   /// How λ is found.
   enum class Balance {
-    /// Generalised cross-validation (Craven, Wahba 1979) of x, y, z together, each degree of
-    /// freedom counted 1.4 times (Kim, Gu 2004): the curve that would predict left-out points best.
+    /// Generalised cross-validation (Craven, Wahba 1979) of x, y, z together: the curve that would
+    /// predict left-out points best. From 20 points on each degree of freedom counts 1.4 times
+    /// (Kim, Gu 2004), with six once. Points move by 2.5 % of the length at most (root mean
+    /// square): what is larger was no noise. Fewer than six points tell nothing about noise: the
+    /// curve then goes through them.
     CrossValidation,
     Deviation,  ///< the fairest curve not farther than `deviation` from any point
     Wavelength  ///< waves of length `wavelength` keep half of their height; shorter ones less

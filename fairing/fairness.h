@@ -22,11 +22,11 @@ struct Fairness {
 };
 Fairness fairness(const HermiteCurve& curve);
 
-/// A tooth of a curvature comb: point, unit vector towards the outside of the bend (-curvature
-/// vector), signed curvature. At a corner or a jump, one tooth for each side.
+/// A tooth of a curvature comb. Where the curvature jumps there is one for each side.
 struct CombTooth {
   double u = 0;
-  Vec3 point, outward;
+  Vec3 point;
+  Vec3 outward;          ///< unit vector away from the centre of curvature; 0 where straight
   double curvature = 0;  ///< 1/length, ≥ 0
 };
 /// About `teeth` of them, evenly along the curve, and one at each end of each segment.

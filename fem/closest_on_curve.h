@@ -34,13 +34,14 @@ CurvePoint closest_on_curve(const Evaluate& evaluate, const std::vector<double>&
       const Vec3 d = evaluate(x, 0) - p, d1 = evaluate(x, 1);
       const double g = d.dot(d1), slope = d1.squaredNorm() + d.dot(evaluate(x, 2));
       (g > 0 ? high : low) = x;
+      if (const double reached = d.norm(); reached < best.distance) best = {x, reached};
       double next = x - g / slope;
+      // Rounding may put the last steps a hair outside of the bracket: those end the search.
+      const bool done = slope > 0 && std::abs(next - x) <= 1e-14 * (u.back() - u.front());
       if (!(slope > 0) || !(next >= low) || !(next <= high)) next = 0.5 * (low + high);
-      const bool done = std::abs(next - x) <= 1e-15 * (u.back() - u.front());
+      if (done || next == x) break;
       x = next;
-      if (done) break;
     }
-    if (const double d = (evaluate(x, 0) - p).norm(); d < best.distance) best = {x, d};
   }
   return best;
 }

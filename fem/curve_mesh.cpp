@@ -27,23 +27,11 @@ CurveMesh::CurveMesh(std::vector<double> parameters, bool closed, std::vector<in
     if (c < first || c > last)
       throw InputError("corner " + std::to_string(c) + " of a curve: expected a node from " +
                        std::to_string(first) + " to " + std::to_string(last));
-
-  auto corner = corners_.begin();
-  for (int node = 0; node < node_count(); ++node) {
-    const bool is_corner = corner != corners_.end() && *corner == node;
-    if (is_corner) {
-      ++corner;
-      slope_in_.push_back(dof_count_++);
-    }
-    position_.push_back(dof_count_++);
-    slope_out_.push_back(dof_count_++);
-    if (!is_corner) slope_in_.push_back(slope_out_.back());
-  }
 }
 
 std::array<int, 4> CurveMesh::segment_dofs(int segment) const {
   const int next = segment + 1 == node_count() ? 0 : segment + 1;
-  return {position_[segment], slope_out_[segment], position_[next], slope_in_[next]};
+  return {position_dof(segment), slope_out(segment), position_dof(next), slope_in(next)};
 }
 
 double CurveMesh::wrapped(double u) const {

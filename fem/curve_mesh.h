@@ -1,6 +1,7 @@
 // The parameter line of a deformable curve: segments, how their ends are joined, and the dofs.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <vector>
 
@@ -27,22 +28,25 @@ class CurveMesh {
 
   int segment_count() const { return static_cast<int>(parameters_.size()) - 1; }
   int node_count() const { return segment_count() + (closed_ ? 0 : 1); }
-  int dof_count() const { return dof_count_; }
+  int dof_count() const { return 2 * node_count() + static_cast<int>(corners_.size()); }
   bool closed() const { return closed_; }
   /// u_0 … u_m: one more than there are nodes when closed.
   const std::vector<double>& parameters() const { return parameters_; }
   /// Ascending.
   const std::vector<int>& corners() const { return corners_; }
-  bool is_corner(int node) const { return slope_in_[node] != slope_out_[node]; }
+  bool is_corner(int node) const {
+    const size_t k = corners_before(node);
+    return k < corners_.size() && corners_[k] == node;
+  }
 
   double start() const { return parameters_.front(); }
   double end() const { return parameters_.back(); }
   double length(int segment) const { return parameters_[segment + 1] - parameters_[segment]; }
 
-  int position_dof(int node) const { return position_[node]; }
+  int position_dof(int node) const { return first_dof(node) + is_corner(node); }
   /// Of the segment that ends at the node, and of the one that begins there.
-  int slope_in(int node) const { return slope_in_[node]; }
-  int slope_out(int node) const { return slope_out_[node]; }
+  int slope_in(int node) const { return first_dof(node) + !is_corner(node); }
+  int slope_out(int node) const { return position_dof(node) + 1; }
   /// In the order of HermiteSegment.
   std::array<int, 4> segment_dofs(int segment) const;
 
@@ -57,10 +61,16 @@ class CurveMesh {
   double wrapped(double u) const;
 
  private:
+  size_t corners_before(int node) const {
+    return corners_.empty()
+               ? 0
+               : std::lower_bound(corners_.begin(), corners_.end(), node) - corners_.begin();
+  }
+  int first_dof(int node) const { return 2 * node + static_cast<int>(corners_before(node)); }
+
   std::vector<double> parameters_;
   bool closed_ = false;
-  std::vector<int> corners_, position_, slope_in_, slope_out_;
-  int dof_count_ = 0;
+  std::vector<int> corners_;
 };
 
 }  // namespace batten

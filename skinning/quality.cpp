@@ -2,9 +2,9 @@
 #include <cmath>
 #include <numbers>
 
+#include "batten/core/words.h"
 #include "batten/skinning/line_fit.h"
 #include "batten/skinning/skin.h"
-#include "batten/core/words.h"
 
 namespace batten {
 namespace {

@@ -8,9 +8,9 @@
 
 #include "batten/constraints/shape/shape_constraints.h"
 #include "batten/core/errors.h"
+#include "batten/core/words.h"
 #include "batten/skinning/mesher.h"
 #include "batten/skinning/outline.h"
-#include "batten/core/words.h"
 
 namespace batten {
 namespace {
@@ -299,15 +299,21 @@ class Builder {
   }
 
   HermiteCurve fit(const Stretch& s, const Joint& start, const Joint& end, bool alone) const {
+    const bool evenly_cut = options_.mesher == SkinOptions::Mesher::Fan;
     if (alone) {
       constexpr double shortest_edge = 0.3;  // of the target: shorter pieces would crowd the mesh
-      const HermiteCurve exact =
-          exact_cubic(s, shortest_edge * edge_, start.position, end.position);
-      const bool evenly_cut = options_.mesher == SkinOptions::Mesher::Fan;
-      if (exact.node_count() == 2 || (exact.node_count() > 2 && !evenly_cut)) return exact;
+      const auto exact = kept_as_given(s, shortest_edge * edge_, start.position, end.position);
+      if (exact && (exact->segment_count() == 1 || !evenly_cut)) return *exact;
     }
-    return fit_by_bisection(s, tolerance_, {start.position, start.outgoing},
-                            {end.position, end.incoming});
+    FitOptions fit;
+    fit.tolerance = tolerance_;
+    fit.corner_angle = 180;
+    fit.closed = false;
+    fit.start = {start.position, start.outgoing};
+    fit.end = {end.position, end.incoming};
+    fit.even = true;
+    fit.halved = evenly_cut;
+    return fit_curve(s.name, s.curve, fit);
   }
 
   // Where an inner line's end meets the outline: a node of a piece, new unless one is near.

@@ -1,0 +1,49 @@
+// The dofs of a curve in an order of small bandwidth. Internal.
+#pragma once
+
+#include <algorithm>
+#include <cstdlib>
+#include <vector>
+
+#include "batten/core/band_cholesky.h"
+#include "batten/elements/hermite_segment.h"
+#include "batten/fem/curve_mesh.h"
+
+namespace batten {
+
+/// An open curve's dofs follow each other already: bandwidth 3. A closed one is folded flat, so
+/// that nodes 0, n-1, 1, n-2, … follow each other.
+class CurveBand {
+ public:
+  explicit CurveBand(const CurveMesh& mesh) : mesh_(mesh) {
+    if (!mesh.closed()) return;
+    place_.resize(mesh.dof_count());
+    int next = 0;
+    for (int i = 0; i < mesh.node_count(); ++i) {
+      const int node = i % 2 == 0 ? i / 2 : mesh.node_count() - 1 - i / 2;
+      for (int d = std::min(mesh.slope_in(node), mesh.position_dof(node));
+           d <= mesh.slope_out(node); ++d)
+        place_[d] = next++;
+    }
+    for (int s = 0; s < mesh.segment_count(); ++s) {
+      const auto dof = mesh.segment_dofs(s);
+      for (const int a : dof)
+        for (const int b : dof) band_ = std::max(band_, std::abs(place_[a] - place_[b]));
+    }
+  }
+
+  int place(int dof) const { return place_.empty() ? dof : place_[dof]; }
+  void reset(BandCholesky& A) const { A.reset(mesh_.dof_count(), band_); }
+  void add(BandCholesky& A, int segment, const HermiteSegment::Matrix& K) const {
+    const auto dof = mesh_.segment_dofs(segment);
+    for (int a = 0; a < 4; ++a)
+      for (int b = 0; b <= a; ++b) A.add(place(dof[a]), place(dof[b]), K(a, b));
+  }
+
+ private:
+  const CurveMesh& mesh_;
+  std::vector<int> place_;
+  int band_ = 3;
+};
+
+}  // namespace batten

@@ -1,0 +1,175 @@
+// Local fairing: a stretch, a brush.
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <numbers>
+
+#include "batten/core/errors.h"
+#include "batten/fairing/curve_band.h"
+#include "batten/fairing/fair_curve.h"
+
+namespace batten {
+namespace {
+
+// Segments of one run of a curve, which may cross the seam: the first, and how many.
+struct Run {
+  int first, count;
+};
+
+// Runs of segments in which the strength is above 0 somewhere; all segments of a closed curve but
+// one node at most.
+std::vector<Run> runs_of(const HermiteCurve& curve, const std::function<double(double)>& strength) {
+  const int n = curve.segment_count();
+  constexpr int samples = 16;
+  std::vector<char> touched(n, 0);
+  for (int s = 0; s < n; ++s)
+    for (int k = 0; k <= samples && !touched[s]; ++k)
+      touched[s] = strength(curve.parameters()[s] + curve.mesh().length(s) * k / samples) > 0;
+  std::vector<Run> runs;
+  int start = 0;
+  if (curve.closed()) {
+    while (start < n && touched[start]) ++start;
+    start %= n;
+  }
+  for (int i = 0; i < n; ++i) {
+    const int s = (start + i) % n;
+    if (!touched[s]) continue;
+    if (!runs.empty() && (runs.back().first + runs.back().count) % n == s && runs.back().count < n)
+      ++runs.back().count;
+    else
+      runs.push_back({s, 1});
+  }
+  return runs;
+}
+
+// The dofs of one run, faired; nodes at its ends stay.
+void fair_run(const HermiteCurve& curve, const Run& run,
+              const std::function<double(double)>& strength, double wavelength, Points& dofs) {
+  const CurveMesh& whole = curve.mesh();
+  const int nodes = whole.node_count();
+  std::vector<double> u = {0};
+  std::vector<int> corners;
+  double length = 0;
+  for (int k = 0; k < run.count; ++k) {
+    const int s = (run.first + k) % whole.segment_count();
+    if (k > 0 && whole.is_corner(s)) corners.push_back(k);
+    u.push_back(u.back() + whole.length(s));
+    for (int i = 0; i < 4; ++i)
+      length += 0.25 * whole.length(s) * curve.evaluate({s, (i + 0.5) / 4}, 1).norm();
+  }
+  // φ and the wavelength live on arc length; u runs at about `speed`.
+  const double speed = length / u.back();
+  const double lambda = std::pow(wavelength / (2 * std::numbers::pi * speed), 4);
+  const CurveMesh mesh(u, false, corners);
+  const CurveBand band(mesh);
+  BandCholesky A;
+  band.reset(A);
+  Points right = Points::Zero(mesh.dof_count(), 3);
+  std::vector<int> outer(mesh.dof_count());  // dofs of the whole curve
+  const auto global = [&](int segment) {
+    return whole.segment_dofs((run.first + segment) % whole.segment_count());
+  };
+  for (int k = 0; k < run.count; ++k) {
+    const int s = (run.first + k) % whole.segment_count();
+    const HermiteSegment segment(mesh.length(k));
+    const HermiteSegment::Matrix M = segment.mass();
+    const double a = whole.parameters()[s], h = whole.length(s);
+    band.add(A, k, M + segment.bending({lambda * strength(a), lambda * strength(a + h)}));
+    const auto local = mesh.segment_dofs(k), all = global(k);
+    Eigen::Matrix<double, 4, 3> q;
+    for (int i = 0; i < 4; ++i) {
+      q.row(i) = curve.dofs().row(all[i]);
+      outer[local[i]] = all[i];
+    }
+    const Eigen::Matrix<double, 4, 3> goal = M * q;
+    for (int i = 0; i < 4; ++i) right.row(band.place(local[i])) += goal.row(i);
+  }
+  std::vector<int> kept = {mesh.position_dof(0), mesh.position_dof(mesh.node_count() - 1)};
+  // At the end of an open curve the slope is free.
+  if (curve.closed() || run.first > 0) kept.push_back(mesh.slope_out(0));
+  if (curve.closed() || run.first + run.count < nodes - 1)
+    kept.push_back(mesh.slope_in(mesh.node_count() - 1));
+  for (const int d : kept) A.fix(band.place(d), curve.dofs().row(outer[d]).transpose(), right);
+  if (!A.factorize()) throw NoSolutionError("a stretch of a curve cannot be faired");
+  A.solve(right);
+  for (int d = 0; d < mesh.dof_count(); ++d)
+    if (std::find(kept.begin(), kept.end(), d) == kept.end())
+      dofs.row(outer[d]) = right.row(band.place(d));
+}
+
+HermiteCurve fair_where(const HermiteCurve& curve, const std::function<double(double)>& strength,
+                        double extent, double wavelength) {
+  if (!(wavelength > 0) || !std::isfinite(wavelength))
+    throw InputError("local fairing: found the wavelength " + number(wavelength) +
+                     ", expected a length above 0");
+  // Nodes fine enough for the shortest wave that stays, and for φ.
+  const std::vector<Run> coarse = runs_of(curve, strength);
+  std::vector<double> added;
+  for (const Run& run : coarse)
+    for (int k = 0; k < run.count; ++k) {
+      const int s = (run.first + k) % curve.segment_count();
+      double length = 0;
+      for (int i = 0; i < 4; ++i)
+        length += 0.25 * curve.mesh().length(s) * curve.evaluate({s, (i + 0.5) / 4}, 1).norm();
+      constexpr int per_wave = 8, per_stretch = 24, most = 400;
+      const int pieces = static_cast<int>(
+          std::clamp(std::ceil(length / std::min(wavelength / per_wave, extent / per_stretch)), 1.0,
+                     1.0 * most));
+      for (int i = 1; i < pieces; ++i)
+        added.push_back(curve.parameters()[s] + curve.mesh().length(s) * i / pieces);
+    }
+  const HermiteCurve fine = curve.with_nodes(added);
+  Points dofs = fine.dofs();
+  for (const Run& run : coarse) {
+    // The same stretch of the fine curve: all of what the coarse segments were.
+    const auto node = [&](int coarse_node) {
+      const double u = curve.parameters()[coarse_node];
+      return static_cast<int>(
+          std::lower_bound(fine.parameters().begin(), fine.parameters().end(), u) -
+          fine.parameters().begin());
+    };
+    const int first = node(run.first), behind = run.first + run.count;
+    const int last = behind <= curve.segment_count()
+                         ? node(behind)
+                         : node(behind - curve.segment_count()) + fine.segment_count();
+    fair_run(fine, {first, last - first}, strength, wavelength, dofs);
+  }
+  return {fine.mesh(), dofs};
+}
+
+}  // namespace
+
+HermiteCurve fair_stretch(const HermiteCurve& curve, double from, double to, double wavelength) {
+  const double whole = curve.end() - curve.start();
+  double extent = to - from;
+  if (curve.closed() && extent < 0) extent += whole;
+  if (!(extent > 0) || !std::isfinite(from) || !std::isfinite(to))
+    throw InputError("local fairing: found a stretch from " + number(from) + " to " + number(to) +
+                     ", expected two parameters of the curve, the second above the first");
+  const auto strength = [&](double u) {
+    double into = u - from;
+    if (curve.closed()) into -= whole * std::floor(into / whole);
+    const double x = 2 * into / extent - 1;
+    return std::abs(x) < 1 ? (1 - x * x) * (1 - x * x) : 0.0;
+  };
+  const double middle = curve.evaluate(from + 0.5 * extent, 1).norm();
+  return fair_where(curve, strength, extent * (middle > 0 ? middle : 1), wavelength);
+}
+
+HermiteCurve fair_brush(const HermiteCurve& curve, const Vec3& centre, double radius,
+                        double wavelength) {
+  if (!(radius > 0) || !std::isfinite(radius) || !centre.allFinite())
+    throw InputError("local fairing: found a brush of radius " + number(radius) +
+                     ", expected a length above 0");
+  const double nearest = curve.closest_point(centre).distance;
+  if (!(nearest < radius))
+    throw InputError("local fairing: the curve does not meet the brush; it is " + number(nearest) +
+                     " away from its centre, and the radius is " + number(radius));
+  const auto strength = [&](double u) {
+    const double x = (curve.evaluate(u) - centre).squaredNorm() / (radius * radius);
+    return x < 1 ? (1 - x) * (1 - x) : 0.0;
+  };
+  return fair_where(curve, strength, 2 * radius, wavelength);
+}
+
+}  // namespace batten

@@ -1,0 +1,161 @@
+// Fits of input curves: exact where they are cubic, by samples otherwise.
+#include <algorithm>
+#include <cmath>
+
+#include "batten/core/errors.h"
+#include "batten/core/words.h"
+#include "batten/fairing/arc_length.h"
+#include "batten/fairing/curve_fit.h"
+#include "batten/fairing/point_row.h"
+
+namespace batten {
+namespace {
+
+double degrees_at(const InputCurve& curve, double t) {
+  const double e = 1e-9 * (curve.end() - curve.start());
+  return degrees_between(curve.evaluate(t - e, 1), curve.evaluate(t + e, 1));
+}
+
+bool comes_back(const InputCurve& curve, double length) {
+  return (curve.evaluate(curve.end()) - curve.evaluate(curve.start())).norm() <= 1e-9 * length;
+}
+
+double seam_degrees(const InputCurve& curve) {
+  const double e = 1e-9 * (curve.end() - curve.start());
+  return degrees_between(curve.evaluate(curve.end() - e, 1), curve.evaluate(curve.start() + e, 1));
+}
+
+// Largest distance from the curve of points of the input half way between the samples that were
+// fitted.
+double between_samples(const InputCurve& input, const ArcLength& arc, const CurveFit& fit,
+                       const std::vector<double>& s) {
+  double worst = 0;
+  const double period = fit.curve.end() - fit.curve.start();
+  for (size_t i = 0; i + 1 < s.size(); ++i) {
+    const Vec3 p = input.evaluate(arc.parameter(0.5 * (s[i] + s[i + 1])));
+    const double a = fit.parameters[i], b = i + 1 < fit.parameters.size()
+                                                ? fit.parameters[i + 1]
+                                                : fit.parameters[0] + period;
+    const auto nearest = closest_on_curve(
+        [&](double u, int order) { return fit.curve.evaluate(u, order); }, {a, b}, p);
+    worst = std::max(worst, nearest.distance);
+  }
+  return worst;
+}
+
+}  // namespace
+
+std::optional<HermiteCurve> exact_curve(const InputCurve& curve, double corner_angle) {
+  if (!curve.piecewise_cubic()) return std::nullopt;
+  const std::vector<double> t = curve.breaks();
+  const auto n = static_cast<int>(t.size());
+  std::vector<Vec3> before(n), after(n);  // derivatives by t
+  double length = 0;
+  for (int i = 0; i + 1 < n; ++i) after[i] = curve.evaluate(t[i], 1);
+  for (int i = 1; i < n; ++i) {
+    // At its end a piece has the derivative that follows from three points and the one at its
+    // start.
+    const double h = t[i] - t[i - 1];
+    const Vec3 a = curve.evaluate(t[i - 1]), m = curve.evaluate(t[i - 1] + 0.5 * h),
+               b = curve.evaluate(t[i]);
+    before[i] = (4 * a - 8 * m + 4 * b) / h + after[i - 1];
+    if (i + 1 < n && (before[i] - after[i]).norm() <= 1e-9 * after[i].norm()) before[i] = after[i];
+    length += (b - a).norm();
+  }
+  // Where the direction goes on, the parameter of the next segment is scaled so that the speed
+  // does.
+  constexpr double same_direction = 1e-5;  // degrees
+  std::vector<double> u = {0}, scale = {1};
+  std::vector<int> corners;
+  for (int i = 0; i + 1 < n; ++i) {
+    if (i > 0) {
+      const double turn = degrees_between(before[i], after[i]);
+      if (!(before[i].norm() > 0) || !(after[i].norm() > 0)) return std::nullopt;
+      if (turn > corner_angle) {
+        corners.push_back(i);
+        scale.push_back(1);
+      } else if (turn > same_direction) {
+        return std::nullopt;
+      } else {
+        scale.push_back(scale.back() * after[i].norm() / before[i].norm());
+      }
+    }
+    u.push_back(u.back() + scale[i] * (t[i + 1] - t[i]));
+  }
+  bool closed = n > 2 && comes_back(curve, length);
+  if (closed) {
+    const double turn = seam_degrees(curve);
+    const double speeds = (before[n - 1].norm() / scale[n - 2]) / (after[0].norm() / scale[0]);
+    if (turn > corner_angle)
+      corners.insert(corners.begin(), 0);
+    else
+      closed = turn <= same_direction && std::abs(speeds - 1) < 1e-9;
+  }
+  const CurveMesh unscaled(u, closed, corners);
+  Points dofs(unscaled.dof_count(), 3);
+  for (int i = n - 1; i >= 0; --i) {
+    if (closed && i == n - 1) {
+      dofs.row(unscaled.slope_in(0)) = before[i] / scale[i - 1];
+      continue;
+    }
+    dofs.row(unscaled.position_dof(i)) = curve.evaluate(t[i]);
+    if (i > 0) dofs.row(unscaled.slope_in(i)) = before[i] / scale[i - 1];
+    if (i + 1 < n) dofs.row(unscaled.slope_out(i)) = after[i] / scale[i];
+  }
+  // And all of it so that u has the length of the curve.
+  const double stretch =
+      ArcLength(curve_from_hermite(HermiteCurve(unscaled, dofs))).total() / unscaled.end();
+  if (!(stretch > 0)) return std::nullopt;
+  for (double& x : u) x *= stretch;
+  for (int i = 0; i < unscaled.node_count(); ++i) {
+    dofs.row(unscaled.slope_out(i)) /= stretch;
+    if (unscaled.is_corner(i)) dofs.row(unscaled.slope_in(i)) /= stretch;
+  }
+  return HermiteCurve(CurveMesh(u, closed, corners), dofs);
+}
+
+HermiteCurve fit_curve(const std::string& name, std::shared_ptr<const InputCurve> curve,
+                       const FitOptions& options) {
+  if (!options.halved && !options.start && !options.end)
+    if (auto exact = exact_curve(*curve, options.corner_angle)) return *exact;
+  const ArcLength arc(curve);
+  const double total = arc.total();
+  const bool closed = options.closed.value_or(comes_back(*curve, total));
+  // Corners are samples; between them samples lie evenly.
+  std::vector<double> ends = {0};
+  const std::vector<double> breaks = curve->breaks();
+  for (size_t i = 1; i + 1 < breaks.size(); ++i)
+    if (degrees_at(*curve, breaks[i]) > options.corner_angle)
+      ends.push_back(arc.length_at(breaks[i]));
+  ends.push_back(total);
+  const bool seam = closed && seam_degrees(*curve) > options.corner_angle;
+
+  FitOptions half = options;
+  half.tolerance = 0.5 * options.tolerance;  // the rest is for what lies between the samples
+  constexpr int most_samples = 1 << 14;
+  for (int per_line = 64 + 8 * static_cast<int>(breaks.size());; per_line *= 2) {
+    std::vector<double> s;
+    std::vector<int> corners;
+    if (seam) corners.push_back(0);
+    for (size_t k = 0; k + 1 < ends.size(); ++k) {
+      const double part = ends[k + 1] - ends[k];
+      const int n = std::max(8, static_cast<int>(per_line * part / total));
+      if (k > 0) corners.push_back(static_cast<int>(s.size()));
+      for (int i = 0; i < n; ++i) s.push_back(ends[k] + part * i / n);
+    }
+    s.push_back(total);
+    std::vector<Vec3> points;
+    for (const double at : s) points.push_back(curve->evaluate(arc.parameter(at)));
+    PointRow row(name, points, 180, corners, closed);
+    if (row.chord.size() == s.size()) row.chord = s;
+    const CurveFit fit = fit_row(name, row, half);
+    const double off = std::max(fit.deviation.max, between_samples(*curve, arc, fit, s));
+    if (off <= options.tolerance) return fit.curve;
+    if (2 * per_line > most_samples)
+      throw InputError("line '" + name + "' is not within " + number(options.tolerance) +
+                       " of a smooth curve (off by " + number(off) +
+                       "): is there a corner, or is the tolerance too small?");
+  }
+}
+
+}  // namespace batten

@@ -1,0 +1,44 @@
+// Points in an order: what fits and fairing make of a user's list first. Internal.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "batten/fairing/curve_fit.h"
+
+namespace batten {
+
+/// Distinct neighbours, chord lengths, corners. The list of a closed curve does not repeat its
+/// first point.
+struct PointRow {
+  std::vector<Vec3> points;
+  std::vector<int> index;     ///< of each given point in `points`
+  std::vector<double> chord;  ///< from the first point; one more entry when closed: the whole
+  std::vector<int> corners;   ///< ascending; ends of an open row not among them
+  bool closed = false;
+  double size = 0;  ///< diagonal of the bounding box
+
+  double length() const { return chord.back(); }
+  int count() const { return static_cast<int>(points.size()); }
+
+  /// Throws InputError as fit_points() says.
+  PointRow(const std::string& name, const std::vector<Vec3>& given, double corner_angle,
+           const std::optional<std::vector<int>>& given_corners, std::optional<bool> is_closed);
+};
+
+/// fit_points() of a row; parameters are those of its points.
+CurveFit fit_row(const std::string& name, PointRow row, const FitOptions& options);
+
+/// Deviation::between of one gap: by how much `x` is farther from the chord a b than the tallest
+/// arc between them may rise. `bend`: the larger of the curvatures of the circles through a and b
+/// and their neighbours.
+double beyond_chord(const Vec3& x, const Vec3& a, const Vec3& b, double bend);
+/// Curvature of the circle through three points; 0 where two of them coincide.
+double circle_curvature(const Vec3& a, const Vec3& b, const Vec3& c);
+
+/// Deviation of a curve from a row whose point i belongs to parameter t[i].
+Deviation deviation_of(const HermiteCurve& curve, const PointRow& row,
+                       const std::vector<double>& t);
+
+}  // namespace batten
