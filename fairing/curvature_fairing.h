@@ -19,8 +19,7 @@ enum class CurveFunctional {
   /// ∫ κ'² + κ²τ² ds, unit 1/length³: the minimum variation curve (Moreton, Séquin 1992), κ' the
   /// change of curvature along the curve, τ its torsion. That is the part of d(κN)/ds normal to the
   /// curve: (dκ/ds)² of a plane curve, 0 for circles and lines only, and smooth through inflections
-  /// where κ and N alone are not. (Moreton and Séquin take all of d(κN)/ds in space, κ⁴ more, and
-  /// lose the circle.)
+  /// where κ and N alone are not. (All of d(κN)/ds would cost κ⁴ more, also on circles.)
   Variation
 };
 
@@ -77,7 +76,8 @@ double curvature_functional(const QuinticCurve& curve, CurveFunctional functiona
 
 /// Fairs a curve: minimises the functional (and what springs and length_weight add) over quintic
 /// C2 curves with a node at each hold and even nodes between, starting from the given curve, by
-/// Levenberg and Marquardt's method (Ceres). A local minimum, the one downhill from the start.
+/// Levenberg and Marquardt's method and then BFGS (Ceres). A local minimum, one downhill from the
+/// start.
 /// Cubics would not do: they are C1, jumps of their curvature at nodes cost nothing, and refinement
 /// makes that worse. Between rounds, parametric lengths become arc lengths and springs move to the
 /// nearest points, until both stand still. Works on the curve moved to the origin and scaled to

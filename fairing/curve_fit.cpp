@@ -22,11 +22,11 @@ struct Held {
 class Fit {
  public:
   std::vector<Vec3> points;
-  std::vector<double> t;     // ascending, within the mesh
+  std::vector<double> t;     // ascending; outside of the mesh: only seen as ends of gaps
   std::vector<char> kept;    // t stays: corners, ends
   std::vector<double> bend;  // curvature of the circle around each gap, for beyond_chord()
   std::vector<Held> held;    // ascending
-  bool closed = false, even = false;
+  bool closed = false, even = false, whole_loop = false;
   double tolerance = 0;
 
   CurveMesh mesh;
@@ -81,11 +81,13 @@ class Fit {
     std::vector<int> first;
     for (const double u : mesh.parameters())
       first.push_back(static_cast<int>(std::lower_bound(t.begin(), t.end(), u) - t.begin()));
-    first.back() = count();
+    first.back() = static_cast<int>(std::upper_bound(t.begin(), t.end(), mesh.end()) - t.begin());
     return first;
   }
 
  private:
+  bool outside(int i) const { return t[i] < mesh.start() || t[i] > mesh.end(); }
+
   void solve() {
     const CurveBand band(mesh);
     band.reset(A_);
@@ -140,13 +142,14 @@ class Fit {
     for (int s = 0; s < segments; ++s) cubics_[s] = cubic(s);
     int s = 0;
     for (int i = 0; i < count(); ++i) {
-      if (kept[i] || even) continue;
+      if (kept[i] || even || outside(i)) continue;
       while (s + 1 < segments && t[i] >= u[s + 1]) ++s;
       const double h = mesh.length(s);
       const Jet at = cubics_[s]((t[i] - u[s]) / h);
       const Vec3 d = at.x - points[i];
       const double slope = at.d1.squaredNorm() + std::max(0.0, d.dot(at.d2));
-      const double low = i > 0 ? t[i - 1] : u.front(), high = i + 1 < count() ? t[i + 1] : u.back();
+      const double low = i > 0 ? std::max(t[i - 1], u.front()) : u.front(),
+                   high = i + 1 < count() ? std::min(t[i + 1], u.back()) : u.back();
       if (slope > 0)
         t[i] = std::clamp(t[i] - h * d.dot(at.d1) / slope, 0.5 * (low + t[i]), 0.5 * (high + t[i]));
     }
@@ -154,22 +157,33 @@ class Fit {
     bool near_before = false;
     for (int i = 0; i < count(); ++i) {
       while (s + 1 < segments && t[i] >= u[s + 1]) ++s;
-      const double distance =
-          (cubics_[s].position((t[i] - u[s]) / mesh.length(s)) - points[i]).norm();
-      off[s] = std::max(off[s], distance);
-      if (t[i] == u[s] && s > 0) off[s - 1] = std::max(off[s - 1], distance);
-      const bool near = distance <= tolerance;
-      // Between two points that are near enough the curve must not bulge.
-      if (near && near_before) {
-        const double middle = 0.5 * (t[i] + t[i - 1]);
-        int at = s;
-        while (at > 0 && middle < u[at]) --at;
-        const Vec3 m = cubics_[at].position((middle - u[at]) / mesh.length(at));
-        if ((m - 0.5 * (points[i] + points[i - 1])).squaredNorm() > tolerance * tolerance)
-          off[at] = std::max(
-              off[at], beyond_chord(m, points[i - 1], points[i], std::max(bend[i - 1], bend[i])));
+      double distance = 0;
+      if (!outside(i)) {
+        distance = (cubics_[s].position((t[i] - u[s]) / mesh.length(s)) - points[i]).norm();
+        off[s] = std::max(off[s], distance);
+        if (t[i] == u[s] && s > 0) off[s - 1] = std::max(off[s - 1], distance);
       }
+      const bool near = distance <= tolerance;
+      if (i > 0 && near && near_before) measure_gap(i - 1, i, t[i - 1], t[i]);
       near_before = near;
+    }
+    if (whole_loop) {
+      measure_gap(count() - 1, 0, t.back(), t.front() + period());
+      measure_gap(count() - 1, 0, t.back() - period(), t.front());
+    }
+  }
+
+  // Between two points that are near enough the curve must not bulge.
+  void measure_gap(int i, int j, double from, double to) {
+    const auto& u = mesh.parameters();
+    for (const double part : {0.3, 0.7}) {  // a bulge to one side shows there, and one to both
+      const double between = from + part * (to - from);
+      if (between < u.front() || between > u.back()) continue;
+      const int at = mesh.where(between).segment;
+      const Vec3 x = cubics_[at].position((between - u[at]) / mesh.length(at));
+      if ((x - points[i] - part * (points[j] - points[i])).squaredNorm() > tolerance * tolerance)
+        off[at] =
+            std::max(off[at], beyond_chord(x, points[i], points[j], std::max(bend[i], bend[j])));
     }
   }
 
@@ -239,12 +253,25 @@ Fit window_of(const Fit& fit, int a, int b, std::vector<double> knots,
   part.tolerance = fit.tolerance;
   part.even = fit.even;
   const double from = knots.front(), to = knots.back();
-  const auto i = std::lower_bound(fit.t.begin(), fit.t.end(), from) - fit.t.begin();
-  const auto j = std::upper_bound(fit.t.begin(), fit.t.end(), to) - fit.t.begin();
+  // With the points before and behind: the gaps to them count too.
+  const auto i =
+      std::max<long>(std::lower_bound(fit.t.begin(), fit.t.end(), from) - fit.t.begin() - 1, 0);
+  const auto j = std::min<long>(
+      std::upper_bound(fit.t.begin(), fit.t.end(), to) - fit.t.begin() + 1, fit.count());
   part.points.assign(fit.points.begin() + i, fit.points.begin() + j);
   part.t.assign(fit.t.begin() + i, fit.t.begin() + j);
   part.kept.assign(fit.kept.begin() + i, fit.kept.begin() + j);
   part.bend.assign(fit.bend.begin() + i, fit.bend.begin() + j);
+  if (fit.closed) {
+    const auto beyond = [&](int point, double at, bool in_front) {
+      part.points.insert(in_front ? part.points.begin() : part.points.end(), fit.points[point]);
+      part.t.insert(in_front ? part.t.begin() : part.t.end(), at);
+      part.kept.insert(in_front ? part.kept.begin() : part.kept.end(), 0);
+      part.bend.insert(in_front ? part.bend.begin() : part.bend.end(), fit.bend[point]);
+    };
+    if (a == 0) beyond(fit.count() - 1, fit.t.back() - fit.period(), true);
+    if (b == fit.mesh.segment_count()) beyond(0, fit.t.front() + fit.period(), false);
+  }
   const auto row = [&](int d) { return Vec3(fit.dofs.row(d).transpose()); };
   const int end = b % fit.mesh.node_count();
   for (const Held& h : fit.held)
@@ -276,6 +303,29 @@ bool interpolate(Fit& fit, const PointRow& row, const std::vector<double>& corne
   const std::vector<int> at_corners = corner_nodes(knots, corners);
   fit.set_mesh(std::move(knots), at_corners);
   return true;
+}
+
+// Where the spline through all points still swings out: there the slopes are held too, to the mean
+// direction of the chords beside and not faster than the parameter, which bounds every bulge by a
+// third of its chord. False when that was done before.
+bool calm(Fit& fit, const PointRow& row) {
+  const int n = row.count(), nodes = fit.mesh.node_count();
+  bool changed = false;
+  for (int s = 0; s < fit.mesh.segment_count(); ++s) {
+    if (fit.off[s] <= fit.tolerance) continue;
+    for (const int node : {s, (s + 1) % nodes}) {
+      Held& held = fit.held[node];  // there is one for each point, and so for each node
+      if (held.slope_in || held.slope_out || fit.mesh.is_corner(node)) continue;
+      if (!fit.closed && (node == 0 || node == n - 1)) continue;
+      const Vec3 before = row.points[node] - row.points[(node + n - 1) % n],
+                 after = row.points[(node + 1) % n] - row.points[node];
+      held.slope_in = held.slope_out =
+          (after.norm() * before.normalized() + before.norm() * after.normalized()) /
+          (before.norm() + after.norm());
+      changed = true;
+    }
+  }
+  return changed;
 }
 
 // Takes nodes out where their neighbourhood can be fitted without them: a window of segments is
@@ -312,9 +362,13 @@ void prune(Fit& fit, const std::vector<double>& corners) {
     std::vector<double> all(u.begin(), u.begin() + a);
     all.insert(all.end(), knots.begin(), knots.end());
     all.insert(all.end(), u.begin() + b + 1, u.end());
-    const auto first = std::lower_bound(fit.t.begin(), fit.t.end(), knots.front()) - fit.t.begin();
-    std::copy(part.t.begin(), part.t.end(), fit.t.begin() + first);
-    std::copy(part.kept.begin(), part.kept.end(), fit.kept.begin() + first);
+    const auto first = std::max<long>(
+        std::lower_bound(fit.t.begin(), fit.t.end(), knots.front()) - fit.t.begin() - 1, 0);
+    const int in_front = fit.closed && a == 0,
+              behind_seam = fit.closed && b + 1 == static_cast<int>(u.size());
+    std::copy(part.t.begin() + in_front, part.t.end() - behind_seam, fit.t.begin() + first);
+    std::copy(part.kept.begin() + in_front, part.kept.end() - behind_seam,
+              fit.kept.begin() + first);
     const CurveMesh old = fit.mesh;
     const Points before = fit.dofs;
     fit.set_mesh(all, corner_nodes(all, corners));
@@ -353,7 +407,7 @@ CurveFit fit_row(const std::string& name, PointRow row, const FitOptions& option
   for (double& u : row.chord) u = on_grid(u, row.length());
   Fit fit;
   fit.tolerance = std::max(options.tolerance, least);
-  fit.closed = row.closed;
+  fit.closed = fit.whole_loop = row.closed;
   fit.even = options.even;
   fit.points = row.points;
   fit.t.assign(row.chord.begin(), row.chord.begin() + row.count());
@@ -409,9 +463,9 @@ CurveFit fit_row(const std::string& name, PointRow row, const FitOptions& option
         split = true;
       }
     }
-    if (!split) {
+    if (!split || fit.held.size() == fit.points.size()) {
       // What fails has no point left to part it: the curve goes through its points.
-      if (!interpolate(fit, row, corners)) break;
+      if (!interpolate(fit, row, corners) && !calm(fit, row)) break;
       continue;
     }
     std::sort(u.begin(), u.end());

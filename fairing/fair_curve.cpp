@@ -102,7 +102,8 @@ class Balance {
       rest += springs_.weight[n] *
               (q.row(mesh_.position_dof(n)).transpose() - springs_.goal[n]).squaredNorm();
     const double left = points_ - dearer * freedom();
-    return left > 0 && rest <= points_ * most * most ? rest / (left * left) : std::numeric_limits<double>::infinity();
+    return left > 0 && rest <= points_ * most * most ? rest / (left * left)
+                                                     : std::numeric_limits<double>::infinity();
   }
 
  private:
@@ -118,7 +119,7 @@ class Balance {
 
 // The smallest value of f over [low, high]: `samples` values, then golden sections.
 double minimum_of(const std::function<double(double)>& f, double low, double high, int samples) {
-  double best = high, best_value = std::numeric_limits<double>::infinity();
+  double best = low, best_value = std::numeric_limits<double>::infinity();
   // From the fairest on, so that of equal ones the fairest wins.
   for (int i = samples; i >= 0; --i) {
     const double x = low + (high - low) * i / samples, value = f(x);
@@ -168,7 +169,9 @@ class Fairing {
   double lambda_at(double wave) const {
     return std::pow(wave / (2 * std::numbers::pi), 4) * count_ / length_;
   }
-  double spacing() const { return length_ / count_; }
+  double spacing() const { return length_ / std::min(count_, most_nodes_); }  // of nodes
+  // So short that nothing is smoothed, and the system still positive definite in floating point.
+  double no_wave() const { return 0.02 * spacing(); }
   const CurveCondition* symmetry() const {
     for (const auto& c : options_.conditions)
       if (c.type == Type::Symmetry) return &c;
@@ -196,6 +199,7 @@ class Fairing {
   std::vector<Vec3> tangent_;  // unit, of the last curve there
   std::vector<double> at_;     // where the conditions act, or unused
   int most_nodes_ = 1000;
+  double tightened_ = 1;  // of the stated deviation, so that it holds after the last projection
   CurveMesh mesh_;
   std::vector<int> node_of_;  // of each point
   HermiteCurve curve_;        // of the last round
@@ -291,10 +295,14 @@ void Fairing::choose_nodes() {
       if (wanted[next] >= merged.back() + gap) merged.push_back(wanted[next]);
   }
   merged.push_back(end);
-  if (merged.size() < 4)
-    for (const double part : {0.25, 0.5, 0.75}) merged.push_back(part * end);
-  std::sort(merged.begin(), merged.end());
-  merged.erase(std::unique(merged.begin(), merged.end()), merged.end());
+  // A closed curve has three segments at least: the longest ones are halved.
+  while (row_.closed && merged.size() < 4) {
+    size_t longest = 0;
+    for (size_t k = 0; k + 1 < merged.size(); ++k)
+      if (merged[k + 1] - merged[k] > merged[longest + 1] - merged[longest]) longest = k;
+    merged.insert(merged.begin() + static_cast<long>(longest) + 1,
+                  0.5 * (merged[longest] + merged[longest + 1]));
+  }
   std::vector<double> parameters = merged;
   if (mirrored)
     for (size_t k = merged.size() - 1; k-- > 0;) parameters.push_back(length_ - merged[k]);
@@ -365,18 +373,19 @@ double Fairing::find_wave(Balance& balance, const Springs& springs, double befor
       return options_.wavelength;
     case FairOptions::Balance::CrossValidation: {
       constexpr int fewest = 6;       // points from which something can be learned about noise
-      constexpr double most = 0.025;  // of the length: what moves farther was no noise
+      constexpr double most = 0.025;  // of the size: what moves farther was no noise
       if (count_ < fewest) return 0;
       const double low = before > 0 ? std::max(finest, before / 3) : finest,
                    high = before > 0 ? std::min(coarsest, before * 3) : coarsest;
-      return std::exp(minimum_of([&](double x) { return balance.score(lambda_at(std::exp(x)), most * length_); },
-                                 std::log(low), std::log(high), before > 0 ? 6 : 16));
+      return std::exp(minimum_of(
+          [&](double x) { return balance.score(lambda_at(std::exp(x)), most * row_.size); },
+          std::log(low), std::log(high), before > 0 ? 6 : 16));
     }
     case FairOptions::Balance::Deviation: {
-      double low = std::log(1e-3 * finest), high = std::log(coarsest);
+      double low = std::log(no_wave()), high = std::log(coarsest);
       const auto fits = [&](double x) {
         return off_axis(solve(balance, lambda_at(std::exp(x)), springs), springs) <=
-               options_.deviation;
+               tightened_ * options_.deviation;
       };
       if (fits(high)) return coarsest;
       for (int i = 0; i < 24; ++i) {
@@ -492,9 +501,12 @@ double Fairing::residual() const {
             worst, curve_.evaluate(at_[k], 1).normalized().cross(c.direction.normalized()).norm());
         break;
       case Type::ZeroEndCurvature:
-        for (const double s : {0.0, 1.0})
-          worst = std::max(
-              worst, size * curve_.evaluate({s > 0 ? curve_.segment_count() - 1 : 0, s}, 2).norm());
+        for (const double s : {0.0, 1.0}) {
+          // By how much it would bend the last segment.
+          const int segment = s > 0 ? curve_.segment_count() - 1 : 0;
+          const double h = curve_.mesh().length(segment);
+          worst = std::max(worst, h * h * curve_.evaluate({segment, s}, 2).norm() / size);
+        }
         break;
       case Type::Plane:
         for (int i = 0; i <= samples; ++i)
@@ -516,7 +528,7 @@ FairCurve Fairing::run() {
   FairCurve result;
   double wave = 0;
   const double alpha = options_.alpha / (row_.size * row_.size);
-  constexpr int searches = 4;        // rounds in which the balance is sought; it then stays
+  constexpr int searches = 4;  // rounds in which the balance is sought; it then stays
   while (true) {
     choose_nodes();
     const Springs springs = gather();
@@ -524,7 +536,7 @@ FairCurve Fairing::run() {
     Balance balance(mesh_, springs, alpha, count_, ends);
     if (result.rounds < searches || options_.balance == FairOptions::Balance::Deviation)
       wave = find_wave(balance, springs, wave);
-    const double lambda = lambda_at(std::max(wave, 1e-3 * spacing()));
+    const double lambda = lambda_at(std::max(wave, no_wave()));
     const Points q = solve(balance, lambda, springs);
     if (!free_of_rows()) balance.solve(lambda);
     result.freedom = balance.freedom();
@@ -537,13 +549,16 @@ FairCurve Fairing::run() {
     ++result.rounds;
     // Parameters stand still when they move by little of what is smoothed anyway.
     result.settled = result.rounds > 1 && change * length_ < std::max(1e-4 * length_, 0.01 * wave);
-    if (options_.balance == FairOptions::Balance::Deviation && result.settled) {
-      double worst = 0;
-      for (int i = 0; i < count_; ++i)
-        worst = std::max(worst, (curve_.evaluate(foot_[i]) - row_.points[i]).norm());
-      if (worst > options_.deviation) result.settled = false;
+    int more_rounds = 0;
+    if (options_.balance == FairOptions::Balance::Deviation) {
+      const double worst = deviation_of(curve_, row_, foot_).max;
+      if (worst > options_.deviation) {
+        tightened_ *= 0.999 * options_.deviation / worst;
+        result.settled = false;
+        more_rounds = 20;
+      }
     }
-    if (result.settled || result.rounds >= options_.most_rounds) break;
+    if (result.settled || result.rounds >= options_.most_rounds + more_rounds) break;
   }
   result.curve = curve_;
   result.wavelength = wave;

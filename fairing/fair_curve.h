@@ -38,7 +38,7 @@ struct FairOptions {
   enum class Balance {
     /// Generalised cross-validation (Craven, Wahba 1979) of x, y, z together: the curve that would
     /// predict left-out points best. From 20 points on each degree of freedom counts 1.4 times
-    /// (Kim, Gu 2004), with six once. Points move by 2.5 % of the length at most (root mean
+    /// (Kim, Gu 2004), with six once. Points move by 2.5 % of the size at most (root mean
     /// square): what is larger was no noise. Fewer than six points tell nothing about noise: the
     /// curve then goes through them.
     CrossValidation,

@@ -108,8 +108,15 @@ Fairness fairness(const HermiteCurve& curve) {
       samples[s].push_back(bend_at(curve, {s, static_cast<double>(k) / per_segment}).curvature);
       result.largest_curvature = std::max(result.largest_curvature, samples[s].back().norm());
     }
-  const double threshold =
-      std::max(1e-3 * result.largest_curvature, result.length > 0 ? 1e-9 / result.length : 0);
+  // Below it are waves that nobody sees, and rounding of the coordinates.
+  double threshold =
+      std::max(1e-3 * result.largest_curvature, result.length > 0 ? 1e-6 / result.length : 0);
+  for (int s = 0; s < segments; ++s) {
+    const double chord = (curve.evaluate({s, 1}) - curve.evaluate({s, 0})).norm();
+    if (chord > 0)
+      threshold = std::max(threshold,
+                           4e-15 * curve.evaluate({s, 0}).cwiseAbs().maxCoeff() / (chord * chord));
+  }
   int first = 0;
   while (first < segments && !cut_before(curve, first)) ++first;
   const bool around = first == segments;  // a closed curve without corners: the second lap counts

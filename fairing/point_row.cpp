@@ -171,9 +171,9 @@ Deviation deviation_of(const HermiteCurve& curve, const PointRow& row,
   for (int i = 0; i < (row.closed ? n : n - 1); ++i) {
     const int j = (i + 1) % n;
     const double after = bend(j), gap = t[j] - t[i] + (j == 0 ? period : 0);
-    for (int k = 1; k < 4; ++k)
+    for (int k = 1; k < 8; ++k)
       d.between =
-          std::max(d.between, beyond_chord(curve.evaluate(t[i] + gap * k / 4), row.points[i],
+          std::max(d.between, beyond_chord(curve.evaluate(t[i] + gap * k / 8), row.points[i],
                                            row.points[j], std::max(before, after)));
     before = after;
   }

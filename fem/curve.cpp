@@ -1,6 +1,8 @@
 #include "batten/fem/curve.h"
 
+#include <array>
 #include <cmath>
+#include <limits>
 
 #include "batten/core/errors.h"
 #include "batten/elements/hermite_segment.h"
@@ -65,14 +67,85 @@ double HermiteCurve::length() const {
   return length;
 }
 
-CurvePoint HermiteCurve::closest_point(const Vec3& p) const {
-  constexpr int samples = 8;
-  std::vector<double> u = {start()};
-  for (int i = 0; i < segment_count(); ++i) {
-    for (int k = 1; k < samples; ++k) u.push_back(parameters()[i] + mesh_.length(i) * k / samples);
-    u.push_back(parameters()[i + 1]);
+namespace {
+
+using Quintic = std::array<double, 6>;  // Bernstein coefficients
+
+// A zero of the polynomial in [low, high], where its sign changes once.
+double zero_between(const Quintic& power, double low, double high, bool rising) {
+  double s = 0.5 * (low + high);
+  for (int step = 0; step < 80; ++step) {
+    double g = power[5], slope = 0;
+    for (int k = 4; k >= 0; --k) {
+      slope = slope * s + g;
+      g = g * s + power[k];
+    }
+    ((g > 0) == rising ? high : low) = s;
+    double next = s - g / slope;
+    if (!(next > low && next < high)) next = 0.5 * (low + high);
+    if (std::abs(next - s) <= 1e-16) break;
+    s = next;
   }
-  return closest_on_curve([&](double at, int order) { return evaluate(at, order); }, u, p);
+  return s;
+}
+
+// Calls visit(s) at every zero of the polynomial in [0, 1]; touching zeros may come twice.
+template <class Visit>
+void zeros(const Quintic& power, Quintic b, double low, double high, int depth,
+           const Visit& visit) {
+  int changes = 0;
+  for (int i = 0; i < 5; ++i) changes += (b[i] > 0) != (b[i + 1] > 0);
+  if (changes == 0) return;
+  if (changes == 1 || depth == 50) {
+    visit(changes == 1 ? zero_between(power, low, high, b[5] > 0) : 0.5 * (low + high));
+    return;
+  }
+  Quintic first = b;  // de Casteljau at the middle: `first` and, in place, the second half
+  for (int k = 1; k < 6; ++k) {
+    for (int i = 0; i < 6 - k; ++i) b[i] = 0.5 * (b[i] + b[i + 1]);
+    first[k] = b[0];
+  }
+  const double middle = 0.5 * (low + high);
+  zeros(power, first, low, middle, depth + 1, visit);
+  zeros(power, b, middle, high, depth + 1, visit);
+}
+
+}  // namespace
+
+CurvePoint HermiteCurve::closest_point(const Vec3& p) const {
+  CurvePoint best{start(), std::numeric_limits<double>::infinity()};
+  for (int n = 0; n < node_count(); ++n)
+    if (const double d = (position(n) - p).norm(); d < best.distance) best = {parameters()[n], d};
+  for (int s = 0; s < segment_count(); ++s) {
+    const auto dof = mesh_.segment_dofs(s);
+    const double h = mesh_.length(s);
+    const Vec3 a = dofs_.row(dof[0]).transpose() - p, b = dofs_.row(dof[2]).transpose() - p,
+               da = h * dofs_.row(dof[1]), db = h * dofs_.row(dof[3]);
+    // The segment lies within the hull of its Bézier points.
+    const Vec3 q = a + da / 3, r = b - db / 3, middle = 0.25 * (a + q + r + b);
+    double reach = 0;
+    for (const Vec3& c : {a, q, r, b}) reach = std::max(reach, (c - middle).squaredNorm());
+    if (middle.norm() - std::sqrt(reach) >= best.distance) continue;
+    // (X - p)·X' in powers of s, and its zeros.
+    const Vec3 c1 = da, c2 = 3 * (b - a) - 2 * da - db, c3 = 2 * (a - b) + da + db;
+    const Quintic power = {a.dot(c1),
+                           c1.dot(c1) + 2 * a.dot(c2),
+                           3 * c1.dot(c2) + 3 * a.dot(c3),
+                           2 * c2.dot(c2) + 4 * c1.dot(c3),
+                           5 * c2.dot(c3),
+                           3 * c3.dot(c3)};
+    constexpr double over_binomial[6] = {1, 1 / 5.0, 1 / 10.0, 1 / 10.0, 1 / 5.0, 1};
+    constexpr int pascal[6][6] = {{1},          {1, 1},          {1, 2, 1},
+                                  {1, 3, 3, 1}, {1, 4, 6, 4, 1}, {1, 5, 10, 10, 5, 1}};
+    Quintic bernstein{};
+    for (int i = 0; i < 6; ++i)
+      for (int k = 0; k <= i; ++k) bernstein[i] += pascal[i][k] * over_binomial[k] * power[k];
+    zeros(power, bernstein, 0, 1, 0, [&](double x) {
+      const double d = (evaluate(CurveMesh::Where{s, x}) - p).norm();
+      if (d < best.distance) best = {parameters()[s] + x * h, d};
+    });
+  }
+  return best;
 }
 
 HermiteCurve HermiteCurve::with_nodes(std::vector<double> added) const {

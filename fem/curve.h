@@ -42,7 +42,8 @@ class HermiteCurve {
   /// 1/length; 0 on a straight piece.
   double curvature(double u) const;
   double length() const;
-  /// The nearest point of the curve. O(segments), about 1e-12 of the curve's size.
+  /// The nearest point of the curve: of all zeros of (X - p)·X', found by subdivision, so that none
+  /// is missed. O(segments), exact to rounding.
   CurvePoint closest_point(const Vec3& p) const;
 
   /// The same curve with further nodes at the given parameters (those that are nodes, or outside,

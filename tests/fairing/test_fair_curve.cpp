@@ -1,1 +1,390 @@
+// Fairing: springs to the data against bending, whole and in a stretch, under conditions.
+#include <cmath>
+#include <cstring>
+#include <numbers>
+#include <random>
+
+#include "batten/fairing/fair_curve.h"
+
+#include "batten/core/errors.h"
+#include "batten/fairing/fairness.h"
 #include "batten/tests/catch.h"
+#include "batten/tests/reference.h"
+#include "batten/tests/refusal.h"
+#include "batten/tests/sampling.h"
+
+using namespace batten_test;
+using Catch::Matchers::Contains;
+
+namespace {
+
+constexpr double pi = std::numbers::pi;
+
+Vec3 roof(double s) {
+  const double x = 2 * s - 1;
+  return {2.2 * s, 0.1 * x * x,
+          0.45 * (1 - 0.9 * std::pow(std::abs(x), 3)) + 0.05 * std::sin(2.5 * x)};
+}
+
+Vec3 loop(double s) {
+  const double a = 2 * pi * s;
+  return {2 * std::cos(a), std::sin(a), 0.2 * std::sin(2 * a)};
+}
+
+struct Noisy {
+  std::vector<Vec3> points;
+  double noise = 0;  // rms distance from the true curve
+};
+
+double distance_to(const std::function<Vec3(double)>& x, const Vec3& p) {
+  double best = 1e300, at = 0;
+  for (int i = 0; i <= 500; ++i)
+    if (const double d = (x(i / 500.0) - p).norm(); d < best) {
+      best = d;
+      at = i / 500.0;
+    }
+  for (double step = 1 / 500.0; step > 1e-9; step *= 0.5)
+    for (const double s : {at - step, at + step})
+      if (s >= 0 && s <= 1 && (x(s) - p).norm() < best) {
+        best = (x(s) - p).norm();
+        at = s;
+      }
+  return best;
+}
+
+Noisy noisy(int n, unsigned seed, double sigma, const std::function<Vec3(double)>& x,
+            bool closed = false) {
+  std::mt19937 engine(seed);
+  std::normal_distribution<double> gauss(0, sigma);
+  Noisy data;
+  for (int i = 0; i < n; ++i) {
+    const double a = gauss(engine), b = gauss(engine), c = gauss(engine);
+    data.points.push_back(x(static_cast<double>(i) / (closed ? n : n - 1)) + Vec3(a, b, c));
+    data.noise += std::pow(distance_to(x, data.points.back()), 2) / n;
+  }
+  data.noise = std::sqrt(data.noise);
+  return data;
+}
+
+double error(const HermiteCurve& curve, const std::function<Vec3(double)>& x) {
+  double sum = 0;
+  for (int i = 0; i <= 100; ++i)
+    sum += std::pow(distance_to(
+                        x, curve.evaluate(curve.start() + (curve.end() - curve.start()) * i / 100)),
+                    2) /
+           101;
+  return std::sqrt(sum);
+}
+
+CurveCondition condition(CurveCondition::Type type, const Vec3& at,
+                         const Vec3& direction = Vec3::UnitZ()) {
+  return {"hold", type, at, direction};
+}
+
+bool same_bits(const Vec3& a, const Vec3& b) {
+  return std::memcmp(a.data(), b.data(), sizeof(Vec3)) == 0;
+}
+
+}  // namespace
+
+TEST_CASE("automatic fairing takes more than half of the noise, never adds to it") {
+  for (const double sigma : {0.002, 0.007, 0.02}) {
+    std::vector<double> ratios;
+    for (unsigned seed = 0; seed < 9; ++seed) {
+      const Noisy data = noisy(150, seed, sigma, roof);
+      const FairCurve fair = fair_points("roof", data.points);
+      CHECK(fair.settled);
+      CHECK(fair.curve.mesh().corners().empty());
+      ratios.push_back(error(fair.curve, roof) / data.noise);
+      CHECK(ratios.back() < 0.6);
+      CHECK(fairness(fair.curve).extrema < fairness(curve_as_given("roof", data.points)).extrema);
+    }
+    std::sort(ratios.begin(), ratios.end());
+    CHECK(ratios[4] < 0.4);
+  }
+  const Noisy data = noisy(150, 1, 0.01, loop, true);
+  FairOptions options;
+  options.closed = true;
+  const FairCurve fair = fair_points("loop", data.points, options);
+  REQUIRE(fair.curve.closed());
+  CHECK(error(fair.curve, loop) < 0.5 * data.noise);
+  CHECK(fairness(fair.curve).largest_jump < 0.05 * fairness(fair.curve).largest_curvature);
+}
+
+TEST_CASE("the smoothing spline: with all nodes at the points the curve is C2 and minimal") {
+  const Noisy data = noisy(60, 4, 0.01, roof);
+  FairOptions options;
+  options.balance = FairOptions::Balance::Wavelength;
+  options.wavelength = 1;
+  options.most_rounds = 1;
+  const FairCurve fair = fair_points("roof", data.points, options);
+  const Fairness f = fairness(fair.curve);
+  CHECK(f.largest_jump < 1e-9 * f.largest_curvature);
+  // Any other curve on the same nodes costs more.
+  const auto cost = [&](const HermiteCurve& curve) {
+    const double length = curve.end();
+    const double lambda = std::pow(1 / (2 * pi), 4) * 60 / length;
+    double sum = 0;
+    for (size_t i = 0; i < data.points.size(); ++i)
+      sum += (curve.position(static_cast<int>(i)) - data.points[i]).squaredNorm();
+    for (int s = 0; s < curve.segment_count(); ++s)  // |X''|² is quadratic: three points
+      for (const auto& [at, weight] : {std::pair(0.0, 1 / 6.0), {0.5, 4 / 6.0}, {1.0, 1 / 6.0}})
+        sum += lambda * weight * curve.mesh().length(s) * curve.evaluate({s, at}, 2).squaredNorm();
+    return sum;
+  };
+  REQUIRE(fair.curve.node_count() == 60);
+  const double least = cost(fair.curve);
+  Random random(8);
+  for (int trial = 0; trial < 50; ++trial) {
+    Points dofs = fair.curve.dofs();
+    for (long d = 0; d < dofs.rows(); ++d) dofs.row(d) += 1e-4 * random.point().transpose();
+    CHECK(cost(HermiteCurve(fair.curve.mesh(), dofs)) > least);
+  }
+}
+
+TEST_CASE(
+    "a wave of the given length keeps half of its height, a longer one more, a shorter one less") {
+  const auto kept = [](double wave, double wavelength) {
+    std::vector<Vec3> points;
+    for (int i = 0; i <= 600; ++i)
+      points.emplace_back(i / 20.0, 1e-4 * std::sin(2 * pi * i / 20.0 / wave), 0);
+    FairOptions options;
+    options.balance = FairOptions::Balance::Wavelength;
+    options.wavelength = wavelength;
+    const FairCurve fair = fair_points("wave", points, options);
+    double high = 0;
+    for (int i = 200; i <= 400; ++i)
+      high = std::max(high, std::abs(fair.curve.evaluate(i / 20.0).y()));
+    return high / 1e-4;
+  };
+  CHECK(kept(3, 3) == Approx(0.5).margin(0.01));
+  CHECK(kept(6, 3) == Approx(16.0 / 17).margin(0.01));
+  CHECK(kept(1.5, 3) == Approx(1.0 / 17).margin(0.01));
+}
+
+TEST_CASE("a stated deviation is kept, and used") {
+  const Noisy data = noisy(120, 7, 0.01, roof);
+  double before = 1e9;
+  for (const double limit : {0.03, 0.01, 0.002}) {
+    FairOptions options;
+    options.balance = FairOptions::Balance::Deviation;
+    options.deviation = limit;
+    const FairCurve fair = fair_points("roof", data.points, options);
+    CHECK(fair.deviation.max <= limit);
+    CHECK(fair.deviation.max > 0.8 * limit);
+    CHECK(fair.wavelength < before);
+    before = fair.wavelength;
+  }
+}
+
+TEST_CASE("conditions hold exactly after fairing, alone and together, open and closed") {
+  using Type = CurveCondition::Type;
+  const Noisy data = noisy(100, 11, 0.01, roof);
+  const Vec3 far(1e4, -2e4, 3e4);
+  for (const Vec3& origin : {Vec3(0, 0, 0), far}) {
+    auto points = data.points;
+    for (Vec3& p : points) p += origin;
+    const Vec3 at = roof(0.3) + origin + Vec3(0, 0.02, 0.02);
+    const std::vector<std::vector<CurveCondition>> sets = {
+        {condition(Type::Point, at)},
+        {condition(Type::Tangent, at, {1, 0.2, 0.1})},
+        {condition(Type::Point, at), condition(Type::Tangent, at, {1, 0.2, 0.1})},
+        {condition(Type::ZeroEndCurvature, Vec3::Zero())},
+        {condition(Type::Plane, origin + Vec3(0, 0.03, 0), {0.01, 1, 0})},
+        {condition(Type::Symmetry, origin + Vec3(1.1, 0, 0), {1, 0, 0.02})},
+        {condition(Type::Symmetry, origin + Vec3(1.1, 0, 0), {1, 0, 0}),
+         condition(Type::Plane, origin + Vec3(0, 0.03, 0), {0, 1, 0}),
+         condition(Type::ZeroEndCurvature, Vec3::Zero())}};
+    for (const auto& conditions : sets) {
+      FairOptions options;
+      options.conditions = conditions;
+      const FairCurve fair = fair_points("roof", points, options);
+      INFO(static_cast<int>(conditions[0].type) << " of " << conditions.size());
+      CHECK(fair.max_residual < (origin.norm() > 0 ? 1e-10 : 1e-12));
+      CHECK(fair.deviation.rms < 0.06);
+      if (conditions[0].type == Type::Point) CHECK(fair.curve.closest_point(at).distance < 1e-11);
+    }
+  }
+  FairOptions options;
+  options.hold_ends = true;
+  const FairCurve held = fair_points("roof", data.points, options);
+  CHECK((held.curve.evaluate(0) - data.points.front()).norm() < 1e-15);
+  CHECK((held.curve.evaluate(held.curve.end()) - data.points.back()).norm() < 1e-15);
+
+  // A closed loop, symmetric about the plane x = 0 turned by noise.
+  const Noisy ring = noisy(
+      90, 3, 0.01,
+      [](double s) { return Vec3(2 * std::cos(2 * pi * s), std::sin(2 * pi * s), 0.1); }, true);
+  options.hold_ends = false;
+  options.closed = true;
+  options.conditions = {condition(Type::Symmetry, Vec3::Zero(), Vec3::UnitX())};
+  const FairCurve fair = fair_points("ring", ring.points, options);
+  CHECK(fair.max_residual < 1e-12);
+  CHECK(fair.deviation.max < 0.05);
+  CHECK(std::abs(fair.curve.evaluate(0).x()) < 1e-14);
+}
+
+TEST_CASE("corners stay corners") {
+  std::vector<Vec3> points;
+  std::mt19937 engine(2);
+  std::normal_distribution<double> gauss(0, 0.004);
+  const std::vector<Vec3> corner = {{0, 0, 0}, {2, 0, 0}, {2, 2, 0}, {0, 2, 0}};
+  for (int c = 0; c < 4; ++c)
+    for (int i = 0; i < 50; ++i)
+      points.push_back(corner[c] + i / 50.0 * (corner[(c + 1) % 4] - corner[c]) +
+                       Vec3(gauss(engine), gauss(engine), gauss(engine)));
+  FairOptions options;
+  options.closed = true;
+  const FairCurve fair = fair_points("square", points, options);
+  CHECK(fair.curve.mesh().corners().size() == 4);
+  for (const Vec3& c : corner) CHECK(fair.curve.closest_point(c).distance < 0.01);
+  options.corner_angle = 180;
+  CHECK(fair_points("square", points, options).curve.mesh().corners().empty());
+}
+
+TEST_CASE("local fairing changes its stretch only, joined C1, to the last bit") {
+  const Noisy data = noisy(200, 5, 0.004, roof);
+  FairOptions options;
+  options.balance = FairOptions::Balance::Wavelength;
+  options.wavelength = 0.15;
+  const HermiteCurve before = fair_points("roof", data.points, options).curve;
+  const Vec3 centre = before.evaluate(1.2);
+  const HermiteCurve after = fair_brush(before, centre, 0.3, 0.8);
+  int changed = 0, same = 0;
+  for (int i = 0; i < before.node_count(); ++i) {
+    const double u = before.parameters()[i];
+    const auto it = std::find(after.parameters().begin(), after.parameters().end(), u);
+    REQUIRE(it != after.parameters().end());
+    const int j = static_cast<int>(it - after.parameters().begin());
+    const bool unchanged = same_bits(before.position(i), after.position(j)) &&
+                           same_bits(before.slope_out(i), after.slope_out(j));
+    changed += !unchanged;
+    same += unchanged;
+    if ((before.position(i) - centre).norm() > 0.3 + 0.02) CHECK(unchanged);
+  }
+  CHECK(changed > 10);
+  CHECK(same > 100);
+  // Evaluations of untouched segments have the same bits too.
+  for (const double u : {0.1, 0.333, 0.7, 1.8, 2.1}) {
+    if ((before.evaluate(u) - centre).norm() < 0.32) continue;
+    CHECK(same_bits(before.evaluate(u), after.evaluate(u)));
+    CHECK(same_bits(before.evaluate(u, 2), after.evaluate(u, 2)));
+  }
+  // Fairer inside, and not far away.
+  const auto waviness = [&](const HermiteCurve& curve) {
+    double sum = 0;
+    for (int k = 0; k < 200; ++k) {
+      const double u = 1.0 + 0.4 * k / 200;
+      sum += curve.evaluate(u, 2).squaredNorm();
+    }
+    return sum;
+  };
+  CHECK(waviness(after) < 0.5 * waviness(before));
+  for (int k = 0; k <= 100; ++k)
+    CHECK(before.closest_point(after.evaluate(after.end() * k / 100)).distance < 0.02);
+
+  // A stretch by parameters, also across the seam of a closed curve.
+  const HermiteCurve middle = fair_stretch(before, 0.5, 1, 0.5);
+  CHECK(same_bits(middle.evaluate(1.5), before.evaluate(1.5)));
+  CHECK((middle.evaluate(0.75) - before.evaluate(0.75)).norm() > 1e-6);
+  FairOptions closed = options;
+  closed.closed = true;
+  const HermiteCurve ring =
+      fair_points("loop", noisy(150, 6, 0.01, loop, true).points, closed).curve;
+  const double end = ring.end();
+  const HermiteCurve seam = fair_stretch(ring, 0.95 * end, 0.05 * end, 1);
+  REQUIRE(seam.closed());
+  CHECK((seam.evaluate(0) - ring.evaluate(0)).norm() > 1e-6);
+  CHECK(same_bits(seam.evaluate(0.5 * end), ring.evaluate(0.5 * end)));
+  CHECK((seam.slope_in(0) - seam.slope_out(0)).norm() == 0);
+  // Everything: still a curve.
+  CHECK(fair_brush(ring, Vec3::Zero(), 10, 1).closed());
+  CHECK(fair_brush(before, centre, 10, 0.5).length() == Approx(before.length()).epsilon(0.05));
+}
+
+TEST_CASE("what cannot be faired is refused by name") {
+  const std::vector<Vec3> points = {{0, 0, 0}, {1, 0, 0}, {2, 1, 0}, {3, 1, 1}};
+  FairOptions options;
+  const auto fair = [&] { fair_points("rib", points, options); };
+  for (const double wrong : {0.0, -1.0, double(NAN)}) {
+    options.balance = FairOptions::Balance::Deviation;
+    options.deviation = wrong;
+    CHECK_THAT(refusal(fair), Contains("'rib'") && Contains("deviation") && Contains("above 0"));
+    options.balance = FairOptions::Balance::Wavelength;
+    options.wavelength = wrong;
+    CHECK_THAT(refusal(fair), Contains("'rib'") && Contains("wavelength") && Contains("above 0"));
+  }
+  options = {};
+  options.alpha = -1;
+  CHECK_THAT(refusal(fair), Contains("alpha"));
+  options = {};
+  options.closed = true;
+  options.conditions = {condition(CurveCondition::Type::ZeroEndCurvature, Vec3::Zero())};
+  CHECK_THAT(refusal(fair), Contains("'hold'") && Contains("open"));
+  options.closed = false;
+  options.conditions = {condition(CurveCondition::Type::Plane, Vec3::Zero(), Vec3::Zero())};
+  CHECK_THAT(refusal(fair), Contains("'hold'"));
+  options.conditions = {{"left", CurveCondition::Type::Plane, {0, 0, 0}, {0, 0, 1}},
+                        {"right", CurveCondition::Type::Plane, {0, 0, 1}, {0, 0, 1}}};
+  CHECK_THROWS_AS(fair(), ConflictError);
+  CHECK_THAT(refusal([&] { fair_points("rib", {{0, 0, 0}}); }), Contains("'rib' has 1 point"));
+  const HermiteCurve curve = curve_as_given("rib", points);
+  CHECK_THAT(refusal([&] { fair_brush(curve, {0, 9, 0}, 1, 1); }), Contains("does not meet"));
+  CHECK_THAT(refusal([&] { fair_brush(curve, {0, 0, 0}, -1, 1); }), Contains("radius"));
+  CHECK_THAT(refusal([&] { fair_brush(curve, {0, 0, 0}, 1, 0); }), Contains("wavelength"));
+  CHECK_THAT(refusal([&] { fair_stretch(curve, 2, 1, 1); }), Contains("stretch"));
+}
+
+TEST_CASE("odd point lists are faired: two points, a line, there and back, repeats, a crowd") {
+  const auto fair = [](const std::vector<Vec3>& points) { return fair_points("odd", points); };
+  CHECK(fair({{0, 0, 0}, {1, 1, 1}}).curve.length() == Approx(std::sqrt(3)));
+  CHECK(fair({{0, 0, 0}, {1, 1, 1}, {1, 1, 1}, {2, 0, 0}}).parameters.size() == 4);
+  std::vector<Vec3> line, back;
+  for (int i = 0; i < 40; ++i) line.emplace_back(i, 2 * i, 0);
+  CHECK(fair(line).deviation.max < 1e-8);
+  back = line;
+  for (int i = 39; i-- > 0;) back.push_back(line[i]);
+  CHECK(fair(back).deviation.max < 0.1);
+  std::vector<Vec3> eight;
+  for (int i = 0; i < 100; ++i)
+    eight.emplace_back(std::sin(2 * pi * i / 99), std::sin(4 * pi * i / 99), 0);
+  CHECK(fair(eight).deviation.max < 0.01);
+  const Noisy crowd = noisy(100000, 9, 0.01, roof);
+  const FairCurve many = fair(crowd.points);
+  CHECK(many.curve.node_count() <= 2001);
+  CHECK(error(many.curve, roof) < 0.1 * crowd.noise);
+}
+
+TEST_CASE("every stroke of the hand-drawn sketches goes through fit and fair", "[data]") {
+  const auto folder = optional_data("sketch-cassie/curves");
+  if (folder.empty()) {
+    WARN("skipped: no sketches on this machine");
+    return;
+  }
+  int strokes = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    if (entry.path().extension() != ".curves") continue;
+    std::ifstream in(entry.path());
+    std::string word;
+    for (int n = 0; in >> word >> n;) {
+      std::vector<Vec3> points(n);
+      for (Vec3& p : points) in >> p.x() >> p.y() >> p.z();
+      INFO(entry.path().filename() << ", stroke " << strokes);
+      FitOptions options;
+      options.tolerance = 1e-3;
+      const CurveFit fit = fit_points("stroke", points, options);
+      CHECK(fit.deviation.max <= options.tolerance);
+      const FairCurve fair = fair_points("stroke", points);
+      Vec3 low = points[0], high = points[0];
+      for (const Vec3& p : points) {
+        low = low.cwiseMin(p);
+        high = high.cwiseMax(p);
+      }
+      const double size = (high - low).norm();
+      CHECK(fair.deviation.rms <= 0.04 * size);  // 2.5 %, and what moving parameters adds
+      CHECK(fair.curve.length() <= 1.05 * curve_as_given("stroke", points).length());
+      ++strokes;
+    }
+  }
+  CHECK(strokes == 1431);
+}
