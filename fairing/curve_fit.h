@@ -67,7 +67,8 @@ std::optional<HermiteCurve> exact_curve(const InputCurve& curve, double corner_a
 
 /// exact_curve() where there is one; otherwise, or when ends are given or nodes halved, a fit to
 /// samples of the input, evenly by arc length, so dense that the tolerance holds between them too.
-/// u is roughly arc length; with options.even, it is so within the tolerance. Throws InputError when the tolerance cannot be reached.
+/// u is roughly arc length; with options.even, it is so within the tolerance. Throws InputError
+/// when the tolerance cannot be reached.
 HermiteCurve fit_curve(const std::string& name, std::shared_ptr<const InputCurve> curve,
                        const FitOptions& options);
 

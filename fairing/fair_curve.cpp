@@ -157,7 +157,9 @@ class Fairing {
  public:
   Fairing(const std::string& name, const PointRow& row, const FairOptions& options)
       : name_(name), row_(row), options_(options), count_(row.count()), length_(row.length()) {
-    u_.assign(row.chord.begin(), row.chord.begin() + count_);
+    u_ = row.denoised_chord();
+    length_ = u_.back();
+    u_.resize(count_);
     tangent_.assign(count_, Vec3::Zero());
     if (const CurveCondition* plane = symmetry()) centre(*plane);
   }
@@ -367,7 +369,7 @@ double Fairing::off_axis(const Points& q, const Springs& springs) const {
 }
 
 double Fairing::find_wave(Balance& balance, const Springs& springs, double before) {
-  const double finest = 0.5 * spacing(), coarsest = 20 * length_;
+  const double finest = 0.5 * spacing(), coarsest = 4 * length_;
   switch (options_.balance) {
     case FairOptions::Balance::Wavelength:
       return options_.wavelength;

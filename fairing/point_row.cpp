@@ -40,7 +40,7 @@ std::vector<int> find_corners(const std::vector<Vec3>& points, bool closed, doub
   const int n = static_cast<int>(points.size());
   if (n < 3 || angle >= 180) return {};
   // Progress from point to point, over so many of them that noise does not lengthen it.
-  const int stride = std::clamp(n / 16, 1, 50);
+  const int stride = std::max(n / 16, 1);
   std::vector<double> steps;
   for (int i = stride; i < n; ++i)
     steps.push_back((points[i] - points[i - stride]).norm() / stride);
@@ -134,6 +134,35 @@ PointRow::PointRow(const std::string& name, const std::vector<Vec3>& given, doub
   } else {
     corners = find_corners(points, closed, corner_angle);
   }
+}
+
+std::vector<double> PointRow::denoised_chord() const {
+  constexpr int most_blocks = 200;
+  const int n = count();
+  if (n < 2 * most_blocks || noise_of(points) < 0.3 * length() / n) return chord;
+  std::vector<Vec3> mean(most_blocks, Vec3::Zero());
+  std::vector<double> middle(most_blocks);  // number of the block's middle point
+  for (int b = 0; b < most_blocks; ++b) {
+    const long from = static_cast<long>(b) * n / most_blocks,
+               to = static_cast<long>(b + 1) * n / most_blocks;
+    for (long i = from; i < to; ++i) mean[b] += points[i] / static_cast<double>(to - from);
+    middle[b] = 0.5 * static_cast<double>(from + to - 1);
+  }
+  // Lengths between the means; the halves of the first and the last block go on as fast.
+  std::vector<double> result;
+  int b = 0;
+  double before = 0;
+  for (int i = 0; i < n + closed; ++i) {
+    while (b + 2 < most_blocks && i > middle[b + 1]) {
+      before += (mean[b + 1] - mean[b]).norm();
+      ++b;
+    }
+    result.push_back(before + (mean[b + 1] - mean[b]).norm() * (i - middle[b]) /
+                                  (middle[b + 1] - middle[b]));
+  }
+  const double first = result.front();
+  for (double& u : result) u -= first;
+  return result;
 }
 
 double circle_curvature(const Vec3& a, const Vec3& b, const Vec3& c) {

@@ -19,6 +19,8 @@ struct PointRow {
   bool closed = false;
   double size = 0;  ///< diagonal of the bounding box
 
+  /// `chord`, where steps are noise rather than progress: lengths between means of many points.
+  std::vector<double> denoised_chord() const;
   double length() const { return chord.back(); }
   int count() const { return static_cast<int>(points.size()); }
 
