@@ -34,8 +34,7 @@ ImplicitSteps::ImplicitSteps(const ConstraintSet& constraints, SparseMatrix K, S
   const SparseMatrix reduced = reduction_.reduce(A);
   cholesky_.analyze(reduced);
   if (!cholesky_.factorize(reduced)) throw NoSolutionError(cholesky_.message());
-  still_ = reduction_.expand(MatX::Zero(reduced.rows(), reduction_.coupled() ? 1 : 3));
-  x_ = still_;
+  x_ = reduction_.expand(MatX::Zero(reduced.rows(), reduction_.coupled() ? 1 : 3));
   v_ = Points::Zero(K_.rows(), 3);
 }
 
@@ -52,7 +51,8 @@ const Points& ImplicitSteps::step(const Points& F) {
   const auto& o = options_;
   const Points right = F - product(K_, x_) + o.density / (o.theta * o.dt) * product(M_, v_);
   const MatX y = cholesky_.solve(reduction_.reduce_load(nothing_, right));
-  const Points v = reduction_.expand(y) - still_;
+  const MatX dy = reduction_.D() * y;
+  const Points v = Eigen::Map<const Points>(dy.data(), x_.rows(), 3);
   x_ += o.dt * v;
   v_ += (v - v_) / o.theta;
   return x_;

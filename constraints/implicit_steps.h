@@ -46,7 +46,7 @@ class ImplicitSteps {
   SparseMatrix K_, M_, nothing_;
   Options options_;
   SparseCholesky cholesky_;
-  Points x_, v_, still_;
+  Points x_, v_;
 };
 
 }  // namespace batten

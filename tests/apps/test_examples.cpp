@@ -4,6 +4,7 @@
 #include <cstdlib>
 
 #include "batten/io/cad_lines.h"
+#include "batten/io/point_lines.h"
 #include "batten/io/step.h"
 #include "batten/tests/catch.h"
 #include "batten/tests/reference.h"
@@ -129,6 +130,42 @@ TEST_CASE("the pentagon of the paper, as a scene, has the gold height") {
   CHECK(ran.report["surface"]["dofs"].get<int>() == 28);
   // Energy of the minimum: minus the work of the load on z, plus that of x and y without load.
   CHECK(run(kExamples + "01-pentagon/scene.toml", "pentagon_example").code == kDone);
+}
+
+TEST_CASE("the drawn swan becomes fair, and fairer where the brushes were") {
+  const Ran ran = run(kExamples + "04-fairing/scene.toml", "swan");
+  REQUIRE(ran.code == kDone);
+  const auto& curve = ran.report["curves"][0];
+  const auto &before = curve["before"], &after = curve["after"];
+  CHECK(after["bending"].get<double>() < 1e-3 * before["bending"].get<double>());
+  CHECK(after["inflections"].get<int>() * 10 < before["inflections"].get<int>());
+  CHECK(curve["deviation"]["max"].get<double>() < 4);
+  CHECK(curve["deviation"]["rms"].get<double>() < 1.2);
+  // From beak to tail and back: the two corners are found.
+  const auto stretches = batten::read_cad_lines(ran.out / "swan.step", 1e-3);
+  REQUIRE(stretches.size() == 2);
+  CHECK(stretches[0].name == "swan.1");
+  CHECK(batten::read_point_lines(ran.out / "swan-fair.csv")[0].points.size() == 431);
+  if (kDisplay) CHECK(fs::file_size(ran.out / "swan.png") > 20000);
+
+  // The automatic stage alone, by the command.
+  const std::string command =
+      "'" BATTEN_CLI "' fair '" + kExamples + "04-fairing/swan.csv' --quiet --out '" +
+      (ran.out / "auto.csv").string() + "' --report '" + (ran.out / "auto.json").string() + "'";
+  REQUIRE(std::system(command.c_str()) == 0);
+  const auto alone = nlohmann::json::parse(std::ifstream(ran.out / "auto.json"))["curves"][0];
+  CHECK(after["bending"].get<double>() < 0.98 * alone["after"]["bending"].get<double>());
+  // Far from the brushes nothing has changed: the head.
+  const auto one = batten::read_point_lines(ran.out / "auto.csv")[0].points;
+  const auto two = batten::read_point_lines(ran.out / "swan-fair.csv")[0].points;
+  REQUIRE(one.size() == two.size());
+  int head = 0;
+  for (size_t i = 0; i < one.size(); ++i)
+    if (one[i].z() > 140) {
+      ++head;
+      CHECK((one[i] - two[i]).norm() < 1e-9);
+    }
+  CHECK(head > 50);
 }
 
 TEST_CASE("published hulls are skinned and compared with the surfaces in their files") {

@@ -89,6 +89,66 @@ TEST_CASE("OBJ polylines: indices, names, continued rows", "[io][points]") {
   CHECK(lines[3].first_line == 15);
 }
 
+TEST_CASE("drawn strokes: single and repeated points come through", "[io][points]") {
+  const auto path = file_with("cup.curves",
+                              "v 3\r\n1 2 3\r\n-4.5 .5 6\n7 8 9\n"
+                              "\n# a dot\nv 1\n0.1 -0.2 1e-3\nv 2\n5 5 5\n5 5 5");
+  const auto lines = read_point_lines(path);
+  REQUIRE(lines.size() == 3);
+  CHECK(lines[0].name == "cup_1");
+  CHECK(lines[2].name == "cup_3");
+  CHECK(lines[0].points == kThree);
+  CHECK(lines[1].points == std::vector<Vec3>{{0.1, -0.2, 1e-3}});
+  CHECK(lines[2].points == std::vector<Vec3>{{5, 5, 5}, {5, 5, 5}});
+  CHECK(lines[1].first_line == 7);
+  CHECK(read_point_lines(path, 2)[0].points[0] == Vec3(2, 4, 6));
+}
+
+TEST_CASE("mistakes in drawn strokes are named with line and column", "[io][points]") {
+  const std::string two = "v 2\n1 2 3\n4 5 6\n";
+  CHECK(mistake("a.curves", "1 2 3\n") ==
+        "1:1: found '1', expected 'v N' before the N points of a line");
+  CHECK(mistake("a.curves", two + "7 8 9\n") ==
+        "4:1: found '7', expected 'v N' before the N points of a line");
+  CHECK(mistake("a.curves", "v\n") ==
+        "1:1: found 0 words after 'v', expected the number of points");
+  CHECK(mistake("a.curves", two + "v two\n") ==
+        "4:3: found 'two', expected a number of points from 1");
+  CHECK(mistake("a.curves", "v 0\n" + two) == "1:3: found '0', expected a number of points from 1");
+  CHECK(mistake("a.curves", "v 2.5\n") == "1:3: found '2.5', expected a number of points from 1");
+  CHECK(mistake("a.curves", two + "v 3\n1 2 3\n4 5 6\n") ==
+        "6:1: found the end of the file after 2 points, expected 3 as line 4 says");
+  CHECK(mistake("a.curves", "v 3\n1 2 3\n" + two) ==
+        "3:1: found the next line after 1 point, expected 3 as line 1 says");
+  CHECK(mistake("a.curves", "v 1\n 1 2\n") == "2:2: found 2 numbers, expected 3 (x y z)");
+  CHECK(mistake("a.curves", "v 1\n1 2 nan\n") == "2:5: found 'nan', expected a finite number");
+  CHECK(mistake("a.curves", "v 1\n1 2 x\n") == "2:5: found 'x', expected a number");
+  CHECK(mistake("a.curves", "# nothing\n") == "1:1: found no points, expected some");
+}
+
+TEST_CASE("published sketches are read whole", "[io][points]") {
+  const fs::path folder = batten_test::optional_data("sketch-cassie/curves");
+  if (folder.empty()) {
+    WARN("skipped: sketch-cassie is not there (set BATTEN_TEST_DATA)");
+    return;
+  }
+  int sketches = 0;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    if (entry.path().extension() != ".curves") continue;
+    ++sketches;
+    // Rows of the file: one a stroke, one a point.
+    std::ifstream in(entry.path());
+    size_t strokes = 0, points = 0, found = 0;
+    for (std::string row; std::getline(in, row);) ++(row.starts_with("v") ? strokes : points);
+    const auto lines = read_point_lines(entry.path());
+    for (const auto& line : lines) found += line.points.size();
+    INFO(entry.path());
+    CHECK(lines.size() == strokes);
+    CHECK(found == points);
+  }
+  CHECK(sketches > 10);
+}
+
 TEST_CASE("mistakes in tables are named with line and column", "[io][points]") {
   CHECK(mistake("a.csv", "") == "1:1: found an empty file, expected points");
   CHECK(mistake("a.csv", "\r\n \n") == "1:1: found an empty file, expected points");

@@ -39,6 +39,7 @@ const std::map<std::string, std::set<std::string>> kForeign = {
     {"(vtk|BRep|Geom_|TopoDS|STEPControl|IGES|Standard_|gp_|toml|nlohmann)", {"io", "apps"}},
     {"CGAL/", {"skinning"}},
     {"boost/", {"mesh/features"}},
+    {"ceres/", {"fairing"}},
     {"cholmod", {"core"}},
 };
 
