@@ -110,7 +110,7 @@ Fairness fairness(const HermiteCurve& curve) {
     }
   // Below it are waves that nobody sees, and rounding of the coordinates.
   double threshold =
-      std::max(1e-3 * result.largest_curvature, result.length > 0 ? 1e-6 / result.length : 0);
+      std::max(0.01 * result.largest_curvature, result.length > 0 ? 1e-6 / result.length : 0);
   for (int s = 0; s < segments; ++s) {
     const double chord = (curve.evaluate({s, 1}) - curve.evaluate({s, 0})).norm();
     if (chord > 0)

@@ -10,7 +10,7 @@ namespace batten {
 /// Integrals by Gauss rules in each segment; counts from samples of the signed curvature: |κ|, its
 /// sign turned over wherever the curvature vector turns by more than 90 degrees from one sample to
 /// the next (for a plane curve, where it bends to the other side). Waves of curvature below a
-/// thousandth of the largest are not counted. Corners are left out, and cut the counts.
+/// hundredth of the largest are not counted. Corners are left out, and cut the counts.
 struct Fairness {
   double length = 0;
   double bending = 0;            ///< ∫ κ² ds, 1/length

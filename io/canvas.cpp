@@ -24,6 +24,7 @@
 #include <vtkTubeFilter.h>
 #include <vtkUnsignedCharArray.h>
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
@@ -148,6 +149,32 @@ ViewAxes::ViewAxes(double azimuth, double elevation) {
   up = towards.cross(right);
 }
 
+ViewAxes::ViewAxes(const Vec3& towards_camera) : towards(towards_camera.normalized()) {
+  const Vec3 above = std::abs(towards.z()) > std::sqrt(0.5) ? Vec3::UnitY() : Vec3::UnitZ();
+  right = above.cross(towards).normalized();
+  up = towards.cross(right);
+}
+
+ViewAxes best_view(const std::vector<Vec3>& points) {
+  Vec3 middle = Vec3::Zero();
+  for (const Vec3& p : points) middle += p / static_cast<double>(points.size());
+  Mat3 moments = Mat3::Zero();
+  for (const Vec3& p : points) moments += (p - middle) * (p - middle).transpose();
+  const Eigen::SelfAdjointEigenSolver<Mat3> plane(moments);
+  Vec3 normal = plane.eigenvectors().col(0);
+  // A straight line has no plane of its own: the usual view, as far as it allows.
+  if (plane.eigenvalues()[1] <= 1e-9 * plane.eigenvalues()[2]) {
+    const Vec3 along = plane.eigenvectors().col(2), usual = ViewAxes(-30, 30).towards;
+    normal = usual - usual.dot(along) * along;
+    if (normal.norm() < 1e-6) normal = along.unitOrthogonal();
+  }
+  // From above; a standing plane from the front (-y), one that faces sideways from the right.
+  const double side = std::abs(normal.z()) > std::sqrt(0.5) ? normal.z()
+                      : std::abs(normal.y()) > 0.3          ? -normal.y()
+                                                            : normal.x();
+  return ViewAxes(side < 0 ? Vec3(-normal) : normal);
+}
+
 Fit fit(const std::vector<Vec3>& points, const ViewAxes& axes, const Frame& frame, double zoom) {
   Vec3 low = Vec3::Constant(1e300), high = -low;
   for (const Vec3& p : points) {
@@ -194,6 +221,14 @@ void add_thin_lines(vtkRenderer& renderer, vtkPolyData* lines, const Colour& col
   drawn->GetProperty()->LightingOff();
   drawn->GetProperty()->SetLineWidth(static_cast<float>(std::max(1.6, width * kOversampling)));
   drawn->SetPosition(offset.x(), offset.y(), offset.z());
+  renderer.AddActor(drawn);
+}
+
+void add_dots(vtkRenderer& renderer, vtkPolyData* points, const Colour& colour, double width) {
+  const auto drawn = actor(nullptr, points, colour);
+  drawn->GetProperty()->LightingOff();
+  drawn->GetProperty()->SetPointSize(static_cast<float>(std::max(2.0, width * kOversampling)));
+  drawn->GetProperty()->RenderPointsAsSpheresOn();
   renderer.AddActor(drawn);
 }
 
@@ -297,6 +332,11 @@ void set_camera(vtkRenderer& renderer, const ViewAxes& axes, const Fit& view, do
 double rounded_up(double x) {
   const double power = std::pow(10, std::floor(std::log10(x)) - 1);
   return std::ceil(x / power * (1 - 1e-9)) * power;
+}
+
+double round_step(double x) {
+  const double power = std::pow(10, std::floor(std::log10(x) + 1e-9)), digit = x / power;
+  return power * (digit >= 5 ? 5 : digit >= 2 ? 2 : 1);
 }
 
 vtkSmartPointer<vtkLookupTable> diverging_colours(double limit) {

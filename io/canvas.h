@@ -29,7 +29,12 @@ struct ViewAxes {
   Vec3 right, up, towards;
   /// Degrees, as PictureScene has them.
   ViewAxes(double azimuth, double elevation);
+  /// Against this direction; z upwards, or y where that looks down on the plane z = 0 (by less than
+  /// 45 degrees from above or below).
+  explicit ViewAxes(const Vec3& towards_camera);
 };
+/// Onto the plane that fits the points best, from the side of z, y or x that it faces.
+ViewAxes best_view(const std::vector<Vec3>& points);
 
 /// A part of the window in pixels, from its lower left corner.
 struct Frame {
@@ -54,6 +59,8 @@ vtkSmartPointer<vtkActor> body(vtkPolyData* facets, const Colour& colour);
 /// shift, and the facets cannot cover them.
 void add_thin_lines(vtkRenderer& renderer, vtkPolyData* lines, const Colour& colour, double width,
                     const Vec3& offset);
+/// Round dots of so many pixels.
+void add_dots(vtkRenderer& renderer, vtkPolyData* points, const Colour& colour, double width);
 void add_tubes(vtkRenderer& renderer, vtkPolyData* lines, const Colour& colour, double radius,
                const Vec3& offset);
 /// Key from the upper left, head light, two fills: no side that faces the viewer stays dark. And
@@ -78,6 +85,8 @@ vtkSmartPointer<vtkLookupTable> sequential_colours(double limit);
 double field_limit(vtkDataArray& values);
 /// The smallest number of two digits that is not below x > 0.
 double rounded_up(double x);
+/// The largest of 1, 2, 5 times a power of ten that is not above x > 0.
+double round_step(double x);
 /// Colours, numbers below them, the title above: 100 units high.
 void add_scalar_bar(vtkRenderer& renderer, vtkLookupTable* table, const std::string& title,
                     const Frame& frame);

@@ -11,13 +11,6 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// One name or a list of them.
-std::vector<PlacedWord> names_of(const TomlTable& table, const std::string& key) {
-  if (!table.has(key)) return {};
-  if (table.is_array(key)) return table.words(key);
-  return {{table.text(key), table.place(key)}};
-}
-
 PlacedWord word_of(const TomlTable& table, const std::string& key) {
   return {table.text(key), table.place(key)};
 }
@@ -65,8 +58,8 @@ SelectRule read_select(const TomlTable& t, const std::filesystem::path& folder) 
   if (t.has("file")) rule.file = folder / t.text("file");
   if (t.has("set")) rule.set = word_of(t, "set");
   if (t.has("property")) rule.property = word_of(t, "property");
-  rule.any = names_of(t, "any");
-  rule.except = names_of(t, "except");
+  rule.any = t.names("any");
+  rule.except = t.names("except");
   rule.grow = t.whole_number("grow", 0, 0);
   return rule;
 }
@@ -75,7 +68,7 @@ CutRule read_cut(const TomlTable& t) {
   CutRule rule;
   rule.name = t.text("name");
   rule.place = t.place();
-  rule.band = names_of(t, "band");
+  rule.band = t.names("band");
   if (rule.band.empty()) t.fail("band", "no band", "the selection that holds the feature's border");
   if (t.has("inside")) rule.inside = t.vector("inside");
   rule.options.concave = t.positive("concave", rule.options.concave);
@@ -138,8 +131,8 @@ EditRule read_edit(const TomlTable& t, size_t index) {
   EditRule rule;
   rule.name = t.text("name", "edit-" + std::to_string(index + 1));
   rule.place = t.place();
-  rule.fixed = names_of(t, "fixed");
-  rule.region = names_of(t, "region");
+  rule.fixed = t.names("fixed");
+  rule.region = t.names("region");
   Names handles("handle");
   for (const TomlTable& h :
        t.tables("handle", {"name", "vertices", "translate", "rotate", "scale", "about"})) {
@@ -147,7 +140,7 @@ EditRule read_edit(const TomlTable& t, size_t index) {
     handle.name = h.text("name");
     handles.add(h, "name", handle.name);
     handle.place = h.place();
-    handle.vertices = names_of(h, "vertices");
+    handle.vertices = h.names("vertices");
     if (handle.vertices.empty()) handle.vertices = {{handle.name, h.place("name")}};
     if (h.has("translate")) handle.translate = h.vector("translate");
     for (const TomlTable& r : h.table("rotate", {"axis", "degrees"})) {
@@ -174,7 +167,7 @@ ModesRule read_modes(const TomlTable& t, Names& files) {
     t.fail("poisson", number(rule.poisson), "above -1 and below 0.5");
   rule.density = t.positive("density");
   rule.count = t.whole_number("count", 1, 10);
-  rule.clamped = names_of(t, "clamped");
+  rule.clamped = t.names("clamped");
   if (t.has("before")) rule.before = output_file(t, "before", files, {".inp"});
   if (t.has("after")) rule.after = output_file(t, "after", files, {".inp"});
   return rule;
@@ -234,13 +227,13 @@ DeformScene read(const toml::table& root_table, const std::filesystem::path& fil
   }
   Names kept("name");
   for (const TomlTable& t : root.tables("feature", {"name", "vertices", "keep"})) {
-    FeatureRule rule{t.text("name"), t.place(), names_of(t, "vertices"), read_kind(t)};
+    FeatureRule rule{t.text("name"), t.place(), t.names("vertices"), read_kind(t)};
     if (rule.vertices.empty()) rule.vertices = {{rule.name, t.place("name")}};
     kept.add(t, "name", rule.name);
     scene.features.push_back(std::move(rule));
   }
   for (const TomlTable& t : root.tables("features", {"of", "keep"})) {
-    FeatureRule rule{"", t.place(), names_of(t, "of"), read_kind(t)};
+    FeatureRule rule{"", t.place(), t.names("of"), read_kind(t)};
     if (rule.vertices.empty()) t.fail("of", "no names", "a list of selections or proposals");
     scene.features.push_back(std::move(rule));
   }

@@ -266,6 +266,59 @@ std::vector<NamedPoints> read_obj(Rows& rows, double scale) {
   return lines;
 }
 
+/// The count of a row "v N".
+long announced_points(const Rows& rows, std::string_view row) {
+  std::vector<std::string_view> words;
+  split_table_row(row, words);
+  if (words[0] != "v")
+    rows.fail(words[0].data(),
+              "found " + quoted(words[0]) + ", expected 'v N' before the N points of a line");
+  if (words.size() != 2)
+    rows.fail(words[0].data(), "found " + plural(static_cast<long>(words.size()) - 1, "word") +
+                                   " after 'v', expected the number of points");
+  long count = 0;
+  const char *first = words[1].data(), *last = first + words[1].size();
+  const auto [end, error] = std::from_chars(first, last, count);
+  if (error != std::errc() || end != last || count < 1)
+    rows.fail(first, "found " + quoted(words[1]) + ", expected a number of points from 1");
+  return count;
+}
+
+std::vector<NamedPoints> read_curves(Rows& rows, double scale) {
+  std::vector<NamedPoints> lines;
+  std::vector<std::string_view> fields;
+  long missing = 0;
+  const auto promised = [&] {
+    const auto& line = lines.back();
+    return plural(static_cast<long>(line.points.size()), "point") + ", expected " +
+           std::to_string(missing + static_cast<long>(line.points.size())) + " as line " +
+           std::to_string(line.first_line) + " says";
+  };
+  while (rows.next()) {
+    const std::string_view row = without_comment(rows.row());
+    if (row.empty()) continue;
+    if (missing == 0) {
+      missing = announced_points(rows, row);
+      lines.push_back({"", {}, rows.line()});
+      continue;
+    }
+    split_table_row(row, fields);
+    if (fields[0] == "v") rows.fail(row.data(), "found the next line after " + promised());
+    if (fields.size() != 3)
+      rows.fail(row.data(), "found " + plural(static_cast<long>(fields.size()), "number") +
+                                ", expected 3 (x y z)");
+    Vec3 point;
+    for (int i = 0; i < 3; ++i)
+      point[i] = scale * rows.number_in(fields[static_cast<size_t>(i)], "a number");
+    lines.back().points.push_back(point);
+    --missing;
+  }
+  if (missing > 0)
+    throw InputError(rows.path().string() + ":" + std::to_string(rows.line()) +
+                     ":1: found the end of the file after " + promised());
+  return lines;
+}
+
 void name_lines(std::vector<NamedPoints>& lines, const std::string& file) {
   std::map<std::string, int> count, used;
   std::set<std::string> taken;
@@ -293,13 +346,15 @@ std::vector<NamedPoints> read_point_lines(const fs::path& path, double scale) {
   std::string extension = path.extension().string();
   for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   static const std::vector<std::string> tables{".csv", ".txt", ".xyz", ".dat"};
-  const bool obj = extension == ".obj";
-  if (!obj && std::find(tables.begin(), tables.end(), extension) == tables.end())
+  const bool obj = extension == ".obj", curves = extension == ".curves";
+  if (!obj && !curves && std::find(tables.begin(), tables.end(), extension) == tables.end())
     throw InputError(path.string() + ": found " +
                      (extension.empty() ? "no extension" : "the extension '" + extension + "'") +
-                     ", expected .csv, .txt, .xyz, .dat or .obj");
+                     ", expected .csv, .txt, .xyz, .dat, .obj or .curves");
   Rows rows(path);
-  std::vector<NamedPoints> lines = obj ? read_obj(rows, scale) : read_table(rows, scale);
+  std::vector<NamedPoints> lines = obj      ? read_obj(rows, scale)
+                                   : curves ? read_curves(rows, scale)
+                                            : read_table(rows, scale);
   if (lines.empty()) throw InputError(path.string() + ":1:1: found no points, expected some");
   name_lines(lines, path.stem().string());
   for (const auto& line : lines)

@@ -9,7 +9,7 @@
 
 namespace batten {
 
-/// One line of a file: its points in their order, two or more.
+/// One line of a file: its points in their order, two or more (.curves: one or more).
 struct NamedPoints {
   std::string name;          ///< unique in the file
   std::vector<Vec3> points;  ///< model units
@@ -27,11 +27,17 @@ struct NamedPoints {
 ///                         record is one line, named after the last `o` or `g` record before it
 ///                         (numbered when several share the name), else after the file. Everything
 ///                         else in the file is passed over.
+///   .curves               Drawn strokes: a row `v N`, then N rows of three numbers, again and
+///   again;
+///                         blank rows and comments between are passed over. Named as in a table. A
+///                         stroke may be a single point: hands that draw leave some, and a sketch
+///                         should not be lost for one.
 ///
+/// Points that repeat the one before them are passed on as they are.
 /// A UTF-8 byte-order mark and CRLF line ends are accepted. `file_unit_over_model_unit` multiplies
 /// all numbers. About 3 million points a second, the whole file in memory.
 /// Throws InputError, "file:line:column: found X, expected Y": also for a file that is missing or
-/// without points, a line of one point, numbers that are not finite.
+/// without points, a line of one point (but .curves), numbers that are not finite.
 std::vector<NamedPoints> read_point_lines(const std::filesystem::path& path,
                                           double file_unit_over_model_unit = 1);
 

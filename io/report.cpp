@@ -24,6 +24,7 @@ Json contents(const Report& r) {
                     {"nodes", line.nodes}});
   }
   json["lines"] = {{"count", r.lines.size()}, {"max_deviation", max_deviation}, {"each", each}};
+  if (!r.curves.empty()) json["curves"] = json_of(r.curves);
 
   const auto& s = r.surface;
   const auto& q = s.quality;

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "batten/io/faired_line.h"
 #include "batten/io/scene.h"
 #include "batten/skinning/skin.h"
 
@@ -30,6 +31,7 @@ struct Report {
     int nodes = 0;
   };
   std::vector<Line> lines;
+  std::vector<FairedLine> curves;  ///< the lines as [[fair]] made them; empty without
 
   struct Surface {
     int regions = 1, triangles = 0, dofs = 0;

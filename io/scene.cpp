@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "batten/io/scene_lines.h"
 #include "batten/io/scene_words.h"
 
 namespace batten {
@@ -48,62 +49,14 @@ void for_each_parameter(AnyScene& scene, const Function& f) {
     f("beta_uv", beta[1], 0.0, kInfinity);
     f("beta_vv", beta[2], 0.0, kInfinity);
   }
+  for_each_fair_parameter(
+      scene.fairing, [&](const std::string& name, auto& value) { f(name, value, 0.0, kInfinity); });
 }
 
 std::string range_text(double min, double max) {
   if (min > -kInfinity && max < kInfinity) return "from " + number(min) + " to " + number(max);
   if (min > -kInfinity) return "from " + number(min) + " up";
   return "up to " + number(max);
-}
-
-CharacterLine::Role read_role(const TomlTable& table) {
-  using Role = CharacterLine::Role;
-  return table.choice("role", Role::Outline, {{"outline", Role::Outline}, {"inner", Role::Inner}});
-}
-
-SceneLine read_line(const TomlTable& table, const std::filesystem::path& folder) {
-  SceneLine line;
-  line.place = table.place();
-  line.name = table.text("name");
-  line.role = read_role(table);
-  const int sources = table.has("file") + table.has("points") + table.has("bezier");
-  if (sources != 1)
-    table.fail("name",
-               sources == 0 ? "the line '" + line.name + "' without its shape"
-                            : "more than one shape for the line '" + line.name + "'",
-               "one of: file, points, bezier");
-  if (table.has("file")) {
-    line.file = folder / table.text("file");
-    if (table.has("unit")) line.unit = unit_word(table, "unit");
-    line.place = table.place("file");
-  } else {
-    line.bezier = table.has("bezier");
-    const std::string key = line.bezier ? "bezier" : "points";
-    line.points = table.points(key);
-    line.place = table.place(key);
-    if (table.has("unit"))
-      table.fail("unit", "a unit beside '" + key + "'",
-                 "it only beside 'file': points in the scene are in the scene's unit");
-    if (line.bezier && line.points.size() != 4)
-      table.fail(key, std::to_string(line.points.size()) + " points", "4 control points");
-    if (line.points.size() < 2)
-      table.fail(key, std::to_string(line.points.size()) + " points", "2 points or more");
-  }
-  return line;
-}
-
-SceneLine read_lines(const TomlTable& table, const std::filesystem::path& folder) {
-  SceneLine line;
-  line.file = folder / table.text("file");
-  line.place = table.place("file");
-  if (table.has("unit")) line.unit = unit_word(table, "unit");
-  line.role = read_role(table);
-  line.only = table.words("only");
-  line.skip = table.words("skip");
-  line.inner = table.words("inner");
-  if (!line.only.empty() && !line.skip.empty())
-    table.fail("skip", "both 'only' and 'skip'", "one of them");
-  return line;
 }
 
 void read_skin(const TomlTable& table, SceneSkin& skin) {
@@ -250,6 +203,12 @@ SceneSweep read_sweep(const TomlTable& table, const Scene& scene, Names& files) 
   sweep.values = table.list("values");
   sweep.columns = table.whole_number("columns", 1, 0);
   sweep.picture = read_picture(table, files);
+  // The panels of a sheet share their lines.
+  for_each_fair_parameter(scene.fairing, [&](const std::string& name, double) {
+    if (name == sweep.parameter)
+      table.fail("parameter", "'" + name + "', which changes the lines",
+                 "a parameter of loads, constraints or [skin]");
+  });
   double present = 0;
   for (const Parameter& p : scene.parameters())
     if (p.name == sweep.parameter) present = p.value;
@@ -260,9 +219,10 @@ SceneSweep read_sweep(const TomlTable& table, const Scene& scene, Names& files) 
 }
 
 Scene read(const toml::table& root_table, const std::filesystem::path& file) {
-  const TomlTable root(file.string(), root_table, "the scene",
-                       {"name", "unit", "tolerance", "corner_angle", "line", "lines", "skin",
-                        "constraint", "load", "stress", "output", "compare", "picture", "sweep"});
+  const TomlTable root(
+      file.string(), root_table, "the scene",
+      {"name", "unit", "tolerance", "corner_angle", "line", "lines", "fair", "skin", "constraint",
+       "load", "stress", "output", "compare", "picture", "sweep"});
   const std::filesystem::path folder = file.parent_path();
   Scene scene;
   scene.file = file;
@@ -273,15 +233,8 @@ Scene read(const toml::table& root_table, const std::filesystem::path& file) {
   if (scene.skin.options.corner_angle >= 180)
     root.fail("corner_angle", number(scene.skin.options.corner_angle), "less than 180 degrees");
 
-  Names line_names("line name");
-  for (const TomlTable& t :
-       root.tables("line", {"name", "file", "points", "bezier", "unit", "role"})) {
-    scene.lines.push_back(read_line(t, folder));
-    line_names.add(t, "name", scene.lines.back().name);
-  }
-  for (const TomlTable& t : root.tables("lines", {"file", "unit", "role", "only", "skip", "inner"}))
-    scene.lines.push_back(read_lines(t, folder));
-  if (scene.lines.empty()) root.fail("", "no lines", "[[line]] or [[lines]]");
+  scene.lines = read_scene_lines(root, folder, true);
+  scene.fairing = read_fair_stages(root);
 
   for (const TomlTable& t : root.table("skin", {"element", "mesher", "edge_length", "refine",
                                                 "alpha", "beta", "units", "hold"}))
@@ -368,6 +321,10 @@ void Scene::set(const std::string& parameter, double value, const std::string& w
   if (!expected.empty())
     throw InputError(where + "found " + number(value) + " for '" + parameter + "', expected " +
                      expected);
+  for_each_fair_parameter(changed.fairing, [&](const std::string& name, double number_above_0) {
+    if (!(number_above_0 > 0))
+      throw InputError(where + "found 0 for '" + name + "', expected a number above 0");
+  });
   for (const auto& c : changed.constraints)
     if (c.type != SceneConstraint::Type::Point && c.goal.norm() == 0)
       throw InputError(where + "found 0 for '" + parameter + "', expected a direction of '" +

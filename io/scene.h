@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "batten/io/fair_stages.h"
 #include "batten/io/pictures.h"
 #include "batten/io/toml_table.h"
 #include "batten/sculpting/static_sculpt.h"
@@ -98,6 +99,7 @@ struct Scene {
   std::filesystem::path file;  ///< empty for a scene made by a program
   std::string name = "surface", unit = "mm";
   std::vector<SceneLine> lines;
+  std::vector<FairStage> fairing;  ///< [[fair]]: what happens to the lines before they are skinned
   SceneSkin skin;
   std::vector<SceneConstraint> constraints;
   std::vector<SceneLoad> loads;
@@ -108,7 +110,8 @@ struct Scene {
   std::vector<SceneSweep> sweeps;
 
   /// Loads by their names; coordinates of constraints as name.x, name.y, name.z; alpha and beta, or
-  /// alpha_uu, alpha_uv, alpha_vv, beta_uu, beta_uv, beta_vv where the scene gives three numbers.
+  /// alpha_uu, alpha_uv, alpha_vv, beta_uu, beta_uv, beta_vv where the scene gives three numbers;
+  /// deviations and wavelengths of [[fair]] as STAGE.deviation, STAGE.wavelength.
   std::vector<Parameter> parameters() const;
   /// Throws InputError, beginning with `where`: an unknown name (the nearest is offered), a value
   /// out of its range, a material that is not one.

@@ -1,6 +1,5 @@
 #include "batten/io/step.h"
 
-#include <APIHeaderSection_MakeHeader.hxx>
 #include <BRepCheck_Analyzer.hxx>
 #include <BRepGProp.hxx>
 #include <BRepTools.hxx>
@@ -16,10 +15,6 @@
 #include <STEPControl_Reader.hxx>
 #include <STEPControl_Writer.hxx>
 #include <Standard_Failure.hxx>
-#include <StepData_Protocol.hxx>
-#include <StepData_StepModel.hxx>
-#include <StepData_StepWriter.hxx>
-#include <TCollection_HAsciiString.hxx>
 #include <TopExp.hxx>
 #include <TopExp_Explorer.hxx>
 #include <TopTools_IndexedMapOfShape.hxx>
@@ -30,27 +25,18 @@
 #include <TopoDS_Shell.hxx>
 #include <TopoDS_Vertex.hxx>
 #include <TopoDS_Wire.hxx>
-#include <XSControl_WorkSession.hxx>
 #include <cmath>
 #include <numbers>
 
 #include "batten/core/errors.h"
 #include "batten/io/occ_settings.h"
-#include "batten/io/whole_file.h"
+#include "batten/io/step_text.h"
 
 namespace batten {
 namespace {
 
 gp_Pnt to_occ(const Vec3& p) { return {p.x(), p.y(), p.z()}; }
 Vec3 from_occ(const gp_XYZ& p) { return {p.X(), p.Y(), p.Z()}; }
-
-std::string unit_of(double model_unit_in_metres) {
-  const std::string name = OccSettings::unit_name(model_unit_in_metres);
-  if (name.empty())
-    throw InputError("STEP: a model unit of " + number(model_unit_in_metres) +
-                     " m; expected one of um, mm, cm, m, km, inch, ft, mi, mil, uin");
-  return name;
-}
 
 // ---- writing --------------------------------------------------------------------------------
 
@@ -238,15 +224,6 @@ double size_of(const std::vector<const Surface*>& surfaces) {
       box.extend(Vec3(surface->dofs().row(surface->dof_map().vertex(v))));
   }
   return box.diagonal().norm();
-}
-
-void save(STEPControl_Writer& writer, const std::filesystem::path& path) {
-  StepData_StepWriter text(writer.Model());
-  // Enough digits to read the same number back. (Its zero suppression, which would make the file
-  // smaller, cuts exponents off numbers as long as these.)
-  text.FloatWriter().SetFormat("%#.17G");
-  text.SendModel(Handle(StepData_Protocol)::DownCast(writer.WS()->Protocol()));
-  write_whole_file(path, [&](std::ostream& out) { text.Print(out); });
 }
 
 // ---- reading back ---------------------------------------------------------------------------
@@ -460,7 +437,7 @@ StepReport write_step(const std::filesystem::path& file,
       throw InputError(file.string() +
                        ": found a surface of Z12 elements, which are rational and have no exact "
                        "STEP form; expected HCT elements (element = \"hct\")");
-  const std::string unit = unit_of(model_unit_in_metres);
+  const std::string unit = cad_unit(model_unit_in_metres);
   const double size = size_of(surfaces);
 
   OccSettings occ;
@@ -484,13 +461,7 @@ StepReport write_step(const std::filesystem::path& file,
     }
     if (writer.Transfer(shape, STEPControl_AsIs) != IFSelect_RetDone)
       throw Error(file.string() + ": OpenCASCADE cannot turn the surface into STEP");
-    APIHeaderSection_MakeHeader header(writer.Model());
-    header.SetName(new TCollection_HAsciiString(options.name.c_str()));
-    header.SetAuthorValue(1, new TCollection_HAsciiString(options.author.c_str()));
-    header.SetOrganizationValue(1, new TCollection_HAsciiString(""));
-    header.SetDescriptionValue(1, new TCollection_HAsciiString("surfaces"));
-    header.SetOriginatingSystem(new TCollection_HAsciiString("Batten"));
-    save(writer, file);
+    save_step(writer, file, {options.name, options.author, "surfaces"});
   } catch (const Standard_Failure& failure) {
     throw Error(file.string() + ": OpenCASCADE failed to write it: " + failure.GetMessageString());
   }
@@ -503,7 +474,7 @@ StepReport write_step(const std::filesystem::path& file,
 StepReport check_step(const std::filesystem::path& file, double model_unit_in_metres,
                       const std::vector<const Surface*>& surfaces) {
   OccSettings occ;
-  occ.set_unit(unit_of(model_unit_in_metres));
+  occ.set_unit(cad_unit(model_unit_in_metres));
   try {
     const TopoDS_Shape shape = read_shape(file);
     StepReport report;

@@ -222,6 +222,11 @@ std::vector<PlacedWord> TomlTable::words(const std::string& key) const {
   return words;
 }
 
+std::vector<PlacedWord> TomlTable::names(const std::string& key) const {
+  if (has(key) && !is_array(key)) return {{text(key), place(key)}};
+  return words(key);
+}
+
 std::vector<TomlTable> TomlTable::table(const std::string& key,
                                         std::vector<std::string> keys) const {
   if (!has(key)) return {};

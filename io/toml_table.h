@@ -71,6 +71,8 @@ class TomlTable {
   std::vector<Vec3> points(const std::string& key) const;
   std::vector<double> list(const std::string& key) const;
   std::vector<PlacedWord> words(const std::string& key) const;
+  /// One name or a list of them; none when the key is missing.
+  std::vector<PlacedWord> names(const std::string& key) const;
 
   /// One of the given words.
   template <class Value>

@@ -6,8 +6,10 @@
 #include "batten/apps/cli/terminal.h"
 #include "batten/apps/commands/info.h"
 #include "batten/apps/commands/run_deform.h"
+#include "batten/apps/commands/run_fair.h"
 #include "batten/apps/commands/run_scene.h"
 #include "batten/core/parallel.h"
+#include "batten/io/curve_files.h"
 
 namespace {
 
@@ -40,6 +42,7 @@ Examples:
   batten skin outline.csv --out result          lines to a surface: STEP, VTK, report
   batten run hood.toml --out result             everything a scene asks for
   batten run hood.toml --out result --set crown=4
+  batten fair sketch.csv --out fair.step        drawn lines, as smooth as they were meant
   batten deform edit.toml --out result          a mesh moved, its holes and beads exactly kept
   batten info hood.toml                         its lines and its parameters
   batten info panel.bdf                         a mesh: its holes and creases, what is wrong
@@ -51,22 +54,27 @@ Exit codes:
 )";
 
 struct Arguments {
-  std::string file, out, unit = "mm", screenshot, compare, show = "shaded";
-  std::vector<std::string> files, inner, settings;
+  std::string file, out, unit = "mm", screenshot, compare, show = "shaded", picture, report;
+  std::vector<std::string> files, inner, settings, only;
   std::vector<double> angles;
   double edge_length = 0, tolerance = 0, pressure = 0;
+  double deviation = 0, wavelength = 0, corner_angle = FairOptions{}.corner_angle, segments = 0;
   int threads = 0, contours = 0;
-  bool quiet = false;
+  bool quiet = false, hold_ends = false, closed = false, open = false;
 };
 
 template <class AnyReport>
-int finish(const AnyReport& report, const Arguments& a) {
+int finish(const AnyReport& report, const std::string& text, const Arguments& a) {
   end_progress();
-  if (!a.quiet) std::cout << summary(report, a.out);
+  if (!a.quiet) std::cout << text;
   for (const auto& w : report.warnings) std::cerr << "warning: " << w << "\n";
   for (const auto& m : report.missed)
     std::cerr << "promise missed: " << m.what << " " << m.detail << "\n";
   return report.missed.empty() ? kDone : kMissed;
+}
+template <class AnyReport>
+int finish(const AnyReport& report, const Arguments& a) {
+  return finish(report, summary(report, a.out), a);
 }
 
 int deform(const Arguments& a) {
@@ -75,8 +83,39 @@ int deform(const Arguments& a) {
   return finish(run_deform(scene, a.out, terminal_progress(a.quiet)), a);
 }
 
+int fair(const Arguments& a) {
+  FairScene scene;
+  scene.unit = a.unit;
+  scene.name = std::filesystem::path(a.file).filename().string();
+  scene.segments = a.segments;
+  scene.lines.emplace_back();
+  scene.lines.back().file = a.file;
+  for (const std::string& name : a.only) scene.lines.back().only.push_back({name, {}});
+  FairStage stage;
+  stage.name = "fair";
+  FairOptions& options = stage.options;
+  using Balance = FairOptions::Balance;
+  options.balance = a.deviation > 0    ? Balance::Deviation
+                    : a.wavelength > 0 ? Balance::Wavelength
+                                       : Balance::CrossValidation;
+  options.deviation = a.deviation;
+  options.wavelength = a.wavelength;
+  options.corner_angle = a.corner_angle;
+  if (a.closed || a.open) options.closed = a.closed;
+  stage.hold_ends = a.hold_ends;
+  scene.stages.push_back(stage);
+  const FairReport report =
+      run_fair(scene, FairFiles{a.out, a.picture, a.report}, terminal_progress(a.quiet));
+  return finish(report, summary(report), a);
+}
+
 int run(const Arguments& a) {
   if (edits_a_mesh(a.file)) return deform(a);
+  if (only_fairs(a.file)) {
+    FairScene scene = read_fair_scene(a.file);
+    apply_settings(scene, a.settings);
+    return finish(run_fair(scene, std::filesystem::path(a.out), terminal_progress(a.quiet)), a);
+  }
   Scene scene = read_scene(a.file);
   apply_settings(scene, a.settings);
   return finish(run_scene(scene, a.out, terminal_progress(a.quiet)), a);
@@ -167,9 +206,42 @@ int command(int argc, char** argv) {
       ->allow_extra_args(false);
   common(deform_command);
 
+  auto* fair_command =
+      app.add_subcommand("fair", "Fair drawn or measured lines; the ending of OUT says the kind");
+  fair_command->add_option("lines", a.file, "Lines: .curves .csv .txt .xyz .dat .obj .iges .step")
+      ->required();
+  fair_command->add_option("--out", a.out, "File to write: " + listed(curve_file_endings()))
+      ->required();
+  auto* deviation = fair_command->add_option(
+      "--deviation", a.deviation, "The fairest curve not farther than this from any point");
+  auto* wavelength = fair_command->add_option(
+      "--wavelength", a.wavelength, "Smooth what is shorter than this (default: found by itself)");
+  deviation->check(CLI::PositiveNumber)->excludes(wavelength);
+  wavelength->check(CLI::PositiveNumber);
+  fair_command
+      ->add_option("--corner-angle", a.corner_angle,
+                   "A corner is where a line turns by more than this, degrees (180: none)")
+      ->check(CLI::Range(1e-3, 180.0))
+      ->capture_default_str();
+  fair_command->add_flag("--hold-ends", a.hold_ends, "First and last points stay where they are");
+  auto* closed = fair_command->add_flag("--closed", a.closed, "All lines come back to their start");
+  fair_command->add_flag("--open", a.open, "No line does")->excludes(closed);
+  fair_command
+      ->add_option("--segments", a.segments,
+                   "In the end: as few segments as stay this near to the fair curve")
+      ->check(CLI::PositiveNumber);
+  fair_command->add_option("--only", a.only, "A line to take, by its name (may be repeated)")
+      ->take_all()
+      ->allow_extra_args(false);
+  fair_command->add_option("--picture", a.picture, "Curvature combs before and after (.png)");
+  fair_command->add_option("--report", a.report, "All numbers (.json)");
+  lengths(fair_command);
+  common(fair_command);
+
   auto* skin_command =
       app.add_subcommand("skin", "From files of lines straight to a surface: STEP, VTK, report");
-  skin_command->add_option("lines", a.files, "Outline: .csv .txt .xyz .dat .obj .iges .step")
+  skin_command
+      ->add_option("lines", a.files, "Outline: .csv .txt .xyz .dat .obj .curves .iges .step")
       ->required();
   skin_command->add_option("--inner", a.inner, "A file of inner lines")->allow_extra_args(false);
   skin_command->add_option("--out", a.out, "Folder for all files")->required();
@@ -212,6 +284,7 @@ int command(int argc, char** argv) {
   catch_interrupts();
   if (*run_command) return run(a);
   if (*deform_command) return deform(a);
+  if (*fair_command) return fair(a);
   if (*skin_command) return skin(a);
   if (*info_command) return info(a);
   return view(a);

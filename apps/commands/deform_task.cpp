@@ -4,6 +4,7 @@
 #include <numbers>
 #include <set>
 
+#include "batten/apps/commands/run_parts.h"
 #include "batten/core/rotations.h"
 #include "batten/mesh/selection.h"
 

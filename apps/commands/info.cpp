@@ -7,27 +7,38 @@
 
 #include "batten/apps/commands/line_files.h"
 #include "batten/apps/commands/mesh_info.h"
+#include "batten/apps/commands/sampled_line.h"
+#include "batten/core/words.h"
+#include "batten/fairing/arc_length.h"
 #include "batten/io/deform_scene.h"
+#include "batten/io/fair_scene.h"
 #include "batten/io/step.h"
-#include "batten/skinning/line_fit.h"
 
 namespace batten {
 namespace {
 
-std::string point_text(const Vec3& p) {
-  return "(" + number(p[0]) + ", " + number(p[1]) + ", " + number(p[2]) + ")";
-}
+constexpr double kCorner = 20;  // degrees, as in a scene
 
-std::string lines_text(const std::vector<CharacterLine>& lines, const std::string& unit) {
+std::string lines_text(const std::vector<SourceLine>& lines, const std::string& unit,
+                       double corner_angle) {
   std::string text = std::to_string(lines.size()) + (lines.size() == 1 ? " line" : " lines") +
                      ", lengths in " + unit + "\n";
   size_t width = 0;
   for (const auto& line : lines) width = std::max(width, line.name.size());
   for (const auto& line : lines) {
-    const auto& c = *line.curve;
-    text += "  " + line.name + std::string(width - line.name.size() + 2, ' ') + "length " +
-            number(ArcLength(line.curve).total()) + "  from " + point_text(c.evaluate(c.start())) +
-            " to " + point_text(c.evaluate(c.end())) +
+    text += "  " + line.name + std::string(width - line.name.size() + 2, ' ');
+    // A sketch may have strokes without length.
+    if (!sampled(line, corner_angle).has_length()) {
+      text += "no length  at " + at(line.points.front()) + "\n";
+      continue;
+    }
+    FairOptions options;
+    options.corner_angle = corner_angle;
+    const auto curve = line.curve
+                           ? line.curve
+                           : curve_from_hermite(curve_as_given(line.name, line.points, options));
+    text += "length " + number(ArcLength(curve).total()) + "  from " +
+            at(curve->evaluate(curve->start())) + " to " + at(curve->evaluate(curve->end())) +
             (line.role == CharacterLine::Role::Inner ? "  inner" : "") + "\n";
   }
   return text;
@@ -47,7 +58,15 @@ std::string parameters_text(const std::vector<Parameter>& parameters) {
 
 std::string scene_text(const Scene& scene) {
   return "scene '" + scene.name + "', unit " + scene.unit + "\n" +
-         lines_text(read_lines(scene), scene.unit) + parameters_text(scene.parameters());
+         lines_text(read_sources(scene.lines, scene.file, scene.unit), scene.unit,
+                    scene.skin.options.corner_angle) +
+         parameters_text(scene.parameters());
+}
+
+std::string fairing_text(const FairScene& scene) {
+  return "fairing '" + scene.name + "', unit " + scene.unit + "\n" +
+         lines_text(read_sources(scene.lines, scene.file, scene.unit), scene.unit, kCorner) +
+         parameters_text(scene.parameters());
 }
 
 std::string edits_text(const DeformScene& scene) {
@@ -76,14 +95,16 @@ std::string file_info(const std::filesystem::path& file, const std::string& unit
   if (!std::filesystem::is_regular_file(file))
     throw InputError(file.string() + ": found no such file, expected a scene or a file of lines");
   if (file.extension() == ".toml")
-    return edits_a_mesh(file) ? edits_text(read_deform_scene(file)) : scene_text(read_scene(file));
+    return edits_a_mesh(file) ? edits_text(read_deform_scene(file))
+           : only_fairs(file) ? fairing_text(read_fair_scene(file))
+                              : scene_text(read_scene(file));
   if (is_mesh_file(file)) return mesh_info(file, unit);
   if (line_file_kind(file) == LineFileKind::None)
-    throw InputError(
-        file.string() + ": found the ending '" + file.extension().string() +
-        "', expected a scene (.toml), lines (.csv, .txt, .xyz, .dat, .obj, .iges, .step) or a "
-        "mesh (.obj, .off, .ply, .stl, .vtp, .vtu, .bdf, .nas, .dat, .inp, .k, .key, "
-        ".dyn)");
+    throw InputError(file.string() + ": found the ending '" + file.extension().string() +
+                     "', expected a scene (.toml), lines (.csv, .txt, .xyz, .dat, .obj, .curves, "
+                     ".iges, .step) or a "
+                     "mesh (.obj, .off, .ply, .stl, .vtp, .vtu, .bdf, .nas, .dat, .inp, .k, .key, "
+                     ".dyn)");
   std::string text;
   const std::string ending = file.extension().string();
   if (ending == ".step" || ending == ".stp") {
@@ -95,7 +116,7 @@ std::string file_info(const std::filesystem::path& file, const std::string& unit
              ", largest normal jump " + number(step.max_normal_jump_deg) + " degrees, " +
              std::to_string(step.free_edges) + " rim edges\n";
   }
-  return lines_text(read_line_file(file, unit, unit, 20), unit);
+  return lines_text(read_source_file(file, unit, unit), unit, kCorner);
 }
 
 }  // namespace batten

@@ -9,10 +9,16 @@
 namespace batten {
 namespace {
 
-const std::vector<std::string> kPointEndings = {".csv", ".txt", ".xyz", ".dat", ".obj"};
+const std::vector<std::string> kPointEndings = {".csv", ".txt", ".xyz", ".dat", ".obj", ".curves"};
 const std::vector<std::string> kCadEndings = {".iges", ".igs", ".step", ".stp"};
 
-std::vector<CharacterLine> read_file(const Scene& scene, const SceneLine& source) {
+/// Where messages about [[line]] and [[lines]] begin.
+struct SceneFile {
+  std::string file, unit;
+  std::string at(const Place& place) const { return place_prefix(file, place); }
+};
+
+std::vector<SourceLine> read_file(const SceneFile& scene, const SceneLine& source) {
   const std::string at = scene.at(source.place);
   if (!std::filesystem::is_regular_file(source.file))
     throw InputError(at + "found no file '" + source.file.string() +
@@ -25,11 +31,11 @@ std::vector<CharacterLine> read_file(const Scene& scene, const SceneLine& source
   if (line_file_kind(source.file) == LineFileKind::Cad && !source.unit.empty())
     throw InputError(at + "found a unit for '" + source.file.string() +
                      "', expected none: files of this kind say their unit themselves");
-  return read_line_file(source.file, source.unit, scene.unit, scene.skin.options.corner_angle);
+  return read_source_file(source.file, source.unit, scene.unit);
 }
 
-void check_names(const Scene& scene, const SceneLine& source, const std::vector<PlacedWord>& words,
-                 const std::vector<CharacterLine>& lines) {
+void check_names(const SceneFile& scene, const SceneLine& source,
+                 const std::vector<PlacedWord>& words, const std::vector<SourceLine>& lines) {
   std::vector<std::string> names;
   for (const auto& line : lines) names.push_back(line.name);
   for (const auto& word : words)
@@ -44,21 +50,17 @@ bool contains(const std::vector<PlacedWord>& words, const std::string& name) {
                      [&](const PlacedWord& w) { return w.text == name; });
 }
 
-std::shared_ptr<const InputCurve> curve_of(const SceneLine& source, double corner_angle) {
-  const auto& p = source.points;
-  return source.bezier ? bezier_curve(p[0], p[1], p[2], p[3])
-                       : curve_through_points(source.name, p, corner_angle);
-}
-
-std::vector<CharacterLine> lines_of(const Scene& scene, const SceneLine& source) {
+std::vector<SourceLine> lines_of(const SceneFile& scene, const SceneLine& source) {
   if (source.file.empty()) {
-    try {
-      return {{source.name, curve_of(source, scene.skin.options.corner_angle), source.role}};
-    } catch (const InputError& e) {
-      throw InputError(scene.at(source.place) + e.what());
-    }
+    SourceLine line{source.name, scene.at(source.place), {}, nullptr, source.role};
+    const auto& p = source.points;
+    if (source.bezier)
+      line.curve = bezier_curve(p[0], p[1], p[2], p[3]);
+    else
+      line.points = p;
+    return {line};
   }
-  std::vector<CharacterLine> lines = read_file(scene, source);
+  std::vector<SourceLine> lines = read_file(scene, source);
   if (!source.name.empty()) {
     if (lines.size() != 1)
       throw InputError(scene.at(source.place) + "found " + std::to_string(lines.size()) +
@@ -68,7 +70,7 @@ std::vector<CharacterLine> lines_of(const Scene& scene, const SceneLine& source)
   }
   for (const auto* words : {&source.only, &source.skip, &source.inner})
     check_names(scene, source, *words, lines);
-  std::erase_if(lines, [&](const CharacterLine& line) {
+  std::erase_if(lines, [&](const SourceLine& line) {
     return contains(source.skip, line.name) ||
            (!source.only.empty() && !contains(source.only, line.name));
   });
@@ -90,28 +92,37 @@ LineFileKind line_file_kind(const std::filesystem::path& file) {
                             : LineFileKind::None;
 }
 
-std::vector<CharacterLine> read_line_file(const std::filesystem::path& file,
-                                          const std::string& unit, const std::string& model_unit,
-                                          double corner_angle) {
-  const double model = unit_in_metres(model_unit);
-  if (line_file_kind(file) == LineFileKind::Cad) return read_cad_lines(file, model);
-  std::vector<CharacterLine> lines;
-  for (const NamedPoints& line :
-       read_point_lines(file, unit.empty() ? 1 : unit_in_metres(unit) / model)) {
-    try {
-      lines.push_back({line.name, curve_through_points(line.name, line.points, corner_angle)});
-    } catch (const InputError& e) {
-      throw InputError(place_prefix(file.string(), {line.first_line, 1}) + e.what());
-    }
+std::shared_ptr<const InputCurve> SourceLine::as_curve(double corner_angle) const {
+  if (curve) return curve;
+  try {
+    return curve_through_points(name, points, corner_angle);
+  } catch (const InputError& e) {
+    throw InputError(at + e.what());
   }
+}
+
+std::vector<SourceLine> read_source_file(const std::filesystem::path& file, const std::string& unit,
+                                         const std::string& model_unit) {
+  const double model = unit_in_metres(model_unit);
+  std::vector<SourceLine> lines;
+  if (line_file_kind(file) == LineFileKind::Cad) {
+    for (const CharacterLine& line : read_cad_lines(file, model))
+      lines.push_back({line.name, file.string() + ": ", {}, line.curve});
+    return lines;
+  }
+  for (NamedPoints& line : read_point_lines(file, unit.empty() ? 1 : unit_in_metres(unit) / model))
+    lines.push_back({line.name, place_prefix(file.string(), {line.first_line, 1}),
+                     std::move(line.points), nullptr});
   return lines;
 }
 
-std::vector<CharacterLine> read_lines(const Scene& scene) {
-  std::vector<CharacterLine> all;
+std::vector<SourceLine> read_sources(const std::vector<SceneLine>& lines,
+                                     const std::filesystem::path& file, const std::string& unit) {
+  const SceneFile scene{file.string(), unit};
+  std::vector<SourceLine> all;
   std::map<std::string, Place> places;
-  for (const SceneLine& source : scene.lines)
-    for (CharacterLine& line : lines_of(scene, source)) {
+  for (const SceneLine& source : lines)
+    for (SourceLine& line : lines_of(scene, source)) {
       const auto [it, added] = places.emplace(line.name, source.place);
       if (!added)
         throw InputError(scene.at(source.place) + "found the line name '" + line.name +
@@ -120,6 +131,17 @@ std::vector<CharacterLine> read_lines(const Scene& scene) {
       all.push_back(std::move(line));
     }
   return all;
+}
+
+CharacterLine character_line(const SourceLine& line, double corner_angle) {
+  return {line.name, line.as_curve(corner_angle), line.role};
+}
+
+std::vector<CharacterLine> read_lines(const Scene& scene) {
+  std::vector<CharacterLine> lines;
+  for (const SourceLine& line : read_sources(scene.lines, scene.file, scene.unit))
+    lines.push_back(character_line(line, scene.skin.options.corner_angle));
+  return lines;
 }
 
 }  // namespace batten

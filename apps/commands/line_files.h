@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -13,15 +14,31 @@ namespace batten {
 enum class LineFileKind { None, Points, Cad };
 LineFileKind line_file_kind(const std::filesystem::path& file);
 
-/// All lines of a file as outline lines, in model units. `unit`: of the file's numbers, for files
-/// of points; files of CAD say it themselves. Throws InputError.
-std::vector<CharacterLine> read_line_file(const std::filesystem::path& file,
-                                          const std::string& unit, const std::string& model_unit,
-                                          double corner_angle);
+/// A line as it was given: points, or a curve.
+struct SourceLine {
+  std::string name;
+  std::string at;                           ///< "FILE:LINE:COLUMN: ", for messages
+  std::vector<Vec3> points;                 ///< model units; empty when there is a curve
+  std::shared_ptr<const InputCurve> curve;  ///< of CAD files and Béziers
+  CharacterLine::Role role = CharacterLine::Role::Outline;
 
-/// All lines of a scene in its order. Throws InputError with the place in the scene: a file that is
-/// missing or of an unknown kind, a file of several lines where one was asked for, a name that its
-/// file does not have, a name that two lines have.
+  /// The curve, or the one through the points. Throws InputError: curve_through_points.
+  std::shared_ptr<const InputCurve> as_curve(double corner_angle) const;
+};
+
+/// All lines of a file, in model units. `unit`: of the file's numbers, for files of points ("": the
+/// model's); files of CAD say it themselves. Throws InputError.
+std::vector<SourceLine> read_source_file(const std::filesystem::path& file, const std::string& unit,
+                                         const std::string& model_unit);
+
+/// All lines of a scene in its order; `file` is the scene's, for messages. Throws InputError with
+/// the place in the scene: a file that is missing or of an unknown kind, a file of several lines
+/// where one was asked for, a name that its file does not have, a name that two lines have.
+std::vector<SourceLine> read_sources(const std::vector<SceneLine>& lines,
+                                     const std::filesystem::path& file, const std::string& unit);
+
+/// The lines of a scene as curves, before any [[fair]]. Throws InputError.
 std::vector<CharacterLine> read_lines(const Scene& scene);
+CharacterLine character_line(const SourceLine& line, double corner_angle);
 
 }  // namespace batten

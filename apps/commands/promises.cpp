@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "batten/io/fair_report.h"
+
 namespace batten {
 
 std::vector<MissedPromise> broken_promises(const Report& report, double tolerance) {
@@ -11,6 +13,7 @@ std::vector<MissedPromise> broken_promises(const Report& report, double toleranc
       missed.push_back({what, "is " + number(value) + ", promised at most " + number(limit)});
   };
   const auto& s = report.surface;
+  for (const MissedPromise& m : broken_conditions(report.curves)) missed.push_back(m);
   for (const auto& line : report.lines)
     at_most("lines." + line.name + ".deviation", line.deviation, tolerance);
   if (s.hold == "lines") {

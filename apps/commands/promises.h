@@ -9,6 +9,7 @@ namespace batten {
 
 /// The promises that the measured numbers break, and numbers that could not be computed.
 ///
+///   curves    conditions of [[fair]] ≤ 1e-12 of the curve's size
 ///   lines     deviation of input from fitted curve ≤ tolerance
 ///   surface   constraint residual ≤ 1e-10 of the region's size, held normals ≤ 1e-6°,
 ///             normal jump inside ≤ 1e-3°, Jacobian ≥ 0.05 of its median, no singular node;

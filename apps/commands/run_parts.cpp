@@ -24,6 +24,26 @@ std::vector<Setting> parsed_settings(const std::vector<std::string>& settings) {
   return parsed;
 }
 
+bool matches(const std::string& pattern, const std::string& text) {
+  size_t p = 0, t = 0, star = std::string::npos, resume = 0;
+  while (t < text.size()) {
+    if (p < pattern.size() && pattern[p] == '*') {
+      star = p++;
+      resume = t;
+    } else if (p < pattern.size() && pattern[p] == text[t]) {
+      ++p;
+      ++t;
+    } else if (star != std::string::npos) {  // the last star takes one letter more
+      p = star + 1;
+      t = ++resume;
+    } else {
+      return false;
+    }
+  }
+  while (p < pattern.size() && pattern[p] == '*') ++p;
+  return p == pattern.size();
+}
+
 std::string result_line(const std::string& label, const std::string& text) {
   return "  " + label + std::string(12 - label.size(), ' ') + text + "\n";
 }

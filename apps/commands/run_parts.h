@@ -35,6 +35,9 @@ struct Setting {
 /// Throws InputError.
 std::vector<Setting> parsed_settings(const std::vector<std::string>& settings);
 
+/// Whether a name fits a pattern, in which '*' stands for any letters. O(both).
+bool matches(const std::string& pattern, const std::string& text);
+
 /// A line of a summary.
 std::string result_line(const std::string& label, const std::string& text);
 

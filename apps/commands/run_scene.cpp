@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "batten/apps/commands/line_files.h"
+#include "batten/apps/commands/fair_lines.h"
 #include "batten/apps/commands/make_shape.h"
 #include "batten/apps/commands/output_folder.h"
 #include "batten/apps/commands/promises.h"
@@ -239,9 +239,10 @@ Report run_scene(const Scene& scene, const std::filesystem::path& folder,
   Stopwatch watch(report.timings);
 
   progress.at("lines", 0);
-  const std::vector<CharacterLine> lines = read_lines(scene);
+  const FairedLines lines = faired_lines(scene, progress);
+  report.curves = lines.reports;
   watch.lap("lines");
-  const RegionLayout layout = lay_out(scene, lines, progress);
+  const RegionLayout layout = lay_out(scene, lines.lines, progress);
   report.warnings = layout.warnings();
   watch.lap("layout");
   const MadeShape made = make_shape(layout, scene, progress);
@@ -297,7 +298,7 @@ Report run_scene(const Scene& scene, const std::filesystem::path& folder,
 void view_scene(const Scene& scene, const PictureScene& look, const std::filesystem::path& file,
                 const Progress& progress) {
   require_display();
-  const RegionLayout layout = lay_out(scene, read_lines(scene), progress);
+  const RegionLayout layout = lay_out(scene, faired_lines(scene, progress).lines, progress);
   const MadeShape made = make_shape(layout, scene, progress);
   draw_picture(file, picture_of(look, made.region));
 }

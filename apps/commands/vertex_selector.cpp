@@ -7,6 +7,7 @@
 #include <numeric>
 #include <queue>
 
+#include "batten/apps/commands/run_parts.h"
 #include "batten/mesh/selection.h"
 
 namespace batten {
@@ -26,26 +27,6 @@ const MeshFile::Set& set_named(const std::vector<MeshFile::Set>& sets, const Pla
 }
 
 }  // namespace
-
-bool matches(const std::string& pattern, const std::string& text) {
-  size_t p = 0, t = 0, star = std::string::npos, resume = 0;
-  while (t < text.size()) {
-    if (p < pattern.size() && pattern[p] == '*') {
-      star = p++;
-      resume = t;
-    } else if (p < pattern.size() && pattern[p] == text[t]) {
-      ++p;
-      ++t;
-    } else if (star != std::string::npos) {  // the last star takes one letter more
-      p = star + 1;
-      t = ++resume;
-    } else {
-      return false;
-    }
-  }
-  while (p < pattern.size() && pattern[p] == '*') ++p;
-  return p == pattern.size();
-}
 
 VertexSelector::VertexSelector(const DeformScene& scene, const MeshFile& file,
                                const TriangleMesh& mesh)

@@ -11,9 +11,6 @@
 
 namespace batten {
 
-/// Whether a name fits a pattern, in which '*' stands for any letters. O(both).
-bool matches(const std::string& pattern, const std::string& text);
-
 /// Selections, cuts and proposed features of one scene, found when they are asked for. All are
 /// made on the mesh as it was read. Throws InputError with the place of the word: an unknown name
 /// (the nearest is offered), one that selects nothing, selections that need each other.

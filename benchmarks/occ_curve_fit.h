@@ -1,0 +1,40 @@
+// OpenCASCADE's approximation of points by a B-spline, behind an interface that names none of its
+// types. Without OpenCASCADE occ_curves_version() is "".
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "batten/core/eigen.h"
+
+namespace batten::bench {
+
+std::string occ_curves_version();
+
+/// Of GeomAPI_PointsToBSpline; parameters by chord length, its default.
+struct OccFitSettings {
+  double tolerance = 1e-3;  ///< Tol3D
+  int degree = 3;           ///< both DegMin and DegMax; variational: DegMax
+  int continuity = 2;       ///< C1 or C2
+  /// The constructor that smooths: its weights of length, curvature and torsion.
+  bool variational = false;
+  double weights[3] = {1, 1, 1};
+};
+
+class OccFit {
+ public:
+  OccFit(const std::vector<Vec3>& points, const OccFitSettings& settings);
+  ~OccFit();
+  OccFit(OccFit&&) noexcept;
+  /// False also where OpenCASCADE threw.
+  bool done() const;
+  std::vector<double> knots() const;
+  Vec3 evaluate(double u, int order) const;
+
+ private:
+  struct Data;
+  std::unique_ptr<Data> data_;
+};
+
+}  // namespace batten::bench

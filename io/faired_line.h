@@ -1,0 +1,28 @@
+// What a report says about a faired line.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "batten/fairing/curve_fit.h"
+#include "batten/fairing/fairness.h"
+
+namespace batten {
+
+/// Measured on the curve that is written. Lengths in model units.
+struct FairedLine {
+  std::string name;
+  int points = 0, segments = 0;  ///< of the input (as sampled, for CAD curves); of the result
+  bool closed = false;
+  bool faired = false;                 ///< false: no stage acted on it, or it cannot be faired
+  double size = 0;                     ///< diagonal of the box around the points
+  Deviation deviation;                 ///< from the input
+  double wavelength = 0, freedom = 0;  ///< of the last stage of the whole line, FairCurve's
+  int rounds = 0;
+  bool settled = true;
+  double max_residual = 0;                ///< of the conditions, over the size
+  std::optional<Fairness> before, after;  ///< none for a line without length
+  double seconds = 0;
+};
+
+}  // namespace batten

@@ -1,0 +1,42 @@
+#include "batten/io/step_text.h"
+
+#include <APIHeaderSection_MakeHeader.hxx>
+#include <STEPControl_Writer.hxx>
+#include <StepData_Protocol.hxx>
+#include <StepData_StepModel.hxx>
+#include <StepData_StepWriter.hxx>
+#include <TCollection_HAsciiString.hxx>
+#include <XSControl_WorkSession.hxx>
+
+#include "batten/core/errors.h"
+#include "batten/io/occ_settings.h"
+#include "batten/io/whole_file.h"
+
+namespace batten {
+
+std::string cad_unit(double model_unit_in_metres) {
+  const std::string name = OccSettings::unit_name(model_unit_in_metres);
+  if (name.empty())
+    throw InputError("a CAD file in a model unit of " + number(model_unit_in_metres) +
+                     " m; expected one of um, mm, cm, m, km, inch, ft, mi, mil, uin");
+  return name;
+}
+
+void save_step(STEPControl_Writer& writer, const std::filesystem::path& path,
+               const StepHeader& header) {
+  APIHeaderSection_MakeHeader made(writer.Model());
+  const auto text_of = [](const std::string& s) { return new TCollection_HAsciiString(s.c_str()); };
+  made.SetName(text_of(header.name));
+  made.SetAuthorValue(1, text_of(header.author));
+  made.SetOrganizationValue(1, text_of(""));
+  made.SetDescriptionValue(1, text_of(header.description));
+  made.SetOriginatingSystem(text_of("Batten"));
+  StepData_StepWriter text(writer.Model());
+  // Enough digits to read the same number back. (Its zero suppression, which would make the file
+  // smaller, cuts exponents off numbers as long as these.)
+  text.FloatWriter().SetFormat("%#.17G");
+  text.SendModel(Handle(StepData_Protocol)::DownCast(writer.WS()->Protocol()));
+  write_whole_file(path, [&](std::ostream& out) { text.Print(out); });
+}
+
+}  // namespace batten
