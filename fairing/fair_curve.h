@@ -78,10 +78,11 @@ FairCurve fair_points(const std::string& name, const std::vector<Vec3>& points,
 HermiteCurve curve_as_given(const std::string& name, const std::vector<Vec3>& points,
                             const FairOptions& options = {});
 
-/// Local fairing. Minimises ∫ |X - X⁰|² + φ(u) (wavelength / 2π)⁴ |X_uu|² du (u in arc length) over
-/// the segments that the stretch touches, φ falling smoothly from 1 in its middle to 0 at its ends.
-/// The nodes at the ends of those segments keep position and slope: outside nothing changes, not a
-/// bit. Inside, nodes are added first, without a change of shape, as many as the wavelength needs.
+/// Local fairing. Minimises ∫ |X - X⁰|² + (φ(u) wavelength / 2π)⁴ |X_uu|² du (u in arc length) over
+/// the segments that the stretch touches, φ falling smoothly from 1 in its middle to 0 at its ends:
+/// the wave that keeps half of its height grows from nothing to `wavelength`. The nodes at the ends
+/// of those segments keep position and slope: outside nothing changes, not a bit. Inside, nodes are
+/// added first, without a change of shape, as many as the wavelength needs.
 ///
 /// From parameter `from` to `to` (closed curves: across the seam when to < from).
 HermiteCurve fair_stretch(const HermiteCurve& curve, double from, double to, double wavelength);

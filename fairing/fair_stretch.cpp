@@ -74,7 +74,9 @@ void fair_run(const HermiteCurve& curve, const Run& run,
     const HermiteSegment segment(mesh.length(k));
     const HermiteSegment::Matrix M = segment.mass();
     const double a = whole.parameters()[s], h = whole.length(s);
-    band.add(A, k, M + segment.bending({lambda * strength(a), lambda * strength(a + h)}));
+    band.add(A, k,
+             M + segment.bending(
+                     {lambda * std::pow(strength(a), 4), lambda * std::pow(strength(a + h), 4)}));
     const auto local = mesh.segment_dofs(k), all = global(k);
     Eigen::Matrix<double, 4, 3> q;
     for (int i = 0; i < 4; ++i) {

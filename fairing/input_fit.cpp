@@ -25,21 +25,21 @@ double seam_degrees(const InputCurve& curve) {
   return degrees_between(curve.evaluate(curve.end() - e, 1), curve.evaluate(curve.start() + e, 1));
 }
 
-// Largest distance from the curve of points of the input half way between the samples that were
-// fitted.
+// Largest distance from the curve of points of the input between the samples that were fitted.
 double between_samples(const InputCurve& input, const ArcLength& arc, const CurveFit& fit,
                        const std::vector<double>& s) {
   double worst = 0;
   const double period = fit.curve.end() - fit.curve.start();
-  for (size_t i = 0; i + 1 < s.size(); ++i) {
-    const Vec3 p = input.evaluate(arc.parameter(0.5 * (s[i] + s[i + 1])));
-    const double a = fit.parameters[i], b = i + 1 < fit.parameters.size()
-                                                ? fit.parameters[i + 1]
-                                                : fit.parameters[0] + period;
-    const auto nearest = closest_on_curve(
-        [&](double u, int order) { return fit.curve.evaluate(u, order); }, {a, b}, p);
-    worst = std::max(worst, nearest.distance);
-  }
+  for (size_t i = 0; i + 1 < s.size(); ++i)
+    for (const double part : {0.1, 0.25, 0.5, 0.75, 0.9}) {
+      const Vec3 p = input.evaluate(arc.parameter(s[i] + part * (s[i + 1] - s[i])));
+      const double a = fit.parameters[i], b = i + 1 < fit.parameters.size()
+                                                  ? fit.parameters[i + 1]
+                                                  : fit.parameters[0] + period;
+      const auto nearest = closest_on_curve(
+          [&](double u, int order) { return fit.curve.evaluate(u, order); }, {a, b}, p);
+      worst = std::max(worst, nearest.distance);
+    }
   return worst;
 }
 
@@ -141,7 +141,19 @@ HermiteCurve fit_curve(const std::string& name, std::shared_ptr<const InputCurve
       const double part = ends[k + 1] - ends[k];
       const int n = std::max(8, static_cast<int>(per_line * part / total));
       if (k > 0) corners.push_back(static_cast<int>(s.size()));
-      for (int i = 0; i < n; ++i) s.push_back(ends[k] + part * i / n);
+      // Half of them evenly by length, half by the input's own parameter, which often runs slowly
+      // where the curve bends.
+      const double from = arc.parameter(ends[k]), to = arc.parameter(ends[k + 1]);
+      std::vector<double> stretch;
+      for (int i = 1; i < n; ++i) {
+        stretch.push_back(ends[k] + part * i / n);
+        stretch.push_back(arc.length_at(from + (to - from) * i / n));
+      }
+      std::sort(stretch.begin(), stretch.end());
+      s.push_back(ends[k]);
+      const double nearest = 1e-3 * part / n;
+      for (const double at : stretch)
+        if (at > s.back() + nearest && at < ends[k + 1] - nearest) s.push_back(at);
     }
     s.push_back(total);
     std::vector<Vec3> points;
@@ -150,7 +162,8 @@ HermiteCurve fit_curve(const std::string& name, std::shared_ptr<const InputCurve
     if (row.chord.size() == s.size()) row.chord = s;
     const CurveFit fit = fit_row(name, row, half);
     const double off = std::max(fit.deviation.max, between_samples(*curve, arc, fit, s));
-    if (off <= options.tolerance) return fit.curve;
+    constexpr double sure = 0.9;  // a peak may lie between the points that were looked at
+    if (off <= sure * options.tolerance) return fit.curve;
     if (2 * per_line > most_samples)
       throw InputError("line '" + name + "' is not within " + number(options.tolerance) +
                        " of a smooth curve (off by " + number(off) +

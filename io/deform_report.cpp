@@ -69,6 +69,17 @@ Json contents(const DeformReport& r) {
                                 {"scale", f.scale},
                                 {"turned_deg", f.turned_deg},
                                 {"moved", f.moved}});
+  json["curves"] = Json::array();
+  for (const auto& c : r.curves)
+    json["curves"].push_back({{"name", c.name},
+                              {"nodes", c.vertices},
+                              {"segments", c.segments},
+                              {"fairing", {{"max", c.fairing.max}, {"rms", c.fairing.rms}}},
+                              {"wavelength", c.wavelength},
+                              {"largest_shift", c.largest_shift},
+                              {"max_residual", c.max_residual},
+                              {"before", json_of(c.before)},
+                              {"after", json_of(c.after)}});
   json["holes"] = Json::array();
   for (const auto& h : r.holes)
     json["holes"].push_back({{"loop", h.loop},
@@ -107,6 +118,8 @@ std::vector<MissedPromise> broken_promises(const DeformReport& report) {
   }
   for (const auto& f : report.features)
     at_most("features." + f.name + ".max_rigid_error", f.max_rigid_error, limit(f.size));
+  for (const auto& c : report.curves)
+    at_most("curves." + c.name + ".max_residual", c.max_residual, limit(report.size));
   if (!report.inverted.empty())
     missed.push_back(
         {"quality.inverted", std::to_string(report.inverted.size()) + " faces, the first is " +

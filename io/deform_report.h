@@ -6,6 +6,8 @@
 #include <utility>
 #include <vector>
 
+#include "batten/fairing/curve_fit.h"
+#include "batten/fairing/fairness.h"
 #include "batten/io/report.h"
 #include "batten/mesh/features/holes.h"
 #include "batten/mesh/quality.h"
@@ -37,6 +39,18 @@ struct DeformReport {
   };
   std::vector<Feature> features;
 
+  /// Lines of vertices that curves drive.
+  struct Curve {
+    std::string name;
+    int vertices = 0, segments = 0;
+    Deviation fairing;  ///< of the vertices from the faired curve, model units
+    double wavelength = 0;
+    double largest_shift = 0;  ///< that the curve's loads add
+    double max_residual = 0;   ///< of the vertices from the curve in the end, over the mesh's size
+    Fairness before, after;
+  };
+  std::vector<Curve> curves;
+
   /// Boundary loops, numbered as [[select]] loop is.
   struct Hole {
     int loop = 0, vertices = 0;
@@ -56,7 +70,7 @@ struct DeformReport {
   std::vector<MissedPromise> missed;
 };
 
-/// What the report itself shows to be broken: hard_residual and max_rigid_error above 1e-12 (above
+/// What the report itself shows to be broken: residuals and max_rigid_error above 1e-12 (above
 /// what 16 roundings of the largest coordinate cost, where that is more), inverted faces, a last
 /// correction above 1e-9, numbers that are not finite.
 std::vector<MissedPromise> broken_promises(const DeformReport& report);

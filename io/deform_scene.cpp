@@ -115,6 +115,53 @@ LineRule read_line(const TomlTable& t) {
   return rule;
 }
 
+std::vector<CurveLoad> read_curve_loads(const TomlTable& t) {
+  std::vector<CurveLoad> loads;
+  Names names("load");
+  for (const TomlTable& s : t.tables("spring", {"name", "at", "to", "stiffness"})) {
+    loads.push_back({s.text("name"), s.positive("stiffness"),
+                     CurveLoad::Spring{s.vector("at"), s.vector("to")}});
+    names.add(s, "name", loads.back().name);
+  }
+  for (const TomlTable& s : t.tables("force", {"name", "at", "direction", "value"})) {
+    loads.push_back({s.text("name"), s.number("value"),
+                     CurveLoad::Force{s.vector("at"), s.direction("direction")}});
+    names.add(s, "name", loads.back().name);
+  }
+  for (const TomlTable& s : t.tables("uniform", {"name", "direction", "value"})) {
+    loads.push_back(
+        {s.text("name"), s.number("value"), CurveLoad::Uniform{s.direction("direction")}});
+    names.add(s, "name", loads.back().name);
+  }
+  return loads;
+}
+
+CurveRule read_curve(const TomlTable& t) {
+  CurveRule rule;
+  rule.line = read_line(t);
+  rule.faired = t.boolean("faired", true);
+  if (t.has("deviation") + t.has("wavelength") + !rule.faired > 1)
+    t.fail("", "several ways to fair", "one of deviation, wavelength, faired = false");
+  using Balance = FairOptions::Balance;
+  if (t.has("deviation")) {
+    rule.fair.balance = Balance::Deviation;
+    rule.fair.deviation = t.positive("deviation");
+  } else if (t.has("wavelength")) {
+    rule.fair.balance = Balance::Wavelength;
+    rule.fair.wavelength = t.positive("wavelength");
+  }
+  rule.fair.corner_angle = t.positive("corner_angle", rule.fair.corner_angle);
+  rule.ends = t.choice("ends", CurveRule::Ends::Clamped,
+                       {{"clamped", CurveRule::Ends::Clamped},
+                        {"held", CurveRule::Ends::Held},
+                        {"free", CurveRule::Ends::Free}});
+  rule.alpha = t.number("alpha", 0);
+  if (!(rule.alpha >= 0)) t.fail("alpha", number(rule.alpha), "0 or more");
+  rule.beta = t.positive("beta", 1);
+  rule.loads = read_curve_loads(t);
+  return rule;
+}
+
 PullRule read_pull(const TomlTable& t) {
   PullRule rule;
   rule.name = t.text("name");
@@ -193,7 +240,7 @@ DeformScene read(const toml::table& root_table, const std::filesystem::path& fil
   const TomlTable root(
       file.string(), root_table, "the scene",
       {"name", "unit", "mesh", "weighting", "proposals", "select", "cut", "feature", "features",
-       "guide", "line", "pull", "edit", "output", "modes", "picture"});
+       "guide", "line", "curve", "pull", "edit", "output", "modes", "picture"});
   const std::filesystem::path folder = file.parent_path();
   DeformScene scene;
   scene.file = file;
@@ -246,6 +293,12 @@ DeformScene read(const toml::table& root_table, const std::filesystem::path& fil
     scene.lines.push_back(read_line(t));
     kept.add(t, "name", scene.lines.back().name);
   }
+  for (const TomlTable& t : root.tables(
+           "curve", {"name", "through", "nodes", "closed", "faired", "deviation", "wavelength",
+                     "corner_angle", "ends", "alpha", "beta", "spring", "force", "uniform"})) {
+    scene.curves.push_back(read_curve(t));
+    kept.add(t, "name", scene.curves.back().line.name);
+  }
   for (const TomlTable& t : root.tables("pull", {"name", "node", "at", "to", "weight"})) {
     scene.pulls.push_back(read_pull(t));
     kept.add(t, "name", scene.pulls.back().name);
@@ -279,6 +332,10 @@ DeformScene read(const toml::table& root_table, const std::filesystem::path& fil
 /// The one list of what can be set.
 template <class AnyScene, class Function>
 void for_each_parameter(AnyScene& scene, const Function& f) {
+  for (auto& curve : scene.curves)
+    for (auto& load : curve.loads)
+      f(curve.line.name + "." + load.name, load.value,
+        std::holds_alternative<CurveLoad::Spring>(load.kind));
   for (auto& edit : scene.edits) {
     for (auto& handle : edit.handles) {
       const std::string name = edit.name + "." + handle.name + ".";

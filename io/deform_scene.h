@@ -8,12 +8,14 @@
 #include <string>
 #include <vector>
 
+#include "batten/fairing/fair_curve.h"
 #include "batten/io/pictures.h"
 #include "batten/io/scene.h"
 #include "batten/io/toml_table.h"
 #include "batten/mesh/deform/deform_problem.h"
 #include "batten/mesh/features/feature_cut.h"
 #include "batten/mesh/features/proposals.h"
+#include "batten/sculpting/deformable_curve.h"
 
 namespace batten {
 
@@ -82,6 +84,18 @@ struct LineRule {
   double width = 0;  ///< soft; 0: a tenth of the line's length
 };
 
+/// [[curve]]: a line of vertices that becomes a deformable curve: faired, shaped by its own loads,
+/// and then imposed on its vertices exactly.
+struct CurveRule {
+  enum class Ends { Clamped, Held, Free };
+  LineRule line;  ///< its way; keep and width are not used
+  bool faired = true;
+  FairOptions fair;  ///< of the fairing
+  Ends ends = Ends::Clamped;
+  double alpha = 0, beta = 1;  ///< relative, of the change of shape under loads
+  std::vector<CurveLoad> loads;
+};
+
 /// [[pull]]: a vertex that is drawn to a place, softly or exactly.
 struct PullRule {
   std::string name;
@@ -147,6 +161,7 @@ struct DeformScene {
   std::vector<FeatureRule> features;
   std::vector<GuideRule> guides;
   std::vector<LineRule> lines;
+  std::vector<CurveRule> curves;
   std::vector<PullRule> pulls;
   std::vector<EditRule> edits;
   std::string mesh_out, vtp;  ///< file names; "" for none
@@ -154,7 +169,7 @@ struct DeformScene {
   std::optional<ModesRule> modes;
   std::vector<MeshPictureRule> pictures;
 
-  /// EDIT.HANDLE.x, .y, .z, .degrees, .scale and EDIT.FEATURE.scale.
+  /// EDIT.HANDLE.x, .y, .z, .degrees, .scale, EDIT.FEATURE.scale and CURVE.LOAD.
   std::vector<Parameter> parameters() const;
   /// Throws InputError, beginning with `where`: an unknown name (the nearest is offered), a scale
   /// not above 0.

@@ -6,17 +6,6 @@
 namespace batten {
 namespace {
 
-Json fairness_json(const std::optional<Fairness>& f) {
-  if (!f) return nullptr;
-  return {{"length", f->length},
-          {"bending", f->bending},
-          {"variation", f->variation},
-          {"largest_curvature", f->largest_curvature},
-          {"largest_jump", f->largest_jump},
-          {"extrema", f->extrema},
-          {"inflections", f->inflections}};
-}
-
 Json contents(const FairReport& r) {
   Json json;
   json["name"] = r.name;
@@ -28,6 +17,16 @@ Json contents(const FairReport& r) {
 }
 
 }  // namespace
+
+Json json_of(const Fairness& f) {
+  return {{"length", f.length},
+          {"bending", f.bending},
+          {"variation", f.variation},
+          {"largest_curvature", f.largest_curvature},
+          {"largest_jump", f.largest_jump},
+          {"extrema", f.extrema},
+          {"inflections", f.inflections}};
+}
 
 Json json_of(const std::vector<FairedLine>& curves) {
   Json list = Json::array();
@@ -45,8 +44,8 @@ Json json_of(const std::vector<FairedLine>& curves) {
          {"rounds", c.rounds},
          {"settled", c.settled},
          {"max_residual", c.max_residual},
-         {"before", fairness_json(c.before)},
-         {"after", fairness_json(c.after)},
+         {"before", c.before ? json_of(*c.before) : Json()},
+         {"after", c.after ? json_of(*c.after) : Json()},
          {"seconds", c.seconds}});
   return list;
 }

@@ -28,6 +28,7 @@ void add_ending(Json& json, const AnyReport& report) {
 
 /// "name", "value", and the range where there is one.
 Json json_of(const std::vector<Parameter>& parameters);
+Json json_of(const Fairness& fairness);
 /// The section "curves".
 Json json_of(const std::vector<FairedLine>& curves);
 

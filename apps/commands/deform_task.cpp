@@ -68,6 +68,18 @@ Kept gather(const DeformScene& scene, VertexSelector& select, const TriangleMesh
     const double width = rule.width > 0 ? rule.width : chain_length(mesh, chain, rule.closed) / 10;
     kept.chains.push_back({rule.name, chain, rule.closed, width});
   }
+  for (const CurveRule& rule : scene.curves) {
+    MeshCurve curve = shape_curve(scene, rule, select, mesh);
+    kept.lines.push_back(curve.vertices);
+    if (rule.line.closed) kept.lines.back().push_back(curve.vertices.front());
+    for (size_t i = 0; i < curve.vertices.size(); ++i)
+      kept.rows.push_back({curve.name + ", vertex " + std::to_string(i + 1),
+                           {{{curve.vertices[i], 1.0}}},
+                           curve.targets[i],
+                           -1,
+                           std::nullopt});
+    kept.curves.push_back(std::move(curve));
+  }
   for (const PullRule& rule : scene.pulls) {
     const int v =
         rule.node ? select.vertex_of_label(*rule.node, rule.place) : nearest_vertex(mesh, *rule.at);

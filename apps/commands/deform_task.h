@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "batten/apps/commands/mesh_curve.h"
 #include "batten/apps/commands/vertex_selector.h"
 #include "batten/mesh/deform/deform_problem.h"
 
@@ -16,7 +17,8 @@ struct Kept {
   std::vector<std::optional<Vec3>> through;  // of each guide
   std::vector<CharacterChain> chains;
   std::vector<CombinationRow> rows;
-  std::vector<std::vector<int>> lines;  // of [[line]], for pictures; a closed one ends as it begins
+  std::vector<MeshCurve> curves;
+  std::vector<std::vector<int>> lines;  // of both, for pictures; a closed one ends as it begins
 };
 
 /// Throws InputError with the place of what cannot be found.

@@ -31,16 +31,22 @@ MeshCurve shape_curve(const DeformScene& scene, const CurveRule& rule, VertexSel
   options.closed = rule.line.closed;
   options.hold_ends = !rule.line.closed;
   try {
+    const HermiteCurve given = curve_as_given(rule.line.name, points, options);
+    if (!rule.faired) {
+      options.balance = FairOptions::Balance::Wavelength;
+      options.wavelength = 1e-6 * given.length();  // the curve through the vertices
+    }
     const FairCurve fair = fair_points(rule.line.name, points, options);
     result.fairing = fair.deviation;
     result.wavelength = fair.wavelength;
-    result.before = fairness(curve_as_given(rule.line.name, points, options));
+    result.before = fairness(given);
     result.curve = fair.curve;
     if (!rule.loads.empty()) {
       CurveMaterial material;
       material.alpha = {rule.alpha};
       material.beta = {rule.beta};
-      DeformableCurve deformable(fair.curve, held_ends(fair.curve, rule.ends), material, rule.loads);
+      DeformableCurve deformable(fair.curve, held_ends(fair.curve, rule.ends), material,
+                                 rule.loads);
       result.curve = deformable.solve();
     }
     for (const double u : fair.parameters) {

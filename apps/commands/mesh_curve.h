@@ -15,10 +15,10 @@ struct MeshCurve {
   std::vector<int> vertices;
   HermiteCurve curve;
   std::vector<Vec3> targets;
-  Deviation fairing;           ///< of the vertices from the faired curve, before its loads
-  double wavelength = 0;       ///< of the fairing
-  Fairness before, after;      ///< of the line as it is, and of the curve
-  double largest_shift = 0;    ///< that the loads add
+  Deviation fairing;         ///< of the vertices from the faired curve, before its loads
+  double wavelength = 0;     ///< of the fairing
+  Fairness before, after;    ///< of the line as it is, and of the curve
+  double largest_shift = 0;  ///< that the loads add
 };
 
 /// Throws InputError with the place in the scene.

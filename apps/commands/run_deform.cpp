@@ -46,6 +46,10 @@ void measure_into(DeformReport& report, const MeshFile& file, const TriangleMesh
                                fit.max_error, fit.scale, angle,
                                (centre.at(after) - centre.at(before)).norm()});
   }
+  for (const MeshCurve& c : kept.curves)
+    report.curves.push_back({c.name, static_cast<int>(c.vertices.size()), c.curve.segment_count(),
+                             c.fairing, c.wavelength, c.largest_shift,
+                             distance_from(c, after) / original.size(), c.before, c.after});
   std::vector<int> feature_of(original.vertex_count(), -1);
   for (size_t f = 0; f < kept.features.size(); ++f)
     for (const int v : kept.features[f].vertices) feature_of[v] = static_cast<int>(f);
@@ -311,6 +315,13 @@ std::string summary(const DeformReport& report, const std::filesystem::path& fol
   if (!report.features.empty())
     text += result_line("features", std::to_string(report.features.size()) + ", rigid to " +
                                         number(rigid) + " of their size");
+  for (const auto& c : report.curves)
+    text += result_line("curve", c.name + ": " + std::to_string(c.vertices) + " nodes, faired by " +
+                                     number(c.fairing.max) + unit + ", curvature extrema " +
+                                     std::to_string(c.before.extrema) + " -> " +
+                                     std::to_string(c.after.extrema) + ", moved by " +
+                                     number(c.largest_shift) + unit + ", held to " +
+                                     number(c.max_residual));
   if (!report.holes.empty()) {
     int kept = 0, round = 0;
     double radius = 0;

@@ -402,3 +402,46 @@ TEST_CASE("a feature cut out of a band by the program", "[deform]") {
   c.fails(scene("[[cut]]\nname = \"cavity\"\nband = \"outer\"\n"), 1,
           {"the cut 'cavity'", "the band leaves 1 part"}, {}, "deform");
 }
+
+TEST_CASE(
+    "a curve drives its vertices exactly, by its loads and parameters, and mistakes are said") {
+  const Case c("deform_curve");
+  put_grid(c);
+  const std::string curve =
+      "[[curve]]\nname = \"rib\"\nnodes = [10, 11, 12, 13, 14]\nfaired = false\n"
+      "[[curve.spring]]\nname = \"lift\"\nat = [2, 2, 0]\nto = [2, 2, 1]\nstiffness = 1e6\n";
+  const std::string edit = "[[edit]]\nfixed = \"left\"\n";
+  const auto heights = [&](const std::string& folder) {
+    const batten::MeshFile file = batten::MeshFile::read(c / (folder + "/grid-deformed.off"));
+    return std::pair(file.shells().points(12, 2), file.shells().points(10, 2));
+  };
+  c.file("s.toml", kHead + curve + edit);
+  Result r = c.run({"run", "s.toml", "--out", "out"});
+  INFO(r.err);
+  REQUIRE(r.code == 0);
+  CHECK(heights("out").first == Approx(1).epsilon(1e-3));
+  CHECK(std::abs(heights("out").second) < 1e-12);  // clamped
+  const auto j = report(c, "out");
+  CHECK(j["curves"][0]["max_residual"].get<double>() < 1e-14);
+  CHECK(j["curves"][0]["largest_shift"].get<double>() == Approx(1).epsilon(1e-3));
+  // A quarter of it: the spring is as stiff as the curve (192 for a clamped beam) times a third.
+  r = c.run({"run", "s.toml", "--out", "soft", "--set", "rib.lift=64"});
+  REQUIRE(r.code == 0);
+  CHECK(heights("soft").first == Approx(0.25).epsilon(1e-3));
+  CHECK(c.run({"info", "s.toml"}).out.find("rib.lift") != std::string::npos);
+
+  const Case d("deform_curve_wrong");
+  put_grid(d);
+  d.fails(kHead + curve + "ends = \"clampd\"\n" + edit, 1, {"'ends'", "spring"});
+  d.fails(kHead + "[[curve]]\nname = \"rib\"\n" + edit, 1, {"a line without a way"});
+  d.fails(kHead + "[[curve]]\nname = \"rib\"\nnodes = [11, 12, 13]\nends = \"clampd\"\n" + edit, 1,
+          {"clamped"});
+  d.fails(kHead +
+              "[[curve]]\nname = \"rib\"\nnodes = [11, 12, 13]\ndeviation = 1\nwavelength = 2\n" +
+              edit,
+          1, {"several ways to fair"});
+  d.fails(kHead + curve + edit, 1, {"'rib.lift'", "0"}, {"--set", "rib.lift=-1"});
+  // What holds a vertex of the curve elsewhere is a conflict, and named.
+  d.fails(kHead + curve + "[[pull]]\nname = \"other\"\nnode = 12\nto = [2, 2, 5]\n" + edit, 2,
+          {"'other'", "rib, vertex 3"});
+}

@@ -12,6 +12,7 @@
 #include "batten/mesh/prepare.h"
 #include "batten/mesh/quality.h"
 #include "batten/mesh/selection.h"
+#include "batten/tests/apps/cli_case.h"
 #include "batten/tests/catch.h"
 #include "batten/tests/reference.h"
 #include "batten/tests/refusal.h"
@@ -212,4 +213,70 @@ TEST_CASE("the body side: door openings rigid while sill and roof move", "[data]
     CHECK(fit.shift.norm() > 0);
   }
   CHECK(inverted_faces(file.shells(), mesh.points(), p).empty());
+}
+
+TEST_CASE("the sill of a body side is faired and pulled by one spring, door openings stay rigid",
+          "[data]") {
+  const auto path = optional_data("panel-neon-side/neon_side.off");
+  if (path.empty()) {
+    WARN("skipped: no panel-neon-side beside the project (BATTEN_TEST_DATA)");
+    return;
+  }
+  const Case c("sill");
+  c.file("sill.toml", "unit = \"mm\"\nmesh = \"" + path.string() + "\"\n" + R"(
+[[select]]
+name = "ends"
+any = ["front", "rear"]
+[[select]]
+name = "front"
+box = [[1100, -500, -1100], [1500, 800, -500]]
+[[select]]
+name = "rear"
+box = [[4075, -500, -1100], [4200, 800, -500]]
+[[select]]
+name = "edge 1"
+loop = 3
+[[select]]
+name = "edge 2"
+loop = 4
+[[select]]
+name = "door 1"
+geodesic = { of = "edge 1", distance = 45 }
+[[select]]
+name = "door 2"
+geodesic = { of = "edge 2", distance = 45 }
+[[feature]]
+name = "door 1"
+[[feature]]
+name = "door 2"
+[[curve]]
+name = "sill"
+through = [[2360, -382, -822], [3000, -389, -821], [3900, -391, -822]]
+deviation = 1.0
+[[curve.spring]]
+name = "pull"
+at = [3100, -390, -821]
+to = [3100, -425, -835]
+stiffness = 800
+[[edit]]
+name = "pulled"
+fixed = ["ends"]
+)");
+  const Result r = c.run({"run", "sill.toml", "--out", "out"});
+  INFO(r.err);
+  REQUIRE(r.code == 0);
+  const auto j = report(c, "out");
+  const auto& sill = j["curves"][0];
+  CHECK(sill["max_residual"].get<double>() < 1e-12);
+  CHECK(sill["fairing"]["max"].get<double>() <= 1.0);
+  CHECK(sill["largest_shift"].get<double>() > 20);
+  CHECK(sill["after"]["bending"].get<double>() < 0.1 * sill["before"]["bending"].get<double>());
+  CHECK(sill["after"]["extrema"].get<int>() < 20);
+  REQUIRE(j["features"].size() == 2);
+  for (const auto& f : j["features"]) {
+    CHECK(f["max_rigid_error"].get<double>() < 1e-12);
+    CHECK(f["moved"].get<double>() > 1);
+  }
+  CHECK(j["quality"]["inverted"].empty());
+  CHECK(j["hard"]["max_residual"].get<double>() < 1e-12);
 }
