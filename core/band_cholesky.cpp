@@ -4,6 +4,15 @@
 #include <cmath>
 
 namespace batten {
+namespace {
+
+// [j]: entry (i, j).
+template <class Rows>
+auto* row_of(Rows& rows, int i, int band) {
+  return rows.data() + static_cast<size_t>(i + 1) * band;
+}
+
+}  // namespace
 
 void BandCholesky::reset(int n, int band) {
   n_ = n;
@@ -23,33 +32,46 @@ void BandCholesky::fix(int i, const Vec3& value, Points& b) {
 }
 
 bool BandCholesky::factorize() {
+  // The diagonal keeps the reciprocals: the loops have products only.
   for (int i = 0; i < n_; ++i) {
     const int first = std::max(0, i - band_);
-    for (int j = first; j <= i; ++j) {
-      double sum = entry(i, j);
-      for (int k = std::max(first, j - band_); k < j; ++k) sum -= entry(i, k) * entry(j, k);
-      if (j < i) {
-        entry(i, j) = sum / entry(j, j);
-      } else {
-        if (!(sum > 0) || !std::isfinite(sum)) return false;
-        entry(i, i) = std::sqrt(sum);
-      }
+    double* const row = row_of(rows_, i, band_);
+    double rest = row[i];
+    for (int j = first; j < i; ++j) {
+      const double* const other = row_of(rows_, j, band_);
+      double sum = row[j];
+      for (int k = first; k < j; ++k) sum -= row[k] * other[k];
+      row[j] = sum * other[j];
+      rest -= row[j] * row[j];
     }
+    if (!(rest > 0) || !std::isfinite(rest)) return false;
+    row[i] = 1 / std::sqrt(rest);
   }
   return true;
 }
 
 void BandCholesky::solve(Points& b) const {
-  for (int c = 0; c < 3; ++c) {
-    double* x = b.col(c).data();
-    for (int i = 0; i < n_; ++i) {
-      double sum = x[i];
-      for (int k = std::max(0, i - band_); k < i; ++k) sum -= entry(i, k) * x[k];
-      x[i] = sum / entry(i, i);
+  // The three columns side by side: each alone is a chain of operations that wait for each other.
+  double *const x = b.col(0).data(), *const y = b.col(1).data(), *const z = b.col(2).data();
+  for (int i = 0; i < n_; ++i) {
+    const double* const row = row_of(rows_, i, band_);
+    double p = x[i], q = y[i], r = z[i];
+    for (int k = std::max(0, i - band_); k < i; ++k) {
+      p -= row[k] * x[k];
+      q -= row[k] * y[k];
+      r -= row[k] * z[k];
     }
-    for (int i = n_ - 1; i >= 0; --i) {
-      x[i] /= entry(i, i);
-      for (int k = std::max(0, i - band_); k < i; ++k) x[k] -= entry(i, k) * x[i];
+    x[i] = p * row[i];
+    y[i] = q * row[i];
+    z[i] = r * row[i];
+  }
+  for (int i = n_ - 1; i >= 0; --i) {
+    const double* const row = row_of(rows_, i, band_);
+    const double p = x[i] *= row[i], q = y[i] *= row[i], r = z[i] *= row[i];
+    for (int k = std::max(0, i - band_); k < i; ++k) {
+      x[k] -= row[k] * p;
+      y[k] -= row[k] * q;
+      z[k] -= row[k] * r;
     }
   }
 }
@@ -66,9 +88,9 @@ VecX BandCholesky::inverse_diagonal() const {
   for (int j = n_ - 1; j >= 0; --j) {
     const int last = std::min(n_ - 1, j + band_);
     for (int i = last; i >= j; --i) {
-      double sum = i == j ? 1 / entry(j, j) : 0;
+      double sum = i == j ? entry(j, j) : 0;
       for (int k = j + 1; k <= last; ++k) sum -= entry(k, j) * z(i, k);
-      z(i, j) = sum / entry(j, j);
+      z(i, j) = sum * entry(j, j);
     }
     diagonal[j] = z(j, j);
   }

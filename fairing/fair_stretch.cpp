@@ -113,7 +113,7 @@ HermiteCurve fair_where(const HermiteCurve& curve, const std::function<double(do
       double length = 0;
       for (int i = 0; i < 4; ++i)
         length += 0.25 * curve.mesh().length(s) * curve.evaluate({s, (i + 0.5) / 4}, 1).norm();
-      constexpr int per_wave = 8, per_stretch = 24, most = 400;
+      constexpr int per_wave = 24, per_stretch = 72, most = 400;
       const int pieces = static_cast<int>(
           std::clamp(std::ceil(length / std::min(wavelength / per_wave, extent / per_stretch)), 1.0,
                      1.0 * most));

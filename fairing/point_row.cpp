@@ -10,8 +10,8 @@
 namespace batten {
 namespace {
 
-// Half the spread of neighbours about a straight line through them, from third differences (which
-// a smooth curve does not have): robust against corners because it is a median.
+// Half the spread of neighbours about a straight line through them, from third differences (which a
+// smooth curve does not have): robust against corners because it is a median.
 double noise_of(const std::vector<Vec3>& p) {
   std::vector<double> size;
   for (size_t i = 3; i < p.size(); ++i)
@@ -165,19 +165,24 @@ std::vector<double> PointRow::denoised_chord() const {
   return result;
 }
 
-double circle_curvature(const Vec3& a, const Vec3& b, const Vec3& c) {
+double PointRow::bend(int i) const {
+  const int n = count();
+  if (!closed && (i == 0 || i == n - 1)) return 0;
+  const Vec3 &a = points[(i + n - 1) % n], &b = points[i], &c = points[(i + 1) % n];
   const double sides = (b - a).norm() * (c - b).norm() * (c - a).norm();
   return sides > 0 ? 2 * (b - a).cross(c - b).norm() / sides : 0;
 }
 
-double beyond_chord(const Vec3& x, const Vec3& a, const Vec3& b, double bend) {
+double allowed_rise(double chord, double bend) {
+  constexpr double generous = 1.5;
+  const double half = std::min(0.5 * chord * bend, 1.0);  // sine of half the arc's angle
+  return bend > 0 ? generous * (1 - std::sqrt(1 - half * half)) / bend : 0;
+}
+
+double beyond_chord(const Vec3& x, const Vec3& a, const Vec3& b, double rise) {
   const Vec3 chord = b - a;
-  const double length = chord.norm();
-  const double s = std::clamp((x - a).dot(chord) / (length * length), 0.0, 1.0);
-  const double half = std::min(0.5 * length * bend, 1.0);  // sine of half the arc's angle
-  constexpr double generous = 1.5;                         // the bend may grow between the points
-  const double rise = bend > 0 ? (1 - std::sqrt(1 - half * half)) / bend : 0;
-  return std::max(0.0, (x - a - s * chord).norm() - generous * rise);
+  const double s = std::clamp((x - a).dot(chord) / chord.squaredNorm(), 0.0, 1.0);
+  return std::max(0.0, (x - a - s * chord).norm() - rise);
 }
 
 Deviation deviation_of(const HermiteCurve& curve, const PointRow& row,
@@ -191,20 +196,15 @@ Deviation deviation_of(const HermiteCurve& curve, const PointRow& row,
     sum += off * off;
   }
   d.rms = std::sqrt(sum / n);
-  const auto bend = [&](int i) {
-    if (!row.closed && (i == 0 || i == n - 1)) return 0.0;
-    return circle_curvature(row.points[(i + n - 1) % n], row.points[i], row.points[(i + 1) % n]);
-  };
-  double before = bend(0);
   const double period = curve.end() - curve.start();
   for (int i = 0; i < (row.closed ? n : n - 1); ++i) {
     const int j = (i + 1) % n;
-    const double after = bend(j), gap = t[j] - t[i] + (j == 0 ? period : 0);
-    for (int k = 1; k < 8; ++k)
-      d.between =
-          std::max(d.between, beyond_chord(curve.evaluate(t[i] + gap * k / 8), row.points[i],
-                                           row.points[j], std::max(before, after)));
-    before = after;
+    const Vec3 &a = row.points[i], &b = row.points[j];
+    const double rise = allowed_rise((b - a).norm(), std::max(row.bend(i), row.bend(j)));
+    const double gap = t[j] - t[i] + (j == 0 ? period : 0);
+    for (int k = 1; k < places_in_gap; ++k)
+      d.between = std::max(
+          d.between, beyond_chord(curve.evaluate(t[i] + gap * k / places_in_gap), a, b, rise));
   }
   return d;
 }

@@ -23,6 +23,8 @@ struct PointRow {
   std::vector<double> denoised_chord() const;
   double length() const { return chord.back(); }
   int count() const { return static_cast<int>(points.size()); }
+  /// Curvature of the circle through point i and both neighbours; 0 where there are not both.
+  double bend(int i) const;
 
   /// Throws InputError as fit_points() says.
   PointRow(const std::string& name, const std::vector<Vec3>& given, double corner_angle,
@@ -32,12 +34,15 @@ struct PointRow {
 /// fit_points() of a row; parameters are those of its points.
 CurveFit fit_row(const std::string& name, PointRow row, const FitOptions& options);
 
-/// Deviation::between of one gap: by how much `x` is farther from the chord a b than the tallest
-/// arc between them may rise. `bend`: the larger of the curvatures of the circles through a and b
-/// and their neighbours.
-double beyond_chord(const Vec3& x, const Vec3& a, const Vec3& b, double bend);
-/// Curvature of the circle through three points; 0 where two of them coincide.
-double circle_curvature(const Vec3& a, const Vec3& b, const Vec3& c);
+/// How far the curve may be from a chord between two points: as far as the tallest arc between
+/// them, and half as much again, for it may bend more there. `bend`: the larger of the curvatures
+/// at both points.
+double allowed_rise(double chord, double bend);
+/// The curve is looked at in so many equal parts of every gap.
+constexpr int places_in_gap = 8;
+/// Deviation::between at one place of one gap: by how much `x` is farther from the chord a b than
+/// `rise`.
+double beyond_chord(const Vec3& x, const Vec3& a, const Vec3& b, double rise);
 
 /// Deviation of a curve from a row whose point i belongs to parameter t[i].
 Deviation deviation_of(const HermiteCurve& curve, const PointRow& row,

@@ -49,8 +49,8 @@ void read_local(const TomlTable& t, FairStage& stage) {
   if (t.has("brush") && t.has("stretch"))
     t.fail("stretch", "both 'brush' and 'stretch'", "one of them");
   const std::string kind = t.has("brush") ? "brush" : "stretch";
-  for (const char* key :
-       {"deviation", "corner_angle", "corners", "closed", "hold_ends", "alpha", "condition"})
+  for (const char* key : {"deviation", "corner_angle", "corners", "closed", "hold_ends", "alpha",
+                          "condition", "minimum"})
     if (t.has(key))
       t.fail(key, "'" + std::string(key) + "' beside '" + kind + "'",
              "it only in a stage of whole lines: local stages have a 'wavelength'");
@@ -73,6 +73,16 @@ FairStage read_stage(const TomlTable& t, size_t index) {
   }
   FairOptions& o = stage.options;
   read_balance(t, o);
+  if (t.has("minimum")) {
+    for (const char* key :
+         {"deviation", "wavelength", "corners", "hold_ends", "alpha", "condition"})
+      if (t.has(key))
+        t.fail(key, "'" + std::string(key) + "' beside 'minimum'",
+               "none: the curve goes through all points");
+    stage.minimum = t.choice<CurveFunctional>(
+        "minimum",
+        {{"energy", CurveFunctional::Energy}, {"variation", CurveFunctional::Variation}});
+  }
   o.corner_angle = t.positive("corner_angle", o.corner_angle);
   if (o.corner_angle > 180)
     t.fail("corner_angle", number(o.corner_angle), "at most 180 degrees (180: no corners)");
@@ -94,9 +104,9 @@ FairStage read_stage(const TomlTable& t, size_t index) {
 std::vector<FairStage> read_fair_stages(const TomlTable& root) {
   std::vector<FairStage> stages;
   Names names("stage");
-  for (const TomlTable& t :
-       root.tables("fair", {"name", "lines", "deviation", "wavelength", "corner_angle", "corners",
-                            "closed", "hold_ends", "alpha", "condition", "brush", "stretch"})) {
+  for (const TomlTable& t : root.tables(
+           "fair", {"name", "lines", "deviation", "wavelength", "corner_angle", "corners", "closed",
+                    "hold_ends", "alpha", "condition", "minimum", "brush", "stretch"})) {
     stages.push_back(read_stage(t, stages.size()));
     names.add(t, "name", stages.back().name);
   }

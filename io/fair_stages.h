@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "batten/fairing/curvature_fairing.h"
 #include "batten/fairing/fair_curve.h"
 #include "batten/io/toml_table.h"
 
@@ -22,9 +23,11 @@ struct FairStage {
   };
   std::string name;
   Place place;
-  std::vector<PlacedWord> lines;             ///< names; '*' stands for any letters; empty: all
-  FairOptions options;                       ///< its corners are not set; of a local stage,
-                                             ///< the wavelength only
+  std::vector<PlacedWord> lines;  ///< names; '*' stands for any letters; empty: all
+  FairOptions options;            ///< its corners are not set; of a local stage,
+                                  ///< the wavelength only
+  /// Instead of springs: the curve of least curvature or least change of it through all points.
+  std::optional<CurveFunctional> minimum;
   std::optional<bool> hold_ends;             ///< not given: by the kind of scene
   std::optional<std::vector<Vec3>> corners;  ///< each: the nearest point of the nearest line
   std::optional<Brush> brush;

@@ -32,9 +32,14 @@ const char* const kVersion = "batten " BATTEN_VERSION
                              "\nfactorization: Eigen (built without CHOLMOD)"
 #endif
 #ifdef BATTEN_HAVE_CGAL
-                             "\nmeshes: CGAL Mesh_2 and fan";
+                             "\nmeshes: CGAL Mesh_2 and fan"
 #else
-                             "\nmeshes: fan only (built without CGAL)";
+                             "\nmeshes: fan only (built without CGAL)"
+#endif
+#ifdef BATTEN_HAVE_CERES
+                             "\ncurves of least curvature: Ceres";
+#else
+                             "\ncurves of least curvature: none (built without Ceres)";
 #endif
 
 const char* const kExamples = R"(
@@ -54,7 +59,8 @@ Exit codes:
 )";
 
 struct Arguments {
-  std::string file, out, unit = "mm", screenshot, compare, show = "shaded", picture, report;
+  std::string file, out, minimum, unit = "mm", screenshot, compare, show = "shaded", picture,
+                                  report;
   std::vector<std::string> files, inner, settings, only;
   std::vector<double> angles;
   double edge_length = 0, tolerance = 0, pressure = 0;
@@ -101,6 +107,8 @@ int fair(const Arguments& a) {
   options.deviation = a.deviation;
   options.wavelength = a.wavelength;
   options.corner_angle = a.corner_angle;
+  if (!a.minimum.empty())
+    stage.minimum = a.minimum == "energy" ? CurveFunctional::Energy : CurveFunctional::Variation;
   if (a.closed || a.open) options.closed = a.closed;
   stage.hold_ends = a.hold_ends;
   scene.stages.push_back(stage);
@@ -218,6 +226,13 @@ int command(int argc, char** argv) {
       "--wavelength", a.wavelength, "Smooth what is shorter than this (default: found by itself)");
   deviation->check(CLI::PositiveNumber)->excludes(wavelength);
   wavelength->check(CLI::PositiveNumber);
+  fair_command
+      ->add_option("--minimum", a.minimum,
+                   "Instead: the curve through all points (a few) of least curvature, or of least "
+                   "change of it")
+      ->check(CLI::IsMember({"energy", "variation"}))
+      ->excludes(deviation)
+      ->excludes(wavelength);
   fair_command
       ->add_option("--corner-angle", a.corner_angle,
                    "A corner is where a line turns by more than this, degrees (180: none)")

@@ -138,6 +138,8 @@ class Fairing {
   FairOptions given_options(size_t line) const;
   /// Why a line cannot be faired, or "".
   std::string why_not(size_t line) const;
+  CurvatureCurve least_curvature(size_t line, size_t s, const HermiteCurve& curve,
+                                 const std::vector<Vec3>& points) const;
   /// From the first state on.
   void run_stages(size_t line, FairedResult& result);
 
@@ -244,6 +246,23 @@ FairOptions Fairing::given_options(size_t line) const {
   return options;
 }
 
+CurvatureCurve Fairing::least_curvature(size_t line, size_t s, const HermiteCurve& curve,
+                                        const std::vector<Vec3>& points) const {
+  constexpr size_t most = 200;
+  if (points.size() > most)
+    fail(s, std::to_string(points.size()) + " points of '" + names_[line] + "'",
+         "at most " + std::to_string(most) +
+             " for 'minimum': the curve passes through all of them, their noise too");
+  const PointRow row(names_[line], points, 180, {}, curve.closed());
+  std::vector<CurvaturePoint> through;
+  for (const Vec3& p : row.points) through.push_back({p});
+  CurvatureOptions options;
+  options.functional = *settings_.stages[s].minimum;
+  options.tolerance = 1e-6 * row.size;
+  options.segments = std::max(16, 4 * row.count());
+  return minimum_curvature_curve(through, curve.closed(), options);
+}
+
 void Fairing::run_stages(size_t line, FairedResult& result) {
   const std::vector<Vec3>& points = sampled_[line].points;
   FairedLine& report = result.report;
@@ -253,6 +272,14 @@ void Fairing::run_stages(size_t line, FairedResult& result) {
     if (work_[line][s].acts && settings_.stages[s].local()) {
       curve = local(s, curve);
       report.faired = true;
+    } else if (work_[line][s].acts && settings_.stages[s].minimum) {
+      const CurvatureCurve least = least_curvature(line, s, curve, at(curve, u));
+      u = scaled(std::move(u), curve, least.curve);
+      curve = least.curve;
+      report.faired = true;
+      report.rounds = least.rounds;
+      report.settled = least.converged;
+      report.max_residual = std::max(report.max_residual, least.max_residual);
     } else if (work_[line][s].acts) {
       FairOptions options = options_of(line, s);
       options.closed = curve.closed();

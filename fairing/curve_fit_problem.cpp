@@ -1,0 +1,198 @@
+#include "batten/fairing/curve_fit_problem.h"
+
+#include <cmath>
+#include <limits>
+
+#include "batten/core/errors.h"
+#include "batten/fairing/curve_band.h"
+#include "batten/fairing/point_row.h"
+
+namespace batten {
+
+void CurveFitProblem::set_mesh(std::vector<double> knots, const std::vector<int>& corners) {
+  mesh = CurveMesh(std::move(knots), closed, corners);
+  dofs.resize(0, 3);
+}
+
+int CurveFitProblem::first_from(double u) const {
+  const auto before = [](const FitPoint& p, double at) { return p.t < at; };
+  return static_cast<int>(std::lower_bound(points.begin(), points.end(), u, before) -
+                          points.begin());
+}
+
+int CurveFitProblem::first_behind(double u) const {
+  const auto before = [](double at, const FitPoint& p) { return at < p.t; };
+  return static_cast<int>(std::upper_bound(points.begin(), points.end(), u, before) -
+                          points.begin());
+}
+
+std::vector<int> CurveFitProblem::first_points() const {
+  std::vector<int> first;
+  for (const double u : mesh.parameters()) first.push_back(first_from(u));
+  first.back() = first_behind(mesh.end());
+  return first;
+}
+
+void CurveFitProblem::improve(int most_rounds) {
+  constexpr int settling = 4;
+  constexpr double noticeable = 0.99, too_far = 15;
+  double best = std::numeric_limits<double>::infinity();
+  Points best_dofs;
+  std::vector<double> best_t(points.size()), best_off;
+  int stalled = 0;
+  for (int round = 0; round < most_rounds && stalled < 2; ++round) {
+    if (round < settling) dofs.resize(0, 3);
+    solve();
+    make_cubics();
+    if (!even) move_parameters();
+    measure();
+    const double now = worst();
+    if (now <= tolerance) return;
+    // A round gains a factor of two or so, and later ones less.
+    const bool hopeless = now > too_far * tolerance ||
+                          now * std::pow(now / best, most_rounds - 1 - round) > tolerance;
+    stalled = now > noticeable * best ? stalled + 1 : 0;
+    if (now < best) {
+      best = now;
+      best_dofs = dofs;
+      best_off = off;
+      for (size_t i = 0; i < points.size(); ++i) best_t[i] = points[i].t;
+    }
+    if (hopeless) break;
+  }
+  dofs = best_dofs;
+  off = best_off;
+  for (size_t i = 0; i < points.size(); ++i) points[i].t = best_t[i];
+}
+
+void CurveFitProblem::solve() {
+  const CurveBand band(mesh);
+  band.reset(A_);
+  right_.setZero(mesh.dof_count(), 3);
+  const std::vector<int> first = first_points();
+  for (int s = 0; s < mesh.segment_count(); ++s) {
+    const double h = mesh.length(s);
+    const auto dof = mesh.segment_dofs(s);
+    // A little bending holds what the points leave free; later that of the change only, so that it
+    // pulls the result nowhere. It is HermiteSegment::bending(k h³), without its generality.
+    constexpr double little = 1e-8;
+    const double k = little * std::max(first[s + 1] - first[s], 1), kh = k * h, khh = kh * h;
+    HermiteSegment::Matrix K;
+    K << 12 * k, 6 * kh, -12 * k, 6 * kh,   //
+        6 * kh, 4 * khh, -6 * kh, 2 * khh,  //
+        -12 * k, -6 * kh, 12 * k, -6 * kh,  //
+        6 * kh, 2 * khh, -6 * kh, 4 * khh;
+    Eigen::Matrix<double, 4, 3> b = Eigen::Matrix<double, 4, 3>::Zero();
+    if (dofs.rows() > 0) {
+      Eigen::Matrix<double, 4, 3> q;
+      for (int a = 0; a < 4; ++a) q.row(a) = dofs.row(dof[a]);
+      b = K * q;
+    }
+    for (int i = first[s]; i < first[s + 1]; ++i) {
+      const double x = part_of(points[i].t, s), y = 1 - x;
+      const HermiteSegment::Vector H(y * y * (1 + 2 * x), h * x * y * y, x * x * (1 + 2 * y),
+                                     -h * x * x * y);
+      K.noalias() += H * H.transpose();
+      b.noalias() += H * points[i].x.transpose();
+    }
+    band.add(A_, s, K);
+    for (int a = 0; a < 4; ++a) right_.row(band.place(dof[a])) += b.row(a);
+  }
+  auto it = held.begin();
+  for (int node = 0; node < mesh.node_count() && it != held.end(); ++node) {
+    if (mesh.parameters()[node] != it->u) continue;
+    if (it->position) A_.fix(band.place(mesh.position_dof(node)), *it->position, right_);
+    if (it->slope_in) A_.fix(band.place(mesh.slope_in(node)), *it->slope_in, right_);
+    if (it->slope_out && mesh.slope_out(node) != mesh.slope_in(node))
+      A_.fix(band.place(mesh.slope_out(node)), *it->slope_out, right_);
+    ++it;
+  }
+  if (!A_.factorize()) throw NoSolutionError("the fit of a curve is singular");
+  A_.solve(right_);
+  dofs.resize(mesh.dof_count(), 3);
+  for (int d = 0; d < mesh.dof_count(); ++d) dofs.row(d) = right_.row(band.place(d));
+}
+
+void CurveFitProblem::make_cubics() {
+  cubics_.resize(mesh.segment_count());
+  for (int s = 0; s < mesh.segment_count(); ++s) {
+    const auto d = mesh.segment_dofs(s);
+    const double h = mesh.length(s);
+    const Vec3 a = dof(d[0]), b = dof(d[2]), p = h * dof(d[1]), q = h * dof(d[3]);
+    cubics_[s] = {a, p, 3 * (b - a) - 2 * p - q, 2 * (a - b) + p + q};
+  }
+}
+
+// One step of Newton's method towards the nearest point, in order.
+void CurveFitProblem::move_parameters() {
+  // Longer than Newton's: the next solve moves the curve on in the same direction.
+  constexpr double step = 1.6;
+  // Points keep this part of their distance in u, so that the curve does not race between them.
+  constexpr double least_gap = 0.4;
+  const int segments = mesh.segment_count();
+  int s = 0;
+  for (int i = 0; i < count(); ++i) {
+    FitPoint& p = points[i];
+    if (p.kept || p.t < mesh.start() || p.t > mesh.end()) continue;
+    while (s + 1 < segments && p.t >= mesh.parameters()[s + 1]) ++s;
+    const double at = part_of(p.t, s);
+    const Vec3 d = cubics_[s].position(at) - p.x, d1 = cubics_[s].first(at);
+    const double slope = d1.squaredNorm() + std::max(0.0, d.dot(cubics_[s].second(at)));
+    if (!(slope > 0)) continue;
+    // Half the way to a neighbour at most, or to the end.
+    const FitPoint *before = i > 0 ? &p - 1 : nullptr, *after = i + 1 < count() ? &p + 1 : nullptr;
+    const double from = before ? std::max(before->t, mesh.start()) : mesh.start(),
+                 to = after ? std::min(after->t, mesh.end()) : mesh.end();
+    double least = 0.5 * (from + p.t), most = 0.5 * (to + p.t);
+    if (before) least = std::min(std::max(least, before->t + least_gap * p.gap), p.t);
+    if (after) most = std::max(std::min(most, after->t - least_gap * after->gap), p.t);
+    p.t = std::clamp(p.t - step * mesh.length(s) * d.dot(d1) / slope, least, most);
+  }
+}
+
+void CurveFitProblem::measure() {
+  const int segments = mesh.segment_count();
+  off.assign(segments, 0.0);
+  int s = 0;
+  bool near_before = false;
+  for (int i = 0; i < count(); ++i) {
+    const FitPoint& p = points[i];
+    while (s + 1 < segments && p.t >= mesh.parameters()[s + 1]) ++s;
+    double distance = 0;
+    if (p.t >= mesh.start() && p.t <= mesh.end()) {
+      distance = (cubics_[s].position(part_of(p.t, s)) - p.x).norm();
+      off[s] = std::max(off[s], distance);
+      if (s > 0 && p.t == mesh.parameters()[s]) off[s - 1] = std::max(off[s - 1], distance);
+    }
+    // A bulge to one side shows at either place, and one to both; its peak is looked for when all
+    // else is well.
+    const bool near = distance <= tolerance;
+    if (near && near_before) measure_gap(i, {3, 5}, s);
+    near_before = near;
+  }
+  if (closed) measure_gap(0, {3, 5}, 0);
+  if (!done()) return;
+  s = 0;
+  for (int i = closed ? 0 : 1; i < count(); ++i) s = measure_gap(i, {1, 2, 4, 6, 7}, s);
+}
+
+// Between two points that are near enough the curve must not bulge: looks there in the gap before
+// point i. Returns the segment of the last place; `s`: one not far from the first.
+int CurveFitProblem::measure_gap(int i, std::initializer_list<int> places, int s) {
+  const FitPoint &b = points[i], &a = i > 0 ? points[i - 1] : points.back();
+  const double room = tolerance + b.rise, from = i > 0 ? a.t : a.t - period();
+  for (const int place : places) {
+    const double part = static_cast<double>(place) / places_in_gap;
+    double u = from + part * (b.t - from);
+    if (u < mesh.start() && closed) u += period();
+    if (u < mesh.start() || u > mesh.end()) continue;
+    while (s > 0 && u < mesh.parameters()[s]) --s;
+    while (s + 1 < mesh.segment_count() && u >= mesh.parameters()[s + 1]) ++s;
+    const Vec3 x = cubics_[s].position(part_of(u, s));
+    if ((x - a.x - part * (b.x - a.x)).squaredNorm() > room * room)
+      off[s] = std::max(off[s], beyond_chord(x, a.x, b.x, b.rise));
+  }
+  return s;
+}
+
+}  // namespace batten
