@@ -21,6 +21,11 @@ ImplicitSteps::ImplicitSteps(const ConstraintSet& constraints, SparseMatrix K, S
       nothing_(K_.rows(), K_.cols()),
       options_(options) {
   const auto& o = options_;
+  for (const SparseMatrix* A : {&K_, &M_})
+    if (A->rows() != constraints.dof_count() || A->cols() != constraints.dof_count())
+      throw InputError("a matrix of " + std::to_string(A->rows()) + " × " +
+                       std::to_string(A->cols()) + " for " +
+                       std::to_string(constraints.dof_count()) + " dofs");
   if (!(o.density >= 0) || !(o.damping >= 0) || !(o.density + o.damping > 0) ||
       !std::isfinite(o.density + o.damping))
     throw InputError("density " + number(o.density) + " and damping " + number(o.damping) +

@@ -25,8 +25,8 @@ class ImplicitSteps {
     double dt = 0;       ///< > 0
     double theta = 1;    ///< ½ … 1
   };
-  /// K, M: lower triangles of one coordinate. Throws InputError on options outside of their range,
-  /// ConflictError, NoSolutionError.
+  /// K, M: lower triangles of one coordinate. Throws InputError on sizes that differ, options
+  /// outside of their range, ConflictError, NoSolutionError.
   ImplicitSteps(const ConstraintSet& constraints, SparseMatrix K, SparseMatrix M,
                 const Options& options);
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "batten/core/errors.h"
 #include "batten/fairing/curve_fit_problem.h"
@@ -38,7 +39,12 @@ std::optional<double> split_of(const Problem& fit, const HermiteCurve& curve, in
   std::vector<double> inside, sum = {0};
   for (int i = first; i < behind; ++i) {
     const FitPoint& p = fit.points[i];
-    if (p.t <= a + 1e-3 * (b - a) || p.t >= b - 1e-3 * (b - a)) continue;
+    // A point that was parted at before has moved a little since.
+    constexpr double apart = 0.2;
+    const double gap_behind = i + 1 < fit.count() ? fit.points[i + 1].gap : fit.points[0].gap;
+    if (p.t - a <= std::max(1e-3 * (b - a), apart * p.gap) ||
+        b - p.t <= std::max(1e-3 * (b - a), apart * gap_behind))
+      continue;
     inside.push_back(p.t);
     sum.push_back(sum.back() + (curve.evaluate(p.t) - p.x).squaredNorm() + 1e-300);
   }
@@ -184,36 +190,41 @@ void prune(Problem& fit, const Corners& corners) {
     return std::none_of(fit.held.begin(), fit.held.end(),
                         [&](const Held& h) { return h.u == u && !h.removable; });
   };
-  // Of one node; or of two, for one between them.
-  const auto attempt = [&](int node, int removed) {
+  // Takes out one node; or two, for one at that place between them. Returns what is reached over
+  // the tolerance: they are gone when that is not above 1.
+  const auto attempt = [&](int node, int removed, double place) {
     const auto& u = fit.mesh.parameters();
     const int a = std::max(0, node - reach),
               b = std::min(fit.mesh.segment_count(), node + removed - 1 + reach);
     if (fit.closed && b - a == fit.mesh.segment_count() && fit.mesh.segment_count() <= 3)
-      return false;
+      return std::numeric_limits<double>::infinity();
     const double from = u[node], to = u[node + removed - 1];
     const auto gone = [&](double at) { return at >= from && at <= to; };
     std::vector<double> knots(u.begin() + a, u.begin() + b + 1);
     const auto at = knots.begin() + (node - a);
     const auto behind = knots.erase(at, at + removed);
-    if (removed > 1) knots.insert(behind, on_grid(0.5 * (from + to), u.back()));
+    if (removed > 1) knots.insert(behind, on_grid(from + place * (to - from), u.back()));
     Window window(fit, a, b, std::move(knots), corners);
     std::erase_if(window.part.held, [&](const Held& h) { return gone(h.u); });
     for (FitPoint& p : window.part.points)
       if (gone(p.t)) p.kept = false;
     window.part.improve(rounds);
-    if (!window.part.done()) return false;
+    if (!window.part.done()) return window.part.worst() / fit.tolerance;
     std::erase_if(fit.held, [&](const Held& h) { return gone(h.u); });
     window.put_back(fit, corners);
-    return true;
+    return 1.0;
   };
   for (int node = 1; node < fit.mesh.segment_count(); ++node) {
     const auto& u = fit.mesh.parameters();
     if (!movable(u[node])) continue;
-    // Then those before it anew.
-    if (attempt(node, 1) ||
-        (node + 1 < fit.mesh.segment_count() && movable(u[node + 1]) && attempt(node, 2)))
-      node = std::max(0, node - reach);
+    bool gone = attempt(node, 1, 0) <= 1;
+    if (!gone && node + 1 < fit.mesh.segment_count() && movable(u[node + 1])) {
+      constexpr double nearly = 2;
+      const double reached = attempt(node, 2, 0.5);
+      gone = reached <= 1 || (reached < nearly && (attempt(node, 2, 0.2) <= 1 ||  //
+                                                   attempt(node, 2, 0.8) <= 1));
+    }
+    if (gone) node = std::max(0, node - reach);  // those before it anew
   }
 }
 

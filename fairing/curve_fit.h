@@ -43,7 +43,7 @@ struct Deviation {
 
 struct CurveFit {
   HermiteCurve curve;
-  std::vector<double> parameters;  ///< of the points, ascending; nearest in their order
+  std::vector<double> parameters;  ///< of the points, in their order along the curve; nearest
   Deviation deviation;
 };
 
@@ -65,10 +65,11 @@ CurveFit fit_points(const std::string& name, const std::vector<Vec3>& points,
 /// and u to the length of the curve). None when it is not, or has a kink below the angle.
 std::optional<HermiteCurve> exact_curve(const InputCurve& curve, double corner_angle);
 
-/// exact_curve() where there is one; otherwise, or when ends are given or nodes halved, a fit to
-/// samples of the input, evenly by arc length, so dense that the tolerance holds between them too.
-/// u is roughly arc length; with options.even, it is so within the tolerance. Throws InputError
-/// when the tolerance cannot be reached.
+/// exact_curve() where there is one; otherwise, or when ends are given, nodes halved, u is to run
+/// evenly or the curve to be open though it comes back, a fit to samples of the input, evenly by
+/// arc length, so dense that the tolerance holds between them too. u is roughly arc length; with
+/// options.even, it is so within the tolerance. Throws InputError when the tolerance cannot be
+/// reached.
 HermiteCurve fit_curve(const std::string& name, std::shared_ptr<const InputCurve> curve,
                        const FitOptions& options);
 

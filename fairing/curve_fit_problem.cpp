@@ -42,9 +42,10 @@ void CurveFitProblem::improve(int most_rounds) {
   int stalled = 0;
   for (int round = 0; round < most_rounds && stalled < 2; ++round) {
     if (round < settling) dofs.resize(0, 3);
+    if (round > 0) overshoot();
     solve();
     make_cubics();
-    if (!even) move_parameters();
+    move_parameters();
     measure();
     const double now = worst();
     if (now <= tolerance) return;
@@ -125,10 +126,8 @@ void CurveFitProblem::make_cubics() {
 
 // One step of Newton's method towards the nearest point, in order.
 void CurveFitProblem::move_parameters() {
-  // Longer than Newton's: the next solve moves the curve on in the same direction.
-  constexpr double step = 1.6;
-  // Points keep this part of their distance in u, so that the curve does not race between them.
-  constexpr double least_gap = 0.4;
+  moves_.assign(points.size(), 0.0);
+  if (even) return;
   const int segments = mesh.segment_count();
   int s = 0;
   for (int i = 0; i < count(); ++i) {
@@ -138,16 +137,31 @@ void CurveFitProblem::move_parameters() {
     const double at = part_of(p.t, s);
     const Vec3 d = cubics_[s].position(at) - p.x, d1 = cubics_[s].first(at);
     const double slope = d1.squaredNorm() + std::max(0.0, d.dot(cubics_[s].second(at)));
-    if (!(slope > 0)) continue;
-    // Half the way to a neighbour at most, or to the end.
-    const FitPoint *before = i > 0 ? &p - 1 : nullptr, *after = i + 1 < count() ? &p + 1 : nullptr;
-    const double from = before ? std::max(before->t, mesh.start()) : mesh.start(),
-                 to = after ? std::min(after->t, mesh.end()) : mesh.end();
-    double least = 0.5 * (from + p.t), most = 0.5 * (to + p.t);
-    if (before) least = std::min(std::max(least, before->t + least_gap * p.gap), p.t);
-    if (after) most = std::max(std::min(most, after->t - least_gap * after->gap), p.t);
-    p.t = std::clamp(p.t - step * mesh.length(s) * d.dot(d1) / slope, least, most);
+    if (slope > 0) moves_[i] = move(i, -mesh.length(s) * d.dot(d1) / slope);
   }
+}
+
+// The next solve moves the curve on in the same direction.
+void CurveFitProblem::overshoot() {
+  constexpr double part = 0.6;
+  for (int i = 0; i < count(); ++i)
+    if (moves_[i] != 0) move(i, part * moves_[i]);
+}
+
+// Half the way to a neighbour at most, or to the end. Returns how far.
+double CurveFitProblem::move(int i, double change) {
+  // Points keep this part of their distance in u, so that the curve does not race between them.
+  constexpr double least_gap = 0.4;
+  FitPoint& p = points[i];
+  const FitPoint *before = i > 0 ? &p - 1 : nullptr, *after = i + 1 < count() ? &p + 1 : nullptr;
+  const double from = before ? std::max(before->t, mesh.start()) : mesh.start(),
+               to = after ? std::min(after->t, mesh.end()) : mesh.end();
+  double least = 0.5 * (from + p.t), most = 0.5 * (to + p.t);
+  if (before) least = std::min(std::max(least, before->t + least_gap * p.gap), p.t);
+  if (after) most = std::max(std::min(most, after->t - least_gap * after->gap), p.t);
+  const double old = p.t;
+  p.t = std::clamp(old + change, least, most);
+  return p.t - old;
 }
 
 void CurveFitProblem::measure() {

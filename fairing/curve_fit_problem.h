@@ -70,6 +70,8 @@ class CurveFitProblem {
   void solve();
   void make_cubics();
   void move_parameters();
+  void overshoot();
+  double move(int i, double change);
   void measure();
   int measure_gap(int i, std::initializer_list<int> places, int s);
   double part_of(double u, int segment) const {
@@ -77,6 +79,7 @@ class CurveFitProblem {
   }
 
   std::vector<Cubic> cubics_;
+  std::vector<double> moves_;  // of the parameters, in the last round
   BandCholesky A_;
   Points right_;
 };

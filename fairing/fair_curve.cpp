@@ -2,151 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <numbers>
 
 #include "batten/constraints/affine_reduction.h"
 #include "batten/constraints/shape/curve_constraints.h"
 #include "batten/core/errors.h"
-#include "batten/elements/quadrature.h"
-#include "batten/fairing/curve_band.h"
 #include "batten/fairing/point_row.h"
+#include "batten/fairing/spring_balance.h"
 #include "batten/fem/curve_assembly.h"
 
 namespace batten {
 namespace {
-
-// Arc length along a Hermite curve at its nodes and inside its segments.
-class NodeArc {
- public:
-  explicit NodeArc(const HermiteCurve& curve) : curve_(curve), at_node_{0} {
-    for (int s = 0; s < curve.segment_count(); ++s)
-      at_node_.push_back(at_node_.back() + inside({s, 1}));
-  }
-  double total() const { return at_node_.back(); }
-  double operator()(double u) const {
-    const auto at = curve_.mesh().where(u);
-    return at_node_[at.segment] + inside(at);
-  }
-
- private:
-  double inside(CurveMesh::Where at) const {
-    static const SegmentRule rule = gauss_legendre(5);
-    double sum = 0;
-    for (long p = 0; p < rule.s.size(); ++p)
-      sum += rule.weights[p] * curve_.evaluate({at.segment, at.s * rule.s[p]}, 1).norm();
-    return sum * at.s * curve_.mesh().length(at.segment);
-  }
-  const HermiteCurve& curve_;
-  std::vector<double> at_node_;
-};
-
-// The springs of a round: what the points of a node want together.
-struct Springs {
-  std::vector<double> weight;  // of each node: points
-  std::vector<Vec3> goal;      // their mean, moved along the curve to the node's parameter
-  double scatter = 0;          // Σ |point - mean of its node|²
-};
-
-// The balance of springs against bending on one mesh, for any λ.
-class Balance {
- public:
-  Balance(const CurveMesh& mesh, const Springs& springs, double alpha, int points,
-          const std::vector<std::pair<int, Vec3>>& held)
-      : mesh_(mesh), springs_(springs), alpha_(alpha), points_(points), held_(held), band_(mesh) {}
-
-  // Dofs at λ.
-  Points solve(double lambda) {
-    band_.reset(A_);
-    right_.setZero(mesh_.dof_count(), 3);
-    for (int s = 0; s < mesh_.segment_count(); ++s) {
-      const HermiteSegment segment(mesh_.length(s));
-      HermiteSegment::Matrix K = segment.bending(lambda);
-      if (alpha_ > 0) K += segment.stretching(lambda * alpha_);
-      band_.add(A_, s, K);
-    }
-    for (int n = 0; n < mesh_.node_count(); ++n) {
-      const int i = band_.place(mesh_.position_dof(n));
-      A_.add(i, i, springs_.weight[n]);
-      right_.row(i) += springs_.weight[n] * springs_.goal[n].transpose();
-    }
-    for (const auto& [dof, value] : held_) A_.fix(band_.place(dof), value, right_);
-    if (!A_.factorize())
-      throw NoSolutionError("a curve cannot be faired: its system is not positive definite");
-    A_.solve(right_);
-    Points q(mesh_.dof_count(), 3);
-    for (int d = 0; d < mesh_.dof_count(); ++d) q.row(d) = right_.row(band_.place(d));
-    return q;
-  }
-
-  // Trace of the influence matrix of the last solve().
-  double freedom() const {
-    const VecX inverse = A_.inverse_diagonal();
-    double trace = 0;
-    for (int n = 0; n < mesh_.node_count(); ++n) {
-      const int dof = mesh_.position_dof(n);
-      const bool is_held =
-          std::any_of(held_.begin(), held_.end(), [&](const auto& h) { return h.first == dof; });
-      trace += is_held ? 1 : springs_.weight[n] * inverse[band_.place(dof)];
-    }
-    return trace;
-  }
-
-  // Generalised cross-validation at λ. Each degree of freedom counts more than once where there
-  // are points enough; infinite where points move by more than `most` (root mean square).
-  double score(double lambda, double most) {
-    const double dearer = 1 + 0.4 * std::clamp((points_ - 6) / 14.0, 0.0, 1.0);
-    const Points q = solve(lambda);
-    double rest = springs_.scatter;
-    for (int n = 0; n < mesh_.node_count(); ++n)
-      rest += springs_.weight[n] *
-              (q.row(mesh_.position_dof(n)).transpose() - springs_.goal[n]).squaredNorm();
-    const double left = points_ - dearer * freedom();
-    return left > 0 && rest <= points_ * most * most ? rest / (left * left)
-                                                     : std::numeric_limits<double>::infinity();
-  }
-
- private:
-  const CurveMesh& mesh_;
-  const Springs& springs_;
-  double alpha_;
-  int points_;
-  const std::vector<std::pair<int, Vec3>>& held_;
-  CurveBand band_;
-  BandCholesky A_;
-  Points right_;
-};
-
-// The smallest value of f over [low, high]: `samples` values, then golden sections.
-double minimum_of(const std::function<double(double)>& f, double low, double high, int samples) {
-  double best = low, best_value = std::numeric_limits<double>::infinity();
-  // From the fairest on, so that of equal ones the fairest wins.
-  for (int i = samples; i >= 0; --i) {
-    const double x = low + (high - low) * i / samples, value = f(x);
-    if (value < best_value) {
-      best = x;
-      best_value = value;
-    }
-  }
-  double a = std::max(low, best - (high - low) / samples),
-         b = std::min(high, best + (high - low) / samples);
-  const double golden = 1 / std::numbers::phi;
-  double x = b - golden * (b - a), y = a + golden * (b - a), fx = f(x), fy = f(y);
-  for (int i = 0; i < 8; ++i) {
-    if (fx < fy) {
-      b = y;
-      y = x;
-      fy = fx;
-      fx = f(x = b - golden * (b - a));
-    } else {
-      a = x;
-      x = y;
-      fx = fy;
-      fy = f(y = a + golden * (b - a));
-    }
-  }
-  return fx < best_value || fy < best_value ? (fx < fy ? x : y) : best;
-}
 
 // Signed distance from a condition's plane.
 double height(const CurveCondition& plane, const Vec3& p) {
@@ -186,26 +52,40 @@ class Fairing {
   void choose_nodes();
   Springs gather() const;
   std::vector<std::pair<int, Vec3>> held() const;
-  double find_wave(Balance& balance, const Springs& springs, double before);
-  Points solve(Balance& balance, double lambda, const Springs& springs) const;
-  double off_axis(const Points& q, const Springs& springs) const;
-  double project();
+  double find_wave(SpringBalance& balance, const Springs& springs, double before);
+  void reduce_conditions();
+  Points solve(SpringBalance& balance, double lambda, const Springs& springs) const;
+  double off_axis(const Points& q) const;
+  double project(bool first);
   double residual() const;
+  void run_by_arc_length();
+  // Whether the way from point to point is much longer than that from every fourth to the next.
+  bool zigzags() const {
+    double shorter = 0;
+    for (int i = 4; i < count_; i += 4) shorter += (row_.points[i] - row_.points[i - 4]).norm();
+    return count_ >= 16 && shorter < 0.7 * row_.length();
+  }
+  bool tangents_moved();
 
   const std::string& name_;
   const PointRow& row_;
   const FairOptions& options_;
   const int count_;
   double length_;
-  std::vector<double> u_;      // of the points, in [0, length_]
-  std::vector<Vec3> tangent_;  // unit, of the last curve there
-  std::vector<double> at_;     // where the conditions act, or unused
+  std::vector<double> u_;        // of the points, in [0, length_]
+  std::vector<Vec3> tangent_;    // unit, of the last curve there
+  std::vector<double> at_;       // where the conditions act, or unused
+  std::vector<double> held_at_;  // those of the last solve
   int most_nodes_ = 1000;
   double tightened_ = 1;  // of the stated deviation, so that it holds after the last projection
   CurveMesh mesh_;
   std::vector<int> node_of_;  // of each point
   HermiteCurve curve_;        // of the last round
   std::vector<double> foot_;  // of each point, on it
+  // Of the conditions, for one mesh.
+  std::optional<AffineReduction> reduction_;
+  SparseMatrix bending_;
+  VecX positions_;  // 1 at position dofs
 };
 
 // Moves the parameters so that the curve crosses the plane half way; a closed one starts there too.
@@ -241,13 +121,12 @@ void Fairing::centre(const CurveCondition& plane) {
 std::vector<double> Fairing::forced_nodes() {
   std::vector<double> forced = {0};
   for (const int c : row_.corners) forced.push_back(u_[c]);
-  at_.assign(options_.conditions.size(), 0);
+  const bool searched = !at_.empty();  // project() has moved them since
+  at_.resize(options_.conditions.size(), 0);
   for (size_t k = 0; k < options_.conditions.size(); ++k) {
     const CurveCondition& c = options_.conditions[k];
     if (c.type != Type::Point && c.type != Type::Tangent) continue;
-    if (curve_.node_count() > 0 && curve_.mesh().dof_count() > 0) {
-      at_[k] = curve_.closest_point(c.at).u * length_ / curve_.end();
-    } else {
+    if (!searched) {
       double nearest = std::numeric_limits<double>::infinity();
       for (int i = 0; i < (row_.closed ? count_ : count_ - 1); ++i) {
         const int j = (i + 1) % count_;
@@ -259,7 +138,8 @@ std::vector<double> Fairing::forced_nodes() {
           nearest = d;
           double gap = u_[j] - u_[i];
           if (row_.closed && gap < 0) gap += length_;
-          at_[k] = std::fmod(u_[i] + s * gap, length_ * (1 + 1e-15));
+          at_[k] = u_[i] + s * gap;
+          if (at_[k] > length_) at_[k] -= length_;
         }
       }
     }
@@ -282,7 +162,9 @@ void Fairing::choose_nodes() {
       for (double& u : *all) u = std::min(u, length_ - u);
   forced.push_back(end);
   // The forced ones first; of the others those that are not too near.
-  const double gap = 0.25 * length_ / std::min(count_, most_nodes_), same = 1e-9 * length_;
+  // (What acts between nodes acts there too; a corner and the mirror image of its partner are one.)
+  const double gap = 0.25 * length_ / std::min(count_, most_nodes_),
+               same = mirrored ? 4 * gap : 0.01 * gap;
   std::sort(forced.begin(), forced.end());
   std::vector<double> nodes;
   for (const double u : forced)
@@ -318,8 +200,10 @@ void Fairing::choose_nodes() {
   const int last = static_cast<int>(parameters.size()) - 1;
   std::vector<int> corners;
   for (const int c : row_.corners) {
-    corners.push_back(nearest(u_[c]) % (row_.closed ? last : last + 1));
-    if (mirrored) corners.push_back((last - nearest(u_[c])) % (row_.closed ? last : last + 1));
+    const int node = nearest(u_[c]);
+    if (!row_.closed && (node == 0 || node == last)) continue;
+    corners.push_back(node % (row_.closed ? last : last + 1));
+    if (mirrored) corners.push_back((last - node) % (row_.closed ? last : last + 1));
   }
   node_of_.clear();
   for (const double u : u_) node_of_.push_back(nearest(u) % (row_.closed ? last : last + 1));
@@ -353,7 +237,7 @@ std::vector<std::pair<int, Vec3>> Fairing::held() const {
 }
 
 // Largest distance of a node's goal from the curve, across its tangent.
-double Fairing::off_axis(const Points& q, const Springs& springs) const {
+double Fairing::off_axis(const Points& q) const {
   double worst = 0;
   for (int i = 0; i < count_; ++i) {
     const int n = node_of_[i];
@@ -364,11 +248,10 @@ double Fairing::off_axis(const Points& q, const Springs& springs) const {
     if (!mesh_.is_corner(n)) d -= t.dot(d) * t;
     worst = std::max(worst, d.norm());
   }
-  (void)springs;
   return worst;
 }
 
-double Fairing::find_wave(Balance& balance, const Springs& springs, double before) {
+double Fairing::find_wave(SpringBalance& balance, const Springs& springs, double before) {
   const double finest = 0.5 * spacing(), coarsest = 4 * length_;
   switch (options_.balance) {
     case FairOptions::Balance::Wavelength:
@@ -386,7 +269,7 @@ double Fairing::find_wave(Balance& balance, const Springs& springs, double befor
     case FairOptions::Balance::Deviation: {
       double low = std::log(no_wave()), high = std::log(coarsest);
       const auto fits = [&](double x) {
-        return off_axis(solve(balance, lambda_at(std::exp(x)), springs), springs) <=
+        return off_axis(solve(balance, lambda_at(std::exp(x)), springs)) <=
                tightened_ * options_.deviation;
       };
       if (fits(high)) return coarsest;
@@ -400,8 +283,9 @@ double Fairing::find_wave(Balance& balance, const Springs& springs, double befor
   return 0;
 }
 
-Points Fairing::solve(Balance& balance, double lambda, const Springs& springs) const {
-  if (free_of_rows()) return balance.solve(lambda);
+void Fairing::reduce_conditions() {
+  reduction_.reset();
+  if (free_of_rows()) return;
   ConstraintSet set(mesh_.dof_count());
   for (const auto& [dof, value] : held()) set.fix("ends", dof, value);
   CurveConstraints rows(mesh_, set);
@@ -426,28 +310,47 @@ Points Fairing::solve(Balance& balance, double lambda, const Springs& springs) c
         break;
     }
   }
-  const CurveAssembler assembler(mesh_);
-  SparseMatrix K =
-      assembler.stiffness({lambda * options_.alpha / (row_.size * row_.size)}, {lambda});
+  // About a point of the curve, so that far from the origin no digits are lost.
+  positions_ = VecX::Zero(mesh_.dof_count());
+  for (int n = 0; n < mesh_.node_count(); ++n) positions_[mesh_.position_dof(n)] = 1;
+  reduction_.emplace(set.moved(positions_, row_.points.front()));
+  const double alpha = options_.alpha / (row_.size * row_.size);
+  bending_ = CurveAssembler(mesh_).stiffness({alpha}, {1});
+}
+
+Points Fairing::solve(SpringBalance& balance, double lambda, const Springs& springs) const {
+  if (!reduction_) return balance.solve(lambda);
+  const Vec3 origin = row_.points.front();
+  SparseMatrix K = lambda * bending_;
   Points F = Points::Zero(mesh_.dof_count(), 3);
   for (int n = 0; n < mesh_.node_count(); ++n) {
     const int dof = mesh_.position_dof(n);
     K.coeffRef(dof, dof) += springs.weight[n];
-    F.row(dof) = springs.weight[n] * springs.goal[n].transpose();
+    F.row(dof) = springs.weight[n] * (springs.goal[n] - origin).transpose();
   }
-  // About a point of the curve, so that far from the origin no digits are lost.
-  const Vec3 origin = row_.points.front();
-  VecX positions = VecX::Zero(mesh_.dof_count());
-  for (int n = 0; n < mesh_.node_count(); ++n) {
-    positions[mesh_.position_dof(n)] = 1;
-    F.row(mesh_.position_dof(n)) -= springs.weight[n] * origin.transpose();
+  const SparseMatrix A = reduction_->reduce(K);
+  SparseCholesky cholesky;
+  cholesky.analyze(A);
+  if (!cholesky.factorize(A)) throw NoSolutionError(cholesky.message());
+  return reduction_->expand(cholesky.solve(reduction_->reduce_load(K, F))) +
+         positions_ * origin.transpose();
+}
+
+// Puts every direction where the curve is nearest to its place; whether that moved any.
+bool Fairing::tangents_moved() {
+  bool moved = false;
+  for (size_t k = 0; k < at_.size(); ++k) {
+    if (options_.conditions[k].type != Type::Tangent) continue;
+    const double u = curve_.closest_point(options_.conditions[k].at).u;
+    moved = moved || std::abs(u - at_[k]) > 1e-14 * length_;
+    at_[k] = u;
   }
-  return solve_constrained(set.moved(positions, origin), K, F) + positions * origin.transpose();
+  return moved;
 }
 
 // Moves every point's parameter to the nearest point of the curve and to arc length; returns the
 // largest change over the length.
-double Fairing::project() {
+double Fairing::project(bool first) {
   const NodeArc arc(curve_);
   foot_.resize(count_);
   double change = 0;
@@ -473,14 +376,26 @@ double Fairing::project() {
     foot_[i] = u;
     const Vec3 d = curve_.evaluate(u, 1);
     tangent_[i] = d.norm() > 0 ? Vec3(d.normalized()) : Vec3::Zero();
-    const double s = arc(u);
-    double moved = std::abs(s / arc.total() - u_[i] / length_);
+    const double s = arc(u) / arc.total();
+    double moved = std::abs(s - u_[i] / length_);
     if (row_.closed) moved = std::min(moved, 1 - moved);
     change = std::max(change, moved);
     u_[i] = s;
   }
-  length_ = arc.total();
-  if (!(length_ > 0)) throw NoSolutionError("line '" + name_ + "' shrinks to a point when faired");
+  if (!(arc.total() > 1e-6 * row_.size))
+    throw NoSolutionError("line '" + name_ + "' shrinks to a point when faired");
+  // Under a stated balance a closed curve that shrinks would shrink faster and faster if the
+  // parameter shrank with it: it keeps the length of the points, or, where that is mostly noise, of
+  // the first curve.
+  if (options_.balance == FairOptions::Balance::CrossValidation || (first && zigzags()))
+    length_ = arc.total();
+  for (double& u : u_) u *= length_;
+  for (size_t k = 0; k < at_.size(); ++k) {
+    const CurveCondition& c = options_.conditions[k];
+    if (c.type != Type::Point && c.type != Type::Tangent) continue;
+    const double s = arc(curve_.closest_point(c.at).u) / arc.total() * length_;
+    at_[k] = s;
+  }
   return change;
 }
 
@@ -498,10 +413,14 @@ double Fairing::residual() const {
       case Type::Point:
         worst = std::max(worst, curve_.closest_point(c.at).distance / size);
         break;
-      case Type::Tangent:
-        worst = std::max(
-            worst, curve_.evaluate(at_[k], 1).normalized().cross(c.direction.normalized()).norm());
+      case Type::Tangent: {
+        // The direction where it is held, and how far that is from the nearest point.
+        const Vec3 tangent = curve_.evaluate(held_at_[k], 1).normalized();
+        const Vec3 nearest = curve_.evaluate(curve_.closest_point(c.at).u);
+        worst = std::max({worst, tangent.cross(c.direction.normalized()).norm(),
+                          (curve_.evaluate(held_at_[k]) - nearest).norm() / size});
         break;
+      }
       case Type::ZeroEndCurvature:
         for (const double s : {0.0, 1.0}) {
           // By how much it would bend the last segment.
@@ -526,6 +445,20 @@ double Fairing::residual() const {
   return worst;
 }
 
+// The same curve and feet, u scaled to the length.
+void Fairing::run_by_arc_length() {
+  const double scale = NodeArc(curve_).total() / length_;
+  std::vector<double> u = mesh_.parameters();
+  for (double& x : u) x *= scale;
+  for (double& x : foot_) x *= scale;
+  Points dofs = curve_.dofs();
+  for (int n = 0; n < mesh_.node_count(); ++n) {
+    dofs.row(mesh_.slope_out(n)) /= scale;
+    if (mesh_.is_corner(n)) dofs.row(mesh_.slope_in(n)) /= scale;
+  }
+  curve_ = HermiteCurve(CurveMesh(u, mesh_.closed(), mesh_.corners()), dofs);
+}
+
 FairCurve Fairing::run() {
   FairCurve result;
   double wave = 0;
@@ -535,7 +468,8 @@ FairCurve Fairing::run() {
     choose_nodes();
     const Springs springs = gather();
     const auto ends = held();
-    Balance balance(mesh_, springs, alpha, count_, ends);
+    SpringBalance balance(mesh_, springs, alpha, count_, ends);
+    reduce_conditions();
     if (result.rounds < searches || options_.balance == FairOptions::Balance::Deviation)
       wave = find_wave(balance, springs, wave);
     const double lambda = lambda_at(std::max(wave, no_wave()));
@@ -543,11 +477,18 @@ FairCurve Fairing::run() {
     if (!free_of_rows()) balance.solve(lambda);
     result.freedom = balance.freedom();
     curve_ = HermiteCurve(mesh_, q);
+    // A direction is held where the curve is nearest in the end, not where it was before.
+    constexpr int most_moves = 40;
+    for (int move = 0; move < most_moves && tangents_moved(); ++move) {
+      reduce_conditions();
+      curve_ = HermiteCurve(mesh_, solve(balance, lambda, springs));
+    }
     if (result.freedom > 0.25 * mesh_.node_count() && most_nodes_ < count_) {
       most_nodes_ *= 2;  // more nodes than the balance makes use of
       continue;
     }
-    const double change = project();
+    held_at_ = at_;
+    const double change = project(result.rounds == 0);
     ++result.rounds;
     // Parameters stand still when they move by little of what is smoothed anyway.
     result.settled = result.rounds > 1 && change * length_ < std::max(1e-4 * length_, 0.01 * wave);
@@ -562,11 +503,12 @@ FairCurve Fairing::run() {
     }
     if (result.settled || result.rounds >= options_.most_rounds + more_rounds) break;
   }
+  result.max_residual = residual();
+  run_by_arc_length();
   result.curve = curve_;
   result.wavelength = wave;
   result.deviation = deviation_of(curve_, row_, foot_);
   for (const int i : row_.index) result.parameters.push_back(foot_[i]);
-  result.max_residual = residual();
   return result;
 }
 
@@ -614,7 +556,7 @@ HermiteCurve curve_as_given(const std::string& name, const std::vector<Vec3>& po
   springs.goal = row.points;
   std::vector<std::pair<int, Vec3>> held;
   for (int i = 0; i < row.count(); ++i) held.emplace_back(mesh.position_dof(i), row.points[i]);
-  return {mesh, Balance(mesh, springs, 0, row.count(), held).solve(1)};
+  return {mesh, SpringBalance(mesh, springs, 0, row.count(), held).solve(1)};
 }
 
 }  // namespace batten

@@ -42,7 +42,8 @@ struct FairOptions {
     /// square): what is larger was no noise. Fewer than six points tell nothing about noise: the
     /// curve then goes through them.
     CrossValidation,
-    Deviation,  ///< the fairest curve not farther than `deviation` from any point
+    Deviation,  ///< the fairest curve not farther than `deviation` from any point; where conditions
+                ///< or a missing corner do not let it be, FairCurve::deviation is larger
     Wavelength  ///< waves of length `wavelength` keep half of their height; shorter ones less
   };
   Balance balance = Balance::CrossValidation;
@@ -70,7 +71,8 @@ struct FairCurve {
 
 /// Two points or more. Cost: O(points) a round; about 0.2 ms for a hundred points.
 /// Throws InputError (as fit_points; a condition of an open curve on a closed one; a deviation or
-/// wavelength that is not above 0), ConflictError when conditions contradict each other.
+/// wavelength that is not above 0), ConflictError when conditions contradict each other,
+/// NoSolutionError when fairing leaves no curve (a loop shorter than the wavelength).
 FairCurve fair_points(const std::string& name, const std::vector<Vec3>& points,
                       const FairOptions& options = {});
 
@@ -82,9 +84,11 @@ HermiteCurve curve_as_given(const std::string& name, const std::vector<Vec3>& po
 /// the segments that the stretch touches, φ falling smoothly from 1 in its middle to 0 at its ends:
 /// the wave that keeps half of its height grows from nothing to `wavelength`. The nodes at the ends
 /// of those segments keep position and slope: outside nothing changes, not a bit. Inside, nodes are
-/// added first, without a change of shape, as many as the wavelength needs.
+/// added first, without a change of shape, as many as the wavelength needs. At the end of an open
+/// curve the slope is free.
 ///
-/// From parameter `from` to `to` (closed curves: across the seam when to < from).
+/// From parameter `from` to `to` (closed curves: across the seam when to < from). Throws InputError
+/// when that is no part of the curve, or wavelength is not above 0.
 HermiteCurve fair_stretch(const HermiteCurve& curve, double from, double to, double wavelength);
 /// A brush: every stretch inside the sphere, φ falling from 1 at its centre to 0 at `radius`. A
 /// sphere that the curve does not meet: InputError.

@@ -16,15 +16,9 @@ struct Run {
   int first, count;
 };
 
-// Runs of segments in which the strength is above 0 somewhere; all segments of a closed curve but
-// one node at most.
-std::vector<Run> runs_of(const HermiteCurve& curve, const std::function<double(double)>& strength) {
+// Runs of segments that are touched; all segments of a closed curve but one node at most.
+std::vector<Run> runs_of(const HermiteCurve& curve, const std::vector<char>& touched) {
   const int n = curve.segment_count();
-  constexpr int samples = 16;
-  std::vector<char> touched(n, 0);
-  for (int s = 0; s < n; ++s)
-    for (int k = 0; k <= samples && !touched[s]; ++k)
-      touched[s] = strength(curve.parameters()[s] + curve.mesh().length(s) * k / samples) > 0;
   std::vector<Run> runs;
   int start = 0;
   if (curve.closed()) {
@@ -42,6 +36,14 @@ std::vector<Run> runs_of(const HermiteCurve& curve, const std::function<double(d
   return runs;
 }
 
+double length_of(const HermiteCurve& curve, int segment) {
+  double length = 0;
+  for (int i = 0; i < 4; ++i)
+    length +=
+        0.25 * curve.mesh().length(segment) * curve.evaluate({segment, (i + 0.5) / 4}, 1).norm();
+  return length;
+}
+
 // The dofs of one run, faired; nodes at its ends stay.
 void fair_run(const HermiteCurve& curve, const Run& run,
               const std::function<double(double)>& strength, double wavelength, Points& dofs) {
@@ -54,8 +56,7 @@ void fair_run(const HermiteCurve& curve, const Run& run,
     const int s = (run.first + k) % whole.segment_count();
     if (k > 0 && whole.is_corner(s)) corners.push_back(k);
     u.push_back(u.back() + whole.length(s));
-    for (int i = 0; i < 4; ++i)
-      length += 0.25 * whole.length(s) * curve.evaluate({s, (i + 0.5) / 4}, 1).norm();
+    length += length_of(curve, s);
   }
   // φ and the wavelength live on arc length; u runs at about `speed`.
   const double speed = length / u.back();
@@ -99,24 +100,22 @@ void fair_run(const HermiteCurve& curve, const Run& run,
       dofs.row(outer[d]) = right.row(band.place(d));
 }
 
-HermiteCurve fair_where(const HermiteCurve& curve, const std::function<double(double)>& strength,
-                        double extent, double wavelength) {
+HermiteCurve fair_where(const HermiteCurve& curve, const std::vector<char>& touched,
+                        const std::function<double(double)>& strength, double extent,
+                        double wavelength) {
   if (!(wavelength > 0) || !std::isfinite(wavelength))
     throw InputError("local fairing: found the wavelength " + number(wavelength) +
                      ", expected a length above 0");
   // Nodes fine enough for the shortest wave that stays, and for φ.
-  const std::vector<Run> coarse = runs_of(curve, strength);
+  const std::vector<Run> coarse = runs_of(curve, touched);
   std::vector<double> added;
   for (const Run& run : coarse)
     for (int k = 0; k < run.count; ++k) {
       const int s = (run.first + k) % curve.segment_count();
-      double length = 0;
-      for (int i = 0; i < 4; ++i)
-        length += 0.25 * curve.mesh().length(s) * curve.evaluate({s, (i + 0.5) / 4}, 1).norm();
-      constexpr int per_wave = 24, per_stretch = 72, most = 400;
-      const int pieces = static_cast<int>(
-          std::clamp(std::ceil(length / std::min(wavelength / per_wave, extent / per_stretch)), 1.0,
-                     1.0 * most));
+      constexpr int per_wave = 24, per_stretch = 72, most = 4000;
+      const int pieces = static_cast<int>(std::clamp(
+          std::ceil(length_of(curve, s) / std::min(wavelength / per_wave, extent / per_stretch)),
+          1.0, 1.0 * most));
       for (int i = 1; i < pieces; ++i)
         added.push_back(curve.parameters()[s] + curve.mesh().length(s) * i / pieces);
     }
@@ -148,6 +147,15 @@ HermiteCurve fair_stretch(const HermiteCurve& curve, double from, double to, dou
   if (!(extent > 0) || !std::isfinite(from) || !std::isfinite(to))
     throw InputError("local fairing: found a stretch from " + number(from) + " to " + number(to) +
                      ", expected two parameters of the curve, the second above the first");
+  if (!curve.closed() && (from >= curve.end() || to <= curve.start()))
+    throw InputError("local fairing: found a stretch from " + number(from) + " to " + number(to) +
+                     " of a curve from " + number(curve.start()) + " to " + number(curve.end()));
+  std::vector<char> touched(curve.segment_count(), 0);
+  for (int s = 0; s < curve.segment_count(); ++s)
+    for (const double turn : {-whole, 0.0, whole})
+      if (turn == 0 || curve.closed())
+        touched[s] |=
+            from + turn < curve.parameters()[s + 1] && from + extent + turn > curve.parameters()[s];
   const auto strength = [&](double u) {
     double into = u - from;
     if (curve.closed()) into -= whole * std::floor(into / whole);
@@ -155,7 +163,7 @@ HermiteCurve fair_stretch(const HermiteCurve& curve, double from, double to, dou
     return std::abs(x) < 1 ? (1 - x * x) * (1 - x * x) : 0.0;
   };
   const double middle = curve.evaluate(from + 0.5 * extent, 1).norm();
-  return fair_where(curve, strength, extent * (middle > 0 ? middle : 1), wavelength);
+  return fair_where(curve, touched, strength, extent * (middle > 0 ? middle : 1), wavelength);
 }
 
 HermiteCurve fair_brush(const HermiteCurve& curve, const Vec3& centre, double radius,
@@ -163,15 +171,22 @@ HermiteCurve fair_brush(const HermiteCurve& curve, const Vec3& centre, double ra
   if (!(radius > 0) || !std::isfinite(radius) || !centre.allFinite())
     throw InputError("local fairing: found a brush of radius " + number(radius) +
                      ", expected a length above 0");
-  const double nearest = curve.closest_point(centre).distance;
-  if (!(nearest < radius))
-    throw InputError("local fairing: the curve does not meet the brush; it is " + number(nearest) +
-                     " away from its centre, and the radius is " + number(radius));
+  const CurvePoint nearest = curve.closest_point(centre);
+  if (!(nearest.distance < radius))
+    throw InputError("local fairing: the curve does not meet the brush; it is " +
+                     number(nearest.distance) + " away from its centre, and the radius is " +
+                     number(radius));
   const auto strength = [&](double u) {
     const double x = (curve.evaluate(u) - centre).squaredNorm() / (radius * radius);
     return x < 1 ? (1 - x) * (1 - x) : 0.0;
   };
-  return fair_where(curve, strength, 2 * radius, wavelength);
+  std::vector<char> touched(curve.segment_count(), 0);
+  constexpr int samples = 32;
+  for (int s = 0; s < curve.segment_count(); ++s)
+    for (int k = 0; k <= samples && !touched[s]; ++k)
+      touched[s] = strength(curve.parameters()[s] + curve.mesh().length(s) * k / samples) > 0;
+  touched[curve.mesh().where(nearest.u).segment] = 1;
+  return fair_where(curve, touched, strength, 2 * radius, wavelength);
 }
 
 }  // namespace batten

@@ -116,8 +116,12 @@ std::optional<HermiteCurve> exact_curve(const InputCurve& curve, double corner_a
 
 HermiteCurve fit_curve(const std::string& name, std::shared_ptr<const InputCurve> curve,
                        const FitOptions& options) {
-  if (!options.halved && !options.start && !options.end)
-    if (auto exact = exact_curve(*curve, options.corner_angle)) return *exact;
+  if (!(options.tolerance > 0) || !std::isfinite(options.tolerance))
+    throw InputError("line '" + name + "': found the tolerance " + number(options.tolerance) +
+                     ", expected a length above 0");
+  if (!options.halved && !options.even && !options.start && !options.end)
+    if (auto exact = exact_curve(*curve, options.corner_angle))
+      if (exact->closed() == options.closed.value_or(exact->closed())) return *exact;
   const ArcLength arc(curve);
   const double total = arc.total();
   const bool closed = options.closed.value_or(comes_back(*curve, total));

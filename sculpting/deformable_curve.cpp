@@ -159,7 +159,10 @@ void DeformableCurve::restart() {
   M *= scale(-1);
   ImplicitSteps steps(about_origin_, stiffness(), std::move(M),
                       {material_.density, material_.damping, dt_, theta_});
-  steps.start(current_, steps_ ? steps_->velocities() : Points::Zero(current_.rows(), 3));
+  if (steps_)
+    steps.start(steps_->positions(), steps_->velocities());
+  else
+    steps.start(current_, Points::Zero(current_.rows(), 3));
   steps_ = std::move(steps);
   stiffness_changed_ = false;
 }
@@ -180,8 +183,9 @@ HermiteCurve DeformableCurve::step() {
   return made(current_);
 }
 
-double DeformableCurve::energy() const {
+double DeformableCurve::energy() {
   if (!steps_) throw InputError("the energy of a curve that was not set in motion");
+  if (stiffness_changed_) restart();
   return steps_->kinetic() + steps_->potential(right_side());
 }
 

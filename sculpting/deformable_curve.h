@@ -53,8 +53,8 @@ struct CurveMaterial {
 class DeformableCurve {
  public:
   /// `constraints`: on the dofs of the shape's mesh (CurveConstraints). Throws InputError (counts,
-  /// numbers that are not finite, two loads of one name, a negative stiffness), ConflictError,
-  /// NoSolutionError when nothing holds the curve.
+  /// numbers that are not finite, two loads of one name, a negative stiffness). solve() and
+  /// start_motion() throw ConflictError, and NoSolutionError when nothing holds the curve.
   DeformableCurve(HermiteCurve shape, ConstraintSet constraints, CurveMaterial material,
                   std::vector<CurveLoad> loads);
 
@@ -74,7 +74,7 @@ class DeformableCurve {
   /// One implicit step; throws InputError when there was no start_motion().
   HermiteCurve step();
   /// Kinetic plus potential energy: never grows under constant loads.
-  double energy() const;
+  double energy();
 
   const ConstraintSet& constraints() const { return constraints_; }
 

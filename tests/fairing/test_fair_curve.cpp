@@ -200,6 +200,7 @@ TEST_CASE("conditions hold exactly after fairing, alone and together, open and c
       options.conditions = conditions;
       const FairCurve fair = fair_points("roof", points, options);
       INFO(static_cast<int>(conditions[0].type) << " of " << conditions.size());
+      INFO("residual " << 1e12 * fair.max_residual << "e-12");
       CHECK(fair.max_residual < (origin.norm() > 0 ? 1e-10 : 1e-12));
       CHECK(fair.deviation.rms < 0.06);
       if (conditions[0].type == Type::Point) CHECK(fair.curve.closest_point(at).distance < 1e-11);
