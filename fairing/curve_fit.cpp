@@ -40,7 +40,7 @@ std::optional<double> split_of(const Problem& fit, const HermiteCurve& curve, in
   for (int i = first; i < behind; ++i) {
     const FitPoint& p = fit.points[i];
     // A point that was parted at before has moved a little since.
-    constexpr double apart = 0.2;
+    constexpr double apart = 0.05;
     const double gap_behind = i + 1 < fit.count() ? fit.points[i + 1].gap : fit.points[0].gap;
     if (p.t - a <= std::max(1e-3 * (b - a), apart * p.gap) ||
         b - p.t <= std::max(1e-3 * (b - a), apart * gap_behind))

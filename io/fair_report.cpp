@@ -52,10 +52,16 @@ Json json_of(const std::vector<FairedLine>& curves) {
 
 std::vector<MissedPromise> broken_conditions(const std::vector<FairedLine>& curves) {
   std::vector<MissedPromise> missed;
-  for (const FairedLine& c : curves)
+  for (const FairedLine& c : curves) {
+    if (c.too_far)
+      missed.push_back({"curves." + c.name + ".deviation",
+                        "is " + number(c.too_far->second) +
+                            " after the stage that states at most " + number(c.too_far->first) +
+                            ": is there a corner that is not one, or a condition against it?"});
     if (c.max_residual > 1e-12)
       missed.push_back({"curves." + c.name + ".max_residual",
                         "is " + number(c.max_residual) + ", promised at most 1e-12"});
+  }
   return missed;
 }
 

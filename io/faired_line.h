@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "batten/fairing/curve_fit.h"
 #include "batten/fairing/fairness.h"
@@ -20,7 +21,9 @@ struct FairedLine {
   double wavelength = 0, freedom = 0;  ///< of the last stage of the whole line, FairCurve's
   int rounds = 0;
   bool settled = true;
-  double max_residual = 0;                ///< of the conditions, over the size
+  double max_residual = 0;  ///< of the conditions, over the size
+  /// Deviation that a stage stated and could not keep: what was stated, and what was reached.
+  std::optional<std::pair<double, double>> too_far;
   std::optional<Fairness> before, after;  ///< none for a line without length
   double seconds = 0;
 };

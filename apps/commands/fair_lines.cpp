@@ -295,6 +295,9 @@ void Fairing::run_stages(size_t line, FairedResult& result) {
       report.rounds = fair.rounds;
       report.settled = fair.settled;
       report.max_residual = std::max(report.max_residual, fair.max_residual);
+      if (options.balance == FairOptions::Balance::Deviation &&
+          fair.deviation.max > options.deviation)
+        report.too_far = {options.deviation, fair.deviation.max};
     }
     result.states.push_back(curve);
   }

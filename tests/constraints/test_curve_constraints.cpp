@@ -163,6 +163,8 @@ TEST_CASE("motion that makes no sense is refused") {
   CHECK_THAT(with({-1, 1, 1, 1}), Contains("density"));
   CHECK_THAT(with({0, 0, 1, 1}), Contains("not both 0"));
   CHECK_THAT(with({1, 1, 1, 0.2}), Contains("theta"));
+  const ConstraintSet small(3);
+  CHECK_THAT(refusal([&] { ImplicitSteps(small, soft.K, M, {1, 1, 1, 1}); }), Contains("4 × 4"));
   ImplicitSteps steps(set, soft.K, M, {1, 1, 1, 1});
   CHECK_THAT(refusal([&] { steps.start(Points::Zero(2, 3), Points::Zero(4, 3)); }),
              Contains("2 positions"));

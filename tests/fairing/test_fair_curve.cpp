@@ -225,6 +225,60 @@ TEST_CASE("conditions hold exactly after fairing, alone and together, open and c
   CHECK(std::abs(fair.curve.evaluate(0).x()) < 1e-14);
 }
 
+TEST_CASE("a direction is held where the curve is nearest to its place in the end") {
+  for (const int n : {20, 50}) {
+    std::vector<Vec3> points;
+    for (int i = 0; i < n; ++i)
+      points.emplace_back(4.0 * i / (n - 1), std::sin(pi * i / (n - 1)), 0);
+    FairOptions options;
+    options.conditions = {condition(CurveCondition::Type::Tangent, points[6], Vec3::UnitX())};
+    const FairCurve fair = fair_points("arch", points, options);
+    CHECK(fair.max_residual < 1e-12);
+    const Vec3 there = fair.curve.evaluate(fair.curve.closest_point(points[6]).u, 1);
+    CHECK(std::abs(there.normalized().y()) < 1e-10);
+  }
+}
+
+TEST_CASE(
+    "corners and conditions that lie close together are no trouble, nor is symmetry of a drawing") {
+  using Type = CurveCondition::Type;
+  for (const double d : {0.0, 1e-8, 1e-6, 1e-4, 1e-2}) {
+    const std::vector<Vec3> corner = {{-1, 0, 0}, {-0.4, 0.8, 0}, {0.4 + d, 0.8, 0}, {1, 0, 0}};
+    std::vector<Vec3> points;
+    for (int c = 0; c < 3; ++c)
+      for (int i = 0; i < 12; ++i)
+        points.push_back(corner[c] + i / 12.0 * (corner[c + 1] - corner[c]));
+    points.push_back(corner[3]);
+    INFO(d);
+    FairOptions options;
+    options.conditions = {condition(Type::Symmetry, Vec3::Zero(), Vec3::UnitX())};
+    const FairCurve roof_line = fair_points("roof", points, options);
+    CHECK(roof_line.curve.mesh().corners().size() == 2);
+    CHECK(roof_line.max_residual < 1e-12);
+    CHECK(roof_line.deviation.max < 0.6 * d + 1e-7);
+    options.conditions = {condition(Type::Point, corner[1] + Vec3(d, 0, 0))};
+    CHECK(fair_points("roof", points, options).max_residual < 1e-12);
+  }
+}
+
+TEST_CASE("a closed curve under a stated wavelength keeps what the wavelength says") {
+  std::vector<Vec3> circle;
+  for (int i = 0; i < 60; ++i)
+    circle.emplace_back(std::cos(2 * pi * i / 60), std::sin(2 * pi * i / 60), 0);
+  for (const double wavelength : {3.0, 6.0, 10.0}) {
+    FairOptions options;
+    options.closed = true;
+    options.balance = FairOptions::Balance::Wavelength;
+    options.wavelength = wavelength;
+    const FairCurve fair = fair_points("circle", circle, options);
+    // The circle is one wave around its length 2π.
+    const double kept = 1 / (1 + std::pow(wavelength / (2 * pi), 4));
+    CHECK(fair.curve.length() / (2 * pi) == Approx(kept).epsilon(0.01));
+    CHECK(fair.curve.end() == Approx(fair.curve.length()).epsilon(1e-3));
+    CHECK(fair.settled);
+  }
+}
+
 TEST_CASE("corners stay corners") {
   std::vector<Vec3> points;
   std::mt19937 engine(2);
@@ -298,6 +352,18 @@ TEST_CASE("local fairing changes its stretch only, joined C1, to the last bit") 
   CHECK((seam.evaluate(0) - ring.evaluate(0)).norm() > 1e-6);
   CHECK(same_bits(seam.evaluate(0.5 * end), ring.evaluate(0.5 * end)));
   CHECK((seam.slope_in(0) - seam.slope_out(0)).norm() == 0);
+  // However narrow, and however long the segments.
+  const HermiteCurve beam({0, 10}, (Points(2, 3) << 0, 0, 0, 10, 0, 0).finished(),
+                          (Points(2, 3) << 1, 1, 0, 1, 1, 0).finished());
+  CHECK((fair_stretch(beam, 4.0, 4.3, 100).evaluate(4.15) - beam.evaluate(4.15)).norm() > 1e-6);
+  CHECK((fair_brush(beam, beam.evaluate(7.77), 0.1, 100).evaluate(7.77) - beam.evaluate(7.77))
+            .norm() > 1e-7);
+  CHECK_THAT(refusal([&] { fair_stretch(beam, 20, 30, 1); }), Contains("from 20 to 30"));
+  // Less bent than before by the dense minimum: no node may improve it.
+  const HermiteCurve corner =
+      curve_as_given("corner", {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {2, 1, 0}, {2, 2, 0}});
+  REQUIRE(corner.mesh().corners().size() == 1);
+  CHECK(fair_brush(corner, {2, 0, 0}, 1, 1).mesh().corners().size() == 1);
   // Everything: still a curve.
   CHECK(fair_brush(ring, Vec3::Zero(), 10, 1).closed());
   CHECK(fair_brush(before, centre, 10, 0.5).length() == Approx(before.length()).epsilon(0.05));
