@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "batten/core/errors.h"
 #include "batten/fairing/curve_fit_problem.h"
@@ -24,7 +25,7 @@ double on_grid(double u, double whole) {
 std::vector<int> corner_nodes(const std::vector<double>& knots, const Corners& corners) {
   std::vector<int> nodes;
   for (size_t i = 0; i < knots.size(); ++i)
-    if (std::find(corners.begin(), corners.end(), knots[i]) != corners.end())
+    if (std::binary_search(corners.begin(), corners.end(), knots[i]))
       nodes.push_back(static_cast<int>(i));
   return nodes;
 }
@@ -35,7 +36,7 @@ std::vector<int> corner_nodes(const std::vector<double>& knots, const Corners& c
 std::optional<double> split_of(const Problem& fit, const HermiteCurve& curve, int s, int first,
                                int behind, bool halve) {
   const double a = fit.mesh.parameters()[s], b = fit.mesh.parameters()[s + 1];
-  if (halve) return 0.5 * (a + b);
+  if (halve) return first < behind ? std::optional(0.5 * (a + b)) : std::nullopt;
   std::vector<double> inside, sum = {0};
   for (int i = first; i < behind; ++i) {
     const FitPoint& p = fit.points[i];
@@ -67,9 +68,9 @@ std::vector<double> split_mesh(const Problem& fit, bool halve) {
     if (fit.off[s] > fit.tolerance)
       if (const auto at = split_of(fit, curve, s, first[s], first[s + 1], halve))
         u.push_back(on_grid(*at, fit.mesh.end()));
-  if (u.size() == before) return {};
   std::sort(u.begin(), u.end());
-  u.erase(std::unique(u.begin(), u.end()), u.end());
+  u.erase(std::unique(u.begin(), u.end()), u.end());  // the grid is as fine as parameters get
+  if (u.size() == before) return {};
   return u;
 }
 
@@ -219,7 +220,7 @@ void prune(Problem& fit, const Corners& corners) {
     if (!movable(u[node])) continue;
     bool gone = attempt(node, 1, 0) <= 1;
     if (!gone && node + 1 < fit.mesh.segment_count() && movable(u[node + 1])) {
-      constexpr double nearly = 2;
+      constexpr double nearly = 1.5;
       const double reached = attempt(node, 2, 0.5);
       gone = reached <= 1 || (reached < nearly && (attempt(node, 2, 0.2) <= 1 ||  //
                                                    attempt(node, 2, 0.8) <= 1));
@@ -262,10 +263,11 @@ Problem problem_of(const PointRow& row, const FitOptions& options, const Corners
     }
     std::sort(knots.begin(), knots.end());
   }
+  double bend = row.bend(row.closed ? row.count() - 1 : 0);
   for (int j = row.closed ? 0 : 1; j < row.count(); ++j) {
-    const int i = (j + row.count() - 1) % row.count();
-    fit.points[j].gap = (fit.points[j].x - fit.points[i].x).norm();
-    fit.points[j].rise = allowed_rise(fit.points[j].gap, std::max(row.bend(i), row.bend(j)));
+    const double before = std::exchange(bend, row.bend(j));
+    fit.points[j].gap = (fit.points[j].x - fit.points[j > 0 ? j - 1 : row.count() - 1].x).norm();
+    fit.points[j].rise = allowed_rise(fit.points[j].gap, std::max(before, bend));
   }
   fit.set_mesh(knots, corner_nodes(knots, corners));
   return fit;
@@ -285,13 +287,14 @@ CurveFit fit_row(const std::string& name, PointRow row, const FitOptions& option
   for (fit.improve(rounds); !fit.done(); fit.improve(rounds)) {
     std::vector<double> u = split_mesh(fit, options.halved);
     if (u.empty() || fit.held.size() == fit.points.size()) {
-      // What fails has no point left to part it: the curve goes through its points.
-      if (!interpolate(fit, row, corners) && !calm(fit)) break;
+      // What fails has no point left to part it: the curve goes through its points (halves stay
+      // halves, and say that they are too far).
+      if (options.halved || (!interpolate(fit, row, corners) && !calm(fit))) break;
       continue;
     }
     if (static_cast<int>(u.size()) - 1 > options.most_segments)
       throw InputError("line '" + name + "' is not within " + number(options.tolerance) +
-                       " of a smooth curve of " + std::to_string(options.most_segments) +
+                       " of a smooth curve of " + std::to_string(u.size() - 1) +
                        " segments (off by " + number(fit.worst()) +
                        "): is there a corner, or is the tolerance too small?");
     const std::vector<int> at_corners = corner_nodes(u, corners);
@@ -310,6 +313,10 @@ CurveFit fit_points(const std::string& name, const std::vector<Vec3>& points,
                     const FitOptions& options) {
   const PointRow row(name, points, options.corner_angle, options.corners, options.closed);
   CurveFit fit = fit_row(name, row, options);
+  if (options.halved && fit.deviation.max > options.tolerance)
+    throw InputError("line '" + name + "' is not within " + number(options.tolerance) +
+                     " of a curve with halved segments (off by " + number(fit.deviation.max) +
+                     "): is there a corner, or is the tolerance too small?");
   std::vector<double> all;
   for (const int i : row.index) all.push_back(fit.parameters[i]);
   fit.parameters = std::move(all);

@@ -38,7 +38,8 @@ void CurveFitProblem::improve(int most_rounds) {
   constexpr double noticeable = 0.99, too_far = 15;
   double best = std::numeric_limits<double>::infinity();
   Points best_dofs;
-  std::vector<double> best_t(points.size()), best_off;
+  std::vector<double> best_t, best_off;
+  for (const FitPoint& p : points) best_t.push_back(p.t);
   int stalled = 0;
   for (int round = 0; round < most_rounds && stalled < 2; ++round) {
     if (round < settling) dofs.resize(0, 3);
@@ -49,15 +50,16 @@ void CurveFitProblem::improve(int most_rounds) {
     measure();
     const double now = worst();
     if (now <= tolerance) return;
-    // A round gains a factor of two or so, and later ones less.
-    const bool hopeless = now > too_far * tolerance ||
-                          now * std::pow(now / best, most_rounds - 1 - round) > tolerance;
+    // A round gains a factor of two or so, and later ones less. Feet on a curve that is far away
+    // say nothing about the next mesh: then the parameters stay.
+    const bool far = now > too_far * tolerance,
+               hopeless = far || now * std::pow(now / best, most_rounds - 1 - round) > tolerance;
     stalled = now > noticeable * best ? stalled + 1 : 0;
     if (now < best) {
       best = now;
       best_dofs = dofs;
       best_off = off;
-      for (size_t i = 0; i < points.size(); ++i) best_t[i] = points[i].t;
+      for (size_t i = 0; i < points.size() && !far; ++i) best_t[i] = points[i].t;
     }
     if (hopeless) break;
   }

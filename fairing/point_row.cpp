@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "batten/core/errors.h"
 #include "batten/core/words.h"
@@ -16,21 +17,23 @@ double noise_of(const std::vector<Vec3>& p) {
   std::vector<double> size;
   for (size_t i = 3; i < p.size(); ++i)
     size.push_back((p[i] - 3 * p[i - 1] + 3 * p[i - 2] - p[i - 3]).norm());
-  if (size.empty()) return 0;
+  constexpr size_t fewest = 8;  // below it a corner would be half of the evidence
+  if (size.size() < fewest) return 0;
   std::nth_element(size.begin(), size.begin() + size.size() / 2, size.end());
   // |Gaussian in three dimensions| has the median 1.54 σ; the weights' norm is √20.
   return size[size.size() / 2] / (1.54 * std::sqrt(20.0));
 }
 
 // Direction of the `reach` points behind or before point i, with it: their regression on the
-// number.
-Vec3 direction(const std::vector<Vec3>& p, bool closed, int i, int step, int reach) {
+// number. Points nearer than `least` to the first say nothing about it and come on top.
+Vec3 direction(const std::vector<Vec3>& p, bool closed, int i, int step, int reach, double least) {
   const int n = static_cast<int>(p.size());
   const int most = closed ? n - 1 : step > 0 ? n - 1 - i : i;
+  const auto at = [&](int k) { return p[(i + (closed ? n : 0) + step * k) % n]; };
   reach = std::min(reach, most);
+  while (reach < most && (at(reach) - p[i]).norm() < least) ++reach;
   Vec3 sum = Vec3::Zero();
-  for (int k = 0; k <= reach; ++k)
-    sum += (k - 0.5 * reach) * p[(i + (closed ? n : 0) + step * k) % n];
+  for (int k = 0; k <= reach; ++k) sum += (k - 0.5 * reach) * at(k);
   return step * sum;
 }
 
@@ -57,8 +60,9 @@ std::vector<int> find_corners(const std::vector<Vec3>& points, bool closed, doub
 
   // A bend turns less between shorter arms, a corner as much.
   const auto turn_at = [&](int i, int arm) {
-    return degrees_between(direction(points, closed, i, -1, arm),
-                           direction(points, closed, i, 1, arm));
+    constexpr double a_part = 0.05;  // of the spacing
+    return degrees_between(direction(points, closed, i, -1, arm, a_part * spacing),
+                           direction(points, closed, i, 1, arm, a_part * spacing));
   };
   std::vector<double> turn(n, 0.0);
   for (int i = closed ? 0 : reach; i < (closed ? n : n - reach); ++i) {
@@ -75,6 +79,9 @@ std::vector<int> find_corners(const std::vector<Vec3>& points, bool closed, doub
         if (other >= 0 && other < n && other != i)
           sharpest = sharpest && (turn[other] < turn[i] || (turn[other] == turn[i] && step > 0));
       }
+    // Points that all but repeat the last corner are that corner.
+    if (sharpest && !corners.empty())
+      sharpest = (points[i] - points[corners.back()]).norm() > 0.05 * spacing;
     if (sharpest) corners.push_back(i);
   }
   return corners;
@@ -101,12 +108,16 @@ PointRow::PointRow(const std::string& name, const std::vector<Vec3>& given, doub
   }
   size = (high - low).norm();
   if (!(size > 0)) throw InputError(line + " has zero length: all points are the same");
-  const double same = 1e-12 * size;
+  // Points nearer than parameters can be told apart are one.
+  double way = 0;
+  for (size_t i = 1; i < given.size(); ++i) way += (given[i] - given[i - 1]).norm();
+  const double same = std::max(1e-12 * size, 4e-9 * way);
   for (const Vec3& p : given) {
     if (points.empty() || (p - points.back()).norm() > same) points.push_back(p);
     index.push_back(count() - 1);
   }
-  const bool comes_back = count() > 3 && (points.back() - points.front()).norm() <= same;
+  const bool comes_back = (count() > 3 || is_closed.value_or(false)) && count() > 1 &&
+                          (points.back() - points.front()).norm() <= same;
   closed = is_closed.value_or(comes_back);
   if (closed && comes_back) {
     points.pop_back();
@@ -176,7 +187,7 @@ double PointRow::bend(int i) const {
 double allowed_rise(double chord, double bend) {
   constexpr double generous = 1.5;
   const double half = std::min(0.5 * chord * bend, 1.0);  // sine of half the arc's angle
-  return bend > 0 ? generous * (1 - std::sqrt(1 - half * half)) / bend : 0;
+  return bend > 0 ? generous * half * half / (1 + std::sqrt(1 - half * half)) / bend : 0;
 }
 
 double beyond_chord(const Vec3& x, const Vec3& a, const Vec3& b, double rise) {
@@ -197,10 +208,12 @@ Deviation deviation_of(const HermiteCurve& curve, const PointRow& row,
   }
   d.rms = std::sqrt(sum / n);
   const double period = curve.end() - curve.start();
+  double bend = row.bend(0);
   for (int i = 0; i < (row.closed ? n : n - 1); ++i) {
     const int j = (i + 1) % n;
     const Vec3 &a = row.points[i], &b = row.points[j];
-    const double rise = allowed_rise((b - a).norm(), std::max(row.bend(i), row.bend(j)));
+    const double before = std::exchange(bend, row.bend(j));
+    const double rise = allowed_rise((b - a).norm(), std::max(before, bend));
     const double gap = t[j] - t[i] + (j == 0 ? period : 0);
     for (int k = 1; k < places_in_gap; ++k)
       d.between = std::max(
