@@ -11,14 +11,15 @@
 namespace batten {
 namespace {
 
+constexpr size_t kFewestDifferences = 8;  // below it a corner would be half of the evidence
+
 // Half the spread of neighbours about a straight line through them, from third differences (which a
 // smooth curve does not have): robust against corners because it is a median.
 double noise_of(const std::vector<Vec3>& p) {
   std::vector<double> size;
   for (size_t i = 3; i < p.size(); ++i)
     size.push_back((p[i] - 3 * p[i - 1] + 3 * p[i - 2] - p[i - 3]).norm());
-  constexpr size_t fewest = 8;  // below it a corner would be half of the evidence
-  if (size.size() < fewest) return 0;
+  if (size.size() < kFewestDifferences) return 0;
   std::nth_element(size.begin(), size.begin() + size.size() / 2, size.end());
   // |Gaussian in three dimensions| has the median 1.54 σ; the weights' norm is √20.
   return size[size.size() / 2] / (1.54 * std::sqrt(20.0));
@@ -78,6 +79,15 @@ std::vector<int> find_corners(const std::vector<Vec3>& points, bool closed, doub
         const int other = closed ? (i + step + n) % n : i + step;
         if (other >= 0 && other < n && other != i)
           sharpest = sharpest && (turn[other] < turn[i] || (turn[other] == turn[i] && step > 0));
+      }
+    // Where the noise cannot be told, a corner has to stand alone and be half as sharp again: a
+    // wave of five points has none.
+    const bool few = points.size() < kFewestDifferences + 3;
+    sharpest = sharpest && (!few || turn[i] > std::min(1.5 * angle, 180.0));
+    if (sharpest && few)
+      for (const int step : {-1, 1}) {
+        const int other = closed ? (i + step + n) % n : i + step;
+        sharpest = sharpest && (other < 0 || other >= n || turn[other] < 0.5 * turn[i]);
       }
     // Points that all but repeat the last corner are that corner.
     if (sharpest && !corners.empty())

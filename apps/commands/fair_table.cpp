@@ -92,11 +92,7 @@ std::string summary(const FairReport& report) {
 
 std::string summary(const FairReport& report, const std::filesystem::path& folder) {
   std::string text = summary(report);
-  for (const auto& [stage, seconds] : report.timings)
-    if (stage == "total") text += result_line("time", number(seconds) + " s");
-  text += "files in " + folder.string() + ":\n";
-  for (const auto& file : report.files) text += "  " + file + "\n";
-  return text;
+  return text + result_ending(report, folder);
 }
 
 }  // namespace batten

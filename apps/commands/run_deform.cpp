@@ -345,11 +345,7 @@ std::string summary(const DeformReport& report, const std::filesystem::path& fol
                                      " degrees, Jacobian " + number(report.before.jacobian.worst) +
                                      " -> " + number(report.after.jacobian.worst) + ", inverted " +
                                      std::to_string(report.inverted.size()));
-  for (const auto& [stage, seconds] : report.timings)
-    if (stage == "total") text += result_line("time", number(seconds) + " s");
-  text += "files in " + folder.string() + ":\n";
-  for (const auto& file : report.files) text += "  " + file + "\n";
-  return text;
+  return text + result_ending(report, folder);
 }
 
 }  // namespace batten

@@ -2,9 +2,12 @@
 #pragma once
 
 #include <chrono>
+#include <filesystem>
 #include <string>
 #include <utility>
 #include <vector>
+
+#include "batten/core/errors.h"
 
 namespace batten {
 
@@ -40,5 +43,16 @@ bool matches(const std::string& pattern, const std::string& text);
 
 /// A line of a summary.
 std::string result_line(const std::string& label, const std::string& text);
+
+/// The end of a summary: the time it took and the files. Of any kind of report.
+template <class AnyReport>
+std::string result_ending(const AnyReport& report, const std::filesystem::path& folder) {
+  std::string text;
+  for (const auto& [stage, seconds] : report.timings)
+    if (stage == "total") text += result_line("time", number(seconds) + " s");
+  text += "files in " + folder.string() + ":\n";
+  for (const auto& file : report.files) text += "  " + file + "\n";
+  return text;
+}
 
 }  // namespace batten

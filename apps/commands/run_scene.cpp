@@ -332,11 +332,7 @@ std::string summary(const Report& report, const std::filesystem::path& folder) {
     text += result_line("compared", "max " + number(report.comparison->max) + unit + ", rms " +
                                         number(report.comparison->rms) + unit + " from " +
                                         report.comparison->file);
-  for (const auto& [stage, seconds] : report.timings)
-    if (stage == "total") text += result_line("time", number(seconds) + " s");
-  text += "files in " + folder.string() + ":\n";
-  for (const auto& file : report.files) text += "  " + file + "\n";
-  return text;
+  return text + result_ending(report, folder);
 }
 
 }  // namespace batten
