@@ -364,6 +364,16 @@ TEST_CASE("local fairing changes its stretch only, joined C1, to the last bit") 
       curve_as_given("corner", {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {2, 1, 0}, {2, 2, 0}});
   REQUIRE(corner.mesh().corners().size() == 1);
   CHECK(fair_brush(corner, {2, 0, 0}, 1, 1).mesh().corners().size() == 1);
+  // The parameter's unit is no part of the shape.
+  std::vector<double> slower = before.parameters();
+  for (double& u : slower) u *= 3;
+  Points dofs = before.dofs();
+  for (int i = 0; i < before.node_count(); ++i) dofs.row(before.mesh().slope_out(i)) /= 3;
+  const HermiteCurve tripled = fair_stretch(HermiteCurve(CurveMesh(slower), dofs), 1.5, 3, 0.5);
+  for (int k = 0; k <= 50; ++k) {
+    const double u = 0.5 + 0.5 * k / 50;
+    CHECK((tripled.evaluate(3 * u) - middle.evaluate(u)).norm() < 1e-9);
+  }
   // Everything: still a curve.
   CHECK(fair_brush(ring, Vec3::Zero(), 10, 1).closed());
   CHECK(fair_brush(before, centre, 10, 0.5).length() == Approx(before.length()).epsilon(0.05));

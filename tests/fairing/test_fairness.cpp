@@ -110,6 +110,32 @@ TEST_CASE("a straight line is fair, a wavy one is counted wave by wave, corners 
   CHECK(house.largest_jump < 1e-9);
 }
 
+TEST_CASE("corners cut the counts: a square of four arcs has no extrema and no inflections") {
+  // Arcs that bulge outwards, or inwards: the curvature vector turns at every corner.
+  for (const double bulge : {0.3, -0.3}) {
+    std::vector<double> u;
+    const int per_side = 8;
+    for (int i = 0; i <= 4 * per_side; ++i) u.push_back(i);
+    const CurveMesh mesh(u, true, {0, per_side, 2 * per_side, 3 * per_side});
+    Points dofs(mesh.dof_count(), 3);
+    const Vec3 corner[5] = {{0, 0, 0}, {2, 0, 0}, {2, 2, 0}, {0, 2, 0}, {0, 0, 0}};
+    for (int s = 0; s < mesh.segment_count(); ++s) {
+      const Vec3 a = corner[s / per_side], side = corner[s / per_side + 1] - a,
+                 out = side.cross(Vec3::UnitZ());
+      const auto dof = mesh.segment_dofs(s);
+      for (const int end : {0, 1}) {
+        const double x = static_cast<double>(s % per_side + end) / per_side;
+        dofs.row(dof[2 * end]) = a + x * side + bulge * x * (1 - x) * out;
+        dofs.row(dof[2 * end + 1]) = (side + bulge * (1 - 2 * x) * out) / per_side;
+      }
+    }
+    const Fairness f = fairness({mesh, dofs});
+    CHECK(f.inflections == 0);
+    CHECK(f.extrema == 4);  // the top of each parabola
+    CHECK(f.largest_jump < 1e-9);
+  }
+}
+
 TEST_CASE("a jump of curvature is reported, and a C2 curve has none") {
   const HermiteCurve bent({0, 1, 2}, (Points(3, 3) << 0, 0, 0, 1, 0, 0, 2, 0.5, 0).finished(),
                           (Points(3, 3) << 1, 0, 0, 1, 0, 0, 1, 1, 0).finished());
