@@ -276,9 +276,7 @@ Problem problem_of(const PointRow& row, const FitOptions& options, const Corners
 }  // namespace
 
 CurveFit fit_row(const std::string& name, PointRow row, const FitOptions& options) {
-  if (!(options.tolerance > 0) || !std::isfinite(options.tolerance))
-    throw InputError("line '" + name + "': found the tolerance " + number(options.tolerance) +
-                     ", expected a length above 0");
+  check_tolerance(name, options.tolerance);
   for (double& u : row.chord) u = on_grid(u, row.length());
   Corners corners;
   for (const int c : row.corners) corners.push_back(row.chord[c]);

@@ -22,7 +22,7 @@ double height(const CurveCondition& plane, const Vec3& p) {
 class Fairing {
  public:
   Fairing(const std::string& name, const PointRow& row, const FairOptions& options)
-      : name_(name), row_(row), options_(options), count_(row.count()), length_(row.length()) {
+      : name_(name), row_(row), options_(options), count_(row.count()) {
     u_ = row.denoised_chord();
     length_ = u_.back();
     u_.resize(count_);
@@ -71,7 +71,7 @@ class Fairing {
   const PointRow& row_;
   const FairOptions& options_;
   const int count_;
-  double length_;
+  double length_ = 0;
   std::vector<double> u_;        // of the points, in [0, length_]
   std::vector<Vec3> tangent_;    // unit, of the last curve there
   std::vector<double> at_;       // where the conditions act, or unused
@@ -448,15 +448,8 @@ double Fairing::residual() const {
 // The same curve and feet, u scaled to the length.
 void Fairing::run_by_arc_length() {
   const double scale = NodeArc(curve_).total() / length_;
-  std::vector<double> u = mesh_.parameters();
-  for (double& x : u) x *= scale;
   for (double& x : foot_) x *= scale;
-  Points dofs = curve_.dofs();
-  for (int n = 0; n < mesh_.node_count(); ++n) {
-    dofs.row(mesh_.slope_out(n)) /= scale;
-    if (mesh_.is_corner(n)) dofs.row(mesh_.slope_in(n)) /= scale;
-  }
-  curve_ = HermiteCurve(CurveMesh(u, mesh_.closed(), mesh_.corners()), dofs);
+  curve_ = curve_.with_parameter_times(scale);
 }
 
 FairCurve Fairing::run() {

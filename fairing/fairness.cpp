@@ -29,7 +29,6 @@ Bend bend_at(const HermiteCurve& curve, CurveMesh::Where at) {
   return bend;
 }
 
-// Signed curvatures along one stretch between corners.
 struct Counts {
   int extrema = 0, inflections = 0;
 };

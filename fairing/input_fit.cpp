@@ -103,22 +103,15 @@ std::optional<HermiteCurve> exact_curve(const InputCurve& curve, double corner_a
     if (i + 1 < n) dofs.row(unscaled.slope_out(i)) = after[i] / scale[i];
   }
   // And all of it so that u has the length of the curve.
-  const double stretch =
-      ArcLength(curve_from_hermite(HermiteCurve(unscaled, dofs))).total() / unscaled.end();
+  const HermiteCurve exact(unscaled, dofs);
+  const double stretch = ArcLength(curve_from_hermite(exact)).total() / unscaled.end();
   if (!(stretch > 0)) return std::nullopt;
-  for (double& x : u) x *= stretch;
-  for (int i = 0; i < unscaled.node_count(); ++i) {
-    dofs.row(unscaled.slope_out(i)) /= stretch;
-    if (unscaled.is_corner(i)) dofs.row(unscaled.slope_in(i)) /= stretch;
-  }
-  return HermiteCurve(CurveMesh(u, closed, corners), dofs);
+  return exact.with_parameter_times(stretch);
 }
 
 HermiteCurve fit_curve(const std::string& name, std::shared_ptr<const InputCurve> curve,
                        const FitOptions& options) {
-  if (!(options.tolerance > 0) || !std::isfinite(options.tolerance))
-    throw InputError("line '" + name + "': found the tolerance " + number(options.tolerance) +
-                     ", expected a length above 0");
+  check_tolerance(name, options.tolerance);
   if (!options.halved && !options.even && !options.start && !options.end)
     if (auto exact = exact_curve(*curve, options.corner_angle))
       if (exact->closed() == options.closed.value_or(exact->closed())) return *exact;

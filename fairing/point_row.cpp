@@ -97,6 +97,12 @@ std::vector<int> find_corners(const std::vector<Vec3>& points, bool closed, doub
   return corners;
 }
 
+void check_tolerance(const std::string& name, double tolerance) {
+  if (!(tolerance > 0) || !std::isfinite(tolerance))
+    throw InputError("line '" + name + "': found the tolerance " + number(tolerance) +
+                     ", expected a length above 0");
+}
+
 PointRow::PointRow(const std::string& name, const std::vector<Vec3>& given, double corner_angle,
                    const std::optional<std::vector<int>>& given_corners,
                    std::optional<bool> is_closed) {

@@ -31,6 +31,8 @@ struct PointRow {
            const std::optional<std::vector<int>>& given_corners, std::optional<bool> is_closed);
 };
 
+/// Throws InputError when it is not a length above 0.
+void check_tolerance(const std::string& name, double tolerance);
 /// fit_points() of a row; parameters are those of its points.
 CurveFit fit_row(const std::string& name, PointRow row, const FitOptions& options);
 

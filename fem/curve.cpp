@@ -164,8 +164,7 @@ HermiteCurve HermiteCurve::with_nodes(std::vector<double> added) const {
     u.push_back(parameters()[i + 1]);
     old_node.push_back(i + 1);
   }
-  if (closed()) old_node.pop_back();
-  for (size_t i = 0; i < old_node.size(); ++i)
+  for (size_t i = 0; i + closed() < old_node.size(); ++i)
     if (old_node[i] >= 0 && mesh_.is_corner(old_node[i])) corners.push_back(static_cast<int>(i));
   CurveMesh mesh(std::move(u), closed(), std::move(corners));
   Points dofs(mesh.dof_count(), 3);
@@ -177,6 +176,17 @@ HermiteCurve HermiteCurve::with_nodes(std::vector<double> added) const {
     dofs.row(mesh.slope_out(i)) = old < 0 ? evaluate(at, 1) : slope_out(old);
   }
   return {std::move(mesh), std::move(dofs)};
+}
+
+HermiteCurve HermiteCurve::with_parameter_times(double factor) const {
+  std::vector<double> u = parameters();
+  for (double& x : u) x *= factor;
+  Points dofs = dofs_;
+  for (int n = 0; n < node_count(); ++n) {
+    dofs.row(mesh_.slope_out(n)) /= factor;
+    if (mesh_.is_corner(n)) dofs.row(mesh_.slope_in(n)) /= factor;
+  }
+  return {CurveMesh(std::move(u), closed(), mesh_.corners()), std::move(dofs)};
 }
 
 }  // namespace batten
