@@ -292,35 +292,46 @@ SparseMatrix picked(const SparseMatrix& K, const std::vector<int>& free_dofs) {
 
 SparseMatrix AffineReduction::reduce(const SparseMatrix& K) const {
   if (selection_ && !coupled_) return picked(K, free_dofs_);
-  // Row lists of D, so that each entry of K meets the free unknowns of its two dofs.
-  const Eigen::SparseMatrix<double, Eigen::RowMajor, int> rows = D_;
-  const int* start = rows.outerIndexPtr();
-  const int* column = rows.innerIndexPtr();
-  const double* value = rows.valuePtr();
-  std::vector<Triplet> entries;
-  entries.reserve(static_cast<size_t>(K.nonZeros()) * (coupled_ ? 3 : 1));
-  for (int copy = 0; copy < (coupled_ ? 3 : 1); ++copy) {
-    const int offset = copy * dof_count_;
+  // With the dofs apart, free ones f and others p = G f:
+  // DᵀKD = K_ff + W + Wᵀ, W = Gᵀ (K_pf + ½ K_pp G).
+  using RowMatrix = Eigen::SparseMatrix<double, Eigen::RowMajor, int>;
+  const int columns = static_cast<int>(D_.rows()), free = free_count();
+  std::vector<int> free_of(columns, -1), other_of(columns, -1);
+  for (int f = 0; f < free; ++f) free_of[free_dofs_[f]] = f;
+  int others = 0;
+  for (int c = 0; c < columns; ++c)
+    if (free_of[c] < 0) other_of[c] = others++;
+  std::vector<Triplet> g, of, oo;
+  for (int f = 0; f < free; ++f)
+    for (SparseMatrix::InnerIterator it(D_, f); it; ++it)
+      if (const int p = other_of[it.row()]; p >= 0) g.emplace_back(p, f, it.value());
+  std::vector<Triplet> ff;
+  ff.reserve(static_cast<size_t>(K.nonZeros()) * (coupled_ ? 3 : 1));
+  for (int offset = 0; offset < columns; offset += dof_count_)
     for (int j = 0; j < K.outerSize(); ++j)
       for (SparseMatrix::InnerIterator it(K, j); it; ++it) {
-        const int i = offset + static_cast<int>(it.row()), jj = offset + j;
-        if (i < jj) continue;
-        for (int a = start[i]; a < start[i + 1]; ++a)
-          for (int b = start[jj]; b < start[jj + 1]; ++b) {
-            const int p = column[a], q = column[b];
-            const double v = it.value() * value[a] * value[b];
-            // The entry stands for (i, j) and (j, i); only the lower triangle of the sum is kept.
-            if (i == jj) {
-              if (p >= q) entries.emplace_back(p, q, v);
-            } else {
-              entries.emplace_back(std::max(p, q), std::min(p, q), p == q ? 2 * v : v);
-            }
-          }
+        if (it.row() < j) continue;
+        const int a = offset + static_cast<int>(it.row()), b = offset + j;
+        const int fa = free_of[a], fb = free_of[b];
+        if (fa >= 0 && fb >= 0) {
+          ff.emplace_back(fa, fb, it.value());  // free dofs keep their order
+        } else if (fa < 0 && fb < 0) {
+          oo.emplace_back(other_of[a], other_of[b], it.value());
+          if (a != b) oo.emplace_back(other_of[b], other_of[a], it.value());
+        } else {
+          of.emplace_back(fa < 0 ? other_of[a] : other_of[b], std::max(fa, fb), it.value());
+        }
       }
-  }
-  SparseMatrix reduced(free_count(), free_count());
-  reduced.setFromTriplets(entries.begin(), entries.end());
-  return reduced;
+  SparseMatrix reduced(free, free);
+  reduced.setFromTriplets(ff.begin(), ff.end());
+  RowMatrix G(others, free), K_of(others, free), K_oo(others, others);
+  G.setFromTriplets(g.begin(), g.end());
+  K_of.setFromTriplets(of.begin(), of.end());
+  K_oo.setFromTriplets(oo.begin(), oo.end());
+  const RowMatrix T = K_of + RowMatrix(0.5 * K_oo * G);
+  const SparseMatrix W = SparseMatrix(G.transpose()) * SparseMatrix(T);
+  const SparseMatrix sum = W + SparseMatrix(W.transpose());
+  return reduced + SparseMatrix(sum.triangularView<Eigen::Lower>());
 }
 
 std::vector<int> AffineReduction::order_of_free(const std::vector<int>& dof_order) const {
@@ -408,7 +419,12 @@ ConstrainedSolver::ConstrainedSolver(const ConstraintSet& constraints, SparseMat
                                      const std::vector<int>& dof_order)
     : reduction_(constraints), K_(std::move(K)) {
   const SparseMatrix reduced = reduction_.reduce(K_);
-  cholesky_.analyze(reduced, reduction_.order_of_free(dof_order));
+  // Rows along curves tie dofs together across the parts that an order of the mesh keeps apart.
+  constexpr double few_ties = 1.2;
+  const bool as_meshed =
+      static_cast<double>(reduced.nonZeros()) <=
+      few_ties * static_cast<double>(K_.nonZeros()) * (reduction_.coupled() ? 3 : 1);
+  cholesky_.analyze(reduced, as_meshed ? reduction_.order_of_free(dof_order) : std::vector<int>());
   if (!cholesky_.factorize(reduced)) throw NoSolutionError(cholesky_.message());
   fixed_part_ = reduction_.reduce_load(K_, Points::Zero(constraints.dof_count(), 3));
 }

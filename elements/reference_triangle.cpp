@@ -376,11 +376,12 @@ void constant_stiffness(const ReferenceTensors& tensors, const TriangleShape& sh
 
 void varying_stiffness(const TabulatedRule& points, const TriangleShape& shape,
                        const std::function<SurfaceStiffness(const Vec3& L)>& material, double* K) {
-  constexpr int most_points = 256;
+  constexpr int on_stack = 256;
   const int n = static_cast<int>(points.functions.size());
-  if (n > most_points) throw InputError("a rule of more than 256 points for varying coefficients");
   const DerivativeMap map(shape);
-  double C[13 * most_points];
+  double few[13 * on_stack];
+  std::vector<double> many(n > on_stack ? 13 * static_cast<size_t>(n) : 0);
+  double* C = many.empty() ? few : many.data();
   for (int p = 0; p < n; ++p) {
     const SurfaceStiffness m = material(points.rule.L.row(p).transpose());
     const double w = shape.area * points.rule.weights[p];

@@ -6,6 +6,7 @@
 
 #include "batten/core/errors.h"
 #include "batten/core/words.h"
+#include "batten/fairing/fair_curve.h"
 #include "batten/fem/curve.h"
 
 namespace batten {
@@ -152,6 +153,14 @@ std::shared_ptr<const InputCurve> curve_through_points(const std::string& name,
     if (degrees_between(points[i] - points[i - 1], points[i + 1] - points[i]) > corner_angle)
       corners.push_back(i);
   corners.push_back(n - 1);
+  const bool closed = n > 3 && (points.front() - points.back()).norm() < 1e-9 * size;
+  if (closed &&
+      degrees_between(points[n - 1] - points[n - 2], points[1] - points[0]) <= corner_angle) {
+    FairOptions options;
+    options.closed = true;
+    options.corners.emplace(corners.begin() + 1, corners.end() - 1);
+    return curve_from_hermite(curve_as_given(name, points, options));
+  }
   return std::make_shared<PointCurve>(std::move(u), x, corners);
 }
 

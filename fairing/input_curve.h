@@ -29,9 +29,9 @@ class InputCurve {
 /// A curve through points, in their order. Between corners (where the direction turns by more than
 /// `corner_angle` degrees at a point) it is the C2 cubic spline through the points over their chord
 /// lengths, with natural ends; two points give a straight line. A point list whose last point
-/// equals its first is closed: its seam is a corner. Throws InputError: fewer than two points, a
-/// number that is not finite, two successive points that coincide (closer than 1e-9 of the size),
-/// all points in one place. `name` is used in messages.
+/// equals its first is closed: C2 across the seam too, unless it turns a corner there. Throws
+/// InputError: fewer than two points, a number that is not finite, two successive points that
+/// coincide (closer than 1e-9 of the size), all points in one place. `name` is used in messages.
 std::shared_ptr<const InputCurve> curve_through_points(const std::string& name,
                                                        const std::vector<Vec3>& points,
                                                        double corner_angle = 20);

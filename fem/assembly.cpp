@@ -1,5 +1,8 @@
 #include "batten/fem/assembly.h"
 
+#include <algorithm>
+#include <optional>
+
 #include "batten/core/errors.h"
 #include "batten/core/parallel.h"
 #include "batten/elements/reference_triangle.h"
@@ -31,19 +34,39 @@ const TabulatedRule& pressure_functions(TriangleElement kind) {
 
 }  // namespace
 
-SurfaceAssembler::SurfaceAssembler(const ParametricMesh& mesh, TriangleElement kind)
+SurfaceAssembler::SurfaceAssembler(const ParametricMesh& mesh, TriangleElement kind,
+                                   std::shared_ptr<const Trim> trim, double outside)
     : mesh_(mesh),
       kind_(kind),
+      trim_(std::move(trim)),
+      outside_(outside),
       dofs_(mesh),
       pattern_(dofs_.count(), 12, surface_dofs(mesh, dofs_)) {
   shapes_.reserve(mesh.triangle_count());
   for (int t = 0; t < mesh.triangle_count(); ++t) shapes_.push_back(mesh.shape(t));
 }
 
+void SurfaceAssembler::cut(int t, const MaterialAt& material, double* K) const {
+  Eigen::Map<Mat12> element(K, 12, 12);
+  element *= outside_;
+  if (is_outside(t)) return;
+  // Second derivatives of HCT functions are linear, those of Z12 functions rational.
+  const int degree = kind_ == TriangleElement::HCT ? 2 : 8;
+  Mat12 inside;
+  varying_stiffness(TabulatedRule(kind_, trim_->rule(t, degree)), shapes_[t], material,
+                    inside.data());
+  element += (1 - outside_) * inside;
+}
+
 void SurfaceAssembler::stiffness(const SurfaceStiffness& material, SparseMatrix& K) const {
   const ReferenceTensors& tensors = reference_tensors(kind_);
   pattern_.assemble(
-      [&](int t, double* element) { constant_stiffness(tensors, shapes_[t], material, element); },
+      [&](int t, double* element) {
+        constant_stiffness(tensors, shapes_[t], material, element);
+        if (is_cut(t) || is_outside(t))
+          cut(
+              t, [&](const Vec3&) { return material; }, element);
+      },
       K);
 }
 
@@ -56,6 +79,9 @@ void SurfaceAssembler::stiffness(const std::vector<SurfaceStiffness>& materials,
   pattern_.assemble(
       [&](int t, double* element) {
         constant_stiffness(tensors, shapes_[t], materials[t], element);
+        if (is_cut(t) || is_outside(t))
+          cut(
+              t, [&](const Vec3&) { return materials[t]; }, element);
       },
       K);
 }
@@ -64,9 +90,9 @@ void SurfaceAssembler::stiffness(const MaterialField& material, SparseMatrix& K)
   const TabulatedRule& points = varying_functions(kind_);
   pattern_.assemble(
       [&](int t, double* element) {
-        varying_stiffness(
-            points, shapes_[t], [&](const Vec3& L) { return material(shapes_[t].point(L)); },
-            element);
+        const auto at = [&](const Vec3& L) { return material(shapes_[t].point(L)); };
+        varying_stiffness(points, shapes_[t], at, element);
+        if (is_cut(t) || is_outside(t)) cut(t, at, element);
       },
       K);
 }
@@ -81,7 +107,17 @@ SparseMatrix SurfaceAssembler::mass() const {
   SparseMatrix M = pattern();
   pattern_.assemble(
       [&](int t, double* element) {
-        Eigen::Map<Mat12>(element, 12, 12) = C1Triangle(kind_, shapes_[t]).mass();
+        Eigen::Map<Mat12> mass(element, 12, 12);
+        if (!is_cut(t) && !is_outside(t)) {
+          mass = C1Triangle(kind_, shapes_[t]).mass();
+          return;
+        }
+        mass.setZero();
+        const TriangleRule rule = trim_->rule(t, 6);
+        for (long p = 0; p < rule.weights.size(); ++p) {
+          const Vec12 N = C1Triangle(kind_, shapes_[t]).evaluate(rule.L.row(p)).col(kW);
+          mass += shapes_[t].area * rule.weights[p] * N * N.transpose();
+        }
       },
       M);
   return M;
@@ -90,7 +126,15 @@ SparseMatrix SurfaceAssembler::mass() const {
 Points SurfaceAssembler::load(const Vec3& f) const {
   Points F = Points::Zero(dofs_.count(), 3);
   for (int t = 0; t < mesh_.triangle_count(); ++t) {
-    const Vec12 element = C1Triangle(kind_, shapes_[t]).load();
+    Vec12 element = Vec12::Zero();
+    const C1Triangle triangle(kind_, shapes_[t]);
+    if (is_cut(t)) {
+      const TriangleRule rule = trim_->rule(t, kind_ == TriangleElement::HCT ? 3 : 8);
+      for (long p = 0; p < rule.weights.size(); ++p)
+        element += shapes_[t].area * rule.weights[p] * triangle.evaluate(rule.L.row(p)).col(kW);
+    } else if (!is_outside(t)) {
+      element = triangle.load();
+    }
     const auto dof = dofs_.triangle(mesh_, t);
     for (int a = 0; a < 12; ++a) F.row(dof[a]) += element[a] * f.transpose();
   }
@@ -103,7 +147,7 @@ Points SurfaceAssembler::gather(const std::function<void(int, ElementLoad&)>& el
   parallel_parts((mesh_.triangle_count() + chunk - 1) / chunk, [&](int c) {
     for (int t = c * chunk; t < std::min(mesh_.triangle_count(), (c + 1) * chunk); ++t) {
       ElementLoad reference = ElementLoad::Zero();
-      element(t, reference);
+      if (!is_outside(t)) element(t, reference);
       elements[t] = C1Triangle(kind_, shapes_[t]).to_reference_dofs().transpose() * reference;
     }
   });
@@ -116,9 +160,12 @@ Points SurfaceAssembler::gather(const std::function<void(int, ElementLoad&)>& el
 }
 
 Points SurfaceAssembler::load(const LoadField& f, int degree) const {
-  const TabulatedRule points(kind_,
-                             kind_ == TriangleElement::HCT ? split_triangle(degree) : six_duffy(5));
+  const TabulatedRule whole(kind_,
+                            kind_ == TriangleElement::HCT ? split_triangle(degree) : six_duffy(5));
   return gather([&](int t, ElementLoad& reference) {
+    std::optional<TabulatedRule> part;
+    if (is_cut(t)) part.emplace(kind_, trim_->rule(t, std::max(degree, 3)));
+    const TabulatedRule& points = part ? *part : whole;
     for (size_t p = 0; p < points.functions.size(); ++p) {
       const auto row = static_cast<long>(p);
       const Vec3 L = points.rule.L.row(row);
@@ -130,8 +177,11 @@ Points SurfaceAssembler::load(const LoadField& f, int degree) const {
 }
 
 Points SurfaceAssembler::pressure_load(const Points& q) const {
-  const TabulatedRule& points = pressure_functions(kind_);
+  const TabulatedRule& whole = pressure_functions(kind_);
   return gather([&](int t, ElementLoad& reference) {
+    std::optional<TabulatedRule> part;
+    if (is_cut(t)) part.emplace(kind_, trim_->rule(t, 7));
+    const TabulatedRule& points = part ? *part : whole;
     ElementLoad local;
     const auto dof = dofs_.triangle(mesh_, t);
     for (int a = 0; a < 12; ++a) local.row(a) = q.row(dof[a]);

@@ -10,6 +10,7 @@
 
 #include "batten/fem/element_pattern.h"
 #include "batten/fem/parametric_mesh.h"
+#include "batten/fem/trim.h"
 
 namespace batten {
 
@@ -24,8 +25,12 @@ class SurfaceAssembler {
   using MaterialField = std::function<SurfaceStiffness(const Vec2& uv)>;
   using LoadField = std::function<Vec3(const Location& where, const Vec2& uv)>;
 
-  /// Keeps a reference to the mesh. O(triangles).
-  SurfaceAssembler(const ParametricMesh& mesh, TriangleElement kind);
+  /// Keeps a reference to the mesh. With a trim, all integrals run over the inside only; stiffness
+  /// also over `outside` times the rest of the mesh, which keeps the matrix well conditioned
+  /// however small a cut is and changes results less than the mesh does (docs/theory/domains.md).
+  /// O(triangles).
+  SurfaceAssembler(const ParametricMesh& mesh, TriangleElement kind,
+                   std::shared_ptr<const Trim> trim = nullptr, double outside = 1e-6);
 
   /// A matrix of the right pattern, for the functions below that write into one.
   SparseMatrix pattern() const { return pattern_.zero(); }
@@ -61,8 +66,16 @@ class SurfaceAssembler {
   // Sum of the elements' loads, each in reference dofs.
   Points gather(const std::function<void(int triangle, ElementLoad& reference)>& element) const;
 
+  using MaterialAt = std::function<SurfaceStiffness(const Vec3& L)>;
+  // The share inside of a whole element matrix: K becomes `outside` K + (1 - outside) K inside.
+  void cut(int triangle, const MaterialAt& material, double* K) const;
+  bool is_cut(int t) const { return trim_ && trim_->side(t) == Trim::Side::Cut; }
+  bool is_outside(int t) const { return trim_ && trim_->side(t) == Trim::Side::Outside; }
+
   const ParametricMesh& mesh_;
   TriangleElement kind_;
+  std::shared_ptr<const Trim> trim_;
+  double outside_;
   DofMap dofs_;
   std::vector<TriangleShape> shapes_;
   ElementPattern pattern_;

@@ -1,5 +1,6 @@
 #include "batten/fem/curve.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -187,6 +188,26 @@ HermiteCurve HermiteCurve::with_parameter_times(double factor) const {
     if (mesh_.is_corner(n)) dofs.row(mesh_.slope_in(n)) /= factor;
   }
   return {CurveMesh(std::move(u), closed(), mesh_.corners()), std::move(dofs)};
+}
+
+HermiteCurve HermiteCurve::backwards() const {
+  std::vector<double> u;
+  for (auto it = parameters().rbegin(); it != parameters().rend(); ++it)
+    u.push_back(start() + end() - *it);
+  const auto other = [&](int node) {
+    return closed() ? (node_count() - node) % node_count() : node_count() - 1 - node;
+  };
+  std::vector<int> corners;
+  for (const int c : mesh_.corners()) corners.push_back(other(c));
+  std::sort(corners.begin(), corners.end());
+  const CurveMesh mesh(u, closed(), corners);
+  Points dofs(mesh.dof_count(), 3);
+  for (int i = 0; i < mesh.node_count(); ++i) {
+    dofs.row(mesh.position_dof(i)) = position(other(i)).transpose();
+    dofs.row(mesh.slope_in(i)) = -slope_out(other(i)).transpose();
+    dofs.row(mesh.slope_out(i)) = -slope_in(other(i)).transpose();
+  }
+  return {mesh, dofs};
 }
 
 }  // namespace batten

@@ -49,6 +49,8 @@ class HermiteCurve {
   /// The same curve with further nodes at the given parameters (those that are nodes, or outside,
   /// are passed over). Segments without a new node keep their bits.
   HermiteCurve with_nodes(std::vector<double> parameters) const;
+  /// The same curve run from its end to its start, over the same parameter interval.
+  HermiteCurve backwards() const;
   /// The same shape with `factor` times the parameter, slopes over it. factor > 0.
   HermiteCurve with_parameter_times(double factor) const;
 

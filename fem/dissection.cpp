@@ -17,7 +17,9 @@ class Dissection {
     for (int t = 0; t < mesh.triangle_count(); ++t) {
       triangles_[t] = t;
       const auto& v = mesh.triangles()[t];
-      centre_[t] = mesh.vertices()[v[0]] + mesh.vertices()[v[1]] + mesh.vertices()[v[2]];
+      const Vec2& first = mesh.vertices()[v[0]];
+      centre_[t] = first + mesh.image_near(mesh.vertices()[v[1]], first) +
+                   mesh.image_near(mesh.vertices()[v[2]], first);
     }
     order_.resize(dofs_.count());
     next_ = dofs_.count();

@@ -6,12 +6,22 @@
 
 namespace batten {
 
-ParametricMesh::ParametricMesh(std::vector<Vec2> vertices, std::vector<Triangle> triangles)
-    : vertices_(std::move(vertices)), triangles_(std::move(triangles)) {
+ParametricMesh::ParametricMesh(std::vector<Vec2> vertices, std::vector<Triangle> triangles,
+                               double period)
+    : vertices_(std::move(vertices)), triangles_(std::move(triangles)), period_(period) {
+  if (!(period >= 0) || !std::isfinite(period))
+    throw InputError("the period of a parametric mesh is " + number(period) +
+                     "; expected a positive number, or 0 for none");
   const int n = vertex_count();
   for (int v = 0; v < n; ++v)
     if (!vertices_[v].allFinite())
       throw InputError("parametric vertex " + std::to_string(v) + " is not finite");
+  if (period_ > 0)
+    for (int v = 0; v < n; ++v)
+      if (!(vertices_[v].x() >= 0 && vertices_[v].x() < period_))
+        throw InputError("parametric vertex " + std::to_string(v) +
+                         " has u = " + number(vertices_[v].x()) + ", outside of one period, 0 to " +
+                         number(period_));
   if (triangles_.empty()) throw InputError("a parametric mesh needs at least one triangle");
   edges_from_.resize(n);
   triangle_edges_.resize(triangles_.size());
@@ -32,6 +42,13 @@ ParametricMesh::ParametricMesh(std::vector<Vec2> vertices, std::vector<Triangle>
         e = edge_count();
         edges_.push_back({low, high, {t, -1}, {i, -1}});
         edges_from_[low].push_back(e);
+        // Three such edges could close around the tube.
+        constexpr double hair = 1e-9;
+        if (period_ > 0 && std::abs(edge_vector(e).x()) > (1 - hair) * period_ / 3)
+          throw InputError("edge " + std::to_string(low) + "-" + std::to_string(high) + " spans " +
+                           number(std::abs(edge_vector(e).x())) +
+                           " in u, a third of the period or more: a periodic mesh needs at least "
+                           "four columns");
       } else {
         Edge& edge = edges_[e];
         const auto name = std::to_string(low) + "-" + std::to_string(high);
@@ -58,24 +75,48 @@ int ParametricMesh::edge_between(int a, int b) const {
 
 TriangleShape ParametricMesh::shape(int t) const {
   const Triangle& tri = triangles_[t];
-  return {vertices_[tri[0]],
-          vertices_[tri[1]],
-          vertices_[tri[2]],
+  const Vec2& first = vertices_[tri[0]];
+  return {first,
+          image_near(vertices_[tri[1]], first),
+          image_near(vertices_[tri[2]], first),
           {edge_sign(t, 0), edge_sign(t, 1), edge_sign(t, 2)}};
 }
 
-Vec2 ParametricMesh::edge_tangent(int e) const {
-  return (vertices_[edges_[e].high] - vertices_[edges_[e].low]).normalized();
+Vec2 ParametricMesh::image_near(const Vec2& p, const Vec2& anchor) const {
+  if (period_ == 0) return p;
+  return {p.x() + period_ * std::round((anchor.x() - p.x()) / period_), p.y()};
 }
+
+Vec2 ParametricMesh::wrapped(Vec2 p) const {
+  if (period_ == 0) return p;
+  p.x() -= period_ * std::floor(p.x() / period_);
+  if (!(p.x() < period_)) p.x() = 0;  // a hair below zero
+  return p;
+}
+
+Vec2 ParametricMesh::displacement(const std::vector<int>& chain) const {
+  if (period_ == 0) return vertices_[chain.back()] - vertices_[chain.front()];
+  Vec2 sum = Vec2::Zero();
+  for (size_t i = 0; i + 1 < chain.size(); ++i) {
+    const Vec2& from = vertices_[chain[i]];
+    sum += image_near(vertices_[chain[i + 1]], from) - from;
+  }
+  return sum;
+}
+
+Vec2 ParametricMesh::edge_vector(int e) const {
+  const Vec2& low = vertices_[edges_[e].low];
+  return image_near(vertices_[edges_[e].high], low) - low;
+}
+
+Vec2 ParametricMesh::edge_tangent(int e) const { return edge_vector(e).normalized(); }
 
 Vec2 ParametricMesh::edge_normal(int e) const {
   const Vec2 t = edge_tangent(e);
   return {-t.y(), t.x()};
 }
 
-double ParametricMesh::edge_length(int e) const {
-  return (vertices_[edges_[e].high] - vertices_[edges_[e].low]).norm();
-}
+double ParametricMesh::edge_length(int e) const { return edge_vector(e).norm(); }
 
 ParametricMesh ParametricMesh::unit_square(int n) {
   if (n < 1) throw InputError("a square mesh needs at least one square a side");
@@ -95,7 +136,10 @@ ParametricMesh ParametricMesh::unit_square(int n) {
 
 ParametricMesh ParametricMesh::refined() const {
   std::vector<Vec2> vertices = vertices_;
-  for (const Edge& e : edges_) vertices.push_back(0.5 * (vertices_[e.low] + vertices_[e.high]));
+  for (const Edge& e : edges_) {
+    const Vec2& low = vertices_[e.low];
+    vertices.push_back(wrapped(0.5 * (low + image_near(vertices_[e.high], low))));
+  }
   std::vector<Triangle> triangles;
   for (int t = 0; t < triangle_count(); ++t) {
     const Triangle &v = triangles_[t], &e = triangle_edges_[t];
@@ -105,7 +149,7 @@ ParametricMesh ParametricMesh::refined() const {
     triangles.push_back({v[2], m[1], m[0]});
     triangles.push_back({m[0], m[1], m[2]});
   }
-  return {std::move(vertices), std::move(triangles)};
+  return {std::move(vertices), std::move(triangles), period_};
 }
 
 std::array<int, 12> DofMap::triangle(const ParametricMesh& mesh, int t) const {

@@ -17,6 +17,10 @@ namespace batten {
 ///    edge k/  \edge j           that order fixes the sign of its normal (c1_triangle.h).
 ///         /____\                Edges are numbered by first appearance over the triangles.
 ///      V_j edge i V_k
+///
+/// A mesh may be periodic in u: (u + period, v) is the same point as (u, v), as on a tube. Vertices
+/// keep u in [0, period), triangles and edges that cross the seam are placed as if it were not
+/// there: within half a period of their first vertex (edges: of the lower one).
 class ParametricMesh {
  public:
   using Triangle = std::array<int, 3>;
@@ -29,11 +33,15 @@ class ParametricMesh {
 
   /// Throws InputError: a vertex index out of range, a triangle that is not counter-clockwise, an
   /// edge with more than two triangles or twice in the same direction, a vertex in no triangle.
-  ParametricMesh(std::vector<Vec2> vertices, std::vector<Triangle> triangles);
+  /// With a period: a u outside of [0, period), an edge that spans a third of the period or more
+  /// (which way around it runs would be a guess).
+  ParametricMesh(std::vector<Vec2> vertices, std::vector<Triangle> triangles, double period = 0);
 
   int vertex_count() const { return static_cast<int>(vertices_.size()); }
   int edge_count() const { return static_cast<int>(edges_.size()); }
   int triangle_count() const { return static_cast<int>(triangles_.size()); }
+  /// Of u; 0: not periodic.
+  double period() const { return period_; }
 
   const std::vector<Vec2>& vertices() const { return vertices_; }
   const std::vector<Triangle>& triangles() const { return triangles_; }
@@ -52,6 +60,12 @@ class ParametricMesh {
   Vec2 edge_tangent(int edge) const;
   Vec2 edge_normal(int edge) const;
   double edge_length(int edge) const;
+  /// The image of p that is nearest to `anchor` in u; p itself without a period.
+  Vec2 image_near(const Vec2& p, const Vec2& anchor) const;
+  /// The image of p with u in [0, period); p itself without a period.
+  Vec2 wrapped(Vec2 p) const;
+  /// From the first vertex of a chain of edges to the last, all the way: (period, 0) once around.
+  Vec2 displacement(const std::vector<int>& chain) const;
 
   /// n×n squares over [0,1]², each cut along its (0,0)-(1,1) diagonal: the mesh of the benchmarks.
   static ParametricMesh unit_square(int n);
@@ -59,8 +73,12 @@ class ParametricMesh {
   ParametricMesh refined() const;
 
  private:
+  // From the lower end to the higher.
+  Vec2 edge_vector(int edge) const;
+
   std::vector<Vec2> vertices_;
   std::vector<Triangle> triangles_;
+  double period_;
   std::vector<Triangle> triangle_edges_;
   std::vector<Edge> edges_;
   std::vector<std::vector<int>> edges_from_;  // by lower vertex

@@ -7,7 +7,9 @@
 #include <limits>
 
 #include "batten/core/errors.h"
+#include "batten/fem/closest_on_curve.h"
 #include "batten/fem/curve.h"
+#include "batten/fem/triangle_locator.h"
 
 namespace batten {
 namespace {
@@ -42,8 +44,13 @@ Curvatures curvatures(const SurfaceJet& j) {
   return c;
 }
 
-Surface::Surface(std::shared_ptr<const ParametricMesh> mesh, TriangleElement kind, Points dofs)
-    : mesh_(std::move(mesh)), kind_(kind), dof_map_(*mesh_), dofs_(std::move(dofs)) {
+Surface::Surface(std::shared_ptr<const ParametricMesh> mesh, TriangleElement kind, Points dofs,
+                 std::shared_ptr<const Trim> trim)
+    : mesh_(std::move(mesh)),
+      kind_(kind),
+      dof_map_(*mesh_),
+      dofs_(std::move(dofs)),
+      trim_(std::move(trim)) {
   if (dofs_.rows() != dof_map_.count())
     throw InputError("a surface with " + std::to_string(dofs_.rows()) + " dofs on a mesh with " +
                      std::to_string(dof_map_.count()));
@@ -93,8 +100,15 @@ Surface::Closest Surface::closest_point(const Vec3& p) const {
     Location where;
   };
   std::vector<Start> starts;
-  double nearest = std::numeric_limits<double>::infinity();
+  Closest best{{}, std::numeric_limits<double>::infinity()};
+  if (trim_) best = closest_on_loops(p);
+  double nearest = best.distance;
+  const auto inside = [&](const Location& where) {
+    return !trim_ || trim_->side(where.triangle) == Trim::Side::Inside ||
+           trim_->loops().contains(mesh_->shape(where.triangle).point(where.L));
+  };
   for (int t = 0; t < mesh_->triangle_count(); ++t) {
+    if (trim_ && trim_->side(t) == Trim::Side::Outside) continue;
     const C1Triangle element(kind_, mesh_->shape(t));
     const auto q = triangle_dofs(t);
     Vec3 x[n + 1][n + 1];
@@ -113,23 +127,25 @@ Surface::Closest Surface::closest_point(const Vec3& p) const {
           lowest = lowest && (x[k][l] - p).norm() >= start.distance;
           start.spacing = std::max(start.spacing, (x[k][l] - x[i][j]).norm());
         }
-        nearest = std::min(nearest, start.distance);
+        if (start.distance < nearest && inside(start.where)) nearest = start.distance;
         if (lowest) starts.push_back(start);
       }
   }
 
-  Closest best{{}, std::numeric_limits<double>::infinity()};
+  const auto offer = [&](const Location& where, double distance) {
+    if (distance < best.distance && inside(where)) best = {where, distance};
+  };
   for (const Start& start : starts) {
     if (start.distance - 2 * start.spacing > nearest) continue;
     const int t = start.where.triangle;
     const TriangleShape shape = mesh_->shape(t);
-    if (start.distance < best.distance) best = {start.where, start.distance};
+    offer(start.where, start.distance);
     // Inside by Newton's method, on each edge as a cubic curve.
     Vec3 L = start.where.L;
     for (int step = 0; step < 30; ++step) {
       const SurfaceJet j = jet({t, L});
       const Vec3 d = j.x - p;
-      if (d.norm() < best.distance) best = {{t, L}, d.norm()};
+      offer({t, L}, d.norm());
       Mat2 G, H;
       G << j.x_u.dot(j.x_u), j.x_u.dot(j.x_v), j.x_u.dot(j.x_v), j.x_v.dot(j.x_v);
       H << j.x_uu.dot(d), j.x_uv.dot(d), j.x_uv.dot(d), j.x_vv.dot(d);
@@ -163,19 +179,58 @@ Surface::Closest Surface::closest_point(const Vec3& p) const {
       Location where{t, Vec3::Zero()};
       where.L[a] = 1 - on_edge.u;
       where.L[b] = on_edge.u;
-      if (const double d = (position(where) - p).norm(); d < best.distance) best = {where, d};
+      offer(where, (position(where) - p).norm());
     }
   }
+  return best;
+}
+
+Surface::Closest Surface::closest_on_loops(const Vec3& p) const {
+  const TriangleLocator locator(*mesh_);
+  double edge = 0;
+  for (int e = 0; e < mesh_->edge_count(); ++e) edge += mesh_->edge_length(e) / mesh_->edge_count();
+  Closest best{{}, std::numeric_limits<double>::infinity()};
+  for (const auto& loop : trim_->loops().loops())
+    for (const HermiteCurve& curve : loop) {
+      const auto where = [&](double t) { return locator.locate(curve.evaluate(t).head<2>()); };
+      const auto along = [&](double t, int order) -> Vec3 {
+        const SurfaceJet j = jet(where(t));
+        if (order == 0) return j.x;
+        const Vec3 d = curve.evaluate(t, 1);
+        if (order == 1) return d.x() * j.x_u + d.y() * j.x_v;
+        const Vec3 dd = curve.evaluate(t, 2);
+        return d.x() * d.x() * j.x_uu + 2 * d.x() * d.y() * j.x_uv + d.y() * d.y() * j.x_vv +
+               dd.x() * j.x_u + dd.y() * j.x_v;
+      };
+      std::vector<double> samples{curve.start()};
+      for (int s = 0; s < curve.segment_count(); ++s) {
+        const int next = (s + 1) % curve.node_count();
+        const double chord = (curve.position(next) - curve.position(s)).norm();
+        const int count = 4 + static_cast<int>(4 * chord / edge);
+        const double from = curve.parameters()[s], to = curve.parameters()[s + 1];
+        for (int k = 1; k <= count; ++k)
+          samples.push_back(k == count ? to : from + (to - from) * k / count);
+      }
+      const CurvePoint found = closest_on_curve(along, samples, p);
+      if (found.distance < best.distance) best = {where(found.u), found.distance};
+    }
   return best;
 }
 
 double Surface::area() const {
   static const TriangleRule rule = split_triangle(6);
   double sum = 0;
+  const auto add = [&](int t, const TriangleRule& points) {
+    for (long p = 0; p < points.weights.size(); ++p)
+      sum += mesh_->shape(t).area * points.weights[p] *
+             jet({t, points.L.row(p).transpose()}).area_vector().norm();
+  };
+  constexpr int degree = 8;  // of the rule on cut triangles
   for (int t = 0; t < mesh_->triangle_count(); ++t)
-    for (long p = 0; p < rule.weights.size(); ++p)
-      sum += mesh_->shape(t).area * rule.weights[p] *
-             jet({t, rule.L.row(p).transpose()}).area_vector().norm();
+    if (!trim_ || trim_->side(t) == Trim::Side::Inside)
+      add(t, rule);
+    else
+      add(t, trim_->rule(t, degree));
   return sum;
 }
 
@@ -250,10 +305,44 @@ Tessellation tessellate(const ParametricMesh& mesh, int n) {
   return result;
 }
 
+namespace {
+
+// A value that comes from slivers only says little: the neighbours' mean instead, from vertices
+// with support outwards.
+void smooth_thin_support(const ParametricMesh& mesh, const Trim& trim,
+                         std::vector<Eigen::Vector2d>& value) {
+  std::vector<double> support(mesh.vertex_count(), 0);
+  for (int t = 0; t < mesh.triangle_count(); ++t)
+    for (const int v : mesh.triangles()[t]) support[v] += trim.share(t);
+  constexpr double enough = 0.2;
+  std::vector<char> known(mesh.vertex_count());
+  for (int v = 0; v < mesh.vertex_count(); ++v) known[v] = support[v] >= enough;
+  for (bool found = true; found;) {
+    found = false;
+    std::vector<Eigen::Vector2d> sum(mesh.vertex_count(), Eigen::Vector2d::Zero());
+    std::vector<int> count(mesh.vertex_count(), 0);
+    for (const auto& e : mesh.edges())
+      for (const auto& [from, to] : {std::pair{e.low, e.high}, {e.high, e.low}})
+        if (known[from] && !known[to]) {
+          sum[to] += value[from];
+          ++count[to];
+        }
+    for (int v = 0; v < mesh.vertex_count(); ++v)
+      if (count[v] > 0) {
+        value[v] = sum[v] / count[v];
+        known[v] = 1;
+        found = true;
+      }
+  }
+}
+
+}  // namespace
+
 std::vector<Curvatures> recovered_curvatures(const Surface& surface, const Tessellation& points) {
   const ParametricMesh& mesh = surface.mesh();
   std::vector<Eigen::Vector2d> sum(mesh.vertex_count(), Eigen::Vector2d::Zero());  // mean, gauss
   std::vector<double> weight(mesh.vertex_count(), 0);
+  const Trim* trim = surface.trim().get();
   for (int t = 0; t < mesh.triangle_count(); ++t)
     for (int s = 0; s < 3; ++s) {
       const int j = (s + 1) % 3, k = (s + 2) % 3;
@@ -261,7 +350,8 @@ std::vector<Curvatures> recovered_curvatures(const Surface& surface, const Tesse
       L[j] = L[k] = 4.0 / 9;
       const SurfaceJet jet = surface.jet({t, L});
       const Curvatures c = curvatures(jet);
-      const double w = jet.area_vector().norm() * mesh.shape(t).area;
+      double w = jet.area_vector().norm() * mesh.shape(t).area;
+      if (trim) w *= trim->share(t);
       for (const int corner : {j, k}) {
         const int v = mesh.triangles()[t][corner];
         sum[v] += w * Eigen::Vector2d(c.mean, c.gauss);
@@ -270,6 +360,7 @@ std::vector<Curvatures> recovered_curvatures(const Surface& surface, const Tesse
     }
   for (int v = 0; v < mesh.vertex_count(); ++v)
     if (weight[v] > 0) sum[v] /= weight[v];
+  if (trim) smooth_thin_support(mesh, *trim, sum);
   std::vector<Curvatures> result(points.points.size());
   for (size_t p = 0; p < result.size(); ++p) {
     const auto& [t, L] = points.points[p];

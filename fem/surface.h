@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "batten/fem/assembly.h"
+#include "batten/fem/trim.h"
 
 namespace batten {
 
@@ -26,7 +27,8 @@ struct Curvatures {
 Curvatures curvatures(const SurfaceJet& jet);
 
 /// The surface X(u, v) = Σ N_m(u, v) q_m; q is dofs × 3. C1 everywhere: second derivatives jump at
-/// element edges. Copies share the mesh.
+/// element edges. With a trim, the surface is only the part inside of its loops. Copies share mesh
+/// and trim.
 class Surface {
  public:
   struct Closest {
@@ -34,13 +36,16 @@ class Surface {
     double distance = 0;
   };
 
-  Surface(std::shared_ptr<const ParametricMesh> mesh, TriangleElement kind, Points dofs);
+  Surface(std::shared_ptr<const ParametricMesh> mesh, TriangleElement kind, Points dofs,
+          std::shared_ptr<const Trim> trim = nullptr);
 
   const ParametricMesh& mesh() const { return *mesh_; }
   const std::shared_ptr<const ParametricMesh>& shared_mesh() const { return mesh_; }
   TriangleElement kind() const { return kind_; }
   const DofMap& dof_map() const { return dof_map_; }
   const Points& dofs() const { return dofs_; }
+  /// None when the surface is the whole mesh.
+  const std::shared_ptr<const Trim>& trim() const { return trim_; }
   /// The 12 dofs of one triangle, columns x, y, z.
   Eigen::Matrix<double, 12, 3> triangle_dofs(int triangle) const;
 
@@ -53,16 +58,22 @@ class Surface {
 
   /// The nearest point of the surface: 15 samples of each triangle, then Newton's method from every
   /// sample that its neighbours do not beat. Finds it unless the surface folds between two samples.
+  /// With a trim, of the points inside and those of the loops x(c(t)), which are sampled likewise.
   /// O(triangles).
   Closest closest_point(const Vec3& p) const;
 
+  /// Of the part inside, with a trim.
   double area() const;
 
  private:
+  // Of the trim's loops.
+  Closest closest_on_loops(const Vec3& p) const;
+
   std::shared_ptr<const ParametricMesh> mesh_;
   TriangleElement kind_;
   DofMap dof_map_;
   Points dofs_;
+  std::shared_ptr<const Trim> trim_;
 };
 
 /// The rows N(where) over the dofs: positions of many fixed points are one sparse product, E q.
@@ -82,7 +93,8 @@ Tessellation tessellate(const ParametricMesh& mesh, int n);
 
 /// Curvatures at the points of a tessellation. They are taken at the centroids of the elements'
 /// sub-triangles, where they are most accurate, and averaged to the vertices (weights: area), then
-/// interpolated linearly. O(h²).
+/// interpolated linearly. O(h²). With a trim, only the share of an element that is inside counts;
+/// vertices with less than a fifth of an element around them take the mean of their neighbours.
 std::vector<Curvatures> recovered_curvatures(const Surface& surface, const Tessellation& points);
 
 }  // namespace batten

@@ -11,21 +11,23 @@
 
 #include "batten/core/errors.h"
 #include "batten/elements/quadrature.h"
+#include "batten/fem/triangle_locator.h"
 #include "batten/io/ccx_deck.h"
 #include "batten/io/whole_file.h"
+#include "batten/skinning/facets.h"
 
 namespace batten {
 namespace fs = std::filesystem;
 namespace {
 
 /// Set names for the lines of a region, unlike each other and unlike NALL and ALL.
-std::vector<std::string> set_names(const std::vector<LineRun>& runs) {
+std::vector<std::string> set_names(const std::vector<std::string>& lines) {
   constexpr size_t longest = 80;
   std::set<std::string> taken{"ALL", "NALL"};
   std::vector<std::string> names;
-  for (const LineRun& run : runs) {
+  for (const std::string& line : lines) {
     std::string name;
-    for (const char c : run.line.name) {
+    for (const char c : line) {
       const auto byte = static_cast<unsigned char>(c);
       name += byte < 128 && std::isalnum(byte) ? static_cast<char>(std::toupper(byte)) : '_';
     }
@@ -38,6 +40,14 @@ std::vector<std::string> set_names(const std::vector<LineRun>& runs) {
     }
     names.push_back(unique);
   }
+  return names;
+}
+
+/// Runs, then embedded lines.
+std::vector<std::string> line_names(const SkinnedRegion& region) {
+  std::vector<std::string> names;
+  for (const LineRun& run : region.runs) names.push_back(run.line.name);
+  for (const EmbeddedLine& embedded : region.embedded) names.push_back(embedded.line.name);
   return names;
 }
 
@@ -64,8 +74,7 @@ void check(const SkinnedRegion& region, const ShellDeck& deck) {
   if (!finite) throw InputError(who + "found a load that is not finite");
   if (deck.supports.empty())
     throw InputError(who + "found no support, expected at least one line that is held");
-  std::vector<std::string> names;
-  for (const LineRun& run : region.runs) names.push_back(run.line.name);
+  const std::vector<std::string> names = line_names(region);
   for (const auto& support : deck.supports) {
     if (std::find(names.begin(), names.end(), support.line) != names.end()) continue;
     const std::string nearest = nearest_word(support.line, names);
@@ -80,21 +89,22 @@ void check(const SkinnedRegion& region, const ShellDeck& deck) {
 
 /// The six-node triangles of a region.
 struct Shell {
-  std::vector<Vec3> nodes;  // vertices, then edge midpoints
-  std::vector<std::array<int, 6>> elements;
+  QuadraticFacets facets;
+  std::vector<Vec3> nodes;
+  bool own_mesh;  // its triangles are not the surface's elements
 
-  explicit Shell(const Surface& surface) {
-    const ParametricMesh& mesh = surface.mesh();
-    const int vertices = mesh.vertex_count();
-    nodes.resize(static_cast<size_t>(vertices + mesh.edge_count()));
-    for (int t = 0; t < mesh.triangle_count(); ++t) {
-      const auto &v = mesh.triangles()[t], &e = mesh.edges_of(t);
-      elements.push_back({v[0], v[1], v[2], vertices + e[2], vertices + e[0], vertices + e[1]});
-      for (int i = 0; i < 3; ++i) {
-        nodes[v[i]] = surface.position({t, Vec3::Unit(i)});
-        nodes[vertices + e[i]] = surface.position({t, (Vec3::Ones() - Vec3::Unit(i)) / 2});
-      }
-    }
+  explicit Shell(const SkinnedRegion& region)
+      : facets(quadratic_facets(region)),
+        own_mesh(region.surface.trim() || !region.embedded.empty()) {
+    if (!own_mesh)  // the last element at a node says where it is
+      for (size_t t = 0; t < facets.triangles.size(); ++t)
+        for (int i = 0; i < 3; ++i) {
+          const auto& n = facets.triangles[t];
+          const int here = static_cast<int>(t), middle = n[3 + (i + 1) % 3];  // opposite corner i
+          facets.nodes[n[i]] = {here, Vec3::Unit(i)};
+          facets.nodes[middle] = {here, (Vec3::Ones() - Vec3::Unit(i)) / 2};
+        }
+    for (const Location& where : facets.nodes) nodes.push_back(region.surface.position(where));
   }
 
   int nearest_node(const Vec3& p) const {
@@ -108,16 +118,38 @@ struct Shell {
 
 /// ∬ N dA of each node, N the quadratic shape functions, dA of the true surface.
 VecX node_areas(const Surface& surface, const Shell& shell) {
-  static const TriangleRule rule = split_triangle(6);
+  static const TriangleRule split = split_triangle(6), whole = symmetric_triangle(8);
+  const TriangleRule& rule = shell.own_mesh ? whole : split;
+  const TriangleLocator locator(surface.mesh());
   VecX area = VecX::Zero(static_cast<long>(shell.nodes.size()));
-  for (int t = 0; t < surface.mesh().triangle_count(); ++t) {
-    const double parametric = surface.mesh().shape(t).area;
+  for (size_t t = 0; t < shell.facets.triangles.size(); ++t) {
+    const auto& n = shell.facets.triangles[t];
     for (long p = 0; p < rule.weights.size(); ++p) {
       const Vec3 L = rule.L.row(p).transpose();
-      const double dA = rule.weights[p] * parametric * surface.jet({t, L}).area_vector().norm();
       const double N[6] = {L[0] * (2 * L[0] - 1), L[1] * (2 * L[1] - 1), L[2] * (2 * L[2] - 1),
                            4 * L[0] * L[1],       4 * L[1] * L[2],       4 * L[2] * L[0]};
-      for (int a = 0; a < 6; ++a) area[shell.elements[t][a]] += N[a] * dA;
+      Location where{static_cast<int>(t), L};
+      double parametric;
+      if (shell.own_mesh) {
+        // The element's place in (u, v) is quadratic as well.
+        Vec2 at = Vec2::Zero(), d0 = Vec2::Zero(), d1 = Vec2::Zero();  // along L0 - L2, L1 - L2
+        const double N0[6] = {4 * L[0] - 1, 0,         1 - 4 * L[2],
+                              4 * L[1],     -4 * L[1], 4 * (L[2] - L[0])},
+                     N1[6] = {0,        4 * L[1] - 1,      1 - 4 * L[2],
+                              4 * L[0], 4 * (L[2] - L[1]), -4 * L[0]};
+        for (int a = 0; a < 6; ++a) {
+          const Vec2& uv = shell.facets.uv[n[a]];
+          at += N[a] * uv;
+          d0 += N0[a] * uv;
+          d1 += N1[a] * uv;
+        }
+        parametric = 0.5 * (d0.x() * d1.y() - d0.y() * d1.x());
+        where = locator.locate(at);
+      } else {
+        parametric = surface.mesh().shape(where.triangle).area;
+      }
+      const double dA = rule.weights[p] * parametric * surface.jet(where).area_vector().norm();
+      for (int a = 0; a < 6; ++a) area[n[a]] += N[a] * dA;
     }
   }
   return area;
@@ -152,6 +184,20 @@ void write_loads(std::ostream& out, const Surface& surface, const Shell& shell,
     out << "*DLOAD\nALL,GRAV," << ccx_number(g) << ',' << ccx_vector(deck.gravity / g) << '\n';
 }
 
+/// The ends of a line's edges, then their middles, each once.
+std::vector<int> nodes_on(const std::vector<std::array<int, 3>>& edges) {
+  std::vector<int> nodes;
+  const auto add = [&](int node) {
+    if (std::find(nodes.begin(), nodes.end(), node) == nodes.end()) nodes.push_back(node);
+  };
+  for (const auto& edge : edges) {
+    add(edge[0]);
+    add(edge[1]);
+  }
+  for (const auto& edge : edges) add(edge[2]);
+  return nodes;
+}
+
 /// Comments must not break out of their line.
 std::string one_line(std::string text) {
   for (char& c : text)
@@ -163,8 +209,8 @@ std::string one_line(std::string text) {
 
 void write_calculix(const fs::path& path, const SkinnedRegion& region, const ShellDeck& deck) {
   check(region, deck);
-  const Shell shell(region.surface);
-  const std::vector<std::string> names = set_names(region.runs);
+  const Shell shell(region);
+  const std::vector<std::string> lines = line_names(region), names = set_names(lines);
   write_whole_file(path, [&](std::ostream& out) {
     out << "** Region " << one_line(region.name) << ", written by Batten\n";
     if (!deck.units.empty()) out << "** Units: " << one_line(deck.units) << '\n';
@@ -172,16 +218,13 @@ void write_calculix(const fs::path& path, const SkinnedRegion& region, const She
     for (size_t i = 0; i < shell.nodes.size(); ++i)
       out << i + 1 << ',' << ccx_vector(shell.nodes[i]) << '\n';
     out << "*ELEMENT,TYPE=S6,ELSET=ALL\n";
-    for (size_t t = 0; t < shell.elements.size(); ++t) {
+    for (size_t t = 0; t < shell.facets.triangles.size(); ++t) {
       out << t + 1 << ',';
-      write_ccx_ids(out, shell.elements[t]);
+      write_ccx_ids(out, shell.facets.triangles[t]);
     }
-    for (size_t r = 0; r < region.runs.size(); ++r) {
-      const LineRun& run = region.runs[r];
-      out << "** Line " << one_line(run.line.name) << "\n*NSET,NSET=" << names[r] << '\n';
-      std::vector<int> ids = run.vertices;
-      for (const int e : run.edges) ids.push_back(region.surface.mesh().vertex_count() + e);
-      write_ccx_ids(out, ids);
+    for (size_t l = 0; l < lines.size(); ++l) {
+      out << "** Line " << one_line(lines[l]) << "\n*NSET,NSET=" << names[l] << '\n';
+      write_ccx_ids(out, nodes_on(shell.facets.lines[l]));
     }
     out << "*MATERIAL,NAME=SHELL\n*ELASTIC\n"
         << ccx_number(deck.young) << ',' << ccx_number(deck.poisson) << '\n';
@@ -189,9 +232,9 @@ void write_calculix(const fs::path& path, const SkinnedRegion& region, const She
     out << "*SHELL SECTION,ELSET=ALL,MATERIAL=SHELL\n" << ccx_number(deck.thickness) << '\n';
     out << "*BOUNDARY\n";
     for (const auto& support : deck.supports)
-      for (size_t r = 0; r < region.runs.size(); ++r)
-        if (region.runs[r].line.name == support.line)
-          out << names[r] << ",1," << (support.kind == ShellDeck::Support::Kind::Clamped ? 6 : 3)
+      for (size_t l = 0; l < lines.size(); ++l)
+        if (lines[l] == support.line)
+          out << names[l] << ",1," << (support.kind == ShellDeck::Support::Kind::Clamped ? 6 : 3)
               << '\n';
     out << "*STEP\n*STATIC\n";
     write_loads(out, region.surface, shell, deck);

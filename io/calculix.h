@@ -39,11 +39,14 @@ struct ShellDeck {
 ///
 /// Each element becomes one S6 triangle: its vertices and the surface's points at the parametric
 /// midpoints of its edges; the middle surface is the surface, normals are x_u × x_v. Node numbers:
-/// mesh vertex + 1, then vertex_count + edge + 1; element numbers: triangle + 1. Node set NALL,
-/// element set ALL, one node set for each line: its name in capitals, other signs than letters and
-/// digits replaced by '_', with a number behind it where two lines would get the same. Area forces
-/// are exact nodal loads (quadratic shape functions on the true surface).
-/// Numbers have as many digits as ccx reads, 20 characters: relative error 1e-13 at most.
+/// mesh vertex + 1, then vertex_count + edge + 1; element numbers: triangle + 1. A region with
+/// embedded lines has its quadratic_facets for elements: the deck is the region inside of its
+/// boundary, with nodes on its lines. Node set NALL,
+/// element set ALL, one node set for each line, rims of holes and ribs as well: its name in
+/// capitals, other signs than letters and digits replaced by '_', with a number behind it where two
+/// lines would get the same. Area forces are exact nodal loads (quadratic shape functions on the
+/// true surface). Numbers have as many digits as ccx reads, 20 characters: relative error 1e-13 at
+/// most.
 ///
 /// Throws InputError: thickness, Young's modulus not above 0, Poisson's ratio not in (-1, 0.5), a
 /// density below 0 or gravity without density, numbers that are not finite, no support, a line that

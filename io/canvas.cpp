@@ -376,6 +376,25 @@ vtkSmartPointer<vtkLookupTable> sequential_colours(double limit) {
   return table;
 }
 
+vtkSmartPointer<vtkLookupTable> striped_colours(double low, double high, double from,
+                                                double width) {
+  auto table = vtkSmartPointer<vtkLookupTable>::New();
+  const int entries = static_cast<int>(std::clamp(128 * (high - low) / width, 256.0, 65536.0));
+  table->SetNumberOfTableValues(entries);
+  const Colour light(0.97, 0.97, 0.97), dark(0.10, 0.12, 0.16);
+  constexpr double soft = 0.08;  // of a stripe: how wide the change is
+  for (int i = 0; i < entries; ++i) {
+    const double place = (low + (i + 0.5) / entries * (high - low) - from) / width;
+    const double nearest = std::round(place),
+                 after = std::clamp((place - nearest) / soft, -0.5, 0.5);
+    const double share = 0.5 + (std::fmod(nearest, 2) == 0 ? after : -after);
+    const Colour c = share * light + (1 - share) * dark;
+    table->SetTableValue(i, c[0], c[1], c[2]);
+  }
+  table->SetRange(low, high);
+  return table;
+}
+
 double field_limit(vtkDataArray& values) {
   std::vector<double> sorted;
   for (vtkIdType i = 0; i < values.GetNumberOfTuples(); ++i)

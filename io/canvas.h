@@ -81,6 +81,9 @@ void set_camera(vtkRenderer& renderer, const ViewAxes& axes, const Fit& view, do
 vtkSmartPointer<vtkLookupTable> diverging_colours(double limit);
 /// Light to dark from 0 to the limit.
 vtkSmartPointer<vtkLookupTable> sequential_colours(double limit);
+/// Light and dark by turns from `low` to `high`, a change at every multiple of `width` above
+/// `from`.
+vtkSmartPointer<vtkLookupTable> striped_colours(double low, double high, double from, double width);
 /// Largest magnitude between the 2nd and the 98th percentile, rounded up.
 double field_limit(vtkDataArray& values);
 /// The smallest number of two digits that is not below x > 0.

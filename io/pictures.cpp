@@ -9,11 +9,13 @@
 #include <vtkMapper.h>
 #include <vtkNew.h>
 #include <vtkPointData.h>
+#include <vtkPoints.h>
 #include <vtkPolyData.h>
 #include <vtkProperty.h>
 #include <vtkRenderer.h>
 #include <vtkSmartPointer.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
@@ -65,19 +67,57 @@ int facets_per_edge(const PictureScene& scene) {
   return std::clamp(static_cast<int>(std::sqrt(facets / triangles)), 2, 24);
 }
 
-/// Points of the regions lie one region after the other in the order of their tessellations.
-vtkSmartPointer<vtkCellArray> element_edges(const PictureScene& scene, int tessellation) {
-  auto cells = vtkSmartPointer<vtkCellArray>::New();
-  vtkIdType first = 0;
+/// The edges of all elements, inside of the boundary.
+vtkSmartPointer<vtkPolyData> element_edges(const PictureScene& scene, int tessellation) {
+  vtkNew<vtkPoints> points;
+  vtkNew<vtkCellArray> cells;
   for (const auto* region : scene.regions) {
-    const auto [points, edges] = tessellate_with_edges(region->surface.mesh(), tessellation);
-    for (const auto& edge : edges) {
-      cells->InsertNextCell(static_cast<int>(edge.size()));
-      for (const int p : edge) cells->InsertCellPoint(first + p);
+    const Surface& surface = region->surface;
+    const ParametricMesh& mesh = surface.mesh();
+    for (const auto& e : mesh.edges()) {
+      const int t = e.triangle[0], a = (e.local[0] + 1) % 3, b = (e.local[0] + 2) % 3;
+      const auto at = [&](double s) {
+        Location where{t, Vec3::Zero()};
+        where.L[a] = 1 - s;
+        where.L[b] = s;
+        return where;
+      };
+      const auto inside = [&](double s) {
+        return !surface.trim() || surface.trim()->loops().contains(mesh.shape(t).point(at(s).L));
+      };
+      std::vector<vtkIdType> chain;
+      const auto add = [&](double s) {
+        chain.push_back(points->InsertNextPoint(surface.position(at(s)).eval().data()));
+      };
+      const auto finish = [&] {
+        if (chain.size() > 1)
+          cells->InsertNextCell(static_cast<vtkIdType>(chain.size()), chain.data());
+        chain.clear();
+      };
+      bool before = inside(0);
+      if (before) add(0);
+      for (int k = 1; k <= tessellation; ++k) {
+        const double s = static_cast<double>(k) / tessellation;
+        const bool now = inside(s);
+        if (now != before) {
+          double low = s - 1.0 / tessellation, high = s;
+          for (int step = 0; step < 30; ++step) {
+            const double middle = 0.5 * (low + high);
+            (inside(middle) == before ? low : high) = middle;
+          }
+          add(low);
+          if (before) finish();
+        }
+        if (now) add(s);
+        before = now;
+      }
+      finish();
     }
-    first += static_cast<vtkIdType>(points.points.size());
   }
-  return cells;
+  auto result = vtkSmartPointer<vtkPolyData>::New();
+  result->SetPoints(points);
+  result->SetLines(cells);
+  return result;
 }
 
 /// `count` lines of equal value, evenly spaced inside the range of the values.
@@ -116,9 +156,39 @@ void check(const PictureScene& scene) {
   expect(scene.zoom > 0 && std::isfinite(scene.zoom), "zoom", scene.zoom, "a number above 0");
   expect(std::abs(scene.elevation) <= 90, "elevation", scene.elevation, "-90 to 90 degrees");
   expect(std::isfinite(scene.azimuth), "azimuth", scene.azimuth, "degrees");
+  expect(scene.zebra >= 0 && scene.zebra <= 1000, "zebra", scene.zebra, "0 to 1000 stripes");
+  if (scene.zebra > 0) {
+    expect(scene.zebra_direction.allFinite() && scene.zebra_direction.norm() > 0,
+           "zebra direction of length", scene.zebra_direction.norm(), "a length above 0");
+    if (scene.field != PictureScene::Field::None)
+      throw InputError(who + "found a zebra and a field, expected one of them");
+  }
   if (scene.contours > 0)
     expect(scene.contour_direction.allFinite() && scene.contour_direction.norm() > 0,
            "contour direction of length", scene.contour_direction.norm(), "a length above 0");
+}
+
+/// Angles between normals and a direction, radians, as active scalars; the table of their stripes.
+vtkSmartPointer<vtkLookupTable> add_zebra(vtkPolyData& facets, const Vec3& direction, int stripes) {
+  vtkDataArray& normals = *facets.GetPointData()->GetNormals();
+  vtkNew<vtkDoubleArray> angles;
+  angles->SetName("Angle");
+  std::vector<double> sorted;
+  for (vtkIdType p = 0; p < normals.GetNumberOfTuples(); ++p) {
+    Vec3 n;
+    normals.GetTuple(p, n.data());
+    const Vec3 d = direction.normalized();
+    angles->InsertNextValue(std::atan2(n.cross(d).norm(), n.dot(d)));
+    sorted.push_back(angles->GetValue(p));
+  }
+  facets.GetPointData()->SetScalars(angles);
+  std::sort(sorted.begin(), sorted.end());
+  const size_t cut = sorted.size() / 50;
+  const double from = sorted[cut], to = sorted[sorted.size() - 1 - cut];
+  // A flat surface has one colour.
+  constexpr double flat = 1e-9;
+  return striped_colours(sorted.front(), std::max(sorted.back(), sorted.front() + flat), from,
+                         std::max(to - from, flat * stripes) / stripes);
 }
 
 void add_surface(vtkRenderer& renderer, const PictureScene& scene, vtkPolyData& data,
@@ -126,18 +196,27 @@ void add_surface(vtkRenderer& renderer, const PictureScene& scene, vtkPolyData& 
   const auto facets = part(data, nullptr, data.GetPolys());
   const auto drawn = body(facets, kBody);
   vtkProperty& look = *drawn->GetProperty();
+  const auto colour_by = [&](vtkLookupTable* table) {
+    drawn->GetMapper()->ScalarVisibilityOn();
+    drawn->GetMapper()->SetLookupTable(table);
+    drawn->GetMapper()->UseLookupTableScalarRangeOn();
+    drawn->GetMapper()->InterpolateScalarsBeforeMappingOn();
+    look.SetSpecular(0.06);
+  };
+  if (scene.zebra > 0) {
+    const auto table = add_zebra(*facets, scene.zebra_direction, scene.zebra);
+    colour_by(table);
+    look.SetAmbient(0.45);
+    look.SetDiffuse(0.55);
+  }
   if (scene.field != PictureScene::Field::None) {
     const bool mean = scene.field == PictureScene::Field::Mean;
     const char* array = mean ? "Mean_curvature" : "Gauss_curvature";
     facets->GetPointData()->SetActiveScalars(array);
     const auto table = diverging_colours(field_limit(*facets->GetPointData()->GetScalars()));
-    drawn->GetMapper()->ScalarVisibilityOn();
-    drawn->GetMapper()->SetLookupTable(table);
-    drawn->GetMapper()->UseLookupTableScalarRangeOn();
-    drawn->GetMapper()->InterpolateScalarsBeforeMappingOn();
+    colour_by(table);
     look.SetAmbient(0.3);
     look.SetDiffuse(0.7);
-    look.SetSpecular(0.06);
     add_scalar_bar(renderer, table, mean ? "Mean curvature" : "Gauss curvature", frame);
   }
   renderer.AddActor(drawn);
@@ -177,8 +256,7 @@ void draw(vtkRenderer& renderer, const PictureScene& scene, double width, double
 
   add_surface(renderer, scene, *data, frame);
   if (scene.mesh)
-    add_thin_lines(renderer, part(*data, element_edges(scene, tessellation), nullptr), kMesh,
-                   0.9 * unit, offset);
+    add_thin_lines(renderer, element_edges(scene, tessellation), kMesh, 0.9 * unit, offset);
   add_iso_lines(renderer, scene, *data, points, 1.2 * unit, offset);
   if (scene.lines && data->GetNumberOfLines() > 0) {
     const auto chains = part(*data, data->GetLines(), nullptr);

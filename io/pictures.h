@@ -24,8 +24,13 @@ struct PictureScene {
   int contours = 0;           ///< lines of equal height, evenly spaced between lowest and highest
   Vec3 contour_direction = Vec3::UnitZ();  ///< in which heights are measured
   int parameter_lines = 0;  ///< lines of equal u, and as many of equal v, evenly spaced
-  bool lines = true;        ///< character lines, as tubes
-  bool mesh = false;        ///< element edges
+  bool lines = true;        ///< character lines, embedded ones too, as tubes
+  bool mesh = false;        ///< element edges, as far as they are inside
+  /// Light and dark stripes of equal angle between normal and zebra_direction, as many between its
+  /// lowest and highest value (2 % at each end apart): a jump of the stripes is an edge, a kink in
+  /// them a jump of curvature. From exact normals; in place of a field.
+  int zebra = 0;
+  Vec3 zebra_direction{1, 0.6, 0};
   /// Where the camera stands, degrees: azimuth 0 looks along +y, 90 along -x (the camera goes
   /// counter-clockwise seen from above); elevation above the horizon, -90 to 90.
   double azimuth = -30, elevation = 30;

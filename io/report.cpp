@@ -7,6 +7,11 @@
 namespace batten {
 namespace {
 
+const char* word(CharacterLine::Role role) {
+  using Role = CharacterLine::Role;
+  return role == Role::Inner ? "inner" : role == Role::Hole ? "hole" : "outline";
+}
+
 Json contents(const Report& r) {
   Json json;
   json["name"] = r.name;
@@ -18,10 +23,15 @@ Json contents(const Report& r) {
     // A number that is not one must win over those that are.
     if (!(line.deviation <= max_deviation)) max_deviation = line.deviation;
     each.push_back({{"name", line.name},
-                    {"role", line.inner ? "inner" : "outline"},
+                    {"role", word(line.role)},
+                    {"treatment", line.embedded ? "embedded" : "fitted"},
                     {"length", line.length},
                     {"deviation", line.deviation},
                     {"nodes", line.nodes}});
+    if (line.embedded) {
+      each.back()["points"] = line.points;
+      each.back()["gap"] = line.gap;
+    }
   }
   json["lines"] = {{"count", r.lines.size()}, {"max_deviation", max_deviation}, {"each", each}};
   if (!r.curves.empty()) json["curves"] = json_of(r.curves);
@@ -37,6 +47,7 @@ Json contents(const Report& r) {
                      {"area", q.area},
                      {"bending_energy", s.bending_energy},
                      {"max_line_residual", q.max_line_residual},
+                     {"max_line_gap", q.max_line_gap},
                      {"max_line_deviation", q.max_line_deviation},
                      {"max_constraint_residual", s.max_constraint_residual},
                      {"max_normal_constraint_deg", s.max_normal_constraint_deg},

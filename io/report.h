@@ -25,10 +25,13 @@ struct Report {
 
   struct Line {
     std::string name;
-    bool inner = false;
+    CharacterLine::Role role = CharacterLine::Role::Outline;
+    bool embedded = false;
     double length = 0;
     double deviation = 0;  ///< of the input from its fitted curve
     int nodes = 0;
+    int points = 0;  ///< of an embedded line: where the surface is held
+    double gap = 0;  ///< of the surface from its curve between them
   };
   std::vector<Line> lines;
   std::vector<FairedLine> curves;  ///< the lines as [[fair]] made them; empty without

@@ -67,6 +67,12 @@ void read_skin(const TomlTable& table, SceneSkin& skin) {
                    {{"hct", TriangleElement::HCT}, {"z12", TriangleElement::Z12}});
   skin.options.mesher = table.choice("mesher", Mesher::Delaunay,
                                      {{"delaunay", Mesher::Delaunay}, {"fan", Mesher::Fan}});
+  using Domain = SkinOptions::Domain;
+  skin.options.domain = table.choice("domain", Domain::Auto,
+                                     {{"auto", Domain::Auto},
+                                      {"polygon", Domain::Polygon},
+                                      {"plane", Domain::Plane},
+                                      {"ring", Domain::Ring}});
   skin.options.edge_length = table.positive("edge_length", 0);
   if (table.has("refine")) {
     if (skin.options.mesher != Mesher::Fan)
@@ -236,8 +242,8 @@ Scene read(const toml::table& root_table, const std::filesystem::path& file) {
   scene.lines = read_scene_lines(root, folder, true);
   scene.fairing = read_fair_stages(root);
 
-  for (const TomlTable& t : root.table("skin", {"element", "mesher", "edge_length", "refine",
-                                                "alpha", "beta", "units", "hold"}))
+  for (const TomlTable& t : root.table("skin", {"element", "domain", "mesher", "edge_length",
+                                                "refine", "alpha", "beta", "units", "hold"}))
     read_skin(t, scene.skin);
 
   Names names("name");

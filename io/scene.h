@@ -24,7 +24,8 @@ struct SceneLine {
   std::vector<Vec3> points;    ///< scene unit
   bool bezier = false;         ///< the points are four Bézier control points
   CharacterLine::Role role = CharacterLine::Role::Outline;
-  std::vector<PlacedWord> only, skip, inner;  ///< of [[lines]]: names of its curves
+  CharacterLine::Treatment treatment = CharacterLine::Treatment::Auto;
+  std::vector<PlacedWord> only, skip, inner, holes;  ///< of [[lines]]: names of its curves
 };
 
 /// [skin]

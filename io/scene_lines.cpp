@@ -7,14 +7,26 @@ namespace {
 
 CharacterLine::Role read_role(const TomlTable& table) {
   using Role = CharacterLine::Role;
-  return table.choice("role", Role::Outline, {{"outline", Role::Outline}, {"inner", Role::Inner}});
+  return table.choice("role", Role::Outline,
+                      {{"outline", Role::Outline}, {"hole", Role::Hole}, {"inner", Role::Inner}});
+}
+
+CharacterLine::Treatment read_treatment(const TomlTable& table) {
+  using Treatment = CharacterLine::Treatment;
+  return table.choice("treatment", Treatment::Auto,
+                      {{"auto", Treatment::Auto},
+                       {"fitted", Treatment::Fitted},
+                       {"embedded", Treatment::Embedded}});
 }
 
 SceneLine read_line(const TomlTable& table, const std::filesystem::path& folder, bool roles) {
   SceneLine line;
   line.place = table.place();
   line.name = table.text("name");
-  if (roles) line.role = read_role(table);
+  if (roles) {
+    line.role = read_role(table);
+    line.treatment = read_treatment(table);
+  }
   const int sources = table.has("file") + table.has("points") + table.has("bezier");
   if (sources != 1)
     table.fail("name",
@@ -46,10 +58,16 @@ SceneLine read_lines(const TomlTable& table, const std::filesystem::path& folder
   line.file = folder / table.text("file");
   line.place = table.place("file");
   if (table.has("unit")) line.unit = unit_word(table, "unit");
-  if (roles) line.role = read_role(table);
+  if (roles) {
+    line.role = read_role(table);
+    line.treatment = read_treatment(table);
+  }
   line.only = table.words("only");
   line.skip = table.words("skip");
-  if (roles) line.inner = table.words("inner");
+  if (roles) {
+    line.inner = table.words("inner");
+    line.holes = table.words("holes");
+  }
   if (!line.only.empty() && !line.skip.empty())
     table.fail("skip", "both 'only' and 'skip'", "one of them");
   return line;
@@ -63,8 +81,8 @@ std::vector<SceneLine> read_scene_lines(const TomlTable& root, const std::filesy
   std::vector<std::string> one = {"name", "file", "points", "bezier", "unit"};
   std::vector<std::string> many = {"file", "unit", "only", "skip"};
   if (roles) {
-    one.push_back("role");
-    many.insert(many.end(), {"role", "inner"});
+    one.insert(one.end(), {"role", "treatment"});
+    many.insert(many.end(), {"role", "treatment", "inner", "holes"});
   }
   Names names("line name");
   for (const TomlTable& t : root.tables("line", one)) {

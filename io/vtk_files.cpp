@@ -23,6 +23,7 @@
 #include "batten/core/errors.h"
 #include "batten/io/vtk_write.h"
 #include "batten/io/whole_file.h"
+#include "batten/skinning/facets.h"
 
 namespace batten {
 namespace fs = std::filesystem;
@@ -123,11 +124,19 @@ struct CellTable {
     for (const auto* r : regions) {
       region_names->InsertNextValue(r->name.c_str());
       for (const LineRun& run : r->runs) line_names->InsertNextValue(run.line.name.c_str());
+      for (const EmbeddedLine& e : r->embedded) line_names->InsertNextValue(e.line.name.c_str());
     }
     grid.GetFieldData()->AddArray(region_names);
     grid.GetFieldData()->AddArray(line_names);
   }
 };
+
+/// One size for all regions, so that they share points where they share lines.
+double common_length(const std::vector<const SkinnedRegion*>& regions) {
+  double sum = 0;
+  for (const auto* region : regions) sum += facet_length(*region);
+  return sum / static_cast<double>(regions.size());
+}
 
 }  // namespace
 
@@ -143,43 +152,26 @@ void write_xml(vtkXMLWriter& writer, vtkDataObject* data, const fs::path& path) 
   file.commit();
 }
 
-TessellatedEdges tessellate_with_edges(const ParametricMesh& mesh, int facets_per_edge) {
-  TessellatedEdges result{tessellate(mesh, facets_per_edge), {}};
-  const auto& points = result.tessellation.points;
-  auto& edges = result.edge_points;
-  for (const auto& e : mesh.edges()) edges.push_back({e.low});
-  // After the vertices come the points inside edges, from the lower end, and inside triangles.
-  for (size_t p = static_cast<size_t>(mesh.vertex_count()); p < points.size(); ++p)
-    for (int i = 0; i < 3; ++i)
-      if (points[p].L[i] == 0)
-        edges[mesh.edges_of(points[p].triangle)[i]].push_back(static_cast<int>(p));
-  for (int e = 0; e < mesh.edge_count(); ++e) edges[e].push_back(mesh.edges()[e].high);
-  return result;
-}
-
 vtkSmartPointer<vtkPolyData> to_poly_data(const std::vector<const SkinnedRegion*>& regions,
                                           const VtkOptions& options) {
   check(regions, options);
   PointTable table;
   CellTable line_cells, facet_cells;
   vtkNew<vtkCellArray> lines, facets;
+  const double length = common_length(regions);
   int line = 0;
   for (size_t r = 0; r < regions.size(); ++r) {
     const SkinnedRegion& region = *regions[r];
-    const ParametricMesh& mesh = region.surface.mesh();
-    const auto [tessellation, edge_points] = tessellate_with_edges(mesh, options.facets_per_edge);
+    const auto [tessellation, chains] = batten::facets(region, options.facets_per_edge, length);
     const vtkIdType first = table.add(region.surface, tessellation,
                                       options.references.empty() ? nullptr : options.references[r]);
-    for (const LineRun& run : region.runs) {
-      std::vector<vtkIdType> chain;
-      for (size_t k = 0; k < run.edges.size(); ++k) {
-        std::vector<int> piece = edge_points[run.edges[k]];
-        if (piece.front() != run.vertices[k]) std::reverse(piece.begin(), piece.end());
-        for (size_t p = chain.empty() ? 0 : 1; p < piece.size(); ++p)
-          chain.push_back(first + piece[p]);
+    for (const auto& line_chains : chains) {
+      for (const auto& chain : line_chains) {
+        lines->InsertNextCell(static_cast<int>(chain.size()));
+        for (const int p : chain) lines->InsertCellPoint(first + p);
+        line_cells.add(r, -1, line);
       }
-      lines->InsertNextCell(static_cast<vtkIdType>(chain.size()), chain.data());
-      line_cells.add(r, -1, line++);
+      ++line;
     }
     for (size_t f = 0; f < tessellation.facets.size(); ++f) {
       const auto& [a, b, c] = tessellation.facets[f];
@@ -210,36 +202,28 @@ void write_vtu(const fs::path& path, const std::vector<const SkinnedRegion*>& re
   CellTable cells;
   vtkNew<vtkUnstructuredGrid> grid;
   std::vector<vtkIdType> first;
-  std::vector<TessellatedEdges> nodes;
+  std::vector<QuadraticFacets> elements;
+  const double length = common_length(regions);
   for (size_t r = 0; r < regions.size(); ++r) {
-    const Surface& surface = regions[r]->surface;
-    nodes.push_back(tessellate_with_edges(surface.mesh(), 2));
-    first.push_back(table.add(surface, nodes[r].tessellation,
+    elements.push_back(quadratic_facets(*regions[r], length));
+    first.push_back(table.add(regions[r]->surface, {elements[r].nodes, {}, {}},
                               options.references.empty() ? nullptr : options.references[r]));
   }
-  for (size_t r = 0; r < regions.size(); ++r) {
-    const ParametricMesh& mesh = regions[r]->surface.mesh();
-    for (int t = 0; t < mesh.triangle_count(); ++t) {
-      const auto &v = mesh.triangles()[t], &e = mesh.edges_of(t);
-      std::array<vtkIdType, 6> ids{v[0],
-                                   v[1],
-                                   v[2],
-                                   nodes[r].edge_points[e[2]][1],
-                                   nodes[r].edge_points[e[0]][1],
-                                   nodes[r].edge_points[e[1]][1]};
-      for (vtkIdType& id : ids) id += first[r];
-      grid->InsertNextCell(VTK_QUADRATIC_TRIANGLE, 6, ids.data());
-      cells.add(r, t, -1);
+  const auto insert = [&](int type, size_t r, const auto& nodes) {
+    std::array<vtkIdType, 6> ids{};
+    for (size_t i = 0; i < nodes.size(); ++i) ids[i] = first[r] + nodes[i];
+    grid->InsertNextCell(type, static_cast<vtkIdType>(nodes.size()), ids.data());
+  };
+  for (size_t r = 0; r < regions.size(); ++r)
+    for (size_t t = 0; t < elements[r].triangles.size(); ++t) {
+      insert(VTK_QUADRATIC_TRIANGLE, r, elements[r].triangles[t]);
+      cells.add(r, elements[r].element[t], -1);
     }
-  }
   int line = 0;
   for (size_t r = 0; r < regions.size(); ++r)
-    for (const LineRun& run : regions[r]->runs) {
-      for (size_t k = 0; k < run.edges.size(); ++k) {
-        const std::array<vtkIdType, 3> ids{first[r] + run.vertices[k],
-                                           first[r] + run.vertices[k + 1],
-                                           first[r] + nodes[r].edge_points[run.edges[k]][1]};
-        grid->InsertNextCell(VTK_QUADRATIC_EDGE, 3, ids.data());
+    for (const auto& edges : elements[r].lines) {
+      for (const auto& edge : edges) {
+        insert(VTK_QUADRATIC_EDGE, r, edge);
         cells.add(r, -1, line);
       }
       ++line;

@@ -82,7 +82,7 @@ SculptResult sculpt(const RegionLayout& layout, const ConstraintSet& given,
                     const std::vector<Load>& loads, const SculptOptions& options,
                     const Progress& progress) {
   const double size = layout.size();
-  const SurfaceAssembler assembler(*layout.mesh(), layout.element());
+  const SurfaceAssembler assembler(*layout.mesh(), layout.element(), layout.trim());
   const SurfaceStiffness material = on_unit_domain(options.material, options.units, size);
   const Eigen::SelfAdjointEigenSolver<Mat2> stretch(material.alpha);
   if (!material.alpha.allFinite() || !material.beta.allFinite() ||
@@ -91,8 +91,7 @@ SculptResult sculpt(const RegionLayout& layout, const ConstraintSet& given,
 
   // Solved with the first corner as the origin: energies, tolerances and conflicts would otherwise
   // lose the digits of a region that lies far away.
-  const LineRun& first = layout.runs().front();
-  const Vec3 origin = first.fitted.evaluate(first.fitted.start());
+  const Vec3 origin = layout.origin();
   VecX ones = VecX::Zero(assembler.dofs().count());
   for (int v = 0; v < layout.mesh()->vertex_count(); ++v) ones[assembler.dofs().vertex(v)] = 1;
   const ConstraintSet constraints = given.moved(ones, origin);
@@ -102,7 +101,8 @@ SculptResult sculpt(const RegionLayout& layout, const ConstraintSet& given,
                                  dissection_order(*layout.mesh()));
   SculptResult result;
   result.dofs = solver.solve(Points::Zero(assembler.dofs().count(), 3));
-  const Surface unloaded(layout.mesh(), layout.element(), result.dofs + ones * origin.transpose());
+  const Surface unloaded(layout.mesh(), layout.element(), result.dofs + ones * origin.transpose(),
+                         layout.trim());
   const LoadTerms terms = gather(layout, assembler, unloaded, loads, options.units);
 
   const auto load_at = [&](const Points& q, double factor) -> Points {

@@ -10,7 +10,9 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <limits>
 #include <map>
+#include <queue>
 #endif
 
 namespace batten {
@@ -97,21 +99,155 @@ void smooth(std::vector<Vec2>& vertices, const std::vector<ParametricMesh::Trian
     }
 }
 
+// A point inside of a simple polygon: the middle of the largest gap between its segments, along
+// lines between neighbouring heights of its points.
+Point inside_of(const std::vector<Vec2>& points, const std::vector<std::array<int, 2>>& polygon) {
+  std::vector<double> heights;
+  for (const auto& segment : polygon) heights.push_back(points[segment[0]].y());
+  std::sort(heights.begin(), heights.end());
+  double widest = 0;
+  Point best(points[polygon[0][0]].x(), points[polygon[0][0]].y());
+  for (size_t i = 0; i + 1 < heights.size(); ++i) {
+    const double step = heights[i + 1] - heights[i], y = heights[i] + step / 2;
+    if (step <= widest) continue;
+    std::vector<double> crossings;
+    for (const auto& [a, b] : polygon) {
+      const Vec2 &p = points[a], &q = points[b];
+      if ((p.y() > y) != (q.y() > y))
+        crossings.push_back(p.x() + (q.x() - p.x()) * ((y - p.y()) / (q.y() - p.y())));
+    }
+    std::sort(crossings.begin(), crossings.end());
+    for (size_t k = 0; k + 1 < crossings.size(); k += 2) {
+      const double room = std::min(step, crossings[k + 1] - crossings[k]);
+      if (room <= widest) continue;
+      widest = room;
+      best = Point((crossings[k] + crossings[k + 1]) / 2, y);
+    }
+  }
+  return best;
+}
+
+// Everything that can be reached from a face without crossing a segment leaves the domain.
+void exclude(Triangulation& triangulation, Triangulation::Face_handle start) {
+  std::vector<Triangulation::Face_handle> stack{start};
+  start->set_in_domain(false);
+  while (!stack.empty()) {
+    const auto face = stack.back();
+    stack.pop_back();
+    for (int i = 0; i < 3; ++i) {
+      const auto next = face->neighbor(i);
+      if (triangulation.is_constrained({face, i}) || !next->is_in_domain()) continue;
+      next->set_in_domain(false);
+      stack.push_back(next);
+    }
+  }
+}
+
+// Ruppert's refinement with segments that stay: triangles whose circumcircle is too large for the
+// target or for their shortest edge get its centre as a vertex, unless the centre is not visible
+// from them or comes too near to a segment. The largest are the first. Every new vertex keeps a
+// distance of √2 times the shortest edge that gave rise to it, so that this ends.
+void refine_between(Triangulation& triangulation, const std::vector<Point>& hole_seeds,
+                    double longest, double least_angle) {
+  using FaceHandle = Triangulation::Face_handle;
+  for (auto f = triangulation.all_faces_begin(); f != triangulation.all_faces_end(); ++f)
+    f->set_in_domain(true);
+  exclude(triangulation, triangulation.infinite_face());
+  for (const Point& seed : hole_seeds) exclude(triangulation, triangulation.locate(seed));
+
+  struct Bad {
+    double radius2;
+    long number;  // the order of equals
+    FaceHandle face;
+    std::array<Triangulation::Vertex_handle, 3> corners;
+    bool operator<(const Bad& other) const {
+      return radius2 != other.radius2 ? radius2 < other.radius2 : number > other.number;
+    }
+  };
+  std::priority_queue<Bad> queue;
+  long number = 0;
+  const double largest2 = longest * longest / 3;  // of an equilateral triangle
+  const auto look = [&](FaceHandle face) {
+    const auto triangle = triangulation.triangle(face);
+    double shortest2 = std::numeric_limits<double>::infinity(), product = 1;
+    for (int i = 0; i < 3; ++i) {
+      const double side2 = CGAL::squared_distance(triangle[i], triangle[(i + 1) % 3]);
+      shortest2 = std::min(shortest2, side2);
+      product *= side2;
+    }
+    const double area = triangle.area(), radius2 = product / (16 * area * area);
+    if (radius2 > largest2 || shortest2 < 4 * least_angle * radius2)
+      queue.push({radius2, number++, face, {face->vertex(0), face->vertex(1), face->vertex(2)}});
+  };
+  for (auto f = triangulation.finite_faces_begin(); f != triangulation.finite_faces_end(); ++f)
+    if (f->is_in_domain()) look(f);
+
+  while (!queue.empty()) {
+    const Bad bad = queue.top();
+    queue.pop();
+    const FaceHandle face = bad.face;
+    if (face->vertex(0) != bad.corners[0] || face->vertex(1) != bad.corners[1] ||
+        face->vertex(2) != bad.corners[2])
+      continue;
+    const Point centre = triangulation.circumcenter(face);
+    Triangulation::Locate_type type;
+    int at;
+    const FaceHandle there = triangulation.locate(centre, type, at, face);
+    if (triangulation.is_infinite(there) || !there->is_in_domain() ||
+        type == Triangulation::VERTEX ||
+        (type == Triangulation::EDGE && triangulation.is_constrained({there, at})))
+      continue;
+    std::vector<FaceHandle> zone;
+    std::vector<Triangulation::Edge> around;
+    triangulation.get_conflicts_and_boundary(centre, std::back_inserter(zone),
+                                             std::back_inserter(around), there);
+    bool good = std::find(zone.begin(), zone.end(), face) != zone.end();
+    for (const auto& edge : around) {
+      if (!triangulation.is_constrained(edge)) continue;
+      const auto ends = triangulation.segment(edge);
+      good = good && CGAL::angle(ends.source(), centre, ends.target()) == CGAL::ACUTE;
+    }
+    if (!good) continue;
+    const auto vertex = triangulation.insert(centre, there);
+    auto f = triangulation.incident_faces(vertex);
+    const auto first = f;
+    do {
+      f->set_in_domain(true);
+      look(f);
+    } while (++f != first);
+  }
+}
+
 }  // namespace
 
 ParametricMesh delaunay_mesh(const MeshTask& task) {
   Triangulation triangulation;
   std::vector<Triangulation::Vertex_handle> handle;
   for (const Vec2& p : task.points) handle.push_back(triangulation.insert(Point(p.x(), p.y())));
-  for (const auto* segments : {&task.outline, &task.inner})
-    for (const auto& [a, b] : *segments) triangulation.insert_constraint(handle[a], handle[b]);
+  const auto constrain = [&](const std::vector<std::array<int, 2>>& segments) {
+    for (const auto& [a, b] : segments) triangulation.insert_constraint(handle[a], handle[b]);
+  };
+  try {
+    constrain(task.outline);
+    constrain(task.inner);
+    for (const auto& hole : task.holes) constrain(hole);
+  } catch (const Triangulation::Intersection_of_constraints_exception&) {
+    throw InputError("lines cross where they share no point");
+  }
+  std::vector<Point> seeds;
+  for (const auto& hole : task.holes) seeds.push_back(inside_of(task.points, hole));
 
   // Sizes ask for the longest edge; meshes come out with a mean of about three quarters of it.
   constexpr double least_angle = 0.125;  // sin² of 20.7 degrees
   constexpr double longest = 1.3;
-  CGAL::Delaunay_mesher_2<Triangulation, Criteria> mesher(
-      triangulation, Criteria(least_angle, longest * task.edge_length));
-  mesher.refine_mesh();
+  if (task.keep_segments) {
+    refine_between(triangulation, seeds, longest * task.edge_length, least_angle);
+  } else {
+    CGAL::Delaunay_mesher_2<Triangulation, Criteria> mesher(
+        triangulation, Criteria(least_angle, longest * task.edge_length));
+    if (!seeds.empty()) mesher.set_seeds(seeds.begin(), seeds.end());
+    mesher.refine_mesh();
+  }
 
   // The task's points keep their numbers; the others follow along a space-filling curve.
   std::map<Triangulation::Vertex_handle, int> index;

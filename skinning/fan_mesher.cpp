@@ -4,8 +4,8 @@
 namespace batten {
 
 ParametricMesh fan_mesh(const MeshTask& task, int refinements) {
-  if (!task.inner.empty())
-    throw InputError("the fan mesher takes no inner lines: use mesher = \"delaunay\"");
+  if (!task.inner.empty() || !task.holes.empty())
+    throw InputError("the fan mesher takes no inner lines and no holes: use mesher = \"delaunay\"");
   std::vector<Vec2> vertices = task.points;
   // Centre of area.
   Vec2 centre = Vec2::Zero();

@@ -82,11 +82,12 @@ std::vector<Stretch> cut_at_corners(const CharacterLine& line, double corner_ang
     if (degrees_between(a, b) > corner_angle) cuts.push_back(breaks[i]);
   }
   cuts.push_back(curve.end());
-  if (cuts.size() == 2) return {{line.name, line.role, line.curve}};
+  if (cuts.size() == 2) return {{line.name, line.role, line.curve, line.treatment}};
   std::vector<Stretch> parts;
   for (size_t i = 0; i + 1 < cuts.size(); ++i)
     parts.push_back({line.name + "." + std::to_string(i + 1), line.role,
-                     std::make_shared<Part>(line.curve, cuts[i], cuts[i + 1], false)});
+                     std::make_shared<Part>(line.curve, cuts[i], cuts[i + 1], false),
+                     line.treatment});
   return parts;
 }
 

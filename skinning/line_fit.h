@@ -16,6 +16,7 @@ struct Stretch {
   std::string name;  ///< the line's, with ".1", ".2", … when the line was cut at corners
   CharacterLine::Role role;
   std::shared_ptr<const InputCurve> curve;  ///< of the whole stretch, in its own direction
+  CharacterLine::Treatment treatment = CharacterLine::Treatment::Auto;
 };
 
 /// Cuts lines at their corners. Throws InputError: a curve of zero length, or not finite.

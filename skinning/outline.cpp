@@ -86,6 +86,19 @@ std::pair<double, Vec3> curve_distance(const InputCurve& a, int i, const InputCu
 // How far a curve may lie from the chords of its polyline.
 double sag(const Vec3& a0, const Vec3& a1) { return 0.1 * (a1 - a0).norm(); }
 
+// Unit directions just before and just after the start of a piece.
+std::pair<Vec3, Vec3> directions_at(const Outline& outline, size_t piece) {
+  const size_t n = outline.pieces.size();
+  const InputCurve &in = *outline.pieces[(piece + n - 1) % n].stretch.curve,
+                   &out = *outline.pieces[piece].stretch.curve;
+  return {in.evaluate(in.end(), 1).normalized(), out.evaluate(out.start(), 1).normalized()};
+}
+
+double turn_at(const Outline& outline, size_t piece) {
+  const auto [a, b] = directions_at(outline, piece);
+  return std::atan2(a.cross(b).norm(), a.dot(b));
+}
+
 }  // namespace
 
 Crossing find_crossing(const InputCurve& a, const InputCurve& b, double distance,
@@ -118,8 +131,8 @@ Crossing find_self_crossing(const InputCurve& a, double distance) {
   return {};
 }
 
-Outline make_outline(const std::vector<Stretch>& stretches, double size, double join,
-                     double corner_angle) {
+std::vector<Outline> make_loops(const std::vector<Stretch>& stretches, double size, double join,
+                                double corner_angle) {
   if (stretches.empty()) throw InputError("a region needs outline lines, and there are none");
   require_not_on_one_line(stretches, size);
 
@@ -182,49 +195,85 @@ Outline make_outline(const std::vector<Stretch>& stretches, double size, double 
     partner[e] = near[0];
   }
 
-  Outline outline;
-  outline.size = size;
-  int end = 0;
-  do {
-    const bool flipped = end % 2 == 1;
-    const Stretch& s = stretches[end / 2];
-    Outline::Piece piece{s, flipped, 0, 0.5 * (point[end] + point[partner[end]])};
-    if (flipped) piece.stretch.curve = reversed(s.curve);
-    piece.length = ArcLength(piece.stretch.curve).total();
-    if (piece.length < 1e-9 * size) throw InputError("line '" + s.name + "' has zero length");
-    outline.pieces.push_back(std::move(piece));
-    end = partner[end ^ 1];
-  } while (end != 0);
-  if (outline.pieces.size() != stretches.size())
-    throw InputError("the outline lines form more than one loop (" +
-                     std::to_string(outline.pieces.size()) + " of " +
-                     std::to_string(stretches.size()) +
-                     " lines are in the first): regions with holes are not supported yet");
-
-  const Vec3 normal = loop_normal(outline);
-  const size_t n = outline.pieces.size();
-  for (size_t i = 0; i < n; ++i) {
-    const InputCurve &in = *outline.pieces[(i + n - 1) % n].stretch.curve,
-                     &out = *outline.pieces[i].stretch.curve;
-    const Vec3 a = in.evaluate(in.end(), 1).normalized(),
-               b = out.evaluate(out.start(), 1).normalized();
-    const double turn = std::atan2(a.cross(b).norm(), a.dot(b));
-    if (turn <= corner_angle * kPi / 180) continue;
-    outline.corners.push_back(static_cast<int>(i));
-    outline.angles.push_back(a.cross(b).dot(normal) >= 0 ? kPi - turn : kPi + turn);
+  std::vector<Outline> loops;
+  std::vector<char> used(stretches.size(), 0);
+  for (int first = 0; first < ends; first += 2) {
+    if (used[static_cast<size_t>(first / 2)]) continue;
+    Outline outline;
+    outline.size = size;
+    int end = first;
+    do {
+      const bool flipped = end % 2 == 1;
+      const Stretch& s = stretches[static_cast<size_t>(end / 2)];
+      used[static_cast<size_t>(end / 2)] = 1;
+      Outline::Piece piece{s, flipped, 0, 0.5 * (point[end] + point[partner[end]])};
+      if (flipped) piece.stretch.curve = reversed(s.curve);
+      piece.length = ArcLength(piece.stretch.curve).total();
+      if (piece.length < 1e-9 * size) throw InputError("line '" + s.name + "' has zero length");
+      outline.pieces.push_back(std::move(piece));
+      end = partner[end ^ 1];
+    } while (end != first);
+    for (size_t i = 0; i < outline.pieces.size(); ++i)
+      if (turn_at(outline, i) > corner_angle * kPi / 180)
+        outline.corners.push_back(static_cast<int>(i));
+    loops.push_back(std::move(outline));
   }
-  if (outline.corners.size() < 3)
-    throw InputError(
-        "the outline has " + std::to_string(outline.corners.size()) +
-        " corner(s) that turn by more than " + number(corner_angle) +
-        " degrees, and a region needs three or more: smooth closed outlines are not supported yet");
-  constexpr size_t most_corners = 100;
-  if (outline.corners.size() > most_corners)
-    throw InputError("the outline turns by more than " + number(corner_angle) + " degrees at " +
-                     std::to_string(outline.corners.size()) + " places, and a region has at most " +
-                     std::to_string(most_corners) +
-                     " corners: are the points noisy? (raise corner_angle, or smooth the line)");
-  return outline;
+  return loops;
+}
+
+bool Outline::is_corner(size_t piece) const {
+  return std::find(corners.begin(), corners.end(), static_cast<int>(piece)) != corners.end();
+}
+
+Joint joint_at(const Outline& outline, size_t p) {
+  const auto [in, out] = directions_at(outline, p);
+  Joint joint{outline.pieces[p].start, out, in};
+  if (!outline.is_corner(p)) joint.outgoing = joint.incoming = (in + out).normalized();
+  return joint;
+}
+
+void warn_of_smoothed_joints(const Outline& outline, double corner_angle,
+                             std::vector<std::string>& warnings) {
+  const size_t n = outline.pieces.size();
+  for (size_t p = 0; p < n; ++p) {
+    if (outline.is_corner(p)) continue;
+    const double turn = turn_at(outline, p) * 180 / kPi;
+    constexpr double noticeable = 1;
+    if (turn > noticeable)
+      warnings.push_back("lines '" + outline.pieces[(p + n - 1) % n].stretch.name + "' and '" +
+                         outline.pieces[p].stretch.name + "' meet at a kink of " + number(turn) +
+                         " degrees, below corner_angle = " + number(corner_angle) +
+                         ": it is rounded within the tolerance");
+  }
+}
+
+Outline reversed(const Outline& outline) {
+  const size_t n = outline.pieces.size();
+  Outline back;
+  back.size = outline.size;
+  for (size_t i = n; i-- > 0;) {
+    Outline::Piece piece = outline.pieces[i];
+    piece.start = outline.end_of(i);
+    piece.flipped = !piece.flipped;
+    piece.stretch.curve = reversed(piece.stretch.curve);
+    back.pieces.push_back(std::move(piece));
+  }
+  // Piece i began where piece n-1-i now ends.
+  for (const int c : outline.corners)
+    back.corners.push_back(static_cast<int>((n - static_cast<size_t>(c)) % n));
+  std::sort(back.corners.begin(), back.corners.end());
+  return back;
+}
+
+std::vector<double> corner_angles(const Outline& outline) {
+  const Vec3 normal = loop_normal(outline);
+  std::vector<double> angles;
+  for (const int c : outline.corners) {
+    const auto [a, b] = directions_at(outline, static_cast<size_t>(c));
+    const double turn = std::atan2(a.cross(b).norm(), a.dot(b));
+    angles.push_back(a.cross(b).dot(normal) >= 0 ? kPi - turn : kPi + turn);
+  }
+  return angles;
 }
 
 Vec3 loop_normal(const Outline& outline) {

@@ -9,7 +9,7 @@
 
 namespace batten {
 
-/// Outline stretches in the order and direction of the loop, merged where they meet.
+/// Stretches in the order and direction of their loop, merged where they meet.
 struct Outline {
   struct Piece {
     Stretch stretch;  ///< runs along the loop
@@ -21,19 +21,36 @@ struct Outline {
   /// Index of the first piece after each corner: side c is pieces corner[c] … corner[c+1]-1,
   /// cyclic.
   std::vector<int> corners;
-  /// Interior angle at each corner, radians in (0, 2π).
-  std::vector<double> angles;
   double size = 0;  ///< diagonal of the box of all lines
 
+  bool is_corner(size_t piece) const;
   const Vec3& end_of(size_t piece) const { return pieces[(piece + 1) % pieces.size()].start; }
 };
 
-/// Joins outline stretches into one loop, in the direction of the first. Ends meet within `join`
-/// (model units). Throws InputError in words for the user: an open loop (with the gap), more than
-/// one loop, three lines at one end, lines that cross, fewer than three corners, all lines on one
+/// Joins outline stretches into closed loops, each in the direction of its first stretch, in the
+/// order of those. Ends meet within `join` (model units). Throws InputError in words for the user:
+/// an open loop (with the gap), three lines at one end, lines that cross or touch, all lines on one
 /// line.
-Outline make_outline(const std::vector<Stretch>& stretches, double size, double join,
-                     double corner_angle);
+std::vector<Outline> make_loops(const std::vector<Stretch>& stretches, double size, double join,
+                                double corner_angle);
+
+/// Where piece p of a loop begins: both neighbours take the same point and, unless it is a corner,
+/// the same tangent. `incoming` is what the piece before it takes.
+struct Joint {
+  Vec3 position, outgoing, incoming;
+};
+Joint joint_at(const Outline& outline, size_t p);
+
+/// Text for each joint that turns noticeably, but less than a corner: it will be rounded.
+void warn_of_smoothed_joints(const Outline& outline, double corner_angle,
+                             std::vector<std::string>& warnings);
+
+/// The loop the other way around.
+Outline reversed(const Outline& outline);
+
+/// Interior angle at each corner, radians in (0, 2π). Throws InputError when the loop encloses no
+/// area seen from any side.
+std::vector<double> corner_angles(const Outline& outline);
 
 /// A simple counter-clockwise polygon with the given side lengths and interior angles as nearly as
 /// they can be had together, by least squares over log lengths, angles and (weakly, up to 24

@@ -18,8 +18,8 @@ void raise(double& largest, double value) {
 HermiteCurve surface_edge(const Surface& surface, const LineRun& run) {
   const auto n = static_cast<long>(run.vertices.size());
   const ParametricMesh& mesh = surface.mesh();
-  const Vec2 along = mesh.vertices()[run.vertices.back()] - mesh.vertices()[run.vertices.front()];
-  const Vec2 per_parameter = along / (run.parameters.back() - run.parameters.front());
+  const Vec2 per_parameter =
+      mesh.displacement(run.vertices) / (run.parameters.back() - run.parameters.front());
   Points x(n, 3), d(n, 3);
   for (long i = 0; i < n; ++i) {
     const int v = run.vertices[static_cast<size_t>(i)];

@@ -3,26 +3,16 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
-#include <numbers>
 
+#include "batten/constraints/affine_reduction.h"
 #include "batten/constraints/shape/shape_constraints.h"
 #include "batten/core/errors.h"
-#include "batten/core/words.h"
-#include "batten/skinning/mesher.h"
-#include "batten/skinning/outline.h"
+#include "batten/fem/dissection.h"
+#include "batten/fem/triangle_locator.h"
+#include "batten/skinning/region_parts.h"
 
 namespace batten {
 namespace {
-
-// Domain numbers are rounded to this, so that lines given in mm and in m, which differ in their
-// last bits, make the same mesh.
-double rounded(double x) {
-  constexpr double grid = 1 << 30;
-  return std::round(x * grid) / grid;
-}
-
-Vec3 rounded(const Vec3& p) { return {rounded(p.x()), rounded(p.y()), rounded(p.z())}; }
 
 double diagonal_of(const std::vector<CharacterLine>& lines) {
   constexpr double infinity = std::numeric_limits<double>::infinity();
@@ -43,426 +33,28 @@ double diagonal_of(const std::vector<CharacterLine>& lines) {
   return size;
 }
 
-// A piece of line on its straight stretch of the domain, from `from` to `to`; fractions run 0 … 1
-// with the parameter of the fitted curve.
-struct Strip {
-  CharacterLine line;
-  bool flipped = false;
-  HermiteCurve fitted;
-  Vec2 from, to;
-  std::vector<double> nodes;  // fractions that must be mesh vertices, 0 and 1 included
-  Vec2 at(double fraction) const { return from + fraction * (to - from); }
-};
-
-HermiteCurve backwards(const HermiteCurve& curve) {
-  std::vector<double> u;
-  for (auto it = curve.parameters().rbegin(); it != curve.parameters().rend(); ++it)
-    u.push_back(curve.start() + curve.end() - *it);
-  Points dofs = curve.dofs();
-  for (int i = 0; i < curve.node_count(); ++i) {
-    const int other = curve.node_count() - 1 - i;
-    dofs.row(curve.mesh().position_dof(i)) = curve.position(other);
-    dofs.row(curve.mesh().slope_out(i)) = -curve.slope_in(other);
-  }
-  return {CurveMesh(u), dofs};
+// The shape of least bending, solved about the first line's start.
+Points plain_shape(const RegionParts& parts, TriangleElement element, const Vec3& origin) {
+  const SurfaceAssembler assembler(*parts.mesh, element, parts.trim);
+  VecX ones = VecX::Zero(assembler.dofs().count());
+  for (int v = 0; v < parts.mesh->vertex_count(); ++v) ones[assembler.dofs().vertex(v)] = 1;
+  const ConstrainedSolver solver(line_rows(parts, element).moved(ones, origin),
+                                 assembler.stiffness(SurfaceStiffness{}),
+                                 dissection_order(*parts.mesh));
+  return solver.solve(Points::Zero(assembler.dofs().count(), 3)) + ones * origin.transpose();
 }
 
-HermiteCurve stretched(const HermiteCurve& curve, double factor) {
-  std::vector<double> u = curve.parameters();
-  for (double& x : u) x *= factor;
-  return {CurveMesh(u), curve.dofs()};
+Vec3 first_point(const RegionParts& parts) {
+  const HermiteCurve& first =
+      parts.runs.empty() ? parts.embedded.front().fitted : parts.runs.front().fitted;
+  return first.evaluate(first.start());
 }
-
-double cross(const Vec2& a, const Vec2& b) { return a.x() * b.y() - a.y() * b.x(); }
-
-bool segments_cross(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d) {
-  constexpr double margin = 1e-9;
-  const double det = cross(b - a, d - c);
-  if (std::abs(det) < 1e-14) return false;
-  const double s = cross(c - a, d - c) / det, t = cross(c - a, b - a) / det;
-  return s > margin && s < 1 - margin && t > margin && t < 1 - margin;
-}
-
-class Builder {
- public:
-  Builder(const std::vector<CharacterLine>& lines, const SkinOptions& options, double size)
-      : options_(options), size_(size) {
-    tolerance_ = options.tolerance > 0 ? options.tolerance : 1e-4 * size;
-    edge_ = options.edge_length > 0 ? options.edge_length : size / 20;
-    join_ = std::max(tolerance_, 1e-6 * size);
-    for (const auto& line : lines) {
-      auto parts = cut_at_corners(line, options.corner_angle);
-      if (line.role == CharacterLine::Role::Inner) {
-        if (parts.size() > 1)
-          throw InputError("inner line '" + line.name +
-                           "' has a corner: only smooth inner lines are supported yet");
-        inner_.push_back(parts[0]);
-      } else {
-        outline_parts_.insert(outline_parts_.end(), parts.begin(), parts.end());
-      }
-    }
-  }
-
-  void build_outline(std::vector<std::string>& warnings) {
-    // Decided first: the fan needs lines that are cut evenly.
-    if (options_.mesher == SkinOptions::Mesher::Delaunay && !have_delaunay_mesher()) {
-      warnings.push_back("this build has no CGAL: the fan mesher is used instead");
-      options_.mesher = SkinOptions::Mesher::Fan;
-    }
-    outline_ = make_outline(outline_parts_, size_, join_, options_.corner_angle);
-    const size_t sides = outline_.corners.size(), n = outline_.pieces.size();
-    // The polygon is fitted to rounded numbers of the region scaled to size 1.
-    std::vector<double> lengths, scaled_lengths, angles;
-    std::vector<Vec3> corners;
-    const Vec3 origin = outline_.pieces[outline_.corners[0]].start;
-    for (size_t c = 0; c < sides; ++c) {
-      double length = 0;
-      for (const size_t p : side(c)) length += outline_.pieces[p].length;
-      lengths.push_back(length);
-      scaled_lengths.push_back(rounded(length / size_));
-      angles.push_back(rounded(outline_.angles[c]));
-      corners.push_back(
-          rounded(Vec3((outline_.pieces[outline_.corners[c]].start - origin) / size_)));
-    }
-    polygon_ = fit_polygon(scaled_lengths, angles, corners, rounded(loop_normal(outline_)));
-    // u runs along the side of the first line, from the middle of the corners.
-    size_t first = 0;
-    for (size_t c = 0; c < sides; ++c)
-      for (const size_t p : side(c))
-        if (p == 0) first = c;
-    const Vec2 u = (polygon_[(first + 1) % sides] - polygon_[first]).normalized();
-    Vec2 middle = Vec2::Zero();
-    for (const Vec2& p : polygon_) middle += p / static_cast<double>(sides);
-    for (Vec2& p : polygon_) {
-      const Vec2 d = p - middle;
-      p = Vec2(rounded(d.dot(u)), rounded(u.x() * d.y() - u.y() * d.x()));
-    }
-
-    for (size_t p = 0; p < n; ++p) warn_of_smoothed_joint(p, warnings);
-    strips_.resize(n);
-    for (size_t c = 0; c < sides; ++c) {
-      const auto pieces = side(c);
-      const Vec2 &a = polygon_[c], &b = polygon_[(c + 1) % sides];
-      double before = 0, fraction = 0;
-      for (const size_t p : pieces) {
-        const auto& piece = outline_.pieces[p];
-        Strip& strip = strips_[p];
-        strip.line.name = piece.stretch.name;
-        strip.line.curve = piece.flipped ? reversed(piece.stretch.curve) : piece.stretch.curve;
-        strip.flipped = piece.flipped;
-        strip.fitted = fit(piece.stretch, joint(p), joint((p + 1) % n), pieces.size() == 1);
-        // The piece's share of the side is rounded, and its parameter stretched by the same hair,
-        // so that speed stays continuous where pieces meet.
-        before += piece.length;
-        const double next = p == pieces.back() ? 1 : rounded(before / lengths[c]);
-        strip.fitted = stretched(strip.fitted, (next - fraction) * lengths[c] / strip.fitted.end());
-        strip.from = a + fraction * (b - a);
-        strip.to = a + next * (b - a);
-        fraction = next;
-      }
-    }
-  }
-
-  void add_inner_lines() {
-    for (size_t i = 0; i < inner_.size(); ++i) {
-      const Stretch& s = inner_[i];
-      const InputCurve& curve = *s.curve;
-      const Vec3 ends[2] = {curve.evaluate(curve.start()), curve.evaluate(curve.end())};
-      if ((ends[0] - ends[1]).norm() <= join_)
-        throw InputError("inner line '" + s.name +
-                         "' is closed: closed inner lines and holes are not supported yet");
-      Strip strip;
-      strip.line = {s.name, s.curve, s.role};
-      Vec3 on_outline[2];
-      for (int e = 0; e < 2; ++e)
-        (e ? strip.to : strip.from) = junction(s.name, e, ends[e], on_outline[e]);
-      check_inner(s, strip, i);
-      const Vec3 t0 = curve.evaluate(curve.start(), 1).normalized(),
-                 t1 = curve.evaluate(curve.end(), 1).normalized();
-      strip.fitted = fit(s, {on_outline[0], t0, t0}, {on_outline[1], t1, t1}, true);
-      strips_.push_back(std::move(strip));
-    }
-  }
-
-  ParametricMesh mesh() {
-    double area = 0;
-    for (size_t i = 0, n = polygon_.size(); i < n; ++i)
-      area += 0.5 * cross(polygon_[i], polygon_[(i + 1) % n]);
-    // Equilateral triangles of that edge, or the fan's.
-    const bool counted =
-        options_.mesher == SkinOptions::Mesher::Fan && options_.fan_refinements >= 0;
-    const double expected =
-        counted ? static_cast<double>(polygon_.size()) * std::pow(4.0, options_.fan_refinements)
-                : area * size_ * size_ / (std::sqrt(3.0) / 4 * edge_ * edge_);
-    constexpr double most_triangles = 2e6;
-    if (counted && expected > most_triangles)
-      throw InputError("a fan refined " + std::to_string(options_.fan_refinements) + " times has " +
-                       number(expected) + " triangles; at most " + number(most_triangles) +
-                       " are allowed");
-    if (expected > most_triangles)
-      throw InputError("edge_length = " + number(edge_) + " on a region of size " + number(size_) +
-                       " means about " + number(expected) + " triangles; at most " +
-                       number(most_triangles) + " are allowed (is the unit right?)");
-    for (Strip& s : strips_) {
-      for (const double u : s.fitted.parameters()) s.nodes.push_back(u / s.fitted.end());
-      std::sort(s.nodes.begin(), s.nodes.end());
-    }
-    return options_.mesher == SkinOptions::Mesher::Fan ? fan() : delaunay();
-  }
-
-  LineRun run(const ParametricMesh& mesh, const Strip& strip) const {
-    // Vertices on the strip, by their fraction along it.
-    const Vec2 d = strip.to - strip.from;
-    const double length = d.norm();
-    std::vector<std::pair<double, int>> on_strip;
-    for (int v = 0; v < mesh.vertex_count(); ++v) {
-      const Vec2 p = mesh.vertices()[v] - strip.from;
-      const double fraction = p.dot(d) / (length * length);
-      constexpr double near = 1e-11;
-      if (std::abs(cross(p, d)) / length < near && fraction > -near && fraction < 1 + near)
-        on_strip.emplace_back(std::clamp(fraction, 0.0, 1.0), v);
-    }
-    std::sort(on_strip.begin(), on_strip.end());
-    LineRun run;
-    run.line = strip.line;
-    run.fitted = strip.flipped ? backwards(strip.fitted) : strip.fitted;
-    if (strip.flipped) {
-      std::reverse(on_strip.begin(), on_strip.end());
-      for (auto& [fraction, v] : on_strip) fraction = 1 - fraction;
-    }
-    for (const auto& [fraction, v] : on_strip) {
-      run.vertices.push_back(v);
-      run.parameters.push_back(fraction * strip.fitted.end());
-    }
-    for (size_t i = 0; i + 1 < run.vertices.size(); ++i) {
-      const int e = mesh.edge_between(run.vertices[i], run.vertices[i + 1]);
-      if (e < 0)
-        throw NoSolutionError("the mesher left line '" + strip.line.name +
-                              "' without an edge at (" +
-                              number(mesh.vertices()[run.vertices[i]].x()) + ", " +
-                              number(mesh.vertices()[run.vertices[i]].y()) + ")");
-      run.edges.push_back(e);
-    }
-    return run;
-  }
-
-  const std::vector<Vec2>& polygon() const { return polygon_; }
-  const std::vector<Strip>& strips() const { return strips_; }
-  const std::vector<double>& line_angles() const { return outline_.angles; }
-
- private:
-  std::vector<size_t> side(size_t c) const {
-    const size_t n = outline_.pieces.size();
-    std::vector<size_t> pieces;
-    size_t p = static_cast<size_t>(outline_.corners[c]);
-    do {
-      pieces.push_back(p);
-      p = (p + 1) % n;
-    } while (!is_corner(p));
-    return pieces;
-  }
-
-  // Where piece p of the outline begins: both neighbours take the same point and, unless it is a
-  // corner, the same tangent. `incoming` is what the piece before it takes at a corner.
-  struct Joint {
-    Vec3 position, outgoing, incoming;
-  };
-  Joint joint(size_t p) const {
-    const size_t n = outline_.pieces.size();
-    const InputCurve &in = *outline_.pieces[(p + n - 1) % n].stretch.curve,
-                     &out = *outline_.pieces[p].stretch.curve;
-    Joint joint{outline_.pieces[p].start, out.evaluate(out.start(), 1).normalized(),
-                in.evaluate(in.end(), 1).normalized()};
-    if (!is_corner(p))
-      joint.outgoing = joint.incoming = (joint.outgoing + joint.incoming).normalized();
-    return joint;
-  }
-
-  bool is_corner(size_t p) const {
-    return std::find(outline_.corners.begin(), outline_.corners.end(), static_cast<int>(p)) !=
-           outline_.corners.end();
-  }
-
-  void warn_of_smoothed_joint(size_t p, std::vector<std::string>& warnings) const {
-    if (is_corner(p)) return;
-    const size_t n = outline_.pieces.size();
-    const auto &before = outline_.pieces[(p + n - 1) % n].stretch,
-               &after = outline_.pieces[p].stretch;
-    const Vec3 in = before.curve->evaluate(before.curve->end(), 1),
-               out = after.curve->evaluate(after.curve->start(), 1);
-    const double turn = degrees_between(in, out);
-    constexpr double noticeable = 1;
-    if (turn > noticeable)
-      warnings.push_back("lines '" + before.name + "' and '" + after.name + "' meet at a kink of " +
-                         number(turn) + " degrees, below corner_angle = " +
-                         number(options_.corner_angle) + ": it is rounded within the tolerance");
-  }
-
-  HermiteCurve fit(const Stretch& s, const Joint& start, const Joint& end, bool alone) const {
-    const bool evenly_cut = options_.mesher == SkinOptions::Mesher::Fan;
-    if (alone) {
-      constexpr double shortest_edge = 0.3;  // of the target: shorter pieces would crowd the mesh
-      const auto exact = kept_as_given(s, shortest_edge * edge_, start.position, end.position);
-      if (exact && (exact->segment_count() == 1 || !evenly_cut)) return *exact;
-    }
-    FitOptions fit;
-    fit.tolerance = tolerance_;
-    fit.corner_angle = 180;
-    fit.closed = false;
-    fit.start = {start.position, start.outgoing};
-    fit.end = {end.position, end.incoming};
-    fit.even = true;
-    fit.halved = evenly_cut;
-    return fit_curve(s.name, s.curve, fit);
-  }
-
-  // Where an inner line's end meets the outline: a node of a piece, new unless one is near.
-  Vec2 junction(const std::string& name, int end, const Vec3& p, Vec3& on_outline) {
-    double nearest = std::numeric_limits<double>::infinity(), fraction = 0;
-    Strip* strip = nullptr;
-    for (size_t i = 0; i < outline_.pieces.size(); ++i) {
-      const auto closest = strips_[i].fitted.closest_point(p);
-      if (closest.distance < nearest) {
-        nearest = closest.distance;
-        strip = &strips_[i];
-        fraction = closest.u / strips_[i].fitted.end();
-      }
-    }
-    if (nearest > join_)
-      throw InputError(std::string("inner line '") + name + "' does not end on the outline: its " +
-                       (end ? "end " : "start ") + at(p) + " is " + number(nearest) +
-                       " away from line '" + strip->line.name + "' (ends meet within " +
-                       number(join_) + ")");
-    const double snap = std::min(join_, 0.05 * edge_) / strip->fitted.end();
-    fraction = rounded(fraction);
-    for (const double u : strip->fitted.parameters())
-      if (std::abs(u / strip->fitted.end() - fraction) < snap) fraction = u / strip->fitted.end();
-    strip->nodes.push_back(fraction);
-    on_outline = strip->fitted.evaluate(fraction * strip->fitted.end());
-    // The same number that the outline's own node gets.
-    return strip->at(rounded(fraction));
-  }
-
-  void check_inner(const Stretch& s, const Strip& strip, size_t index) const {
-    const InputCurve& curve = *s.curve;
-    const std::vector<Vec3> ends = {curve.evaluate(curve.start()), curve.evaluate(curve.end())};
-    if (find_self_crossing(curve, 1e-7 * size_).found)
-      throw InputError("inner line '" + s.name + "' crosses itself");
-    for (size_t j = 0; j < index; ++j)
-      if (const auto c = find_crossing(curve, *inner_[j].curve, 1e-7 * size_, ends, 0.02 * size_);
-          c.found)
-        throw InputError("inner lines '" + inner_[j].name + "' and '" + s.name + "' cross near " +
-                         at(c.where) + ": crossing inner lines are not supported yet");
-    for (size_t i = 0; i < strips_.size(); ++i) {
-      if (!segments_cross(strip.from, strip.to, strips_[i].from, strips_[i].to)) continue;
-      throw InputError("inner line '" + s.name + "' would cross line '" + strips_[i].line.name +
-                       "' in the flat domain: it must run inside the region, and its ends must lie "
-                       "in the same order as its neighbours'");
-    }
-    const Vec2 middle = 0.5 * (strip.from + strip.to);
-    bool inside = false;
-    for (size_t i = 0, n = polygon_.size(); i < n; ++i) {
-      const Vec2 &a = polygon_[i], &b = polygon_[(i + 1) % n];
-      if ((a.y() > middle.y()) != (b.y() > middle.y()) &&
-          middle.x() < a.x() + (middle.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x()))
-        inside = !inside;
-    }
-    if (!inside)
-      throw InputError("inner line '" + s.name +
-                       "' would run along or outside the outline of the "
-                       "flat domain: only inner lines across the region are supported yet");
-  }
-
-  ParametricMesh delaunay() const {
-    MeshTask task;
-    task.edge_length = rounded(edge_ / size_);
-    // Points that strips share (corners, joints, junctions) are one point.
-    std::map<std::pair<long long, long long>, int> known;
-    const auto add = [&](const Vec2& p) {
-      constexpr double cell = 1e11;
-      const std::pair key(std::llround(p.x() * cell), std::llround(p.y() * cell));
-      for (long long dx = -1; dx <= 1; ++dx)
-        for (long long dy = -1; dy <= 1; ++dy)
-          if (const auto it = known.find({key.first + dx, key.second + dy}); it != known.end())
-            return it->second;
-      task.points.push_back(p);
-      return known[key] = static_cast<int>(task.points.size()) - 1;
-    };
-    for (const Vec2& corner : polygon_) add(corner);
-    for (size_t i = 0; i < strips_.size(); ++i) {
-      const Strip& s = strips_[i];
-      auto& segments = i < outline_.pieces.size() ? task.outline : task.inner;
-      int last = add(s.from);
-      for (size_t k = 0; k + 1 < s.nodes.size(); ++k) {
-        const double a = s.nodes[k], b = s.nodes[k + 1];
-        const int cuts = std::max(
-            1,
-            static_cast<int>(std::ceil((b - a) * (s.to - s.from).norm() / task.edge_length - 0.2)));
-        for (int c = 1; c <= cuts; ++c) {
-          const double fraction = a + (b - a) * c / cuts;
-          const int next = fraction >= 1 ? add(s.to) : add(s.at(rounded(fraction)));
-          if (next == last) continue;
-          segments.push_back({last, next});
-          last = next;
-        }
-      }
-    }
-    return delaunay_mesh(task);
-  }
-
-  ParametricMesh fan() const {
-    MeshTask task;
-    task.points = polygon_;
-    const int n = static_cast<int>(polygon_.size());
-    double longest = 0;
-    for (int i = 0; i < n; ++i) {
-      task.outline.push_back({i, (i + 1) % n});
-      longest = std::max(longest, (polygon_[(i + 1) % n] - polygon_[i]).norm());
-    }
-    if (!inner_.empty())
-      throw InputError("the fan mesher takes no inner lines: use mesher = \"delaunay\"");
-    if (outline_.pieces.size() != polygon_.size())
-      throw InputError(
-          "the fan mesher needs one line for each side between corners, and there are " +
-          std::to_string(outline_.pieces.size()) + " lines for " + std::to_string(n) +
-          " sides: use mesher = \"delaunay\"");
-    int refinements = options_.fan_refinements;
-    if (refinements < 0) {
-      refinements = 0;
-      while (longest > 1.3 * rounded(edge_ / size_) * std::pow(2.0, refinements) && refinements < 9)
-        ++refinements;
-      for (const Strip& s : strips_)
-        while (!cut_evenly(s, refinements) && refinements < 9) ++refinements;
-    }
-    for (const Strip& s : strips_)
-      if (!cut_evenly(s, refinements))
-        throw InputError("line '" + s.line.name + "' needs nodes that a fan refined " +
-                         std::to_string(refinements) +
-                         " times does not have: raise the tolerance or the refinements, or use "
-                         "mesher = \"delaunay\"");
-    return fan_mesh(task, refinements);
-  }
-
-  static bool cut_evenly(const Strip& s, int refinements) {
-    return std::all_of(s.nodes.begin(), s.nodes.end(), [&](double fraction) {
-      const double place = std::ldexp(fraction, refinements);
-      return std::abs(place - std::round(place)) < 1e-6;
-    });
-  }
-
-  SkinOptions options_;
-  double size_, tolerance_, edge_, join_;
-  std::vector<Stretch> outline_parts_, inner_;
-  Outline outline_;
-  std::vector<Vec2> polygon_;
-  std::vector<Strip> strips_;  // outline pieces in loop order, then inner lines
-};
 
 }  // namespace
 
 RegionLayout::RegionLayout(std::string name, const std::vector<CharacterLine>& lines,
                            const SkinOptions& options, const Progress& progress)
-    : name_(std::move(name)), element_(options.element) {
+    : name_(std::move(name)), options_(options) {
   for (size_t i = 0; i < lines.size(); ++i)
     for (size_t j = 0; j < i; ++j)
       if (lines[i].name == lines[j].name)
@@ -470,50 +62,103 @@ RegionLayout::RegionLayout(std::string name, const std::vector<CharacterLine>& l
   if (lines.empty()) throw InputError("region '" + name_ + "' has no lines");
   progress.at("fitting lines", 0);
   size_ = diagonal_of(lines);
-  Builder builder(lines, options, size_);
-  builder.build_outline(warnings_);
-  progress.at("fitting lines", 0.5);
-  builder.add_inner_lines();
-  progress.at("meshing", 0);
-  mesh_ = std::make_shared<ParametricMesh>(builder.mesh());
-  progress.at("meshing", 1);
-  for (const Strip& s : builder.strips()) runs_.push_back(builder.run(*mesh_, s));
+  tolerance_ = options.tolerance > 0 ? options.tolerance : 1e-4 * size_;
+  edge_ = options.edge_length > 0 ? options.edge_length : size_ / 20;
+  join_ = std::max(tolerance_, 1e-6 * size_);
+  const DomainTask task{options_, size_, tolerance_, edge_, join_};
 
-  const auto& polygon = builder.polygon();
-  for (size_t i = 0, n = polygon.size(); i < n; ++i) {
-    const Vec2 a = polygon[i] - polygon[(i + n - 1) % n], b = polygon[(i + 1) % n] - polygon[i];
-    constexpr double degrees = 180 / std::numbers::pi;
-    corners_.push_back({polygon[i], 180 - std::atan2(cross(a, b), a.dot(b)) * degrees,
-                        builder.line_angles()[i] * degrees});
+  using Role = CharacterLine::Role;
+  std::vector<Stretch> around, rims, inner;
+  for (const CharacterLine& line : lines) {
+    auto& kind = line.role == Role::Outline ? around : line.role == Role::Hole ? rims : inner;
+    for (Stretch& s : cut_at_corners(line, options.corner_angle)) kind.push_back(std::move(s));
   }
+  const std::vector<Outline> loops = make_loops(around, size_, join_, options.corner_angle);
+  const std::vector<Outline> holes =
+      rims.empty() ? std::vector<Outline>() : make_loops(rims, size_, join_, options.corner_angle);
+  progress.at("fitting lines", 0.5);
+
+  using Domain = SkinOptions::Domain;
+  Domain& domain = options_.domain;
+  const bool two_smooth = loops.size() == 2 && loops[0].corners.empty() && loops[1].corners.empty();
+  if (domain == Domain::Auto)
+    domain = two_smooth                     ? Domain::Ring
+             : loops[0].corners.size() >= 3 ? Domain::Polygon
+                                            : Domain::Plane;
+  if (loops.size() > 1 && domain != Domain::Ring)
+    throw InputError("the outline lines form " + std::to_string(loops.size()) + " loops, with '" +
+                     loops[0].pieces[0].stretch.name + "' and '" + loops[1].pieces[0].stretch.name +
+                     "' in different ones: lines around a hole have role = \"hole\"");
+  progress.at("meshing", 0);
+  if (domain == Domain::Ring) throw InputError("rings are not there yet");
+  std::vector<Stretch> others;
+  if (domain == Domain::Polygon) {
+    parts_ = polygon_parts(loops[0], inner, task, others);
+    if (!holes.empty() || !others.empty()) {
+      const Surface surface(parts_.mesh, options_.element,
+                            plain_shape(parts_, options_.element, first_point(parts_)));
+      embed_on(surface, holes, others, task, parts_);
+    }
+  } else {
+    parts_ = plane_parts(loops[0], holes, inner, task);
+  }
+  if (parts_.embedded.empty()) {
+    progress.at("meshing", 1);
+    return;
+  }
+  grade_by_curvature(parts_, task);
+  cut_and_place(parts_, task);
+  progress.at("meshing", 0.5);
+  constexpr int most_rounds = 8;
+  for (int round = 0; round < most_rounds; ++round) {
+    const Surface shape(parts_.mesh, options_.element,
+                        plain_shape(parts_, options_.element, first_point(parts_)), parts_.trim);
+    if (!refine(shape, 0.5 * tolerance_)) break;
+    progress.at("meshing", 0.5 + 0.5 * (round + 1) / most_rounds);
+  }
+  progress.at("meshing", 1);
 }
 
-ConstraintSet RegionLayout::line_constraints() const {
-  ConstraintSet set(DofMap(*mesh_).count());
-  ShapeConstraints shape(*mesh_, element_, set);
-  for (const LineRun& run : runs_)
-    shape.curve(run.line.name, run.vertices, run.parameters, run.fitted,
-                mesh_->vertices()[run.vertices.back()] - mesh_->vertices()[run.vertices.front()]);
-  return set;
+bool RegionLayout::refine(const Surface& shape, double target) {
+  return refine_at_gaps(parts_, shape, target, {options_, size_, tolerance_, edge_, join_});
 }
+
+Vec3 RegionLayout::origin() const { return first_point(parts_); }
+
+ConstraintSet RegionLayout::line_constraints() const { return line_rows(parts_, options_.element); }
 
 ConstraintSet RegionLayout::corner_constraints() const {
-  ConstraintSet set(DofMap(*mesh_).count());
-  ShapeConstraints shape(*mesh_, element_, set);
-  for (size_t c = 0; c < corners_.size(); ++c)
-    for (const LineRun& run : runs_) {
-      const bool first = mesh_->vertices()[run.vertices.front()] == corners_[c].uv;
-      if (!first && mesh_->vertices()[run.vertices.back()] != corners_[c].uv) continue;
-      shape.point("corner " + std::to_string(c + 1),
-                  first ? run.vertices.front() : run.vertices.back(),
+  const ParametricMesh& mesh = *parts_.mesh;
+  if (parts_.corners.empty())
+    throw InputError("region '" + name_ + "' has no corners that could hold it");
+  ConstraintSet set(DofMap(mesh).count());
+  ShapeConstraints shape(mesh, options_.element, set);
+  const TriangleLocator locator(mesh);
+  for (size_t c = 0; c < parts_.corners.size(); ++c) {
+    const Vec2 corner = parts_.corners[c].uv;
+    const std::string name = "corner " + std::to_string(c + 1);
+    bool held = false;
+    for (const LineRun& run : runs()) {
+      const bool first = mesh.vertices()[run.vertices.front()] == corner;
+      if (held || (!first && mesh.vertices()[run.vertices.back()] != corner)) continue;
+      shape.point(name, first ? run.vertices.front() : run.vertices.back(),
                   run.fitted.evaluate(first ? run.fitted.start() : run.fitted.end()));
-      break;
+      held = true;
     }
+    for (const EmbeddedLine& line : embedded()) {
+      const Vec3 start = line.image.evaluate(line.image.start());
+      if (held || line.image.closed() || Vec2(start.x(), start.y()) != corner) continue;
+      shape.point(name, locator.locate(corner), line.fitted.evaluate(line.fitted.start()));
+      held = true;
+    }
+  }
   return set;
 }
 
 SkinnedRegion RegionLayout::region(Points dofs) const {
-  return {name_, Surface(mesh_, element_, std::move(dofs)), runs_, size_};
+  return {name_,           Surface(parts_.mesh, options_.element, std::move(dofs), parts_.trim),
+          parts_.runs,     size_,
+          parts_.embedded, parts_.boundary};
 }
 
 }  // namespace batten

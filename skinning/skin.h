@@ -25,6 +25,13 @@ struct SkinOptions {
                ///< again; sides of one line each, no inner lines
   };
   Mesher mesher = Mesher::Delaunay;
+  enum class Domain {
+    Auto,
+    Polygon,  ///< three corners or more; lines fitted
+    Plane,    ///< a loop that projects simply; lines embedded
+    Ring      ///< two smooth loops; lines fitted
+  };
+  Domain domain = Domain::Auto;
   /// How often the fan is cut in four; -1: until edges are short enough. Lines that need more nodes
   /// than that to reach the tolerance are refused.
   int fan_refinements = -1;
@@ -32,62 +39,99 @@ struct SkinOptions {
   double edge_length = 0;
 };
 
-/// Everything of a region except its shape: domain, mesh, lines on element edges.
+/// A corner of the domain's outline: where it is, and its angle (degrees) in the domain and between
+/// the lines in space.
+struct DomainCorner {
+  Vec2 uv;
+  double domain_degrees, line_degrees;
+};
+
+/// Everything of a region except its shape.
+struct RegionParts {
+  std::shared_ptr<const ParametricMesh> mesh;
+  std::shared_ptr<const Trim> trim;  ///< none when nothing embedded bounds the region
+  std::vector<LineRun> runs;
+  std::vector<EmbeddedLine> embedded;
+  std::vector<std::vector<BoundaryPiece>> boundary;
+  std::vector<DomainCorner> corners;  ///< counter-clockwise
+  std::vector<std::string> warnings;
+};
+
+/// A region before it has a shape: domain, mesh, and how each line hangs on it.
 ///
-/// 1. outline lines are joined at their ends into one loop, corners found;
+/// 1. lines are cut at their corners (into "name.1", "name.2", …), outline lines joined at their
+///    ends into loops, hole lines too;
 /// 2. lines become C1 cubic Hermite curves (exact where the input is piecewise cubic);
-/// 3. the domain is a polygon that bends at the line's corners only, sides as long and corners as
-///    wide as the lines make them; it is scaled so that the region's size is 1: (u, v) has no unit;
-/// 4. the polygon is meshed, nodes of lines included;
-/// 5. each line becomes a straight run of element edges.
-/// Lines with corners inside are cut there into "name.1", "name.2", …
+/// 3. a domain is chosen:
+///      polygon  one loop with three corners or more: bends at the line's corners only, sides as
+///               long and corners as wide as the lines make them; every outline line is a straight
+///               run of element edges, fitted exactly. Inner lines are straight runs across where
+///               they can be;
+///      plane    other outlines: their projection; all lines are embedded, the mesh is cut;
+///      ring     two smooth loops: a strip that is periodic in u, both rims fitted;
+///    scaled so that the region's size is 1: (u, v) has no unit;
+/// 4. holes, and inner lines that cannot be fitted (closed, bent, ending inside, crossing), are
+///    embedded: held at points, with a gap between them that is measured and driven under
+///    tolerance/2 by halving triangles there, for the shape of least bending;
+/// 5. on a polygon or ring, embedded lines lie where the surface that the outline alone makes is
+///    nearest to them.
 /// The domain runs counter-clockwise along the outline in the direction of its first line, so that
-/// line's direction decides to which side the surface's normal points; u runs along its side of the
-/// polygon (directional alpha and beta refer to it).
-/// Source: straight-run rule, docs/theory/domains.md.
+/// line's direction decides to which side the surface's normal points. u runs along that line's
+/// side of the polygon, around the ring, or along the projected x axis (y where the plane is at
+/// right angles to x); directional alpha and beta refer to it.
+/// Source: straight-run rule and embedded lines, docs/theory/domains.md.
 class RegionLayout {
  public:
   /// Throws InputError, in words for the user, for what it refuses: an open loop, lines that cross
-  /// or touch, a loop that crosses itself, fewer than three corners (smooth closed outlines), all
-  /// lines on one line, a closed inner line, inner lines with corners, that cross, or whose ends
-  /// are not on the outline.
+  /// or touch, a loop that crosses itself, all lines on one line, holes outside of the outline or
+  /// in each other, inner lines that leave the region or cross at different heights, a domain that
+  /// does not suit the outline. NoSolutionError: a cut whose area does not add up.
   RegionLayout(std::string name, const std::vector<CharacterLine>& lines,
                const SkinOptions& options, const Progress& progress = {});
 
   const std::string& name() const { return name_; }
-  const std::shared_ptr<const ParametricMesh>& mesh() const { return mesh_; }
-  TriangleElement element() const { return element_; }
-  const std::vector<LineRun>& runs() const { return runs_; }
+  const std::shared_ptr<const ParametricMesh>& mesh() const { return parts_.mesh; }
+  const std::shared_ptr<const Trim>& trim() const { return parts_.trim; }
+  TriangleElement element() const { return options_.element; }
+  const std::vector<LineRun>& runs() const { return parts_.runs; }
+  const std::vector<EmbeddedLine>& embedded() const { return parts_.embedded; }
   double size() const { return size_; }
-  const std::vector<std::string>& warnings() const { return warnings_; }
-  /// Corners of the polygon, counter-clockwise, and the angle (degrees) of each in the domain and
-  /// between the lines in space.
-  struct Corner {
-    Vec2 uv;
-    double domain_degrees, line_degrees;
-  };
-  const std::vector<Corner>& corners() const { return corners_; }
+  /// Of lines, model units.
+  double tolerance() const { return tolerance_; }
+  const std::vector<std::string>& warnings() const { return parts_.warnings; }
+  const std::vector<DomainCorner>& corners() const { return parts_.corners; }
+  SkinOptions::Domain domain() const { return options_.domain; }
+  /// A point of the first line.
+  Vec3 origin() const;
 
-  /// The rows that hold every line exactly: uncoupled, named after the lines.
+  /// The rows that hold every line, fitted ones exactly, embedded ones at their points: uncoupled,
+  /// named after the lines.
   ConstraintSet line_constraints() const;
   /// The rows that hold only the positions of the corners: uncoupled, "corner 1", "corner 2", …
+  /// Throws InputError for a domain without corners.
   ConstraintSet corner_constraints() const;
   /// The region with the given dofs.
   SkinnedRegion region(Points dofs) const;
 
+  /// Halves triangles where a shape's embedded lines miss their curves by more than `target`
+  /// between points; false when there is nothing to halve. The layout then has another mesh: dofs
+  /// and constraints made before do not fit it any more.
+  bool refine(const Surface& shape, double target);
+
  private:
   std::string name_;
-  std::shared_ptr<const ParametricMesh> mesh_;
-  TriangleElement element_;
-  std::vector<LineRun> runs_;
-  std::vector<Corner> corners_;
-  std::vector<std::string> warnings_;
-  double size_ = 1;
+  SkinOptions options_;
+  double size_ = 1, tolerance_ = 0, edge_ = 0, join_ = 0;
+  RegionParts parts_;
 };
+
+/// Largest distance |x(c(t)) - X(t)| of a shape from its embedded line, 20 samples between points.
+double line_gap(const Surface& surface, const EmbeddedLine& line);
 
 /// How far the finished surface is from what it promises, measured by sampling.
 struct SkinQuality {
   double max_line_residual = 0;    ///< surface edge to fitted line, over the region's size
+  double max_line_gap = 0;         ///< surface to the curve of embedded lines, model units
   double max_line_deviation = 0;   ///< surface edge to input curve, both ways, model units
   double max_normal_jump_deg = 0;  ///< across inner element edges
   double min_jacobian_ratio = 0;   ///< smallest |x_u × x_v| (oriented) over the median

@@ -388,8 +388,8 @@ FairedLines faired_lines(const Scene& scene, const Progress& progress) {
       faired.lines.push_back(character_line(sources[i], scene.skin.options.corner_angle));
       continue;
     }
-    faired.lines.push_back(
-        {sources[i].name, curve_from_hermite(result.states.back()), sources[i].role});
+    faired.lines.push_back({sources[i].name, curve_from_hermite(result.states.back()),
+                            sources[i].role, sources[i].treatment});
     faired.reports.push_back(result.report);
   }
   return faired;

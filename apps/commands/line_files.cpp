@@ -52,7 +52,8 @@ bool contains(const std::vector<PlacedWord>& words, const std::string& name) {
 
 std::vector<SourceLine> lines_of(const SceneFile& scene, const SceneLine& source) {
   if (source.file.empty()) {
-    SourceLine line{source.name, scene.at(source.place), {}, nullptr, source.role};
+    SourceLine line{source.name, scene.at(source.place), {}, nullptr,
+                    source.role, source.treatment};
     const auto& p = source.points;
     if (source.bezier)
       line.curve = bezier_curve(p[0], p[1], p[2], p[3]);
@@ -68,14 +69,18 @@ std::vector<SourceLine> lines_of(const SceneFile& scene, const SceneLine& source
                        source.name + "'; [[lines]] takes several");
     lines.front().name = source.name;
   }
-  for (const auto* words : {&source.only, &source.skip, &source.inner})
+  for (const auto* words : {&source.only, &source.skip, &source.inner, &source.holes})
     check_names(scene, source, *words, lines);
   std::erase_if(lines, [&](const SourceLine& line) {
     return contains(source.skip, line.name) ||
            (!source.only.empty() && !contains(source.only, line.name));
   });
-  for (auto& line : lines)
-    line.role = contains(source.inner, line.name) ? CharacterLine::Role::Inner : source.role;
+  for (auto& line : lines) {
+    line.role = contains(source.inner, line.name)   ? CharacterLine::Role::Inner
+                : contains(source.holes, line.name) ? CharacterLine::Role::Hole
+                                                    : source.role;
+    line.treatment = source.treatment;
+  }
   return lines;
 }
 
@@ -134,7 +139,7 @@ std::vector<SourceLine> read_sources(const std::vector<SceneLine>& lines,
 }
 
 CharacterLine character_line(const SourceLine& line, double corner_angle) {
-  return {line.name, line.as_curve(corner_angle), line.role};
+  return {line.name, line.as_curve(corner_angle), line.role, line.treatment};
 }
 
 std::vector<CharacterLine> read_lines(const Scene& scene) {

@@ -21,6 +21,7 @@ struct SourceLine {
   std::vector<Vec3> points;                 ///< model units; empty when there is a curve
   std::shared_ptr<const InputCurve> curve;  ///< of CAD files and Béziers
   CharacterLine::Role role = CharacterLine::Role::Outline;
+  CharacterLine::Treatment treatment = CharacterLine::Treatment::Auto;
 
   /// The curve, or the one through the points. Throws InputError: curve_through_points.
   std::shared_ptr<const InputCurve> as_curve(double corner_angle) const;

@@ -99,4 +99,19 @@ MadeShape make_shape(const RegionLayout& layout, const Scene& scene, const Progr
   return made;
 }
 
+MadeShape make_refined_shape(RegionLayout& layout, const Scene& scene, const Progress& progress) {
+  constexpr int most_rounds = 8;
+  const bool held = scene.skin.hold == SceneSkin::Hold::Lines;
+  for (int round = 0;; ++round) {
+    MadeShape made = make_shape(layout, scene, progress);
+    if (!held || round == most_rounds) return made;
+    // Half of the tolerance is the lines' own deviation from their curves.
+    double gap = 0;
+    for (const EmbeddedLine& line : layout.embedded())
+      gap = std::max(gap, line_gap(made.region.surface, line));
+    if (gap <= 0.7 * layout.tolerance()) return made;
+    if (!layout.refine(made.region.surface, 0.5 * layout.tolerance())) return made;
+  }
+}
+
 }  // namespace batten

@@ -24,4 +24,9 @@ struct MadeShape {
 /// Throws ConflictError, NoSolutionError, InputError, CancelledError.
 MadeShape make_shape(const RegionLayout& layout, const Scene& scene, const Progress& progress = {});
 
+/// The same, halving the layout's triangles where loads and constraints pull the surface off its
+/// embedded lines, until it keeps the tolerance there or halving helps no more.
+MadeShape make_refined_shape(RegionLayout& layout, const Scene& scene,
+                             const Progress& progress = {});
+
 }  // namespace batten

@@ -20,14 +20,14 @@ namespace batten {
 namespace {
 
 /// Largest distance from samples of the user's line to the fitted curve.
-double deviation(const LineRun& run) {
-  const auto breaks = run.line.curve->breaks();
+double deviation(const CharacterLine& line, const HermiteCurve& fitted) {
+  const auto breaks = line.curve->breaks();
   const int samples = std::clamp<int>(2000 / static_cast<int>(breaks.size()), 4, 64);
   double largest = 0;
   for (size_t i = 0; i + 1 < breaks.size(); ++i)
     for (int k = 0; k <= samples; ++k) {
       const double t = breaks[i] + (breaks[i + 1] - breaks[i]) * k / samples;
-      const double d = run.fitted.closest_point(run.line.curve->evaluate(t)).distance;
+      const double d = fitted.closest_point(line.curve->evaluate(t)).distance;
       if (!(d <= largest)) largest = d;
     }
   return largest;
@@ -35,9 +35,12 @@ double deviation(const LineRun& run) {
 
 void measure_into(Report& report, const MadeShape& made) {
   for (const LineRun& run : made.region.runs)
-    report.lines.push_back({run.line.name, run.line.role == CharacterLine::Role::Inner,
-                            ArcLength(run.line.curve).total(), deviation(run),
-                            run.fitted.node_count()});
+    report.lines.push_back({run.line.name, run.line.role, false, ArcLength(run.line.curve).total(),
+                            deviation(run.line, run.fitted), run.fitted.node_count()});
+  for (const EmbeddedLine& e : made.region.embedded)
+    report.lines.push_back({e.line.name, e.line.role, true, ArcLength(e.line.curve).total(),
+                            deviation(e.line, e.fitted), e.fitted.node_count(),
+                            static_cast<int>(e.points.size()), line_gap(made.region.surface, e)});
   auto& s = report.surface;
   s.triangles = made.region.surface.mesh().triangle_count();
   s.dofs = made.region.surface.dof_map().count();
@@ -132,6 +135,7 @@ ShellDeck deck_of(const Scene& scene, const SkinnedRegion& region) {
   deck.units = "lengths in " + scene.unit;
   std::vector<std::string> names;
   for (const auto& run : region.runs) names.push_back(run.line.name);
+  for (const auto& embedded : region.embedded) names.push_back(embedded.line.name);
   for (const auto& support : stress.supports) {
     const size_t before = deck.supports.size();
     for (const auto& name : names)
@@ -242,10 +246,10 @@ Report run_scene(const Scene& scene, const std::filesystem::path& folder,
   const FairedLines lines = faired_lines(scene, progress);
   report.curves = lines.reports;
   watch.lap("lines");
-  const RegionLayout layout = lay_out(scene, lines.lines, progress);
-  report.warnings = layout.warnings();
+  RegionLayout layout = lay_out(scene, lines.lines, progress);
   watch.lap("layout");
-  const MadeShape made = make_shape(layout, scene, progress);
+  const MadeShape made = make_refined_shape(layout, scene, progress);
+  report.warnings = layout.warnings();
   watch.lap("sculpt");
   progress.at("measuring", 0);
   measure_into(report, made);
@@ -284,9 +288,7 @@ Report run_scene(const Scene& scene, const std::filesystem::path& folder,
   }
   watch.total();
 
-  const double tolerance =
-      scene.skin.options.tolerance > 0 ? scene.skin.options.tolerance : 1e-4 * layout.size();
-  const auto broken = broken_promises(report, tolerance);
+  const auto broken = broken_promises(report, layout.tolerance());
   report.missed.insert(report.missed.end(), broken.begin(), broken.end());
   report.files.push_back("report.json");
   write_whole_file(out.file("report.json"), [&](std::ostream& file) { file << to_json(report); });
@@ -298,8 +300,8 @@ Report run_scene(const Scene& scene, const std::filesystem::path& folder,
 void view_scene(const Scene& scene, const PictureScene& look, const std::filesystem::path& file,
                 const Progress& progress) {
   require_display();
-  const RegionLayout layout = lay_out(scene, faired_lines(scene, progress).lines, progress);
-  const MadeShape made = make_shape(layout, scene, progress);
+  RegionLayout layout = lay_out(scene, faired_lines(scene, progress).lines, progress);
+  const MadeShape made = make_refined_shape(layout, scene, progress);
   draw_picture(file, picture_of(look, made.region));
 }
 

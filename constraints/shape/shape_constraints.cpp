@@ -62,10 +62,10 @@ void ShapeConstraints::curve(const std::string& name, const std::vector<int>& ve
     throw InputError("constraint '" + name + "': " + std::to_string(vertices.size()) +
                      " vertices and " + std::to_string(parameters.size()) + " parameters");
   const Vec2 t = direction.normalized();
-  const double run =
-      (mesh_.vertices()[vertices.back()] - mesh_.vertices()[vertices.front()]).dot(t);
+  const double run = mesh_.displacement(vertices).dot(t);
   const double speed = (parameters.back() - parameters.front()) / run;
-  for (size_t i = 0; i < vertices.size(); ++i) {
+  const bool around = vertices.front() == vertices.back();
+  for (size_t i = 0; i + around < vertices.size(); ++i) {
     const int v = vertices[i];
     set_.fix(name, dofs_.vertex(v), curve.evaluate(parameters[i]));
     set_.add(name, {{dofs_.vertex(v, 1), t.x()}, {dofs_.vertex(v, 2), t.y()}},

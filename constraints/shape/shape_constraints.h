@@ -42,7 +42,8 @@ class ShapeConstraints {
   /// its derivative along the run. `parameters[i]` is the curve's parameter at vertices[i]; it must
   /// run evenly with length in the domain (the parameter speed |X'|/|e| is then continuous), and
   /// between two vertices the curve must be one cubic. Exact on the whole run. `direction`: unit
-  /// vector of the run in (u, v). One uncoupled row each. Throws InputError on counts that differ.
+  /// vector of the run in (u, v). A run once around a periodic mesh names its first vertex again at
+  /// the end. One uncoupled row each. Throws InputError on counts that differ.
   void curve(const std::string& name, const std::vector<int>& vertices,
              const std::vector<double>& parameters, const HermiteCurve& curve,
              const Vec2& direction);

@@ -6,7 +6,12 @@
 #include <string>
 
 #include "batten/core/errors.h"
+#include "batten/fem/dissection.h"
+#include "batten/fem/surface.h"
+#include "batten/fem/triangle_locator.h"
+#include "batten/fem/trim.h"
 #include "batten/tests/catch.h"
+#include "batten/tests/sampling.h"
 
 using namespace batten;
 
@@ -36,6 +41,27 @@ double total_area(const ParametricMesh& mesh) {
 ParametricMesh fan() {
   return {{{0.2, 0.1}, {1, 0}, {0, 1}, {-1, 0}, {0, -1}},
           {{0, 1, 2}, {0, 2, 3}, {3, 4, 0}, {4, 1, 0}}};
+}
+
+constexpr double around = 2.5;  // a period
+
+// A strip that is periodic in u, of uneven columns; the seam is `shift` away from a column.
+ParametricMesh strip(int columns, int rows, double shift) {
+  std::vector<Vec2> vertices;
+  for (int j = 0; j <= rows; ++j)
+    for (int i = 0; i < columns; ++i) {
+      const double wave = 0.2 * std::sin(1.0 + i + 2 * j) * (j > 0 && j < rows);
+      const double u = around * (i + wave) / columns + shift;
+      vertices.emplace_back(u - around * std::floor(u / around), 0.3 * j);
+    }
+  std::vector<Triangle> triangles;
+  for (int j = 0; j < rows; ++j)
+    for (int i = 0; i < columns; ++i) {
+      const int a = j * columns + i, b = j * columns + (i + 1) % columns;
+      triangles.push_back({a, b, b + columns});
+      triangles.push_back({a, b + columns, a + columns});
+    }
+  return {vertices, triangles, around};
 }
 
 }  // namespace
@@ -166,4 +192,155 @@ TEST_CASE("meshes that are none are input errors that say what is wrong") {
   CHECK(rejected({{0, 0}, {1, 0}, {0, 1}, {0, -1}, {1, -1}}, {{0, 1, 2}, {1, 0, 3}, {1, 0, 4}},
                  "edge 0-1 has more than two triangles"));
   CHECK_THROWS_AS(ParametricMesh(square, {{0, 1, 1}, {0, 2, 3}}), InputError);
+}
+
+TEST_CASE("a strip that is periodic in u has no seam: Euler's number 0, two rims, the whole area") {
+  for (const double shift : {0.0, 0.17, 1.9}) {
+    const ParametricMesh mesh = strip(7, 3, shift);
+    CHECK(mesh.vertex_count() == 7 * 4);
+    CHECK(mesh.vertex_count() - mesh.edge_count() + mesh.triangle_count() == 0);
+    CHECK(DofMap(mesh).count() == 3 * 28 + mesh.edge_count());
+    CHECK(std::abs(total_area(mesh) - around * 0.9) < 1e-14);
+    int rim = 0;
+    double rim_length = 0;
+    for (int e = 0; e < mesh.edge_count(); ++e)
+      if (mesh.edges()[e].boundary()) {
+        ++rim;
+        rim_length += mesh.edge_length(e);
+      }
+    CHECK(rim == 2 * 7);
+    CHECK(std::abs(rim_length - 2 * around) < 1e-14);
+    CHECK((mesh.displacement({0, 1, 2, 3, 4, 5, 6, 0}) - Vec2(around, 0)).norm() < 1e-14);
+    CHECK((mesh.displacement({2, 1, 0, 6, 5, 4, 3, 2}) + Vec2(around, 0)).norm() < 1e-14);
+    CHECK((mesh.displacement({5, 6, 0}) - Vec2(2 * around / 7, 0)).norm() < 1e-14);
+  }
+}
+
+TEST_CASE("moving the seam of a periodic mesh moves nothing else") {
+  const ParametricMesh one = strip(7, 3, 0), other = strip(7, 3, 1.9);
+  for (int e = 0; e < one.edge_count(); ++e) {
+    CHECK(std::abs(one.edge_length(e) - other.edge_length(e)) < 1e-15);
+    CHECK((one.edge_normal(e) - other.edge_normal(e)).norm() < 1e-14);
+    const auto& edge = one.edges()[e];
+    for (int side = 0; side < (edge.boundary() ? 1 : 2); ++side) {
+      // The edge is the same vector in each of its triangles.
+      const TriangleShape shape = other.shape(edge.triangle[side]);
+      const int i = edge.local[side];
+      const Vec2 along = shape.vertex[(i + 2) % 3] - shape.vertex[(i + 1) % 3];
+      CHECK((shape.edge_sign[i] * along / other.edge_length(e) - other.edge_tangent(e)).norm() <
+            1e-14);
+    }
+  }
+  const auto K = [](const ParametricMesh& mesh) {
+    return SurfaceAssembler(mesh, TriangleElement::HCT).stiffness(SurfaceStiffness{});
+  };
+  CHECK((K(one) - K(other)).norm() < 1e-12 * K(one).norm());
+  const ParametricMesh fine = one.refined(), fine_other = other.refined();
+  CHECK(fine.period() == around);
+  CHECK(std::abs(total_area(fine) - total_area(one)) < 1e-14);
+  for (int e = 0; e < fine.edge_count(); ++e)
+    CHECK(std::abs(fine.edge_length(e) - fine_other.edge_length(e)) < 1e-15);
+}
+
+TEST_CASE("a periodic function is interpolated across the seam as elsewhere, and C1") {
+  const auto mesh = std::make_shared<ParametricMesh>(strip(24, 6, 0.04));
+  const double k = 2 * std::acos(-1.0) / around;
+  const auto f = [&](Vec2 p) {
+    return Vec3(std::sin(k * p.x()) * p.y(), k * std::cos(k * p.x()) * p.y(), std::sin(k * p.x()));
+  };
+  VecX q(DofMap(*mesh).count());
+  for (int v = 0; v < mesh->vertex_count(); ++v) q.segment<3>(3 * v) = f(mesh->vertices()[v]);
+  for (int e = 0; e < mesh->edge_count(); ++e) {
+    const Vec2& low = mesh->vertices()[mesh->edges()[e].low];
+    const Vec2 middle = low + 0.5 * mesh->edge_length(e) * mesh->edge_tangent(e);
+    q[DofMap(*mesh).edge(e)] = mesh->edge_normal(e).dot(f(middle).tail<2>());
+  }
+  const Surface surface(mesh, TriangleElement::HCT, q.replicate(1, 3));
+  const TriangleLocator locator(*mesh);
+  double worst = 0;
+  for (int i = -60; i < 120; ++i) {
+    const Vec2 p(0.013 + around * i / 30.0, 0.37);
+    worst = std::max(worst, std::abs(surface.position(locator.locate(p)).x() - f(p)[0]));
+    const Location here = locator.locate(p), there = locator.locate(p + Vec2(3 * around, 0));
+    CHECK(here.triangle == there.triangle);
+    CHECK((here.L - there.L).norm() < 1e-12);
+  }
+  CHECK(worst < 1e-4);
+  for (const auto& edge : mesh->edges())
+    if (!edge.boundary()) {
+      Vec3 at[2] = {Vec3::Zero(), Vec3::Zero()};
+      for (const int side : {0, 1}) {
+        const auto& v = mesh->triangles()[edge.triangle[side]];
+        for (int i = 0; i < 3; ++i)
+          at[side][i] = v[i] == edge.low ? 0.3 : v[i] == edge.high ? 0.7 : 0;
+      }
+      const SurfaceJet a = surface.jet({edge.triangle[0], at[0]}),
+                       b = surface.jet({edge.triangle[1], at[1]});
+      CHECK((a.x_u - b.x_u).norm() + (a.x_v - b.x_v).norm() < 1e-12);
+    }
+}
+
+TEST_CASE("a vertex at the seam is found from both sides, a point beyond the rim at the rim") {
+  const ParametricMesh mesh = strip(8, 2, 0);
+  const TriangleLocator locator(mesh);
+  const auto position = [&](const Vec2& p) {
+    const Location where = locator.locate(p);
+    return mesh.wrapped(mesh.shape(where.triangle).point(where.L));
+  };
+  for (const double u : {0.0, around, -around, -1e-15, around - 1e-15}) {
+    const Vec2 p = position({u, 0.05});
+    CHECK(std::min(p.x(), around - p.x()) < 1e-12);
+    CHECK(std::abs(p.y() - 0.05) < 1e-12);
+    CHECK(locator.locate({u, 0}).triangle == locator.locate({0, 0}).triangle);
+  }
+  for (const double u : {0.1, 0.3 * around, 0.99 * around, 1.4 * around}) {
+    CHECK((position({u, 5}) - mesh.wrapped({u, 0.6})).norm() < 1e-12);
+    CHECK((position({u, -2}) - mesh.wrapped({u, 0})).norm() < 1e-12);
+  }
+}
+
+TEST_CASE("a hole across the seam cuts as much as the same hole elsewhere") {
+  const ParametricMesh mesh = strip(20, 6, 0);
+  const auto hole = [](double u) {
+    // Clockwise, four cubics about a circle of radius 0.4.
+    Points x(4, 3), d(4, 3);
+    for (int i = 0; i < 4; ++i) {
+      const double t = -std::acos(-1.0) / 2 * i;
+      x.row(i) << u + 0.4 * std::cos(t), 0.9 + 0.4 * std::sin(t), 0;
+      d.row(i) << 0.66 * std::sin(t), -0.66 * std::cos(t), 0;
+    }
+    const CurveMesh curve({0, 1, 2, 3, 4}, true);
+    Points dofs(curve.dof_count(), 3);
+    for (int i = 0; i < 4; ++i) {
+      dofs.row(curve.position_dof(i)) = x.row(i);
+      dofs.row(curve.slope_out(i)) = d.row(i);
+    }
+    return DomainLoops({{HermiteCurve(curve, dofs)}}, DomainLoops::Around::Inside);
+  };
+  for (const double u : {1.2, 0.0, 0.1, around - 0.1}) {
+    const DomainLoops loops = hole(u);
+    const Trim trim(mesh, loops);
+    CHECK(std::abs(trim.area() - (around * 1.8 + loops.area())) < 1e-12);
+    CHECK(loops.area() < -0.4);
+    CHECK(trim.loops().loops().size() == 1);
+  }
+}
+
+TEST_CASE("the dissection order of a periodic mesh holds every dof once") {
+  std::vector<int> order = dissection_order(strip(30, 4, 0.3));
+  std::set<int> all(order.begin(), order.end());
+  CHECK(all.size() == order.size());
+  CHECK(static_cast<int>(order.size()) == DofMap(strip(30, 4, 0.3)).count());
+}
+
+TEST_CASE("a periodic mesh that is none says why") {
+  CHECK_NOTHROW(strip(4, 1, 0));
+  CHECK_THROWS_WITH(strip(3, 1, 0), Catch::Matchers::Contains("at least four columns"));
+  const ParametricMesh mesh = strip(5, 1, 0);
+  std::vector<Vec2> vertices = mesh.vertices();
+  CHECK_THROWS_WITH(ParametricMesh(vertices, mesh.triangles(), -1),
+                    Catch::Matchers::Contains("period"));
+  vertices[2].x() += around;
+  CHECK_THROWS_WITH(ParametricMesh(vertices, mesh.triangles(), around),
+                    Catch::Matchers::Contains("vertex 2 has u ="));
 }

@@ -8,6 +8,7 @@
 
 #include "batten/core/errors.h"
 #include "batten/tests/catch.h"
+#include "batten/tests/embedded_grid.h"
 #include "batten/tests/sampling.h"
 
 using namespace batten_test;
@@ -443,4 +444,102 @@ TEST_CASE("a surface shares its mesh with its copies and refuses dofs of another
   for (int a = 0; a < 12; ++a) CHECK(surface.triangle_dofs(3).row(a) == surface.dofs().row(map[a]));
   CHECK_THROWS_AS(Surface(surface.shared_mesh(), TriangleElement::HCT, Points::Zero(7, 3)),
                   InputError);
+}
+
+namespace {
+
+// The disc of radius 0.4 around (0.5, 0.5) without a smaller one, cut from n×n squares: a part of
+// the surface over them. The same disc twice as fine is its reference.
+Surface cut_disc(int n, Patch (*patch)(const Vec2&)) {
+  const DomainLoops loops({{circle({0.5, 0.5}, 0.4, 32)}, {circle({0.6, 0.45}, 0.1, 16, true)}});
+  const EmbeddedGrid grid(squares({0.01, -0.02}, 1.0 / n, n, n + 1), loops);
+  const Surface plain = interpolated(grid.mesh, TriangleElement::HCT, patch);
+  return {grid.mesh, plain.kind(), plain.dofs(), grid.trim};
+}
+
+}  // namespace
+
+TEST_CASE("the area of a trimmed surface is that inside of its loops") {
+  const auto flat = [](const Vec2& p) { return Patch{{p.x(), p.y(), 0}, {1, 0, 0}, {0, 1, 0}}; };
+  const Surface plane = cut_disc(9, flat);
+  CHECK(plane.area() == Approx(plane.trim()->loops().area()).epsilon(1e-12));
+  // The cylinder's area is 7.2 times that in (u, v), the sphere's follows cos of the latitude.
+  const auto error = [](int n) {
+    const Surface surface = cut_disc(n, cylinder);
+    return std::abs(surface.area() - 7.2 * surface.trim()->loops().area());
+  };
+  const double coarse = error(4), fine = error(8);
+  CHECK(coarse < 1e-3);
+  CHECK(std::log2(coarse / fine) > 3.2);
+}
+
+TEST_CASE("the closest point of a trimmed surface lies inside or on its loops") {
+  const auto flat = [](const Vec2& p) { return Patch{{p.x(), p.y(), 0}, {1, 0, 0}, {0, 1, 0}}; };
+  const Surface plane = cut_disc(9, flat);
+  Draws random(30);
+  double worst = 0;
+  for (int trial = 0; trial < 300; ++trial) {
+    const Vec3 p(random.between(0, 1.1), random.between(0, 1.1), 0.3 * random());
+    const Vec2 q = p.head<2>();
+    // Cubics are circles up to 1e-7.
+    double in_plane = std::max(0.0, (q - Vec2(0.5, 0.5)).norm() - 0.4);
+    in_plane = std::max(in_plane, 0.1 - (q - Vec2(0.6, 0.45)).norm());
+    const auto closest = plane.closest_point(p);
+    CHECK(closest.where.L.minCoeff() >= 0);
+    CHECK(std::abs((plane.position(closest.where) - p).norm() - closest.distance) < 1e-14);
+    worst = std::max(worst, std::abs(closest.distance - std::hypot(in_plane, p.z())));
+  }
+  CHECK(worst < 2e-6);
+
+  // A curved one: no sample inside is nearer, and points of it are found.
+  const Surface bent = cut_disc(6, cylinder);
+  double excess = -1, on_surface = 0;
+  std::vector<Vec3> samples;
+  for (int t = 0; t < bent.mesh().triangle_count(); ++t) {
+    const TriangleRule rule = bent.trim()->rule(t, 4);
+    for (long k = 0; k < rule.weights.size(); ++k)
+      samples.push_back(bent.position({t, rule.L.row(k).transpose()}));
+  }
+  for (int trial = 0; trial < 60; ++trial) {
+    const Vec3 p = Vec3(1.7, 1, 1.5) + 1.5 * random.point();
+    const auto closest = bent.closest_point(p);
+    for (const Vec3& s : samples) excess = std::max(excess, closest.distance - (s - p).norm());
+    const Vec2 uv = bent.mesh().shape(closest.where.triangle).point(closest.where.L);
+    const double out =
+        std::max((uv - Vec2(0.5, 0.5)).norm() - 0.4, 0.1 - (uv - Vec2(0.6, 0.45)).norm());
+    CHECK(out < 1e-5);
+    on_surface =
+        std::max(on_surface, bent.closest_point(samples[trial * 7 % samples.size()]).distance);
+  }
+  CHECK(excess < 1e-12);
+  CHECK(on_surface < 1e-9);
+}
+
+TEST_CASE("elements outside of a trim do not reach the recovered curvatures inside") {
+  const Surface plain = cut_disc(16, sphere);
+  // What the surface does where only slivers are inside: nonsense.
+  std::vector<double> share(plain.mesh().vertex_count(), 0);
+  for (int t = 0; t < plain.mesh().triangle_count(); ++t)
+    for (const int v : plain.mesh().triangles()[t])
+      share[v] = std::max(share[v], plain.trim()->share(t));
+  Points dofs = plain.dofs();
+  int spoilt = 0;
+  for (int v = 0; v < plain.mesh().vertex_count(); ++v)
+    if (share[v] < 1e-2) {
+      dofs.row(3 * v) += Vec3(0.01, 0.02, 0.01);
+      ++spoilt;
+    }
+  REQUIRE(spoilt > 0);
+  const Surface surface(plain.shared_mesh(), plain.kind(), dofs, plain.trim());
+  Tessellation points;
+  for (int t = 0; t < surface.mesh().triangle_count(); ++t)
+    if (surface.trim()->side(t) != Trim::Side::Outside) {
+      const TriangleRule rule = surface.trim()->rule(t, 2);
+      for (long k = 0; k < rule.weights.size(); ++k)
+        points.points.push_back({t, rule.L.row(k).transpose()});
+    }
+  double worst = 0;
+  for (const Curvatures& c : recovered_curvatures(surface, points))
+    worst = std::max(worst, std::abs(c.mean + 1.0 / 3));
+  CHECK(worst < 0.03);
 }

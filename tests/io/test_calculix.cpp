@@ -2,6 +2,7 @@
 #include "batten/io/calculix.h"
 
 #include <Eigen/Geometry>
+#include <Eigen/LU>
 #include <array>
 #include <cmath>
 #include <cstdio>
@@ -12,9 +13,11 @@
 #include <sstream>
 
 #include "batten/core/errors.h"
+#include "batten/skinning/mesher.h"
 #include "batten/tests/catch.h"
 #include "batten/tests/reference.h"
 #include "batten/tests/sampling.h"
+#include "batten/tests/trimmed_regions.h"
 
 using namespace batten_test;
 namespace fs = std::filesystem;
@@ -28,7 +31,7 @@ SkinnedRegion region_of(int n, const Shape& shape, const std::array<std::string,
   const auto mesh = std::make_shared<const ParametricMesh>(ParametricMesh::unit_square(n));
   const Surface surface =
       interpolated(mesh, TriangleElement::HCT, [&](const Vec2& p) { return shape(p.x(), p.y()); });
-  SkinnedRegion region{"plate", surface, {}, 1};
+  SkinnedRegion region{"plate", surface, {}, 1, {}, {}};
   const std::array<std::array<int, 2>, 4> sides{
       {{0, 1}, {n * (n + 1), 1}, {0, n + 1}, {n, n + 1}}};  // first vertex, step
   for (size_t s = 0; s < 4; ++s) {
@@ -291,6 +294,88 @@ TEST_CASE("a curved shell runs as written", "[io][calculix]") {
   write_calculix(path, region_of(5, curved, kSides), deck);
   if (!have_ccx()) return;
   CHECK(run_ccx(path).magnitude > 0);
+}
+
+namespace {
+
+/// A flat ring of outer radius a, inner radius b about the same centre, embedded in a grid.
+SkinnedRegion flat_ring(double a, double b, double spacing) {
+  return sheet_region({circle({0, 0}, a, 24), circle({0, 0}, b, 24)}, {}, spacing, 0);
+}
+
+}  // namespace
+
+TEST_CASE("a plate with an embedded hole: sets on its lines, loads inside only", "[io][calculix]") {
+  if (!have_delaunay_mesher()) return;
+  // Clamped at its outer rim, free at the hole, under even pressure: w = q r⁴/(64 D) + c0 +
+  // c1 ln r + c2 r² + c3 r² ln r with w = w' = 0 at a, no moment and no shear at b.
+  const double a = 100, b = 40, t = 1, q = 0.01;
+  const SkinnedRegion region = flat_ring(a, b, 12);
+  ShellDeck deck = plate(t);
+  deck.supports = {{"rim", ShellDeck::Support::Kind::Clamped}};
+  deck.area_force = {0, 0, q};
+  const fs::path path = batten_test::scratch("ring") / "ring.inp";
+  write_calculix(path, region, deck);
+  const auto found = sections(path);
+  const auto& nodes = found.at("*NODE,NSET=NALL");
+  for (const auto& [name, radius] : {std::pair{"RIM", a}, {"HOLE", b}}) {
+    std::set<int> ids;
+    for (const auto& row : found.at(std::string("*NSET,NSET=") + name))
+      for (const auto& field : row) ids.insert(std::stoi(field));
+    CHECK(ids.size() >= 16);
+    CHECK(ids.size() % 2 == 0);
+    size_t there = 0;
+    for (size_t i = 0; i < nodes.size(); ++i) {
+      const Vec3 x = vector_of(nodes[i], 1);
+      const bool on = std::abs(x.head<2>().norm() - radius) < 1e-4 * radius;
+      there += on;
+      CHECK(on == (ids.count(static_cast<int>(i) + 1) == 1));
+    }
+    CHECK(there == ids.size());
+  }
+  Vec3 force = Vec3::Zero();
+  for (const auto& load : found.at("*CLOAD"))
+    force[std::stoi(load.at(1)) - 1] += std::stod(load[2]);
+  CHECK(force.z() == Approx(q * region.surface.area()).epsilon(1e-4));
+  CHECK(std::abs(force.x()) + std::abs(force.y()) == 0);
+
+  if (!have_ccx()) return;
+  const double D = deck.young * t * t * t / (12 * (1 - deck.poisson * deck.poisson));
+  const double nu = deck.poisson;
+  // Unknowns c0 … c3 of w, with derivatives of each function.
+  const auto row = [&](double r, int order) {
+    const double l = std::log(r);
+    Eigen::Vector4d f;
+    if (order == 0) f << 1, l, r * r, r * r * l;
+    if (order == 1) f << 0, 1 / r, 2 * r, 2 * r * l + r;
+    if (order == 2) f << 0, -1 / (r * r), 2, 2 * l + 3;
+    if (order == 3) f << 0, 2 / (r * r * r), 0, 2 / r;
+    return f;
+  };
+  const auto particular = [&](double r, int order) {
+    const double p[4] = {r * r * r * r, 4 * r * r * r, 12 * r * r, 24 * r};
+    return q / (64 * D) * p[order];
+  };
+  Eigen::Matrix4d A;
+  Eigen::Vector4d rhs;
+  A.row(0) = row(a, 0);
+  rhs[0] = -particular(a, 0);
+  A.row(1) = row(a, 1);
+  rhs[1] = -particular(a, 1);
+  A.row(2) = row(b, 2) + nu / b * row(b, 1);
+  rhs[2] = -(particular(b, 2) + nu / b * particular(b, 1));
+  A.row(3) = row(b, 3) + row(b, 2) / b - row(b, 1) / (b * b);
+  rhs[3] = -(particular(b, 3) + particular(b, 2) / b - particular(b, 1) / (b * b));
+  const Eigen::Vector4d c = A.fullPivLu().solve(rhs);
+  const double expected = particular(b, 0) + row(b, 0).dot(c);
+  const Answer answer = run_ccx(path);
+  CHECK(answer.moved.z() == Approx(expected).epsilon(0.08));
+  const Vec3 at = vector_of(nodes.at(static_cast<size_t>(answer.node) - 1), 1);
+  CHECK(at.norm() == Approx(b).epsilon(1e-3));
+  deck.area_force.setZero();
+  deck.pressure = q;
+  write_calculix(path, region, deck);
+  CHECK(run_ccx(path).moved.z() == Approx(answer.moved.z()).epsilon(2e-3));
 }
 
 TEST_CASE("decks that make no sense are refused in words", "[io][calculix]") {

@@ -12,10 +12,12 @@
 #include <memory>
 
 #include "batten/core/errors.h"
+#include "batten/skinning/mesher.h"
 #include "batten/tests/catch.h"
 #include "batten/tests/reference.h"
 #include "batten/tests/refusal.h"
 #include "batten/tests/sampling.h"
+#include "batten/tests/trimmed_regions.h"
 
 using namespace batten_test;
 namespace fs = std::filesystem;
@@ -37,7 +39,7 @@ SkinnedRegion region(double height) {
     return SurfaceJet{
         {2 * p.x() - 1, 2 * p.y() - 1, z(p, 0)}, {2, 0, z(p, 1)}, {0, 2, z(p, 2)}, {}, {}, {}};
   });
-  SkinnedRegion result{"dome", surface, {}, 1};
+  SkinnedRegion result{"dome", surface, {}, 1, {}, {}};
   const int sides[4][2] = {{0, 1}, {n * (n + 1), 1}, {0, n + 1}, {n, n + 1}};
   for (const auto& [first, step] : sides) {
     LineRun run;
@@ -217,6 +219,88 @@ TEST_CASE("lines, contours, elements and fields show when asked for", "[io][pict
   draw_picture(folder / "b.png", scene, {480, 300});
   CHECK(text("a.png") == text("b.png"));
   CHECK(std::distance(fs::directory_iterator(folder), fs::directory_iterator()) == 2);
+}
+
+TEST_CASE("a zebra has as many stripes as asked for, where the normals say", "[io][pictures]") {
+  using Catch::Matchers::Contains;
+  const fs::path path = batten_test::scratch("zebra") / "a.png";
+  // A quarter of a cylinder along y: the angle to x is even in its height's angle.
+  const auto mesh = std::make_shared<const ParametricMesh>(ParametricMesh::unit_square(12));
+  const SkinnedRegion roof{"roof",
+                           interpolated(mesh, TriangleElement::HCT,
+                                        [](const Vec2& p) {
+                                          const double a = pi / 4 + pi / 2 * (1 - p.x()),
+                                                       k = -pi / 2;
+                                          return SurfaceJet{{std::cos(a), p.y(), std::sin(a)},
+                                                            {-k * std::sin(a), 0, k * std::cos(a)},
+                                                            {0, 1, 0},
+                                                            {},
+                                                            {},
+                                                            {}};
+                                        }),
+                           {},
+                           1,
+                           {},
+                           {}};
+  PictureScene scene;
+  scene.regions = {&roof};
+  scene.azimuth = 0;
+  scene.elevation = 90;
+  scene.zebra = 10;
+  scene.zebra_direction = {1, 0, 0};
+  scene.field = PictureScene::Field::Mean;
+  CHECK_THAT(refusal([&] { draw_picture(path, scene); }), Contains("zebra and a field"));
+  scene.field = PictureScene::Field::None;
+  scene.zebra_direction.setZero();
+  CHECK_THAT(refusal([&] { draw_picture(path, scene); }), Contains("zebra direction"));
+  scene.zebra_direction = {1, 0, 0};
+  if (!have_display()) return;
+  draw_picture(path, scene, {640, 400});
+  const Picture picture(path);
+  // Along the middle from left to right, x = cos a: changes at even steps of a. The height of 1
+  // fills 88 % of the frame.
+  const double scale = 0.88 * 400;
+  std::vector<double> changes;
+  for (int x = 320 - static_cast<int>(0.70 * scale); x < 320 + static_cast<int>(0.70 * scale);
+       ++x) {
+    const double here = picture.pixel(x, 200).mean(), next = picture.pixel(x + 1, 200).mean();
+    if ((here > 0.4) != (next > 0.4))
+      changes.push_back(std::acos((x + 1 - 320) / scale) * 180 / pi);
+  }
+  CAPTURE(changes);
+  REQUIRE(changes.size() >= 9);
+  REQUIRE(changes.size() <= 11);
+  for (size_t i = 0; i + 1 < changes.size(); ++i)
+    CHECK(changes[i] - changes[i + 1] == Approx(90 * 0.96 / 10).margin(1));
+}
+
+TEST_CASE("pictures of embedded regions show holes as holes", "[io][pictures]") {
+  if (!have_delaunay_mesher() || !have_display()) return;
+  const SkinnedRegion disc = wavy_disc({0.2, 0, 0.4, false});
+  PictureScene scene;
+  scene.regions = {&disc};
+  scene.elevation = 90;
+  scene.azimuth = 0;
+  scene.mesh = true;
+  const fs::path path = batten_test::scratch("hole") / "a.png";
+  draw_picture(path, scene, {400, 400});
+  const Picture picture(path);
+  // The disc fills 88 % of the frame: pixels of 2 / 352.
+  const auto at = [&](double x, double y) {
+    return picture.pixel(static_cast<int>(200 + 176 * x), static_cast<int>(200 - 176 * y));
+  };
+  // Inside of the hole and outside of the disc there is background only.
+  for (const double r : {0.0, 0.2, 0.34})
+    for (int k = 0; k < 12; ++k) {
+      const double a = 2 * pi * k / 12;
+      const Vec3 seen = at(0.3 + r * std::cos(a), 0.2 + r * std::sin(a));
+      CHECK(seen.maxCoeff() - seen.minCoeff() < 0.06);
+      CHECK(seen.minCoeff() > 0.78);
+    }
+  CHECK(at(0.9, 0.9).minCoeff() > 0.78);
+  const Vec3 body = at(-0.53, -0.31);
+  CHECK(body[2] - body[0] > 0.06);
+  CHECK(picture.count(red) > 800);
 }
 
 TEST_CASE("a contact sheet holds every scene in its own place", "[io][pictures]") {

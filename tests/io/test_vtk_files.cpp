@@ -5,9 +5,12 @@
 #include <vtkCell.h>
 #include <vtkCellData.h>
 #include <vtkDataArray.h>
+#include <vtkDataSet.h>
 #include <vtkFieldData.h>
+#include <vtkIdList.h>
 #include <vtkNew.h>
 #include <vtkPointData.h>
+#include <vtkPoints.h>
 #include <vtkPolyData.h>
 #include <vtkSmartPointer.h>
 #include <vtkStringArray.h>
@@ -23,10 +26,12 @@
 
 #include "batten/core/errors.h"
 #include "batten/io/whole_file.h"
+#include "batten/skinning/mesher.h"
 #include "batten/tests/catch.h"
 #include "batten/tests/reference.h"
 #include "batten/tests/refusal.h"
 #include "batten/tests/sampling.h"
+#include "batten/tests/trimmed_regions.h"
 
 using namespace batten_test;
 namespace fs = std::filesystem;
@@ -50,7 +55,7 @@ SkinnedRegion region(const std::string& name, double height) {
   const auto mesh = std::make_shared<const ParametricMesh>(ParametricMesh::unit_square(kN));
   const Surface surface = interpolated(mesh, TriangleElement::HCT,
                                        [&](const Vec2& p) { return cubic(p.x(), p.y(), height); });
-  SkinnedRegion result{name, surface, {}, 1};
+  SkinnedRegion result{name, surface, {}, 1, {}, {}};
   for (const bool diagonal : {false, true}) {
     LineRun run;
     run.line.name = diagonal ? "diagonal" : "south";
@@ -227,6 +232,73 @@ TEST_CASE("VTU: one quadratic triangle for each element", "[io][vtk]") {
       const Vec3 middle = (tuple(uv, cell.GetPointId(0)) + tuple(uv, cell.GetPointId(1))) / 2;
       CHECK((tuple(uv, cell.GetPointId(2)) - middle).norm() < 1e-15);
     }
+  }
+}
+
+TEST_CASE("VTP and VTU of an embedded region end at its boundary", "[io][vtk]") {
+  if (!have_delaunay_mesher()) return;
+  const SkinnedRegion disc = wavy_disc({}), square = region("square", 0.2);
+  const double area = disc.surface.area(), square_area = square.surface.area();
+  const fs::path folder = batten_test::scratch("embedded");
+  // Area of cells in space, by VTK's own triangles: quadratic ones are cut in four.
+  const auto cell_area = [](vtkDataSet& data, int wanted_region) {
+    double sum = 0;
+    vtkNew<vtkIdList> ids;
+    vtkNew<vtkPoints> corners;
+    for (vtkIdType c = 0; c < data.GetNumberOfCells(); ++c) {
+      if (data.GetCell(c)->GetCellDimension() != 2 ||
+          data.GetCellData()->GetArray("Region")->GetTuple1(c) != wanted_region)
+        continue;
+      data.GetCell(c)->Triangulate(0, ids, corners);
+      for (vtkIdType k = 0; k < corners->GetNumberOfPoints(); k += 3) {
+        Vec3 x[3];
+        for (int i = 0; i < 3; ++i) corners->GetPoint(k + i, x[i].data());
+        sum += (x[1] - x[0]).cross(x[2] - x[0]).norm() / 2;
+      }
+    }
+    return sum;
+  };
+  double before = 0;
+  for (const int n : {4, 8}) {
+    write_vtp(folder / "surface.vtp", {&square, &disc}, {{}, n});
+    vtkNew<vtkXMLPolyDataReader> reader;
+    reader->SetFileName((folder / "surface.vtp").c_str());
+    reader->Update();
+    vtkPolyData& data = *reader->GetOutput();
+    const double error = std::abs(cell_area(data, 1) - area);
+    CHECK(error < 5e-3);
+    if (n == 8) CHECK(std::log2(before / error) == Approx(2).margin(0.15));
+    before = error;
+    CHECK(cell_area(data, 0) == Approx(square_area).epsilon(2e-3));
+    CHECK(data.GetNumberOfLines() == 5);
+    auto* names = vtkStringArray::SafeDownCast(data.GetFieldData()->GetAbstractArray("Line_names"));
+    REQUIRE(names);
+    REQUIRE(names->GetNumberOfValues() == 5);
+    const char* const expected[] = {"south", "diagonal", "rim", "hole", "rib"};
+    for (int i = 0; i < 5; ++i) CHECK(names->GetValue(i) == expected[i]);
+    // Points of the rim are the surface's over the curve.
+    for (vtkIdType c = 2; c < 5; ++c) {
+      CHECK(data.GetCellData()->GetArray("Line")->GetTuple1(c) == c);
+      const HermiteCurve& image = disc.embedded[static_cast<size_t>(c) - 2].image;
+      vtkCell& chain = *data.GetCell(c);
+      for (vtkIdType p = 0; p < chain.GetNumberOfPoints(); ++p) {
+        const Vec3 uv = tuple(data.GetPointData()->GetArray("uv"), chain.GetPointId(p));
+        CHECK(image.closest_point(uv).distance < 1e-14);
+        Vec3 x;
+        data.GetPoint(chain.GetPointId(p), x.data());
+        CHECK((x - disc.surface.position(disc.surface.locate(uv.head<2>()))).norm() < 1e-13);
+      }
+    }
+  }
+  write_vtu(folder / "surface.vtu", {&disc});
+  vtkNew<vtkXMLUnstructuredGridReader> reader;
+  reader->SetFileName((folder / "surface.vtu").c_str());
+  reader->Update();
+  CHECK(cell_area(*reader->GetOutput(), 0) == Approx(area).epsilon(1e-2));
+  for (vtkIdType c = 0; c < reader->GetOutput()->GetNumberOfCells(); ++c) {
+    const int triangle =
+        static_cast<int>(reader->GetOutput()->GetCellData()->GetArray("Triangle")->GetTuple1(c));
+    CHECK(triangle < disc.surface.mesh().triangle_count());
   }
 }
 

@@ -1,0 +1,185 @@
+#include "batten/constraints/shape/embedded_rows.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "batten/core/errors.h"
+#include "batten/elements/quadrature.h"
+
+namespace batten {
+namespace {
+
+Vec2 flat(const Vec3& p) { return {p.x(), p.y()}; }
+
+}  // namespace
+
+std::vector<double> embedded_points(const ParametricMesh& mesh, const TriangleLocator& locator,
+                                    const HermiteCurve& image, const PointSpacing& spacing,
+                                    std::vector<double> always) {
+  // ∫ ds/h along the line, sampled so finely that every triangle is seen.
+  const auto density = [&](double t) {
+    const Location where = locator.locate(flat(image.evaluate(t)));
+    return flat(image.evaluate(t, 1)).norm() / std::sqrt(2 * mesh.shape(where.triangle).area);
+  };
+  always.push_back(image.start());
+  always.push_back(image.end());
+  std::sort(always.begin(), always.end());
+  const double span = image.end() - image.start();
+  std::vector<double> breaks;
+  for (const double t : always)
+    if (t >= image.start() && t <= image.end() &&
+        (breaks.empty() || t - breaks.back() > 1e-9 * span))
+      breaks.push_back(t);
+  if (image.end() - breaks.back() < 1e-9 * span) breaks.back() = image.end();
+
+  std::vector<double> points;
+  for (size_t b = 0; b + 1 < breaks.size(); ++b) {
+    const double from = breaks[b], to = breaks[b + 1];
+    int samples = 16;
+    std::vector<double> sum;
+    for (;; samples *= 2) {
+      sum.assign(1, 0);
+      for (int i = 0; i < samples; ++i)
+        sum.push_back(sum.back() +
+                      density(from + (to - from) * (i + 0.5) / samples) * (to - from) / samples);
+      if (samples >= 8 * sum.back() || samples >= 1 << 20) break;
+    }
+    // A loop needs three points at least to be a loop.
+    const int fewest = image.closed() && breaks.size() == 2 ? 6 : 1;
+    const int steps =
+        std::max(fewest, static_cast<int>(std::ceil(sum.back() / spacing.step - 1e-9)));
+    const auto at = [&](double place) {
+      const double target = sum.back() * place / steps;
+      const auto above = std::upper_bound(sum.begin(), sum.end(), target);
+      const auto i = std::clamp<long>(above - sum.begin() - 1, 0, samples - 1);
+      const double within = (target - sum[i]) / (sum[i + 1] - sum[i]);
+      return from + (to - from) * (static_cast<double>(i) + within) / samples;
+    };
+    points.push_back(from);
+    const bool first = b == 0 && !image.closed(), last = b + 2 == breaks.size() && !image.closed();
+    for (int k = 0; k < steps; ++k) {
+      const bool halved =
+          (first && k < spacing.more_at_ends) || (last && steps - 1 - k < spacing.more_at_ends);
+      if (halved) points.push_back(at(k + 0.5));
+      if (k + 1 < steps) points.push_back(at(k + 1));
+    }
+  }
+  if (!image.closed()) points.push_back(image.end());
+  return points;
+}
+
+EmbeddedRows::EmbeddedRows(const ParametricMesh& mesh, TriangleElement kind,
+                           const TriangleLocator& locator, ConstraintSet& set)
+    : mesh_(mesh), kind_(kind), locator_(locator), set_(set), dofs_(mesh) {
+  if (set.dof_count() != dofs_.count())
+    throw InputError("constraints on " + std::to_string(set.dof_count()) +
+                     " dofs for a mesh with " + std::to_string(dofs_.count()));
+}
+
+Location EmbeddedRows::on_mesh(const std::string& name, const Vec2& uv) const {
+  const Location where = locator_.locate(uv);
+  const TriangleShape shape = mesh_.shape(where.triangle);
+  const double away = (shape.point(where.L) - uv).norm();
+  if (!(away <= 1e-9 * std::sqrt(shape.area)))
+    throw InputError("constraint '" + name + "' leaves the mesh at (" + number(uv.x()) + ", " +
+                     number(uv.y()) + ")");
+  return where;
+}
+
+void EmbeddedRows::points(const std::string& name, const HermiteCurve& image,
+                          const HermiteCurve& curve, const std::vector<double>& parameters) {
+  for (const double t : parameters) {
+    const Location where = on_mesh(name, flat(image.evaluate(t)));
+    const Vec12 N = C1Triangle(kind_, mesh_.shape(where.triangle)).evaluate(where.L).col(kW);
+    const auto dof = dofs_.triangle(mesh_, where.triangle);
+    std::vector<ConstraintSet::Entry> entries;
+    for (int a = 0; a < 12; ++a)
+      if (N[a] != 0) entries.push_back({dof[a], N[a]});
+    set_.add(name, std::move(entries), curve.evaluate(t));
+  }
+}
+
+void EmbeddedRows::over_hats(const HermiteCurve& image, const std::vector<double>& parameters,
+                             const std::function<void(size_t)>& begin, const Visit& visit,
+                             const std::function<void()>& end) const {
+  static const SegmentRule gauss = gauss_legendre(6);
+  const size_t n = parameters.size();
+  const double around = image.end() - image.start();
+  for (size_t k = 0; k < n; ++k) {
+    begin(k);
+    double length = 0;
+    struct Sample {
+      double t, weight;
+    };
+    std::vector<Sample> samples;
+    for (const int side : {-1, 1}) {
+      if (!image.closed() && ((k == 0 && side < 0) || (k + 1 == n && side > 0))) continue;
+      double other = parameters[(k + n + static_cast<size_t>(side)) % n];
+      if (side < 0 && other >= parameters[k]) other -= around;
+      if (side > 0 && other <= parameters[k]) other += around;
+      for (long g = 0; g < gauss.s.size(); ++g) {
+        const double s = gauss.s[g], t = parameters[k] + s * (other - parameters[k]);
+        const double ds =
+            gauss.weights[g] * std::abs(other - parameters[k]) * flat(image.evaluate(t, 1)).norm();
+        samples.push_back({t, (1 - s) * ds});
+        length += (1 - s) * ds;
+      }
+    }
+    for (const Sample& sample : samples) {
+      const Vec2 d = flat(image.evaluate(sample.t, 1)).normalized();
+      visit(sample.t, sample.weight / length, Vec2(-d.y(), d.x()),
+            locator_.locate(flat(image.evaluate(sample.t))));
+    }
+    end();
+  }
+}
+
+void EmbeddedRows::slope(const std::string& name, const HermiteCurve& image,
+                         const std::vector<double>& parameters,
+                         const std::function<Vec3(double)>& g) {
+  std::map<int, double> row;
+  Vec3 value = Vec3::Zero();
+  over_hats(
+      image, parameters,
+      [&](size_t) {
+        row.clear();
+        value.setZero();
+      },
+      [&](double t, double weight, const Vec2& nu, const Location& where) {
+        const Tabulation N = C1Triangle(kind_, mesh_.shape(where.triangle)).evaluate(where.L);
+        const auto dof = dofs_.triangle(mesh_, where.triangle);
+        for (int a = 0; a < 12; ++a)
+          row[dof[a]] += weight * (nu.x() * N(a, kU) + nu.y() * N(a, kV));
+        value += weight * g(t);
+      },
+      [&] {
+        std::vector<ConstraintSet::Entry> entries;
+        for (const auto& [dof, coefficient] : row) entries.push_back({dof, coefficient});
+        set_.add(name, std::move(entries), value);
+      });
+}
+
+void EmbeddedRows::normal(const std::string& name, const HermiteCurve& image,
+                          const std::vector<double>& parameters,
+                          const std::function<Vec3(double)>& n) {
+  std::map<int, Vec3> row;
+  over_hats(
+      image, parameters, [&](size_t) { row.clear(); },
+      [&](double t, double weight, const Vec2& nu, const Location& where) {
+        const Tabulation N = C1Triangle(kind_, mesh_.shape(where.triangle)).evaluate(where.L);
+        const auto dof = dofs_.triangle(mesh_, where.triangle);
+        const Vec3 direction = n(t);
+        for (int a = 0; a < 12; ++a) {
+          const double slope = weight * (nu.x() * N(a, kU) + nu.y() * N(a, kV));
+          row.try_emplace(dof[a], Vec3::Zero()).first->second += slope * direction;
+        }
+      },
+      [&] {
+        std::vector<ConstraintSet::CoupledEntry> entries;
+        for (const auto& [dof, coefficient] : row) entries.push_back({dof, coefficient});
+        set_.add_coupled(name, std::move(entries), 0);
+      });
+}
+
+}  // namespace batten

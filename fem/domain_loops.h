@@ -1,0 +1,55 @@
+// Regions of the (u, v) plane that cubic curves bound.
+#pragma once
+
+#include <vector>
+
+#include "batten/fem/curve.h"
+#include "batten/fem/planar_cubic.h"
+
+namespace batten {
+
+/// What lies to the left of closed loops: an outside loop runs counter-clockwise, a hole clockwise.
+/// Loops must not cross. Immutable.
+///
+/// Curves of the plane are HermiteCurves with z = 0. A loop is one closed curve, or several open
+/// ones end to end.
+class DomainLoops {
+ public:
+  using Loop = std::vector<HermiteCurve>;
+  /// What is far away: outside of the region, or inside of it (there are holes only, and something
+  /// else bounds the region).
+  enum class Around { Outside, Inside };
+
+  /// Whole plane, or nothing.
+  explicit DomainLoops(Around around = Around::Inside) : around_(around) {}
+  /// Throws InputError: a curve that leaves the plane z = 0, pieces of a loop that do not meet end
+  /// to end (within 1e-9 of the box of all loops), an empty loop.
+  explicit DomainLoops(std::vector<Loop> loops, Around around = Around::Outside);
+
+  const std::vector<Loop>& loops() const { return loops_; }
+  /// All segments, loop after loop, with exactly shared ends.
+  const std::vector<PlanarCubic>& arcs() const { return arcs_; }
+  Around around() const { return around_; }
+
+  /// By the winding number, exact to rounding: a ray against the cubics themselves. On the curve
+  /// either answer. O(log-free: segments that the ray's height meets).
+  bool contains(const Vec2& p) const;
+  /// Area enclosed, signed: of `Around::Inside`, minus the area of the holes. Exact.
+  double area() const;
+  Vec2 low() const { return low_; }
+  Vec2 high() const { return high_; }
+
+ private:
+  // A part of an arc on which v is monotone.
+  struct Monotone {
+    int arc;
+    double t0, t1, v0, v1, u_low, u_high;
+  };
+  Around around_;
+  std::vector<Loop> loops_;
+  std::vector<PlanarCubic> arcs_;
+  std::vector<Monotone> monotone_;
+  Vec2 low_ = Vec2::Zero(), high_ = Vec2::Zero();
+};
+
+}  // namespace batten

@@ -1,0 +1,117 @@
+#include "batten/fem/triangle_locator.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace batten {
+
+TriangleLocator::TriangleLocator(const ParametricMesh& mesh) : mesh_(mesh) {
+  Vec2 high = mesh.vertices()[0];
+  low_ = high;
+  for (const auto& triangle : mesh.triangles())
+    for (const int v : triangle) {
+      const Vec2 p = mesh.image_near(mesh.vertices()[v], mesh.vertices()[triangle[0]]);
+      low_ = low_.cwiseMin(p);
+      high = high.cwiseMax(p);
+    }
+  // About two triangles a bucket.
+  const Vec2 extent = (high - low_).cwiseMax(1e-300);
+  cell_ = std::sqrt(extent.x() * extent.y() * 2 / mesh.triangle_count());
+  cell_ = std::max(cell_, extent.maxCoeff() / 4096);
+  columns_ = static_cast<int>(extent.x() / cell_) + 1;
+  rows_ = static_cast<int>(extent.y() / cell_) + 1;
+
+  std::vector<std::vector<int>> buckets(static_cast<size_t>(columns_) * rows_);
+  for (int t = 0; t < mesh.triangle_count(); ++t) {
+    const TriangleShape shape = mesh.shape(t);
+    Vec2 a = shape.vertex[0], b = a;
+    for (const Vec2& p : shape.vertex) {
+      a = a.cwiseMin(p);
+      b = b.cwiseMax(p);
+    }
+    for (int r = row(a.y()); r <= row(b.y()); ++r)
+      for (int c = column(a.x()); c <= column(b.x()); ++c)
+        buckets[static_cast<size_t>(r) * columns_ + c].push_back(t);
+  }
+  start_.push_back(0);
+  for (const auto& bucket : buckets) {
+    triangles_.insert(triangles_.end(), bucket.begin(), bucket.end());
+    start_.push_back(static_cast<int>(triangles_.size()));
+  }
+}
+
+int TriangleLocator::column(double u) const {
+  return static_cast<int>(std::clamp((u - low_.x()) / cell_, 0.0, columns_ - 1.0));
+}
+int TriangleLocator::row(double v) const {
+  return static_cast<int>(std::clamp((v - low_.y()) / cell_, 0.0, rows_ - 1.0));
+}
+
+std::vector<int> TriangleLocator::near(const Vec2& low, const Vec2& high) const {
+  std::vector<int> found;
+  for (int r = row(low.y()); r <= row(high.y()); ++r)
+    for (int c = column(low.x()); c <= column(high.x()); ++c) {
+      const size_t bucket = static_cast<size_t>(r) * columns_ + c;
+      found.insert(found.end(), triangles_.begin() + start_[bucket],
+                   triangles_.begin() + start_[bucket + 1]);
+    }
+  std::sort(found.begin(), found.end());
+  found.erase(std::unique(found.begin(), found.end()), found.end());
+  return found;
+}
+
+Location TriangleLocator::locate(const Vec2& uv) const {
+  const Vec2 p = mesh_.wrapped(uv);
+  Found best = search(p, std::numeric_limits<double>::infinity());
+  if (mesh_.period() > 0)
+    for (const double shift : {mesh_.period(), -mesh_.period()}) {
+      const Found other = search({p.x() + shift, p.y()}, best.distance);
+      if (other.where.triangle < 0) continue;
+      if (other.distance < best.distance || other.where.triangle < best.where.triangle)
+        best = other;
+    }
+  return best.where;
+}
+
+TriangleLocator::Found TriangleLocator::search(const Vec2& uv, double nearest) const {
+  Location best{-1, Vec3::Zero()};
+  // Rounding puts points of a shared edge a hair outside of both triangles.
+  constexpr double hair = 1e-13;
+  const auto look = [&](int t) {
+    const TriangleShape shape = mesh_.shape(t);
+    Vec3 L = shape.barycentric(uv);
+    if (L.minCoeff() >= -hair) {
+      L = L.cwiseMax(0.0);
+      best = {t, L / L.sum()};
+      return true;
+    }
+    for (int i = 0; i < 3; ++i) {
+      const int j = (i + 1) % 3, k = (i + 2) % 3;
+      const Vec2 edge = shape.vertex[k] - shape.vertex[j];
+      const double s = std::clamp((uv - shape.vertex[j]).dot(edge) / edge.squaredNorm(), 0.0, 1.0);
+      const double distance = (shape.vertex[j] + s * edge - uv).norm();
+      if (!(distance < nearest)) continue;
+      nearest = distance;
+      best = {t, Vec3::Zero()};
+      best.L[j] = 1 - s;
+      best.L[k] = s;
+    }
+    return false;
+  };
+  // Rings of buckets around the point, until nothing nearer can come.
+  const int c0 = column(uv.x()), r0 = row(uv.y());
+  for (int ring = 0; ring <= std::max(columns_, rows_); ++ring) {
+    if (nearest <= (ring - 1) * cell_) break;
+    for (int r = std::max(0, r0 - ring); r <= std::min(rows_ - 1, r0 + ring); ++r)
+      for (int c = std::max(0, c0 - ring); c <= std::min(columns_ - 1, c0 + ring); ++c) {
+        if (std::max(std::abs(r - r0), std::abs(c - c0)) != ring) continue;
+        const size_t bucket = static_cast<size_t>(r) * columns_ + c;
+        for (int i = start_[bucket]; i < start_[bucket + 1]; ++i)
+          if (look(triangles_[i])) return {best, 0};
+      }
+  }
+  return {best, nearest};
+}
+
+}  // namespace batten

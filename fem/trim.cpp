@@ -1,0 +1,245 @@
+#include "batten/fem/trim.h"
+
+#include <algorithm>
+#include <array>
+#include <map>
+
+#include "batten/fem/triangle_locator.h"
+
+namespace batten {
+namespace {
+
+double cross(const Vec2& a, const Vec2& b) { return a.x() * b.y() - a.y() * b.x(); }
+
+// Twice the signed area between the apex and the side.
+double twice_area(const Vec2& apex, bool straight, const PlanarCubic& side) {
+  if (straight) return cross(side.b[0] - apex, side.b[3] - apex);
+  static const SegmentRule gauss = gauss_legendre(3);
+  double sum = 0;
+  for (long i = 0; i < gauss.s.size(); ++i)
+    sum += gauss.weights[i] * cross(side.at(gauss.s[i]) - apex, side.slope(gauss.s[i]));
+  return sum;
+}
+
+const SegmentRule& gauss(int points) {
+  static const std::vector<SegmentRule> rules = [] {
+    std::vector<SegmentRule> all(1);
+    for (int n = 1; n <= 24; ++n) all.push_back(gauss_legendre(n));
+    return all;
+  }();
+  return rules[static_cast<size_t>(std::min(points, 24))];
+}
+
+struct Piece {
+  bool straight;
+  PlanarCubic side;
+};
+
+// The boundary of a sub-triangle's part inside, and whether an arc passes through it.
+std::vector<Piece> boundary_inside(const std::array<Vec2, 3>& S, const DomainLoops& loops,
+                                   const std::vector<PlanarCubic>& arcs, bool& touched) {
+  // An arc along an edge belongs to neither side; the edge then bounds the part.
+  constexpr double on_edge = 1e-9, inward = 1e-7;
+  const double twice = cross(S[1] - S[0], S[2] - S[0]);
+  std::vector<Piece> pieces;
+  std::array<std::vector<double>, 3> marks;  // along each edge
+  const auto height = [&](int e, const Vec2& p) {
+    return cross(S[(e + 1) % 3] - S[e], p - S[e]) / twice;
+  };
+  for (const PlanarCubic& arc : arcs) {
+    std::vector<double> t{0, 1};
+    for (int e = 0; e < 3; ++e) {
+      BernsteinCubic distance;
+      for (size_t i = 0; i < 4; ++i) distance.b[i] = height(e, arc.b[i]);
+      const Vec2 a = S[e], d = S[(e + 1) % 3] - a;
+      for (const double zero : distance.zeros()) {
+        t.push_back(zero);
+        marks[e].push_back((arc.at(zero) - a).dot(d) / d.squaredNorm());
+      }
+    }
+    std::sort(t.begin(), t.end());
+    for (size_t i = 0; i + 1 < t.size(); ++i) {
+      if (t[i + 1] - t[i] < 1e-15) continue;
+      const Vec2 middle = arc.at(0.5 * (t[i] + t[i + 1]));
+      if (std::min({height(0, middle), height(1, middle), height(2, middle)}) <= on_edge) continue;
+      pieces.push_back({false, arc.part(t[i], t[i + 1])});
+      touched = true;
+    }
+  }
+  const Vec2 centre = (S[0] + S[1] + S[2]) / 3;
+  for (int e = 0; e < 3; ++e) {
+    const Vec2 a = S[e], d = S[(e + 1) % 3] - a;
+    marks[e].push_back(0);
+    marks[e].push_back(1);
+    std::sort(marks[e].begin(), marks[e].end());
+    for (size_t i = 0; i + 1 < marks[e].size(); ++i) {
+      const double from = std::clamp(marks[e][i], 0.0, 1.0),
+                   to = std::clamp(marks[e][i + 1], 0.0, 1.0);
+      if (to - from < 1e-15) continue;
+      const Vec2 middle = a + 0.5 * (from + to) * d;
+      if (!loops.contains(middle + inward * (centre - middle))) continue;
+      const Vec2 p = a + from * d, q = a + to * d;
+      pieces.push_back({true, {{p, p + (q - p) / 3, q - (q - p) / 3, q}}});
+    }
+  }
+  return pieces;
+}
+
+// Triangles that an arc may meet, by the boxes of its parts.
+void collect(const TriangleLocator& locator, const PlanarCubic& arc, double part_size, int depth,
+             std::vector<int>& found) {
+  Vec2 low = arc.b[0], high = low;
+  for (const Vec2& p : arc.b) {
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
+  if (depth < 10 && (high - low).maxCoeff() > part_size) {
+    collect(locator, arc.part(0, 0.5), part_size, depth + 1, found);
+    collect(locator, arc.part(0.5, 1), part_size, depth + 1, found);
+    return;
+  }
+  const Vec2 hair = Vec2::Constant(1e-12 + 1e-9 * (high - low).norm());
+  for (const int t : locator.near(low - hair, high + hair)) found.push_back(t);
+}
+
+// On a mesh that is periodic in u: the loops and their images one period to either side, which
+// covers the places of all triangles.
+DomainLoops with_images(const DomainLoops& loops, double period) {
+  if (period == 0 || loops.loops().empty()) return loops;
+  std::vector<DomainLoops::Loop> all;
+  for (const double shift : {-period, 0.0, period})
+    for (const DomainLoops::Loop& loop : loops.loops()) {
+      DomainLoops::Loop image;
+      for (const HermiteCurve& curve : loop) {
+        Points dofs = curve.dofs();
+        for (int i = 0; i < curve.node_count(); ++i) dofs(curve.mesh().position_dof(i), 0) += shift;
+        image.emplace_back(curve.mesh(), std::move(dofs));
+      }
+      all.push_back(std::move(image));
+    }
+  return DomainLoops(std::move(all), loops.around());
+}
+
+}  // namespace
+
+Trim::Trim(const ParametricMesh& mesh, DomainLoops given) : loops_(std::move(given)) {
+  const DomainLoops loops = with_images(loops_, mesh.period());
+  const int n = mesh.triangle_count();
+  const TriangleLocator locator(mesh);
+  double mesh_area = 0;
+  for (int t = 0; t < n; ++t) mesh_area += mesh.shape(t).area;
+  const double part_size = 2 * std::sqrt(mesh_area / n);
+
+  std::map<int, std::vector<int>> arcs_near;  // by triangle
+  for (size_t a = 0; a < loops.arcs().size(); ++a) {
+    std::vector<int> found;
+    collect(locator, loops.arcs()[a], part_size, 0, found);
+    std::sort(found.begin(), found.end());
+    found.erase(std::unique(found.begin(), found.end()), found.end());
+    for (const int t : found) arcs_near[t].push_back(static_cast<int>(a));
+  }
+
+  side_.resize(n);
+  share_.assign(n, 0);
+  for (int t = 0; t < n; ++t) {
+    const TriangleShape shape = mesh.shape(t);
+    const Vec2 centroid = shape.point(Vec3::Constant(1.0 / 3));
+    const auto near = arcs_near.find(t);
+    bool touched = false;
+    std::vector<Cone> cones;
+    double twice = 0;
+    if (near != arcs_near.end()) {
+      std::vector<PlanarCubic> arcs;
+      for (const int a : near->second) arcs.push_back(loops.arcs()[static_cast<size_t>(a)]);
+      for (int s = 0; s < 3; ++s) {
+        const std::array<Vec2, 3> S{shape.vertex[(s + 1) % 3], shape.vertex[(s + 2) % 3], centroid};
+        bool here = false;
+        const auto pieces = boundary_inside(S, loops, arcs, here);
+        touched = touched || here;
+        if (pieces.empty()) continue;
+        // From an end of an arc, the cone of that arc is a sliver and the others are positive.
+        const Vec2 apex = here ? pieces[0].side.b[0] : S[0];
+        for (const Piece& p : pieces) {
+          const double area = twice_area(apex, p.straight, p.side);
+          if (area == 0) continue;
+          twice += area;
+          cones.push_back({s, apex, p.straight, p.side});
+        }
+      }
+    }
+    if (!touched) {
+      side_[t] = loops.contains(centroid) ? Side::Inside : Side::Outside;
+      share_[t] = side_[t] == Side::Inside ? 1 : 0;
+    } else {
+      side_[t] = Side::Cut;
+      share_[t] = 0.5 * twice / shape.area;
+      cut_.push_back(t);
+      cones_of_.push_back(static_cast<int>(cones_.size()));
+      cones_.insert(cones_.end(), cones.begin(), cones.end());
+      corners_.push_back(shape.vertex);
+    }
+    area_ += share_[t] * shape.area;
+  }
+  cones_of_.push_back(static_cast<int>(cones_.size()));
+}
+
+TriangleRule Trim::rule(int triangle, int degree) const {
+  const auto place = std::lower_bound(cut_.begin(), cut_.end(), triangle);
+  if (place == cut_.end() || *place != triangle) {
+    if (side_[triangle] == Side::Inside) return split_triangle(degree);
+    return {Points(0, 3), VecX(0)};
+  }
+  const auto c = static_cast<size_t>(place - cut_.begin());
+  const TriangleShape shape(corners_[c][0], corners_[c][1], corners_[c][2]);
+  std::vector<Vec3> L;
+  std::vector<double> weights;
+  const SegmentRule& along_radius = gauss((degree + 3) / 2);
+  for (int k = cones_of_[c]; k < cones_of_[c + 1]; ++k) {
+    const Cone& cone = cones_[static_cast<size_t>(k)];
+    const SegmentRule& along = gauss(cone.straight ? (degree + 2) / 2 : (3 * degree + 7) / 2);
+    for (long i = 0; i < along.s.size(); ++i) {
+      const Vec2 d = cone.side.at(along.s[i]) - cone.apex;
+      const double jacobian = cross(d, cone.side.slope(along.s[i])) * along.weights[i] / shape.area;
+      for (long j = 0; j < along_radius.s.size(); ++j) {
+        const double r = along_radius.s[j];
+        L.push_back(shape.barycentric(cone.apex + r * d));
+        weights.push_back(along_radius.weights[j] * r * jacobian);
+      }
+    }
+  }
+  TriangleRule rule{Points(static_cast<long>(L.size()), 3), VecX(static_cast<long>(L.size()))};
+  for (size_t i = 0; i < L.size(); ++i) {
+    rule.L.row(static_cast<long>(i)) = L[i];
+    rule.weights[static_cast<long>(i)] = weights[i];
+  }
+  return rule;
+}
+
+Trim Trim::restricted(const std::vector<int>& triangles) const {
+  Trim part = *this;
+  part.side_.clear();
+  part.share_.clear();
+  part.cut_.clear();
+  part.cones_.clear();
+  part.cones_of_.clear();
+  part.corners_.clear();
+  part.area_ = 0;
+  for (size_t i = 0; i < triangles.size(); ++i) {
+    const int t = triangles[i];
+    part.side_.push_back(side_[t]);
+    part.share_.push_back(share_[t]);
+    if (side_[t] != Side::Cut) continue;
+    const auto c =
+        static_cast<size_t>(std::lower_bound(cut_.begin(), cut_.end(), t) - cut_.begin());
+    part.cut_.push_back(static_cast<int>(i));
+    part.cones_of_.push_back(static_cast<int>(part.cones_.size()));
+    part.cones_.insert(part.cones_.end(), cones_.begin() + cones_of_[c],
+                       cones_.begin() + cones_of_[c + 1]);
+    part.corners_.push_back(corners_[c]);
+  }
+  part.cones_of_.push_back(static_cast<int>(part.cones_.size()));
+  part.area_ = area_;
+  return part;
+}
+
+}  // namespace batten

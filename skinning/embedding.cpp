@@ -1,0 +1,436 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "batten/constraints/shape/embedded_rows.h"
+#include "batten/constraints/shape/shape_constraints.h"
+#include "batten/core/errors.h"
+#include "batten/core/words.h"
+#include "batten/fem/bisection.h"
+#include "batten/skinning/region_parts.h"
+
+namespace batten {
+namespace {
+
+constexpr int kGapSamples = 20;  // between points
+
+Vec2 flat(const Vec3& p) { return {p.x(), p.y()}; }
+
+double local_size(const ParametricMesh& mesh, int triangle) {
+  return std::sqrt(2 * mesh.shape(triangle).area);
+}
+
+bool is_embedded(const std::vector<BoundaryPiece>& loop) {
+  return std::any_of(loop.begin(), loop.end(), [](const BoundaryPiece& piece) {
+    return piece.kind == BoundaryPiece::Kind::Embedded;
+  });
+}
+
+// The boundary's images; pieces that are runs bound the mesh already when their whole loop is.
+DomainLoops trimming_loops(const RegionParts& parts) {
+  std::vector<DomainLoops::Loop> loops;
+  for (const auto& pieces : parts.boundary) {
+    if (!is_embedded(pieces)) continue;
+    DomainLoops::Loop loop;
+    for (const BoundaryPiece& piece : pieces)
+      loop.push_back(parts.embedded[static_cast<size_t>(piece.index)].image);
+    loops.push_back(std::move(loop));
+  }
+  return DomainLoops(std::move(loops), is_embedded(parts.boundary[0])
+                                           ? DomainLoops::Around::Outside
+                                           : DomainLoops::Around::Inside);
+}
+
+// The region must be to the left of every boundary line and not to its right.
+void require_simple(const RegionParts& parts, const DomainLoops& loops) {
+  constexpr double aside = 1e-7;
+  constexpr int samples = 8;
+  for (const auto& pieces : parts.boundary)
+    for (const BoundaryPiece& piece : pieces) {
+      if (piece.kind != BoundaryPiece::Kind::Embedded) continue;
+      const EmbeddedLine& line = parts.embedded[static_cast<size_t>(piece.index)];
+      for (int s = 0; s < line.image.segment_count(); ++s)
+        for (int k = 0; k < samples; ++k) {
+          const CurveMesh::Where where{s, (k + 0.5) / samples};
+          const Vec2 c = flat(line.image.evaluate(where)),
+                     d = flat(line.image.evaluate(where, 1)).normalized();
+          const Vec2 left = c + aside * Vec2(-d.y(), d.x()),
+                     right = c - aside * Vec2(-d.y(), d.x());
+          if (loops.contains(left) && !loops.contains(right)) continue;
+          throw InputError(
+              "line '" + line.line.name + "' does not bound the region near " +
+              at(line.fitted.evaluate(line.image.mesh().parameters()[static_cast<size_t>(s)] +
+                                      where.s * line.image.mesh().length(s))) +
+              ": in the flat domain the outline or a hole crosses or touches itself "
+              "or another one, or a hole lies outside of the outline or in another "
+              "hole");
+        }
+    }
+}
+
+// Where the images of two lines cross, by their parameters.
+struct Meeting {
+  double s, t;
+};
+std::vector<Meeting> meetings(const HermiteCurve& a, const HermiteCurve& b) {
+  struct Chord {
+    double t0, t1;
+    Vec2 p, q;
+  };
+  const auto chords = [](const HermiteCurve& c) {
+    std::vector<Chord> all;
+    constexpr int cuts = 16;
+    const auto& u = c.parameters();
+    for (int s = 0; s < c.segment_count(); ++s)
+      for (int k = 0; k < cuts; ++k) {
+        const double t0 = u[static_cast<size_t>(s)] + c.mesh().length(s) * k / cuts,
+                     t1 = u[static_cast<size_t>(s)] + c.mesh().length(s) * (k + 1) / cuts;
+        all.push_back({t0, t1, flat(c.evaluate({s, static_cast<double>(k) / cuts})),
+                       flat(c.evaluate({s, static_cast<double>(k + 1) / cuts}))});
+      }
+    return all;
+  };
+  const auto cross = [](const Vec2& x, const Vec2& y) { return x.x() * y.y() - x.y() * y.x(); };
+  std::vector<Meeting> found;
+  const auto of_a = chords(a), of_b = chords(b);
+  for (const Chord& x : of_a)
+    for (const Chord& y : of_b) {
+      if (std::max(x.p.x(), x.q.x()) < std::min(y.p.x(), y.q.x()) ||
+          std::max(y.p.x(), y.q.x()) < std::min(x.p.x(), x.q.x()) ||
+          std::max(x.p.y(), x.q.y()) < std::min(y.p.y(), y.q.y()) ||
+          std::max(y.p.y(), y.q.y()) < std::min(x.p.y(), x.q.y()))
+        continue;
+      const Vec2 d = x.q - x.p, e = y.q - y.p, r = y.p - x.p;
+      const double det = cross(d, e);
+      if (std::abs(det) < 1e-12 * d.norm() * e.norm()) continue;
+      const double i = cross(r, e) / det, j = cross(r, d) / det;
+      if (i < -0.01 || i > 1.01 || j < -0.01 || j > 1.01) continue;
+      double s = x.t0 + i * (x.t1 - x.t0), t = y.t0 + j * (y.t1 - y.t0);
+      for (int step = 0; step < 8; ++step) {
+        const Vec2 gap = flat(b.evaluate(t)) - flat(a.evaluate(s));
+        const Vec2 ds = flat(a.evaluate(s, 1)), dt = flat(b.evaluate(t, 1));
+        const double D = cross(ds, dt);
+        if (std::abs(D) < 1e-12 * ds.norm() * dt.norm()) break;
+        s = std::clamp(s + cross(gap, dt) / D, a.start(), a.end());
+        t = std::clamp(t + cross(gap, ds) / D, b.start(), b.end());
+      }
+      if ((flat(b.evaluate(t)) - flat(a.evaluate(s))).norm() > 1e-9) continue;
+      const bool known = std::any_of(found.begin(), found.end(), [&](const Meeting& m) {
+        return (flat(a.evaluate(m.s)) - flat(a.evaluate(s))).norm() < 1e-7;
+      });
+      if (!known) found.push_back({s, t});
+    }
+  return found;
+}
+
+// Parameters at which each line must have a point: where an inner line ends on another line, or
+// crosses it.
+std::vector<std::vector<double>> junctions(RegionParts& parts, const DomainTask& task) {
+  const size_t n = parts.embedded.size();
+  std::vector<std::vector<double>> always(n);
+  std::vector<char> bounds(n, 0);
+  for (const auto& pieces : parts.boundary)
+    for (const BoundaryPiece& piece : pieces)
+      if (piece.kind == BoundaryPiece::Kind::Embedded) bounds[static_cast<size_t>(piece.index)] = 1;
+  for (size_t i = 0; i < n; ++i) {
+    if (bounds[i]) continue;
+    EmbeddedLine& line = parts.embedded[i];
+    // Ends that lie on another line are moved onto it.
+    if (!line.fitted.closed())
+      for (const bool last : {false, true}) {
+        const int node = last ? line.fitted.node_count() - 1 : 0;
+        for (size_t j = 0; j < n; ++j) {
+          if (j == i || (!bounds[j] && j > i)) continue;
+          const EmbeddedLine& other = parts.embedded[j];
+          const auto near = other.fitted.closest_point(line.fitted.position(node));
+          if (near.distance > task.join) continue;
+          Points x = line.fitted.dofs(), c = line.image.dofs();
+          x.row(line.fitted.mesh().position_dof(node)) = other.fitted.evaluate(near.u);
+          const int image_node = last ? line.image.node_count() - 1 : 0;
+          c.row(line.image.mesh().position_dof(image_node)) = other.image.evaluate(near.u);
+          line.fitted = {line.fitted.mesh(), x};
+          line.image = {line.image.mesh(), c};
+          always[j].push_back(near.u);
+          break;
+        }
+      }
+    for (size_t j = 0; j < n; ++j) {
+      if (j == i || (!bounds[j] && j > i)) continue;
+      const EmbeddedLine& other = parts.embedded[j];
+      for (const Meeting& m : meetings(other.image, line.image)) {
+        const Vec3 p = other.fitted.evaluate(m.s), q = line.fitted.evaluate(m.t);
+        const double away = (p - q).norm();
+        if (away > task.tolerance)
+          throw InputError("lines '" + other.line.name + "' and '" + line.line.name +
+                           "' cross in the flat domain near " + at(p) + ", but are " +
+                           number(away) + " apart there (tolerance " + number(task.tolerance) +
+                           "): a surface cannot be on both");
+        always[j].push_back(m.s);
+        always[i].push_back(m.t);
+      }
+    }
+  }
+  return always;
+}
+
+double distance_to_run(const ParametricMesh& mesh, const LineRun& run, const Vec2& p) {
+  const Vec2 a = mesh.vertices()[run.vertices.front()],
+             d = mesh.vertices()[run.vertices.back()] - a;
+  const double s = std::clamp((p - a).dot(d) / std::max(d.squaredNorm(), 1e-300), 0.0, 1.0);
+  return (a + s * d - p).norm();
+}
+
+void place_points(RegionParts& parts, const DomainTask& task, const TriangleLocator& locator) {
+  const auto always = junctions(parts, task);
+  // Two rows at nearly one place would fight: the line that comes first keeps its point.
+  constexpr double too_near = 0.25, too_near_run = 0.05;
+  std::vector<Vec2> taken;
+  for (size_t i = 0; i < parts.embedded.size(); ++i) {
+    EmbeddedLine& line = parts.embedded[i];
+    line.points.clear();
+    const size_t others = taken.size();
+    for (const double t : embedded_points(*parts.mesh, locator, line.image, {}, always[i])) {
+      const Vec2 c = flat(line.image.evaluate(t));
+      const double h = local_size(*parts.mesh, locator.locate(c).triangle);
+      bool free = true;
+      for (size_t k = 0; k < others && free; ++k) free = (taken[k] - c).norm() > too_near * h;
+      for (const LineRun& run : parts.runs)
+        free = free && distance_to_run(*parts.mesh, run, c) > too_near_run * h;
+      if (!free) continue;
+      line.points.push_back(t);
+      taken.push_back(c);
+    }
+  }
+}
+
+// The runs on a mesh whose edges were halved and vertices renumbered.
+void follow_runs(RegionParts& parts, const ParametricMesh& before, const std::vector<int>& midpoint,
+                 const MeshPart& part) {
+  for (LineRun& run : parts.runs) {
+    std::vector<int> vertices{run.vertices[0]};
+    std::vector<double> parameters{run.parameters[0]};
+    for (size_t k = 0; k < run.edges.size(); ++k) {
+      if (const int m = midpoint.empty() ? -1 : midpoint[run.edges[k]]; m >= 0) {
+        vertices.push_back(m);
+        parameters.push_back(0.5 * (run.parameters[k] + run.parameters[k + 1]));
+      }
+      vertices.push_back(run.vertices[k + 1]);
+      parameters.push_back(run.parameters[k + 1]);
+    }
+    (void)before;
+    for (int& v : vertices) v = part.vertex[v];
+    run.vertices = vertices;
+    run.parameters = parameters;
+    run.edges.clear();
+    for (size_t k = 0; k + 1 < vertices.size(); ++k)
+      run.edges.push_back(part.mesh.edge_between(vertices[k], vertices[k + 1]));
+  }
+}
+
+std::vector<int> all_of(int n) {
+  std::vector<int> all(n);
+  for (int i = 0; i < n; ++i) all[i] = i;
+  return all;
+}
+
+void halve(RegionParts& parts, const std::vector<char>& marked) {
+  Bisection halved = bisected(*parts.mesh, marked);
+  const MeshPart part = part_of(halved.mesh, all_of(halved.mesh.triangle_count()));
+  follow_runs(parts, *parts.mesh, halved.midpoint, part);
+  parts.mesh = std::make_shared<ParametricMesh>(part.mesh);
+}
+
+// No triangle becomes smaller than this share of the wished edge length.
+constexpr double kSmallest = 1.0 / 64;
+
+}  // namespace
+
+void grade_by_curvature(RegionParts& parts, const DomainTask& task) {
+  const double smallest = kSmallest * task.edge / task.size;
+  for (int round = 0; round < 24; ++round) {
+    const TriangleLocator locator(*parts.mesh);
+    std::vector<char> marked(parts.mesh->triangle_count(), 0);
+    bool any = false;
+    for (const EmbeddedLine& line : parts.embedded) {
+      constexpr int samples = 24;
+      for (int s = 0; s < line.image.segment_count(); ++s)
+        for (int k = 0; k < samples; ++k) {
+          const CurveMesh::Where where{s, (k + 0.5) / samples};
+          const Vec2 d = flat(line.image.evaluate(where, 1)),
+                     dd = flat(line.image.evaluate(where, 2));
+          const double curvature =
+              std::abs(d.x() * dd.y() - d.y() * dd.x()) / std::pow(d.norm(), 3);
+          const int t = locator.locate(flat(line.image.evaluate(where))).triangle;
+          const double h = local_size(*parts.mesh, t);
+          if (!(2 * h * curvature > 1) || h < 2 * smallest) continue;
+          marked[t] = 1;
+          any = true;
+        }
+    }
+    if (!any) return;
+    halve(parts, marked);
+  }
+}
+
+void cut_and_place(RegionParts& parts, const DomainTask& task) {
+  const DomainLoops loops = trimming_loops(parts);
+  if (!loops.arcs().empty()) {
+    require_simple(parts, loops);
+    const Trim whole(*parts.mesh, loops);
+    std::vector<int> kept;
+    double meshed = 0;
+    for (int t = 0; t < parts.mesh->triangle_count(); ++t) {
+      meshed += parts.mesh->shape(t).area;
+      if (whole.side(t) != Trim::Side::Outside) kept.push_back(t);
+    }
+    const bool bounded = loops.around() == DomainLoops::Around::Outside;
+    const double expected = loops.area() + (bounded ? 0 : meshed);
+    // A parts' mesh that was cut before has lost what lies outside.
+    if (bounded && !(std::abs(whole.area() - expected) <= 1e-7 * expected))
+      throw NoSolutionError("the cut triangles hold an area of " + number(whole.area()) +
+                            " and the " + "outline encloses " + number(expected) +
+                            ": the outline leaves the mesh, or runs along an element edge");
+    const MeshPart part = part_of(*parts.mesh, kept);
+    follow_runs(parts, *parts.mesh, {}, part);
+    parts.mesh = std::make_shared<ParametricMesh>(part.mesh);
+    parts.trim = std::make_shared<Trim>(whole.restricted(kept));
+  }
+  const TriangleLocator locator(*parts.mesh);
+  // Inner lines stay inside.
+  for (const EmbeddedLine& line : parts.embedded) {
+    if (line.line.role != CharacterLine::Role::Inner) continue;
+    constexpr int samples = 16;
+    const double slack = 2 * task.join / task.size + 1e-9;
+    for (int s = 0; s < line.image.segment_count(); ++s)
+      for (int k = 0; k <= samples; ++k) {
+        const CurveMesh::Where where{s, static_cast<double>(k) / samples};
+        const Vec2 c = flat(line.image.evaluate(where));
+        const Location on = locator.locate(c);
+        bool inside = (parts.mesh->shape(on.triangle).point(on.L) - c).norm() <= slack;
+        if (inside && parts.trim && !loops.contains(c)) {
+          // Ends on the boundary may lie a hair outside.
+          inside = false;
+          for (const DomainLoops::Loop& loop : loops.loops())
+            for (const HermiteCurve& piece : loop)
+              inside = inside || piece.closest_point(Vec3(c.x(), c.y(), 0)).distance <= slack;
+        }
+        if (!inside)
+          throw InputError("inner line '" + line.line.name + "' leaves the region near " +
+                           at(line.fitted.evaluate(line.image.parameters()[static_cast<size_t>(s)] +
+                                                   where.s * line.image.mesh().length(s))));
+      }
+  }
+  place_points(parts, task, locator);
+}
+
+ConstraintSet line_rows(const RegionParts& parts, TriangleElement element) {
+  const ParametricMesh& mesh = *parts.mesh;
+  ConstraintSet set(DofMap(mesh).count());
+  ShapeConstraints shape(mesh, element, set);
+  for (const LineRun& run : parts.runs) {
+    Vec2 along = Vec2::Zero();
+    for (size_t k = 0; k < run.edges.size(); ++k) {
+      const bool forward = mesh.edges()[run.edges[k]].low == run.vertices[k];
+      along +=
+          (forward ? 1 : -1) * mesh.edge_length(run.edges[k]) * mesh.edge_tangent(run.edges[k]);
+    }
+    shape.curve(run.line.name, run.vertices, run.parameters, run.fitted, along);
+  }
+  if (parts.embedded.empty()) return set;
+  const TriangleLocator locator(mesh);
+  EmbeddedRows rows(mesh, element, locator, set);
+  for (const EmbeddedLine& line : parts.embedded)
+    rows.points(line.line.name, line.image, line.fitted, line.points);
+  return set;
+}
+
+namespace {
+
+// Visits samples between the points of a line, interval by interval: `visit(interval, t)`.
+template <class Visit>
+void between_points(const EmbeddedLine& line, const Visit& visit) {
+  std::vector<double> t = line.points;
+  if (line.image.closed() && !t.empty())
+    t.push_back(t.front() + (line.image.end() - line.image.start()));
+  else {
+    // Ends whose points another line holds.
+    if (t.empty() || t.front() > line.image.start()) t.insert(t.begin(), line.image.start());
+    if (t.back() < line.image.end()) t.push_back(line.image.end());
+  }
+  for (size_t i = 0; i + 1 < t.size(); ++i)
+    for (int k = 0; k <= kGapSamples; ++k)
+      visit(i, line.image.mesh().wrapped(t[i] + (t[i + 1] - t[i]) * k / kGapSamples));
+}
+
+}  // namespace
+
+double line_gap(const Surface& surface, const EmbeddedLine& line) {
+  const TriangleLocator locator(surface.mesh());
+  double largest = 0;
+  between_points(line, [&](size_t, double t) {
+    const double gap =
+        (surface.position(locator.locate(flat(line.image.evaluate(t)))) - line.fitted.evaluate(t))
+            .norm();
+    if (!(gap <= largest)) largest = gap;
+  });
+  return largest;
+}
+
+bool refine_at_gaps(RegionParts& parts, const Surface& surface, double target,
+                    const DomainTask& task) {
+  const double smallest = kSmallest * task.edge / task.size;
+  const TriangleLocator locator(*parts.mesh);
+  struct Missed {
+    size_t line, interval;
+    double gap = 0;
+  };
+  std::vector<Missed> missed;
+  double worst = 0;
+  for (size_t l = 0; l < parts.embedded.size(); ++l) {
+    const EmbeddedLine& line = parts.embedded[l];
+    Missed here{l, 0};
+    const auto close = [&] {
+      if (here.gap > target) missed.push_back(here);
+      worst = std::max(worst, here.gap);
+    };
+    between_points(line, [&](size_t interval, double t) {
+      if (interval != here.interval) {
+        close();
+        here = {l, interval};
+      }
+      const Location where = locator.locate(flat(line.image.evaluate(t)));
+      here.gap = std::max(here.gap, (surface.position(where) - line.fitted.evaluate(t)).norm());
+    });
+    close();
+  }
+  if (missed.empty()) return false;
+
+  // Two halvings halve the size, and the gap falls to about an eighth.
+  bool any = false;
+  const int most = 6;
+  for (int pass = 0; pass < most; ++pass) {
+    const TriangleLocator now(*parts.mesh);
+    std::vector<char> marked(parts.mesh->triangle_count(), 0);
+    bool here = false;
+    for (const Missed& m : missed) {
+      if (m.gap * std::pow(8.0, -0.5 * pass) <= target) continue;
+      between_points(parts.embedded[m.line], [&](size_t interval, double t) {
+        if (interval != m.interval) return;
+        const Vec2 c = flat(parts.embedded[m.line].image.evaluate(t));
+        const int triangle = now.locate(c).triangle;
+        if (local_size(*parts.mesh, triangle) < 1.5 * smallest) return;
+        marked[triangle] = 1;
+        here = true;
+      });
+    }
+    if (!here) break;
+    any = true;
+    halve(parts, marked);
+  }
+  if (!any) return false;
+  cut_and_place(parts, task);
+  return true;
+}
+
+}  // namespace batten

@@ -1,0 +1,61 @@
+// What everything that needs triangles sees of a region: quadratic elements and display facets.
+//
+// A region whose lines are all fitted has its element mesh. A region with embedded lines gets a
+// mesh of its own in (u, v), which follows its boundary exactly:
+//
+//      c(t0) o-------o c(t1)      edges on a line keep c(t) at their ends, and inside of them as
+//            \  .-´´/             well: the triangle at such an edge is the image of a straight
+//            one,
+//             \    /   straight
+//              \  /               p(L) = Σ L_i p_i + Σ  L_j L_k / (s (1 - s)) (c(s) - chord(s)),
+//               \/                             edges jk      s = (1 + L_k - L_j) / 2
+//
+// Where the parameters t lie depends on the line's shape in space, the facet size and the points
+// where other lines meet it only, not on the surface: neighbours that share a line share its points
+// (up to the distance between each surface and the line). Angles between the ends of an edge are at
+// most 36 degrees. Edges are halved where a triangle at them would fold or come near to it.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "batten/skinning/region.h"
+
+namespace batten {
+
+/// Six-node triangles. Node numbers: corners first, then the middles of edges. Of a region without
+/// embedded lines these are the mesh's vertices and edges in their order.
+struct QuadraticFacets {
+  std::vector<Location> nodes;  ///< in the element mesh
+  std::vector<Vec2> uv;         ///< of the nodes
+  /// Counter-clockwise corners, then the middles of the edges 12, 23, 31.
+  std::vector<std::array<int, 6>> triangles;
+  std::vector<int> element;  ///< that holds the middle of each triangle
+  /// For each line (runs, then embedded lines) its edges in order: first end, second end, middle.
+  /// There are gaps where an inner line leaves the region.
+  std::vector<std::vector<std::array<int, 3>>> lines;
+};
+
+/// `edge_length` is the target on embedded lines and, scaled to (u, v), inside; model units; 0:
+/// facet_length(region). Middles of edges on lines lie at c((t0 + t1) / 2). O(n log n).
+///
+/// Throws InputError: a region with embedded lines that is periodic, or whose boundary is not
+/// stated; lines that cross where they should not; no Delaunay mesher in this build.
+QuadraticFacets quadratic_facets(const SkinnedRegion& region, double edge_length = 0);
+
+/// Facets for display, and the points on lines.
+struct DisplayFacets {
+  Tessellation tessellation;
+  /// For each line (runs, then embedded lines) its polylines: one, or more where an inner line
+  /// leaves the region. A closed one ends at its first point.
+  std::vector<std::vector<std::vector<int>>> lines;
+};
+
+/// Each triangle in n² facets: tessellate(mesh, n) without embedded lines, else of the region's own
+/// mesh, with points on lines at even parameters between c(t0) and c(t1). Throws as above.
+DisplayFacets facets(const SkinnedRegion& region, int n, double edge_length = 0);
+
+/// Mean distance in space between the ends of element edges that are not outside. Model units.
+double facet_length(const SkinnedRegion& region);
+
+}  // namespace batten

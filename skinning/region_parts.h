@@ -1,0 +1,67 @@
+// Inside of skinning: what the makers of domains pass on.
+#pragma once
+
+#include <cmath>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "batten/skinning/outline.h"
+#include "batten/skinning/region.h"
+#include "batten/skinning/skin.h"
+
+namespace batten {
+
+/// The numbers that all domains go by. Lengths in model units.
+struct DomainTask {
+  SkinOptions options;
+  double size;       ///< diagonal of the box of all lines
+  double tolerance;  ///< of lines
+  double edge;       ///< target length of element edges
+  double join;       ///< ends that are nearer than this meet
+};
+
+/// Domain numbers are rounded to this, so that lines given in mm and in m, which differ in their
+/// last bits, make the same mesh.
+inline double rounded(double x) {
+  constexpr double grid = 1 << 30;
+  return std::round(x * grid) / grid;
+}
+inline Vec2 rounded(const Vec2& p) { return {rounded(p.x()), rounded(p.y())}; }
+inline Vec3 rounded(const Vec3& p) { return {rounded(p.x()), rounded(p.y()), rounded(p.z())}; }
+
+/// A polygon whose sides are the loop's sides between corners; every line of the loop is a run.
+/// Inner lines become straight runs across where they can; those that cannot, and those that are to
+/// be embedded, are returned in `others` (one that is to be fitted is refused). Throws InputError.
+RegionParts polygon_parts(const Outline& loop, const std::vector<Stretch>& inner,
+                          const DomainTask& task, std::vector<Stretch>& others);
+
+/// A plane: the domain is the lines' own projection, scaled to size 1; all lines are embedded. u
+/// is the projection of the x axis (y, where the plane is at right angles to x). The mesh covers
+/// the outline; nothing is cut yet. Throws InputError when the outline does not project simply.
+RegionParts plane_parts(const Outline& loop, const std::vector<Outline>& holes,
+                        const std::vector<Stretch>& inner, const DomainTask& task);
+
+/// Adds holes and inner lines to parts that have a shape: their images are the nearest points of
+/// the surface. Throws InputError for lines that are not near it.
+void embed_on(const Surface& surface, const std::vector<Outline>& holes,
+              const std::vector<Stretch>& inner, const DomainTask& task, RegionParts& parts);
+
+/// Cuts the mesh of parts by their embedded boundary, drops what lies outside, and places the
+/// points of all embedded lines. Throws InputError: boundary loops that cross, touch or are nested
+/// wrongly, inner lines that leave the region or cross at different heights.
+void cut_and_place(RegionParts& parts, const DomainTask& task);
+
+/// The rows that hold all lines, fitted and embedded.
+ConstraintSet line_rows(const RegionParts& parts, TriangleElement element);
+
+/// Halves triangles where lines or holes bend more tightly than elements of their size can follow
+/// (radius below two sizes), before anything is cut.
+void grade_by_curvature(RegionParts& parts, const DomainTask& task);
+
+/// Halves triangles under the stretches between points whose gap is above `target` (model units).
+/// False when there is none, or nothing may be halved any more.
+bool refine_at_gaps(RegionParts& parts, const Surface& surface, double target,
+                    const DomainTask& task);
+
+}  // namespace batten

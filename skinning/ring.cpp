@@ -1,0 +1,394 @@
+#include "batten/skinning/ring.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "batten/core/errors.h"
+#include "batten/core/words.h"
+
+namespace batten {
+namespace {
+
+// Numbers of the domain that depend on the lines are rounded to this, so that lines given in mm and
+// in m, which differ in their last bits, make the same mesh.
+double rounded(double x) {
+  constexpr double grid = 1 << 30;
+  return std::round(x * grid) / grid;
+}
+
+// Into [0, 1).
+double fraction_of(double x) {
+  x -= std::floor(x);
+  return x < 1 ? x : 0;
+}
+
+// A closed curve begun at another of its points.
+class Reseamed final : public InputCurve {
+ public:
+  Reseamed(std::shared_ptr<const InputCurve> whole, double seam)
+      : whole_(std::move(whole)),
+        seam_(seam),
+        before_(whole_->end() - seam),
+        period_(whole_->end() - whole_->start()) {}
+  double start() const override { return 0; }
+  double end() const override { return period_; }
+  Vec3 evaluate(double t, int order) const override {
+    return whole_->evaluate(t < before_ ? seam_ + t : seam_ + t - period_, order);
+  }
+  std::vector<double> breaks() const override {
+    std::vector<double> all = {0};
+    const auto given = whole_->breaks();
+    for (const double b : given)
+      if (b > seam_) all.push_back(b - seam_);
+    for (const double b : given)
+      if (b > whole_->start() && b < seam_) all.push_back(b - seam_ + period_);
+    all.push_back(period_);
+    return all;
+  }
+
+ private:
+  std::shared_ptr<const InputCurve> whole_;
+  double seam_, before_, period_;
+};
+
+// A rim and where its lines lie on it, in the direction of u.
+struct Rim {
+  Outline outline;
+  std::vector<ArcLength> arcs;
+  double length = 0;
+  struct Place {
+    double from, share;   // of the rim's length; from in [0, 1)
+    HermiteCurve fitted;  // along the rim
+  };
+  std::vector<Place> places;  // of each line
+
+  explicit Rim(Outline given) : outline(std::move(given)) {
+    for (const auto& p : outline.pieces) {
+      arcs.emplace_back(p.stretch.curve);
+      length += arcs.back().total();
+    }
+    double before = 0;
+    for (const ArcLength& arc : arcs) {
+      const double from = rounded(before / length);
+      before += arc.total();
+      places.push_back({from, rounded(before / length) - from, {}});
+    }
+  }
+  bool one_line() const { return places.size() == 1; }
+
+  struct Point {
+    Vec3 x, tangent;
+  };
+  Point point(double fraction) const {
+    double s = fraction_of(fraction) * length;
+    size_t i = 0;
+    for (; i + 1 < arcs.size() && s > arcs[i].total(); ++i) s -= arcs[i].total();
+    const double t = arcs[i].parameter(s);
+    const InputCurve& curve = *outline.pieces[i].stretch.curve;
+    return {curve.evaluate(t), curve.evaluate(t, 1).normalized()};
+  }
+
+  // Of one line: the same rim, begun elsewhere.
+  Rim cut_at(double fraction) const {
+    Outline cut = outline;
+    auto& piece = cut.pieces[0];
+    const double t = arcs[0].parameter(fraction_of(fraction) * length);
+    if (t > piece.stretch.curve->start() && t < piece.stretch.curve->end()) {
+      piece.stretch.curve = std::make_shared<Reseamed>(piece.stretch.curve, t);
+      piece.start = piece.stretch.curve->evaluate(0);
+    }
+    return Rim(std::move(cut));
+  }
+};
+
+class Builder {
+ public:
+  Builder(const Outline& a, const Outline& b, const SkinOptions& options, double tolerance,
+          double edge_length)
+      : options_(options),
+        size_(a.size),
+        tolerance_(tolerance),
+        edge_(edge_length),
+        rim_{Rim(a), Rim(b)} {}
+
+  RingParts build() {
+    for (const Rim& rim : rim_) require_smooth(rim.outline);
+    match();
+    for (Rim& rim : rim_) fit(rim);
+    columns();
+    RingParts parts;
+    parts.mesh = mesh();
+    parts.boundary.resize(2);
+    for (const int r : {0, 1})
+      for (size_t i = 0; i < rim_[r].places.size(); ++i) {
+        const int index = static_cast<int>(parts.runs.size());
+        const bool flipped = rim_[r].outline.pieces[i].flipped;
+        parts.boundary[r].push_back({BoundaryPiece::Kind::Run, index, flipped != (r == 1)});
+        parts.runs.push_back(run(*parts.mesh, r, i));
+      }
+    // Rim B is run against u; its first line stays first.
+    std::reverse(parts.boundary[1].begin() + 1, parts.boundary[1].end());
+    return parts;
+  }
+
+ private:
+  void require_smooth(const Outline& rim) const {
+    if (rim.corners.empty()) return;
+    const auto& piece = rim.pieces[static_cast<size_t>(rim.corners[0])];
+    throw InputError("the rims of a ring must be smooth, and one turns by more than " +
+                     number(options_.corner_angle) + " degrees where line '" + piece.stretch.name +
+                     "' begins, " + at(piece.start) + ": rims with corners are not supported yet");
+  }
+
+  // Direction and start of rim B against rim A.
+  void match() {
+    constexpr int n = 256;
+    std::vector<Vec3> a(n), b(n);
+    for (int i = 0; i < n; ++i) {
+      a[i] = rim_[0].point(static_cast<double>(i) / n).x;
+      b[i] = rim_[1].point(static_cast<double>(i) / n).x;
+    }
+    double least = std::numeric_limits<double>::infinity();
+    int start = 0, direction = 1;
+    for (const int d : {1, -1})
+      for (int k = 0; k < n; ++k) {
+        double sum = 0;
+        for (int i = 0; i < n; ++i) sum += (a[i] - b[(k + d * i + n) % n]).squaredNorm();
+        // A tie stays with the first.
+        if (sum < least - 1e-9 * n * size_ * size_) {
+          least = sum;
+          start = k;
+          direction = d;
+        }
+      }
+    if (direction < 0) {
+      rim_[1] = Rim(reversed(rim_[1].outline));
+      start = (n - start) % n;
+    }
+    // Between samples: where the sum's slope changes sign.
+    const auto slope = [&](double phase) {
+      double sum = 0;
+      for (int i = 0; i < n; ++i) {
+        const auto place = rim_[1].point(phase + static_cast<double>(i) / n);
+        sum += (place.x - a[i]).dot(place.tangent);
+      }
+      return sum;
+    };
+    double low = (start - 1.0) / n, high = (start + 1.0) / n;
+    double phase = static_cast<double>(start) / n;
+    if (slope(low) < 0 && slope(high) > 0) {
+      for (int step = 0; step < 48; ++step) {
+        phase = 0.5 * (low + high);
+        (slope(phase) < 0 ? low : high) = phase;
+      }
+    }
+    phase = fraction_of(rounded(phase));
+
+    double distance = 0;
+    for (int i = 0; i < n; ++i)
+      distance += (rim_[1].point(phase + static_cast<double>(i) / n).x - a[i]).norm() / n;
+    U_ = rounded(0.5 * (rim_[0].length + rim_[1].length) / size_);
+    V_ = rounded(distance / size_);
+    if (!(V_ > 1e-6 * U_))
+      throw InputError("the rims of a ring, with lines '" + rim_[0].outline.pieces[0].stretch.name +
+                       "' and '" + rim_[1].outline.pieces[0].stretch.name + "', coincide");
+    if (rim_[1].one_line()) {
+      rim_[1] = rim_[1].cut_at(phase);
+    } else if (rim_[0].one_line()) {
+      rim_[0] = rim_[0].cut_at(-phase);
+    } else {
+      for (auto& place : rim_[1].places) place.from = fraction_of(place.from - phase);
+    }
+  }
+
+  void fit(Rim& rim) const {
+    FitOptions fit;
+    fit.tolerance = tolerance_;
+    fit.corner_angle = 180;
+    fit.even = true;
+    fit.halved = true;
+    fit.closed = rim.one_line();
+    const size_t n = rim.places.size();
+    for (size_t i = 0; i < n; ++i) {
+      if (n > 1) {
+        const Joint start = joint_at(rim.outline, i), end = joint_at(rim.outline, (i + 1) % n);
+        fit.start = {start.position, start.outgoing};
+        fit.end = {end.position, end.incoming};
+      }
+      const Stretch& line = rim.outline.pieces[i].stretch;
+      auto& place = rim.places[i];
+      place.fitted = fit_curve(line.name, line.curve, fit);
+      // Stretched by the hair by which the share is rounded: speed goes on from line to line.
+      std::vector<double> u = place.fitted.parameters();
+      const double stretch = place.share * rim.length / u.back();
+      for (double& x : u) x *= stretch;
+      place.fitted = {CurveMesh(std::move(u), rim.one_line()), place.fitted.dofs()};
+    }
+  }
+
+  // Where the nodes of a rim lie, as fractions of it.
+  static std::vector<double> nodes(const Rim& rim) {
+    std::vector<double> all;
+    for (const auto& p : rim.places)
+      for (int i = 0; i < p.fitted.segment_count(); ++i)
+        all.push_back(
+            fraction_of(p.from + p.share * rounded(p.fitted.parameters()[i] / p.fitted.end())));
+    return all;
+  }
+
+  // A column of the mesh by its fractions on both rims; they may go past 1.
+  struct Column {
+    double at[2];
+  };
+
+  void columns() {
+    // Near-square cells, eight around at least.
+    const double h = std::min({edge_ / size_, 2 * V_, U_ / 8}) / U_;
+    const double expected = 2 * U_ * V_ * size_ * size_ / (edge_ * edge_);
+    constexpr double most_triangles = 2e6;
+    if (expected > most_triangles || 2 / h > most_triangles)
+      throw InputError("edge_length = " + number(edge_) + " on a ring of size " + number(size_) +
+                       " means about " + number(std::max(expected, 2 / h)) +
+                       " triangles; at most " + number(most_triangles) +
+                       " are allowed (is the unit right?)");
+
+    struct Node {
+      double at;
+      int rim;
+      int partner;  // on the other rim, in this list
+    };
+    std::vector<Node> found;
+    for (int r = 0; r < 2; ++r)
+      for (const double f : nodes(rim_[r])) found.push_back({f, r, -1});
+    std::sort(found.begin(), found.end(), [](const Node& a, const Node& b) {
+      return a.at != b.at ? a.at < b.at : a.rim < b.rim;
+    });
+    // Neighbours on different rims share a column: those that coincide first, then near ones.
+    const int n = static_cast<int>(found.size());
+    constexpr double coincide = 1e-8;
+    for (const double reach : {coincide, 0.5 * h})
+      for (int i = 0; i < n; ++i) {
+        const int j = (i + 1) % n;
+        Node &a = found[static_cast<size_t>(i)], &b = found[static_cast<size_t>(j)];
+        if (a.rim == b.rim || a.partner >= 0 || b.partner >= 0) continue;
+        if (fraction_of(b.at - a.at) > reach) continue;
+        a.partner = j;
+        b.partner = i;
+      }
+    std::vector<Column> shared;
+    for (const Node& node : found)
+      if (node.rim == 0 && node.partner >= 0) {
+        const double other = found[static_cast<size_t>(node.partner)].at;
+        shared.push_back({{node.at, node.at + std::remainder(other - node.at, 1.0)}});
+      }
+    if (shared.empty()) shared.push_back({{found[0].at, found[0].at}});
+    shared.push_back({{shared[0].at[0] + 1, shared[0].at[1] + 1}});
+
+    // Between two shared columns, nodes of one rim have their column's other end by proportion.
+    for (size_t k = 0; k + 1 < shared.size(); ++k) {
+      const Column &from = shared[k], &to = shared[k + 1];
+      const auto between = [&](double t) {
+        return Column{
+            {from.at[0] + t * (to.at[0] - from.at[0]), from.at[1] + t * (to.at[1] - from.at[1])}};
+      };
+      std::vector<double> places = {0, 1};
+      for (const Node& node : found) {
+        if (node.partner >= 0) continue;
+        const int r = node.rim;
+        const double t = fraction_of(node.at - from.at[r]) / (to.at[r] - from.at[r]);
+        if (t > 0 && t < 1) places.push_back(t);
+      }
+      std::sort(places.begin(), places.end());
+      places.erase(std::unique(places.begin(), places.end()), places.end());
+      for (size_t p = 0; p + 1 < places.size(); ++p) {
+        const double width =
+            (places[p + 1] - places[p]) * std::max(to.at[0] - from.at[0], to.at[1] - from.at[1]);
+        const int cuts = std::max(1, static_cast<int>(std::ceil(width / h - 0.2)));
+        for (int c = 0; c < cuts; ++c)
+          columns_.push_back(between(places[p] + (places[p + 1] - places[p]) * c / cuts));
+      }
+    }
+  }
+
+  std::shared_ptr<const ParametricMesh> mesh() const {
+    const int n = static_cast<int>(columns_.size());
+    const int rows = std::max(1, static_cast<int>(std::lround(V_ * size_ / edge_)));
+    std::vector<Vec2> vertices;
+    for (int j = 0; j <= rows; ++j)
+      for (const Column& c : columns_) {
+        const double s = static_cast<double>(j) / rows;
+        const double f = fraction_of((1 - s) * c.at[0] + s * c.at[1]);
+        vertices.emplace_back(f * U_ < U_ ? f * U_ : 0, j == rows ? V_ : s * V_);
+      }
+    std::vector<ParametricMesh::Triangle> triangles;
+    for (int j = 0; j < rows; ++j)
+      for (int i = 0; i < n; ++i) {
+        const int a = j * n + i, b = j * n + (i + 1) % n, c = a + n, d = b + n;
+        if ((i + j) % 2) {
+          triangles.push_back({a, b, c});
+          triangles.push_back({b, d, c});
+        } else {
+          triangles.push_back({a, b, d});
+          triangles.push_back({a, d, c});
+        }
+      }
+    return std::make_shared<ParametricMesh>(std::move(vertices), std::move(triangles), U_);
+  }
+
+  LineRun run(const ParametricMesh& mesh, int r, size_t index) const {
+    const auto& line = rim_[r].outline.pieces[index];
+    const Rim::Place& p = rim_[r].places[index];
+    const int n = static_cast<int>(columns_.size());
+    const int row = r == 0 ? 0 : mesh.vertex_count() - n;
+    // The column of a joint, by its place on the rim.
+    const auto column_at = [&](double fraction) {
+      int best = 0;
+      for (int i = 1; i < n; ++i)
+        if (std::abs(std::remainder(columns_[i].at[r] - fraction, 1.0)) <
+            std::abs(std::remainder(columns_[best].at[r] - fraction, 1.0)))
+          best = i;
+      return best;
+    };
+    LineRun run;
+    run.line = {line.stretch.name, line.flipped ? reversed(line.stretch.curve) : line.stretch.curve,
+                line.stretch.role};
+    run.fitted = line.flipped ? p.fitted.backwards() : p.fitted;
+    const int first = column_at(p.from), last = column_at(p.from + p.share);
+    const int count = last > first ? last - first : last - first + n;
+    for (int k = 0; k <= count; ++k) {
+      const int i = (first + k) % n;
+      run.vertices.push_back(row + i);
+      const double f = k == 0       ? 0
+                       : k == count ? 1
+                                    : fraction_of(columns_[i].at[r] - p.from) / p.share;
+      run.parameters.push_back((line.flipped ? 1 - f : f) * p.fitted.end());
+    }
+    if (line.flipped) {
+      std::reverse(run.vertices.begin(), run.vertices.end());
+      std::reverse(run.parameters.begin(), run.parameters.end());
+    }
+    for (size_t k = 0; k + 1 < run.vertices.size(); ++k)
+      run.edges.push_back(mesh.edge_between(run.vertices[k], run.vertices[k + 1]));
+    return run;
+  }
+
+  SkinOptions options_;
+  double size_, tolerance_, edge_;
+  Rim rim_[2];
+  double U_ = 0, V_ = 0;
+  std::vector<Column> columns_;
+};
+
+}  // namespace
+
+RingParts ring_parts(const Outline& rim_a, const Outline& rim_b, const SkinOptions& options,
+                     double tolerance, double edge_length) {
+  for (const double x : {rim_a.size, tolerance, edge_length})
+    if (!(x > 0) || !std::isfinite(x))
+      throw InputError("a ring needs a size, a tolerance and an edge length above 0, not " +
+                       number(x));
+  return Builder(rim_a, rim_b, options, tolerance, edge_length).build();
+}
+
+}  // namespace batten

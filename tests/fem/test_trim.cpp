@@ -1,0 +1,532 @@
+#include <catch2/catch.hpp>
+
+#include "../embedded_grid.h"
+#include "../refusal.h"
+#include "../sampling.h"
+#include "batten/fem/bisection.h"
+
+using namespace batten_test;
+
+namespace {
+
+using Loop = DomainLoops::Loop;
+
+HermiteCurve straight(const Vec2& p, const Vec2& q) {
+  Points positions(2, 3), slopes(2, 3);
+  positions << p.x(), p.y(), 0, q.x(), q.y(), 0;
+  slopes.row(0) = slopes.row(1) = positions.row(1) - positions.row(0);
+  return {{0, 1}, positions, slopes};
+}
+
+Loop polygon(const std::vector<Vec2>& corners) {
+  Loop loop;
+  for (size_t i = 0; i < corners.size(); ++i)
+    loop.push_back(straight(corners[i], corners[(i + 1) % corners.size()]));
+  return loop;
+}
+
+Loop box(const Vec2& low, const Vec2& high) {
+  return polygon({low, {high.x(), low.y()}, high, {low.x(), high.y()}});
+}
+
+// r = size (1 + waves), a smooth loop around the centre that does not cross itself.
+HermiteCurve wavy(Random& random, const Vec2& centre, double size, int segments,
+                  bool clockwise = false) {
+  std::vector<double> a, phase;
+  for (int k = 0; k < 4; ++k) {
+    a.push_back(0.3 / (k + 2) * random());
+    phase.push_back(pi * random());
+  }
+  const double s = clockwise ? -1 : 1;
+  return hermite(0, 2 * pi, segments, true, [=](double t, int order) {
+    double r = 1, slope = 0;
+    for (int k = 0; k < 4; ++k) {
+      r += a[k] * std::cos((k + 1) * t + phase[k]);
+      slope -= a[k] * (k + 1) * std::sin((k + 1) * t + phase[k]);
+    }
+    const Vec2 e(std::cos(t), s * std::sin(t)), n(-std::sin(t), s * std::cos(t));
+    const Vec2 p = order == 0 ? Vec2(centre + size * r * e) : Vec2(size * (slope * e + r * n));
+    return Vec3(p.x(), p.y(), 0);
+  });
+}
+
+// ∫ u^i v^j over the inside: by the divergence theorem on the loops alone, and by the cut mesh.
+double moment(const DomainLoops& loops, int i, int j) {
+  static const SegmentRule gauss = gauss_legendre(20);
+  double sum = 0;
+  for (const PlanarCubic& arc : loops.arcs())
+    for (long g = 0; g < gauss.s.size(); ++g) {
+      const Vec2 c = arc.at(gauss.s[g]), d = arc.slope(gauss.s[g]);
+      sum += gauss.weights[g] * std::pow(c.x(), i + 1) / (i + 1) * std::pow(c.y(), j) * d.y();
+    }
+  return sum;
+}
+double worst_moment(const ParametricMesh& mesh, const Trim& trim, int degree) {
+  MatX sums = MatX::Zero(degree + 1, degree + 1);
+  for (int t = 0; t < mesh.triangle_count(); ++t) {
+    const TriangleRule rule = trim.rule(t, degree);
+    const TriangleShape shape = mesh.shape(t);
+    for (long p = 0; p < rule.weights.size(); ++p) {
+      const Vec2 uv = shape.point(rule.L.row(p));
+      for (int i = 0; i <= degree; ++i)
+        for (int j = 0; i + j <= degree; ++j)
+          sums(i, j) +=
+              shape.area * rule.weights[p] * std::pow(uv.x(), i) * std::pow(uv.y(), j);
+    }
+  }
+  double worst = 0;
+  for (int i = 0; i <= degree; ++i)
+    for (int j = 0; i + j <= degree; ++j)
+      worst = std::max(worst, std::abs(sums(i, j) - moment(trim.loops(), i, j)));
+  return worst;
+}
+double sum_of_shares(const ParametricMesh& mesh, const Trim& trim) {
+  double sum = 0;
+  for (int t = 0; t < mesh.triangle_count(); ++t) sum += trim.share(t) * mesh.shape(t).area;
+  return sum;
+}
+
+// What must hold of every cut of a mesh that covers the loops.
+void check_cut(const ParametricMesh& mesh, const DomainLoops& loops, double tolerance = 1e-12) {
+  const Trim trim(mesh, loops);
+  CHECK(std::abs(sum_of_shares(mesh, trim) - loops.area()) <= tolerance);
+  CHECK(std::abs(trim.area() - loops.area()) <= tolerance);
+  double lowest_share = 0, highest_share = 1, lowest = 0;
+  for (int t = 0; t < mesh.triangle_count(); ++t) {
+    lowest_share = std::min(lowest_share, trim.share(t));
+    highest_share = std::max(highest_share, trim.share(t));
+    for (const int degree : {1, 6}) {
+      const TriangleRule rule = trim.rule(t, degree);
+      if (rule.weights.size() > 0) lowest = std::min(lowest, rule.L.minCoeff());
+      CHECK(std::abs(rule.weights.sum() - trim.share(t)) <= 1e-13);
+    }
+  }
+  CHECK(lowest_share >= -tolerance);
+  CHECK(highest_share <= 1 + tolerance);
+  CHECK(lowest >= -1e-12);
+  CHECK(worst_moment(mesh, trim, 4) <= tolerance);
+}
+
+// Times around p, of a polygon through many points of the arcs.
+int winding(const DomainLoops& loops, const Vec2& p, int samples, double& clearance) {
+  double turned = 0;
+  for (const PlanarCubic& arc : loops.arcs())
+    for (int i = 0; i < samples; ++i) {
+      const Vec2 a = arc.at(static_cast<double>(i) / samples) - p,
+                 b = arc.at(static_cast<double>(i + 1) / samples) - p;
+      turned += std::atan2(a.x() * b.y() - a.y() * b.x(), a.dot(b));
+      clearance = std::min(clearance, a.norm() - (b - a).norm());
+    }
+  return static_cast<int>(std::lround(turned / (2 * pi)));
+}
+
+ParametricMesh random_grid(int kind, unsigned seed) {
+  Random random(seed);
+  const int n = 3 + static_cast<int>(seed % 6);
+  if (kind == 0) return ParametricMesh::unit_square(n);
+  if (kind == 1) return perturbed_square(n, seed);
+  ParametricMesh mesh = perturbed_square(n, seed);
+  for (int round = 0; round < 3; ++round) {
+    std::vector<char> marked;
+    for (int t = 0; t < mesh.triangle_count(); ++t) marked.push_back(random() > 0.4);
+    mesh = bisected(mesh, marked).mesh;
+  }
+  return mesh;
+}
+
+}  // namespace
+
+TEST_CASE("a cubic's zeros are found where its sign changes") {
+  Random random(3);
+  const auto from_roots = [](double scale, double a, double b, double c) {
+    // The blossom of (t - a)(t - b)(t - c) at 000, 001, 011, 111.
+    BernsteinCubic f;
+    for (int k = 0; k < 4; ++k) {
+      double sum = 0;
+      const double t[3] = {k > 0 ? 1. : 0, k > 1 ? 1. : 0, k > 2 ? 1. : 0};
+      const int order[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
+      for (const auto& o : order) sum += (t[o[0]] - a) * (t[o[1]] - b) * (t[o[2]] - c) / 6;
+      f.b[static_cast<size_t>(k)] = scale * sum;
+    }
+    return f;
+  };
+  for (int trial = 0; trial < 2000; ++trial) {
+    std::vector<double> roots{random.between(-1, 2), random.between(-1, 2), random.between(-1, 2)};
+    std::sort(roots.begin(), roots.end());
+    if (roots[1] - roots[0] < 1e-3 || roots[2] - roots[1] < 1e-3) continue;
+    const BernsteinCubic f =
+        from_roots(std::pow(10, 3 * random()) * (trial % 2 ? 1 : -1), roots[0], roots[1], roots[2]);
+    const auto found = f.zeros();
+    std::vector<double> expected;
+    for (const double r : roots)
+      if (r > 0 && r < 1) expected.push_back(r);
+    REQUIRE(found.size() == expected.size());
+    for (size_t i = 0; i < found.size(); ++i) CHECK(std::abs(found[i] - expected[i]) < 1e-11);
+    const auto parts = f.monotone_parts();
+    CHECK(parts.front() == 0);
+    CHECK(parts.back() == 1);
+    for (size_t i = 0; i + 1 < parts.size(); ++i) {
+      CHECK(parts[i] < parts[i + 1]);
+      if (i > 0) CHECK(std::abs(f.slope(parts[i])) < 1e-12 * std::abs(f.b[3] - f.b[0] + f.b[1]) +
+                                                        1e-11 * Vec2(f.b[0], f.b[3]).norm());
+    }
+  }
+  // Twice the same root: touched, or (by rounding) two crossings beside each other.
+  for (const double a : {0.1, 0.25, 0.5, 0.7, 1 / 3.}) {
+    const auto found = from_roots(1, a, a, 1.7).zeros();
+    CHECK(found.size() % 2 == 0);
+    for (const double z : found) CHECK(std::abs(z - a) < 1e-7);
+    const auto triple = from_roots(1, a, a, a).zeros();
+    REQUIRE(triple.size() % 2 == 1);
+    for (const double z : triple) CHECK(std::abs(z - a) < 2e-5);
+  }
+  // Roots at the ends: 0 counts as positive, so a chain of cubics sees a crossing once.
+  CHECK(BernsteinCubic{{0, 1, 2, 3}}.zeros().empty());
+  CHECK(BernsteinCubic{{-3, -2, -1, 0}}.zeros() == std::vector<double>{1});
+  REQUIRE(BernsteinCubic{{0, -1, -2, -3}}.zeros().size() == 1);
+  CHECK(BernsteinCubic{{0, -1, -2, -3}}.zeros()[0] < 1e-15);
+  CHECK(BernsteinCubic{{3, 2, 1, 0}}.zeros().empty());
+  CHECK(BernsteinCubic{{0, 0, 0, 0}}.zeros().empty());
+  CHECK(BernsteinCubic{{1, -1, -1, 1}}.zeros().size() == 2);
+  CHECK(BernsteinCubic{{-1, 0, 0, 1}}.zeros() == std::vector<double>{0.5});
+}
+
+TEST_CASE("part of an arc is the same curve") {
+  Random random(5);
+  const auto point = [&] { return Vec2(random(), random()); };
+  for (int trial = 0; trial < 50; ++trial) {
+    const PlanarCubic arc{{point(), point(), point(), point()}};
+    const double t0 = random.between(0, 1), t1 = random.between(0, 1);
+    const PlanarCubic part = arc.part(t0, t1);
+    for (const double s : {0., 0.3, 0.8, 1.}) {
+      CHECK((part.at(s) - arc.at(t0 + s * (t1 - t0))).norm() < 1e-14);
+      CHECK((part.slope(s) - (t1 - t0) * arc.slope(t0 + s * (t1 - t0))).norm() < 1e-13);
+    }
+  }
+}
+
+TEST_CASE("inside is where loops turn around: random cubics, also level with nodes and turns") {
+  Random random(17);
+  int compared = 0;
+  for (int trial = 0; trial < 40; ++trial) {
+    // Positions and slopes at random: loops that cross themselves have a winding number too.
+    const int nodes = 3 + trial % 5;
+    std::vector<double> u;
+    for (int i = 0; i <= nodes; ++i) u.push_back(i);
+    const CurveMesh mesh(u, true);
+    Points dofs(mesh.dof_count(), 3);
+    for (long i = 0; i < dofs.rows(); ++i) dofs.row(i) << 2 * random(), 2 * random(), 0;
+    if (trial % 3 == 0) dofs.col(1) = (2 * dofs.col(1)).array().round() / 2;  // level nodes
+    const auto around = trial % 2 ? DomainLoops::Around::Inside : DomainLoops::Around::Outside;
+    const DomainLoops loops({{HermiteCurve(mesh, dofs)}}, around);
+    std::vector<double> levels;
+    for (const PlanarCubic& arc : loops.arcs()) {
+      const BernsteinCubic v{{arc.b[0].y(), arc.b[1].y(), arc.b[2].y(), arc.b[3].y()}};
+      for (const double t : v.monotone_parts()) levels.push_back(v.at(t));
+    }
+    for (int i = 0; i < 120; ++i) {
+      Vec2 p(3 * random(), 3 * random());
+      if (i % 2) p.y() = levels[static_cast<size_t>(i / 2) % levels.size()];
+      double clearance = 1;
+      const int times = winding(loops, p, 60, clearance);
+      if (clearance < 1e-3) continue;
+      ++compared;
+      INFO("trial " << trial << " p " << p.transpose() << " times " << times);
+      CHECK(loops.contains(p) == (times + (trial % 2 ? 1 : 0) > 0));
+    }
+  }
+  CHECK(compared > 3000);
+}
+
+TEST_CASE("inside is left of the loop, to a billionth: outlines and holes") {
+  Random random(23);
+  for (int trial = 0; trial < 30; ++trial) {
+    const Vec2 centre(random(), random());
+    const DomainLoops loops({{wavy(random, centre, 1, 7 + trial % 5)},
+                             {wavy(random, centre, 0.3, 5 + trial % 3, true)}});
+    const DomainLoops only_hole({loops.loops()[1]}, DomainLoops::Around::Inside);
+    size_t arcs = 0;
+    for (const PlanarCubic& arc : loops.arcs()) {
+      const bool of_hole = arcs++ >= static_cast<size_t>(loops.loops()[0][0].segment_count());
+      for (const double t : {0., 1e-9, 0.21, 0.5, 0.77, 1 - 1e-9, 1.}) {
+        const Vec2 c = arc.at(t), d = arc.slope(t).normalized(), left(-d.y(), d.x());
+        CHECK(loops.contains(c + 1e-9 * left));
+        CHECK(!loops.contains(c - 1e-9 * left));
+        if (of_hole) CHECK(only_hole.contains(c + 1e-9 * left));
+        if (of_hole) CHECK(!only_hole.contains(c - 1e-9 * left));
+      }
+    }
+    CHECK(!loops.contains(centre));
+    CHECK(!only_hole.contains(centre));
+    CHECK(!loops.contains(centre + Vec2(50, 0)));
+    CHECK(!loops.contains(centre - Vec2(50, 0)));
+    CHECK(only_hole.contains(centre - Vec2(50, 0)));
+  }
+  CHECK(DomainLoops().contains({3, 4}));
+  CHECK(!DomainLoops(DomainLoops::Around::Outside).contains({3, 4}));
+}
+
+TEST_CASE("areas of loops are exact, holes count negative") {
+  CHECK(DomainLoops({box({1, 2}, {4, 7})}).area() == Approx(15).epsilon(1e-15));
+  CHECK(DomainLoops({box({1, 2}, {4, 7}), polygon({{2, 3}, {2, 4}, {3, 4}, {3, 3}})}).area() ==
+        Approx(14).epsilon(1e-15));
+  const DomainLoops hole({{circle({5, 6}, 2, 400, true)}}, DomainLoops::Around::Inside);
+  CHECK(hole.area() == Approx(-4 * pi).epsilon(1e-9));
+  Random random(2);
+  for (int trial = 0; trial < 20; ++trial) {
+    const DomainLoops loops({{wavy(random, {random(), random()}, 1, 6)}});
+    CHECK(std::abs(loops.area() - moment(loops, 0, 0)) < 1e-14);
+    CHECK(loops.low().x() < loops.high().x());
+    for (const PlanarCubic& arc : loops.arcs())
+      for (const double t : {0., 0.3, 0.6}) {
+        CHECK((arc.at(t) - loops.low()).minCoeff() >= 0);
+        CHECK((loops.high() - arc.at(t)).minCoeff() >= 0);
+      }
+  }
+}
+
+TEST_CASE("loops that are none are refused") {
+  CHECK(refusal([] { DomainLoops({Loop{}}); }).find("without curves") != std::string::npos);
+  Loop open = box({0, 0}, {1, 1});
+  open.pop_back();
+  CHECK(refusal([&] { DomainLoops({open}); }).find("open at (0, 1)") != std::string::npos);
+  Points tilted = circle({0, 0}, 1, 8).dofs();
+  tilted(3, 2) = 1e-3;
+  CHECK(refusal([&] {
+          DomainLoops({{HermiteCurve(circle({0, 0}, 1, 8).mesh(), tilted)}});
+        }).find("z = 0") != std::string::npos);
+}
+
+TEST_CASE("shares of the triangles sum to the area: 200 random loops with holes on three grids") {
+  Random random(41);
+  for (unsigned trial = 0; trial < 200; ++trial) {
+    const ParametricMesh mesh = random_grid(static_cast<int>(trial % 3), trial);
+    const Vec2 centre(0.5 + 0.05 * random(), 0.5 + 0.05 * random());
+    const DomainLoops loops(
+        {{wavy(random, centre, 0.28, 5 + static_cast<int>(trial % 20))},
+         {wavy(random, centre, 0.06, 4 + static_cast<int>(trial % 7), true)}});
+    const Trim trim(mesh, loops);
+    INFO("trial " << trial);
+    CHECK(std::abs(sum_of_shares(mesh, trim) - loops.area()) < 1e-12);
+    for (int t = 0; t < mesh.triangle_count(); ++t) {
+      const bool listed = std::binary_search(trim.cut().begin(), trim.cut().end(), t);
+      CHECK(listed == (trim.side(t) == Trim::Side::Cut));
+      if (trim.side(t) == Trim::Side::Cut) continue;
+      CHECK(trim.share(t) == (trim.side(t) == Trim::Side::Inside ? 1 : 0));
+      const Vec2 p = mesh.shape(t).point({0.2, 0.5, 0.3});
+      CHECK(loops.contains(p) == (trim.side(t) == Trim::Side::Inside));
+    }
+  }
+}
+
+TEST_CASE("rules over the inside are exact for polynomials of their degree") {
+  Random random(43);
+  for (unsigned trial = 0; trial < 12; ++trial) {
+    const ParametricMesh mesh = random_grid(static_cast<int>(trial % 3), trial + 7);
+    const DomainLoops loops({{wavy(random, {0.5, 0.5}, 0.28, 6 + static_cast<int>(trial))},
+                             {wavy(random, {0.5, 0.5}, 0.05, 5, true)}});
+    const Trim trim(mesh, loops);
+    for (int degree = 1; degree <= 8; ++degree) {
+      INFO("trial " << trial << " degree " << degree);
+      CHECK(worst_moment(mesh, trim, degree) < 1e-12);
+    }
+    // One degree more is not: the points are not wasted. (Of the arcs' own degree.)
+    double lowest = 0, negative = 0;
+    for (int t = 0; t < mesh.triangle_count(); ++t) {
+      const TriangleRule rule = trim.rule(t, 6);
+      if (rule.weights.size() == 0) continue;
+      lowest = std::min(lowest, rule.L.minCoeff());
+      negative -= mesh.shape(t).area * rule.weights.cwiseMin(0.0).sum();
+    }
+    CHECK(lowest >= -1e-12);
+    WARN("negative " << negative / loops.area());
+    CHECK(negative < 0.1 * loops.area());
+  }
+}
+
+TEST_CASE("loops inside one element, through its centroid, vertices and spokes") {
+  const ParametricMesh one({{0, 0}, {1, 0}, {0.2, 0.9}}, {{0, 1, 2}});
+  const Vec2 centroid(0.4, 0.3);
+  Random random(5);
+  for (const Vec2& centre : {centroid, Vec2(0.35, 0.15), Vec2(0.3, 0.4), Vec2(0.5, 0.3)})
+    for (const double size : {0.1, 0.01, 1e-4}) {
+      INFO("centre " << centre.transpose() << " size " << size);
+      const double scale = size * size;
+      const DomainLoops loops({{wavy(random, centre, size, 6)}});
+      const Trim trim(one, loops);
+      CHECK(std::abs(trim.area() - loops.area()) <= 1e-11 * scale + 1e-16);
+      CHECK(trim.side(0) == Trim::Side::Cut);
+      check_cut(one, loops);
+      check_cut(one, DomainLoops({box({0, 0}, {0.2, 0.2}), {wavy(random, {0.1, 0.1}, 0.03, 7, true)}}),
+                1);
+    }
+  const ParametricMesh& mesh = one;
+  const auto& V = mesh.vertices();
+  // The element itself, a sub-triangle of it, half of it.
+  check_cut(mesh, DomainLoops({polygon({V[0], V[1], V[2]})}));
+  check_cut(mesh, DomainLoops({polygon({V[0], V[1], centroid})}));
+  check_cut(mesh, DomainLoops({polygon({V[0], V[1], 0.5 * (V[1] + V[2])})}));
+  check_cut(mesh, DomainLoops({polygon({V[0], centroid, V[2]})}));
+  check_cut(mesh, DomainLoops({polygon({V[0], V[1], centroid, V[2]})}));
+}
+
+TEST_CASE("outlines along grid lines, exactly and nearly") {
+  const ParametricMesh mesh = squares({-1, -1}, 0.25, 16, 16);
+  for (const double off : {0., 1e-16, 1e-14, 1e-12, 1e-11, 1e-10, 1e-9, 3e-9, 1e-8, 3e-8, 1e-7, 3e-7,
+                           1e-6, 1e-4})
+    for (const double sign : {1., -1.}) {
+      const Vec2 d(sign * off, sign * off);
+      INFO("off " << d.x());
+      const double tolerance = 1e-12;
+      {
+        INFO("square of whole elements");
+        check_cut(mesh, DomainLoops({box(Vec2(-0.5, -0.25) + d, Vec2(1, 0.5) + d)}), tolerance);
+        check_cut(mesh, DomainLoops({box(Vec2(-0.5, -0.25) - d, Vec2(1, 0.5) + d)}), tolerance);
+      }
+      {
+        INFO("along the diagonals and across them");
+        const Vec2 e(0, sign * off);
+        check_cut(mesh,
+                  DomainLoops({polygon({Vec2(0, 0) + e, Vec2(1, 1) + e, Vec2(0, 1) + e})}),
+                  tolerance);
+        check_cut(mesh,
+                  DomainLoops({polygon({Vec2(0, 0) + e, Vec2(1, -0.5) + e, Vec2(1.5, 0.5) + e,
+                                        Vec2(0.5, 1) + e})}),
+                  tolerance);
+      }
+      {
+        INFO("hole of one element's size, and one that meets itself at no vertex");
+        check_cut(mesh,
+                  DomainLoops({box({-0.9, -0.9}, {1.9, 1.9}),
+                               polygon({Vec2(0, 0) + d, Vec2(0, 0.25) + d, Vec2(0.25, 0.25) + d,
+                                        Vec2(0.25, 0) + d})}),
+                  tolerance);
+      }
+    }
+  // Whole elements are not cut.
+  const Trim trim(mesh, DomainLoops({box({-0.5, -0.25}, {1, 0.5})}));
+  CHECK(trim.cut().empty());
+  CHECK(trim.area() == Approx(1.125).epsilon(1e-15));
+}
+
+TEST_CASE("loops that touch element edges") {
+  // Four arcs: turned by 45° it is the arcs' middles that touch.
+  const auto round = [](const Vec2& centre, double radius, double turn, int n, bool clockwise) {
+    return hermite(0, 2 * pi, n, true, [=](double t, int order) {
+      const double a = (clockwise ? -1 : 1) * t + turn, s = clockwise ? -1 : 1;
+      return order == 0 ? Vec3(centre.x() + radius * std::cos(a), centre.y() + radius * std::sin(a), 0)
+                        : Vec3(-s * radius * std::sin(a), s * radius * std::cos(a), 0);
+    });
+  };
+  const ParametricMesh mesh = squares({-1, -1}, 0.5, 6, 6);
+  for (const int n : {4, 8, 12, 5})
+    for (const double turn : {0., pi / 4, 0.3})
+      for (const double off : {0., 1e-15, 1e-12, 1e-10, 1e-9, 1e-8, 3e-8, 1e-7, 1e-6, 1e-5})
+        for (const double sign : {-1., 1.}) {
+          // How far the curve itself reaches to the right.
+          HermiteCurve unit = round({0, 0}, 1, turn, n, false);
+          double reach = 0;
+          for (const PlanarCubic& arc : planar_arcs(unit)) {
+            const BernsteinCubic u{{arc.b[0].x(), arc.b[1].x(), arc.b[2].x(), arc.b[3].x()}};
+            for (const double t : u.monotone_parts()) reach = std::max(reach, u.at(t));
+          }
+          for (const double radius : {0.05, 0.2, 0.7})
+            for (const double v : {0.15, 0.0}) {
+              const Vec2 centre(0.5 - radius * reach + sign * off, v);
+              INFO(n << " arcs, turned " << turn << ", off " << sign * off << " radius " << radius
+                     << " v " << v);
+              check_cut(mesh, DomainLoops({{round(centre, radius, turn, n, false)}}));
+              check_cut(mesh, DomainLoops({box({-0.9, -0.9}, {1.9, 1.9}),
+                                           {round(centre, radius, turn, n, true)}}));
+            }
+        }
+}
+
+TEST_CASE("corners inside elements, and loops that nearly touch") {
+  Random random(61);
+  for (unsigned trial = 0; trial < 40; ++trial) {
+    const ParametricMesh mesh = random_grid(static_cast<int>(trial % 3), trial);
+    const double a = pi * random(), c = std::cos(a), s = std::sin(a);
+    const auto turned = [&](double u, double v) {
+      return Vec2(0.5 + 0.2 * (c * u - s * v), 0.5 + 0.2 * (s * u + c * v));
+    };
+    INFO("trial " << trial);
+    check_cut(mesh, DomainLoops({polygon({turned(-1, -1), turned(1, -1), turned(1, 1),
+                                          turned(-1, 1)})}));
+    // A star with sharp corners.
+    std::vector<Vec2> star;
+    for (int i = 0; i < 10; ++i) {
+      const double r = i % 2 ? 0.6 : 2;
+      star.push_back(turned(r * std::cos(i * pi / 5), r * std::sin(i * pi / 5)));
+    }
+    check_cut(mesh, DomainLoops({polygon(star)}));
+    for (const double distance : {1e-2, 1e-5, 1e-8, 1e-10}) {
+      INFO("distance " << distance);
+      const HermiteCurve left = circle({0.3, 0.5}, 0.2 - distance / 2, 40),
+                         right = circle({0.7, 0.5}, 0.2 - distance / 2, 40);
+      check_cut(mesh, DomainLoops({{left}, {right}}));
+      check_cut(mesh, DomainLoops({{circle({0.5, 0.5}, 0.3, 40)},
+                                   {circle({0.5, 0.5}, 0.3 - distance, 40, true)}}));
+    }
+  }
+}
+
+TEST_CASE("a cut of some triangles alone is the same cut") {
+  const ParametricMesh mesh = perturbed_square(6, 8);
+  const DomainLoops loops({{circle({0.5, 0.5}, 0.31, 20)}, {circle({0.45, 0.5}, 0.1, 9, true)}});
+  const Trim whole(mesh, loops);
+  std::vector<int> some;
+  for (int t = mesh.triangle_count() - 1; t >= 0; --t)
+    if (whole.side(t) != Trim::Side::Outside && t % 5 != 1) some.push_back(t);
+  std::swap(some[3], some[20]);
+  const Trim part = whole.restricted(some);
+  std::vector<int> cut;
+  for (size_t i = 0; i < some.size(); ++i) {
+    const int t = static_cast<int>(i);
+    CHECK(part.side(t) == whole.side(some[i]));
+    CHECK(part.share(t) == whole.share(some[i]));
+    if (part.side(t) == Trim::Side::Cut) cut.push_back(t);
+    const TriangleRule a = part.rule(t, 5), b = whole.rule(some[i], 5);
+    REQUIRE(a.weights.size() == b.weights.size());
+    CHECK(a.weights == b.weights);
+    CHECK(a.L == b.L);
+  }
+  CHECK(part.cut() == cut);
+  CHECK(part.loops().arcs().size() == loops.arcs().size());
+}
+
+TEST_CASE("no loops: all of the mesh, or nothing") {
+  const ParametricMesh mesh = perturbed_square(3, 1);
+  const Trim all(mesh, DomainLoops()), none(mesh, DomainLoops(DomainLoops::Around::Outside));
+  CHECK(all.area() == Approx(1).epsilon(1e-14));
+  CHECK(none.area() == 0);
+  CHECK(all.cut().empty());
+  CHECK(none.rule(0, 4).weights.size() == 0);
+  CHECK(all.rule(0, 4).weights.sum() == Approx(1).epsilon(1e-14));
+  // Holes alone take their area from the mesh.
+  const DomainLoops hole({{circle({0.5, 0.5}, 0.2, 30, true)}}, DomainLoops::Around::Inside);
+  CHECK(Trim(mesh, hole).area() == Approx(1 + hole.area()).epsilon(1e-13));
+}
+
+TEST_CASE("a tube is cut on both sides of its seam") {
+  // Four columns around, v from 0 to 1.
+  std::vector<Vec2> vertices;
+  std::vector<ParametricMesh::Triangle> triangles;
+  const int n = 6;
+  for (int j = 0; j <= 3; ++j)
+    for (int i = 0; i < n; ++i) vertices.emplace_back(2.0 * i / n, j / 3.0);
+  for (int j = 0; j < 3; ++j)
+    for (int i = 0; i < n; ++i) {
+      const int a = j * n + i, b = j * n + (i + 1) % n;
+      triangles.push_back({a, b, b + n});
+      triangles.push_back({a, b + n, a + n});
+    }
+  const ParametricMesh tube(vertices, triangles, 2);
+  for (const double u : {0.0, 0.01, 0.2, 1.0, 1.9, 1.99}) {
+    INFO("u " << u);
+    const DomainLoops hole({{circle({u, 0.5}, 0.3, 12, true)}}, DomainLoops::Around::Inside);
+    CHECK(Trim(tube, hole).area() == Approx(2 + hole.area()).epsilon(1e-12));
+    const DomainLoops patch({{circle({u, 0.5}, 0.3, 12)}});
+    CHECK(Trim(tube, patch).area() == Approx(patch.area()).epsilon(1e-12));
+  }
+}
