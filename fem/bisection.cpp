@@ -52,7 +52,7 @@ Bisection bisected(const ParametricMesh& mesh, const std::vector<char>& marked) 
     midpoint[e] = static_cast<int>(vertices.size());
     const TriangleShape shape = mesh.shape(edge.triangle[0]);
     const int i = edge.local[0];
-    vertices.emplace_back(0.5 * (shape.vertex[(i + 1) % 3] + shape.vertex[(i + 2) % 3]));
+    vertices.push_back(mesh.wrapped(0.5 * (shape.vertex[(i + 1) % 3] + shape.vertex[(i + 2) % 3])));
   }
   std::vector<ParametricMesh::Triangle> triangles;
   for (int t = 0; t < mesh.triangle_count(); ++t) {
@@ -78,7 +78,7 @@ Bisection bisected(const ParametricMesh& mesh, const std::vector<char>& marked) 
       triangles.push_back({v[i], m, v[k]});
     }
   }
-  return {{std::move(vertices), std::move(triangles)}, std::move(midpoint)};
+  return {{std::move(vertices), std::move(triangles), mesh.period()}, std::move(midpoint)};
 }
 
 MeshPart part_of(const ParametricMesh& mesh, const std::vector<int>& wanted) {
@@ -97,7 +97,7 @@ MeshPart part_of(const ParametricMesh& mesh, const std::vector<int>& wanted) {
     for (int& v : triangle) v = number[v];
     triangles.push_back(triangle);
   }
-  return {{std::move(vertices), std::move(triangles)}, std::move(number)};
+  return {{std::move(vertices), std::move(triangles), mesh.period()}, std::move(number)};
 }
 
 }  // namespace batten

@@ -1,6 +1,7 @@
 #include "batten/io/bicubic_patch.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -400,8 +401,7 @@ PatchFit fit_bicubic_patch(const PatchTarget& target, double goal, const PatchLi
       progress = patch.poles.rows();
     }
     if (best.reached ? reached && fewer : reached || deviation < best.deviation)
-      best = {patch, deviation, reached, round};
-    best.rounds = round;
+      best = {patch, deviation, reached};
     if (best.reached && (!reached || deviation > 0.3 * goal || ++sparer > 2)) break;
     if (!best.reached && patch.poles.rows() > 12 * progress) break;
 

@@ -69,7 +69,6 @@ struct PatchFit {
   /// Largest |S - x| at points inside and on the rim that were not fitted.
   double deviation = 0;
   bool reached = false;  ///< deviation ≤ goal
-  int rounds = 0;
 };
 
 struct PatchLimits {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdio>
 #include <map>
+#include <optional>
 #include <ostream>
 #include <set>
 
@@ -91,12 +92,9 @@ void check(const SkinnedRegion& region, const ShellDeck& deck) {
 struct Shell {
   QuadraticFacets facets;
   std::vector<Vec3> nodes;
-  bool own_mesh;  // its triangles are not the surface's elements
 
-  explicit Shell(const SkinnedRegion& region)
-      : facets(quadratic_facets(region)),
-        own_mesh(region.surface.trim() || !region.embedded.empty()) {
-    if (!own_mesh)  // the last element at a node says where it is
+  explicit Shell(const SkinnedRegion& region) : facets(quadratic_facets(region)) {
+    if (facets.of_elements)  // the last element at a node says where it is
       for (size_t t = 0; t < facets.triangles.size(); ++t)
         for (int i = 0; i < 3; ++i) {
           const auto& n = facets.triangles[t];
@@ -119,8 +117,9 @@ struct Shell {
 /// ∬ N dA of each node, N the quadratic shape functions, dA of the true surface.
 VecX node_areas(const Surface& surface, const Shell& shell) {
   static const TriangleRule split = split_triangle(6), whole = symmetric_triangle(8);
-  const TriangleRule& rule = shell.own_mesh ? whole : split;
-  const TriangleLocator locator(surface.mesh());
+  const TriangleRule& rule = shell.facets.of_elements ? split : whole;
+  std::optional<TriangleLocator> locator;
+  if (!shell.facets.of_elements) locator.emplace(surface.mesh());
   VecX area = VecX::Zero(static_cast<long>(shell.nodes.size()));
   for (size_t t = 0; t < shell.facets.triangles.size(); ++t) {
     const auto& n = shell.facets.triangles[t];
@@ -130,7 +129,7 @@ VecX node_areas(const Surface& surface, const Shell& shell) {
                            4 * L[0] * L[1],       4 * L[1] * L[2],       4 * L[2] * L[0]};
       Location where{static_cast<int>(t), L};
       double parametric;
-      if (shell.own_mesh) {
+      if (locator) {
         // The element's place in (u, v) is quadratic as well.
         Vec2 at = Vec2::Zero(), d0 = Vec2::Zero(), d1 = Vec2::Zero();  // along L0 - L2, L1 - L2
         const double N0[6] = {4 * L[0] - 1, 0,         1 - 4 * L[2],
@@ -144,7 +143,7 @@ VecX node_areas(const Surface& surface, const Shell& shell) {
           d1 += N1[a] * uv;
         }
         parametric = 0.5 * (d0.x() * d1.y() - d0.y() * d1.x());
-        where = locator.locate(at);
+        where = locator->locate(at);
       } else {
         parametric = surface.mesh().shape(where.triangle).area;
       }

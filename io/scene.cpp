@@ -73,6 +73,7 @@ void read_skin(const TomlTable& table, SceneSkin& skin) {
                                       {"polygon", Domain::Polygon},
                                       {"plane", Domain::Plane},
                                       {"ring", Domain::Ring}});
+  skin.options.settle = table.boolean("settle", false);
   skin.options.edge_length = table.positive("edge_length", 0);
   if (table.has("refine")) {
     if (skin.options.mesher != Mesher::Fan)
@@ -242,8 +243,9 @@ Scene read(const toml::table& root_table, const std::filesystem::path& file) {
   scene.lines = read_scene_lines(root, folder, true);
   scene.fairing = read_fair_stages(root);
 
-  for (const TomlTable& t : root.table("skin", {"element", "domain", "mesher", "edge_length",
-                                                "refine", "alpha", "beta", "units", "hold"}))
+  for (const TomlTable& t :
+       root.table("skin", {"element", "domain", "settle", "mesher", "edge_length", "refine",
+                           "alpha", "beta", "units", "hold"}))
     read_skin(t, scene.skin);
 
   Names names("name");

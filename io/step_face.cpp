@@ -231,7 +231,14 @@ struct Boundary {
   /// A seam that meets no hole, if possible where the first loop begins.
   void unroll(const std::string& name) {
     const double start = loops[0].front().first().x();
-    if (loops[1].back().last().x() > loops[1].front().first().x()) std::swap(loops[0], loops[1]);
+    const auto turns = [&](const Loop& loop) {
+      return (loop.back().last().x() - loop.front().first().x()) / period;
+    };
+    if (turns(loops[1]) > 0) std::swap(loops[0], loops[1]);
+    if (std::abs(turns(loops[0]) - 1) + std::abs(turns(loops[1]) + 1) > 1e-6)
+      throw InputError("region '" + name + "': the two rims of a ring run " +
+                       number(turns(loops[0])) + " and " + number(turns(loops[1])) +
+                       " times around it; expected once each, with the ring to their left");
     constexpr int tries = 64;
     for (int k = 0; k < tries; ++k) {
       seam = start + period * k / tries;

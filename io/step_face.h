@@ -68,8 +68,9 @@ struct StepFaceReport {
 /// written whole or not at all. Seconds for 10,000 triangles; about 90 bytes a pole.
 ///
 /// Throws InputError: no region; a region without boundary, or whose boundary curve and image have
-/// different parameters; a unit other than those of write_step; a tolerance that is not > 0, other
-/// limits below theirs; dofs that are not finite; a file that cannot be written.
+/// different parameters; a ring whose rims do not run around it, or whose holes leave no room for
+/// the seam; a unit other than those of write_step; a tolerance that is not > 0, limits below those
+/// above; dofs that are not finite; a file that cannot be written.
 StepFaceReport write_step_face(const std::filesystem::path& file,
                                const std::vector<const SkinnedRegion*>& regions,
                                double model_unit_in_metres, const StepFaceOptions& options);

@@ -246,7 +246,24 @@ ParametricMesh delaunay_mesh(const MeshTask& task) {
     CGAL::Delaunay_mesher_2<Triangulation, Criteria> mesher(
         triangulation, Criteria(least_angle, longest * task.edge_length));
     if (!seeds.empty()) mesher.set_seeds(seeds.begin(), seeds.end());
-    mesher.refine_mesh();
+    // Next to angles of a few degrees the refinement may never end.
+    Vec2 low = task.points[0], high = low;
+    for (const Vec2& p : task.points) {
+      low = low.cwiseMin(p);
+      high = high.cwiseMax(p);
+    }
+    constexpr double many = 20;  // times what an even mesh of the box has
+    const double most = many * ((high - low).prod() / (task.edge_length * task.edge_length) +
+                                static_cast<double>(task.points.size()) + 1000);
+    mesher.init();
+    while (!mesher.is_refinement_done()) {
+      mesher.step_by_step_refine_mesh();
+      if (static_cast<double>(triangulation.number_of_vertices()) > most)
+        throw InputError(
+            "the flat domain cannot be meshed with edges of " + number(task.edge_length) +
+            " (of its size): its outline or its lines come so near to each other, or meet at such "
+            "small angles, that triangles become ever smaller");
+    }
   }
 
   // The task's points keep their numbers; the others follow along a space-filling curve.

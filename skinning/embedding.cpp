@@ -140,32 +140,48 @@ std::vector<std::vector<double>> junctions(RegionParts& parts, const DomainTask&
     if (!line.fitted.closed())
       for (const bool last : {false, true}) {
         const int node = last ? line.fitted.node_count() - 1 : 0;
-        for (size_t j = 0; j < n; ++j) {
-          if (j == i || (!bounds[j] && j > i)) continue;
-          const EmbeddedLine& other = parts.embedded[j];
-          const auto near = other.fitted.closest_point(line.fitted.position(node));
-          if (near.distance > task.join) continue;
+        const auto move_to = [&](const Vec3& position, const Vec3& uv) {
           Points x = line.fitted.dofs(), c = line.image.dofs();
-          x.row(line.fitted.mesh().position_dof(node)) = other.fitted.evaluate(near.u);
+          x.row(line.fitted.mesh().position_dof(node)) = position;
           const int image_node = last ? line.image.node_count() - 1 : 0;
-          c.row(line.image.mesh().position_dof(image_node)) = other.image.evaluate(near.u);
+          c.row(line.image.mesh().position_dof(image_node)) = uv;
           line.fitted = {line.fitted.mesh(), x};
           line.image = {line.image.mesh(), c};
+        };
+        const Vec3 end = line.fitted.position(node);
+        bool moved = false;
+        for (const LineRun& run : parts.runs) {
+          const auto near = run.fitted.closest_point(end);
+          if (moved || near.distance > task.join) continue;
+          move_to(run.fitted.evaluate(near.u), run_image(*parts.mesh, run).evaluate(near.u));
+          moved = true;
+        }
+        for (size_t j = 0; j < n && !moved; ++j) {
+          if (j == i || (!bounds[j] && j > i)) continue;
+          const EmbeddedLine& other = parts.embedded[j];
+          const auto near = other.fitted.closest_point(end);
+          if (near.distance > task.join) continue;
+          move_to(other.fitted.evaluate(near.u), other.image.evaluate(near.u));
           always[j].push_back(near.u);
-          break;
+          moved = true;
         }
       }
+    const auto require_near = [&](const std::string& other, const Vec3& p, const Vec3& q) {
+      const double away = (p - q).norm();
+      if (away > task.tolerance)
+        throw InputError("lines '" + other + "' and '" + line.line.name +
+                         "' cross in the flat domain near " + at(p) + ", but are " + number(away) +
+                         " apart there (tolerance " + number(task.tolerance) +
+                         "): a surface cannot be on both");
+    };
+    for (const LineRun& run : parts.runs)
+      for (const Meeting& m : meetings(run_image(*parts.mesh, run), line.image))
+        require_near(run.line.name, run.fitted.evaluate(m.s), line.fitted.evaluate(m.t));
     for (size_t j = 0; j < n; ++j) {
       if (j == i || (!bounds[j] && j > i)) continue;
       const EmbeddedLine& other = parts.embedded[j];
       for (const Meeting& m : meetings(other.image, line.image)) {
-        const Vec3 p = other.fitted.evaluate(m.s), q = line.fitted.evaluate(m.t);
-        const double away = (p - q).norm();
-        if (away > task.tolerance)
-          throw InputError("lines '" + other.line.name + "' and '" + line.line.name +
-                           "' cross in the flat domain near " + at(p) + ", but are " +
-                           number(away) + " apart there (tolerance " + number(task.tolerance) +
-                           "): a surface cannot be on both");
+        require_near(other.line.name, other.fitted.evaluate(m.s), line.fitted.evaluate(m.t));
         always[j].push_back(m.s);
         always[i].push_back(m.t);
       }
@@ -175,8 +191,7 @@ std::vector<std::vector<double>> junctions(RegionParts& parts, const DomainTask&
 }
 
 double distance_to_run(const ParametricMesh& mesh, const LineRun& run, const Vec2& p) {
-  const Vec2 a = mesh.vertices()[run.vertices.front()],
-             d = mesh.vertices()[run.vertices.back()] - a;
+  const Vec2 a = mesh.vertices()[run.vertices.front()], d = mesh.displacement(run.vertices);
   const double s = std::clamp((p - a).dot(d) / std::max(d.squaredNorm(), 1e-300), 0.0, 1.0);
   return (a + s * d - p).norm();
 }
@@ -192,8 +207,9 @@ void place_points(RegionParts& parts, const DomainTask& task, const TriangleLoca
     const size_t others = taken.size();
     for (const double t : embedded_points(*parts.mesh, locator, line.image, {}, always[i])) {
       const Vec2 c = flat(line.image.evaluate(t));
-      const double h = local_size(*parts.mesh, locator.locate(c).triangle);
-      bool free = true;
+      const Location on = locator.locate(c);
+      const double h = local_size(*parts.mesh, on.triangle);
+      bool free = (parts.mesh->shape(on.triangle).point(on.L) - c).norm() <= 1e-9 * h;
       for (size_t k = 0; k < others && free; ++k) free = (taken[k] - c).norm() > too_near * h;
       for (const LineRun& run : parts.runs)
         free = free && distance_to_run(*parts.mesh, run, c) > too_near_run * h;
@@ -205,8 +221,7 @@ void place_points(RegionParts& parts, const DomainTask& task, const TriangleLoca
 }
 
 // The runs on a mesh whose edges were halved and vertices renumbered.
-void follow_runs(RegionParts& parts, const ParametricMesh& before, const std::vector<int>& midpoint,
-                 const MeshPart& part) {
+void follow_runs(RegionParts& parts, const std::vector<int>& midpoint, const MeshPart& part) {
   for (LineRun& run : parts.runs) {
     std::vector<int> vertices{run.vertices[0]};
     std::vector<double> parameters{run.parameters[0]};
@@ -218,13 +233,21 @@ void follow_runs(RegionParts& parts, const ParametricMesh& before, const std::ve
       vertices.push_back(run.vertices[k + 1]);
       parameters.push_back(run.parameters[k + 1]);
     }
-    (void)before;
-    for (int& v : vertices) v = part.vertex[v];
+    for (int& v : vertices) {
+      v = part.vertex[v];
+      if (v < 0)
+        throw InputError("a hole reaches beyond line '" + run.line.name +
+                         "': it must lie inside of the region");
+    }
     run.vertices = vertices;
     run.parameters = parameters;
     run.edges.clear();
-    for (size_t k = 0; k + 1 < vertices.size(); ++k)
+    for (size_t k = 0; k + 1 < vertices.size(); ++k) {
       run.edges.push_back(part.mesh.edge_between(vertices[k], vertices[k + 1]));
+      if (run.edges.back() < 0)
+        throw InputError("a hole crosses line '" + run.line.name +
+                         "': it must lie inside of the region");
+    }
   }
 }
 
@@ -237,7 +260,7 @@ std::vector<int> all_of(int n) {
 void halve(RegionParts& parts, const std::vector<char>& marked) {
   Bisection halved = bisected(*parts.mesh, marked);
   const MeshPart part = part_of(halved.mesh, all_of(halved.mesh.triangle_count()));
-  follow_runs(parts, *parts.mesh, halved.midpoint, part);
+  follow_runs(parts, halved.midpoint, part);
   parts.mesh = std::make_shared<ParametricMesh>(part.mesh);
 }
 
@@ -292,7 +315,7 @@ void cut_and_place(RegionParts& parts, const DomainTask& task) {
                             " and the " + "outline encloses " + number(expected) +
                             ": the outline leaves the mesh, or runs along an element edge");
     const MeshPart part = part_of(*parts.mesh, kept);
-    follow_runs(parts, *parts.mesh, {}, part);
+    follow_runs(parts, {}, part);
     parts.mesh = std::make_shared<ParametricMesh>(part.mesh);
     parts.trim = std::make_shared<Trim>(whole.restricted(kept));
   }
@@ -302,19 +325,17 @@ void cut_and_place(RegionParts& parts, const DomainTask& task) {
     if (line.line.role != CharacterLine::Role::Inner) continue;
     constexpr int samples = 16;
     const double slack = 2 * task.join / task.size + 1e-9;
+    const Vec2 ends[2] = {flat(line.image.evaluate(line.image.start())),
+                          flat(line.image.evaluate(line.image.end()))};
     for (int s = 0; s < line.image.segment_count(); ++s)
       for (int k = 0; k <= samples; ++k) {
         const CurveMesh::Where where{s, static_cast<double>(k) / samples};
         const Vec2 c = flat(line.image.evaluate(where));
+        // Ends on the boundary may lie a hair outside.
+        if (std::min((c - ends[0]).norm(), (c - ends[1]).norm()) <= slack) continue;
         const Location on = locator.locate(c);
-        bool inside = (parts.mesh->shape(on.triangle).point(on.L) - c).norm() <= slack;
-        if (inside && parts.trim && !loops.contains(c)) {
-          // Ends on the boundary may lie a hair outside.
-          inside = false;
-          for (const DomainLoops::Loop& loop : loops.loops())
-            for (const HermiteCurve& piece : loop)
-              inside = inside || piece.closest_point(Vec3(c.x(), c.y(), 0)).distance <= slack;
-        }
+        const bool inside = (parts.mesh->shape(on.triangle).point(on.L) - c).norm() <= 1e-9 &&
+                            (!parts.trim || loops.contains(c));
         if (!inside)
           throw InputError("inner line '" + line.line.name + "' leaves the region near " +
                            at(line.fitted.evaluate(line.image.parameters()[static_cast<size_t>(s)] +
@@ -329,13 +350,8 @@ ConstraintSet line_rows(const RegionParts& parts, TriangleElement element) {
   ConstraintSet set(DofMap(mesh).count());
   ShapeConstraints shape(mesh, element, set);
   for (const LineRun& run : parts.runs) {
-    Vec2 along = Vec2::Zero();
-    for (size_t k = 0; k < run.edges.size(); ++k) {
-      const bool forward = mesh.edges()[run.edges[k]].low == run.vertices[k];
-      along +=
-          (forward ? 1 : -1) * mesh.edge_length(run.edges[k]) * mesh.edge_tangent(run.edges[k]);
-    }
-    shape.curve(run.line.name, run.vertices, run.parameters, run.fitted, along);
+    shape.curve(run.line.name, run.vertices, run.parameters, run.fitted,
+                mesh.displacement(run.vertices));
   }
   if (parts.embedded.empty()) return set;
   const TriangleLocator locator(mesh);

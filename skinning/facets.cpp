@@ -678,6 +678,7 @@ QuadraticFacets quadratic_facets(const SkinnedRegion& region, double edge_length
   const ParametricMesh& mesh = *halves.mesh;
   const auto middle = [&](int edge) { return halves.edge_points[edge][1]; };
   QuadraticFacets result;
+  result.of_elements = !has_own_mesh(region);
   for (int t = 0; t < mesh.triangle_count(); ++t) {
     const auto &v = mesh.triangles()[t], &e = mesh.edges_of(t);
     result.triangles.push_back({v[0], v[1], v[2], middle(e[2]), middle(e[0]), middle(e[1])});

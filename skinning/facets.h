@@ -26,6 +26,7 @@ namespace batten {
 /// Six-node triangles. Node numbers: corners first, then the middles of edges. Of a region without
 /// embedded lines these are the mesh's vertices and edges in their order.
 struct QuadraticFacets {
+  bool of_elements = true;      ///< the element mesh itself, triangle by triangle
   std::vector<Location> nodes;  ///< in the element mesh
   std::vector<Vec2> uv;         ///< of the nodes
   /// Counter-clockwise corners, then the middles of the edges 12, 23, 31.

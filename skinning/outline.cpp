@@ -346,8 +346,10 @@ std::vector<Vec2> fit_polygon(const std::vector<double>& lengths, const std::vec
       for (size_t j = i + 2; j < n && n <= most_distances; ++j) {
         if (i == 0 && j + 1 == n) continue;
         const double in_space = std::max((corners[i] - corners[j]).norm(), 1e-3 * around);
-        r.push_back(distance_weight *
-                    std::log(std::max((p[i] - p[j]).norm(), 1e-6 * around) / in_space));
+        // A surface between two corners is longer than the straight line, never shorter.
+        r.push_back(
+            distance_weight *
+            std::min(0.0, std::log(std::max((p[i] - p[j]).norm(), 1e-6 * around) / in_space)));
       }
     }
     return VecX(Eigen::Map<const VecX>(r.data(), static_cast<long>(r.size())));

@@ -54,9 +54,10 @@ std::vector<double> corner_angles(const Outline& outline);
 
 /// A simple counter-clockwise polygon with the given side lengths and interior angles as nearly as
 /// they can be had together, by least squares over log lengths, angles and (weakly, up to 24
-/// corners) the distances between corners. `corners`: the corners in space, for the start and those
-/// distances; `normal`: the side from which the loop runs counter-clockwise. Scale: sides keep
-/// their length on average. Throws InputError when no simple polygon is found.
+/// corners) distances between corners that are shorter than in space. `corners`: the corners in
+/// space, for the start and those distances; `normal`: the side from which the loop runs
+/// counter-clockwise. Scale: sides keep their length on average. Throws InputError when no simple
+/// polygon is found.
 std::vector<Vec2> fit_polygon(const std::vector<double>& lengths, const std::vector<double>& angles,
                               const std::vector<Vec3>& corners, const Vec3& normal);
 

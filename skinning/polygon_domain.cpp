@@ -51,7 +51,7 @@ class PolygonBuilder {
         join_(task.join),
         outline_(loop) {}
 
-  void build_outline(std::vector<std::string>& warnings) {
+  void build_outline(const std::vector<Vec2>* given, std::vector<std::string>& warnings) {
     // Decided first: the fan needs lines that are cut evenly.
     if (options_.mesher == SkinOptions::Mesher::Delaunay && !have_delaunay_mesher()) {
       warnings.push_back("this build has no CGAL: the fan mesher is used instead");
@@ -82,7 +82,8 @@ class PolygonBuilder {
       corners.push_back(
           rounded(Vec3((outline_.pieces[outline_.corners[c]].start - origin) / size_)));
     }
-    polygon_ = fit_polygon(scaled_lengths, angles, corners, rounded(loop_normal(outline_)));
+    polygon_ = given ? *given
+                     : fit_polygon(scaled_lengths, angles, corners, rounded(loop_normal(outline_)));
     // u runs along the side of the first line, from the middle of the corners.
     size_t first = 0;
     for (size_t c = 0; c < sides; ++c)
@@ -389,10 +390,11 @@ class PolygonBuilder {
 }  // namespace
 
 RegionParts polygon_parts(const Outline& loop, const std::vector<Stretch>& inner,
-                          const DomainTask& task, std::vector<Stretch>& others) {
+                          const DomainTask& task, const std::vector<Vec2>* polygon,
+                          std::vector<Stretch>& others) {
   RegionParts parts;
   PolygonBuilder builder(loop, task);
-  builder.build_outline(parts.warnings);
+  builder.build_outline(polygon, parts.warnings);
   using Treatment = CharacterLine::Treatment;
   for (const Stretch& s : inner) {
     std::string reason;
@@ -409,11 +411,11 @@ RegionParts polygon_parts(const Outline& loop, const std::vector<Stretch>& inner
     parts.boundary[0].push_back(
         {BoundaryPiece::Kind::Run, static_cast<int>(p), builder.strips()[p].flipped});
 
-  const auto& polygon = builder.polygon();
-  for (size_t i = 0, n = polygon.size(); i < n; ++i) {
-    const Vec2 a = polygon[i] - polygon[(i + n - 1) % n], b = polygon[(i + 1) % n] - polygon[i];
+  const auto& corners = builder.polygon();
+  for (size_t i = 0, n = corners.size(); i < n; ++i) {
+    const Vec2 a = corners[i] - corners[(i + n - 1) % n], b = corners[(i + 1) % n] - corners[i];
     constexpr double degrees = 180 / std::numbers::pi;
-    parts.corners.push_back({polygon[i], 180 - std::atan2(cross(a, b), a.dot(b)) * degrees,
+    parts.corners.push_back({corners[i], 180 - std::atan2(cross(a, b), a.dot(b)) * degrees,
                              builder.line_angles()[i] * degrees});
   }
   return parts;

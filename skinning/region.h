@@ -41,11 +41,14 @@ struct SkinnedRegion {
   Surface surface;
   std::vector<LineRun> runs;
   double size = 1;  ///< length scale of the region in model units: diagonal of its lines' box
-  std::vector<EmbeddedLine> embedded;
+  std::vector<EmbeddedLine> embedded = {};
   /// Closed loops with the region to their left in (u, v), the outline first, then holes. Of a ring
   /// (a mesh that is periodic in u) there are two, from u to u + period each.
-  std::vector<std::vector<BoundaryPiece>> boundary;
+  std::vector<std::vector<BoundaryPiece>> boundary = {};
 };
+
+/// The straight image of a run in (u, v) (z = 0), over the parameters of its fitted curve.
+HermiteCurve run_image(const ParametricMesh& mesh, const LineRun& run);
 
 /// A piece of the boundary along its loop, in (u, v) (z = 0), over the parameters of
 /// boundary_curve.

@@ -32,9 +32,12 @@ inline Vec3 rounded(const Vec3& p) { return {rounded(p.x()), rounded(p.y()), rou
 
 /// A polygon whose sides are the loop's sides between corners; every line of the loop is a run.
 /// Inner lines become straight runs across where they can; those that cannot, and those that are to
-/// be embedded, are returned in `others` (one that is to be fitted is refused). Throws InputError.
+/// be embedded, are returned in `others` (one that is to be fitted is refused). `polygon`: its
+/// corners, or none: then from the lengths of the sides and the angles between them. Throws
+/// InputError.
 RegionParts polygon_parts(const Outline& loop, const std::vector<Stretch>& inner,
-                          const DomainTask& task, std::vector<Stretch>& others);
+                          const DomainTask& task, const std::vector<Vec2>* polygon,
+                          std::vector<Stretch>& others);
 
 /// A plane: the domain is the lines' own projection, scaled to size 1; all lines are embedded. u
 /// is the projection of the x axis (y, where the plane is at right angles to x). The mesh covers

@@ -10,13 +10,6 @@
 namespace batten {
 namespace {
 
-// Numbers of the domain that depend on the lines are rounded to this, so that lines given in mm and
-// in m, which differ in their last bits, make the same mesh.
-double rounded(double x) {
-  constexpr double grid = 1 << 30;
-  return std::round(x * grid) / grid;
-}
-
 // Into [0, 1).
 double fraction_of(double x) {
   x -= std::floor(x);
@@ -104,20 +97,15 @@ struct Rim {
 
 class Builder {
  public:
-  Builder(const Outline& a, const Outline& b, const SkinOptions& options, double tolerance,
-          double edge_length)
-      : options_(options),
-        size_(a.size),
-        tolerance_(tolerance),
-        edge_(edge_length),
-        rim_{Rim(a), Rim(b)} {}
+  Builder(const Outline& a, const Outline& b, const DomainTask& task)
+      : task_(task), rim_{Rim(a), Rim(b)} {}
 
-  RingParts build() {
+  RegionParts build() {
     for (const Rim& rim : rim_) require_smooth(rim.outline);
     match();
     for (Rim& rim : rim_) fit(rim);
     columns();
-    RingParts parts;
+    RegionParts parts;
     parts.mesh = mesh();
     parts.boundary.resize(2);
     for (const int r : {0, 1})
@@ -137,8 +125,9 @@ class Builder {
     if (rim.corners.empty()) return;
     const auto& piece = rim.pieces[static_cast<size_t>(rim.corners[0])];
     throw InputError("the rims of a ring must be smooth, and one turns by more than " +
-                     number(options_.corner_angle) + " degrees where line '" + piece.stretch.name +
-                     "' begins, " + at(piece.start) + ": rims with corners are not supported yet");
+                     number(task_.options.corner_angle) + " degrees where line '" +
+                     piece.stretch.name + "' begins, " + at(piece.start) +
+                     ": rims with corners are not supported yet");
   }
 
   // Direction and start of rim B against rim A.
@@ -156,7 +145,7 @@ class Builder {
         double sum = 0;
         for (int i = 0; i < n; ++i) sum += (a[i] - b[(k + d * i + n) % n]).squaredNorm();
         // A tie stays with the first.
-        if (sum < least - 1e-9 * n * size_ * size_) {
+        if (sum < least - 1e-9 * n * task_.size * task_.size) {
           least = sum;
           start = k;
           direction = d;
@@ -188,8 +177,8 @@ class Builder {
     double distance = 0;
     for (int i = 0; i < n; ++i)
       distance += (rim_[1].point(phase + static_cast<double>(i) / n).x - a[i]).norm() / n;
-    U_ = rounded(0.5 * (rim_[0].length + rim_[1].length) / size_);
-    V_ = rounded(distance / size_);
+    U_ = rounded(0.5 * (rim_[0].length + rim_[1].length) / task_.size);
+    V_ = rounded(distance / task_.size);
     if (!(V_ > 1e-6 * U_))
       throw InputError("the rims of a ring, with lines '" + rim_[0].outline.pieces[0].stretch.name +
                        "' and '" + rim_[1].outline.pieces[0].stretch.name + "', coincide");
@@ -204,7 +193,7 @@ class Builder {
 
   void fit(Rim& rim) const {
     FitOptions fit;
-    fit.tolerance = tolerance_;
+    fit.tolerance = task_.tolerance;
     fit.corner_angle = 180;
     fit.even = true;
     fit.halved = true;
@@ -244,12 +233,12 @@ class Builder {
 
   void columns() {
     // Near-square cells, eight around at least.
-    const double h = std::min({edge_ / size_, 2 * V_, U_ / 8}) / U_;
-    const double expected = 2 * U_ * V_ * size_ * size_ / (edge_ * edge_);
+    const double h = std::min({task_.edge / task_.size, 2 * V_, U_ / 8}) / U_;
+    const double expected = 2 * U_ * V_ * task_.size * task_.size / (task_.edge * task_.edge);
     constexpr double most_triangles = 2e6;
     if (expected > most_triangles || 2 / h > most_triangles)
-      throw InputError("edge_length = " + number(edge_) + " on a ring of size " + number(size_) +
-                       " means about " + number(std::max(expected, 2 / h)) +
+      throw InputError("edge_length = " + number(task_.edge) + " on a ring of size " +
+                       number(task_.size) + " means about " + number(std::max(expected, 2 / h)) +
                        " triangles; at most " + number(most_triangles) +
                        " are allowed (is the unit right?)");
 
@@ -313,7 +302,7 @@ class Builder {
 
   std::shared_ptr<const ParametricMesh> mesh() const {
     const int n = static_cast<int>(columns_.size());
-    const int rows = std::max(1, static_cast<int>(std::lround(V_ * size_ / edge_)));
+    const int rows = std::max(1, static_cast<int>(std::lround(V_ * task_.size / task_.edge)));
     std::vector<Vec2> vertices;
     for (int j = 0; j <= rows; ++j)
       for (const Column& c : columns_) {
@@ -373,8 +362,7 @@ class Builder {
     return run;
   }
 
-  SkinOptions options_;
-  double size_, tolerance_, edge_;
+  const DomainTask& task_;
   Rim rim_[2];
   double U_ = 0, V_ = 0;
   std::vector<Column> columns_;
@@ -382,13 +370,8 @@ class Builder {
 
 }  // namespace
 
-RingParts ring_parts(const Outline& rim_a, const Outline& rim_b, const SkinOptions& options,
-                     double tolerance, double edge_length) {
-  for (const double x : {rim_a.size, tolerance, edge_length})
-    if (!(x > 0) || !std::isfinite(x))
-      throw InputError("a ring needs a size, a tolerance and an edge length above 0, not " +
-                       number(x));
-  return Builder(rim_a, rim_b, options, tolerance, edge_length).build();
+RegionParts ring_parts(const Outline& a, const Outline& b, const DomainTask& task) {
+  return Builder(a, b, task).build();
 }
 
 }  // namespace batten

@@ -1,25 +1,9 @@
 // Rings: regions between two smooth closed rims, as tubes, skirts and annuli.
 #pragma once
 
-#include <memory>
-#include <vector>
-
-#include "batten/skinning/outline.h"
-#include "batten/skinning/region.h"
-#include "batten/skinning/skin.h"
+#include "batten/skinning/region_parts.h"
 
 namespace batten {
-
-/// Everything of a ring except its shape.
-struct RingParts {
-  std::shared_ptr<const ParametricMesh> mesh;  ///< periodic in u
-  /// One for each line, those of rim A first, along each rim. The vertices of a rim that is one
-  /// closed line name the first vertex again at the end. A direction for ShapeConstraints::curve:
-  /// mesh->displacement(run.vertices).
-  std::vector<LineRun> runs;
-  /// Two loops: rim A with u, rim B against it.
-  std::vector<std::vector<BoundaryPiece>> boundary;
-};
 
 /// A strip that is periodic in u: rim A along v = 0, in the direction of its first line, rim B
 /// along v = V. No singular point, and lines stay straight runs of element edges:
@@ -29,19 +13,19 @@ struct RingParts {
 ///
 /// Points of equal u are matched: of the two directions of rim B and all its starts, those that
 /// make the sum of squared distances between points at equal fractions of arc length least, so that
-/// the strip is not twisted. Both rims become closed C1 cubic curves within `tolerance`, whose
+/// the strip is not twisted. Both rims become closed C1 cubic curves within the tolerance, whose
 /// nodes lie on columns of the mesh. A rim of one line may begin anywhere: one of them is cut where
 /// it matches the start of the other, and both begin at u = 0. Where lines join on both rims, the
 /// columns tilt by up to half an edge so that each ends on a joint.
 ///
-/// The mesh: right triangles, rows × columns with cells as near to squares of `edge_length` as the
-/// lines' nodes allow, diagonals alternating.
+/// The mesh: right triangles, rows × columns with cells as near to squares of the wished edge as
+/// the lines' nodes allow, diagonals alternating.
 ///
-/// `rim_a`, `rim_b`: loops without corners, as make_loops() finds them, of the same size.
-/// `tolerance`, `edge_length`: model units. Throws InputError in words for the user: a rim with a
-/// corner, rims that coincide, an edge length that means more than 2 million triangles.
-/// Cost: O(columns · rows).
-RingParts ring_parts(const Outline& rim_a, const Outline& rim_b, const SkinOptions& options,
-                     double tolerance, double edge_length);
+/// `a`, `b`: loops without corners, as make_loops() finds them. The parts have a mesh, one run for
+/// each line (those of rim A first, along each rim; the vertices of a rim that is one closed line
+/// name the first one again at the end) and two boundary loops: rim A with u, rim B against it.
+/// Throws InputError in words for the user: a rim with a corner, rims that coincide, an edge length
+/// that means more than 2 million triangles. Cost: O(columns · rows).
+RegionParts ring_parts(const Outline& a, const Outline& b, const DomainTask& task);
 
 }  // namespace batten

@@ -9,7 +9,9 @@
 #include "batten/core/errors.h"
 #include "batten/fem/dissection.h"
 #include "batten/fem/triangle_locator.h"
+#include "batten/skinning/flatten.h"
 #include "batten/skinning/region_parts.h"
+#include "batten/skinning/ring.h"
 
 namespace batten {
 namespace {
@@ -90,10 +92,31 @@ RegionLayout::RegionLayout(std::string name, const std::vector<CharacterLine>& l
                      loops[0].pieces[0].stretch.name + "' and '" + loops[1].pieces[0].stretch.name +
                      "' in different ones: lines around a hole have role = \"hole\"");
   progress.at("meshing", 0);
-  if (domain == Domain::Ring) throw InputError("rings are not there yet");
   std::vector<Stretch> others;
-  if (domain == Domain::Polygon) {
-    parts_ = polygon_parts(loops[0], inner, task, others);
+  if (domain == Domain::Ring) {
+    if (loops.size() != 2)
+      throw InputError("a ring needs two loops of outline lines, and there are " +
+                       std::to_string(loops.size()));
+    if (!holes.empty() || !inner.empty())
+      throw InputError("line '" +
+                       (holes.empty() ? inner[0].name : holes[0].pieces[0].stretch.name) +
+                       "': a ring takes no holes and no inner lines yet");
+    parts_ = ring_parts(loops[0], loops[1], task);
+  } else if (domain == Domain::Polygon) {
+    parts_ = polygon_parts(loops[0], inner, task, nullptr, others);
+    constexpr int most_settlings = 3;
+    for (int round = 0; options_.settle && round < most_settlings; ++round) {
+      std::vector<Vec2> polygon;
+      for (const DomainCorner& corner : parts_.corners) polygon.push_back(corner.uv);
+      const Flattened better =
+          flatten(Surface(parts_.mesh, options_.element,
+                          plain_shape(parts_, options_.element, first_point(parts_))),
+                  polygon);
+      constexpr double worth_it = 0.95;
+      if (better.expected.rms > worth_it * better.before.rms) break;
+      others.clear();
+      parts_ = polygon_parts(loops[0], inner, task, &better.polygon, others);
+    }
     if (!holes.empty() || !others.empty()) {
       const Surface surface(parts_.mesh, options_.element,
                             plain_shape(parts_, options_.element, first_point(parts_)));

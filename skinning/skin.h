@@ -32,6 +32,10 @@ struct SkinOptions {
     Ring      ///< two smooth loops; lines fitted
   };
   Domain domain = Domain::Auto;
+  /// Whether a polygon's corners move, and the mesh is made anew, until the surface that the lines
+  /// make is as little stretched and sheared as straight sides allow (at most three rounds, each
+  /// one solve).
+  bool settle = false;
   /// How often the fan is cut in four; -1: until edges are short enough. Lines that need more nodes
   /// than that to reach the tolerance are refused.
   int fan_refinements = -1;

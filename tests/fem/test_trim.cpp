@@ -70,8 +70,7 @@ double worst_moment(const ParametricMesh& mesh, const Trim& trim, int degree) {
       const Vec2 uv = shape.point(rule.L.row(p));
       for (int i = 0; i <= degree; ++i)
         for (int j = 0; i + j <= degree; ++j)
-          sums(i, j) +=
-              shape.area * rule.weights[p] * std::pow(uv.x(), i) * std::pow(uv.y(), j);
+          sums(i, j) += shape.area * rule.weights[p] * std::pow(uv.x(), i) * std::pow(uv.y(), j);
     }
   }
   double worst = 0;
@@ -167,8 +166,9 @@ TEST_CASE("a cubic's zeros are found where its sign changes") {
     CHECK(parts.back() == 1);
     for (size_t i = 0; i + 1 < parts.size(); ++i) {
       CHECK(parts[i] < parts[i + 1]);
-      if (i > 0) CHECK(std::abs(f.slope(parts[i])) < 1e-12 * std::abs(f.b[3] - f.b[0] + f.b[1]) +
-                                                        1e-11 * Vec2(f.b[0], f.b[3]).norm());
+      if (i > 0)
+        CHECK(std::abs(f.slope(parts[i])) <
+              1e-12 * std::abs(f.b[3] - f.b[0] + f.b[1]) + 1e-11 * Vec2(f.b[0], f.b[3]).norm());
     }
   }
   // Twice the same root: touched, or (by rounding) two crossings beside each other.
@@ -285,6 +285,37 @@ TEST_CASE("areas of loops are exact, holes count negative") {
   }
 }
 
+TEST_CASE("corners of one closed curve, and pieces that meet nearly, close the loop") {
+  // The unit square as one curve with four corners.
+  const CurveMesh mesh({0, 1, 2, 3, 4}, true, {0, 1, 2, 3});
+  const Vec3 at[] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
+  Points dofs(mesh.dof_count(), 3);
+  for (int i = 0; i < 4; ++i) {
+    dofs.row(mesh.position_dof(i)) = at[i];
+    dofs.row(mesh.slope_in(i)) = at[i] - at[(i + 3) % 4];
+    dofs.row(mesh.slope_out(i)) = at[(i + 1) % 4] - at[i];
+  }
+  const DomainLoops square({{HermiteCurve(mesh, dofs)}});
+  CHECK(square.area() == Approx(1).epsilon(1e-15));
+  for (const double v : {0.001, 0.5, 0.999}) {
+    CHECK(square.contains({0.001, v}));
+    CHECK(square.contains({0.999, v}));
+    CHECK(!square.contains({1.001, v}));
+  }
+  // A ray through the hair between two pieces.
+  const double hair = 5e-10;
+  Loop loop;
+  const Vec2 corner[] = {{0, 0}, {1, 0.5}, {0, 1}, {-1, 0.5}};
+  for (int i = 0; i < 4; ++i)
+    loop.push_back(straight(corner[i], corner[(i + 1) % 4] - Vec2(0, hair)));
+  const DomainLoops nearly({loop});
+  for (const double v : {0.5 - 1.5 * hair, 0.5 - hair, 0.5 - 0.5 * hair, 0.5, 0.5 + hair}) {
+    CHECK(nearly.contains({0, v}));
+    CHECK(!nearly.contains({-2, v}));
+    CHECK(!nearly.contains({2, v}));
+  }
+}
+
 TEST_CASE("loops that are none are refused") {
   CHECK(refusal([] { DomainLoops({Loop{}}); }).find("without curves") != std::string::npos);
   Loop open = box({0, 0}, {1, 1});
@@ -302,9 +333,8 @@ TEST_CASE("shares of the triangles sum to the area: 200 random loops with holes 
   for (unsigned trial = 0; trial < 200; ++trial) {
     const ParametricMesh mesh = random_grid(static_cast<int>(trial % 3), trial);
     const Vec2 centre(0.5 + 0.05 * random(), 0.5 + 0.05 * random());
-    const DomainLoops loops(
-        {{wavy(random, centre, 0.28, 5 + static_cast<int>(trial % 20))},
-         {wavy(random, centre, 0.06, 4 + static_cast<int>(trial % 7), true)}});
+    const DomainLoops loops({{wavy(random, centre, 0.28, 5 + static_cast<int>(trial % 20))},
+                             {wavy(random, centre, 0.06, 4 + static_cast<int>(trial % 7), true)}});
     const Trim trim(mesh, loops);
     INFO("trial " << trial);
     CHECK(std::abs(sum_of_shares(mesh, trim) - loops.area()) < 1e-12);
@@ -330,7 +360,7 @@ TEST_CASE("rules over the inside are exact for polynomials of their degree") {
       INFO("trial " << trial << " degree " << degree);
       CHECK(worst_moment(mesh, trim, degree) < 1e-12);
     }
-    // One degree more is not: the points are not wasted. (Of the arcs' own degree.)
+    // Where an arc bends towards the apex of its cone weights are negative: few.
     double lowest = 0, negative = 0;
     for (int t = 0; t < mesh.triangle_count(); ++t) {
       const TriangleRule rule = trim.rule(t, 6);
@@ -339,8 +369,7 @@ TEST_CASE("rules over the inside are exact for polynomials of their degree") {
       negative -= mesh.shape(t).area * rule.weights.cwiseMin(0.0).sum();
     }
     CHECK(lowest >= -1e-12);
-    WARN("negative " << negative / loops.area());
-    CHECK(negative < 0.1 * loops.area());
+    CHECK(negative < 0.03 * loops.area());
   }
 }
 
@@ -357,7 +386,8 @@ TEST_CASE("loops inside one element, through its centroid, vertices and spokes")
       CHECK(std::abs(trim.area() - loops.area()) <= 1e-11 * scale + 1e-16);
       CHECK(trim.side(0) == Trim::Side::Cut);
       check_cut(one, loops);
-      check_cut(one, DomainLoops({box({0, 0}, {0.2, 0.2}), {wavy(random, {0.1, 0.1}, 0.03, 7, true)}}),
+      check_cut(one,
+                DomainLoops({box({0, 0}, {0.2, 0.2}), {wavy(random, {0.1, 0.1}, 0.03, 7, true)}}),
                 1);
     }
   const ParametricMesh& mesh = one;
@@ -372,8 +402,8 @@ TEST_CASE("loops inside one element, through its centroid, vertices and spokes")
 
 TEST_CASE("outlines along grid lines, exactly and nearly") {
   const ParametricMesh mesh = squares({-1, -1}, 0.25, 16, 16);
-  for (const double off : {0., 1e-16, 1e-14, 1e-12, 1e-11, 1e-10, 1e-9, 3e-9, 1e-8, 3e-8, 1e-7, 3e-7,
-                           1e-6, 1e-4})
+  for (const double off :
+       {0., 1e-16, 1e-14, 1e-12, 1e-11, 1e-10, 1e-9, 3e-9, 1e-8, 3e-8, 1e-7, 3e-7, 1e-6, 1e-4})
     for (const double sign : {1., -1.}) {
       const Vec2 d(sign * off, sign * off);
       INFO("off " << d.x());
@@ -386,16 +416,30 @@ TEST_CASE("outlines along grid lines, exactly and nearly") {
       {
         INFO("along the diagonals and across them");
         const Vec2 e(0, sign * off);
-        check_cut(mesh,
-                  DomainLoops({polygon({Vec2(0, 0) + e, Vec2(1, 1) + e, Vec2(0, 1) + e})}),
+        check_cut(mesh, DomainLoops({polygon({Vec2(0, 0) + e, Vec2(1, 1) + e, Vec2(0, 1) + e})}),
                   tolerance);
         check_cut(mesh,
-                  DomainLoops({polygon({Vec2(0, 0) + e, Vec2(1, -0.5) + e, Vec2(1.5, 0.5) + e,
-                                        Vec2(0.5, 1) + e})}),
+                  DomainLoops({polygon(
+                      {Vec2(0, 0) + e, Vec2(1, -0.5) + e, Vec2(1.5, 0.5) + e, Vec2(0.5, 1) + e})}),
                   tolerance);
       }
       {
-        INFO("hole of one element's size, and one that meets itself at no vertex");
+        INFO("one side on a grid line, the others between");
+        check_cut(mesh, DomainLoops({box(Vec2(-0.5, -0.35) + d, Vec2(1.1, 0.6) + d)}), tolerance);
+      }
+      {
+        // Ends on an edge, with another loop in the same element.
+        const HermiteCurve small = circle({-0.47, -0.32}, 0.01, 6, true);
+        check_cut(mesh, DomainLoops({{small}, box(Vec2(-0.5, -0.35) + d, Vec2(1.1, 0.6) + d)}),
+                  tolerance);
+        check_cut(mesh,
+                  DomainLoops({{small},
+                               box(Vec2(-1, -0.9) + d.cwiseAbs(), {-0.5, -0.4}),
+                               box({-0.5, -0.35}, Vec2(1.1, 0.6) + d)}),
+                  tolerance);
+      }
+      {
+        INFO("a hole of one element's size");
         check_cut(mesh,
                   DomainLoops({box({-0.9, -0.9}, {1.9, 1.9}),
                                polygon({Vec2(0, 0) + d, Vec2(0, 0.25) + d, Vec2(0.25, 0.25) + d,
@@ -414,8 +458,9 @@ TEST_CASE("loops that touch element edges") {
   const auto round = [](const Vec2& centre, double radius, double turn, int n, bool clockwise) {
     return hermite(0, 2 * pi, n, true, [=](double t, int order) {
       const double a = (clockwise ? -1 : 1) * t + turn, s = clockwise ? -1 : 1;
-      return order == 0 ? Vec3(centre.x() + radius * std::cos(a), centre.y() + radius * std::sin(a), 0)
-                        : Vec3(-s * radius * std::sin(a), s * radius * std::cos(a), 0);
+      return order == 0
+                 ? Vec3(centre.x() + radius * std::cos(a), centre.y() + radius * std::sin(a), 0)
+                 : Vec3(-s * radius * std::sin(a), s * radius * std::cos(a), 0);
     });
   };
   const ParametricMesh mesh = squares({-1, -1}, 0.5, 6, 6);
@@ -430,7 +475,7 @@ TEST_CASE("loops that touch element edges") {
             const BernsteinCubic u{{arc.b[0].x(), arc.b[1].x(), arc.b[2].x(), arc.b[3].x()}};
             for (const double t : u.monotone_parts()) reach = std::max(reach, u.at(t));
           }
-          for (const double radius : {0.05, 0.2, 0.7})
+          for (const double radius : {0.05, 0.2, 0.6})
             for (const double v : {0.15, 0.0}) {
               const Vec2 centre(0.5 - radius * reach + sign * off, v);
               INFO(n << " arcs, turned " << turn << ", off " << sign * off << " radius " << radius
@@ -451,8 +496,8 @@ TEST_CASE("corners inside elements, and loops that nearly touch") {
       return Vec2(0.5 + 0.2 * (c * u - s * v), 0.5 + 0.2 * (s * u + c * v));
     };
     INFO("trial " << trial);
-    check_cut(mesh, DomainLoops({polygon({turned(-1, -1), turned(1, -1), turned(1, 1),
-                                          turned(-1, 1)})}));
+    check_cut(mesh,
+              DomainLoops({polygon({turned(-1, -1), turned(1, -1), turned(1, 1), turned(-1, 1)})}));
     // A star with sharp corners.
     std::vector<Vec2> star;
     for (int i = 0; i < 10; ++i) {
@@ -493,6 +538,58 @@ TEST_CASE("a cut of some triangles alone is the same cut") {
   }
   CHECK(part.cut() == cut);
   CHECK(part.loops().arcs().size() == loops.arcs().size());
+}
+
+TEST_CASE("matrices and loads of a region and of the rest sum to those of the whole") {
+  const ParametricMesh mesh = perturbed_square(5, 12);
+  Random random(7);
+  const HermiteCurve curve = wavy(random, {0.5, 0.5}, 0.3, 9);
+  const auto inside = std::make_shared<Trim>(mesh, DomainLoops({{curve}}));
+  const auto rest =
+      std::make_shared<Trim>(mesh, DomainLoops({{curve.backwards()}}, DomainLoops::Around::Inside));
+  Points q(DofMap(mesh).count(), 3);
+  for (long i = 0; i < q.rows(); ++i) q.row(i) = random.point();
+  Mat2 alpha;
+  alpha << 3, 0.5, 0.5, 2;
+  const SurfaceStiffness bending{}, stretching{alpha, Vec3::Zero()};
+  // What HCT functions integrate to exactly; those of Z12 are rational.
+  for (const TriangleElement kind : both_kinds) {
+    const SurfaceAssembler whole(mesh, kind), a(mesh, kind, inside, 0), b(mesh, kind, rest, 0);
+    const double tolerance = kind == TriangleElement::HCT ? 1e-11 : 3e-2;
+    const auto misfit = [](const auto& x, const auto& y, const auto& sum) {
+      return MatX(x + y - sum).norm() / MatX(sum).norm();
+    };
+    INFO(name(kind));
+    CHECK(misfit(a.stiffness(bending), b.stiffness(bending), whole.stiffness(bending)) < tolerance);
+    CHECK(misfit(a.stiffness(stretching), b.stiffness(stretching), whole.stiffness(stretching)) <
+          tolerance);
+    CHECK(misfit(a.mass(), b.mass(), whole.mass()) < tolerance);
+    CHECK(misfit(a.load(Vec3(1, 2, 3)), b.load(Vec3(1, 2, 3)), whole.load(Vec3(1, 2, 3))) <
+          tolerance);
+    const auto wind = [](const Location&, const Vec2& uv) {
+      return Vec3(uv.x(), uv.x() * uv.y() * uv.y(), 1);
+    };
+    CHECK(misfit(a.load(wind), b.load(wind), whole.load(wind)) < tolerance);
+    CHECK(misfit(a.pressure_load(q), b.pressure_load(q), whole.pressure_load(q)) < tolerance);
+    // Stiffness that varies: as much as the rule of the whole integrates.
+    const auto field = [](const Vec2& uv) {
+      SurfaceStiffness m;
+      m.beta = Vec3(1 + uv.x() * uv.y(), 1 + uv.x(), 2);
+      m.alpha = Mat2::Identity();
+      return m;
+    };
+    SparseMatrix of_a = a.pattern(), of_b = a.pattern(), of_whole = a.pattern();
+    a.stiffness(field, of_a);
+    b.stiffness(field, of_b);
+    whole.stiffness(field, of_whole);
+    CHECK(misfit(of_a, of_b, of_whole) < tolerance);
+  }
+  // The part outside counts a little, so that no cut is too small.
+  const SurfaceAssembler a(mesh, TriangleElement::HCT, inside, 0),
+      little(mesh, TriangleElement::HCT, inside, 0.25), whole(mesh, TriangleElement::HCT);
+  CHECK((MatX(little.stiffness(bending)) - 0.75 * MatX(a.stiffness(bending)) -
+         0.25 * MatX(whole.stiffness(bending)))
+            .norm() < 1e-11 * MatX(whole.stiffness(bending)).norm());
 }
 
 TEST_CASE("no loops: all of the mesh, or nothing") {

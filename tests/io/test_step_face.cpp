@@ -588,8 +588,13 @@ TEST_CASE("A ring is one face that closes in u, with a seam, holes beside it", "
         area += tube({u, v}).area_vector().norm() * period / 2000 * (v1 - v0) / 200;
       }
     CHECK(r.area == Approx(area).epsilon(1e-3));
-    gp_Pnt p;
-    gp_Vec du, dv;
+    std::swap(region.embedded[1].image, region.embedded[0].image);
+    std::swap(region.embedded[1].fitted, region.embedded[0].fitted);
+    CHECK(write_step_face(r.file, {&region}, 1e-3, {.tolerance = 1e-4}).reached);  // either first
+    region.boundary[1][0].reversed = true;
+    CHECK(refusal([&] {
+            write_step_face(r.file, {&region}, 1e-3, {.tolerance = 1e-4});
+          }).find("-1 times around") != std::string::npos);
     const Vec3 normal = normal_of(face, {1.2, 0.1});
     CHECK(normal.dot(tube({1.2, 0.1}).normal()) > 0.999);
   }

@@ -168,6 +168,7 @@ TEST_CASE("quadratic facets have their middles on the lines and are turned the r
   const QuadraticFacets q = quadratic_facets(region);
   REQUIRE(q.nodes.size() == q.uv.size());
   REQUIRE(q.element.size() == q.triangles.size());
+  CHECK(!q.of_elements);
   const auto uv = places(region.surface.mesh(), q.nodes);
   double off = 0;
   for (size_t i = 0; i < uv.size(); ++i) off = std::max(off, (uv[i] - q.uv[i]).norm());
@@ -258,6 +259,7 @@ TEST_CASE("facets of fitted regions are their elements") {
   for (int k = 0; k <= 12; ++k)
     CHECK((uv[f.lines[0][0][k]] - Vec2(1 - k / 12.0, 0)).norm() < 1e-15);
   const QuadraticFacets q = quadratic_facets(region);
+  CHECK(q.of_elements);
   for (int e = 0; e < mesh.triangle_count(); ++e) {
     CHECK(q.element[e] == e);
     for (int i = 0; i < 3; ++i) {
@@ -359,20 +361,38 @@ TEST_CASE("fitted runs keep their vertices when a hole is embedded, ribs may cro
 
 TEST_CASE("regions that share a line share its points") {
   if (!have_delaunay_mesher()) return;
-  // A disc that fills the hole of another, over another grid.
+  // A disc that fills the hole of another, over another grid, its (u, v) three times as large.
+  constexpr double scale = 3;
   const HermiteCurve hole = circle({0.1, 0.2}, 0.5, 8);
   const SkinnedRegion around = sheet_region({circle({0, 0}, 1, 24), hole}, {}, 0.2);
-  const SkinnedRegion inside = sheet_region({hole}, {}, 0.13);
+  SkinnedRegion inside = sheet_region({hole}, {}, 0.13);
+  std::vector<Vec2> vertices = inside.surface.mesh().vertices();
+  for (Vec2& p : vertices) p *= scale;
+  const auto mesh =
+      std::make_shared<const ParametricMesh>(vertices, inside.surface.mesh().triangles());
+  Points dofs = inside.surface.dofs() / scale;
+  for (int v = 0; v < mesh->vertex_count(); ++v) dofs.row(3 * v) *= scale;
+  EmbeddedLine& rim = inside.embedded[0];
+  rim.image = HermiteCurve(rim.image.mesh(), scale * rim.image.dofs());
+  inside.surface = Surface(mesh, inside.surface.kind(), dofs,
+                           std::make_shared<Trim>(*mesh, boundary_loops(inside)));
   const int n = GENERATE(1, 3);
-  const DisplayFacets a = facets(around, n, 0.2), b = facets(inside, n, 0.2);
+  const double length = GENERATE(0.05, 0.2);
+  const DisplayFacets a = facets(around, n, length), b = facets(inside, n, length);
   const auto uv_a = places(around.surface.mesh(), a.tessellation.points),
-             uv_b = places(inside.surface.mesh(), b.tessellation.points);
+             uv_b = places(*mesh, b.tessellation.points);
   const auto &of_a = a.lines[1][0], &of_b = b.lines[0][0];
   REQUIRE(of_a.size() == of_b.size());
-  double apart = 0;
-  for (size_t i = 0; i < of_a.size(); ++i)
-    apart = std::max(apart, (uv_a[of_a[i]] - uv_b[of_b[i]]).norm());
+  CHECK(static_cast<double>(of_a.size() - 1) == Approx(n * 2 * pi * 0.5 / length).epsilon(0.5));
+  double apart = 0, gap = 0;
+  for (size_t i = 0; i < of_a.size(); ++i) {
+    apart = std::max(apart, (uv_a[of_a[i]] - uv_b[of_b[i]] / scale).norm());
+    gap = std::max(gap, (around.surface.position(a.tessellation.points[of_a[i]]) -
+                         inside.surface.position(b.tessellation.points[of_b[i]]))
+                            .norm());
+  }
   CHECK(apart < 4e-15);
+  CHECK(gap < 2e-4);
   CHECK(count(uv_b, b.tessellation.facets).euler == 1);
 }
 
