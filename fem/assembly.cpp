@@ -51,7 +51,7 @@ void SurfaceAssembler::cut(int t, const MaterialAt& material, double* K) const {
   element *= outside_;
   if (is_outside(t)) return;
   // Second derivatives of HCT functions are linear, those of Z12 functions rational.
-  const int degree = kind_ == TriangleElement::HCT ? 2 : 8;
+  const int degree = kind_ == TriangleElement::HCT ? 4 : 8;
   Mat12 inside;
   varying_stiffness(TabulatedRule(kind_, trim_->rule(t, degree)), shapes_[t], material,
                     inside.data());

@@ -39,31 +39,56 @@ struct Piece {
 std::vector<Piece> boundary_inside(const std::array<Vec2, 3>& S, const DomainLoops& loops,
                                    const std::vector<PlanarCubic>& arcs, bool& touched) {
   // An arc along an edge belongs to neither side; the edge then bounds the part.
-  constexpr double on_edge = 1e-9, inward = 1e-7;
+  constexpr double on_edge = 1e-12, inward = 1e-10;
   const double twice = cross(S[1] - S[0], S[2] - S[0]);
   std::vector<Piece> pieces;
-  std::array<std::vector<double>, 3> marks;  // along each edge
+  std::array<std::vector<double>, 3> marks;                       // along each edge
+  std::array<std::vector<std::pair<double, double>>, 3> covered;  // by an arc along it
   const auto height = [&](int e, const Vec2& p) {
     return cross(S[(e + 1) % 3] - S[e], p - S[e]) / twice;
+  };
+  const auto place = [&](int e, const Vec2& p) {
+    const Vec2 d = S[(e + 1) % 3] - S[e];
+    return (p - S[e]).dot(d) / d.squaredNorm();
   };
   for (const PlanarCubic& arc : arcs) {
     std::vector<double> t{0, 1};
     for (int e = 0; e < 3; ++e) {
       BernsteinCubic distance;
       for (size_t i = 0; i < 4; ++i) distance.b[i] = height(e, arc.b[i]);
-      const Vec2 a = S[e], d = S[(e + 1) % 3] - a;
       for (const double zero : distance.zeros()) {
         t.push_back(zero);
-        marks[e].push_back((arc.at(zero) - a).dot(d) / d.squaredNorm());
+        marks[e].push_back(place(e, arc.at(zero)));
       }
     }
     std::sort(t.begin(), t.end());
     for (size_t i = 0; i + 1 < t.size(); ++i) {
       if (t[i + 1] - t[i] < 1e-15) continue;
-      const Vec2 middle = arc.at(0.5 * (t[i] + t[i + 1]));
-      if (std::min({height(0, middle), height(1, middle), height(2, middle)}) <= on_edge) continue;
-      pieces.push_back({false, arc.part(t[i], t[i + 1])});
-      touched = true;
+      // No height changes its sign between t_i and t_i+1, but all may vanish somewhere (an arc that
+      // touches the edge): the largest tells.
+      bool inside = true;
+      int along = -1;
+      for (int e = 0; e < 3; ++e) {
+        double largest = 0;
+        for (const double s : {0.1, 0.3, 0.5, 0.7, 0.9}) {
+          const double h = height(e, arc.at(t[i] + s * (t[i + 1] - t[i])));
+          if (std::abs(h) > std::abs(largest)) largest = h;
+        }
+        if (largest < -on_edge)
+          inside = false;
+        else if (largest <= on_edge)
+          along = e;
+      }
+      if (!inside) continue;
+      if (along < 0) {
+        pieces.push_back({false, arc.part(t[i], t[i + 1])});
+        touched = true;
+        continue;
+      }
+      const double a = place(along, arc.at(t[i])), b = place(along, arc.at(t[i + 1]));
+      covered[along].push_back(std::minmax(a, b));
+      marks[along].push_back(a);
+      marks[along].push_back(b);
     }
   }
   const Vec2 centre = (S[0] + S[1] + S[2]) / 3;
@@ -76,8 +101,14 @@ std::vector<Piece> boundary_inside(const std::array<Vec2, 3>& S, const DomainLoo
       const double from = std::clamp(marks[e][i], 0.0, 1.0),
                    to = std::clamp(marks[e][i + 1], 0.0, 1.0);
       if (to - from < 1e-15) continue;
-      const Vec2 middle = a + 0.5 * (from + to) * d;
-      if (!loops.contains(middle + inward * (centre - middle))) continue;
+      const double half = 0.5 * (from + to);
+      Vec2 middle = a + half * d;
+      for (const auto& [low, high] : covered[e])
+        if (low <= half && half <= high) {
+          middle += inward * (centre - middle);
+          break;
+        }
+      if (!loops.contains(middle)) continue;
       const Vec2 p = a + from * d, q = a + to * d;
       pieces.push_back({true, {{p, p + (q - p) / 3, q - (q - p) / 3, q}}});
     }
@@ -167,12 +198,14 @@ Trim::Trim(const ParametricMesh& mesh, DomainLoops given) : loops_(std::move(giv
         }
       }
     }
-    if (!touched) {
+    // Arcs along the spokes pass through no sub-triangle.
+    const double share = 0.5 * twice / shape.area;
+    if (!touched && !(share > 1e-9 && share < 1 - 1e-9)) {
       side_[t] = loops.contains(centroid) ? Side::Inside : Side::Outside;
       share_[t] = side_[t] == Side::Inside ? 1 : 0;
     } else {
       side_[t] = Side::Cut;
-      share_[t] = 0.5 * twice / shape.area;
+      share_[t] = share;
       cut_.push_back(t);
       cones_of_.push_back(static_cast<int>(cones_.size()));
       cones_.insert(cones_.end(), cones.begin(), cones.end());

@@ -54,17 +54,25 @@ Json contents(const Report& r) {
                      {"max_normal_jump_deg", q.max_normal_jump_deg},
                      {"max_smooth_join_deg", s.max_smooth_join_deg},
                      {"min_jacobian_ratio", q.min_jacobian_ratio},
+                     {"max_shear", q.max_shear},
+                     {"rms_strain", q.rms_strain},
                      {"singular_nodes", q.singular_nodes},
                      {"load_steps", s.load_steps},
                      {"iterations", s.iterations},
                      {"last_change", s.last_change}};
   if (r.step)
     json["step"] = {{"file", r.step->file},
+                    {"form", r.step->form},
+                    {"bytes", r.step->bytes},
                     {"faces", r.step->faces},
                     {"max_deviation", r.step->max_deviation},
                     {"max_gap", r.step->max_gap},
                     {"max_normal_jump_deg", r.step->max_normal_jump_deg},
                     {"valid", r.step->valid}};
+  if (r.step && r.step->form == "face") {
+    json["step"]["tolerance"] = r.step->tolerance;
+    json["step"]["poles"] = {r.step->poles_u, r.step->poles_v};
+  }
 
   if (r.comparison)
     json["comparison"] = {{"file", r.comparison->file},

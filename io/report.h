@@ -47,8 +47,11 @@ struct Report {
   } surface;
 
   struct Step {
-    std::string file;
+    std::string file, form;
     int faces = 0;
+    double tolerance = 0;  ///< asked; of the exact form 0
+    int poles_u = 0, poles_v = 0;
+    std::uintmax_t bytes = 0;
     double max_deviation = 0, max_gap = 0, max_normal_jump_deg = 0;
     bool valid = false;
   };

@@ -183,8 +183,18 @@ SceneStress read_stress(const TomlTable& table) {
   return stress;
 }
 
-const std::vector<std::string> kPictureKeys = {
-    "file", "title", "show", "contours", "parameter_lines", "lines", "mesh", "view", "size"};
+const std::vector<std::string> kPictureKeys = {"file",
+                                               "title",
+                                               "show",
+                                               "contours",
+                                               "contour_direction",
+                                               "zebra",
+                                               "zebra_direction",
+                                               "parameter_lines",
+                                               "lines",
+                                               "mesh",
+                                               "view",
+                                               "size"};
 
 ScenePicture read_picture(const TomlTable& table, Names& files) {
   using Field = PictureScene::Field;
@@ -198,6 +208,18 @@ ScenePicture read_picture(const TomlTable& table, Names& files) {
                              {"gauss_curvature", Field::Gauss}});
   look.contours = table.whole_number("contours", 0, 0);
   look.parameter_lines = table.whole_number("parameter_lines", 0, 0);
+  if (table.has("contour_direction")) {
+    if (look.contours == 0)
+      table.fail("contour_direction", "'contour_direction' without 'contours'", "both");
+    look.contour_direction = table.direction("contour_direction");
+  }
+  look.zebra = table.whole_number("zebra", 1, 0);
+  if (look.zebra > 0 && look.field != Field::None)
+    table.fail("zebra", "'zebra' beside show = \"" + table.text("show") + "\"", "one of them");
+  if (table.has("zebra_direction")) {
+    if (look.zebra == 0) table.fail("zebra_direction", "'zebra_direction' without 'zebra'", "both");
+    look.zebra_direction = table.direction("zebra_direction");
+  }
   look.lines = table.boolean("lines", true);
   look.mesh = table.boolean("mesh", false);
   read_view(table, look.azimuth, look.elevation, picture.size);
@@ -272,8 +294,17 @@ Scene read(const toml::table& root_table, const std::filesystem::path& file) {
   Names files("file name");
   for (const TomlTable& t : root.table("compare", {"file"}))
     scene.compare = folder / t.text("file");
-  for (const TomlTable& t : root.table("output", {"step", "vtu", "vtp", "calculix"})) {
+  for (const TomlTable& t :
+       root.table("output", {"step", "step_form", "step_tolerance", "vtu", "vtp", "calculix"})) {
     if (t.has("step")) scene.step = output_file(t, "step", files, {".step", ".stp"});
+    using Form = Scene::StepForm;
+    scene.step_form =
+        t.choice("step_form", Form::Auto,
+                 {{"auto", Form::Auto}, {"face", Form::Face}, {"exact", Form::Exact}});
+    scene.step_tolerance = t.positive("step_tolerance", 0);
+    for (const char* key : {"step_form", "step_tolerance"})
+      if (t.has(key) && scene.step.empty())
+        t.fail(key, "'" + std::string(key) + "' without 'step'", "both");
     if (t.has("vtu")) scene.vtu = output_file(t, "vtu", files, {".vtu"});
     if (t.has("vtp")) scene.vtp = output_file(t, "vtp", files, {".vtp"});
     if (t.has("calculix")) scene.calculix = output_file(t, "calculix", files, {".inp"});

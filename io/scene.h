@@ -106,7 +106,13 @@ struct Scene {
   std::vector<SceneLoad> loads;
   std::optional<SceneStress> stress;
   std::string step, vtu, vtp, calculix;  ///< [output]: file names, "" for none
-  std::filesystem::path compare;         ///< [compare]: a CAD file whose faces to measure against
+  enum class StepForm {
+    Auto,  ///< exact where nothing embedded bounds the surface and the file stays small, else face
+    Face,  ///< one B-spline face a region, within step_tolerance
+    Exact  ///< three faces a triangle
+  } step_form = StepForm::Auto;
+  double step_tolerance = 0;      ///< model units; 0: 1e-4 of the region's size
+  std::filesystem::path compare;  ///< [compare]: a CAD file whose faces to measure against
   std::vector<ScenePicture> pictures;
   std::vector<SceneSweep> sweeps;
 

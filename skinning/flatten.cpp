@@ -54,8 +54,13 @@ class Sheet {
  public:
   explicit Sheet(const Surface& surface) {
     const ParametricMesh& mesh = surface.mesh();
+    // Of a trimmed surface, triangles whose centroids are outside do not count.
     for (int t = 0; t < mesh.triangle_count(); ++t) {
-      const SurfaceJet jet = surface.jet({t, Vec3::Constant(1.0 / 3)});
+      const Vec3 centroid = Vec3::Constant(1.0 / 3);
+      if (surface.trim() && surface.trim()->side(t) != Trim::Side::Inside &&
+          !surface.trim()->loops().contains(mesh.shape(t).point(centroid)))
+        continue;
+      const SurfaceJet jet = surface.jet({t, centroid});
       Eigen::Matrix<double, 3, 2> J;
       J << jet.x_u, jet.x_v;
       metric_.push_back(J.transpose() * J);

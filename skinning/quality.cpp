@@ -3,6 +3,8 @@
 #include <numbers>
 
 #include "batten/core/words.h"
+#include "batten/fem/triangle_locator.h"
+#include "batten/skinning/flatten.h"
 #include "batten/skinning/line_fit.h"
 #include "batten/skinning/skin.h"
 
@@ -69,6 +71,37 @@ SkinQuality measure(const SkinnedRegion& region) {
     }
   }
 
+  const TriangleLocator locator(mesh);
+  for (const EmbeddedLine& line : region.embedded) {
+    raise(q.max_line_gap, line_gap(surface, line));
+    // Both ways: the surface along the line against the input, and the input against a fine
+    // polyline's feet on it.
+    const int count = std::max<int>(128, 2 * samples * static_cast<int>(line.points.size()));
+    const InputCurve& input = *line.line.curve;
+    for (int k = 0; k <= count; ++k) {
+      const Vec3 c = line.image.evaluate(line.image.start() +
+                                         (line.image.end() - line.image.start()) * k / count);
+      const Vec3 x = surface.position(locator.locate({c.x(), c.y()}));
+      raise(q.max_line_deviation, distance_to(input, x));
+    }
+    const HermiteCurve& fitted = line.fitted;
+    for (int k = 0; k <= count; ++k) {
+      const Vec3 p = input.evaluate(input.start() + (input.end() - input.start()) * k / count);
+      // The surface's own curve is within the gap of the fitted one: its nearest point is looked
+      // for around the foot there.
+      const auto foot = fitted.closest_point(p);
+      const double reach = 0.5 * (fitted.end() - fitted.start()) / count;
+      const auto on_surface = [&](double u) {
+        const Vec3 c = line.image.evaluate(u);
+        return (surface.position(locator.locate({c.x(), c.y()})) - p).norm();
+      };
+      raise(q.max_line_deviation,
+            std::min({on_surface(foot.u), on_surface(foot.u - reach), on_surface(foot.u + reach)}));
+    }
+  }
+
+  const Trim* trim = surface.trim().get();
+  const auto inside = [&](int t) { return !trim || trim->side(t) != Trim::Side::Outside; };
   for (int e = 0; e < mesh.edge_count(); ++e) {
     if (mesh.edges()[e].boundary()) continue;
     for (const double f : {0.1, 0.5, 0.8}) {
@@ -79,19 +112,28 @@ SkinQuality measure(const SkinnedRegion& region) {
   }
 
   // Oriented Jacobians: against the mean normal of their triangle.
-  const TriangleRule inside = split_triangle(2);
+  const TriangleRule everywhere = split_triangle(2);
   std::vector<double> jacobians;
   std::vector<double> at_vertex(mesh.vertex_count(), 0);
+  std::vector<char> vertex_inside(mesh.vertex_count(), 0);
   for (int t = 0; t < mesh.triangle_count(); ++t) {
+    if (!inside(t)) continue;
+    const bool cut = trim && trim->side(t) == Trim::Side::Cut;
+    const TriangleRule rule = cut ? trim->rule(t, 2) : everywhere;
     std::vector<Vec3> areas;
     Vec3 mean = Vec3::Zero();
-    for (long p = 0; p < inside.weights.size(); ++p) {
-      areas.push_back(surface.jet({t, inside.L.row(p).transpose()}).area_vector());
-      mean += inside.weights[p] * areas.back();
+    for (long p = 0; p < rule.weights.size(); ++p) {
+      const Vec3 area = surface.jet({t, rule.L.row(p).transpose()}).area_vector();
+      mean += rule.weights[p] * area;
+      // Points of a cone that counts negative lie outside.
+      if (rule.weights[p] > 0) areas.push_back(area);
     }
     for (int i = 0; i < 3; ++i) {
+      const int v = mesh.triangles()[t][i];
+      if (cut && !trim->loops().contains(mesh.vertices()[v])) continue;
       areas.push_back(surface.jet({t, Vec3::Unit(i)}).area_vector());
-      at_vertex[mesh.triangles()[t][i]] = areas.back().norm();
+      at_vertex[v] = areas.back().norm();
+      vertex_inside[v] = 1;
     }
     for (const Vec3& a : areas) jacobians.push_back(std::copysign(a.norm(), a.dot(mean)));
   }
@@ -100,8 +142,11 @@ SkinQuality measure(const SkinnedRegion& region) {
                    sorted.end());
   const double median = sorted[sorted.size() / 2];
   q.min_jacobian_ratio = *std::min_element(jacobians.begin(), jacobians.end()) / median;
-  for (const double j : at_vertex)
-    if (!(j > 1e-6 * median)) ++q.singular_nodes;
+  for (int v = 0; v < mesh.vertex_count(); ++v)
+    if (vertex_inside[v] && !(at_vertex[v] > 1e-6 * median)) ++q.singular_nodes;
+  const Distortion d = distortion(surface);
+  q.max_shear = d.max_shear;
+  q.rms_strain = d.rms;
   q.area = surface.area();
   return q;
 }

@@ -139,6 +139,8 @@ struct SkinQuality {
   double max_line_deviation = 0;   ///< surface edge to input curve, both ways, model units
   double max_normal_jump_deg = 0;  ///< across inner element edges
   double min_jacobian_ratio = 0;   ///< smallest |x_u × x_v| (oriented) over the median
+  double max_shear = 1;            ///< largest σ1/σ2 of (x_u, x_v)
+  double rms_strain = 0;           ///< of the domain against the surface (distortion())
   int singular_nodes = 0;          ///< vertices where x_u × x_v is below 1e-6 of the median
   double area = 0;                 ///< model units²
 };

@@ -18,6 +18,7 @@ std::vector<MissedPromise> broken_promises(const Report& report, double toleranc
     at_most("lines." + line.name + ".deviation", line.deviation, tolerance);
   if (s.hold == "lines") {
     at_most("surface.max_line_residual", s.quality.max_line_residual, 1e-10);
+    at_most("surface.max_line_gap", s.quality.max_line_gap, tolerance);
     at_most("surface.max_line_deviation", s.quality.max_line_deviation, tolerance);
   }
   at_most("surface.max_constraint_residual", s.max_constraint_residual, 1e-10);
@@ -27,7 +28,11 @@ std::vector<MissedPromise> broken_promises(const Report& report, double toleranc
     missed.push_back({"surface.min_jacobian_ratio",
                       "is " + number(s.quality.min_jacobian_ratio) + ", promised at least 0.05"});
   at_most("surface.singular_nodes", s.quality.singular_nodes, 0);
-  if (report.step) {
+  if (report.step && report.step->form == "face") {
+    if (!report.step->valid) missed.push_back({"step.valid", "is false, promised true"});
+    at_most("step.max_deviation", report.step->max_deviation, report.step->tolerance);
+    at_most("step.max_gap", report.step->max_gap, report.step->tolerance + tolerance);
+  } else if (report.step) {
     if (!report.step->valid) missed.push_back({"step.valid", "is false, promised true"});
     if (s.element == "hct")
       at_most("step.max_deviation", report.step->max_deviation, 1e-9 * s.size);

@@ -13,8 +13,10 @@ namespace batten {
 ///   lines     deviation of input from fitted curve ≤ tolerance
 ///   surface   constraint residual ≤ 1e-10 of the region's size, held normals ≤ 1e-6°,
 ///             normal jump inside ≤ 1e-3°, Jacobian ≥ 0.05 of its median, no singular node;
-///             when lines are held: line residual ≤ 1e-10, line deviation ≤ tolerance
-///   step      valid, gap ≤ 1e-9 of the size, normal jump ≤ 1e-3°
+///             when lines are held: line residual ≤ 1e-10, gap of embedded lines and line
+///             deviation ≤ tolerance
+///   step      exact: valid, gap ≤ 1e-9 of the size, normal jump ≤ 1e-3°
+///             one face: valid, deviation ≤ what was asked, gap ≤ that plus the tolerance
 ///
 /// `tolerance`: of lines, model units.
 std::vector<MissedPromise> broken_promises(const Report& report, double tolerance);

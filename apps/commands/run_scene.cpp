@@ -12,6 +12,7 @@
 #include "batten/io/cad_lines.h"
 #include "batten/io/calculix.h"
 #include "batten/io/step.h"
+#include "batten/io/step_face.h"
 #include "batten/io/vtk_files.h"
 #include "batten/io/whole_file.h"
 #include "batten/skinning/line_fit.h"
@@ -62,7 +63,8 @@ void compare_into(Report& report, const Scene& scene, const SkinnedRegion& regio
   const auto faces = read_cad_surfaces(scene.compare, unit_in_metres(scene.unit));
   if (faces.empty())
     throw InputError(scene.compare.string() + ": found no faces, expected some to compare with");
-  const TriangleRule inside = split_triangle(2);
+  const TriangleRule whole = split_triangle(2);
+  const Trim* trim = region.surface.trim().get();
   const ParametricMesh& mesh = region.surface.mesh();
   Report::Comparison c;
   c.file = scene.compare.filename().string();
@@ -70,11 +72,14 @@ void compare_into(Report& report, const Scene& scene, const SkinnedRegion& regio
   Vec3 low = region.surface.position({0, Vec3::Unit(0)}), high = low;
   for (int t = 0; t < mesh.triangle_count(); ++t) {
     progress.at("comparing", static_cast<double>(t) / mesh.triangle_count());
-    for (long p = 0; p < inside.weights.size(); ++p) {
-      const SurfaceJet jet = region.surface.jet({t, inside.L.row(p).transpose()});
+    if (trim && trim->side(t) == Trim::Side::Outside) continue;
+    const TriangleRule rule = trim && trim->side(t) == Trim::Side::Cut ? trim->rule(t, 2) : whole;
+    for (long p = 0; p < rule.weights.size(); ++p) {
+      if (!(rule.weights[p] > 0)) continue;
+      const SurfaceJet jet = region.surface.jet({t, rule.L.row(p).transpose()});
       double nearest = std::numeric_limits<double>::infinity();
       for (const auto& face : faces) nearest = std::min(nearest, face.distance(jet.x));
-      const double weight = inside.weights[p] * mesh.shape(t).area * jet.area_vector().norm();
+      const double weight = rule.weights[p] * mesh.shape(t).area * jet.area_vector().norm();
       squares += weight * nearest * nearest;
       area += weight;
       c.max = std::max(c.max, nearest);
@@ -90,30 +95,70 @@ void compare_into(Report& report, const Scene& scene, const SkinnedRegion& regio
   report.comparison = c;
 }
 
-void write_step_into(Report& report, const Scene& scene, const MadeShape& made,
-                     const OutputFolder& out) {
-  const std::vector<const Surface*> surfaces = {&made.region.surface};
+void write_exact_step(Report& report, const Scene& scene, const SkinnedRegion& region,
+                      const OutputFolder& out) {
+  const std::vector<const Surface*> surfaces = {&region.surface};
   const std::string warning = step_size_warning(surfaces);
-  if (!warning.empty()) report.warnings.push_back(warning);
+  if (!warning.empty())
+    report.warnings.push_back(warning + "; step_form = \"face\" makes one face of it");
   StepOptions options;
   options.name = scene.name;
   options.z12_as_hct = true;
   const StepReport step =
       write_step(out.file(scene.step), surfaces, unit_in_metres(scene.unit), options);
-  report.step = Report::Step{scene.step,
-                             step.faces,
-                             step.max_deviation.value_or(std::nan("")),
-                             step.max_gap,
-                             step.max_normal_jump_deg,
-                             step.valid};
+  report.step = Report::Step{};
+  report.step->form = "exact";
+  report.step->faces = step.faces;
+  report.step->bytes = step.bytes;
+  report.step->max_deviation = step.max_deviation.value_or(std::nan(""));
+  report.step->max_gap = step.max_gap;
+  report.step->max_normal_jump_deg = step.max_normal_jump_deg;
+  report.step->valid = step.valid;
   if (step.unmeasured > 0)
     report.missed.push_back(
         {"step", "has " + std::to_string(step.unmeasured) + " places that could not be measured"});
   for (const auto& w : step.warnings) report.warnings.push_back(scene.step + ": " + w);
-  if (made.region.surface.kind() == TriangleElement::Z12)
+  if (region.surface.kind() == TriangleElement::Z12)
     report.warnings.push_back(
         scene.step + ": Z12 is rational and no STEP surface; written by HCT triangles that share " +
         "its edges, largest distance " + number(report.step->max_deviation) + " " + scene.unit);
+}
+
+void write_face_step(Report& report, const Scene& scene, const SkinnedRegion& region,
+                     const OutputFolder& out) {
+  StepFaceOptions options;
+  options.name = scene.name;
+  constexpr double usual = 1e-4;
+  options.tolerance = scene.step_tolerance > 0 ? scene.step_tolerance : usual * region.size;
+  const StepFaceReport step =
+      write_step_face(out.file(scene.step), {&region}, unit_in_metres(scene.unit), options);
+  report.step = Report::Step{};
+  report.step->form = "face";
+  report.step->faces = step.faces;
+  report.step->bytes = step.bytes;
+  report.step->tolerance = options.tolerance;
+  report.step->poles_u = step.patches[0].poles_u;
+  report.step->poles_v = step.patches[0].poles_v;
+  report.step->max_deviation = step.deviation;
+  report.step->max_gap = step.edge_gap;
+  report.step->valid = step.valid;
+  for (const auto& w : step.warnings) report.warnings.push_back(scene.step + ": " + w);
+}
+
+void write_step_into(Report& report, const Scene& scene, const SkinnedRegion& region,
+                     const OutputFolder& out) {
+  using Form = Scene::StepForm;
+  if (scene.step_form == Form::Exact && region.surface.trim())
+    throw InputError(scene.at({}) +
+                     "found step_form = \"exact\" for a surface that embedded lines cut, expected "
+                     "\"face\": cut triangles have no exact form");
+  constexpr int few_triangles = 10'000;
+  const bool face =
+      scene.step_form == Form::Face ||
+      (scene.step_form == Form::Auto &&
+       (region.surface.trim() || region.surface.mesh().triangle_count() > few_triangles));
+  (face ? write_face_step : write_exact_step)(report, scene, region, out);
+  report.step->file = scene.step;
   report.files.push_back(scene.step);
 }
 
@@ -264,9 +309,8 @@ Report run_scene(const Scene& scene, const std::filesystem::path& folder,
   VtkOptions vtk;
   if (!scene.loads.empty() || !scene.constraints.empty()) vtk.references = {&made.unloaded};
   if (!scene.step.empty()) {
-    progress.at(
-        "STEP, " + std::to_string(3 * made.region.surface.mesh().triangle_count()) + " faces", 0);
-    write_step_into(report, scene, made, out);
+    progress.at("STEP", 0);
+    write_step_into(report, scene, made.region, out);
     watch.lap("step");
   }
   if (!scene.vtp.empty() || !scene.vtu.empty()) {
@@ -319,17 +363,27 @@ std::string summary(const Report& report, const std::filesystem::path& folder) {
       result_line("surface", std::to_string(s.triangles) + " triangles, " + std::to_string(s.dofs) +
                                  " unknowns a coordinate, area " + number(q.area) + unit + "²");
   text += s.hold == "lines"
-              ? result_line("held lines", "residual " + number(q.max_line_residual) +
-                                              ", surface to your lines " +
-                                              number(q.max_line_deviation) + unit)
+              ? result_line("held lines",
+                            "residual " + number(q.max_line_residual) +
+                                (q.max_line_gap > 0
+                                     ? ", gap of embedded ones " + number(q.max_line_gap) + unit
+                                     : "") +
+                                ", surface to your lines " + number(q.max_line_deviation) + unit)
               : result_line("held", "corners only, residual " + number(s.max_constraint_residual));
   text += result_line("quality", "Jacobian " + number(q.min_jacobian_ratio) +
                                      " of its median, normal jump " +
                                      number(q.max_normal_jump_deg) + " degrees");
-  if (report.step)
-    text += result_line("STEP", std::to_string(report.step->faces) + " faces, " +
-                                    (report.step->valid ? "valid" : "NOT valid") + ", gap " +
-                                    number(report.step->max_gap) + unit);
+  if (report.step) {
+    const auto& step = *report.step;
+    const std::string valid = step.valid ? "valid" : "NOT valid";
+    text += result_line("STEP", step.form == "exact"
+                                    ? std::to_string(step.faces) + " faces, " + valid + ", gap " +
+                                          number(step.max_gap) + unit
+                                    : "one face of " + std::to_string(step.poles_u) + " × " +
+                                          std::to_string(step.poles_v) + " poles, " + valid +
+                                          ", within " + number(step.max_deviation) + unit +
+                                          ", edges within " + number(step.max_gap) + unit);
+  }
   if (report.comparison)
     text += result_line("compared", "max " + number(report.comparison->max) + unit + ", rms " +
                                         number(report.comparison->rms) + unit + " from " +

@@ -12,6 +12,20 @@ namespace {
 
 Vec2 flat(const Vec3& p) { return {p.x(), p.y()}; }
 
+// The size of a triangle to a line through it: h = √(2 area), but the length of an edge that the
+// line runs along: there it meets the dofs of that edge alone, and a longer edge has no more.
+double size_along(const TriangleShape& shape, const Vec3& L, const Vec2& direction) {
+  constexpr double beside = 0.1, parallel = 0.1;
+  double h = std::sqrt(2 * shape.area);
+  for (int i = 0; i < 3; ++i) {
+    const Vec2 edge = shape.vertex[(i + 2) % 3] - shape.vertex[(i + 1) % 3];
+    const double sine = std::abs(edge.x() * direction.y() - edge.y() * direction.x()) /
+                        (edge.norm() * direction.norm());
+    if (L[i] < beside && sine < parallel) h = std::max(h, edge.norm());
+  }
+  return h;
+}
+
 }  // namespace
 
 std::vector<double> embedded_points(const ParametricMesh& mesh, const TriangleLocator& locator,
@@ -20,7 +34,8 @@ std::vector<double> embedded_points(const ParametricMesh& mesh, const TriangleLo
   // ∫ ds/h along the line, sampled so finely that every triangle is seen.
   const auto density = [&](double t) {
     const Location where = locator.locate(flat(image.evaluate(t)));
-    return flat(image.evaluate(t, 1)).norm() / std::sqrt(2 * mesh.shape(where.triangle).area);
+    const Vec2 slope = flat(image.evaluate(t, 1));
+    return slope.norm() / size_along(mesh.shape(where.triangle), where.L, slope);
   };
   always.push_back(image.start());
   always.push_back(image.end());

@@ -24,7 +24,8 @@
 namespace batten {
 
 struct PointSpacing {
-  /// Largest step over the local size h = √(2 area of the triangle), measured along c. Below 0.35
+  /// Largest step over the local size h = √(2 area of the triangle), or the edge that the line runs
+  /// along where that is longer, measured along c. Below 0.35
   /// the rows hold the surface so tightly that it waves, above 1 it dimples.
   double step = 0.7;
   /// A line's open ends are where the gap is largest: this many further points at half steps.

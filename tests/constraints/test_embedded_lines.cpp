@@ -545,6 +545,32 @@ TEST_CASE("points of a line are spaced by the triangles below them") {
   }
 }
 
+TEST_CASE("hats average the slope across over both neighbours") {
+  const ParametricMesh mesh = side_squares(1, 0.25);
+  const TriangleLocator locator(mesh);
+  ConstraintSet set(DofMap(mesh).count());
+  const HermiteCurve line = straight({-0.9, 0.05}, {0.9, 0.05});
+  const std::vector<double> t{0, 0.3, 0.6, 0.9, 1.2, 1.5, 1.8};
+  EmbeddedRows(mesh, TriangleElement::HCT, locator, set).slope("slope", line, t, [](double s) {
+    return Vec3(s, s * s, 1);
+  });
+  // w = u² v: the slope to the left of the line is u², its mean under a hat u_k² + step²/6; at the
+  // ends half a hat, whose centroid is step/3 away.
+  const VecX q = dofs_of(mesh, [](const Vec2& p) {
+    return Vec3(p.x() * p.x() * p.y(), 2 * p.x() * p.y(), p.x() * p.x());
+  });
+  REQUIRE(set.rows().size() == t.size());
+  for (size_t k = 0; k < t.size(); ++k) {
+    double row = 0;
+    for (const auto& entry : set.rows()[k].entries) row += entry.coefficient * q[entry.dof];
+    const double step = 0.3, u = t[k] - 0.9;
+    const double inward = k == 0 ? step / 3 : k + 1 == t.size() ? -step / 3 : 0;
+    CHECK(row == Approx(u * u + 2 * u * inward + step * step / 6).epsilon(1e-12));
+    const Vec3 value(t[k] + inward, t[k] * t[k] + 2 * t[k] * inward + step * step / 6, 1);
+    CHECK((set.rows()[k].value - value).norm() < 1e-13);
+  }
+}
+
 TEST_CASE("rows off the mesh and sets of another mesh are refused") {
   const ParametricMesh mesh = side_squares(1, 0.25);
   const TriangleLocator locator(mesh);
