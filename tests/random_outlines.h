@@ -62,8 +62,7 @@ inline std::vector<CharacterLine> random_lines(Random& random) {
     const double r = std::exp(random.between(std::log(0.02), std::log(0.2)));
     const Vec2 centre(0.5 * random() * a, 0.5 * random() * b);
     lines.push_back(loop("hole " + std::to_string(h + 1), Role::Hole, centre, r,
-                         r * random.between(0.4, 1) * std::min(1.0, 2 * b), waves(0.2), 24,
-                         false));
+                         r * random.between(0.4, 1) * std::min(1.0, 2 * b), waves(0.2), 24, false));
   }
   const int ribs = static_cast<int>(random.between(0, 3));
   for (int k = 0; k < ribs; ++k) {

@@ -428,7 +428,7 @@ TEST_CASE("two lines closer than an element keep their rows and gaps") {
 TEST_CASE("a line along element edges, and a hair beside them") {
   // An edge has two dofs a vertex for the line: more points than that would contradict each other,
   // or, a hair beside the edge, hang the slopes across on differences of nearly nothing.
-  for (const int n : {16, 40})
+  for (const int n : {16, 64})
     for (const bool diagonal : {true, false}) {
       double energy = 0;
       for (const double off : {0.0, 1e-9, 1e-6, 1e-4, 1e-2}) {
@@ -536,7 +536,8 @@ TEST_CASE("points of a line are spaced by the triangles below them") {
         finest = std::min(finest, size);
         coarsest = std::max(coarsest, size);
       }
-      CHECK(lengths[i] <= 0.73 * coarsest);
+      // The longest edge of a right triangle, where the line runs along it.
+      CHECK(lengths[i] <= 0.73 * std::sqrt(2.0) * coarsest);
       CHECK(lengths[i] >= 0.35 * finest);
       smallest = std::min(smallest, lengths[i]);
       largest = std::max(largest, lengths[i]);

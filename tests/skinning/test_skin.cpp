@@ -76,30 +76,52 @@ TEST_CASE("an inner line is held as exactly as the outline") {
     CHECK_FALSE(region.surface.mesh().edges()[e].boundary());
 }
 
-TEST_CASE("what inner lines cannot do yet is said") {
+TEST_CASE(
+    "inner lines that cannot be straight runs are embedded, or refused when they must be runs") {
+  if (!have_delaunay_mesher()) return;
   auto lines = patch_with_inner_line();
   const auto a = lines[0].curve->evaluate(0.3), b = lines[2].curve->evaluate(0.3);
-  auto crossing = lines;
   const auto rib = lines[4].curve;
+  using Role = CharacterLine::Role;
+  using Treatment = CharacterLine::Treatment;
+  const auto gap_of = [](const std::vector<CharacterLine>& l, size_t runs) {
+    const RegionLayout layout("region", l, {});
+    CHECK(layout.runs().size() == runs);
+    CHECK(layout.embedded().size() == l.size() - runs);
+    const SkinnedRegion region =
+        layout.region(sculpt(layout, layout.line_constraints(), {}, {}).dofs);
+    const SkinQuality q = measure(region);
+    CHECK(q.max_line_residual < 1e-12);
+    CHECK(q.max_line_deviation <= layout.tolerance());
+    CHECK(q.max_line_gap <= layout.tolerance());
+    return q.max_line_gap;
+  };
+  // Across the rib, through a point of it: the rib stays a run, this one crosses its elements.
+  auto crossing = lines;
   crossing.push_back(
       {"second",
        curve_through_points(
            "second",
            {lines[1].curve->evaluate(0.5), rib->evaluate(0.5), lines[3].curve->evaluate(0.5)}, 180),
-       CharacterLine::Role::Inner});
-  const auto layout = [](const std::vector<CharacterLine>& l) { RegionLayout r("region", l, {}); };
-  CHECK_THROWS_WITH(layout(crossing),
-                    Contains("'rib' and 'second'") && Contains("not supported yet"));
+       Role::Inner});
+  CHECK(gap_of(crossing, 5) > 0);
+  crossing.back().treatment = Treatment::Fitted;
+  CHECK_THROWS_WITH(RegionLayout("region", crossing, {}),
+                    Contains("'second' cannot be fitted") && Contains("crosses line 'rib'"));
+  auto embedded = lines;
+  embedded.back().treatment = Treatment::Embedded;
+  gap_of(embedded, 4);
   auto loose = lines;
-  loose.push_back({"loose", curve_through_points("loose", {a, Vec3(0.5 * (a + b))}),
-                   CharacterLine::Role::Inner});
-  CHECK_THROWS_WITH(layout(loose),
-                    Contains("'loose' does not end on the outline") && Contains("away"));
-  auto cornered = lines;
-  cornered.push_back({"bent",
-                      curve_through_points("bent", {a, Vec3(0.5 * (a + b) + Vec3(0, 0, 1)), b}),
-                      CharacterLine::Role::Inner});
-  CHECK_THROWS_WITH(layout(cornered), Contains("'bent' has a corner"));
+  loose.push_back({"loose", curve_through_points("loose", {a, Vec3(0.7 * a + 0.3 * b)}),
+                   Role::Inner, Treatment::Fitted});
+  CHECK_THROWS_WITH(RegionLayout("region", loose, {}),
+                    Contains("'loose' cannot be fitted") && Contains("away from line"));
+  // The same place at two heights.
+  auto bent = lines;
+  bent.push_back({"bent", curve_through_points("bent", {a, Vec3(0.5 * (a + b) + Vec3(0, 0, 1)), b}),
+                  Role::Inner});
+  CHECK_THROWS_WITH(RegionLayout("region", bent, {}),
+                    Contains("'rib'") && Contains("'bent.1'") && Contains("apart"));
 }
 
 TEST_CASE("lines that are not cubic come within the tolerance, both ways") {
