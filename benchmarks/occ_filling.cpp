@@ -5,13 +5,20 @@
 #include <BRepBuilderAPI_MakeEdge.hxx>
 #include <BRepBuilderAPI_MakeVertex.hxx>
 #include <BRepOffsetAPI_MakeFilling.hxx>
+#include <BRepTools.hxx>
+#include <BRepTopAdaptor_FClass2d.hxx>
 #include <BRep_Tool.hxx>
 #include <Geom2d_Curve.hxx>
 #include <GeomAPI_ProjectPointOnSurf.hxx>
+#include <Geom_BSplineCurve.hxx>
+#include <Geom_BSplineSurface.hxx>
 #include <Geom_BezierCurve.hxx>
 #include <Geom_Surface.hxx>
 #include <ShapeAnalysis_Surface.hxx>
+#include <Standard_Failure.hxx>
 #include <Standard_Version.hxx>
+#include <TColStd_Array1OfInteger.hxx>
+#include <TColStd_Array1OfReal.hxx>
 #include <TColgp_Array1OfPnt.hxx>
 #include <TopExp_Explorer.hxx>
 #include <TopoDS.hxx>
@@ -19,6 +26,12 @@
 #include <TopoDS_Face.hxx>
 #include <TopoDS_Vertex.hxx>
 #include <algorithm>
+
+#if BATTEN_BENCH_OCC_STEP
+#include <Message.hxx>
+#include <Message_Messenger.hxx>
+#include <STEPControl_Writer.hxx>
+#endif
 
 namespace batten::bench {
 namespace {
@@ -32,6 +45,30 @@ TopoDS_Edge edge(const Cubic& c, const TopoDS_Vertex& start, const TopoDS_Vertex
   return BRepBuilderAPI_MakeEdge(new Geom_BezierCurve(poles), start, end);
 }
 
+// C1 cubics: every inner knot counts twice, and the points between two cubics are not poles.
+TopoDS_Edge edge(const HermiteCurve& c, const TopoDS_Vertex& start, const TopoDS_Vertex& end) {
+  const int n = c.segment_count();
+  TColgp_Array1OfPnt poles(1, 2 * n + 2);
+  TColStd_Array1OfReal knots(1, n + 1);
+  TColStd_Array1OfInteger times(1, n + 1);
+  times.Init(2);
+  times.SetValue(1, 4);
+  times.SetValue(n + 1, 4);
+  knots.SetValue(1, c.start());
+  poles.SetValue(1, point(c.position(0)));
+  for (int s = 0; s < n; ++s) {
+    const int next = (s + 1) % c.node_count();
+    const double h = c.mesh().length(s) / 3;
+    poles.SetValue(2 * s + 2, point(c.position(s) + h * c.slope_out(s)));
+    poles.SetValue(2 * s + 3, point(c.position(next) - h * c.slope_in(next)));
+    knots.SetValue(s + 2, s + 1 < n ? c.parameters()[static_cast<size_t>(s) + 1] : c.end());
+  }
+  poles.SetValue(2 * n + 2, point(c.evaluate({n - 1, 1.0})));
+  return BRepBuilderAPI_MakeEdge(new Geom_BSplineCurve(poles, knots, times, 3), start, end);
+}
+
+TopoDS_Vertex vertex(const Vec3& p) { return BRepBuilderAPI_MakeVertex(point(p)); }
+
 }  // namespace
 
 std::string occ_version() { return OCC_VERSION_COMPLETE; }
@@ -40,29 +77,63 @@ struct Filling::Data {
   TopoDS_Face face;
   Handle(Geom_Surface) surface;
   Handle(ShapeAnalysis_Surface) analysis;
+  std::string says;
+
+  void fill(const std::vector<TopoDS_Edge>& bounds, const std::vector<TopoDS_Edge>& inner,
+            const FillingSettings& s) {
+    try {
+      BRepOffsetAPI_MakeFilling filling(3, s.points_on_curve, 2, Standard_False, 1e-5, s.tolerance,
+                                        0.01, 0.1, 8, s.max_segments);
+      for (const TopoDS_Edge& e : bounds) filling.Add(e, GeomAbs_C0);
+      for (const TopoDS_Edge& e : inner) filling.Add(e, GeomAbs_C0, Standard_False);
+      filling.Build();
+      if (!filling.IsDone()) {
+        says = "not done";
+        return;
+      }
+      face = TopoDS::Face(filling.Shape());
+      surface = BRep_Tool::Surface(face);
+    } catch (const Standard_Failure& e) {
+      says = e.DynamicType()->Name();
+      if (e.GetMessageString() && *e.GetMessageString())
+        says += std::string(": ") + e.GetMessageString();
+    }
+  }
 };
 
 Filling::Filling(const std::vector<Cubic>& outline, const std::vector<Cubic>& inner,
                  const FillingSettings& s)
     : data_(std::make_unique<Data>()) {
-  BRepOffsetAPI_MakeFilling filling(3, s.points_on_curve, 2, Standard_False, 1e-5, s.tolerance,
-                                    0.01, 0.1, 8, s.max_segments);
   std::vector<TopoDS_Vertex> corner;
-  for (const Cubic& c : outline) corner.push_back(BRepBuilderAPI_MakeVertex(point(c[0])));
+  for (const Cubic& c : outline) corner.push_back(vertex(c[0]));
+  std::vector<TopoDS_Edge> bounds, across;
   for (size_t i = 0; i < outline.size(); ++i)
-    filling.Add(edge(outline[i], corner[i], corner[(i + 1) % outline.size()]), GeomAbs_C0);
-  for (const Cubic& c : inner)
-    filling.Add(
-        edge(c, BRepBuilderAPI_MakeVertex(point(c[0])), BRepBuilderAPI_MakeVertex(point(c[3]))),
-        GeomAbs_C0, Standard_False);
-  filling.Build();
-  if (!filling.IsDone()) return;
-  data_->face = TopoDS::Face(filling.Shape());
-  data_->surface = BRep_Tool::Surface(data_->face);
+    bounds.push_back(edge(outline[i], corner[i], corner[(i + 1) % outline.size()]));
+  for (const Cubic& c : inner) across.push_back(edge(c, vertex(c[0]), vertex(c[3])));
+  data_->fill(bounds, across, s);
 }
+
+Filling::Filling(const std::vector<std::vector<HermiteCurve>>& loops,
+                 const std::vector<HermiteCurve>& inner, const FillingSettings& s)
+    : data_(std::make_unique<Data>()) {
+  std::vector<TopoDS_Edge> bounds, across;
+  for (const auto& loop : loops) {
+    std::vector<TopoDS_Vertex> corner;
+    for (const HermiteCurve& c : loop) corner.push_back(vertex(c.position(0)));
+    for (size_t i = 0; i < loop.size(); ++i)
+      bounds.push_back(edge(loop[i], corner[i], corner[(i + 1) % loop.size()]));
+  }
+  for (const HermiteCurve& c : inner) {
+    const TopoDS_Vertex start = vertex(c.position(0));
+    across.push_back(edge(c, start, c.closed() ? start : vertex(c.position(c.node_count() - 1))));
+  }
+  data_->fill(bounds, across, s);
+}
+
 Filling::~Filling() = default;
 
 bool Filling::done() const { return !data_->surface.IsNull(); }
+const std::string& Filling::says() const { return data_->says; }
 
 // On the whole surface, not on the face that is cut out of it: the face's edges are the input
 // curves themselves, which would hide how far the surface is from them.
@@ -89,6 +160,37 @@ std::vector<Vec3> Filling::boundary_points(int an_edge) const {
   return points;
 }
 
+std::vector<Vec3> Filling::points(int n) const {
+  std::vector<Vec3> points;
+  double u0 = 0, u1 = 0, v0 = 0, v1 = 0;
+  BRepTools::UVBounds(data_->face, u0, u1, v0, v1);
+  BRepTopAdaptor_FClass2d inside(data_->face, 1e-9);
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j < n; ++j) {
+      const gp_Pnt2d uv(u0 + (u1 - u0) * (i + 0.5) / n, v0 + (v1 - v0) * (j + 0.5) / n);
+      if (inside.Perform(uv) == TopAbs_IN)
+        points.push_back(point(data_->surface->Value(uv.X(), uv.Y())));
+    }
+  return points;
+}
+
+std::array<int, 2> Filling::poles() const {
+  const auto spline = Handle(Geom_BSplineSurface)::DownCast(data_->surface);
+  if (spline.IsNull()) return {0, 0};
+  return {spline->NbUPoles(), spline->NbVPoles()};
+}
+
+#if BATTEN_BENCH_OCC_STEP
+bool Filling::write_step(const std::string& file) const {
+  Message::DefaultMessenger()->ChangePrinters().Clear();
+  STEPControl_Writer writer;
+  return writer.Transfer(data_->face, STEPControl_AsIs) == IFSelect_RetDone &&
+         writer.Write(file.c_str()) == IFSelect_RetDone;
+}
+#else
+bool Filling::write_step(const std::string&) const { return false; }
+#endif
+
 }  // namespace batten::bench
 
 #else
@@ -103,10 +205,21 @@ struct Filling::Data {};
 Filling::Filling(const std::vector<Cubic>&, const std::vector<Cubic>&, const FillingSettings&) {
   throw std::logic_error("built without OpenCASCADE");
 }
+Filling::Filling(const std::vector<std::vector<HermiteCurve>>&, const std::vector<HermiteCurve>&,
+                 const FillingSettings&) {
+  throw std::logic_error("built without OpenCASCADE");
+}
 Filling::~Filling() = default;
 bool Filling::done() const { return false; }
+const std::string& Filling::says() const {
+  static const std::string nothing;
+  return nothing;
+}
 double Filling::distance(const Vec3&) const { return 0; }
 std::vector<Vec3> Filling::boundary_points(int) const { return {}; }
+std::vector<Vec3> Filling::points(int) const { return {}; }
+std::array<int, 2> Filling::poles() const { return {0, 0}; }
+bool Filling::write_step(const std::string&) const { return false; }
 
 }  // namespace batten::bench
 

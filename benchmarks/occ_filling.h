@@ -1,4 +1,4 @@
-// OpenCASCADE's filling of a closed loop of cubics, behind an interface that names none of its
+// OpenCASCADE's filling of closed loops of curves, behind an interface that names none of its
 // types. Without OpenCASCADE occ_version() is "".
 #pragma once
 
@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "batten/core/eigen.h"
+#include "batten/fem/curve.h"
 
 namespace batten::bench {
 
@@ -33,12 +34,23 @@ class Filling {
  public:
   Filling(const std::vector<Cubic>& outline, const std::vector<Cubic>& inner,
           const FillingSettings& settings);
+  /// Over loops of curves without corners inside (C1 cubic B-splines), each loop head to tail.
+  Filling(const std::vector<std::vector<HermiteCurve>>& loops,
+          const std::vector<HermiteCurve>& inner, const FillingSettings& settings);
   ~Filling();
   bool done() const;
+  /// What OpenCASCADE had to say when it failed, or "".
+  const std::string& says() const;
   /// From p to the nearest point of the face's surface.
   double distance(const Vec3& p) const;
   /// Points of the surface along the face's boundary.
   std::vector<Vec3> boundary_points(int an_edge) const;
+  /// Points of the face: those of n × n over its box of parameters that are inside.
+  std::vector<Vec3> points(int n) const;
+  /// Poles of the B-spline surface, u times v.
+  std::array<int, 2> poles() const;
+  /// The face as a STEP file of millimetres. False in a build without OpenCASCADE's data exchange.
+  bool write_step(const std::string& file) const;
 
  private:
   struct Data;

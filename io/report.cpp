@@ -82,6 +82,14 @@ Json contents(const Report& r) {
                           {"max_relative", r.comparison->max_relative},
                           {"rms_relative", r.comparison->rms_relative}};
 
+  for (const auto& springs : r.springs)
+    json["springs"].push_back({{"name", springs.name},
+                               {"points", springs.points},
+                               {"left_out", springs.left_out},
+                               {"before_max", springs.before_max},
+                               {"before_rms", springs.before_rms},
+                               {"max", springs.max},
+                               {"rms", springs.rms}});
   json["parameters"] = json_of(r.parameters);
   json["reactions"] = Json::array();
   for (const auto& reaction : r.reactions)

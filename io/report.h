@@ -71,6 +71,7 @@ struct Report {
     Vec3 force = Vec3::Zero();  ///< net force on the surface, in the units of the loads
   };
   std::vector<Reaction> reactions;  ///< of each named constraint
+  std::vector<SculptResult::Springs> springs;
   std::vector<Parameter> parameters;
   std::vector<std::pair<std::string, double>> timings;  ///< seconds
   std::vector<std::string> warnings, files;

@@ -138,12 +138,14 @@ SceneConstraint read_constraint(const TomlTable& table) {
   return c;
 }
 
-SceneLoad read_load(const TomlTable& table) {
+SceneLoad read_load(const TomlTable& table, const std::filesystem::path& folder) {
   using Type = SceneLoad::Type;
   SceneLoad load;
   load.name = table.text("name");
-  load.type = table.choice<Type>(
-      "type", {{"pressure", Type::Pressure}, {"uniform", Type::Uniform}, {"point", Type::Point}});
+  load.type = table.choice<Type>("type", {{"pressure", Type::Pressure},
+                                          {"uniform", Type::Uniform},
+                                          {"point", Type::Point},
+                                          {"springs", Type::Springs}});
   load.value = table.number("value");
   load.min = table.number("min", -kInfinity);
   load.max = table.number("max", kInfinity);
@@ -155,9 +157,25 @@ SceneLoad read_load(const TomlTable& table) {
   if (load.type == Type::Pressure && table.has("direction"))
     table.fail("direction", "'direction' for the pressure '" + load.name + "'",
                "none: pressure acts along the surface's normal");
+  if (load.type == Type::Springs) {
+    if (table.has("direction"))
+      table.fail("direction", "'direction' for the springs '" + load.name + "'",
+                 "none: springs pull towards their points");
+    load.file = folder / table.text("file");
+    load.place = table.place("file");
+    if (table.has("unit")) load.unit = unit_word(table, "unit");
+    if (load.value < 0) table.fail("value", number(load.value), "a stiffness not below 0");
+    load.min = std::max(load.min, 0.0);
+  } else {
+    for (const char* key : {"file", "unit"})
+      if (table.has(key))
+        table.fail(key, "'" + std::string(key) + "' for the load '" + load.name + "'",
+                   "it only where type = \"springs\"");
+  }
   if (load.type != Type::Point && table.has("at"))
     table.fail("at", "'at' for the load '" + load.name + "'", "it only where type = \"point\"");
-  if (load.type != Type::Pressure) load.direction = table.direction("direction");
+  if (load.type == Type::Uniform || load.type == Type::Point)
+    load.direction = table.direction("direction");
   if (load.type == Type::Point) load.at = table.vector("at");
   return load;
 }
@@ -276,9 +294,9 @@ Scene read(const toml::table& root_table, const std::filesystem::path& file) {
     scene.constraints.push_back(read_constraint(t));
     names.add(t, "name", scene.constraints.back().name);
   }
-  for (const TomlTable& t :
-       root.tables("load", {"name", "type", "value", "min", "max", "direction", "at"})) {
-    scene.loads.push_back(read_load(t));
+  for (const TomlTable& t : root.tables(
+           "load", {"name", "type", "value", "min", "max", "direction", "at", "file", "unit"})) {
+    scene.loads.push_back(read_load(t, folder));
     names.add(t, "name", scene.loads.back().name);
     for (const char* taken :
          {"alpha", "alpha_uu", "alpha_uv", "alpha_vv", "beta", "beta_uu", "beta_uv", "beta_vv"})
@@ -322,7 +340,8 @@ Scene read(const toml::table& root_table, const std::filesystem::path& file) {
 
 }  // namespace
 
-Load SceneLoad::load() const {
+Load SceneLoad::load(std::vector<Vec3> points) const {
+  if (type == Type::Springs) return {name, SpringLoad{std::move(points), value}};
   if (type == Type::Pressure) return {name, PressureLoad{value}};
   if (type == Type::Uniform) return {name, UniformLoad{value * direction}};
   return {name, PointLoad{at, value * direction}};

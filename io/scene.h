@@ -53,7 +53,7 @@ struct SceneConstraint {
 
 /// [[load]]
 struct SceneLoad {
-  enum class Type { Pressure, Uniform, Point };
+  enum class Type { Pressure, Uniform, Point, Springs };
   std::string name;
   Type type = Type::Pressure;
   double value = 0;
@@ -61,7 +61,11 @@ struct SceneLoad {
   double max = std::numeric_limits<double>::infinity();
   Vec3 direction = Vec3::UnitZ();  ///< unit vector; not for Pressure
   Vec3 at = Vec3::Zero();          ///< Point
-  Load load() const;
+  std::filesystem::path file;      ///< Springs: of their points
+  Place place;                     ///< of `file`
+  std::string unit;                ///< of the file's numbers; "": the scene's
+  /// `points`: of Springs, model units.
+  Load load(std::vector<Vec3> points = {}) const;
 };
 
 /// [stress]: shell, material and supports of the CalculiX deck.

@@ -5,9 +5,11 @@
 #include <algorithm>
 #include <cmath>
 #include <deque>
+#include <optional>
 
 #include "batten/core/errors.h"
 #include "batten/fem/dissection.h"
+#include "batten/fem/surface_projector.h"
 
 namespace batten {
 namespace {
@@ -34,8 +36,8 @@ LoadTerms gather(const RegionLayout& layout, const SurfaceAssembler& assembler,
     } else if (const auto* pressure = std::get_if<PressureLoad>(&load.value)) {
       require_finite(std::isfinite(pressure->pressure));
       terms.pressure += relative ? pressure->pressure / s : pressure->pressure;
-    } else {
-      const auto& point = std::get<PointLoad>(load.value);
+    } else if (const auto* point_load = std::get_if<PointLoad>(&load.value)) {
+      const PointLoad& point = *point_load;
       require_finite(point.force.allFinite() && point.at.allFinite());
       const auto closest = unloaded.closest_point(point.at);
       constexpr double far = 0.5;  // of the region's size: no rounding, a mistake
@@ -47,6 +49,117 @@ LoadTerms gather(const RegionLayout& layout, const SurfaceAssembler& assembler,
   }
   return terms;
 }
+
+// All springs of the loads: where they hold the surface, and what they add to K and F.
+class Springs {
+ public:
+  Springs(const RegionLayout& layout, const std::vector<Load>& loads) : layout_(layout) {
+    for (const Load& load : loads) {
+      const auto* springs = std::get_if<SpringLoad>(&load.value);
+      if (!springs) continue;
+      if (springs->points.empty())
+        throw InputError("load '" + load.name + "' has no points for its springs");
+      if (!(springs->stiffness >= 0) || !std::isfinite(springs->stiffness))
+        throw InputError("load '" + load.name + "' has springs of stiffness " +
+                         number(springs->stiffness) + ": it must not be below 0");
+      for (const Vec3& p : springs->points)
+        if (!p.allFinite())
+          throw InputError("load '" + load.name + "' has a point that is not finite");
+      groups_.push_back({&load.name, springs, {}});
+    }
+  }
+  bool empty() const { return groups_.empty(); }
+
+  /// The nearest places of a shape; true when none moved by more than 1e-6 in (u, v).
+  bool follow(const Surface& shape) {
+    const SurfaceProjector projector(shape);
+    bool still = true;
+    for (Group& group : groups_) {
+      const bool first = group.feet.empty();
+      group.feet.resize(group.load->points.size());
+      for (size_t i = 0; i < group.feet.size(); ++i) {
+        const Vec3& p = group.load->points[i];
+        const auto closest = projector.nearest(p);
+        Foot foot{closest.where, shape.mesh().shape(closest.where.triangle).point(closest.where.L),
+                  closest.distance, false};
+        // On the rim the way to a point beyond it is not at right angles to the surface.
+        const SurfaceJet jet = shape.jet(closest.where);
+        const Vec3 across = p - jet.x;
+        foot.used = (!shape.trim() || shape.trim()->loops().contains(foot.uv)) &&
+                    (across.norm() <= 1e-9 * layout_.size() ||
+                     std::abs(across.normalized().dot(jet.normal())) > 0.7);
+        still = still && !first && (foot.uv - group.feet[i].uv).norm() < 1e-6;
+        group.feet[i] = foot;
+      }
+    }
+    return still;
+  }
+  /// K + Σ k N Nᵀ and Σ k N p, with points moved by -origin.
+  void add_to(const SurfaceAssembler& assembler, const Vec3& origin, SparseMatrix& K,
+              Points& F) const {
+    std::vector<Triplet> entries;
+    for (const Group& group : groups_) {
+      const double k = group.load->stiffness / static_cast<double>(group.load->points.size());
+      for (size_t i = 0; i < group.feet.size(); ++i) {
+        const Foot& foot = group.feet[i];
+        if (!foot.used) continue;
+        const int t = foot.where.triangle;
+        const Vec12 N =
+            C1Triangle(assembler.kind(), assembler.mesh().shape(t)).evaluate(foot.where.L).col(kW);
+        const auto dof = assembler.dofs().triangle(assembler.mesh(), t);
+        for (int a = 0; a < 12; ++a) {
+          F.row(dof[a]) += k * N[a] * (group.load->points[i] - origin).transpose();
+          for (int b = 0; b < 12; ++b)
+            if (dof[a] >= dof[b]) entries.emplace_back(dof[a], dof[b], k * N[a] * N[b]);
+        }
+      }
+    }
+    SparseMatrix springs(K.rows(), K.cols());
+    springs.setFromTriplets(entries.begin(), entries.end());
+    K += springs;
+  }
+  std::vector<SculptResult::Springs> measured(const Surface& before, const Surface& after) const {
+    std::vector<SculptResult::Springs> all;
+    const SurfaceProjector on_before(before), on_after(after);
+    for (const Group& group : groups_) {
+      SculptResult::Springs s;
+      s.name = *group.name;
+      s.points = static_cast<int>(group.feet.size());
+      for (size_t i = 0; i < group.feet.size(); ++i) {
+        if (!group.feet[i].used) {
+          ++s.left_out;
+          continue;
+        }
+        const double was = on_before.nearest(group.load->points[i]).distance,
+                     is = on_after.nearest(group.load->points[i]).distance;
+        s.before_max = std::max(s.before_max, was);
+        s.max = std::max(s.max, is);
+        s.before_rms += was * was;
+        s.rms += is * is;
+      }
+      const double used = std::max(1, s.points - s.left_out);
+      s.before_rms = std::sqrt(s.before_rms / used);
+      s.rms = std::sqrt(s.rms / used);
+      all.push_back(s);
+    }
+    return all;
+  }
+
+ private:
+  struct Foot {
+    Location where;
+    Vec2 uv = Vec2::Zero();
+    double distance = 0;
+    bool used = false;
+  };
+  struct Group {
+    const std::string* name;
+    const SpringLoad* load;
+    std::vector<Foot> feet;
+  };
+  const RegionLayout& layout_;
+  std::vector<Group> groups_;
+};
 
 // Anderson acceleration of x ← g(x): the next guess is the combination of the last few for which
 // the linearised residual g(x) - x is smallest. Depth bounded, so that it forgets old curvature.
@@ -97,13 +210,31 @@ SculptResult sculpt(const RegionLayout& layout, const ConstraintSet& given,
   const ConstraintSet constraints = given.moved(ones, origin);
 
   progress.at("solving", 0);
-  const ConstrainedSolver solver(constraints, assembler.stiffness(material),
-                                 dissection_order(*layout.mesh()));
+  const SparseMatrix plain = assembler.stiffness(material);
+  const std::vector<int> order = dissection_order(*layout.mesh());
+  std::optional<ConstrainedSolver> factored(std::in_place, constraints, plain, order);
   SculptResult result;
-  result.dofs = solver.solve(Points::Zero(assembler.dofs().count(), 3));
+  result.dofs = factored->solve(Points::Zero(assembler.dofs().count(), 3));
   const Surface unloaded(layout.mesh(), layout.element(), result.dofs + ones * origin.transpose(),
                          layout.trim());
-  const LoadTerms terms = gather(layout, assembler, unloaded, loads, options.units);
+  LoadTerms terms = gather(layout, assembler, unloaded, loads, options.units);
+  Springs springs(layout, loads);
+  if (!springs.empty()) {
+    const Points without = terms.fixed;
+    constexpr int most_rounds = 6;
+    Surface shape = unloaded;
+    for (int round = 0; round < most_rounds; ++round) {
+      progress.at("springs", static_cast<double>(round) / most_rounds);
+      if (springs.follow(shape)) break;
+      SparseMatrix K = plain;
+      terms.fixed = without;
+      springs.add_to(assembler, origin, K, terms.fixed);
+      factored.emplace(constraints, std::move(K), order);
+      shape = Surface(layout.mesh(), layout.element(),
+                      factored->solve(terms.fixed) + ones * origin.transpose(), layout.trim());
+    }
+  }
+  const ConstrainedSolver& solver = *factored;
 
   const auto load_at = [&](const Points& q, double factor) -> Points {
     Points F = factor * terms.fixed;
@@ -171,6 +302,9 @@ SculptResult sculpt(const RegionLayout& layout, const ConstraintSet& given,
   }
   result.max_constraint_residual = constraints.max_residual(result.dofs) / size;
   result.dofs += ones * origin.transpose();
+  if (!springs.empty())
+    result.springs = springs.measured(
+        unloaded, Surface(layout.mesh(), layout.element(), result.dofs, layout.trim()));
   progress.at("solving", 1);
   return result;
 }

@@ -20,15 +20,23 @@ struct UniformLoad {
 struct PressureLoad {
   double pressure;
 };
-/// A force at the point of the unloaded surface nearest to `at`, which must not be farther away than
-/// half of the region's size.
+/// A force at the point of the unloaded surface nearest to `at`, which must not be farther away
+/// than half of the region's size.
 struct PointLoad {
   Vec3 at;
   Vec3 force;
 };
+/// Springs from the surface to points in space, as measured ones: the energy gets
+/// Σ stiffness/n |x(c_i) - p_i|², c_i the place that is nearest to point i, looked for anew until
+/// it stands still. `stiffness` is that of all n together. Points beyond the surface's rim are left
+/// out.
+struct SpringLoad {
+  std::vector<Vec3> points;
+  double stiffness;
+};
 struct Load {
   std::string name;
-  std::variant<UniformLoad, PressureLoad, PointLoad> value;
+  std::variant<UniformLoad, PressureLoad, PointLoad, SpringLoad> value;
 };
 
 struct SculptOptions {
@@ -54,14 +62,22 @@ struct SculptResult {
   };
   std::vector<Reaction> reactions;
   double max_constraint_residual = 0;  ///< over all rows, over the region's size
+  /// Of each spring load: how far its points are from the finished surface, model units.
+  struct Springs {
+    std::string name;
+    int points = 0, left_out = 0;
+    double before_max = 0, before_rms = 0;  ///< of the shape without loads
+    double max = 0, rms = 0;
+  };
+  std::vector<Springs> springs;
 };
 
-/// The shape of least energy under constraints and loads. One factor; uniform and point loads take
-/// one solve, pressure takes load steps of fixed-point iterations with Anderson acceleration, each
-/// one pair of triangular solves.
-/// Solved with the first line's start as the origin, so that a region far away keeps its digits.
-/// Throws InputError on bad numbers; ConflictError; NoSolutionError when the pressure is past its limit, with the largest
-/// pressure that converged.
+/// The shape of least energy under constraints and loads. One factor (one more for each round of
+/// springs, six at most); uniform and point loads take one solve, pressure takes load steps of
+/// fixed-point iterations with Anderson acceleration, each one pair of triangular solves. Solved
+/// with the first line's start as the origin, so that a region far away keeps its digits. Throws
+/// InputError on bad numbers; ConflictError; NoSolutionError when the pressure is past its limit,
+/// with the largest pressure that converged.
 SculptResult sculpt(const RegionLayout& layout, const ConstraintSet& constraints,
                     const std::vector<Load>& loads, const SculptOptions& options,
                     const Progress& progress = {});

@@ -5,7 +5,7 @@
 #include "batten/core/errors.h"
 #include "batten/core/words.h"
 #include "batten/fairing/curve_fit.h"
-#include "batten/fem/triangle_locator.h"
+#include "batten/fem/surface_projector.h"
 #include "batten/skinning/region_parts.h"
 
 namespace batten {
@@ -223,32 +223,9 @@ RegionParts plane_parts(const Outline& loop, const std::vector<Outline>& holes,
   return parts;
 }
 
-namespace {
-
-// The surface's nearest point, from the one of a neighbour where there is one.
-Surface::Closest nearest(const Surface& surface, const TriangleLocator& locator, const Vec3& p,
-                         const std::optional<Surface::Closest>& neighbour) {
-  if (!neighbour) return surface.closest_point(p);
-  Vec2 uv = surface.mesh().shape(neighbour->where.triangle).point(neighbour->where.L);
-  for (int step = 0; step < 20; ++step) {
-    const Location where = locator.locate(uv);
-    const SurfaceJet jet = surface.jet(where);
-    Eigen::Matrix<double, 3, 2> J;
-    J << jet.x_u, jet.x_v;
-    const Vec2 move = (J.transpose() * J).ldlt().solve(J.transpose() * (p - jet.x));
-    if (!move.allFinite()) break;
-    const Vec2 next = surface.mesh().shape(where.triangle).point(where.L) + move;
-    if ((next - uv).norm() < 1e-12) return {where, (p - jet.x).norm()};
-    uv = next;
-  }
-  return surface.closest_point(p);
-}
-
-}  // namespace
-
 void embed_on(const Surface& surface, const std::vector<Outline>& holes,
               const std::vector<Stretch>& inner, const DomainTask& task, RegionParts& parts) {
-  const TriangleLocator locator(surface.mesh());
+  const SurfaceProjector projector(surface);
   const auto add = [&](EmbeddedLine line) {
     // Nodes at the curve's own and at most an element apart; slopes by the surface's gradient.
     std::vector<double> between;
@@ -261,10 +238,12 @@ void embed_on(const Surface& surface, const std::vector<Outline>& holes,
     }
     const HermiteCurve nodes = line.fitted.with_nodes(between);
     Points dofs(nodes.dofs().rows(), 3);
-    std::optional<Surface::Closest> closest_before;
+    std::optional<Surface::Closest> before;
     for (int i = 0; i < nodes.node_count(); ++i) {
-      const Surface::Closest closest = nearest(surface, locator, nodes.position(i), closest_before);
-      closest_before = closest;
+      const Vec3 x = nodes.position(i);
+      const Surface::Closest closest =
+          before ? projector.nearest(x, before->where) : surface.closest_point(x);
+      before = closest;
       constexpr double far = 0.5;
       if (closest.distance > far * task.size)
         throw InputError("line '" + line.line.name + "' is " + number(closest.distance) +

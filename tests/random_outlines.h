@@ -85,10 +85,23 @@ inline std::vector<CharacterLine> random_lines(Random& random) {
 
 struct RandomResult {
   std::string refusal;  ///< what the program said, or "": there is a surface
+  std::string kind;     ///< of the refusal, in few words
   double reported = 0, found = 0, tolerance = 0;
   bool finite = true;
   int triangles = 0;
 };
+
+/// The reason without names and numbers, so that equal ones can be counted.
+inline std::string refusal_kind(const Error& e) {
+  const std::string text = e.what();
+  if (dynamic_cast<const ConflictError*>(&e)) return "constraints contradict each other";
+  if (dynamic_cast<const NoSolutionError*>(&e)) return "no solution: " + text.substr(0, 40);
+  for (const char* words :
+       {"does not bound the region", "leaves the region", "cannot be on both", "has no image there",
+        "touch", "cross", "closed loop", "projects", "on one line", "twice", "beyond line"})
+    if (text.find(words) != std::string::npos) return words;
+  return text;
+}
 
 /// Skins the lines, and measures the distance from each line at 997 places of its own choice.
 inline RandomResult skin_at_random(const std::vector<CharacterLine>& lines) {
@@ -116,6 +129,7 @@ inline RandomResult skin_at_random(const std::vector<CharacterLine>& lines) {
     }
   } catch (const Error& e) {
     result.refusal = e.what();
+    result.kind = refusal_kind(e);
   }
   return result;
 }

@@ -138,6 +138,18 @@ std::vector<SourceLine> read_sources(const std::vector<SceneLine>& lines,
   return all;
 }
 
+std::vector<Vec3> spring_points(const Scene& scene, const SceneLoad& load) {
+  if (load.type != SceneLoad::Type::Springs) return {};
+  if (line_file_kind(load.file) != LineFileKind::Points ||
+      !std::filesystem::is_regular_file(load.file))
+    throw InputError(scene.at(load.place) + "found '" + load.file.string() +
+                     "', expected a file of points (" + listed(kPointEndings) + ")");
+  std::vector<Vec3> points;
+  for (const SourceLine& line : read_source_file(load.file, load.unit, scene.unit))
+    points.insert(points.end(), line.points.begin(), line.points.end());
+  return points;
+}
+
 CharacterLine character_line(const SourceLine& line, double corner_angle) {
   return {line.name, line.as_curve(corner_angle), line.role, line.treatment};
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "batten/apps/commands/line_files.h"
 #include "batten/constraints/shape/shape_constraints.h"
 
 namespace batten {
@@ -88,7 +89,7 @@ MadeShape make_shape(const RegionLayout& layout, const Scene& scene, const Progr
 
   const std::vector<HeldNormal> normals = add_constraints(scene, unloaded, set);
   std::vector<Load> loads;
-  for (const SceneLoad& load : scene.loads) loads.push_back(load.load());
+  for (const SceneLoad& load : scene.loads) loads.push_back(load.load(spring_points(scene, load)));
   MadeShape made{layout.region(plain.dofs), unloaded,
                  sculpt(layout, set, loads, options, progress)};
   made.region = layout.region(made.sculpt.dofs);

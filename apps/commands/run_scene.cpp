@@ -54,6 +54,7 @@ void measure_into(Report& report, const MadeShape& made) {
   s.load_steps = made.sculpt.load_steps;
   s.iterations = made.sculpt.iterations;
   s.last_change = made.sculpt.last_change;
+  report.springs = made.sculpt.springs;
   for (const auto& r : made.sculpt.reactions) report.reactions.push_back({r.name, r.force});
 }
 
@@ -384,6 +385,11 @@ std::string summary(const Report& report, const std::filesystem::path& folder) {
                                           ", within " + number(step.max_deviation) + unit +
                                           ", edges within " + number(step.max_gap) + unit);
   }
+  for (const auto& springs : report.springs)
+    text += result_line("springs", std::to_string(springs.points - springs.left_out) + " of " +
+                                       std::to_string(springs.points) + " points of '" +
+                                       springs.name + "', rms " + number(springs.before_rms) +
+                                       " -> " + number(springs.rms) + unit);
   if (report.comparison)
     text += result_line("compared", "max " + number(report.comparison->max) + unit + ", rms " +
                                         number(report.comparison->rms) + unit + " from " +

@@ -293,7 +293,7 @@ TEST_CASE("units are what they are in metres", "[scene]") {
 TEST_CASE("a report says when a number could not be computed", "[report]") {
   Report report;
   report.name = "x";
-  report.lines.push_back({"rim", false, 1, 0.25, 5});
+  report.lines.push_back({"rim", CharacterLine::Role::Outline, false, 1, 0.25, 5});
   report.parameters.push_back({"p", 1, 0, std::numeric_limits<double>::infinity()});
   CHECK(numbers_that_failed(report).empty());
   auto json = nlohmann::json::parse(to_json(report));

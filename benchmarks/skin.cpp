@@ -1,0 +1,434 @@
+// Regions whose lines are embedded: where the time goes, the STEP file, and lines at random.
+//
+// A door panel (examples/05-door) from its lines to the solved shape, phase by phase, on three
+// grids; its one-face STEP file at three tolerances beside OpenCASCADE's filling of the same lines;
+// and 2,000 outlines with holes and ribs, for surfaces that miss a line without saying so.
+#include <array>
+#include <cmath>
+#include <exception>
+#include <filesystem>
+#include <map>
+
+#include "batten/apps/commands/fair_lines.h"
+#include "batten/apps/commands/make_shape.h"
+#include "batten/constraints/affine_reduction.h"
+#include "batten/fem/dissection.h"
+#include "batten/fem/triangle_locator.h"
+#include "batten/io/cad_lines.h"
+#include "batten/io/scene.h"
+#include "batten/io/step_face.h"
+#include "batten/sculpting/static_sculpt.h"
+#include "batten/skinning/region_parts.h"
+#include "batten/tests/random_outlines.h"
+#include "bench.h"
+#include "occ_filling.h"
+
+namespace {
+
+using namespace batten;
+using namespace batten::bench;
+
+Vec2 flat(const Vec3& p) { return {p.x(), p.y()}; }
+
+struct Grid {
+  std::string name;
+  double edge_length, tolerance;  ///< mm
+  int rounds;
+};
+// Where the tolerance is coarse enough for the grid, no triangle is halved.
+const std::vector<Grid> grids = {{"2k", 35, 0.1, 9}, {"10k", 15.2, 0.1, 9}, {"50k", 6.5, 0.1, 3}};
+
+enum Phase {
+  Mesh,
+  Cut,
+  Place,
+  Rows,
+  Assemble,
+  Eliminate,
+  Reduce,
+  Analyse,
+  Factor,
+  Solve,
+  Evaluate,
+  phases
+};
+const std::array<const char*, phases> phase_names = {
+    "lines + mesh", "trim",    "points on lines", "rows",  "assembly",   "elimination",
+    "reduce",       "analyse", "factor",          "solve", "evaluation",
+};
+
+// RegionLayout's and sculpt()'s own steps, each once: the way to a solved shape on a grid that
+// needs no refinement.
+struct Path {
+  std::array<double, phases> seconds{};
+  RegionParts parts;
+  std::shared_ptr<Surface> surface;
+  double gap = 0, worst_row = 0;
+  int rows = 0, free = 0, cut_triangles = 0;
+  long factor_entries = 0;
+};
+
+Path path(const std::vector<CharacterLine>& lines, const SkinOptions& options, double size) {
+  Path p;
+  const auto timed = [&](Phase phase, const auto& work) {
+    p.seconds[static_cast<size_t>(phase)] += time_of(work);
+  };
+  const DomainTask task{options, size, options.tolerance, options.edge_length,
+                        std::max(options.tolerance, 1e-6 * size)};
+  timed(Mesh, [&] {
+    std::vector<Stretch> around, rims, inner;
+    using Role = CharacterLine::Role;
+    for (const CharacterLine& line : lines) {
+      auto& kind = line.role == Role::Outline ? around : line.role == Role::Hole ? rims : inner;
+      for (Stretch& s : cut_at_corners(line, options.corner_angle)) kind.push_back(std::move(s));
+    }
+    const auto loops = make_loops(around, size, task.join, options.corner_angle);
+    const auto holes = make_loops(rims, size, task.join, options.corner_angle);
+    p.parts = plane_parts(loops[0], holes, inner, task);
+    grade_by_curvature(p.parts, task);
+  });
+  const ParametricMesh uncut = *p.parts.mesh;
+  timed(Place, [&] { cut_and_place(p.parts, task); });
+  // cut_and_place() cuts, too.
+  timed(Cut, [&] { Trim(uncut, p.parts.trim->loops()); });
+  p.seconds[Place] = std::max(0.0, p.seconds[Place] - p.seconds[Cut]);
+
+  const ParametricMesh& mesh = *p.parts.mesh;
+  std::optional<ConstraintSet> set;
+  timed(Rows, [&] { set = line_rows(p.parts, options.element); });
+  SparseMatrix K, reduced;
+  timed(Assemble, [&] {
+    const SurfaceAssembler assembler(mesh, options.element, p.parts.trim);
+    K = assembler.stiffness(SurfaceStiffness::isotropic(0, 1));
+  });
+  std::optional<AffineReduction> reduction;
+  timed(Eliminate, [&] { reduction.emplace(*set); });
+  timed(Reduce, [&] { reduced = reduction->reduce(K); });
+  SparseCholesky cholesky;
+  timed(Analyse,
+        [&] { cholesky.analyze(reduced, reduction->order_of_free(dissection_order(mesh))); });
+  timed(Factor, [&] {
+    if (!cholesky.factorize(reduced)) throw NoSolutionError(cholesky.message());
+  });
+  Points dofs;
+  timed(Solve, [&] {
+    MatX y = reduction->reduce_load(K, Points::Zero(K.rows(), 3));
+    cholesky.solve_in_place(y);
+    dofs = reduction->expand(y);
+  });
+  p.surface = std::make_shared<Surface>(p.parts.mesh, options.element, dofs, p.parts.trim);
+  timed(Evaluate, [&] {
+    Vec3 sum = Vec3::Zero();
+    for (const Location& where : tessellate(mesh, 2).points) {
+      const SurfaceJet jet = p.surface->jet(where);
+      sum += jet.x + jet.normal();
+    }
+    if (!sum.allFinite()) throw NoSolutionError("a point that is not finite");
+  });
+
+  for (const EmbeddedLine& line : p.parts.embedded)
+    p.gap = std::max(p.gap, line_gap(*p.surface, line));
+  p.worst_row = set->max_residual(dofs) / size;
+  p.rows = static_cast<int>(set->rows().size());
+  p.free = reduction->free_count();
+  p.cut_triangles = static_cast<int>(p.parts.trim->cut().size());
+  p.factor_entries = cholesky.factor_entries();
+  return p;
+}
+
+struct Door {
+  Scene scene;
+  std::vector<CharacterLine> lines;
+};
+
+Door read_door() {
+  Door door;
+  door.scene = read_scene(std::filesystem::path(BATTEN_SOURCE_DIR) / "examples/05-door/door.toml");
+  door.scene.loads.clear();
+  door.lines = faired_lines(door.scene, {}).lines;
+  return door;
+}
+
+void time_the_path(const Door& door, Promises& promises) {
+  Table table, sizes;
+  std::vector<std::string> head{"milliseconds (share)"};
+  std::vector<std::vector<std::string>> cells(phases + 1);
+  sizes.add({"grid", "edge mm", "tolerance mm", "triangles", "cut", "rows", "free",
+             "factor entries", "gap mm", "halvings after the first solve",
+             "layout + sculpt, seconds", "over factorization"});
+  for (const Grid& grid : grids) {
+    Scene scene = door.scene;
+    scene.skin.options.edge_length = grid.edge_length;
+    scene.skin.options.tolerance = grid.tolerance;
+    // What the program does: at least one solve in the layout, one in the sculpting.
+    std::vector<double> whole;
+    std::optional<RegionLayout> layout;
+    for (int round = 0; round < std::max(3, grid.rounds / 3); ++round)
+      whole.push_back(time_of([&] {
+        layout.emplace(lay_out(scene, door.lines));
+        make_refined_shape(*layout, scene);
+      }));
+    const double size = layout->size();
+    // Tolerance and edges of the scene, so that the first mesh is the layout's.
+    std::vector<std::array<double, phases>> rounds;
+    std::optional<Path> last;
+    for (int round = -1; round < grid.rounds; ++round) {
+      last.emplace(path(door.lines, scene.skin.options, size));
+      if (round >= 0) rounds.push_back(last->seconds);
+    }
+    const int first = last->parts.mesh->triangle_count(), end = layout->mesh()->triangle_count();
+    // Refinement as the layout does it, counted.
+    int halvings = 0;
+    const DomainTask task{scene.skin.options, size, grid.tolerance, grid.edge_length,
+                          std::max(grid.tolerance, 1e-6 * size)};
+    RegionParts parts = last->parts;
+    std::shared_ptr<Surface> shape = last->surface;
+    while (halvings < 8 && refine_at_gaps(parts, *shape, 0.5 * grid.tolerance, task)) {
+      ++halvings;
+      const SurfaceAssembler assembler(*parts.mesh, scene.skin.options.element, parts.trim);
+      const ConstrainedSolver solver(line_rows(parts, scene.skin.options.element),
+                                     assembler.stiffness(SurfaceStiffness::isotropic(0, 1)),
+                                     dissection_order(*parts.mesh));
+      shape = std::make_shared<Surface>(parts.mesh, scene.skin.options.element,
+                                        solver.solve(Points::Zero(assembler.dofs().count(), 3)),
+                                        parts.trim);
+    }
+
+    std::array<double, phases> time{};
+    double sum = 0;
+    for (size_t phase = 0; phase < phases; ++phase) {
+      std::vector<double> of_phase;
+      for (const auto& r : rounds) of_phase.push_back(r[phase]);
+      time[phase] = median(of_phase);
+      sum += time[phase];
+    }
+    head.push_back(grid.name + ": " + std::to_string(first) + " triangles");
+    for (size_t phase = 0; phase < phases; ++phase)
+      cells[phase].push_back(text("%.2f (%.1f %%)", 1e3 * time[phase], 100 * time[phase] / sum));
+    cells[phases].push_back(text("%.1f = %.2f factorizations", 1e3 * sum, sum / time[Factor]));
+    sizes.add({grid.name, number(grid.edge_length), number(grid.tolerance),
+               std::to_string(first) + (end != first ? " to " + std::to_string(end) : ""),
+               std::to_string(last->cut_triangles), std::to_string(last->rows),
+               std::to_string(last->free), std::to_string(last->factor_entries),
+               text("%.2g", last->gap), std::to_string(halvings), text("%.3f", median(whole)),
+               text("%.1f", median(whole) / time[Factor])});
+    promises.at_most(grid.name + ": residual of the rows over the size", last->worst_row, 1e-10);
+    if (grid.name == "10k") {
+      promises.at_least("10k: triangles", first, 9000);
+      promises.at_most("10k: rounds of refinement", halvings, 0);
+      promises.at_most("10k: largest gap of a line, mm", last->gap, grid.tolerance);
+      promises.at_most("10k: from lines to a solved shape over the factorization alone",
+                       sum / time[Factor], 6);
+    }
+  }
+  table.add(head);
+  for (size_t phase = 0; phase <= phases; ++phase) {
+    std::vector<std::string> row{phase < phases ? phase_names[phase] : "sum"};
+    row.insert(row.end(), cells[phase].begin(), cells[phase].end());
+    table.add(row);
+  }
+  table.print();
+  sizes.print();
+}
+
+// Points of the surface inside of the trim, and the distance of the file's faces from them.
+double distance_of_file(const SkinnedRegion& region, const std::filesystem::path& file,
+                        int at_most) {
+  const auto faces = read_cad_surfaces(file, 1e-3);
+  const Surface& s = region.surface;
+  const int step = std::max(1, s.mesh().triangle_count() / at_most);
+  double largest = 0;
+  for (int t = 0; t < s.mesh().triangle_count(); t += step) {
+    const Location where{t, Vec3(0.31, 0.28, 0.41)};
+    const Vec2 uv = s.mesh().shape(t).point(where.L);
+    if (s.trim() && !s.trim()->loops().contains(uv)) continue;
+    double nearest = std::numeric_limits<double>::infinity();
+    for (const auto& face : faces) nearest = std::min(nearest, face.distance(s.position(where)));
+    largest = std::max(largest, nearest);
+  }
+  return largest;
+}
+
+// Curves are cut where they are too much for one edge of OpenCASCADE's filling: closed ones, in
+// four parts.
+std::vector<HermiteCurve> in_parts(const HermiteCurve& c, int parts) {
+  std::vector<HermiteCurve> all;
+  const int n = c.segment_count();
+  for (int p = 0; p < parts; ++p) {
+    const int from = n * p / parts, to = n * (p + 1) / parts;
+    std::vector<double> u;
+    Points x(to - from + 1, 3), d(to - from + 1, 3);
+    for (int i = from; i <= to; ++i) {
+      u.push_back(c.parameters()[static_cast<size_t>(i)]);
+      const int node = i % c.node_count();
+      x.row(i - from) = c.position(node);
+      d.row(i - from) = i == to ? c.slope_in(node) : c.slope_out(node);
+    }
+    all.emplace_back(u, x, d);
+  }
+  return all;
+}
+
+void compare_steps(const Door& door, const std::filesystem::path& folder, Promises& promises) {
+  Scene scene = door.scene;
+  scene.skin.options.edge_length = grids[1].edge_length;
+  scene.skin.options.tolerance = grids[1].tolerance;
+  RegionLayout layout = lay_out(scene, door.lines);
+  const MadeShape made = make_refined_shape(layout, scene);
+  const double size = layout.size();
+  std::printf("STEP of the door, size %.4g mm, %d triangles, lines within %g mm.\n\n", size,
+              layout.mesh()->triangle_count(), grids[1].tolerance);
+
+  Table table;
+  table.add({"asked, of the size", "asked, mm", "deviation of the file, mm", "seen by sampling, mm",
+             "edges from the face, mm", "poles", "kB", "seconds", "valid"});
+  for (const double share : {1e-3, 1e-4, 1e-5}) {
+    StepFaceOptions options;
+    options.tolerance = share * size;
+    options.name = "door";
+    const auto file = folder / "door.step";
+    std::vector<double> times;
+    StepFaceReport report;
+    for (int round = 0; round < 3; ++round)
+      times.push_back(
+          time_of([&] { report = write_step_face(file, {&made.region}, 1e-3, options); }));
+    const double seen = distance_of_file(made.region, file, 1500);
+    table.add({number(share), number(options.tolerance), text("%.3g", report.deviation),
+               text("%.3g", seen), text("%.3g", report.edge_gap),
+               std::to_string(report.patches[0].poles_u) + " x " +
+                   std::to_string(report.patches[0].poles_v),
+               std::to_string(report.bytes / 1000), text("%.2f", median(times)),
+               report.valid ? "yes" : "no"});
+    const std::string name = "STEP at " + number(share) + " of the size: ";
+    promises.at_most(name + "deviation over asked",
+                     std::max(report.deviation, seen) / options.tolerance, 1);
+    promises.at_most(name + "megabytes", 1e-6 * static_cast<double>(report.bytes), 5);
+    promises.at_least(name + "valid", report.valid ? 1 : 0, 1);
+  }
+  table.print();
+
+  if (occ_version().empty()) {
+    std::printf("OpenCASCADE's filling is missing from this build.\n\n");
+    return;
+  }
+  std::printf(
+      "OpenCASCADE's filling of the same lines (outline in four edges, the others as inner "
+      "constraints). Distance: from points of a line to the filling's surface.\n\n");
+  std::vector<HermiteCurve> outline, inner;
+  for (const EmbeddedLine& line : made.region.embedded) {
+    const bool closed = line.fitted.closed();
+    for (HermiteCurve& part : in_parts(line.fitted, closed ? 4 : 1))
+      (line.line.role == CharacterLine::Role::Outline ? outline : inner).push_back(std::move(part));
+  }
+  Table peers;
+  peers.add({"setting", "distance to the lines, mm", "poles", "kB", "seconds", "it says"});
+  const std::vector<FillingSettings> settings = {
+      {"1e-3 of the size", 1e-3 * size, 15, 9},
+      {"1e-4", 1e-4 * size, 15, 9},
+      {"1e-5", 1e-5 * size, 15, 9},
+      {"1e-5, 60 segments", 1e-5 * size, 15, 60},
+      {"1e-5, 60 segments, 60 points", 1e-5 * size, 60, 60}};
+  for (const FillingSettings& s : settings) {
+    std::unique_ptr<Filling> filling;
+    const double t = time_of([&] {
+      filling =
+          std::make_unique<Filling>(std::vector<std::vector<HermiteCurve>>{outline}, inner, s);
+    });
+    if (!filling->done()) {
+      peers.add({s.name, "-", "-", "-", text("%.2f", t), filling->says()});
+      continue;
+    }
+    double largest = 0;
+    for (const auto* curves : {&outline, &inner})
+      for (const HermiteCurve& c : *curves)
+        for (int k = 0; k <= 60; ++k)
+          largest = std::max(
+              largest, filling->distance(c.evaluate(c.start() + (c.end() - c.start()) * k / 60)));
+    const auto file = folder / "filling.step";
+    const bool written = filling->write_step(file.string());
+    const auto poles = filling->poles();
+    peers.add({s.name, text("%.3g", largest),
+               std::to_string(poles[0]) + " x " + std::to_string(poles[1]),
+               written ? std::to_string(std::filesystem::file_size(file) / 1000) : "-",
+               text("%.2f", t), "done"});
+  }
+  peers.print();
+}
+
+void skin_random_lines(int count, Promises& promises) {
+  using namespace batten_test;
+  std::map<std::string, int> refusals;
+  int surfaces = 0, reported = 0, unreported = 0, understated = 0, others = 0, not_finite = 0;
+  double worst = 0;
+  const double seconds_taken = time_of([&] {
+    for (int seed = 1; seed <= count; ++seed) {
+      Random random(static_cast<unsigned>(seed));
+      RandomResult r;
+      try {
+        try {
+          r = skin_at_random(random_lines(random));
+        } catch (const Error& e) {
+          r.refusal = e.what();
+          r.kind = refusal_kind(e);
+        }
+      } catch (const std::exception& e) {
+        ++others;
+        std::printf("seed %d: %s\n", seed, e.what());
+        continue;
+      }
+      if (!r.refusal.empty()) {
+        ++refusals[r.kind];
+        continue;
+      }
+      ++surfaces;
+      if (!r.finite) ++not_finite;
+      worst = std::max(worst, r.found / r.reported);
+      if (r.reported > r.tolerance) {
+        ++reported;
+      } else if (!(r.found <= r.tolerance)) {
+        ++unreported;
+        std::printf("seed %d: found %g, reported %g, tolerance %g\n", seed, r.found, r.reported,
+                    r.tolerance);
+      }
+      if (!(r.found <= 1.2 * r.reported + 1e-9)) ++understated;
+    }
+  });
+  Table table;
+  table.add({text("%d outlines at random, %.0f s", count, seconds_taken), "count"});
+  table.add({"surfaces", std::to_string(surfaces)});
+  table.add({"  that say that they miss a line", std::to_string(reported)});
+  table.add({"  that miss one and do not say so", std::to_string(unreported)});
+  table.add({"  with a gap over 1.2 times the reported one", std::to_string(understated)});
+  table.add({"  with numbers that are not finite", std::to_string(not_finite)});
+  for (const auto& [kind, number_of] : refusals)
+    table.add({"refused: " + kind, std::to_string(number_of)});
+  table.add({"other exceptions", std::to_string(others)});
+  table.print();
+  std::printf("Largest gap found at other places over the reported one: %.3f.\n\n", worst);
+  promises.at_least("random outlines: surfaces", surfaces, 0.5 * count);
+  promises.at_most("random outlines: unreported misses", unreported, 0);
+  promises.at_most("random outlines: not finite", not_finite, 0);
+  promises.at_most("random outlines: other exceptions", others, 0);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  one_thread();
+  const int outlines = argc > 1 ? std::atoi(argv[1]) : 2000;
+  std::printf("Processor time on one thread, medians.\n\n");
+  const auto folder = std::filesystem::temp_directory_path() / "batten_bench_skin";
+  std::filesystem::create_directories(folder);
+  Promises promises;
+  try {
+    const Door door = read_door();
+    time_the_path(door, promises);
+    compare_steps(door, folder, promises);
+  } catch (const Error& e) {
+    std::printf("the door failed: %s\n", e.what());
+    promises.at_most("the door failed", std::nullopt, 0);
+  }
+  skin_random_lines(outlines, promises);
+  std::filesystem::remove_all(folder);
+  promises.print("skin");
+}

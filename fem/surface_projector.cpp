@@ -1,0 +1,60 @@
+#include "batten/fem/surface_projector.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+
+namespace batten {
+
+SurfaceProjector::SurfaceProjector(const Surface& surface)
+    : surface_(surface), locator_(surface.mesh()) {
+  const ParametricMesh& mesh = surface.mesh();
+  std::vector<char> seen(mesh.vertex_count(), 0);
+  for (int t = 0; t < mesh.triangle_count(); ++t) {
+    for (int i = 0; i < 3; ++i)
+      if (!seen[mesh.triangles()[t][i]]++) where_.push_back({t, Vec3::Unit(i)});
+    where_.push_back({t, Vec3::Constant(1.0 / 3)});
+  }
+  samples_.resize(static_cast<long>(where_.size()), 3);
+  for (size_t i = 0; i < where_.size(); ++i)
+    samples_.row(static_cast<long>(i)) = surface.position(where_[i]);
+}
+
+Surface::Closest SurfaceProjector::nearest(const Vec3& p) const {
+  long best = 0;
+  (samples_.rowwise() - p.transpose()).rowwise().squaredNorm().minCoeff(&best);
+  return nearest(p, where_[static_cast<size_t>(best)]);
+}
+
+Surface::Closest SurfaceProjector::nearest(const Vec3& p, const Location& start) const {
+  const ParametricMesh& mesh = surface_.mesh();
+  Location where = start;
+  double distance = (surface_.position(where) - p).norm();
+  for (int step = 0; step < 60; ++step) {
+    const SurfaceJet jet = surface_.jet(where);
+    const Vec3 d = jet.x - p;
+    Mat2 G, H;
+    G << jet.x_u.dot(jet.x_u), jet.x_u.dot(jet.x_v), jet.x_u.dot(jet.x_v), jet.x_v.dot(jet.x_v);
+    H << jet.x_uu.dot(d), jet.x_uv.dot(d), jet.x_uv.dot(d), jet.x_vv.dot(d);
+    H += G;
+    // Newton's step where the distance is convex, otherwise Gauss-Newton's.
+    const bool convex = H(0, 0) > 0 && H.determinant() > 1e-2 * G.determinant();
+    const Vec2 move = -(convex ? H : G).ldlt().solve(Vec2(jet.x_u.dot(d), jet.x_v.dot(d)));
+    if (!move.allFinite()) break;
+    const Vec2 uv = mesh.shape(where.triangle).point(where.L);
+    // A step that leads farther away is halved; at the rim of the mesh it ends on the rim.
+    double moved = 0;
+    for (double part = 1; part > 1e-3; part *= 0.5) {
+      const Location next = locator_.locate(uv + part * move);
+      const double reached = (surface_.position(next) - p).norm();
+      if (reached > distance) continue;
+      moved = (mesh.shape(next.triangle).point(next.L) - uv).norm();
+      where = next;
+      distance = reached;
+      break;
+    }
+    if (moved < 1e-12 * (1 + uv.norm())) break;
+  }
+  return {where, distance};
+}
+
+}  // namespace batten
