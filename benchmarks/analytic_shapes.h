@@ -155,7 +155,7 @@ struct AnalyticShape {
       lines.push_back(line_on(
           "inner " + std::to_string(k), surface,
           [row, triangle](const Jet& q) {
-            const Jet s = Jet(0.02) + Jet(0.96) * q,
+            const Jet s = Jet(0.01) + Jet(0.98) * q,
                       t = Jet(row) + Jet(0.02) * sin(Jet(2 * std::numbers::pi) * q);
             if (!triangle) return std::array<Jet, 2>{s, t};
             const Jet b = Jet(0.85) * t;

@@ -4,6 +4,7 @@
 
 #include <BRepBuilderAPI_MakeEdge.hxx>
 #include <BRepBuilderAPI_MakeVertex.hxx>
+#include <BRepCheck_Analyzer.hxx>
 #include <BRepOffsetAPI_MakeFilling.hxx>
 #include <BRepTools.hxx>
 #include <BRepTopAdaptor_FClass2d.hxx>
@@ -64,7 +65,8 @@ TopoDS_Edge edge(const HermiteCurve& c, const TopoDS_Vertex& start, const TopoDS
     knots.SetValue(s + 2, s + 1 < n ? c.parameters()[static_cast<size_t>(s) + 1] : c.end());
   }
   poles.SetValue(2 * n + 2, point(c.evaluate({n - 1, 1.0})));
-  return BRepBuilderAPI_MakeEdge(new Geom_BSplineCurve(poles, knots, times, 3), start, end);
+  return BRepBuilderAPI_MakeEdge(new Geom_BSplineCurve(poles, knots, times, 3), start, end,
+                                 c.start(), c.end());
 }
 
 TopoDS_Vertex vertex(const Vec3& p) { return BRepBuilderAPI_MakeVertex(point(p)); }
@@ -93,6 +95,7 @@ struct Filling::Data {
       }
       face = TopoDS::Face(filling.Shape());
       surface = BRep_Tool::Surface(face);
+      if (!BRepCheck_Analyzer(face).IsValid()) says = "done, but the face is not valid";
     } catch (const Standard_Failure& e) {
       says = e.DynamicType()->Name();
       if (e.GetMessageString() && *e.GetMessageString())
@@ -139,8 +142,11 @@ const std::string& Filling::says() const { return data_->says; }
 // curves themselves, which would hide how far the surface is from them.
 double Filling::distance(const Vec3& p) const {
   double nearest = 1e100;
-  const GeomAPI_ProjectPointOnSurf projection(point(p), data_->surface);
-  if (projection.NbPoints() > 0) nearest = projection.LowerDistance();
+  try {
+    const GeomAPI_ProjectPointOnSurf projection(point(p), data_->surface);
+    if (projection.NbPoints() > 0) nearest = projection.LowerDistance();
+  } catch (const Standard_Failure&) {  // the second way answers alone
+  }
   if (data_->analysis.IsNull()) data_->analysis = new ShapeAnalysis_Surface(data_->surface);
   const gp_Pnt2d uv = data_->analysis->ValueOfUV(point(p), 1e-12);
   return std::min(nearest, data_->analysis->Value(uv).Distance(point(p)));
@@ -162,6 +168,8 @@ std::vector<Vec3> Filling::boundary_points(int an_edge) const {
 
 std::vector<Vec3> Filling::points(int n) const {
   std::vector<Vec3> points;
+  // Faces whose wires do not close have no inside.
+  if (!BRepCheck_Analyzer(data_->face).IsValid()) return points;
   double u0 = 0, u1 = 0, v0 = 0, v1 = 0;
   BRepTools::UVBounds(data_->face, u0, u1, v0, v1);
   BRepTopAdaptor_FClass2d inside(data_->face, 1e-9);

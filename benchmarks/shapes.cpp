@@ -157,10 +157,15 @@ struct Worst {
 
 }  // namespace
 
-int main() {
+// With a word: only the shapes whose names hold it.
+int main(int argc, char** argv) {
   one_thread();
   std::printf("Processor time on one thread. Lengths in units of the shapes, of size 2 to 4.\n\n");
-  const std::vector<AnalyticShape> shapes = analytic_shapes();
+  std::vector<AnalyticShape> shapes = analytic_shapes();
+  if (argc > 1)
+    std::erase_if(shapes, [&](const AnalyticShape& shape) {
+      return shape.name.find(argv[1]) == std::string::npos;
+    });
   Promises promises;
   Worst worst;
   std::vector<Made> finest;
@@ -221,11 +226,11 @@ int main() {
     if (shape.domain == AnalyticShape::Domain::Rings) continue;
     double with_three = 0, with_nine = 1e100;  // on the middle grid
     for (const auto& [n, g] : {std::pair{3, 0}, {3, 1}, {3, 2}, {5, 1}, {9, 1}}) {
-      const double edge = shape.coarse * std::pow(0.5, g);
+      const double edge = 1.6 * shape.coarse * std::pow(0.5, g);
       auto lines = shape.boundary();
       for (CharacterLine& line : shape.inner(n)) lines.push_back(std::move(line));
       try {
-        const Made made = skin(shape, lines, edge, 4e-4 * std::pow(0.25, g));
+        const Made made = skin(shape, lines, edge, 1e-3 * std::pow(0.25, g));
         const Against a = against_formula(shape, made.region.surface);
         worst.take(made, a.flipped);
         if (g == 1 && n == 3) with_three = a.distance;
@@ -311,7 +316,7 @@ int main() {
         peer.add({shape.name, number(s.tolerance), text("%.2e", distance), text("%.2e", ours),
                   text("%.2e", to_lines), std::to_string(points.size()),
                   text("%d x %d", filling->poles()[0], filling->poles()[1]), text("%.2f", t),
-                  "done"});
+                  filling->says().empty() ? "done" : filling->says()});
       }
     }
     peer.print();

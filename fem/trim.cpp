@@ -133,6 +133,33 @@ void collect(const TriangleLocator& locator, const PlanarCubic& arc, double part
   for (const int t : locator.near(low - hair, high + hair)) found.push_back(t);
 }
 
+// Triangles that no arc comes near, and that hang together by edges, lie on one side: one of them
+// is asked for all.
+std::vector<char> far_inside(const ParametricMesh& mesh, const DomainLoops& loops,
+                             const std::vector<char>& near) {
+  constexpr char unknown = 2;
+  const int n = mesh.triangle_count();
+  std::vector<char> inside(n, unknown);
+  std::vector<int> waiting;
+  for (int first = 0; first < n; ++first) {
+    if (near[first] || inside[first] != unknown) continue;
+    const Vec2 centroid = mesh.shape(first).point(Vec3::Constant(1.0 / 3));
+    inside[first] = loops.contains(centroid) ? 1 : 0;
+    waiting.push_back(first);
+    while (!waiting.empty()) {
+      const int t = waiting.back();
+      waiting.pop_back();
+      for (const int e : mesh.edges_of(t))
+        for (const int other : mesh.edges()[e].triangle) {
+          if (other < 0 || near[other] || inside[other] != unknown) continue;
+          inside[other] = inside[t];
+          waiting.push_back(other);
+        }
+    }
+  }
+  return inside;
+}
+
 // On a mesh that is periodic in u: the loops and their images one period to either side, which
 // covers the places of all triangles.
 DomainLoops with_images(const DomainLoops& loops, double period) {
@@ -170,32 +197,39 @@ Trim::Trim(const ParametricMesh& mesh, DomainLoops given) : loops_(std::move(giv
     for (const int t : found) arcs_near[t].push_back(static_cast<int>(a));
   }
 
+  std::vector<char> is_near(n, 0);
+  for (const auto& [t, arcs] : arcs_near) is_near[t] = 1;
+  const std::vector<char> inside = far_inside(mesh, loops, is_near);
+
   side_.resize(n);
   share_.assign(n, 0);
   for (int t = 0; t < n; ++t) {
     const TriangleShape shape = mesh.shape(t);
+    if (!is_near[t]) {
+      side_[t] = inside[t] ? Side::Inside : Side::Outside;
+      share_[t] = inside[t];
+      area_ += share_[t] * shape.area;
+      continue;
+    }
     const Vec2 centroid = shape.point(Vec3::Constant(1.0 / 3));
-    const auto near = arcs_near.find(t);
     bool touched = false;
     std::vector<Cone> cones;
     double twice = 0;
-    if (near != arcs_near.end()) {
-      std::vector<PlanarCubic> arcs;
-      for (const int a : near->second) arcs.push_back(loops.arcs()[static_cast<size_t>(a)]);
-      for (int s = 0; s < 3; ++s) {
-        const std::array<Vec2, 3> S{shape.vertex[(s + 1) % 3], shape.vertex[(s + 2) % 3], centroid};
-        bool here = false;
-        const auto pieces = boundary_inside(S, loops, arcs, here);
-        touched = touched || here;
-        if (pieces.empty()) continue;
-        // From an end of an arc, the cone of that arc is a sliver and the others are positive.
-        const Vec2 apex = here ? pieces[0].side.b[0] : S[0];
-        for (const Piece& p : pieces) {
-          const double area = twice_area(apex, p.straight, p.side);
-          if (area == 0) continue;
-          twice += area;
-          cones.push_back({s, apex, p.straight, p.side});
-        }
+    std::vector<PlanarCubic> arcs;
+    for (const int a : arcs_near[t]) arcs.push_back(loops.arcs()[static_cast<size_t>(a)]);
+    for (int s = 0; s < 3; ++s) {
+      const std::array<Vec2, 3> S{shape.vertex[(s + 1) % 3], shape.vertex[(s + 2) % 3], centroid};
+      bool here = false;
+      const auto pieces = boundary_inside(S, loops, arcs, here);
+      touched = touched || here;
+      if (pieces.empty()) continue;
+      // From an end of an arc, the cone of that arc is a sliver and the others are positive.
+      const Vec2 apex = here ? pieces[0].side.b[0] : S[0];
+      for (const Piece& p : pieces) {
+        const double area = twice_area(apex, p.straight, p.side);
+        if (area == 0) continue;
+        twice += area;
+        cones.push_back({s, apex, p.straight, p.side});
       }
     }
     // Arcs along the spokes pass through no sub-triangle.

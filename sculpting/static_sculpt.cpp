@@ -221,7 +221,7 @@ SculptResult sculpt(const RegionLayout& layout, const ConstraintSet& given,
   Springs springs(layout, loads);
   if (!springs.empty()) {
     const Points without = terms.fixed;
-    constexpr int most_rounds = 6;
+    constexpr int most_rounds = 20;
     Surface shape = unloaded;
     for (int round = 0; round < most_rounds; ++round) {
       progress.at("springs", static_cast<double>(round) / most_rounds);

@@ -73,7 +73,7 @@ struct SculptResult {
 };
 
 /// The shape of least energy under constraints and loads. One factor (one more for each round of
-/// springs, six at most); uniform and point loads take one solve, pressure takes load steps of
+/// springs, twenty at most); uniform and point loads take one solve, pressure takes load steps of
 /// fixed-point iterations with Anderson acceleration, each one pair of triangular solves. Solved
 /// with the first line's start as the origin, so that a region far away keeps its digits. Throws
 /// InputError on bad numbers; ConflictError; NoSolutionError when the pressure is past its limit,

@@ -78,48 +78,66 @@ std::vector<Meeting> meetings(const HermiteCurve& a, const HermiteCurve& b) {
     double t0, t1;
     Vec2 p, q;
   };
-  const auto chords = [](const HermiteCurve& c) {
-    std::vector<Chord> all;
+  struct Segment {
+    Vec2 low, high;
+    std::vector<Chord> chords;
+  };
+  const auto segments = [](const HermiteCurve& c) {
+    std::vector<Segment> segments_of_c;
     constexpr int cuts = 16;
     const auto& u = c.parameters();
-    for (int s = 0; s < c.segment_count(); ++s)
+    for (int s = 0; s < c.segment_count(); ++s) {
+      Segment segment;
+      Vec2 p = flat(c.evaluate({s, 0.0}));
+      segment.low = segment.high = p;
       for (int k = 0; k < cuts; ++k) {
         const double t0 = u[static_cast<size_t>(s)] + c.mesh().length(s) * k / cuts,
                      t1 = u[static_cast<size_t>(s)] + c.mesh().length(s) * (k + 1) / cuts;
-        all.push_back({t0, t1, flat(c.evaluate({s, static_cast<double>(k) / cuts})),
-                       flat(c.evaluate({s, static_cast<double>(k + 1) / cuts}))});
+        const Vec2 q = flat(c.evaluate({s, static_cast<double>(k + 1) / cuts}));
+        segment.chords.push_back({t0, t1, p, q});
+        segment.low = segment.low.cwiseMin(q);
+        segment.high = segment.high.cwiseMax(q);
+        p = q;
       }
-    return all;
+      segments_of_c.push_back(std::move(segment));
+    }
+    return segments_of_c;
   };
   const auto cross = [](const Vec2& x, const Vec2& y) { return x.x() * y.y() - x.y() * y.x(); };
   std::vector<Meeting> found;
-  const auto of_a = chords(a), of_b = chords(b);
-  for (const Chord& x : of_a)
-    for (const Chord& y : of_b) {
-      if (std::max(x.p.x(), x.q.x()) < std::min(y.p.x(), y.q.x()) ||
-          std::max(y.p.x(), y.q.x()) < std::min(x.p.x(), x.q.x()) ||
-          std::max(x.p.y(), x.q.y()) < std::min(y.p.y(), y.q.y()) ||
-          std::max(y.p.y(), y.q.y()) < std::min(x.p.y(), x.q.y()))
+  const auto meet = [&](const Chord& x, const Chord& y) {
+    const Vec2 d = x.q - x.p, e = y.q - y.p, r = y.p - x.p;
+    const double det = cross(d, e);
+    if (std::abs(det) < 1e-12 * d.norm() * e.norm()) return;
+    const double i = cross(r, e) / det, j = cross(r, d) / det;
+    if (i < -0.01 || i > 1.01 || j < -0.01 || j > 1.01) return;
+    double s = x.t0 + i * (x.t1 - x.t0), t = y.t0 + j * (y.t1 - y.t0);
+    for (int step = 0; step < 8; ++step) {
+      const Vec2 gap = flat(b.evaluate(t)) - flat(a.evaluate(s));
+      const Vec2 ds = flat(a.evaluate(s, 1)), dt = flat(b.evaluate(t, 1));
+      const double D = cross(ds, dt);
+      if (std::abs(D) < 1e-12 * ds.norm() * dt.norm()) break;
+      s = std::clamp(s + cross(gap, dt) / D, a.start(), a.end());
+      t = std::clamp(t + cross(gap, ds) / D, b.start(), b.end());
+    }
+    if ((flat(b.evaluate(t)) - flat(a.evaluate(s))).norm() > 1e-9) return;
+    const bool known = std::any_of(found.begin(), found.end(), [&](const Meeting& m) {
+      return (flat(a.evaluate(m.s)) - flat(a.evaluate(s))).norm() < 1e-7;
+    });
+    if (!known) found.push_back({s, t});
+  };
+  const auto of_a = segments(a), of_b = segments(b);
+  for (const Segment& i : of_a)
+    for (const Segment& j : of_b) {
+      if ((i.high.array() < j.low.array()).any() || (j.high.array() < i.low.array()).any())
         continue;
-      const Vec2 d = x.q - x.p, e = y.q - y.p, r = y.p - x.p;
-      const double det = cross(d, e);
-      if (std::abs(det) < 1e-12 * d.norm() * e.norm()) continue;
-      const double i = cross(r, e) / det, j = cross(r, d) / det;
-      if (i < -0.01 || i > 1.01 || j < -0.01 || j > 1.01) continue;
-      double s = x.t0 + i * (x.t1 - x.t0), t = y.t0 + j * (y.t1 - y.t0);
-      for (int step = 0; step < 8; ++step) {
-        const Vec2 gap = flat(b.evaluate(t)) - flat(a.evaluate(s));
-        const Vec2 ds = flat(a.evaluate(s, 1)), dt = flat(b.evaluate(t, 1));
-        const double D = cross(ds, dt);
-        if (std::abs(D) < 1e-12 * ds.norm() * dt.norm()) break;
-        s = std::clamp(s + cross(gap, dt) / D, a.start(), a.end());
-        t = std::clamp(t + cross(gap, ds) / D, b.start(), b.end());
-      }
-      if ((flat(b.evaluate(t)) - flat(a.evaluate(s))).norm() > 1e-9) continue;
-      const bool known = std::any_of(found.begin(), found.end(), [&](const Meeting& m) {
-        return (flat(a.evaluate(m.s)) - flat(a.evaluate(s))).norm() < 1e-7;
-      });
-      if (!known) found.push_back({s, t});
+      for (const Chord& x : i.chords)
+        for (const Chord& y : j.chords)
+          if (std::max(x.p.x(), x.q.x()) >= std::min(y.p.x(), y.q.x()) &&
+              std::max(y.p.x(), y.q.x()) >= std::min(x.p.x(), x.q.x()) &&
+              std::max(x.p.y(), x.q.y()) >= std::min(y.p.y(), y.q.y()) &&
+              std::max(y.p.y(), y.q.y()) >= std::min(x.p.y(), x.q.y()))
+            meet(x, y);
     }
   return found;
 }
@@ -199,7 +217,8 @@ double distance_to_run(const ParametricMesh& mesh, const LineRun& run, const Vec
 void place_points(RegionParts& parts, const DomainTask& task, const TriangleLocator& locator) {
   const auto always = junctions(parts, task);
   // Two rows at nearly one place would fight: the line that comes first keeps its point.
-  constexpr double too_near = 0.25, too_near_run = 0.05;
+  // A line comes near itself around a tiny hole, or where junctions crowd.
+  constexpr double too_near = 0.25, too_near_itself = 0.2, too_near_run = 0.05;
   std::vector<Vec2> taken;
   for (size_t i = 0; i < parts.embedded.size(); ++i) {
     EmbeddedLine& line = parts.embedded[i];
@@ -210,7 +229,8 @@ void place_points(RegionParts& parts, const DomainTask& task, const TriangleLoca
       const Location on = locator.locate(c);
       const double h = local_size(*parts.mesh, on.triangle);
       bool free = (parts.mesh->shape(on.triangle).point(on.L) - c).norm() <= 1e-9 * h;
-      for (size_t k = 0; k < others && free; ++k) free = (taken[k] - c).norm() > too_near * h;
+      for (size_t k = 0; k < taken.size() && free; ++k)
+        free = (taken[k] - c).norm() > (k < others ? too_near : too_near_itself) * h;
       for (const LineRun& run : parts.runs)
         free = free && distance_to_run(*parts.mesh, run, c) > too_near_run * h;
       if (!free) continue;
@@ -366,14 +386,14 @@ namespace {
 // Visits samples between the points of a line, interval by interval: `visit(interval, t)`.
 template <class Visit>
 void between_points(const EmbeddedLine& line, const Visit& visit) {
+  // Curve nodes and sixteenths too: points may have been left out beside another line.
   std::vector<double> t = line.points;
-  if (line.image.closed() && !t.empty())
-    t.push_back(t.front() + (line.image.end() - line.image.start()));
-  else {
-    // Ends whose points another line holds.
-    if (t.empty() || t.front() > line.image.start()) t.insert(t.begin(), line.image.start());
-    if (t.back() < line.image.end()) t.push_back(line.image.end());
-  }
+  t.insert(t.end(), line.image.parameters().begin(), line.image.parameters().end());
+  const double start = line.image.start(), span = line.image.end() - start;
+  for (int k = 0; k <= 16; ++k) t.push_back(start + span * k / 16);
+  std::sort(t.begin(), t.end());
+  t.erase(std::unique(t.begin(), t.end(), [&](double a, double b) { return b - a < 1e-9 * span; }),
+          t.end());
   for (size_t i = 0; i + 1 < t.size(); ++i)
     for (int k = 0; k <= kGapSamples; ++k)
       visit(i, line.image.mesh().wrapped(t[i] + (t[i + 1] - t[i]) * k / kGapSamples));
@@ -388,7 +408,7 @@ double line_gap(const Surface& surface, const EmbeddedLine& line) {
     const double gap =
         (surface.position(locator.locate(flat(line.image.evaluate(t)))) - line.fitted.evaluate(t))
             .norm();
-    if (!(gap <= largest)) largest = gap;
+    if (!(gap <= largest) && !std::isnan(largest)) largest = gap;
   });
   return largest;
 }

@@ -118,10 +118,13 @@ std::optional<HermiteCurve> kept_as_given(const Stretch& stretch, double shortes
 }
 
 double distance_to(const InputCurve& curve, const Vec3& p) {
-  constexpr int samples = 128;
+  const auto breaks = curve.breaks();
+  const int samples = std::clamp<int>(512 / static_cast<int>(breaks.size()), 4, 128);
   std::vector<double> t;
-  for (int i = 0; i <= samples; ++i)
-    t.push_back(curve.start() + (curve.end() - curve.start()) * i / samples);
+  for (size_t i = 0; i + 1 < breaks.size(); ++i)
+    for (int k = 0; k < samples; ++k)
+      t.push_back(breaks[i] + (breaks[i + 1] - breaks[i]) * k / samples);
+  t.push_back(curve.end());
   return closest_on_curve([&](double at, int order) { return curve.evaluate(at, order); }, t, p)
       .distance;
 }

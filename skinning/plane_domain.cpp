@@ -108,13 +108,18 @@ struct Plane {
 
   HermiteCurve image(const HermiteCurve& curve) const {
     Points dofs = curve.dofs();
+    const double span = curve.end() - curve.start();
     std::vector<char> is_position(static_cast<size_t>(dofs.rows()), 0);
     for (int i = 0; i < curve.node_count(); ++i)
       is_position[static_cast<size_t>(curve.mesh().position_dof(i))] = 1;
     for (long r = 0; r < dofs.rows(); ++r) {
       Vec3 x = dofs.row(r);
-      if (is_position[static_cast<size_t>(r)]) x -= middle;
-      dofs.row(r) << rounded(e1.dot(x) / size), rounded(e2.dot(x) / size), 0;
+      if (is_position[static_cast<size_t>(r)]) {
+        x -= middle;
+        dofs.row(r) << rounded(e1.dot(x) / size), rounded(e2.dot(x) / size), 0;
+      } else {
+        dofs.row(r) << rounded_slope({e1.dot(x) / size, e2.dot(x) / size, 0}, span).transpose();
+      }
     }
     return {curve.mesh(), dofs};
   }
@@ -223,10 +228,51 @@ RegionParts plane_parts(const Outline& loop, const std::vector<Outline>& holes,
   return parts;
 }
 
+namespace {
+
+// The same way in the plane, travelled as fast as the curve is long: nearest points crowd where the
+// curve bulges away from the surface, and the surface between two such lines would sag.
+HermiteCurve as_even_as(const HermiteCurve& curve, const HermiteCurve& image) {
+  constexpr int samples = 32;  // a segment
+  std::vector<double> t{image.start()}, way{0}, length{0};
+  for (int s = 0; s < curve.segment_count(); ++s)
+    for (int k = 0; k < samples; ++k) {
+      const double from = curve.parameters()[static_cast<size_t>(s)], h = curve.mesh().length(s);
+      const CurveMesh::Where middle{s, (k + 0.5) / samples};
+      t.push_back(from + h * (k + 1) / samples);
+      way.push_back(way.back() + h / samples * image.evaluate(middle, 1).norm());
+      length.push_back(length.back() + h / samples * curve.evaluate(middle, 1).norm());
+    }
+  const double scale = way.back() / length.back();
+  Points dofs(image.dofs().rows(), 3);
+  for (int i = 0; i < image.node_count(); ++i) {
+    // Where the way has the share that the node has of the curve.
+    const double target = scale * length[static_cast<size_t>(samples * i)];
+    const auto above = std::upper_bound(way.begin(), way.end(), target);
+    const auto k = static_cast<size_t>(
+        std::clamp<long>(above - way.begin(), 1, static_cast<long>(way.size()) - 1));
+    const double part =
+        std::clamp((target - way[k - 1]) / std::max(way[k] - way[k - 1], 1e-300), 0.0, 1.0);
+    const double at = i + 1 == image.node_count() && !image.closed()
+                          ? image.end()
+                          : t[k - 1] + part * (t[k] - t[k - 1]);
+    const Vec3 c = image.evaluate(at), direction = image.evaluate(at, 1).normalized();
+    const double span = curve.end() - curve.start();
+    dofs.row(image.mesh().position_dof(i)) = rounded(c);
+    dofs.row(image.mesh().slope_in(i)) =
+        rounded_slope(scale * curve.slope_in(i).norm() * direction, span);
+    dofs.row(image.mesh().slope_out(i)) =
+        rounded_slope(scale * curve.slope_out(i).norm() * direction, span);
+  }
+  return {image.mesh(), dofs};
+}
+
+}  // namespace
+
 void embed_on(const Surface& surface, const std::vector<Outline>& holes,
               const std::vector<Stretch>& inner, const DomainTask& task, RegionParts& parts) {
   const SurfaceProjector projector(surface);
-  const auto add = [&](EmbeddedLine line) {
+  const auto add = [&](EmbeddedLine line, bool evenly) {
     // Nodes at the curve's own and at most an element apart; slopes by the surface's gradient.
     std::vector<double> between;
     const auto& u = line.fitted.parameters();
@@ -238,6 +284,7 @@ void embed_on(const Surface& surface, const std::vector<Outline>& holes,
     }
     const HermiteCurve nodes = line.fitted.with_nodes(between);
     Points dofs(nodes.dofs().rows(), 3);
+    const double span = nodes.end() - nodes.start();
     std::optional<Surface::Closest> before;
     for (int i = 0; i < nodes.node_count(); ++i) {
       const Vec3 x = nodes.position(i);
@@ -255,24 +302,39 @@ void embed_on(const Surface& surface, const std::vector<Outline>& holes,
       J << jet.x_u, jet.x_v;
       const auto pull = [&](const Vec3& slope) -> Vec3 {
         const Vec2 d = (J.transpose() * J).ldlt().solve(J.transpose() * slope);
-        return {rounded(d.x()), rounded(d.y()), 0};
+        return rounded_slope({d.x(), d.y(), 0}, span);
       };
       dofs.row(nodes.mesh().position_dof(i)) << rounded(uv.x()), rounded(uv.y()), 0;
       dofs.row(nodes.mesh().slope_in(i)) = pull(nodes.slope_in(i));
       dofs.row(nodes.mesh().slope_out(i)) = pull(nodes.slope_out(i));
     }
     line.image = {nodes.mesh(), dofs};
+    if (evenly) line.image = as_even_as(nodes, line.image);
     parts.embedded.push_back(std::move(line));
   };
   for (const Outline& hole : holes) {
+    for (const auto& piece : hole.pieces)
+      if (piece.stretch.treatment == CharacterLine::Treatment::Fitted)
+        throw InputError("line '" + piece.stretch.name +
+                         "' cannot be fitted: lines around holes are embedded");
     for (const bool turned : {false, true}) {
       const size_t first = parts.embedded.size();
       DomainLoops::Loop images;
       std::vector<BoundaryPiece> pieces;
       for (EmbeddedLine& line : embedded_loop(turned ? reversed(hole) : hole, task)) {
         pieces.push_back({BoundaryPiece::Kind::Embedded, static_cast<int>(parts.embedded.size())});
-        add(std::move(line));
+        add(std::move(line), false);
         images.push_back(parts.embedded.back().image);
+      }
+      // Each piece begins where the one before it ends, to the last bit.
+      for (size_t k = 0; k < images.size() && images.size() > 1; ++k) {
+        EmbeddedLine& line = parts.embedded[first + k];
+        const HermiteCurve& before =
+            parts.embedded[first + (k + images.size() - 1) % images.size()].image;
+        Points dofs = line.image.dofs();
+        dofs.row(line.image.mesh().position_dof(0)) = before.position(before.node_count() - 1);
+        line.image = {line.image.mesh(), dofs};
+        images[k] = line.image;
       }
       if (DomainLoops({images}).area() > 0 && !turned) {
         parts.embedded.resize(first);
@@ -282,7 +344,17 @@ void embed_on(const Surface& surface, const std::vector<Outline>& holes,
       break;
     }
   }
-  for (const Stretch& s : inner) add(embedded_inner(s, task));
+  for (size_t i = 0; i < inner.size(); ++i) {
+    // Where lines cross, nearest points keep them together.
+    const InputCurve& curve = *inner[i].curve;
+    bool alone = true;
+    for (size_t j = 0; j < inner.size() && alone; ++j)
+      alone = j == i || !find_crossing(curve, *inner[j].curve, 10 * task.join, {}, 0).found;
+    for (const LineRun& run : parts.runs)
+      if (run.line.role == CharacterLine::Role::Inner)
+        alone = alone && !find_crossing(curve, *run.line.curve, 10 * task.join, {}, 0).found;
+    add(embedded_inner(inner[i], task), alone);
+  }
 }
 
 }  // namespace batten

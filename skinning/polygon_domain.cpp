@@ -136,6 +136,11 @@ class PolygonBuilder {
       std::string reason;
       junctions[e] = junction(e, ends[e], reason);
       if (!junctions[e]) return reason;
+      const Junction& j = *junctions[e];
+      const size_t n = outline_.pieces.size();
+      if ((j.fraction <= 0 && outline_.is_corner(j.strip)) ||
+          (j.fraction >= 1 && outline_.is_corner((j.strip + 1) % n)))
+        return "it ends at a corner, where the two sides fix the surface's slopes already";
       (e ? strip.to : strip.from) = junctions[e]->uv;
       on_outline[e] = junctions[e]->position;
     }
@@ -275,7 +280,7 @@ class PolygonBuilder {
       if (std::abs(u / strip.fitted.end() - fraction) < snap) fraction = u / strip.fitted.end();
     // The same number that the outline's own node gets.
     return Junction{found, fraction, strip.at(rounded(fraction)),
-                    strip.fitted.evaluate(fraction * strip.fitted.end())};
+                    strip.fitted.evaluate(rounded(fraction) * strip.fitted.end())};
   }
 
   std::string why_not_inside(const Stretch& s, const Strip& strip) const {
@@ -401,7 +406,7 @@ RegionParts polygon_parts(const Outline& loop, const std::vector<Stretch>& inner
     if (s.treatment != Treatment::Embedded) reason = builder.add_inner(s);
     if (s.treatment == Treatment::Fitted && !reason.empty())
       throw InputError("inner line '" + s.name + "' cannot be fitted: " + reason +
-                       " (embedded lines may do that)");
+                       "; with treatment = \"embedded\" it may");
     if (s.treatment == Treatment::Embedded || !reason.empty()) others.push_back(s);
   }
   parts.mesh = std::make_shared<ParametricMesh>(builder.mesh());

@@ -13,7 +13,7 @@ namespace {
 
 // A number that is none counts as the largest.
 void raise(double& largest, double value) {
-  if (!(value <= largest)) largest = value;
+  if (!(value <= largest) && !std::isnan(largest)) largest = value;
 }
 
 // The surface's own edge along a run, as a curve over the run's parameters.
@@ -76,7 +76,8 @@ SkinQuality measure(const SkinnedRegion& region) {
     raise(q.max_line_gap, line_gap(surface, line));
     // Both ways: the surface along the line against the input, and the input against a fine
     // polyline's feet on it.
-    const int count = std::max<int>(128, 2 * samples * static_cast<int>(line.points.size()));
+    const int count = std::max<int>(
+        {256, 2 * samples * static_cast<int>(line.points.size()), 4 * line.fitted.segment_count()});
     const InputCurve& input = *line.line.curve;
     for (int k = 0; k <= count; ++k) {
       const Vec3 c = line.image.evaluate(line.image.start() +

@@ -30,6 +30,11 @@ inline double rounded(double x) {
 inline Vec2 rounded(const Vec2& p) { return {rounded(p.x()), rounded(p.y())}; }
 inline Vec3 rounded(const Vec3& p) { return {rounded(p.x()), rounded(p.y()), rounded(p.z())}; }
 
+/// Slopes dc/dt carry 1/length; `span`: of the parameter.
+inline Vec3 rounded_slope(const Vec3& slope, double span) {
+  return rounded(Vec3(span * slope)) / span;
+}
+
 /// A polygon whose sides are the loop's sides between corners; every line of the loop is a run.
 /// Inner lines become straight runs across where they can; those that cannot, and those that are to
 /// be embedded, are returned in `others` (one that is to be fitted is refused). `polygon`: its

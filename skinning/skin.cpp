@@ -83,14 +83,25 @@ RegionLayout::RegionLayout(std::string name, const std::vector<CharacterLine>& l
   using Domain = SkinOptions::Domain;
   Domain& domain = options_.domain;
   const bool two_smooth = loops.size() == 2 && loops[0].corners.empty() && loops[1].corners.empty();
+  std::string to_embed;  // an outline line that has to be embedded
+  for (const Stretch& s : around)
+    if (s.treatment == CharacterLine::Treatment::Embedded) to_embed = s.name;
   if (domain == Domain::Auto)
-    domain = two_smooth                     ? Domain::Ring
-             : loops[0].corners.size() >= 3 ? Domain::Polygon
-                                            : Domain::Plane;
+    domain = two_smooth                                         ? Domain::Ring
+             : loops[0].corners.size() >= 3 && to_embed.empty() ? Domain::Polygon
+                                                                : Domain::Plane;
+  if (!to_embed.empty() && domain != Domain::Plane)
+    throw InputError("line '" + to_embed +
+                     "' cannot be embedded: outlines of polygons and rings are fitted (a plane "
+                     "embeds them)");
+  if (options_.settle && domain != Domain::Polygon)
+    parts_.warnings.push_back("settle moves the corners of polygons: this domain has none to move");
+  const std::vector<std::string> warnings = parts_.warnings;
   if (loops.size() > 1 && domain != Domain::Ring)
     throw InputError("the outline lines form " + std::to_string(loops.size()) + " loops, with '" +
                      loops[0].pieces[0].stretch.name + "' and '" + loops[1].pieces[0].stretch.name +
-                     "' in different ones: lines around a hole have role = \"hole\"");
+                     "' in different ones: lines around a hole have role = \"hole\" (two smooth "
+                     "loops without holes are a ring)");
   progress.at("meshing", 0);
   std::vector<Stretch> others;
   if (domain == Domain::Ring) {
@@ -125,6 +136,7 @@ RegionLayout::RegionLayout(std::string name, const std::vector<CharacterLine>& l
   } else {
     parts_ = plane_parts(loops[0], holes, inner, task);
   }
+  parts_.warnings.insert(parts_.warnings.begin(), warnings.begin(), warnings.end());
   if (parts_.embedded.empty()) {
     progress.at("meshing", 1);
     return;

@@ -15,6 +15,7 @@ int nearest_vertex(const Surface& surface, const Vec3& at) {
   int nearest = 0;
   double distance = std::numeric_limits<double>::infinity();
   for (int v = 0; v < surface.mesh().vertex_count(); ++v) {
+    if (surface.trim() && !surface.trim()->loops().contains(surface.mesh().vertices()[v])) continue;
     const Vec3 x = surface.dofs().row(surface.dof_map().vertex(v));
     if ((x - at).norm() < distance) {
       distance = (x - at).norm();
@@ -83,7 +84,7 @@ MadeShape make_shape(const RegionLayout& layout, const Scene& scene, const Progr
   options.units = scene.skin.units;
 
   SculptResult plain = sculpt(layout, set, {}, options, progress);
-  Surface unloaded(layout.mesh(), layout.element(), plain.dofs);
+  const Surface unloaded = layout.region(plain.dofs).surface;
   if (scene.loads.empty() && scene.constraints.empty())
     return {layout.region(plain.dofs), unloaded, std::move(plain), 0};
 

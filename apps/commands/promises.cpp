@@ -31,7 +31,8 @@ std::vector<MissedPromise> broken_promises(const Report& report, double toleranc
   if (report.step && report.step->form == "face") {
     if (!report.step->valid) missed.push_back({"step.valid", "is false, promised true"});
     at_most("step.max_deviation", report.step->max_deviation, report.step->tolerance);
-    at_most("step.max_gap", report.step->max_gap, report.step->tolerance + tolerance);
+    if (s.hold == "lines")
+      at_most("step.max_gap", report.step->max_gap, report.step->tolerance + tolerance);
   } else if (report.step) {
     if (!report.step->valid) missed.push_back({"step.valid", "is false, promised true"});
     if (s.element == "hct")

@@ -29,7 +29,7 @@ double deviation(const CharacterLine& line, const HermiteCurve& fitted) {
     for (int k = 0; k <= samples; ++k) {
       const double t = breaks[i] + (breaks[i + 1] - breaks[i]) * k / samples;
       const double d = fitted.closest_point(line.curve->evaluate(t)).distance;
-      if (!(d <= largest)) largest = d;
+      if (!(d <= largest) && !std::isnan(largest)) largest = d;
     }
   return largest;
 }

@@ -244,6 +244,8 @@ TEST_CASE("an embedded region does not know its unit or its place") {
       far(lines(1, {3e5, -2e5, 1e5}), fine(0.2, 1e-3));
   CHECK(metres.layout.mesh()->triangle_count() == millimetres.layout.mesh()->triangle_count());
   CHECK(metres.layout.mesh()->triangle_count() == far.layout.mesh()->triangle_count());
+  for (int v = 0; v < metres.layout.mesh()->vertex_count(); ++v)
+    CHECK(metres.layout.mesh()->vertices()[v] == millimetres.layout.mesh()->vertices()[v]);
   CHECK(millimetres.quality.area == Approx(1e6 * metres.quality.area).epsilon(1e-9));
   CHECK(far.quality.area == Approx(metres.quality.area).epsilon(1e-6));
   CHECK(millimetres.sculpt.energy.bending == Approx(metres.sculpt.energy.bending).epsilon(1e-6));
@@ -271,6 +273,68 @@ TEST_CASE("a hole in a cornered region is embedded, its outline stays exact") {
   square.pop_back();
   const Made whole(square, fine(0.2, 1e-3));
   CHECK(whole.quality.area - made.quality.area == Approx(pi * 0.06).epsilon(0.02));
+}
+
+TEST_CASE("holes far smaller than an element do not disturb the surface") {
+  if (!have_delaunay_mesher()) return;
+  std::vector<CharacterLine> square;
+  const Vec3 corner[4] = {{-1, -1, 0}, {1, -1, 0.4}, {1, 1, 0}, {-1, 1, 0.4}};
+  for (int i = 0; i < 4; ++i)
+    square.push_back(
+        arc("side " + std::to_string(i), {corner[i], corner[(i + 1) % 4]}, Role::Outline));
+  const double whole = Made(square, fine(0.3, 2e-3)).sculpt.energy.bending;
+  for (const double slim : {1.0, 0.1})
+    for (const double r : {1e-2, 1e-3, 1e-4, 1e-5}) {
+      auto lines = square;
+      lines.push_back(ellipse("hole", Role::Hole, {0.2, 0.3, 0.188}, r, slim * r));
+      const Made made(lines, fine(0.3, 2e-3));
+      INFO("r " << r << " slim " << slim << " energy " << made.sculpt.energy.bending / whole);
+      check_promises(made);
+      CHECK(made.sculpt.energy.bending <= 1.3 * whole);
+      Vec3 sum = Vec3::Zero();
+      for (const auto& reaction : made.sculpt.reactions) sum += reaction.force;
+      CHECK(sum.norm() < 1e-6);
+    }
+}
+
+TEST_CASE("an inner line from corner to corner is embedded, and refused when it must be a run") {
+  if (!have_delaunay_mesher()) return;
+  std::vector<CharacterLine> lines;
+  const Vec3 corner[4] = {{0, 0, 0}, {1, 0, 0.1}, {1, 1, 0}, {0, 1, 0.1}};
+  for (int i = 0; i < 4; ++i)
+    lines.push_back(
+        arc("side " + std::to_string(i), {corner[i], corner[(i + 1) % 4]}, Role::Outline));
+  lines.push_back(arc("diagonal", {corner[0], {0.5, 0.5, 0.05}, corner[2]}, Role::Inner));
+  const Made made(lines, fine(0.15, 1e-3));
+  check_promises(made);
+  CHECK(made.layout.embedded().size() == 1);
+  lines.back().treatment = Treatment::Fitted;
+  CHECK_THROWS_WITH(RegionLayout("region", lines, {}), Contains("ends at a corner"));
+}
+
+TEST_CASE("a wave between points that another line pushed out is still measured") {
+  // Two ribs 0.03 apart, the second with ripples that the grid cannot follow.
+  std::vector<Vec3> a, b;
+  for (int i = 0; i <= 200; ++i) {
+    const double x = -0.5 + i / 200.0;
+    a.emplace_back(x, 0, 0);
+    b.emplace_back(x, 0.004, 0.01 * std::sin(60 * x));
+  }
+  const Made made({ellipse("rim", Role::Outline, {0, 0, 0}, 1, 1), arc("a", a, Role::Inner),
+                   arc("b", b, Role::Inner)},
+                  fine(0.15, 2e-3));
+  double found = 0;
+  const TriangleLocator locator(made.region.surface.mesh());
+  for (const EmbeddedLine& line : made.region.embedded)
+    for (int i = 0; i < 3001; ++i) {
+      const double t =
+          line.image.start() + (line.image.end() - line.image.start()) * (i + 0.5) / 3001;
+      const Vec3 c = line.image.evaluate(t);
+      found = std::max(found, (made.region.surface.position(locator.locate({c.x(), c.y()})) -
+                               line.fitted.evaluate(t))
+                                  .norm());
+    }
+  CHECK(made.quality.max_line_gap >= 0.9 * found);
 }
 
 TEST_CASE("loads act on the inside of a cut surface only") {
