@@ -3,6 +3,8 @@
 // A door panel (examples/05-door) from its lines to the solved shape, phase by phase, on three
 // grids; its one-face STEP file at three tolerances beside OpenCASCADE's filling of the same lines;
 // and 2,000 outlines with holes and ribs, for surfaces that miss a line without saying so.
+#include <unistd.h>
+
 #include <array>
 #include <cmath>
 #include <exception>
@@ -434,7 +436,8 @@ int main(int argc, char** argv) {
   one_thread();
   const int outlines = argc > 1 ? std::atoi(argv[1]) : 2000;
   std::printf("Processor time on one thread, medians.\n\n");
-  const auto folder = std::filesystem::temp_directory_path() / "batten_bench_skin";
+  const auto folder =
+      std::filesystem::temp_directory_path() / ("batten_bench_skin_" + std::to_string(::getpid()));
   std::filesystem::create_directories(folder);
   Promises promises;
   try {
