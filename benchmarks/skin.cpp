@@ -150,7 +150,7 @@ struct Door {
 
 Door read_door() {
   Door door;
-  door.scene = read_scene(std::filesystem::path(BATTEN_SOURCE_DIR) / "examples/05-door/door.toml");
+  door.scene = read_scene(std::filesystem::path(BATTEN_SOURCE_DIR) / "examples/05-door/scene.toml");
   door.scene.loads.clear();
   door.lines = faired_lines(door.scene, {}).lines;
   return door;

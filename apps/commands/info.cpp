@@ -39,7 +39,10 @@ std::string lines_text(const std::vector<SourceLine>& lines, const std::string& 
                            : curve_from_hermite(curve_as_given(line.name, line.points, options));
     text += "length " + number(ArcLength(curve).total()) + "  from " +
             at(curve->evaluate(curve->start())) + " to " + at(curve->evaluate(curve->end())) +
-            (line.role == CharacterLine::Role::Inner ? "  inner" : "") + "\n";
+            (line.role == CharacterLine::Role::Inner  ? "  inner"
+             : line.role == CharacterLine::Role::Hole ? "  hole"
+                                                      : "") +
+            "\n";
   }
   return text;
 }

@@ -198,7 +198,7 @@ TEST_CASE("the hood with details keeps its six lines exactly, five more nearly")
 }
 
 TEST_CASE("the door passes through its embedded lines and ends at its handle") {
-  const Ran ran = run(kExamples + "05-door/door.toml", "door");
+  const Ran ran = run(kExamples + "05-door/scene.toml", "door");
   REQUIRE(ran.code == kDone);
   check_promises(ran, 0.1, "door.step", 2);
   for (const auto& line : ran.report["lines"]["each"]) CHECK(line["treatment"] == "embedded");

@@ -155,3 +155,33 @@ TEST_CASE("the limit of a pressure is found whatever was asked for") {
   CHECK(reached[0] > 10);
   CHECK(reached[1] == Approx(reached[0]).epsilon(0.05));
 }
+
+TEST_CASE("springs bring a surface to measured points, as stiffly as they are") {
+  // Points of a dome over a square; some beyond its rim.
+  SpringLoad springs{{}, 0};
+  for (double x = 0.05; x < 2; x += 0.1)
+    for (double y = 0.05; y < 2; y += 0.1)
+      springs.points.emplace_back(x, y, 0.3 * x * (2 - x) * y * (2 - y));
+  springs.points.emplace_back(2.5, 1, 0);
+  const RegionLayout layout("square", square(2), coarse(0.2));
+  double before = 1e9;
+  for (const double stiffness : {0.0, 1e3, 1e5, 1e7}) {
+    springs.stiffness = stiffness;
+    const SculptResult r = sculpt(layout, layout.line_constraints(), {{"scan", springs}}, {});
+    REQUIRE(r.springs.size() == 1);
+    CHECK(r.springs[0].points == 401);
+    CHECK(r.springs[0].left_out == 1);
+    INFO("stiffness " << stiffness << " rms " << r.springs[0].rms);
+    CHECK(r.springs[0].rms < before);
+    CHECK(r.springs[0].before_max == Approx(0.3 * 0.95 * 1.05 * 0.95 * 1.05).epsilon(0.01));
+    CHECK(r.max_constraint_residual < 1e-12);
+    before = r.springs[0].rms;
+  }
+  CHECK(before < 1e-3);
+  springs.points[3].x() = std::nan("");
+  CHECK_THROWS_WITH(sculpt(layout, layout.line_constraints(), {{"scan", springs}}, {}),
+                    Contains("'scan'") && Contains("not finite"));
+  springs.points.clear();
+  CHECK_THROWS_WITH(sculpt(layout, layout.line_constraints(), {{"scan", springs}}, {}),
+                    Contains("no points"));
+}
