@@ -34,6 +34,20 @@ double deviation(const CharacterLine& line, const HermiteCurve& fitted) {
   return largest;
 }
 
+/// Limits from analytic shapes and hulls (docs/theory/domains.md): good domains are far inside.
+void warn_of_strain(Report& report) {
+  const SkinQuality& q = report.surface.quality;
+  constexpr double most_shear = 5, most_strain = 0.7, least_jacobian = 0.1;
+  if (q.max_shear <= most_shear && q.rms_strain <= most_strain &&
+      q.min_jacobian_ratio >= least_jacobian)
+    return;
+  report.warnings.push_back(
+      "the flat domain is strained (shear " + number(q.max_shear) + ", strain " +
+      number(q.rms_strain) + ", Jacobian " + number(q.min_jacobian_ratio) +
+      " of its median): the surface may be uneven there; another domain, settle = true, or inner "
+      "lines with treatment = \"embedded\" may suit it better");
+}
+
 void measure_into(Report& report, const MadeShape& made) {
   for (const LineRun& run : made.region.runs)
     report.lines.push_back({run.line.name, run.line.role, false, ArcLength(run.line.curve).total(),
@@ -48,6 +62,7 @@ void measure_into(Report& report, const MadeShape& made) {
   s.element = made.region.surface.kind() == TriangleElement::HCT ? "hct" : "z12";
   s.size = made.region.size;
   s.quality = measure(made.region);
+  warn_of_strain(report);
   s.bending_energy = made.sculpt.energy.bending;
   s.max_constraint_residual = made.sculpt.max_constraint_residual;
   s.max_normal_constraint_deg = made.max_normal_constraint_deg;
