@@ -290,7 +290,6 @@ Trim Trim::restricted(const std::vector<int>& triangles) const {
   part.cones_.clear();
   part.cones_of_.clear();
   part.corners_.clear();
-  part.area_ = 0;
   for (size_t i = 0; i < triangles.size(); ++i) {
     const int t = triangles[i];
     part.side_.push_back(side_[t]);

@@ -240,8 +240,10 @@ void place_points(RegionParts& parts, const DomainTask& task, const TriangleLoca
   }
 }
 
-// The runs on a mesh whose edges were halved and vertices renumbered.
-void follow_runs(RegionParts& parts, const std::vector<int>& midpoint, const MeshPart& part) {
+// The runs on another mesh: `midpoint` of each edge that was halved, `number` of each vertex that
+// stayed (-1: it did not); empty when none was, or all did.
+void follow_runs(RegionParts& parts, const ParametricMesh& mesh, const std::vector<int>& midpoint,
+                 const std::vector<int>& number) {
   for (LineRun& run : parts.runs) {
     std::vector<int> vertices{run.vertices[0]};
     std::vector<double> parameters{run.parameters[0]};
@@ -254,7 +256,7 @@ void follow_runs(RegionParts& parts, const std::vector<int>& midpoint, const Mes
       parameters.push_back(run.parameters[k + 1]);
     }
     for (int& v : vertices) {
-      v = part.vertex[v];
+      if (!number.empty()) v = number[v];
       if (v < 0)
         throw InputError("a hole reaches beyond line '" + run.line.name +
                          "': it must lie inside of the region");
@@ -263,7 +265,7 @@ void follow_runs(RegionParts& parts, const std::vector<int>& midpoint, const Mes
     run.parameters = parameters;
     run.edges.clear();
     for (size_t k = 0; k + 1 < vertices.size(); ++k) {
-      run.edges.push_back(part.mesh.edge_between(vertices[k], vertices[k + 1]));
+      run.edges.push_back(mesh.edge_between(vertices[k], vertices[k + 1]));
       if (run.edges.back() < 0)
         throw InputError("a hole crosses line '" + run.line.name +
                          "': it must lie inside of the region");
@@ -271,17 +273,10 @@ void follow_runs(RegionParts& parts, const std::vector<int>& midpoint, const Mes
   }
 }
 
-std::vector<int> all_of(int n) {
-  std::vector<int> all(n);
-  for (int i = 0; i < n; ++i) all[i] = i;
-  return all;
-}
-
 void halve(RegionParts& parts, const std::vector<char>& marked) {
   Bisection halved = bisected(*parts.mesh, marked);
-  const MeshPart part = part_of(halved.mesh, all_of(halved.mesh.triangle_count()));
-  follow_runs(parts, halved.midpoint, part);
-  parts.mesh = std::make_shared<ParametricMesh>(part.mesh);
+  follow_runs(parts, halved.mesh, halved.midpoint, {});
+  parts.mesh = std::make_shared<ParametricMesh>(std::move(halved.mesh));
 }
 
 // No triangle becomes smaller than this share of the wished edge length.
@@ -322,21 +317,18 @@ void cut_and_place(RegionParts& parts, const DomainTask& task) {
     require_simple(parts, loops);
     const Trim whole(*parts.mesh, loops);
     std::vector<int> kept;
-    double meshed = 0;
-    for (int t = 0; t < parts.mesh->triangle_count(); ++t) {
-      meshed += parts.mesh->shape(t).area;
+    for (int t = 0; t < parts.mesh->triangle_count(); ++t)
       if (whole.side(t) != Trim::Side::Outside) kept.push_back(t);
-    }
+    // Of holes alone it is not known: a mesh that was cut before has lost what lies in them.
     const bool bounded = loops.around() == DomainLoops::Around::Outside;
-    const double expected = loops.area() + (bounded ? 0 : meshed);
-    // A parts' mesh that was cut before has lost what lies outside.
+    const double expected = loops.area();
     if (bounded && !(std::abs(whole.area() - expected) <= 1e-7 * expected))
       throw NoSolutionError("the cut triangles hold an area of " + number(whole.area()) +
                             " and the " + "outline encloses " + number(expected) +
                             ": the outline leaves the mesh, or runs along an element edge");
-    const MeshPart part = part_of(*parts.mesh, kept);
-    follow_runs(parts, {}, part);
-    parts.mesh = std::make_shared<ParametricMesh>(part.mesh);
+    MeshPart part = part_of(*parts.mesh, kept);
+    follow_runs(parts, part.mesh, {}, part.vertex);
+    parts.mesh = std::make_shared<ParametricMesh>(std::move(part.mesh));
     parts.trim = std::make_shared<Trim>(whole.restricted(kept));
   }
   const TriangleLocator locator(*parts.mesh);
@@ -369,10 +361,9 @@ ConstraintSet line_rows(const RegionParts& parts, TriangleElement element) {
   const ParametricMesh& mesh = *parts.mesh;
   ConstraintSet set(DofMap(mesh).count());
   ShapeConstraints shape(mesh, element, set);
-  for (const LineRun& run : parts.runs) {
+  for (const LineRun& run : parts.runs)
     shape.curve(run.line.name, run.vertices, run.parameters, run.fitted,
                 mesh.displacement(run.vertices));
-  }
   if (parts.embedded.empty()) return set;
   const TriangleLocator locator(mesh);
   EmbeddedRows rows(mesh, element, locator, set);
@@ -417,49 +408,35 @@ bool refine_at_gaps(RegionParts& parts, const Surface& surface, double target,
                     const DomainTask& task) {
   const double smallest = kSmallest * task.edge / task.size;
   const TriangleLocator locator(*parts.mesh);
-  struct Missed {
-    size_t line, interval;
-    double gap = 0;
-  };
-  std::vector<Missed> missed;
-  double worst = 0;
-  for (size_t l = 0; l < parts.embedded.size(); ++l) {
+  std::vector<std::vector<double>> gaps(parts.embedded.size());  // by line and interval
+  bool missed = false;
+  for (size_t l = 0; l < gaps.size(); ++l) {
     const EmbeddedLine& line = parts.embedded[l];
-    Missed here{l, 0};
-    const auto close = [&] {
-      if (here.gap > target) missed.push_back(here);
-      worst = std::max(worst, here.gap);
-    };
     between_points(line, [&](size_t interval, double t) {
-      if (interval != here.interval) {
-        close();
-        here = {l, interval};
-      }
+      if (interval >= gaps[l].size()) gaps[l].resize(interval + 1, 0);
       const Location where = locator.locate(flat(line.image.evaluate(t)));
-      here.gap = std::max(here.gap, (surface.position(where) - line.fitted.evaluate(t)).norm());
+      const double gap = (surface.position(where) - line.fitted.evaluate(t)).norm();
+      gaps[l][interval] = std::max(gaps[l][interval], gap);
+      missed = missed || gap > target;
     });
-    close();
   }
-  if (missed.empty()) return false;
+  if (!missed) return false;
 
   // Two halvings halve the size, and the gap falls to about an eighth.
   bool any = false;
-  const int most = 6;
+  constexpr int most = 6;
   for (int pass = 0; pass < most; ++pass) {
     const TriangleLocator now(*parts.mesh);
     std::vector<char> marked(parts.mesh->triangle_count(), 0);
     bool here = false;
-    for (const Missed& m : missed) {
-      if (m.gap * std::pow(8.0, -0.5 * pass) <= target) continue;
-      between_points(parts.embedded[m.line], [&](size_t interval, double t) {
-        if (interval != m.interval) return;
-        const Vec2 c = flat(parts.embedded[m.line].image.evaluate(t));
-        const int triangle = now.locate(c).triangle;
+    for (size_t l = 0; l < gaps.size(); ++l)
+      between_points(parts.embedded[l], [&](size_t interval, double t) {
+        if (gaps[l][interval] * std::pow(8.0, -0.5 * pass) <= target) return;
+        const int triangle = now.locate(flat(parts.embedded[l].image.evaluate(t))).triangle;
         if (local_size(*parts.mesh, triangle) < 1.5 * smallest) return;
         marked[triangle] = 1;
         here = true;
       });
-    }
     if (!here) break;
     any = true;
     halve(parts, marked);

@@ -14,27 +14,28 @@ namespace {
 // Of lines in an embedding: fit and gap share the tolerance.
 constexpr double kFitShare = 0.25;
 
-HermiteCurve fitted_open(const Stretch& s, const Joint& start, const Joint& end,
-                         const DomainTask& task) {
-  if (const auto exact = kept_as_given(s, 0, start.position, end.position)) return *exact;
+FitOptions fit_options(const DomainTask& task, bool closed) {
   FitOptions fit;
   fit.tolerance = kFitShare * task.tolerance;
   fit.corner_angle = 180;
-  fit.closed = false;
+  fit.closed = closed;
+  fit.even = true;
+  return fit;
+}
+
+HermiteCurve fitted_open(const Stretch& s, const Joint& start, const Joint& end,
+                         const DomainTask& task) {
+  if (const auto exact = kept_as_given(s, 0, start.position, end.position)) return *exact;
+  FitOptions fit = fit_options(task, false);
   fit.start = {start.position, start.outgoing};
   fit.end = {end.position, end.incoming};
-  fit.even = true;
   return fit_curve(s.name, s.curve, fit);
 }
 
 HermiteCurve fitted_closed(const Stretch& s, const DomainTask& task) {
-  constexpr double any_angle = 180;
-  if (const auto exact = exact_curve(*s.curve, any_angle); exact && exact->closed()) return *exact;
-  FitOptions fit;
-  fit.tolerance = kFitShare * task.tolerance;
-  fit.corner_angle = any_angle;
-  fit.closed = true;
-  fit.even = true;
+  const FitOptions fit = fit_options(task, true);
+  if (const auto exact = exact_curve(*s.curve, fit.corner_angle); exact && exact->closed())
+    return *exact;
   return fit_curve(s.name, s.curve, fit);
 }
 
@@ -47,8 +48,6 @@ bool smooth_at_seam(const Stretch& s, double corner_angle) {
   const InputCurve& c = *s.curve;
   return degrees_between(c.evaluate(c.end(), 1), c.evaluate(c.start(), 1)) <= corner_angle;
 }
-
-}  // namespace
 
 std::vector<EmbeddedLine> embedded_loop(const Outline& loop, const DomainTask& task) {
   std::vector<EmbeddedLine> lines;
@@ -80,8 +79,6 @@ EmbeddedLine embedded_inner(const Stretch& s, const DomainTask& task) {
   line.fitted = fitted_open(s, {start, t0, t0}, {end, t1, t1}, task);
   return line;
 }
-
-namespace {
 
 // The plane of the outline: (u, v) of points and of directions, scaled and rounded.
 struct Plane {
