@@ -3,12 +3,12 @@
 #include <limits>
 
 #include "batten/core/errors.h"
+#include "batten/core/plane.h"
 
 namespace batten {
 
 std::vector<PlanarCubic> planar_arcs(const HermiteCurve& curve) {
   std::vector<PlanarCubic> arcs;
-  const auto flat = [](const Vec3& p) { return Vec2(p.x(), p.y()); };
   for (int s = 0; s < curve.segment_count(); ++s) {
     const int next = (s + 1) % curve.node_count();
     const double h = curve.mesh().length(s) / 3;

@@ -4,12 +4,11 @@
 #include <array>
 #include <map>
 
+#include "batten/core/plane.h"
 #include "batten/fem/triangle_locator.h"
 
 namespace batten {
 namespace {
-
-double cross(const Vec2& a, const Vec2& b) { return a.x() * b.y() - a.y() * b.x(); }
 
 // Twice the signed area between the apex and the side.
 double twice_area(const Vec2& apex, bool straight, const PlanarCubic& side) {

@@ -33,6 +33,7 @@
 
 #include "batten/core/errors.h"
 #include "batten/core/parallel.h"
+#include "batten/core/plane.h"
 #include "batten/fem/triangle_locator.h"
 #include "batten/io/bicubic_patch.h"
 #include "batten/io/cubic_splines.h"
@@ -47,8 +48,6 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 
 gp_Pnt to_occ(const Vec3& p) { return {p.x(), p.y(), p.z()}; }
 Vec3 from_occ(const gp_Pnt& p) { return {p.X(), p.Y(), p.Z()}; }
-Vec2 flat(const Vec3& p) { return {p.x(), p.y()}; }
-
 // ---- the boundary ---------------------------------------------------------------------------
 
 /// A smooth part of the boundary, in space and in (u, v), over the same parameters.

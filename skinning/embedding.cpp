@@ -6,6 +6,7 @@
 #include "batten/constraints/shape/embedded_rows.h"
 #include "batten/constraints/shape/shape_constraints.h"
 #include "batten/core/errors.h"
+#include "batten/core/plane.h"
 #include "batten/core/words.h"
 #include "batten/fem/bisection.h"
 #include "batten/skinning/region_parts.h"
@@ -14,8 +15,6 @@ namespace batten {
 namespace {
 
 constexpr int kGapSamples = 20;  // between points
-
-Vec2 flat(const Vec3& p) { return {p.x(), p.y()}; }
 
 double local_size(const ParametricMesh& mesh, int triangle) {
   return std::sqrt(2 * mesh.shape(triangle).area);
@@ -103,7 +102,6 @@ std::vector<Meeting> meetings(const HermiteCurve& a, const HermiteCurve& b) {
     }
     return segments_of_c;
   };
-  const auto cross = [](const Vec2& x, const Vec2& y) { return x.x() * y.y() - x.y() * y.x(); };
   std::vector<Meeting> found;
   const auto meet = [&](const Chord& x, const Chord& y) {
     const Vec2 d = x.q - x.p, e = y.q - y.p, r = y.p - x.p;
@@ -297,8 +295,7 @@ void grade_by_curvature(RegionParts& parts, const DomainTask& task) {
           const CurveMesh::Where where{s, (k + 0.5) / samples};
           const Vec2 d = flat(line.image.evaluate(where, 1)),
                      dd = flat(line.image.evaluate(where, 2));
-          const double curvature =
-              std::abs(d.x() * dd.y() - d.y() * dd.x()) / std::pow(d.norm(), 3);
+          const double curvature = std::abs(cross(d, dd)) / std::pow(d.norm(), 3);
           const int t = locator.locate(flat(line.image.evaluate(where))).triangle;
           const double h = local_size(*parts.mesh, t);
           if (!(2 * h * curvature > 1) || h < 2 * smallest) continue;

@@ -12,13 +12,12 @@
 #include <set>
 
 #include "batten/core/errors.h"
+#include "batten/core/plane.h"
 #include "batten/fem/triangle_locator.h"
 #include "batten/skinning/mesher.h"
 
 namespace batten {
 namespace {
-
-double cross(const Vec2& a, const Vec2& b) { return a.x() * b.y() - a.y() * b.x(); }
 
 // ------------------------------------------------------------------------------------- lines
 

@@ -6,11 +6,10 @@
 #include <limits>
 
 #include "batten/core/errors.h"
+#include "batten/core/plane.h"
 
 namespace batten {
 namespace {
-
-double cross(const Vec2& a, const Vec2& b) { return a.x() * b.y() - a.y() * b.x(); }
 
 // Of a point inside, or on a side.
 VecX mean_value_coordinates(const std::vector<Vec2>& polygon, const Vec2& p, double hair) {

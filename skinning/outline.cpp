@@ -8,6 +8,7 @@
 #include <numeric>
 
 #include "batten/core/errors.h"
+#include "batten/core/plane.h"
 #include "batten/core/words.h"
 
 namespace batten {
@@ -293,8 +294,6 @@ Vec3 loop_normal(const Outline& outline) {
 // --------------------------------------------------------------------------------------
 
 namespace {
-
-double cross(const Vec2& a, const Vec2& b) { return a.x() * b.y() - a.y() * b.x(); }
 
 bool simple_and_ccw(const std::vector<Vec2>& p) {
   const size_t n = p.size();

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "batten/core/errors.h"
+#include "batten/core/plane.h"
 #include "batten/core/words.h"
 #include "batten/skinning/mesher.h"
 #include "batten/skinning/region_parts.h"
@@ -30,8 +31,6 @@ HermiteCurve stretched(const HermiteCurve& curve, double factor) {
   for (double& x : u) x *= factor;
   return {CurveMesh(u), curve.dofs()};
 }
-
-double cross(const Vec2& a, const Vec2& b) { return a.x() * b.y() - a.y() * b.x(); }
 
 bool segments_cross(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d) {
   constexpr double margin = 1e-9;

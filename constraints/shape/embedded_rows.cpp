@@ -5,12 +5,11 @@
 #include <map>
 
 #include "batten/core/errors.h"
+#include "batten/core/plane.h"
 #include "batten/elements/quadrature.h"
 
 namespace batten {
 namespace {
-
-Vec2 flat(const Vec3& p) { return {p.x(), p.y()}; }
 
 // The size of a triangle to a line through it: h = √(2 area), but the length of an edge that the
 // line runs along: there it meets the dofs of that edge alone, and a longer edge has no more.
@@ -19,8 +18,7 @@ double size_along(const TriangleShape& shape, const Vec3& L, const Vec2& directi
   double h = std::sqrt(2 * shape.area);
   for (int i = 0; i < 3; ++i) {
     const Vec2 edge = shape.vertex[(i + 2) % 3] - shape.vertex[(i + 1) % 3];
-    const double sine = std::abs(edge.x() * direction.y() - edge.y() * direction.x()) /
-                        (edge.norm() * direction.norm());
+    const double sine = std::abs(cross(edge, direction)) / (edge.norm() * direction.norm());
     if (L[i] < beside && sine < parallel) h = std::max(h, edge.norm());
   }
   return h;

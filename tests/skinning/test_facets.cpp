@@ -8,6 +8,7 @@
 #include <set>
 
 #include "batten/core/errors.h"
+#include "batten/core/plane.h"
 #include "batten/skinning/mesher.h"
 #include "batten/tests/catch.h"
 #include "batten/tests/refusal.h"
@@ -16,8 +17,6 @@
 using namespace batten_test;
 
 namespace {
-
-double cross(const Vec2& a, const Vec2& b) { return a.x() * b.y() - a.y() * b.x(); }
 
 std::vector<Vec2> places(const ParametricMesh& mesh, const std::vector<Location>& points) {
   std::vector<Vec2> uv;
