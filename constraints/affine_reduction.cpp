@@ -11,7 +11,7 @@
 namespace batten {
 namespace {
 
-constexpr double kPivotTolerance = 1e-9;     // of a row's largest coefficient: smaller is no pivot
+constexpr double kPart = 1e-9;               // of a row: a smaller share has no part in a conflict
 constexpr double kNoise = 1e-14;             // of the same: rounding of terms that cancel
 constexpr double kConflictTolerance = 1e-9;  // of the right-hand sides that take part
 constexpr double kRightNoise = 1e-12;        // of the largest right-hand side of all rows
@@ -51,7 +51,8 @@ struct Equation {
 // that are not pivots.
 class Elimination {
  public:
-  explicit Elimination(int columns) : pivot_row_(columns, -1), used_by_(columns) {}
+  Elimination(int columns, double dependent)
+      : pivot_row_(columns, -1), used_by_(columns), dependent_(dependent) {}
 
   void add(Equation row) {
     const Terms given = row.terms;
@@ -65,7 +66,7 @@ class Elimination {
       return false;
     });
 
-    if (remaining <= kPivotTolerance) {
+    if (remaining <= dependent_) {
       implied_.push_back(std::move(row));
       return;
     }
@@ -110,6 +111,7 @@ class Elimination {
   std::vector<int> pivot_row_;
   std::vector<std::vector<int>> used_by_;  // rows that mention a column; may list former users
   std::vector<Equation> rows_, implied_;
+  double dependent_;  // of a row's largest coefficient: smaller is no pivot
 };
 
 // The scalar equations of a set: n columns, or 3n columns when it is coupled. Each is divided by
@@ -173,7 +175,7 @@ Contradiction contradiction(const Equation& row, const std::vector<std::string>&
   for (const auto& [index, share] : row.history) {
     if (index == row.source) c.own_share = std::abs(share);
     const std::string& name = names[given[index].name];
-    if (std::abs(share) > kPivotTolerance * given[index].history[0].second &&
+    if (std::abs(share) > kPart * given[index].history[0].second &&
         std::find(c.names.begin(), c.names.end(), name) == c.names.end())
       c.names.push_back(name);
   }
@@ -182,7 +184,7 @@ Contradiction contradiction(const Equation& row, const std::vector<std::string>&
 
 }  // namespace
 
-AffineReduction::AffineReduction(const ConstraintSet& constraints, Values values)
+AffineReduction::AffineReduction(const ConstraintSet& constraints, Values values, double dependent)
     : coupled_(constraints.coupled()), dof_count_(constraints.dof_count()) {
   const int columns = coupled_ ? 3 * dof_count_ : dof_count_;
   const std::vector<Equation> given = equations_of(constraints);
@@ -191,7 +193,7 @@ AffineReduction::AffineReduction(const ConstraintSet& constraints, Values values
   std::iota(order.begin(), order.end(), 0);
   std::stable_sort(order.begin(), order.end(),
                    [&](int a, int b) { return given[a].terms.size() < given[b].terms.size(); });
-  Elimination elimination(columns);
+  Elimination elimination(columns, dependent);
   for (const int i : order) elimination.add(given[i]);
 
   const auto& pivot_row = elimination.pivot_row();
@@ -242,6 +244,11 @@ void AffineReduction::set_values(const ConstraintSet& same_rows) {
 }
 
 void AffineReduction::set_right(const MatX& right) {
+  check(right);
+  d0_.noalias() = from_right_ * right;
+}
+
+void AffineReduction::check(const MatX& right) const {
   if (right.rows() != from_right_.cols())
     throw InputError("found " + std::to_string(right.rows()) + " right-hand sides, expected " +
                      std::to_string(from_right_.cols()));
@@ -267,7 +274,6 @@ void AffineReduction::set_right(const MatX& right) {
       same->amount = std::max(same->amount, amount);
   }
   if (!conflicts.empty()) throw ConflictError(std::move(conflicts));
-  d0_.noalias() = from_right_ * right;
 }
 
 namespace {
@@ -305,25 +311,26 @@ SparseMatrix AffineReduction::reduce(const SparseMatrix& K) const {
   for (int f = 0; f < free; ++f)
     for (SparseMatrix::InnerIterator it(D_, f); it; ++it)
       if (const int p = other_of[it.row()]; p >= 0) g.emplace_back(p, f, it.value());
-  std::vector<Triplet> ff;
-  ff.reserve(static_cast<size_t>(K.nonZeros()) * (coupled_ ? 3 : 1));
-  for (int offset = 0; offset < columns; offset += dof_count_)
-    for (int j = 0; j < K.outerSize(); ++j)
-      for (SparseMatrix::InnerIterator it(K, j); it; ++it) {
-        if (it.row() < j) continue;
-        const int a = offset + static_cast<int>(it.row()), b = offset + j;
-        const int fa = free_of[a], fb = free_of[b];
-        if (fa >= 0 && fb >= 0) {
-          ff.emplace_back(fa, fb, it.value());  // free dofs keep their order
-        } else if (fa < 0 && fb < 0) {
-          oo.emplace_back(other_of[a], other_of[b], it.value());
-          if (a != b) oo.emplace_back(other_of[b], other_of[a], it.value());
-        } else {
-          of.emplace_back(fa < 0 ? other_of[a] : other_of[b], std::max(fa, fb), it.value());
-        }
-      }
+  // Free dofs keep their order, so K_ff is written column by column.
   SparseMatrix reduced(free, free);
-  reduced.setFromTriplets(ff.begin(), ff.end());
+  reduced.reserve(K.nonZeros() * (coupled_ ? 3 : 1));
+  for (int b = 0; b < columns; ++b) {
+    const int j = b % dof_count_, offset = b - j, fb = free_of[b];
+    if (fb >= 0) reduced.startVec(fb);
+    for (SparseMatrix::InnerIterator it(K, j); it; ++it) {
+      if (it.row() < j) continue;
+      const int a = offset + static_cast<int>(it.row()), fa = free_of[a];
+      if (fa >= 0 && fb >= 0) {
+        reduced.insertBack(fa, fb) = it.value();
+      } else if (fa < 0 && fb < 0) {
+        oo.emplace_back(other_of[a], other_of[b], it.value());
+        if (a != b) oo.emplace_back(other_of[b], other_of[a], it.value());
+      } else {
+        of.emplace_back(fa < 0 ? other_of[a] : other_of[b], std::max(fa, fb), it.value());
+      }
+    }
+  }
+  reduced.finalize();
   RowMatrix G(others, free), K_of(others, free), K_oo(others, others);
   G.setFromTriplets(g.begin(), g.end());
   K_of.setFromTriplets(of.begin(), of.end());
@@ -341,6 +348,14 @@ std::vector<int> AffineReduction::order_of_free(const std::vector<int>& dof_orde
     for (int stacked = dof; stacked < D_.rows(); stacked += dof_count_)
       if (free_of[stacked] >= 0) order.push_back(free_of[stacked]);
   return order;
+}
+
+std::vector<int> AffineReduction::order_for(const SparseMatrix& reduced, const SparseMatrix& K,
+                                            const std::vector<int>& dof_order) const {
+  constexpr double few_ties = 1.2;
+  const double as_meshed = few_ties * static_cast<double>(K.nonZeros()) * (coupled_ ? 3 : 1);
+  return static_cast<double>(reduced.nonZeros()) <= as_meshed ? order_of_free(dof_order)
+                                                              : std::vector<int>();
 }
 
 MatX AffineReduction::reduce_load(const SparseMatrix& K, const Points& F) const {
@@ -419,12 +434,7 @@ ConstrainedSolver::ConstrainedSolver(const ConstraintSet& constraints, SparseMat
                                      const std::vector<int>& dof_order)
     : reduction_(constraints), K_(std::move(K)) {
   const SparseMatrix reduced = reduction_.reduce(K_);
-  // Rows along curves tie dofs together across the parts that an order of the mesh keeps apart.
-  constexpr double few_ties = 1.2;
-  const bool as_meshed =
-      static_cast<double>(reduced.nonZeros()) <=
-      few_ties * static_cast<double>(K_.nonZeros()) * (reduction_.coupled() ? 3 : 1);
-  cholesky_.analyze(reduced, as_meshed ? reduction_.order_of_free(dof_order) : std::vector<int>());
+  cholesky_.analyze(reduced, reduction_.order_for(reduced, K_, dof_order));
   if (!cholesky_.factorize(reduced)) throw NoSolutionError(cholesky_.message());
   fixed_part_ = reduction_.reduce_load(K_, Points::Zero(constraints.dof_count(), 3));
 }

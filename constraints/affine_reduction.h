@@ -35,7 +35,9 @@ class AffineReduction {
     Given,  ///< d0 follows from the values in the set: throws ConflictError
     Later   ///< set_right() will tell them; d0 is zero till then
   };
-  explicit AffineReduction(const ConstraintSet& constraints, Values values = Values::Given);
+  /// A row of which no more than `dependent` of its largest coefficient is left is implied.
+  explicit AffineReduction(const ConstraintSet& constraints, Values values = Values::Given,
+                           double dependent = 1e-9);
 
   bool coupled() const { return coupled_; }
   /// Unknowns that stay free: of each coordinate, or of all three when coupled.
@@ -58,12 +60,21 @@ class AffineReduction {
   /// The same with the right-hand sides as a matrix, one row for each row of the set: its value
   /// (×3). When coupled (×1): three rows for each uncoupled row, then one for each coupled one.
   void set_right(const MatX& right);
+  /// The ConflictError of set_right(), without setting anything. Allocates nothing when there is
+  /// none.
+  void check(const MatX& right) const;
   /// The d0 of any right-hand sides, in as many columns as they have. Contradictions are not looked
   /// for.
   MatX particular(const MatX& right) const { return from_right_ * right; }
+  /// d0 = from_right() · right-hand sides.
+  const SparseMatrix& from_right() const { return from_right_; }
 
   /// An order of all n dofs as an order of the free unknowns, for SparseCholesky::analyze.
   std::vector<int> order_of_free(const std::vector<int>& dof_order) const;
+  /// The order to factor DᵀKD in: that of the dofs, or none (AMD) where rows along curves tie dofs
+  /// together across the parts that an order of the mesh keeps apart.
+  std::vector<int> order_for(const SparseMatrix& reduced, const SparseMatrix& K,
+                             const std::vector<int>& dof_order) const;
 
   /// Dᵀ K D, lower triangle, from the lower triangle of the n×n matrix K of one coordinate.
   SparseMatrix reduce(const SparseMatrix& K) const;

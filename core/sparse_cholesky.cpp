@@ -119,6 +119,12 @@ void SparseCholesky::solve_in_place(const SolvePart& part, Eigen::Ref<MatX> b) c
   data_->solve.solve(part, b);
 }
 
+std::vector<int> SparseCholesky::order() const {
+  if (!data_->factored) throw NoSolutionError("the order of a factor that is not there");
+  if (data_->n == 0) return {};
+  return {data_->factor.order(), data_->factor.order() + data_->n};
+}
+
 const std::string& SparseCholesky::message() const { return data_->message; }
 
 long SparseCholesky::factor_entries() const { return data_->solve.entries(); }

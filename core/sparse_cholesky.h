@@ -51,6 +51,9 @@ class SparseCholesky {
   /// The same in a given order: unknowns, the first to eliminate first (nested dissection of a
   /// mesh). An empty order: AMD. Throws InputError unless it names every unknown once.
   void analyze(const SparseMatrix& A, const std::vector<int>& order);
+  /// The order that was found or given, of use for another matrix of the same pattern; needs a
+  /// successful factorize().
+  std::vector<int> order() const;
 
   /// Factors A, whose pattern is the one that was analysed (otherwise InputError). Returns false
   /// when A is not positive definite; message() then says at which unknown and what that means.

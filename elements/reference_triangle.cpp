@@ -362,15 +362,24 @@ void constant_stiffness(const ReferenceTensors& tensors, const TriangleShape& sh
   const auto bend = [&](int x, int y) {
     return b1 * uu[x] * uu[y] + b2 * uv[x] * uv[y] + b3 * vv[x] * vv[y];
   };
-  const double scale[9] = {a11 * u1 * u1 + 2 * a12 * u1 * v1 + a22 * v1 * v1,
-                           a11 * u1 * u2 + a12 * (u1 * v2 + u2 * v1) + a22 * v1 * v2,
-                           a11 * u2 * u2 + 2 * a12 * u2 * v2 + a22 * v2 * v2,
-                           bend(0, 0),
-                           bend(1, 1),
-                           bend(2, 2),
-                           bend(0, 1),
-                           bend(0, 2),
-                           bend(1, 2)};
+  double scale[9] = {a11 * u1 * u1 + 2 * a12 * u1 * v1 + a22 * v1 * v1,
+                     a11 * u1 * u2 + a12 * (u1 * v2 + u2 * v1) + a22 * v1 * v2,
+                     a11 * u2 * u2 + 2 * a12 * u2 * v2 + a22 * v2 * v2,
+                     bend(0, 0),
+                     bend(1, 1),
+                     bend(2, 2),
+                     bend(0, 1),
+                     bend(0, 2),
+                     bend(1, 2)};
+  if (m.beta_mixed != Vec3::Zero()) {
+    const double m1 = A * m.beta_mixed[0], m2 = A * m.beta_mixed[1], m3 = A * m.beta_mixed[2];
+    const auto mixed = [&](int x, int y) {
+      return m1 * (uu[x] * uv[y] + uv[x] * uu[y]) + m2 * (uu[x] * vv[y] + vv[x] * uu[y]) +
+             m3 * (uv[x] * vv[y] + vv[x] * uv[y]);
+    };
+    constexpr int pairs[6][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {0, 2}, {1, 2}};
+    for (int i = 0; i < 6; ++i) scale[3 + i] += mixed(pairs[i][0], pairs[i][1]);
+  }
   combine_and_map(tensors.stiffness, scale, DofMapNumbers(shape), K);
 }
 
@@ -390,6 +399,9 @@ void varying_stiffness(const TabulatedRule& points, const TriangleShape& shape,
     stretch = w * map.first.transpose() * m.alpha * map.first;
     const Vec3 beta(m.beta[0], 2 * m.beta[1], m.beta[2]);
     bend = w * map.second.transpose() * beta.asDiagonal() * map.second;
+    if (m.beta_mixed == Vec3::Zero()) continue;
+    const Mat3 mixed = m.bending() - Mat3(beta.asDiagonal());
+    bend += w * map.second.transpose() * mixed * map.second;
   }
   accumulate_and_map(n, points.rows.data(), C, DofMapNumbers(shape), K);
 }

@@ -6,6 +6,7 @@
 #include "batten/core/errors.h"
 #include "batten/core/parallel.h"
 #include "batten/elements/reference_triangle.h"
+#include "batten/fem/surface.h"
 
 namespace batten {
 namespace {
@@ -123,20 +124,37 @@ SparseMatrix SurfaceAssembler::mass() const {
   return M;
 }
 
+Vec12 SurfaceAssembler::unit_load(int t) const {
+  const C1Triangle triangle(kind_, shapes_[t]);
+  if (is_outside(t)) return Vec12::Zero();
+  if (!is_cut(t)) return triangle.load();
+  Vec12 element = Vec12::Zero();
+  const TriangleRule rule = trim_->rule(t, kind_ == TriangleElement::HCT ? 3 : 8);
+  for (long p = 0; p < rule.weights.size(); ++p)
+    element += shapes_[t].area * rule.weights[p] * triangle.evaluate(rule.L.row(p)).col(kW);
+  return element;
+}
+
 Points SurfaceAssembler::load(const Vec3& f) const {
   Points F = Points::Zero(dofs_.count(), 3);
   for (int t = 0; t < mesh_.triangle_count(); ++t) {
-    Vec12 element = Vec12::Zero();
-    const C1Triangle triangle(kind_, shapes_[t]);
-    if (is_cut(t)) {
-      const TriangleRule rule = trim_->rule(t, kind_ == TriangleElement::HCT ? 3 : 8);
-      for (long p = 0; p < rule.weights.size(); ++p)
-        element += shapes_[t].area * rule.weights[p] * triangle.evaluate(rule.L.row(p)).col(kW);
-    } else if (!is_outside(t)) {
-      element = triangle.load();
-    }
+    const Vec12 element = unit_load(t);
     const auto dof = dofs_.triangle(mesh_, t);
     for (int a = 0; a < 12; ++a) F.row(dof[a]) += element[a] * f.transpose();
+  }
+  return F;
+}
+
+VecX SurfaceAssembler::load(const VecX& triangle_weights) const {
+  if (triangle_weights.size() != mesh_.triangle_count())
+    throw InputError(std::to_string(triangle_weights.size()) + " weights for " +
+                     std::to_string(mesh_.triangle_count()) + " triangles");
+  VecX F = VecX::Zero(dofs_.count());
+  for (int t = 0; t < mesh_.triangle_count(); ++t) {
+    if (is_outside(t) || triangle_weights[t] == 0) continue;
+    const Vec12 element = triangle_weights[t] * unit_load(t);
+    const auto dof = dofs_.triangle(mesh_, t);
+    for (int a = 0; a < 12; ++a) F[dof[a]] += element[a];
   }
   return F;
 }
@@ -176,16 +194,41 @@ Points SurfaceAssembler::load(const LoadField& f, int degree) const {
   });
 }
 
+SurfaceAssembler::ElementLoad SurfaceAssembler::reference_dofs(int t, const Points& q) const {
+  ElementLoad local;
+  const auto dof = dofs_.triangle(mesh_, t);
+  for (int a = 0; a < 12; ++a) local.row(a) = q.row(dof[a]);
+  return C1Triangle(kind_, shapes_[t]).to_reference_dofs() * local;
+}
+
+VecX SurfaceAssembler::area_load(const Surface& surface) const {
+  const Points& q = surface.dofs();
+  if (q.rows() != dofs_.count())
+    throw InputError("a surface with " + std::to_string(q.rows()) + " dofs on a mesh with " +
+                     std::to_string(dofs_.count()));
+  const TabulatedRule& whole = pressure_functions(kind_);
+  return gather([&](int t, ElementLoad& reference) {
+           std::optional<TabulatedRule> part;
+           if (is_cut(t)) part.emplace(kind_, trim_->rule(t, 8));
+           const TabulatedRule& points = part ? *part : whole;
+           const ElementLoad local = reference_dofs(t, q);
+           for (size_t p = 0; p < points.functions.size(); ++p) {
+             const auto& N = points.functions[p];
+             const Vec3 x1 = local.transpose() * N.col(1), x2 = local.transpose() * N.col(2);
+             reference.col(0) +=
+                 0.5 * points.rule.weights[static_cast<long>(p)] * x1.cross(x2).norm() * N.col(0);
+           }
+         })
+      .col(0);
+}
+
 Points SurfaceAssembler::pressure_load(const Points& q) const {
   const TabulatedRule& whole = pressure_functions(kind_);
   return gather([&](int t, ElementLoad& reference) {
     std::optional<TabulatedRule> part;
     if (is_cut(t)) part.emplace(kind_, trim_->rule(t, 7));
     const TabulatedRule& points = part ? *part : whole;
-    ElementLoad local;
-    const auto dof = dofs_.triangle(mesh_, t);
-    for (int a = 0; a < 12; ++a) local.row(a) = q.row(dof[a]);
-    local = C1Triangle(kind_, shapes_[t]).to_reference_dofs() * local.eval();
+    const ElementLoad local = reference_dofs(t, q);
     // x_u × x_v times the area of the triangle is half of ∂1x × ∂2x: the map's determinant is
     // 1/(2A).
     for (size_t p = 0; p < points.functions.size(); ++p) {

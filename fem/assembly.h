@@ -20,6 +20,8 @@ struct Location {
   Vec3 L = Vec3::Constant(1.0 / 3);
 };
 
+class Surface;
+
 class SurfaceAssembler {
  public:
   using MaterialField = std::function<SurfaceStiffness(const Vec2& uv)>;
@@ -51,8 +53,15 @@ class SurfaceAssembler {
   /// ∬ N f for f that varies: HCT by the symmetric rule of `degree` (0 to 8; 6 is exact for cubic
   /// f) on each sub-triangle, Z12 by six-Duffy with m = 5. f is called from several threads.
   Points load(const LoadField& f, int degree = 6) const;
+  /// ∬ w N, w constant in each triangle, one number a dof: exact on whole triangles. Throws
+  /// InputError on a wrong count.
+  VecX load(const VecX& triangle_weights) const;
+  /// ∬ N |x_u × x_v| du dv for a surface on this mesh: a unit load per area of the surface, one
+  /// number a dof. Not a polynomial: by the rules of pressure_load. Throws InputError for a surface
+  /// with another number of dofs.
+  VecX area_load(const Surface& surface) const;
   /// ∬ N (x_u × x_v) du dv for the surface with dofs q: the load of a unit pressure that follows
-  /// the surface's normal. HCT: exact.
+  /// the surface's normal. HCT: exact. By quadrature; PressureOperator is ten times as fast.
   Points pressure_load(const Points& q) const;
   /// A force at one point of the surface.
   Points point_load(const Location& where, const Vec3& force) const;
@@ -63,6 +72,9 @@ class SurfaceAssembler {
 
  private:
   using ElementLoad = Eigen::Matrix<double, 12, 3>;
+  ElementLoad reference_dofs(int triangle, const Points& q) const;
+  // ∬ N over the part inside.
+  Vec12 unit_load(int triangle) const;
   // Sum of the elements' loads, each in reference dofs.
   Points gather(const std::function<void(int triangle, ElementLoad& reference)>& element) const;
 

@@ -13,7 +13,8 @@ class Dissection {
         triangles_(mesh.triangle_count()),
         centre_(mesh.triangle_count()),
         seen_(mesh.vertex_count() + mesh.edge_count(), 0),
-        side_(seen_.size(), 0) {
+        side_(seen_.size(), 0),
+        half_(mesh.triangle_count(), 0) {
     for (int t = 0; t < mesh.triangle_count(); ++t) {
       triangles_[t] = t;
       const auto& v = mesh.triangles()[t];
@@ -69,15 +70,47 @@ class Dissection {
                        const double x = centre_[a][axis], y = centre_[b][axis];
                        return x != y ? x < y : a < b;
                      });
+    const int cut = straightened(begin, middle, end);
     ++stamp_;
-    for (int i = begin; i < middle; ++i)
+    for (int i = begin; i < cut; ++i)
       for_each_entity(triangles_[i], [&](int entity) { side_[entity] = stamp_; });
-    for (int i = middle; i < end; ++i)
+    for (int i = cut; i < end; ++i)
       for_each_entity(triangles_[i], [&](int entity) {
         if (side_[entity] == stamp_) place(entity);
       });
-    split(begin, middle);
-    split(middle, end);
+    split(begin, cut);
+    split(cut, end);
+  }
+
+  // Centres beside a line leave a ragged boundary: a triangle with two neighbours across changes
+  // sides, till there is none. On unstructured meshes that takes a third of the separator away.
+  // Returns where the second half begins.
+  int straightened(int begin, int middle, int end) {
+    half_stamp_ += 2;
+    for (int i = begin; i < end; ++i) half_[triangles_[i]] = half_stamp_ + (i >= middle);
+    int count = middle - begin;
+    bool any = true;
+    while (any) {
+      any = false;
+      for (int i = begin; i < end; ++i) {
+        const int t = triangles_[i], own = half_[t], other = 2 * half_stamp_ + 1 - own;
+        int across = 0, beside = 0;
+        for (const int e : mesh_.edges_of(t))
+          for (const int neighbour : mesh_.edges()[e].triangle) {
+            if (neighbour < 0 || neighbour == t) continue;
+            across += half_[neighbour] == other;
+            beside += half_[neighbour] == own;
+          }
+        const int left = own == half_stamp_ ? count - 1 : end - begin - count - 1;
+        if (across <= beside || left < 1) continue;
+        half_[t] = other;
+        count += own == half_stamp_ ? -1 : 1;
+        any = true;
+      }
+    }
+    std::stable_partition(triangles_.begin() + begin, triangles_.begin() + end,
+                          [&](int t) { return half_[t] == half_stamp_; });
+    return begin + count;
   }
 
   const ParametricMesh& mesh_;
@@ -86,8 +119,9 @@ class Dissection {
   std::vector<Vec2> centre_;
   std::vector<char> seen_;  // vertices, then edges
   std::vector<int> side_;
+  std::vector<int> half_;  // of triangles
   std::vector<int> order_;
-  int next_ = 0, stamp_ = 0;
+  int next_ = 0, stamp_ = 0, half_stamp_ = 0;
 };
 
 }  // namespace

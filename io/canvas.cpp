@@ -112,22 +112,20 @@ class Viewports {
   std::vector<vtkSmartPointer<vtkRenderer>> renderers_;
 };
 
-vtkSmartPointer<vtkImageData> averaged_down(const vtkUnsignedCharArray& pixels, int width,
-                                            int height) {
-  auto image = vtkSmartPointer<vtkImageData>::New();
-  image->SetDimensions(width, height, 1);
-  image->AllocateScalars(VTK_UNSIGNED_CHAR, 3);
-  auto* out = static_cast<unsigned char*>(image->GetScalarPointer());
+/// VTK's rows begin at the bottom.
+Image averaged_down(const vtkUnsignedCharArray& pixels, int width, int height) {
+  Image image{width, height, {}};
+  image.rgb.reserve(size_t{3} * static_cast<size_t>(width) * height);
   const unsigned char* in = const_cast<vtkUnsignedCharArray&>(pixels).GetPointer(0);
   constexpr int n = kOversampling;
-  for (int y = 0; y < height; ++y)
+  for (int y = height - 1; y >= 0; --y)
     for (int x = 0; x < width; ++x)
       for (int c = 0; c < 3; ++c) {
         int sum = n * n / 2;
         for (int dy = 0; dy < n; ++dy)
           for (int dx = 0; dx < n; ++dx)
             sum += in[(static_cast<size_t>(n * y + dy) * (n * width) + (n * x + dx)) * 3 + c];
-        *out++ = static_cast<unsigned char>(sum / (n * n));
+        image.rgb.push_back(static_cast<unsigned char>(sum / (n * n)));
       }
   return image;
 }
@@ -431,12 +429,10 @@ void add_scalar_bar(vtkRenderer& renderer, vtkLookupTable* table, const std::str
            true);
 }
 
-void draw_sheet(const fs::path& path, int count, int columns, bool captions_below,
-                const PictureSize& size,
-                const std::function<void(vtkRenderer&, int, double, double)>& draw) {
+Image sheet_image(int count, int columns, bool captions_below, const PictureSize& size,
+                  const std::function<void(vtkRenderer&, int, double, double)>& draw) {
   check(size);
   require_display();
-  WholeFile file(path);
   vtkRenderWindow& canvas = window();
   const int rows = (count + columns - 1) / columns;
   const double cell_width = static_cast<double>(size.width) / columns;
@@ -465,18 +461,43 @@ void draw_sheet(const fs::path& path, int count, int columns, bool captions_belo
   }
   if (pixels->GetNumberOfValues() !=
       vtkIdType{3} * kOversampling * kOversampling * size.width * size.height)
-    throw NoSolutionError(path.string() + ": VTK drew nothing");
+    throw NoSolutionError("VTK drew nothing");
+  return averaged_down(*pixels, size.width, size.height);
+}
+
+void draw_sheet(const fs::path& path, int count, int columns, bool captions_below,
+                const PictureSize& size,
+                const std::function<void(vtkRenderer&, int, double, double)>& draw) {
+  check(size);
+  require_display();
+  { const WholeFile before_the_work(path); }  // can it be written?
+  write_png(path, sheet_image(count, columns, captions_below, size, draw));
+}
+
+}  // namespace canvas
+
+void write_png(const fs::path& path, const Image& image) {
+  const size_t row = size_t{3} * static_cast<size_t>(std::max(image.width, 0));
+  if (image.width < 1 || image.height < 1 || image.rgb.size() != row * image.height)
+    throw InputError(path.string() + ": found a picture of " + std::to_string(image.width) + " x " +
+                     std::to_string(image.height) + " pixels with " +
+                     std::to_string(image.rgb.size()) + " bytes, expected three a pixel");
+  WholeFile file(path);
+  vtkNew<vtkImageData> data;
+  data->SetDimensions(image.width, image.height, 1);
+  data->AllocateScalars(VTK_UNSIGNED_CHAR, 3);
+  auto* out = static_cast<unsigned char*>(data->GetScalarPointer());
+  for (int y = image.height - 1; y >= 0; --y, out += row)
+    std::copy_n(&image.rgb[static_cast<size_t>(y) * row], row, out);
   vtkNew<vtkPNGWriter> writer;
   writer->SetFileName(file.temporary().c_str());
-  writer->SetInputData(averaged_down(*pixels, size.width, size.height));
+  writer->SetInputData(data);
   writer->Write();
   if (writer->GetErrorCode() != vtkErrorCode::NoError)
     throw InputError(path.string() + ": cannot write this file: " +
                      vtkErrorCode::GetStringFromErrorCode(writer->GetErrorCode()));
   file.commit();
 }
-
-}  // namespace canvas
 
 void require_display() {
   static std::string good;  // the server that was asked last

@@ -94,8 +94,12 @@ double round_step(double x);
 void add_scalar_bar(vtkRenderer& renderer, vtkLookupTable* table, const std::string& title,
                     const Frame& frame);
 
-/// One PNG of `count` pictures in `columns`; `draw` fills the renderer of one of them, whose
-/// viewport has the given size in pixels. Whole or not at all. Throws InputError.
+/// One sheet of `count` pictures in `columns`; `draw` fills the renderer of one of them, whose
+/// viewport has the given size in pixels. Throws InputError.
+Image sheet_image(
+    int count, int columns, bool captions_below, const PictureSize& size,
+    const std::function<void(vtkRenderer&, int index, double width, double height)>& draw);
+/// The same as a PNG: whole or not at all.
 void draw_sheet(
     const std::filesystem::path& path, int count, int columns, bool captions_below,
     const PictureSize& size,

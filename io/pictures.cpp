@@ -18,6 +18,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "batten/core/errors.h"
 #include "batten/io/canvas.h"
@@ -120,22 +121,29 @@ vtkSmartPointer<vtkPolyData> element_edges(const PictureScene& scene, int tessel
   return result;
 }
 
-/// `count` lines of equal value, evenly spaced inside the range of the values.
+using Range = std::pair<double, double>;
+
+Range range_of(const std::vector<double>& values) {
+  const auto [low, high] = std::minmax_element(values.begin(), values.end());
+  return {*low, *high};
+}
+
+/// `count` lines of equal value, evenly spaced inside the range.
 vtkSmartPointer<vtkPolyData> iso_lines(vtkPolyData& facets, const std::vector<double>& values,
-                                       int count) {
+                                       const Range& range, int count) {
   vtkNew<vtkDoubleArray> scalars;
   for (const double value : values) scalars->InsertNextValue(value);
   const auto surface = part(facets, nullptr, facets.GetPolys());
   surface->GetPointData()->Initialize();
   surface->GetPointData()->SetScalars(scalars);
-  const auto [low, high] = std::minmax_element(values.begin(), values.end());
+  const auto [low, high] = range;
   vtkNew<vtkContourFilter> filter;
   filter->SetInputData(surface);
   filter->ComputeScalarsOff();
   // A flat surface has no contours, only rounding.
-  const double size = std::max(std::abs(*low), std::abs(*high));
-  if (*high - *low > 1e-12 * size)
-    for (int i = 0; i < count; ++i) filter->SetValue(i, *low + (i + 0.5) / count * (*high - *low));
+  const double size = std::max(std::abs(low), std::abs(high));
+  if (high - low > 1e-12 * size)
+    for (int i = 0; i < count; ++i) filter->SetValue(i, low + (i + 0.5) / count * (high - low));
   filter->Update();
   return filter->GetOutput();
 }
@@ -191,6 +199,10 @@ vtkSmartPointer<vtkLookupTable> add_zebra(vtkPolyData& facets, const Vec3& direc
                          std::max(to - from, flat * stripes) / stripes);
 }
 
+const char* field_array(const PictureScene& scene) {
+  return scene.field == PictureScene::Field::Mean ? "Mean_curvature" : "Gauss_curvature";
+}
+
 void add_surface(vtkRenderer& renderer, const PictureScene& scene, vtkPolyData& data,
                  const Frame& frame) {
   const auto facets = part(data, nullptr, data.GetPolys());
@@ -211,15 +223,22 @@ void add_surface(vtkRenderer& renderer, const PictureScene& scene, vtkPolyData& 
   }
   if (scene.field != PictureScene::Field::None) {
     const bool mean = scene.field == PictureScene::Field::Mean;
-    const char* array = mean ? "Mean_curvature" : "Gauss_curvature";
-    facets->GetPointData()->SetActiveScalars(array);
-    const auto table = diverging_colours(field_limit(*facets->GetPointData()->GetScalars()));
+    facets->GetPointData()->SetActiveScalars(field_array(scene));
+    const double limit = scene.field_limit > 0 ? scene.field_limit
+                                               : field_limit(*facets->GetPointData()->GetScalars());
+    const auto table = diverging_colours(limit);
     colour_by(table);
     look.SetAmbient(0.3);
     look.SetDiffuse(0.7);
     add_scalar_bar(renderer, table, mean ? "Mean curvature" : "Gauss curvature", frame);
   }
   renderer.AddActor(drawn);
+}
+
+std::vector<double> heights(const std::vector<Vec3>& points, const Vec3& direction) {
+  std::vector<double> values;
+  for (const Vec3& p : points) values.push_back(direction.normalized().dot(p));
+  return values;
 }
 
 void add_iso_lines(vtkRenderer& renderer, const PictureScene& scene, vtkPolyData& data,
@@ -229,13 +248,13 @@ void add_iso_lines(vtkRenderer& renderer, const PictureScene& scene, vtkPolyData
   for (int component = 0; scene.parameter_lines > 0 && component < 2; ++component) {
     for (size_t p = 0; p < values.size(); ++p)
       values[p] = uv.GetComponent(static_cast<vtkIdType>(p), component);
-    add_thin_lines(renderer, iso_lines(data, values, scene.parameter_lines), kParameter, width,
-                   offset);
+    add_thin_lines(renderer, iso_lines(data, values, range_of(values), scene.parameter_lines),
+                   kParameter, width, offset);
   }
   if (scene.contours == 0) return;
-  const Vec3 direction = scene.contour_direction.normalized();
-  for (size_t p = 0; p < values.size(); ++p) values[p] = direction.dot(points[p]);
-  add_thin_lines(renderer, iso_lines(data, values, scene.contours), kContour, width, offset);
+  values = heights(points, scene.contour_direction);
+  const Range range = scene.contour_range.value_or(range_of(values));
+  add_thin_lines(renderer, iso_lines(data, values, range, scene.contours), kContour, width, offset);
 }
 
 /// Fills a renderer whose viewport has the given size in pixels.
@@ -251,7 +270,7 @@ void draw(vtkRenderer& renderer, const PictureScene& scene, double width, double
   const std::vector<Vec3> points = points_of(*data);
   complete_normals(*data, points);
   const ViewAxes axes(scene.azimuth, scene.elevation);
-  const Fit view = fit(points, axes, frame, scene.zoom);
+  const Fit view = fit(scene.in_view.empty() ? points : scene.in_view, axes, frame, scene.zoom);
   const Vec3 offset = 4 * view.pixel * axes.towards;
 
   add_surface(renderer, scene, *data, frame);
@@ -280,6 +299,51 @@ void draw_scenes(const fs::path& path, const std::vector<PictureScene>& scenes, 
 
 void draw_picture(const fs::path& path, const PictureScene& scene, const PictureSize& size) {
   draw_scenes(path, {scene}, 1, false, size);
+}
+
+Image picture_image(const PictureScene& scene, const PictureSize& size) {
+  check(scene);
+  return sheet_image(1, 1, false, size,
+                     [&](vtkRenderer& renderer, int, double width, double height) {
+                       draw(renderer, scene, width, height, false);
+                     });
+}
+
+void hold_view(std::vector<PictureScene>& scenes) {
+  if (scenes.empty()) return;
+  const ViewAxes axes(scenes.front().azimuth, scenes.front().elevation);
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  Vec3 low = Vec3::Constant(infinity), high = -low;
+  Range range{infinity, -infinity};
+  double limit = 0;
+  for (PictureScene& scene : scenes) {
+    check(scene);
+    scene.azimuth = scenes.front().azimuth;
+    scene.elevation = scenes.front().elevation;
+    scene.zoom = scenes.front().zoom;
+    const auto data = to_poly_data(scene.regions, {{}, facets_per_edge(scene)});
+    const std::vector<Vec3> points = points_of(*data);
+    for (const Vec3& p : points) {
+      const Vec3 seen(axes.right.dot(p), axes.up.dot(p), axes.towards.dot(p));
+      low = low.cwiseMin(seen);
+      high = high.cwiseMax(seen);
+    }
+    if (scene.contours > 0) {
+      const auto [lowest, highest] = range_of(heights(points, scene.contour_direction));
+      range = {std::min(range.first, lowest), std::max(range.second, highest)};
+    }
+    if (scene.field != PictureScene::Field::None)
+      limit = std::max(limit, field_limit(*data->GetPointData()->GetArray(field_array(scene))));
+  }
+  std::vector<Vec3> corners;
+  for (int i = 0; i < 8; ++i)
+    corners.push_back((i & 1 ? low : high)[0] * axes.right + (i & 2 ? low : high)[1] * axes.up +
+                      (i & 4 ? low : high)[2] * axes.towards);
+  for (PictureScene& scene : scenes) {
+    scene.in_view = corners;
+    if (scene.contours > 0) scene.contour_range = range;
+    scene.field_limit = limit;
+  }
 }
 
 void draw_contact_sheet(const fs::path& path, const std::vector<PictureScene>& scenes, int columns,

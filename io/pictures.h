@@ -2,9 +2,12 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "batten/io/image.h"
 #include "batten/skinning/region.h"
 
 namespace batten {
@@ -36,6 +39,11 @@ struct PictureScene {
   double azimuth = -30, elevation = 30;
   double zoom = 1;       ///< 1: all in view
   int tessellation = 0;  ///< facets along each element edge; 0: as many as look smooth
+
+  // What pictures of a series have in common, hold_view(); without, each has its own.
+  std::vector<Vec3> in_view;  ///< the camera fits these points instead of the regions
+  std::optional<std::pair<double, double>> contour_range;  ///< lowest and highest height
+  double field_limit = 0;                                  ///< of the scale of a field; 0: its own
 };
 
 struct PictureSize {
@@ -51,6 +59,14 @@ void require_display();
 /// written.
 void draw_picture(const std::filesystem::path& path, const PictureScene& scene,
                   const PictureSize& size = {});
+
+/// The same in memory, for animations.
+Image picture_image(const PictureScene& scene, const PictureSize& size = {});
+
+/// Gives all scenes one camera (that of the first, moved so that everything of all of them fits),
+/// and contours and colours of fields the same heights and values: what moves in the series then is
+/// the surface. Replaces in_view, contour_range and field_limit. Throws InputError.
+void hold_view(std::vector<PictureScene>& scenes);
 
 /// Several scenes in one PNG, row by row, with their titles as captions below them. `size` is that
 /// of the whole sheet.

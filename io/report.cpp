@@ -7,9 +7,60 @@
 namespace batten {
 namespace {
 
+using batten::json_of;
+
 const char* word(CharacterLine::Role role) {
   using Role = CharacterLine::Role;
   return role == Role::Inner ? "inner" : role == Role::Hole ? "hole" : "outline";
+}
+
+Json json_of(const Report::Shape& s) {
+  return {{"stretching_energy", s.stretching},
+          {"bending_energy", s.bending},
+          {"area", s.area},
+          {"volume", s.volume},
+          {"residual", s.residual}};
+}
+
+Json json_of(const Report::Sculpting& s) {
+  Json json = json_of(s.shape);
+  json["answers"] = Json::array();
+  for (const auto& a : s.answers)
+    json["answers"].push_back({{"what", a.what},
+                               {"iterations", a.iterations},
+                               {"change", a.change},
+                               {"factored", a.factored}});
+  for (const auto& r : s.refinements)
+    json["refinements"].push_back({{"triangles_before", r.triangles_before},
+                                   {"triangles", r.triangles},
+                                   {"max_displacement", r.max_displacement},
+                                   {"energy_before", r.energy_before},
+                                   {"energy_carried", r.energy_carried},
+                                   {"energy_settled", r.energy_settled}});
+  for (const auto& sweep : s.sweeps) {
+    Json rows = Json::array();
+    for (const auto& row : sweep.rows) {
+      rows.push_back({{"value", row.value}, {"iterations", row.iterations}});
+      rows.back().update(json_of(row.shape));
+    }
+    json["sweeps"].push_back({{"parameter", sweep.parameter}, {"rows", rows}});
+    if (!sweep.stopped.empty()) json["sweeps"].back()["stopped"] = sweep.stopped;
+  }
+  if (s.motion) {
+    Json rows = Json::array();
+    for (const auto& row : s.motion->rows) {
+      rows.push_back({{"time", row.value}, {"total_energy", row.total_energy}});
+      rows.back().update(json_of(row.shape));
+    }
+    json["motion"] = {{"dt", s.motion->dt},
+                      {"density", s.motion->density},
+                      {"damping", s.motion->damping},
+                      {"theta", s.motion->theta},
+                      {"steps", s.motion->steps},
+                      {"max_residual", s.motion->max_residual},
+                      {"rows", rows}};
+  }
+  return json;
 }
 
 Json contents(const Report& r) {
@@ -90,6 +141,7 @@ Json contents(const Report& r) {
                                {"before_rms", springs.before_rms},
                                {"max", springs.max},
                                {"rms", springs.rms}});
+  if (r.sculpting) json["sculpting"] = json_of(*r.sculpting);
   json["parameters"] = json_of(r.parameters);
   json["reactions"] = Json::array();
   for (const auto& reaction : r.reactions)

@@ -71,6 +71,48 @@ struct Report {
     Vec3 force = Vec3::Zero();  ///< net force on the surface, in the units of the loads
   };
   std::vector<Reaction> reactions;  ///< of each named constraint
+
+  /// What a sculpting session measured of its shape.
+  struct Shape {
+    double stretching = 0, bending = 0;  ///< energies, SurfaceEnergy
+    double area = 0, volume = 0;         ///< model units² and ³; ⅓ ∬ x·n dA
+    double residual = 0;                 ///< largest of all constraints
+  };
+  struct Sculpting {
+    Shape shape;  ///< in the end
+    struct Step {
+      std::string what;  ///< "settle", "replay", …
+      int iterations = 0;
+      double change = 0;
+      bool factored = false;
+    };
+    std::vector<Step> answers;
+    struct Refinement {
+      int triangles_before = 0, triangles = 0;
+      double max_displacement = 0, energy_before = 0, energy_carried = 0, energy_settled = 0;
+    };
+    std::vector<Refinement> refinements;
+    struct Row {
+      double value = 0;  ///< of the parameter, or the time
+      Shape shape;
+      int iterations = 0;       ///< of a sweep
+      double total_energy = 0;  ///< of a motion: kinetic plus potential
+    };
+    struct Sweep {
+      std::string parameter;
+      std::vector<Row> rows;
+      std::string stopped;  ///< why it ended early; "" when it did not
+    };
+    std::vector<Sweep> sweeps;
+    struct Motion {
+      double dt = 0, density = 0, damping = 0, theta = 0;
+      int steps = 0;
+      double max_residual = 0;  ///< over all steps
+      std::vector<Row> rows;    ///< of the frames
+    };
+    std::optional<Motion> motion;
+  };
+  std::optional<Sculpting> sculpting;  ///< of `batten sculpt`
   std::vector<SculptResult::Springs> springs;
   std::vector<Parameter> parameters;
   std::vector<std::pair<std::string, double>> timings;  ///< seconds

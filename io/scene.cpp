@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "batten/io/scene_lines.h"
+#include "batten/io/scene_sculpting.h"
 #include "batten/io/scene_words.h"
 
 namespace batten {
@@ -26,12 +27,21 @@ std::string expected_of(const SurfaceStiffness& material) {
   return "";
 }
 
+/// Calls f with a reference to each named value that has a table of its own.
+template <class AnyScene, class Function>
+void for_each_named(AnyScene& scene, const Function& f) {
+  for (auto& load : scene.loads) f(load);
+  for (auto& weight : scene.weights) f(weight);
+  for (auto& move : scene.moves) f(move);
+  for (auto& slider : scene.sliders) f(slider);
+}
+
 /// The one list of what can be set: calls f(name, value, min, max) with a reference to each value.
 template <class AnyScene, class Function>
 void for_each_parameter(AnyScene& scene, const Function& f) {
-  for (auto& load : scene.loads) f(load.name, load.value, load.min, load.max);
+  for_each_named(scene, [&](auto& p) { f(p.name, p.value, p.min, p.max); });
   for (auto& c : scene.constraints)
-    for (int i = 0; i < 3; ++i)
+    for (int i = 0; i < 3 && c.type != SceneConstraint::Type::LineNormal; ++i)
       f(c.name + "." + "xyz"[i], c.goal[i], c.middle[i] - c.range, c.middle[i] + c.range);
   auto& alpha = scene.skin.material.alpha;
   auto& beta = scene.skin.material.beta;
@@ -51,12 +61,6 @@ void for_each_parameter(AnyScene& scene, const Function& f) {
   }
   for_each_fair_parameter(
       scene.fairing, [&](const std::string& name, auto& value) { f(name, value, 0.0, kInfinity); });
-}
-
-std::string range_text(double min, double max) {
-  if (min > -kInfinity && max < kInfinity) return "from " + number(min) + " to " + number(max);
-  if (min > -kInfinity) return "from " + number(min) + " up";
-  return "up to " + number(max);
 }
 
 void read_skin(const TomlTable& table, SceneSkin& skin) {
@@ -108,76 +112,6 @@ void read_skin(const TomlTable& table, SceneSkin& skin) {
     const std::string key = expected.starts_with("beta") || !table.has("alpha") ? "beta" : "alpha";
     table.fail(key, "a material without a stable shape", expected);
   }
-}
-
-SceneConstraint read_constraint(const TomlTable& table) {
-  using Type = SceneConstraint::Type;
-  SceneConstraint c;
-  c.name = table.text("name");
-  c.place = table.place("name");
-  c.type = table.choice<Type>(
-      "type", {{"point", Type::Point}, {"normal", Type::Normal}, {"tangent", Type::Tangent}});
-  c.at = table.vector("at");
-  const auto only_for = [&](const std::string& key, const std::string& type, bool allowed) {
-    if (table.has(key) && !allowed)
-      table.fail(key, "'" + key + "' for the constraint '" + c.name + "'",
-                 "it only where type = \"" + type + "\"");
-  };
-  only_for("to", "point", c.type == Type::Point);
-  only_for("range", "point", c.type == Type::Point);
-  only_for("direction", "normal\" or \"tangent", c.type != Type::Point);
-  only_for("along", "tangent", c.type == Type::Tangent);
-  c.goal = c.type == Type::Point ? table.vector("to") : table.direction("direction");
-  c.middle = c.goal;
-  if (table.has("range")) c.range = table.positive("range");
-  if (c.type == Type::Tangent) {
-    c.along = table.numbers("along", "su, sv");
-    if (c.along.norm() == 0) table.fail("along", "[0, 0]", "a direction [su, sv]");
-    c.along.normalize();
-  }
-  return c;
-}
-
-SceneLoad read_load(const TomlTable& table, const std::filesystem::path& folder) {
-  using Type = SceneLoad::Type;
-  SceneLoad load;
-  load.name = table.text("name");
-  load.type = table.choice<Type>("type", {{"pressure", Type::Pressure},
-                                          {"uniform", Type::Uniform},
-                                          {"point", Type::Point},
-                                          {"springs", Type::Springs}});
-  load.value = table.number("value");
-  load.min = table.number("min", -kInfinity);
-  load.max = table.number("max", kInfinity);
-  if (load.min > load.max)
-    table.fail("max", number(load.max), "not less than min = " + number(load.min));
-  if (load.value < load.min || load.value > load.max)
-    table.fail("value", number(load.value),
-               "a value " + range_text(load.min, load.max) + ", as 'min' and 'max' say");
-  if (load.type == Type::Pressure && table.has("direction"))
-    table.fail("direction", "'direction' for the pressure '" + load.name + "'",
-               "none: pressure acts along the surface's normal");
-  if (load.type == Type::Springs) {
-    if (table.has("direction"))
-      table.fail("direction", "'direction' for the springs '" + load.name + "'",
-                 "none: springs pull towards their points");
-    load.file = folder / table.text("file");
-    load.place = table.place("file");
-    if (table.has("unit")) load.unit = unit_word(table, "unit");
-    if (load.value < 0) table.fail("value", number(load.value), "a stiffness not below 0");
-    load.min = std::max(load.min, 0.0);
-  } else {
-    for (const char* key : {"file", "unit"})
-      if (table.has(key))
-        table.fail(key, "'" + std::string(key) + "' for the load '" + load.name + "'",
-                   "it only where type = \"springs\"");
-  }
-  if (load.type != Type::Point && table.has("at"))
-    table.fail("at", "'at' for the load '" + load.name + "'", "it only where type = \"point\"");
-  if (load.type == Type::Uniform || load.type == Type::Point)
-    load.direction = table.direction("direction");
-  if (load.type == Type::Point) load.at = table.vector("at");
-  return load;
 }
 
 SceneStress read_stress(const TomlTable& table) {
@@ -266,10 +200,10 @@ SceneSweep read_sweep(const TomlTable& table, const Scene& scene, Names& files) 
 }
 
 Scene read(const toml::table& root_table, const std::filesystem::path& file) {
-  const TomlTable root(
-      file.string(), root_table, "the scene",
-      {"name", "unit", "tolerance", "corner_angle", "line", "lines", "fair", "skin", "constraint",
-       "load", "stress", "output", "compare", "picture", "sweep"});
+  const TomlTable root(file.string(), root_table, "the scene",
+                       {"name", "unit", "tolerance", "corner_angle", "line", "lines", "fair",
+                        "skin", "constraint", "load", "weight", "move", "parameter", "motion",
+                        "stress", "output", "compare", "picture", "sweep"});
   const std::filesystem::path folder = file.parent_path();
   Scene scene;
   scene.file = file;
@@ -288,22 +222,7 @@ Scene read(const toml::table& root_table, const std::filesystem::path& file) {
                            "alpha", "beta", "units", "hold"}))
     read_skin(t, scene.skin);
 
-  Names names("name");
-  for (const TomlTable& t :
-       root.tables("constraint", {"name", "type", "at", "to", "range", "direction", "along"})) {
-    scene.constraints.push_back(read_constraint(t));
-    names.add(t, "name", scene.constraints.back().name);
-  }
-  for (const TomlTable& t : root.tables(
-           "load", {"name", "type", "value", "min", "max", "direction", "at", "file", "unit"})) {
-    scene.loads.push_back(read_load(t, folder));
-    names.add(t, "name", scene.loads.back().name);
-    for (const char* taken :
-         {"alpha", "alpha_uu", "alpha_uv", "alpha_vv", "beta", "beta_uu", "beta_uv", "beta_vv"})
-      if (scene.loads.back().name == taken)
-        t.fail("name", "the load name '" + std::string(taken) + "'",
-               "another one: that is a parameter of [skin]");
-  }
+  read_sculpting(root, folder, scene);
 
   for (const TomlTable& t : root.table("stress", {"thickness", "young", "poisson", "density",
                                                   "pressure", "gravity", "supports"}))
@@ -340,18 +259,44 @@ Scene read(const toml::table& root_table, const std::filesystem::path& file) {
 
 }  // namespace
 
-Load SceneLoad::load(std::vector<Vec3> points) const {
-  if (type == Type::Springs) return {name, SpringLoad{std::move(points), value}};
-  if (type == Type::Pressure) return {name, PressureLoad{value}};
-  if (type == Type::Uniform) return {name, UniformLoad{value * direction}};
-  return {name, PointLoad{at, value * direction}};
+std::vector<NamedValue> Scene::named_values() const {
+  std::vector<NamedValue> list;
+  for_each_parameter(*this, [&](const std::string& n, double value, double min, double max) {
+    NamedValue p;
+    p.name = n;
+    p.value = value;
+    p.min = min;
+    p.max = max;
+    list.push_back(p);
+  });
+  size_t i = 0;  // named values come first, in the same order
+  for_each_named(*this, [&](const NamedValue& p) { list[i++].over_time = p.over_time; });
+  for (const SceneRule& rule : rules)
+    for (NamedValue& p : list) {
+      if (p.name != rule.driven) continue;
+      if (p.follows.empty()) p.offset = p.value;
+      p.follows.push_back({rule.of, rule.factor});
+      p.over_time.clear();
+    }
+  for (const SceneRule& rule : rules)
+    for (NamedValue& p : list)
+      if (p.name == rule.driven && rule.offset) p.offset = *rule.offset;
+  return list;
 }
 
 std::vector<Parameter> Scene::parameters() const {
+  Parameters all;
+  const std::vector<NamedValue> values = named_values();
+  for (NamedValue p : values) {
+    p.follows.clear();
+    // What a rule drives needs no value of its own.
+    p.value = std::clamp(p.value, p.min, p.max);
+    all.add(std::move(p));
+  }
+  for (const NamedValue& p : values)
+    if (!p.follows.empty()) all.drive(p.name, p.follows, p.offset);
   std::vector<Parameter> list;
-  for_each_parameter(*this, [&](const std::string& n, double value, double min, double max) {
-    list.push_back({n, value, min, max});
-  });
+  for (const NamedValue& p : values) list.push_back({p.name, all.value(p.name), p.min, p.max});
   return list;
 }
 
@@ -371,6 +316,13 @@ void Scene::set(const std::string& parameter, double value, const std::string& w
   if (!known)
     throw InputError(where + "found parameter '" + parameter +
                      "', expected one of: " + listed(names) + did_you_mean(parameter, names));
+  for (const SceneRule& rule : rules)
+    if (rule.driven == parameter)
+      throw InputError(where + "found a value for '" + parameter + "', expected one for '" +
+                       rule.of + "', which drives it");
+  for_each_named(changed, [&](NamedValue& p) {
+    if (p.name == parameter) p.over_time.clear();
+  });
   SurfaceStiffness& material = changed.skin.material;
   if (parameter == "alpha") material.alpha = value * Mat2::Identity();
   if (parameter == "beta") material.beta = Vec3::Constant(value);
@@ -384,10 +336,20 @@ void Scene::set(const std::string& parameter, double value, const std::string& w
       throw InputError(where + "found 0 for '" + name + "', expected a number above 0");
   });
   for (const auto& c : changed.constraints)
-    if (c.type != SceneConstraint::Type::Point && c.goal.norm() == 0)
+    if (c.type != SceneConstraint::Type::Point && c.type != SceneConstraint::Type::LineNormal &&
+        c.goal.norm() == 0)
       throw InputError(where + "found 0 for '" + parameter + "', expected a direction of '" +
                        c.name + "' that is not [0, 0, 0]");
   *this = std::move(changed);
+}
+
+bool Scene::needs_session() const {
+  if (!weights.empty() || !moves.empty() || !sliders.empty()) return true;
+  for (const auto& load : loads)
+    if (load.live()) return true;
+  for (const auto& c : constraints)
+    if (c.type == SceneConstraint::Type::LineNormal) return true;
+  return false;
 }
 
 Scene parse_scene(const std::string& text, const std::filesystem::path& file) {

@@ -11,6 +11,8 @@
 #include "batten/io/fair_stages.h"
 #include "batten/io/pictures.h"
 #include "batten/io/toml_table.h"
+#include "batten/sculpting/live_loads.h"
+#include "batten/sculpting/parameters.h"
 #include "batten/sculpting/static_sculpt.h"
 
 namespace batten {
@@ -38,9 +40,9 @@ struct SceneSkin {
 };
 
 /// [[constraint]]: at the point (Point) or the mesh vertex (Normal, Tangent) of the unloaded
-/// surface that is nearest to `at`.
+/// surface that is nearest to `at`, or along a line (LineNormal).
 struct SceneConstraint {
-  enum class Type { Point, Normal, Tangent };
+  enum class Type { Point, Normal, Tangent, LineNormal };
   std::string name;
   Place place;
   Type type = Type::Point;
@@ -49,23 +51,68 @@ struct SceneConstraint {
   Vec2 along = Vec2::UnitX();  ///< Tangent: direction in (u, v)
   double range = std::numeric_limits<double>::infinity();  ///< Point: of each coordinate of goal
   Vec3 middle = Vec3::Zero();  ///< Point: goal as the scene says it, the middle of that range
+  PlacedWord line;             ///< LineNormal
+  bool as_it_is = false;       ///< LineNormal: no direction was given
 };
 
-/// [[load]]
-struct SceneLoad {
-  enum class Type { Pressure, Uniform, Point, Springs };
-  std::string name;
+/// Where a load or weight acts: `near` a line, or as painted.
+struct SceneArea {
+  Area area;
+  PlacedWord line;  ///< of `near`
+};
+
+/// [[load]]; its value is a number or one over time.
+struct SceneLoad : NamedValue {
+  enum class Type {
+    Pressure,
+    Uniform,
+    Gravity,
+    Point,
+    Line,
+    Springs,  ///< to measured points, whose feet slide
+    Pulls     ///< springs from places to points, a curve or a plane
+  };
   Type type = Type::Pressure;
-  double value = 0;
-  double min = -std::numeric_limits<double>::infinity();
-  double max = std::numeric_limits<double>::infinity();
-  Vec3 direction = Vec3::UnitZ();  ///< unit vector; not for Pressure
+  Vec3 direction = Vec3::UnitZ();  ///< unit vector; not for Pressure and springs
   Vec3 at = Vec3::Zero();          ///< Point
-  std::filesystem::path file;      ///< Springs: of their points
-  Place place;                     ///< of `file`
-  std::string unit;                ///< of the file's numbers; "": the scene's
-  /// `points`: of Springs, model units.
+  SceneArea area;                  ///< Pressure, Uniform
+  PlacedWord line;                 ///< Line
+  std::filesystem::path file;  ///< Springs: of their points; Pulls: of their curve, if it is one
+  Place place;                 ///< of `file`
+  std::string unit;            ///< of the file's numbers; "": the scene's
+  LiveLoad::Springs pulls;     ///< Pulls; without the curve
+  PlacedWord curve;            ///< Pulls: a line's name, or a file
+  /// Whether only a session knows this kind (make_session); the others are static, too.
+  bool live() const;
+  /// `points`: of Springs, model units. Not for live kinds.
   Load load(std::vector<Vec3> points = {}) const;
+};
+
+/// [[weight]]: is added to alpha or beta.
+struct SceneWeight : NamedValue {
+  WeightField::Kind kind = WeightField::Kind::Bending;
+  SceneArea area;
+  std::optional<std::variant<Vec2, PlacedWord>> along;  ///< direction of (u, v), or a line
+};
+
+/// [[move]]: a line that a parameter moves.
+struct SceneMove : NamedValue {
+  PlacedWord line;
+  std::optional<Vec3> direction;
+  double fade = 0;
+};
+
+/// One entry of drives = [...] of a [[parameter]].
+struct SceneRule {
+  std::string of, driven;
+  Place place;
+  double factor = 1;
+  std::optional<double> offset;  ///< not given: the driven parameter's own value
+};
+
+/// [motion]
+struct SceneMotion {
+  double density = 1, damping = 1, theta = 1;
 };
 
 /// [stress]: shell, material and supports of the CalculiX deck.
@@ -108,6 +155,11 @@ struct Scene {
   SceneSkin skin;
   std::vector<SceneConstraint> constraints;
   std::vector<SceneLoad> loads;
+  std::vector<SceneWeight> weights;
+  std::vector<SceneMove> moves;
+  std::vector<NamedValue> sliders;  ///< [[parameter]]
+  std::vector<SceneRule> rules;     ///< what these drive
+  SceneMotion motion;
   std::optional<SceneStress> stress;
   std::string step, vtu, vtp, calculix;  ///< [output]: file names, "" for none
   enum class StepForm {
@@ -120,13 +172,20 @@ struct Scene {
   std::vector<ScenePicture> pictures;
   std::vector<SceneSweep> sweeps;
 
-  /// Loads by their names; coordinates of constraints as name.x, name.y, name.z; alpha and beta, or
-  /// alpha_uu, alpha_uv, alpha_vv, beta_uu, beta_uv, beta_vv where the scene gives three numbers;
-  /// deviations and wavelengths of [[fair]] as STAGE.deviation, STAGE.wavelength.
+  /// Loads, weights, moves and [[parameter]] by their names; coordinates of constraints as name.x,
+  /// name.y, name.z; alpha and beta, or alpha_uu, alpha_uv, alpha_vv, beta_uu, beta_uv, beta_vv
+  /// where the scene gives three numbers; deviations and wavelengths of [[fair]] as
+  /// STAGE.deviation, STAGE.wavelength. Values over time: at time 0; driven ones by their rules.
   std::vector<Parameter> parameters() const;
-  /// Throws InputError, beginning with `where`: an unknown name (the nearest is offered), a value
-  /// out of its range, a material that is not one.
+  /// The same with their moments and rules.
+  std::vector<NamedValue> named_values() const;
+  /// A value over time becomes one that stands. Throws InputError, beginning with `where`: an
+  /// unknown name (the nearest is offered), one that is driven, a value out of its range, a
+  /// material that is not one.
   void set(const std::string& parameter, double value, const std::string& where);
+
+  /// Whether it has anything that only a sculpting session knows: else sculpt() makes its shape.
+  bool needs_session() const;
 
   /// "FILE:LINE:COLUMN: "
   std::string at(const Place& place) const { return place_prefix(file.string(), place); }
@@ -136,6 +195,10 @@ struct Scene {
 Scene read_scene(const std::filesystem::path& file);
 /// The same from a text; `file` is what messages call it and where its files are looked for.
 Scene parse_scene(const std::string& text, const std::filesystem::path& file);
+
+/// Whether a line of a layout is this line of a scene: one that was cut at its corners is there as
+/// "name.1", "name.2", …
+bool is_part_of(const std::string& run, const std::string& line);
 
 /// Length units: mm, cm, m, in, ft.
 const std::vector<std::string>& length_units();

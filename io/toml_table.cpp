@@ -181,19 +181,29 @@ bool TomlTable::is_array(const std::string& key) const {
   return value && value->is_array();
 }
 
-std::vector<Vec3> TomlTable::points(const std::string& key) const {
-  const std::string expected = "a list of points [[x, y, z], …] for '" + key + "'";
-  const toml::node& value = node(key, "a list of points [[x, y, z], …]");
+std::vector<VecX> TomlTable::rows(const std::string& key, const std::string& shape) const {
+  const std::string list =
+      (shape == "x, y, z" ? "a list of points [[" : "a list [[") + shape + "], …]";
+  const std::string expected = list + " for '" + key + "'";
+  const toml::node& value = node(key, list);
   const auto* array = value.as_array();
   if (!array) fail_node(value, describe(value), expected);
-  std::vector<Vec3> points;
-  for (const toml::node& point : *array) {
-    const auto* numbers = point.as_array();
-    if (!numbers || numbers->size() != 3) fail_node(point, describe(point), expected);
-    Vec3 p;
-    for (int i = 0; i < 3; ++i) p[i] = finite(*numbers->get(i), "a number, " + expected);
-    points.push_back(p);
+  std::vector<VecX> rows;
+  for (const toml::node& item : *array) {
+    const auto* numbers = item.as_array();
+    if (!numbers || static_cast<int>(numbers->size()) != count_words(shape))
+      fail_node(item, describe(item), expected);
+    VecX row(numbers->size());
+    for (size_t i = 0; i < numbers->size(); ++i)
+      row[static_cast<int>(i)] = finite(*numbers->get(i), "a number, " + expected);
+    rows.push_back(row);
   }
+  return rows;
+}
+
+std::vector<Vec3> TomlTable::points(const std::string& key) const {
+  std::vector<Vec3> points;
+  for (const VecX& row : rows(key, "x, y, z")) points.emplace_back(row);
   return points;
 }
 

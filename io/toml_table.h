@@ -69,6 +69,8 @@ class TomlTable {
   Vec3 direction(const std::string& key) const;
   bool is_array(const std::string& key) const;
   std::vector<Vec3> points(const std::string& key) const;
+  /// A list of lists of finite numbers, each as long as `shape` has words ("t, value").
+  std::vector<VecX> rows(const std::string& key, const std::string& shape) const;
   std::vector<double> list(const std::string& key) const;
   std::vector<PlacedWord> words(const std::string& key) const;
   /// One name or a list of them; none when the key is missing.

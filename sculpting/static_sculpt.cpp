@@ -1,6 +1,5 @@
 #include "batten/sculpting/static_sculpt.h"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
@@ -10,6 +9,7 @@
 #include "batten/core/errors.h"
 #include "batten/fem/dissection.h"
 #include "batten/fem/surface_projector.h"
+#include "batten/sculpting/change_weights.h"
 
 namespace batten {
 namespace {
@@ -197,9 +197,7 @@ SculptResult sculpt(const RegionLayout& layout, const ConstraintSet& given,
   const double size = layout.size();
   const SurfaceAssembler assembler(*layout.mesh(), layout.element(), layout.trim());
   const SurfaceStiffness material = on_unit_domain(options.material, options.units, size);
-  const Eigen::SelfAdjointEigenSolver<Mat2> stretch(material.alpha);
-  if (!material.alpha.allFinite() || !material.beta.allFinite() ||
-      stretch.eigenvalues()[0] < -1e-12 * material.alpha.norm() || material.beta.minCoeff() < 0)
+  if (!material.is_valid())
     throw InputError("alpha must be positive semi-definite and beta not negative");
 
   // Solved with the first corner as the origin: energies, tolerances and conflicts would otherwise
@@ -249,22 +247,32 @@ SculptResult sculpt(const RegionLayout& layout, const ConstraintSet& given,
     }
   } else {
     double reached = 0, step = 1;
+    const VecX felt = change_weights(*layout.mesh(), layout.trim().get());
     while (reached < 1) {
       const double target = std::min(1.0, reached + step);
       Points x = result.dofs;
       Anderson anderson;
       bool converged = false;
-      double change = 0;
+      double change = 0, fallen = std::numeric_limits<double>::infinity();
+      int since_fallen = 0;
       for (int i = 0; i < options.max_iterations && !converged; ++i) {
         progress.at("sculpting", reached + (target - reached) * i / options.max_iterations);
         const Points g = solver.solve(load_at(x, target));
-        change = (g - x).cwiseAbs().maxCoeff() / size;
+        change = 0;
+        for (int c = 0; c < 3; ++c)
+          change = std::max(change,
+                            (g.col(c) - x.col(c)).cwiseAbs().cwiseProduct(felt).maxCoeff() / size);
+        since_fallen = change < 0.5 * fallen ? 0 : since_fallen + 1;
+        if (since_fallen == 0) fallen = change;
         ++result.iterations;
-        converged = change <= options.tolerance;
+        // Rounding leaves a floor, higher on cut and graded meshes: there it stops falling.
+        converged = change <= options.tolerance || (since_fallen >= 4 && fallen <= 1e-9);
         // A shape many sizes away has run off: its pressure feeds on its own area.
         if (!g.allFinite() ||
-            g.cwiseAbs().maxCoeff() > 1e6 * (size + result.dofs.cwiseAbs().maxCoeff()))
+            g.cwiseAbs().maxCoeff() > 1e6 * (size + result.dofs.cwiseAbs().maxCoeff())) {
+          converged = false;
           break;
+        }
         x = converged ? g : anderson.next(x, g);
       }
       if (converged) {

@@ -42,8 +42,8 @@ struct Load {
 struct SculptOptions {
   SurfaceStiffness material;  ///< alpha, beta, in the units below
   LoadUnits units = LoadUnits::Relative;
-  /// Converged when no dof moves by more than this times the region's size in one iteration and
-  /// ‖x - K⁻¹F(x)‖ is as small.
+  /// Converged when no dof inside moves by more than this times the region's size in one iteration
+  /// (slopes times the size of their triangles), or by less than 1e-9 that does not fall any more.
   double tolerance = 1e-12;
   int max_iterations = 60;           ///< for one load step
   double smallest_step = 1.0 / 256;  ///< of the load that was reached; below it NoSolutionError

@@ -271,16 +271,16 @@ void follow_runs(RegionParts& parts, const ParametricMesh& mesh, const std::vect
   }
 }
 
+// No triangle becomes smaller than this share of the wished edge length.
+constexpr double kSmallest = 1.0 / 64;
+
+}  // namespace
+
 void halve(RegionParts& parts, const std::vector<char>& marked) {
   Bisection halved = bisected(*parts.mesh, marked);
   follow_runs(parts, halved.mesh, halved.midpoint, {});
   parts.mesh = std::make_shared<ParametricMesh>(std::move(halved.mesh));
 }
-
-// No triangle becomes smaller than this share of the wished edge length.
-constexpr double kSmallest = 1.0 / 64;
-
-}  // namespace
 
 void grade_by_curvature(RegionParts& parts, const DomainTask& task) {
   const double smallest = kSmallest * task.edge / task.size;

@@ -341,10 +341,15 @@ void embed_on(const Surface& surface, const std::vector<Outline>& holes,
       break;
     }
   }
+  const size_t before_inner = parts.embedded.size();
   for (size_t i = 0; i < inner.size(); ++i) {
     // Where lines cross, nearest points keep them together.
     const InputCurve& curve = *inner[i].curve;
     bool alone = true;
+    for (size_t j = 0; j < before_inner; ++j)
+      if (const CharacterLine& other = parts.embedded[j].line;
+          other.role == CharacterLine::Role::Inner)
+        alone = alone && !find_crossing(curve, *other.curve, 10 * task.join, {}, 0).found;
     for (size_t j = 0; j < inner.size() && alone; ++j)
       alone = j == i || !find_crossing(curve, *inner[j].curve, 10 * task.join, {}, 0).found;
     for (const LineRun& run : parts.runs)

@@ -55,6 +55,10 @@ RegionParts plane_parts(const Outline& loop, const std::vector<Outline>& holes,
 void embed_on(const Surface& surface, const std::vector<Outline>& holes,
               const std::vector<Stretch>& inner, const DomainTask& task, RegionParts& parts);
 
+/// Halves the marked triangles and what it takes to stay conforming; runs follow. Trim and points
+/// are then those of the old mesh, until cut_and_place().
+void halve(RegionParts& parts, const std::vector<char>& marked);
+
 /// Cuts the mesh of parts by their embedded boundary, drops what lies outside, and places the
 /// points of all embedded lines. Throws InputError: boundary loops that cross, touch or are nested
 /// wrongly, inner lines that leave the region or cross at different heights.

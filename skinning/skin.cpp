@@ -67,7 +67,7 @@ RegionLayout::RegionLayout(std::string name, const std::vector<CharacterLine>& l
   tolerance_ = options.tolerance > 0 ? options.tolerance : 1e-4 * size_;
   edge_ = options.edge_length > 0 ? options.edge_length : size_ / 20;
   join_ = std::max(tolerance_, 1e-6 * size_);
-  const DomainTask task{options_, size_, tolerance_, edge_, join_};
+  const DomainTask task = this->task();
 
   using Role = CharacterLine::Role;
   std::vector<Stretch> around, rims, inner;
@@ -154,8 +154,10 @@ RegionLayout::RegionLayout(std::string name, const std::vector<CharacterLine>& l
   progress.at("meshing", 1);
 }
 
+DomainTask RegionLayout::task() const { return {options_, size_, tolerance_, edge_, join_}; }
+
 bool RegionLayout::refine(const Surface& shape, double target) {
-  return refine_at_gaps(parts_, shape, target, {options_, size_, tolerance_, edge_, join_});
+  return refine_at_gaps(parts_, shape, target, task());
 }
 
 Vec3 RegionLayout::origin() const { return first_point(parts_); }

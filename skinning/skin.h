@@ -61,6 +61,8 @@ struct RegionParts {
   std::vector<std::string> warnings;
 };
 
+struct DomainTask;  // skinning/region_parts.h
+
 /// A region before it has a shape: domain, mesh, and how each line hangs on it.
 ///
 /// 1. lines are cut at their corners (into "name.1", "name.2", …), outline lines joined at their
@@ -122,7 +124,38 @@ class RegionLayout {
   /// and constraints made before do not fit it any more.
   bool refine(const Surface& shape, double target);
 
+  // Edits. Each throws before it has changed anything: the layout is then as it was. After
+  // refine() and, where points of other lines moved, after add_inner() and remove_inner(), dofs and
+  // constraints made before do not fit any more.
+
+  /// Halves the marked triangles, one mark for each, and so many others that the mesh stays
+  /// conforming (bisected()); cuts it and places the points of embedded lines again. Runs stay
+  /// runs. False when nothing is marked. Throws InputError on a wrong count, and what the
+  /// constructor throws when lines do not fit together any more.
+  bool refine(const std::vector<char>& marked);
+
+  /// Whether a run or an embedded line has this name ("name.1", … where a line was cut at corners).
+  bool has_line(const std::string& name) const;
+  /// Its fitted curve. Throws InputError, with the nearest name, when there is none.
+  const HermiteCurve& line(const std::string& name) const;
+  /// Another shape of it over the same CurveMesh; `line.curve` becomes the same curve. The rows of
+  /// line_constraints() keep their coefficients, their values change. Whether it still meets its
+  /// neighbours is not looked at: constraints that contradict each other are found when they are
+  /// reduced. Throws InputError: no such line, another mesh, numbers that are not finite.
+  void set_line(const std::string& name, HermiteCurve curve);
+
+  /// Embeds an inner line where `shape`, a surface on this layout's mesh, is nearest to it; fitted
+  /// within tolerance(), cut at its corners into "name.1", … The mesh stays as it is: refine(shape,
+  /// target) then halves where gaps are wide. Throws InputError: a name that is taken, a role other
+  /// than Inner, Treatment::Fitted, a ring, a shape on another mesh, a line that leaves the region,
+  /// is far away, or crosses others at different heights.
+  void add_inner(const CharacterLine& line, const Surface& shape);
+  /// Takes an embedded inner line out again. Throws InputError for other lines, or none.
+  void remove_inner(const std::string& name);
+
  private:
+  DomainTask task() const;
+  std::vector<std::string> line_names() const;
   std::string name_;
   SkinOptions options_;
   double size_ = 1, tolerance_ = 0, edge_ = 0, join_ = 0;

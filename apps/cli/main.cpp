@@ -8,6 +8,7 @@
 #include "batten/apps/commands/run_deform.h"
 #include "batten/apps/commands/run_fair.h"
 #include "batten/apps/commands/run_scene.h"
+#include "batten/apps/commands/run_sculpt.h"
 #include "batten/core/parallel.h"
 #include "batten/io/curve_files.h"
 
@@ -47,6 +48,7 @@ Examples:
   batten skin outline.csv --out result          lines to a surface: STEP, VTK, report
   batten run hood.toml --out result             everything a scene asks for
   batten run hood.toml --out result --set crown=4
+  batten sculpt bowl.toml --out result --sweep swell=0:250:9
   batten fair sketch.csv --out fair.step        drawn lines, as smooth as they were meant
   batten deform edit.toml --out result          a mesh moved, its holes and beads exactly kept
   batten info hood.toml                         its lines and its parameters
@@ -62,6 +64,7 @@ struct Arguments {
   std::string file, out, minimum, unit = "mm", screenshot, compare, show = "shaded", picture,
                                   report;
   std::vector<std::string> files, inner, settings, only;
+  SculptTask sculpt;
   std::vector<double> angles;
   double edge_length = 0, tolerance = 0, pressure = 0;
   double deviation = 0, wavelength = 0, corner_angle = FairOptions{}.corner_angle, segments = 0;
@@ -127,6 +130,11 @@ int run(const Arguments& a) {
   Scene scene = read_scene(a.file);
   apply_settings(scene, a.settings);
   return finish(run_scene(scene, a.out, terminal_progress(a.quiet)), a);
+}
+
+int sculpt(const Arguments& a) {
+  const Report report = run_sculpt(read_scene(a.file), a.sculpt, a.out, terminal_progress(a.quiet));
+  return finish(report, sculpt_summary(report, a.out), a);
 }
 
 Scene lines_scene(const Arguments& a) {
@@ -204,6 +212,39 @@ int command(int argc, char** argv) {
       ->take_all()
       ->allow_extra_args(false);
   common(run_command);
+
+  auto* sculpt_command = app.add_subcommand(
+      "sculpt", "Settle, sweep, move and refine a scene's surface under live loads");
+  sculpt_command->add_option("scene", a.file, "Scene (.toml)")->required();
+  sculpt_command->add_option("--out", a.out, "Folder for all files, report.json too")->required();
+  sculpt_command->add_option("--set", a.sculpt.settings, "Set a parameter: name=value")
+      ->take_all()
+      ->allow_extra_args(false);
+  auto* sweep =
+      sculpt_command
+          ->add_option("--sweep", a.sculpt.sweeps,
+                       "Settle at so many values, each from the one before: name=from:to:count")
+          ->take_all()
+          ->allow_extra_args(false);
+  auto* time = sculpt_command->add_option(
+      "--time", a.sculpt.time, "Motion from the settled shape, until this time; needs --dt");
+  auto* dt = sculpt_command->add_option("--dt", a.sculpt.dt, "Step of the motion; needs --time");
+  time->check(CLI::PositiveNumber)->needs(dt);
+  dt->check(CLI::PositiveNumber)->needs(time);
+  sculpt_command->add_option("--frames", a.sculpt.frames, "Most frames of a motion")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  auto* refinement = sculpt_command->add_option(
+      "--refine", a.sculpt.refinement,
+      "Halve triangles where curvature jumps, so many rounds: jumps:ROUNDS");
+  auto* record = sculpt_command->add_option("--record", a.sculpt.record,
+                                            "Write everything that was done to this file");
+  sculpt_command->add_option("--replay", a.sculpt.replay, "Do what such a file says")
+      ->excludes(sweep)
+      ->excludes(time)
+      ->excludes(refinement)
+      ->excludes(record);
+  common(sculpt_command);
 
   auto* deform_command =
       app.add_subcommand("deform", "Edit a mesh; its form features keep their shape exactly");
@@ -298,6 +339,7 @@ int command(int argc, char** argv) {
   set_thread_count(a.threads);
   catch_interrupts();
   if (*run_command) return run(a);
+  if (*sculpt_command) return sculpt(a);
   if (*deform_command) return deform(a);
   if (*fair_command) return fair(a);
   if (*skin_command) return skin(a);

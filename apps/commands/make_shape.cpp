@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "batten/apps/commands/line_files.h"
+#include "batten/apps/commands/make_session.h"
 #include "batten/constraints/shape/shape_constraints.h"
 
 namespace batten {
@@ -77,6 +78,12 @@ RegionLayout lay_out(const Scene& scene, const std::vector<CharacterLine>& lines
 }
 
 MadeShape make_shape(const RegionLayout& layout, const Scene& scene, const Progress& progress) {
+  if (scene.needs_session()) {
+    std::optional<Surface> unloaded_surface;
+    SculptingSession session = make_session(layout, scene, progress, &unloaded_surface);
+    const Answer answer = session.settle();
+    return shape_of(session, scene, *unloaded_surface, answer);
+  }
   const bool corners = scene.skin.hold == SceneSkin::Hold::Corners;
   ConstraintSet set = corners ? layout.corner_constraints() : layout.line_constraints();
   SculptOptions options;
@@ -107,11 +114,10 @@ MadeShape make_refined_shape(RegionLayout& layout, const Scene& scene, const Pro
   for (int round = 0;; ++round) {
     MadeShape made = make_shape(layout, scene, progress);
     if (!held || round == most_rounds) return made;
-    // Half of the tolerance is the lines' own deviation from their curves.
     double gap = 0;
     for (const EmbeddedLine& line : layout.embedded())
       gap = std::max(gap, line_gap(made.region.surface, line));
-    if (gap <= 0.7 * layout.tolerance()) return made;
+    if (gap <= kMostGap * layout.tolerance()) return made;
     if (!layout.refine(made.region.surface, 0.5 * layout.tolerance())) return made;
   }
 }

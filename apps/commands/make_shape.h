@@ -20,9 +20,13 @@ struct MadeShape {
   double max_normal_constraint_deg = 0;  ///< measured at the vertices that a [[constraint]] holds
 };
 
-/// The shape that a scene's constraints, loads and material make of its layout.
+/// The shape that a scene's constraints, loads and material make of its layout: by one sculpt(), or
+/// by a session that settles where only a session knows what the scene asks for.
 /// Throws ConflictError, NoSolutionError, InputError, CancelledError.
 MadeShape make_shape(const RegionLayout& layout, const Scene& scene, const Progress& progress = {});
+
+/// Half of the tolerance is the lines' own deviation from their curves.
+inline constexpr double kMostGap = 0.7;
 
 /// The same, halving the layout's triangles where loads and constraints pull the surface off its
 /// embedded lines, until it keeps the tolerance there or halving helps no more.

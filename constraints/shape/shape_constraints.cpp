@@ -55,6 +55,31 @@ void ShapeConstraints::normal(const std::string& name, int vertex, const Vec3& n
   set_.add_coupled(name, {{dofs_.vertex(vertex, 2), direction}}, 0);
 }
 
+void ShapeConstraints::slope_row(const std::string& name, const Location& where, const Vec2& s,
+                                 const Vec3& r) {
+  const Tabulation N = C1Triangle(kind_, mesh_.shape(where.triangle)).evaluate(where.L);
+  const auto dof = dofs_.triangle(mesh_, where.triangle);
+  std::vector<ConstraintSet::CoupledEntry> entries;
+  for (int a = 0; a < 12; ++a)
+    if (const double slope = s.x() * N(a, kU) + s.y() * N(a, kV); slope != 0)
+      entries.push_back({dof[a], slope * r});
+  set_.add_coupled(name, std::move(entries), 0);
+}
+
+void ShapeConstraints::tangent(const std::string& name, const Location& where, const Vec2& s,
+                               const Vec3& tau) {
+  const Vec3 direction = unit(name, "tangent", tau);
+  if (!(s.norm() > 0)) throw InputError("constraint '" + name + "': no parametric direction");
+  const Vec3 r1 = direction.unitOrthogonal(), r2 = direction.cross(r1);
+  for (const Vec3& r : {r1, r2}) slope_row(name, where, s.normalized(), r);
+}
+
+void ShapeConstraints::normal(const std::string& name, const Location& where, const Vec3& n) {
+  const Vec3 direction = unit(name, "normal", n);
+  slope_row(name, where, Vec2::UnitX(), direction);
+  slope_row(name, where, Vec2::UnitY(), direction);
+}
+
 void ShapeConstraints::curve(const std::string& name, const std::vector<int>& vertices,
                              const std::vector<double>& parameters, const HermiteCurve& curve,
                              const Vec2& direction) {

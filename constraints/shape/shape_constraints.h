@@ -38,6 +38,10 @@ class ShapeConstraints {
   /// The normal at a vertex is parallel to n: two coupled rows. Throws InputError when n is zero.
   void normal(const std::string& name, int vertex, const Vec3& n);
 
+  /// The same at any point of the surface: rows of N_u and N_v there.
+  void tangent(const std::string& name, const Location& where, const Vec2& s, const Vec3& tau);
+  void normal(const std::string& name, const Location& where, const Vec3& n);
+
   /// The surface is the given curve along a straight run of edges: at each vertex its position, and
   /// its derivative along the run. `parameters[i]` is the curve's parameter at vertices[i]; it must
   /// run evenly with length in the domain (the parameter speed |X'|/|e| is then continuous), and
@@ -60,6 +64,9 @@ class ShapeConstraints {
                       const std::function<Vec3(int edge, double s)>& n, bool shape_is_fixed);
 
  private:
+  // (s · grad x) · r = 0 at a point.
+  void slope_row(const std::string& name, const Location& where, const Vec2& s, const Vec3& r);
+
   const ParametricMesh& mesh_;
   TriangleElement kind_;
   ConstraintSet& set_;

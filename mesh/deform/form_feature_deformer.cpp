@@ -5,11 +5,11 @@
 #include <numbers>
 
 #include "batten/constraints/affine_reduction.h"
+#include "batten/constraints/coupling.h"
 #include "batten/core/errors.h"
 #include "batten/core/parallel.h"
 #include "batten/core/rotations.h"
 #include "batten/core/sparse_cholesky.h"
-#include "batten/mesh/deform/coupling.h"
 #include "batten/mesh/deform/deform_system.h"
 #include "batten/mesh/deform/normal_equations.h"
 

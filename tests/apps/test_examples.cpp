@@ -23,11 +23,12 @@ struct Ran {
   fs::path out;
 };
 
-Ran run(const std::string& scene, const std::string& name, const std::string& options = "") {
+Ran run(const std::string& scene, const std::string& name, const std::string& options = "",
+        const std::string& verb = "run") {
   const fs::path out = batten_test::scratch(name);
-  const std::string command = std::string("'" BATTEN_CLI "' run '") + scene + "' --quiet --out '" +
-                              out.string() + "' " + options + " > '" + (out / "log").string() +
-                              "' 2>&1";
+  const std::string command = std::string("'" BATTEN_CLI "' " + verb + " '") + scene +
+                              "' --quiet --out '" + out.string() + "' " + options + " > '" +
+                              (out / "log").string() + "' 2>&1";
   const int status = std::system(command.c_str());
   Ran ran{WEXITSTATUS(status), {}, out};
   if (std::ifstream report(out / "report.json"); report) ran.report = nlohmann::json::parse(report);
@@ -303,6 +304,65 @@ TEST_CASE("the pentagon of the paper, as a scene, has the gold height") {
   CHECK(ran.report["surface"]["dofs"].get<int>() == 28);
   // Energy of the minimum: minus the work of the load on z, plus that of x and y without load.
   CHECK(run(kExamples + "01-pentagon/scene.toml", "pentagon_example").code == kDone);
+}
+
+TEST_CASE("the pentagon's two sequences go their way") {
+  const Ran ran = run(kExamples + "01-pentagon/sculpt.toml", "pentagon_sequences",
+                      "--sweep spine=0:1:4 --sweep pressure=0:2:5", "sculpt");
+  REQUIRE(ran.code == kDone);
+  const auto& sweeps = ran.report["sculpting"]["sweeps"];
+  // A stiff spine lies flat; a pressure swells, faster and faster.
+  const auto volume = [&](size_t sweep, size_t row) {
+    return sweeps[sweep]["rows"][row]["volume"].get<double>();
+  };
+  for (size_t i = 1; i < 4; ++i) CHECK(volume(0, i) < volume(0, i - 1));
+  CHECK(volume(1, 0) == Approx(0).margin(1e-12));
+  for (size_t i = 2; i < 5; ++i)
+    CHECK(volume(1, i) - volume(1, i - 1) > volume(1, i - 1) - volume(1, i - 2));
+  // The second sweep passes where the first began.
+  CHECK(sweeps[1]["rows"][3]["value"] == 1.5);
+  CHECK(volume(1, 3) == Approx(volume(0, 0)).epsilon(1e-9));
+}
+
+TEST_CASE("one slider makes the door bolder, its other lines stay") {
+  const Ran ran =
+      run(kExamples + "05-door/sculpt.toml", "door_bolder", "--sweep bolder=0:1:3", "sculpt");
+  REQUIRE(ran.code == kDone);
+  CHECK(ran.report["missed_promises"].empty() == kDisplay);
+  for (const auto& line : ran.report["lines"]["each"]) CHECK(line["gap"].get<double>() <= 0.1);
+  double rib = 0, hollow = 0;
+  for (const auto& p : ran.report["parameters"]) {
+    if (p["name"] == "rib height") rib = p["value"];
+    if (p["name"] == "hollow depth") hollow = p["value"];
+  }
+  CHECK(rib == 12);
+  CHECK(hollow == -10);
+  // Linear constraints and no loads: the energy of the difference grows with the square.
+  const auto& rows = ran.report["sculpting"]["sweeps"][0]["rows"];
+  const auto energy = [&](size_t i) { return rows[i]["bending_energy"].get<double>(); };
+  const double curve = energy(2) - 2 * energy(1) + energy(0);
+  CHECK(curve > 0);
+  CHECK(energy(2) > 10 * energy(0));
+  const auto volume = [&](size_t i) { return rows[i]["volume"].get<double>(); };
+  CHECK(volume(2) > volume(1));
+  for (const auto& row : rows) CHECK(row["residual"].get<double>() <= 1e-10);
+}
+
+TEST_CASE("the blown bowl comes to rest where it settles") {
+  const Ran ran = run(kExamples + "06-goblet-bowl/blown.toml", "goblet_blown",
+                      "--time 4 --dt 0.05 --frames 8", "sculpt");
+  REQUIRE(ran.code == kDone);
+  const auto& motion = ran.report["sculpting"]["motion"];
+  CHECK(motion["rows"].size() == 9);
+  const Ran still = run(kExamples + "06-goblet-bowl/scene.toml", "goblet_series",
+                        "--sweep swell=0:200:3", "sculpt");
+  REQUIRE(still.code == kDone);
+  const auto& rows = still.report["sculpting"]["sweeps"][0]["rows"];
+  const auto area = [](const nlohmann::json& row) { return row["area"].get<double>(); };
+  CHECK(area(motion["rows"][0]) == Approx(area(rows[0])).epsilon(1e-9));
+  CHECK(area(motion["rows"][8]) == Approx(area(still.report["sculpting"])).epsilon(1e-4));
+  CHECK(area(rows[1]) > area(rows[0]));
+  CHECK(area(rows[2]) > area(rows[1]));
 }
 
 TEST_CASE("the drawn swan becomes fair, and fairer where the brushes were") {

@@ -627,3 +627,25 @@ TEST_CASE("a tube is cut on both sides of its seam") {
     CHECK(Trim(tube, patch).area() == Approx(patch.area()).epsilon(1e-12));
   }
 }
+
+TEST_CASE("resistance in a direction counts inside of a cut, constant and varying") {
+  const auto mesh = std::make_shared<ParametricMesh>(perturbed_square(5, 2));
+  const auto trim = std::make_shared<Trim>(*mesh, DomainLoops({{circle({0.5, 0.5}, 0.35, 12)}}));
+  const VecX q = dofs_of(*mesh, [](const Vec2& p) {
+    const double u = p.x(), v = p.y();
+    return Vec3(u * u + 3 * u * v - v * v, 2 * u + 3 * v, 3 * u - 2 * v);
+  });
+  const Vec2 t(0.6, -0.8);
+  Mat2 hessian;
+  hessian << 2, 3, 3, -2;
+  const double expected = trim->area() * (1.5 * std::pow(t.dot(hessian * t), 2) + 9 + 4 + 4);
+  const auto material =
+      SurfaceStiffness::directional(t, 0, 1.5) + SurfaceStiffness{Mat2::Zero(), {1, 0.5, 1}};
+  for (const auto kind : both_kinds) {
+    const SurfaceAssembler assembler(*mesh, kind, trim, 0);
+    SparseMatrix varying = assembler.pattern();
+    assembler.stiffness([&](const Vec2&) { return material; }, varying);
+    for (const SparseMatrix& K : {assembler.stiffness(material), varying})
+      CHECK(q.dot(VecX(K.selfadjointView<Eigen::Lower>() * q)) == Approx(expected).epsilon(1e-9));
+  }
+}

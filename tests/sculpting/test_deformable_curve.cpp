@@ -8,6 +8,7 @@
 #include "batten/tests/catch.h"
 #include "batten/tests/refusal.h"
 #include "batten/tests/sampling.h"
+#include "session_scenes.h"
 
 using namespace batten_test;
 using Catch::Matchers::Contains;
@@ -141,6 +142,104 @@ TEST_CASE("motion settles where the static solution is, its energy never growing
   curve.set("spring", 500);
   for (int i = 0; i < 2000; ++i) moving = curve.step();
   CHECK(difference(moving, curve.solve()) < 1e-8);
+}
+
+// A straight bar of length 1 between two points.
+HermiteCurve bar(int segments = 12) {
+  std::vector<double> u;
+  Points x(segments + 1, 3), d(segments + 1, 3);
+  for (int i = 0; i <= segments; ++i) {
+    u.push_back(static_cast<double>(i) / segments);
+    x.row(i) << u.back(), 0, 0;
+    d.row(i) << 1, 0, 0;
+  }
+  return {u, x, d};
+}
+
+// The bar that a uniform load held bent and has let go of.
+struct ReleasedBar {
+  HermiteCurve rest = bar();
+  ConstraintSet held = ends(rest, false);
+  CurveMaterial material;
+  Modes modes;
+  DeformableCurve curve;
+  MatX start;
+  ReleasedBar(double density, double damping)
+      : material{.density = density, .damping = damping},
+        modes(held, CurveAssembler(rest.mesh()).stiffness({0}, {1}),
+              CurveAssembler(rest.mesh()).mass()),
+        curve(rest, held, material, {{"wind", 1, CurveLoad::Uniform{{0.2, -0.5, 1}}}}) {
+    start = of(curve.solve());
+    curve.set("wind", 0);
+  }
+  MatX of(const HermiteCurve& shape) const { return modes.of(shape.dofs() - rest.dofs()); }
+};
+
+TEST_CASE("every mode of a bar moves as the scheme's own formula says") {
+  for (const double theta : {0.5, 0.8, 1.0}) {
+    ReleasedBar bar(2, 3);
+    const double dt = 0.01;
+    bar.curve.start_motion(dt, theta);
+    std::vector<ModeSteps> twin;
+    for (long k = 0; k < bar.start.rows(); ++k)
+      for (int c = 0; c < 3; ++c)
+        twin.push_back({2, 3, bar.modes.lambda[k], dt, theta, bar.start(k, c)});
+    double worst = 0;
+    for (int n = 0; n < 100; ++n) {
+      const MatX now = bar.of(bar.curve.step());
+      for (long k = 0; k < bar.start.rows(); ++k)
+        for (int c = 0; c < 3; ++c) {
+          ModeSteps& mode = twin[static_cast<size_t>(3 * k + c)];
+          mode.step();
+          worst = std::max(worst, std::abs(now(k, c) - mode.x));
+        }
+    }
+    CHECK(worst < 1e-10 * bar.start.cwiseAbs().maxCoeff());
+  }
+}
+
+TEST_CASE("a bar's frequency and damping, first and second order in dt") {
+  const double damping = 2, lambda = std::pow(pi, 4), period = 2 * pi / std::sqrt(lambda);
+  for (const double theta : {1.0, 0.5}) {
+    std::vector<double> error;
+    for (const int steps : {200, 400, 800}) {
+      ReleasedBar bar(1, damping);
+      // Ends held by their places: λ = π⁴.
+      CHECK(bar.modes.lambda[0] == Approx(lambda).epsilon(1e-5));
+      bar.curve.start_motion(2 * period / steps, theta);
+      HermiteCurve shape;
+      for (int n = 0; n < steps; ++n) shape = bar.curve.step();
+      const double exact =
+          ModeSteps::exact(1, damping, bar.modes.lambda[0], bar.start(0, 2), 2 * period);
+      error.push_back(std::abs(bar.of(shape)(0, 2) - exact) / std::abs(bar.start(0, 2)));
+    }
+    INFO("theta " << theta << " errors " << error[0] << " " << error[1] << " " << error[2]);
+    CHECK(std::log2(error[1] / error[2]) == Approx(theta == 1 ? 1 : 2).margin(0.1));
+    CHECK(error[2] < (theta == 1 ? 0.1 : 1e-3));
+  }
+}
+
+TEST_CASE("a bar's energy never grows, in steps of a thousand periods neither") {
+  const double period = 2 / pi;
+  for (const double theta : {0.5, 1.0})
+    for (const double dt : {0.01 * period, period, 1000 * period}) {
+      ReleasedBar bar(1, 0.5);
+      bar.curve.set("wind", -2);
+      bar.curve.start_motion(dt, theta);
+      double before = bar.curve.energy();
+      const double scale = std::abs(before);
+      double grown = -1e300, farthest = 0;
+      for (int n = 0; n < 300; ++n) {
+        const HermiteCurve shape = bar.curve.step();
+        const double now = bar.curve.energy();
+        grown = std::max(grown, now - before);
+        before = now;
+        farthest = std::max(farthest, difference(shape, bar.rest));
+      }
+      INFO("theta " << theta << " dt " << dt << " grew by " << grown / scale);
+      CHECK(grown < 1e-10 * scale);
+      CHECK(farthest < 1);
+    }
 }
 
 TEST_CASE("a stiffness that changes in motion changes neither place nor speed") {

@@ -1,0 +1,335 @@
+// What a slider costs: from a new value to points and normals on the screen, in a sculpting
+// session.
+//
+// A drag of a point constraint has any right-hand side at all. Beside it, on the session's own
+// matrix: the bare triangular solves for three columns, CHOLMOD's, and the memory bound (16 bytes
+// for each entry of the factor over the speed of a triad, as in solve.cpp).
+#include <cmath>
+
+#include "batten/constraints/live_system.h"
+#include "batten/core/errors.h"
+#include "batten/fem/dissection.h"
+#include "batten/tests/sculpting/session_scenes.h"
+#include "bench.h"
+#ifdef BATTEN_BENCH_CHOLMOD
+#include "batten/tests/cholmod_peer.h"
+#endif
+
+namespace {
+
+using namespace batten;
+using namespace batten::bench;
+using namespace batten_test;
+
+// Bytes a second of a = b + s c in arrays far larger than any cache: the best of some passes.
+double triad_bandwidth() {
+  constexpr size_t n = 8 << 20;
+  static std::vector<double> a(n, 1), b(n, 2), c(n, 3);
+  double best = 1e300;
+  for (int pass = 0; pass < 7; ++pass)
+    best = std::min(best, time_of([&] {
+                      for (size_t i = 0; i < n; ++i) a[i] = b[i] + 0.5 * c[i];
+                    }));
+  return a[n / 2] == 3.5 ? 24.0 * n / best : 0;
+}
+
+std::string milliseconds(double seconds) { return text("%.3g", 1e3 * seconds); }
+
+// A slightly arched square; Delaunay mesh.
+RegionLayout plate(double edge) {
+  const auto side = [](const Vec3& a, const Vec3& b) {
+    const Vec3 rise(0, 0, 0.05);
+    return bezier_curve(a, a + (b - a) / 3 + rise, a + 2 * (b - a) / 3 + rise, b);
+  };
+  const Vec3 a(0, 0, 0), b(1, 0, 0), c(1, 1, 0), d(0, 1, 0);
+  return {
+      "plate",
+      {{"south", side(a, b)}, {"east", side(b, c)}, {"north", side(c, d)}, {"west", side(d, a)}},
+      skin(edge, 1e-4)};
+}
+
+// The factor that a session of this layout has.
+struct Peer {
+  std::shared_ptr<const AffineReduction> reduction;
+  SparseMatrix K;
+  std::unique_ptr<LiveSystem> system;
+  explicit Peer(const RegionLayout& layout)
+      : reduction(std::make_shared<AffineReduction>(layout.line_constraints(),
+                                                    AffineReduction::Values::Later)),
+        K(SurfaceAssembler(*layout.mesh(), layout.element(), layout.trim())
+              .stiffness(SurfaceStiffness())),
+        system(std::make_unique<LiveSystem>(reduction, K, dissection_order(*layout.mesh()))) {}
+};
+
+// Static shape with one point held, by a reduction of all rows together: nothing of the session.
+Points directly(const RegionLayout& layout, const Location& where, const Vec3& goal,
+                const SparseMatrix& K) {
+  ConstraintSet set = layout.line_constraints();
+  const auto dof = DofMap(*layout.mesh()).triangle(*layout.mesh(), where.triangle);
+  const Vec12 N =
+      C1Triangle(layout.element(), layout.mesh()->shape(where.triangle)).evaluate(where.L).col(kW);
+  std::vector<ConstraintSet::Entry> entries;
+  for (int a = 0; a < 12; ++a)
+    if (N[a] != 0) entries.push_back({dof[static_cast<size_t>(a)], N[a]});
+  set.add("point", entries, goal);
+  return solve_constrained(set, K, Points::Zero(K.rows(), 3));
+}
+
+struct Drag {
+  double answer = 0, frame = 0;  // medians, seconds
+  double iterations = 0;         // mean of an answer
+  double whole() const { return answer + frame; }
+};
+
+// `set` moves sliders for event n; each is answered once, and drawn.
+Drag dragged(SculptingSession& session, int events, const std::function<void(int)>& set) {
+  std::vector<double> answers, frames;
+  Drag drag;
+  for (int n = -3; n < events; ++n) {
+    Answer answer;
+    const double a = time_of([&] {
+      set(n);
+      answer = session.answer();
+    });
+    const double f = time_of([&] { session.frame(); });
+    if (n < 0) continue;
+    answers.push_back(a);
+    frames.push_back(f);
+    drag.iterations += static_cast<double>(answer.iterations) / events;
+  }
+  drag.answer = median(answers);
+  drag.frame = median(frames);
+  return drag;
+}
+
+struct Tables {
+  Table drag, sliders, first;
+};
+
+void measure(const std::string& name, double edge, Tables& tables, Promises& promises,
+             double& bandwidth) {
+  std::optional<RegionLayout> layout;
+  const double layout_time = time_of([&] { layout.emplace(plate(edge)); });
+  const double size = layout->size();
+  std::optional<SculptingSession> session;
+  const double session_time = time_of([&] {
+    session.emplace(*layout, SessionOptions());
+    session->frame();
+  });
+  const Peer peer(*layout);
+  const long n = static_cast<long>(peer.system->free_count()),
+             entries = peer.system->factor().factor_entries();
+  const int events = entries > 3000000 ? 11 : 41;
+
+  // The point.
+  const Surface rest(layout->mesh(), layout->element(), session->dofs(), layout->trim());
+  const auto foot = rest.closest_point({0.43, 0.57, 0});
+  const Vec3 at = rest.position(foot.where);
+  const double added = time_of([&] {
+    session->add(LiveConstraint{"pin", LiveConstraint::Point{at, at}});
+    session->frame();
+  });
+  const int x = session->parameters().index("pin.x"), y = session->parameters().index("pin.y"),
+            z = session->parameters().index("pin.z");
+  const auto goal = [&](int k) {
+    return Vec3(at + 0.02 * size * Vec3(std::sin(k), std::cos(k), k % 5));
+  };
+  const auto drag_point = [&](int k) {
+    session->set(x, goal(k).x());
+    session->set(y, goal(k).y());
+    session->set(z, goal(k).z());
+  };
+  bandwidth = std::max(bandwidth, triad_bandwidth());
+  MatX b = MatX::Random(n, 3), solution = b;
+#ifdef BATTEN_BENCH_CHOLMOD
+  const SparseMatrix reduced = peer.reduction->reduce(peer.K);
+  CholmodPeer cholmod(reduced, peer.system->factor().order(), n < CholmodPeer::small);
+  cholmod.analyze();
+  cholmod.factorize();
+#endif
+  // In turns, so that a slow minute hits all of them.
+  std::vector<double> answers, frames, solves, theirs;
+  for (int k = -2; k < events; ++k) {
+    // Once before the clock runs, as for the solves: a factor that fits in a cache is there.
+    Answer answer;
+    double a = 0, f = 0;
+    for (const int event : {k + 100, k}) {
+      a = time_of([&] {
+        drag_point(event);
+        answer = session->answer();
+      });
+      f = time_of([&] { session->frame(); });
+    }
+    if (answer.iterations != 1) std::printf("WRONG: %d iterations\n", answer.iterations);
+    const int repeats = entries < 100000 ? 20 : 1;
+    const auto warm = [&](const std::function<void()>& work) {
+      work();
+      return time_of([&] {
+               for (int i = 0; i < repeats; ++i) work();
+             }) /
+             repeats;
+    };
+    const double s = warm([&] { peer.system->factor().solve_in_place(solution); });
+    solution = b;
+#ifdef BATTEN_BENCH_CHOLMOD
+    const double c = warm([&] { cholmod.solve(b); });
+    if (k >= 0) theirs.push_back(c);
+#endif
+    if (k < 0) continue;
+    answers.push_back(a);
+    frames.push_back(f);
+    solves.push_back(s);
+  }
+  bandwidth = std::max(bandwidth, triad_bandwidth());
+  const double solve = median(solves), whole = median(answers) + median(frames);
+  const double bound = 16.0 * static_cast<double>(entries) / bandwidth;
+  const Points direct = directly(*layout, foot.where, goal(events - 1), peer.K);
+  const double error = difference(direct, session->dofs()) / size;
+  const double points = static_cast<double>(session->frame().points.size()) / 3;
+  tables.drag.add(
+      {name, text("%ld", n), text("%.2f", 1e-6 * static_cast<double>(entries)),
+       milliseconds(median(answers)), milliseconds(median(frames)), text("%.0f", points),
+       milliseconds(whole), milliseconds(solve),
+       theirs.empty() ? "none" : milliseconds(median(theirs)), text("%.2f", whole / solve),
+       text("%.0f %%", 100 * bound / solve), text("%.0f %%", 100 * bound / whole),
+       theirs.empty() ? "none" : text("%.1f", median(theirs) / whole), text("%.0e", error)});
+  promises.at_most(name + ": drag of a point over its solve", whole / solve, 1.5);
+  promises.at_most(name + ": difference from a direct solution, over the size", error, 1e-9);
+  promises.at_most(name + ": residual over the size", session->residual(), 1e-10);
+  if (name != "1k")
+    promises.at_least(name + ": share of the memory bound, solve", bound / solve,
+                      name == "14k" ? 0.5 : 0.35);
+
+  // Other sliders.
+  const auto row = [&](const std::string& what, const Drag& d) {
+    tables.sliders.add({name, what, milliseconds(d.answer), milliseconds(d.whole()),
+                        text("%.2f", d.whole() / solve), text("%.1f", d.iterations)});
+  };
+  session->add(LiveLoad{"push", LiveLoad::Uniform{{0, 0, 1}, {}}});
+  session->add(LiveLoad{"finger", LiveLoad::Point{{0.7, 0.3, 0}, {0, 0, 1}}});
+  const int push = session->parameters().index("push"),
+            finger = session->parameters().index("finger"),
+            beta = session->parameters().index("beta");
+  const Drag superposed =
+      dragged(*session, events, [&](int k) { session->set(k % 2 ? push : finger, 0.1 * k); });
+  row("superposed loads, two sliders", superposed);
+  const Points quick = session->dofs();
+  session->settle();
+  promises.at_most(name + ": superposed loads from a solve, over the size",
+                   difference(quick, session->dofs()) / size, 1e-12);
+  const Drag material =
+      dragged(*session, std::min(events, 7), [&](int k) { session->set(beta, 2 + 0.1 * k); });
+  row("beta: other numbers in the factor", material);
+  session->set(beta, 1);
+  session->settle();
+  session->add(LiveLoad{"pressure", LiveLoad::Pressure{}});
+  const int pressure = session->parameters().index("pressure");
+  double p = 5;
+  const Drag following = dragged(*session, events, [&](int) { session->set(pressure, p += 0.2); });
+  row("pressure that follows", following);
+  const Points warm_shape = session->dofs();
+  session->settle();
+  promises.at_most(name + ": pressure, last answer of the drag from the settled one",
+                   difference(warm_shape, session->dofs()) / size, 1e-4);
+  session->set(pressure, 0);
+  session->settle();
+
+  const double second = time_of([&] {
+    session->add(LiveConstraint{"pin 2", LiveConstraint::Point{{0.7, 0.7, 0}, {0.7, 0.7, 0.1}}});
+    session->frame();
+  });
+  const double removed = time_of([&] {
+    session->remove("pin 2");
+    session->frame();
+  });
+  tables.first.add({name, milliseconds(layout_time), milliseconds(session_time),
+                    milliseconds(added), milliseconds(second), milliseconds(removed),
+                    milliseconds(material.answer)});
+}
+
+void measure_door(Promises& promises) {
+  std::optional<RegionLayout> layout;
+  const double layout_time = time_of([&] { layout.emplace(door_layout(7.3, 0.1)); });
+  const int triangles = layout->mesh()->triangle_count();
+  const double size = layout->size();
+  std::optional<SculptingSession> session;
+  const double session_time = time_of([&] {
+    session.emplace(*layout, SessionOptions());
+    session->frame();
+  });
+  const Peer peer(*layout);
+  MatX b = MatX::Random(static_cast<long>(peer.system->free_count()), 3);
+  session->add(LiveLoad{"swell", LiveLoad::Pressure{}}, {slider("swell", 20)});
+  session->add(LineMove{"raise", "rib", {}, 0.2});
+  const Surface rest = shape_of(*session);
+  const Vec3 at = rest.position(rest.closest_point({250, 40, -60}).where);
+  session->add(LiveConstraint{"pin", LiveConstraint::Point{at, at}});
+  session->settle();
+  const int swell = session->parameters().index("swell"),
+            raise = session->parameters().index("raise"),
+            pin = session->parameters().index("pin.y");
+  constexpr int events = 41;
+  const Drag drag = dragged(*session, events, [&](int k) {
+    session->set(swell, 20 + 0.5 * k);
+    session->set(raise, 0.1 * k);
+    session->set(pin, at.y() + 0.2 * k);
+  });
+  std::vector<double> solves;
+  for (int k = 0; k < 11; ++k)
+    solves.push_back(time_of([&] { peer.system->factor().solve_in_place(b); }));
+  const Points dragged_shape = session->dofs();
+  const double residual = session->residual();
+  const Answer settled = session->settle();
+  const double missed = difference(dragged_shape, session->dofs()) / size;
+  const double answers_a_second = 1 / drag.whole();
+  Table table;
+  table.add({"the door, three sliders at once", ""});
+  table.add({"triangles", std::to_string(triangles)});
+  table.add({"unknowns a coordinate", text("%ld", static_cast<long>(peer.system->free_count()))});
+  table.add({"display points", text("%zu", session->frame().points.size() / 3)});
+  table.add({"layout, ms", milliseconds(layout_time)});
+  table.add({"first answer and frame, ms", milliseconds(session_time)});
+  table.add({"one pair of solves, ms", milliseconds(median(solves))});
+  table.add({"answer, ms", milliseconds(drag.answer)});
+  table.add({"display, ms", milliseconds(drag.frame)});
+  table.add({"iterations an answer", text("%.2f", drag.iterations)});
+  table.add({"answers a second", text("%.1f", answers_a_second)});
+  table.add({"last answer from the settled one, over the size", text("%.1e", missed)});
+  table.add({"iterations to settle it", std::to_string(settled.iterations)});
+  table.print();
+  promises.at_least("door: triangles", triangles, 20000);
+  promises.at_least("door: answers a second, three sliders", answers_a_second, 60);
+  promises.at_most("door: residual over the size", residual, 1e-10);
+  promises.at_most("door: last answer of the drag from the settled one, over the size", missed,
+                   1e-4);
+}
+
+}  // namespace
+
+int main() {
+  one_thread();
+  Promises promises;
+  Tables tables;
+  tables.drag.add({"a point, ms", "n", "entries (M)", "answer", "display", "points", "whole",
+                   "solve", "CHOLMOD's", "whole/solve", "solve of the bound", "whole of the bound",
+                   "x CHOLMOD", "error"});
+  tables.sliders.add({"ms", "slider", "answer", "whole", "over a solve", "iterations"});
+  tables.first.add({"ms", "layout", "first answer and frame", "first point added", "one more",
+                    "taken away", "beside: full refactor"});
+  double bandwidth = 0;
+  try {
+    measure("1k", 0.082, tables, promises, bandwidth);
+    measure("14k", 0.0222, tables, promises, bandwidth);
+    measure("100k", 0.0083, tables, promises, bandwidth);
+    std::printf("One thread; triad %.1f GB/s; factor with %s\n\n", 1e-9 * bandwidth,
+                SparseCholesky::backend());
+    tables.drag.print();
+    tables.sliders.print();
+    tables.first.print();
+    measure_door(promises);
+  } catch (const Error& e) {
+    std::printf("failed: %s\n", e.what());
+    promises.at_most("failed", std::nullopt, 0);
+  }
+  promises.print("drag");
+}

@@ -1,0 +1,203 @@
+#include "batten/constraints/coupling.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "batten/core/errors.h"
+
+namespace batten {
+Coupling::Coupling(const SparseCholesky& factor, SparseMatrix U, std::vector<Row> rows,
+                   double dependent)
+    : rows_(std::move(rows)), U_(std::move(U)) {
+  prepare(factor, nullptr, {}, dependent);
+}
+
+Coupling::Coupling(const SparseCholesky& factor, SparseMatrix U, std::vector<Row> rows,
+                   const Coupling& older, const std::vector<int>& known, double dependent)
+    : rows_(std::move(rows)), U_(std::move(U)) {
+  prepare(factor, &older, known, dependent);
+}
+
+void Coupling::prepare(const SparseCholesky& factor, const Coupling* older,
+                       const std::vector<int>& known, double dependent) {
+  const auto count = static_cast<long>(rows_.size());
+  // The rows on the unknowns that any of them touches, x, y, z side by side.
+  std::vector<int> place(U_.rows(), -1);
+  long touched = 0;
+  for (long k = 0; k < U_.cols(); ++k)
+    for (SparseMatrix::InnerIterator it(U_, k); it; ++it)
+      if (place[it.row()] < 0) place[it.row()] = static_cast<int>(touched++);
+  MatX Q(3 * touched, count);  // orthonormal columns
+  R_ = MatX::Zero(count, count);
+  std::vector<VecX> implied_by;
+  for (long a = 0; a < count; ++a) {
+    if (rows_[a].soft) {
+      soft_.push_back(static_cast<int>(a));
+      continue;
+    }
+    VecX row = VecX::Zero(3 * touched);
+    rows_[a].terms([&](int point, const Vec3& n) {
+      for (SparseMatrix::InnerIterator it(U_, point); it; ++it)
+        for (int c = 0; c < 3; ++c) row[c * touched + place[it.row()]] += it.value() * n[c];
+    });
+    const auto rank = static_cast<long>(independent_.size());
+    VecX shares = VecX::Zero(rank);
+    for (int pass = 0; pass < 2; ++pass) {  // twice is enough (Kahan, Parlett)
+      const VecX more = Q.leftCols(rank).transpose() * row;
+      row -= Q.leftCols(rank) * more;
+      shares += more;
+    }
+    if (row.norm() > dependent * rows_[a].size) {
+      R_.row(rank).head(rank) = shares.transpose();
+      R_(rank, rank) = row.norm();
+      Q.col(rank) = row / row.norm();
+      independent_.push_back(static_cast<int>(a));
+    } else {
+      implied_.push_back(static_cast<int>(a));
+      implied_by.push_back(shares);
+    }
+  }
+  const auto rank = static_cast<long>(independent_.size());
+  const auto soft = static_cast<long>(soft_.size());
+  R_.conservativeResize(rank, rank);
+
+  Z_.resize(U_.rows(), U_.cols());
+  std::vector<long> unknown;
+  for (long k = 0; k < U_.cols(); ++k)
+    if (older && known[static_cast<size_t>(k)] >= 0)
+      Z_.col(k) = older->Z_.col(known[static_cast<size_t>(k)]);
+    else
+      unknown.push_back(k);
+  if (!unknown.empty() && U_.rows() > 0) {
+    MatX solved(U_.rows(), static_cast<long>(unknown.size()));
+    for (size_t i = 0; i < unknown.size(); ++i)
+      solved.col(static_cast<long>(i)) = U_.col(unknown[i]);
+    factor.solve_in_place(solved);
+    for (size_t i = 0; i < unknown.size(); ++i)
+      Z_.col(unknown[i]) = solved.col(static_cast<long>(i));
+  }
+
+  const MatX UtZ = U_.transpose() * Z_;
+  std::vector<int> order = independent_;
+  order.insert(order.end(), soft_.begin(), soft_.end());
+  S_.resize(rank + soft, rank + soft);
+  for (long a = 0; a < rank + soft; ++a)
+    for (long b = 0; b < rank + soft; ++b) {
+      const Row &x = rows_[order[a]], &y = rows_[order[b]];
+      double sum = 0;
+      x.terms([&](int p, const Vec3& n) {
+        y.terms([&](int q, const Vec3& m) { sum += n.dot(m) * 0.5 * (UtZ(p, q) + UtZ(q, p)); });
+      });
+      S_(a, b) = sum;
+    }
+  const auto lower = R_.triangularView<Eigen::Lower>();
+  if (rank > 0) {
+    lower.solveInPlace(S_.topRows(rank));
+    S_.transposeInPlace();
+    lower.solveInPlace(S_.topRows(rank));
+  }
+  scratch_.resize(rank + soft);
+  roots_.resize(soft);
+  set_stiffness(VecX::Zero(soft));
+  // A row that is shares · Q is shares · R⁻¹ times the independent rows.
+  implied_by_ = MatX::Zero(static_cast<long>(implied_.size()), rank);
+  for (size_t i = 0; i < implied_.size(); ++i) {
+    VecX shares = VecX::Zero(rank);
+    shares.head(implied_by[i].size()) = implied_by[i];
+    if (rank > 0) R_.transpose().triangularView<Eigen::Upper>().solveInPlace(shares);
+    implied_by_.row(static_cast<long>(i)) = shares.transpose();
+  }
+}
+
+void Coupling::set_stiffness(const VecX& stiffness) {
+  const auto soft = static_cast<long>(soft_.size());
+  if (stiffness.size() != soft)
+    throw InputError(std::to_string(stiffness.size()) + " stiffnesses for " + std::to_string(soft) +
+                     " springs");
+  for (long k = 0; k < soft; ++k) {
+    if (!(stiffness[k] >= 0) || !std::isfinite(stiffness[k]))
+      throw InputError("a spring of stiffness " + number(stiffness[k]) +
+                       ": it must not be below 0");
+    roots_[k] = std::sqrt(stiffness[k]);
+  }
+  scaled_ = S_;
+  scaled_.bottomRows(soft).array().colwise() *= roots_.array();
+  scaled_.rightCols(soft).array().rowwise() *= roots_.transpose().array();
+  scaled_.diagonal().tail(soft).array() += 1;
+  schur_.compute(scaled_);
+  if (schur_.info() != Eigen::Success)
+    throw NoSolutionError("the rows of guided points are nearly dependent");
+}
+
+std::pair<double, int> Coupling::contradiction(const VecX& g) const {
+  std::pair<double, int> worst{0, implied_.empty() ? -1 : implied_[0]};
+  for (size_t i = 0; i < implied_.size(); ++i) {
+    double sum = g[implied_[i]];
+    for (size_t k = 0; k < independent_.size(); ++k)
+      sum -= implied_by_(static_cast<long>(i), static_cast<long>(k)) * g[independent_[k]];
+    if (std::abs(sum) > worst.first) worst = {std::abs(sum), implied_[i]};
+  }
+  return worst;
+}
+
+double Coupling::at(const Row& row, const Eigen::Ref<const MatX>& y) const {
+  double total = 0;
+  row.terms([&](int point, const Vec3& n) {
+    Vec3 sum = Vec3::Zero();
+    for (SparseMatrix::InnerIterator it(U_, point); it; ++it)
+      sum += it.value() * y.row(it.row()).transpose();
+    total += n.dot(sum);
+  });
+  return total;
+}
+
+void Coupling::residual_of_hard(const Eigen::Ref<const MatX>& y, const VecX& g) const {
+  for (size_t k = 0; k < independent_.size(); ++k)
+    scratch_[static_cast<long>(k)] = at(rows_[independent_[k]], y) - g[independent_[k]];
+}
+
+void Coupling::apply(Eigen::Ref<MatX> y, const VecX& g) const {
+  const auto rank = static_cast<long>(independent_.size());
+  const auto soft = static_cast<long>(soft_.size());
+  if (rank + soft == 0) return;
+  const auto lower = R_.triangularView<Eigen::Lower>();
+  const auto upper = R_.transpose().triangularView<Eigen::Upper>();
+  auto hard_part = scratch_.head(rank);
+  residual_of_hard(y, g);
+  lower.solveInPlace(hard_part);
+  for (long k = 0; k < soft; ++k) {
+    const int row = soft_[static_cast<size_t>(k)];
+    scratch_[rank + k] = roots_[k] * (at(rows_[row], y) - g[row]);
+  }
+  schur_.solveInPlace(scratch_);
+  upper.solveInPlace(hard_part);
+  scratch_.tail(soft).array() *= roots_.array();
+  for (long k = 0; k < rank + soft; ++k) {
+    const Row& row = rows_[k < rank ? independent_[static_cast<size_t>(k)]
+                                    : soft_[static_cast<size_t>(k - rank)]];
+    row.terms([&](int point, const Vec3& n) {
+      for (int c = 0; c < 3; ++c)
+        if (const double step = scratch_[k] * n[c]; step != 0) y.col(c) -= step * Z_.col(point);
+    });
+  }
+  // The solve left its rounding; along G it is gone in a step, the second one is for safety.
+  for (int pass = 0; pass < 2; ++pass) {
+    residual_of_hard(y, g);
+    lower.solveInPlace(hard_part);
+    upper.solveInPlace(hard_part);
+    for (size_t k = 0; k < independent_.size(); ++k) {
+      const Row& row = rows_[independent_[k]];
+      row.terms([&](int point, const Vec3& n) {
+        const Vec3 step = scratch_[static_cast<long>(k)] * n;
+        for (SparseMatrix::InnerIterator it(U_, point); it; ++it)
+          y.row(it.row()) -= it.value() * step.transpose();
+      });
+    }
+  }
+}
+
+size_t Coupling::bytes() const {
+  return sizeof(double) * static_cast<size_t>(Z_.size() + 3 * S_.size() + R_.size());
+}
+
+}  // namespace batten

@@ -1,0 +1,79 @@
+#include "batten/constraints/live_system.h"
+
+#include <algorithm>
+
+#include "batten/core/errors.h"
+
+namespace batten {
+
+void LiveSystem::check(const SparseMatrix& S) const {
+  if (reduction_->coupled())
+    throw InputError("rows that mix x, y and z do not belong into the reduction of a live system");
+  if (S.rows() != D().rows() || S.cols() != S.rows())
+    throw InputError("a matrix of " + std::to_string(S.rows()) + " × " + std::to_string(S.cols()) +
+                     " for " + std::to_string(D().rows()) + " dofs");
+}
+
+LiveSystem::LiveSystem(std::shared_ptr<const AffineReduction> reduction, SparseMatrix S,
+                       const std::vector<int>& dof_order)
+    : reduction_(std::move(reduction)) {
+  check(S);
+  constexpr int many = 10000;
+  if (free_count() < many) {
+    const std::vector<int> order = reduction_->order_for(reduction_->reduce(S), S, dof_order);
+    factorize(S, &order);
+  } else {
+    factor_.analyze(reduction_->reduce(S), Expected::many_factors);
+    factorize(S, nullptr);
+  }
+  S_ = std::move(S);
+}
+
+LiveSystem::LiveSystem(const LiveSystem& like, SparseMatrix S) : reduction_(like.reduction_) {
+  check(S);
+  const std::vector<int> order = like.factor_.order();
+  factorize(S, &order);
+  S_ = std::move(S);
+}
+
+void LiveSystem::factorize(const SparseMatrix& S, const std::vector<int>* order) {
+  const SparseMatrix reduced = reduction_->reduce(S);
+  if (order) factor_.analyze(reduced, *order);
+  if (!factor_.factorize(reduced)) throw NoSolutionError(factor_.message());
+  // H = Dᵀ (S R): S R is needed where R is not zero only.
+  const SparseMatrix& R = reduction_->from_right();
+  H_.resize(free_count(), R.cols());
+  if (R.nonZeros() == 0) return;
+  const SparseMatrix whole = S.selfadjointView<Eigen::Lower>();
+  const SparseMatrix SR = whole * R;
+  H_ = SparseMatrix(D().transpose()) * SR;
+}
+
+void LiveSystem::set_matrix(SparseMatrix S) {
+  if (S.nonZeros() != S_.nonZeros() || S.rows() != S_.rows())
+    throw InputError("a live system is given a matrix of another pattern");
+  try {
+    factorize(S, nullptr);
+  } catch (...) {
+    factorize(S_, nullptr);
+    throw;
+  }
+  S_ = std::move(S);
+}
+
+void LiveSystem::start_load(const MatX& d, MatX& to) const {
+  to.setZero();
+  if (H_.nonZeros() > 0) to.noalias() -= H_ * d;
+}
+
+void LiveSystem::expand(const MatX& y, const Points& e, Points& z) const {
+  z = e;
+  z.noalias() += D() * y;
+}
+
+size_t LiveSystem::bytes() const {
+  return sizeof(double) * static_cast<size_t>(factor_.factor_entries()) +
+         12 * static_cast<size_t>(S_.nonZeros() + H_.nonZeros());
+}
+
+}  // namespace batten

@@ -1,0 +1,62 @@
+// What is solved at every event of a drag: one matrix, many right-hand sides.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "batten/constraints/affine_reduction.h"
+
+namespace batten {
+
+/// z minimises tr(zᵀ S z) - 2 tr(bᵀ z) under C z = d: with z = D y + R d (AffineReduction of
+/// uncoupled rows, R = from_right()),
+///
+///     N y = Dᵀ b - H d,     N = Dᵀ S D,     H = Dᵀ S R
+///
+/// N is factored once; b and d may change at every event for the price of a pair of triangular
+/// solves, a product with D and one with H, which is as sparse as the rows are local. x = K⁻¹F and
+/// implicit steps are both of this form. What the rows of a Coupling add stands between solve() and
+/// expand().
+class LiveSystem {
+ public:
+  /// S: lower triangle, of one coordinate. `dof_order` as for ConstrainedSolver; from 10,000
+  /// unknowns on a better order is looked for, which pays in the first dozens of answers. Throws
+  /// InputError: coupled rows; NoSolutionError.
+  LiveSystem(std::shared_ptr<const AffineReduction> reduction, SparseMatrix S,
+             const std::vector<int>& dof_order);
+  /// For the rows of another system, in its order: S must have the pattern of its matrix.
+  LiveSystem(const LiveSystem& like, SparseMatrix S);
+
+  /// Other numbers in the same pattern: the analysis stays. Throws InputError: another pattern;
+  /// NoSolutionError (the system is then as it was).
+  void set_matrix(SparseMatrix S);
+
+  const SparseMatrix& matrix() const { return S_; }
+  const AffineReduction& reduction() const { return *reduction_; }
+  const SparseCholesky& factor() const { return factor_; }
+  const SparseMatrix& H() const { return H_; }
+  /// Free unknowns and dofs of one coordinate.
+  int free_count() const { return reduction_->free_count(); }
+
+  /// to = -H d, or 0 when there are no rows. d: rows × 3.
+  void start_load(const MatX& d, MatX& to) const;
+  /// to += Dᵀ b.
+  void add_load(const Points& b, MatX& to) const { to.noalias() += D().transpose() * b; }
+  /// y in place of its right-hand side.
+  void solve(MatX& y) const { factor_.solve_in_place(y); }
+  /// z = D y + e. `e`: R d, n×3.
+  void expand(const MatX& y, const Points& e, Points& z) const;
+
+  size_t bytes() const;
+
+ private:
+  const SparseMatrix& D() const { return reduction_->D(); }
+  // `order` of the free unknowns, or null: analysed already.
+  void factorize(const SparseMatrix& S, const std::vector<int>* order);
+  void check(const SparseMatrix& S) const;
+  std::shared_ptr<const AffineReduction> reduction_;
+  SparseMatrix S_, H_;
+  SparseCholesky factor_;
+};
+
+}  // namespace batten

@@ -1,0 +1,117 @@
+#include "batten/fem/surface_transfer.h"
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include "batten/core/parallel.h"
+#include "batten/elements/reference_triangle.h"
+#include "batten/fem/triangle_locator.h"
+
+namespace batten {
+namespace {
+
+// Calls work(i) for i = 0 … count-1, by chunks.
+template <class Work>
+void for_each_index(int count, const Work& work) {
+  constexpr int chunk = 256;
+  parallel_parts((count + chunk - 1) / chunk, [&](int part) {
+    for (int i = part * chunk; i < std::min(count, (part + 1) * chunk); ++i) work(i);
+  });
+}
+
+// What the new mesh has in common with the old one: its number there, or -1.
+struct Kept {
+  std::vector<int> vertex, edge;
+  std::vector<char> triangle;
+
+  Kept(const ParametricMesh& from, const ParametricMesh& to)
+      : vertex(to.vertex_count(), -1), edge(to.edge_count(), -1), triangle(to.triangle_count(), 0) {
+    std::vector<std::pair<std::pair<double, double>, int>> places;
+    for (int v = 0; v < from.vertex_count(); ++v)
+      places.push_back({{from.vertices()[v].x(), from.vertices()[v].y()}, v});
+    std::sort(places.begin(), places.end());
+    for (int v = 0; v < to.vertex_count(); ++v) {
+      const std::pair<double, double> place{to.vertices()[v].x(), to.vertices()[v].y()};
+      const auto found = std::lower_bound(places.begin(), places.end(), std::pair{place, 0});
+      if (found != places.end() && found->first == place) vertex[v] = found->second;
+    }
+    for (int e = 0; e < to.edge_count(); ++e) {
+      const int low = vertex[to.edges()[e].low], high = vertex[to.edges()[e].high];
+      if (low >= 0 && high >= 0) edge[e] = from.edge_between(low, high);
+    }
+    for (int t = 0; t < to.triangle_count(); ++t) {
+      const int first = edge[to.edges_of(t)[0]], opposite = vertex[to.triangles()[t][0]];
+      if (first < 0 || opposite < 0) continue;
+      for (const int old : from.edges()[first].triangle)
+        if (old >= 0)
+          for (const int v : from.triangles()[old]) triangle[t] |= v == opposite;
+    }
+  }
+};
+
+}  // namespace
+
+CarriedOver carried_over(const Surface& from, const ParametricMesh& to) {
+  const TriangleLocator locator(from.mesh());
+  const Kept kept(from.mesh(), to);
+  const DofMap dofs(to);
+  CarriedOver result{Points::Zero(dofs.count(), 3)};
+  for_each_index(to.vertex_count(), [&](int v) {
+    if (const int old = kept.vertex[v]; old >= 0) {
+      result.dofs.middleRows<3>(dofs.vertex(v)) =
+          from.dofs().middleRows<3>(from.dof_map().vertex(old));
+      return;
+    }
+    const SurfaceJet jet = from.jet(locator.locate(to.vertices()[v]));
+    result.dofs.row(dofs.vertex(v)) = jet.x;
+    result.dofs.row(dofs.vertex(v, 1)) = jet.x_u;
+    result.dofs.row(dofs.vertex(v, 2)) = jet.x_v;
+  });
+  for_each_index(to.edge_count(), [&](int e) {
+    const auto& edge = to.edges()[e];
+    if (const int old = kept.edge[e]; old >= 0) {
+      // The normal goes with the direction from the lower number to the higher.
+      const double sign = kept.vertex[edge.low] < kept.vertex[edge.high] ? 1 : -1;
+      result.dofs.row(dofs.edge(e)) = sign * from.dofs().row(from.dof_map().edge(old));
+      return;
+    }
+    const TriangleShape shape = to.shape(edge.triangle[0]);
+    const int i = edge.local[0];
+    const Vec2 middle = 0.5 * (shape.vertex[(i + 1) % 3] + shape.vertex[(i + 2) % 3]);
+    const Vec2 n = to.edge_normal(e);
+    const SurfaceJet jet = from.jet(locator.locate(middle));
+    result.dofs.row(dofs.edge(e)) = n.x() * jet.x_u + n.y() * jet.x_v;
+  });
+
+  // The centroids of the three sub-triangles, and points between those and the edges' middles.
+  static const TriangleRule samples = [] {
+    TriangleRule points{Points(6, 3), VecX::Constant(6, 1.0 / 6)};
+    for (int i = 0; i < 3; ++i) {
+      points.L.row(i) = Vec3::Constant(4.0 / 9);
+      points.L.row(3 + i) = Vec3::Constant(0.35);
+      points.L(i, i) = 1.0 / 9;
+      points.L(3 + i, i) = 0.3;
+    }
+    return points;
+  }();
+  const TabulatedRule tabulated(from.kind(), samples);
+  std::vector<double> moved(to.triangle_count(), 0);
+  for_each_index(to.triangle_count(), [&](int t) {
+    if (kept.triangle[t]) return;
+    const TriangleShape shape = to.shape(t);
+    Eigen::Matrix<double, 12, 3> q;
+    const auto dof = dofs.triangle(to, t);
+    for (int a = 0; a < 12; ++a) q.row(a) = result.dofs.row(dof[a]);
+    q = C1Triangle(from.kind(), shape).to_reference_dofs() * q.eval();
+    for (size_t p = 0; p < tabulated.functions.size(); ++p) {
+      const Vec3 x = q.transpose() * tabulated.functions[p].col(0);
+      const Vec2 uv = shape.point(samples.L.row(static_cast<long>(p)));
+      moved[t] = std::max(moved[t], (x - from.position(locator.locate(uv))).norm());
+    }
+  });
+  for (const double m : moved) result.max_displacement = std::max(result.max_displacement, m);
+  return result;
+}
+
+}  // namespace batten

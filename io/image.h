@@ -1,0 +1,18 @@
+// A picture in memory.
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+namespace batten {
+
+/// Red, green and blue of each pixel, row by row from the top.
+struct Image {
+  int width = 0, height = 0;
+  std::vector<unsigned char> rgb;
+};
+
+/// Whole or not at all. Throws InputError: no pixels, a file that cannot be written.
+void write_png(const std::filesystem::path& path, const Image& image);
+
+}  // namespace batten

@@ -1,0 +1,37 @@
+// Acceleration of a fixed point x = g(x) whose operator is nearly the same from call to call.
+#pragma once
+
+#include <vector>
+
+#include "batten/core/eigen.h"
+
+namespace batten {
+
+/// Anderson's method with the pairs (Δf, Δg), f = g - x, of successive iterates, Δf made
+/// orthonormal as they come:
+///
+///     x_next = g - Σ_k (Δf_k · f) Δg_k
+///
+/// Pairs outlive the iteration that made them: when the load changes a little, they still tell how
+/// the surface answers, and a drag converges in one or two iterations instead of five. The oldest
+/// makes room for the newest, and goes when the newest is nearly a combination of the others. Eight
+/// pairs of n×3 numbers twice; allocates at resize() only.
+/// Source: Anderson 1965; Walker, Ni 2011.
+class Secants {
+ public:
+  void resize(long dofs);
+  void clear() { count_ = 0; }
+  /// No pair is made with the iterate before: another iteration begins.
+  void begin() { has_last_ = false; }
+  /// g becomes the next guess. x, g: n×3.
+  void accelerate(const Points& x, Points& g);
+
+ private:
+  static constexpr int kDepth = 8;
+  std::vector<Points> df_, dg_;  // newest at (first_ + count_ - 1) % kDepth
+  Points f_, last_f_, last_g_;
+  int first_ = 0, count_ = 0;
+  bool has_last_ = false;
+};
+
+}  // namespace batten

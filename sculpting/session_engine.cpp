@@ -1,0 +1,673 @@
+#include "batten/sculpting/session_engine.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "batten/core/errors.h"
+#include "batten/fem/surface_projector.h"
+#include "batten/sculpting/change_weights.h"
+
+namespace batten::live {
+namespace {
+
+// Hard rows of which less is left than this, of their size, beside lines and other rows: they could
+// be met by a surface full of waves only.
+constexpr double kDependent = 1e-5;
+// Over the size: rows that others imply must agree to this.
+constexpr double kAgree = 5e-11;
+// Over the size: changes below this that do not fall any more are rounding.
+constexpr double kFloor = 1e-9;
+
+std::vector<SurfaceStiffness> materials(const Model& model, const std::vector<double>& values) {
+  const auto at = [&](int p) { return values[static_cast<size_t>(p)]; };
+  SurfaceStiffness base;
+  base.alpha = Mat2::Zero();
+  base.alpha(0, 0) = at(model.alpha[0]);
+  base.alpha(1, 1) = at(model.alpha[2]);
+  if (model.alpha[0] != model.alpha[1]) base.alpha(0, 1) = base.alpha(1, 0) = at(model.alpha[1]);
+  base.beta = Vec3(at(model.beta[0]), at(model.beta[1]), at(model.beta[2]));
+  const auto triangles = static_cast<size_t>(model.parts->mesh->triangle_count());
+  std::vector<SurfaceStiffness> all(model.weights.empty() ? 1 : triangles, base);
+  for (size_t w = 0; w < model.weights.size(); ++w) {
+    const double value = at(model.weight_parameter[w]);
+    if (value == 0) continue;
+    const BuiltWeight& built = *model.weights[w];
+    const bool bends = model.def.weights[w]->weight.kind == WeightField::Kind::Bending;
+    for (size_t t = 0; t < triangles; ++t) {
+      const double weight = value * built.weights[static_cast<long>(t)];
+      const double alpha = bends ? 0 : weight, beta = bends ? weight : 0;
+      all[t] += built.directions.empty()
+                    ? SurfaceStiffness::isotropic(alpha, beta)
+                    : SurfaceStiffness::directional(built.directions[t], alpha, beta);
+    }
+  }
+  for (SurfaceStiffness& m : all) {
+    if (!m.is_valid())
+      throw InputError("alpha must be positive semi-definite and beta not negative, everywhere");
+    m = on_unit_domain(m, model.def.units, model.layout().size());
+  }
+  return all;
+}
+
+}  // namespace
+
+void symmetric_times(const SparseMatrix& S, const Points& x, Points& out) {
+  out.setZero();
+  const int* starts = S.outerIndexPtr();
+  const int* rows = S.innerIndexPtr();
+  const double* values = S.valuePtr();
+  for (int c = 0; c < 3; ++c) {
+    const double* in = x.col(c).data();
+    double* to = out.col(c).data();
+    for (int j = 0; j < S.cols(); ++j) {
+      double sum = 0;
+      for (int k = starts[j]; k < starts[j + 1]; ++k) {
+        const int i = rows[k];
+        sum += values[k] * in[i];
+        if (i != j) to[i] += values[k] * in[j];
+      }
+      to[j] += sum;
+    }
+  }
+}
+
+void Engine::bind(const Model& model) {
+  const int n = model.dofs(), m = model.reduction->free_count();
+  const auto points = model.loose->A.cols();
+  const auto rows = static_cast<long>(model.loose->rows.size());
+  right_.setZero(model.base_right.rows(), 3);
+  rate_.setZero(model.base_right.rows(), 3);
+  hd_.setZero(m, 3);
+  base_.setZero(m, 3);
+  y_.setZero(m, 3);
+  for (Points* p : {&e_, &next_, &F_, &product_}) p->setZero(n, 3);
+  ae_.setZero(points, 3);
+  ax_.setZero(points, 3);
+  av_.setZero(points, 3);
+  g_.setZero(rows);
+  long soft = 0;
+  for (const auto& row : model.loose->rows) soft += row.soft;
+  stiffness_.setConstant(soft, -1);
+  wanted_.setZero(soft);
+  secants_.resize(n);
+  felt_ = change_weights(*model.parts->mesh, model.parts->trim.get());
+  responses_.clear();
+  responses_.resize(model.loads.size());
+  known_response_.assign(model.loads.size(), 0);
+  anchored_ = false;
+}
+
+void Engine::forget() {
+  secants_.clear();
+  stiffness_.setConstant(-1);
+  known_response_.assign(known_response_.size(), 0);
+  anchored_ = false;
+}
+
+bool Engine::prepare_matrix(Model& model, const std::vector<double>& values) {
+  bool fits = model.statics && model.matrix_values.size() == values.size();
+  for (size_t p = 0; fits && p < values.size(); ++p)
+    if (model.roles[p] & kMatrix) fits = values[p] == model.matrix_values[p];
+  if (fits && model.coupling && model.coupled_rows == model.loose) return false;
+  anchored_ = false;
+  known_response_.assign(known_response_.size(), 0);
+  const MeshParts& parts = *model.parts;
+  std::shared_ptr<const LooseRows> older_rows;
+  std::shared_ptr<Coupling> older;
+  if (!fits) {
+    const auto all = materials(model, values);
+    SparseMatrix K = parts.assembler.pattern();
+    if (all.size() == 1)
+      parts.assembler.stiffness(all[0], K);
+    else
+      parts.assembler.stiffness(all, K);
+    model.measured_load.resize(0, 3);
+    for (size_t l = 0; l < model.loads.size(); ++l) {
+      const auto* measured = std::get_if<LiveLoad::Measured>(&model.def.loads[l]->load.kind);
+      if (!measured || model.measured_feet[l].empty()) continue;
+      if (model.measured_load.rows() == 0) model.measured_load = Points::Zero(model.dofs(), 3);
+      const double value = values[static_cast<size_t>(model.load_parameter[l])];
+      if (!(value >= 0))
+        throw InputError("load '" + model.def.loads[l]->load.name + "' has springs of stiffness " +
+                         number(value) + ": it must not be below 0");
+      const double k = value / static_cast<double>(measured->points.size());
+      for (size_t i = 0; i < measured->points.size(); ++i) {
+        if (!model.measured_used[l][i]) continue;
+        const Location where = parts.at(model.measured_feet[l][i]);
+        const Vec12 N =
+            C1Triangle(parts.kind, parts.mesh->shape(where.triangle)).evaluate(where.L).col(kW);
+        const auto dof = parts.assembler.dofs().triangle(*parts.mesh, where.triangle);
+        for (int a = 0; a < 12; ++a) {
+          model.measured_load.row(dof[a]) +=
+              k * N[a] * (measured->points[i] - model.origin()).transpose();
+          for (int b = 0; b < 12; ++b)
+            if (dof[a] >= dof[b]) K.coeffRef(dof[a], dof[b]) += k * N[a] * N[b];
+        }
+      }
+    }
+    if (model.measured_load.rows() > 0)
+      model.measured_reduced = model.reduction->D().transpose() * model.measured_load;
+    // A factor that the history keeps must stay; one of our own takes other numbers in place.
+    if (model.statics && model.statics.use_count() == 1)
+      model.statics->set_matrix(std::move(K));
+    else
+      model.statics =
+          model.statics ? std::make_shared<LiveSystem>(*model.statics, std::move(K))
+                        : std::make_shared<LiveSystem>(model.reduction, std::move(K), parts.order);
+    model.matrix_values = values;
+    model.moving.reset();
+    model.moving_coupling.reset();
+  } else {
+    older = model.coupling;
+    older_rows = model.coupled_rows;
+  }
+  // The solves of things that stand already are kept.
+  const LooseRows& rows = *model.loose;
+  std::vector<int> known(static_cast<size_t>(rows.A.cols()), -1);
+  if (older)
+    for (const auto& block : rows.blocks)
+      for (const auto& other : older_rows->blocks)
+        if (other.owner == block.owner &&
+            other.end_point - other.first_point == block.end_point - block.first_point)
+          for (int k = block.first_point; k < block.end_point; ++k)
+            known[static_cast<size_t>(k)] = other.first_point + k - block.first_point;
+  SparseMatrix U = SparseMatrix(model.reduction->D().transpose()) * rows.A;
+  model.coupling = older ? std::make_shared<Coupling>(model.statics->factor(), std::move(U),
+                                                      rows.rows, *older, known, kDependent)
+                         : std::make_shared<Coupling>(model.statics->factor(), std::move(U),
+                                                      rows.rows, kDependent);
+  model.coupled_rows = model.loose;
+  model.moving_coupling.reset();
+  stiffness_.setConstant(-1);
+  return !fits;
+}
+
+// -- right-hand sides -----------------------------------------------------------------------------
+
+void Engine::lines_right(const Model& model, const std::vector<double>& values, MatX& right) const {
+  right = model.base_right;
+  for (size_t i = 0; i < model.move_right.size(); ++i)
+    if (const double v = values[static_cast<size_t>(model.move_parameter[i])]; v != 0)
+      right += v * *model.move_right[i];
+}
+
+void Engine::loose_right(const Model& model, const std::vector<double>& values) {
+  const LooseRows& rows = *model.loose;
+  if (rows.rows.empty()) return;
+  ae_.noalias() = rows.A.transpose() * e_;
+  for (size_t r = 0; r < rows.rows.size(); ++r) {
+    const auto& source = rows.sources[r];
+    const Coupling::Row& row = rows.rows[r];
+    if (row.soft) continue;
+    const double goal =
+        source.kind == LooseRows::Source::Goal
+            ? values[static_cast<size_t>(source.parameter)] - model.origin()[source.coordinate]
+            : 0;
+    g_[static_cast<long>(r)] = goal - row.of(ae_);
+  }
+  if (model.coupling->implied().empty()) return;
+  const auto [missed, row] = model.coupling->contradiction(g_);
+  if (missed > kAgree * model.layout().size()) throw_conflict(model, values, row);
+}
+
+void Engine::throw_conflict(const Model& model, const std::vector<double>& values, int row) const {
+  // The elimination knows which rows make up another; it is asked only now.
+  ConstraintSet all(model.dofs());
+  const auto& names = model.line_rows->names();
+  const auto& lines = model.line_rows->rows();
+  for (size_t r = 0; r < lines.size(); ++r)
+    all.add(names[static_cast<size_t>(lines[r].name)], lines[r].entries,
+            right_.row(static_cast<long>(r)));
+  const LooseRows& loose = *model.loose;
+  for (size_t r = 0; r < loose.rows.size(); ++r) {
+    if (loose.rows[r].soft) continue;
+    std::vector<ConstraintSet::CoupledEntry> entries;
+    loose.rows[r].terms([&](int point, const Vec3& n) {
+      for (SparseMatrix::InnerIterator it(loose.A, point); it; ++it)
+        entries.push_back({static_cast<int>(it.row()), it.value() * n});
+    });
+    const auto& source = loose.sources[r];
+    const double goal =
+        source.kind == LooseRows::Source::Goal
+            ? values[static_cast<size_t>(source.parameter)] - model.origin()[source.coordinate]
+            : 0;
+    all.add_coupled(loose.name_of(static_cast<int>(r)), std::move(entries), goal);
+  }
+  const AffineReduction check(all, AffineReduction::Values::Given, kDependent);
+  throw ConflictError({{{loose.name_of(row), "the lines or constraints beside it"},
+                        model.coupling->contradiction(g_).first}});
+}
+
+void Engine::prepare_right(Model& model, const std::vector<double>& values) {
+  lines_right(model, values, right_);
+  model.reduction->check(right_);
+  if (model.reduction->from_right().nonZeros() > 0)
+    e_.noalias() = model.reduction->from_right() * right_;
+  model.statics->start_load(right_, hd_);
+  loose_right(model, values);
+  base_ = hd_;
+  add_linear(model, values, base_);
+}
+
+void Engine::add_linear(const Model& model, const std::vector<double>& values, MatX& to) const {
+  for (size_t l = 0; l < model.loads.size(); ++l)
+    if (const double v = values[static_cast<size_t>(model.load_parameter[l])];
+        v != 0 && model.loads[l]->reduced.rows() > 0)
+      to += v * model.loads[l]->reduced;
+  if (model.measured_load.rows() > 0) to += model.measured_reduced;
+}
+
+Engine::Pull Engine::pull(const Model& model, const LooseRows::Source& source, double value,
+                          const Vec3& p) const {
+  const auto& placed = *model.def.loads[static_cast<size_t>(source.load)];
+  const auto& springs = std::get<LiveLoad::Springs>(placed.load.kind);
+  Vec3 target = p;
+  double distance = 0;
+  if (const auto* places = std::get_if<LiveLoad::Springs::Places>(&springs.target)) {
+    target = places->to[static_cast<size_t>(source.spring)];
+  } else if (const auto* curve = std::get_if<LiveLoad::Springs::Curve>(&springs.target)) {
+    target = curve->curve.evaluate(curve->curve.closest_point(p).u);
+  } else {
+    const auto& plane = std::get<LiveLoad::Springs::Plane>(springs.target);
+    const Vec3 n = plane.normal.normalized();
+    target = p - n.dot(p - plane.through) * n;
+  }
+  distance = (p - target).norm();
+  double stiffness = value;
+  if (springs.falloff > 0) stiffness *= std::exp(-std::pow(distance / springs.falloff, 2));
+  if (springs.rest_length > 0 && distance > 0)
+    target += springs.rest_length / distance * (p - target);
+  return {stiffness, target};
+}
+
+void Engine::aim_springs(Model& model, const std::vector<double>& values, const Points& x) {
+  const LooseRows& rows = *model.loose;
+  const auto& soft = model.coupling->soft();
+  if (soft.empty()) return;
+  ax_.noalias() = rows.A.transpose() * x;
+  for (size_t k = 0; k < soft.size(); ++k) {
+    const auto r = static_cast<size_t>(soft[k]);
+    const Coupling::Row& row = rows.rows[r];
+    const double value = values[static_cast<size_t>(rows.sources[r].parameter)];
+    if (!(value >= 0))
+      throw InputError("springs '" + rows.name_of(soft[k]) + "' have the stiffness " +
+                       number(value) + ": it must not be below 0");
+    const Vec3 p = ax_.row(row.point).transpose() + model.origin();
+    const Pull to = pull(model, rows.sources[r], value, p);
+    wanted_[static_cast<long>(k)] = to.stiffness;
+    g_[static_cast<long>(r)] =
+        row.direction.dot(to.target - model.origin() - Vec3(ae_.row(row.point)));
+  }
+  if (wanted_ != stiffness_) {
+    model.coupling->set_stiffness(wanted_);
+    stiffness_ = wanted_;
+  }
+}
+
+// -- static answers -------------------------------------------------------------------------------
+
+bool Engine::is_linear(const Model& model, const std::vector<double>& values) const {
+  for (size_t l = 0; l < model.loads.size(); ++l) {
+    const auto p = static_cast<size_t>(model.load_parameter[l]);
+    const bool follows =
+        std::holds_alternative<LiveLoad::Pressure>(model.def.loads[l]->load.kind) ||
+        (model.roles[p] & kSpring && model.roles[p] & kPressure);
+    if (follows && values[p] != 0) return false;
+  }
+  return true;
+}
+
+void Engine::map(Model& model, const std::vector<double>& values, const Points& x, Points& to) {
+  y_ = base_;
+  bool pressed = false;
+  for (size_t l = 0; l < model.loads.size(); ++l) {
+    if (!std::holds_alternative<LiveLoad::Pressure>(model.def.loads[l]->load.kind)) continue;
+    const double v = values[static_cast<size_t>(model.load_parameter[l])];
+    if (v == 0) continue;
+    if (!pressed) F_.setZero();
+    pressed = true;
+    model.parts->pressure.add(x, model.loads[l]->weights, v * model.loads[l]->scale, F_);
+  }
+  if (pressed) model.statics->add_load(F_, y_);
+  aim_springs(model, values, x);
+  model.statics->solve(y_);
+  model.coupling->apply(y_, g_);
+  model.statics->expand(y_, e_, to);
+}
+
+Engine::Run Engine::answer(Model& model, const std::vector<double>& values, Points& x, int most,
+                           double tolerance, bool may_superpose) {
+  const double size = model.layout().size();
+  Run run;
+  const bool linear = is_linear(model, values);
+  if (linear && may_superpose && anchored_) {
+    bool only_loads = true;
+    for (size_t p = 0; only_loads && p < values.size(); ++p)
+      only_loads = values[p] == anchor_values_[p] || (model.roles[p] & ~unsigned(kLinear)) == 0;
+    if (only_loads) {
+      next_ = anchor_;
+      for (size_t l = 0; l < model.loads.size(); ++l) {
+        const auto p = static_cast<size_t>(model.load_parameter[l]);
+        if (model.loads[l]->reduced.rows() == 0 || values[p] == anchor_values_[p]) continue;
+        if (!known_response_[l]) {
+          // The answer to the load alone: rows at zero, springs as stiff as they are.
+          y_ = model.loads[l]->reduced;
+          model.statics->solve(y_);
+          g_.setZero();
+          model.coupling->apply(y_, g_);
+          responses_[l].resize(x.rows(), 3);
+          responses_[l].noalias() = model.reduction->D() * y_;
+          known_response_[l] = 1;
+          ++run.iterations;
+        }
+        next_ += (values[p] - anchor_values_[p]) * responses_[l];
+      }
+      run.change = change_between(next_, x) / size;
+      x.swap(next_);
+      run.converged = run.superposed = true;
+      return run;
+    }
+  }
+  prepare_right(model, values);
+  secants_.begin();
+  const double limit = 1e6 * (size + x.cwiseAbs().maxCoeff());
+  double fallen = std::numeric_limits<double>::infinity();
+  int since_least = 0;
+  while (run.iterations < most) {
+    map(model, values, x, next_);
+    ++run.iterations;
+    run.change = change_between(next_, x) / size;
+    if (!next_.allFinite() || next_.cwiseAbs().maxCoeff() > limit) {
+      run.ran_off = true;
+      secants_.clear();
+      return run;
+    }
+    // Rounding leaves a floor, higher on cut and graded meshes: there the change stops falling.
+    since_least = run.change < 0.5 * fallen ? 0 : since_least + 1;
+    if (since_least == 0) fallen = run.change;
+    const bool at_floor = since_least >= 4 && fallen <= kFloor;
+    run.converged = linear || run.change <= tolerance || at_floor;
+    if (!run.converged) {
+      // The last one is left as it is: g keeps the rows to rounding, a guess only as well as the
+      // differences that it is made of.
+      if (run.iterations == most) F_ = next_;
+      secants_.accelerate(x, next_);
+      if (run.iterations == most) next_ = F_;
+    }
+    x.swap(next_);
+    if (run.converged) break;
+  }
+  if (linear) {
+    anchor_ = x;
+    anchor_values_ = values;
+    anchored_ = true;
+    // Responses go with springs and their stiffness.
+  }
+  return run;
+}
+
+double Engine::change_between(const Points& a, const Points& b) const {
+  double largest = 0;
+  for (int c = 0; c < 3; ++c)
+    largest = std::max(largest, ((a.col(c) - b.col(c)).cwiseAbs().cwiseProduct(felt_)).maxCoeff());
+  return largest;
+}
+
+bool Engine::follow_measured(Model& model, const Points& x) {
+  bool moved = false;
+  for (size_t l = 0; l < model.loads.size(); ++l) {
+    const auto* measured = std::get_if<LiveLoad::Measured>(&model.def.loads[l]->load.kind);
+    if (!measured) continue;
+    const Surface shape(model.parts->mesh, model.parts->kind,
+                        x + model.parts->ones * model.origin().transpose(), model.parts->trim);
+    const SurfaceProjector projector(shape);
+    auto& feet = model.measured_feet[l];
+    auto& used = model.measured_used[l];
+    const bool first = feet.empty();
+    feet.resize(measured->points.size());
+    used.resize(measured->points.size());
+    for (size_t i = 0; i < feet.size(); ++i) {
+      const Vec3& p = measured->points[i];
+      const auto closest = projector.nearest(p);
+      const Vec2 uv = shape.mesh().shape(closest.where.triangle).point(closest.where.L);
+      // On the rim the way to a point beyond it is not at right angles to the surface.
+      const SurfaceJet jet = shape.jet(closest.where);
+      const Vec3 across = p - jet.x;
+      const char use = (!shape.trim() || shape.trim()->loops().contains(uv)) &&
+                       (across.norm() <= 1e-9 * model.layout().size() ||
+                        std::abs(across.normalized().dot(jet.normal())) > 0.7);
+      moved = moved || first || use != used[i] || !((uv - feet[i]).norm() < 1e-6);
+      feet[i] = shape.mesh().wrapped(uv);
+      used[i] = use;
+    }
+  }
+  if (moved) outdate(model);
+  return moved;
+}
+
+// -- motion ---------------------------------------------------------------------------------------
+
+bool Engine::prepare_motion(Model& model, const Motion& motion) {
+  const bool same = model.moving && model.motion.dt == motion.dt &&
+                    model.motion.density == motion.density &&
+                    model.motion.damping == motion.damping && model.motion.theta == motion.theta;
+  if (same && model.moving_coupling && model.moving_rows == model.loose) return false;
+  if (!same) {
+    const double s = model.layout().size();
+    const double area = model.def.units == LoadUnits::Relative ? 1 : s * s;
+    const double inertia = area * (motion.density / (motion.theta * motion.dt) + motion.damping);
+    SparseMatrix S =
+        inertia * model.parts->mass() + (motion.theta * motion.dt) * model.statics->matrix();
+    model.moving = std::make_shared<LiveSystem>(*model.statics, std::move(S));
+    model.motion = motion;
+  }
+  SparseMatrix U = SparseMatrix(model.reduction->D().transpose()) * model.loose->A;
+  model.moving_coupling = std::make_shared<Coupling>(model.moving->factor(), std::move(U),
+                                                     model.loose->rows, kDependent);
+  model.moving_rows = model.loose;
+  return true;
+}
+
+void Engine::step(Model& model, const std::vector<double>& from, const std::vector<double>& to,
+                  Shape& shape) {
+  const Motion& m = model.motion;
+  const double s = model.layout().size();
+  const double area = model.def.units == LoadUnits::Relative ? 1 : s * s;
+  LiveSystem& system = *model.moving;
+  const auto blended = [&](size_t p) { return m.theta * to[p] + (1 - m.theta) * from[p]; };
+
+  // Followers act on the shape half way through the step; with θ = 1 on the one at its beginning,
+  // so that a step of any length is stable.
+  const double ahead = (1 - m.theta) * m.dt;
+  // b = F - K x + ρ/(θ dt) M v.
+  symmetric_times(model.statics->matrix(), shape.x, product_);
+  F_ = -product_;
+  if (m.density > 0) {
+    symmetric_times(model.parts->mass(), shape.v, product_);
+    F_ += (area * m.density / (m.theta * m.dt)) * product_;
+  }
+  next_ = shape.x + ahead * shape.v;
+  for (size_t l = 0; l < model.loads.size(); ++l) {
+    const double v = blended(static_cast<size_t>(model.load_parameter[l]));
+    if (v == 0) continue;
+    const BuiltLoad& load = *model.loads[l];
+    if (load.F.rows() > 0) F_ += v * load.F;
+    if (std::holds_alternative<LiveLoad::Pressure>(model.def.loads[l]->load.kind))
+      model.parts->pressure.add(next_, load.weights, v * load.scale, F_);
+  }
+  if (model.measured_load.rows() > 0) F_ += model.measured_load;
+
+  // Lines move at the rate that takes them to their places at the end of the step.
+  lines_right(model, from, rate_);
+  lines_right(model, to, right_);
+  model.reduction->check(right_);
+  rate_ = (right_ - rate_) / m.dt;
+  if (model.reduction->from_right().nonZeros() > 0)
+    e_.noalias() = model.reduction->from_right() * rate_;
+  system.start_load(rate_, y_);
+  system.add_load(F_, y_);
+
+  const LooseRows& rows = *model.loose;
+  if (!rows.rows.empty()) {
+    ae_.noalias() = rows.A.transpose() * e_;
+    ax_.noalias() = rows.A.transpose() * shape.x;
+    av_.noalias() = rows.A.transpose() * shape.v;
+    long soft = 0;
+    for (size_t r = 0; r < rows.rows.size(); ++r) {
+      const auto& source = rows.sources[r];
+      const Coupling::Row& row = rows.rows[r];
+      const double at = row.of(ax_), lines = row.of(ae_);
+      double& g = g_[static_cast<long>(r)];
+      if (row.soft) {
+        const Vec3 p = ax_.row(row.point).transpose() + model.origin();
+        const double value = blended(static_cast<size_t>(source.parameter));
+        const Pull pulled = pull(model, source, value, p + ahead * av_.row(row.point).transpose());
+        wanted_[soft++] = m.theta * m.dt * pulled.stiffness;
+        g = row.direction.dot(pulled.target - p) / (m.theta * m.dt) - lines;
+        continue;
+      }
+      const double goal =
+          source.kind == LooseRows::Source::Goal
+              ? to[static_cast<size_t>(source.parameter)] - model.origin()[source.coordinate]
+              : 0;
+      g = (goal - at) / m.dt - lines;
+    }
+    if (soft > 0) model.moving_coupling->set_stiffness(wanted_);
+    if (!model.moving_coupling->implied().empty()) {
+      const auto [missed, row] = model.moving_coupling->contradiction(g_);
+      if (missed * m.dt > kAgree * s) throw_conflict(model, to, row);
+    }
+  }
+  system.solve(y_);
+  model.moving_coupling->apply(y_, g_);
+  system.expand(y_, e_, next_);
+  shape.x += m.dt * next_;
+  shape.v += (next_ - shape.v) / m.theta;
+}
+
+void Engine::project(Model& model, const std::vector<double>& values, Shape& shape) {
+  // x: the rows' residuals are what is missing.
+  lines_right(model, values, right_);
+  model.reduction->check(right_);
+  const auto correct = [&](Points& x, bool velocity) {
+    for (size_t r = 0; r < model.line_rows->rows().size(); ++r) {
+      const auto& row = model.line_rows->rows()[r];
+      Vec3 is = Vec3::Zero();
+      for (const auto& e : row.entries) is += e.coefficient * x.row(e.dof).transpose();
+      const Vec3 wanted = velocity ? Vec3::Zero() : Vec3(right_.row(static_cast<long>(r)));
+      rate_.row(static_cast<long>(r)) = wanted - is;
+    }
+    if (model.reduction->from_right().nonZeros() > 0)
+      e_.noalias() = model.reduction->from_right() * rate_;
+    model.statics->start_load(rate_, y_);
+    const LooseRows& rows = *model.loose;
+    ae_.noalias() = rows.A.transpose() * e_;
+    ax_.noalias() = rows.A.transpose() * x;
+    for (size_t r = 0; r < rows.rows.size(); ++r) {
+      const auto& source = rows.sources[r];
+      const Coupling::Row& row = rows.rows[r];
+      double goal = 0;
+      if (!velocity && source.kind == LooseRows::Source::Goal)
+        goal = values[static_cast<size_t>(source.parameter)] - model.origin()[source.coordinate];
+      g_[static_cast<long>(r)] = row.soft ? 0 : goal - row.of(ax_) - row.of(ae_);
+    }
+    if (!velocity && !model.coupling->implied().empty()) {
+      const auto [missed, row] = model.coupling->contradiction(g_);
+      if (missed > kAgree * model.layout().size()) throw_conflict(model, values, row);
+    }
+    model.statics->solve(y_);
+    model.coupling->apply(y_, g_);
+    model.statics->expand(y_, e_, next_);
+    x += next_;
+  };
+  correct(shape.x, false);
+  correct(shape.v, true);
+}
+
+// -- what there is to know ------------------------------------------------------------------------
+
+double Engine::residual(const Model& model, const std::vector<double>& values, const Points& x) {
+  lines_right(model, values, rate_);
+  double largest = 0;
+  const auto note = [&](double missed) {
+    if (!(missed <= largest) && !std::isnan(largest)) largest = missed;
+  };
+  const auto& lines = model.line_rows->rows();
+  for (size_t r = 0; r < lines.size(); ++r) {
+    Vec3 is = Vec3::Zero();
+    for (const auto& e : lines[r].entries) is += e.coefficient * x.row(e.dof).transpose();
+    note((is - rate_.row(static_cast<long>(r)).transpose()).cwiseAbs().maxCoeff());
+  }
+  const LooseRows& rows = *model.loose;
+  for (size_t r = 0; r < rows.rows.size(); ++r) {
+    if (rows.rows[r].soft) continue;
+    double is = 0;
+    rows.rows[r].terms([&](int point, const Vec3& n) {
+      for (SparseMatrix::InnerIterator it(rows.A, point); it; ++it)
+        is += it.value() * n.dot(Vec3(x.row(it.row())));
+    });
+    const auto& source = rows.sources[r];
+    const double goal =
+        source.kind == LooseRows::Source::Goal
+            ? values[static_cast<size_t>(source.parameter)] - model.origin()[source.coordinate]
+            : 0;
+    note(std::abs(is - goal));
+  }
+  return largest;
+}
+
+SurfaceEnergy Engine::elastic_energy(const Model& model, const std::vector<double>& values,
+                                     const Points& x) {
+  const auto part = [&](bool bends) {
+    auto all = materials(model, values);
+    all.resize(static_cast<size_t>(model.parts->mesh->triangle_count()), all[0]);
+    for (SurfaceStiffness& m : all) {
+      if (bends)
+        m.alpha.setZero();
+      else
+        m.beta = m.beta_mixed = Vec3::Zero();
+    }
+    SparseMatrix K = model.parts->assembler.pattern();
+    model.parts->assembler.stiffness(all, K);
+    symmetric_times(K, x, product_);
+    return x.cwiseProduct(product_).sum();
+  };
+  return {part(false), part(true)};
+}
+
+double Engine::total_energy(const Model& model, const std::vector<double>& values,
+                            const Shape& shape, bool moving) {
+  symmetric_times(model.statics->matrix(), shape.x, product_);
+  for (size_t l = 0; l < model.loads.size(); ++l) {
+    const double v = values[static_cast<size_t>(model.load_parameter[l])];
+    if (model.loads[l]->F.rows() > 0 && v != 0) product_ -= 2 * v * model.loads[l]->F;
+    // Along a fixed rim, ⅔ of the work that the pressure would do on the shape as it is.
+    if (std::holds_alternative<LiveLoad::Pressure>(model.def.loads[l]->load.kind) && v != 0) {
+      F_.setZero();
+      model.parts->pressure.add(shape.x, model.loads[l]->weights, v * model.loads[l]->scale, F_);
+      product_ -= (2.0 / 3) * F_;
+    }
+  }
+  if (model.measured_load.rows() > 0) product_ -= 2 * model.measured_load;
+  double energy = shape.x.cwiseProduct(product_).sum();
+  const LooseRows& rows = *model.loose;
+  for (size_t r = 0; r < rows.rows.size(); ++r) {
+    if (!rows.rows[r].soft) continue;
+    Vec3 p = model.origin();
+    for (SparseMatrix::InnerIterator it(rows.A, rows.rows[r].point); it; ++it)
+      p += it.value() * shape.x.row(it.row()).transpose();
+    const double value = values[static_cast<size_t>(rows.sources[r].parameter)];
+    const Pull to = pull(model, rows.sources[r], value, p);
+    const double off = rows.rows[r].direction.dot(p - to.target);
+    energy += to.stiffness * off * off;
+  }
+  if (moving && model.motion.density > 0) {
+    const double s = model.layout().size();
+    const double area = model.def.units == LoadUnits::Relative ? 1 : s * s;
+    symmetric_times(model.parts->mass(), shape.v, product_);
+    energy += area * model.motion.density * shape.v.cwiseProduct(product_).sum();
+  }
+  return energy;
+}
+
+}  // namespace batten::live

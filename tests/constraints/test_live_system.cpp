@@ -1,0 +1,188 @@
+// Rows that come and go on a factor that stays: equal to the same rows solved at once.
+#include "batten/constraints/live_system.h"
+
+#include <random>
+
+#include "batten/constraints/coupling.h"
+#include "batten/core/errors.h"
+#include "batten/fem/assembly.h"
+#include "batten/tests/catch.h"
+#include "batten/tests/clamped_rim.h"
+#include "batten/tests/sampling.h"
+
+using namespace batten_test;
+
+namespace {
+
+// A clamped plate with random functionals on its dofs.
+struct Plate {
+  ParametricMesh mesh = perturbed_square(6, 3);
+  SurfaceAssembler assembler{mesh, TriangleElement::HCT};
+  SparseMatrix K = assembler.stiffness(SurfaceStiffness::isotropic(1, 0.1));
+  ConstraintSet rim = clamped_rim(mesh);
+  std::shared_ptr<const AffineReduction> reduction = std::make_shared<AffineReduction>(rim);
+  LiveSystem system{reduction, K, {}};
+  Points F = assembler.load(Vec3(1, -2, 3));
+  std::mt19937 random{7};
+
+  int n() const { return assembler.dofs().count(); }
+  SparseMatrix functionals(int count) {
+    std::uniform_int_distribution<int> dof(0, n() - 1);
+    std::normal_distribution<double> value;
+    std::vector<Triplet> entries;
+    for (int k = 0; k < count; ++k)
+      for (int i = 0; i < 12; ++i) entries.emplace_back(dof(random), k, value(random));
+    SparseMatrix A(n(), count);
+    A.setFromTriplets(entries.begin(), entries.end());
+    return A;
+  }
+  Vec3 direction() {
+    std::normal_distribution<double> value;
+    return Vec3(value(random), value(random), value(random)).normalized();
+  }
+  SparseMatrix reduced(const SparseMatrix& A) const {
+    return SparseMatrix(reduction->D().transpose()) * A;
+  }
+  Points solve(const Coupling& coupling, VecX g, const SparseMatrix& A,
+               const std::vector<Coupling::Row>& rows) {
+    MatX right(static_cast<long>(rim.rows().size()), 3), y(system.free_count(), 3);
+    for (long r = 0; r < right.rows(); ++r) right.row(r) = rim.rows()[static_cast<size_t>(r)].value;
+    const Points e = reduction->particular(right);
+    const MatX ae = A.transpose() * e;
+    for (size_t r = 0; r < rows.size(); ++r) g[static_cast<long>(r)] -= rows[r].of(ae);
+    system.start_load(right, y);
+    system.add_load(F, y);
+    system.solve(y);
+    coupling.apply(y, g);
+    Points x(n(), 3);
+    system.expand(y, e, x);
+    return x;
+  }
+};
+
+double size_of(const SparseMatrix& A, int k) { return A.col(k).norm(); }
+
+}  // namespace
+
+TEST_CASE("hard rows on a kept factor equal the saddle point system") {
+  Plate p;
+  const SparseMatrix A = p.functionals(9);
+  std::vector<Coupling::Row> rows;
+  ConstraintSet all = p.rim;
+  VecX g = VecX::Random(7);
+  const auto entries = [&](int point, const Vec3& n) {
+    std::vector<ConstraintSet::CoupledEntry> list;
+    for (SparseMatrix::InnerIterator it(A, point); it; ++it)
+      list.push_back({static_cast<int>(it.row()), it.value() * n});
+    return list;
+  };
+  for (int k = 0; k < 6; ++k) rows.push_back({k, p.direction(), size_of(A, k)});
+  // One whose direction differs from dof to dof.
+  rows.push_back({6, Vec3::UnitX(), 1, false, {{7, Vec3::UnitY()}, {8, p.direction()}}});
+  for (size_t r = 0; r < rows.size(); ++r) {
+    std::vector<ConstraintSet::CoupledEntry> list;
+    rows[r].terms([&](int point, const Vec3& n) {
+      const auto more = entries(point, n);
+      list.insert(list.end(), more.begin(), more.end());
+    });
+    all.add_coupled("row " + std::to_string(r), list, g[static_cast<long>(r)]);
+  }
+  const Coupling coupling(p.system.factor(), p.reduced(A), rows);
+  const Points x = p.solve(coupling, g, A, rows);
+  const Points twin = solve_kkt(all, p.K, p.F);
+  CHECK((x - twin).cwiseAbs().maxCoeff() < 1e-9 * twin.cwiseAbs().maxCoeff());
+  CHECK(all.max_residual(x) < 1e-12);
+}
+
+TEST_CASE("soft rows equal springs in the matrix, whatever their stiffness") {
+  Plate p;
+  const SparseMatrix A = p.functionals(3);
+  const VecX g = VecX::Random(9);
+  for (const double k : {0.0, 1e-3, 1.0, 1e6}) {
+    std::vector<Coupling::Row> rows;
+    for (int point = 0; point < 3; ++point)
+      for (int c = 0; c < 3; ++c) rows.push_back({point, Vec3::Unit(c), size_of(A, point), true});
+    Coupling coupling(p.system.factor(), p.reduced(A), rows);
+    coupling.set_stiffness(VecX::Constant(9, k));
+    const Points x = p.solve(coupling, g, A, rows);
+    // K + k A Aᵀ, F + k A g.
+    const SparseMatrix springs = A * SparseMatrix(A.transpose());
+    const SparseMatrix stiff = p.K + k * SparseMatrix(springs.triangularView<Eigen::Lower>());
+    Points F = p.F;
+    for (int point = 0; point < 3; ++point)
+      F += k * VecX(A.col(point)) * g.segment<3>(3 * point).transpose();
+    const Points twin = solve_constrained(p.rim, stiff, F);
+    CHECK((x - twin).cwiseAbs().maxCoeff() < 1e-7 * twin.cwiseAbs().maxCoeff());
+  }
+}
+
+TEST_CASE("hard and soft rows together equal springs under constraints") {
+  Plate p;
+  const SparseMatrix A = p.functionals(4);
+  std::vector<Coupling::Row> rows;
+  VecX g = VecX::Random(6);
+  ConstraintSet all = p.rim;
+  for (int point = 0; point < 3; ++point) {
+    rows.push_back({point, p.direction(), size_of(A, point)});
+    std::vector<ConstraintSet::CoupledEntry> list;
+    for (SparseMatrix::InnerIterator it(A, point); it; ++it)
+      list.push_back({static_cast<int>(it.row()), it.value() * rows.back().direction});
+    all.add_coupled("row " + std::to_string(point), list, g[point]);
+  }
+  for (int c = 0; c < 3; ++c) rows.push_back({3, Vec3::Unit(c), size_of(A, 3), true});
+  const double k = 5;
+  Coupling coupling(p.system.factor(), p.reduced(A), rows);
+  coupling.set_stiffness(VecX::Constant(3, k));
+  const Points x = p.solve(coupling, g, A, rows);
+  const SparseMatrix a = A.col(3);
+  const SparseMatrix springs = a * SparseMatrix(a.transpose());
+  const Points F = p.F + k * VecX(a) * g.tail<3>().transpose();
+  const Points twin =
+      solve_kkt(all, p.K + k * SparseMatrix(springs.triangularView<Eigen::Lower>()), F);
+  CHECK((x - twin).cwiseAbs().maxCoeff() < 1e-8 * twin.cwiseAbs().maxCoeff());
+  CHECK(all.max_residual(x) < 1e-12);
+}
+
+TEST_CASE("solves that are known already are taken over, bit for bit") {
+  Plate p;
+  const SparseMatrix A = p.functionals(5), first = A.leftCols(3);
+  std::vector<Coupling::Row> rows;
+  for (int k = 0; k < 5; ++k) rows.push_back({k, p.direction(), size_of(A, k)});
+  const Coupling older(p.system.factor(), p.reduced(first), {rows.begin(), rows.begin() + 3});
+  const Coupling fresh(p.system.factor(), p.reduced(A), rows);
+  const Coupling grown(p.system.factor(), p.reduced(A), rows, older, {0, 1, 2, -1, -1});
+  const VecX g = VecX::Random(5);
+  CHECK(p.solve(fresh, g, A, rows) == p.solve(grown, g, A, rows));
+}
+
+TEST_CASE("a hard row that others imply is left out, and contradicted when it does not fit") {
+  Plate p;
+  SparseMatrix A = p.functionals(2);
+  std::vector<Coupling::Row> rows{{0, Vec3::UnitZ(), size_of(A, 0)},
+                                  {1, Vec3::UnitZ(), size_of(A, 1)},
+                                  {0, Vec3::UnitZ(), size_of(A, 0)}};
+  const Coupling coupling(p.system.factor(), p.reduced(A), rows);
+  CHECK(coupling.independent() == std::vector<int>{0, 1});
+  CHECK(coupling.implied() == std::vector<int>{2});
+  CHECK(coupling.contradiction(Vec3(1, 2, 1)).first < 1e-12);
+  CHECK(coupling.contradiction(Vec3(1, 2, 1.5)).first == Approx(0.5));
+  CHECK(coupling.contradiction(Vec3(1, 2, 1.5)).second == 2);
+}
+
+TEST_CASE("a live system takes other numbers, and stays as it was when they are no material") {
+  Plate p;
+  const SparseMatrix softer = p.assembler.stiffness(SurfaceStiffness::isotropic(0.5, 0.05));
+  const auto solved = [&] {
+    MatX y(p.system.free_count(), 3);
+    p.system.start_load(MatX::Zero(static_cast<long>(p.rim.rows().size()), 3), y);
+    p.system.add_load(p.F, y);
+    p.system.solve(y);
+    return y;
+  };
+  const MatX stiff = solved();
+  CHECK_THROWS_AS(p.system.set_matrix(-1.0 * p.K), NoSolutionError);
+  CHECK(solved() == stiff);
+  p.system.set_matrix(softer);
+  CHECK((solved() - 2 * stiff).cwiseAbs().maxCoeff() < 1e-12 * stiff.cwiseAbs().maxCoeff());
+  CHECK_THROWS_AS(p.system.set_matrix(SparseMatrix(p.n(), p.n())), InputError);
+}
