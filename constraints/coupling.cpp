@@ -180,7 +180,16 @@ void Coupling::apply(Eigen::Ref<MatX> y, const VecX& g) const {
         if (const double step = scratch_[k] * n[c]; step != 0) y.col(c) -= step * Z_.col(point);
     });
   }
-  // The solve left its rounding; along G it is gone in a step, the second one is for safety.
+  project(y, g);
+}
+
+void Coupling::project(Eigen::Ref<MatX> y, const VecX& g) const {
+  const auto rank = static_cast<long>(independent_.size());
+  if (rank == 0) return;
+  const auto lower = R_.triangularView<Eigen::Lower>();
+  const auto upper = R_.transpose().triangularView<Eigen::Upper>();
+  auto hard_part = scratch_.head(rank);
+  // Rounding is gone in a step, the second one is for safety.
   for (int pass = 0; pass < 2; ++pass) {
     residual_of_hard(y, g);
     lower.solveInPlace(hard_part);

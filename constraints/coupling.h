@@ -79,6 +79,8 @@ class Coupling {
   void set_stiffness(const VecX& stiffness);
   /// y⁰ becomes y. g: one number for each row. Allocates nothing.
   void apply(Eigen::Ref<MatX> y, const VecX& g) const;
+  /// y onto the hard rows along G: the nearest that holds them. apply() ends with it.
+  void project(Eigen::Ref<MatX> y, const VecX& g) const;
   size_t bytes() const;
 
  private:

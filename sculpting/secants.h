@@ -12,14 +12,15 @@ namespace batten {
 ///
 ///     x_next = g - Σ_k (Δf_k · f) Δg_k
 ///
-/// Pairs outlive the iteration that made them: when the load changes a little, they still tell how
-/// the surface answers, and a drag converges in one or two iterations instead of five. The oldest
-/// makes room for the newest, and goes when the newest is nearly a combination of the others. Eight
-/// pairs of n×3 numbers twice; allocates at resize() only.
-/// Source: Anderson 1965; Walker, Ni 2011.
+/// f is taken at a sample of the dofs (the positions of vertices), which tells as much for a sixth
+/// of the work. Pairs outlive the iteration that made them: when the load changes a little, they
+/// still tell how the surface answers, and a drag converges in two iterations instead of eight. The
+/// oldest makes room for the newest, and goes when the newest is nearly a combination of the
+/// others. Allocates at resize() only. Source: Anderson 1965; Walker, Ni 2011.
 class Secants {
  public:
-  void resize(long dofs);
+  /// `sample`: dofs at which f is taken.
+  void resize(long dofs, std::vector<int> sample);
   void clear() { count_ = 0; }
   /// No pair is made with the iterate before: another iteration begins.
   void begin() { has_last_ = false; }
@@ -27,8 +28,11 @@ class Secants {
   void accelerate(const Points& x, Points& g);
 
  private:
-  static constexpr int kDepth = 8;
-  std::vector<Points> df_, dg_;  // newest at (first_ + count_ - 1) % kDepth
+  static constexpr int kDepth = 6;
+  size_t slot(int k) const { return static_cast<size_t>((first_ + k) % kDepth); }
+  void take_out(const double* shares, Points& from) const;
+  std::vector<int> sample_;
+  std::vector<Points> df_, dg_;  // newest at slot(count_ - 1)
   Points f_, last_f_, last_g_;
   int first_ = 0, count_ = 0;
   bool has_last_ = false;

@@ -17,6 +17,8 @@ constexpr double kDependent = 1e-5;
 constexpr double kAgree = 5e-11;
 // Over the size: changes below this that do not fall any more are rounding.
 constexpr double kFloor = 1e-9;
+// Over the size: in one iteration, no shape comes back from there.
+constexpr double kRunOff = 1e6;
 
 std::vector<SurfaceStiffness> materials(const Model& model, const std::vector<double>& values) {
   const auto at = [&](int p) { return values[static_cast<size_t>(p)]; };
@@ -89,7 +91,10 @@ void Engine::bind(const Model& model) {
   for (const auto& row : model.loose->rows) soft += row.soft;
   stiffness_.setConstant(soft, -1);
   wanted_.setZero(soft);
-  secants_.resize(n);
+  std::vector<int> sample;
+  for (int v = 0; v < model.parts->mesh->vertex_count(); ++v)
+    sample.push_back(model.parts->assembler.dofs().vertex(v));
+  secants_.resize(n, std::move(sample));
   felt_ = change_weights(*model.parts->mesh, model.parts->trim.get());
   responses_.clear();
   responses_.resize(model.loads.size());
@@ -370,14 +375,13 @@ Engine::Run Engine::answer(Model& model, const std::vector<double>& values, Poin
   }
   prepare_right(model, values);
   secants_.begin();
-  const double limit = 1e6 * (size + x.cwiseAbs().maxCoeff());
   double fallen = std::numeric_limits<double>::infinity();
   int since_least = 0;
   while (run.iterations < most) {
     map(model, values, x, next_);
     ++run.iterations;
     run.change = change_between(next_, x) / size;
-    if (!next_.allFinite() || next_.cwiseAbs().maxCoeff() > limit) {
+    if (!(run.change < kRunOff)) {  // NaN too
       run.ran_off = true;
       secants_.clear();
       return run;
@@ -387,14 +391,10 @@ Engine::Run Engine::answer(Model& model, const std::vector<double>& values, Poin
     if (since_least == 0) fallen = run.change;
     const bool at_floor = since_least >= 4 && fallen <= kFloor;
     run.converged = linear || run.change <= tolerance || at_floor;
-    if (!run.converged) {
-      // The last one is left as it is: g keeps the rows to rounding, a guess only as well as the
-      // differences that it is made of.
-      if (run.iterations == most) F_ = next_;
-      secants_.accelerate(x, next_);
-      if (run.iterations == most) next_ = F_;
-    }
+    if (!run.converged) secants_.accelerate(x, next_);
     x.swap(next_);
+    // A guess keeps the rows only as well as the differences that it is made of.
+    if (!run.converged && run.iterations == most) put_on_rows(model, x);
     if (run.converged) break;
   }
   if (linear) {
@@ -407,10 +407,25 @@ Engine::Run Engine::answer(Model& model, const std::vector<double>& values, Poin
 }
 
 double Engine::change_between(const Points& a, const Points& b) const {
-  double largest = 0;
+  double largest = 0, all = 0;
+  for (int c = 0; c < 3; ++c) {
+    const double* p = a.col(c).data();
+    const double* q = b.col(c).data();
+    for (long i = 0; i < felt_.size(); ++i) {
+      const double change = std::abs(p[i] - q[i]) * felt_[i];
+      largest = change > largest ? change : largest;
+      all += p[i];
+    }
+  }
+  return std::isfinite(all) ? largest : std::numeric_limits<double>::quiet_NaN();
+}
+
+void Engine::put_on_rows(const Model& model, Points& x) {
+  const auto& free = model.reduction->free_dofs();
   for (int c = 0; c < 3; ++c)
-    largest = std::max(largest, ((a.col(c) - b.col(c)).cwiseAbs().cwiseProduct(felt_)).maxCoeff());
-  return largest;
+    for (size_t f = 0; f < free.size(); ++f) y_(static_cast<long>(f), c) = x(free[f], c);
+  model.coupling->project(y_, g_);
+  model.statics->expand(y_, e_, x);
 }
 
 bool Engine::follow_measured(Model& model, const Points& x) {

@@ -74,6 +74,7 @@ class Engine {
   Pull pull(const Model& model, const LooseRows::Source& source, double value, const Vec3& p) const;
 
   double change_between(const Points& a, const Points& b) const;
+  void put_on_rows(const Model& model, Points& x);
   MatX right_, rate_, hd_, base_, y_;
   VecX felt_;
   Points e_, next_, F_, product_;

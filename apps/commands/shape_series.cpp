@@ -15,6 +15,14 @@ namespace {
 constexpr int kAnimationWidth = 800;
 constexpr double kSeriesSeconds = 4, kLastSeconds = 1;
 
+constexpr int kMostAnimated = 120, kMostPanels = 48;
+
+/// At most so many of `count`, evenly, the last one among them.
+bool is_chosen(int i, int count, int most) {
+  const int stride = (count + most - 1) / most;
+  return (count - 1 - i) % stride == 0;
+}
+
 PictureSize animation_size(const PictureSize& size) {
   const double scale = std::min(1.0, static_cast<double>(kAnimationWidth) / size.width);
   const auto scaled = [&](int pixels) {
@@ -69,20 +77,27 @@ void ShapeSeries::finish(Report& report, bool each, const Progress& progress) {
   hold_view(frames);
   const PictureSize size = animation_size(picture.size);
   std::vector<Image> images;
-  for (size_t i = 0; i < frames.size(); ++i) {
-    progress.at("pictures of " + label_,
-                static_cast<double>(i) / static_cast<double>(frames.size()));
-    images.push_back(picture_image(frames[i], size));
-    if (!each) continue;
-    const std::string file = name(static_cast<int>(i), ".png");
-    write_png(out_.file(file), images.back());
-    report.files.push_back(file);
+  std::vector<PictureScene> panels;
+  for (int i = 0; i < count(); ++i) {
+    progress.at("pictures of " + label_, static_cast<double>(i) / count());
+    const PictureScene& frame = frames[static_cast<size_t>(i)];
+    const bool animated = is_chosen(i, count(), kMostAnimated);
+    if (!each && is_chosen(i, count(), kMostPanels)) panels.push_back(frame);
+    if (!animated && !each) continue;
+    Image image = picture_image(frame, size);
+    if (each) {
+      const std::string file = name(i, ".png");
+      write_png(out_.file(file), image);
+      report.files.push_back(file);
+    }
+    if (animated) images.push_back(std::move(image));
   }
   if (!each) {
-    const int columns = columns_for(count()), rows = (count() + columns - 1) / columns;
+    const int many = static_cast<int>(panels.size());
+    const int columns = columns_for(many), rows = (many + columns - 1) / columns;
     constexpr double sheet = 1500;
     const double height = sheet / columns * picture.size.height / picture.size.width * rows;
-    draw_contact_sheet(out_.file(stem_ + ".png"), frames, columns,
+    draw_contact_sheet(out_.file(stem_ + ".png"), panels, columns,
                        {static_cast<int>(sheet), std::clamp(static_cast<int>(height), 64, 4096)});
     report.files.push_back(stem_ + ".png");
   }

@@ -22,8 +22,8 @@ class ShapeSeries {
   void add(Report& report, double value, SkinnedRegion region);
   int count() const { return static_cast<int>(files_.size()); }
 
-  /// STEM.pvd; with a display STEM.gif, and STEM.png with all shapes or (`each`) one .png a shape.
-  /// All with one camera, and contours at the same heights.
+  /// STEM.pvd; with a display STEM.gif (of 120 shapes at most), and STEM.png with all shapes (48 at
+  /// most) or (`each`) one .png a shape. All with one camera, and contours at the same heights.
   void finish(Report& report, bool each, const Progress& progress);
 
  private:

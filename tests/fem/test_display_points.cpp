@@ -129,6 +129,18 @@ TEST_CASE("display points ask for no memory and give the same bits on one thread
   CHECK(std::memcmp(shown.normals.data(), again.normals.data(), bytes) == 0);
 }
 
+TEST_CASE("display normals do not depend on the unit of length") {
+  const Surface surface = wavy(3, TriangleElement::HCT, 8);
+  const auto where = places(surface.mesh(), 2);
+  const DisplayPoints display(surface.mesh(), surface.kind(), where);
+  const Shown one(display, surface.dofs());
+  for (const double unit : {1e-9, 1e9}) {
+    const Shown other(display, unit * surface.dofs());
+    for (size_t p = 0; p < where.size(); ++p)
+      CHECK((one.normal(p) - other.normal(p)).norm() < 1e-6);
+  }
+}
+
 TEST_CASE("a singular place has no normal, its neighbours have theirs") {
   Surface surface = wavy(4, TriangleElement::HCT, 6);
   Points q = surface.dofs();

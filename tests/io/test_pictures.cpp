@@ -327,3 +327,57 @@ TEST_CASE("a contact sheet holds every scene in its own place", "[io][pictures]"
   // The place without a scene is white.
   for (int y = 210; y < 390; y += 10) CHECK(sheet.pixel(480, y) == Vec3::Ones());
 }
+
+TEST_CASE("pictures of a series share camera, heights and colours", "[io][pictures]") {
+  const SkinnedRegion low = region(0.5), high = region(2);
+  PictureScene look;
+  look.contours = 5;
+  look.field = PictureScene::Field::Mean;
+  std::vector<PictureScene> scenes = {look, look};
+  scenes[0].regions = {&low};
+  scenes[1].regions = {&high};
+  scenes[1].azimuth = 70;  // the first one's counts
+  hold_view(scenes);
+  REQUIRE(scenes[0].in_view.size() == 8);
+  CHECK(scenes[0].in_view == scenes[1].in_view);
+  CHECK(scenes[1].azimuth == scenes[0].azimuth);
+  REQUIRE(scenes[1].contour_range);
+  CHECK(scenes[0].contour_range == scenes[1].contour_range);
+  // The higher dome spans more: its top is 1 - 0, its corners are at -0.6 of its height and a bit.
+  CHECK(scenes[0].contour_range->second == Approx(2).epsilon(1e-3));
+  CHECK(scenes[0].contour_range->first < -1);
+  CHECK(scenes[0].field_limit == scenes[1].field_limit);
+  CHECK(scenes[0].field_limit > 0);
+  if (!have_display()) return;
+  for (PictureScene& scene : scenes) {
+    scene.field = PictureScene::Field::None;
+    scene.contours = 0;
+    scene.lines = false;
+  }
+  const PictureSize size{400, 300};
+  // Everything of the higher one fits, and so touches the frame more than the lower one does.
+  const auto rows = [&](const PictureScene& scene) {
+    const Image image = picture_image(scene, size);
+    const Image empty = [&] {
+      PictureScene nothing = scene;
+      nothing.zoom = 1e-3;
+      return picture_image(nothing, size);
+    }();
+    int first = size.height, last = -1;
+    for (int y = 0; y < size.height; ++y)
+      for (int x = 5; x < size.width - 5; ++x)
+        for (size_t c = 0; c < 3; ++c) {
+          const size_t at = 3 * (static_cast<size_t>(y) * 400 + static_cast<size_t>(x)) + c;
+          if (std::abs(image.rgb[at] - empty.rgb[at]) < 12) continue;
+          first = std::min(first, y);
+          last = std::max(last, y);
+        }
+    return std::pair(first, last);
+  };
+  const auto a = rows(scenes[0]), b = rows(scenes[1]);
+  CHECK(a.second > a.first);
+  CHECK(a.first > b.first + 20);
+  CHECK(a.second < b.second);
+  CHECK(b.first > 0);
+  CHECK(b.second < size.height - 1);
+}

@@ -36,6 +36,7 @@ TEST_CASE("one parameter drives several by linear rules, whatever their order", 
   all.drive("near", {{"bolder", 10}}, 3);
   all.drive("depth", {{"bolder", -4}, {"bolder", 1}}, 0);
   all.set("bolder", 0.5);
+  CHECK(all.value("far") == 2 * 8 + 1);
   all.set("finer", 0.25);
   CHECK(all.value("near") == 8);
   CHECK(all.value("far") == 2 * 8 - 0.25 + 1);

@@ -191,6 +191,34 @@ TEST_CASE("values over time drive a motion: a ramp arrives where its end is sett
   CHECK(difference(2 * (session.dofs() - start), moved - start) < 1e-9);
 }
 
+TEST_CASE("a load that grows evenly: the exact motion, second order in dt") {
+  // λ x + ẍ = f t, from rest: x = x₁ (t - sin ωt / ω), x₁ the static answer to f.
+  std::vector<double> error;
+  for (const int steps : {100, 200, 400}) {
+    SculptingSession session(square_layout(0.3), with_material(0, 1));
+    const Points still = session.dofs();
+    const Modes modes(session.layout().line_constraints(), Matrices(session.layout()).K,
+                      Matrices(session.layout()).M);
+    session.add(LiveLoad{"push", LiveLoad::Uniform{{0, 0, 1}, {}}}, {slider("push", 1000)});
+    session.settle();
+    const double one = modes.of(session.dofs() - still)(0, 2);
+    session.set("push", 0);
+    session.settle();
+    session.remove("push");
+    NamedValue ramp = slider("push");
+    ramp.over_time = {{0, 0}, {10, 10000}};
+    session.add(LiveLoad{"push", LiveLoad::Uniform{{0, 0, 1}, {}}}, {ramp});
+    const double omega = std::sqrt(modes.lambda[0]), end = 2.3 * 2 * pi / omega;
+    session.start_motion({.dt = end / steps, .density = 1, .damping = 0, .theta = 0.5});
+    for (int n = 0; n < steps; ++n) session.step();
+    const double exact = one * (end - std::sin(omega * end) / omega);
+    error.push_back(std::abs(modes.of(session.dofs() - still)(0, 2) / exact - 1));
+  }
+  INFO("errors " << error[0] << " " << error[1] << " " << error[2]);
+  CHECK(std::log2(error[1] / error[2]) == Approx(2).margin(0.1));
+  CHECK(error[2] < 1e-3);
+}
+
 TEST_CASE("a motion with impossible numbers is refused and nothing moves") {
   SculptingSession session(square_layout(0.5), {});
   const Points before = session.dofs();
