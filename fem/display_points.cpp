@@ -29,7 +29,6 @@ void require_inside(const Location& where, int place, int triangles) {
 }
 
 using Vector = double __attribute__((vector_size(32)));  // x, y, z, 0
-using Short = float __attribute__((vector_size(16)));    // differences and slopes of them
 
 struct Task {
   const int* numbers;
@@ -49,12 +48,11 @@ BATTEN_INLINE void evaluate_group(const Task& task, int from, int to) {
     const int* number = task.numbers + static_cast<long>(numbers) * p;
     const float* c = task.coefficients + static_cast<long>(3 * parts) * p;
     const Vector first = rows[number[1]];
-    Short d{}, x_u{}, x_v{};
-    const auto add = [&](const Vector& row) __attribute__((always_inline)) {
-      const Short q = __builtin_convertvector(row, Short);
-      d += c[0] * q;
-      x_u += c[1] * q;
-      x_v += c[2] * q;
+    Vector x = first + shift, x_u{}, x_v{};
+    const auto add = [&](const Vector& q) __attribute__((always_inline)) {
+      x += static_cast<double>(c[0]) * q;
+      x_u += static_cast<double>(c[1]) * q;
+      x_v += static_cast<double>(c[2]) * q;
       c += 3;
     };
     for (int i = 1; i < vertices; ++i) add(rows[number[1 + i]] - first);
@@ -63,21 +61,17 @@ BATTEN_INLINE void evaluate_group(const Task& task, int from, int to) {
       add(rows[number[1 + i] + 2]);
     }
     for (int i = 0; i < edges; ++i) add(rows[number[1 + vertices + i]]);
-    const Vector x = first + shift + __builtin_convertvector(d, Vector);
 
-    const float n[3] = {x_u[1] * x_v[2] - x_u[2] * x_v[1], x_u[2] * x_v[0] - x_u[0] * x_v[2],
-                        x_u[0] * x_v[1] - x_u[1] * x_v[0]};
-    // Squares of squares leave the range of single precision.
-    const auto squared = [](float a, float b, float c) __attribute__((always_inline)) {
-      return static_cast<double>(a) * a + static_cast<double>(b) * b + static_cast<double>(c) * c;
-    };
-    const double square = squared(n[0], n[1], n[2]);
-    const double most = squared(x_u[0], x_u[1], x_u[2]) * squared(x_v[0], x_v[1], x_v[2]);
-    const auto scale = static_cast<float>(square > 1e-12 * most ? 1 / std::sqrt(square) : 0);
+    const double a[3] = {x_u[1] * x_v[2] - x_u[2] * x_v[1], x_u[2] * x_v[0] - x_u[0] * x_v[2],
+                         x_u[0] * x_v[1] - x_u[1] * x_v[0]};
+    const double square = a[0] * a[0] + a[1] * a[1] + a[2] * a[2];
+    const double uu = x_u[0] * x_u[0] + x_u[1] * x_u[1] + x_u[2] * x_u[2],
+                 vv = x_v[0] * x_v[0] + x_v[1] * x_v[1] + x_v[2] * x_v[2];
+    const double scale = square > 1e-12 * uu * vv ? 1 / std::sqrt(square) : 0;
     const long target = 3L * number[0];
     for (int k = 0; k < 3; ++k) {
       task.points[target + k] = static_cast<float>(x[k]);
-      task.normals[target + k] = scale * n[k];
+      task.normals[target + k] = static_cast<float>(scale * a[k]);
     }
   }
 }

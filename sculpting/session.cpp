@@ -73,8 +73,7 @@ struct SculptingSession::Data {
   std::vector<std::string> value_names;
   Display display;
   Frame frame;
-  Points shown;
-  long frames = 0;
+  long frames = 0, version = 0, shown = -1;  // the version of the shape that was drawn
   Progress progress;
 
   Model& model() { return *now.model; }
@@ -121,6 +120,7 @@ struct SculptingSession::Data {
     engine.bind(*now.model);
     name_values();
     joins = false;
+    ++version;
   }
   bool go(std::deque<State>& from, std::deque<State>& to) {
     if (from.empty()) return false;
@@ -162,6 +162,7 @@ struct SculptingSession::Data {
     now.shape_values = now.good_values;
     now.shape.x = now.good_x;
     engine.forget();
+    ++version;
     read_values();
     engine.prepare_matrix(model(), values);
   }
@@ -254,6 +255,7 @@ struct SculptingSession::Data {
     }
     now.shape.v.setZero();
     joins = false;
+    ++version;
     answer.time = now.parameters.time();
     return answer;
   }
@@ -272,6 +274,7 @@ struct SculptingSession::Data {
       if (run.ran_off)
         throw NoSolutionError("the surface runs off under these values: past the limit");
       now.shape_values = values;
+      version += run.change != 0;
       if (run.converged) mark_good();
     } catch (const Error&) {
       fall_back();
@@ -303,6 +306,7 @@ struct SculptingSession::Data {
       fall_back();
       throw;
     }
+    ++version;
     mark_good();
     answer.iterations = 1;
     answer.time = now.parameters.time();
@@ -346,6 +350,7 @@ struct SculptingSession::Data {
     }
     engine.prepare_matrix(model(), values);
     engine.project(model(), values, now.shape);
+    ++version;
     mark_good();
   }
   // After loads changed: the shape stays as it is, for the values that it was made with.
@@ -1023,10 +1028,10 @@ void SculptingSession::Data::draw(Frame& to) {
   const auto count = 3 * static_cast<size_t>(display.points->count());
   to.points.resize(count);
   to.normals.resize(count);
-  to.moved = to.remeshed || shown.rows() != now.shape.x.rows() || shown != now.shape.x;
+  to.moved = to.remeshed || shown != version;
   to.number = ++frames;
   display.points->evaluate(now.shape.x, model().origin(), to.points.data(), to.normals.data());
-  shown = now.shape.x;
+  shown = version;
 }
 
 void SculptingSession::draw(Frame& to) { data_->draw(to); }

@@ -100,6 +100,7 @@ void Engine::bind(const Model& model) {
   responses_.resize(model.loads.size());
   known_response_.assign(model.loads.size(), 0);
   anchored_ = false;
+  right_values_.clear();
 }
 
 void Engine::forget() {
@@ -115,6 +116,7 @@ bool Engine::prepare_matrix(Model& model, const std::vector<double>& values) {
     if (model.roles[p] & kMatrix) fits = values[p] == model.matrix_values[p];
   if (fits && model.coupling && model.coupled_rows == model.loose) return false;
   anchored_ = false;
+  right_values_.clear();
   known_response_.assign(known_response_.size(), 0);
   const MeshParts& parts = *model.parts;
   std::shared_ptr<const LooseRows> older_rows;
@@ -199,7 +201,6 @@ void Engine::lines_right(const Model& model, const std::vector<double>& values, 
 void Engine::loose_right(const Model& model, const std::vector<double>& values) {
   const LooseRows& rows = *model.loose;
   if (rows.rows.empty()) return;
-  ae_.noalias() = rows.A.transpose() * e_;
   for (size_t r = 0; r < rows.rows.size(); ++r) {
     const auto& source = rows.sources[r];
     const Coupling::Row& row = rows.rows[r];
@@ -244,11 +245,21 @@ void Engine::throw_conflict(const Model& model, const std::vector<double>& value
 }
 
 void Engine::prepare_right(Model& model, const std::vector<double>& values) {
-  lines_right(model, values, right_);
-  model.reduction->check(right_);
-  if (model.reduction->from_right().nonZeros() > 0)
-    e_.noalias() = model.reduction->from_right() * right_;
-  model.statics->start_load(right_, hd_);
+  // Of the lines: only when they moved.
+  bool stands = right_values_.size() == values.size() && right_matrix_ == model.statics.get();
+  for (size_t p = 0; stands && p < values.size(); ++p)
+    stands = (model.roles[p] & kRight) == 0 || values[p] == right_values_[p];
+  if (!stands) {
+    right_values_.clear();
+    lines_right(model, values, right_);
+    model.reduction->check(right_);
+    if (model.reduction->from_right().nonZeros() > 0)
+      e_.noalias() = model.reduction->from_right() * right_;
+    model.statics->start_load(right_, hd_);
+    ae_.noalias() = model.loose->A.transpose() * e_;
+    right_values_ = values;
+    right_matrix_ = model.statics.get();
+  }
   loose_right(model, values);
   base_ = hd_;
   add_linear(model, values, base_);
@@ -350,6 +361,8 @@ Engine::Run Engine::answer(Model& model, const std::vector<double>& values, Poin
     for (size_t p = 0; only_loads && p < values.size(); ++p)
       only_loads = values[p] == anchor_values_[p] || (model.roles[p] & ~unsigned(kLinear)) == 0;
     if (only_loads) {
+      if (x_is_anchor_) anchor_ = x;
+      x_is_anchor_ = false;
       next_ = anchor_;
       for (size_t l = 0; l < model.loads.size(); ++l) {
         const auto p = static_cast<size_t>(model.load_parameter[l]);
@@ -373,6 +386,7 @@ Engine::Run Engine::answer(Model& model, const std::vector<double>& values, Poin
       return run;
     }
   }
+  anchored_ = false;
   prepare_right(model, values);
   secants_.begin();
   double fallen = std::numeric_limits<double>::infinity();
@@ -398,10 +412,8 @@ Engine::Run Engine::answer(Model& model, const std::vector<double>& values, Poin
     if (run.converged) break;
   }
   if (linear) {
-    anchor_ = x;
     anchor_values_ = values;
-    anchored_ = true;
-    // Responses go with springs and their stiffness.
+    anchored_ = x_is_anchor_ = true;
   }
   return run;
 }
@@ -486,6 +498,8 @@ bool Engine::prepare_motion(Model& model, const Motion& motion) {
 void Engine::step(Model& model, const std::vector<double>& from, const std::vector<double>& to,
                   Shape& shape) {
   const Motion& m = model.motion;
+  anchored_ = false;
+  right_values_.clear();  // e_ and ae_ become rates
   const double s = model.layout().size();
   const double area = model.def.units == LoadUnits::Relative ? 1 : s * s;
   LiveSystem& system = *model.moving;
@@ -561,6 +575,8 @@ void Engine::step(Model& model, const std::vector<double>& from, const std::vect
 }
 
 void Engine::project(Model& model, const std::vector<double>& values, Shape& shape) {
+  anchored_ = false;
+  right_values_.clear();
   // x: the rows' residuals are what is missing.
   lines_right(model, values, right_);
   model.reduction->check(right_);

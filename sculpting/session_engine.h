@@ -86,7 +86,10 @@ class Engine {
   std::vector<char> known_response_;
   Points anchor_;
   std::vector<double> anchor_values_;
-  bool anchored_ = false;
+  bool anchored_ = false, x_is_anchor_ = false;  // the state's x; copied when a slider begins
+  // Values for which right_, e_, hd_ and ae_ stand; empty: none.
+  std::vector<double> right_values_;
+  const LiveSystem* right_matrix_ = nullptr;
 };
 
 /// out = S x for the lower triangle S.
