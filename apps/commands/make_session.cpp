@@ -262,7 +262,7 @@ void refine_for_lines(RegionLayout& layout, const Scene& scene, const Progress& 
     for (const EmbeddedLine& line : region.embedded)
       gap = std::max(gap, line_gap(region.surface, line));
     if (gap <= kMostGap * layout.tolerance()) return;
-    if (!layout.refine(region.surface, 0.5 * layout.tolerance())) return;
+    if (!halve_at_gaps(layout, region, 0.5 * layout.tolerance())) return;
   }
 }
 

@@ -7,6 +7,7 @@
 #include "batten/apps/commands/line_files.h"
 #include "batten/apps/commands/make_session.h"
 #include "batten/constraints/shape/shape_constraints.h"
+#include "batten/fem/triangle_locator.h"
 
 namespace batten {
 namespace {
@@ -108,6 +109,34 @@ MadeShape make_shape(const RegionLayout& layout, const Scene& scene, const Progr
   return made;
 }
 
+bool halve_at_gaps(RegionLayout& layout, const SkinnedRegion& region, double target) {
+  const Surface& surface = region.surface;
+  const TriangleLocator locator(surface.mesh());
+  std::vector<char> marked(static_cast<size_t>(surface.mesh().triangle_count()), 0);
+  constexpr int samples = 20;
+  for (const EmbeddedLine& line : region.embedded) {
+    // The ends too: points may have been left out there, and a closed line comes around.
+    std::vector<double> ends = line.points;
+    ends.insert(ends.begin(), line.image.start());
+    ends.push_back(line.image.end());
+    for (size_t i = 0; i + 1 < ends.size(); ++i) {
+      const double from = ends[i], to = ends[i + 1];
+      std::vector<int> triangles;
+      double gap = 0;
+      for (int k = 0; k <= samples; ++k) {
+        const double t = from + (to - from) * k / samples;
+        const Vec3 uv = line.image.evaluate(t);
+        const Location where = locator.locate({uv.x(), uv.y()});
+        gap = std::max(gap, (surface.position(where) - line.fitted.evaluate(t)).norm());
+        triangles.push_back(where.triangle);
+      }
+      if (gap <= target) continue;
+      for (const int t : triangles) marked[static_cast<size_t>(t)] = 1;
+    }
+  }
+  return layout.refine(marked);
+}
+
 MadeShape make_refined_shape(RegionLayout& layout, const Scene& scene, const Progress& progress) {
   constexpr int most_rounds = 8;
   const bool held = scene.skin.hold == SceneSkin::Hold::Lines;
@@ -118,7 +147,10 @@ MadeShape make_refined_shape(RegionLayout& layout, const Scene& scene, const Pro
     for (const EmbeddedLine& line : layout.embedded())
       gap = std::max(gap, line_gap(made.region.surface, line));
     if (gap <= kMostGap * layout.tolerance()) return made;
-    if (!layout.refine(made.region.surface, 0.5 * layout.tolerance())) return made;
+    const double target = 0.5 * layout.tolerance();
+    if (!(scene.needs_session() ? halve_at_gaps(layout, made.region, target)
+                                : layout.refine(made.region.surface, target)))
+      return made;
   }
 }
 

@@ -25,6 +25,10 @@ struct MadeShape {
 /// Throws ConflictError, NoSolutionError, InputError, CancelledError.
 MadeShape make_shape(const RegionLayout& layout, const Scene& scene, const Progress& progress = {});
 
+/// Halves the layout's triangles where a region on its mesh leaves its embedded lines, which a move
+/// may have displaced, by more than `target` between their points. False when it does not.
+bool halve_at_gaps(RegionLayout& layout, const SkinnedRegion& region, double target);
+
 /// Half of the tolerance is the lines' own deviation from their curves.
 inline constexpr double kMostGap = 0.7;
 
