@@ -1059,7 +1059,17 @@ SurfaceEnergy SculptingSession::energy() const {
 
 double SculptingSession::total_energy() const {
   Data& d = *data_;
-  return d.engine.total_energy(d.model(), d.now.shape_values, d.now.shape, d.now.in_motion);
+  const double energy =
+      d.engine.total_energy(d.model(), d.now.shape_values, d.now.shape, d.now.in_motion);
+  return d.options.units == LoadUnits::Relative ? energy / (d.size() * d.size()) : energy;
+}
+
+std::vector<SculptResult::Reaction> SculptingSession::reactions() const {
+  Data& d = *data_;
+  auto all = d.engine.reactions(d.model(), d.now.shape_values, d.now.shape.x);
+  if (d.options.units == LoadUnits::Relative)
+    for (auto& reaction : all) reaction.force /= d.size();
+  return all;
 }
 
 double SculptingSession::enclosed_volume() const {

@@ -12,6 +12,7 @@
 #include "batten/sculpting/frame.h"
 #include "batten/sculpting/live_loads.h"
 #include "batten/sculpting/parameters.h"
+#include "batten/sculpting/static_sculpt.h"
 #include "batten/skinning/skin.h"
 
 namespace batten {
@@ -214,8 +215,13 @@ class SculptingSession {
   /// Largest over all constraint rows, over the size, under the values of the last answer.
   double residual() const;
   SurfaceEnergy energy() const;
-  /// Of a motion: kinetic plus potential; never grows under loads that stand and do not follow.
+  /// Elastic energy less the work of the loads, springs, and in motion kinetic energy, in the units
+  /// of energy(): never grows under loads that stand and do not follow. Of pressure: ⅔ p V, which
+  /// is its potential where the rim is held.
   double total_energy() const;
+  /// Force with which each line and constraint holds the surface, as SculptResult::reactions. At
+  /// rest; factors a matrix of the rows.
+  std::vector<SculptResult::Reaction> reactions() const;
   double enclosed_volume() const;  ///< ⅓ ∬ x·(x_u × x_v)
   size_t history_bytes() const;
 

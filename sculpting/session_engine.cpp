@@ -216,14 +216,16 @@ void Engine::loose_right(const Model& model, const std::vector<double>& values) 
   if (missed > kAgree * model.layout().size()) throw_conflict(model, values, row);
 }
 
-void Engine::throw_conflict(const Model& model, const std::vector<double>& values, int row) const {
-  // The elimination knows which rows make up another; it is asked only now.
+// All rows at once, lines and loose ones, with their names.
+ConstraintSet Engine::all_rows(const Model& model, const std::vector<double>& values) const {
   ConstraintSet all(model.dofs());
+  MatX right;
+  lines_right(model, values, right);
   const auto& names = model.line_rows->names();
   const auto& lines = model.line_rows->rows();
   for (size_t r = 0; r < lines.size(); ++r)
     all.add(names[static_cast<size_t>(lines[r].name)], lines[r].entries,
-            right_.row(static_cast<long>(r)));
+            right.row(static_cast<long>(r)));
   const LooseRows& loose = *model.loose;
   for (size_t r = 0; r < loose.rows.size(); ++r) {
     if (loose.rows[r].soft) continue;
@@ -239,6 +241,13 @@ void Engine::throw_conflict(const Model& model, const std::vector<double>& value
             : 0;
     all.add_coupled(loose.name_of(static_cast<int>(r)), std::move(entries), goal);
   }
+  return all;
+}
+
+void Engine::throw_conflict(const Model& model, const std::vector<double>& values, int row) const {
+  // The elimination knows which rows make up another; it is asked only now.
+  const ConstraintSet all = all_rows(model, values);
+  const LooseRows& loose = *model.loose;
   const AffineReduction check(all, AffineReduction::Values::Given, kDependent);
   throw ConflictError({{{loose.name_of(row), "the lines or constraints beside it"},
                         model.coupling->contradiction(g_).first}});
@@ -664,6 +673,37 @@ SurfaceEnergy Engine::elastic_energy(const Model& model, const std::vector<doubl
     return x.cwiseProduct(product_).sum();
   };
   return {part(false), part(true)};
+}
+
+std::vector<SculptResult::Reaction> Engine::reactions(const Model& model,
+                                                      const std::vector<double>& values,
+                                                      const Points& x) {
+  symmetric_times(model.statics->matrix(), x, product_);
+  for (size_t l = 0; l < model.loads.size(); ++l) {
+    const double v = values[static_cast<size_t>(model.load_parameter[l])];
+    if (v == 0) continue;
+    if (model.loads[l]->F.rows() > 0) product_ -= v * model.loads[l]->F;
+    if (std::holds_alternative<LiveLoad::Pressure>(model.def.loads[l]->load.kind))
+      model.parts->pressure.add(x, model.loads[l]->weights, -v * model.loads[l]->scale, product_);
+  }
+  if (model.measured_load.rows() > 0) product_ -= model.measured_load;
+  const LooseRows& rows = *model.loose;
+  for (size_t r = 0; r < rows.rows.size(); ++r) {
+    if (!rows.rows[r].soft) continue;
+    Vec3 p = model.origin();
+    for (SparseMatrix::InnerIterator it(rows.A, rows.rows[r].point); it; ++it)
+      p += it.value() * x.row(it.row()).transpose();
+    const double value = values[static_cast<size_t>(rows.sources[r].parameter)];
+    const Pull to = pull(model, rows.sources[r], value, p);
+    const Vec3& n = rows.rows[r].direction;
+    const Vec3 force = to.stiffness * n.dot(p - to.target) * n;
+    for (SparseMatrix::InnerIterator it(rows.A, rows.rows[r].point); it; ++it)
+      product_.row(it.row()) += it.value() * force.transpose();
+  }
+  std::vector<SculptResult::Reaction> all;
+  for (const auto& named : named_reactions(all_rows(model, values), product_))
+    all.push_back({named.name, named.forces.transpose() * model.parts->ones});
+  return all;
 }
 
 double Engine::total_energy(const Model& model, const std::vector<double>& values,

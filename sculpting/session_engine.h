@@ -55,6 +55,9 @@ class Engine {
   /// alpha part, beta part of a shape, on the domain of size 1.
   SurfaceEnergy elastic_energy(const Model& model, const std::vector<double>& values,
                                const Points& x);
+  /// Of each name among lines and constraints, on the domain of size 1.
+  std::vector<SculptResult::Reaction> reactions(const Model& model,
+                                                const std::vector<double>& values, const Points& x);
   /// xᵀKx - 2Fᵀx and springs, plus ρ vᵀMv in motion.
   double total_energy(const Model& model, const std::vector<double>& values, const Shape& shape,
                       bool moving);
@@ -66,6 +69,7 @@ class Engine {
   void aim_springs(Model& model, const std::vector<double>& values, const Points& x);
   void add_linear(const Model& model, const std::vector<double>& values, MatX& to) const;
   void map(Model& model, const std::vector<double>& values, const Points& x, Points& to);
+  ConstraintSet all_rows(const Model& model, const std::vector<double>& values) const;
   void throw_conflict(const Model& model, const std::vector<double>& values, int row) const;
   struct Pull {
     double stiffness;

@@ -284,6 +284,7 @@ MadeShape shape_of(const SculptingSession& session, const Scene& scene, const Su
   made.sculpt.iterations = answer.iterations;
   made.sculpt.last_change = answer.change;
   made.sculpt.max_constraint_residual = session.residual();
+  made.sculpt.reactions = session.reactions();
   for (const auto& c : scene.constraints)
     if (c.type == SceneConstraint::Type::Normal) {
       // The mesh may be finer by now.

@@ -1,0 +1,137 @@
+// A surface under a drag, and a viewer beside it: the live session from C++.
+//
+// 1. layout: a roof over four bowed edges, with a rib inside
+// 2. session: a pressure, a move that lifts the rib, a point that is held; one slider drives two of
+// them
+// 3. one thread drags and publishes frames, another takes the newest as a window would
+// 4. what it took; undo; files, and a picture where there is a display
+//
+// Usage: drag [OUTPUT FOLDER] [EDGE LENGTH]
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
+#include <filesystem>
+#include <numbers>
+#include <thread>
+
+#include "batten/io/pictures.h"
+#include "batten/io/vtk_files.h"
+#include "batten/sculpting/session.h"
+
+namespace {
+
+using namespace batten;
+using Clock = std::chrono::steady_clock;
+
+// 1. Metres. Counter-clockwise seen from above: the normal points upwards.
+RegionLayout roof(double edge_length) {
+  const Vec3 corner[] = {{0, 0, 0}, {6, 0, 0}, {6, 4, 0}, {0, 4, 0}};
+  const double rise[] = {0.9, 0.4, 0.9, 0.4};
+  std::vector<CharacterLine> lines;
+  for (int i = 0; i < 4; ++i) {
+    const Vec3 a = corner[i], b = corner[(i + 1) % 4], up(0, 0, 4.0 / 3 * rise[i]);
+    lines.push_back({"edge " + std::to_string(i + 1),
+                     bezier_curve(a, a + (b - a) / 3 + up, b - (b - a) / 3 + up, b)});
+  }
+  CharacterLine rib{
+      "rib", bezier_curve({1.2, 2, 0.85}, {2.4, 2.3, 1.15}, {3.6, 2.3, 1.15}, {4.8, 2, 0.85})};
+  rib.role = CharacterLine::Role::Inner;
+  lines.push_back(rib);
+  SkinOptions options;
+  options.edge_length = edge_length;
+  return {"roof", lines, options};
+}
+
+int run(const std::filesystem::path& out, double edge_length) {
+  // 2. Values of 0 leave the roof as its lines make it.
+  SculptingSession session(roof(edge_length), {});
+  const SkinnedRegion before = session.region();
+  session.add(LiveLoad{"swell", LiveLoad::Pressure{}},
+              {{.name = "swell", .min = -200, .max = 200}});
+  session.add(LineMove{"ridge", "rib", Vec3::UnitZ()}, {{.name = "ridge", .min = 0, .max = 1}});
+  // The place of the roof that is nearest to `at` stays at its goal: nail.x, nail.y, nail.z.
+  session.add(LiveConstraint{"nail", LiveConstraint::Point{{1.5, 1, 0.8}, {1.5, 1, 0.9}}});
+  session.add_parameter({.name = "fuller", .min = 0, .max = 1});
+  session.drive("swell", {{"fuller", 120}}, 0);
+  session.drive("ridge", {{"fuller", 0.35}}, 0);
+
+  // 3.
+  FrameExchange frames;
+  std::atomic<bool> done{false};
+  long seen = 0;
+  float highest = 0;
+  std::thread viewer([&] {
+    while (!done) {
+      if (const Frame* frame = frames.latest()) {
+        ++seen;
+        for (size_t i = 2; i < frame->points.size(); i += 3)
+          highest = std::max(highest, frame->points[i]);
+      }
+      std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    }
+  });
+  const int fuller = session.parameters().index("fuller"),
+            up = session.parameters().index("nail.z");
+  constexpr int answers = 300;
+  int iterations = 0;
+  double worst = 0;
+  const auto start = Clock::now();
+  for (int i = 0; i <= answers; ++i) {
+    const double t = static_cast<double>(i) / answers;
+    session.set(fuller, 0.5 - 0.5 * std::cos(3 * std::numbers::pi * t));
+    session.set(up, 0.9 + 0.3 * std::sin(2 * std::numbers::pi * t));
+    iterations += session.answer().iterations;
+    worst = std::max(worst, session.residual());
+    session.draw(frames.writing());
+    frames.publish();
+  }
+  const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
+  session.settle();
+  done = true;
+  viewer.join();
+
+  // 4.
+  const SkinnedRegion after = session.region();
+  std::filesystem::create_directories(out);
+  write_vtp(out / "roof.vtp", {&after});
+  if (std::getenv("DISPLAY")) {
+    PictureScene picture;
+    picture.contours = 16;
+    picture.azimuth = -25;
+    picture.elevation = 28;
+    PictureScene second = picture;
+    picture.regions = {&before};
+    picture.title = "as its lines make it";
+    second.regions = {&after};
+    second.title = "fuller = 1, the nail where it is held";
+    draw_contact_sheet(out / "roof.png", {picture, second}, 2, {1500, 560});
+  }
+  std::printf("%d triangles: %.0f answers a second, %.1f solves each; the viewer took %ld frames\n",
+              after.surface.mesh().triangle_count(), answers / seconds,
+              static_cast<double>(iterations) / answers, seen);
+  std::printf("constraints held to %.1g of the size all the time; highest point %.3f m\n", worst,
+              static_cast<double>(highest));
+  const Points last = session.dofs();
+  session.undo();  // the whole drag at once
+  const bool taken_back = session.parameters().value("fuller") == 0;
+  session.redo();
+  const bool same = taken_back && session.dofs() == last;
+  std::printf("undo takes the drag back, redo brings it again: %s\n",
+              same ? "the same bits" : "NOT the same");
+  std::printf("roof.vtp in %s\n", out.c_str());
+  return worst <= 1e-10 && same ? 0 : 4;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return run(argc > 1 ? argv[1] : "out/13-drag", argc > 2 ? std::atof(argv[2]) : 0.2);
+  } catch (const std::exception& e) {
+    std::fprintf(stderr, "drag: %s\n", e.what());
+    return 1;
+  }
+}
