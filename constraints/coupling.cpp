@@ -120,6 +120,7 @@ void Coupling::set_stiffness(const VecX& stiffness) {
                        ": it must not be below 0");
     roots_[k] = std::sqrt(stiffness[k]);
   }
+  if (S_.size() == 0) return;
   scaled_ = S_;
   scaled_.bottomRows(soft).array().colwise() *= roots_.array();
   scaled_.rightCols(soft).array().rowwise() *= roots_.transpose().array();

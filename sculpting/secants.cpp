@@ -39,7 +39,7 @@ void Secants::take_out(const double* shares, Points& from) const {
   }
 }
 
-void Secants::accelerate(const Points& x, Points& g) {
+void Secants::learn(const Points& x, const Points& g) {
   for (int c = 0; c < 3; ++c)
     for (size_t i = 0; i < sample_.size(); ++i)
       f_(static_cast<long>(i), c) = g(sample_[i], c) - x(sample_[i], c);
@@ -81,7 +81,11 @@ void Secants::accelerate(const Points& x, Points& g) {
   last_f_ = f_;
   last_g_ = g;
   has_last_ = true;
-  for (int k = 0; k < count_; ++k) shares[k] = dot(df_[slot(k)], f_);
+}
+
+void Secants::guess(Points& g) const {
+  double shares[kDepth];
+  for (int k = 0; k < count_; ++k) shares[k] = dot(df_[slot(k)], last_f_);
   take_out(shares, g);
 }
 

@@ -24,8 +24,10 @@ class Secants {
   void clear() { count_ = 0; }
   /// No pair is made with the iterate before: another iteration begins.
   void begin() { has_last_ = false; }
-  /// g becomes the next guess. x, g: n×3.
-  void accelerate(const Points& x, Points& g);
+  /// Takes the pair of this iterate and the one before. x, g = g(x): n×3.
+  void learn(const Points& x, const Points& g);
+  /// The g that was learnt last becomes the next guess.
+  void guess(Points& g) const;
 
  private:
   static constexpr int kDepth = 6;

@@ -271,6 +271,7 @@ struct SculptingSession::Data {
       answer.iterations = run.iterations;
       answer.change = run.change;
       answer.superposed = run.superposed;
+      answer.expected = run.expected;
       if (run.ran_off)
         throw NoSolutionError("the surface runs off under these values: past the limit");
       now.shape_values = values;

@@ -43,8 +43,11 @@ struct Answer {
   int iterations = 0;       ///< pairs of triangular solves
   double change = 0;        ///< of the last iteration, over the region's size
   bool superposed = false;  ///< only linear loads moved: no solve at all
-  bool factored = false;    ///< a new factor was needed
-  double time = 0;          ///< of the motion
+  /// `change` is five times what the last answers let expect after this first iteration; every
+  /// fourth answer iterates once more and sees.
+  bool expected = false;
+  bool factored = false;  ///< a new factor was needed
+  double time = 0;        ///< of the motion
 };
 
 /// Which triangles to halve, and how often at most.
@@ -175,9 +178,9 @@ class SculptingSession {
   /// NoSolutionError, with the values reached, when pressure is past its limit; parameters and
   /// shape are then those of the last answer that converged.
   Answer settle();
-  /// The same for a drag: stops at the tolerance or after so many iterations (not converged: call
-  /// it again, and it goes on).
-  Answer answer(int most_iterations = 4, double tolerance = 1e-6);
+  /// The same for a drag: stops at the tolerance (a hundredth of a pixel) or after so many
+  /// iterations (not converged: call it again, and it goes on).
+  Answer answer(int most_iterations = 4, double tolerance = 1e-5);
   /// From the shape as it is, at rest; from then on step() goes on in time.
   void start_motion(const Motion& motion);
   /// One implicit step of dt; time functions move on.

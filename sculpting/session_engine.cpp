@@ -95,6 +95,7 @@ void Engine::bind(const Model& model) {
   for (int v = 0; v < model.parts->mesh->vertex_count(); ++v)
     sample.push_back(model.parts->assembler.dofs().vertex(v));
   secants_.resize(n, std::move(sample));
+  gain_ = 0;
   felt_ = change_weights(*model.parts->mesh, model.parts->trim.get());
   responses_.clear();
   responses_.resize(model.loads.size());
@@ -105,6 +106,7 @@ void Engine::bind(const Model& model) {
 
 void Engine::forget() {
   secants_.clear();
+  gain_ = 0;
   stiffness_.setConstant(-1);
   known_response_.assign(known_response_.size(), 0);
   anchored_ = false;
@@ -400,6 +402,7 @@ Engine::Run Engine::answer(Model& model, const std::vector<double>& values, Poin
   secants_.begin();
   double fallen = std::numeric_limits<double>::infinity();
   int since_least = 0;
+  double first_change = 0;
   while (run.iterations < most) {
     map(model, values, x, next_);
     ++run.iterations;
@@ -414,11 +417,29 @@ Engine::Run Engine::answer(Model& model, const std::vector<double>& values, Poin
     if (since_least == 0) fallen = run.change;
     const bool at_floor = since_least >= 4 && fallen <= kFloor;
     run.converged = linear || run.change <= tolerance || at_floor;
-    if (!run.converged) secants_.accelerate(x, next_);
+    if (run.iterations == 1) first_change = run.change;
+    if (run.iterations == 2 && may_superpose)
+      gain_ = std::max(0.5 * gain_, run.change / first_change);
+    // A last pair keeps the secants fresh for the next answer.
+    if (!run.converged || run.iterations > 1) secants_.learn(x, next_);
+    if (!run.converged) secants_.guess(next_);
     x.swap(next_);
-    // A guess keeps the rows only as well as the differences that it is made of.
-    if (!run.converged && run.iterations == most) put_on_rows(model, x);
     if (run.converged) break;
+    // In a drag, the last answers tell how much the first guess brings: one iteration less, looked
+    // at again every few answers.
+    constexpr double careful = 5;
+    constexpr int most_unseen = 3;
+    const double expected = careful * gain_ * first_change;
+    run.expected = may_superpose && run.iterations == 1 && gain_ > 0 && unseen_ < most_unseen &&
+                   expected <= tolerance;
+    unseen_ = run.expected ? unseen_ + 1 : 0;
+    if (run.expected) {
+      run.change = expected;
+      run.converged = true;
+    }
+    // A guess keeps the rows only as well as the differences that it is made of.
+    if (run.expected || run.iterations == most) put_on_rows(model, x);
+    if (run.expected) break;
   }
   if (linear) {
     anchor_values_ = values;

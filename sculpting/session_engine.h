@@ -28,7 +28,7 @@ class Engine {
   /// Static: iterates from x, which becomes the answer. When it does not converge, or runs off, the
   /// answer says so; x holds the last iterate unless it ran off.
   struct Run {
-    bool converged = false, ran_off = false, superposed = false;
+    bool converged = false, ran_off = false, superposed = false, expected = false;
     int iterations = 0;
     double change = 0;
   };
@@ -85,6 +85,9 @@ class Engine {
   MatX ae_, ax_, av_;  // functionals of the loose rows on e, x and v: points × 3
   VecX g_, stiffness_, wanted_;
   Secants secants_;
+  // Of drags: change of the second iteration over that of the first, at most lately; 0: not known.
+  double gain_ = 0;
+  int unseen_ = 0;  // answers since it was looked at
   // Superposition.
   std::vector<Points> responses_;
   std::vector<char> known_response_;
