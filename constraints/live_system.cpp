@@ -18,6 +18,7 @@ LiveSystem::LiveSystem(std::shared_ptr<const AffineReduction> reduction, SparseM
                        const std::vector<int>& dof_order)
     : reduction_(std::move(reduction)) {
   check(S);
+  prepare_expansion();
   constexpr int many = 10000;
   if (free_count() < many) {
     const std::vector<int> order = reduction_->order_for(reduction_->reduce(S), S, dof_order);
@@ -31,6 +32,7 @@ LiveSystem::LiveSystem(std::shared_ptr<const AffineReduction> reduction, SparseM
 
 LiveSystem::LiveSystem(const LiveSystem& like, SparseMatrix S) : reduction_(like.reduction_) {
   check(S);
+  prepare_expansion();
   const std::vector<int> order = like.factor_.order();
   factorize(S, &order);
   S_ = std::move(S);
@@ -66,9 +68,32 @@ void LiveSystem::start_load(const MatX& d, MatX& to) const {
   if (H_.nonZeros() > 0) to.noalias() -= H_ * d;
 }
 
+void LiveSystem::prepare_expansion() {
+  const Eigen::SparseMatrix<double, Eigen::RowMajor> rows = D();
+  std::vector<char> free(static_cast<size_t>(rows.rows()), 0);
+  for (const int dof : reduction_->free_dofs()) free[static_cast<size_t>(dof)] = 1;
+  for (int dof = 0; dof < rows.rows(); ++dof) {
+    if (free[static_cast<size_t>(dof)]) continue;
+    const int begin = static_cast<int>(terms_.size());
+    for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator it(rows, dof); it; ++it)
+      terms_.emplace_back(static_cast<int>(it.col()), it.value());
+    combined_.push_back({dof, begin, static_cast<int>(terms_.size())});
+  }
+}
+
 void LiveSystem::expand(const MatX& y, const Points& e, Points& z) const {
-  z = e;
-  z.noalias() += D() * y;
+  const auto& free = reduction_->free_dofs();
+  for (int c = 0; c < 3; ++c) {
+    const double* from = y.col(c).data();
+    double* to = z.col(c).data();
+    for (size_t f = 0; f < free.size(); ++f) to[free[f]] = from[f];
+    for (const Combination& row : combined_) {
+      double sum = e(row.dof, c);
+      for (int k = row.begin; k < row.end; ++k)
+        sum += terms_[static_cast<size_t>(k)].second * from[terms_[static_cast<size_t>(k)].first];
+      to[row.dof] = sum;
+    }
+  }
 }
 
 size_t LiveSystem::bytes() const {

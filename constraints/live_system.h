@@ -44,7 +44,7 @@ class LiveSystem {
   void add_load(const Points& b, MatX& to) const { to.noalias() += D().transpose() * b; }
   /// y in place of its right-hand side.
   void solve(MatX& y) const { factor_.solve_in_place(y); }
-  /// z = D y + e. `e`: R d, n×3.
+  /// z = D y + e. `e`: R d, n×3, zero at free dofs. z has n rows already.
   void expand(const MatX& y, const Points& e, Points& z) const;
 
   size_t bytes() const;
@@ -55,6 +55,13 @@ class LiveSystem {
   void factorize(const SparseMatrix& S, const std::vector<int>* order);
   void check(const SparseMatrix& S) const;
   std::shared_ptr<const AffineReduction> reduction_;
+  // D without its ones: constrained dofs by free unknowns.
+  struct Combination {
+    int dof, begin, end;
+  };
+  std::vector<Combination> combined_;
+  std::vector<std::pair<int, double>> terms_;
+  void prepare_expansion();
   SparseMatrix S_, H_;
   SparseCholesky factor_;
 };

@@ -451,13 +451,8 @@ Engine::Run Engine::answer(Model& model, const std::vector<double>& values, Poin
 double Engine::change_between(const Points& a, const Points& b) const {
   double largest = 0, all = 0;
   for (int c = 0; c < 3; ++c) {
-    const double* p = a.col(c).data();
-    const double* q = b.col(c).data();
-    for (long i = 0; i < felt_.size(); ++i) {
-      const double change = std::abs(p[i] - q[i]) * felt_[i];
-      largest = change > largest ? change : largest;
-      all += p[i];
-    }
+    largest = std::max(largest, ((a.col(c) - b.col(c)).cwiseAbs().cwiseProduct(felt_)).maxCoeff());
+    all += a.col(c).sum();
   }
   return std::isfinite(all) ? largest : std::numeric_limits<double>::quiet_NaN();
 }
