@@ -47,7 +47,7 @@ struct LiveLoad {
     Vec3 direction = Vec3::Zero();
     Area area = {};
   };
-  /// value · direction per area of the surface as it was without loads: weight.
+  /// value · direction per area of the surface as it is when this is added: weight.
   struct Gravity {
     Vec3 direction = Vec3::Zero();
   };

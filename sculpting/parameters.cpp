@@ -181,6 +181,7 @@ void Parameters::restore(const std::vector<double>& values, double time) {
     if (all_[k].follows.empty()) all_[k].value = values[k];
     by_hand_[k] = !all_[k].over_time.empty() && values[k] != at_time(static_cast<int>(k));
   }
+  follow();
 }
 
 double Parameters::at_time(int i) const {

@@ -30,6 +30,7 @@ struct State {
   // The last answer that converged.
   Points good_x;
   std::vector<double> good_values;
+  std::vector<char> fresh;  // parameters that have not acted on the shape yet: good at 0
 };
 
 const char* const kAxes[] = {".x", ".y", ".z"};
@@ -154,11 +155,15 @@ struct SculptingSession::Data {
   void mark_good() {
     now.good_x = now.shape.x;
     now.good_values = now.shape_values = values;
+    now.fresh.assign(values.size(), 0);
   }
   // Parameters and shape of the last answer that converged.
   void fall_back() {
     if (now.good_values.size() != static_cast<size_t>(now.parameters.count())) return;
-    now.parameters.restore(now.good_values, now.parameters.time());
+    read_values();
+    for (size_t p = 0; p < values.size(); ++p)
+      if (!now.fresh[p]) values[p] = now.good_values[p];
+    now.parameters.restore(values, now.parameters.time());
     now.shape_values = now.good_values;
     now.shape.x = now.good_x;
     engine.forget();
@@ -173,7 +178,7 @@ struct SculptingSession::Data {
     Points reached_x = now.good_x;
     double reached = 0, step = 0.5;
     live::Engine::Run total;
-    constexpr double smallest = 1.0 / 512;
+    constexpr double smallest = 1.0 / 256, nothing = 1e-9;  // of what was reached; of the way
     while (reached < 1) {
       if (progress.cancelled && progress.cancelled()) throw CancelledError();
       const double target = std::min(1.0, reached + step);
@@ -192,7 +197,7 @@ struct SculptingSession::Data {
         continue;
       }
       step = 0.5 * (target - reached);
-      if (step < smallest) break;
+      if (step < std::max(smallest * reached, nothing)) break;
     }
     total.converged = reached == 1;
     if (total.converged) return total;
@@ -317,24 +322,32 @@ struct SculptingSession::Data {
   // -- edits --------------------------------------------------------------------------------------
   void rebuild(Definition def) {
     // Values by name: numbers of parameters change.
-    std::vector<std::pair<std::string, double>> good;
+    struct Known {
+      std::string name;
+      double good, shape;
+      char fresh;
+    };
+    std::vector<Known> known;
     for (size_t i = 0; i < now.good_values.size(); ++i)
-      good.emplace_back(value_names[i], now.good_values[i]);
+      known.push_back({value_names[i], now.good_values[i], now.shape_values[i], now.fresh[i]});
     now.model = live::build(std::move(def), now.parameters, now.model.get());
     engine.bind(model());
     name_values();
     // What is new has not acted on the shape yet.
     const auto& parameters = now.parameters.all();
     now.good_values.resize(parameters.size());
+    now.shape_values.resize(parameters.size());
+    now.fresh.resize(parameters.size());
     for (size_t p = 0; p < parameters.size(); ++p) {
-      const auto it = std::find_if(good.begin(), good.end(),
-                                   [&](const auto& g) { return g.first == parameters[p].name; });
+      const auto it = std::find_if(known.begin(), known.end(),
+                                   [&](const Known& k) { return k.name == parameters[p].name; });
       const bool goal = model().roles[p] & live::kGoal;
-      now.good_values[p] = it != good.end() ? it->second
-                           : goal           ? now.parameters.value(static_cast<int>(p))
-                                            : 0;
+      const double start = goal ? now.parameters.value(static_cast<int>(p)) : 0;
+      const Known k = it != known.end() ? *it : Known{"", start, start, 1};
+      now.good_values[p] = k.good;
+      now.shape_values[p] = k.shape;
+      now.fresh[p] = k.fresh;
     }
-    now.shape_values = now.good_values;
   }
   // Of which parameter each value is.
   void name_values() {
@@ -358,7 +371,6 @@ struct SculptingSession::Data {
   void stay() {
     read_values();
     engine.prepare_matrix(model(), values);
-    now.good_x = now.shape.x;
   }
 
   void require_free_name(const std::string& name) {
@@ -530,6 +542,10 @@ struct SculptingSession::Data {
 
   void remove(const std::string& name) {
     Definition def = model().def;
+    const int held = index_of(def.constraints, name);
+    const bool was_point =
+        held >= 0 && std::holds_alternative<LiveConstraint::Point>(
+                         def.constraints[static_cast<size_t>(held)]->constraint.kind);
     const auto take = [&](auto& things) {
       const int at = index_of(things, name);
       if (at >= 0) things.erase(things.begin() + at);
@@ -539,9 +555,8 @@ struct SculptingSession::Data {
                constraint = !load && !weight && take(def.constraints),
                move = !load && !weight && !constraint && take(def.moves);
     if (load || weight || move) now.parameters.remove(name);
-    if (constraint)
-      for (const char* axis : kAxes)
-        if (now.parameters.has(name + axis)) now.parameters.remove(name + axis);
+    if (constraint && was_point)
+      for (const char* axis : kAxes) now.parameters.remove(name + axis);
     if (load || weight || constraint || move) {
       rebuild(std::move(def));
       if (load || weight)
@@ -858,7 +873,7 @@ Answer SculptingSession::answer(int most_iterations, double tolerance) {
   op.value = tolerance;
   d.note(op);
   if (d.now.in_motion)
-    throw InputError("an answer of a surface in motion: step() goes on, settle() ends it");
+    throw InputError("an answer of a surface in motion: step() goes on, stop_motion() ends it");
   return d.quick(most_iterations, tolerance);
 }
 
@@ -934,6 +949,7 @@ void SculptingSession::apply(const Operation& op) {
       return;
     case Kind::Rest:
       d.note(op);
+      if (!d.now.in_motion) return;
       d.remember(d.saved());
       d.now.in_motion = false;
       d.now.shape.v.setZero();
@@ -965,7 +981,8 @@ void SculptingSession::apply(const Operation& op) {
 }
 
 void SculptingSession::replay(const std::vector<Operation>& operations) {
-  for (const Operation& op : operations) {
+  const std::vector<Operation> all = operations;  // it may be this session's own record
+  for (const Operation& op : all) {
     try {
       apply(op);
     } catch (const Error&) {  // it threw then
@@ -984,7 +1001,7 @@ RefinementReport SculptingSession::refine(const Refinement& refinement) {
     d.put_back(std::move(before));
     throw;
   }
-  d.remember(std::move(before));
+  if (report.triangles != report.triangles_before) d.remember(std::move(before));
   return report;
 }
 

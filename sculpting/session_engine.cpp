@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "batten/core/errors.h"
 #include "batten/fem/surface_projector.h"
@@ -284,22 +285,27 @@ void Engine::add_linear(const Model& model, const std::vector<double>& values, M
   if (model.measured_load.rows() > 0) to += model.measured_reduced;
 }
 
+namespace {
+
+// The point of a spring's target that is nearest to p.
+Vec3 nearest_of(const LiveLoad::Springs& springs, int spring, const Vec3& p) {
+  if (const auto* places = std::get_if<LiveLoad::Springs::Places>(&springs.target))
+    return places->to[static_cast<size_t>(spring)];
+  if (const auto* curve = std::get_if<LiveLoad::Springs::Curve>(&springs.target))
+    return curve->curve.evaluate(curve->curve.closest_point(p).u);
+  const auto& plane = std::get<LiveLoad::Springs::Plane>(springs.target);
+  const Vec3 n = plane.normal.normalized();
+  return p - n.dot(p - plane.through) * n;
+}
+
+}  // namespace
+
 Engine::Pull Engine::pull(const Model& model, const LooseRows::Source& source, double value,
                           const Vec3& p) const {
   const auto& placed = *model.def.loads[static_cast<size_t>(source.load)];
   const auto& springs = std::get<LiveLoad::Springs>(placed.load.kind);
-  Vec3 target = p;
-  double distance = 0;
-  if (const auto* places = std::get_if<LiveLoad::Springs::Places>(&springs.target)) {
-    target = places->to[static_cast<size_t>(source.spring)];
-  } else if (const auto* curve = std::get_if<LiveLoad::Springs::Curve>(&springs.target)) {
-    target = curve->curve.evaluate(curve->curve.closest_point(p).u);
-  } else {
-    const auto& plane = std::get<LiveLoad::Springs::Plane>(springs.target);
-    const Vec3 n = plane.normal.normalized();
-    target = p - n.dot(p - plane.through) * n;
-  }
-  distance = (p - target).norm();
+  Vec3 target = nearest_of(springs, source.spring, p);
+  const double distance = (p - target).norm();
   double stiffness = value;
   if (springs.falloff > 0) stiffness *= std::exp(-std::pow(distance / springs.falloff, 2));
   if (springs.rest_length > 0 && distance > 0)
@@ -328,6 +334,8 @@ void Engine::aim_springs(Model& model, const std::vector<double>& values, const 
   if (wanted_ != stiffness_) {
     model.coupling->set_stiffness(wanted_);
     stiffness_ = wanted_;
+    // Responses to loads were those of softer or stiffer springs.
+    known_response_.assign(known_response_.size(), 0);
   }
 }
 
@@ -722,6 +730,20 @@ std::vector<SculptResult::Reaction> Engine::reactions(const Model& model,
   return all;
 }
 
+// 2 ∫ φ(ρ) (ρ - r₀) dρ from r₀ to r: what a spring of stiffness 1 stores.
+double Engine::stretch_energy(const Model& model, const LooseRows::Source& source,
+                              const Vec3& p) const {
+  const auto& springs =
+      std::get<LiveLoad::Springs>(model.def.loads[static_cast<size_t>(source.load)]->load.kind);
+  const double r = (p - nearest_of(springs, source.spring, p)).norm(), rest = springs.rest_length,
+               falloff = springs.falloff;
+  if (falloff == 0) return (r - rest) * (r - rest);
+  const auto phi = [&](double at) { return std::exp(-(at / falloff) * (at / falloff)); };
+  return falloff * falloff * (phi(rest) - phi(r)) -
+         rest * falloff * std::sqrt(std::numbers::pi) *
+             (std::erf(r / falloff) - std::erf(rest / falloff));
+}
+
 double Engine::total_energy(const Model& model, const std::vector<double>& values,
                             const Shape& shape, bool moving) {
   symmetric_times(model.statics->matrix(), shape.x, product_);
@@ -744,9 +766,9 @@ double Engine::total_energy(const Model& model, const std::vector<double>& value
     for (SparseMatrix::InnerIterator it(rows.A, rows.rows[r].point); it; ++it)
       p += it.value() * shape.x.row(it.row()).transpose();
     const double value = values[static_cast<size_t>(rows.sources[r].parameter)];
-    const Pull to = pull(model, rows.sources[r], value, p);
-    const double off = rows.rows[r].direction.dot(p - to.target);
-    energy += to.stiffness * off * off;
+    // One potential a spring, not a row.
+    if (rows.sources[r].coordinate <= 0)
+      energy += value * stretch_energy(model, rows.sources[r], p);
   }
   if (moving && model.motion.density > 0) {
     const double s = model.layout().size();

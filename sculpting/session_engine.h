@@ -75,6 +75,7 @@ class Engine {
     double stiffness;
     Vec3 target;
   };
+  double stretch_energy(const Model& model, const LooseRows::Source& source, const Vec3& p) const;
   Pull pull(const Model& model, const LooseRows::Source& source, double value, const Vec3& p) const;
 
   double change_between(const Points& a, const Points& b) const;
