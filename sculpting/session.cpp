@@ -161,8 +161,13 @@ struct SculptingSession::Data {
   void fall_back() {
     if (now.good_values.size() != static_cast<size_t>(now.parameters.count())) return;
     read_values();
-    for (size_t p = 0; p < values.size(); ++p)
-      if (!now.fresh[p]) values[p] = now.good_values[p];
+    for (size_t p = 0; p < values.size(); ++p) {
+      const NamedValue& own = now.parameters.all()[p];
+      if (!now.fresh[p])
+        values[p] = now.good_values[p];
+      else if (model().roles[p] != live::kNothing)  // as near to no action as its range lets it
+        values[p] = std::clamp(now.good_values[p], own.min, own.max);
+    }
     now.parameters.restore(values, now.parameters.time());
     now.shape_values = now.good_values;
     now.shape.x = now.good_x;
