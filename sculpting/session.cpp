@@ -1082,8 +1082,8 @@ SurfaceEnergy SculptingSession::energy() const {
 
 double SculptingSession::total_energy() const {
   Data& d = *data_;
-  const double energy =
-      d.engine.total_energy(d.model(), d.now.shape_values, d.now.shape, d.now.in_motion);
+  d.read_values();
+  const double energy = d.engine.total_energy(d.model(), d.values, d.now.shape, d.now.in_motion);
   return d.options.units == LoadUnits::Relative ? energy / (d.size() * d.size()) : energy;
 }
 

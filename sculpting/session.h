@@ -218,9 +218,9 @@ class SculptingSession {
   /// Largest over all constraint rows, over the size, under the values of the last answer.
   double residual() const;
   SurfaceEnergy energy() const;
-  /// Elastic energy less the work of the loads, springs, and in motion kinetic energy, in the units
-  /// of energy(): never grows under loads that stand and do not follow. Of pressure: ⅔ p V, which
-  /// is its potential where the rim is held.
+  /// Under the values as they are set: elastic energy less the work of the loads, springs, and in
+  /// motion kinetic energy, in the units of energy(): never grows under loads that stand and do not
+  /// follow. Of pressure: ⅔ p V, which is its potential where the rim is held.
   double total_energy() const;
   /// Force with which each line and constraint holds the surface, as SculptResult::reactions. At
   /// rest; factors a matrix of the rows.
