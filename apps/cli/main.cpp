@@ -1,5 +1,6 @@
 // batten: the command line.
 #include <CLI/CLI.hpp>
+#include <cmath>
 #include <cstdio>
 #include <iostream>
 
@@ -59,6 +60,16 @@ Exit codes:
   0 done   1 bad input   2 constraints in conflict   3 no solution
   4 done, but a promise was missed (which, by how much: see the report)   130 cancelled
 )";
+
+/// CLI::PositiveNumber, in words.
+const CLI::Validator kPositive(
+    [](std::string& text) {
+      double value = 0;
+      return CLI::detail::lexical_cast(text, value) && value > 0 && std::isfinite(value)
+                 ? std::string()
+                 : "found " + text + ", expected a number above 0";
+    },
+    "POSITIVE");
 
 struct Arguments {
   std::string file, out, minimum, unit = "mm", screenshot, compare, show = "shaded", picture,
@@ -229,8 +240,8 @@ int command(int argc, char** argv) {
   auto* time = sculpt_command->add_option(
       "--time", a.sculpt.time, "Motion from the settled shape, until this time; needs --dt");
   auto* dt = sculpt_command->add_option("--dt", a.sculpt.dt, "Step of the motion; needs --time");
-  time->check(CLI::PositiveNumber)->needs(dt);
-  dt->check(CLI::PositiveNumber)->needs(time);
+  time->check(kPositive)->needs(dt);
+  dt->check(kPositive)->needs(time);
   sculpt_command->add_option("--frames", a.sculpt.frames, "Most frames of a motion")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
@@ -265,8 +276,8 @@ int command(int argc, char** argv) {
       "--deviation", a.deviation, "The fairest curve not farther than this from any point");
   auto* wavelength = fair_command->add_option(
       "--wavelength", a.wavelength, "Smooth what is shorter than this (default: found by itself)");
-  deviation->check(CLI::PositiveNumber)->excludes(wavelength);
-  wavelength->check(CLI::PositiveNumber);
+  deviation->check(kPositive)->excludes(wavelength);
+  wavelength->check(kPositive);
   fair_command
       ->add_option("--minimum", a.minimum,
                    "Instead: the curve through all points (a few) of least curvature, or of least "
@@ -285,7 +296,7 @@ int command(int argc, char** argv) {
   fair_command
       ->add_option("--segments", a.segments,
                    "In the end: as few segments as stay this near to the fair curve")
-      ->check(CLI::PositiveNumber);
+      ->check(kPositive);
   fair_command->add_option("--only", a.only, "A line to take, by its name (may be repeated)")
       ->take_all()
       ->allow_extra_args(false);
@@ -303,9 +314,9 @@ int command(int argc, char** argv) {
   skin_command->add_option("--out", a.out, "Folder for all files")->required();
   lengths(skin_command);
   skin_command->add_option("--edge-length", a.edge_length, "Target length of element edges")
-      ->check(CLI::PositiveNumber);
+      ->check(kPositive);
   skin_command->add_option("--tolerance", a.tolerance, "Largest distance of fitted lines")
-      ->check(CLI::PositiveNumber);
+      ->check(kPositive);
   skin_command->add_option("--compare", a.compare, "CAD file: measure the distance from its faces");
   skin_command->add_option("--pressure", a.pressure, "Pressure along the normal, relative units");
   common(skin_command);
