@@ -985,14 +985,17 @@ void SculptingSession::apply(const Operation& op) {
   d.remember(std::move(before));
 }
 
-void SculptingSession::replay(const std::vector<Operation>& operations) {
+int SculptingSession::replay(const std::vector<Operation>& operations) {
   const std::vector<Operation> all = operations;  // it may be this session's own record
+  int refused = 0;
   for (const Operation& op : all) {
     try {
       apply(op);
     } catch (const Error&) {  // it threw then
+      ++refused;
     }
   }
+  return refused;
 }
 
 RefinementReport SculptingSession::refine(const Refinement& refinement) {

@@ -200,8 +200,8 @@ class SculptingSession {
   const std::vector<Operation>& recorded() const;
   void apply(const Operation& operation);
   /// Does it all again; what threw then throws now, and is passed over. On a session made from the
-  /// same input: bit for bit the same.
-  void replay(const std::vector<Operation>& operations);
+  /// same input: bit for bit the same. Returns how many threw.
+  int replay(const std::vector<Operation>& operations);
 
   // -- refinement ---------------------------------------------------------------------------------
   RefinementReport refine(const Refinement& refinement);

@@ -210,7 +210,12 @@ class SculptRun {
 
   void replay(const std::vector<Operation>& log) {
     progress_.at("replay", 0);
-    session_->replay(log);
+    const int refused = session_->replay(log);
+    if (refused > 0)
+      report_.warnings.push_back(
+          std::to_string(refused) + " of " + std::to_string(log.size()) +
+          " operations of the log were refused: if they were not when it was "
+          "recorded, it was recorded with another scene");
     report_.sculpting->answers.push_back({"replay", static_cast<int>(log.size()), 0, false});
   }
 
