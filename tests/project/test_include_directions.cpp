@@ -21,6 +21,8 @@ const std::map<std::string, std::set<std::string>> kAllowed = {
     {"constraints/shape", {"core", "elements", "fem", "constraints"}},
     {"fairing", {"core", "elements", "fem", "constraints", "constraints/shape"}},
     {"skinning", {"core", "elements", "fem", "constraints", "constraints/shape", "fairing"}},
+    {"skinning/network",
+     {"core", "elements", "fem", "constraints", "constraints/shape", "fairing", "skinning"}},
     {"sculpting",
      {"core", "elements", "fem", "constraints", "constraints/shape", "fairing", "skinning"}},
     {"mesh", {"core", "constraints"}},
@@ -28,23 +30,23 @@ const std::map<std::string, std::set<std::string>> kAllowed = {
     {"mesh/deform", {"core", "constraints", "mesh"}},
     {"io",
      {"core", "elements", "fem", "constraints", "constraints/shape", "fairing", "skinning",
-      "sculpting", "mesh", "mesh/features", "mesh/deform"}},
+      "skinning/network", "sculpting", "mesh", "mesh/features", "mesh/deform"}},
     {"apps",
      {"core", "elements", "fem", "constraints", "constraints/shape", "fairing", "skinning",
-      "sculpting", "mesh", "mesh/features", "mesh/deform", "io"}},
+      "skinning/network", "sculpting", "mesh", "mesh/features", "mesh/deform", "io"}},
 };
 
 // Libraries that only some folders may touch.
 const std::map<std::string, std::set<std::string>> kForeign = {
     {"(vtk|BRep|Geom_|TopoDS|STEPControl|IGES|Standard_|gp_|toml|nlohmann)", {"io", "apps"}},
-    {"CGAL/", {"skinning"}},
+    {"CGAL/", {"skinning", "skinning/network"}},
     {"boost/", {"mesh/features"}},
     {"ceres/", {"fairing"}},
     {"cholmod", {"core"}},
 };
 
 std::string folder_of(const std::string& path) {
-  for (const char* inner : {"constraints/shape", "mesh/deform", "mesh/features"})
+  for (const char* inner : {"constraints/shape", "mesh/deform", "mesh/features", "skinning/network"})
     if (path.rfind(std::string(inner) + "/", 0) == 0) return inner;
   return path.substr(0, path.find('/'));
 }

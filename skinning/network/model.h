@@ -1,0 +1,123 @@
+// One model from a network: all regions skinned, joined along their lines, measured.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "batten/skinning/network/regions.h"
+#include "batten/skinning/skin.h"
+
+namespace batten {
+
+/// The user's word about a line: names are those of arcs, or of lines.
+struct JoinWord {
+  std::string line;
+  bool smooth = false;
+  std::string where;  ///< for messages
+};
+
+struct ModelOptions {
+  /// Element, edge_length (0: 1/40 of the network's size), alpha and beta as in RegionLayout; its
+  /// tolerance is that of embedded lines (0: 1e-4 of the network's size).
+  SkinOptions skin;
+  SurfaceStiffness material{};
+  std::vector<JoinWord> joins;
+  /// Lines without a word are smooth where the surfaces that the lines alone make meet at less than
+  /// this, in the mean along the line; degrees.
+  double smooth_below_deg = 40;
+  /// What smooth joins are driven under, by halving edges along them; degrees.
+  double join_tolerance_deg = 0.1;
+  int most_join_rounds = 3;
+};
+
+/// A line and the regions that meet along it.
+struct ModelJoin {
+  enum class Kind {
+    Rim,       ///< one region
+    Crease,    ///< two that share the line
+    Smooth,    ///< two that share the line and their tangent planes along it
+    Branching  ///< three or more
+  };
+  int arc = 0;
+  std::vector<int> regions;  ///< indices into SurfaceModel::regions; one twice where it meets itself
+  Kind kind = Kind::Rim;
+  bool asked = false;         ///< the user's word
+  std::string why;            ///< in words: why it is a crease although it was to be smooth, or ""
+  double first_deg = 0;       ///< mean angle between normals across it, of lines alone
+  double max_deg = 0;         ///< largest angle between normals across it, of the result, sampled
+                              ///< between nodes too
+  /// Both domains unfold into one plane along it: the surface is C1 across as inside of a region,
+  /// to rounding.
+  bool one_domain = false;
+};
+
+/// What is wrong with a surface that was made.
+struct SurfaceFlaw {
+  enum class Kind {
+    Jacobian,  ///< x_u × x_v vanishes, or turns over against its surroundings
+    Fold,      ///< normals of neighbours differ by more than 90 degrees, inside or across a line
+    Crossing,  ///< it passes through itself or another region
+    Area       ///< more than twice that of a plain hole filling
+  };
+  Kind kind;
+  std::vector<int> regions;
+  Vec3 where = Vec3::Zero();
+  double value = 0;   ///< ratio (Jacobian, Area), degrees (Fold), number of facets (Crossing)
+  std::string text;  ///< in words for the user
+};
+
+struct ModelRegion {
+  NetworkRegion plan;  ///< loops run counter-clockwise seen from the side of the normal
+  std::optional<SkinnedRegion> skinned;
+  std::string why_not;  ///< in words: why it could not be skinned
+  SkinQuality quality;
+  double plain_area = 0;  ///< of the plain hole filling of its loops; 0 when there is none
+  std::vector<std::string> warnings;
+};
+
+/// Regions that hang together along arcs.
+struct ModelShell {
+  std::vector<int> regions;
+  bool closed = false;      ///< every arc has two of them
+  bool orientable = true;   ///< normals agree across every arc
+  double area = 0;          ///< model units²
+  double volume = 0;        ///< enclosed, model units³; 0 unless closed and orientable
+};
+
+struct SurfaceModel {
+  std::vector<ModelRegion> regions;  ///< as planned, in that order
+  std::vector<ModelJoin> joins;      ///< of every arc that has a region, by arc
+  std::vector<ModelShell> shells;
+  std::vector<SurfaceFlaw> flaws;
+  std::vector<std::string> warnings;
+  int dofs = 0;  ///< of one coordinate, of the joined system
+  double area = 0, max_join_deg = 0;
+
+  std::vector<const SkinnedRegion*> skinned() const;
+};
+
+/// Skins all regions of a network.
+///
+/// 1. Regions get normals that agree across arcs, outwards where a shell is closed.
+/// 2. Each is laid out (RegionLayout) on the arcs' own curves, with the same vertices on both
+///    sides of an arc, and solved by itself: all lines are creases.
+/// 3. Arcs become creases or smooth joins (JoinWord, or the angle found). A smooth one ends at nodes
+///    where the tangents of both sides lie in one plane, else it becomes a crease, and says so.
+/// 4. Regions that smooth joins connect are solved together (join.h), and halved along joins until
+///    these keep the tolerance.
+/// 5. What came out is measured, and looked through for flaws.
+///
+/// A region that cannot be skinned is left out and says why; the others are made all the same.
+/// Throws InputError for words that fit nothing, NoSolutionError, CancelledError.
+SurfaceModel skin_network(const CharacterLineNetwork& network, const FoundRegions& found,
+                          const ModelOptions& options = {}, const Progress& progress = {});
+
+/// The flaws of finished regions (wrong_surfaces.cpp). `plain_areas`: one for each, 0 unknown.
+/// Facets of edge_length `facet`; O(facets log facets).
+std::vector<SurfaceFlaw> find_flaws(const std::vector<const SkinnedRegion*>& regions,
+                                    const std::vector<SkinQuality>& qualities,
+                                    const std::vector<double>& plain_areas);
+
+}  // namespace batten

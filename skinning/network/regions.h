@@ -1,0 +1,79 @@
+// Which loops of a network bound surfaces.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "batten/core/progress.h"
+#include "batten/skinning/network/network.h"
+
+namespace batten {
+
+/// An arc on its way around a loop.
+struct ArcUse {
+  int arc = 0;
+  bool reversed = false;
+  bool operator==(const ArcUse&) const = default;
+};
+using ArcLoop = std::vector<ArcUse>;
+
+/// One surface to be: where it ends, and what lies on it.
+struct NetworkRegion {
+  std::string name;  ///< the user's, or "region 1", "region 2", …
+  /// The outline, then holes; of a ring its two rims. An arc may occur twice in a loop (a slit that
+  /// the surface lies on both sides of).
+  std::vector<ArcLoop> loops;
+  bool ring = false;
+  std::vector<int> inner;  ///< arcs that lie on the surface, inside
+  bool asked = false;      ///< the user's word
+  double cost = 0;         ///< of the loop; 0 for one that is asked for
+};
+
+/// What the user says first. Names are those of arcs, or of lines (then all their arcs).
+struct RegionWord {
+  enum class Kind {
+    Surface,  ///< a surface with these loops
+    Nothing   ///< no surface in this loop (loops[0])
+  };
+  Kind kind = Kind::Surface;
+  std::string name;                             ///< of the region
+  std::vector<std::vector<std::string>> loops;  ///< in any order and direction
+  bool ring = false;                            ///< loops are the two rims of a ring
+  std::vector<std::string> inner;
+  std::string where;  ///< for messages: "scene.toml:8:1: "
+};
+
+struct RegionOptions {
+  std::vector<RegionWord> words;
+  /// At most so many regions meet at an arc; more make branching surfaces, which are not oriented.
+  int most_at_arc = 2;
+};
+
+/// A choice that could as well have been another.
+struct RegionChoice {
+  Vec3 where = Vec3::Zero();
+  std::vector<std::string> arcs;  ///< that it is about
+  std::string text;               ///< in words for the user, with what to say to have it otherwise
+  std::vector<ArcLoop> chosen;
+  std::vector<std::vector<ArcLoop>> alternatives;  ///< best first
+  std::vector<double> margins;  ///< cost of each over the chosen one, relative
+};
+
+struct FoundRegions {
+  std::vector<NetworkRegion> regions;  ///< asked for, then found, these in canonical order
+  std::vector<RegionChoice> choices;
+  std::vector<int> rims;   ///< arcs with one region
+  std::vector<int> bare;   ///< arcs with none
+  bool optimal = true;     ///< the least cost is proved; false: the search was cut short
+};
+
+/// The loops that bound surfaces, on a network of any genus, open or closed, not planar.
+///
+/// (The cost and the search are described here by who builds it.)
+///
+/// Throws InputError, in words for the user: names that are not there, words whose arcs do not close
+/// a loop or that contradict each other.
+FoundRegions find_regions(const CharacterLineNetwork& network, const RegionOptions& options = {},
+                          const Progress& progress = {});
+
+}  // namespace batten
