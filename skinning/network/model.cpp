@@ -1,0 +1,606 @@
+#include "batten/skinning/network/model.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <map>
+#include <numeric>
+#include <set>
+
+#include "batten/core/errors.h"
+#include "batten/core/parallel.h"
+#include "batten/core/words.h"
+#include "batten/skinning/network/join.h"
+#include "batten/skinning/network/orientation.h"
+
+namespace batten {
+namespace {
+
+class ModelMaker {
+ public:
+  ModelMaker(const CharacterLineNetwork& network, const FoundRegions& found,
+             const ModelOptions& options, const Progress& progress)
+      : network_(network), options_(options), progress_(progress) {
+    std::vector<NetworkRegion> plans = found.regions;
+    for (NetworkRegion& plan : plans) open_slits(plan);
+    orientation_ = orient(network, plans);
+    model_.shells = orientation_.shells;
+    model_.regions.resize(plans.size());
+    for (size_t r = 0; r < plans.size(); ++r) {
+      model_.regions[r].plan = std::move(plans[r]);
+      model_.regions[r].plain_area = orientation_.plain_areas[r];
+    }
+    edge_ = options.skin.edge_length > 0 ? options.skin.edge_length : network.size() / 40;
+    tolerance_ = options.skin.tolerance > 0 ? options.skin.tolerance : 1e-4 * network.size();
+    for (const NetworkNode& node : network.nodes())
+      origin_ += node.position / static_cast<double>(network.nodes().size());
+  }
+
+  SurfaceModel make() {
+    place_vertices();
+    layouts_.resize(model_.regions.size());
+    parts_.resize(model_.regions.size());
+    std::vector<int> all(model_.regions.size());
+    std::iota(all.begin(), all.end(), 0);
+    lay_out(all, 0, 0.4);
+    decide_joins();
+    join();
+    finish();
+    return std::move(model_);
+  }
+
+ private:
+  // What one region is made of while the model is being made.
+  struct Part {
+    JoinRegion join;
+    SkinOptions::Domain domain = SkinOptions::Domain::Auto;
+  };
+
+  // Where meshes have their vertices on each arc.
+  void place_vertices() {
+    given_.resize(network_.arcs().size());
+    for (size_t a = 0; a < network_.arcs().size(); ++a) {
+      const NetworkArc& arc = network_.arcs()[a];
+      double spacing = std::min(edge_, 0.5 * arc.length);
+      for (const ArcSide& side : orientation_.sides[a]) {
+        constexpr double least_across = 8;  // edges across a region
+        spacing =
+            std::min(spacing, orientation_.sizes[static_cast<size_t>(side.region)] / least_across);
+      }
+      auto given = std::make_shared<GivenCurve>();
+      given->curve = arc.curve;
+      const auto& nodes = arc.curve.parameters();
+      const double per_length = arc.curve.end() / arc.length;
+      given->vertices.push_back(nodes.front());
+      for (size_t i = 0; i + 1 < nodes.size(); ++i) {
+        const double span = nodes[i + 1] - nodes[i];
+        const int cuts =
+            std::max(1, static_cast<int>(std::ceil(span / (spacing * per_length) - 0.2)));
+        for (int c = 1; c <= cuts; ++c)
+          given->vertices.push_back(c == cuts ? nodes[i + 1] : nodes[i] + span * c / cuts);
+      }
+      given_[a] = std::move(given);
+    }
+  }
+
+  // A loop that goes along an arc and comes back on it: the arc lies inside then, and what is left
+  // are two loops, the longer of which is the outline.
+  void open_slits(NetworkRegion& plan) const {
+    if (plan.ring) return;
+    for (size_t l = 0; l < plan.loops.size(); ++l)
+      while (open_slit(plan, l)) {
+      }
+  }
+  bool open_slit(NetworkRegion& plan, size_t l) const {
+    const ArcLoop loop = plan.loops[l];
+    for (size_t i = 0; i < loop.size(); ++i)
+      for (size_t j = i + 1; j < loop.size(); ++j) {
+        if (loop[i].arc != loop[j].arc || loop[i].reversed == loop[j].reversed) continue;
+        const auto at = [&](size_t k) { return loop.begin() + static_cast<std::ptrdiff_t>(k); };
+        ArcLoop between(at(i + 1), at(j)), around(at(j + 1), loop.end());
+        around.insert(around.end(), loop.begin(), at(i));
+        if (length_of(around) < length_of(between)) std::swap(around, between);
+        if (around.empty()) return false;
+        plan.inner.push_back(loop[i].arc);
+        plan.loops[l] = std::move(around);
+        if (!between.empty()) plan.loops.push_back(std::move(between));
+        return true;
+      }
+    return false;
+  }
+  double length_of(const ArcLoop& loop) const {
+    double sum = 0;
+    for (const ArcUse& use : loop) sum += network_.arcs()[static_cast<size_t>(use.arc)].length;
+    return sum;
+  }
+
+  std::vector<CharacterLine> lines_of(const NetworkRegion& plan) const {
+    std::vector<CharacterLine> lines;
+    const auto add = [&](int a, CharacterLine::Role role) {
+      const NetworkArc& arc = network_.arcs()[static_cast<size_t>(a)];
+      CharacterLine line{arc.name, arc.input, role};
+      if (role == CharacterLine::Role::Inner)
+        line.curve = curve_from_hermite(arc.curve);
+      else
+        line.given = given_[static_cast<size_t>(a)];
+      lines.push_back(std::move(line));
+    };
+    for (size_t l = 0; l < plan.loops.size(); ++l)
+      for (const ArcUse& use : plan.loops[l])
+        add(use.arc,
+            l == 0 || plan.ring ? CharacterLine::Role::Outline : CharacterLine::Role::Hole);
+    for (const int a : plan.inner) add(a, CharacterLine::Role::Inner);
+    return lines;
+  }
+
+  // Layout and first shape of some regions, side by side.
+  void lay_out(const std::vector<int>& which, double from, double to) {
+    progress_.at("skinning regions", from);
+    parallel_parts(static_cast<int>(which.size()), [&](int i) {
+      const auto r = static_cast<size_t>(which[static_cast<size_t>(i)]);
+      ModelRegion& region = model_.regions[r];
+      region.why_not.clear();
+      try {
+        lay_out_one(r);
+      } catch (const CancelledError&) {
+        throw;
+      } catch (const std::runtime_error& e) {
+        layouts_[r].reset();
+        region.why_not = e.what();
+      }
+    });
+    progress_.at("skinning regions", to);
+  }
+
+  void lay_out_one(size_t r) {
+    const NetworkRegion& plan = model_.regions[r].plan;
+    SkinOptions skin = options_.skin;
+    skin.edge_length = edge_;
+    skin.tolerance = tolerance_;
+    skin.domain = plan.ring ? SkinOptions::Domain::Ring : parts_[r].domain;
+    skin.against_first = plan.loops[0][0].reversed;
+    const auto make = [&](SkinOptions::Domain domain) {
+      skin.domain = domain;
+      const std::vector<CharacterLine> lines = lines_of(plan);
+      try {
+        layouts_[r] = std::make_unique<RegionLayout>(plan.name, lines, skin);
+      } catch (const InputError& e) {
+        if (plan.inner.empty()) throw;
+        std::vector<CharacterLine> without = lines;
+        without.resize(lines.size() - plan.inner.size());
+        layouts_[r] = std::make_unique<RegionLayout>(plan.name, without, skin);
+        model_.regions[r].warnings = {"its inner lines are left out: " + std::string(e.what())};
+      }
+      JoinRegion join;
+      join.layout = layouts_[r].get();
+      join.material = material_for(layouts_[r]->size());
+      join.first = solve_joined({join}, {}, origin_)[0];
+      return join;
+    };
+    parts_[r].join = make(skin.domain);
+    // Lines may suit a polygon badly: then a domain that follows the surface is tried.
+    constexpr double poor = 0.05;
+    if (layouts_[r]->domain() != SkinOptions::Domain::Polygon) return;
+    const double ratio = measure(layouts_[r]->region(parts_[r].join.first)).min_jacobian_ratio;
+    if (ratio >= poor) return;
+    auto polygon = std::move(layouts_[r]);
+    const JoinRegion kept = parts_[r].join;
+    try {
+      parts_[r].join = make(SkinOptions::Domain::Sheet);
+      if (measure(layouts_[r]->region(parts_[r].join.first)).min_jacobian_ratio > ratio) {
+        parts_[r].domain = SkinOptions::Domain::Sheet;
+        return;
+      }
+    } catch (const InputError&) {
+    } catch (const NoSolutionError&) {
+    }
+    layouts_[r] = std::move(polygon);
+    parts_[r].join = kept;
+    parts_[r].join.layout = layouts_[r].get();
+  }
+
+  // alpha and beta of the model, scaled to size 1, in a region's own (u, v): E = ∬ alpha |x_U|² +
+  // beta |x_UU|² with U = u · own size / size of the model.
+  SurfaceStiffness material_for(double size) const {
+    const double ratio = network_.size() / size;
+    SurfaceStiffness material = options_.material;
+    material.beta *= ratio * ratio;
+    material.beta_mixed *= ratio * ratio;
+    return material;
+  }
+
+  std::optional<JoinSide> side_of(const ArcSide& use, const std::string& arc) const {
+    const auto& layout = layouts_[static_cast<size_t>(use.region)];
+    if (!layout) return std::nullopt;
+    const SkinnedRegion region = layout->region(parts_[static_cast<size_t>(use.region)].join.first);
+    for (const auto& loop : region.boundary)
+      for (const BoundaryPiece& piece : loop) {
+        const auto i = static_cast<size_t>(piece.index);
+        const bool embedded = piece.kind == BoundaryPiece::Kind::Embedded;
+        const CharacterLine& line = embedded ? region.embedded[i].line : region.runs[i].line;
+        if (line.name == arc) return JoinSide{use.region, embedded, piece.index, !piece.reversed};
+      }
+    return std::nullopt;
+  }
+
+  void decide_joins() {
+    progress_.at("joining", 0);
+    std::map<int, std::pair<bool, const JoinWord*>> words;
+    for (const JoinWord& word : options_.joins) {
+      try {
+        for (const int a : network_.arcs_of(word.line)) words[a] = {word.smooth, &word};
+      } catch (const InputError& e) {
+        throw InputError(word.where + e.what());
+      }
+    }
+    for (size_t a = 0; a < network_.arcs().size(); ++a) {
+      const auto& uses = orientation_.sides[a];
+      if (uses.empty()) continue;
+      ModelJoin join;
+      join.arc = static_cast<int>(a);
+      for (const ArcSide& use : uses) join.regions.push_back(use.region);
+      join.kind = uses.size() == 1   ? ModelJoin::Kind::Rim
+                  : uses.size() == 2 ? ModelJoin::Kind::Crease
+                                     : ModelJoin::Kind::Branching;
+      if (const auto word = words.find(join.arc); word != words.end()) {
+        join.asked = true;
+        if (uses.size() != 2 && word->second.first)
+          join.why = std::to_string(uses.size()) + " region(s) meet there";
+      }
+      if (uses.size() == 2) {
+        const std::string& name = network_.arcs()[a].name;
+        const auto one = side_of(uses[0], name), two = side_of(uses[1], name);
+        if (one && two) {
+          seams_.push_back({name, {*one, *two}});
+          seam_join_.push_back(static_cast<int>(model_.joins.size()));
+        } else if (join.asked && words[join.arc].first) {
+          join.why = !layouts_[static_cast<size_t>(uses[0].region)] ||
+                             !layouts_[static_cast<size_t>(uses[1].region)]
+                         ? "one of its regions could not be skinned"
+                         : "one of its regions does not have it on its boundary";
+        }
+      }
+      model_.joins.push_back(std::move(join));
+    }
+
+    const std::vector<double> estimates = estimate_chains();
+    std::vector<Seam> smooth;
+    std::vector<int> smooth_join;
+    for (size_t s = 0; s < seams_.size(); ++s) {
+      ModelJoin& join = model_.joins[static_cast<size_t>(seam_join_[s])];
+      join.first_deg = estimates[s];
+      const auto word = words.find(join.arc);
+      if (word != words.end() ? !word->second.first : !(join.first_deg < options_.smooth_below_deg))
+        continue;
+      smooth.push_back(seams_[s]);
+      smooth_join.push_back(seam_join_[s]);
+    }
+    seams_ = std::move(smooth);
+    seam_join_ = std::move(smooth_join);
+  }
+
+  std::vector<JoinRegion> first_shapes() const {
+    std::vector<JoinRegion> all;
+    for (size_t r = 0; r < parts_.size(); ++r) {
+      all.push_back(parts_[r].join);
+      all.back().layout = layouts_[r].get();
+    }
+    return all;
+  }
+
+  // One angle for each chain of arcs that go on into each other along one region: half of a
+  // straight side cannot be a crease when the other half is smooth.
+  std::vector<double> estimate_chains() const {
+    std::map<int, int> seam_of;
+    for (size_t s = 0; s < seams_.size(); ++s)
+      seam_of[model_.joins[static_cast<size_t>(seam_join_[s])].arc] = static_cast<int>(s);
+    std::vector<int> chain(seams_.size());
+    std::iota(chain.begin(), chain.end(), 0);
+    const auto root = [&](int s) {
+      while (chain[static_cast<size_t>(s)] != s) s = chain[static_cast<size_t>(s)];
+      return s;
+    };
+    for (const auto& [arc, s] : seam_of)
+      for (const ArcEnd& on : network_.arcs()[static_cast<size_t>(arc)].on) {
+        const auto other = seam_of.find(on.arc);
+        if (other == seam_of.end()) continue;
+        const auto &mine = orientation_.sides[static_cast<size_t>(arc)],
+                   &theirs = orientation_.sides[static_cast<size_t>(on.arc)];
+        if (std::none_of(mine.begin(), mine.end(), [&](const ArcSide& a) {
+              return std::any_of(theirs.begin(), theirs.end(),
+                                 [&](const ArcSide& b) { return a.region == b.region; });
+            }))
+          continue;
+        const int a = root(s), b = root(other->second);
+        chain[static_cast<size_t>(std::max(a, b))] = std::min(a, b);
+      }
+    std::vector<double> sum(seams_.size(), 0), length(seams_.size(), 0), result;
+    for (const auto& [arc, s] : seam_of) {
+      const auto r = static_cast<size_t>(root(s));
+      const double l = network_.arcs()[static_cast<size_t>(arc)].length;
+      sum[r] += l * estimate(seams_[static_cast<size_t>(s)]);
+      length[r] += l;
+    }
+    for (size_t s = 0; s < seams_.size(); ++s) {
+      const auto r = static_cast<size_t>(root(static_cast<int>(s)));
+      result.push_back(sum[r] / length[r]);
+    }
+    return result;
+  }
+
+  // Surfaces that lines alone make are flatter than those that go on beyond them, and meet at more
+  // between nodes; at nodes, where lines fix their planes, they meet as they will in the end.
+  double estimate(const Seam& seam) const {
+    const SeamAngle angle = first_angle(seam);
+    return 0.5 * angle.mean_deg + 0.25 * (angle.end_deg[0] + angle.end_deg[1]);
+  }
+
+  SeamAngle first_angle(const Seam& seam) const {
+    std::array<SkinnedRegion, 2> two{region_of(seam.sides[0].region),
+                                     region_of(seam.sides[1].region)};
+    Seam local = seam;
+    local.sides[0].region = 0;
+    local.sides[1].region = 1;
+    return seam_angle({&two[0], &two[1]}, local);
+  }
+  SkinnedRegion region_of(int r) const {
+    const Part& part = parts_[static_cast<size_t>(r)];
+    return layouts_[static_cast<size_t>(r)]->region(part.join.first);
+  }
+
+  // Solves the groups of regions that smooth joins connect, and halves along joins that are still
+  // above the tolerance.
+  void join() {
+    std::vector<Points> dofs(model_.regions.size());
+    for (size_t r = 0; r < dofs.size(); ++r)
+      if (layouts_[r]) dofs[r] = parts_[r].join.first;
+    std::vector<SeamPlan> plans;
+    for (int round = 0; !seams_.empty(); ++round) {
+      progress_.at("joining", (round + 0.2) / (options_.most_join_rounds + 1));
+      plans = solve_groups(dofs);
+      std::vector<const SkinnedRegion*> regions = make_regions(dofs);
+      std::set<int> halved, again;
+      for (size_t s = 0; s < seams_.size(); ++s) {
+        if (!plans[s].why_not.empty()) continue;
+        ModelJoin& join = model_.joins[static_cast<size_t>(seam_join_[s])];
+        const SeamAngle angle =
+            seam_angle(regions, seams_[s], {plans[s].ends[0].open, plans[s].ends[1].open});
+        join.max_deg = angle.max_deg;
+        if (!(angle.max_inside_deg <= options_.join_tolerance_deg)) {
+          halved.insert(join.arc);
+          for (const int r : join.regions) again.insert(r);
+        }
+      }
+      if (halved.empty() || round >= options_.most_join_rounds) break;
+      for (const int a : halved) halve(a);
+      lay_out({again.begin(), again.end()}, 0.5, 0.9);
+      find_sides_again();
+      for (const int r : again)
+        if (layouts_[static_cast<size_t>(r)])
+          dofs[static_cast<size_t>(r)] = parts_[static_cast<size_t>(r)].join.first;
+    }
+    for (size_t s = 0; s < plans.size(); ++s) {
+      ModelJoin& join = model_.joins[static_cast<size_t>(seam_join_[s])];
+      join.why = plans[s].why_not;
+      if (!plans[s].why_not.empty()) continue;
+      join.kind = ModelJoin::Kind::Smooth;
+      join.one_domain = plans[s].constant();
+      for (int e = 0; e < 2; ++e) {
+        const SeamEnd& end = plans[s].ends[static_cast<size_t>(e)];
+        join.open[static_cast<size_t>(e)] = end.open;
+        if (!end.open) continue;
+        const NetworkArc& arc = network_.arcs()[static_cast<size_t>(join.arc)];
+        model_.warnings.push_back(
+            "line '" + arc.name + "' is smooth but for its end " +
+            at(network_.nodes()[static_cast<size_t>(arc.nodes[static_cast<size_t>(e)])].position) +
+            ": the lines that meet there have no common tangent plane (" + number(end.apart_deg) +
+            " degrees), it is a crease");
+      }
+    }
+    make_regions(dofs);
+  }
+
+  // Another layout of a region may carry a line in another way.
+  void find_sides_again() {
+    for (size_t s = 0; s < seams_.size(); ++s) {
+      const ModelJoin& join = model_.joins[static_cast<size_t>(seam_join_[s])];
+      const auto arc = static_cast<size_t>(join.arc);
+      for (size_t k = 0; k < 2; ++k)
+        if (const auto side = side_of(orientation_.sides[arc][k], network_.arcs()[arc].name))
+          seams_[s].sides[k] = *side;
+    }
+  }
+
+  std::vector<SeamPlan> solve_groups(std::vector<Points>& dofs) {
+    const std::vector<JoinRegion> all = first_shapes();
+    std::vector<SeamPlan> plans;
+    {
+      // Seams of regions that could not be laid out again are given up.
+      std::vector<Seam> possible;
+      std::vector<size_t> index;
+      plans.resize(seams_.size());
+      for (size_t s = 0; s < seams_.size(); ++s) {
+        plans[s].seam = seams_[s];
+        const bool there = layouts_[static_cast<size_t>(seams_[s].sides[0].region)] &&
+                           layouts_[static_cast<size_t>(seams_[s].sides[1].region)];
+        if (!there) {
+          plans[s].why_not = "one of its regions could not be skinned";
+          continue;
+        }
+        possible.push_back(seams_[s]);
+        index.push_back(s);
+      }
+      std::vector<SeamPlan> planned = plan_seams(all, possible, options_.join_tolerance_deg);
+      for (size_t i = 0; i < planned.size(); ++i) plans[index[i]] = std::move(planned[i]);
+    }
+    std::vector<int> group(all.size());
+    std::iota(group.begin(), group.end(), 0);
+    const std::function<int(int)> root = [&](int r) {
+      while (group[static_cast<size_t>(r)] != r) r = group[static_cast<size_t>(r)];
+      return r;
+    };
+    for (const SeamPlan& plan : plans)
+      if (plan.why_not.empty()) {
+        const int a = root(plan.seam.sides[0].region), b = root(plan.seam.sides[1].region);
+        group[static_cast<size_t>(std::max(a, b))] = std::min(a, b);
+      }
+    std::map<int, std::vector<int>> members;
+    for (int r = 0; r < static_cast<int>(all.size()); ++r)
+      if (layouts_[static_cast<size_t>(r)]) members[root(r)].push_back(r);
+    for (const auto& [first, regions] : members) {
+      if (regions.size() < 2 && std::none_of(plans.begin(), plans.end(), [&](const SeamPlan& p) {
+            return p.why_not.empty() && p.seam.sides[0].region == first;
+          }))
+        continue;
+      std::map<int, int> local;
+      std::vector<JoinRegion> some;
+      for (const int r : regions) {
+        local[r] = static_cast<int>(some.size());
+        some.push_back(all[static_cast<size_t>(r)]);
+      }
+      std::vector<SeamPlan> of_group;
+      for (const SeamPlan& plan : plans) {
+        if (!plan.why_not.empty() || !local.count(plan.seam.sides[0].region)) continue;
+        of_group.push_back(plan);
+        for (JoinSide& side : of_group.back().seam.sides) side.region = local[side.region];
+      }
+      const std::vector<Points> solved = solve_joined(some, of_group, origin_);
+      for (const int r : regions)
+        dofs[static_cast<size_t>(r)] = solved[static_cast<size_t>(local[r])];
+    }
+    return plans;
+  }
+
+  std::vector<const SkinnedRegion*> make_regions(const std::vector<Points>& dofs) {
+    std::vector<const SkinnedRegion*> regions;
+    for (size_t r = 0; r < dofs.size(); ++r) {
+      ModelRegion& region = model_.regions[r];
+      region.skinned.reset();
+      if (layouts_[r]) region.skinned = layouts_[r]->region(dofs[r]);
+      regions.push_back(region.skinned ? &*region.skinned : nullptr);
+    }
+    return regions;
+  }
+
+  void halve(int a) {
+    auto finer = std::make_shared<GivenCurve>(*given_[static_cast<size_t>(a)]);
+    std::vector<double> vertices;
+    for (size_t i = 0; i + 1 < finer->vertices.size(); ++i) {
+      vertices.push_back(finer->vertices[i]);
+      vertices.push_back(0.5 * (finer->vertices[i] + finer->vertices[i + 1]));
+    }
+    vertices.push_back(finer->vertices.back());
+    finer->vertices = std::move(vertices);
+    given_[static_cast<size_t>(a)] = std::move(finer);
+  }
+
+  void finish() {
+    progress_.at("measuring", 0);
+    if (model_.regions.empty()) return;
+    const int n = static_cast<int>(model_.regions.size());
+    if (seams_.empty()) {
+      std::vector<Points> dofs(model_.regions.size());
+      for (size_t r = 0; r < dofs.size(); ++r)
+        if (layouts_[r]) dofs[r] = parts_[r].join.first;
+      make_regions(dofs);
+    }
+    parallel_parts(n, [&](int r) {
+      ModelRegion& region = model_.regions[static_cast<size_t>(r)];
+      if (!region.skinned) return;
+      region.quality = measure(*region.skinned);
+      const auto& more = layouts_[static_cast<size_t>(r)]->warnings();
+      region.warnings.insert(region.warnings.end(), more.begin(), more.end());
+    });
+    std::vector<const SkinnedRegion*> skinned;
+    std::vector<SkinQuality> qualities;
+    std::vector<double> plain;
+    std::vector<int> index;
+    for (int r = 0; r < n; ++r) {
+      const ModelRegion& region = model_.regions[static_cast<size_t>(r)];
+      if (!region.skinned) continue;
+      skinned.push_back(&*region.skinned);
+      qualities.push_back(region.quality);
+      plain.push_back(region.plain_area);
+      index.push_back(r);
+      model_.area += region.quality.area;
+      model_.dofs += region.skinned->surface.dof_map().count();
+    }
+    for (ModelJoin& join : model_.joins) {
+      if (join.kind == ModelJoin::Kind::Smooth)
+        model_.max_join_deg = std::max(model_.max_join_deg, join.max_deg);
+      else if (join.kind == ModelJoin::Kind::Crease)
+        join.max_deg = crease_angle(join);
+    }
+    for (ModelShell& shell : model_.shells) {
+      bool whole = true;
+      for (const int r : shell.regions) {
+        const ModelRegion& region = model_.regions[static_cast<size_t>(r)];
+        if (!region.skinned) {
+          whole = false;
+          continue;
+        }
+        shell.area += region.quality.area;
+        const Surface& s = region.skinned->surface;
+        const Points about = s.dofs() - position_dofs(s) * origin_.transpose();
+        const SurfaceAssembler assembler(s.mesh(), s.kind(), s.trim());
+        shell.volume += about.cwiseProduct(assembler.pressure_load(about)).sum() / 3;
+      }
+      shell.closed = shell.closed && whole;
+      if (!shell.closed || !shell.orientable) shell.volume = 0;
+    }
+    progress_.at("measuring", 0.5);
+    model_.flaws = find_flaws(skinned, qualities, plain);
+    for (SurfaceFlaw& flaw : model_.flaws)
+      for (int& r : flaw.regions) r = index[static_cast<size_t>(r)];
+    progress_.at("measuring", 1);
+  }
+
+  static VecX position_dofs(const Surface& s) {
+    VecX ones = VecX::Zero(s.dof_map().count());
+    for (int v = 0; v < s.mesh().vertex_count(); ++v) ones[s.dof_map().vertex(v)] = 1;
+    return ones;
+  }
+
+  double crease_angle(const ModelJoin& join) const {
+    const auto& uses = orientation_.sides[static_cast<size_t>(join.arc)];
+    const std::string& name = network_.arcs()[static_cast<size_t>(join.arc)].name;
+    const auto one = side_of(uses[0], name), two = side_of(uses[1], name);
+    if (!one || !two) return 0;
+    Seam seam{name, {*one, *two}};
+    seam.sides[0].region = 0;
+    seam.sides[1].region = 1;
+    return seam_angle({&*model_.regions[static_cast<size_t>(one->region)].skinned,
+                       &*model_.regions[static_cast<size_t>(two->region)].skinned},
+                      seam)
+        .max_deg;
+  }
+
+  const CharacterLineNetwork& network_;
+  const ModelOptions& options_;
+  const Progress& progress_;
+  double edge_ = 0, tolerance_ = 0;
+  Vec3 origin_ = Vec3::Zero();
+  SurfaceModel model_;
+  Orientation orientation_;
+  std::vector<std::shared_ptr<const GivenCurve>> given_;  // by arc
+  std::vector<std::unique_ptr<RegionLayout>> layouts_;    // by region; none: not skinned
+  std::vector<Part> parts_;
+  std::vector<Seam> seams_;
+  std::vector<int> seam_join_;  // index into model_.joins
+};
+
+}  // namespace
+
+std::vector<const SkinnedRegion*> SurfaceModel::skinned() const {
+  std::vector<const SkinnedRegion*> all;
+  for (const ModelRegion& region : regions)
+    if (region.skinned) all.push_back(&*region.skinned);
+  return all;
+}
+
+SurfaceModel skin_network(const CharacterLineNetwork& network, const FoundRegions& found,
+                          const ModelOptions& options, const Progress& progress) {
+  return ModelMaker(network, found, options, progress).make();
+}
+
+}  // namespace batten

@@ -1,6 +1,7 @@
 // One model from a network: all regions skinned, joined along their lines, measured.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 #include <utility>
@@ -25,7 +26,7 @@ struct ModelOptions {
   SurfaceStiffness material{};
   std::vector<JoinWord> joins;
   /// Lines without a word are smooth where the surfaces that the lines alone make meet at less than
-  /// this, in the mean along the line; degrees.
+  /// this (ModelJoin::first_deg); degrees.
   double smooth_below_deg = 40;
   /// What smooth joins are driven under, by halving edges along them; degrees.
   double join_tolerance_deg = 0.1;
@@ -41,13 +42,17 @@ struct ModelJoin {
     Branching  ///< three or more
   };
   int arc = 0;
-  std::vector<int> regions;  ///< indices into SurfaceModel::regions; one twice where it meets itself
+  std::vector<int>
+      regions;  ///< indices into SurfaceModel::regions; one twice where it meets itself
   Kind kind = Kind::Rim;
-  bool asked = false;         ///< the user's word
-  std::string why;            ///< in words: why it is a crease although it was to be smooth, or ""
-  double first_deg = 0;       ///< mean angle between normals across it, of lines alone
-  double max_deg = 0;         ///< largest angle between normals across it, of the result, sampled
-                              ///< between nodes too
+  bool asked = false;          ///< the user's word
+  std::string why;             ///< in words: why it is a crease although it was to be smooth, or ""
+  std::array<bool, 2> open{};  ///< of a smooth one: its start, end is a crease (no tangent plane)
+  /// Angle between normals across it, of lines alone: the mean along it and the mean at its ends,
+  /// half and half.
+  double first_deg = 0;
+  double max_deg = 0;  ///< largest angle between normals across it, of the result, sampled
+                       ///< between nodes too
   /// Both domains unfold into one plane along it: the surface is C1 across as inside of a region,
   /// to rounding.
   bool one_domain = false;
@@ -57,14 +62,14 @@ struct ModelJoin {
 struct SurfaceFlaw {
   enum class Kind {
     Jacobian,  ///< x_u × x_v vanishes, or turns over against its surroundings
-    Fold,      ///< normals of neighbours differ by more than 90 degrees, inside or across a line
+    Fold,      ///< turns by more than 90 degrees inside, or doubles back on a neighbour
     Crossing,  ///< it passes through itself or another region
     Area       ///< more than twice that of a plain hole filling
   };
   Kind kind;
   std::vector<int> regions;
   Vec3 where = Vec3::Zero();
-  double value = 0;   ///< ratio (Jacobian, Area), degrees (Fold), number of facets (Crossing)
+  double value = 0;  ///< ratio (Jacobian, Area), degrees (Fold), number of facets (Crossing)
   std::string text;  ///< in words for the user
 };
 
@@ -80,10 +85,10 @@ struct ModelRegion {
 /// Regions that hang together along arcs.
 struct ModelShell {
   std::vector<int> regions;
-  bool closed = false;      ///< every arc has two of them
-  bool orientable = true;   ///< normals agree across every arc
-  double area = 0;          ///< model units²
-  double volume = 0;        ///< enclosed, model units³; 0 unless closed and orientable
+  bool closed = false;     ///< every arc has two of them
+  bool orientable = true;  ///< normals agree across every arc
+  double area = 0;         ///< model units²
+  double volume = 0;       ///< enclosed, model units³; 0 unless closed and orientable
 };
 
 struct SurfaceModel {
@@ -103,7 +108,8 @@ struct SurfaceModel {
 /// 1. Regions get normals that agree across arcs, outwards where a shell is closed.
 /// 2. Each is laid out (RegionLayout) on the arcs' own curves, with the same vertices on both
 ///    sides of an arc, and solved by itself: all lines are creases.
-/// 3. Arcs become creases or smooth joins (JoinWord, or the angle found). A smooth one ends at nodes
+/// 3. Arcs become creases or smooth joins (JoinWord, or the angle found). A smooth one ends at
+/// nodes
 ///    where the tangents of both sides lie in one plane, else it becomes a crease, and says so.
 /// 4. Regions that smooth joins connect are solved together (join.h), and halved along joins until
 ///    these keep the tolerance.
@@ -114,8 +120,25 @@ struct SurfaceModel {
 SurfaceModel skin_network(const CharacterLineNetwork& network, const FoundRegions& found,
                           const ModelOptions& options = {}, const Progress& progress = {});
 
-/// The flaws of finished regions (wrong_surfaces.cpp). `plain_areas`: one for each, 0 unknown.
-/// Facets of edge_length `facet`; O(facets log facets).
+/// The flaws of finished regions (wrong_surfaces.cpp), kind after kind as they are found; indices
+/// are those of `regions`, null ones are passed over. `plain_areas`: one for each, 0 unknown. Seen
+/// on facets, four for each element:
+///
+///   Jacobian  min_jacobian_ratio of the quality is not above 0;
+///   Fold      inside of a region, normals of neighbouring facets differ by more than 90 degrees:
+///             nothing that lines ask for is so sharp. Where two regions meet along a line a crease
+///             of any angle may be wanted, the 90 degrees of a box as well as a thin rim; what is
+///             not is that one lies back on the other. So the wedge between them is measured, 180
+///             degrees where they go on in one plane: below 30 along more than a tenth of their
+///             common way it is a flaw, whose value is 180 less the sharpest wedge. A knife's edge
+///             is named too;
+///   Crossing  facets without a common point that pass through each other or overlap in one plane
+///             (facet_crossings.h). Near lines that regions share within a gap only, a tenth of an
+///             edge is let pass;
+///   Area      more than twice `plain_areas`.
+///
+/// One flaw for each kind and region or pair of regions. O(facets log facets). Throws InputError:
+/// counts that differ, and what facets() throws.
 std::vector<SurfaceFlaw> find_flaws(const std::vector<const SkinnedRegion*>& regions,
                                     const std::vector<SkinQuality>& qualities,
                                     const std::vector<double>& plain_areas);

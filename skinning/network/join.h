@@ -1,0 +1,111 @@
+// Smooth joins: regions that share a line and their tangent planes along it.
+//
+// Two regions A and B carry the same curve X(t) on runs with the same vertices. With y the slope
+// across the line, per unit of t and towards the inside of each region,
+//
+//      y_A = σ_A ∂x/∂n_A,     σ_A = length of the run in (u, v) per unit of t,
+//
+// their tangent planes agree where y_A, y_B and X' lie in one plane, and are on different sides of
+// the line where
+//
+//      y_A = -γ y_B + δ X',   γ > 0.                                                       (1)
+//
+// At a corner of a region y is fixed by the two lines that meet there, and so are γ and δ; between
+// its ends log γ and δ run linearly along the line. With γ and δ known (1) is linear in the dofs
+// and the same for x, y and z: one matrix for all regions of a group, solved together, and the
+// tangent planes come out as those of least energy of both sides. (1) is imposed at the vertices
+// and at the middles of edges (w_n). Between these, y is quadratic along an edge, so that
+//
+//      γ, δ constant:  (1) holds all along: A and B unfold into one plane, C1 as inside of a region
+//      otherwise:      the angle between the surfaces falls with h³.
+//
+// At a vertex where the line goes on straight (no corner of A there: another line ends on the other
+// side), y of A is free; it is set to that of least change, the mean of -y of its neighbours, and γ
+// and δ of these follow. Where the tangents at a node do not lie in one plane there is no tangent
+// plane: (1) then holds up to the last vertex before it.
+//
+// Where a region has the line embedded, (1) is imposed on averages over hats φ_k along its points,
+//
+//      ∫ φ_k (y_A + γ y_B - δ X') dt = 0,     y = |c'| ∂x/∂ν of the embedded side,
+//
+// and γ, δ are those that change the first shapes least: γ the ratio of the parts of y_A and y_B
+// across the line, δ what is left along it. The angle then falls with h only
+// (docs/theory/domains.md).
+#pragma once
+
+#include <array>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "batten/skinning/skin.h"
+
+namespace batten {
+
+/// A region beside a line.
+struct JoinSide {
+  int region = 0;         ///< index into the regions of the call
+  bool embedded = false;  ///< an embedded line of that region, otherwise a run
+  int line = 0;           ///< its index there
+  bool left =
+      true;  ///< the region lies to the left of the line's direction, from its normal's side
+};
+
+/// A line along which two regions (or one with itself) are to be joined.
+struct Seam {
+  std::string name;
+  std::array<JoinSide, 2> sides;
+};
+
+/// What is known of a seam before it is solved for, at its start and end.
+struct SeamEnd {
+  double gamma = 1, delta = 0;  ///< of (1)
+  /// Angle between the tangent planes that the lines make there, degrees; 0 where they leave them
+  /// free. Above the limit of plan_seams() (1) does not hold at this node.
+  double apart_deg = 0;
+  bool open = false;  ///< (1) does not hold at this node
+  bool loose =
+      false;  ///< y is free there on a side, and nothing to set it to: (1) with γ = 1, δ = 0
+  std::array<std::optional<Vec3>, 2> set;  ///< y of a side that is free, where it is to be set
+};
+struct SeamPlan {
+  Seam seam;
+  std::array<SeamEnd, 2> ends;  ///< of two runs
+  /// Of an embedded line: fractions of the line's parameter, γ and δ there, linear between.
+  std::vector<double> at, gamma, delta;
+  std::string why_not;  ///< in words: why it cannot be joined at all
+  bool constant() const;
+};
+
+/// Everything that joining needs of one region. The layout is not changed.
+struct JoinRegion {
+  const RegionLayout* layout = nullptr;
+  SurfaceStiffness material;  ///< in its own (u, v): regions of one model share one energy
+  Points first;               ///< the shape that its lines alone make
+};
+
+/// γ, δ and what stands in the way, from the shapes that the lines alone make. `most_apart_deg`:
+/// tangent planes at a node that differ by more are no plane. Seams that have to be given up say
+/// why: runs with other vertices, regions that lie on the same side (γ ≤ 0, or out of [1/50, 50]).
+std::vector<SeamPlan> plan_seams(const std::vector<JoinRegion>& regions,
+                                 const std::vector<Seam>& seams, double most_apart_deg);
+
+/// Dofs of all regions, of least energy with (1) along all seams that can be had, solved about
+/// `origin`. One factor of all regions together. Throws ConflictError, NoSolutionError.
+std::vector<Points> solve_joined(const std::vector<JoinRegion>& regions,
+                                 const std::vector<SeamPlan>& seams, const Vec3& origin);
+
+/// The angle between the surfaces' planes along a seam of finished regions, degrees: 0 where they
+/// go on smoothly, 180 where one doubles back on the other. `samples` in each edge, both ends of
+/// the seam among them; NaN where a surface is singular.
+struct SeamAngle {
+  double max_deg = 0, mean_deg = 0;
+  std::array<double, 2> end_deg{};  ///< at its start and end
+  /// The same without the first and last edge where (1) was given up at that end.
+  double max_inside_deg = 0;
+};
+SeamAngle seam_angle(const std::vector<const SkinnedRegion*>& regions, const Seam& seam,
+                     const std::array<bool, 2>& open = {}, int samples = 8);
+
+}  // namespace batten

@@ -1,0 +1,163 @@
+#include "batten/skinning/network/orientation.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "batten/core/parallel.h"
+#include "batten/skinning/plain_fill.h"
+
+namespace batten {
+namespace {
+
+ArcLoop turned(const ArcLoop& loop) {
+  ArcLoop back(loop.rbegin(), loop.rend());
+  for (ArcUse& use : back) use.reversed = !use.reversed;
+  return back;
+}
+
+// Points along a loop, as many of each arc.
+std::vector<Vec3> polyline(const CharacterLineNetwork& network, const ArcLoop& loop) {
+  constexpr int most_points = 240;
+  const int per_arc = std::clamp(most_points / static_cast<int>(loop.size()), 2, 16);
+  std::vector<Vec3> points;
+  for (const ArcUse& use : loop) {
+    const HermiteCurve& curve = network.arcs()[static_cast<size_t>(use.arc)].curve;
+    for (int i = 0; i < per_arc; ++i) {
+      const double f = static_cast<double>(i) / per_arc;
+      points.push_back(curve.evaluate(curve.end() * (use.reversed ? 1 - f : f)));
+    }
+  }
+  return points;
+}
+
+// What one region looks like from far: by plain fillings.
+struct Sketch {
+  double area = 0, size = 0;
+  double volume = 0;  ///< under it, seen from `about`
+  Vec3 vector = Vec3::Zero();
+};
+
+Sketch sketch_of(const CharacterLineNetwork& network, const NetworkRegion& region,
+                 const Vec3& about) {
+  Sketch sketch;
+  Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
+  bool filled = !region.ring;
+  for (size_t l = 0; l < region.loops.size(); ++l) {
+    const std::vector<Vec3> points = polyline(network, region.loops[l]);
+    for (size_t i = 0; i < points.size(); ++i) {
+      low = low.cwiseMin(points[i]);
+      high = high.cwiseMax(points[i]);
+      sketch.vector += 0.5 * (points[i] - about).cross(points[(i + 1) % points.size()] - about);
+    }
+    // A hole runs the other way around, so its filling counts negative by itself.
+    const auto fill = filled ? plain_fill(points) : std::nullopt;
+    filled = filled && fill;
+    if (!fill) continue;
+    sketch.area += l == 0 ? fill->area : -fill->area;
+    for (const auto& t : fill->triangles)
+      sketch.volume += (points[static_cast<size_t>(t[0])] - about)
+                           .dot((points[static_cast<size_t>(t[1])] - about)
+                                    .cross(points[static_cast<size_t>(t[2])] - about)) /
+                       6;
+  }
+  if (!filled) sketch.area = 0;
+  sketch.size = (high - low).norm();
+  return sketch;
+}
+
+}  // namespace
+
+Orientation orient(const CharacterLineNetwork& network, std::vector<NetworkRegion>& regions) {
+  const int n = static_cast<int>(regions.size());
+  Orientation result;
+  result.sides.resize(network.arcs().size());
+  Vec3 about = Vec3::Zero();
+  for (const NetworkNode& node : network.nodes())
+    about += node.position / static_cast<double>(network.nodes().size());
+  std::vector<Sketch> sketches(static_cast<size_t>(n));
+  parallel_parts(n, [&](int r) {
+    const auto i = static_cast<size_t>(r);
+    sketches[i] = sketch_of(network, regions[i], about);
+  });
+  for (int r = 0; r < n; ++r) {
+    const auto i = static_cast<size_t>(r);
+    result.plain_areas.push_back(sketches[i].area);
+    result.sizes.push_back(sketches[i].size);
+    for (const ArcLoop& loop : regions[i].loops)
+      for (const ArcUse& use : loop)
+        result.sides[static_cast<size_t>(use.arc)].push_back({r, use.reversed});
+  }
+
+  std::vector<char> seen(static_cast<size_t>(n), 0), turn(static_cast<size_t>(n), 0);
+  for (int seed = 0; seed < n; ++seed) {
+    if (seen[static_cast<size_t>(seed)]) continue;
+    ModelShell shell;
+    shell.closed = true;
+    shell.regions = {seed};
+    seen[static_cast<size_t>(seed)] = 1;
+    for (size_t q = 0; q < shell.regions.size(); ++q) {
+      const int r = shell.regions[q];
+      for (const ArcLoop& loop : regions[static_cast<size_t>(r)].loops)
+        for (const ArcUse& use : loop) {
+          const auto& sides = result.sides[static_cast<size_t>(use.arc)];
+          if (sides.size() == 1) shell.closed = false;
+          if (sides.size() > 2) shell.orientable = false;
+          if (sides.size() != 2) {
+            for (const ArcSide& other : sides)
+              if (!seen[static_cast<size_t>(other.region)]) {
+                seen[static_cast<size_t>(other.region)] = 1;
+                shell.regions.push_back(other.region);
+              }
+            continue;
+          }
+          const bool own = sides[0].region == r && sides[1].region == r;
+          const ArcSide& other = sides[0].region == r ? sides[1] : sides[0];
+          if (own) {
+            if (sides[0].reversed == sides[1].reversed) shell.orientable = false;
+            continue;
+          }
+          const auto o = static_cast<size_t>(other.region);
+          const bool same = (use.reversed != static_cast<bool>(turn[static_cast<size_t>(r)])) ==
+                            (other.reversed != static_cast<bool>(turn[o]));
+          if (!seen[o]) {
+            seen[o] = 1;
+            turn[o] = same;
+            shell.regions.push_back(other.region);
+          } else if (same) {
+            shell.orientable = false;
+          }
+        }
+    }
+    std::sort(shell.regions.begin(), shell.regions.end());
+
+    double volume = 0, area = 0;
+    Vec3 up = Vec3::Zero();
+    for (const int r : shell.regions) {
+      const auto i = static_cast<size_t>(r);
+      const double sign = turn[i] ? -1 : 1;
+      volume += sign * sketches[i].volume;
+      up += sign * sketches[i].vector;
+      area += sketches[i].vector.norm();
+    }
+    double outwards = volume;
+    if (!shell.closed || !shell.orientable) {
+      constexpr double clear = 0.05;
+      outwards = 0;
+      for (const int axis : {2, 0, 1})
+        if (outwards == 0 && std::abs(up[axis]) > clear * area) outwards = up[axis];
+    }
+    if (outwards < 0)
+      for (const int r : shell.regions) turn[static_cast<size_t>(r)] ^= 1;
+    result.shells.push_back(std::move(shell));
+  }
+  for (int r = 0; r < n; ++r) {
+    if (!turn[static_cast<size_t>(r)]) continue;
+    for (ArcLoop& loop : regions[static_cast<size_t>(r)].loops) loop = turned(loop);
+    for (auto& sides : result.sides)
+      for (ArcSide& side : sides)
+        if (side.region == r) side.reversed = !side.reversed;
+  }
+  return result;
+}
+
+}  // namespace batten
