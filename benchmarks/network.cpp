@@ -81,7 +81,7 @@ std::vector<Cubic> loop(int count) {
     const Vec3 p = point(a), q = point(b), chord = q - p;
     // Scalloped: a corner at every end, as lines of a drawing have.
     const Vec3 out =
-        0.12 * chord.norm() * Vec3(std::cos(0.5 * (a + b)), std::sin(0.5 * (a + b)), 0);
+        0.3 * chord.norm() * Vec3(std::cos(0.5 * (a + b)), std::sin(0.5 * (a + b)), 0);
     curves.push_back({p, p + chord / 3 + out, q - chord / 3 + out, q});
   }
   return curves;

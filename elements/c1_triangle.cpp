@@ -93,14 +93,25 @@ Mat12 C1Triangle::to_reference_dofs() const {
   return P;
 }
 
-Tabulation C1Triangle::evaluate(const Vec3& L) const {
+Tabulation C1Triangle::reference_at(const Vec3& L) const {
   const ReferenceTabulation reference = reference_functions(kind_, L);
   const DerivativeMap map(shape_);
   Tabulation local;
   local.col(kW) = reference.col(0);
   local.middleCols<2>(kU) = reference.middleCols<2>(1) * map.first.transpose();
   local.middleCols<3>(kUU) = reference.middleCols<3>(3) * map.second.transpose();
-  return to_reference_dofs().transpose() * local;
+  return local;
+}
+
+// lazyProduct: Eigen's general product packs its operands first, which takes longer than these.
+Tabulation C1Triangle::evaluate(const Vec3& L) const {
+  return to_reference_dofs().transpose().lazyProduct(reference_at(L));
+}
+
+Eigen::Matrix<double, 3, kDerivatives> C1Triangle::jet(
+    const Vec3& L, const Eigen::Matrix<double, 12, 3>& q) const {
+  const Eigen::Matrix<double, 12, 3> reference = to_reference_dofs().lazyProduct(q);
+  return reference.transpose().lazyProduct(reference_at(L));
 }
 
 Mat12 C1Triangle::stiffness(const SurfaceStiffness& material) const {

@@ -107,6 +107,10 @@ class C1Triangle {
   /// opposite V1. Z12 second derivatives at a vertex are those on approach along the bisecting
   /// direction ρ = L_j/(L_j+L_k) = 1/2.
   Tabulation evaluate(const Vec3& L) const;
+  /// The function with dofs q (12 × 3) and its derivatives at L: qᵀ evaluate(L), in half of its
+  /// time.
+  Eigen::Matrix<double, 3, kDerivatives> jet(const Vec3& L,
+                                             const Eigen::Matrix<double, 12, 3>& q) const;
 
   /// Stiffness for constant coefficients, exact to rounding: nine reference tensors and the matrix
   /// P, no quadrature (about 0.3 µs).
@@ -131,6 +135,8 @@ class C1Triangle {
   Mat12 to_reference_dofs() const;
 
  private:
+  // Derivatives of the reference functions with respect to (u, v).
+  Tabulation reference_at(const Vec3& L) const;
   TriangleElement kind_;
   TriangleShape shape_;
 };

@@ -66,8 +66,8 @@ Eigen::Matrix<double, 12, 3> Surface::triangle_dofs(int t) const {
 Vec3 Surface::position(const Location& where) const { return jet(where).x; }
 
 SurfaceJet Surface::jet(const Location& where) const {
-  const Tabulation N = C1Triangle(kind_, mesh_->shape(where.triangle)).evaluate(where.L);
-  const Eigen::Matrix<double, 3, kDerivatives> d = triangle_dofs(where.triangle).transpose() * N;
+  const Eigen::Matrix<double, 3, kDerivatives> d =
+      C1Triangle(kind_, mesh_->shape(where.triangle)).jet(where.L, triangle_dofs(where.triangle));
   return {d.col(kW), d.col(kU), d.col(kV), d.col(kUU), d.col(kUV), d.col(kVV)};
 }
 

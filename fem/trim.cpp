@@ -179,8 +179,9 @@ DomainLoops with_images(const DomainLoops& loops, double period) {
 
 }  // namespace
 
-Trim::Trim(const ParametricMesh& mesh, DomainLoops given) : loops_(std::move(given)) {
-  const DomainLoops loops = with_images(loops_, mesh.period());
+Trim::Trim(const ParametricMesh& mesh, DomainLoops given)
+    : loops_(with_images(given, mesh.period())) {
+  const DomainLoops& loops = loops_;
   const int n = mesh.triangle_count();
   const TriangleLocator locator(mesh);
   double mesh_area = 0;

@@ -27,15 +27,16 @@ class Trim {
   /// On a mesh that is periodic in u a loop is given once, beginning with u in
   /// [0, period), and cuts on both sides of the seam. O(triangles + arcs · triangles that they
   /// cross).
-  Trim(const ParametricMesh& mesh, DomainLoops loops);
+  Trim(const ParametricMesh& mesh, DomainLoops given);
 
+  /// Of a mesh that is periodic in u: with their images one period to either side.
   const DomainLoops& loops() const { return loops_; }
   Side side(int triangle) const { return side_[triangle]; }
   /// Triangles that the loops pass through, ascending.
   const std::vector<int>& cut() const { return cut_; }
   /// Share of the triangle's area that is inside, 0 to 1.
   double share(int triangle) const { return share_[triangle]; }
-  /// Area inside, in (u, v). Equals loops().area() where the mesh covers the region.
+  /// Area inside, in (u, v). Equals that of the given loops where the mesh covers the region.
   double area() const { return area_; }
 
   /// Barycentric points and weights over the part inside, whose weights sum to share(triangle):

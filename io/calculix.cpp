@@ -137,7 +137,8 @@ VecX node_areas(const Surface& surface, const Shell& shell) {
                      N1[6] = {0,        4 * L[1] - 1,      1 - 4 * L[2],
                               4 * L[0], 4 * (L[2] - L[1]), -4 * L[0]};
         for (int a = 0; a < 6; ++a) {
-          const Vec2& uv = shell.facets.uv[n[a]];
+          const Vec2 uv =
+              surface.mesh().image_near(shell.facets.uv[n[a]], shell.facets.uv[n[0]]);
           at += N[a] * uv;
           d0 += N0[a] * uv;
           d1 += N1[a] * uv;

@@ -22,7 +22,8 @@ namespace batten::canvas {
 
 using Colour = Vec3;
 inline const Colour kBody(0.70, 0.775, 0.86), kLine(0.83, 0.21, 0.10), kContour(0.13, 0.17, 0.24),
-    kParameter(0.30, 0.38, 0.50), kMesh(0.25, 0.30, 0.38), kText(0.14, 0.16, 0.20);
+    kParameter(0.30, 0.38, 0.50), kMesh(0.25, 0.30, 0.38), kText(0.14, 0.16, 0.20),
+    kLoose(0.10, 0.45, 0.75);
 
 /// Orthonormal: right, up, and towards the camera.
 struct ViewAxes {

@@ -80,7 +80,7 @@ void FairScene::set(const std::string& parameter, double value, const std::strin
 
 bool only_fairs(const std::filesystem::path& file) {
   const toml::table root = parse_toml(text_of_file(file, "a scene (.toml)"), file, "a scene");
-  return root.contains("fair") && !root.contains("skin");
+  return root.contains("fair") && !root.contains("skin") && !root.contains("network");
 }
 
 FairScene parse_fair_scene(const std::string& text, const std::filesystem::path& file) {

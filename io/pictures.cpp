@@ -2,11 +2,13 @@
 
 #include <vtkActor.h>
 #include <vtkCellArray.h>
+#include <vtkCellData.h>
 #include <vtkContourFilter.h>
 #include <vtkDataArray.h>
 #include <vtkDoubleArray.h>
 #include <vtkLookupTable.h>
 #include <vtkMapper.h>
+#include <vtkMath.h>
 #include <vtkNew.h>
 #include <vtkPointData.h>
 #include <vtkPoints.h>
@@ -14,6 +16,7 @@
 #include <vtkProperty.h>
 #include <vtkRenderer.h>
 #include <vtkSmartPointer.h>
+#include <vtkUnsignedCharArray.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -199,6 +202,45 @@ vtkSmartPointer<vtkLookupTable> add_zebra(vtkPolyData& facets, const Vec3& direc
                          std::max(to - from, flat * stripes) / stripes);
 }
 
+bool has_scale(const PictureScene& scene) {
+  return scene.field == PictureScene::Field::Mean || scene.field == PictureScene::Field::Gauss;
+}
+
+/// A light colour for each facet, its region's; neighbours in the order of regions differ most.
+vtkSmartPointer<vtkUnsignedCharArray> region_colours(vtkPolyData& data) {
+  auto colours = vtkSmartPointer<vtkUnsignedCharArray>::New();
+  colours->SetNumberOfComponents(3);
+  vtkDataArray& region = *data.GetCellData()->GetArray("Region");
+  for (vtkIdType c = data.GetNumberOfLines(); c < region.GetNumberOfTuples(); ++c) {
+    const int r = static_cast<int>(region.GetComponent(c, 0));
+    constexpr double golden = 0.6180339887498949;
+    const double hue = std::fmod(0.58 + r * golden, 1.0);
+    const double shades[] = {0.92, 0.76, 0.85};
+    double rgb[3];
+    vtkMath::HSVToRGB(hue, 0.48, shades[r % 3], &rgb[0], &rgb[1], &rgb[2]);
+    colours->InsertNextTuple3(255 * rgb[0], 255 * rgb[1], 255 * rgb[2]);
+  }
+  return colours;
+}
+
+vtkSmartPointer<vtkPolyData> polylines(const std::vector<HermiteCurve>& curves) {
+  vtkNew<vtkPoints> points;
+  vtkNew<vtkCellArray> cells;
+  for (const HermiteCurve& curve : curves) {
+    const int n = 12 * curve.segment_count();
+    cells->InsertNextCell(n + 1);
+    for (int i = 0; i <= n; ++i) {
+      const int segment = std::min(i / 12, curve.segment_count() - 1);
+      const Vec3 x = curve.evaluate({segment, i / 12.0 - segment});
+      cells->InsertCellPoint(points->InsertNextPoint(x.data()));
+    }
+  }
+  auto result = vtkSmartPointer<vtkPolyData>::New();
+  result->SetPoints(points);
+  result->SetLines(cells);
+  return result;
+}
+
 const char* field_array(const PictureScene& scene) {
   return scene.field == PictureScene::Field::Mean ? "Mean_curvature" : "Gauss_curvature";
 }
@@ -221,7 +263,12 @@ void add_surface(vtkRenderer& renderer, const PictureScene& scene, vtkPolyData& 
     look.SetAmbient(0.45);
     look.SetDiffuse(0.55);
   }
-  if (scene.field != PictureScene::Field::None) {
+  if (scene.field == PictureScene::Field::Regions) {
+    facets->GetCellData()->SetScalars(region_colours(data));
+    drawn->GetMapper()->ScalarVisibilityOn();
+    drawn->GetMapper()->SetScalarModeToUseCellData();
+    drawn->GetMapper()->SetColorModeToDirectScalars();
+  } else if (scene.field != PictureScene::Field::None) {
     const bool mean = scene.field == PictureScene::Field::Mean;
     facets->GetPointData()->SetActiveScalars(field_array(scene));
     const double limit = scene.field_limit > 0 ? scene.field_limit
@@ -260,17 +307,21 @@ void add_iso_lines(vtkRenderer& renderer, const PictureScene& scene, vtkPolyData
 /// Fills a renderer whose viewport has the given size in pixels.
 void draw(vtkRenderer& renderer, const PictureScene& scene, double width, double height,
           bool caption_below) {
-  const bool bar = scene.field != PictureScene::Field::None;
+  const bool bar = has_scale(scene);
   const Frame frame = frame_of(width, height, scene.title, caption_below, bar ? 116 : 0);
   const double unit = frame.unit;
   const int tessellation = facets_per_edge(scene);
 
   add_lights(renderer);
   const auto data = to_poly_data(scene.regions, {{}, tessellation});
-  const std::vector<Vec3> points = points_of(*data);
+  const auto loose = polylines(scene.loose);
+  std::vector<Vec3> points = points_of(*data);
   complete_normals(*data, points);
+  std::vector<Vec3> to_see = scene.in_view.empty() ? points : scene.in_view;
+  if (scene.in_view.empty())
+    for (const Vec3& p : points_of(*loose)) to_see.push_back(p);
   const ViewAxes axes(scene.azimuth, scene.elevation);
-  const Fit view = fit(scene.in_view.empty() ? points : scene.in_view, axes, frame, scene.zoom);
+  const Fit view = fit(to_see, axes, frame, scene.zoom);
   const Vec3 offset = 4 * view.pixel * axes.towards;
 
   add_surface(renderer, scene, *data, frame);
@@ -282,6 +333,8 @@ void draw(vtkRenderer& renderer, const PictureScene& scene, double width, double
     chains->GetPointData()->Initialize();
     add_tubes(renderer, chains, kLine, 2.6 * unit * view.pixel, offset);
   }
+  if (scene.lines && !scene.loose.empty())
+    add_tubes(renderer, loose, kLoose, 2.6 * unit * view.pixel, offset);
   add_title(renderer, scene.title, width, height, caption_below);
   set_camera(renderer, axes, view, width, height);
 }
@@ -332,7 +385,7 @@ void hold_view(std::vector<PictureScene>& scenes) {
       const auto [lowest, highest] = range_of(heights(points, scene.contour_direction));
       range = {std::min(range.first, lowest), std::max(range.second, highest)};
     }
-    if (scene.field != PictureScene::Field::None)
+    if (has_scale(scene))
       limit = std::max(limit, field_limit(*data->GetPointData()->GetArray(field_array(scene))));
   }
   std::vector<Vec3> corners;

@@ -16,9 +16,10 @@ namespace batten {
 /// that everything fits.
 struct PictureScene {
   enum class Field {
-    None,  ///< one colour
-    Mean,  ///< mean curvature, blue below 0, red above
-    Gauss  ///< Gauss curvature, the same
+    None,    ///< one colour
+    Mean,    ///< mean curvature, blue below 0, red above
+    Gauss,   ///< Gauss curvature, the same
+    Regions  ///< each region in a colour of its own
   };
 
   std::vector<const SkinnedRegion*> regions;
@@ -26,9 +27,10 @@ struct PictureScene {
   Field field = Field::None;  ///< its scale is symmetric about 0; 2 % at each end may lie outside
   int contours = 0;           ///< lines of equal height, evenly spaced between lowest and highest
   Vec3 contour_direction = Vec3::UnitZ();  ///< in which heights are measured
-  int parameter_lines = 0;  ///< lines of equal u, and as many of equal v, evenly spaced
-  bool lines = true;        ///< character lines, embedded ones too, as tubes
-  bool mesh = false;        ///< element edges, as far as they are inside
+  int parameter_lines = 0;          ///< lines of equal u, and as many of equal v, evenly spaced
+  bool lines = true;                ///< character lines, embedded ones too, as tubes
+  std::vector<HermiteCurve> loose;  ///< further lines, on no region: in another colour
+  bool mesh = false;                ///< element edges, as far as they are inside
   /// Light and dark stripes of equal angle between normal and zebra_direction, as many between its
   /// lowest and highest value (2 % at each end apart): a jump of the stripes is an edge, a kink in
   /// them a jump of curvature. From exact normals; in place of a field.

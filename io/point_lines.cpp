@@ -140,9 +140,11 @@ std::vector<NamedPoints> read_table(Rows& rows, double scale) {
   size_t columns = 0;
   int columns_line = 0;
   const auto check_length = [&] {
-    if (!lines.empty() && lines.back().points.size() == 1)
+    if (!lines.empty() && lines.back().points.size() < 2)
       throw InputError(rows.path().string() + ":" + std::to_string(lines.back().first_line) +
-                       ":1: found a line of 1 point, expected 2 or more");
+                       ":1: found a line of " +
+                       plural(static_cast<long>(lines.back().points.size()), "point") +
+                       ", expected 2 or more");
   };
   while (rows.next()) {
     const std::string_view row = without_comment(rows.row());
@@ -153,6 +155,12 @@ std::vector<NamedPoints> read_table(Rows& rows, double scale) {
     }
     split_table_row(row, fields);
     const bool first = std::exchange(first_row, false);
+    if (fields.size() == 2 && fields[0] == "CURVE") {
+      check_length();
+      lines.push_back({"curve " + std::string(fields[1]), {}, rows.line()});
+      new_line = false;
+      continue;
+    }
     if (first && std::none_of(fields.begin(), fields.end(), starts_like_number)) continue;
     if (columns == 0 && (fields.size() == 2 || fields.size() == 3)) {
       columns = fields.size();

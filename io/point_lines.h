@@ -22,7 +22,8 @@ struct NamedPoints {
 ///                         between them (2: z = 0). Decimal points, never decimal commas. '#' and
 ///                         '//' start comments. The first row may be a header (words only). Blank
 ///                         rows, or rows of separators only, separate lines. Names: the file's
-///                         name, with _1, _2, … when there are several lines.
+///                         name, with _1, _2, … when there are several lines. A row `CURVE 3`
+///                         begins a line too, and names it "curve 3".
 ///   .obj                  `v` and `l` records, indices from 1 or negative (from the end); each `l`
 ///                         record is one line, named after the last `o` or `g` record before it
 ///                         (numbered when several share the name), else after the file. Everything

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "batten/io/network_report_json.h"
 #include "batten/io/report_json.h"
 
 namespace batten {
@@ -111,6 +112,7 @@ Json contents(const Report& r) {
                      {"load_steps", s.load_steps},
                      {"iterations", s.iterations},
                      {"last_change", s.last_change}};
+  if (r.network) add_network(json, *r.network);
   if (r.step)
     json["step"] = {{"file", r.step->file},
                     {"form", r.step->form},
@@ -124,6 +126,11 @@ Json contents(const Report& r) {
     json["step"]["tolerance"] = r.step->tolerance;
     json["step"]["poles"] = {r.step->poles_u, r.step->poles_v};
   }
+  if (r.step && r.network)
+    json["step"].update({{"shells", r.step->shells},
+                         {"solids", r.step->solids},
+                         {"free_edges", r.step->free_edges},
+                         {"volume", r.step->volume}});
 
   if (r.comparison)
     json["comparison"] = {{"file", r.comparison->file},

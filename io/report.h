@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "batten/io/faired_line.h"
+#include "batten/io/network_report.h"
 #include "batten/io/scene.h"
 #include "batten/skinning/skin.h"
 
@@ -45,6 +46,7 @@ struct Report {
     int load_steps = 0, iterations = 0;
     double last_change = 0;
   } surface;
+  std::optional<NetworkReport> network;  ///< of a scene with [network]
 
   struct Step {
     std::string file, form;
@@ -54,6 +56,9 @@ struct Report {
     std::uintmax_t bytes = 0;
     double max_deviation = 0, max_gap = 0, max_normal_jump_deg = 0;
     bool valid = false;
+    // Of a model (write_step_model).
+    int shells = 0, solids = 0, free_edges = 0;
+    double volume = 0;
   };
   std::optional<Step> step;  ///< measured on the file read back
 

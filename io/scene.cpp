@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "batten/io/scene_lines.h"
+#include "batten/io/scene_network.h"
 #include "batten/io/scene_sculpting.h"
 #include "batten/io/scene_words.h"
 
@@ -157,7 +158,8 @@ ScenePicture read_picture(const TomlTable& table, Names& files) {
   look.field = table.choice("show", Field::None,
                             {{"shaded", Field::None},
                              {"mean_curvature", Field::Mean},
-                             {"gauss_curvature", Field::Gauss}});
+                             {"gauss_curvature", Field::Gauss},
+                             {"regions", Field::Regions}});
   look.contours = table.whole_number("contours", 0, 0);
   look.parameter_lines = table.whole_number("parameter_lines", 0, 0);
   if (table.has("contour_direction")) {
@@ -200,10 +202,11 @@ SceneSweep read_sweep(const TomlTable& table, const Scene& scene, Names& files) 
 }
 
 Scene read(const toml::table& root_table, const std::filesystem::path& file) {
-  const TomlTable root(file.string(), root_table, "the scene",
-                       {"name", "unit", "tolerance", "corner_angle", "line", "lines", "fair",
-                        "skin", "constraint", "load", "weight", "move", "parameter", "motion",
-                        "stress", "output", "compare", "picture", "sweep"});
+  const TomlTable root(
+      file.string(), root_table, "the scene",
+      {"name",   "unit",   "tolerance", "corner_angle", "line",    "lines",  "fair", "network",
+       "region", "join",   "skin",      "constraint",   "load",    "weight", "move", "parameter",
+       "motion", "stress", "output",    "compare",      "picture", "sweep"});
   const std::filesystem::path folder = file.parent_path();
   Scene scene;
   scene.file = file;
@@ -214,13 +217,11 @@ Scene read(const toml::table& root_table, const std::filesystem::path& file) {
   if (scene.skin.options.corner_angle >= 180)
     root.fail("corner_angle", number(scene.skin.options.corner_angle), "less than 180 degrees");
 
+  read_network(root, scene);
   scene.lines = read_scene_lines(root, folder, true);
   scene.fairing = read_fair_stages(root);
 
-  for (const TomlTable& t :
-       root.table("skin", {"element", "domain", "settle", "mesher", "edge_length", "refine",
-                           "alpha", "beta", "units", "hold"}))
-    read_skin(t, scene.skin);
+  for (const TomlTable& t : root.table("skin", skin_keys())) read_skin(t, scene.skin);
 
   read_sculpting(root, folder, scene);
 
@@ -231,8 +232,7 @@ Scene read(const toml::table& root_table, const std::filesystem::path& file) {
   Names files("file name");
   for (const TomlTable& t : root.table("compare", {"file"}))
     scene.compare = folder / t.text("file");
-  for (const TomlTable& t :
-       root.table("output", {"step", "step_form", "step_tolerance", "vtu", "vtp", "calculix"})) {
+  for (const TomlTable& t : root.table("output", output_keys())) {
     if (t.has("step")) scene.step = output_file(t, "step", files, {".step", ".stp"});
     using Form = Scene::StepForm;
     scene.step_form =

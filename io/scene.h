@@ -14,6 +14,7 @@
 #include "batten/sculpting/live_loads.h"
 #include "batten/sculpting/parameters.h"
 #include "batten/sculpting/static_sculpt.h"
+#include "batten/skinning/network/model.h"
 
 namespace batten {
 
@@ -141,6 +142,18 @@ struct SceneSweep {
   ScenePicture picture;  ///< look.title is that of the panels; the value is put behind it
 };
 
+/// [network], [[region]], [[join]]: the lines are one network, and all its surfaces are made.
+struct SceneNetwork {
+  Place place;
+  double tolerance = 0;  ///< where lines meet, model units; 0: NetworkOptions'
+  double straight_angle = NetworkOptions{}.straight_angle;    ///< degrees
+  int most_at_line = RegionOptions{}.most_at_arc;             ///< regions
+  double smooth_below = ModelOptions{}.smooth_below_deg;      ///< degrees
+  double join_tolerance = ModelOptions{}.join_tolerance_deg;  ///< degrees
+  std::vector<RegionWord> regions;
+  std::vector<JoinWord> joins;
+};
+
 /// A number of a scene that can be set from outside.
 struct Parameter {
   std::string name;
@@ -152,6 +165,7 @@ struct Scene {
   std::string name = "surface", unit = "mm";
   std::vector<SceneLine> lines;
   std::vector<FairStage> fairing;  ///< [[fair]]: what happens to the lines before they are skinned
+  std::optional<SceneNetwork> network;  ///< then there is nothing that acts on a surface below
   SceneSkin skin;
   std::vector<SceneConstraint> constraints;
   std::vector<SceneLoad> loads;

@@ -75,21 +75,27 @@ SceneLine read_lines(const TomlTable& table, const std::filesystem::path& folder
 
 }  // namespace
 
+std::vector<std::string> line_keys(bool roles) {
+  std::vector<std::string> keys = {"name", "file", "points", "bezier", "unit"};
+  if (roles) keys.insert(keys.end(), {"role", "treatment"});
+  return keys;
+}
+
+std::vector<std::string> lines_keys(bool roles) {
+  std::vector<std::string> keys = {"file", "unit", "only", "skip"};
+  if (roles) keys.insert(keys.end(), {"role", "treatment", "inner", "holes"});
+  return keys;
+}
+
 std::vector<SceneLine> read_scene_lines(const TomlTable& root, const std::filesystem::path& folder,
                                         bool roles) {
   std::vector<SceneLine> lines;
-  std::vector<std::string> one = {"name", "file", "points", "bezier", "unit"};
-  std::vector<std::string> many = {"file", "unit", "only", "skip"};
-  if (roles) {
-    one.insert(one.end(), {"role", "treatment"});
-    many.insert(many.end(), {"role", "treatment", "inner", "holes"});
-  }
   Names names("line name");
-  for (const TomlTable& t : root.tables("line", one)) {
+  for (const TomlTable& t : root.tables("line", line_keys(roles))) {
     lines.push_back(read_line(t, folder, roles));
     names.add(t, "name", lines.back().name);
   }
-  for (const TomlTable& t : root.tables("lines", many))
+  for (const TomlTable& t : root.tables("lines", lines_keys(roles)))
     lines.push_back(read_lines(t, folder, roles));
   if (lines.empty()) root.fail("", "no lines", "[[line]] or [[lines]]");
   return lines;

@@ -8,6 +8,10 @@
 
 namespace batten {
 
+/// Keys of [[line]] and [[lines]].
+std::vector<std::string> line_keys(bool roles);
+std::vector<std::string> lines_keys(bool roles);
+
 /// `roles`: whether lines have one (outline, inner). Throws InputError: none at all, too.
 std::vector<SceneLine> read_scene_lines(const TomlTable& root, const std::filesystem::path& folder,
                                         bool roles);

@@ -10,6 +10,18 @@
 
 namespace batten {
 
+const std::vector<std::string>& skin_keys() {
+  static const std::vector<std::string> keys = {"element",     "domain", "settle", "mesher",
+                                                "edge_length", "refine", "alpha",  "beta",
+                                                "units",       "hold"};
+  return keys;
+}
+const std::vector<std::string>& output_keys() {
+  static const std::vector<std::string> keys = {"step", "step_form", "step_tolerance",
+                                                "vtu",  "vtp",       "calculix"};
+  return keys;
+}
+
 std::string unit_word(const TomlTable& table, const std::string& key) {
   const std::string word = table.text(key);
   if (std::find(length_units().begin(), length_units().end(), word) == length_units().end())

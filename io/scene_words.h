@@ -32,6 +32,10 @@ class Names {
   std::map<std::string, int> lines_;
 };
 
+/// Keys of [skin] and [output].
+const std::vector<std::string>& skin_keys();
+const std::vector<std::string>& output_keys();
+
 /// A length unit. Throws InputError with the nearest one.
 std::string unit_word(const TomlTable& table, const std::string& key);
 

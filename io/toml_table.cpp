@@ -232,6 +232,25 @@ std::vector<PlacedWord> TomlTable::words(const std::string& key) const {
   return words;
 }
 
+std::vector<std::vector<PlacedWord>> TomlTable::word_rows(const std::string& key) const {
+  const std::string expected = "a list of lists of names for '" + key + "'";
+  const toml::node& value = node(key, "a list of lists of names [[\"…\", …], …]");
+  const auto* array = value.as_array();
+  if (!array || array->empty()) fail_node(value, describe(value), expected);
+  std::vector<std::vector<PlacedWord>> rows;
+  for (const toml::node& item : *array) {
+    const auto* names = item.as_array();
+    if (!names || names->empty()) fail_node(item, describe(item), expected);
+    rows.emplace_back();
+    for (const toml::node& name : *names) {
+      const auto* text = name.as_string();
+      if (!text) fail_node(name, describe(name), expected);
+      rows.back().push_back({text->get(), place_of(name.source())});
+    }
+  }
+  return rows;
+}
+
 std::vector<PlacedWord> TomlTable::names(const std::string& key) const {
   if (has(key) && !is_array(key)) return {{text(key), place(key)}};
   return words(key);

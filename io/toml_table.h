@@ -73,6 +73,8 @@ class TomlTable {
   std::vector<VecX> rows(const std::string& key, const std::string& shape) const;
   std::vector<double> list(const std::string& key) const;
   std::vector<PlacedWord> words(const std::string& key) const;
+  /// A list of lists of names, each with one or more.
+  std::vector<std::vector<PlacedWord>> word_rows(const std::string& key) const;
   /// One name or a list of them; none when the key is missing.
   std::vector<PlacedWord> names(const std::string& key) const;
 

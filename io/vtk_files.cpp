@@ -19,6 +19,7 @@
 
 #include <algorithm>
 #include <array>
+#include <map>
 
 #include "batten/core/errors.h"
 #include "batten/io/vtk_write.h"
@@ -103,11 +104,19 @@ struct CellTable {
   vtkSmartPointer<vtkIntArray> region = array<vtkIntArray>("Region", 1);
   vtkSmartPointer<vtkIntArray> triangle = array<vtkIntArray>("Triangle", 1);
   vtkSmartPointer<vtkIntArray> line = array<vtkIntArray>("Line", 1);
+  vtkSmartPointer<vtkIntArray> join = array<vtkIntArray>("Join", 1);
+  vtkSmartPointer<vtkDoubleArray> angle = array<vtkDoubleArray>("Join_angle", 1);
+  const std::vector<VtkLine>* of_model;
+
+  explicit CellTable(const VtkOptions& options) : of_model(&options.lines) {}
 
   void add(size_t region_index, int triangle_index, int line_index) {
     region->InsertNextValue(static_cast<int>(region_index));
     triangle->InsertNextValue(triangle_index);
     line->InsertNextValue(line_index);
+    const bool known = line_index >= 0 && !of_model->empty();
+    join->InsertNextValue(known ? (*of_model)[static_cast<size_t>(line_index)].join : -1);
+    angle->InsertNextValue(known ? (*of_model)[static_cast<size_t>(line_index)].angle_deg : -1);
   }
 
   void append(const CellTable& other) {
@@ -115,20 +124,52 @@ struct CellTable {
     region->InsertTuples(here, there, 0, other.region);
     triangle->InsertTuples(here, there, 0, other.triangle);
     line->InsertTuples(here, there, 0, other.line);
+    join->InsertTuples(here, there, 0, other.join);
+    angle->InsertTuples(here, there, 0, other.angle);
   }
 
   void give_to(vtkPointSet& grid, const std::vector<const SkinnedRegion*>& regions) const {
     for (const auto& values : {region, triangle, line}) grid.GetCellData()->AddArray(values);
+    if (!of_model->empty()) {
+      grid.GetCellData()->AddArray(join);
+      grid.GetCellData()->AddArray(angle);
+    }
     const auto region_names = array<vtkStringArray>("Region_names", 1);
     const auto line_names = array<vtkStringArray>("Line_names", 1);
     for (const auto* r : regions) {
       region_names->InsertNextValue(r->name.c_str());
+      if (!of_model->empty()) continue;
       for (const LineRun& run : r->runs) line_names->InsertNextValue(run.line.name.c_str());
       for (const EmbeddedLine& e : r->embedded) line_names->InsertNextValue(e.line.name.c_str());
     }
+    for (const VtkLine& l : *of_model) line_names->InsertNextValue(l.name.c_str());
     grid.GetFieldData()->AddArray(region_names);
     grid.GetFieldData()->AddArray(line_names);
   }
+};
+
+/// The index under which each region's lines are written; -1: another region has it already.
+class LineIndex {
+ public:
+  explicit LineIndex(const std::vector<VtkLine>& lines) : of_model_(!lines.empty()) {
+    for (size_t i = 0; i < lines.size(); ++i) left_.emplace(lines[i].name, static_cast<int>(i));
+  }
+  int of(const SkinnedRegion& region, size_t line) {
+    if (!of_model_) return next_++;
+    const std::string& name = line < region.runs.size()
+                                  ? region.runs[line].line.name
+                                  : region.embedded[line - region.runs.size()].line.name;
+    const auto found = left_.find(name);
+    if (found == left_.end()) return -1;
+    const int index = found->second;
+    left_.erase(found);
+    return index;
+  }
+
+ private:
+  bool of_model_;
+  int next_ = 0;
+  std::map<std::string, int> left_;
 };
 
 /// One size for all regions, so that they share points where they share lines.
@@ -152,26 +193,37 @@ void write_xml(vtkXMLWriter& writer, vtkDataObject* data, const fs::path& path) 
   file.commit();
 }
 
+std::vector<VtkLine> vtk_lines(const CharacterLineNetwork& network, const SurfaceModel& model) {
+  const auto name = [&](int arc) { return network.arcs()[static_cast<size_t>(arc)].name; };
+  std::vector<VtkLine> lines;
+  for (const ModelJoin& join : model.joins)
+    lines.push_back({name(join.arc), static_cast<int>(join.kind), join.max_deg});
+  for (const ModelRegion& region : model.regions)
+    for (const int arc : region.plan.inner) lines.push_back({name(arc)});
+  return lines;
+}
+
 vtkSmartPointer<vtkPolyData> to_poly_data(const std::vector<const SkinnedRegion*>& regions,
                                           const VtkOptions& options) {
   check(regions, options);
   PointTable table;
-  CellTable line_cells, facet_cells;
+  CellTable line_cells(options), facet_cells(options);
   vtkNew<vtkCellArray> lines, facets;
   const double length = common_length(regions);
-  int line = 0;
+  LineIndex index(options.lines);
   for (size_t r = 0; r < regions.size(); ++r) {
     const SkinnedRegion& region = *regions[r];
     const auto [tessellation, chains] = batten::facets(region, options.facets_per_edge, length);
     const vtkIdType first = table.add(region.surface, tessellation,
                                       options.references.empty() ? nullptr : options.references[r]);
-    for (const auto& line_chains : chains) {
-      for (const auto& chain : line_chains) {
+    for (size_t l = 0; l < chains.size(); ++l) {
+      const int line = index.of(region, l);
+      if (line < 0) continue;
+      for (const auto& chain : chains[l]) {
         lines->InsertNextCell(static_cast<int>(chain.size()));
         for (const int p : chain) lines->InsertCellPoint(first + p);
         line_cells.add(r, -1, line);
       }
-      ++line;
     }
     for (size_t f = 0; f < tessellation.facets.size(); ++f) {
       const auto& [a, b, c] = tessellation.facets[f];
@@ -199,7 +251,7 @@ void write_vtu(const fs::path& path, const std::vector<const SkinnedRegion*>& re
                const VtkOptions& options) {
   check(regions, options);
   PointTable table;
-  CellTable cells;
+  CellTable cells(options);
   vtkNew<vtkUnstructuredGrid> grid;
   std::vector<vtkIdType> first;
   std::vector<QuadraticFacets> elements;
@@ -219,14 +271,15 @@ void write_vtu(const fs::path& path, const std::vector<const SkinnedRegion*>& re
       insert(VTK_QUADRATIC_TRIANGLE, r, elements[r].triangles[t]);
       cells.add(r, elements[r].element[t], -1);
     }
-  int line = 0;
+  LineIndex index(options.lines);
   for (size_t r = 0; r < regions.size(); ++r)
-    for (const auto& edges : elements[r].lines) {
-      for (const auto& edge : edges) {
+    for (size_t l = 0; l < elements[r].lines.size(); ++l) {
+      const int line = index.of(*regions[r], l);
+      if (line < 0) continue;
+      for (const auto& edge : elements[r].lines[l]) {
         insert(VTK_QUADRATIC_EDGE, r, edge);
         cells.add(r, -1, line);
       }
-      ++line;
     }
   table.give_to(*grid, !options.references.empty());
   cells.give_to(*grid, regions);

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 #include <vector>
 
+#include "batten/skinning/network/model.h"
 #include "batten/skinning/region.h"
 
 template <class T>
@@ -12,12 +14,26 @@ class vtkPolyData;
 
 namespace batten {
 
+/// A line of a model of several regions.
+struct VtkLine {
+  std::string name;
+  /// ModelJoin::Kind as a number: 0 rim, 1 crease, 2 smooth, 3 branching; -1: inside of a region.
+  int join = -1;
+  double angle_deg = 0;  ///< largest angle between the normals across it
+};
+
+/// The lines of a network that its regions have: of loops, then inner ones.
+std::vector<VtkLine> vtk_lines(const CharacterLineNetwork& network, const SurfaceModel& model);
+
 struct VtkOptions {
   /// Surfaces that displacements are measured from: none, or one for each region, on the same mesh.
   std::vector<const Surface*> references;
   /// Facets along each edge of elements (of a region with embedded lines: of its own triangles,
   /// quadratic_facets), 1 or more (VTP only).
   int facets_per_edge = 4;
+  /// Of a model: each of these lines is written once, from the first region that has a line of its
+  /// name. None: the lines of each region.
+  std::vector<VtkLine> lines = {};
 };
 
 /// The regions as facets and their character lines as polylines through the same points. Facets
@@ -28,8 +44,13 @@ struct VtkOptions {
 ///               Mean_curvature, Gauss_curvature, K1 ≥ K2 (recovered_curvatures), uv (u, v, 0),
 ///               Displacement (with references)
 ///   cell data   Region (index), Triangle (element of the region, -1 on lines), Line (index, -1 on
-///               facets)
-///   field data  Region_names, Line_names (text; runs and embedded lines, region after region)
+///               facets); with options.lines also Join (VtkLine::join) and Join_angle (degrees),
+///               both -1 on facets
+///   field data  Region_names, Line_names (text; runs and embedded lines, region after region; or
+///               those of options.lines)
+///
+/// Regions keep points of their own along a line that they share (at the same places), because
+/// normals, curvatures and u, v are those of the region.
 ///
 /// VTK's order of cells: first the lines, then the facets. Points are doubles. O(facets).
 /// Throws InputError: no region, references that do not match, and what facets() throws.

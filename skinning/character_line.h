@@ -13,8 +13,8 @@ namespace batten {
 /// the same: it is not fitted again, and meshes have their vertices on it at the same places.
 struct GivenCurve {
   HermiteCurve curve;  ///< over the direction of the line; its parameter runs evenly
-  /// Parameters of the mesh's vertices on it where it is fitted: ascending, from start to end, nodes
-  /// of the curve among them.
+  /// Parameters of the mesh's vertices on it where it is fitted: ascending, from start to end,
+  /// nodes of the curve among them.
   std::vector<double> vertices;
 };
 
@@ -34,8 +34,8 @@ struct CharacterLine {
   std::shared_ptr<const InputCurve> curve;
   Role role = Role::Outline;
   Treatment treatment = Treatment::Auto;
-  /// Of an outline or hole line. All lines of a loop have one, or none. Two of them that meet turn a
-  /// corner unless their slopes are the same vector.
+  /// Of an outline or hole line. All lines of a loop have one, or none. Two of them that meet turn
+  /// a corner unless their slopes are the same vector.
   std::shared_ptr<const GivenCurve> given = {};
 };
 

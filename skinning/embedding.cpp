@@ -20,6 +20,11 @@ double local_size(const ParametricMesh& mesh, int triangle) {
   return std::sqrt(2 * mesh.shape(triangle).area);
 }
 
+// Between two points, or their images one period away.
+double distance(const ParametricMesh& mesh, const Vec2& p, const Vec2& q) {
+  return (mesh.image_near(p, q) - q).norm();
+}
+
 bool is_embedded(const std::vector<BoundaryPiece>& loop) {
   return std::any_of(loop.begin(), loop.end(), [](const BoundaryPiece& piece) {
     return piece.kind == BoundaryPiece::Kind::Embedded;
@@ -66,6 +71,12 @@ void require_simple(const RegionParts& parts, const DomainLoops& loops) {
               "hole");
         }
     }
+}
+
+HermiteCurve shifted(const HermiteCurve& image, double du) {
+  Points dofs = image.dofs();
+  for (int i = 0; i < image.node_count(); ++i) dofs(image.mesh().position_dof(i), 0) += du;
+  return {image.mesh(), std::move(dofs)};
 }
 
 // Where the images of two lines cross, by their parameters.
@@ -140,6 +151,30 @@ std::vector<Meeting> meetings(const HermiteCurve& a, const HermiteCurve& b) {
   return found;
 }
 
+// The same on a mesh that may be periodic: a line also meets the other's images.
+std::vector<Meeting> meetings(const ParametricMesh& mesh, const HermiteCurve& a,
+                              const HermiteCurve& b) {
+  if (mesh.period() == 0) return meetings(a, b);
+  const auto reach = [](const HermiteCurve& c) {
+    Vec2 range(c.position(0).x(), c.position(0).x());
+    for (const PlanarCubic& arc : planar_arcs(c))
+      for (const Vec2& p : arc.b) range = {std::min(range[0], p.x()), std::max(range[1], p.x())};
+    return range;
+  };
+  const Vec2 of_a = reach(a), of_b = reach(b);
+  const double period = mesh.period();
+  std::vector<Meeting> found;
+  for (double k = std::ceil((of_a[0] - of_b[1]) / period - 1e-9);
+       of_b[0] + k * period <= of_a[1] + 1e-9 * period; ++k)
+    for (const Meeting& m : meetings(a, shifted(b, k * period))) {
+      const bool known = std::any_of(found.begin(), found.end(), [&](const Meeting& other) {
+        return distance(mesh, flat(a.evaluate(m.s)), flat(a.evaluate(other.s))) < 1e-7;
+      });
+      if (!known) found.push_back(m);
+    }
+  return found;
+}
+
 // Parameters at which each line must have a point: where an inner line ends on another line, or
 // crosses it.
 std::vector<std::vector<double>> junctions(RegionParts& parts, const DomainTask& task) {
@@ -160,7 +195,9 @@ std::vector<std::vector<double>> junctions(RegionParts& parts, const DomainTask&
           Points x = line.fitted.dofs(), c = line.image.dofs();
           x.row(line.fitted.mesh().position_dof(node)) = position;
           const int image_node = last ? line.image.node_count() - 1 : 0;
-          c.row(line.image.mesh().position_dof(image_node)) = uv;
+          const Vec2 there =
+              parts.mesh->image_near(flat(uv), flat(line.image.position(image_node)));
+          c.row(line.image.mesh().position_dof(image_node)) << there.x(), there.y(), 0;
           line.fitted = {line.fitted.mesh(), x};
           line.image = {line.image.mesh(), c};
         };
@@ -191,12 +228,12 @@ std::vector<std::vector<double>> junctions(RegionParts& parts, const DomainTask&
                          "): a surface cannot be on both");
     };
     for (const LineRun& run : parts.runs)
-      for (const Meeting& m : meetings(run_image(*parts.mesh, run), line.image))
+      for (const Meeting& m : meetings(*parts.mesh, run_image(*parts.mesh, run), line.image))
         require_near(run.line.name, run.fitted.evaluate(m.s), line.fitted.evaluate(m.t));
     for (size_t j = 0; j < n; ++j) {
       if (j == i || (!bounds[j] && j > i)) continue;
       const EmbeddedLine& other = parts.embedded[j];
-      for (const Meeting& m : meetings(other.image, line.image)) {
+      for (const Meeting& m : meetings(*parts.mesh, other.image, line.image)) {
         require_near(other.line.name, other.fitted.evaluate(m.s), line.fitted.evaluate(m.t));
         always[j].push_back(m.s);
         always[i].push_back(m.t);
@@ -208,8 +245,9 @@ std::vector<std::vector<double>> junctions(RegionParts& parts, const DomainTask&
 
 double distance_to_run(const ParametricMesh& mesh, const LineRun& run, const Vec2& p) {
   const Vec2 a = mesh.vertices()[run.vertices.front()], d = mesh.displacement(run.vertices);
-  const double s = std::clamp((p - a).dot(d) / std::max(d.squaredNorm(), 1e-300), 0.0, 1.0);
-  return (a + s * d - p).norm();
+  const Vec2 q = mesh.image_near(p, a + 0.5 * d);
+  const double s = std::clamp((q - a).dot(d) / std::max(d.squaredNorm(), 1e-300), 0.0, 1.0);
+  return (a + s * d - q).norm();
 }
 
 void place_points(RegionParts& parts, const DomainTask& task, const TriangleLocator& locator) {
@@ -226,9 +264,9 @@ void place_points(RegionParts& parts, const DomainTask& task, const TriangleLoca
       const Vec2 c = flat(line.image.evaluate(t));
       const Location on = locator.locate(c);
       const double h = local_size(*parts.mesh, on.triangle);
-      bool free = (parts.mesh->shape(on.triangle).point(on.L) - c).norm() <= 1e-9 * h;
+      bool free = distance(*parts.mesh, c, parts.mesh->shape(on.triangle).point(on.L)) <= 1e-9 * h;
       for (size_t k = 0; k < taken.size() && free; ++k)
-        free = (taken[k] - c).norm() > (k < others ? too_near : too_near_itself) * h;
+        free = distance(*parts.mesh, taken[k], c) > (k < others ? too_near : too_near_itself) * h;
       for (const LineRun& run : parts.runs)
         free = free && distance_to_run(*parts.mesh, run, c) > too_near_run * h;
       if (!free) continue;
@@ -343,8 +381,9 @@ void cut_and_place(RegionParts& parts, const DomainTask& task) {
         // Ends on the boundary may lie a hair outside.
         if (std::min((c - ends[0]).norm(), (c - ends[1]).norm()) <= slack) continue;
         const Location on = locator.locate(c);
-        const bool inside = (parts.mesh->shape(on.triangle).point(on.L) - c).norm() <= 1e-9 &&
-                            (!parts.trim || loops.contains(c));
+        const bool inside =
+            distance(*parts.mesh, c, parts.mesh->shape(on.triangle).point(on.L)) <= 1e-9 &&
+            (!parts.trim || parts.trim->loops().contains(parts.mesh->wrapped(c)));
         if (!inside)
           throw InputError("inner line '" + line.line.name + "' leaves the region near " +
                            at(line.fitted.evaluate(line.image.parameters()[static_cast<size_t>(s)] +

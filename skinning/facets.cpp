@@ -26,11 +26,15 @@ class Line {
  public:
   Line(const ParametricMesh& mesh, const LineRun& run)
       : name_(run.line.name), parameters_(run.parameters) {
-    for (const int v : run.vertices) places_.push_back(mesh.vertices()[v]);
-    for (size_t k = 0; k + 1 < places_.size(); ++k) {
-      const Vec2 third = (places_[k + 1] - places_[k]) / 3;
-      arcs_.push_back({{places_[k], places_[k] + third, places_[k + 1] - third, places_[k + 1]}});
-    }
+    for (const int v : run.vertices)
+      places_.push_back(places_.empty() ? mesh.vertices()[v]
+                                        : mesh.image_near(mesh.vertices()[v], places_.back()));
+    join_places();
+  }
+  /// A straight line over its own length.
+  Line(std::string name, const Vec2& from, const Vec2& to)
+      : name_(std::move(name)), parameters_{0, (to - from).norm()}, places_{from, to} {
+    join_places();
   }
   explicit Line(const EmbeddedLine& line)
       : name_(line.line.name),
@@ -58,6 +62,14 @@ class Line {
   /// The cubic arc between two parameters of one segment.
   PlanarCubic arc(size_t k, double s0, double s1) const { return arcs_[k].part(s0, s1); }
   size_t arc_count() const { return arcs_.size(); }
+  /// The range of u that it stays in.
+  std::pair<double, double> reach() const {
+    std::pair<double, double> range{arcs_[0].b[0].x(), arcs_[0].b[0].x()};
+    for (const PlanarCubic& arc : arcs_)
+      for (const Vec2& p : arc.b)
+        range = {std::min(range.first, p.x()), std::max(range.second, p.x())};
+    return range;
+  }
   double parameter(size_t k, double s) const {
     return parameters_[k] + s * (parameters_[k + 1] - parameters_[k]);
   }
@@ -76,6 +88,12 @@ class Line {
   }
 
  private:
+  void join_places() {
+    for (size_t k = 0; k + 1 < places_.size(); ++k) {
+      const Vec2 third = (places_[k + 1] - places_[k]) / 3;
+      arcs_.push_back({{places_[k], places_[k] + third, places_[k + 1] - third, places_[k + 1]}});
+    }
+  }
   size_t segment(double t) const {
     const auto above = std::upper_bound(parameters_.begin(), parameters_.end(), t);
     const auto k = static_cast<size_t>(std::max<long>(0, above - parameters_.begin() - 1));
@@ -179,6 +197,7 @@ struct Piece {
   double t0, t1;
   int a, b;
   bool curved;
+  Vec2 from = Vec2::Zero(), to = Vec2::Zero();  // its ends, where the line has them
 };
 
 /// A mesh of a region in (u, v) that follows its lines.
@@ -206,9 +225,10 @@ struct RegionMesh {
       const double s = where.L[i] == 0 ? Lk : 0.5 * (1 + Lk - Lj);
       const Vec2 on_line =
           lines[static_cast<size_t>(piece.line)].at(piece.t0 + s * (piece.t1 - piece.t0));
-      if (where.L[i] == 0) return on_line;
-      const Vec2 chord = (1 - s) * mesh->vertices()[piece.a] + s * mesh->vertices()[piece.b];
-      p += Lj * Lk / (s * (1 - s)) * (on_line - chord);
+      if (where.L[i] == 0) return mesh->image_near(on_line, p);
+      const Vec2& from = mesh->vertices()[piece.a];
+      const Vec2 chord = (1 - s) * from + s * mesh->image_near(mesh->vertices()[piece.b], from);
+      p += Lj * Lk / (s * (1 - s)) * (mesh->image_near(on_line, chord) - chord);
     }
     return p;
   }
@@ -255,10 +275,6 @@ class Builder {
  public:
   Builder(const SkinnedRegion& region, double edge_length) : region_(region) {
     const ParametricMesh& mesh = region.surface.mesh();
-    if (mesh.period() != 0)
-      throw InputError(who() +
-                       "found embedded lines in a region that closes around in u; facets "
-                       "can be made of one without them only");
     if (region.boundary.empty() || region.boundary[0].empty())
       throw InputError(who() + "found embedded lines, but no boundary");
     for (const LineRun& run : region.runs) lines_.emplace_back(mesh, run);
@@ -290,6 +306,7 @@ class Builder {
     });
     size_ = sum / count * (edge_length / mean);
     space_ = edge_length;
+    if (mesh.period() > 0) cut_open();
   }
 
   template <class Action>
@@ -347,10 +364,84 @@ class Builder {
   // The fixed stop of a line near a point of it, or null. Closed lines have two at their seam.
   const Stop* fixed_near(size_t line, const Vec2& p) const {
     for (const Stop& stop : stops_[line])
-      if ((nodes_[stop.node] - p).norm() <= same_) return &stop;
+      if ((near(nodes_[stop.node], p) - p).norm() <= same_) return &stop;
     return nullptr;
   }
   void fix(size_t line, double t, int node) { stops_[line].push_back({t, node, true}); }
+  /// p or its image that is nearest to another point.
+  Vec2 near(const Vec2& p, const Vec2& anchor) const {
+    return region_.surface.mesh().image_near(p, anchor);
+  }
+  double period() const { return region_.surface.mesh().period(); }
+  bool has_seam() const { return period() > 0; }
+  size_t seam() const { return lines_.size() - 1; }
+  /// By how much p is to the right of the seam.
+  double beyond_seam(const Vec2& p) const {
+    const Vec2 from = lines_[seam()].at(0), to = lines_[seam()].at(lines_[seam()].end());
+    return p.x() - from.x() - (p.y() - from.y()) / (to.y() - from.y()) * (to.x() - from.x());
+  }
+
+  /// A ring is meshed between two images of a straight seam from rim to rim, which are then one
+  /// again. It begins at that vertex of the first rim where it is least along any line, and
+  /// crosses no hole.
+  void cut_open() {
+    const ParametricMesh& mesh = region_.surface.mesh();
+    size_ = std::min(size_, period() / 8);
+    std::vector<Vec2> rims[2];
+    for (const int r : {0, 1})
+      for (const BoundaryPiece& piece : region_.boundary.at(static_cast<size_t>(r)))
+        for (const int v : region_.runs.at(static_cast<size_t>(piece.index)).vertices)
+          rims[r].push_back(mesh.vertices()[v]);
+    struct Sample {
+      Vec2 c, direction;
+      bool boundary;
+    };
+    std::vector<Sample> samples;
+    for (size_t l = region_.runs.size(); l < lines_.size(); ++l) {
+      const HermiteCurve& image = lines_[l].embedded()->image;
+      constexpr int cuts = 16;  // of a segment
+      for (int s = 0; s < image.segment_count(); ++s)
+        for (int k = 0; k <= cuts; ++k) {
+          const CurveMesh::Where where{s, static_cast<double>(k) / cuts};
+          samples.push_back({image.evaluate(where).head<2>(),
+                             image.evaluate(where, 1).head<2>().normalized(),
+                             on_boundary_[l] != 0});
+        }
+    }
+    double least = std::numeric_limits<double>::infinity();
+    Vec2 best[2];
+    for (const Vec2& from : rims[0]) {
+      Vec2 to = rims[1][0];
+      for (const Vec2& p : rims[1])
+        if (std::abs(near(p, from).x() - from.x()) < std::abs(near(to, from).x() - from.x()))
+          to = p;
+      to = near(to, from);
+      const Vec2 up = (to - from).normalized();
+      double along = 0;
+      for (const Sample& sample : samples) {
+        const double share = (sample.c.y() - from.y()) / (to.y() - from.y());
+        const double beside =
+            std::abs(std::remainder(sample.c.x() - from.x() - share * (to - from).x(), period()));
+        // Lines beside it count less and less.
+        const double reach = 0.5 * size_;
+        if (beside < reach)
+          along = std::max(along, (sample.boundary ? 2 : 1) * (1 - beside / reach) *
+                                      std::abs(sample.direction.dot(up)));
+        if (sample.boundary && beside < 0.1 * size_) along = 10;
+      }
+      constexpr double worth_it = 0.05;
+      if (along > least - worth_it) continue;
+      least = along;
+      best[0] = from;
+      best[1] = to;
+    }
+    if (least >= 10)
+      throw InputError(who() + "no straight seam from rim to rim of the ring is free of holes");
+    lines_.emplace_back("seam", best[0], best[1]);
+    stops_.emplace_back();
+    at_least_.push_back(1);
+    on_boundary_.push_back(0);
+  }
 
   void place_fixed_stops() {
     std::map<int, int> node_of_vertex;
@@ -366,11 +457,13 @@ class Builder {
     for (const bool boundary : {true, false})
       for (size_t l = region_.runs.size(); l < lines_.size(); ++l) {
         if (static_cast<bool>(on_boundary_[l]) != boundary) continue;
-        for (const double t : breaks(*lines_[l].embedded())) {
+        const EmbeddedLine* line = lines_[l].embedded();
+        for (const double t :
+             line ? breaks(*line) : std::vector<double>{lines_[l].start(), lines_[l].end()}) {
           const Vec2 p = lines_[l].at(t);
           int node = -1;
           for (size_t i = 0; node < 0 && i < nodes_.size(); ++i)
-            if ((nodes_[i] - p).norm() <= same_) node = static_cast<int>(i);
+            if ((near(nodes_[i], p) - p).norm() <= same_) node = static_cast<int>(i);
           fix(l, t, node >= 0 ? node : new_node(p));
         }
       }
@@ -381,7 +474,7 @@ class Builder {
         const int node = fixed_near(l, p)->node;
         for (size_t m = 0; m < lines_.size(); ++m) {
           if (m == l || fixed_near(m, p)) continue;
-          const CurvePoint there = lines_[m].closest(p);
+          const CurvePoint there = closest(lines_[m], p);
           if (there.distance > same_) continue;
           fix(m, there.u, node);
           if (!on_boundary_[l] && lines_[l].embedded()) nodes_[node] = lines_[m].at(there.u);
@@ -389,19 +482,43 @@ class Builder {
       }
   }
 
+  /// The nearest point of a line to p or one of its images.
+  CurvePoint closest(const Line& line, const Vec2& p) const {
+    if (!has_seam()) return line.closest(p);
+    const auto [low, high] = line.reach();
+    CurvePoint best{0, std::numeric_limits<double>::infinity()};
+    for (double k = std::floor((low - p.x()) / period()); p.x() + (k - 1) * period() <= high; ++k) {
+      const CurvePoint there = line.closest({p.x() + k * period(), p.y()});
+      if (there.distance < best.distance) best = there;
+    }
+    return best;
+  }
+
   void find_crossings() {
     for (size_t l = 0; l < lines_.size(); ++l)
       for (size_t m = l + 1; m < lines_.size(); ++m) {
         if (on_boundary_[l] && on_boundary_[m]) continue;
         if (!lines_[l].embedded() && !lines_[m].embedded()) continue;  // share mesh vertices
-        for (size_t i = 0; i < lines_[l].arc_count(); ++i)
-          for (size_t j = 0; j < lines_[m].arc_count(); ++j) cross_arcs(l, i, 0, 1, m, j, 0, 1, 0);
+        // Against each image of the second line that comes near.
+        double first = 0, last = 0;
+        if (has_seam()) {
+          const auto a = lines_[l].reach(), b = lines_[m].reach();
+          first = std::ceil((a.first - b.second - same_) / period());
+          last = std::floor((a.second - b.first + same_) / period());
+        }
+        for (double k = first; k <= last; ++k)
+          for (size_t i = 0; i < lines_[l].arc_count(); ++i)
+            for (size_t j = 0; j < lines_[m].arc_count(); ++j)
+              cross_arcs(l, i, 0, 1, m, j, 0, 1, k * period(), 0);
       }
   }
 
+  /// The second line moved by du.
   void cross_arcs(size_t l, size_t i, double s0, double s1, size_t m, size_t j, double t0,
-                  double t1, int depth) {
-    const PlanarCubic a = lines_[l].arc(i, s0, s1), b = lines_[m].arc(j, t0, t1);
+                  double t1, double du, int depth) {
+    const PlanarCubic a = lines_[l].arc(i, s0, s1);
+    PlanarCubic b = lines_[m].arc(j, t0, t1);
+    for (Vec2& p : b.b) p.x() += du;
     Vec2 low[2], high[2];
     for (const int side : {0, 1}) {
       const auto& points = side == 0 ? a.b : b.b;
@@ -417,7 +534,7 @@ class Builder {
       const double s = 0.5 * (s0 + s1), t = 0.5 * (t0 + t1);
       for (const int part : {0, 1, 2, 3})
         cross_arcs(l, i, part < 2 ? s0 : s, part < 2 ? s : s1, m, j, part % 2 ? t : t0,
-                   part % 2 ? t1 : t, depth + 1);
+                   part % 2 ? t1 : t, du, depth + 1);
       return;
     }
     double s = 0.5, t = 0.5;
@@ -473,6 +590,19 @@ class Builder {
           if (stop.node < 0) stop.node = new_node(lines_[l].at(stop.t));
       }
       std::stable_sort(stops.begin(), stops.end(), before);
+      if (has_seam() && l == seam()) {
+        std::vector<Stop> all;
+        for (const Stop& stop : stops) {
+          const double from = all.empty() ? 0 : all.back().t, gap = stop.t - from;
+          const auto cuts = static_cast<int>(std::lround(gap / size_));
+          for (int k = 1; k < cuts; ++k) {
+            const double t = from + gap * k / cuts;
+            all.push_back({t, new_node(lines_[l].at(t)), false});
+          }
+          all.push_back(stop);
+        }
+        stops = std::move(all);
+      }
     }
   }
 
@@ -485,16 +615,21 @@ class Builder {
       for (size_t k = 0; k + 1 < stops_[l].size(); ++k) {
         const Stop &a = stops_[l][k], &b = stops_[l][k + 1];
         Piece piece{static_cast<int>(l), a.t, b.t, a.node, b.node, lines_[l].embedded() != nullptr};
-        if (!on_boundary_[l] && !loops().contains(lines_[l].at(0.5 * (a.t + b.t)))) continue;
+        if (!on_boundary_[l] && !inside(lines_[l].at(0.5 * (a.t + b.t)))) continue;
         if (straight_.count(key(piece))) piece.curved = false;
+        piece.from = near(nodes_[a.node], lines_[l].at(a.t));
+        piece.to = near(nodes_[b.node], lines_[l].at(b.t));
         pieces_.push_back(piece);
       }
   }
 
-  const DomainLoops& loops() {
-    if (region_.surface.trim()) return region_.surface.trim()->loops();
+  /// Of a ring the holes alone: between the rims is inside.
+  bool inside(const Vec2& p) {
+    const Trim* trim = region_.surface.trim().get();
+    if (trim) return trim->loops().contains(region_.surface.mesh().wrapped(p));
+    if (has_seam()) return true;
     if (!loops_) loops_ = boundary_loops(region_);
-    return *loops_;
+    return loops_->contains(p);
   }
 
   void halve(int p) {
@@ -516,8 +651,8 @@ class Builder {
         const Piece &a = pieces_[p], &b = pieces_[q];
         const int shared = (a.a == b.a) + (a.a == b.b) + (a.b == b.a) + (a.b == b.b);
         // Those that share both ends lie on each other.
-        if (shared == 1 ||
-            (shared == 0 && !meet(nodes_[a.a], nodes_[a.b], nodes_[b.a], nodes_[b.b])))
+        const Vec2 move = near(b.from, a.from) - b.from;
+        if (shared == 1 || (shared == 0 && !meet(a.from, a.to, b.from + move, b.to + move)))
           continue;
         const bool curved = a.curved || b.curved;
         if (!may_halve || !curved)
@@ -531,37 +666,62 @@ class Builder {
   }
 
   void fill(RegionMesh& result) const {
-    // Pieces that were dropped leave nodes that nobody needs.
-    std::vector<int> number(nodes_.size(), -1);
     MeshTask task;
     task.edge_length = size_;
     task.keep_segments = true;
     result.pieces = pieces_;
-    for (Piece& piece : result.pieces)
-      for (int* node : {&piece.a, &piece.b}) {
-        if (number[*node] < 0) {
-          number[*node] = static_cast<int>(task.points.size());
-          task.points.push_back(nodes_[*node]);
-        }
-        *node = number[*node];
+    // Pieces that were dropped leave nodes that nobody needs. Those on a seam have two places:
+    // between its images, to which each piece is moved, every node is left or right.
+    std::vector<std::array<int, 2>> number(nodes_.size(), {-1, -1});
+    const auto point = [&](int node, const Vec2& p) {
+      const bool right = has_seam() && beyond_seam(p) > 0.5 * period() && on_seam(node);
+      int& index = number[static_cast<size_t>(node)][right];
+      if (index < 0) {
+        index = static_cast<int>(task.points.size());
+        task.points.push_back(has_seam() ? p : nodes_[static_cast<size_t>(node)]);
       }
+      return index;
+    };
+    const auto move = [&](Piece& piece, bool right) {
+      Vec2 shift = Vec2::Zero();
+      if (has_seam()) {
+        const bool of_seam = piece.line == static_cast<int>(seam());
+        const double beyond = of_seam ? 0 : beyond_seam(0.5 * (piece.from + piece.to));
+        shift.x() = (right - std::floor(beyond / period())) * period();
+      }
+      piece.a = point(piece.a, piece.from + shift);
+      piece.b = point(piece.b, piece.to + shift);
+    };
+    std::vector<std::array<int, 2>> seams;
+    for (Piece& piece : result.pieces) {
+      if (has_seam() && piece.line == static_cast<int>(seam())) {
+        Piece image = piece;
+        move(image, true);
+        seams.push_back({image.a, image.b});
+      }
+      move(piece, false);
+    }
     std::vector<int> loop_of(lines_.size(), -1);
     for (size_t i = 0; i < region_.boundary.size(); ++i)
       for (const BoundaryPiece& piece : region_.boundary[i])
         loop_of[line_of(piece)] = static_cast<int>(i);
-    task.holes.resize(region_.boundary.size() - 1);
+    const int outlines = has_seam() ? 2 : 1;
+    if (has_seam()) loop_of[seam()] = 0;
+    task.holes.resize(region_.boundary.size() - static_cast<size_t>(outlines));
     for (const Piece& piece : result.pieces) {
       const int loop = loop_of[piece.line];
-      (loop < 0    ? task.inner
-       : loop == 0 ? task.outline
-                   : task.holes[static_cast<size_t>(loop) - 1])
+      (loop < 0          ? task.inner
+       : loop < outlines ? task.outline
+                         : task.holes[static_cast<size_t>(loop - outlines)])
           .push_back({piece.a, piece.b});
     }
+    task.outline.insert(task.outline.end(), seams.begin(), seams.end());
     try {
       result.mesh = std::make_shared<ParametricMesh>(delaunay_mesh(task));
     } catch (const InputError& error) {
       throw InputError(who() + error.what());
     }
+    if (has_seam()) close(result, number);
     result.piece_of_edge.assign(result.mesh->edge_count(), -1);
     result.edge_lists.assign(lines_.size(), {});
     result.piece_lists.assign(lines_.size(), {});
@@ -577,8 +737,39 @@ class Builder {
     }
   }
 
+  bool on_seam(int node) const {
+    const auto& stops = stops_[seam()];
+    return std::any_of(stops.begin(), stops.end(),
+                       [&](const Stop& stop) { return stop.node == node; });
+  }
+
+  /// The two images of the seam become one.
+  void close(RegionMesh& result, const std::vector<std::array<int, 2>>& number) const {
+    const ParametricMesh& open = *result.mesh;
+    std::vector<int> becomes(static_cast<size_t>(open.vertex_count()), -1);
+    for (const auto& [left, right] : number)
+      if (left >= 0 && right >= 0) becomes[static_cast<size_t>(right)] = left;
+    std::vector<Vec2> vertices;
+    std::vector<int> closed(becomes.size(), -1);
+    const ParametricMesh& mesh = region_.surface.mesh();
+    for (size_t v = 0; v < becomes.size(); ++v) {
+      if (becomes[v] >= 0) continue;
+      closed[v] = static_cast<int>(vertices.size());
+      vertices.push_back(mesh.wrapped(open.vertices()[v]));
+    }
+    for (size_t v = 0; v < becomes.size(); ++v)
+      if (becomes[v] >= 0) closed[v] = closed[static_cast<size_t>(becomes[v])];
+    std::vector<ParametricMesh::Triangle> triangles = open.triangles();
+    for (auto& triangle : triangles)
+      for (int& v : triangle) v = closed[static_cast<size_t>(v)];
+    for (Piece& piece : result.pieces)
+      for (int* node : {&piece.a, &piece.b}) *node = closed[static_cast<size_t>(*node)];
+    result.mesh =
+        std::make_shared<ParametricMesh>(std::move(vertices), std::move(triangles), period());
+  }
+
   const SkinnedRegion& region_;
-  std::vector<Line> lines_;
+  std::vector<Line> lines_;  // of the region, then of a ring the seam
   std::vector<char> on_boundary_;
   std::vector<int> at_least_;
   double same_ = 0, size_ = 0, space_ = 0;
@@ -636,7 +827,9 @@ Pattern pattern(const SkinnedRegion& region, int n, double edge_length) {
     }
     return result;
   }
-  for (const auto& list : own->piece_lists) {
+  const size_t lines = region.runs.size() + region.embedded.size();
+  for (size_t l = 0; l < lines; ++l) {
+    const auto& list = own->piece_lists[l];
     result.lines.emplace_back();
     for (const int p : list) {
       const Piece& piece = own->pieces[static_cast<size_t>(p)];
@@ -650,8 +843,13 @@ Pattern pattern(const SkinnedRegion& region, int n, double edge_length) {
   }
   for (size_t f = 0; f < result.tessellation.facets.size(); ++f) {
     const auto& [a, b, c] = result.tessellation.facets[f];
+    const Vec2& first = result.uv[a];
     result.tessellation.facet_triangle[f] =
-        locator.locate((result.uv[a] + result.uv[b] + result.uv[c]) / 3).triangle;
+        locator
+            .locate((first + mesh.image_near(result.uv[b], first) +
+                     mesh.image_near(result.uv[c], first)) /
+                    3)
+            .triangle;
   }
   return result;
 }

@@ -4,6 +4,7 @@
 
 #include "batten/core/errors.h"
 #include "batten/skinning/region_parts.h"
+#include "batten/skinning/ring.h"
 
 namespace batten {
 namespace {
@@ -109,8 +110,6 @@ void RegionLayout::add_inner(const CharacterLine& line, const Surface& shape) {
   if (line.treatment == CharacterLine::Treatment::Fitted)
     throw InputError("line '" + line.name +
                      "' cannot be fitted: lines that are added later are embedded");
-  if (options_.domain == SkinOptions::Domain::Ring)
-    throw InputError("line '" + line.name + "': a ring takes no inner lines yet");
   if (&shape.mesh() != parts_.mesh.get())
     throw InputError("line '" + line.name +
                      "': the shape that it is put on has another mesh than "
@@ -122,7 +121,10 @@ void RegionLayout::add_inner(const CharacterLine& line, const Surface& shape) {
       if (other == stretch.name || other == line.name || is_piece_of(other, line.name))
         throw InputError("two lines have the name '" + other + "'");
   RegionParts parts = parts_;
-  embed_on(shape, {}, stretches, task(), parts);
+  if (parts.mesh->period() > 0)
+    embed_on_ring(shape, {}, stretches, task(), parts);
+  else
+    embed_on(shape, {}, stretches, task(), parts);
   cut_and_place(parts, task());
   parts_ = std::move(parts);
 }

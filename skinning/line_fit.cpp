@@ -56,6 +56,38 @@ std::pair<Vec3, Vec3> one_sided(const InputCurve& curve, double t) {
 
 }  // namespace
 
+CharacterLine Stretch::line(bool flipped) const {
+  if (given) return {name, input, role, treatment, given};
+  return {name, flipped ? reversed(curve) : curve, role, treatment};
+}
+
+HermiteCurve Stretch::given_along(bool flipped) const {
+  return flipped ? given->curve.backwards() : given->curve;
+}
+
+namespace {
+
+void check(const CharacterLine& line) {
+  const HermiteCurve& curve = line.given->curve;
+  const std::vector<double>& at = line.given->vertices;
+  const std::string name = "the given curve of line '" + line.name + "'";
+  if (curve.segment_count() < 1) throw InputError(name + " is empty");
+  if (!curve.mesh().corners().empty()) throw InputError(name + " has corners inside");
+  if (at.size() < 2 || at.front() != curve.start() || at.back() != curve.end())
+    throw InputError(name + " has " + std::to_string(at.size()) +
+                     " vertices, which do not reach from its start, " + number(curve.start()) +
+                     ", to its end, " + number(curve.end()));
+  for (size_t i = 0; i + 1 < at.size(); ++i)
+    if (!(at[i] < at[i + 1]))
+      throw InputError(name + " has vertices that do not ascend: " + number(at[i]) + ", " +
+                       number(at[i + 1]));
+  for (const double u : curve.parameters())
+    if (!std::binary_search(at.begin(), at.end(), u))
+      throw InputError(name + " has a node at " + number(u) + " that is none of its vertices");
+}
+
+}  // namespace
+
 std::shared_ptr<const InputCurve> reversed(std::shared_ptr<const InputCurve> curve) {
   const double a = curve->start(), b = curve->end();
   return std::make_shared<Part>(std::move(curve), a, b, true);
@@ -63,7 +95,9 @@ std::shared_ptr<const InputCurve> reversed(std::shared_ptr<const InputCurve> cur
 
 std::vector<Stretch> cut_at_corners(const CharacterLine& line, double corner_angle) {
   if (!line.curve) throw InputError("line '" + line.name + "' has no curve");
-  const InputCurve& curve = *line.curve;
+  if (line.given) check(line);
+  const auto whole = line.given ? curve_from_hermite(line.given->curve) : line.curve;
+  const InputCurve& curve = *whole;
   constexpr int samples = 64;
   double length = 0;
   Vec3 before = curve.evaluate(curve.start());
@@ -74,6 +108,7 @@ std::vector<Stretch> cut_at_corners(const CharacterLine& line, double corner_ang
     before = p;
   }
   if (!(length > 0)) throw InputError("line '" + line.name + "' has zero length");
+  if (line.given) return {{line.name, line.role, whole, line.treatment, line.given, line.curve}};
 
   std::vector<double> cuts = {curve.start()};
   const std::vector<double> breaks = curve.breaks();

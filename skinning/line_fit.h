@@ -15,11 +15,21 @@ namespace batten {
 struct Stretch {
   std::string name;  ///< the line's, with ".1", ".2", … when the line was cut at corners
   CharacterLine::Role role;
-  std::shared_ptr<const InputCurve> curve;  ///< of the whole stretch, in its own direction
+  /// Of the whole stretch, in its own direction; of a line with a given curve, that one.
+  std::shared_ptr<const InputCurve> curve;
   CharacterLine::Treatment treatment = CharacterLine::Treatment::Auto;
+  std::shared_ptr<const GivenCurve> given = {};  ///< in the direction of the line
+  std::shared_ptr<const InputCurve> input = {};  ///< with `given`: the line's own curve
+
+  /// The line that the stretch is, as the user gave it: `flipped` when `curve` runs against it.
+  CharacterLine line(bool flipped) const;
+  /// The given curve in the direction of `curve`.
+  HermiteCurve given_along(bool flipped) const;
 };
 
-/// Cuts lines at their corners. Throws InputError: a curve of zero length, or not finite.
+/// Cuts lines at their corners; those with a given curve stay whole. Throws InputError: a curve of
+/// zero length, or not finite; a given curve with corners, or whose vertices do not ascend from its
+/// start to its end with its nodes among them.
 std::vector<Stretch> cut_at_corners(const CharacterLine& line, double corner_angle);
 
 /// The curve run backwards.

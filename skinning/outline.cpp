@@ -2,14 +2,15 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <numeric>
+#include <optional>
 
 #include "batten/core/errors.h"
-#include "batten/core/plane.h"
 #include "batten/core/words.h"
+#include "batten/skinning/plain_fill.h"
 
 namespace batten {
 namespace {
@@ -26,6 +27,36 @@ std::vector<Vec3> polyline(const InputCurve& curve) {
     points.push_back(curve.evaluate(curve.start() + (curve.end() - curve.start()) * i / kSamples));
   return points;
 }
+
+// How far a curve may lie from the chords of its polyline.
+double sag(const Vec3& a0, const Vec3& a1) { return 0.1 * (a1 - a0).norm(); }
+
+// A polyline in boxes of eight chords each, and of all of them.
+struct Boxed {
+  static constexpr int chords = 8, count = kSamples / chords;
+  struct Box {
+    Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
+    bool meets(const Box& other, double distance) const {
+      return (low.array() <= other.high.array() + distance).all() &&
+             (other.low.array() <= high.array() + distance).all();
+    }
+    void add(const Vec3& p, double around) {
+      low = low.cwiseMin((p.array() - around).matrix());
+      high = high.cwiseMax((p.array() + around).matrix());
+    }
+  };
+  std::vector<Vec3> points;
+  std::array<Box, count> part;
+  Box all;
+
+  explicit Boxed(const InputCurve& curve) : points(polyline(curve)) {
+    for (int i = 0; i < kSamples; ++i)
+      for (const int k : {i, i + 1}) {
+        part[i / chords].add(points[k], sag(points[i], points[i + 1]));
+        all.add(points[k], sag(points[i], points[i + 1]));
+      }
+  }
+};
 
 // Nearest points of two segments.
 std::pair<double, Vec3> segment_distance(const Vec3& a0, const Vec3& a1, const Vec3& b0,
@@ -84,9 +115,6 @@ std::pair<double, Vec3> curve_distance(const InputCurve& a, int i, const InputCu
   return {(p - q).norm(), 0.5 * (p + q)};
 }
 
-// How far a curve may lie from the chords of its polyline.
-double sag(const Vec3& a0, const Vec3& a1) { return 0.1 * (a1 - a0).norm(); }
-
 // Unit directions just before and just after the start of a piece.
 std::pair<Vec3, Vec3> directions_at(const Outline& outline, size_t piece) {
   const size_t n = outline.pieces.size();
@@ -102,11 +130,23 @@ double turn_at(const Outline& outline, size_t piece) {
 
 }  // namespace
 
-Crossing find_crossing(const InputCurve& a, const InputCurve& b, double distance,
-                       const std::vector<Vec3>& common_ends, double skip) {
-  const auto pa = polyline(a), pb = polyline(b);
-  for (int i = 0; i < kSamples; ++i)
+namespace {
+
+Crossing crossing_of(const InputCurve& a, const Boxed& of_a, const InputCurve& b, const Boxed& of_b,
+                     double distance, const std::vector<Vec3>& common_ends, double skip) {
+  if (!of_a.all.meets(of_b.all, distance)) return {};
+  const auto &pa = of_a.points, &pb = of_b.points;
+  for (int i = 0; i < kSamples; ++i) {
+    const Boxed::Box& part = of_a.part[i / Boxed::chords];
+    if (!part.meets(of_b.all, distance)) {
+      i += Boxed::chords - 1 - i % Boxed::chords;
+      continue;
+    }
     for (int j = 0; j < kSamples; ++j) {
+      if (j % Boxed::chords == 0 && !part.meets(of_b.part[j / Boxed::chords], distance)) {
+        j += Boxed::chords - 1;
+        continue;
+      }
       const double near = sag(pa[i], pa[i + 1]) + sag(pb[j], pb[j + 1]);
       if (segment_distance(pa[i], pa[i + 1], pb[j], pb[j + 1]).first > distance + near) continue;
       const auto [d, where] = curve_distance(a, i, b, j);
@@ -116,7 +156,15 @@ Crossing find_crossing(const InputCurve& a, const InputCurve& b, double distance
                        [&](const Vec3& e) { return (place - e).norm() < skip; }))
         return {true, place};
     }
+  }
   return {};
+}
+
+}  // namespace
+
+Crossing find_crossing(const InputCurve& a, const InputCurve& b, double distance,
+                       const std::vector<Vec3>& common_ends, double skip) {
+  return crossing_of(a, Boxed(a), b, Boxed(b), distance, common_ends, skip);
 }
 
 Crossing find_self_crossing(const InputCurve& a, double distance) {
@@ -132,10 +180,57 @@ Crossing find_self_crossing(const InputCurve& a, double distance) {
   return {};
 }
 
+namespace {
+
+// The partner of each end where every stretch ends where the next one in the list begins, all
+// around; else all -1. Two stretches may have two such orders, one stretch has one.
+std::vector<int> listed_in_order(const std::vector<Vec3>& point, double join) {
+  const int n = static_cast<int>(point.size()) / 2;
+  const auto meet = [&](int a, int b) { return (point[a] - point[b]).norm() <= join; };
+  for (const int first : {0, 1}) {
+    std::vector<int> partner(point.size(), -1);
+    int entry = first;  // the end at which the loop enters stretch i
+    bool whole = true;
+    for (int i = 0; i < n && whole; ++i) {
+      const int exit = entry ^ 1, next = (i + 1) % n;
+      entry = -1;
+      for (const int e : {2 * next, 2 * next + 1})
+        if (entry < 0 && meet(exit, e) && (next != 0 || e == first) && (n > 1 || e != exit))
+          entry = e;
+      whole = entry >= 0;
+      if (whole) {
+        partner[exit] = entry;
+        partner[entry] = exit;
+      }
+    }
+    if (whole) return partner;
+  }
+  return std::vector<int>(point.size(), -1);
+}
+
+// Whether the given curve that ends where a piece begins has the same slope as that one.
+bool goes_on(const Outline& outline, size_t piece) {
+  const size_t n = outline.pieces.size();
+  const auto &before = outline.pieces[(piece + n - 1) % n], &after = outline.pieces[piece];
+  const HermiteCurve &a = before.stretch.given->curve, &b = after.stretch.given->curve;
+  const Vec3 in =
+                 before.flipped ? Vec3(-a.slope_out(0)) : a.evaluate({a.segment_count() - 1, 1}, 1),
+             out =
+                 after.flipped ? Vec3(-b.evaluate({b.segment_count() - 1, 1}, 1)) : b.slope_out(0);
+  constexpr double same = 1e-12;
+  return (in - out).norm() <= same * in.norm();
+}
+
+}  // namespace
+
 std::vector<Outline> make_loops(const std::vector<Stretch>& stretches, double size, double join,
-                                double corner_angle) {
+                                double corner_angle, bool against_first) {
   if (stretches.empty()) throw InputError("a region needs outline lines, and there are none");
   require_not_on_one_line(stretches, size);
+  for (const Stretch& s : stretches)
+    if (static_cast<bool>(s.given) != static_cast<bool>(stretches[0].given))
+      throw InputError("of lines '" + stretches[0].name + "' and '" + s.name +
+                       "' around one region only one has a given curve: all have, or none");
 
   // Ends that meet: end 2i is the start of stretch i, 2i+1 its end.
   const int ends = 2 * static_cast<int>(stretches.size());
@@ -149,6 +244,8 @@ std::vector<Outline> make_loops(const std::vector<Stretch>& stretches, double si
   };
   // A crossing explains a broken loop better than the break does.
   const auto report_crossings = [&] {
+    std::vector<Boxed> boxed;
+    for (const Stretch& s : stretches) boxed.emplace_back(*s.curve);
     for (size_t i = 0; i < stretches.size(); ++i) {
       if (const auto c = find_self_crossing(*stretches[i].curve, 1e-7 * size); c.found)
         throw InputError("line '" + stretches[i].name + "' crosses itself near " + at(c.where));
@@ -157,8 +254,8 @@ std::vector<Outline> make_loops(const std::vector<Stretch>& stretches, double si
         for (const Vec3& p : {point[2 * i], point[2 * i + 1]})
           for (const Vec3& q : {point[2 * j], point[2 * j + 1]})
             if ((p - q).norm() <= join) common.push_back(p);
-        const auto c = find_crossing(*stretches[i].curve, *stretches[j].curve, 1e-7 * size, common,
-                                     0.02 * size);
+        const auto c = crossing_of(*stretches[i].curve, boxed[i], *stretches[j].curve, boxed[j],
+                                   1e-7 * size, common, 0.02 * size);
         if (c.found)
           throw InputError("the outline crosses itself: lines '" + stretches[i].name + "' and '" +
                            stretches[j].name + "' cross or touch near " + at(c.where));
@@ -167,8 +264,9 @@ std::vector<Outline> make_loops(const std::vector<Stretch>& stretches, double si
   };
   report_crossings();
 
-  std::vector<int> partner(ends, -1);
-  for (int e = 0; e < ends; ++e) {
+  std::vector<int> partner =
+      stretches[0].given ? listed_in_order(point, join) : std::vector<int>(point.size(), -1);
+  for (int e = 0; e < ends && partner[e] < 0; ++e) {
     std::vector<int> near;
     int nearest = -1;
     double nearest_gap = std::numeric_limits<double>::infinity();
@@ -202,7 +300,8 @@ std::vector<Outline> make_loops(const std::vector<Stretch>& stretches, double si
     if (used[static_cast<size_t>(first / 2)]) continue;
     Outline outline;
     outline.size = size;
-    int end = first;
+    const int begin = first + (against_first && first == 0 ? 1 : 0);
+    int end = begin;
     do {
       const bool flipped = end % 2 == 1;
       const Stretch& s = stretches[static_cast<size_t>(end / 2)];
@@ -213,9 +312,10 @@ std::vector<Outline> make_loops(const std::vector<Stretch>& stretches, double si
       if (piece.length < 1e-9 * size) throw InputError("line '" + s.name + "' has zero length");
       outline.pieces.push_back(std::move(piece));
       end = partner[end ^ 1];
-    } while (end != first);
+    } while (end != begin);
     for (size_t i = 0; i < outline.pieces.size(); ++i)
-      if (turn_at(outline, i) > corner_angle * kPi / 180)
+      if (outline.pieces[i].stretch.given ? !goes_on(outline, i)
+                                          : turn_at(outline, i) > corner_angle * kPi / 180)
         outline.corners.push_back(static_cast<int>(i));
     loops.push_back(std::move(outline));
   }
@@ -266,137 +366,81 @@ Outline reversed(const Outline& outline) {
   return back;
 }
 
-std::vector<double> corner_angles(const Outline& outline) {
+namespace {
+
+// Whether the loop turns to the left at its corners: seen from its side where it is nearly plane,
+// else as a filling has it (a strip around a cylinder faces all ways).
+std::vector<char> left_at_corners(const Outline& outline) {
   const Vec3 normal = loop_normal(outline);
-  std::vector<double> angles;
+  const size_t n = outline.pieces.size();
+  const int each = static_cast<int>(std::clamp<size_t>(64 / n, 2, 24));
+  std::vector<Vec3> points;
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+  for (const auto& piece : outline.pieces) {
+    const InputCurve& c = *piece.stretch.curve;
+    for (int k = 0; k < each; ++k) {
+      const Vec3 x =
+          c.evaluate(c.start() + (c.end() - c.start()) * k / each) - outline.pieces[0].start;
+      points.push_back(x / outline.size);
+      low = std::min(low, points.back().dot(normal));
+      high = std::max(high, points.back().dot(normal));
+    }
+  }
+  constexpr double nearly_plane = 0.2;  // of the size
+  constexpr size_t most_points = 400;
+  std::optional<PlainFill> fill;
+  if (high - low >= nearly_plane && points.size() <= most_points) fill = developable_fill(points);
+  std::vector<FillCorner> of_fill;
+  if (fill) of_fill = fill_corners(points, *fill);
+  std::vector<char> left;
   for (const int c : outline.corners) {
-    const auto [a, b] = directions_at(outline, static_cast<size_t>(c));
+    const auto piece = static_cast<size_t>(c);
+    const auto [a, b] = directions_at(outline, piece);
+    left.push_back(fill ? turns_left(a, b, of_fill[piece * static_cast<size_t>(each)])
+                        : a.cross(b).dot(normal) >= 0);
+  }
+  return left;
+}
+
+}  // namespace
+
+std::vector<double> corner_angles(const Outline& outline) {
+  const std::vector<char> left = left_at_corners(outline);
+  std::vector<double> angles;
+  for (size_t i = 0; i < left.size(); ++i) {
+    const auto [a, b] = directions_at(outline, static_cast<size_t>(outline.corners[i]));
     const double turn = std::atan2(a.cross(b).norm(), a.dot(b));
-    angles.push_back(a.cross(b).dot(normal) >= 0 ? kPi - turn : kPi + turn);
+    angles.push_back(left[i] ? kPi - turn : kPi + turn);
   }
   return angles;
 }
 
-Vec3 loop_normal(const Outline& outline) {
+namespace {
+
+Vec3 area_vector(const Outline& outline) {
   Vec3 area = Vec3::Zero();
   const Vec3 origin = outline.pieces[0].start;
   for (const auto& piece : outline.pieces) {
     const auto p = polyline(*piece.stretch.curve);
     for (int i = 0; i < kSamples; ++i) area += 0.5 * (p[i] - origin).cross(p[i + 1] - origin);
   }
-  const double length = area.norm();
-  if (length < 1e-6 * outline.size * outline.size)
-    throw InputError("the outline encloses no area seen from any side: it folds back on itself");
-  return area / length;
-}
-
-// --- polygon
-// --------------------------------------------------------------------------------------
-
-namespace {
-
-bool simple_and_ccw(const std::vector<Vec2>& p) {
-  const size_t n = p.size();
-  double area = 0;
-  for (size_t i = 0; i < n; ++i) area += 0.5 * cross(p[i], p[(i + 1) % n]);
-  if (!(area > 0)) return false;
-  for (size_t i = 0; i < n; ++i)
-    for (size_t j = i + 1; j < n; ++j) {
-      if (j == i + 1 || (i == 0 && j + 1 == n)) continue;
-      const Vec2 &a = p[i], &b = p[(i + 1) % n], &c = p[j], &d = p[(j + 1) % n];
-      if (cross(b - a, c - a) * cross(b - a, d - a) <= 0 &&
-          cross(d - c, a - c) * cross(d - c, b - c) <= 0)
-        return false;
-    }
-  return true;
-}
-
-double interior_angle(const std::vector<Vec2>& p, size_t i) {
-  const size_t n = p.size();
-  const Vec2 a = p[i] - p[(i + n - 1) % n], b = p[(i + 1) % n] - p[i];
-  return kPi - std::atan2(cross(a, b), a.dot(b));
+  return area;
 }
 
 }  // namespace
 
-std::vector<Vec2> fit_polygon(const std::vector<double>& lengths, const std::vector<double>& angles,
-                              const std::vector<Vec3>& corners, const Vec3& normal) {
-  const size_t n = lengths.size();
-  constexpr double length_weight = 1, angle_weight = 0.7, distance_weight = 0.25;
-  constexpr size_t most_distances = 24;  // with more corners, lengths and angles say enough
+double enclosed_area(const Outline& outline) { return area_vector(outline).norm(); }
 
-  std::vector<std::vector<Vec2>> starts(2);
-  const Vec3 e1 = normal.unitOrthogonal(), e2 = normal.cross(e1);
-  for (const Vec3& c : corners) starts[0].emplace_back(c.dot(e1), c.dot(e2));
-  const double around = std::accumulate(lengths.begin(), lengths.end(), 0.0);
-  double along = 0;
-  for (const double l : lengths) {
-    const double t = 2 * kPi * along / around;
-    starts[1].push_back(around / (2 * kPi) * Vec2(std::cos(t), std::sin(t)));
-    along += l;
-  }
+bool encloses_area(const Outline& outline) {
+  return area_vector(outline).norm() >= 1e-6 * outline.size * outline.size;
+}
 
-  const auto residuals = [&](const std::vector<Vec2>& p) {
-    std::vector<double> r;
-    for (size_t i = 0; i < n; ++i) {
-      const double l = (p[(i + 1) % n] - p[i]).norm();
-      r.push_back(length_weight * std::log(std::max(l, 1e-12 * around) / lengths[i]));
-      r.push_back(angle_weight * (interior_angle(p, i) - angles[i]));
-      for (size_t j = i + 2; j < n && n <= most_distances; ++j) {
-        if (i == 0 && j + 1 == n) continue;
-        const double in_space = std::max((corners[i] - corners[j]).norm(), 1e-3 * around);
-        // A surface between two corners is longer than the straight line, never shorter.
-        r.push_back(
-            distance_weight *
-            std::min(0.0, std::log(std::max((p[i] - p[j]).norm(), 1e-6 * around) / in_space)));
-      }
-    }
-    return VecX(Eigen::Map<const VecX>(r.data(), static_cast<long>(r.size())));
-  };
-
-  std::vector<Vec2> best;
-  double best_cost = std::numeric_limits<double>::infinity();
-  for (auto p : starts) {
-    if (!simple_and_ccw(p)) continue;
-    // Levenberg-Marquardt on the corners; a step that folds the polygon is refused.
-    VecX r = residuals(p);
-    double damping = 1e-3;
-    for (int step = 0; step < 200 && damping < 1e8; ++step) {
-      MatX J(r.size(), 2 * static_cast<long>(n));
-      const double h = 1e-7 * around;
-      for (size_t k = 0; k < 2 * n; ++k) {
-        auto q = p;
-        q[k / 2][static_cast<long>(k % 2)] += h;
-        J.col(static_cast<long>(k)) = (residuals(q) - r) / h;
-      }
-      MatX H = J.transpose() * J;
-      const double scale = H.diagonal().maxCoeff();
-      H.diagonal().array() += damping * scale;
-      const VecX move = -H.ldlt().solve(J.transpose() * r);
-      auto q = p;
-      for (size_t k = 0; k < 2 * n; ++k)
-        q[k / 2][static_cast<long>(k % 2)] += move[static_cast<long>(k)];
-      const VecX next = residuals(q);
-      if (simple_and_ccw(q) && next.squaredNorm() < r.squaredNorm()) {
-        const bool settled = move.norm() < 1e-10 * around;
-        p = q;
-        r = next;
-        damping = std::max(1e-9, damping / 5);
-        if (settled) break;
-      } else {
-        damping *= 5;
-      }
-    }
-    if (r.squaredNorm() < best_cost) {
-      best_cost = r.squaredNorm();
-      best = p;
-    }
-  }
-  if (best.empty())
-    throw InputError(
-        "no simple polygon has these side lengths and angles: the outline is too "
-        "twisted for one flat domain");
-  return best;
+Vec3 loop_normal(const Outline& outline) {
+  const Vec3 area = area_vector(outline);
+  const double length = area.norm();
+  if (!encloses_area(outline))
+    throw InputError("the outline encloses no area seen from any side: it folds back on itself");
+  return area / length;
 }
 
 }  // namespace batten

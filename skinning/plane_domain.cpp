@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "batten/core/errors.h"
+#include "batten/core/plane.h"
 #include "batten/core/words.h"
 #include "batten/fairing/curve_fit.h"
 #include "batten/fem/surface_projector.h"
@@ -25,6 +26,7 @@ FitOptions fit_options(const DomainTask& task, bool closed) {
 
 HermiteCurve fitted_open(const Stretch& s, const Joint& start, const Joint& end,
                          const DomainTask& task) {
+  if (s.given) return s.given->curve;
   if (const auto exact = kept_as_given(s, 0, start.position, end.position)) return *exact;
   FitOptions fit = fit_options(task, false);
   fit.start = {start.position, start.outgoing};
@@ -32,7 +34,15 @@ HermiteCurve fitted_open(const Stretch& s, const Joint& start, const Joint& end,
   return fit_curve(s.name, s.curve, fit);
 }
 
+// A curve that comes back to its start, without an end.
+HermiteCurve closed(const HermiteCurve& curve) {
+  if (curve.closed()) return curve;
+  const long last = 2 * (curve.node_count() - 1);
+  return {CurveMesh(curve.parameters(), true), curve.dofs().topRows(last)};
+}
+
 HermiteCurve fitted_closed(const Stretch& s, const DomainTask& task) {
+  if (s.given && s.given->curve.segment_count() > 1) return closed(s.given->curve);
   const FitOptions fit = fit_options(task, true);
   if (const auto exact = exact_curve(*s.curve, fit.corner_angle); exact && exact->closed())
     return *exact;
@@ -49,26 +59,30 @@ bool smooth_at_seam(const Stretch& s, double corner_angle) {
   return degrees_between(c.evaluate(c.end(), 1), c.evaluate(c.start(), 1)) <= corner_angle;
 }
 
+}  // namespace
+
 std::vector<EmbeddedLine> embedded_loop(const Outline& loop, const DomainTask& task) {
   std::vector<EmbeddedLine> lines;
   const size_t n = loop.pieces.size();
   for (size_t p = 0; p < n; ++p) {
     const auto& piece = loop.pieces[p];
     EmbeddedLine line;
-    line.line = {piece.stretch.name, piece.stretch.curve, piece.stretch.role,
-                 piece.stretch.treatment};
+    line.line = piece.stretch.line(false);
     line.fitted = n == 1 && loop.corners.empty() ? fitted_closed(piece.stretch, task)
                                                  : fitted_open(piece.stretch, joint_at(loop, p),
                                                                joint_at(loop, (p + 1) % n), task);
+    if (piece.stretch.given && piece.flipped) line.fitted = line.fitted.backwards();
     lines.push_back(std::move(line));
   }
   return lines;
 }
 
+namespace {
+
 EmbeddedLine embedded_inner(const Stretch& s, const DomainTask& task) {
   const InputCurve& c = *s.curve;
   EmbeddedLine line;
-  line.line = {s.name, s.curve, s.role, s.treatment};
+  line.line = s.line(false);
   if (closes(s, task.join) && smooth_at_seam(s, task.options.corner_angle)) {
     line.fitted = fitted_closed(s, task);
     return line;
@@ -188,11 +202,41 @@ RegionParts plane_parts(const Outline& loop, const std::vector<Outline>& holes,
         {Vec2(x.x(), x.y()), 180 - turn * degrees, turn >= 0 ? 180 - in_space : 180 + in_space});
   }
 
-  // Squares with alternating diagonals over the outline.
   DomainLoops::Loop outline;
   for (const BoundaryPiece& piece : parts.boundary[0])
     outline.push_back(parts.embedded[static_cast<size_t>(piece.index)].image);
-  const DomainLoops outside({outline});
+  parts.mesh = squares_over(DomainLoops({outline}), task);
+  return parts;
+}
+
+bool projects_simply(const Outline& loop, const DomainTask& task) {
+  if (!encloses_area(loop)) return false;
+  const Plane plane(loop, task.size);
+  const auto flat = [&](const Vec3& x) { return Vec2(plane.e1.dot(x), plane.e2.dot(x)); };
+  constexpr int samples = 48;
+  constexpr double least = 0.1;
+  std::vector<Vec2> polygon;
+  for (const auto& piece : loop.pieces) {
+    const InputCurve& c = *piece.stretch.curve;
+    for (int i = 0; i < samples; ++i) {
+      const double step = (c.end() - c.start()) / samples;
+      const Vec3 slope = c.evaluate(c.start() + (i + 0.5) * step, 1);
+      if (!(flat(slope).norm() >= least * slope.norm())) return false;
+      polygon.push_back(flat(c.evaluate(c.start() + i * step)));
+    }
+  }
+  for (const int c : loop.corners) {
+    const Joint joint = joint_at(loop, static_cast<size_t>(c));
+    const Vec2 in = flat(joint.incoming).normalized(), out = flat(joint.outgoing).normalized();
+    const double in_space = joint.incoming.cross(joint.outgoing).norm(),
+                 in_plane = std::abs(cross(in, out));
+    if (in_space < least * in_plane || in_plane < least * in_space) return false;
+  }
+  return simple_and_ccw(polygon);
+}
+
+std::shared_ptr<const ParametricMesh> squares_over(const DomainLoops& outside,
+                                                   const DomainTask& task) {
   const double h = rounded(task.edge / task.size);
   const Vec2 extent = outside.high() - outside.low();
   const double expected = 2 * extent.x() * extent.y() / (h * h);
@@ -221,8 +265,7 @@ RegionParts plane_parts(const Outline& loop, const std::vector<Outline>& holes,
         triangles.push_back({b, d, c});
       }
     }
-  parts.mesh = std::make_shared<ParametricMesh>(std::move(vertices), std::move(triangles));
-  return parts;
+  return std::make_shared<ParametricMesh>(std::move(vertices), std::move(triangles));
 }
 
 namespace {

@@ -23,6 +23,9 @@ struct Strip {
   HermiteCurve fitted;
   Vec2 from, to;
   std::vector<double> nodes;  // fractions that must be mesh vertices, 0 and 1 included
+  std::vector<int> points;    // of a given curve: its vertices in the mesh, by `nodes`
+  bool given() const { return line.given != nullptr; }
+  double fraction(double u) const { return (u - fitted.start()) / (fitted.end() - fitted.start()); }
   Vec2 at(double fraction) const { return from + fraction * (to - from); }
 };
 
@@ -48,7 +51,8 @@ class PolygonBuilder {
         tolerance_(task.tolerance),
         edge_(task.edge),
         join_(task.join),
-        outline_(loop) {}
+        outline_(loop),
+        given_(loop.pieces[0].stretch.given != nullptr) {}
 
   void build_outline(const std::vector<Vec2>* given, std::vector<std::string>& warnings) {
     // Decided first: the fan needs lines that are cut evenly.
@@ -81,8 +85,9 @@ class PolygonBuilder {
       corners.push_back(
           rounded(Vec3((outline_.pieces[outline_.corners[c]].start - origin) / size_)));
     }
-    polygon_ = given ? *given
-                     : fit_polygon(scaled_lengths, angles, corners, rounded(loop_normal(outline_)));
+    const Vec3 normal = rounded(loop_normal(outline_));
+    polygon_ = given ? *given : fit_polygon(scaled_lengths, angles, corners, normal);
+    require_room(scaled_lengths);
     // u runs along the side of the first line, from the middle of the corners.
     size_t first = 0;
     for (size_t c = 0; c < sides; ++c)
@@ -102,6 +107,10 @@ class PolygonBuilder {
       const auto pieces = side(c);
       const Vec2 &a = polygon_[c], &b = polygon_[(c + 1) % sides];
       double before = 0, fraction = 0;
+      if (given_) {
+        place_given(pieces, a, b);
+        continue;
+      }
       for (const size_t p : pieces) {
         const auto& piece = outline_.pieces[p];
         Strip& strip = strips_[p];
@@ -128,7 +137,7 @@ class PolygonBuilder {
     const Vec3 ends[2] = {curve.evaluate(curve.start()), curve.evaluate(curve.end())};
     if ((ends[0] - ends[1]).norm() <= join_) return "it is closed";
     Strip strip;
-    strip.line = {s.name, s.curve, s.role, s.treatment};
+    strip.line = s.line(false);
     Vec3 on_outline[2];
     std::array<std::optional<Junction>, 2> junctions;
     for (int e = 0; e < 2; ++e) {
@@ -146,7 +155,8 @@ class PolygonBuilder {
     if (const std::string reason = why_not_inside(s, strip); !reason.empty()) return reason;
     const Vec3 t0 = curve.evaluate(curve.start(), 1).normalized(),
                t1 = curve.evaluate(curve.end(), 1).normalized();
-    strip.fitted = fit(s, {on_outline[0], t0, t0}, {on_outline[1], t1, t1}, true);
+    strip.fitted =
+        s.given ? s.given->curve : fit(s, {on_outline[0], t0, t0}, {on_outline[1], t1, t1}, true);
     for (const auto& j : junctions) strips_[j->strip].nodes.push_back(j->fraction);
     fitted_inner_.push_back(s);
     strips_.push_back(std::move(strip));
@@ -173,6 +183,10 @@ class PolygonBuilder {
                        " means about " + number(expected) + " triangles; at most " +
                        number(most_triangles) + " are allowed (is the unit right?)");
     for (Strip& s : strips_) {
+      if (s.given()) {
+        fix_nodes(s);
+        continue;
+      }
       for (const double u : s.fitted.parameters()) s.nodes.push_back(u / s.fitted.end());
       std::sort(s.nodes.begin(), s.nodes.end());
     }
@@ -180,6 +194,13 @@ class PolygonBuilder {
   }
 
   LineRun run(const ParametricMesh& mesh, const Strip& strip) const {
+    if (strip.given()) {
+      LineRun run{
+          strip.line, strip.line.given->curve, strip.points, strip.line.given->vertices, {}};
+      if (strip.flipped) std::reverse(run.vertices.begin(), run.vertices.end());
+      find_edges(mesh, run);
+      return run;
+    }
     // Vertices on the strip, by their fraction along it.
     const Vec2 d = strip.to - strip.from;
     const double length = d.norm();
@@ -203,15 +224,7 @@ class PolygonBuilder {
       run.vertices.push_back(v);
       run.parameters.push_back(fraction * strip.fitted.end());
     }
-    for (size_t i = 0; i + 1 < run.vertices.size(); ++i) {
-      const int e = mesh.edge_between(run.vertices[i], run.vertices[i + 1]);
-      if (e < 0)
-        throw NoSolutionError("the mesher left line '" + strip.line.name +
-                              "' without an edge at (" +
-                              number(mesh.vertices()[run.vertices[i]].x()) + ", " +
-                              number(mesh.vertices()[run.vertices[i]].y()) + ")");
-      run.edges.push_back(e);
-    }
+    find_edges(mesh, run);
     return run;
   }
 
@@ -220,6 +233,63 @@ class PolygonBuilder {
   const std::vector<double>& line_angles() const { return line_angles_; }
 
  private:
+  void require_room(const std::vector<double>& lengths) const {
+    double area = 0, around = 0;
+    for (size_t i = 0, n = polygon_.size(); i < n; ++i) {
+      area += 0.5 * cross(polygon_[i], polygon_[(i + 1) % n]);
+      around += lengths[i];
+    }
+    constexpr double least = 1e-6, least_share = 0.25;
+    const double seen = enclosed_area(outline_) / (size_ * size_);
+    if (area < least * around * around ||
+        (options_.domain == SkinOptions::Domain::Auto && area < least_share * seen))
+      throw NoPolygon(
+          "the polygon with these sides and corners has no room inside: the outline's sides bend "
+          "much more than its corners turn");
+  }
+
+  static void find_edges(const ParametricMesh& mesh, LineRun& run) {
+    for (size_t i = 0; i + 1 < run.vertices.size(); ++i) {
+      const int e = mesh.edge_between(run.vertices[i], run.vertices[i + 1]);
+      if (e < 0)
+        throw NoSolutionError("the mesher left line '" + run.line.name + "' without an edge at (" +
+                              number(mesh.vertices()[run.vertices[i]].x()) + ", " +
+                              number(mesh.vertices()[run.vertices[i]].y()) + ")");
+      run.edges.push_back(e);
+    }
+  }
+
+  // Given curves share a side by their parameters, so that the speed along it goes on.
+  void place_given(const std::vector<size_t>& pieces, const Vec2& a, const Vec2& b) {
+    double whole = 0, before = 0;
+    for (const size_t p : pieces) {
+      const HermiteCurve& curve = outline_.pieces[p].stretch.given->curve;
+      whole += curve.end() - curve.start();
+    }
+    for (const size_t p : pieces) {
+      const auto& piece = outline_.pieces[p];
+      Strip& strip = strips_[p];
+      strip.line = piece.stretch.line(piece.flipped);
+      strip.flipped = piece.flipped;
+      strip.fitted = piece.stretch.given_along(piece.flipped);
+      strip.from = a + before / whole * (b - a);
+      before += strip.fitted.end() - strip.fitted.start();
+      strip.to = p == pieces.back() ? b : Vec2(a + before / whole * (b - a));
+    }
+  }
+
+  // Exactly the given vertices, in the strip's direction.
+  static void fix_nodes(Strip& strip) {
+    const HermiteCurve& curve = strip.line.given->curve;
+    const double span = curve.end() - curve.start();
+    strip.nodes.clear();
+    for (const double u : strip.line.given->vertices) {
+      const double fraction = (u - curve.start()) / span;
+      strip.nodes.push_back(strip.flipped ? 1 - fraction : fraction);
+    }
+    if (strip.flipped) std::reverse(strip.nodes.begin(), strip.nodes.end());
+  }
+
   std::vector<size_t> side(size_t c) const {
     const size_t n = outline_.pieces.size();
     std::vector<size_t> pieces;
@@ -264,7 +334,7 @@ class PolygonBuilder {
       if (closest.distance < nearest) {
         nearest = closest.distance;
         found = i;
-        fraction = closest.u / strips_[i].fitted.end();
+        fraction = strips_[i].fraction(closest.u);
       }
     }
     const Strip& strip = strips_[found];
@@ -273,6 +343,7 @@ class PolygonBuilder {
                " away from line '" + strip.line.name + "' (ends meet within " + number(join_) + ")";
       return std::nullopt;
     }
+    if (strip.given()) return on_vertex(found, fraction, p, reason);
     const double snap = std::min(join_, 0.05 * edge_) / strip.fitted.end();
     fraction = rounded(fraction);
     for (const double u : strip.fitted.parameters())
@@ -280,6 +351,21 @@ class PolygonBuilder {
     // The same number that the outline's own node gets.
     return Junction{found, fraction, strip.at(rounded(fraction)),
                     strip.fitted.evaluate(rounded(fraction) * strip.fitted.end())};
+  }
+
+  std::optional<Junction> on_vertex(size_t piece, double fraction, const Vec3& p,
+                                    std::string& reason) const {
+    const Strip& strip = strips_[piece];
+    const HermiteCurve& curve = strip.line.given->curve;
+    for (const double u : strip.line.given->vertices) {
+      const double along = (u - curve.start()) / (curve.end() - curve.start());
+      const double there = strip.flipped ? 1 - along : along;
+      const Vec3 position = curve.evaluate(u);
+      if ((position - p).norm() <= join_) return Junction{piece, there, strip.at(there), position};
+    }
+    reason = "it ends between two vertices of line '" + strip.line.name + "', at " +
+             number(fraction) + " of it";
+    return std::nullopt;
   }
 
   std::string why_not_inside(const Stretch& s, const Strip& strip) const {
@@ -305,9 +391,10 @@ class PolygonBuilder {
     return "";
   }
 
-  ParametricMesh delaunay() const {
+  ParametricMesh delaunay() {
     MeshTask task;
     task.edge_length = rounded(edge_ / size_);
+    task.keep_segments = given_;
     // Points that strips share (corners, joints, junctions) are one point.
     std::map<std::pair<long long, long long>, int> known;
     const auto add = [&](const Vec2& p) {
@@ -322,9 +409,22 @@ class PolygonBuilder {
     };
     for (const Vec2& corner : polygon_) add(corner);
     for (size_t i = 0; i < strips_.size(); ++i) {
-      const Strip& s = strips_[i];
+      Strip& s = strips_[i];
       auto& segments = i < outline_.pieces.size() ? task.outline : task.inner;
       int last = add(s.from);
+      if (s.given()) {
+        s.points = {last};
+        for (size_t k = 1; k < s.nodes.size(); ++k) {
+          const int next = add(k + 1 == s.nodes.size() ? s.to : s.at(s.nodes[k]));
+          if (next == last || (k > 1 && next == s.points.front()))
+            throw InputError("line '" + s.line.name +
+                             "' is given with vertices that lie on each other, near " +
+                             at(s.fitted.evaluate(s.fitted.start())));
+          segments.push_back({last, next});
+          s.points.push_back(last = next);
+        }
+        continue;
+      }
       for (size_t k = 0; k + 1 < s.nodes.size(); ++k) {
         const double a = s.nodes[k], b = s.nodes[k + 1];
         const int cuts = std::max(
@@ -343,6 +443,7 @@ class PolygonBuilder {
   }
 
   ParametricMesh fan() const {
+    if (given_) throw InputError("the fan mesher takes no given curves: use mesher = \"delaunay\"");
     MeshTask task;
     task.points = polygon_;
     const int n = static_cast<int>(polygon_.size());
@@ -385,6 +486,7 @@ class PolygonBuilder {
   SkinOptions options_;
   double size_, tolerance_, edge_, join_;
   Outline outline_;
+  bool given_;  // all outline lines have given curves
   std::vector<double> line_angles_;
   std::vector<Stretch> fitted_inner_;
   std::vector<Vec2> polygon_;

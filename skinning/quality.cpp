@@ -1,8 +1,10 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
 #include "batten/core/words.h"
+#include "batten/elements/reference_triangle.h"
 #include "batten/fem/triangle_locator.h"
 #include "batten/skinning/flatten.h"
 #include "batten/skinning/line_fit.h"
@@ -42,6 +44,36 @@ Location on_edge(const ParametricMesh& mesh, int edge, int side, double fraction
   where.L[3 - i - low] = fraction_from_low;
   return where;
 }
+
+// x_u × x_v at points that are the same in every triangle: one small product a triangle.
+class AreaVectors {
+ public:
+  AreaVectors(const Surface& surface, const std::vector<Vec3>& L)
+      : surface_(surface), slopes_(12, 2 * static_cast<long>(L.size())) {
+    for (size_t i = 0; i < L.size(); ++i)
+      slopes_.middleCols<2>(2 * static_cast<long>(i)) =
+          reference_functions(surface.kind(), L[i]).middleCols<2>(1);
+  }
+  /// At all points of triangle t.
+  const std::vector<Vec3>& at(int t) {
+    const TriangleShape shape = surface_.mesh().shape(t);
+    const Eigen::Matrix<double, 12, 3> q = C1Triangle(surface_.kind(), shape)
+                                               .to_reference_dofs()
+                                               .lazyProduct(surface_.triangle_dofs(t));
+    found_ = q.transpose().lazyProduct(slopes_);
+    const double scale = DerivativeMap(shape).first.determinant();
+    areas_.clear();
+    for (long i = 0; i < found_.cols(); i += 2)
+      areas_.push_back(scale * Vec3(found_.col(i)).cross(Vec3(found_.col(i + 1))));
+    return areas_;
+  }
+
+ private:
+  const Surface& surface_;
+  Eigen::Matrix<double, 12, Eigen::Dynamic> slopes_;
+  Eigen::Matrix<double, 3, Eigen::Dynamic> found_;
+  std::vector<Vec3> areas_;
+};
 
 }  // namespace
 
@@ -103,36 +135,67 @@ SkinQuality measure(const SkinnedRegion& region) {
 
   const Trim* trim = surface.trim().get();
   const auto inside = [&](int t) { return !trim || trim->side(t) != Trim::Side::Outside; };
-  for (int e = 0; e < mesh.edge_count(); ++e) {
-    if (mesh.edges()[e].boundary()) continue;
-    for (const double f : {0.1, 0.5, 0.8}) {
-      const Vec3 a = surface.jet(on_edge(mesh, e, 0, f)).normal(),
-                 b = surface.jet(on_edge(mesh, e, 1, f)).normal();
-      raise(q.max_normal_jump_deg, degrees_between(a, b));
-    }
-  }
-
-  // Oriented Jacobians: against the mean normal of their triangle.
+  // Three points of each edge, those of the rule inside, the vertices.
+  constexpr double fractions[] = {0.1, 0.5, 0.9};
   const TriangleRule everywhere = split_triangle(2);
+  std::vector<Vec3> points;
+  for (int i = 0; i < 3; ++i)
+    for (const double f : fractions) {
+      Vec3 L = Vec3::Zero();
+      L[(i + 1) % 3] = 1 - f;
+      L[(i + 2) % 3] = f;
+      points.push_back(L);
+    }
+  const auto inner = points.size();
+  for (long p = 0; p < everywhere.weights.size(); ++p)
+    points.push_back(everywhere.L.row(p).transpose());
+  const auto corners = points.size();
+  for (int i = 0; i < 3; ++i) points.push_back(Vec3::Unit(i));
+
+  AreaVectors area_vectors(surface, points);
+  std::vector<std::array<Vec3, 3>> first_side(static_cast<size_t>(mesh.edge_count()));
   std::vector<double> jacobians;
   std::vector<double> at_vertex(mesh.vertex_count(), 0);
   std::vector<char> vertex_inside(mesh.vertex_count(), 0);
   for (int t = 0; t < mesh.triangle_count(); ++t) {
+    const std::vector<Vec3>& found = area_vectors.at(t);
+    for (int i = 0; i < 3; ++i) {
+      const int e = mesh.edges_of(t)[i];
+      const auto& edge = mesh.edges()[e];
+      if (edge.boundary()) continue;
+      for (size_t f = 0; f < 3; ++f) {
+        const size_t from_low = mesh.edge_sign(t, i) > 0 ? f : 2 - f;
+        const Vec3& area = found[3 * static_cast<size_t>(i) + f];
+        Vec3& other = first_side[static_cast<size_t>(e)][from_low];
+        if (edge.triangle[0] == t)
+          other = area;
+        else
+          raise(q.max_normal_jump_deg, degrees_between(other, area));
+      }
+    }
     if (!inside(t)) continue;
+    // Oriented Jacobians: against the mean normal of their triangle.
     const bool cut = trim && trim->side(t) == Trim::Side::Cut;
-    const TriangleRule rule = cut ? trim->rule(t, 2) : everywhere;
     std::vector<Vec3> areas;
     Vec3 mean = Vec3::Zero();
-    for (long p = 0; p < rule.weights.size(); ++p) {
-      const Vec3 area = surface.jet({t, rule.L.row(p).transpose()}).area_vector();
-      mean += rule.weights[p] * area;
-      // Points of a cone that counts negative lie outside.
-      if (rule.weights[p] > 0) areas.push_back(area);
+    if (cut) {
+      const TriangleRule rule = trim->rule(t, 2);
+      for (long p = 0; p < rule.weights.size(); ++p) {
+        const Vec3 area = surface.jet({t, rule.L.row(p).transpose()}).area_vector();
+        mean += rule.weights[p] * area;
+        // Points of a cone that counts negative lie outside.
+        if (rule.weights[p] > 0) areas.push_back(area);
+      }
+    } else {
+      for (size_t p = inner; p < corners; ++p) {
+        mean += everywhere.weights[static_cast<long>(p - inner)] * found[p];
+        areas.push_back(found[p]);
+      }
     }
     for (int i = 0; i < 3; ++i) {
       const int v = mesh.triangles()[t][i];
       if (cut && !trim->loops().contains(mesh.vertices()[v])) continue;
-      areas.push_back(surface.jet({t, Vec3::Unit(i)}).area_vector());
+      areas.push_back(found[corners + static_cast<size_t>(i)]);
       at_vertex[v] = areas.back().norm();
       vertex_inside[v] = 1;
     }

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "batten/core/errors.h"
 #include "batten/skinning/outline.h"
 #include "batten/skinning/region.h"
 #include "batten/skinning/skin.h"
@@ -35,11 +36,18 @@ inline Vec3 rounded_slope(const Vec3& slope, double span) {
   return rounded(Vec3(span * slope)) / span;
 }
 
+/// No polygon has such sides and corners, or one without room inside only; another domain may do.
+class NoPolygon : public InputError {
+ public:
+  using InputError::InputError;
+};
+
 /// A polygon whose sides are the loop's sides between corners; every line of the loop is a run.
 /// Inner lines become straight runs across where they can; those that cannot, and those that are to
 /// be embedded, are returned in `others` (one that is to be fitted is refused). `polygon`: its
 /// corners, or none: then from the lengths of the sides and the angles between them. Throws
-/// InputError.
+/// InputError; NoPolygon where the polygon has no area or, with Domain::Auto, less than a quarter
+/// of what the loop encloses seen from its side.
 RegionParts polygon_parts(const Outline& loop, const std::vector<Stretch>& inner,
                           const DomainTask& task, const std::vector<Vec2>* polygon,
                           std::vector<Stretch>& others);
@@ -49,6 +57,27 @@ RegionParts polygon_parts(const Outline& loop, const std::vector<Stretch>& inner
 /// the outline; nothing is cut yet. Throws InputError when the outline does not project simply.
 RegionParts plane_parts(const Outline& loop, const std::vector<Outline>& holes,
                         const std::vector<Stretch>& inner, const DomainTask& task);
+
+/// Whether plane_parts() would take the outline: nowhere steeper than 84 degrees against its plane,
+/// corners neither flattened nor turned over, its projection simple (sampled).
+bool projects_simply(const Outline& loop, const DomainTask& task);
+
+/// A sheet: the outline flattened as a strip of paper would be that spans it. Its plain hole
+/// filling (plain_fill.h), whose triangles have all their corners on the outline, unfolds into the
+/// plane without any strain; the outline's image c(t) is the C1 curve of least squares through the
+/// unfolded points, with corners where the outline has them and as wide as there, scaled to size 1.
+/// Where it would overlap itself, it is relaxed (relax_polygon). Lines are embedded. The mesh
+/// covers the outline; nothing is cut yet. u runs along the first line, from its start to its end.
+/// Throws InputError: no simple image. 10 to 30 ms.
+RegionParts sheet_parts(const Outline& loop, const DomainTask& task);
+
+/// The lines of a loop as curves in the loop's direction, not yet placed in (u, v).
+std::vector<EmbeddedLine> embedded_loop(const Outline& loop, const DomainTask& task);
+
+/// Squares of the task's edge length with alternating diagonals over the box of the loops. Throws
+/// InputError for more than two million triangles.
+std::shared_ptr<const ParametricMesh> squares_over(const DomainLoops& loops,
+                                                   const DomainTask& task);
 
 /// Adds holes and inner lines to parts that have a shape: their images are the nearest points of
 /// the surface. Throws InputError for lines that are not near it.

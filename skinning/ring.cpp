@@ -124,10 +124,12 @@ class Builder {
   void require_smooth(const Outline& rim) const {
     if (rim.corners.empty()) return;
     const auto& piece = rim.pieces[static_cast<size_t>(rim.corners[0])];
-    throw InputError("the rims of a ring must be smooth, and one turns by more than " +
-                     number(task_.options.corner_angle) + " degrees where line '" +
-                     piece.stretch.name + "' begins, " + at(piece.start) +
-                     ": rims with corners are not supported yet");
+    throw InputError(
+        "the rims of a ring must be smooth, and one turns by more than " +
+        number(task_.options.corner_angle) + " degrees where line '" + piece.stretch.name +
+        "' begins, " + at(piece.start) +
+        ". With a corner_angle above that turn it is rounded; or lines from rim to rim "
+        "cut the ring into regions with corners");
   }
 
   // Direction and start of rim B against rim A.

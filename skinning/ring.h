@@ -28,4 +28,14 @@ namespace batten {
 /// that means more than 2 million triangles. Cost: O(columns · rows).
 RegionParts ring_parts(const Outline& a, const Outline& b, const DomainTask& task);
 
+/// Embeds holes and inner lines in a ring that has a shape. c(t) are the nearest points of the
+/// surface; of an inner line that crosses no other one they are spread over it as evenly as the
+/// line is long (nearest points crowd where a line bulges away from the surface). u runs on over
+/// the seam, beyond [0, U]; a line begins in [0, U). A closed line that runs around the ring ends
+/// one period from where it begins: its curve and its image are open curves then, whose ends meet
+/// on the ring. Throws InputError as embed_on() does, for a hole around the ring, and for an inner
+/// line that is to be fitted. O(triangles · lines).
+void embed_on_ring(const Surface& surface, const std::vector<Outline>& holes,
+                   const std::vector<Stretch>& inner, const DomainTask& task, RegionParts& parts);
+
 }  // namespace batten

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "batten/constraints/affine_reduction.h"
 #include "batten/constraints/shape/shape_constraints.h"
@@ -22,9 +23,14 @@ double diagonal_of(const std::vector<CharacterLine>& lines) {
   constexpr int samples = 256;
   for (const auto& line : lines) {
     if (!line.curve) throw InputError("line '" + line.name + "' has no curve");
-    const double a = line.curve->start(), b = line.curve->end();
+    const InputCurve& input = *line.curve;
+    const HermiteCurve* given = line.given ? &line.given->curve : nullptr;
+    if (given && given->segment_count() < 1)
+      throw InputError("the given curve of line '" + line.name + "' is empty");
+    const double a = given ? given->start() : input.start(), b = given ? given->end() : input.end();
     for (int i = 0; i <= samples; ++i) {
-      const Vec3 p = line.curve->evaluate(a + (b - a) * i / samples);
+      const double t = a + (b - a) * i / samples;
+      const Vec3 p = given ? given->evaluate(t) : input.evaluate(t);
       low = low.cwiseMin(p);
       high = high.cwiseMax(p);
     }
@@ -44,6 +50,45 @@ Points plain_shape(const RegionParts& parts, TriangleElement element, const Vec3
                                  assembler.stiffness(SurfaceStiffness{}),
                                  dissection_order(*parts.mesh));
   return solver.solve(Points::Zero(assembler.dofs().count(), 3)) + ones * origin.transpose();
+}
+
+// Whether two lines leave a corner in one direction, or go on in one: no polygon has such a corner.
+bool has_cusp(const Outline& loop) {
+  constexpr double least_sine = 2e-3;
+  return std::any_of(loop.corners.begin(), loop.corners.end(), [&](int c) {
+    const Joint joint = joint_at(loop, static_cast<size_t>(c));
+    return joint.incoming.cross(joint.outgoing).norm() < least_sine;
+  });
+}
+
+// Whether the polygon had to give up much of its sides' lengths or of its corners' angles.
+bool strained(const Outline& loop, const RegionParts& parts) {
+  constexpr double degree = std::numbers::pi / 180, most = 2.1, most_length = 1.5;
+  double longest = 0, shortest = std::numeric_limits<double>::infinity();
+  const size_t n = parts.corners.size();
+  for (size_t c = 0; c < n; ++c) {
+    const DomainCorner& corner = parts.corners[c];
+    const double ratio =
+        std::sin(corner.domain_degrees * degree) / std::sin(corner.line_degrees * degree);
+    if (!(ratio < most && ratio > 1 / most)) return true;
+    double length = 0;
+    size_t p = static_cast<size_t>(loop.corners[c]);
+    do {
+      length += loop.pieces[p].length;
+      p = (p + 1) % loop.pieces.size();
+    } while (!loop.is_corner(p));
+    const double share = (parts.corners[(c + 1) % n].uv - corner.uv).norm() / length;
+    longest = std::max(longest, share);
+    shortest = std::min(shortest, share);
+  }
+  return longest > most_length * shortest;
+}
+
+// Whether the surface of the outline alone turns over somewhere, or nearly so.
+bool overturned(const RegionParts& parts, TriangleElement element, const Points& dofs) {
+  constexpr double least = 0.05;
+  SkinnedRegion region{"", Surface(parts.mesh, element, dofs, parts.trim), {}};
+  return !(measure(region).min_jacobian_ratio >= least);
 }
 
 Vec3 first_point(const RegionParts& parts) {
@@ -75,7 +120,8 @@ RegionLayout::RegionLayout(std::string name, const std::vector<CharacterLine>& l
     auto& kind = line.role == Role::Outline ? around : line.role == Role::Hole ? rims : inner;
     for (Stretch& s : cut_at_corners(line, options.corner_angle)) kind.push_back(std::move(s));
   }
-  const std::vector<Outline> loops = make_loops(around, size_, join_, options.corner_angle);
+  const std::vector<Outline> loops =
+      make_loops(around, size_, join_, options.corner_angle, options.against_first);
   const std::vector<Outline> holes =
       rims.empty() ? std::vector<Outline>() : make_loops(rims, size_, join_, options.corner_angle);
   progress.at("fitting lines", 0.5);
@@ -86,11 +132,17 @@ RegionLayout::RegionLayout(std::string name, const std::vector<CharacterLine>& l
   std::string to_embed;  // an outline line that has to be embedded
   for (const Stretch& s : around)
     if (s.treatment == CharacterLine::Treatment::Embedded) to_embed = s.name;
-  if (domain == Domain::Auto)
+  const bool automatic = domain == Domain::Auto;
+  const auto embedding = [&] {
+    return projects_simply(loops[0], task) ? Domain::Plane : Domain::Sheet;
+  };
+  if (automatic)
     domain = two_smooth                                         ? Domain::Ring
              : loops[0].corners.size() >= 3 && to_embed.empty() ? Domain::Polygon
-                                                                : Domain::Plane;
-  if (!to_embed.empty() && domain != Domain::Plane)
+                                                                : embedding();
+  if (automatic && domain == Domain::Polygon && loops.size() == 1 && has_cusp(loops[0]))
+    domain = embedding();
+  if (!to_embed.empty() && domain != Domain::Plane && domain != Domain::Sheet)
     throw InputError("line '" + to_embed +
                      "' cannot be embedded: outlines of polygons and rings are fitted (a plane "
                      "embeds them)");
@@ -108,13 +160,27 @@ RegionLayout::RegionLayout(std::string name, const std::vector<CharacterLine>& l
     if (loops.size() != 2)
       throw InputError("a ring needs two loops of outline lines, and there are " +
                        std::to_string(loops.size()));
-    if (!holes.empty() || !inner.empty())
-      throw InputError("line '" +
-                       (holes.empty() ? inner[0].name : holes[0].pieces[0].stretch.name) +
-                       "': a ring takes no holes and no inner lines yet");
     parts_ = ring_parts(loops[0], loops[1], task);
-  } else if (domain == Domain::Polygon) {
-    parts_ = polygon_parts(loops[0], inner, task, nullptr, others);
+    if (!holes.empty() || !inner.empty())
+      embed_on_ring(Surface(parts_.mesh, options_.element,
+                            plain_shape(parts_, options_.element, first_point(parts_))),
+                    holes, inner, task, parts_);
+  }
+  if (domain == Domain::Polygon) {
+    try {
+      parts_ = polygon_parts(loops[0], inner, task, nullptr, others);
+      // Sides that bend much while corners hardly turn leave no room in a polygon.
+      if (automatic && strained(loops[0], parts_) &&
+          overturned(parts_, options_.element,
+                     plain_shape(parts_, options_.element, first_point(parts_))))
+        domain = embedding();
+    } catch (const NoPolygon&) {
+      if (!automatic) throw;
+      domain = embedding();
+    }
+    if (domain != Domain::Polygon) parts_ = {};
+  }
+  if (domain == Domain::Polygon) {
     constexpr int most_settlings = 3;
     for (int round = 0; options_.settle && round < most_settlings; ++round) {
       std::vector<Vec2> polygon;
@@ -133,8 +199,18 @@ RegionLayout::RegionLayout(std::string name, const std::vector<CharacterLine>& l
                             plain_shape(parts_, options_.element, first_point(parts_)));
       embed_on(surface, holes, others, task, parts_);
     }
-  } else {
+  } else if (domain == Domain::Plane) {
     parts_ = plane_parts(loops[0], holes, inner, task);
+  } else if (domain == Domain::Sheet) {
+    parts_ = sheet_parts(loops[0], task);
+    if (!holes.empty() || !inner.empty()) {
+      grade_by_curvature(parts_, task);
+      cut_and_place(parts_, task);
+      const Surface surface(parts_.mesh, options_.element,
+                            plain_shape(parts_, options_.element, first_point(parts_)),
+                            parts_.trim);
+      embed_on(surface, holes, inner, task, parts_);
+    }
   }
   parts_.warnings.insert(parts_.warnings.begin(), warnings.begin(), warnings.end());
   if (parts_.embedded.empty()) {

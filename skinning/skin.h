@@ -29,9 +29,12 @@ struct SkinOptions {
     Auto,
     Polygon,  ///< three corners or more; lines fitted
     Plane,    ///< a loop that projects simply; lines embedded
+    Sheet,    ///< any other loop, unfolded like a strip of paper; lines embedded
     Ring      ///< two smooth loops; lines fitted
   };
   Domain domain = Domain::Auto;
+  /// The outline runs against its first line: the normal points to the other side.
+  bool against_first = false;
   /// Whether a polygon's corners move, and the mesh is made anew, until the surface that the lines
   /// make is as little stretched and sheared as straight sides allow (at most three rounds, each
   /// one solve).

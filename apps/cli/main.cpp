@@ -47,6 +47,7 @@ const char* const kVersion = "batten " BATTEN_VERSION
 const char* const kExamples = R"(
 Examples:
   batten skin outline.csv --out result          lines to a surface: STEP, VTK, report
+  batten skin --network sketch.json --unit m --out result    a network of lines to all its surfaces
   batten run hood.toml --out result             everything a scene asks for
   batten run hood.toml --out result --set crown=4
   batten sculpt bowl.toml --out result --sweep swell=0:250:9
@@ -80,7 +81,7 @@ struct Arguments {
   double edge_length = 0, tolerance = 0, pressure = 0;
   double deviation = 0, wavelength = 0, corner_angle = FairOptions{}.corner_angle, segments = 0;
   int threads = 0, contours = 0;
-  bool quiet = false, hold_ends = false, closed = false, open = false;
+  bool network = false, quiet = false, hold_ends = false, closed = false, open = false;
 };
 
 template <class AnyReport>
@@ -149,8 +150,9 @@ int sculpt(const Arguments& a) {
 }
 
 Scene lines_scene(const Arguments& a) {
-  Scene scene =
-      scene_of_lines({a.files.begin(), a.files.end()}, {a.inner.begin(), a.inner.end()}, a.unit);
+  Scene scene = a.network ? scene_of_network({a.files.begin(), a.files.end()}, a.unit)
+                          : scene_of_lines({a.files.begin(), a.files.end()},
+                                           {a.inner.begin(), a.inner.end()}, a.unit);
   scene.skin.options.edge_length = a.edge_length;
   scene.skin.options.tolerance = a.tolerance;
   scene.compare = a.compare;
@@ -186,6 +188,7 @@ int view(Arguments a) {
   look.title = scene.name;
   look.field = a.show == "shaded"           ? Field::None
                : a.show == "mean_curvature" ? Field::Mean
+               : a.show == "regions"        ? Field::Regions
                                             : Field::Gauss;
   look.contours = a.contours;
   if (!a.angles.empty()) {
@@ -308,9 +311,14 @@ int command(int argc, char** argv) {
   auto* skin_command =
       app.add_subcommand("skin", "From files of lines straight to a surface: STEP, VTK, report");
   skin_command
-      ->add_option("lines", a.files, "Outline: .csv .txt .xyz .dat .obj .curves .iges .step")
+      ->add_option("lines", a.files,
+                   "Outline: .csv .txt .xyz .dat .obj .curves .iges .step; a network: .json too")
       ->required();
-  skin_command->add_option("--inner", a.inner, "A file of inner lines")->allow_extra_args(false);
+  auto* inner = skin_command->add_option("--inner", a.inner, "A file of inner lines")
+                    ->allow_extra_args(false);
+  auto* network = skin_command->add_flag(
+      "--network", a.network, "The lines are a network: all surfaces between them, joined");
+  network->excludes(inner);
   skin_command->add_option("--out", a.out, "Folder for all files")->required();
   lengths(skin_command);
   skin_command->add_option("--edge-length", a.edge_length, "Target length of element edges")
@@ -318,7 +326,8 @@ int command(int argc, char** argv) {
   skin_command->add_option("--tolerance", a.tolerance, "Largest distance of fitted lines")
       ->check(kPositive);
   skin_command->add_option("--compare", a.compare, "CAD file: measure the distance from its faces");
-  skin_command->add_option("--pressure", a.pressure, "Pressure along the normal, relative units");
+  skin_command->add_option("--pressure", a.pressure, "Pressure along the normal, relative units")
+      ->excludes(network);
   common(skin_command);
 
   auto* info_command =
@@ -334,8 +343,9 @@ int command(int argc, char** argv) {
       ->take_all()
       ->allow_extra_args(false);
   view_command->add_option("--show", a.show, "What to show")
-      ->check(CLI::IsMember({"shaded", "mean_curvature", "gauss_curvature"}))
+      ->check(CLI::IsMember({"shaded", "mean_curvature", "gauss_curvature", "regions"}))
       ->capture_default_str();
+  view_command->add_flag("--network", a.network, "The lines of the file are a network");
   view_command->add_option("--contours", a.contours, "Number of contour lines")
       ->check(CLI::Range(0, 1000));
   view_command->add_option("--view", a.angles, "Azimuth and elevation, degrees")->expected(2);

@@ -6,6 +6,7 @@
 #include <fstream>
 
 #include "batten/apps/commands/line_files.h"
+#include "batten/apps/commands/make_model.h"
 #include "batten/apps/commands/mesh_info.h"
 #include "batten/apps/commands/sampled_line.h"
 #include "batten/core/words.h"
@@ -59,11 +60,46 @@ std::string parameters_text(const std::vector<Parameter>& parameters) {
   return text;
 }
 
+// Pieces and regions by the names that [[region]] and [[join]] know.
+std::string network_text(const Scene& scene) {
+  const CharacterLineNetwork network = network_of(scene, read_lines(scene));
+  const auto place = [&](const NetworkArc& arc, int end) {
+    return at(network.nodes()[static_cast<size_t>(arc.nodes[static_cast<size_t>(end)])].position);
+  };
+  std::string text = "network: " + std::to_string(network.arcs().size()) +
+                     (network.arcs().size() == 1 ? " piece" : " pieces") + " between " +
+                     std::to_string(network.nodes().size()) +
+                     (network.nodes().size() == 1 ? " place" : " places") + " (lines meet within " +
+                     number(network.tolerance()) + " " + scene.unit + ")\n";
+  for (const NetworkArc& arc : network.arcs())
+    text += "  " + arc.name + "  length " + number(arc.length) + "  from " + place(arc, 0) +
+            " to " + place(arc, 1) + "\n";
+  for (const NetworkFinding& finding : network.findings())
+    text += std::string(finding.repaired ? "  repaired: " : "  not joined: ") + finding.text + "\n";
+  const FoundRegions found = regions_of(scene, network);
+  text += std::to_string(found.regions.size()) +
+          (found.regions.size() == 1 ? " region\n" : " regions\n");
+  for (const NetworkRegion& region : found.regions) {
+    text += "  " + region.name + (region.ring ? "  ring  " : "  ");
+    for (size_t l = 0; l < region.loops.size(); ++l) {
+      text += l ? ", [" : "[";
+      for (size_t i = 0; i < region.loops[l].size(); ++i)
+        text += (i ? ", " : "") + network.arcs()[static_cast<size_t>(region.loops[l][i].arc)].name;
+      text += "]";
+    }
+    for (size_t i = 0; i < region.inner.size(); ++i)
+      text += (i ? ", " : "  inner ") + network.arcs()[static_cast<size_t>(region.inner[i])].name;
+    text += "\n";
+  }
+  for (const RegionChoice& choice : found.choices) text += "  could be: " + choice.text + "\n";
+  return text;
+}
+
 std::string scene_text(const Scene& scene) {
   return "scene '" + scene.name + "', unit " + scene.unit + "\n" +
          lines_text(read_sources(scene.lines, scene.file, scene.unit), scene.unit,
                     scene.skin.options.corner_angle) +
-         parameters_text(scene.parameters());
+         (scene.network ? network_text(scene) : "") + parameters_text(scene.parameters());
 }
 
 std::string fairing_text(const FairScene& scene) {
@@ -105,7 +141,7 @@ std::string file_info(const std::filesystem::path& file, const std::string& unit
   if (line_file_kind(file) == LineFileKind::None)
     throw InputError(file.string() + ": found the ending '" + file.extension().string() +
                      "', expected a scene (.toml), lines (.csv, .txt, .xyz, .dat, .obj, .curves, "
-                     ".iges, .step) or a "
+                     ".iges, .step, .json) or a "
                      "mesh (.obj, .off, .ply, .stl, .vtp, .vtu, .bdf, .nas, .dat, .inp, .k, .key, "
                      ".dyn)");
   std::string text;

@@ -5,12 +5,14 @@
 
 #include "batten/io/cad_lines.h"
 #include "batten/io/point_lines.h"
+#include "batten/io/sketch_graph.h"
 
 namespace batten {
 namespace {
 
 const std::vector<std::string> kPointEndings = {".csv", ".txt", ".xyz", ".dat", ".obj", ".curves"};
 const std::vector<std::string> kCadEndings = {".iges", ".igs", ".step", ".stp"};
+const std::vector<std::string> kSketchEndings = {".json"};
 
 /// Where messages about [[line]] and [[lines]] begin.
 struct SceneFile {
@@ -23,11 +25,15 @@ std::vector<SourceLine> read_file(const SceneFile& scene, const SceneLine& sourc
   if (!std::filesystem::is_regular_file(source.file))
     throw InputError(at + "found no file '" + source.file.string() +
                      "', expected a file of lines (" + listed(kPointEndings) + ", " +
-                     listed(kCadEndings) + ")");
+                     listed(kCadEndings) + ", " + listed(kSketchEndings) + ")");
   if (line_file_kind(source.file) == LineFileKind::None)
     throw InputError(at + "found the ending '" + source.file.extension().string() + "' of '" +
                      source.file.string() + "', expected one of: " + listed(kPointEndings) + ", " +
-                     listed(kCadEndings));
+                     listed(kCadEndings) + ", " + listed(kSketchEndings));
+  if (line_file_kind(source.file) == LineFileKind::Sketch && !source.unit.empty() &&
+      source.unit != scene.unit)
+    throw InputError(at + "found the unit '" + source.unit + "' for '" + source.file.string() +
+                     "', expected none: a sketch is in the scene's unit, " + scene.unit);
   if (line_file_kind(source.file) == LineFileKind::Cad && !source.unit.empty())
     throw InputError(at + "found a unit for '" + source.file.string() +
                      "', expected none: files of this kind say their unit themselves");
@@ -92,9 +98,10 @@ LineFileKind line_file_kind(const std::filesystem::path& file) {
   const auto has = [&](const std::vector<std::string>& endings) {
     return std::find(endings.begin(), endings.end(), ending) != endings.end();
   };
-  return has(kPointEndings) ? LineFileKind::Points
-         : has(kCadEndings) ? LineFileKind::Cad
-                            : LineFileKind::None;
+  return has(kPointEndings)    ? LineFileKind::Points
+         : has(kCadEndings)    ? LineFileKind::Cad
+         : has(kSketchEndings) ? LineFileKind::Sketch
+                               : LineFileKind::None;
 }
 
 std::shared_ptr<const InputCurve> SourceLine::as_curve(double corner_angle) const {
@@ -110,6 +117,11 @@ std::vector<SourceLine> read_source_file(const std::filesystem::path& file, cons
                                          const std::string& model_unit) {
   const double model = unit_in_metres(model_unit);
   std::vector<SourceLine> lines;
+  if (line_file_kind(file) == LineFileKind::Sketch) {
+    for (const CharacterLine& line : read_sketch_graph(file))
+      lines.push_back({line.name, file.string() + ": ", {}, line.curve});
+    return lines;
+  }
   if (line_file_kind(file) == LineFileKind::Cad) {
     for (const CharacterLine& line : read_cad_lines(file, model))
       lines.push_back({line.name, file.string() + ": ", {}, line.curve});

@@ -11,7 +11,7 @@
 namespace batten {
 
 /// How a file of lines is read, by its extension.
-enum class LineFileKind { None, Points, Cad };
+enum class LineFileKind { None, Points, Cad, Sketch };
 LineFileKind line_file_kind(const std::filesystem::path& file);
 
 /// A line as it was given: points, or a curve.
@@ -28,7 +28,8 @@ struct SourceLine {
 };
 
 /// All lines of a file, in model units. `unit`: of the file's numbers, for files of points ("": the
-/// model's); files of CAD say it themselves. Throws InputError.
+/// model's); files of CAD say it themselves, those of sketches are in the model's. Throws
+/// InputError.
 std::vector<SourceLine> read_source_file(const std::filesystem::path& file, const std::string& unit,
                                          const std::string& model_unit);
 

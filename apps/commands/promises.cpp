@@ -43,4 +43,50 @@ std::vector<MissedPromise> broken_promises(const Report& report, double toleranc
   return missed;
 }
 
+std::vector<MissedPromise> broken_network_promises(const Report& report) {
+  std::vector<MissedPromise> missed = numbers_that_failed(report);
+  const auto at_most = [&](const std::string& what, double value, double limit) {
+    if (value > limit)
+      missed.push_back({what, "is " + number(value) + ", promised at most " + number(limit)});
+  };
+  const NetworkReport& n = *report.network;
+  const double on_line = n.fit_tolerance, on_input = n.fit_tolerance + n.tolerance;
+  for (const MissedPromise& m : broken_conditions(report.curves)) missed.push_back(m);
+  for (const auto& line : report.lines)
+    at_most("lines." + line.name + ".deviation", line.deviation, on_input);
+  for (const auto& r : n.regions) {
+    const std::string at = "regions." + r.name;
+    if (!r.skinned) {
+      missed.push_back({at, "is not skinned: " + r.why_not});
+      continue;
+    }
+    at_most(at + ".max_line_residual", r.quality.max_line_residual, 1e-10);
+    at_most(at + ".max_line_gap", r.quality.max_line_gap, on_line);
+    at_most(at + ".max_line_deviation", r.quality.max_line_deviation, on_input);
+    at_most(at + ".max_normal_jump_deg", r.quality.max_normal_jump_deg, 1e-3);
+    if (r.quality.min_jacobian_ratio < 0.05)
+      missed.push_back({at + ".min_jacobian_ratio",
+                        "is " + number(r.quality.min_jacobian_ratio) + ", promised at least 0.05"});
+    at_most(at + ".singular_nodes", r.quality.singular_nodes, 0);
+  }
+  for (const auto& flaw : n.flaws) {
+    std::string where;
+    for (const auto& region : flaw.regions) where += (where.empty() ? "" : ", ") + region;
+    missed.push_back({"flaws." + flaw.kind + " in " + where, flaw.text});
+  }
+  for (const auto& j : n.joins) {
+    const std::string at = "joins." + j.line;
+    if (j.kind == "smooth" && !j.open[0] && !j.open[1])
+      at_most(at + ".max_deg", j.max_deg, n.join_tolerance_deg);
+    if (j.kind != "smooth" && j.asked && !j.why.empty())
+      missed.push_back({at, "was asked for as smooth and is a " + j.kind + ": " + j.why});
+  }
+  if (report.step) {
+    if (!report.step->valid) missed.push_back({"step.valid", "is false, promised true"});
+    at_most("step.max_deviation", report.step->max_deviation, report.step->tolerance);
+    at_most("step.max_gap", report.step->max_gap, report.step->tolerance + on_line);
+  }
+  return missed;
+}
+
 }  // namespace batten

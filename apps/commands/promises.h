@@ -21,4 +21,13 @@ namespace batten {
 /// `tolerance`: of lines, model units.
 std::vector<MissedPromise> broken_promises(const Report& report, double tolerance);
 
+/// The same of a network, whose report it is. Each region keeps the promises of `surface` (its
+/// lines may also have been moved by the network's tolerance where they were joined), and
+///
+///   regions   each is skinned; no flaw (SurfaceFlaw)
+///   joins     a smooth one stays under the join tolerance along all of it, but for ends where the
+///             lines leave no tangent plane; one that is asked for as smooth is smooth
+///   step      valid, deviation ≤ what was asked, gap ≤ that plus the tolerance
+std::vector<MissedPromise> broken_network_promises(const Report& report);
+
 }  // namespace batten

@@ -8,6 +8,7 @@
 #include "batten/apps/commands/make_shape.h"
 #include "batten/apps/commands/output_folder.h"
 #include "batten/apps/commands/promises.h"
+#include "batten/apps/commands/run_network.h"
 #include "batten/apps/commands/run_parts.h"
 #include "batten/apps/commands/shape_files.h"
 #include "batten/io/whole_file.h"
@@ -91,8 +92,15 @@ Scene scene_of_lines(const std::vector<std::filesystem::path>& outline,
   return scene;
 }
 
+Scene scene_of_network(const std::vector<std::filesystem::path>& files, const std::string& unit) {
+  Scene scene = scene_of_lines(files, {}, unit);
+  scene.network.emplace();
+  return scene;
+}
+
 Report run_scene(const Scene& scene, const std::filesystem::path& folder,
                  const Progress& progress) {
+  if (scene.network) return run_network(scene, folder, progress);
   OutputFolder out(folder);
   Report report;
   report.name = scene.name;
@@ -135,6 +143,7 @@ Report run_scene(const Scene& scene, const std::filesystem::path& folder,
 
 void view_scene(const Scene& scene, const PictureScene& look, const std::filesystem::path& file,
                 const Progress& progress) {
+  if (scene.network) return view_network(scene, look, file, progress);
   require_display();
   RegionLayout layout = lay_out(scene, faired_lines(scene, progress).lines, progress);
   const MadeShape made = make_refined_shape(layout, scene, progress);
@@ -142,6 +151,7 @@ void view_scene(const Scene& scene, const PictureScene& look, const std::filesys
 }
 
 std::string summary(const Report& report, const std::filesystem::path& folder) {
+  if (report.network) return network_summary(report, folder);
   const auto& s = report.surface;
   const auto& q = s.quality;
   const std::string unit = " " + report.unit;

@@ -15,6 +15,8 @@ void apply_settings(Scene& scene, const std::vector<std::string>& settings);
 /// A scene made of files of lines alone, for `batten skin`: outline files, inner files.
 Scene scene_of_lines(const std::vector<std::filesystem::path>& outline,
                      const std::vector<std::filesystem::path>& inner, const std::string& unit);
+/// The same for `batten skin --network`: all lines of all files are one network.
+Scene scene_of_network(const std::vector<std::filesystem::path>& files, const std::string& unit);
 
 /// Makes the shape, measures it and writes all files and report.json into the folder, all of them
 /// or none. A result that misses a promise is written too, and says so in report.missed. Throws

@@ -396,6 +396,11 @@ std::vector<std::string> few(const std::vector<std::string>& files) {
 
 Report run_sculpt(const Scene& scene, const SculptTask& task, const std::filesystem::path& folder,
                   const Progress& progress) {
+  if (scene.network)
+    throw InputError(
+        scene.at(scene.network->place) +
+        "found [network], expected a scene of one region: a network has no session yet "
+        "(batten run skins it)");
   return SculptRun(scene, task, folder, progress).done();
 }
 

@@ -41,44 +41,6 @@ void warn_of_strain(Report& report) {
       "lines with treatment = \"embedded\" may suit it better");
 }
 
-/// The root mean square is taken over the area of the surface.
-void compare_into(Report& report, const Scene& scene, const SkinnedRegion& region,
-                  const Progress& progress) {
-  const auto faces = read_cad_surfaces(scene.compare, unit_in_metres(scene.unit));
-  if (faces.empty())
-    throw InputError(scene.compare.string() + ": found no faces, expected some to compare with");
-  const TriangleRule whole = split_triangle(2);
-  const Trim* trim = region.surface.trim().get();
-  const ParametricMesh& mesh = region.surface.mesh();
-  Report::Comparison c;
-  c.file = scene.compare.filename().string();
-  double squares = 0, area = 0;
-  Vec3 low = region.surface.position({0, Vec3::Unit(0)}), high = low;
-  for (int t = 0; t < mesh.triangle_count(); ++t) {
-    progress.at("comparing", static_cast<double>(t) / mesh.triangle_count());
-    if (trim && trim->side(t) == Trim::Side::Outside) continue;
-    const TriangleRule rule = trim && trim->side(t) == Trim::Side::Cut ? trim->rule(t, 2) : whole;
-    for (long p = 0; p < rule.weights.size(); ++p) {
-      if (!(rule.weights[p] > 0)) continue;
-      const SurfaceJet jet = region.surface.jet({t, rule.L.row(p).transpose()});
-      double nearest = std::numeric_limits<double>::infinity();
-      for (const auto& face : faces) nearest = std::min(nearest, face.distance(jet.x));
-      const double weight = rule.weights[p] * mesh.shape(t).area * jet.area_vector().norm();
-      squares += weight * nearest * nearest;
-      area += weight;
-      c.max = std::max(c.max, nearest);
-      low = low.cwiseMin(jet.x);
-      high = high.cwiseMax(jet.x);
-      ++c.points;
-    }
-  }
-  c.rms = std::sqrt(squares / area);
-  const double length = (high - low).maxCoeff();
-  c.max_relative = c.max / length;
-  c.rms_relative = c.rms / length;
-  report.comparison = c;
-}
-
 void write_exact_step(Report& report, const Scene& scene, const SkinnedRegion& region,
                       const OutputFolder& out) {
   const std::vector<const Surface*> surfaces = {&region.surface};
@@ -175,6 +137,49 @@ ShellDeck deck_of(const Scene& scene, const SkinnedRegion& region) {
 
 }  // namespace
 
+// The root mean square is taken over the area of the surfaces.
+void compare_into(Report& report, const Scene& scene,
+                  const std::vector<const SkinnedRegion*>& regions, const Progress& progress) {
+  const auto faces = read_cad_surfaces(scene.compare, unit_in_metres(scene.unit));
+  if (faces.empty())
+    throw InputError(scene.compare.string() + ": found no faces, expected some to compare with");
+  const TriangleRule whole = split_triangle(2);
+  Report::Comparison c;
+  c.file = scene.compare.filename().string();
+  double squares = 0, area = 0;
+  Vec3 low = regions.front()->surface.position({0, Vec3::Unit(0)}), high = low;
+  for (size_t r = 0; r < regions.size(); ++r) {
+    const Surface& surface = regions[r]->surface;
+    const Trim* trim = surface.trim().get();
+    const ParametricMesh& mesh = surface.mesh();
+    for (int t = 0; t < mesh.triangle_count(); ++t) {
+      progress.at("comparing",
+                  (static_cast<double>(r) + static_cast<double>(t) / mesh.triangle_count()) /
+                      static_cast<double>(regions.size()));
+      if (trim && trim->side(t) == Trim::Side::Outside) continue;
+      const TriangleRule rule = trim && trim->side(t) == Trim::Side::Cut ? trim->rule(t, 2) : whole;
+      for (long p = 0; p < rule.weights.size(); ++p) {
+        if (!(rule.weights[p] > 0)) continue;
+        const SurfaceJet jet = surface.jet({t, rule.L.row(p).transpose()});
+        double nearest = std::numeric_limits<double>::infinity();
+        for (const auto& face : faces) nearest = std::min(nearest, face.distance(jet.x));
+        const double weight = rule.weights[p] * mesh.shape(t).area * jet.area_vector().norm();
+        squares += weight * nearest * nearest;
+        area += weight;
+        c.max = std::max(c.max, nearest);
+        low = low.cwiseMin(jet.x);
+        high = high.cwiseMax(jet.x);
+        ++c.points;
+      }
+    }
+  }
+  c.rms = std::sqrt(squares / area);
+  const double length = (high - low).maxCoeff();
+  c.max_relative = c.max / length;
+  c.rms_relative = c.rms / length;
+  report.comparison = c;
+}
+
 void measure_into(Report& report, const MadeShape& made) {
   for (const LineRun& run : made.region.runs)
     report.lines.push_back({run.line.name, run.line.role, false, ArcLength(run.line.curve).total(),
@@ -204,7 +209,7 @@ void write_files(Report& report, const Scene& scene, const SkinnedRegion& region
                  const VtkOptions& vtk, const OutputFolder& out, Stopwatch& watch,
                  const Progress& progress) {
   if (!scene.compare.empty()) {
-    compare_into(report, scene, region, progress);
+    compare_into(report, scene, {&region}, progress);
     watch.lap("compare");
   }
   progress.at("files", 0);

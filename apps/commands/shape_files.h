@@ -12,6 +12,10 @@ namespace batten {
 /// Lines, surface, springs and reactions of the report, measured on the shape.
 void measure_into(Report& report, const MadeShape& made);
 
+/// The distance of regions from the faces of the file of [compare]. Throws InputError.
+void compare_into(Report& report, const Scene& scene,
+                  const std::vector<const SkinnedRegion*>& regions, const Progress& progress);
+
 /// [compare] and [output]: everything but report.json and pictures. Throws InputError.
 void write_files(Report& report, const Scene& scene, const SkinnedRegion& region,
                  const VtkOptions& vtk, const OutputFolder& out, Stopwatch& watch,

@@ -93,7 +93,8 @@ EmbeddedRows::EmbeddedRows(const ParametricMesh& mesh, TriangleElement kind,
 Location EmbeddedRows::on_mesh(const std::string& name, const Vec2& uv) const {
   const Location where = locator_.locate(uv);
   const TriangleShape shape = mesh_.shape(where.triangle);
-  const double away = (shape.point(where.L) - uv).norm();
+  const Vec2 there = shape.point(where.L);
+  const double away = (there - mesh_.image_near(uv, there)).norm();
   if (!(away <= 1e-9 * std::sqrt(shape.area)))
     throw InputError("constraint '" + name + "' leaves the mesh at (" + number(uv.x()) + ", " +
                      number(uv.y()) + ")");

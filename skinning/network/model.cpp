@@ -39,7 +39,7 @@ class ModelMaker {
   SurfaceModel make() {
     place_vertices();
     layouts_.resize(model_.regions.size());
-    parts_.resize(model_.regions.size());
+    shapes_.resize(model_.regions.size());
     std::vector<int> all(model_.regions.size());
     std::iota(all.begin(), all.end(), 0);
     lay_out(all, 0, 0.4);
@@ -50,12 +50,6 @@ class ModelMaker {
   }
 
  private:
-  // What one region is made of while the model is being made.
-  struct Part {
-    JoinRegion join;
-    SkinOptions::Domain domain = SkinOptions::Domain::Auto;
-  };
-
   // Where meshes have their vertices on each arc.
   void place_vertices() {
     given_.resize(network_.arcs().size());
@@ -146,6 +140,7 @@ class ModelMaker {
         throw;
       } catch (const std::runtime_error& e) {
         layouts_[r].reset();
+        shapes_[r] = {};
         region.why_not = e.what();
       }
     });
@@ -157,46 +152,20 @@ class ModelMaker {
     SkinOptions skin = options_.skin;
     skin.edge_length = edge_;
     skin.tolerance = tolerance_;
-    skin.domain = plan.ring ? SkinOptions::Domain::Ring : parts_[r].domain;
+    skin.domain = plan.ring ? SkinOptions::Domain::Ring : SkinOptions::Domain::Auto;
     skin.against_first = plan.loops[0][0].reversed;
-    const auto make = [&](SkinOptions::Domain domain) {
-      skin.domain = domain;
-      const std::vector<CharacterLine> lines = lines_of(plan);
-      try {
-        layouts_[r] = std::make_unique<RegionLayout>(plan.name, lines, skin);
-      } catch (const InputError& e) {
-        if (plan.inner.empty()) throw;
-        std::vector<CharacterLine> without = lines;
-        without.resize(lines.size() - plan.inner.size());
-        layouts_[r] = std::make_unique<RegionLayout>(plan.name, without, skin);
-        model_.regions[r].warnings = {"its inner lines are left out: " + std::string(e.what())};
-      }
-      JoinRegion join;
-      join.layout = layouts_[r].get();
-      join.material = material_for(layouts_[r]->size());
-      join.first = solve_joined({join}, {}, origin_)[0];
-      return join;
-    };
-    parts_[r].join = make(skin.domain);
-    // Lines may suit a polygon badly: then a domain that follows the surface is tried.
-    constexpr double poor = 0.05;
-    if (layouts_[r]->domain() != SkinOptions::Domain::Polygon) return;
-    const double ratio = measure(layouts_[r]->region(parts_[r].join.first)).min_jacobian_ratio;
-    if (ratio >= poor) return;
-    auto polygon = std::move(layouts_[r]);
-    const JoinRegion kept = parts_[r].join;
+    std::vector<CharacterLine> lines = lines_of(plan);
     try {
-      parts_[r].join = make(SkinOptions::Domain::Sheet);
-      if (measure(layouts_[r]->region(parts_[r].join.first)).min_jacobian_ratio > ratio) {
-        parts_[r].domain = SkinOptions::Domain::Sheet;
-        return;
-      }
-    } catch (const InputError&) {
-    } catch (const NoSolutionError&) {
+      layouts_[r] = std::make_unique<RegionLayout>(plan.name, lines, skin);
+    } catch (const InputError& e) {
+      if (plan.inner.empty()) throw;
+      lines.resize(lines.size() - plan.inner.size());
+      layouts_[r] = std::make_unique<RegionLayout>(plan.name, lines, skin);
+      model_.regions[r].warnings = {"its inner lines are left out: " + std::string(e.what())};
     }
-    layouts_[r] = std::move(polygon);
-    parts_[r].join = kept;
-    parts_[r].join.layout = layouts_[r].get();
+    shapes_[r].layout = layouts_[r].get();
+    shapes_[r].material = material_for(layouts_[r]->size());
+    shapes_[r].first = solve_joined({shapes_[r]}, {}, origin_)[0];
   }
 
   // alpha and beta of the model, scaled to size 1, in a region's own (u, v): E = ∬ alpha |x_U|² +
@@ -212,7 +181,7 @@ class ModelMaker {
   std::optional<JoinSide> side_of(const ArcSide& use, const std::string& arc) const {
     const auto& layout = layouts_[static_cast<size_t>(use.region)];
     if (!layout) return std::nullopt;
-    const SkinnedRegion region = layout->region(parts_[static_cast<size_t>(use.region)].join.first);
+    const SkinnedRegion region = layout->region(shapes_[static_cast<size_t>(use.region)].first);
     for (const auto& loop : region.boundary)
       for (const BoundaryPiece& piece : loop) {
         const auto i = static_cast<size_t>(piece.index);
@@ -279,15 +248,6 @@ class ModelMaker {
     seam_join_ = std::move(smooth_join);
   }
 
-  std::vector<JoinRegion> first_shapes() const {
-    std::vector<JoinRegion> all;
-    for (size_t r = 0; r < parts_.size(); ++r) {
-      all.push_back(parts_[r].join);
-      all.back().layout = layouts_[r].get();
-    }
-    return all;
-  }
-
   // One angle for each chain of arcs that go on into each other along one region: half of a
   // straight side cannot be a crease when the other half is smooth.
   std::vector<double> estimate_chains() const {
@@ -344,8 +304,7 @@ class ModelMaker {
     return seam_angle({&two[0], &two[1]}, local);
   }
   SkinnedRegion region_of(int r) const {
-    const Part& part = parts_[static_cast<size_t>(r)];
-    return layouts_[static_cast<size_t>(r)]->region(part.join.first);
+    return layouts_[static_cast<size_t>(r)]->region(shapes_[static_cast<size_t>(r)].first);
   }
 
   // Solves the groups of regions that smooth joins connect, and halves along joins that are still
@@ -353,7 +312,7 @@ class ModelMaker {
   void join() {
     std::vector<Points> dofs(model_.regions.size());
     for (size_t r = 0; r < dofs.size(); ++r)
-      if (layouts_[r]) dofs[r] = parts_[r].join.first;
+      if (layouts_[r]) dofs[r] = shapes_[r].first;
     std::vector<SeamPlan> plans;
     for (int round = 0; !seams_.empty(); ++round) {
       progress_.at("joining", (round + 0.2) / (options_.most_join_rounds + 1));
@@ -377,7 +336,7 @@ class ModelMaker {
       find_sides_again();
       for (const int r : again)
         if (layouts_[static_cast<size_t>(r)])
-          dofs[static_cast<size_t>(r)] = parts_[static_cast<size_t>(r)].join.first;
+          dofs[static_cast<size_t>(r)] = shapes_[static_cast<size_t>(r)].first;
     }
     for (size_t s = 0; s < plans.size(); ++s) {
       ModelJoin& join = model_.joins[static_cast<size_t>(seam_join_[s])];
@@ -412,7 +371,6 @@ class ModelMaker {
   }
 
   std::vector<SeamPlan> solve_groups(std::vector<Points>& dofs) {
-    const std::vector<JoinRegion> all = first_shapes();
     std::vector<SeamPlan> plans;
     {
       // Seams of regions that could not be laid out again are given up.
@@ -430,10 +388,10 @@ class ModelMaker {
         possible.push_back(seams_[s]);
         index.push_back(s);
       }
-      std::vector<SeamPlan> planned = plan_seams(all, possible, options_.join_tolerance_deg);
+      std::vector<SeamPlan> planned = plan_seams(shapes_, possible, options_.join_tolerance_deg);
       for (size_t i = 0; i < planned.size(); ++i) plans[index[i]] = std::move(planned[i]);
     }
-    std::vector<int> group(all.size());
+    std::vector<int> group(shapes_.size());
     std::iota(group.begin(), group.end(), 0);
     const std::function<int(int)> root = [&](int r) {
       while (group[static_cast<size_t>(r)] != r) r = group[static_cast<size_t>(r)];
@@ -445,7 +403,7 @@ class ModelMaker {
         group[static_cast<size_t>(std::max(a, b))] = std::min(a, b);
       }
     std::map<int, std::vector<int>> members;
-    for (int r = 0; r < static_cast<int>(all.size()); ++r)
+    for (int r = 0; r < static_cast<int>(shapes_.size()); ++r)
       if (layouts_[static_cast<size_t>(r)]) members[root(r)].push_back(r);
     for (const auto& [first, regions] : members) {
       if (regions.size() < 2 && std::none_of(plans.begin(), plans.end(), [&](const SeamPlan& p) {
@@ -456,7 +414,7 @@ class ModelMaker {
       std::vector<JoinRegion> some;
       for (const int r : regions) {
         local[r] = static_cast<int>(some.size());
-        some.push_back(all[static_cast<size_t>(r)]);
+        some.push_back(shapes_[static_cast<size_t>(r)]);
       }
       std::vector<SeamPlan> of_group;
       for (const SeamPlan& plan : plans) {
@@ -501,7 +459,7 @@ class ModelMaker {
     if (seams_.empty()) {
       std::vector<Points> dofs(model_.regions.size());
       for (size_t r = 0; r < dofs.size(); ++r)
-        if (layouts_[r]) dofs[r] = parts_[r].join.first;
+        if (layouts_[r]) dofs[r] = shapes_[r].first;
       make_regions(dofs);
     }
     parallel_parts(n, [&](int r) {
@@ -584,7 +542,7 @@ class ModelMaker {
   Orientation orientation_;
   std::vector<std::shared_ptr<const GivenCurve>> given_;  // by arc
   std::vector<std::unique_ptr<RegionLayout>> layouts_;    // by region; none: not skinned
-  std::vector<Part> parts_;
+  std::vector<JoinRegion> shapes_;                        // that their own lines make
   std::vector<Seam> seams_;
   std::vector<int> seam_join_;  // index into model_.joins
 };

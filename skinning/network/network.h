@@ -23,7 +23,7 @@ struct NetworkOptions {
   /// Two arcs that meet at a node and go on in one direction within this angle get one tangent
   /// there, degrees; those of one line do in any case (it is C1). Each end has one partner at most,
   /// the straightest.
-  double straight_angle = 5;
+  double straight_angle = 20;
 };
 
 /// One end of an arc.
@@ -37,17 +37,19 @@ struct ArcEnd {
 struct NetworkArc {
   std::string name;  ///< its line's; "name.1", "name.2", … along the line, where that was cut
   int line = 0;      ///< index into the lines as they were given
-  /// Runs against the line as it was given: arcs have a direction of their own, that of the network.
+  /// Runs against the line as it was given: arcs have a direction of their own, that of the
+  /// network.
   bool reversed = false;
-  /// X(t), C1, from nodes[0] to nodes[1] exactly. t runs from 0 to arc length / size of the network,
-  /// rounded to 2⁻³⁰ and at even speed, |X'| ≈ size: the same numbers in mm and in m. At an end
-  /// that goes on (`on`), X' is the same vector on both sides to the last bit, up to sign.
+  /// X(t), C1, from nodes[0] to nodes[1] exactly. t runs from 0 to arc length / size of the
+  /// network, rounded to 2⁻³⁰ and at even speed, |X'| ≈ size: the same numbers in mm and in m. At
+  /// an end that goes on (`on`), X' is the same vector on both sides to the last bit, up to sign.
   HermiteCurve curve;
-  std::shared_ptr<const InputCurve> input;  ///< that piece of the user's line, in the arc's direction
-  std::array<int, 2> nodes{};               ///< at its start and end; equal: closed
-  std::array<ArcEnd, 2> on{};               ///< the arc end that goes on at its start, end; arc -1: none
-  double length = 0;                        ///< model units
-  double deviation = 0;                     ///< of `curve` from `input`, model units
+  std::shared_ptr<const InputCurve>
+      input;                   ///< that piece of the user's line, in the arc's direction
+  std::array<int, 2> nodes{};  ///< at its start and end; equal: closed
+  std::array<ArcEnd, 2> on{};  ///< the arc end that goes on at its start, end; arc -1: none
+  double length = 0;           ///< model units
+  double deviation = 0;        ///< of `curve` from `input`, model units
 };
 
 struct NetworkNode {
@@ -80,17 +82,23 @@ struct NetworkFinding {
 /// Lines joined where their ends meet each other or the middle of other lines, and cut where they
 /// cross.
 ///
-/// The result depends on the lines as curves only: shuffled lines, and lines given backwards, make
-/// the same nodes, arcs and bits (arcs are ordered and directed by where they lie; names move with
-/// their lines). Nodes and arcs are in that canonical order.
+/// The result depends on the lines as curves only (arcs are ordered and directed by where they lie;
+/// names move with their lines): shuffled lines make the same bits, lines given backwards the same
+/// nodes and arcs to rounding. Nodes and arcs are in that canonical order. A closed smooth line
+/// that meets nothing has one node, where it lies farthest along a fixed direction.
 ///
 /// Repairs move a curve by no more than the tolerance: ends are drawn to their common node (the
-/// mean of ends; a line's own point where an end meets its middle), fading out along the arc.
+/// mean of ends; a line's own point where an end meets its middle or a corner), fading out along
+/// the arc; turning to a common tangent moves it by half a tolerance more at most. A node takes no
+/// more ends than lie within the tolerance of it, the nearest first; what is left over is a near
+/// miss. Lines touch, rather than overlap, where they run along each other for less than
+/// 3 √(tolerance · size), unless they coincide.
 /// What is repaired and what is only listed: NetworkFinding.
 class CharacterLineNetwork {
  public:
-  /// Throws InputError: no line, two lines of one name, a line without curve or length, numbers that
-  /// are not finite, a tolerance below 0. Cost: about O(n log n) for n lines of bounded length.
+  /// Throws InputError: no line, two lines of one name, a line without curve or length, numbers
+  /// that are not finite, a tolerance below 0. Cost: about O(n log n) for n lines of bounded
+  /// length.
   explicit CharacterLineNetwork(const std::vector<CharacterLine>& lines,
                                 const NetworkOptions& options = {}, const Progress& progress = {});
 
@@ -101,8 +109,8 @@ class CharacterLineNetwork {
   /// Diagonal of the box around all lines, model units.
   double size() const { return size_; }
   double tolerance() const { return tolerance_; }
-  /// Indices of the arcs of a name: of an arc's own, or of all arcs of a line, along the line. Throws
-  /// InputError, with the nearest name, when there is none.
+  /// Indices of the arcs of a name: of an arc's own, or of all arcs of a line, along the line.
+  /// Throws InputError, with the nearest name, when there is none.
   std::vector<int> arcs_of(const std::string& name) const;
   /// Unit tangent of an arc at an end, away from the node.
   Vec3 direction(const ArcEnd& end) const;
@@ -112,6 +120,7 @@ class CharacterLineNetwork {
   std::vector<NetworkArc> arcs_;
   std::vector<NetworkNode> nodes_;
   std::vector<NetworkFinding> findings_;
+  std::vector<std::vector<int>> arcs_of_line_;
   double size_ = 1, tolerance_ = 0;
 };
 

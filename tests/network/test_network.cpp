@@ -1,0 +1,632 @@
+// Lines become arcs between nodes, whatever their order, direction and unit.
+#include "batten/skinning/network/network.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <numbers>
+#include <random>
+#include <set>
+
+#include "batten/core/words.h"
+#include "batten/tests/catch.h"
+#include "batten/tests/refusal.h"
+
+using namespace batten;
+using batten_test::refusal;
+using Kind = NetworkFinding::Kind;
+
+namespace {
+
+CharacterLine straight(const std::string& name, const Vec3& a, const Vec3& b) {
+  return {name, bezier_curve(a, (2 * a + b) / 3, (a + 2 * b) / 3, b)};
+}
+
+CharacterLine through(const std::string& name, const std::vector<Vec3>& points,
+                      double corner_angle = 20) {
+  return {name, curve_through_points(name, points, corner_angle)};
+}
+
+CharacterLine circle(const std::string& name, const Vec3& centre, double r) {
+  return {name, curve_from_formula(0, 2 * std::numbers::pi, [=](double t, int order) -> Vec3 {
+            const double a = t + order * std::numbers::pi / 2;
+            const Vec3 p = r * Vec3(std::cos(a), std::sin(a), 0);
+            return order == 0 ? Vec3(centre + p) : p;
+          })};
+}
+
+// A bowl over the square from -0.1 to 1.1: m lines along x, n along y, which cross.
+std::vector<CharacterLine> bowl(int m, int n) {
+  std::vector<CharacterLine> lines;
+  for (int d = 0; d < 2; ++d)
+    for (int i = 0; i < (d ? n : m); ++i) {
+      const double at = static_cast<double>(i) / ((d ? n : m) - 1);
+      lines.push_back({(d ? "y" : "x") + std::to_string(i),
+                       curve_from_formula(-0.1, 1.1, [=](double t, int order) -> Vec3 {
+                         const Vec3 p = order == 0   ? Vec3(t, at, t * t + 0.5 * at * at)
+                                        : order == 1 ? Vec3(1, 0, 2 * t)
+                                                     : Vec3(0, 0, 2);
+                         return d ? (order == 0 ? Vec3(at, t, at * at + 0.5 * t * t)
+                                                : Vec3(p[1], p[0], 0.5 * p[2]))
+                                  : p;
+                       })});
+    }
+  return lines;
+}
+
+/// Another curve's points mapped, run forwards or backwards; moved linearly.
+class Mapped final : public InputCurve {
+ public:
+  Mapped(std::shared_ptr<const InputCurve> curve, double scale, const Vec3& move, bool back)
+      : curve_(std::move(curve)), scale_(scale), move_(move), back_(back) {}
+  double start() const override { return back_ ? -curve_->end() : curve_->start(); }
+  double end() const override { return back_ ? -curve_->start() : curve_->end(); }
+  Vec3 evaluate(double t, int order) const override {
+    const Vec3 p = scale_ * curve_->evaluate(back_ ? -t : t, order);
+    return order == 0 ? Vec3(p + move_) : back_ && order == 1 ? Vec3(-p) : p;
+  }
+  std::vector<double> breaks() const override {
+    auto all = curve_->breaks();
+    if (back_) {
+      std::reverse(all.begin(), all.end());
+      for (double& b : all) b = -b;
+    }
+    return all;
+  }
+  bool piecewise_cubic() const override { return curve_->piecewise_cubic(); }
+
+ private:
+  std::shared_ptr<const InputCurve> curve_;
+  double scale_;
+  Vec3 move_;
+  bool back_;
+};
+
+std::vector<CharacterLine> mapped(std::vector<CharacterLine> lines, double scale,
+                                  const Vec3& move = Vec3::Zero()) {
+  for (auto& line : lines) line.curve = std::make_shared<Mapped>(line.curve, scale, move, false);
+  return lines;
+}
+
+// Arcs by the names of their lines, nodes and partners: all but numbers with a fraction.
+std::string combinatorics(const CharacterLineNetwork& network) {
+  std::string text;
+  for (const auto& arc : network.arcs()) {
+    text += network.lines()[arc.line].name;
+    for (const int e : {0, 1})
+      text += " " + std::to_string(arc.nodes[e]) + " on " + std::to_string(arc.on[e].arc) + "." +
+              std::to_string(arc.on[e].end);
+    text += " segments " + std::to_string(arc.curve.segment_count()) + "\n";
+  }
+  return text;
+}
+
+// Largest difference of dofs and positions over the size, or infinity.
+double difference(const CharacterLineNetwork& a, const CharacterLineNetwork& b,
+                  double b_over_a = 1) {
+  if (combinatorics(a) != combinatorics(b)) return std::numeric_limits<double>::infinity();
+  double most = 0;
+  for (size_t i = 0; i < a.arcs().size(); ++i)
+    most = std::max(
+        most,
+        (a.arcs()[i].curve.dofs() - b.arcs()[i].curve.dofs() / b_over_a).cwiseAbs().maxCoeff());
+  for (size_t i = 0; i < a.nodes().size(); ++i)
+    most = std::max(most, (a.nodes()[i].position - b.nodes()[i].position / b_over_a).norm());
+  return most / a.size();
+}
+
+int count(const CharacterLineNetwork& network, Kind kind) {
+  return static_cast<int>(std::count_if(network.findings().begin(), network.findings().end(),
+                                        [&](const auto& f) { return f.kind == kind; }));
+}
+
+const NetworkFinding& the(const CharacterLineNetwork& network, Kind kind) {
+  const auto it = std::find_if(network.findings().begin(), network.findings().end(),
+                               [&](const auto& f) { return f.kind == kind; });
+  REQUIRE(it != network.findings().end());
+  return *it;
+}
+
+bool names(const NetworkFinding& finding, const std::string& line) {
+  return std::find(finding.lines.begin(), finding.lines.end(), line) != finding.lines.end();
+}
+
+// What every network keeps.
+void check_laws(const CharacterLineNetwork& network) {
+  const double size = network.size();
+  std::set<std::pair<int, bool>> ends;
+  for (int n = 0; n < static_cast<int>(network.nodes().size()); ++n) {
+    CHECK_FALSE(network.nodes()[n].ends.empty());
+    for (const ArcEnd& e : network.nodes()[n].ends) {
+      CHECK(network.arcs()[e.arc].nodes[e.end] == n);
+      CHECK(ends.insert({e.arc, e.end}).second);
+    }
+  }
+  CHECK(ends.size() == 2 * network.arcs().size());
+  for (int i = 0; i < static_cast<int>(network.arcs().size()); ++i) {
+    const NetworkArc& arc = network.arcs()[i];
+    const HermiteCurve& curve = arc.curve;
+    const int last = curve.node_count() - 1;
+    CHECK(curve.dofs().allFinite());
+    CHECK(curve.position(0) == network.nodes()[arc.nodes[0]].position);
+    CHECK(curve.position(last) == network.nodes()[arc.nodes[1]].position);
+    for (const double u : curve.parameters()) {
+      const double steps = u * (1 << 30);
+      CHECK(steps == std::round(steps));
+    }
+    CHECK(curve.end() == Approx(arc.length / size).margin(1e-9));
+    for (int k = 0; k <= last; ++k) CHECK(curve.slope_out(k).norm() == Approx(size).epsilon(1e-12));
+    const auto slope = [&](const ArcEnd& e) {
+      const HermiteCurve& c = network.arcs()[e.arc].curve;
+      return e.end ? Vec3(-c.slope_in(c.node_count() - 1)) : c.slope_out(0);
+    };
+    for (const bool end : {false, true})
+      if (const ArcEnd q = arc.on[end]; q.arc >= 0) {
+        CHECK(network.arcs()[q.arc].on[q.end] == ArcEnd{i, end});
+        CHECK(network.arcs()[q.arc].nodes[q.end] == arc.nodes[end]);
+        CHECK(slope({i, end}) == -slope(q));
+      }
+  }
+}
+
+}  // namespace
+
+TEST_CASE("m by n lines that cross have mn nodes where they do, and ends") {
+  for (const auto& [m, n] : {std::pair(2, 2), {3, 5}, {7, 4}}) {
+    const CharacterLineNetwork network(bowl(m, n));
+    CHECK(network.nodes().size() == static_cast<size_t>(m * n + 2 * (m + n)));
+    CHECK(network.arcs().size() == static_cast<size_t>(m * (n + 1) + n * (m + 1)));
+    CHECK(count(network, Kind::Crossing) == m * n);
+    CHECK(count(network, Kind::Dangling) == 2 * (m + n));
+    CHECK(network.findings().size() == static_cast<size_t>(m * n + 2 * (m + n)));
+    check_laws(network);
+    // Crossings lie on both lines exactly, so arcs keep to the input within the fit.
+    for (const auto& node : network.nodes()) {
+      const Vec3 p = node.position;
+      CHECK(p.z() == Approx(p.x() * p.x() + 0.5 * p.y() * p.y()).margin(1e-12));
+      if (node.ends.size() == 4)
+        for (const ArcEnd& e : node.ends) CHECK(network.arcs()[e.arc].on[e.end].arc >= 0);
+    }
+    for (const auto& arc : network.arcs()) CHECK(arc.deviation <= 1e-4 * network.size());
+  }
+}
+
+TEST_CASE("An arc lies on its line and its parameter is arc length over size") {
+  const CharacterLineNetwork network({circle("c", {1, 2, 3}, 1)});
+  REQUIRE(network.arcs().size() == 1);
+  CHECK(network.nodes().size() == 1);
+  CHECK(network.findings().empty());
+  const NetworkArc& arc = network.arcs()[0];
+  CHECK(arc.length == Approx(2 * std::numbers::pi).epsilon(1e-12));
+  CHECK(arc.on[0] == ArcEnd{0, true});
+  CHECK(arc.name == "c");
+  double off = 0, uneven = 0;
+  for (int k = 0; k <= 1000; ++k) {
+    const double u = arc.curve.end() * k / 1000;
+    off = std::max(off, std::abs((arc.curve.evaluate(u) - Vec3(1, 2, 3)).norm() - 1));
+    uneven = std::max(uneven, std::abs(arc.curve.evaluate(u, 1).norm() / network.size() - 1));
+  }
+  CHECK(off <= arc.deviation + 1e-6 * network.size());
+  CHECK(arc.deviation <= 1e-4 * network.size());
+  CHECK(uneven < 5e-3);
+  check_laws(network);
+  // Wherever the seam of a closed line was given, the network's is the same place.
+  const CharacterLineNetwork turned(
+      {{"c", curve_from_formula(1, 1 + 2 * std::numbers::pi, [](double t, int order) -> Vec3 {
+          const double a = t + order * std::numbers::pi / 2;
+          return (order == 0 ? Vec3(1, 2, 3) : Vec3(0, 0, 0)) + Vec3(std::cos(a), std::sin(a), 0);
+        })}});
+  CHECK((turned.nodes()[0].position - network.nodes()[0].position).norm() < 1e-12);
+}
+
+TEST_CASE("The fit converges with the fourth power of its segments") {
+  const auto error = [](double fit) {
+    NetworkOptions options;
+    options.fit_tolerance = fit;
+    const CharacterLineNetwork network({circle("c", Vec3::Zero(), 1)}, options);
+    return std::pair(network.arcs()[0].curve.segment_count(), network.arcs()[0].deviation);
+  };
+  const auto [n1, e1] = error(1e-3);
+  const auto [n2, e2] = error(1e-6);
+  CHECK(n2 > n1);
+  CHECK(std::log(e1 / e2) / std::log(static_cast<double>(n2) / n1) == Approx(4).margin(0.2));
+}
+
+TEST_CASE("The order of lines changes no bit, their direction next to nothing") {
+  auto lines = bowl(4, 5);
+  lines.push_back(through("wave", {{0, 0, 0}, {0.3, 0.4, 0.2}, {0.5, 0.2, 0.6}, {1, 1, 1.5}}));
+  lines.push_back(circle("ring", {0.5, 0.5, 0.4}, 0.3));
+  lines.push_back(through(
+      "eight", {{0, 0, 2}, {1, 1, 2}, {2, 0, 2}, {2, 1, 2}, {1, 0, 2}, {0, 1, 2}, {0, 0, 2}}));
+  const CharacterLineNetwork network(lines);
+  check_laws(network);
+  std::mt19937 random(3);
+  for (int round = 0; round < 10; ++round) {
+    std::shuffle(lines.begin(), lines.end(), random);
+    const CharacterLineNetwork shuffled(lines);
+    CHECK(difference(network, shuffled) == 0);
+    REQUIRE(network.findings().size() == shuffled.findings().size());
+    for (size_t i = 0; i < network.findings().size(); ++i)
+      CHECK(network.findings()[i].text == shuffled.findings()[i].text);
+    for (size_t i = 0; i < network.arcs().size(); ++i)
+      CHECK(network.arcs()[i].name == shuffled.arcs()[i].name);
+    auto turned = lines;
+    for (auto& line : turned)
+      if (random() % 2) line.curve = std::make_shared<Mapped>(line.curve, 1, Vec3::Zero(), true);
+    CHECK(difference(network, CharacterLineNetwork(turned)) < 1e-12);
+  }
+  // Backwards as points, and as control points.
+  std::vector<Vec3> points = {{0, 0, 0}, {1, 0.2, 0.1}, {1.7, 1, 0.4}, {2, 2.2, 0}};
+  const Vec3 a(0, 1, 0.2), b(1, 0.3, 0.4), c(1.2, 1.3, -0.4), d(2, 1, 0.3);
+  const CharacterLineNetwork forth({through("p", points), {"b", bezier_curve(a, b, c, d)}});
+  std::reverse(points.begin(), points.end());
+  const CharacterLineNetwork back({{"b", bezier_curve(d, c, b, a)}, through("p", points)});
+  CHECK(difference(forth, back) < 1e-12);
+  CHECK(forth.arcs()[0].reversed != back.arcs()[0].reversed);
+}
+
+TEST_CASE("Millimetres and metres make the same parameters, far from the origin the same arcs") {
+  auto lines = bowl(3, 4);
+  lines.push_back(circle("ring", {0.4, 0.5, 0.4}, 0.3));
+  lines.push_back(straight("end", {0.5, 0.5, 2}, {0.3, 0.1, 0.0950001}));
+  const CharacterLineNetwork metres(lines), millimetres(mapped(lines, 1000));
+  CHECK(difference(metres, millimetres, 1000) < 1e-12);
+  for (size_t i = 0; i < metres.arcs().size(); ++i)
+    CHECK(metres.arcs()[i].curve.parameters() == millimetres.arcs()[i].curve.parameters());
+  const CharacterLineNetwork far(mapped(lines, 1, Vec3(3e6, -5e6, 1e6)));
+  CHECK(combinatorics(far) == combinatorics(metres));
+}
+
+TEST_CASE("Ends within the tolerance become one node, beyond it they are named") {
+  const auto lines_with = [](double gap) {
+    // Three sides of a triangle; the gap at the corner (1, 0, 0).
+    return std::vector{straight("a", {0, 0, 0}, {1 - gap, 0, 0}),
+                       straight("b", {1, 0, 0}, {1, 1, 0}), straight("c", {1, 1, 0}, {0, 0, 0})};
+  };
+  NetworkOptions options;
+  options.tolerance = 0.01;
+  const CharacterLineNetwork exact(lines_with(0), options);
+  CHECK(exact.nodes().size() == 3);
+  CHECK(exact.findings().empty());
+  for (const double gap : {1e-7, 0.001, 0.009}) {
+    const CharacterLineNetwork network(lines_with(gap), options);
+    CHECK(combinatorics(network) == combinatorics(exact));
+    CHECK(count(network, Kind::EndsJoined) == 1);
+    CHECK(the(network, Kind::EndsJoined).distance == Approx(gap).epsilon(1e-6));
+    CHECK(the(network, Kind::EndsJoined).repaired);
+    for (const auto& arc : network.arcs()) CHECK(arc.deviation <= 0.5 * gap + 1e-12);
+    check_laws(network);
+  }
+  for (const double gap : {0.011, 0.03, 0.049}) {
+    const CharacterLineNetwork network(lines_with(gap), options);
+    CHECK(network.nodes().size() == 4);
+    const auto& miss = the(network, Kind::NearMiss);
+    CHECK((names(miss, "a") && names(miss, "b")));
+    CHECK_FALSE(miss.repaired);
+    CHECK(miss.distance == Approx(gap).epsilon(1e-9));
+    CHECK(count(network, Kind::NearMiss) == 1);
+    CHECK(count(network, Kind::Dangling) == 2);
+  }
+  CHECK(count(CharacterLineNetwork(lines_with(0.1), options), Kind::NearMiss) == 0);
+}
+
+TEST_CASE("A node does not grow along a chain of ends") {
+  // Ends in a row, 0.8 tolerances apart: three of them are within the tolerance of their mean.
+  NetworkOptions options;
+  options.tolerance = 0.01;
+  std::vector<CharacterLine> lines;
+  for (int i = 0; i < 6; ++i)
+    lines.push_back(
+        straight("l" + std::to_string(i), {0.008 * i, 0, 0}, {0.4 * i - 1, 0.01 * i * i, 1}));
+  const CharacterLineNetwork network(lines, options);
+  CHECK(network.nodes().size() == 8);
+  CHECK(count(network, Kind::EndsJoined) == 2);
+  REQUIRE(count(network, Kind::NearMiss) == 1);
+  CHECK((names(the(network, Kind::NearMiss), "l2") && names(the(network, Kind::NearMiss), "l3")));
+  for (const auto& arc : network.arcs()) CHECK(arc.deviation <= options.tolerance * (1 + 1e-9));
+  check_laws(network);
+
+  // Where many lines cross within a few tolerances what becomes a node is a matter of order, which
+  // is not that of the input.
+  std::vector<CharacterLine> tangle, backwards;
+  for (int i = 0; i < 6; ++i) {
+    const Vec3 a(0.008 * i, 0, 0), b(std::cos(0.3 + 0.5 * i), std::sin(0.3 + 0.5 * i), 0.1 * i);
+    tangle.push_back(straight("l" + std::to_string(i), a, b));
+    backwards.insert(backwards.begin(), straight("l" + std::to_string(i), b, a));
+  }
+  const CharacterLineNetwork tangled(tangle, options);
+  check_laws(tangled);
+  CHECK(count(tangled, Kind::NearMiss) > 0);
+  CHECK(difference(tangled, CharacterLineNetwork(backwards, options)) < 1e-12);
+}
+
+TEST_CASE("Ends that a third one joins do not miss each other") {
+  NetworkOptions options;
+  options.tolerance = 0.01;
+  const CharacterLineNetwork network(
+      {straight("a", {-0.009, 0, 0}, {-1, 0, 0.1}), straight("b", {0, 0, 0}, {0, 1, 0}),
+       straight("c", {0.009, 0, 0}, {1, 0, 0.2})},
+      options);
+  CHECK(network.nodes().size() == 4);
+  CHECK(count(network, Kind::NearMiss) == 0);
+  REQUIRE(count(network, Kind::EndsJoined) == 1);
+  CHECK(the(network, Kind::EndsJoined).distance == Approx(0.018));
+  check_laws(network);
+}
+
+TEST_CASE("An end on the middle of a line cuts it there") {
+  NetworkOptions options;
+  options.tolerance = 0.01;
+  for (const double short_by : {0.0, 0.006, -0.006, 0.02}) {
+    const CharacterLineNetwork network(
+        {straight("bar", {0, 0, 0}, {1, 0, 0}), straight("post", {0.4, short_by, 0}, {0.4, 1, 0})},
+        options);
+    if (short_by == 0.02) {
+      CHECK(network.arcs().size() == 2);
+      CHECK(names(the(network, Kind::NearMiss), "post"));
+      CHECK(the(network, Kind::NearMiss).distance == Approx(0.02));
+      CHECK(count(network, Kind::Apart) == 1);
+      continue;
+    }
+    REQUIRE(network.arcs().size() == 3);
+    CHECK(network.nodes().size() == 4);
+    CHECK(count(network, Kind::EndOnLine) == 1);
+    CHECK(the(network, Kind::EndOnLine).distance == Approx(std::abs(short_by)).margin(1e-12));
+    CHECK(count(network, Kind::Crossing) == 0);
+    // The line's own point; the line goes on straight, the post has no partner.
+    const auto bar = network.arcs_of("bar");
+    REQUIRE(bar.size() == 2);
+    CHECK(network.arcs()[bar[0]].name == "bar.1");
+    CHECK(network.arcs_of("bar.2") == std::vector{bar[1]});
+    for (const auto& node : network.nodes())
+      if (node.ends.size() == 3) CHECK((node.position - Vec3(0.4, 0, 0)).norm() < 1e-12);
+    const NetworkArc& post = network.arcs()[network.arcs_of("post")[0]];
+    CHECK(post.on[0].arc + post.on[1].arc == -2);
+    CHECK(network.arcs()[bar[0]].on[0].arc + network.arcs()[bar[0]].on[1].arc == bar[1] - 1);
+    check_laws(network);
+  }
+}
+
+TEST_CASE("Names number the arcs of a line along it as it was given") {
+  std::vector<CharacterLine> lines = {straight("l", {3, 0, 0}, {0, 0, 0})};
+  for (const double x : {0.5, 1.2, 2.0})
+    lines.push_back(straight("c" + number(x), {x, -1, 0}, {x, 1, 0}));
+  const CharacterLineNetwork network(lines);
+  double before = 3;
+  for (const int i : network.arcs_of("l")) {
+    const auto& arc = network.arcs()[i];
+    const double x = network.nodes()[arc.nodes[!arc.reversed]].position.x();
+    CHECK(x < before);
+    before = x;
+  }
+  CHECK(network.arcs_of("l").size() == 4);
+  CHECK(network.direction({network.arcs_of("l.1")[0], false}).cross(Vec3::UnitX()).norm() < 1e-12);
+  CHECK(refusal([&] { network.arcs_of("c0.6"); }).find("c0.5") != std::string::npos);
+}
+
+TEST_CASE("Two curves may cross several times, and one itself") {
+  const auto wave = curve_from_formula(0, 4 * std::numbers::pi, [](double t, int order) -> Vec3 {
+    return order == 0   ? Vec3(t, std::sin(t), 0)
+           : order == 1 ? Vec3(1, std::cos(t), 0)
+                        : Vec3(0, -std::sin(t), 0);
+  });
+  const CharacterLineNetwork network({{"wave", wave}, straight("axis", {-1, 0, 0}, {13.5, 0, 0})});
+  // At 0 and 4π the wave ends on the axis, between it crosses at π, 2π, 3π.
+  CHECK(count(network, Kind::Crossing) == 3);
+  CHECK(count(network, Kind::EndOnLine) == 2);
+  CHECK(network.arcs_of("wave").size() == 4);
+  CHECK(network.arcs_of("axis").size() == 6);
+  check_laws(network);
+
+  const CharacterLineNetwork bow(
+      {{"bow", bezier_curve({0, 0, 0}, {3, 2, 0}, {-2, 2, 0}, {1, 0, 0})}});
+  CHECK(count(bow, Kind::SelfCrossing) == 1);
+  REQUIRE(bow.arcs().size() == 3);
+  CHECK(bow.nodes().size() == 3);
+  for (const auto& node : bow.nodes())
+    if (node.ends.size() == 4) CHECK(node.position.x() == Approx(0.5).epsilon(1e-12));
+  check_laws(bow);
+}
+
+TEST_CASE("Lines are cut at corners, and go on straight within the angle") {
+  const CharacterLineNetwork square(
+      {through("square", {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0, 0, 0}})});
+  CHECK(square.arcs().size() == 4);
+  CHECK(square.nodes().size() == 4);
+  CHECK(square.findings().empty());
+  for (const auto& arc : square.arcs()) CHECK(arc.on[0].arc + arc.on[1].arc == -2);
+
+  for (const double degrees : {0.0, 4.0, 19.0, 21.0}) {
+    const double turn = degrees * std::numbers::pi / 180;
+    const CharacterLineNetwork network(
+        {straight("a", {-1, 0, 0}, {0, 0, 0}),
+         straight("b", {0, 0, 0}, {std::cos(turn), std::sin(turn), 0})});
+    REQUIRE(network.arcs().size() == 2);
+    const bool joined = network.arcs()[0].on[0].arc >= 0 || network.arcs()[0].on[1].arc >= 0;
+    CHECK(joined == (degrees < 20));
+    for (const auto& arc : network.arcs()) CHECK(arc.deviation <= 0.55 * network.tolerance());
+    check_laws(network);
+  }
+}
+
+TEST_CASE("A closed line that others meet is cut at them only") {
+  const CharacterLineNetwork network({circle("c", Vec3::Zero(), 1),
+                                      straight("l", {-1, 0, 0}, {0, 1, 0}),
+                                      straight("far", {3, 0, 0}, {4, 0, 0})});
+  CHECK(network.arcs_of("c").size() == 2);
+  CHECK(network.nodes().size() == 4);
+  REQUIRE(count(network, Kind::Apart) == 1);
+  CHECK(the(network, Kind::Apart).lines == std::vector<std::string>{"far"});
+  // It goes on at both nodes, across the seam too.
+  for (const int i : network.arcs_of("c"))
+    for (const int e : {0, 1}) CHECK(network.arcs()[i].on[e].arc >= 0);
+  check_laws(network);
+
+  const CharacterLineNetwork one(
+      {circle("c", Vec3::Zero(), 1), straight("l", {1, 0, 0}, {1, 0, 2})});
+  CHECK(one.arcs().size() == 2);
+  CHECK(one.nodes().size() == 2);
+  check_laws(one);
+}
+
+TEST_CASE("Lines that run along others are kept once, and named") {
+  const auto base = bowl(3, 3);
+  const CharacterLineNetwork single(base);
+  auto doubled = base;
+  doubled.push_back(base[1]);
+  doubled.back().name = "x1 again";
+  // And one given backwards, a little aside.
+  doubled.push_back(
+      {"y0 again", std::make_shared<Mapped>(base[3].curve, 1, Vec3(2e-4, 0, 1e-4), true)});
+  const CharacterLineNetwork network(doubled);
+  CHECK(network.nodes().size() == single.nodes().size());
+  CHECK(network.arcs().size() == single.arcs().size());
+  REQUIRE(count(network, Kind::Duplicate) == 2);
+  CHECK(count(network, Kind::Overlap) == 0);
+  CHECK(network.arcs_of("x1 again") == network.arcs_of("x1"));
+  check_laws(network);
+
+  // Two straight lines share the stretch from 1 to 2.
+  const CharacterLineNetwork part(
+      {straight("a", {0, 0, 0}, {2, 0, 0}), straight("b", {1, 0, 0}, {3, 0, 0})});
+  CHECK(part.nodes().size() == 4);
+  CHECK(part.arcs().size() == 3);
+  CHECK(count(part, Kind::Overlap) == 1);
+  CHECK(part.arcs_of("a").size() == 2);
+  CHECK(part.arcs_of("b").size() == 2);
+  check_laws(part);
+
+  // A line that leaves another one in the middle of it.
+  const CharacterLineNetwork leaving(
+      {straight("a", {0, 0, 0}, {4, 0, 0}),
+       through("b", {{0, 0, 0}, {0.5, 0, 0}, {1, 0, 0}, {1.5, 0, 0}, {2, 0, 0}, {3, 1, 0}})});
+  CHECK(leaving.nodes().size() == 4);
+  CHECK(leaving.arcs().size() == 3);
+  CHECK(count(leaving, Kind::Overlap) == 1);
+
+  const CharacterLineNetwork rings({circle("r", Vec3::Zero(), 1), circle("s", Vec3::Zero(), 1)});
+  CHECK(rings.arcs().size() == 1);
+  CHECK(count(rings, Kind::Duplicate) == 1);
+
+  // Touching is not running along: a circle on its tangent.
+  const CharacterLineNetwork touch(
+      {circle("c", {0, 1, 0}, 1), straight("t", {-2, 0, 0}, {2, 0, 0})});
+  CHECK(count(touch, Kind::Overlap) == 0);
+  CHECK(count(touch, Kind::Crossing) == 1);
+  CHECK(touch.arcs().size() == 3);
+}
+
+TEST_CASE("Lines that pass each other are not joined, but named when near") {
+  NetworkOptions options;
+  options.tolerance = 0.01;
+  for (const auto& [height, joined, named] :
+       {std::tuple(0.009, true, false), {0.02, false, true}, {0.06, false, false}}) {
+    const CharacterLineNetwork network({straight("under", {-1, 0, 0}, {1, 0, 0}),
+                                        straight("over", {0, -1, height}, {0, 1, height})},
+                                       options);
+    CHECK(count(network, Kind::Crossing) == joined);
+    CHECK(count(network, Kind::NearMiss) == named);
+    CHECK(network.arcs().size() == (joined ? 4U : 2U));
+    if (joined) {
+      for (const auto& arc : network.arcs()) CHECK(arc.deviation <= 0.5 * height + 1e-12);
+    } else {
+      CHECK(count(network, Kind::Apart) == 1);
+    }
+    check_laws(network);
+  }
+}
+
+TEST_CASE("Pieces shorter than the tolerance are left out") {
+  NetworkOptions options;
+  options.tolerance = 0.01;
+  // A dot near a corner, a crossing just before the end of a line.
+  const CharacterLineNetwork network(
+      {straight("a", {0, 0, 0}, {1, 0, 0}), straight("b", {1, 0, 0}, {1, 1, 0}),
+       straight("dot", {1.002, 0, 0}, {1.007, 0, 0}), straight("c", {0.5, -0.008, 0}, {0.5, 1, 0})},
+      options);
+  CHECK(network.arcs().size() == 4);
+  CHECK(names(the(network, Kind::Short), "dot"));
+  CHECK(the(network, Kind::Short).repaired);
+  CHECK(count(network, Kind::EndOnLine) == 1);
+  CHECK(network.arcs_of("dot").empty());
+  check_laws(network);
+}
+
+TEST_CASE("What is no network is refused in words") {
+  const auto line = straight("l", {0, 0, 0}, {1, 0, 0});
+  CHECK(refusal([] { CharacterLineNetwork({}); }).find("no") != std::string::npos);
+  CHECK(refusal([&] { CharacterLineNetwork({line, line}); }).find("'l'") != std::string::npos);
+  CHECK(refusal([] { CharacterLineNetwork({{"x", nullptr}}); }).find("'x'") != std::string::npos);
+  const auto dot = straight("dot", {1, 1, 1}, {1, 1, 1});
+  CHECK(refusal([&] {
+          CharacterLineNetwork({line, dot});
+        }).find("zero length") != std::string::npos);
+  for (const double bad : {std::nan(""), std::numeric_limits<double>::infinity(), 1e200})
+    CHECK(refusal([&] {
+            CharacterLineNetwork({line, straight("bad", {0, 0, 0}, {bad, 0, 0})});
+          }).find("'bad'") != std::string::npos);
+  for (const double bad : {-1.0, std::nan(""), 5.0}) {
+    NetworkOptions options;
+    options.tolerance = bad;
+    CHECK(refusal([&] { CharacterLineNetwork({line}, options); }).find("tolerance") !=
+          std::string::npos);
+  }
+  NetworkOptions options;
+  options.corner_angle = -3;
+  CHECK(refusal([&] { CharacterLineNetwork({line}, options); }).find("corner_angle") !=
+        std::string::npos);
+  Progress progress;
+  progress.cancelled = [] { return true; };
+  CHECK_THROWS_AS(CharacterLineNetwork({line}, {}, progress), CancelledError);
+}
+
+TEST_CASE("Random networks keep the laws, shuffled bit by bit") {
+  std::mt19937 random(11);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  for (int round = 0; round < 240; ++round) {
+    const int mode = round % 5;  // in space, in a plane, on a grid, near few points, on one line
+    const auto point = [&] {
+      Vec3 p(unit(random), unit(random), unit(random));
+      if (mode == 1) p[2] = 0;
+      if (mode == 2) p = (2 * p).array().round() / 2;
+      if (mode == 3) p = Vec3(std::round(p[0]), std::round(p[1]), 0) + 1e-3 * p;
+      if (mode == 4) p = Vec3(p[0], 0, 0);
+      return p;
+    };
+    std::vector<CharacterLine> lines;
+    const int n = 1 + static_cast<int>(random() % 9);
+    for (int i = 0; i < n; ++i) {
+      const std::string name = "l" + std::to_string(i);
+      try {
+        switch (random() % 4) {
+          case 0:
+            lines.push_back({name, bezier_curve(point(), point(), point(), point())});
+            break;
+          case 1:
+            lines.push_back(through(name, {point(), point()}));
+            break;
+          case 2: {
+            std::vector<Vec3> points;
+            for (int k = 0; k < 4; ++k) points.push_back(point());
+            if (random() % 3 == 0) points.push_back(points[0]);
+            lines.push_back(through(name, points, random() % 2 ? 20 : 170));
+            break;
+          }
+          default:
+            if (!lines.empty()) lines.push_back({name, lines[random() % lines.size()].curve});
+        }
+      } catch (const InputError&) {  // points that coincide
+      }
+    }
+    NetworkOptions options;
+    if (random() % 3 == 0) options.tolerance = 0.02 * std::pow(10, 2 * (unit(random) - 1));
+    try {
+      const CharacterLineNetwork network(lines, options);
+      check_laws(network);
+      std::shuffle(lines.begin(), lines.end(), random);
+      CHECK(difference(network, CharacterLineNetwork(lines, options)) == 0);
+    } catch (const InputError&) {  // no line longer than the tolerance
+    }
+  }
+}

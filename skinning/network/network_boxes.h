@@ -1,0 +1,118 @@
+// A tree of boxes over the chords of all lines.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <vector>
+
+#include "batten/core/eigen.h"
+
+namespace batten::netting {
+
+struct Box {
+  Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity());
+  Vec3 high = Vec3::Constant(-std::numeric_limits<double>::infinity());
+
+  void add(const Box& other) {
+    low = low.cwiseMin(other.low);
+    high = high.cwiseMax(other.high);
+  }
+  bool near(const Box& other, double reach) const {
+    return ((low - other.high).array() <= reach).all() &&
+           ((other.low - high).array() <= reach).all();
+  }
+};
+
+/// Halved at the median along the longest side, four boxes a leaf. Which pairs are found does not
+/// depend on the order of the boxes, the order in which they are found does.
+class BoxTree {
+ public:
+  explicit BoxTree(std::vector<Box> boxes) : boxes_(std::move(boxes)), order_(boxes_.size()) {
+    std::iota(order_.begin(), order_.end(), 0);
+    if (!order_.empty()) build(0, static_cast<int>(order_.size()));
+  }
+
+  /// Calls found(i, j), i < j, for boxes not farther apart than `reach` along any axis.
+  template <class Found>
+  void near_pairs(double reach, const Found& found) const {
+    if (!nodes_.empty()) pairs(0, 0, reach, found);
+  }
+  /// Calls found(i) for boxes near the given one.
+  template <class Found>
+  void near_box(const Box& box, double reach, const Found& found) const {
+    if (!nodes_.empty()) near_box(0, box, reach, found);
+  }
+
+ private:
+  struct Node {
+    Box box;
+    int begin, end, left = -1, right = -1;
+  };
+
+  int build(int begin, int end) {
+    const int here = static_cast<int>(nodes_.size());
+    nodes_.push_back({{}, begin, end});
+    Box box;
+    for (int k = begin; k < end; ++k) box.add(boxes_[order_[k]]);
+    nodes_[here].box = box;
+    constexpr int leaf = 4;
+    if (end - begin <= leaf) return here;
+    int axis = 0;
+    (box.high - box.low).maxCoeff(&axis);
+    const int middle = begin + (end - begin) / 2;
+    std::nth_element(order_.begin() + begin, order_.begin() + middle, order_.begin() + end,
+                     [&](int i, int j) {
+                       const double a = boxes_[i].low[axis] + boxes_[i].high[axis],
+                                    b = boxes_[j].low[axis] + boxes_[j].high[axis];
+                       return a != b ? a < b : i < j;
+                     });
+    const int left = build(begin, middle), right = build(middle, end);
+    nodes_[here].left = left;
+    nodes_[here].right = right;
+    return here;
+  }
+
+  template <class Found>
+  void pairs(int a, int b, double reach, const Found& found) const {
+    const Node &na = nodes_[a], &nb = nodes_[b];
+    if (!na.box.near(nb.box, reach)) return;
+    if (na.left < 0 && nb.left < 0) {
+      for (int i = na.begin; i < na.end; ++i)
+        for (int j = a == b ? i + 1 : nb.begin; j < nb.end; ++j) {
+          const int p = std::min(order_[i], order_[j]), q = std::max(order_[i], order_[j]);
+          if (boxes_[p].near(boxes_[q], reach)) found(p, q);
+        }
+    } else if (a == b) {
+      pairs(na.left, na.left, reach, found);
+      pairs(na.right, na.right, reach, found);
+      pairs(na.left, na.right, reach, found);
+    } else if (nb.left < 0 || (na.left >= 0 && na.end - na.begin >= nb.end - nb.begin)) {
+      pairs(na.left, b, reach, found);
+      pairs(na.right, b, reach, found);
+    } else {
+      pairs(a, nb.left, reach, found);
+      pairs(a, nb.right, reach, found);
+    }
+  }
+
+  template <class Found>
+  void near_box(int node, const Box& box, double reach, const Found& found) const {
+    const Node& n = nodes_[node];
+    if (!n.box.near(box, reach)) return;
+    if (n.left >= 0) {
+      near_box(n.left, box, reach, found);
+      near_box(n.right, box, reach, found);
+      return;
+    }
+    for (int k = n.begin; k < n.end; ++k)
+      if (boxes_[order_[k]].near(box, reach)) found(order_[k]);
+  }
+
+  std::vector<Box> boxes_;
+  std::vector<int> order_;
+  std::vector<Node> nodes_;
+};
+
+}  // namespace batten::netting

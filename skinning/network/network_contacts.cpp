@@ -1,0 +1,463 @@
+#include "batten/skinning/network/network_contacts.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <tuple>
+
+#include "batten/core/parallel.h"
+#include "batten/skinning/network/network_boxes.h"
+
+namespace batten::netting {
+namespace {
+
+constexpr double kMiss = 5;  // tolerances, up to which something is a near miss
+
+struct Chord {
+  int strand, segment;
+};
+
+// Distance of two straight pieces, and where on each.
+double chord_distance(const Vec3& a0, const Vec3& a1, const Vec3& b0, const Vec3& b1, double& s,
+                      double& t) {
+  const Vec3 da = a1 - a0, db = b1 - b0, r = a0 - b0;
+  const double a = da.squaredNorm(), e = db.squaredNorm(), f = db.dot(r), c = da.dot(r),
+               b = da.dot(db), det = a * e - b * b;
+  s = det > 1e-14 * a * e ? std::clamp((b * f - c * e) / det, 0.0, 1.0) : 0.5;
+  t = e > 0 ? std::clamp((b * s + f) / e, 0.0, 1.0) : 0.5;
+  s = a > 0 ? std::clamp((b * t - c) / a, 0.0, 1.0) : 0.5;
+  t = e > 0 ? std::clamp((b * s + f) / e, 0.0, 1.0) : 0.5;
+  return (a0 + s * da - b0 - t * db).norm();
+}
+
+// Parameters around a segment within which its nearest point is looked for.
+std::array<double, 2> bracket(const Strand& strand, int segment) {
+  const double a = strand.t[segment], b = strand.t[segment + 1], more = 0.25 * (b - a);
+  return {std::max(a - more, strand.t.front()), std::min(b + more, strand.t.back())};
+}
+
+// Newton's steps at the end: distances near the least one differ by rounding only, while their
+// slopes still say where it is. Not where the curves run along each other.
+void polish(const Strand& a, const std::array<double, 2>& range_a, double& ta, const Strand& b,
+            const std::array<double, 2>& range_b, double& tb) {
+  for (int step = 0; step < 3; ++step) {
+    const Vec3 d = a.point(ta) - b.point(tb);
+    const Vec3 da = a.curve->evaluate(ta, 1), db = b.curve->evaluate(tb, 1);
+    const double haa = da.squaredNorm() + d.dot(a.curve->evaluate(ta, 2)),
+                 hbb = db.squaredNorm() - d.dot(b.curve->evaluate(tb, 2)), hab = -da.dot(db),
+                 det = haa * hbb - hab * hab;
+    const double ga = da.dot(d), gb = -db.dot(d);
+    const bool at_a = ta <= range_a[0] || ta >= range_a[1],
+               at_b = tb <= range_b[0] || tb >= range_b[1];
+    double move_a = 0, move_b = 0;
+    if (at_a && at_b) return;
+    if (at_a && hbb > 0)
+      move_b = -gb / hbb;
+    else if (at_b && haa > 0)
+      move_a = -ga / haa;
+    else if (!at_a && !at_b && haa > 0 && det > 1e-8 * haa * hbb)
+      move_a = -(hbb * ga - hab * gb) / det, move_b = -(haa * gb - hab * ga) / det;
+    constexpr double small = 1e-6;
+    if (!(std::abs(move_a) <= small * (a.t.back() - a.t.front())) ||
+        !(std::abs(move_b) <= small * (b.t.back() - b.t.front())))
+      return;
+    ta = std::clamp(ta + move_a, range_a[0], range_a[1]);
+    tb = std::clamp(tb + move_b, range_b[0], range_b[1]);
+  }
+}
+
+// The nearest points of two curves within brackets, from ta, tb on: Levenberg's steps on both
+// parameters; one that is pushed against its end stays there.
+double nearest(const Strand& a, const std::array<double, 2>& range_a, double& ta, const Strand& b,
+               const std::array<double, 2>& range_b, double& tb) {
+  double damping = 1e-9;
+  Vec3 d = a.point(ta) - b.point(tb);
+  for (int step = 0; step < 30; ++step) {
+    const Vec3 da = a.curve->evaluate(ta, 1), db = b.curve->evaluate(tb, 1);
+    const double ga = da.dot(d), gb = -db.dot(d);
+    const bool fixed_a = (ta <= range_a[0] && ga > 0) || (ta >= range_a[1] && ga < 0),
+               fixed_b = (tb <= range_b[0] && gb > 0) || (tb >= range_b[1] && gb < 0);
+    if (fixed_a && fixed_b) break;
+    const double haa = da.squaredNorm() * (1 + damping), hbb = db.squaredNorm() * (1 + damping),
+                 hab = -da.dot(db), det = haa * hbb - hab * hab;
+    if (!(haa > 0) || !(hbb > 0)) break;
+    double move_a = 0, move_b = 0;
+    if (fixed_a)
+      move_b = -gb / hbb;
+    else if (fixed_b)
+      move_a = -ga / haa;
+    else
+      move_a = -(hbb * ga - hab * gb) / det, move_b = -(haa * gb - hab * ga) / det;
+    const double next_a = std::clamp(ta + move_a, range_a[0], range_a[1]),
+                 next_b = std::clamp(tb + move_b, range_b[0], range_b[1]);
+    const Vec3 next = a.point(next_a) - b.point(next_b);
+    if (!(next.norm() <= d.norm())) {
+      damping = std::max(10 * damping, 1e-3);
+      if (damping > 1e6) break;
+      continue;
+    }
+    const bool settled = std::abs(next_a - ta) <= 1e-15 * (a.t.back() - a.t.front()) &&
+                         std::abs(next_b - tb) <= 1e-15 * (b.t.back() - b.t.front());
+    ta = next_a;
+    tb = next_b;
+    d = next;
+    damping *= 0.1;
+    if (settled) break;
+  }
+  polish(a, range_a, ta, b, range_b, tb);
+  return (a.point(ta) - b.point(tb)).norm();
+}
+
+class Search {
+ public:
+  Search(const std::vector<Strand>& strands, double tolerance, double size)
+      : strands_(strands), tolerance_(tolerance), size_(size) {
+    std::vector<Box> boxes;
+    for (int k = 0; k < static_cast<int>(strands.size()); ++k)
+      for (int i = 0; i < strands[k].segments(); ++i) {
+        Box box;
+        for (const Vec3& p : {strands[k].x[i], strands[k].x[i + 1]})
+          box.add({p - Vec3::Constant(strands[k].sag[i]), p + Vec3::Constant(strands[k].sag[i])});
+        chords_.push_back({k, i});
+        boxes.push_back(box);
+      }
+    tree_ = std::make_unique<BoxTree>(std::move(boxes));
+  }
+
+  Contacts run() {
+    std::vector<Contact> found = between_chords();
+    for (const Contact& c : at_ends()) found.push_back(c);
+    std::sort(found.begin(), found.end(), [](const Contact& p, const Contact& q) {
+      return std::tie(p.a, p.b, p.sa, p.sb, p.ea, p.eb) <
+             std::tie(q.a, q.b, q.sa, q.sb, q.ea, q.eb);
+    });
+    std::vector<std::pair<size_t, size_t>> groups;
+    for (size_t begin = 0, end; begin < found.size(); begin = end) {
+      for (end = begin;
+           end < found.size() && found[end].a == found[begin].a && found[end].b == found[begin].b;)
+        ++end;
+      groups.emplace_back(begin, end);
+    }
+    std::vector<Contacts> parts(groups.size());
+    parallel_parts(static_cast<int>(groups.size()), [&](int g) {
+      parts[g] = of_pair({found.begin() + static_cast<long>(groups[g].first),
+                          found.begin() + static_cast<long>(groups[g].second)});
+    });
+    Contacts all;
+    for (const Contacts& part : parts) {
+      all.joined.insert(all.joined.end(), part.joined.begin(), part.joined.end());
+      all.missed.insert(all.missed.end(), part.missed.begin(), part.missed.end());
+    }
+    return all;
+  }
+
+ private:
+  double reach() const { return kMiss * tolerance_; }
+
+  // Of one strand: far enough along it, and bent back enough, to be two places.
+  bool apart(const Contact& c) const {
+    if (c.a != c.b) return true;
+    const double along = strands_[c.a].between(c.sa, c.sb);
+    return along >= 10 * tolerance_ && along > 3 * c.distance;
+  }
+
+  void set_lengths(Contact& c) const {
+    c.sa = strands_[c.a].arc->length_at(c.ta);
+    c.sb = strands_[c.b].arc->length_at(c.tb);
+  }
+
+  std::vector<Contact> between_chords() const {
+    std::vector<std::pair<int, int>> pairs;
+    tree_->near_pairs(reach(), [&](int i, int j) {
+      if (worth_looking(i, j)) pairs.emplace_back(i, j);
+    });
+    std::sort(pairs.begin(), pairs.end());
+    constexpr size_t chunk = 256;
+    const size_t chunks = (pairs.size() + chunk - 1) / chunk;
+    std::vector<std::vector<Contact>> parts(chunks);
+    parallel_parts(static_cast<int>(chunks), [&](int part) {
+      const size_t begin = static_cast<size_t>(part) * chunk;
+      for (size_t k = begin; k < std::min(begin + chunk, pairs.size()); ++k) {
+        const Chord p = chords_[pairs[k].first], q = chords_[pairs[k].second];
+        const Strand &a = strands_[p.strand], &b = strands_[q.strand];
+        Contact c{p.strand, q.strand};
+        double s = 0, t = 0;
+        chord_distance(a.x[p.segment], a.x[p.segment + 1], b.x[q.segment], b.x[q.segment + 1], s,
+                       t);
+        c.ta = a.t[p.segment] + s * (a.t[p.segment + 1] - a.t[p.segment]);
+        c.tb = b.t[q.segment] + t * (b.t[q.segment + 1] - b.t[q.segment]);
+        c.distance = nearest(a, bracket(a, p.segment), c.ta, b, bracket(b, q.segment), c.tb);
+        if (!(c.distance <= reach())) continue;
+        set_lengths(c);
+        if (c.a == c.b && c.sa > c.sb) std::swap(c.ta, c.tb), std::swap(c.sa, c.sb);
+        if (apart(c)) parts[static_cast<size_t>(part)].push_back(c);
+      }
+    });
+    std::vector<Contact> all;
+    for (const auto& part : parts) all.insert(all.end(), part.begin(), part.end());
+    return all;
+  }
+
+  bool worth_looking(int i, int j) const {
+    const Chord p = chords_[i], q = chords_[j];
+    const Strand &a = strands_[p.strand], &b = strands_[q.strand];
+    if (p.strand == q.strand) {
+      const double most = std::max(a.between(a.s[p.segment], a.s[q.segment + 1]),
+                                   a.between(a.s[p.segment + 1], a.s[q.segment]));
+      if (std::abs(p.segment - q.segment) < 2 || most < 10 * tolerance_) return false;
+    }
+    double s = 0, t = 0;
+    return chord_distance(a.x[p.segment], a.x[p.segment + 1], b.x[q.segment], b.x[q.segment + 1], s,
+                          t) <= reach() + a.sag[p.segment] + b.sag[q.segment];
+  }
+
+  // Of the ends of strands with all that is near.
+  std::vector<Contact> at_ends() const {
+    std::vector<Contact> all;
+    for (int k = 0; k < static_cast<int>(strands_.size()); ++k)
+      for (int end = 0; end < 2 && !strands_[k].closed; ++end) {
+        const Vec3 p = strands_[k].end_point(end);
+        std::vector<int> near;
+        tree_->near_box({p, p}, reach(), [&](int i) { near.push_back(i); });
+        std::sort(near.begin(), near.end());
+        for (const int i : near) {
+          const Chord q = chords_[i];
+          const Strand& b = strands_[q.strand];
+          const auto range = bracket(b, q.segment);
+          Contact c{k, q.strand};
+          c.ta = strands_[k].end_parameter(end);
+          c.ea = end;
+          const Vec3 chord = b.x[q.segment + 1] - b.x[q.segment];
+          const double along = std::clamp(
+              (p - b.x[q.segment]).dot(chord) / std::max(chord.squaredNorm(), 1e-300), 0.0, 1.0);
+          c.tb = b.foot(p, b.t[q.segment] + along * (b.t[q.segment + 1] - b.t[q.segment]), range[0],
+                        range[1]);
+          c.distance = (b.point(c.tb) - p).norm();
+          if (!(c.distance <= reach())) continue;
+          set_lengths(c);
+          for (int e = 0; e < 2 && !b.closed; ++e)
+            if (const double d = (p - b.end_point(e)).norm();
+                d <= std::max(tolerance_, c.distance) &&
+                std::abs(c.sb - (e ? b.length : 0)) <= 2 * tolerance_) {
+              c.eb = e;
+              c.tb = b.end_parameter(e);
+              c.sb = e ? b.length : 0;
+              c.distance = d;
+              break;
+            }
+          if (!apart(c)) continue;
+          if (c.a > c.b || (c.a == c.b && c.sa > c.sb)) {
+            std::swap(c.a, c.b);
+            std::swap(c.ta, c.tb);
+            std::swap(c.sa, c.sb);
+            std::swap(c.ea, c.eb);
+          }
+          all.push_back(c);
+        }
+      }
+    return all;
+  }
+
+  // Whether the strands stay within `limit` of each other between two contacts.
+  bool linked(const Contact& p, const Contact& q, double limit) const {
+    if (p.distance > limit || q.distance > limit) return false;
+    const double along_a = std::abs(q.sa - p.sa), along_b = std::abs(q.sb - p.sb);
+    if (std::abs(along_a - along_b) > 0.5 * std::max(along_a, along_b) + 4 * limit) return false;
+    if (std::max(along_a, along_b) < 1e-6 * tolerance_) return true;
+    const Strand &a = strands_[p.a], &b = strands_[p.b];
+    const double low = std::min(p.tb, q.tb), high = std::max(p.tb, q.tb);
+    constexpr int samples = 6;
+    for (int k = 1; k < samples; ++k) {
+      const double f = static_cast<double>(k) / samples;
+      const Vec3 x = a.point(p.ta + f * (q.ta - p.ta));
+      const double t = b.foot(x, p.tb + f * (q.tb - p.tb), low, high);
+      if ((b.point(t) - x).norm() > limit) return false;
+    }
+    return true;
+  }
+
+  // Numbers of the intervals to which contacts of one pair belong; -1: farther than the limit.
+  std::vector<int> intervals(const std::vector<Contact>& contacts, double limit) const {
+    const int n = static_cast<int>(contacts.size());
+    std::vector<int> root(n);
+    std::iota(root.begin(), root.end(), 0);
+    const auto find = [&](int i) {
+      while (root[i] != i) i = root[i] = root[root[i]];
+      return i;
+    };
+    constexpr int ahead = 12;  // contacts of one place come from up to nine pairs of chords
+    for (int i = 0; i < n; ++i)
+      for (int j = i + 1; j < std::min(n, i + ahead); ++j)
+        if (find(i) != find(j) && linked(contacts[i], contacts[j], limit))
+          root[std::max(find(i), find(j))] = std::min(find(i), find(j));
+    std::vector<int> of(n);
+    for (int i = 0; i < n; ++i) of[i] = contacts[i].distance <= limit ? find(i) : -1;
+    return of;
+  }
+
+  Contacts of_pair(const std::vector<Contact>& contacts) const {
+    Contacts result;
+    const std::vector<int> wide = intervals(contacts, reach()),
+                           narrow = intervals(contacts, tolerance_);
+    const int n = static_cast<int>(contacts.size());
+    std::vector<char> joined(n, 0);
+    for (int i = 0; i < n; ++i) {
+      if (narrow[i] >= 0) joined[wide[i]] = 1;
+      if (narrow[i] != i) continue;
+      std::vector<Contact> members;
+      for (int j = i; j < n; ++j)
+        if (narrow[j] == i) members.push_back(contacts[j]);
+      add_interval(members, result.joined);
+    }
+    for (int i = 0; i < n; ++i) {
+      if (wide[i] != i || joined[i]) continue;
+      const Contact* best = nullptr;
+      const auto rank = [&](const Contact& c) {  // ends first, then the nearest
+        return std::tuple(c.ea < 0 && c.eb < 0, std::llround(c.distance / tolerance_ * 1e6));
+      };
+      for (int j = i; j < n; ++j)
+        if (wide[j] == i && (!best || rank(contacts[j]) < rank(*best))) best = &contacts[j];
+      result.missed.push_back(*best);
+    }
+    return result;
+  }
+
+  // What an interval of nearness comes to.
+  void add_interval(const std::vector<Contact>& members, std::vector<Contact>& out) const {
+    const size_t before = out.size();
+    for (const Contact& c : members) {
+      if (c.ea < 0 && c.eb < 0) continue;
+      const auto same =
+          std::find_if(out.begin() + static_cast<long>(before), out.end(), [&](const Contact& o) {
+            return (c.ea >= 0 && o.ea == c.ea) || (c.eb >= 0 && o.eb == c.eb);
+          });
+      if (same == out.end())
+        out.push_back(c);
+      else if (better(c, *same))
+        *same = c;
+    }
+    const auto [first, last] =
+        std::minmax_element(members.begin(), members.end(),
+                            [](const Contact& p, const Contact& q) { return p.sa < q.sa; });
+    const Contact middle = nearest_of(members);
+    Contact ends[2] = {middle, middle};
+    if (nearly_parallel(middle)) ends[0] = departure(*first, -1), ends[1] = departure(*last, 1);
+    if (run_along(ends[0], ends[1])) {
+      for (const Contact& c : ends)
+        if (std::none_of(out.begin() + static_cast<long>(before), out.end(), [&](const Contact& o) {
+              return std::abs(o.sa - c.sa) < 3 * tolerance_ ||
+                     std::abs(o.sb - c.sb) < 3 * tolerance_;
+            }))
+          out.push_back(c);
+    } else if (out.size() == before) {
+      out.push_back(middle);
+    }
+  }
+
+  bool nearly_parallel(const Contact& c) const {
+    const Vec3 a = strands_[c.a].curve->evaluate(c.ta, 1),
+               b = strands_[c.b].curve->evaluate(c.tb, 1);
+    constexpr double sine = 0.3;
+    return a.cross(b).norm() <= sine * a.norm() * b.norm();
+  }
+
+  // Ends that meet ends go before ends on lines, then the nearer.
+  bool better(const Contact& p, const Contact& q) const {
+    const auto rank = [&](const Contact& c) {
+      return std::tuple(-((c.ea >= 0) + (c.eb >= 0)), std::llround(c.distance / tolerance_ * 1e6));
+    };
+    return rank(p) < rank(q);
+  }
+
+  bool run_along(const Contact& first, const Contact& last) const {
+    const double along = std::min(last.sa - first.sa, std::abs(last.sb - first.sb));
+    if (along >= 3 * std::sqrt(tolerance_ * size_)) return true;
+    if (along < 5 * tolerance_) return false;
+    const Strand &a = strands_[first.a], &b = strands_[first.b];
+    double mean = 0;
+    constexpr int samples = 8;
+    for (int k = 0; k < samples; ++k) {
+      const double f = (k + 0.5) / samples;
+      const Vec3 x = a.point(first.ta + f * (last.ta - first.ta));
+      const double t = b.foot(x, first.tb + f * (last.tb - first.tb), std::min(first.tb, last.tb),
+                              std::max(first.tb, last.tb));
+      mean += (b.point(t) - x).norm() / samples;
+    }
+    constexpr double coinciding = 0.05;  // of the tolerance; half a touching parabola has 0.1
+    return mean <= coinciding * tolerance_;
+  }
+
+  // The last place, from a contact on along a, where b is within half of the tolerance.
+  Contact departure(const Contact& from, int way) const {
+    const Strand &a = strands_[from.a], &b = strands_[from.b];
+    const double limit = std::max(0.5 * tolerance_, from.distance);
+    const double to = way > 0 ? a.t.back() : a.t.front();
+    const auto foot = [&](double ta, double tb) {
+      return b.foot(a.point(ta), tb, b.t.front(), b.t.back());
+    };
+    Contact inside = from;
+    inside.ea = inside.eb = -1;
+    const double step = (a.t.back() - a.t.front()) / 256;
+    double outside = to;
+    bool left = false;
+    for (int k = 0; k < 512 && inside.ta != to && !left; ++k) {
+      const double next = way > 0 ? std::min(inside.ta + step, to) : std::max(inside.ta - step, to);
+      const double tb = foot(next, inside.tb);
+      if ((a.point(next) - b.point(tb)).norm() > limit) {
+        outside = next;
+        left = true;
+      } else {
+        inside.ta = next;
+        inside.tb = tb;
+      }
+    }
+    for (int k = 0; k < 40 && left; ++k) {
+      const double middle = 0.5 * (inside.ta + outside), tb = foot(middle, inside.tb);
+      if ((a.point(middle) - b.point(tb)).norm() > limit) {
+        outside = middle;
+      } else {
+        inside.ta = middle;
+        inside.tb = tb;
+      }
+    }
+    set_lengths(inside);
+    inside.distance = (a.point(inside.ta) - b.point(inside.tb)).norm();
+    return inside;
+  }
+
+  // In the middle of those that are as near as the nearest.
+  Contact nearest_of(const std::vector<Contact>& members) const {
+    double least = members[0].distance;
+    for (const Contact& c : members) least = std::min(least, c.distance);
+    const Contact *low = nullptr, *high = nullptr;
+    for (const Contact& c : members) {
+      if (c.distance > least + 1e-3 * tolerance_) continue;
+      if (!low || c.sa < low->sa) low = &c;
+      if (!high || c.sa > high->sa) high = &c;
+    }
+    if (high->sa - low->sa <= 1e-6 * tolerance_) return *low;
+    Contact middle = *low;
+    const Strand& b = strands_[middle.b];
+    middle.ta = 0.5 * (low->ta + high->ta);
+    const Vec3 x = strands_[middle.a].point(middle.ta);
+    middle.tb = b.foot(x, 0.5 * (low->tb + high->tb), std::min(low->tb, high->tb),
+                       std::max(low->tb, high->tb));
+    set_lengths(middle);
+    middle.distance = (b.point(middle.tb) - x).norm();
+    return middle;
+  }
+
+  const std::vector<Strand>& strands_;
+  double tolerance_, size_;
+  std::vector<Chord> chords_;
+  std::unique_ptr<BoxTree> tree_;
+};
+
+}  // namespace
+
+Contacts find_contacts(const std::vector<Strand>& strands, double tolerance, double size) {
+  return Search(strands, tolerance, size).run();
+}
+
+}  // namespace batten::netting

@@ -1,0 +1,37 @@
+// Where lines come near each other.
+#pragma once
+
+#include <vector>
+
+#include "batten/skinning/network/network_lines.h"
+
+namespace batten::netting {
+
+/// A place of strand a and one of strand b, near each other.
+struct Contact {
+  int a = 0, b = 0;
+  double ta = 0, tb = 0;  ///< parameters
+  double sa = 0, sb = 0;  ///< arc lengths
+  double distance = 0;
+  int ea = -1, eb = -1;  ///< 0, 1: the start, the end of that strand
+};
+
+struct Contacts {
+  std::vector<Contact> joined;  ///< within the tolerance
+  /// Within five tolerances, where the two strands are not joined nearby.
+  std::vector<Contact> missed;
+};
+
+/// All contacts, in canonical order. Strands that are near each other along an interval have
+///
+///     at the ends of strands that lie in it    one contact each
+///     at the interval's own ends               one each, where they run along each other: when it
+///                                              is longer than two curves that only touch could
+///                                              make it (3 √(tolerance · size)), or they coincide
+///     otherwise                                one, where they are nearest
+///
+/// Boxes around chords in a tree, Gauss-Newton on both curves from every near pair of chords: about
+/// O(n log n) for n chords.
+Contacts find_contacts(const std::vector<Strand>& strands, double tolerance, double size);
+
+}  // namespace batten::netting

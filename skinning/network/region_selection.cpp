@@ -1,0 +1,444 @@
+#include "batten/skinning/network/region_selection.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
+
+namespace batten {
+namespace {
+
+constexpr double kTie = 1e-9;
+
+// An item on one arc.
+struct Share {
+  int item, uses;
+  double gain;  // its part of the item's gain
+};
+
+class Solver {
+ public:
+  explicit Solver(const Selection& problem)
+      : problem_(problem),
+        shares_(problem.room.size()),
+        prices_(problem.room.size()),
+        near_(problem.items.size()),
+        fixed_(problem.items.size(), -1) {
+    for (size_t i = 0; i < problem.items.size(); ++i) {
+      const auto& item = problem.items[i];
+      for (size_t k = 0; k < item.arcs.size(); ++k) {
+        slot_.push_back(static_cast<int>(shares_[item.arcs[k]].size()));
+        shares_[item.arcs[k]].push_back(
+            {static_cast<int>(i), item.uses[k], item.gain / static_cast<double>(item.arcs.size())});
+      }
+      first_slot_.push_back(static_cast<int>(slot_.size() - item.arcs.size()));
+    }
+    for (size_t a = 0; a < shares_.size(); ++a)
+      prices_[a].assign(shares_[a].size() * shares_[a].size(), 0.0);
+    for (const auto& p : problem.pairs) {
+      const int i = place(p.arc, p.a), j = place(p.arc, p.b);
+      const size_t m = shares_[p.arc].size();
+      prices_[p.arc][i * m + j] += p.price;
+      prices_[p.arc][j * m + i] += p.price;
+      near_[p.a].push_back({p.b, p.price});
+      near_[p.b].push_back({p.a, p.price});
+    }
+    find_neighbours();
+  }
+
+  // The best set of one arc, with one share taken or left out by force (-1: none).
+  double best(int arc, int taken, int left, std::vector<int>* set = nullptr) {
+    const auto& shares = shares_[arc];
+    stack_.clear();
+    double value = 0;
+    int room = problem_.room[arc];
+    candidates_.clear();
+    for (int s = 0; s < static_cast<int>(shares.size()); ++s) {
+      const int fixed = fixed_[shares[s].item];
+      if (s == left || (fixed == 0 && s != taken)) continue;
+      if (s == taken || fixed == 1) {
+        room -= shares[s].uses;
+        value += shares[s].gain;
+        for (const int t : stack_) value -= prices_[arc][s * shares.size() + t];
+        stack_.push_back(s);
+      } else if (shares[s].gain > 0) {
+        candidates_.push_back(s);
+      }
+    }
+    if (room < 0) {
+      if (set) set->clear();
+      return -HUGE_VAL;
+    }
+    const size_t forced = stack_.size();
+    found_ = stack_;
+    double top = value;
+    // The largest first: then most others cannot make a better set, whatever joins them.
+    const auto less = [&](int a, int b) { return shares[a].gain < shares[b].gain; };
+    const auto largest = std::max_element(candidates_.begin(), candidates_.end(), less);
+    double most = 0;
+    if (largest != candidates_.end()) {
+      most = shares[*largest].gain;
+      std::iter_swap(candidates_.begin(), largest);
+    }
+    const auto extend = [&](auto& self, size_t from, double sum, int left_room) -> void {
+      for (size_t k = from; k < candidates_.size(); ++k) {
+        const int s = candidates_[k];
+        if (shares[s].uses > left_room) continue;
+        double next = sum + shares[s].gain;
+        if (next + most * (left_room - shares[s].uses) <= top + 1e-12) continue;
+        for (const int t : stack_) next -= prices_[arc][s * shares.size() + t];
+        stack_.push_back(s);
+        if (next > top + 1e-12) top = next, found_ = stack_;
+        if (left_room > shares[s].uses) self(self, k + 1, next, left_room - shares[s].uses);
+        stack_.pop_back();
+      }
+    };
+    extend(extend, 0, value, room);
+    stack_.resize(forced);
+    if (set) *set = found_;
+    return top;
+  }
+
+  // Shares each item's gain so that its advantage is the same on all its arcs. Never raises the
+  // bound.
+  void share_out(int sweeps) {
+    double before = HUGE_VAL;
+    for (int sweep = 0; sweep < sweeps; ++sweep) {
+      for (size_t i = 0; i < problem_.items.size(); ++i) {
+        if (fixed_[i] >= 0) continue;
+        const auto& arcs = problem_.items[i].arcs;
+        advantages_.clear();
+        for (size_t k = 0; k < arcs.size(); ++k) {
+          const int s = slot_[first_slot_[i] + k];
+          advantages_.push_back(best(arcs[k], s, -1) - best(arcs[k], -1, s));
+        }
+        const double mean = std::accumulate(advantages_.begin(), advantages_.end(), 0.0) /
+                            static_cast<double>(arcs.size());
+        if (!std::isfinite(mean)) continue;
+        for (size_t k = 0; k < arcs.size(); ++k)
+          shares_[arcs[k]][slot_[first_slot_[i] + k]].gain += mean - advantages_[k];
+      }
+      const double now = bound();
+      if (before - now < 1e-3) break;
+      before = now;
+    }
+  }
+
+  double bound() {
+    double sum = 0;
+    for (size_t a = 0; a < shares_.size(); ++a) sum += best(static_cast<int>(a), -1, -1);
+    return sum;
+  }
+
+  // How many of an item's arcs want it.
+  std::vector<int> votes() {
+    std::vector<int> votes(problem_.items.size(), 0), set;
+    for (size_t a = 0; a < shares_.size(); ++a) {
+      best(static_cast<int>(a), -1, -1, &set);
+      for (const int s : set) ++votes[shares_[a][s].item];
+    }
+    return votes;
+  }
+
+  bool fits(const std::vector<char>& chosen, int item) const {
+    for (size_t k = 0; k < problem_.items[item].arcs.size(); ++k) {
+      const int a = problem_.items[item].arcs[k];
+      int used = problem_.items[item].uses[k];
+      for (const Share& s : shares_[a])
+        if (chosen[s.item] && s.item != item) used += s.uses;
+      if (used > problem_.room[a]) return false;
+    }
+    return true;
+  }
+
+  double advantage(const std::vector<char>& chosen, int item) const {
+    double gain = problem_.items[item].gain;
+    for (const auto& [other, price] : near_[item])
+      if (chosen[other]) gain -= price;
+    return gain;
+  }
+
+  double value(const std::vector<char>& chosen) const {
+    double sum = 0;
+    for (size_t i = 0; i < chosen.size(); ++i)
+      if (chosen[i]) sum += problem_.items[i].gain;
+    for (const auto& p : problem_.pairs)
+      if (chosen[p.a] && chosen[p.b]) sum -= p.price;
+    return sum;
+  }
+
+  // Items that share an arc with each item, and these with their neighbours too: ascending.
+  void find_neighbours() {
+    const auto tidy = [](std::vector<int>& list) {
+      std::sort(list.begin(), list.end());
+      list.erase(std::unique(list.begin(), list.end()), list.end());
+    };
+    around_.resize(problem_.items.size());
+    wide_.resize(problem_.items.size());
+    for (size_t i = 0; i < around_.size(); ++i) {
+      for (const int a : problem_.items[i].arcs)
+        for (const Share& s : shares_[a])
+          if (s.item != static_cast<int>(i)) around_[i].push_back(s.item);
+      tidy(around_[i]);
+    }
+    for (size_t i = 0; i < around_.size(); ++i) {
+      wide_[i] = around_[i];
+      wide_[i].push_back(static_cast<int>(i));
+      for (const int k : around_[i])
+        wide_[i].insert(wide_[i].end(), around_[k].begin(), around_[k].end());
+      tidy(wide_[i]);
+    }
+  }
+
+  // Takes the items that add most, one after another.
+  void fill(std::vector<char>& chosen, const std::vector<int>& from, int never = -1) const {
+    for (;;) {
+      int best = -1;
+      double most = kTie;
+      for (const int i : from) {
+        if (chosen[i] || i == never || fixed_[i] == 0) continue;
+        const double gain = advantage(chosen, i);
+        if (gain > most + kTie && fits(chosen, i)) best = i, most = gain;
+      }
+      if (best < 0) return;
+      chosen[best] = 1;
+    }
+  }
+
+  // Forces an item in or out and mends what is around it. Returns what that changes the value by.
+  double forced(std::vector<char>& chosen, int item, bool in, int rounds = 1) const {
+    const std::vector<int>&around = around_[item], &wide = wide_[item];
+    const auto local = [&] {
+      double sum = 0;
+      for (const int i : wide)
+        if (chosen[i]) {
+          sum += problem_.items[i].gain;
+          for (const auto& [other, price] : near_[i])
+            if (chosen[other])
+              sum -= std::binary_search(wide.begin(), wide.end(), other) ? price / 2 : price;
+        }
+      return sum;
+    };
+    const double before = local();
+    chosen[item] = in;
+    if (in) {
+      // Whoever is in the way goes, dearest first.
+      for (;;) {
+        int worst = -1;
+        double least = HUGE_VAL;
+        const bool tight = !fits(chosen, item);
+        for (const int i : around) {
+          if (!chosen[i] || fixed_[i] == 1) continue;
+          const double gain = advantage(chosen, i);
+          if ((tight ? in_the_way(chosen, i, item) : gain < 0) && gain < least)
+            worst = i, least = gain;
+        }
+        if (worst < 0) break;
+        chosen[worst] = 0;
+      }
+      if (!fits(chosen, item)) {
+        return -HUGE_VAL;
+      }
+    }
+    for (int r = 0; r < rounds; ++r) fill(chosen, wide, in ? -1 : item);
+    return local() - before;
+  }
+
+  bool in_the_way(const std::vector<char>& chosen, int i, int item) const {
+    for (size_t k = 0; k < problem_.items[item].arcs.size(); ++k) {
+      const int a = problem_.items[item].arcs[k];
+      int used = problem_.items[item].uses[k];
+      bool there = false;
+      for (const Share& s : shares_[a])
+        if (chosen[s.item] && s.item != item) used += s.uses, there |= s.item == i;
+      if (there && used > problem_.room[a]) return true;
+    }
+    return false;
+  }
+
+  void improve(std::vector<char>& chosen) const {
+    for (bool better = true; better;) {
+      better = false;
+      for (size_t i = 0; i < chosen.size(); ++i) {
+        if (fixed_[i] >= 0) continue;
+        std::vector<char> other = chosen;
+        if (forced(other, static_cast<int>(i), !chosen[i]) > kTie) chosen = other, better = true;
+      }
+    }
+  }
+
+  // The best sets of all arcs, kept while items are fixed and set free.
+  struct Bests {
+    std::vector<double> value;
+    std::vector<std::vector<int>> set;  // items
+    std::vector<int> votes;             // arcs that want each item
+    double sum = 0;
+  };
+
+  void renew(Bests& bests, int arc) {
+    for (const int i : bests.set[arc]) --bests.votes[i];
+    std::vector<int>& set = bests.set[arc];
+    bests.value[arc] = best(arc, -1, -1, &set);
+    for (int& s : set) {
+      s = shares_[arc][s].item;
+      ++bests.votes[s];
+    }
+  }
+
+  Bests all_bests() {
+    Bests bests{std::vector<double>(shares_.size()), std::vector<std::vector<int>>(shares_.size()),
+                std::vector<int>(problem_.items.size(), 0)};
+    for (size_t a = 0; a < shares_.size(); ++a) renew(bests, static_cast<int>(a));
+    return bests;
+  }
+
+  // Branch and bound over the items that are free.
+  void search(Bests& bests, const std::vector<int>& items, std::vector<char>& lead,
+              double& lead_value) {
+    if (work_left_ < 0) {
+      cut_ = true;
+      return;
+    }
+    double top = 0;
+    for (const double value : bests.value) top += value;
+    if (top <= lead_value + kTie) return;
+    int doubt = -1, widest = 0;
+    for (const int i : items) {
+      const int all = static_cast<int>(problem_.items[i].arcs.size());
+      const int split = std::min(bests.votes[i], all - bests.votes[i]);
+      if (fixed_[i] < 0 && split > widest) doubt = i, widest = split;
+    }
+    if (doubt < 0) {
+      lead_value = top;
+      for (const int i : items) lead[i] = bests.votes[i] > 0;
+      return;
+    }
+    for (const int in : {1, 0}) {
+      fixed_[doubt] = static_cast<signed char>(in);
+      work_left_ -= static_cast<long>(problem_.items[doubt].arcs.size());
+      for (const int a : problem_.items[doubt].arcs) renew(bests, a);
+      search(bests, items, lead, lead_value);
+    }
+    fixed_[doubt] = -1;
+    for (const int a : problem_.items[doubt].arcs) renew(bests, a);
+  }
+
+  // Settles the items that no choice better than `value` can have the other way.
+  void settle(double value) {
+    const double gap = bound() - value + 1e-7;
+    for (size_t i = 0; i < problem_.items.size(); ++i) {
+      if (fixed_[i] >= 0) continue;
+      const auto& arcs = problem_.items[i].arcs;
+      double with = 0, without = 0;
+      for (size_t k = 0; k < arcs.size(); ++k) {
+        const int s = slot_[first_slot_[i] + k];
+        const double top = best(arcs[k], -1, -1);
+        with += top - best(arcs[k], s, -1);
+        without += top - best(arcs[k], -1, s);
+      }
+      if (with > gap) fixed_[i] = 0;
+      if (without > gap && with <= gap) fixed_[i] = 1;
+    }
+  }
+
+  // Free items that share arcs with each other.
+  std::vector<std::vector<int>> clusters() const {
+    std::vector<std::vector<int>> all;
+    std::vector<char> seen(problem_.items.size(), 0);
+    for (size_t first = 0; first < seen.size(); ++first) {
+      if (seen[first] || fixed_[first] >= 0) continue;
+      std::vector<int> cluster{static_cast<int>(first)};
+      seen[first] = 1;
+      for (size_t k = 0; k < cluster.size(); ++k)
+        for (const int i : around_[cluster[k]])
+          if (!seen[i] && fixed_[i] < 0) seen[i] = 1, cluster.push_back(i);
+      std::sort(cluster.begin(), cluster.end());
+      all.push_back(std::move(cluster));
+    }
+    return all;
+  }
+
+  Selected solve(long most_work) {
+    share_out(20);
+    Selected result;
+    const Bests first = all_bests();
+    result.chosen.assign(problem_.items.size(), 0);
+    std::vector<int> agreed, rest;
+    for (size_t i = 0; i < problem_.items.size(); ++i)
+      (first.votes[i] == static_cast<int>(problem_.items[i].arcs.size()) ? agreed : rest)
+          .push_back(static_cast<int>(i));
+    fill(result.chosen, agreed);
+    fill(result.chosen, rest);
+    improve(result.chosen);
+    result.value = value(result.chosen);
+    for (int round = 0; round < 3; ++round) {
+      result.bound = bound();
+      if (result.bound - result.value <= 1e-7) break;
+      settle(result.value);
+      share_out(5);
+    }
+    result.bound = bound();
+    if (result.bound - result.value > 1e-7) {
+      const auto parts = clusters();
+      for (const auto& part : parts)
+        for (const int i : part) fixed_[i] = static_cast<signed char>(result.chosen[i]);
+      bool all = true;
+      for (const auto& part : parts) {
+        for (const int i : part) fixed_[i] = -1;
+        Bests bests = all_bests();
+        work_left_ = most_work / static_cast<long>(parts.size());
+        cut_ = false;
+        double lead = value(result.chosen);
+        search(bests, part, result.chosen, lead);
+        all = all && !cut_;
+        for (const int i : part) fixed_[i] = static_cast<signed char>(result.chosen[i]);
+      }
+      result.value = value(result.chosen);
+      if (all) result.bound = result.value;
+    }
+    result.optimal = result.bound - result.value <= 1e-6;
+    return result;
+  }
+
+ private:
+  int place(int arc, int item) const {
+    const auto& arcs = problem_.items[item].arcs;
+    return slot_[first_slot_[item] +
+                 static_cast<int>(std::find(arcs.begin(), arcs.end(), arc) - arcs.begin())];
+  }
+
+  const Selection& problem_;
+  std::vector<std::vector<Share>> shares_;   // of each arc
+  std::vector<std::vector<double>> prices_;  // of each arc, m × m
+  std::vector<int> slot_, first_slot_;       // where an item stands on each of its arcs
+  std::vector<std::vector<std::pair<int, double>>> near_;
+  std::vector<std::vector<int>> around_, wide_;
+  std::vector<signed char> fixed_;  // 1 taken, 0 left out, -1 open
+  std::vector<int> stack_, candidates_, found_;
+  std::vector<double> advantages_;
+  long work_left_ = 0;
+  bool cut_ = false;
+};
+
+}  // namespace
+
+Selected select(const Selection& problem, long most_work) {
+  return Solver(problem).solve(most_work);
+}
+
+std::vector<Otherwise> otherwise(const Selection& problem, const Selected& selected) {
+  const Solver solver(problem);
+  std::vector<Otherwise> all(problem.items.size());
+  std::vector<char> other = selected.chosen;
+  for (size_t i = 0; i < all.size(); ++i) {
+    all[i].loss = -solver.forced(other, static_cast<int>(i), !selected.chosen[i]);
+    for (size_t k = 0; k < other.size(); ++k)
+      if (other[k] != selected.chosen[k]) {
+        (other[k] ? all[i].in : all[i].out).push_back(static_cast<int>(k));
+        other[k] = selected.chosen[k];
+      }
+  }
+  return all;
+}
+
+}  // namespace batten

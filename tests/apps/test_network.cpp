@@ -1,0 +1,152 @@
+// Networks as users meet them: batten run and batten skin --network, from lines to a report.
+#include <cmath>
+
+#include "batten/tests/apps/cli_case.h"
+
+using namespace batten_test;
+
+namespace {
+
+struct Point {
+  int x, y, z;
+};
+std::string text(const Point& p) {
+  return "[" + std::to_string(p.x) + "," + std::to_string(p.y) + "," + std::to_string(p.z) + "]";
+}
+
+/// The edges of a box of 40 × 30 × 20 as [[line]]s: e1 … e12.
+std::string box() {
+  std::string scene;
+  int count = 0;
+  for (int a = 0; a < 8; ++a)
+    for (const int bit : {1, 2, 4}) {
+      if (a & bit) continue;
+      const auto point = [](int i) {
+        return Point{i & 1 ? 40 : 0, i & 2 ? 30 : 0, i & 4 ? 20 : 0};
+      };
+      Point p = point(a), q = point(a | bit);
+      if (a % 3 == 0) std::swap(p, q);
+      scene += "[[line]]\nname = \"e" + std::to_string(++count) + "\"\npoints = [" + text(p) +
+               ", " + text(q) + "]\n";
+    }
+  return scene;
+}
+
+const std::string kHead = "unit = \"mm\"\n[network]\n";
+const std::string kCoarse = "[skin]\nedge_length = 8\n";
+
+}  // namespace
+
+TEST_CASE("run makes all surfaces of a network, as one solid", "[cli][network]") {
+  const Case c("network");
+  c.file("s.toml", kHead + box() + kCoarse +
+                       "[output]\nstep = \"box.step\"\nvtp = \"box.vtp\"\nvtu = \"box.vtu\"\n");
+  const Result r = c.run({"run", "s.toml", "--out", "out"});
+  INFO(r.out << r.err);
+  REQUIRE(r.code == 0);
+  CHECK(r.out.find("6 found, 6 skinned") != std::string::npos);
+  CHECK(r.out.find("closed") != std::string::npos);
+  CHECK(r.out.find("1 solid, valid") != std::string::npos);
+  const auto j = report(c, "out");
+  CHECK(j["network"]["lines"] == 12);
+  CHECK(j["network"]["arcs"] == 12);
+  CHECK(j["network"]["nodes"] == 8);
+  CHECK(j["regions"].size() == 6);
+  double area = 0;
+  for (const auto& region : j["regions"]) {
+    CHECK(region["skinned"] == true);
+    CHECK(region["loops"][0].size() == 4);
+    CHECK(region["plain_area"].get<double>() == Catch::Approx(region["area"].get<double>()));
+    CHECK(region["min_jacobian_ratio"].get<double>() > 0.9);
+    area += region["area"].get<double>();
+  }
+  CHECK(area == Catch::Approx(5200));
+  CHECK(j["surface"]["area"].get<double>() == Catch::Approx(area));
+  CHECK(j["surface"]["regions"] == 6);
+  CHECK(j["surface"]["bending_energy"].get<double>() == Catch::Approx(0).margin(1e-12));
+  REQUIRE(j["shells"].size() == 1);
+  CHECK(j["shells"][0]["closed"] == true);
+  CHECK(j["shells"][0]["volume"].get<double>() == Catch::Approx(24000));
+  CHECK(j["joins"].size() == 12);
+  for (const auto& join : j["joins"]) {
+    CHECK(join["kind"] == "crease");
+    CHECK(join["max_deg"].get<double>() == Catch::Approx(90).margin(1e-6));
+  }
+  CHECK(j["step"]["solids"] == 1);
+  CHECK(j["step"]["volume"].get<double>() == Catch::Approx(24000));
+  CHECK(j["left_over"]["rims"].empty());
+  CHECK(j["left_over"]["bare"].empty());
+  CHECK(j["missed_promises"].empty());
+}
+
+TEST_CASE("the user's words about regions and joins are followed", "[cli][network]") {
+  const Case c("network_words");
+  // z = 0 is e1, e2, and the two lines from their far ends.
+  c.file("s.toml", kHead + box() + kCoarse);
+  const Result info = c.run({"info", "s.toml"});
+  INFO(info.out << info.err);
+  REQUIRE(info.code == 0);
+  CHECK(info.out.find("12 pieces between 8 places") != std::string::npos);
+  CHECK(info.out.find("6 regions") != std::string::npos);
+
+  c.file("open.toml", kHead + box() + kCoarse +
+                          "[[region]]\nloops = [[\"e1\", \"e2\", \"e4\", \"e6\"]]\nsurface = "
+                          "false\n");
+  const Result r = c.run({"run", "open.toml", "--out", "out"});
+  INFO(r.out << r.err);
+  REQUIRE(r.code == 0);
+  const auto j = report(c, "out");
+  CHECK(j["regions"].size() == 5);
+  CHECK(j["left_over"]["rims"].size() == 4);
+  CHECK(j["shells"][0]["closed"] == false);
+}
+
+TEST_CASE("what cannot be kept is named, with exit code 4", "[cli][network]") {
+  const Case c("network_missed");
+  // Two planes at a right angle that should be smooth: corners of a box have no tangent plane along
+  // them, which the ends say; what was asked for is not reached all along.
+  c.file("s.toml", kHead + box() + kCoarse + "[[join]]\nlines = [\"e1\"]\nkind = \"smooth\"\n");
+  const Result r = c.run({"run", "s.toml", "--out", "out"});
+  INFO(r.out << r.err);
+  const auto j = report(c, "out");
+  bool said = false;
+  for (const auto& join : j["joins"])
+    if (join["line"] == "e1") {
+      CHECK(join["asked"] == true);
+      said = join["kind"] != "smooth"
+                 ? !join["why"].get<std::string>().empty()
+                 : join["open_ends"][0] == true && join["open_ends"][1] == true;
+    }
+  CHECK(said);
+}
+
+TEST_CASE("mistakes in a network's words are answered with their place", "[cli][network]") {
+  const Case c("network_mistakes");
+  c.fails(kHead + box() + "[[join]]\nlines = [\"e13\"]\nkind = \"smooth\"\n", 1,
+          {"s.toml:40:10:", "e13", "did you mean"});
+  c.fails(kHead + box() + "[[region]]\nloops = [[\"e1\", \"e2\", \"nothing\"]]\n", 1,
+          {"s.toml:40:1:", "nothing"});
+  c.fails(kHead + box() + "[[region]]\nloops = [[\"e1\", \"e2\"]]\n", 1, {"s.toml:40:1:"});
+  c.fails(kHead +
+              "[[line]]\nname = \"a\"\npoints = [[0,0,0], [1,0,0]]\n"
+              "[[line]]\nname = \"b\"\npoints = [[1,0,0], [1,1,0]]\n",
+          1, {"s.toml:2:1:", "no loop of lines", "one or more"});
+  c.fails(kHead + box(), 1, {"s.toml:2:1:", "[network]", "session"}, {}, "sculpt");
+}
+
+TEST_CASE("skin --network takes curves from files, in any order", "[cli][network]") {
+  const Case c("network_files");
+  const std::string square =
+      "0,0,0\n10,0,0\n\n10,10,0\n0,10,0\n\n0,0,0\n0,10,0\n\n10,10,0\n10,0,0\n";
+  c.file("square.csv", square);
+  const Result r = c.run({"skin", "square.csv", "--network", "--unit", "m", "--out", "out"});
+  INFO(r.out << r.err);
+  REQUIRE(r.code == 0);
+  const auto j = report(c, "out");
+  CHECK(j["unit"] == "m");
+  CHECK(j["regions"].size() == 1);
+  CHECK(j["surface"]["area"].get<double>() == Catch::Approx(100));
+  CHECK(fs::exists(c / "out/square.step"));
+  const Result twice = c.run({"skin", "square.csv", "--network", "--inner", "x.csv", "--out", "o"});
+  CHECK(twice.code == 1);
+}
