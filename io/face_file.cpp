@@ -113,6 +113,8 @@ void measure_face(const TopoDS_Face& face, const FaceMaker& made, StepFacePatch&
     double first, last;
     e.curve = BRep_Tool::Curve(edge, e.first, e.last);
     e.line = BRep_Tool::CurveOnSurface(edge, face, first, last);
+    // Readers put edges without length where lines meet at a tangent.
+    if (BRep_Tool::Degenerated(edge)) continue;
     if (e.curve.IsNull() || e.line.IsNull()) return;
     const int n = 4 * (surface->NbUKnots() + surface->NbVKnots());
     for (int i = 0; i <= n; ++i) {

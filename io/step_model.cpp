@@ -61,15 +61,15 @@ Plan plan_of(const SurfaceModel& model) {
     }
     if (faces.faces.empty()) continue;
     faces.solid = whole && shell.closed && shell.orientable && shell.volume > 0;
-    const bool one_sided = !shell.orientable;
-    if (!one_sided && !branches(model, shell)) {
+    const bool branching = branches(model, shell);
+    if (shell.orientable && !branching) {
       plan.shells.push_back(std::move(faces));
       continue;
     }
     if (faces.faces.size() > 1)
       plan.warnings.push_back(
           std::string("regions that hang together ") +
-          (one_sided ? "have no outside in common" : "meet three and more at a line") +
+          (branching ? "meet three and more at a line" : "have no outside in common") +
           ": they are a shell each, with common edges");
     for (const int f : faces.faces) plan.shells.push_back({{f}, false});
   }

@@ -24,7 +24,7 @@ struct StepModelReport : StepFaceReport {
   int shells = 0, solids = 0;
   int closed_shells = 0;  ///< without a free edge
   double volume = 0;      ///< of all solids, model units³
-  /// Distance of the edges' tolerances from 0: the largest that the file declares.
+  /// Of edges and vertices, as a reader has them: the largest.
   double max_tolerance = 0;
 };
 

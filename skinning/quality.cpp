@@ -96,7 +96,7 @@ SkinQuality measure(const SkinnedRegion& region) {
     }
     const HermiteCurve edge = surface_edge(surface, run);
     const InputCurve& input = *run.line.curve;
-    const int count = std::max<int>(64, samples * static_cast<int>(run.edges.size()));
+    const int count = std::max<int>(24, samples * static_cast<int>(run.edges.size()));
     for (int k = 0; k <= count; ++k) {
       const double t = input.start() + (input.end() - input.start()) * k / count;
       raise(q.max_line_deviation, edge.closest_point(input.evaluate(t)).distance);

@@ -10,6 +10,16 @@
 namespace batten {
 namespace {
 
+// Sum of squared distances of points of rim A from those of B, which begins at k.
+double apart(const std::vector<Vec3>& a, const std::vector<Vec3>& b, int k, int direction) {
+  const int n = static_cast<int>(a.size());
+  double sum = 0;
+  for (int i = 0; i < n; ++i)
+    sum += (a[static_cast<size_t>(i)] - b[static_cast<size_t>((k + direction * i + n) % n)])
+               .squaredNorm();
+  return sum;
+}
+
 // Into [0, 1).
 double fraction_of(double x) {
   x -= std::floor(x);
@@ -140,19 +150,17 @@ class Builder {
       a[i] = rim_[0].point(static_cast<double>(i) / n).x;
       b[i] = rim_[1].point(static_cast<double>(i) / n).x;
     }
+    const int direction = rims_run_alike(a, b) ? 1 : -1;
     double least = std::numeric_limits<double>::infinity();
-    int start = 0, direction = 1;
-    for (const int d : {1, -1})
-      for (int k = 0; k < n; ++k) {
-        double sum = 0;
-        for (int i = 0; i < n; ++i) sum += (a[i] - b[(k + d * i + n) % n]).squaredNorm();
-        // A tie stays with the first.
-        if (sum < least - 1e-9 * n * task_.size * task_.size) {
-          least = sum;
-          start = k;
-          direction = d;
-        }
+    int start = 0;
+    for (int k = 0; k < n; ++k) {
+      const double sum = apart(a, b, k, direction);
+      // A tie stays with the first.
+      if (sum < least - 1e-9 * n * task_.size * task_.size) {
+        least = sum;
+        start = k;
       }
+    }
     if (direction < 0) {
       rim_[1] = Rim(reversed(rim_[1].outline));
       start = (n - start) % n;
@@ -371,6 +379,37 @@ class Builder {
 };
 
 }  // namespace
+
+bool rims_run_alike(const std::vector<Vec3>& a, const std::vector<Vec3>& b) {
+  const auto n = static_cast<double>(a.size());
+  const auto middle = [n](const std::vector<Vec3>& points) {
+    Vec3 sum = Vec3::Zero();
+    for (const Vec3& p : points) sum += p / n;
+    return sum;
+  };
+  const auto area = [](const std::vector<Vec3>& p, const Vec3& about) {
+    Vec3 sum = Vec3::Zero();
+    for (size_t i = 0; i < p.size(); ++i)
+      sum += (p[i] - about).cross(p[(i + 1) % p.size()] - about);
+    return sum;
+  };
+  const Vec3 ma = middle(a), mb = middle(b), way = mb - ma, na = area(a, ma), nb = area(b, mb);
+  constexpr double clear = 0.2;
+  const double sa = na.dot(way), sb = nb.dot(way);
+  if (std::abs(sa) > clear * na.norm() * way.norm() &&
+      std::abs(sb) > clear * nb.norm() * way.norm())
+    return sa * sb > 0;
+  const auto least = [&](int direction) {
+    double sum = std::numeric_limits<double>::infinity();
+    for (int k = 0; k < static_cast<int>(a.size()); ++k)
+      sum = std::min(sum, apart(a, b, k, direction));
+    return sum;
+  };
+  const double alike = least(1), against = least(-1);
+  constexpr double tie = 1e-6;
+  if (std::abs(alike - against) < tie * (alike + against)) return na.dot(nb) >= 0;
+  return alike < against;
+}
 
 RegionParts ring_parts(const Outline& a, const Outline& b, const DomainTask& task) {
   return Builder(a, b, task).build();

@@ -5,6 +5,12 @@
 
 namespace batten {
 
+/// Whether two rims, as points evenly around them, as many of both, run in one direction around the
+/// ring between them: through a tube when their area vectors point to one side along the way from
+/// rim to rim; where these say nothing (an annulus) when points of equal share then lie nearer
+/// together, from the best start, than the other way around. O(n²).
+bool rims_run_alike(const std::vector<Vec3>& a, const std::vector<Vec3>& b);
+
 /// A strip that is periodic in u: rim A along v = 0, in the direction of its first line, rim B
 /// along v = V. No singular point, and lines stay straight runs of element edges:
 ///

@@ -49,13 +49,19 @@ std::string repairs(const NetworkReport& n) {
 std::string joins(const NetworkReport& n) {
   std::map<std::string, size_t> counts;
   double angle = 0;
+  size_t open = 0;
   for (const auto& j : n.joins) {
     ++counts[j.kind];
-    if (j.kind == "smooth") angle = std::max(angle, j.max_deg);
+    if (j.kind != "smooth") continue;
+    if (j.open[0] || j.open[1])
+      ++open;
+    else
+      angle = std::max(angle, j.max_deg);
   }
   std::string text = counted(counts["crease"], "crease", "creases") + ", " +
                      std::to_string(counts["smooth"]) + " smooth";
-  if (counts["smooth"]) text += " within " + number(angle) + " degrees";
+  if (counts["smooth"] > open) text += " within " + number(angle) + " degrees";
+  if (open) text += " (" + std::to_string(open) + " of them with an end that is a crease)";
   text += ", " + counted(counts["rim"], "rim", "rims");
   if (counts["branching"]) text += ", " + std::to_string(counts["branching"]) + " branching";
   return text;

@@ -30,7 +30,10 @@ class Side {
     start_ = curve.start();
     span_ = curve.end() - start_;
     t_ = character.given ? character.given->curve.end() - character.given->curve.start() : span_;
-    if (!run) return;
+    if (!run) {
+      against_ = runs_against_given(*line);
+      return;
+    }
     const Vec2 d = mesh.displacement(run->vertices);
     sigma_ = d.norm() / t_;
     inward_ = inward(d.normalized());
@@ -49,13 +52,18 @@ class Side {
   // Fractions of vertices or points.
   std::vector<double> stations() const {
     std::vector<double> f;
-    for (const double p : run_ ? run_->parameters : line_->points)
-      f.push_back((p - start_) / span_);
+    for (const double p : run_ ? run_->parameters : line_->points) {
+      const double along = (p - start_) / span_;
+      f.push_back(against_ ? 1 - along : along);
+    }
+    std::sort(f.begin(), f.end());
+    // A line much shorter than its elements has no point of its own.
+    if (f.size() < 2) f = {0, 1};
     return f;
   }
   // dX/dt.
   Vec3 slope(double f) const {
-    return (run_ ? run_->fitted : line_->fitted).evaluate(start_ + f * span_, 1) * (span_ / t_);
+    return (run_ ? run_->fitted : line_->fitted).evaluate(parameter(f), 1) * per_t();
   }
 
   Vec3 across(const Points& q, int k) const {
@@ -75,7 +83,7 @@ class Side {
 
   // Anywhere on the line.
   Location where(double f) const {
-    const double p = start_ + f * span_;
+    const double p = parameter(f);
     if (line_) {
       const Vec3 c = line_->image.evaluate(line_->image.mesh().wrapped(p));
       return locator_->locate({c.x(), c.y()});
@@ -95,8 +103,7 @@ class Side {
   // y = grad x · direction(f).
   Vec2 direction(double f) const {
     if (run_) return sigma_ * inward_;
-    const Vec3 c =
-        line_->image.evaluate(line_->image.mesh().wrapped(start_ + f * span_), 1) * (span_ / t_);
+    const Vec3 c = line_->image.evaluate(line_->image.mesh().wrapped(parameter(f)), 1) * per_t();
     return inward({c.x(), c.y()});
   }
   Vec3 across_at(const Points& q, double f) const {
@@ -117,6 +124,8 @@ class Side {
   }
 
  private:
+  double parameter(double f) const { return start_ + (against_ ? 1 - f : f) * span_; }
+  double per_t() const { return (against_ ? -1 : 1) * span_ / t_; }
   Vec2 inward(const Vec2& along) const { return turn_ * Vec2(-along.y(), along.x()); }
 
   const ParametricMesh* mesh_;
@@ -125,6 +134,7 @@ class Side {
   const EmbeddedLine* line_;
   const TriangleLocator* locator_;
   double turn_, start_ = 0, span_ = 1, t_ = 1, sigma_ = 1;
+  bool against_ = false;
   Vec2 inward_ = Vec2::Zero();
 };
 
@@ -187,6 +197,17 @@ std::vector<char> cornered(const RegionLayout& layout) {
 double share(double a, double b, double f) { return a + f * (b - a); }
 
 }  // namespace
+
+bool runs_against_given(const EmbeddedLine& line) {
+  if (!line.line.given) return false;
+  const HermiteCurve& given = line.line.given->curve;
+  const double f = 0.25;  // ends may be one point
+  const auto at = [f](const HermiteCurve& c, double s) {
+    return c.evaluate(c.start() + (s < 0 ? 1 - f : f) * (c.end() - c.start()));
+  };
+  const Vec3 p = at(line.fitted, 1);
+  return (p - at(given, -1)).norm() < (p - at(given, 1)).norm();
+}
 
 bool SeamPlan::constant() const {
   constexpr double same = 1e-7;  // below 1e-5 degrees

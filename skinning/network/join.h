@@ -52,6 +52,10 @@ struct JoinSide {
       true;  ///< the region lies to the left of the line's direction, from its normal's side
 };
 
+/// Whether the curve of an embedded line runs against the one that was given for the line: those of
+/// an outline run along their loop.
+bool runs_against_given(const EmbeddedLine& line);
+
 /// A line along which two regions (or one with itself) are to be joined.
 struct Seam {
   std::string name;

@@ -187,7 +187,9 @@ class ModelMaker {
         const auto i = static_cast<size_t>(piece.index);
         const bool embedded = piece.kind == BoundaryPiece::Kind::Embedded;
         const CharacterLine& line = embedded ? region.embedded[i].line : region.runs[i].line;
-        if (line.name == arc) return JoinSide{use.region, embedded, piece.index, !piece.reversed};
+        if (line.name != arc) continue;
+        const bool against = embedded && runs_against_given(region.embedded[i]);
+        return JoinSide{use.region, embedded, piece.index, piece.reversed == against};
       }
     return std::nullopt;
   }
@@ -325,6 +327,7 @@ class ModelMaker {
         const SeamAngle angle =
             seam_angle(regions, seams_[s], {plans[s].ends[0].open, plans[s].ends[1].open});
         join.max_deg = angle.max_deg;
+        join.max_inside_deg = angle.max_inside_deg;
         if (!(angle.max_inside_deg <= options_.join_tolerance_deg)) {
           halved.insert(join.arc);
           for (const int r : join.regions) again.insert(r);
@@ -485,7 +488,7 @@ class ModelMaker {
     }
     for (ModelJoin& join : model_.joins) {
       if (join.kind == ModelJoin::Kind::Smooth)
-        model_.max_join_deg = std::max(model_.max_join_deg, join.max_deg);
+        model_.max_join_deg = std::max(model_.max_join_deg, join.max_inside_deg);
       else if (join.kind == ModelJoin::Kind::Crease)
         join.max_deg = crease_angle(join);
     }

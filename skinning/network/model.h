@@ -51,8 +51,9 @@ struct ModelJoin {
   /// Angle between normals across it, of lines alone: the mean along it and the mean at its ends,
   /// half and half.
   double first_deg = 0;
-  double max_deg = 0;  ///< largest angle between normals across it, of the result, sampled
-                       ///< between nodes too
+  /// Largest angle between normals across it, of the result, sampled between nodes too; and the
+  /// same without the edges at ends that are creases.
+  double max_deg = 0, max_inside_deg = 0;
   /// Both domains unfold into one plane along it: the surface is C1 across as inside of a region,
   /// to rounding.
   bool one_domain = false;
@@ -98,7 +99,8 @@ struct SurfaceModel {
   std::vector<SurfaceFlaw> flaws;
   std::vector<std::string> warnings;
   int dofs = 0;  ///< of one coordinate, of the joined system
-  double area = 0, max_join_deg = 0;
+  double area = 0;
+  double max_join_deg = 0;  ///< largest max_inside_deg of the smooth joins
 
   std::vector<const SkinnedRegion*> skinned() const;
 };

@@ -5,6 +5,7 @@
 
 #include "batten/core/parallel.h"
 #include "batten/skinning/plain_fill.h"
+#include "batten/skinning/ring.h"
 
 namespace batten {
 namespace {
@@ -17,8 +18,8 @@ ArcLoop turned(const ArcLoop& loop) {
 
 // Points along a loop, as many of each arc.
 std::vector<Vec3> polyline(const CharacterLineNetwork& network, const ArcLoop& loop) {
-  constexpr int most_points = 240;
-  const int per_arc = std::clamp(most_points / static_cast<int>(loop.size()), 2, 16);
+  constexpr int most_points = 96;
+  const int per_arc = std::clamp(most_points / static_cast<int>(loop.size()), 2, 12);
   std::vector<Vec3> points;
   for (const ArcUse& use : loop) {
     const HermiteCurve& curve = network.arcs()[static_cast<size_t>(use.arc)].curve;
@@ -28,6 +29,69 @@ std::vector<Vec3> polyline(const CharacterLineNetwork& network, const ArcLoop& l
     }
   }
   return points;
+}
+
+// `count` points around a loop, evenly by arc length.
+std::vector<Vec3> even_points(const CharacterLineNetwork& network, const ArcLoop& loop, int count) {
+  double length = 0, begin = 0;
+  for (const ArcUse& use : loop) length += network.arcs()[static_cast<size_t>(use.arc)].length;
+  std::vector<Vec3> points;
+  for (const ArcUse& use : loop) {
+    const NetworkArc& arc = network.arcs()[static_cast<size_t>(use.arc)];
+    for (;;) {
+      const double along = length * static_cast<double>(points.size()) / count - begin;
+      if (along >= arc.length || static_cast<int>(points.size()) == count) break;
+      // Arcs run at even speed.
+      const double f = std::max(0.0, along) / arc.length;
+      points.push_back(arc.curve.evaluate(arc.curve.end() * (use.reversed ? 1 - f : f)));
+    }
+    begin += arc.length;
+  }
+  return points;
+}
+
+// The strip between two rims: points of the second one beside those of the first, least apart.
+struct Strip {
+  std::vector<Vec3> first, second;
+  bool along = true;  ///< the second rim runs as the first one does
+};
+Strip strip_between(const CharacterLineNetwork& network, const ArcLoop& a, const ArcLoop& b) {
+  constexpr int count = 64;
+  Strip strip{even_points(network, a, count), {}, true};
+  const std::vector<Vec3> other = even_points(network, b, count);
+  strip.along = rims_run_alike(strip.first, other);
+  double least = std::numeric_limits<double>::infinity();
+  int phase = 0;
+  const auto at = [&](int i, int shift) {
+    return static_cast<size_t>(((strip.along ? i : -i) + shift + 2 * count) % count);
+  };
+  for (int shift = 0; shift < count; ++shift) {
+    double sum = 0;
+    for (int i = 0; i < count; ++i)
+      sum += (strip.first[static_cast<size_t>(i)] - other[at(i, shift)]).squaredNorm();
+    if (sum >= least) continue;
+    least = sum;
+    phase = shift;
+  }
+  for (int i = 0; i < count; ++i) strip.second.push_back(other[at(i, phase)]);
+  return strip;
+}
+
+// Loops of one region so that they run around it: rims against each other, holes against the
+// outline.
+void run_around(const CharacterLineNetwork& network, NetworkRegion& region) {
+  const auto vector = [&](const ArcLoop& loop) {
+    const std::vector<Vec3> points = polyline(network, loop);
+    Vec3 sum = Vec3::Zero();
+    for (size_t i = 0; i < points.size(); ++i)
+      sum += (points[i] - points[0]).cross(points[(i + 1) % points.size()] - points[0]);
+    return sum;
+  };
+  for (size_t l = 1; l < region.loops.size(); ++l) {
+    const bool same = region.ring ? strip_between(network, region.loops[0], region.loops[l]).along
+                                  : vector(region.loops[0]).dot(vector(region.loops[l])) > 0;
+    if (same) region.loops[l] = turned(region.loops[l]);
+  }
 }
 
 // What one region looks like from far: by plain fillings.
@@ -61,6 +125,16 @@ Sketch sketch_of(const CharacterLineNetwork& network, const NetworkRegion& regio
                        6;
   }
   if (!filled) sketch.area = 0;
+  if (region.ring) {
+    const Strip strip = strip_between(network, region.loops[0], region.loops[1]);
+    const size_t n = strip.first.size();
+    for (size_t i = 0; i < n; ++i) {
+      const size_t next = (i + 1) % n;
+      const Vec3 a = strip.first[i] - about, b = strip.first[next] - about,
+                 c = strip.second[next] - about, d = strip.second[i] - about;
+      sketch.volume += (a.dot(b.cross(c)) + a.dot(c.cross(d))) / 6;
+    }
+  }
   sketch.size = (high - low).norm();
   return sketch;
 }
@@ -74,6 +148,7 @@ Orientation orient(const CharacterLineNetwork& network, std::vector<NetworkRegio
   Vec3 about = Vec3::Zero();
   for (const NetworkNode& node : network.nodes())
     about += node.position / static_cast<double>(network.nodes().size());
+  for (NetworkRegion& region : regions) run_around(network, region);
   std::vector<Sketch> sketches(static_cast<size_t>(n));
   parallel_parts(n, [&](int r) {
     const auto i = static_cast<size_t>(r);

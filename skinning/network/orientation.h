@@ -20,11 +20,12 @@ struct Orientation {
   std::vector<double> sizes;                ///< diagonal of the box of each region's loops
 };
 
-/// Turns the loops of the regions so that normals agree across every arc with two regions, where
-/// the shell lets them: then each arc is used once in either direction. Closed shells point
-/// outwards (their plain filling encloses a positive volume), others up the z axis (or x, or y,
-/// where that says nothing). A shell that is one-sided or branches keeps its loops where they are
-/// in conflict. Cost: one plain filling of each loop, side by side.
+/// Turns the loops of each region so that they run around it (holes against the outline, the rims
+/// of a ring against each other), and regions so that normals agree across every arc with two
+/// regions, where the shell lets them: then each arc is used once in either direction. Closed
+/// shells point outwards (their plain filling encloses a positive volume), others up the z axis (or
+/// x, or y, where that says nothing). A shell that is one-sided or branches keeps its loops where
+/// they are in conflict. Cost: one plain filling of each loop, side by side.
 Orientation orient(const CharacterLineNetwork& network, std::vector<NetworkRegion>& regions);
 
 }  // namespace batten

@@ -51,10 +51,17 @@ RegionSearch search_regions(const RegionGraph& graph, const SettledRegions& sett
   std::sort(settled_arcs.begin(), settled_arcs.end());
   const auto uses_asked = uses_by_arc(asked, graph.arcs.size());
 
+  std::vector<int> loops_in_part(static_cast<size_t>(graph.part_count), 0);
+  for (const LoopCandidate& c : traced.loops)
+    ++loops_in_part[static_cast<size_t>(graph.part[c.loop[0].arc])];
   for (LoopCandidate& c : traced.loops) {
     if (std::binary_search(settled_arcs.begin(), settled_arcs.end(), arcs_of(c.loop))) continue;
     Selection::Item item;
     item.gain = c.gain(prices);
+    // The only loop that there is, bounds a surface, however it turns.
+    constexpr double some_gain = 0.1;
+    if (loops_in_part[static_cast<size_t>(graph.part[c.loop[0].arc])] == 1)
+      item.gain = std::max(item.gain, some_gain);
     std::map<int, int> uses;
     for (size_t i = 0; i < c.loop.size(); ++i) {
       ++uses[c.loop[i].arc];

@@ -56,24 +56,24 @@ TEST_CASE("run makes all surfaces of a network, as one solid", "[cli][network]")
   for (const auto& region : j["regions"]) {
     CHECK(region["skinned"] == true);
     CHECK(region["loops"][0].size() == 4);
-    CHECK(region["plain_area"].get<double>() == Catch::Approx(region["area"].get<double>()));
+    CHECK(region["plain_area"].get<double>() == Approx(region["area"].get<double>()));
     CHECK(region["min_jacobian_ratio"].get<double>() > 0.9);
     area += region["area"].get<double>();
   }
-  CHECK(area == Catch::Approx(5200));
-  CHECK(j["surface"]["area"].get<double>() == Catch::Approx(area));
+  CHECK(area == Approx(5200.0));
+  CHECK(j["surface"]["area"].get<double>() == Approx(area));
   CHECK(j["surface"]["regions"] == 6);
-  CHECK(j["surface"]["bending_energy"].get<double>() == Catch::Approx(0).margin(1e-12));
+  CHECK(j["surface"]["bending_energy"].get<double>() == Approx(0.0).margin(1e-9));
   REQUIRE(j["shells"].size() == 1);
   CHECK(j["shells"][0]["closed"] == true);
-  CHECK(j["shells"][0]["volume"].get<double>() == Catch::Approx(24000));
+  CHECK(j["shells"][0]["volume"].get<double>() == Approx(24000.0));
   CHECK(j["joins"].size() == 12);
   for (const auto& join : j["joins"]) {
     CHECK(join["kind"] == "crease");
-    CHECK(join["max_deg"].get<double>() == Catch::Approx(90).margin(1e-6));
+    CHECK(join["max_deg"].get<double>() == Approx(90.0).margin(1e-6));
   }
   CHECK(j["step"]["solids"] == 1);
-  CHECK(j["step"]["volume"].get<double>() == Catch::Approx(24000));
+  CHECK(j["step"]["volume"].get<double>() == Approx(24000.0));
   CHECK(j["left_over"]["rims"].empty());
   CHECK(j["left_over"]["bare"].empty());
   CHECK(j["missed_promises"].empty());
@@ -123,10 +123,10 @@ TEST_CASE("what cannot be kept is named, with exit code 4", "[cli][network]") {
 TEST_CASE("mistakes in a network's words are answered with their place", "[cli][network]") {
   const Case c("network_mistakes");
   c.fails(kHead + box() + "[[join]]\nlines = [\"e13\"]\nkind = \"smooth\"\n", 1,
-          {"s.toml:40:10:", "e13", "did you mean"});
+          {"s.toml:40:10:", "e13", "e3", "meant"});
   c.fails(kHead + box() + "[[region]]\nloops = [[\"e1\", \"e2\", \"nothing\"]]\n", 1,
-          {"s.toml:40:1:", "nothing"});
-  c.fails(kHead + box() + "[[region]]\nloops = [[\"e1\", \"e2\"]]\n", 1, {"s.toml:40:1:"});
+          {"s.toml:40:9:", "nothing"});
+  c.fails(kHead + box() + "[[region]]\nloops = [[\"e1\", \"e2\"]]\n", 1, {"s.toml:40:9:"});
   c.fails(kHead +
               "[[line]]\nname = \"a\"\npoints = [[0,0,0], [1,0,0]]\n"
               "[[line]]\nname = \"b\"\npoints = [[1,0,0], [1,1,0]]\n",
@@ -145,7 +145,7 @@ TEST_CASE("skin --network takes curves from files, in any order", "[cli][network
   const auto j = report(c, "out");
   CHECK(j["unit"] == "m");
   CHECK(j["regions"].size() == 1);
-  CHECK(j["surface"]["area"].get<double>() == Catch::Approx(100));
+  CHECK(j["surface"]["area"].get<double>() == Approx(100.0));
   CHECK(fs::exists(c / "out/square.step"));
   const Result twice = c.run({"skin", "square.csv", "--network", "--inner", "x.csv", "--out", "o"});
   CHECK(twice.code == 1);

@@ -73,7 +73,7 @@ show = "regions"
   CHECK(n.regions[0].loops == std::vector<std::vector<std::string>>{{"a", "b"}, {"c"}});
   CHECK(n.regions[0].inner == std::vector<std::string>{"d"});
   CHECK(n.regions[0].kind == RegionWord::Kind::Surface);
-  CHECK(n.regions[0].where == "s.toml:14:1: ");
+  CHECK(n.regions[0].where == "s.toml:14:9: ");
   CHECK(n.regions[1].kind == RegionWord::Kind::Nothing);
   CHECK(n.regions[2].ring);
   REQUIRE(n.joins.size() == 3);
@@ -103,15 +103,16 @@ TEST_CASE("what does not go with a network is refused with the reason", "[scene]
   check_answer(n + "[[sweep]]\nfile=\"a.png\"\nparameter=\"alpha\"\nvalues=[1]\n", {"'sweep'"});
   for (const std::string table : {"constraint", "weight", "move", "parameter"})
     check_answer(n + "[[" + table + "]]\nname = \"x\"\n", {"s.toml:6:1:", "'" + table + "'"});
-  check_answer(n + "[skin]\ndomain = \"ring\"\n", {"s.toml:7:1:", "'domain' in a network", "each"});
+  check_answer(n + "[skin]\ndomain = \"ring\"\n",
+               {"s.toml:7:10:", "'domain' in a network", "each"});
   check_answer(n + "[skin]\nrefine = 2\n", {"'refine'", "edge_length"});
   check_answer(n + "[skin]\nhold = \"corners\"\n", {"'hold'", "all lines are held"});
-  check_answer(n + "[skin]\nalpha = [1, 0, 1]\n", {"s.toml:7:1:", "three numbers", "one number"});
-  check_answer(n + "[output]\ncalculix = \"a.inp\"\n", {"s.toml:7:1:", "'calculix'"});
+  check_answer(n + "[skin]\nalpha = [1, 0, 1]\n", {"s.toml:7:9:", "three numbers", "one number"});
+  check_answer(n + "[output]\ncalculix = \"a.inp\"\n", {"s.toml:7:12:", "'calculix'"});
   check_answer(n + "[output]\nstep = \"a.step\"\nstep_form = \"exact\"\n",
-               {"s.toml:8:1:", "\"exact\" for a network", "face"});
+               {"s.toml:8:13:", "\"exact\" for a network", "face"});
   check_answer(n + "[[line]]\nname = \"b\"\nrole = \"inner\"\npoints = [[0,0,0],[1,1,1]]\n",
-               {"s.toml:8:1:", "'role' in a network", "[[region]]"});
+               {"s.toml:8:8:", "'role' in a network", "[[region]]"});
 }
 
 TEST_CASE("words about regions and joins are checked where they stand", "[scene][network]") {
@@ -123,18 +124,18 @@ TEST_CASE("words about regions and joins are checked where they stand", "[scene]
   check_answer(n + "[[region]]\nloops = [\"a\"]\n", {"s.toml:7:10:", "list of lists of names"});
   check_answer(n + "[[region]]\nloops = [[\"a\"], []]\n", {"s.toml:7:17:", "an empty list"});
   check_answer(n + "[[region]]\nloops = [[\"a\"]]\nring = true\n",
-               {"s.toml:8:1:", "ring = true with 1 loops", "2"});
+               {"s.toml:8:8:", "ring = true with 1 loops", "2"});
   check_answer(n + "[[region]]\nloops = [[\"a\"]]\nsurface = false\nname = \"x\"\n", {"'name'"});
   check_answer(n + "[[region]]\nloops = [[\"a\"], [\"b\"]]\nsurface = false\n", {"2 loops", "one"});
   check_answer(
       n + "[[region]]\nname=\"x\"\nloops=[[\"a\"]]\n[[region]]\nname=\"x\"\nloops=[[\"b\"]]\n",
-      {"s.toml:10:1:", "the region name 'x' again"});
+      {"s.toml:10:6:", "the region name 'x' again"});
   check_answer(n + "[[join]]\nlines = [\"a\"]\nkind = \"smoth\"\n",
                {"s.toml:8:8:", "'smoth'", "did you mean 'smooth'?"});
   check_answer(n + "[[join]]\nkind = \"smooth\"\n", {"lines"});
   check_answer("[network]\ntolerence = 1\n", {"s.toml:6:1:", "did you mean 'tolerance'?"});
   check_answer("[network]\ntolerance = -1\n", {"s.toml:6:13:"});
-  check_answer("[network]\nstraight_angle = 60\n", {"s.toml:6:1:", "0 to 45"});
+  check_answer("[network]\nstraight_angle = 60\n", {"s.toml:6:18:", "0 to 45"});
   check_answer("[network]\nmost_at_line = 0\n", {"s.toml:6:"});
   check_answer("[network]\nmost_at_line = 99\n", {"1 to 16"});
 }

@@ -48,7 +48,8 @@ struct Patchwork {
         const bool embedded = piece.kind == BoundaryPiece::Kind::Embedded;
         const auto i = static_cast<size_t>(piece.index);
         if ((embedded ? made.embedded[i].line.name : made.runs[i].line.name) == name)
-          return {r, embedded, piece.index, !piece.reversed};
+          return {r, embedded, piece.index,
+                  piece.reversed == (embedded && runs_against_given(made.embedded[i]))};
       }
     FAIL("no line " << name);
     return {};
@@ -329,4 +330,51 @@ TEST_CASE("regions that double back on each other are not joined") {
   p.region({"-middle", "n2", "e2", "s2"});
   const auto plans = plan_seams(p.regions, {p.seam("middle", 0, 1)}, 0.1);
   CHECK_THAT(plans[0].why_not, Catch::Matchers::Contains("planes differ by 157"));
+}
+
+TEST_CASE("a line that one region has embedded is smooth on averages") {
+  std::vector<double> before, after;
+  for (const double h : {0.2, 0.1, 0.05}) {
+    Patchwork p;
+    p.options.edge_length = h;
+    const auto line = [&](const std::string& name, Vec2 a, Vec2 b) {
+      p.add(given_line(name, over(a, b, wave), 2, h));
+    };
+    line("shared", {0, 0}, {1, 0});
+    line("w", {0, 0}, {0, -1});
+    line("s", {0, -1}, {1, -1});
+    line("e", {1, -1}, {1, 0});
+    // With two corners only, a region has no polygon.
+    const auto bow = [](double t) {
+      const Vec2 q(t, 0.5 * std::sin(std::numbers::pi * t));
+      return Vec3(q.x(), q.y(), wave(q));
+    };
+    p.add(given_line("bow",
+                     curve_from_formula(0, 1,
+                                        [bow](double t, int order) -> Vec3 {
+                                          constexpr double d = 1e-4;
+                                          if (order == 0) return bow(t);
+                                          if (order == 1)
+                                            return (bow(t + d) - bow(t - d)) / (2 * d);
+                                          return (bow(t + d) - 2 * bow(t) + bow(t - d)) / (d * d);
+                                        }),
+                     2, h));
+    // Along the shared line, and against it.
+    p.region(h == 0.1 ? std::vector<std::string>{"bow", "shared"}
+                      : std::vector<std::string>{"shared", "bow"});
+    p.region({"w", "s", "e", "shared"});
+    REQUIRE(p.layouts[0]->domain() != SkinOptions::Domain::Polygon);
+    const Seam seam = p.seam("shared", 0, 1);
+    REQUIRE((seam.sides[0].embedded && !seam.sides[1].embedded));
+    const auto result = p.join({seam});
+    INFO(result.plans[0].why_not);
+    REQUIRE(result.plans[0].why_not.empty());
+    const SkinnedRegion a = p.layouts[0]->region(p.regions[0].first),
+                        b = p.layouts[1]->region(p.regions[1].first);
+    before.push_back(seam_angle({&a, &b}, seam).mean_deg);
+    after.push_back(result.angles[0].mean_deg);
+  }
+  CAPTURE(before, after);
+  for (size_t i = 0; i < after.size(); ++i) CHECK(after[i] < before[i] / 30);
+  CHECK(after[2] < 0.5 * after[0]);
 }

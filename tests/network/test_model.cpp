@@ -142,6 +142,70 @@ TEST_CASE("a one-sided strip is skinned and found not orientable") {
   for (const ModelRegion& r : model.regions) CHECK(r.skinned.has_value());
 }
 
+TEST_CASE(
+    "rims and holes run around their regions: volumes of a can, a torus and a box with a pocket") {
+  const double pi = std::numbers::pi;
+  const auto circle = [&](const std::string& name, const Vec3& centre, const Vec3& a,
+                          const Vec3& b) {
+    return CharacterLine{name, curve_from_formula(0, 2 * pi, [=](double t, int order) -> Vec3 {
+                           if (order == 0) return centre + a * std::cos(t) + b * std::sin(t);
+                           if (order == 1) return -a * std::sin(t) + b * std::cos(t);
+                           return -a * std::cos(t) - b * std::sin(t);
+                         })};
+  };
+  const auto word = [](std::vector<std::vector<std::string>> loops, bool ring = false) {
+    RegionWord w;
+    w.loops = std::move(loops);
+    w.ring = ring;
+    return w;
+  };
+  const Vec3 x = Vec3::UnitX(), y = Vec3::UnitY(), z = Vec3::UnitZ();
+  ModelOptions options;
+  options.smooth_below_deg = -1;
+  for (const double sense : {1.0, -1.0}) {
+    RegionOptions regions;
+    regions.words = {word({{"low"}, {"high"}}, true), word({{"low"}}), word({{"high"}})};
+    const SurfaceModel can = model_of(
+        {circle("low", Vec3::Zero(), x, y), circle("high", 2 * z, x, sense * y)}, options, regions);
+    REQUIRE(can.shells.size() == 1);
+    CHECK(can.shells[0].closed);
+    // Least bending without stretching narrows the waist.
+    CHECK(can.shells[0].volume == Approx(2 * pi).epsilon(0.2));
+
+    std::vector<CharacterLine> lines;
+    RegionOptions rings;
+    for (int i = 0; i < 4; ++i) {
+      const Vec3 out = std::cos(i * pi / 2) * x + std::sin(i * pi / 2) * y;
+      lines.push_back(
+          circle("c" + std::to_string(i), 2 * out, 0.7 * out, (i % 2 ? sense : 1) * 0.7 * z));
+      rings.words.push_back(
+          word({{"c" + std::to_string(i)}, {"c" + std::to_string((i + 1) % 4)}}, true));
+    }
+    const SurfaceModel torus = model_of(lines, options, rings);
+    REQUIRE(torus.shells.size() == 1);
+    CHECK(torus.shells[0].closed);
+    CHECK(torus.shells[0].orientable);
+    CHECK(torus.shells[0].volume > 5);
+
+    auto box = box_lines(Vec3::Zero(), Vec3(3, 3, 3));
+    RegionOptions pocket;
+    for (CharacterLine line : box_lines(Vec3(1, 1, 2), Vec3(1, 1, 1))) {
+      line.name = "p" + line.name;
+      if (sense < 0 && line.name == "px3")
+        line.curve = curve_through_points("px3", {Vec3(2, 1, 3), Vec3(1, 1, 3)});
+      box.push_back(line);
+    }
+    pocket.words = {word({{"x3", "x4", "y2", "y4"}, {"px3", "px4", "py2", "py4"}})};
+    RegionWord open;
+    open.kind = RegionWord::Kind::Nothing;
+    open.loops = {{"px3", "px4", "py2", "py4"}};
+    pocket.words.push_back(open);
+    const SurfaceModel model = model_of(box, options, pocket);
+    CHECK(model.shells.size() == 1);
+    CHECK(model.shells[0].volume == Approx(26).epsilon(1e-6));
+  }
+}
+
 TEST_CASE("a model scales: the same network in mm and in m is the same shape") {
   const auto lines = sphere_lines();
   const auto scaled = sphere_lines(1000);

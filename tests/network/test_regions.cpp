@@ -274,6 +274,20 @@ TEST_CASE("one loop of many arcs is one region") {
   CHECK(found.sides() == all(1, static_cast<size_t>(n)));
 }
 
+TEST_CASE("a loop that is alone is a region even where every corner turns inwards") {
+  Lines lines;
+  constexpr int lobes = 12;
+  for (int i = 0; i < lobes; ++i) {
+    const double a = 2 * std::numbers::pi * i / lobes, b = 2 * std::numbers::pi * (i + 1) / lobes;
+    const Vec3 p(std::cos(a), std::sin(a), 0), q(std::cos(b), std::sin(b), 0);
+    const Vec3 out = 0.2 * (p + q);
+    lines.push_back({"lobe " + std::to_string(i), bezier_curve(p, p + out, q + out, q)});
+  }
+  const Found found(lines);
+  REQUIRE(found.regions.regions.size() == 1);
+  CHECK(found.regions.regions[0].loops[0].size() == lobes);
+}
+
 TEST_CASE("lines that hang into a region lie in it and others stay bare") {
   Lines lines = grid(1, 1, [](double, double) { return 0.0; });
   lines.push_back(straight("in", Vec3(0, 0.5, 0), Vec3(0.6, 0.5, 0)));
