@@ -1,5 +1,7 @@
 #include "batten/apps/commands/make_model.h"
 
+#include <algorithm>
+
 #include "batten/fem/assembly.h"
 
 namespace batten {
@@ -29,7 +31,7 @@ double bending_energy(const MadeModel& made, const Vec3& beta) {
       sum += q.col(i).dot(K.selfadjointView<Eigen::Lower>() * q.col(i)) /
              (r.skinned->size * r.skinned->size);
   }
-  return sum;
+  return std::max(sum, 0.0);  // of flat regions only rounding is left
 }
 
 }  // namespace

@@ -147,21 +147,33 @@ void write_model_files(Report& report, const Scene& scene, const MadeModel& made
     compare_into(report, scene, regions, progress);
     watch.lap("compare");
   }
+  // One region that a file cannot have does not take the others' files away.
+  const auto unless_refused = [&](const std::string& file, const auto& write) {
+    try {
+      write();
+    } catch (const InputError& e) {
+      report.missed.push_back({file, std::string("is not written: ") + e.what()});
+    }
+  };
   if (!scene.step.empty()) {
     progress.at("STEP", 0);
-    write_step_into(report, scene, made, out);
+    unless_refused(scene.step, [&] { write_step_into(report, scene, made, out); });
     watch.lap("step");
   }
-  if (!scene.vtp.empty() || !scene.vtu.empty()) {
-    progress.at("VTK", 0);
-    VtkOptions vtk;
-    vtk.lines = vtk_lines(made.network, made.model);
-    if (!scene.vtp.empty()) write_vtp(out.file(scene.vtp), regions, vtk);
-    if (!scene.vtu.empty()) write_vtu(out.file(scene.vtu), regions, vtk);
-    for (const auto& file : {scene.vtp, scene.vtu})
-      if (!file.empty()) report.files.push_back(file);
-    watch.lap("vtk");
-  }
+  if (scene.vtp.empty() && scene.vtu.empty()) return;
+  progress.at("VTK", 0);
+  VtkOptions vtk;
+  vtk.lines = vtk_lines(made.network, made.model);
+  const auto write_vtk = [&](const std::string& file, const auto& write) {
+    if (file.empty()) return;
+    unless_refused(file, [&] {
+      write(out.file(file), regions, vtk);
+      report.files.push_back(file);
+    });
+  };
+  write_vtk(scene.vtp, write_vtp);
+  write_vtk(scene.vtu, write_vtu);
+  watch.lap("vtk");
 }
 
 PictureScene model_picture(const PictureScene& look, const MadeModel& made) {

@@ -150,7 +150,8 @@ class ModelMaker {
   void lay_out_one(size_t r) {
     const NetworkRegion& plan = model_.regions[r].plan;
     SkinOptions skin = options_.skin;
-    skin.edge_length = edge_;
+    constexpr double least_across = 12;  // elements across a small region
+    skin.edge_length = std::min(edge_, orientation_.sizes[r] / least_across);
     skin.tolerance = tolerance_;
     skin.domain = plan.ring ? SkinOptions::Domain::Ring : SkinOptions::Domain::Auto;
     skin.against_first = plan.loops[0][0].reversed;
@@ -328,7 +329,8 @@ class ModelMaker {
             seam_angle(regions, seams_[s], {plans[s].ends[0].open, plans[s].ends[1].open});
         join.max_deg = angle.max_deg;
         join.max_inside_deg = angle.max_inside_deg;
-        if (!(angle.max_inside_deg <= options_.join_tolerance_deg)) {
+        // Vertices on an embedded line are not those of its region's mesh.
+        if (plans[s].at.empty() && !(angle.max_inside_deg <= options_.join_tolerance_deg)) {
           halved.insert(join.arc);
           for (const int r : join.regions) again.insert(r);
         }
