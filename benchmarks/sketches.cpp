@@ -244,7 +244,7 @@ int main() {
       if (!ours.empty() && !plain.empty()) {
         ours.ready();
         plain.ready();
-        constexpr double covered = 0.01;
+        constexpr double covered = 0.002;
         for (long i = 0; i < vertices.rows(); ++i) {
           const Vec3 p = vertices.row(i);
           const double a = ours.distance(p), b = plain.distance(p);

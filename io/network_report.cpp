@@ -57,6 +57,7 @@ Json json_of(const NetworkReport::Join& j) {
   if (j.regions.size() == 2) {
     json["first_deg"] = j.first_deg;
     json["max_deg"] = j.max_deg;
+    json["max_inside_deg"] = j.max_inside_deg;
   }
   if (j.kind == "smooth") {
     json["one_domain"] = j.one_domain;
@@ -152,7 +153,7 @@ NetworkReport network_report(const CharacterLineNetwork& network, const FoundReg
   }
   for (const ModelJoin& j : model.joins)
     report.joins.push_back({arc(j.arc), regions(j.regions), word(j.kind), j.asked, j.one_domain,
-                            j.open, j.first_deg, j.max_deg, j.why});
+                            j.open, j.first_deg, j.max_deg, j.max_inside_deg, j.why});
   for (const RegionChoice& c : found.choices) {
     NetworkReport::Choice choice{c.text, c.where, c.arcs, loops(c.chosen), {}, c.margins};
     for (const auto& alternative : c.alternatives)

@@ -35,7 +35,7 @@ struct NetworkReport {
     std::string kind;  ///< "rim", "crease", "smooth", "branching"
     bool asked = false, one_domain = false;
     std::array<bool, 2> open{};
-    double first_deg = 0, max_deg = 0;
+    double first_deg = 0, max_deg = 0, max_inside_deg = 0;
     std::string why;
   };
   struct Choice {

@@ -53,14 +53,12 @@ std::string joins(const NetworkReport& n) {
   for (const auto& j : n.joins) {
     ++counts[j.kind];
     if (j.kind != "smooth") continue;
-    if (j.open[0] || j.open[1])
-      ++open;
-    else
-      angle = std::max(angle, j.max_deg);
+    open += j.open[0] || j.open[1];
+    angle = std::max(angle, j.max_inside_deg);
   }
   std::string text = counted(counts["crease"], "crease", "creases") + ", " +
                      std::to_string(counts["smooth"]) + " smooth";
-  if (counts["smooth"] > open) text += " within " + number(angle) + " degrees";
+  if (counts["smooth"]) text += " within " + number(angle) + " degrees";
   if (open) text += " (" + std::to_string(open) + " of them with an end that is a crease)";
   text += ", " + counted(counts["rim"], "rim", "rims");
   if (counts["branching"]) text += ", " + std::to_string(counts["branching"]) + " branching";

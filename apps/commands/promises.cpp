@@ -76,8 +76,7 @@ std::vector<MissedPromise> broken_network_promises(const Report& report) {
   }
   for (const auto& j : n.joins) {
     const std::string at = "joins." + j.line;
-    if (j.kind == "smooth" && !j.open[0] && !j.open[1])
-      at_most(at + ".max_deg", j.max_deg, n.join_tolerance_deg);
+    if (j.kind == "smooth") at_most(at + ".max_inside_deg", j.max_inside_deg, n.join_tolerance_deg);
     if (j.kind != "smooth" && j.asked && !j.why.empty())
       missed.push_back({at, "was asked for as smooth and is a " + j.kind + ": " + j.why});
   }

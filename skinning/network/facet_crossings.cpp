@@ -115,6 +115,7 @@ struct Grid {
 
 std::vector<FacetCrossing> facet_crossings(const std::vector<Vec3>& points,
                                            const std::vector<std::array<int, 3>>& facets,
+                                           const std::vector<std::array<int, 3>>& joined,
                                            const std::vector<int>& surface_of, double near) {
   std::vector<Corners> corners;
   std::vector<Box> boxes;
@@ -142,7 +143,7 @@ std::vector<FacetCrossing> facet_crossings(const std::vector<Vec3>& points,
 
   // Free edges of each facet.
   const auto key = [&](size_t f, int i) {
-    return std::minmax(facets[f][i], facets[f][(i + 1) % 3]);
+    return std::minmax(joined[f][i], joined[f][(i + 1) % 3]);
   };
   std::map<std::tuple<int, int, int>, int> uses_of_surface;
   for (size_t f = 0; f < facets.size(); ++f)
@@ -153,13 +154,13 @@ std::vector<FacetCrossing> facet_crossings(const std::vector<Vec3>& points,
   for (size_t f = 0; f < facets.size(); ++f)
     for (int i = 0; i < 3; ++i) {
       is_free[f][i] = uses_of_surface[{key(f, i).first, key(f, i).second, surface_of[f]}] == 1;
-      if (is_free[f][i]) at_rim[facets[f][i]] = at_rim[facets[f][(i + 1) % 3]] = 1;
+      if (is_free[f][i]) at_rim[joined[f][i]] = at_rim[joined[f][(i + 1) % 3]] = 1;
     }
   const auto near_rim = [&](size_t f, const Vec3& p) {
     for (int i = 0; i < 3; ++i) {
       if (is_free[f][i] && distance_to_segment(p, corners[f][i], corners[f][(i + 1) % 3]) <= near)
         return true;
-      if (at_rim[facets[f][i]] && (p - corners[f][i]).norm() <= near) return true;
+      if (at_rim[joined[f][i]] && (p - corners[f][i]).norm() <= near) return true;
     }
     return false;
   };
@@ -178,8 +179,8 @@ std::vector<FacetCrossing> facet_crossings(const std::vector<Vec3>& points,
         const auto home = grid.cell(boxes[a].low.cwiseMax(boxes[b].low));
         if (Grid::key(home[0], home[1], home[2]) != grid.entries[begin].cell) continue;
         bool neighbours = false;
-        for (const int v : facets[a])
-          for (const int w : facets[b]) neighbours = neighbours || v == w;
+        for (const int v : joined[a])
+          for (const int w : joined[b]) neighbours = neighbours || v == w;
         if (neighbours) continue;
         found.clear();
         pierce(corners[a], corners[b], found);

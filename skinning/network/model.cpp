@@ -142,6 +142,9 @@ class ModelMaker {
         layouts_[r].reset();
         shapes_[r] = {};
         region.why_not = e.what();
+        if (dynamic_cast<const NoSolutionError*>(&e) ||
+            region.why_not.find("parametric") != std::string::npos)
+          region.why_not = "its lines leave too little room for elements (" + region.why_not + ")";
       }
     });
     progress_.at("skinning regions", to);
@@ -314,14 +317,13 @@ class ModelMaker {
   // above the tolerance.
   void join() {
     std::vector<Points> dofs(model_.regions.size());
-    for (size_t r = 0; r < dofs.size(); ++r)
-      if (layouts_[r]) dofs[r] = shapes_[r].first;
     std::vector<SeamPlan> plans;
-    for (int round = 0; !seams_.empty(); ++round) {
-      progress_.at("joining", (round + 0.2) / (options_.most_join_rounds + 1));
+    for (int round = 0;; ++round) {
+      progress_.at("joining", std::min(0.9, (round + 0.2) / (options_.most_join_rounds + 1)));
       plans = solve_groups(dofs);
       std::vector<const SkinnedRegion*> regions = make_regions(dofs);
       std::set<int> halved, again;
+      bool fewer = false;
       for (size_t s = 0; s < seams_.size(); ++s) {
         if (!plans[s].why_not.empty()) continue;
         ModelJoin& join = model_.joins[static_cast<size_t>(seam_join_[s])];
@@ -329,19 +331,24 @@ class ModelMaker {
             seam_angle(regions, seams_[s], {plans[s].ends[0].open, plans[s].ends[1].open});
         join.max_deg = angle.max_deg;
         join.max_inside_deg = angle.max_inside_deg;
-        // Vertices on an embedded line are not those of its region's mesh.
-        if (plans[s].at.empty() && !(angle.max_inside_deg <= options_.join_tolerance_deg)) {
+        if (angle.max_inside_deg <= options_.join_tolerance_deg) continue;
+        if (!plans[s].at.empty()) {
+          // Vertices on an embedded line are not those of its region's mesh: halving would not
+          // help.
+          constexpr double better_a_crease = 2;
+          if (angle.max_inside_deg <= better_a_crease) continue;
+          given_up_[join.arc] = "a region carries it embedded, and would leave an angle of " +
+                                number(angle.max_inside_deg) + " degrees";
+          fewer = true;
+        } else if (round < options_.most_join_rounds) {
           halved.insert(join.arc);
           for (const int r : join.regions) again.insert(r);
         }
       }
-      if (halved.empty() || round >= options_.most_join_rounds) break;
+      if (halved.empty() && !fewer) break;
       for (const int a : halved) halve(a);
       lay_out({again.begin(), again.end()}, 0.5, 0.9);
       find_sides_again();
-      for (const int r : again)
-        if (layouts_[static_cast<size_t>(r)])
-          dofs[static_cast<size_t>(r)] = shapes_[static_cast<size_t>(r)].first;
     }
     for (size_t s = 0; s < plans.size(); ++s) {
       ModelJoin& join = model_.joins[static_cast<size_t>(seam_join_[s])];
@@ -361,7 +368,6 @@ class ModelMaker {
             " degrees), it is a crease");
       }
     }
-    make_regions(dofs);
   }
 
   // Another layout of a region may carry a line in another way.
@@ -376,6 +382,7 @@ class ModelMaker {
   }
 
   std::vector<SeamPlan> solve_groups(std::vector<Points>& dofs) {
+    for (size_t r = 0; r < dofs.size(); ++r) dofs[r] = shapes_[r].first;
     std::vector<SeamPlan> plans;
     {
       // Seams of regions that could not be laid out again are given up.
@@ -384,6 +391,11 @@ class ModelMaker {
       plans.resize(seams_.size());
       for (size_t s = 0; s < seams_.size(); ++s) {
         plans[s].seam = seams_[s];
+        const int arc = model_.joins[static_cast<size_t>(seam_join_[s])].arc;
+        if (const auto it = given_up_.find(arc); it != given_up_.end()) {
+          plans[s].why_not = it->second;
+          continue;
+        }
         const bool there = layouts_[static_cast<size_t>(seams_[s].sides[0].region)] &&
                            layouts_[static_cast<size_t>(seams_[s].sides[1].region)];
         if (!there) {
@@ -461,12 +473,6 @@ class ModelMaker {
     progress_.at("measuring", 0);
     if (model_.regions.empty()) return;
     const int n = static_cast<int>(model_.regions.size());
-    if (seams_.empty()) {
-      std::vector<Points> dofs(model_.regions.size());
-      for (size_t r = 0; r < dofs.size(); ++r)
-        if (layouts_[r]) dofs[r] = shapes_[r].first;
-      make_regions(dofs);
-    }
     parallel_parts(n, [&](int r) {
       ModelRegion& region = model_.regions[static_cast<size_t>(r)];
       if (!region.skinned) return;
@@ -549,7 +555,8 @@ class ModelMaker {
   std::vector<std::unique_ptr<RegionLayout>> layouts_;    // by region; none: not skinned
   std::vector<JoinRegion> shapes_;                        // that their own lines make
   std::vector<Seam> seams_;
-  std::vector<int> seam_join_;  // index into model_.joins
+  std::map<int, std::string> given_up_;  // arcs whose seam proved worse than a crease, and why
+  std::vector<int> seam_join_;           // index into model_.joins
 };
 
 }  // namespace

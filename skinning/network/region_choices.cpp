@@ -31,11 +31,14 @@ void write_text(const RegionGraph& graph, RegionChoice& choice) {
 }  // namespace
 
 std::string said(const RegionGraph& graph, const std::vector<ArcLoop>& loops) {
+  constexpr size_t most_named = 6, named = 3;
   std::string all;
   for (const ArcLoop& loop : loops) {
     all += all.empty() ? "[" : ", [";
-    for (size_t i = 0; i < loop.size(); ++i)
+    const bool some = loop.size() > most_named;
+    for (size_t i = 0; i < (some ? named : loop.size()); ++i)
       all += (i ? ", '" : "'") + graph.arcs[loop[i].arc].name + "'";
+    if (some) all += ", … " + std::to_string(loop.size()) + " lines";
     all += "]";
   }
   return all;

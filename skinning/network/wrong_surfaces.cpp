@@ -125,8 +125,10 @@ void look_at_inner_folds(const Regions& regions, int r, const Shell& shell,
                          " degrees inside, near " + at(place)});
 }
 
-// Points of all regions that lie within `near` of each other, or of one that does, as one number.
-std::vector<int> welded(const std::vector<Vec3>& points, double near) {
+// Points of different regions that lie within `near` of each other, or of one that does, as one
+// number; those of one region only where they are the same but for rounding.
+std::vector<int> welded(const std::vector<Vec3>& points, const std::vector<int>& region,
+                        double near, double rounding) {
   std::map<std::array<long long, 3>, std::vector<int>> cells;
   std::vector<int> number(points.size());
   for (size_t i = 0; i < points.size(); ++i) {
@@ -140,7 +142,8 @@ std::vector<int> welded(const std::vector<Vec3>& points, double near) {
           const auto it = cells.find({cell[0] + x, cell[1] + y, cell[2] + z});
           if (it == cells.end()) continue;
           for (const int j : it->second)
-            if ((points[static_cast<size_t>(j)] - points[i]).norm() <= near) {
+            if ((points[static_cast<size_t>(j)] - points[i]).norm() <=
+                (region[static_cast<size_t>(j)] == region[i] ? rounding : near)) {
               number[i] = j;
               found = true;
               break;
@@ -154,8 +157,9 @@ std::vector<int> welded(const std::vector<Vec3>& points, double near) {
 // All facets with points on shared lines welded.
 struct Soup {
   std::vector<Vec3> points;
-  std::vector<std::array<int, 3>> facets;
-  std::vector<int> region, facet;  // of each facet
+  std::vector<std::array<int, 3>> facets;  // welded
+  std::vector<std::array<int, 3>> own;     // the same as they lie
+  std::vector<int> region, facet;          // of each facet
   double near = 0;
 };
 
@@ -164,6 +168,7 @@ Soup soup_of(const Regions& regions, const std::vector<SkinQuality>& qualities,
   Soup soup;
   std::vector<Vec3> rim;    // points on the edges of one facet
   std::vector<int> at_rim;  // their numbers
+  std::vector<int> of_rim;  // their regions
   double size = 0, gap = 0, edge = std::numeric_limits<double>::infinity();
   for (size_t r = 0; r < shells.size(); ++r) {
     if (!regions[r]) continue;
@@ -185,6 +190,7 @@ Soup soup_of(const Regions& regions, const std::vector<SkinQuality>& qualities,
       if (!on_rim[i]) continue;
       rim.push_back(shells[r].points[i]);
       at_rim.push_back(base + static_cast<int>(i));
+      of_rim.push_back(static_cast<int>(r));
     }
     soup.points.insert(soup.points.end(), shells[r].points.begin(), shells[r].points.end());
     size = std::max(size, regions[r]->size);
@@ -192,11 +198,12 @@ Soup soup_of(const Regions& regions, const std::vector<SkinQuality>& qualities,
     edge = std::min(edge, shells[r].edge);
   }
   soup.near = std::max(1e-9 * size, std::min(4 * gap, 0.1 * edge));
-  const std::vector<int> first = welded(rim, soup.near);
+  const std::vector<int> first = welded(rim, of_rim, soup.near, 1e-9 * size);
   std::vector<int> number(soup.points.size());
   for (size_t i = 0; i < number.size(); ++i) number[i] = static_cast<int>(i);
   for (size_t i = 0; i < rim.size(); ++i)
     number[static_cast<size_t>(at_rim[i])] = at_rim[static_cast<size_t>(first[i])];
+  soup.own = soup.facets;
   for (auto& facet : soup.facets)
     for (int& v : facet) v = number[static_cast<size_t>(v)];
   return soup;
@@ -262,8 +269,8 @@ void look_at_crossings(const Regions& regions, const std::vector<Shell>& shells,
   for (const Shell& shell : shells) edge = std::max(edge, shell.edge);
   // Beside lines that both regions only nearly keep, facets may dip through each other.
   constexpr double share = 0.1;
-  const auto crossings =
-      facet_crossings(soup.points, soup.facets, soup.region, std::max(soup.near, share * edge));
+  const auto crossings = facet_crossings(soup.points, soup.own, soup.facets, soup.region,
+                                         std::max(soup.near, share * edge));
   struct Crossed {
     int count = 0;
     Vec3 where = Vec3::Zero();

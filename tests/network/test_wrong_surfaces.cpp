@@ -265,7 +265,7 @@ TEST_CASE("crossings of facets are those that a brute search finds") {
       };
       if (pierces(a, b) || pierces(b, a)) expected.emplace_back(a, b);
     }
-  for (const FacetCrossing& c : facet_crossings(points, facets, std::vector<int>(300, 0), 0))
+  for (const FacetCrossing& c : facet_crossings(points, facets, facets, std::vector<int>(300, 0), 0))
     found.emplace_back(c.a, c.b);
   CHECK(expected.size() > 100);
   CHECK(found == expected);
