@@ -78,6 +78,8 @@ struct DomainTask;  // skinning/region_parts.h
 ///               they can be;
 ///      plane    other outlines: their projection; all lines are embedded, the mesh is cut;
 ///      ring     two smooth loops: a strip that is periodic in u, both rims fitted;
+///      sheet    a loop without a polygon that does not project simply either: its developable
+///               filling, unfolded like a strip of paper; all lines are embedded;
 ///    scaled so that the region's size is 1: (u, v) has no unit;
 /// 4. holes, and inner lines that cannot be fitted (closed, bent, ending inside, crossing), are
 ///    embedded: held at points, with a gap between them that is measured and driven under
