@@ -84,6 +84,17 @@ class ModelMaker {
     for (size_t l = 0; l < plan.loops.size(); ++l)
       while (open_slit(plan, l)) {
       }
+    // A tube that was cut open along a line: two smooth loops and the cut between them.
+    plan.ring = plan.loops.size() == 2 && !plan.inner.empty() && is_smooth(plan.loops[0]) &&
+                is_smooth(plan.loops[1]);
+  }
+  bool is_smooth(const ArcLoop& loop) const {
+    for (size_t i = 0; i < loop.size(); ++i) {
+      const ArcUse &use = loop[i], &next = loop[(i + 1) % loop.size()];
+      const NetworkArc& arc = network_.arcs()[static_cast<size_t>(use.arc)];
+      if (arc.on[use.reversed ? 0 : 1] != ArcEnd{next.arc, next.reversed}) return false;
+    }
+    return true;
   }
   bool open_slit(NetworkRegion& plan, size_t l) const {
     const ArcLoop loop = plan.loops[l];
@@ -139,8 +150,8 @@ class ModelMaker {
       } catch (const CancelledError&) {
         throw;
       } catch (const std::runtime_error& e) {
-        layouts_[r].reset();
-        shapes_[r] = {};
+        // Made once more for its joins only: then it stays as it was.
+        if (layouts_[r]) return;
         region.why_not = e.what();
         if (dynamic_cast<const NoSolutionError*>(&e) ||
             region.why_not.find("parametric") != std::string::npos)
@@ -159,17 +170,23 @@ class ModelMaker {
     skin.domain = plan.ring ? SkinOptions::Domain::Ring : SkinOptions::Domain::Auto;
     skin.against_first = plan.loops[0][0].reversed;
     std::vector<CharacterLine> lines = lines_of(plan);
+    std::unique_ptr<RegionLayout> layout;
+    std::vector<std::string> warnings;
     try {
-      layouts_[r] = std::make_unique<RegionLayout>(plan.name, lines, skin);
+      layout = std::make_unique<RegionLayout>(plan.name, lines, skin);
     } catch (const InputError& e) {
       if (plan.inner.empty()) throw;
       lines.resize(lines.size() - plan.inner.size());
-      layouts_[r] = std::make_unique<RegionLayout>(plan.name, lines, skin);
-      model_.regions[r].warnings = {"its inner lines are left out: " + std::string(e.what())};
+      layout = std::make_unique<RegionLayout>(plan.name, lines, skin);
+      warnings = {"its inner lines are left out: " + std::string(e.what())};
     }
-    shapes_[r].layout = layouts_[r].get();
-    shapes_[r].material = material_for(layouts_[r]->size());
-    shapes_[r].first = solve_joined({shapes_[r]}, {}, origin_)[0];
+    JoinRegion shape;
+    shape.layout = layout.get();
+    shape.material = material_for(layout->size());
+    shape.first = solve_joined({shape}, {}, origin_)[0];
+    layouts_[r] = std::move(layout);
+    shapes_[r] = std::move(shape);
+    model_.regions[r].warnings = std::move(warnings);
   }
 
   // alpha and beta of the model, scaled to size 1, in a region's own (u, v): E = ∬ alpha |x_U|² +
@@ -439,11 +456,35 @@ class ModelMaker {
         of_group.push_back(plan);
         for (JoinSide& side : of_group.back().seam.sides) side.region = local[side.region];
       }
-      const std::vector<Points> solved = solve_joined(some, of_group, origin_);
+      std::vector<Points> solved;
+      try {
+        solved = solve_joined(some, of_group, origin_);
+      } catch (const CancelledError&) {
+        throw;
+      } catch (const std::runtime_error& e) {
+        // The seams of this group do not go together: without those on embedded lines, or none.
+        give_up(plans, local, e.what());
+        return solve_groups(dofs);
+      }
       for (const int r : regions)
         dofs[static_cast<size_t>(r)] = solved[static_cast<size_t>(local[r])];
     }
     return plans;
+  }
+
+  void give_up(const std::vector<SeamPlan>& plans, const std::map<int, int>& group,
+               const std::string& why) {
+    for (const bool embedded : {true, false}) {
+      bool any = false;
+      for (size_t s = 0; s < plans.size(); ++s) {
+        if (!plans[s].why_not.empty() || !group.count(plans[s].seam.sides[0].region) ||
+            plans[s].at.empty() == embedded)
+          continue;
+        given_up_[model_.joins[static_cast<size_t>(seam_join_[s])].arc] = why;
+        any = true;
+      }
+      if (any) return;
+    }
   }
 
   std::vector<const SkinnedRegion*> make_regions(const std::vector<Points>& dofs) {

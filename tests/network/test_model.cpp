@@ -206,6 +206,26 @@ TEST_CASE(
   }
 }
 
+TEST_CASE("a tube with a cut along it is a ring with a line on it") {
+  const auto circle = [](const std::string& name, double z) {
+    return CharacterLine{
+        name, curve_from_formula(0, 2 * std::numbers::pi, [z](double t, int order) -> Vec3 {
+          const Vec3 p(std::cos(t), std::sin(t), 0);
+          if (order == 0) return p + Vec3(0, 0, z);
+          if (order == 1) return {-p.y(), p.x(), 0};
+          return -p;
+        })};
+  };
+  const SurfaceModel model = model_of(
+      {circle("low", 0), circle("high", 1), straight("cut", Vec3(0, 1, 0), Vec3(0, 1, 1))});
+  REQUIRE(model.regions.size() == 1);
+  CHECK(model.regions[0].plan.ring);
+  INFO(model.regions[0].why_not);
+  REQUIRE(model.regions[0].skinned.has_value());
+  CHECK(model.regions[0].skinned->embedded.size() == 1);
+  CHECK(model.area == Approx(2 * std::numbers::pi).epsilon(0.05));
+}
+
 TEST_CASE("a model scales: the same network in mm and in m is the same shape") {
   const auto lines = sphere_lines();
   const auto scaled = sphere_lines(1000);
