@@ -54,8 +54,16 @@ Plan plan_of(const SurfaceModel& model) {
     bool whole = true;
     for (const int r : shell.regions) {
       const ModelRegion& region = model.regions[static_cast<size_t>(r)];
-      whole = whole && region.skinned;
-      if (!region.skinned) continue;
+      // No face can be fitted to a surface that turns over.
+      const bool turns_over =
+          std::any_of(model.flaws.begin(), model.flaws.end(), [r](const SurfaceFlaw& flaw) {
+            return flaw.kind == SurfaceFlaw::Kind::Jacobian && flaw.regions[0] == r;
+          });
+      if (turns_over)
+        plan.warnings.push_back("region '" + region.plan.name +
+                                "' is left out of the file: its surface turns over");
+      whole = whole && region.skinned && !turns_over;
+      if (!region.skinned || turns_over) continue;
       faces.faces.push_back(static_cast<int>(plan.regions.size()));
       plan.regions.push_back(&*region.skinned);
     }

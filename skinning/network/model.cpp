@@ -367,6 +367,8 @@ class ModelMaker {
       lay_out({again.begin(), again.end()}, 0.5, 0.9);
       find_sides_again();
     }
+    // Smooth lines that end where there is no tangent plane, by node.
+    std::map<int, std::pair<std::vector<std::string>, double>> without_plane;
     for (size_t s = 0; s < plans.size(); ++s) {
       ModelJoin& join = model_.joins[static_cast<size_t>(seam_join_[s])];
       join.why = plans[s].why_not;
@@ -378,12 +380,18 @@ class ModelMaker {
         join.open[static_cast<size_t>(e)] = end.open;
         if (!end.open) continue;
         const NetworkArc& arc = network_.arcs()[static_cast<size_t>(join.arc)];
-        model_.warnings.push_back(
-            "line '" + arc.name + "' is smooth but for its end " +
-            at(network_.nodes()[static_cast<size_t>(arc.nodes[static_cast<size_t>(e)])].position) +
-            ": the lines that meet there have no common tangent plane (" + number(end.apart_deg) +
-            " degrees), it is a crease");
+        auto& at_node = without_plane[arc.nodes[static_cast<size_t>(e)]];
+        at_node.first.push_back("'" + arc.name + "'");
+        at_node.second = std::max(at_node.second, end.apart_deg);
       }
+    }
+    for (const auto& [node, lines] : without_plane) {
+      std::string names;
+      for (const std::string& name : lines.first) names += (names.empty() ? "" : ", ") + name;
+      model_.warnings.push_back(
+          "no tangent plane at " + at(network_.nodes()[static_cast<size_t>(node)].position) +
+          ": the lines that meet there leave one by up to " + number(lines.second) +
+          " degrees, so that these end as creases: " + names);
     }
   }
 

@@ -252,6 +252,22 @@ TEST_CASE("the goblet: two squares in a ring, blown up near its rim") {
   if (kDisplay) CHECK(fs::file_size(ran.out / "goblet_sheet.png") > 20000);
 }
 
+TEST_CASE(
+    "the mouse: nine lines in any order are one closed solid, smooth where nobody said crease") {
+  const Ran ran = run(kExamples + "09-mouse/scene.toml", "mouse");
+  REQUIRE(ran.code == kDone);
+  const auto& surface = ran.report["surface"];
+  CHECK(surface["regions"] == 11);
+  CHECK(surface["max_smooth_join_deg"].get<double>() < 0.1);
+  REQUIRE(ran.report["shells"].size() == 1);
+  CHECK(ran.report["shells"][0]["closed"] == true);
+  CHECK(ran.report["shells"][0]["volume"].get<double>() == Approx(143533).epsilon(1e-3));
+  CHECK(ran.report["flaws"].empty());
+  CHECK(count(text_of(ran.out / "mouse.step"), "MANIFOLD_SOLID_BREP") == 1);
+  CHECK(count(text_of(ran.out / "mouse.step"), "ADVANCED_FACE(") == 11);
+  if (kDisplay) CHECK(fs::file_size(ran.out / "mouse.png") > 20000);
+}
+
 TEST_CASE("the bent plate's hole is a circle of nodes, and bends as plates do") {
   const Ran ran = run(kExamples + "07-plate-with-hole/scene.toml", "plate_with_hole");
   REQUIRE(ran.code == kDone);
