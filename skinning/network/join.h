@@ -75,7 +75,7 @@ struct SeamEnd {
 };
 struct SeamPlan {
   Seam seam;
-  std::array<SeamEnd, 2> ends;  ///< of two runs
+  std::array<SeamEnd, 2> ends;  ///< of two runs; says nothing of an embedded line
   /// Of an embedded line: fractions of the line's parameter, γ and δ there, linear between.
   std::vector<double> at, gamma, delta;
   std::string why_not;  ///< in words: why it cannot be joined at all

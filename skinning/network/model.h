@@ -110,9 +110,9 @@ struct SurfaceModel {
 /// 1. Regions get normals that agree across arcs, outwards where a shell is closed.
 /// 2. Each is laid out (RegionLayout) on the arcs' own curves, with the same vertices on both
 ///    sides of an arc, and solved by itself: all lines are creases.
-/// 3. Arcs become creases or smooth joins (JoinWord, or the angle found). A smooth one ends at
-/// nodes
-///    where the tangents of both sides lie in one plane, else it becomes a crease, and says so.
+/// 3. Arcs become creases or smooth joins (JoinWord, or the angle found). At a node where the
+///    tangents of both sides do not lie in one plane a smooth join ends in a crease, and that is
+///    said. One that a region carries embedded and would leave above 2 degrees becomes a crease.
 /// 4. Regions that smooth joins connect are solved together (join.h), and halved along joins until
 ///    these keep the tolerance.
 /// 5. What came out is measured, and looked through for flaws.
