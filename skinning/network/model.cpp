@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <map>
 #include <numeric>
 #include <set>
@@ -15,6 +14,23 @@
 
 namespace batten {
 namespace {
+
+// Numbers that belong together; each group is known by its lowest.
+class Groups {
+ public:
+  explicit Groups(size_t count) : lower_(count) { std::iota(lower_.begin(), lower_.end(), 0); }
+  int first(int i) const {
+    while (lower_[static_cast<size_t>(i)] != i) i = lower_[static_cast<size_t>(i)];
+    return i;
+  }
+  void join(int i, int j) {
+    const auto [low, high] = std::minmax({first(i), first(j)});
+    lower_[static_cast<size_t>(high)] = low;
+  }
+
+ private:
+  std::vector<int> lower_;
+};
 
 class ModelMaker {
  public:
@@ -184,9 +200,10 @@ class ModelMaker {
     shape.layout = layout.get();
     shape.material = material_for(layout->size());
     shape.first = solve_joined({shape}, {}, origin_)[0];
+    model_.regions[r].skinned = layout->region(shape.first);
+    model_.regions[r].warnings = std::move(warnings);
     layouts_[r] = std::move(layout);
     shapes_[r] = std::move(shape);
-    model_.regions[r].warnings = std::move(warnings);
   }
 
   // alpha and beta of the model, scaled to size 1, in a region's own (u, v): E = ∬ alpha |x_U|² +
@@ -200,16 +217,15 @@ class ModelMaker {
   }
 
   std::optional<JoinSide> side_of(const ArcSide& use, const std::string& arc) const {
-    const auto& layout = layouts_[static_cast<size_t>(use.region)];
-    if (!layout) return std::nullopt;
-    const SkinnedRegion region = layout->region(shapes_[static_cast<size_t>(use.region)].first);
-    for (const auto& loop : region.boundary)
+    const auto& region = model_.regions[static_cast<size_t>(use.region)].skinned;
+    if (!region) return std::nullopt;
+    for (const auto& loop : region->boundary)
       for (const BoundaryPiece& piece : loop) {
         const auto i = static_cast<size_t>(piece.index);
         const bool embedded = piece.kind == BoundaryPiece::Kind::Embedded;
-        const CharacterLine& line = embedded ? region.embedded[i].line : region.runs[i].line;
+        const CharacterLine& line = embedded ? region->embedded[i].line : region->runs[i].line;
         if (line.name != arc) continue;
-        const bool against = embedded && runs_against_given(region.embedded[i]);
+        const bool against = embedded && runs_against_given(region->embedded[i]);
         return JoinSide{use.region, embedded, piece.index, piece.reversed == against};
       }
     return std::nullopt;
@@ -217,10 +233,10 @@ class ModelMaker {
 
   void decide_joins() {
     progress_.at("joining", 0);
-    std::map<int, std::pair<bool, const JoinWord*>> words;
+    std::map<int, bool> words;  // smooth or not
     for (const JoinWord& word : options_.joins) {
       try {
-        for (const int a : network_.arcs_of(word.line)) words[a] = {word.smooth, &word};
+        for (const int a : network_.arcs_of(word.line)) words[a] = word.smooth;
       } catch (const InputError& e) {
         throw InputError(word.where + e.what());
       }
@@ -236,7 +252,7 @@ class ModelMaker {
                                      : ModelJoin::Kind::Branching;
       if (const auto word = words.find(join.arc); word != words.end()) {
         join.asked = true;
-        if (uses.size() != 2 && word->second.first)
+        if (uses.size() != 2 && word->second)
           join.why = std::to_string(uses.size()) + " region(s) meet there";
       }
       if (uses.size() == 2) {
@@ -245,7 +261,7 @@ class ModelMaker {
         if (one && two) {
           seams_.push_back({name, {*one, *two}});
           seam_join_.push_back(static_cast<int>(model_.joins.size()));
-        } else if (join.asked && words[join.arc].first) {
+        } else if (join.asked && words[join.arc]) {
           join.why = !layouts_[static_cast<size_t>(uses[0].region)] ||
                              !layouts_[static_cast<size_t>(uses[1].region)]
                          ? "one of its regions could not be skinned"
@@ -262,7 +278,7 @@ class ModelMaker {
       ModelJoin& join = model_.joins[static_cast<size_t>(seam_join_[s])];
       join.first_deg = estimates[s];
       const auto word = words.find(join.arc);
-      if (word != words.end() ? !word->second.first : !(join.first_deg < options_.smooth_below_deg))
+      if (word != words.end() ? !word->second : !(join.first_deg < options_.smooth_below_deg))
         continue;
       smooth.push_back(seams_[s]);
       smooth_join.push_back(seam_join_[s]);
@@ -277,12 +293,7 @@ class ModelMaker {
     std::map<int, int> seam_of;
     for (size_t s = 0; s < seams_.size(); ++s)
       seam_of[model_.joins[static_cast<size_t>(seam_join_[s])].arc] = static_cast<int>(s);
-    std::vector<int> chain(seams_.size());
-    std::iota(chain.begin(), chain.end(), 0);
-    const auto root = [&](int s) {
-      while (chain[static_cast<size_t>(s)] != s) s = chain[static_cast<size_t>(s)];
-      return s;
-    };
+    Groups chains(seams_.size());
     for (const auto& [arc, s] : seam_of)
       for (const ArcEnd& on : network_.arcs()[static_cast<size_t>(arc)].on) {
         const auto other = seam_of.find(on.arc);
@@ -294,18 +305,17 @@ class ModelMaker {
                                  [&](const ArcSide& b) { return a.region == b.region; });
             }))
           continue;
-        const int a = root(s), b = root(other->second);
-        chain[static_cast<size_t>(std::max(a, b))] = std::min(a, b);
+        chains.join(s, other->second);
       }
     std::vector<double> sum(seams_.size(), 0), length(seams_.size(), 0), result;
     for (const auto& [arc, s] : seam_of) {
-      const auto r = static_cast<size_t>(root(s));
+      const auto r = static_cast<size_t>(chains.first(s));
       const double l = network_.arcs()[static_cast<size_t>(arc)].length;
       sum[r] += l * estimate(seams_[static_cast<size_t>(s)]);
       length[r] += l;
     }
     for (size_t s = 0; s < seams_.size(); ++s) {
-      const auto r = static_cast<size_t>(root(static_cast<int>(s)));
+      const auto r = static_cast<size_t>(chains.first(static_cast<int>(s)));
       result.push_back(sum[r] / length[r]);
     }
     return result;
@@ -314,20 +324,18 @@ class ModelMaker {
   // Surfaces that lines alone make are flatter than those that go on beyond them, and meet at more
   // between nodes; at nodes, where lines fix their planes, they meet as they will in the end.
   double estimate(const Seam& seam) const {
-    const SeamAngle angle = first_angle(seam);
+    const SeamAngle angle = angle_of(seam);
     return 0.5 * angle.mean_deg + 0.25 * (angle.end_deg[0] + angle.end_deg[1]);
   }
 
-  SeamAngle first_angle(const Seam& seam) const {
-    std::array<SkinnedRegion, 2> two{region_of(seam.sides[0].region),
-                                     region_of(seam.sides[1].region)};
-    Seam local = seam;
-    local.sides[0].region = 0;
-    local.sides[1].region = 1;
-    return seam_angle({&two[0], &two[1]}, local);
-  }
-  SkinnedRegion region_of(int r) const {
-    return layouts_[static_cast<size_t>(r)]->region(shapes_[static_cast<size_t>(r)].first);
+  // Of the two regions as they are.
+  SeamAngle angle_of(Seam seam, const std::array<bool, 2>& open = {}) const {
+    std::vector<const SkinnedRegion*> two;
+    for (JoinSide& side : seam.sides) {
+      two.push_back(&*model_.regions[static_cast<size_t>(side.region)].skinned);
+      side.region = static_cast<int>(two.size()) - 1;
+    }
+    return seam_angle(two, seam, open);
   }
 
   // Solves the groups of regions that smooth joins connect, and halves along joins that are still
@@ -338,14 +346,13 @@ class ModelMaker {
     for (int round = 0;; ++round) {
       progress_.at("joining", std::min(0.9, (round + 0.2) / (options_.most_join_rounds + 1)));
       plans = solve_groups(dofs);
-      std::vector<const SkinnedRegion*> regions = make_regions(dofs);
+      give_shapes(dofs);
       std::set<int> halved, again;
       bool fewer = false;
       for (size_t s = 0; s < seams_.size(); ++s) {
         if (!plans[s].why_not.empty()) continue;
         ModelJoin& join = model_.joins[static_cast<size_t>(seam_join_[s])];
-        const SeamAngle angle =
-            seam_angle(regions, seams_[s], {plans[s].ends[0].open, plans[s].ends[1].open});
+        const SeamAngle angle = angle_of(seams_[s], {plans[s].ends[0].open, plans[s].ends[1].open});
         join.max_deg = angle.max_deg;
         join.max_inside_deg = angle.max_inside_deg;
         if (angle.max_inside_deg <= options_.join_tolerance_deg) continue;
@@ -408,45 +415,27 @@ class ModelMaker {
 
   std::vector<SeamPlan> solve_groups(std::vector<Points>& dofs) {
     for (size_t r = 0; r < dofs.size(); ++r) dofs[r] = shapes_[r].first;
-    std::vector<SeamPlan> plans;
-    {
-      // Seams of regions that could not be laid out again are given up.
-      std::vector<Seam> possible;
-      std::vector<size_t> index;
-      plans.resize(seams_.size());
-      for (size_t s = 0; s < seams_.size(); ++s) {
-        plans[s].seam = seams_[s];
-        const int arc = model_.joins[static_cast<size_t>(seam_join_[s])].arc;
-        if (const auto it = given_up_.find(arc); it != given_up_.end()) {
-          plans[s].why_not = it->second;
-          continue;
-        }
-        const bool there = layouts_[static_cast<size_t>(seams_[s].sides[0].region)] &&
-                           layouts_[static_cast<size_t>(seams_[s].sides[1].region)];
-        if (!there) {
-          plans[s].why_not = "one of its regions could not be skinned";
-          continue;
-        }
-        possible.push_back(seams_[s]);
-        index.push_back(s);
+    std::vector<SeamPlan> plans(seams_.size());
+    std::vector<Seam> possible;
+    std::vector<size_t> index;
+    for (size_t s = 0; s < seams_.size(); ++s) {
+      plans[s].seam = seams_[s];
+      const int arc = model_.joins[static_cast<size_t>(seam_join_[s])].arc;
+      if (const auto it = given_up_.find(arc); it != given_up_.end()) {
+        plans[s].why_not = it->second;
+        continue;
       }
-      std::vector<SeamPlan> planned = plan_seams(shapes_, possible, options_.join_tolerance_deg);
-      for (size_t i = 0; i < planned.size(); ++i) plans[index[i]] = std::move(planned[i]);
+      possible.push_back(seams_[s]);
+      index.push_back(s);
     }
-    std::vector<int> group(shapes_.size());
-    std::iota(group.begin(), group.end(), 0);
-    const std::function<int(int)> root = [&](int r) {
-      while (group[static_cast<size_t>(r)] != r) r = group[static_cast<size_t>(r)];
-      return r;
-    };
+    std::vector<SeamPlan> planned = plan_seams(shapes_, possible, options_.join_tolerance_deg);
+    for (size_t i = 0; i < planned.size(); ++i) plans[index[i]] = std::move(planned[i]);
+    Groups groups(shapes_.size());
     for (const SeamPlan& plan : plans)
-      if (plan.why_not.empty()) {
-        const int a = root(plan.seam.sides[0].region), b = root(plan.seam.sides[1].region);
-        group[static_cast<size_t>(std::max(a, b))] = std::min(a, b);
-      }
+      if (plan.why_not.empty()) groups.join(plan.seam.sides[0].region, plan.seam.sides[1].region);
     std::map<int, std::vector<int>> members;
     for (int r = 0; r < static_cast<int>(shapes_.size()); ++r)
-      if (layouts_[static_cast<size_t>(r)]) members[root(r)].push_back(r);
+      if (layouts_[static_cast<size_t>(r)]) members[groups.first(r)].push_back(r);
     for (const auto& [first, regions] : members) {
       if (regions.size() < 2 && std::none_of(plans.begin(), plans.end(), [&](const SeamPlan& p) {
             return p.why_not.empty() && p.seam.sides[0].region == first;
@@ -495,26 +484,19 @@ class ModelMaker {
     }
   }
 
-  std::vector<const SkinnedRegion*> make_regions(const std::vector<Points>& dofs) {
-    std::vector<const SkinnedRegion*> regions;
-    for (size_t r = 0; r < dofs.size(); ++r) {
-      ModelRegion& region = model_.regions[r];
-      region.skinned.reset();
-      if (layouts_[r]) region.skinned = layouts_[r]->region(dofs[r]);
-      regions.push_back(region.skinned ? &*region.skinned : nullptr);
-    }
-    return regions;
+  void give_shapes(const std::vector<Points>& dofs) {
+    for (size_t r = 0; r < dofs.size(); ++r)
+      if (layouts_[r]) model_.regions[r].skinned = layouts_[r]->region(dofs[r]);
   }
 
   void halve(int a) {
-    auto finer = std::make_shared<GivenCurve>(*given_[static_cast<size_t>(a)]);
-    std::vector<double> vertices;
-    for (size_t i = 0; i + 1 < finer->vertices.size(); ++i) {
-      vertices.push_back(finer->vertices[i]);
-      vertices.push_back(0.5 * (finer->vertices[i] + finer->vertices[i + 1]));
+    const GivenCurve& given = *given_[static_cast<size_t>(a)];
+    auto finer = std::make_shared<GivenCurve>(GivenCurve{given.curve, {}});
+    for (size_t i = 0; i + 1 < given.vertices.size(); ++i) {
+      finer->vertices.push_back(given.vertices[i]);
+      finer->vertices.push_back(0.5 * (given.vertices[i] + given.vertices[i + 1]));
     }
-    vertices.push_back(finer->vertices.back());
-    finer->vertices = std::move(vertices);
+    finer->vertices.push_back(given.vertices.back());
     given_[static_cast<size_t>(a)] = std::move(finer);
   }
 
@@ -584,13 +566,7 @@ class ModelMaker {
     const std::string& name = network_.arcs()[static_cast<size_t>(join.arc)].name;
     const auto one = side_of(uses[0], name), two = side_of(uses[1], name);
     if (!one || !two) return 0;
-    Seam seam{name, {*one, *two}};
-    seam.sides[0].region = 0;
-    seam.sides[1].region = 1;
-    return seam_angle({&*model_.regions[static_cast<size_t>(one->region)].skinned,
-                       &*model_.regions[static_cast<size_t>(two->region)].skinned},
-                      seam)
-        .max_deg;
+    return angle_of({name, {*one, *two}}).max_deg;
   }
 
   const CharacterLineNetwork& network_;
