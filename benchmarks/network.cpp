@@ -6,7 +6,6 @@
 #include <cmath>
 #include <cstdio>
 
-#include "batten/skinning/network/join.h"
 #include "batten/skinning/network/model.h"
 #include "bench.h"
 #include "occ_filling.h"
@@ -100,10 +99,7 @@ SkinQuality fill(const std::vector<CharacterLine>& lines, bool look = false) {
   SkinOptions options;
   options.edge_length = 0.1;
   const RegionLayout layout("region", lines, options);
-  JoinRegion region;
-  region.layout = &layout;
-  region.material = SurfaceStiffness::isotropic(0, 1);
-  Points dofs = solve_joined({region}, {}, layout.origin())[0];
+  Points dofs = ModelLayout(layout).least_energy({});
   return look ? measure(layout.region(std::move(dofs))) : SkinQuality{};
 }
 

@@ -9,10 +9,11 @@
 #include <optional>
 
 #include "analytic_shapes.h"
+#include "batten/constraints/affine_reduction.h"
 #include "batten/constraints/shape/shape_constraints.h"
 #include "batten/core/errors.h"
 #include "batten/fem/triangle_locator.h"
-#include "batten/sculpting/static_sculpt.h"
+#include "batten/skinning/model/model_layout.h"
 #include "batten/skinning/skin.h"
 #include "bench.h"
 #include "occ_filling.h"
@@ -39,14 +40,19 @@ Made skin(const AnalyticShape& shape, const std::vector<CharacterLine>& lines, d
   options.edge_length = edge;
   options.tolerance = tolerance;
   std::optional<RegionLayout> layout;
-  SculptResult result;
+  Points dofs;
   const double t = time_of([&] {
     layout.emplace(shape.name, lines, options);
     ConstraintSet set = layout->line_constraints();
     if (more) more(*layout, set);
-    result = sculpt(*layout, set, {}, {});
+    const ModelLayout model(*layout);
+    const VecX ones = model.position_dofs();
+    const SurfaceAssembler assembler(*model.mesh(), model.element(), model.trim());
+    const ConstrainedSolver solver(set.moved(ones, model.origin()),
+                                   assembler.stiffness(SurfaceStiffness{}), model.dof_order());
+    dofs = solver.solve(Points::Zero(ones.size(), 3)) + ones * model.origin().transpose();
   });
-  SkinnedRegion region = layout->region(std::move(result.dofs));
+  SkinnedRegion region = layout->region(std::move(dofs));
   const SkinQuality quality = measure(region);
   return {std::move(region), quality, layout->tolerance(), t};
 }

@@ -169,12 +169,13 @@ void time_the_path(const Door& door, const std::filesystem::path& folder, Promis
     scene.skin.options.tolerance = grid.tolerance;
     // What the program does: at least one solve in the layout, one in the sculpting.
     std::vector<double> whole;
-    std::optional<RegionLayout> layout;
+    std::optional<MadeModel> made;
     for (int round = 0; round < std::max(3, grid.rounds / 3); ++round)
       whole.push_back(time_of([&] {
-        layout.emplace(lay_out(scene, door.lines));
-        make_refined_shape(*layout, scene);
+        made.emplace(make_model(scene, door.lines));
+        make_refined_shape(*made, scene);
       }));
+    const RegionLayout* layout = &made->model.layout->region(0);
     const double size = layout->size();
     // Tolerance and edges of the scene, so that the first mesh is the layout's.
     std::vector<std::array<double, phases>> rounds;
@@ -220,7 +221,7 @@ void time_the_path(const Door& door, const std::filesystem::path& folder, Promis
     std::vector<double> step_times;
     for (int round = 0; round < 3; ++round)
       step_times.push_back(
-          time_of([&] { write_step_face(folder / "path.step", {&region}, 1e-3, step); }));
+          time_of([&] { write_step_faces(folder / "path.step", {&region}, 1e-3, step); }));
     cells[phases + 1].push_back(text("%.1f", 1e3 * median(step_times)));
     sizes.add({grid.name, number(grid.edge_length), number(grid.tolerance),
                std::to_string(first) + (end != first ? " to " + std::to_string(end) : ""),
@@ -292,8 +293,10 @@ void compare_steps(const Door& door, const std::filesystem::path& folder, Promis
   Scene scene = door.scene;
   scene.skin.options.edge_length = grids[1].edge_length;
   scene.skin.options.tolerance = grids[1].tolerance;
-  RegionLayout layout = lay_out(scene, door.lines);
-  const MadeShape made = make_refined_shape(layout, scene);
+  const MadeModel model = make_model(scene, door.lines);
+  const MadeShape made = make_refined_shape(model, scene);
+  const SkinnedRegion& region = made.regions.front();
+  const RegionLayout& layout = made.layout->region(0);
   const double size = layout.size();
   std::printf("STEP of the door, size %.4g mm, %d triangles, lines within %g mm.\n\n", size,
               layout.mesh()->triangle_count(), grids[1].tolerance);
@@ -307,20 +310,19 @@ void compare_steps(const Door& door, const std::filesystem::path& folder, Promis
     options.name = "door";
     const auto file = folder / "door.step";
     std::vector<double> times;
-    StepFaceReport report;
+    StepReport report;
     for (int round = 0; round < 3; ++round)
-      times.push_back(
-          time_of([&] { report = write_step_face(file, {&made.region}, 1e-3, options); }));
-    const double seen = distance_of_file(made.region, file, 1500);
-    table.add({number(share), number(options.tolerance), text("%.3g", report.deviation),
-               text("%.3g", seen), text("%.3g", report.edge_gap),
+      times.push_back(time_of([&] { report = write_step_faces(file, {&region}, 1e-3, options); }));
+    const double seen = distance_of_file(region, file, 1500);
+    table.add({number(share), number(options.tolerance), text("%.3g", *report.max_deviation),
+               text("%.3g", seen), text("%.3g", report.max_gap),
                std::to_string(report.patches[0].poles_u) + " x " +
                    std::to_string(report.patches[0].poles_v),
                std::to_string(report.bytes / 1000), text("%.2f", median(times)),
                report.valid ? "yes" : "no"});
     const std::string name = "STEP at " + number(share) + " of the size: ";
     promises.at_most(name + "deviation over asked",
-                     std::max(report.deviation, seen) / options.tolerance, 1);
+                     std::max(*report.max_deviation, seen) / options.tolerance, 1);
     promises.at_most(name + "megabytes", 1e-6 * static_cast<double>(report.bytes), 5);
     promises.at_least(name + "valid", report.valid ? 1 : 0, 1);
   }
@@ -334,7 +336,7 @@ void compare_steps(const Door& door, const std::filesystem::path& folder, Promis
       "OpenCASCADE's filling of the same lines (outline in four edges, the others as inner "
       "constraints). Distance: from points of a line to the filling's surface.\n\n");
   std::vector<HermiteCurve> outline, inner;
-  for (const EmbeddedLine& line : made.region.embedded) {
+  for (const EmbeddedLine& line : region.embedded) {
     const bool closed = line.fitted.closed();
     for (HermiteCurve& part : in_parts(line.fitted, closed ? 4 : 1))
       (line.line.role == CharacterLine::Role::Outline ? outline : inner).push_back(std::move(part));

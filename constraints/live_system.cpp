@@ -15,17 +15,18 @@ void LiveSystem::check(const SparseMatrix& S) const {
 }
 
 LiveSystem::LiveSystem(std::shared_ptr<const AffineReduction> reduction, SparseMatrix S,
-                       const std::vector<int>& dof_order)
+                       const std::vector<int>& dof_order, Expected expected)
     : reduction_(std::move(reduction)) {
   check(S);
   prepare_expansion();
   constexpr int many = 10000;
-  if (free_count() < many) {
-    const std::vector<int> order = reduction_->order_for(reduction_->reduce(S), S, dof_order);
-    factorize(S, &order);
+  const SparseMatrix reduced = reduction_->reduce(S);
+  if (expected == Expected::one_factor || free_count() < many) {
+    const std::vector<int> order = reduction_->order_for(reduced, S, dof_order);
+    factorize(S, reduced, &order);
   } else {
-    factor_.analyze(reduction_->reduce(S), Expected::many_factors);
-    factorize(S, nullptr);
+    factor_.analyze(reduced, Expected::many_factors);
+    factorize(S, reduced, nullptr);
   }
   S_ = std::move(S);
 }
@@ -34,12 +35,12 @@ LiveSystem::LiveSystem(const LiveSystem& like, SparseMatrix S) : reduction_(like
   check(S);
   prepare_expansion();
   const std::vector<int> order = like.factor_.order();
-  factorize(S, &order);
+  factorize(S, reduction_->reduce(S), &order);
   S_ = std::move(S);
 }
 
-void LiveSystem::factorize(const SparseMatrix& S, const std::vector<int>* order) {
-  const SparseMatrix reduced = reduction_->reduce(S);
+void LiveSystem::factorize(const SparseMatrix& S, const SparseMatrix& reduced,
+                           const std::vector<int>* order) {
   if (order) factor_.analyze(reduced, *order);
   if (!factor_.factorize(reduced)) throw NoSolutionError(factor_.message());
   // H = Dᵀ (S R): S R is needed where R is not zero only.
@@ -55,9 +56,9 @@ void LiveSystem::set_matrix(SparseMatrix S) {
   if (S.nonZeros() != S_.nonZeros() || S.rows() != S_.rows())
     throw InputError("a live system is given a matrix of another pattern");
   try {
-    factorize(S, nullptr);
+    factorize(S, reduction_->reduce(S), nullptr);
   } catch (...) {
-    factorize(S_, nullptr);
+    factorize(S_, reduction_->reduce(S_), nullptr);
     throw;
   }
   S_ = std::move(S);

@@ -19,11 +19,11 @@ namespace batten {
 /// expand().
 class LiveSystem {
  public:
-  /// S: lower triangle, of one coordinate. `dof_order` as for ConstrainedSolver; from 10,000
-  /// unknowns on a better order is looked for, which pays in the first dozens of answers. Throws
-  /// InputError: coupled rows; NoSolutionError.
+  /// S: lower triangle, of one coordinate. `dof_order` as for ConstrainedSolver; where many factors
+  /// are expected, a better order is looked for from 10,000 unknowns on, which pays in the first
+  /// dozens of answers. Throws InputError: coupled rows; NoSolutionError.
   LiveSystem(std::shared_ptr<const AffineReduction> reduction, SparseMatrix S,
-             const std::vector<int>& dof_order);
+             const std::vector<int>& dof_order, Expected expected = Expected::many_factors);
   /// For the rows of another system, in its order: S must have the pattern of its matrix.
   LiveSystem(const LiveSystem& like, SparseMatrix S);
 
@@ -51,8 +51,8 @@ class LiveSystem {
 
  private:
   const SparseMatrix& D() const { return reduction_->D(); }
-  // `order` of the free unknowns, or null: analysed already.
-  void factorize(const SparseMatrix& S, const std::vector<int>* order);
+  // `reduced`: DᵀSD; `order` of the free unknowns, or null: analysed already.
+  void factorize(const SparseMatrix& S, const SparseMatrix& reduced, const std::vector<int>* order);
   void check(const SparseMatrix& S) const;
   std::shared_ptr<const AffineReduction> reduction_;
   // D without its ones: constrained dofs by free unknowns.

@@ -104,20 +104,22 @@ SparseMatrix SurfaceAssembler::stiffness(const SurfaceStiffness& material) const
   return K;
 }
 
-SparseMatrix SurfaceAssembler::mass() const {
+SparseMatrix SurfaceAssembler::mass(const VecX& triangle_weights) const {
+  if (triangle_weights.size() > 0) check_weights(triangle_weights);
   SparseMatrix M = pattern();
   pattern_.assemble(
       [&](int t, double* element) {
         Eigen::Map<Mat12> mass(element, 12, 12);
+        const double w = triangle_weights.size() > 0 ? triangle_weights[t] : 1;
         if (!is_cut(t) && !is_outside(t)) {
-          mass = C1Triangle(kind_, shapes_[t]).mass();
+          mass = w * C1Triangle(kind_, shapes_[t]).mass();
           return;
         }
         mass.setZero();
         const TriangleRule rule = trim_->rule(t, 6);
         for (long p = 0; p < rule.weights.size(); ++p) {
           const Vec12 N = C1Triangle(kind_, shapes_[t]).evaluate(rule.L.row(p)).col(kW);
-          mass += shapes_[t].area * rule.weights[p] * N * N.transpose();
+          mass += w * shapes_[t].area * rule.weights[p] * N * N.transpose();
         }
       },
       M);
@@ -145,10 +147,14 @@ Points SurfaceAssembler::load(const Vec3& f) const {
   return F;
 }
 
-VecX SurfaceAssembler::load(const VecX& triangle_weights) const {
+void SurfaceAssembler::check_weights(const VecX& triangle_weights) const {
   if (triangle_weights.size() != mesh_.triangle_count())
     throw InputError(std::to_string(triangle_weights.size()) + " weights for " +
                      std::to_string(mesh_.triangle_count()) + " triangles");
+}
+
+VecX SurfaceAssembler::load(const VecX& triangle_weights) const {
+  check_weights(triangle_weights);
   VecX F = VecX::Zero(dofs_.count());
   for (int t = 0; t < mesh_.triangle_count(); ++t) {
     if (is_outside(t) || triangle_weights[t] == 0) continue;

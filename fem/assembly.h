@@ -46,8 +46,8 @@ class SurfaceAssembler {
   void stiffness(const MaterialField& material, SparseMatrix& K) const;
   SparseMatrix stiffness(const SurfaceStiffness& material) const;
 
-  /// ∬ N Nᵀ.
-  SparseMatrix mass() const;
+  /// ∬ w N Nᵀ, w constant in each triangle; none: 1 everywhere. Throws InputError on a wrong count.
+  SparseMatrix mass(const VecX& triangle_weights = VecX()) const;
   /// ∬ N f for constant f: exact.
   Points load(const Vec3& f) const;
   /// ∬ N f for f that varies: HCT by the symmetric rule of `degree` (0 to 8; 6 is exact for cubic
@@ -73,6 +73,7 @@ class SurfaceAssembler {
  private:
   using ElementLoad = Eigen::Matrix<double, 12, 3>;
   ElementLoad reference_dofs(int triangle, const Points& q) const;
+  void check_weights(const VecX& triangle_weights) const;
   // ∬ N over the part inside.
   Vec12 unit_load(int triangle) const;
   // Sum of the elements' loads, each in reference dofs.

@@ -17,10 +17,8 @@ class Dissection {
         half_(mesh.triangle_count(), 0) {
     for (int t = 0; t < mesh.triangle_count(); ++t) {
       triangles_[t] = t;
-      const auto& v = mesh.triangles()[t];
-      const Vec2& first = mesh.vertices()[v[0]];
-      centre_[t] = first + mesh.image_near(mesh.vertices()[v[1]], first) +
-                   mesh.image_near(mesh.vertices()[v[2]], first);
+      const auto& corner = mesh.shape(t).vertex;
+      centre_[t] = corner[0] + corner[1] + corner[2];
     }
     order_.resize(dofs_.count());
     next_ = dofs_.count();

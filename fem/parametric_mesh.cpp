@@ -1,10 +1,19 @@
 #include "batten/fem/parametric_mesh.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "batten/core/errors.h"
 
 namespace batten {
+namespace {
+
+Vec2 nearest_image(const Vec2& p, const Vec2& anchor, double period) {
+  if (period == 0) return p;
+  return {p.x() + period * std::round((anchor.x() - p.x()) / period), p.y()};
+}
+
+}  // namespace
 
 ParametricMesh::ParametricMesh(std::vector<Vec2> vertices, std::vector<Triangle> triangles,
                                double period)
@@ -66,6 +75,41 @@ ParametricMesh::ParametricMesh(std::vector<Vec2> vertices, std::vector<Triangle>
     if (!used[v]) throw InputError("parametric vertex " + std::to_string(v) + " has no triangle");
 }
 
+ParametricMesh ParametricMesh::side_by_side(const std::vector<const ParametricMesh*>& meshes) {
+  ParametricMesh all;
+  for (const ParametricMesh* mesh : meshes) {
+    const int v0 = all.vertex_count(), e0 = all.edge_count(), t0 = all.triangle_count();
+    if (mesh->components_.empty()) all.components_.push_back({v0, mesh->period_});
+    for (const Component& component : mesh->components_)
+      all.components_.push_back({v0 + component.first_vertex, component.period});
+    all.vertices_.insert(all.vertices_.end(), mesh->vertices_.begin(), mesh->vertices_.end());
+    for (const Triangle& t : mesh->triangles_)
+      all.triangles_.push_back({v0 + t[0], v0 + t[1], v0 + t[2]});
+    for (const Triangle& t : mesh->triangle_edges_)
+      all.triangle_edges_.push_back({e0 + t[0], e0 + t[1], e0 + t[2]});
+    for (Edge e : mesh->edges_) {
+      e.low += v0;
+      e.high += v0;
+      for (int& t : e.triangle)
+        if (t >= 0) t += t0;
+      all.edges_.push_back(e);
+    }
+    for (std::vector<int> edges : mesh->edges_from_) {
+      for (int& e : edges) e += e0;
+      all.edges_from_.push_back(std::move(edges));
+    }
+  }
+  return all;
+}
+
+double ParametricMesh::period_at(int vertex) const {
+  if (components_.empty()) return period_;
+  const auto after = std::upper_bound(
+      components_.begin(), components_.end(), vertex,
+      [](int v, const Component& component) { return v < component.first_vertex; });
+  return std::prev(after)->period;
+}
+
 int ParametricMesh::edge_between(int a, int b) const {
   const int low = std::min(a, b), high = std::max(a, b);
   for (const int e : edges_from_[low])
@@ -76,15 +120,15 @@ int ParametricMesh::edge_between(int a, int b) const {
 TriangleShape ParametricMesh::shape(int t) const {
   const Triangle& tri = triangles_[t];
   const Vec2& first = vertices_[tri[0]];
+  const double period = period_at(tri[0]);
   return {first,
-          image_near(vertices_[tri[1]], first),
-          image_near(vertices_[tri[2]], first),
+          nearest_image(vertices_[tri[1]], first, period),
+          nearest_image(vertices_[tri[2]], first, period),
           {edge_sign(t, 0), edge_sign(t, 1), edge_sign(t, 2)}};
 }
 
 Vec2 ParametricMesh::image_near(const Vec2& p, const Vec2& anchor) const {
-  if (period_ == 0) return p;
-  return {p.x() + period_ * std::round((anchor.x() - p.x()) / period_), p.y()};
+  return nearest_image(p, anchor, period_);
 }
 
 Vec2 ParametricMesh::wrapped(Vec2 p) const {
@@ -106,7 +150,7 @@ Vec2 ParametricMesh::displacement(const std::vector<int>& chain) const {
 
 Vec2 ParametricMesh::edge_vector(int e) const {
   const Vec2& low = vertices_[edges_[e].low];
-  return image_near(vertices_[edges_[e].high], low) - low;
+  return nearest_image(vertices_[edges_[e].high], low, period_at(edges_[e].low)) - low;
 }
 
 Vec2 ParametricMesh::edge_tangent(int e) const { return edge_vector(e).normalized(); }

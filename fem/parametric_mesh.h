@@ -37,10 +37,14 @@ class ParametricMesh {
   /// (which way around it runs would be a guess).
   ParametricMesh(std::vector<Vec2> vertices, std::vector<Triangle> triangles, double period = 0);
 
+  /// The components of all meshes, one after the other: vertices, edges and triangles of each
+  /// follow those before it, in their order. O(all).
+  static ParametricMesh side_by_side(const std::vector<const ParametricMesh*>& meshes);
+
   int vertex_count() const { return static_cast<int>(vertices_.size()); }
   int edge_count() const { return static_cast<int>(edges_.size()); }
   int triangle_count() const { return static_cast<int>(triangles_.size()); }
-  /// Of u; 0: not periodic.
+  /// Of u, of a mesh of one component; 0: not periodic.
   double period() const { return period_; }
 
   const std::vector<Vec2>& vertices() const { return vertices_; }
@@ -73,12 +77,19 @@ class ParametricMesh {
   ParametricMesh refined() const;
 
  private:
+  struct Component {
+    int first_vertex;
+    double period;
+  };
+  ParametricMesh() = default;
   // From the lower end to the higher.
   Vec2 edge_vector(int edge) const;
+  double period_at(int vertex) const;
 
   std::vector<Vec2> vertices_;
   std::vector<Triangle> triangles_;
-  double period_;
+  double period_ = 0;
+  std::vector<Component> components_;  // of several, ascending; empty for one
   std::vector<Triangle> triangle_edges_;
   std::vector<Edge> edges_;
   std::vector<std::vector<int>> edges_from_;  // by lower vertex

@@ -282,6 +282,36 @@ TriangleRule Trim::rule(int triangle, int degree) const {
   return rule;
 }
 
+Trim Trim::side_by_side(const std::vector<const Trim*>& trims,
+                        const std::vector<const ParametricMesh*>& meshes) {
+  Trim all;
+  for (size_t m = 0; m < meshes.size(); ++m) {
+    const auto first = static_cast<int>(all.side_.size()),
+               first_cone = static_cast<int>(all.cones_.size());
+    const auto count = static_cast<size_t>(meshes[m]->triangle_count());
+    if (!trims[m]) {
+      all.side_.insert(all.side_.end(), count, Side::Inside);
+      all.share_.insert(all.share_.end(), count, 1.0);
+      for (int t = 0; t < meshes[m]->triangle_count(); ++t) all.area_ += meshes[m]->shape(t).area;
+      continue;
+    }
+    const Trim& trim = *trims[m];
+    const auto append = [](auto& to, const auto& from) {
+      to.insert(to.end(), from.begin(), from.end());
+    };
+    append(all.side_, trim.side_);
+    append(all.share_, trim.share_);
+    for (const int t : trim.cut_) all.cut_.push_back(first + t);
+    for (size_t c = 0; c < trim.cut_.size(); ++c)
+      all.cones_of_.push_back(first_cone + trim.cones_of_[c]);
+    append(all.cones_, trim.cones_);
+    append(all.corners_, trim.corners_);
+    all.area_ += trim.area_;
+  }
+  all.cones_of_.push_back(static_cast<int>(all.cones_.size()));
+  return all;
+}
+
 Trim Trim::restricted(const std::vector<int>& triangles) const {
   Trim part = *this;
   part.side_.clear();

@@ -44,10 +44,16 @@ class Trim {
   /// (V_j, V_k, centroid). Points are ordered by sub-triangle.
   TriangleRule rule(int triangle, int degree) const;
 
+  /// Trims of meshes side by side (ParametricMesh::side_by_side), null ones for meshes that are
+  /// whole. It has no loops(): these belong to the (u, v) of each.
+  static Trim side_by_side(const std::vector<const Trim*>& trims,
+                           const std::vector<const ParametricMesh*>& meshes);
+
   /// The same cut for a mesh that holds only these triangles, in this order.
   Trim restricted(const std::vector<int>& triangles) const;
 
  private:
+  Trim() = default;
   struct Cone {
     int sub;
     Vec2 apex;

@@ -15,45 +15,66 @@
 #include "batten/fem/triangle_locator.h"
 #include "batten/io/ccx_deck.h"
 #include "batten/io/whole_file.h"
-#include "batten/skinning/facets.h"
+#include "batten/skinning/model_facets.h"
 
 namespace batten {
 namespace fs = std::filesystem;
 namespace {
 
-/// Set names for the lines of a region, unlike each other and unlike NALL and ALL.
-std::vector<std::string> set_names(const std::vector<std::string>& lines) {
-  constexpr size_t longest = 80;
-  std::set<std::string> taken{"ALL", "NALL"};
-  std::vector<std::string> names;
-  for (const std::string& line : lines) {
+using Regions = std::vector<const SkinnedRegion*>;
+
+/// Names of sets, unlike each other and unlike NALL and ALL.
+class SetNames {
+ public:
+  /// `kind`: what comes before a name that does not begin with a letter.
+  std::string of(const std::string& text, const std::string& kind) {
+    constexpr size_t longest = 80;
     std::string name;
-    for (const char c : line) {
+    for (const char c : text) {
       const auto byte = static_cast<unsigned char>(c);
       name += byte < 128 && std::isalnum(byte) ? static_cast<char>(std::toupper(byte)) : '_';
     }
-    if (name.empty() || !std::isalpha(static_cast<unsigned char>(name[0]))) name = "LINE_" + name;
+    if (name.empty() || !std::isalpha(static_cast<unsigned char>(name[0]))) name = kind + name;
     name = name.substr(0, longest);
     std::string unique = name;
-    for (int i = 2; !taken.insert(unique).second; ++i) {
+    for (int i = 2; !taken_.insert(unique).second; ++i) {
       const std::string suffix = "_" + std::to_string(i);
       unique = name.substr(0, longest - suffix.size()) + suffix;
     }
-    names.push_back(unique);
+    return unique;
+  }
+
+ private:
+  std::set<std::string> taken_{"ALL", "NALL"};
+};
+
+/// Each once, region after region: runs, then embedded lines.
+std::vector<std::string> line_names(const Regions& regions) {
+  std::vector<std::string> names;
+  const auto add = [&](const std::string& name) {
+    if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+  };
+  for (const SkinnedRegion* region : regions) {
+    for (const LineRun& run : region->runs) add(run.line.name);
+    for (const EmbeddedLine& embedded : region->embedded) add(embedded.line.name);
   }
   return names;
 }
 
-/// Runs, then embedded lines.
-std::vector<std::string> line_names(const SkinnedRegion& region) {
-  std::vector<std::string> names;
-  for (const LineRun& run : region.runs) names.push_back(run.line.name);
-  for (const EmbeddedLine& embedded : region.embedded) names.push_back(embedded.line.name);
-  return names;
+/// The nearest name, or all of them behind `what`.
+std::string not_among(const std::string& found, const std::vector<std::string>& names,
+                      const std::string& what) {
+  const std::string nearest = nearest_word(found, names);
+  std::string all;
+  for (const auto& name : names) all += (all.empty() ? "" : ", ") + name;
+  return nearest.empty() ? what + all : "did you mean '" + nearest + "'?";
 }
 
-void check(const SkinnedRegion& region, const ShellDeck& deck) {
-  const std::string who = "stress deck of region '" + region.name + "': ";
+void check(const Regions& regions, const ShellDeck& deck) {
+  if (regions.empty()) throw InputError("stress deck: found no region, expected one or more");
+  const bool one = regions.size() == 1;
+  const std::string who = one ? "stress deck of region '" + regions[0]->name + "': "
+                              : "stress deck of " + std::to_string(regions.size()) + " regions: ";
   const auto expect = [&](bool good, const std::string& what, double found,
                           const std::string& expected) {
     if (!good)
@@ -72,57 +93,35 @@ void check(const SkinnedRegion& region, const ShellDeck& deck) {
   bool finite = deck.area_force.allFinite() && deck.gravity.allFinite();
   for (const auto& f : deck.point_forces)
     finite = finite && f.at.allFinite() && f.force.allFinite();
+  for (const auto& p : deck.pressures) finite = finite && std::isfinite(p.pressure);
   if (!finite) throw InputError(who + "found a load that is not finite");
   if (deck.supports.empty())
     throw InputError(who + "found no support, expected at least one line that is held");
-  const std::vector<std::string> names = line_names(region);
-  for (const auto& support : deck.supports) {
-    if (std::find(names.begin(), names.end(), support.line) != names.end()) continue;
-    const std::string nearest = nearest_word(support.line, names);
-    std::string all;
-    for (const auto& name : names) all += (all.empty() ? "" : ", ") + name;
-    throw InputError(
-        who + "found a support on the line '" + support.line +
-        "', which the region does not have; " +
-        (nearest.empty() ? "its lines are: " + all : "did you mean '" + nearest + "'?"));
-  }
+  const std::vector<std::string> lines = line_names(regions);
+  for (const auto& support : deck.supports)
+    if (std::find(lines.begin(), lines.end(), support.line) == lines.end())
+      throw InputError(
+          who + "found a support on the line '" + support.line + "', which " +
+          (one ? "the region does not have; " : "no region has; ") +
+          not_among(support.line, lines, one ? "its lines are: " : "their lines are: "));
+  std::vector<std::string> names;
+  for (const SkinnedRegion* region : regions) names.push_back(region->name);
+  for (const auto& p : deck.pressures)
+    if (std::find(names.begin(), names.end(), p.region) == names.end())
+      throw InputError(who + "found a pressure on the region '" + p.region +
+                       "', which the model does not have; " +
+                       not_among(p.region, names, "its regions are: "));
 }
 
-/// The six-node triangles of a region.
-struct Shell {
-  QuadraticFacets facets;
-  std::vector<Vec3> nodes;
-
-  explicit Shell(const SkinnedRegion& region) : facets(quadratic_facets(region)) {
-    if (facets.of_elements)  // the last element at a node says where it is
-      for (size_t t = 0; t < facets.triangles.size(); ++t)
-        for (int i = 0; i < 3; ++i) {
-          const auto& n = facets.triangles[t];
-          const int here = static_cast<int>(t), middle = n[3 + (i + 1) % 3];  // opposite corner i
-          facets.nodes[n[i]] = {here, Vec3::Unit(i)};
-          facets.nodes[middle] = {here, (Vec3::Ones() - Vec3::Unit(i)) / 2};
-        }
-    for (const Location& where : facets.nodes) nodes.push_back(region.surface.position(where));
-  }
-
-  int nearest_node(const Vec3& p) const {
-    return static_cast<int>(std::min_element(nodes.begin(), nodes.end(),
-                                             [&](const Vec3& a, const Vec3& b) {
-                                               return (a - p).squaredNorm() < (b - p).squaredNorm();
-                                             }) -
-                            nodes.begin());
-  }
-};
-
 /// ∬ N dA of each node, N the quadratic shape functions, dA of the true surface.
-VecX node_areas(const Surface& surface, const Shell& shell) {
+VecX node_areas(const Surface& surface, const QuadraticFacets& facets) {
   static const TriangleRule split = split_triangle(6), whole = symmetric_triangle(8);
-  const TriangleRule& rule = shell.facets.of_elements ? split : whole;
+  const TriangleRule& rule = facets.of_elements ? split : whole;
   std::optional<TriangleLocator> locator;
-  if (!shell.facets.of_elements) locator.emplace(surface.mesh());
-  VecX area = VecX::Zero(static_cast<long>(shell.nodes.size()));
-  for (size_t t = 0; t < shell.facets.triangles.size(); ++t) {
-    const auto& n = shell.facets.triangles[t];
+  if (!facets.of_elements) locator.emplace(surface.mesh());
+  VecX area = VecX::Zero(static_cast<long>(facets.nodes.size()));
+  for (size_t t = 0; t < facets.triangles.size(); ++t) {
+    const auto& n = facets.triangles[t];
     for (long p = 0; p < rule.weights.size(); ++p) {
       const Vec3 L = rule.L.row(p).transpose();
       const double N[6] = {L[0] * (2 * L[0] - 1), L[1] * (2 * L[1] - 1), L[2] * (2 * L[2] - 1),
@@ -137,8 +136,7 @@ VecX node_areas(const Surface& surface, const Shell& shell) {
                      N1[6] = {0,        4 * L[1] - 1,      1 - 4 * L[2],
                               4 * L[0], 4 * (L[2] - L[1]), -4 * L[0]};
         for (int a = 0; a < 6; ++a) {
-          const Vec2 uv =
-              surface.mesh().image_near(shell.facets.uv[n[a]], shell.facets.uv[n[0]]);
+          const Vec2 uv = surface.mesh().image_near(facets.uv[n[a]], facets.uv[n[0]]);
           at += N[a] * uv;
           d0 += N0[a] * uv;
           d1 += N1[a] * uv;
@@ -156,30 +154,55 @@ VecX node_areas(const Surface& surface, const Shell& shell) {
 }
 
 /// Forces on the nodes, from 0.
-std::map<int, Vec3> node_forces(const Surface& surface, const Shell& shell, const ShellDeck& deck) {
+std::map<int, Vec3> node_forces(const Regions& regions, const ModelFacets& model,
+                                const ShellDeck& deck) {
   std::map<int, Vec3> force;
-  if (!deck.area_force.isZero(0)) {
-    const VecX area = node_areas(surface, shell);
-    // At vertices of flat triangles the integral is zero; what is left there is rounding.
-    const double rounding = 1e-14 * area.cwiseAbs().maxCoeff();
-    for (long i = 0; i < area.size(); ++i)
-      if (std::abs(area[i]) > rounding) force[static_cast<int>(i)] = area[i] * deck.area_force;
+  const auto at = [&](int node) -> Vec3& {
+    return force.try_emplace(node, Vec3::Zero()).first->second;
+  };
+  if (!deck.area_force.isZero(0))
+    for (size_t r = 0; r < regions.size(); ++r) {
+      const VecX area = node_areas(regions[r]->surface, model.regions[r]);
+      // At vertices of flat triangles the integral is zero; what is left there is rounding.
+      const double rounding = 1e-14 * area.cwiseAbs().maxCoeff();
+      for (long i = 0; i < area.size(); ++i)
+        if (std::abs(area[i]) > rounding) at(model.node[r][i]) += area[i] * deck.area_force;
+    }
+  for (const auto& f : deck.point_forces) {
+    const auto nearest = std::min_element(
+        model.places.begin(), model.places.end(), [&](const Vec3& a, const Vec3& b) {
+          return (a - f.at).squaredNorm() < (b - f.at).squaredNorm();
+        });
+    at(static_cast<int>(nearest - model.places.begin())) += f.force;
   }
-  for (const auto& f : deck.point_forces)
-    force.try_emplace(shell.nearest_node(f.at), Vec3::Zero()).first->second += f.force;
   return force;
 }
 
-void write_loads(std::ostream& out, const Surface& surface, const Shell& shell,
-                 const ShellDeck& deck) {
-  const auto forces = node_forces(surface, shell, deck);
+/// ccx takes the last word about an element: each has one.
+void write_pressures(std::ostream& out, const Regions& regions,
+                     const std::vector<std::string>& sets, const ShellDeck& deck) {
+  if (deck.pressures.empty()) {
+    if (deck.pressure != 0) out << "*DLOAD\nALL,P," << ccx_number(deck.pressure) << '\n';
+    return;
+  }
+  for (size_t r = 0; r < regions.size(); ++r) {
+    double sum = deck.pressure;
+    for (const auto& p : deck.pressures)
+      if (p.region == regions[r]->name) sum += p.pressure;
+    if (sum != 0) out << "*DLOAD\n" << sets[r] << ",P," << ccx_number(sum) << '\n';
+  }
+}
+
+void write_loads(std::ostream& out, const Regions& regions, const ModelFacets& model,
+                 const std::vector<std::string>& sets, const ShellDeck& deck) {
+  const auto forces = node_forces(regions, model, deck);
   if (!forces.empty()) {
     out << "*CLOAD\n";
     for (const auto& [node, force] : forces)
       for (int i = 0; i < 3; ++i)
         if (force[i] != 0) out << node + 1 << ',' << i + 1 << ',' << ccx_number(force[i]) << '\n';
   }
-  if (deck.pressure != 0) out << "*DLOAD\nALL,P," << ccx_number(deck.pressure) << '\n';
+  write_pressures(out, regions, sets, deck);
   if (const double g = deck.gravity.norm(); g > 0)
     out << "*DLOAD\nALL,GRAV," << ccx_number(g) << ',' << ccx_vector(deck.gravity / g) << '\n';
 }
@@ -207,24 +230,43 @@ std::string one_line(std::string text) {
 
 }  // namespace
 
-void write_calculix(const fs::path& path, const SkinnedRegion& region, const ShellDeck& deck) {
-  check(region, deck);
-  const Shell shell(region);
-  const std::vector<std::string> lines = line_names(region), names = set_names(lines);
+void write_calculix(const fs::path& path, const Regions& regions, const ShellDeck& deck) {
+  check(regions, deck);
+  const ModelFacets model = model_facets(regions);
+  const bool one = regions.size() == 1;
+  SetNames names;
+  std::vector<std::string> line_sets, region_sets;
+  for (const auto& line : model.lines) line_sets.push_back(names.of(line.name, "LINE_"));
+  for (const SkinnedRegion* region : regions)
+    region_sets.push_back(one ? "ALL" : names.of(region->name, "REGION_"));
   write_whole_file(path, [&](std::ostream& out) {
-    out << "** Region " << one_line(region.name) << ", written by Batten\n";
+    out << "** "
+        << (one ? "Region " + one_line(regions[0]->name)
+                : "Model of " + std::to_string(regions.size()) + " regions")
+        << ", written by Batten\n";
     if (!deck.units.empty()) out << "** Units: " << one_line(deck.units) << '\n';
     out << "*NODE,NSET=NALL\n";
-    for (size_t i = 0; i < shell.nodes.size(); ++i)
-      out << i + 1 << ',' << ccx_vector(shell.nodes[i]) << '\n';
+    for (size_t i = 0; i < model.places.size(); ++i)
+      out << i + 1 << ',' << ccx_vector(model.places[i]) << '\n';
     out << "*ELEMENT,TYPE=S6,ELSET=ALL\n";
-    for (size_t t = 0; t < shell.facets.triangles.size(); ++t) {
-      out << t + 1 << ',';
-      write_ccx_ids(out, shell.facets.triangles[t]);
+    std::vector<size_t> first{1};  // element of each region, and behind the last
+    for (size_t r = 0; r < regions.size(); ++r) {
+      const auto& triangles = model.regions[r].triangles;
+      for (size_t t = 0; t < triangles.size(); ++t) {
+        std::array<int, 6> nodes;
+        for (size_t i = 0; i < 6; ++i) nodes[i] = model.node[r][triangles[t][i]];
+        out << first[r] + t << ',';
+        write_ccx_ids(out, nodes);
+      }
+      first.push_back(first[r] + triangles.size());
     }
-    for (size_t l = 0; l < lines.size(); ++l) {
-      out << "** Line " << one_line(lines[l]) << "\n*NSET,NSET=" << names[l] << '\n';
-      write_ccx_ids(out, nodes_on(shell.facets.lines[l]));
+    for (size_t r = 0; r < regions.size() && !one; ++r)
+      out << "** Region " << one_line(regions[r]->name) << "\n*ELSET,ELSET=" << region_sets[r]
+          << ",GENERATE\n"
+          << first[r] << ',' << first[r + 1] - 1 << ",1\n";
+    for (size_t l = 0; l < model.lines.size(); ++l) {
+      out << "** Line " << one_line(model.lines[l].name) << "\n*NSET,NSET=" << line_sets[l] << '\n';
+      write_ccx_ids(out, nodes_on(model.lines[l].edges));
     }
     out << "*MATERIAL,NAME=SHELL\n*ELASTIC\n"
         << ccx_number(deck.young) << ',' << ccx_number(deck.poisson) << '\n';
@@ -232,12 +274,12 @@ void write_calculix(const fs::path& path, const SkinnedRegion& region, const She
     out << "*SHELL SECTION,ELSET=ALL,MATERIAL=SHELL\n" << ccx_number(deck.thickness) << '\n';
     out << "*BOUNDARY\n";
     for (const auto& support : deck.supports)
-      for (size_t l = 0; l < lines.size(); ++l)
-        if (lines[l] == support.line)
-          out << names[l] << ",1," << (support.kind == ShellDeck::Support::Kind::Clamped ? 6 : 3)
-              << '\n';
+      for (size_t l = 0; l < model.lines.size(); ++l)
+        if (model.lines[l].name == support.line)
+          out << line_sets[l] << ",1,"
+              << (support.kind == ShellDeck::Support::Kind::Clamped ? 6 : 3) << '\n';
     out << "*STEP\n*STATIC\n";
-    write_loads(out, region.surface, shell, deck);
+    write_loads(out, regions, model, region_sets, deck);
     out << "*NODE FILE\nU\n*EL FILE\nS\n*END STEP\n";
   });
 }

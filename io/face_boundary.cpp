@@ -42,6 +42,11 @@ HermiteCurve part(const HermiteCurve& whole, double from, double to) {
 /// The stretch cut at parameters; the whole one when none is inside.
 FaceLoop cut(const FaceStretch& whole, std::vector<double> at) {
   const double start = whole.curve.start(), end = whole.curve.end(), hair = kHair * (end - start);
+  // Rounding leaves no slivers beside nodes.
+  for (double& t : at)
+    for (const HermiteCurve* curve : {&whole.curve, &whole.image})
+      for (const double node : curve->parameters())
+        if (std::abs(node - t) <= 1e-12 * (end - start)) t = node;
   std::erase_if(at, [&](double t) { return t <= start + hair || t >= end - hair; });
   std::sort(at.begin(), at.end());
   at.erase(std::unique(at.begin(), at.end(), [&](double a, double b) { return b - a <= hair; }),
@@ -52,7 +57,7 @@ FaceLoop cut(const FaceStretch& whole, std::vector<double> at) {
   FaceLoop pieces;
   for (size_t i = 0; i + 1 < at.size(); ++i)
     pieces.push_back({part(whole.curve, at[i], at[i + 1]), part(whole.image, at[i], at[i + 1]),
-                      whole.line, whole.reversed, whole.shift});
+                      whole.line, whole.reversed, whole.shift, whole.scale});
   return pieces;
 }
 
@@ -70,32 +75,22 @@ HermiteCurve shifted(const HermiteCurve& image, double du) {
 
 /// Which way the stretch runs along its line. Whatever its own direction was: regions run as their
 /// loops do.
-void place_on_line(FaceStretch& whole, const CommonLines& common, const std::string& region) {
-  const auto found = common.curves.find(whole.line);
-  double apart[2] = {infinity, infinity};
-  if (found != common.curves.end()) {
-    const HermiteCurve& line = *found->second;
-    apart[0] = apart[1] = 0;
-    for (const double share : {0.0, 0.15, 0.3, 0.5, 0.7, 0.85, 0.999}) {
-      const auto at = [&](const HermiteCurve& c, double s) {
-        return c.evaluate(c.start() + s * (c.end() - c.start()));
-      };
-      const Vec3 x = at(whole.curve, share);
-      apart[0] = std::max(apart[0], (x - at(line, share)).norm());
-      // At its end a closed curve is at its start again.
-      apart[1] = std::max(apart[1], (x - at(line, 1 - share)).norm());
-    }
-    whole.reversed = apart[1] < apart[0];
-    whole.shift =
-        whole.reversed ? line.end() + whole.curve.start() : line.start() - whole.curve.start();
-  }
-  if (!(std::min(apart[0], apart[1]) <= common.distance))
-    throw InputError("region '" + region + "': its line '" + whole.line +
-                     "' is no arc of the network, expected one");
+void place_on_line(FaceStretch& whole, const StepPlan& common, const std::string& region) {
+  const auto found = common.lines.find(whole.line);
+  if (found == common.lines.end())
+    throw InputError("region '" + region +
+                     "': found a boundary line without a name, expected one where regions have "
+                     "lines in common");
+  const HermiteCurve& line = *found->second.curve;
+  whole.reversed = direction_along(whole.curve, line, common.distance) < 0;
+  // Regions have other parameters where they fitted the line themselves.
+  whole.scale = (line.end() - line.start()) / (whole.curve.end() - whole.curve.start());
+  if (whole.reversed) whole.scale = -whole.scale;
+  whole.shift = (whole.reversed ? line.end() : line.start()) - whole.scale * whole.curve.start();
 }
 
 FaceLoop loop_of(const SkinnedRegion& region, const std::vector<BoundaryPiece>& pieces,
-                 const CommonLines* common) {
+                 const StepPlan* common) {
   FaceLoop loop;
   const double period = region.surface.mesh().period();
   for (const BoundaryPiece& piece : pieces) {
@@ -116,9 +111,8 @@ FaceLoop loop_of(const SkinnedRegion& region, const std::vector<BoundaryPiece>& 
     for (const double t : corner_parameters(whole.image)) at.push_back(t);
     if (common) {
       place_on_line(whole, *common, region.name);
-      if (const auto more = common->cuts.find(whole.line); more != common->cuts.end())
-        for (const double t : more->second)
-          at.push_back(whole.reversed ? whole.shift - t : t - whole.shift);
+      for (const double t : common->lines.at(whole.line).cuts)
+        at.push_back((t - whole.shift) / whole.scale);
     }
     for (FaceStretch& stretch : cut(whole, at)) loop.push_back(std::move(stretch));
   }
@@ -187,7 +181,7 @@ HermiteCurve straight(const Vec2& a, const Vec2& b) {
 
 }  // namespace
 
-FaceBoundary::FaceBoundary(const SkinnedRegion& region, const CommonLines* common)
+FaceBoundary::FaceBoundary(const SkinnedRegion& region, const StepPlan* common)
     : period(region.surface.mesh().period()) {
   if (region.boundary.empty() || (period > 0 && region.boundary.size() < 2))
     throw InputError("region '" + region.name + "': no boundary loops; expected an outline");
@@ -216,7 +210,7 @@ bool FaceBoundary::contains(Vec2 uv) const {
   return domain.contains(uv);
 }
 
-void FaceBoundary::add_cuts(LineCuts& cuts) const {
+void FaceBoundary::add_cuts(StepPlan& plan) const {
   std::map<std::string, std::pair<double, double>> ends;
   for (const FaceLoop& loop : loops)
     for (const FaceStretch& s : loop) {
@@ -231,7 +225,7 @@ void FaceBoundary::add_cuts(LineCuts& cuts) const {
         const double at = s.line_parameter(t);
         const auto [low, high] = ends.at(s.line);
         const double hair = kHair * (high - low);
-        if (at > low + hair && at < high - hair) cuts[s.line].push_back(at);
+        if (at > low + hair && at < high - hair) plan.lines.at(s.line).cuts.push_back(at);
       }
 }
 
@@ -270,6 +264,17 @@ void FaceBoundary::unroll(const std::string& name) {
   }
   throw InputError("region '" + name +
                    "': no straight seam from rim to rim of the ring is free of holes");
+}
+
+void cut_lines(StepPlan& plan, const std::vector<const SkinnedRegion*>& regions) {
+  for (const SkinnedRegion* region : regions) FaceBoundary(*region, &plan).add_cuts(plan);
+  for (auto& [name, line] : plan.lines) {
+    std::sort(line.cuts.begin(), line.cuts.end());
+    const double hair = 1e-9 * (line.curve->end() - line.curve->start());
+    line.cuts.erase(std::unique(line.cuts.begin(), line.cuts.end(),
+                                [&](double a, double b) { return b - a <= hair; }),
+                    line.cuts.end());
+  }
 }
 
 }  // namespace batten

@@ -1,29 +1,22 @@
 #include "batten/io/face_file.h"
 
-#include <BRepCheck_Analyzer.hxx>
-#include <BRepGProp.hxx>
 #include <BRepTopAdaptor_FClass2d.hxx>
 #include <BRep_Tool.hxx>
-#include <GProp_GProps.hxx>
 #include <Geom2d_Curve.hxx>
-#include <STEPControl_Reader.hxx>
-#include <STEPControl_Writer.hxx>
-#include <StepBasic_Product.hxx>
-#include <StepData_StepModel.hxx>
-#include <TCollection_HAsciiString.hxx>
 #include <TopExp.hxx>
 #include <TopExp_Explorer.hxx>
-#include <TopTools_IndexedMapOfShape.hxx>
 #include <TopoDS.hxx>
 #include <TopoDS_Edge.hxx>
+#include <TopoDS_Face.hxx>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "batten/core/errors.h"
 #include "batten/core/parallel.h"
-#include "batten/io/step_text.h"
+#include "batten/io/step_check.h"
 
 namespace batten {
 namespace {
@@ -80,7 +73,7 @@ std::vector<Vec2> points_of_face(const TopoDS_Face& face, const Geom_BSplineSurf
   return points;
 }
 
-void measure_face(const TopoDS_Face& face, const FaceMaker& made, StepFacePatch& report) {
+void measure_face(const TopoDS_Face& face, const FaceMaker& made, StepPatch& report) {
   const Handle(Geom_BSplineSurface) surface =
       Handle(Geom_BSplineSurface)::DownCast(BRep_Tool::Surface(face));
   report.deviation = report.edge_gap = report.edge_deviation = infinity;
@@ -173,28 +166,7 @@ void measure_face(const TopoDS_Face& face, const FaceMaker& made, StepFacePatch&
   });
 }
 
-std::vector<TopoDS_Face> read_faces(const std::filesystem::path& path, TopoDS_Shape& shape) {
-  STEPControl_Reader reader;
-  if (reader.ReadFile(path.string().c_str()) == IFSelect_RetDone) {
-    reader.TransferRoots();
-    shape = reader.OneShape();
-  }
-  std::vector<TopoDS_Face> faces;
-  if (shape.IsNull()) return faces;
-  for (TopExp_Explorer it(shape, TopAbs_FACE); it.More(); it.Next())
-    faces.push_back(TopoDS::Face(it.Current()));
-  return faces;
-}
-
 }  // namespace
-
-void set_up_faces(OccSettings& occ, const std::string& unit, const std::string& product) {
-  occ.set_unit(unit);
-  occ.set("write.step.schema", "AP214IS");
-  occ.set("write.step.product.name", product.c_str());
-  occ.set("write.step.assembly", 0);  // one product, not one for each face
-  occ.set("write.surfacecurve.mode", 1);
-}
 
 void check_options(const std::filesystem::path& path, const StepFaceOptions& options) {
   if (!(options.tolerance > 0) || !std::isfinite(options.tolerance))
@@ -206,65 +178,62 @@ void check_options(const std::filesystem::path& path, const StepFaceOptions& opt
                      " in all; expected 16 and 256 or more");
 }
 
-bool write_faces(const std::filesystem::path& path, const TopoDS_Shape& shape, double tolerance,
-                 OccSettings& occ, const StepFaceOptions& options) {
-  occ.set("write.precision.mode", 2);  // the value given next
-  occ.set("write.precision.val", tolerance);
-  STEPControl_Writer writer;
-  if (writer.Transfer(shape, STEPControl_AsIs) != IFSelect_RetDone)
-    throw Error(path.string() + ": OpenCASCADE cannot turn the surface into STEP");
-  // OpenCASCADE counts the products of a process in their names.
-  const Handle(TCollection_HAsciiString) name = new TCollection_HAsciiString(options.name.c_str());
-  const auto& model = *writer.Model();
-  for (int e = 1; e <= model.NbEntities(); ++e)
-    if (const auto product = Handle(StepBasic_Product)::DownCast(model.Value(e));
-        !product.IsNull()) {
-      product->SetId(name);
-      product->SetName(name);
-    }
-  save_step(writer, path, {options.name, options.author, "surfaces"});
-  return BRepCheck_Analyzer(shape).IsValid();
+FittedFaces fitted_faces(const std::vector<const SkinnedRegion*>& regions, const StepPlan& plan,
+                         const StepFaceOptions& options) {
+  FittedFaces made(regions.size());
+  parallel_parts(static_cast<int>(made.size()), [&](int k) {
+    made[k] = std::make_unique<FaceMaker>(*regions[k], options, plan.joined ? &plan : nullptr);
+  });
+  return made;
 }
 
-StepFaceReport measured_faces(const std::filesystem::path& path,
-                              const std::vector<const FaceMaker*>& made, double tolerance,
-                              TopoDS_Shape& shape) {
-  StepFaceReport report;
-  report.bytes = std::filesystem::file_size(path);
+StepReport refined(const FittedFaces& made, const std::function<StepReport()>& written) {
+  StepReport report;
+  for (int round = 0; round < 4; ++round) {
+    report = written();
+    bool again = false;
+    for (size_t k = 0; k < made.size(); ++k)
+      if (!report.patches[k].reached) again = made[k]->refine(report.patches[k].deviation) || again;
+    if (!again) break;
+  }
+  return report;
+}
+
+void measure_patches(StepReport& report, const std::vector<TopoDS_Face>& faces,
+                     const FittedFaces& made, double tolerance) {
   report.tolerance = tolerance;
-  shape.Nullify();
-  const auto faces = read_faces(path, shape);
-  if (faces.size() != made.size())
-    throw Error(path.string() + ": OpenCASCADE reads " + std::to_string(faces.size()) +
-                " faces where " + std::to_string(made.size()) + " were written");
-  report.faces = static_cast<int>(faces.size());
-  TopTools_IndexedMapOfShape edges;
-  TopExp::MapShapes(shape, TopAbs_EDGE, edges);
-  report.edges = edges.Extent();
-  std::vector<int> uses(static_cast<size_t>(edges.Extent()));
-  for (const TopoDS_Face& face : faces)
-    for (TopExp_Explorer e(face, TopAbs_EDGE); e.More(); e.Next())
-      ++uses[static_cast<size_t>(edges.FindIndex(e.Current()) - 1)];
-  report.free_edges = static_cast<int>(std::count(uses.begin(), uses.end(), 1));
-  report.valid = BRepCheck_Analyzer(shape).IsValid();
-  GProp_GProps properties;
-  BRepGProp::SurfaceProperties(shape, properties);
-  report.area = properties.Mass();
-  report.reached = true;
   for (size_t k = 0; k < faces.size(); ++k) {
-    StepFacePatch patch;
+    StepPatch patch;
     patch.region = made[k]->region().name;
     patch.poles_u = made[k]->poles_u();
     patch.poles_v = made[k]->poles_v();
     measure_face(faces[k], *made[k], patch);
     patch.reached = patch.deviation <= tolerance;
     report.reached = report.reached && patch.reached;
-    report.deviation = std::max(report.deviation, patch.deviation);
-    report.edge_gap = std::max(report.edge_gap, patch.edge_gap);
+    report.max_gap = std::max(report.max_gap, patch.edge_gap);
     report.line_gap = std::max(report.line_gap, patch.line_gap);
     report.edge_deviation = std::max(report.edge_deviation, patch.edge_deviation);
     report.patches.push_back(patch);
   }
+}
+
+StepReport measured_faces(const std::filesystem::path& path, const FittedFaces& made,
+                          double tolerance) {
+  const TopoDS_Shape shape = read_step(path);
+  std::vector<TopoDS_Face> faces;
+  for (TopExp_Explorer it(shape, TopAbs_FACE); it.More(); it.Next())
+    faces.push_back(TopoDS::Face(it.Current()));
+  if (faces.size() != made.size())
+    throw Error(path.string() + ": OpenCASCADE reads " + std::to_string(faces.size()) +
+                " faces where " + std::to_string(made.size()) + " were written");
+  std::vector<int> region_of_face(faces.size());
+  std::iota(region_of_face.begin(), region_of_face.end(), 0);
+  StepReport report = measured_shape(shape, region_of_face);
+  report.bytes = std::filesystem::file_size(path);
+  measure_patches(report, faces, made, tolerance);
+  report.max_deviation = 0;
+  for (const StepPatch& patch : report.patches)
+    report.max_deviation = std::max(*report.max_deviation, patch.deviation);
   return report;
 }
 

@@ -10,7 +10,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "batten/core/errors.h"
 #include "batten/io/cubic_splines.h"
 
 namespace batten {
@@ -19,10 +18,6 @@ namespace {
 gp_Pnt to_occ(const Vec3& p) { return {p.x(), p.y(), p.z()}; }
 Vec3 from_occ(const gp_Pnt& p) { return {p.X(), p.Y(), p.Z()}; }
 
-void check(const SkinnedRegion& region) {
-  if (!region.surface.dofs().allFinite())
-    throw InputError("STEP: region '" + region.name + "' has dofs that are not finite");
-}
 Eigen::AlignedBox3d box_of(const HermiteCurve& curve) {
   Eigen::AlignedBox3d box;
   for (int s = 0; s < curve.segment_count(); ++s)
@@ -69,38 +64,37 @@ Vec3 end_of(const HermiteCurve& curve) { return curve.evaluate({curve.segment_co
 
 // ---- what faces have in common --------------------------------------------------------------
 
-// Cuts count from 1 along the line; 0 is its start, one more than there are its end.
 int SharedEdges::cut_of(const FaceStretch& stretch, bool end) const {
   const double at = stretch.line_parameter(end ? stretch.curve.end() : stretch.curve.start());
   const double other = stretch.line_parameter(end ? stretch.curve.start() : stretch.curve.end());
   const double hair = 1e-6 * std::abs(at - other);
   int cuts = 0;
-  if (const auto found = cuts_.find(stretch.line); found != cuts_.end()) {
-    for (const double cut : found->second)
-      if (++cuts; std::abs(cut - at) <= hair) return cuts;
-  }
+  for (const double cut : plan_.lines.at(stretch.line).cuts)
+    if (++cuts; std::abs(cut - at) <= hair) return cuts;
   return at > other ? cuts + 1 : 0;
 }
 
-TopoDS_Vertex& SharedEdges::vertex(const FaceStretch& stretch, bool end) {
-  const int cut = cut_of(stretch, end);
-  const auto found = cuts_.find(stretch.line);
-  const int last = found == cuts_.end() ? 1 : static_cast<int>(found->second.size()) + 1;
-  if (cut == 0 || cut == last) return nodes_[node_of_(stretch.line, cut == last)];
-  return vertices_[{stretch.line, cut}];
+TopoDS_Vertex& SharedEdges::vertex(const std::string& name, int cut) {
+  const StepLine& line = plan_.lines.at(name);
+  const int last = static_cast<int>(line.cuts.size()) + 1;
+  if (cut == 0 || cut == last) return places_[line.places[cut == last]];
+  return vertices_[{name, cut}];
 }
 
+TopoDS_Vertex& SharedEdges::vertex(const FaceStretch& stretch, bool end) {
+  return vertex(stretch.line, cut_of(stretch, end));
+}
 TopoDS_Edge& SharedEdges::edge(const FaceStretch& stretch) {
-  return edges_[{stretch.line, std::max(cut_of(stretch, false), cut_of(stretch, true))}];
+  return edge(stretch.line, std::max(cut_of(stretch, false), cut_of(stretch, true)));
 }
 
 // ---- one region -----------------------------------------------------------------------------
 
 FaceMaker::FaceMaker(const SkinnedRegion& region, const StepFaceOptions& options,
-                     const CommonLines* common)
+                     const StepPlan* common)
     : region_(region),
       options_(options),
-      boundary_((check(region), region), common),
+      boundary_(region, common),
       middle_(middle(boundary_)),
       near_origin_(moved_by(region.surface, -middle_)),
       locator_(region.surface.mesh()) {
@@ -201,11 +195,10 @@ TopoDS_Vertex FaceMaker::vertex(const FaceStretch& before, const FaceStretch& af
   return result;
 }
 
-// Forward along the loop. A shared edge runs along its line, so that it is reversed in loops that
-// run against that.
+// Forward along the loop. A shared edge that is made here runs along its line.
 TopoDS_Edge FaceMaker::edge(const FaceStretch& stretch, const TopoDS_Vertex& a,
                             const TopoDS_Vertex& b) {
-  const bool reversed = shared_ && stretch.reversed;
+  bool reversed = shared_ && stretch.reversed;
   const auto along = [&](const HermiteCurve& curve) {
     return cubic_splines({"", reversed ? curve.backwards() : curve, {}, {}}).front();
   };
@@ -215,6 +208,7 @@ TopoDS_Edge FaceMaker::edge(const FaceStretch& stretch, const TopoDS_Vertex& a,
     result = &shared_->edge(stretch);
     // A line on both sides of one face is two edges: readers do not agree about slits.
     if (!result->IsNull() && used_.count(result->TShape().get())) result = &mine;
+    if (!result->IsNull() && result->Orientation() == TopAbs_REVERSED) reversed = !reversed;
   }
   if (result->IsNull()) {
     const CubicSpline space = along(stretch.curve);

@@ -8,7 +8,6 @@
 #include <TopoDS_Vertex.hxx>
 
 #include <Eigen/Geometry>
-#include <functional>
 #include <map>
 #include <set>
 #include <string>
@@ -23,25 +22,26 @@
 namespace batten {
 
 /// Edges and vertices that several faces have in common: one edge for each stretch of a line, one
-/// vertex for each place where stretches end.
+/// vertex for each place where stretches end. All are null until somebody makes them.
 class SharedEdges {
  public:
-  /// Which place the start (false) or end (true) of a line is; lines that meet have the same there.
-  using NodeOf = std::function<int(const std::string& line, bool end)>;
-  SharedEdges(const LineCuts& cuts, NodeOf node_of) : cuts_(cuts), node_of_(std::move(node_of)) {}
+  /// Keeps a reference.
+  explicit SharedEdges(const StepPlan& plan) : plan_(plan) {}
 
   /// Of the stretch's start, end, along its loop.
   TopoDS_Vertex& vertex(const FaceStretch& stretch, bool end);
-  /// Null until it is made.
   TopoDS_Edge& edge(const FaceStretch& stretch);
+  /// At a cut of the line, counted from 1; 0: its start, one more than there are: its end.
+  TopoDS_Vertex& vertex(const std::string& line, int cut);
+  /// Before a cut, or the line's end. Its orientation says whether it runs along the line.
+  TopoDS_Edge& edge(const std::string& line, int cut) { return edges_[{line, cut}]; }
 
  private:
   int cut_of(const FaceStretch& stretch, bool end) const;
-  LineCuts cuts_;
-  NodeOf node_of_;
-  std::map<int, TopoDS_Vertex> nodes_;
+  const StepPlan& plan_;
+  std::map<int, TopoDS_Vertex> places_;
   std::map<std::pair<std::string, int>, TopoDS_Vertex> vertices_;  // at cuts
-  std::map<std::pair<std::string, int>, TopoDS_Edge> edges_;       // before the cut, from its start
+  std::map<std::pair<std::string, int>, TopoDS_Edge> edges_;       // before the cut
 };
 
 /// The fit of a region's surface, and the face that is made of it.
@@ -49,7 +49,7 @@ class FaceMaker {
  public:
   /// Keeps references to region and options. Fits: O(poles), seconds for large regions.
   FaceMaker(const SkinnedRegion& region, const StepFaceOptions& options,
-            const CommonLines* common = nullptr);
+            const StepPlan* common = nullptr);
 
   const SkinnedRegion& region() const { return region_; }
   const FaceBoundary& boundary() const { return boundary_; }

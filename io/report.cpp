@@ -109,7 +109,6 @@ Json contents(const Report& r) {
                      {"max_shear", q.max_shear},
                      {"rms_strain", q.rms_strain},
                      {"singular_nodes", q.singular_nodes},
-                     {"load_steps", s.load_steps},
                      {"iterations", s.iterations},
                      {"last_change", s.last_change}};
   if (r.network) add_network(json, *r.network);

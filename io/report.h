@@ -10,6 +10,7 @@
 #include "batten/io/faired_line.h"
 #include "batten/io/network_report.h"
 #include "batten/io/scene.h"
+#include "batten/sculpting/results.h"
 #include "batten/skinning/skin.h"
 
 namespace batten {
@@ -43,7 +44,7 @@ struct Report {
     SkinQuality quality;
     double size = 0, bending_energy = 0;
     double max_constraint_residual = 0, max_normal_constraint_deg = 0, max_smooth_join_deg = 0;
-    int load_steps = 0, iterations = 0;
+    int iterations = 0;
     double last_change = 0;
   } surface;
   std::optional<NetworkReport> network;  ///< of a scene with [network]
@@ -56,7 +57,7 @@ struct Report {
     std::uintmax_t bytes = 0;
     double max_deviation = 0, max_gap = 0, max_normal_jump_deg = 0;
     bool valid = false;
-    // Of a model (write_step_model).
+    // Of a model.
     int shells = 0, solids = 0, free_edges = 0;
     double volume = 0;
   };
@@ -71,10 +72,6 @@ struct Report {
   };
   std::optional<Comparison> comparison;
 
-  struct Reaction {
-    std::string name;
-    Vec3 force = Vec3::Zero();  ///< net force on the surface, in the units of the loads
-  };
   std::vector<Reaction> reactions;  ///< of each named constraint
 
   /// What a sculpting session measured of its shape.
@@ -118,7 +115,8 @@ struct Report {
     std::optional<Motion> motion;
   };
   std::optional<Sculpting> sculpting;  ///< of `batten sculpt`
-  std::vector<SculptResult::Springs> springs;
+  bool is_sculpted = false;            ///< more than lines acts on it; not in the file
+  std::vector<SpringDistances> springs;
   std::vector<Parameter> parameters;
   std::vector<std::pair<std::string, double>> timings;  ///< seconds
   std::vector<std::string> warnings, files;

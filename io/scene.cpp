@@ -128,6 +128,8 @@ SceneStress read_stress(const TomlTable& table) {
     stress.gravity = table.vector("gravity");
     if (stress.density == 0) table.fail("gravity", "gravity without 'density'", "both");
   }
+  for (const TomlTable& t : table.tables("pressures", {"region", "pressure"}))
+    stress.pressures.push_back({{t.text("region"), t.place("region")}, t.number("pressure")});
   for (const TomlTable& t : table.tables("supports", {"line", "kind"}))
     stress.supports.push_back({{t.text("line"), t.place("line")},
                                t.choice("kind", true, {{"clamped", true}, {"pinned", false}})});
@@ -226,7 +228,7 @@ Scene read(const toml::table& root_table, const std::filesystem::path& file) {
   read_sculpting(root, folder, scene);
 
   for (const TomlTable& t : root.table("stress", {"thickness", "young", "poisson", "density",
-                                                  "pressure", "gravity", "supports"}))
+                                                  "pressure", "pressures", "gravity", "supports"}))
     scene.stress = read_stress(t);
 
   Names files("file name");
@@ -343,13 +345,9 @@ void Scene::set(const std::string& parameter, double value, const std::string& w
   *this = std::move(changed);
 }
 
-bool Scene::needs_session() const {
-  if (!weights.empty() || !moves.empty() || !sliders.empty()) return true;
-  for (const auto& load : loads)
-    if (load.live()) return true;
-  for (const auto& c : constraints)
-    if (c.type == SceneConstraint::Type::LineNormal) return true;
-  return false;
+bool Scene::is_sculpted() const {
+  return !loads.empty() || !constraints.empty() || !weights.empty() || !moves.empty() ||
+         !sliders.empty() || skin.hold == SceneSkin::Hold::Corners;
 }
 
 Scene parse_scene(const std::string& text, const std::filesystem::path& file) {

@@ -11,9 +11,8 @@
 #include "batten/io/fair_stages.h"
 #include "batten/io/pictures.h"
 #include "batten/io/toml_table.h"
-#include "batten/sculpting/live_loads.h"
+#include "batten/sculpting/loads.h"
 #include "batten/sculpting/parameters.h"
-#include "batten/sculpting/static_sculpt.h"
 #include "batten/skinning/network/model.h"
 
 namespace batten {
@@ -56,14 +55,16 @@ struct SceneConstraint {
   bool as_it_is = false;       ///< LineNormal: no direction was given
 };
 
-/// Where a load or weight acts: `near` a line, or as painted.
+/// Where a load or weight acts: `near` a line, or as painted; in the regions that are named.
 struct SceneArea {
-  Area area;
-  PlacedWord line;  ///< of `near`
+  Area area;                        ///< its regions are not set
+  PlacedWord line;                  ///< of `near`
+  std::vector<PlacedWord> regions;  ///< none: all
 };
 
 /// [[load]]; its value is a number or one over time.
 struct SceneLoad : NamedValue {
+  Place named;  ///< where its name stands
   enum class Type {
     Pressure,
     Uniform,
@@ -81,16 +82,13 @@ struct SceneLoad : NamedValue {
   std::filesystem::path file;  ///< Springs: of their points; Pulls: of their curve, if it is one
   Place place;                 ///< of `file`
   std::string unit;            ///< of the file's numbers; "": the scene's
-  LiveLoad::Springs pulls;     ///< Pulls; without the curve
+  Load::Pulls pulls;           ///< Pulls; without the curve
   PlacedWord curve;            ///< Pulls: a line's name, or a file
-  /// Whether only a session knows this kind (make_session); the others are static, too.
-  bool live() const;
-  /// `points`: of Springs, model units. Not for live kinds.
-  Load load(std::vector<Vec3> points = {}) const;
 };
 
 /// [[weight]]: is added to alpha or beta.
 struct SceneWeight : NamedValue {
+  Place named;
   WeightField::Kind kind = WeightField::Kind::Bending;
   SceneArea area;
   std::optional<std::variant<Vec2, PlacedWord>> along;  ///< direction of (u, v), or a line
@@ -98,6 +96,7 @@ struct SceneWeight : NamedValue {
 
 /// [[move]]: a line that a parameter moves.
 struct SceneMove : NamedValue {
+  Place named;
   PlacedWord line;
   std::optional<Vec3> direction;
   double fade = 0;
@@ -122,7 +121,12 @@ struct SceneStress {
     PlacedWord line;
     bool clamped = true;  ///< else pinned: rotations stay free
   };
+  struct Pressure {
+    PlacedWord region;
+    double pressure = 0;
+  };
   double thickness = 0, young = 0, poisson = 0, density = 0, pressure = 0;
+  std::vector<Pressure> pressures;  ///< on single regions of a network, beside `pressure` on all
   Vec3 gravity = Vec3::Zero();
   std::vector<Support> supports;
 };
@@ -165,7 +169,7 @@ struct Scene {
   std::string name = "surface", unit = "mm";
   std::vector<SceneLine> lines;
   std::vector<FairStage> fairing;  ///< [[fair]]: what happens to the lines before they are skinned
-  std::optional<SceneNetwork> network;  ///< then there is nothing that acts on a surface below
+  std::optional<SceneNetwork> network;  ///< then the model has all regions between the lines
   SceneSkin skin;
   std::vector<SceneConstraint> constraints;
   std::vector<SceneLoad> loads;
@@ -198,8 +202,8 @@ struct Scene {
   /// material that is not one.
   void set(const std::string& parameter, double value, const std::string& where);
 
-  /// Whether it has anything that only a sculpting session knows: else sculpt() makes its shape.
-  bool needs_session() const;
+  /// Whether anything but its lines acts on the surface.
+  bool is_sculpted() const;
 
   /// "FILE:LINE:COLUMN: "
   std::string at(const Place& place) const { return place_prefix(file.string(), place); }

@@ -16,15 +16,6 @@ void refuse(const TomlTable& table, const std::string& what, const Refusals& ref
 }
 
 void refuse_what_does_not_fit(const TomlTable& root) {
-  constexpr const char* not_yet = "none: the surfaces of a network have no loads and constraints";
-  refuse(root, "beside [network]",
-         {{"constraint", not_yet},
-          {"load", not_yet},
-          {"weight", not_yet},
-          {"move", not_yet},
-          {"parameter", not_yet},
-          {"motion", not_yet},
-          {"sweep", "none: a sheet is made of one region's shapes"}});
   constexpr const char* found = "none: which lines bound a surface is found, or said by [[region]]";
   for (const TomlTable& t : root.tables("line", line_keys(true)))
     refuse(t, "in a network", {{"role", found}, {"treatment", "none: the domains decide"}});
@@ -37,21 +28,11 @@ void refuse_what_does_not_fit(const TomlTable& root) {
   for (const TomlTable& t : root.table("skin", skin_keys())) {
     constexpr const char* each = "none: each region of a network has the domain that suits it";
     refuse(t, "in a network",
-           {{"domain", each},
-            {"settle", each},
-            {"mesher", each},
-            {"refine", "edge_length"},
-            {"units", "none: without loads units make no difference"},
-            {"hold", "none: all lines are held"}});
+           {{"domain", each}, {"settle", each}, {"mesher", each}, {"refine", "edge_length"}});
     for (const char* key : {"alpha", "beta"})
       if (t.has(key) && t.is_array(key))
         t.fail(key, "three numbers in a network",
                "one number: its regions have no direction of u in common");
-  }
-  for (const TomlTable& t : root.table("output", output_keys())) {
-    refuse(t, "of a network", {{"calculix", "step, vtp or vtu: a deck has one region"}});
-    if (t.has("step_form") && t.text("step_form") == "exact")
-      t.fail("step_form", "\"exact\" for a network", "\"face\": one face for each region");
   }
 }
 

@@ -63,6 +63,11 @@ SceneArea read_area(const TomlTable& table) {
       table.fail("paint", "no strokes", "one or more: paint = [{at = […], radius = …}]");
     area.area.where = painted;
   }
+  if (table.has("regions")) {
+    area.regions = table.words("regions");
+    if (area.regions.empty())
+      table.fail("regions", "no regions", "names: regions = [\"a\", \"b\"]; all without the key");
+  }
   return area;
 }
 
@@ -112,7 +117,7 @@ SceneConstraint read_constraint(const TomlTable& table) {
 
 /// Springs from places: what draws them, how long and how far.
 void read_pulls(const TomlTable& table, const std::filesystem::path& folder, SceneLoad& load) {
-  LiveLoad::Springs& springs = load.pulls;
+  Load::Pulls& springs = load.pulls;
   springs.at = table.points("at");
   if (springs.at.empty()) table.fail("at", "an empty list", "one place or more");
   const int targets = table.has("to") + table.has("curve") + table.has("plane");
@@ -126,7 +131,7 @@ void read_pulls(const TomlTable& table, const std::filesystem::path& folder, Sce
     if (to.size() != springs.at.size())
       table.fail("to", std::to_string(to.size()) + " points",
                  std::to_string(springs.at.size()) + ", one for each place of 'at'");
-    springs.target = LiveLoad::Springs::Places{to};
+    springs.target = Load::Pulls::Places{to};
   }
   if (table.has("curve")) {
     load.curve = placed(table, "curve");
@@ -134,7 +139,7 @@ void read_pulls(const TomlTable& table, const std::filesystem::path& folder, Sce
     load.place = load.curve.place;
   }
   for (const TomlTable& t : table.table("plane", {"through", "normal"}))
-    springs.target = LiveLoad::Springs::Plane{t.vector("through"), t.direction("normal")};
+    springs.target = Load::Pulls::Plane{t.vector("through"), t.direction("normal")};
   for (const auto& [key, slot] :
        {std::pair<const char*, double*>{"rest_length", &springs.rest_length},
         {"falloff", &springs.falloff}}) {
@@ -147,6 +152,7 @@ SceneLoad read_load(const TomlTable& table, const std::filesystem::path& folder)
   using Type = SceneLoad::Type;
   SceneLoad load;
   read_named_value(table, load);
+  load.named = table.place("name");
   load.type = table.choice<Type>("type", {{"pressure", Type::Pressure},
                                           {"uniform", Type::Uniform},
                                           {"gravity", Type::Gravity},
@@ -181,7 +187,11 @@ SceneLoad read_load(const TomlTable& table, const std::filesystem::path& folder)
     load.area = read_area(table);
   } else {
     const char* only_spread = "it only where type = \"pressure\" or \"uniform\"";
-    refuse(table, what, {{"near", only_spread}, {"radius", only_spread}, {"paint", only_spread}});
+    refuse(table, what,
+           {{"near", only_spread},
+            {"radius", only_spread},
+            {"paint", only_spread},
+            {"regions", only_spread}});
   }
   if (load.type == Type::Point) load.at = table.vector("at");
   if (load.type == Type::Line) load.line = placed(table, "line");
@@ -219,6 +229,7 @@ SceneWeight read_weight(const TomlTable& table) {
   using Kind = WeightField::Kind;
   SceneWeight weight;
   read_named_value(table, weight);
+  weight.named = table.place("name");
   weight.kind = table.choice<Kind>("kind", {{"alpha", Kind::Stretching}, {"beta", Kind::Bending}});
   weight.area = read_area(table);
   if (table.has("along") && table.is_array("along")) {
@@ -234,6 +245,7 @@ SceneWeight read_weight(const TomlTable& table) {
 SceneMove read_move(const TomlTable& table) {
   SceneMove move;
   read_named_value(table, move);
+  move.named = table.place("name");
   move.line = placed(table, "line");
   if (table.has("direction")) move.direction = table.direction("direction");
   move.fade = table.number("fade", 0);
@@ -265,6 +277,18 @@ void check_line(const Scene& scene, const PlacedWord& line) {
   }
   throw InputError(scene.at(line.place) + "found the line '" + line.text +
                    "', expected one of: " + listed(names) + did_you_mean(line.text, names));
+}
+
+/// Regions have names in a network only.
+void check_regions(const Scene& scene) {
+  const auto check = [&](const SceneArea& area) {
+    if (scene.network || area.regions.empty()) return;
+    throw InputError(scene.at(area.regions.front().place) + "found the region '" +
+                     area.regions.front().text +
+                     "', expected none: without [network] there is one region, which has no name");
+  };
+  for (const auto& load : scene.loads) check(load.area);
+  for (const auto& weight : scene.weights) check(weight.area);
 }
 
 void check_lines(const Scene& scene) {
@@ -341,20 +365,6 @@ bool is_part_of(const std::string& run, const std::string& line) {
                          run.find_first_not_of("0123456789", line.size() + 1) == std::string::npos);
 }
 
-bool SceneLoad::live() const {
-  if (!over_time.empty()) return true;
-  if (type == Type::Pressure || type == Type::Uniform)
-    return !std::holds_alternative<Area::Everywhere>(area.area.where);
-  return type != Type::Point && type != Type::Springs;
-}
-
-Load SceneLoad::load(std::vector<Vec3> points) const {
-  if (type == Type::Springs) return {name, SpringLoad{std::move(points), value}};
-  if (type == Type::Pressure) return {name, PressureLoad{value}};
-  if (type == Type::Uniform) return {name, UniformLoad{value * direction}};
-  return {name, PointLoad{at, value * direction}};
-}
-
 void read_sculpting(const TomlTable& root, const std::filesystem::path& folder, Scene& scene) {
   Names names("name");
   const auto add_name = [&](const TomlTable& t, const std::string& kind, const std::string& name) {
@@ -372,13 +382,13 @@ void read_sculpting(const TomlTable& root, const std::filesystem::path& folder, 
   }
   for (const TomlTable& t :
        root.tables("load", {"name", "type", "value", "min", "max", "direction", "at", "line",
-                            "near", "radius", "paint", "file", "unit", "to", "curve", "plane",
-                            "rest_length", "falloff"})) {
+                            "near", "radius", "paint", "regions", "file", "unit", "to", "curve",
+                            "plane", "rest_length", "falloff"})) {
     scene.loads.push_back(read_load(t, folder));
     add_name(t, "load", scene.loads.back().name);
   }
-  for (const TomlTable& t : root.tables(
-           "weight", {"name", "kind", "value", "min", "max", "near", "radius", "paint", "along"})) {
+  for (const TomlTable& t : root.tables("weight", {"name", "kind", "value", "min", "max", "near",
+                                                   "radius", "paint", "regions", "along"})) {
     scene.weights.push_back(read_weight(t));
     add_name(t, "weight", scene.weights.back().name);
   }
@@ -400,6 +410,7 @@ void read_sculpting(const TomlTable& root, const std::filesystem::path& folder, 
   for (const TomlTable& t : root.table("motion", {"density", "damping", "theta"}))
     scene.motion = read_motion(t);
   check_lines(scene);
+  check_regions(scene);
   check_rules(scene);
 }
 

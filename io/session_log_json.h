@@ -47,6 +47,14 @@ class LogObject {
     if (!has(key)) fail("no '" + key + "' in " + what_, "it");
     return json_[key];
   }
+  std::vector<std::string> texts(const std::string& key) const {
+    const LogJson& value = at(key);
+    const bool texts =
+        value.is_array() && std::all_of(value.begin(), value.end(),
+                                        [](const LogJson& item) { return item.is_string(); });
+    if (!texts) fail(value.dump() + " for '" + key + "'", "a list of texts in quotes");
+    return value;
+  }
   std::string text(const std::string& key) const {
     const LogJson& value = at(key);
     if (!value.is_string()) fail(value.dump() + " for '" + key + "'", "a text in quotes");

@@ -4,8 +4,8 @@ namespace batten::session_log {
 namespace {
 
 const std::vector<std::string> kLoadKeys = {
-    "name", "type",  "near",    "radius", "paint",       "direction", "at",    "line",
-    "to",   "curve", "through", "normal", "rest_length", "falloff",   "points"};
+    "name", "type", "near",  "radius",  "paint",  "regions",     "direction", "at",
+    "line", "to",   "curve", "through", "normal", "rest_length", "falloff",   "points"};
 
 const std::vector<std::string> kConstraintKeys = {"name",   "type", "at",    "goal",
                                                   "normal", "line", "along", "tau"};
@@ -36,6 +36,7 @@ void add_area(LogJson& json, const Area& area) {
   } else if (const auto* painted = std::get_if<Area::Painted>(&area.where)) {
     json["paint"] = json_of(painted->strokes);
   }
+  if (!area.regions.empty()) json["regions"] = area.regions;
 }
 
 Area area_of(const LogObject& object) {
@@ -44,6 +45,7 @@ Area area_of(const LogObject& object) {
     area.where = Area::NearLine{object.text("near"), object.number("radius")};
   else if (object.has("paint"))
     area.where = Area::Painted{strokes_of(object, "paint")};
+  if (object.has("regions")) area.regions = object.texts("regions");
   return area;
 }
 
@@ -128,79 +130,78 @@ HermiteCurve curve_of(const LogObject& parent, const std::string& key) {
   return {CurveMesh(object.list("parameters"), object.boolean("closed"), corners), std::move(dofs)};
 }
 
-LogJson json_of(const LiveLoad& load) {
+LogJson json_of(const Load& load) {
   LogJson json = {{"name", load.name}};
-  std::visit(
-      Overloaded{[&](const LiveLoad::Pressure& p) {
-                   json["type"] = "pressure";
-                   add_area(json, p.area);
-                 },
-                 [&](const LiveLoad::Uniform& u) {
-                   json["type"] = "uniform";
-                   json["direction"] = json_vector(u.direction);
-                   add_area(json, u.area);
-                 },
-                 [&](const LiveLoad::Gravity& g) {
-                   json["type"] = "gravity";
-                   json["direction"] = json_vector(g.direction);
-                 },
-                 [&](const LiveLoad::Point& p) {
-                   json["type"] = "point";
-                   json["at"] = json_vector(p.at);
-                   json["direction"] = json_vector(p.direction);
-                 },
-                 [&](const LiveLoad::Line& l) {
-                   json["type"] = "line";
-                   json["line"] = l.line;
-                   json["direction"] = json_vector(l.direction);
-                 },
-                 [&](const LiveLoad::Springs& s) {
-                   json["type"] = "springs";
-                   json["at"] = json_points(s.at);
-                   if (const auto* places = std::get_if<LiveLoad::Springs::Places>(&s.target)) {
-                     json["to"] = json_points(places->to);
-                   } else if (const auto* c = std::get_if<LiveLoad::Springs::Curve>(&s.target)) {
-                     json["curve"] = json_of(c->curve);
-                   } else {
-                     const auto& plane = std::get<LiveLoad::Springs::Plane>(s.target);
-                     json["through"] = json_vector(plane.through);
-                     json["normal"] = json_vector(plane.normal);
-                   }
-                   json["rest_length"] = json_number(s.rest_length);
-                   json["falloff"] = json_number(s.falloff);
-                 },
-                 [&](const LiveLoad::Measured& m) {
-                   json["type"] = "measured";
-                   json["points"] = json_points(m.points);
-                 }},
-      load.kind);
+  std::visit(Overloaded{[&](const Load::Pressure& p) {
+                          json["type"] = "pressure";
+                          add_area(json, p.area);
+                        },
+                        [&](const Load::Uniform& u) {
+                          json["type"] = "uniform";
+                          json["direction"] = json_vector(u.direction);
+                          add_area(json, u.area);
+                        },
+                        [&](const Load::Gravity& g) {
+                          json["type"] = "gravity";
+                          json["direction"] = json_vector(g.direction);
+                        },
+                        [&](const Load::Point& p) {
+                          json["type"] = "point";
+                          json["at"] = json_vector(p.at);
+                          json["direction"] = json_vector(p.direction);
+                        },
+                        [&](const Load::Line& l) {
+                          json["type"] = "line";
+                          json["line"] = l.line;
+                          json["direction"] = json_vector(l.direction);
+                        },
+                        [&](const Load::Pulls& s) {
+                          json["type"] = "springs";
+                          json["at"] = json_points(s.at);
+                          if (const auto* places = std::get_if<Load::Pulls::Places>(&s.target)) {
+                            json["to"] = json_points(places->to);
+                          } else if (const auto* c = std::get_if<Load::Pulls::Curve>(&s.target)) {
+                            json["curve"] = json_of(c->curve);
+                          } else {
+                            const auto& plane = std::get<Load::Pulls::Plane>(s.target);
+                            json["through"] = json_vector(plane.through);
+                            json["normal"] = json_vector(plane.normal);
+                          }
+                          json["rest_length"] = json_number(s.rest_length);
+                          json["falloff"] = json_number(s.falloff);
+                        },
+                        [&](const Load::Springs& m) {
+                          json["type"] = "measured";
+                          json["points"] = json_points(m.points);
+                        }},
+             load.kind);
   return json;
 }
 
-LiveLoad load_of(const LogObject& parent) {
+Load load_of(const LogObject& parent) {
   const LogObject o = parent.object("load", kLoadKeys);
-  const auto kind = [&]() -> decltype(LiveLoad::kind) {
+  const auto kind = [&]() -> decltype(Load::kind) {
     const std::string type = o.text("type");
-    if (type == "pressure") return LiveLoad::Pressure{area_of(o)};
-    if (type == "uniform") return LiveLoad::Uniform{o.vector("direction"), area_of(o)};
-    if (type == "gravity") return LiveLoad::Gravity{o.vector("direction")};
-    if (type == "point") return LiveLoad::Point{o.vector("at"), o.vector("direction")};
-    if (type == "line") return LiveLoad::Line{o.text("line"), o.vector("direction")};
-    if (type == "measured") return LiveLoad::Measured{o.points("points")};
+    if (type == "pressure") return Load::Pressure{area_of(o)};
+    if (type == "uniform") return Load::Uniform{o.vector("direction"), area_of(o)};
+    if (type == "gravity") return Load::Gravity{o.vector("direction")};
+    if (type == "point") return Load::Point{o.vector("at"), o.vector("direction")};
+    if (type == "line") return Load::Line{o.text("line"), o.vector("direction")};
+    if (type == "measured") return Load::Springs{o.points("points")};
     if (type != "springs") {
       const std::vector<std::string> types = {"pressure", "uniform", "gravity", "point",
                                               "line",     "springs", "measured"};
       o.fail("the load type '" + type + "'",
              "one of: " + listed(types) + did_you_mean(type, types));
     }
-    LiveLoad::Springs springs;
+    Load::Pulls springs;
     springs.at = o.points("at");
     if (o.has("to"))
-      springs.target = LiveLoad::Springs::Places{o.points("to")};
+      springs.target = Load::Pulls::Places{o.points("to")};
     else if (o.has("curve"))
-      springs.target = LiveLoad::Springs::Curve{curve_of(o, "curve")};
+      springs.target = Load::Pulls::Curve{curve_of(o, "curve")};
     else
-      springs.target = LiveLoad::Springs::Plane{o.vector("through"), o.vector("normal")};
+      springs.target = Load::Pulls::Plane{o.vector("through"), o.vector("normal")};
     springs.rest_length = o.number("rest_length", 0);
     springs.falloff = o.number("falloff", 0);
     return springs;
@@ -224,7 +225,8 @@ LogJson json_of(const WeightField& weight) {
 }
 
 WeightField weight_of(const LogObject& parent) {
-  const LogObject o = parent.object("weight", {"name", "kind", "near", "radius", "paint", "along"});
+  const LogObject o =
+      parent.object("weight", {"name", "kind", "near", "radius", "paint", "regions", "along"});
   WeightField weight;
   weight.name = o.text("name");
   const std::string kind = o.text("kind");
@@ -240,25 +242,25 @@ WeightField weight_of(const LogObject& parent) {
   return weight;
 }
 
-LogJson json_of(const LiveConstraint& constraint) {
+LogJson json_of(const Constraint& constraint) {
   LogJson json = {{"name", constraint.name}};
-  std::visit(Overloaded{[&](const LiveConstraint::Point& p) {
+  std::visit(Overloaded{[&](const Constraint::Point& p) {
                           json["type"] = "point";
                           json["at"] = json_vector(p.at);
                           json["goal"] = json_vector(p.goal);
                         },
-                        [&](const LiveConstraint::Normal& n) {
+                        [&](const Constraint::Normal& n) {
                           json["type"] = "normal";
                           json["at"] = json_vector(n.at);
                           json["normal"] = json_vector(n.normal);
                         },
-                        [&](const LiveConstraint::Tangent& t) {
+                        [&](const Constraint::Tangent& t) {
                           json["type"] = "tangent";
                           json["at"] = json_vector(t.at);
                           json["along"] = {json_number(t.along[0]), json_number(t.along[1])};
                           json["tau"] = json_vector(t.tau);
                         },
-                        [&](const LiveConstraint::LineNormal& l) {
+                        [&](const Constraint::LineNormal& l) {
                           json["type"] = "line_normal";
                           json["line"] = l.line;
                           if (l.normal) json["normal"] = json_vector(*l.normal);
@@ -267,18 +269,18 @@ LogJson json_of(const LiveConstraint& constraint) {
   return json;
 }
 
-LiveConstraint constraint_of(const LogObject& parent) {
+Constraint constraint_of(const LogObject& parent) {
   const LogObject o = parent.object("constraint", kConstraintKeys);
-  const auto kind = [&]() -> decltype(LiveConstraint::kind) {
+  const auto kind = [&]() -> decltype(Constraint::kind) {
     const std::string type = o.text("type");
-    if (type == "point") return LiveConstraint::Point{o.vector("at"), o.vector("goal")};
-    if (type == "normal") return LiveConstraint::Normal{o.vector("at"), o.vector("normal")};
+    if (type == "point") return Constraint::Point{o.vector("at"), o.vector("goal")};
+    if (type == "normal") return Constraint::Normal{o.vector("at"), o.vector("normal")};
     if (type == "tangent")
-      return LiveConstraint::Tangent{o.vector("at"), Vec2(o.numbers("along", 2)), o.vector("tau")};
+      return Constraint::Tangent{o.vector("at"), Vec2(o.numbers("along", 2)), o.vector("tau")};
     if (type == "line_normal") {
       std::optional<Vec3> normal;
       if (o.has("normal")) normal = o.vector("normal");
-      return LiveConstraint::LineNormal{o.text("line"), normal};
+      return Constraint::LineNormal{o.text("line"), normal};
     }
     const std::vector<std::string> types = {"point", "normal", "tangent", "line_normal"};
     o.fail("the constraint type '" + type + "'",

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "batten/io/session_log_json.h"
-#include "batten/sculpting/live_loads.h"
+#include "batten/sculpting/loads.h"
 #include "batten/sculpting/parameters.h"
 #include "batten/skinning/character_line.h"
 
@@ -22,9 +22,9 @@ Overloaded(Cases...) -> Overloaded<Cases...>;
 
 LogJson json_of(const std::vector<Area::Painted::Stroke>& strokes);
 LogJson json_of(const HermiteCurve& curve);
-LogJson json_of(const LiveLoad& load);
+LogJson json_of(const Load& load);
 LogJson json_of(const WeightField& weight);
-LogJson json_of(const LiveConstraint& constraint);
+LogJson json_of(const Constraint& constraint);
 LogJson json_of(const LineMove& move);
 /// Throws InputError for a line that is not piecewise cubic and C1.
 LogJson json_of(const CharacterLine& line);
@@ -35,12 +35,12 @@ LogJson json_of(const NamedValue& parameter);
 std::vector<Area::Painted::Stroke> strokes_of(const LogObject& parent, const std::string& key);
 std::vector<NamedValue::Share> shares_of(const LogObject& parent, const std::string& key);
 HermiteCurve curve_of(const LogObject& parent, const std::string& key);
-LiveLoad load_of(const LogObject& parent);              // "load"
-WeightField weight_of(const LogObject& parent);         // "weight"
-LiveConstraint constraint_of(const LogObject& parent);  // "constraint"
-LineMove move_of(const LogObject& parent);              // "move"
-CharacterLine line_of(const LogObject& parent);         // "line"
-NamedValue parameter_of(const LogObject& parent);       // "parameter"
+Load load_of(const LogObject& parent);              // "load"
+WeightField weight_of(const LogObject& parent);     // "weight"
+Constraint constraint_of(const LogObject& parent);  // "constraint"
+LineMove move_of(const LogObject& parent);          // "move"
+CharacterLine line_of(const LogObject& parent);     // "line"
+NamedValue parameter_of(const LogObject& parent);   // "parameter"
 /// "parameters"; none without.
 std::vector<NamedValue> parameters_of(const LogObject& parent);
 

@@ -1,4 +1,4 @@
-// Surfaces as STEP files that are exactly the surfaces, and what such a file holds when read back.
+// Regions as STEP files that are exactly their surfaces, and what a STEP file holds when read back.
 //
 // An HCT triangle is three cubics, and a cubic in affine (s, t) is a bicubic on the square
 // 0 ≤ s, t ≤ 1: each sub-triangle (V_j, V_k, centroid) becomes one bicubic face, cut along straight
@@ -13,8 +13,14 @@
 //      V_j    V_k
 //
 // Edges in space are the surface's own cubics, their parameter runs as that of the parameter lines
-// does. Every vertex and edge exists once, shared by the faces beside it: a surface is one shell
-// without gaps, its normals along x_u × x_v. No poles, nothing is sewn.
+// does. Every vertex and edge exists once, shared by the faces beside it, also where regions have a
+// line in common: nothing is sewn. No poles. Normals are along x_u × x_v.
+//
+//   regions that lines of the same name connect, closed    one solid, normals outwards
+//   the same, open                                         one shell
+//   one-sided, or three sides at a line                    a shell for each region, with edges of
+//                                                          its own: STEP has no common way for
+//                                                          more; the report warns
 #pragma once
 
 #include <filesystem>
@@ -22,7 +28,7 @@
 #include <string>
 #include <vector>
 
-#include "batten/fem/surface.h"
+#include "batten/skinning/region.h"
 
 namespace batten {
 
@@ -32,6 +38,25 @@ struct StepOptions {
   /// Write Z12 surfaces by the HCT functions of the same dofs: values and gradients on all element
   /// edges are the same, the inside differs by O(h⁴). StepReport::max_deviation tells by how much.
   bool z12_as_hct = false;
+  /// Of the fitted faces of cut regions from their surfaces, in model units; 0: 1e-4 of the size.
+  double tolerance = 0;
+};
+
+/// One region's fitted face. Lengths in model units. check_step knows region and deviation (a few
+/// points against the nearest of the surface) only.
+struct StepPatch {
+  std::string region;
+  /// Largest distance found between the face of the file and the surface, inside the trim: points
+  /// of the face from the surface, points of the surface from the face, and both along the rim. It
+  /// is taken at equal (u, v), so the nearest points are never farther apart.
+  double deviation = 0;
+  bool reached = false;  ///< deviation ≤ tolerance
+  /// Largest distance between an edge of the file and its face: line_gap and the fit. Vertices too.
+  double edge_gap = 0;
+  /// The same between boundary curves and the surface: it comes with the region.
+  double line_gap = 0;
+  double edge_deviation = 0;  ///< of the file's edges from the boundary curves: rounding
+  int poles_u = 0, poles_v = 0;
 };
 
 /// What is in a STEP file, measured on the file read back from disk by OpenCASCADE (which silently
@@ -39,46 +64,65 @@ struct StepOptions {
 struct StepReport {
   std::filesystem::path file;
   std::uintmax_t bytes = 0;
-  int shells = 0;
+  int shells = 0, solids = 0;
+  int closed_shells = 0;  ///< without a free edge
   int faces = 0;
   int edges = 0;
-  int free_edges = 0;  ///< with one face only: the rims
+  int free_edges = 0;  ///< with one face only: the rims; a seam is none
   /// OpenCASCADE's checks passed (BRepCheck_Analyzer). They pass on a gap too, where reading widens
   /// the edge's tolerance over it: max_gap tells.
   bool valid = false;
   double size = 0;  ///< diagonal of the box around all edges
   double area = 0;
-  /// Largest distance between an edge and the faces beside it (9 points an edge), and between a
-  /// vertex and the ends of its edges. Over `size` it is a relative gap.
+  double volume = 0;  ///< of all solids, model units³; of exact faces to 1e-12
+  /// Largest distance between an edge and the faces beside it (9 points an edge, more on fitted
+  /// faces), and between a vertex and the ends of its edges. Over `size` it is a relative gap.
   double max_gap = 0;
-  /// Largest angle between the outward normals of two faces along their edge, 9 points an edge.
+  /// Largest angle between the outward normals of two faces of one region along their edge, 9
+  /// points an edge. Where the file's regions are not known all its faces are one.
   double max_normal_jump_deg = 0;
-  /// Largest distance of points of the faces (15 each) to the surfaces; only when these were given.
+  /// Largest distance of points of the faces (15 each; StepPatch::deviation) to the regions'
+  /// surfaces; only when these were given. Of write_step the exact faces only: `patches` has the
+  /// fitted ones.
   std::optional<double> max_deviation;
+  double max_tolerance = 0;  ///< of edges and vertices, as a reader has them
   /// Places where one of these could not be measured: an edge without a parameter line on its face,
   /// a point where the surface is singular.
   int unmeasured = 0;
   std::vector<std::string> warnings;
+
+  // Of fitted faces.
+  double tolerance = 0;                     ///< asked for
+  bool reached = true;                      ///< by every one
+  double line_gap = 0, edge_deviation = 0;  ///< largest of the faces
+  std::vector<StepPatch> patches;           ///< in the order of the faces
 };
 
-/// A text for the user when the file will be large (more than 10,000 triangles): how many faces and
-/// about how many megabytes; otherwise "". To be said before write_step.
-std::string step_size_warning(const std::vector<const Surface*>& surfaces);
+/// A text for the user when the file will be large (more than 10,000 triangles in exact faces): how
+/// many faces and about how many megabytes; otherwise "". To be said before write_step.
+std::string step_size_warning(const std::vector<const SkinnedRegion*>& regions);
 
-/// Writes each surface as one shell (AP214) and returns check_step of the file. The coordinates are
-/// the model's own and the file declares the model's unit. The file is written whole or not at all.
-/// About 4.75 kB and 0.4 ms a face to write, 1 ms to read back and measure.
+/// Writes all regions (AP214) and returns check_step of the file. Regions meet where their lines
+/// have the same name: the same curve, in either direction, in two regions or twice in one. Where
+/// the vertices of one side are not those of the other, edges end at both. Ends of lines that
+/// coincide are one vertex. The coordinates are the model's own and the file declares the model's
+/// unit. The file is written whole or not at all. About 4.75 kB and 0.4 ms a face to write, 1 ms to
+/// read back and measure; all of it again, four times at most, when a fitted face misses the
+/// tolerance. One that cannot reach it is written as near as it comes, and the report says so.
 ///
-/// Throws InputError: no surface; a unit other than um, mm, cm, m, km, inch, ft, mi, mil, uin; a
-/// Z12 surface without `z12_as_hct`; dofs that are not finite; an element edge without length; a
-/// file that cannot be written.
+/// Throws InputError: no region; nothing but regions that embedded lines cut, by their names; exact
+/// regions of which one embeds a line that another has as a run; lines of one name that differ; a
+/// unit other than um, mm, cm, m, km, inch, ft, mi, mil, uin; a Z12 surface, other than a fitted
+/// one, without `z12_as_hct`; a tolerance below 0; what write_step_faces says of fitted regions;
+/// dofs that are not finite; an element edge without length; a file that cannot be written.
 StepReport write_step(const std::filesystem::path& file,
-                      const std::vector<const Surface*>& surfaces, double model_unit_in_metres,
+                      const std::vector<const SkinnedRegion*>& regions, double model_unit_in_metres,
                       const StepOptions& options = {});
 
-/// Reads a STEP file of any origin into model units and measures it. `surfaces`: what it should be.
-/// Throws InputError when the file cannot be read or holds no shape, and for units as above.
+/// Reads a STEP file of any origin into model units and measures it. `regions`: what it should be,
+/// shell by shell. Throws InputError when the file cannot be read or holds no shape, and for units
+/// as above.
 StepReport check_step(const std::filesystem::path& file, double model_unit_in_metres,
-                      const std::vector<const Surface*>& surfaces = {});
+                      const std::vector<const SkinnedRegion*>& regions = {});
 
 }  // namespace batten

@@ -1,75 +1,58 @@
 #include "batten/io/step_face.h"
 
-#include <BRep_Builder.hxx>
+#include <BRepCheck_Analyzer.hxx>
 #include <Standard_Failure.hxx>
-#include <TopoDS_Compound.hxx>
-#include <TopoDS_Shell.hxx>
 
 #include <algorithm>
-#include <chrono>
 
 #include "batten/core/errors.h"
 #include "batten/io/face_file.h"
+#include "batten/io/occ_settings.h"
 #include "batten/io/step_text.h"
 #include "batten/io/whole_file.h"
 
 namespace batten {
 namespace {
 
-bool save(const std::filesystem::path& path, std::vector<FaceMaker>& made, OccSettings& occ,
-          const StepFaceOptions& options) {
-  BRep_Builder builder;
-  TopoDS_Compound compound;
-  TopoDS_Shape shape;
-  builder.MakeCompound(compound);
+/// Writes the faces as they are; whether OpenCASCADE finds nothing wrong with them. Readers repair
+/// silently.
+bool save(const std::filesystem::path& path, const StepPlan& plan, const FittedFaces& made,
+          const StepFaceOptions& options, OccSettings& occ) {
+  SharedEdges shared(plan);
+  const TopoDS_Shape shape = assembled(plan, [&](int region, TopoDS_Shell& shell) {
+    BRep_Builder().Add(shell, made[region]->make(plan.joined ? &shared : nullptr));
+  });
   double tolerance = 0;
-  for (FaceMaker& maker : made) {
-    TopoDS_Shell shell;
-    builder.MakeShell(shell);
-    builder.Add(shell, maker.make());
-    builder.Add(compound, shell);
-    shape = shell;
-    tolerance = std::max(tolerance, maker.tolerance());
-  }
-  if (made.size() > 1) shape = compound;
-  return write_faces(path, shape, tolerance, occ, options);
+  for (const auto& maker : made) tolerance = std::max(tolerance, maker->tolerance());
+  write_shape(path, shape, tolerance, options.name, {options.name, options.author, "surfaces"},
+              occ);
+  return BRepCheck_Analyzer(shape).IsValid();
 }
 
 }  // namespace
 
-StepFaceReport write_step_face(const std::filesystem::path& path,
-                               const std::vector<const SkinnedRegion*>& regions,
-                               double model_unit_in_metres, const StepFaceOptions& options) {
-  const auto begin = std::chrono::steady_clock::now();
-  if (regions.empty()) throw InputError(path.string() + ": no region to write");
+StepReport write_step_faces(const std::filesystem::path& path,
+                            const std::vector<const SkinnedRegion*>& regions,
+                            double model_unit_in_metres, const StepFaceOptions& options) {
   check_options(path, options);
+  StepPlan plan = step_plan(regions);
   const std::string unit = cad_unit(model_unit_in_metres);
   WholeFile file(path);
-  std::vector<FaceMaker> made;
-  made.reserve(regions.size());
-  for (const SkinnedRegion* region : regions) made.emplace_back(*region, options);
-  std::vector<const FaceMaker*> pointers;
-  for (const FaceMaker& maker : made) pointers.push_back(&maker);
+  if (plan.joined) cut_lines(plan, plan.regions);
+  const FittedFaces made = fitted_faces(plan.regions, plan, options);
 
   OccSettings occ;
-  set_up_faces(occ, unit, options.name);
+  occ.set_unit(unit);
   try {
-    StepFaceReport report;
-    for (int round = 0; round < 4; ++round) {
-      const bool valid = save(file.temporary(), made, occ, options);
-      TopoDS_Shape shape;
-      report = measured_faces(file.temporary(), pointers, options.tolerance, shape);
-      report.valid = report.valid && valid;
-      bool again = false;
-      for (size_t k = 0; k < made.size(); ++k)
-        if (!report.patches[k].reached)
-          again = made[k].refine(report.patches[k].deviation) || again;
-      if (!again) break;
-    }
+    StepReport report = refined(made, [&] {
+      const bool valid = save(file.temporary(), plan, made, options, occ);
+      StepReport measured = measured_faces(file.temporary(), made, options.tolerance);
+      measured.valid = measured.valid && valid;
+      return measured;
+    });
     file.commit();
     report.file = path;
-    report.seconds =
-        std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    report.warnings = plan.warnings;
     return report;
   } catch (const Standard_Failure& failure) {
     throw Error(path.string() +

@@ -5,8 +5,11 @@
 #include <string>
 
 class STEPControl_Writer;
+class TopoDS_Shape;
 
 namespace batten {
+
+class OccSettings;
 
 struct StepHeader {
   std::string name, author, description;
@@ -19,5 +22,10 @@ std::string cad_unit(double model_unit_in_metres);
 /// InputError.
 void save_step(STEPControl_Writer& writer, const std::filesystem::path& path,
                const StepHeader& header);
+
+/// A shape as one product (AP214) in the unit of `occ`. `tolerance`: what the file declares. Throws
+/// Error, InputError.
+void write_shape(const std::filesystem::path& path, const TopoDS_Shape& shape, double tolerance,
+                 const std::string& product, const StepHeader& header, OccSettings& occ);
 
 }  // namespace batten

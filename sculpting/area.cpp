@@ -118,7 +118,7 @@ VecX means(const Surface& reference, const Weights& weights) {
   return result;
 }
 
-VecX near_line(const Area::NearLine& area, const RegionLayout& layout, const Surface& reference) {
+VecX near_line(const Area::NearLine& area, const ModelLayout& layout, const Surface& reference) {
   const HermiteCurve& line = layout.line(area.line);
   require_radius(area.radius, "the area near line '" + area.line + "'");
   constexpr double precise = 1e-3;
@@ -146,40 +146,43 @@ VecX painted(const Area::Painted& area, const Surface& reference) {
   });
 }
 
-HermiteCurve image_of(const std::string& line, const RegionLayout& layout) {
-  for (const LineRun& run : layout.runs())
-    if (run.line.name == line) return run_image(*layout.mesh(), run);
-  for (const EmbeddedLine& embedded : layout.embedded())
-    if (embedded.line.name == line) return embedded.image;
-  layout.line(line);  // says that there is none
-  return {};
-}
-
 }  // namespace
 
-VecX triangle_weights(const Area& area, const RegionLayout& layout, const Surface& reference) {
+VecX triangle_weights(const Area& area, const ModelLayout& layout, const Surface& reference) {
   if (reference.mesh().triangle_count() != layout.mesh()->triangle_count() ||
       reference.mesh().vertex_count() != layout.mesh()->vertex_count())
     throw InputError("an area's reference shape has " +
                      std::to_string(reference.mesh().triangle_count()) +
                      " triangles, and the region '" + layout.name() + "' has " +
                      std::to_string(layout.mesh()->triangle_count()));
-  if (const auto* near = std::get_if<Area::NearLine>(&area.where))
-    return near_line(*near, layout, reference);
-  if (const auto* paint = std::get_if<Area::Painted>(&area.where))
-    return painted(*paint, reference);
-  return VecX::Ones(reference.mesh().triangle_count());
+  const auto anywhere = [&]() -> VecX {
+    if (const auto* near = std::get_if<Area::NearLine>(&area.where))
+      return near_line(*near, layout, reference);
+    if (const auto* paint = std::get_if<Area::Painted>(&area.where))
+      return painted(*paint, reference);
+    return VecX::Ones(reference.mesh().triangle_count());
+  };
+  VecX weights = anywhere();
+  if (area.regions.empty()) return weights;
+  std::vector<char> named(static_cast<size_t>(layout.region_count()), 0);
+  for (const std::string& region : area.regions)
+    named[static_cast<size_t>(layout.region_named(region))] = 1;
+  for (int r = 0; r < layout.region_count(); ++r)
+    if (!named[static_cast<size_t>(r)])
+      weights.segment(layout.first_triangle(r), layout.region(r).mesh()->triangle_count())
+          .setZero();
+  return weights;
 }
 
-std::vector<Vec2> triangle_directions(const std::string& line, const RegionLayout& layout) {
-  const HermiteCurve image = image_of(line, layout);
-  const ParametricMesh& mesh = *layout.mesh();
+namespace {
+
+std::vector<Vec2> directions_along(const HermiteCurve& image, const ParametricMesh& mesh) {
   constexpr int cuts = 16;  // a segment
   std::vector<Vec2> chain{flat(image.evaluate({0, 0.0}))};
   for (int s = 0; s < image.segment_count(); ++s)
     for (int k = 1; k <= cuts; ++k)
       chain.push_back(flat(image.evaluate({s, static_cast<double>(k) / cuts})));
-  std::vector<Vec2> directions(mesh.triangle_count());
+  std::vector<Vec2> directions(static_cast<size_t>(mesh.triangle_count()));
   for_each_triangle(mesh.triangle_count(), [&](int t) {
     const Vec2 centre = mesh.shape(t).point(Vec3::Constant(1.0 / 3));
     double nearest = std::numeric_limits<double>::infinity();
@@ -199,6 +202,17 @@ std::vector<Vec2> triangle_directions(const std::string& line, const RegionLayou
     const Vec2 slope = flat(image.evaluate(where, 1));
     directions[t] = (slope.norm() > 0 ? slope : chord).normalized();
   });
+  return directions;
+}
+
+}  // namespace
+
+std::vector<Vec2> triangle_directions(const std::string& line, const ModelLayout& layout) {
+  std::vector<Vec2> directions(static_cast<size_t>(layout.mesh()->triangle_count()), Vec2::Zero());
+  for (const LineSide& side : layout.model_line(line).sides) {
+    const auto own = directions_along(layout.image(side), *layout.region(side.region).mesh());
+    std::copy(own.begin(), own.end(), directions.begin() + layout.first_triangle(side.region));
+  }
   return directions;
 }
 

@@ -78,14 +78,12 @@ struct SculptingSession::Data {
   Progress progress;
 
   Model& model() { return *now.model; }
-  const RegionLayout& layout() { return now.model->layout(); }
+  const ModelLayout& layout() { return now.model->layout(); }
   double size() { return layout().size(); }
   Points absolute(const Points& x) {
     return x + model().parts->ones * model().origin().transpose();
   }
-  Surface surface() {
-    return {layout().mesh(), layout().element(), absolute(now.shape.x), layout().trim()};
-  }
+  Surface surface() { return layout().surface(absolute(now.shape.x)); }
 
   // -- history ------------------------------------------------------------------------------------
   State saved() const {
@@ -225,11 +223,37 @@ struct SculptingSession::Data {
 
   bool has_measured() {
     for (const auto& load : model().def.loads)
-      if (std::holds_alternative<LiveLoad::Measured>(load->load.kind)) return true;
+      if (std::holds_alternative<Load::Springs>(load->load.kind)) return true;
     return false;
   }
 
+  // Where the lines that moved have turned tangents at nodes, γ and δ of smooth joins are others.
+  bool plan_joins() {
+    constexpr double same = 1e-7;
+    if (layout().seams().empty() || model().def.hold_corners ||
+        !(layout().seam_misfit(absolute(now.shape.x)) > same))
+      return false;
+    ModelLayout next = layout();
+    next.plan_seams(absolute(now.shape.x));
+    Definition def = model().def;
+    def.layout = std::make_shared<const ModelLayout>(std::move(next));
+    rebuild(std::move(def));
+    return true;
+  }
+
   Answer settle() {
+    Answer answer = settle_once();
+    constexpr int most_plans = 4;
+    for (int i = 0; i < most_plans && plan_joins(); ++i) {
+      const int before = answer.iterations;
+      answer = settle_once();
+      answer.iterations += before;
+      answer.joins_planned = true;
+    }
+    return answer;
+  }
+
+  Answer settle_once() {
     Answer answer;
     try {
       read_values();
@@ -402,7 +426,7 @@ struct SculptingSession::Data {
     }
   }
 
-  void add(const LiveLoad& load, const std::vector<NamedValue>& parameters) {
+  void add(const Load& load, const std::vector<NamedValue>& parameters) {
     require_free_name(load.name);
     Definition def = model().def;
     def.loads.push_back(
@@ -420,14 +444,14 @@ struct SculptingSession::Data {
     rebuild(std::move(def));
     stay();
   }
-  void add(const LiveConstraint& constraint, const std::vector<NamedValue>& parameters) {
+  void add(const Constraint& constraint, const std::vector<NamedValue>& parameters) {
     require_free_name(constraint.name);
     Definition def = model().def;
     def.constraints.push_back(
         std::make_shared<const live::PlacedConstraint>(live::place(constraint, def, surface())));
     std::vector<std::string> wanted;
     std::vector<double> start;
-    if (const auto* point = std::get_if<LiveConstraint::Point>(&constraint.kind))
+    if (const auto* point = std::get_if<Constraint::Point>(&constraint.kind))
       for (int c = 0; c < 3; ++c) {
         wanted.push_back(constraint.name + kAxes[c]);
         start.push_back(point->goal[c]);
@@ -449,8 +473,8 @@ struct SculptingSession::Data {
     if (!parameters.empty()) throw InputError("line '" + line.name + "' has no parameters");
     require_free_name(line.name);
     require_lines("added");
-    RegionLayout layout = this->layout();
-    layout.add_inner(line, surface());
+    ModelLayout layout = this->layout();
+    layout.add_inner(line, absolute(now.shape.x));
     move_to(std::move(layout));
   }
 
@@ -459,15 +483,26 @@ struct SculptingSession::Data {
       throw InputError(std::string("lines cannot be ") + what + " here: only the corners are held");
   }
 
-  // On a layout with another mesh or other lines; the shape is carried over.
-  CarriedOver move_to(RegionLayout layout) {
-    auto next = std::make_shared<const RegionLayout>(std::move(layout));
+  // On a layout with other meshes or other lines; the shape is carried over.
+  CarriedOver move_to(ModelLayout layout) {
     const auto carry = [&](const Points& absolute_dofs) {
-      return carried_over(Surface(this->layout().mesh(), this->layout().element(), absolute_dofs,
-                                  this->layout().trim()),
-                          *next->mesh());
+      CarriedOver all;
+      std::vector<Points> each;
+      for (int r = 0; r < layout.region_count(); ++r) {
+        const RegionLayout& from = this->layout().region(r);
+        CarriedOver own =
+            carried_over(Surface(from.mesh(), from.element(),
+                                 this->layout().region_dofs(r, absolute_dofs), from.trim()),
+                         *layout.region(r).mesh());
+        all.max_displacement = std::max(all.max_displacement, own.max_displacement);
+        each.push_back(std::move(own.dofs));
+      }
+      all.dofs = layout.all_dofs(each);
+      return all;
     };
-    const bool other_mesh = next->mesh() != this->layout().mesh();
+    bool other_mesh = false;
+    for (int r = 0; r < layout.region_count(); ++r)
+      other_mesh = other_mesh || layout.region(r).mesh() != this->layout().region(r).mesh();
     Definition def = model().def;
     CarriedOver carried;
     Shape shape = now.shape;
@@ -498,7 +533,8 @@ struct SculptingSession::Data {
       follow(def.weights);
       follow(def.constraints);
     }
-    def.layout = next;
+    if (other_mesh && !layout.seams().empty()) layout.plan_seams(carried.dofs);
+    def.layout = std::make_shared<const ModelLayout>(std::move(layout));
     rebuild(std::move(def));
     if (other_mesh) {
       VecX ones = model().parts->ones;
@@ -511,7 +547,7 @@ struct SculptingSession::Data {
     return carried;
   }
 
-  void change(const LiveConstraint& constraint) {
+  void change(const Constraint& constraint) {
     Definition def = model().def;
     const int at = index_of(def.constraints, constraint.name);
     if (at < 0)
@@ -523,7 +559,7 @@ struct SculptingSession::Data {
                        "' changes its place or direction, not its kind: remove it first");
     placed =
         std::make_shared<const live::PlacedConstraint>(live::place(constraint, def, surface()));
-    if (const auto* point = std::get_if<LiveConstraint::Point>(&constraint.kind))
+    if (const auto* point = std::get_if<Constraint::Point>(&constraint.kind))
       for (int c = 0; c < 3; ++c) now.parameters.set(constraint.name + kAxes[c], point->goal[c]);
     rebuild(std::move(def));
     hold();
@@ -536,8 +572,9 @@ struct SculptingSession::Data {
     for (const auto& p : d.weights) all.push_back(name_of(*p));
     for (const auto& p : d.constraints) all.push_back(name_of(*p));
     for (const auto& p : d.moves) all.push_back(name_of(*p));
-    for (const EmbeddedLine& line : layout().embedded())
-      if (line.line.role == CharacterLine::Role::Inner) all.push_back(line.line.name);
+    for (int r = 0; r < layout().region_count(); ++r)
+      for (const EmbeddedLine& line : layout().region(r).embedded())
+        if (line.line.role == CharacterLine::Role::Inner) all.push_back(line.line.name);
     return all;
   }
   std::string near_to(const std::string& name) {
@@ -549,7 +586,7 @@ struct SculptingSession::Data {
     Definition def = model().def;
     const int held = index_of(def.constraints, name);
     const bool was_point =
-        held >= 0 && std::holds_alternative<LiveConstraint::Point>(
+        held >= 0 && std::holds_alternative<Constraint::Point>(
                          def.constraints[static_cast<size_t>(held)]->constraint.kind);
     const auto take = [&](auto& things) {
       const int at = index_of(things, name);
@@ -573,7 +610,7 @@ struct SculptingSession::Data {
     if (!layout().has_line(name))
       throw InputError("there is nothing with the name '" + name + "' to remove" + near_to(name));
     refuse_if_used(name);
-    RegionLayout layout = this->layout();
+    ModelLayout layout = this->layout();
     layout.remove_inner(name);
     move_to(std::move(layout));
   }
@@ -587,11 +624,11 @@ struct SculptingSession::Data {
       return at && at->line == line;
     };
     for (const auto& p : model().def.loads) {
-      if (const auto* l = std::get_if<LiveLoad::Line>(&p->load.kind); l && l->line == line)
+      if (const auto* l = std::get_if<Load::Line>(&p->load.kind); l && l->line == line)
         refuse(p->load.name);
-      if (const auto* l = std::get_if<LiveLoad::Pressure>(&p->load.kind); l && near(l->area))
+      if (const auto* l = std::get_if<Load::Pressure>(&p->load.kind); l && near(l->area))
         refuse(p->load.name);
-      if (const auto* l = std::get_if<LiveLoad::Uniform>(&p->load.kind); l && near(l->area))
+      if (const auto* l = std::get_if<Load::Uniform>(&p->load.kind); l && near(l->area))
         refuse(p->load.name);
     }
     for (const auto& p : model().def.weights) {
@@ -599,7 +636,7 @@ struct SculptingSession::Data {
       if (near(p->weight.area) || (along && *along == line)) refuse(p->weight.name);
     }
     for (const auto& p : model().def.constraints)
-      if (const auto* c = std::get_if<LiveConstraint::LineNormal>(&p->constraint.kind);
+      if (const auto* c = std::get_if<Constraint::LineNormal>(&p->constraint.kind);
           c && c->line == line)
         refuse(p->constraint.name);
     for (const auto& p : model().def.moves)
@@ -608,10 +645,10 @@ struct SculptingSession::Data {
 
   void set_line(const std::string& name, const HermiteCurve& curve) {
     require_lines("edited");
-    RegionLayout layout = this->layout();
+    ModelLayout layout = this->layout();
     layout.set_line(name, curve);
     Definition def = model().def;
-    def.layout = std::make_shared<const RegionLayout>(std::move(layout));
+    def.layout = std::make_shared<const ModelLayout>(std::move(layout));
     rebuild(std::move(def));
     hold();
   }
@@ -635,12 +672,11 @@ struct SculptingSession::Data {
 
   RefinementReport refine(const Refinement& refinement);
   HermiteCurve line(const std::string& name);
-  SkinnedRegion made();
+  SkinnedRegion made(int region);
   void draw(Frame& to);
   double elastic_energy(const Points& x) {
     const SurfaceEnergy e = engine.elastic_energy(model(), values, x);
-    return (e.stretching + e.bending) /
-           (options.units == LoadUnits::Relative ? size() * size() : 1);
+    return (e.stretching + e.bending) * model().def.scale().of_energies();
   }
   void edit(const Operation::Edit& edit);
 };
@@ -648,7 +684,7 @@ struct SculptingSession::Data {
 namespace {
 
 // Triangles that a refinement halves.
-std::vector<char> marks(const Refinement& refinement, const RegionLayout& layout,
+std::vector<char> marks(const Refinement& refinement, const ModelLayout& layout,
                         const Surface& surface, const std::vector<double>& jumps) {
   const ParametricMesh& mesh = *layout.mesh();
   std::vector<char> marked(static_cast<size_t>(mesh.triangle_count()), 0);
@@ -713,15 +749,21 @@ RefinementReport SculptingSession::Data::refine(const Refinement& refinement) {
   const Surface surface = this->surface();
   std::vector<double> jumps;
   if (std::holds_alternative<Refinement::Jumps>(wanted.where)) {
-    const VecX all = curvature_jumps(surface);
-    jumps.assign(all.data(), all.data() + all.size());
+    // In the units of the whole model: a region's own count (S/s_r)².
+    for (int r = 0; r < layout().region_count(); ++r) {
+      const VecX own = curvature_jumps(made(r).surface);
+      const double scale = layout().domain_scale().size() > 0
+                               ? layout().domain_scale()[layout().first_triangle(r)]
+                               : 1;
+      for (long t = 0; t < own.size(); ++t) jumps.push_back(own[t] / scale);
+    }
   }
   const std::vector<char> marked = marks(wanted, layout(), surface, jumps);
   read_values();
   report.energy_before = report.energy_carried = report.energy_settled =
       elastic_energy(now.shape.x);
   report.triangles = report.triangles_before;
-  RegionLayout layout = this->layout();
+  ModelLayout layout = this->layout();
   if (!layout.refine(marked)) return report;
   if (layout.mesh()->triangle_count() > wanted.most_triangles)
     throw InputError("the refinement would make " +
@@ -758,7 +800,7 @@ void SculptingSession::Data::edit(const Operation::Edit& edit) {
 
 // -- the session ----------------------------------------------------------------------------------
 
-SculptingSession::SculptingSession(RegionLayout layout, const SessionOptions& options,
+SculptingSession::SculptingSession(ModelLayout layout, const SessionOptions& options,
                                    const Progress& progress)
     : data_(std::make_unique<Data>()) {
   Data& d = *data_;
@@ -782,9 +824,10 @@ SculptingSession::SculptingSession(RegionLayout layout, const SessionOptions& op
   material("beta", options.isotropic_beta, m.beta[0], m.beta[1], m.beta[2]);
   Definition def;
   def.origin = layout.origin();
-  def.layout = std::make_shared<const RegionLayout>(std::move(layout));
+  def.layout = std::make_shared<const ModelLayout>(std::move(layout));
   def.units = options.units;
   def.hold_corners = options.hold_corners;
+  def.expected = options.expected;
   progress.at("solving", 0);
   d.now.model = live::build(std::move(def), p, nullptr);
   d.engine.bind(*d.now.model);
@@ -828,13 +871,13 @@ void SculptingSession::drive(const std::string& parameter, std::vector<NamedValu
                              double offset) {
   apply(edit_of(Operation::Drive{parameter, std::move(follows), offset}));
 }
-void SculptingSession::add(LiveLoad load, std::vector<NamedValue> parameters) {
+void SculptingSession::add(Load load, std::vector<NamedValue> parameters) {
   apply(edit_of(Operation::Add{std::move(load), std::move(parameters)}));
 }
 void SculptingSession::add(WeightField weight, std::vector<NamedValue> parameters) {
   apply(edit_of(Operation::Add{std::move(weight), std::move(parameters)}));
 }
-void SculptingSession::add(LiveConstraint constraint, std::vector<NamedValue> parameters) {
+void SculptingSession::add(Constraint constraint, std::vector<NamedValue> parameters) {
   apply(edit_of(Operation::Add{std::move(constraint), std::move(parameters)}));
 }
 void SculptingSession::add(LineMove move, std::vector<NamedValue> parameters) {
@@ -843,7 +886,7 @@ void SculptingSession::add(LineMove move, std::vector<NamedValue> parameters) {
 void SculptingSession::add(CharacterLine line) {
   apply(edit_of(Operation::Add{std::move(line), {}}));
 }
-void SculptingSession::change(LiveConstraint constraint) {
+void SculptingSession::change(Constraint constraint) {
   apply(edit_of(Operation::Change{std::move(constraint)}));
 }
 void SculptingSession::remove(const std::string& name) { apply(edit_of(Operation::Remove{name})); }
@@ -1013,22 +1056,26 @@ RefinementReport SculptingSession::refine(const Refinement& refinement) {
   return report;
 }
 
-const RegionLayout& SculptingSession::layout() const { return data_->layout(); }
+const ModelLayout& SculptingSession::layout() const { return data_->layout(); }
 Points SculptingSession::dofs() const { return data_->absolute(data_->now.shape.x); }
 
-SkinnedRegion SculptingSession::Data::made() {
-  SkinnedRegion region = layout().region(absolute(now.shape.x));
-  const auto moved = [&](CharacterLine& line, HermiteCurve& fitted) {
+SkinnedRegion SculptingSession::Data::made(int r) {
+  SkinnedRegion region = layout().skinned(r, absolute(now.shape.x));
+  const auto moved = [&](CharacterLine& line, HermiteCurve& fitted, bool embedded, size_t index) {
     const auto& moves = model().def.moves;
     if (std::none_of(moves.begin(), moves.end(),
                      [&](const auto& m) { return m->move.line == line.name; }))
       return;
     fitted = this->line(line.name);
+    if (layout().against(layout().model_line(line.name), {r, embedded, static_cast<int>(index)}))
+      fitted = fitted.backwards();
     line.curve = curve_from_hermite(fitted);
   };
-  for (LineRun& run : region.runs) moved(run.line, run.fitted);
-  for (EmbeddedLine& line : region.embedded) {
-    moved(line.line, line.fitted);
+  for (size_t i = 0; i < region.runs.size(); ++i)
+    moved(region.runs[i].line, region.runs[i].fitted, false, i);
+  for (size_t i = 0; i < region.embedded.size(); ++i) {
+    EmbeddedLine& line = region.embedded[i];
+    moved(line.line, line.fitted, true, i);
     // An image of the same nodes.
     if (line.image.parameters() != line.fitted.parameters())
       line.image = line.image.with_nodes(line.fitted.parameters());
@@ -1036,17 +1083,35 @@ SkinnedRegion SculptingSession::Data::made() {
   return region;
 }
 
-SkinnedRegion SculptingSession::region() const { return data_->made(); }
+SkinnedRegion SculptingSession::region(int r) const { return data_->made(r); }
+
+std::vector<SkinnedRegion> SculptingSession::regions() const {
+  std::vector<SkinnedRegion> all;
+  for (int r = 0; r < layout().region_count(); ++r) all.push_back(region(r));
+  return all;
+}
 
 void SculptingSession::Data::draw(Frame& to) {
   if (display.mesh != layout().mesh()) {
-    const DisplayFacets all = facets(made(), options.facets_per_edge);
     auto pattern = std::make_shared<DisplayPattern>();
-    pattern->facets = all.tessellation.facets;
-    pattern->lines = all.lines;
+    std::vector<Location> places;
+    for (int r = 0; r < layout().region_count(); ++r) {
+      DisplayFacets own = facets(made(r), options.facets_per_edge);
+      const int first = static_cast<int>(places.size());
+      for (const Location& where : own.tessellation.points)
+        places.push_back(layout().in_model(r, where));
+      for (auto facet : own.tessellation.facets) {
+        for (int& corner : facet) corner += first;
+        pattern->facets.push_back(facet);
+      }
+      for (auto& line : own.lines) {
+        for (auto& piece : line)
+          for (int& point : piece) point += first;
+        pattern->lines.push_back(std::move(line));
+      }
+    }
     display.pattern = pattern;
-    display.points = std::make_unique<DisplayPoints>(*layout().mesh(), layout().element(),
-                                                     all.tessellation.points);
+    display.points = std::make_unique<DisplayPoints>(*layout().mesh(), layout().element(), places);
     display.mesh = layout().mesh();
   }
   to.remeshed = to.pattern != display.pattern;
@@ -1076,31 +1141,32 @@ SurfaceEnergy SculptingSession::energy() const {
   Data& d = *data_;
   d.read_values();
   SurfaceEnergy energy = d.engine.elastic_energy(d.model(), d.values, d.now.shape.x);
-  if (d.options.units == LoadUnits::Relative) {
-    energy.bending /= d.size() * d.size();
-    energy.stretching /= d.size() * d.size();
-  }
+  energy.bending *= d.model().def.scale().of_energies();
+  energy.stretching *= d.model().def.scale().of_energies();
   return energy;
 }
 
 double SculptingSession::total_energy() const {
   Data& d = *data_;
   d.read_values();
-  const double energy = d.engine.total_energy(d.model(), d.values, d.now.shape, d.now.in_motion);
-  return d.options.units == LoadUnits::Relative ? energy / (d.size() * d.size()) : energy;
+  return d.engine.total_energy(d.model(), d.values, d.now.shape, d.now.in_motion) *
+         d.model().def.scale().of_energies();
 }
 
-std::vector<SculptResult::Reaction> SculptingSession::reactions() const {
+std::vector<Reaction> SculptingSession::reactions() const {
   Data& d = *data_;
   auto all = d.engine.reactions(d.model(), d.now.shape_values, d.now.shape.x);
-  if (d.options.units == LoadUnits::Relative)
-    for (auto& reaction : all) reaction.force /= d.size();
+  for (auto& reaction : all) reaction.force *= d.model().def.scale().of_reactions();
   return all;
+}
+
+std::vector<SpringDistances> SculptingSession::spring_distances(const Points& before) const {
+  return data_->engine.spring_distances(data_->model(), before, dofs());
 }
 
 double SculptingSession::enclosed_volume() const {
   Data& d = *data_;
-  return d.model().parts->pressure.volume(dofs(), {});
+  return d.model().parts->pressure().volume(dofs(), {});
 }
 
 size_t SculptingSession::history_bytes() const { return data_->bytes(); }

@@ -8,12 +8,13 @@
 #include <vector>
 
 #include "batten/core/progress.h"
+#include "batten/core/sparse_cholesky.h"
 #include "batten/fairing/energy.h"
 #include "batten/sculpting/frame.h"
-#include "batten/sculpting/live_loads.h"
+#include "batten/sculpting/loads.h"
 #include "batten/sculpting/parameters.h"
-#include "batten/sculpting/static_sculpt.h"
-#include "batten/skinning/skin.h"
+#include "batten/sculpting/results.h"
+#include "batten/skinning/model/model_layout.h"
 
 namespace batten {
 
@@ -30,7 +31,12 @@ struct SessionOptions {
   bool isotropic_alpha = true, isotropic_beta = true;  ///< one parameter each, or three
   LoadUnits units = LoadUnits::Relative;
   bool hold_corners = false;  ///< instead of the lines
-  double tolerance = 1e-12;   ///< of settle(), over the region's size
+  /// One: the session settles once or twice, and a better order of its factor would not pay.
+  Expected expected = Expected::many_factors;
+  /// Of settle(): converged when no dof inside moves by more than this times the size in one
+  /// iteration (slopes times the size of their triangles), or by less than 1e-9 that does not fall
+  /// any more.
+  double tolerance = 1e-12;
   int most_iterations = 60;
   /// Undo keeps states and factors up to this many bytes, and at least one step.
   size_t history_bytes = size_t(512) << 20;
@@ -47,7 +53,9 @@ struct Answer {
   /// fourth answer iterates once more and sees.
   bool expected = false;
   bool factored = false;  ///< a new factor was needed
-  double time = 0;        ///< of the motion
+  /// settle(): lines that moved had turned tangents at nodes, and smooth joins were planned again.
+  bool joins_planned = false;
+  double time = 0;  ///< of the motion
 };
 
 /// Which triangles to halve, and how often at most.
@@ -73,11 +81,11 @@ struct RefinementReport {
 /// One thing that was done to a session: what replay() needs.
 struct Operation {
   struct Add {
-    std::variant<LiveLoad, WeightField, LiveConstraint, LineMove, CharacterLine> what;
+    std::variant<Load, WeightField, Constraint, LineMove, CharacterLine> what;
     std::vector<NamedValue> parameters;  ///< start values and ranges
   };
   struct Change {
-    LiveConstraint constraint;
+    Constraint constraint;
   };
   struct Remove {
     std::string name;
@@ -104,13 +112,18 @@ struct Operation {
 /// A surface under the user's hands.
 ///
 ///     SculptingSession session(layout, options);
-///     session.add(LiveLoad{"swell", LiveLoad::Pressure{}}, {{.name = "swell", .max = 300}});
+///     session.add(Load{"swell", Load::Pressure{}}, {{.name = "swell", .max = 300}});
 ///     session.settle();
 ///     while (dragging) {
 ///       session.set("swell", slider);
 ///       session.answer();              // one or a few pairs of triangular solves
 ///       draw(session.frame());         // points and exact normals
 ///     }
+///
+/// A region or a whole model: lines that regions share move them together, smooth joins stay smooth
+/// under everything (their rows stand among those of the lines), creases stay creases. Where moves
+/// turn the tangents of lines at a node, joins there are only as smooth as the rows of before can
+/// have it until settle() plans them again.
 ///
 /// State: dofs, velocities, time, parameter values. What they are made with (mesh, K, factor, rows)
 /// is shared and immutable, so undo() and redo() put back pointers: the same bits, no downdating.
@@ -133,7 +146,7 @@ struct Operation {
 class SculptingSession {
  public:
   /// Settles once. Throws InputError, ConflictError, NoSolutionError.
-  SculptingSession(RegionLayout layout, const SessionOptions& options,
+  SculptingSession(ModelLayout layout, const SessionOptions& options,
                    const Progress& progress = {});
   ~SculptingSession();
   SculptingSession(SculptingSession&&) noexcept;
@@ -155,14 +168,14 @@ class SculptingSession {
   /// those not given start at 0, a point's goal where it says). They take effect with the next
   /// answer; constraints and lines hold at once (the surface settles). Throws InputError: a name
   /// that is taken, places far from the surface, numbers; ConflictError.
-  void add(LiveLoad load, std::vector<NamedValue> parameters = {});
+  void add(Load load, std::vector<NamedValue> parameters = {});
   void add(WeightField weight, std::vector<NamedValue> parameters = {});
-  void add(LiveConstraint constraint, std::vector<NamedValue> parameters = {});
+  void add(Constraint constraint, std::vector<NamedValue> parameters = {});
   void add(LineMove move, std::vector<NamedValue> parameters = {});
   /// An inner line more, embedded where the surface is nearest to it.
   void add(CharacterLine line);
   /// Another place or direction for a constraint of this name.
-  void change(LiveConstraint constraint);
+  void change(Constraint constraint);
   /// A load, weight, constraint, move, or inner embedded line. Throws InputError: no such name, one
   /// that others refer to.
   void remove(const std::string& name);
@@ -207,9 +220,10 @@ class SculptingSession {
   RefinementReport refine(const Refinement& refinement);
 
   // -- results ------------------------------------------------------------------------------------
-  const RegionLayout& layout() const;
+  const ModelLayout& layout() const;
   Points dofs() const;
-  SkinnedRegion region() const;  ///< with lines as they are moved
+  SkinnedRegion region(int r = 0) const;  ///< with lines as they are moved
+  std::vector<SkinnedRegion> regions() const;
   /// Points and normals of the shape as it is, in a buffer that the next call writes again.
   const Frame& frame();
   /// The same into a frame of the caller's: FrameExchange::writing(). `moved`: since the last
@@ -222,9 +236,12 @@ class SculptingSession {
   /// motion kinetic energy, in the units of energy(): never grows under loads that stand and do not
   /// follow. Of pressure: ⅔ p V, which is its potential where the rim is held.
   double total_energy() const;
-  /// Force with which each line and constraint holds the surface, as SculptResult::reactions. At
-  /// rest; factors a matrix of the rows.
-  std::vector<SculptResult::Reaction> reactions() const;
+  /// Force with which each line and constraint holds the surface. At rest; factors a matrix of the
+  /// rows.
+  std::vector<Reaction> reactions() const;
+  /// Of each Load::Springs: how far its points are from the surface. `before`: a shape on the
+  /// layout to compare with.
+  std::vector<SpringDistances> spring_distances(const Points& before) const;
   double enclosed_volume() const;  ///< ⅓ ∬ x·(x_u × x_v)
   size_t history_bytes() const;
 

@@ -3,10 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 #include "batten/core/errors.h"
-#include "batten/fem/surface_projector.h"
 #include "batten/sculpting/change_weights.h"
+#include "batten/skinning/model/model_projector.h"
 
 namespace batten::live {
 namespace {
@@ -37,6 +38,8 @@ std::vector<SurfaceStiffness> materials(const Model& model, const std::vector<do
     const BuiltWeight& built = *model.weights[w];
     const bool bends = model.def.weights[w]->weight.kind == WeightField::Kind::Bending;
     for (size_t t = 0; t < triangles; ++t) {
+      // Where a line has no say there is no direction.
+      if (!built.directions.empty() && built.directions[t].isZero(0)) continue;
       const double weight = value * built.weights[static_cast<long>(t)];
       const double alpha = bends ? 0 : weight, beta = bends ? weight : 0;
       all[t] += built.directions.empty()
@@ -47,9 +50,9 @@ std::vector<SurfaceStiffness> materials(const Model& model, const std::vector<do
   for (SurfaceStiffness& m : all) {
     if (!m.is_valid())
       throw InputError("alpha must be positive semi-definite and beta not negative, everywhere");
-    m = on_unit_domain(m, model.def.units, model.layout().size());
+    m = model.def.scale().material(m);
   }
-  return all;
+  return model.layout().on_regions(std::move(all));
 }
 
 }  // namespace
@@ -133,7 +136,7 @@ bool Engine::prepare_matrix(Model& model, const std::vector<double>& values) {
       parts.assembler.stiffness(all, K);
     model.measured_load.resize(0, 3);
     for (size_t l = 0; l < model.loads.size(); ++l) {
-      const auto* measured = std::get_if<LiveLoad::Measured>(&model.def.loads[l]->load.kind);
+      const auto* measured = std::get_if<Load::Springs>(&model.def.loads[l]->load.kind);
       if (!measured || model.measured_feet[l].empty()) continue;
       if (model.measured_load.rows() == 0) model.measured_load = Points::Zero(model.dofs(), 3);
       const double value = values[static_cast<size_t>(model.load_parameter[l])];
@@ -161,9 +164,9 @@ bool Engine::prepare_matrix(Model& model, const std::vector<double>& values) {
     if (model.statics && model.statics.use_count() == 1)
       model.statics->set_matrix(std::move(K));
     else
-      model.statics =
-          model.statics ? std::make_shared<LiveSystem>(*model.statics, std::move(K))
-                        : std::make_shared<LiveSystem>(model.reduction, std::move(K), parts.order);
+      model.statics = model.statics ? std::make_shared<LiveSystem>(*model.statics, std::move(K))
+                                    : std::make_shared<LiveSystem>(model.reduction, std::move(K),
+                                                                   parts.order, model.def.expected);
     model.matrix_values = values;
     model.moving.reset();
     model.moving_coupling.reset();
@@ -288,12 +291,12 @@ void Engine::add_linear(const Model& model, const std::vector<double>& values, M
 namespace {
 
 // The point of a spring's target that is nearest to p.
-Vec3 nearest_of(const LiveLoad::Springs& springs, int spring, const Vec3& p) {
-  if (const auto* places = std::get_if<LiveLoad::Springs::Places>(&springs.target))
+Vec3 nearest_of(const Load::Pulls& springs, int spring, const Vec3& p) {
+  if (const auto* places = std::get_if<Load::Pulls::Places>(&springs.target))
     return places->to[static_cast<size_t>(spring)];
-  if (const auto* curve = std::get_if<LiveLoad::Springs::Curve>(&springs.target))
+  if (const auto* curve = std::get_if<Load::Pulls::Curve>(&springs.target))
     return curve->curve.evaluate(curve->curve.closest_point(p).u);
-  const auto& plane = std::get<LiveLoad::Springs::Plane>(springs.target);
+  const auto& plane = std::get<Load::Pulls::Plane>(springs.target);
   const Vec3 n = plane.normal.normalized();
   return p - n.dot(p - plane.through) * n;
 }
@@ -303,7 +306,7 @@ Vec3 nearest_of(const LiveLoad::Springs& springs, int spring, const Vec3& p) {
 Engine::Pull Engine::pull(const Model& model, const LooseRows::Source& source, double value,
                           const Vec3& p) const {
   const auto& placed = *model.def.loads[static_cast<size_t>(source.load)];
-  const auto& springs = std::get<LiveLoad::Springs>(placed.load.kind);
+  const auto& springs = std::get<Load::Pulls>(placed.load.kind);
   Vec3 target = nearest_of(springs, source.spring, p);
   const double distance = (p - target).norm();
   double stiffness = value;
@@ -344,9 +347,8 @@ void Engine::aim_springs(Model& model, const std::vector<double>& values, const 
 bool Engine::is_linear(const Model& model, const std::vector<double>& values) const {
   for (size_t l = 0; l < model.loads.size(); ++l) {
     const auto p = static_cast<size_t>(model.load_parameter[l]);
-    const bool follows =
-        std::holds_alternative<LiveLoad::Pressure>(model.def.loads[l]->load.kind) ||
-        (model.roles[p] & kSpring && model.roles[p] & kPressure);
+    const bool follows = std::holds_alternative<Load::Pressure>(model.def.loads[l]->load.kind) ||
+                         (model.roles[p] & kSpring && model.roles[p] & kPressure);
     if (follows && values[p] != 0) return false;
   }
   return true;
@@ -356,12 +358,12 @@ void Engine::map(Model& model, const std::vector<double>& values, const Points& 
   y_ = base_;
   bool pressed = false;
   for (size_t l = 0; l < model.loads.size(); ++l) {
-    if (!std::holds_alternative<LiveLoad::Pressure>(model.def.loads[l]->load.kind)) continue;
+    if (!std::holds_alternative<Load::Pressure>(model.def.loads[l]->load.kind)) continue;
     const double v = values[static_cast<size_t>(model.load_parameter[l])];
     if (v == 0) continue;
     if (!pressed) F_.setZero();
     pressed = true;
-    model.parts->pressure.add(x, model.loads[l]->weights, v * model.loads[l]->scale, F_);
+    model.parts->pressure().add(x, model.loads[l]->weights, v * model.loads[l]->scale, F_);
   }
   if (pressed) model.statics->add_load(F_, y_);
   aim_springs(model, values, x);
@@ -476,11 +478,10 @@ void Engine::put_on_rows(const Model& model, Points& x) {
 bool Engine::follow_measured(Model& model, const Points& x) {
   bool moved = false;
   for (size_t l = 0; l < model.loads.size(); ++l) {
-    const auto* measured = std::get_if<LiveLoad::Measured>(&model.def.loads[l]->load.kind);
+    const auto* measured = std::get_if<Load::Springs>(&model.def.loads[l]->load.kind);
     if (!measured) continue;
-    const Surface shape(model.parts->mesh, model.parts->kind,
-                        x + model.parts->ones * model.origin().transpose(), model.parts->trim);
-    const SurfaceProjector projector(shape);
+    const ModelProjector projector(model.layout(),
+                                   x + model.parts->ones * model.origin().transpose());
     auto& feet = model.measured_feet[l];
     auto& used = model.measured_used[l];
     const bool first = feet.empty();
@@ -489,15 +490,14 @@ bool Engine::follow_measured(Model& model, const Points& x) {
     for (size_t i = 0; i < feet.size(); ++i) {
       const Vec3& p = measured->points[i];
       const auto closest = projector.nearest(p);
-      const Vec2 uv = shape.mesh().shape(closest.where.triangle).point(closest.where.L);
       // On the rim the way to a point beyond it is not at right angles to the surface.
-      const SurfaceJet jet = shape.jet(closest.where);
+      const SurfaceJet jet = projector.surface(closest.at.region).jet(closest.where);
       const Vec3 across = p - jet.x;
-      const char use = (!shape.trim() || shape.trim()->loops().contains(uv)) &&
-                       (across.norm() <= 1e-9 * model.layout().size() ||
-                        std::abs(across.normalized().dot(jet.normal())) > 0.7);
-      moved = moved || first || use != used[i] || !((uv - feet[i]).norm() < 1e-6);
-      feet[i] = shape.mesh().wrapped(uv);
+      const char use = closest.inside && (across.norm() <= 1e-9 * model.layout().size() ||
+                                          std::abs(across.normalized().dot(jet.normal())) > 0.7);
+      moved = moved || first || use != used[i] || closest.at.region != feet[i].region ||
+              !((closest.at.uv - feet[i].uv).norm() < 1e-6);
+      feet[i] = closest.at;
       used[i] = use;
     }
   }
@@ -513,9 +513,8 @@ bool Engine::prepare_motion(Model& model, const Motion& motion) {
                     model.motion.damping == motion.damping && model.motion.theta == motion.theta;
   if (same && model.moving_coupling && model.moving_rows == model.loose) return false;
   if (!same) {
-    const double s = model.layout().size();
-    const double area = model.def.units == LoadUnits::Relative ? 1 : s * s;
-    const double inertia = area * (motion.density / (motion.theta * motion.dt) + motion.damping);
+    const double inertia = model.def.scale().inertia() *
+                           (motion.density / (motion.theta * motion.dt) + motion.damping);
     SparseMatrix S =
         inertia * model.parts->mass() + (motion.theta * motion.dt) * model.statics->matrix();
     model.moving = std::make_shared<LiveSystem>(*model.statics, std::move(S));
@@ -534,7 +533,7 @@ void Engine::step(Model& model, const std::vector<double>& from, const std::vect
   anchored_ = false;
   right_values_.clear();  // e_ and ae_ become rates
   const double s = model.layout().size();
-  const double area = model.def.units == LoadUnits::Relative ? 1 : s * s;
+  const double area = model.def.scale().inertia();
   LiveSystem& system = *model.moving;
   const auto blended = [&](size_t p) { return m.theta * to[p] + (1 - m.theta) * from[p]; };
 
@@ -554,8 +553,8 @@ void Engine::step(Model& model, const std::vector<double>& from, const std::vect
     if (v == 0) continue;
     const BuiltLoad& load = *model.loads[l];
     if (load.F.rows() > 0) F_ += v * load.F;
-    if (std::holds_alternative<LiveLoad::Pressure>(model.def.loads[l]->load.kind))
-      model.parts->pressure.add(next_, load.weights, v * load.scale, F_);
+    if (std::holds_alternative<Load::Pressure>(model.def.loads[l]->load.kind))
+      model.parts->pressure().add(next_, load.weights, v * load.scale, F_);
   }
   if (model.measured_load.rows() > 0) F_ += model.measured_load;
 
@@ -699,16 +698,15 @@ SurfaceEnergy Engine::elastic_energy(const Model& model, const std::vector<doubl
   return {part(false), part(true)};
 }
 
-std::vector<SculptResult::Reaction> Engine::reactions(const Model& model,
-                                                      const std::vector<double>& values,
-                                                      const Points& x) {
+std::vector<Reaction> Engine::reactions(const Model& model, const std::vector<double>& values,
+                                        const Points& x) {
   symmetric_times(model.statics->matrix(), x, product_);
   for (size_t l = 0; l < model.loads.size(); ++l) {
     const double v = values[static_cast<size_t>(model.load_parameter[l])];
     if (v == 0) continue;
     if (model.loads[l]->F.rows() > 0) product_ -= v * model.loads[l]->F;
-    if (std::holds_alternative<LiveLoad::Pressure>(model.def.loads[l]->load.kind))
-      model.parts->pressure.add(x, model.loads[l]->weights, -v * model.loads[l]->scale, product_);
+    if (std::holds_alternative<Load::Pressure>(model.def.loads[l]->load.kind))
+      model.parts->pressure().add(x, model.loads[l]->weights, -v * model.loads[l]->scale, product_);
   }
   if (model.measured_load.rows() > 0) product_ -= model.measured_load;
   const LooseRows& rows = *model.loose;
@@ -724,9 +722,43 @@ std::vector<SculptResult::Reaction> Engine::reactions(const Model& model,
     for (SparseMatrix::InnerIterator it(rows.A, rows.rows[r].point); it; ++it)
       product_.row(it.row()) += it.value() * force.transpose();
   }
-  std::vector<SculptResult::Reaction> all;
+  std::vector<Reaction> all;
   for (const auto& named : named_reactions(all_rows(model, values), product_))
     all.push_back({named.name, named.forces.transpose() * model.parts->ones});
+  return all;
+}
+
+std::vector<SpringDistances> Engine::spring_distances(const Model& model, const Points& before,
+                                                      const Points& now) const {
+  std::vector<SpringDistances> all;
+  std::optional<ModelProjector> on_before, on_now;
+  for (size_t l = 0; l < model.loads.size(); ++l) {
+    const auto* springs = std::get_if<Load::Springs>(&model.def.loads[l]->load.kind);
+    if (!springs) continue;
+    if (!on_now) {
+      on_before.emplace(model.layout(), before);
+      on_now.emplace(model.layout(), now);
+    }
+    SpringDistances s;
+    s.name = model.def.loads[l]->load.name;
+    s.points = static_cast<int>(springs->points.size());
+    for (size_t i = 0; i < springs->points.size(); ++i) {
+      if (i >= model.measured_used[l].size() || !model.measured_used[l][i]) {
+        ++s.left_out;
+        continue;
+      }
+      const double was = on_before->nearest(springs->points[i]).distance,
+                   is = on_now->nearest(springs->points[i]).distance;
+      s.before_max = std::max(s.before_max, was);
+      s.max = std::max(s.max, is);
+      s.before_rms += was * was;
+      s.rms += is * is;
+    }
+    const double used = std::max(1, s.points - s.left_out);
+    s.before_rms = std::sqrt(s.before_rms / used);
+    s.rms = std::sqrt(s.rms / used);
+    all.push_back(s);
+  }
   return all;
 }
 
@@ -734,7 +766,7 @@ std::vector<SculptResult::Reaction> Engine::reactions(const Model& model,
 double Engine::stretch_energy(const Model& model, const LooseRows::Source& source,
                               const Vec3& p) const {
   const auto& springs =
-      std::get<LiveLoad::Springs>(model.def.loads[static_cast<size_t>(source.load)]->load.kind);
+      std::get<Load::Pulls>(model.def.loads[static_cast<size_t>(source.load)]->load.kind);
   const double r = (p - nearest_of(springs, source.spring, p)).norm(), rest = springs.rest_length,
                falloff = springs.falloff;
   if (falloff == 0) return (r - rest) * (r - rest);
@@ -751,9 +783,9 @@ double Engine::total_energy(const Model& model, const std::vector<double>& value
     const double v = values[static_cast<size_t>(model.load_parameter[l])];
     if (model.loads[l]->F.rows() > 0 && v != 0) product_ -= 2 * v * model.loads[l]->F;
     // Along a fixed rim, ⅔ of the work that the pressure would do on the shape as it is.
-    if (std::holds_alternative<LiveLoad::Pressure>(model.def.loads[l]->load.kind) && v != 0) {
+    if (std::holds_alternative<Load::Pressure>(model.def.loads[l]->load.kind) && v != 0) {
       F_.setZero();
-      model.parts->pressure.add(shape.x, model.loads[l]->weights, v * model.loads[l]->scale, F_);
+      model.parts->pressure().add(shape.x, model.loads[l]->weights, v * model.loads[l]->scale, F_);
       product_ -= (2.0 / 3) * F_;
     }
   }
@@ -771,10 +803,9 @@ double Engine::total_energy(const Model& model, const std::vector<double>& value
       energy += value * stretch_energy(model, rows.sources[r], p);
   }
   if (moving && model.motion.density > 0) {
-    const double s = model.layout().size();
-    const double area = model.def.units == LoadUnits::Relative ? 1 : s * s;
     symmetric_times(model.parts->mass(), shape.v, product_);
-    energy += area * model.motion.density * shape.v.cwiseProduct(product_).sum();
+    energy +=
+        model.def.scale().inertia() * model.motion.density * shape.v.cwiseProduct(product_).sum();
   }
   return energy;
 }

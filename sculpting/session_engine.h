@@ -56,8 +56,11 @@ class Engine {
   SurfaceEnergy elastic_energy(const Model& model, const std::vector<double>& values,
                                const Points& x);
   /// Of each name among lines and constraints, on the domain of size 1.
-  std::vector<SculptResult::Reaction> reactions(const Model& model,
-                                                const std::vector<double>& values, const Points& x);
+  std::vector<Reaction> reactions(const Model& model, const std::vector<double>& values,
+                                  const Points& x);
+  /// Of each spring load, of two shapes in absolute coordinates.
+  std::vector<SpringDistances> spring_distances(const Model& model, const Points& before,
+                                                const Points& now) const;
   /// xᵀKx - 2Fᵀx and springs, plus ρ vᵀMv in motion.
   double total_energy(const Model& model, const std::vector<double>& values, const Shape& shape,
                       bool moving);

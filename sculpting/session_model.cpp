@@ -9,10 +9,9 @@
 #include "batten/core/errors.h"
 #include "batten/core/plane.h"
 #include "batten/core/words.h"
-#include "batten/fem/dissection.h"
 #include "batten/fem/line_load.h"
-#include "batten/fem/surface_projector.h"
 #include "batten/sculpting/area.h"
+#include "batten/skinning/model/model_projector.h"
 
 namespace batten::live {
 namespace {
@@ -27,30 +26,24 @@ void require_direction(const std::string& name, const Vec3& direction) {
 }
 
 // Where the surface is nearest to a place in space.
-Vec2 foot(const std::string& name, const Vec3& at, const Surface& surface,
-          const SurfaceProjector& projector, double size) {
+ModelPoint foot(const std::string& name, const Vec3& at, const ModelProjector& projector,
+                double size) {
   require_finite(name, at.allFinite());
-  const auto uv_of = [&](const Surface::Closest& c) {
-    return surface.mesh().wrapped(surface.mesh().shape(c.where.triangle).point(c.where.L));
-  };
-  auto closest = projector.nearest(at);
-  // The projector does not see the trim.
-  if (surface.trim() && !surface.trim()->loops().contains(uv_of(closest)))
-    closest = surface.closest_point(at);
-  constexpr double far = 0.5;  // of the region's size: no rounding, a mistake
+  const auto closest = projector.nearest_inside(at);
+  constexpr double far = 0.5;  // of the size: no rounding, a mistake
   if (!(closest.distance <= far * size))
     throw InputError("'" + name + "': the surface is " + number(closest.distance) +
                      " away from where it should act (the region's size is " + number(size) + ")");
-  return uv_of(closest);
+  return closest.at;
 }
 
-Surface surface_on(const Definition& def, const Points& dofs) {
-  return {def.layout->mesh(), def.layout->element(), dofs, def.layout->trim()};
-}
+Surface surface_on(const Definition& def, const Points& dofs) { return def.layout->surface(dofs); }
 
 SharedPoints shared(const Surface& surface) { return std::make_shared<Points>(surface.dofs()); }
 
-bool everywhere(const Area& area) { return std::holds_alternative<Area::Everywhere>(area.where); }
+bool everywhere(const Area& area) {
+  return std::holds_alternative<Area::Everywhere>(area.where) && area.regions.empty();
+}
 
 void check_area(const Area& area, const Definition& def, const Surface& surface) {
   if (!everywhere(area)) triangle_weights(area, *def.layout, surface);  // throws what is wrong
@@ -63,33 +56,38 @@ int position_of(const std::vector<std::string>& names, const std::string& name) 
 
 }  // namespace
 
-MeshParts::MeshParts(const RegionLayout& layout)
+MeshParts::MeshParts(const ModelLayout& layout)
     : mesh(layout.mesh()),
       trim(layout.trim()),
       kind(layout.element()),
       assembler(*mesh, kind, trim),
-      locator(*mesh),
-      pressure(*mesh, kind, trim),
-      order(dissection_order(*mesh)),
-      ones(VecX::Zero(assembler.dofs().count())) {
-  for (int v = 0; v < mesh->vertex_count(); ++v) ones[assembler.dofs().vertex(v)] = 1;
+      domain_scale(layout.domain_scale()),
+      order(layout.dof_order()),
+      ones(layout.position_dofs()) {
+  for (int r = 0; r < layout.region_count(); ++r) {
+    region_meshes.push_back(layout.region(r).mesh());
+    locators.push_back(std::make_unique<TriangleLocator>(*region_meshes.back()));
+    first_triangle.push_back(layout.first_triangle(r));
+  }
 }
 
 const SparseMatrix& MeshParts::mass() const {
-  if (mass_.rows() == 0) mass_ = assembler.mass();
+  if (mass_.rows() == 0) mass_ = assembler.mass(domain_scale);
   return mass_;
 }
 
-size_t MeshParts::bytes() const { return static_cast<size_t>(mesh->triangle_count()) * 1400; }
-
-LineOnMesh line_on_mesh(const RegionLayout& layout, const std::string& name) {
-  layout.line(name);  // throws when there is none
-  for (const LineRun& run : layout.runs())
-    if (run.line.name == name) return {&run.fitted, run_image(*layout.mesh(), run)};
-  for (const EmbeddedLine& line : layout.embedded())
-    if (line.line.name == name) return {&line.fitted, line.image};
-  throw InputError("no line '" + name + "'");
+const PressureOperator& MeshParts::pressure() const {
+  if (!pressure_) pressure_ = std::make_unique<PressureOperator>(*mesh, kind, trim);
+  return *pressure_;
 }
+
+Location MeshParts::at(const ModelPoint& point) const {
+  Location where = locator(point.region).locate(point.uv);
+  where.triangle += first_triangle[static_cast<size_t>(point.region)];
+  return where;
+}
+
+size_t MeshParts::bytes() const { return static_cast<size_t>(mesh->triangle_count()) * 1400; }
 
 HermiteCurve sum(const HermiteCurve& a, const HermiteCurve& b, double factor) {
   const HermiteCurve whole = a.with_nodes(b.parameters()), other = b.with_nodes(a.parameters());
@@ -104,50 +102,50 @@ HermiteCurve sum(const HermiteCurve& a, const HermiteCurve& b, double factor) {
   return {mesh, dofs};
 }
 
-PlacedLoad place(const LiveLoad& load, const Definition& def, const Surface& surface) {
+PlacedLoad place(const Load& load, const Definition& def, const Surface& surface) {
   PlacedLoad placed{load, {}, nullptr};
   const double size = def.layout->size();
   const std::string& name = load.name;
-  std::optional<SurfaceProjector> projector;
+  std::optional<ModelProjector> projector;
   const auto put = [&](const Vec3& at) {
-    if (!projector) projector.emplace(surface);
-    placed.feet.push_back(foot(name, at, surface, *projector, size));
+    if (!projector) projector.emplace(*def.layout, surface.dofs());
+    placed.feet.push_back(foot(name, at, *projector, size));
   };
-  if (const auto* p = std::get_if<LiveLoad::Pressure>(&load.kind)) {
+  if (const auto* p = std::get_if<Load::Pressure>(&load.kind)) {
     check_area(p->area, def, surface);
     if (!everywhere(p->area)) placed.on = shared(surface);
-  } else if (const auto* u = std::get_if<LiveLoad::Uniform>(&load.kind)) {
+  } else if (const auto* u = std::get_if<Load::Uniform>(&load.kind)) {
     require_direction(name, u->direction);
     check_area(u->area, def, surface);
     if (!everywhere(u->area)) placed.on = shared(surface);
-  } else if (const auto* g = std::get_if<LiveLoad::Gravity>(&load.kind)) {
+  } else if (const auto* g = std::get_if<Load::Gravity>(&load.kind)) {
     require_direction(name, g->direction);
     placed.on = shared(surface);
-  } else if (const auto* f = std::get_if<LiveLoad::Point>(&load.kind)) {
+  } else if (const auto* f = std::get_if<Load::Point>(&load.kind)) {
     require_direction(name, f->direction);
     put(f->at);
-  } else if (const auto* line = std::get_if<LiveLoad::Line>(&load.kind)) {
+  } else if (const auto* line = std::get_if<Load::Line>(&load.kind)) {
     require_direction(name, line->direction);
-    def.layout->line(line->line);
-  } else if (const auto* s = std::get_if<LiveLoad::Springs>(&load.kind)) {
+    def.layout->model_line(line->line);
+  } else if (const auto* s = std::get_if<Load::Pulls>(&load.kind)) {
     if (s->at.empty()) throw InputError("'" + name + "' has no springs: 'at' is empty");
     if (!(s->rest_length >= 0) || !(s->falloff >= 0) || !std::isfinite(s->rest_length + s->falloff))
       throw InputError("'" + name + "' has a rest length of " + number(s->rest_length) +
                        " and a falloff of " + number(s->falloff) + ": expected 0 or more");
     for (const Vec3& at : s->at) put(at);
-    if (const auto* places = std::get_if<LiveLoad::Springs::Places>(&s->target)) {
+    if (const auto* places = std::get_if<Load::Pulls::Places>(&s->target)) {
       if (places->to.size() != s->at.size())
         throw InputError("'" + name + "' has " + std::to_string(s->at.size()) + " springs and " +
                          std::to_string(places->to.size()) + " places to pull them to");
       for (const Vec3& to : places->to) require_finite(name, to.allFinite());
-    } else if (const auto* plane = std::get_if<LiveLoad::Springs::Plane>(&s->target)) {
+    } else if (const auto* plane = std::get_if<Load::Pulls::Plane>(&s->target)) {
       require_finite(name, plane->through.allFinite());
       require_direction(name, plane->normal);
-    } else if (std::get<LiveLoad::Springs::Curve>(s->target).curve.segment_count() < 1) {
+    } else if (std::get<Load::Pulls::Curve>(s->target).curve.segment_count() < 1) {
       throw InputError("'" + name + "' has springs to a curve without segments");
     }
   } else {
-    const auto& points = std::get<LiveLoad::Measured>(load.kind).points;
+    const auto& points = std::get<Load::Springs>(load.kind).points;
     if (points.empty()) throw InputError("'" + name + "' has no points for its springs");
     for (const Vec3& at : points) require_finite(name, at.allFinite());
   }
@@ -161,29 +159,29 @@ PlacedWeight place(const WeightField& weight, const Definition& def, const Surfa
       if (!uv->allFinite() || !(uv->norm() > 0))
         throw InputError("'" + weight.name + "' acts along a direction of no length");
     } else {
-      def.layout->line(std::get<std::string>(*weight.along));
+      def.layout->model_line(std::get<std::string>(*weight.along));
     }
   }
   return {weight, everywhere(weight.area) ? nullptr : shared(surface)};
 }
 
-PlacedConstraint place(const LiveConstraint& c, const Definition& def, const Surface& surface) {
-  PlacedConstraint placed{c, Vec2::Zero(), nullptr};
+PlacedConstraint place(const Constraint& c, const Definition& def, const Surface& surface) {
+  PlacedConstraint placed{c, {}, nullptr};
   const double size = def.layout->size();
-  if (const auto* point = std::get_if<LiveConstraint::Point>(&c.kind)) {
+  if (const auto* point = std::get_if<Constraint::Point>(&c.kind)) {
     require_finite(c.name, point->goal.allFinite());
-    placed.foot = foot(c.name, point->at, surface, SurfaceProjector(surface), size);
-  } else if (const auto* normal = std::get_if<LiveConstraint::Normal>(&c.kind)) {
+    placed.foot = foot(c.name, point->at, ModelProjector(*def.layout, surface.dofs()), size);
+  } else if (const auto* normal = std::get_if<Constraint::Normal>(&c.kind)) {
     require_direction(c.name, normal->normal);
-    placed.foot = foot(c.name, normal->at, surface, SurfaceProjector(surface), size);
-  } else if (const auto* tangent = std::get_if<LiveConstraint::Tangent>(&c.kind)) {
+    placed.foot = foot(c.name, normal->at, ModelProjector(*def.layout, surface.dofs()), size);
+  } else if (const auto* tangent = std::get_if<Constraint::Tangent>(&c.kind)) {
     require_direction(c.name, tangent->tau);
     if (!tangent->along.allFinite() || !(tangent->along.norm() > 0))
       throw InputError("'" + c.name + "' has no direction in (u, v)");
-    placed.foot = foot(c.name, tangent->at, surface, SurfaceProjector(surface), size);
+    placed.foot = foot(c.name, tangent->at, ModelProjector(*def.layout, surface.dofs()), size);
   } else {
-    const auto& along = std::get<LiveConstraint::LineNormal>(c.kind);
-    def.layout->line(along.line);
+    const auto& along = std::get<Constraint::LineNormal>(c.kind);
+    def.layout->model_line(along.line);
     if (along.normal)
       require_direction(c.name, *along.normal);
     else
@@ -192,6 +190,43 @@ PlacedConstraint place(const LiveConstraint& c, const Definition& def, const Sur
   return placed;
 }
 
+namespace {
+
+// The normals of a surface along a line: the mean of those on its sides.
+class NormalsAlong {
+ public:
+  NormalsAlong(const ModelLayout& layout, const ModelLine& line, const Surface& surface)
+      : surface_(surface) {
+    for (const LineSide& side : line.sides)
+      sides_.push_back({layout.image(side), layout.against(line, side),
+                        layout.first_triangle(side.region),
+                        std::make_unique<TriangleLocator>(*layout.region(side.region).mesh())});
+  }
+  Vec3 at(double t) const {
+    Vec3 sum = Vec3::Zero();
+    for (const auto& side : sides_) {
+      const HermiteCurve& image = side.image;
+      Location where = side.locator->locate(
+          flat(image.evaluate(side.against ? image.start() + image.end() - t : t)));
+      where.triangle += side.first_triangle;
+      sum += surface_.jet(where).normal();
+    }
+    return sides_.size() == 1 ? sum : sum.normalized();
+  }
+
+ private:
+  struct Side {
+    HermiteCurve image;
+    bool against;
+    int first_triangle;
+    std::unique_ptr<TriangleLocator> locator;
+  };
+  const Surface& surface_;
+  std::vector<Side> sides_;
+};
+
+}  // namespace
+
 PlacedMove place(const LineMove& move, const Definition& def, const Surface& surface) {
   if (def.hold_corners)
     throw InputError("'" + move.name + "': lines are not held here, only corners are");
@@ -199,12 +234,19 @@ PlacedMove place(const LineMove& move, const Definition& def, const Surface& sur
   if (!(move.fade >= 0 && move.fade <= 0.5))
     throw InputError("'" + move.name + "' fades over " + number(move.fade) +
                      " of its line: expected 0 to 0.5 of its length at either end");
-  const LineOnMesh line = line_on_mesh(*def.layout, move.line);
-  if (move.fade > 0 && line.fitted->closed())
+  const ModelLayout& layout = *def.layout;
+  const ModelLine& line = layout.model_line(move.line);
+  const HermiteCurve& fitted = layout.curve(line.sides.front());
+  if (move.fade > 0 && fitted.closed())
     throw InputError("'" + move.name + "': line '" + move.line +
                      "' is closed and has no ends to fade to");
-  const TriangleLocator locator(surface.mesh());
-  const double start = line.fitted->start(), span = line.fitted->end() - start;
+  const bool smooth = layout.seam(move.line) != nullptr;
+  if (!move.direction && line.sides.size() > 1 && !smooth)
+    throw InputError("'" + move.name + "': " + std::to_string(line.sides.size()) +
+                     " regions meet at the crease '" + move.line +
+                     "', which has no normal to move along: expected a direction");
+  NormalsAlong normals(layout, line, surface);
+  const double start = fitted.start(), span = fitted.end() - start;
   // The profile, and its derivative.
   const auto profile = [&](double t) -> Vec2 {
     const double s = (t - start) / span, edge = std::min(s, 1 - s);
@@ -215,20 +257,21 @@ PlacedMove place(const LineMove& move, const Definition& def, const Surface& sur
   };
   const auto direction = [&](double t) -> Vec3 {
     if (move.direction) return *move.direction;
-    return surface.jet(locator.locate(flat(line.image.evaluate(t)))).normal();
+    return normals.at(t);
   };
   // Nodes of its own, where the line is long between its nodes.
   std::vector<double> more;
   constexpr int at_least = 32;
   // On element edges it is one cubic between vertices.
-  for (const LineRun& run : def.layout->runs())
-    if (run.line.name == move.line) more = run.parameters;
-  const bool fitted = !more.empty();
-  for (int k = 1; k < at_least && !fitted; ++k) more.push_back(start + span * k / at_least);
-  if (move.fade > 0 && !fitted)
+  const LineSide& first = line.sides.front();
+  const bool on_edges = !first.embedded;
+  if (on_edges)
+    more = layout.region(first.region).runs()[static_cast<size_t>(first.index)].parameters;
+  for (int k = 1; k < at_least && !on_edges; ++k) more.push_back(start + span * k / at_least);
+  if (move.fade > 0 && !on_edges)
     for (const double f : {move.fade, 0.5 * move.fade, 1 - move.fade, 1 - 0.5 * move.fade})
       more.push_back(start + span * f);
-  const HermiteCurve nodes = line.fitted->with_nodes(more);
+  const HermiteCurve nodes = fitted.with_nodes(more);
   const CurveMesh& mesh = nodes.mesh();
   const double step = 1e-4 * span / nodes.segment_count();
   Points dofs = Points::Zero(mesh.dof_count(), 3);
@@ -248,14 +291,14 @@ PlacedMove place(const LineMove& move, const Definition& def, const Surface& sur
   };
   for (int n = 0; n < mesh.node_count(); ++n) {
     const double t = mesh.parameters()[static_cast<size_t>(n)];
-    const bool first = n == 0 && !mesh.closed(),
-               last = n + 1 == mesh.node_count() && !mesh.closed();
+    const bool begins = n == 0 && !mesh.closed(),
+               ends = n + 1 == mesh.node_count() && !mesh.closed();
     dofs.row(mesh.position_dof(n)) = profile(t)[0] * direction(t);
     if (mesh.is_corner(n)) {
       dofs.row(mesh.slope_in(n)) = slope(n == 0 ? mesh.end() : t, -1);
       dofs.row(mesh.slope_out(n)) = slope(t, 1);
     } else {
-      dofs.row(mesh.slope_out(n)) = slope(t, first ? 1 : last ? -1 : 0);
+      dofs.row(mesh.slope_out(n)) = slope(t, begins ? 1 : ends ? -1 : 0);
     }
   }
   return {move, HermiteCurve(mesh, dofs)};
@@ -279,27 +322,40 @@ MatX right_of(const ConstraintSet& set) {
 
 // Right-hand sides of all rows when one line has another curve and all others are zero.
 MatX right_of_line(const Model& model, const std::string& name, const HermiteCurve& curve) {
-  const RegionLayout& layout = model.layout();
-  ConstraintSet own(model.dofs());
-  for (const LineRun& run : layout.runs())
-    if (run.line.name == name)
-      ShapeConstraints(*model.parts->mesh, model.parts->kind, own)
-          .curve(name, run.vertices, run.parameters, curve,
-                 model.parts->mesh->displacement(run.vertices));
-  for (const EmbeddedLine& line : layout.embedded())
-    if (line.line.name == name)
-      EmbeddedRows(*model.parts->mesh, model.parts->kind, model.parts->locator, own)
-          .points(name, line.image, curve, line.points);
+  const ModelLayout& layout = model.layout();
+  const ModelLine& line = layout.model_line(name);
+  // In the order of the rows: region by region.
+  std::vector<LineSide> sides = line.sides;
+  std::sort(sides.begin(), sides.end(),
+            [](const LineSide& a, const LineSide& b) { return a.region < b.region; });
+  std::vector<Vec3> own;
+  for (const LineSide& side : sides) {
+    const RegionLayout& region = layout.region(side.region);
+    const ParametricMesh& mesh = *region.mesh();
+    const HermiteCurve along = layout.against(line, side) ? curve.backwards() : curve;
+    ConstraintSet set(DofMap(mesh).count());
+    const auto i = static_cast<size_t>(side.index);
+    if (side.embedded) {
+      const EmbeddedLine& embedded = region.embedded()[i];
+      EmbeddedRows(mesh, model.parts->kind, model.parts->locator(side.region), set)
+          .points(name, embedded.image, along, embedded.points);
+    } else {
+      const LineRun& run = region.runs()[i];
+      ShapeConstraints(mesh, model.parts->kind, set)
+          .curve(name, run.vertices, run.parameters, along, mesh.displacement(run.vertices));
+    }
+    for (const auto& row : set.rows()) own.push_back(row.value);
+  }
   MatX right = MatX::Zero(model.base_right.rows(), 3);
   const auto& rows = model.line_rows->rows();
   const int index = position_of(model.line_rows->names(), name);
   size_t next = 0;
   for (size_t r = 0; r < rows.size(); ++r)
     if (rows[r].name == index) {
-      if (next == own.rows().size()) break;
-      right.row(static_cast<long>(r)) = own.rows()[next++].value;
+      if (next == own.size()) break;
+      right.row(static_cast<long>(r)) = own[next++];
     }
-  if (next != own.rows().size())
+  if (next != own.size())
     throw InputError("the rows of line '" + name + "' do not fit the layout's");
   return right;
 }
@@ -309,30 +365,36 @@ MatX right_of_line(const Model& model, const std::string& name, const HermiteCur
 BuiltLoad built(const PlacedLoad& placed, const Model& model) {
   BuiltLoad b;
   const MeshParts& parts = *model.parts;
-  const double s = model.layout().size();
-  const bool relative = model.def.units == LoadUnits::Relative;
+  const ModelScale scale = model.def.scale();
   const auto weights = [&](const Area& area) {
     return everywhere(area)
                ? VecX()
                : triangle_weights(area, model.layout(), surface_on(model.def, *placed.on));
   };
-  if (const auto* p = std::get_if<LiveLoad::Pressure>(&placed.load.kind)) {
+  if (const auto* p = std::get_if<Load::Pressure>(&placed.load.kind)) {
     b.weights = weights(p->area);
-    b.scale = relative ? 1 / s : 1;
-  } else if (const auto* u = std::get_if<LiveLoad::Uniform>(&placed.load.kind)) {
-    const Vec3 f = (relative ? s : s * s) * u->direction;
-    if (everywhere(u->area))
+    parts.pressure();  // now, and not in the first answer
+    b.scale = scale.per_area();
+  } else if (const auto* u = std::get_if<Load::Uniform>(&placed.load.kind)) {
+    const Vec3 f = scale.per_domain_area() * u->direction;
+    VecX w = weights(u->area);
+    if (parts.domain_scale.size() > 0)
+      w = w.size() > 0 ? VecX(w.cwiseProduct(parts.domain_scale)) : parts.domain_scale;
+    if (w.size() == 0)
       b.F = parts.assembler.load(f);
     else
-      b.F = parts.assembler.load(weights(u->area)) * f.transpose();
-  } else if (const auto* g = std::get_if<LiveLoad::Gravity>(&placed.load.kind)) {
-    const Vec3 f = (relative ? 1 / s : 1) * g->direction;
+      b.F = parts.assembler.load(w) * f.transpose();
+  } else if (const auto* g = std::get_if<Load::Gravity>(&placed.load.kind)) {
+    const Vec3 f = scale.per_area() * g->direction;
     b.F = parts.assembler.area_load(surface_on(model.def, *placed.on)) * f.transpose();
-  } else if (const auto* f = std::get_if<LiveLoad::Point>(&placed.load.kind)) {
-    b.F = parts.assembler.point_load(parts.at(placed.feet[0]), (relative ? s : 1) * f->direction);
-  } else if (const auto* l = std::get_if<LiveLoad::Line>(&placed.load.kind)) {
-    const LineOnMesh line = line_on_mesh(model.layout(), l->line);
-    b.F = line_load(*parts.mesh, parts.kind, parts.locator, line.image, *line.fitted) *
+  } else if (const auto* f = std::get_if<Load::Point>(&placed.load.kind)) {
+    b.F = parts.assembler.point_load(parts.at(placed.feet[0]), scale.force() * f->direction);
+  } else if (const auto* l = std::get_if<Load::Line>(&placed.load.kind)) {
+    const LineSide& side = model.layout().model_line(l->line).sides.front();
+    b.F = model.layout().spread(side.region,
+                                line_load(*model.layout().region(side.region).mesh(), parts.kind,
+                                          parts.locator(side.region), model.layout().image(side),
+                                          model.layout().curve(side))) *
           l->direction.transpose();
   }
   if (b.F.rows() > 0) b.reduced = model.reduction->D().transpose() * b.F;
@@ -443,8 +505,8 @@ class RowCollector {
   std::map<Terms, int> points_here_;
 };
 
-std::vector<std::pair<int, double>> functional(const MeshParts& parts, const Vec2& uv) {
-  const Location where = parts.at(uv);
+std::vector<std::pair<int, double>> functional(const MeshParts& parts, const ModelPoint& at) {
+  const Location where = parts.at(at);
   const Vec12 N =
       C1Triangle(parts.kind, parts.mesh->shape(where.triangle)).evaluate(where.L).col(kW);
   const auto dof = parts.assembler.dofs().triangle(*parts.mesh, where.triangle);
@@ -463,42 +525,51 @@ double length_of(const std::vector<std::pair<int, double>>& terms) {
 
 void add_line_normal(const PlacedConstraint& placed, const Model& model, ConstraintSet& set) {
   const MeshParts& parts = *model.parts;
-  const auto& along = std::get<LiveConstraint::LineNormal>(placed.constraint.kind);
+  const ModelLayout& layout = model.layout();
+  const auto& along = std::get<Constraint::LineNormal>(placed.constraint.kind);
   const std::string& name = placed.constraint.name;
   std::optional<Surface> on;
   if (placed.on) on.emplace(surface_on(model.def, *placed.on));
-  const auto normal_at = [&](const Vec2& uv) -> Vec3 {
-    return along.normal ? along.normal->normalized() : on->jet(parts.at(uv)).normal();
-  };
-  for (const LineRun& run : model.layout().runs())
-    if (run.line.name == along.line) {
-      const auto n = [&](int edge, double s) {
-        const auto& e = parts.mesh->edges()[static_cast<size_t>(edge)];
-        const Vec2 low = parts.mesh->vertices()[static_cast<size_t>(e.low)];
-        const Vec2 high =
-            parts.mesh->image_near(parts.mesh->vertices()[static_cast<size_t>(e.high)], low);
-        return normal_at(parts.mesh->wrapped(low + s * (high - low)));
-      };
-      ShapeConstraints(*parts.mesh, parts.kind, set).varying_normal(name, run.edges, n, true);
-      return;
-    }
-  for (const EmbeddedLine& line : model.layout().embedded())
-    if (line.line.name == along.line) {
-      EmbeddedRows(*parts.mesh, parts.kind, parts.locator, set)
+  std::vector<LineSide> sides = layout.model_line(along.line).sides;
+  if (layout.seam(along.line)) sides.resize(1);
+  for (const LineSide& side : sides) {
+    const RegionLayout& region = layout.region(side.region);
+    const ParametricMesh& mesh = *region.mesh();
+    const auto normal_at = [&](const Vec2& uv) -> Vec3 {
+      return along.normal ? along.normal->normalized()
+                          : on->jet(parts.at({side.region, uv})).normal();
+    };
+    ConstraintSet own(DofMap(mesh).count());
+    const auto i = static_cast<size_t>(side.index);
+    if (side.embedded) {
+      const EmbeddedLine& line = region.embedded()[i];
+      EmbeddedRows(mesh, parts.kind, parts.locator(side.region), own)
           .normal(name, line.image, line.points,
                   [&](double t) { return normal_at(flat(line.image.evaluate(t))); });
-      return;
+    } else {
+      const auto n = [&](int edge, double s) {
+        const auto& e = mesh.edges()[static_cast<size_t>(edge)];
+        const Vec2 low = mesh.vertices()[static_cast<size_t>(e.low)];
+        const Vec2 high = mesh.image_near(mesh.vertices()[static_cast<size_t>(e.high)], low);
+        return normal_at(mesh.wrapped(low + s * (high - low)));
+      };
+      ShapeConstraints(mesh, parts.kind, own).varying_normal(name, region.runs()[i].edges, n, true);
     }
-  throw InputError("constraint '" + name + "': the layout has no line '" + along.line + "'");
+    for (const auto& row : own.coupled_rows()) {
+      auto entries = row.entries;
+      for (auto& e : entries) e.dof = layout.numbers(side.region)(e.dof);
+      set.add_coupled(name, std::move(entries), row.value);
+    }
+  }
 }
 
 LooseRows loose_rows(const Model& model, const Parameters& parameters) {
   RowCollector all(model.dofs());
   const MeshParts& parts = *model.parts;
   for (const auto& placed : model.def.constraints) {
-    const LiveConstraint& c = placed->constraint;
+    const Constraint& c = placed->constraint;
     all.begin(placed.get(), c.name);
-    if (std::holds_alternative<LiveConstraint::Point>(c.kind)) {
+    if (std::holds_alternative<Constraint::Point>(c.kind)) {
       const auto terms = functional(parts, placed->foot);
       const int point = all.point(terms);
       const char* axis[] = {".x", ".y", ".z"};
@@ -508,9 +579,9 @@ LooseRows loose_rows(const Model& model, const Parameters& parameters) {
     } else {
       ConstraintSet set(model.dofs());
       ShapeConstraints shape(*parts.mesh, parts.kind, set);
-      if (const auto* normal = std::get_if<LiveConstraint::Normal>(&c.kind))
+      if (const auto* normal = std::get_if<Constraint::Normal>(&c.kind))
         shape.normal(c.name, parts.at(placed->foot), normal->normal);
-      else if (const auto* tangent = std::get_if<LiveConstraint::Tangent>(&c.kind))
+      else if (const auto* tangent = std::get_if<Constraint::Tangent>(&c.kind))
         shape.tangent(c.name, parts.at(placed->foot), tangent->along, tangent->tau);
       else
         add_line_normal(*placed, model, set);
@@ -520,10 +591,10 @@ LooseRows loose_rows(const Model& model, const Parameters& parameters) {
   }
   for (size_t l = 0; l < model.def.loads.size(); ++l) {
     const PlacedLoad& placed = *model.def.loads[l];
-    const auto* springs = std::get_if<LiveLoad::Springs>(&placed.load.kind);
+    const auto* springs = std::get_if<Load::Pulls>(&placed.load.kind);
     if (!springs) continue;
     all.begin(&placed, placed.load.name);
-    const auto* plane = std::get_if<LiveLoad::Springs::Plane>(&springs->target);
+    const auto* plane = std::get_if<Load::Pulls::Plane>(&springs->target);
     for (size_t i = 0; i < placed.feet.size(); ++i) {
       const auto terms = functional(parts, placed.feet[i]);
       const int point = all.point(terms);
@@ -541,16 +612,16 @@ LooseRows loose_rows(const Model& model, const Parameters& parameters) {
   return all.take();
 }
 
-bool nonlinear(const LiveLoad::Springs& springs) {
-  return std::holds_alternative<LiveLoad::Springs::Curve>(springs.target) ||
-         springs.rest_length != 0 || springs.falloff != 0;
+bool nonlinear(const Load::Pulls& springs) {
+  return std::holds_alternative<Load::Pulls::Curve>(springs.target) || springs.rest_length != 0 ||
+         springs.falloff != 0;
 }
 
-unsigned role_of(const LiveLoad& load) {
-  if (std::holds_alternative<LiveLoad::Pressure>(load.kind)) return kPressure;
-  if (const auto* springs = std::get_if<LiveLoad::Springs>(&load.kind))
+unsigned role_of(const Load& load) {
+  if (std::holds_alternative<Load::Pressure>(load.kind)) return kPressure;
+  if (const auto* springs = std::get_if<Load::Pulls>(&load.kind))
     return nonlinear(*springs) ? kSpring | kPressure : kSpring;
-  return std::holds_alternative<LiveLoad::Measured>(load.kind) ? kMatrix : kLinear;
+  return std::holds_alternative<Load::Springs>(load.kind) ? kMatrix : kLinear;
 }
 
 }  // namespace
@@ -558,7 +629,7 @@ unsigned role_of(const LiveLoad& load) {
 std::shared_ptr<Model> build(Definition def, const Parameters& parameters, const Model* older) {
   auto model = std::make_shared<Model>();
   model->def = std::move(def);
-  const RegionLayout& layout = *model->def.layout;
+  const ModelLayout& layout = *model->def.layout;
   const bool same_mesh = older && older->layout().mesh() == layout.mesh();
   const bool same_lines = same_mesh && older->def.layout == model->def.layout;
   model->parts = same_mesh ? older->parts : std::make_shared<const MeshParts>(layout);
@@ -633,8 +704,7 @@ std::shared_ptr<Model> build(Definition def, const Parameters& parameters, const
   };
   // A line load follows its line's curve.
   const auto keeps = [&](const PlacedLoad& load) {
-    return same_reduction &&
-           (same_lines || !std::holds_alternative<LiveLoad::Line>(load.load.kind));
+    return same_reduction && (same_lines || !std::holds_alternative<Load::Line>(load.load.kind));
   };
   for (size_t i = 0; i < d.loads.size(); ++i) {
     auto known =
@@ -675,7 +745,7 @@ std::shared_ptr<Model> build(Definition def, const Parameters& parameters, const
     // The matrix stays when what it is made of does.
     const bool same_matrix = older->def.weights == d.weights && older->measured_load.rows() == 0 &&
                              std::none_of(d.loads.begin(), d.loads.end(), [](const auto& l) {
-                               return std::holds_alternative<LiveLoad::Measured>(l->load.kind);
+                               return std::holds_alternative<Load::Springs>(l->load.kind);
                              });
     if (same_matrix) {
       // Values by name: numbers of parameters may have changed.

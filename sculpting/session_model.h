@@ -13,34 +13,44 @@
 #include "batten/fem/pressure_operator.h"
 #include "batten/fem/triangle_locator.h"
 #include "batten/sculpting/session.h"
+#include "batten/skinning/model/model_scale.h"
 
 namespace batten::live {
 
 /// What depends on the mesh alone.
 struct MeshParts {
-  explicit MeshParts(const RegionLayout& layout);
+  explicit MeshParts(const ModelLayout& layout);
   int dofs() const { return assembler.dofs().count(); }
+  // Made when they are asked for.
   const SparseMatrix& mass() const;
-  Location at(const Vec2& uv) const { return locator.locate(uv); }
+  const PressureOperator& pressure() const;
+  Location at(const ModelPoint& point) const;
+  const TriangleLocator& locator(int region) const {
+    return *locators[static_cast<size_t>(region)];
+  }
   size_t bytes() const;
 
-  std::shared_ptr<const ParametricMesh> mesh;
+  std::shared_ptr<const ParametricMesh> mesh;  ///< of the model
   std::shared_ptr<const Trim> trim;
+  std::vector<std::shared_ptr<const ParametricMesh>> region_meshes;
   TriangleElement kind;
   SurfaceAssembler assembler;
-  TriangleLocator locator;
-  PressureOperator pressure;
+  std::vector<std::unique_ptr<TriangleLocator>> locators;  ///< of each region
+  std::vector<int> first_triangle;                         ///< of each region
+  VecX domain_scale;                                       ///< ModelLayout::domain_scale
   std::vector<int> order;
   VecX ones;  ///< 1 at position dofs
  private:
   mutable SparseMatrix mass_;
+  mutable std::unique_ptr<PressureOperator> pressure_;
 };
 
-// Placed things: `feet` are (u, v); `on` the dofs of the surface that places in space refer to.
+// Placed things: `feet` are places of the domain; `on` the dofs of the surface that places in space
+// refer to.
 using SharedPoints = std::shared_ptr<const Points>;
 struct PlacedLoad {
-  LiveLoad load;
-  std::vector<Vec2> feet;
+  Load load;
+  std::vector<ModelPoint> feet;
   SharedPoints on;
 };
 struct PlacedWeight {
@@ -48,8 +58,8 @@ struct PlacedWeight {
   SharedPoints on;
 };
 struct PlacedConstraint {
-  LiveConstraint constraint;
-  Vec2 foot = Vec2::Zero();
+  Constraint constraint;
+  ModelPoint foot;
   SharedPoints on;
 };
 struct PlacedMove {
@@ -58,9 +68,11 @@ struct PlacedMove {
 };
 
 struct Definition {
-  std::shared_ptr<const RegionLayout> layout;
+  std::shared_ptr<const ModelLayout> layout;
   LoadUnits units = LoadUnits::Relative;
   bool hold_corners = false;
+  Expected expected = Expected::many_factors;
+  ModelScale scale() const { return {units, layout->size()}; }
   Vec3 origin = Vec3::Zero();  ///< the state is about this point, whatever lines do
   std::vector<std::shared_ptr<const PlacedLoad>> loads;
   std::vector<std::shared_ptr<const PlacedWeight>> weights;
@@ -69,18 +81,11 @@ struct Definition {
 };
 
 // Places things on a surface (absolute coordinates). Throw InputError.
-PlacedLoad place(const LiveLoad& load, const Definition& on, const Surface& surface);
+PlacedLoad place(const Load& load, const Definition& on, const Surface& surface);
 PlacedWeight place(const WeightField& weight, const Definition& on, const Surface& surface);
-PlacedConstraint place(const LiveConstraint& constraint, const Definition& on,
-                       const Surface& surface);
+PlacedConstraint place(const Constraint& constraint, const Definition& on, const Surface& surface);
 PlacedMove place(const LineMove& move, const Definition& on, const Surface& surface);
 
-/// X(t) and its image c(t) of a line of the layout. Throws InputError: no such line.
-struct LineOnMesh {
-  const HermiteCurve* fitted;
-  HermiteCurve image;
-};
-LineOnMesh line_on_mesh(const RegionLayout& layout, const std::string& name);
 /// Nodes of either curve; their sum.
 HermiteCurve sum(const HermiteCurve& a, const HermiteCurve& b, double factor);
 
@@ -149,14 +154,14 @@ struct Model {
   std::shared_ptr<LiveSystem> statics, moving;
   std::shared_ptr<Coupling> coupling, moving_coupling;
   std::shared_ptr<const LooseRows> coupled_rows, moving_rows;  ///< that those were made for
-  std::vector<double> matrix_values;             ///< of all parameters, when statics was made
-  Motion motion;                                 ///< of `moving`
-  std::vector<std::vector<Vec2>> measured_feet;  ///< of each load; empty unless Measured
+  std::vector<double> matrix_values;                   ///< of all parameters, when statics was made
+  Motion motion;                                       ///< of `moving`
+  std::vector<std::vector<ModelPoint>> measured_feet;  ///< of each load; empty unless Springs
   std::vector<std::vector<char>> measured_used;
   Points measured_load;  ///< Σ k N p of the measured springs at matrix_values
   MatX measured_reduced;
 
-  const RegionLayout& layout() const { return *def.layout; }
+  const ModelLayout& layout() const { return *def.layout; }
   const Vec3& origin() const { return def.origin; }
   int dofs() const { return parts->dofs(); }
 };

@@ -23,8 +23,22 @@
 
 namespace batten {
 
+/// Parameters on a line that differ by less than this share of it are one place.
+constexpr double kSameParameter = 1e-9;
+
+/// Where edges have to end on the lines of a region, so that they are those of its neighbours.
+struct LineStops {
+  /// For each line (runs, then embedded lines) parameters of its curve, ascending, its start and
+  /// end among them; empty, or no list: as the region has it by itself. More stops are made where
+  /// the region needs them: at the vertices of a run, where lines meet, and where triangles fold.
+  std::vector<std::vector<double>> at;
+  /// Otherwise edges at which a triangle would fold are not halved, but straight in (u, v).
+  bool may_halve = true;
+};
+
 /// Six-node triangles. Node numbers: corners first, then the middles of edges. Of a region without
-/// embedded lines these are the mesh's vertices and edges in their order.
+/// embedded lines these are the mesh's vertices and edges in their order, unless more stops than
+/// these vertices are asked for.
 struct QuadraticFacets {
   bool of_elements = true;      ///< the element mesh itself, triangle by triangle
   std::vector<Location> nodes;  ///< in the element mesh
@@ -35,6 +49,8 @@ struct QuadraticFacets {
   /// For each line (runs, then embedded lines) its edges in order: first end, second end, middle.
   /// There are gaps where an inner line leaves the region.
   std::vector<std::vector<std::array<int, 3>>> lines;
+  /// For each of these edges the parameters of the line at its ends.
+  std::vector<std::vector<std::array<double, 2>>> parameters;
 };
 
 /// `edge_length` is the target on embedded lines and, scaled to (u, v), inside; model units; 0:
@@ -42,7 +58,8 @@ struct QuadraticFacets {
 ///
 /// Throws InputError: a region with embedded lines that is periodic, or whose boundary is not
 /// stated; lines that cross where they should not; no Delaunay mesher in this build.
-QuadraticFacets quadratic_facets(const SkinnedRegion& region, double edge_length = 0);
+QuadraticFacets quadratic_facets(const SkinnedRegion& region, double edge_length = 0,
+                                 const LineStops& asked = {});
 
 /// Facets for display, and the points on lines.
 struct DisplayFacets {

@@ -27,6 +27,8 @@ struct EmbeddedLine {
   HermiteCurve fitted;         ///< X(t), model units
   HermiteCurve image;          ///< c(t) in (u, v), z = 0, over the same parameters
   std::vector<double> points;  ///< parameters at which x(c(t)) = X(t) is held, ascending
+  /// `fitted` runs against line.given: outlines run along their loop.
+  bool against_given = false;
 };
 
 /// One line, or run, of the region's boundary.

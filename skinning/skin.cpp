@@ -91,6 +91,20 @@ bool overturned(const RegionParts& parts, TriangleElement element, const Points&
   return !(measure(region).min_jacobian_ratio >= least);
 }
 
+// Which outlines run against the curve that was given for them.
+void note_directions(RegionParts& parts) {
+  for (EmbeddedLine& line : parts.embedded) {
+    if (!line.line.given) continue;
+    const HermiteCurve& given = line.line.given->curve;
+    constexpr double f = 0.25;  // ends may be one point
+    const auto at = [](const HermiteCurve& c, double s) {
+      return c.evaluate(c.start() + s * (c.end() - c.start()));
+    };
+    const Vec3 p = at(line.fitted, f);
+    line.against_given = (p - at(given, 1 - f)).norm() < (p - at(given, f)).norm();
+  }
+}
+
 Vec3 first_point(const RegionParts& parts) {
   const HermiteCurve& first =
       parts.runs.empty() ? parts.embedded.front().fitted : parts.runs.front().fitted;
@@ -217,6 +231,7 @@ RegionLayout::RegionLayout(std::string name, const std::vector<CharacterLine>& l
     progress.at("meshing", 1);
     return;
   }
+  note_directions(parts_);
   grade_by_curvature(parts_, task);
   cut_and_place(parts_, task);
   progress.at("meshing", 0.5);

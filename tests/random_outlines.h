@@ -9,7 +9,7 @@
 
 #include "batten/core/errors.h"
 #include "batten/fem/triangle_locator.h"
-#include "batten/sculpting/static_sculpt.h"
+#include "batten/skinning/model/model_layout.h"
 #include "sampling.h"
 
 namespace batten_test {
@@ -111,10 +111,9 @@ inline RandomResult skin_at_random(const std::vector<CharacterLine>& lines) {
   options.edge_length = 0.15;
   try {
     const RegionLayout layout("random", lines, options);
-    const SculptResult shape = sculpt(layout, layout.line_constraints(), {}, {});
-    const SkinnedRegion region = layout.region(shape.dofs);
+    const SkinnedRegion region = layout.region(ModelLayout(layout).least_energy({}));
     result.tolerance = layout.tolerance();
-    result.finite = shape.dofs.allFinite();
+    result.finite = region.surface.dofs().allFinite();
     result.triangles = layout.mesh()->triangle_count();
     const TriangleLocator locator(region.surface.mesh());
     for (const EmbeddedLine& line : region.embedded) {

@@ -1,9 +1,5 @@
 #include "batten/apps/commands/make_model.h"
 
-#include <algorithm>
-
-#include "batten/fem/assembly.h"
-
 namespace batten {
 namespace {
 
@@ -12,26 +8,22 @@ double fit_tolerance(const Scene& scene, double size) {
   return scene.skin.options.tolerance > 0 ? scene.skin.options.tolerance : usual * size;
 }
 
-// The model's energy is that of the network scaled to size 1: a region of size s and the network's
-// size S have U = u s / S, so that ∬ |x_UU|² dU dV = (S / s)² ∬ |x_uu|² du dv; all over S².
-double bending_energy(const MadeModel& made, const Vec3& beta) {
-  SurfaceStiffness material;
-  material.alpha = Mat2::Zero();
-  material.beta = beta;
-  double sum = 0;
-  for (const ModelRegion& r : made.model.regions) {
-    if (!r.skinned) continue;
-    const Surface& s = r.skinned->surface;
-    const SparseMatrix K = SurfaceAssembler(s.mesh(), s.kind(), s.trim()).stiffness(material);
-    // About a point of its own: what is far away would lose its digits.
-    VecX ones = VecX::Zero(s.dof_map().count());
-    for (int v = 0; v < s.mesh().vertex_count(); ++v) ones[s.dof_map().vertex(v)] = 1;
-    const Points q = s.dofs() - ones * s.dofs().row(s.dof_map().vertex(0));
-    for (int i = 0; i < 3; ++i)
-      sum += q.col(i).dot(K.selfadjointView<Eigen::Lower>() * q.col(i)) /
-             (r.skinned->size * r.skinned->size);
+// A region as a model.
+MadeModel one_region(const Scene& scene, const std::vector<CharacterLine>& lines,
+                     const Progress& progress) {
+  MadeModel made;
+  try {
+    made.model.layout = std::make_shared<const ModelLayout>(
+        RegionLayout(scene.name, lines, scene.skin.options, progress));
+  } catch (const InputError& e) {
+    throw InputError(scene.at({}) + e.what());
   }
-  return std::max(sum, 0.0);  // of flat regions only rounding is left
+  made.fit_tolerance = made.model.layout->tolerance();
+  ModelRegion& region = made.model.regions.emplace_back();
+  region.plan.name = scene.name;
+  region.in_layout = 0;
+  region.warnings = made.model.layout->warnings();
+  return made;
 }
 
 }  // namespace
@@ -69,22 +61,30 @@ FoundRegions regions_of(const Scene& scene, const CharacterLineNetwork& network,
   throw InputError(text);
 }
 
+std::vector<std::string> MadeModel::region_names() const {
+  std::vector<std::string> names;
+  for (const ModelRegion& region : model.regions)
+    if (region.in_layout >= 0) names.push_back(region.plan.name);
+  return names;
+}
+
 MadeModel make_model(const Scene& scene, const std::vector<CharacterLine>& lines,
                      const Progress& progress) {
+  if (!scene.network) return one_region(scene, lines, progress);
+  MadeModel made;
   progress.at("network", 0);
-  CharacterLineNetwork network = network_of(scene, lines, progress);
+  made.network.emplace(network_of(scene, lines, progress));
   progress.at("regions", 0);
-  FoundRegions found = regions_of(scene, network, progress);
+  made.found.emplace(regions_of(scene, *made.network, progress));
   ModelOptions options;
+  options.name = scene.name;
   options.skin = scene.skin.options;
   options.material = scene.skin.material;
   options.joins = scene.network->joins;
   options.smooth_below_deg = scene.network->smooth_below;
   options.join_tolerance_deg = scene.network->join_tolerance;
-  SurfaceModel model = skin_network(network, found, options, progress);
-  const double tolerance = fit_tolerance(scene, network.size());
-  MadeModel made{std::move(network), std::move(found), std::move(model), tolerance, 0};
-  made.bending_energy = bending_energy(made, scene.skin.material.beta);
+  made.model = skin_network(*made.network, *made.found, options, progress);
+  made.fit_tolerance = fit_tolerance(scene, made.network->size());
   return made;
 }
 

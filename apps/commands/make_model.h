@@ -1,9 +1,12 @@
-// From a scene with [network] to its model: lines → network → regions → surfaces.
+// From a scene to its model: lines → one region, or network → regions → surfaces.
 #pragma once
 
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "batten/io/scene.h"
+#include "batten/skinning/network/model.h"
 
 namespace batten {
 
@@ -17,14 +20,19 @@ FoundRegions regions_of(const Scene& scene, const CharacterLineNetwork& network,
                         const Progress& progress = {});
 
 struct MadeModel {
-  CharacterLineNetwork network;
-  FoundRegions found;
-  SurfaceModel model;
-  double fit_tolerance = 0;   ///< of lines and embedded ones, model units
-  double bending_energy = 0;  ///< of all regions, each over the network's size squared
+  // Of a scene with [network].
+  std::optional<CharacterLineNetwork> network;
+  std::optional<FoundRegions> found;
+  SurfaceModel model;        ///< without [network]: one region
+  double fit_tolerance = 0;  ///< of lines and embedded ones, model units
+
+  /// Names of regions that the scene may say, and of those that could not be skinned.
+  std::vector<std::string> region_names() const;
 };
 
-/// Throws as above, and NoSolutionError, ConflictError, CancelledError.
+/// The model that the scene's lines make; it does not depend on parameters of loads and
+/// constraints. Without [network] the region has no shape yet. Throws as above, and
+/// NoSolutionError, ConflictError, CancelledError.
 MadeModel make_model(const Scene& scene, const std::vector<CharacterLine>& lines,
                      const Progress& progress = {});
 

@@ -7,6 +7,7 @@
 #include "batten/apps/commands/line_files.h"
 #include "batten/core/words.h"
 #include "batten/fairing/curve_fit.h"
+#include "batten/skinning/model/model_projector.h"
 
 namespace batten {
 namespace {
@@ -14,10 +15,9 @@ namespace {
 /// What the scene's words mean on one layout.
 class SceneOnLayout {
  public:
-  SceneOnLayout(const Scene& scene, const RegionLayout& layout)
-      : scene_(scene), runs_(layout.runs()), embedded_(layout.embedded()) {
-    for (const LineRun& run : runs_) names_.push_back(run.line.name);
-    for (const EmbeddedLine& line : embedded_) names_.push_back(line.line.name);
+  SceneOnLayout(const Scene& scene, const ModelLayout& layout, const MadeModel& made)
+      : scene_(scene), layout_(layout), made_(made) {
+    for (const ModelLine& line : layout.lines()) names_.push_back(line.name);
   }
 
   bool has(const std::string& name) const {
@@ -29,7 +29,7 @@ class SceneOnLayout {
     for (const auto& name : names_)
       if (is_part_of(name, word.text)) parts.push_back(name);
     throw InputError(scene_.at(word.place) + "found the line '" + word.text + "'" +
-                     (parts.empty() ? "" : ", which was cut at its corners") +
+                     (parts.empty() ? "" : ", which is in pieces") +
                      ", expected one of: " + listed(parts.empty() ? names_ : parts) +
                      (parts.empty() ? did_you_mean(word.text, names_) : ""));
   }
@@ -37,15 +37,24 @@ class SceneOnLayout {
   Area area(const SceneArea& area) const {
     Area result = area.area;
     if (auto* near = std::get_if<Area::NearLine>(&result.where)) near->line = line(area.line);
+    for (const PlacedWord& word : area.regions) result.regions.push_back(region(word));
     return result;
+  }
+  std::string region(const PlacedWord& word) const {
+    const std::vector<std::string> names = made_.region_names();
+    if (std::find(names.begin(), names.end(), word.text) != names.end()) return word.text;
+    for (const ModelRegion& other : made_.model.regions)
+      if (other.plan.name == word.text)
+        throw InputError(scene_.at(word.place) + "found the region '" + word.text +
+                         "', which could not be skinned (" + other.why_not +
+                         "), expected one of: " + listed(names));
+    throw InputError(scene_.at(word.place) + "found the region '" + word.text +
+                     "', expected one of: " + listed(names) + did_you_mean(word.text, names));
   }
 
   /// A line of the layout, or one from a file.
   HermiteCurve curve(const SceneLoad& load) const {
-    for (const LineRun& run : runs_)
-      if (run.line.name == load.curve.text) return run.fitted;
-    for (const EmbeddedLine& e : embedded_)
-      if (e.line.name == load.curve.text) return e.fitted;
+    if (has(load.curve.text)) return layout_.line(load.curve.text);
     if (line_file_kind(load.file) == LineFileKind::None) line(load.curve);  // no file: a wrong name
     if (!std::filesystem::is_regular_file(load.file))
       throw InputError(scene_.at(load.place) + "found '" + load.file.string() +
@@ -71,26 +80,26 @@ class SceneOnLayout {
     return fit_curve(lines.front().name, input, options);
   }
 
-  LiveLoad load(const SceneLoad& load) const {
+  Load load(const SceneLoad& load) const {
     using Type = SceneLoad::Type;
     switch (load.type) {
       case Type::Pressure:
-        return {load.name, LiveLoad::Pressure{area(load.area)}};
+        return {load.name, Load::Pressure{area(load.area)}};
       case Type::Uniform:
-        return {load.name, LiveLoad::Uniform{load.direction, area(load.area)}};
+        return {load.name, Load::Uniform{load.direction, area(load.area)}};
       case Type::Gravity:
-        return {load.name, LiveLoad::Gravity{load.direction}};
+        return {load.name, Load::Gravity{load.direction}};
       case Type::Point:
-        return {load.name, LiveLoad::Point{load.at, load.direction}};
+        return {load.name, Load::Point{load.at, load.direction}};
       case Type::Line:
-        return {load.name, LiveLoad::Line{line(load.line), load.direction}};
+        return {load.name, Load::Line{line(load.line), load.direction}};
       case Type::Springs:
-        return {load.name, LiveLoad::Measured{spring_points(scene_, load)}};
+        return {load.name, Load::Springs{spring_points(scene_, load)}};
       case Type::Pulls:
         break;
     }
-    LiveLoad::Springs springs = load.pulls;
-    if (!load.curve.text.empty()) springs.target = LiveLoad::Springs::Curve{curve(load)};
+    Load::Pulls springs = load.pulls;
+    if (!load.curve.text.empty()) springs.target = Load::Pulls::Curve{curve(load)};
     return {load.name, std::move(springs)};
   }
 
@@ -106,9 +115,8 @@ class SceneOnLayout {
 
  private:
   const Scene& scene_;
-  // The layout goes to the session.
-  const std::vector<LineRun> runs_;
-  const std::vector<EmbeddedLine> embedded_;
+  const ModelLayout& layout_;
+  const MadeModel& made_;
   std::vector<std::string> names_;
 };
 
@@ -131,55 +139,56 @@ bool driven(const Scene& scene, const std::string& name) {
 
 class Maker {
  public:
-  Maker(RegionLayout layout, const Scene& scene, const Progress& progress)
+  Maker(const ModelLayout& layout, const Scene& scene, const MadeModel& made, Expected expected,
+        const Progress& progress)
       : scene_(scene),
-        on_layout_(scene, layout),
+        on_layout_(scene, layout, made),
         values_(values_of(scene)),
-        session_(std::move(layout), options(scene), progress),
-        unloaded_(session_.region().surface) {}
+        session_(layout, options(scene, expected), progress),
+        unloaded_(session_.dofs()),
+        unloaded_places_(layout, unloaded_) {}
 
   SculptingSession made() {
     using Type = SceneConstraint::Type;
     // What refers to the surface as it is comes first.
     for (const auto& c : scene_.constraints)
       if (c.type == Type::LineNormal && c.as_it_is)
-        session_.add(
-            LiveConstraint{c.name, LiveConstraint::LineNormal{on_layout_.line(c.line), {}}});
+        add(c.place, Constraint{c.name, Constraint::LineNormal{on_layout_.line(c.line), {}}});
     for (const bool over_time : {false, true})
       for (const SceneMove& move : scene_.moves)
-        if (!move.over_time.empty() == over_time) add(move);
+        if (!move.over_time.empty() == over_time) add_move(move);
     for (const auto& c : scene_.constraints)
       if (c.type == Type::Point) add_point(c);
     for (const auto& c : scene_.constraints) {
       if (c.type == Type::Normal)
-        session_.add(LiveConstraint{c.name, LiveConstraint::Normal{now(c.at), c.goal}});
+        add(c.place, Constraint{c.name, Constraint::Normal{now(c), c.goal}});
       else if (c.type == Type::Tangent)
-        session_.add(LiveConstraint{c.name, LiveConstraint::Tangent{now(c.at), c.along, c.goal}});
+        add(c.place, Constraint{c.name, Constraint::Tangent{now(c), c.along, c.goal}});
       else if (c.type == Type::LineNormal && !c.as_it_is)
-        session_.add(
-            LiveConstraint{c.name, LiveConstraint::LineNormal{on_layout_.line(c.line), c.goal}});
+        add(c.place, Constraint{c.name, Constraint::LineNormal{on_layout_.line(c.line), c.goal}});
     }
-    // Loads act where the surface under the constraints alone is nearest, as in sculpt(); they take
-    // effect with the next answer only.
+    // Loads act where the surface under the constraints alone is nearest; they take effect with the
+    // next answer only.
     if (!goals_.empty()) {
       for (const auto& [name, value] : goals_) session_.set(name, value);
       session_.settle();
     }
     for (const SceneLoad& load : scene_.loads)
-      session_.add(on_layout_.load(load), {values_.at(load.name)});
+      add(load.named, on_layout_.load(load), {values_.at(load.name)});
     for (const SceneWeight& weight : scene_.weights)
-      session_.add(on_layout_.weight(weight), {values_.at(weight.name)});
+      add(weight.named, on_layout_.weight(weight), {values_.at(weight.name)});
     for (const NamedValue& slider : scene_.sliders) session_.add_parameter(values_.at(slider.name));
     for (const auto& [name, value] : moves_) session_.set(name, value);
     for (const NamedValue& p : scene_.named_values())
       if (!p.follows.empty()) session_.drive(p.name, p.follows, p.offset);
     return std::move(session_);
   }
-  const Surface& unloaded() const { return unloaded_; }
+  const Points& unloaded() const { return unloaded_; }
 
  private:
-  static SessionOptions options(const Scene& scene) {
+  static SessionOptions options(const Scene& scene, Expected expected) {
     SessionOptions options;
+    options.expected = expected;
     options.material = scene.skin.material;
     options.isotropic_alpha = scene.skin.isotropic_alpha;
     options.isotropic_beta = scene.skin.isotropic_beta;
@@ -190,22 +199,42 @@ class Maker {
 
   /// Where the place nearest on the unloaded surface is by now: constraints that were added have
   /// moved it.
-  Vec3 now(const Vec3& at) const {
-    return session_.region().surface.position(unloaded_.closest_point(at).where);
+  Vec3 now(const SceneConstraint& c) const {
+    const auto was = unloaded_places_.nearest_inside(c.at);
+    constexpr double far = 0.5;  // of the size: no rounding, a mistake
+    const double size = session_.layout().size();
+    if (!(was.distance <= far * size))
+      throw InputError(
+          scene_.at(c.place) + "found the constraint '" + c.name + "' " + number(was.distance) +
+          " away from the surface, expected a place on it (its size is " + number(size) + ")");
+    return session_.layout()
+        .surface(session_.dofs())
+        .position(session_.layout().in_model(was.at.region, was.where));
+  }
+
+  /// What the session does not like has its place in the scene.
+  template <class Thing>
+  void add(const Place& place, const Thing& thing, const std::vector<NamedValue>& parameters = {}) {
+    try {
+      session_.add(thing, parameters);
+    } catch (const InputError& e) {
+      throw InputError(scene_.at(place) + e.what());
+    }
   }
 
   /// Added where it does not move anything yet.
-  void add(const SceneMove& move) {
+  void add_move(const SceneMove& move) {
     NamedValue p = values_.at(move.name);
     if (p.over_time.empty()) {
       if (!driven(scene_, move.name)) moves_.emplace_back(move.name, p.value);
       p.value = std::clamp(0.0, p.min, p.max);
     }
-    session_.add(LineMove{move.name, on_layout_.line(move.line), move.direction, move.fade}, {p});
+    add(move.named, LineMove{move.name, on_layout_.line(move.line), move.direction, move.fade},
+        {p});
   }
 
   void add_point(const SceneConstraint& c) {
-    Vec3 goal = now(c.at);
+    Vec3 goal = now(c);
     std::vector<NamedValue> parameters;
     for (int i = 0; i < 3; ++i) {
       NamedValue p = values_.at(c.name + "." + "xyz"[i]);
@@ -213,56 +242,32 @@ class Maker {
       p.value = goal[i] = std::clamp(goal[i], p.min, p.max);
       parameters.push_back(p);
     }
-    session_.add(LiveConstraint{c.name, LiveConstraint::Point{now(c.at), goal}}, parameters);
+    add(c.place, Constraint{c.name, Constraint::Point{now(c), goal}}, parameters);
   }
 
   const Scene& scene_;
   SceneOnLayout on_layout_;
   std::map<std::string, NamedValue> values_;
   SculptingSession session_;
-  Surface unloaded_;
+  Points unloaded_;
+  ModelProjector unloaded_places_;
   // Set when nothing that is to be added refers to the surface without them.
   std::vector<std::pair<std::string, double>> goals_, moves_;
 };
 
-/// Degrees between the surface's normal at a place and a direction, either sign.
-double turned(const Surface& surface, const Location& where, const Vec3& direction) {
-  const Vec3 n = surface.jet(where).normal();
-  return std::min(degrees_between(n, direction), degrees_between(n, -direction));
-}
-
 }  // namespace
 
-SculptingSession make_session(RegionLayout layout, const Scene& scene, const Progress& progress,
-                              std::optional<Surface>* unloaded) {
+SculptingSession make_session(const ModelLayout& layout, const Scene& scene, const MadeModel& made,
+                              Expected expected, const Progress& progress, Points* unloaded) {
   const std::string where = scene.at({});
   try {
-    Maker maker(std::move(layout), scene, progress);
-    if (unloaded) unloaded->emplace(maker.unloaded());
+    Maker maker(layout, scene, made, expected, progress);
+    if (unloaded) *unloaded = maker.unloaded();
     return maker.made();
   } catch (const InputError& e) {
     const std::string message = e.what();
     const std::string file = scene.file.string();
     throw InputError(!file.empty() && message.starts_with(file) ? message : where + message);
-  }
-}
-
-void refine_for_lines(RegionLayout& layout, const Scene& scene, const Progress& progress) {
-  if (scene.skin.hold != SceneSkin::Hold::Lines || layout.embedded().empty()) return;
-  constexpr int most_rounds = 8;
-  for (int round = 0; round < most_rounds; ++round) {
-    SculptingSession session = make_session(layout, scene, progress);
-    try {
-      session.settle();
-    } catch (const NoSolutionError&) {
-      return;
-    }
-    const SkinnedRegion region = session.region();
-    double gap = 0;
-    for (const EmbeddedLine& line : region.embedded)
-      gap = std::max(gap, line_gap(region.surface, line));
-    if (gap <= kMostGap * layout.tolerance()) return;
-    if (!halve_at_gaps(layout, region, 0.5 * layout.tolerance())) return;
   }
 }
 
@@ -274,27 +279,6 @@ bool is_live(const Scene& scene, const std::string& parameter) {
     for (int i = 0; i < 3 && c.type != SceneConstraint::Type::Point; ++i)
       live &= parameter != c.name + "." + "xyz"[i];
   return live;
-}
-
-MadeShape shape_of(const SculptingSession& session, const Scene& scene, const Surface& unloaded,
-                   const Answer& answer) {
-  MadeShape made{session.region(), unloaded, {}};
-  made.sculpt.dofs = session.dofs();
-  made.sculpt.energy = session.energy();
-  made.sculpt.iterations = answer.iterations;
-  made.sculpt.last_change = answer.change;
-  made.sculpt.max_constraint_residual = session.residual();
-  made.sculpt.reactions = session.reactions();
-  for (const auto& c : scene.constraints)
-    if (c.type == SceneConstraint::Type::Normal) {
-      // The mesh may be finer by now.
-      const Location was = unloaded.closest_point(c.at).where;
-      const Vec2 uv = unloaded.mesh().shape(was.triangle).point(was.L);
-      const Surface& surface = made.region.surface;
-      const double degrees = turned(surface, surface.locate(uv), c.goal);
-      if (!(degrees <= made.max_normal_constraint_deg)) made.max_normal_constraint_deg = degrees;
-    }
-  return made;
 }
 
 }  // namespace batten

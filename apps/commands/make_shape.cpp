@@ -2,117 +2,40 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+#include <optional>
 
-#include "batten/apps/commands/line_files.h"
 #include "batten/apps/commands/make_session.h"
-#include "batten/constraints/shape/shape_constraints.h"
+#include "batten/core/errors.h"
+#include "batten/core/words.h"
 #include "batten/fem/triangle_locator.h"
+#include "batten/skinning/model/model_projector.h"
 
 namespace batten {
 namespace {
 
-/// A mesh vertex of the surface nearest to a point in space.
-int nearest_vertex(const Surface& surface, const Vec3& at) {
-  int nearest = 0;
-  double distance = std::numeric_limits<double>::infinity();
-  for (int v = 0; v < surface.mesh().vertex_count(); ++v) {
-    if (surface.trim() && !surface.trim()->loops().contains(surface.mesh().vertices()[v])) continue;
-    const Vec3 x = surface.dofs().row(surface.dof_map().vertex(v));
-    if ((x - at).norm() < distance) {
-      distance = (x - at).norm();
-      nearest = v;
-    }
-  }
-  return nearest;
+/// Half of the tolerance is the lines' own deviation from their curves.
+constexpr double kMostGap = 0.7;
+constexpr int kMostRounds = 8;
+
+/// Degrees between the surface's normal at a place and a direction, either sign.
+double turned(const Surface& surface, const Location& where, const Vec3& direction) {
+  const Vec3 n = surface.jet(where).normal();
+  return std::min(degrees_between(n, direction), degrees_between(n, -direction));
 }
 
-struct HeldNormal {
-  int vertex;
-  Vec3 normal;
-};
-
-std::vector<HeldNormal> add_constraints(const Scene& scene, const Surface& unloaded,
-                                        ConstraintSet& set) {
-  using Type = SceneConstraint::Type;
-  ShapeConstraints shape(unloaded.mesh(), unloaded.kind(), set);
-  std::vector<HeldNormal> normals;
-  const std::vector<std::string> taken = set.names();
-  for (const SceneConstraint& c : scene.constraints) {
-    if (std::find(taken.begin(), taken.end(), c.name) != taken.end())
-      throw InputError(scene.at(c.place) + "found the constraint name '" + c.name +
-                       "', expected another one: a line or corner has it");
-    if (c.type == Type::Point) {
-      shape.point(c.name, unloaded.closest_point(c.at).where, c.goal);
-      continue;
-    }
-    const int vertex = nearest_vertex(unloaded, c.at);
-    if (c.type == Type::Normal) {
-      shape.normal(c.name, vertex, c.goal);
-      normals.push_back({vertex, c.goal.normalized()});
-    } else {
-      shape.tangent(c.name, vertex, c.along, c.goal);
-    }
-  }
-  return normals;
+double widest_gap(const std::vector<SkinnedRegion>& regions) {
+  double gap = 0;
+  for (const SkinnedRegion& region : regions)
+    for (const EmbeddedLine& line : region.embedded)
+      gap = std::max(gap, line_gap(region.surface, line));
+  return gap;
 }
 
-/// Degrees between the surface's normal at the vertex and the held one, either sign.
-double deviation(const Surface& surface, const HeldNormal& held) {
-  const DofMap& dofs = surface.dof_map();
-  const Vec3 x_u = surface.dofs().row(dofs.vertex(held.vertex, 1));
-  const Vec3 x_v = surface.dofs().row(dofs.vertex(held.vertex, 2));
-  const Vec3 normal = x_u.cross(x_v).normalized();
-  return std::atan2(normal.cross(held.normal).norm(), std::abs(normal.dot(held.normal))) * 180 /
-         std::numbers::pi;
-}
-
-}  // namespace
-
-RegionLayout lay_out(const Scene& scene, const std::vector<CharacterLine>& lines,
-                     const Progress& progress) {
-  try {
-    return RegionLayout(scene.name, lines, scene.skin.options, progress);
-  } catch (const InputError& e) {
-    throw InputError(scene.at({}) + e.what());
-  }
-}
-
-MadeShape make_shape(const RegionLayout& layout, const Scene& scene, const Progress& progress) {
-  if (scene.needs_session()) {
-    std::optional<Surface> unloaded_surface;
-    SculptingSession session = make_session(layout, scene, progress, &unloaded_surface);
-    const Answer answer = session.settle();
-    return shape_of(session, scene, *unloaded_surface, answer);
-  }
-  const bool corners = scene.skin.hold == SceneSkin::Hold::Corners;
-  ConstraintSet set = corners ? layout.corner_constraints() : layout.line_constraints();
-  SculptOptions options;
-  options.material = scene.skin.material;
-  options.units = scene.skin.units;
-
-  SculptResult plain = sculpt(layout, set, {}, options, progress);
-  const Surface unloaded = layout.region(plain.dofs).surface;
-  if (scene.loads.empty() && scene.constraints.empty())
-    return {layout.region(plain.dofs), unloaded, std::move(plain), 0};
-
-  const std::vector<HeldNormal> normals = add_constraints(scene, unloaded, set);
-  std::vector<Load> loads;
-  for (const SceneLoad& load : scene.loads) loads.push_back(load.load(spring_points(scene, load)));
-  MadeShape made{layout.region(plain.dofs), unloaded,
-                 sculpt(layout, set, loads, options, progress)};
-  made.region = layout.region(made.sculpt.dofs);
-  for (const HeldNormal& held : normals) {
-    const double degrees = deviation(made.region.surface, held);
-    if (!(degrees <= made.max_normal_constraint_deg)) made.max_normal_constraint_deg = degrees;
-  }
-  return made;
-}
-
-bool halve_at_gaps(RegionLayout& layout, const SkinnedRegion& region, double target) {
+// Marks triangles under the stretches of embedded lines that the surface leaves by more than
+// `target` between their points.
+void mark_gaps(const SkinnedRegion& region, double target, std::vector<char>::iterator marks) {
   const Surface& surface = region.surface;
   const TriangleLocator locator(surface.mesh());
-  std::vector<char> marked(static_cast<size_t>(surface.mesh().triangle_count()), 0);
   constexpr int samples = 20;
   for (const EmbeddedLine& line : region.embedded) {
     // The ends too: points may have been left out there, and a closed line comes around.
@@ -131,27 +54,132 @@ bool halve_at_gaps(RegionLayout& layout, const SkinnedRegion& region, double tar
         triangles.push_back(where.triangle);
       }
       if (gap <= target) continue;
-      for (const int t : triangles) marked[static_cast<size_t>(t)] = 1;
+      for (const int t : triangles) marks[t] = 1;
     }
   }
-  return layout.refine(marked);
 }
 
-MadeShape make_refined_shape(RegionLayout& layout, const Scene& scene, const Progress& progress) {
-  constexpr int most_rounds = 8;
-  const bool held = scene.skin.hold == SceneSkin::Hold::Lines;
-  for (int round = 0;; ++round) {
-    MadeShape made = make_shape(layout, scene, progress);
-    if (!held || round == most_rounds) return made;
-    double gap = 0;
-    for (const EmbeddedLine& line : layout.embedded())
-      gap = std::max(gap, line_gap(made.region.surface, line));
-    if (gap <= kMostGap * layout.tolerance()) return made;
-    const double target = 0.5 * layout.tolerance();
-    if (!(scene.needs_session() ? halve_at_gaps(layout, made.region, target)
-                                : layout.refine(made.region.surface, target)))
-      return made;
+// Halves at the gaps of a shape on the layout. False when there is nothing to halve.
+bool halve_at_gaps(ModelLayout& layout, const std::vector<SkinnedRegion>& regions) {
+  std::vector<char> marks(static_cast<size_t>(layout.mesh()->triangle_count()), 0);
+  for (size_t r = 0; r < regions.size(); ++r)
+    mark_gaps(regions[r], 0.5 * layout.tolerance(),
+              marks.begin() + layout.first_triangle(static_cast<int>(r)));
+  return layout.refine(marks);
+}
+
+// The shape that a network was skinned with.
+MadeShape shape_at_rest(const MadeModel& made, const Scene& scene) {
+  MadeShape shape;
+  shape.layout = made.model.layout;
+  shape.dofs = shape.unloaded = made.model.dofs;
+  for (const SkinnedRegion* region : made.model.skinned()) shape.regions.push_back(*region);
+  if (!shape.layout) return shape;
+  const ModelLayout& layout = *shape.layout;
+  SurfaceStiffness bends = scene.skin.material;
+  bends.alpha.setZero();
+  const SurfaceAssembler assembler(*layout.mesh(), layout.element(), layout.trim());
+  SparseMatrix K = assembler.pattern();
+  auto materials = layout.on_regions({bends});
+  materials.resize(static_cast<size_t>(layout.mesh()->triangle_count()), materials[0]);
+  assembler.stiffness(materials, K);
+  const Points q = shape.dofs - layout.position_dofs() * layout.origin().transpose();
+  const double energy = q.cwiseProduct(Points(K.selfadjointView<Eigen::Lower>() * q)).sum();
+  shape.energy.bending = std::max(0.0, energy) / (layout.size() * layout.size());
+  return shape;
+}
+
+}  // namespace
+
+std::vector<const SkinnedRegion*> pointers(const std::vector<SkinnedRegion>& regions) {
+  std::vector<const SkinnedRegion*> all;
+  for (const SkinnedRegion& region : regions) all.push_back(&region);
+  return all;
+}
+
+MadeShape shape_of(const SculptingSession& session, const Scene& scene, const Points& unloaded,
+                   const Answer& answer) {
+  MadeShape shape;
+  shape.layout = std::make_shared<const ModelLayout>(session.layout());
+  shape.dofs = session.dofs();
+  shape.unloaded = unloaded;
+  shape.regions = session.regions();
+  shape.energy = session.energy();
+  shape.iterations = answer.iterations;
+  shape.last_change = answer.change;
+  shape.max_constraint_residual = session.residual();
+  shape.reactions = session.reactions();
+  shape.springs = session.spring_distances(unloaded);
+  shape.joins_planned = answer.joins_planned;
+  std::optional<ModelProjector> projector;
+  for (const auto& c : scene.constraints) {
+    if (c.type != SceneConstraint::Type::Normal) continue;
+    // Where make_session() put it: the mesh may be finer by now.
+    if (!projector) projector.emplace(*shape.layout, unloaded);
+    const ModelPoint at = projector->nearest_inside(c.at).at;
+    const Surface& surface = shape.regions[static_cast<size_t>(at.region)].surface;
+    const double degrees = turned(surface, surface.locate(at.uv), c.goal);
+    if (!(degrees <= shape.max_normal_constraint_deg)) shape.max_normal_constraint_deg = degrees;
   }
+  return shape;
+}
+
+MadeShape make_shape(const ModelLayout& layout, const Scene& scene, const MadeModel& made,
+                     const Progress& progress) {
+  Points unloaded;
+  SculptingSession session =
+      make_session(layout, scene, made, Expected::one_factor, progress, &unloaded);
+  const Answer answer = session.settle();
+  return shape_of(session, scene, unloaded, answer);
+}
+
+MadeShape make_refined_shape(const MadeModel& made, const Scene& scene, const Progress& progress) {
+  if (made.network && (!scene.is_sculpted() || !made.model.layout))
+    return shape_at_rest(made, scene);
+  const bool held = scene.skin.hold == SceneSkin::Hold::Lines;
+  ModelLayout layout = *made.model.layout;
+  for (int round = 0;; ++round) {
+    MadeShape shape = make_shape(layout, scene, made, progress);
+    if (!held || round == kMostRounds) return shape;
+    if (widest_gap(shape.regions) <= kMostGap * layout.tolerance()) return shape;
+    if (!halve_at_gaps(layout, shape.regions)) return shape;
+  }
+}
+
+ModelLayout refined_for_lines(const MadeModel& made, const Scene& scene, const Progress& progress) {
+  ModelLayout layout = *made.model.layout;
+  const bool embeds = std::any_of(layout.lines().begin(), layout.lines().end(), [](const auto& l) {
+    return std::any_of(l.sides.begin(), l.sides.end(), [](const auto& s) { return s.embedded; });
+  });
+  if (scene.skin.hold != SceneSkin::Hold::Lines || !embeds) return layout;
+  for (int round = 0; round < kMostRounds; ++round) {
+    SculptingSession session = make_session(layout, scene, made, Expected::one_factor, progress);
+    try {
+      session.settle();
+    } catch (const NoSolutionError&) {
+      return layout;
+    }
+    const auto regions = session.regions();
+    if (widest_gap(regions) <= kMostGap * layout.tolerance()) return layout;
+    if (!halve_at_gaps(layout, regions)) return layout;
+  }
+  return layout;
+}
+
+void take_shape(MadeModel& made, const MadeShape& shape, const Progress& progress) {
+  if (!shape.layout) return;
+  if (made.network) {
+    if (shape.layout != made.model.layout)
+      reshape(made.model, shape.layout, shape.dofs, shape.regions, progress);
+    return;
+  }
+  progress.at("measuring", 0);
+  ModelRegion& region = made.model.regions.front();
+  region.skinned = shape.regions.front();
+  region.quality = measure(*region.skinned);
+  made.model.layout = shape.layout;
+  made.model.dofs = shape.dofs;
+  made.model.area = region.quality.area;
 }
 
 }  // namespace batten

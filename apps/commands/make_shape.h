@@ -1,40 +1,55 @@
-// From a scene to its shape: lines → layout → constraints → sculpting.
+// From a model to its shape: everything that a scene has act on it.
 #pragma once
 
+#include <memory>
 #include <vector>
 
-#include "batten/io/scene.h"
-#include "batten/skinning/skin.h"
+#include "batten/apps/commands/make_model.h"
+#include "batten/sculpting/session.h"
 
 namespace batten {
 
-/// The region of a scene before it has a shape. It does not depend on parameters: one layout serves
-/// all their values. Throws InputError.
-RegionLayout lay_out(const Scene& scene, const std::vector<CharacterLine>& lines,
-                     const Progress& progress = {});
+/// As writers and pictures take regions.
+std::vector<const SkinnedRegion*> pointers(const std::vector<SkinnedRegion>& regions);
 
+/// A finished shape of a model, and what its session knew of it.
 struct MadeShape {
-  SkinnedRegion region;
-  Surface unloaded;  ///< what the lines alone make: same mesh, no loads, no [[constraint]]
-  SculptResult sculpt;
-  double max_normal_constraint_deg = 0;  ///< measured at the vertices that a [[constraint]] holds
+  std::shared_ptr<const ModelLayout> layout;
+  Points dofs;
+  Points unloaded;                     ///< what the lines alone make, on the same layout
+  std::vector<SkinnedRegion> regions;  ///< of the layout, with lines as they are moved
+  SurfaceEnergy energy;
+  int iterations = 0;
+  double last_change = 0, max_constraint_residual = 0;
+  double max_normal_constraint_deg = 0;  ///< at the places that a [[constraint]] holds
+  std::vector<Reaction> reactions;
+  std::vector<SpringDistances> springs;
+  bool joins_planned = false;  ///< Answer::joins_planned
+
+  std::vector<const SkinnedRegion*> all() const { return pointers(regions); }
 };
 
-/// The shape that a scene's constraints, loads and material make of its layout: by one sculpt(), or
-/// by a session that settles where only a session knows what the scene asks for.
-/// Throws ConflictError, NoSolutionError, InputError, CancelledError.
-MadeShape make_shape(const RegionLayout& layout, const Scene& scene, const Progress& progress = {});
+/// The session's shape as it is. `unloaded`: dofs on its layout. `answer`: of the last settle().
+MadeShape shape_of(const SculptingSession& session, const Scene& scene, const Points& unloaded,
+                   const Answer& answer);
 
-/// Halves the layout's triangles where a region on its mesh leaves its embedded lines, which a move
-/// may have displaced, by more than `target` between their points. False when it does not.
-bool halve_at_gaps(RegionLayout& layout, const SkinnedRegion& region, double target);
+/// The shape that a scene's constraints, loads and material make of a layout: a session that
+/// settles. Throws ConflictError, NoSolutionError, InputError, CancelledError.
+MadeShape make_shape(const ModelLayout& layout, const Scene& scene, const MadeModel& made,
+                     const Progress& progress = {});
 
-/// Half of the tolerance is the lines' own deviation from their curves.
-inline constexpr double kMostGap = 0.7;
-
-/// The same, halving the layout's triangles where loads and constraints pull the surface off its
-/// embedded lines, until it keeps the tolerance there or halving helps no more.
-MadeShape make_refined_shape(RegionLayout& layout, const Scene& scene,
+/// The same of the model's own layout, halving triangles where loads, moves and constraints pull
+/// the surface off its embedded lines, until it keeps the tolerance there or halving helps no more.
+/// A network on which nothing acts has its shape already.
+MadeShape make_refined_shape(const MadeModel& made, const Scene& scene,
                              const Progress& progress = {});
+
+/// The layout of make_refined_shape(), for a session of the scene's own values; the model's where
+/// these have no solution.
+ModelLayout refined_for_lines(const MadeModel& made, const Scene& scene,
+                              const Progress& progress = {});
+
+/// Puts the shape into the model, measured.
+void take_shape(MadeModel& made, const MadeShape& shape, const Progress& progress = {});
 
 }  // namespace batten

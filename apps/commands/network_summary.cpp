@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <map>
 
-#include "batten/apps/commands/run_network.h"
 #include "batten/apps/commands/run_parts.h"
+#include "batten/apps/commands/run_scene.h"
 #include "batten/core/words.h"
 
 namespace batten {

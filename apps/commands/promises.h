@@ -18,16 +18,16 @@ namespace batten {
 ///   step      exact: valid, gap ≤ 1e-9 of the size, normal jump ≤ 1e-3°
 ///             one face: valid, deviation ≤ what was asked, gap ≤ that plus the tolerance
 ///
-/// `tolerance`: of lines, model units.
-std::vector<MissedPromise> broken_promises(const Report& report, double tolerance);
-
-/// The same of a network, whose report it is. Each region keeps the promises of `surface` (its
-/// lines may also have been moved by the network's tolerance where they were joined), and
+///
+/// Of a network each region keeps the promises of `surface` (its lines may also have been moved by
+/// the network's tolerance where they were joined), and
 ///
 ///   regions   each is skinned; no flaw (SurfaceFlaw)
-///   joins     a smooth one stays under the join tolerance along all of it, but for ends where the
-///             lines leave no tangent plane; one that is asked for as smooth is smooth
-///   step      valid, deviation ≤ what was asked, gap ≤ that plus the tolerance
-std::vector<MissedPromise> broken_network_promises(const Report& report);
+///   joins     a smooth one stays under the join tolerance along all of it (0.05° more under loads
+///             and moves), but for ends where the lines leave no tangent plane; one that is asked
+///             for as smooth is smooth
+///
+/// `tolerance`: of lines, model units.
+std::vector<MissedPromise> broken_promises(const Report& report, double tolerance);
 
 }  // namespace batten

@@ -2,22 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "batten/apps/commands/fair_lines.h"
-#include "batten/apps/commands/make_shape.h"
-#include "batten/apps/commands/output_folder.h"
-#include "batten/apps/commands/promises.h"
-#include "batten/apps/commands/run_network.h"
-#include "batten/apps/commands/run_parts.h"
 #include "batten/apps/commands/shape_files.h"
-#include "batten/io/whole_file.h"
+#include "batten/core/errors.h"
 
 namespace batten {
 namespace {
 
-void draw_sweep(const RegionLayout& layout, const Scene& scene, const SceneSweep& sweep,
-                const std::filesystem::path& file, const Progress& progress) {
+void draw_sweep(const MadeModel& made, const ModelLayout& layout, const Scene& scene,
+                const SceneSweep& sweep, const std::filesystem::path& file,
+                const Progress& progress) {
   std::vector<MadeShape> shapes;
   for (size_t i = 0; i < sweep.values.size(); ++i) {
     progress.at("sweep of " + sweep.parameter,
@@ -25,7 +20,7 @@ void draw_sweep(const RegionLayout& layout, const Scene& scene, const SceneSweep
     Scene panel = scene;
     panel.set(sweep.parameter, sweep.values[i], "");
     try {
-      shapes.push_back(make_shape(layout, panel, {{}, progress.cancelled}));
+      shapes.push_back(make_shape(layout, panel, made, {{}, progress.cancelled}));
     } catch (const NoSolutionError& e) {
       throw NoSolutionError("sweep at " + sweep.parameter + " = " + number(sweep.values[i]) + ": " +
                             e.what());
@@ -37,36 +32,12 @@ void draw_sweep(const RegionLayout& layout, const Scene& scene, const SceneSweep
                           : static_cast<int>(std::ceil(std::sqrt(static_cast<double>(count))));
   std::vector<PictureScene> panels;
   for (int i = 0; i < count; ++i) {
-    PictureScene panel = picture_of(sweep.picture.look, shapes[i].region);
-    panel.title +=
-        (panel.title.empty() ? "" : ", ") + sweep.parameter + " = " + number(sweep.values[i]);
+    PictureScene panel = picture_of(sweep.picture.look, made, shapes[static_cast<size_t>(i)]);
+    panel.title += (panel.title.empty() ? "" : ", ") + sweep.parameter + " = " +
+                   number(sweep.values[static_cast<size_t>(i)]);
     panels.push_back(panel);
   }
   draw_contact_sheet(file, panels, columns, sweep.picture.size);
-}
-
-/// Pictures need a display; a result without them is still a result, but not what was asked for.
-void draw_all(Report& report, const RegionLayout& layout, const Scene& scene, const MadeShape& made,
-              const OutputFolder& out, const Progress& progress) {
-  if (scene.pictures.empty() && scene.sweeps.empty()) return;
-  try {
-    require_display();
-  } catch (const InputError& e) {
-    for (const auto& picture : scene.pictures)
-      report.missed.push_back({picture.file, std::string("is not drawn: ") + e.what()});
-    for (const auto& sweep : scene.sweeps)
-      report.missed.push_back({sweep.picture.file, std::string("is not drawn: ") + e.what()});
-    return;
-  }
-  for (const auto& picture : scene.pictures) {
-    progress.at("picture " + picture.file, 0);
-    draw_picture(out.file(picture.file), picture_of(picture.look, made.region), picture.size);
-    report.files.push_back(picture.file);
-  }
-  for (const auto& sweep : scene.sweeps) {
-    draw_sweep(layout, scene, sweep, out.file(sweep.picture.file), progress);
-    report.files.push_back(sweep.picture.file);
-  }
 }
 
 }  // namespace
@@ -100,54 +71,31 @@ Scene scene_of_network(const std::vector<std::filesystem::path>& files, const st
 
 Report run_scene(const Scene& scene, const std::filesystem::path& folder,
                  const Progress& progress) {
-  if (scene.network) return run_network(scene, folder, progress);
-  OutputFolder out(folder);
-  Report report;
-  report.name = scene.name;
-  report.unit = scene.unit;
-  report.parameters = scene.parameters();
-  report.surface.hold = scene.skin.hold == SceneSkin::Hold::Corners ? "corners" : "lines";
-  Stopwatch watch(report.timings);
-
-  progress.at("lines", 0);
-  const FairedLines lines = faired_lines(scene, progress);
-  report.curves = lines.reports;
-  watch.lap("lines");
-  RegionLayout layout = lay_out(scene, lines.lines, progress);
-  watch.lap("layout");
-  const MadeShape made = make_refined_shape(layout, scene, progress);
-  report.warnings = layout.warnings();
-  watch.lap("sculpt");
-  progress.at("measuring", 0);
-  measure_into(report, made);
-  watch.lap("measure");
-
-  VtkOptions vtk;
-  if (!scene.loads.empty() || !scene.constraints.empty() || scene.needs_session())
-    vtk.references = {&made.unloaded};
-  write_files(report, scene, made.region, vtk, out, watch, progress);
-  if (!scene.pictures.empty() || !scene.sweeps.empty()) {
-    draw_all(report, layout, scene, made, out, progress);
-    watch.lap("pictures");
+  ShapeRun run(scene, folder);
+  run.report.parameters = scene.parameters();
+  MadeModel made = model_of(run, scene, progress);
+  const MadeShape shape = make_refined_shape(made, scene, progress);
+  run.watch.lap("sculpt");
+  measure_into(run, made, shape, scene, progress);
+  write_files(run, scene, made, shape, progress);
+  draw_pictures(run, scene, made, shape, progress);
+  for (const auto& sweep : scene.sweeps) {
+    if (!shape.layout || !can_draw(run.report, sweep.picture.file)) continue;
+    draw_sweep(made, *shape.layout, scene, sweep, run.out.file(sweep.picture.file), progress);
+    run.report.files.push_back(sweep.picture.file);
   }
-  watch.total();
-
-  const auto broken = broken_promises(report, layout.tolerance());
-  report.missed.insert(report.missed.end(), broken.begin(), broken.end());
-  report.files.push_back("report.json");
-  write_whole_file(out.file("report.json"), [&](std::ostream& file) { file << to_json(report); });
-  progress.at("files", 1);
-  out.commit();
-  return report;
+  if (!scene.pictures.empty() || !scene.sweeps.empty()) run.watch.lap("pictures");
+  run.finish(progress);
+  run.out.commit();
+  return std::move(run.report);
 }
 
 void view_scene(const Scene& scene, const PictureScene& look, const std::filesystem::path& file,
                 const Progress& progress) {
-  if (scene.network) return view_network(scene, look, file, progress);
   require_display();
-  RegionLayout layout = lay_out(scene, faired_lines(scene, progress).lines, progress);
-  const MadeShape made = make_refined_shape(layout, scene, progress);
-  draw_picture(file, picture_of(look, made.region));
+  MadeModel made = make_model(scene, faired_lines(scene, progress).lines, progress);
+  const MadeShape shape = make_refined_shape(made, scene, progress);
+  draw_picture(file, picture_of(look, made, shape));
 }
 
 std::string summary(const Report& report, const std::filesystem::path& folder) {

@@ -29,7 +29,9 @@ Report run_scene(const Scene& scene, const std::filesystem::path& folder,
 void view_scene(const Scene& scene, const PictureScene& look, const std::filesystem::path& file,
                 const Progress& progress = {});
 
-/// What a newcomer wants to know, a dozen lines, ending with the files.
+/// What a newcomer wants to know, a dozen lines, ending with the files. Of a network: what was
+/// found, repaired, skinned, left over, and what to say in the scene to have it otherwise.
 std::string summary(const Report& report, const std::filesystem::path& folder);
+std::string network_summary(const Report& report, const std::filesystem::path& folder);
 
 }  // namespace batten

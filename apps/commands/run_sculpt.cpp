@@ -5,9 +5,7 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "batten/apps/commands/fair_lines.h"
 #include "batten/apps/commands/make_session.h"
-#include "batten/apps/commands/promises.h"
 #include "batten/apps/commands/shape_files.h"
 #include "batten/apps/commands/shape_series.h"
 #include "batten/io/session_log.h"
@@ -91,8 +89,7 @@ std::string file_word(const std::string& text) {
   return word.empty() ? "surface" : word;
 }
 
-double area_of(const SkinnedRegion& region) {
-  const Surface& surface = region.surface;
+double area_of(const Surface& surface) {
   const ParametricMesh& mesh = surface.mesh();
   const Trim* trim = surface.trim().get();
   const TriangleRule whole = split_triangle(2);
@@ -109,8 +106,8 @@ double area_of(const SkinnedRegion& region) {
 
 Report::Shape shape_now(const SculptingSession& session) {
   const SurfaceEnergy energy = session.energy();
-  return {energy.stretching, energy.bending, area_of(session.region()), session.enclosed_volume(),
-          session.residual()};
+  return {energy.stretching, energy.bending, area_of(session.layout().surface(session.dofs())),
+          session.enclosed_volume(), session.residual()};
 }
 
 /// One run: the session and what is known of it.
@@ -118,16 +115,13 @@ class SculptRun {
  public:
   SculptRun(const Scene& scene, const SculptTask& task, const std::filesystem::path& folder,
             const Progress& progress)
-      : scene_(scene), task_(task), progress_(progress), out_(folder) {}
+      : scene_(scene), task_(task), progress_(progress), run_(scene, folder) {}
 
   Report done() {
     for (const std::string& text : task_.sweeps) sweeps_.push_back(parsed_sweep(text));
     const int rounds = parsed_rounds(task_.refinement), steps = parsed_steps(task_);
-    Stopwatch watch(report_.timings);
-    report_.name = scene_.name;
-    report_.unit = scene_.unit;
+    Stopwatch& watch = run_.watch;
     report_.sculpting.emplace();
-    report_.surface.hold = scene_.skin.hold == SceneSkin::Hold::Corners ? "corners" : "lines";
     std::vector<Setting> settings;
     for (Setting& s : parsed_settings(task_.settings)) {
       if (is_live(scene_, s.name))
@@ -138,16 +132,13 @@ class SculptRun {
     const std::vector<Operation> log =
         task_.replay.empty() ? std::vector<Operation>{} : read_session_log(task_.replay);
 
-    progress_.at("lines", 0);
-    const FairedLines lines = faired_lines(scene_, progress_);
-    report_.curves = lines.reports;
-    watch.lap("lines");
-    RegionLayout layout = lay_out(scene_, lines.lines, progress_);
-    refine_for_lines(layout, scene_, progress_);
-    report_.warnings = layout.warnings();
+    made_ = model_of(run_, scene_, progress_);
+    if (!made_.model.layout) throw InputError(scene_.at({}) + "no region could be skinned");
+    const ModelLayout layout = refined_for_lines(made_, scene_, progress_);
     watch.lap("layout");
     progress_.at("session", 0);
-    session_.emplace(make_session(std::move(layout), scene_, progress_, &unloaded_));
+    session_.emplace(
+        make_session(layout, scene_, made_, Expected::many_factors, progress_, &unloaded_));
     check_sweeps();
     watch.lap("session");
 
@@ -165,8 +156,8 @@ class SculptRun {
       move(steps);
       watch.lap("motion");
     }
-    write(watch);
-    return report_;
+    write();
+    return std::move(report_);
   }
 
  private:
@@ -230,7 +221,7 @@ class SculptRun {
   void do_sweep(const SweepTask& sweep) {
     const double before = session_->parameters().value(sweep.parameter);
     Report::Sculpting::Sweep table{sweep.parameter, {}, ""};
-    ShapeSeries series(scene_, stem(sweep.parameter), sweep.parameter, out_, sweep.count);
+    ShapeSeries series(scene_, stem(sweep.parameter), sweep.parameter, run_.out, sweep.count);
     for (int i = 0; i < sweep.count; ++i) {
       progress_.at("sweep of " + sweep.parameter, static_cast<double>(i) / sweep.count);
       const double value = sweep.at(i);
@@ -245,7 +236,7 @@ class SculptRun {
         break;
       }
       table.rows.push_back({value, shape_now(*session_), answer_.iterations, 0});
-      series.add(report_, value, session_->region());
+      series.add(report_, value, session_->regions());
     }
     report_.sculpting->sweeps.push_back(table);
     finish(series, false);
@@ -258,10 +249,10 @@ class SculptRun {
     session_->start_motion({task_.dt, m.density, m.damping, m.theta});
     Report::Sculpting::Motion table{task_.dt, m.density, m.damping, m.theta, steps, 0, {}};
     const int stride = (steps + task_.frames - 1) / task_.frames;
-    ShapeSeries series(scene_, stem("time"), "t", out_, steps / stride + 1);
+    ShapeSeries series(scene_, stem("time"), "t", run_.out, steps / stride + 1);
     const auto add = [&](double time) {
       table.rows.push_back({time, shape_now(*session_), 0, session_->total_energy()});
-      series.add(report_, time, session_->region());
+      series.add(report_, time, session_->regions());
     };
     add(0);
     for (int i = 1; i <= steps; ++i) {
@@ -275,83 +266,49 @@ class SculptRun {
     finish(series, true);
   }
 
-  /// Pictures need a display; a series without them is still one, but not what was asked for.
   void finish(ShapeSeries& series, bool each) {
     try {
       series.finish(report_, each, progress_);
-    } catch (const InputError& e) {
-      if (can_draw()) throw;
-      report_.missed.push_back(
-          {"pictures of the series", std::string("are not drawn: ") + e.what()});
-    }
-  }
-
-  static bool can_draw() {
-    try {
-      require_display();
     } catch (const InputError&) {
-      return false;
+      // Without a display a series has its shapes and no pictures.
+      if (can_draw(report_, "pictures of the series")) throw;
     }
-    return true;
   }
 
-  void write(Stopwatch& watch) {
+  /// Dofs of what the lines alone make, on the mesh as it is now.
+  Points unloaded_now() const {
+    if (unloaded_.rows() == session_->dofs().rows()) return unloaded_;
+    StaticTask lines;
+    lines.material = scene_.skin.material;
+    lines.units = scene_.skin.units;
+    lines.hold_corners = scene_.skin.hold == SceneSkin::Hold::Corners;
+    return sculpt(session_->layout(), lines, progress_).dofs;
+  }
+
+  void write() {
     progress_.at("measuring", 0);
     for (const NamedValue& p : session_->parameters().all())
       report_.parameters.push_back({p.name, session_->parameters().value(p.name), p.min, p.max});
     report_.sculpting->shape = shape_now(*session_);
-    const MadeShape made = shape_of(*session_, scene_, *unloaded_, answer_);
-    measure_into(report_, made);
-    watch.lap("measure");
-    // Displacements are from what the lines alone make, on the mesh as it is now.
-    std::optional<Surface> reference;
-    if (unloaded_->mesh().triangles() == made.region.surface.mesh().triangles()) {
-      reference = *unloaded_;
-    } else {
-      const RegionLayout& layout = session_->layout();
-      SculptOptions options;
-      options.material = scene_.skin.material;
-      options.units = scene_.skin.units;
-      const bool corners = scene_.skin.hold == SceneSkin::Hold::Corners;
-      reference =
-          layout
-              .region(sculpt(layout,
-                             corners ? layout.corner_constraints() : layout.line_constraints(), {},
-                             options, progress_)
-                          .dofs)
-              .surface;
-    }
-    VtkOptions vtk;
-    vtk.references = {&*reference};
-    write_files(report_, scene_, made.region, vtk, out_, watch, progress_);
-    for (const ScenePicture& picture : scene_.pictures) {
-      try {
-        draw_picture(out_.file(picture.file), picture_of(picture.look, made.region), picture.size);
-        report_.files.push_back(picture.file);
-      } catch (const InputError& e) {
-        if (can_draw()) throw;
-        report_.missed.push_back({picture.file, std::string("is not drawn: ") + e.what()});
-      }
-    }
-    if (!scene_.pictures.empty()) watch.lap("pictures");
-    watch.total();
-    const auto broken = broken_promises(report_, session_->layout().tolerance());
-    report_.missed.insert(report_.missed.end(), broken.begin(), broken.end());
-    report_.files.push_back("report.json");
-    write_whole_file(out_.file("report.json"),
-                     [&](std::ostream& file) { file << to_json(report_); });
+    const MadeShape shape = shape_of(*session_, scene_, unloaded_now(), answer_);
+    measure_into(run_, made_, shape, scene_, progress_);
+    write_files(run_, scene_, made_, shape, progress_);
+    draw_pictures(run_, scene_, made_, shape, progress_);
+    if (!scene_.pictures.empty()) run_.watch.lap("pictures");
+    run_.finish(progress_);
     if (!task_.record.empty()) write_session_log(task_.record, session_->recorded());
-    out_.commit();
+    run_.out.commit();
   }
 
   Scene scene_;
   const SculptTask& task_;
   const Progress& progress_;
-  OutputFolder out_;
-  Report report_;
+  ShapeRun run_;
+  Report& report_ = run_.report;
+  MadeModel made_;
   std::vector<SweepTask> sweeps_;
   std::optional<SculptingSession> session_;
-  std::optional<Surface> unloaded_;
+  Points unloaded_;
   Answer answer_;
 };
 
@@ -396,11 +353,6 @@ std::vector<std::string> few(const std::vector<std::string>& files) {
 
 Report run_sculpt(const Scene& scene, const SculptTask& task, const std::filesystem::path& folder,
                   const Progress& progress) {
-  if (scene.network)
-    throw InputError(
-        scene.at(scene.network->place) +
-        "found [network], expected a scene of one region: a network has no session yet "
-        "(batten run skins it)");
   return SculptRun(scene, task, folder, progress).done();
 }
 

@@ -3,139 +3,49 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <set>
 
+#include "batten/apps/commands/fair_lines.h"
+#include "batten/apps/commands/promises.h"
+#include "batten/core/errors.h"
 #include "batten/io/cad_lines.h"
 #include "batten/io/calculix.h"
 #include "batten/io/step.h"
 #include "batten/io/step_face.h"
-#include "batten/skinning/line_fit.h"
+#include "batten/io/vtk_files.h"
+#include "batten/io/whole_file.h"
 
 namespace batten {
+
+ShapeRun::ShapeRun(const Scene& scene, const std::filesystem::path& folder)
+    : out(folder), watch(report.timings) {
+  report.name = scene.name;
+  report.unit = scene.unit;
+  report.is_sculpted = scene.is_sculpted();
+  report.surface.hold = scene.skin.hold == SceneSkin::Hold::Corners ? "corners" : "lines";
+}
+
+void ShapeRun::finish(const Progress& progress) {
+  watch.total();
+  const auto broken = broken_promises(report, tolerance);
+  report.missed.insert(report.missed.end(), broken.begin(), broken.end());
+  report.files.push_back("report.json");
+  write_whole_file(out.file("report.json"), [&](std::ostream& file) { file << to_json(report); });
+  progress.at("files", 1);
+}
+
+MadeModel model_of(ShapeRun& run, const Scene& scene, const Progress& progress) {
+  progress.at("lines", 0);
+  const FairedLines lines = faired_lines(scene, progress);
+  run.report.curves = lines.reports;
+  run.watch.lap("lines");
+  MadeModel made = make_model(scene, lines.lines, progress);
+  run.tolerance = made.fit_tolerance;
+  run.watch.lap("model");
+  return made;
+}
+
 namespace {
-
-/// Largest distance from samples of the user's line to the fitted curve.
-double deviation(const CharacterLine& line, const HermiteCurve& fitted) {
-  const auto breaks = line.curve->breaks();
-  const int samples = std::clamp<int>(2000 / static_cast<int>(breaks.size()), 4, 64);
-  double largest = 0;
-  for (size_t i = 0; i + 1 < breaks.size(); ++i)
-    for (int k = 0; k <= samples; ++k) {
-      const double t = breaks[i] + (breaks[i + 1] - breaks[i]) * k / samples;
-      const double d = fitted.closest_point(line.curve->evaluate(t)).distance;
-      if (!(d <= largest) && !std::isnan(largest)) largest = d;
-    }
-  return largest;
-}
-
-/// Limits from analytic shapes and hulls (docs/theory/domains.md): good domains are far inside.
-void warn_of_strain(Report& report) {
-  const SkinQuality& q = report.surface.quality;
-  constexpr double most_shear = 5, most_strain = 0.7, least_jacobian = 0.1;
-  if (q.max_shear <= most_shear && q.rms_strain <= most_strain &&
-      q.min_jacobian_ratio >= least_jacobian)
-    return;
-  report.warnings.push_back(
-      "the flat domain is strained (shear " + number(q.max_shear) + ", strain " +
-      number(q.rms_strain) + ", Jacobian " + number(q.min_jacobian_ratio) +
-      " of its median): the surface may be uneven there; another domain, settle = true, or inner "
-      "lines with treatment = \"embedded\" may suit it better");
-}
-
-void write_exact_step(Report& report, const Scene& scene, const SkinnedRegion& region,
-                      const OutputFolder& out) {
-  const std::vector<const Surface*> surfaces = {&region.surface};
-  const std::string warning = step_size_warning(surfaces);
-  if (!warning.empty())
-    report.warnings.push_back(warning + "; step_form = \"face\" makes one face of it");
-  StepOptions options;
-  options.name = scene.name;
-  options.z12_as_hct = true;
-  const StepReport step =
-      write_step(out.file(scene.step), surfaces, unit_in_metres(scene.unit), options);
-  report.step = Report::Step{};
-  report.step->form = "exact";
-  report.step->faces = step.faces;
-  report.step->bytes = step.bytes;
-  report.step->max_deviation = step.max_deviation.value_or(std::nan(""));
-  report.step->max_gap = step.max_gap;
-  report.step->max_normal_jump_deg = step.max_normal_jump_deg;
-  report.step->valid = step.valid;
-  if (step.unmeasured > 0)
-    report.missed.push_back(
-        {"step", "has " + std::to_string(step.unmeasured) + " places that could not be measured"});
-  for (const auto& w : step.warnings) report.warnings.push_back(scene.step + ": " + w);
-  if (region.surface.kind() == TriangleElement::Z12)
-    report.warnings.push_back(
-        scene.step + ": Z12 is rational and no STEP surface; written by HCT triangles that share " +
-        "its edges, largest distance " + number(report.step->max_deviation) + " " + scene.unit);
-}
-
-void write_face_step(Report& report, const Scene& scene, const SkinnedRegion& region,
-                     const OutputFolder& out) {
-  StepFaceOptions options;
-  options.name = scene.name;
-  constexpr double usual = 1e-4;
-  options.tolerance = scene.step_tolerance > 0 ? scene.step_tolerance : usual * region.size;
-  const StepFaceReport step =
-      write_step_face(out.file(scene.step), {&region}, unit_in_metres(scene.unit), options);
-  report.step = Report::Step{};
-  report.step->form = "face";
-  report.step->faces = step.faces;
-  report.step->bytes = step.bytes;
-  report.step->tolerance = options.tolerance;
-  report.step->poles_u = step.patches[0].poles_u;
-  report.step->poles_v = step.patches[0].poles_v;
-  report.step->max_deviation = step.deviation;
-  report.step->max_gap = step.edge_gap;
-  report.step->valid = step.valid;
-  for (const auto& w : step.warnings) report.warnings.push_back(scene.step + ": " + w);
-}
-
-void write_step_into(Report& report, const Scene& scene, const SkinnedRegion& region,
-                     const OutputFolder& out) {
-  using Form = Scene::StepForm;
-  if (scene.step_form == Form::Exact && region.surface.trim())
-    throw InputError(scene.at({}) +
-                     "found step_form = \"exact\" for a surface that embedded lines cut, expected "
-                     "\"face\": cut triangles have no exact form");
-  constexpr int few_triangles = 10'000;
-  const bool face =
-      scene.step_form == Form::Face ||
-      (scene.step_form == Form::Auto &&
-       (region.surface.trim() || region.surface.mesh().triangle_count() > few_triangles));
-  (face ? write_face_step : write_exact_step)(report, scene, region, out);
-  report.step->file = scene.step;
-  report.files.push_back(scene.step);
-}
-
-ShellDeck deck_of(const Scene& scene, const SkinnedRegion& region) {
-  const SceneStress& stress = *scene.stress;
-  ShellDeck deck;
-  deck.thickness = stress.thickness;
-  deck.young = stress.young;
-  deck.poisson = stress.poisson;
-  deck.density = stress.density;
-  deck.pressure = stress.pressure;
-  deck.gravity = stress.gravity;
-  deck.units = "lengths in " + scene.unit;
-  std::vector<std::string> names;
-  for (const auto& run : region.runs) names.push_back(run.line.name);
-  for (const auto& embedded : region.embedded) names.push_back(embedded.line.name);
-  for (const auto& support : stress.supports) {
-    const size_t before = deck.supports.size();
-    for (const auto& name : names)
-      if (is_part_of(name, support.line.text))
-        deck.supports.push_back({name, support.clamped ? ShellDeck::Support::Kind::Clamped
-                                                       : ShellDeck::Support::Kind::Pinned});
-    if (deck.supports.size() == before)
-      throw InputError(scene.at(support.line.place) + "found a support on the line '" +
-                       support.line.text + "', expected one of: " + listed(names) +
-                       did_you_mean(support.line.text, names));
-  }
-  return deck;
-}
-
-}  // namespace
 
 // The root mean square is taken over the area of the surfaces.
 void compare_into(Report& report, const Scene& scene,
@@ -180,63 +90,231 @@ void compare_into(Report& report, const Scene& scene,
   report.comparison = c;
 }
 
-void measure_into(Report& report, const MadeShape& made) {
-  for (const LineRun& run : made.region.runs)
-    report.lines.push_back({run.line.name, run.line.role, false, ArcLength(run.line.curve).total(),
-                            deviation(run.line, run.fitted), run.fitted.node_count()});
-  for (const EmbeddedLine& e : made.region.embedded)
-    report.lines.push_back({e.line.name, e.line.role, true, ArcLength(e.line.curve).total(),
-                            deviation(e.line, e.fitted), e.fitted.node_count(),
-                            static_cast<int>(e.points.size()), line_gap(made.region.surface, e)});
-  auto& s = report.surface;
-  s.triangles = made.region.surface.mesh().triangle_count();
-  s.dofs = made.region.surface.dof_map().count();
-  s.element = made.region.surface.kind() == TriangleElement::HCT ? "hct" : "z12";
-  s.size = made.region.size;
-  s.quality = measure(made.region);
-  warn_of_strain(report);
-  s.bending_energy = made.sculpt.energy.bending;
-  s.max_constraint_residual = made.sculpt.max_constraint_residual;
-  s.max_normal_constraint_deg = made.max_normal_constraint_deg;
-  s.load_steps = made.sculpt.load_steps;
-  s.iterations = made.sculpt.iterations;
-  s.last_change = made.sculpt.last_change;
-  report.springs = made.sculpt.springs;
-  for (const auto& r : made.sculpt.reactions) report.reactions.push_back({r.name, r.force});
+// No face can be fitted to a surface that turns over.
+std::vector<const SkinnedRegion*> with_faces(Report& report, const SurfaceModel& model) {
+  std::set<int> over;
+  for (const SurfaceFlaw& flaw : model.flaws)
+    if (flaw.kind == SurfaceFlaw::Kind::Jacobian) over.insert(flaw.regions[0]);
+  std::vector<const SkinnedRegion*> regions;
+  for (int r = 0; r < static_cast<int>(model.regions.size()); ++r) {
+    const ModelRegion& region = model.regions[static_cast<size_t>(r)];
+    if (region.skinned && !over.count(r)) regions.push_back(&*region.skinned);
+    if (region.skinned && over.count(r))
+      report.warnings.push_back("region '" + region.plan.name +
+                                "' is left out of the STEP file: its surface turns over");
+  }
+  return regions;
 }
 
-void write_files(Report& report, const Scene& scene, const SkinnedRegion& region,
-                 const VtkOptions& vtk, const OutputFolder& out, Stopwatch& watch,
-                 const Progress& progress) {
-  if (!scene.compare.empty()) {
-    compare_into(report, scene, {&region}, progress);
-    watch.lap("compare");
+StepReport exact_step(Report& report, const Scene& scene,
+                      const std::vector<const SkinnedRegion*>& regions,
+                      const std::filesystem::path& file) {
+  const std::string warning = step_size_warning(regions);
+  if (!warning.empty())
+    report.warnings.push_back(warning + "; step_form = \"face\" makes one face of each region");
+  StepOptions options;
+  options.name = scene.name;
+  options.z12_as_hct = true;
+  const StepReport step = write_step(file, regions, unit_in_metres(scene.unit), options);
+  if (step.unmeasured > 0)
+    report.missed.push_back(
+        {"step", "has " + std::to_string(step.unmeasured) + " places that could not be measured"});
+  if (regions.front()->surface.kind() == TriangleElement::Z12)
+    report.warnings.push_back(scene.step +
+                              ": Z12 is rational and no STEP surface; written by HCT triangles "
+                              "that share its edges, largest distance " +
+                              number(step.max_deviation.value_or(std::nan(""))) + " " + scene.unit);
+  return step;
+}
+
+StepReport face_step(Report& report, const Scene& scene,
+                     const std::vector<const SkinnedRegion*>& regions,
+                     const std::filesystem::path& file) {
+  StepFaceOptions options;
+  options.name = scene.name;
+  constexpr double usual = 1e-4;
+  options.tolerance = scene.step_tolerance > 0 ? scene.step_tolerance : usual * report.surface.size;
+  const StepReport step = write_step_faces(file, regions, unit_in_metres(scene.unit), options);
+  report.step->tolerance = options.tolerance;
+  for (const StepPatch& patch : step.patches) {
+    report.step->poles_u = std::max(report.step->poles_u, patch.poles_u);
+    report.step->poles_v = std::max(report.step->poles_v, patch.poles_v);
   }
+  return step;
+}
+
+void write_step_into(Report& report, const Scene& scene, const MadeModel& made,
+                     const OutputFolder& out) {
+  using Form = Scene::StepForm;
+  const auto regions = with_faces(report, made.model);
+  if (regions.empty()) throw InputError("no region has a surface that does not turn over");
+  int triangles = 0;
+  bool cut = false;
+  for (const SkinnedRegion* region : regions) {
+    triangles += region->surface.mesh().triangle_count();
+    cut = cut || region->surface.trim();
+  }
+  if (scene.step_form == Form::Exact && cut && !made.network)
+    throw InputError(scene.at({}) +
+                     "found step_form = \"exact\" for a surface that embedded lines cut, expected "
+                     "\"face\": cut triangles have no exact form");
+  constexpr int few_triangles = 10'000;
+  const bool face =
+      scene.step_form == Form::Face ||
+      (scene.step_form == Form::Auto && (cut || made.network || triangles > few_triangles));
+  Report::Step& s = report.step.emplace();
+  s.form = face ? "face" : "exact";
+  s.file = scene.step;
+  StepReport step;
+  try {
+    step = (face ? face_step : exact_step)(report, scene, regions, out.file(scene.step));
+  } catch (...) {
+    report.step.reset();
+    throw;
+  }
+  s.faces = step.faces;
+  s.bytes = step.bytes;
+  s.max_deviation = step.max_deviation.value_or(std::nan(""));
+  s.max_gap = step.max_gap;
+  s.max_normal_jump_deg = face ? 0 : step.max_normal_jump_deg;
+  s.valid = step.valid;
+  s.shells = step.shells;
+  s.solids = step.solids;
+  s.free_edges = step.free_edges;
+  s.volume = step.volume;
+  for (const auto& w : step.warnings) report.warnings.push_back(scene.step + ": " + w);
+  report.files.push_back(scene.step);
+}
+
+ShellDeck deck_of(const Scene& scene, const MadeModel& made) {
+  const SceneStress& stress = *scene.stress;
+  ShellDeck deck;
+  deck.thickness = stress.thickness;
+  deck.young = stress.young;
+  deck.poisson = stress.poisson;
+  deck.density = stress.density;
+  deck.pressure = stress.pressure;
+  deck.gravity = stress.gravity;
+  deck.units = "lengths in " + scene.unit;
+  std::vector<std::string> names;
+  for (const ModelLine& line : made.model.layout->lines()) names.push_back(line.name);
+  for (const auto& support : stress.supports) {
+    const size_t before = deck.supports.size();
+    for (const auto& name : names)
+      if (is_part_of(name, support.line.text))
+        deck.supports.push_back({name, support.clamped ? ShellDeck::Support::Kind::Clamped
+                                                       : ShellDeck::Support::Kind::Pinned});
+    if (deck.supports.size() == before)
+      throw InputError(scene.at(support.line.place) + "found a support on the line '" +
+                       support.line.text + "', expected one of: " + listed(names) +
+                       did_you_mean(support.line.text, names));
+  }
+  const std::vector<std::string> regions = made.region_names();
+  for (const auto& pressure : stress.pressures) {
+    if (std::find(regions.begin(), regions.end(), pressure.region.text) == regions.end())
+      throw InputError(scene.at(pressure.region.place) + "found a pressure on the region '" +
+                       pressure.region.text + "', expected one of: " + listed(regions) +
+                       did_you_mean(pressure.region.text, regions));
+    deck.pressures.push_back({pressure.region.text, pressure.pressure});
+  }
+  return deck;
+}
+
+void write_vtk_files(Report& report, const Scene& scene, const MadeModel& made,
+                     const MadeShape& shape, const OutputFolder& out, const auto& unless_refused) {
+  VtkOptions vtk;
+  if (made.network) vtk.lines = vtk_lines(*made.network, made.model);
+  // Displacements are from what the lines alone make.
+  std::vector<Surface> unloaded;
+  if (report.is_sculpted || report.sculpting)
+    for (int r = 0; r < shape.layout->region_count(); ++r)
+      unloaded.push_back(shape.layout->skinned(r, shape.unloaded).surface);
+  for (const Surface& surface : unloaded) vtk.references.push_back(&surface);
+  const auto write_vtk = [&](const std::string& file, const auto& write) {
+    if (file.empty()) return;
+    unless_refused(file, [&] {
+      write(out.file(file), shape.all(), vtk);
+      report.files.push_back(file);
+    });
+  };
+  write_vtk(scene.vtp, write_vtp);
+  write_vtk(scene.vtu, write_vtu);
+}
+
+}  // namespace
+
+void write_files(ShapeRun& run, const Scene& scene, const MadeModel& made, const MadeShape& shape,
+                 const Progress& progress) {
+  if (shape.regions.empty()) return;
+  Report& report = run.report;
+  if (!scene.compare.empty()) {
+    compare_into(report, scene, shape.all(), progress);
+    run.watch.lap("compare");
+  }
+  // One region that a file cannot have does not take the others' files away.
+  const auto unless_refused = [&](const std::string& file, const auto& write) {
+    try {
+      write();
+    } catch (const InputError& e) {
+      if (!made.network) throw;
+      report.missed.push_back({file, std::string("is not written: ") + e.what()});
+    }
+  };
   progress.at("files", 0);
   if (!scene.step.empty()) {
     progress.at("STEP", 0);
-    write_step_into(report, scene, region, out);
-    watch.lap("step");
+    unless_refused(scene.step, [&] { write_step_into(report, scene, made, run.out); });
+    run.watch.lap("step");
   }
   if (!scene.vtp.empty() || !scene.vtu.empty()) {
     progress.at("VTK", 0);
-    if (!scene.vtp.empty()) write_vtp(out.file(scene.vtp), {&region}, vtk);
-    if (!scene.vtu.empty()) write_vtu(out.file(scene.vtu), {&region}, vtk);
-    for (const auto& file : {scene.vtp, scene.vtu})
-      if (!file.empty()) report.files.push_back(file);
-    watch.lap("vtk");
+    write_vtk_files(report, scene, made, shape, run.out, unless_refused);
+    run.watch.lap("vtk");
   }
   if (!scene.calculix.empty()) {
-    write_calculix(out.file(scene.calculix), region, deck_of(scene, region));
-    report.files.push_back(scene.calculix);
-    watch.lap("calculix");
+    // A support or pressure on what is not there is the scene's mistake.
+    const ShellDeck deck = deck_of(scene, made);
+    unless_refused(scene.calculix, [&] {
+      write_calculix(run.out.file(scene.calculix), shape.all(), deck);
+      report.files.push_back(scene.calculix);
+    });
+    run.watch.lap("calculix");
   }
 }
 
-PictureScene picture_of(const PictureScene& look, const SkinnedRegion& region) {
+PictureScene picture_of(const PictureScene& look, const MadeModel& made, const MadeShape& shape) {
   PictureScene picture = look;
-  picture.regions = {&region};
+  picture.regions = shape.all();
+  if (made.found)
+    for (const int a : made.found->bare)
+      picture.loose.push_back(made.network->arcs()[static_cast<size_t>(a)].curve);
   return picture;
+}
+
+bool can_draw(Report& report, const std::string& what) {
+  try {
+    require_display();
+    return true;
+  } catch (const InputError& e) {
+    report.missed.push_back({what, std::string("is not drawn: ") + e.what()});
+    return false;
+  }
+}
+
+void draw_pictures(ShapeRun& run, const Scene& scene, const MadeModel& made, const MadeShape& shape,
+                   const Progress& progress) {
+  Report& report = run.report;
+  for (const auto& picture : scene.pictures) {
+    if (!can_draw(report, picture.file)) continue;
+    progress.at("picture " + picture.file, 0);
+    try {
+      draw_picture(run.out.file(picture.file), picture_of(picture.look, made, shape), picture.size);
+      report.files.push_back(picture.file);
+    } catch (const InputError& e) {
+      if (!made.network) throw;
+      report.missed.push_back({picture.file, std::string("is not drawn: ") + e.what()});
+    }
+  }
 }
 
 }  // namespace batten

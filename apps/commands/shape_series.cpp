@@ -4,6 +4,7 @@
 #include <cmath>
 #include <deque>
 
+#include "batten/apps/commands/make_shape.h"
 #include "batten/io/animation.h"
 #include "batten/io/vtk_files.h"
 #include "batten/io/vtk_series.h"
@@ -52,12 +53,12 @@ std::string ShapeSeries::name(int i, const std::string& ending) const {
          ending;
 }
 
-void ShapeSeries::add(Report& report, double value, SkinnedRegion region) {
+void ShapeSeries::add(Report& report, double value, std::vector<SkinnedRegion> regions) {
   const std::string file = name(count(), ".vtp");
-  write_vtp(out_.file(file), {&region});
+  write_vtp(out_.file(file), pointers(regions));
   report.files.push_back(file);
   files_.emplace_back(value, file);
-  regions_.push_back(std::move(region));
+  shapes_.push_back(std::move(regions));
 }
 
 void ShapeSeries::finish(Report& report, bool each, const Progress& progress) {
@@ -69,9 +70,9 @@ void ShapeSeries::finish(Report& report, bool each, const Progress& progress) {
 
   const ScenePicture picture = scene_.pictures.empty() ? ScenePicture{} : scene_.pictures.front();
   std::vector<PictureScene> frames;
-  for (size_t i = 0; i < regions_.size(); ++i) {
+  for (size_t i = 0; i < shapes_.size(); ++i) {
     frames.push_back(picture.look);
-    frames.back().regions = {&regions_[i]};
+    frames.back().regions = pointers(shapes_[i]);
     frames.back().title = label_ + " = " + number(files_[i].first);
   }
   hold_view(frames);

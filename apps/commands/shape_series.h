@@ -19,7 +19,7 @@ class ShapeSeries {
               int most);
 
   /// Writes the .vtp at once.
-  void add(Report& report, double value, SkinnedRegion region);
+  void add(Report& report, double value, std::vector<SkinnedRegion> regions);
   int count() const { return static_cast<int>(files_.size()); }
 
   /// STEM.pvd; with a display STEM.gif (of 120 shapes at most), and STEM.png with all shapes (48 at
@@ -33,7 +33,7 @@ class ShapeSeries {
   const OutputFolder& out_;
   int digits_;
   std::vector<std::pair<double, std::string>> files_;
-  std::vector<SkinnedRegion> regions_;
+  std::vector<std::vector<SkinnedRegion>> shapes_;
 };
 
 }  // namespace batten

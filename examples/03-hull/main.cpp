@@ -63,7 +63,7 @@ int run(const std::filesystem::path& out, int waterlines) {
   const RegionLayout layout("wigley", lines, options);
 
   // 3.
-  const SculptResult shape = sculpt(layout, layout.line_constraints(), {}, {});
+  const SculptResult shape = sculpt(layout, {});
   const SkinnedRegion hull = layout.region(shape.dofs);
 
   // 4.
@@ -77,7 +77,7 @@ int run(const std::filesystem::path& out, int waterlines) {
     squares += off * off;
   }
   std::filesystem::create_directories(out);
-  write_step(out / "hull.step", {&hull.surface}, 1.0, {});
+  write_step(out / "hull.step", {&hull}, 1.0, {});
   write_vtp(out / "hull.vtp", {&hull});
 
   if (std::getenv("DISPLAY")) {

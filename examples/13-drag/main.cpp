@@ -49,11 +49,10 @@ int run(const std::filesystem::path& out, double edge_length) {
   // 2. Values of 0 leave the roof as its lines make it.
   SculptingSession session(roof(edge_length), {});
   const SkinnedRegion before = session.region();
-  session.add(LiveLoad{"swell", LiveLoad::Pressure{}},
-              {{.name = "swell", .min = -200, .max = 200}});
+  session.add(Load{"swell", Load::Pressure{}}, {{.name = "swell", .min = -200, .max = 200}});
   session.add(LineMove{"ridge", "rib", Vec3::UnitZ()}, {{.name = "ridge", .min = 0, .max = 1}});
   // The place of the roof that is nearest to `at` stays at its goal: nail.x, nail.y, nail.z.
-  session.add(LiveConstraint{"nail", LiveConstraint::Point{{1.5, 1, 0.8}, {1.5, 1, 0.9}}});
+  session.add(Constraint{"nail", Constraint::Point{{1.5, 1, 0.8}, {1.5, 1, 0.9}}});
   session.add_parameter({.name = "fuller", .min = 0, .max = 1});
   session.drive("swell", {{"fuller", 120}}, 0);
   session.drive("ridge", {{"fuller", 0.35}}, 0);

@@ -9,7 +9,6 @@
 #include "batten/core/errors.h"
 #include "batten/core/parallel.h"
 #include "batten/core/words.h"
-#include "batten/skinning/network/join.h"
 #include "batten/skinning/network/orientation.h"
 
 namespace batten {
@@ -31,6 +30,31 @@ class Groups {
  private:
   std::vector<int> lower_;
 };
+
+// How a region that is made has a line on its boundary; `region`: its number in what is returned.
+std::optional<JoinSide> side_of(const SkinnedRegion& made, int region, const std::string& name) {
+  for (const auto& loop : made.boundary)
+    for (const BoundaryPiece& piece : loop) {
+      const auto i = static_cast<size_t>(piece.index);
+      const bool embedded = piece.kind == BoundaryPiece::Kind::Embedded;
+      if ((embedded ? made.embedded[i].line : made.runs[i].line).name != name) continue;
+      const bool against = embedded && made.embedded[i].against_given;
+      return JoinSide{region, embedded, piece.index, piece.reversed == against};
+    }
+  return std::nullopt;
+}
+
+// The plan with other numbers for its regions.
+SeamPlan renumbered(SeamPlan plan, const std::map<int, int>& number) {
+  for (JoinSide& side : plan.seam.sides) side.region = number.at(side.region);
+  for (SeamEnd& end : plan.ends)
+    for (auto& neighbours : end.set)
+      for (auto& other : neighbours) other.side.region = number.at(other.side.region);
+  return plan;
+}
+
+// Angles, areas, volumes and flaws of a model's shape.
+void measure(SurfaceModel& model, const Progress& progress);
 
 class ModelMaker {
  public:
@@ -55,13 +79,12 @@ class ModelMaker {
   SurfaceModel make() {
     place_vertices();
     layouts_.resize(model_.regions.size());
-    shapes_.resize(model_.regions.size());
+    first_.resize(model_.regions.size());
     std::vector<int> all(model_.regions.size());
     std::iota(all.begin(), all.end(), 0);
     lay_out(all, 0, 0.4);
     decide_joins();
     join();
-    finish();
     return std::move(model_);
   }
 
@@ -186,49 +209,30 @@ class ModelMaker {
     skin.domain = plan.ring ? SkinOptions::Domain::Ring : SkinOptions::Domain::Auto;
     skin.against_first = plan.loops[0][0].reversed;
     std::vector<CharacterLine> lines = lines_of(plan);
-    std::unique_ptr<RegionLayout> layout;
+    std::shared_ptr<const RegionLayout> layout;
     std::vector<std::string> warnings;
     try {
-      layout = std::make_unique<RegionLayout>(plan.name, lines, skin);
+      layout = std::make_shared<const RegionLayout>(plan.name, lines, skin);
     } catch (const InputError& e) {
       if (plan.inner.empty()) throw;
       lines.resize(lines.size() - plan.inner.size());
-      layout = std::make_unique<RegionLayout>(plan.name, lines, skin);
+      layout = std::make_shared<const RegionLayout>(plan.name, lines, skin);
       warnings = {"its inner lines are left out: " + std::string(e.what())};
     }
-    JoinRegion shape;
-    shape.layout = layout.get();
-    shape.material = material_for(layout->size());
-    shape.first = solve_joined({shape}, {}, origin_)[0];
-    model_.regions[r].skinned = layout->region(shape.first);
+    Points shape = ModelLayout(frame(), {layout}, {}).least_energy(options_.material);
+    model_.regions[r].skinned = layout->region(shape);
     model_.regions[r].warnings = std::move(warnings);
     layouts_[r] = std::move(layout);
-    shapes_[r] = std::move(shape);
+    first_[r] = std::move(shape);
   }
 
-  // alpha and beta of the model, scaled to size 1, in a region's own (u, v): E = ∬ alpha |x_U|² +
-  // beta |x_UU|² with U = u · own size / size of the model.
-  SurfaceStiffness material_for(double size) const {
-    const double ratio = network_.size() / size;
-    SurfaceStiffness material = options_.material;
-    material.beta *= ratio * ratio;
-    material.beta_mixed *= ratio * ratio;
-    return material;
+  ModelFrame frame() const {
+    return {options_.name, network_.size(), tolerance_, origin_, options_.join_tolerance_deg};
   }
 
   std::optional<JoinSide> side_of(const ArcSide& use, const std::string& arc) const {
-    const auto& region = model_.regions[static_cast<size_t>(use.region)].skinned;
-    if (!region) return std::nullopt;
-    for (const auto& loop : region->boundary)
-      for (const BoundaryPiece& piece : loop) {
-        const auto i = static_cast<size_t>(piece.index);
-        const bool embedded = piece.kind == BoundaryPiece::Kind::Embedded;
-        const CharacterLine& line = embedded ? region->embedded[i].line : region->runs[i].line;
-        if (line.name != arc) continue;
-        const bool against = embedded && runs_against_given(region->embedded[i]);
-        return JoinSide{use.region, embedded, piece.index, piece.reversed == against};
-      }
-    return std::nullopt;
+    const auto& made = model_.regions[static_cast<size_t>(use.region)].skinned;
+    return made ? batten::side_of(*made, use.region, arc) : std::nullopt;
   }
 
   void decide_joins() {
@@ -246,6 +250,7 @@ class ModelMaker {
       if (uses.empty()) continue;
       ModelJoin join;
       join.arc = static_cast<int>(a);
+      join.line = network_.arcs()[a].name;
       for (const ArcSide& use : uses) join.regions.push_back(use.region);
       join.kind = uses.size() == 1   ? ModelJoin::Kind::Rim
                   : uses.size() == 2 ? ModelJoin::Kind::Crease
@@ -400,6 +405,7 @@ class ModelMaker {
           ": the lines that meet there leave one by up to " + number(lines.second) +
           " degrees, so that these end as creases: " + names);
     }
+    finish(plans, dofs);
   }
 
   // Another layout of a region may carry a line in another way.
@@ -414,7 +420,7 @@ class ModelMaker {
   }
 
   std::vector<SeamPlan> solve_groups(std::vector<Points>& dofs) {
-    for (size_t r = 0; r < dofs.size(); ++r) dofs[r] = shapes_[r].first;
+    dofs = first_;
     std::vector<SeamPlan> plans(seams_.size());
     std::vector<Seam> possible;
     std::vector<size_t> index;
@@ -428,13 +434,16 @@ class ModelMaker {
       possible.push_back(seams_[s]);
       index.push_back(s);
     }
-    std::vector<SeamPlan> planned = plan_seams(shapes_, possible, options_.join_tolerance_deg);
+    std::vector<const RegionLayout*> layouts;
+    for (const auto& layout : layouts_) layouts.push_back(layout.get());
+    std::vector<SeamPlan> planned =
+        plan_seams(layouts, first_, possible, options_.join_tolerance_deg);
     for (size_t i = 0; i < planned.size(); ++i) plans[index[i]] = std::move(planned[i]);
-    Groups groups(shapes_.size());
+    Groups groups(layouts_.size());
     for (const SeamPlan& plan : plans)
       if (plan.why_not.empty()) groups.join(plan.seam.sides[0].region, plan.seam.sides[1].region);
     std::map<int, std::vector<int>> members;
-    for (int r = 0; r < static_cast<int>(shapes_.size()); ++r)
+    for (int r = 0; r < static_cast<int>(layouts_.size()); ++r)
       if (layouts_[static_cast<size_t>(r)]) members[groups.first(r)].push_back(r);
     for (const auto& [first, regions] : members) {
       if (regions.size() < 2 && std::none_of(plans.begin(), plans.end(), [&](const SeamPlan& p) {
@@ -442,20 +451,19 @@ class ModelMaker {
           }))
         continue;
       std::map<int, int> local;
-      std::vector<JoinRegion> some;
+      std::vector<std::shared_ptr<const RegionLayout>> some;
       for (const int r : regions) {
         local[r] = static_cast<int>(some.size());
-        some.push_back(shapes_[static_cast<size_t>(r)]);
+        some.push_back(layouts_[static_cast<size_t>(r)]);
       }
       std::vector<SeamPlan> of_group;
-      for (const SeamPlan& plan : plans) {
-        if (!plan.why_not.empty() || !local.count(plan.seam.sides[0].region)) continue;
-        of_group.push_back(plan);
-        for (JoinSide& side : of_group.back().seam.sides) side.region = local[side.region];
-      }
-      std::vector<Points> solved;
+      for (const SeamPlan& plan : plans)
+        if (plan.why_not.empty() && local.count(plan.seam.sides[0].region))
+          of_group.push_back(renumbered(plan, local));
+      const ModelLayout group(frame(), std::move(some), std::move(of_group));
+      Points solved;
       try {
-        solved = solve_joined(some, of_group, origin_);
+        solved = group.least_energy(options_.material);
       } catch (const CancelledError&) {
         throw;
       } catch (const std::runtime_error& e) {
@@ -464,7 +472,7 @@ class ModelMaker {
         return solve_groups(dofs);
       }
       for (const int r : regions)
-        dofs[static_cast<size_t>(r)] = solved[static_cast<size_t>(local[r])];
+        dofs[static_cast<size_t>(r)] = group.region_dofs(local[r], solved);
     }
     return plans;
   }
@@ -500,73 +508,27 @@ class ModelMaker {
     given_[static_cast<size_t>(a)] = std::move(finer);
   }
 
-  void finish() {
-    progress_.at("measuring", 0);
-    if (model_.regions.empty()) return;
-    const int n = static_cast<int>(model_.regions.size());
-    parallel_parts(n, [&](int r) {
-      ModelRegion& region = model_.regions[static_cast<size_t>(r)];
-      if (!region.skinned) return;
-      region.quality = measure(*region.skinned);
-      const auto& more = layouts_[static_cast<size_t>(r)]->warnings();
+  void finish(const std::vector<SeamPlan>& plans, const std::vector<Points>& dofs) {
+    std::map<int, int> number;
+    std::vector<std::shared_ptr<const RegionLayout>> regions;
+    std::vector<Points> shapes;
+    for (size_t r = 0; r < layouts_.size(); ++r) {
+      if (!layouts_[r]) continue;
+      ModelRegion& region = model_.regions[r];
+      region.in_layout = number[static_cast<int>(r)] = static_cast<int>(regions.size());
+      const auto& more = layouts_[r]->warnings();
       region.warnings.insert(region.warnings.end(), more.begin(), more.end());
-    });
-    std::vector<const SkinnedRegion*> skinned;
-    std::vector<SkinQuality> qualities;
-    std::vector<double> plain;
-    std::vector<int> index;
-    for (int r = 0; r < n; ++r) {
-      const ModelRegion& region = model_.regions[static_cast<size_t>(r)];
-      if (!region.skinned) continue;
-      skinned.push_back(&*region.skinned);
-      qualities.push_back(region.quality);
-      plain.push_back(region.plain_area);
-      index.push_back(r);
-      model_.area += region.quality.area;
-      model_.dofs += region.skinned->surface.dof_map().count();
+      regions.push_back(layouts_[r]);
+      shapes.push_back(dofs[r]);
     }
-    for (ModelJoin& join : model_.joins) {
-      if (join.kind == ModelJoin::Kind::Smooth)
-        model_.max_join_deg = std::max(model_.max_join_deg, join.max_inside_deg);
-      else if (join.kind == ModelJoin::Kind::Crease)
-        join.max_deg = crease_angle(join);
-    }
-    for (ModelShell& shell : model_.shells) {
-      bool whole = true;
-      for (const int r : shell.regions) {
-        const ModelRegion& region = model_.regions[static_cast<size_t>(r)];
-        if (!region.skinned) {
-          whole = false;
-          continue;
-        }
-        shell.area += region.quality.area;
-        const Surface& s = region.skinned->surface;
-        const Points about = s.dofs() - position_dofs(s) * origin_.transpose();
-        const SurfaceAssembler assembler(s.mesh(), s.kind(), s.trim());
-        shell.volume += about.cwiseProduct(assembler.pressure_load(about)).sum() / 3;
-      }
-      shell.closed = shell.closed && whole;
-      if (!shell.closed || !shell.orientable) shell.volume = 0;
-    }
-    progress_.at("measuring", 0.5);
-    model_.flaws = find_flaws(skinned, qualities, plain);
-    for (SurfaceFlaw& flaw : model_.flaws)
-      for (int& r : flaw.regions) r = index[static_cast<size_t>(r)];
-    progress_.at("measuring", 1);
-  }
-
-  static VecX position_dofs(const Surface& s) {
-    VecX ones = VecX::Zero(s.dof_map().count());
-    for (int v = 0; v < s.mesh().vertex_count(); ++v) ones[s.dof_map().vertex(v)] = 1;
-    return ones;
-  }
-
-  double crease_angle(const ModelJoin& join) const {
-    const auto& uses = orientation_.sides[static_cast<size_t>(join.arc)];
-    const std::string& name = network_.arcs()[static_cast<size_t>(join.arc)].name;
-    const auto one = side_of(uses[0], name), two = side_of(uses[1], name);
-    if (!one || !two) return 0;
-    return angle_of({name, {*one, *two}}).max_deg;
+    if (regions.empty()) return;
+    std::vector<SeamPlan> joined;
+    for (const SeamPlan& plan : plans)
+      if (plan.why_not.empty()) joined.push_back(renumbered(plan, number));
+    model_.layout =
+        std::make_shared<const ModelLayout>(frame(), std::move(regions), std::move(joined));
+    model_.dofs = model_.layout->all_dofs(shapes);
+    measure(model_, progress_);
   }
 
   const CharacterLineNetwork& network_;
@@ -576,15 +538,110 @@ class ModelMaker {
   Vec3 origin_ = Vec3::Zero();
   SurfaceModel model_;
   Orientation orientation_;
-  std::vector<std::shared_ptr<const GivenCurve>> given_;  // by arc
-  std::vector<std::unique_ptr<RegionLayout>> layouts_;    // by region; none: not skinned
-  std::vector<JoinRegion> shapes_;                        // that their own lines make
+  std::vector<std::shared_ptr<const GivenCurve>> given_;      // by arc
+  std::vector<std::shared_ptr<const RegionLayout>> layouts_;  // by region; none: not skinned
+  std::vector<Points> first_;                                 // shapes that their own lines make
   std::vector<Seam> seams_;
   std::map<int, std::string> given_up_;  // arcs whose seam proved worse than a crease, and why
   std::vector<int> seam_join_;           // index into model_.joins
 };
 
 }  // namespace
+
+namespace {
+
+double enclosed(const SkinnedRegion& region, const Vec3& origin) {
+  const Surface& s = region.surface;
+  VecX ones = VecX::Zero(s.dof_map().count());
+  for (int v = 0; v < s.mesh().vertex_count(); ++v) ones[s.dof_map().vertex(v)] = 1;
+  const Points about = s.dofs() - ones * origin.transpose();
+  const SurfaceAssembler assembler(s.mesh(), s.kind(), s.trim());
+  return about.cwiseProduct(assembler.pressure_load(about)).sum() / 3;
+}
+
+void measure_joins(SurfaceModel& model, const std::vector<const SkinnedRegion*>& made) {
+  model.max_join_deg = 0;
+  for (ModelJoin& join : model.joins) {
+    if (join.kind == ModelJoin::Kind::Smooth) {
+      const SeamPlan* plan = model.layout->seam(join.line);
+      if (plan) {
+        const SeamAngle angle =
+            seam_angle(made, plan->seam, {plan->ends[0].open, plan->ends[1].open});
+        join.max_deg = angle.max_deg;
+        join.max_inside_deg = angle.max_inside_deg;
+        join.open = {plan->ends[0].open, plan->ends[1].open};
+        model.max_join_deg = std::max(model.max_join_deg, join.max_inside_deg);
+        continue;
+      }
+      join.kind = ModelJoin::Kind::Crease;
+      for (const SeamPlan& given_up : model.layout->seams())
+        if (given_up.seam.name == join.line) join.why = given_up.why_not;
+    }
+    if (join.kind != ModelJoin::Kind::Crease) continue;
+    std::array<std::optional<JoinSide>, 2> sides;
+    for (size_t k = 0; k < 2; ++k) {
+      const int r = model.regions[static_cast<size_t>(join.regions[k])].in_layout;
+      if (r >= 0) sides[k] = side_of(*made[static_cast<size_t>(r)], r, join.line);
+    }
+    join.max_deg =
+        sides[0] && sides[1] ? seam_angle(made, {join.line, {*sides[0], *sides[1]}}).max_deg : 0;
+  }
+}
+
+void measure(SurfaceModel& model, const Progress& progress) {
+  progress.at("measuring", 0);
+  const int n = static_cast<int>(model.regions.size());
+  parallel_parts(n, [&](int r) {
+    ModelRegion& region = model.regions[static_cast<size_t>(r)];
+    if (region.skinned) region.quality = measure(*region.skinned);
+  });
+  std::vector<SkinQuality> qualities;
+  std::vector<double> plain;
+  std::vector<int> index;
+  model.area = 0;
+  for (int r = 0; r < n; ++r) {
+    const ModelRegion& region = model.regions[static_cast<size_t>(r)];
+    if (!region.skinned) continue;
+    qualities.push_back(region.quality);
+    plain.push_back(region.plain_area);
+    index.push_back(r);
+    model.area += region.quality.area;
+  }
+  const std::vector<const SkinnedRegion*> made = model.skinned();
+  measure_joins(model, made);
+  for (ModelShell& shell : model.shells) {
+    bool whole = true;
+    shell.area = shell.volume = 0;
+    for (const int r : shell.regions) {
+      const ModelRegion& region = model.regions[static_cast<size_t>(r)];
+      if (!region.skinned) {
+        whole = false;
+        continue;
+      }
+      shell.area += region.quality.area;
+      shell.volume += enclosed(*region.skinned, model.layout->origin());
+    }
+    shell.closed = shell.closed && whole;
+    if (!shell.closed || !shell.orientable) shell.volume = 0;
+  }
+  progress.at("measuring", 0.5);
+  model.flaws = find_flaws(made, qualities, plain);
+  for (SurfaceFlaw& flaw : model.flaws)
+    for (int& r : flaw.regions) r = index[static_cast<size_t>(r)];
+  progress.at("measuring", 1);
+}
+
+}  // namespace
+
+void reshape(SurfaceModel& model, std::shared_ptr<const ModelLayout> layout, Points dofs,
+             std::vector<SkinnedRegion> made, const Progress& progress) {
+  for (ModelRegion& region : model.regions)
+    if (region.in_layout >= 0)
+      region.skinned = std::move(made[static_cast<size_t>(region.in_layout)]);
+  model.layout = std::move(layout);
+  model.dofs = std::move(dofs);
+  measure(model, progress);
+}
 
 std::vector<const SkinnedRegion*> SurfaceModel::skinned() const {
   std::vector<const SkinnedRegion*> all;

@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
+#include "batten/skinning/model/model_layout.h"
 #include "batten/skinning/network/regions.h"
-#include "batten/skinning/skin.h"
 
 namespace batten {
 
@@ -20,6 +20,7 @@ struct JoinWord {
 };
 
 struct ModelOptions {
+  std::string name = "model";
   /// Element, edge_length (0: 1/40 of the network's size), alpha and beta as in RegionLayout; its
   /// tolerance is that of embedded lines (0: 1e-4 of the network's size).
   SkinOptions skin;
@@ -42,8 +43,9 @@ struct ModelJoin {
     Branching  ///< three or more
   };
   int arc = 0;
-  std::vector<int>
-      regions;  ///< indices into SurfaceModel::regions; one twice where it meets itself
+  std::string line;  ///< the arc's name
+  /// Indices into SurfaceModel::regions; one twice where it meets itself.
+  std::vector<int> regions;
   Kind kind = Kind::Rim;
   bool asked = false;          ///< the user's word
   std::string why;             ///< in words: why it is a crease although it was to be smooth, or ""
@@ -77,6 +79,7 @@ struct SurfaceFlaw {
 struct ModelRegion {
   NetworkRegion plan;  ///< loops run counter-clockwise seen from the side of the normal
   std::optional<SkinnedRegion> skinned;
+  int in_layout = -1;   ///< index into the regions of SurfaceModel::layout, of one that is skinned
   std::string why_not;  ///< in words: why it could not be skinned
   SkinQuality quality;
   double plain_area = 0;  ///< of the plain hole filling of its loops; 0 when there is none
@@ -92,13 +95,16 @@ struct ModelShell {
   double volume = 0;       ///< enclosed, model units³; 0 unless closed and orientable
 };
 
+/// What a network became, in one shape, and what that shape is worth.
 struct SurfaceModel {
+  /// Of the regions that are skinned; null when none is.
+  std::shared_ptr<const ModelLayout> layout;
+  Points dofs;                       ///< of the layout: the shape
   std::vector<ModelRegion> regions;  ///< as planned, in that order
   std::vector<ModelJoin> joins;      ///< of every arc that has a region, by arc
   std::vector<ModelShell> shells;
   std::vector<SurfaceFlaw> flaws;
   std::vector<std::string> warnings;
-  int dofs = 0;  ///< of one coordinate, of the joined system
   double area = 0;
   double max_join_deg = 0;  ///< largest max_inside_deg of the smooth joins
 
@@ -113,14 +119,20 @@ struct SurfaceModel {
 /// 3. Arcs become creases or smooth joins (JoinWord, or the angle found). At a node where the
 ///    tangents of both sides do not lie in one plane a smooth join ends in a crease, and that is
 ///    said. One that a region carries embedded and would leave above 2 degrees becomes a crease.
-/// 4. Regions that smooth joins connect are solved together (join.h), and halved along joins until
-///    these keep the tolerance.
+/// 4. Regions that smooth joins connect are solved together (model/seam.h), and halved along joins
+///    until these keep the tolerance.
 /// 5. What came out is measured, and looked through for flaws.
 ///
 /// A region that cannot be skinned is left out and says why; the others are made all the same.
 /// Throws InputError for words that fit nothing, NoSolutionError, CancelledError.
 SurfaceModel skin_network(const CharacterLineNetwork& network, const FoundRegions& found,
                           const ModelOptions& options = {}, const Progress& progress = {});
+
+/// The same model in another shape, that a session gave it: measured and looked through anew.
+/// `layout`: with the same regions (their meshes may be finer); `made`: its regions, in order.
+/// Joins that were given up on the way become creases.
+void reshape(SurfaceModel& model, std::shared_ptr<const ModelLayout> layout, Points dofs,
+             std::vector<SkinnedRegion> made, const Progress& progress = {});
 
 /// The flaws of finished regions (wrong_surfaces.cpp), kind after kind as they are found; indices
 /// are those of `regions`, null ones are passed over. `plain_areas`: one for each, 0 unknown. Seen

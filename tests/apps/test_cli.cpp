@@ -332,7 +332,7 @@ TEST_CASE("wrong scenes end with exit code 1", "[cli]") {
   c.fails(good, 1, {"--set crown=high: found 'high', expected a number"}, {"--set", "crown=high"});
   c.fails(
       good + "[[constraint]]\nname = \"east\"\ntype = \"point\"\nat = [50,50,0]\nto = [50,50,1]\n",
-      1, {"s.toml:23:8: found the constraint name 'east'"});
+      1, {"s.toml:23:8: two things have the name 'east'"});
   c.fails(good +
               "[stress]\nthickness = 1\nyoung = 1\nsupports = [{line = \"suoth\"}]\n[output]\n"
               "calculix = \"s.inp\"\n",

@@ -268,6 +268,27 @@ TEST_CASE(
   if (kDisplay) CHECK(fs::file_size(ran.out / "mouse.png") > 20000);
 }
 
+TEST_CASE("the car body: eight regions sculpted as one, smooth joins and edges as they were") {
+  const Ran ran = run(kExamples + "14-car-body/scene.toml", "car_body");
+  REQUIRE(ran.code == kDone);
+  const auto& surface = ran.report["surface"];
+  CHECK(surface["regions"] == 8);
+  CHECK(surface["max_smooth_join_deg"].get<double>() < 0.1);
+  CHECK(surface["max_constraint_residual"].get<double>() <= 1e-12);
+  CHECK(ran.report["flaws"].empty());
+  int smooth = 0, creases = 0;
+  for (const auto& join : ran.report["joins"]) {
+    smooth += join["kind"] == "smooth";
+    creases += join["kind"] == "crease";
+  }
+  CHECK(smooth == 5);
+  CHECK(creases == 6);
+  const std::string deck = text_of(ran.out / "body.inp");
+  CHECK(count(deck, "*ELSET,ELSET=") + count(deck, "ELSET=CABIN_LEFT") >= 1);
+  CHECK(!nodes_of(deck, "SPINE_2").empty());
+  if (kDisplay) CHECK(fs::file_size(ran.out / "body_sport.png") > 20000);
+}
+
 TEST_CASE("the bent plate's hole is a circle of nodes, and bends as plates do") {
   const Ran ran = run(kExamples + "07-plate-with-hole/scene.toml", "plate_with_hole");
   REQUIRE(ran.code == kDone);

@@ -131,7 +131,34 @@ TEST_CASE("mistakes in a network's words are answered with their place", "[cli][
               "[[line]]\nname = \"a\"\npoints = [[0,0,0], [1,0,0]]\n"
               "[[line]]\nname = \"b\"\npoints = [[1,0,0], [1,1,0]]\n",
           1, {"s.toml:2:1:", "no loop of lines", "one or more"});
-  c.fails(kHead + box(), 1, {"s.toml:2:1:", "[network]", "session"}, {}, "sculpt");
+  const std::string pressed = "[[load]]\nname = \"p\"\ntype = \"pressure\"\nvalue = 1\n";
+  c.fails(kHead + box() + pressed + "regions = [\"bottom\"]\n", 1,
+          {"s.toml:43:12:", "'bottom'", "expected one of", "region 1"});
+  c.fails(kHead + box() + "[[move]]\nname = \"m\"\nline = \"e99\"\nvalue = 1\n", 1,
+          {"s.toml:41:8:", "'e99'", "e9"});
+}
+
+TEST_CASE("sculpt works on a network as on one region: sweep, motion, record and replay",
+          "[cli][network]") {
+  const Case c("network_sculpt");
+  c.file("s.toml", kHead + box() + kCoarse +
+                       "[[load]]\nname = \"p\"\ntype = \"pressure\"\nvalue = 0\n"
+                       "[output]\nvtp = \"box.vtp\"\n");
+  const Result first = c.run({"sculpt", "s.toml", "--out", "out", "--sweep", "p=0:4:3", "--time",
+                              "0.1", "--dt", "0.05", "--set", "p=2", "--record", "log.jsonl"});
+  INFO(first.out << first.err);
+  REQUIRE((first.code == 0 || first.code == 4));  // 4: without a display no pictures
+  const auto j = report(c, "out");
+  REQUIRE(j["sculpting"]["sweeps"][0]["rows"].size() == 3);
+  const auto& rows = j["sculpting"]["sweeps"][0]["rows"];
+  CHECK(rows[2]["volume"].get<double>() > 1.0001 * rows[0]["volume"].get<double>());
+  CHECK(j["sculpting"]["motion"]["rows"].size() == 3);
+  CHECK(j["sculpting"]["residual"].get<double>() <= 1e-10);
+  CHECK(j["surface"]["regions"] == 6);
+  const Result again = c.run({"sculpt", "s.toml", "--out", "again", "--replay", "log.jsonl"});
+  INFO(again.out << again.err);
+  REQUIRE((again.code == 0 || again.code == 4));
+  CHECK(report(c, "again")["sculpting"]["bending_energy"] == j["sculpting"]["bending_energy"]);
 }
 
 TEST_CASE("skin --network takes curves from files, in any order", "[cli][network]") {

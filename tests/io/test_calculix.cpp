@@ -15,6 +15,7 @@
 #include "batten/core/errors.h"
 #include "batten/skinning/mesher.h"
 #include "batten/tests/catch.h"
+#include "batten/tests/io/calculix_decks.h"
 #include "batten/tests/reference.h"
 #include "batten/tests/sampling.h"
 #include "batten/tests/trimmed_regions.h"
@@ -78,37 +79,6 @@ ShellDeck plate(double thickness) {
   return deck;
 }
 
-/// Data rows of the deck under each keyword line, as fields.
-std::map<std::string, std::vector<std::vector<std::string>>> sections(const fs::path& path) {
-  std::map<std::string, std::vector<std::vector<std::string>>> result;
-  std::ifstream in(path);
-  std::string keyword;
-  for (std::string row; std::getline(in, row);) {
-    if (row.starts_with("**")) continue;
-    if (row.starts_with("*")) {
-      keyword = row;
-      result[keyword];
-      continue;
-    }
-    std::vector<std::string> fields;
-    std::stringstream stream(row);
-    for (std::string field; std::getline(stream, field, ',');) fields.push_back(field);
-    result[keyword].push_back(fields);
-  }
-  return result;
-}
-
-Vec3 vector_of(const std::vector<std::string>& fields, size_t first) {
-  return {std::stod(fields.at(first)), std::stod(fields.at(first + 1)),
-          std::stod(fields.at(first + 2))};
-}
-
-bool have_ccx() {
-  if (std::system("command -v ccx >/dev/null && command -v python3 >/dev/null") == 0) return true;
-  WARN("ccx or python3 is not installed: decks were written but not run");
-  return false;
-}
-
 struct Answer {
   double magnitude;
   int node;
@@ -134,7 +104,7 @@ Answer run_ccx(const fs::path& deck) {
 
 std::string message_of(const SkinnedRegion& region, const ShellDeck& deck) {
   try {
-    write_calculix(batten_test::scratch("deck_errors") / "deck.inp", region, deck);
+    write_calculix(batten_test::scratch("deck_errors") / "deck.inp", {&region}, deck);
   } catch (const InputError& error) {
     return error.what();
   }
@@ -147,7 +117,7 @@ TEST_CASE("a deck holds the surface's own points", "[io][calculix]") {
   const SkinnedRegion region = region_of(3, curved, kSides);
   const fs::path path = batten_test::scratch("deck") / "shell.inp";
   ShellDeck deck = plate(0.02);
-  write_calculix(path, region, deck);
+  write_calculix(path, {&region}, deck);
   const auto deck_sections = sections(path);
   const ParametricMesh& mesh = region.surface.mesh();
   const auto& nodes = deck_sections.at("*NODE,NSET=NALL");
@@ -189,7 +159,7 @@ TEST_CASE("set names of lines are what ccx accepts, and unlike each other", "[io
   ShellDeck deck = plate(0.1);
   deck.supports = {{lengthy, ShellDeck::Support::Kind::Pinned},
                    {"7", ShellDeck::Support::Kind::Clamped}};
-  write_calculix(path, region, deck);
+  write_calculix(path, {&region}, deck);
   const auto found = sections(path);
   for (const std::string name : {"TOP_EDGE__LEFT_", "TOP_EDGE_LEFT_", "LINE_7"})
     CHECK(found.count("*NSET,NSET=" + name) == 1);
@@ -199,7 +169,7 @@ TEST_CASE("set names of lines are what ccx accepts, and unlike each other", "[io
 
   const SkinnedRegion same = region_of(1, flat(1), {"rim", "Rim", "all", "nall"});
   deck.supports = {{"Rim", ShellDeck::Support::Kind::Pinned}};
-  write_calculix(path, same, deck);
+  write_calculix(path, {&same}, deck);
   for (const std::string name : {"RIM", "RIM_2", "ALL_2", "NALL_2"})
     CHECK(sections(path).count("*NSET,NSET=" + name) == 1);
   CHECK(sections(path).at("*BOUNDARY")[0][0] == "RIM_2");
@@ -212,7 +182,7 @@ TEST_CASE("nodal loads carry the whole force at the right place", "[io][calculix
   deck.area_force = {0.5, -1, 2};
   const Vec3 at = region.surface.position({5, Vec3::Unit(2)});
   deck.point_forces = {{at + Vec3(1e-3, 0, 0), {10, 0, 0}}, {at, {0, 0, 7}}};
-  write_calculix(path, region, deck);
+  write_calculix(path, {&region}, deck);
   const auto found = sections(path);
   const auto& nodes = found.at("*NODE,NSET=NALL");
   Vec3 force = Vec3::Zero(), moment = Vec3::Zero();
@@ -249,7 +219,7 @@ TEST_CASE("a clamped square plate bends as theory says, along the normal", "[io]
   const double clamped = 0.00126532 * q * std::pow(a, 4) / D;
   const int centre = 8 * 17 + 8 + 1;
   deck.pressure = q;
-  write_calculix(path, region, deck);
+  write_calculix(path, {&region}, deck);
   if (!have_ccx()) return;
   const Answer pressure = run_ccx(path);
   CHECK(pressure.node == centre);
@@ -259,18 +229,18 @@ TEST_CASE("a clamped square plate bends as theory says, along the normal", "[io]
   // The same load as a force per area and as weight.
   deck.pressure = 0;
   deck.area_force = {0, 0, -q};
-  write_calculix(path, region, deck);
+  write_calculix(path, {&region}, deck);
   CHECK(run_ccx(path).moved.z() == Approx(-pressure.moved.z()).epsilon(1e-3));
   deck.area_force.setZero();
   deck.density = 7.85e-9;
   deck.gravity = {0, 0, -q / (deck.density * t)};
-  write_calculix(path, region, deck);
+  write_calculix(path, {&region}, deck);
   CHECK(run_ccx(path).moved.z() == Approx(-pressure.moved.z()).epsilon(1e-3));
 
   // A point force at the centre: 0.0056 P a²/D.
   deck.gravity.setZero();
   deck.point_forces = {{{a / 2 + 1, a / 2, 3}, {0, 0, 5}}};
-  write_calculix(path, region, deck);
+  write_calculix(path, {&region}, deck);
   const Answer point = run_ccx(path);
   CHECK(point.node == centre);
   CHECK(point.moved.z() == Approx(0.005612 * 5 * a * a / D).epsilon(0.04));
@@ -279,7 +249,7 @@ TEST_CASE("a clamped square plate bends as theory says, along the normal", "[io]
   deck.point_forces.clear();
   deck.pressure = -q;
   for (auto& support : deck.supports) support.kind = ShellDeck::Support::Kind::Pinned;
-  write_calculix(path, region, deck);
+  write_calculix(path, {&region}, deck);
   CHECK(run_ccx(path).moved.z() == Approx(-0.00406235 * q * std::pow(a, 4) / D).epsilon(0.03));
 }
 
@@ -291,7 +261,8 @@ TEST_CASE("a curved shell runs as written", "[io][calculix]") {
   deck.density = 1;
   deck.gravity = {0, 0, -10};
   deck.point_forces = {{{0.5, 0.15, 0}, {0, 1, 0}}};
-  write_calculix(path, region_of(5, curved, kSides), deck);
+  const SkinnedRegion region = region_of(5, curved, kSides);
+  write_calculix(path, {&region}, deck);
   if (!have_ccx()) return;
   CHECK(run_ccx(path).magnitude > 0);
 }
@@ -315,7 +286,7 @@ TEST_CASE("a plate with an embedded hole: sets on its lines, loads inside only",
   deck.supports = {{"rim", ShellDeck::Support::Kind::Clamped}};
   deck.area_force = {0, 0, q};
   const fs::path path = batten_test::scratch("ring") / "ring.inp";
-  write_calculix(path, region, deck);
+  write_calculix(path, {&region}, deck);
   const auto found = sections(path);
   const auto& nodes = found.at("*NODE,NSET=NALL");
   for (const auto& [name, radius] : {std::pair{"RIM", a}, {"HOLE", b}}) {
@@ -374,7 +345,7 @@ TEST_CASE("a plate with an embedded hole: sets on its lines, loads inside only",
   CHECK(at.norm() == Approx(b).epsilon(1e-3));
   deck.area_force.setZero();
   deck.pressure = q;
-  write_calculix(path, region, deck);
+  write_calculix(path, {&region}, deck);
   CHECK(run_ccx(path).moved.z() == Approx(answer.moved.z()).epsilon(2e-3));
 }
 

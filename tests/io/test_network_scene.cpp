@@ -98,21 +98,47 @@ TEST_CASE("an empty network section is enough, with the kernel's defaults", "[sc
 
 TEST_CASE("what does not go with a network is refused with the reason", "[scene][network]") {
   const std::string n = "[network]\n";
-  check_answer(n + "[[load]]\nname=\"l\"\ntype=\"pressure\"\nvalue=1\n",
-               {"s.toml:6:1:", "'load' beside [network]", "no loads and constraints"});
-  check_answer(n + "[[sweep]]\nfile=\"a.png\"\nparameter=\"alpha\"\nvalues=[1]\n", {"'sweep'"});
-  for (const std::string table : {"constraint", "weight", "move", "parameter"})
-    check_answer(n + "[[" + table + "]]\nname = \"x\"\n", {"s.toml:6:1:", "'" + table + "'"});
   check_answer(n + "[skin]\ndomain = \"ring\"\n",
                {"s.toml:7:10:", "'domain' in a network", "each"});
   check_answer(n + "[skin]\nrefine = 2\n", {"'refine'", "edge_length"});
-  check_answer(n + "[skin]\nhold = \"corners\"\n", {"'hold'", "all lines are held"});
   check_answer(n + "[skin]\nalpha = [1, 0, 1]\n", {"s.toml:7:9:", "three numbers", "one number"});
-  check_answer(n + "[output]\ncalculix = \"a.inp\"\n", {"s.toml:7:12:", "'calculix'"});
-  check_answer(n + "[output]\nstep = \"a.step\"\nstep_form = \"exact\"\n",
-               {"s.toml:8:13:", "\"exact\" for a network", "face"});
   check_answer(n + "[[line]]\nname = \"b\"\nrole = \"inner\"\npoints = [[0,0,0],[1,1,1]]\n",
                {"s.toml:8:8:", "'role' in a network", "[[region]]"});
+}
+
+TEST_CASE("everything that acts on a surface acts on a network", "[scene][network]") {
+  const Scene scene = parse_scene(kLine + R"([network]
+[skin]
+hold = "corners"
+units = "absolute"
+[[load]]
+name = "l"
+type = "pressure"
+value = 1
+regions = ["top"]
+[[parameter]]
+name = "p"
+value = 1
+[[sweep]]
+file = "a.png"
+parameter = "l"
+values = [1]
+[stress]
+thickness = 1
+young = 1
+pressures = [{region = "top", pressure = 2}]
+supports = [{line = "a"}]
+[output]
+step = "a.step"
+step_form = "exact"
+calculix = "a.inp"
+)",
+                                  "s.toml");
+  CHECK(scene.is_sculpted());
+  CHECK(scene.loads[0].area.regions[0].text == "top");
+  CHECK(scene.skin.hold == SceneSkin::Hold::Corners);
+  CHECK(scene.step_form == Scene::StepForm::Exact);
+  CHECK(scene.stress->pressures[0].region.text == "top");
 }
 
 TEST_CASE("words about regions and joins are checked where they stand", "[scene][network]") {

@@ -126,44 +126,29 @@ file = "points.csv"
   CHECK(s.loads[3].line.text == "spine");
   CHECK(s.loads[4].type == Type::Pulls);
   CHECK(s.loads[4].pulls.at.size() == 2);
-  CHECK(std::get<LiveLoad::Springs::Places>(s.loads[4].pulls.target).to[1] == Vec3(2, 2, 5));
+  CHECK(std::get<Load::Pulls::Places>(s.loads[4].pulls.target).to[1] == Vec3(2, 2, 5));
   CHECK(s.loads[4].pulls.rest_length == 0.25);
   CHECK(s.loads[4].pulls.falloff == 4);
   CHECK(s.loads[4].min == 0);
   CHECK(s.loads[5].curve.text == "spine");
-  CHECK(std::get<LiveLoad::Springs::Plane>(s.loads[6].pulls.target).normal == Vec3(0, 0, 1));
+  CHECK(std::get<Load::Pulls::Plane>(s.loads[6].pulls.target).normal == Vec3(0, 0, 1));
   CHECK(s.loads[7].type == Type::Springs);
   CHECK(s.loads[7].file == "points.csv");
-  for (size_t i = 0; i < 7; ++i) CHECK(s.loads[i].live());
-  CHECK_FALSE(s.loads[7].live());
-  CHECK(s.needs_session());
+  CHECK(s.is_sculpted());
 }
 
-TEST_CASE("scenes with old kinds only need no session", "[scene][sculpt]") {
-  CHECK_FALSE(scene_with(load("pressure", "") + R"([[load]]
-name = "u"
-type = "uniform"
-value = 1
-direction = [0, 0, 1]
-[[load]]
-name = "p"
-type = "point"
-value = 1
-direction = [0, 0, 1]
-at = [1, 1, 0]
-[[constraint]]
-name = "c"
-type = "point"
-at = [1, 1, 0]
-to = [1, 1, 1]
-)")
-                  .needs_session());
-  CHECK(scene_with(load("pressure", "near = \"rim\"\nradius = 1")).needs_session());
-  CHECK(scene_with("[[load]]\nname = \"l\"\ntype = \"pressure\"\nvalue = [[0, 1]]\n")
-            .needs_session());
-  CHECK(scene_with("[[parameter]]\nname = \"p\"\nvalue = 1\n").needs_session());
+TEST_CASE("a scene is sculpted when more than lines acts on it", "[scene][sculpt]") {
+  CHECK_FALSE(scene_with("").is_sculpted());
+  CHECK(scene_with(load("pressure", "")).is_sculpted());
+  CHECK(scene_with("[[parameter]]\nname = \"p\"\nvalue = 1\n").is_sculpted());
   CHECK(scene_with("[[constraint]]\nname = \"c\"\ntype = \"line_normal\"\nline = \"spine\"\n")
-            .needs_session());
+            .is_sculpted());
+}
+
+TEST_CASE("regions of a load belong to a network", "[scene][sculpt]") {
+  CHECK_THROWS_WITH(
+      scene_with(load("pressure", "regions = [\"top\"]")),
+      Catch::Matchers::Contains("'top'") && Catch::Matchers::Contains("without [network]"));
 }
 
 TEST_CASE("weights, moves, line normals and motion are read as they are written",

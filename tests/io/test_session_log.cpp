@@ -41,12 +41,12 @@ NamedValue swell() {
 
 std::vector<Operation> everything() {
   const Area::Painted::Stroke stroke{{kThird, 2, 3}, 0.7, -1};
-  LiveLoad::Springs places, rail, floor;
+  Load::Pulls places, rail, floor;
   places.at = rail.at = floor.at = {{1, kThird, 3}, {4, 5, 6}};
-  places.target = LiveLoad::Springs::Places{{{0.1, 0.2, 0.3}, {7, 8, 9}}};
-  rail.target = LiveLoad::Springs::Curve{wavy(true)};
+  places.target = Load::Pulls::Places{{{0.1, 0.2, 0.3}, {7, 8, 9}}};
+  rail.target = Load::Pulls::Curve{wavy(true)};
   rail.rest_length = kThird;
-  floor.target = LiveLoad::Springs::Plane{{1, 2, 3}, {0, 0, 1}};
+  floor.target = Load::Pulls::Plane{{1, 2, 3}, {0, 0, 1}};
   floor.falloff = 5;
   NamedValue follower;
   follower.name = "f";
@@ -57,7 +57,7 @@ std::vector<Operation> everything() {
                          {0, 1, 3}, (Points(3, 3) << 0, 0, 0, 1, kThird, 0, 3, 1, 0).finished(),
                          (Points(3, 3) << 1, 0, 0, 1, 1, 0, 1, 0, kThird).finished())),
                      CharacterLine::Role::Inner, CharacterLine::Treatment::Embedded};
-  using C = LiveConstraint;
+  using C = Constraint;
   return {
       {Kind::Set, 3, kThird, nullptr},
       {Kind::Set, 0, kTiny, nullptr},
@@ -69,18 +69,18 @@ std::vector<Operation> everything() {
       {Kind::Rest, 0, 0, nullptr},
       {Kind::Undo, 0, 0, nullptr},
       {Kind::Redo, 0, 0, nullptr},
-      edit(Operation::Add{LiveLoad{"swell", LiveLoad::Pressure{}}, {swell(), follower}}),
+      edit(Operation::Add{Load{"swell", Load::Pressure{}}, {swell(), follower}}),
+      edit(Operation::Add{Load{"u", Load::Uniform{{0, kThird, 1}, {Area::NearLine{"rim", kThird}}}},
+                          {}}),
       edit(Operation::Add{
-          LiveLoad{"u", LiveLoad::Uniform{{0, kThird, 1}, {Area::NearLine{"rim", kThird}}}}, {}}),
-      edit(
-          Operation::Add{LiveLoad{"p", LiveLoad::Pressure{{Area::Painted{{stroke, stroke}}}}}, {}}),
-      edit(Operation::Add{LiveLoad{"g", LiveLoad::Gravity{{0, 0, -1}}}, {}}),
-      edit(Operation::Add{LiveLoad{"f", LiveLoad::Point{{1, 2, 3}, {4, 5, kThird}}}, {}}),
-      edit(Operation::Add{LiveLoad{"l", LiveLoad::Line{"rim", {4, 5, 6}}}, {}}),
-      edit(Operation::Add{LiveLoad{"s1", places}, {}}),
-      edit(Operation::Add{LiveLoad{"s2", rail}, {}}),
-      edit(Operation::Add{LiveLoad{"s3", floor}, {}}),
-      edit(Operation::Add{LiveLoad{"m", LiveLoad::Measured{{{1, 2, kThird}}}}, {}}),
+          Load{"p", Load::Pressure{{Area::Painted{{stroke, stroke}}, {"top", "left"}}}}, {}}),
+      edit(Operation::Add{Load{"g", Load::Gravity{{0, 0, -1}}}, {}}),
+      edit(Operation::Add{Load{"f", Load::Point{{1, 2, 3}, {4, 5, kThird}}}, {}}),
+      edit(Operation::Add{Load{"l", Load::Line{"rim", {4, 5, 6}}}, {}}),
+      edit(Operation::Add{Load{"s1", places}, {}}),
+      edit(Operation::Add{Load{"s2", rail}, {}}),
+      edit(Operation::Add{Load{"s3", floor}, {}}),
+      edit(Operation::Add{Load{"m", Load::Springs{{{1, 2, kThird}}}}, {}}),
       edit(Operation::Add{WeightField{"w", WeightField::Kind::Bending, {}, {}}, {}}),
       edit(Operation::Add{WeightField{"w2", WeightField::Kind::Stretching, {}, Vec2(kThird, 1)},
                           {}}),
@@ -135,9 +135,9 @@ TEST_CASE("a log of every operation is read back as it was", "[io][session_log]"
   const auto& set = std::get<Operation::SetLine>(*back[33].edit);
   CHECK(set.curve.dofs() == wavy(false).dofs());
   CHECK(set.curve.mesh().corners() == std::vector<int>{1});
-  const auto& rail = std::get<LiveLoad::Springs>(
-      std::get<LiveLoad>(std::get<Operation::Add>(*back[17].edit).what).kind);
-  CHECK(std::get<LiveLoad::Springs::Curve>(rail.target).curve.closed());
+  const auto& rail =
+      std::get<Load::Pulls>(std::get<Load>(std::get<Operation::Add>(*back[17].edit).what).kind);
+  CHECK(std::get<Load::Pulls::Curve>(rail.target).curve.closed());
   const auto& line = std::get<CharacterLine>(std::get<Operation::Add>(*back[30].edit).what);
   CHECK(line.treatment == CharacterLine::Treatment::Embedded);
   const auto& given = std::get<CharacterLine>(std::get<Operation::Add>(*operations[30].edit).what);

@@ -21,19 +21,24 @@ const std::map<std::string, std::set<std::string>> kAllowed = {
     {"constraints/shape", {"core", "elements", "fem", "constraints"}},
     {"fairing", {"core", "elements", "fem", "constraints", "constraints/shape"}},
     {"skinning", {"core", "elements", "fem", "constraints", "constraints/shape", "fairing"}},
+    {"skinning/model",
+     {"core", "elements", "fem", "constraints", "constraints/shape", "fairing", "skinning"}},
     {"skinning/network",
-     {"core", "elements", "fem", "constraints", "constraints/shape", "fairing", "skinning"}},
+     {"core", "elements", "fem", "constraints", "constraints/shape", "fairing", "skinning",
+      "skinning/model"}},
     {"sculpting",
-     {"core", "elements", "fem", "constraints", "constraints/shape", "fairing", "skinning"}},
+     {"core", "elements", "fem", "constraints", "constraints/shape", "fairing", "skinning",
+      "skinning/model"}},
     {"mesh", {"core", "constraints"}},
     {"mesh/features", {"core", "mesh"}},
     {"mesh/deform", {"core", "constraints", "mesh"}},
     {"io",
      {"core", "elements", "fem", "constraints", "constraints/shape", "fairing", "skinning",
-      "skinning/network", "sculpting", "mesh", "mesh/features", "mesh/deform"}},
+      "skinning/model", "skinning/network", "sculpting", "mesh", "mesh/features", "mesh/deform"}},
     {"apps",
      {"core", "elements", "fem", "constraints", "constraints/shape", "fairing", "skinning",
-      "skinning/network", "sculpting", "mesh", "mesh/features", "mesh/deform", "io"}},
+      "skinning/model", "skinning/network", "sculpting", "mesh", "mesh/features", "mesh/deform",
+      "io"}},
 };
 
 // Libraries that only some folders may touch.
@@ -46,7 +51,8 @@ const std::map<std::string, std::set<std::string>> kForeign = {
 };
 
 std::string folder_of(const std::string& path) {
-  for (const char* inner : {"constraints/shape", "mesh/deform", "mesh/features", "skinning/network"})
+  for (const char* inner :
+       {"constraints/shape", "mesh/deform", "mesh/features", "skinning/model", "skinning/network"})
     if (path.rfind(std::string(inner) + "/", 0) == 0) return inner;
   return path.substr(0, path.find('/'));
 }

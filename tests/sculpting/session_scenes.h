@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "../skinning/shapes.h"
+#include "../static_twin.h"
 #include "batten/sculpting/session.h"
-#include "batten/sculpting/static_sculpt.h"
 #include "batten/tests/sampling.h"
 
 namespace batten_test {
@@ -111,15 +111,25 @@ inline bool same_bits(const Points& a, const Points& b) {
 }
 
 inline Surface shape_of(const SculptingSession& session) {
-  const RegionLayout& layout = session.layout();
+  const ModelLayout& layout = session.layout();
   return {layout.mesh(), layout.element(), session.dofs(), layout.trim()};
+}
+
+/// Without the rows that others imply: where lines meet, each of them holds the point.
+inline ConstraintSet independent(const ConstraintSet& set) {
+  const std::vector<int> dropped = AffineReduction(set).dropped();
+  ConstraintSet kept(set.dof_count());
+  for (size_t r = 0; r < set.rows().size(); ++r)
+    if (std::find(dropped.begin(), dropped.end(), static_cast<int>(r)) == dropped.end())
+      kept.add("line", set.rows()[r].entries, set.rows()[r].value);
+  return kept;
 }
 
 /// Matrices of one coordinate on the domain of size 1, for relative units.
 struct Matrices {
   SurfaceAssembler assembler;
   SparseMatrix K, M;
-  explicit Matrices(const RegionLayout& layout,
+  explicit Matrices(const ModelLayout& layout,
                     const SurfaceStiffness& material = SurfaceStiffness())
       : assembler(*layout.mesh(), layout.element(), layout.trim()),
         K(assembler.stiffness(material)),

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "batten/sculpting/static_sculpt.h"
+#include "../static_twin.h"
 #include "batten/skinning/mesher.h"
 #include "batten/tests/catch.h"
 #include "batten/tests/refusal.h"
@@ -11,6 +11,7 @@
 #include "batten/tests/threads.h"
 
 using namespace batten_test;
+using namespace batten::twin;
 using Catch::Matchers::Contains;
 
 namespace {

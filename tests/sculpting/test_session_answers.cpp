@@ -15,13 +15,13 @@ namespace {
 // The patch with loads of every linear kind; each slider at 0.
 SculptingSession loaded_patch(double edge = 0.25) {
   SculptingSession session(patch_layout(edge), with_material(0.1, 1));
-  session.add(LiveLoad{"uniform", LiveLoad::Uniform{{0, 0.3, 1}, {}}});
-  session.add(LiveLoad{"near rib", LiveLoad::Uniform{{0, 0, 1}, {Area::NearLine{"rib", 0.5}}}});
-  session.add(LiveLoad{
-      "painted", LiveLoad::Uniform{{0, 0, -1}, {Area::Painted{{{{0.4, 0.6, 0.2}, 0.5, 1}}}}}});
-  session.add(LiveLoad{"weight", LiveLoad::Gravity{{0, 0, -1}}});
-  session.add(LiveLoad{"finger", LiveLoad::Point{{1.2, 0.6, 0.2}, {0.2, 0, 1}}});
-  session.add(LiveLoad{"along rib", LiveLoad::Line{"rib", {0, 0, 1}}});
+  session.add(Load{"uniform", Load::Uniform{{0, 0.3, 1}, {}}});
+  session.add(Load{"near rib", Load::Uniform{{0, 0, 1}, {Area::NearLine{"rib", 0.5}}}});
+  session.add(
+      Load{"painted", Load::Uniform{{0, 0, -1}, {Area::Painted{{{{0.4, 0.6, 0.2}, 0.5, 1}}}}}});
+  session.add(Load{"weight", Load::Gravity{{0, 0, -1}}});
+  session.add(Load{"finger", Load::Point{{1.2, 0.6, 0.2}, {0.2, 0, 1}}});
+  session.add(Load{"along rib", Load::Line{"rib", {0, 0, 1}}});
   session.settle();
   return session;
 }
@@ -66,7 +66,7 @@ TEST_CASE("superposed sliders are what solving gives") {
 
 TEST_CASE("loads of every linear kind are those of an independent assembly") {
   SculptingSession session = loaded_patch();
-  const RegionLayout& layout = session.layout();
+  const ModelLayout& layout = session.layout();
   const Matrices matrices(layout, SurfaceStiffness::isotropic(0.1, 1));
   const double size = layout.size();
   const Surface unloaded = shape_of(session);
@@ -117,8 +117,8 @@ TEST_CASE("one parameter drives several by rules") {
 TEST_CASE("sliders, answers, steps and frames ask for no memory") {
   if (!counts_allocations()) return;
   SculptingSession session = loaded_patch();
-  session.add(LiveLoad{"pressure", LiveLoad::Pressure{}});
-  session.add(LiveConstraint{"pin", LiveConstraint::Point{{0.5, 0.7, 0.2}, {0.5, 0.7, 0.3}}});
+  session.add(Load{"pressure", Load::Pressure{}});
+  session.add(Constraint{"pin", Constraint::Point{{0.5, 0.7, 0.2}, {0.5, 0.7, 0.3}}});
   session.add(LineMove{"raise", "rib", Vec3(0, 0, 1), 0.2});
   const int uniform = session.parameters().index("uniform"),
             pressure = session.parameters().index("pressure"),
@@ -156,7 +156,7 @@ TEST_CASE("sliders, answers, steps and frames ask for no memory") {
 TEST_CASE("frames show the surface as it is, and say what changed") {
   for (const bool cut : {false, true}) {
     SculptingSession session(cut ? disc_layout(0.3) : patch_layout(0.3), {});
-    session.add(LiveLoad{"f", LiveLoad::Uniform{{0.2, 0, 1}, {}}});
+    session.add(Load{"f", Load::Uniform{{0.2, 0, 1}, {}}});
     DisplayFacets all;
     const auto remeshed = [&](const Frame& frame) {
       all = facets(session.region(), 2);
@@ -209,8 +209,8 @@ TEST_CASE("the same bits on one thread or two") {
   const auto run = [](int threads) {
     const ThreadGuard guard(threads);
     SculptingSession session(disc_layout(0.2), with_material(0.1, 1));
-    session.add(LiveLoad{"p", LiveLoad::Pressure{}}, {slider("p", 2)});
-    session.add(LiveConstraint{"pin", LiveConstraint::Point{{0.3, 0.1, 0}, {0.3, 0.1, 0.1}}});
+    session.add(Load{"p", Load::Pressure{}}, {slider("p", 2)});
+    session.add(Constraint{"pin", Constraint::Point{{0.3, 0.1, 0}, {0.3, 0.1, 0.1}}});
     session.settle();
     session.set("pin.z", 0.2);
     session.answer();
@@ -235,13 +235,13 @@ TEST_CASE("the same loads, two minima: springs to a ring hold a sheet above it o
     for (int i = 0; i < 12; ++i)
       feet.emplace_back(1 + 0.4 * std::cos(pi * i / 6), 1 + 0.4 * std::sin(pi * i / 6), 0);
     for (const double height : {0.4, -0.4}) {
-      LiveLoad::Springs springs;
+      Load::Pulls springs;
       springs.at = feet;
-      springs.target = LiveLoad::Springs::Curve{ring_above(height, 0.4, {1, 1})};
+      springs.target = Load::Pulls::Curve{ring_above(height, 0.4, {1, 1})};
       springs.falloff = 0.35;
-      session.add(LiveLoad{height > 0 ? "upper" : "lower", springs}, {});
+      session.add(Load{height > 0 ? "upper" : "lower", springs}, {});
     }
-    session.add(LiveLoad{"push", LiveLoad::Uniform{{0, 0, 1}, {}}}, {slider("push", start)});
+    session.add(Load{"push", Load::Uniform{{0, 0, 1}, {}}}, {slider("push", start)});
     session.settle();
     session.set("upper", 60);
     session.set("lower", 60);
@@ -299,12 +299,12 @@ TEST_CASE("what makes no sense is refused by name and changes nothing") {
   const auto names = session.names();
   CHECK_THROWS_WITH(session.set("unifrom", 1), Contains("uniform"));
   CHECK_THROWS_AS(session.set("uniform", NAN), InputError);
-  CHECK_THROWS_WITH(session.add(LiveLoad{"uniform", LiveLoad::Pressure{}}), Contains("'uniform'"));
-  CHECK_THROWS_WITH(session.add(LiveLoad{"far", LiveLoad::Point{{90, 0, 0}, {0, 0, 1}}}),
+  CHECK_THROWS_WITH(session.add(Load{"uniform", Load::Pressure{}}), Contains("'uniform'"));
+  CHECK_THROWS_WITH(session.add(Load{"far", Load::Point{{90, 0, 0}, {0, 0, 1}}}),
                     Contains("'far'"));
-  CHECK_THROWS_AS(session.add(LiveLoad{"p", LiveLoad::Point{{NAN, 0, 0}, {0, 0, 1}}}), InputError);
-  CHECK_THROWS_WITH(session.add(LiveLoad{"l", LiveLoad::Line{"rub", {0, 0, 1}}}), Contains("rub"));
-  CHECK_THROWS_AS(session.add(LiveLoad{"", LiveLoad::Pressure{}}), InputError);
+  CHECK_THROWS_AS(session.add(Load{"p", Load::Point{{NAN, 0, 0}, {0, 0, 1}}}), InputError);
+  CHECK_THROWS_WITH(session.add(Load{"l", Load::Line{"rub", {0, 0, 1}}}), Contains("rub"));
+  CHECK_THROWS_AS(session.add(Load{"", Load::Pressure{}}), InputError);
   CHECK_THROWS_AS(session.add(WeightField{
                       "w", WeightField::Kind::Bending, {Area::Painted{{{{0, 0, 0}, -1, 1}}}}, {}}),
                   InputError);

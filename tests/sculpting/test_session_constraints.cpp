@@ -11,12 +11,12 @@ using Catch::Matchers::Contains;
 
 namespace {
 
-LiveConstraint pin(const std::string& name, const Vec3& at, const Vec3& goal) {
-  return {name, LiveConstraint::Point{at, goal}};
+Constraint pin(const std::string& name, const Vec3& at, const Vec3& goal) {
+  return {name, Constraint::Point{at, goal}};
 }
 
 // N(where), N_u or N_v as entries on dofs.
-std::vector<ConstraintSet::Entry> row(const RegionLayout& layout, const Location& where,
+std::vector<ConstraintSet::Entry> row(const ModelLayout& layout, const Location& where,
                                       Derivative d) {
   const auto dof = DofMap(*layout.mesh()).triangle(*layout.mesh(), where.triangle);
   const Tabulation N =
@@ -34,19 +34,9 @@ std::vector<ConstraintSet::CoupledEntry> along(const std::vector<ConstraintSet::
   return all;
 }
 
-// Without the rows that others imply: where lines meet, each of them holds the point.
-ConstraintSet independent(const ConstraintSet& set) {
-  const std::vector<int> dropped = AffineReduction(set).dropped();
-  ConstraintSet kept(set.dof_count());
-  for (size_t r = 0; r < set.rows().size(); ++r)
-    if (std::find(dropped.begin(), dropped.end(), static_cast<int>(r)) == dropped.end())
-      kept.add("line", set.rows()[r].entries, set.rows()[r].value);
-  return kept;
-}
-
 // Vertex numbers of a fitted line.
-std::vector<int> vertices_of(const RegionLayout& layout, const std::string& line) {
-  for (const LineRun& run : layout.runs())
+std::vector<int> vertices_of(const ModelLayout& layout, const std::string& line) {
+  for (const LineRun& run : layout.region(0).runs())
     if (run.line.name == line) return run.vertices;
   throw std::runtime_error("no run " + line);
 }
@@ -58,12 +48,12 @@ TEST_CASE("constraints added and removed at random: the answer of the independen
   SculptingSession session(layout, {});
   const Surface rest = shape_of(session);
   const ConstraintSet lines = independent(layout.line_constraints());
-  session.add(LiveLoad{"f", LiveLoad::Uniform{{0, 0.5, 2}, {}}}, {slider("f", 1)});
+  session.add(Load{"f", Load::Uniform{{0, 0.5, 2}, {}}}, {slider("f", 1)});
   session.settle();
   const Matrices matrices(layout);
   const Points F = matrices.assembler.load(Vec3(layout.size() * Vec3(0, 0.5, 2)));
   struct Added {
-    LiveConstraint constraint;
+    Constraint constraint;
     Location where;
   };
   std::vector<Added> all;
@@ -83,9 +73,9 @@ TEST_CASE("constraints added and removed at random: the answer of the independen
       const std::string name = "c" + std::to_string(next % places.size());
       const Added a =
           n % 2 == 0
-              ? Added{{name, LiveConstraint::Point{at, at + Vec3(0.01, 0, 0.05 * random())}},
+              ? Added{{name, Constraint::Point{at, at + Vec3(0.01, 0, 0.05 * random())}},
                       foot.where}
-              : Added{{name, LiveConstraint::Normal{at, Vec3(0.1 * random(), 0.1 * random(), 1)}},
+              : Added{{name, Constraint::Normal{at, Vec3(0.1 * random(), 0.1 * random(), 1)}},
                       foot.where};
       session.add(a.constraint);
       all.push_back(a);
@@ -98,10 +88,10 @@ TEST_CASE("constraints added and removed at random: the answer of the independen
     ConstraintSet set = lines;
     for (const Added& a : all) {
       const auto& c = a.constraint;
-      if (const auto* p = std::get_if<LiveConstraint::Point>(&c.kind)) {
+      if (const auto* p = std::get_if<Constraint::Point>(&c.kind)) {
         set.add(c.name, row(layout, a.where, kW), p->goal);
       } else {
-        const Vec3 normal = std::get<LiveConstraint::Normal>(c.kind).normal;
+        const Vec3 normal = std::get<Constraint::Normal>(c.kind).normal;
         for (const Derivative d : {kU, kV})
           set.add_coupled(c.name, along(row(layout, a.where, d), normal), 0);
       }
@@ -145,16 +135,15 @@ TEST_CASE("a point dragged by its parameters is at its goal, the others stay at 
 
 TEST_CASE("normals and tangents hold where they were put") {
   SculptingSession session(patch_layout(0.25), {});
-  session.add(LiveLoad{"f", LiveLoad::Uniform{{0, 0, 1}, {}}}, {slider("f", 2)});
+  session.add(Load{"f", Load::Uniform{{0, 0, 1}, {}}}, {slider("f", 2)});
   session.settle();
   const Surface before = shape_of(session);
   const auto a = before.closest_point({0.4, 0.5, 0.3});
   const Vec3 n = Vec3(0.2, -0.1, 1).normalized(), tau(1, 0.2, 0.4);
-  session.add(LiveConstraint{"n", LiveConstraint::Normal{before.position(a.where), 5 * n}});
+  session.add(Constraint{"n", Constraint::Normal{before.position(a.where), 5 * n}});
   const Surface leaning = shape_of(session);
   const auto b = leaning.closest_point({1.2, 0.7, 0.3});
-  session.add(
-      LiveConstraint{"t", LiveConstraint::Tangent{leaning.position(b.where), {1, 0.5}, tau}});
+  session.add(Constraint{"t", Constraint::Tangent{leaning.position(b.where), {1, 0.5}, tau}});
   for (const double f : {2.0, -3.0}) {
     session.set("f", f);
     session.settle();
@@ -167,7 +156,7 @@ TEST_CASE("normals and tangents hold where they were put") {
 
 TEST_CASE("a conflict names its constraints and leaves every bit as it was") {
   SculptingSession session(patch_layout(0.3), {});
-  session.add(LiveLoad{"f", LiveLoad::Uniform{{0, 0, 1}, {}}}, {slider("f", 2)});
+  session.add(Load{"f", Load::Uniform{{0, 0, 1}, {}}}, {slider("f", 2)});
   const Surface rest = shape_of(session);
   const Vec3 at = rest.position(rest.closest_point({0.4, 0.6, 0.3}).where);
   session.add(pin("first", at, at));
@@ -206,10 +195,10 @@ TEST_CASE("a conflict names its constraints and leaves every bit as it was") {
 TEST_CASE("the rib: a line displaced along the normal, exactly, while its neighbourhood blends") {
   SculptingSession session(patch_layout(0.15), {});
   const Surface rest = shape_of(session);
-  const RegionLayout& layout = session.layout();
+  const ModelLayout& layout = session.layout();
   const std::vector<int> vertices = vertices_of(layout, "rib");
   // Isolation: the tangent planes along the rib stay as they are.
-  session.add(LiveConstraint{"plane", LiveConstraint::LineNormal{"rib", {}}});
+  session.add(Constraint{"plane", Constraint::LineNormal{"rib", {}}});
   CHECK(difference(session.dofs(), rest.dofs()) < 1e-9);
   session.add(LineMove{"raise", "rib", {}, 0.25});
   for (const double height : {0.03, 0.08, -0.05}) {
@@ -264,10 +253,9 @@ TEST_CASE("without its tangent planes held, the surface turns at the rib, with t
   const auto turned = [](bool isolated) {
     SculptingSession session(patch_layout(0.2), {});
     const Surface rest = shape_of(session);
-    if (isolated) session.add(LiveConstraint{"plane", LiveConstraint::LineNormal{"rib", {}}});
-    session.add(
-        LiveLoad{"f", LiveLoad::Uniform{{0, 0, 1}, {Area::Painted{{{{1.3, 0.6, 0.2}, 0.6, 1}}}}}},
-        {slider("f", 40)});
+    if (isolated) session.add(Constraint{"plane", Constraint::LineNormal{"rib", {}}});
+    session.add(Load{"f", Load::Uniform{{0, 0, 1}, {Area::Painted{{{{1.3, 0.6, 0.2}, 0.6, 1}}}}}},
+                {slider("f", 40)});
     session.settle();
     const Surface shape = shape_of(session);
     double most = 0;

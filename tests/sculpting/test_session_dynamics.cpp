@@ -20,12 +20,12 @@ struct Released {
     bend();
   }
   void bend() {
-    session.add(LiveLoad{"push", LiveLoad::Uniform{{0.3, -0.2, 1}, {}}}, {slider("push", 500)});
+    session.add(Load{"push", Load::Uniform{{0.3, -0.2, 1}, {}}}, {slider("push", 500)});
     session.settle();
     session.remove("push");
   }
   void pull(double value) {
-    session.add(LiveLoad{"pull", LiveLoad::Uniform{{0, 0.1, -1}, {}}}, {slider("pull", value)});
+    session.add(Load{"pull", Load::Uniform{{0, 0.1, -1}, {}}}, {slider("pull", value)});
   }
 };
 
@@ -140,12 +140,13 @@ TEST_CASE("implicit Euler with a thousandfold step is the static answer at once"
 TEST_CASE("motion comes to rest at the static shape, and that is the independent one") {
   const RegionLayout layout = patch_layout(0.3);
   const Vec3 force(0.4, -0.1, 2);
-  const auto statics = sculpt(layout, layout.line_constraints(), {{"f", UniformLoad{force}}}, {});
+  const auto statics =
+      twin::sculpt(layout, layout.line_constraints(), {{"f", twin::UniformLoad{force}}}, {});
   const Matrices matrices(layout);
   const Points direct = solve_constrained(layout.line_constraints(), matrices.K,
                                           matrices.assembler.load(Vec3(layout.size() * force)));
   SculptingSession session(layout, {});
-  session.add(LiveLoad{"f", LiveLoad::Uniform{force, {}}}, {slider("f", 1)});
+  session.add(Load{"f", Load::Uniform{force, {}}}, {slider("f", 1)});
   const Answer answer = session.settle();
   CHECK(answer.converged);
   CHECK(difference(session.dofs(), statics.dofs) < 1e-9 * layout.size());
@@ -166,7 +167,7 @@ TEST_CASE("values over time drive a motion: a ramp arrives where its end is sett
   SculptingSession session(layout, {});
   NamedValue ramp = slider("push");
   ramp.over_time = {{0, 0}, {0.5, 4}};
-  session.add(LiveLoad{"push", LiveLoad::Uniform{{0, 0, 1}, {}}}, {ramp});
+  session.add(Load{"push", Load::Uniform{{0, 0, 1}, {}}}, {ramp});
   session.settle();
   const Points start = session.dofs();
   session.start_motion({.dt = 0.02, .damping = 30});
@@ -199,7 +200,7 @@ TEST_CASE("a load that grows evenly: the exact motion, second order in dt") {
     const Points still = session.dofs();
     const Modes modes(session.layout().line_constraints(), Matrices(session.layout()).K,
                       Matrices(session.layout()).M);
-    session.add(LiveLoad{"push", LiveLoad::Uniform{{0, 0, 1}, {}}}, {slider("push", 1000)});
+    session.add(Load{"push", Load::Uniform{{0, 0, 1}, {}}}, {slider("push", 1000)});
     session.settle();
     const double one = modes.of(session.dofs() - still)(0, 2);
     session.set("push", 0);
@@ -207,7 +208,7 @@ TEST_CASE("a load that grows evenly: the exact motion, second order in dt") {
     session.remove("push");
     NamedValue ramp = slider("push");
     ramp.over_time = {{0, 0}, {10, 10000}};
-    session.add(LiveLoad{"push", LiveLoad::Uniform{{0, 0, 1}, {}}}, {ramp});
+    session.add(Load{"push", Load::Uniform{{0, 0, 1}, {}}}, {ramp});
     const double omega = std::sqrt(modes.lambda[0]), end = 2.3 * 2 * pi / omega;
     session.start_motion({.dt = end / steps, .density = 1, .damping = 0, .theta = 0.5});
     for (int n = 0; n < steps; ++n) session.step();

@@ -20,14 +20,14 @@ std::vector<std::function<void(SculptingSession&)>> story() {
   using S = SculptingSession;
   return {
       then([](S& s) {
-        s.add(LiveLoad{"f", LiveLoad::Uniform{{0, 0, 1}, {}}});
+        s.add(Load{"f", Load::Uniform{{0, 0, 1}, {}}});
       }),
       then([](S& s) { s.set("f", 3); }),
       then([](S& s) {
-        s.add(LiveLoad{"p", LiveLoad::Pressure{}}, {slider("p", 4)});
+        s.add(Load{"p", Load::Pressure{}}, {slider("p", 4)});
       }),
       then([](S& s) {
-        s.add(LiveConstraint{"pin", LiveConstraint::Point{{0.4, 0.6, 0.2}, {0.4, 0.6, 0.4}}});
+        s.add(Constraint{"pin", Constraint::Point{{0.4, 0.6, 0.2}, {0.4, 0.6, 0.4}}});
       }),
       then([](S& s) { s.set("pin.z", 0.5); }),
       then([](S& s) {
@@ -41,7 +41,7 @@ std::vector<std::function<void(SculptingSession&)>> story() {
       then([](S& s) { s.refine({Refinement::Jumps{0.2}}); }),
       then([](S& s) { s.set("p", -2); }),
       then([](S& s) {
-        s.change(LiveConstraint{"pin", LiveConstraint::Point{{0.5, 0.6, 0.2}, {0.5, 0.6, 0.3}}});
+        s.change(Constraint{"pin", Constraint::Point{{0.5, 0.6, 0.2}, {0.5, 0.6, 0.3}}});
       }),
       then([](S& s) { s.remove("f"); }),
   };
@@ -105,17 +105,17 @@ TEST_CASE("undo and redo go through a whole story bit for bit") {
 TEST_CASE("after undo the surface can be sculpted on as if nothing had been") {
   SculptingSession session(region(), {}), twin(region(), {});
   for (SculptingSession* s : {&session, &twin}) {
-    s->add(LiveLoad{"f", LiveLoad::Uniform{{0, 0, 1}, {}}}, {slider("f", 1)});
+    s->add(Load{"f", Load::Uniform{{0, 0, 1}, {}}}, {slider("f", 1)});
     s->settle();
   }
-  session.add(LiveConstraint{"pin", LiveConstraint::Point{{0.4, 0.6, 0.2}, {0.4, 0.6, 0.4}}});
+  session.add(Constraint{"pin", Constraint::Point{{0.4, 0.6, 0.2}, {0.4, 0.6, 0.4}}});
   session.refine({Refinement::Jumps{0.3}});
   REQUIRE(session.undo());
   REQUIRE(session.undo());
   for (SculptingSession* s : {&session, &twin}) {
     s->set("f", 2.5);
     s->settle();
-    s->add(LiveConstraint{"pin", LiveConstraint::Point{{0.6, 0.6, 0.2}, {0.6, 0.6, 0.4}}});
+    s->add(Constraint{"pin", Constraint::Point{{0.6, 0.6, 0.2}, {0.6, 0.6, 0.4}}});
   }
   CHECK(same_bits(session.dofs(), twin.dofs()));
   CHECK_FALSE(session.redo());
@@ -123,7 +123,7 @@ TEST_CASE("after undo the surface can be sculpted on as if nothing had been") {
 
 TEST_CASE("a drag of one parameter is undone as a whole, and so is a run of steps") {
   SculptingSession session(region(), {});
-  session.add(LiveLoad{"f", LiveLoad::Uniform{{0, 0, 1}, {}}});
+  session.add(Load{"f", Load::Uniform{{0, 0, 1}, {}}});
   session.settle();
   const Points rest = session.dofs();
   for (int n = 1; n <= 30; ++n) {
@@ -166,7 +166,7 @@ TEST_CASE("a recorded session plays again bit for bit") {
   for (int n = 0; n < 10; ++n) session.step();
   session.stop_motion();
   // A mistake on the way is played, too.
-  CHECK_THROWS_AS(session.add(LiveConstraint{"bad", LiveConstraint::Point{{9, 9, 9}, {0, 0, 0}}}),
+  CHECK_THROWS_AS(session.add(Constraint{"bad", Constraint::Point{{9, 9, 9}, {0, 0, 0}}}),
                   InputError);
   session.set("p", 1);
   session.settle();
@@ -185,8 +185,8 @@ TEST_CASE("the history keeps to its bytes") {
   SessionOptions options;
   options.history_bytes = 2 << 20;
   SculptingSession session(patch_layout(0.15), options);
-  session.add(LiveLoad{"f", LiveLoad::Uniform{{0, 0, 1}, {}}});
-  session.add(LiveLoad{"g", LiveLoad::Uniform{{0, 1, 0}, {}}});
+  session.add(Load{"f", Load::Uniform{{0, 0, 1}, {}}});
+  session.add(Load{"g", Load::Uniform{{0, 1, 0}, {}}});
   size_t most = 0;
   for (int n = 0; n < 200; ++n) {
     session.set(n % 2 ? "f" : "g", n);

@@ -22,8 +22,8 @@ SculptingSession inflated(RegionLayout layout, const nlohmann::json& reference) 
       with_material(reference["alpha"], reference["beta"], LoadUnits::Absolute);
   SculptingSession session(std::move(layout), options);
   if (reference["rim"] == "tangent plane")
-    session.add(LiveConstraint{"flat rim", LiveConstraint::LineNormal{"rim", Vec3::UnitZ()}});
-  session.add(LiveLoad{"p", LiveLoad::Pressure{}});
+    session.add(Constraint{"flat rim", Constraint::LineNormal{"rim", Vec3::UnitZ()}});
+  session.add(Load{"p", Load::Pressure{}});
   return session;
 }
 

@@ -9,15 +9,13 @@ namespace {
 
 SculptingSession sculpted(double edge) {
   SculptingSession session(patch_layout(edge), with_material(0.1, 1));
-  session.add(
-      LiveLoad{"f", LiveLoad::Uniform{{0, 0, 1}, {Area::Painted{{{{0.4, 0.6, 0.3}, 0.5, 1}}}}}},
-      {slider("f", 20)});
-  session.add(LiveLoad{"p", LiveLoad::Pressure{}}, {slider("p", 3)});
-  session.add(LiveLoad{"finger", LiveLoad::Point{{1.2, 0.5, 0.2}, {0, 0, 1}}},
-              {slider("finger", 1)});
+  session.add(Load{"f", Load::Uniform{{0, 0, 1}, {Area::Painted{{{{0.4, 0.6, 0.3}, 0.5, 1}}}}}},
+              {slider("f", 20)});
+  session.add(Load{"p", Load::Pressure{}}, {slider("p", 3)});
+  session.add(Load{"finger", Load::Point{{1.2, 0.5, 0.2}, {0, 0, 1}}}, {slider("finger", 1)});
   session.settle();
-  session.add(LiveConstraint{"pin", LiveConstraint::Point{{1.2, 0.8, 0.2}, {1.2, 0.8, 0.3}}});
-  session.add(LiveConstraint{"plane", LiveConstraint::LineNormal{"rib", {}}});
+  session.add(Constraint{"pin", Constraint::Point{{1.2, 0.8, 0.2}, {1.2, 0.8, 0.3}}});
+  session.add(Constraint{"plane", Constraint::LineNormal{"rib", {}}});
   return session;
 }
 
@@ -30,7 +28,7 @@ double energy_of(const SculptingSession& session) {
 
 TEST_CASE("a refinement keeps the surface on every old edge, and says what it changed inside") {
   SculptingSession session(patch_layout(0.4), {});
-  session.add(LiveLoad{"f", LiveLoad::Uniform{{0, 0, 1}, {}}}, {slider("f", 10)});
+  session.add(Load{"f", Load::Uniform{{0, 0, 1}, {}}}, {slider("f", 10)});
   session.settle();
   const Surface before = shape_of(session);
   const double energy = energy_of(session);
@@ -119,7 +117,7 @@ TEST_CASE("the brush refines under its strokes only, down to the smallest edge")
 
 TEST_CASE("jumps of curvature find where a finger presses") {
   SculptingSession session(square_layout(0.25, 2), {});
-  session.add(LiveLoad{"finger", LiveLoad::Point{{0.4, 0.4, 0}, {0, 0, 1}}}, {slider("finger", 1)});
+  session.add(Load{"finger", Load::Point{{0.4, 0.4, 0}, {0, 0, 1}}}, {slider("finger", 1)});
   session.settle();
   double before = energy_of(session);
   for (int round = 0; round < 4; ++round) {
@@ -143,7 +141,7 @@ TEST_CASE("jumps of curvature find where a finger presses") {
 
 TEST_CASE("a motion goes on over a refinement") {
   SculptingSession session(square_layout(0.25), {});
-  session.add(LiveLoad{"push", LiveLoad::Uniform{{0, 0, 1}, {}}}, {slider("push", 5)});
+  session.add(Load{"push", Load::Uniform{{0, 0, 1}, {}}}, {slider("push", 5)});
   session.settle();
   session.set("push", 0);
   session.start_motion({.dt = 0.005, .damping = 1});

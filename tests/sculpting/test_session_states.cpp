@@ -8,12 +8,12 @@ using namespace batten_test;
 
 namespace {
 
-LiveLoad springs(const std::string& name, double falloff) {
-  LiveLoad::Springs kind;
+Load springs(const std::string& name, double falloff) {
+  Load::Pulls kind;
   kind.at = {{0.5, 0.5, 0}};
-  kind.target = LiveLoad::Springs::Places{{{0.5, 0.5, 0.5}}};
+  kind.target = Load::Pulls::Places{{{0.5, 0.5, 0.5}}};
   kind.falloff = falloff;
-  LiveLoad load;
+  Load load;
   load.name = name;
   load.kind = kind;
   return load;
@@ -23,7 +23,7 @@ LiveLoad springs(const std::string& name, double falloff) {
 
 TEST_CASE("responses to loads go when springs become stiffer") {
   SculptingSession session(square_layout(0.2), {});
-  session.add(LiveLoad{"u", LiveLoad::Uniform{{0, 0, 1}}});
+  session.add(Load{"u", Load::Uniform{{0, 0, 1}}});
   session.add(springs("k", 0));
   for (const double u : {1.0, 2.0}) {
     session.set("u", u);
@@ -40,14 +40,14 @@ TEST_CASE("responses to loads go when springs become stiffer") {
 
 TEST_CASE("an unfinished answer keeps its own rows when something is added, and falls back whole") {
   SculptingSession session(patch_layout(0.2), {});
-  session.add(LiveLoad{"p", LiveLoad::Pressure{}});
+  session.add(Load{"p", Load::Pressure{}});
   session.add(LineMove{"m", "rib", {}, 0.3});
   const Points good = session.dofs();
   session.set("m", 0.05);
   session.set("p", 5);
   CHECK_FALSE(session.answer(1).converged);
   CHECK(session.residual() < 1e-12);
-  session.add(LiveLoad{"u", LiveLoad::Uniform{{0, 0, 1}}});
+  session.add(Load{"u", Load::Uniform{{0, 0, 1}}});
   CHECK(session.residual() < 1e-12);
   session.set("p", 1e9);
   CHECK_THROWS_AS(session.settle(), NoSolutionError);
@@ -58,11 +58,10 @@ TEST_CASE("an unfinished answer keeps its own rows when something is added, and 
 
 TEST_CASE("after a failed answer parameters are in their ranges and rules hold") {
   SculptingSession session(patch_layout(0.2), {});
-  session.add(LiveLoad{"p", LiveLoad::Pressure{}});
+  session.add(Load{"p", Load::Pressure{}});
   session.settle();
   session.add_parameter({.name = "q", .value = 3, .min = 1, .max = 10});
-  session.add(LiveLoad{"r", LiveLoad::Uniform{{0, 0, 1}}},
-              {{.name = "r", .value = 2, .min = 1, .max = 5}});
+  session.add(Load{"r", Load::Uniform{{0, 0, 1}}}, {{.name = "r", .value = 2, .min = 1, .max = 5}});
   session.set("p", 1e9);
   CHECK_THROWS_AS(session.settle(), NoSolutionError);
   CHECK(session.parameters().value("p") == 0);
@@ -77,7 +76,7 @@ TEST_CASE("after a failed answer parameters are in their ranges and rules hold")
 
 TEST_CASE("a limit far below what was asked is found") {
   SculptingSession session(patch_layout(0.2), {});
-  session.add(LiveLoad{"p", LiveLoad::Pressure{}});
+  session.add(Load{"p", Load::Pressure{}});
   const auto reached = [&](double asked) {
     session.set("p", asked);
     try {
@@ -112,7 +111,7 @@ TEST_CASE("springs with a falloff have a potential: energy falls in motion") {
 TEST_CASE("a normal's name takes no parameter of another away, and rest at rest costs no redo") {
   SculptingSession session(patch_layout(0.2), {});
   session.add_parameter({.name = "foo.x", .value = 1});
-  session.add(LiveConstraint{"foo", LiveConstraint::Normal{{0.3, 0.3, 0.1}, {0, 0.1, 1}}});
+  session.add(Constraint{"foo", Constraint::Normal{{0.3, 0.3, 0.1}, {0, 0.1, 1}}});
   session.remove("foo");
   CHECK(session.parameters().has("foo.x"));
   session.undo();
@@ -123,7 +122,7 @@ TEST_CASE("a normal's name takes no parameter of another away, and rest at rest 
 TEST_CASE("a session replays its own record while it records") {
   SculptingSession session(patch_layout(0.2), {});
   session.record(true);
-  session.add(LiveLoad{"p", LiveLoad::Pressure{}});
+  session.add(Load{"p", Load::Pressure{}});
   for (int i = 0; i < 20; ++i) {
     session.set("p", 0.1 * i);
     session.answer();

@@ -1,11 +1,12 @@
 // Loads: what they mean, and that pressure follows the surface.
 #include "../skinning/shapes.h"
+#include "../static_twin.h"
 #include "batten/core/errors.h"
-#include "batten/sculpting/static_sculpt.h"
 #include "batten/skinning/mesher.h"
 #include "batten/tests/catch.h"
 
 using namespace batten_test;
+using namespace batten::twin;
 using Catch::Matchers::Contains;
 
 namespace {

@@ -1,10 +1,12 @@
 #include <catch2/catch.hpp>
 
 #include "../random_outlines.h"
+#include "../static_twin.h"
 #include "batten/skinning/mesher.h"
 #include "batten/skinning/skin.h"
 
 using namespace batten_test;
+using namespace batten::twin;
 using Catch::Matchers::Contains;
 
 namespace {
@@ -36,7 +38,7 @@ struct Made {
   SkinQuality quality;
   Made(const std::vector<CharacterLine>& lines, const SkinOptions& options)
       : layout("region", lines, options),
-        sculpt(batten::sculpt(layout, layout.line_constraints(), {}, {})),
+        sculpt(batten::twin::sculpt(layout, layout.line_constraints(), {}, {})),
         region(layout.region(sculpt.dofs)),
         quality(measure(region)) {}
 };
@@ -208,11 +210,12 @@ TEST_CASE("the same cornered region fitted and embedded is the same shape, withi
       const RegionLayout layout("region", flat, o);
       SculptOptions absolute;
       absolute.units = LoadUnits::Absolute;
-      const Surface surface = layout
-                                  .region(batten::sculpt(layout, layout.line_constraints(),
-                                                         {{"f", UniformLoad{{0, 0, 20}}}}, absolute)
-                                              .dofs)
-                                  .surface;
+      const Surface surface =
+          layout
+              .region(batten::twin::sculpt(layout, layout.line_constraints(),
+                                           {{"f", UniformLoad{{0, 0, 20}}}}, absolute)
+                          .dofs)
+              .surface;
       height[cut] = surface.position(surface.closest_point({0.65, 0.45, 0.05}).where).z();
     }
     const double off = std::abs(height[1] / height[0] - 1);

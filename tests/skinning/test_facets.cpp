@@ -10,6 +10,7 @@
 #include "batten/core/errors.h"
 #include "batten/core/plane.h"
 #include "batten/skinning/mesher.h"
+#include "batten/skinning/model_facets.h"
 #include "batten/tests/catch.h"
 #include "batten/tests/refusal.h"
 #include "batten/tests/trimmed_regions.h"
@@ -393,6 +394,105 @@ TEST_CASE("regions that share a line share its points") {
   CHECK(apart < 4e-15);
   CHECK(gap < 2e-4);
   CHECK(count(uv_b, b.tessellation.facets).euler == 1);
+}
+
+TEST_CASE("edges end where neighbours ask for it") {
+  if (!have_delaunay_mesher()) return;
+  // Embedded lines: there and, as far as nothing folds, nowhere else.
+  const SkinnedRegion region =
+      sheet_region({circle({0, 0}, 1, 24), circle({0, 0}, 0.4, 8)}, {}, 0.2);
+  const HermiteCurve& rim = region.embedded[0].image;
+  LineStops stops;
+  stops.at.resize(2);
+  constexpr int edges = 31;
+  for (int k = 0; k <= edges; ++k)
+    stops.at[0].push_back(rim.start() + (rim.end() - rim.start()) * std::pow(k / 31.0, 1.2));
+  stops.at[0].back() = rim.end();
+  const QuadraticFacets asked = quadratic_facets(region, 0, stops), free = quadratic_facets(region);
+  REQUIRE(asked.lines[0].size() == edges);
+  for (size_t k = 0; k < edges; ++k) {
+    CHECK(asked.parameters[0][k][0] == stops.at[0][k]);
+    CHECK(asked.parameters[0][k][1] == stops.at[0][k + 1]);
+    const Vec3 there = rim.evaluate(stops.at[0][k]);
+    CHECK((asked.uv[static_cast<size_t>(asked.lines[0][k][0])] - there.head<2>()).norm() < 1e-14);
+  }
+  CHECK(asked.parameters[1] == free.parameters[1]);
+
+  // A run keeps its vertices and gets the others; without others the elements stay as they are.
+  const auto mesh = std::make_shared<const ParametricMesh>(ParametricMesh::unit_square(4));
+  Points dofs = Points::Zero(DofMap(*mesh).count(), 3);
+  for (int v = 0; v < mesh->vertex_count(); ++v)
+    dofs.row(3 * v) << mesh->vertices()[v].x(), mesh->vertices()[v].y(), 0;
+  SkinnedRegion square{"square", Surface(mesh, TriangleElement::HCT, dofs), {}, 1, {}, {{}}};
+  const int first[] = {0, 4, 24, 20}, step[] = {1, 5, -1, -5};
+  for (int s = 0; s < 4; ++s) {
+    LineRun run;
+    run.line.name = "side " + std::to_string(s);
+    for (int i = 0; i <= 4; ++i) {
+      run.vertices.push_back(first[s] + i * step[s]);
+      run.parameters.push_back(0.25 * i);
+      if (i > 0) run.edges.push_back(mesh->edge_between(run.vertices[i - 1], run.vertices[i]));
+    }
+    square.runs.push_back(run);
+    square.boundary[0].push_back({BoundaryPiece::Kind::Run, s, false});
+  }
+  stops.at = {{}, {0, 0.25, 0.5, 0.75, 1}};
+  CHECK(quadratic_facets(square, 0, stops).of_elements);
+  stops.at[1].insert(stops.at[1].begin() + 2, 0.375);
+  const QuadraticFacets more = quadratic_facets(square, 0, stops);
+  CHECK_FALSE(more.of_elements);
+  CHECK(more.lines[0].size() == 4);
+  REQUIRE(more.lines[1].size() == 5);
+  CHECK(more.parameters[1][1] == std::array{0.25, 0.375});
+  CHECK((more.uv[static_cast<size_t>(more.lines[1][1][1])] - Vec2(1, 0.375)).norm() < 1e-15);
+}
+
+TEST_CASE("a model's facets are those of its regions with common nodes on common lines") {
+  if (!have_delaunay_mesher()) return;
+  // The hole of one region, run the other way round, is the rim of another. Alone they divide it
+  // for themselves.
+  const SkinnedRegion around =
+      sheet_region({circle({0, 0}, 1, 24), circle({0.1, 0.2}, 0.5, 8)}, {}, 0.2);
+  SkinnedRegion inside = sheet_region({circle({0.1, 0.2}, 0.5, 8)}, {}, 0.06);
+  EmbeddedLine& rim = inside.embedded[0];
+  rim.line.name = "hole";
+  rim.fitted = rim.fitted.backwards();
+  rim.image = rim.image.backwards();
+  inside.boundary[0][0].reversed = !inside.boundary[0][0].reversed;
+  const ModelFacets both = model_facets({&around, &inside});
+  REQUIRE(both.regions.size() == 2);
+  REQUIRE(both.lines.size() == 2);
+  CHECK(both.lines[0].name == "rim");
+  CHECK(both.lines[1].name == "hole");
+  CHECK(both.lines[1].edges.size() == both.regions[0].lines[1].size());
+  CHECK(both.regions[1].lines[0].size() == both.regions[0].lines[1].size());
+  CHECK(both.places.size() == both.regions[0].nodes.size() + both.regions[1].nodes.size() -
+                                  2 * both.lines[1].edges.size());
+  std::map<std::array<int, 3>, int> edges;
+  for (size_t r = 0; r < 2; ++r)
+    for (const auto& t : both.regions[r].triangles)
+      for (size_t i = 0; i < 3; ++i) {
+        const int a = both.node[r][t[i]], b = both.node[r][t[(i + 1) % 3]];
+        ++edges[{std::min(a, b), std::max(a, b), both.node[r][t[3 + i]]}];
+      }
+  int rims = 0;
+  for (const auto& [edge, count] : edges) {
+    CHECK(count <= 2);
+    rims += count == 1;
+  }
+  CHECK(rims == static_cast<int>(both.lines[0].edges.size()));
+  for (const auto& edge : both.lines[1].edges)
+    for (const int node : edge) {
+      const Vec3& p = both.places[static_cast<size_t>(node)];
+      CHECK(std::abs(around.embedded[1].fitted.closest_point(p).distance) < 1e-12);
+    }
+
+  // One region alone: as quadratic_facets has it.
+  const ModelFacets one = model_facets({&around});
+  const QuadraticFacets same = quadratic_facets(around);
+  CHECK(one.regions[0].triangles == same.triangles);
+  CHECK(one.regions[0].uv == same.uv);
+  for (size_t i = 0; i < one.node[0].size(); ++i) CHECK(one.node[0][i] == static_cast<int>(i));
 }
 
 TEST_CASE("facets of random outlines with holes never fold") {

@@ -3,14 +3,15 @@
 
 #include <Eigen/Dense>
 
+#include "../static_twin.h"
 #include "batten/core/errors.h"
-#include "batten/sculpting/static_sculpt.h"
 #include "batten/skinning/mesher.h"
 #include "batten/tests/catch.h"
 #include "batten/tests/sampling.h"
 #include "shapes.h"
 
 using namespace batten_test;
+using namespace batten::twin;
 using Catch::Matchers::Contains;
 
 namespace {

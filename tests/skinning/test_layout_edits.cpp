@@ -1,6 +1,6 @@
 // Edits of a layout: refined anywhere, lines of another shape, inner lines that come and go.
+#include "../static_twin.h"
 #include "batten/core/errors.h"
-#include "batten/sculpting/static_sculpt.h"
 #include "batten/skinning/mesher.h"
 #include "batten/tests/catch.h"
 #include "batten/tests/refusal.h"
@@ -8,6 +8,7 @@
 #include "shapes.h"
 
 using namespace batten_test;
+using namespace batten::twin;
 using Catch::Matchers::Contains;
 
 namespace {

@@ -4,9 +4,9 @@
 #include <numbers>
 #include <set>
 
+#include "../static_twin.h"
 #include "batten/core/plane.h"
 #include "batten/fem/triangle_locator.h"
-#include "batten/sculpting/static_sculpt.h"
 #include "batten/skinning/facets.h"
 #include "batten/skinning/mesher.h"
 #include "batten/skinning/skin.h"
@@ -14,6 +14,7 @@
 #include "batten/tests/sampling.h"
 
 using namespace batten_test;
+using namespace batten::twin;
 using Catch::Matchers::Contains;
 
 namespace {
@@ -91,7 +92,7 @@ struct Made {
   Made(const std::vector<CharacterLine>& lines, double edge, double tolerance,
        const SurfaceStiffness& material = {})
       : layout("ring", lines, options_of(edge, tolerance)),
-        sculpt(batten::sculpt(layout, layout.line_constraints(), {}, {material})),
+        sculpt(batten::twin::sculpt(layout, layout.line_constraints(), {}, {material})),
         region(layout.region(sculpt.dofs)),
         quality(measure(region)) {}
 };

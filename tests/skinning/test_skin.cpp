@@ -1,13 +1,14 @@
 // Regions as surfaces: the lines are held exactly, the surface is C1, and the unit does not matter.
+#include "../static_twin.h"
 #include "batten/core/errors.h"
 #include "batten/core/parallel.h"
-#include "batten/sculpting/static_sculpt.h"
 #include "batten/skinning/mesher.h"
 #include "batten/tests/catch.h"
 #include "batten/tests/threads.h"
 #include "shapes.h"
 
 using namespace batten_test;
+using namespace batten::twin;
 using Catch::Matchers::Contains;
 
 namespace {

@@ -9,11 +9,12 @@ int main() {
   const std::vector<Vec3> corner = {{0, 0, 0}, {2, 0, 0}, {0, 1, 0}};
   std::vector<CharacterLine> lines;
   for (int i = 0; i < 3; ++i)
-    lines.push_back({"side " + std::to_string(i), curve_through_points("side", {corner[i], corner[(i + 1) % 3]})});
+    lines.push_back({"side " + std::to_string(i),
+                     curve_through_points("side", {corner[i], corner[(i + 1) % 3]})});
   SkinOptions options;
   options.mesher = SkinOptions::Mesher::Fan;
   const RegionLayout layout("triangle", lines, options);
-  const SculptResult result = sculpt(layout, layout.line_constraints(), {}, {});
+  const SculptResult result = sculpt(layout, {});
   const double area = measure(layout.region(result.dofs)).area;
   std::printf("area %.12f\n", area);
   return std::abs(area - 1) < 1e-9 ? 0 : 1;

@@ -26,16 +26,19 @@
 //
 // Where a region has the line embedded, (1) is imposed on averages over hats φ_k along its points,
 //
-//      ∫ φ_k (y_A + γ y_B - δ X') dt = 0,     y = |c'| ∂x/∂ν of the embedded side,
+//      ∫ φ_k (y_A + γ y_B - δ x_t) dt = 0,     y = |c'| ∂x/∂ν of the embedded side,
 //
 // and γ, δ are those that change the first shapes least: γ the ratio of the parts of y_A and y_B
 // across the line, δ what is left along it. The angle then falls with h only
 // (docs/theory/domains.md).
+//
+// All rows are homogeneous in the dofs: X' is x_t, the slope of one side along the line, and y of a
+// neighbour is that neighbour's. So they hold whatever moves the lines, with γ and δ as they were
+// planned; where tangents turn at nodes these have to be planned again.
 #pragma once
 
 #include <array>
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -52,10 +55,6 @@ struct JoinSide {
       true;  ///< the region lies to the left of the line's direction, from its normal's side
 };
 
-/// Whether the curve of an embedded line runs against the one that was given for the line: those of
-/// an outline run along their loop.
-bool runs_against_given(const EmbeddedLine& line);
-
 /// A line along which two regions (or one with itself) are to be joined.
 struct Seam {
   std::string name;
@@ -71,7 +70,13 @@ struct SeamEnd {
   bool open = false;  ///< (1) does not hold at this node
   bool loose =
       false;  ///< y is free there on a side, and nothing to set it to: (1) with γ = 1, δ = 0
-  std::array<std::optional<Vec3>, 2> set;  ///< y of a side that is free, where it is to be set
+  /// Where y of a side is free: the other regions' sides and ends (1: at its end), the mean of
+  /// whose -y it is set to. Empty: it is not.
+  struct Neighbour {
+    JoinSide side;
+    int end;
+  };
+  std::array<std::vector<Neighbour>, 2> set;
 };
 struct SeamPlan {
   Seam seam;
@@ -82,23 +87,34 @@ struct SeamPlan {
   bool constant() const;
 };
 
-/// Everything that joining needs of one region. The layout is not changed.
-struct JoinRegion {
-  const RegionLayout* layout = nullptr;
-  SurfaceStiffness material;  ///< in its own (u, v): regions of one model share one energy
-  Points first;               ///< the shape that its lines alone make
+/// γ, δ and what stands in the way, from shapes that have all lines (dofs of each region).
+/// `most_apart_deg`: tangent planes at a node that differ by more are no plane. Seams that have to
+/// be given up say why: runs with other vertices, regions that lie on the same side (γ ≤ 0, or out
+/// of [1/50, 50]). Regions that no seam has may be null.
+std::vector<SeamPlan> plan_seams(const std::vector<const RegionLayout*>& regions,
+                                 const std::vector<Points>& shapes, const std::vector<Seam>& seams,
+                                 double most_apart_deg);
+
+/// Which numbers the dofs of a region have among those of a model: 3·vertices of the region, then
+/// its edges, are moved by one number each.
+struct RegionNumbers {
+  int vertex_dofs = 0;  ///< 3 · vertices of the region
+  int vertices = 0, edges = 0;
+  int operator()(int dof) const { return dof + (dof < vertex_dofs ? vertices : edges); }
 };
 
-/// γ, δ and what stands in the way, from the shapes that the lines alone make. `most_apart_deg`:
-/// tangent planes at a node that differ by more are no plane. Seams that have to be given up say
-/// why: runs with other vertices, regions that lie on the same side (γ ≤ 0, or out of [1/50, 50]).
-std::vector<SeamPlan> plan_seams(const std::vector<JoinRegion>& regions,
-                                 const std::vector<Seam>& seams, double most_apart_deg);
+/// Adds (1) along all seams that are not given up, as "smooth line NAME". Lines that are held make
+/// (1) true at nodes by themselves; where they are `free` it is imposed there as well, but for the
+/// last seam around a node, which the others imply.
+void add_seam_rows(const std::vector<const RegionLayout*>& regions,
+                   const std::vector<RegionNumbers>& numbers, const std::vector<SeamPlan>& plans,
+                   bool free, ConstraintSet& set);
 
-/// Dofs of all regions, of least energy with (1) along all seams that can be had, solved about
-/// `origin`. One factor of all regions together. Throws ConflictError, NoSolutionError.
-std::vector<Points> solve_joined(const std::vector<JoinRegion>& regions,
-                                 const std::vector<SeamPlan>& seams, const Vec3& origin);
+/// Adds rows that keep the regions beside a line together where nothing holds the line itself, as
+/// "joined line NAME": places and slopes along it are the same at the vertices of two runs, the
+/// places on the average of each hat where a region has it embedded.
+void add_line_ties(const std::vector<const RegionLayout*>& regions,
+                   const std::vector<RegionNumbers>& numbers, const Seam& line, ConstraintSet& set);
 
 /// The angle between the surfaces' planes along a seam of finished regions, degrees: 0 where they
 /// go on smoothly, 180 where one doubles back on the other. `samples` in each edge, both ends of

@@ -16,7 +16,8 @@
 
 namespace batten {
 
-/// Where something acts: a weight w in [0, 1] over the surface.
+/// Where something acts: a weight w in [0, 1] over the surface; on a whole model in all regions, or
+/// in those that are named.
 struct Area {
   struct Everywhere {};
   /// (1 - (r/radius)²)² for r < radius, r the distance to the line; 0 beyond.
@@ -34,10 +35,13 @@ struct Area {
     std::vector<Stroke> strokes;
   };
   std::variant<Everywhere, NearLine, Painted> where;
+  std::vector<std::string> regions = {};
 };
 
-/// A load; its parameter multiplies it. Units as in sculpting/static_sculpt.h.
-struct LiveLoad {
+/// A load; its parameter multiplies it. Relative units: pressure, forces and stiffness of springs
+/// are pure numbers on the model scaled to size 1. Absolute: uniform loads and pressure are
+/// force/length², point loads force, in the model's length unit.
+struct Load {
   /// value · w · n per area of the surface as it is: follows the normal.
   struct Pressure {
     Area area;
@@ -55,7 +59,7 @@ struct LiveLoad {
   struct Point {
     Vec3 at = Vec3::Zero(), direction = Vec3::Zero();
   };
-  /// value · direction per length of a line of the layout.
+  /// value · direction per length of a line, once however many regions have it.
   struct Line {
     std::string line;
     Vec3 direction = Vec3::Zero();
@@ -66,7 +70,7 @@ struct LiveLoad {
   ///     f = value φ(r) (r - rest_length) (t - x)/r,    φ = exp(-(r/falloff)²), or 1 for falloff 0
   ///
   /// A spring to a plane pulls along the plane's normal only.
-  struct Springs {
+  struct Pulls {
     struct Places {
       std::vector<Vec3> to;  ///< one for each spring
     };
@@ -80,13 +84,14 @@ struct LiveLoad {
     std::variant<Places, Curve, Plane> target;
     double rest_length = 0, falloff = 0;  ///< model units
   };
-  /// Springs to measured points, whose feet slide to the nearest place of the surface (SpringLoad);
-  /// value: stiffness of all together.
-  struct Measured {
+  /// Springs to measured points: the energy gets Σ value/n |x(c_i) - p_i|², c_i the place that is
+  /// nearest to point i, looked for anew until it stands still. `value`: stiffness of all n
+  /// together. Points beyond the surface's rim are left out.
+  struct Springs {
     std::vector<Vec3> points;
   };
   std::string name;
-  std::variant<Pressure, Uniform, Gravity, Point, Line, Springs, Measured> kind;
+  std::variant<Pressure, Uniform, Gravity, Point, Line, Pulls, Springs> kind;
 };
 
 /// A field that is added to alpha or beta: value · w, in all directions or in one.
@@ -101,7 +106,7 @@ struct WeightField {
 };
 
 /// A geometric constraint of its own (lines are constraints of the layout).
-struct LiveConstraint {
+struct Constraint {
   /// The place stays at its goal; parameters NAME.x, NAME.y, NAME.z.
   struct Point {
     Vec3 at, goal;
@@ -116,7 +121,8 @@ struct LiveConstraint {
     Vec2 along = Vec2::Zero();
     Vec3 tau = Vec3::Zero();
   };
-  /// The tangent plane along a line stays as it is when this is added, or parallel to `normal`.
+  /// The tangent plane along a line stays as it is when this is added, or parallel to `normal`: on
+  /// all sides of a crease, on one side of a smooth join, which carries it to the other.
   struct LineNormal {
     std::string line;
     std::optional<Vec3> normal = {};
@@ -125,9 +131,9 @@ struct LiveConstraint {
   std::variant<Point, Normal, Tangent, LineNormal> kind;
 };
 
-/// A line of the layout that a parameter moves: X(t) + value · profile(t) · direction(t), in model
-/// units. Without a direction: along the surface's normal where it is when this is added: the
-/// "rib".
+/// A line that a parameter moves, with all regions that have it: X(t) + value · profile(t) ·
+/// direction(t), in model units. Without a direction: along the surface's normal where it is when
+/// this is added (the "rib"), of a smooth join along the mean of both; a crease needs a direction.
 struct LineMove {
   std::string name, line;
   std::optional<Vec3> direction = {};

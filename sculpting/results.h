@@ -1,0 +1,26 @@
+// What is known of a shape beside its dofs.
+#pragma once
+
+#include <string>
+
+#include "batten/core/eigen.h"
+
+namespace batten {
+
+/// Force with which a named line or constraint holds the surface: its share of the reaction on the
+/// position dofs, in the units of the loads.
+struct Reaction {
+  std::string name;
+  Vec3 force = Vec3::Zero();
+};
+
+/// How far the points of a spring load are from a surface, model units: of those that are used
+/// (points beyond the rim are left out).
+struct SpringDistances {
+  std::string name;
+  int points = 0, left_out = 0;
+  double before_max = 0, before_rms = 0;  ///< of the shape without loads
+  double max = 0, rms = 0;
+};
+
+}  // namespace batten

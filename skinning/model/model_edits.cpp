@@ -1,0 +1,155 @@
+// Edits of a model's layout: made on copies of the regions, which take their places when nothing
+// was thrown.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "batten/core/errors.h"
+#include "batten/fem/surface_projector.h"
+#include "batten/fem/surface_transfer.h"
+#include "batten/skinning/model/model_layout.h"
+
+namespace batten {
+namespace {
+
+using Marks = std::vector<std::vector<char>>;
+
+// Marks the triangles at edges of one run that another run of the same line has halved.
+void mark_longer_edges(const RegionLayout& mine, const LineRun& run, const LineRun& other,
+                       std::vector<char>& marks) {
+  constexpr double same = 1e-9;
+  const double near = same * (run.parameters.back() - run.parameters.front());
+  for (size_t k = 0; k + 1 < run.parameters.size(); ++k) {
+    const auto inside = std::find_if(
+        other.parameters.begin(), other.parameters.end(),
+        [&](double t) { return t > run.parameters[k] + near && t < run.parameters[k + 1] - near; });
+    if (inside == other.parameters.end()) continue;
+    const auto& edge = mine.mesh()->edges()[static_cast<size_t>(run.edges[k])];
+    marks[static_cast<size_t>(edge.triangle[0])] = 1;
+  }
+}
+
+}  // namespace
+
+bool ModelLayout::refine(const std::vector<char>& marked) {
+  if (static_cast<int>(marked.size()) != mesh_->triangle_count())
+    throw InputError(std::to_string(marked.size()) + " marks for " +
+                     std::to_string(mesh_->triangle_count()) + " triangles");
+  ModelLayout finer = *this;
+  Marks marks;
+  for (int r = 0; r < region_count(); ++r)
+    marks.emplace_back(marked.begin() + first_triangle(r), marked.begin() + first_triangle(r + 1));
+  bool any = false;
+  // Halves of halves: each round brings the sides of a line nearer to each other.
+  constexpr int most_rounds = 60;
+  for (int round = 0;; ++round) {
+    bool halved = false;
+    for (int r = 0; r < region_count(); ++r) {
+      auto& region = finer.regions_[static_cast<size_t>(r)];
+      RegionLayout copy = *region;
+      if (!copy.refine(marks[static_cast<size_t>(r)])) continue;
+      region = std::make_shared<const RegionLayout>(std::move(copy));
+      halved = true;
+    }
+    any = any || halved;
+    if (!halved) break;
+    if (round == most_rounds)
+      throw InputError("the regions of model '" + name() + "' cannot be refined alike");
+    for (int r = 0; r < region_count(); ++r)
+      marks[static_cast<size_t>(r)].assign(
+          static_cast<size_t>(finer.region(r).mesh()->triangle_count()), 0);
+    for (const ModelLine& line : lines_)
+      for (const LineSide& a : line.sides)
+        for (const LineSide& b : line.sides) {
+          if (a.embedded || b.embedded || (a.region == b.region && a.index == b.index)) continue;
+          mark_longer_edges(finer.region(a.region),
+                            finer.region(a.region).runs()[static_cast<size_t>(a.index)],
+                            finer.region(b.region).runs()[static_cast<size_t>(b.index)],
+                            marks[static_cast<size_t>(a.region)]);
+        }
+  }
+  if (!any) return false;
+  finer.number();
+  *this = std::move(finer);
+  return true;
+}
+
+void ModelLayout::set_line(const std::string& name, const HermiteCurve& curve) {
+  const ModelLine& line = model_line(name);
+  ModelLayout changed = *this;
+  for (const LineSide& side : line.sides) {
+    auto& region = changed.regions_[static_cast<size_t>(side.region)];
+    RegionLayout copy = *region;
+    copy.set_line(name, against(line, side) ? curve.backwards() : curve);
+    region = std::make_shared<const RegionLayout>(std::move(copy));
+  }
+  *this = std::move(changed);
+}
+
+void ModelLayout::add_inner(const CharacterLine& line, const Points& shape) {
+  if (has_line(line.name)) throw InputError("two lines have the name '" + line.name + "'");
+  int nearest = 0;
+  double least = std::numeric_limits<double>::infinity();
+  for (int r = 0; r < region_count() && region_count() > 1 && line.curve; ++r) {
+    const Surface surface = skinned(r, shape).surface;
+    const SurfaceProjector projector(surface);
+    double farthest = 0;
+    constexpr int samples = 16;
+    for (int i = 0; i <= samples; ++i) {
+      const double t =
+          line.curve->start() + (line.curve->end() - line.curve->start()) * i / samples;
+      farthest = std::max(farthest, projector.nearest(line.curve->evaluate(t)).distance);
+    }
+    if (!(farthest < least)) continue;
+    least = farthest;
+    nearest = r;
+  }
+  RegionLayout copy = region(nearest);
+  copy.add_inner(line,
+                 Surface(copy.mesh(), copy.element(), region_dofs(nearest, shape), copy.trim()));
+  regions_[static_cast<size_t>(nearest)] = std::make_shared<const RegionLayout>(std::move(copy));
+  number();
+}
+
+void ModelLayout::remove_inner(const std::string& name) {
+  if (region_count() > 1 && model_line(name).sides.size() > 1)
+    throw InputError("line '" + name + "' cannot be taken out: it bounds regions");
+  const int r = region_count() == 1 ? 0 : model_line(name).sides.front().region;
+  RegionLayout copy = region(r);
+  copy.remove_inner(name);
+  regions_[static_cast<size_t>(r)] = std::make_shared<const RegionLayout>(std::move(copy));
+  number();
+}
+
+void ModelLayout::plan_seams(const Points& shape) {
+  std::vector<Seam> seams;
+  std::vector<size_t> index;
+  for (size_t s = 0; s < seams_.size(); ++s) {
+    if (!seams_[s].why_not.empty()) continue;
+    seams.push_back(seams_[s].seam);
+    index.push_back(s);
+  }
+  const auto plans = batten::plan_seams(layouts(), of_regions(shape), seams, frame_.most_apart_deg);
+  for (size_t i = 0; i < plans.size(); ++i) seams_[index[i]] = plans[i];
+}
+
+double ModelLayout::seam_misfit(const Points& shape) const {
+  ModelLayout anew = *this;
+  anew.plan_seams(shape);
+  double misfit = 0;
+  for (size_t s = 0; s < seams_.size(); ++s) {
+    const SeamPlan &was = seams_[s], &is = anew.seams_[s];
+    if (!was.why_not.empty() || !was.at.empty()) continue;
+    if (!is.why_not.empty()) return std::numeric_limits<double>::infinity();
+    for (size_t e = 0; e < 2; ++e) {
+      const SeamEnd &old = was.ends[e], &now = is.ends[e];
+      if (old.open != now.open) return std::numeric_limits<double>::infinity();
+      if (old.open || old.loose) continue;
+      misfit = std::max({misfit, std::abs(now.gamma / old.gamma - 1),
+                         std::abs(now.delta - old.delta) / (1 + std::abs(old.delta))});
+    }
+  }
+  return misfit;
+}
+
+}  // namespace batten

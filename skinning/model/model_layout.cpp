@@ -1,0 +1,313 @@
+#include "batten/skinning/model/model_layout.h"
+
+#include <algorithm>
+#include <map>
+
+#include "batten/constraints/affine_reduction.h"
+#include "batten/core/errors.h"
+#include "batten/core/words.h"
+#include "batten/fem/dissection.h"
+
+namespace batten {
+
+ModelLayout::ModelLayout(RegionLayout region)
+    : frame_{region.name(), region.size(), region.tolerance(), region.origin()},
+      regions_{std::make_shared<const RegionLayout>(std::move(region))} {
+  number();
+}
+
+ModelLayout::ModelLayout(ModelFrame frame, std::vector<std::shared_ptr<const RegionLayout>> regions,
+                         std::vector<SeamPlan> seams)
+    : frame_(std::move(frame)), regions_(std::move(regions)), seams_(std::move(seams)) {
+  if (regions_.empty()) throw InputError("model '" + frame_.name + "' has no regions");
+  for (const auto& region : regions_)
+    if (region->element() != element())
+      throw InputError("model '" + frame_.name + "' has regions of different elements");
+  number();
+}
+
+void ModelLayout::number() {
+  numbers_.clear();
+  first_triangle_ = {0};
+  std::vector<const ParametricMesh*> meshes;
+  std::vector<const Trim*> trims;
+  int vertices = 0, edges = 0;
+  bool trimmed = false;
+  for (const auto& region : regions_) {
+    const ParametricMesh& mesh = *region->mesh();
+    meshes.push_back(&mesh);
+    trims.push_back(region->trim().get());
+    trimmed = trimmed || region->trim();
+    numbers_.push_back({3 * mesh.vertex_count(), 3 * vertices, edges - 3 * mesh.vertex_count()});
+    vertices += mesh.vertex_count();
+    edges += mesh.edge_count();
+    first_triangle_.push_back(first_triangle_.back() + mesh.triangle_count());
+  }
+  for (RegionNumbers& n : numbers_) n.edges += 3 * vertices;
+  if (regions_.size() == 1) {
+    mesh_ = region(0).mesh();
+    trim_ = region(0).trim();
+  } else {
+    mesh_ = std::make_shared<const ParametricMesh>(ParametricMesh::side_by_side(meshes));
+    trim_ = trimmed ? std::make_shared<const Trim>(Trim::side_by_side(trims, meshes)) : nullptr;
+  }
+  domain_scale_ = VecX();
+  if (std::any_of(regions_.begin(), regions_.end(),
+                  [&](const auto& region) { return region->size() != size(); })) {
+    domain_scale_.resize(first_triangle_.back());
+    for (int r = 0; r < region_count(); ++r) {
+      const double ratio = region(r).size() / size();
+      domain_scale_.segment(first_triangle(r), region(r).mesh()->triangle_count())
+          .setConstant(ratio * ratio);
+    }
+  }
+
+  lines_.clear();
+  std::map<std::string, size_t> index;
+  const auto add = [&](const std::string& name, const LineSide& side) {
+    const auto [it, fresh] = index.emplace(name, lines_.size());
+    if (fresh) lines_.push_back({name, {}});
+    lines_[it->second].sides.push_back(side);
+  };
+  for (int r = 0; r < region_count(); ++r) {
+    for (size_t i = 0; i < region(r).runs().size(); ++i)
+      add(region(r).runs()[i].line.name, {r, false, static_cast<int>(i)});
+    for (size_t i = 0; i < region(r).embedded().size(); ++i)
+      add(region(r).embedded()[i].line.name, {r, true, static_cast<int>(i)});
+  }
+  for (ModelLine& line : lines_)
+    std::stable_partition(line.sides.begin(), line.sides.end(),
+                          [](const LineSide& side) { return !side.embedded; });
+}
+
+namespace {
+
+[[noreturn]] void no_such(const std::string& who, const std::string& what, const std::string& name,
+                          const std::vector<std::string>& names) {
+  const std::string near = nearest_word(name, names);
+  throw InputError(who + " has no " + what + " '" + name + "'" +
+                   (near.empty() ? "" : ": did you mean '" + near + "'?"));
+}
+
+}  // namespace
+
+int ModelLayout::region_named(const std::string& name) const {
+  std::vector<std::string> names;
+  for (int r = 0; r < region_count(); ++r) {
+    if (region(r).name() == name) return r;
+    names.push_back(region(r).name());
+  }
+  no_such("model '" + this->name() + "'", "region", name, names);
+}
+
+std::vector<std::string> ModelLayout::warnings() const {
+  if (region_count() == 1) return region(0).warnings();
+  std::vector<std::string> all;
+  for (const auto& region : regions_)
+    for (const std::string& warning : region->warnings())
+      all.push_back("region '" + region->name() + "': " + warning);
+  return all;
+}
+
+// -- lines ----------------------------------------------------------------------------------------
+
+bool ModelLayout::has_line(const std::string& name) const {
+  return std::any_of(lines_.begin(), lines_.end(),
+                     [&](const ModelLine& line) { return line.name == name; });
+}
+
+const ModelLine& ModelLayout::model_line(const std::string& name) const {
+  std::vector<std::string> names;
+  for (const ModelLine& line : lines_) {
+    if (line.name == name) return line;
+    names.push_back(line.name);
+  }
+  no_such((region_count() == 1 ? "region '" : "model '") + this->name() + "'", "line", name, names);
+}
+
+const HermiteCurve& ModelLayout::line(const std::string& name) const {
+  return curve(model_line(name).sides.front());
+}
+
+const HermiteCurve& ModelLayout::curve(const LineSide& side) const {
+  const auto i = static_cast<size_t>(side.index);
+  return side.embedded ? region(side.region).embedded()[i].fitted
+                       : region(side.region).runs()[i].fitted;
+}
+
+HermiteCurve ModelLayout::image(const LineSide& side) const {
+  const auto i = static_cast<size_t>(side.index);
+  const RegionLayout& of = region(side.region);
+  return side.embedded ? of.embedded()[i].image : run_image(*of.mesh(), of.runs()[i]);
+}
+
+bool ModelLayout::against(const ModelLine& line, const LineSide& side) const {
+  const auto runs_against = [&](const LineSide& s) {
+    return s.embedded && region(s.region).embedded()[static_cast<size_t>(s.index)].against_given;
+  };
+  return runs_against(side) != runs_against(line.sides.front());
+}
+
+const SeamPlan* ModelLayout::seam(const std::string& line) const {
+  for (const SeamPlan& plan : seams_)
+    if (plan.seam.name == line && plan.why_not.empty()) return &plan;
+  return nullptr;
+}
+
+// -- rows and numbers -----------------------------------------------------------------------------
+
+std::vector<const RegionLayout*> ModelLayout::layouts() const {
+  std::vector<const RegionLayout*> all;
+  for (const auto& region : regions_) all.push_back(region.get());
+  return all;
+}
+
+ConstraintSet ModelLayout::gathered(ConstraintSet (RegionLayout::*rows)() const,
+                                    bool name_regions) const {
+  ConstraintSet all(DofMap(*mesh_).count());
+  for (int r = 0; r < region_count(); ++r) {
+    if (name_regions && region(r).corners().empty()) continue;
+    const ConstraintSet own = (region(r).*rows)();
+    for (const auto& row : own.rows()) {
+      std::vector<ConstraintSet::Entry> entries = row.entries;
+      for (auto& e : entries) e.dof = numbers(r)(e.dof);
+      const std::string& name = own.names()[static_cast<size_t>(row.name)];
+      all.add(name_regions ? region(r).name() + " " + name : name, std::move(entries), row.value);
+    }
+  }
+  return all;
+}
+
+ConstraintSet ModelLayout::line_constraints() const {
+  if (region_count() == 1) return region(0).line_constraints();
+  ConstraintSet all = gathered(&RegionLayout::line_constraints, false);
+  add_seam_rows(layouts(), numbers_, seams_, false, all);
+  return all;
+}
+
+ConstraintSet ModelLayout::corner_constraints() const {
+  if (region_count() == 1) return region(0).corner_constraints();
+  ConstraintSet all = gathered(&RegionLayout::corner_constraints, true);
+  if (all.rows().empty())
+    throw InputError("model '" + name() + "' has no corners that could hold it");
+  for (const ModelLine& line : lines_)
+    for (size_t s = 1; s < line.sides.size(); ++s) {
+      const LineSide &a = line.sides[0], &b = line.sides[s];
+      add_line_ties(layouts(), numbers_,
+                    {line.name,
+                     {JoinSide{a.region, a.embedded, a.index, true},
+                      JoinSide{b.region, b.embedded, b.index, false}}},
+                    all);
+    }
+  add_seam_rows(layouts(), numbers_, seams_, true, all);
+  return all;
+}
+
+VecX ModelLayout::position_dofs() const {
+  const DofMap dofs(*mesh_);
+  VecX ones = VecX::Zero(dofs.count());
+  for (int v = 0; v < mesh_->vertex_count(); ++v) ones[dofs.vertex(v)] = 1;
+  return ones;
+}
+
+std::vector<int> ModelLayout::dof_order() const {
+  if (region_count() == 1) return dissection_order(*mesh_);
+  if (std::any_of(seams_.begin(), seams_.end(),
+                  [](const SeamPlan& plan) { return plan.why_not.empty(); }))
+    return {};
+  std::vector<int> order;
+  for (int r = 0; r < region_count(); ++r)
+    for (const int dof : dissection_order(*region(r).mesh())) order.push_back(numbers(r)(dof));
+  return order;
+}
+
+std::vector<SurfaceStiffness> ModelLayout::on_regions(
+    std::vector<SurfaceStiffness> materials) const {
+  if (domain_scale_.size() == 0) return materials;
+  if (materials.size() == 1)
+    materials.resize(static_cast<size_t>(domain_scale_.size()), materials[0]);
+  for (size_t t = 0; t < materials.size(); ++t) {
+    const double scale = domain_scale_[static_cast<long>(t)];
+    materials[t].beta /= scale;
+    materials[t].beta_mixed /= scale;
+  }
+  return materials;
+}
+
+VecX ModelLayout::spread(int r, const VecX& own) const {
+  if (region_count() == 1) return own;
+  VecX all = VecX::Zero(DofMap(*mesh_).count());
+  const RegionNumbers& n = numbers(r);
+  all.segment(n.vertices, n.vertex_dofs) = own.head(n.vertex_dofs);
+  const long edges = own.size() - n.vertex_dofs;
+  all.segment(n(n.vertex_dofs), edges) = own.tail(edges);
+  return all;
+}
+
+int ModelLayout::region_of(int triangle) const {
+  const auto after = std::upper_bound(first_triangle_.begin(), first_triangle_.end(), triangle);
+  return static_cast<int>(after - first_triangle_.begin()) - 1;
+}
+
+Location ModelLayout::in_model(int r, Location where) const {
+  where.triangle += first_triangle(r);
+  return where;
+}
+
+Location ModelLayout::in_region(Location where) const {
+  where.triangle -= first_triangle(region_of(where.triangle));
+  return where;
+}
+
+// -- shapes ---------------------------------------------------------------------------------------
+
+Points ModelLayout::region_dofs(int r, const Points& all) const {
+  if (region_count() == 1) return all;
+  const RegionNumbers& n = numbers(r);
+  const int edges = region(r).mesh()->edge_count();
+  Points own(n.vertex_dofs + edges, 3);
+  own.topRows(n.vertex_dofs) = all.middleRows(n.vertices, n.vertex_dofs);
+  own.bottomRows(edges) = all.middleRows(n(n.vertex_dofs), edges);
+  return own;
+}
+
+Points ModelLayout::all_dofs(const std::vector<Points>& of_regions) const {
+  if (region_count() == 1) return of_regions.front();
+  Points all(DofMap(*mesh_).count(), 3);
+  for (int r = 0; r < region_count(); ++r) {
+    const RegionNumbers& n = numbers(r);
+    const Points& own = of_regions[static_cast<size_t>(r)];
+    const long edges = own.rows() - n.vertex_dofs;
+    all.middleRows(n.vertices, n.vertex_dofs) = own.topRows(n.vertex_dofs);
+    all.middleRows(n(n.vertex_dofs), edges) = own.bottomRows(edges);
+  }
+  return all;
+}
+
+std::vector<Points> ModelLayout::of_regions(const Points& all) const {
+  std::vector<Points> each;
+  for (int r = 0; r < region_count(); ++r) each.push_back(region_dofs(r, all));
+  return each;
+}
+
+Surface ModelLayout::surface(Points all) const { return {mesh_, element(), std::move(all), trim_}; }
+
+SkinnedRegion ModelLayout::skinned(int r, const Points& all) const {
+  return region(r).region(region_dofs(r, all));
+}
+
+Points ModelLayout::least_energy(const SurfaceStiffness& material) const {
+  const SurfaceAssembler assembler(*mesh_, element(), trim_);
+  SparseMatrix K = assembler.pattern();
+  const auto materials = on_regions({material});
+  if (materials.size() == 1)
+    assembler.stiffness(materials[0], K);
+  else
+    assembler.stiffness(materials, K);
+  const VecX ones = position_dofs();
+  const ConstrainedSolver solver(line_constraints().moved(ones, origin()), std::move(K),
+                                 dof_order());
+  return solver.solve(Points::Zero(ones.size(), 3)) + ones * origin().transpose();
+}
+
+}  // namespace batten

@@ -1,0 +1,80 @@
+#include "batten/skinning/model/model_projector.h"
+
+#include <limits>
+#include <optional>
+
+namespace batten {
+
+ModelProjector::ModelProjector(const ModelLayout& layout, const Points& dofs) {
+  regions_.reserve(static_cast<size_t>(layout.region_count()));
+  for (int r = 0; r < layout.region_count(); ++r) {
+    const RegionLayout& of = layout.region(r);
+    Region region{Surface(of.mesh(), of.element(), layout.region_dofs(r, dofs), of.trim()),
+                  Vec3::Constant(std::numeric_limits<double>::infinity()),
+                  Vec3::Constant(-std::numeric_limits<double>::infinity()),
+                  {}};
+    for (int v = 0; v < of.mesh()->vertex_count(); ++v) {
+      const Vec3 x = region.surface.dofs().row(region.surface.dof_map().vertex(v));
+      region.low = region.low.cwiseMin(x);
+      region.high = region.high.cwiseMax(x);
+    }
+    // Between its vertices it may bulge beyond their box.
+    constexpr double bulge = 0.25;
+    const double margin = bulge * (region.high - region.low).norm();
+    region.low.array() -= margin;
+    region.high.array() += margin;
+    regions_.push_back(std::move(region));
+  }
+}
+
+double ModelProjector::Region::distance_to_box(const Vec3& p) const {
+  return (low - p).cwiseMax(p - high).cwiseMax(0).norm();
+}
+
+ModelProjector::Nearest ModelProjector::in_region(int r, const Vec3& p) const {
+  const Region& region = regions_[static_cast<size_t>(r)];
+  if (!region.projector) region.projector = std::make_unique<SurfaceProjector>(region.surface);
+  const auto closest = region.projector->nearest(p);
+  const ParametricMesh& mesh = region.surface.mesh();
+  const Vec2 uv = mesh.shape(closest.where.triangle).point(closest.where.L);
+  const Trim* trim = region.surface.trim().get();
+  return {{r, mesh.wrapped(uv)},
+          closest.where,
+          closest.distance,
+          !trim || trim->loops().contains(mesh.wrapped(uv))};
+}
+
+ModelProjector::Nearest ModelProjector::nearest(const Vec3& p) const {
+  std::optional<Nearest> best;
+  for (int r = 0; r < static_cast<int>(regions_.size()); ++r) {
+    if (best && best->inside &&
+        regions_[static_cast<size_t>(r)].distance_to_box(p) > best->distance)
+      continue;
+    const Nearest found = in_region(r, p);
+    if (!best || (found.inside && !best->inside) ||
+        (found.inside == best->inside && found.distance < best->distance))
+      best = found;
+  }
+  return *best;
+}
+
+ModelProjector::Nearest ModelProjector::nearest_inside(const Vec3& p) const {
+  std::optional<Nearest> best;
+  for (int r = 0; r < static_cast<int>(regions_.size()); ++r) {
+    const Region& region = regions_[static_cast<size_t>(r)];
+    if (best && region.distance_to_box(p) > best->distance) continue;
+    Nearest found = in_region(r, p);
+    if (!found.inside) {
+      const auto closest = region.surface.closest_point(p);
+      const ParametricMesh& mesh = region.surface.mesh();
+      found = {{r, mesh.wrapped(mesh.shape(closest.where.triangle).point(closest.where.L))},
+               closest.where,
+               closest.distance,
+               true};
+    }
+    if (!best || found.distance < best->distance) best = found;
+  }
+  return *best;
+}
+
+}  // namespace batten

@@ -1,0 +1,44 @@
+// Nearest places of a whole model for many points in space.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "batten/fem/surface_projector.h"
+#include "batten/skinning/model/model_layout.h"
+
+namespace batten {
+
+/// One SurfaceProjector a region, made when it is needed; regions that are too far away to matter
+/// are passed over by their boxes. Keeps copies of the regions' surfaces.
+class ModelProjector {
+ public:
+  /// `dofs`: a shape on the layout.
+  ModelProjector(const ModelLayout& layout, const Points& dofs);
+
+  struct Nearest {
+    ModelPoint at;
+    Location where;  ///< in the mesh of its region
+    double distance = 0;
+    bool inside = true;  ///< of the region's trim
+  };
+  /// The nearest place of the meshes of all regions, whether a trim has it inside or not; of
+  /// several regions one inside, if any has one.
+  Nearest nearest(const Vec3& p) const;
+  /// The nearest place inside: where a trim has the nearest one outside, Surface::closest_point
+  /// looks again.
+  Nearest nearest_inside(const Vec3& p) const;
+  const Surface& surface(int region) const { return regions_[static_cast<size_t>(region)].surface; }
+
+ private:
+  struct Region {
+    Surface surface;
+    Vec3 low, high;
+    mutable std::unique_ptr<SurfaceProjector> projector;
+    double distance_to_box(const Vec3& p) const;
+  };
+  Nearest in_region(int r, const Vec3& p) const;
+  std::vector<Region> regions_;
+};
+
+}  // namespace batten

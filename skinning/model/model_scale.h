@@ -1,0 +1,36 @@
+// Which factors loads and materials take on a model scaled to size 1.
+#pragma once
+
+#include "batten/fairing/energy.h"
+
+namespace batten {
+
+/// A model of size S is solved on its domain over S. In relative units alpha, beta and loads are
+/// pure numbers there and dofs keep their length, so that forces carry S; in absolute units forces
+/// stay as they are and areas of the domain carry S². (Between the regions of a model:
+/// ModelLayout::domain_scale.)
+class ModelScale {
+ public:
+  ModelScale(LoadUnits units, double size)
+      : relative_(units == LoadUnits::Relative), units_(units), size_(size) {}
+
+  SurfaceStiffness material(const SurfaceStiffness& m) const {
+    return on_unit_domain(m, units_, size_);
+  }
+  double force() const { return relative_ ? size_ : 1; }
+  /// Of a force per area of the domain, of the surface itself.
+  double per_domain_area() const { return relative_ ? size_ : size_ * size_; }
+  double per_area() const { return relative_ ? 1 / size_ : 1; }
+  /// Of mass and damping per area of the domain.
+  double inertia() const { return relative_ ? 1 : size_ * size_; }
+  /// From forces and energies of the solved problem to those that are reported.
+  double of_reactions() const { return relative_ ? 1 / size_ : 1; }
+  double of_energies() const { return relative_ ? 1 / (size_ * size_) : 1; }
+
+ private:
+  bool relative_;
+  LoadUnits units_;
+  double size_;
+};
+
+}  // namespace batten

@@ -1,0 +1,47 @@
+// The model of the mouse example, for tests and benchmarks.
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "batten/io/scene.h"
+#include "batten/skinning/network/model.h"
+
+namespace batten_test {
+using namespace batten;
+
+/// A network and the model that was made of it.
+struct Model {
+  CharacterLineNetwork network;
+  FoundRegions found;
+  SurfaceModel model;
+};
+
+inline Model made(const std::vector<CharacterLine>& lines, const NetworkOptions& network_options,
+                  const RegionOptions& regions, const ModelOptions& options) {
+  CharacterLineNetwork network(lines, network_options);
+  FoundRegions found = find_regions(network, regions);
+  SurfaceModel model = skin_network(network, found, options);
+  return {std::move(network), std::move(found), std::move(model)};
+}
+
+/// The mouse of examples/09-mouse, with another edge length (mm).
+inline Model mouse(double edge) {
+  const Scene scene = read_scene(std::string(BATTEN_SOURCE_DIR) + "/examples/09-mouse/scene.toml");
+  constexpr double corner = 60;
+  std::vector<CharacterLine> lines;
+  for (const SceneLine& line : scene.lines)
+    lines.push_back({line.name, curve_through_points(line.name, line.points, corner)});
+  NetworkOptions network;
+  network.corner_angle = corner;
+  RegionOptions regions;
+  regions.words = scene.network->regions;
+  ModelOptions options;
+  options.name = "mouse";
+  options.skin.edge_length = edge;
+  options.joins = scene.network->joins;
+  return made(lines, network, regions, options);
+}
+
+}  // namespace batten_test
