@@ -13,6 +13,7 @@
 #include "batten/tests/mouse_model.h"
 #include "batten/tests/sculpting/session_scenes.h"
 #include "bench.h"
+#include "cases.h"
 #ifdef BATTEN_BENCH_CHOLMOD
 #include "batten/tests/cholmod_peer.h"
 #endif
@@ -37,18 +38,8 @@ double triad_bandwidth() {
 
 std::string milliseconds(double seconds) { return text("%.3g", 1e3 * seconds); }
 
-// A slightly arched square; Delaunay mesh.
-RegionLayout plate(double edge) {
-  const auto side = [](const Vec3& a, const Vec3& b) {
-    const Vec3 rise(0, 0, 0.05);
-    return bezier_curve(a, a + (b - a) / 3 + rise, a + 2 * (b - a) / 3 + rise, b);
-  };
-  const Vec3 a(0, 0, 0), b(1, 0, 0), c(1, 1, 0), d(0, 1, 0);
-  return {
-      "plate",
-      {{"south", side(a, b)}, {"east", side(b, c)}, {"north", side(c, d)}, {"west", side(d, a)}},
-      skin(edge, 1e-4)};
-}
+// Delaunay mesh.
+RegionLayout plate(double edge) { return {"plate", arched_plate(), skin(edge, 1e-4)}; }
 
 // The factor that a session of this layout has.
 struct Peer {

@@ -12,6 +12,7 @@
 #include "batten/fem/dissection.h"
 #include "batten/skinning/skin.h"
 #include "bench.h"
+#include "cases.h"
 #include "occ_filling.h"
 
 namespace {
@@ -21,55 +22,16 @@ using namespace batten::bench;
 
 constexpr int rounds = 7, samples_a_curve = 200;
 
-struct Case {
-  std::string name;
-  std::vector<Cubic> outline, inner;
-  double edge_length = 0;  ///< for a little over 1000 triangles
-};
-
-Case pentagon() {
-  const Vec3 corner[] = {
-      {1, 0, 0}, {0.3, 0.95, 0.2}, {-0.8, 0.6, -0.1}, {-0.8, -0.6, 0.15}, {0.3, -0.95, -0.05}};
-  return {"pentagon",
-          {{corner[0], {0.9, 0.4, 0.15}, {0.65, 0.75, 0.3}, corner[1]},
-           {corner[1], {-0.05, 1, 0.25}, {-0.5, 0.85, 0.1}, corner[2]},
-           {corner[2], {-1, 0.25, -0.2}, {-0.95, -0.25, 0.2}, corner[3]},
-           {corner[3], {-0.5, -0.85, 0.2}, {-0.1, -1, 0.05}, corner[4]},
-           {corner[4], {0.6, -0.75, -0.15}, {0.95, -0.35, -0.1}, corner[0]}},
-          {}};
-}
-
-Case patch() {
-  const Vec3 corner[] = {{0, 0, 0}, {2, 0, 0.1}, {2.1, 1.5, 0}, {-0.1, 1.4, 0.2}};
-  Case c{"patch with a line across",
-         {{corner[0], {0.7, -0.1, 0.4}, {1.4, 0.05, 0.3}, corner[1]},
-          {corner[1], {2.1, 0.5, 0.3}, {2.15, 1, 0.2}, corner[2]},
-          {corner[2], {1.4, 1.6, 0.4}, {0.6, 1.3, 0.5}, corner[3]},
-          {corner[3], {-0.15, 0.9, 0.4}, {-0.05, 0.5, 0.25}, corner[0]}},
-         {}};
-  c.inner = {{cubic_point(c.outline[3], 0.5),
-              {0.6, 0.75, 0.55},
-              {1.4, 0.7, 0.6},
-              cubic_point(c.outline[1], 0.5)}};
-  return c;
-}
-
-std::vector<Cubic> all_curves(const Case& c) {
+std::vector<Cubic> all_curves(const CurvedLoop& c) {
   std::vector<Cubic> curves = c.outline;
   curves.insert(curves.end(), c.inner.begin(), c.inner.end());
   return curves;
 }
 
-SkinnedRegion skin(const Case& c) {
-  std::vector<CharacterLine> lines;
-  for (const Cubic& b : c.outline)
-    lines.push_back({"side " + std::to_string(lines.size() + 1),
-                     bezier_curve(b[0], b[1], b[2], b[3]), CharacterLine::Role::Outline});
-  for (const Cubic& b : c.inner)
-    lines.push_back({"across", bezier_curve(b[0], b[1], b[2], b[3]), CharacterLine::Role::Inner});
+SkinnedRegion skin(const CurvedLoop& c) {
   SkinOptions options;
   options.edge_length = c.edge_length;
-  const RegionLayout layout(c.name, lines, options);
+  const RegionLayout layout(c.name, lines_of(c), options);
   const SurfaceAssembler assembler(*layout.mesh(), layout.element());
   const ConstrainedSolver solver(layout.line_constraints(),
                                  assembler.stiffness(SurfaceStiffness::isotropic(0, 1)),
@@ -164,10 +126,7 @@ int main() {
                 {"OpenCASCADE 1e-5, 60 segments, 60 points", 1e-5, 60, 60}};
 
   Promises promises;
-  Case five = pentagon(), four = patch();
-  five.edge_length = 0.085;
-  four.edge_length = 0.0955;
-  for (const Case& c : {five, four}) {
+  for (const CurvedLoop& c : {pentagon(), patch()}) {
     const std::vector<Cubic> curves = all_curves(c);
     std::vector<std::function<void()>> works = {[&] { skin(c); }};
     for (const FillingSettings& s : settings)

@@ -8,36 +8,13 @@
 
 #include "batten/skinning/network/model.h"
 #include "bench.h"
+#include "cases.h"
 #include "occ_filling.h"
 
 namespace {
 
 using namespace batten;
 using namespace batten::bench;
-
-double height(double x, double y) { return 0.15 * std::sin(2.1 * x + 0.3) * std::cos(1.7 * y); }
-
-// A line over the square [0, 1]² with its height, along x or y.
-CharacterLine grid_line(const std::string& name, bool along_x, double at) {
-  constexpr int pieces = 12;
-  std::vector<Vec3> points;
-  for (int i = 0; i <= pieces; ++i) {
-    const double s = static_cast<double>(i) / pieces;
-    points.push_back(along_x ? Vec3(s, at, height(s, at)) : Vec3(at, s, height(at, s)));
-  }
-  return {name, curve_through_points(name, points)};
-}
-
-// `columns` × `rows` cells. Lines cross where their points agree only roughly: the network joins
-// them within its tolerance.
-std::vector<CharacterLine> grid(int columns, int rows) {
-  std::vector<CharacterLine> lines;
-  for (int i = 0; i <= columns; ++i)
-    lines.push_back(grid_line("x" + std::to_string(i), false, static_cast<double>(i) / columns));
-  for (int i = 0; i <= rows; ++i)
-    lines.push_back(grid_line("y" + std::to_string(i), true, static_cast<double>(i) / rows));
-  return lines;
-}
 
 struct Made {
   SurfaceModel model;
@@ -117,7 +94,7 @@ int main() {
     double first = 0, last = 0;
     for (const int count : {12, 28, 60, 200}) {
       const int cells = count / 2 - 1;
-      const std::vector<CharacterLine> lines = grid(cells, cells);
+      const std::vector<CharacterLine> lines = wavy_grid(cells, cells);
       const double edge = 0.25 / cells;
       const Made made = make(lines, edge, no_joins);
       const bool right = made.regions == cells * cells && made.failed == 0;
@@ -171,7 +148,7 @@ int main() {
 
   {
     // About 100 triangles in each of 200 cells, and as many over the whole.
-    const std::vector<CharacterLine> cells = grid(20, 10), whole = grid(1, 1);
+    const std::vector<CharacterLine> cells = wavy_grid(20, 10), whole = wavy_grid(1, 1);
     std::vector<double> many, one;
     Made a, b;
     for (int round = 0; round < 3; ++round) {

@@ -2,24 +2,17 @@
 // types. Without OpenCASCADE occ_version() is "".
 #pragma once
 
-#include <array>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "batten/core/eigen.h"
 #include "batten/fem/curve.h"
+#include "cases.h"
 
 namespace batten::bench {
 
 std::string occ_version();
-
-using Cubic = std::array<Vec3, 4>;  ///< Bézier control points
-
-inline Vec3 cubic_point(const Cubic& c, double t) {
-  const double s = 1 - t;
-  return s * s * s * c[0] + 3 * s * s * t * c[1] + 3 * s * t * t * c[2] + t * t * t * c[3];
-}
 
 /// BRepOffsetAPI_MakeFilling's settings; everything else stays at its default.
 struct FillingSettings {

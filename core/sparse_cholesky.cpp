@@ -6,6 +6,7 @@
 #include "batten/core/errors.h"
 #include "batten/core/supernodal_factor.h"
 #include "batten/core/supernodal_solve.h"
+#include "batten/core/work.h"
 
 namespace batten {
 
@@ -44,6 +45,7 @@ struct SparseCholesky::Data {
     n = -1;
     factored = false;
     solve = {};  // until there is a factor
+    count(Work::Analysis);
     if (A.rows() > 0) factor.analyze(A, order, expected);
     n = A.rows();
     pattern = pattern_hash(A);
@@ -89,6 +91,7 @@ bool SparseCholesky::factorize(const SparseMatrix& A) {
   d.message.clear();
   d.factored = d.n == 0;
   if (d.factored) return true;
+  count(Work::Factorization);
   d.message = d.factor.factorize(A);
   if (!d.message.empty()) return false;
   if (d.solve.entries() == 0) d.solve = SupernodalSolve(d.factor.pattern(), d.factor.order());
@@ -99,6 +102,7 @@ bool SparseCholesky::factorize(const SparseMatrix& A) {
 
 void SparseCholesky::solve_in_place(Eigen::Ref<MatX> b) const {
   data_->require_solvable(b);
+  count(Work::Solve);
   data_->solve.solve(b);
 }
 
@@ -116,6 +120,7 @@ SolvePart SparseCholesky::part(const std::optional<std::vector<int>>& nonzero,
 
 void SparseCholesky::solve_in_place(const SolvePart& part, Eigen::Ref<MatX> b) const {
   data_->require_solvable(b);
+  count(Work::Solve);
   data_->solve.solve(part, b);
 }
 

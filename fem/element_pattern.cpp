@@ -5,6 +5,7 @@
 
 #include "batten/core/errors.h"
 #include "batten/core/parallel.h"
+#include "batten/core/work.h"
 
 namespace batten {
 
@@ -108,6 +109,7 @@ void ElementPattern::assemble(const std::function<void(int, double*)>& element,
   if (matrix.rows() + 1 != static_cast<long>(column_.size()) ||
       matrix.nonZeros() != static_cast<long>(row_.size()))
     throw InputError("the matrix to assemble into does not have the pattern of these elements");
+  count(Work::AssembledElement, element_count());
   double* values = matrix.valuePtr();
   std::fill_n(values, row_.size(), 0.0);
   const int n = per_element_;

@@ -1,4 +1,5 @@
 #include "batten/core/errors.h"
+#include "batten/core/work.h"
 #include "batten/skinning/mesher.h"
 
 #if BATTEN_HAVE_CGAL
@@ -221,6 +222,7 @@ void refine_between(Triangulation& triangulation, const std::vector<Point>& hole
 }  // namespace
 
 ParametricMesh delaunay_mesh(const MeshTask& task) {
+  count(Work::Triangulation);
   Triangulation triangulation;
   std::vector<Triangulation::Vertex_handle> handle;
   for (const Vec2& p : task.points) handle.push_back(triangulation.insert(Point(p.x(), p.y())));

@@ -1,9 +1,11 @@
 #include "batten/core/errors.h"
+#include "batten/core/work.h"
 #include "batten/skinning/mesher.h"
 
 namespace batten {
 
 ParametricMesh fan_mesh(const MeshTask& task, int refinements) {
+  count(Work::Triangulation);
   if (!task.inner.empty() || !task.holes.empty())
     throw InputError("the fan mesher takes no inner lines and no holes: use mesher = \"delaunay\"");
   std::vector<Vec2> vertices = task.points;

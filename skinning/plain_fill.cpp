@@ -7,6 +7,7 @@
 
 #include "batten/core/errors.h"
 #include "batten/core/words.h"
+#include "batten/core/work.h"
 
 #if BATTEN_HAVE_CGAL
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
@@ -57,6 +58,7 @@ void measure(const std::vector<Vec3>& loop, PlainFill& fill) {
 
 std::optional<PlainFill> plain_fill(const std::vector<Vec3>& loop) {
   check(loop);
+  count(Work::PlainFilling);
   using Point = CGAL::Exact_predicates_inexact_constructions_kernel::Point_3;
   std::vector<Point> points;
   for (const Vec3& p : loop) points.emplace_back(p.x(), p.y(), p.z());
@@ -109,6 +111,7 @@ struct Part {
 
 std::optional<PlainFill> developable_fill(const std::vector<Vec3>& loop) {
   check(loop);
+  count(Work::PlainFilling);
   constexpr double infinity = std::numeric_limits<double>::infinity();
   constexpr double bending = 0.03, flat = 1e-6;
   const int n = static_cast<int>(loop.size());

@@ -1,19 +1,12 @@
-// How often the program asks for memory. Counted where malloc can be replaced: with glibc, without
-// sanitizers.
+// Makes Work::Allocation count: linked in, this replaces malloc where that is possible, which is
+// with glibc and without sanitizers.
 #pragma once
+
+#include "batten/core/work.h"
 
 namespace batten_test {
 
-/// Whether allocations can be counted here.
+/// Whether calls of malloc and its kin are counted in this program.
 bool counts_allocations();
-
-/// Calls of malloc and its kin, on all threads, since this object was made.
-class AllocationCount {
- public:
-  AllocationCount();
-  ~AllocationCount();
-  AllocationCount(const AllocationCount&) = delete;
-  long so_far() const;
-};
 
 }  // namespace batten_test

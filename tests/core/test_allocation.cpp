@@ -20,17 +20,17 @@ TEST_CASE("solves allocate nothing: one thread or more, one column or many, whol
     const SolvePart part = cholesky.part(std::vector<int>{1, 2, 3}, std::nullopt);
     cholesky.solve_in_place(x);  // starts the threads, makes room for eight columns
     {
-      const AllocationCount count;
+      const WorkCount work;
       for (int event = 0; event < 20; ++event) {
         cholesky.solve_in_place(points);
         cholesky.solve_in_place(x.leftCols(1));
         cholesky.solve_in_place(x);
         cholesky.solve_in_place(part, points);
       }
-      CHECK(count.so_far() == 0);
+      CHECK(work.of(Work::Allocation) == 0);
     }
-    const AllocationCount count;  // it does count
+    const WorkCount work;  // it does count
     const MatX copy = cholesky.solve(points);
-    CHECK(count.so_far() > 0);
+    CHECK(work.of(Work::Allocation) > 0);
   }
 }

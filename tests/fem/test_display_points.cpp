@@ -116,9 +116,9 @@ TEST_CASE("display points ask for no memory and give the same bits on one thread
   const Shown shown(display, surface.dofs());  // wakes the threads
   Shown again = shown;
   if (counts_allocations()) {
-    const AllocationCount count;
+    const WorkCount work;
     display.evaluate(surface.dofs(), Vec3::Zero(), again.points.data(), again.normals.data());
-    CHECK(count.so_far() == 0);
+    CHECK(work.of(Work::Allocation) == 0);
   }
   const ThreadGuard one(1);
   std::fill(again.points.begin(), again.points.end(), 0.0F);

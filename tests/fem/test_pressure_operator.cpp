@@ -178,10 +178,10 @@ TEST_CASE("the operator gives the same bits on any number of threads, and asks f
     for (const int threads : {1, 2, 3}) {
       const ThreadGuard guard(threads);
       pressure.add(q, w, 2, F);  // starts the threads
-      const AllocationCount asked;
+      const WorkCount work;
       F.setZero();
       pressure.add(q, w, 2, F);
-      if (counts_allocations()) CHECK(asked.so_far() == 0);
+      if (counts_allocations()) CHECK(work.of(Work::Allocation) == 0);
       if (threads == 1) {
         one = F;
         volume = pressure.volume(q, w);

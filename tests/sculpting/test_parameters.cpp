@@ -183,12 +183,12 @@ TEST_CASE("setting, moving in time and restoring ask for no memory", "[parameter
   all.drive("swell", {{"slider", 200}, {"t", 1}}, 6);
   const std::vector<double> values = all.values();
   const int slider = all.index("slider");
-  const batten_test::AllocationCount count;
+  const WorkCount work;
   for (int i = 0; i < 100; ++i) {
     all.set(slider, 0.01 * i);
     all.set("slider", -0.01 * i);
     all.set_time(0.03 * i);
     all.restore(values, 0);
   }
-  CHECK(count.so_far() == 0);
+  CHECK(work.of(Work::Allocation) == 0);
 }

@@ -129,13 +129,13 @@ TEST_CASE("sliders, answers, steps and frames ask for no memory") {
     session.set(parameter, 0.5 * (from + to));
     session.answer();
     session.frame();
-    const AllocationCount count;
+    const WorkCount work;
     for (int n = 0; n <= 10; ++n) {
       session.set(parameter, from + (to - from) * n / 10);
       session.answer();
       session.frame();
     }
-    return count.so_far();
+    return work.of(Work::Allocation);
   };
   CHECK(drag(uniform, 0, 1) == 0);
   CHECK(drag(pin, 0.3, 0.35) == 0);
@@ -145,12 +145,12 @@ TEST_CASE("sliders, answers, steps and frames ask for no memory") {
   session.step();
   session.step();
   session.frame();
-  const AllocationCount count;
+  const WorkCount work;
   for (int n = 0; n < 10; ++n) {
     session.step();
     session.frame();
   }
-  CHECK(count.so_far() == 0);
+  CHECK(work.of(Work::Allocation) == 0);
 }
 
 TEST_CASE("frames show the surface as it is, and say what changed") {

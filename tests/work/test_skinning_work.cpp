@@ -1,0 +1,99 @@
+// How much work skinning is: counts that no machine changes, so that work done twice fails here.
+#include "batten/constraints/affine_reduction.h"
+#include "batten/core/work.h"
+#include "batten/fem/assembly.h"
+#include "batten/fem/dissection.h"
+#include "batten/skinning/model/model_layout.h"
+#include "batten/skinning/network/model.h"
+#include "batten/skinning/skin.h"
+#include "batten/tests/catch.h"
+#include "batten/tests/network/networks.h"
+#include "batten/tests/skinning/shapes.h"
+
+using namespace batten;
+using namespace batten_test;
+
+namespace {
+
+SkinOptions edges(double length) {
+  SkinOptions options;
+  options.edge_length = length;
+  return options;
+}
+
+std::vector<CharacterLine> pentagon() {
+  return polygon_lines(
+      {{1, 0, 0}, {0.3, 0.95, 0.2}, {-0.8, 0.6, -0.1}, {-0.8, -0.6, 0.15}, {0.3, -0.95, -0.05}});
+}
+
+}  // namespace
+
+TEST_CASE("skinning a pentagon: one mesh, one assembly, one factorization, no filling") {
+  const WorkCount work;
+  const ModelLayout layout(RegionLayout("pentagon", pentagon(), edges(0.2)));
+  const Points dofs = layout.least_energy({});
+  INFO(work.text());
+  CHECK(work.of(Work::Triangulation) == 1);
+  CHECK(work.of(Work::PlainFilling) == 0);
+  CHECK(work.of(Work::AssembledElement) == layout.mesh()->triangle_count());
+  CHECK(work.of(Work::Analysis) == 1);
+  CHECK(work.of(Work::Factorization) == 1);
+  CHECK(work.of(Work::Solve) == 1);
+}
+
+TEST_CASE("an embedded line asks for one trial shape a round, and no second mesh") {
+  if (!have_delaunay_mesher()) return;
+  std::vector<CharacterLine> lines = pentagon();
+  lines.push_back({"bow",
+                   bezier_curve({-0.4, -0.3, 0.05}, {0, -0.5, 0.1}, {0.3, 0, 0.1}, {0.2, 0.4, 0.1}),
+                   CharacterLine::Role::Inner});
+  const WorkCount work;
+  const RegionLayout layout("pentagon", lines, edges(0.2));
+  INFO(work.text());
+  CHECK(work.of(Work::Triangulation) == 1);
+  CHECK(work.of(Work::PlainFilling) == 0);
+  CHECK(work.of(Work::Analysis) == work.of(Work::Factorization));
+  // The outline's own shape, on which the line is placed, and one look at its gaps.
+  CHECK(work.of(Work::Factorization) <= 2);
+}
+
+TEST_CASE("measuring a region factors nothing and meshes nothing") {
+  const ModelLayout layout(RegionLayout("pentagon", pentagon(), edges(0.2)));
+  const Points dofs = layout.least_energy({});
+  const WorkCount work;
+  measure(layout.skinned(0, dofs));
+  INFO(work.text());
+  CHECK(work.of(Work::Factorization) == 0);
+  CHECK(work.of(Work::Triangulation) == 0);
+  CHECK(work.of(Work::PlainFilling) == 0);
+  CHECK(work.of(Work::AssembledElement) == 0);
+}
+
+TEST_CASE("a model: one mesh and one shape a region, one factor a group of smooth joins") {
+  if (!have_delaunay_mesher()) return;
+  // Two by two cells of a wavy sheet.
+  std::vector<CharacterLine> lines;
+  const auto at = [](double x, double y) { return Vec3(x, y, 0.1 * std::sin(x) * std::cos(y)); };
+  for (int i = 0; i <= 2; ++i)
+    for (const bool along_x : {true, false}) {
+      std::vector<Vec3> points;
+      for (int k = 0; k <= 8; ++k)
+        points.push_back(along_x ? at(0.25 * k, i) : at(i, 0.25 * k));
+      const std::string name = (along_x ? "y" : "x") + std::to_string(i);
+      lines.push_back({name, curve_through_points(name, points)});
+    }
+  const CharacterLineNetwork network(lines);
+  const FoundRegions found = find_regions(network);
+  for (const bool smooth : {false, true}) {
+    ModelOptions options;
+    options.skin.edge_length = 0.2;
+    options.smooth_below_deg = smooth ? 180 : -1;
+    const WorkCount work;
+    const SurfaceModel model = skin_network(network, found, options);
+    INFO(work.text());
+    REQUIRE(model.skinned().size() == 4);
+    CHECK(work.of(Work::Triangulation) == 4);
+    CHECK(work.of(Work::Factorization) == (smooth ? 5 : 4));
+    CHECK(work.of(Work::Analysis) == work.of(Work::Factorization));
+  }
+}
