@@ -77,6 +77,7 @@ void read_skin(const TomlTable& table, SceneSkin& skin) {
                                      {{"auto", Domain::Auto},
                                       {"polygon", Domain::Polygon},
                                       {"plane", Domain::Plane},
+                                      {"sheet", Domain::Sheet},
                                       {"ring", Domain::Ring}});
   skin.options.settle = table.boolean("settle", false);
   skin.options.edge_length = table.positive("edge_length", 0);
