@@ -9,7 +9,7 @@
 namespace batten {
 
 struct JoinChoice {
-  std::vector<ModelJoin> joins;  ///< of every arc that has a region, by arc
+  std::vector<ModelJoin> joins;  ///< a join for every arc that has a region, by arc
   std::vector<Seam> seams;       ///< what is to be smooth; regions as the model counts them
   std::vector<int> join_of;      ///< index into `joins` of each seam
 };

@@ -22,7 +22,7 @@ class RegionMaker {
   RegionMaker(const CharacterLineNetwork& network, const FoundRegions& found,
               const ModelOptions& options, const Progress& progress, SurfaceModel& model);
 
-  /// Lays out these regions and solves each by itself, side by side, on both cores. The model says
+  /// Lays out these regions and solves each by itself, side by side. The model says
   /// why one could not be skinned; one that could be before stays as it was then. `from`, `to`:
   /// progress.
   void lay_out(const std::vector<int>& which, double from, double to);
@@ -30,9 +30,9 @@ class RegionMaker {
   void halve(int arc);
 
   ModelFrame frame() const;
-  /// By region; null: not skinned.
+  /// The layout of each region; null: it could not be skinned.
   const std::vector<std::shared_ptr<const RegionLayout>>& layouts() const { return layouts_; }
-  /// By region: dofs of the shape that its own lines make.
+  /// Dofs of the shape that each region's own lines make.
   const std::vector<Points>& first_shapes() const { return first_; }
   /// Uses of an arc by regions.
   const std::vector<ArcSide>& sides(int arc) const {
