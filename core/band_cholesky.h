@@ -12,7 +12,7 @@ namespace batten {
 /// general sparse factor spends longer on its order. One object may be used again for another size.
 class BandCholesky {
  public:
-  /// n unknowns, all entries zero.
+  /// Begins a matrix of n unknowns with all entries zero.
   void reset(int n, int band);
   int size() const { return n_; }
 
@@ -22,7 +22,7 @@ class BandCholesky {
   /// only, after everything was added.
   void fix(int i, const Vec3& value, Points& b);
 
-  /// False when A is not positive definite.
+  /// Factors A. Returns false when A is not positive definite.
   bool factorize();
   /// b becomes x with A x = b.
   void solve(Points& b) const;

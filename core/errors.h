@@ -29,10 +29,10 @@ class ConflictError : public Error {
   struct Conflict {
     std::vector<std::string> names;
     double amount = 0;
-    std::string unit =
-        {};  ///< behind the amount, " degrees of turn"; empty: of the right-hand side
+    /// Said behind the amount, as " degrees of turn"; empty: the unit of the right-hand side.
+    std::string unit = {};
   };
-  /// `where` goes before the message.
+  /// `where` is said before the message.
   explicit ConflictError(std::vector<Conflict> conflicts, const std::string& where = "");
   const std::vector<Conflict>& conflicts() const { return conflicts_; }
 

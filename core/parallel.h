@@ -5,7 +5,7 @@
 
 namespace batten {
 
-/// Cores of this machine that the process may use.
+/// Number of cores of this machine that the process may use.
 int core_count();
 
 /// How many threads Batten uses; the number of cores unless set. Results never depend on it: work

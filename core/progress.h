@@ -8,7 +8,7 @@
 
 namespace batten {
 
-/// Handed down by the caller; an empty one reports nothing and never cancels.
+/// What the caller of a long computation hands down; an empty one reports nothing, never cancels.
 struct Progress {
   /// Called with the name of the stage and the fraction of it that is done, 0 to 1.
   std::function<void(std::string_view stage, double fraction)> report;

@@ -13,7 +13,7 @@ namespace batten {
 /// 6, 7.
 inline Vec3 rotation_log(const Vec3& axis, double angle) { return axis.normalized() * (angle / 2); }
 
-/// R(q) x: one sine, one cosine, two cross products.
+/// The vector R(q) x: one sine, one cosine, two cross products.
 inline Vec3 rotated(const Vec3& q, const Vec3& x) {
   const double half = q.norm();
   // sin(h)/h; below 1e-8 the next term is under the last digit.
@@ -23,7 +23,7 @@ inline Vec3 rotated(const Vec3& q, const Vec3& x) {
   return x + 2 * (std::cos(half) * t + v.cross(t));
 }
 
-/// R(q) as a matrix.
+/// The matrix R(q).
 inline Mat3 rotation_matrix(const Vec3& q) {
   Mat3 R;
   for (int c = 0; c < 3; ++c) R.col(c) = rotated(q, Vec3::Unit(c));

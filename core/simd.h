@@ -3,9 +3,9 @@
 
 #include <type_traits>
 
-/// Before a function: compiled for each generation of vector units, the right one picked when the
-/// program starts. Everything it calls must be inlined into it. Nothing where the compiler or the
-/// processor has no such choice (sanitizers cannot start with ifuncs).
+/// Stands before a function, which is then compiled for each generation of vector units, the right
+/// one picked when the program starts. Everything it calls must be inlined into it. Nothing where
+/// the compiler or the processor has no such choice (sanitizers cannot start with ifuncs).
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(BATTEN_NO_CLONES)
 #define BATTEN_CLONES __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
 #else

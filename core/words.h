@@ -10,7 +10,7 @@
 
 namespace batten {
 
-/// "(x, y, z)"
+/// The text "(x, y, z)" of a point.
 inline std::string at(const Vec3& p) {
   return "(" + number(p.x()) + ", " + number(p.y()) + ", " + number(p.z()) + ")";
 }

@@ -42,7 +42,7 @@ using Mat12 = Eigen::Matrix<double, 12, 12>;
 /// Columns of a tabulation: value and derivatives up to order two.
 enum Derivative { kW = 0, kU, kV, kUU, kUV, kVV, kDerivatives };
 
-/// Row a: dof a. Columns: w, w_u, w_v, w_uu, w_uv, w_vv.
+/// The twelve functions at a point: row a is that of dof a, columns w, w_u, w_v, w_uu, w_uv, w_vv.
 using Tabulation = Eigen::Matrix<double, 12, kDerivatives>;
 
 /// The shape of one parametric triangle: everything an element needs to know of it.
@@ -91,7 +91,8 @@ struct SurfaceStiffness {
 
   /// The matrix of the bending energy over (w_uu, w_uv, w_vv).
   Mat3 bending() const;
-  /// Finite, alpha and bending() positive semi-definite to 1e-12 of their size.
+  /// Whether all is finite, and alpha and bending() are positive semi-definite to 1e-12 of their
+  /// size.
   bool is_valid() const;
 };
 
@@ -116,7 +117,7 @@ class C1Triangle {
   /// P, no quadrature (about 0.3 µs).
   Mat12 stiffness(const SurfaceStiffness& material) const;
 
-  /// ∬ N Nᵀ and ∬ N, exact.
+  /// Mass ∬ N Nᵀ and load ∬ N, exact.
   Mat12 mass() const;
   Vec12 load() const;
 
@@ -131,7 +132,7 @@ class C1Triangle {
   /// Throws InputError for Z12, which is not polynomial.
   Eigen::Matrix<double, 10, 3> bezier(int sub, const Eigen::Matrix<double, 12, 3>& q) const;
 
-  /// P with q̂ = P q.
+  /// The matrix P with q̂ = P q.
   Mat12 to_reference_dofs() const;
 
  private:

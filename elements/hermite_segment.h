@@ -18,7 +18,7 @@ class HermiteSegment {
  public:
   using Vector = Eigen::Vector4d;
   using Matrix = Eigen::Matrix4d;
-  /// One value at each end; linear in between.
+  /// A coefficient with one value at each end, linear in between.
   struct Linear {
     double start = 0, end = 0;
     Linear(double both) : start(both), end(both) {}  // NOLINT: a constant is a linear function
@@ -31,13 +31,13 @@ class HermiteSegment {
   double length() const { return h_; }
   /// The four functions, or their derivative of `order` 0 to 3 with respect to u, at s = u/h.
   Vector evaluate(double s, int order = 0) const;
-  /// ∫ alpha H_u H_uᵀ du, exact for linear alpha.
+  /// Stiffness ∫ alpha H_u H_uᵀ du, exact for linear alpha.
   Matrix stretching(Linear alpha = 1) const;
-  /// ∫ beta H_uu H_uuᵀ du, exact for linear beta.
+  /// Stiffness ∫ beta H_uu H_uuᵀ du, exact for linear beta.
   Matrix bending(Linear beta = 1) const;
-  /// ∫ H Hᵀ du.
+  /// Mass ∫ H Hᵀ du.
   Matrix mass() const;
-  /// ∫ f H du, exact for linear f.
+  /// Load ∫ f H du, exact for linear f.
   Vector load(Linear f = 1) const;
 
  private:

@@ -18,8 +18,8 @@ struct TriangleRule {
   VecX weights;  ///< sum to 1
 };
 
-/// Gauss-Legendre with n points, exact to degree 2n-1. n ≥ 1; cost O(n²), computed by Newton's
-/// method on the Legendre recurrence to the last bits.
+/// The Gauss-Legendre rule with n points, exact to degree 2n-1. n ≥ 1; cost O(n²), computed by
+/// Newton's method on the Legendre recurrence to the last bits.
 SegmentRule gauss_legendre(int n);
 
 /// Symmetric rule with positive weights, exact to `degree` = 1, 2, 4, 5, 6 or 8 (1, 3, 6, 7, 12, 16

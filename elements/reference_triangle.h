@@ -9,8 +9,8 @@
 
 namespace batten {
 
-/// Row a: N̂_a. Columns: value, then derivatives in the reduced variables (L1, L2), L3 = 1-L1-L2:
-/// N, ∂1, ∂2, ∂11, ∂12, ∂22.
+/// Reference functions at one point. Row a: N̂_a. Columns: value, then derivatives in the reduced
+/// variables (L1, L2), L3 = 1-L1-L2: N, ∂1, ∂2, ∂11, ∂12, ∂22.
 using ReferenceTabulation = Eigen::Matrix<double, 12, 6>;
 
 ReferenceTabulation reference_functions(TriangleElement kind, const Vec3& L);
@@ -55,11 +55,11 @@ struct DofMapNumbers {
   explicit DofMapNumbers(const TriangleShape& shape);
 };
 
-/// K (144 doubles) for constant material: the inner loop of assembly.
+/// Stiffness K (144 doubles) for constant material: the inner loop of assembly.
 void constant_stiffness(const ReferenceTensors& tensors, const TriangleShape& shape,
                         const SurfaceStiffness& material, double* K);
 
-/// K (144 doubles) for a material that varies with L, by the given rule.
+/// Stiffness K (144 doubles) for a material that varies with L, by the given rule.
 void varying_stiffness(const TabulatedRule& points, const TriangleShape& shape,
                        const std::function<SurfaceStiffness(const Vec3& L)>& material, double* K);
 

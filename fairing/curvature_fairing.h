@@ -25,7 +25,7 @@ enum class CurveFunctional {
 
 struct CurvatureOptions {
   CurveFunctional functional = CurveFunctional::Variation;
-  /// Of the cubics returned from the quintic curve that minimises; model units, above 0.
+  /// Largest distance of the returned cubics from the quintic curve; model units, above 0.
   double tolerance = 0;
   /// Quintic segments, at least one between held points. The error of the minimising curve falls
   /// with the sixth power (Energy: about the same).
@@ -37,7 +37,7 @@ struct CurvatureOptions {
   /// it hardly acts on the shape: docs/theory/curvature-fairing.md.
   double evenness = 1e-3;
   int most_rounds = 12;       ///< parameters made even and springs moved, see below
-  int most_iterations = 500;  ///< of Ceres in a round
+  int most_iterations = 500;  ///< iterations of Ceres in a round
 };
 
 /// A parameter of the starting curve at which it is held.
@@ -57,12 +57,12 @@ struct CurveSpring {
 struct CurvatureCurve {
   HermiteCurve curve;              ///< C1 cubics, u arc length to a few digits
   QuinticCurve quintic;            ///< what was minimised, C2, same u
-  std::vector<double> parameters;  ///< of the holds, in their order
-  double deviation = 0;            ///< of the cubics from the quintic curve, measured, model units
-  double functional = 0;           ///< of the quintic curve: 1/length or 1/length³, model units
-  double start_functional = 0;     ///< of the quintic curve it began with
-  double max_residual = 0;  ///< of what is held, measured: distance / size, sine of the angle
-  int iterations = 0;       ///< of Ceres, all rounds
+  std::vector<double> parameters;  ///< parameter of each hold, in their order
+  double deviation = 0;            ///< distance of the cubics from the quintic curve, measured
+  double functional = 0;           ///< functional of the quintic curve: 1/length or 1/length³
+  double start_functional = 0;     ///< functional of the quintic curve it began with
+  double max_residual = 0;         ///< largest violation of a hold: distance / size, sine of angle
+  int iterations = 0;              ///< iterations of Ceres in all rounds
   int rounds = 0;
   bool converged = false;  ///< the last round, and the parameters stood still
 };

@@ -49,7 +49,7 @@ struct CurvatureProblem {
   QuinticCurve curve;
   CurveFunctional functional = CurveFunctional::Variation;
   double length_weight = 0, evenness = 0;
-  std::vector<char> holds_position, holds_tangent;  ///< of each node
+  std::vector<char> holds_position, holds_tangent;  ///< what each node holds
   std::vector<Spring> springs;
   int most_iterations = 0;
 };

@@ -11,8 +11,9 @@ namespace batten {
 /// the whole one. It is 4∫H² dA - 2∫K dA, and where the boundary and the normals along it are given
 /// ∫K is fixed too (Gauss, Bonnet): then it has the minima of the Willmore energy ∫H² dA.
 ///
-/// By C1Triangle::varying_rule: degree 4 on the thirds of HCT triangles, six-Duffy on Z12. Infinite
-/// where x_u × x_v vanishes. `gradient`, when given: derivative with respect to the dofs, n×3.
+/// Computed by C1Triangle::varying_rule: degree 4 on the thirds of HCT triangles, six-Duffy on Z12.
+/// Infinite where x_u × x_v vanishes. `gradient`, when given: derivative with respect to the dofs,
+/// n×3.
 double curvature_functional(const Surface& surface, Points* gradient = nullptr);
 
 struct SurfaceCurvatureOptions {
@@ -24,14 +25,14 @@ struct SurfaceCurvatureOptions {
   /// Done when a round lowers the functional by less than this part of it.
   double tolerance = 1e-6;
   int most_rounds = 20;
-  int most_iterations = 300;  ///< of all rounds
+  int most_iterations = 300;  ///< iterations of all rounds together
 };
 
 struct CurvatureSurface {
   Points dofs;                  ///< n×3
-  double functional = 0;        ///< of them
-  double start_functional = 0;  ///< of the start, moved to meet the constraints
-  double max_residual = 0;      ///< of the constraints, model units
+  double functional = 0;        ///< functional of this surface
+  double start_functional = 0;  ///< functional of the start, moved to meet the constraints
+  double max_residual = 0;      ///< largest violation of a constraint, model units
   int iterations = 0, rounds = 0;
   bool converged = false;
 };

@@ -22,7 +22,7 @@ struct FitOptions {
   /// A corner is a point where the direction turns by more than this, degrees in (0, 180]; see
   /// find_corners(). 180: none.
   double corner_angle = 50;
-  std::optional<std::vector<int>> corners;  ///< given instead: indices of points
+  std::optional<std::vector<int>> corners;  ///< corners given, not found: indices of points
   std::optional<bool> closed;               ///< not given: when the last point equals the first
   std::optional<LineEnd> start, end;        ///< open curves; not given: the end points, any tangent
   /// Points keep their first parameters, chord or arc length: more segments, but u runs evenly.
@@ -35,22 +35,23 @@ struct FitOptions {
 
 /// How far a curve and points given in an order lie apart.
 struct Deviation {
-  double max = 0, rms = 0;  ///< of the points from the curve
-  /// Of the curve from the polyline through the points, beyond the bulge of a circle through
-  /// neighbouring points: what the curve does between points is held by it.
+  double max = 0, rms = 0;  ///< distances of the points from the curve
+  /// Largest distance of the curve from the polyline through the points, beyond the bulge of a
+  /// circle through neighbouring points: what the curve does between points is held by it.
   double between = 0;
 };
 
 struct CurveFit {
   HermiteCurve curve;
-  std::vector<double> parameters;  ///< of the points, in their order along the curve; nearest
+  std::vector<double> parameters;  ///< nearest parameter of each point, in their order
   Deviation deviation;
 };
 
-/// C1 between corners, through the first and the last point and the corners exactly, not farther
-/// than the tolerance from the points, both ways (Deviation::max and ::between). Segments get a
-/// node more where they miss the tolerance, points move to the nearest parameter after every
-/// solve, nodes that are not needed are taken out again. u is close to arc length.
+/// Fits a curve that is C1 between corners, through the first and the last point and the corners
+/// exactly, not farther than the tolerance from the points, both ways (Deviation::max and
+/// ::between). Segments get a node more where they miss the tolerance, points move to the nearest
+/// parameter after every solve, nodes that are not needed are taken out again. u is close to arc
+/// length.
 ///
 /// Two points or more; points that repeat the one before them are passed over. Cost: about
 /// O(points · rounds), microseconds for a stroke of ten points.

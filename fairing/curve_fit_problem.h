@@ -39,7 +39,7 @@ class CurveFitProblem {
 
   CurveMesh mesh;
   Points dofs;              ///< empty before the first solve
-  std::vector<double> off;  ///< of each segment: what the last improve() reached
+  std::vector<double> off;  ///< error of each segment after the last improve()
 
   void set_mesh(std::vector<double> knots, const std::vector<int>& corners);
 

@@ -5,19 +5,15 @@
 #include <numbers>
 
 #include "batten/constraints/affine_reduction.h"
-#include "batten/constraints/shape/curve_constraints.h"
 #include "batten/core/errors.h"
+#include "batten/fairing/fair_conditions.h"
+#include "batten/fairing/fair_nodes.h"
 #include "batten/fairing/point_row.h"
 #include "batten/fairing/spring_balance.h"
 #include "batten/fem/curve_assembly.h"
 
 namespace batten {
 namespace {
-
-// Signed distance from a condition's plane.
-double height(const CurveCondition& plane, const Vec3& p) {
-  return plane.direction.normalized().dot(p - plane.at);
-}
 
 class Fairing {
  public:
@@ -49,7 +45,6 @@ class Fairing {
 
   void centre(const CurveCondition& plane);
   std::vector<double> forced_nodes();
-  void choose_nodes();
   Springs gather() const;
   std::vector<std::pair<int, Vec3>> held() const;
   double find_wave(SpringBalance& balance, const Springs& springs, double before);
@@ -57,7 +52,6 @@ class Fairing {
   Points solve(SpringBalance& balance, double lambda, const Springs& springs) const;
   double off_axis(const Points& q) const;
   double project(bool first);
-  double residual() const;
   void run_by_arc_length();
   // Whether the way from point to point is much longer than that from every fourth to the next.
   bool zigzags() const {
@@ -92,8 +86,8 @@ class Fairing {
 void Fairing::centre(const CurveCondition& plane) {
   std::vector<double> crossings;
   for (int i = 0; i < (row_.closed ? count_ : count_ - 1); ++i) {
-    const double a = height(plane, row_.points[i]),
-                 b = height(plane, row_.points[(i + 1) % count_]);
+    const double a = height_above(plane, row_.points[i]),
+                 b = height_above(plane, row_.points[(i + 1) % count_]);
     if ((a < 0) != (b < 0))
       crossings.push_back(row_.chord[i] + (row_.chord[i + 1] - row_.chord[i]) * a / (a - b));
   }
@@ -146,68 +140,6 @@ std::vector<double> Fairing::forced_nodes() {
     forced.push_back(at_[k]);
   }
   return forced;
-}
-
-void Fairing::choose_nodes() {
-  std::vector<double> forced = forced_nodes(), wanted;
-  if (count_ <= most_nodes_) {
-    wanted = u_;
-  } else {
-    for (int i = 0; i <= most_nodes_; ++i) wanted.push_back(length_ * i / most_nodes_);
-  }
-  const bool mirrored = symmetry() != nullptr;
-  const double end = mirrored ? 0.5 * length_ : length_;
-  if (mirrored)
-    for (auto* all : {&forced, &wanted})
-      for (double& u : *all) u = std::min(u, length_ - u);
-  forced.push_back(end);
-  // The forced ones first; of the others those that are not too near.
-  // (What acts between nodes acts there too; a corner and the mirror image of its partner are one.)
-  const double gap = 0.25 * length_ / std::min(count_, most_nodes_),
-               same = mirrored ? 4 * gap : 0.01 * gap;
-  std::sort(forced.begin(), forced.end());
-  std::vector<double> nodes;
-  for (const double u : forced)
-    if (nodes.empty() || u - nodes.back() > same) nodes.push_back(u);
-  nodes.back() = end;
-  std::sort(wanted.begin(), wanted.end());
-  std::vector<double> merged;
-  size_t next = 0;
-  for (size_t k = 0; k + 1 < nodes.size(); ++k) {
-    merged.push_back(nodes[k]);
-    for (; next < wanted.size() && wanted[next] < nodes[k + 1] - gap; ++next)
-      if (wanted[next] >= merged.back() + gap) merged.push_back(wanted[next]);
-  }
-  merged.push_back(end);
-  // A closed curve has three segments at least: the longest ones are halved.
-  while (row_.closed && merged.size() < 4) {
-    size_t longest = 0;
-    for (size_t k = 0; k + 1 < merged.size(); ++k)
-      if (merged[k + 1] - merged[k] > merged[longest + 1] - merged[longest]) longest = k;
-    merged.insert(merged.begin() + static_cast<long>(longest) + 1,
-                  0.5 * (merged[longest] + merged[longest + 1]));
-  }
-  std::vector<double> parameters = merged;
-  if (mirrored)
-    for (size_t k = merged.size() - 1; k-- > 0;) parameters.push_back(length_ - merged[k]);
-
-  const auto nearest = [&](double u) {
-    const auto above = std::lower_bound(parameters.begin(), parameters.end(), u);
-    if (above == parameters.end()) return static_cast<int>(parameters.size()) - 1;
-    const auto i = above - parameters.begin();
-    return static_cast<int>(i > 0 && u - parameters[i - 1] < *above - u ? i - 1 : i);
-  };
-  const int last = static_cast<int>(parameters.size()) - 1;
-  std::vector<int> corners;
-  for (const int c : row_.corners) {
-    const int node = nearest(u_[c]);
-    if (!row_.closed && (node == 0 || node == last)) continue;
-    corners.push_back(node % (row_.closed ? last : last + 1));
-    if (mirrored) corners.push_back((last - node) % (row_.closed ? last : last + 1));
-  }
-  node_of_.clear();
-  for (const double u : u_) node_of_.push_back(nearest(u) % (row_.closed ? last : last + 1));
-  mesh_ = CurveMesh(std::move(parameters), row_.closed, std::move(corners));
 }
 
 Springs Fairing::gather() const {
@@ -288,28 +220,7 @@ void Fairing::reduce_conditions() {
   if (free_of_rows()) return;
   ConstraintSet set(mesh_.dof_count());
   for (const auto& [dof, value] : held()) set.fix("ends", dof, value);
-  CurveConstraints rows(mesh_, set);
-  for (size_t k = 0; k < options_.conditions.size(); ++k) {
-    const CurveCondition& c = options_.conditions[k];
-    switch (c.type) {
-      case Type::Point:
-        rows.point(c.name, at_[k], c.at);
-        break;
-      case Type::Tangent:
-        rows.direction(c.name, at_[k], c.direction);
-        break;
-      case Type::ZeroEndCurvature:
-        rows.no_curvature(c.name, mesh_.start());
-        rows.no_curvature(c.name, mesh_.end());
-        break;
-      case Type::Plane:
-        rows.in_plane(c.name, c.at, c.direction);
-        break;
-      case Type::Symmetry:
-        rows.symmetric(c.name, c.at, c.direction);
-        break;
-    }
-  }
+  add_rows(options_.conditions, at_, mesh_, set);
   // About a point of the curve, so that far from the origin no digits are lost.
   positions_ = VecX::Zero(mesh_.dof_count());
   for (int n = 0; n < mesh_.node_count(); ++n) positions_[mesh_.position_dof(n)] = 1;
@@ -399,52 +310,6 @@ double Fairing::project(bool first) {
   return change;
 }
 
-// The conditions, measured on the finished curve, over the size (angles: in radians).
-double Fairing::residual() const {
-  double worst = 0;
-  const double size = row_.size;
-  constexpr int samples = 200;
-  for (size_t k = 0; k < options_.conditions.size(); ++k) {
-    const CurveCondition& c = options_.conditions[k];
-    const auto along = [&](int i) {
-      return curve_.start() + (curve_.end() - curve_.start()) * i / samples;
-    };
-    switch (c.type) {
-      case Type::Point:
-        worst = std::max(worst, curve_.closest_point(c.at).distance / size);
-        break;
-      case Type::Tangent: {
-        // The direction where it is held, and how far that is from the nearest point.
-        const Vec3 tangent = curve_.evaluate(held_at_[k], 1).normalized();
-        const Vec3 nearest = curve_.evaluate(curve_.closest_point(c.at).u);
-        worst = std::max({worst, tangent.cross(c.direction.normalized()).norm(),
-                          (curve_.evaluate(held_at_[k]) - nearest).norm() / size});
-        break;
-      }
-      case Type::ZeroEndCurvature:
-        for (const double s : {0.0, 1.0}) {
-          // By how much it would bend the last segment.
-          const int segment = s > 0 ? curve_.segment_count() - 1 : 0;
-          const double h = curve_.mesh().length(segment);
-          worst = std::max(worst, h * h * curve_.evaluate({segment, s}, 2).norm() / size);
-        }
-        break;
-      case Type::Plane:
-        for (int i = 0; i <= samples; ++i)
-          worst = std::max(worst, std::abs(height(c, curve_.evaluate(along(i)))) / size);
-        break;
-      case Type::Symmetry:
-        for (int i = 0; i <= samples; ++i) {
-          const Vec3 p = curve_.evaluate(along(i));
-          const Vec3 image = p - 2 * height(c, p) * c.direction.normalized();
-          worst = std::max(worst, (image - curve_.evaluate(along(samples - i))).norm() / size);
-        }
-        break;
-    }
-  }
-  return worst;
-}
-
 // The same curve and feet, u scaled to the length.
 void Fairing::run_by_arc_length() {
   const double scale = NodeArc(curve_).total() / length_;
@@ -458,7 +323,10 @@ FairCurve Fairing::run() {
   const double alpha = options_.alpha / (row_.size * row_.size);
   constexpr int searches = 4;  // rounds in which the balance is sought; it then stays
   while (true) {
-    choose_nodes();
+    FairNodes nodes =
+        choose_nodes(row_, u_, length_, forced_nodes(), symmetry() != nullptr, most_nodes_);
+    mesh_ = std::move(nodes.mesh);
+    node_of_ = std::move(nodes.node_of);
     const Springs springs = gather();
     const auto ends = held();
     SpringBalance balance(mesh_, springs, alpha, count_, ends);
@@ -496,39 +364,13 @@ FairCurve Fairing::run() {
     }
     if (result.settled || result.rounds >= options_.most_rounds + more_rounds) break;
   }
-  result.max_residual = residual();
+  result.max_residual = max_residual(options_.conditions, held_at_, curve_, row_.size);
   run_by_arc_length();
   result.curve = curve_;
   result.wavelength = wave;
   result.deviation = deviation_of(curve_, row_, foot_);
   for (const int i : row_.index) result.parameters.push_back(foot_[i]);
   return result;
-}
-
-void check(const std::string& name, const FairOptions& options, bool closed) {
-  const std::string line = "line '" + name + "': ";
-  const auto positive = [&](double value, const char* what) {
-    if (!(value > 0) || !std::isfinite(value))
-      throw InputError(line + "found the " + what + " " + number(value) +
-                       ", expected a length above 0");
-  };
-  if (options.balance == FairOptions::Balance::Deviation) positive(options.deviation, "deviation");
-  if (options.balance == FairOptions::Balance::Wavelength)
-    positive(options.wavelength, "wavelength");
-  if (!(options.alpha >= 0) || !std::isfinite(options.alpha))
-    throw InputError(line + "found alpha = " + number(options.alpha) + ", expected 0 or more");
-  if (options.most_rounds < 1)
-    throw InputError(line + "found " + std::to_string(options.most_rounds) +
-                     " rounds, expected one or more");
-  for (const auto& c : options.conditions) {
-    if (!c.at.allFinite() || !c.direction.allFinite() ||
-        (c.type != CurveCondition::Type::Point && !(c.direction.norm() > 0)))
-      throw InputError(line + "condition '" + c.name +
-                       "' has a number that is not finite, or a direction of length 0");
-    if (closed && c.type == CurveCondition::Type::ZeroEndCurvature)
-      throw InputError(line + "condition '" + c.name +
-                       "' is for the ends of an open line, found a closed one");
-  }
 }
 
 }  // namespace

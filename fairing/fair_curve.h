@@ -34,7 +34,7 @@ struct CurveCondition {
 /// to the nearest point of the curve and u becomes arc length, until they stand still: distances
 /// are then those to the curve, not to an assumed parameter.
 struct FairOptions {
-  /// How λ is found.
+  /// The way in which λ is found.
   enum class Balance {
     /// Generalised cross-validation (Craven, Wahba 1979) of x, y, z together: the curve that would
     /// predict left-out points best. From 20 points on each degree of freedom counts 1.4 times
@@ -50,8 +50,8 @@ struct FairOptions {
   double deviation = 0;   ///< model units, above 0
   double wavelength = 0;  ///< model units, above 0; λ = (wavelength / 2π)⁴ × points per length
   double alpha = 0;       ///< resistance to stretching over that to bending × size², ≥ 0
-  double corner_angle = 50;                 ///< as in FitOptions
-  std::optional<std::vector<int>> corners;  ///< given instead
+  double corner_angle = 50;                 ///< a corner turns by more than this, as in FitOptions
+  std::optional<std::vector<int>> corners;  ///< corners that are given instead of found
   std::optional<bool> closed;
   bool hold_ends = false;  ///< the first and the last point of an open curve stay
   std::vector<CurveCondition> conditions;
@@ -60,16 +60,16 @@ struct FairOptions {
 
 struct FairCurve {
   HermiteCurve curve;              ///< u: arc length to a few digits
-  std::vector<double> parameters;  ///< of the points, nearest
+  std::vector<double> parameters;  ///< nearest parameter of each point
   Deviation deviation;
-  double wavelength = 0;  ///< of the balance that was found; 0: nothing was smoothed
+  double wavelength = 0;  ///< wavelength of the balance that was found; 0: nothing was smoothed
   double freedom = 0;     ///< effective degrees of freedom of one coordinate
   int rounds = 0;
   bool settled = false;     ///< parameters stood still within the rounds
-  double max_residual = 0;  ///< of the conditions, measured, over the size
+  double max_residual = 0;  ///< largest violation of a condition, measured, over the size
 };
 
-/// Two points or more. Cost: O(points) a round; about 0.2 ms for a hundred points.
+/// Fairs two points or more. Cost: O(points) a round; about 0.2 ms for a hundred points.
 /// Throws InputError (as fit_points; a condition of an open curve on a closed one; a deviation or
 /// wavelength that is not above 0), ConflictError when conditions contradict each other,
 /// NoSolutionError when fairing leaves no curve (a loop shorter than the wavelength).
@@ -87,8 +87,8 @@ HermiteCurve curve_as_given(const std::string& name, const std::vector<Vec3>& po
 /// added first, without a change of shape, as many as the wavelength needs. At the end of an open
 /// curve the slope is free.
 ///
-/// From parameter `from` to `to` (closed curves: across the seam when to < from). Throws InputError
-/// when that is no part of the curve, or wavelength is not above 0.
+/// The stretch goes from parameter `from` to `to` (on closed curves across the seam when to <
+/// from). Throws InputError when that is no part of the curve, or wavelength is not above 0.
 HermiteCurve fair_stretch(const HermiteCurve& curve, double from, double to, double wavelength);
 /// A brush: every stretch inside the sphere, φ falling from 1 at its centre to 0 at `radius`. A
 /// sphere that the curve does not meet: InputError.

@@ -7,16 +7,17 @@
 
 namespace batten {
 
-/// Integrals by Gauss rules in each segment; counts from samples of the signed curvature: |κ|, its
-/// sign turned over wherever the curvature vector turns by more than 90 degrees from one sample to
-/// the next (for a plane curve, where it bends to the other side). Waves of curvature below a
-/// hundredth of the largest are not counted. Corners are left out, and cut the counts.
+/// Measures of fairness: integrals by Gauss rules in each segment; counts from samples of the
+/// signed curvature: |κ|, its sign turned over wherever the curvature vector turns by more than 90
+/// degrees from one sample to the next (for a plane curve, where it bends to the other side). Waves
+/// of curvature below a hundredth of the largest are not counted. Corners are left out, and cut the
+/// counts.
 struct Fairness {
   double length = 0;
   double bending = 0;            ///< ∫ κ² ds, 1/length
   double variation = 0;          ///< ∫ (dκ/ds)² ds between nodes, 1/length³
   double largest_curvature = 0;  ///< 1/length
-  double largest_jump = 0;       ///< of the curvature vector, at nodes; 0 for a C2 curve
+  double largest_jump = 0;       ///< largest jump of the curvature vector at a node; 0: C2
   int extrema = 0;               ///< local extrema of the signed curvature
   int inflections = 0;
 };
@@ -29,7 +30,7 @@ struct CombTooth {
   Vec3 outward;          ///< unit vector away from the centre of curvature; 0 where straight
   double curvature = 0;  ///< 1/length, ≥ 0
 };
-/// About `teeth` of them, evenly along the curve, and one at each end of each segment.
+/// A comb of about `teeth` teeth, evenly along the curve, and one at each end of each segment.
 std::vector<CombTooth> curvature_comb(const HermiteCurve& curve, int teeth);
 
 }  // namespace batten

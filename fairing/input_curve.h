@@ -36,7 +36,7 @@ std::shared_ptr<const InputCurve> curve_through_points(const std::string& name,
                                                        const std::vector<Vec3>& points,
                                                        double corner_angle = 20);
 
-/// A Hermite curve as it is.
+/// A Hermite curve as an input curve.
 std::shared_ptr<const InputCurve> curve_from_hermite(HermiteCurve curve);
 
 /// A formula: X(t) and its derivatives up to order 2 for t in [start, end].

@@ -43,25 +43,55 @@ double between_samples(const InputCurve& input, const ArcLength& arc, const Curv
   return worst;
 }
 
+// Derivatives by t on either side of each break of a piecewise cubic curve.
+struct Slopes {
+  std::vector<Vec3> before, after;
+  double chords = 0;  // sum of the distances between breaks
+
+  Slopes(const InputCurve& curve, const std::vector<double>& t)
+      : before(t.size()), after(t.size()) {
+    const size_t n = t.size();
+    for (size_t i = 0; i + 1 < n; ++i) after[i] = curve.evaluate(t[i], 1);
+    for (size_t i = 1; i < n; ++i) {
+      // At its end a piece has the derivative that follows from three points and the one at its
+      // start.
+      const double h = t[i] - t[i - 1];
+      const Vec3 a = curve.evaluate(t[i - 1]), m = curve.evaluate(t[i - 1] + 0.5 * h),
+                 b = curve.evaluate(t[i]);
+      before[i] = (4 * a - 8 * m + 4 * b) / h + after[i - 1];
+      if (i + 1 < n && (before[i] - after[i]).norm() <= 1e-9 * after[i].norm())
+        before[i] = after[i];
+      chords += (b - a).norm();
+    }
+  }
+};
+
+// The curve over a mesh whose segment i is scale[i] times as long as the piece of the input.
+HermiteCurve scaled_pieces(const InputCurve& curve, const std::vector<double>& t,
+                           const Slopes& slopes, const CurveMesh& mesh,
+                           const std::vector<double>& scale) {
+  const auto n = static_cast<int>(t.size());
+  Points dofs(mesh.dof_count(), 3);
+  for (int i = n - 1; i >= 0; --i) {
+    if (mesh.closed() && i == n - 1) {
+      dofs.row(mesh.slope_in(0)) = slopes.before[i] / scale[i - 1];
+      continue;
+    }
+    dofs.row(mesh.position_dof(i)) = curve.evaluate(t[i]);
+    if (i > 0) dofs.row(mesh.slope_in(i)) = slopes.before[i] / scale[i - 1];
+    if (i + 1 < n) dofs.row(mesh.slope_out(i)) = slopes.after[i] / scale[i];
+  }
+  return {mesh, dofs};
+}
+
 }  // namespace
 
 std::optional<HermiteCurve> exact_curve(const InputCurve& curve, double corner_angle) {
   if (!curve.piecewise_cubic()) return std::nullopt;
   const std::vector<double> t = curve.breaks();
   const auto n = static_cast<int>(t.size());
-  std::vector<Vec3> before(n), after(n);  // derivatives by t
-  double length = 0;
-  for (int i = 0; i + 1 < n; ++i) after[i] = curve.evaluate(t[i], 1);
-  for (int i = 1; i < n; ++i) {
-    // At its end a piece has the derivative that follows from three points and the one at its
-    // start.
-    const double h = t[i] - t[i - 1];
-    const Vec3 a = curve.evaluate(t[i - 1]), m = curve.evaluate(t[i - 1] + 0.5 * h),
-               b = curve.evaluate(t[i]);
-    before[i] = (4 * a - 8 * m + 4 * b) / h + after[i - 1];
-    if (i + 1 < n && (before[i] - after[i]).norm() <= 1e-9 * after[i].norm()) before[i] = after[i];
-    length += (b - a).norm();
-  }
+  const Slopes slopes(curve, t);
+  const auto &before = slopes.before, &after = slopes.after;
   // Where the direction goes on, the parameter of the next segment is scaled so that the speed
   // does.
   constexpr double same_direction = 1e-5;  // degrees
@@ -82,7 +112,7 @@ std::optional<HermiteCurve> exact_curve(const InputCurve& curve, double corner_a
     }
     u.push_back(u.back() + scale[i] * (t[i + 1] - t[i]));
   }
-  bool closed = n > 2 && comes_back(curve, length);
+  bool closed = n > 2 && comes_back(curve, slopes.chords);
   if (closed) {
     const double turn = seam_degrees(curve);
     const double speeds = (before[n - 1].norm() / scale[n - 2]) / (after[0].norm() / scale[0]);
@@ -91,20 +121,9 @@ std::optional<HermiteCurve> exact_curve(const InputCurve& curve, double corner_a
     else
       closed = turn <= same_direction && std::abs(speeds - 1) < 1e-9;
   }
-  const CurveMesh unscaled(u, closed, corners);
-  Points dofs(unscaled.dof_count(), 3);
-  for (int i = n - 1; i >= 0; --i) {
-    if (closed && i == n - 1) {
-      dofs.row(unscaled.slope_in(0)) = before[i] / scale[i - 1];
-      continue;
-    }
-    dofs.row(unscaled.position_dof(i)) = curve.evaluate(t[i]);
-    if (i > 0) dofs.row(unscaled.slope_in(i)) = before[i] / scale[i - 1];
-    if (i + 1 < n) dofs.row(unscaled.slope_out(i)) = after[i] / scale[i];
-  }
   // And all of it so that u has the length of the curve.
-  const HermiteCurve exact(unscaled, dofs);
-  const double stretch = ArcLength(curve_from_hermite(exact)).total() / unscaled.end();
+  const HermiteCurve exact = scaled_pieces(curve, t, slopes, CurveMesh(u, closed, corners), scale);
+  const double stretch = ArcLength(curve_from_hermite(exact)).total() / exact.end();
   if (!(stretch > 0)) return std::nullopt;
   return exact.with_parameter_times(stretch);
 }

@@ -13,7 +13,7 @@ namespace batten {
 /// first point.
 struct PointRow {
   std::vector<Vec3> points;
-  std::vector<int> index;     ///< of each given point in `points`
+  std::vector<int> index;     ///< place of each given point in `points`
   std::vector<double> chord;  ///< from the first point; one more entry when closed: the whole
   std::vector<int> corners;   ///< ascending; ends of an open row not among them
   bool closed = false;

@@ -37,7 +37,7 @@ class QuinticCurve {
   /// Position (order 0) or derivative of order 1 to 3 with respect to u.
   Vec3 evaluate(CurveMesh::Where at, int order = 0) const;
   Vec3 evaluate(double u, int order = 0) const { return evaluate(where(u), order); }
-  /// Of one segment, 1e-12 when it turns by less than a quarter of a circle.
+  /// Length of one segment, to 1e-12 when it turns by less than a quarter of a circle.
   double arc_length(int segment) const;
 
   /// C1 cubics over the same parameter: each segment is cut in as many equal pieces as it takes to

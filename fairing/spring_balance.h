@@ -23,9 +23,9 @@ class NodeArc {
   std::vector<double> at_node_;
 };
 
-/// What the points of each node want together.
+/// The springs of all points that belong to a node, as one.
 struct Springs {
-  std::vector<double> weight;  ///< of each node: points
+  std::vector<double> weight;  ///< number of points at each node
   std::vector<Vec3> goal;      ///< their mean, moved along the curve to the node's parameter
   double scatter = 0;          ///< Σ |point - mean of its node|²
 };
@@ -37,7 +37,7 @@ class SpringBalance {
                 const std::vector<std::pair<int, Vec3>>& held)
       : mesh_(mesh), springs_(springs), alpha_(alpha), points_(points), held_(held), band_(mesh) {}
 
-  /// Dofs at λ. Throws NoSolutionError.
+  /// Dofs of the curve of least energy at λ. Throws NoSolutionError.
   Points solve(double lambda);
   /// Trace of the influence matrix of the last solve().
   double freedom() const;

@@ -37,23 +37,25 @@ class SurfaceAssembler {
   /// A matrix of the right pattern, for the functions below that write into one.
   SparseMatrix pattern() const { return pattern_.zero(); }
 
-  /// Constant material: exact, no quadrature.
+  /// Stiffness of a constant material: exact, no quadrature.
   void stiffness(const SurfaceStiffness& material, SparseMatrix& K) const;
-  /// One material for each triangle: exact, no quadrature. Throws InputError on a wrong count.
+  /// Stiffness of one material for each triangle: exact, no quadrature. Throws InputError on a
+  /// wrong count.
   void stiffness(const std::vector<SurfaceStiffness>& materials, SparseMatrix& K) const;
-  /// Material that varies inside triangles, by C1Triangle::varying_rule. The field is called from
-  /// several threads.
+  /// Stiffness of a material that varies inside triangles, by C1Triangle::varying_rule. The field
+  /// is called from several threads.
   void stiffness(const MaterialField& material, SparseMatrix& K) const;
   SparseMatrix stiffness(const SurfaceStiffness& material) const;
 
-  /// ∬ w N Nᵀ, w constant in each triangle; none: 1 everywhere. Throws InputError on a wrong count.
+  /// Mass ∬ w N Nᵀ, w constant in each triangle; none: 1 everywhere. Throws InputError on a wrong
+  /// count.
   SparseMatrix mass(const VecX& triangle_weights = VecX()) const;
-  /// ∬ N f for constant f: exact.
+  /// Load ∬ N f of a constant f: exact.
   Points load(const Vec3& f) const;
-  /// ∬ N f for f that varies: HCT by the symmetric rule of `degree` (0 to 8; 6 is exact for cubic
-  /// f) on each sub-triangle, Z12 by six-Duffy with m = 5. f is called from several threads.
+  /// Load ∬ N f of an f that varies: HCT by the symmetric rule of `degree` (0 to 8; 6 is exact for
+  /// cubic f) on each sub-triangle, Z12 by six-Duffy with m = 5. f is called from several threads.
   Points load(const LoadField& f, int degree = 6) const;
-  /// ∬ w N, w constant in each triangle, one number a dof: exact on whole triangles. Throws
+  /// Load ∬ w N, w constant in each triangle, one number a dof: exact on whole triangles. Throws
   /// InputError on a wrong count.
   VecX load(const VecX& triangle_weights) const;
   /// ∬ N |x_u × x_v| du dv for a surface on this mesh: a unit load per area of the surface, one
@@ -63,7 +65,7 @@ class SurfaceAssembler {
   /// ∬ N (x_u × x_v) du dv for the surface with dofs q: the load of a unit pressure that follows
   /// the surface's normal. HCT: exact. By quadrature; PressureOperator is ten times as fast.
   Points pressure_load(const Points& q) const;
-  /// A force at one point of the surface.
+  /// Load of a force at one point of the surface.
   Points point_load(const Location& where, const Vec3& force) const;
 
   const ParametricMesh& mesh() const { return mesh_; }
@@ -74,7 +76,7 @@ class SurfaceAssembler {
   using ElementLoad = Eigen::Matrix<double, 12, 3>;
   ElementLoad reference_dofs(int triangle, const Points& q) const;
   void check_weights(const VecX& triangle_weights) const;
-  // ∬ N over the part inside.
+  // ∬ N over the part of a triangle that is inside.
   Vec12 unit_load(int triangle) const;
   // Sum of the elements' loads, each in reference dofs.
   Points gather(const std::function<void(int triangle, ElementLoad& reference)>& element) const;

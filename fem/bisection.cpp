@@ -18,6 +18,37 @@ int longest_edge(const ParametricMesh& mesh, int t) {
   return best;
 }
 
+// The triangles, cut at the midpoints of their edges (-1: none), the longest one first.
+std::vector<ParametricMesh::Triangle> halves_of(const ParametricMesh& mesh,
+                                                const std::vector<int>& longest,
+                                                const std::vector<int>& midpoint) {
+  std::vector<ParametricMesh::Triangle> triangles;
+  for (int t = 0; t < mesh.triangle_count(); ++t) {
+    const auto& v = mesh.triangles()[t];
+    const int i = longest[t], j = (i + 1) % 3, k = (i + 2) % 3;
+    const auto& e = mesh.edges_of(t);
+    const int m = midpoint[e[i]];
+    if (m < 0) {
+      triangles.push_back(v);
+      continue;
+    }
+    // (V_i, V_j, M) carries edge k, (V_i, M, V_k) edge j.
+    if (const int n = midpoint[e[k]]; n >= 0) {
+      triangles.push_back({v[i], n, m});
+      triangles.push_back({n, v[j], m});
+    } else {
+      triangles.push_back({v[i], v[j], m});
+    }
+    if (const int n = midpoint[e[j]]; n >= 0) {
+      triangles.push_back({v[i], m, n});
+      triangles.push_back({n, m, v[k]});
+    } else {
+      triangles.push_back({v[i], m, v[k]});
+    }
+  }
+  return triangles;
+}
+
 }  // namespace
 
 Bisection bisected(const ParametricMesh& mesh, const std::vector<char>& marked) {
@@ -54,31 +85,8 @@ Bisection bisected(const ParametricMesh& mesh, const std::vector<char>& marked) 
     const int i = edge.local[0];
     vertices.push_back(mesh.wrapped(0.5 * (shape.vertex[(i + 1) % 3] + shape.vertex[(i + 2) % 3])));
   }
-  std::vector<ParametricMesh::Triangle> triangles;
-  for (int t = 0; t < mesh.triangle_count(); ++t) {
-    const auto& v = mesh.triangles()[t];
-    const int i = longest[t], j = (i + 1) % 3, k = (i + 2) % 3;
-    const auto& e = mesh.edges_of(t);
-    const int m = midpoint[e[i]];
-    if (m < 0) {
-      triangles.push_back(v);
-      continue;
-    }
-    // (V_i, V_j, M) carries edge k, (V_i, M, V_k) edge j.
-    if (const int n = midpoint[e[k]]; n >= 0) {
-      triangles.push_back({v[i], n, m});
-      triangles.push_back({n, v[j], m});
-    } else {
-      triangles.push_back({v[i], v[j], m});
-    }
-    if (const int n = midpoint[e[j]]; n >= 0) {
-      triangles.push_back({v[i], m, n});
-      triangles.push_back({n, m, v[k]});
-    } else {
-      triangles.push_back({v[i], m, v[k]});
-    }
-  }
-  return {{std::move(vertices), std::move(triangles), mesh.period()}, std::move(midpoint)};
+  return {{std::move(vertices), halves_of(mesh, longest, midpoint), mesh.period()},
+          std::move(midpoint)};
 }
 
 MeshPart part_of(const ParametricMesh& mesh, const std::vector<int>& wanted) {

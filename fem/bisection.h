@@ -7,10 +7,11 @@
 
 namespace batten {
 
-/// Old vertices keep their numbers; new ones follow, in the order of the edges that they halve.
+/// A finer mesh. Old vertices keep their numbers; new ones follow, in the order of the edges that
+/// they halve.
 struct Bisection {
   ParametricMesh mesh;
-  std::vector<int> midpoint;  ///< of each old edge: the new vertex at its middle, or -1
+  std::vector<int> midpoint;  ///< new vertex at the middle of each old edge, or -1
 };
 
 /// Halves the marked triangles across their longest edges, and so many others that the mesh stays
@@ -22,7 +23,7 @@ Bisection bisected(const ParametricMesh& mesh, const std::vector<char>& marked);
 /// The mesh of these triangles alone, vertices in their old order.
 struct MeshPart {
   ParametricMesh mesh;
-  std::vector<int> vertex;  ///< of each old vertex: its number in the part, or -1
+  std::vector<int> vertex;  ///< number in the part of each old vertex, or -1
 };
 MeshPart part_of(const ParametricMesh& mesh, const std::vector<int>& triangles);
 

@@ -15,10 +15,10 @@ struct CurvePoint {
   double distance = 0;
 };
 
-/// From each parameter of `u` (ascending; the curve smooth between neighbours) at which the
-/// distance is a local minimum: Newton's method on (X - p)·X' = 0, by bisection where it leaves the
-/// two neighbours. `evaluate(u, order)`, orders 0 to 2. A minimum narrower than the samples is
-/// missed.
+/// The nearest point of a curve. It is looked for from each parameter of `u` (ascending; the curve
+/// is smooth between neighbours) at which the distance is a local minimum: by Newton's method on
+/// (X - p)·X' = 0, by bisection where it leaves the two neighbours. `evaluate(u, order)` takes
+/// orders 0 to 2. A minimum narrower than the samples is missed.
 template <class Evaluate>
 CurvePoint closest_on_curve(const Evaluate& evaluate, const std::vector<double>& u, const Vec3& p) {
   std::vector<double> distance(u.size());

@@ -37,9 +37,9 @@ class HermiteCurve {
   /// Position (order 0) or derivative of order 1 to 3 with respect to u. u is clamped to an open
   /// curve and comes around on a closed one; at a node, the segment that begins there answers.
   Vec3 evaluate(double u, int order = 0) const;
-  /// The same at s in [0, 1] of a segment.
+  /// Position or derivative at s in [0, 1] of a segment.
   Vec3 evaluate(CurveMesh::Where at, int order = 0) const;
-  /// 1/length; 0 on a straight piece.
+  /// Curvature, unit 1/length; 0 on a straight piece.
   double curvature(double u) const;
   double length() const;
   /// The nearest point of the curve: of all zeros of (X - p)·X', found by subdivision, so that none

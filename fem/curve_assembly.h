@@ -23,16 +23,16 @@ class CurveAssembler {
 
   const CurveMesh& mesh() const { return mesh_; }
   SparseMatrix pattern() const { return pattern_.zero(); }
-  /// Exact. Throws InputError on a wrong count.
+  /// Stiffness ∫ alpha H_u H_uᵀ + beta H_uu H_uuᵀ, exact. Throws InputError on a wrong count.
   void stiffness(const Along& alpha, const Along& beta, SparseMatrix& K) const;
   SparseMatrix stiffness(const Along& alpha, const Along& beta) const;
-  /// ∫ weight H Hᵀ: one weight for all segments, or one for each. Throws InputError on a wrong
+  /// Mass ∫ weight H Hᵀ: one weight for all segments, or one for each. Throws InputError on a wrong
   /// count.
   SparseMatrix mass(const std::vector<double>& weight = {1}) const;
-  /// ∫ H f, f given at u_0 … u_m (rows) and linear between them: exact. Throws InputError on a
+  /// Load ∫ H f, f given at u_0 … u_m (rows) and linear between them: exact. Throws InputError on a
   /// wrong count.
   Points load(const Points& f) const;
-  /// A force at one point.
+  /// Load of a force at one point.
   Points point_load(double u, const Vec3& force) const;
 
  private:

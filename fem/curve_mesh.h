@@ -13,8 +13,8 @@ namespace batten {
 ///
 /// Dofs of one coordinate, numbered along the curve, so that a segment's four follow each other:
 ///
-///     smooth node     w, w_u          the w_u of the first node of an open curve stands behind w
-///     too corner          w_u of the segment before, w, w_u of the segment after
+///     smooth node     w, w_u          also the first node of an open curve
+///     corner          w_u of the segment before, w, w_u of the segment after
 ///
 /// An open curve without corners: w, w_u of node i are dofs 2i, 2i + 1.
 class CurveMesh {
@@ -30,9 +30,9 @@ class CurveMesh {
   int node_count() const { return segment_count() + (closed_ ? 0 : 1); }
   int dof_count() const { return 2 * node_count() + static_cast<int>(corners_.size()); }
   bool closed() const { return closed_; }
-  /// u_0 … u_m: one more than there are nodes when closed.
+  /// Parameters u_0 … u_m of the nodes; a closed curve has one more, u_m, for node 0.
   const std::vector<double>& parameters() const { return parameters_; }
-  /// Ascending.
+  /// Nodes that are corners, ascending.
   const std::vector<int>& corners() const { return corners_; }
   bool is_corner(int node) const {
     const size_t k = corners_before(node);
@@ -44,20 +44,20 @@ class CurveMesh {
   double length(int segment) const { return parameters_[segment + 1] - parameters_[segment]; }
 
   int position_dof(int node) const { return first_dof(node) + is_corner(node); }
-  /// Of the segment that ends at the node, and of the one that begins there.
+  /// Slope dofs of the segment that ends at the node, and of the one that begins there.
   int slope_in(int node) const { return first_dof(node) + !is_corner(node); }
   int slope_out(int node) const { return position_dof(node) + 1; }
-  /// In the order of HermiteSegment.
+  /// Dofs of a segment in the order of HermiteSegment.
   std::array<int, 4> segment_dofs(int segment) const;
 
   struct Where {
     int segment = 0;
     double s = 0;  ///< in [0, 1]
   };
-  /// u is clamped to an open curve and comes around on a closed one. At a node: the segment that
-  /// begins there, at the end of an open curve the last.
+  /// Place of a parameter u, which is clamped to an open curve and comes around on a closed one. A
+  /// node is in the segment that begins there, the end of an open curve in the last one.
   Where where(double u) const;
-  /// u within [start(), end()]: clamped, or come around.
+  /// The parameter within [start(), end()] that u stands for: clamped, or come around.
   double wrapped(double u) const;
 
  private:

@@ -20,7 +20,7 @@ class DomainLoops {
   /// else bounds the region).
   enum class Around { Outside, Inside };
 
-  /// Whole plane, or nothing.
+  /// A region without loops: the whole plane, or nothing.
   explicit DomainLoops(Around around = Around::Inside) : around_(around) {}
   /// Throws InputError: a curve that leaves the plane z = 0, pieces of a loop that do not meet end
   /// to end (within 1e-9 of the box of all loops), an empty loop.
@@ -31,10 +31,10 @@ class DomainLoops {
   const std::vector<PlanarCubic>& arcs() const { return arcs_; }
   Around around() const { return around_; }
 
-  /// By the winding number, exact to rounding: a ray against the cubics themselves. On the curve
-  /// either answer. O(log-free: segments that the ray's height meets).
+  /// Whether p is inside, by the winding number of a ray against the cubics themselves: exact to
+  /// rounding; on a curve either answer. O(segments at the height of p).
   bool contains(const Vec2& p) const;
-  /// Area enclosed, signed: of `Around::Inside`, minus the area of the holes. Exact.
+  /// Area that is enclosed; with Around::Inside, minus the area of the holes. Exact.
   double area() const;
   Vec2 low() const { return low_; }
   Vec2 high() const { return high_; }

@@ -11,12 +11,11 @@ namespace batten {
 
 /// A conforming mesh of counter-clockwise triangles. Immutable.
 ///
-///           V_i                 Edge i of a triangle is opposite its vertex i and runs V_j → V_k,
-///           /\                  (i, j, k) cyclic. Globally an edge is (lower, higher) vertex
-///           index:
-///    edge k/  \edge j           that order fixes the sign of its normal (c1_triangle.h).
-///         /____\                Edges are numbered by first appearance over the triangles.
-///      V_j edge i V_k
+///            V_i              Edge i of a triangle is opposite its vertex i and runs V_j → V_k,
+///            /\               (i, j, k) cyclic. In the mesh an edge runs from its lower vertex
+///    edge k /  \ edge j       number to its higher one, which fixes the sign of its normal
+///          /____\             (c1_triangle.h). Edges are numbered in the order in which the
+///       V_j edge i V_k        triangles name them first.
 ///
 /// A mesh may be periodic in u: (u + period, v) is the same point as (u, v), as on a tube. Vertices
 /// keep u in [0, period), triangles and edges that cross the seam are placed as if it were not
@@ -44,7 +43,7 @@ class ParametricMesh {
   int vertex_count() const { return static_cast<int>(vertices_.size()); }
   int edge_count() const { return static_cast<int>(edges_.size()); }
   int triangle_count() const { return static_cast<int>(triangles_.size()); }
-  /// Of u, of a mesh of one component; 0: not periodic.
+  /// The period in u of a mesh of one component; 0: the mesh is not periodic.
   double period() const { return period_; }
 
   const std::vector<Vec2>& vertices() const { return vertices_; }
@@ -54,7 +53,7 @@ class ParametricMesh {
   /// Edge between two vertices, or -1.
   int edge_between(int a, int b) const;
 
-  /// +1 where the edge runs along the triangle's own direction.
+  /// +1 where the edge runs along the triangle's own direction, -1 where it runs against it.
   double edge_sign(int triangle, int local) const {
     const auto& t = triangles_[triangle];
     return t[(local + 1) % 3] < t[(local + 2) % 3] ? 1 : -1;
@@ -68,12 +67,12 @@ class ParametricMesh {
   Vec2 image_near(const Vec2& p, const Vec2& anchor) const;
   /// The image of p with u in [0, period); p itself without a period.
   Vec2 wrapped(Vec2 p) const;
-  /// From the first vertex of a chain of edges to the last, all the way: (period, 0) once around.
+  /// Way from the first vertex of a chain of edges to the last: (period, 0) once around.
   Vec2 displacement(const std::vector<int>& chain) const;
 
   /// n×n squares over [0,1]², each cut along its (0,0)-(1,1) diagonal: the mesh of the benchmarks.
   static ParametricMesh unit_square(int n);
-  /// Each triangle in four, by the midpoints of its edges.
+  /// The mesh with each triangle cut into four by the midpoints of its edges.
   ParametricMesh refined() const;
 
  private:
@@ -95,7 +94,7 @@ class ParametricMesh {
   std::vector<std::vector<int>> edges_from_;  // by lower vertex
 };
 
-/// Which number each unknown of one coordinate has: 3v + {0: w, 1: w_u, 2: w_v} at vertex v, and
+/// Numbers of the unknowns of one coordinate: 3v + {0: w, 1: w_u, 2: w_v} at vertex v, and
 /// 3·vertices + e for w_n at edge e.
 class DofMap {
  public:
@@ -105,7 +104,7 @@ class DofMap {
   int count() const { return count_; }
   int vertex(int v, int derivative = 0) const { return 3 * v + derivative; }
   int edge(int e) const { return edge_start_ + e; }
-  /// In the order of the element's dofs.
+  /// Dofs of a triangle in the order of the element's dofs.
   std::array<int, 12> triangle(const ParametricMesh& mesh, int t) const;
 
  private:

@@ -2,8 +2,8 @@
 //
 //     F = value ∬ w N (x_u × x_v) du dv,     x = Σ N_m x_m
 //
-// The same in every parameterisation of a triangle: in the dofs that affine maps carry along
-// (elements/reference_triangle.h) it is one fixed tensor for all whole triangles,
+// This load is the same in every parameterisation of a triangle: in the dofs that affine maps carry
+// along (elements/reference_triangle.h) it is one fixed tensor for all whole triangles,
 //
 //     F_a = Σ_{b<c} T_abc (x_b × x_c),   T_abc = ∬ N_a (N_b,1 N_c,2 - N_b,2 N_c,1) dL1 dL2,
 //

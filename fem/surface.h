@@ -19,8 +19,8 @@ struct SurfaceJet {
   Vec3 normal() const;
 };
 
-/// Signs: positive where the surface bends towards its normal (a sphere with outward normals of
-/// radius R has mean -1/R). Units: 1/length, Gauss 1/length².
+/// Curvatures of a surface at a point, positive where the surface bends towards its normal (a
+/// sphere with outward normals of radius R has mean -1/R). Units: 1/length, Gauss 1/length².
 struct Curvatures {
   double mean = 0, gauss = 0, k1 = 0, k2 = 0;  ///< k1 ≥ k2
 };
@@ -44,7 +44,7 @@ class Surface {
   TriangleElement kind() const { return kind_; }
   const DofMap& dof_map() const { return dof_map_; }
   const Points& dofs() const { return dofs_; }
-  /// None when the surface is the whole mesh.
+  /// The trim, or null when the surface is the whole mesh.
   const std::shared_ptr<const Trim>& trim() const { return trim_; }
   /// The 12 dofs of one triangle, columns x, y, z.
   Eigen::Matrix<double, 12, 3> triangle_dofs(int triangle) const;
@@ -62,11 +62,11 @@ class Surface {
   /// O(triangles).
   Closest closest_point(const Vec3& p) const;
 
-  /// Of the part inside, with a trim.
+  /// Area of the surface; with a trim, of the part inside.
   double area() const;
 
  private:
-  // Of the trim's loops.
+  // The nearest point of the trim's loops.
   Closest closest_on_loops(const Vec3& p) const;
 
   std::shared_ptr<const ParametricMesh> mesh_;
@@ -86,9 +86,9 @@ SparseMatrix evaluation_operator(const ParametricMesh& mesh, TriangleElement kin
 struct Tessellation {
   std::vector<Location> points;  ///< the mesh's vertices come first, in their order
   std::vector<std::array<int, 3>> facets;
-  std::vector<int> facet_triangle;  ///< element of each facet
+  std::vector<int> facet_triangle;  ///< element that holds each facet
 };
-/// Each triangle in n² facets, n ≥ 1.
+/// Display points of a mesh with each triangle cut into n² facets, n ≥ 1.
 Tessellation tessellate(const ParametricMesh& mesh, int n);
 
 /// Curvatures at the points of a tessellation. They are taken at the centroids of the elements'

@@ -8,17 +8,17 @@
 
 namespace batten {
 
-/// From the nearest of the surface's vertices and centroids, or from a start that is known,
-/// Newton's steps across the elements, down to the nearest point there: of the whole mesh, whether
-/// a trim has it inside or not. Surface::closest_point looks everywhere, and takes hundreds of
-/// times as long. Keeps a reference to the surface. A few microseconds a point, and O(triangles)
-/// for the nearest sample.
+/// Finds nearest points by Newton's steps across the elements, which begin at the nearest of the
+/// surface's vertices and centroids or at a start that is known. Points are those of the whole
+/// mesh, whether a trim has them inside or not. Surface::closest_point looks everywhere, and takes
+/// hundreds of times as long. Keeps a reference to the surface. A few microseconds a point, and
+/// O(triangles) for the nearest sample.
 class SurfaceProjector {
  public:
   explicit SurfaceProjector(const Surface& surface);
 
   Surface::Closest nearest(const Vec3& p) const;
-  /// The same from a start in the neighbourhood: points of a line, one after the other.
+  /// The nearest point from a start in the neighbourhood, as for points of a line in their order.
   Surface::Closest nearest(const Vec3& p, const Location& start) const;
 
  private:

@@ -50,6 +50,39 @@ struct Kept {
   }
 };
 
+// By how much each new triangle lies off the old surface, at six points.
+std::vector<double> displacements(const Surface& from, const ParametricMesh& to, const Kept& kept,
+                                  const TriangleLocator& locator, const Points& new_dofs) {
+  // The centroids of the three sub-triangles, and points between those and the edges' middles.
+  static const TriangleRule samples = [] {
+    TriangleRule points{Points(6, 3), VecX::Constant(6, 1.0 / 6)};
+    for (int i = 0; i < 3; ++i) {
+      points.L.row(i) = Vec3::Constant(4.0 / 9);
+      points.L.row(3 + i) = Vec3::Constant(0.35);
+      points.L(i, i) = 1.0 / 9;
+      points.L(3 + i, i) = 0.3;
+    }
+    return points;
+  }();
+  const DofMap dofs(to);
+  const TabulatedRule tabulated(from.kind(), samples);
+  std::vector<double> moved(to.triangle_count(), 0);
+  for_each_index(to.triangle_count(), [&](int t) {
+    if (kept.triangle[t]) return;
+    const TriangleShape shape = to.shape(t);
+    Eigen::Matrix<double, 12, 3> q;
+    const auto dof = dofs.triangle(to, t);
+    for (int a = 0; a < 12; ++a) q.row(a) = new_dofs.row(dof[a]);
+    q = C1Triangle(from.kind(), shape).to_reference_dofs() * q.eval();
+    for (size_t p = 0; p < tabulated.functions.size(); ++p) {
+      const Vec3 x = q.transpose() * tabulated.functions[p].col(0);
+      const Vec2 uv = shape.point(samples.L.row(static_cast<long>(p)));
+      moved[t] = std::max(moved[t], (x - from.position(locator.locate(uv))).norm());
+    }
+  });
+  return moved;
+}
+
 }  // namespace
 
 CarriedOver carried_over(const Surface& from, const ParametricMesh& to) {
@@ -84,32 +117,7 @@ CarriedOver carried_over(const Surface& from, const ParametricMesh& to) {
     result.dofs.row(dofs.edge(e)) = n.x() * jet.x_u + n.y() * jet.x_v;
   });
 
-  // The centroids of the three sub-triangles, and points between those and the edges' middles.
-  static const TriangleRule samples = [] {
-    TriangleRule points{Points(6, 3), VecX::Constant(6, 1.0 / 6)};
-    for (int i = 0; i < 3; ++i) {
-      points.L.row(i) = Vec3::Constant(4.0 / 9);
-      points.L.row(3 + i) = Vec3::Constant(0.35);
-      points.L(i, i) = 1.0 / 9;
-      points.L(3 + i, i) = 0.3;
-    }
-    return points;
-  }();
-  const TabulatedRule tabulated(from.kind(), samples);
-  std::vector<double> moved(to.triangle_count(), 0);
-  for_each_index(to.triangle_count(), [&](int t) {
-    if (kept.triangle[t]) return;
-    const TriangleShape shape = to.shape(t);
-    Eigen::Matrix<double, 12, 3> q;
-    const auto dof = dofs.triangle(to, t);
-    for (int a = 0; a < 12; ++a) q.row(a) = result.dofs.row(dof[a]);
-    q = C1Triangle(from.kind(), shape).to_reference_dofs() * q.eval();
-    for (size_t p = 0; p < tabulated.functions.size(); ++p) {
-      const Vec3 x = q.transpose() * tabulated.functions[p].col(0);
-      const Vec2 uv = shape.point(samples.L.row(static_cast<long>(p)));
-      moved[t] = std::max(moved[t], (x - from.position(locator.locate(uv))).norm());
-    }
-  });
+  const std::vector<double> moved = displacements(from, to, kept, locator, result.dofs);
   for (const double m : moved) result.max_displacement = std::max(result.max_displacement, m);
   return result;
 }

@@ -6,7 +6,7 @@
 namespace batten {
 
 struct CarriedOver {
-  Points dofs;                  ///< of the new mesh, dofs × 3
+  Points dofs;                  ///< dofs of the new mesh, dofs × 3
   double max_displacement = 0;  ///< largest |new - old| at the same (u, v), model units
 };
 

@@ -7,8 +7,8 @@
 
 namespace batten {
 
-/// Buckets over a mesh: O(1) a point. Keeps a reference to the mesh. On a mesh that is periodic in
-/// u, triangles lie where shape() places them.
+/// Finds triangles by buckets over a mesh: O(1) a point. Keeps a reference to the mesh. On a mesh
+/// that is periodic in u, triangles lie where shape() places them.
 class TriangleLocator {
  public:
   explicit TriangleLocator(const ParametricMesh& mesh);
@@ -25,7 +25,7 @@ class TriangleLocator {
     Location where;
     double distance;  // 0 inside
   };
-  // Of points nearer than `nearest`; where.triangle is -1 when there is none.
+  // The nearest point of a triangle within `nearest`; where.triangle is -1 when there is none.
   Found search(const Vec2& uv, double nearest) const;
   int column(double u) const;
   int row(double v) const;

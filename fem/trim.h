@@ -24,12 +24,12 @@ class Trim {
  public:
   enum class Side : char { Outside, Inside, Cut };
 
-  /// On a mesh that is periodic in u a loop is given once, beginning with u in
-  /// [0, period), and cuts on both sides of the seam. O(triangles + arcs · triangles that they
+  /// Cuts a mesh by loops. On a mesh that is periodic in u a loop is given once, beginning with u
+  /// in [0, period), and cuts on both sides of the seam. O(triangles + arcs · triangles that they
   /// cross).
   Trim(const ParametricMesh& mesh, DomainLoops given);
 
-  /// Of a mesh that is periodic in u: with their images one period to either side.
+  /// The loops; on a mesh that is periodic in u also their images one period to either side.
   const DomainLoops& loops() const { return loops_; }
   Side side(int triangle) const { return side_[triangle]; }
   /// Triangles that the loops pass through, ascending.
@@ -49,7 +49,7 @@ class Trim {
   static Trim side_by_side(const std::vector<const Trim*>& trims,
                            const std::vector<const ParametricMesh*>& meshes);
 
-  /// The same cut for a mesh that holds only these triangles, in this order.
+  /// This trim for a mesh that holds only these triangles, in this order.
   Trim restricted(const std::vector<int>& triangles) const;
 
  private:

@@ -25,8 +25,9 @@ struct MeshWriteOptions {
 ///   .off               OFF, COFF, NOFF, STOFF and their mixtures; as text
 ///   .ply               as text or binary of either byte order
 ///   .stl               as text or binary; corners at the same place are one node; sets from
-///   `solid` .vtp .vtu          VTK XML .bdf .nas .dat     Nastran bulk data: GRID, CTRIA3, CTRIAR,
-///   CQUAD4, CQUADR, CTRIA6, CQUAD8;
+///                      `solid`
+///   .vtp .vtu          VTK XML
+///   .bdf .nas .dat     Nastran bulk data: GRID, CTRIA3, CTRIAR, CQUAD4, CQUADR, CTRIA6, CQUAD8;
 ///                      small, large and free fields; properties by PID, node sets from SET1
 ///   .inp               Abaqus and CalculiX: one flat part; shells, membranes, plane elements of 3,
 ///                      4, 6 and 8 nodes; sets from *NSET, *ELSET; properties from *… SECTION

@@ -28,8 +28,7 @@ struct NamedPoints {
 ///                         record is one line, named after the last `o` or `g` record before it
 ///                         (numbered when several share the name), else after the file. Everything
 ///                         else in the file is passed over.
-///   .curves               Drawn strokes: a row `v N`, then N rows of three numbers, again and
-///   again;
+///   .curves               Drawn strokes: a row `v N`, then N rows of three numbers, and so on;
 ///                         blank rows and comments between are passed over. Named as in a table. A
 ///                         stroke may be a single point: hands that draw leave some, and a sketch
 ///                         should not be lost for one.

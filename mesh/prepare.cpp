@@ -134,8 +134,15 @@ void note(std::vector<T>& list, const T& item) {
   if (list.size() < kListed) list.push_back(item);
 }
 
-/// Faces turned so that neighbours run through their common edge in opposite directions.
-void orient(Work& work, int node_count) {
+/// The triangle across an edge.
+struct Link {
+  int other;
+  bool turned;  ///< it runs through the edge in the same direction
+};
+using Links = std::vector<std::vector<Link>>;  // of each triangle
+
+/// Who lies across which edge; boundary and non-manifold edges are counted.
+Links find_links(Work& work) {
   struct Side {
     std::array<int, 2> edge;
     int triangle;
@@ -150,11 +157,7 @@ void orient(Work& work, int node_count) {
   std::sort(sides.begin(), sides.end(), [](const Side& x, const Side& y) {
     return std::pair(x.edge, x.triangle) < std::pair(y.edge, y.triangle);
   });
-  struct Link {
-    int other;
-    bool turned;
-  };
-  std::vector<std::vector<Link>> links(work.triangles.size());
+  Links links(work.triangles.size());
   MeshDiagnosis& found = work.found;
   for (size_t i = 0; i < sides.size();) {
     size_t end = i + 1;
@@ -171,10 +174,13 @@ void orient(Work& work, int node_count) {
     }
     i = end;
   }
+  return links;
+}
+
+/// Faces turned so that neighbours run through their common edge in opposite directions.
+void orient(Work& work, const Links& links) {
+  MeshDiagnosis& found = work.found;
   std::vector<int> turn(work.triangles.size(), -1), stack;
-  std::vector<char> face_turned(
-      work.face_of.empty() ? 0 : *std::max_element(work.face_of.begin(), work.face_of.end()) + 1,
-      0);
   for (size_t seed = 0; seed < turn.size(); ++seed) {
     if (turn[seed] >= 0) continue;
     ++found.components;
@@ -194,74 +200,71 @@ void orient(Work& work, int node_count) {
       }
     }
   }
+  std::vector<char> face_turned(
+      work.face_of.empty() ? 0 : *std::max_element(work.face_of.begin(), work.face_of.end()) + 1,
+      0);
   for (size_t t = 0; t < turn.size(); ++t)
     if (turn[t] == 1) {
       std::swap(work.triangles[t][1], work.triangles[t][2]);
       face_turned[work.face_of[t]] = 1;
     }
   found.turned_faces = static_cast<int>(std::count(face_turned.begin(), face_turned.end(), 1));
+}
 
-  // Fans: triangles around a vertex that are linked by edges at it.
+/// Whether two linked triangles x and y have a common edge that ends at v.
+bool share_edge_at(int v, const std::array<int, 3>& x, const std::array<int, 3>& y) {
+  const auto in_y = [&](int w) { return std::find(y.begin(), y.end(), w) != y.end(); };
+  return in_y(v) && std::any_of(x.begin(), x.end(), [&](int w) { return w != v && in_y(w); });
+}
+
+/// Fans: triangles around a vertex that are linked by edges at it. Vertices with several are noted.
+void count_fans(Work& work, const Links& links, int node_count) {
   std::vector<std::vector<int>> around(node_count);
   for (int t = 0; t < static_cast<int>(work.triangles.size()); ++t)
     for (const int v : work.triangles[t]) around[v].push_back(t);
-  std::vector<int> group(work.triangles.size(), -1);
+  std::vector<int> stack;
+  std::vector<char> seen(work.triangles.size(), 0);
   for (int v = 0; v < node_count; ++v) {
     int fans = 0;
-    for (const int t : around[v]) group[t] = -1;
     for (const int seed : around[v]) {
-      if (group[seed] >= 0) continue;
-      group[seed] = fans++;
+      if (seen[seed]) continue;
+      ++fans;
+      seen[seed] = 1;
       stack.push_back(seed);
       while (!stack.empty()) {
         const int t = stack.back();
         stack.pop_back();
         for (const Link& link : links[t]) {
-          const auto &x = work.triangles[t], &y = work.triangles[link.other];
-          if (std::find(y.begin(), y.end(), v) == y.end() || group[link.other] >= 0) continue;
-          // The common edge has to end at v.
-          int common = 0;
-          for (const int w : x) common += std::find(y.begin(), y.end(), w) != y.end();
-          bool at_v = common == 3;
-          for (const int w : x)
-            if (w != v && std::find(y.begin(), y.end(), w) != y.end()) at_v = true;
-          if (!at_v) continue;
-          group[link.other] = group[t];
+          if (seen[link.other] || !share_edge_at(v, work.triangles[t], work.triangles[link.other]))
+            continue;
+          seen[link.other] = 1;
           stack.push_back(link.other);
         }
       }
     }
-    for (const int t : around[v]) group[t] = -1;
+    for (const int t : around[v]) seen[t] = 0;
     if (fans > 1) {
-      ++found.non_manifold_vertex_count;
-      note(found.non_manifold_vertices, v);
+      ++work.found.non_manifold_vertex_count;
+      note(work.found.non_manifold_vertices, v);
     }
   }
 }
 
-Work examine(const ShellMesh& shells) {
-  Work work;
-  MeshDiagnosis& found = work.found;
+/// Throws InputError for indices out of range; notes nodes of no face, and bad ones.
+void look_at_nodes(const ShellMesh& shells, MeshDiagnosis& found) {
   const int n = shells.node_count();
   std::vector<char> used(n, 0);
-  std::vector<std::pair<std::vector<int>, int>> keys;
-  for (int f = 0; f < shells.face_count(); ++f) {
+  for (int f = 0; f < shells.face_count(); ++f)
     for (const int v : shells.face(f)) {
       if (v < 0 || v >= n)
         throw InputError("face " + std::to_string(f) + " names node " + std::to_string(v) + " of " +
                          std::to_string(n));
       used[v] = 1;
     }
-    std::vector<int> key(shells.corners(f).begin(), shells.corners(f).end());
-    std::sort(key.begin(), key.end());
-    key.erase(std::unique(key.begin(), key.end()), key.end());
-    keys.emplace_back(std::move(key), f);
-  }
   found.unused_nodes = static_cast<int>(std::count(used.begin(), used.end(), 0));
   for (int v = 0; v < n; ++v)
     if (used[v] && !shells.points.row(v).allFinite()) note(found.bad_nodes, v);
-  if (!found.bad_nodes.empty()) return work;
-
+  if (!found.bad_nodes.empty()) return;
   std::vector<std::array<double, 4>> places;
   for (int v = 0; v < n; ++v)
     if (used[v])
@@ -270,19 +273,45 @@ Work examine(const ShellMesh& shells) {
   for (size_t i = 1; i < places.size(); ++i)
     found.coincident_nodes +=
         std::equal(places[i].begin(), places[i].begin() + 3, places[i - 1].begin());
+}
 
+/// Which faces are collapsed, or have the nodes of an earlier one.
+std::vector<char> faces_to_drop(const ShellMesh& shells, MeshDiagnosis& found) {
   std::vector<char> dropped(shells.face_count(), 0);
-  for (int f = 0; f < shells.face_count(); ++f)
+  std::vector<std::pair<std::vector<int>, int>> keys;
+  for (int f = 0; f < shells.face_count(); ++f) {
     if (!simple(distinct(shells.corners(f)))) {
       dropped[f] = 1;
       ++found.collapsed_faces;
     }
+    std::vector<int> key(shells.corners(f).begin(), shells.corners(f).end());
+    std::sort(key.begin(), key.end());
+    key.erase(std::unique(key.begin(), key.end()), key.end());
+    keys.emplace_back(std::move(key), f);
+  }
   std::sort(keys.begin(), keys.end());
   for (size_t i = 1; i < keys.size(); ++i)
     if (keys[i].first == keys[i - 1].first && !dropped[keys[i].second]) {
       dropped[keys[i].second] = 1;
       ++found.duplicate_faces;
     }
+  return dropped;
+}
+
+/// Whether a triangle is too flat to have an area.
+bool has_no_area(const Points& points, const std::array<int, 3>& t) {
+  const Vec3 p = points.row(t[0]), q = points.row(t[1]), r = points.row(t[2]);
+  const double longest =
+      std::max({(q - p).squaredNorm(), (r - q).squaredNorm(), (p - r).squaredNorm()});
+  return !((q - p).cross(r - p).norm() > kFlat * longest);
+}
+
+Work examine(const ShellMesh& shells) {
+  Work work;
+  MeshDiagnosis& found = work.found;
+  look_at_nodes(shells, found);
+  if (!found.bad_nodes.empty()) return work;
+  const std::vector<char> dropped = faces_to_drop(shells, found);
   Splitter splitter(shells.points);
   for (int f = 0; f < shells.face_count(); ++f) {
     if (dropped[f]) continue;
@@ -292,14 +321,10 @@ Work examine(const ShellMesh& shells) {
     splitter.split(second ? shells.face(f) : shells.corners(f), second, work.triangles);
     work.face_of.resize(work.triangles.size(), f);
   }
-  for (const auto& t : work.triangles) {
-    const Vec3 p = shells.points.row(t[0]), q = shells.points.row(t[1]),
-               r = shells.points.row(t[2]);
-    const double longest =
-        std::max({(q - p).squaredNorm(), (r - q).squaredNorm(), (p - r).squaredNorm()});
-    found.zero_area_triangles += !((q - p).cross(r - p).norm() > kFlat * longest);
-  }
-  orient(work, n);
+  for (const auto& t : work.triangles) found.zero_area_triangles += has_no_area(shells.points, t);
+  const Links links = find_links(work);
+  orient(work, links);
+  count_fans(work, links, shells.node_count());
   return work;
 }
 
@@ -330,16 +355,11 @@ PreparedMesh prepare(const ShellMesh& shells, const std::function<std::string(in
                      " where parts of the mesh touch without a common edge (the first is node " +
                      name(d.non_manifold_vertices[0]) + "), expected a manifold surface");
   if (d.zero_area_triangles > 0) {
-    for (const auto& t : work.triangles) {
-      const Vec3 p = shells.points.row(t[0]), q = shells.points.row(t[1]),
-                 r = shells.points.row(t[2]);
-      const double longest =
-          std::max({(q - p).squaredNorm(), (r - q).squaredNorm(), (p - r).squaredNorm()});
-      if (!((q - p).cross(r - p).norm() > kFlat * longest))
-        throw InputError("found " + counted(d.zero_area_triangles, "triangle") +
-                         " without area (the first has nodes " + name(t[0]) + ", " + name(t[1]) +
-                         ", " + name(t[2]) + ")");
-    }
+    const auto& t = *std::find_if(work.triangles.begin(), work.triangles.end(),
+                                  [&](const auto& x) { return has_no_area(shells.points, x); });
+    throw InputError("found " + counted(d.zero_area_triangles, "triangle") +
+                     " without area (the first has nodes " + name(t[0]) + ", " + name(t[1]) + ", " +
+                     name(t[2]) + ")");
   }
 
   std::vector<std::string> notes;

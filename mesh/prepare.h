@@ -13,19 +13,19 @@ namespace batten {
 
 /// What a mesh is like, by counting. Lists hold at most the first 8 of their kind.
 struct MeshDiagnosis {
-  int components = 0;  ///< joined by edges
+  int components = 0;  ///< parts of the mesh that no edge joins
   int boundary_edges = 0;
-  int unused_nodes = 0;         ///< of no face
-  int collapsed_faces = 0;      ///< fewer than three different corners
-  int duplicate_faces = 0;      ///< the same nodes as an earlier face
-  int turned_faces = 0;         ///< to be turned for one orientation of each component
+  int unused_nodes = 0;         ///< nodes of no face
+  int collapsed_faces = 0;      ///< faces with fewer than three different corners
+  int duplicate_faces = 0;      ///< faces with the same nodes as an earlier one
+  int turned_faces = 0;         ///< faces that have to be turned to run as their component does
   int coincident_nodes = 0;     ///< used nodes at exactly the place of an earlier one
-  int zero_area_triangles = 0;  ///< height below 1e-12 of the longest edge
+  int zero_area_triangles = 0;  ///< triangles with a height below 1e-12 of the longest edge
   bool orientable = true;
-  std::vector<std::array<int, 2>> non_manifold_edges;  ///< of three faces or more
-  std::vector<int> non_manifold_vertices;              ///< whose faces form several fans
+  std::vector<std::array<int, 2>> non_manifold_edges;  ///< edges of three faces or more
+  std::vector<int> non_manifold_vertices;              ///< vertices whose faces form several fans
   int non_manifold_edge_count = 0, non_manifold_vertex_count = 0;
-  std::vector<int> bad_nodes;  ///< a coordinate that is not finite, an index out of range
+  std::vector<int> bad_nodes;  ///< nodes with a coordinate that is not finite
 };
 
 /// The mathematics' view of shell elements: every face as triangles (quads along their shorter

@@ -32,10 +32,10 @@ struct ElementQuality {
   double aspect, warpage_degrees, jacobian, smallest_angle_degrees, largest_angle_degrees;
 };
 
-/// One face of `shells` with its nodes at `points`.
+/// Quality of one face of `shells` with its nodes at `points`.
 ElementQuality quality_of(const ShellMesh& shells, const Points& points, int face);
 
-/// Beyond these an element is counted.
+/// Limits beyond which an element is counted as bad.
 struct QualityLimits {
   double aspect = 5, warpage_degrees = 15, jacobian = 0.5;
   double smallest_triangle_angle_degrees = 20, largest_triangle_angle_degrees = 120;
@@ -46,7 +46,7 @@ struct QualityLimits {
 struct MeasureSummary {
   double worst = 0;
   int worst_face = -1;  ///< the lowest of equally bad ones; -1 without faces
-  double mean = 0;      ///< of the finite values
+  double mean = 0;      ///< mean of the finite values
   int beyond = 0;       ///< faces beyond the limit
 };
 
@@ -55,8 +55,8 @@ struct QualitySummary {
   MeasureSummary aspect, warpage_degrees, jacobian, smallest_angle_degrees, largest_angle_degrees;
 };
 
-/// All faces with the nodes at `points`. Throws InputError when there is not one point a node.
-/// O(faces).
+/// Quality of all faces with the nodes at `points`. Throws InputError when there is not one point a
+/// node. O(faces).
 QualitySummary summarize(const ShellMesh& shells, const Points& points,
                          const QualityLimits& limits = {});
 

@@ -54,7 +54,7 @@ Selection vertices_within(const TriangleMesh& mesh, const std::vector<int>& sour
 /// The vertices with `rings` rings of neighbours around them.
 Selection grown(const MeshTopology& topology, const std::vector<int>& vertices, int rings);
 
-/// The members that have a neighbour outside.
+/// The given vertices that have a neighbour that is not given.
 Selection border(const MeshTopology& topology, const std::vector<int>& vertices);
 
 /// All corners of the triangles.
@@ -63,7 +63,7 @@ Selection vertices_of_triangles(const MeshTopology& topology, const std::vector<
 /// Triangles, ascending, with at least one corner among the vertices.
 std::vector<int> triangles_touching(const MeshTopology& topology, const std::vector<int>& vertices);
 
-/// In one or the other; in both; in the first but not in the second.
+/// Vertices in one or the other; in both; in the first but not in the second.
 Selection united(const Selection& a, const Selection& b);
 Selection common(const Selection& a, const Selection& b);
 Selection without(const Selection& a, const Selection& b);

@@ -8,9 +8,9 @@
 
 namespace batten {
 
-/// Nodes and faces, nothing checked. Nodes may belong to no face; faces may repeat a node (a quad
-/// whose last two nodes are one is how FE decks write a triangle), be wound either way, lie double:
-/// prepare() looks into that.
+/// Shell elements: nodes and faces, nothing checked. Nodes may belong to no face; faces may repeat
+/// a node (a quad whose last two nodes are one is how FE decks write a triangle), be wound either
+/// way, lie double: prepare() looks into that.
 ///
 /// A linear face is a polygon: its nodes in order. A second-order face lists its corners, then the
 /// middle nodes of the edges 12, 23, …, as S6 and S8 do.
@@ -31,7 +31,7 @@ class ShellMesh {
   std::span<const int> face(int f) const {
     return {nodes_.data() + start_[f], static_cast<size_t>(start_[f + 1] - start_[f])};
   }
-  /// Its corners only.
+  /// The corners of a face.
   std::span<const int> corners(int f) const {
     return face(f).first(face(f).size() / (second_order_[f] ? 2 : 1));
   }

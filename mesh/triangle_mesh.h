@@ -10,7 +10,7 @@
 
 namespace batten {
 
-/// Who is whose neighbour; found once, shared by all shapes of a mesh.
+/// The neighbours of vertices, edges and triangles: found once, shared by all shapes of a mesh.
 ///
 /// Every edge has one or two triangles, which run through it in opposite directions; the triangles
 /// around a vertex form one fan. Vertices without triangles are allowed and have no neighbours.
@@ -29,7 +29,7 @@ class MeshTopology {
   int vertex_count() const { return vertex_count_; }
   int triangle_count() const { return static_cast<int>(triangles_.size()); }
   const std::vector<std::array<int, 3>>& triangles() const { return triangles_; }
-  /// Sorted by (low, high).
+  /// The edges, sorted by (low, high).
   const std::vector<Edge>& edges() const { return edges_; }
   /// Edges opposite to the three corners of a triangle.
   const std::array<int, 3>& edges_of(int triangle) const { return edges_of_[triangle]; }
@@ -84,7 +84,7 @@ class TriangleMesh {
   int vertex_count() const { return topology_->vertex_count(); }
   int triangle_count() const { return topology_->triangle_count(); }
   const std::vector<std::array<int, 3>>& triangles() const { return topology_->triangles(); }
-  /// Twice the area times the unit normal.
+  /// Area vector of a triangle: twice its area times its unit normal.
   Vec3 area_vector(int triangle) const;
   /// Diagonal of the box around all vertices that have triangles.
   double size() const;

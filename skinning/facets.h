@@ -3,12 +3,11 @@
 // A region whose lines are all fitted has its element mesh. A region with embedded lines gets a
 // mesh of its own in (u, v), which follows its boundary exactly:
 //
-//      c(t0) o-------o c(t1)      edges on a line keep c(t) at their ends, and inside of them as
-//            \  .-´´/             well: the triangle at such an edge is the image of a straight
-//            one,
-//             \    /   straight
-//              \  /               p(L) = Σ L_i p_i + Σ  L_j L_k / (s (1 - s)) (c(s) - chord(s)),
-//               \/                             edges jk      s = (1 + L_k - L_j) / 2
+//     c(t0) o-------o c(t1)     Edges on a line keep c(t) at their ends and inside of them. The
+//            \     /            triangle at such an edge is the image of a straight one,
+//    straight \   / straight
+//              \ /              p(L) = Σ L_i p_i +   Σ    L_j L_k / (s (1 - s)) (c(s) - chord(s)),
+//               o                                 edges jk      s = (1 + L_k - L_j) / 2
 //
 // Where the parameters t lie depends on the line's shape in space, the facet size and the points
 // where other lines meet it only, not on the surface: neighbours that share a line share its points

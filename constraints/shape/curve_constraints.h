@@ -26,9 +26,10 @@ class CurveConstraints {
   CurveConstraints(const CurveMesh& mesh, ConstraintSet& set);
 
   void point(const std::string& name, double u, const Vec3& position);
-  /// Length and direction.
+  /// dX/du has this length and direction.
   void derivative(const std::string& name, double u, const Vec3& derivative);
-  /// At a corner: of the side that begins there. Throws InputError when tau is zero.
+  /// The curve runs along tau; at a corner, the side that begins there does. Throws InputError when
+  /// tau is zero.
   void direction(const std::string& name, double u, const Vec3& tau);
   void no_curvature(const std::string& name, double u);
   /// n: unit normal, through: any point of the plane. Throws InputError when n is zero.

@@ -25,8 +25,8 @@ namespace batten {
 
 struct PointSpacing {
   /// Largest step over the local size h = √(2 area of the triangle), or the edge that the line runs
-  /// along where that is longer, measured along c. Below 0.35
-  /// the rows hold the surface so tightly that it waves, above 1 it dimples.
+  /// along where that is longer, measured along c. Below 0.35 the rows hold the surface so tightly
+  /// that it waves, above 1 it dimples.
   double step = 0.7;
   /// A line's open ends are where the gap is largest: this many further points at half steps.
   int more_at_ends = 0;
@@ -34,7 +34,7 @@ struct PointSpacing {
 
 /// Parameters of the points of one line: evenly in ∫ ds/h(c(t)) between its ends, both among them
 /// (of a closed line the start), and between the parameters of `always`, which are among them too.
-/// Ascending. `image` = c.
+/// They ascend. `image`: c.
 std::vector<double> embedded_points(const ParametricMesh& mesh, const TriangleLocator& locator,
                                     const HermiteCurve& image, const PointSpacing& spacing = {},
                                     std::vector<double> always = {});

@@ -1,12 +1,12 @@
 // Geometric constraints as rows on the dofs of a surface.
 //
-//   constraint                     rows                                              between nodes
-//   point at a location            N(where) q = p                       uncoupled    that point
-//   only tangent direction at a vertex  r·(s_u q_u + s_v q_v) = 0, r ⟂ τ     2 coupled    that
-//   point only normal direction at a vertex   n·q_u = n·q_v = 0                    2 coupled that
-//   point only cubic curve along edges        q and tangential slope at the nodes  uncoupled exact
-//   constant normal along edges    see below                            coupled      exact
-//   varying normal along edges     see below                            coupled      O(h³) between
+//   constraint                     rows                                 kind         holds
+//   point at a location            N(where) q = p                       uncoupled    at that point
+//   tangent direction at a vertex  r·(s_u q_u + s_v q_v) = 0, r ⟂ τ     2 coupled    at that vertex
+//   normal direction at a vertex   n·q_u = n·q_v = 0                    2 coupled    at that vertex
+//   cubic curve along edges        q and tangential slope at the nodes  uncoupled    everywhere
+//   constant normal along edges    see constant_normal()                coupled      everywhere
+//   varying normal along edges     see varying_normal()                 coupled      to O(h³)
 //
 // A direction is held up to its sign, and a normal only where x_u × x_v ≠ 0.
 // Source: Celniker and Gossard 1991, section 6; verified forms in docs/theory/elements.md.
@@ -38,7 +38,7 @@ class ShapeConstraints {
   /// The normal at a vertex is parallel to n: two coupled rows. Throws InputError when n is zero.
   void normal(const std::string& name, int vertex, const Vec3& n);
 
-  /// The same at any point of the surface: rows of N_u and N_v there.
+  /// Tangent and normal at any point of the surface, by rows of N_u and N_v there.
   void tangent(const std::string& name, const Location& where, const Vec2& s, const Vec3& tau);
   void normal(const std::string& name, const Location& where, const Vec3& n);
 

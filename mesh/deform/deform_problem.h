@@ -56,7 +56,7 @@ struct GuidedPoint {
 /// of that width. A line that should stay rigid is a FormFeature.
 struct CharacterChain {
   std::string name;
-  std::vector<int> vertices;  ///< in order, at least three
+  std::vector<int> vertices;  ///< three or more, in their order
   bool closed = false;
   double width = 0;  ///< model units
 };
@@ -102,7 +102,7 @@ struct DeformEdit {
   std::vector<HandleMove> handles;     ///< one for each handle
   std::vector<double> feature_scales;  ///< s_f, one for each feature, above 0; empty: all 1
   std::vector<Vec3> guides;   ///< a point of each plane or line; empty: where the points are now
-  std::vector<Vec3> targets;  ///< of each row; empty: as in the problem
+  std::vector<Vec3> targets;  ///< right-hand side of each row; empty: as in the problem
 };
 
 /// Throw InputError on what no deformer can take, with the name of the part: vertices out of range,

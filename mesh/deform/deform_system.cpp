@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "batten/core/errors.h"
+#include "batten/core/groups.h"
 #include "batten/mesh/operators.h"
 
 namespace batten {
@@ -16,20 +17,6 @@ std::vector<int> sorted(std::vector<int> vertices) {
   vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
   return vertices;
 }
-
-/// Disjoint sets.
-class Groups {
- public:
-  explicit Groups(int count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0); }
-  int of(int i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  void join(int a, int b) { parent_[std::max(of(a), of(b))] = std::min(of(a), of(b)); }
-
- private:
-  std::vector<int> parent_;
-};
 
 /// Visits the vertices of all rows that the user wrote.
 template <class Visit>
@@ -43,6 +30,31 @@ void for_row_vertices(const DeformProblem& problem, const Visit& visit) {
     if (r.turns_with >= 0) visit(r.turns_with);
   }
 }
+
+/// ½ (cot α + cot β) of the edges at each vertex.
+class RingWeights {
+ public:
+  explicit RingWeights(const TriangleMesh& mesh) : start_(mesh.vertex_count() + 1, 0) {
+    const MeshTopology& topology = mesh.topology();
+    for (int v = 0; v < mesh.vertex_count(); ++v)
+      start_[v + 1] = start_[v] + static_cast<int>(topology.neighbours(v).size());
+    weight_.resize(start_.back());
+    // In the order of neighbours(v): lower ones first, then the higher ones, both in the order of
+    // the edges.
+    const std::vector<double> of_edge = edge_cotangents(mesh);
+    std::vector<int> next(start_.begin(), start_.end() - 1);
+    for (size_t e = 0; e < of_edge.size(); ++e)
+      weight_[next[topology.edges()[e].high]++] = of_edge[e];
+    for (size_t e = 0; e < of_edge.size(); ++e)
+      weight_[next[topology.edges()[e].low]++] = of_edge[e];
+  }
+  /// Of the edge to neighbour k of v.
+  double at(int v, size_t k) const { return weight_[start_[v] + static_cast<int>(k)]; }
+
+ private:
+  std::vector<int> start_;
+  std::vector<double> weight_;
+};
 
 }  // namespace
 
@@ -186,65 +198,41 @@ void DeformSystem::number(const MeshTopology& topology, const DeformProblem& pro
     }
 }
 
-void DeformSystem::add_soft_rows(const TriangleMesh& mesh, const DeformProblem& problem) {
-  const MeshTopology& topology = mesh.topology();
-  const int n = mesh.vertex_count();
-  const bool by_area = problem.weighting == DeformProblem::Weighting::Area;
-  // ½ (cot α + cot β) in the order of neighbours(v): lower ones first, then the higher ones, both
-  // in the order of the edges.
-  const std::vector<double> edge_weight = edge_cotangents(mesh);
-  std::vector<int> start(n + 1, 0);
-  for (int v = 0; v < n; ++v)
-    start[v + 1] = start[v] + static_cast<int>(topology.neighbours(v).size());
-  std::vector<double> weight(start[n]);
-  std::vector<int> next(start.begin(), start.end() - 1);
-  for (size_t e = 0; e < edge_weight.size(); ++e)
-    weight[next[topology.edges()[e].high]++] = edge_weight[e];
-  for (size_t e = 0; e < edge_weight.size(); ++e)
-    weight[next[topology.edges()[e].low]++] = edge_weight[e];
-  const VecX area = mixed_areas(mesh);
-
-  std::vector<int> feature_of(n, -1);
-  for (size_t f = 0; f < feature_vertices_.size(); ++f)
-    for (const int v : feature_vertices_[f]) feature_of[v] = static_cast<int>(f);
-  // Whose scale the curvature at a vertex has.
-  const auto scale_of = [&](int v) {
-    if (feature_of[v] >= 0) return feature_of[v];
-    return holder[v] >= 0 ? static_cast<int>(feature_vertices_.size()) + holder[v] : -1;
-  };
-  std::vector<int> row_vertex;
-  long entries = 0;
+std::vector<int> DeformSystem::curved_vertices(const MeshTopology& topology) const {
+  std::vector<int> rows;
   for (const int v : vertex) {
     const auto ring = topology.neighbours(v);
-    bool moves = holder[v] == kMoves, rigid = feature_of[v] >= 0;
+    bool moves = holder[v] == kMoves, rigid = feature_of_[v] >= 0;
     for (const int u : ring) {
       moves = moves || holder[u] == kMoves;
-      rigid = rigid && feature_of[u] == feature_of[v];
+      rigid = rigid && feature_of_[u] == feature_of_[v];
     }
-    if (!moves || rigid || ring.empty()) continue;
-    row_vertex.push_back(v);
-    entries += static_cast<long>(ring.size()) + 1;
+    if (moves && !rigid && !ring.empty()) rows.push_back(v);
   }
+  return rows;
+}
 
-  // Rows that the user wrote: chains, then soft combinations.
-  std::vector<std::vector<std::pair<int, double>>> extra;
-  std::vector<Vec3> extra_base;
-  for (const auto& chain : problem.chains) add_chain(chain, problem.weighting, extra, extra_base);
-  const size_t chain_rows = extra.size();
-  std::vector<int> extra_turns, extra_target(extra.size(), -1);
-  for (size_t r = 0; r < chain_rows; ++r) extra_turns.push_back(extra[r][1].first);
+int DeformSystem::scale_of(int v) const {
+  if (feature_of_[v] >= 0) return feature_of_[v];
+  return holder[v] >= 0 ? static_cast<int>(feature_vertices_.size()) + holder[v] : -1;
+}
+
+std::vector<DeformSystem::WrittenRow> DeformSystem::written_rows(
+    const DeformProblem& problem) const {
+  std::vector<WrittenRow> rows;
+  for (const auto& chain : problem.chains) add_chain(chain, problem.weighting, rows);
   for (size_t r = 0; r < problem.rows.size(); ++r) {
     const CombinationRow& row = problem.rows[r];
     if (!row.weight) continue;
-    std::vector<std::pair<int, double>> terms;
+    // The right-hand side comes with each edit.
+    WrittenRow written{
+        {}, Vec3::Zero(), row.turns_with < 0 ? -1 : dof[row.turns_with], -1, static_cast<int>(r)};
     for (const auto& e : row.combination.entries)
-      terms.emplace_back(dof[e.vertex], std::sqrt(*row.weight) * e.coefficient);
-    extra.push_back(terms);
-    extra_base.emplace_back(Vec3::Zero());  // comes with each edit
-    extra_turns.push_back(row.turns_with < 0 ? -1 : dof[row.turns_with]);
-    extra_target.push_back(static_cast<int>(r));
+      written.terms.emplace_back(dof[e.vertex], std::sqrt(*row.weight) * e.coefficient);
+    rows.push_back(std::move(written));
   }
-  for (auto& terms : extra) {
+  for (WrittenRow& row : rows) {
+    auto& terms = row.terms;
     std::sort(terms.begin(), terms.end());
     for (size_t i = 1; i < terms.size();)
       if (terms[i].first == terms[i - 1].first) {
@@ -253,22 +241,51 @@ void DeformSystem::add_soft_rows(const TriangleMesh& mesh, const DeformProblem& 
       } else {
         ++i;
       }
-    entries += static_cast<long>(terms.size());
   }
+  return rows;
+}
 
-  const auto surface_rows = static_cast<long>(row_vertex.size());
-  const long rows = surface_rows + static_cast<long>(extra.size());
+void DeformSystem::add_soft_rows(const TriangleMesh& mesh, const DeformProblem& problem) {
+  const MeshTopology& topology = mesh.topology();
+  feature_of_.assign(mesh.vertex_count(), -1);
+  for (size_t f = 0; f < feature_vertices_.size(); ++f)
+    for (const int v : feature_vertices_[f]) feature_of_[v] = static_cast<int>(f);
+  const std::vector<int> curved = curved_vertices(topology);
+  const std::vector<WrittenRow> written = written_rows(problem);
+  long entries = 0;
+  for (const int v : curved) entries += static_cast<long>(topology.neighbours(v).size()) + 1;
+  for (const WrittenRow& row : written) entries += static_cast<long>(row.terms.size());
+  const auto rows = static_cast<long>(curved.size() + written.size());
   A.resize(rows, static_cast<long>(vertex.size()));
   A.reserve(entries);
   base.resize(rows, 3);
-  for (long r = 0; r < surface_rows; ++r) {
-    const int v = row_vertex[r];
+  add_curvature_rows(mesh, curved, problem.weighting);
+  for (const WrittenRow& row : written) {
+    const auto r = static_cast<long>(target_row.size());
+    A.startVec(r);
+    for (const auto& [d, c] : row.terms) A.insertBack(r, d) = c;
+    base.row(r) = row.base;
+    turns_with.push_back(row.turns_with);
+    scaled_by.push_back(row.scaled_by);
+    target_row.push_back(row.target);
+  }
+  A.finalize();
+}
+
+void DeformSystem::add_curvature_rows(const TriangleMesh& mesh, const std::vector<int>& vertices,
+                                      DeformProblem::Weighting weighting) {
+  const MeshTopology& topology = mesh.topology();
+  const RingWeights weights(mesh);
+  const VecX area = mixed_areas(mesh);
+  for (const int v : vertices) {
+    const auto r = static_cast<long>(target_row.size());
     const auto ring = topology.neighbours(v);
-    const double scale = by_area ? 0.5 / std::sqrt(area[v]) : 0.5 / area[v];
+    const double scale =
+        weighting == DeformProblem::Weighting::Area ? 0.5 / std::sqrt(area[v]) : 0.5 / area[v];
     Vec3 sum = Vec3::Zero();
     double own = 0;
     for (size_t k = 0; k < ring.size(); ++k) {
-      const double w = scale * weight[start[v] + static_cast<int>(k)];
+      const double w = scale * weights.at(v, k);
       own += w;
       sum += w * (rest.row(v) - rest.row(ring[k])).transpose();
     }
@@ -279,7 +296,7 @@ void DeformSystem::add_soft_rows(const TriangleMesh& mesh, const DeformProblem& 
         A.insertBack(r, dof[v]) = own;
         done = true;
       }
-      A.insertBack(r, dof[ring[k]]) = -scale * weight[start[v] + static_cast<int>(k)];
+      A.insertBack(r, dof[ring[k]]) = -scale * weights.at(v, k);
     }
     if (!done) A.insertBack(r, dof[v]) = own;
     base.row(r) = sum;
@@ -287,21 +304,10 @@ void DeformSystem::add_soft_rows(const TriangleMesh& mesh, const DeformProblem& 
     scaled_by.push_back(scale_of(v));
     target_row.push_back(-1);
   }
-  for (size_t e = 0; e < extra.size(); ++e) {
-    const long r = surface_rows + static_cast<long>(e);
-    A.startVec(r);
-    for (const auto& [d, c] : extra[e]) A.insertBack(r, d) = c;
-    base.row(r) = extra_base[e];
-    turns_with.push_back(extra_turns[e]);
-    scaled_by.push_back(extra_target[e] < 0 ? scale_of(vertex[extra_turns[e]]) : -1);
-    target_row.push_back(extra_target[e]);
-  }
-  A.finalize();
 }
 
 void DeformSystem::add_chain(const CharacterChain& chain, DeformProblem::Weighting weighting,
-                             std::vector<std::vector<std::pair<int, double>>>& rows,
-                             std::vector<Vec3>& bases) {
+                             std::vector<WrittenRow>& rows) const {
   const auto& v = chain.vertices;
   const size_t n = v.size();
   const auto at = [&](size_t k) { return rest.row(v[k % n]).transpose(); };
@@ -315,8 +321,11 @@ void DeformSystem::add_chain(const CharacterChain& chain, DeformProblem::Weighti
     const double w = weighting == DeformProblem::Weighting::Area ? std::sqrt(chain.width / a)
                                                                  : std::sqrt(chain.width / a) / a;
     rows.push_back(
-        {{dof[v[before]], w / l0}, {dof[v[k]], -w / l0 - w / l1}, {dof[v[after]], w / l1}});
-    bases.push_back(w * ((at(after) - at(k)) / l1 - (at(k) - at(before)) / l0));
+        {{{dof[v[before]], w / l0}, {dof[v[k]], -w / l0 - w / l1}, {dof[v[after]], w / l1}},
+         w * ((at(after) - at(k)) / l1 - (at(k) - at(before)) / l0),
+         dof[v[k]],
+         scale_of(v[k]),
+         -1});
   }
 }
 

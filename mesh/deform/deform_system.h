@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "batten/constraints/constraint_set.h"
@@ -17,14 +18,14 @@ using RowPoints = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
 struct DeformSystem {
   DeformSystem(const TriangleMesh& mesh, const DeformProblem& problem);
 
-  /// Of a vertex that no handle moves: why it stays, or that it moves.
+  /// What holds a vertex that is in no handle; kMoves: nothing does.
   enum Holder { kMoves = -4, kLeftAlone = -3, kOutside = -2, kFixed = -1 };
 
   Vec3 origin;
   Points rest;              ///< all vertices of the mesh, relative to origin
-  std::vector<int> holder;  ///< of each vertex of the mesh
-  std::vector<int> vertex;  ///< of each dof, ascending
-  std::vector<int> dof;     ///< of each vertex, or -1
+  std::vector<int> holder;  ///< handle of each vertex of the mesh, or a Holder
+  std::vector<int> vertex;  ///< vertex of each dof, ascending
+  std::vector<int> dof;     ///< dof of each vertex, or -1
   int moving = 0;           ///< dofs that are not held
   std::vector<std::string> notes;
 
@@ -42,7 +43,7 @@ struct DeformSystem {
     int vertex, reference;  ///< Feature: vertex - reference
   };
   ConstraintSet positions, rotations;
-  std::vector<Value> values;     ///< of each row of `positions`
+  std::vector<Value> values;     ///< right-hand side of each row of `positions`
   std::vector<int> turned_by;    ///< handle of each row of `rotations`, or -1: zero
   std::vector<int> feature_dof;  ///< a dof of each feature
   int feature_rows = 0;
@@ -53,10 +54,24 @@ struct DeformSystem {
   void hold(const MeshTopology& topology, const DeformProblem& problem);
   void number(const MeshTopology& topology, const DeformProblem& problem);
   void add_soft_rows(const TriangleMesh& mesh, const DeformProblem& problem);
+  /// Vertices whose curvature the deformation may change.
+  std::vector<int> curved_vertices(const MeshTopology& topology) const;
+  void add_curvature_rows(const TriangleMesh& mesh, const std::vector<int>& vertices,
+                          DeformProblem::Weighting weighting);
+  /// Feature or handle whose scale the curvature at a vertex has, as scaled_by.
+  int scale_of(int vertex) const;
+  /// A soft row of a chain or of a CombinationRow.
+  struct WrittenRow {
+    std::vector<std::pair<int, double>> terms;  // dof, coefficient
+    Vec3 base;
+    int turns_with, scaled_by, target;  // as above
+  };
+  std::vector<WrittenRow> written_rows(const DeformProblem& problem) const;
   void add_chain(const CharacterChain& chain, DeformProblem::Weighting weighting,
-                 std::vector<std::vector<std::pair<int, double>>>& rows, std::vector<Vec3>& bases);
+                 std::vector<WrittenRow>& rows) const;
   void add_hard_rows(const DeformProblem& problem);
   std::vector<std::vector<int>> feature_vertices_;  // sorted
+  std::vector<int> feature_of_;                     // of each vertex, or -1
   /// Number of the part of the mesh that a vertex is in. What no edge joins, but a feature, is one
   /// part; a vertex without triangles that is in no feature is a part of its own.
   std::vector<int> part_;

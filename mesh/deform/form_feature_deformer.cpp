@@ -1,8 +1,6 @@
 #include "batten/mesh/deform/form_feature_deformer.h"
 
-#include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "batten/constraints/affine_reduction.h"
 #include "batten/constraints/coupling.h"
@@ -11,55 +9,23 @@
 #include "batten/core/rotations.h"
 #include "batten/core/sparse_cholesky.h"
 #include "batten/mesh/deform/deform_system.h"
+#include "batten/mesh/deform/in_chunks.h"
 #include "batten/mesh/deform/normal_equations.h"
+#include "batten/mesh/deform/rotation_field.h"
 
 namespace batten {
 namespace {
 
-constexpr int kChunk = 4096;  // rows a thread takes at a time
 constexpr double kContradiction =
     1e-9;  // of the size: guided points that cannot be where they should
-
-/// Calls work(first, last) for pieces of 0 … count-1.
-template <class Work>
-void in_chunks(long count, const Work& work) {
-  const int parts = static_cast<int>((count + kChunk - 1) / kChunk);
-  if (parts <= 1) {
-    work(0L, count);
-    return;
-  }
-  parallel_parts(parts, [&](int p) {
-    work(static_cast<long>(p) * kChunk, std::min<long>(count, static_cast<long>(p + 1) * kChunk));
-  });
-}
-
-/// Harmonic weights of the handles on the dofs, dofs × handles: 1 on the handle's own vertices, 0
-/// on everything else that is held.
-MatX handle_weights(const DeformSystem& system, const TriangleMesh& mesh,
-                    AffineReduction& rotations, long handles) {
-  MatX indicator = MatX::Zero(static_cast<long>(system.turned_by.size()), handles);
-  for (size_t r = 0; r < system.turned_by.size(); ++r)
-    if (system.turned_by[r] >= 0) indicator(static_cast<long>(r), system.turned_by[r]) = 1;
-  MatX held = rotations.particular(indicator);
-  if (rotations.free_count() == 0 || handles == 0) return held;
-  const SparseMatrix L = laplacian_of(system, mesh);
-  const SparseMatrix reduced = rotations.reduce(L);
-  SparseCholesky factor;
-  factor.analyze(reduced);
-  if (!factor.factorize(reduced))
-    throw NoSolutionError("the field of rotations: " + factor.message());
-  MatX load = rotations.D().transpose() * MatX(L.selfadjointView<Eigen::Lower>() * -held);
-  factor.solve_in_place(load);
-  held.noalias() += rotations.D() * load;
-  return held;
-}
 
 }  // namespace
 
 struct FormFeatureDeformer::Data {
   Data(const TriangleMesh& mesh, DeformProblem problem);
 
-  void evaluate_field(const DeformEdit& edit);
+  void keep_held_columns();
+  void couple_guides();
   void set_targets(const DeformEdit& edit);
   void set_hard_values(const DeformEdit& edit);
   void set_guides(const DeformEdit& edit);
@@ -80,7 +46,8 @@ struct FormFeatureDeformer::Data {
   TriangleMesh mesh;
   DeformProblem problem;
   DeformSystem system;
-  AffineReduction positions, rotations;
+  AffineReduction positions;
+  RotationField rotations;
   SparseMatrix B;         // A D
   RowMatrix A_held_rows;  // the columns of A where d0 may be other than zero
   SparseCholesky factor;
@@ -89,11 +56,9 @@ struct FormFeatureDeformer::Data {
   std::vector<int> guide_of;           // guided point of each coupling row
   double size;
 
-  MatX weights;                // dofs × handles
-  MatX turns;                  // handles × 3
-  Points q, good_q;            // dofs × 3, of this edit and of the last good one
-  MatX right, rotation_right;  // right-hand sides of the hard rows
-  VecX g;                      // of the coupling rows
+  Points q, good_q;  // logarithms, dofs × 3, of this edit and of the last good one
+  MatX right;        // right-hand sides of the hard rows
+  VecX g;            // of the coupling rows
   RowPoints b, r;
   MatX y, load, x;
   Points result;
@@ -107,11 +72,36 @@ FormFeatureDeformer::Data::Data(const TriangleMesh& given, DeformProblem stated)
       problem(std::move(stated)),
       system(mesh, problem),
       positions(system.positions, AffineReduction::Values::Later),
-      rotations(system.rotations, AffineReduction::Values::Later),
+      rotations(system, static_cast<long>(problem.handles.size())),
       size(mesh.size()) {
   const auto dofs = static_cast<long>(system.vertex.size());
   const RowMatrix rows = reduced_rows(system.A, positions);
   B = rows;
+  keep_held_columns();
+  const SparseMatrix N = normal_matrix(B, rows);
+  parallel_parts(2, [&](int part) {
+    if (part == 1) {
+      rotations.solve_weights(system, mesh);
+      return;
+    }
+    if (positions.free_count() == 0) return;
+    factor.analyze(N);
+    if (!factor.factorize(N)) throw NoSolutionError("the deformation: " + factor.message());
+  });
+
+  couple_guides();
+  q = good_q = Points::Zero(dofs, 3);
+  right = MatX::Zero(static_cast<long>(system.values.size()), 3);
+  g.resize(static_cast<long>(guide_of.size()));
+  b = r = system.base;
+  load.resize(positions.free_count(), 3);
+  y = MatX::Zero(positions.free_count(), 3);
+  x.resize(dofs, 3);
+  result = mesh.points();
+}
+
+void FormFeatureDeformer::Data::keep_held_columns() {
+  const auto dofs = static_cast<long>(system.vertex.size());
   // d0 vanishes on dofs that stay free.
   std::vector<char> held(dofs, 1);
   for (const int d : positions.free_dofs()) held[d] = 0;
@@ -122,18 +112,10 @@ FormFeatureDeformer::Data::Data(const TriangleMesh& given, DeformProblem stated)
       if (held[a.col()]) A_held_rows.insertBack(i, a.col()) = a.value();
   }
   A_held_rows.finalize();
+}
 
-  const SparseMatrix N = normal_matrix(B, rows);
-  parallel_parts(2, [&](int part) {
-    if (part == 1) {
-      weights = handle_weights(system, mesh, rotations, static_cast<long>(problem.handles.size()));
-      return;
-    }
-    if (positions.free_count() == 0) return;
-    factor.analyze(N);
-    if (!factor.factorize(N)) throw NoSolutionError("the deformation: " + factor.message());
-  });
-
+void FormFeatureDeformer::Data::couple_guides() {
+  const auto dofs = static_cast<long>(system.vertex.size());
   std::vector<Coupling::Row> coupled;
   std::vector<Triplet> combination;
   for (size_t k = 0; k < problem.guided.size(); ++k) {
@@ -162,17 +144,6 @@ FormFeatureDeformer::Data::Data(const TriangleMesh& given, DeformProblem stated)
     SparseMatrix reduced = SparseMatrix(positions.D().transpose()) * U;
     coupling = Coupling(factor, reduced.pruned(), coupled);
   }
-
-  turns = MatX::Zero(static_cast<long>(problem.handles.size()), 3);
-  q = good_q = Points::Zero(dofs, 3);
-  right = MatX::Zero(static_cast<long>(system.values.size()), 3);
-  rotation_right = MatX::Zero(static_cast<long>(system.turned_by.size()), 3);
-  g.resize(static_cast<long>(guide_of.size()));
-  b = r = system.base;
-  load.resize(positions.free_count(), 3);
-  y = MatX::Zero(positions.free_count(), 3);
-  x.resize(dofs, 3);
-  result = mesh.points();
 }
 
 double FormFeatureDeformer::Data::scale_of(const DeformEdit& edit, int scaled_by) const {
@@ -182,37 +153,8 @@ double FormFeatureDeformer::Data::scale_of(const DeformEdit& edit, int scaled_by
   return edit.feature_scales.empty() ? 1 : edit.feature_scales[scaled_by];
 }
 
-void FormFeatureDeformer::Data::evaluate_field(const DeformEdit& edit) {
-  for (size_t h = 0; h < edit.handles.size(); ++h)
-    turns.row(static_cast<long>(h)) = edit.handles[h].turn;
-  if (rotations.dropped_rows() > 0) {  // only they can contradict
-    for (size_t k = 0; k < system.turned_by.size(); ++k)
-      if (const int h = system.turned_by[k]; h >= 0)
-        rotation_right.row(static_cast<long>(k)) = turns.row(h);
-    try {
-      rotations.set_right(rotation_right);
-    } catch (const ConflictError& e) {
-      std::vector<ConflictError::Conflict> conflicts = e.conflicts();
-      for (auto& c : conflicts) {
-        c.amount *= 360 / std::numbers::pi;  // logarithms are half the angle
-        c.unit = " degrees of turn";
-      }
-      throw ConflictError(std::move(conflicts));
-    }
-  }
-  // By hand: Eigen's product may ask for memory.
-  in_chunks(q.rows(), [&](long first, long last) {
-    for (int c = 0; c < 3; ++c) {
-      auto column = q.col(c).segment(first, last - first);
-      column.setZero();
-      for (long h = 0; h < turns.rows(); ++h)
-        if (turns(h, c) != 0) column += turns(h, c) * weights.col(h).segment(first, last - first);
-    }
-  });
-}
-
 void FormFeatureDeformer::Data::set_targets(const DeformEdit& edit) {
-  const bool still = turns.isZero(0);
+  const bool still = rotations.still();
   in_chunks(b.rows(), [&](long first, long last) {
     for (long i = first; i < last; ++i) {
       Vec3 target = system.base.row(i).transpose();
@@ -332,7 +274,7 @@ const Points& FormFeatureDeformer::deform(const DeformEdit& edit) {
   Data& d = *data_;
   check(d.problem, edit);
   d.correctable = false;
-  d.evaluate_field(edit);
+  d.rotations.evaluate(d.system, edit, d.q);
   d.set_hard_values(edit);
   d.set_guides(edit);
   d.set_targets(edit);

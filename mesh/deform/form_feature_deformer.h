@@ -14,11 +14,11 @@ namespace batten {
 /// least-squares sense while they turn with a smooth field of rotations; handles, fixed vertices
 /// and form features hold exactly:
 ///
-///     min ½ |A p - b|²   subject to   C p = d,      rows of A p = b:   w_i L(p_i) = w_i R(q_i) s
-///     δ_i
+///     min ½ |A p - b|²   subject to   C p = d
 ///
-///     L(p_i) = (L_c p)_i / (2 A_i)      w_i = √A_i (or 1)      s = scale of the feature or handle
-///                                                              that vertex i belongs to, else 1
+///     rows of A p = b:   w_i L(p_i) = w_i R(q_i) s δ_i,   L(p_i) = (L_c p)_i / (2 A_i)
+///     w_i = √A_i (or 1)
+///     s   = scale of the feature or handle that vertex i belongs to, otherwise 1
 ///
 /// L_c, A_i: mesh/operators.h, of the mesh as it was given. The logarithms q_i of the rotations are
 /// the harmonic field with q = 0 on fixed vertices and on features that keep their direction, q =
@@ -59,10 +59,10 @@ class FormFeatureDeformer {
   double correct();
 
   const Points& positions() const;
-  /// Logarithms q_i of the last edit, n×3.
+  /// Logarithms q_i of the rotations of the last edit, n×3.
   Points rotation_logs() const;
-  /// hard_residual() of positions(): measured from the problem as it was stated, not from the
-  /// solver's rows.
+  /// Largest violation in positions(), hard_residual() below: measured from the problem as it was
+  /// stated, not from the solver's rows.
   double hard_residual() const;
 
   const TriangleMesh& mesh() const;
@@ -72,12 +72,12 @@ class FormFeatureDeformer {
 
   struct Counts {
     int moving = 0;     ///< vertices whose position is solved for
-    int unknowns = 0;   ///< of one coordinate, after the reduction
-    int soft_rows = 0;  ///< of one coordinate
-    int hard_rows = 0;  ///< of one coordinate, those of features included
+    int unknowns = 0;   ///< free unknowns of one coordinate, after the reduction
+    int soft_rows = 0;  ///< rows of A for one coordinate
+    int hard_rows = 0;  ///< rows of C for one coordinate, features included
     int feature_rows = 0;
-    int dropped_rows = 0;  ///< redundant
-    int guide_rows = 0;    ///< of guided points
+    int dropped_rows = 0;  ///< hard rows that others imply
+    int guide_rows = 0;    ///< rows of guided points
     long factor_entries = 0;
   };
   Counts counts() const;

@@ -6,7 +6,7 @@
 
 namespace batten {
 
-/// B = A D.
+/// The matrix B = A D, by rows.
 RowMatrix reduced_rows(const RowMatrix& A, const AffineReduction& reduction);
 
 /// Lower triangle of Bᵀ B, column by column: for each row that meets the column, its entries from

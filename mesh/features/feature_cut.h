@@ -18,8 +18,8 @@ struct CutOptions {
 };
 
 struct FeatureCut {
-  std::vector<int> triangles;       ///< of the feature, ascending
-  std::vector<int> vertices;        ///< of these triangles, ascending: the feature with the cut
+  std::vector<int> triangles;       ///< triangles of the feature, ascending
+  std::vector<int> vertices;        ///< corners of these triangles, ascending
   std::vector<BorderChain> chains;  ///< edges of the cut; the panel on their left
   double cost;                      ///< Σ capacities of these edges
 };

@@ -7,17 +7,17 @@
 
 namespace batten {
 
-/// Lengths are in the unit of the points.
+/// Place, size and shape of a hole. Lengths are in the unit of the points.
 struct HoleMeasure {
-  Vec3 centre;       ///< of the circle
+  Vec3 centre;       ///< centre of the circle
   Vec3 axis;         ///< unit normal of the plane, on the side of the mesh's normals
-  double radius;     ///< of the circle
+  double radius;     ///< radius of the circle
   double roundness;  ///< largest | |x_i - centre| - radius | in the plane
   double flatness;   ///< largest distance of a vertex from the plane
   double perimeter;  ///< length of the closed polygon
-  /// At least five vertices, roundness up to the given share of the radius, and the loop encloses
-  /// half of the circle's area or more. Four vertices never tell: every rectangle has a circle
-  /// through its corners; a slender loop lies on a short arc of a large circle.
+  /// Whether it has five vertices or more, roundness up to the given share of the radius, and
+  /// encloses half of the circle's area or more. Four vertices never tell: every rectangle has a
+  /// circle through its corners; a slender loop lies on a short arc of a large circle.
   bool circular;
 };
 

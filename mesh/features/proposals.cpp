@@ -222,33 +222,44 @@ class Proposer {
       if (panel_grew) continue;
       std::vector<char> inside(mesh_.triangle_count());
       for (int t = 0; t < mesh_.triangle_count(); ++t) inside[t] = groups.of[t] >= 0;
-      const auto chains = border_chains(topology_, inside);
-      std::vector<const BorderChain*> around(groups.count, nullptr);
-      std::vector<int> chain_count(groups.count, 0);
-      for (const BorderChain& chain : chains) {
-        const int group =
-            groups.of[triangle_along(topology_, chain.vertices[1], chain.vertices[0])];
-        around[group] = &chain;
-        ++chain_count[group];
-      }
-      for (int g = 0; g < groups.count; ++g)
-        if (chain_count[g] == 1 && around[g]->closed)
-          result.push_back({vertices_of_triangles(topology_, members[g]), around[g]->vertices,
-                            static_cast<int>(members[g].size())});
+      add_surrounded(groups, inside, members, result);
       if (!options_.nested || groups.count == 0) break;
-      // The next creases inwards: what touches the panel becomes panel.
-      std::vector<char> outermost(patches.count, 0);
-      for (int t = 0; t < mesh_.triangle_count(); ++t)
-        for (int c = 0; c < 3; ++c) {
-          const int other = topology_.across(t, c);
-          if (inside[t] && (other < 0 || !inside[other])) outermost[patches.of[t]] = 1;
-        }
-      for (int i = 0; i < patches.count; ++i) panel[i] |= outermost[i];
+      grow_panel(patches, inside, panel);
     }
     std::stable_sort(result.begin(), result.end(), [](const Enclosed& a, const Enclosed& b) {
       return a.crease.front() < b.crease.front();
     });
     return result;
+  }
+
+  // The groups with one closed crease around them.
+  void add_surrounded(const Groups& groups, const std::vector<char>& inside,
+                      const std::vector<std::vector<int>>& members,
+                      std::vector<Enclosed>& result) const {
+    const auto chains = border_chains(topology_, inside);
+    std::vector<const BorderChain*> around(groups.count, nullptr);
+    std::vector<int> chain_count(groups.count, 0);
+    for (const BorderChain& chain : chains) {
+      const int group = groups.of[triangle_along(topology_, chain.vertices[1], chain.vertices[0])];
+      around[group] = &chain;
+      ++chain_count[group];
+    }
+    for (int g = 0; g < groups.count; ++g)
+      if (chain_count[g] == 1 && around[g]->closed)
+        result.push_back({vertices_of_triangles(topology_, members[g]), around[g]->vertices,
+                          static_cast<int>(members[g].size())});
+  }
+
+  // The next creases inwards: what touches the panel becomes panel.
+  void grow_panel(const Groups& patches, const std::vector<char>& inside,
+                  std::vector<char>& panel) const {
+    std::vector<char> outermost(patches.count, 0);
+    for (int t = 0; t < mesh_.triangle_count(); ++t)
+      for (int c = 0; c < 3; ++c) {
+        const int other = topology_.across(t, c);
+        if (inside[t] && (other < 0 || !inside[other])) outermost[patches.of[t]] = 1;
+      }
+    for (int i = 0; i < patches.count; ++i) panel[i] |= outermost[i];
   }
 
   int part_of(int triangle) const {

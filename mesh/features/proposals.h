@@ -21,7 +21,7 @@ struct ProposalOptions {
   bool outer_loops = false;
   /// Patches of fewer triangles are noise: a single vertex that sticks out has six or so.
   int fewest_triangles = 10;
-  /// Also the creases inside of creases (the floor of a cavity inside its upper edge).
+  /// Creases inside of creases are proposed too (the floor of a cavity inside its upper edge).
   bool nested = false;
 };
 
@@ -31,7 +31,7 @@ struct FeatureProposal {
   std::string name;           ///< "hole-1", "crease-1"
   std::vector<int> vertices;  ///< ascending: the feature, to be kept as it is
   std::vector<int> loop;      ///< the hole's edge, or the crease; the panel on its left
-  HoleMeasure measure;        ///< of the loop
+  HoleMeasure measure;        ///< place, size and shape of the loop
   bool rim_ends_at_crease;    ///< holes: the rim goes up to a closed crease; creases: true
 };
 
@@ -47,8 +47,7 @@ struct FeatureProposal {
 /// Holes: all boundary loops but the longest of each part of the mesh, each with its rim, the
 /// flange around it. The rim is, the first that there is within `rim_rings` rings:
 /// - everything up to the outermost closed crease, when that holds no other hole; this crease is
-/// not
-///   proposed a second time;
+///   not proposed a second time;
 /// - everything up to the first closed crease: all triangles that can be reached from the loop
 ///   without crossing a crease, when they reach no other boundary;
 /// - one ring of triangles, or all vertices up to `rim_width`.

@@ -15,7 +15,7 @@ namespace batten {
 struct LineSide {
   int region = 0;
   bool embedded = false;
-  int index = 0;  ///< in RegionLayout::runs() or ::embedded()
+  int index = 0;  ///< index into RegionLayout::runs() or ::embedded()
 };
 
 /// A line, once, however many regions have it. All of its sides carry one curve in space.
@@ -27,14 +27,14 @@ struct ModelLine {
 /// A place on a model's domain.
 struct ModelPoint {
   int region = 0;
-  Vec2 uv = Vec2::Zero();  ///< of that region
+  Vec2 uv = Vec2::Zero();  ///< parameters of that region
 };
 
 /// What a model of several regions has in common.
 struct ModelFrame {
   std::string name;
   double size = 1;       ///< S: length scale of the model, model units
-  double tolerance = 0;  ///< of lines, model units
+  double tolerance = 0;  ///< tolerance of lines, model units
   Vec3 origin = Vec3::Zero();
   /// Tangent planes at a node that differ by more are no plane: smooth joins end as creases there.
   double most_apart_deg = 0.1;
@@ -73,7 +73,7 @@ class ModelLayout {
   const RegionLayout& region(int r) const { return *regions_[static_cast<size_t>(r)]; }
   /// Throws InputError, with the nearest name, when there is none.
   int region_named(const std::string& name) const;
-  /// Of all regions; of several regions "region 'NAME': …".
+  /// Warnings of all regions; of several regions they begin "region 'NAME': …".
   std::vector<std::string> warnings() const;
 
   const std::shared_ptr<const ParametricMesh>& mesh() const { return mesh_; }
@@ -85,9 +85,9 @@ class ModelLayout {
   bool has_line(const std::string& name) const;
   /// Throws InputError, with the nearest name, when there is none.
   const ModelLine& model_line(const std::string& name) const;
-  /// X(t), as its first side has it. Throws as above.
+  /// The curve X(t) of a line, as its first side has it. Throws as above.
   const HermiteCurve& line(const std::string& name) const;
-  /// X(t) as a side has it, and c(t) there, over the same parameters.
+  /// The curve X(t) as a side has it, and c(t) there, over the same parameters.
   const HermiteCurve& curve(const LineSide& side) const;
   HermiteCurve image(const LineSide& side) const;
   /// Whether a side runs against the line.
@@ -104,12 +104,12 @@ class ModelLayout {
   /// they share: "corner 1" (of several regions "REGION corner 1"), "joined line NAME", and those
   /// of smooth joins. Throws InputError for a model without corners.
   ConstraintSet corner_constraints() const;
-  /// 1 at position dofs.
+  /// A vector with 1 at position dofs and 0 elsewhere.
   VecX position_dofs() const;
   /// A fill-reducing order of all dofs; empty where joins tie regions together, and an order is
   /// better found from the matrix.
   std::vector<int> dof_order() const;
-  /// (s_r/S)² of each triangle; empty when it is 1 everywhere.
+  /// Factor (s_r/S)² of each triangle; empty when it is 1 everywhere.
   const VecX& domain_scale() const { return domain_scale_; }
   /// One material for each triangle, in its region's (u, v), of materials on the model scaled to
   /// size 1: one for all, or one a triangle. One for a model that needs no more.
@@ -117,7 +117,7 @@ class ModelLayout {
   /// Which number a region's dof, triangle or location has in the model.
   const RegionNumbers& numbers(int r) const { return numbers_[static_cast<size_t>(r)]; }
   int first_triangle(int r) const { return first_triangle_[static_cast<size_t>(r)]; }
-  /// Numbers of a region's dofs among those of the model, 0 elsewhere.
+  /// A vector of all dofs with a region's own numbers at its dofs, 0 elsewhere.
   VecX spread(int r, const VecX& own) const;
   int region_of(int triangle) const;
   Location in_model(int r, Location where) const;
@@ -146,7 +146,7 @@ class ModelLayout {
   /// γ and δ of all smooth joins again, from a shape on this layout. Joins that turn out impossible
   /// are given up (SeamPlan::why_not). O(seams).
   void plan_seams(const Points& shape);
-  /// By how much γ (in shares) and δ at the ends of smooth joins would be others if they were
+  /// How far γ (in shares) and δ at the ends of smooth joins would be others if they were
   /// planned from this shape; infinite where one opens or is impossible. plan_seams() is then due.
   double seam_misfit(const Points& shape) const;
 
@@ -159,7 +159,7 @@ class ModelLayout {
   ModelFrame frame_;
   std::vector<std::shared_ptr<const RegionLayout>> regions_;
   std::vector<SeamPlan> seams_;
-  // Of these:
+  // Made from these by number():
   std::shared_ptr<const ParametricMesh> mesh_;
   std::shared_ptr<const Trim> trim_;
   std::vector<RegionNumbers> numbers_;

@@ -18,9 +18,9 @@ class ModelProjector {
 
   struct Nearest {
     ModelPoint at;
-    Location where;  ///< in the mesh of its region
+    Location where;  ///< place in the mesh of its region
     double distance = 0;
-    bool inside = true;  ///< of the region's trim
+    bool inside = true;  ///< the place lies inside of the region's trim
   };
   /// The nearest place of the meshes of all regions, whether a trim has it inside or not; of
   /// several regions one inside, if any has one.

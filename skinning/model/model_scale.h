@@ -18,12 +18,12 @@ class ModelScale {
     return on_unit_domain(m, units_, size_);
   }
   double force() const { return relative_ ? size_ : 1; }
-  /// Of a force per area of the domain, of the surface itself.
+  /// Factors of a force per area of the domain, and per area of the surface itself.
   double per_domain_area() const { return relative_ ? size_ : size_ * size_; }
   double per_area() const { return relative_ ? 1 / size_ : 1; }
-  /// Of mass and damping per area of the domain.
+  /// Factor of mass and damping per area of the domain.
   double inertia() const { return relative_ ? 1 : size_ * size_; }
-  /// From forces and energies of the solved problem to those that are reported.
+  /// Factors from forces and energies of the solved problem to those that are reported.
   double of_reactions() const { return relative_ ? 1 / size_ : 1; }
   double of_energies() const { return relative_ ? 1 / (size_ * size_) : 1; }
 

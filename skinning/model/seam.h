@@ -51,8 +51,8 @@ struct JoinSide {
   int region = 0;         ///< index into the regions of the call
   bool embedded = false;  ///< an embedded line of that region, otherwise a run
   int line = 0;           ///< its index there
-  bool left =
-      true;  ///< the region lies to the left of the line's direction, from its normal's side
+  /// The region lies to the left of the line's direction, seen from its normal's side.
+  bool left = true;
 };
 
 /// A line along which two regions (or one with itself) are to be joined.
@@ -63,13 +63,13 @@ struct Seam {
 
 /// What is known of a seam before it is solved for, at its start and end.
 struct SeamEnd {
-  double gamma = 1, delta = 0;  ///< of (1)
+  double gamma = 1, delta = 0;  ///< coefficients γ, δ of (1)
   /// Angle between the tangent planes that the lines make there, degrees; 0 where they leave them
   /// free. Above the limit of plan_seams() (1) does not hold at this node.
   double apart_deg = 0;
   bool open = false;  ///< (1) does not hold at this node
-  bool loose =
-      false;  ///< y is free there on a side, and nothing to set it to: (1) with γ = 1, δ = 0
+  /// y of a side is free there and there is nothing to set it to: (1) with γ = 1, δ = 0.
+  bool loose = false;
   /// Where y of a side is free: the other regions' sides and ends (1: at its end), the mean of
   /// whose -y it is set to. Empty: it is not.
   struct Neighbour {
@@ -80,8 +80,8 @@ struct SeamEnd {
 };
 struct SeamPlan {
   Seam seam;
-  std::array<SeamEnd, 2> ends;  ///< of two runs; says nothing of an embedded line
-  /// Of an embedded line: fractions of the line's parameter, γ and δ there, linear between.
+  std::array<SeamEnd, 2> ends;  ///< start and end of a seam of two runs (not of embedded lines)
+  /// For an embedded line: fractions of its parameter, and γ and δ there, linear between.
   std::vector<double> at, gamma, delta;
   std::string why_not;  ///< in words: why it cannot be joined at all
   bool constant() const;
@@ -121,8 +121,8 @@ void add_line_ties(const std::vector<const RegionLayout*>& regions,
 /// the seam among them; NaN where a surface is singular.
 struct SeamAngle {
   double max_deg = 0, mean_deg = 0;
-  std::array<double, 2> end_deg{};  ///< at its start and end
-  /// The same without the first and last edge where (1) was given up at that end.
+  std::array<double, 2> end_deg{};  ///< angle at the start and the end of the seam
+  /// Largest angle without the first or last edge where (1) was given up at that end.
   double max_inside_deg = 0;
 };
 SeamAngle seam_angle(const std::vector<const SkinnedRegion*>& regions, const Seam& seam,

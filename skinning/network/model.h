@@ -48,8 +48,8 @@ struct ModelJoin {
   std::vector<int> regions;
   Kind kind = Kind::Rim;
   bool asked = false;          ///< the user's word
-  std::string why;             ///< in words: why it is a crease although it was to be smooth, or ""
-  std::array<bool, 2> open{};  ///< of a smooth one: its start, end is a crease (no tangent plane)
+  std::string why;             ///< why it is a crease although it was to be smooth, or ""
+  std::array<bool, 2> open{};  ///< a smooth join is a crease at its start, end: no tangent plane
   /// Angle between normals across it, of lines alone: the mean along it and the mean at its ends,
   /// half and half.
   double first_deg = 0;
@@ -73,16 +73,16 @@ struct SurfaceFlaw {
   std::vector<int> regions;
   Vec3 where = Vec3::Zero();
   double value = 0;  ///< ratio (Jacobian, Area), degrees (Fold), number of facets (Crossing)
-  std::string text;  ///< in words for the user
+  std::string text;  ///< a sentence for the user
 };
 
 struct ModelRegion {
   NetworkRegion plan;  ///< loops run counter-clockwise seen from the side of the normal
   std::optional<SkinnedRegion> skinned;
   int in_layout = -1;   ///< index into the regions of SurfaceModel::layout, of one that is skinned
-  std::string why_not;  ///< in words: why it could not be skinned
+  std::string why_not;  ///< why it could not be skinned, or ""
   SkinQuality quality;
-  double plain_area = 0;  ///< of the plain hole filling of its loops; 0 when there is none
+  double plain_area = 0;  ///< area of the plain filling of its loops; 0 when there is none
   std::vector<std::string> warnings;
 };
 
@@ -97,11 +97,11 @@ struct ModelShell {
 
 /// What a network became, in one shape, and what that shape is worth.
 struct SurfaceModel {
-  /// Of the regions that are skinned; null when none is.
+  /// The layout of the regions that are skinned; null when none is.
   std::shared_ptr<const ModelLayout> layout;
-  Points dofs;                       ///< of the layout: the shape
-  std::vector<ModelRegion> regions;  ///< as planned, in that order
-  std::vector<ModelJoin> joins;      ///< of every arc that has a region, by arc
+  Points dofs;                       ///< the shape: dofs on the layout
+  std::vector<ModelRegion> regions;  ///< all regions, in the order of the plan
+  std::vector<ModelJoin> joins;      ///< a join for every arc that has a region, by arc
   std::vector<ModelShell> shells;
   std::vector<SurfaceFlaw> flaws;
   std::vector<std::string> warnings;
@@ -128,7 +128,7 @@ struct SurfaceModel {
 SurfaceModel skin_network(const CharacterLineNetwork& network, const FoundRegions& found,
                           const ModelOptions& options = {}, const Progress& progress = {});
 
-/// The same model in another shape, that a session gave it: measured and looked through anew.
+/// Gives a model another shape, that of a session; it is measured and looked through anew.
 /// `layout`: with the same regions (their meshes may be finer); `made`: its regions, in order.
 /// Joins that were given up on the way become creases.
 void reshape(SurfaceModel& model, std::shared_ptr<const ModelLayout> layout, Points dofs,

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numeric>
 #include <tuple>
 
 #include "batten/core/errors.h"
+#include "batten/core/groups.h"
 #include "batten/core/parallel.h"
 #include "batten/core/words.h"
 #include "batten/skinning/network/network_arcs.h"
@@ -146,19 +146,11 @@ std::vector<std::array<Vec3, 2>> end_tangents(const std::vector<Draft>& drafts,
 
 void tell_of_parts(const std::vector<NetworkArc>& arcs, const std::vector<NetworkNode>& nodes,
                    const std::vector<CharacterLine>& lines, std::vector<NetworkFinding>& findings) {
-  std::vector<int> root(nodes.size());
-  std::iota(root.begin(), root.end(), 0);
-  const auto find = [&](int n) {
-    while (root[n] != n) n = root[n] = root[root[n]];
-    return n;
-  };
-  for (const auto& arc : arcs) {
-    const int p = find(arc.nodes[0]), q = find(arc.nodes[1]);
-    root[std::max(p, q)] = std::min(p, q);
-  }
+  Groups groups(nodes.size());
+  for (const auto& arc : arcs) groups.join(arc.nodes[0], arc.nodes[1]);
   std::map<int, std::vector<int>> parts;
   for (size_t i = 0; i < arcs.size(); ++i)
-    parts[find(arcs[i].nodes[0])].push_back(static_cast<int>(i));
+    parts[groups.of(arcs[i].nodes[0])].push_back(static_cast<int>(i));
   int largest = -1;
   for (const auto& [part, members] : parts)
     if (largest < 0 || members.size() > parts[largest].size()) largest = part;

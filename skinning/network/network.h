@@ -35,7 +35,7 @@ struct ArcEnd {
 
 /// A piece of a character line between two nodes.
 struct NetworkArc {
-  std::string name;  ///< its line's; "name.1", "name.2", … along the line, where that was cut
+  std::string name;  ///< name of its line; "name.1", "name.2", … along a line that was cut
   int line = 0;      ///< index into the lines as they were given
   /// Runs against the line as it was given: arcs have a direction of their own, that of the
   /// network.
@@ -44,17 +44,17 @@ struct NetworkArc {
   /// network, rounded to 2⁻³⁰ and at even speed, |X'| ≈ size: the same numbers in mm and in m. At
   /// an end that goes on (`on`), X' is the same vector on both sides to the last bit, up to sign.
   HermiteCurve curve;
-  std::shared_ptr<const InputCurve>
-      input;                   ///< that piece of the user's line, in the arc's direction
-  std::array<int, 2> nodes{};  ///< at its start and end; equal: closed
+  /// The piece of the user's line that the arc is, in the arc's direction.
+  std::shared_ptr<const InputCurve> input;
+  std::array<int, 2> nodes{};  ///< nodes at its start and end; equal: closed
   std::array<ArcEnd, 2> on{};  ///< the arc end that goes on at its start, end; arc -1: none
   double length = 0;           ///< model units
-  double deviation = 0;        ///< of `curve` from `input`, model units
+  double deviation = 0;        ///< largest distance of `curve` from `input`, model units
 };
 
 struct NetworkNode {
   Vec3 position;
-  std::vector<ArcEnd> ends;  ///< of a closed arc by itself: its start and its end
+  std::vector<ArcEnd> ends;  ///< arc ends that meet here; of a closed arc both
 };
 
 /// Something about the network that the user should know. Positions in model units.
@@ -63,7 +63,7 @@ struct NetworkFinding {
     EndsJoined,    ///< ends that lay apart are one node now
     EndOnLine,     ///< T-junction: an end that met the middle of a line, which was cut there
     Crossing,      ///< two lines that crossed, cut there
-    SelfCrossing,  ///< the same of one line with itself
+    SelfCrossing,  ///< a line that crossed itself, cut there
     Duplicate,     ///< a line that runs along another one from end to end, left out
     Overlap,       ///< lines that run along each other in part; shared pieces are kept once
     NearMiss,      ///< an end, or a crossing, that lies apart by 1 to 5 tolerances: not joined
@@ -76,7 +76,7 @@ struct NetworkFinding {
   Vec3 where = Vec3::Zero();
   double distance = 0;    ///< how far apart they were
   bool repaired = false;  ///< otherwise only listed
-  std::string text;       ///< in words for the user
+  std::string text;       ///< a sentence for the user
 };
 
 /// Lines joined where their ends meet each other or the middle of other lines, and cut where they
@@ -102,14 +102,14 @@ class CharacterLineNetwork {
   explicit CharacterLineNetwork(const std::vector<CharacterLine>& lines,
                                 const NetworkOptions& options = {}, const Progress& progress = {});
 
-  const std::vector<CharacterLine>& lines() const { return lines_; }  ///< as given
+  const std::vector<CharacterLine>& lines() const { return lines_; }  ///< the lines as given
   const std::vector<NetworkArc>& arcs() const { return arcs_; }
   const std::vector<NetworkNode>& nodes() const { return nodes_; }
   const std::vector<NetworkFinding>& findings() const { return findings_; }
   /// Diagonal of the box around all lines, model units.
   double size() const { return size_; }
   double tolerance() const { return tolerance_; }
-  /// Indices of the arcs of a name: of an arc's own, or of all arcs of a line, along the line.
+  /// Indices of the arcs that have a name, their own or that of their line, along the line.
   /// Throws InputError, with the nearest name, when there is none.
   std::vector<int> arcs_of(const std::string& name) const;
   /// Unit tangent of an arc at an end, away from the node.

@@ -8,10 +8,10 @@
 
 namespace batten::netting {
 
-/// What makes the curve of an arc.
+/// The data that the curve of an arc is made from.
 struct ArcPlan {
   std::shared_ptr<const Piece> input;
-  Vec3 start, end;                  ///< of the nodes
+  Vec3 start, end;                  ///< positions of the nodes
   Vec3 start_tangent, end_tangent;  ///< unit, along the arc
 };
 

@@ -1,13 +1,13 @@
 #include "batten/skinning/network/network_contacts.h"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <tuple>
 
+#include "batten/core/groups.h"
 #include "batten/core/parallel.h"
 #include "batten/skinning/network/network_boxes.h"
+#include "batten/skinning/network/strand_distance.h"
 
 namespace batten::netting {
 namespace {
@@ -17,97 +17,6 @@ constexpr double kMiss = 5;  // tolerances, up to which something is a near miss
 struct Chord {
   int strand, segment;
 };
-
-// Distance of two straight pieces, and where on each.
-double chord_distance(const Vec3& a0, const Vec3& a1, const Vec3& b0, const Vec3& b1, double& s,
-                      double& t) {
-  const Vec3 da = a1 - a0, db = b1 - b0, r = a0 - b0;
-  const double a = da.squaredNorm(), e = db.squaredNorm(), f = db.dot(r), c = da.dot(r),
-               b = da.dot(db), det = a * e - b * b;
-  s = det > 1e-14 * a * e ? std::clamp((b * f - c * e) / det, 0.0, 1.0) : 0.5;
-  t = e > 0 ? std::clamp((b * s + f) / e, 0.0, 1.0) : 0.5;
-  s = a > 0 ? std::clamp((b * t - c) / a, 0.0, 1.0) : 0.5;
-  t = e > 0 ? std::clamp((b * s + f) / e, 0.0, 1.0) : 0.5;
-  return (a0 + s * da - b0 - t * db).norm();
-}
-
-// Parameters around a segment within which its nearest point is looked for.
-std::array<double, 2> bracket(const Strand& strand, int segment) {
-  const double a = strand.t[segment], b = strand.t[segment + 1], more = 0.25 * (b - a);
-  return {std::max(a - more, strand.t.front()), std::min(b + more, strand.t.back())};
-}
-
-// Newton's steps at the end: distances near the least one differ by rounding only, while their
-// slopes still say where it is. Not where the curves run along each other.
-void polish(const Strand& a, const std::array<double, 2>& range_a, double& ta, const Strand& b,
-            const std::array<double, 2>& range_b, double& tb) {
-  for (int step = 0; step < 3; ++step) {
-    const Vec3 d = a.point(ta) - b.point(tb);
-    const Vec3 da = a.curve->evaluate(ta, 1), db = b.curve->evaluate(tb, 1);
-    const double haa = da.squaredNorm() + d.dot(a.curve->evaluate(ta, 2)),
-                 hbb = db.squaredNorm() - d.dot(b.curve->evaluate(tb, 2)), hab = -da.dot(db),
-                 det = haa * hbb - hab * hab;
-    const double ga = da.dot(d), gb = -db.dot(d);
-    const bool at_a = ta <= range_a[0] || ta >= range_a[1],
-               at_b = tb <= range_b[0] || tb >= range_b[1];
-    double move_a = 0, move_b = 0;
-    if (at_a && at_b) return;
-    if (at_a && hbb > 0)
-      move_b = -gb / hbb;
-    else if (at_b && haa > 0)
-      move_a = -ga / haa;
-    else if (!at_a && !at_b && haa > 0 && det > 1e-8 * haa * hbb)
-      move_a = -(hbb * ga - hab * gb) / det, move_b = -(haa * gb - hab * ga) / det;
-    constexpr double small = 1e-6;
-    if (!(std::abs(move_a) <= small * (a.t.back() - a.t.front())) ||
-        !(std::abs(move_b) <= small * (b.t.back() - b.t.front())))
-      return;
-    ta = std::clamp(ta + move_a, range_a[0], range_a[1]);
-    tb = std::clamp(tb + move_b, range_b[0], range_b[1]);
-  }
-}
-
-// The nearest points of two curves within brackets, from ta, tb on: Levenberg's steps on both
-// parameters; one that is pushed against its end stays there.
-double nearest(const Strand& a, const std::array<double, 2>& range_a, double& ta, const Strand& b,
-               const std::array<double, 2>& range_b, double& tb) {
-  double damping = 1e-9;
-  Vec3 d = a.point(ta) - b.point(tb);
-  for (int step = 0; step < 30; ++step) {
-    const Vec3 da = a.curve->evaluate(ta, 1), db = b.curve->evaluate(tb, 1);
-    const double ga = da.dot(d), gb = -db.dot(d);
-    const bool fixed_a = (ta <= range_a[0] && ga > 0) || (ta >= range_a[1] && ga < 0),
-               fixed_b = (tb <= range_b[0] && gb > 0) || (tb >= range_b[1] && gb < 0);
-    if (fixed_a && fixed_b) break;
-    const double haa = da.squaredNorm() * (1 + damping), hbb = db.squaredNorm() * (1 + damping),
-                 hab = -da.dot(db), det = haa * hbb - hab * hab;
-    if (!(haa > 0) || !(hbb > 0)) break;
-    double move_a = 0, move_b = 0;
-    if (fixed_a)
-      move_b = -gb / hbb;
-    else if (fixed_b)
-      move_a = -ga / haa;
-    else
-      move_a = -(hbb * ga - hab * gb) / det, move_b = -(haa * gb - hab * ga) / det;
-    const double next_a = std::clamp(ta + move_a, range_a[0], range_a[1]),
-                 next_b = std::clamp(tb + move_b, range_b[0], range_b[1]);
-    const Vec3 next = a.point(next_a) - b.point(next_b);
-    if (!(next.norm() <= d.norm())) {
-      damping = std::max(10 * damping, 1e-3);
-      if (damping > 1e6) break;
-      continue;
-    }
-    const bool settled = std::abs(next_a - ta) <= 1e-15 * (a.t.back() - a.t.front()) &&
-                         std::abs(next_b - tb) <= 1e-15 * (b.t.back() - b.t.front());
-    ta = next_a;
-    tb = next_b;
-    d = next;
-    damping *= 0.1;
-    if (settled) break;
-  }
-  polish(a, range_a, ta, b, range_b, tb);
-  return (a.point(ta) - b.point(tb)).norm();
-}
 
 class Search {
  public:
@@ -280,19 +189,14 @@ class Search {
   // Numbers of the intervals to which contacts of one pair belong; -1: farther than the limit.
   std::vector<int> intervals(const std::vector<Contact>& contacts, double limit) const {
     const int n = static_cast<int>(contacts.size());
-    std::vector<int> root(n);
-    std::iota(root.begin(), root.end(), 0);
-    const auto find = [&](int i) {
-      while (root[i] != i) i = root[i] = root[root[i]];
-      return i;
-    };
+    Groups groups(n);
     constexpr int ahead = 12;  // contacts of one place come from up to nine pairs of chords
     for (int i = 0; i < n; ++i)
       for (int j = i + 1; j < std::min(n, i + ahead); ++j)
-        if (find(i) != find(j) && linked(contacts[i], contacts[j], limit))
-          root[std::max(find(i), find(j))] = std::min(find(i), find(j));
+        if (groups.of(i) != groups.of(j) && linked(contacts[i], contacts[j], limit))
+          groups.join(i, j);
     std::vector<int> of(n);
-    for (int i = 0; i < n; ++i) of[i] = contacts[i].distance <= limit ? find(i) : -1;
+    for (int i = 0; i < n; ++i) of[i] = contacts[i].distance <= limit ? groups.of(i) : -1;
     return of;
   }
 

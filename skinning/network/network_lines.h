@@ -25,9 +25,9 @@ class Piece final : public InputCurve {
   std::vector<double> breaks() const override;
   bool piecewise_cubic() const override { return whole_->piecewise_cubic(); }
 
-  /// From a to b of this one's own parameter, or back.
+  /// The part from a to b in this piece's own parameter, or from b to a.
   std::shared_ptr<const Piece> part(double a, double b, bool back) const;
-  /// Where it begins in the direction of the whole curve, in that one's parameter.
+  /// Parameter of the whole curve at which the piece begins, in the curve's direction.
   double first() const { return from_; }
   bool backwards() const { return backwards_; }
 
@@ -62,7 +62,7 @@ struct Strand {
 };
 
 struct Strands {
-  std::vector<Strand> strands;  ///< in canonical order
+  std::vector<Strand> strands;  ///< strands in canonical order
   /// Ends (strand, 0 or 1) that a corner of a line joins.
   std::vector<std::array<std::pair<int, int>, 2>> corners;
   Vec3 origin = Vec3::Zero();  ///< centre of the box

@@ -19,6 +19,9 @@ struct Cut {
 struct NodesAndCuts {
   std::vector<Vec3> nodes;  ///< positions
   std::vector<Cut> cuts;    ///< by strand, along it
+
+  /// Number of ends of cuts at each node.
+  std::vector<int> degrees() const;
 };
 
 /// Ends, contacts and corners become nodes, the nearest first: two nodes become one where all

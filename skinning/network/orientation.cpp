@@ -139,12 +139,103 @@ Sketch sketch_of(const CharacterLineNetwork& network, const NetworkRegion& regio
   return sketch;
 }
 
+// The regions that hang together with one, and which of them have to be turned over.
+class ShellWalk {
+ public:
+  ShellWalk(const std::vector<NetworkRegion>& regions,
+            const std::vector<std::vector<ArcSide>>& sides)
+      : turn(regions.size(), 0), regions_(regions), sides_(sides), seen_(regions.size(), 0) {}
+
+  std::vector<char> turn;  // whether each region has to be turned over
+
+  bool seen(int region) const { return seen_[static_cast<size_t>(region)] != 0; }
+
+  ModelShell from(int seed) {
+    ModelShell shell;
+    shell.closed = true;
+    reach(shell, seed);
+    for (size_t q = 0; q < shell.regions.size(); ++q) {
+      const int r = shell.regions[q];
+      for (const ArcLoop& loop : regions_[static_cast<size_t>(r)].loops)
+        for (const ArcUse& use : loop) cross(shell, r, use);
+    }
+    std::sort(shell.regions.begin(), shell.regions.end());
+    return shell;
+  }
+
+ private:
+  void reach(ModelShell& shell, int region) {
+    seen_[static_cast<size_t>(region)] = 1;
+    shell.regions.push_back(region);
+  }
+
+  // What lies across an arc of region r.
+  void cross(ModelShell& shell, int r, const ArcUse& use) {
+    const auto& sides = sides_[static_cast<size_t>(use.arc)];
+    if (sides.size() == 1) shell.closed = false;
+    if (sides.size() > 2) shell.orientable = false;
+    if (sides.size() != 2) {
+      for (const ArcSide& other : sides)
+        if (!seen(other.region)) reach(shell, other.region);
+      return;
+    }
+    if (sides[0].region == r && sides[1].region == r) {
+      if (sides[0].reversed == sides[1].reversed) shell.orientable = false;
+      return;
+    }
+    const ArcSide& other = sides[0].region == r ? sides[1] : sides[0];
+    const auto o = static_cast<size_t>(other.region);
+    const bool same = (use.reversed != static_cast<bool>(turn[static_cast<size_t>(r)])) ==
+                      (other.reversed != static_cast<bool>(turn[o]));
+    if (!seen(other.region)) {
+      turn[o] = same;
+      reach(shell, other.region);
+    } else if (same) {
+      shell.orientable = false;
+    }
+  }
+
+  const std::vector<NetworkRegion>& regions_;
+  const std::vector<std::vector<ArcSide>>& sides_;
+  std::vector<char> seen_;
+};
+
+// Whether a shell shows its inside, or, where it has none, looks down.
+bool inwards(const ModelShell& shell, const std::vector<Sketch>& sketches,
+             const std::vector<char>& turn) {
+  double volume = 0, area = 0;
+  Vec3 up = Vec3::Zero();
+  for (const int r : shell.regions) {
+    const auto i = static_cast<size_t>(r);
+    const double sign = turn[i] ? -1 : 1;
+    volume += sign * sketches[i].volume;
+    up += sign * sketches[i].vector;
+    area += sketches[i].vector.norm();
+  }
+  double outwards = volume;
+  if (!shell.closed || !shell.orientable) {
+    constexpr double clear = 0.05;
+    outwards = 0;
+    for (const int axis : {2, 0, 1})
+      if (outwards == 0 && std::abs(up[axis]) > clear * area) outwards = up[axis];
+  }
+  return outwards < 0;
+}
+
+// The side of every loop on its arcs.
+std::vector<std::vector<ArcSide>> sides_of(const std::vector<NetworkRegion>& regions, size_t arcs) {
+  std::vector<std::vector<ArcSide>> sides(arcs);
+  for (int r = 0; r < static_cast<int>(regions.size()); ++r)
+    for (const ArcLoop& loop : regions[static_cast<size_t>(r)].loops)
+      for (const ArcUse& use : loop)
+        sides[static_cast<size_t>(use.arc)].push_back({r, use.reversed});
+  return sides;
+}
+
 }  // namespace
 
 Orientation orient(const CharacterLineNetwork& network, std::vector<NetworkRegion>& regions) {
   const int n = static_cast<int>(regions.size());
-  Orientation result;
-  result.sides.resize(network.arcs().size());
   Vec3 about = Vec3::Zero();
   for (const NetworkNode& node : network.nodes())
     about += node.position / static_cast<double>(network.nodes().size());
@@ -154,79 +245,22 @@ Orientation orient(const CharacterLineNetwork& network, std::vector<NetworkRegio
     const auto i = static_cast<size_t>(r);
     sketches[i] = sketch_of(network, regions[i], about);
   });
-  for (int r = 0; r < n; ++r) {
-    const auto i = static_cast<size_t>(r);
-    result.plain_areas.push_back(sketches[i].area);
-    result.sizes.push_back(sketches[i].size);
-    for (const ArcLoop& loop : regions[i].loops)
-      for (const ArcUse& use : loop)
-        result.sides[static_cast<size_t>(use.arc)].push_back({r, use.reversed});
+  Orientation result;
+  result.sides = sides_of(regions, network.arcs().size());
+  for (const Sketch& sketch : sketches) {
+    result.plain_areas.push_back(sketch.area);
+    result.sizes.push_back(sketch.size);
   }
-
-  std::vector<char> seen(static_cast<size_t>(n), 0), turn(static_cast<size_t>(n), 0);
+  ShellWalk walk(regions, result.sides);
   for (int seed = 0; seed < n; ++seed) {
-    if (seen[static_cast<size_t>(seed)]) continue;
-    ModelShell shell;
-    shell.closed = true;
-    shell.regions = {seed};
-    seen[static_cast<size_t>(seed)] = 1;
-    for (size_t q = 0; q < shell.regions.size(); ++q) {
-      const int r = shell.regions[q];
-      for (const ArcLoop& loop : regions[static_cast<size_t>(r)].loops)
-        for (const ArcUse& use : loop) {
-          const auto& sides = result.sides[static_cast<size_t>(use.arc)];
-          if (sides.size() == 1) shell.closed = false;
-          if (sides.size() > 2) shell.orientable = false;
-          if (sides.size() != 2) {
-            for (const ArcSide& other : sides)
-              if (!seen[static_cast<size_t>(other.region)]) {
-                seen[static_cast<size_t>(other.region)] = 1;
-                shell.regions.push_back(other.region);
-              }
-            continue;
-          }
-          const bool own = sides[0].region == r && sides[1].region == r;
-          const ArcSide& other = sides[0].region == r ? sides[1] : sides[0];
-          if (own) {
-            if (sides[0].reversed == sides[1].reversed) shell.orientable = false;
-            continue;
-          }
-          const auto o = static_cast<size_t>(other.region);
-          const bool same = (use.reversed != static_cast<bool>(turn[static_cast<size_t>(r)])) ==
-                            (other.reversed != static_cast<bool>(turn[o]));
-          if (!seen[o]) {
-            seen[o] = 1;
-            turn[o] = same;
-            shell.regions.push_back(other.region);
-          } else if (same) {
-            shell.orientable = false;
-          }
-        }
-    }
-    std::sort(shell.regions.begin(), shell.regions.end());
-
-    double volume = 0, area = 0;
-    Vec3 up = Vec3::Zero();
-    for (const int r : shell.regions) {
-      const auto i = static_cast<size_t>(r);
-      const double sign = turn[i] ? -1 : 1;
-      volume += sign * sketches[i].volume;
-      up += sign * sketches[i].vector;
-      area += sketches[i].vector.norm();
-    }
-    double outwards = volume;
-    if (!shell.closed || !shell.orientable) {
-      constexpr double clear = 0.05;
-      outwards = 0;
-      for (const int axis : {2, 0, 1})
-        if (outwards == 0 && std::abs(up[axis]) > clear * area) outwards = up[axis];
-    }
-    if (outwards < 0)
-      for (const int r : shell.regions) turn[static_cast<size_t>(r)] ^= 1;
+    if (walk.seen(seed)) continue;
+    ModelShell shell = walk.from(seed);
+    if (inwards(shell, sketches, walk.turn))
+      for (const int r : shell.regions) walk.turn[static_cast<size_t>(r)] ^= 1;
     result.shells.push_back(std::move(shell));
   }
   for (int r = 0; r < n; ++r) {
-    if (!turn[static_cast<size_t>(r)]) continue;
+    if (!walk.turn[static_cast<size_t>(r)]) continue;
     for (ArcLoop& loop : regions[static_cast<size_t>(r)].loops) loop = turned(loop);
     for (auto& sides : result.sides)
       for (ArcSide& side : sides)

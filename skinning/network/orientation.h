@@ -15,8 +15,8 @@ struct ArcSide {
 
 struct Orientation {
   std::vector<ModelShell> shells;           ///< without area and volume
-  std::vector<std::vector<ArcSide>> sides;  ///< of each arc, regions ascending
-  std::vector<double> plain_areas;          ///< by plain_fill() of the loops; 0: unknown
+  std::vector<std::vector<ArcSide>> sides;  ///< uses of each arc, regions ascending
+  std::vector<double> plain_areas;          ///< area of the loops' plain filling; 0: unknown
   std::vector<double> sizes;                ///< diagonal of the box of each region's loops
 };
 

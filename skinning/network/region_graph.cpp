@@ -133,8 +133,12 @@ void RegionGraph::connect() {
   ends.resize(nodes.size());
   for (int a = 0; a < static_cast<int>(arcs.size()); ++a)
     for (const bool end : {false, true}) ends[arcs[a].nodes[end]].push_back({a, end});
+  find_core();
+  find_parts();
+}
 
-  // Dangling arcs come off, from their free ends inwards.
+// Dangling arcs come off, from their free ends inwards.
+void RegionGraph::find_core() {
   core.assign(arcs.size(), true);
   std::vector<int> degree(nodes.size()), free_ends;
   for (size_t n = 0; n < nodes.size(); ++n) {
@@ -151,9 +155,10 @@ void RegionGraph::connect() {
         if (--degree[other] == 1) free_ends.push_back(other);
       }
   }
+}
 
-  // Parts and bridges: a depth-first walk; an arc is a bridge when nothing below it reaches above
-  // it.
+// Parts and bridges: a depth-first walk; an arc is a bridge when nothing below it reaches above it.
+void RegionGraph::find_parts() {
   part.assign(arcs.size(), -1);
   bridge.assign(arcs.size(), false);
   std::vector<int> order(nodes.size(), -1), low(nodes.size());

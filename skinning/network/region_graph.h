@@ -36,7 +36,7 @@ struct RegionArc {
 struct RegionGraph {
   std::vector<RegionArc> arcs;
   std::vector<Vec3> nodes;
-  std::vector<std::vector<ArcEnd>> ends;  ///< at each node
+  std::vector<std::vector<ArcEnd>> ends;  ///< arc ends at each node
   /// Arcs that lie on some cycle or between cycles: what is left when dangling arcs are taken off,
   /// and what dangles then, until none does.
   std::vector<bool> core;
@@ -46,9 +46,9 @@ struct RegionGraph {
   double size = 1;
 
   RegionGraph() = default;
-  /// From the curves of a network. O(arcs).
+  /// Makes the graph from the curves of a network. O(arcs).
   explicit RegionGraph(const CharacterLineNetwork& network);
-  /// From polylines of any number of points (two or more), between nodes. Throws InputError: fewer,
+  /// Makes it from polylines of two points or more between nodes. Throws InputError: fewer points,
   /// numbers that are not finite, no length.
   RegionGraph(std::vector<Vec3> nodes, std::vector<std::array<int, 2>> arc_nodes,
               const std::vector<std::vector<Vec3>>& polylines, std::vector<std::string> names);
@@ -65,9 +65,11 @@ struct RegionGraph {
 
  private:
   void connect();
+  void find_core();
+  void find_parts();
 };
 
-/// The same loop from its lowest arc on, in the direction that comes first: equal loops are equal.
+/// A loop from its lowest arc on, in the direction that comes first: equal loops become the same.
 ArcLoop canonical(const ArcLoop& loop);
 /// Arcs of a loop, ascending.
 std::vector<int> arcs_of(const ArcLoop& loop);

@@ -11,10 +11,9 @@ struct LoopPrices {
   /// For each arc with two loops that meet at 90 degrees, as the square of the angle; over
   /// most_at_arc - 1 where more may meet.
   double fold = 0.53;
-  double twist =
-      0.5;            ///< for each quarter turn between corner planes along the loop, as the square
-  double bend = 1.0;  ///< distance from its plane over radius, as the square
-  double jump = 0.3;  ///< for each arc that leaves into the loop from one of its nodes
+  double twist = 0.5;  ///< for each quarter turn between corner planes, as the square
+  double bend = 1.0;   ///< distance from its plane over radius, as the square
+  double jump = 0.3;   ///< for each arc that leaves into the loop from one of its nodes
   double again = 1.5;  ///< for each node that it passes twice, but for bridges
 };
 
@@ -48,7 +47,7 @@ double fold_deg(const LoopCandidate& a, size_t i, const LoopCandidate& b, size_t
 bool leaves_into(const RegionGraph& graph, const LoopCandidate& loop, const ArcEnd& end);
 
 struct TracedLoops {
-  std::vector<LoopCandidate> loops;  ///< in canonical order, each once
+  std::vector<LoopCandidate> loops;  ///< loops in canonical order, each once
   bool complete = true;              ///< false: the work limit was met
 };
 

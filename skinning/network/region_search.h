@@ -18,7 +18,7 @@ struct RegionSearch {
   std::vector<LoopCandidate> costly;  ///< the others
   Selection problem;                  ///< an item for each of `loops`
   Selected selected;
-  bool complete = true;  ///< of the tracing
+  bool complete = true;  ///< all loops were traced; false: the work limit was met
 };
 
 RegionSearch search_regions(const RegionGraph& graph, const SettledRegions& settled,

@@ -2,13 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <numeric>
+
+#include "batten/skinning/network/local_choice.h"
 
 namespace batten {
 namespace {
-
-constexpr double kTie = 1e-9;
 
 // An item on one arc.
 struct Share {
@@ -22,8 +21,8 @@ class Solver {
       : problem_(problem),
         shares_(problem.room.size()),
         prices_(problem.room.size()),
-        near_(problem.items.size()),
-        fixed_(problem.items.size(), -1) {
+        local_(problem),
+        fixed_(local_.fixed) {
     for (size_t i = 0; i < problem.items.size(); ++i) {
       const auto& item = problem.items[i];
       for (size_t k = 0; k < item.arcs.size(); ++k) {
@@ -40,10 +39,7 @@ class Solver {
       const size_t m = shares_[p.arc].size();
       prices_[p.arc][i * m + j] += p.price;
       prices_[p.arc][j * m + i] += p.price;
-      near_[p.a].push_back({p.b, p.price});
-      near_[p.b].push_back({p.a, p.price});
     }
-    find_neighbours();
   }
 
   // The best set of one arc, with one share taken or left out by force (-1: none).
@@ -140,133 +136,6 @@ class Solver {
     return votes;
   }
 
-  bool fits(const std::vector<char>& chosen, int item) const {
-    for (size_t k = 0; k < problem_.items[item].arcs.size(); ++k) {
-      const int a = problem_.items[item].arcs[k];
-      int used = problem_.items[item].uses[k];
-      for (const Share& s : shares_[a])
-        if (chosen[s.item] && s.item != item) used += s.uses;
-      if (used > problem_.room[a]) return false;
-    }
-    return true;
-  }
-
-  double advantage(const std::vector<char>& chosen, int item) const {
-    double gain = problem_.items[item].gain;
-    for (const auto& [other, price] : near_[item])
-      if (chosen[other]) gain -= price;
-    return gain;
-  }
-
-  double value(const std::vector<char>& chosen) const {
-    double sum = 0;
-    for (size_t i = 0; i < chosen.size(); ++i)
-      if (chosen[i]) sum += problem_.items[i].gain;
-    for (const auto& p : problem_.pairs)
-      if (chosen[p.a] && chosen[p.b]) sum -= p.price;
-    return sum;
-  }
-
-  // Items that share an arc with each item, and these with their neighbours too: ascending.
-  void find_neighbours() {
-    const auto tidy = [](std::vector<int>& list) {
-      std::sort(list.begin(), list.end());
-      list.erase(std::unique(list.begin(), list.end()), list.end());
-    };
-    around_.resize(problem_.items.size());
-    wide_.resize(problem_.items.size());
-    for (size_t i = 0; i < around_.size(); ++i) {
-      for (const int a : problem_.items[i].arcs)
-        for (const Share& s : shares_[a])
-          if (s.item != static_cast<int>(i)) around_[i].push_back(s.item);
-      tidy(around_[i]);
-    }
-    for (size_t i = 0; i < around_.size(); ++i) {
-      wide_[i] = around_[i];
-      wide_[i].push_back(static_cast<int>(i));
-      for (const int k : around_[i])
-        wide_[i].insert(wide_[i].end(), around_[k].begin(), around_[k].end());
-      tidy(wide_[i]);
-    }
-  }
-
-  // Takes the items that add most, one after another.
-  void fill(std::vector<char>& chosen, const std::vector<int>& from, int never = -1) const {
-    for (;;) {
-      int best = -1;
-      double most = kTie;
-      for (const int i : from) {
-        if (chosen[i] || i == never || fixed_[i] == 0) continue;
-        const double gain = advantage(chosen, i);
-        if (gain > most + kTie && fits(chosen, i)) best = i, most = gain;
-      }
-      if (best < 0) return;
-      chosen[best] = 1;
-    }
-  }
-
-  // Forces an item in or out and mends what is around it. Returns what that changes the value by.
-  double forced(std::vector<char>& chosen, int item, bool in, int rounds = 1) const {
-    const std::vector<int>&around = around_[item], &wide = wide_[item];
-    const auto local = [&] {
-      double sum = 0;
-      for (const int i : wide)
-        if (chosen[i]) {
-          sum += problem_.items[i].gain;
-          for (const auto& [other, price] : near_[i])
-            if (chosen[other])
-              sum -= std::binary_search(wide.begin(), wide.end(), other) ? price / 2 : price;
-        }
-      return sum;
-    };
-    const double before = local();
-    chosen[item] = in;
-    if (in) {
-      // Whoever is in the way goes, dearest first.
-      for (;;) {
-        int worst = -1;
-        double least = HUGE_VAL;
-        const bool tight = !fits(chosen, item);
-        for (const int i : around) {
-          if (!chosen[i] || fixed_[i] == 1) continue;
-          const double gain = advantage(chosen, i);
-          if ((tight ? in_the_way(chosen, i, item) : gain < 0) && gain < least)
-            worst = i, least = gain;
-        }
-        if (worst < 0) break;
-        chosen[worst] = 0;
-      }
-      if (!fits(chosen, item)) {
-        return -HUGE_VAL;
-      }
-    }
-    for (int r = 0; r < rounds; ++r) fill(chosen, wide, in ? -1 : item);
-    return local() - before;
-  }
-
-  bool in_the_way(const std::vector<char>& chosen, int i, int item) const {
-    for (size_t k = 0; k < problem_.items[item].arcs.size(); ++k) {
-      const int a = problem_.items[item].arcs[k];
-      int used = problem_.items[item].uses[k];
-      bool there = false;
-      for (const Share& s : shares_[a])
-        if (chosen[s.item] && s.item != item) used += s.uses, there |= s.item == i;
-      if (there && used > problem_.room[a]) return true;
-    }
-    return false;
-  }
-
-  void improve(std::vector<char>& chosen) const {
-    for (bool better = true; better;) {
-      better = false;
-      for (size_t i = 0; i < chosen.size(); ++i) {
-        if (fixed_[i] >= 0) continue;
-        std::vector<char> other = chosen;
-        if (forced(other, static_cast<int>(i), !chosen[i]) > kTie) chosen = other, better = true;
-      }
-    }
-  }
-
   // The best sets of all arcs, kept while items are fixed and set free.
   struct Bests {
     std::vector<double> value;
@@ -301,7 +170,7 @@ class Solver {
     }
     double top = 0;
     for (const double value : bests.value) top += value;
-    if (top <= lead_value + kTie) return;
+    if (top <= lead_value + LocalChoice::kTie) return;
     int doubt = -1, widest = 0;
     for (const int i : items) {
       const int all = static_cast<int>(problem_.items[i].arcs.size());
@@ -350,7 +219,7 @@ class Solver {
       std::vector<int> cluster{static_cast<int>(first)};
       seen[first] = 1;
       for (size_t k = 0; k < cluster.size(); ++k)
-        for (const int i : around_[cluster[k]])
+        for (const int i : local_.around(cluster[k]))
           if (!seen[i] && fixed_[i] < 0) seen[i] = 1, cluster.push_back(i);
       std::sort(cluster.begin(), cluster.end());
       all.push_back(std::move(cluster));
@@ -367,10 +236,10 @@ class Solver {
     for (size_t i = 0; i < problem_.items.size(); ++i)
       (first.votes[i] == static_cast<int>(problem_.items[i].arcs.size()) ? agreed : rest)
           .push_back(static_cast<int>(i));
-    fill(result.chosen, agreed);
-    fill(result.chosen, rest);
-    improve(result.chosen);
-    result.value = value(result.chosen);
+    local_.fill(result.chosen, agreed);
+    local_.fill(result.chosen, rest);
+    local_.improve(result.chosen);
+    result.value = local_.value(result.chosen);
     for (int round = 0; round < 3; ++round) {
       result.bound = bound();
       if (result.bound - result.value <= 1e-7) break;
@@ -388,12 +257,12 @@ class Solver {
         Bests bests = all_bests();
         work_left_ = most_work / static_cast<long>(parts.size());
         cut_ = false;
-        double lead = value(result.chosen);
+        double lead = local_.value(result.chosen);
         search(bests, part, result.chosen, lead);
         all = all && !cut_;
         for (const int i : part) fixed_[i] = static_cast<signed char>(result.chosen[i]);
       }
-      result.value = value(result.chosen);
+      result.value = local_.value(result.chosen);
       if (all) result.bound = result.value;
     }
     result.optimal = result.bound - result.value <= 1e-6;
@@ -411,9 +280,8 @@ class Solver {
   std::vector<std::vector<Share>> shares_;   // of each arc
   std::vector<std::vector<double>> prices_;  // of each arc, m × m
   std::vector<int> slot_, first_slot_;       // where an item stands on each of its arcs
-  std::vector<std::vector<std::pair<int, double>>> near_;
-  std::vector<std::vector<int>> around_, wide_;
-  std::vector<signed char> fixed_;  // 1 taken, 0 left out, -1 open
+  LocalChoice local_;
+  std::vector<signed char>& fixed_;
   std::vector<int> stack_, candidates_, found_;
   std::vector<double> advantages_;
   long work_left_ = 0;
@@ -427,11 +295,11 @@ Selected select(const Selection& problem, long most_work) {
 }
 
 std::vector<Otherwise> otherwise(const Selection& problem, const Selected& selected) {
-  const Solver solver(problem);
+  const LocalChoice local(problem);
   std::vector<Otherwise> all(problem.items.size());
   std::vector<char> other = selected.chosen;
   for (size_t i = 0; i < all.size(); ++i) {
-    all[i].loss = -solver.forced(other, static_cast<int>(i), !selected.chosen[i]);
+    all[i].loss = -local.forced(other, static_cast<int>(i), !selected.chosen[i]);
     for (size_t k = 0; k < other.size(); ++k)
       if (other[k] != selected.chosen[k]) {
         (other[k] ? all[i].in : all[i].out).push_back(static_cast<int>(k));

@@ -16,7 +16,7 @@ struct Selection {
   struct Item {
     double gain = 0;
     std::vector<int> arcs;  ///< distinct
-    std::vector<int> uses;  ///< of each of these
+    std::vector<int> uses;  ///< how often it is used on each of these
   };
   struct Pair {
     int arc, a, b;  ///< a < b
@@ -24,12 +24,12 @@ struct Selection {
   };
   std::vector<Item> items;
   std::vector<Pair> pairs;
-  std::vector<int> room;  ///< of each arc
+  std::vector<int> room;  ///< uses that each arc has room for
 };
 
 struct Selected {
   std::vector<char> chosen;
-  double value = 0;  ///< of what was chosen
+  double value = 0;  ///< value of what was chosen
   double bound = 0;  ///< no choice has more
   bool optimal = false;
 };
@@ -45,7 +45,7 @@ Selected select(const Selection& problem, long most_work = 50000);
 
 /// A choice with one item the other way.
 struct Otherwise {
-  double loss = 0;  ///< of value; an upper bound: only the neighbourhood of the item was rearranged
+  double loss = 0;  ///< of value, at most: only the neighbourhood of the item was rearranged
   std::vector<int> out, in;  ///< items that left, and that came instead
 };
 /// For each item: what it costs to take it, or to leave it out, against `selected`. An infinite

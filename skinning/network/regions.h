@@ -26,7 +26,7 @@ struct NetworkRegion {
   bool ring = false;
   std::vector<int> inner;  ///< arcs that lie on the surface, inside
   bool asked = false;      ///< the user's word
-  double cost = 0;         ///< of the loop; 0 for one that is asked for
+  double cost = 0;         ///< cost of the loop; 0 for one that is asked for
 };
 
 /// What the user says first. Names are those of arcs, or of lines (then all their arcs).
@@ -36,8 +36,8 @@ struct RegionWord {
     Nothing   ///< no surface in this loop (loops[0])
   };
   Kind kind = Kind::Surface;
-  std::string name;                             ///< of the region
-  std::vector<std::vector<std::string>> loops;  ///< in any order and direction
+  std::string name;                             ///< name of the region
+  std::vector<std::vector<std::string>> loops;  ///< lines of each loop, in any order and direction
   bool ring = false;                            ///< loops are the two rims of a ring
   std::vector<std::string> inner;
   std::string where;  ///< for messages: "scene.toml:8:1: "
@@ -52,8 +52,8 @@ struct RegionOptions {
 /// A choice that could as well have been another.
 struct RegionChoice {
   Vec3 where = Vec3::Zero();
-  std::vector<std::string> arcs;  ///< that it is about
-  std::string text;               ///< in words for the user, with what to say to have it otherwise
+  std::vector<std::string> arcs;  ///< names of the arcs that it is about
+  std::string text;               ///< sentences for the user: what to say to have it otherwise
   std::vector<ArcLoop> chosen;
   std::vector<std::vector<ArcLoop>> alternatives;  ///< best first
   std::vector<double> margins;                     ///< cost of each over the chosen one, relative

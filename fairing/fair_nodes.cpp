@@ -1,0 +1,86 @@
+#include "batten/fairing/fair_nodes.h"
+
+#include <algorithm>
+
+namespace batten {
+namespace {
+
+// The forced nodes, and those of the wanted ones that are not too near to others; both ascending.
+std::vector<double> merged_nodes(const std::vector<double>& nodes,
+                                 const std::vector<double>& wanted, double gap) {
+  std::vector<double> merged;
+  size_t next = 0;
+  for (size_t k = 0; k + 1 < nodes.size(); ++k) {
+    merged.push_back(nodes[k]);
+    for (; next < wanted.size() && wanted[next] < nodes[k + 1] - gap; ++next)
+      if (wanted[next] >= merged.back() + gap) merged.push_back(wanted[next]);
+  }
+  merged.push_back(nodes.back());
+  return merged;
+}
+
+// All nodes; the second half of a mirrored curve has those of the first.
+std::vector<double> all_nodes(const PointRow& row, const std::vector<double>& u, double length,
+                              std::vector<double> forced, bool mirrored, int most_nodes) {
+  std::vector<double> wanted;
+  if (row.count() <= most_nodes) {
+    wanted = u;
+  } else {
+    for (int i = 0; i <= most_nodes; ++i) wanted.push_back(length * i / most_nodes);
+  }
+  const double end = mirrored ? 0.5 * length : length;
+  if (mirrored)
+    for (auto* all : {&forced, &wanted})
+      for (double& at : *all) at = std::min(at, length - at);
+  forced.push_back(end);
+  // The forced ones first; of the others those that are not too near.
+  // (What acts between nodes acts there too; a corner and the mirror image of its partner are one.)
+  const double gap = 0.25 * length / std::min(row.count(), most_nodes),
+               same = mirrored ? 4 * gap : 0.01 * gap;
+  std::sort(forced.begin(), forced.end());
+  std::vector<double> nodes;
+  for (const double at : forced)
+    if (nodes.empty() || at - nodes.back() > same) nodes.push_back(at);
+  nodes.back() = end;
+  std::sort(wanted.begin(), wanted.end());
+  std::vector<double> merged = merged_nodes(nodes, wanted, gap);
+  // A closed curve has three segments at least: the longest ones are halved.
+  while (row.closed && merged.size() < 4) {
+    size_t longest = 0;
+    for (size_t k = 0; k + 1 < merged.size(); ++k)
+      if (merged[k + 1] - merged[k] > merged[longest + 1] - merged[longest]) longest = k;
+    merged.insert(merged.begin() + static_cast<long>(longest) + 1,
+                  0.5 * (merged[longest] + merged[longest + 1]));
+  }
+  std::vector<double> parameters = merged;
+  if (mirrored)
+    for (size_t k = merged.size() - 1; k-- > 0;) parameters.push_back(length - merged[k]);
+  return parameters;
+}
+
+}  // namespace
+
+FairNodes choose_nodes(const PointRow& row, const std::vector<double>& u, double length,
+                       std::vector<double> forced, bool mirrored, int most_nodes) {
+  std::vector<double> parameters =
+      all_nodes(row, u, length, std::move(forced), mirrored, most_nodes);
+  const auto nearest = [&](double at) {
+    const auto above = std::lower_bound(parameters.begin(), parameters.end(), at);
+    if (above == parameters.end()) return static_cast<int>(parameters.size()) - 1;
+    const auto i = above - parameters.begin();
+    return static_cast<int>(i > 0 && at - parameters[i - 1] < *above - at ? i - 1 : i);
+  };
+  const int last = static_cast<int>(parameters.size()) - 1;
+  std::vector<int> corners;
+  for (const int c : row.corners) {
+    const int node = nearest(u[c]);
+    if (!row.closed && (node == 0 || node == last)) continue;
+    corners.push_back(node % (row.closed ? last : last + 1));
+    if (mirrored) corners.push_back((last - node) % (row.closed ? last : last + 1));
+  }
+  std::vector<int> node_of;
+  for (const double at : u) node_of.push_back(nearest(at) % (row.closed ? last : last + 1));
+  return {CurveMesh(std::move(parameters), row.closed, std::move(corners)), std::move(node_of)};
+}
+
+}  // namespace batten

@@ -1,0 +1,32 @@
+// Inside of FormFeatureDeformer: the smooth field of rotations that curvature turns with.
+#pragma once
+
+#include "batten/constraints/affine_reduction.h"
+#include "batten/mesh/deform/deform_system.h"
+
+namespace batten {
+
+/// The logarithms of the rotations are harmonic, and linear in the turns of the handles: each
+/// handle's weight is solved for once, and an edit costs no solve.
+class RotationField {
+ public:
+  RotationField(const DeformSystem& system, long handles);
+
+  /// Finds the weights: one factor. Throws NoSolutionError.
+  void solve_weights(const DeformSystem& system, const TriangleMesh& mesh);
+
+  /// The logarithms of an edit (dofs × 3), Σ weights · turns. Allocates nothing. Throws
+  /// ConflictError when rows that are implied by others are contradicted.
+  void evaluate(const DeformSystem& system, const DeformEdit& edit, Points& logs);
+
+  /// Whether no handle turned in the last edit.
+  bool still() const { return turns_.isZero(0); }
+
+ private:
+  AffineReduction reduction_;
+  MatX weights_;  // dofs × handles
+  MatX turns_;    // handles × 3
+  MatX right_;    // right-hand sides of the rows
+};
+
+}  // namespace batten
