@@ -10,7 +10,8 @@
 #include "batten/constraints/affine_reduction.h"
 #include "batten/fem/assembly.h"
 #include "batten/fem/dissection.h"
-#include "batten/skinning/skin.h"
+#include "batten/skinning/quality.h"
+#include "batten/skinning/region_layout.h"
 #include "bench.h"
 #include "occ_filling.h"
 
@@ -165,7 +166,7 @@ int main() {
 
   Promises promises;
   Case five = pentagon(), four = patch();
-  five.edge_length = 0.085;
+  five.edge_length = 0.0835;
   four.edge_length = 0.0955;
   for (const Case& c : {five, four}) {
     const std::vector<Cubic> curves = all_curves(c);
