@@ -34,7 +34,7 @@ inline CurvedLoop pentagon() {
            {corner[3], {-0.5, -0.85, 0.2}, {-0.1, -1, 0.05}, corner[4]},
            {corner[4], {0.6, -0.75, -0.15}, {0.95, -0.35, -0.1}, corner[0]}},
           {},
-          0.085};
+          0.0835};
 }
 
 inline CurvedLoop patch() {

@@ -14,7 +14,8 @@
 #include "batten/core/errors.h"
 #include "batten/fem/triangle_locator.h"
 #include "batten/skinning/model/model_layout.h"
-#include "batten/skinning/skin.h"
+#include "batten/skinning/quality.h"
+#include "batten/skinning/region_layout.h"
 #include "bench.h"
 #include "occ_filling.h"
 

@@ -20,6 +20,7 @@
 #include "batten/io/scene.h"
 #include "batten/io/step_face.h"
 #include "batten/sculpting/static_sculpt.h"
+#include "batten/skinning/quality.h"
 #include "batten/skinning/region_parts.h"
 #include "batten/tests/random_outlines.h"
 #include "bench.h"

@@ -11,7 +11,7 @@
 #include "batten/io/network_report.h"
 #include "batten/io/scene.h"
 #include "batten/sculpting/results.h"
-#include "batten/skinning/skin.h"
+#include "batten/skinning/quality.h"
 
 namespace batten {
 

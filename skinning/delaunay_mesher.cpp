@@ -219,12 +219,11 @@ void refine_between(Triangulation& triangulation, const std::vector<Point>& hole
   }
 }
 
-}  // namespace
+using VertexHandle = Triangulation::Vertex_handle;
 
-ParametricMesh delaunay_mesh(const MeshTask& task) {
-  count(Work::Triangulation);
-  Triangulation triangulation;
-  std::vector<Triangulation::Vertex_handle> handle;
+// Adds the task's points and segments; returns the points.
+std::vector<VertexHandle> insert(const MeshTask& task, Triangulation& triangulation) {
+  std::vector<VertexHandle> handle;
   for (const Vec2& p : task.points) handle.push_back(triangulation.insert(Point(p.x(), p.y())));
   const auto constrain = [&](const std::vector<std::array<int, 2>>& segments) {
     for (const auto& [a, b] : segments) triangulation.insert_constraint(handle[a], handle[b]);
@@ -236,43 +235,43 @@ ParametricMesh delaunay_mesh(const MeshTask& task) {
   } catch (const Triangulation::Intersection_of_constraints_exception&) {
     throw InputError("lines cross where they share no point");
   }
-  std::vector<Point> seeds;
-  for (const auto& hole : task.holes) seeds.push_back(inside_of(task.points, hole));
+  return handle;
+}
 
-  // Sizes ask for the longest edge; meshes come out with a mean of about three quarters of it.
-  constexpr double least_angle = 0.125;  // sin² of 20.7 degrees
-  constexpr double longest = 1.3;
-  if (task.keep_segments) {
-    refine_between(triangulation, seeds, longest * task.edge_length, least_angle);
-  } else {
-    CGAL::Delaunay_mesher_2<Triangulation, Criteria> mesher(
-        triangulation, Criteria(least_angle, longest * task.edge_length));
-    if (!seeds.empty()) mesher.set_seeds(seeds.begin(), seeds.end());
-    // Next to angles of a few degrees the refinement may never end.
-    Vec2 low = task.points[0], high = low;
-    for (const Vec2& p : task.points) {
-      low = low.cwiseMin(p);
-      high = high.cwiseMax(p);
-    }
-    constexpr double many = 20;  // times what an even mesh of the box has
-    const double most = many * ((high - low).prod() / (task.edge_length * task.edge_length) +
-                                static_cast<double>(task.points.size()) + 1000);
-    mesher.init();
-    while (!mesher.is_refinement_done()) {
-      mesher.step_by_step_refine_mesh();
-      if (static_cast<double>(triangulation.number_of_vertices()) > most)
-        throw InputError(
-            "the flat domain cannot be meshed with edges of " + number(task.edge_length) +
-            " (of its size): its outline or its lines come so near to each other, or meet at such "
-            "small angles, that triangles become ever smaller");
-    }
+// Ruppert's refinement with segments that are split.
+void refine_everywhere(Triangulation& triangulation, const std::vector<Point>& hole_seeds,
+                       const MeshTask& task, double longest, double least_angle) {
+  CGAL::Delaunay_mesher_2<Triangulation, Criteria> mesher(triangulation,
+                                                          Criteria(least_angle, longest));
+  if (!hole_seeds.empty()) mesher.set_seeds(hole_seeds.begin(), hole_seeds.end());
+  // Next to angles of a few degrees the refinement may never end.
+  Vec2 low = task.points[0], high = low;
+  for (const Vec2& p : task.points) {
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
   }
+  constexpr double many = 20;  // times what an even mesh of the box has
+  const double most = many * ((high - low).prod() / (task.edge_length * task.edge_length) +
+                              static_cast<double>(task.points.size()) + 1000);
+  mesher.init();
+  while (!mesher.is_refinement_done()) {
+    mesher.step_by_step_refine_mesh();
+    if (static_cast<double>(triangulation.number_of_vertices()) > most)
+      throw InputError(
+          "the flat domain cannot be meshed with edges of " + number(task.edge_length) +
+          " (of its size): its outline or its lines come so near to each other, or meet at such "
+          "small angles, that triangles become ever smaller");
+  }
+}
 
+// Vertices and triangles of the domain, vertices on segments fixed, the others smoothed.
+ParametricMesh smoothed_mesh(const Triangulation& triangulation,
+                             const std::vector<VertexHandle>& handle, const MeshTask& task) {
   // The task's points keep their numbers; the others follow along a space-filling curve.
-  std::map<Triangulation::Vertex_handle, int> index;
+  std::map<VertexHandle, int> index;
   std::vector<Vec2> vertices = task.points;
   for (size_t i = 0; i < handle.size(); ++i) index[handle[i]] = static_cast<int>(i);
-  std::vector<Triangulation::Vertex_handle> added;
+  std::vector<VertexHandle> added;
   std::vector<Point> places;
   for (auto v = triangulation.finite_vertices_begin(); v != triangulation.finite_vertices_end();
        ++v)
@@ -299,6 +298,24 @@ ParametricMesh delaunay_mesh(const MeshTask& task) {
   constexpr int sweeps = 6;
   smooth(vertices, triangles, fixed, sweeps);
   return {std::move(vertices), std::move(triangles)};
+}
+
+}  // namespace
+
+ParametricMesh delaunay_mesh(const MeshTask& task) {
+  count(Work::Triangulation);
+  Triangulation triangulation;
+  const std::vector<VertexHandle> handle = insert(task, triangulation);
+  std::vector<Point> seeds;
+  for (const auto& hole : task.holes) seeds.push_back(inside_of(task.points, hole));
+  // Sizes ask for the longest edge; meshes come out with a mean of about three quarters of it.
+  constexpr double least_angle = 0.125;  // sin² of 20.7 degrees
+  const double longest = 1.3 * task.edge_length;
+  if (task.keep_segments)
+    refine_between(triangulation, seeds, longest, least_angle);
+  else
+    refine_everywhere(triangulation, seeds, task, longest, least_angle);
+  return smoothed_mesh(triangulation, handle, task);
 }
 
 #else

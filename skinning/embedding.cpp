@@ -1,7 +1,5 @@
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <limits>
 
 #include "batten/constraints/shape/embedded_rows.h"
 #include "batten/constraints/shape/shape_constraints.h"
@@ -13,17 +11,6 @@
 
 namespace batten {
 namespace {
-
-constexpr int kGapSamples = 20;  // between points
-
-double local_size(const ParametricMesh& mesh, int triangle) {
-  return std::sqrt(2 * mesh.shape(triangle).area);
-}
-
-// Between two points, or their images one period away.
-double distance(const ParametricMesh& mesh, const Vec2& p, const Vec2& q) {
-  return (mesh.image_near(p, q) - q).norm();
-}
 
 bool is_embedded(const std::vector<BoundaryPiece>& loop) {
   return std::any_of(loop.begin(), loop.end(), [](const BoundaryPiece& piece) {
@@ -73,176 +60,6 @@ void require_simple(const RegionParts& parts, const DomainLoops& loops) {
     }
 }
 
-HermiteCurve shifted(const HermiteCurve& image, double du) {
-  Points dofs = image.dofs();
-  for (int i = 0; i < image.node_count(); ++i) dofs(image.mesh().position_dof(i), 0) += du;
-  return {image.mesh(), std::move(dofs)};
-}
-
-// Where the images of two lines cross, by their parameters.
-struct Meeting {
-  double s, t;
-};
-std::vector<Meeting> meetings(const HermiteCurve& a, const HermiteCurve& b) {
-  struct Chord {
-    double t0, t1;
-    Vec2 p, q;
-  };
-  struct Segment {
-    Vec2 low, high;
-    std::vector<Chord> chords;
-  };
-  const auto segments = [](const HermiteCurve& c) {
-    std::vector<Segment> segments_of_c;
-    constexpr int cuts = 16;
-    const auto& u = c.parameters();
-    for (int s = 0; s < c.segment_count(); ++s) {
-      Segment segment;
-      Vec2 p = flat(c.evaluate({s, 0.0}));
-      segment.low = segment.high = p;
-      for (int k = 0; k < cuts; ++k) {
-        const double t0 = u[static_cast<size_t>(s)] + c.mesh().length(s) * k / cuts,
-                     t1 = u[static_cast<size_t>(s)] + c.mesh().length(s) * (k + 1) / cuts;
-        const Vec2 q = flat(c.evaluate({s, static_cast<double>(k + 1) / cuts}));
-        segment.chords.push_back({t0, t1, p, q});
-        segment.low = segment.low.cwiseMin(q);
-        segment.high = segment.high.cwiseMax(q);
-        p = q;
-      }
-      segments_of_c.push_back(std::move(segment));
-    }
-    return segments_of_c;
-  };
-  std::vector<Meeting> found;
-  const auto meet = [&](const Chord& x, const Chord& y) {
-    const Vec2 d = x.q - x.p, e = y.q - y.p, r = y.p - x.p;
-    const double det = cross(d, e);
-    if (std::abs(det) < 1e-12 * d.norm() * e.norm()) return;
-    const double i = cross(r, e) / det, j = cross(r, d) / det;
-    if (i < -0.01 || i > 1.01 || j < -0.01 || j > 1.01) return;
-    double s = x.t0 + i * (x.t1 - x.t0), t = y.t0 + j * (y.t1 - y.t0);
-    for (int step = 0; step < 8; ++step) {
-      const Vec2 gap = flat(b.evaluate(t)) - flat(a.evaluate(s));
-      const Vec2 ds = flat(a.evaluate(s, 1)), dt = flat(b.evaluate(t, 1));
-      const double D = cross(ds, dt);
-      if (std::abs(D) < 1e-12 * ds.norm() * dt.norm()) break;
-      s = std::clamp(s + cross(gap, dt) / D, a.start(), a.end());
-      t = std::clamp(t + cross(gap, ds) / D, b.start(), b.end());
-    }
-    if ((flat(b.evaluate(t)) - flat(a.evaluate(s))).norm() > 1e-9) return;
-    const bool known = std::any_of(found.begin(), found.end(), [&](const Meeting& m) {
-      return (flat(a.evaluate(m.s)) - flat(a.evaluate(s))).norm() < 1e-7;
-    });
-    if (!known) found.push_back({s, t});
-  };
-  const auto of_a = segments(a), of_b = segments(b);
-  for (const Segment& i : of_a)
-    for (const Segment& j : of_b) {
-      if ((i.high.array() < j.low.array()).any() || (j.high.array() < i.low.array()).any())
-        continue;
-      for (const Chord& x : i.chords)
-        for (const Chord& y : j.chords)
-          if (std::max(x.p.x(), x.q.x()) >= std::min(y.p.x(), y.q.x()) &&
-              std::max(y.p.x(), y.q.x()) >= std::min(x.p.x(), x.q.x()) &&
-              std::max(x.p.y(), x.q.y()) >= std::min(y.p.y(), y.q.y()) &&
-              std::max(y.p.y(), y.q.y()) >= std::min(x.p.y(), x.q.y()))
-            meet(x, y);
-    }
-  return found;
-}
-
-// The same on a mesh that may be periodic: a line also meets the other's images.
-std::vector<Meeting> meetings(const ParametricMesh& mesh, const HermiteCurve& a,
-                              const HermiteCurve& b) {
-  if (mesh.period() == 0) return meetings(a, b);
-  const auto reach = [](const HermiteCurve& c) {
-    Vec2 range(c.position(0).x(), c.position(0).x());
-    for (const PlanarCubic& arc : planar_arcs(c))
-      for (const Vec2& p : arc.b) range = {std::min(range[0], p.x()), std::max(range[1], p.x())};
-    return range;
-  };
-  const Vec2 of_a = reach(a), of_b = reach(b);
-  const double period = mesh.period();
-  std::vector<Meeting> found;
-  for (double k = std::ceil((of_a[0] - of_b[1]) / period - 1e-9);
-       of_b[0] + k * period <= of_a[1] + 1e-9 * period; ++k)
-    for (const Meeting& m : meetings(a, shifted(b, k * period))) {
-      const bool known = std::any_of(found.begin(), found.end(), [&](const Meeting& other) {
-        return distance(mesh, flat(a.evaluate(m.s)), flat(a.evaluate(other.s))) < 1e-7;
-      });
-      if (!known) found.push_back(m);
-    }
-  return found;
-}
-
-// Parameters at which each line must have a point: where an inner line ends on another line, or
-// crosses it.
-std::vector<std::vector<double>> junctions(RegionParts& parts, const DomainTask& task) {
-  const size_t n = parts.embedded.size();
-  std::vector<std::vector<double>> always(n);
-  std::vector<char> bounds(n, 0);
-  for (const auto& pieces : parts.boundary)
-    for (const BoundaryPiece& piece : pieces)
-      if (piece.kind == BoundaryPiece::Kind::Embedded) bounds[static_cast<size_t>(piece.index)] = 1;
-  for (size_t i = 0; i < n; ++i) {
-    if (bounds[i]) continue;
-    EmbeddedLine& line = parts.embedded[i];
-    // Ends that lie on another line are moved onto it.
-    if (!line.fitted.closed())
-      for (const bool last : {false, true}) {
-        const int node = last ? line.fitted.node_count() - 1 : 0;
-        const auto move_to = [&](const Vec3& position, const Vec3& uv) {
-          Points x = line.fitted.dofs(), c = line.image.dofs();
-          x.row(line.fitted.mesh().position_dof(node)) = position;
-          const int image_node = last ? line.image.node_count() - 1 : 0;
-          const Vec2 there =
-              parts.mesh->image_near(flat(uv), flat(line.image.position(image_node)));
-          c.row(line.image.mesh().position_dof(image_node)) << there.x(), there.y(), 0;
-          line.fitted = {line.fitted.mesh(), x};
-          line.image = {line.image.mesh(), c};
-        };
-        const Vec3 end = line.fitted.position(node);
-        bool moved = false;
-        for (const LineRun& run : parts.runs) {
-          const auto near = run.fitted.closest_point(end);
-          if (moved || near.distance > task.join) continue;
-          move_to(run.fitted.evaluate(near.u), run_image(*parts.mesh, run).evaluate(near.u));
-          moved = true;
-        }
-        for (size_t j = 0; j < n && !moved; ++j) {
-          if (j == i || (!bounds[j] && j > i)) continue;
-          const EmbeddedLine& other = parts.embedded[j];
-          const auto near = other.fitted.closest_point(end);
-          if (near.distance > task.join) continue;
-          move_to(other.fitted.evaluate(near.u), other.image.evaluate(near.u));
-          always[j].push_back(near.u);
-          moved = true;
-        }
-      }
-    const auto require_near = [&](const std::string& other, const Vec3& p, const Vec3& q) {
-      const double away = (p - q).norm();
-      if (away > task.tolerance)
-        throw InputError("lines '" + other + "' and '" + line.line.name +
-                         "' cross in the flat domain near " + at(p) + ", but are " + number(away) +
-                         " apart there (tolerance " + number(task.tolerance) +
-                         "): a surface cannot be on both");
-    };
-    for (const LineRun& run : parts.runs)
-      for (const Meeting& m : meetings(*parts.mesh, run_image(*parts.mesh, run), line.image))
-        require_near(run.line.name, run.fitted.evaluate(m.s), line.fitted.evaluate(m.t));
-    for (size_t j = 0; j < n; ++j) {
-      if (j == i || (!bounds[j] && j > i)) continue;
-      const EmbeddedLine& other = parts.embedded[j];
-      for (const Meeting& m : meetings(*parts.mesh, other.image, line.image)) {
-        require_near(other.line.name, other.fitted.evaluate(m.s), line.fitted.evaluate(m.t));
-        always[j].push_back(m.s);
-        always[i].push_back(m.t);
-      }
-    }
-  }
-  return always;
-}
-
 double distance_to_run(const ParametricMesh& mesh, const LineRun& run, const Vec2& p) {
   const Vec2 a = mesh.vertices()[run.vertices.front()], d = mesh.displacement(run.vertices);
   const Vec2 q = mesh.image_near(p, a + 0.5 * d);
@@ -264,9 +81,11 @@ void place_points(RegionParts& parts, const DomainTask& task, const TriangleLoca
       const Vec2 c = flat(line.image.evaluate(t));
       const Location on = locator.locate(c);
       const double h = local_size(*parts.mesh, on.triangle);
-      bool free = distance(*parts.mesh, c, parts.mesh->shape(on.triangle).point(on.L)) <= 1e-9 * h;
+      bool free =
+          domain_distance(*parts.mesh, c, parts.mesh->shape(on.triangle).point(on.L)) <= 1e-9 * h;
       for (size_t k = 0; k < taken.size() && free; ++k)
-        free = distance(*parts.mesh, taken[k], c) > (k < others ? too_near : too_near_itself) * h;
+        free = domain_distance(*parts.mesh, taken[k], c) >
+               (k < others ? too_near : too_near_itself) * h;
       for (const LineRun& run : parts.runs)
         free = free && distance_to_run(*parts.mesh, run, c) > too_near_run * h;
       if (!free) continue;
@@ -309,65 +128,30 @@ void follow_runs(RegionParts& parts, const ParametricMesh& mesh, const std::vect
   }
 }
 
-// No triangle becomes smaller than this share of the wished edge length.
-constexpr double kSmallest = 1.0 / 64;
-
-}  // namespace
-
-void halve(RegionParts& parts, const std::vector<char>& marked) {
-  Bisection halved = bisected(*parts.mesh, marked);
-  follow_runs(parts, halved.mesh, halved.midpoint, {});
-  parts.mesh = std::make_shared<ParametricMesh>(std::move(halved.mesh));
-}
-
-void grade_by_curvature(RegionParts& parts, const DomainTask& task) {
-  const double smallest = kSmallest * task.edge / task.size;
-  for (int round = 0; round < 24; ++round) {
-    const TriangleLocator locator(*parts.mesh);
-    std::vector<char> marked(parts.mesh->triangle_count(), 0);
-    bool any = false;
-    for (const EmbeddedLine& line : parts.embedded) {
-      constexpr int samples = 24;
-      for (int s = 0; s < line.image.segment_count(); ++s)
-        for (int k = 0; k < samples; ++k) {
-          const CurveMesh::Where where{s, (k + 0.5) / samples};
-          const Vec2 d = flat(line.image.evaluate(where, 1)),
-                     dd = flat(line.image.evaluate(where, 2));
-          const double curvature = std::abs(cross(d, dd)) / std::pow(d.norm(), 3);
-          const int t = locator.locate(flat(line.image.evaluate(where))).triangle;
-          const double h = local_size(*parts.mesh, t);
-          if (!(2 * h * curvature > 1) || h < 2 * smallest) continue;
-          marked[t] = 1;
-          any = true;
-        }
-    }
-    if (!any) return;
-    halve(parts, marked);
-  }
-}
-
-void cut_and_place(RegionParts& parts, const DomainTask& task) {
+// Drops what lies outside of the embedded boundary.
+void cut(RegionParts& parts) {
   const DomainLoops loops = trimming_loops(parts);
-  if (!loops.arcs().empty()) {
-    require_simple(parts, loops);
-    const Trim whole(*parts.mesh, loops);
-    std::vector<int> kept;
-    for (int t = 0; t < parts.mesh->triangle_count(); ++t)
-      if (whole.side(t) != Trim::Side::Outside) kept.push_back(t);
-    // Of holes alone it is not known: a mesh that was cut before has lost what lies in them.
-    const bool bounded = loops.around() == DomainLoops::Around::Outside;
-    const double expected = loops.area();
-    if (bounded && !(std::abs(whole.area() - expected) <= 1e-7 * expected))
-      throw NoSolutionError("the cut triangles hold an area of " + number(whole.area()) +
-                            " and the " + "outline encloses " + number(expected) +
-                            ": the outline leaves the mesh, or runs along an element edge");
-    MeshPart part = part_of(*parts.mesh, kept);
-    follow_runs(parts, part.mesh, {}, part.vertex);
-    parts.mesh = std::make_shared<ParametricMesh>(std::move(part.mesh));
-    parts.trim = std::make_shared<Trim>(whole.restricted(kept));
-  }
-  const TriangleLocator locator(*parts.mesh);
-  // Inner lines stay inside.
+  if (loops.arcs().empty()) return;
+  require_simple(parts, loops);
+  const Trim whole(*parts.mesh, loops);
+  std::vector<int> kept;
+  for (int t = 0; t < parts.mesh->triangle_count(); ++t)
+    if (whole.side(t) != Trim::Side::Outside) kept.push_back(t);
+  // Of holes alone it is not known: a mesh that was cut before has lost what lies in them.
+  const bool bounded = loops.around() == DomainLoops::Around::Outside;
+  const double expected = loops.area();
+  if (bounded && !(std::abs(whole.area() - expected) <= 1e-7 * expected))
+    throw NoSolutionError("the cut triangles hold an area of " + number(whole.area()) +
+                          " and the " + "outline encloses " + number(expected) +
+                          ": the outline leaves the mesh, or runs along an element edge");
+  MeshPart part = part_of(*parts.mesh, kept);
+  follow_runs(parts, part.mesh, {}, part.vertex);
+  parts.mesh = std::make_shared<ParametricMesh>(std::move(part.mesh));
+  parts.trim = std::make_shared<Trim>(whole.restricted(kept));
+}
+
+void require_inner_lines_inside(const RegionParts& parts, const DomainTask& task,
+                                const TriangleLocator& locator) {
   for (const EmbeddedLine& line : parts.embedded) {
     if (line.line.role != CharacterLine::Role::Inner) continue;
     constexpr int samples = 16;
@@ -382,7 +166,7 @@ void cut_and_place(RegionParts& parts, const DomainTask& task) {
         if (std::min((c - ends[0]).norm(), (c - ends[1]).norm()) <= slack) continue;
         const Location on = locator.locate(c);
         const bool inside =
-            distance(*parts.mesh, c, parts.mesh->shape(on.triangle).point(on.L)) <= 1e-9 &&
+            domain_distance(*parts.mesh, c, parts.mesh->shape(on.triangle).point(on.L)) <= 1e-9 &&
             (!parts.trim || parts.trim->loops().contains(parts.mesh->wrapped(c)));
         if (!inside)
           throw InputError("inner line '" + line.line.name + "' leaves the region near " +
@@ -390,6 +174,28 @@ void cut_and_place(RegionParts& parts, const DomainTask& task) {
                                                    where.s * line.image.mesh().length(s))));
       }
   }
+}
+
+}  // namespace
+
+std::vector<char> boundary_lines(const RegionParts& parts) {
+  std::vector<char> bounds(parts.embedded.size(), 0);
+  for (const auto& pieces : parts.boundary)
+    for (const BoundaryPiece& piece : pieces)
+      if (piece.kind == BoundaryPiece::Kind::Embedded) bounds[static_cast<size_t>(piece.index)] = 1;
+  return bounds;
+}
+
+void halve(RegionParts& parts, const std::vector<char>& marked) {
+  Bisection halved = bisected(*parts.mesh, marked);
+  follow_runs(parts, halved.mesh, halved.midpoint, {});
+  parts.mesh = std::make_shared<ParametricMesh>(std::move(halved.mesh));
+}
+
+void cut_and_place(RegionParts& parts, const DomainTask& task) {
+  cut(parts);
+  const TriangleLocator locator(*parts.mesh);
+  require_inner_lines_inside(parts, task, locator);
   place_points(parts, task, locator);
 }
 
@@ -406,80 +212,6 @@ ConstraintSet line_rows(const RegionParts& parts, TriangleElement element) {
   for (const EmbeddedLine& line : parts.embedded)
     rows.points(line.line.name, line.image, line.fitted, line.points);
   return set;
-}
-
-namespace {
-
-// Visits samples between the points of a line, interval by interval: `visit(interval, t)`.
-template <class Visit>
-void between_points(const EmbeddedLine& line, const Visit& visit) {
-  // Curve nodes and sixteenths too: points may have been left out beside another line.
-  std::vector<double> t = line.points;
-  t.insert(t.end(), line.image.parameters().begin(), line.image.parameters().end());
-  const double start = line.image.start(), span = line.image.end() - start;
-  for (int k = 0; k <= 16; ++k) t.push_back(start + span * k / 16);
-  std::sort(t.begin(), t.end());
-  t.erase(std::unique(t.begin(), t.end(), [&](double a, double b) { return b - a < 1e-9 * span; }),
-          t.end());
-  for (size_t i = 0; i + 1 < t.size(); ++i)
-    for (int k = 0; k <= kGapSamples; ++k)
-      visit(i, line.image.mesh().wrapped(t[i] + (t[i + 1] - t[i]) * k / kGapSamples));
-}
-
-}  // namespace
-
-double line_gap(const Surface& surface, const EmbeddedLine& line) {
-  const TriangleLocator locator(surface.mesh());
-  double largest = 0;
-  between_points(line, [&](size_t, double t) {
-    const double gap =
-        (surface.position(locator.locate(flat(line.image.evaluate(t)))) - line.fitted.evaluate(t))
-            .norm();
-    if (!(gap <= largest) && !std::isnan(largest)) largest = gap;
-  });
-  return largest;
-}
-
-bool refine_at_gaps(RegionParts& parts, const Surface& surface, double target,
-                    const DomainTask& task) {
-  const double smallest = kSmallest * task.edge / task.size;
-  const TriangleLocator locator(*parts.mesh);
-  std::vector<std::vector<double>> gaps(parts.embedded.size());  // by line and interval
-  bool missed = false;
-  for (size_t l = 0; l < gaps.size(); ++l) {
-    const EmbeddedLine& line = parts.embedded[l];
-    between_points(line, [&](size_t interval, double t) {
-      if (interval >= gaps[l].size()) gaps[l].resize(interval + 1, 0);
-      const Location where = locator.locate(flat(line.image.evaluate(t)));
-      const double gap = (surface.position(where) - line.fitted.evaluate(t)).norm();
-      gaps[l][interval] = std::max(gaps[l][interval], gap);
-      missed = missed || gap > target;
-    });
-  }
-  if (!missed) return false;
-
-  // Two halvings halve the size, and the gap falls to about an eighth.
-  bool any = false;
-  constexpr int most = 6;
-  for (int pass = 0; pass < most; ++pass) {
-    const TriangleLocator now(*parts.mesh);
-    std::vector<char> marked(parts.mesh->triangle_count(), 0);
-    bool here = false;
-    for (size_t l = 0; l < gaps.size(); ++l)
-      between_points(parts.embedded[l], [&](size_t interval, double t) {
-        if (gaps[l][interval] * std::pow(8.0, -0.5 * pass) <= target) return;
-        const int triangle = now.locate(flat(parts.embedded[l].image.evaluate(t))).triangle;
-        if (local_size(*parts.mesh, triangle) < 1.5 * smallest) return;
-        marked[triangle] = 1;
-        here = true;
-      });
-    if (!here) break;
-    any = true;
-    halve(parts, marked);
-  }
-  if (!any) return false;
-  cut_and_place(parts, task);
-  return true;
 }
 
 }  // namespace batten

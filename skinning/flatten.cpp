@@ -161,6 +161,23 @@ Distortion distortion_of(const std::vector<Mat2>& metric, const std::vector<doub
   return d;
 }
 
+// A polygon scaled, turned and moved onto the given one.
+std::vector<Vec2> moved_onto(const Eigen::Matrix2Xd& given, const Eigen::Matrix2Xd& q) {
+  const auto around = [](const Eigen::Matrix2Xd& p) {
+    double sum = 0;
+    for (long i = 0; i < p.cols(); ++i) sum += (p.col((i + 1) % p.cols()) - p.col(i)).norm();
+    return sum;
+  };
+  const Vec2 from = q.rowwise().mean(), to = given.rowwise().mean();
+  const Mat2 S = (given.colwise() - to) * (q.colwise() - from).transpose();
+  const double turn = std::atan2(S(1, 0) - S(0, 1), S.trace()), scale = around(given) / around(q);
+  Mat2 R;
+  R << std::cos(turn), -std::sin(turn), std::sin(turn), std::cos(turn);
+  std::vector<Vec2> moved;
+  for (long i = 0; i < q.cols(); ++i) moved.push_back(scale * (R * (q.col(i) - from)) + to);
+  return moved;
+}
+
 }  // namespace
 
 Distortion distortion(const Surface& surface) {
@@ -217,18 +234,7 @@ Flattened flatten(const Surface& surface, const std::vector<Vec2>& polygon) {
   std::vector<double> area;
   sheet.moved(q, metric, area);
   result.expected = distortion_of(metric, area);
-  // Scaled, turned and moved back onto the given polygon.
-  const auto around = [n](const Eigen::Matrix2Xd& p) {
-    double sum = 0;
-    for (long i = 0; i < n; ++i) sum += (p.col((i + 1) % n) - p.col(i)).norm();
-    return sum;
-  };
-  const Vec2 from = q.rowwise().mean(), to = given.rowwise().mean();
-  const Mat2 S = (given.colwise() - to) * (q.colwise() - from).transpose();
-  const double turn = std::atan2(S(1, 0) - S(0, 1), S.trace()), scale = around(given) / around(q);
-  Mat2 R;
-  R << std::cos(turn), -std::sin(turn), std::sin(turn), std::cos(turn);
-  for (long i = 0; i < n; ++i) result.polygon.push_back(scale * (R * (q.col(i) - from)) + to);
+  result.polygon = moved_onto(given, q);
   return result;
 }
 

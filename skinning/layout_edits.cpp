@@ -27,15 +27,6 @@ auto find_line(Parts& parts, const std::string& name) -> decltype(&parts.runs[0]
   return nullptr;
 }
 
-// Of embedded lines that bound the region.
-std::vector<char> boundary_lines(const RegionParts& parts) {
-  std::vector<char> bounds(parts.embedded.size(), 0);
-  for (const auto& pieces : parts.boundary)
-    for (const BoundaryPiece& piece : pieces)
-      if (piece.kind == BoundaryPiece::Kind::Embedded) bounds[static_cast<size_t>(piece.index)] = 1;
-  return bounds;
-}
-
 void erase_embedded(RegionParts& parts, size_t index) {
   parts.embedded.erase(parts.embedded.begin() + static_cast<long>(index));
   for (auto& pieces : parts.boundary)

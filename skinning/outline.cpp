@@ -2,78 +2,18 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <optional>
 
 #include "batten/core/errors.h"
 #include "batten/core/words.h"
-#include "batten/skinning/plain_fill.h"
+#include "batten/skinning/crossing.h"
 
 namespace batten {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr int kSamples = 48;  // segments of a piece in crossing tests and loop integrals
-
-Vec3 start_of(const Stretch& s) { return s.curve->evaluate(s.curve->start()); }
-Vec3 end_of(const Stretch& s) { return s.curve->evaluate(s.curve->end()); }
-
-std::vector<Vec3> polyline(const InputCurve& curve) {
-  std::vector<Vec3> points;
-  for (int i = 0; i <= kSamples; ++i)
-    points.push_back(curve.evaluate(curve.start() + (curve.end() - curve.start()) * i / kSamples));
-  return points;
-}
-
-// How far a curve may lie from the chords of its polyline.
-double sag(const Vec3& a0, const Vec3& a1) { return 0.1 * (a1 - a0).norm(); }
-
-// A polyline in boxes of eight chords each, and of all of them.
-struct Boxed {
-  static constexpr int chords = 8, count = kSamples / chords;
-  struct Box {
-    Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
-    bool meets(const Box& other, double distance) const {
-      return (low.array() <= other.high.array() + distance).all() &&
-             (other.low.array() <= high.array() + distance).all();
-    }
-    void add(const Vec3& p, double around) {
-      low = low.cwiseMin((p.array() - around).matrix());
-      high = high.cwiseMax((p.array() + around).matrix());
-    }
-  };
-  std::vector<Vec3> points;
-  std::array<Box, count> part;
-  Box all;
-
-  explicit Boxed(const InputCurve& curve) : points(polyline(curve)) {
-    for (int i = 0; i < kSamples; ++i)
-      for (const int k : {i, i + 1}) {
-        part[i / chords].add(points[k], sag(points[i], points[i + 1]));
-        all.add(points[k], sag(points[i], points[i + 1]));
-      }
-  }
-};
-
-// Nearest points of two segments.
-std::pair<double, Vec3> segment_distance(const Vec3& a0, const Vec3& a1, const Vec3& b0,
-                                         const Vec3& b1) {
-  const Vec3 da = a1 - a0, db = b1 - b0, r = a0 - b0;
-  const double a = da.squaredNorm(), e = db.squaredNorm(), f = db.dot(r), c = da.dot(r),
-               b = da.dot(db);
-  const double det = a * e - b * b;
-  double s = det > 1e-14 * a * e ? std::clamp((b * f - c * e) / det, 0.0, 1.0) : 0;
-  double t = e > 0 ? (b * s + f) / e : 0;
-  if (t < 0 || t > 1) {
-    t = std::clamp(t, 0.0, 1.0);
-    s = a > 0 ? std::clamp((b * t - c) / a, 0.0, 1.0) : 0;
-  }
-  const Vec3 p = a0 + s * da, q = b0 + t * db;
-  return {(p - q).norm(), 0.5 * (p + q)};
-}
 
 void require_not_on_one_line(const std::vector<Stretch>& stretches, double size) {
   std::vector<Vec3> points;
@@ -89,32 +29,6 @@ void require_not_on_one_line(const std::vector<Stretch>& stretches, double size)
     throw InputError("all outline lines lie on one straight line: they enclose no surface");
 }
 
-}  // namespace
-
-namespace {
-
-// Two polylines of different curves come near each other at these segments: the curves' own
-// distance there, by Gauss-Newton on both parameters.
-std::pair<double, Vec3> curve_distance(const InputCurve& a, int i, const InputCurve& b, int j) {
-  const double step_a = (a.end() - a.start()) / kSamples, step_b = (b.end() - b.start()) / kSamples;
-  const double low_a = a.start() + i * step_a, low_b = b.start() + j * step_b;
-  double s = low_a + 0.5 * step_a, t = low_b + 0.5 * step_b;
-  for (int k = 0; k < 20; ++k) {
-    const Vec3 d = a.evaluate(s) - b.evaluate(t), da = a.evaluate(s, 1), db = b.evaluate(t, 1);
-    Mat2 H;
-    H << da.dot(da), -da.dot(db), -da.dot(db), db.dot(db);
-    H.diagonal() *= 1 + 1e-12;
-    const Vec2 move = H.inverse() * Vec2(da.dot(d), -db.dot(d));
-    if (!move.allFinite()) break;
-    s = std::clamp(s - move[0], low_a - 0.5 * step_a, low_a + 1.5 * step_a);
-    t = std::clamp(t - move[1], low_b - 0.5 * step_b, low_b + 1.5 * step_b);
-    s = std::clamp(s, a.start(), a.end());
-    t = std::clamp(t, b.start(), b.end());
-  }
-  const Vec3 p = a.evaluate(s), q = b.evaluate(t);
-  return {(p - q).norm(), 0.5 * (p + q)};
-}
-
 // Unit directions just before and just after the start of a piece.
 std::pair<Vec3, Vec3> directions_at(const Outline& outline, size_t piece) {
   const size_t n = outline.pieces.size();
@@ -127,60 +41,6 @@ double turn_at(const Outline& outline, size_t piece) {
   const auto [a, b] = directions_at(outline, piece);
   return std::atan2(a.cross(b).norm(), a.dot(b));
 }
-
-}  // namespace
-
-namespace {
-
-Crossing crossing_of(const InputCurve& a, const Boxed& of_a, const InputCurve& b, const Boxed& of_b,
-                     double distance, const std::vector<Vec3>& common_ends, double skip) {
-  if (!of_a.all.meets(of_b.all, distance)) return {};
-  const auto &pa = of_a.points, &pb = of_b.points;
-  for (int i = 0; i < kSamples; ++i) {
-    const Boxed::Box& part = of_a.part[i / Boxed::chords];
-    if (!part.meets(of_b.all, distance)) {
-      i += Boxed::chords - 1 - i % Boxed::chords;
-      continue;
-    }
-    for (int j = 0; j < kSamples; ++j) {
-      if (j % Boxed::chords == 0 && !part.meets(of_b.part[j / Boxed::chords], distance)) {
-        j += Boxed::chords - 1;
-        continue;
-      }
-      const double near = sag(pa[i], pa[i + 1]) + sag(pb[j], pb[j + 1]);
-      if (segment_distance(pa[i], pa[i + 1], pb[j], pb[j + 1]).first > distance + near) continue;
-      const auto [d, where] = curve_distance(a, i, b, j);
-      if (d > distance) continue;
-      const Vec3 place = where;
-      if (std::none_of(common_ends.begin(), common_ends.end(),
-                       [&](const Vec3& e) { return (place - e).norm() < skip; }))
-        return {true, place};
-    }
-  }
-  return {};
-}
-
-}  // namespace
-
-Crossing find_crossing(const InputCurve& a, const InputCurve& b, double distance,
-                       const std::vector<Vec3>& common_ends, double skip) {
-  return crossing_of(a, Boxed(a), b, Boxed(b), distance, common_ends, skip);
-}
-
-Crossing find_self_crossing(const InputCurve& a, double distance) {
-  const auto p = polyline(a);
-  const bool closed = (p.front() - p.back()).norm() <= distance;
-  for (int i = 0; i < kSamples; ++i)
-    for (int j = i + 4; j < kSamples; ++j) {
-      if (closed && i + kSamples - j < 4) continue;
-      const double near = sag(p[i], p[i + 1]) + sag(p[j], p[j + 1]);
-      if (segment_distance(p[i], p[i + 1], p[j], p[j + 1]).first > distance + near) continue;
-      if (const auto [d, where] = curve_distance(a, i, a, j); d <= distance) return {true, where};
-    }
-  return {};
-}
-
-namespace {
 
 // The partner of each end where every stretch ends where the next one in the list begins, all
 // around; else all -1. Two stretches may have two such orders, one stretch has one.
@@ -221,98 +81,132 @@ bool goes_on(const Outline& outline, size_t piece) {
   return (in - out).norm() <= same * in.norm();
 }
 
+void require_one_kind(const std::vector<Stretch>& stretches) {
+  for (const Stretch& s : stretches)
+    if (static_cast<bool>(s.given) != static_cast<bool>(stretches[0].given))
+      throw InputError("of lines '" + stretches[0].name + "' and '" + s.name +
+                       "' around one region only one has a given curve: all have, or none");
+}
+
+// Joins stretches at their ends: end 2i is the start of stretch i, 2i+1 its end.
+class LoopBuilder {
+ public:
+  LoopBuilder(const std::vector<Stretch>& stretches, double size, double join)
+      : stretches_(stretches), size_(size), join_(join) {
+    for (const Stretch& s : stretches) {
+      point_.push_back(s.curve->evaluate(s.curve->start()));
+      point_.push_back(s.curve->evaluate(s.curve->end()));
+    }
+  }
+
+  void require_no_crossings() const {
+    const double near = 1e-7 * size_;
+    std::vector<BoxedCurve> boxed;
+    for (const Stretch& s : stretches_) boxed.emplace_back(*s.curve);
+    for (size_t i = 0; i < stretches_.size(); ++i) {
+      if (const auto c = boxed[i].self_crossing(near); c.found)
+        throw InputError("line '" + stretches_[i].name + "' crosses itself near " + at(c.where));
+      for (size_t j = i + 1; j < stretches_.size(); ++j)
+        if (const auto c = boxed[i].crossing(boxed[j], near, common_ends(i, j), 0.02 * size_);
+            c.found)
+          throw InputError("the outline crosses itself: lines '" + stretches_[i].name + "' and '" +
+                           stretches_[j].name + "' cross or touch near " + at(c.where));
+    }
+  }
+
+  // The end that meets each end.
+  std::vector<int> partners() const {
+    std::vector<int> partner =
+        stretches_[0].given ? listed_in_order(point_, join_) : std::vector<int>(point_.size(), -1);
+    for (int e = 0; e < static_cast<int>(point_.size()) && partner[e] < 0; ++e)
+      partner[e] = only_partner(e);
+    return partner;
+  }
+
+  // The loop that begins at an end.
+  Outline loop(int begin, const std::vector<int>& partner, std::vector<char>& used) const {
+    Outline outline;
+    outline.size = size_;
+    int end = begin;
+    do {
+      const bool flipped = end % 2 == 1;
+      const Stretch& s = stretches_[static_cast<size_t>(end / 2)];
+      used[static_cast<size_t>(end / 2)] = 1;
+      Outline::Piece piece{s, flipped, 0, 0.5 * (point_[end] + point_[partner[end]])};
+      if (flipped) piece.stretch.curve = reversed(s.curve);
+      piece.length = ArcLength(piece.stretch.curve).total();
+      if (piece.length < 1e-9 * size_) throw InputError("line '" + s.name + "' has zero length");
+      outline.pieces.push_back(std::move(piece));
+      end = partner[end ^ 1];
+    } while (end != begin);
+    return outline;
+  }
+
+ private:
+  std::string name_of(int end) const {
+    return std::string(end % 2 ? "the end of '" : "the start of '") +
+           stretches_[static_cast<size_t>(end / 2)].name + "'";
+  }
+
+  std::vector<Vec3> common_ends(size_t i, size_t j) const {
+    std::vector<Vec3> common;
+    for (const Vec3& p : {point_[2 * i], point_[2 * i + 1]})
+      for (const Vec3& q : {point_[2 * j], point_[2 * j + 1]})
+        if ((p - q).norm() <= join_) common.push_back(p);
+    return common;
+  }
+
+  int only_partner(int end) const {
+    std::vector<int> near;
+    int nearest = -1;
+    double nearest_gap = std::numeric_limits<double>::infinity();
+    for (int other = 0; other < static_cast<int>(point_.size()); ++other) {
+      if (other == end) continue;
+      const double gap = (point_[end] - point_[other]).norm();
+      if (gap <= join_) near.push_back(other);
+      if (gap < nearest_gap) {
+        nearest_gap = gap;
+        nearest = other;
+      }
+    }
+    if (near.empty())
+      throw InputError("the outline is open at " + name_of(end) + ", " + at(point_[end]) + ": " +
+                       (nearest < 0 ? "there is no other line"
+                                    : "the nearest end, " + name_of(nearest) + ", is " +
+                                          number(nearest_gap) + " away (ends meet within " +
+                                          number(join_) + ")"));
+    if (near.size() > 1)
+      throw InputError("more than two outline lines end at " + at(point_[end]) + ": " +
+                       name_of(end) + ", " + name_of(near[0]) + ", " + name_of(near[1]) +
+                       " (ends within " + number(join_) +
+                       " of each other count as one: is the tolerance too large? Give inner lines "
+                       "role = \"inner\"; branching outlines are not supported)");
+    return near[0];
+  }
+
+  const std::vector<Stretch>& stretches_;
+  double size_, join_;
+  std::vector<Vec3> point_;  // of each end
+};
+
 }  // namespace
 
 std::vector<Outline> make_loops(const std::vector<Stretch>& stretches, double size, double join,
                                 double corner_angle, bool against_first) {
   if (stretches.empty()) throw InputError("a region needs outline lines, and there are none");
   require_not_on_one_line(stretches, size);
-  for (const Stretch& s : stretches)
-    if (static_cast<bool>(s.given) != static_cast<bool>(stretches[0].given))
-      throw InputError("of lines '" + stretches[0].name + "' and '" + s.name +
-                       "' around one region only one has a given curve: all have, or none");
-
-  // Ends that meet: end 2i is the start of stretch i, 2i+1 its end.
-  const int ends = 2 * static_cast<int>(stretches.size());
-  std::vector<Vec3> point(ends);
-  for (int i = 0; i < ends / 2; ++i) {
-    point[2 * i] = start_of(stretches[i]);
-    point[2 * i + 1] = end_of(stretches[i]);
-  }
-  const auto name_of = [&](int e) {
-    return std::string(e % 2 ? "the end of '" : "the start of '") + stretches[e / 2].name + "'";
-  };
+  require_one_kind(stretches);
+  const LoopBuilder builder(stretches, size, join);
   // A crossing explains a broken loop better than the break does.
-  const auto report_crossings = [&] {
-    std::vector<Boxed> boxed;
-    for (const Stretch& s : stretches) boxed.emplace_back(*s.curve);
-    for (size_t i = 0; i < stretches.size(); ++i) {
-      if (const auto c = find_self_crossing(*stretches[i].curve, 1e-7 * size); c.found)
-        throw InputError("line '" + stretches[i].name + "' crosses itself near " + at(c.where));
-      for (size_t j = i + 1; j < stretches.size(); ++j) {
-        std::vector<Vec3> common;
-        for (const Vec3& p : {point[2 * i], point[2 * i + 1]})
-          for (const Vec3& q : {point[2 * j], point[2 * j + 1]})
-            if ((p - q).norm() <= join) common.push_back(p);
-        const auto c = crossing_of(*stretches[i].curve, boxed[i], *stretches[j].curve, boxed[j],
-                                   1e-7 * size, common, 0.02 * size);
-        if (c.found)
-          throw InputError("the outline crosses itself: lines '" + stretches[i].name + "' and '" +
-                           stretches[j].name + "' cross or touch near " + at(c.where));
-      }
-    }
-  };
-  report_crossings();
-
-  std::vector<int> partner =
-      stretches[0].given ? listed_in_order(point, join) : std::vector<int>(point.size(), -1);
-  for (int e = 0; e < ends && partner[e] < 0; ++e) {
-    std::vector<int> near;
-    int nearest = -1;
-    double nearest_gap = std::numeric_limits<double>::infinity();
-    for (int o = 0; o < ends; ++o) {
-      if (o == e) continue;
-      const double gap = (point[e] - point[o]).norm();
-      if (gap <= join) near.push_back(o);
-      if (gap < nearest_gap) {
-        nearest_gap = gap;
-        nearest = o;
-      }
-    }
-    if (near.empty())
-      throw InputError("the outline is open at " + name_of(e) + ", " + at(point[e]) + ": " +
-                       (nearest < 0 ? "there is no other line"
-                                    : "the nearest end, " + name_of(nearest) + ", is " +
-                                          number(nearest_gap) + " away (ends meet within " +
-                                          number(join) + ")"));
-    if (near.size() > 1)
-      throw InputError("more than two outline lines end at " + at(point[e]) + ": " + name_of(e) +
-                       ", " + name_of(near[0]) + ", " + name_of(near[1]) + " (ends within " +
-                       number(join) +
-                       " of each other count as one: is the tolerance too large? Give inner lines "
-                       "role = \"inner\"; branching outlines are not supported)");
-    partner[e] = near[0];
-  }
+  builder.require_no_crossings();
+  const std::vector<int> partner = builder.partners();
 
   std::vector<Outline> loops;
   std::vector<char> used(stretches.size(), 0);
-  for (int first = 0; first < ends; first += 2) {
-    if (used[static_cast<size_t>(first / 2)]) continue;
-    Outline outline;
-    outline.size = size;
-    const int begin = first + (against_first && first == 0 ? 1 : 0);
-    int end = begin;
-    do {
-      const bool flipped = end % 2 == 1;
-      const Stretch& s = stretches[static_cast<size_t>(end / 2)];
-      used[static_cast<size_t>(end / 2)] = 1;
-      Outline::Piece piece{s, flipped, 0, 0.5 * (point[end] + point[partner[end]])};
-      if (flipped) piece.stretch.curve = reversed(s.curve);
-      piece.length = ArcLength(piece.stretch.curve).total();
-      if (piece.length < 1e-9 * size) throw InputError("line '" + s.name + "' has zero length");
-      outline.pieces.push_back(std::move(piece));
-      end = partner[end ^ 1];
-    } while (end != begin);
+  for (size_t first = 0; first < stretches.size(); ++first) {
+    if (used[first]) continue;
+    const int begin = 2 * static_cast<int>(first) + (against_first && first == 0 ? 1 : 0);
+    Outline outline = builder.loop(begin, partner, used);
     for (size_t i = 0; i < outline.pieces.size(); ++i)
       if (outline.pieces[i].stretch.given ? !goes_on(outline, i)
                                           : turn_at(outline, i) > corner_angle * kPi / 180)
@@ -324,6 +218,22 @@ std::vector<Outline> make_loops(const std::vector<Stretch>& stretches, double si
 
 bool Outline::is_corner(size_t piece) const {
   return std::find(corners.begin(), corners.end(), static_cast<int>(piece)) != corners.end();
+}
+
+std::vector<size_t> Outline::side(size_t c) const {
+  std::vector<size_t> found;
+  size_t p = static_cast<size_t>(corners[c]);
+  do {
+    found.push_back(p);
+    p = (p + 1) % pieces.size();
+  } while (!is_corner(p));
+  return found;
+}
+
+double Outline::side_length(size_t c) const {
+  double length = 0;
+  for (const size_t p : side(c)) length += pieces[p].length;
+  return length;
 }
 
 Joint joint_at(const Outline& outline, size_t p) {
@@ -364,83 +274,6 @@ Outline reversed(const Outline& outline) {
     back.corners.push_back(static_cast<int>((n - static_cast<size_t>(c)) % n));
   std::sort(back.corners.begin(), back.corners.end());
   return back;
-}
-
-namespace {
-
-// Whether the loop turns to the left at its corners: seen from its side where it is nearly plane,
-// else as a filling has it (a strip around a cylinder faces all ways).
-std::vector<char> left_at_corners(const Outline& outline) {
-  const Vec3 normal = loop_normal(outline);
-  const size_t n = outline.pieces.size();
-  const int each = static_cast<int>(std::clamp<size_t>(64 / n, 2, 24));
-  std::vector<Vec3> points;
-  double low = std::numeric_limits<double>::infinity(), high = -low;
-  for (const auto& piece : outline.pieces) {
-    const InputCurve& c = *piece.stretch.curve;
-    for (int k = 0; k < each; ++k) {
-      const Vec3 x =
-          c.evaluate(c.start() + (c.end() - c.start()) * k / each) - outline.pieces[0].start;
-      points.push_back(x / outline.size);
-      low = std::min(low, points.back().dot(normal));
-      high = std::max(high, points.back().dot(normal));
-    }
-  }
-  constexpr double nearly_plane = 0.2;  // of the size
-  constexpr size_t most_points = 400;
-  std::optional<PlainFill> fill;
-  if (high - low >= nearly_plane && points.size() <= most_points) fill = developable_fill(points);
-  std::vector<FillCorner> of_fill;
-  if (fill) of_fill = fill_corners(points, *fill);
-  std::vector<char> left;
-  for (const int c : outline.corners) {
-    const auto piece = static_cast<size_t>(c);
-    const auto [a, b] = directions_at(outline, piece);
-    left.push_back(fill ? turns_left(a, b, of_fill[piece * static_cast<size_t>(each)])
-                        : a.cross(b).dot(normal) >= 0);
-  }
-  return left;
-}
-
-}  // namespace
-
-std::vector<double> corner_angles(const Outline& outline) {
-  const std::vector<char> left = left_at_corners(outline);
-  std::vector<double> angles;
-  for (size_t i = 0; i < left.size(); ++i) {
-    const auto [a, b] = directions_at(outline, static_cast<size_t>(outline.corners[i]));
-    const double turn = std::atan2(a.cross(b).norm(), a.dot(b));
-    angles.push_back(left[i] ? kPi - turn : kPi + turn);
-  }
-  return angles;
-}
-
-namespace {
-
-Vec3 area_vector(const Outline& outline) {
-  Vec3 area = Vec3::Zero();
-  const Vec3 origin = outline.pieces[0].start;
-  for (const auto& piece : outline.pieces) {
-    const auto p = polyline(*piece.stretch.curve);
-    for (int i = 0; i < kSamples; ++i) area += 0.5 * (p[i] - origin).cross(p[i + 1] - origin);
-  }
-  return area;
-}
-
-}  // namespace
-
-double enclosed_area(const Outline& outline) { return area_vector(outline).norm(); }
-
-bool encloses_area(const Outline& outline) {
-  return area_vector(outline).norm() >= 1e-6 * outline.size * outline.size;
-}
-
-Vec3 loop_normal(const Outline& outline) {
-  const Vec3 area = area_vector(outline);
-  const double length = area.norm();
-  if (!encloses_area(outline))
-    throw InputError("the outline encloses no area seen from any side: it folds back on itself");
-  return area / length;
 }
 
 }  // namespace batten

@@ -1,4 +1,6 @@
-// The domain's polygon: Levenberg-Marquardt over its corners.
+// Levenberg-Marquardt over the corners of a polygon.
+#include "batten/skinning/polygon_fit.h"
+
 #include <Eigen/Dense>
 #include <algorithm>
 #include <array>
@@ -7,9 +9,7 @@
 #include <numbers>
 #include <numeric>
 
-#include "batten/core/errors.h"
 #include "batten/core/plane.h"
-#include "batten/skinning/region_parts.h"
 
 namespace batten {
 namespace {

@@ -1,3 +1,5 @@
+#include "batten/skinning/quality.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -8,7 +10,6 @@
 #include "batten/fem/triangle_locator.h"
 #include "batten/skinning/flatten.h"
 #include "batten/skinning/line_fit.h"
-#include "batten/skinning/skin.h"
 
 namespace batten {
 namespace {

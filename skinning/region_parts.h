@@ -3,13 +3,10 @@
 
 #include <cmath>
 #include <memory>
-#include <string>
 #include <vector>
 
-#include "batten/core/errors.h"
 #include "batten/skinning/outline.h"
-#include "batten/skinning/region.h"
-#include "batten/skinning/skin.h"
+#include "batten/skinning/region_layout.h"
 
 namespace batten {
 
@@ -36,11 +33,18 @@ inline Vec3 rounded_slope(const Vec3& slope, double span) {
   return rounded(Vec3(span * slope)) / span;
 }
 
-/// No polygon has such sides and corners, or one without room inside only; another domain may do.
-class NoPolygon : public InputError {
- public:
-  using InputError::InputError;
-};
+/// Side of a square as large as two of the triangle.
+inline double local_size(const ParametricMesh& mesh, int triangle) {
+  return std::sqrt(2 * mesh.shape(triangle).area);
+}
+
+/// Between two points of the domain, or their images one period away.
+inline double domain_distance(const ParametricMesh& mesh, const Vec2& p, const Vec2& q) {
+  return (mesh.image_near(p, q) - q).norm();
+}
+
+/// Of embedded lines: whether they bound the region.
+std::vector<char> boundary_lines(const RegionParts& parts);
 
 /// A polygon whose sides are the loop's sides between corners; every line of the loop is a run.
 /// Inner lines become straight runs across where they can; those that cannot, and those that are to
@@ -74,6 +78,9 @@ RegionParts sheet_parts(const Outline& loop, const DomainTask& task);
 /// The lines of a loop as curves in the loop's direction, not yet placed in (u, v).
 std::vector<EmbeddedLine> embedded_loop(const Outline& loop, const DomainTask& task);
 
+/// An inner line as a curve, not yet placed in (u, v).
+EmbeddedLine embedded_inner(const Stretch& line, const DomainTask& task);
+
 /// Squares of the task's edge length with alternating diagonals over the box of the loops. Throws
 /// InputError for more than two million triangles.
 std::shared_ptr<const ParametricMesh> squares_over(const DomainLoops& loops,
@@ -87,6 +94,11 @@ void embed_on(const Surface& surface, const std::vector<Outline>& holes,
 /// Halves the marked triangles and what it takes to stay conforming; runs follow. Trim and points
 /// are then those of the old mesh, until cut_and_place().
 void halve(RegionParts& parts, const std::vector<char>& marked);
+
+/// Parameters at which each embedded line must have a point: where an inner line ends on another
+/// line, or crosses it. Ends of inner lines within the join of another line are moved onto it.
+/// Throws InputError: lines that cross in the domain, but not in space.
+std::vector<std::vector<double>> junctions(RegionParts& parts, const DomainTask& task);
 
 /// Cuts the mesh of parts by their embedded boundary, drops what lies outside, and places the
 /// points of all embedded lines. Throws InputError: boundary loops that cross, touch or are nested

@@ -6,6 +6,7 @@
 
 #include "batten/core/errors.h"
 #include "batten/core/words.h"
+#include "batten/skinning/ring_rim.h"
 
 namespace batten {
 namespace {
@@ -19,91 +20,6 @@ double apart(const std::vector<Vec3>& a, const std::vector<Vec3>& b, int k, int 
                .squaredNorm();
   return sum;
 }
-
-// Into [0, 1).
-double fraction_of(double x) {
-  x -= std::floor(x);
-  return x < 1 ? x : 0;
-}
-
-// A closed curve begun at another of its points.
-class Reseamed final : public InputCurve {
- public:
-  Reseamed(std::shared_ptr<const InputCurve> whole, double seam)
-      : whole_(std::move(whole)),
-        seam_(seam),
-        before_(whole_->end() - seam),
-        period_(whole_->end() - whole_->start()) {}
-  double start() const override { return 0; }
-  double end() const override { return period_; }
-  Vec3 evaluate(double t, int order) const override {
-    return whole_->evaluate(t < before_ ? seam_ + t : seam_ + t - period_, order);
-  }
-  std::vector<double> breaks() const override {
-    std::vector<double> all = {0};
-    const auto given = whole_->breaks();
-    for (const double b : given)
-      if (b > seam_) all.push_back(b - seam_);
-    for (const double b : given)
-      if (b > whole_->start() && b < seam_) all.push_back(b - seam_ + period_);
-    all.push_back(period_);
-    return all;
-  }
-
- private:
-  std::shared_ptr<const InputCurve> whole_;
-  double seam_, before_, period_;
-};
-
-// A rim and where its lines lie on it, in the direction of u.
-struct Rim {
-  Outline outline;
-  std::vector<ArcLength> arcs;
-  double length = 0;
-  struct Place {
-    double from, share;   // of the rim's length; from in [0, 1)
-    HermiteCurve fitted;  // along the rim
-  };
-  std::vector<Place> places;  // of each line
-
-  explicit Rim(Outline given) : outline(std::move(given)) {
-    for (const auto& p : outline.pieces) {
-      arcs.emplace_back(p.stretch.curve);
-      length += arcs.back().total();
-    }
-    double before = 0;
-    for (const ArcLength& arc : arcs) {
-      const double from = rounded(before / length);
-      before += arc.total();
-      places.push_back({from, rounded(before / length) - from, {}});
-    }
-  }
-  bool one_line() const { return places.size() == 1; }
-
-  struct Point {
-    Vec3 x, tangent;
-  };
-  Point point(double fraction) const {
-    double s = fraction_of(fraction) * length;
-    size_t i = 0;
-    for (; i + 1 < arcs.size() && s > arcs[i].total(); ++i) s -= arcs[i].total();
-    const double t = arcs[i].parameter(s);
-    const InputCurve& curve = *outline.pieces[i].stretch.curve;
-    return {curve.evaluate(t), curve.evaluate(t, 1).normalized()};
-  }
-
-  // Of one line: the same rim, begun elsewhere.
-  Rim cut_at(double fraction) const {
-    Outline cut = outline;
-    auto& piece = cut.pieces[0];
-    const double t = arcs[0].parameter(fraction_of(fraction) * length);
-    if (t > piece.stretch.curve->start() && t < piece.stretch.curve->end()) {
-      piece.stretch.curve = std::make_shared<Reseamed>(piece.stretch.curve, t);
-      piece.start = piece.stretch.curve->evaluate(0);
-    }
-    return Rim(std::move(cut));
-  }
-};
 
 class Builder {
  public:
@@ -241,8 +157,15 @@ class Builder {
     double at[2];
   };
 
-  void columns() {
-    // Near-square cells, eight around at least.
+  // A node on a rim, and the one on the other rim that shares its column.
+  struct Node {
+    double at;
+    int rim;
+    int partner;  // in the list of all nodes
+  };
+
+  // Width of columns, as a share of a rim: near-square cells, eight around at least.
+  double column_width() const {
     const double h = std::min({task_.edge / task_.size, 2 * V_, U_ / 8}) / U_;
     const double expected = 2 * U_ * V_ * task_.size * task_.size / (task_.edge * task_.edge);
     constexpr double most_triangles = 2e6;
@@ -251,19 +174,18 @@ class Builder {
                        number(task_.size) + " means about " + number(std::max(expected, 2 / h)) +
                        " triangles; at most " + number(most_triangles) +
                        " are allowed (is the unit right?)");
+    return h;
+  }
 
-    struct Node {
-      double at;
-      int rim;
-      int partner;  // on the other rim, in this list
-    };
+  // Nodes of both rims. Neighbours on different rims share a column: those that coincide first,
+  // then near ones.
+  std::vector<Node> paired_nodes(double h) const {
     std::vector<Node> found;
     for (int r = 0; r < 2; ++r)
       for (const double f : nodes(rim_[r])) found.push_back({f, r, -1});
     std::sort(found.begin(), found.end(), [](const Node& a, const Node& b) {
       return a.at != b.at ? a.at < b.at : a.rim < b.rim;
     });
-    // Neighbours on different rims share a column: those that coincide first, then near ones.
     const int n = static_cast<int>(found.size());
     constexpr double coincide = 1e-8;
     for (const double reach : {coincide, 0.5 * h})
@@ -275,6 +197,11 @@ class Builder {
         a.partner = j;
         b.partner = i;
       }
+    return found;
+  }
+
+  // Columns that end on nodes of both rims, the first again at the end.
+  static std::vector<Column> shared_columns(const std::vector<Node>& found) {
     std::vector<Column> shared;
     for (const Node& node : found)
       if (node.rim == 0 && node.partner >= 0) {
@@ -283,7 +210,13 @@ class Builder {
       }
     if (shared.empty()) shared.push_back({{found[0].at, found[0].at}});
     shared.push_back({{shared[0].at[0] + 1, shared[0].at[1] + 1}});
+    return shared;
+  }
 
+  void columns() {
+    const double h = column_width();
+    const std::vector<Node> found = paired_nodes(h);
+    const std::vector<Column> shared = shared_columns(found);
     // Between two shared columns, nodes of one rim have their column's other end by proportion.
     for (size_t k = 0; k + 1 < shared.size(); ++k) {
       const Column &from = shared[k], &to = shared[k + 1];

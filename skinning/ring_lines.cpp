@@ -8,6 +8,7 @@
 #include "batten/core/errors.h"
 #include "batten/core/plane.h"
 #include "batten/fem/surface_projector.h"
+#include "batten/skinning/crossing.h"
 #include "batten/skinning/ring.h"
 
 namespace batten {
@@ -241,7 +242,7 @@ void embed_on_ring(const Surface& surface, const std::vector<Outline>& holes,
       for (const double s : {a.start(), a.end()})
         for (const double t : {b.start(), b.end()})
           if ((a.evaluate(s) - b.evaluate(t)).norm() <= near) ends.push_back(a.evaluate(s));
-      alone = j == i || !find_crossing(a, b, near, ends, 20 * near).found;
+      alone = j == i || !BoxedCurve(a).crossing(BoxedCurve(b), near, ends, 20 * near).found;
     }
     run_on(line, surface, projector, locator, alone);
   }

@@ -10,6 +10,7 @@
 #include "batten/core/plane.h"
 #include "batten/core/words.h"
 #include "batten/skinning/plain_fill.h"
+#include "batten/skinning/polygon_fit.h"
 #include "batten/skinning/region_parts.h"
 
 namespace batten {

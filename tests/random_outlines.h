@@ -10,6 +10,7 @@
 #include "batten/core/errors.h"
 #include "batten/fem/triangle_locator.h"
 #include "batten/skinning/model/model_layout.h"
+#include "batten/skinning/quality.h"
 #include "sampling.h"
 
 namespace batten_test {

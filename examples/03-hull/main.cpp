@@ -17,6 +17,7 @@
 #include "batten/io/step.h"
 #include "batten/io/vtk_files.h"
 #include "batten/sculpting/static_sculpt.h"
+#include "batten/skinning/quality.h"
 
 namespace {
 

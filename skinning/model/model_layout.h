@@ -7,7 +7,7 @@
 
 #include "batten/fairing/energy.h"
 #include "batten/skinning/model/seam.h"
-#include "batten/skinning/skin.h"
+#include "batten/skinning/region_layout.h"
 
 namespace batten {
 

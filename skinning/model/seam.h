@@ -42,7 +42,7 @@
 #include <string>
 #include <vector>
 
-#include "batten/skinning/skin.h"
+#include "batten/skinning/region_layout.h"
 
 namespace batten {
 

@@ -9,6 +9,7 @@
 
 #include "batten/skinning/model/model_layout.h"
 #include "batten/skinning/network/regions.h"
+#include "batten/skinning/quality.h"
 
 namespace batten {
 

@@ -3,6 +3,7 @@
 #include "../patchwork.h"
 #include "batten/core/errors.h"
 #include "batten/sculpting/static_sculpt.h"
+#include "batten/skinning/quality.h"
 #include "session_scenes.h"
 
 using namespace batten_test;

@@ -3,6 +3,7 @@
 #include "batten/constraints/shape/embedded_rows.h"
 #include "batten/constraints/shape/shape_constraints.h"
 #include "batten/core/errors.h"
+#include "batten/skinning/quality.h"
 #include "batten/tests/catch.h"
 #include "session_scenes.h"
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "batten/fairing/curve_fit.h"
-#include "batten/skinning/skin.h"
+#include "batten/skinning/region_layout.h"
 #include "shapes.h"
 
 namespace batten_test {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "batten/skinning/skin.h"
+#include "batten/skinning/region_layout.h"
 
 namespace batten_test {
 

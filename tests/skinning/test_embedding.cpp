@@ -3,7 +3,8 @@
 #include "../random_outlines.h"
 #include "../static_twin.h"
 #include "batten/skinning/mesher.h"
-#include "batten/skinning/skin.h"
+#include "batten/skinning/quality.h"
+#include "batten/skinning/region_layout.h"
 
 using namespace batten_test;
 using namespace batten::twin;

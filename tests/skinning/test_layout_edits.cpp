@@ -2,6 +2,7 @@
 #include "../static_twin.h"
 #include "batten/core/errors.h"
 #include "batten/skinning/mesher.h"
+#include "batten/skinning/quality.h"
 #include "batten/tests/catch.h"
 #include "batten/tests/refusal.h"
 #include "batten/tests/sampling.h"

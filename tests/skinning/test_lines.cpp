@@ -2,7 +2,8 @@
 #include <numbers>
 
 #include "batten/core/errors.h"
-#include "batten/skinning/outline.h"
+#include "batten/skinning/line_fit.h"
+#include "batten/skinning/polygon_fit.h"
 #include "batten/tests/catch.h"
 #include "shapes.h"
 

@@ -9,7 +9,8 @@
 #include "batten/fem/triangle_locator.h"
 #include "batten/skinning/facets.h"
 #include "batten/skinning/mesher.h"
-#include "batten/skinning/skin.h"
+#include "batten/skinning/quality.h"
+#include "batten/skinning/region_layout.h"
 #include "batten/tests/catch.h"
 #include "batten/tests/sampling.h"
 

@@ -11,6 +11,7 @@
 #include "batten/core/words.h"
 #include "batten/fem/dissection.h"
 #include "batten/fem/triangle_locator.h"
+#include "batten/skinning/quality.h"
 #include "batten/tests/catch.h"
 #include "batten/tests/sampling.h"
 #include "shapes.h"

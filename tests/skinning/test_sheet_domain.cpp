@@ -3,8 +3,8 @@
 
 #include "batten/constraints/affine_reduction.h"
 #include "batten/core/errors.h"
-#include "batten/skinning/outline.h"
 #include "batten/skinning/plain_fill.h"
+#include "batten/skinning/quality.h"
 #include "batten/tests/catch.h"
 #include "shapes.h"
 

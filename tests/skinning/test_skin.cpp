@@ -3,6 +3,7 @@
 #include "batten/core/errors.h"
 #include "batten/core/parallel.h"
 #include "batten/skinning/mesher.h"
+#include "batten/skinning/quality.h"
 #include "batten/tests/catch.h"
 #include "batten/tests/threads.h"
 #include "shapes.h"

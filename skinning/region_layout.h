@@ -1,50 +1,15 @@
-// From character lines to a C1 surface: one region.
+// From character lines to the domain and the mesh of one region.
 #pragma once
 
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "batten/constraints/constraint_set.h"
 #include "batten/core/progress.h"
-#include "batten/elements/c1_triangle.h"
 #include "batten/skinning/region.h"
+#include "batten/skinning/skin_options.h"
 
 namespace batten {
-
-struct SkinOptions {
-  /// Largest distance between a line and its C1 cubic curve, model units. 0: 1e-4 of the region's
-  /// size.
-  double tolerance = 0;
-  /// A line turns a corner where its direction turns by more, degrees.
-  double corner_angle = 20;
-  TriangleElement element = TriangleElement::HCT;
-  enum class Mesher {
-    Delaunay,  ///< CGAL's Mesh_2; falls back to Fan, with a warning, in a build without CGAL
-    Fan        ///< triangles from the domain's centre to its sides, each cut in four again and
-               ///< again; sides of one line each, no inner lines
-  };
-  Mesher mesher = Mesher::Delaunay;
-  enum class Domain {
-    Auto,
-    Polygon,  ///< three corners or more; lines fitted
-    Plane,    ///< a loop that projects simply; lines embedded
-    Sheet,    ///< any other loop, unfolded like a strip of paper; lines embedded
-    Ring      ///< two smooth loops; lines fitted
-  };
-  Domain domain = Domain::Auto;
-  /// The outline runs against its first line: the normal points to the other side.
-  bool against_first = false;
-  /// Whether a polygon's corners move, and the mesh is made anew, until the surface that the lines
-  /// make is as little stretched and sheared as straight sides allow (at most three rounds, each
-  /// one solve).
-  bool settle = false;
-  /// How often the fan is cut in four; -1: until edges are short enough. Lines that need more nodes
-  /// than that to reach the tolerance are refused.
-  int fan_refinements = -1;
-  /// Target length of element edges, model units. 0: 1/20 of the region's size.
-  double edge_length = 0;
-};
 
 /// A corner of the domain's outline: where it is, and its angle (degrees) in the domain and between
 /// the lines in space.
@@ -70,8 +35,7 @@ struct DomainTask;  // skinning/region_parts.h
 ///
 /// 1. lines are cut at their corners (into "name.1", "name.2", …), outline lines joined at their
 ///    ends into loops, hole lines too;
-/// 2. lines become C1 cubic Hermite curves (exact where the input is piecewise cubic);
-/// 3. a domain is chosen:
+/// 2. a domain is chosen:
 ///      polygon  one loop with three corners or more: bends at the line's corners only, sides as
 ///               long and corners as wide as the lines make them; every outline line is a straight
 ///               run of element edges, fitted exactly. Inner lines are straight runs across where
@@ -81,11 +45,14 @@ struct DomainTask;  // skinning/region_parts.h
 ///      sheet    a loop without a polygon that does not project simply either: its developable
 ///               filling, unfolded like a strip of paper; all lines are embedded;
 ///    scaled so that the region's size is 1: (u, v) has no unit;
+/// 3. the outline becomes C1 cubic Hermite curves (exact where the input is piecewise cubic) on
+///    that domain, which is meshed;
 /// 4. holes, and inner lines that cannot be fitted (closed, bent, ending inside, crossing), are
-///    embedded: held at points, with a gap between them that is measured and driven under
-///    tolerance/2 by halving triangles there, for the shape of least bending;
-/// 5. on a polygon or ring, embedded lines lie where the surface that the outline alone makes is
-///    nearest to them.
+///    embedded: on a plane where they are seen, on other domains where the surface that the outline
+///    alone makes is nearest to them;
+/// 5. the mesh is cut along embedded boundaries. Embedded lines are held at points; the gap between
+///    these is measured and driven under tolerance/2 by halving triangles there, for the shape of
+///    least bending.
 /// The domain runs counter-clockwise along the outline in the direction of its first line, so that
 /// line's direction decides to which side the surface's normal points. u runs along that line's
 /// side of the polygon, around the ring, or along the projected x axis (y where the plane is at
@@ -166,22 +133,5 @@ class RegionLayout {
   double size_ = 1, tolerance_ = 0, edge_ = 0, join_ = 0;
   RegionParts parts_;
 };
-
-/// Largest distance |x(c(t)) - X(t)| of a shape from its embedded line, 20 samples between points.
-double line_gap(const Surface& surface, const EmbeddedLine& line);
-
-/// How far the finished surface is from what it promises, measured by sampling.
-struct SkinQuality {
-  double max_line_residual = 0;    ///< surface edge to fitted line, over the region's size
-  double max_line_gap = 0;         ///< surface to the curve of embedded lines, model units
-  double max_line_deviation = 0;   ///< surface edge to input curve, both ways, model units
-  double max_normal_jump_deg = 0;  ///< across inner element edges
-  double min_jacobian_ratio = 0;   ///< smallest |x_u × x_v| (oriented) over the median
-  double max_shear = 1;            ///< largest σ1/σ2 of (x_u, x_v)
-  double rms_strain = 0;           ///< of the domain against the surface (distortion())
-  int singular_nodes = 0;          ///< vertices where x_u × x_v is below 1e-6 of the median
-  double area = 0;                 ///< model units²
-};
-SkinQuality measure(const SkinnedRegion& region);
 
 }  // namespace batten

@@ -1,0 +1,42 @@
+// How a region is made of its lines.
+#pragma once
+
+#include "batten/elements/c1_triangle.h"
+
+namespace batten {
+
+struct SkinOptions {
+  /// Largest distance between a line and its C1 cubic curve, model units. 0: 1e-4 of the region's
+  /// size.
+  double tolerance = 0;
+  /// A line turns a corner where its direction turns by more, degrees.
+  double corner_angle = 20;
+  TriangleElement element = TriangleElement::HCT;
+  enum class Mesher {
+    Delaunay,  ///< CGAL's Mesh_2; falls back to Fan, with a warning, in a build without CGAL
+    Fan        ///< triangles from the domain's centre to its sides, each cut in four again and
+               ///< again; sides of one line each, no inner lines
+  };
+  Mesher mesher = Mesher::Delaunay;
+  enum class Domain {
+    Auto,
+    Polygon,  ///< three corners or more; lines fitted
+    Plane,    ///< a loop that projects simply; lines embedded
+    Sheet,    ///< any other loop, unfolded like a strip of paper; lines embedded
+    Ring      ///< two smooth loops; lines fitted
+  };
+  Domain domain = Domain::Auto;
+  /// The outline runs against its first line: the normal points to the other side.
+  bool against_first = false;
+  /// Whether a polygon's corners move, and the mesh is made anew, until the surface that the lines
+  /// make is as little stretched and sheared as straight sides allow (at most three rounds, each
+  /// one solve).
+  bool settle = false;
+  /// How often the fan is cut in four; -1: until edges are short enough. Lines that need more nodes
+  /// than that to reach the tolerance are refused.
+  int fan_refinements = -1;
+  /// Target length of element edges, model units. 0: 1/20 of the region's size.
+  double edge_length = 0;
+};
+
+}  // namespace batten
