@@ -26,7 +26,9 @@
 #include "batten/mesh/deform/form_feature_deformer.h"
 #include "batten/mesh/prepare.h"
 #include "batten/sculpting/session.h"
+#include "batten/skinning/network/find_regions.h"
 #include "batten/skinning/network/model.h"
+#include "batten/skinning/network/skin_network.h"
 #include "batten/skinning/skin.h"
 #include "batten/tests/clamped_rim.h"
 #include "batten/tests/mesh_models.h"
@@ -162,16 +164,17 @@ void add_skin_tasks(std::vector<Task>& tasks) {
     tasks.push_back({"fill: " + c.name, [c] {
                        ModelLayout({c.name, lines_of(c), edges(c.edge_length)}).least_energy({});
                      }});
-  tasks.push_back({"skin: door with embedded lines", [] {
-                     ModelLayout(batten_test::door_layout(27, 0.1)).least_energy({});
-                   }});
+  tasks.push_back({"skin: door with embedded lines",
+                   [] { ModelLayout(batten_test::door_layout(27, 0.1)).least_energy({}); }});
   const auto door = std::make_shared<ModelLayout>(batten_test::door_layout(27, 0.1));
   const auto dofs = std::make_shared<Points>(door->least_energy({}));
-  tasks.push_back({"skin: measures of the door", [=] { batten::measure(door->skinned(0, *dofs)); }});
+  tasks.push_back(
+      {"skin: measures of the door", [=] { batten::measure(door->skinned(0, *dofs)); }});
   const auto lines = std::make_shared<std::vector<CharacterLine>>(wavy_grid(9, 9));
   const auto network = std::make_shared<CharacterLineNetwork>(*lines);
   const auto found = std::make_shared<FoundRegions>(find_regions(*network));
-  tasks.push_back({"network: contacts and arcs of 20 lines", [=] { CharacterLineNetwork n(*lines); }});
+  tasks.push_back(
+      {"network: contacts and arcs of 20 lines", [=] { CharacterLineNetwork n(*lines); }});
   tasks.push_back({"network: search for 81 regions", [=] { find_regions(*network); }});
   for (const bool smooth : {false, true})
     tasks.push_back({std::string("network: 81 regions, ") + (smooth ? "smooth" : "creases"), [=] {
@@ -251,8 +254,10 @@ void add_file_tasks(std::vector<Task>& tasks, const fs::path& folder) {
                      options.tolerance = 0.2;
                      write_step_faces(folder / "face.step", {door.get()}, 0.001, options);
                    }});
-  tasks.push_back({"files: vtp of the door", [=] { write_vtp(folder / "door.vtp", {door.get()}); }});
-  tasks.push_back({"files: vtu of the door", [=] { write_vtu(folder / "door.vtu", {door.get()}); }});
+  tasks.push_back(
+      {"files: vtp of the door", [=] { write_vtp(folder / "door.vtp", {door.get()}); }});
+  tasks.push_back(
+      {"files: vtu of the door", [=] { write_vtu(folder / "door.vtu", {door.get()}); }});
   tasks.push_back({"files: CalculiX deck of the door", [=] {
                      ShellDeck deck;
                      deck.thickness = 1;
@@ -287,7 +292,8 @@ int main(int argc, char** argv) {
   const bool renew = argc > 1 && std::string(argv[1]) == "--new-baseline";
   const std::string file = argc > 1 + renew ? argv[1 + renew] : BATTEN_BENCH_BASELINE;
   const std::string word = argc > 2 + renew ? argv[2 + renew] : "";
-  const fs::path folder = fs::temp_directory_path() / ("batten_bench_all_" + std::to_string(getpid()));
+  const fs::path folder =
+      fs::temp_directory_path() / ("batten_bench_all_" + std::to_string(getpid()));
   fs::create_directories(folder);
 
   std::vector<Task> tasks;

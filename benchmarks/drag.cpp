@@ -8,6 +8,7 @@
 
 #include "batten/constraints/live_system.h"
 #include "batten/core/errors.h"
+#include "batten/fem/assembly.h"
 #include "batten/fem/dissection.h"
 #include "batten/skinning/model/model_projector.h"
 #include "batten/tests/mouse_model.h"

@@ -12,6 +12,7 @@
 #include "batten/constraints/affine_reduction.h"
 #include "batten/constraints/shape/shape_constraints.h"
 #include "batten/core/errors.h"
+#include "batten/fem/assembly.h"
 #include "batten/fem/triangle_locator.h"
 #include "batten/skinning/model/model_layout.h"
 #include "batten/skinning/quality.h"

@@ -1,80 +1,11 @@
 #include "batten/elements/c1_triangle.h"
 
-#include <Eigen/Eigenvalues>
 #include <cmath>
 
 #include "batten/core/errors.h"
 #include "batten/elements/reference_triangle.h"
 
 namespace batten {
-
-SurfaceStiffness SurfaceStiffness::directional(const Vec2& t, double alpha, double beta) {
-  constexpr double unit = 1e-9;
-  if (!(std::abs(t.norm() - 1) <= unit))
-    throw InputError("a direction (" + number(t.x()) + ", " + number(t.y()) + ") of length " +
-                     number(t.norm()) + ": resistance wants a direction of length 1");
-  // w_tt = a w_uu + 2 b w_uv + c w_vv.
-  const double a = t.x() * t.x(), b = t.x() * t.y(), c = t.y() * t.y();
-  return {alpha * t * t.transpose(), beta * Vec3(a * a, 2 * b * b, c * c),
-          beta * Vec3(2 * a * b, a * c, 2 * b * c)};
-}
-
-SurfaceStiffness& SurfaceStiffness::operator+=(const SurfaceStiffness& other) {
-  alpha += other.alpha;
-  beta += other.beta;
-  beta_mixed += other.beta_mixed;
-  return *this;
-}
-
-SurfaceStiffness& SurfaceStiffness::operator*=(double factor) {
-  alpha *= factor;
-  beta *= factor;
-  beta_mixed *= factor;
-  return *this;
-}
-
-Mat3 SurfaceStiffness::bending() const {
-  Mat3 B;
-  B << beta[0], beta_mixed[0], beta_mixed[1],     //
-      beta_mixed[0], 2 * beta[1], beta_mixed[2],  //
-      beta_mixed[1], beta_mixed[2], beta[2];
-  return B;
-}
-
-bool SurfaceStiffness::is_valid() const {
-  if (!alpha.allFinite() || !beta.allFinite() || !beta_mixed.allFinite()) return false;
-  constexpr double rounding = 1e-12;
-  const Mat3 B = bending();
-  return alpha.isApprox(alpha.transpose()) &&
-         Eigen::SelfAdjointEigenSolver<Mat2>(alpha, Eigen::EigenvaluesOnly).eigenvalues()[0] >=
-             -rounding * alpha.norm() &&
-         Eigen::SelfAdjointEigenSolver<Mat3>(B, Eigen::EigenvaluesOnly).eigenvalues()[0] >=
-             -rounding * B.norm();
-}
-
-TriangleShape::TriangleShape(const Vec2& v1, const Vec2& v2, const Vec2& v3,
-                             const std::array<double, 3>& signs)
-    : vertex{v1, v2, v3}, edge_sign(signs) {
-  for (int i = 0; i < 3; ++i) {
-    const Vec2 &j = vertex[(i + 1) % 3], &k = vertex[(i + 2) % 3];
-    b[i] = j.y() - k.y();
-    c[i] = k.x() - j.x();
-  }
-  area = 0.5 * (c[2] * b[1] - c[1] * b[2]);
-  if (!(area > 0) || !std::isfinite(area))
-    throw InputError("a parametric triangle of area " + number(area) + " at (" + number(v1.x()) +
-                     ", " + number(v1.y()) +
-                     "): vertices must run counter-clockwise and not lie on one line");
-}
-
-Vec3 TriangleShape::barycentric(const Vec2& p) const {
-  Vec3 L;
-  for (int i = 0; i < 3; ++i) {
-    const Vec2 d = p - vertex[(i + 1) % 3];
-    L[i] = (b[i] * d.x() + c[i] * d.y()) / (2 * area);
-  }
-  return L;
-}
 
 Mat12 C1Triangle::to_reference_dofs() const {
   const DofMapNumbers numbers(shape_);

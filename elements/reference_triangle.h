@@ -5,13 +5,11 @@
 #include <functional>
 #include <vector>
 
-#include "batten/elements/c1_triangle.h"
+#include "batten/elements/quadrature.h"
+#include "batten/elements/surface_stiffness.h"
+#include "batten/elements/triangle_shape.h"
 
 namespace batten {
-
-/// Reference functions at one point. Row a: N̂_a. Columns: value, then derivatives in the reduced
-/// variables (L1, L2), L3 = 1-L1-L2: N, ∂1, ∂2, ∂11, ∂12, ∂22.
-using ReferenceTabulation = Eigen::Matrix<double, 12, 6>;
 
 ReferenceTabulation reference_functions(TriangleElement kind, const Vec3& L);
 

@@ -1,7 +1,7 @@
 // Reference functions of the rational triangle Z12.
 #pragma once
 
-#include "batten/elements/reference_triangle.h"
+#include "batten/elements/triangle_shape.h"
 
 namespace batten {
 

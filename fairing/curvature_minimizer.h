@@ -3,7 +3,8 @@
 
 #include <vector>
 
-#include "batten/fairing/curvature_fairing.h"
+#include "batten/fairing/curve_functional.h"
+#include "batten/fairing/quintic_curve.h"
 
 namespace batten {
 

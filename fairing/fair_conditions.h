@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "batten/constraints/constraint_set.h"
-#include "batten/fairing/fair_curve.h"
+#include "batten/fairing/fair_options.h"
 
 namespace batten {
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "batten/fairing/curve_fit.h"
+#include "batten/fairing/fit.h"
 
 namespace batten {
 

@@ -9,16 +9,11 @@
 #include <vector>
 
 #include "batten/fem/element_pattern.h"
+#include "batten/fem/location.h"
 #include "batten/fem/parametric_mesh.h"
 #include "batten/fem/trim.h"
 
 namespace batten {
-
-/// A point of a surface mesh: triangle and barycentric coordinates in it.
-struct Location {
-  int triangle = 0;
-  Vec3 L = Vec3::Constant(1.0 / 3);
-};
 
 class Surface;
 

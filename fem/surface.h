@@ -4,7 +4,8 @@
 #include <memory>
 #include <vector>
 
-#include "batten/fem/assembly.h"
+#include "batten/fem/location.h"
+#include "batten/fem/parametric_mesh.h"
 #include "batten/fem/trim.h"
 
 namespace batten {

@@ -3,7 +3,8 @@
 
 #include <vector>
 
-#include "batten/fem/assembly.h"
+#include "batten/fem/location.h"
+#include "batten/fem/parametric_mesh.h"
 
 namespace batten {
 

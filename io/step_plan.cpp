@@ -10,6 +10,7 @@
 #include <set>
 
 #include "batten/core/errors.h"
+#include "batten/fem/assembly.h"
 
 namespace batten {
 namespace {

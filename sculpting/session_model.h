@@ -9,6 +9,7 @@
 
 #include "batten/constraints/coupling.h"
 #include "batten/constraints/live_system.h"
+#include "batten/fem/assembly.h"
 #include "batten/fem/display_points.h"
 #include "batten/fem/pressure_operator.h"
 #include "batten/fem/triangle_locator.h"

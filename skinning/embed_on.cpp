@@ -8,7 +8,7 @@
 #include "batten/core/words.h"
 #include "batten/fem/surface_projector.h"
 #include "batten/skinning/crossing.h"
-#include "batten/skinning/region_parts.h"
+#include "batten/skinning/domain_task.h"
 
 namespace batten {
 namespace {

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "batten/core/words.h"
-#include "batten/skinning/region_parts.h"
+#include "batten/skinning/domain_task.h"
 
 namespace batten {
 namespace {

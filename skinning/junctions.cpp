@@ -6,7 +6,7 @@
 #include "batten/core/errors.h"
 #include "batten/core/plane.h"
 #include "batten/core/words.h"
-#include "batten/skinning/region_parts.h"
+#include "batten/skinning/domain_task.h"
 
 namespace batten {
 namespace {

@@ -3,7 +3,7 @@
 #include <cctype>
 
 #include "batten/core/errors.h"
-#include "batten/skinning/region_parts.h"
+#include "batten/skinning/domain_task.h"
 #include "batten/skinning/ring.h"
 
 namespace batten {

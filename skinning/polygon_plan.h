@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "batten/skinning/region_parts.h"
+#include "batten/skinning/domain_task.h"
 
 namespace batten {
 

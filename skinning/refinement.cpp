@@ -4,8 +4,8 @@
 
 #include "batten/core/plane.h"
 #include "batten/fem/triangle_locator.h"
+#include "batten/skinning/domain_task.h"
 #include "batten/skinning/quality.h"
-#include "batten/skinning/region_parts.h"
 
 namespace batten {
 namespace {

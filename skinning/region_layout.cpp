@@ -9,12 +9,13 @@
 #include "batten/constraints/affine_reduction.h"
 #include "batten/constraints/shape/shape_constraints.h"
 #include "batten/core/errors.h"
+#include "batten/fem/assembly.h"
 #include "batten/fem/dissection.h"
 #include "batten/fem/triangle_locator.h"
+#include "batten/skinning/domain_task.h"
 #include "batten/skinning/flatten.h"
 #include "batten/skinning/polygon_fit.h"
 #include "batten/skinning/quality.h"
-#include "batten/skinning/region_parts.h"
 #include "batten/skinning/ring.h"
 
 namespace batten {

@@ -6,30 +6,12 @@
 
 #include "batten/constraints/constraint_set.h"
 #include "batten/core/progress.h"
-#include "batten/skinning/region.h"
+#include "batten/skinning/region_parts.h"
 #include "batten/skinning/skin_options.h"
 
 namespace batten {
 
-/// A corner of the domain's outline: where it is, and its angle (degrees) in the domain and between
-/// the lines in space.
-struct DomainCorner {
-  Vec2 uv;
-  double domain_degrees, line_degrees;
-};
-
-/// Everything of a region except its shape.
-struct RegionParts {
-  std::shared_ptr<const ParametricMesh> mesh;
-  std::shared_ptr<const Trim> trim;  ///< none when nothing embedded bounds the region
-  std::vector<LineRun> runs;
-  std::vector<EmbeddedLine> embedded;
-  std::vector<std::vector<BoundaryPiece>> boundary;
-  std::vector<DomainCorner> corners;  ///< counter-clockwise
-  std::vector<std::string> warnings;
-};
-
-struct DomainTask;  // skinning/region_parts.h
+struct DomainTask;  // skinning/domain_task.h
 
 /// A region before it has a shape: domain, mesh, and how each line hangs on it.
 ///

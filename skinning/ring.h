@@ -1,7 +1,7 @@
 // Rings: regions between two smooth closed rims, as tubes, skirts and annuli.
 #pragma once
 
-#include "batten/skinning/region_parts.h"
+#include "batten/skinning/domain_task.h"
 
 namespace batten {
 

@@ -5,7 +5,7 @@
 #include <memory>
 #include <vector>
 
-#include "batten/skinning/region_parts.h"
+#include "batten/skinning/domain_task.h"
 
 namespace batten {
 

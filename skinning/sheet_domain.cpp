@@ -9,9 +9,9 @@
 #include "batten/core/errors.h"
 #include "batten/core/plane.h"
 #include "batten/core/words.h"
+#include "batten/skinning/domain_task.h"
 #include "batten/skinning/plain_fill.h"
 #include "batten/skinning/polygon_fit.h"
-#include "batten/skinning/region_parts.h"
 
 namespace batten {
 namespace {

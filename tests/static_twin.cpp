@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "batten/core/errors.h"
+#include "batten/fem/assembly.h"
 #include "batten/fem/dissection.h"
 #include "batten/fem/surface_projector.h"
 #include "batten/sculpting/change_weights.h"

@@ -1,5 +1,8 @@
 #include "batten/apps/commands/make_model.h"
 
+#include "batten/skinning/network/find_regions.h"
+#include "batten/skinning/network/skin_network.h"
+
 namespace batten {
 namespace {
 

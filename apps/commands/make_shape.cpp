@@ -7,8 +7,10 @@
 #include "batten/apps/commands/make_session.h"
 #include "batten/core/errors.h"
 #include "batten/core/words.h"
+#include "batten/fem/assembly.h"
 #include "batten/fem/triangle_locator.h"
 #include "batten/skinning/model/model_projector.h"
+#include "batten/skinning/network/skin_network.h"
 
 namespace batten {
 namespace {

@@ -14,6 +14,7 @@
 
 #include "batten/constraints/affine_reduction.h"
 #include "batten/core/errors.h"
+#include "batten/fem/assembly.h"
 #include "batten/fem/surface.h"
 #include "batten/io/pictures.h"
 #include "batten/io/vtk_files.h"

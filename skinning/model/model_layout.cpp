@@ -6,6 +6,7 @@
 #include "batten/constraints/affine_reduction.h"
 #include "batten/core/errors.h"
 #include "batten/core/words.h"
+#include "batten/fem/assembly.h"
 #include "batten/fem/dissection.h"
 
 namespace batten {

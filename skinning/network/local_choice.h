@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "batten/skinning/network/region_selection.h"
+#include "batten/skinning/network/selection.h"
 
 namespace batten {
 

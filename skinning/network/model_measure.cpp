@@ -5,7 +5,9 @@
 #include <optional>
 
 #include "batten/core/parallel.h"
+#include "batten/fem/assembly.h"
 #include "batten/skinning/network/region_maker.h"
+#include "batten/skinning/network/wrong_surfaces.h"
 
 namespace batten {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "batten/skinning/network/network.h"
+#include "batten/skinning/network/arcs.h"
 #include "batten/skinning/network/network_nodes.h"
 
 namespace batten::netting {

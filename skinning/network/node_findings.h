@@ -5,7 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "batten/skinning/network/network_nodes.h"
+#include "batten/skinning/network/arcs.h"
+#include "batten/skinning/network/cuts.h"
+#include "batten/skinning/network/network_contacts.h"
 
 namespace batten::netting {
 

@@ -3,6 +3,7 @@
 
 #include "batten/skinning/network/region_loops.h"
 #include "batten/skinning/network/region_selection.h"
+#include "batten/skinning/network/regions.h"
 
 namespace batten {
 

@@ -4,28 +4,9 @@
 #include <utility>
 #include <vector>
 
-#include "batten/core/progress.h"
+#include "batten/skinning/network/selection.h"
 
 namespace batten {
-
-/// Choose a set of items, each of which takes room on some arcs:
-///
-///   maximise Σ gain(i) - Σ price(i, j, a)   over chosen items i, and pairs that meet on an arc a
-///   with at most room[a] uses on each arc.
-struct Selection {
-  struct Item {
-    double gain = 0;
-    std::vector<int> arcs;  ///< distinct
-    std::vector<int> uses;  ///< how often it is used on each of these
-  };
-  struct Pair {
-    int arc, a, b;  ///< a < b
-    double price;   ///< 0 or more
-  };
-  std::vector<Item> items;
-  std::vector<Pair> pairs;
-  std::vector<int> room;  ///< uses that each arc has room for
-};
 
 struct Selected {
   std::vector<char> chosen;

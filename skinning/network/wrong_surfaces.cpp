@@ -10,7 +10,7 @@
 #include "batten/core/words.h"
 #include "batten/skinning/facets.h"
 #include "batten/skinning/network/facet_crossings.h"
-#include "batten/skinning/network/model.h"
+#include "batten/skinning/network/wrong_surfaces.h"
 
 namespace batten {
 namespace {

@@ -3,6 +3,7 @@
 #include "../embedded_grid.h"
 #include "../refusal.h"
 #include "../sampling.h"
+#include "batten/fem/assembly.h"
 #include "batten/fem/bisection.h"
 
 using namespace batten_test;

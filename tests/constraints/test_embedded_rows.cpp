@@ -4,6 +4,7 @@
 #include "../sampling.h"
 #include "batten/core/errors.h"
 #include "batten/elements/reference_triangle.h"
+#include "batten/fem/assembly.h"
 
 using namespace batten_test;
 

@@ -5,6 +5,7 @@
 
 #include "batten/constraints/affine_reduction.h"
 #include "batten/core/errors.h"
+#include "batten/fem/assembly.h"
 #include "batten/tests/catch.h"
 #include "batten/tests/sampling.h"
 

@@ -12,6 +12,7 @@
 #include "batten/core/errors.h"
 #include "batten/core/parallel.h"
 #include "batten/fairing/curvature_surface.h"
+#include "batten/fem/assembly.h"
 #include "batten/tests/catch.h"
 #include "batten/tests/clamped_rim.h"
 #include "batten/tests/refusal.h"

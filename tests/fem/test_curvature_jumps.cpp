@@ -1,3 +1,4 @@
+#include "batten/fem/assembly.h"
 #include "batten/fem/curvature_jumps.h"
 
 #include "batten/constraints/affine_reduction.h"

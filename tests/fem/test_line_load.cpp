@@ -1,3 +1,4 @@
+#include "batten/fem/assembly.h"
 #include "batten/fem/line_load.h"
 
 #include "batten/core/errors.h"

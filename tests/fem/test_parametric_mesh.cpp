@@ -1,3 +1,4 @@
+#include "batten/fem/assembly.h"
 #include "batten/fem/parametric_mesh.h"
 
 #include <cmath>

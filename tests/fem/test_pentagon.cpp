@@ -6,6 +6,7 @@
 
 #include "batten/constraints/affine_reduction.h"
 #include "batten/constraints/shape/shape_constraints.h"
+#include "batten/fem/assembly.h"
 #include "batten/fem/surface.h"
 #include "batten/tests/catch.h"
 #include "batten/tests/reference.h"

@@ -8,7 +8,9 @@
 #include <vector>
 
 #include "batten/io/scene.h"
+#include "batten/skinning/network/find_regions.h"
 #include "batten/skinning/network/model.h"
+#include "batten/skinning/network/skin_network.h"
 
 namespace batten_test {
 

@@ -7,7 +7,9 @@
 
 #include "batten/core/errors.h"
 #include "batten/io/scene.h"
+#include "batten/skinning/network/find_regions.h"
 #include "batten/skinning/network/model.h"
+#include "batten/skinning/network/skin_network.h"
 #include "batten/tests/catch.h"
 
 using namespace batten;

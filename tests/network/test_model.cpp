@@ -3,7 +3,9 @@
 #include <map>
 #include <numbers>
 
+#include "batten/skinning/network/find_regions.h"
 #include "batten/skinning/network/model.h"
+#include "batten/skinning/network/skin_network.h"
 #include "batten/tests/catch.h"
 #include "batten/tests/network/networks.h"
 

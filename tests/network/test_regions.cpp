@@ -1,4 +1,5 @@
 // Regions of networks: the loops that anyone would take, words of the user, and real sketches.
+#include "batten/skinning/network/find_regions.h"
 #include "batten/skinning/network/regions.h"
 
 #include <algorithm>

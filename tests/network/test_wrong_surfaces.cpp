@@ -3,9 +3,11 @@
 
 #include "batten/constraints/affine_reduction.h"
 #include "batten/core/errors.h"
+#include "batten/fem/assembly.h"
 #include "batten/fem/dissection.h"
 #include "batten/skinning/network/facet_crossings.h"
 #include "batten/skinning/network/model.h"
+#include "batten/skinning/network/wrong_surfaces.h"
 #include "batten/tests/catch.h"
 
 using namespace batten;
@@ -265,7 +267,8 @@ TEST_CASE("crossings of facets are those that a brute search finds") {
       };
       if (pierces(a, b) || pierces(b, a)) expected.emplace_back(a, b);
     }
-  for (const FacetCrossing& c : facet_crossings(points, facets, facets, std::vector<int>(300, 0), 0))
+  for (const FacetCrossing& c :
+       facet_crossings(points, facets, facets, std::vector<int>(300, 0), 0))
     found.emplace_back(c.a, c.b);
   CHECK(expected.size() > 100);
   CHECK(found == expected);

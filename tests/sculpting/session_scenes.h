@@ -11,6 +11,7 @@
 
 #include "../skinning/shapes.h"
 #include "../static_twin.h"
+#include "batten/fem/assembly.h"
 #include "batten/sculpting/session.h"
 #include "batten/tests/sampling.h"
 

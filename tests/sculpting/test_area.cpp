@@ -1,3 +1,4 @@
+#include "batten/fem/assembly.h"
 #include "batten/sculpting/area.h"
 
 #include <cmath>

@@ -2,6 +2,7 @@
 // sides, and a model of one region that is that region.
 #include "../patchwork.h"
 #include "batten/core/errors.h"
+#include "batten/fem/assembly.h"
 #include "batten/sculpting/static_sculpt.h"
 #include "batten/skinning/quality.h"
 #include "session_scenes.h"

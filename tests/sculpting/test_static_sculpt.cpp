@@ -2,6 +2,7 @@
 #include "../skinning/shapes.h"
 #include "../static_twin.h"
 #include "batten/core/errors.h"
+#include "batten/fem/assembly.h"
 #include "batten/skinning/mesher.h"
 #include "batten/tests/catch.h"
 

@@ -4,6 +4,7 @@
 
 #include "batten/constraints/affine_reduction.h"
 #include "batten/core/errors.h"
+#include "batten/fem/assembly.h"
 #include "batten/skinning/quality.h"
 #include "batten/tests/catch.h"
 #include "given_lines.h"

@@ -1,4 +1,5 @@
 // Rings: periodic strips between two smooth rims hold both rims exactly, without a seam.
+#include "batten/fem/assembly.h"
 #include "batten/skinning/ring.h"
 
 #include <Eigen/Dense>

@@ -3,6 +3,7 @@
 
 #include "batten/constraints/affine_reduction.h"
 #include "batten/core/errors.h"
+#include "batten/fem/assembly.h"
 #include "batten/skinning/plain_fill.h"
 #include "batten/skinning/quality.h"
 #include "batten/tests/catch.h"

@@ -4,7 +4,9 @@
 #include "batten/fem/assembly.h"
 #include "batten/fem/dissection.h"
 #include "batten/skinning/model/model_layout.h"
+#include "batten/skinning/network/find_regions.h"
 #include "batten/skinning/network/model.h"
+#include "batten/skinning/network/skin_network.h"
 #include "batten/skinning/skin.h"
 #include "batten/tests/catch.h"
 #include "batten/tests/network/networks.h"
@@ -77,8 +79,7 @@ TEST_CASE("a model: one mesh and one shape a region, one factor a group of smoot
   for (int i = 0; i <= 2; ++i)
     for (const bool along_x : {true, false}) {
       std::vector<Vec3> points;
-      for (int k = 0; k <= 8; ++k)
-        points.push_back(along_x ? at(0.25 * k, i) : at(i, 0.25 * k));
+      for (int k = 0; k <= 8; ++k) points.push_back(along_x ? at(0.25 * k, i) : at(i, 0.25 * k));
       const std::string name = (along_x ? "y" : "x") + std::to_string(i);
       lines.push_back({name, curve_through_points(name, points)});
     }

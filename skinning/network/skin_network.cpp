@@ -1,4 +1,4 @@
-#include "batten/skinning/network/model.h"
+#include "batten/skinning/network/skin_network.h"
 
 #include <algorithm>
 #include <map>

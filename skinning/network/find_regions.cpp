@@ -1,4 +1,4 @@
-#include "batten/skinning/network/regions.h"
+#include "batten/skinning/network/find_regions.h"
 
 #include <algorithm>
 #include <cmath>
