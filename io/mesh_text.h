@@ -98,7 +98,7 @@ class MeshText {
 /// Content whose coordinates are bytes of the file.
 struct TextMesh : MeshContent {
   explicit TextMesh(MeshText file) : file(std::move(file)) {}
-  MeshFile::Rounding write(const std::filesystem::path& path, const Points& points,
+  MeshRounding write(const std::filesystem::path& path, const Points& points,
                            const MeshWriteOptions& options) const override;
 
   MeshText file;

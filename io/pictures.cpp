@@ -25,6 +25,7 @@
 
 #include "batten/core/errors.h"
 #include "batten/io/canvas.h"
+#include "batten/io/colour_tables.h"
 #include "batten/io/vtk_files.h"
 
 namespace batten {

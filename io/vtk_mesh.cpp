@@ -226,7 +226,7 @@ class VtkMesh : public MeshContent {
     drop_normals(*data_->GetCellData(), "cell");
   }
 
-  MeshFile::Rounding write(const fs::path& path, const Points& points,
+  MeshRounding write(const fs::path& path, const Points& points,
                            const MeshWriteOptions&) const override {
     const bool fits = points.cast<float>().cast<double>() == points;
     const bool single = data_->GetPoints()->GetDataType() == VTK_FLOAT && fits;
