@@ -42,7 +42,7 @@ struct MeshContent {
   virtual ~MeshContent() = default;
   /// `points` have the right number and are finite, the extension is one of `extensions`.
   virtual MeshRounding write(const std::filesystem::path& path, const Points& points,
-                                   const MeshWriteOptions& options) const = 0;
+                             const MeshWriteOptions& options) const = 0;
 
   std::string format;
   std::vector<std::string> extensions;

@@ -99,7 +99,7 @@ class MeshText {
 struct TextMesh : MeshContent {
   explicit TextMesh(MeshText file) : file(std::move(file)) {}
   MeshRounding write(const std::filesystem::path& path, const Points& points,
-                           const MeshWriteOptions& options) const override;
+                     const MeshWriteOptions& options) const override;
 
   MeshText file;
   std::vector<std::array<Field, 3>> fields;  ///< of each node, in the order of the file

@@ -183,7 +183,7 @@ std::string wide_grid(std::string_view line, const std::array<std::string, 3>& c
 }  // namespace
 
 MeshRounding TextMesh::write(const std::filesystem::path& path, const Points& points,
-                                   const MeshWriteOptions& options) const {
+                             const MeshWriteOptions& options) const {
   const std::string& text = file.text();
   MeshRounding rounding;
   std::string out;

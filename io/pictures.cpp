@@ -334,7 +334,8 @@ void draw(vtkRenderer& renderer, const PictureScene& scene, double width, double
 
   add_surface(renderer, scene, *data, frame);
   if (scene.mesh)
-    add_thin_lines(renderer, element_edges(scene, facets_per_edge(scene)), kMesh, 0.9 * unit, offset);
+    add_thin_lines(renderer, element_edges(scene, facets_per_edge(scene)), kMesh, 0.9 * unit,
+                   offset);
   add_iso_lines(renderer, scene, *data, points, 1.2 * unit, offset);
   if (scene.lines && data->GetNumberOfLines() > 0) {
     const auto chains = part(*data, data->GetLines(), nullptr);

@@ -93,7 +93,7 @@ class StlMesh : public MeshContent {
   }
 
   MeshRounding write(const std::filesystem::path& path, const Points& points,
-                           const MeshWriteOptions&) const override {
+                     const MeshWriteOptions&) const override {
     MeshRounding rounding;
     const std::string out = binary_ ? patched_binary(points, rounding) : patched_text(points);
     write_whole_file(path, [&](std::ostream& stream) {
@@ -181,8 +181,7 @@ class StlMesh : public MeshContent {
           shells.add_face(face);
           face.clear();
         });
-    std::erase_if(sets,
-                  [](const MeshSet& set) { return set.faces.empty() || set.name.empty(); });
+    std::erase_if(sets, [](const MeshSet& set) { return set.faces.empty() || set.name.empty(); });
     shells.points = nodes.points();
   }
 

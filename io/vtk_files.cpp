@@ -68,8 +68,8 @@ struct PointTable {
   PointTable() { points->SetDataTypeToDouble(); }
 
   /// Index of the first point added.
-  vtkIdType add(const Surface& surface, const Tessellation& tessellation,
-                const Surface* reference, bool with_curvatures) {
+  vtkIdType add(const Surface& surface, const Tessellation& tessellation, const Surface* reference,
+                bool with_curvatures) {
     const vtkIdType first = points->GetNumberOfPoints();
     if (with_curvatures)
       for (const Curvatures& bend : recovered_curvatures(surface, tessellation)) {
@@ -229,9 +229,9 @@ vtkSmartPointer<vtkPolyData> to_poly_data(const std::vector<const SkinnedRegion*
   for (size_t r = 0; r < regions.size(); ++r) {
     const SkinnedRegion& region = *regions[r];
     const auto [tessellation, chains] = batten::facets(region, per_edge, length);
-    const vtkIdType first = table.add(region.surface, tessellation,
-                                      options.references.empty() ? nullptr : options.references[r],
-                                      options.curvatures);
+    const vtkIdType first =
+        table.add(region.surface, tessellation,
+                  options.references.empty() ? nullptr : options.references[r], options.curvatures);
     for (size_t l = 0; l < chains.size(); ++l) {
       const int line = index.of(region, l);
       if (line < 0) continue;

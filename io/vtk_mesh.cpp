@@ -227,7 +227,7 @@ class VtkMesh : public MeshContent {
   }
 
   MeshRounding write(const fs::path& path, const Points& points,
-                           const MeshWriteOptions&) const override {
+                     const MeshWriteOptions&) const override {
     const bool fits = points.cast<float>().cast<double>() == points;
     const bool single = data_->GetPoints()->GetDataType() == VTK_FLOAT && fits;
     auto moved = vtkSmartPointer<vtkPointSet>::Take(data_->NewInstance());

@@ -107,9 +107,8 @@ void measure_run(const SkinnedRegion& region, const LineRun& run, SkinQuality& q
 void measure_embedded(const Surface& surface, const TriangleLocator& locator,
                       const EmbeddedLine& line, SkinQuality& q) {
   raise(q.max_line_gap, line_gap(surface, line));
-  const int count =
-      std::max<int>({256, 2 * edge_samples * static_cast<int>(line.points.size()),
-                     4 * line.fitted.segment_count()});
+  const int count = std::max<int>({256, 2 * edge_samples * static_cast<int>(line.points.size()),
+                                   4 * line.fitted.segment_count()});
   const auto on_surface = [&](double u) -> Vec3 {
     return surface.position(locator.locate(flat(line.image.evaluate(u))));
   };
