@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "batten/core/errors.h"
+#include "batten/elements/reference_triangle.h"
 
 namespace batten {
 namespace {
@@ -92,8 +93,24 @@ Location Surface::locate(const Vec2& uv) const {
 
 double Surface::area() const {
   static const TriangleRule rule = split_triangle(6);
+  // At the same places of every triangle the reference functions are the same.
+  std::vector<Eigen::Matrix<double, 12, 2>> slopes;
+  for (long p = 0; p < rule.weights.size(); ++p)
+    slopes.push_back(reference_functions(kind_, rule.L.row(p).transpose()).middleCols<2>(1));
   double sum = 0;
-  const auto add = [&](int t, const TriangleRule& points) {
+  const auto add_whole = [&](int t) {
+    const TriangleShape shape = mesh_->shape(t);
+    const Eigen::Matrix<double, 12, 3> q =
+        C1Triangle(kind_, shape).to_reference_dofs().lazyProduct(triangle_dofs(t));
+    const DerivativeMap map(shape);
+    for (long p = 0; p < rule.weights.size(); ++p) {
+      const Eigen::Matrix<double, 12, 2> local =
+          slopes[static_cast<size_t>(p)] * map.first.transpose();
+      const Eigen::Matrix<double, 3, 2> d = q.transpose().lazyProduct(local);
+      sum += shape.area * rule.weights[p] * d.col(0).cross(d.col(1)).norm();
+    }
+  };
+  const auto add_part = [&](int t, const TriangleRule& points) {
     for (long p = 0; p < points.weights.size(); ++p)
       sum += mesh_->shape(t).area * points.weights[p] *
              jet({t, points.L.row(p).transpose()}).area_vector().norm();
@@ -101,9 +118,9 @@ double Surface::area() const {
   constexpr int degree = 8;  // of the rule on cut triangles
   for (int t = 0; t < mesh_->triangle_count(); ++t)
     if (!trim_ || trim_->side(t) == Trim::Side::Inside)
-      add(t, rule);
+      add_whole(t);
     else
-      add(t, trim_->rule(t, degree));
+      add_part(t, trim_->rule(t, degree));
   return sum;
 }
 

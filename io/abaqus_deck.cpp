@@ -272,7 +272,7 @@ class AbaqusReader {
     deck_.finish();
     std::map<std::string, std::vector<int>> known;
     std::map<std::string, size_t> position;
-    std::vector<MeshFile::Set> sets;
+    std::vector<MeshSet> sets;
     for (const auto& raw : raw_sets_) {
       std::vector<int> members =
           raw->of_nodes ? deck_.nodes_of(raw->ranges) : deck_.faces_of(raw->ranges);
@@ -299,7 +299,7 @@ class AbaqusReader {
     }
     for (const auto& [key, index] : position)
       (key[0] == 'N' ? sets[index].nodes : sets[index].faces) = known[key];
-    for (MeshFile::Set& set : sets)
+    for (MeshSet& set : sets)
       if (!set.nodes.empty() || !set.faces.empty()) mesh_.sets.push_back(std::move(set));
     properties(known);
     warn();

@@ -1,17 +1,11 @@
 #include "batten/io/canvas.h"
 
-#include <dlfcn.h>
 #include <vtkActor.h>
 #include <vtkAutoInit.h>
 #include <vtkCamera.h>
-#include <vtkColorTransferFunction.h>
-#include <vtkDataArray.h>
-#include <vtkErrorCode.h>
-#include <vtkImageData.h>
 #include <vtkLight.h>
 #include <vtkLookupTable.h>
 #include <vtkNew.h>
-#include <vtkPNGWriter.h>
 #include <vtkPolyData.h>
 #include <vtkPolyDataMapper.h>
 #include <vtkProperty.h>
@@ -24,13 +18,11 @@
 #include <vtkTubeFilter.h>
 #include <vtkUnsignedCharArray.h>
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
-#include <numbers>
 
 #include "batten/core/errors.h"
+#include "batten/io/display.h"
 #include "batten/io/whole_file.h"
 
 // VTK finds its drawing code by these.
@@ -138,60 +130,6 @@ void check(const PictureSize& size) {
 }
 
 }  // namespace
-
-ViewAxes::ViewAxes(double azimuth, double elevation) {
-  const double degree = std::numbers::pi / 180;
-  const double a = azimuth * degree, e = elevation * degree;
-  right = {std::cos(a), std::sin(a), 0};
-  towards = {std::sin(a) * std::cos(e), -std::cos(a) * std::cos(e), std::sin(e)};
-  up = towards.cross(right);
-}
-
-ViewAxes::ViewAxes(const Vec3& towards_camera) : towards(towards_camera.normalized()) {
-  const Vec3 above = std::abs(towards.z()) > std::sqrt(0.5) ? Vec3::UnitY() : Vec3::UnitZ();
-  right = above.cross(towards).normalized();
-  up = towards.cross(right);
-}
-
-ViewAxes best_view(const std::vector<Vec3>& points) {
-  Vec3 middle = Vec3::Zero();
-  for (const Vec3& p : points) middle += p / static_cast<double>(points.size());
-  Mat3 moments = Mat3::Zero();
-  for (const Vec3& p : points) moments += (p - middle) * (p - middle).transpose();
-  const Eigen::SelfAdjointEigenSolver<Mat3> plane(moments);
-  Vec3 normal = plane.eigenvectors().col(0);
-  // A straight line has no plane of its own: the usual view, as far as it allows.
-  if (plane.eigenvalues()[1] <= 1e-9 * plane.eigenvalues()[2]) {
-    const Vec3 along = plane.eigenvectors().col(2), usual = ViewAxes(-30, 30).towards;
-    normal = usual - usual.dot(along) * along;
-    if (normal.norm() < 1e-6) normal = along.unitOrthogonal();
-  }
-  // From above; a standing plane from the front (-y), one that faces sideways from the right.
-  const double side = std::abs(normal.z()) > std::sqrt(0.5) ? normal.z()
-                      : std::abs(normal.y()) > 0.3          ? -normal.y()
-                                                            : normal.x();
-  return ViewAxes(side < 0 ? Vec3(-normal) : normal);
-}
-
-Fit fit(const std::vector<Vec3>& points, const ViewAxes& axes, const Frame& frame, double zoom) {
-  Vec3 low = Vec3::Constant(1e300), high = -low;
-  for (const Vec3& p : points) {
-    const Vec3 q(axes.right.dot(p), axes.up.dot(p), axes.towards.dot(p));
-    low = low.cwiseMin(q);
-    high = high.cwiseMax(q);
-  }
-  const double margin = 0.06;
-  const double width = frame.width * (1 - 2 * margin);
-  const double height = (frame.height - frame.top - frame.bottom) * (1 - 2 * margin);
-  const Vec3 extent = high - low;
-  double pixel = std::max(extent.x() / width, extent.y() / height);
-  if (!(pixel > 0)) pixel = 1 / width;
-  pixel /= zoom;
-  const Vec3 middle = (low + high) / 2;
-  const double shift = pixel * (frame.top - frame.bottom) / 2;
-  return {middle.x() * axes.right + (middle.y() + shift) * axes.up + middle.z() * axes.towards,
-          pixel};
-}
 
 std::vector<Vec3> points_of(vtkPolyData& data) {
   std::vector<Vec3> points(static_cast<size_t>(data.GetNumberOfPoints()));
@@ -327,83 +265,6 @@ void set_camera(vtkRenderer& renderer, const ViewAxes& axes, const Fit& view, do
   renderer.ResetCameraClippingRange();
 }
 
-double rounded_up(double x) {
-  const double power = std::pow(10, std::floor(std::log10(x)) - 1);
-  return std::ceil(x / power * (1 - 1e-9)) * power;
-}
-
-double round_step(double x) {
-  const double power = std::pow(10, std::floor(std::log10(x) + 1e-9)), digit = x / power;
-  return power * (digit >= 5 ? 5 : digit >= 2 ? 2 : 1);
-}
-
-vtkSmartPointer<vtkLookupTable> diverging_colours(double limit) {
-  vtkNew<vtkColorTransferFunction> colours;
-  colours->SetColorSpaceToDiverging();
-  colours->AddRGBPoint(-1, 0.230, 0.299, 0.754);
-  colours->AddRGBPoint(0, 0.865, 0.865, 0.865);
-  colours->AddRGBPoint(1, 0.706, 0.016, 0.150);
-  auto table = vtkSmartPointer<vtkLookupTable>::New();
-  constexpr int entries = 511;
-  table->SetNumberOfTableValues(entries);
-  for (int i = 0; i < entries; ++i) {
-    double rgb[3];
-    colours->GetColor(2.0 * i / (entries - 1) - 1, rgb);
-    table->SetTableValue(i, rgb[0], rgb[1], rgb[2]);
-  }
-  table->SetRange(-limit, limit);
-  return table;
-}
-
-vtkSmartPointer<vtkLookupTable> sequential_colours(double limit) {
-  vtkNew<vtkColorTransferFunction> colours;
-  colours->SetColorSpaceToLab();
-  colours->AddRGBPoint(0, 0.90, 0.92, 0.94);
-  colours->AddRGBPoint(0.35, 0.55, 0.76, 0.86);
-  colours->AddRGBPoint(0.7, 0.16, 0.44, 0.70);
-  colours->AddRGBPoint(1, 0.06, 0.14, 0.42);
-  auto table = vtkSmartPointer<vtkLookupTable>::New();
-  constexpr int entries = 256;
-  table->SetNumberOfTableValues(entries);
-  for (int i = 0; i < entries; ++i) {
-    double rgb[3];
-    colours->GetColor(static_cast<double>(i) / (entries - 1), rgb);
-    table->SetTableValue(i, rgb[0], rgb[1], rgb[2]);
-  }
-  table->SetRange(0, limit);
-  return table;
-}
-
-vtkSmartPointer<vtkLookupTable> striped_colours(double low, double high, double from,
-                                                double width) {
-  auto table = vtkSmartPointer<vtkLookupTable>::New();
-  const int entries = static_cast<int>(std::clamp(128 * (high - low) / width, 256.0, 65536.0));
-  table->SetNumberOfTableValues(entries);
-  const Colour light(0.97, 0.97, 0.97), dark(0.10, 0.12, 0.16);
-  constexpr double soft = 0.08;  // of a stripe: how wide the change is
-  for (int i = 0; i < entries; ++i) {
-    const double place = (low + (i + 0.5) / entries * (high - low) - from) / width;
-    const double nearest = std::round(place),
-                 after = std::clamp((place - nearest) / soft, -0.5, 0.5);
-    const double share = 0.5 + (std::fmod(nearest, 2) == 0 ? after : -after);
-    const Colour c = share * light + (1 - share) * dark;
-    table->SetTableValue(i, c[0], c[1], c[2]);
-  }
-  table->SetRange(low, high);
-  return table;
-}
-
-double field_limit(vtkDataArray& values) {
-  std::vector<double> sorted;
-  for (vtkIdType i = 0; i < values.GetNumberOfTuples(); ++i)
-    if (const double v = values.GetTuple1(i); std::isfinite(v)) sorted.push_back(v);
-  if (sorted.empty()) return 1;
-  std::sort(sorted.begin(), sorted.end());
-  const size_t cut = sorted.size() / 50;
-  const double limit = std::max(std::abs(sorted[cut]), std::abs(sorted[sorted.size() - 1 - cut]));
-  return limit > 1e-300 ? rounded_up(limit) : 1;
-}
-
 void add_scalar_bar(vtkRenderer& renderer, vtkLookupTable* table, const std::string& title,
                     const Frame& frame) {
   const double width = std::min(0.5 * frame.width, 640 * frame.unit);
@@ -475,51 +336,4 @@ void draw_sheet(const fs::path& path, int count, int columns, bool captions_belo
 }
 
 }  // namespace canvas
-
-void write_png(const fs::path& path, const Image& image) {
-  const size_t row = size_t{3} * static_cast<size_t>(std::max(image.width, 0));
-  if (image.width < 1 || image.height < 1 || image.rgb.size() != row * image.height)
-    throw InputError(path.string() + ": found a picture of " + std::to_string(image.width) + " x " +
-                     std::to_string(image.height) + " pixels with " +
-                     std::to_string(image.rgb.size()) + " bytes, expected three a pixel");
-  WholeFile file(path);
-  vtkNew<vtkImageData> data;
-  data->SetDimensions(image.width, image.height, 1);
-  data->AllocateScalars(VTK_UNSIGNED_CHAR, 3);
-  auto* out = static_cast<unsigned char*>(data->GetScalarPointer());
-  for (int y = image.height - 1; y >= 0; --y, out += row)
-    std::copy_n(&image.rgb[static_cast<size_t>(y) * row], row, out);
-  vtkNew<vtkPNGWriter> writer;
-  writer->SetFileName(file.temporary().c_str());
-  writer->SetInputData(data);
-  writer->Write();
-  if (writer->GetErrorCode() != vtkErrorCode::NoError)
-    throw InputError(path.string() + ": cannot write this file: " +
-                     vtkErrorCode::GetStringFromErrorCode(writer->GetErrorCode()));
-  file.commit();
-}
-
-void require_display() {
-  static std::string good;  // the server that was asked last
-  const std::string advice = "; run under xvfb-run -a, or where an X server is";
-  const char* set = std::getenv("DISPLAY");
-  const std::string name = set ? set : "";
-  if (name.empty()) throw InputError("no display: VTK draws only with an X server" + advice);
-  if (name == good) return;
-  void* library = dlopen("libX11.so.6", RTLD_NOW | RTLD_LOCAL);
-  if (!library) throw InputError("no display: libX11.so.6 is missing" + advice);
-  const auto open = reinterpret_cast<void* (*)(const char*)>(dlsym(library, "XOpenDisplay"));
-  const auto query = reinterpret_cast<int (*)(void*, const char*, int*, int*, int*)>(
-      dlsym(library, "XQueryExtension"));
-  // The connection stays: servers start anew, and refuse others meanwhile, when the last one ends.
-  static void* display = nullptr;
-  display = open && query ? open(nullptr) : nullptr;
-  if (!display)
-    throw InputError("no display: the X server '" + name + "' does not answer" + advice);
-  int opcode, event, error;
-  if (!query(display, "GLX", &opcode, &event, &error))
-    throw InputError("no display: the X server '" + name + "' has no OpenGL (GLX)" + advice);
-  good = name;
-}
-
 }  // namespace batten

@@ -8,12 +8,11 @@
 #include <string>
 #include <vector>
 
-#include "batten/core/eigen.h"
-#include "batten/io/pictures.h"
+#include "batten/io/camera.h"
+#include "batten/io/image.h"
 
 class vtkActor;
 class vtkAlgorithmOutput;
-class vtkDataArray;
 class vtkLookupTable;
 class vtkPolyData;
 class vtkRenderer;
@@ -24,32 +23,6 @@ using Colour = Vec3;
 inline const Colour kBody(0.70, 0.775, 0.86), kLine(0.83, 0.21, 0.10), kContour(0.13, 0.17, 0.24),
     kParameter(0.30, 0.38, 0.50), kMesh(0.25, 0.30, 0.38), kText(0.14, 0.16, 0.20),
     kLoose(0.10, 0.45, 0.75);
-
-/// Orthonormal: right, up, and towards the camera.
-struct ViewAxes {
-  Vec3 right, up, towards;
-  /// Degrees, as PictureScene has them.
-  ViewAxes(double azimuth, double elevation);
-  /// Against this direction; z upwards, or y where that looks down on the plane z = 0 (by less than
-  /// 45 degrees from above or below).
-  explicit ViewAxes(const Vec3& towards_camera);
-};
-/// Onto the plane that fits the points best, from the side of z, y or x that it faces.
-ViewAxes best_view(const std::vector<Vec3>& points);
-
-/// A part of the window in pixels, from its lower left corner.
-struct Frame {
-  double width, height;  // of the viewport
-  double top, bottom;    // kept free for text
-  double unit;           // 1 at 1600 × 1000: sizes of text and lines go with it
-};
-
-struct Fit {
-  Vec3 focus;
-  double pixel;  // length of a pixel in the model
-};
-/// So that all points are in the frame, at zoom 1.
-Fit fit(const std::vector<Vec3>& points, const ViewAxes& axes, const Frame& frame, double zoom);
 
 std::vector<Vec3> points_of(vtkPolyData& data);
 
@@ -78,19 +51,6 @@ void add_title(vtkRenderer& renderer, const std::string& title, double width, do
 void set_camera(vtkRenderer& renderer, const ViewAxes& axes, const Fit& view, double width,
                 double height);
 
-/// Blue below 0, red above.
-vtkSmartPointer<vtkLookupTable> diverging_colours(double limit);
-/// Light to dark from 0 to the limit.
-vtkSmartPointer<vtkLookupTable> sequential_colours(double limit);
-/// Light and dark by turns from `low` to `high`, a change at every multiple of `width` above
-/// `from`.
-vtkSmartPointer<vtkLookupTable> striped_colours(double low, double high, double from, double width);
-/// Largest magnitude between the 2nd and the 98th percentile, rounded up.
-double field_limit(vtkDataArray& values);
-/// The smallest number of two digits that is not below x > 0.
-double rounded_up(double x);
-/// The largest of 1, 2, 5 times a power of ten that is not above x > 0.
-double round_step(double x);
 /// Colours, numbers below them, the title above: 100 units high.
 void add_scalar_bar(vtkRenderer& renderer, vtkLookupTable* table, const std::string& title,
                     const Frame& frame);

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "batten/io/curve_files.h"
+#include "batten/io/named_curve.h"
 
 namespace batten {
 

@@ -186,13 +186,6 @@ std::vector<std::string> leave_out(const fs::path& path, std::vector<NamedCurve>
 
 }  // namespace
 
-std::vector<Vec3> NamedCurve::written_points() const {
-  if (!has_curve()) return points;
-  std::vector<Vec3> on_curve;
-  for (const double u : parameters) on_curve.push_back(curve.evaluate(u));
-  return on_curve;
-}
-
 const std::vector<std::string>& curve_file_endings() {
   static const std::vector<std::string> endings = {".curves", ".csv", ".obj",  ".vtp",
                                                    ".step",   ".stp", ".iges", ".igs"};

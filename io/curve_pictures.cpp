@@ -16,6 +16,7 @@
 #include "batten/core/errors.h"
 #include "batten/fairing/fairness.h"
 #include "batten/io/canvas.h"
+#include "batten/io/colour_tables.h"
 
 namespace batten {
 namespace {

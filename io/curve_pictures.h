@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "batten/fem/curve.h"
+#include "batten/io/image.h"
 #include "batten/io/pictures.h"
 
 namespace batten {

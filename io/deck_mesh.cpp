@@ -54,13 +54,13 @@ void DeckMesh::finish(const std::string& missing_hint) {
   mesh_.shells.points = Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>>(
       coordinates_.data(), mesh_.node_labels.count(), 3);
 
-  std::vector<MeshFile::Set> properties(properties_.size());
+  std::vector<MeshSet> properties(properties_.size());
   for (size_t p = 0; p < properties.size(); ++p) properties[p].name = properties_[p];
   for (size_t s = 0; s < shells_.size(); ++s) {
     join_shell(shells_[s], mesh_.face_labels.of(static_cast<int>(s)), missing_hint);
     properties[shells_[s].property].faces.push_back(static_cast<int>(s));
   }
-  for (MeshFile::Set& property : properties)
+  for (MeshSet& property : properties)
     if (!property.name.empty()) mesh_.properties.push_back(std::move(property));
 }
 

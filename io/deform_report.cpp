@@ -31,6 +31,40 @@ Json quality_json(const QualitySummary& q) {
           {"largest_angle_deg", measure_json(q.largest_angle_degrees)}};
 }
 
+Json edits_json(const std::vector<DeformReport::Edit>& edits) {
+  Json json = Json::array();
+  for (const auto& e : edits)
+    json.push_back({{"name", e.name},
+                    {"moving_nodes", e.moving},
+                    {"unknowns", e.unknowns},
+                    {"soft_rows", e.soft_rows},
+                    {"hard_rows", e.hard_rows},
+                    {"feature_rows", e.feature_rows},
+                    {"dropped_rows", e.dropped_rows},
+                    {"guide_rows", e.guide_rows},
+                    {"largest_displacement", e.largest_displacement},
+                    {"hard_residual", e.hard_residual},
+                    {"last_correction", e.last_correction},
+                    {"set_up_s", e.set_up_s},
+                    {"edit_s", e.edit_s}});
+  return json;
+}
+
+Json curves_json(const std::vector<DeformReport::Curve>& curves) {
+  Json json = Json::array();
+  for (const auto& c : curves)
+    json.push_back({{"name", c.name},
+                    {"nodes", c.vertices},
+                    {"segments", c.segments},
+                    {"fairing", {{"max", c.fairing.max}, {"rms", c.fairing.rms}}},
+                    {"wavelength", c.wavelength},
+                    {"largest_shift", c.largest_shift},
+                    {"max_residual", c.max_residual},
+                    {"before", json_of(c.before)},
+                    {"after", json_of(c.after)}});
+  return json;
+}
+
 Json contents(const DeformReport& r) {
   Json json;
   json["name"] = r.name;
@@ -42,23 +76,9 @@ Json contents(const DeformReport& r) {
                   {"faces", r.faces}};
 
   double residual = 0;
-  json["edits"] = Json::array();
-  for (const auto& e : r.edits) {
+  for (const auto& e : r.edits)
     if (!std::isnan(residual) && !(e.hard_residual <= residual)) residual = e.hard_residual;
-    json["edits"].push_back({{"name", e.name},
-                             {"moving_nodes", e.moving},
-                             {"unknowns", e.unknowns},
-                             {"soft_rows", e.soft_rows},
-                             {"hard_rows", e.hard_rows},
-                             {"feature_rows", e.feature_rows},
-                             {"dropped_rows", e.dropped_rows},
-                             {"guide_rows", e.guide_rows},
-                             {"largest_displacement", e.largest_displacement},
-                             {"hard_residual", e.hard_residual},
-                             {"last_correction", e.last_correction},
-                             {"set_up_s", e.set_up_s},
-                             {"edit_s", e.edit_s}});
-  }
+  json["edits"] = edits_json(r.edits);
   json["hard"] = {{"max_residual", residual}};
   json["features"] = Json::array();
   for (const auto& f : r.features)
@@ -69,17 +89,7 @@ Json contents(const DeformReport& r) {
                                 {"scale", f.scale},
                                 {"turned_deg", f.turned_deg},
                                 {"moved", f.moved}});
-  json["curves"] = Json::array();
-  for (const auto& c : r.curves)
-    json["curves"].push_back({{"name", c.name},
-                              {"nodes", c.vertices},
-                              {"segments", c.segments},
-                              {"fairing", {{"max", c.fairing.max}, {"rms", c.fairing.rms}}},
-                              {"wavelength", c.wavelength},
-                              {"largest_shift", c.largest_shift},
-                              {"max_residual", c.max_residual},
-                              {"before", json_of(c.before)},
-                              {"after", json_of(c.after)}});
+  json["curves"] = curves_json(r.curves);
   json["holes"] = Json::array();
   for (const auto& h : r.holes)
     json["holes"].push_back({{"loop", h.loop},

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "batten/fairing/fair_curve.h"
+#include "batten/io/image.h"
 #include "batten/io/pictures.h"
 #include "batten/io/scene.h"
 #include "batten/io/toml_table.h"

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "batten/io/face_maker.h"
+#include "batten/io/step_report.h"
 
 namespace batten {
 

@@ -17,7 +17,7 @@
 #include "batten/fem/triangle_locator.h"
 #include "batten/io/bicubic_patch.h"
 #include "batten/io/face_boundary.h"
-#include "batten/io/step_face.h"
+#include "batten/io/step_face_options.h"
 
 namespace batten {
 

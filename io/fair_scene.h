@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "batten/io/fair_stages.h"
+#include "batten/io/image.h"
 #include "batten/io/scene.h"
 
 namespace batten {

@@ -12,6 +12,10 @@ struct Image {
   std::vector<unsigned char> rgb;
 };
 
+struct PictureSize {
+  int width = 1600, height = 1000;  ///< pixels, 64 to 4096
+};
+
 /// Whole or not at all. Throws InputError: no pixels, a file that cannot be written.
 void write_png(const std::filesystem::path& path, const Image& image);
 

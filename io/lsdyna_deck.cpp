@@ -225,11 +225,11 @@ class DynaReader {
 
   void finish() {
     deck_.finish(includes_ > 0 ? " (included files are not followed)" : "");
-    for (MeshFile::Set& property : mesh_.properties)
+    for (MeshSet& property : mesh_.properties)
       if (const auto title = titles_.find(property.name); title != titles_.end())
         property.title = title->second;
     for (const DynaSet& set : sets_) {
-      MeshFile::Set found{set.name, set.title, {}, {}};
+      MeshSet found{set.name, set.title, {}, {}};
       (set.of_nodes ? found.nodes : found.faces) =
           set.of_nodes ? deck_.nodes_of(set.ranges) : deck_.faces_of(set.ranges);
       if (!found.nodes.empty() || !found.faces.empty()) mesh_.sets.push_back(std::move(found));

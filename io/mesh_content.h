@@ -8,7 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include "batten/io/mesh_file.h"
+#include "batten/io/mesh_file_types.h"
+#include "batten/mesh/shell_mesh.h"
 
 namespace batten {
 
@@ -40,14 +41,14 @@ class Labels {
 struct MeshContent {
   virtual ~MeshContent() = default;
   /// `points` have the right number and are finite, the extension is one of `extensions`.
-  virtual MeshFile::Rounding write(const std::filesystem::path& path, const Points& points,
-                                   const MeshWriteOptions& options) const = 0;
+  virtual MeshRounding write(const std::filesystem::path& path, const Points& points,
+                             const MeshWriteOptions& options) const = 0;
 
   std::string format;
   std::vector<std::string> extensions;
   ShellMesh shells;
   Labels node_labels, face_labels;
-  std::vector<MeshFile::Set> sets, properties;
+  std::vector<MeshSet> sets, properties;
   std::vector<std::string> warnings;
 };
 

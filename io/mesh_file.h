@@ -7,17 +7,12 @@
 #include <string>
 #include <vector>
 
+#include "batten/io/mesh_file_types.h"
 #include "batten/mesh/shell_mesh.h"
 
 namespace batten {
 
 struct MeshContent;
-
-struct MeshWriteOptions {
-  /// Nastran: small-field GRIDs (8 columns a number) that moved become large-field ones (GRID*, 16
-  /// columns, two lines). Other formats have nothing wider.
-  bool wide_nodes = false;
-};
 
 /// A mesh and the file around it: a value, copies share everything.
 ///
@@ -55,13 +50,7 @@ class MeshFile {
   std::optional<int> node_of_label(long label) const;
   std::optional<int> face_of_label(long label) const;
 
-  /// A node set has nodes only, a face set faces only; ascending, none twice. One of each may share
-  /// a name.
-  struct Set {
-    std::string name;   ///< LS-DYNA, Nastran: the id
-    std::string title;  ///< LS-DYNA only
-    std::vector<int> nodes, faces;
-  };
+  using Set = MeshSet;
   /// In the file's order; those without any node or face of the mesh are left out.
   const std::vector<Set>& sets() const;
   /// What holds thickness and material: face sets.
@@ -71,10 +60,7 @@ class MeshFile {
   /// "Nastran bulk data", …: for people.
   const std::string& format() const;
 
-  struct Rounding {
-    double largest = 0;  ///< |written - given| of one coordinate, model units
-    long at_label = -1;  ///< node where; -1 when every coordinate was written exactly
-  };
+  using Rounding = MeshRounding;
   /// The file as it was read, with other coordinates (n×3); whole or not at all.
   ///
   /// In text and in binary PLY and STL only the coordinates of nodes that moved are replaced: all

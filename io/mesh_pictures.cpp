@@ -20,6 +20,7 @@
 
 #include "batten/core/errors.h"
 #include "batten/io/canvas.h"
+#include "batten/io/colour_tables.h"
 #include "batten/io/shell_vtk.h"
 
 namespace batten {

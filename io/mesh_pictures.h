@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "batten/io/image.h"
 #include "batten/io/pictures.h"
 #include "batten/mesh/shell_mesh.h"
 

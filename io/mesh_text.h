@@ -98,8 +98,8 @@ class MeshText {
 /// Content whose coordinates are bytes of the file.
 struct TextMesh : MeshContent {
   explicit TextMesh(MeshText file) : file(std::move(file)) {}
-  MeshFile::Rounding write(const std::filesystem::path& path, const Points& points,
-                           const MeshWriteOptions& options) const override;
+  MeshRounding write(const std::filesystem::path& path, const Points& points,
+                     const MeshWriteOptions& options) const override;
 
   MeshText file;
   std::vector<std::array<Field, 3>> fields;  ///< of each node, in the order of the file

@@ -182,10 +182,10 @@ std::string wide_grid(std::string_view line, const std::array<std::string, 3>& c
 
 }  // namespace
 
-MeshFile::Rounding TextMesh::write(const std::filesystem::path& path, const Points& points,
-                                   const MeshWriteOptions& options) const {
+MeshRounding TextMesh::write(const std::filesystem::path& path, const Points& points,
+                             const MeshWriteOptions& options) const {
   const std::string& text = file.text();
-  MeshFile::Rounding rounding;
+  MeshRounding rounding;
   std::string out;
   out.reserve(text.size() + text.size() / 8);
   size_t done = 0;

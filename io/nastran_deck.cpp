@@ -220,7 +220,7 @@ class NastranReader {
         ranges.push_back({label, label});
       }
     }
-    MeshFile::Set set{std::string(values[0]), {}, deck_.nodes_of(ranges), {}};
+    MeshSet set{std::string(values[0]), {}, deck_.nodes_of(ranges), {}};
     if (!set.nodes.empty()) mesh_.sets.push_back(std::move(set));
   }
 

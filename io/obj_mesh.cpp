@@ -40,7 +40,7 @@ class Words {
 /// Face sets by name, in the order of their first faces.
 class NamedFaces {
  public:
-  explicit NamedFaces(std::vector<MeshFile::Set>& sets) : sets_(sets) {}
+  explicit NamedFaces(std::vector<MeshSet>& sets) : sets_(sets) {}
   void add(const std::string& name, int face) {
     const auto [at, first] = index_.try_emplace(name, sets_.size());
     if (first) sets_.push_back({name, {}, {}, {}});
@@ -49,7 +49,7 @@ class NamedFaces {
   }
 
  private:
-  std::vector<MeshFile::Set>& sets_;
+  std::vector<MeshSet>& sets_;
   std::unordered_map<std::string, size_t> index_;
 };
 

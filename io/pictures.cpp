@@ -25,6 +25,7 @@
 
 #include "batten/core/errors.h"
 #include "batten/io/canvas.h"
+#include "batten/io/colour_tables.h"
 #include "batten/io/vtk_files.h"
 
 namespace batten {
@@ -68,7 +69,19 @@ int facets_per_edge(const PictureScene& scene) {
   constexpr double facets = 40000;
   double triangles = 0;
   for (const auto* region : scene.regions) triangles += region->surface.mesh().triangle_count();
-  return std::clamp(static_cast<int>(std::sqrt(facets / triangles)), 2, 24);
+  const int fewest = triangles > facets ? 1 : 2;  // elements of a few pixels are fine enough
+  return std::clamp(static_cast<int>(std::sqrt(facets / triangles)), fewest, 24);
+}
+
+bool has_scale(const PictureScene& scene) {
+  return scene.field == PictureScene::Field::Mean || scene.field == PictureScene::Field::Gauss;
+}
+
+vtkSmartPointer<vtkPolyData> facets_of(const PictureScene& scene) {
+  VtkOptions options;
+  options.facets_per_edge = facets_per_edge(scene);
+  options.curvatures = has_scale(scene);
+  return to_poly_data(scene.regions, options);
 }
 
 /// The edges of all elements, inside of the boundary.
@@ -202,10 +215,6 @@ vtkSmartPointer<vtkLookupTable> add_zebra(vtkPolyData& facets, const Vec3& direc
                          std::max(to - from, flat * stripes) / stripes);
 }
 
-bool has_scale(const PictureScene& scene) {
-  return scene.field == PictureScene::Field::Mean || scene.field == PictureScene::Field::Gauss;
-}
-
 /// A light colour for each facet, its region's; neighbours in the order of regions differ most.
 vtkSmartPointer<vtkUnsignedCharArray> region_colours(vtkPolyData& data) {
   auto colours = vtkSmartPointer<vtkUnsignedCharArray>::New();
@@ -310,10 +319,9 @@ void draw(vtkRenderer& renderer, const PictureScene& scene, double width, double
   const bool bar = has_scale(scene);
   const Frame frame = frame_of(width, height, scene.title, caption_below, bar ? 116 : 0);
   const double unit = frame.unit;
-  const int tessellation = facets_per_edge(scene);
 
   add_lights(renderer);
-  const auto data = to_poly_data(scene.regions, {{}, tessellation});
+  const auto data = facets_of(scene);
   const auto loose = polylines(scene.loose);
   std::vector<Vec3> points = points_of(*data);
   complete_normals(*data, points);
@@ -326,7 +334,8 @@ void draw(vtkRenderer& renderer, const PictureScene& scene, double width, double
 
   add_surface(renderer, scene, *data, frame);
   if (scene.mesh)
-    add_thin_lines(renderer, element_edges(scene, tessellation), kMesh, 0.9 * unit, offset);
+    add_thin_lines(renderer, element_edges(scene, facets_per_edge(scene)), kMesh, 0.9 * unit,
+                   offset);
   add_iso_lines(renderer, scene, *data, points, 1.2 * unit, offset);
   if (scene.lines && data->GetNumberOfLines() > 0) {
     const auto chains = part(*data, data->GetLines(), nullptr);
@@ -374,7 +383,7 @@ void hold_view(std::vector<PictureScene>& scenes) {
     scene.azimuth = scenes.front().azimuth;
     scene.elevation = scenes.front().elevation;
     scene.zoom = scenes.front().zoom;
-    const auto data = to_poly_data(scene.regions, {{}, facets_per_edge(scene)});
+    const auto data = facets_of(scene);
     const std::vector<Vec3> points = points_of(*data);
     for (const Vec3& p : points) {
       const Vec3 seen(axes.right.dot(p), axes.up.dot(p), axes.towards.dot(p));

@@ -48,14 +48,6 @@ struct PictureScene {
   double field_limit = 0;                                  ///< of the scale of a field; 0: its own
 };
 
-struct PictureSize {
-  int width = 1600, height = 1000;  ///< pixels, 64 to 4096
-};
-
-/// Throws InputError when there is no X server that VTK can draw with: VTK itself would end the
-/// program. Call it before a long computation that ends in pictures. Main thread only.
-void require_display();
-
 /// Draws one PNG. Whole or not at all; main thread only. About 1 s with software OpenGL.
 /// Throws InputError: no display, no region, a value out of its range, a file that cannot be
 /// written.

@@ -64,14 +64,10 @@ Json json_of(const Report::Sculpting& s) {
   return json;
 }
 
-Json contents(const Report& r) {
-  Json json;
-  json["name"] = r.name;
-  json["unit"] = r.unit;
-
+Json json_of(const std::vector<Report::Line>& lines) {
   double max_deviation = 0;
   Json each = Json::array();
-  for (const auto& line : r.lines) {
+  for (const auto& line : lines) {
     // A number that is not one must win over those that are.
     if (!(line.deviation <= max_deviation)) max_deviation = line.deviation;
     each.push_back({{"name", line.name},
@@ -85,68 +81,85 @@ Json contents(const Report& r) {
       each.back()["gap"] = line.gap;
     }
   }
-  json["lines"] = {{"count", r.lines.size()}, {"max_deviation", max_deviation}, {"each", each}};
-  if (!r.curves.empty()) json["curves"] = json_of(r.curves);
+  return {{"count", lines.size()}, {"max_deviation", max_deviation}, {"each", each}};
+}
 
-  const auto& s = r.surface;
-  const auto& q = s.quality;
-  json["surface"] = {{"regions", s.regions},
-                     {"triangles", s.triangles},
-                     {"dofs", s.dofs},
-                     {"element", s.element},
-                     {"hold", s.hold},
-                     {"size", s.size},
-                     {"area", q.area},
-                     {"bending_energy", s.bending_energy},
-                     {"max_line_residual", q.max_line_residual},
-                     {"max_line_gap", q.max_line_gap},
-                     {"max_line_deviation", q.max_line_deviation},
-                     {"max_constraint_residual", s.max_constraint_residual},
-                     {"max_normal_constraint_deg", s.max_normal_constraint_deg},
-                     {"max_normal_jump_deg", q.max_normal_jump_deg},
-                     {"max_smooth_join_deg", s.max_smooth_join_deg},
-                     {"min_jacobian_ratio", q.min_jacobian_ratio},
-                     {"max_shear", q.max_shear},
-                     {"rms_strain", q.rms_strain},
-                     {"singular_nodes", q.singular_nodes},
-                     {"iterations", s.iterations},
-                     {"last_change", s.last_change}};
-  if (r.network) add_network(json, *r.network);
-  if (r.step)
-    json["step"] = {{"file", r.step->file},
-                    {"form", r.step->form},
-                    {"bytes", r.step->bytes},
-                    {"faces", r.step->faces},
-                    {"max_deviation", r.step->max_deviation},
-                    {"max_gap", r.step->max_gap},
-                    {"max_normal_jump_deg", r.step->max_normal_jump_deg},
-                    {"valid", r.step->valid}};
-  if (r.step && r.step->form == "face") {
-    json["step"]["tolerance"] = r.step->tolerance;
-    json["step"]["poles"] = {r.step->poles_u, r.step->poles_v};
+Json json_of(const Report::Surface& s) {
+  const SkinQuality& q = s.quality;
+  return {{"regions", s.regions},
+          {"triangles", s.triangles},
+          {"dofs", s.dofs},
+          {"element", s.element},
+          {"hold", s.hold},
+          {"size", s.size},
+          {"area", q.area},
+          {"bending_energy", s.bending_energy},
+          {"max_line_residual", q.max_line_residual},
+          {"max_line_gap", q.max_line_gap},
+          {"max_line_deviation", q.max_line_deviation},
+          {"max_constraint_residual", s.max_constraint_residual},
+          {"max_normal_constraint_deg", s.max_normal_constraint_deg},
+          {"max_normal_jump_deg", q.max_normal_jump_deg},
+          {"max_smooth_join_deg", s.max_smooth_join_deg},
+          {"min_jacobian_ratio", q.min_jacobian_ratio},
+          {"max_shear", q.max_shear},
+          {"rms_strain", q.rms_strain},
+          {"singular_nodes", q.singular_nodes},
+          {"iterations", s.iterations},
+          {"last_change", s.last_change}};
+}
+
+Json json_of(const Report::Step& s, bool of_network) {
+  Json json = {{"file", s.file},
+               {"form", s.form},
+               {"bytes", s.bytes},
+               {"faces", s.faces},
+               {"max_deviation", s.max_deviation},
+               {"max_gap", s.max_gap},
+               {"max_normal_jump_deg", s.max_normal_jump_deg},
+               {"valid", s.valid}};
+  if (s.form == "face") {
+    json["tolerance"] = s.tolerance;
+    json["poles"] = {s.poles_u, s.poles_v};
   }
-  if (r.step && r.network)
-    json["step"].update({{"shells", r.step->shells},
-                         {"solids", r.step->solids},
-                         {"free_edges", r.step->free_edges},
-                         {"volume", r.step->volume}});
+  if (of_network)
+    json.update({{"shells", s.shells},
+                 {"solids", s.solids},
+                 {"free_edges", s.free_edges},
+                 {"volume", s.volume}});
+  return json;
+}
 
-  if (r.comparison)
-    json["comparison"] = {{"file", r.comparison->file},
-                          {"points", r.comparison->points},
-                          {"max", r.comparison->max},
-                          {"rms", r.comparison->rms},
-                          {"max_relative", r.comparison->max_relative},
-                          {"rms_relative", r.comparison->rms_relative}};
+Json json_of(const Report::Comparison& c) {
+  return {{"file", c.file},
+          {"points", c.points},
+          {"max", c.max},
+          {"rms", c.rms},
+          {"max_relative", c.max_relative},
+          {"rms_relative", c.rms_relative}};
+}
 
-  for (const auto& springs : r.springs)
-    json["springs"].push_back({{"name", springs.name},
-                               {"points", springs.points},
-                               {"left_out", springs.left_out},
-                               {"before_max", springs.before_max},
-                               {"before_rms", springs.before_rms},
-                               {"max", springs.max},
-                               {"rms", springs.rms}});
+Json json_of(const SpringDistances& s) {
+  return {{"name", s.name},
+          {"points", s.points},
+          {"left_out", s.left_out},
+          {"before_max", s.before_max},
+          {"before_rms", s.before_rms},
+          {"max", s.max},
+          {"rms", s.rms}};
+}
+
+Json contents(const Report& r) {
+  Json json;
+  json["name"] = r.name;
+  json["unit"] = r.unit;
+  json["lines"] = json_of(r.lines);
+  if (!r.curves.empty()) json["curves"] = json_of(r.curves);
+  json["surface"] = json_of(r.surface);
+  if (r.network) add_network(json, *r.network);
+  if (r.step) json["step"] = json_of(*r.step, r.network.has_value());
+  if (r.comparison) json["comparison"] = json_of(*r.comparison);
+  for (const auto& springs : r.springs) json["springs"].push_back(json_of(springs));
   if (r.sculpting) json["sculpting"] = json_of(*r.sculpting);
   json["parameters"] = json_of(r.parameters);
   json["reactions"] = Json::array();

@@ -8,18 +8,13 @@
 #include <vector>
 
 #include "batten/io/faired_line.h"
+#include "batten/io/missed_promise.h"
 #include "batten/io/network_report.h"
 #include "batten/io/scene.h"
 #include "batten/sculpting/results.h"
 #include "batten/skinning/quality.h"
 
 namespace batten {
-
-/// A promise that the result does not keep.
-struct MissedPromise {
-  std::string what;    ///< "surface.min_jacobian_ratio"
-  std::string detail;  ///< "is 0.01, promised at least 0.05"
-};
 
 /// Lengths in model units, *_residual over the region's size, angles in degrees.
 struct Report {

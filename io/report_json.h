@@ -5,7 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "batten/io/report.h"
+#include "batten/io/faired_line.h"
+#include "batten/io/missed_promise.h"
+#include "batten/io/scene.h"
 
 namespace batten {
 

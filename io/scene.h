@@ -1,5 +1,4 @@
-// Scenes: what to make, in one small TOML file (docs/scenes.md has every key). Big data stays in
-// its own files beside it; this reads the scene only, not those files.
+// Scenes: what to make. read_scene.h makes them from files.
 #pragma once
 
 #include <filesystem>
@@ -9,6 +8,7 @@
 #include <vector>
 
 #include "batten/io/fair_stages.h"
+#include "batten/io/image.h"
 #include "batten/io/pictures.h"
 #include "batten/io/toml_table.h"
 #include "batten/sculpting/loads.h"
@@ -209,18 +209,11 @@ struct Scene {
   std::string at(const Place& place) const { return place_prefix(file.string(), place); }
 };
 
-/// Throws InputError: "FILE:LINE:COLUMN: found …, expected …; did you mean …?"
-Scene read_scene(const std::filesystem::path& file);
-/// The same from a text; `file` is what messages call it and where its files are looked for.
-Scene parse_scene(const std::string& text, const std::filesystem::path& file);
+/// "" when energies with this material have a minimum, else what is expected of it.
+std::string expected_of(const SurfaceStiffness& material);
 
 /// Whether a line of a layout is this line of a scene: one that was cut at its corners is there as
 /// "name.1", "name.2", …
 bool is_part_of(const std::string& run, const std::string& line);
-
-/// Length units: mm, cm, m, in, ft.
-const std::vector<std::string>& length_units();
-/// Throws InputError for another word.
-double unit_in_metres(const std::string& unit);
 
 }  // namespace batten

@@ -354,17 +354,6 @@ void check_rules(const Scene& scene) {
 
 }  // namespace
 
-std::string range_text(double min, double max) {
-  if (min > -kInfinity && max < kInfinity) return "from " + number(min) + " to " + number(max);
-  if (min > -kInfinity) return "from " + number(min) + " up";
-  return "up to " + number(max);
-}
-
-bool is_part_of(const std::string& run, const std::string& line) {
-  return run == line || (run.starts_with(line + ".") && run.size() > line.size() + 1 &&
-                         run.find_first_not_of("0123456789", line.size() + 1) == std::string::npos);
-}
-
 void read_sculpting(const TomlTable& root, const std::filesystem::path& folder, Scene& scene) {
   Names names("name");
   const auto add_name = [&](const TomlTable& t, const std::string& kind, const std::string& name) {

@@ -3,10 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <limits>
 #include <sstream>
 
 #include "batten/core/errors.h"
-#include "batten/io/scene.h"
+#include "batten/io/length_units.h"
 
 namespace batten {
 
@@ -55,6 +56,13 @@ void read_view(const TomlTable& table, double& azimuth, double& elevation, Pictu
       table.fail("size", number(pixels[0]) + " by " + number(pixels[1]), "64 to 4096 pixels each");
     size = {static_cast<int>(pixels[0]), static_cast<int>(pixels[1])};
   }
+}
+
+std::string range_text(double min, double max) {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  if (min > -infinity && max < infinity) return "from " + number(min) + " to " + number(max);
+  if (min > -infinity) return "from " + number(min) + " up";
+  return "up to " + number(max);
 }
 
 std::string text_of_file(const std::filesystem::path& file, const std::string& expected) {

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "batten/io/pictures.h"
+#include "batten/io/image.h"
 #include "batten/io/toml_table.h"
 
 namespace batten {
@@ -47,6 +47,9 @@ std::string output_file(const TomlTable& table, const std::string& key, Names& f
 /// Keys view = [azimuth, elevation] and size = [width, height] of a picture; without them nothing
 /// changes.
 void read_view(const TomlTable& table, double& azimuth, double& elevation, PictureSize& size);
+
+/// "from 0 to 10", "from 0 up", "up to 10".
+std::string range_text(double min, double max);
 
 /// `expected`: "a scene (.toml)". Throws InputError.
 std::string text_of_file(const std::filesystem::path& file, const std::string& expected);

@@ -175,4 +175,27 @@ StepReport write_step(const std::filesystem::path& path,
   return report;
 }
 
+StepReport check_step(const std::filesystem::path& file, double model_unit_in_metres,
+                      const std::vector<const SkinnedRegion*>& regions) {
+  OccSettings occ;
+  occ.set_unit(cad_unit(model_unit_in_metres));
+  try {
+    std::vector<TopoDS_Face> fitted;
+    StepReport report = measured_file(file, regions, fitted);
+    auto face = fitted.begin();
+    for (const SkinnedRegion* region : regions) {
+      if (!region->surface.trim() || face == fitted.end()) continue;
+      StepPatch patch;
+      patch.region = region->name;
+      patch.deviation = nearest_deviation(*face, {region});
+      report.patches.push_back(patch);
+      ++face;
+    }
+    return report;
+  } catch (const Standard_Failure& failure) {
+    throw InputError(file.string() +
+                     ": OpenCASCADE failed to read it: " + failure.GetMessageString());
+  }
+}
+
 }  // namespace batten

@@ -171,19 +171,6 @@ double matched_deviation(const Handle(Geom_Surface) & face, const Surface& surfa
   return worst;
 }
 
-double nearest_deviation(const TopoDS_Face& face, const Handle(Geom_Surface) & geometry,
-                         const std::vector<const SkinnedRegion*>& regions) {
-  double worst = 0;
-  for (const gp_Pnt2d& uv : points_inside(face)) {
-    const Vec3 p = from_occ(geometry->Value(uv.X(), uv.Y()).XYZ());
-    double nearest = std::numeric_limits<double>::infinity();
-    for (const SkinnedRegion* region : regions)
-      nearest = std::min(nearest, region->surface.closest_point(p).distance);
-    worst = std::max(worst, nearest);
-  }
-  return worst;
-}
-
 bool on_unit_square(const TopoDS_Face& face) {
   double u0, u1, v0, v1;
   BRepTools::UVBounds(face, u0, u1, v0, v1);
@@ -228,7 +215,7 @@ double deviation(const TopoDS_Shape& shape, const std::vector<const SkinnedRegio
       const auto& [region, t, s] = expected[f];
       found = matched_deviation(geometry, regions[static_cast<size_t>(region)]->surface, t, s);
     }
-    if (found > 1e-4 * size) found = std::min(found, nearest_deviation(face, geometry, regions));
+    if (found > 1e-4 * size) found = std::min(found, nearest_deviation(face, regions));
     worst = std::max(worst, found);
   }
   return worst;
@@ -241,6 +228,20 @@ int count(const TopoDS_Shape& shape, TopAbs_ShapeEnum kind) {
 }
 
 }  // namespace
+
+double nearest_deviation(const TopoDS_Face& face,
+                         const std::vector<const SkinnedRegion*>& regions) {
+  const Handle(Geom_Surface) geometry = BRep_Tool::Surface(face);
+  double worst = 0;
+  for (const gp_Pnt2d& uv : points_inside(face)) {
+    const Vec3 p = from_occ(geometry->Value(uv.X(), uv.Y()).XYZ());
+    double nearest = std::numeric_limits<double>::infinity();
+    for (const SkinnedRegion* region : regions)
+      nearest = std::min(nearest, region->surface.closest_point(p).distance);
+    worst = std::max(worst, nearest);
+  }
+  return worst;
+}
 
 TopoDS_Shape read_step(const std::filesystem::path& path) {
   if (!std::filesystem::is_regular_file(path))
@@ -295,29 +296,6 @@ StepReport measured_file(const std::filesystem::path& path,
     if (f < expected.size() && expected[f].triangle < 0)
       fitted.push_back(TopoDS::Face(it.Current()));
   return report;
-}
-
-StepReport check_step(const std::filesystem::path& file, double model_unit_in_metres,
-                      const std::vector<const SkinnedRegion*>& regions) {
-  OccSettings occ;
-  occ.set_unit(cad_unit(model_unit_in_metres));
-  try {
-    std::vector<TopoDS_Face> fitted;
-    StepReport report = measured_file(file, regions, fitted);
-    auto face = fitted.begin();
-    for (const SkinnedRegion* region : regions) {
-      if (!region->surface.trim() || face == fitted.end()) continue;
-      StepPatch patch;
-      patch.region = region->name;
-      patch.deviation = nearest_deviation(*face, BRep_Tool::Surface(*face), {region});
-      report.patches.push_back(patch);
-      ++face;
-    }
-    return report;
-  } catch (const Standard_Failure& failure) {
-    throw InputError(file.string() +
-                     ": OpenCASCADE failed to read it: " + failure.GetMessageString());
-  }
 }
 
 }  // namespace batten

@@ -7,7 +7,8 @@
 #include <filesystem>
 #include <vector>
 
-#include "batten/io/step.h"
+#include "batten/io/step_report.h"
+#include "batten/skinning/region.h"
 
 namespace batten {
 
@@ -24,5 +25,9 @@ StepReport measured_shape(const TopoDS_Shape& shape, const std::vector<int>& reg
 StepReport measured_file(const std::filesystem::path& path,
                          const std::vector<const SkinnedRegion*>& regions,
                          std::vector<TopoDS_Face>& fitted);
+
+/// Largest distance of points inside the face from the nearest of the regions' surfaces.
+/// O(triangles) a point.
+double nearest_deviation(const TopoDS_Face& face, const std::vector<const SkinnedRegion*>& regions);
 
 }  // namespace batten

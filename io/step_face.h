@@ -16,17 +16,11 @@
 // OpenCASCADE and sampled, and knots are refined until the file keeps the tolerance.
 #pragma once
 
-#include "batten/io/step.h"
+#include "batten/io/step_face_options.h"
+#include "batten/io/step_report.h"
+#include "batten/skinning/region.h"
 
 namespace batten {
-
-struct StepFaceOptions {
-  double tolerance = 0;          ///< of the surface, in model units; > 0
-  std::string name = "surface";  ///< of the product
-  std::string author = "";
-  int most_poles = 400;            ///< in one direction, 16 or more
-  int most_poles_in_all = 60'000;  ///< of one face, 256 or more: about 6 MB
-};
 
 /// Writes one face for each region and measures the file (AP214, coordinates and unit as in
 /// write_step). `max_deviation`, `max_gap`: largest of the faces. When the tolerance cannot be

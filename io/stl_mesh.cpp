@@ -92,9 +92,9 @@ class StlMesh : public MeshContent {
     face_labels = Labels::counted_from(0, shells.face_count());
   }
 
-  MeshFile::Rounding write(const std::filesystem::path& path, const Points& points,
-                           const MeshWriteOptions&) const override {
-    MeshFile::Rounding rounding;
+  MeshRounding write(const std::filesystem::path& path, const Points& points,
+                     const MeshWriteOptions&) const override {
+    MeshRounding rounding;
     const std::string out = binary_ ? patched_binary(points, rounding) : patched_text(points);
     write_whole_file(path, [&](std::ostream& stream) {
       stream.write(out.data(), static_cast<std::streamsize>(out.size()));
@@ -181,8 +181,7 @@ class StlMesh : public MeshContent {
           shells.add_face(face);
           face.clear();
         });
-    std::erase_if(sets,
-                  [](const MeshFile::Set& set) { return set.faces.empty() || set.name.empty(); });
+    std::erase_if(sets, [](const MeshSet& set) { return set.faces.empty() || set.name.empty(); });
     shells.points = nodes.points();
   }
 
@@ -192,7 +191,7 @@ class StlMesh : public MeshContent {
     return false;
   }
 
-  std::string patched_binary(const Points& points, MeshFile::Rounding& rounding) const {
+  std::string patched_binary(const Points& points, MeshRounding& rounding) const {
     std::string out = file_.text();
     for (int f = 0; f < shells.face_count(); ++f) {
       if (!moved(points, f)) continue;

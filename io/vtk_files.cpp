@@ -19,6 +19,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <map>
 
 #include "batten/core/errors.h"
@@ -67,19 +68,20 @@ struct PointTable {
   PointTable() { points->SetDataTypeToDouble(); }
 
   /// Index of the first point added.
-  vtkIdType add(const Surface& surface, const Tessellation& tessellation,
-                const Surface* reference) {
+  vtkIdType add(const Surface& surface, const Tessellation& tessellation, const Surface* reference,
+                bool with_curvatures) {
     const vtkIdType first = points->GetNumberOfPoints();
-    const auto bends = recovered_curvatures(surface, tessellation);
-    for (size_t p = 0; p < bends.size(); ++p) {
-      const Location& where = tessellation.points[p];
+    if (with_curvatures)
+      for (const Curvatures& bend : recovered_curvatures(surface, tessellation)) {
+        mean->InsertNextValue(bend.mean);
+        gauss->InsertNextValue(bend.gauss);
+        k1->InsertNextValue(bend.k1);
+        k2->InsertNextValue(bend.k2);
+      }
+    for (const Location& where : tessellation.points) {
       const SurfaceJet jet = surface.jet(where);
       points->InsertNextPoint(jet.x.data());
       normals->InsertNextTuple(jet.normal().eval().data());
-      mean->InsertNextValue(bends[p].mean);
-      gauss->InsertNextValue(bends[p].gauss);
-      k1->InsertNextValue(bends[p].k1);
-      k2->InsertNextValue(bends[p].k2);
       const Vec2 at = surface.mesh().shape(where.triangle).point(where.L);
       uv->InsertNextTuple3(at.x(), at.y(), 0);
       if (!reference) continue;
@@ -89,13 +91,14 @@ struct PointTable {
     return first;
   }
 
-  void give_to(vtkPointSet& grid, bool with_displacement) {
+  void give_to(vtkPointSet& grid, const VtkOptions& options) {
     grid.SetPoints(points);
     vtkPointData& data = *grid.GetPointData();
     data.SetNormals(normals);
-    for (const auto& scalars : {mean, gauss, k1, k2}) data.AddArray(scalars);
+    if (options.curvatures)
+      for (const auto& scalars : {mean, gauss, k1, k2}) data.AddArray(scalars);
     data.AddArray(uv);
-    if (with_displacement) data.SetVectors(displacement);
+    if (!options.references.empty()) data.SetVectors(displacement);
   }
 };
 
@@ -179,6 +182,14 @@ double common_length(const std::vector<const SkinnedRegion*>& regions) {
   return sum / static_cast<double>(regions.size());
 }
 
+/// Smooth to the eye; large meshes are so by themselves.
+int facets_per_edge(const std::vector<const SkinnedRegion*>& regions) {
+  constexpr double most_facets = 400'000;
+  double triangles = 0;
+  for (const auto* region : regions) triangles += region->surface.mesh().triangle_count();
+  return std::clamp(static_cast<int>(std::sqrt(most_facets / triangles)), 1, 4);
+}
+
 }  // namespace
 
 void write_xml(vtkXMLWriter& writer, vtkDataObject* data, const fs::path& path) {
@@ -187,6 +198,8 @@ void write_xml(vtkXMLWriter& writer, vtkDataObject* data, const fs::path& path) 
   writer.SetFileName(file.temporary().c_str());
   writer.SetDataModeToAppended();
   writer.SetCompressorTypeToZLib();
+  // A third of the usual level's time, for files a tenth larger.
+  writer.SetCompressionLevel(1);
   if (!writer.Write())
     throw InputError(path.string() + ": cannot write this file: " +
                      vtkErrorCode::GetStringFromErrorCode(writer.GetErrorCode()));
@@ -210,12 +223,15 @@ vtkSmartPointer<vtkPolyData> to_poly_data(const std::vector<const SkinnedRegion*
   CellTable line_cells(options), facet_cells(options);
   vtkNew<vtkCellArray> lines, facets;
   const double length = common_length(regions);
+  const int per_edge =
+      options.facets_per_edge > 0 ? options.facets_per_edge : facets_per_edge(regions);
   LineIndex index(options.lines);
   for (size_t r = 0; r < regions.size(); ++r) {
     const SkinnedRegion& region = *regions[r];
-    const auto [tessellation, chains] = batten::facets(region, options.facets_per_edge, length);
-    const vtkIdType first = table.add(region.surface, tessellation,
-                                      options.references.empty() ? nullptr : options.references[r]);
+    const auto [tessellation, chains] = batten::facets(region, per_edge, length);
+    const vtkIdType first =
+        table.add(region.surface, tessellation,
+                  options.references.empty() ? nullptr : options.references[r], options.curvatures);
     for (size_t l = 0; l < chains.size(); ++l) {
       const int line = index.of(region, l);
       if (line < 0) continue;
@@ -233,7 +249,7 @@ vtkSmartPointer<vtkPolyData> to_poly_data(const std::vector<const SkinnedRegion*
     }
   }
   auto result = vtkSmartPointer<vtkPolyData>::New();
-  table.give_to(*result, !options.references.empty());
+  table.give_to(*result, options);
   result->SetLines(lines);
   result->SetPolys(facets);
   line_cells.append(facet_cells);
@@ -259,7 +275,8 @@ void write_vtu(const fs::path& path, const std::vector<const SkinnedRegion*>& re
   for (size_t r = 0; r < regions.size(); ++r) {
     elements.push_back(quadratic_facets(*regions[r], length));
     first.push_back(table.add(regions[r]->surface, {elements[r].nodes, {}, {}},
-                              options.references.empty() ? nullptr : options.references[r]));
+                              options.references.empty() ? nullptr : options.references[r],
+                              options.curvatures));
   }
   const auto insert = [&](int type, size_t r, const auto& nodes) {
     std::array<vtkIdType, 6> ids{};
@@ -281,7 +298,7 @@ void write_vtu(const fs::path& path, const std::vector<const SkinnedRegion*>& re
         cells.add(r, -1, line);
       }
     }
-  table.give_to(*grid, !options.references.empty());
+  table.give_to(*grid, options);
   cells.give_to(*grid, regions);
   vtkNew<vtkXMLUnstructuredGridWriter> writer;
   write_xml(*writer, grid, path);

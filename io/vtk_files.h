@@ -29,8 +29,9 @@ struct VtkOptions {
   /// Surfaces that displacements are measured from: none, or one for each region, on the same mesh.
   std::vector<const Surface*> references;
   /// Facets along each edge of elements (of a region with embedded lines: of its own triangles,
-  /// quadratic_facets), 1 or more (VTP only).
-  int facets_per_edge = 4;
+  /// quadratic_facets), 1 or more (VTP only). 0: 4, or fewer, so that it stays at 400,000 facets.
+  int facets_per_edge = 0;
+  bool curvatures = true;  ///< false: without the arrays of curvatures
   /// Of a model: each of these lines is written once, from the first region that has a line of its
   /// name. None: the lines of each region.
   std::vector<VtkLine> lines = {};

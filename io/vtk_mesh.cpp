@@ -226,8 +226,8 @@ class VtkMesh : public MeshContent {
     drop_normals(*data_->GetCellData(), "cell");
   }
 
-  MeshFile::Rounding write(const fs::path& path, const Points& points,
-                           const MeshWriteOptions&) const override {
+  MeshRounding write(const fs::path& path, const Points& points,
+                     const MeshWriteOptions&) const override {
     const bool fits = points.cast<float>().cast<double>() == points;
     const bool single = data_->GetPoints()->GetDataType() == VTK_FLOAT && fits;
     auto moved = vtkSmartPointer<vtkPointSet>::Take(data_->NewInstance());

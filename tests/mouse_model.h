@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "batten/io/read_scene.h"
 #include "batten/io/scene.h"
 #include "batten/skinning/network/find_regions.h"
 #include "batten/skinning/network/model.h"

@@ -12,6 +12,8 @@
 #include "batten/apps/commands/run_sculpt.h"
 #include "batten/core/parallel.h"
 #include "batten/io/curve_files.h"
+#include "batten/io/length_units.h"
+#include "batten/io/read_scene.h"
 
 namespace {
 

@@ -13,6 +13,8 @@
 #include "batten/fairing/arc_length.h"
 #include "batten/io/deform_scene.h"
 #include "batten/io/fair_scene.h"
+#include "batten/io/length_units.h"
+#include "batten/io/read_scene.h"
 #include "batten/io/step.h"
 
 namespace batten {

@@ -4,6 +4,7 @@
 #include <map>
 
 #include "batten/io/cad_lines.h"
+#include "batten/io/length_units.h"
 #include "batten/io/point_lines.h"
 #include "batten/io/sketch_graph.h"
 

@@ -8,6 +8,7 @@
 #include "batten/apps/commands/deform_task.h"
 #include "batten/apps/commands/output_folder.h"
 #include "batten/apps/commands/run_parts.h"
+#include "batten/io/display.h"
 #include "batten/io/mesh_pictures.h"
 #include "batten/io/shell_deck.h"
 #include "batten/io/shell_vtk.h"

@@ -7,6 +7,8 @@
 #include "batten/apps/commands/fair_lines.h"
 #include "batten/apps/commands/output_folder.h"
 #include "batten/apps/commands/run_parts.h"
+#include "batten/io/display.h"
+#include "batten/io/length_units.h"
 #include "batten/io/whole_file.h"
 
 namespace batten {

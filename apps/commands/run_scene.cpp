@@ -6,6 +6,7 @@
 #include "batten/apps/commands/fair_lines.h"
 #include "batten/apps/commands/shape_files.h"
 #include "batten/core/errors.h"
+#include "batten/io/display.h"
 
 namespace batten {
 namespace {

@@ -10,6 +10,8 @@
 #include "batten/core/errors.h"
 #include "batten/io/cad_lines.h"
 #include "batten/io/calculix.h"
+#include "batten/io/display.h"
+#include "batten/io/length_units.h"
 #include "batten/io/step.h"
 #include "batten/io/step_face.h"
 #include "batten/io/vtk_files.h"

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "batten/core/errors.h"
+#include "batten/io/read_scene.h"
 #include "batten/io/scene.h"
 #include "batten/skinning/network/find_regions.h"
 #include "batten/skinning/network/model.h"

@@ -1,4 +1,5 @@
 // Scenes of networks: what they mean, and how mistakes are answered.
+#include "batten/io/read_scene.h"
 #include "batten/io/scene.h"
 #include "batten/tests/catch.h"
 #include "batten/tests/refusal.h"

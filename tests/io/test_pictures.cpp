@@ -1,5 +1,6 @@
 // Pictures show what the scene says: everything inside the frame, the right colours, or a plain
 // sentence where there is no display.
+#include "batten/io/display.h"
 #include "batten/io/pictures.h"
 
 #include <vtkImageData.h>

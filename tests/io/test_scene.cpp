@@ -3,6 +3,8 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "batten/io/length_units.h"
+#include "batten/io/read_scene.h"
 #include "batten/io/report.h"
 #include "batten/io/scene.h"
 #include "batten/tests/catch.h"

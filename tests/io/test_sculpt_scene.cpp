@@ -1,6 +1,7 @@
 // Scenes for sculpting: areas, weights, moves, rules, values over time, and every mistake in them.
 #include <cmath>
 
+#include "batten/io/read_scene.h"
 #include "batten/io/scene.h"
 #include "batten/tests/catch.h"
 #include "batten/tests/refusal.h"
