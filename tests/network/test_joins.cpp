@@ -5,6 +5,7 @@
 #include <memory>
 #include <numbers>
 
+#include "batten/skinning/quality.h"
 #include "batten/tests/patchwork.h"
 
 using namespace batten;
