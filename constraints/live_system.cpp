@@ -15,19 +15,14 @@ void LiveSystem::check(const SparseMatrix& S) const {
 }
 
 LiveSystem::LiveSystem(std::shared_ptr<const AffineReduction> reduction, SparseMatrix S,
-                       const std::vector<int>& dof_order, Expected expected)
+                       const DofVertices& vertices, Expected expected)
     : reduction_(std::move(reduction)) {
   check(S);
   prepare_expansion();
-  constexpr int many = 10000;
   const SparseMatrix reduced = reduction_->reduce(S);
-  if (expected == Expected::one_factor || free_count() < many) {
-    const std::vector<int> order = reduction_->order_for(reduced, S, dof_order);
-    factorize(S, reduced, &order);
-  } else {
-    factor_.analyze(reduced, Expected::many_factors);
-    factorize(S, reduced, nullptr);
-  }
+  std::vector<int> order;
+  if (!vertices.empty()) order = vertex_order(*reduction_, reduced, vertices, expected);
+  factorize(S, reduced, &order);
   S_ = std::move(S);
 }
 

@@ -166,7 +166,7 @@ bool Engine::prepare_matrix(Model& model, const std::vector<double>& values) {
     else
       model.statics = model.statics ? std::make_shared<LiveSystem>(*model.statics, std::move(K))
                                     : std::make_shared<LiveSystem>(model.reduction, std::move(K),
-                                                                   parts.order, model.def.expected);
+                                                                   parts.vertices, model.def.expected);
     model.matrix_values = values;
     model.moving.reset();
     model.moving_coupling.reset();

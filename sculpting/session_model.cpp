@@ -9,6 +9,7 @@
 #include "batten/core/errors.h"
 #include "batten/core/plane.h"
 #include "batten/core/words.h"
+#include "batten/fem/dissection.h"
 #include "batten/fem/line_load.h"
 #include "batten/sculpting/area.h"
 #include "batten/skinning/model/model_projector.h"
@@ -62,7 +63,7 @@ MeshParts::MeshParts(const ModelLayout& layout)
       kind(layout.element()),
       assembler(*mesh, kind, trim),
       domain_scale(layout.domain_scale()),
-      order(layout.dof_order()),
+      vertices(dof_vertices(*mesh)),
       ones(layout.position_dofs()) {
   for (int r = 0; r < layout.region_count(); ++r) {
     region_meshes.push_back(layout.region(r).mesh());

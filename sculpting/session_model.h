@@ -38,7 +38,7 @@ struct MeshParts {
   std::vector<std::unique_ptr<TriangleLocator>> locators;  ///< of each region
   std::vector<int> first_triangle;                         ///< of each region
   VecX domain_scale;                                       ///< ModelLayout::domain_scale
-  std::vector<int> order;
+  DofVertices vertices;
   VecX ones;  ///< 1 at position dofs
  private:
   mutable SparseMatrix mass_;
