@@ -54,6 +54,7 @@ class LiveSystem {
   // `reduced`: DᵀSD; `order` of the free unknowns, or null: analysed already.
   void factorize(const SparseMatrix& S, const SparseMatrix& reduced, const std::vector<int>* order);
   void check(const SparseMatrix& S) const;
+  SparseMatrix columns_of_constrained(const SparseMatrix& S) const;
   std::shared_ptr<const AffineReduction> reduction_;
   // D without its ones: constrained dofs by free unknowns.
   struct Combination {
