@@ -247,8 +247,8 @@ size_t bytes_of(const System& system, std::set<const void*>& seen) {
   for (const auto& placed : system.def.loads) once(placed->on.get(), 24 * n);
   for (const auto& placed : system.def.weights) once(placed->on.get(), 24 * n);
   for (const auto& placed : system.def.constraints) once(placed->on.get(), 24 * n);
-  for (const auto* system : {system.statics.get(), system.moving.get()})
-    if (system) once(system, system->bytes());
+  for (const auto* made : {system.statics.get(), system.moving.get()})
+    if (made) once(made, made->bytes());
   for (const auto* coupling : {system.coupling.get(), system.moving_coupling.get()})
     if (coupling) once(coupling, coupling->bytes());
   return sum + 8 * static_cast<size_t>(system.base_right.size() + system.measured_load.size());
