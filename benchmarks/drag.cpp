@@ -52,7 +52,7 @@ struct Peer {
                                                     AffineReduction::Values::Later)),
         K(SurfaceAssembler(*layout.mesh(), layout.element(), layout.trim())
               .stiffness(SurfaceStiffness())),
-        system(std::make_unique<LiveSystem>(reduction, K, dissection_order(*layout.mesh()))) {}
+        system(std::make_unique<LiveSystem>(reduction, K, dof_vertices(*layout.mesh()))) {}
 };
 
 // Static shape with one point held, by a reduction of all rows together: nothing of the session.
@@ -290,7 +290,7 @@ double measure_live(const Live& live, const ModelLayout& layout, double layout_t
   auto materials = layout.on_regions({SurfaceStiffness()});
   materials.resize(static_cast<size_t>(triangles), materials[0]);
   assembler.stiffness(materials, K);
-  const LiveSystem system(reduction, K, layout.dof_order());
+  const LiveSystem system(reduction, K, dof_vertices(*layout.mesh()));
   MatX b = MatX::Random(static_cast<long>(system.free_count()), 3);
   std::vector<double> solves;
   for (int k = 0; k < 11; ++k)

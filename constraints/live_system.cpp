@@ -15,19 +15,14 @@ void LiveSystem::check(const SparseMatrix& S) const {
 }
 
 LiveSystem::LiveSystem(std::shared_ptr<const AffineReduction> reduction, SparseMatrix S,
-                       const std::vector<int>& dof_order, Expected expected)
+                       const DofVertices& vertices, Expected expected)
     : reduction_(std::move(reduction)) {
   check(S);
   prepare_expansion();
-  constexpr int many = 10000;
   const SparseMatrix reduced = reduction_->reduce(S);
-  if (expected == Expected::one_factor || free_count() < many) {
-    const std::vector<int> order = reduction_->order_for(reduced, S, dof_order);
-    factorize(S, reduced, &order);
-  } else {
-    factor_.analyze(reduced, Expected::many_factors);
-    factorize(S, reduced, nullptr);
-  }
+  std::vector<int> order;
+  if (!vertices.empty()) order = vertex_order(*reduction_, reduced, vertices, expected);
+  factorize(S, reduced, &order);
   S_ = std::move(S);
 }
 
@@ -43,13 +38,28 @@ void LiveSystem::factorize(const SparseMatrix& S, const SparseMatrix& reduced,
                            const std::vector<int>* order) {
   if (order) factor_.analyze(reduced, *order);
   if (!factor_.factorize(reduced)) throw NoSolutionError(factor_.message());
-  // H = Dᵀ (S R): S R is needed where R is not zero only.
+  // H = Dᵀ (S R).
   const SparseMatrix& R = reduction_->from_right();
   H_.resize(free_count(), R.cols());
-  if (R.nonZeros() == 0) return;
-  const SparseMatrix whole = S.selfadjointView<Eigen::Lower>();
-  const SparseMatrix SR = whole * R;
-  H_ = SparseMatrix(D().transpose()) * SR;
+  if (R.nonZeros() > 0)
+    H_ = SparseMatrix(D().transpose()) * SparseMatrix(columns_of_constrained(S) * R);
+}
+
+// Constrained dofs are few, and R has rows of no others: the rest of S is left out.
+SparseMatrix LiveSystem::columns_of_constrained(const SparseMatrix& S) const {
+  std::vector<char> constrained(static_cast<size_t>(S.cols()), 0);
+  for (const Combination& row : combined_) constrained[static_cast<size_t>(row.dof)] = 1;
+  std::vector<Triplet> entries;
+  for (int j = 0; j < S.cols(); ++j)
+    for (SparseMatrix::InnerIterator it(S, j); it; ++it) {
+      if (it.row() < j) continue;
+      const int i = static_cast<int>(it.row());
+      if (constrained[static_cast<size_t>(j)]) entries.emplace_back(i, j, it.value());
+      if (i != j && constrained[static_cast<size_t>(i)]) entries.emplace_back(j, i, it.value());
+    }
+  SparseMatrix columns(S.rows(), S.cols());
+  columns.setFromTriplets(entries.begin(), entries.end());
+  return columns;
 }
 
 void LiveSystem::set_matrix(SparseMatrix S) {

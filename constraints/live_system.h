@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "batten/constraints/affine_reduction.h"
+#include "batten/constraints/vertex_order.h"
 
 namespace batten {
 
@@ -19,11 +20,10 @@ namespace batten {
 /// expand().
 class LiveSystem {
  public:
-  /// S: lower triangle, of one coordinate. `dof_order` as for ConstrainedSolver; where many factors
-  /// are expected, a better order is looked for from 10,000 unknowns on, which pays in the first
-  /// dozens of answers. Throws InputError: coupled rows; NoSolutionError.
+  /// S: lower triangle, of one coordinate. Factored in the vertex_order of `vertices`; without any,
+  /// in AMD's of the unknowns. Throws InputError: coupled rows; NoSolutionError.
   LiveSystem(std::shared_ptr<const AffineReduction> reduction, SparseMatrix S,
-             const std::vector<int>& dof_order, Expected expected = Expected::many_factors);
+             const DofVertices& vertices, Expected expected = Expected::many_factors);
   /// For the rows of another system, in its order: S must have the pattern of its matrix.
   LiveSystem(const LiveSystem& like, SparseMatrix S);
 
@@ -54,6 +54,7 @@ class LiveSystem {
   // `reduced`: DᵀSD; `order` of the free unknowns, or null: analysed already.
   void factorize(const SparseMatrix& S, const SparseMatrix& reduced, const std::vector<int>* order);
   void check(const SparseMatrix& S) const;
+  SparseMatrix columns_of_constrained(const SparseMatrix& S) const;
   std::shared_ptr<const AffineReduction> reduction_;
   // D without its ones: constrained dofs by free unknowns.
   struct Combination {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <mutex>
 
+#include "batten/core/elimination_order.h"
 #include "batten/core/errors.h"
 #include "batten/core/supernodal_factor.h"
 
@@ -169,5 +170,32 @@ const int* SupernodalFactor::order() const { return static_cast<const int*>(data
 double* SupernodalFactor::values() { return static_cast<double*>(data_->factor->x); }
 
 const char* SupernodalFactor::backend() { return "CHOLMOD"; }
+
+std::vector<int> elimination_order(const SparseMatrix& graph, Expected expected) {
+  if (graph.rows() == 0) return {};
+  cholmod_common common;
+  cholmod_start(&common);
+  common.print = 0;
+  common.supernodal = CHOLMOD_SIMPLICIAL;  // the cheapest analysis: only the order is of use
+  constexpr long worth_dissection = 1000;
+  const bool dissect = expected == Expected::many_factors && graph.rows() >= worth_dissection;
+  common.nmethods = 1;
+  common.method[0].ordering = dissect ? CHOLMOD_NESDIS : CHOLMOD_AMD;
+  cholmod_sparse a = view(graph);
+  cholmod_factor* factor = cholmod_analyze(&a, &common);
+  if (!factor && dissect) {  // a CHOLMOD without METIS
+    common.method[0].ordering = CHOLMOD_AMD;
+    factor = cholmod_analyze(&a, &common);
+  }
+  std::vector<int> order;
+  if (factor) {
+    const auto* first = static_cast<const int*>(factor->Perm);
+    order.assign(first, first + graph.rows());
+  }
+  cholmod_free_factor(&factor, &common);
+  cholmod_finish(&common);
+  if (order.empty()) throw NoSolutionError("an order of the unknowns: out of memory");
+  return order;
+}
 
 }  // namespace batten

@@ -4,6 +4,7 @@
 #include <limits>
 #include <utility>
 
+#include "batten/core/elimination_order.h"
 #include "batten/core/errors.h"
 #include "batten/core/supernodal_factor.h"
 
@@ -154,5 +155,13 @@ const int* SupernodalFactor::order() const { return data_->order.data(); }
 double* SupernodalFactor::values() { return data_->values.data(); }
 
 const char* SupernodalFactor::backend() { return "Eigen"; }
+
+std::vector<int> elimination_order(const SparseMatrix& graph, Expected) {
+  if (graph.rows() == 0) return {};
+  SparseMatrix full = graph.selfadjointView<Eigen::Lower>();
+  Permutation amd;
+  Eigen::AMDOrdering<int>()(full, amd);
+  return {amd.indices().data(), amd.indices().data() + amd.size()};
+}
 
 }  // namespace batten

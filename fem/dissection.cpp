@@ -126,4 +126,14 @@ class Dissection {
 
 std::vector<int> dissection_order(const ParametricMesh& mesh) { return Dissection(mesh).order(); }
 
+std::vector<std::array<int, 2>> dof_vertices(const ParametricMesh& mesh) {
+  const DofMap dofs(mesh);
+  std::vector<std::array<int, 2>> vertices(dofs.count());
+  for (int v = 0; v < mesh.vertex_count(); ++v)
+    for (int d = 0; d < 3; ++d) vertices[dofs.vertex(v, d)] = {v, v};
+  for (int e = 0; e < mesh.edge_count(); ++e)
+    vertices[dofs.edge(e)] = {mesh.edges()[e].low, mesh.edges()[e].high};
+  return vertices;
+}
+
 }  // namespace batten

@@ -1,6 +1,7 @@
-// A fill-reducing order of a surface's dofs from its geometry.
+// Fill-reducing orders of a surface's dofs: one from its geometry, and what another needs.
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "batten/fem/parametric_mesh.h"
@@ -13,5 +14,8 @@ namespace batten {
 /// from the matrix, and with less fill on large meshes. Result: all dofs, the first to eliminate
 /// first.
 std::vector<int> dissection_order(const ParametricMesh& mesh);
+
+/// Of each dof its vertex, twice, or the two ends of its edge: what vertex_order needs.
+std::vector<std::array<int, 2>> dof_vertices(const ParametricMesh& mesh);
 
 }  // namespace batten

@@ -39,7 +39,7 @@ struct MeshParts {
   std::vector<std::unique_ptr<TriangleLocator>> locators;  ///< of each region
   std::vector<int> first_triangle;                         ///< of each region
   VecX domain_scale;                                       ///< ModelLayout::domain_scale
-  std::vector<int> order;
+  DofVertices vertices;
   VecX ones;  ///< 1 at position dofs
  private:
   mutable SparseMatrix mass_;
@@ -86,6 +86,13 @@ PlacedLoad place(const Load& load, const Definition& on, const Surface& surface)
 PlacedWeight place(const WeightField& weight, const Definition& on, const Surface& surface);
 PlacedConstraint place(const Constraint& constraint, const Definition& on, const Surface& surface);
 PlacedMove place(const LineMove& move, const Definition& on, const Surface& surface);
+
+inline Surface surface_on(const Definition& def, const Points& dofs) {
+  return def.layout->surface(dofs);
+}
+inline bool everywhere(const Area& area) {
+  return std::holds_alternative<Area::Everywhere>(area.where) && area.regions.empty();
+}
 
 /// Nodes of either curve; their sum.
 HermiteCurve sum(const HermiteCurve& a, const HermiteCurve& b, double factor);
@@ -135,7 +142,7 @@ enum Role : unsigned {
 };
 
 /// A definition on its mesh.
-struct Model {
+struct System {
   Definition def;
   std::shared_ptr<const MeshParts> parts;
   // Lines.
@@ -167,11 +174,18 @@ struct Model {
   int dofs() const { return parts->dofs(); }
 };
 
+// Parts of build(): one thing that acts on the system as far as it stands.
+BuiltLoad built(const PlacedLoad& placed, const System& system);
+BuiltWeight built(const PlacedWeight& placed, const System& system);
+LooseRows loose_rows(const System& system, const Parameters& parameters);
+/// Right-hand sides of all rows of lines when one line has another curve and all others are zero.
+MatX right_of_line(const System& system, const std::string& name, const HermiteCurve& curve);
+
 /// Builds what differs from `older` (null: everything) up to, not including, the systems; those of
 /// `older` are kept when they fit. Throws InputError, ConflictError.
-std::shared_ptr<Model> build(Definition def, const Parameters& parameters, const Model* older);
+std::shared_ptr<System> build(Definition def, const Parameters& parameters, const System* older);
 
 /// Adds each shared part once.
-size_t bytes_of(const Model& model, std::set<const void*>& seen);
+size_t bytes_of(const System& system, std::set<const void*>& seen);
 
 }  // namespace batten::live
