@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "batten/core/eigen.h"
-#include "batten/core/sparse_cholesky.h"
+#include "batten/core/expected.h"
 
 namespace batten {
 

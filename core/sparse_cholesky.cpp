@@ -9,12 +9,6 @@
 #include "batten/core/work.h"
 
 namespace batten {
-
-std::string not_positive_definite(long unknown) {
-  return "the matrix is not positive definite at unknown " + std::to_string(unknown) +
-         ": some motion costs no energy (are enough points held, and beta > 0?)";
-}
-
 namespace {
 
 // Of the places of all entries: tells one pattern from another.

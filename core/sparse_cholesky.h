@@ -7,20 +7,10 @@
 #include <vector>
 
 #include "batten/core/eigen.h"
+#include "batten/core/expected.h"
 #include "batten/core/solve_part.h"
 
 namespace batten {
-
-/// What the effort for a good order of the unknowns is measured against.
-///
-/// One factor: AMD. Many factorizations of one pattern, or thousands of solves: from 10,000
-/// unknowns on METIS is tried beside AMD and the factor with fewer entries is kept. Measured on
-/// sheets, METIS costs ten times AMD's analysis; at 100,000 unknowns it saves a quarter of every
-/// factorization and a sixth of every solve and has paid after 10 factorizations or 400 solves,
-/// at 14,000 unknowns after 40 or 800, below that hardly ever. An order that the caller knows from
-/// the geometry (dissection_order) costs next to nothing and is as good. Eigen's factor has AMD
-/// only.
-enum class Expected { one_factor, many_factors };
 
 /// A = L Lᵀ of a symmetric positive definite matrix, of which only the lower triangle is read.
 ///

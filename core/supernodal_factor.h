@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "batten/core/eigen.h"
-#include "batten/core/sparse_cholesky.h"
+#include "batten/core/expected.h"
 #include "batten/core/supernodal_solve.h"
 
 namespace batten {
@@ -39,7 +39,10 @@ class SupernodalFactor {
 };
 
 /// The sentence for a pivot that is not positive.
-std::string not_positive_definite(long unknown);
+inline std::string not_positive_definite(long unknown) {
+  return "the matrix is not positive definite at unknown " + std::to_string(unknown) +
+         ": some motion costs no energy (are enough points held, and beta > 0?)";
+}
 
 /// A pivot this small against its diagonal entry is rounding: bending problems of 100,000 unknowns
 /// stay above 1e-10.

@@ -4,110 +4,17 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <variant>
 #include <vector>
 
 #include "batten/core/progress.h"
-#include "batten/core/sparse_cholesky.h"
 #include "batten/fairing/energy.h"
 #include "batten/sculpting/frame.h"
-#include "batten/sculpting/loads.h"
-#include "batten/sculpting/parameters.h"
+#include "batten/sculpting/operation.h"
 #include "batten/sculpting/results.h"
+#include "batten/sculpting/session_options.h"
 #include "batten/skinning/model/model_layout.h"
 
 namespace batten {
-
-/// How a surface moves: M (ρ ẍ + μ ẋ) + K x = F (constraints/implicit_steps.h).
-struct Motion {
-  double dt = 0;       ///< > 0
-  double density = 1;  ///< ρ ≥ 0
-  double damping = 1;  ///< μ ≥ 0
-  double theta = 1;    ///< ½ … 1
-};
-
-struct SessionOptions {
-  SurfaceStiffness material;  ///< the parameters alpha and beta (or alpha_uu, … beta_vv) start here
-  bool isotropic_alpha = true, isotropic_beta = true;  ///< one parameter each, or three
-  LoadUnits units = LoadUnits::Relative;
-  bool hold_corners = false;  ///< instead of the lines
-  /// One: the session settles once or twice, and a better order of its factor would not pay.
-  Expected expected = Expected::many_factors;
-  /// Of settle(): converged when no dof inside moves by more than this times the size in one
-  /// iteration (slopes times the size of their triangles), or by less than 1e-9 that does not fall
-  /// any more.
-  double tolerance = 1e-12;
-  int most_iterations = 60;
-  /// Undo keeps states and factors up to this many bytes, and at least one step.
-  size_t history_bytes = size_t(512) << 20;
-  int facets_per_edge = 2;  ///< of the frames
-};
-
-/// What an answer took.
-struct Answer {
-  bool converged = true;
-  int iterations = 0;       ///< pairs of triangular solves
-  double change = 0;        ///< of the last iteration, over the region's size
-  bool superposed = false;  ///< only linear loads moved: no solve at all
-  /// `change` is five times what the last answers let expect after this first iteration; every
-  /// fourth answer iterates once more and sees.
-  bool expected = false;
-  bool factored = false;  ///< a new factor was needed
-  /// settle(): lines that moved had turned tangents at nodes, and smooth joins were planned again.
-  bool joins_planned = false;
-  double time = 0;  ///< of the motion
-};
-
-/// Which triangles to halve, and how often at most.
-struct Refinement {
-  struct Brush {
-    std::vector<Area::Painted::Stroke> strokes;  ///< all triangles they touch
-  };
-  struct Jumps {
-    double share = 0.3;  ///< of the indicator's sum that the halved triangles carry
-  };
-  std::variant<Brush, Jumps> where;
-  double smallest = 0;  ///< no edge shorter than this in space, model units; 0: size / 2000
-  int most_triangles = 200000;
-};
-
-struct RefinementReport {
-  int triangles_before = 0, triangles = 0;
-  double max_displacement = 0;  ///< of the surface by carrying it over, before it settles again;
-                                ///< over the size
-  double energy_before = 0, energy_carried = 0, energy_settled = 0;  ///< alpha and beta parts
-};
-
-/// One thing that was done to a session: what replay() needs.
-struct Operation {
-  struct Add {
-    std::variant<Load, WeightField, Constraint, LineMove, CharacterLine> what;
-    std::vector<NamedValue> parameters;  ///< start values and ranges
-  };
-  struct Change {
-    Constraint constraint;
-  };
-  struct Remove {
-    std::string name;
-  };
-  struct SetLine {
-    std::string line;
-    HermiteCurve curve;
-  };
-  struct AddParameter {
-    NamedValue parameter;
-  };
-  struct Drive {
-    std::string parameter;
-    std::vector<NamedValue::Share> follows;
-    double offset = 0;
-  };
-  using Edit = std::variant<Add, Change, Remove, SetLine, Refinement, Motion, AddParameter, Drive>;
-  enum class Kind { Set, Settle, Answer, Step, Rest, Time, Undo, Redo, Edit } kind = Kind::Settle;
-  int index = 0;     ///< Set: parameter; Answer: most iterations
-  double value = 0;  ///< Set; Answer: tolerance; Time
-  std::shared_ptr<const Edit> edit;
-};
 
 /// A surface under the user's hands.
 ///

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "batten/fem/surface_transfer.h"
+#include "batten/sculpting/session.h"
 #include "batten/sculpting/session_engine.h"
 
 namespace batten {

@@ -13,7 +13,9 @@
 #include "batten/fem/display_points.h"
 #include "batten/fem/pressure_operator.h"
 #include "batten/fem/triangle_locator.h"
-#include "batten/sculpting/session.h"
+#include "batten/sculpting/operation.h"
+#include "batten/sculpting/results.h"
+#include "batten/sculpting/session_options.h"
 #include "batten/skinning/model/model_scale.h"
 
 namespace batten::live {
