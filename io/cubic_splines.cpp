@@ -77,8 +77,7 @@ CubicSpline spline_of(const std::vector<Piece>& pieces) {
 
 }  // namespace
 
-std::vector<CubicSpline> cubic_splines(const NamedCurve& named) {
-  const HermiteCurve& curve = named.curve;
+std::vector<CubicSpline> cubic_splines(const std::string& name, const HermiteCurve& curve) {
   const int segments = curve.segment_count();
   const auto& corners = curve.mesh().corners();
   const int first = curve.closed() && !corners.empty() ? corners.front() : 0;
@@ -93,7 +92,7 @@ std::vector<CubicSpline> cubic_splines(const NamedCurve& named) {
   for (const auto& pieces : stretches) {
     splines.push_back(spline_of(pieces));
     splines.back().name =
-        named.name + (stretches.size() > 1 ? "." + std::to_string(splines.size()) : "");
+        name + (stretches.size() > 1 ? "." + std::to_string(splines.size()) : "");
   }
   splines.front().closed = curve.closed() && corners.empty();
   return splines;

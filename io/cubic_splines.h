@@ -1,10 +1,10 @@
-// Hermite curves as B-splines, without a change of shape. Internal.
+// Hermite curves as B-splines, without a change of shape.
 #pragma once
 
 #include <string>
 #include <vector>
 
-#include "batten/io/named_curve.h"
+#include "batten/fem/curve.h"
 
 namespace batten {
 
@@ -19,8 +19,8 @@ struct CubicSpline {
   double size = 0;      ///< diagonal of the box around its poles
 };
 
-/// Each stretch between corners, in their order along the curve; named NAME, or NAME.1, NAME.2, …
-/// when there are several. A closed curve with corners begins at its first corner.
-std::vector<CubicSpline> cubic_splines(const NamedCurve& curve);
+/// Each stretch between corners, in their order along the curve; named `name`, or name.1, name.2,
+/// … when there are several. A closed curve with corners begins at its first corner. O(segments).
+std::vector<CubicSpline> cubic_splines(const std::string& name, const HermiteCurve& curve);
 
 }  // namespace batten

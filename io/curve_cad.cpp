@@ -158,7 +158,7 @@ void write_cad_curves(const fs::path& path, const std::vector<NamedCurve>& curve
   std::vector<CubicSpline> splines;
   double size = 0;
   for (const NamedCurve& curve : curves)
-    for (CubicSpline& spline : cubic_splines(curve)) {
+    for (CubicSpline& spline : cubic_splines(curve.name, curve.curve)) {
       size = std::max(size, spline.size);
       splines.push_back(std::move(spline));
     }

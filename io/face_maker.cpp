@@ -200,7 +200,7 @@ TopoDS_Edge FaceMaker::edge(const FaceStretch& stretch, const TopoDS_Vertex& a,
                             const TopoDS_Vertex& b) {
   bool reversed = shared_ && stretch.reversed;
   const auto along = [&](const HermiteCurve& curve) {
-    return cubic_splines({"", reversed ? curve.backwards() : curve, {}, {}}).front();
+    return cubic_splines("", reversed ? curve.backwards() : curve).front();
   };
   TopoDS_Edge mine;
   TopoDS_Edge* result = &mine;
