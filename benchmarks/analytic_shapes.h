@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "batten/skinning/character_line.h"
+#include "batten/skinning/lines/character_line.h"
 
 namespace batten::bench {
 

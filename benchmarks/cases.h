@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "batten/skinning/character_line.h"
+#include "batten/skinning/lines/character_line.h"
 
 namespace batten::bench {
 
@@ -73,7 +73,9 @@ inline std::vector<CharacterLine> arched_plate() {
   return {{"south", side(a, b)}, {"east", side(b, c)}, {"north", side(c, d)}, {"west", side(d, a)}};
 }
 
-inline double wave(double x, double y) { return 0.15 * std::sin(2.1 * x + 0.3) * std::cos(1.7 * y); }
+inline double wave(double x, double y) {
+  return 0.15 * std::sin(2.1 * x + 0.3) * std::cos(1.7 * y);
+}
 
 /// Lines over the unit square with the height of wave(), `columns` × `rows` cells. They cross where
 /// their points agree only roughly: a network joins them within its tolerance.

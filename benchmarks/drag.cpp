@@ -12,7 +12,7 @@
 #include "batten/fem/dissection.h"
 #include "batten/skinning/model/model_projector.h"
 #include "batten/tests/mouse_model.h"
-#include "batten/tests/sculpting/session_scenes.h"
+#include "batten/tests/sculpting/session/session_scenes.h"
 #include "bench.h"
 #include "cases.h"
 #ifdef BATTEN_BENCH_CHOLMOD

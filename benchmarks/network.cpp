@@ -6,9 +6,9 @@
 #include <cmath>
 #include <cstdio>
 
-#include "batten/skinning/network/find_regions.h"
-#include "batten/skinning/network/model.h"
-#include "batten/skinning/network/skin_network.h"
+#include "batten/skinning/search/find_regions.h"
+#include "batten/skinning/surfaces/skin_network.h"
+#include "batten/skinning/surfaces/surface_model.h"
 #include "bench.h"
 #include "cases.h"
 #include "occ_filling.h"

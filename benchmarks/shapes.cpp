@@ -14,9 +14,9 @@
 #include "batten/core/errors.h"
 #include "batten/fem/assembly.h"
 #include "batten/fem/triangle_locator.h"
+#include "batten/skinning/layout/region_layout.h"
 #include "batten/skinning/model/model_layout.h"
-#include "batten/skinning/quality.h"
-#include "batten/skinning/region_layout.h"
+#include "batten/skinning/region/quality.h"
 #include "bench.h"
 #include "occ_filling.h"
 

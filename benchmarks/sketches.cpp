@@ -15,16 +15,16 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "batten/io/mesh_file.h"
-#include "batten/io/point_lines.h"
-#include "batten/io/sketch_graph.h"
-#include "batten/skinning/facets.h"
-#include "batten/skinning/network/find_regions.h"
-#include "batten/skinning/network/model.h"
-#include "batten/skinning/network/skin_network.h"
-#include "batten/skinning/plain_fill.h"
-#include "batten/tests/network/sketch_segments.h"
+#include "batten/io/lines/point_lines.h"
+#include "batten/io/lines/sketch_graph.h"
+#include "batten/io/meshes/mesh_file.h"
+#include "batten/skinning/domains/plain_fill.h"
+#include "batten/skinning/facets/facets.h"
+#include "batten/skinning/search/find_regions.h"
+#include "batten/skinning/surfaces/skin_network.h"
+#include "batten/skinning/surfaces/surface_model.h"
 #include "batten/tests/reference.h"
+#include "batten/tests/skinning/network/sketch_segments.h"
 #include "bench.h"
 
 namespace {

@@ -1,4 +1,5 @@
-# batten_library(core SOURCES a.cpp … HEADERS a.h … LINKS batten::x …): one folder, one library.
+# batten_library(core SOURCES a.cpp … HEADERS a.h … LINKS batten::x …): one folder with its rooms, one
+# library.
 add_library(batten_options INTERFACE)
 target_compile_features(batten_options INTERFACE cxx_std_20)
 target_compile_options(batten_options INTERFACE -Wall -Wextra -Wpedantic -Wshadow=local)
@@ -38,5 +39,8 @@ function(batten_library folder)
     set(export batten-kernel)
   endif()
   install(TARGETS batten_${name} EXPORT ${export} ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
-  install(FILES ${ARG_HEADERS} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/batten/${folder})
+  foreach(header ${ARG_HEADERS})
+    get_filename_component(room ${folder}/${header} DIRECTORY)
+    install(FILES ${header} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/batten/${room})
+  endforeach()
 endfunction()

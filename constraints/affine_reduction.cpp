@@ -7,6 +7,7 @@
 #include <set>
 
 #include "batten/core/errors.h"
+#include "batten/core/index.h"
 
 namespace batten {
 namespace {
@@ -75,7 +76,7 @@ class Elimination {
         [](const auto& a, const auto& b) { return std::abs(a.second) < std::abs(b.second); });
     const int column = pivot->first;
     scale(row, 1 / pivot->second);
-    const int index = static_cast<int>(rows_.size());
+    const int index = count_of(rows_);
     for (const int user : std::set<int>(used_by_[column].begin(), used_by_[column].end())) {
       const auto it = std::lower_bound(rows_[user].terms.begin(), rows_[user].terms.end(),
                                        std::pair<int, double>(column, -INFINITY));
@@ -125,7 +126,7 @@ std::vector<Equation> equations_of(const ConstraintSet& set) {
     e.terms.assign(terms.begin(), terms.end());
     terms.clear();
     e.name = name;
-    e.source = static_cast<int>(all.size());
+    e.source = count_of(all);
     double largest = 0;
     for (const auto& t : e.terms) largest = std::max(largest, std::abs(t.second));
     if (largest > 0)

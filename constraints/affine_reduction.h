@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "batten/constraints/constraint_set.h"
+#include "batten/core/index.h"
 #include "batten/core/sparse_cholesky.h"
 
 namespace batten {
@@ -45,7 +46,7 @@ class AffineReduction {
   /// The dof behind each free unknown (0 … n-1, or 0 … 3n-1 of [x; y; z] when coupled).
   const std::vector<int>& free_dofs() const { return free_dofs_; }
   /// Rows that were implied by others.
-  int dropped_rows() const { return static_cast<int>(implied_.size()); }
+  int dropped_rows() const { return count_of(implied_); }
   /// Which ones, as set_right() counts them.
   std::vector<int> dropped() const;
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "batten/core/errors.h"
+#include "batten/core/index.h"
 
 namespace batten {
 namespace {
@@ -18,10 +19,10 @@ void check_dof(const std::string& name, int dof, int count) {
 
 int ConstraintSet::name_index(const std::string& name) {
   // Rows of one constraint come one after the other, so the last name is the likely one.
-  for (auto i = static_cast<int>(names_.size()) - 1; i >= 0; --i)
+  for (auto i = count_of(names_) - 1; i >= 0; --i)
     if (names_[i] == name) return i;
   names_.push_back(name);
-  return static_cast<int>(names_.size()) - 1;
+  return count_of(names_) - 1;
 }
 
 void ConstraintSet::fix(const std::string& name, int dof, const Vec3& value) {

@@ -64,8 +64,8 @@ void Coupling::prepare(const SparseCholesky& factor, const Coupling* older,
   Z_.resize(U_.rows(), U_.cols());
   std::vector<long> unknown;
   for (long k = 0; k < U_.cols(); ++k)
-    if (older && known[static_cast<size_t>(k)] >= 0)
-      Z_.col(k) = older->Z_.col(known[static_cast<size_t>(k)]);
+    if (older && known[k] >= 0)
+      Z_.col(k) = older->Z_.col(known[k]);
     else
       unknown.push_back(k);
   if (!unknown.empty() && U_.rows() > 0) {
@@ -167,15 +167,14 @@ void Coupling::apply(Eigen::Ref<MatX> y, const VecX& g) const {
   residual_of_hard(y, g);
   lower.solveInPlace(hard_part);
   for (long k = 0; k < soft; ++k) {
-    const int row = soft_[static_cast<size_t>(k)];
+    const int row = soft_[k];
     scratch_[rank + k] = roots_[k] * (at(rows_[row], y) - g[row]);
   }
   schur_.solveInPlace(scratch_);
   upper.solveInPlace(hard_part);
   scratch_.tail(soft).array() *= roots_.array();
   for (long k = 0; k < rank + soft; ++k) {
-    const Row& row = rows_[k < rank ? independent_[static_cast<size_t>(k)]
-                                    : soft_[static_cast<size_t>(k - rank)]];
+    const Row& row = rows_[k < rank ? independent_[k] : soft_[k - rank]];
     row.terms([&](int point, const Vec3& n) {
       for (int c = 0; c < 3; ++c)
         if (const double step = scratch_[k] * n[c]; step != 0) y.col(c) -= step * Z_.col(point);

@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "batten/core/index.h"
 #include "batten/core/sparse_cholesky.h"
 
 namespace batten {
@@ -65,7 +66,7 @@ class Coupling {
            const Coupling& older, const std::vector<int>& known, double dependent = 1e-9);
 
   bool empty() const { return rows_.empty(); }
-  int rows() const { return static_cast<int>(rows_.size()); }
+  int rows() const { return count_of(rows_); }
   int points() const { return static_cast<int>(U_.cols()); }
   /// Soft rows, ascending, as set_stiffness() counts them.
   const std::vector<int>& soft() const { return soft_; }

@@ -3,6 +3,7 @@
 
 #include "batten/constraints/affine_reduction.h"
 #include "batten/core/errors.h"
+#include "batten/core/index.h"
 
 namespace batten {
 
@@ -10,8 +11,8 @@ Points solve_kkt(const ConstraintSet& set, const SparseMatrix& K, const Points& 
   // x, y and z are one system each unless a row couples them; then they are stacked.
   const int n = set.dof_count();
   const int copies = set.coupled() ? 3 : 1;
-  const auto rows = static_cast<int>(set.rows().size());
-  const int size = copies * (n + rows) + static_cast<int>(set.coupled_rows().size());
+  const auto rows = count_of(set.rows());
+  const int size = copies * (n + rows) + count_of(set.coupled_rows());
   std::vector<Triplet> entries;
   MatX right(size, set.coupled() ? 1 : 3);
   const auto both = [&](int i, int j, double v) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "batten/core/errors.h"
+#include "batten/core/index.h"
 
 namespace batten {
 
@@ -48,14 +49,14 @@ void LiveSystem::factorize(const SparseMatrix& S, const SparseMatrix& reduced,
 // Constrained dofs are few, and R has rows of no others: the rest of S is left out.
 SparseMatrix LiveSystem::columns_of_constrained(const SparseMatrix& S) const {
   std::vector<char> constrained(static_cast<size_t>(S.cols()), 0);
-  for (const Combination& row : combined_) constrained[static_cast<size_t>(row.dof)] = 1;
+  for (const Combination& row : combined_) constrained[row.dof] = 1;
   std::vector<Triplet> entries;
   for (int j = 0; j < S.cols(); ++j)
     for (SparseMatrix::InnerIterator it(S, j); it; ++it) {
       if (it.row() < j) continue;
       const int i = static_cast<int>(it.row());
-      if (constrained[static_cast<size_t>(j)]) entries.emplace_back(i, j, it.value());
-      if (i != j && constrained[static_cast<size_t>(i)]) entries.emplace_back(j, i, it.value());
+      if (constrained[j]) entries.emplace_back(i, j, it.value());
+      if (i != j && constrained[i]) entries.emplace_back(j, i, it.value());
     }
   SparseMatrix columns(S.rows(), S.cols());
   columns.setFromTriplets(entries.begin(), entries.end());
@@ -82,13 +83,13 @@ void LiveSystem::start_load(const MatX& d, MatX& to) const {
 void LiveSystem::prepare_expansion() {
   const Eigen::SparseMatrix<double, Eigen::RowMajor> rows = D();
   std::vector<char> free(static_cast<size_t>(rows.rows()), 0);
-  for (const int dof : reduction_->free_dofs()) free[static_cast<size_t>(dof)] = 1;
+  for (const int dof : reduction_->free_dofs()) free[dof] = 1;
   for (int dof = 0; dof < rows.rows(); ++dof) {
-    if (free[static_cast<size_t>(dof)]) continue;
-    const int begin = static_cast<int>(terms_.size());
+    if (free[dof]) continue;
+    const int begin = count_of(terms_);
     for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator it(rows, dof); it; ++it)
       terms_.emplace_back(static_cast<int>(it.col()), it.value());
-    combined_.push_back({dof, begin, static_cast<int>(terms_.size())});
+    combined_.push_back({dof, begin, count_of(terms_)});
   }
 }
 
@@ -100,8 +101,7 @@ void LiveSystem::expand(const MatX& y, const Points& e, Points& z) const {
     for (size_t f = 0; f < free.size(); ++f) to[free[f]] = from[f];
     for (const Combination& row : combined_) {
       double sum = e(row.dof, c);
-      for (int k = row.begin; k < row.end; ++k)
-        sum += terms_[static_cast<size_t>(k)].second * from[terms_[static_cast<size_t>(k)].first];
+      for (int k = row.begin; k < row.end; ++k) sum += terms_[k].second * from[terms_[k].first];
       to[row.dof] = sum;
     }
   }

@@ -13,6 +13,8 @@
 #include <pthread.h>
 #include <sched.h>
 #include <unistd.h>
+
+#include "batten/core/index.h"
 #endif
 
 namespace batten {
@@ -33,7 +35,7 @@ class Pool {
       const std::lock_guard lock(mutex_);
       start_threads(helpers);
       work_ = &work;
-      wanted_ = std::min(helpers, static_cast<int>(threads_.size()));
+      wanted_ = std::min(helpers, count_of(threads_));
       helpers = wanted_;
       leave_this_core_to_the_caller();
     }
@@ -51,7 +53,7 @@ class Pool {
  private:
   void start_threads(int count) {
     try {
-      while (static_cast<int>(threads_.size()) < count) threads_.emplace_back([this] { serve(); });
+      while (count_of(threads_) < count) threads_.emplace_back([this] { serve(); });
     } catch (const std::system_error&) {
       // The system gives no more: those that are there will do.
     }

@@ -6,6 +6,7 @@
 
 #include "batten/core/elimination_order.h"
 #include "batten/core/errors.h"
+#include "batten/core/index.h"
 #include "batten/core/supernodal_factor.h"
 
 namespace batten {
@@ -30,7 +31,7 @@ std::vector<int> elimination_tree(const SparseMatrix& lower) {
 
 // The nodes of a forest, children before their parents and every subtree without a gap.
 std::vector<int> postorder(const std::vector<int>& parent) {
-  const auto n = static_cast<int>(parent.size());
+  const auto n = count_of(parent);
   std::vector<int> first_child(n, -1), next_sibling(n, -1), order, path;
   for (int node = n - 1; node >= 0; --node)
     if (parent[node] >= 0) next_sibling[node] = std::exchange(first_child[parent[node]], node);
@@ -110,7 +111,7 @@ void SupernodalFactor::Data::find_supernodes() {
     if (size > std::numeric_limits<int>::max())
       throw NoSolutionError("the symbolic factorization failed: the matrix is too large");
     first_columns.push_back(j);
-    row_starts.push_back(static_cast<int>(rows.size()));
+    row_starts.push_back(count_of(rows));
     value_starts.push_back(static_cast<int>(size));
   }
   columns = std::move(first_columns);  // complete, or still empty
@@ -146,8 +147,8 @@ std::string SupernodalFactor::factorize(const SparseMatrix& A) {
 
 SupernodalPattern SupernodalFactor::pattern() const {
   const Data& d = *data_;
-  return {static_cast<int>(d.columns.size()) - 1, d.columns.data(), d.row_starts.data(),
-          d.rows.data(), d.value_starts.data()};
+  return {count_of(d.columns) - 1, d.columns.data(), d.row_starts.data(), d.rows.data(),
+          d.value_starts.data()};
 }
 
 const int* SupernodalFactor::order() const { return data_->order.data(); }

@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "batten/core/errors.h"
+#include "batten/core/index.h"
 #include "batten/core/parallel.h"
 #include "batten/core/simd.h"
 #include "batten/core/supernodal_sweeps.h"
@@ -79,7 +80,7 @@ SupernodalSolve::SupernodalSolve(const SupernodalPattern& L, const int* order)
 // beside it) also the chunk of that child. Then neighbouring subtrees under the same chunk are
 // joined.
 void SupernodalSolve::cut_into_chunks() {
-  const auto count = static_cast<int>(parents_.size());
+  const auto count = count_of(parents_);
   // So many parts keep a few threads busy; the rows of so many columns stay in a second-level
   // cache. Nothing here may depend on the number of threads.
   const long most_entries = std::max(entries_ / 24, 16384L);
@@ -160,7 +161,7 @@ void SupernodalSolve::cut_into_chunks() {
 
 // Parents, children, the order for several threads.
 void SupernodalSolve::relate_chunks(const std::vector<long>& sizes) {
-  const auto chunks = static_cast<int>(chunks_.size());
+  const auto chunks = count_of(chunks_);
   std::vector<int> chunk_of(parents_.size()), level(chunks, 0);
   for (int c = 0; c < chunks; ++c)
     std::fill(chunk_of.begin() + chunks_[c].first_supernode,
@@ -174,9 +175,9 @@ void SupernodalSolve::relate_chunks(const std::vector<long>& sizes) {
   for (int c = 0; c < chunks; ++c)
     if (chunks_[c].parent >= 0) children[chunks_[c].parent].push_back(c);
   for (int c = 0; c < chunks; ++c) {
-    chunks_[c].first_child = static_cast<int>(children_.size());
+    chunks_[c].first_child = count_of(children_);
     children_.insert(children_.end(), children[c].begin(), children[c].end());
-    chunks_[c].end_child = static_cast<int>(children_.size());
+    chunks_[c].end_child = count_of(children_);
   }
   std::vector<long> path(chunks, 0);  // entries that are read one after the other, whoever helps
   long longest = 0;
@@ -207,12 +208,12 @@ void SupernodalSolve::find_boundaries(const int* rows) {
         boundary.push_back(rows[i]);
       }
     std::sort(boundary.begin(), boundary.end());
-    chunk.first_boundary = static_cast<int>(all.size());
+    chunk.first_boundary = count_of(all);
     for (const int row : boundary) {
-      place[row] = n_ + static_cast<int>(all.size());
+      place[row] = n_ + count_of(all);
       all.push_back(row);
     }
-    chunk.end_boundary = static_cast<int>(all.size());
+    chunk.end_boundary = count_of(all);
     for (int i = first; i < end; ++i)
       targets_[i] = rows[i] < chunk.end_column ? rows[i] : place[rows[i]];
     for (const int row : boundary) place[row] = -1;
@@ -287,7 +288,7 @@ void SupernodalSolve::solve_group(const SolvePart* part, double* x, long stride,
                order_.data() + chunk.first_column, columns, x, stride);
   };
 
-  const auto count = static_cast<int>(chunks_.size());
+  const auto count = count_of(chunks_);
   const int threads = threads_for(part ? part->entries / 2 : entries_);
   if (threads == 1) {
     for (int c = 0; c < count; ++c) forward_chunk(c);
@@ -352,7 +353,7 @@ void SupernodalSolve::solve(const SolvePart& part, Eigen::Ref<MatX> x) const {
 
 SolvePart SupernodalSolve::part(const std::optional<std::vector<int>>& nonzero,
                                 const std::optional<std::vector<int>>& wanted) const {
-  const auto supernodes = static_cast<int>(parents_.size());
+  const auto supernodes = count_of(parents_);
   const auto with_ancestors = [&](const std::optional<std::vector<int>>& unknowns) {
     std::vector<char> visit(supernodes, !unknowns);
     if (!unknowns) return visit;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "batten/core/eigen.h"
+#include "batten/core/index.h"
 #include "batten/core/solve_part.h"
 
 namespace batten {
@@ -70,7 +71,7 @@ class SupernodalSolve {
 
   /// Entries of L that a sweep reads: the lower triangles and the rows below.
   long entries() const { return entries_; }
-  int chunk_count() const { return static_cast<int>(chunks_.size()); }
+  int chunk_count() const { return count_of(chunks_); }
   /// Threads that a solve uses which reads so many entries in each sweep: one unless they and the
   /// tree are worth more, never more than cores.
   int threads_for(long entries) const;

@@ -1,6 +1,7 @@
 #include "batten/elements/reference_triangle.h"
 
 #include "batten/core/errors.h"
+#include "batten/core/index.h"
 #include "batten/core/simd.h"
 #include "batten/elements/z12_functions.h"
 
@@ -269,7 +270,7 @@ void constant_stiffness(const ReferenceTensors& tensors, const TriangleShape& sh
 void varying_stiffness(const TabulatedRule& points, const TriangleShape& shape,
                        const std::function<SurfaceStiffness(const Vec3& L)>& material, double* K) {
   constexpr int on_stack = 256;
-  const int n = static_cast<int>(points.functions.size());
+  const int n = count_of(points.functions);
   const DerivativeMap map(shape);
   double few[13 * on_stack];
   std::vector<double> many(n > on_stack ? 13 * static_cast<size_t>(n) : 0);

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "batten/core/errors.h"
+#include "batten/core/index.h"
 #include "batten/elements/quadrature.h"
 #include "batten/fairing/curvature_minimizer.h"
 #include "batten/fem/closest_on_curve.h"
@@ -77,8 +78,7 @@ Nodes place_nodes(const HermiteCurve& start, const std::vector<CurveHold>& holds
   for (size_t i = 0; i + 1 < cuts.size(); ++i)
     if (cuts[i + 1] - cuts[i] < shortest)
       throw InputError("a curve is held twice near u = " + number(cuts[i]));
-  const int spans = static_cast<int>(cuts.size()) - 1,
-            least = std::max(spans, start.closed() ? 2 : 1);
+  const int spans = count_of(cuts) - 1, least = std::max(spans, start.closed() ? 2 : 1);
   if (segments < least)
     throw InputError(std::to_string(segments) + " segments, expected at least " +
                      std::to_string(least) + ": one between held points");

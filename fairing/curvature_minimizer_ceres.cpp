@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "batten/core/errors.h"
+#include "batten/core/index.h"
 #include "batten/elements/quadrature.h"
 #include "batten/fairing/curvature_minimizer.h"
 
@@ -233,7 +234,7 @@ CurvatureMinimum minimize(const CurvatureProblem& given) {
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem, &summary);
   CurvatureMinimum minimum;
-  minimum.iterations = static_cast<int>(summary.iterations.size());
+  minimum.iterations = count_of(summary.iterations);
   minimum.converged = summary.termination_type == ceres::CONVERGENCE;
   if (!minimum.converged && minimum.iterations < given.most_iterations) {
     auto* metric = new InGaussNewtonMetric(problem);
@@ -251,7 +252,7 @@ CurvatureMinimum minimize(const CurvatureProblem& given) {
       VecX z = VecX::Zero(metric->NumParameters());
       ceres::Solve(descent, in_metric, z.data(), &found);
       metric->move(z.data());
-      minimum.iterations += static_cast<int>(found.iterations.size());
+      minimum.iterations += count_of(found.iterations);
       minimum.converged = found.termination_type == ceres::CONVERGENCE;
     }
   }

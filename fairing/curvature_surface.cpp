@@ -8,6 +8,7 @@
 
 #include "batten/constraints/affine_reduction.h"
 #include "batten/core/errors.h"
+#include "batten/core/index.h"
 #include "batten/core/parallel.h"
 #include "batten/fem/element_pattern.h"
 
@@ -104,7 +105,7 @@ std::vector<Element> integrate(const Surface& surface, const Surface& anchor, do
                                bool derivatives) {
   std::vector<Element> all(surface.mesh().triangle_count());
   constexpr int chunk = 16;
-  const int count = static_cast<int>(all.size());
+  const int count = count_of(all);
   parallel_parts((count + chunk - 1) / chunk, [&](int part) {
     for (int t = part * chunk; t < std::min(count, (part + 1) * chunk); ++t)
       all[t] = integrate(surface, anchor, t, evenness, derivatives);

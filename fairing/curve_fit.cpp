@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "batten/core/errors.h"
+#include "batten/core/index.h"
 #include "batten/fairing/curve_fit_problem.h"
 #include "batten/fairing/point_row.h"
 
@@ -151,7 +152,7 @@ struct Window {
     const Vec3 in = fit.dof(m.slope_in(end));
     part.held.push_back({to, fit.dof(m.position_dof(end)), in, in});
     std::vector<int> nodes = corner_nodes(knots, corners);
-    std::erase_if(nodes, [&](int i) { return i == 0 || i + 1 == static_cast<int>(knots.size()); });
+    std::erase_if(nodes, [&](int i) { return i == 0 || i + 1 == count_of(knots); });
     part.set_mesh(std::move(knots), nodes);
   }
 
@@ -290,7 +291,7 @@ CurveFit fit_row(const std::string& name, PointRow row, const FitOptions& option
       if (options.halved || (!interpolate(fit, row, corners) && !calm(fit))) break;
       continue;
     }
-    if (static_cast<int>(u.size()) - 1 > options.most_segments)
+    if (count_of(u) - 1 > options.most_segments)
       throw InputError("line '" + name + "' is not within " + number(options.tolerance) +
                        " of a smooth curve of " + std::to_string(u.size() - 1) +
                        " segments (off by " + number(fit.worst()) +

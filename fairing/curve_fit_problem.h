@@ -8,6 +8,7 @@
 
 #include "batten/core/band_cholesky.h"
 #include "batten/core/eigen.h"
+#include "batten/core/index.h"
 #include "batten/fem/curve_mesh.h"
 
 namespace batten {
@@ -49,7 +50,7 @@ class CurveFitProblem {
   double worst() const { return *std::max_element(off.begin(), off.end()); }
   bool done() const { return worst() <= tolerance; }
 
-  int count() const { return static_cast<int>(points.size()); }
+  int count() const { return count_of(points); }
   double period() const { return mesh.end() - mesh.start(); }
   Vec3 dof(int d) const { return dofs.row(d).transpose(); }
   /// Index of the first point that is not before u, and of the first behind it.

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "batten/core/index.h"
+
 namespace batten {
 namespace {
 
@@ -66,11 +68,11 @@ FairNodes choose_nodes(const PointRow& row, const std::vector<double>& u, double
       all_nodes(row, u, length, std::move(forced), mirrored, most_nodes);
   const auto nearest = [&](double at) {
     const auto above = std::lower_bound(parameters.begin(), parameters.end(), at);
-    if (above == parameters.end()) return static_cast<int>(parameters.size()) - 1;
+    if (above == parameters.end()) return count_of(parameters) - 1;
     const auto i = above - parameters.begin();
     return static_cast<int>(i > 0 && at - parameters[i - 1] < *above - at ? i - 1 : i);
   };
-  const int last = static_cast<int>(parameters.size()) - 1;
+  const int last = count_of(parameters) - 1;
   std::vector<int> corners;
   for (const int c : row.corners) {
     const int node = nearest(u[c]);

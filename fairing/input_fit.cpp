@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "batten/core/errors.h"
+#include "batten/core/index.h"
 #include "batten/core/words.h"
 #include "batten/fairing/arc_length.h"
 #include "batten/fairing/curve_fit.h"
@@ -70,7 +71,7 @@ struct Slopes {
 HermiteCurve scaled_pieces(const InputCurve& curve, const std::vector<double>& t,
                            const Slopes& slopes, const CurveMesh& mesh,
                            const std::vector<double>& scale) {
-  const auto n = static_cast<int>(t.size());
+  const auto n = count_of(t);
   Points dofs(mesh.dof_count(), 3);
   for (int i = n - 1; i >= 0; --i) {
     if (mesh.closed() && i == n - 1) {
@@ -89,7 +90,7 @@ HermiteCurve scaled_pieces(const InputCurve& curve, const std::vector<double>& t
 std::optional<HermiteCurve> exact_curve(const InputCurve& curve, double corner_angle) {
   if (!curve.piecewise_cubic()) return std::nullopt;
   const std::vector<double> t = curve.breaks();
-  const auto n = static_cast<int>(t.size());
+  const auto n = count_of(t);
   const Slopes slopes(curve, t);
   const auto &before = slopes.before, &after = slopes.after;
   // Where the direction goes on, the parameter of the next segment is scaled so that the speed
@@ -149,14 +150,14 @@ HermiteCurve fit_curve(const std::string& name, std::shared_ptr<const InputCurve
   FitOptions half = options;
   half.tolerance = 0.5 * options.tolerance;  // the rest is for what lies between the samples
   constexpr int most_samples = 1 << 14;
-  for (int per_line = 64 + 8 * static_cast<int>(breaks.size());; per_line *= 2) {
+  for (int per_line = 64 + 8 * count_of(breaks);; per_line *= 2) {
     std::vector<double> s;
     std::vector<int> corners;
     if (seam) corners.push_back(0);
     for (size_t k = 0; k + 1 < ends.size(); ++k) {
       const double part = ends[k + 1] - ends[k];
       const int n = std::max(8, static_cast<int>(per_line * part / total));
-      if (k > 0) corners.push_back(static_cast<int>(s.size()));
+      if (k > 0) corners.push_back(count_of(s));
       // Half of them evenly by length, half by the input's own parameter, which often runs slowly
       // where the curve bends.
       const double from = arc.parameter(ends[k]), to = arc.parameter(ends[k + 1]);

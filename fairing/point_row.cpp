@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "batten/core/errors.h"
+#include "batten/core/index.h"
 #include "batten/core/words.h"
 
 namespace batten {
@@ -28,7 +29,7 @@ double noise_of(const std::vector<Vec3>& p) {
 // Direction of the `reach` points behind or before point i, with it: their regression on the
 // number. Points nearer than `least` to the first say nothing about it and come on top.
 Vec3 direction(const std::vector<Vec3>& p, bool closed, int i, int step, int reach, double least) {
-  const int n = static_cast<int>(p.size());
+  const int n = count_of(p);
   const int most = closed ? n - 1 : step > 0 ? n - 1 - i : i;
   const auto at = [&](int k) { return p[(i + (closed ? n : 0) + step * k) % n]; };
   reach = std::min(reach, most);
@@ -41,7 +42,7 @@ Vec3 direction(const std::vector<Vec3>& p, bool closed, int i, int step, int rea
 }  // namespace
 
 std::vector<int> find_corners(const std::vector<Vec3>& points, bool closed, double angle) {
-  const int n = static_cast<int>(points.size());
+  const int n = count_of(points);
   if (n < 3 || angle >= 180) return {};
   // Progress from point to point, over so many of them that noise does not lengthen it.
   const int stride = std::max(n / 16, 1);
@@ -150,7 +151,7 @@ PointRow::PointRow(const std::string& name, const std::vector<Vec3>& given, doub
 
   if (given_corners) {
     for (const int c : *given_corners) {
-      if (c < 0 || c >= static_cast<int>(given.size()))
+      if (c < 0 || c >= count_of(given))
         throw InputError(line + ": corner at point " + std::to_string(c + 1) + " of " +
                          std::to_string(given.size()));
       corners.push_back(index[c]);

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "batten/core/index.h"
 #include "batten/fairing/fit.h"
 
 namespace batten {
@@ -22,7 +23,7 @@ struct PointRow {
   /// `chord`, where steps are noise rather than progress: lengths between means of many points.
   std::vector<double> denoised_chord() const;
   double length() const { return chord.back(); }
-  int count() const { return static_cast<int>(points.size()); }
+  int count() const { return count_of(points); }
   /// Curvature of the circle through point i and both neighbours; 0 where there are not both.
   double bend(int i) const;
 

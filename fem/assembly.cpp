@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "batten/core/errors.h"
+#include "batten/core/index.h"
 #include "batten/core/parallel.h"
 #include "batten/elements/reference_triangle.h"
 #include "batten/fem/surface.h"
@@ -73,7 +74,7 @@ void SurfaceAssembler::stiffness(const SurfaceStiffness& material, SparseMatrix&
 
 void SurfaceAssembler::stiffness(const std::vector<SurfaceStiffness>& materials,
                                  SparseMatrix& K) const {
-  if (static_cast<int>(materials.size()) != mesh_.triangle_count())
+  if (count_of(materials) != mesh_.triangle_count())
     throw InputError(std::to_string(materials.size()) + " materials for " +
                      std::to_string(mesh_.triangle_count()) + " triangles");
   const ReferenceTensors& tensors = reference_tensors(kind_);

@@ -1,6 +1,7 @@
 #include "batten/fem/curve_assembly.h"
 
 #include "batten/core/errors.h"
+#include "batten/core/index.h"
 
 namespace batten {
 namespace {
@@ -14,7 +15,7 @@ std::vector<int> all_dofs(const CurveMesh& mesh) {
 
 template <class Value>
 void check_count(const std::vector<Value>& values, const CurveMesh& mesh) {
-  if (values.size() != 1 && static_cast<int>(values.size()) != mesh.segment_count())
+  if (values.size() != 1 && count_of(values) != mesh.segment_count())
     throw InputError(std::to_string(values.size()) + " coefficients for " +
                      std::to_string(mesh.segment_count()) + " curve segments");
 }

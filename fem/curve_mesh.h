@@ -5,6 +5,8 @@
 #include <array>
 #include <vector>
 
+#include "batten/core/index.h"
+
 namespace batten {
 
 /// Segments between parameters u_0 < u_1 < … < u_m, each with its own parametric length. A closed
@@ -26,9 +28,9 @@ class CurveMesh {
   explicit CurveMesh(std::vector<double> parameters, bool closed = false,
                      std::vector<int> corners = {});
 
-  int segment_count() const { return static_cast<int>(parameters_.size()) - 1; }
+  int segment_count() const { return count_of(parameters_) - 1; }
   int node_count() const { return segment_count() + (closed_ ? 0 : 1); }
-  int dof_count() const { return 2 * node_count() + static_cast<int>(corners_.size()); }
+  int dof_count() const { return 2 * node_count() + count_of(corners_); }
   bool closed() const { return closed_; }
   /// Parameters u_0 … u_m of the nodes; a closed curve has one more, u_m, for node 0.
   const std::vector<double>& parameters() const { return parameters_; }

@@ -5,6 +5,7 @@
 #include <functional>
 
 #include "batten/core/errors.h"
+#include "batten/core/index.h"
 #include "batten/core/parallel.h"
 #include "batten/core/simd.h"
 
@@ -90,22 +91,22 @@ BATTEN_CLONES void evaluate_inside(const Task& task, int from, int to) {
 
 DisplayPoints::DisplayPoints(const ParametricMesh& mesh, TriangleElement kind,
                              const std::vector<Location>& where)
-    : count_(static_cast<int>(where.size())), dof_count_(DofMap(mesh).count()) {
+    : count_(count_of(where)), dof_count_(DofMap(mesh).count()) {
   const DofMap dofs(mesh);
   for (int p = 0; p < count_; ++p) {
-    const auto& [t, L] = where[static_cast<size_t>(p)];
-    require_inside(where[static_cast<size_t>(p)], p, mesh.triangle_count());
+    const auto& [t, L] = where[p];
+    require_inside(where[p], p, mesh.triangle_count());
     // Barycentric coordinates that are exactly 0 say where a place is; what they leave out has
     // coefficients of 0 (c1_triangle.h).
     std::array<int, 3> ends{};
     int count = 0;
     for (int i = 0; i < 3; ++i)
-      if (L[i] != 0) ends[static_cast<size_t>(count++)] = i;
-    Group& group = groups_[static_cast<size_t>(count - 1)];
+      if (L[i] != 0) ends[count++] = i;
+    Group& group = groups_[count - 1];
     ++group.count;
     group.numbers.push_back(p);
     for (int i = 0; i < count; ++i)
-      group.numbers.push_back(dofs.vertex(mesh.triangles()[t][ends[static_cast<size_t>(i)]]));
+      group.numbers.push_back(dofs.vertex(mesh.triangles()[t][ends[i]]));
     std::vector<int> local;  // edges whose slope counts
     if (count == 2) local = {3 - ends[0] - ends[1]};
     if (count == 3) local = {0, 1, 2};
@@ -116,9 +117,9 @@ DisplayPoints::DisplayPoints(const ParametricMesh& mesh, TriangleElement kind,
       for (const Derivative d : {kW, kU, kV})
         group.coefficients.push_back(static_cast<float>(N(a, d)));
     };
-    for (int i = 1; i < count; ++i) add(3 * ends[static_cast<size_t>(i)]);
+    for (int i = 1; i < count; ++i) add(3 * ends[i]);
     for (int i = 0; i < count; ++i)
-      for (const int slope : {1, 2}) add(3 * ends[static_cast<size_t>(i)] + slope);
+      for (const int slope : {1, 2}) add(3 * ends[i] + slope);
     for (const int e : local) add(9 + e);
   }
   rows_.resize(static_cast<size_t>(dof_count_));
@@ -131,8 +132,7 @@ void DisplayPoints::evaluate(const Points& x, const Vec3& shift, float* points,
                      " dofs were asked for with " + std::to_string(x.rows()));
   const auto interleave = [&](int part) {
     const int to = std::min(dof_count_, (part + 1) * chunk);
-    for (int i = part * chunk; i < to; ++i)
-      rows_[static_cast<size_t>(i)] = {{x(i, 0), x(i, 1), x(i, 2), 0}};
+    for (int i = part * chunk; i < to; ++i) rows_[i] = {{x(i, 0), x(i, 1), x(i, 2), 0}};
   };
   parallel_parts(parts_of(dof_count_), std::ref(interleave));
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "batten/core/index.h"
+
 namespace batten {
 namespace {
 
@@ -25,7 +27,7 @@ class Dissection {
   }
 
   std::vector<int> order() {
-    split(0, static_cast<int>(triangles_.size()));
+    split(0, count_of(triangles_));
     return std::move(order_);
   }
 

@@ -74,7 +74,7 @@ bool DomainLoops::contains(const Vec2& p) const {
   for (const Monotone& m : monotone_) {
     if ((m.v0 > p.y()) == (m.v1 > p.y()) || p.x() > m.u_high) continue;
     if (p.x() >= m.u_low) {
-      const PlanarCubic& arc = arcs_[static_cast<size_t>(m.arc)];
+      const PlanarCubic& arc = arcs_[m.arc];
       const BernsteinCubic v{
           {arc.b[0].y() - p.y(), arc.b[1].y() - p.y(), arc.b[2].y() - p.y(), arc.b[3].y() - p.y()}};
       if (arc.at(v.zero(m.t0, m.t1)).x() <= p.x()) continue;

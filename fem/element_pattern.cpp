@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "batten/core/errors.h"
+#include "batten/core/index.h"
 #include "batten/core/parallel.h"
 #include "batten/core/work.h"
 
@@ -21,7 +22,7 @@ ElementPattern::ElementPattern(int dof_count, int per_element, std::vector<int> 
   for (int d = 0; d < dof_count; ++d) start[d + 1] += start[d];
   {
     std::vector<int> next(start.begin(), start.end() - 1);
-    for (int u = 0; u < static_cast<int>(dofs_.size()); ++u) uses[next[dofs_[u]]++] = u;
+    for (int u = 0; u < count_of(dofs_); ++u) uses[next[dofs_[u]]++] = u;
   }
   first_element_.assign(dof_count, std::numeric_limits<int>::max());
   for (int d = 0; d < dof_count; ++d)
@@ -53,7 +54,7 @@ ElementPattern::ElementPattern(int dof_count, int per_element, std::vector<int> 
       }
       std::sort(rows.begin(), rows.end());
     }
-    const int base = static_cast<int>(row_.size());
+    const int base = count_of(row_);
     if (static_cast<long>(row_.size()) + static_cast<long>(rows.size()) >
         std::numeric_limits<int>::max())
       throw InputError("the assembled matrix has more than 2^31 entries");
@@ -70,7 +71,7 @@ ElementPattern::ElementPattern(int dof_count, int per_element, std::vector<int> 
         }
     }
     for (const int r : rows) place[r] = -1;
-    column_.push_back(static_cast<int>(row_.size()));
+    column_.push_back(count_of(row_));
   }
 }
 

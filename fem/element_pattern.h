@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "batten/core/eigen.h"
+#include "batten/core/index.h"
 
 namespace batten {
 
@@ -16,7 +17,7 @@ class ElementPattern {
   /// dofs: `per_element` global dofs of each element, one element after the other.
   ElementPattern(int dof_count, int per_element, std::vector<int> dofs);
 
-  int element_count() const { return static_cast<int>(dofs_.size()) / per_element_; }
+  int element_count() const { return count_of(dofs_) / per_element_; }
 
   /// A matrix of this pattern with zero entries.
   SparseMatrix zero() const;

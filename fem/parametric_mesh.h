@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "batten/core/eigen.h"
+#include "batten/core/index.h"
 #include "batten/elements/c1_triangle.h"
 
 namespace batten {
@@ -40,9 +41,9 @@ class ParametricMesh {
   /// follow those before it, in their order. O(all).
   static ParametricMesh side_by_side(const std::vector<const ParametricMesh*>& meshes);
 
-  int vertex_count() const { return static_cast<int>(vertices_.size()); }
-  int edge_count() const { return static_cast<int>(edges_.size()); }
-  int triangle_count() const { return static_cast<int>(triangles_.size()); }
+  int vertex_count() const { return count_of(vertices_); }
+  int edge_count() const { return count_of(edges_); }
+  int triangle_count() const { return count_of(triangles_); }
   /// The period in u of a mesh of one component; 0: the mesh is not periodic.
   double period() const { return period_; }
 

@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "batten/core/errors.h"
+#include "batten/core/index.h"
 #include "batten/core/parallel.h"
 #include "batten/core/simd.h"
 #include "batten/elements/reference_triangle.h"
@@ -161,14 +162,14 @@ PressureOperator::PressureOperator(const ParametricMesh& mesh, TriangleElement k
   const auto fill = [&](int c) {
     fill_tensor(kind, trim->rule(cut[c], 7), &tensors_[static_cast<size_t>(c) * kTensor]);
   };
-  parallel_parts(static_cast<int>(cut.size()), fill);
+  parallel_parts(count_of(cut), fill);
 
   std::vector<int> local(dofs_, -1);
   const auto make_part = [&](const std::vector<int>& triangles, size_t first, size_t end,
                              int lanes) {
     Part part;
-    part.first_batch = static_cast<int>(batches_.size());
-    part.first_dof = static_cast<int>(dof_.size());
+    part.first_batch = count_of(batches_);
+    part.first_dof = count_of(dof_);
     for (size_t i = first; i < end; i += lanes) {
       Batch batch{};
       batch.count = static_cast<int>(std::min<size_t>(lanes, end - i));
@@ -185,7 +186,7 @@ PressureOperator::PressureOperator(const ParametricMesh& mesh, TriangleElement k
         const auto dof = dofs.triangle(mesh, t);
         for (int a = 0; a < 12; ++a) {
           if (local[dof[a]] < 0) {
-            local[dof[a]] = static_cast<int>(dof_.size()) - part.first_dof;
+            local[dof[a]] = count_of(dof_) - part.first_dof;
             dof_.push_back(dof[a]);
           }
           batch.dof[kLanes * a + l] = local[dof[a]];
@@ -193,8 +194,8 @@ PressureOperator::PressureOperator(const ParametricMesh& mesh, TriangleElement k
       }
       batches_.push_back(batch);
     }
-    part.end_batch = static_cast<int>(batches_.size());
-    part.end_dof = static_cast<int>(dof_.size());
+    part.end_batch = count_of(batches_);
+    part.end_dof = count_of(dof_);
     for (int d = part.first_dof; d < part.end_dof; ++d) local[dof_[d]] = -1;
     parts_.push_back(part);
   };
@@ -249,7 +250,7 @@ void PressureOperator::part_forces(const Part& part, const Points& x, const VecX
 void PressureOperator::forces(const Points& x, const VecX& weights) const {
   check(x, weights);
   const auto work = [&](int part) { part_forces(parts_[part], x, weights); };
-  parallel_parts(static_cast<int>(parts_.size()), std::ref(work));
+  parallel_parts(count_of(parts_), std::ref(work));
 }
 
 void PressureOperator::add(const Points& x, const VecX& weights, double value, Points& F) const {

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "batten/core/errors.h"
+#include "batten/core/index.h"
 #include "batten/elements/reference_triangle.h"
 
 namespace batten {
@@ -104,8 +105,7 @@ double Surface::area() const {
         C1Triangle(kind_, shape).to_reference_dofs().lazyProduct(triangle_dofs(t));
     const DerivativeMap map(shape);
     for (long p = 0; p < rule.weights.size(); ++p) {
-      const Eigen::Matrix<double, 12, 2> local =
-          slopes[static_cast<size_t>(p)] * map.first.transpose();
+      const Eigen::Matrix<double, 12, 2> local = slopes[p] * map.first.transpose();
       const Eigen::Matrix<double, 3, 2> d = q.transpose().lazyProduct(local);
       sum += shape.area * rule.weights[p] * d.col(0).cross(d.col(1)).norm();
     }
@@ -151,7 +151,7 @@ Tessellation tessellate(const ParametricMesh& mesh, int n) {
     for (int i = 0; i < 3; ++i) {
       result.points[v[i]] = {t, Vec3::Unit(i)};
       if (edge_start[e[i]] >= 0) continue;
-      edge_start[e[i]] = static_cast<int>(result.points.size());
+      edge_start[e[i]] = count_of(result.points);
       const int low = mesh.edge_sign(t, i) > 0 ? (i + 1) % 3 : (i + 2) % 3;
       for (int k = 1; k < n; ++k) {
         Location where{t, Vec3::Zero()};
@@ -161,7 +161,7 @@ Tessellation tessellate(const ParametricMesh& mesh, int n) {
       }
     }
     // The lattice point with barycentric numerators a[0] + a[1] + a[2] = n.
-    const int inner_start = static_cast<int>(result.points.size());
+    const int inner_start = count_of(result.points);
     int inner = 0;
     std::vector<int> lattice((n + 1) * (n + 1));
     for (int a0 = 0; a0 <= n; ++a0)

@@ -22,7 +22,7 @@ SurfaceProjector::SurfaceProjector(const Surface& surface)
 Surface::Closest SurfaceProjector::nearest(const Vec3& p) const {
   long best = 0;
   (samples_.rowwise() - p.transpose()).rowwise().squaredNorm().minCoeff(&best);
-  return nearest(p, where_[static_cast<size_t>(best)]);
+  return nearest(p, where_[best]);
 }
 
 Surface::Closest SurfaceProjector::nearest(const Vec3& p, const Location& start) const {

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "batten/core/index.h"
+
 namespace batten {
 
 TriangleLocator::TriangleLocator(const ParametricMesh& mesh) : mesh_(mesh) {
@@ -37,7 +39,7 @@ TriangleLocator::TriangleLocator(const ParametricMesh& mesh) : mesh_(mesh) {
   start_.push_back(0);
   for (const auto& bucket : buckets) {
     triangles_.insert(triangles_.end(), bucket.begin(), bucket.end());
-    start_.push_back(static_cast<int>(triangles_.size()));
+    start_.push_back(count_of(triangles_));
   }
 }
 

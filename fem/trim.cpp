@@ -4,6 +4,7 @@
 #include <array>
 #include <map>
 
+#include "batten/core/index.h"
 #include "batten/core/plane.h"
 #include "batten/fem/triangle_locator.h"
 
@@ -26,7 +27,7 @@ const SegmentRule& gauss(int points) {
     for (int n = 1; n <= 24; ++n) all.push_back(gauss_legendre(n));
     return all;
   }();
-  return rules[static_cast<size_t>(std::min(points, 24))];
+  return rules[std::min(points, 24)];
 }
 
 struct Piece {
@@ -216,7 +217,7 @@ Trim::Trim(const ParametricMesh& mesh, DomainLoops given)
     std::vector<Cone> cones;
     double twice = 0;
     std::vector<PlanarCubic> arcs;
-    for (const int a : arcs_near[t]) arcs.push_back(loops.arcs()[static_cast<size_t>(a)]);
+    for (const int a : arcs_near[t]) arcs.push_back(loops.arcs()[a]);
     for (int s = 0; s < 3; ++s) {
       const std::array<Vec2, 3> S{shape.vertex[(s + 1) % 3], shape.vertex[(s + 2) % 3], centroid};
       bool here = false;
@@ -241,13 +242,13 @@ Trim::Trim(const ParametricMesh& mesh, DomainLoops given)
       side_[t] = Side::Cut;
       share_[t] = share;
       cut_.push_back(t);
-      cones_of_.push_back(static_cast<int>(cones_.size()));
+      cones_of_.push_back(count_of(cones_));
       cones_.insert(cones_.end(), cones.begin(), cones.end());
       corners_.push_back(shape.vertex);
     }
     area_ += share_[t] * shape.area;
   }
-  cones_of_.push_back(static_cast<int>(cones_.size()));
+  cones_of_.push_back(count_of(cones_));
 }
 
 TriangleRule Trim::rule(int triangle, int degree) const {
@@ -262,7 +263,7 @@ TriangleRule Trim::rule(int triangle, int degree) const {
   std::vector<double> weights;
   const SegmentRule& along_radius = gauss((degree + 3) / 2);
   for (int k = cones_of_[c]; k < cones_of_[c + 1]; ++k) {
-    const Cone& cone = cones_[static_cast<size_t>(k)];
+    const Cone& cone = cones_[k];
     const SegmentRule& along = gauss(cone.straight ? (degree + 2) / 2 : (3 * degree + 7) / 2);
     for (long i = 0; i < along.s.size(); ++i) {
       const Vec2 d = cone.side.at(along.s[i]) - cone.apex;
@@ -286,8 +287,7 @@ Trim Trim::side_by_side(const std::vector<const Trim*>& trims,
                         const std::vector<const ParametricMesh*>& meshes) {
   Trim all;
   for (size_t m = 0; m < meshes.size(); ++m) {
-    const auto first = static_cast<int>(all.side_.size()),
-               first_cone = static_cast<int>(all.cones_.size());
+    const auto first = count_of(all.side_), first_cone = count_of(all.cones_);
     const auto count = static_cast<size_t>(meshes[m]->triangle_count());
     if (!trims[m]) {
       all.side_.insert(all.side_.end(), count, Side::Inside);
@@ -308,7 +308,7 @@ Trim Trim::side_by_side(const std::vector<const Trim*>& trims,
     append(all.corners_, trim.corners_);
     all.area_ += trim.area_;
   }
-  all.cones_of_.push_back(static_cast<int>(all.cones_.size()));
+  all.cones_of_.push_back(count_of(all.cones_));
   return all;
 }
 
@@ -328,12 +328,12 @@ Trim Trim::restricted(const std::vector<int>& triangles) const {
     const auto c =
         static_cast<size_t>(std::lower_bound(cut_.begin(), cut_.end(), t) - cut_.begin());
     part.cut_.push_back(static_cast<int>(i));
-    part.cones_of_.push_back(static_cast<int>(part.cones_.size()));
+    part.cones_of_.push_back(count_of(part.cones_));
     part.cones_.insert(part.cones_.end(), cones_.begin() + cones_of_[c],
                        cones_.begin() + cones_of_[c + 1]);
     part.corners_.push_back(corners_[c]);
   }
-  part.cones_of_.push_back(static_cast<int>(part.cones_.size()));
+  part.cones_of_.push_back(count_of(part.cones_));
   part.area_ = area_;
   return part;
 }

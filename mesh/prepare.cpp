@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "batten/core/errors.h"
+#include "batten/core/index.h"
 
 namespace batten {
 namespace {
@@ -149,7 +150,7 @@ Links find_links(Work& work) {
     bool forward;
   };
   std::vector<Side> sides;
-  for (int t = 0; t < static_cast<int>(work.triangles.size()); ++t)
+  for (int t = 0; t < count_of(work.triangles); ++t)
     for (int c = 0; c < 3; ++c) {
       const int a = work.triangles[t][c], b = work.triangles[t][(c + 1) % 3];
       sides.push_back({{std::min(a, b), std::max(a, b)}, t, a < b});
@@ -220,7 +221,7 @@ bool share_edge_at(int v, const std::array<int, 3>& x, const std::array<int, 3>&
 /// Fans: triangles around a vertex that are linked by edges at it. Vertices with several are noted.
 void count_fans(Work& work, const Links& links, int node_count) {
   std::vector<std::vector<int>> around(node_count);
-  for (int t = 0; t < static_cast<int>(work.triangles.size()); ++t)
+  for (int t = 0; t < count_of(work.triangles); ++t)
     for (const int v : work.triangles[t]) around[v].push_back(t);
   std::vector<int> stack;
   std::vector<char> seen(work.triangles.size(), 0);

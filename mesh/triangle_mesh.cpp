@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "batten/core/errors.h"
+#include "batten/core/index.h"
 
 namespace batten {
 namespace {
@@ -73,7 +74,7 @@ void MeshTopology::find_edges() {
       Edge edge{sides[i].low, sides[i].high, -1, -1};
       for (; i < end; ++i) {
         (sides[i].forward ? edge.left : edge.right) = sides[i].triangle;
-        edges_of_[sides[i].triangle][sides[i].corner] = static_cast<int>(edges_.size());
+        edges_of_[sides[i].triangle][sides[i].corner] = count_of(edges_);
       }
       edges_.push_back(edge);
     }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "batten/core/eigen.h"
+#include "batten/core/index.h"
 
 namespace batten {
 
@@ -27,7 +28,7 @@ class MeshTopology {
   MeshTopology(int vertex_count, std::vector<std::array<int, 3>> triangles);
 
   int vertex_count() const { return vertex_count_; }
-  int triangle_count() const { return static_cast<int>(triangles_.size()); }
+  int triangle_count() const { return count_of(triangles_); }
   const std::vector<std::array<int, 3>>& triangles() const { return triangles_; }
   /// The edges, sorted by (low, high).
   const std::vector<Edge>& edges() const { return edges_; }

@@ -5,11 +5,11 @@
 #include <utility>
 #include <vector>
 
-#include "batten/io/read_scene.h"
-#include "batten/io/scene.h"
-#include "batten/skinning/network/find_regions.h"
-#include "batten/skinning/network/model.h"
-#include "batten/skinning/network/skin_network.h"
+#include "batten/io/scene/read_scene.h"
+#include "batten/io/scene/scene.h"
+#include "batten/skinning/search/find_regions.h"
+#include "batten/skinning/surfaces/skin_network.h"
+#include "batten/skinning/surfaces/surface_model.h"
 
 namespace batten_test {
 using namespace batten;

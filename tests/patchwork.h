@@ -51,16 +51,16 @@ struct Patchwork {
     FAIL("no line " << name);
     return {};
   }
-  Seam seam(const std::string& name, int a, int b) const {
+  JoinLine join_line(const std::string& name, int a, int b) const {
     return {name, {side(a, name), side(b, name)}};
   }
-  std::vector<SeamPlan> plan(const std::vector<Seam>& seams) const {
+  std::vector<JoinPlan> plan(const std::vector<JoinLine>& join_lines) const {
     std::vector<const RegionLayout*> all;
     for (const auto& layout : layouts) all.push_back(layout.get());
-    return plan_seams(all, first, seams, 0.1);
+    return plan_joins(all, first, join_lines, 0.1);
   }
-  ModelLayout model(const std::vector<Seam>& seams) const {
-    return {{"model", size, 1e-4 * size, Vec3(0.3, 0.2, 0.1)}, layouts, plan(seams)};
+  ModelLayout model(const std::vector<JoinLine>& join_lines) const {
+    return {{"model", size, 1e-4 * size, Vec3(0.3, 0.2, 0.1)}, layouts, plan(join_lines)};
   }
 };
 

@@ -10,8 +10,8 @@
 #include "batten/core/errors.h"
 #include "batten/fem/triangle_locator.h"
 #include "batten/skinning/model/model_layout.h"
-#include "batten/skinning/quality.h"
-#include "sampling.h"
+#include "batten/skinning/region/quality.h"
+#include "batten/tests/sampling.h"
 
 namespace batten_test {
 

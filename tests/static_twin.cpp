@@ -1,4 +1,4 @@
-#include "static_twin.h"
+#include "batten/tests/static_twin.h"
 
 #include <Eigen/QR>
 #include <algorithm>
@@ -10,7 +10,7 @@
 #include "batten/fem/assembly.h"
 #include "batten/fem/dissection.h"
 #include "batten/fem/surface_projector.h"
-#include "batten/sculpting/change_weights.h"
+#include "batten/sculpting/session/change_weights.h"
 
 namespace batten::twin {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "batten/constraints/affine_reduction.h"
 #include "batten/fairing/energy.h"
-#include "batten/skinning/region_layout.h"
+#include "batten/skinning/layout/region_layout.h"
 
 namespace batten::twin {
 

@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "batten/skinning/region.h"
+#include "batten/skinning/region/region.h"
 #include "batten/tests/embedded_grid.h"
 #include "batten/tests/sampling.h"
 

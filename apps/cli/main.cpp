@@ -6,14 +6,14 @@
 
 #include "batten/apps/cli/terminal.h"
 #include "batten/apps/commands/info.h"
-#include "batten/apps/commands/run_deform.h"
-#include "batten/apps/commands/run_fair.h"
-#include "batten/apps/commands/run_scene.h"
-#include "batten/apps/commands/run_sculpt.h"
+#include "batten/apps/commands/lines/run_fair.h"
+#include "batten/apps/commands/meshes/run_deform.h"
+#include "batten/apps/commands/shapes/run_scene.h"
+#include "batten/apps/commands/shapes/run_sculpt.h"
 #include "batten/core/parallel.h"
-#include "batten/io/curve_files.h"
-#include "batten/io/length_units.h"
-#include "batten/io/read_scene.h"
+#include "batten/io/files/length_units.h"
+#include "batten/io/lines/curve_files.h"
+#include "batten/io/scene/read_scene.h"
 
 namespace {
 

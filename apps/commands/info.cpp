@@ -5,17 +5,17 @@
 #include <cmath>
 #include <fstream>
 
-#include "batten/apps/commands/line_files.h"
-#include "batten/apps/commands/make_model.h"
-#include "batten/apps/commands/mesh_info.h"
-#include "batten/apps/commands/sampled_line.h"
+#include "batten/apps/commands/lines/line_files.h"
+#include "batten/apps/commands/lines/sampled_line.h"
+#include "batten/apps/commands/meshes/mesh_info.h"
+#include "batten/apps/commands/shapes/make_model.h"
 #include "batten/core/words.h"
 #include "batten/fairing/arc_length.h"
-#include "batten/io/deform_scene.h"
-#include "batten/io/fair_scene.h"
-#include "batten/io/length_units.h"
-#include "batten/io/read_scene.h"
-#include "batten/io/step.h"
+#include "batten/io/cad/step.h"
+#include "batten/io/files/length_units.h"
+#include "batten/io/scene/deform_scene.h"
+#include "batten/io/scene/fair_scene.h"
+#include "batten/io/scene/read_scene.h"
 
 namespace batten {
 namespace {
@@ -66,7 +66,7 @@ std::string parameters_text(const std::vector<Parameter>& parameters) {
 std::string network_text(const Scene& scene) {
   const CharacterLineNetwork network = network_of(scene, read_lines(scene));
   const auto place = [&](const NetworkArc& arc, int end) {
-    return at(network.nodes()[static_cast<size_t>(arc.nodes[static_cast<size_t>(end)])].position);
+    return at(network.nodes()[arc.nodes[end]].position);
   };
   std::string text = "network: " + std::to_string(network.arcs().size()) +
                      (network.arcs().size() == 1 ? " piece" : " pieces") + " between " +
@@ -86,11 +86,11 @@ std::string network_text(const Scene& scene) {
     for (size_t l = 0; l < region.loops.size(); ++l) {
       text += l ? ", [" : "[";
       for (size_t i = 0; i < region.loops[l].size(); ++i)
-        text += (i ? ", " : "") + network.arcs()[static_cast<size_t>(region.loops[l][i].arc)].name;
+        text += (i ? ", " : "") + network.arcs()[region.loops[l][i].arc].name;
       text += "]";
     }
     for (size_t i = 0; i < region.inner.size(); ++i)
-      text += (i ? ", " : "  inner ") + network.arcs()[static_cast<size_t>(region.inner[i])].name;
+      text += (i ? ", " : "  inner ") + network.arcs()[region.inner[i]].name;
     text += "\n";
   }
   for (const RegionChoice& choice : found.choices) text += "  could be: " + choice.text + "\n";

@@ -15,8 +15,8 @@
 
 #include "batten/fairing/fair_curve.h"
 #include "batten/fairing/fairness.h"
-#include "batten/io/curve_files.h"
-#include "batten/io/curve_pictures.h"
+#include "batten/io/lines/curve_files.h"
+#include "batten/io/pictures/curve_pictures.h"
 
 namespace {
 

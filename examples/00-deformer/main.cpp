@@ -16,8 +16,8 @@
 #include <numeric>
 
 #include "batten/core/rotations.h"
-#include "batten/io/mesh_file.h"
-#include "batten/io/mesh_pictures.h"
+#include "batten/io/meshes/mesh_file.h"
+#include "batten/io/pictures/mesh_pictures.h"
 #include "batten/mesh/deform/form_feature_deformer.h"
 #include "batten/mesh/features/holes.h"
 #include "batten/mesh/prepare.h"

@@ -16,8 +16,8 @@
 #include "batten/core/errors.h"
 #include "batten/fem/assembly.h"
 #include "batten/fem/surface.h"
-#include "batten/io/pictures.h"
-#include "batten/io/vtk_files.h"
+#include "batten/io/pictures/pictures.h"
+#include "batten/io/vtk/vtk_files.h"
 
 namespace {
 

@@ -13,11 +13,11 @@
 #include <exception>
 #include <filesystem>
 
-#include "batten/io/pictures.h"
-#include "batten/io/step.h"
-#include "batten/io/vtk_files.h"
-#include "batten/sculpting/static_sculpt.h"
-#include "batten/skinning/quality.h"
+#include "batten/io/cad/step.h"
+#include "batten/io/pictures/pictures.h"
+#include "batten/io/vtk/vtk_files.h"
+#include "batten/sculpting/statics/static_sculpt.h"
+#include "batten/skinning/region/quality.h"
 
 namespace {
 

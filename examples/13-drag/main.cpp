@@ -17,9 +17,9 @@
 #include <numbers>
 #include <thread>
 
-#include "batten/io/pictures.h"
-#include "batten/io/vtk_files.h"
-#include "batten/sculpting/session.h"
+#include "batten/io/pictures/pictures.h"
+#include "batten/io/vtk/vtk_files.h"
+#include "batten/sculpting/session/session.h"
 
 namespace {
 

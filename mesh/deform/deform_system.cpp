@@ -7,6 +7,7 @@
 
 #include "batten/core/errors.h"
 #include "batten/core/groups.h"
+#include "batten/core/index.h"
 #include "batten/mesh/operators.h"
 
 namespace batten {
@@ -77,8 +78,8 @@ DeformSystem::DeformSystem(const TriangleMesh& mesh, const DeformProblem& proble
   rest = mesh.points().rowwise() - origin.transpose();
 
   number(topology, problem);
-  positions = ConstraintSet(static_cast<int>(vertex.size()));
-  rotations = ConstraintSet(static_cast<int>(vertex.size()));
+  positions = ConstraintSet(count_of(vertex));
+  rotations = ConstraintSet(count_of(vertex));
   add_soft_rows(mesh, problem);
   add_hard_rows(problem);
 }
@@ -101,7 +102,7 @@ void DeformSystem::find_parts(const MeshTopology& topology) {
 }
 
 void DeformSystem::order_features() {
-  const auto count = static_cast<int>(feature_vertices_.size());
+  const auto count = count_of(feature_vertices_);
   std::vector<std::pair<int, int>> members;  // vertex, feature
   for (int f = 0; f < count; ++f)
     for (const int v : feature_vertices_[f]) members.emplace_back(v, f);
@@ -193,7 +194,7 @@ void DeformSystem::number(const MeshTopology& topology, const DeformProblem& pro
   dof.assign(n, -1);
   for (int v = 0; v < n; ++v)
     if (part[v]) {
-      dof[v] = static_cast<int>(vertex.size());
+      dof[v] = count_of(vertex);
       vertex.push_back(v);
     }
 }
@@ -214,7 +215,7 @@ std::vector<int> DeformSystem::curved_vertices(const MeshTopology& topology) con
 
 int DeformSystem::scale_of(int v) const {
   if (feature_of_[v] >= 0) return feature_of_[v];
-  return holder[v] >= 0 ? static_cast<int>(feature_vertices_.size()) + holder[v] : -1;
+  return holder[v] >= 0 ? count_of(feature_vertices_) + holder[v] : -1;
 }
 
 std::vector<DeformSystem::WrittenRow> DeformSystem::written_rows(
@@ -391,8 +392,8 @@ void DeformSystem::add_hard_rows(const DeformProblem& problem) {
 
 SparseMatrix laplacian_of(const DeformSystem& system, const TriangleMesh& mesh) {
   const SparseMatrix all = cotangent_laplacian(mesh);
-  if (static_cast<int>(system.vertex.size()) == mesh.vertex_count()) return all;
-  const auto n = static_cast<int>(system.vertex.size());
+  if (count_of(system.vertex) == mesh.vertex_count()) return all;
+  const auto n = count_of(system.vertex);
   SparseMatrix L(n, n);
   L.reserve(all.nonZeros());
   for (int d = 0; d < n; ++d) {

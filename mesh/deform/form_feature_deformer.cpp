@@ -5,6 +5,7 @@
 #include "batten/constraints/affine_reduction.h"
 #include "batten/constraints/coupling.h"
 #include "batten/core/errors.h"
+#include "batten/core/index.h"
 #include "batten/core/parallel.h"
 #include "batten/core/rotations.h"
 #include "batten/core/sparse_cholesky.h"
@@ -148,7 +149,7 @@ void FormFeatureDeformer::Data::couple_guides() {
 
 double FormFeatureDeformer::Data::scale_of(const DeformEdit& edit, int scaled_by) const {
   if (scaled_by < 0) return 1;
-  const auto features = static_cast<int>(problem.features.size());
+  const auto features = count_of(problem.features);
   if (scaled_by >= features) return edit.handles[scaled_by - features].scale;
   return edit.feature_scales.empty() ? 1 : edit.feature_scales[scaled_by];
 }
@@ -338,10 +339,10 @@ FormFeatureDeformer::Counts FormFeatureDeformer::counts() const {
   c.moving = d.system.moving;
   c.unknowns = d.positions.free_count();
   c.soft_rows = static_cast<int>(d.system.A.rows());
-  c.hard_rows = static_cast<int>(d.system.values.size());
+  c.hard_rows = count_of(d.system.values);
   c.feature_rows = d.system.feature_rows;
   c.dropped_rows = d.positions.dropped_rows();
-  c.guide_rows = static_cast<int>(d.guide_of.size());
+  c.guide_rows = count_of(d.guide_of);
   c.factor_entries = d.positions.free_count() > 0 ? d.factor.factor_entries() : 0;
   return c;
 }
@@ -350,7 +351,7 @@ FormFeatureDeformer::Statement FormFeatureDeformer::statement(const DeformEdit& 
   deform(edit);
   const Data& d = *data_;
   Statement s{d.system.vertex, d.system.origin, d.system.A, d.b,
-              ConstraintSet(static_cast<int>(d.system.vertex.size()))};
+              ConstraintSet(count_of(d.system.vertex))};
   const auto& rows = d.system.positions.rows();
   std::vector<char> implied(rows.size(), 0);
   for (const int k : d.positions.dropped()) implied[k] = 1;

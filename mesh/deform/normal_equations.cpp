@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "batten/core/index.h"
 #include "batten/core/parallel.h"
 
 namespace batten {
@@ -59,7 +60,7 @@ SparseMatrix normal_matrix(const SparseMatrix& B, const RowMatrix& rows) {
         }
       }
       std::sort(list.begin(), list.end());
-      length[c] = static_cast<int>(list.size());
+      length[c] = count_of(list);
       for (const int r : list) {
         index[part].push_back(r);
         value[part].push_back(sum[r]);

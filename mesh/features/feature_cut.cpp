@@ -8,6 +8,7 @@
 #include <string>
 
 #include "batten/core/errors.h"
+#include "batten/core/index.h"
 #include "batten/mesh/selection.h"
 
 namespace batten {
@@ -84,7 +85,7 @@ class FeatureCutter {
   FeatureCut cut() {
     const std::vector<Arc> arcs = dual_arcs();
     // Nodes: the source, the sink, then the band.
-    const std::vector<char> near = source_side(2 + static_cast<int>(band_.size()), 0, 1, arcs);
+    const std::vector<char> near = source_side(2 + count_of(band_), 0, 1, arcs);
     FeatureCut result{{}, {}, {}, 0};
     std::vector<char> inside(topology_.triangle_count(), 0);
     for (int t = 0; t < topology_.triangle_count(); ++t) {
@@ -112,7 +113,7 @@ class FeatureCutter {
     }
     for (int t = 0; t < topology_.triangle_count(); ++t)
       if (part_[t] == kBand) {
-        band_number_[t] = static_cast<int>(band_.size());
+        band_number_[t] = count_of(band_);
         band_.push_back(t);
       }
     component_ = component_of(band_.front());
@@ -133,7 +134,7 @@ class FeatureCutter {
     std::vector<int> sizes, stack;
     for (int seed = 0; seed < topology_.triangle_count(); ++seed) {
       if (part_[seed] >= 0 || component_of(seed) != component_) continue;
-      const int part = static_cast<int>(sizes.size()) + 1;
+      const int part = count_of(sizes) + 1;
       sizes.push_back(0);
       part_[seed] = part;
       stack.push_back(seed);

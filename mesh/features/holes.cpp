@@ -8,6 +8,7 @@
 #include <string>
 
 #include "batten/core/errors.h"
+#include "batten/core/index.h"
 
 namespace batten {
 namespace {
@@ -64,7 +65,7 @@ Circle geometric_circle(const PlanePoints& x, Circle circle) {
 
 HoleMeasure measure_hole(const Points& points, const std::vector<int>& loop,
                          double circular_share) {
-  const int n = static_cast<int>(loop.size());
+  const int n = count_of(loop);
   if (n < 3)
     throw InputError("a hole has " + std::to_string(n) + " vertices, expected three or more");
   Points p(n, 3);

@@ -8,6 +8,7 @@
 #include <set>
 
 #include "batten/core/errors.h"
+#include "batten/core/index.h"
 #include "batten/mesh/features/patch_border.h"
 #include "batten/mesh/selection.h"
 
@@ -247,7 +248,7 @@ class Proposer {
     for (int g = 0; g < groups.count; ++g)
       if (chain_count[g] == 1 && around[g]->closed)
         result.push_back({vertices_of_triangles(topology_, members[g]), around[g]->vertices,
-                          static_cast<int>(members[g].size())});
+                          count_of(members[g])});
   }
 
   // The next creases inwards: what touches the panel becomes panel.

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "batten/core/errors.h"
+#include "batten/core/index.h"
 #include "batten/fem/surface_projector.h"
 #include "batten/fem/surface_transfer.h"
 #include "batten/skinning/model/model_layout.h"
@@ -24,15 +25,15 @@ void mark_longer_edges(const RegionLayout& mine, const LineRun& run, const LineR
         other.parameters.begin(), other.parameters.end(),
         [&](double t) { return t > run.parameters[k] + near && t < run.parameters[k + 1] - near; });
     if (inside == other.parameters.end()) continue;
-    const auto& edge = mine.mesh()->edges()[static_cast<size_t>(run.edges[k])];
-    marks[static_cast<size_t>(edge.triangle[0])] = 1;
+    const auto& edge = mine.mesh()->edges()[run.edges[k]];
+    marks[edge.triangle[0]] = 1;
   }
 }
 
 }  // namespace
 
 bool ModelLayout::refine(const std::vector<char>& marked) {
-  if (static_cast<int>(marked.size()) != mesh_->triangle_count())
+  if (count_of(marked) != mesh_->triangle_count())
     throw InputError(std::to_string(marked.size()) + " marks for " +
                      std::to_string(mesh_->triangle_count()) + " triangles");
   ModelLayout finer = *this;
@@ -45,9 +46,9 @@ bool ModelLayout::refine(const std::vector<char>& marked) {
   for (int round = 0;; ++round) {
     bool halved = false;
     for (int r = 0; r < region_count(); ++r) {
-      auto& region = finer.regions_[static_cast<size_t>(r)];
+      auto& region = finer.regions_[r];
       RegionLayout copy = *region;
-      if (!copy.refine(marks[static_cast<size_t>(r)])) continue;
+      if (!copy.refine(marks[r])) continue;
       region = std::make_shared<const RegionLayout>(std::move(copy));
       halved = true;
     }
@@ -56,16 +57,13 @@ bool ModelLayout::refine(const std::vector<char>& marked) {
     if (round == most_rounds)
       throw InputError("the regions of model '" + name() + "' cannot be refined alike");
     for (int r = 0; r < region_count(); ++r)
-      marks[static_cast<size_t>(r)].assign(
-          static_cast<size_t>(finer.region(r).mesh()->triangle_count()), 0);
+      marks[r].assign(static_cast<size_t>(finer.region(r).mesh()->triangle_count()), 0);
     for (const ModelLine& line : lines_)
       for (const LineSide& a : line.sides)
         for (const LineSide& b : line.sides) {
           if (a.embedded || b.embedded || (a.region == b.region && a.index == b.index)) continue;
-          mark_longer_edges(finer.region(a.region),
-                            finer.region(a.region).runs()[static_cast<size_t>(a.index)],
-                            finer.region(b.region).runs()[static_cast<size_t>(b.index)],
-                            marks[static_cast<size_t>(a.region)]);
+          mark_longer_edges(finer.region(a.region), finer.region(a.region).runs()[a.index],
+                            finer.region(b.region).runs()[b.index], marks[a.region]);
         }
   }
   if (!any) return false;
@@ -78,7 +76,7 @@ void ModelLayout::set_line(const std::string& name, const HermiteCurve& curve) {
   const ModelLine& line = model_line(name);
   ModelLayout changed = *this;
   for (const LineSide& side : line.sides) {
-    auto& region = changed.regions_[static_cast<size_t>(side.region)];
+    auto& region = changed.regions_[side.region];
     RegionLayout copy = *region;
     copy.set_line(name, against(line, side) ? curve.backwards() : curve);
     region = std::make_shared<const RegionLayout>(std::move(copy));
@@ -107,7 +105,7 @@ void ModelLayout::add_inner(const CharacterLine& line, const Points& shape) {
   RegionLayout copy = region(nearest);
   copy.add_inner(line,
                  Surface(copy.mesh(), copy.element(), region_dofs(nearest, shape), copy.trim()));
-  regions_[static_cast<size_t>(nearest)] = std::make_shared<const RegionLayout>(std::move(copy));
+  regions_[nearest] = std::make_shared<const RegionLayout>(std::move(copy));
   number();
 }
 
@@ -117,32 +115,33 @@ void ModelLayout::remove_inner(const std::string& name) {
   const int r = region_count() == 1 ? 0 : model_line(name).sides.front().region;
   RegionLayout copy = region(r);
   copy.remove_inner(name);
-  regions_[static_cast<size_t>(r)] = std::make_shared<const RegionLayout>(std::move(copy));
+  regions_[r] = std::make_shared<const RegionLayout>(std::move(copy));
   number();
 }
 
-void ModelLayout::plan_seams(const Points& shape) {
-  std::vector<Seam> seams;
+void ModelLayout::plan_joins(const Points& shape) {
+  std::vector<JoinLine> join_lines;
   std::vector<size_t> index;
-  for (size_t s = 0; s < seams_.size(); ++s) {
-    if (!seams_[s].why_not.empty()) continue;
-    seams.push_back(seams_[s].seam);
+  for (size_t s = 0; s < join_plans_.size(); ++s) {
+    if (!join_plans_[s].why_not.empty()) continue;
+    join_lines.push_back(join_plans_[s].join_line);
     index.push_back(s);
   }
-  const auto plans = batten::plan_seams(layouts(), of_regions(shape), seams, frame_.most_apart_deg);
-  for (size_t i = 0; i < plans.size(); ++i) seams_[index[i]] = plans[i];
+  const auto plans =
+      batten::plan_joins(layouts(), of_regions(shape), join_lines, frame_.most_apart_deg);
+  for (size_t i = 0; i < plans.size(); ++i) join_plans_[index[i]] = plans[i];
 }
 
-double ModelLayout::seam_misfit(const Points& shape) const {
+double ModelLayout::join_misfit(const Points& shape) const {
   ModelLayout anew = *this;
-  anew.plan_seams(shape);
+  anew.plan_joins(shape);
   double misfit = 0;
-  for (size_t s = 0; s < seams_.size(); ++s) {
-    const SeamPlan &was = seams_[s], &is = anew.seams_[s];
+  for (size_t s = 0; s < join_plans_.size(); ++s) {
+    const JoinPlan &was = join_plans_[s], &is = anew.join_plans_[s];
     if (!was.why_not.empty() || !was.at.empty()) continue;
     if (!is.why_not.empty()) return std::numeric_limits<double>::infinity();
     for (size_t e = 0; e < 2; ++e) {
-      const SeamEnd &old = was.ends[e], &now = is.ends[e];
+      const JoinEnd &old = was.ends[e], &now = is.ends[e];
       if (old.open != now.open) return std::numeric_limits<double>::infinity();
       if (old.open || old.loose) continue;
       misfit = std::max({misfit, std::abs(now.gamma / old.gamma - 1),

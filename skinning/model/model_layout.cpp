@@ -18,8 +18,8 @@ ModelLayout::ModelLayout(RegionLayout region)
 }
 
 ModelLayout::ModelLayout(ModelFrame frame, std::vector<std::shared_ptr<const RegionLayout>> regions,
-                         std::vector<SeamPlan> seams)
-    : frame_(std::move(frame)), regions_(std::move(regions)), seams_(std::move(seams)) {
+                         std::vector<JoinPlan> join_lines)
+    : frame_(std::move(frame)), regions_(std::move(regions)), join_plans_(std::move(join_lines)) {
   if (regions_.empty()) throw InputError("model '" + frame_.name + "' has no regions");
   for (const auto& region : regions_)
     if (region->element() != element())
@@ -144,14 +144,14 @@ HermiteCurve ModelLayout::image(const LineSide& side) const {
 
 bool ModelLayout::against(const ModelLine& line, const LineSide& side) const {
   const auto runs_against = [&](const LineSide& s) {
-    return s.embedded && region(s.region).embedded()[static_cast<size_t>(s.index)].against_given;
+    return s.embedded && region(s.region).embedded()[s.index].against_given;
   };
   return runs_against(side) != runs_against(line.sides.front());
 }
 
-const SeamPlan* ModelLayout::seam(const std::string& line) const {
-  for (const SeamPlan& plan : seams_)
-    if (plan.seam.name == line && plan.why_not.empty()) return &plan;
+const JoinPlan* ModelLayout::join_plan(const std::string& line) const {
+  for (const JoinPlan& plan : join_plans_)
+    if (plan.join_line.name == line && plan.why_not.empty()) return &plan;
   return nullptr;
 }
 
@@ -172,7 +172,7 @@ ConstraintSet ModelLayout::gathered(ConstraintSet (RegionLayout::*rows)() const,
     for (const auto& row : own.rows()) {
       std::vector<ConstraintSet::Entry> entries = row.entries;
       for (auto& e : entries) e.dof = numbers(r)(e.dof);
-      const std::string& name = own.names()[static_cast<size_t>(row.name)];
+      const std::string& name = own.names()[row.name];
       all.add(name_regions ? region(r).name() + " " + name : name, std::move(entries), row.value);
     }
   }
@@ -182,7 +182,7 @@ ConstraintSet ModelLayout::gathered(ConstraintSet (RegionLayout::*rows)() const,
 ConstraintSet ModelLayout::line_constraints() const {
   if (region_count() == 1) return region(0).line_constraints();
   ConstraintSet all = gathered(&RegionLayout::line_constraints, false);
-  add_seam_rows(layouts(), numbers_, seams_, false, all);
+  add_join_rows(layouts(), numbers_, join_plans_, false, all);
   return all;
 }
 
@@ -200,7 +200,7 @@ ConstraintSet ModelLayout::corner_constraints() const {
                       JoinSide{b.region, b.embedded, b.index, false}}},
                     all);
     }
-  add_seam_rows(layouts(), numbers_, seams_, true, all);
+  add_join_rows(layouts(), numbers_, join_plans_, true, all);
   return all;
 }
 
@@ -213,8 +213,8 @@ VecX ModelLayout::position_dofs() const {
 
 std::vector<int> ModelLayout::dof_order() const {
   if (region_count() == 1) return dissection_order(*mesh_);
-  if (std::any_of(seams_.begin(), seams_.end(),
-                  [](const SeamPlan& plan) { return plan.why_not.empty(); }))
+  if (std::any_of(join_plans_.begin(), join_plans_.end(),
+                  [](const JoinPlan& plan) { return plan.why_not.empty(); }))
     return {};
   std::vector<int> order;
   for (int r = 0; r < region_count(); ++r)
@@ -277,7 +277,7 @@ Points ModelLayout::all_dofs(const std::vector<Points>& of_regions) const {
   Points all(DofMap(*mesh_).count(), 3);
   for (int r = 0; r < region_count(); ++r) {
     const RegionNumbers& n = numbers(r);
-    const Points& own = of_regions[static_cast<size_t>(r)];
+    const Points& own = of_regions[r];
     const long edges = own.rows() - n.vertex_dofs;
     all.middleRows(n.vertices, n.vertex_dofs) = own.topRows(n.vertex_dofs);
     all.middleRows(n(n.vertex_dofs), edges) = own.bottomRows(edges);

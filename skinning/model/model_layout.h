@@ -5,9 +5,10 @@
 #include <string>
 #include <vector>
 
+#include "batten/core/index.h"
 #include "batten/fairing/energy.h"
-#include "batten/skinning/model/seam.h"
-#include "batten/skinning/region_layout.h"
+#include "batten/skinning/layout/region_layout.h"
+#include "batten/skinning/model/join.h"
 
 namespace batten {
 
@@ -53,24 +54,24 @@ struct ModelFrame {
 /// an area of its domain (s_r/S)². See domain_scale(), materials().
 ///
 /// Lines are held as each region holds them. Smooth joins are rows on the dofs of both sides
-/// (seam.h); other lines with several regions are creases: the regions share the line.
+/// (join.h); other lines with several regions are creases: the regions share the line.
 ///
 /// Layouts of regions are shared between copies; an edit replaces those it touches.
 class ModelLayout {
  public:
   /// A model with one region.
   ModelLayout(RegionLayout region);  // NOLINT: a region is a model
-  /// Seams name regions by their index. Throws InputError: no region, different elements.
+  /// Join lines name regions by their index. Throws InputError: no region, different elements.
   ModelLayout(ModelFrame frame, std::vector<std::shared_ptr<const RegionLayout>> regions,
-              std::vector<SeamPlan> seams);
+              std::vector<JoinPlan> join_lines);
 
   const std::string& name() const { return frame_.name; }
   double size() const { return frame_.size; }
   double tolerance() const { return frame_.tolerance; }
   /// Dofs are best solved for about this point.
   const Vec3& origin() const { return frame_.origin; }
-  int region_count() const { return static_cast<int>(regions_.size()); }
-  const RegionLayout& region(int r) const { return *regions_[static_cast<size_t>(r)]; }
+  int region_count() const { return count_of(regions_); }
+  const RegionLayout& region(int r) const { return *regions_[r]; }
   /// Throws InputError, with the nearest name, when there is none.
   int region_named(const std::string& name) const;
   /// Warnings of all regions; of several regions they begin "region 'NAME': …".
@@ -92,9 +93,9 @@ class ModelLayout {
   HermiteCurve image(const LineSide& side) const;
   /// Whether a side runs against the line.
   bool against(const ModelLine& line, const LineSide& side) const;
-  const std::vector<SeamPlan>& seams() const { return seams_; }
-  /// The seam that joins a line smoothly, or null.
-  const SeamPlan* seam(const std::string& line) const;
+  const std::vector<JoinPlan>& join_plans() const { return join_plans_; }
+  /// The join line that joins a line smoothly, or null.
+  const JoinPlan* join_plan(const std::string& line) const;
 
   // -- rows and numbers ---------------------------------------------------------------------------
   /// Rows that hold every line in every region, and those of smooth joins: uncoupled, named after
@@ -115,8 +116,8 @@ class ModelLayout {
   /// size 1: one for all, or one a triangle. One for a model that needs no more.
   std::vector<SurfaceStiffness> on_regions(std::vector<SurfaceStiffness> materials) const;
   /// Which number a region's dof, triangle or location has in the model.
-  const RegionNumbers& numbers(int r) const { return numbers_[static_cast<size_t>(r)]; }
-  int first_triangle(int r) const { return first_triangle_[static_cast<size_t>(r)]; }
+  const RegionNumbers& numbers(int r) const { return numbers_[r]; }
+  int first_triangle(int r) const { return first_triangle_[r]; }
   /// A vector of all dofs with a region's own numbers at its dofs, 0 elsewhere.
   VecX spread(int r, const VecX& own) const;
   int region_of(int triangle) const;
@@ -135,7 +136,7 @@ class ModelLayout {
 
   // -- edits: each throws before it has changed anything ---------------------------------------
   /// Halves marked triangles and so many others that regions stay conforming, inside and along the
-  /// lines that they share. False when nothing is marked. plan_seams() is due when lines with a
+  /// lines that they share. False when nothing is marked. plan_joins() is due when lines with a
   /// join are embedded.
   bool refine(const std::vector<char>& marked);
   /// Another shape of a line over the same CurveMesh, in all regions that have it.
@@ -144,11 +145,11 @@ class ModelLayout {
   void add_inner(const CharacterLine& line, const Points& shape);
   void remove_inner(const std::string& name);
   /// γ and δ of all smooth joins again, from a shape on this layout. Joins that turn out impossible
-  /// are given up (SeamPlan::why_not). O(seams).
-  void plan_seams(const Points& shape);
+  /// are given up (JoinPlan::why_not). O(join lines).
+  void plan_joins(const Points& shape);
   /// How far γ (in shares) and δ at the ends of smooth joins would be others if they were
-  /// planned from this shape; infinite where one opens or is impossible. plan_seams() is then due.
-  double seam_misfit(const Points& shape) const;
+  /// planned from this shape; infinite where one opens or is impossible. plan_joins() is then due.
+  double join_misfit(const Points& shape) const;
 
  private:
   void number();
@@ -158,7 +159,7 @@ class ModelLayout {
 
   ModelFrame frame_;
   std::vector<std::shared_ptr<const RegionLayout>> regions_;
-  std::vector<SeamPlan> seams_;
+  std::vector<JoinPlan> join_plans_;
   // Made from these by number():
   std::shared_ptr<const ParametricMesh> mesh_;
   std::shared_ptr<const Trim> trim_;

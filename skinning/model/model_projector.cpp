@@ -3,6 +3,8 @@
 #include <limits>
 #include <optional>
 
+#include "batten/core/index.h"
+
 namespace batten {
 
 ModelProjector::ModelProjector(const ModelLayout& layout, const Points& dofs) {
@@ -32,7 +34,7 @@ double ModelProjector::Region::distance_to_box(const Vec3& p) const {
 }
 
 ModelProjector::Nearest ModelProjector::in_region(int r, const Vec3& p) const {
-  const Region& region = regions_[static_cast<size_t>(r)];
+  const Region& region = regions_[r];
   if (!region.projector) region.projector = std::make_unique<SurfaceProjector>(region.surface);
   const auto closest = region.projector->nearest(p);
   const ParametricMesh& mesh = region.surface.mesh();
@@ -46,10 +48,8 @@ ModelProjector::Nearest ModelProjector::in_region(int r, const Vec3& p) const {
 
 ModelProjector::Nearest ModelProjector::nearest(const Vec3& p) const {
   std::optional<Nearest> best;
-  for (int r = 0; r < static_cast<int>(regions_.size()); ++r) {
-    if (best && best->inside &&
-        regions_[static_cast<size_t>(r)].distance_to_box(p) > best->distance)
-      continue;
+  for (int r = 0; r < count_of(regions_); ++r) {
+    if (best && best->inside && regions_[r].distance_to_box(p) > best->distance) continue;
     const Nearest found = in_region(r, p);
     if (!best || (found.inside && !best->inside) ||
         (found.inside == best->inside && found.distance < best->distance))
@@ -60,8 +60,8 @@ ModelProjector::Nearest ModelProjector::nearest(const Vec3& p) const {
 
 ModelProjector::Nearest ModelProjector::nearest_inside(const Vec3& p) const {
   std::optional<Nearest> best;
-  for (int r = 0; r < static_cast<int>(regions_.size()); ++r) {
-    const Region& region = regions_[static_cast<size_t>(r)];
+  for (int r = 0; r < count_of(regions_); ++r) {
+    const Region& region = regions_[r];
     if (best && region.distance_to_box(p) > best->distance) continue;
     Nearest found = in_region(r, p);
     if (!found.inside) {

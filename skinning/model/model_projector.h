@@ -28,7 +28,7 @@ class ModelProjector {
   /// The nearest place inside: where a trim has the nearest one outside, Surface::closest_point
   /// looks again.
   Nearest nearest_inside(const Vec3& p) const;
-  const Surface& surface(int region) const { return regions_[static_cast<size_t>(region)].surface; }
+  const Surface& surface(int region) const { return regions_[region].surface; }
 
  private:
   struct Region {

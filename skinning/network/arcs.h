@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "batten/fem/curve.h"
-#include "batten/skinning/character_line.h"
+#include "batten/skinning/lines/character_line.h"
 
 namespace batten {
 

@@ -7,6 +7,7 @@
 
 #include "batten/core/errors.h"
 #include "batten/core/groups.h"
+#include "batten/core/index.h"
 #include "batten/core/parallel.h"
 #include "batten/core/words.h"
 #include "batten/skinning/network/network_arcs.h"
@@ -23,7 +24,7 @@ std::vector<int> canonical_nodes(const Strands& strands, NodesAndCuts& net) {
   for (const Cut& c : net.cuts)
     for (const int n : c.nodes) used[n] = 1;
   std::vector<std::pair<std::array<long long, 3>, int>> order;
-  for (int n = 0; n < static_cast<int>(net.nodes.size()); ++n)
+  for (int n = 0; n < count_of(net.nodes); ++n)
     if (used[n]) order.emplace_back(sort_key(net.nodes[n], strands.origin, strands.size), n);
   std::sort(order.begin(), order.end());
   std::vector<int> number(net.nodes.size(), -1);
@@ -132,7 +133,7 @@ std::vector<std::array<Vec3, 2>> end_tangents(const std::vector<Draft>& drafts,
   std::vector<std::array<Vec3, 2>> along(arcs.size());
   for (size_t i = 0; i < arcs.size(); ++i)
     for (const bool end : {false, true}) along[i][end] = (end ? -1 : 1) * away(drafts[i], end);
-  for (int i = 0; i < static_cast<int>(arcs.size()); ++i)
+  for (int i = 0; i < count_of(arcs); ++i)
     for (const bool end : {false, true}) {
       const ArcEnd q = arcs[i].on[end];
       if (q.arc < 0 || std::tuple(q.arc, q.end) < std::tuple(i, end)) continue;
@@ -223,7 +224,7 @@ CharacterLineNetwork::CharacterLineNetwork(const std::vector<CharacterLine>& lin
   });
   arcs_.resize(drafts.size());
   arcs_of_line_.resize(lines_.size());
-  for (int i = 0; i < static_cast<int>(drafts.size()); ++i) {
+  for (int i = 0; i < count_of(drafts); ++i) {
     NetworkArc& arc = arcs_[i];
     arc.line = strands.strands[drafts[i].cut->strand].line;
     arc.reversed = drafts[i].input->backwards();
@@ -240,7 +241,7 @@ CharacterLineNetwork::CharacterLineNetwork(const std::vector<CharacterLine>& lin
     for (size_t i = 0; i < of.size(); ++i)
       arcs_[of[i]].name = lines_[k].name + (of.size() > 1 ? "." + std::to_string(i + 1) : "");
   }
-  for (int i = 0; i < static_cast<int>(drafts.size()); ++i)
+  for (int i = 0; i < count_of(drafts); ++i)
     for (const int line : drafts[i].cut->shared)
       if (auto& of = arcs_of_line_[line]; std::find(of.begin(), of.end(), i) == of.end())
         of.push_back(i);
@@ -248,7 +249,7 @@ CharacterLineNetwork::CharacterLineNetwork(const std::vector<CharacterLine>& lin
   find_partners(drafts, nodes_, strands, options.straight_angle, arcs_);
   const auto along = end_tangents(drafts, arcs_);
   progress.at("network", 0.6);
-  parallel_parts(static_cast<int>(arcs_.size()), [&](int i) {
+  parallel_parts(count_of(arcs_), [&](int i) {
     NetworkArc& arc = arcs_[i];
     ArcShape shape = make_arc_curve({drafts[i].input, nodes_[arc.nodes[0]].position,
                                      nodes_[arc.nodes[1]].position, along[i][0], along[i][1]},

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "batten/core/progress.h"
-#include "batten/skinning/character_line.h"
+#include "batten/skinning/lines/character_line.h"
 #include "batten/skinning/network/arcs.h"
 
 namespace batten {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "batten/core/eigen.h"
+#include "batten/core/index.h"
 
 namespace batten::netting {
 
@@ -31,7 +32,7 @@ class BoxTree {
  public:
   explicit BoxTree(std::vector<Box> boxes) : boxes_(std::move(boxes)), order_(boxes_.size()) {
     std::iota(order_.begin(), order_.end(), 0);
-    if (!order_.empty()) build(0, static_cast<int>(order_.size()));
+    if (!order_.empty()) build(0, count_of(order_));
   }
 
   /// Calls found(i, j), i < j, for boxes not farther apart than `reach` along any axis.
@@ -52,7 +53,7 @@ class BoxTree {
   };
 
   int build(int begin, int end) {
-    const int here = static_cast<int>(nodes_.size());
+    const int here = count_of(nodes_);
     nodes_.push_back({{}, begin, end});
     Box box;
     for (int k = begin; k < end; ++k) box.add(boxes_[order_[k]]);

@@ -5,6 +5,7 @@
 #include <tuple>
 
 #include "batten/core/groups.h"
+#include "batten/core/index.h"
 #include "batten/core/parallel.h"
 #include "batten/skinning/network/network_boxes.h"
 #include "batten/skinning/network/strand_distance.h"
@@ -23,7 +24,7 @@ class Search {
   Search(const std::vector<Strand>& strands, double tolerance, double size)
       : strands_(strands), tolerance_(tolerance), size_(size) {
     std::vector<Box> boxes;
-    for (int k = 0; k < static_cast<int>(strands.size()); ++k)
+    for (int k = 0; k < count_of(strands); ++k)
       for (int i = 0; i < strands[k].segments(); ++i) {
         Box box;
         for (const Vec3& p : {strands[k].x[i], strands[k].x[i + 1]})
@@ -49,7 +50,7 @@ class Search {
       groups.emplace_back(begin, end);
     }
     std::vector<Contacts> parts(groups.size());
-    parallel_parts(static_cast<int>(groups.size()), [&](int g) {
+    parallel_parts(count_of(groups), [&](int g) {
       parts[g] = of_pair({found.begin() + static_cast<long>(groups[g].first),
                           found.begin() + static_cast<long>(groups[g].second)});
     });
@@ -100,7 +101,7 @@ class Search {
         if (!(c.distance <= reach())) continue;
         set_lengths(c);
         if (c.a == c.b && c.sa > c.sb) std::swap(c.ta, c.tb), std::swap(c.sa, c.sb);
-        if (apart(c)) parts[static_cast<size_t>(part)].push_back(c);
+        if (apart(c)) parts[part].push_back(c);
       }
     });
     std::vector<Contact> all;
@@ -124,7 +125,7 @@ class Search {
   // Of the ends of strands with all that is near.
   std::vector<Contact> at_ends() const {
     std::vector<Contact> all;
-    for (int k = 0; k < static_cast<int>(strands_.size()); ++k)
+    for (int k = 0; k < count_of(strands_); ++k)
       for (int end = 0; end < 2 && !strands_[k].closed; ++end) {
         const Vec3 p = strands_[k].end_point(end);
         std::vector<int> near;
@@ -188,7 +189,7 @@ class Search {
 
   // Numbers of the intervals to which contacts of one pair belong; -1: farther than the limit.
   std::vector<int> intervals(const std::vector<Contact>& contacts, double limit) const {
-    const int n = static_cast<int>(contacts.size());
+    const int n = count_of(contacts);
     Groups groups(n);
     constexpr int ahead = 12;  // contacts of one place come from up to nine pairs of chords
     for (int i = 0; i < n; ++i)
@@ -204,7 +205,7 @@ class Search {
     Contacts result;
     const std::vector<int> wide = intervals(contacts, reach()),
                            narrow = intervals(contacts, tolerance_);
-    const int n = static_cast<int>(contacts.size());
+    const int n = count_of(contacts);
     std::vector<char> joined(n, 0);
     for (int i = 0; i < n; ++i) {
       if (narrow[i] >= 0) joined[wide[i]] = 1;

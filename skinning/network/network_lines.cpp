@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "batten/core/errors.h"
+#include "batten/core/index.h"
 #include "batten/core/parallel.h"
 #include "batten/core/words.h"
 
@@ -282,7 +283,7 @@ Strands make_strands(const std::vector<CharacterLine>& lines, double corner_angl
       throw InputError("two lines of the network have the name '" + line.name + "'");
 
   std::vector<std::vector<Strand>> of_line(lines.size());
-  parallel_parts(static_cast<int>(lines.size()), [&](int i) {
+  parallel_parts(count_of(lines), [&](int i) {
     of_line[i] = cut_line(lines[i], i, corner_angle);
     for (Strand& strand : of_line[i]) trace(strand);
   });
@@ -319,7 +320,7 @@ Strands make_strands(const std::vector<CharacterLine>& lines, double corner_angl
   std::vector<std::vector<int>> place(lines.size());
   for (size_t i = 0; i < lines.size(); ++i) place[i].resize(of_line[i].size());
   for (const Entry& entry : entries) {
-    place[entry.strand->line][entry.number] = static_cast<int>(all.strands.size());
+    place[entry.strand->line][entry.number] = count_of(all.strands);
     all.strands.push_back(std::move(*entry.strand));
   }
   for (const auto& strands : place)

@@ -7,8 +7,9 @@
 #include <utility>
 #include <vector>
 
+#include "batten/core/index.h"
 #include "batten/fairing/arc_length.h"
-#include "batten/skinning/character_line.h"
+#include "batten/skinning/lines/character_line.h"
 
 namespace batten::netting {
 
@@ -51,7 +52,7 @@ struct Strand {
   std::vector<Vec3> x;
   std::vector<double> sag;
 
-  int segments() const { return static_cast<int>(sag.size()); }
+  int segments() const { return count_of(sag); }
   Vec3 point(double parameter) const { return curve->evaluate(parameter, 0); }
   double end_parameter(int end) const { return end ? curve->end() : curve->start(); }
   Vec3 end_point(int end) const { return end ? x.back() : x.front(); }

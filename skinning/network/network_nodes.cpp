@@ -6,6 +6,7 @@
 #include <tuple>
 
 #include "batten/core/groups.h"
+#include "batten/core/index.h"
 #include "batten/core/words.h"
 #include "batten/skinning/network/node_findings.h"
 
@@ -45,7 +46,7 @@ class Builder {
   int interior_mark(int strand, double s) {
     set_.marks.push_back(
         {strand, s, -1, strands_[strand].point(strands_[strand].arc->parameter(s)), true});
-    return static_cast<int>(set_.marks.size()) - 1;
+    return count_of(set_.marks) - 1;
   }
 
   void link(int p, int q, double distance, bool contact) {
@@ -55,10 +56,10 @@ class Builder {
   }
 
   void make_marks() {
-    for (int k = 0; k < static_cast<int>(strands_.size()); ++k) {
+    for (int k = 0; k < count_of(strands_); ++k) {
       set_.ends.push_back({-1, -1});
       for (int e = 0; e < 2 && !strands_[k].closed; ++e) {
-        set_.ends[k][e] = static_cast<int>(set_.marks.size());
+        set_.ends[k][e] = count_of(set_.marks);
         set_.marks.push_back(
             {k, e ? strands_[k].length : 0, e, strands_[k].end_point(e), strands_[k].corner[e]});
       }
@@ -72,8 +73,7 @@ class Builder {
     }
     // Places of one strand that lie within the tolerance along it.
     along_.resize(strands_.size());
-    for (int m = 0; m < static_cast<int>(set_.marks.size()); ++m)
-      along_[set_.marks[m].strand].push_back(m);
+    for (int m = 0; m < count_of(set_.marks); ++m) along_[set_.marks[m].strand].push_back(m);
     for (auto& along : along_) {
       std::sort(along.begin(), along.end(), [&](int p, int q) {
         return std::tie(set_.marks[p].s, p) < std::tie(set_.marks[q].s, q);
@@ -108,7 +108,7 @@ class Builder {
   }
 
   void unite() {
-    const int n = static_cast<int>(set_.marks.size());
+    const int n = count_of(set_.marks);
     Groups groups(n);
     set_.members.resize(n);
     for (int m = 0; m < n; ++m) set_.members[m] = {m};
@@ -132,7 +132,7 @@ class Builder {
     std::vector<std::vector<int>> members;  // of each node
     for (int m = 0; m < n; ++m)
       if (!set_.members[m].empty()) {
-        set_.node_of[m] = static_cast<int>(members.size());
+        set_.node_of[m] = count_of(members);
         result_.nodes.push_back(middle_of(set_.members[m]));
         members.push_back(std::move(set_.members[m]));
       }
@@ -145,7 +145,7 @@ class Builder {
   // Marks of a strand that follow each other and are of one node become one place.
   void collapse() {
     set_.stops.resize(strands_.size());
-    for (int k = 0; k < static_cast<int>(strands_.size()); ++k) {
+    for (int k = 0; k < count_of(strands_); ++k) {
       const Strand& strand = strands_[k];
       std::vector<std::vector<int>> groups;
       for (const int m : along_[k]) {
@@ -189,12 +189,12 @@ class Builder {
   }
 
   void cut() {
-    for (int k = 0; k < static_cast<int>(strands_.size()); ++k) {
+    for (int k = 0; k < count_of(strands_); ++k) {
       const Strand& strand = strands_[k];
       auto& stops = set_.stops[k];
       if (strand.closed) {
         if (stops.empty()) {
-          stops.push_back({0, static_cast<int>(result_.nodes.size())});
+          stops.push_back({0, count_of(result_.nodes)});
           result_.nodes.push_back(strand.x.front());
         }
         stops.push_back({stops.front().s + strand.length, stops.front().node});

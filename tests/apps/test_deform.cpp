@@ -2,7 +2,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "batten/io/mesh_file.h"
+#include "batten/io/meshes/mesh_file.h"
 #include "batten/mesh/features/holes.h"
 #include "batten/mesh/prepare.h"
 #include "batten/tests/apps/cli_case.h"

@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "batten/core/rotations.h"
-#include "batten/io/mesh_file.h"
+#include "batten/io/meshes/mesh_file.h"
 #include "batten/mesh/deform/form_feature_deformer.h"
 #include "batten/mesh/deform/similarity.h"
 #include "batten/mesh/features/proposals.h"

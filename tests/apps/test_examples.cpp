@@ -7,9 +7,9 @@
 #include <map>
 #include <sstream>
 
-#include "batten/io/cad_lines.h"
-#include "batten/io/point_lines.h"
-#include "batten/io/step.h"
+#include "batten/io/cad/step.h"
+#include "batten/io/lines/cad_lines.h"
+#include "batten/io/lines/point_lines.h"
 #include "batten/tests/catch.h"
 #include "batten/tests/reference.h"
 

@@ -3,8 +3,8 @@
 #include <cmath>
 
 #include "batten/core/errors.h"
-#include "batten/io/cad_lines.h"
-#include "batten/io/point_lines.h"
+#include "batten/io/lines/cad_lines.h"
+#include "batten/io/lines/point_lines.h"
 #include "batten/tests/apps/cli_case.h"
 
 using namespace batten_test;

@@ -1,10 +1,10 @@
 #include <catch2/catch.hpp>
 
-#include "../embedded_grid.h"
-#include "../refusal.h"
-#include "../sampling.h"
 #include "batten/fem/assembly.h"
 #include "batten/fem/bisection.h"
+#include "batten/tests/embedded_grid.h"
+#include "batten/tests/refusal.h"
+#include "batten/tests/sampling.h"
 
 using namespace batten_test;
 

@@ -1,10 +1,10 @@
 #include <catch2/catch.hpp>
 
-#include "../embedded_grid.h"
-#include "../sampling.h"
 #include "batten/core/errors.h"
 #include "batten/elements/reference_triangle.h"
 #include "batten/fem/assembly.h"
+#include "batten/tests/embedded_grid.h"
+#include "batten/tests/sampling.h"
 
 using namespace batten_test;
 

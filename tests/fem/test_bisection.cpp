@@ -3,10 +3,10 @@
 #include <map>
 #include <set>
 
-#include "../embedded_grid.h"
-#include "../refusal.h"
-#include "../sampling.h"
 #include "batten/fem/bisection.h"
+#include "batten/tests/embedded_grid.h"
+#include "batten/tests/refusal.h"
+#include "batten/tests/sampling.h"
 
 using namespace batten_test;
 

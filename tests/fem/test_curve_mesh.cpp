@@ -34,7 +34,9 @@ HermiteCurve random_curve(const CurveMesh& mesh, unsigned seed) {
   return {mesh, dofs};
 }
 
-MatX dense(const SparseMatrix& lower) { return MatX(SparseMatrix(lower.selfadjointView<Eigen::Lower>())); }
+MatX dense(const SparseMatrix& lower) {
+  return MatX(SparseMatrix(lower.selfadjointView<Eigen::Lower>()));
+}
 
 }  // namespace
 

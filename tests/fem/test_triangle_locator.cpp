@@ -1,8 +1,8 @@
 #include <catch2/catch.hpp>
 
-#include "../embedded_grid.h"
-#include "../sampling.h"
 #include "batten/fem/bisection.h"
+#include "batten/tests/embedded_grid.h"
+#include "batten/tests/sampling.h"
 
 using namespace batten_test;
 

@@ -54,9 +54,15 @@ std::map<std::string, Room> read_rooms() {
 
 /// How include lines of other libraries begin.
 const std::map<std::string, std::string> kForeign = {
-    {"CHOLMOD", "cholmod"},     {"CGAL", "CGAL/"},   {"Ceres", "ceres/"},
-    {"Boost.Graph", "boost/"},  {"VTK", "vtk"},      {"toml++", "toml"},
-    {"nlohmann-json", "nlohmann"}, {"giflib", "gif_lib"}, {"OpenCASCADE", "(BRep|Geom|Topo|STEP|IGES|Standard_|gp_|TCol|XS|Interface_|Shape)"},
+    {"CHOLMOD", "cholmod"},
+    {"CGAL", "CGAL/"},
+    {"Ceres", "ceres/"},
+    {"Boost.Graph", "boost/"},
+    {"VTK", "vtk"},
+    {"toml++", "toml"},
+    {"nlohmann-json", "nlohmann"},
+    {"giflib", "gif_lib"},
+    {"OpenCASCADE", "(BRep|Geom|Topo|STEP|IGES|Standard_|gp_|TCol|XS|Interface_|Shape)"},
 };
 
 /// The room of a file: the innermost folder that has a row.

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "batten/fairing/curve_fit.h"
-#include "batten/skinning/region_layout.h"
-#include "shapes.h"
+#include "batten/skinning/layout/region_layout.h"
+#include "batten/tests/skinning/shapes.h"
 
 namespace batten_test {
 

@@ -2,7 +2,7 @@
 #include "batten/core/work.h"
 #include "batten/tests/allocations.h"
 #include "batten/tests/catch.h"
-#include "batten/tests/sculpting/session_scenes.h"
+#include "batten/tests/sculpting/session/session_scenes.h"
 
 using namespace batten;
 using namespace batten_test;

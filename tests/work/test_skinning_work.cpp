@@ -4,12 +4,12 @@
 #include "batten/fem/assembly.h"
 #include "batten/fem/dissection.h"
 #include "batten/skinning/model/model_layout.h"
-#include "batten/skinning/network/find_regions.h"
-#include "batten/skinning/network/model.h"
-#include "batten/skinning/network/skin_network.h"
+#include "batten/skinning/search/find_regions.h"
 #include "batten/skinning/skin.h"
+#include "batten/skinning/surfaces/skin_network.h"
+#include "batten/skinning/surfaces/surface_model.h"
 #include "batten/tests/catch.h"
-#include "batten/tests/network/networks.h"
+#include "batten/tests/skinning/network/networks.h"
 #include "batten/tests/skinning/shapes.h"
 
 using namespace batten;

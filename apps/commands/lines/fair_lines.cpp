@@ -1,0 +1,399 @@
+#include "batten/apps/commands/lines/fair_lines.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "batten/apps/commands/lines/sampled_line.h"
+#include "batten/apps/commands/runs/run_parts.h"
+#include "batten/core/index.h"
+#include "batten/core/parallel.h"
+#include "batten/fairing/point_row.h"
+
+namespace batten {
+namespace {
+
+/// What one stage does to one line.
+struct Work {
+  bool acts = false;
+  std::optional<std::vector<int>> corners;  ///< points that the stage names as corners
+};
+
+class Fairing {
+ public:
+  Fairing(const std::vector<SourceLine>& lines, const FairingSettings& settings)
+      : lines_(lines), settings_(settings), met_(settings.stages.size()) {
+    for (const SourceLine& line : lines) names_.push_back(line.name);
+    work_.assign(lines.size(), std::vector<Work>(settings.stages.size()));
+    for (size_t s = 0; s < settings.stages.size(); ++s) choose(s);
+    for (size_t i = 0; i < lines.size(); ++i) sampled_.push_back(sampled(lines[i], angle_of(i)));
+    for (size_t s = 0; s < settings.stages.size(); ++s) place(s);
+  }
+
+  FairedResult faired(size_t index);
+  /// After all lines: brushes that met none.
+  void check_brushes() const {
+    for (size_t s = 0; s < settings_.stages.size(); ++s)
+      if (settings_.stages[s].brush && !met_[s])
+        fail(s, "a brush that meets none of its lines", "'at' and 'radius' of a sphere around one");
+  }
+
+ private:
+  [[noreturn]] void fail(size_t stage, const std::string& found,
+                         const std::string& expected) const {
+    const FairStage& s = settings_.stages[stage];
+    throw InputError(place_prefix(settings_.file, s.place) + "in the stage '" + s.name +
+                     "' found " + found + ", expected " + expected);
+  }
+
+  /// Which lines a stage is about.
+  void choose(size_t s) {
+    const FairStage& stage = settings_.stages[s];
+    for (size_t i = 0; i < lines_.size(); ++i) work_[i][s].acts = stage.lines.empty();
+    for (const PlacedWord& word : stage.lines) {
+      bool any = false;
+      for (size_t i = 0; i < lines_.size(); ++i)
+        if (matches(word.text, names_[i])) any = work_[i][s].acts = true;
+      if (!any)
+        throw InputError(place_prefix(settings_.file, word.place) + "found the line name '" +
+                         word.text + "', expected one of: " + listed(names_) +
+                         did_you_mean(word.text, names_));
+    }
+  }
+
+  /// The corner angle of the first stage of whole lines that acts on a line.
+  double angle_of(size_t i) const {
+    for (size_t s = 0; s < settings_.stages.size(); ++s)
+      if (work_[i][s].acts && !settings_.stages[s].local())
+        return settings_.stages[s].options.corner_angle;
+    return FairOptions{}.corner_angle;
+  }
+
+  /// Of the lines that a stage acts on, the one with a point nearest to `p`, and that point.
+  std::pair<size_t, size_t> nearest(size_t s, const std::vector<Vec3>& places) const {
+    double best = std::numeric_limits<double>::infinity();
+    std::pair<size_t, size_t> result{0, 0};
+    for (size_t i = 0; i < lines_.size(); ++i) {
+      if (!work_[i][s].acts) continue;
+      double sum = 0;
+      size_t first = 0;
+      for (const Vec3& p : places) {
+        double least = std::numeric_limits<double>::infinity();
+        for (size_t k = 0; k < sampled_[i].points.size(); ++k) {
+          const double d = (sampled_[i].points[k] - p).norm();
+          if (d < least && &p == &places.front()) first = k;
+          least = std::min(least, d);
+        }
+        sum += least;
+      }
+      if (sum < best) {
+        best = sum;
+        result = {i, first};
+      }
+    }
+    return result;
+  }
+
+  /// Corners and stretches go to the lines that are nearest to them.
+  void place(size_t s) {
+    const FairStage& stage = settings_.stages[s];
+    if (stage.corners) {
+      for (size_t i = 0; i < lines_.size(); ++i)
+        if (work_[i][s].acts) work_[i][s].corners.emplace();
+      for (const Vec3& p : *stage.corners) {
+        const auto [i, k] = nearest(s, {p});
+        work_[i][s].corners->push_back(static_cast<int>(k));
+      }
+    }
+    if (stage.stretch) {
+      const size_t chosen = nearest(s, {stage.stretch->from, stage.stretch->to}).first;
+      for (size_t i = 0; i < lines_.size(); ++i) work_[i][s].acts = work_[i][s].acts && i == chosen;
+    }
+  }
+
+  HermiteCurve local(size_t s, const HermiteCurve& curve) {
+    const FairStage& stage = settings_.stages[s];
+    const double wavelength = stage.options.wavelength;
+    if (stage.brush) {
+      if (!(curve.closest_point(stage.brush->at).distance < stage.brush->radius)) return curve;
+      met_[s] = true;
+      return fair_brush(curve, stage.brush->at, stage.brush->radius, wavelength);
+    }
+    double from = curve.closest_point(stage.stretch->from).u;
+    double to = curve.closest_point(stage.stretch->to).u;
+    // Closed: the shorter way around.
+    const double length = curve.end() - curve.start();
+    const bool swap =
+        curve.closed() ? std::fmod(to - from + length, length) > length / 2 : to < from;
+    if (swap) std::swap(from, to);
+    if (from == to) fail(s, "a stretch without length", "two places along the line");
+    return fair_stretch(curve, from, to, wavelength);
+  }
+
+  FairOptions options_of(size_t line, size_t s) const;
+  /// Of the first stage of whole lines that acts on the line: they decide what it is before all.
+  FairOptions given_options(size_t line) const;
+  /// Why a line cannot be faired, or "".
+  std::string why_not(size_t line) const;
+  CurvatureCurve least_curvature(size_t line, size_t s, const HermiteCurve& curve,
+                                 const std::vector<Vec3>& points) const;
+  /// From the first state on.
+  void run_stages(size_t line, FairedResult& result);
+
+  const std::vector<SourceLine>& lines_;
+  const FairingSettings& settings_;
+  std::vector<std::string> names_;
+  std::vector<SampledLine> sampled_;
+  std::vector<std::vector<Work>> work_;  // of each line, of each stage
+  std::vector<std::atomic<bool>> met_;
+};
+
+/// Passes derivatives on, but not that it is cubic: it is to be fitted, not kept.
+class AsFormula final : public InputCurve {
+ public:
+  explicit AsFormula(HermiteCurve curve) : curve_(curve_from_hermite(std::move(curve))) {}
+  double start() const override { return curve_->start(); }
+  double end() const override { return curve_->end(); }
+  Vec3 evaluate(double t, int order) const override { return curve_->evaluate(t, order); }
+  std::vector<double> breaks() const override { return curve_->breaks(); }
+
+ private:
+  std::shared_ptr<const InputCurve> curve_;
+};
+
+std::vector<Vec3> at(const HermiteCurve& curve, const std::vector<double>& parameters) {
+  std::vector<Vec3> points;
+  for (const double u : parameters) points.push_back(curve.evaluate(u));
+  return points;
+}
+
+HermiteCurve with_few_segments(const std::string& name, const HermiteCurve& curve,
+                               double tolerance) {
+  FitOptions options;
+  options.tolerance = tolerance;
+  options.closed = curve.closed();
+  // The curve has corners where its mesh says so, and turns smoothly elsewhere.
+  options.corner_angle = curve.mesh().corners().empty() ? 180 : 1;
+  return fit_curve(name, std::make_shared<AsFormula>(curve), options);
+}
+
+std::vector<double> scaled(std::vector<double> u, const HermiteCurve& from,
+                           const HermiteCurve& to) {
+  for (double& t : u)
+    t = to.start() + (t - from.start()) / (from.end() - from.start()) * (to.end() - to.start());
+  return u;
+}
+
+Deviation measured(const std::string& name, const HermiteCurve& curve, const SampledLine& line,
+                   const std::vector<double>& parameters) {
+  const PointRow row(name, line.points, 180, {}, curve.closed());
+  std::vector<double> t(static_cast<size_t>(row.count()));
+  for (size_t i = parameters.size(); i-- > 0;) t[row.index[i]] = parameters[i];
+  Deviation d = deviation_of(curve, row, t);
+  if (line.between.empty()) return d;
+  double sum = d.rms * d.rms * row.count();
+  for (const Vec3& p : line.between) {
+    const double distance = curve.closest_point(p).distance;
+    d.max = std::max(d.max, distance);
+    sum += distance * distance;
+  }
+  d.rms = std::sqrt(sum / static_cast<double>(line.between.size() + row.points.size()));
+  return d;
+}
+
+/// Parameters of the points on the curve through them, as even as their chords.
+std::vector<double> chord_parameters(const HermiteCurve& curve, const std::vector<Vec3>& points) {
+  std::vector<double> u = {0};
+  for (size_t i = 1; i < points.size(); ++i)
+    u.push_back(u.back() + (points[i] - points[i - 1]).norm());
+  const double back = curve.closed() ? (points.back() - points.front()).norm() : 0;
+  const double chord = u.back() + back;
+  for (double& t : u) t = curve.start() + t / chord * (curve.end() - curve.start());
+  return u;
+}
+
+FairOptions Fairing::options_of(size_t line, size_t s) const {
+  const FairStage& stage = settings_.stages[s];
+  FairOptions options = stage.options;
+  options.hold_ends = stage.hold_ends.value_or(settings_.hold_ends);
+  options.corners = work_[line][s].corners ? work_[line][s].corners : sampled_[line].corners;
+  if (!options.closed) options.closed = sampled_[line].closed;
+  return options;
+}
+
+std::string Fairing::why_not(size_t line) const {
+  const std::vector<Vec3>& points = sampled_[line].points;
+  if (points.size() == 1) return "one point";
+  if (!sampled_[line].has_length()) return "all its points in one place";
+  if (!given_options(line).closed.value_or(false)) return "";
+  const PointRow row(names_[line], points, 180, {}, false);
+  const bool repeated = (row.points.back() - row.points.front()).norm() <= 1e-12 * row.size;
+  return row.count() - repeated < 3 ? "too few points for a closed curve" : "";
+}
+
+FairOptions Fairing::given_options(size_t line) const {
+  FairOptions options;
+  options.corners = sampled_[line].corners;
+  options.closed = sampled_[line].closed;
+  for (size_t s = 0; s < settings_.stages.size(); ++s)
+    if (work_[line][s].acts && !settings_.stages[s].local()) {
+      options = options_of(line, s);
+      break;
+    }
+  return options;
+}
+
+CurvatureCurve Fairing::least_curvature(size_t line, size_t s, const HermiteCurve& curve,
+                                        const std::vector<Vec3>& points) const {
+  constexpr size_t most = 200;
+  if (points.size() > most)
+    fail(s, std::to_string(points.size()) + " points of '" + names_[line] + "'",
+         "at most " + std::to_string(most) +
+             " for 'minimum': the curve passes through all of them, their noise too");
+  const PointRow row(names_[line], points, 180, {}, curve.closed());
+  std::vector<CurvaturePoint> through;
+  for (const Vec3& p : row.points) through.push_back({p});
+  CurvatureOptions options;
+  options.functional = *settings_.stages[s].minimum;
+  options.tolerance = 1e-6 * row.size;
+  options.segments = std::max(16, 4 * row.count());
+  return minimum_curvature_curve(through, curve.closed(), options);
+}
+
+void Fairing::run_stages(size_t line, FairedResult& result) {
+  const std::vector<Vec3>& points = sampled_[line].points;
+  FairedLine& report = result.report;
+  HermiteCurve curve = result.states.front();
+  std::vector<double> u = chord_parameters(curve, points);
+  for (size_t s = 0; s < settings_.stages.size(); ++s) {
+    if (work_[line][s].acts && settings_.stages[s].local()) {
+      curve = local(s, curve);
+      report.faired = true;
+    } else if (work_[line][s].acts && settings_.stages[s].minimum) {
+      const CurvatureCurve least = least_curvature(line, s, curve, at(curve, u));
+      u = scaled(std::move(u), curve, least.curve);
+      curve = least.curve;
+      report.faired = true;
+      report.rounds = least.rounds;
+      report.settled = least.converged;
+      report.max_residual = std::max(report.max_residual, least.max_residual);
+    } else if (work_[line][s].acts) {
+      FairOptions options = options_of(line, s);
+      options.closed = curve.closed();
+      options.hold_ends = options.hold_ends && !curve.closed();
+      const FairCurve fair = fair_points(
+          names_[line], report.faired ? at(curve, nearest_in_order(curve, points, u)) : points,
+          options);
+      curve = fair.curve;
+      u = fair.parameters;
+      report.faired = true;
+      report.wavelength = fair.wavelength;
+      report.freedom = fair.freedom;
+      report.rounds = fair.rounds;
+      report.settled = fair.settled;
+      report.max_residual = std::max(report.max_residual, fair.max_residual);
+      if (options.balance == FairOptions::Balance::Deviation &&
+          fair.deviation.max > options.deviation)
+        report.too_far = {options.deviation, fair.deviation.max};
+    }
+    result.states.push_back(curve);
+  }
+  if (settings_.segments > 0) {
+    HermiteCurve few = with_few_segments(names_[line], curve, settings_.segments);
+    u = scaled(std::move(u), curve, few);
+    result.states.back() = std::move(few);
+  }
+  result.parameters = nearest_in_order(result.states.back(), points, u);
+}
+
+FairedResult Fairing::faired(size_t index) {
+  const SampledLine& line = sampled_[index];
+  FairedResult result;
+  result.role = lines_[index].role;
+  result.points = line.points;
+  FairedLine& report = result.report;
+  report.name = names_[index];
+  report.points = count_of(line.points);
+  const std::string why = why_not(index);
+  if (!why.empty()) {
+    result.warning = "line '" + report.name + "' has " + why + " and is passed through as it is";
+    return result;
+  }
+  Eigen::AlignedBox3d box;
+  for (const Vec3& p : line.points) box.extend(p);
+  report.size = box.diagonal().norm();
+
+  const auto start = std::chrono::steady_clock::now();
+  result.states.push_back(curve_as_given(report.name, line.points, given_options(index)));
+  run_stages(index, result);
+  report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+
+  const HermiteCurve& curve = result.states.back();
+  report.segments = curve.segment_count();
+  report.closed = curve.closed();
+  report.deviation = measured(report.name, curve, line, result.parameters);
+  report.before = fairness(result.states.front());
+  report.after = fairness(curve);
+  return result;
+}
+
+}  // namespace
+
+NamedCurve FairedResult::named() const {
+  if (!has_curve()) return {report.name, {}, {}, points};
+  return {report.name, states.back(), parameters, {}};
+}
+
+std::vector<FairedResult> fair_lines(const std::vector<SourceLine>& lines,
+                                     const FairingSettings& settings, const Progress& progress) {
+  Fairing fairing(lines, settings);
+  std::vector<FairedResult> results(lines.size());
+  // In portions, so that progress is told and a wish to stop is heard on this thread.
+  constexpr size_t portion = 64;
+  for (size_t first = 0; first < lines.size(); first += portion) {
+    progress.at("fairing", static_cast<double>(first) / static_cast<double>(lines.size()));
+    const size_t count = std::min(portion, lines.size() - first);
+    parallel_parts(static_cast<int>(count), [&](int part) {
+      const size_t i = first + static_cast<size_t>(part);
+      try {
+        results[i] = fairing.faired(i);
+      } catch (const ConflictError& e) {
+        throw ConflictError(e.conflicts(), lines[i].at);
+      } catch (const InputError& e) {
+        throw InputError(lines[i].at + e.what());
+      }
+    });
+  }
+  fairing.check_brushes();
+  return results;
+}
+
+FairedLines faired_lines(const Scene& scene, const Progress& progress) {
+  if (scene.fairing.empty()) return {read_lines(scene), {}};
+  const auto sources = read_sources(scene.lines, scene.file, scene.unit);
+  FairingSettings settings;
+  settings.stages = scene.fairing;
+  settings.hold_ends = true;
+  settings.file = scene.file.string();
+  const auto results = fair_lines(sources, settings, progress);
+  FairedLines faired;
+  for (size_t i = 0; i < sources.size(); ++i) {
+    const FairedResult& result = results[i];
+    if (!result.warning.empty())
+      throw InputError(sources[i].at + result.warning + ", expected lines with a length");
+    if (!result.report.faired) {
+      faired.lines.push_back(character_line(sources[i], scene.skin.options.corner_angle));
+      continue;
+    }
+    faired.lines.push_back({sources[i].name, curve_from_hermite(result.states.back()),
+                            sources[i].role, sources[i].treatment});
+    faired.reports.push_back(result.report);
+  }
+  return faired;
+}
+
+}  // namespace batten

@@ -1,0 +1,177 @@
+#include "batten/apps/commands/lines/line_files.h"
+
+#include <algorithm>
+#include <map>
+
+#include "batten/io/files/length_units.h"
+#include "batten/io/lines/cad_lines.h"
+#include "batten/io/lines/point_lines.h"
+#include "batten/io/lines/sketch_graph.h"
+
+namespace batten {
+namespace {
+
+const std::vector<std::string> kPointEndings = {".csv", ".txt", ".xyz", ".dat", ".obj", ".curves"};
+const std::vector<std::string> kCadEndings = {".iges", ".igs", ".step", ".stp"};
+const std::vector<std::string> kSketchEndings = {".json"};
+
+/// Where messages about [[line]] and [[lines]] begin.
+struct SceneFile {
+  std::string file, unit;
+  std::string at(const Place& place) const { return place_prefix(file, place); }
+};
+
+std::vector<SourceLine> read_file(const SceneFile& scene, const SceneLine& source) {
+  const std::string at = scene.at(source.place);
+  if (!std::filesystem::is_regular_file(source.file))
+    throw InputError(at + "found no file '" + source.file.string() +
+                     "', expected a file of lines (" + listed(kPointEndings) + ", " +
+                     listed(kCadEndings) + ", " + listed(kSketchEndings) + ")");
+  if (line_file_kind(source.file) == LineFileKind::None)
+    throw InputError(at + "found the ending '" + source.file.extension().string() + "' of '" +
+                     source.file.string() + "', expected one of: " + listed(kPointEndings) + ", " +
+                     listed(kCadEndings) + ", " + listed(kSketchEndings));
+  if (line_file_kind(source.file) == LineFileKind::Sketch && !source.unit.empty() &&
+      source.unit != scene.unit)
+    throw InputError(at + "found the unit '" + source.unit + "' for '" + source.file.string() +
+                     "', expected none: a sketch is in the scene's unit, " + scene.unit);
+  if (line_file_kind(source.file) == LineFileKind::Cad && !source.unit.empty())
+    throw InputError(at + "found a unit for '" + source.file.string() +
+                     "', expected none: files of this kind say their unit themselves");
+  return read_source_file(source.file, source.unit, scene.unit);
+}
+
+void check_names(const SceneFile& scene, const SceneLine& source,
+                 const std::vector<PlacedWord>& words, const std::vector<SourceLine>& lines) {
+  std::vector<std::string> names;
+  for (const auto& line : lines) names.push_back(line.name);
+  for (const auto& word : words)
+    if (std::find(names.begin(), names.end(), word.text) == names.end())
+      throw InputError(scene.at(word.place) + "found the line name '" + word.text +
+                       "', expected one of those in '" + source.file.string() +
+                       "': " + listed(names) + did_you_mean(word.text, names));
+}
+
+bool contains(const std::vector<PlacedWord>& words, const std::string& name) {
+  return std::any_of(words.begin(), words.end(),
+                     [&](const PlacedWord& w) { return w.text == name; });
+}
+
+std::vector<SourceLine> lines_of(const SceneFile& scene, const SceneLine& source) {
+  if (source.file.empty()) {
+    SourceLine line{source.name, scene.at(source.place), {}, nullptr,
+                    source.role, source.treatment};
+    const auto& p = source.points;
+    if (source.bezier)
+      line.curve = bezier_curve(p[0], p[1], p[2], p[3]);
+    else
+      line.points = p;
+    return {line};
+  }
+  std::vector<SourceLine> lines = read_file(scene, source);
+  if (!source.name.empty()) {
+    if (lines.size() != 1)
+      throw InputError(scene.at(source.place) + "found " + std::to_string(lines.size()) +
+                       " lines in '" + source.file.string() + "', expected one for the line '" +
+                       source.name + "'; [[lines]] takes several");
+    lines.front().name = source.name;
+  }
+  for (const auto* words : {&source.only, &source.skip, &source.inner, &source.holes})
+    check_names(scene, source, *words, lines);
+  std::erase_if(lines, [&](const SourceLine& line) {
+    return contains(source.skip, line.name) ||
+           (!source.only.empty() && !contains(source.only, line.name));
+  });
+  for (auto& line : lines) {
+    line.role = contains(source.inner, line.name)   ? CharacterLine::Role::Inner
+                : contains(source.holes, line.name) ? CharacterLine::Role::Hole
+                                                    : source.role;
+    line.treatment = source.treatment;
+  }
+  return lines;
+}
+
+}  // namespace
+
+LineFileKind line_file_kind(const std::filesystem::path& file) {
+  std::string ending = file.extension().string();
+  for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  const auto has = [&](const std::vector<std::string>& endings) {
+    return std::find(endings.begin(), endings.end(), ending) != endings.end();
+  };
+  return has(kPointEndings)    ? LineFileKind::Points
+         : has(kCadEndings)    ? LineFileKind::Cad
+         : has(kSketchEndings) ? LineFileKind::Sketch
+                               : LineFileKind::None;
+}
+
+std::shared_ptr<const InputCurve> SourceLine::as_curve(double corner_angle) const {
+  if (curve) return curve;
+  try {
+    return curve_through_points(name, points, corner_angle);
+  } catch (const InputError& e) {
+    throw InputError(at + e.what());
+  }
+}
+
+std::vector<SourceLine> read_source_file(const std::filesystem::path& file, const std::string& unit,
+                                         const std::string& model_unit) {
+  const double model = unit_in_metres(model_unit);
+  std::vector<SourceLine> lines;
+  if (line_file_kind(file) == LineFileKind::Sketch) {
+    for (const CharacterLine& line : read_sketch_graph(file))
+      lines.push_back({line.name, file.string() + ": ", {}, line.curve});
+    return lines;
+  }
+  if (line_file_kind(file) == LineFileKind::Cad) {
+    for (const CharacterLine& line : read_cad_lines(file, model))
+      lines.push_back({line.name, file.string() + ": ", {}, line.curve});
+    return lines;
+  }
+  for (NamedPoints& line : read_point_lines(file, unit.empty() ? 1 : unit_in_metres(unit) / model))
+    lines.push_back({line.name, place_prefix(file.string(), {line.first_line, 1}),
+                     std::move(line.points), nullptr});
+  return lines;
+}
+
+std::vector<SourceLine> read_sources(const std::vector<SceneLine>& lines,
+                                     const std::filesystem::path& file, const std::string& unit) {
+  const SceneFile scene{file.string(), unit};
+  std::vector<SourceLine> all;
+  std::map<std::string, Place> places;
+  for (const SceneLine& source : lines)
+    for (SourceLine& line : lines_of(scene, source)) {
+      const auto [it, added] = places.emplace(line.name, source.place);
+      if (!added)
+        throw InputError(scene.at(source.place) + "found the line name '" + line.name +
+                         "' again (first in line " + std::to_string(it->second.line) +
+                         "), expected each name once");
+      all.push_back(std::move(line));
+    }
+  return all;
+}
+
+std::vector<Vec3> spring_points(const Scene& scene, const SceneLoad& load) {
+  if (load.type != SceneLoad::Type::Springs) return {};
+  if (line_file_kind(load.file) != LineFileKind::Points ||
+      !std::filesystem::is_regular_file(load.file))
+    throw InputError(scene.at(load.place) + "found '" + load.file.string() +
+                     "', expected a file of points (" + listed(kPointEndings) + ")");
+  std::vector<Vec3> points;
+  for (const SourceLine& line : read_source_file(load.file, load.unit, scene.unit))
+    points.insert(points.end(), line.points.begin(), line.points.end());
+  return points;
+}
+
+CharacterLine character_line(const SourceLine& line, double corner_angle) {
+  return {line.name, line.as_curve(corner_angle), line.role, line.treatment};
+}
+
+std::vector<CharacterLine> read_lines(const Scene& scene) {
+  std::vector<CharacterLine> lines;
+  for (const SourceLine& line : read_sources(scene.lines, scene.file, scene.unit))
+    lines.push_back(character_line(line, scene.skin.options.corner_angle));
+  return lines;
+}
+
+}  // namespace batten

@@ -1,0 +1,144 @@
+#include "batten/apps/commands/meshes/deform_task.h"
+
+#include <algorithm>
+#include <numbers>
+#include <set>
+
+#include "batten/apps/commands/runs/run_parts.h"
+#include "batten/core/rotations.h"
+#include "batten/mesh/selection.h"
+
+namespace batten {
+namespace {
+
+double chain_length(const TriangleMesh& mesh, const std::vector<int>& chain, bool closed) {
+  double sum = 0;
+  for (size_t i = 0; i + 1 < chain.size() + (closed ? 1 : 0); ++i)
+    sum += (mesh.point(chain[(i + 1) % chain.size()]) - mesh.point(chain[i])).norm();
+  return sum;
+}
+
+}  // namespace
+
+Kept gather(const DeformScene& scene, VertexSelector& select, const TriangleMesh& mesh) {
+  Kept kept;
+  const auto taken = [&](const std::string& name) {
+    return std::any_of(kept.features.begin(), kept.features.end(),
+                       [&](const auto& f) { return f.name == name; });
+  };
+  for (const FeatureRule& rule : scene.features) {
+    if (!rule.name.empty()) {
+      kept.features.push_back({rule.name, select.of(rule.vertices), rule.kind});
+      continue;
+    }
+    for (const PlacedWord& word : rule.vertices)
+      for (const PlacedWord& name : select.matching(word)) {
+        if (taken(name.text))
+          throw InputError(scene.at(word.place) + "found the feature '" + name.text +
+                           "' again, expected each once");
+        kept.features.push_back({name.text, select.of(name), rule.kind});
+      }
+  }
+  for (const GuideRule& rule : scene.guides) {
+    std::vector<int> vertices;
+    if (const FeatureProposal* p = select.proposal(rule.of.text)) {
+      vertices = p->loop;
+    } else {
+      const auto feature = std::find_if(kept.features.begin(), kept.features.end(),
+                                        [&](const auto& f) { return f.name == rule.of.text; });
+      vertices = feature != kept.features.end() ? feature->vertices : select.of(rule.of);
+    }
+    kept.guided.push_back(
+        {rule.name, VertexCombination::mean_of(vertices), rule.kind, rule.direction});
+    kept.through.push_back(rule.through);
+  }
+  for (const LineRule& rule : scene.lines) {
+    const std::vector<int> chain = select.path(rule);
+    const size_t different = std::set<int>(chain.begin(), chain.end()).size();
+    if (different < 3 || (!rule.rigid && different < chain.size()))
+      throw InputError(scene.at(rule.place) + "the line '" + rule.name + "' has " +
+                       std::to_string(different) + " different vertices of " +
+                       std::to_string(chain.size()) + ", expected at least three, each once");
+    kept.lines.push_back(chain);
+    if (rule.closed) kept.lines.back().push_back(chain.front());
+    if (rule.rigid) {
+      kept.features.push_back({rule.name, chain, FormFeature::Kind::Free});
+      continue;
+    }
+    const double width = rule.width > 0 ? rule.width : chain_length(mesh, chain, rule.closed) / 10;
+    kept.chains.push_back({rule.name, chain, rule.closed, width});
+  }
+  for (const CurveRule& rule : scene.curves) {
+    MeshCurve curve = shape_curve(scene, rule, select, mesh);
+    kept.lines.push_back(curve.vertices);
+    if (rule.line.closed) kept.lines.back().push_back(curve.vertices.front());
+    for (size_t i = 0; i < curve.vertices.size(); ++i)
+      kept.rows.push_back({curve.name + ", vertex " + std::to_string(i + 1),
+                           {{{curve.vertices[i], 1.0}}},
+                           curve.targets[i],
+                           -1,
+                           std::nullopt});
+    kept.curves.push_back(std::move(curve));
+  }
+  for (const PullRule& rule : scene.pulls) {
+    const int v =
+        rule.node ? select.vertex_of_label(*rule.node, rule.place) : nearest_vertex(mesh, *rule.at);
+    kept.rows.push_back({rule.name, {{{v, 1.0}}}, rule.to, -1, rule.weight});
+  }
+  return kept;
+}
+
+Task task_of(const DeformScene& scene, const EditRule& rule, const Kept& kept,
+             VertexSelector& select, const TriangleMesh& mesh) {
+  Task task;
+  task.problem.fixed = select.of(rule.fixed);
+  if (!rule.region.empty()) task.problem.region = select.of(rule.region);
+  task.problem.features = kept.features;
+  task.problem.guided = kept.guided;
+  task.problem.chains = kept.chains;
+  task.problem.rows = kept.rows;
+  task.problem.weighting = scene.weighting;
+  for (const auto& h : rule.handles) {
+    task.problem.handles.push_back({h.name, select.of(h.vertices)});
+    HandleMove move;
+    move.about =
+        h.about
+            ? *h.about
+            : VertexCombination::mean_of(task.problem.handles.back().vertices).at(mesh.points());
+    move.turn = rotation_log(h.axis, h.degrees * std::numbers::pi / 180);
+    move.shift = h.translate;
+    move.scale = h.scale;
+    task.edit.handles.push_back(move);
+  }
+  std::vector<std::string> names;
+  for (const auto& f : kept.features) names.push_back(f.name);
+  task.edit.feature_scales.assign(kept.features.size(), 1.0);
+  for (const auto& s : rule.scales) {
+    bool any = false;
+    for (size_t f = 0; f < names.size(); ++f)
+      if (matches(s.feature.text, names[f])) {
+        task.edit.feature_scales[f] = s.factor;
+        any = true;
+      }
+    if (!any)
+      throw InputError(scene.at(s.feature.place) + "found a scale of '" + s.feature.text +
+                       "', expected a feature: " + listed(names) +
+                       did_you_mean(s.feature.text, names));
+  }
+  names.clear();
+  for (size_t k = 0; k < kept.guided.size(); ++k) {
+    names.push_back(kept.guided[k].name);
+    task.edit.guides.push_back(kept.through[k] ? *kept.through[k]
+                                               : kept.guided[k].point.at(mesh.points()));
+  }
+  for (const auto& g : rule.guides) {
+    const auto it = std::find(names.begin(), names.end(), g.guide.text);
+    if (it == names.end())
+      throw InputError(scene.at(g.guide.place) + "found a move of the guide '" + g.guide.text +
+                       "', expected one of: " + listed(names) + did_you_mean(g.guide.text, names));
+    task.edit.guides[it - names.begin()] = g.through;
+  }
+  return task;
+}
+
+}  // namespace batten

@@ -1,0 +1,352 @@
+#include "batten/apps/commands/meshes/run_deform.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <numbers>
+
+#include "batten/apps/commands/meshes/deform_task.h"
+#include "batten/apps/commands/runs/output_folder.h"
+#include "batten/apps/commands/runs/run_parts.h"
+#include "batten/core/index.h"
+#include "batten/io/decks/shell_deck.h"
+#include "batten/io/files/whole_file.h"
+#include "batten/io/pictures/display.h"
+#include "batten/io/pictures/mesh_pictures.h"
+#include "batten/io/vtk/shell_vtk.h"
+#include "batten/mesh/deform/form_feature_deformer.h"
+#include "batten/mesh/deform/similarity.h"
+
+namespace batten {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+double largest_move(const Points& before, const Points& after, int* where = nullptr) {
+  long row = 0;
+  const double largest = before.rows() > 0 ? (after - before).rowwise().norm().maxCoeff(&row) : 0;
+  if (where) *where = static_cast<int>(row);
+  return largest;
+}
+
+void measure_into(DeformReport& report, const MeshFile& file, const TriangleMesh& original,
+                  const Points& after, const Kept& kept) {
+  const Points& before = original.points();
+  for (const FormFeature& f : kept.features) {
+    const Similarity fit = fit_similarity(before, after, f.vertices);
+    const double angle = Eigen::AngleAxisd(fit.R).angle() * 180 / std::numbers::pi;
+    const auto centre = VertexCombination::mean_of(f.vertices);
+    Vec3 low = Vec3::Constant(INFINITY), high = -low;
+    for (const int v : f.vertices) {
+      low = low.cwiseMin(before.row(v).transpose());
+      high = high.cwiseMax(before.row(v).transpose());
+    }
+    report.features.push_back({f.name, count_of(f.vertices), (high - low).norm(), fit.max_error,
+                               fit.scale, angle, (centre.at(after) - centre.at(before)).norm()});
+  }
+  for (const MeshCurve& c : kept.curves)
+    report.curves.push_back({c.name, count_of(c.vertices), c.curve.segment_count(), c.fairing,
+                             c.wavelength, c.largest_shift,
+                             distance_from(c, after) / original.size(), c.before, c.after});
+  std::vector<int> feature_of(original.vertex_count(), -1);
+  for (size_t f = 0; f < kept.features.size(); ++f)
+    for (const int v : kept.features[f].vertices) feature_of[v] = static_cast<int>(f);
+  const auto& loops = original.topology().boundary_loops();
+  for (size_t l = 0; l < loops.size(); ++l) {
+    DeformReport::Hole hole;
+    hole.loop = static_cast<int>(l) + 1;
+    hole.vertices = count_of(loops[l]);
+    const int owner = feature_of[loops[l][0]];
+    if (owner >= 0 && std::all_of(loops[l].begin(), loops[l].end(),
+                                  [&](int v) { return feature_of[v] == owner; }))
+      hole.feature = kept.features[owner].name;
+    hole.before = measure_hole(before, loops[l]);
+    hole.after = measure_hole(after, loops[l]);
+    report.holes.push_back(hole);
+  }
+  report.before = summarize(file.shells(), before);
+  report.after = summarize(file.shells(), after);
+  for (auto* q : {&report.before, &report.after})
+    for (auto* m : {&q->aspect, &q->warpage_degrees, &q->jacobian, &q->smallest_angle_degrees,
+                    &q->largest_angle_degrees})
+      if (m->worst_face >= 0) m->worst_face = static_cast<int>(file.face_label(m->worst_face));
+  for (const int f : inverted_faces(file.shells(), before, after))
+    report.inverted.push_back(file.face_label(f));
+  report.size = original.size();
+  report.largest_coordinate = std::max(before.cwiseAbs().maxCoeff(), after.cwiseAbs().maxCoeff());
+  int where = 0;
+  report.largest_displacement = largest_move(before, after, &where);
+  report.largest_displacement_node = file.node_label(where);
+}
+
+std::vector<MeshPicture::Part> parts_of(const ShellMesh& shells, const Kept& kept,
+                                        const Task& task) {
+  std::vector<MeshPicture::Part> vertex(shells.node_count(), MeshPicture::Part::Body);
+  for (const int v : task.problem.fixed) vertex[v] = MeshPicture::Part::Fixed;
+  for (const auto& h : task.problem.handles)
+    for (const int v : h.vertices) vertex[v] = MeshPicture::Part::Handle;
+  for (const auto& f : kept.features)
+    for (const int v : f.vertices) vertex[v] = MeshPicture::Part::Feature;
+  std::vector<MeshPicture::Part> parts;
+  for (int f = 0; f < shells.face_count(); ++f) {
+    const auto face = shells.face(f);
+    const auto part = vertex[face[0]];
+    const bool same =
+        std::all_of(face.begin(), face.end(), [&](int v) { return vertex[v] == part; });
+    parts.push_back(same ? part : MeshPicture::Part::Body);
+  }
+  return parts;
+}
+
+/// Pictures need a display; a result without them is still a result, but not what was asked for.
+void draw_all(DeformReport& report, const DeformScene& scene, const MeshFile& file,
+              const std::vector<Points>& states, const std::vector<Task>& tasks, const Kept& kept,
+              const OutputFolder& out) {
+  if (scene.pictures.empty()) return;
+  using Show = MeshPictureRule::Show;
+  try {
+    require_display();
+  } catch (const InputError& e) {
+    for (const auto& rule : scene.pictures)
+      report.missed.push_back({rule.file, std::string("is not drawn: ") + e.what()});
+    return;
+  }
+  const auto parts = parts_of(file.shells(), kept, tasks.front());
+  for (const MeshPictureRule& rule : scene.pictures) {
+    MeshPicture look;
+    look.shells = &file.shells();
+    look.parts = parts;
+    look.lines = kept.lines;
+    look.mesh = rule.mesh;
+    look.azimuth = rule.azimuth;
+    look.elevation = rule.elevation;
+    look.zoom = rule.zoom;
+    for (const Points& state : states) look.also_in_view.push_back(&state);
+    std::vector<MeshPicture> pictures;
+    const auto add = [&](size_t state, const std::string& title) {
+      look.points = states[state];
+      look.title = title;
+      pictures.push_back(look);
+    };
+    const std::string name = rule.title.empty() ? scene.name : rule.title;
+    int columns = 1;
+    if (rule.show == Show::BeforeAfter) {
+      add(0, name + ", before");
+      add(states.size() - 1, name + ", after");
+      columns = 2;
+    } else if (rule.show == Show::Steps) {
+      add(0, name + ", before");
+      for (size_t k = 1; k < states.size(); ++k) add(k, scene.edits[k - 1].name);
+      columns = static_cast<int>(std::ceil(std::sqrt(static_cast<double>(states.size()))));
+    } else {
+      if (rule.show == Show::Displacement) {
+        look.field = (states.back() - states.front()).rowwise().norm();
+        look.field_title = "Displacement, " + scene.unit;
+      }
+      look.also_in_view.clear();
+      add(states.size() - 1, name);
+    }
+    draw_meshes(out.file(rule.file), pictures, columns, rule.size);
+    report.files.push_back(rule.file);
+  }
+}
+
+void write_modes(DeformReport& report, const DeformScene& scene, const MeshFile& file,
+                 VertexSelector& select, const Points& after, const OutputFolder& out) {
+  const ModesRule& rule = *scene.modes;
+  ShellModes modes;
+  modes.thickness = rule.thickness;
+  modes.young = rule.young;
+  modes.poisson = rule.poisson;
+  modes.density = rule.density;
+  modes.count = rule.count;
+  modes.units = "lengths in " + scene.unit;
+  if (!rule.clamped.empty()) modes.clamped = select.of(rule.clamped);
+  ShellMesh shells = file.shells();
+  for (const bool deformed : {false, true}) {
+    const std::string& name = deformed ? rule.after : rule.before;
+    if (name.empty()) continue;
+    if (deformed) shells.points = after;
+    write_shell_modes(out.file(name), shells, modes);
+    report.files.push_back(name);
+  }
+}
+
+/// The deformed mesh with what was done to it as data.
+void write_result(const std::filesystem::path& path, const MeshFile& file, const Points& before,
+                  const Points& after, const Kept& kept) {
+  DeformedData data;
+  data.displacement = after - before;
+  data.feature.assign(before.rows(), -1);
+  for (size_t f = 0; f < kept.features.size(); ++f)
+    for (const int v : kept.features[f].vertices) data.feature[v] = static_cast<int>(f);
+  for (const auto& f : kept.features) data.feature_names.push_back(f.name);
+  ShellMesh shells = file.shells();
+  shells.points = after;
+  write_deformed_vtp(path, shells, data);
+}
+
+}  // namespace
+
+void apply_settings(DeformScene& scene, const std::vector<std::string>& settings) {
+  for (const Setting& s : parsed_settings(settings)) scene.set(s.name, s.value, s.where);
+}
+
+DeformReport run_deform(const DeformScene& scene, const std::filesystem::path& folder,
+                        const Progress& progress) {
+  OutputFolder out(folder);
+  DeformReport report;
+  report.name = scene.name;
+  report.unit = scene.unit;
+  report.parameters = scene.parameters();
+  Stopwatch watch(report.timings);
+
+  progress.at("mesh", 0);
+  const MeshFile file = MeshFile::read(scene.mesh);
+  report.warnings = file.warnings();
+  report.mesh_file = scene.mesh.filename().string();
+  report.format = file.format();
+  report.nodes = file.shells().node_count();
+  report.faces = file.shells().face_count();
+  PreparedMesh prepared = [&] {
+    try {
+      return prepare(file.shells(), [&](int v) { return std::to_string(file.node_label(v)); });
+    } catch (const InputError& e) {
+      throw InputError(scene.mesh.string() + ": " + e.what());
+    }
+  }();
+  report.warnings.insert(report.warnings.end(), prepared.notes.begin(), prepared.notes.end());
+  const TriangleMesh& original = prepared.mesh;
+  watch.lap("mesh");
+
+  progress.at("features", 0);
+  VertexSelector select(scene, file, original);
+  const Kept kept = gather(scene, select, original);
+  watch.lap("features");
+
+  std::vector<Points> states = {original.points()};
+  std::vector<Task> tasks;
+  for (size_t k = 0; k < scene.edits.size(); ++k) {
+    const EditRule& rule = scene.edits[k];
+    progress.at(rule.name, static_cast<double>(k) / static_cast<double>(scene.edits.size()));
+    const TriangleMesh mesh = original.with_points(states.back());
+    tasks.push_back(task_of(scene, rule, kept, select, mesh));
+    const auto fail = [&](const std::string& why) {
+      return scene.at(rule.place) + "the edit '" + rule.name + "': " + why;
+    };
+    try {
+      const auto start = Clock::now();
+      FormFeatureDeformer deformer(mesh, tasks.back().problem);
+      const double set_up = seconds_since(start);
+      const auto begin = Clock::now();
+      deformer.deform(tasks.back().edit);
+      const double edit = seconds_since(begin);
+      deformer.correct();
+      const double change = deformer.correct();
+      const auto c = deformer.counts();
+      report.edits.push_back({rule.name, c.moving, c.unknowns, c.soft_rows, c.hard_rows,
+                              c.feature_rows, c.dropped_rows, c.guide_rows,
+                              largest_move(states.back(), deformer.positions()),
+                              deformer.hard_residual(), change, set_up, edit});
+      for (const auto& note : deformer.notes()) report.warnings.push_back(rule.name + ": " + note);
+      states.push_back(deformer.positions());
+    } catch (const ConflictError& e) {
+      throw ConflictError(e.conflicts(), fail(""));
+    } catch (const InputError& e) {
+      throw InputError(fail(e.what()));
+    } catch (const NoSolutionError& e) {
+      throw NoSolutionError(fail(e.what()));
+    }
+  }
+  watch.lap("edits");
+
+  progress.at("measuring", 0);
+  measure_into(report, file, original, states.back(), kept);
+  watch.lap("measure");
+
+  progress.at("files", 0);
+  if (!scene.mesh_out.empty()) {
+    report.rounding =
+        file.write(out.file(scene.mesh_out), states.back(), {scene.wide_nodes}).largest;
+    report.files.push_back(scene.mesh_out);
+    if (report.rounding > 1e-9 * original.size())
+      report.warnings.push_back(scene.mesh_out +
+                                ": the file's number fields round coordinates by up to " +
+                                number(report.rounding) + " " + scene.unit +
+                                (report.format.starts_with("Nastran") && !scene.wide_nodes
+                                     ? "; wide_nodes = true writes the moved nodes in wide fields"
+                                     : ""));
+  }
+  if (!scene.vtp.empty()) {
+    write_result(out.file(scene.vtp), file, states.front(), states.back(), kept);
+    report.files.push_back(scene.vtp);
+  }
+  if (scene.modes) write_modes(report, scene, file, select, states.back(), out);
+  watch.lap("files");
+  draw_all(report, scene, file, states, tasks, kept, out);
+  watch.lap("pictures");
+  watch.total();
+  const auto broken = broken_promises(report);
+  report.missed.insert(report.missed.end(), broken.begin(), broken.end());
+  report.files.push_back("report.json");
+  write_whole_file(out.file("report.json"), [&](std::ostream& text) { text << to_json(report); });
+  progress.at("files", 1);
+  out.commit();
+  return report;
+}
+
+std::string summary(const DeformReport& report, const std::filesystem::path& folder) {
+  const std::string unit = " " + report.unit;
+  std::string text = report.name + "\n";
+  text += result_line("mesh", std::to_string(report.nodes) + " nodes, " +
+                                  std::to_string(report.faces) + " faces, " + report.format);
+  for (const auto& e : report.edits)
+    text += result_line("edit", e.name + ": " + std::to_string(e.unknowns) +
+                                    " unknowns a coordinate, largest displacement " +
+                                    number(e.largest_displacement) + unit + ", set-up " +
+                                    number(1000 * e.set_up_s) + " ms, edit " +
+                                    number(1000 * e.edit_s) + " ms");
+  double residual = 0, rigid = 0;
+  for (const auto& e : report.edits) residual = std::max(residual, e.hard_residual);
+  for (const auto& f : report.features) rigid = std::max(rigid, f.max_rigid_error);
+  text += result_line("held", "residual " + number(residual) + " of the size");
+  if (!report.features.empty())
+    text += result_line("features", std::to_string(report.features.size()) + ", rigid to " +
+                                        number(rigid) + " of their size");
+  for (const auto& c : report.curves)
+    text += result_line("curve", c.name + ": " + std::to_string(c.vertices) + " nodes, faired by " +
+                                     number(c.fairing.max) + unit + ", curvature extrema " +
+                                     std::to_string(c.before.extrema) + " -> " +
+                                     std::to_string(c.after.extrema) + ", moved by " +
+                                     number(c.largest_shift) + unit + ", held to " +
+                                     number(c.max_residual));
+  if (!report.holes.empty()) {
+    int kept = 0, round = 0;
+    double radius = 0;
+    for (const auto& h : report.holes) {
+      if (h.feature.empty()) continue;
+      ++kept;
+      round += h.before.circular;
+      radius = std::max(radius, std::abs(h.after.radius - h.before.radius) / h.before.radius);
+    }
+    text += result_line(
+        "holes", std::to_string(report.holes.size()) + " loops, " + std::to_string(kept) +
+                     " in features" +
+                     (kept == 0 ? ""
+                                : " (" + std::to_string(round) + " round), radii changed by " +
+                                      number(radius) + " of themselves at most"));
+  }
+  text += result_line("quality", "aspect " + number(report.before.aspect.worst) + " -> " +
+                                     number(report.after.aspect.worst) + ", warpage " +
+                                     number(report.before.warpage_degrees.worst) + " -> " +
+                                     number(report.after.warpage_degrees.worst) +
+                                     " degrees, Jacobian " + number(report.before.jacobian.worst) +
+                                     " -> " + number(report.after.jacobian.worst) + ", inverted " +
+                                     std::to_string(report.inverted.size()));
+  return text + result_ending(report, folder);
+}
+
+}  // namespace batten

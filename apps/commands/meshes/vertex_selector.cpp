@@ -1,0 +1,259 @@
+#include "batten/apps/commands/meshes/vertex_selector.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <numbers>
+#include <numeric>
+#include <queue>
+
+#include "batten/apps/commands/runs/run_parts.h"
+#include "batten/core/index.h"
+#include "batten/mesh/selection.h"
+
+namespace batten {
+namespace {
+
+const MeshFile::Set& set_named(const std::vector<MeshFile::Set>& sets, const PlacedWord& word,
+                               const std::string& kind, const DeformScene& scene) {
+  std::vector<std::string> names;
+  for (const auto& set : sets) {
+    if (set.name == word.text || (!set.title.empty() && set.title == word.text)) return set;
+    names.push_back(set.name);
+  }
+  throw InputError(
+      scene.at(word.place) + "found the " + kind + " '" + word.text +
+      "', expected one of the mesh file: " + (names.empty() ? "it has none" : listed(names)) +
+      did_you_mean(word.text, names));
+}
+
+}  // namespace
+
+VertexSelector::VertexSelector(const DeformScene& scene, const MeshFile& file,
+                               const TriangleMesh& mesh)
+    : scene_(scene), file_(file), mesh_(mesh) {}
+
+const std::vector<FeatureProposal>& VertexSelector::proposals() {
+  if (!proposed_) proposals_ = propose_features(mesh_, scene_.proposals);
+  proposed_ = true;
+  return proposals_;
+}
+
+const FeatureProposal* VertexSelector::proposal(const std::string& name) {
+  for (const auto& p : proposals())
+    if (p.name == name) return &p;
+  return nullptr;
+}
+
+std::vector<std::string> VertexSelector::names() {
+  std::vector<std::string> all;
+  for (const auto& s : scene_.selections) all.push_back(s.name);
+  for (const auto& c : scene_.cuts) all.push_back(c.name);
+  for (const auto& p : proposals()) all.push_back(p.name);
+  return all;
+}
+
+std::vector<PlacedWord> VertexSelector::matching(const PlacedWord& word) {
+  if (word.text.find('*') == std::string::npos) return {word};
+  std::vector<PlacedWord> found;
+  for (const auto& name : names())
+    if (matches(word.text, name) &&
+        std::find(under_way_.begin(), under_way_.end(), name) == under_way_.end())
+      found.push_back({name, word.place});
+  if (found.empty())
+    throw InputError(scene_.at(word.place) + "found '" + word.text +
+                     "' which no name matches, expected one of: " + listed(names()));
+  return found;
+}
+
+std::vector<int> VertexSelector::of(const std::vector<PlacedWord>& words) {
+  std::vector<int> all;
+  for (const PlacedWord& word : words)
+    for (const PlacedWord& name : matching(word)) all = united(all, of(name));
+  return all;
+}
+
+std::vector<int> VertexSelector::of(const PlacedWord& name) {
+  if (const auto it = found_.find(name.text); it != found_.end()) return it->second;
+  if (std::find(under_way_.begin(), under_way_.end(), name.text) != under_way_.end())
+    throw InputError(scene_.at(name.place) + "found the selection '" + name.text +
+                     "' within itself, expected others");
+  under_way_.push_back(name.text);
+  std::vector<int> vertices;
+  bool known = false;
+  for (const auto& rule : scene_.selections)
+    if (rule.name == name.text) {
+      vertices = select(rule);
+      known = true;
+    }
+  for (const auto& rule : scene_.cuts)
+    if (rule.name == name.text) {
+      vertices = cut(rule);
+      known = true;
+    }
+  if (!known) {
+    if (const FeatureProposal* p = proposal(name.text))
+      vertices = p->vertices;
+    else
+      throw InputError(scene_.at(name.place) + "found the name '" + name.text +
+                       "', expected a selection or a proposed feature: " + listed(names()) +
+                       did_you_mean(name.text, names()));
+  }
+  if (vertices.empty())
+    throw InputError(scene_.at(name.place) + "the selection '" + name.text +
+                     "' has no vertex, expected at least one");
+  under_way_.pop_back();
+  return found_[name.text] = vertices;
+}
+
+int VertexSelector::vertex_of_label(long label, const Place& place) const {
+  const auto node = file_.node_of_label(label);
+  if (!node)
+    throw InputError(scene_.at(place) + "found node " + std::to_string(label) +
+                     ", which the mesh does not have");
+  return *node;
+}
+
+std::vector<int> VertexSelector::select(const SelectRule& rule) {
+  std::vector<int> chosen;
+  bool first = true;
+  const auto meet = [&](std::vector<int> vertices) {
+    std::sort(vertices.begin(), vertices.end());
+    vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+    chosen = first ? std::move(vertices) : common(chosen, vertices);
+    first = false;
+  };
+  const auto with_faces = [&](const MeshFile::Set& set) {
+    std::vector<int> vertices = set.nodes;
+    for (const int f : set.faces)
+      vertices.insert(vertices.end(), file_.shells().face(f).begin(), file_.shells().face(f).end());
+    return vertices;
+  };
+  if (rule.box) meet(vertices_in_box(mesh_, rule.box->first, rule.box->second));
+  if (rule.sphere) meet(vertices_in_sphere(mesh_, rule.sphere->first, rule.sphere->second));
+  if (rule.plane)
+    meet(vertices_beyond_plane(mesh_, rule.plane->through, rule.plane->normal, rule.plane->within));
+  if (rule.loop) {
+    const auto& loops = mesh_.topology().boundary_loops();
+    if (*rule.loop > count_of(loops))
+      throw InputError(scene_.at(rule.place) + "found loop " + std::to_string(*rule.loop) +
+                       ", expected 1 to " + std::to_string(loops.size()));
+    meet(loops[*rule.loop - 1]);
+  }
+  if (rule.geodesic) {
+    const auto& g = *rule.geodesic;
+    const std::vector<int> from = g.node    ? std::vector<int>{vertex_of_label(*g.node, rule.place)}
+                                  : g.point ? std::vector<int>{nearest_vertex(mesh_, *g.point)}
+                                            : of(g.of);
+    meet(vertices_within(mesh_, from, g.distance));
+  }
+  if (!rule.nodes.empty() || !rule.file.empty()) {
+    std::vector<int> vertices;
+    for (const long label : rule.nodes) vertices.push_back(vertex_of_label(label, rule.place));
+    if (!rule.file.empty()) {
+      std::ifstream in(rule.file);
+      if (!in)
+        throw InputError(scene_.at(rule.place) + "the file " + rule.file.string() +
+                         " cannot be read");
+      std::string line;
+      for (int row = 1; std::getline(in, line); ++row) {
+        line = line.substr(0, line.find('#'));
+        std::replace(line.begin(), line.end(), ',', ' ');
+        std::istringstream words(line);
+        std::string word;
+        while (words >> word) {
+          char* end = nullptr;
+          const long label = std::strtol(word.c_str(), &end, 10);
+          if (*end != '\0')
+            throw InputError(rule.file.string() + ":" + std::to_string(row) + ": found '" + word +
+                             "', expected numbers of nodes");
+          vertices.push_back(vertex_of_label(label, rule.place));
+        }
+      }
+    }
+    meet(vertices);
+  }
+  if (!rule.set.text.empty()) meet(with_faces(set_named(file_.sets(), rule.set, "set", scene_)));
+  if (!rule.property.text.empty())
+    meet(with_faces(set_named(file_.properties(), rule.property, "property", scene_)));
+  if (!rule.any.empty()) meet(of(rule.any));
+  if (first) {  // no condition: everything
+    std::vector<int> all(mesh_.vertex_count());
+    std::iota(all.begin(), all.end(), 0);
+    meet(all);
+  }
+  if (!rule.except.empty()) chosen = without(chosen, of(rule.except));
+  return rule.grow > 0 ? grown(mesh_.topology(), chosen, rule.grow) : chosen;
+}
+
+std::vector<int> VertexSelector::cut(const CutRule& rule) {
+  const std::vector<int> vertices = of(rule.band);
+  std::vector<char> in(mesh_.vertex_count(), 0);
+  for (const int v : vertices) in[v] = 1;
+  std::vector<int> band;
+  for (int t = 0; t < mesh_.triangle_count(); ++t) {
+    const auto& c = mesh_.triangles()[t];
+    if (in[c[0]] && in[c[1]] && in[c[2]]) band.push_back(t);
+  }
+  CutOptions options = rule.options;
+  if (rule.inside) options.feature_vertex = nearest_vertex(mesh_, *rule.inside);
+  try {
+    return cut_feature(mesh_, band, options).vertices;
+  } catch (const InputError& e) {
+    throw InputError(scene_.at(rule.place) + "the cut '" + rule.name + "': " + e.what());
+  }
+}
+
+std::vector<int> VertexSelector::path(const LineRule& rule) {
+  std::vector<int> stops;
+  for (const long label : rule.nodes) stops.push_back(vertex_of_label(label, rule.place));
+  for (const Vec3& p : rule.through) stops.push_back(nearest_vertex(mesh_, p));
+  if (!rule.nodes.empty()) return stops;
+  if (rule.closed) stops.push_back(stops.front());
+  const MeshTopology& topology = mesh_.topology();
+  // An edge where the surface bends by an angle a counts as shorter by 1 + (a / 10 degrees)².
+  const auto& edges = topology.edges();
+  const auto cost = [&](int v, int u) {
+    const auto e = std::lower_bound(
+        edges.begin(), edges.end(), std::pair(std::min(v, u), std::max(v, u)),
+        [](const auto& edge, const auto& ends) { return std::pair(edge.low, edge.high) < ends; });
+    const double length = (mesh_.point(u) - mesh_.point(v)).norm();
+    if (e->left < 0 || e->right < 0) return length;
+    const Vec3 a = mesh_.area_vector(e->left), b = mesh_.area_vector(e->right);
+    const double degrees = std::atan2(a.cross(b).norm(), a.dot(b)) * 180 / std::numbers::pi;
+    return length / (1 + degrees * degrees / 100);
+  };
+  std::vector<int> way = {stops.front()};
+  for (size_t s = 0; s + 1 < stops.size(); ++s) {
+    // Dijkstra along edges, from the goal, so that the way can be read forwards.
+    const int from = stops[s], goal = stops[s + 1];
+    std::vector<double> distance(mesh_.vertex_count(), INFINITY);
+    std::vector<int> next(mesh_.vertex_count(), -1);
+    std::priority_queue<std::pair<double, int>, std::vector<std::pair<double, int>>, std::greater<>>
+        queue;
+    distance[goal] = 0;
+    queue.emplace(0, goal);
+    while (!queue.empty()) {
+      const auto [d, v] = queue.top();
+      queue.pop();
+      if (d > distance[v]) continue;
+      if (v == from) break;
+      for (const int u : topology.neighbours(v)) {
+        const double longer = d + cost(v, u);
+        if (longer < distance[u]) {
+          distance[u] = longer;
+          next[u] = v;
+          queue.emplace(longer, u);
+        }
+      }
+    }
+    if (!std::isfinite(distance[from]))
+      throw InputError(scene_.at(rule.place) + "the line '" + rule.name +
+                       "' runs between parts of the mesh that are not connected");
+    for (int v = from; v != goal; v = next[v]) way.push_back(next[v]);
+  }
+  if (rule.closed && way.size() > 1) way.pop_back();
+  return way;
+}
+
+}  // namespace batten

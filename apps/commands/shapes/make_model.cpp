@@ -1,0 +1,94 @@
+#include "batten/apps/commands/shapes/make_model.h"
+
+#include "batten/skinning/search/find_regions.h"
+#include "batten/skinning/surfaces/skin_network.h"
+
+namespace batten {
+namespace {
+
+double fit_tolerance(const Scene& scene, double size) {
+  constexpr double usual = 1e-4;
+  return scene.skin.options.tolerance > 0 ? scene.skin.options.tolerance : usual * size;
+}
+
+// A region as a model.
+MadeModel one_region(const Scene& scene, const std::vector<CharacterLine>& lines,
+                     const Progress& progress) {
+  MadeModel made;
+  try {
+    made.model.layout = std::make_shared<const ModelLayout>(
+        RegionLayout(scene.name, lines, scene.skin.options, progress));
+  } catch (const InputError& e) {
+    throw InputError(scene.at({}) + e.what());
+  }
+  made.fit_tolerance = made.model.layout->tolerance();
+  ModelRegion& region = made.model.regions.emplace_back();
+  region.plan.name = scene.name;
+  region.in_layout = 0;
+  region.warnings = made.model.layout->warnings();
+  return made;
+}
+
+}  // namespace
+
+CharacterLineNetwork network_of(const Scene& scene, const std::vector<CharacterLine>& lines,
+                                const Progress& progress) {
+  NetworkOptions options;
+  options.tolerance = scene.network->tolerance;
+  options.fit_tolerance = scene.skin.options.tolerance;
+  options.corner_angle = scene.skin.options.corner_angle;
+  options.straight_angle = scene.network->straight_angle;
+  try {
+    return CharacterLineNetwork(lines, options, progress);
+  } catch (const InputError& e) {
+    throw InputError(scene.at(scene.network->place) + e.what());
+  }
+}
+
+FoundRegions regions_of(const Scene& scene, const CharacterLineNetwork& network,
+                        const Progress& progress) {
+  RegionOptions options;
+  options.words = scene.network->regions;
+  options.most_at_arc = scene.network->most_at_line;
+  FoundRegions found = find_regions(network, options, progress);
+  if (!found.regions.empty()) return found;
+  std::string text = scene.at(scene.network->place) + "found no loop of lines that bounds a " +
+                     "surface, expected one or more (lines meet within " +
+                     number(network.tolerance()) + " " + scene.unit + ")";
+  int more = 0;
+  for (const NetworkFinding& finding : network.findings()) {
+    if (finding.repaired) continue;
+    constexpr int most = 5;
+    if (++more <= most) text += "; " + finding.text;
+  }
+  throw InputError(text);
+}
+
+std::vector<std::string> MadeModel::region_names() const {
+  std::vector<std::string> names;
+  for (const ModelRegion& region : model.regions)
+    if (region.in_layout >= 0) names.push_back(region.plan.name);
+  return names;
+}
+
+MadeModel make_model(const Scene& scene, const std::vector<CharacterLine>& lines,
+                     const Progress& progress) {
+  if (!scene.network) return one_region(scene, lines, progress);
+  MadeModel made;
+  progress.at("network", 0);
+  made.network.emplace(network_of(scene, lines, progress));
+  progress.at("regions", 0);
+  made.found.emplace(regions_of(scene, *made.network, progress));
+  ModelOptions options;
+  options.name = scene.name;
+  options.skin = scene.skin.options;
+  options.material = scene.skin.material;
+  options.joins = scene.network->joins;
+  options.smooth_below_deg = scene.network->smooth_below;
+  options.join_tolerance_deg = scene.network->join_tolerance;
+  made.model = skin_network(*made.network, *made.found, options, progress);
+  made.fit_tolerance = fit_tolerance(scene, made.network->size());
+  return made;
+}
+
+}  // namespace batten

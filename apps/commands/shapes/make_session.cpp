@@ -1,0 +1,284 @@
+#include "batten/apps/commands/shapes/make_session.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "batten/apps/commands/lines/line_files.h"
+#include "batten/core/words.h"
+#include "batten/fairing/curve_fit.h"
+#include "batten/skinning/model/model_projector.h"
+
+namespace batten {
+namespace {
+
+/// What the scene's words mean on one layout.
+class SceneOnLayout {
+ public:
+  SceneOnLayout(const Scene& scene, const ModelLayout& layout, const MadeModel& made)
+      : scene_(scene), layout_(layout), made_(made) {
+    for (const ModelLine& line : layout.lines()) names_.push_back(line.name);
+  }
+
+  bool has(const std::string& name) const {
+    return std::find(names_.begin(), names_.end(), name) != names_.end();
+  }
+  std::string line(const PlacedWord& word) const {
+    if (has(word.text)) return word.text;
+    std::vector<std::string> parts;
+    for (const auto& name : names_)
+      if (is_part_of(name, word.text)) parts.push_back(name);
+    throw InputError(scene_.at(word.place) + "found the line '" + word.text + "'" +
+                     (parts.empty() ? "" : ", which is in pieces") +
+                     ", expected one of: " + listed(parts.empty() ? names_ : parts) +
+                     (parts.empty() ? did_you_mean(word.text, names_) : ""));
+  }
+
+  Area area(const SceneArea& area) const {
+    Area result = area.area;
+    if (auto* near = std::get_if<Area::NearLine>(&result.where)) near->line = line(area.line);
+    for (const PlacedWord& word : area.regions) result.regions.push_back(region(word));
+    return result;
+  }
+  std::string region(const PlacedWord& word) const {
+    const std::vector<std::string> names = made_.region_names();
+    if (std::find(names.begin(), names.end(), word.text) != names.end()) return word.text;
+    for (const ModelRegion& other : made_.model.regions)
+      if (other.plan.name == word.text)
+        throw InputError(scene_.at(word.place) + "found the region '" + word.text +
+                         "', which could not be skinned (" + other.why_not +
+                         "), expected one of: " + listed(names));
+    throw InputError(scene_.at(word.place) + "found the region '" + word.text +
+                     "', expected one of: " + listed(names) + did_you_mean(word.text, names));
+  }
+
+  /// A line of the layout, or one from a file.
+  HermiteCurve curve(const SceneLoad& load) const {
+    if (has(load.curve.text)) return layout_.line(load.curve.text);
+    if (line_file_kind(load.file) == LineFileKind::None) line(load.curve);  // no file: a wrong name
+    if (!std::filesystem::is_regular_file(load.file))
+      throw InputError(scene_.at(load.place) + "found '" + load.file.string() +
+                       "', expected a file of a line, or one of: " + listed(names_));
+    const auto lines = read_source_file(load.file, load.unit, scene_.unit);
+    if (lines.size() != 1)
+      throw InputError(scene_.at(load.place) + "found " + std::to_string(lines.size()) +
+                       " lines in '" + load.file.string() + "', expected one");
+    FitOptions options;
+    options.corner_angle = scene_.skin.options.corner_angle;
+    const auto input = lines.front().as_curve(options.corner_angle);
+    Vec3 low = input->evaluate(input->start()), high = low;
+    constexpr int samples = 64;
+    for (int i = 1; i <= samples; ++i) {
+      const Vec3 p =
+          input->evaluate(input->start() + (input->end() - input->start()) * i / samples);
+      low = low.cwiseMin(p);
+      high = high.cwiseMax(p);
+    }
+    constexpr double usual = 1e-4;  // of its size, as lines of the surface
+    options.tolerance = scene_.skin.options.tolerance > 0 ? scene_.skin.options.tolerance
+                                                          : usual * (high - low).norm();
+    return fit_curve(lines.front().name, input, options);
+  }
+
+  Load load(const SceneLoad& load) const {
+    using Type = SceneLoad::Type;
+    switch (load.type) {
+      case Type::Pressure:
+        return {load.name, Load::Pressure{area(load.area)}};
+      case Type::Uniform:
+        return {load.name, Load::Uniform{load.direction, area(load.area)}};
+      case Type::Gravity:
+        return {load.name, Load::Gravity{load.direction}};
+      case Type::Point:
+        return {load.name, Load::Point{load.at, load.direction}};
+      case Type::Line:
+        return {load.name, Load::Line{line(load.line), load.direction}};
+      case Type::Springs:
+        return {load.name, Load::Springs{spring_points(scene_, load)}};
+      case Type::Pulls:
+        break;
+    }
+    Load::Pulls springs = load.pulls;
+    if (!load.curve.text.empty()) springs.target = Load::Pulls::Curve{curve(load)};
+    return {load.name, std::move(springs)};
+  }
+
+  WeightField weight(const SceneWeight& weight) const {
+    WeightField field{weight.name, weight.kind, area(weight.area), {}};
+    if (!weight.along) return field;
+    if (const auto* word = std::get_if<PlacedWord>(&*weight.along))
+      field.along = line(*word);
+    else
+      field.along = std::get<Vec2>(*weight.along);
+    return field;
+  }
+
+ private:
+  const Scene& scene_;
+  const ModelLayout& layout_;
+  const MadeModel& made_;
+  std::vector<std::string> names_;
+};
+
+/// The scene's parameters, without rules: these come when all parameters are there.
+std::map<std::string, NamedValue> values_of(const Scene& scene) {
+  std::map<std::string, NamedValue> values;
+  for (NamedValue p : scene.named_values()) {
+    p.follows.clear();
+    p.offset = 0;
+    values.emplace(p.name, std::move(p));
+  }
+  return values;
+}
+
+bool driven(const Scene& scene, const std::string& name) {
+  for (const SceneRule& rule : scene.rules)
+    if (rule.driven == name) return true;
+  return false;
+}
+
+class Maker {
+ public:
+  Maker(const ModelLayout& layout, const Scene& scene, const MadeModel& made, Expected expected,
+        const Progress& progress)
+      : scene_(scene),
+        on_layout_(scene, layout, made),
+        values_(values_of(scene)),
+        session_(layout, options(scene, expected), progress),
+        unloaded_(session_.dofs()),
+        unloaded_places_(layout, unloaded_) {}
+
+  SculptingSession made() {
+    using Type = SceneConstraint::Type;
+    // What refers to the surface as it is comes first.
+    for (const auto& c : scene_.constraints)
+      if (c.type == Type::LineNormal && c.as_it_is)
+        add(c.place, Constraint{c.name, Constraint::LineNormal{on_layout_.line(c.line), {}}});
+    for (const bool over_time : {false, true})
+      for (const SceneMove& move : scene_.moves)
+        if (!move.over_time.empty() == over_time) add_move(move);
+    for (const auto& c : scene_.constraints)
+      if (c.type == Type::Point) add_point(c);
+    for (const auto& c : scene_.constraints) {
+      if (c.type == Type::Normal)
+        add(c.place, Constraint{c.name, Constraint::Normal{now(c), c.goal}});
+      else if (c.type == Type::Tangent)
+        add(c.place, Constraint{c.name, Constraint::Tangent{now(c), c.along, c.goal}});
+      else if (c.type == Type::LineNormal && !c.as_it_is)
+        add(c.place, Constraint{c.name, Constraint::LineNormal{on_layout_.line(c.line), c.goal}});
+    }
+    // Loads act where the surface under the constraints alone is nearest; they take effect with the
+    // next answer only.
+    if (!goals_.empty()) {
+      for (const auto& [name, value] : goals_) session_.set(name, value);
+      session_.settle();
+    }
+    for (const SceneLoad& load : scene_.loads)
+      add(load.named, on_layout_.load(load), {values_.at(load.name)});
+    for (const SceneWeight& weight : scene_.weights)
+      add(weight.named, on_layout_.weight(weight), {values_.at(weight.name)});
+    for (const NamedValue& slider : scene_.sliders) session_.add_parameter(values_.at(slider.name));
+    for (const auto& [name, value] : moves_) session_.set(name, value);
+    for (const NamedValue& p : scene_.named_values())
+      if (!p.follows.empty()) session_.drive(p.name, p.follows, p.offset);
+    return std::move(session_);
+  }
+  const Points& unloaded() const { return unloaded_; }
+
+ private:
+  static SessionOptions options(const Scene& scene, Expected expected) {
+    SessionOptions options;
+    options.expected = expected;
+    options.material = scene.skin.material;
+    options.isotropic_alpha = scene.skin.isotropic_alpha;
+    options.isotropic_beta = scene.skin.isotropic_beta;
+    options.units = scene.skin.units;
+    options.hold_corners = scene.skin.hold == SceneSkin::Hold::Corners;
+    return options;
+  }
+
+  /// Where the place nearest on the unloaded surface is by now: constraints that were added have
+  /// moved it.
+  Vec3 now(const SceneConstraint& c) const {
+    const auto was = unloaded_places_.nearest_inside(c.at);
+    constexpr double far = 0.5;  // of the size: no rounding, a mistake
+    const double size = session_.layout().size();
+    if (!(was.distance <= far * size))
+      throw InputError(
+          scene_.at(c.place) + "found the constraint '" + c.name + "' " + number(was.distance) +
+          " away from the surface, expected a place on it (its size is " + number(size) + ")");
+    return session_.layout()
+        .surface(session_.dofs())
+        .position(session_.layout().in_model(was.at.region, was.where));
+  }
+
+  /// What the session does not like has its place in the scene.
+  template <class Thing>
+  void add(const Place& place, const Thing& thing, const std::vector<NamedValue>& parameters = {}) {
+    try {
+      session_.add(thing, parameters);
+    } catch (const InputError& e) {
+      throw InputError(scene_.at(place) + e.what());
+    }
+  }
+
+  /// Added where it does not move anything yet.
+  void add_move(const SceneMove& move) {
+    NamedValue p = values_.at(move.name);
+    if (p.over_time.empty()) {
+      if (!driven(scene_, move.name)) moves_.emplace_back(move.name, p.value);
+      p.value = std::clamp(0.0, p.min, p.max);
+    }
+    add(move.named, LineMove{move.name, on_layout_.line(move.line), move.direction, move.fade},
+        {p});
+  }
+
+  void add_point(const SceneConstraint& c) {
+    Vec3 goal = now(c);
+    std::vector<NamedValue> parameters;
+    for (int i = 0; i < 3; ++i) {
+      NamedValue p = values_.at(c.name + "." + "xyz"[i]);
+      if (!driven(scene_, p.name)) goals_.emplace_back(p.name, p.value);
+      p.value = goal[i] = std::clamp(goal[i], p.min, p.max);
+      parameters.push_back(p);
+    }
+    add(c.place, Constraint{c.name, Constraint::Point{now(c), goal}}, parameters);
+  }
+
+  const Scene& scene_;
+  SceneOnLayout on_layout_;
+  std::map<std::string, NamedValue> values_;
+  SculptingSession session_;
+  Points unloaded_;
+  ModelProjector unloaded_places_;
+  // Set when nothing that is to be added refers to the surface without them.
+  std::vector<std::pair<std::string, double>> goals_, moves_;
+};
+
+}  // namespace
+
+SculptingSession make_session(const ModelLayout& layout, const Scene& scene, const MadeModel& made,
+                              Expected expected, const Progress& progress, Points* unloaded) {
+  const std::string where = scene.at({});
+  try {
+    Maker maker(layout, scene, made, expected, progress);
+    if (unloaded) *unloaded = maker.unloaded();
+    return maker.made();
+  } catch (const InputError& e) {
+    const std::string message = e.what();
+    const std::string file = scene.file.string();
+    throw InputError(!file.empty() && message.starts_with(file) ? message : where + message);
+  }
+}
+
+bool is_live(const Scene& scene, const std::string& parameter) {
+  bool live = true;
+  for_each_fair_parameter(scene.fairing,
+                          [&](const std::string& name, double) { live &= name != parameter; });
+  for (const auto& c : scene.constraints)
+    for (int i = 0; i < 3 && c.type != SceneConstraint::Type::Point; ++i)
+      live &= parameter != c.name + "." + "xyz"[i];
+  return live;
+}
+
+}  // namespace batten

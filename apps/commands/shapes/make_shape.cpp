@@ -1,0 +1,187 @@
+#include "batten/apps/commands/shapes/make_shape.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "batten/apps/commands/shapes/make_session.h"
+#include "batten/core/errors.h"
+#include "batten/core/words.h"
+#include "batten/fem/assembly.h"
+#include "batten/fem/triangle_locator.h"
+#include "batten/skinning/model/model_projector.h"
+#include "batten/skinning/surfaces/skin_network.h"
+
+namespace batten {
+namespace {
+
+/// Half of the tolerance is the lines' own deviation from their curves.
+constexpr double kMostGap = 0.7;
+constexpr int kMostRounds = 8;
+
+/// Degrees between the surface's normal at a place and a direction, either sign.
+double turned(const Surface& surface, const Location& where, const Vec3& direction) {
+  const Vec3 n = surface.jet(where).normal();
+  return std::min(degrees_between(n, direction), degrees_between(n, -direction));
+}
+
+double widest_gap(const std::vector<SkinnedRegion>& regions) {
+  double gap = 0;
+  for (const SkinnedRegion& region : regions)
+    for (const EmbeddedLine& line : region.embedded)
+      gap = std::max(gap, line_gap(region.surface, line));
+  return gap;
+}
+
+// Marks triangles under the stretches of embedded lines that the surface leaves by more than
+// `target` between their points.
+void mark_gaps(const SkinnedRegion& region, double target, std::vector<char>::iterator marks) {
+  const Surface& surface = region.surface;
+  const TriangleLocator locator(surface.mesh());
+  constexpr int samples = 20;
+  for (const EmbeddedLine& line : region.embedded) {
+    // The ends too: points may have been left out there, and a closed line comes around.
+    std::vector<double> ends = line.points;
+    ends.insert(ends.begin(), line.image.start());
+    ends.push_back(line.image.end());
+    for (size_t i = 0; i + 1 < ends.size(); ++i) {
+      const double from = ends[i], to = ends[i + 1];
+      std::vector<int> triangles;
+      double gap = 0;
+      for (int k = 0; k <= samples; ++k) {
+        const double t = from + (to - from) * k / samples;
+        const Vec3 uv = line.image.evaluate(t);
+        const Location where = locator.locate({uv.x(), uv.y()});
+        gap = std::max(gap, (surface.position(where) - line.fitted.evaluate(t)).norm());
+        triangles.push_back(where.triangle);
+      }
+      if (gap <= target) continue;
+      for (const int t : triangles) marks[t] = 1;
+    }
+  }
+}
+
+// Halves at the gaps of a shape on the layout. False when there is nothing to halve.
+bool halve_at_gaps(ModelLayout& layout, const std::vector<SkinnedRegion>& regions) {
+  std::vector<char> marks(static_cast<size_t>(layout.mesh()->triangle_count()), 0);
+  for (size_t r = 0; r < regions.size(); ++r)
+    mark_gaps(regions[r], 0.5 * layout.tolerance(),
+              marks.begin() + layout.first_triangle(static_cast<int>(r)));
+  return layout.refine(marks);
+}
+
+// The shape that a network was skinned with.
+MadeShape shape_at_rest(const MadeModel& made, const Scene& scene) {
+  MadeShape shape;
+  shape.layout = made.model.layout;
+  shape.dofs = shape.unloaded = made.model.dofs;
+  for (const SkinnedRegion* region : made.model.skinned()) shape.regions.push_back(*region);
+  if (!shape.layout) return shape;
+  const ModelLayout& layout = *shape.layout;
+  SurfaceStiffness bends = scene.skin.material;
+  bends.alpha.setZero();
+  const SurfaceAssembler assembler(*layout.mesh(), layout.element(), layout.trim());
+  SparseMatrix K = assembler.pattern();
+  auto materials = layout.on_regions({bends});
+  materials.resize(static_cast<size_t>(layout.mesh()->triangle_count()), materials[0]);
+  assembler.stiffness(materials, K);
+  const Points q = shape.dofs - layout.position_dofs() * layout.origin().transpose();
+  const double energy = q.cwiseProduct(Points(K.selfadjointView<Eigen::Lower>() * q)).sum();
+  shape.energy.bending = std::max(0.0, energy) / (layout.size() * layout.size());
+  return shape;
+}
+
+}  // namespace
+
+std::vector<const SkinnedRegion*> pointers(const std::vector<SkinnedRegion>& regions) {
+  std::vector<const SkinnedRegion*> all;
+  for (const SkinnedRegion& region : regions) all.push_back(&region);
+  return all;
+}
+
+MadeShape shape_of(const SculptingSession& session, const Scene& scene, const Points& unloaded,
+                   const Answer& answer) {
+  MadeShape shape;
+  shape.layout = std::make_shared<const ModelLayout>(session.layout());
+  shape.dofs = session.dofs();
+  shape.unloaded = unloaded;
+  shape.regions = session.regions();
+  shape.energy = session.energy();
+  shape.iterations = answer.iterations;
+  shape.last_change = answer.change;
+  shape.max_constraint_residual = session.residual();
+  shape.reactions = session.reactions();
+  shape.springs = session.spring_distances(unloaded);
+  shape.joins_planned = answer.joins_planned;
+  std::optional<ModelProjector> projector;
+  for (const auto& c : scene.constraints) {
+    if (c.type != SceneConstraint::Type::Normal) continue;
+    // Where make_session() put it: the mesh may be finer by now.
+    if (!projector) projector.emplace(*shape.layout, unloaded);
+    const ModelPoint at = projector->nearest_inside(c.at).at;
+    const Surface& surface = shape.regions[at.region].surface;
+    const double degrees = turned(surface, surface.locate(at.uv), c.goal);
+    if (!(degrees <= shape.max_normal_constraint_deg)) shape.max_normal_constraint_deg = degrees;
+  }
+  return shape;
+}
+
+MadeShape make_shape(const ModelLayout& layout, const Scene& scene, const MadeModel& made,
+                     const Progress& progress) {
+  Points unloaded;
+  SculptingSession session =
+      make_session(layout, scene, made, Expected::one_factor, progress, &unloaded);
+  const Answer answer = session.settle();
+  return shape_of(session, scene, unloaded, answer);
+}
+
+MadeShape make_refined_shape(const MadeModel& made, const Scene& scene, const Progress& progress) {
+  if (made.network && (!scene.is_sculpted() || !made.model.layout))
+    return shape_at_rest(made, scene);
+  const bool held = scene.skin.hold == SceneSkin::Hold::Lines;
+  ModelLayout layout = *made.model.layout;
+  for (int round = 0;; ++round) {
+    MadeShape shape = make_shape(layout, scene, made, progress);
+    if (!held || round == kMostRounds) return shape;
+    if (widest_gap(shape.regions) <= kMostGap * layout.tolerance()) return shape;
+    if (!halve_at_gaps(layout, shape.regions)) return shape;
+  }
+}
+
+ModelLayout refined_for_lines(const MadeModel& made, const Scene& scene, const Progress& progress) {
+  ModelLayout layout = *made.model.layout;
+  const bool embeds = std::any_of(layout.lines().begin(), layout.lines().end(), [](const auto& l) {
+    return std::any_of(l.sides.begin(), l.sides.end(), [](const auto& s) { return s.embedded; });
+  });
+  if (scene.skin.hold != SceneSkin::Hold::Lines || !embeds) return layout;
+  for (int round = 0; round < kMostRounds; ++round) {
+    SculptingSession session = make_session(layout, scene, made, Expected::one_factor, progress);
+    try {
+      session.settle();
+    } catch (const NoSolutionError&) {
+      return layout;
+    }
+    const auto regions = session.regions();
+    if (widest_gap(regions) <= kMostGap * layout.tolerance()) return layout;
+    if (!halve_at_gaps(layout, regions)) return layout;
+  }
+  return layout;
+}
+
+void take_shape(MadeModel& made, const MadeShape& shape, const Progress& progress) {
+  if (!shape.layout) return;
+  if (made.network) {
+    if (shape.layout != made.model.layout)
+      reshape(made.model, shape.layout, shape.dofs, shape.regions, progress);
+    return;
+  }
+  progress.at("measuring", 0);
+  ModelRegion& region = made.model.regions.front();
+  region.skinned = shape.regions.front();
+  region.quality = measure(*region.skinned);
+  made.model.layout = shape.layout;
+  made.model.dofs = shape.dofs;
+  made.model.area = region.quality.area;
+}
+
+}  // namespace batten

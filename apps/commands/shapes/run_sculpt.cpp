@@ -1,0 +1,403 @@
+#include "batten/apps/commands/shapes/run_sculpt.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <cstdlib>
+
+#include "batten/apps/commands/shapes/make_session.h"
+#include "batten/apps/commands/shapes/shape_files.h"
+#include "batten/apps/commands/shapes/shape_series.h"
+#include "batten/core/index.h"
+#include "batten/io/files/whole_file.h"
+#include "batten/io/sessions/session_log.h"
+#include "batten/sculpting/statics/static_sculpt.h"
+
+namespace batten {
+namespace {
+
+struct SweepTask {
+  std::string parameter, where;
+  double from = 0, to = 0;
+  int count = 0;
+  double at(int i) const { return from + (to - from) * i / std::max(1, count - 1); }
+};
+
+/// "name=from:to:count".
+SweepTask parsed_sweep(const std::string& text) {
+  SweepTask sweep;
+  sweep.where = "--sweep " + text + ": ";
+  const auto fail = [&](const std::string& found) {
+    throw InputError(sweep.where + "found " + found + ", expected name=from:to:count");
+  };
+  const size_t equals = text.find('=');
+  if (equals == std::string::npos || equals == 0) fail("no name");
+  sweep.parameter = text.substr(0, equals);
+  std::vector<double> numbers;
+  for (size_t at = equals + 1; at <= text.size();) {
+    const size_t colon = std::min(text.find(':', at), text.size());
+    const std::string word = text.substr(at, colon - at);
+    char* end = nullptr;
+    numbers.push_back(std::strtod(word.c_str(), &end));
+    if (word.empty() || *end != '\0' || !std::isfinite(numbers.back()))
+      fail("'" + word + "' for a number");
+    at = colon + 1;
+  }
+  if (numbers.size() != 3) fail(std::to_string(numbers.size()) + " numbers");
+  constexpr double most = 1000;
+  if (numbers[2] != std::floor(numbers[2]) || numbers[2] < 2 || numbers[2] > most)
+    throw InputError(sweep.where + "found " + number(numbers[2]) +
+                     " values, expected a whole number from 2 to 1000");
+  if (numbers[0] == numbers[1])
+    throw InputError(sweep.where + "found " + number(numbers[0]) +
+                     " twice, expected a range to go through");
+  sweep.from = numbers[0];
+  sweep.to = numbers[1];
+  sweep.count = static_cast<int>(numbers[2]);
+  return sweep;
+}
+
+/// "jumps:ROUNDS".
+int parsed_rounds(const std::string& text) {
+  if (text.empty()) return 0;
+  const std::string word = text.starts_with("jumps:") ? text.substr(6) : "";
+  char* end = nullptr;
+  const long rounds = std::strtol(word.c_str(), &end, 10);
+  if (word.empty() || *end != '\0' || rounds < 1 || rounds > 20)
+    throw InputError("--refine " + text + ": expected jumps:ROUNDS, 1 to 20 rounds");
+  return static_cast<int>(rounds);
+}
+
+int parsed_steps(const SculptTask& task) {
+  if (task.time == 0 && task.dt == 0) return 0;
+  const auto fail = [](const std::string& found, const std::string& expected) {
+    throw InputError("--time, --dt: found " + found + ", expected " + expected);
+  };
+  if (!(task.time > 0) || !(task.dt > 0) || !std::isfinite(task.time) || !std::isfinite(task.dt))
+    fail("the time " + number(task.time) + " in steps of " + number(task.dt), "both above 0");
+  const double steps = task.time / task.dt;
+  constexpr double most = 1e6;
+  if (steps > most) fail(number(steps) + " steps", "at most a million");
+  // The last step ends at the time, or is the first one after it.
+  return std::max(1, static_cast<int>(std::ceil(steps * (1 - 1e-12))));
+}
+
+/// Letters that every file system and every shell takes.
+std::string file_word(const std::string& text) {
+  std::string word;
+  for (const char c : text)
+    word += std::isalnum(static_cast<unsigned char>(c)) || c == '-' || c == '.' ? c : '_';
+  return word.empty() ? "surface" : word;
+}
+
+double area_of(const Surface& surface) {
+  const ParametricMesh& mesh = surface.mesh();
+  const Trim* trim = surface.trim().get();
+  const TriangleRule whole = split_triangle(2);
+  double area = 0;
+  for (int t = 0; t < mesh.triangle_count(); ++t) {
+    if (trim && trim->side(t) == Trim::Side::Outside) continue;
+    const TriangleRule rule = trim && trim->side(t) == Trim::Side::Cut ? trim->rule(t, 2) : whole;
+    for (long p = 0; p < rule.weights.size(); ++p)
+      area += rule.weights[p] * mesh.shape(t).area *
+              surface.jet({t, rule.L.row(p).transpose()}).area_vector().norm();
+  }
+  return area;
+}
+
+Report::Shape shape_now(const SculptingSession& session) {
+  const SurfaceEnergy energy = session.energy();
+  return {energy.stretching, energy.bending, area_of(session.layout().surface(session.dofs())),
+          session.enclosed_volume(), session.residual()};
+}
+
+/// One run: the session and what is known of it.
+class SculptRun {
+ public:
+  SculptRun(const Scene& scene, const SculptTask& task, const std::filesystem::path& folder,
+            const Progress& progress)
+      : scene_(scene), task_(task), progress_(progress), run_(scene, folder) {}
+
+  Report done() {
+    for (const std::string& text : task_.sweeps) sweeps_.push_back(parsed_sweep(text));
+    const int rounds = parsed_rounds(task_.refinement), steps = parsed_steps(task_);
+    Stopwatch& watch = run_.watch;
+    report_.sculpting.emplace();
+    std::vector<Setting> settings;
+    for (Setting& s : parsed_settings(task_.settings)) {
+      if (is_live(scene_, s.name))
+        settings.push_back(s);
+      else
+        scene_.set(s.name, s.value, s.where);
+    }
+    const std::vector<Operation> log =
+        task_.replay.empty() ? std::vector<Operation>{} : read_session_log(task_.replay);
+
+    made_ = model_of(run_, scene_, progress_);
+    if (!made_.model.layout) throw InputError(scene_.at({}) + "no region could be skinned");
+    const ModelLayout layout = refined_for_lines(made_, scene_, progress_);
+    watch.lap("layout");
+    progress_.at("session", 0);
+    session_.emplace(
+        make_session(layout, scene_, made_, Expected::many_factors, progress_, &unloaded_));
+    check_sweeps();
+    watch.lap("session");
+
+    session_->record(!task_.record.empty());
+    if (!task_.replay.empty()) replay(log);
+    for (const Setting& s : settings) set(s.name, s.value, s.where);
+    if (task_.replay.empty() || !settings.empty()) settle("settle");
+    for (int round = 0; round < rounds; ++round) refine();
+    watch.lap("sculpt");
+    for (const SweepTask& sweep : sweeps_) {
+      do_sweep(sweep);
+      watch.lap("sweep of " + sweep.parameter);
+    }
+    if (steps > 0) {
+      move(steps);
+      watch.lap("motion");
+    }
+    write();
+    return std::move(report_);
+  }
+
+ private:
+  std::string stem(const std::string& what) const {
+    const std::string name = scene_.vtp.empty() ? file_word(scene_.name)
+                                                : std::filesystem::path(scene_.vtp).stem().string();
+    return name + "_" + file_word(what);
+  }
+
+  void set(const std::string& name, double value, const std::string& where) {
+    try {
+      session_->set(name, value);
+    } catch (const InputError& e) {
+      throw InputError(where + e.what());
+    }
+  }
+
+  /// Before anything is computed: all values of all sweeps.
+  void check_sweeps() const {
+    for (const SweepTask& sweep : sweeps_)
+      for (const double value : {sweep.from, sweep.to}) {
+        if (!is_live(scene_, sweep.parameter))
+          throw InputError(sweep.where + "found '" + sweep.parameter +
+                           "', which is not a parameter of the session, expected a load, weight, "
+                           "move, [[parameter]], goal of a point, or alpha or beta");
+        try {
+          Parameters(session_->parameters()).set(sweep.parameter, value);
+        } catch (const InputError& e) {
+          throw InputError(sweep.where + e.what());
+        }
+      }
+  }
+
+  Answer settle(const std::string& what) {
+    progress_.at("sculpting", 0);
+    answer_ = session_->settle();
+    report_.sculpting->answers.push_back(
+        {what, answer_.iterations, answer_.change, answer_.factored});
+    return answer_;
+  }
+
+  void replay(const std::vector<Operation>& log) {
+    progress_.at("replay", 0);
+    const int refused = session_->replay(log);
+    if (refused > 0)
+      report_.warnings.push_back(
+          std::to_string(refused) + " of " + std::to_string(log.size()) +
+          " operations of the log were refused: if they were not when it was "
+          "recorded, it was recorded with another scene");
+    report_.sculpting->answers.push_back({"replay", count_of(log), 0, false});
+  }
+
+  void refine() {
+    Refinement refinement;
+    refinement.where = Refinement::Jumps{};
+    const RefinementReport r = session_->refine(refinement);
+    report_.sculpting->refinements.push_back({r.triangles_before, r.triangles, r.max_displacement,
+                                              r.energy_before, r.energy_carried, r.energy_settled});
+  }
+
+  void do_sweep(const SweepTask& sweep) {
+    const double before = session_->parameters().value(sweep.parameter);
+    Report::Sculpting::Sweep table{sweep.parameter, {}, ""};
+    ShapeSeries series(scene_, stem(sweep.parameter), sweep.parameter, run_.out, sweep.count);
+    for (int i = 0; i < sweep.count; ++i) {
+      progress_.at("sweep of " + sweep.parameter, static_cast<double>(i) / sweep.count);
+      const double value = sweep.at(i);
+      session_->set(sweep.parameter, value);
+      try {
+        answer_ = session_->settle();
+      } catch (const NoSolutionError& e) {
+        table.stopped = "at " + number(value) + ": " + e.what();
+        report_.missed.push_back({"sweep of " + sweep.parameter,
+                                  "stopped after " + std::to_string(i) + " of " +
+                                      std::to_string(sweep.count) + " values, " + table.stopped});
+        break;
+      }
+      table.rows.push_back({value, shape_now(*session_), answer_.iterations, 0});
+      series.add(report_, value, session_->regions());
+    }
+    report_.sculpting->sweeps.push_back(table);
+    finish(series, false);
+    session_->set(sweep.parameter, before);
+    settle("back from the sweep of " + sweep.parameter);
+  }
+
+  void move(int steps) {
+    const SceneMotion& m = scene_.motion;
+    session_->start_motion({task_.dt, m.density, m.damping, m.theta});
+    Report::Sculpting::Motion table{task_.dt, m.density, m.damping, m.theta, steps, 0, {}};
+    const int stride = (steps + task_.frames - 1) / task_.frames;
+    ShapeSeries series(scene_, stem("time"), "t", run_.out, steps / stride + 1);
+    const auto add = [&](double time) {
+      table.rows.push_back({time, shape_now(*session_), 0, session_->total_energy()});
+      series.add(report_, time, session_->regions());
+    };
+    add(0);
+    for (int i = 1; i <= steps; ++i) {
+      progress_.at("motion", static_cast<double>(i) / steps);
+      answer_ = session_->step();
+      const double residual = session_->residual();
+      if (!(residual <= table.max_residual)) table.max_residual = residual;
+      if (i % stride == 0 || i == steps) add(answer_.time);
+    }
+    report_.sculpting->motion = table;
+    finish(series, true);
+  }
+
+  void finish(ShapeSeries& series, bool each) {
+    try {
+      series.finish(report_, each, progress_);
+    } catch (const InputError&) {
+      // Without a display a series has its shapes and no pictures.
+      if (can_draw(report_, "pictures of the series")) throw;
+    }
+  }
+
+  /// Dofs of what the lines alone make, on the mesh as it is now.
+  Points unloaded_now() const {
+    if (unloaded_.rows() == session_->dofs().rows()) return unloaded_;
+    StaticTask lines;
+    lines.material = scene_.skin.material;
+    lines.units = scene_.skin.units;
+    lines.hold_corners = scene_.skin.hold == SceneSkin::Hold::Corners;
+    return sculpt(session_->layout(), lines, progress_).dofs;
+  }
+
+  void write() {
+    progress_.at("measuring", 0);
+    for (const NamedValue& p : session_->parameters().all())
+      report_.parameters.push_back({p.name, session_->parameters().value(p.name), p.min, p.max});
+    report_.sculpting->shape = shape_now(*session_);
+    const MadeShape shape = shape_of(*session_, scene_, unloaded_now(), answer_);
+    measure_into(run_, made_, shape, scene_, progress_);
+    write_files(run_, scene_, made_, shape, progress_);
+    draw_pictures(run_, scene_, made_, shape, progress_);
+    if (!scene_.pictures.empty()) run_.watch.lap("pictures");
+    run_.finish(progress_);
+    if (!task_.record.empty()) write_session_log(task_.record, session_->recorded());
+    run_.out.commit();
+  }
+
+  Scene scene_;
+  const SculptTask& task_;
+  const Progress& progress_;
+  ShapeRun run_;
+  Report& report_ = run_.report;
+  MadeModel made_;
+  std::vector<SweepTask> sweeps_;
+  std::optional<SculptingSession> session_;
+  Points unloaded_;
+  Answer answer_;
+};
+
+std::string row_text(const std::vector<std::string>& cells) {
+  std::string text = "   ";
+  for (const std::string& cell : cells)
+    text += std::string(cell.size() < 13 ? 13 - cell.size() : 1, ' ') + cell;
+  return text + "\n";
+}
+
+/// Frames of a series stand together.
+std::vector<std::string> few(const std::vector<std::string>& files) {
+  const auto series = [](const std::string& file) -> std::string {
+    const size_t dot = file.rfind('.'), line = file.rfind('_');
+    if (dot == std::string::npos || line == std::string::npos || line + 4 > dot) return "";
+    if (file.find_first_not_of("0123456789", line + 1) != dot) return "";
+    return file.substr(0, line) + file.substr(dot);
+  };
+  std::vector<std::string> list;
+  std::vector<std::string> seen;
+  for (const std::string& file : files) {
+    const std::string one = series(file);
+    if (one.empty()) {
+      list.push_back(file);
+      continue;
+    }
+    if (std::find(seen.begin(), seen.end(), one) != seen.end()) continue;
+    seen.push_back(one);
+    int count = 0;
+    std::string last;
+    for (const std::string& other : files)
+      if (series(other) == one) {
+        ++count;
+        last = other;
+      }
+    list.push_back(file + (count > 1 ? " … " + last + " (" + std::to_string(count) + ")" : ""));
+  }
+  return list;
+}
+
+}  // namespace
+
+Report run_sculpt(const Scene& scene, const SculptTask& task, const std::filesystem::path& folder,
+                  const Progress& progress) {
+  return SculptRun(scene, task, folder, progress).done();
+}
+
+std::string sculpt_summary(const Report& report, const std::filesystem::path& folder) {
+  const auto& s = report.surface;
+  const auto& sculpting = *report.sculpting;
+  const auto energy = [](const Report::Shape& shape) { return shape.stretching + shape.bending; };
+  std::string text = report.name + "\n";
+  text += result_line("surface", std::to_string(s.triangles) + " triangles, " +
+                                     std::to_string(s.dofs) + " unknowns a coordinate, area " +
+                                     number(sculpting.shape.area) + " " + report.unit + "²");
+  text += result_line("energy", number(energy(sculpting.shape)) + " (bending " +
+                                    number(sculpting.shape.bending) + "), volume " +
+                                    number(sculpting.shape.volume) + " " + report.unit + "³");
+  text += result_line("constraints", "residual " + number(sculpting.shape.residual));
+  for (const auto& r : sculpting.refinements)
+    text += result_line("refined", std::to_string(r.triangles_before) + " -> " +
+                                       std::to_string(r.triangles) + " triangles, moved by " +
+                                       number(r.max_displacement) + " of the size, energy " +
+                                       number(r.energy_before) + " -> " + number(r.energy_settled));
+  for (const auto& sweep : sculpting.sweeps) {
+    text += row_text({sweep.parameter, "energy", "area", "volume", "iterations", "residual"});
+    for (const auto& row : sweep.rows)
+      text += row_text({number(row.value), number(energy(row.shape)), number(row.shape.area),
+                        number(row.shape.volume), std::to_string(row.iterations),
+                        number(row.shape.residual)});
+    if (!sweep.stopped.empty()) text += "    stopped " + sweep.stopped + "\n";
+  }
+  if (sculpting.motion) {
+    const auto& m = *sculpting.motion;
+    text += result_line("motion", std::to_string(m.steps) + " steps of " + number(m.dt) +
+                                      ", largest residual " + number(m.max_residual));
+    constexpr size_t most_rows = 12;
+    const size_t stride = (m.rows.size() + most_rows - 1) / most_rows;
+    text += row_text({"time", "total energy", "area", "volume", "residual"});
+    for (size_t i = 0; i < m.rows.size(); ++i)
+      if (i % stride == 0 || i + 1 == m.rows.size())
+        text += row_text({number(m.rows[i].value), number(m.rows[i].total_energy),
+                          number(m.rows[i].shape.area), number(m.rows[i].shape.volume),
+                          number(m.rows[i].shape.residual)});
+  }
+  Report ending = report;
+  ending.files = few(report.files);
+  return text + result_ending(ending, folder);
+}
+
+}  // namespace batten

@@ -1,0 +1,179 @@
+// What a report says of a finished shape.
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "batten/apps/commands/shapes/shape_files.h"
+#include "batten/core/errors.h"
+#include "batten/core/index.h"
+#include "batten/fairing/arc_length.h"
+#include "batten/skinning/lines/line_fit.h"
+
+namespace batten {
+namespace {
+
+// A number that is not one must win over those that are.
+void raise(double& most, double value) {
+  if (!(value <= most) && !std::isnan(most)) most = value;
+}
+void lower(double& least, double value) {
+  if (!(value >= least) && !std::isnan(least)) least = value;
+}
+
+/// Largest distance from samples of the user's line to the fitted curve.
+double deviation(const CharacterLine& line, const HermiteCurve& fitted) {
+  const auto breaks = line.curve->breaks();
+  const int samples = std::clamp<int>(2000 / count_of(breaks), 4, 64);
+  double largest = 0;
+  for (size_t i = 0; i + 1 < breaks.size(); ++i)
+    for (int k = 0; k <= samples; ++k) {
+      const double t = breaks[i] + (breaks[i + 1] - breaks[i]) * k / samples;
+      const double d = fitted.closest_point(line.curve->evaluate(t)).distance;
+      if (!(d <= largest) && !std::isnan(largest)) largest = d;
+    }
+  return largest;
+}
+
+/// Limits from analytic shapes and hulls (docs/theory/domains.md): good domains are far inside.
+void warn_of_strain(Report& report) {
+  const SkinQuality& q = report.surface.quality;
+  constexpr double most_shear = 5, most_strain = 0.7, least_jacobian = 0.1;
+  if (q.max_shear <= most_shear && q.rms_strain <= most_strain &&
+      q.min_jacobian_ratio >= least_jacobian)
+    return;
+  report.warnings.push_back(
+      "the flat domain is strained (shear " + number(q.max_shear) + ", strain " +
+      number(q.rms_strain) + ", Jacobian " + number(q.min_jacobian_ratio) +
+      " of its median): the surface may be uneven there; another domain, settle = true, or inner "
+      "lines with treatment = \"embedded\" may suit it better");
+}
+
+SkinQuality worst_of(const SurfaceModel& model) {
+  SkinQuality worst;
+  bool first = true;
+  for (const ModelRegion& r : model.regions) {
+    if (!r.skinned) continue;
+    const SkinQuality& q = r.quality;
+    if (first) worst.min_jacobian_ratio = q.min_jacobian_ratio;
+    first = false;
+    raise(worst.max_line_residual, q.max_line_residual);
+    raise(worst.max_line_gap, q.max_line_gap);
+    raise(worst.max_line_deviation, q.max_line_deviation);
+    raise(worst.max_normal_jump_deg, q.max_normal_jump_deg);
+    lower(worst.min_jacobian_ratio, q.min_jacobian_ratio);
+    raise(worst.max_shear, q.max_shear);
+    raise(worst.rms_strain, q.rms_strain);
+    worst.singular_nodes += q.singular_nodes;
+  }
+  worst.area = model.area;
+  return worst;
+}
+
+void measure_region_lines(Report& report, const SkinnedRegion& region) {
+  for (const LineRun& run : region.runs)
+    report.lines.push_back({run.line.name, run.line.role, false, ArcLength(run.line.curve).total(),
+                            deviation(run.line, run.fitted), run.fitted.node_count()});
+  for (const EmbeddedLine& e : region.embedded)
+    report.lines.push_back({e.line.name, e.line.role, true, ArcLength(e.line.curve).total(),
+                            deviation(e.line, e.fitted), e.fitted.node_count(), count_of(e.points),
+                            line_gap(region.surface, e)});
+}
+
+// Of an arc that several regions have: it counts as embedded where one of them has it so.
+void measure_arcs(Report& report, const MadeModel& made, const Scene& scene) {
+  struct Embedding {
+    int points = 0;
+    double gap = 0;
+  };
+  std::map<std::string, Embedding> embedded;
+  std::map<std::string, double> moved;  // lengths of lines that a move has displaced
+  for (const SkinnedRegion* region : made.model.skinned()) {
+    for (const EmbeddedLine& e : region->embedded) {
+      Embedding& of = embedded[e.line.name];
+      of.points = std::max(of.points, count_of(e.points));
+      raise(of.gap, line_gap(region->surface, e));
+    }
+    const auto note = [&](const std::string& name, const HermiteCurve& fitted) {
+      for (const SceneMove& move : scene.moves)
+        if (move.line.text == name) moved[name] = fitted.length();
+    };
+    for (const LineRun& run : region->runs) note(run.line.name, run.fitted);
+    for (const EmbeddedLine& e : region->embedded) note(e.line.name, e.fitted);
+  }
+  const CharacterLineNetwork& network = *made.network;
+  std::vector<char> outline(network.arcs().size()), inner(outline.size());
+  for (const ModelRegion& r : made.model.regions) {
+    for (const ArcLoop& loop : r.plan.loops)
+      for (const ArcUse& use : loop) outline[use.arc] = 1;
+    for (const int a : r.plan.inner) inner[a] = 1;
+  }
+  for (size_t a = 0; a < outline.size(); ++a) {
+    if (!outline[a] && !inner[a]) continue;
+    const NetworkArc& arc = network.arcs()[a];
+    Report::Line line{
+        arc.name,      outline[a] ? CharacterLine::Role::Outline : CharacterLine::Role::Inner,
+        false,         arc.length,
+        arc.deviation, arc.curve.node_count()};
+    if (const auto m = moved.find(arc.name); m != moved.end()) line.length = m->second;
+    if (const auto e = embedded.find(arc.name); e != embedded.end()) {
+      line.embedded = true;
+      line.points = e->second.points;
+      line.gap = e->second.gap;
+    }
+    report.lines.push_back(line);
+  }
+}
+
+void measure_network(Report& report, const MadeModel& made, const Scene& scene) {
+  measure_arcs(report, made, scene);
+  report.network = network_report(*made.network, *made.found, made.model, made.fit_tolerance,
+                                  scene.network->join_tolerance);
+  report.surface.max_smooth_join_deg = made.model.max_join_deg;
+  report.warnings.insert(report.warnings.end(), made.model.warnings.begin(),
+                         made.model.warnings.end());
+  for (const ModelRegion& r : made.model.regions)
+    for (const std::string& w : r.warnings)
+      report.warnings.push_back("region '" + r.plan.name + "': " + w);
+  if (!made.found->optimal)
+    report.warnings.push_back(
+        "the search for regions was cut short: others may cost less; say yours by [[region]]");
+}
+
+}  // namespace
+
+void measure_into(ShapeRun& run, MadeModel& made, const MadeShape& shape, const Scene& scene,
+                  const Progress& progress) {
+  take_shape(made, shape, progress);
+  Report& report = run.report;
+  auto& s = report.surface;
+  s.element = scene.skin.options.element == TriangleElement::HCT ? "hct" : "z12";
+  s.regions = count_of(shape.regions);
+  s.size = made.network ? made.network->size() : shape.layout->size();
+  if (shape.layout) {
+    s.triangles = shape.layout->mesh()->triangle_count();
+    s.dofs = DofMap(*shape.layout->mesh()).count();
+  }
+  s.quality = worst_of(made.model);
+  if (made.network) {
+    measure_network(report, made, scene);
+  } else {
+    measure_region_lines(report, shape.regions.front());
+    report.warnings.insert(report.warnings.end(), made.model.regions.front().warnings.begin(),
+                           made.model.regions.front().warnings.end());
+    warn_of_strain(report);
+  }
+  s.bending_energy = shape.energy.bending;
+  s.max_constraint_residual = shape.max_constraint_residual;
+  s.max_normal_constraint_deg = shape.max_normal_constraint_deg;
+  s.iterations = shape.iterations;
+  s.last_change = shape.last_change;
+  report.springs = shape.springs;
+  report.reactions = shape.reactions;
+  if (shape.joins_planned)
+    report.warnings.push_back(
+        "lines that moved turn the tangents at their ends: smooth joins there were planned again");
+  run.watch.lap("measure");
+}
+
+}  // namespace batten

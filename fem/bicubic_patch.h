@@ -1,0 +1,87 @@
+// One tensor-product bicubic B-spline for a surface that is known inside a region of (u, v).
+// Internal.
+//
+//   min  Σ |S(u_k, v_k) - x_k|² / 16  +  ε ∑ over cells of the bending of S in the cell's own units
+//
+// Samples: 16 in each cell of the knots as far as they are inside, and the region's rim. The
+// bending carries the spline across the part of the rectangle that is outside of the region; ε is
+// so small that it costs a hundredth of the goal (1e-10 to 1e-6). Knots are simple (S is
+// C2) and lie where the errors are: each round, from the error e of every cell and the jumps of
+// x_uuu and x_vvv at its sides (which tell the directions apart), new knots with a density ~ (e /
+// goal)^¼ / h in each direction.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "batten/core/eigen.h"
+#include "batten/core/index.h"
+
+namespace batten {
+
+/// Cubic B-splines of one variable over simple knots: at the ends of the line the knots count four
+/// times, or the line closes.
+class SplineAxis {
+ public:
+  SplineAxis() = default;
+  /// At least one interval, periodic: four. Increasing.
+  explicit SplineAxis(std::vector<double> knots, bool periodic = false);
+
+  const std::vector<double>& knots() const { return knots_; }
+  bool periodic() const { return periodic_; }
+  int intervals() const { return count_of(knots_) - 1; }
+  int functions() const { return periodic_ ? intervals() : intervals() + 3; }
+  double length(int interval) const { return knots_[interval + 1] - knots_[interval]; }
+  /// t is clamped, or comes around.
+  int interval(double t) const;
+  double wrapped(double t) const;
+  /// The four functions that live on an interval at s in [0, 1], or their derivatives by s.
+  Eigen::Vector4d basis(int interval, double s, int derivative = 0) const;
+  /// Number of the local-th of them.
+  int function(int interval, int local) const {
+    const int f = interval + local;
+    return periodic_ && f >= intervals() ? f % intervals() : f;
+  }
+
+ private:
+  std::vector<double> knots_;
+  bool periodic_ = false;
+  std::vector<Eigen::Matrix4d> powers_;  // of each interval; row: power of s, column: function
+};
+
+struct BicubicPatch {
+  SplineAxis u, v;
+  Points poles;  ///< of function i of u and j of v: row i · v.functions() + j
+
+  Vec3 position(const Vec2& uv) const;
+};
+
+struct PatchTarget {
+  std::function<bool(const Vec2&)> inside;    ///< called from several threads, as is the next
+  std::function<Vec3(const Vec2&)> position;  ///< asked for inside and on the rim
+  /// Points along the rim, not farther apart than the given length.
+  std::function<std::vector<Vec2>(double spacing)> rim;
+  Vec2 low, high;  ///< box around the region; of a periodic one high - low in u is the period
+  bool periodic = false;  ///< in u
+};
+
+struct PatchFit {
+  BicubicPatch patch;
+  /// Largest |S - x| at points inside and on the rim that were not fitted.
+  double deviation = 0;
+  bool reached = false;  ///< deviation ≤ goal
+};
+
+struct PatchLimits {
+  int a_direction = 400;  ///< poles
+  int in_all = 60'000;
+};
+
+/// The fit with the fewest poles that was found for a deviation of at most `goal` > 0; where none
+/// reaches it, within the limits or because finer knots no longer help, the one that comes nearest.
+/// x near the origin keeps the digits. About 3 µs a cell and round, and one sparse factor each.
+/// With `start`, its knots are the first.
+PatchFit fit_bicubic_patch(const PatchTarget& target, double goal, const PatchLimits& limits = {},
+                           const BicubicPatch* start = nullptr);
+
+}  // namespace batten

@@ -1,0 +1,241 @@
+#include "batten/io/cad/face_file.h"
+
+#include <BRepTopAdaptor_FClass2d.hxx>
+#include <BRep_Tool.hxx>
+#include <Geom2d_Curve.hxx>
+#include <TopExp.hxx>
+#include <TopExp_Explorer.hxx>
+#include <TopoDS.hxx>
+#include <TopoDS_Edge.hxx>
+#include <TopoDS_Face.hxx>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "batten/core/errors.h"
+#include "batten/core/index.h"
+#include "batten/core/parallel.h"
+#include "batten/io/cad/step_check.h"
+
+namespace batten {
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+Vec3 from_occ(const gp_Pnt& p) { return {p.X(), p.Y(), p.Z()}; }
+
+/// Largest of many values, computed on all threads.
+template <class Function>
+double largest(size_t count, const Function& value) {
+  const int parts = static_cast<int>(std::min<size_t>(count, 64));
+  std::vector<double> of(static_cast<size_t>(parts), 0.0);
+  parallel_parts(parts, [&](int p) {
+    for (size_t i = count * p / parts; i < count * (p + 1) / parts; ++i) {
+      const double found = value(i);
+      of[p] = std::max(of[p], std::isfinite(found) ? found : infinity);
+    }
+  });
+  return parts > 0 ? *std::max_element(of.begin(), of.end()) : 0;
+}
+
+/// Points of the region's surface, by triangles: n² of each.
+std::vector<Vec2> points_of_region(const FaceMaker& made) {
+  const ParametricMesh& mesh = made.region().surface.mesh();
+  const double per_triangle = 6.0 * made.cells() / mesh.triangle_count();
+  const int n = std::clamp(static_cast<int>(std::ceil(std::sqrt(per_triangle))), 3, 24);
+  std::vector<Vec2> points;
+  for (int t = 0; t < mesh.triangle_count(); ++t) {
+    const TriangleShape shape = mesh.shape(t);
+    for (int i = 0; i < n; ++i)
+      for (int j = 0; i + j < n; ++j) {
+        const double a = (i + 1.0 / 3) / n, b = (j + 1.0 / 3) / n;
+        const Vec2 uv = shape.point({a, b, 1 - a - b});
+        if (made.boundary().contains(uv)) points.push_back(uv);
+      }
+  }
+  return points;
+}
+
+/// Points of the file's face, by its knots: 3×3 of each cell that are inside of its trim.
+std::vector<Vec2> points_of_face(const TopoDS_Face& face, const Geom_BSplineSurface& surface) {
+  std::vector<Vec2> points;
+  BRepTopAdaptor_FClass2d classifier(face, 1e-9);
+  const int n = surface.NbUKnots() * surface.NbVKnots() > 10'000 ? 2 : 3;
+  for (int i = 1; i < surface.NbUKnots(); ++i)
+    for (int j = 1; j < surface.NbVKnots(); ++j)
+      for (int k = 0; k < n * n; ++k) {
+        const double s = (k / n + 0.5) / n, t = (k % n + 0.5) / n;
+        const gp_Pnt2d uv((1 - s) * surface.UKnot(i) + s * surface.UKnot(i + 1),
+                          (1 - t) * surface.VKnot(j) + t * surface.VKnot(j + 1));
+        if (classifier.Perform(uv) == TopAbs_IN) points.emplace_back(uv.X(), uv.Y());
+      }
+  return points;
+}
+
+void measure_face(const TopoDS_Face& face, const FaceMaker& made, StepPatch& report) {
+  const Handle(Geom_BSplineSurface) surface =
+      Handle(Geom_BSplineSurface)::DownCast(BRep_Tool::Surface(face));
+  report.deviation = report.edge_gap = report.edge_deviation = infinity;
+  if (surface.IsNull()) return;
+  const double begin = made.boundary().seam, period = made.boundary().period;
+  const auto on_file = [&](const Vec2& uv) {
+    const double u = period > 0 ? uv.x() - std::floor((uv.x() - begin) / period) * period : uv.x();
+    return from_occ(surface->Value(u, uv.y()));
+  };
+  std::vector<Vec2> points = points_of_region(made);
+  for (const Vec2& uv : points_of_face(face, *surface)) points.push_back(uv);
+
+  // Boundary curves, each with the edge of the file that is nearest to it at the same share of the
+  // parameter.
+  struct Edge {
+    Handle(Geom_Curve) curve;
+    Handle(Geom2d_Curve) line;
+    double first, last;
+    bool backwards;  // against the loop
+    double at(double share) const {
+      return first + (backwards ? 1 - share : share) * (last - first);
+    }
+  };
+  std::vector<Edge> edges;
+  double gap = 0;
+  for (TopExp_Explorer it(face.Oriented(TopAbs_FORWARD), TopAbs_EDGE); it.More(); it.Next()) {
+    const TopoDS_Edge& edge = TopoDS::Edge(it.Current());
+    Edge e{};
+    e.backwards = edge.Orientation() == TopAbs_REVERSED;
+    double first, last;
+    e.curve = BRep_Tool::Curve(edge, e.first, e.last);
+    e.line = BRep_Tool::CurveOnSurface(edge, face, first, last);
+    // Readers put edges without length where lines meet at a tangent.
+    if (BRep_Tool::Degenerated(edge)) continue;
+    if (e.curve.IsNull() || e.line.IsNull()) return;
+    const int n = 4 * (surface->NbUKnots() + surface->NbVKnots());
+    for (int i = 0; i <= n; ++i) {
+      const double t = e.at(double(i) / n);
+      const gp_Pnt2d uv = e.line->Value(t);
+      gap = std::max(gap, e.curve->Value(t).Distance(surface->Value(uv.X(), uv.Y())));
+    }
+    TopoDS_Vertex a, b;
+    TopExp::Vertices(edge, a, b);
+    if (!a.IsNull()) gap = std::max(gap, BRep_Tool::Pnt(a).Distance(e.curve->Value(e.first)));
+    if (!b.IsNull()) gap = std::max(gap, BRep_Tool::Pnt(b).Distance(e.curve->Value(e.last)));
+    if (!BRep_Tool::IsClosed(edge, face)) edges.push_back(e);
+  }
+  report.edge_deviation = 0;
+  std::vector<char> used(edges.size());
+  for (const FaceLoop& loop : made.boundary().loops)
+    for (const FaceStretch& stretch : loop) {
+      const double start = stretch.curve.start(), end = stretch.curve.end();
+      const auto apart = [&](const Edge& e, double share) {
+        const Vec3 p = from_occ(e.curve->Value(e.at(share)));
+        return (p - stretch.curve.evaluate(start + share * (end - start))).norm();
+      };
+      size_t mine = edges.size();
+      double nearest = infinity;
+      for (size_t k = 0; k < edges.size(); ++k) {
+        double distance = 0;
+        for (const double share : {0.1, 0.3, 0.5, 0.7, 0.9})
+          distance = std::max(distance, apart(edges[k], share));
+        if (used[k] || distance >= nearest) continue;
+        nearest = distance;
+        mine = k;
+      }
+      if (mine == edges.size()) {
+        report.edge_deviation = infinity;
+        continue;
+      }
+      used[mine] = 1;
+      const int n = 8 * (stretch.curve.segment_count() + stretch.image.segment_count() +
+                         surface->NbUKnots() + surface->NbVKnots());
+      for (int i = 0; i <= n; ++i) {
+        const double share = double(i) / n, t = start + share * (end - start);
+        report.edge_deviation = std::max(report.edge_deviation, apart(edges[mine], share));
+        const Vec2 uv = i < n ? stretch.uv(t) : stretch.last();
+        points.push_back(uv);
+        const Vec3 x = i < n ? stretch.curve.evaluate(t)
+                             : stretch.curve.evaluate({stretch.curve.segment_count() - 1, 1.0});
+        report.line_gap = std::max(report.line_gap, (made.position(uv) - x).norm());
+        const gp_Pnt2d of_file = edges[mine].line->Value(edges[mine].at(share));
+        points.emplace_back(of_file.X(), of_file.Y());
+      }
+    }
+  if (std::find(used.begin(), used.end(), 0) != used.end()) report.edge_deviation = infinity;
+  report.edge_gap = gap;
+  report.deviation = largest(points.size(), [&](size_t i) {
+    return (on_file(points[i]) - made.position(points[i])).norm();
+  });
+}
+
+}  // namespace
+
+void check_options(const std::filesystem::path& path, const StepFaceOptions& options) {
+  if (!(options.tolerance > 0) || !std::isfinite(options.tolerance))
+    throw InputError(path.string() + ": found a tolerance of " + number(options.tolerance) +
+                     "; expected a length above 0");
+  if (options.most_poles < 16 || options.most_poles_in_all < 256)
+    throw InputError(path.string() + ": found a limit of " + std::to_string(options.most_poles) +
+                     " poles in a direction and " + std::to_string(options.most_poles_in_all) +
+                     " in all; expected 16 and 256 or more");
+}
+
+FittedFaces fitted_faces(const std::vector<const SkinnedRegion*>& regions, const StepPlan& plan,
+                         const StepFaceOptions& options) {
+  FittedFaces made(regions.size());
+  parallel_parts(count_of(made), [&](int k) {
+    made[k] = std::make_unique<FaceMaker>(*regions[k], options, plan.joined ? &plan : nullptr);
+  });
+  return made;
+}
+
+StepReport refined(const FittedFaces& made, const std::function<StepReport()>& written) {
+  StepReport report;
+  for (int round = 0; round < 4; ++round) {
+    report = written();
+    bool again = false;
+    for (size_t k = 0; k < made.size(); ++k)
+      if (!report.patches[k].reached) again = made[k]->refine(report.patches[k].deviation) || again;
+    if (!again) break;
+  }
+  return report;
+}
+
+void measure_patches(StepReport& report, const std::vector<TopoDS_Face>& faces,
+                     const FittedFaces& made, double tolerance) {
+  report.tolerance = tolerance;
+  for (size_t k = 0; k < faces.size(); ++k) {
+    StepPatch patch;
+    patch.region = made[k]->region().name;
+    patch.poles_u = made[k]->poles_u();
+    patch.poles_v = made[k]->poles_v();
+    measure_face(faces[k], *made[k], patch);
+    patch.reached = patch.deviation <= tolerance;
+    report.reached = report.reached && patch.reached;
+    report.max_gap = std::max(report.max_gap, patch.edge_gap);
+    report.line_gap = std::max(report.line_gap, patch.line_gap);
+    report.edge_deviation = std::max(report.edge_deviation, patch.edge_deviation);
+    report.patches.push_back(patch);
+  }
+}
+
+StepReport measured_faces(const std::filesystem::path& path, const FittedFaces& made,
+                          double tolerance) {
+  const TopoDS_Shape shape = read_step(path);
+  std::vector<TopoDS_Face> faces;
+  for (TopExp_Explorer it(shape, TopAbs_FACE); it.More(); it.Next())
+    faces.push_back(TopoDS::Face(it.Current()));
+  if (faces.size() != made.size())
+    throw Error(path.string() + ": OpenCASCADE reads " + std::to_string(faces.size()) +
+                " faces where " + std::to_string(made.size()) + " were written");
+  std::vector<int> region_of_face(faces.size());
+  std::iota(region_of_face.begin(), region_of_face.end(), 0);
+  StepReport report = measured_shape(shape, region_of_face);
+  report.bytes = std::filesystem::file_size(path);
+  measure_patches(report, faces, made, tolerance);
+  report.max_deviation = 0;
+  for (const StepPatch& patch : report.patches)
+    report.max_deviation = std::max(*report.max_deviation, patch.deviation);
+  return report;
+}
+
+}  // namespace batten

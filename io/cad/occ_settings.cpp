@@ -1,0 +1,92 @@
+#include "batten/io/cad/occ_settings.h"
+
+#include <IGESControl_Controller.hxx>
+#include <Interface_Static.hxx>
+#include <Message.hxx>
+#include <Message_Messenger.hxx>
+#include <STEPControl_Controller.hxx>
+#include <UnitsMethods.hxx>
+#include <cmath>
+#include <stdexcept>
+
+namespace batten {
+namespace {
+
+std::recursive_mutex& process_mutex() {
+  static std::recursive_mutex mutex;
+  return mutex;
+}
+
+void demand(bool done, const char* name) {
+  if (!done) throw std::logic_error("OpenCASCADE refused its setting '" + std::string(name) + "'");
+}
+
+}  // namespace
+
+OccSettings::OccSettings() : lock_(process_mutex()) {
+  // The settings exist from here on.
+  STEPControl_Controller::Init();
+  IGESControl_Controller::Init();
+  cascade_unit_ = UnitsMethods::GetCasCadeLengthUnit();
+  auto& printers = Message::DefaultMessenger()->ChangePrinters();
+  printers_ = printers;
+  printers.Clear();
+}
+
+OccSettings::~OccSettings() {
+  // Backwards: of a setting that was changed twice, the first value is the one from before.
+  for (auto it = texts_.rbegin(); it != texts_.rend(); ++it)
+    Interface_Static::SetCVal(it->first.c_str(), it->second.c_str());
+  for (auto it = integers_.rbegin(); it != integers_.rend(); ++it)
+    Interface_Static::SetIVal(it->first.c_str(), it->second);
+  for (auto it = reals_.rbegin(); it != reals_.rend(); ++it)
+    Interface_Static::SetRVal(it->first.c_str(), it->second);
+  UnitsMethods::SetCasCadeLengthUnit(cascade_unit_);
+  Message::DefaultMessenger()->ChangePrinters() = printers_;
+}
+
+void OccSettings::keep(const char* name) {
+  const Handle(Interface_Static) setting = Interface_Static::Static(name);
+  demand(!setting.IsNull(), name);
+  switch (setting->Type()) {
+    case Interface_ParamInteger:
+      integers_.emplace_back(name, Interface_Static::IVal(name));
+      break;
+    case Interface_ParamReal:
+      reals_.emplace_back(name, Interface_Static::RVal(name));
+      break;
+    default:
+      texts_.emplace_back(name, Interface_Static::CVal(name));
+  }
+}
+
+void OccSettings::set(const char* name, const char* value) {
+  keep(name);
+  demand(Interface_Static::SetCVal(name, value), name);
+}
+
+void OccSettings::set(const char* name, int value) {
+  keep(name);
+  demand(Interface_Static::SetIVal(name, value), name);
+}
+
+void OccSettings::set(const char* name, double value) {
+  keep(name);
+  demand(Interface_Static::SetRVal(name, value), name);
+}
+
+void OccSettings::set_unit(const std::string& name) {
+  set("xstep.cascade.unit", name.c_str());
+  set("write.step.unit", name.c_str());
+}
+
+std::string OccSettings::unit_name(double unit_in_metres) {
+  static constexpr std::pair<const char*, double> units[] = {
+      {"MM", 1e-3},     {"CM", 1e-2},   {"M", 1},         {"KM", 1e3},      {"UM", 1e-6},
+      {"INCH", 0.0254}, {"FT", 0.3048}, {"MI", 1609.344}, {"MIL", 2.54e-5}, {"UIN", 2.54e-8}};
+  for (const auto& [name, metres] : units)
+    if (std::abs(unit_in_metres - metres) <= 1e-9 * metres) return name;
+  return "";
+}
+
+}  // namespace batten

@@ -1,0 +1,201 @@
+#include "batten/io/cad/step.h"
+
+#include <BRepCheck_Analyzer.hxx>
+#include <BRep_Builder.hxx>
+#include <Standard_Failure.hxx>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "batten/core/errors.h"
+#include "batten/io/cad/exact_faces.h"
+#include "batten/io/cad/exact_numbers.h"
+#include "batten/io/cad/face_file.h"
+#include "batten/io/cad/occ_settings.h"
+#include "batten/io/cad/step_check.h"
+#include "batten/io/cad/step_plan.h"
+#include "batten/io/cad/step_text.h"
+#include "batten/io/files/whole_file.h"
+
+namespace batten {
+namespace {
+
+constexpr const char* kFace = "expected step_form = \"face\", which makes one face of each region";
+
+bool is_cut(const SkinnedRegion& region) { return region.surface.trim() != nullptr; }
+
+/// Diagonal of the box around all vertices of the meshes; of cut regions, whose meshes reach
+/// farther, around their lines.
+double size_of(const std::vector<const SkinnedRegion*>& regions) {
+  Eigen::AlignedBox3d box;
+  for (const SkinnedRegion* region : regions) {
+    const Surface& surface = region->surface;
+    if (is_cut(*region)) {
+      for (const EmbeddedLine& line : region->embedded)
+        for (int i = 0; i < line.fitted.node_count(); ++i) box.extend(line.fitted.position(i));
+      continue;
+    }
+    for (int v = 0; v < surface.mesh().vertex_count(); ++v)
+      box.extend(Vec3(surface.dofs().row(surface.dof_map().vertex(v))));
+  }
+  return box.diagonal().norm();
+}
+
+/// Throws InputError for regions that have no exact form.
+void check_exact(const std::vector<const SkinnedRegion*>& regions, bool z12_as_hct) {
+  std::map<std::string, std::string> runs;  // of a line: a region
+  std::string cut;
+  for (const SkinnedRegion* region : regions) {
+    if (is_cut(*region)) {
+      cut += (cut.empty() ? "'" : ", '") + region->name + "'";
+      continue;
+    }
+    if (region->surface.kind() != TriangleElement::HCT && !z12_as_hct)
+      throw InputError(
+          "STEP: found a surface of Z12 elements, which are rational and have no exact STEP form; "
+          "expected HCT elements (element = \"hct\")");
+    for (const LineRun& run : region->runs) runs.emplace(run.line.name, region->name);
+  }
+  if (!regions.empty() && std::all_of(regions.begin(), regions.end(),
+                                      [](const SkinnedRegion* r) { return is_cut(*r); }))
+    throw InputError("STEP: found regions that embedded lines cut, " + cut +
+                     ", and no other: cut triangles have no exact STEP form; " + kFace);
+  for (const SkinnedRegion* region : regions) {
+    if (is_cut(*region)) continue;
+    for (const EmbeddedLine& embedded : region->embedded)
+      if (const auto run = runs.find(embedded.line.name);
+          run != runs.end() && !embedded.line.name.empty())
+        throw InputError("STEP: found the line '" + embedded.line.name + "' of region '" +
+                         run->second + "' embedded in region '" + region->name +
+                         "': element edges do not follow it there, so that the two have no edges "
+                         "in common; " +
+                         kFace);
+  }
+}
+
+/// Exact faces, and fitted ones of cut regions, that share vertices and edges.
+class ModelFile {
+ public:
+  /// Plans the file and fits faces. Keeps a reference to the options.
+  ModelFile(const std::vector<const SkinnedRegion*>& regions, const StepOptions& options)
+      : options_(options), plan_(step_plan(regions)), size_(size_of(regions)) {
+    for (const SkinnedRegion* region : plan_.regions)
+      if (is_cut(*region)) cut_.push_back(region);
+    cut_at_vertices(plan_);
+    if (cut_.empty()) return;
+    face_options_.tolerance = options.tolerance > 0 ? options.tolerance : 1e-4 * size_;
+    if (plan_.joined) cut_lines(plan_, cut_);
+    fitted_ = fitted_faces(cut_, plan_, face_options_);
+  }
+
+  const StepPlan& plan() const { return plan_; }
+
+  /// The report lacks the plan's warnings.
+  StepReport write(const std::filesystem::path& path, OccSettings& occ) const {
+    return refined(fitted_, [&] {
+      const bool valid = save(path, occ);
+      std::vector<TopoDS_Face> faces;
+      StepReport report = measured_file(path, plan_.regions, faces);
+      if (faces.size() != fitted_.size())
+        throw Error(path.string() + ": OpenCASCADE reads other faces than were written");
+      if (!faces.empty()) measure_patches(report, faces, fitted_, face_options_.tolerance);
+      report.valid = report.valid && valid;
+      return report;
+    });
+  }
+
+ private:
+  /// Whether OpenCASCADE finds nothing wrong with fitted faces: readers repair silently.
+  bool save(const std::filesystem::path& path, OccSettings& occ) const {
+    SharedEdges shared(plan_);
+    SharedEdges* common = plan_.joined && !cut_.empty() ? &shared : nullptr;
+    RegionFaces faces = exact_faces(plan_, size_, common);
+    double tolerance = 1e-9 * size_;
+    auto maker = fitted_.begin();
+    for (size_t r = 0; r < faces.size(); ++r) {
+      if (!is_cut(*plan_.regions[r])) continue;
+      faces[r].push_back((*maker)->make(common));
+      tolerance = std::max(tolerance, (*maker++)->tolerance());
+    }
+    const TopoDS_Shape shape = assembled(plan_, [&](int region, TopoDS_Shell& shell) {
+      for (const TopoDS_Face& face : faces[region]) BRep_Builder().Add(shell, face);
+    });
+    write_shape(path, shape, tolerance, options_.name + " 1",
+                {options_.name, options_.author, "surfaces"}, occ);
+    return cut_.empty() || BRepCheck_Analyzer(shape).IsValid();
+  }
+
+  const StepOptions& options_;
+  StepPlan plan_;
+  double size_;
+  std::vector<const SkinnedRegion*> cut_;
+  StepFaceOptions face_options_;
+  FittedFaces fitted_;  // of `cut_`
+};
+
+}  // namespace
+
+std::string step_size_warning(const std::vector<const SkinnedRegion*>& regions) {
+  constexpr double bytes_per_face = 4750;
+  constexpr int most_triangles = 10'000;
+  int triangles = 0;
+  for (const SkinnedRegion* region : regions)
+    if (!is_cut(*region)) triangles += region->surface.mesh().triangle_count();
+  if (triangles <= most_triangles) return "";
+  return "the exact STEP file has " + std::to_string(3 * triangles) + " faces and about " +
+         std::to_string(std::lround(3 * triangles * bytes_per_face / 1e6)) +
+         " MB: fewer, larger elements make a smaller one";
+}
+
+StepReport write_step(const std::filesystem::path& path,
+                      const std::vector<const SkinnedRegion*>& regions, double model_unit_in_metres,
+                      const StepOptions& options) {
+  check_exact(regions, options.z12_as_hct);
+  if (!(options.tolerance >= 0) || !std::isfinite(options.tolerance))
+    throw InputError(path.string() + ": found a tolerance of " + number(options.tolerance) +
+                     "; expected a length above 0, or 0");
+  const std::string unit = cad_unit(model_unit_in_metres);
+  WholeFile file(path);
+  const ModelFile model(regions, options);
+  OccSettings occ;
+  occ.set_unit(unit);
+  StepReport report;
+  try {
+    report = model.write(file.temporary(), occ);
+  } catch (const Standard_Failure& failure) {
+    throw Error(path.string() +
+                ": OpenCASCADE failed to write or read it: " + failure.GetMessageString());
+  }
+  file.commit();
+  report.file = path;
+  report.warnings = model.plan().warnings;
+  if (const std::string warning = step_size_warning(regions); !warning.empty())
+    report.warnings.push_back(warning);
+  return report;
+}
+
+StepReport check_step(const std::filesystem::path& file, double model_unit_in_metres,
+                      const std::vector<const SkinnedRegion*>& regions) {
+  OccSettings occ;
+  occ.set_unit(cad_unit(model_unit_in_metres));
+  try {
+    std::vector<TopoDS_Face> fitted;
+    StepReport report = measured_file(file, regions, fitted);
+    auto face = fitted.begin();
+    for (const SkinnedRegion* region : regions) {
+      if (!region->surface.trim() || face == fitted.end()) continue;
+      StepPatch patch;
+      patch.region = region->name;
+      patch.deviation = nearest_deviation(*face, {region});
+      report.patches.push_back(patch);
+      ++face;
+    }
+    return report;
+  } catch (const Standard_Failure& failure) {
+    throw InputError(file.string() +
+                     ": OpenCASCADE failed to read it: " + failure.GetMessageString());
+  }
+}
+
+}  // namespace batten

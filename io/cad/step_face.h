@@ -1,0 +1,41 @@
+// Skinned regions as STEP files that people keep: one trimmed bicubic B-spline face for each
+// region.
+//
+// The face is a least-squares fit of x(u, v) over the rectangle around the region's boundary loops,
+// C2 and with as few poles as the tolerance asks for; the parameters are the region's own u, v, the
+// outward normal is along x_u × x_v. Wires are the boundary loops, the outline first. Each stretch
+// of the boundary between corners is one edge: in space the character line's curve as a C1 cubic
+// B-spline, on the face its image c(t), over the same parameters. A ring closes in u and has a
+// seam.
+//
+// Regions with lines of the same name hang together as in step.h: such a line is one edge for all
+// of them. (Where a ring's seam meets it, or the image of it bends, it is several edges.)
+// Tolerances of edges and vertices are the distances that were measured between them and the faces.
+//
+// Nothing that the report says is taken from the fit: the file is read back from disk by
+// OpenCASCADE and sampled, and knots are refined until the file keeps the tolerance.
+#pragma once
+
+#include "batten/io/cad/step_face_options.h"
+#include "batten/io/cad/step_report.h"
+#include "batten/skinning/region/region.h"
+
+namespace batten {
+
+/// Writes one face for each region and measures the file (AP214, coordinates and unit as in
+/// write_step). `max_deviation`, `max_gap`: largest of the faces. When the tolerance cannot be
+/// reached, because of the most poles or because finer knots no longer help (fitting ends where the
+/// elements' own kinks of curvature are too many), the best file found is written and the report
+/// says so. The file is written whole or not at all. Seconds for 10,000 triangles; about 90 bytes a
+/// pole.
+///
+/// Throws InputError: no region; a region without boundary, or whose boundary curve and image have
+/// different parameters; lines of one name that differ, lines without a name beside them; a ring
+/// whose rims do not run around it, or whose holes leave no room for the seam; a unit other than
+/// those of write_step; a tolerance that is not > 0, limits below those above; dofs that are not
+/// finite; a file that cannot be written.
+StepReport write_step_faces(const std::filesystem::path& file,
+                            const std::vector<const SkinnedRegion*>& regions,
+                            double model_unit_in_metres, const StepFaceOptions& options);
+
+}  // namespace batten

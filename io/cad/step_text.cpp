@@ -1,0 +1,66 @@
+#include "batten/io/cad/step_text.h"
+
+#include <APIHeaderSection_MakeHeader.hxx>
+#include <STEPControl_Writer.hxx>
+#include <StepBasic_Product.hxx>
+#include <StepData_Protocol.hxx>
+#include <StepData_StepModel.hxx>
+#include <StepData_StepWriter.hxx>
+#include <TCollection_HAsciiString.hxx>
+#include <TopoDS_Shape.hxx>
+#include <XSControl_WorkSession.hxx>
+
+#include "batten/core/errors.h"
+#include "batten/io/cad/occ_settings.h"
+#include "batten/io/files/whole_file.h"
+
+namespace batten {
+
+std::string cad_unit(double model_unit_in_metres) {
+  const std::string name = OccSettings::unit_name(model_unit_in_metres);
+  if (name.empty())
+    throw InputError("a CAD file in a model unit of " + number(model_unit_in_metres) +
+                     " m; expected one of um, mm, cm, m, km, inch, ft, mi, mil, uin");
+  return name;
+}
+
+void save_step(STEPControl_Writer& writer, const std::filesystem::path& path,
+               const StepHeader& header) {
+  APIHeaderSection_MakeHeader made(writer.Model());
+  const auto text_of = [](const std::string& s) { return new TCollection_HAsciiString(s.c_str()); };
+  made.SetName(text_of(header.name));
+  made.SetAuthorValue(1, text_of(header.author));
+  made.SetOrganizationValue(1, text_of(""));
+  made.SetDescriptionValue(1, text_of(header.description));
+  made.SetOriginatingSystem(text_of("Batten"));
+  StepData_StepWriter text(writer.Model());
+  // Enough digits to read the same number back. (Its zero suppression, which would make the file
+  // smaller, cuts exponents off numbers as long as these.)
+  text.FloatWriter().SetFormat("%#.17G");
+  text.SendModel(Handle(StepData_Protocol)::DownCast(writer.WS()->Protocol()));
+  write_whole_file(path, [&](std::ostream& out) { text.Print(out); });
+}
+
+void write_shape(const std::filesystem::path& path, const TopoDS_Shape& shape, double tolerance,
+                 const std::string& product, const StepHeader& header, OccSettings& occ) {
+  occ.set("write.step.schema", "AP214IS");
+  occ.set("write.step.product.name", product.c_str());
+  occ.set("write.step.assembly", 0);  // one product, not one for each shell
+  occ.set("write.surfacecurve.mode", 1);
+  occ.set("write.precision.mode", 2);  // the value given next
+  occ.set("write.precision.val", tolerance);
+  STEPControl_Writer writer;
+  if (writer.Transfer(shape, STEPControl_AsIs) != IFSelect_RetDone)
+    throw Error(path.string() + ": OpenCASCADE cannot turn the surface into STEP");
+  // OpenCASCADE counts the products of a process in their names.
+  const Handle(TCollection_HAsciiString) name = new TCollection_HAsciiString(product.c_str());
+  const auto& model = *writer.Model();
+  for (int e = 1; e <= model.NbEntities(); ++e)
+    if (const auto found = Handle(StepBasic_Product)::DownCast(model.Value(e)); !found.IsNull()) {
+      found->SetId(name);
+      found->SetName(name);
+    }
+  save_step(writer, path, header);
+}
+
+}  // namespace batten

@@ -1,0 +1,284 @@
+#include "batten/io/files/toml_table.h"
+
+#include <toml++/toml.h>
+#include <algorithm>
+#include <cmath>
+
+#include "batten/core/index.h"
+
+namespace batten {
+namespace {
+
+Place place_of(const toml::source_region& source) {
+  return {static_cast<int>(source.begin.line), static_cast<int>(source.begin.column)};
+}
+
+/// A value in words, as short as it can be recognised.
+std::string describe(const toml::node& node) {
+  if (const auto* s = node.as_string()) return "the text \"" + s->get() + "\"";
+  if (const auto* b = node.as_boolean()) return b->get() ? "true" : "false";
+  if (const auto* i = node.as_integer()) return std::to_string(i->get());
+  if (const auto* d = node.as_floating_point()) {
+    if (std::isnan(d->get())) return "nan (not a number)";
+    if (std::isinf(d->get())) return "an infinite number";
+    return batten::number(d->get());
+  }
+  if (const auto* a = node.as_array())
+    return a->empty()
+               ? "an empty list"
+               : "a list of " + std::to_string(a->size()) + (a->size() == 1 ? " value" : " values");
+  if (node.is_table()) return "a table";
+  return "a date or time";
+}
+
+int count_words(const std::string& shape) {
+  return 1 + static_cast<int>(std::count(shape.begin(), shape.end(), ','));
+}
+
+}  // namespace
+
+std::string place_prefix(const std::string& file, const Place& place) {
+  if (place.line == 0) return file.empty() ? "" : file + ": ";
+  return file + ":" + std::to_string(place.line) + ":" + std::to_string(place.column) + ": ";
+}
+
+std::string did_you_mean(const std::string& word, const std::vector<std::string>& words) {
+  const std::string nearest = nearest_word(word, words);
+  return nearest.empty() ? "" : "; did you mean '" + nearest + "'?";
+}
+
+std::string listed(const std::vector<std::string>& words) {
+  std::string text;
+  for (const auto& w : words) text += (text.empty() ? "" : ", ") + w;
+  return text;
+}
+
+TomlTable::TomlTable(std::string file, const toml::table& table, std::string what,
+                     std::vector<std::string> keys)
+    : file_(std::move(file)), table_(&table), what_(std::move(what)) {
+  for (const auto& [key, value] : table) {
+    const std::string name(key.str());
+    if (std::find(keys.begin(), keys.end(), name) == keys.end())
+      throw InputError(place_prefix(file_, place_of(key.source())) + "found key '" + name +
+                       "' in " + what_ + ", expected one of: " + listed(keys) +
+                       did_you_mean(name, keys));
+  }
+}
+
+bool TomlTable::has(const std::string& key) const { return table_->contains(key); }
+
+Place TomlTable::place() const {
+  Place place = place_of(table_->source());
+  if (place.line == 0) place = {1, 1};
+  return place;
+}
+
+Place TomlTable::place(const std::string& key) const {
+  const toml::node* node = table_->get(key);
+  const Place place = node ? place_of(node->source()) : Place{};
+  return place.line ? place : this->place();
+}
+
+const toml::node& TomlTable::node(const std::string& key, const std::string& expected) const {
+  const toml::node* node = table_->get(key);
+  if (!node) fail(key, "no '" + key + "' in " + what_, "'" + key + "', " + expected);
+  return *node;
+}
+
+void TomlTable::fail(const std::string& key, const std::string& found,
+                     const std::string& expected) const {
+  throw InputError(at(key) + "found " + found + ", expected " + expected);
+}
+
+void TomlTable::fail_node(const toml::node& node, const std::string& found,
+                          const std::string& expected) const {
+  throw InputError(place_prefix(file_, place_of(node.source())) + "found " + found + ", expected " +
+                   expected);
+}
+
+void TomlTable::fail_word(const std::string& key, const std::string& found,
+                          const std::vector<std::string>& names) const {
+  throw InputError(at(key) + "found the word '" + found + "' for '" + key + "' in " + what_ +
+                   ", expected one of: " + listed(names) + did_you_mean(found, names));
+}
+
+std::string TomlTable::text(const std::string& key) const {
+  const std::string expected = "a text in quotes";
+  const toml::node& value = node(key, expected);
+  const auto* text = value.as_string();
+  if (!text) fail_node(value, describe(value) + " for '" + key + "'", expected);
+  if (text->get().empty()) fail_node(value, "an empty text for '" + key + "'", expected);
+  return text->get();
+}
+
+std::string TomlTable::text(const std::string& key, const std::string& fallback) const {
+  return has(key) ? text(key) : fallback;
+}
+
+double TomlTable::finite(const toml::node& node, const std::string& expected) const {
+  const auto value = node.is_number() ? node.value<double>() : std::nullopt;
+  if (!value || !std::isfinite(*value)) fail_node(node, describe(node), expected);
+  return *value;
+}
+
+double TomlTable::number(const std::string& key) const {
+  const std::string expected = "a number for '" + key + "'";
+  return finite(node(key, "a number"), expected);
+}
+
+double TomlTable::number(const std::string& key, double fallback) const {
+  return has(key) ? number(key) : fallback;
+}
+
+double TomlTable::positive(const std::string& key) const {
+  const double value = number(key);
+  if (value <= 0) fail(key, batten::number(value), "a number above 0 for '" + key + "'");
+  return value;
+}
+
+double TomlTable::positive(const std::string& key, double fallback) const {
+  return has(key) ? positive(key) : fallback;
+}
+
+bool TomlTable::boolean(const std::string& key, bool fallback) const {
+  if (!has(key)) return fallback;
+  const toml::node& value = *table_->get(key);
+  const auto* flag = value.as_boolean();
+  if (!flag) fail_node(value, describe(value), "true or false for '" + key + "'");
+  return flag->get();
+}
+
+int TomlTable::whole_number(const std::string& key, int least, int fallback) const {
+  if (!has(key)) return fallback;
+  const toml::node& value = *table_->get(key);
+  const auto* number = value.as_integer();
+  if (!number || number->get() < least || number->get() > 1'000'000)
+    fail_node(value, describe(value),
+              "a whole number from " + std::to_string(least) + " for '" + key + "'");
+  return static_cast<int>(number->get());
+}
+
+VecX TomlTable::numbers(const std::string& key, const std::string& shape) const {
+  const std::string expected = "[" + shape + "] for '" + key + "'";
+  const toml::node& value = node(key, "[" + shape + "]");
+  const auto* array = value.as_array();
+  if (!array || count_of(*array) != count_words(shape)) fail_node(value, describe(value), expected);
+  VecX result(array->size());
+  for (size_t i = 0; i < array->size(); ++i)
+    result[static_cast<int>(i)] = finite(*array->get(i), "a number, " + expected);
+  return result;
+}
+
+Vec3 TomlTable::vector(const std::string& key) const { return numbers(key, "x, y, z"); }
+
+Vec3 TomlTable::direction(const std::string& key) const {
+  const Vec3 value = vector(key);
+  if (value.norm() == 0) fail(key, "[0, 0, 0]", "a direction [x, y, z] for '" + key + "'");
+  return value.normalized();
+}
+
+bool TomlTable::is_array(const std::string& key) const {
+  const toml::node* value = table_->get(key);
+  return value && value->is_array();
+}
+
+std::vector<VecX> TomlTable::rows(const std::string& key, const std::string& shape) const {
+  const std::string list =
+      (shape == "x, y, z" ? "a list of points [[" : "a list [[") + shape + "], …]";
+  const std::string expected = list + " for '" + key + "'";
+  const toml::node& value = node(key, list);
+  const auto* array = value.as_array();
+  if (!array) fail_node(value, describe(value), expected);
+  std::vector<VecX> rows;
+  for (const toml::node& item : *array) {
+    const auto* numbers = item.as_array();
+    if (!numbers || count_of(*numbers) != count_words(shape))
+      fail_node(item, describe(item), expected);
+    VecX row(numbers->size());
+    for (size_t i = 0; i < numbers->size(); ++i)
+      row[static_cast<int>(i)] = finite(*numbers->get(i), "a number, " + expected);
+    rows.push_back(row);
+  }
+  return rows;
+}
+
+std::vector<Vec3> TomlTable::points(const std::string& key) const {
+  std::vector<Vec3> points;
+  for (const VecX& row : rows(key, "x, y, z")) points.emplace_back(row);
+  return points;
+}
+
+std::vector<double> TomlTable::list(const std::string& key) const {
+  const std::string expected = "a list of numbers for '" + key + "'";
+  const toml::node& value = node(key, "a list of numbers");
+  const auto* array = value.as_array();
+  if (!array || array->empty()) fail_node(value, describe(value), expected);
+  std::vector<double> list;
+  for (const toml::node& item : *array) list.push_back(finite(item, expected));
+  return list;
+}
+
+std::vector<PlacedWord> TomlTable::words(const std::string& key) const {
+  std::vector<PlacedWord> words;
+  if (!has(key)) return words;
+  const std::string expected = "a list of names for '" + key + "'";
+  const toml::node& value = *table_->get(key);
+  const auto* array = value.as_array();
+  if (!array || array->empty()) fail_node(value, describe(value), expected);
+  for (const toml::node& item : *array) {
+    const auto* text = item.as_string();
+    if (!text) fail_node(item, describe(item), expected);
+    words.push_back({text->get(), place_of(item.source())});
+  }
+  return words;
+}
+
+std::vector<std::vector<PlacedWord>> TomlTable::word_rows(const std::string& key) const {
+  const std::string expected = "a list of lists of names for '" + key + "'";
+  const toml::node& value = node(key, "a list of lists of names [[\"…\", …], …]");
+  const auto* array = value.as_array();
+  if (!array || array->empty()) fail_node(value, describe(value), expected);
+  std::vector<std::vector<PlacedWord>> rows;
+  for (const toml::node& item : *array) {
+    const auto* names = item.as_array();
+    if (!names || names->empty()) fail_node(item, describe(item), expected);
+    rows.emplace_back();
+    for (const toml::node& name : *names) {
+      const auto* text = name.as_string();
+      if (!text) fail_node(name, describe(name), expected);
+      rows.back().push_back({text->get(), place_of(name.source())});
+    }
+  }
+  return rows;
+}
+
+std::vector<PlacedWord> TomlTable::names(const std::string& key) const {
+  if (has(key) && !is_array(key)) return {{text(key), place(key)}};
+  return words(key);
+}
+
+std::vector<TomlTable> TomlTable::table(const std::string& key,
+                                        std::vector<std::string> keys) const {
+  if (!has(key)) return {};
+  const toml::node& value = *table_->get(key);
+  const auto* table = value.as_table();
+  if (!table) fail_node(value, describe(value) + " for '" + key + "'", "one table [" + key + "]");
+  return {TomlTable(file_, *table, "[" + key + "]", std::move(keys))};
+}
+
+std::vector<TomlTable> TomlTable::tables(const std::string& key,
+                                         std::vector<std::string> keys) const {
+  if (!has(key)) return {};
+  const toml::node& value = *table_->get(key);
+  const auto* array = value.as_array();
+  const std::string expected = "tables [[" + key + "]] (double brackets)";
+  if (!array) fail_node(value, describe(value) + " for '" + key + "'", expected);
+  std::vector<TomlTable> tables;
+  for (const toml::node& item : *array) {
+    if (!item.is_table()) fail_node(item, describe(item), expected);
+    tables.emplace_back(file_, *item.as_table(), "[[" + key + "]]", keys);
+  }
+  return tables;
+}
+
+}  // namespace batten

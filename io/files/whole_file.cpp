@@ -1,0 +1,100 @@
+#include "batten/io/files/whole_file.h"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <locale>
+
+#include "batten/core/errors.h"
+
+namespace batten {
+namespace fs = std::filesystem;
+namespace {
+
+[[noreturn]] void fail(const fs::path& path, const std::string& reason) {
+  throw InputError(path.string() + ": cannot write this file: " + reason);
+}
+
+/// Process and counter make the name nobody else's, hidden from "*".
+fs::path temporary_name(const fs::path& folder, const std::string& stem,
+                        const std::string& extension) {
+  static std::atomic<int> counter{0};
+  return folder / ("." + stem + "." + std::to_string(getpid()) + "-" + std::to_string(++counter) +
+                   extension);
+}
+
+/// 0, or errno.
+int create(const fs::path& path) {
+  const int file = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+  if (file < 0) return errno;
+  ::close(file);
+  return 0;
+}
+
+}  // namespace
+
+WholeFile::WholeFile(fs::path path) : path_(std::move(path)) {
+  if (!path_.has_filename()) fail(path_, "found a folder's name, expected a file's");
+  std::error_code error;
+  const fs::file_status found = fs::status(path_, error);
+  if (fs::is_directory(found)) fail(path_, "a folder has this name");
+  if (fs::exists(found) && !fs::is_regular_file(found)) fail(path_, "it is not a regular file");
+  // Renaming onto a link would replace the link, not the file it leads to.
+  fs::path target = fs::exists(found) ? fs::canonical(path_, error) : path_;
+  if (error) target = path_;
+  const fs::path folder = target.has_parent_path() ? target.parent_path() : fs::path(".");
+  const fs::file_status above = fs::status(folder, error);
+  if (!fs::exists(above)) fail(path_, "the folder " + folder.string() + " does not exist");
+  if (!fs::is_directory(above)) fail(path_, folder.string() + " is not a folder");
+  // Long names must leave room for what is added to them.
+  temporary_ =
+      temporary_name(folder, target.stem().string().substr(0, 100), target.extension().string());
+  path_ = target;
+  if (const int reason = create(temporary_)) fail(path_, std::strerror(reason));
+}
+
+WholeFile::~WholeFile() {
+  std::error_code ignored;
+  if (!temporary_.empty()) fs::remove(temporary_, ignored);
+}
+
+void WholeFile::commit() {
+  std::error_code error;
+  fs::rename(temporary_, path_, error);
+  if (error) fail(path_, error.message());
+  temporary_.clear();
+}
+
+void write_whole_file(const fs::path& path, const std::function<void(std::ostream&)>& write) {
+  WholeFile file(path);
+  errno = 0;
+  std::ofstream out(file.temporary(), std::ios::binary);
+  out.imbue(std::locale::classic());
+  write(out);
+  out.close();
+  if (!out) fail(path, errno ? std::strerror(errno) : "writing failed");
+  file.commit();
+}
+
+void make_output_folder(const fs::path& path) {
+  const auto refuse = [&](const std::string& reason) {
+    throw InputError(path.string() + ": cannot use this output folder: " + reason);
+  };
+  if (path.empty()) refuse("its name is empty");
+  std::error_code error;
+  const fs::file_status found = fs::status(path, error);
+  if (fs::exists(found) && !fs::is_directory(found)) refuse("a file has this name");
+  if (!fs::exists(found)) {
+    fs::create_directories(path, error);
+    if (error && !fs::is_directory(path)) refuse(error.message());
+  }
+  const fs::path probe = temporary_name(path, "probe", "");
+  if (const int reason = create(probe)) refuse(std::strerror(reason));
+  fs::remove(probe, error);
+}
+
+}  // namespace batten

@@ -1,0 +1,545 @@
+#include "batten/io/lines/cad_lines.h"
+
+#include <BRepLib.hxx>
+#include <BRepTools.hxx>
+#include <BRepTopAdaptor_FClass2d.hxx>
+#include <BRep_Builder.hxx>
+#include <BRep_Tool.hxx>
+#include <GeomAdaptor_Curve.hxx>
+#include <Geom_BSplineCurve.hxx>
+#include <Geom_BSplineSurface.hxx>
+#include <Geom_BezierCurve.hxx>
+#include <Geom_Line.hxx>
+#include <Geom_TrimmedCurve.hxx>
+#include <IGESControl_Reader.hxx>
+#include <IGESData_IGESEntity.hxx>
+#include <IGESGeom_Line.hxx>
+#include <STEPControl_Reader.hxx>
+#include <Standard_Failure.hxx>
+#include <StepRepr_RepresentationItem.hxx>
+#include <TColStd_Array1OfReal.hxx>
+#include <TCollection_HAsciiString.hxx>
+#include <TopExp.hxx>
+#include <TopTools_IndexedMapOfShape.hxx>
+#include <TopoDS.hxx>
+#include <TopoDS_Compound.hxx>
+#include <TopoDS_Edge.hxx>
+#include <TopoDS_Face.hxx>
+#include <XSControl_TransferReader.hxx>
+#include <XSControl_WorkSession.hxx>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <fstream>
+#include <limits>
+#include <set>
+
+#include "batten/core/errors.h"
+#include "batten/io/cad/occ_settings.h"
+
+namespace batten {
+namespace {
+
+constexpr double kMillimetre = 1e-3;
+
+Vec3 from_occ(const gp_XYZ& p) { return {p.X(), p.Y(), p.Z()}; }
+
+// ---- is the file whole? ---------------------------------------------------------------------
+// OpenCASCADE reads what it can of a file that is cut short, and says nothing.
+
+[[noreturn]] void refuse(const std::filesystem::path& file, size_t line, const std::string& what) {
+  throw InputError(file.string() + ", line " + std::to_string(line) + ": " + what);
+}
+
+std::vector<std::string> lines_of(const std::filesystem::path& file) {
+  if (!std::filesystem::exists(file))
+    throw InputError(file.string() + ": no such file; expected an IGES or STEP file");
+  std::ifstream in(file, std::ios::binary);
+  if (!std::filesystem::is_regular_file(file) || !in)
+    throw InputError(file.string() + ": cannot be read; expected an IGES or STEP file");
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(in, line);) {
+    while (!line.empty() && std::isspace(static_cast<unsigned char>(line.back()))) line.pop_back();
+    lines.push_back(line);
+  }
+  while (!lines.empty() && lines.back().empty()) lines.pop_back();
+  if (lines.empty()) throw InputError(file.string() + ": empty; expected an IGES or STEP file");
+  return lines;
+}
+
+/// The number in columns [from, from + width), or -1.
+long field(const std::string& line, size_t from, size_t width) {
+  if (line.size() <= from) return -1;
+  char* end = nullptr;
+  const std::string text = line.substr(from, width);
+  const long value = std::strtol(text.c_str(), &end, 10);
+  return end == text.c_str() ? -1 : value;
+}
+
+/// Lines of 80 columns, a section's letter in column 73 and the number in the section after it; the
+/// last line counts the lines of the others.
+void check_iges(const std::filesystem::path& file, const std::vector<std::string>& lines) {
+  const std::string sections = "SGDPT";
+  std::array<size_t, 5> first{}, count{};
+  size_t section = 0;
+  for (size_t i = 0; i < lines.size(); ++i) {
+    const char letter = lines[i].size() > 72 ? lines[i][72] : ' ';
+    if (i == 0 && (letter == 'C' || letter == 'B'))
+      refuse(file, 1, "compressed or binary IGES; expected the ASCII form in 80 columns");
+    const size_t found = sections.find(letter);
+    if (found == std::string::npos || found < section || (i == 0 && found != 0))
+      refuse(file, i + 1,
+             (lines[i].size() > 72 ? "found '" + std::string(1, letter) + "' in column 73"
+                                   : "the line ends before column 73") +
+                 "; expected the letter of an IGES section (S, G, D, P, T in this order): the file "
+                 "is cut short or not IGES");
+    if (found != section || i == 0) first[found] = i;
+    section = found;
+    if (field(lines[i], 73, 7) != static_cast<long>(++count[found]))
+      refuse(file, i + 1,
+             "line number " + lines[i].substr(std::min<size_t>(73, lines[i].size())) +
+                 " in section " + letter + "; expected " + std::to_string(count[found]) +
+                 ": a line is missing or cut short");
+  }
+  if (section != 4)
+    refuse(file, lines.size(),
+           "the file ends in section " + std::string(1, sections[section]) +
+               "; expected a last line of section T: the file is cut short");
+  for (size_t s = 0; s < 4; ++s)
+    if (const long told = field(lines.back(), 8 * s + 1, 7); told != static_cast<long>(count[s]))
+      refuse(file, lines.size(),
+             "section " + std::string(1, sections[s]) + " should have " + std::to_string(told) +
+                 " lines; found " + std::to_string(count[s]));
+  if (count[2] == 0 || count[2] % 2)
+    refuse(
+        file, lines.size(),
+        std::to_string(count[2]) + " lines in the directory (section D); expected two an entity");
+  for (size_t d = first[2]; d < first[2] + count[2]; d += 2) {
+    const long start = field(lines[d], 8, 8), length = std::max(field(lines[d + 1], 24, 8), 0L);
+    if (start < 1 || start + length - 1 > static_cast<long>(count[3]))
+      refuse(file, d + 1,
+             "the entity's data are lines " + std::to_string(start) + " to " +
+                 std::to_string(start + length - 1) + " of section P, which has " +
+                 std::to_string(count[3]));
+  }
+}
+
+void check_step_text(const std::filesystem::path& file, const std::vector<std::string>& lines) {
+  size_t first = 0;
+  while (lines[first].empty()) ++first;
+  if (lines[first].find("ISO-10303-21") == std::string::npos)
+    refuse(file, first + 1,
+           "found '" + lines[first].substr(0, 40) + "'; expected 'ISO-10303-21;' of a STEP file");
+  if (lines.back().find("END-ISO-10303-21") == std::string::npos)
+    refuse(file, lines.size(),
+           "the file ends with '" + lines.back().substr(0, 40) +
+               "'; expected 'END-ISO-10303-21;': the file is cut short");
+}
+
+// ---- reading --------------------------------------------------------------------------------
+
+/// The shapes of a file, in millimetres, and the labels of its edges.
+struct CadFile {
+  TopoDS_Compound shape;
+  TopTools_IndexedMapOfShape edges, faces;
+  std::vector<std::string> labels;  // of the edges; "" for none
+  std::string found;                // what the file holds, for messages
+};
+
+std::string trimmed(const Handle(TCollection_HAsciiString) & text) {
+  if (text.IsNull()) return "";
+  std::string s = text->ToCString();
+  const auto blank = [](char c) { return std::isspace(static_cast<unsigned char>(c)) != 0; };
+  s.erase(s.begin(), std::find_if_not(s.begin(), s.end(), blank));
+  s.erase(std::find_if_not(s.rbegin(), s.rend(), blank).base(), s.end());
+  return s;
+}
+
+std::string label_of(const Handle(Standard_Transient) & entity) {
+  if (const auto iges = Handle(IGESData_IGESEntity)::DownCast(entity); !iges.IsNull())
+    return iges->HasName() ? trimmed(iges->NameValue()) : "";
+  if (const auto item = Handle(StepRepr_RepresentationItem)::DownCast(entity); !item.IsNull())
+    return trimmed(item->Name());
+  return "";
+}
+
+bool is_geometry(const IGESData_IGESEntity& entity) {
+  const int type = entity.TypeNumber();
+  const bool curve_or_surface = (type >= 100 && type < 200) || (type >= 500 && type < 600);
+  return curve_or_surface && type != 116 && type != 123 && type != 124 && type != 132;
+}
+
+bool without_length(const Handle(IGESData_IGESEntity) & entity) {
+  const auto line = Handle(IGESGeom_Line)::DownCast(entity);
+  return !line.IsNull() && line->StartPoint().IsEqual(line->EndPoint(), 1e-12);
+}
+
+void transfer(XSControl_Reader& reader, const std::filesystem::path& file, CadFile& cad) {
+  BRep_Builder builder;
+  builder.MakeCompound(cad.shape);
+  const int roots = reader.NbRootsForTransfer();
+  for (int r = 1; r <= roots; ++r) {
+    const Handle(Standard_Transient) root = reader.RootForTransfer(r);
+    const auto iges = Handle(IGESData_IGESEntity)::DownCast(root);
+    // Flag 5: a curve in some parameter plane.
+    if (!iges.IsNull() && iges->UseFlag() == 5) continue;
+    const int shapes = reader.NbShapes();
+    reader.TransferOneRoot(r);
+    if (reader.NbShapes() > shapes)
+      builder.Add(cad.shape, reader.Shape(reader.NbShapes()));
+    else if (!iges.IsNull() && is_geometry(*iges) && !without_length(iges))
+      throw InputError(file.string() + ": entity " +
+                       reader.Model()->StringLabel(root)->ToCString() + " of type " +
+                       std::to_string(iges->TypeNumber()) +
+                       " cannot be converted; expected a curve or surface that OpenCASCADE knows");
+  }
+  cad.found = std::to_string(reader.Model()->NbEntities()) + " entities";
+  if (roots == 0)
+    throw InputError(file.string() + ": found " + cad.found +
+                     " and no shape among them; expected "
+                     "curves or surfaces");
+
+  TopExp::MapShapes(cad.shape, TopAbs_EDGE, cad.edges);
+  TopExp::MapShapes(cad.shape, TopAbs_FACE, cad.faces);
+  const Handle(XSControl_TransferReader) made = reader.WS()->TransferReader();
+  for (int e = 1; e <= cad.edges.Extent(); ++e)
+    cad.labels.push_back(label_of(made->EntityFromShapeResult(cad.edges(e), 1)));
+}
+
+CadFile read_cad(const std::filesystem::path& file) {
+  std::string extension = file.extension().string();
+  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  const bool iges = extension == ".igs" || extension == ".iges";
+  if (!iges && extension != ".stp" && extension != ".step")
+    throw InputError(file.string() + ": extension '" + extension +
+                     "'; expected .igs, .iges, .stp or .step");
+  const auto lines = lines_of(file);
+  iges ? check_iges(file, lines) : check_step_text(file, lines);
+
+  OccSettings occ;
+  occ.set_unit("MM");
+  // One line an entity, corners in it or not; the default cuts splines at their corners.
+  occ.set("read.iges.bspline.continuity", 0);
+  CadFile cad;
+  try {
+    const auto read = [&](XSControl_Reader&& reader) {
+      if (reader.ReadFile(file.string().c_str()) != IFSelect_RetDone)
+        throw InputError(file.string() + ": OpenCASCADE cannot read it; expected " +
+                         (iges ? "IGES" : "STEP"));
+      transfer(reader, file, cad);
+    };
+    iges ? read(IGESControl_Reader()) : read(STEPControl_Reader());
+  } catch (const Standard_Failure& failure) {
+    throw InputError(file.string() +
+                     ": OpenCASCADE failed to read it: " + failure.GetMessageString());
+  }
+  return cad;
+}
+
+double scale_to(double model_unit_in_metres) {
+  if (!(model_unit_in_metres > 0) || !std::isfinite(model_unit_in_metres))
+    throw InputError("a model unit of " + number(model_unit_in_metres) +
+                     " m; expected more than 0");
+  return kMillimetre / model_unit_in_metres;
+}
+
+// ---- curves ---------------------------------------------------------------------------------
+
+class CadCurve : public InputCurve {
+ public:
+  CadCurve(Handle(Geom_Curve) curve, double start, double end, double scale)
+      : curve_(std::move(curve)), start_(start), end_(end), scale_(scale) {
+    while (curve_->IsKind(STANDARD_TYPE(Geom_TrimmedCurve)))
+      curve_ = Handle(Geom_TrimmedCurve)::DownCast(curve_)->BasisCurve();
+    find_breaks();
+  }
+
+  double start() const override { return start_; }
+  double end() const override { return end_; }
+  std::vector<double> breaks() const override { return breaks_; }
+  bool piecewise_cubic() const override { return cubic_; }
+
+  Vec3 evaluate(double t, int order) const override {
+    gp_Pnt p;
+    gp_Vec d1, d2;
+    switch (order) {
+      case 0:
+        curve_->D0(t, p);
+        return scale_ * from_occ(p.XYZ());
+      case 1:
+        curve_->D1(t, p, d1);
+        return scale_ * from_occ(d1.XYZ());
+      case 2:
+        curve_->D2(t, p, d1, d2);
+        return scale_ * from_occ(d2.XYZ());
+      default:
+        throw std::logic_error("a CAD curve has derivatives of order 0 to 2");
+    }
+  }
+
+ private:
+  void find_breaks() {
+    breaks_ = {start_};
+    if (const auto spline = Handle(Geom_BSplineCurve)::DownCast(curve_); !spline.IsNull()) {
+      cubic_ = spline->Degree() <= 3 && !spline->IsRational();
+      add_knots(*spline);
+    } else {
+      const auto bezier = Handle(Geom_BezierCurve)::DownCast(curve_);
+      cubic_ = curve_->IsKind(STANDARD_TYPE(Geom_Line)) ||
+               (!bezier.IsNull() && bezier->Degree() <= 3 && !bezier->IsRational());
+      GeomAdaptor_Curve adaptor(curve_, start_, end_);
+      TColStd_Array1OfReal ends(1, adaptor.NbIntervals(GeomAbs_C1) + 1);
+      adaptor.Intervals(ends, GeomAbs_C1);
+      for (const double t : ends) add_break(t);
+    }
+    breaks_.push_back(end_);
+  }
+
+  void add_break(double t) {
+    const double near = 1e-12 * (end_ - start_);
+    if (t > breaks_.back() + near && t < end_ - near) breaks_.push_back(t);
+  }
+
+  void add_knots(const Geom_BSplineCurve& spline) {
+    // An edge on a periodic spline may run over the seam.
+    const double period = spline.IsPeriodic() ? spline.Period() : 0;
+    const int turns = period > 0 ? static_cast<int>((end_ - spline.FirstParameter()) / period) : 0;
+    for (int turn = std::min(turns, 0) - (period > 0); turn <= turns; ++turn)
+      for (int k = 1; k <= spline.NbKnots(); ++k)
+        if (cubic_ || spline.Multiplicity(k) >= spline.Degree())
+          add_break(spline.Knot(k) + turn * period);
+  }
+
+  Handle(Geom_Curve) curve_;
+  double start_, end_, scale_;
+  std::vector<double> breaks_;
+  bool cubic_ = false;
+};
+
+/// The edge's curve where it lies in space, or null for an edge without length.
+Handle(Geom_Curve) curve_of(const TopoDS_Edge& edge, double& start, double& end) {
+  if (BRep_Tool::Degenerated(edge)) return {};
+  Handle(Geom_Curve) curve = BRep_Tool::Curve(edge, start, end);
+  if (curve.IsNull()) {
+    // An edge that is stored as a parameter curve only.
+    if (!BRepLib::BuildCurve3d(edge)) return {};
+    curve = BRep_Tool::Curve(edge, start, end);
+  }
+  if (curve.IsNull() || !(end > start)) return {};
+  constexpr int samples = 16;
+  const gp_Pnt first = curve->Value(start);
+  double reach = 0;
+  for (int i = 1; i <= samples; ++i)
+    reach = std::max(reach, first.Distance(curve->Value(start + (end - start) * i / samples)));
+  if (reach <= 1e-12 * (1 + first.XYZ().Modulus())) return {};
+  return curve;
+}
+
+}  // namespace
+
+std::vector<CharacterLine> read_cad_lines(const std::filesystem::path& file,
+                                          double model_unit_in_metres) {
+  const double scale = scale_to(model_unit_in_metres);
+  const CadFile cad = read_cad(file);
+  std::vector<CharacterLine> lines;
+  std::set<std::string> names;
+  for (int e = 1; e <= cad.edges.Extent(); ++e) {
+    double start, end;
+    const Handle(Geom_Curve) curve = curve_of(TopoDS::Edge(cad.edges(e)), start, end);
+    if (curve.IsNull()) continue;
+    const std::string& label = cad.labels[e - 1];
+    std::string name = label.empty() ? "edge" + std::to_string(lines.size() + 1) : label;
+    for (int n = 2; !names.insert(name).second; ++n) name = label + "_" + std::to_string(n);
+    lines.push_back(
+        {name, std::make_shared<CadCurve>(curve, start, end, scale), CharacterLine::Role::Outline});
+  }
+  if (lines.empty())
+    throw InputError(file.string() + ": found " + cad.found +
+                     " and no curve; expected curves or "
+                     "the edges of surfaces");
+  return lines;
+}
+
+// ---- surfaces -------------------------------------------------------------------------------
+
+struct StoredSurface::Data {
+  struct Sample {
+    Vec3 x;
+    double u, v;
+  };
+  struct Edge {
+    Handle(Geom_Curve) curve;
+    double start, end;
+    std::vector<Sample> samples;  // parameter in u
+  };
+
+  double scale = 1;  // from millimetres
+  TopoDS_Face face;
+  Handle(Geom_Surface) surface;
+  double u0 = 0, u1 = 0, v0 = 0, v1 = 0;
+  std::vector<Sample> samples;  // inside the face
+  std::vector<Edge> edges;
+
+  void build();
+  double to_inside(const Vec3& p) const;
+  double to_edges(const Vec3& p, double limit) const;
+  std::unique_ptr<BRepTopAdaptor_FClass2d> classifier;
+  bool inside(double u, double v) const {
+    return classifier->Perform(gp_Pnt2d(u, v)) != TopAbs_OUT;
+  }
+};
+
+namespace {
+
+/// The most samples of a direction with this many polynomial pieces.
+int sample_count(int pieces) { return std::clamp(4 * pieces + 1, 17, 65); }
+
+}  // namespace
+
+void StoredSurface::Data::build() {
+  surface = BRep_Tool::Surface(face);
+  BRepTools::UVBounds(face, u0, u1, v0, v1);
+  int nu = 33, nv = 33;
+  if (const auto spline = Handle(Geom_BSplineSurface)::DownCast(surface); !spline.IsNull()) {
+    nu = sample_count(spline->NbUKnots() - 1);
+    nv = sample_count(spline->NbVKnots() - 1);
+  }
+  classifier = std::make_unique<BRepTopAdaptor_FClass2d>(face, 1e-9);
+  for (int i = 0; i < nu; ++i)
+    for (int j = 0; j < nv; ++j) {
+      const double u = u0 + (u1 - u0) * (i + 0.5) / nu, v = v0 + (v1 - v0) * (j + 0.5) / nv;
+      if (inside(u, v)) samples.push_back({from_occ(surface->Value(u, v).XYZ()), u, v});
+    }
+  TopTools_IndexedMapOfShape map;
+  TopExp::MapShapes(face, TopAbs_EDGE, map);
+  for (int e = 1; e <= map.Extent(); ++e) {
+    Edge edge;
+    edge.curve = curve_of(TopoDS::Edge(map(e)), edge.start, edge.end);
+    if (edge.curve.IsNull()) continue;
+    int n = 33;
+    if (const auto spline = Handle(Geom_BSplineCurve)::DownCast(edge.curve); !spline.IsNull())
+      n = std::max(n, 2 * sample_count(spline->NbKnots() - 1));
+    for (int i = 0; i < n; ++i) {
+      const double t = edge.start + (edge.end - edge.start) * i / (n - 1);
+      edge.samples.push_back({from_occ(edge.curve->Value(t).XYZ()), t, 0});
+    }
+    edges.push_back(std::move(edge));
+  }
+}
+
+namespace {
+
+/// The few samples nearest to p, nearest first.
+template <typename Sample>
+std::vector<const Sample*> nearest(const std::vector<Sample>& samples, const Vec3& p, size_t most) {
+  std::vector<std::pair<double, const Sample*>> order;
+  order.reserve(samples.size());
+  for (const Sample& s : samples) order.emplace_back((s.x - p).squaredNorm(), &s);
+  const size_t n = std::min(most, order.size());
+  std::partial_sort(order.begin(), order.begin() + static_cast<long>(n), order.end());
+  std::vector<const Sample*> result;
+  for (size_t i = 0; i < n; ++i) result.push_back(order[i].second);
+  return result;
+}
+
+}  // namespace
+
+double StoredSurface::Data::to_inside(const Vec3& p) const {
+  double best = std::numeric_limits<double>::infinity();
+  for (const Sample* s : nearest(samples, p, 4)) {
+    best = std::min(best, (s->x - p).norm());
+    double u = s->u, v = s->v, damping = 0, previous = std::numeric_limits<double>::infinity();
+    double last_u = u, last_v = v;
+    for (int step = 0; step < 40; ++step) {
+      gp_Pnt x;
+      gp_Vec xu, xv, xuu, xvv, xuv;
+      surface->D2(u, v, x, xu, xv, xuu, xvv, xuv);
+      const Vec3 r = from_occ(x.XYZ()) - p;
+      const Vec3 a = from_occ(xu.XYZ()), b = from_occ(xv.XYZ());
+      const double distance = r.norm();
+      if (distance >
+          previous * (1 + 1e-14)) {  // too long a step: go half way back, Gauss-Newton from there
+        u = (u + last_u) / 2;
+        v = (v + last_v) / 2;
+        damping = 1;
+        if (std::abs(u - last_u) <= 1e-14 * (u1 - u0) && std::abs(v - last_v) <= 1e-14 * (v1 - v0))
+          break;
+        continue;
+      }
+      previous = distance;
+      Eigen::Matrix2d H;
+      H << a.dot(a), a.dot(b), a.dot(b), b.dot(b);
+      Eigen::Matrix2d curved = H;
+      if (damping == 0) {
+        const double uv = r.dot(from_occ(xuv.XYZ()));
+        curved(0, 0) += r.dot(from_occ(xuu.XYZ()));
+        curved(0, 1) += uv;
+        curved(1, 0) += uv;
+        curved(1, 1) += r.dot(from_occ(xvv.XYZ()));
+        if (curved(0, 0) > 0 && curved.determinant() > 0) H = curved;
+      }
+      const double det = H.determinant();
+      if (!(det > 0)) break;
+      const Vec2 g(a.dot(r), b.dot(r));
+      last_u = u;
+      last_v = v;
+      u = std::clamp(u - (H(1, 1) * g[0] - H(0, 1) * g[1]) / det, u0, u1);
+      v = std::clamp(v - (H(0, 0) * g[1] - H(0, 1) * g[0]) / det, v0, v1);
+      if (std::abs(u - last_u) <= 1e-13 * (u1 - u0) && std::abs(v - last_v) <= 1e-13 * (v1 - v0))
+        break;
+    }
+    const double distance = (from_occ(surface->Value(u, v).XYZ()) - p).norm();
+    if (distance < best && inside(u, v)) best = distance;
+  }
+  return best;
+}
+
+double StoredSurface::Data::to_edges(const Vec3& p, double limit) const {
+  double best = limit;
+  for (const Edge& edge : edges)
+    for (const Sample* s : nearest(edge.samples, p, 2)) {
+      // The minimum lies within one sample's step; Newton kept inside that bracket.
+      const double step = (edge.end - edge.start) / static_cast<double>(edge.samples.size() - 1);
+      double low = std::max(edge.start, s->u - step), high = std::min(edge.end, s->u + step);
+      double t = s->u;
+      best = std::min(best, (s->x - p).norm());
+      for (int i = 0; i < 60 && high - low > 1e-14 * (edge.end - edge.start); ++i) {
+        gp_Pnt x;
+        gp_Vec d1, d2;
+        edge.curve->D2(t, x, d1, d2);
+        const Vec3 r = from_occ(x.XYZ()) - p, a = from_occ(d1.XYZ());
+        const double slope = r.dot(a), curvature = a.dot(a) + r.dot(from_occ(d2.XYZ()));
+        best = std::min(best, r.norm());
+        (slope > 0 ? high : low) = t;
+        double next = curvature > 0 ? t - slope / curvature : low;
+        if (!(next > low && next < high)) next = (low + high) / 2;
+        if (std::abs(next - t) <= 1e-14 * (edge.end - edge.start)) break;
+        t = next;
+      }
+    }
+  return best;
+}
+
+double StoredSurface::distance(const Vec3& p) const {
+  const Vec3 q = p / data_->scale;
+  return data_->scale * data_->to_edges(q, data_->to_inside(q));
+}
+
+std::vector<StoredSurface> read_cad_surfaces(const std::filesystem::path& file,
+                                             double model_unit_in_metres) {
+  const double scale = scale_to(model_unit_in_metres);
+  const CadFile cad = read_cad(file);
+  std::vector<StoredSurface> result;
+  for (int f = 1; f <= cad.faces.Extent(); ++f) {
+    auto data = std::make_shared<StoredSurface::Data>();
+    data->scale = scale;
+    data->face = TopoDS::Face(cad.faces(f));
+    data->build();
+    StoredSurface surface;
+    surface.data_ = std::move(data);
+    result.push_back(std::move(surface));
+  }
+  return result;
+}
+
+}  // namespace batten

@@ -1,0 +1,172 @@
+#include "batten/io/lines/sketch_graph.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <limits>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "batten/core/words.h"
+
+namespace batten {
+namespace {
+
+using Json = nlohmann::json;
+using Bezier = std::array<Vec3, 4>;
+
+/// Bézier pieces one after the other, piece i over [i, i+1].
+class PolyBezier final : public InputCurve {
+ public:
+  explicit PolyBezier(std::vector<Bezier> pieces) : pieces_(std::move(pieces)) {}
+  double start() const override { return 0; }
+  double end() const override { return static_cast<double>(pieces_.size()); }
+  Vec3 evaluate(double t, int order) const override {
+    const size_t i = std::min(static_cast<size_t>(std::max(t, 0.0)), pieces_.size() - 1);
+    const Bezier& p = pieces_[i];
+    const double s = t - static_cast<double>(i), r = 1 - s;
+    if (order == 0)
+      return r * r * r * p[0] + 3 * s * r * r * p[1] + 3 * s * s * r * p[2] + s * s * s * p[3];
+    if (order == 1)
+      return 3 * (r * r * (p[1] - p[0]) + 2 * s * r * (p[2] - p[1]) + s * s * (p[3] - p[2]));
+    return 6 * (r * (p[2] - 2 * p[1] + p[0]) + s * (p[3] - 2 * p[2] + p[1]));
+  }
+  std::vector<double> breaks() const override {
+    std::vector<double> all;
+    for (size_t i = 0; i <= pieces_.size(); ++i) all.push_back(static_cast<double>(i));
+    return all;
+  }
+  bool piecewise_cubic() const override { return true; }
+
+ private:
+  std::vector<Bezier> pieces_;
+};
+
+class Reader {
+ public:
+  explicit Reader(const std::filesystem::path& path) : file_(path.string() + ": ") {
+    std::error_code error;
+    if (!std::filesystem::exists(path, error)) fail("", "this file does not exist");
+    if (std::filesystem::is_directory(path, error)) fail("", "found a folder, expected a file");
+    std::ifstream in(path, std::ios::binary);
+    std::string text;
+    if (in) text.assign(std::istreambuf_iterator<char>(in), {});
+    if (!in) fail("", "this file cannot be read");
+    try {
+      json_ = Json::parse(text);
+    } catch (const Json::exception& e) {
+      // "[json.exception.parse_error.101] parse error at line 1, column 2: …"
+      const std::string what = e.what();
+      const size_t close = what.find("] ");
+      fail("", "found no JSON: " + (close == what.npos ? what : what.substr(close + 2)));
+    }
+  }
+
+  std::vector<CharacterLine> lines() {
+    read_segments();
+    std::vector<CharacterLine> lines;
+    std::map<long, bool> seen;
+    for (const Json& stroke : list(json_, "strokes", "the file")) {
+      const long id = id_of(stroke, "a stroke");
+      const std::string what = "stroke " + std::to_string(id);
+      if (!seen.emplace(id, true).second) fail(what, "found it twice, expected ids to differ");
+      std::vector<Bezier> pieces;
+      for (const Json& segment : list(stroke, "segments", what)) {
+        if (!segment.is_number_integer())
+          fail(what, "found " + shown(segment) + ", expected ids of segments");
+        const auto found = segments_.find(segment.get<long>());
+        if (found == segments_.end())
+          fail(what, "found segment " + shown(segment) + ", which is not in the file");
+        for (const Bezier& piece : found->second) {
+          if (!pieces.empty() && (pieces.back()[3] - piece[0]).norm() > 1e-6 * size_)
+            fail(what, "found that segment " + shown(segment) + " begins at " + at(piece[0]) +
+                           ", expected " + at(pieces.back()[3]) + ", where the piece before ends");
+          if (length_of(piece) > 1e-12 * size_) pieces.push_back(piece);
+        }
+      }
+      if (!pieces.empty()) lines.push_back({what, std::make_shared<PolyBezier>(std::move(pieces))});
+    }
+    if (lines.empty()) fail("", "found no stroke, expected one or more");
+    return lines;
+  }
+
+ private:
+  [[noreturn]] void fail(const std::string& where, const std::string& message) const {
+    throw InputError(file_ + (where.empty() ? "" : where + ": ") + message);
+  }
+
+  static std::string shown(const Json& json) {
+    const std::string text = json.dump(-1, ' ', false, Json::error_handler_t::replace);
+    constexpr size_t most = 40;
+    return text.size() <= most ? text : text.substr(0, most) + "…";
+  }
+
+  static double length_of(const Bezier& p) {
+    return (p[1] - p[0]).norm() + (p[2] - p[1]).norm() + (p[3] - p[2]).norm();
+  }
+
+  const Json& list(const Json& object, const char* key, const std::string& where) const {
+    if (!object.is_object() || !object.contains(key) || !object[key].is_array())
+      fail(where, std::string("found no list \"") + key + "\"");
+    return object[key];
+  }
+
+  long id_of(const Json& object, const std::string& what) const {
+    if (!object.is_object() || !object.contains("id") || !object["id"].is_number_integer())
+      fail(what, "found " + shown(object) + ", expected an object with an \"id\"");
+    return object["id"].get<long>();
+  }
+
+  Vec3 point(const Json& json, const std::string& what) const {
+    Vec3 p = Vec3::Zero();
+    bool fits = json.is_array() && json.size() == 3;
+    for (size_t i = 0; fits && i < 3; ++i) {
+      fits = json[i].is_number();
+      if (fits) p[static_cast<long>(i)] = json[i].get<double>();
+    }
+    if (!fits || !p.allFinite())
+      fail(what, "found " + shown(json) + " for a point, expected three finite numbers");
+    return p;
+  }
+
+  void read_segments() {
+    Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
+    for (const Json& segment : list(json_, "segments", "the file")) {
+      const long id = id_of(segment, "a segment");
+      const std::string what = "segment " + std::to_string(id);
+      std::vector<Bezier> pieces;
+      for (const Json& piece : list(segment, "ctrl_pts", what)) {
+        if (!piece.is_array() || (piece.size() != 2 && piece.size() != 4))
+          fail(what, "found " + shown(piece) +
+                         ", expected a piece of 4 control points, or of 2 when it is straight");
+        const Vec3 a = point(piece.front(), what), b = point(piece.back(), what);
+        if (piece.size() == 2)
+          pieces.push_back({a, (2 * a + b) / 3, (a + 2 * b) / 3, b});
+        else
+          pieces.push_back({a, point(piece[1], what), point(piece[2], what), b});
+        for (const Vec3& p : pieces.back()) {
+          low = low.cwiseMin(p);
+          high = high.cwiseMax(p);
+        }
+      }
+      if (!segments_.emplace(id, std::move(pieces)).second)
+        fail(what, "found it twice, expected ids to differ");
+    }
+    size_ = segments_.empty() ? 0 : (high - low).norm();
+  }
+
+  std::string file_;
+  Json json_;
+  std::map<long, std::vector<Bezier>> segments_;
+  double size_ = 0;
+};
+
+}  // namespace
+
+std::vector<CharacterLine> read_sketch_graph(const std::filesystem::path& path) {
+  return Reader(path).lines();
+}
+
+}  // namespace batten

@@ -1,0 +1,82 @@
+#include "batten/io/meshes/mesh_content.h"
+
+#include <algorithm>
+#include <cctype>
+
+#include "batten/core/index.h"
+
+namespace batten {
+
+Labels Labels::counted_from(long first, int count) {
+  Labels labels;
+  labels.first_ = first;
+  labels.count_ = count;
+  return labels;
+}
+
+Labels::Labels(std::vector<long> labels) : count_(count_of(labels)), labels_(std::move(labels)) {
+  if (labels_.empty()) return;
+  const auto [low, high] = std::minmax_element(labels_.begin(), labels_.end());
+  first_ = *low;
+  const auto range = static_cast<unsigned long>(*high) - static_cast<unsigned long>(*low);
+  if (range < 4 * labels_.size() + 1024) {
+    dense_.assign(range + 1, -1);
+    for (int i = 0; i < count_; ++i) {
+      int& there = dense_[labels_[i] - first_];
+      if (there >= 0 && !twice_) twice_ = {there, i};
+      there = i;
+    }
+    return;
+  }
+  for (int i = 0; i < count_; ++i) by_label_.push_back({labels_[i], i});
+  std::sort(by_label_.begin(), by_label_.end());
+  for (size_t i = 1; i < by_label_.size(); ++i)
+    if (by_label_[i].first == by_label_[i - 1].first &&
+        (!twice_ || by_label_[i].second < twice_->second))
+      twice_ = {by_label_[i - 1].second, by_label_[i].second};
+}
+
+std::optional<int> Labels::find(long label) const {
+  if (!by_label_.empty()) {
+    const auto at = std::lower_bound(by_label_.begin(), by_label_.end(), std::pair(label, 0));
+    if (at == by_label_.end() || at->first != label) return {};
+    return at->second;
+  }
+  if (count_ == 0 || label < first_) return {};
+  const auto index = static_cast<unsigned long>(label) - static_cast<unsigned long>(first_);
+  if (labels_.empty())
+    return index < static_cast<unsigned long>(count_) ? std::optional(static_cast<int>(index))
+                                                      : std::nullopt;
+  if (index >= dense_.size() || dense_[index] < 0) return {};
+  return dense_[index];
+}
+
+std::string counted(long count, const std::string& noun) {
+  return std::to_string(count) + " " + noun + (count == 1 ? "" : "s");
+}
+
+std::string lower_extension(const std::filesystem::path& path) {
+  std::string extension = path.extension().string();
+  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return extension;
+}
+
+int unused_nodes(const ShellMesh& mesh) {
+  std::vector<char> used(static_cast<size_t>(mesh.node_count()));
+  for (int f = 0; f < mesh.face_count(); ++f)
+    for (const int node : mesh.face(f)) used[node] = 1;
+  return static_cast<int>(std::count(used.begin(), used.end(), 0));
+}
+
+std::vector<int> outline_of(const ShellMesh& mesh, int face) {
+  const auto nodes = mesh.face(face), corners = mesh.corners(face);
+  if (!mesh.second_order(face)) return {nodes.begin(), nodes.end()};
+  std::vector<int> outline;
+  for (size_t i = 0; i < corners.size(); ++i) {
+    outline.push_back(corners[i]);
+    outline.push_back(nodes[corners.size() + i]);
+  }
+  return outline;
+}
+
+}  // namespace batten

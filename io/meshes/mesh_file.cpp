@@ -1,0 +1,111 @@
+#include "batten/io/meshes/mesh_file.h"
+
+#include <algorithm>
+#include <cctype>
+#include <limits>
+#include <map>
+
+#include "batten/core/errors.h"
+#include "batten/io/meshes/mesh_content.h"
+
+namespace batten {
+namespace fs = std::filesystem;
+
+namespace {
+
+[[noreturn]] void refuse_extension(const fs::path& path, const std::string& expected) {
+  const std::string extension = path.extension().string();
+  throw InputError(path.string() + ": found " +
+                   (extension.empty() ? "no extension" : "the extension '" + extension + "'") +
+                   ", expected " + expected);
+}
+
+std::string listed(const std::vector<std::string>& words) {
+  std::string text;
+  for (size_t i = 0; i < words.size(); ++i)
+    text += (i == 0 ? "" : i + 1 == words.size() ? " or " : ", ") + words[i];
+  return text;
+}
+
+template <class Function>
+Function* by_extension(const fs::path& path, const std::map<std::string, Function*>& functions) {
+  const auto found = functions.find(lower_extension(path));
+  if (found != functions.end()) return found->second;
+  std::vector<std::string> known;
+  for (const auto& [extension, function] : functions) known.push_back(extension);
+  refuse_extension(path, listed(known));
+}
+
+}  // namespace
+
+MeshFile::MeshFile(std::shared_ptr<const MeshContent> content) : content_(std::move(content)) {}
+
+MeshFile MeshFile::read(const fs::path& path) {
+  static const std::map<std::string, MeshContentReader*> readers{
+      {".obj", read_obj_mesh},     {".off", read_off_mesh},     {".ply", read_ply_mesh},
+      {".stl", read_stl_mesh},     {".vtp", read_vtk_mesh},     {".vtu", read_vtk_mesh},
+      {".bdf", read_nastran_deck}, {".nas", read_nastran_deck}, {".dat", read_nastran_deck},
+      {".inp", read_abaqus_deck},  {".k", read_lsdyna_deck},    {".key", read_lsdyna_deck},
+      {".dyn", read_lsdyna_deck}};
+  std::unique_ptr<MeshContent> content = by_extension(path, readers)(path);
+  if (content->shells.face_count() == 0)
+    throw InputError(path.string() + ": found " + counted(content->shells.node_count(), "node") +
+                     " but no faces, expected some");
+  return MeshFile(std::move(content));
+}
+
+const ShellMesh& MeshFile::shells() const { return content_->shells; }
+long MeshFile::node_label(int node) const { return content_->node_labels.of(node); }
+long MeshFile::face_label(int face) const { return content_->face_labels.of(face); }
+std::optional<int> MeshFile::node_of_label(long label) const {
+  return content_->node_labels.find(label);
+}
+std::optional<int> MeshFile::face_of_label(long label) const {
+  return content_->face_labels.find(label);
+}
+const std::vector<MeshFile::Set>& MeshFile::sets() const { return content_->sets; }
+const std::vector<MeshFile::Set>& MeshFile::properties() const { return content_->properties; }
+const std::vector<std::string>& MeshFile::warnings() const { return content_->warnings; }
+const std::string& MeshFile::format() const { return content_->format; }
+
+MeshFile::Rounding MeshFile::write(const fs::path& path, const Points& points,
+                                   const MeshWriteOptions& options) const {
+  const auto& extensions = content_->extensions;
+  if (std::find(extensions.begin(), extensions.end(), lower_extension(path)) == extensions.end())
+    refuse_extension(path, listed(extensions) + ": the mesh was read as " + content_->format);
+  if (points.rows() != shells().node_count())
+    throw InputError(path.string() + ": found " + counted(points.rows(), "point") + ", expected " +
+                     std::to_string(shells().node_count()) + " as in the file that was read");
+  for (int i = 0; i < points.rows(); ++i)
+    if (!points.row(i).allFinite())
+      throw InputError(path.string() + ": a coordinate of node " + std::to_string(node_label(i)) +
+                       " is not finite");
+  return content_->write(path, points, options);
+}
+
+void write_mesh(const fs::path& path, const ShellMesh& mesh) {
+  using Writer = void(const fs::path&, const ShellMesh&);
+  static const std::map<std::string, Writer*> writers{
+      {".obj", write_obj_mesh}, {".off", write_off_mesh}, {".ply", write_ply_mesh},
+      {".stl", write_stl_mesh}, {".vtp", write_vtk_mesh}, {".vtu", write_vtk_mesh}};
+  Writer* const write = by_extension(path, writers);
+  const auto refuse = [&](const std::string& what) {
+    throw InputError(path.string() + ": " + what);
+  };
+  for (int i = 0; i < mesh.node_count(); ++i)
+    if (!mesh.points.row(i).allFinite())
+      refuse("a coordinate of node " + std::to_string(i) + " is not finite");
+  for (int f = 0; f < mesh.face_count(); ++f) {
+    const auto nodes = mesh.face(f);
+    if (nodes.size() < 3)
+      refuse("face " + std::to_string(f) + " has " +
+             counted(static_cast<long>(nodes.size()), "node") + ", expected 3 or more");
+    for (const int node : nodes)
+      if (node < 0 || node >= mesh.node_count())
+        refuse("face " + std::to_string(f) + " has node " + std::to_string(node) +
+               ", expected 0 to " + std::to_string(mesh.node_count() - 1));
+  }
+  write(path, mesh);
+}
+
+}  // namespace batten

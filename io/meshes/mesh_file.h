@@ -1,0 +1,92 @@
+// Mesh files that are read, deformed and written back with everything else in them as it was.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "batten/io/meshes/mesh_file_types.h"
+#include "batten/mesh/shell_mesh.h"
+
+namespace batten {
+
+struct MeshContent;
+
+/// A mesh and the file around it: a value, copies share everything.
+///
+///   .obj               polygons; sets from `g` and `o`, properties from `usemtl`
+///   .off               OFF, COFF, NOFF, STOFF and their mixtures; as text
+///   .ply               as text or binary of either byte order
+///   .stl               as text or binary; corners at the same place are one node; sets from
+///                      `solid`
+///   .vtp .vtu          VTK XML
+///   .bdf .nas .dat     Nastran bulk data: GRID, CTRIA3, CTRIAR, CQUAD4, CQUADR, CTRIA6, CQUAD8;
+///                      small, large and free fields; properties by PID, node sets from SET1
+///   .inp               Abaqus and CalculiX: one flat part; shells, membranes, plane elements of 3,
+///                      4, 6 and 8 nodes; sets from *NSET, *ELSET; properties from *… SECTION
+///   .k .key .dyn       LS-DYNA keyword: *NODE, *ELEMENT_SHELL, *PART, *SET_NODE, *SET_SHELL;
+///                      standard, I10 and long format, commas
+///
+/// What is not a node or a shell is carried along as it stands, and warnings() counts it. Included
+/// files are not followed.
+class MeshFile {
+ public:
+  /// Throws InputError, "file:line:column: found …, expected …", on everything that cannot be read
+  /// or would be read wrongly: local coordinate systems at nodes of shells, generated nodes,
+  /// several parts, a number twice. O(size): text at 60 to 120 MB/s, in memory three to six times
+  /// its size.
+  static MeshFile read(const std::filesystem::path& path);
+
+  const ShellMesh& shells() const;
+  /// The file's own number: the node's id in a deck; counted from 1 in OBJ, from 0 in OFF, PLY,
+  /// STL, VTK. O(1).
+  long node_label(int node) const;
+  /// The element's id in a deck; counted as nodes are in the other formats (VTK: the cell's index
+  /// among all cells).
+  long face_label(int face) const;
+  /// O(1), or O(log n) for decks with sparse numbers. Nothing when no node, or no shell, has it.
+  std::optional<int> node_of_label(long label) const;
+  std::optional<int> face_of_label(long label) const;
+
+  using Set = MeshSet;
+  /// In the file's order; those without any node or face of the mesh are left out.
+  const std::vector<Set>& sets() const;
+  /// What holds thickness and material: face sets.
+  const std::vector<Set>& properties() const;
+  /// Sentences about what is in the file and is not part of the mesh.
+  const std::vector<std::string>& warnings() const;
+  /// "Nastran bulk data", …: for people.
+  const std::string& format() const;
+
+  using Rounding = MeshRounding;
+  /// The file as it was read, with other coordinates (n×3); whole or not at all.
+  ///
+  /// In text and in binary PLY and STL only the coordinates of nodes that moved are replaced: all
+  /// other bytes stay, and a coordinate that equals the one that was read keeps its digits. A
+  /// replaced coordinate has the fewest digits that give back the double or, where the field is too
+  /// narrow for them, is the nearest number that fits: Nastran 8 or 16 columns and 16 characters
+  /// between commas (of which solvers keep 8 unless the GRID has a star), LS-DYNA 16 or 20, Abaqus
+  /// 20, binary files with single precision. STL normals follow; other normals that would be wrong
+  /// are named by warnings(). VTP and VTU are written anew: arrays are kept except normals,
+  /// coordinates become doubles where single precision would round.
+  ///
+  /// Throws InputError: an extension of another format, another number of points, coordinates that
+  /// are not finite, what WholeFile throws.
+  Rounding write(const std::filesystem::path& path, const Points& points,
+                 const MeshWriteOptions& options = {}) const;
+
+ private:
+  explicit MeshFile(std::shared_ptr<const MeshContent> content);
+  std::shared_ptr<const MeshContent> content_;
+};
+
+/// Writes a mesh without a file around it: .obj, .off (text, exact), .ply, .stl (binary; STL single
+/// precision), .vtp, .vtu (doubles). Second-order faces are quadratic cells in VTU, elsewhere
+/// polygons through all their nodes; STL takes polygons apart into triangles. Throws InputError:
+/// another extension, an index out of range, a face of fewer than 3 nodes, a coordinate that is not
+/// finite, what WholeFile throws.
+void write_mesh(const std::filesystem::path& path, const ShellMesh& mesh);
+
+}  // namespace batten

@@ -1,0 +1,255 @@
+// Coordinates put back into the text that they were read from.
+#include <algorithm>
+#include <bit>
+#include <charconv>
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <limits>
+#include <ostream>
+
+#include "batten/core/errors.h"
+#include "batten/core/index.h"
+#include "batten/io/files/whole_file.h"
+#include "batten/io/meshes/mesh_text.h"
+
+namespace batten {
+namespace {
+
+/// Significant digits without zeros at the end, and the decimal exponent of the first one.
+struct Decimal {
+  std::string digits;
+  int exponent;
+};
+
+/// As few digits as give the double back, `most` at most; |value| > 0.
+Decimal decimal(double value, int most) {
+  char text[64];
+  auto end =
+      std::to_chars(text, text + sizeof text, std::abs(value), std::chars_format::scientific);
+  const auto split = [&] {
+    const std::string_view all(text, static_cast<size_t>(end.ptr - text));
+    const size_t e = all.find('e');
+    Decimal result{std::string(1, text[0]), std::atoi(std::string(all.substr(e + 1)).c_str())};
+    if (e > 2) result.digits += all.substr(2, e - 2);
+    while (result.digits.size() > 1 && result.digits.back() == '0') result.digits.pop_back();
+    return result;
+  };
+  Decimal shortest = split();
+  if (count_of(shortest.digits) <= most) return shortest;
+  end = std::to_chars(text, text + sizeof text, std::abs(value), std::chars_format::scientific,
+                      most - 1);
+  return split();
+}
+
+/// digits · 10^exponent / 10^power with its point.
+std::string plain(const Decimal& d, int power) {
+  const int before = d.exponent - power + 1, count = count_of(d.digits);
+  if (before <= 0) return "." + std::string(static_cast<size_t>(-before), '0') + d.digits;
+  if (before >= count)
+    return d.digits + std::string(static_cast<size_t>(before - count), '0') + ".";
+  return d.digits.substr(0, static_cast<size_t>(before)) + "." +
+         d.digits.substr(static_cast<size_t>(before));
+}
+
+}  // namespace
+
+std::string fixed_real(double value, int width, bool nastran) {
+  if (value == 0) return "0.";
+  const std::string sign = value < 0 ? "-" : "";
+  const int room = width - count_of(sign);
+  const int e = decimal(value, 17).exponent;
+  std::string best;
+  double best_error = std::numeric_limits<double>::infinity();
+  const auto attempt = [&](int power, const std::string& exponent) {
+    // The point takes one character, and so do zeros between it and the digits.
+    const int most = room - count_of(exponent) - 1 + std::min(0, e - power + 1);
+    if (most < 1) return;
+    const std::string text = sign + plain(decimal(value, most), power) + exponent;
+    double written = 0;
+    if (count_of(text) > width || !parse_real(text, written)) return;
+    const double error = std::abs(written - value);
+    if (error < best_error || (error == best_error && text.size() < best.size())) {
+      best = text;
+      best_error = error;
+    }
+  };
+  attempt(0, "");
+  // Between 0.1 and where the digits fill the field, an exponent can only cost digits.
+  if (!best.empty() && e >= -1 && e < room - 2) return best;
+  // Moving the point can shorten the exponent: 1.234+10 is 12.345+9, 1.234-10 is .12345-9.
+  for (const int power : {e, e + 1, 9, 99, -9, -99}) {
+    const std::string digits = std::to_string(power);
+    attempt(power, nastran ? (power < 0 ? "" : "+") + digits : "e" + digits);
+  }
+  return best;
+}
+
+int width_of(FieldKind kind) {
+  switch (kind) {
+    case FieldKind::Nastran8:
+      return 8;
+    case FieldKind::Nastran16:
+    case FieldKind::NastranFree:
+    case FieldKind::Dyna16:
+    case FieldKind::DynaFree16:
+      return 16;
+    case FieldKind::Abaqus:
+    case FieldKind::Dyna20:
+    case FieldKind::DynaFree20:
+      return 20;
+    default:
+      return 0;
+  }
+}
+
+namespace {
+
+bool fixed_columns(FieldKind kind) {
+  return kind == FieldKind::Nastran8 || kind == FieldKind::Nastran16 || kind == FieldKind::Dyna16 ||
+         kind == FieldKind::Dyna20;
+}
+
+bool nastran(FieldKind kind) {
+  return kind == FieldKind::Nastran8 || kind == FieldKind::Nastran16 ||
+         kind == FieldKind::NastranFree;
+}
+
+template <class Real>
+std::string bytes_of(double value, bool swapped, double& written) {
+  const Real real = static_cast<Real>(value);
+  written = static_cast<double>(real);
+  std::string bytes(sizeof real, '\0');
+  std::memcpy(bytes.data(), &real, sizeof real);
+  if (swapped != (std::endian::native == std::endian::big))
+    std::reverse(bytes.begin(), bytes.end());
+  return bytes;
+}
+
+/// The characters that stand for `value`, and what a reader will make of them.
+std::string text_of(double value, FieldKind kind, double& written) {
+  switch (kind) {
+    case FieldKind::Float32:
+      return bytes_of<float>(value, false, written);
+    case FieldKind::Float64:
+      return bytes_of<double>(value, false, written);
+    case FieldKind::Float32Swapped:
+      return bytes_of<float>(value, true, written);
+    case FieldKind::Float64Swapped:
+      return bytes_of<double>(value, true, written);
+    case FieldKind::Free: {
+      char text[32];
+      written = value;
+      return {text, std::to_chars(text, text + sizeof text, value).ptr};
+    }
+    default:
+      break;
+  }
+  const std::string text = fixed_real(value, width_of(kind), nastran(kind));
+  parse_real(text, written);
+  return text;
+}
+
+/// `text` where the old field has its own: at the left, or in the last column.
+std::string placed(const std::string& text, const Field& field, std::string_view old) {
+  if (!fixed_columns(field.kind)) return text;
+  const auto width = static_cast<size_t>(width_of(field.kind));
+  const bool left = !old.empty() && !blank(old.front());
+  if (!left) return std::string(width - text.size(), ' ') + text;
+  // A field that ends with the line needs no blanks behind it, one with a tab in it needs all.
+  const bool tab = old.find('\t') != old.npos;
+  const size_t to = field.open || tab ? width : std::min(width, old.size());
+  return text + std::string(to > text.size() ? to - text.size() : 0, ' ');
+}
+
+/// A small-field GRID as two large-field lines.
+std::string wide_grid(std::string_view line, const std::array<std::string, 3>& coordinates,
+                      const std::string& line_end) {
+  const std::string_view data = line.substr(0, line.find('$'));
+  const auto field = [&](size_t number) {
+    const size_t begin = 8 * number;
+    std::string text(begin < data.size() ? trimmed(data.substr(begin, 8)) : "");
+    return std::string(16 - text.size(), ' ') + text;
+  };
+  const auto right = [](const std::string& text) {
+    return std::string(16 - text.size(), ' ') + text;
+  };
+  std::string second = "*       " + right(coordinates[2]) + field(6) + field(7) + field(8);
+  second.resize(trimmed(second).size());
+  if (data.size() < line.size()) second += " " + std::string(line.substr(data.size()));
+  return "GRID*   " + field(1) + field(2) + right(coordinates[0]) + right(coordinates[1]) +
+         line_end + second;
+}
+
+}  // namespace
+
+MeshRounding TextMesh::write(const std::filesystem::path& path, const Points& points,
+                             const MeshWriteOptions& options) const {
+  const std::string& text = file.text();
+  MeshRounding rounding;
+  std::string out;
+  out.reserve(text.size() + text.size() / 8);
+  size_t done = 0;
+  const auto replace = [&](size_t begin, size_t end, const std::string& by) {
+    out.append(text, done, begin - done);
+    out += by;
+    done = end;
+  };
+  for (size_t i = 0; i < fields.size(); ++i) {
+    const auto node = static_cast<Eigen::Index>(i);
+    std::array<bool, 3> changed{};
+    bool any = false, any_open = false;
+    for (int c = 0; c < 3; ++c) {
+      changed[c] = points(node, c) != shells.points(node, c);
+      any |= changed[c];
+      any_open |= changed[c] && fields[i][c].open;
+    }
+    if (!any) continue;
+    const auto old_text = [&](int c) {
+      return std::string_view(text).substr(fields[i][c].begin, fields[i][c].length);
+    };
+    const auto new_text = [&](int c, FieldKind kind) {
+      if (!changed[c]) return std::string(trimmed(old_text(c)));
+      double written = 0;
+      const std::string result = text_of(points(node, c), kind, written);
+      const double error = std::abs(written - points(node, c));
+      if (!std::isfinite(written) || result.empty())
+        file.fail(fields[i][c].begin,
+                  "the coordinate " + number(points(node, c)) + " does not fit into its field");
+      if (error > rounding.largest) rounding = {error, node_labels.of(static_cast<int>(i))};
+      return result;
+    };
+    const size_t x = fields[i][0].begin;
+    const size_t before = text.rfind('\n', x), line = before == text.npos ? 0 : before + 1;
+    if (options.wide_nodes && fields[i][0].kind == FieldKind::Nastran8 && x - line == 24 &&
+        text.find('\t', line) >= fields[i][2].begin + fields[i][2].length) {
+      size_t end = std::min(text.find('\n', x), text.size());
+      const bool carriage = end > line && text[end - 1] == '\r';
+      end -= carriage;
+      std::array<std::string, 3> coordinates;
+      for (int c = 0; c < 3; ++c) coordinates[c] = new_text(c, FieldKind::Nastran16);
+      replace(line, end,
+              wide_grid(std::string_view(text).substr(line, end - line), coordinates,
+                        carriage ? "\r\n" : "\n"));
+      continue;
+    }
+    // A file may have its y before its x.
+    std::array<int, 3> order{0, 1, 2};
+    std::stable_sort(order.begin(), order.end(),
+                     [&](int a, int b) { return fields[i][a].begin < fields[i][b].begin; });
+    for (const int c : order) {
+      const Field& field = fields[i][c];
+      if (!changed[c] && !(any_open && field.open)) continue;
+      std::string by = placed(new_text(c, field.kind), field, old_text(c));
+      if (field.open) by = std::string(field.gap, fixed_columns(field.kind) ? ' ' : ',') + by;
+      replace(field.begin, field.begin + field.length, by);
+    }
+  }
+  out.append(text, done, text.npos);
+  write_whole_file(path, [&](std::ostream& stream) {
+    stream.write(out.data(), static_cast<std::streamsize>(out.size()));
+  });
+  return rounding;
+}
+
+}  // namespace batten

@@ -1,0 +1,191 @@
+// Wavefront OBJ.
+#include <charconv>
+#include <limits>
+#include <ostream>
+#include <unordered_map>
+
+#include "batten/core/errors.h"
+#include "batten/core/index.h"
+#include "batten/io/files/whole_file.h"
+#include "batten/io/meshes/mesh_text.h"
+
+namespace batten {
+namespace {
+
+/// Words of a record, which goes on in the next line after a backslash.
+class Words {
+ public:
+  Words(MeshText& file, std::string_view line) : file_(file), rest_(without_comment(line)) {}
+  /// Empty at the end of the record.
+  std::string_view next() {
+    for (;;) {
+      std::string_view word = next_word(rest_);
+      if (!word.ends_with('\\') || !trimmed(rest_).empty()) return word;
+      std::string_view line;
+      rest_ = file_.next(line) ? without_comment(line) : rest_.substr(rest_.size());
+      word.remove_suffix(1);
+      if (!word.empty()) return word;
+      if (line.data() == nullptr) return rest_;
+    }
+  }
+  std::string_view rest() const { return trimmed(rest_); }
+
+ private:
+  static std::string_view without_comment(std::string_view line) {
+    return line.substr(0, line.find('#'));
+  }
+  MeshText& file_;
+  std::string_view rest_;
+};
+
+/// Face sets by name, in the order of their first faces.
+class NamedFaces {
+ public:
+  explicit NamedFaces(std::vector<MeshSet>& sets) : sets_(sets) {}
+  void add(const std::string& name, int face) {
+    const auto [at, first] = index_.try_emplace(name, sets_.size());
+    if (first) sets_.push_back({name, {}, {}, {}});
+    auto& faces = sets_[at->second].faces;
+    if (faces.empty() || faces.back() != face) faces.push_back(face);
+  }
+
+ private:
+  std::vector<MeshSet>& sets_;
+  std::unordered_map<std::string, size_t> index_;
+};
+
+class ObjReader {
+ public:
+  explicit ObjReader(TextMesh& mesh) : mesh_(mesh), file_(mesh.file) {}
+
+  void read() {
+    std::string_view line;
+    while (file_.next(line)) {
+      Words words(file_, line);
+      const std::string_view record = words.next();
+      if (record == "v") {
+        vertex(words, line);
+      } else if (record == "f") {
+        face(words, line);
+      } else if (record == "g") {
+        groups_.clear();
+        for (auto name = words.next(); !name.empty(); name = words.next())
+          groups_.emplace_back(name);
+      } else if (record == "o") {
+        object_ = words.rest();
+      } else if (record == "usemtl") {
+        material_ = words.rest();
+      } else if (record == "vn") {
+        ++normals_;
+      } else if (record == "l" || record == "p" || record == "curv" || record == "surf") {
+        ++others_;
+      }
+    }
+    const int count = count_of(mesh_.fields);
+    if (count == 0) file_.fail_at_end("found no nodes, expected records 'v x y z'");
+    if (highest_ > count) refuse(highest_word_, highest_);
+    mesh_.shells.points =
+        Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>>(
+            coordinates_.data(), count, 3);
+    mesh_.node_labels = Labels::counted_from(1, count);
+    mesh_.face_labels = Labels::counted_from(1, mesh_.shells.face_count());
+    if (normals_ > 0)
+      mesh_.warnings.push_back(counted(normals_, "normal") + " (vn) of the file stay as they are");
+    if (others_ > 0)
+      mesh_.warnings.push_back(counted(others_, "line, point or curve record") +
+                               " of the file are kept as text");
+    if (const int unused = unused_nodes(mesh_.shells))
+      mesh_.warnings.push_back(counted(unused, "node") + " without a face");
+  }
+
+ private:
+  void vertex(Words& words, std::string_view line) {
+    std::array<Field, 3> fields;
+    for (int c = 0; c < 3; ++c) {
+      const std::string_view word = words.next();
+      if (word.empty())
+        file_.fail(line.substr(line.size()),
+                   "found " + counted(c, "coordinate") + ", expected 3 (v x y z)");
+      coordinates_.push_back(file_.real(word));
+      fields[c].begin = file_.offset(word);
+      fields[c].length = static_cast<std::uint32_t>(word.size());
+    }
+    mesh_.fields.push_back(fields);
+  }
+
+  void face(Words& words, std::string_view line) {
+    nodes_.clear();
+    const long count = static_cast<long>(mesh_.fields.size());
+    for (auto word = words.next(); !word.empty(); word = words.next()) {
+      // vertex/texture/normal: the first number is meant.
+      long index = 0;
+      if (!parse_integer(word.substr(0, word.find('/')), index))
+        file_.fail(word, "found " + in_quotes(word) + ", expected a node number");
+      const long node = index < 0 ? count + index : index - 1;
+      if (index == 0 || node < 0) refuse(word, index);
+      if (node >= std::numeric_limits<int>::max()) refuse(word, index);
+      // Nodes may follow later.
+      if (index > highest_) {
+        highest_ = index;
+        highest_word_ = word;
+      }
+      nodes_.push_back(static_cast<int>(node));
+    }
+    if (nodes_.size() < 3)
+      file_.fail(line, "found a face of " + counted(static_cast<long>(nodes_.size()), "node") +
+                           ", expected 3 or more");
+    const int number = mesh_.shells.face_count();
+    mesh_.shells.add_face(nodes_);
+    for (const std::string& group : groups_) sets_.add(group, number);
+    if (!object_.empty()) sets_.add(object_, number);
+    if (!material_.empty()) materials_.add(material_, number);
+  }
+
+  [[noreturn]] void refuse(std::string_view word, long index) const {
+    const std::string count = std::to_string(mesh_.fields.size());
+    file_.fail(word, "found node number " + std::to_string(index) + ", expected " +
+                         (count == "0" ? "nodes (v records) before it"
+                                       : "1 to " + count + " or -1 to -" + count));
+  }
+
+  TextMesh& mesh_;
+  MeshText& file_;
+  NamedFaces sets_{mesh_.sets}, materials_{mesh_.properties};
+  std::vector<double> coordinates_;
+  std::vector<int> nodes_;
+  std::vector<std::string> groups_;
+  std::string object_, material_;
+  long highest_ = 0, normals_ = 0, others_ = 0;
+  std::string_view highest_word_;
+};
+
+}  // namespace
+
+std::unique_ptr<MeshContent> read_obj_mesh(const std::filesystem::path& path) {
+  auto mesh = std::make_unique<TextMesh>(MeshText(path));
+  mesh->format = "Wavefront OBJ";
+  mesh->extensions = {".obj"};
+  ObjReader(*mesh).read();
+  return mesh;
+}
+
+void write_obj_mesh(const std::filesystem::path& path, const ShellMesh& mesh) {
+  write_whole_file(path, [&](std::ostream& out) {
+    char text[32];
+    for (int i = 0; i < mesh.node_count(); ++i) {
+      out << 'v';
+      for (int c = 0; c < 3; ++c) {
+        const auto end = std::to_chars(text, text + sizeof text, mesh.points(i, c));
+        out << ' ' << std::string_view(text, static_cast<size_t>(end.ptr - text));
+      }
+      out << '\n';
+    }
+    for (int f = 0; f < mesh.face_count(); ++f) {
+      out << 'f';
+      for (const int node : outline_of(mesh, f)) out << ' ' << node + 1;
+      out << '\n';
+    }
+  });
+}
+
+}  // namespace batten

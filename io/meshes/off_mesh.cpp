@@ -1,0 +1,165 @@
+// Object File Format of Geomview.
+#include <algorithm>
+#include <charconv>
+#include <limits>
+#include <ostream>
+
+#include "batten/core/errors.h"
+#include "batten/io/files/whole_file.h"
+#include "batten/io/meshes/mesh_text.h"
+
+namespace batten {
+namespace {
+
+std::string_view without_comment(std::string_view line) {
+  return trimmed(line.substr(0, line.find('#')));
+}
+
+/// The next line that is more than a comment.
+bool next_data(MeshText& file, std::string_view& line) {
+  while (file.next(line)) {
+    line = without_comment(line);
+    if (!line.empty()) return true;
+  }
+  return false;
+}
+
+/// Checks the word that says which kind of OFF this is; false when the file has none.
+bool read_kind(const MeshText& file, std::string_view word) {
+  if (!word.ends_with("OFF")) return false;
+  std::string_view rest = word.substr(0, word.size() - 3);
+  if (rest.starts_with("ST")) rest.remove_prefix(2);
+  if (rest.starts_with("C")) rest.remove_prefix(1);
+  if (rest.starts_with("N")) rest.remove_prefix(1);
+  if (!rest.empty())
+    file.fail(word, "found " + in_quotes(word) + ", expected OFF, COFF, NOFF, STOFF or CNOFF");
+  return true;
+}
+
+struct Counts {
+  long nodes = 0, faces = 0;
+};
+
+Counts read_counts(MeshText& file) {
+  std::string_view line;
+  if (!next_data(file, line)) file.fail_at_end("found the end of the file, expected 'OFF'");
+  std::string_view rest = line, word = next_word(rest);
+  if (read_kind(file, word)) {
+    if (trimmed(rest) == "BINARY")
+      file.fail(trimmed(rest), "found a binary OFF file, expected text");
+    if (trimmed(rest).empty()) {
+      if (!next_data(file, line))
+        file.fail_at_end("found the end of the file, expected the numbers of nodes and faces");
+      rest = line;
+    }
+    word = next_word(rest);
+  } else if (word.find_first_not_of("0123456789") != word.npos) {
+    file.fail(word, "found " + in_quotes(word) + ", expected 'OFF'");
+  }
+  Counts counts;
+  counts.nodes = file.integer(word, "a number of nodes");
+  const std::string_view faces = next_word(rest);
+  counts.faces =
+      file.integer(faces.empty() ? line.substr(line.size()) : faces, "a number of faces");
+  const long most = std::numeric_limits<int>::max();
+  if (counts.nodes < 0 || counts.faces < 0 || counts.nodes > most || counts.faces > most)
+    file.fail(line, "found " + in_quotes(line) + ", expected numbers of nodes and faces");
+  return counts;
+}
+
+void read(TextMesh& mesh) {
+  MeshText& file = mesh.file;
+  const Counts counts = read_counts(file);
+  // Counts may be wrong, the size of the file is not.
+  const auto nodes = static_cast<size_t>(counts.nodes);
+  mesh.fields.reserve(std::min(nodes, file.text().size() / 6 + 1));
+  std::vector<double> coordinates;
+  coordinates.reserve(3 * mesh.fields.capacity());
+  std::string_view line;
+  for (size_t i = 0; i < nodes; ++i) {
+    if (!next_data(file, line))
+      file.fail_at_end("found " + counted(static_cast<long>(i), "node") + ", expected " +
+                       std::to_string(nodes));
+    std::array<Field, 3> fields;
+    std::string_view rest = line;
+    for (Field& field : fields) {
+      const std::string_view word = next_word(rest);
+      if (word.empty())
+        file.fail(line, "found " + counted(&field - fields.data(), "number") +
+                            ", expected the 3 coordinates of node " + std::to_string(i));
+      coordinates.push_back(file.real(word));
+      field.begin = file.offset(word);
+      field.length = static_cast<std::uint32_t>(word.size());
+    }
+    mesh.fields.push_back(fields);
+  }
+  mesh.shells.points = Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>>(
+      coordinates.data(), counts.nodes, 3);
+  std::vector<int> face;
+  for (long f = 0; f < counts.faces; ++f) {
+    if (!next_data(file, line))
+      file.fail_at_end("found " + counted(f, "face") + ", expected " +
+                       std::to_string(counts.faces));
+    std::string_view rest = line;
+    const std::string_view first = next_word(rest);
+    const long corners = file.integer(first, "a number of nodes");
+    if (corners < 3)
+      file.fail(first, "found a face of " + counted(corners, "node") + ", expected 3 or more");
+    face.clear();
+    for (long i = 0; i < corners; ++i) {
+      const std::string_view word = next_word(rest);
+      if (word.empty())
+        file.fail(line, "found a face of " + counted(i, "node") + ", expected " +
+                            std::to_string(corners) + " as it says");
+      const long node = file.integer(word, "a node number");
+      if (node < 0 || node >= counts.nodes)
+        file.fail(word, "found node number " + in_quotes(word) + ", expected 0 to " +
+                            std::to_string(counts.nodes - 1));
+      face.push_back(static_cast<int>(node));
+    }
+    mesh.shells.add_face(face);
+  }
+  mesh.node_labels = Labels::counted_from(0, static_cast<int>(counts.nodes));
+  mesh.face_labels = Labels::counted_from(0, static_cast<int>(counts.faces));
+  if (const int unused = unused_nodes(mesh.shells))
+    mesh.warnings.push_back(counted(unused, "node") + " without a face");
+}
+
+}  // namespace
+
+std::unique_ptr<MeshContent> read_off_mesh(const std::filesystem::path& path) {
+  auto mesh = std::make_unique<TextMesh>(MeshText(path));
+  mesh->format = "OFF";
+  mesh->extensions = {".off"};
+  MeshText& file = mesh->file;
+  const size_t start = file.position();
+  std::string_view line;
+  next_data(file, line);
+  const std::string_view kind = next_word(line);
+  file.go_to(start);
+  read(*mesh);
+  if (kind.ends_with("NOFF"))
+    mesh->warnings.push_back(counted(mesh->shells.node_count(), "normal") +
+                             " of the file stay as they are");
+  return mesh;
+}
+
+void write_off_mesh(const std::filesystem::path& path, const ShellMesh& mesh) {
+  write_whole_file(path, [&](std::ostream& out) {
+    char text[32];
+    out << "OFF\n" << mesh.node_count() << ' ' << mesh.face_count() << " 0\n";
+    for (int i = 0; i < mesh.node_count(); ++i)
+      for (int c = 0; c < 3; ++c) {
+        const auto end = std::to_chars(text, text + sizeof text, mesh.points(i, c));
+        out << std::string_view(text, static_cast<size_t>(end.ptr - text)) << (c < 2 ? ' ' : '\n');
+      }
+    for (int f = 0; f < mesh.face_count(); ++f) {
+      const std::vector<int> nodes = outline_of(mesh, f);
+      out << nodes.size();
+      for (const int node : nodes) out << ' ' << node;
+      out << '\n';
+    }
+  });
+}
+
+}  // namespace batten

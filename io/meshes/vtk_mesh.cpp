@@ -1,0 +1,345 @@
+// VTK's XML files of surfaces and of cells: the data set is kept and gets other points.
+#include <vtkCellArray.h>
+#include <vtkCellData.h>
+#include <vtkCellType.h>
+#include <vtkCellTypes.h>
+#include <vtkDoubleArray.h>
+#include <vtkErrorCode.h>
+#include <vtkLogger.h>
+#include <vtkNew.h>
+#include <vtkOutputWindow.h>
+#include <vtkPointData.h>
+#include <vtkPoints.h>
+#include <vtkPolyData.h>
+#include <vtkSmartPointer.h>
+#include <vtkUnsignedCharArray.h>
+#include <vtkUnstructuredGrid.h>
+#include <vtkXMLPolyDataReader.h>
+#include <vtkXMLPolyDataWriter.h>
+#include <vtkXMLUnstructuredGridReader.h>
+#include <vtkXMLUnstructuredGridWriter.h>
+
+#include <cmath>
+#include <limits>
+#include <map>
+#include <mutex>
+#include <new>
+#include <optional>
+
+#include "batten/core/errors.h"
+#include "batten/core/index.h"
+#include "batten/io/files/whole_file.h"
+#include "batten/io/meshes/mesh_text.h"
+
+namespace batten {
+namespace fs = std::filesystem;
+namespace {
+
+/// Where VTK's complaints go while it reads or writes: else they would fill the terminal, and some
+/// of them are the only sign that a part of the file was passed over.
+class Complaints : public vtkOutputWindow {
+ public:
+  static Complaints* New() { return new Complaints; }
+  void DisplayText(const char*) override {}
+  void DisplayErrorText(const char* text) override {
+    if (!first_.empty()) return;
+    // "ERROR: In file, line n\nclass (address): message"
+    std::string_view message = text ? text : "";
+    if (const size_t at = message.find("): "); at != message.npos) message = message.substr(at + 3);
+    first_ = trimmed(message.substr(0, message.find('\n')));
+    if (first_.empty()) first_ = "it is damaged";
+  }
+  void DisplayWarningText(const char*) override {}
+  void DisplayGenericWarningText(const char*) override {}
+  void DisplayDebugText(const char*) override {}
+  const std::string& first() const { return first_; }
+
+ private:
+  std::string first_;
+};
+
+/// Listens as long as it lives; VTK has one window for all, so one at a time.
+class Listening {
+ public:
+  Listening()
+      : lock_(mutex()),
+        before_(vtkOutputWindow::GetInstance()),
+        verbosity_(vtkLogger::GetCurrentVerbosityCutoff()) {
+    vtkOutputWindow::SetInstance(complaints_);
+    vtkLogger::SetStderrVerbosity(vtkLogger::VERBOSITY_OFF);
+  }
+  ~Listening() {
+    vtkLogger::SetStderrVerbosity(verbosity_);
+    vtkOutputWindow::SetInstance(before_);
+  }
+  Listening(const Listening&) = delete;
+  Listening& operator=(const Listening&) = delete;
+  const std::string& first() const { return complaints_->first(); }
+
+ private:
+  static std::mutex& mutex() {
+    static std::mutex one;
+    return one;
+  }
+  std::lock_guard<std::mutex> lock_;
+  vtkSmartPointer<vtkOutputWindow> before_;
+  vtkLogger::Verbosity verbosity_;
+  vtkNew<Complaints> complaints_;
+};
+
+template <class Reader>
+vtkSmartPointer<vtkPointSet> read_with(const fs::path& path) {
+  const auto fail = [&](const std::string& reason) -> void {
+    throw InputError(path.string() + ": VTK cannot read this file: " + reason);
+  };
+  const Listening listening;
+  vtkNew<Reader> reader;
+  try {
+    if (!reader->CanReadFile(path.c_str())) fail("it is no VTK XML file of this kind");
+    reader->SetFileName(path.c_str());
+    reader->Update();
+  } catch (const InputError&) {
+    throw;
+  } catch (const std::bad_alloc&) {
+    fail("there is not enough memory for what it says it has");
+  } catch (const std::exception& error) {
+    fail(error.what());
+  }
+  if (!listening.first().empty()) fail(listening.first());
+  if (reader->GetErrorCode() != vtkErrorCode::NoError)
+    fail(vtkErrorCode::GetStringFromErrorCode(reader->GetErrorCode()));
+  if (!reader->GetOutput() || !reader->GetOutput()->GetPoints()) fail("it has no points");
+  auto result = vtkSmartPointer<vtkPointSet>::Take(reader->GetOutput()->NewInstance());
+  result->ShallowCopy(reader->GetOutput());
+  return result;
+}
+
+/// Cells as they are in the file, checked: VTK itself believes what it reads.
+class Cells {
+ public:
+  Cells(vtkCellArray* cells, vtkIdType points, const std::string& file) {
+    if (!cells) return;
+    vtkDataArray *offsets = cells->GetOffsetsArray(), *nodes = cells->GetConnectivityArray();
+    for (vtkIdType i = 0; i < offsets->GetNumberOfTuples(); ++i)
+      start_.push_back(static_cast<long>(offsets->GetComponent(i, 0)));
+    for (vtkIdType i = 0; i < nodes->GetNumberOfTuples(); ++i) {
+      const double node = nodes->GetComponent(i, 0);
+      if (!(node >= 0 && node < static_cast<double>(points)))
+        throw InputError(file + ": found node number " + number(node) +
+                         " in a cell, expected 0 to " + std::to_string(points - 1));
+      nodes_.push_back(static_cast<int>(node));
+    }
+    for (size_t i = 0; i < start_.size(); ++i)
+      if (start_[i] < (i > 0 ? start_[i - 1] : 0) || start_[i] > static_cast<long>(nodes_.size()))
+        throw InputError(file + ": found a cell that starts at " + std::to_string(start_[i]) +
+                         " of " + counted(static_cast<long>(nodes_.size()), "number"));
+  }
+  int count() const { return start_.empty() ? 0 : count_of(start_) - 1; }
+  std::vector<int> nodes(int cell) const {
+    const auto i = static_cast<size_t>(cell);
+    return {nodes_.begin() + start_[i], nodes_.begin() + start_[i + 1]};
+  }
+
+ private:
+  std::vector<long> start_;
+  std::vector<int> nodes_;
+};
+
+/// Nodes that a face of this type must have, 0: any number.
+struct FaceType {
+  size_t nodes;
+  bool second_order;
+};
+std::optional<FaceType> face_type(int cell_type) {
+  switch (cell_type) {
+    case VTK_TRIANGLE:
+      return FaceType{3, false};
+    case VTK_QUAD:
+    case VTK_PIXEL:
+      return FaceType{4, false};
+    case VTK_POLYGON:
+      return FaceType{0, false};
+    case VTK_QUADRATIC_TRIANGLE:
+      return FaceType{6, true};
+    case VTK_QUADRATIC_QUAD:
+      return FaceType{8, true};
+    default:
+      return {};
+  }
+}
+
+void write_with(vtkXMLWriter& writer, vtkDataObject* data, const fs::path& path) {
+  WholeFile file(path);
+  const Listening listening;
+  writer.SetInputDataObject(data);
+  writer.SetFileName(file.temporary().c_str());
+  writer.SetDataModeToAppended();
+  writer.SetCompressorTypeToZLib();
+  if (!writer.Write() || !listening.first().empty())
+    throw InputError(path.string() + ": cannot write this file: " +
+                     vtkErrorCode::GetStringFromErrorCode(writer.GetErrorCode()));
+  file.commit();
+}
+
+void write_data(vtkDataObject* data, const fs::path& path) {
+  if (vtkPolyData::SafeDownCast(data)) {
+    vtkNew<vtkXMLPolyDataWriter> writer;
+    write_with(*writer, data, path);
+  } else {
+    vtkNew<vtkXMLUnstructuredGridWriter> writer;
+    write_with(*writer, data, path);
+  }
+}
+
+vtkSmartPointer<vtkPoints> vtk_points(const Points& points, int type) {
+  auto result = vtkSmartPointer<vtkPoints>::New();
+  result->SetDataType(type);
+  result->SetNumberOfPoints(points.rows());
+  for (Eigen::Index i = 0; i < points.rows(); ++i)
+    result->SetPoint(i, points(i, 0), points(i, 1), points(i, 2));
+  return result;
+}
+
+class VtkMesh : public MeshContent {
+ public:
+  VtkMesh(const fs::path& path, bool surface)
+      : file_(path.string()),
+        data_(surface ? read_with<vtkXMLPolyDataReader>(path)
+                      : read_with<vtkXMLUnstructuredGridReader>(path)) {
+    format = surface ? "VTK surface (VTP)" : "VTK unstructured grid (VTU)";
+    extensions = {surface ? ".vtp" : ".vtu"};
+    const vtkIdType count = data_->GetNumberOfPoints();
+    if (count > std::numeric_limits<int>::max()) throw InputError(file_ + ": found too many nodes");
+    shells.points.resize(count, 3);
+    for (vtkIdType i = 0; i < count; ++i) {
+      double place[3];
+      data_->GetPoint(i, place);
+      shells.points.row(i) = Vec3(place[0], place[1], place[2]).transpose();
+      if (!shells.points.row(i).allFinite())
+        throw InputError(file_ + ": a coordinate of node " + std::to_string(i) + " is not finite");
+    }
+    surface ? read_surface(*vtkPolyData::SafeDownCast(data_))
+            : read_grid(*vtkUnstructuredGrid::SafeDownCast(data_));
+    node_labels = Labels::counted_from(0, static_cast<int>(count));
+    face_labels = Labels(std::move(cell_of_face_));
+    warn();
+    drop_normals(*data_->GetPointData(), "point");
+    drop_normals(*data_->GetCellData(), "cell");
+  }
+
+  MeshRounding write(const fs::path& path, const Points& points,
+                     const MeshWriteOptions&) const override {
+    const bool fits = points.cast<float>().cast<double>() == points;
+    const bool single = data_->GetPoints()->GetDataType() == VTK_FLOAT && fits;
+    auto moved = vtkSmartPointer<vtkPointSet>::Take(data_->NewInstance());
+    moved->ShallowCopy(data_);
+    moved->SetPoints(vtk_points(points, single ? VTK_FLOAT : VTK_DOUBLE));
+    write_data(moved, path);
+    return {};
+  }
+
+ private:
+  void add(const Cells& cells, int cell, long label, int type) {
+    const auto face = face_type(type);
+    if (!face) {
+      ++others_[type];
+      return;
+    }
+    std::vector<int> nodes = cells.nodes(cell);
+    if (face->nodes > 0 ? nodes.size() != face->nodes : nodes.size() < 3)
+      throw InputError(file_ + ": found cell " + std::to_string(label) + " of " +
+                       counted(static_cast<long>(nodes.size()), "node") + ", expected " +
+                       (face->nodes > 0 ? std::to_string(face->nodes) : "3 or more"));
+    if (type == VTK_PIXEL) std::swap(nodes[2], nodes[3]);
+    shells.add_face(nodes, face->second_order);
+    cell_of_face_.push_back(label);
+  }
+
+  /// Cells are numbered through: first vertices, then lines, polygons, strips.
+  void read_surface(vtkPolyData& data) {
+    const Cells verts(data.GetVerts(), data.GetNumberOfPoints(), file_),
+        lines(data.GetLines(), data.GetNumberOfPoints(), file_),
+        polygons(data.GetPolys(), data.GetNumberOfPoints(), file_),
+        strips(data.GetStrips(), data.GetNumberOfPoints(), file_);
+    const long first = static_cast<long>(verts.count()) + lines.count();
+    for (int i = 0; i < polygons.count(); ++i) add(polygons, i, first + i, VTK_POLYGON);
+    if (verts.count() > 0) others_[VTK_POLY_VERTEX] = verts.count();
+    if (lines.count() > 0) others_[VTK_POLY_LINE] = lines.count();
+    if (strips.count() > 0) others_[VTK_TRIANGLE_STRIP] = strips.count();
+  }
+
+  void read_grid(vtkUnstructuredGrid& data) {
+    const Cells cells(data.GetCells(), data.GetNumberOfPoints(), file_);
+    vtkUnsignedCharArray* const types = data.GetCellTypesArray();
+    if (cells.count() > 0 && (!types || types->GetNumberOfTuples() != cells.count()))
+      throw InputError(file_ + ": found another number of cell types than of cells");
+    for (int i = 0; i < cells.count(); ++i) add(cells, i, i, types->GetValue(i));
+  }
+
+  void warn() {
+    const int unused = unused_nodes(shells);
+    if (unused == 0 && others_.empty()) return;
+    std::string text;
+    for (const auto& [type, count] : others_) {
+      const char* const name = vtkCellTypes::GetClassNameFromTypeId(type);
+      text += (text.empty() ? "" : ", ") + std::to_string(count) + " " + (name ? name : "unknown");
+    }
+    if (!text.empty()) text += " cells are carried along; ";
+    warnings.push_back(text + counted(unused, "node") + " that no shell uses stay where they are");
+  }
+
+  void drop_normals(vtkDataSetAttributes& attributes, const std::string& what) {
+    for (int i = attributes.GetNumberOfArrays(); i-- > 0;) {
+      const vtkAbstractArray* const array = attributes.GetAbstractArray(i);
+      const std::string name =
+          attributes.GetArrayName(i) ? attributes.GetArrayName(i) : std::string();
+      if (array != attributes.GetNormals() && upper(name) != "NORMALS") continue;
+      warnings.push_back("the " + what + " normals '" + name +
+                         "' are not written: they would be those of the old shape");
+      attributes.RemoveArray(i);
+    }
+  }
+
+  std::string file_;
+  vtkSmartPointer<vtkPointSet> data_;
+  std::vector<long> cell_of_face_;
+  std::map<int, long> others_;
+};
+
+}  // namespace
+
+std::unique_ptr<MeshContent> read_vtk_mesh(const fs::path& path) {
+  MeshText(path, true);  // is there, a file, not empty
+  return std::make_unique<VtkMesh>(path, lower_extension(path) == ".vtp");
+}
+
+void write_vtk_mesh(const fs::path& path, const ShellMesh& mesh) {
+  const bool surface = lower_extension(path) == ".vtp";
+  vtkNew<vtkPolyData> polygons;
+  vtkNew<vtkUnstructuredGrid> grid;
+  vtkNew<vtkCellArray> cells;
+  for (int f = 0; f < mesh.face_count(); ++f) {
+    const auto face = mesh.face(f);
+    const std::vector<int> outline = outline_of(mesh, f);
+    const bool second_order = mesh.second_order(f) && !surface;
+    const std::vector<vtkIdType> nodes =
+        second_order ? std::vector<vtkIdType>(face.begin(), face.end())
+                     : std::vector<vtkIdType>(outline.begin(), outline.end());
+    const auto count = static_cast<vtkIdType>(nodes.size());
+    const int type = second_order ? (count == 6 ? VTK_QUADRATIC_TRIANGLE : VTK_QUADRATIC_QUAD)
+                     : count == 3 ? VTK_TRIANGLE
+                     : count == 4 ? VTK_QUAD
+                                  : VTK_POLYGON;
+    if (surface)
+      cells->InsertNextCell(count, nodes.data());
+    else
+      grid->InsertNextCell(type, count, nodes.data());
+  }
+  const auto points = vtk_points(mesh.points, VTK_DOUBLE);
+  polygons->SetPoints(points);
+  polygons->SetPolys(cells);
+  grid->SetPoints(points);
+  write_data(surface ? static_cast<vtkDataObject*>(polygons) : grid, path);
+}
+
+}  // namespace batten

@@ -1,0 +1,225 @@
+#include "batten/io/pictures/animation.h"
+
+#include <gif_lib.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <memory>
+#include <string>
+
+#include "batten/core/errors.h"
+#include "batten/io/files/whole_file.h"
+
+namespace batten {
+namespace {
+
+constexpr int kBits = 6, kCells = 1 << (3 * kBits), kMapSize = 256;
+/// Of pixels that stay as they were: long runs of one number, which GIF packs well.
+constexpr int kUnchanged = 255, kMostColours = kUnchanged;
+
+int cell_of(const unsigned char* rgb) {
+  constexpr int drop = 8 - kBits;
+  return (rgb[0] >> drop) << (2 * kBits) | (rgb[1] >> drop) << kBits | rgb[2] >> drop;
+}
+
+/// All pixels of one cell of the colour cube.
+struct Cell {
+  int cell = 0;
+  double pixels = 0;
+  std::array<double, 3> sum{};
+  double mean(int channel) const { return sum[channel] / pixels; }
+};
+
+/// Cells that share one colour.
+struct Box {
+  std::vector<Cell> cells;
+  std::array<double, 3> mean{};
+  double spread = 0;  // Σ pixels |colour - mean|²
+  int widest = 0;     // channel with the largest share of it
+
+  void measure() {
+    double pixels = 0;
+    std::array<double, 3> sum{}, part{};
+    for (const Cell& cell : cells) {
+      pixels += cell.pixels;
+      for (size_t c = 0; c < 3; ++c) sum[c] += cell.sum[c];
+    }
+    for (size_t c = 0; c < 3; ++c) mean[c] = sum[c] / pixels;
+    for (const Cell& cell : cells)
+      for (int c = 0; c < 3; ++c) {
+        const double d = cell.mean(c) - mean[c];
+        part[c] += cell.pixels * d * d;
+      }
+    spread = part[0] + part[1] + part[2];
+    widest = static_cast<int>(std::max_element(part.begin(), part.end()) - part.begin());
+  }
+};
+
+void check(const std::vector<Image>& frames) {
+  if (frames.empty()) throw InputError("found no pictures, expected one or more");
+  for (const Image& frame : frames) {
+    if (frame.width < 1 || frame.height < 1 || frame.width > 65535 || frame.height > 65535 ||
+        frame.rgb.size() != size_t{3} * static_cast<size_t>(frame.width) * frame.height)
+      throw InputError("found a picture of " + std::to_string(frame.width) + " x " +
+                       std::to_string(frame.height) + " pixels with " +
+                       std::to_string(frame.rgb.size()) +
+                       " bytes, expected 1 to 65535 each way, three bytes a pixel");
+    if (frame.width != frames.front().width || frame.height != frames.front().height)
+      throw InputError("found pictures of " + std::to_string(frames.front().width) + " x " +
+                       std::to_string(frames.front().height) + " and " +
+                       std::to_string(frame.width) + " x " + std::to_string(frame.height) +
+                       " pixels, expected one size");
+  }
+}
+
+struct CloseGif {
+  void operator()(GifFileType* gif) const { EGifCloseFile(gif, nullptr); }
+};
+
+struct Rectangle {
+  int left = 0, top = 0, width = 0, height = 0;
+};
+
+/// The smallest with all pixels that differ; one pixel where none does.
+Rectangle changed(const std::vector<unsigned char>& before, const std::vector<unsigned char>& now,
+                  int width, int height) {
+  int left = width, right = -1, top = height, bottom = -1;
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      const size_t at = static_cast<size_t>(y) * static_cast<size_t>(width) + x;
+      if (before[at] == now[at]) continue;
+      left = std::min(left, x);
+      right = std::max(right, x);
+      top = std::min(top, y);
+      bottom = y;
+    }
+  if (right < 0) return {0, 0, 1, 1};
+  return {left, top, right - left + 1, bottom - top + 1};
+}
+
+int hundredths(double seconds) {
+  return static_cast<int>(std::clamp(std::round(100 * seconds), 2.0, 65535.0));
+}
+
+}  // namespace
+
+Palette::Palette(const std::vector<Image>& images) : index_(kCells, 0) {
+  check(images);
+  std::vector<Cell> cube(kCells);
+  for (const Image& image : images)
+    for (size_t p = 0; p < image.rgb.size(); p += 3) {
+      Cell& cell = cube[cell_of(&image.rgb[p])];
+      ++cell.pixels;
+      for (size_t c = 0; c < 3; ++c) cell.sum[c] += image.rgb[p + c];
+    }
+  std::vector<Box> boxes(1);
+  for (int c = 0; c < kCells; ++c)
+    if (Cell& cell = cube[c]; cell.pixels > 0) {
+      cell.cell = c;
+      boxes[0].cells.push_back(cell);
+    }
+  boxes[0].measure();
+  while (boxes.size() < kMostColours) {
+    const auto worst = std::max_element(
+        boxes.begin(), boxes.end(), [](const Box& a, const Box& b) { return a.spread < b.spread; });
+    if (!(worst->spread > 0)) break;
+    const int channel = worst->widest;
+    const double middle = worst->mean[channel];
+    Box upper;
+    const auto from =
+        std::stable_partition(worst->cells.begin(), worst->cells.end(),
+                              [&](const Cell& c) { return c.mean(channel) < middle; });
+    // Rounding of the mean may leave one side empty: then the cells are one colour.
+    if (from == worst->cells.begin() || from == worst->cells.end()) {
+      worst->spread = 0;
+      continue;
+    }
+    upper.cells.assign(from, worst->cells.end());
+    worst->cells.erase(from, worst->cells.end());
+    worst->measure();
+    upper.measure();
+    boxes.push_back(std::move(upper));
+  }
+  for (size_t b = 0; b < boxes.size(); ++b) {
+    for (const double mean : boxes[b].mean)
+      colours_.push_back(static_cast<unsigned char>(std::lround(mean)));
+    for (const Cell& cell : boxes[b].cells) index_[cell.cell] = static_cast<unsigned char>(b);
+  }
+}
+
+int Palette::index(unsigned char red, unsigned char green, unsigned char blue) const {
+  const unsigned char rgb[3] = {red, green, blue};
+  return index_[cell_of(rgb)];
+}
+
+void write_gif(const std::filesystem::path& path, const std::vector<Image>& frames, double seconds,
+               double last_seconds) {
+  check(frames);
+  for (const double s : {seconds, last_seconds})
+    if (!(s > 0) || !std::isfinite(s))
+      throw InputError("found " + number(s) + " seconds a picture, expected a time above 0");
+  const Palette palette(frames);
+  const int width = frames.front().width, height = frames.front().height;
+
+  WholeFile file(path);
+  int error = 0;
+  const auto fail = [&](int code) {
+    const char* reason = GifErrorString(code);
+    throw InputError(path.string() +
+                     ": cannot write this file: " + (reason ? reason : "unknown reason"));
+  };
+  std::unique_ptr<GifFileType, CloseGif> gif(
+      EGifOpenFileName(file.temporary().c_str(), false, &error));
+  if (!gif) fail(error);
+  const auto expect = [&](int result) {
+    if (result == GIF_ERROR) fail(gif->Error);
+  };
+  EGifSetGifVersion(gif.get(), true);
+  std::array<GifColorType, kMapSize> colours{};
+  for (int i = 0; i < palette.count(); ++i) {
+    const unsigned char* rgb = &palette.colours()[3 * i];
+    colours[i] = {rgb[0], rgb[1], rgb[2]};
+  }
+  const std::unique_ptr<ColorMapObject, void (*)(ColorMapObject*)> map(
+      GifMakeMapObject(kMapSize, colours.data()), GifFreeMapObject);
+  if (!map) throw std::bad_alloc();
+  expect(EGifPutScreenDesc(gif.get(), width, height, 8, 0, map.get()));
+  const unsigned char forever[3] = {1, 0, 0};
+  expect(EGifPutExtensionLeader(gif.get(), APPLICATION_EXT_FUNC_CODE));
+  expect(EGifPutExtensionBlock(gif.get(), 11, "NETSCAPE2.0"));
+  expect(EGifPutExtensionBlock(gif.get(), 3, forever));
+  expect(EGifPutExtensionTrailer(gif.get()));
+
+  std::vector<unsigned char> before, now(static_cast<size_t>(width) * height),
+      row(static_cast<size_t>(width));
+  for (size_t f = 0; f < frames.size(); ++f) {
+    for (size_t p = 0; p < now.size(); ++p) {
+      const unsigned char* rgb = &frames[f].rgb[3 * p];
+      now[p] = static_cast<unsigned char>(palette.index(rgb[0], rgb[1], rgb[2]));
+    }
+    const Rectangle part =
+        f == 0 ? Rectangle{0, 0, width, height} : changed(before, now, width, height);
+    GraphicsControlBlock control{};
+    control.DisposalMode = DISPOSE_DO_NOT;
+    control.DelayTime = hundredths(f + 1 == frames.size() ? last_seconds : seconds);
+    control.TransparentColor = f == 0 ? NO_TRANSPARENT_COLOR : kUnchanged;
+    GifByteType bytes[4];
+    expect(EGifPutExtension(gif.get(), GRAPHICS_EXT_FUNC_CODE,
+                            static_cast<int>(EGifGCBToExtension(&control, bytes)), bytes));
+    expect(
+        EGifPutImageDesc(gif.get(), part.left, part.top, part.width, part.height, false, nullptr));
+    for (int y = 0; y < part.height; ++y) {
+      const size_t first = static_cast<size_t>(part.top + y) * static_cast<size_t>(width) +
+                           static_cast<size_t>(part.left);
+      for (size_t x = 0; x < row.size() && x < static_cast<size_t>(part.width); ++x)
+        row[x] = f > 0 && now[first + x] == before[first + x] ? kUnchanged : now[first + x];
+      expect(EGifPutLine(gif.get(), row.data(), part.width));
+    }
+    before = now;
+  }
+  if (EGifCloseFile(gif.release(), &error) == GIF_ERROR) fail(error);
+  file.commit();
+}
+
+}  // namespace batten

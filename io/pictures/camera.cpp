@@ -1,0 +1,65 @@
+#include "batten/io/pictures/camera.h"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace batten::canvas {
+
+ViewAxes::ViewAxes(double azimuth, double elevation) {
+  const double degree = std::numbers::pi / 180;
+  const double a = azimuth * degree, e = elevation * degree;
+  right = {std::cos(a), std::sin(a), 0};
+  towards = {std::sin(a) * std::cos(e), -std::cos(a) * std::cos(e), std::sin(e)};
+  up = towards.cross(right);
+}
+
+ViewAxes::ViewAxes(const Vec3& towards_camera) : towards(towards_camera.normalized()) {
+  const Vec3 above = std::abs(towards.z()) > std::sqrt(0.5) ? Vec3::UnitY() : Vec3::UnitZ();
+  right = above.cross(towards).normalized();
+  up = towards.cross(right);
+}
+
+ViewAxes best_view(const std::vector<Vec3>& points) {
+  Vec3 middle = Vec3::Zero();
+  for (const Vec3& p : points) middle += p / static_cast<double>(points.size());
+  Mat3 moments = Mat3::Zero();
+  for (const Vec3& p : points) moments += (p - middle) * (p - middle).transpose();
+  const Eigen::SelfAdjointEigenSolver<Mat3> plane(moments);
+  Vec3 normal = plane.eigenvectors().col(0);
+  // A straight line has no plane of its own: the usual view, as far as it allows.
+  if (plane.eigenvalues()[1] <= 1e-9 * plane.eigenvalues()[2]) {
+    const Vec3 along = plane.eigenvectors().col(2), usual = ViewAxes(-30, 30).towards;
+    normal = usual - usual.dot(along) * along;
+    if (normal.norm() < 1e-6) normal = along.unitOrthogonal();
+  }
+  // From above; a standing plane from the front (-y), one that faces sideways from the right.
+  const double side = std::abs(normal.z()) > std::sqrt(0.5) ? normal.z()
+                      : std::abs(normal.y()) > 0.3          ? -normal.y()
+                                                            : normal.x();
+  return ViewAxes(side < 0 ? Vec3(-normal) : normal);
+}
+
+Fit fit(const std::vector<Vec3>& points, const ViewAxes& axes, const Frame& frame, double zoom) {
+  Vec3 low = Vec3::Constant(1e300), high = -low;
+  for (const Vec3& p : points) {
+    const Vec3 q(axes.right.dot(p), axes.up.dot(p), axes.towards.dot(p));
+    low = low.cwiseMin(q);
+    high = high.cwiseMax(q);
+  }
+  const double margin = 0.06;
+  const double width = frame.width * (1 - 2 * margin);
+  const double height = (frame.height - frame.top - frame.bottom) * (1 - 2 * margin);
+  const Vec3 extent = high - low;
+  double pixel = std::max(extent.x() / width, extent.y() / height);
+  if (!(pixel > 0)) pixel = 1 / width;
+  pixel /= zoom;
+  const Vec3 middle = (low + high) / 2;
+  const double shift = pixel * (frame.top - frame.bottom) / 2;
+  return {middle.x() * axes.right + (middle.y() + shift) * axes.up + middle.z() * axes.towards,
+          pixel};
+}
+
+}  // namespace batten::canvas

@@ -1,0 +1,339 @@
+#include "batten/io/pictures/canvas.h"
+
+#include <vtkActor.h>
+#include <vtkAutoInit.h>
+#include <vtkCamera.h>
+#include <vtkLight.h>
+#include <vtkLookupTable.h>
+#include <vtkNew.h>
+#include <vtkPolyData.h>
+#include <vtkPolyDataMapper.h>
+#include <vtkProperty.h>
+#include <vtkRenderWindow.h>
+#include <vtkRenderer.h>
+#include <vtkScalarBarActor.h>
+#include <vtkTextActor.h>
+#include <vtkTextProperty.h>
+#include <vtkTextRenderer.h>
+#include <vtkTubeFilter.h>
+#include <vtkUnsignedCharArray.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "batten/core/errors.h"
+#include "batten/io/files/whole_file.h"
+#include "batten/io/pictures/display.h"
+
+// VTK finds its drawing code by these.
+VTK_MODULE_INIT(vtkRenderingOpenGL2)
+VTK_MODULE_INIT(vtkRenderingFreeType)
+
+namespace batten {
+namespace fs = std::filesystem;
+namespace canvas {
+namespace {
+
+const Colour kTop(1, 1, 1), kBottom(0.80, 0.825, 0.855);
+
+/// Drawn this much larger and averaged down: smooth edges with any driver.
+constexpr int kOversampling = 2;
+
+void add_light(vtkRenderer& renderer, double x, double y, double z, double intensity) {
+  vtkNew<vtkLight> light;
+  light->SetLightTypeToCameraLight();
+  light->SetPosition(x, y, z);
+  light->SetFocalPoint(0, 0, 0);
+  light->SetIntensity(intensity);
+  renderer.AddLight(light);
+}
+
+/// VTK's own font knows Latin letters only and passes over all others.
+void set_font(vtkTextProperty& text, double pixels) {
+  static const char* const file = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf";
+  static const bool there = fs::exists(file);
+  if (there) {
+    text.SetFontFamily(VTK_FONT_FILE);
+    text.SetFontFile(file);
+  } else {
+    text.SetFontFamilyToArial();
+  }
+  text.SetFontSize(std::max(1, static_cast<int>(std::lround(pixels * kOversampling))));
+  text.SetColor(kText.data());
+  text.BoldOff();
+  text.ItalicOff();
+  text.ShadowOff();
+}
+
+/// Pixels of the picture.
+double text_width(vtkTextProperty& property, const std::string& text) {
+  int box[4] = {0, 0, 0, 0};
+  constexpr int dpi = 72;
+  vtkTextRenderer::GetInstance()->GetBoundingBox(&property, text, box, dpi);
+  return static_cast<double>(box[1] - box[0] + 1) / kOversampling;
+}
+
+/// Kept for the life of the process: making one costs more than drawing a picture.
+vtkRenderWindow& window() {
+  static const vtkSmartPointer<vtkRenderWindow> the_window = [] {
+    auto made = vtkSmartPointer<vtkRenderWindow>::New();
+    made->SetOffScreenRendering(1);
+    made->SetMultiSamples(4);
+    return made;
+  }();
+  return *the_window;
+}
+
+/// Renderers that leave the window with this object, so that it can serve again.
+class Viewports {
+ public:
+  explicit Viewports(vtkRenderWindow& canvas) : canvas_(canvas) {}
+  ~Viewports() {
+    for (const auto& renderer : renderers_) canvas_.RemoveRenderer(renderer);
+  }
+  Viewports(const Viewports&) = delete;
+  Viewports& operator=(const Viewports&) = delete;
+  vtkRenderer& add() {
+    renderers_.push_back(vtkSmartPointer<vtkRenderer>::New());
+    canvas_.AddRenderer(renderers_.back());
+    return *renderers_.back();
+  }
+
+ private:
+  vtkRenderWindow& canvas_;
+  std::vector<vtkSmartPointer<vtkRenderer>> renderers_;
+};
+
+/// VTK's rows begin at the bottom.
+Image averaged_down(const vtkUnsignedCharArray& pixels, int width, int height) {
+  Image image{width, height, {}};
+  image.rgb.reserve(size_t{3} * static_cast<size_t>(width) * height);
+  const unsigned char* in = const_cast<vtkUnsignedCharArray&>(pixels).GetPointer(0);
+  constexpr int n = kOversampling;
+  for (int y = height - 1; y >= 0; --y)
+    for (int x = 0; x < width; ++x)
+      for (int c = 0; c < 3; ++c) {
+        int sum = n * n / 2;
+        for (int dy = 0; dy < n; ++dy)
+          for (int dx = 0; dx < n; ++dx)
+            sum += in[(static_cast<size_t>(n * y + dy) * (n * width) + (n * x + dx)) * 3 + c];
+        image.rgb.push_back(static_cast<unsigned char>(sum / (n * n)));
+      }
+  return image;
+}
+
+void check(const PictureSize& size) {
+  for (const int pixels : {size.width, size.height})
+    if (pixels < 64 || pixels > 4096)
+      throw InputError("found a picture size of " + std::to_string(size.width) + " x " +
+                       std::to_string(size.height) + ", expected 64 to 4096 pixels");
+}
+
+}  // namespace
+
+std::vector<Vec3> points_of(vtkPolyData& data) {
+  std::vector<Vec3> points(static_cast<size_t>(data.GetNumberOfPoints()));
+  for (size_t p = 0; p < points.size(); ++p)
+    data.GetPoint(static_cast<vtkIdType>(p), points[p].data());
+  return points;
+}
+
+vtkSmartPointer<vtkActor> actor(vtkAlgorithmOutput* port, vtkPolyData* data, const Colour& colour) {
+  vtkNew<vtkPolyDataMapper> mapper;
+  if (port)
+    mapper->SetInputConnection(port);
+  else
+    mapper->SetInputData(data);
+  mapper->ScalarVisibilityOff();
+  auto result = vtkSmartPointer<vtkActor>::New();
+  result->SetMapper(mapper);
+  result->GetProperty()->SetColor(colour.x(), colour.y(), colour.z());
+  return result;
+}
+
+void add_thin_lines(vtkRenderer& renderer, vtkPolyData* lines, const Colour& colour, double width,
+                    const Vec3& offset) {
+  const auto drawn = actor(nullptr, lines, colour);
+  drawn->GetProperty()->LightingOff();
+  drawn->GetProperty()->SetLineWidth(static_cast<float>(std::max(1.6, width * kOversampling)));
+  drawn->SetPosition(offset.x(), offset.y(), offset.z());
+  renderer.AddActor(drawn);
+}
+
+void add_dots(vtkRenderer& renderer, vtkPolyData* points, const Colour& colour, double width) {
+  const auto drawn = actor(nullptr, points, colour);
+  drawn->GetProperty()->LightingOff();
+  drawn->GetProperty()->SetPointSize(static_cast<float>(std::max(2.0, width * kOversampling)));
+  drawn->GetProperty()->RenderPointsAsSpheresOn();
+  renderer.AddActor(drawn);
+}
+
+void add_text(vtkRenderer& renderer, std::string text, double x, double y, double pixels,
+              double width, bool centred) {
+  std::replace(text.begin(), text.end(), '\n', ' ');
+  if (text.empty()) return;
+  vtkNew<vtkTextActor> drawn;
+  vtkTextProperty& property = *drawn->GetTextProperty();
+  set_font(property, pixels);
+  if (const double wide = text_width(property, text); wide > width)
+    set_font(property, std::max(0.65 * pixels, pixels * width / wide));
+  std::string shown = text;
+  while (text_width(property, shown) > width && !text.empty()) {
+    // Whole UTF-8 characters only.
+    while (text.size() > 1 && (static_cast<unsigned char>(text.back()) & 0xC0) == 0x80)
+      text.pop_back();
+    text.pop_back();
+    shown = text + "...";
+  }
+  drawn->SetInput(shown.c_str());
+  if (centred) property.SetJustificationToCentered();
+  property.SetVerticalJustificationToCentered();
+  drawn->SetPosition(x * kOversampling, y * kOversampling);
+  renderer.AddActor2D(drawn);
+}
+
+vtkSmartPointer<vtkActor> body(vtkPolyData* facets, const Colour& colour) {
+  auto result = actor(nullptr, facets, colour);
+  vtkProperty& look = *result->GetProperty();
+  look.SetInterpolationToPhong();
+  look.SetAmbient(0.16);
+  look.SetDiffuse(0.86);
+  look.SetSpecular(0.18);
+  look.SetSpecularPower(40);
+  return result;
+}
+
+void add_tubes(vtkRenderer& renderer, vtkPolyData* lines, const Colour& colour, double radius,
+               const Vec3& offset) {
+  vtkNew<vtkTubeFilter> tubes;
+  tubes->SetInputData(lines);
+  tubes->SetRadius(radius);
+  tubes->SetNumberOfSides(16);
+  tubes->CappingOn();
+  const auto drawn = actor(tubes->GetOutputPort(), nullptr, colour);
+  drawn->GetProperty()->SetSpecular(0.3);
+  drawn->GetProperty()->SetSpecularPower(25);
+  drawn->GetProperty()->SetAmbient(0.25);
+  drawn->SetPosition(offset.x(), offset.y(), offset.z());
+  renderer.AddActor(drawn);
+}
+
+void add_lights(vtkRenderer& renderer) {
+  renderer.GradientBackgroundOn();
+  renderer.SetBackground(kBottom.data());
+  renderer.SetBackground2(kTop.data());
+  add_light(renderer, -0.6, 0.8, 0.9, 0.58);
+  add_light(renderer, 0, 0, 1, 0.38);
+  add_light(renderer, 0.9, -0.1, 0.5, 0.20);
+  add_light(renderer, -0.2, -0.9, 0.6, 0.26);
+}
+
+namespace {
+
+double unit_of(double width, double height) { return std::sqrt(width / 1600 * height / 1000); }
+double title_pixels(double width, double height) {
+  return std::max(13.0, 28 * unit_of(width, height));
+}
+
+}  // namespace
+
+Frame frame_of(double width, double height, const std::string& title, bool caption_below,
+               double bar_height) {
+  const double unit = unit_of(width, height);
+  const double row = title.empty() ? 0 : 2 * title_pixels(width, height);
+  return {width, height, caption_below ? 0 : row, (caption_below ? row : 0) + bar_height * unit,
+          unit};
+}
+
+void add_title(vtkRenderer& renderer, const std::string& title, double width, double height,
+               bool caption_below) {
+  const double text = title_pixels(width, height);
+  const double x = caption_below ? width / 2 : 1.2 * text;
+  const double y = caption_below ? 0.9 * text : height - 1.2 * text;
+  add_text(renderer, title, x, y, text, width - 2.4 * text, caption_below);
+}
+
+void set_camera(vtkRenderer& renderer, const ViewAxes& axes, const Fit& view, double width,
+                double height) {
+  vtkCamera& camera = *renderer.GetActiveCamera();
+  const Vec3 position = view.focus + axes.towards * (view.pixel * (width + height));
+  camera.ParallelProjectionOn();
+  camera.SetFocalPoint(view.focus.x(), view.focus.y(), view.focus.z());
+  camera.SetPosition(position.x(), position.y(), position.z());
+  camera.SetViewUp(axes.up.x(), axes.up.y(), axes.up.z());
+  camera.SetParallelScale(view.pixel * height / 2);
+  renderer.ResetCameraClippingRange();
+}
+
+void add_scalar_bar(vtkRenderer& renderer, vtkLookupTable* table, const std::string& title,
+                    const Frame& frame) {
+  const double width = std::min(0.5 * frame.width, 640 * frame.unit);
+  const double bottom = frame.bottom - 100 * frame.unit;
+  const double text = std::max(10.0, 20 * frame.unit);
+  vtkNew<vtkScalarBarActor> bar;
+  bar->SetLookupTable(table);
+  bar->SetOrientationToHorizontal();
+  bar->SetTextPositionToPrecedeScalarBar();
+  bar->SetTextPad(static_cast<int>(6 * frame.unit * kOversampling));
+  bar->SetNumberOfLabels(5);
+  bar->SetLabelFormat("%.3g");
+  bar->UnconstrainedFontSizeOn();
+  set_font(*bar->GetLabelTextProperty(), text);
+  bar->SetMaximumNumberOfColors(512);
+  bar->GetPositionCoordinate()->SetCoordinateSystemToNormalizedViewport();
+  bar->SetPosition((frame.width - width) / 2 / frame.width, bottom / frame.height);
+  bar->SetWidth(width / frame.width);
+  bar->SetHeight(64 * frame.unit / frame.height);
+  bar->SetBarRatio(0.36);
+  renderer.AddActor2D(bar);
+  add_text(renderer, title, frame.width / 2, bottom + 64 * frame.unit + 0.9 * text, text, width,
+           true);
+}
+
+Image sheet_image(int count, int columns, bool captions_below, const PictureSize& size,
+                  const std::function<void(vtkRenderer&, int, double, double)>& draw) {
+  check(size);
+  require_display();
+  vtkRenderWindow& canvas = window();
+  const int rows = (count + columns - 1) / columns;
+  const double cell_width = static_cast<double>(size.width) / columns;
+  const double cell_height = static_cast<double>(size.height) / rows;
+  const double gap = captions_below ? 3 : 0;
+  const double width = cell_width - 2 * gap, height = cell_height - 2 * gap;
+  if (width < 32 || height < 32)
+    throw InputError("found " + std::to_string(count) +
+                     " pictures on one sheet, expected room for 32 pixels each way");
+  canvas.SetSize(size.width * kOversampling, size.height * kOversampling);
+  vtkNew<vtkUnsignedCharArray> pixels;
+  {
+    Viewports viewports(canvas);
+    viewports.add().SetBackground(1, 1, 1);  // behind all others
+    for (int i = 0; i < count; ++i) {
+      const int row = i / columns, column = i % columns;
+      vtkRenderer& renderer = viewports.add();
+      const double left = column * cell_width + gap, top = row * cell_height + gap;
+      renderer.SetViewport(left / size.width, 1 - (top + height) / size.height,
+                           (left + width) / size.width, 1 - top / size.height);
+      draw(renderer, i, width, height);
+    }
+    canvas.Render();
+    canvas.GetPixelData(0, 0, size.width * kOversampling - 1, size.height * kOversampling - 1, 0,
+                        pixels);
+  }
+  if (pixels->GetNumberOfValues() !=
+      vtkIdType{3} * kOversampling * kOversampling * size.width * size.height)
+    throw NoSolutionError("VTK drew nothing");
+  return averaged_down(*pixels, size.width, size.height);
+}
+
+void draw_sheet(const fs::path& path, int count, int columns, bool captions_below,
+                const PictureSize& size,
+                const std::function<void(vtkRenderer&, int, double, double)>& draw) {
+  check(size);
+  require_display();
+  { const WholeFile before_the_work(path); }  // can it be written?
+  write_png(path, sheet_image(count, columns, captions_below, size, draw));
+}
+
+}  // namespace canvas
+}  // namespace batten

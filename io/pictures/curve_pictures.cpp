@@ -1,0 +1,368 @@
+#include "batten/io/pictures/curve_pictures.h"
+
+#include <vtkActor.h>
+#include <vtkCellArray.h>
+#include <vtkNew.h>
+#include <vtkPoints.h>
+#include <vtkPolyData.h>
+#include <vtkProperty.h>
+#include <vtkRenderer.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "batten/core/errors.h"
+#include "batten/core/index.h"
+#include "batten/fairing/fairness.h"
+#include "batten/io/pictures/canvas.h"
+#include "batten/io/pictures/colour_tables.h"
+
+namespace batten {
+namespace {
+
+using namespace canvas;
+
+const Colour kCurve(0.09, 0.20, 0.40), kTooth(0.86, 0.36, 0.22), kDot(0.45, 0.60, 0.72),
+    kCircle(0.16, 0.52, 0.44);
+
+/// Parallel projection of lines is a drawing on paper: layers lie one above the other.
+enum Layer { kBand, kTeeth, kTips, kDots, kCurves, kCircles, kLegend };
+
+/// Lines, triangles or dots of one colour on one layer of the paper.
+class Ink {
+ public:
+  Ink(const ViewAxes& axes, Layer layer, double depth)
+      : axes_(axes), height_(static_cast<double>(layer) * depth) {
+    points_->SetDataTypeToDouble();
+  }
+  void line(const std::vector<Vec3>& chain) {
+    if (chain.size() < 2) return;
+    lines_->InsertNextCell(count_of(chain));
+    for (const Vec3& p : chain) lines_->InsertCellPoint(add(p));
+  }
+  void quad(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
+    const vtkIdType corners[4] = {add(a), add(b), add(c), add(d)};
+    faces_->InsertNextCell(4, corners);
+  }
+  void dot(const Vec3& p) {
+    const vtkIdType id = add(p);
+    dots_->InsertNextCell(1, &id);
+  }
+  vtkSmartPointer<vtkPolyData> data() const {
+    auto result = vtkSmartPointer<vtkPolyData>::New();
+    result->SetPoints(points_);
+    result->SetLines(lines_);
+    result->SetPolys(faces_);
+    result->SetVerts(dots_);
+    return result;
+  }
+
+ private:
+  vtkIdType add(const Vec3& p) {
+    return points_->InsertNextPoint(axes_.right.dot(p), axes_.up.dot(p), height_);
+  }
+  const ViewAxes& axes_;
+  double height_;
+  vtkNew<vtkPoints> points_;
+  vtkNew<vtkCellArray> lines_, faces_, dots_;
+};
+
+/// A curve ready to be drawn.
+struct Drawn {
+  std::vector<Vec3> line;
+  std::vector<CombTooth> teeth;
+};
+
+struct Drawing {
+  std::vector<std::vector<Drawn>> panels;
+  ViewAxes axes{0, 0};
+  double size = 0;     // of everything on the paper
+  double scale = 0;    // tooth over curvature; 0: no curve bends
+  double longest = 0;  // tooth
+
+  Vec3 tip(const CombTooth& tooth) const {
+    return tooth.point + std::min(longest, scale * tooth.curvature) * tooth.outward;
+  }
+  bool cut(const CombTooth& tooth) const { return scale * tooth.curvature > longest; }
+};
+
+double diagonal(const std::vector<Vec3>& points) {
+  Eigen::AlignedBox3d box;
+  for (const Vec3& p : points) box.extend(p);
+  return points.empty() ? 0 : box.diagonal().norm();
+}
+
+Drawn drawn(const HermiteCurve& curve, int teeth) {
+  Drawn result;
+  const int each = std::clamp(2000 / curve.segment_count(), 4, 64);
+  for (int s = 0; s < curve.segment_count(); ++s)
+    for (int k = s == 0 ? 0 : 1; k <= each; ++k)
+      result.line.push_back(curve.evaluate({s, static_cast<double>(k) / each}));
+  result.teeth = curvature_comb(curve, teeth);
+  std::erase_if(result.teeth, [](const CombTooth& t) {
+    return !t.point.allFinite() || !t.outward.allFinite() || !std::isfinite(t.curvature);
+  });
+  return result;
+}
+
+/// The value that so much of the whole weight does not exceed.
+double percentile(std::vector<std::pair<double, double>> value_and_weight, double part) {
+  std::sort(value_and_weight.begin(), value_and_weight.end());
+  double whole = 0, sum = 0;
+  for (const auto& [value, weight] : value_and_weight) whole += weight;
+  for (const auto& [value, weight] : value_and_weight)
+    if ((sum += weight) >= part * whole) return value;
+  return 0;
+}
+
+Drawing prepare(const CombPicture& picture) {
+  Drawing drawing;
+  std::vector<Vec3> all;
+  for (const CombPanel& panel : picture.panels) {
+    std::vector<Drawn> curves;
+    double total = 0;
+    std::vector<double> lengths;
+    for (const HermiteCurve& curve : panel.curves) lengths.push_back(curve.length());
+    for (const double length : lengths) total += length;
+    const double most = panel.curves.size() == 1 ? 300 : 1500;
+    for (size_t c = 0; c < lengths.size(); ++c)
+      curves.push_back(
+          drawn(panel.curves[c], std::max(8, static_cast<int>(most * lengths[c] / total))));
+    for (const Drawn& curve : curves) all.insert(all.end(), curve.line.begin(), curve.line.end());
+    drawing.panels.push_back(std::move(curves));
+  }
+  drawing.axes =
+      picture.view ? ViewAxes(picture.view->first, picture.view->second) : best_view(all);
+  drawing.size = diagonal(all);
+  std::vector<std::pair<double, double>> curvatures, sizes;
+  for (const Drawn& curve : drawing.panels[picture.scale_panel]) {
+    // Teeth count by the length that they stand for.
+    for (size_t i = 0; i + 1 < curve.teeth.size(); ++i)
+      curvatures.emplace_back(curve.teeth[i].curvature,
+                              (curve.teeth[i + 1].point - curve.teeth[i].point).norm());
+    sizes.emplace_back(diagonal(curve.line), 1);
+  }
+  const double typical = percentile(curvatures, 0.95);
+  if (typical * drawing.size > 1e-6) {
+    // In a sketch of many strokes teeth go with the strokes, not with the sketch.
+    const double tooth = std::min(drawing.size / 8, percentile(sizes, 0.5) / 4);
+    drawing.scale = tooth / typical;
+    drawing.longest = 1.5 * tooth;
+  }
+  return drawing;
+}
+
+void add_band(vtkRenderer& renderer, const Ink& band) {
+  const auto shade = actor(nullptr, band.data(), kTooth);
+  shade->GetProperty()->LightingOff();
+  shade->GetProperty()->SetOpacity(0.16);
+  renderer.AddActor(shade);
+}
+
+/// Lines of known length: curvature as a tooth, and the model's length.
+void add_legend(vtkRenderer& renderer, const CombPicture& picture, const Drawing& drawing,
+                const Fit& view, const Frame& frame, double bottom) {
+  const double text = std::max(10.0, 20 * frame.unit), left = 28 * frame.unit;
+  const double room = frame.width / 2 - left;
+  const auto bar = [&](double x, double y, double length, const Colour& colour) {
+    // The paper's point under a pixel.
+    const auto at = [&](double px, double py) {
+      return Vec3(view.focus.x() + (px - frame.width / 2) * view.pixel,
+                  view.focus.y() + (py - frame.height / 2) * view.pixel, 0);
+    };
+    const ViewAxes paper(0, 90);
+    Ink ink(paper, kLegend, 0);
+    ink.line({at(x, y), at(x + length, y)});
+    const double tick = 5 * frame.unit;
+    for (const double end : {x, x + length}) ink.line({at(end, y - tick), at(end, y + tick)});
+    add_thin_lines(renderer, ink.data(), colour, 2 * frame.unit, Vec3::Zero());
+  };
+  const auto entry = [&](int row, double length, const Colour& colour, const std::string& words) {
+    const double y = bottom + (0.8 + 1.6 * row) * text;
+    bar(left, y, length, colour);
+    const double x = left + length + 0.7 * text;
+    add_text(renderer, words, x, y, text, frame.width - x, false);
+  };
+  const double length = round_step(0.6 * room * view.pixel);
+  entry(0, length / view.pixel, kCurve, number(length) + " " + picture.unit);
+  if (drawing.scale == 0) return;
+  const double curvature = round_step(0.6 * room * view.pixel / drawing.scale);
+  entry(1, curvature * drawing.scale / view.pixel, kTooth,
+        "curvature " + number(curvature) + " / " + picture.unit + " (radius " +
+            number(1 / curvature) + " " + picture.unit + ")");
+}
+
+class Panel {
+ public:
+  Panel(vtkRenderer& renderer, const Drawing& drawing, const Frame& frame, const Fit& view)
+      : renderer_(renderer),
+        drawing_(drawing),
+        frame_(frame),
+        view_(view),
+        depth_(drawing.size > 0 ? 1e-3 * drawing.size : 1e-3) {}
+
+  void add(const CombPanel& panel, const std::vector<Drawn>& curves) {
+    Ink band = ink(kBand), teeth = ink(kTeeth), tips = ink(kTips), dots = ink(kDots),
+        lines = ink(kCurves), circles = ink(kCircles);
+    for (const Drawn& curve : curves) {
+      lines.line(curve.line);
+      if (drawing_.scale > 0) comb(curve.teeth, band, teeth, tips);
+    }
+    for (const Vec3& p : panel.points) dots.dot(p);
+    for (const auto& [centre, radius] : panel.spheres) circles.line(circle(centre, radius));
+    const double few = curves.size() > 8 ? 0.6 : 1;  // a sketch is drawn with a finer pen
+    add_band(renderer_, band);
+    add_thin_lines(renderer_, teeth.data(), kTooth, 0.8 * few * frame_.unit, Vec3::Zero());
+    add_thin_lines(renderer_, tips.data(), kTooth, 1.5 * few * frame_.unit, Vec3::Zero());
+    add_dots(renderer_, dots.data(), kDot, 3.4 * few * frame_.unit);
+    add_thin_lines(renderer_, lines.data(), kCurve, 2.8 * few * frame_.unit, Vec3::Zero());
+    add_thin_lines(renderer_, circles.data(), kCircle, 2 * frame_.unit, Vec3::Zero());
+  }
+
+ private:
+  Ink ink(Layer layer) const { return {drawing_.axes, layer, depth_}; }
+
+  /// Two teeth in one place are the two sides of a corner or of a jump, a tooth that is cut has no
+  /// tip: nothing joins them.
+  void comb(const std::vector<CombTooth>& all, Ink& band, Ink& teeth, Ink& tips) const {
+    std::vector<Vec3> chain;
+    Vec3 last = Vec3::Constant(1e300);
+    for (size_t i = 0; i < all.size(); ++i) {
+      const Vec3 tip = drawing_.tip(all[i]);
+      if (drawing_.cut(all[i]) || (i > 0 && all[i].u <= all[i - 1].u)) {
+        tips.line(chain);
+        chain.clear();
+      }
+      if (!drawing_.cut(all[i])) {
+        if (!chain.empty() && all[i].outward.dot(all[i - 1].outward) > 0)
+          band.quad(all[i - 1].point, all[i].point, tip, chain.back());
+        chain.push_back(tip);
+      }
+      // Nodes side by side give more teeth than there is room for.
+      if ((all[i].point - last).norm() < 2.5 * view_.pixel && i + 1 < all.size()) continue;
+      last = all[i].point;
+      teeth.line({all[i].point, tip});
+    }
+    tips.line(chain);
+  }
+
+  std::vector<Vec3> circle(const Vec3& centre, double radius) const {
+    std::vector<Vec3> chain;
+    constexpr int sides = 72;
+    for (int i = 0; i <= sides; ++i) {
+      const double angle = 2 * std::numbers::pi * i / sides;
+      chain.push_back(centre + radius * (std::cos(angle) * drawing_.axes.right +
+                                         std::sin(angle) * drawing_.axes.up));
+    }
+    return chain;
+  }
+
+  vtkRenderer& renderer_;
+  const Drawing& drawing_;
+  const Frame& frame_;
+  const Fit& view_;
+  double depth_;
+};
+
+/// Everything that has to be in view, on the paper.
+std::vector<Vec3> extent(const CombPicture& picture, const Drawing& drawing) {
+  std::vector<Vec3> points;
+  const auto add = [&](const Vec3& p) {
+    points.emplace_back(drawing.axes.right.dot(p), drawing.axes.up.dot(p), 0);
+  };
+  for (const auto& panel : drawing.panels)
+    for (const Drawn& curve : panel) {
+      for (const Vec3& p : curve.line) add(p);
+      for (const CombTooth& tooth : curve.teeth) add(drawing.tip(tooth));
+    }
+  for (const CombPanel& panel : picture.panels) {
+    for (const Vec3& p : panel.points) add(p);
+    for (const auto& [centre, radius] : panel.spheres)
+      for (const double r : {-radius, radius}) {
+        add(centre + r * drawing.axes.right);
+        add(centre + r * drawing.axes.up);
+      }
+  }
+  return points;
+}
+
+/// 1600 pixels wide, panels as high as what they show.
+PictureSize natural_size(const std::vector<Vec3>& in_view, int count, int columns) {
+  Eigen::AlignedBox3d box;
+  for (const Vec3& p : in_view) box.extend(p);
+  const int rows = (count + columns - 1) / columns;
+  const double width = 1600.0 / columns, text = 110;
+  const double shape = box.sizes().x() > 0 ? box.sizes().y() / box.sizes().x() : 1;
+  const double height = std::clamp(width * std::clamp(shape, 0.3, 1.4) + text, 320.0, 1200.0);
+  return {1600, std::min(4096, static_cast<int>(rows * height))};
+}
+
+std::string title_of(const CombPanel& panel, const Drawing& drawing,
+                     const std::vector<Drawn>& curves) {
+  size_t cut = 0, all = 0;
+  for (const Drawn& curve : curves)
+    for (const CombTooth& tooth : curve.teeth) {
+      cut += drawing.scale > 0 && drawing.cut(tooth);
+      ++all;
+    }
+  if (cut == 0) return panel.title;
+  const double part = static_cast<double>(cut) / static_cast<double>(all);
+  const std::string how_many = cut == all    ? "all"
+                               : part < 0.01 ? "under 1 % of"
+                                             : number(std::floor(100 * part)) + " % of";
+  return panel.title + (panel.title.empty() ? "" : "  ") + "(" + how_many + " teeth cut)";
+}
+
+void check(const CombPicture& picture) {
+  if (picture.panels.empty()) throw InputError("there is no panel to draw");
+  for (const CombPanel& panel : picture.panels) {
+    if (panel.curves.empty())
+      throw InputError("panel '" + panel.title + "': there is no curve to draw");
+    for (const HermiteCurve& curve : panel.curves)
+      if (curve.segment_count() < 1)
+        throw InputError("panel '" + panel.title + "': found a curve without segments");
+  }
+  const int count = count_of(picture.panels);
+  if (picture.scale_panel < 0 || picture.scale_panel >= count)
+    throw InputError("found the scale panel " + std::to_string(picture.scale_panel) +
+                     ", expected 0 to " + std::to_string(count - 1));
+  if (picture.view &&
+      (!std::isfinite(picture.view->first) || !(std::abs(picture.view->second) <= 90)))
+    throw InputError("found elevation " + number(picture.view->second) +
+                     ", expected -90 to 90 degrees");
+}
+
+}  // namespace
+
+void draw_combs(const std::filesystem::path& path, const CombPicture& picture,
+                const std::optional<PictureSize>& given) {
+  check(picture);
+  const int count = count_of(picture.panels);
+  const bool below = count > 1;
+  const int columns = std::min(count, picture.columns > 0 ? picture.columns : 3);
+  const Drawing drawing = prepare(picture);
+  const std::vector<Vec3> in_view = extent(picture, drawing);
+  const ViewAxes paper(0, 90);
+  const PictureSize size = given.value_or(natural_size(in_view, count, columns));
+  draw_sheet(path, count, columns, below, size,
+             [&](vtkRenderer& renderer, int i, double width, double height) {
+               const auto index = static_cast<size_t>(i);
+               const CombPanel& panel = picture.panels[index];
+               const auto& curves = drawing.panels[index];
+               const std::string title = title_of(panel, drawing, curves);
+               // A caption or not, all panels have the same room.
+               const Frame frame = frame_of(width, height, "x", below, 80);
+               const Fit view = fit(in_view, paper, frame, 1);
+               renderer.SetBackground(0.985, 0.985, 0.98);
+               Panel(renderer, drawing, frame, view).add(panel, curves);
+               if (i == 0)
+                 add_legend(renderer, picture, drawing, view, frame,
+                            frame.bottom - 80 * frame.unit);
+               add_title(renderer, title, width, height, below);
+               set_camera(renderer, paper, view, width, height);
+             });
+}
+
+}  // namespace batten

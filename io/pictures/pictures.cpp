@@ -1,0 +1,420 @@
+#include "batten/io/pictures/pictures.h"
+
+#include <vtkActor.h>
+#include <vtkCellArray.h>
+#include <vtkCellData.h>
+#include <vtkContourFilter.h>
+#include <vtkDataArray.h>
+#include <vtkDoubleArray.h>
+#include <vtkLookupTable.h>
+#include <vtkMapper.h>
+#include <vtkMath.h>
+#include <vtkNew.h>
+#include <vtkPointData.h>
+#include <vtkPoints.h>
+#include <vtkPolyData.h>
+#include <vtkProperty.h>
+#include <vtkRenderer.h>
+#include <vtkSmartPointer.h>
+#include <vtkUnsignedCharArray.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "batten/core/errors.h"
+#include "batten/core/index.h"
+#include "batten/io/pictures/canvas.h"
+#include "batten/io/pictures/colour_tables.h"
+#include "batten/io/vtk/vtk_files.h"
+
+namespace batten {
+namespace fs = std::filesystem;
+namespace {
+
+using namespace canvas;
+
+/// Where the surface is singular it has no normal; for the light, the facets around give one.
+void complete_normals(vtkPolyData& data, const std::vector<Vec3>& points) {
+  vtkDataArray& normals = *data.GetPointData()->GetNormals();
+  std::vector<Vec3> sum(points.size(), Vec3::Zero());
+  vtkIdType count;
+  const vtkIdType* corner;
+  for (data.GetPolys()->InitTraversal(); data.GetPolys()->GetNextCell(count, corner);) {
+    const Vec3 area =
+        (points[corner[1]] - points[corner[0]]).cross(points[corner[2]] - points[corner[0]]);
+    for (int i = 0; i < 3; ++i) sum[corner[i]] += area;
+  }
+  for (size_t p = 0; p < points.size(); ++p) {
+    double n[3];
+    normals.GetTuple(static_cast<vtkIdType>(p), n);
+    if (n[0] == 0 && n[1] == 0 && n[2] == 0)
+      normals.SetTuple(static_cast<vtkIdType>(p), sum[p].normalized().eval().data());
+  }
+}
+
+/// The part of `data` with these lines or facets; points and their data are shared.
+vtkSmartPointer<vtkPolyData> part(vtkPolyData& data, vtkCellArray* lines, vtkCellArray* facets) {
+  auto result = vtkSmartPointer<vtkPolyData>::New();
+  result->SetPoints(data.GetPoints());
+  result->GetPointData()->ShallowCopy(data.GetPointData());
+  if (lines) result->SetLines(lines);
+  if (facets) result->SetPolys(facets);
+  return result;
+}
+
+/// Enough for smooth outlines, few enough to be drawn at once.
+int facets_per_edge(const PictureScene& scene) {
+  if (scene.tessellation > 0) return scene.tessellation;
+  constexpr double facets = 40000;
+  double triangles = 0;
+  for (const auto* region : scene.regions) triangles += region->surface.mesh().triangle_count();
+  const int fewest = triangles > facets ? 1 : 2;  // elements of a few pixels are fine enough
+  return std::clamp(static_cast<int>(std::sqrt(facets / triangles)), fewest, 24);
+}
+
+bool has_scale(const PictureScene& scene) {
+  return scene.field == PictureScene::Field::Mean || scene.field == PictureScene::Field::Gauss;
+}
+
+vtkSmartPointer<vtkPolyData> facets_of(const PictureScene& scene) {
+  VtkOptions options;
+  options.facets_per_edge = facets_per_edge(scene);
+  options.curvatures = has_scale(scene);
+  return to_poly_data(scene.regions, options);
+}
+
+/// The edges of all elements, inside of the boundary.
+vtkSmartPointer<vtkPolyData> element_edges(const PictureScene& scene, int tessellation) {
+  vtkNew<vtkPoints> points;
+  vtkNew<vtkCellArray> cells;
+  for (const auto* region : scene.regions) {
+    const Surface& surface = region->surface;
+    const ParametricMesh& mesh = surface.mesh();
+    for (const auto& e : mesh.edges()) {
+      const int t = e.triangle[0], a = (e.local[0] + 1) % 3, b = (e.local[0] + 2) % 3;
+      const auto at = [&](double s) {
+        Location where{t, Vec3::Zero()};
+        where.L[a] = 1 - s;
+        where.L[b] = s;
+        return where;
+      };
+      const auto inside = [&](double s) {
+        return !surface.trim() || surface.trim()->loops().contains(mesh.shape(t).point(at(s).L));
+      };
+      std::vector<vtkIdType> chain;
+      const auto add = [&](double s) {
+        chain.push_back(points->InsertNextPoint(surface.position(at(s)).eval().data()));
+      };
+      const auto finish = [&] {
+        if (chain.size() > 1)
+          cells->InsertNextCell(static_cast<vtkIdType>(chain.size()), chain.data());
+        chain.clear();
+      };
+      bool before = inside(0);
+      if (before) add(0);
+      for (int k = 1; k <= tessellation; ++k) {
+        const double s = static_cast<double>(k) / tessellation;
+        const bool now = inside(s);
+        if (now != before) {
+          double low = s - 1.0 / tessellation, high = s;
+          for (int step = 0; step < 30; ++step) {
+            const double middle = 0.5 * (low + high);
+            (inside(middle) == before ? low : high) = middle;
+          }
+          add(low);
+          if (before) finish();
+        }
+        if (now) add(s);
+        before = now;
+      }
+      finish();
+    }
+  }
+  auto result = vtkSmartPointer<vtkPolyData>::New();
+  result->SetPoints(points);
+  result->SetLines(cells);
+  return result;
+}
+
+using Range = std::pair<double, double>;
+
+Range range_of(const std::vector<double>& values) {
+  const auto [low, high] = std::minmax_element(values.begin(), values.end());
+  return {*low, *high};
+}
+
+/// `count` lines of equal value, evenly spaced inside the range.
+vtkSmartPointer<vtkPolyData> iso_lines(vtkPolyData& facets, const std::vector<double>& values,
+                                       const Range& range, int count) {
+  vtkNew<vtkDoubleArray> scalars;
+  for (const double value : values) scalars->InsertNextValue(value);
+  const auto surface = part(facets, nullptr, facets.GetPolys());
+  surface->GetPointData()->Initialize();
+  surface->GetPointData()->SetScalars(scalars);
+  const auto [low, high] = range;
+  vtkNew<vtkContourFilter> filter;
+  filter->SetInputData(surface);
+  filter->ComputeScalarsOff();
+  // A flat surface has no contours, only rounding.
+  const double size = std::max(std::abs(low), std::abs(high));
+  if (high - low > 1e-12 * size)
+    for (int i = 0; i < count; ++i) filter->SetValue(i, low + (i + 0.5) / count * (high - low));
+  filter->Update();
+  return filter->GetOutput();
+}
+
+void check(const PictureScene& scene) {
+  const std::string who = "picture '" + scene.title + "': ";
+  const auto expect = [&](bool good, const std::string& what, double found,
+                          const std::string& expected) {
+    if (!good)
+      throw InputError(who + "found " + what + " " + number(found) + ", expected " + expected);
+  };
+  if (scene.regions.empty()) throw InputError(who + "there is no region to draw");
+  expect(scene.tessellation >= 0 && scene.tessellation <= 64, "tessellation", scene.tessellation,
+         "0 to 64");
+  expect(scene.contours >= 0 && scene.contours <= 1000, "contours", scene.contours, "0 to 1000");
+  expect(scene.parameter_lines >= 0 && scene.parameter_lines <= 1000, "parameter lines",
+         scene.parameter_lines, "0 to 1000");
+  expect(scene.zoom > 0 && std::isfinite(scene.zoom), "zoom", scene.zoom, "a number above 0");
+  expect(std::abs(scene.elevation) <= 90, "elevation", scene.elevation, "-90 to 90 degrees");
+  expect(std::isfinite(scene.azimuth), "azimuth", scene.azimuth, "degrees");
+  expect(scene.zebra >= 0 && scene.zebra <= 1000, "zebra", scene.zebra, "0 to 1000 stripes");
+  if (scene.zebra > 0) {
+    expect(scene.zebra_direction.allFinite() && scene.zebra_direction.norm() > 0,
+           "zebra direction of length", scene.zebra_direction.norm(), "a length above 0");
+    if (scene.field != PictureScene::Field::None)
+      throw InputError(who + "found a zebra and a field, expected one of them");
+  }
+  if (scene.contours > 0)
+    expect(scene.contour_direction.allFinite() && scene.contour_direction.norm() > 0,
+           "contour direction of length", scene.contour_direction.norm(), "a length above 0");
+}
+
+/// Angles between normals and a direction, radians, as active scalars; the table of their stripes.
+vtkSmartPointer<vtkLookupTable> add_zebra(vtkPolyData& facets, const Vec3& direction, int stripes) {
+  vtkDataArray& normals = *facets.GetPointData()->GetNormals();
+  vtkNew<vtkDoubleArray> angles;
+  angles->SetName("Angle");
+  std::vector<double> sorted;
+  for (vtkIdType p = 0; p < normals.GetNumberOfTuples(); ++p) {
+    Vec3 n;
+    normals.GetTuple(p, n.data());
+    const Vec3 d = direction.normalized();
+    angles->InsertNextValue(std::atan2(n.cross(d).norm(), n.dot(d)));
+    sorted.push_back(angles->GetValue(p));
+  }
+  facets.GetPointData()->SetScalars(angles);
+  std::sort(sorted.begin(), sorted.end());
+  const size_t cut = sorted.size() / 50;
+  const double from = sorted[cut], to = sorted[sorted.size() - 1 - cut];
+  // A flat surface has one colour.
+  constexpr double flat = 1e-9;
+  return striped_colours(sorted.front(), std::max(sorted.back(), sorted.front() + flat), from,
+                         std::max(to - from, flat * stripes) / stripes);
+}
+
+/// A light colour for each facet, its region's; neighbours in the order of regions differ most.
+vtkSmartPointer<vtkUnsignedCharArray> region_colours(vtkPolyData& data) {
+  auto colours = vtkSmartPointer<vtkUnsignedCharArray>::New();
+  colours->SetNumberOfComponents(3);
+  vtkDataArray& region = *data.GetCellData()->GetArray("Region");
+  for (vtkIdType c = data.GetNumberOfLines(); c < region.GetNumberOfTuples(); ++c) {
+    const int r = static_cast<int>(region.GetComponent(c, 0));
+    constexpr double golden = 0.6180339887498949;
+    const double hue = std::fmod(0.58 + r * golden, 1.0);
+    const double shades[] = {0.92, 0.76, 0.85};
+    double rgb[3];
+    vtkMath::HSVToRGB(hue, 0.48, shades[r % 3], &rgb[0], &rgb[1], &rgb[2]);
+    colours->InsertNextTuple3(255 * rgb[0], 255 * rgb[1], 255 * rgb[2]);
+  }
+  return colours;
+}
+
+vtkSmartPointer<vtkPolyData> polylines(const std::vector<HermiteCurve>& curves) {
+  vtkNew<vtkPoints> points;
+  vtkNew<vtkCellArray> cells;
+  for (const HermiteCurve& curve : curves) {
+    const int n = 12 * curve.segment_count();
+    cells->InsertNextCell(n + 1);
+    for (int i = 0; i <= n; ++i) {
+      const int segment = std::min(i / 12, curve.segment_count() - 1);
+      const Vec3 x = curve.evaluate({segment, i / 12.0 - segment});
+      cells->InsertCellPoint(points->InsertNextPoint(x.data()));
+    }
+  }
+  auto result = vtkSmartPointer<vtkPolyData>::New();
+  result->SetPoints(points);
+  result->SetLines(cells);
+  return result;
+}
+
+const char* field_array(const PictureScene& scene) {
+  return scene.field == PictureScene::Field::Mean ? "Mean_curvature" : "Gauss_curvature";
+}
+
+void add_surface(vtkRenderer& renderer, const PictureScene& scene, vtkPolyData& data,
+                 const Frame& frame) {
+  const auto facets = part(data, nullptr, data.GetPolys());
+  const auto drawn = body(facets, kBody);
+  vtkProperty& look = *drawn->GetProperty();
+  const auto colour_by = [&](vtkLookupTable* table) {
+    drawn->GetMapper()->ScalarVisibilityOn();
+    drawn->GetMapper()->SetLookupTable(table);
+    drawn->GetMapper()->UseLookupTableScalarRangeOn();
+    drawn->GetMapper()->InterpolateScalarsBeforeMappingOn();
+    look.SetSpecular(0.06);
+  };
+  if (scene.zebra > 0) {
+    const auto table = add_zebra(*facets, scene.zebra_direction, scene.zebra);
+    colour_by(table);
+    look.SetAmbient(0.45);
+    look.SetDiffuse(0.55);
+  }
+  if (scene.field == PictureScene::Field::Regions) {
+    facets->GetCellData()->SetScalars(region_colours(data));
+    drawn->GetMapper()->ScalarVisibilityOn();
+    drawn->GetMapper()->SetScalarModeToUseCellData();
+    drawn->GetMapper()->SetColorModeToDirectScalars();
+  } else if (scene.field != PictureScene::Field::None) {
+    const bool mean = scene.field == PictureScene::Field::Mean;
+    facets->GetPointData()->SetActiveScalars(field_array(scene));
+    const double limit = scene.field_limit > 0 ? scene.field_limit
+                                               : field_limit(*facets->GetPointData()->GetScalars());
+    const auto table = diverging_colours(limit);
+    colour_by(table);
+    look.SetAmbient(0.3);
+    look.SetDiffuse(0.7);
+    add_scalar_bar(renderer, table, mean ? "Mean curvature" : "Gauss curvature", frame);
+  }
+  renderer.AddActor(drawn);
+}
+
+std::vector<double> heights(const std::vector<Vec3>& points, const Vec3& direction) {
+  std::vector<double> values;
+  for (const Vec3& p : points) values.push_back(direction.normalized().dot(p));
+  return values;
+}
+
+void add_iso_lines(vtkRenderer& renderer, const PictureScene& scene, vtkPolyData& data,
+                   const std::vector<Vec3>& points, double width, const Vec3& offset) {
+  std::vector<double> values(points.size());
+  vtkDataArray& uv = *data.GetPointData()->GetArray("uv");
+  for (int component = 0; scene.parameter_lines > 0 && component < 2; ++component) {
+    for (size_t p = 0; p < values.size(); ++p)
+      values[p] = uv.GetComponent(static_cast<vtkIdType>(p), component);
+    add_thin_lines(renderer, iso_lines(data, values, range_of(values), scene.parameter_lines),
+                   kParameter, width, offset);
+  }
+  if (scene.contours == 0) return;
+  values = heights(points, scene.contour_direction);
+  const Range range = scene.contour_range.value_or(range_of(values));
+  add_thin_lines(renderer, iso_lines(data, values, range, scene.contours), kContour, width, offset);
+}
+
+/// Fills a renderer whose viewport has the given size in pixels.
+void draw(vtkRenderer& renderer, const PictureScene& scene, double width, double height,
+          bool caption_below) {
+  const bool bar = has_scale(scene);
+  const Frame frame = frame_of(width, height, scene.title, caption_below, bar ? 116 : 0);
+  const double unit = frame.unit;
+
+  add_lights(renderer);
+  const auto data = facets_of(scene);
+  const auto loose = polylines(scene.loose);
+  std::vector<Vec3> points = points_of(*data);
+  complete_normals(*data, points);
+  std::vector<Vec3> to_see = scene.in_view.empty() ? points : scene.in_view;
+  if (scene.in_view.empty())
+    for (const Vec3& p : points_of(*loose)) to_see.push_back(p);
+  const ViewAxes axes(scene.azimuth, scene.elevation);
+  const Fit view = fit(to_see, axes, frame, scene.zoom);
+  const Vec3 offset = 4 * view.pixel * axes.towards;
+
+  add_surface(renderer, scene, *data, frame);
+  if (scene.mesh)
+    add_thin_lines(renderer, element_edges(scene, facets_per_edge(scene)), kMesh, 0.9 * unit,
+                   offset);
+  add_iso_lines(renderer, scene, *data, points, 1.2 * unit, offset);
+  if (scene.lines && data->GetNumberOfLines() > 0) {
+    const auto chains = part(*data, data->GetLines(), nullptr);
+    chains->GetPointData()->Initialize();
+    add_tubes(renderer, chains, kLine, 2.6 * unit * view.pixel, offset);
+  }
+  if (scene.lines && !scene.loose.empty())
+    add_tubes(renderer, loose, kLoose, 2.6 * unit * view.pixel, offset);
+  add_title(renderer, scene.title, width, height, caption_below);
+  set_camera(renderer, axes, view, width, height);
+}
+
+void draw_scenes(const fs::path& path, const std::vector<PictureScene>& scenes, int columns,
+                 bool captions_below, const PictureSize& size) {
+  for (const auto& scene : scenes) check(scene);
+  draw_sheet(path, count_of(scenes), columns, captions_below, size,
+             [&](vtkRenderer& renderer, int i, double width, double height) {
+               draw(renderer, scenes[i], width, height, captions_below);
+             });
+}
+
+}  // namespace
+
+void draw_picture(const fs::path& path, const PictureScene& scene, const PictureSize& size) {
+  draw_scenes(path, {scene}, 1, false, size);
+}
+
+Image picture_image(const PictureScene& scene, const PictureSize& size) {
+  check(scene);
+  return sheet_image(1, 1, false, size,
+                     [&](vtkRenderer& renderer, int, double width, double height) {
+                       draw(renderer, scene, width, height, false);
+                     });
+}
+
+void hold_view(std::vector<PictureScene>& scenes) {
+  if (scenes.empty()) return;
+  const ViewAxes axes(scenes.front().azimuth, scenes.front().elevation);
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  Vec3 low = Vec3::Constant(infinity), high = -low;
+  Range range{infinity, -infinity};
+  double limit = 0;
+  for (PictureScene& scene : scenes) {
+    check(scene);
+    scene.azimuth = scenes.front().azimuth;
+    scene.elevation = scenes.front().elevation;
+    scene.zoom = scenes.front().zoom;
+    const auto data = facets_of(scene);
+    const std::vector<Vec3> points = points_of(*data);
+    for (const Vec3& p : points) {
+      const Vec3 seen(axes.right.dot(p), axes.up.dot(p), axes.towards.dot(p));
+      low = low.cwiseMin(seen);
+      high = high.cwiseMax(seen);
+    }
+    if (scene.contours > 0) {
+      const auto [lowest, highest] = range_of(heights(points, scene.contour_direction));
+      range = {std::min(range.first, lowest), std::max(range.second, highest)};
+    }
+    if (has_scale(scene))
+      limit = std::max(limit, field_limit(*data->GetPointData()->GetArray(field_array(scene))));
+  }
+  std::vector<Vec3> corners;
+  for (int i = 0; i < 8; ++i)
+    corners.push_back((i & 1 ? low : high)[0] * axes.right + (i & 2 ? low : high)[1] * axes.up +
+                      (i & 4 ? low : high)[2] * axes.towards);
+  for (PictureScene& scene : scenes) {
+    scene.in_view = corners;
+    if (scene.contours > 0) scene.contour_range = range;
+    scene.field_limit = limit;
+  }
+}
+
+void draw_contact_sheet(const fs::path& path, const std::vector<PictureScene>& scenes, int columns,
+                        const PictureSize& size) {
+  if (scenes.empty()) throw InputError("a contact sheet needs at least one scene");
+  if (columns < 1)
+    throw InputError("found " + std::to_string(columns) + " columns, expected 1 or more");
+  draw_scenes(path, scenes, std::min(columns, count_of(scenes)), true, size);
+}
+
+}  // namespace batten

@@ -1,0 +1,144 @@
+#include "batten/io/report/deform_report.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "batten/core/errors.h"
+#include "batten/io/report/report_json.h"
+
+namespace batten {
+namespace {
+
+Json vector_json(const Vec3& v) { return {v[0], v[1], v[2]}; }
+
+Json hole_json(const HoleMeasure& m) {
+  return {{"radius", m.radius},          {"centre", vector_json(m.centre)},
+          {"axis", vector_json(m.axis)}, {"roundness", m.roundness},
+          {"flatness", m.flatness},      {"perimeter", m.perimeter},
+          {"circular", m.circular}};
+}
+
+Json measure_json(const MeasureSummary& m) {
+  return {{"worst", m.worst}, {"face", m.worst_face}, {"mean", m.mean}, {"beyond", m.beyond}};
+}
+
+Json quality_json(const QualitySummary& q) {
+  return {{"aspect", measure_json(q.aspect)},
+          {"warpage_deg", measure_json(q.warpage_degrees)},
+          {"jacobian", measure_json(q.jacobian)},
+          {"smallest_angle_deg", measure_json(q.smallest_angle_degrees)},
+          {"largest_angle_deg", measure_json(q.largest_angle_degrees)}};
+}
+
+Json edits_json(const std::vector<DeformReport::Edit>& edits) {
+  Json json = Json::array();
+  for (const auto& e : edits)
+    json.push_back({{"name", e.name},
+                    {"moving_nodes", e.moving},
+                    {"unknowns", e.unknowns},
+                    {"soft_rows", e.soft_rows},
+                    {"hard_rows", e.hard_rows},
+                    {"feature_rows", e.feature_rows},
+                    {"dropped_rows", e.dropped_rows},
+                    {"guide_rows", e.guide_rows},
+                    {"largest_displacement", e.largest_displacement},
+                    {"hard_residual", e.hard_residual},
+                    {"last_correction", e.last_correction},
+                    {"set_up_s", e.set_up_s},
+                    {"edit_s", e.edit_s}});
+  return json;
+}
+
+Json curves_json(const std::vector<DeformReport::Curve>& curves) {
+  Json json = Json::array();
+  for (const auto& c : curves)
+    json.push_back({{"name", c.name},
+                    {"nodes", c.vertices},
+                    {"segments", c.segments},
+                    {"fairing", {{"max", c.fairing.max}, {"rms", c.fairing.rms}}},
+                    {"wavelength", c.wavelength},
+                    {"largest_shift", c.largest_shift},
+                    {"max_residual", c.max_residual},
+                    {"before", json_of(c.before)},
+                    {"after", json_of(c.after)}});
+  return json;
+}
+
+Json contents(const DeformReport& r) {
+  Json json;
+  json["name"] = r.name;
+  json["unit"] = r.unit;
+  json["mesh"] = {{"file", r.mesh_file},
+                  {"format", r.format},
+                  {"size", r.size},
+                  {"nodes", r.nodes},
+                  {"faces", r.faces}};
+
+  double residual = 0;
+  for (const auto& e : r.edits)
+    if (!std::isnan(residual) && !(e.hard_residual <= residual)) residual = e.hard_residual;
+  json["edits"] = edits_json(r.edits);
+  json["hard"] = {{"max_residual", residual}};
+  json["features"] = Json::array();
+  for (const auto& f : r.features)
+    json["features"].push_back({{"name", f.name},
+                                {"nodes", f.vertices},
+                                {"size", f.size},
+                                {"max_rigid_error", f.max_rigid_error},
+                                {"scale", f.scale},
+                                {"turned_deg", f.turned_deg},
+                                {"moved", f.moved}});
+  json["curves"] = curves_json(r.curves);
+  json["holes"] = Json::array();
+  for (const auto& h : r.holes)
+    json["holes"].push_back({{"loop", h.loop},
+                             {"nodes", h.vertices},
+                             {"feature", h.feature},
+                             {"before", hole_json(h.before)},
+                             {"after", hole_json(h.after)}});
+  json["quality"] = {{"before", quality_json(r.before)},
+                     {"after", quality_json(r.after)},
+                     {"inverted", r.inverted}};
+  json["displacement"] = {{"largest", r.largest_displacement},
+                          {"node", r.largest_displacement_node}};
+  json["file_rounding"] = r.rounding;
+  json["parameters"] = json_of(r.parameters);
+  add_ending(json, r);
+  return json;
+}
+
+}  // namespace
+
+std::vector<MissedPromise> broken_promises(const DeformReport& report) {
+  Json json = contents(report);
+  std::vector<MissedPromise> missed;
+  name_failed_numbers(json, "", missed);
+  const auto at_most = [&](const std::string& what, double value, double limit) {
+    if (value > limit)
+      missed.push_back({what, "is " + number(value) + ", promised at most " + number(limit)});
+  };
+  const auto limit = [&](double size) {
+    const double rounding = 16 * std::numeric_limits<double>::epsilon() * report.largest_coordinate;
+    return std::max(1e-12, size > 0 ? rounding / size : 0);
+  };
+  for (const auto& e : report.edits) {
+    at_most("edits." + e.name + ".hard_residual", e.hard_residual, limit(report.size));
+    at_most("edits." + e.name + ".last_correction", e.last_correction, 1e-9);
+  }
+  for (const auto& f : report.features)
+    at_most("features." + f.name + ".max_rigid_error", f.max_rigid_error, limit(f.size));
+  for (const auto& c : report.curves)
+    at_most("curves." + c.name + ".max_residual", c.max_residual, limit(report.size));
+  if (!report.inverted.empty())
+    missed.push_back(
+        {"quality.inverted", std::to_string(report.inverted.size()) + " faces, the first is " +
+                                 std::to_string(report.inverted[0]) + ", promised none"});
+  return missed;
+}
+
+std::string to_json(const DeformReport& report) {
+  return report_text(contents(report), report.missed);
+}
+
+}  // namespace batten

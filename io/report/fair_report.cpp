@@ -1,0 +1,81 @@
+#include "batten/io/report/fair_report.h"
+
+#include "batten/core/errors.h"
+#include "batten/io/report/report_json.h"
+
+namespace batten {
+namespace {
+
+Json contents(const FairReport& r) {
+  Json json;
+  json["name"] = r.name;
+  json["unit"] = r.unit;
+  json["curves"] = json_of(r.curves);
+  json["parameters"] = json_of(r.parameters);
+  add_ending(json, r);
+  return json;
+}
+
+}  // namespace
+
+Json json_of(const Fairness& f) {
+  return {{"length", f.length},
+          {"bending", f.bending},
+          {"variation", f.variation},
+          {"largest_curvature", f.largest_curvature},
+          {"largest_jump", f.largest_jump},
+          {"extrema", f.extrema},
+          {"inflections", f.inflections}};
+}
+
+Json json_of(const std::vector<FairedLine>& curves) {
+  Json list = Json::array();
+  for (const FairedLine& c : curves)
+    list.push_back(
+        {{"name", c.name},
+         {"points", c.points},
+         {"segments", c.segments},
+         {"closed", c.closed},
+         {"faired", c.faired},
+         {"deviation",
+          {{"max", c.deviation.max}, {"rms", c.deviation.rms}, {"between", c.deviation.between}}},
+         {"wavelength", c.wavelength},
+         {"freedom", c.freedom},
+         {"rounds", c.rounds},
+         {"settled", c.settled},
+         {"max_residual", c.max_residual},
+         {"before", c.before ? json_of(*c.before) : Json()},
+         {"after", c.after ? json_of(*c.after) : Json()},
+         {"seconds", c.seconds}});
+  return list;
+}
+
+std::vector<MissedPromise> broken_conditions(const std::vector<FairedLine>& curves) {
+  std::vector<MissedPromise> missed;
+  for (const FairedLine& c : curves) {
+    if (c.too_far)
+      missed.push_back({"curves." + c.name + ".deviation",
+                        "is " + number(c.too_far->second) +
+                            " after the stage that states at most " + number(c.too_far->first) +
+                            ": is there a corner that is not one, or a condition against it?"});
+    if (c.max_residual > 1e-12)
+      missed.push_back({"curves." + c.name + ".max_residual",
+                        "is " + number(c.max_residual) + ", promised at most 1e-12"});
+  }
+  return missed;
+}
+
+std::vector<MissedPromise> broken_promises(const FairReport& report) {
+  Json json = contents(report);
+  std::vector<MissedPromise> missed;
+  name_failed_numbers(json, "", missed);
+  const auto conditions = broken_conditions(report.curves);
+  missed.insert(missed.end(), conditions.begin(), conditions.end());
+  return missed;
+}
+
+std::string to_json(const FairReport& report) {
+  return report_text(contents(report), report.missed);
+}
+
+}  // namespace batten

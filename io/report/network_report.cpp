@@ -1,0 +1,126 @@
+#include "batten/io/report/network_report.h"
+
+#include "batten/core/index.h"
+
+namespace batten {
+namespace {
+
+const char* word(ModelJoin::Kind kind) {
+  using Kind = ModelJoin::Kind;
+  return kind == Kind::Rim      ? "rim"
+         : kind == Kind::Crease ? "crease"
+         : kind == Kind::Smooth ? "smooth"
+                                : "branching";
+}
+
+const char* word(SurfaceFlaw::Kind kind) {
+  using Kind = SurfaceFlaw::Kind;
+  return kind == Kind::Jacobian   ? "jacobian"
+         : kind == Kind::Fold     ? "fold"
+         : kind == Kind::Crossing ? "crossing"
+                                  : "area";
+}
+
+}  // namespace
+
+const char* word(NetworkFinding::Kind kind) {
+  using Kind = NetworkFinding::Kind;
+  switch (kind) {
+    case Kind::EndsJoined:
+      return "ends joined";
+    case Kind::EndOnLine:
+      return "end on line";
+    case Kind::Crossing:
+      return "crossing";
+    case Kind::SelfCrossing:
+      return "self-crossing";
+    case Kind::Duplicate:
+      return "duplicate";
+    case Kind::Overlap:
+      return "overlap";
+    case Kind::NearMiss:
+      return "near miss";
+    case Kind::Dangling:
+      return "dangling end";
+    case Kind::Short:
+      return "short line";
+    case Kind::Apart:
+      return "apart";
+  }
+  return "";
+}
+
+NetworkReport network_report(const CharacterLineNetwork& network, const FoundRegions& found,
+                             const SurfaceModel& model, double fit_tolerance,
+                             double join_tolerance_deg) {
+  NetworkReport report;
+  const auto arc = [&](int a) { return network.arcs()[a].name; };
+  const auto names = [&](const std::vector<int>& arcs) {
+    std::vector<std::string> list;
+    for (const int a : arcs) list.push_back(arc(a));
+    return list;
+  };
+  const auto loops = [&](const std::vector<ArcLoop>& of) {
+    std::vector<NetworkReport::LoopNames> list;
+    for (const ArcLoop& loop : of) {
+      list.emplace_back();
+      for (const ArcUse& use : loop) list.back().push_back(arc(use.arc));
+    }
+    return list;
+  };
+  const auto regions = [&](const std::vector<int>& of) {
+    std::vector<std::string> list;
+    for (const int r : of) list.push_back(model.regions[r].plan.name);
+    return list;
+  };
+
+  report.lines = count_of(network.lines());
+  report.arcs = count_of(network.arcs());
+  report.nodes = count_of(network.nodes());
+  report.size = network.size();
+  report.tolerance = network.tolerance();
+  report.fit_tolerance = fit_tolerance;
+  report.join_tolerance_deg = join_tolerance_deg;
+  report.findings = network.findings();
+  report.optimal = found.optimal;
+  report.rims = names(found.rims);
+  report.bare = names(found.bare);
+  for (const ModelRegion& r : model.regions) {
+    NetworkReport::Region region;
+    region.name = r.plan.name;
+    region.loops = loops(r.plan.loops);
+    region.inner = names(r.plan.inner);
+    region.ring = r.plan.ring;
+    region.asked = r.plan.asked;
+    region.cost = r.plan.cost;
+    region.skinned = r.skinned.has_value();
+    region.plain_area = r.plain_area;
+    region.why_not = r.why_not;
+    region.warnings = r.warnings;
+    if (r.skinned) {
+      region.triangles = r.skinned->surface.mesh().triangle_count();
+      region.dofs = r.skinned->surface.dof_map().count();
+      region.size = r.skinned->size;
+      region.quality = r.quality;
+    }
+    report.regions.push_back(std::move(region));
+  }
+  for (const ModelJoin& j : model.joins)
+    report.joins.push_back({arc(j.arc), regions(j.regions), word(j.kind), j.asked, j.one_domain,
+                            j.open, j.first_deg, j.max_deg, j.max_inside_deg, j.why});
+  for (const RegionChoice& c : found.choices) {
+    NetworkReport::Choice choice{c.text, c.where, c.arcs, loops(c.chosen), {}, c.margins};
+    for (const auto& alternative : c.alternatives)
+      choice.alternatives.push_back(loops(alternative));
+    report.choices.push_back(std::move(choice));
+  }
+  for (const ModelShell& s : model.shells)
+    report.shells.push_back({regions(s.regions), s.closed, s.orientable, s.area, s.volume});
+  for (const SurfaceFlaw& f : model.flaws) {
+    report.flaws.push_back({word(f.kind), regions(f.regions), f.where, f.value, f.text});
+    for (const int r : f.regions) report.regions[r].flaws.push_back(f.text);
+  }
+  return report;
+}
+
+}  // namespace batten

@@ -1,0 +1,185 @@
+#include "batten/io/report/report.h"
+
+#include <cmath>
+
+#include "batten/io/report/network_report_json.h"
+#include "batten/io/report/report_json.h"
+
+namespace batten {
+namespace {
+
+using batten::json_of;
+
+const char* word(CharacterLine::Role role) {
+  using Role = CharacterLine::Role;
+  return role == Role::Inner ? "inner" : role == Role::Hole ? "hole" : "outline";
+}
+
+Json json_of(const Report::Shape& s) {
+  return {{"stretching_energy", s.stretching},
+          {"bending_energy", s.bending},
+          {"area", s.area},
+          {"volume", s.volume},
+          {"residual", s.residual}};
+}
+
+Json json_of(const Report::Sculpting& s) {
+  Json json = json_of(s.shape);
+  json["answers"] = Json::array();
+  for (const auto& a : s.answers)
+    json["answers"].push_back({{"what", a.what},
+                               {"iterations", a.iterations},
+                               {"change", a.change},
+                               {"factored", a.factored}});
+  for (const auto& r : s.refinements)
+    json["refinements"].push_back({{"triangles_before", r.triangles_before},
+                                   {"triangles", r.triangles},
+                                   {"max_displacement", r.max_displacement},
+                                   {"energy_before", r.energy_before},
+                                   {"energy_carried", r.energy_carried},
+                                   {"energy_settled", r.energy_settled}});
+  for (const auto& sweep : s.sweeps) {
+    Json rows = Json::array();
+    for (const auto& row : sweep.rows) {
+      rows.push_back({{"value", row.value}, {"iterations", row.iterations}});
+      rows.back().update(json_of(row.shape));
+    }
+    json["sweeps"].push_back({{"parameter", sweep.parameter}, {"rows", rows}});
+    if (!sweep.stopped.empty()) json["sweeps"].back()["stopped"] = sweep.stopped;
+  }
+  if (s.motion) {
+    Json rows = Json::array();
+    for (const auto& row : s.motion->rows) {
+      rows.push_back({{"time", row.value}, {"total_energy", row.total_energy}});
+      rows.back().update(json_of(row.shape));
+    }
+    json["motion"] = {{"dt", s.motion->dt},
+                      {"density", s.motion->density},
+                      {"damping", s.motion->damping},
+                      {"theta", s.motion->theta},
+                      {"steps", s.motion->steps},
+                      {"max_residual", s.motion->max_residual},
+                      {"rows", rows}};
+  }
+  return json;
+}
+
+Json json_of(const std::vector<Report::Line>& lines) {
+  double max_deviation = 0;
+  Json each = Json::array();
+  for (const auto& line : lines) {
+    // A number that is not one must win over those that are.
+    if (!(line.deviation <= max_deviation)) max_deviation = line.deviation;
+    each.push_back({{"name", line.name},
+                    {"role", word(line.role)},
+                    {"treatment", line.embedded ? "embedded" : "fitted"},
+                    {"length", line.length},
+                    {"deviation", line.deviation},
+                    {"nodes", line.nodes}});
+    if (line.embedded) {
+      each.back()["points"] = line.points;
+      each.back()["gap"] = line.gap;
+    }
+  }
+  return {{"count", lines.size()}, {"max_deviation", max_deviation}, {"each", each}};
+}
+
+Json json_of(const Report::Surface& s) {
+  const SkinQuality& q = s.quality;
+  return {{"regions", s.regions},
+          {"triangles", s.triangles},
+          {"dofs", s.dofs},
+          {"element", s.element},
+          {"hold", s.hold},
+          {"size", s.size},
+          {"area", q.area},
+          {"bending_energy", s.bending_energy},
+          {"max_line_residual", q.max_line_residual},
+          {"max_line_gap", q.max_line_gap},
+          {"max_line_deviation", q.max_line_deviation},
+          {"max_constraint_residual", s.max_constraint_residual},
+          {"max_normal_constraint_deg", s.max_normal_constraint_deg},
+          {"max_normal_jump_deg", q.max_normal_jump_deg},
+          {"max_smooth_join_deg", s.max_smooth_join_deg},
+          {"min_jacobian_ratio", q.min_jacobian_ratio},
+          {"max_shear", q.max_shear},
+          {"rms_strain", q.rms_strain},
+          {"singular_nodes", q.singular_nodes},
+          {"iterations", s.iterations},
+          {"last_change", s.last_change}};
+}
+
+Json json_of(const Report::Step& s, bool of_network) {
+  Json json = {{"file", s.file},
+               {"form", s.form},
+               {"bytes", s.bytes},
+               {"faces", s.faces},
+               {"max_deviation", s.max_deviation},
+               {"max_gap", s.max_gap},
+               {"max_normal_jump_deg", s.max_normal_jump_deg},
+               {"valid", s.valid}};
+  if (s.form == "face") {
+    json["tolerance"] = s.tolerance;
+    json["poles"] = {s.poles_u, s.poles_v};
+  }
+  if (of_network)
+    json.update({{"shells", s.shells},
+                 {"solids", s.solids},
+                 {"free_edges", s.free_edges},
+                 {"volume", s.volume}});
+  return json;
+}
+
+Json json_of(const Report::Comparison& c) {
+  return {{"file", c.file},
+          {"points", c.points},
+          {"max", c.max},
+          {"rms", c.rms},
+          {"max_relative", c.max_relative},
+          {"rms_relative", c.rms_relative}};
+}
+
+Json json_of(const SpringDistances& s) {
+  return {{"name", s.name},
+          {"points", s.points},
+          {"left_out", s.left_out},
+          {"before_max", s.before_max},
+          {"before_rms", s.before_rms},
+          {"max", s.max},
+          {"rms", s.rms}};
+}
+
+Json contents(const Report& r) {
+  Json json;
+  json["name"] = r.name;
+  json["unit"] = r.unit;
+  json["lines"] = json_of(r.lines);
+  if (!r.curves.empty()) json["curves"] = json_of(r.curves);
+  json["surface"] = json_of(r.surface);
+  if (r.network) add_network(json, *r.network);
+  if (r.step) json["step"] = json_of(*r.step, r.network.has_value());
+  if (r.comparison) json["comparison"] = json_of(*r.comparison);
+  for (const auto& springs : r.springs) json["springs"].push_back(json_of(springs));
+  if (r.sculpting) json["sculpting"] = json_of(*r.sculpting);
+  json["parameters"] = json_of(r.parameters);
+  json["reactions"] = Json::array();
+  for (const auto& reaction : r.reactions)
+    json["reactions"].push_back(
+        {{"name", reaction.name},
+         {"force", {reaction.force[0], reaction.force[1], reaction.force[2]}}});
+  add_ending(json, r);
+  return json;
+}
+
+}  // namespace
+
+std::vector<MissedPromise> numbers_that_failed(const Report& report) {
+  Json json = contents(report);
+  std::vector<MissedPromise> failed;
+  name_failed_numbers(json, "", failed);
+  return failed;
+}
+
+std::string to_json(const Report& report) { return report_text(contents(report), report.missed); }
+
+}  // namespace batten

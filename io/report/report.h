@@ -1,0 +1,128 @@
+// report.json: what was made, measured on the finished result.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "batten/io/report/faired_line.h"
+#include "batten/io/report/missed_promise.h"
+#include "batten/io/report/network_report.h"
+#include "batten/io/scene/scene.h"
+#include "batten/sculpting/session/results.h"
+#include "batten/skinning/region/quality.h"
+
+namespace batten {
+
+/// Lengths in model units, *_residual over the region's size, angles in degrees.
+struct Report {
+  std::string name, unit;
+
+  struct Line {
+    std::string name;
+    CharacterLine::Role role = CharacterLine::Role::Outline;
+    bool embedded = false;
+    double length = 0;
+    double deviation = 0;  ///< of the input from its fitted curve
+    int nodes = 0;
+    int points = 0;  ///< of an embedded line: where the surface is held
+    double gap = 0;  ///< of the surface from its curve between them
+  };
+  std::vector<Line> lines;
+  std::vector<FairedLine> curves;  ///< the lines as [[fair]] made them; empty without
+
+  struct Surface {
+    int regions = 1, triangles = 0, dofs = 0;
+    std::string element, hold;
+    SkinQuality quality;
+    double size = 0, bending_energy = 0;
+    double max_constraint_residual = 0, max_normal_constraint_deg = 0, max_smooth_join_deg = 0;
+    int iterations = 0;
+    double last_change = 0;
+  } surface;
+  std::optional<NetworkReport> network;  ///< of a scene with [network]
+
+  struct Step {
+    std::string file, form;
+    int faces = 0;
+    double tolerance = 0;  ///< asked; of the exact form 0
+    int poles_u = 0, poles_v = 0;
+    std::uintmax_t bytes = 0;
+    double max_deviation = 0, max_gap = 0, max_normal_jump_deg = 0;
+    bool valid = false;
+    // Of a model.
+    int shells = 0, solids = 0, free_edges = 0;
+    double volume = 0;
+  };
+  std::optional<Step> step;  ///< measured on the file read back
+
+  /// Distance of the surface, sampled evenly, from the faces of a CAD file.
+  struct Comparison {
+    std::string file;
+    int points = 0;
+    double max = 0, rms = 0;                    ///< model units
+    double max_relative = 0, rms_relative = 0;  ///< over the longest side of the lines' box
+  };
+  std::optional<Comparison> comparison;
+
+  std::vector<Reaction> reactions;  ///< of each named constraint
+
+  /// What a sculpting session measured of its shape.
+  struct Shape {
+    double stretching = 0, bending = 0;  ///< energies, SurfaceEnergy
+    double area = 0, volume = 0;         ///< model units² and ³; ⅓ ∬ x·n dA
+    double residual = 0;                 ///< largest of all constraints
+  };
+  struct Sculpting {
+    Shape shape;  ///< in the end
+    struct Step {
+      std::string what;  ///< "settle", "replay", …
+      int iterations = 0;
+      double change = 0;
+      bool factored = false;
+    };
+    std::vector<Step> answers;
+    struct Refinement {
+      int triangles_before = 0, triangles = 0;
+      double max_displacement = 0, energy_before = 0, energy_carried = 0, energy_settled = 0;
+    };
+    std::vector<Refinement> refinements;
+    struct Row {
+      double value = 0;  ///< of the parameter, or the time
+      Shape shape;
+      int iterations = 0;       ///< of a sweep
+      double total_energy = 0;  ///< of a motion: kinetic plus potential
+    };
+    struct Sweep {
+      std::string parameter;
+      std::vector<Row> rows;
+      std::string stopped;  ///< why it ended early; "" when it did not
+    };
+    std::vector<Sweep> sweeps;
+    struct Motion {
+      double dt = 0, density = 0, damping = 0, theta = 0;
+      int steps = 0;
+      double max_residual = 0;  ///< over all steps
+      std::vector<Row> rows;    ///< of the frames
+    };
+    std::optional<Motion> motion;
+  };
+  std::optional<Sculpting> sculpting;  ///< of `batten sculpt`
+  bool is_sculpted = false;            ///< more than lines acts on it; not in the file
+  std::vector<SpringDistances> springs;
+  std::vector<Parameter> parameters;
+  std::vector<std::pair<std::string, double>> timings;  ///< seconds
+  std::vector<std::string> warnings, files;
+  std::vector<MissedPromise> missed;
+};
+
+/// Numbers of the report that are not finite, by their names in the file ("surface.area").
+std::vector<MissedPromise> numbers_that_failed(const Report& report);
+
+/// The report as JSON text. A number that is not finite cannot stand in JSON: it becomes the word
+/// "nan" or "inf", never null; numbers_that_failed() belongs into `missed` before.
+std::string to_json(const Report& report);
+
+}  // namespace batten

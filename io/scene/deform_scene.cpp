@@ -1,0 +1,392 @@
+#include "batten/io/scene/deform_scene.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "batten/core/errors.h"
+#include "batten/io/scene/scene_words.h"
+
+namespace batten {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+PlacedWord word_of(const TomlTable& table, const std::string& key) {
+  return {table.text(key), table.place(key)};
+}
+
+long label_of(const TomlTable& table, const std::string& key, double value) {
+  if (value != std::floor(value) || std::abs(value) > 1e15)
+    table.fail(key, number(value), "whole numbers of nodes");
+  return static_cast<long>(value);
+}
+
+std::vector<long> labels_of(const TomlTable& table, const std::string& key) {
+  std::vector<long> labels;
+  if (table.has(key))
+    for (const double value : table.list(key)) labels.push_back(label_of(table, key, value));
+  return labels;
+}
+
+SelectRule read_select(const TomlTable& t, const std::filesystem::path& folder) {
+  SelectRule rule;
+  rule.name = t.text("name");
+  rule.place = t.place();
+  if (t.has("box")) {
+    const auto corners = t.points("box");
+    if (corners.size() != 2)
+      t.fail("box", std::to_string(corners.size()) + " points",
+             "two corners [[x, y, z], [x, y, z]]");
+    rule.box = {corners[0].cwiseMin(corners[1]), corners[0].cwiseMax(corners[1])};
+  }
+  for (const TomlTable& s : t.table("sphere", {"centre", "radius"}))
+    rule.sphere = {s.vector("centre"), s.positive("radius")};
+  for (const TomlTable& p : t.table("plane", {"through", "normal", "within"}))
+    rule.plane = {p.vector("through"), p.direction("normal"), p.positive("within", kInfinity)};
+  if (t.has("loop")) rule.loop = t.whole_number("loop", 1, 1);
+  for (const TomlTable& g : t.table("geodesic", {"node", "point", "of", "distance"})) {
+    SelectRule::Geodesic geodesic;
+    if (g.has("node")) geodesic.node = label_of(g, "node", g.number("node"));
+    if (g.has("point")) geodesic.point = g.vector("point");
+    if (g.has("of")) geodesic.of = word_of(g, "of");
+    if (g.has("node") + g.has("point") + g.has("of") != 1)
+      g.fail("", "no single start of the distance", "one of node, point, of");
+    geodesic.distance = g.positive("distance");
+    rule.geodesic = geodesic;
+  }
+  rule.nodes = labels_of(t, "nodes");
+  if (t.has("file")) rule.file = folder / t.text("file");
+  if (t.has("set")) rule.set = word_of(t, "set");
+  if (t.has("property")) rule.property = word_of(t, "property");
+  rule.any = t.names("any");
+  rule.except = t.names("except");
+  rule.grow = t.whole_number("grow", 0, 0);
+  return rule;
+}
+
+CutRule read_cut(const TomlTable& t) {
+  CutRule rule;
+  rule.name = t.text("name");
+  rule.place = t.place();
+  rule.band = t.names("band");
+  if (rule.band.empty()) t.fail("band", "no band", "the selection that holds the feature's border");
+  if (t.has("inside")) rule.inside = t.vector("inside");
+  rule.options.concave = t.positive("concave", rule.options.concave);
+  rule.options.convex = t.positive("convex", rule.options.convex);
+  return rule;
+}
+
+FormFeature::Kind read_kind(const TomlTable& t) {
+  return t.choice(
+      "keep", FormFeature::Kind::Free,
+      {{"shape", FormFeature::Kind::Free}, {"direction", FormFeature::Kind::KeepsDirection}});
+}
+
+GuideRule read_guide(const TomlTable& t) {
+  GuideRule rule;
+  rule.name = t.text("name");
+  rule.place = t.place();
+  rule.of = word_of(t, "of");
+  if (t.has("plane") + t.has("line") != 1)
+    t.fail("", "a guide without plane or line", "one of plane = {…}, line = {…}");
+  for (const TomlTable& p : t.table("plane", {"normal", "through"})) {
+    rule.direction = p.direction("normal");
+    if (p.has("through")) rule.through = p.vector("through");
+  }
+  for (const TomlTable& l : t.table("line", {"direction", "through"})) {
+    rule.kind = GuidedPoint::Kind::OnLine;
+    rule.direction = l.direction("direction");
+    if (l.has("through")) rule.through = l.vector("through");
+  }
+  return rule;
+}
+
+LineRule read_line(const TomlTable& t) {
+  LineRule rule;
+  rule.name = t.text("name");
+  rule.place = t.place();
+  if (t.has("through")) rule.through = t.points("through");
+  rule.nodes = labels_of(t, "nodes");
+  if (rule.through.empty() == rule.nodes.empty())
+    t.fail("", "a line without a way", "one of through = [[x, y, z], …], nodes = […]");
+  rule.closed = t.boolean("closed", false);
+  rule.rigid = t.choice("keep", false, {{"shape", false}, {"rigid", true}});
+  rule.width = t.positive("width", 0);
+  return rule;
+}
+
+std::vector<CurveLoad> read_curve_loads(const TomlTable& t) {
+  std::vector<CurveLoad> loads;
+  Names names("load");
+  for (const TomlTable& s : t.tables("spring", {"name", "at", "to", "stiffness"})) {
+    loads.push_back({s.text("name"), s.positive("stiffness"),
+                     CurveLoad::Spring{s.vector("at"), s.vector("to")}});
+    names.add(s, "name", loads.back().name);
+  }
+  for (const TomlTable& s : t.tables("force", {"name", "at", "direction", "value"})) {
+    loads.push_back({s.text("name"), s.number("value"),
+                     CurveLoad::Force{s.vector("at"), s.direction("direction")}});
+    names.add(s, "name", loads.back().name);
+  }
+  for (const TomlTable& s : t.tables("uniform", {"name", "direction", "value"})) {
+    loads.push_back(
+        {s.text("name"), s.number("value"), CurveLoad::Uniform{s.direction("direction")}});
+    names.add(s, "name", loads.back().name);
+  }
+  return loads;
+}
+
+CurveRule read_curve(const TomlTable& t) {
+  CurveRule rule;
+  rule.line = read_line(t);
+  rule.faired = t.boolean("faired", true);
+  if (t.has("deviation") + t.has("wavelength") + !rule.faired > 1)
+    t.fail("", "several ways to fair", "one of deviation, wavelength, faired = false");
+  using Balance = FairOptions::Balance;
+  if (t.has("deviation")) {
+    rule.fair.balance = Balance::Deviation;
+    rule.fair.deviation = t.positive("deviation");
+  } else if (t.has("wavelength")) {
+    rule.fair.balance = Balance::Wavelength;
+    rule.fair.wavelength = t.positive("wavelength");
+  }
+  rule.fair.corner_angle = t.positive("corner_angle", rule.fair.corner_angle);
+  rule.ends = t.choice("ends", CurveRule::Ends::Clamped,
+                       {{"clamped", CurveRule::Ends::Clamped},
+                        {"held", CurveRule::Ends::Held},
+                        {"free", CurveRule::Ends::Free}});
+  rule.alpha = t.number("alpha", 0);
+  if (!(rule.alpha >= 0)) t.fail("alpha", number(rule.alpha), "0 or more");
+  rule.beta = t.positive("beta", 1);
+  rule.loads = read_curve_loads(t);
+  return rule;
+}
+
+PullRule read_pull(const TomlTable& t) {
+  PullRule rule;
+  rule.name = t.text("name");
+  rule.place = t.place();
+  if (t.has("node")) rule.node = label_of(t, "node", t.number("node"));
+  if (t.has("at")) rule.at = t.vector("at");
+  if (t.has("node") == t.has("at")) t.fail("", "a pull without one vertex", "one of node, at");
+  rule.to = t.vector("to");
+  if (t.has("weight")) rule.weight = t.positive("weight");
+  return rule;
+}
+
+EditRule read_edit(const TomlTable& t, size_t index) {
+  EditRule rule;
+  rule.name = t.text("name", "edit-" + std::to_string(index + 1));
+  rule.place = t.place();
+  rule.fixed = t.names("fixed");
+  rule.region = t.names("region");
+  Names handles("handle");
+  for (const TomlTable& h :
+       t.tables("handle", {"name", "vertices", "translate", "rotate", "scale", "about"})) {
+    EditRule::MovedHandle handle;
+    handle.name = h.text("name");
+    handles.add(h, "name", handle.name);
+    handle.place = h.place();
+    handle.vertices = h.names("vertices");
+    if (handle.vertices.empty()) handle.vertices = {{handle.name, h.place("name")}};
+    if (h.has("translate")) handle.translate = h.vector("translate");
+    for (const TomlTable& r : h.table("rotate", {"axis", "degrees"})) {
+      handle.axis = r.direction("axis");
+      handle.degrees = r.number("degrees");
+    }
+    handle.scale = h.positive("scale", 1);
+    if (h.has("about")) handle.about = h.vector("about");
+    rule.handles.push_back(handle);
+  }
+  for (const TomlTable& s : t.tables("scale", {"feature", "factor"}))
+    rule.scales.push_back({word_of(s, "feature"), s.positive("factor")});
+  for (const TomlTable& g : t.tables("guide", {"name", "through"}))
+    rule.guides.push_back({word_of(g, "name"), g.vector("through")});
+  return rule;
+}
+
+ModesRule read_modes(const TomlTable& t, Names& files) {
+  ModesRule rule;
+  rule.thickness = t.positive("thickness");
+  rule.young = t.positive("young");
+  rule.poisson = t.number("poisson");
+  if (!(rule.poisson > -1 && rule.poisson < 0.5))
+    t.fail("poisson", number(rule.poisson), "above -1 and below 0.5");
+  rule.density = t.positive("density");
+  rule.count = t.whole_number("count", 1, 10);
+  rule.clamped = t.names("clamped");
+  if (t.has("before")) rule.before = output_file(t, "before", files, {".inp"});
+  if (t.has("after")) rule.after = output_file(t, "after", files, {".inp"});
+  return rule;
+}
+
+MeshPictureRule read_picture(const TomlTable& t, Names& files) {
+  using Show = MeshPictureRule::Show;
+  MeshPictureRule rule;
+  rule.file = output_file(t, "file", files, {".png"});
+  rule.title = t.text("title", "");
+  rule.show = t.choice("show", Show::BeforeAfter,
+                       {{"before_after", Show::BeforeAfter},
+                        {"steps", Show::Steps},
+                        {"after", Show::After},
+                        {"displacement", Show::Displacement}});
+  rule.mesh = t.boolean("mesh", false);
+  read_view(t, rule.azimuth, rule.elevation, rule.size);
+  rule.zoom = t.positive("zoom", 1);
+  return rule;
+}
+
+DeformScene read(const toml::table& root_table, const std::filesystem::path& file) {
+  const TomlTable root(
+      file.string(), root_table, "the scene",
+      {"name", "unit", "mesh", "weighting", "proposals", "select", "cut", "feature", "features",
+       "guide", "line", "curve", "pull", "edit", "output", "modes", "picture"});
+  const std::filesystem::path folder = file.parent_path();
+  DeformScene scene;
+  scene.file = file;
+  scene.name = root.text("name", file.stem().string());
+  scene.unit = unit_word(root, "unit");
+  scene.mesh = folder / root.text("mesh");
+  scene.weighting = root.choice(
+      "weighting", DeformProblem::Weighting::Area,
+      {{"area", DeformProblem::Weighting::Area}, {"uniform", DeformProblem::Weighting::Uniform}});
+  for (const TomlTable& t : root.table(
+           "proposals", {"crease_degrees", "rim_rings", "rim_width", "outer_loops", "nested"})) {
+    ProposalOptions& o = scene.proposals;
+    o.crease_degrees = t.positive("crease_degrees", o.crease_degrees);
+    if (o.crease_degrees >= 180)
+      t.fail("crease_degrees", number(o.crease_degrees), "less than 180 degrees");
+    o.rim_rings = t.whole_number("rim_rings", 1, o.rim_rings);
+    o.rim_width = t.positive("rim_width", o.rim_width);
+    o.outer_loops = t.boolean("outer_loops", o.outer_loops);
+    o.nested = t.boolean("nested", o.nested);
+  }
+  Names selections("selection");
+  for (const TomlTable& t :
+       root.tables("select", {"name", "box", "sphere", "plane", "loop", "geodesic", "nodes", "file",
+                              "set", "property", "any", "except", "grow"})) {
+    scene.selections.push_back(read_select(t, folder));
+    selections.add(t, "name", scene.selections.back().name);
+  }
+  for (const TomlTable& t : root.tables("cut", {"name", "band", "inside", "concave", "convex"})) {
+    scene.cuts.push_back(read_cut(t));
+    selections.add(t, "name", scene.cuts.back().name);
+  }
+  Names kept("name");
+  for (const TomlTable& t : root.tables("feature", {"name", "vertices", "keep"})) {
+    FeatureRule rule{t.text("name"), t.place(), t.names("vertices"), read_kind(t)};
+    if (rule.vertices.empty()) rule.vertices = {{rule.name, t.place("name")}};
+    kept.add(t, "name", rule.name);
+    scene.features.push_back(std::move(rule));
+  }
+  for (const TomlTable& t : root.tables("features", {"of", "keep"})) {
+    FeatureRule rule{"", t.place(), t.names("of"), read_kind(t)};
+    if (rule.vertices.empty()) t.fail("of", "no names", "a list of selections or proposals");
+    scene.features.push_back(std::move(rule));
+  }
+  for (const TomlTable& t : root.tables("guide", {"name", "of", "plane", "line"})) {
+    scene.guides.push_back(read_guide(t));
+    kept.add(t, "name", scene.guides.back().name);
+  }
+  for (const TomlTable& t :
+       root.tables("line", {"name", "through", "nodes", "closed", "keep", "width"})) {
+    scene.lines.push_back(read_line(t));
+    kept.add(t, "name", scene.lines.back().name);
+  }
+  for (const TomlTable& t : root.tables(
+           "curve", {"name", "through", "nodes", "closed", "faired", "deviation", "wavelength",
+                     "corner_angle", "ends", "alpha", "beta", "spring", "force", "uniform"})) {
+    scene.curves.push_back(read_curve(t));
+    kept.add(t, "name", scene.curves.back().line.name);
+  }
+  for (const TomlTable& t : root.tables("pull", {"name", "node", "at", "to", "weight"})) {
+    scene.pulls.push_back(read_pull(t));
+    kept.add(t, "name", scene.pulls.back().name);
+  }
+  Names edits("edit");
+  for (const TomlTable& t :
+       root.tables("edit", {"name", "fixed", "region", "handle", "scale", "guide"})) {
+    scene.edits.push_back(read_edit(t, scene.edits.size()));
+    edits.add(t, "name", scene.edits.back().name);
+  }
+  if (scene.edits.empty()) root.fail("", "no edits", "at least one [[edit]]");
+
+  Names files("file name");
+  const std::string ending = scene.mesh.extension().string();
+  scene.mesh_out = scene.mesh.stem().string() + "-deformed" + ending;
+  for (const TomlTable& t : root.table("output", {"mesh", "vtp", "wide_nodes"})) {
+    if (t.has("mesh")) scene.mesh_out = output_file(t, "mesh", files, {ending});
+    if (t.has("vtp")) scene.vtp = output_file(t, "vtp", files, {".vtp"});
+    scene.wide_nodes = t.boolean("wide_nodes", false);
+  }
+  if (!files.has(scene.mesh_out)) files.add(root, "mesh", scene.mesh_out);
+  for (const TomlTable& t : root.table("modes", {"thickness", "young", "poisson", "density",
+                                                 "count", "clamped", "before", "after"}))
+    scene.modes = read_modes(t, files);
+  for (const TomlTable& t :
+       root.tables("picture", {"file", "title", "show", "mesh", "view", "zoom", "size"}))
+    scene.pictures.push_back(read_picture(t, files));
+  return scene;
+}
+
+/// The one list of what can be set.
+template <class AnyScene, class Function>
+void for_each_parameter(AnyScene& scene, const Function& f) {
+  for (auto& curve : scene.curves)
+    for (auto& load : curve.loads)
+      f(curve.line.name + "." + load.name, load.value,
+        std::holds_alternative<CurveLoad::Spring>(load.kind));
+  for (auto& edit : scene.edits) {
+    for (auto& handle : edit.handles) {
+      const std::string name = edit.name + "." + handle.name + ".";
+      for (int i = 0; i < 3; ++i) f(name + "xyz"[i], handle.translate[i], false);
+      f(name + "degrees", handle.degrees, false);
+      f(name + "scale", handle.scale, true);
+    }
+    for (auto& scaled : edit.scales)
+      f(edit.name + "." + scaled.feature.text + ".scale", scaled.factor, true);
+  }
+}
+
+}  // namespace
+
+std::vector<Parameter> DeformScene::parameters() const {
+  std::vector<Parameter> list;
+  for_each_parameter(*this, [&](const std::string& n, double value, bool positive) {
+    list.push_back({n, value, positive ? 0 : -kInfinity, kInfinity});
+  });
+  return list;
+}
+
+void DeformScene::set(const std::string& parameter, double value, const std::string& where) {
+  std::vector<std::string> names;
+  bool known = false;
+  for_each_parameter(*this, [&](const std::string& n, double& slot, bool positive) {
+    names.push_back(n);
+    if (n != parameter) return;
+    known = true;
+    if (!std::isfinite(value) || (positive && !(value > 0)))
+      throw InputError(where + "found " + number(value) + " for '" + n + "', expected a " +
+                       (positive ? "number above 0" : "finite number"));
+    slot = value;
+  });
+  if (!known)
+    throw InputError(where + "found parameter '" + parameter +
+                     "', expected one of: " + listed(names) + did_you_mean(parameter, names));
+}
+
+bool edits_a_mesh(const std::filesystem::path& file) {
+  const toml::table root =
+      parse_toml(text_of_file(file, "a scene (.toml)"), file, "a scene or edits of a mesh");
+  return root.contains("mesh") || root.contains("edit");
+}
+
+DeformScene parse_deform_scene(const std::string& text, const std::filesystem::path& file) {
+  return read(parse_toml(text, file, "edits of a mesh (unit, mesh, [[edit]] …)"), file);
+}
+
+DeformScene read_deform_scene(const std::filesystem::path& file) {
+  return parse_deform_scene(text_of_file(file, "edits of a mesh (.toml)"), file);
+}
+
+}  // namespace batten

@@ -1,0 +1,116 @@
+#include "batten/io/scene/fair_stages.h"
+
+#include "batten/core/errors.h"
+#include "batten/io/scene/scene_words.h"
+
+namespace batten {
+namespace {
+
+CurveCondition read_condition(const TomlTable& t) {
+  using Type = CurveCondition::Type;
+  CurveCondition c;
+  c.name = t.text("name");
+  c.type = t.choice<Type>("type", {{"point", Type::Point},
+                                   {"tangent", Type::Tangent},
+                                   {"end_curvature", Type::ZeroEndCurvature},
+                                   {"plane", Type::Plane},
+                                   {"symmetry", Type::Symmetry}});
+  const bool has_place = c.type != Type::ZeroEndCurvature;
+  const bool has_direction = has_place && c.type != Type::Point;
+  const auto none = [&](const std::string& key, const std::string& expected) {
+    if (t.has(key)) t.fail(key, "'" + key + "' for the condition '" + c.name + "'", expected);
+  };
+  if (has_place)
+    c.at = t.vector("at");
+  else
+    none("at", "none: end_curvature is about both ends of the curve");
+  if (has_direction)
+    c.direction = t.direction("direction");
+  else
+    none("direction", "it only where type = \"tangent\", \"plane\" or \"symmetry\"");
+  return c;
+}
+
+void read_balance(const TomlTable& t, FairOptions& options) {
+  using Balance = FairOptions::Balance;
+  if (t.has("deviation") && t.has("wavelength"))
+    t.fail("wavelength", "both 'deviation' and 'wavelength'", "one of them, or none");
+  if (t.has("deviation")) {
+    options.balance = Balance::Deviation;
+    options.deviation = t.positive("deviation");
+  }
+  if (t.has("wavelength")) {
+    options.balance = Balance::Wavelength;
+    options.wavelength = t.positive("wavelength");
+  }
+}
+
+void read_local(const TomlTable& t, FairStage& stage) {
+  if (t.has("brush") && t.has("stretch"))
+    t.fail("stretch", "both 'brush' and 'stretch'", "one of them");
+  const std::string kind = t.has("brush") ? "brush" : "stretch";
+  for (const char* key : {"deviation", "corner_angle", "corners", "closed", "hold_ends", "alpha",
+                          "condition", "minimum"})
+    if (t.has(key))
+      t.fail(key, "'" + std::string(key) + "' beside '" + kind + "'",
+             "it only in a stage of whole lines: local stages have a 'wavelength'");
+  for (const TomlTable& b : t.table("brush", {"at", "radius"}))
+    stage.brush = {b.vector("at"), b.positive("radius")};
+  for (const TomlTable& s : t.table("stretch", {"from", "to"}))
+    stage.stretch = {s.vector("from"), s.vector("to")};
+  stage.options.balance = FairOptions::Balance::Wavelength;
+  stage.options.wavelength = t.positive("wavelength");
+}
+
+FairStage read_stage(const TomlTable& t, size_t index) {
+  FairStage stage;
+  stage.name = t.text("name", "fair-" + std::to_string(index + 1));
+  stage.place = t.place();
+  stage.lines = t.names("lines");
+  if (t.has("brush") || t.has("stretch")) {
+    read_local(t, stage);
+    return stage;
+  }
+  FairOptions& o = stage.options;
+  read_balance(t, o);
+  if (t.has("minimum")) {
+    for (const char* key :
+         {"deviation", "wavelength", "corners", "hold_ends", "alpha", "condition"})
+      if (t.has(key))
+        t.fail(key, "'" + std::string(key) + "' beside 'minimum'",
+               "none: the curve goes through all points");
+    stage.minimum = t.choice<CurveFunctional>(
+        "minimum",
+        {{"energy", CurveFunctional::Energy}, {"variation", CurveFunctional::Variation}});
+  }
+  o.corner_angle = t.positive("corner_angle", o.corner_angle);
+  if (o.corner_angle > 180)
+    t.fail("corner_angle", number(o.corner_angle), "at most 180 degrees (180: no corners)");
+  if (t.has("corners")) stage.corners = t.points("corners");
+  if (t.has("closed")) o.closed = t.boolean("closed", false);
+  if (t.has("hold_ends")) stage.hold_ends = t.boolean("hold_ends", false);
+  o.alpha = t.number("alpha", 0);
+  if (o.alpha < 0) t.fail("alpha", number(o.alpha), "0 or more");
+  Names conditions("condition");
+  for (const TomlTable& c : t.tables("condition", {"name", "type", "at", "direction"})) {
+    o.conditions.push_back(read_condition(c));
+    conditions.add(c, "name", o.conditions.back().name);
+  }
+  return stage;
+}
+
+}  // namespace
+
+std::vector<FairStage> read_fair_stages(const TomlTable& root) {
+  std::vector<FairStage> stages;
+  Names names("stage");
+  for (const TomlTable& t : root.tables(
+           "fair", {"name", "lines", "deviation", "wavelength", "corner_angle", "corners", "closed",
+                    "hold_ends", "alpha", "condition", "minimum", "brush", "stretch"})) {
+    stages.push_back(read_stage(t, stages.size()));
+    names.add(t, "name", stages.back().name);
+  }
+  return stages;
+}
+
+}  // namespace batten

@@ -1,0 +1,217 @@
+#include "batten/io/scene/read_scene.h"
+
+#include "batten/io/scene/scene_lines.h"
+#include "batten/io/scene/scene_network.h"
+#include "batten/io/scene/scene_sculpting.h"
+#include "batten/io/scene/scene_words.h"
+
+namespace batten {
+namespace {
+
+void read_skin(const TomlTable& table, SceneSkin& skin) {
+  using Mesher = SkinOptions::Mesher;
+  using Hold = SceneSkin::Hold;
+  skin.options.element =
+      table.choice("element", TriangleElement::HCT,
+                   {{"hct", TriangleElement::HCT}, {"z12", TriangleElement::Z12}});
+  skin.options.mesher = table.choice("mesher", Mesher::Delaunay,
+                                     {{"delaunay", Mesher::Delaunay}, {"fan", Mesher::Fan}});
+  using Domain = SkinOptions::Domain;
+  skin.options.domain = table.choice("domain", Domain::Auto,
+                                     {{"auto", Domain::Auto},
+                                      {"polygon", Domain::Polygon},
+                                      {"plane", Domain::Plane},
+                                      {"sheet", Domain::Sheet},
+                                      {"ring", Domain::Ring}});
+  skin.options.settle = table.boolean("settle", false);
+  skin.options.edge_length = table.positive("edge_length", 0);
+  if (table.has("refine")) {
+    if (skin.options.mesher != Mesher::Fan)
+      table.fail("refine", "'refine' with the Delaunay mesher",
+                 "it only with mesher = \"fan\" (edge_length says how fine a mesh is)");
+    if (table.has("edge_length"))
+      table.fail("refine", "both 'refine' and 'edge_length'", "one of them");
+    skin.options.fan_refinements = table.whole_number("refine", 0, 0);
+    if (skin.options.fan_refinements > 10)
+      table.fail("refine", std::to_string(skin.options.fan_refinements), "0 to 10");
+  }
+  skin.units = table.choice("units", LoadUnits::Relative,
+                            {{"relative", LoadUnits::Relative}, {"absolute", LoadUnits::Absolute}});
+  skin.hold =
+      table.choice("hold", Hold::Lines, {{"lines", Hold::Lines}, {"corners", Hold::Corners}});
+  if (table.has("alpha")) {
+    skin.isotropic_alpha = !table.is_array("alpha");
+    if (skin.isotropic_alpha) {
+      skin.material.alpha = table.number("alpha") * Mat2::Identity();
+    } else {
+      const VecX a = table.numbers("alpha", "a11, a12, a22");
+      skin.material.alpha << a[0], a[1], a[1], a[2];
+    }
+  }
+  if (table.has("beta")) {
+    skin.isotropic_beta = !table.is_array("beta");
+    skin.material.beta = skin.isotropic_beta ? Vec3::Constant(table.number("beta"))
+                                             : Vec3(table.numbers("beta", "b11, b12, b22"));
+  }
+  const std::string expected = expected_of(skin.material);
+  if (!expected.empty()) {
+    const std::string key = expected.starts_with("beta") || !table.has("alpha") ? "beta" : "alpha";
+    table.fail(key, "a material without a stable shape", expected);
+  }
+}
+
+SceneStress read_stress(const TomlTable& table) {
+  SceneStress stress;
+  stress.thickness = table.positive("thickness");
+  stress.young = table.positive("young");
+  stress.poisson = table.number("poisson", 0.3);
+  if (stress.poisson <= -1 || stress.poisson >= 0.5)
+    table.fail("poisson", number(stress.poisson), "a number above -1 and below 0.5");
+  stress.density = table.positive("density", 0);
+  stress.pressure = table.number("pressure", 0);
+  if (table.has("gravity")) {
+    stress.gravity = table.vector("gravity");
+    if (stress.density == 0) table.fail("gravity", "gravity without 'density'", "both");
+  }
+  for (const TomlTable& t : table.tables("pressures", {"region", "pressure"}))
+    stress.pressures.push_back({{t.text("region"), t.place("region")}, t.number("pressure")});
+  for (const TomlTable& t : table.tables("supports", {"line", "kind"}))
+    stress.supports.push_back({{t.text("line"), t.place("line")},
+                               t.choice("kind", true, {{"clamped", true}, {"pinned", false}})});
+  if (stress.supports.empty())
+    table.fail("supports", "no supports", "one or more: supports = [{line = \"…\"}]");
+  return stress;
+}
+
+const std::vector<std::string> kPictureKeys = {"file",
+                                               "title",
+                                               "show",
+                                               "contours",
+                                               "contour_direction",
+                                               "zebra",
+                                               "zebra_direction",
+                                               "parameter_lines",
+                                               "lines",
+                                               "mesh",
+                                               "view",
+                                               "size"};
+
+ScenePicture read_picture(const TomlTable& table, Names& files) {
+  using Field = PictureScene::Field;
+  ScenePicture picture;
+  PictureScene& look = picture.look;
+  picture.file = output_file(table, "file", files, {".png"});
+  look.title = table.text("title", "");
+  look.field = table.choice("show", Field::None,
+                            {{"shaded", Field::None},
+                             {"mean_curvature", Field::Mean},
+                             {"gauss_curvature", Field::Gauss},
+                             {"regions", Field::Regions}});
+  look.contours = table.whole_number("contours", 0, 0);
+  look.parameter_lines = table.whole_number("parameter_lines", 0, 0);
+  if (table.has("contour_direction")) {
+    if (look.contours == 0)
+      table.fail("contour_direction", "'contour_direction' without 'contours'", "both");
+    look.contour_direction = table.direction("contour_direction");
+  }
+  look.zebra = table.whole_number("zebra", 1, 0);
+  if (look.zebra > 0 && look.field != Field::None)
+    table.fail("zebra", "'zebra' beside show = \"" + table.text("show") + "\"", "one of them");
+  if (table.has("zebra_direction")) {
+    if (look.zebra == 0) table.fail("zebra_direction", "'zebra_direction' without 'zebra'", "both");
+    look.zebra_direction = table.direction("zebra_direction");
+  }
+  look.lines = table.boolean("lines", true);
+  look.mesh = table.boolean("mesh", false);
+  read_view(table, look.azimuth, look.elevation, picture.size);
+  return picture;
+}
+
+SceneSweep read_sweep(const TomlTable& table, const Scene& scene, Names& files) {
+  SceneSweep sweep;
+  sweep.parameter = table.text("parameter");
+  sweep.values = table.list("values");
+  sweep.columns = table.whole_number("columns", 1, 0);
+  sweep.picture = read_picture(table, files);
+  // The panels of a sheet share their lines.
+  for_each_fair_parameter(scene.fairing, [&](const std::string& name, double) {
+    if (name == sweep.parameter)
+      table.fail("parameter", "'" + name + "', which changes the lines",
+                 "a parameter of loads, constraints or [skin]");
+  });
+  double present = 0;
+  for (const Parameter& p : scene.parameters())
+    if (p.name == sweep.parameter) present = p.value;
+  Scene(scene).set(sweep.parameter, present, table.at("parameter"));  // is there such a one?
+  for (const double value : sweep.values)
+    Scene(scene).set(sweep.parameter, value, table.at("values"));
+  return sweep;
+}
+
+Scene read(const toml::table& root_table, const std::filesystem::path& file) {
+  const TomlTable root(
+      file.string(), root_table, "the scene",
+      {"name",   "unit",   "tolerance", "corner_angle", "line",    "lines",  "fair", "network",
+       "region", "join",   "skin",      "constraint",   "load",    "weight", "move", "parameter",
+       "motion", "stress", "output",    "compare",      "picture", "sweep"});
+  const std::filesystem::path folder = file.parent_path();
+  Scene scene;
+  scene.file = file;
+  scene.name = root.text("name", file.stem().string());
+  scene.unit = unit_word(root, "unit");
+  scene.skin.options.tolerance = root.positive("tolerance", 0);
+  scene.skin.options.corner_angle = root.positive("corner_angle", 20);
+  if (scene.skin.options.corner_angle >= 180)
+    root.fail("corner_angle", number(scene.skin.options.corner_angle), "less than 180 degrees");
+
+  read_network(root, scene);
+  scene.lines = read_scene_lines(root, folder, true);
+  scene.fairing = read_fair_stages(root);
+
+  for (const TomlTable& t : root.table("skin", skin_keys())) read_skin(t, scene.skin);
+
+  read_sculpting(root, folder, scene);
+
+  for (const TomlTable& t : root.table("stress", {"thickness", "young", "poisson", "density",
+                                                  "pressure", "pressures", "gravity", "supports"}))
+    scene.stress = read_stress(t);
+
+  Names files("file name");
+  for (const TomlTable& t : root.table("compare", {"file"}))
+    scene.compare = folder / t.text("file");
+  for (const TomlTable& t : root.table("output", output_keys())) {
+    if (t.has("step")) scene.step = output_file(t, "step", files, {".step", ".stp"});
+    using Form = Scene::StepForm;
+    scene.step_form =
+        t.choice("step_form", Form::Auto,
+                 {{"auto", Form::Auto}, {"face", Form::Face}, {"exact", Form::Exact}});
+    scene.step_tolerance = t.positive("step_tolerance", 0);
+    for (const char* key : {"step_form", "step_tolerance"})
+      if (t.has(key) && scene.step.empty())
+        t.fail(key, "'" + std::string(key) + "' without 'step'", "both");
+    if (t.has("vtu")) scene.vtu = output_file(t, "vtu", files, {".vtu"});
+    if (t.has("vtp")) scene.vtp = output_file(t, "vtp", files, {".vtp"});
+    if (t.has("calculix")) scene.calculix = output_file(t, "calculix", files, {".inp"});
+    if (t.has("calculix") && !scene.stress)
+      t.fail("calculix", "a CalculiX deck", "a section [stress] with material and supports for it");
+  }
+  for (const TomlTable& t : root.tables("picture", kPictureKeys))
+    scene.pictures.push_back(read_picture(t, files));
+  std::vector<std::string> sweep_keys = {"parameter", "values", "columns"};
+  sweep_keys.insert(sweep_keys.end(), kPictureKeys.begin(), kPictureKeys.end());
+  for (const TomlTable& t : root.tables("sweep", sweep_keys))
+    scene.sweeps.push_back(read_sweep(t, scene, files));
+  return scene;
+}
+
+}  // namespace
+
+Scene parse_scene(const std::string& text, const std::filesystem::path& file) {
+  return read(parse_toml(text, file, "a scene (unit, [[line]] …)"), file);
+}
+
+Scene read_scene(const std::filesystem::path& file) {
+  return parse_scene(text_of_file(file, "a scene (.toml)"), file);
+}
+
+}  // namespace batten

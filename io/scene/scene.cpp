@@ -1,0 +1,156 @@
+#include "batten/io/scene/scene.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+#include "batten/io/scene/scene_words.h"
+
+namespace batten {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// Calls f with a reference to each named value that has a table of its own.
+template <class AnyScene, class Function>
+void for_each_named(AnyScene& scene, const Function& f) {
+  for (auto& load : scene.loads) f(load);
+  for (auto& weight : scene.weights) f(weight);
+  for (auto& move : scene.moves) f(move);
+  for (auto& slider : scene.sliders) f(slider);
+}
+
+/// The one list of what can be set: calls f(name, value, min, max) with a reference to each value.
+template <class AnyScene, class Function>
+void for_each_parameter(AnyScene& scene, const Function& f) {
+  for_each_named(scene, [&](auto& p) { f(p.name, p.value, p.min, p.max); });
+  for (auto& c : scene.constraints)
+    for (int i = 0; i < 3 && c.type != SceneConstraint::Type::LineNormal; ++i)
+      f(c.name + "." + "xyz"[i], c.goal[i], c.middle[i] - c.range, c.middle[i] + c.range);
+  auto& alpha = scene.skin.material.alpha;
+  auto& beta = scene.skin.material.beta;
+  if (scene.skin.isotropic_alpha) {
+    f("alpha", alpha(0, 0), 0.0, kInfinity);
+  } else {
+    f("alpha_uu", alpha(0, 0), 0.0, kInfinity);
+    f("alpha_uv", alpha(0, 1), -kInfinity, kInfinity);
+    f("alpha_vv", alpha(1, 1), 0.0, kInfinity);
+  }
+  if (scene.skin.isotropic_beta) {
+    f("beta", beta[0], 0.0, kInfinity);
+  } else {
+    f("beta_uu", beta[0], 0.0, kInfinity);
+    f("beta_uv", beta[1], 0.0, kInfinity);
+    f("beta_vv", beta[2], 0.0, kInfinity);
+  }
+  for_each_fair_parameter(
+      scene.fairing, [&](const std::string& name, auto& value) { f(name, value, 0.0, kInfinity); });
+}
+
+}  // namespace
+
+std::string expected_of(const SurfaceStiffness& material) {
+  const double scale = material.alpha.norm();
+  const Vec2 eigenvalues = Eigen::SelfAdjointEigenSolver<Mat2>(material.alpha).eigenvalues();
+  if (eigenvalues[0] < -1e-12 * scale)
+    return "alpha ≥ 0: alpha_uu ≥ 0, alpha_vv ≥ 0, alpha_uv² ≤ alpha_uu·alpha_vv";
+  if (material.beta.minCoeff() < 0) return "beta ≥ 0";
+  if (scale == 0 && material.beta.maxCoeff() == 0) return "alpha or beta above 0";
+  return "";
+}
+
+std::vector<NamedValue> Scene::named_values() const {
+  std::vector<NamedValue> list;
+  for_each_parameter(*this, [&](const std::string& n, double value, double min, double max) {
+    NamedValue p;
+    p.name = n;
+    p.value = value;
+    p.min = min;
+    p.max = max;
+    list.push_back(p);
+  });
+  size_t i = 0;  // named values come first, in the same order
+  for_each_named(*this, [&](const NamedValue& p) { list[i++].over_time = p.over_time; });
+  for (const SceneRule& rule : rules)
+    for (NamedValue& p : list) {
+      if (p.name != rule.driven) continue;
+      if (p.follows.empty()) p.offset = p.value;
+      p.follows.push_back({rule.of, rule.factor});
+      p.over_time.clear();
+    }
+  for (const SceneRule& rule : rules)
+    for (NamedValue& p : list)
+      if (p.name == rule.driven && rule.offset) p.offset = *rule.offset;
+  return list;
+}
+
+std::vector<Parameter> Scene::parameters() const {
+  Parameters all;
+  const std::vector<NamedValue> values = named_values();
+  for (NamedValue p : values) {
+    p.follows.clear();
+    // What a rule drives needs no value of its own.
+    p.value = std::clamp(p.value, p.min, p.max);
+    all.add(std::move(p));
+  }
+  for (const NamedValue& p : values)
+    if (!p.follows.empty()) all.drive(p.name, p.follows, p.offset);
+  std::vector<Parameter> list;
+  for (const NamedValue& p : values) list.push_back({p.name, all.value(p.name), p.min, p.max});
+  return list;
+}
+
+void Scene::set(const std::string& parameter, double value, const std::string& where) {
+  Scene changed = *this;
+  std::vector<std::string> names;
+  bool known = false;
+  for_each_parameter(changed, [&](const std::string& n, double& slot, double min, double max) {
+    names.push_back(n);
+    if (n != parameter) return;
+    known = true;
+    if (!(value >= min && value <= max) || !std::isfinite(value))
+      throw InputError(where + "found " + number(value) + " for '" + n + "', expected a number " +
+                       (min == -kInfinity && max == kInfinity ? "" : range_text(min, max)));
+    slot = value;
+  });
+  if (!known)
+    throw InputError(where + "found parameter '" + parameter +
+                     "', expected one of: " + listed(names) + did_you_mean(parameter, names));
+  for (const SceneRule& rule : rules)
+    if (rule.driven == parameter)
+      throw InputError(where + "found a value for '" + parameter + "', expected one for '" +
+                       rule.of + "', which drives it");
+  for_each_named(changed, [&](NamedValue& p) {
+    if (p.name == parameter) p.over_time.clear();
+  });
+  SurfaceStiffness& material = changed.skin.material;
+  if (parameter == "alpha") material.alpha = value * Mat2::Identity();
+  if (parameter == "beta") material.beta = Vec3::Constant(value);
+  if (parameter == "alpha_uv") material.alpha(1, 0) = value;
+  const std::string expected = expected_of(material);
+  if (!expected.empty())
+    throw InputError(where + "found " + number(value) + " for '" + parameter + "', expected " +
+                     expected);
+  for_each_fair_parameter(changed.fairing, [&](const std::string& name, double number_above_0) {
+    if (!(number_above_0 > 0))
+      throw InputError(where + "found 0 for '" + name + "', expected a number above 0");
+  });
+  for (const auto& c : changed.constraints)
+    if (c.type != SceneConstraint::Type::Point && c.type != SceneConstraint::Type::LineNormal &&
+        c.goal.norm() == 0)
+      throw InputError(where + "found 0 for '" + parameter + "', expected a direction of '" +
+                       c.name + "' that is not [0, 0, 0]");
+  *this = std::move(changed);
+}
+
+bool Scene::is_sculpted() const {
+  return !loads.empty() || !constraints.empty() || !weights.empty() || !moves.empty() ||
+         !sliders.empty() || skin.hold == SceneSkin::Hold::Corners;
+}
+
+bool is_part_of(const std::string& run, const std::string& line) {
+  return run == line || (run.starts_with(line + ".") && run.size() > line.size() + 1 &&
+                         run.find_first_not_of("0123456789", line.size() + 1) == std::string::npos);
+}
+
+}  // namespace batten

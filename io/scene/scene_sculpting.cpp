@@ -1,0 +1,406 @@
+#include "batten/io/scene/scene_sculpting.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "batten/io/scene/scene_words.h"
+
+namespace batten {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+PlacedWord placed(const TomlTable& table, const std::string& key) {
+  return {table.text(key), table.place(key)};
+}
+
+/// name, value (a number, or over time), min, max.
+void read_named_value(const TomlTable& table, NamedValue& p) {
+  p.name = table.text("name");
+  p.min = table.number("min", -kInfinity);
+  p.max = table.number("max", kInfinity);
+  if (p.min > p.max) table.fail("max", number(p.max), "not less than min = " + number(p.min));
+  const auto expect_in_range = [&](double value) {
+    if (value < p.min || value > p.max)
+      table.fail("value", number(value),
+                 "a value " + range_text(p.min, p.max) + ", as 'min' and 'max' say");
+  };
+  if (!table.is_array("value")) {
+    p.value = table.number("value");
+    return expect_in_range(p.value);
+  }
+  const auto rows = table.rows("value", "t, value");
+  if (rows.empty()) table.fail("value", "an empty list", "a number, or [[t, value], …]");
+  for (const VecX& row : rows) {
+    if (!p.over_time.empty() && row[0] <= p.over_time.back().time)
+      table.fail(
+          "value",
+          "a moment at " + number(row[0]) + " after one at " + number(p.over_time.back().time),
+          "moments that ascend");
+    expect_in_range(row[1]);
+    p.over_time.push_back({row[0], row[1]});
+  }
+  Parameters at_0;
+  at_0.add(p);
+  p.value = at_0.value(0);
+}
+
+SceneArea read_area(const TomlTable& table) {
+  SceneArea area;
+  if (table.has("near") && table.has("paint"))
+    table.fail("paint", "both 'near' and 'paint'", "one of them");
+  if (table.has("near")) {
+    area.line = placed(table, "near");
+    area.area.where = Area::NearLine{area.line.text, table.positive("radius")};
+  } else if (table.has("radius")) {
+    table.fail("radius", "'radius' without 'near'", "both, or 'paint'");
+  }
+  if (table.has("paint")) {
+    Area::Painted painted;
+    for (const TomlTable& t : table.tables("paint", {"at", "radius", "strength"}))
+      painted.strokes.push_back({t.vector("at"), t.positive("radius"), t.number("strength", 1)});
+    if (painted.strokes.empty())
+      table.fail("paint", "no strokes", "one or more: paint = [{at = […], radius = …}]");
+    area.area.where = painted;
+  }
+  if (table.has("regions")) {
+    area.regions = table.words("regions");
+    if (area.regions.empty())
+      table.fail("regions", "no regions", "names: regions = [\"a\", \"b\"]; all without the key");
+  }
+  return area;
+}
+
+/// Keys that a thing of its type does not know: each answered with what has it.
+void refuse(const TomlTable& table, const std::string& what,
+            std::initializer_list<std::pair<const char*, const char*>> keys) {
+  for (const auto& [key, remedy] : keys)
+    if (table.has(key)) table.fail(key, "'" + std::string(key) + "' for " + what, remedy);
+}
+
+SceneConstraint read_constraint(const TomlTable& table) {
+  using Type = SceneConstraint::Type;
+  SceneConstraint c;
+  c.name = table.text("name");
+  c.place = table.place("name");
+  c.type = table.choice<Type>("type", {{"point", Type::Point},
+                                       {"normal", Type::Normal},
+                                       {"tangent", Type::Tangent},
+                                       {"line_normal", Type::LineNormal}});
+  const std::string what = "the constraint '" + c.name + "'";
+  const bool point = c.type == Type::Point, along_line = c.type == Type::LineNormal;
+  const char* only_point = "it only where type = \"point\"";
+  if (!point) refuse(table, what, {{"to", only_point}, {"range", only_point}});
+  if (point || along_line)
+    refuse(table, what, {{"direction", "it only where type = \"normal\" or \"tangent\""}});
+  if (c.type != Type::Tangent) refuse(table, what, {{"along", "it only where type = \"tangent\""}});
+  if (along_line) {
+    refuse(table, what, {{"at", "'line': it acts all along that"}});
+    c.line = placed(table, "line");
+    c.as_it_is = !table.has("normal");
+    if (!c.as_it_is) c.goal = c.middle = table.direction("normal");
+    return c;
+  }
+  const char* only_line = "it only where type = \"line_normal\"";
+  refuse(table, what, {{"line", only_line}, {"normal", only_line}});
+  c.at = table.vector("at");
+  c.goal = point ? table.vector("to") : table.direction("direction");
+  c.middle = c.goal;
+  if (table.has("range")) c.range = table.positive("range");
+  if (c.type == Type::Tangent) {
+    c.along = table.numbers("along", "su, sv");
+    if (c.along.norm() == 0) table.fail("along", "[0, 0]", "a direction [su, sv]");
+    c.along.normalize();
+  }
+  return c;
+}
+
+/// Springs from places: what draws them, how long and how far.
+void read_pulls(const TomlTable& table, const std::filesystem::path& folder, SceneLoad& load) {
+  Load::Pulls& springs = load.pulls;
+  springs.at = table.points("at");
+  if (springs.at.empty()) table.fail("at", "an empty list", "one place or more");
+  const int targets = table.has("to") + table.has("curve") + table.has("plane");
+  if (targets != 1)
+    table.fail("at",
+               targets == 0 ? "springs without anything that draws them"
+                            : "springs with more than one target",
+               "one of: to, curve, plane");
+  if (table.has("to")) {
+    const auto to = table.points("to");
+    if (to.size() != springs.at.size())
+      table.fail("to", std::to_string(to.size()) + " points",
+                 std::to_string(springs.at.size()) + ", one for each place of 'at'");
+    springs.target = Load::Pulls::Places{to};
+  }
+  if (table.has("curve")) {
+    load.curve = placed(table, "curve");
+    load.file = folder / load.curve.text;
+    load.place = load.curve.place;
+  }
+  for (const TomlTable& t : table.table("plane", {"through", "normal"}))
+    springs.target = Load::Pulls::Plane{t.vector("through"), t.direction("normal")};
+  for (const auto& [key, slot] :
+       {std::pair<const char*, double*>{"rest_length", &springs.rest_length},
+        {"falloff", &springs.falloff}}) {
+    *slot = table.number(key, 0);
+    if (*slot < 0) table.fail(key, number(*slot), "a length, not below 0");
+  }
+}
+
+SceneLoad read_load(const TomlTable& table, const std::filesystem::path& folder) {
+  using Type = SceneLoad::Type;
+  SceneLoad load;
+  read_named_value(table, load);
+  load.named = table.place("name");
+  load.type = table.choice<Type>("type", {{"pressure", Type::Pressure},
+                                          {"uniform", Type::Uniform},
+                                          {"gravity", Type::Gravity},
+                                          {"point", Type::Point},
+                                          {"line", Type::Line},
+                                          {"springs", Type::Springs}});
+  const bool springs = load.type == Type::Springs;
+  const std::string what = (load.type == Type::Pressure ? "the pressure '"
+                            : springs                   ? "the springs '"
+                                                        : "the load '") +
+                           load.name + "'";
+  if (load.type == Type::Pressure)
+    refuse(table, what, {{"direction", "none: pressure acts along the surface's normal"}});
+  else if (springs)
+    refuse(table, what, {{"direction", "none: springs pull towards their points"}});
+  else
+    load.direction = table.direction("direction");
+  const char* only_springs = "it only where type = \"springs\"";
+  if (!springs)
+    refuse(table, what,
+           {{"file", only_springs},
+            {"unit", only_springs},
+            {"to", only_springs},
+            {"curve", only_springs},
+            {"plane", only_springs},
+            {"rest_length", only_springs},
+            {"falloff", only_springs}});
+  if (load.type != Type::Line) refuse(table, what, {{"line", "it only where type = \"line\""}});
+  if (load.type != Type::Point && !springs)
+    refuse(table, what, {{"at", "it only where type = \"point\""}});
+  if (load.type == Type::Pressure || load.type == Type::Uniform) {
+    load.area = read_area(table);
+  } else {
+    const char* only_spread = "it only where type = \"pressure\" or \"uniform\"";
+    refuse(table, what,
+           {{"near", only_spread},
+            {"radius", only_spread},
+            {"paint", only_spread},
+            {"regions", only_spread}});
+  }
+  if (load.type == Type::Point) load.at = table.vector("at");
+  if (load.type == Type::Line) load.line = placed(table, "line");
+  if (!springs) return load;
+  if (table.has("at") && table.has("file"))
+    table.fail("file", "both 'at' and 'file'",
+               "'file' for springs to measured points, or 'at' for springs that stay at places");
+  if (table.has("at")) {
+    refuse(table, what, {{"unit", "it only beside 'file'"}});
+    load.type = Type::Pulls;
+    read_pulls(table, folder, load);
+  } else {
+    const char* only_at = "it only beside 'at': the feet of springs to measured points slide";
+    refuse(table, what,
+           {{"to", only_at},
+            {"curve", only_at},
+            {"plane", only_at},
+            {"rest_length", only_at},
+            {"falloff", only_at}});
+    load.file = folder / table.text("file");
+    load.place = table.place("file");
+    if (table.has("unit")) load.unit = unit_word(table, "unit");
+  }
+  const auto expect_stiffness = [&](double value) {
+    if (value < 0) table.fail("value", number(value), "a stiffness, not below 0");
+  };
+  expect_stiffness(load.value);
+  for (const auto& moment : load.over_time) expect_stiffness(moment.value);
+  // So that no slider goes there either.
+  if (load.min < 0 && !table.has("min")) load.min = 0;
+  return load;
+}
+
+SceneWeight read_weight(const TomlTable& table) {
+  using Kind = WeightField::Kind;
+  SceneWeight weight;
+  read_named_value(table, weight);
+  weight.named = table.place("name");
+  weight.kind = table.choice<Kind>("kind", {{"alpha", Kind::Stretching}, {"beta", Kind::Bending}});
+  weight.area = read_area(table);
+  if (table.has("along") && table.is_array("along")) {
+    const Vec2 along = table.numbers("along", "u, v");
+    if (along.norm() == 0) table.fail("along", "[0, 0]", "a direction [u, v], or a line's name");
+    weight.along = Vec2(along.normalized());
+  } else if (table.has("along")) {
+    weight.along = placed(table, "along");
+  }
+  return weight;
+}
+
+SceneMove read_move(const TomlTable& table) {
+  SceneMove move;
+  read_named_value(table, move);
+  move.named = table.place("name");
+  move.line = placed(table, "line");
+  if (table.has("direction")) move.direction = table.direction("direction");
+  move.fade = table.number("fade", 0);
+  if (move.fade < 0 || move.fade > 0.5)
+    table.fail("fade", number(move.fade), "a share of the line's length from 0 to 0.5");
+  return move;
+}
+
+SceneMotion read_motion(const TomlTable& table) {
+  SceneMotion motion;
+  for (const auto& [key, slot] : {std::pair<const char*, double*>{"density", &motion.density},
+                                  {"damping", &motion.damping}}) {
+    *slot = table.number(key, *slot);
+    if (*slot < 0) table.fail(key, number(*slot), "a number, not below 0");
+  }
+  motion.theta = table.number("theta", 1);
+  if (motion.theta < 0.5 || motion.theta > 1)
+    table.fail("theta", number(motion.theta), "a number from 0.5 to 1");
+  return motion;
+}
+
+/// That there is such a line, as far as the scene itself can tell.
+void check_line(const Scene& scene, const PlacedWord& line) {
+  std::vector<std::string> names;
+  for (const SceneLine& source : scene.lines) {
+    if (source.name.empty()) return;  // [[lines]]: its file knows
+    if (is_part_of(line.text, source.name)) return;
+    names.push_back(source.name);
+  }
+  throw InputError(scene.at(line.place) + "found the line '" + line.text +
+                   "', expected one of: " + listed(names) + did_you_mean(line.text, names));
+}
+
+/// Regions have names in a network only.
+void check_regions(const Scene& scene) {
+  const auto check = [&](const SceneArea& area) {
+    if (scene.network || area.regions.empty()) return;
+    throw InputError(scene.at(area.regions.front().place) + "found the region '" +
+                     area.regions.front().text +
+                     "', expected none: without [network] there is one region, which has no name");
+  };
+  for (const auto& load : scene.loads) check(load.area);
+  for (const auto& weight : scene.weights) check(weight.area);
+}
+
+void check_lines(const Scene& scene) {
+  const auto check = [&](const PlacedWord& line) {
+    if (!line.text.empty()) check_line(scene, line);
+  };
+  for (const auto& c : scene.constraints) check(c.line);
+  for (const auto& load : scene.loads) {
+    check(load.area.line);
+    check(load.line);
+  }
+  for (const auto& weight : scene.weights) {
+    check(weight.area.line);
+    if (weight.along)
+      if (const auto* line = std::get_if<PlacedWord>(&*weight.along)) check(*line);
+  }
+  for (const auto& move : scene.moves) check(move.line);
+}
+
+/// That each rule drives something, once, and that no two go around in a circle.
+void check_rules(const Scene& scene) {
+  std::vector<std::string> names;
+  for (const NamedValue& p : scene.named_values()) names.push_back(p.name);
+  for (size_t i = 0; i < scene.rules.size(); ++i) {
+    const SceneRule& rule = scene.rules[i];
+    const auto fail = [&](const std::string& found, const std::string& expected) {
+      throw InputError(scene.at(rule.place) + "found " + found + ", expected " + expected);
+    };
+    if (std::find(names.begin(), names.end(), rule.driven) == names.end())
+      fail("'" + rule.driven + "' to drive",
+           "one of: " + listed(names) + did_you_mean(rule.driven, names));
+    for_each_fair_parameter(scene.fairing, [&](const std::string& name, double) {
+      if (name == rule.driven)
+        fail("'" + name + "' to drive, which changes the lines",
+             "a parameter of loads, weights, moves, constraints or [skin]");
+    });
+    const auto expect_number = [&](const NamedValue& p) {
+      if (p.name == rule.driven && !p.over_time.empty())
+        fail("'" + rule.driven + "' to drive, whose value is one over time", "a number there");
+    };
+    for (const auto& p : scene.loads) expect_number(p);
+    for (const auto& p : scene.weights) expect_number(p);
+    for (const auto& p : scene.moves) expect_number(p);
+    for (const auto& p : scene.sliders) expect_number(p);
+    for (size_t j = 0; j < i; ++j) {
+      const SceneRule& before = scene.rules[j];
+      if (before.driven != rule.driven) continue;
+      if (before.of == rule.of) fail("'" + rule.driven + "' again", "each name once");
+      if (before.offset && rule.offset)
+        fail("another offset of '" + rule.driven + "' (the first in line " +
+                 std::to_string(before.place.line) + ")",
+             "one of them");
+    }
+    Scene so_far = scene;
+    so_far.rules.resize(i + 1);
+    try {
+      so_far.parameters();
+    } catch (const InputError& e) {
+      throw InputError(scene.at(rule.place) + e.what());
+    }
+  }
+}
+
+}  // namespace
+
+void read_sculpting(const TomlTable& root, const std::filesystem::path& folder, Scene& scene) {
+  Names names("name");
+  const auto add_name = [&](const TomlTable& t, const std::string& kind, const std::string& name) {
+    names.add(t, "name", name);
+    for (const char* taken :
+         {"alpha", "alpha_uu", "alpha_uv", "alpha_vv", "beta", "beta_uu", "beta_uv", "beta_vv"})
+      if (name == taken)
+        t.fail("name", "the " + kind + " name '" + std::string(taken) + "'",
+               "another one: that is a parameter of [skin]");
+  };
+  for (const TomlTable& t : root.tables("constraint", {"name", "type", "at", "to", "range",
+                                                       "direction", "along", "line", "normal"})) {
+    scene.constraints.push_back(read_constraint(t));
+    names.add(t, "name", scene.constraints.back().name);
+  }
+  for (const TomlTable& t :
+       root.tables("load", {"name", "type", "value", "min", "max", "direction", "at", "line",
+                            "near", "radius", "paint", "regions", "file", "unit", "to", "curve",
+                            "plane", "rest_length", "falloff"})) {
+    scene.loads.push_back(read_load(t, folder));
+    add_name(t, "load", scene.loads.back().name);
+  }
+  for (const TomlTable& t : root.tables("weight", {"name", "kind", "value", "min", "max", "near",
+                                                   "radius", "paint", "regions", "along"})) {
+    scene.weights.push_back(read_weight(t));
+    add_name(t, "weight", scene.weights.back().name);
+  }
+  for (const TomlTable& t :
+       root.tables("move", {"name", "line", "value", "min", "max", "direction", "fade"})) {
+    scene.moves.push_back(read_move(t));
+    add_name(t, "move", scene.moves.back().name);
+  }
+  for (const TomlTable& t : root.tables("parameter", {"name", "value", "min", "max", "drives"})) {
+    NamedValue& slider = scene.sliders.emplace_back();
+    read_named_value(t, slider);
+    add_name(t, "parameter", slider.name);
+    for (const TomlTable& d : t.tables("drives", {"name", "factor", "offset"})) {
+      SceneRule rule{slider.name, d.text("name"), d.place("name"), d.number("factor"), {}};
+      if (d.has("offset")) rule.offset = d.number("offset");
+      scene.rules.push_back(rule);
+    }
+  }
+  for (const TomlTable& t : root.table("motion", {"density", "damping", "theta"}))
+    scene.motion = read_motion(t);
+  check_lines(scene);
+  check_regions(scene);
+  check_rules(scene);
+}
+
+}  // namespace batten

@@ -1,0 +1,95 @@
+#include "batten/io/scene/scene_words.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <limits>
+#include <sstream>
+
+#include "batten/core/errors.h"
+#include "batten/io/files/length_units.h"
+
+namespace batten {
+
+const std::vector<std::string>& skin_keys() {
+  static const std::vector<std::string> keys = {"element",     "domain", "settle", "mesher",
+                                                "edge_length", "refine", "alpha",  "beta",
+                                                "units",       "hold"};
+  return keys;
+}
+const std::vector<std::string>& output_keys() {
+  static const std::vector<std::string> keys = {"step", "step_form", "step_tolerance",
+                                                "vtu",  "vtp",       "calculix"};
+  return keys;
+}
+
+std::string unit_word(const TomlTable& table, const std::string& key) {
+  const std::string word = table.text(key);
+  if (std::find(length_units().begin(), length_units().end(), word) == length_units().end())
+    table.fail(key, "the unit '" + word + "'",
+               "one of: " + listed(length_units()) + did_you_mean(word, length_units()));
+  return word;
+}
+
+std::string output_file(const TomlTable& table, const std::string& key, Names& files,
+                        const std::vector<std::string>& endings) {
+  const std::filesystem::path name = table.text(key);
+  if (name.is_absolute() || name.has_parent_path())
+    table.fail(key, "'" + name.string() + "'", "a file name without folders (files go to --out)");
+  if (std::find(endings.begin(), endings.end(), name.extension()) == endings.end())
+    table.fail(key, "'" + name.string() + "'", "a file name that ends in " + listed(endings));
+  files.add(table, key, name.string());
+  return name.string();
+}
+
+void read_view(const TomlTable& table, double& azimuth, double& elevation, PictureSize& size) {
+  if (table.has("view")) {
+    const VecX view = table.numbers("view", "azimuth, elevation");
+    if (std::abs(view[1]) > 90)
+      table.fail("view", "elevation " + number(view[1]), "-90 to 90 degrees");
+    azimuth = view[0];
+    elevation = view[1];
+  }
+  if (table.has("size")) {
+    const VecX pixels = table.numbers("size", "width, height");
+    if (pixels.minCoeff() < 64 || pixels.maxCoeff() > 4096)
+      table.fail("size", number(pixels[0]) + " by " + number(pixels[1]), "64 to 4096 pixels each");
+    size = {static_cast<int>(pixels[0]), static_cast<int>(pixels[1])};
+  }
+}
+
+std::string range_text(double min, double max) {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  if (min > -infinity && max < infinity) return "from " + number(min) + " to " + number(max);
+  if (min > -infinity) return "from " + number(min) + " up";
+  return "up to " + number(max);
+}
+
+std::string text_of_file(const std::filesystem::path& file, const std::string& expected) {
+  if (!std::filesystem::exists(file))
+    throw InputError(file.string() + ": no such file, expected " + expected);
+  if (std::filesystem::is_directory(file))
+    throw InputError(file.string() + ": found a folder, expected " + expected);
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream) throw InputError(file.string() + ": cannot be opened for reading");
+  std::ostringstream text;
+  text << stream.rdbuf();
+  return text.str();
+}
+
+toml::table parse_toml(const std::string& text, const std::filesystem::path& file,
+                       const std::string& expected) {
+  if (text.find_first_not_of(" \t\r\n") == std::string::npos)
+    throw InputError(place_prefix(file.string(), {1, 1}) + "found an empty file, expected " +
+                     expected);
+  try {
+    return toml::parse(text, file.string());
+  } catch (const toml::parse_error& e) {
+    const auto begin = e.source().begin;
+    throw InputError(place_prefix(file.string(),
+                                  {static_cast<int>(begin.line), static_cast<int>(begin.column)}) +
+                     "not TOML: " + std::string(e.description()));
+  }
+}
+
+}  // namespace batten

@@ -1,0 +1,236 @@
+#include "batten/io/sessions/session_log.h"
+
+#include <sstream>
+
+#include "batten/io/files/whole_file.h"
+#include "batten/io/scene/scene_words.h"
+#include "batten/io/sessions/session_log_parts.h"
+
+namespace batten {
+namespace {
+
+using namespace session_log;
+using session_log::json_of;
+
+LogJson json_of(const Operation::Edit& edit) {
+  return std::visit(
+      Overloaded{
+          [](const Operation::Add& add) {
+            LogJson json = {{"do", "add"}};
+            const char* key[] = {"load", "weight", "constraint", "move", "line"};
+            std::visit([&](const auto& what) { json[key[add.what.index()]] = json_of(what); },
+                       add.what);
+            for (const auto& p : add.parameters) json["parameters"].push_back(json_of(p));
+            return json;
+          },
+          [](const Operation::Change& change) {
+            return LogJson{{"do", "change"}, {"constraint", json_of(change.constraint)}};
+          },
+          [](const Operation::Remove& remove) {
+            return LogJson{{"do", "remove"}, {"name", remove.name}};
+          },
+          [](const Operation::SetLine& set) {
+            return LogJson{{"do", "set_line"}, {"line", set.line}, {"curve", json_of(set.curve)}};
+          },
+          [](const Refinement& r) {
+            LogJson json = {{"do", "refine"}};
+            if (const auto* brush = std::get_if<Refinement::Brush>(&r.where))
+              json["strokes"] = json_of(brush->strokes);
+            else
+              json["share"] = json_number(std::get<Refinement::Jumps>(r.where).share);
+            json["smallest"] = json_number(r.smallest);
+            json["most_triangles"] = r.most_triangles;
+            return json;
+          },
+          [](const Motion& m) {
+            return LogJson{{"do", "motion"},
+                           {"dt", json_number(m.dt)},
+                           {"density", json_number(m.density)},
+                           {"damping", json_number(m.damping)},
+                           {"theta", json_number(m.theta)}};
+          },
+          [](const Operation::AddParameter& add) {
+            return LogJson{{"do", "add_parameter"}, {"parameter", json_of(add.parameter)}};
+          },
+          [](const Operation::Drive& drive) {
+            return LogJson{{"do", "drive"},
+                           {"name", drive.parameter},
+                           {"follows", json_of(drive.follows)},
+                           {"offset", json_number(drive.offset)}};
+          }},
+      edit);
+}
+
+LogJson json_of(const Operation& operation) {
+  using Kind = Operation::Kind;
+  switch (operation.kind) {
+    case Kind::Set:
+      return {
+          {"do", "set"}, {"parameter", operation.index}, {"value", json_number(operation.value)}};
+    case Kind::Answer:
+      return {{"do", "answer"},
+              {"iterations", operation.index},
+              {"tolerance", json_number(operation.value)}};
+    case Kind::Time:
+      return {{"do", "time"}, {"value", json_number(operation.value)}};
+    case Kind::Settle:
+      return {{"do", "settle"}};
+    case Kind::Step:
+      return {{"do", "step"}};
+    case Kind::Rest:
+      return {{"do", "rest"}};
+    case Kind::Undo:
+      return {{"do", "undo"}};
+    case Kind::Redo:
+      return {{"do", "redo"}};
+    case Kind::Edit:
+      break;
+  }
+  if (!operation.edit) throw InputError("session log: found an edit without what it does");
+  return json_of(*operation.edit);
+}
+
+Operation operation_of(const LogJson& json, const std::string& where) {
+  using Kind = Operation::Kind;
+  if (!json.is_object() || !json.contains("do"))
+    throw InputError(where + "found no \"do\", expected {\"do\": …}");
+  const auto object = [&](std::vector<std::string> keys) {
+    keys.emplace_back("do");
+    return LogObject(json, where, "the operation", keys);
+  };
+  const auto edit = [](Operation::Edit what) {
+    return Operation{Kind::Edit, 0, 0, std::make_shared<const Operation::Edit>(std::move(what))};
+  };
+  const std::string word = LogObject(json, where, "the operation",
+                                     [&] {
+                                       std::vector<std::string> all;
+                                       for (const auto& [key, value] : json.items())
+                                         all.push_back(key);
+                                       return all;
+                                     }())
+                               .text("do");
+  if (word == "set") {
+    const LogObject o = object({"parameter", "value"});
+    return {Kind::Set, o.whole("parameter", 0), o.number("value"), nullptr};
+  }
+  if (word == "answer") {
+    const LogObject o = object({"iterations", "tolerance"});
+    return {Kind::Answer, o.whole("iterations", 0), o.number("tolerance"), nullptr};
+  }
+  if (word == "time") return {Kind::Time, 0, object({"value"}).number("value"), nullptr};
+  for (const auto& [kind, name] : {std::pair{Kind::Settle, "settle"},
+                                   {Kind::Step, "step"},
+                                   {Kind::Rest, "rest"},
+                                   {Kind::Undo, "undo"},
+                                   {Kind::Redo, "redo"}})
+    if (word == name) {
+      object({});
+      return {kind, 0, 0, nullptr};
+    }
+  if (word == "add") {
+    const std::vector<std::string> kinds = {"load", "weight", "constraint", "move", "line"};
+    std::vector<std::string> keys = kinds;
+    keys.emplace_back("parameters");
+    const LogObject o = object(keys);
+    const auto what = [&]() -> decltype(Operation::Add::what) {
+      if (o.has("load")) return load_of(o);
+      if (o.has("weight")) return weight_of(o);
+      if (o.has("constraint")) return constraint_of(o);
+      if (o.has("move")) return move_of(o);
+      if (o.has("line")) return line_of(o);
+      o.fail("nothing to add", "one of: " + listed(kinds));
+    };
+    return edit(Operation::Add{what(), parameters_of(o)});
+  }
+  if (word == "change") return edit(Operation::Change{constraint_of(object({"constraint"}))});
+  if (word == "remove") return edit(Operation::Remove{object({"name"}).text("name")});
+  if (word == "set_line") {
+    const LogObject o = object({"line", "curve"});
+    return edit(Operation::SetLine{o.text("line"), curve_of(o, "curve")});
+  }
+  if (word == "refine") {
+    const LogObject o = object({"strokes", "share", "smallest", "most_triangles"});
+    Refinement refinement;
+    if (o.has("strokes"))
+      refinement.where = Refinement::Brush{strokes_of(o, "strokes")};
+    else
+      refinement.where = Refinement::Jumps{o.number("share")};
+    refinement.smallest = o.number("smallest");
+    refinement.most_triangles = o.whole("most_triangles", 1);
+    return edit(std::move(refinement));
+  }
+  if (word == "motion") {
+    const LogObject o = object({"dt", "density", "damping", "theta"});
+    return edit(
+        Motion{o.number("dt"), o.number("density"), o.number("damping"), o.number("theta")});
+  }
+  if (word == "add_parameter")
+    return edit(Operation::AddParameter{parameter_of(object({"parameter"}))});
+  if (word == "drive") {
+    const LogObject o = object({"name", "follows", "offset"});
+    return edit(Operation::Drive{o.text("name"), shares_of(o, "follows"), o.number("offset")});
+  }
+  const std::vector<std::string> words = {
+      "add_parameter", "drive", "time", "set",    "settle", "answer",   "step",   "rest",
+      "undo",          "redo",  "add",  "change", "remove", "set_line", "refine", "motion"};
+  throw InputError(where + "found \"do\": \"" + word + "\", expected one of: " + listed(words) +
+                   did_you_mean(word, words));
+}
+
+constexpr int kVersion = 1;
+
+}  // namespace
+
+std::string session_log_text(const std::vector<Operation>& operations) {
+  std::string text = LogJson{{"batten", "session"}, {"version", kVersion}}.dump() + "\n";
+  for (const Operation& operation : operations)
+    text += json_of(operation).dump(-1, ' ', false, LogJson::error_handler_t::replace) + "\n";
+  return text;
+}
+
+void write_session_log(const std::filesystem::path& file,
+                       const std::vector<Operation>& operations) {
+  const std::string text = session_log_text(operations);
+  write_whole_file(file, [&](std::ostream& out) { out << text; });
+}
+
+std::vector<Operation> parse_session_log(const std::string& text,
+                                         const std::filesystem::path& file) {
+  std::vector<Operation> operations;
+  std::istringstream lines(text);
+  int count = 0;
+  for (std::string line; std::getline(lines, line);) {
+    const std::string where = file.string() + ":" + std::to_string(++count) + ": ";
+    if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
+    LogJson json;
+    try {
+      json = LogJson::parse(line);
+    } catch (const LogJson::parse_error&) {
+      throw InputError(where +
+                       "found a line that is no JSON, or was cut off, expected {\"do\": …}");
+    }
+    if (count == 1) {
+      if (!json.is_object() || !json.contains("batten") || json["batten"] != "session")
+        throw InputError(where + "found no log of a session, expected {\"batten\":\"session\",…}");
+      if (!json.contains("version") || json["version"] != kVersion)
+        throw InputError(where +
+                         "found another version, expected \"version\":" + std::to_string(kVersion));
+      continue;
+    }
+    try {
+      operations.push_back(operation_of(json, where));
+    } catch (const InputError& e) {
+      const std::string message = e.what();
+      throw InputError(message.starts_with(where) ? message : where + message);
+    }
+  }
+  if (count == 0)
+    throw InputError(file.string() + ":1: found an empty file, expected a log of a session");
+  return operations;
+}
+
+std::vector<Operation> read_session_log(const std::filesystem::path& file) {
+  return parse_session_log(text_of_file(file, "a log of a session"), file);
+}
+
+}  // namespace batten

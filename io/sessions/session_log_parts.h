@@ -1,0 +1,47 @@
+// What a session's log is about, as JSON: loads, weights, constraints, moves, lines, parameters.
+// Internal.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "batten/io/sessions/session_log_json.h"
+#include "batten/sculpting/loads/loads.h"
+#include "batten/sculpting/loads/parameters.h"
+#include "batten/skinning/lines/character_line.h"
+
+namespace batten::session_log {
+
+/// One function for each kind of thing.
+template <class... Cases>
+struct Overloaded : Cases... {
+  using Cases::operator()...;
+};
+template <class... Cases>
+Overloaded(Cases...) -> Overloaded<Cases...>;
+
+LogJson json_of(const std::vector<Area::Painted::Stroke>& strokes);
+LogJson json_of(const HermiteCurve& curve);
+LogJson json_of(const Load& load);
+LogJson json_of(const WeightField& weight);
+LogJson json_of(const Constraint& constraint);
+LogJson json_of(const LineMove& move);
+/// Throws InputError for a line that is not piecewise cubic and C1.
+LogJson json_of(const CharacterLine& line);
+LogJson json_of(const std::vector<NamedValue::Share>& shares);
+LogJson json_of(const NamedValue& parameter);
+
+// Of the parent's key; throw InputError with the line of the log.
+std::vector<Area::Painted::Stroke> strokes_of(const LogObject& parent, const std::string& key);
+std::vector<NamedValue::Share> shares_of(const LogObject& parent, const std::string& key);
+HermiteCurve curve_of(const LogObject& parent, const std::string& key);
+Load load_of(const LogObject& parent);              // "load"
+WeightField weight_of(const LogObject& parent);     // "weight"
+Constraint constraint_of(const LogObject& parent);  // "constraint"
+LineMove move_of(const LogObject& parent);          // "move"
+CharacterLine line_of(const LogObject& parent);     // "line"
+NamedValue parameter_of(const LogObject& parent);   // "parameter"
+/// "parameters"; none without.
+std::vector<NamedValue> parameters_of(const LogObject& parent);
+
+}  // namespace batten::session_log

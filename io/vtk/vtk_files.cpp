@@ -1,0 +1,308 @@
+#include "batten/io/vtk/vtk_files.h"
+
+#include <vtkCellArray.h>
+#include <vtkCellData.h>
+#include <vtkCellType.h>
+#include <vtkDoubleArray.h>
+#include <vtkErrorCode.h>
+#include <vtkFieldData.h>
+#include <vtkIntArray.h>
+#include <vtkNew.h>
+#include <vtkPointData.h>
+#include <vtkPoints.h>
+#include <vtkPolyData.h>
+#include <vtkSmartPointer.h>
+#include <vtkStringArray.h>
+#include <vtkUnstructuredGrid.h>
+#include <vtkXMLPolyDataWriter.h>
+#include <vtkXMLUnstructuredGridWriter.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+
+#include "batten/core/errors.h"
+#include "batten/core/index.h"
+#include "batten/io/files/whole_file.h"
+#include "batten/io/vtk/vtk_write.h"
+#include "batten/skinning/facets/facets.h"
+
+namespace batten {
+namespace fs = std::filesystem;
+namespace {
+
+void check(const std::vector<const SkinnedRegion*>& regions, const VtkOptions& options) {
+  if (regions.empty()) throw InputError("there is no region to write");
+  if (options.references.empty()) return;
+  if (options.references.size() != regions.size())
+    throw InputError("found " + std::to_string(options.references.size()) +
+                     " reference surfaces, expected one for each of the " +
+                     std::to_string(regions.size()) + " regions");
+  for (size_t r = 0; r < regions.size(); ++r) {
+    const ParametricMesh &a = regions[r]->surface.mesh(), &b = options.references[r]->mesh();
+    if (a.vertices() != b.vertices() || a.triangles() != b.triangles())
+      throw InputError("region '" + regions[r]->name +
+                       "': the surface that displacements are measured from has another mesh");
+  }
+}
+
+template <class Array>
+vtkSmartPointer<Array> array(const char* name, int components) {
+  auto a = vtkSmartPointer<Array>::New();
+  a->SetName(name);
+  a->SetNumberOfComponents(components);
+  return a;
+}
+
+/// Points of all regions with their data.
+struct PointTable {
+  vtkNew<vtkPoints> points;
+  vtkSmartPointer<vtkDoubleArray> normals = array<vtkDoubleArray>("Normals", 3);
+  vtkSmartPointer<vtkDoubleArray> mean = array<vtkDoubleArray>("Mean_curvature", 1);
+  vtkSmartPointer<vtkDoubleArray> gauss = array<vtkDoubleArray>("Gauss_curvature", 1);
+  vtkSmartPointer<vtkDoubleArray> k1 = array<vtkDoubleArray>("K1", 1);
+  vtkSmartPointer<vtkDoubleArray> k2 = array<vtkDoubleArray>("K2", 1);
+  vtkSmartPointer<vtkDoubleArray> uv = array<vtkDoubleArray>("uv", 3);
+  vtkSmartPointer<vtkDoubleArray> displacement = array<vtkDoubleArray>("Displacement", 3);
+
+  PointTable() { points->SetDataTypeToDouble(); }
+
+  /// Index of the first point added.
+  vtkIdType add(const Surface& surface, const Tessellation& tessellation, const Surface* reference,
+                bool with_curvatures) {
+    const vtkIdType first = points->GetNumberOfPoints();
+    if (with_curvatures)
+      for (const Curvatures& bend : recovered_curvatures(surface, tessellation)) {
+        mean->InsertNextValue(bend.mean);
+        gauss->InsertNextValue(bend.gauss);
+        k1->InsertNextValue(bend.k1);
+        k2->InsertNextValue(bend.k2);
+      }
+    for (const Location& where : tessellation.points) {
+      const SurfaceJet jet = surface.jet(where);
+      points->InsertNextPoint(jet.x.data());
+      normals->InsertNextTuple(jet.normal().eval().data());
+      const Vec2 at = surface.mesh().shape(where.triangle).point(where.L);
+      uv->InsertNextTuple3(at.x(), at.y(), 0);
+      if (!reference) continue;
+      const Vec3 moved = jet.x - reference->position(where);
+      displacement->InsertNextTuple(moved.data());
+    }
+    return first;
+  }
+
+  void give_to(vtkPointSet& grid, const VtkOptions& options) {
+    grid.SetPoints(points);
+    vtkPointData& data = *grid.GetPointData();
+    data.SetNormals(normals);
+    if (options.curvatures)
+      for (const auto& scalars : {mean, gauss, k1, k2}) data.AddArray(scalars);
+    data.AddArray(uv);
+    if (!options.references.empty()) data.SetVectors(displacement);
+  }
+};
+
+/// Which region, element and line each cell is.
+struct CellTable {
+  vtkSmartPointer<vtkIntArray> region = array<vtkIntArray>("Region", 1);
+  vtkSmartPointer<vtkIntArray> triangle = array<vtkIntArray>("Triangle", 1);
+  vtkSmartPointer<vtkIntArray> line = array<vtkIntArray>("Line", 1);
+  vtkSmartPointer<vtkIntArray> join = array<vtkIntArray>("Join", 1);
+  vtkSmartPointer<vtkDoubleArray> angle = array<vtkDoubleArray>("Join_angle", 1);
+  const std::vector<VtkLine>* of_model;
+
+  explicit CellTable(const VtkOptions& options) : of_model(&options.lines) {}
+
+  void add(size_t region_index, int triangle_index, int line_index) {
+    region->InsertNextValue(static_cast<int>(region_index));
+    triangle->InsertNextValue(triangle_index);
+    line->InsertNextValue(line_index);
+    const bool known = line_index >= 0 && !of_model->empty();
+    join->InsertNextValue(known ? (*of_model)[line_index].join : -1);
+    angle->InsertNextValue(known ? (*of_model)[line_index].angle_deg : -1);
+  }
+
+  void append(const CellTable& other) {
+    const vtkIdType here = region->GetNumberOfTuples(), there = other.region->GetNumberOfTuples();
+    region->InsertTuples(here, there, 0, other.region);
+    triangle->InsertTuples(here, there, 0, other.triangle);
+    line->InsertTuples(here, there, 0, other.line);
+    join->InsertTuples(here, there, 0, other.join);
+    angle->InsertTuples(here, there, 0, other.angle);
+  }
+
+  void give_to(vtkPointSet& grid, const std::vector<const SkinnedRegion*>& regions) const {
+    for (const auto& values : {region, triangle, line}) grid.GetCellData()->AddArray(values);
+    if (!of_model->empty()) {
+      grid.GetCellData()->AddArray(join);
+      grid.GetCellData()->AddArray(angle);
+    }
+    const auto region_names = array<vtkStringArray>("Region_names", 1);
+    const auto line_names = array<vtkStringArray>("Line_names", 1);
+    for (const auto* r : regions) {
+      region_names->InsertNextValue(r->name.c_str());
+      if (!of_model->empty()) continue;
+      for (const LineRun& run : r->runs) line_names->InsertNextValue(run.line.name.c_str());
+      for (const EmbeddedLine& e : r->embedded) line_names->InsertNextValue(e.line.name.c_str());
+    }
+    for (const VtkLine& l : *of_model) line_names->InsertNextValue(l.name.c_str());
+    grid.GetFieldData()->AddArray(region_names);
+    grid.GetFieldData()->AddArray(line_names);
+  }
+};
+
+/// The index under which each region's lines are written; -1: another region has it already.
+class LineIndex {
+ public:
+  explicit LineIndex(const std::vector<VtkLine>& lines) : of_model_(!lines.empty()) {
+    for (size_t i = 0; i < lines.size(); ++i) left_.emplace(lines[i].name, static_cast<int>(i));
+  }
+  int of(const SkinnedRegion& region, size_t line) {
+    if (!of_model_) return next_++;
+    const std::string& name = line < region.runs.size()
+                                  ? region.runs[line].line.name
+                                  : region.embedded[line - region.runs.size()].line.name;
+    const auto found = left_.find(name);
+    if (found == left_.end()) return -1;
+    const int index = found->second;
+    left_.erase(found);
+    return index;
+  }
+
+ private:
+  bool of_model_;
+  int next_ = 0;
+  std::map<std::string, int> left_;
+};
+
+/// One size for all regions, so that they share points where they share lines.
+double common_length(const std::vector<const SkinnedRegion*>& regions) {
+  double sum = 0;
+  for (const auto* region : regions) sum += facet_length(*region);
+  return sum / static_cast<double>(regions.size());
+}
+
+/// Smooth to the eye; large meshes are so by themselves.
+int facets_per_edge(const std::vector<const SkinnedRegion*>& regions) {
+  constexpr double most_facets = 400'000;
+  double triangles = 0;
+  for (const auto* region : regions) triangles += region->surface.mesh().triangle_count();
+  return std::clamp(static_cast<int>(std::sqrt(most_facets / triangles)), 1, 4);
+}
+
+}  // namespace
+
+void write_xml(vtkXMLWriter& writer, vtkDataObject* data, const fs::path& path) {
+  WholeFile file(path);
+  writer.SetInputDataObject(data);
+  writer.SetFileName(file.temporary().c_str());
+  writer.SetDataModeToAppended();
+  writer.SetCompressorTypeToZLib();
+  // A third of the usual level's time, for files a tenth larger.
+  writer.SetCompressionLevel(1);
+  if (!writer.Write())
+    throw InputError(path.string() + ": cannot write this file: " +
+                     vtkErrorCode::GetStringFromErrorCode(writer.GetErrorCode()));
+  file.commit();
+}
+
+std::vector<VtkLine> vtk_lines(const CharacterLineNetwork& network, const SurfaceModel& model) {
+  const auto name = [&](int arc) { return network.arcs()[arc].name; };
+  std::vector<VtkLine> lines;
+  for (const ModelJoin& join : model.joins)
+    lines.push_back({name(join.arc), static_cast<int>(join.kind), join.max_deg});
+  for (const ModelRegion& region : model.regions)
+    for (const int arc : region.plan.inner) lines.push_back({name(arc)});
+  return lines;
+}
+
+vtkSmartPointer<vtkPolyData> to_poly_data(const std::vector<const SkinnedRegion*>& regions,
+                                          const VtkOptions& options) {
+  check(regions, options);
+  PointTable table;
+  CellTable line_cells(options), facet_cells(options);
+  vtkNew<vtkCellArray> lines, facets;
+  const double length = common_length(regions);
+  const int per_edge =
+      options.facets_per_edge > 0 ? options.facets_per_edge : facets_per_edge(regions);
+  LineIndex index(options.lines);
+  for (size_t r = 0; r < regions.size(); ++r) {
+    const SkinnedRegion& region = *regions[r];
+    const auto [tessellation, chains] = batten::facets(region, per_edge, length);
+    const vtkIdType first =
+        table.add(region.surface, tessellation,
+                  options.references.empty() ? nullptr : options.references[r], options.curvatures);
+    for (size_t l = 0; l < chains.size(); ++l) {
+      const int line = index.of(region, l);
+      if (line < 0) continue;
+      for (const auto& chain : chains[l]) {
+        lines->InsertNextCell(count_of(chain));
+        for (const int p : chain) lines->InsertCellPoint(first + p);
+        line_cells.add(r, -1, line);
+      }
+    }
+    for (size_t f = 0; f < tessellation.facets.size(); ++f) {
+      const auto& [a, b, c] = tessellation.facets[f];
+      const vtkIdType corners[3] = {first + a, first + b, first + c};
+      facets->InsertNextCell(3, corners);
+      facet_cells.add(r, tessellation.facet_triangle[f], -1);
+    }
+  }
+  auto result = vtkSmartPointer<vtkPolyData>::New();
+  table.give_to(*result, options);
+  result->SetLines(lines);
+  result->SetPolys(facets);
+  line_cells.append(facet_cells);
+  line_cells.give_to(*result, regions);
+  return result;
+}
+
+void write_vtp(const fs::path& path, const std::vector<const SkinnedRegion*>& regions,
+               const VtkOptions& options) {
+  vtkNew<vtkXMLPolyDataWriter> writer;
+  write_xml(*writer, to_poly_data(regions, options), path);
+}
+
+void write_vtu(const fs::path& path, const std::vector<const SkinnedRegion*>& regions,
+               const VtkOptions& options) {
+  check(regions, options);
+  PointTable table;
+  CellTable cells(options);
+  vtkNew<vtkUnstructuredGrid> grid;
+  std::vector<vtkIdType> first;
+  std::vector<QuadraticFacets> elements;
+  const double length = common_length(regions);
+  for (size_t r = 0; r < regions.size(); ++r) {
+    elements.push_back(quadratic_facets(*regions[r], length));
+    first.push_back(table.add(regions[r]->surface, {elements[r].nodes, {}, {}},
+                              options.references.empty() ? nullptr : options.references[r],
+                              options.curvatures));
+  }
+  const auto insert = [&](int type, size_t r, const auto& nodes) {
+    std::array<vtkIdType, 6> ids{};
+    for (size_t i = 0; i < nodes.size(); ++i) ids[i] = first[r] + nodes[i];
+    grid->InsertNextCell(type, static_cast<vtkIdType>(nodes.size()), ids.data());
+  };
+  for (size_t r = 0; r < regions.size(); ++r)
+    for (size_t t = 0; t < elements[r].triangles.size(); ++t) {
+      insert(VTK_QUADRATIC_TRIANGLE, r, elements[r].triangles[t]);
+      cells.add(r, elements[r].element[t], -1);
+    }
+  LineIndex index(options.lines);
+  for (size_t r = 0; r < regions.size(); ++r)
+    for (size_t l = 0; l < elements[r].lines.size(); ++l) {
+      const int line = index.of(*regions[r], l);
+      if (line < 0) continue;
+      for (const auto& edge : elements[r].lines[l]) {
+        insert(VTK_QUADRATIC_EDGE, r, edge);
+        cells.add(r, -1, line);
+      }
+    }
+  table.give_to(*grid, options);
+  cells.give_to(*grid, regions);
+  vtkNew<vtkXMLUnstructuredGridWriter> writer;
+  write_xml(*writer, grid, path);
+}
+
+}  // namespace batten

@@ -1,0 +1,192 @@
+#include "batten/sculpting/curves/deformable_curve.h"
+
+#include <cmath>
+
+#include "batten/core/errors.h"
+
+namespace batten {
+namespace {
+
+bool finite(const CurveLoad& load) {
+  const auto all = [](const auto&... v) { return (v.allFinite() && ...); };
+  return std::isfinite(load.value) &&
+         std::visit(
+             [&](const auto& kind) {
+               using Kind = std::decay_t<decltype(kind)>;
+               if constexpr (std::is_same_v<Kind, CurveLoad::Uniform>)
+                 return all(kind.direction);
+               else if constexpr (std::is_same_v<Kind, CurveLoad::Force>)
+                 return all(kind.at, kind.direction);
+               else
+                 return all(kind.at, kind.to);
+             },
+             load.kind);
+}
+
+void check_value(const CurveLoad& load) {
+  if (!finite(load))
+    throw InputError("load '" + load.name + "' of a curve has a number that is not finite");
+  if (std::holds_alternative<CurveLoad::Spring>(load.kind) && load.value < 0)
+    throw InputError("spring '" + load.name + "' has the stiffness " + number(load.value) +
+                     ": expected 0 or more");
+}
+
+// Lower triangle of weight H Hᵀ at one parameter.
+void add_spring(const CurveMesh& mesh, double u, double weight, SparseMatrix& K) {
+  const auto at = mesh.where(u);
+  const auto H = HermiteSegment(mesh.length(at.segment)).evaluate(at.s);
+  const auto dof = mesh.segment_dofs(at.segment);
+  for (int a = 0; a < 4; ++a)
+    for (int b = 0; b < 4; ++b)
+      if (dof[a] >= dof[b]) K.coeffRef(dof[a], dof[b]) += weight * H[a] * H[b];
+}
+
+}  // namespace
+
+DeformableCurve::DeformableCurve(HermiteCurve shape, ConstraintSet constraints,
+                                 CurveMaterial material, std::vector<CurveLoad> loads)
+    : shape_(std::move(shape)),
+      constraints_(std::move(constraints)),
+      about_origin_(constraints_),
+      material_(std::move(material)),
+      loads_(std::move(loads)),
+      assembler_(shape_.mesh()) {
+  const CurveMesh& mesh = shape_.mesh();
+  if (constraints_.dof_count() != mesh.dof_count())
+    throw InputError("a constraint set of " + std::to_string(constraints_.dof_count()) +
+                     " dofs for a curve of " + std::to_string(mesh.dof_count()));
+  for (size_t i = 0; i < loads_.size(); ++i) {
+    check_value(loads_[i]);
+    for (size_t j = 0; j < i; ++j)
+      if (loads_[j].name == loads_[i].name)
+        throw InputError("two loads of a curve are named '" + loads_[i].name + "'");
+    double u = 0;
+    if (const auto* force = std::get_if<CurveLoad::Force>(&loads_[i].kind))
+      u = shape_.closest_point(force->at).u;
+    if (const auto* spring = std::get_if<CurveLoad::Spring>(&loads_[i].kind))
+      u = shape_.closest_point(spring->at).u;
+    at_.push_back(u);
+  }
+  positions_ = VecX::Zero(mesh.dof_count());
+  for (int n = 0; n < mesh.node_count(); ++n) positions_[mesh.position_dof(n)] = 1;
+  origin_ = shape_.position(0);
+  about_origin_ = constraints_.moved(positions_, origin_);
+
+  CurveAssembler::Along alpha = material_.alpha, beta = material_.beta;
+  for (auto& a : alpha) a = {a.start * scale(1), a.end * scale(1)};
+  for (auto& b : beta) b = {b.start * scale(3), b.end * scale(3)};
+  bending_ = assembler_.stiffness(alpha, beta);
+  current_ = shape_.dofs() - positions_ * origin_.transpose();
+}
+
+// Relative numbers become those of the curve as it is by powers of its length.
+double DeformableCurve::scale(int power) const {
+  if (material_.units == LoadUnits::Absolute) return 1;
+  return std::pow(shape_.end() - shape_.start(), power);
+}
+
+CurveLoad& DeformableCurve::load(const std::string& name) {
+  std::vector<std::string> names;
+  for (CurveLoad& l : loads_) {
+    if (l.name == name) return l;
+    names.push_back(l.name);
+  }
+  const std::string near = nearest_word(name, names);
+  throw InputError("the curve has no load '" + name + "'" +
+                   (near.empty() ? "" : "; did you mean '" + near + "'?"));
+}
+
+void DeformableCurve::set(const std::string& name, double value) {
+  CurveLoad changed = load(name);
+  changed.value = value;
+  check_value(changed);
+  load(name) = changed;
+  if (std::holds_alternative<CurveLoad::Spring>(changed.kind)) {
+    solver_.reset();
+    stiffness_changed_ = true;
+  }
+}
+
+void DeformableCurve::pull_to(const std::string& name, const Vec3& to) {
+  CurveLoad& found = load(name);
+  auto* spring = std::get_if<CurveLoad::Spring>(&found.kind);
+  if (!spring) throw InputError("load '" + name + "' is no spring");
+  if (!to.allFinite())
+    throw InputError("spring '" + name + "' pulled to a place that is not finite");
+  spring->to = to;
+}
+
+SparseMatrix DeformableCurve::stiffness() const {
+  SparseMatrix K = bending_;
+  for (size_t i = 0; i < loads_.size(); ++i)
+    if (std::holds_alternative<CurveLoad::Spring>(loads_[i].kind))
+      add_spring(shape_.mesh(), at_[i], loads_[i].value, K);
+  return K;
+}
+
+Points DeformableCurve::right_side() const {
+  const CurveMesh& mesh = shape_.mesh();
+  Points F = Points::Zero(mesh.dof_count(), 3);
+  if (material_.keeps_shape)
+    F = bending_.selfadjointView<Eigen::Lower>() *
+        Points(shape_.dofs() - positions_ * origin_.transpose());
+  for (size_t i = 0; i < loads_.size(); ++i) {
+    const double value = loads_[i].value;
+    if (const auto* uniform = std::get_if<CurveLoad::Uniform>(&loads_[i].kind))
+      F += assembler_.load(
+          (value * uniform->direction.transpose()).replicate(mesh.segment_count() + 1, 1));
+    else if (const auto* force = std::get_if<CurveLoad::Force>(&loads_[i].kind))
+      F += assembler_.point_load(at_[i], scale(1) * value * force->direction);
+    else
+      F += assembler_.point_load(
+          at_[i], value * (std::get<CurveLoad::Spring>(loads_[i].kind).to - origin_));
+  }
+  return F;
+}
+
+HermiteCurve DeformableCurve::made(const Points& about_origin) const {
+  return {shape_.mesh(), about_origin + positions_ * origin_.transpose()};
+}
+
+HermiteCurve DeformableCurve::solve() {
+  if (!solver_) solver_.emplace(about_origin_, stiffness());
+  current_ = solver_->solve(right_side());
+  return made(current_);
+}
+
+void DeformableCurve::restart() {
+  SparseMatrix M = assembler_.mass();
+  M *= scale(-1);
+  ImplicitSteps steps(about_origin_, stiffness(), std::move(M),
+                      {material_.density, material_.damping, dt_, theta_});
+  if (steps_)
+    steps.start(steps_->positions(), steps_->velocities());
+  else
+    steps.start(current_, Points::Zero(current_.rows(), 3));
+  steps_ = std::move(steps);
+  stiffness_changed_ = false;
+}
+
+void DeformableCurve::start_motion(double dt, double theta) {
+  dt_ = dt;
+  theta_ = theta;
+  steps_.reset();
+  constexpr double held = 1e-9;
+  if (about_origin_.max_residual(current_) > held * (shape_.end() - shape_.start())) solve();
+  restart();
+}
+
+HermiteCurve DeformableCurve::step() {
+  if (!steps_) throw InputError("a step of a curve that was not set in motion");
+  if (stiffness_changed_) restart();
+  current_ = steps_->step(right_side());
+  return made(current_);
+}
+
+double DeformableCurve::energy() {
+  if (!steps_) throw InputError("the energy of a curve that was not set in motion");
+  if (stiffness_changed_) restart();
+  return steps_->kinetic() + steps_->potential(right_side());
+}
+
+}  // namespace batten

@@ -1,0 +1,96 @@
+// Named numbers that shape a surface: sliders, values over time, and rules between them.
+#pragma once
+
+#include <limits>
+#include <string>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+#include "batten/core/index.h"
+
+namespace batten {
+
+/// A number with a name and a range. It has one source: the user's hand (`value`), time, or other
+/// parameters.
+struct NamedValue {
+  /// Linear in another parameter.
+  struct Share {
+    std::string of;
+    double factor = 1;
+  };
+  /// A value at a moment; linear between moments, constant before the first and after the last.
+  struct Moment {
+    double time, value;
+  };
+  std::string name;
+  double value = 0;
+  double min = -std::numeric_limits<double>::infinity();
+  double max = std::numeric_limits<double>::infinity();
+  std::vector<Moment> over_time = {};  ///< ascending; none: the value stands
+  /// value = offset + Σ factor · parameter; none: the value is its own. So one slider can make a
+  /// whole effect.
+  std::vector<Share> follows = {};
+  double offset = 0;
+};
+
+/// The parameters of one model, in the order in which they were added. A value.
+class Parameters {
+ public:
+  /// Throws InputError: no name or one that is taken, numbers that are not finite, min > max, a
+  /// value outside of its range (moments too), moments that do not ascend, a parameter that has
+  /// moments and follows others too, or that follows one that is not there yet.
+  void add(NamedValue parameter);
+  /// Throws InputError: unknown, or another one follows it.
+  void remove(const std::string& name);
+  /// Makes a parameter (that stands already) follow others; its own value and moments go. Without
+  /// any it stands alone again, at the offset. Throws InputError: unknown names, a circle (named),
+  /// numbers that are not finite, an offset that is to stand alone outside of the range.
+  void drive(const std::string& name, std::vector<NamedValue::Share> follows, double offset);
+
+  int count() const { return count_of(all_); }
+  const std::vector<NamedValue>& all() const { return all_; }
+  bool has(const std::string& name) const { return index_.count(name) > 0; }
+  /// Throws InputError: an unknown name; the nearest is offered.
+  int index(const std::string& name) const;
+
+  /// Sets a parameter by hand; time moves it no more, until restore(). Throws InputError: a number
+  /// that is not finite or out of range, a parameter that follows others (they are named).
+  /// O(followers), allocates nothing.
+  void set(int index, double value);
+  void set(const std::string& name, double value) { set(index(name), value); }
+
+  /// Current value: by hand, at the time, or by its rule. A follower is held to its own range.
+  double value(int index) const { return current_[index]; }
+  double value(const std::string& name) const { return value(index(name)); }
+  const std::vector<double>& values() const { return current_; }
+
+  double time() const { return time_; }
+  /// Moves all parameters that have moments and were not set by hand. True when any value changed.
+  /// Throws InputError on a time that is not finite. Allocates nothing.
+  bool set_time(double time);
+  /// The last moment of any parameter that time moves; 0 without.
+  double last_moment() const;
+
+  /// Restores values that values() once gave for the same parameters, and that time. Parameters
+  /// with moments whose value is that of the time follow it again, others count as set by hand.
+  /// Throws InputError when there are not as many. Allocates nothing.
+  void restore(const std::vector<double>& values, double time);
+
+ private:
+  struct Rule {
+    int follower;
+    std::vector<std::pair<int, double>> shares;  // parameter, factor
+  };
+  double at_time(int i) const;
+  void follow();
+  void order_rules();
+  std::vector<NamedValue> all_;
+  std::unordered_map<std::string, int> index_;
+  std::vector<Rule> rules_;    // each after those of the parameters that it follows
+  std::vector<char> by_hand_;  // of parameters with moments: time does not move them
+  std::vector<double> current_;
+  double time_ = 0;
+};
+
+}  // namespace batten

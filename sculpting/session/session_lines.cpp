@@ -1,0 +1,134 @@
+#include <algorithm>
+
+#include "batten/core/errors.h"
+#include "batten/sculpting/session/session_data.h"
+#include "batten/skinning/facets/facets.h"
+
+namespace batten {
+
+using live::Definition;
+using live::Shape;
+
+void SculptingSession::Data::require_lines(const char* what) {
+  if (system().def.hold_corners)
+    throw InputError(std::string("lines cannot be ") + what + " here: only the corners are held");
+}
+
+// Dofs of the layout as it is, on the meshes of another.
+CarriedOver SculptingSession::Data::carried(const ModelLayout& layout, const Points& dofs) {
+  CarriedOver all;
+  std::vector<Points> each;
+  for (int r = 0; r < layout.region_count(); ++r) {
+    const RegionLayout& from = this->layout().region(r);
+    CarriedOver own = carried_over(
+        Surface(from.mesh(), from.element(), this->layout().region_dofs(r, dofs), from.trim()),
+        *layout.region(r).mesh());
+    all.max_displacement = std::max(all.max_displacement, own.max_displacement);
+    each.push_back(std::move(own.dofs));
+  }
+  all.dofs = layout.all_dofs(each);
+  return all;
+}
+
+// Places that things refer to go along.
+void SculptingSession::Data::carry_places(const ModelLayout& layout, Definition& def) {
+  std::vector<std::pair<live::SharedPoints, live::SharedPoints>> moved;
+  const auto along = [&](live::SharedPoints& on) {
+    if (!on) return;
+    for (const auto& [old, made] : moved)
+      if (old == on) {
+        on = made;
+        return;
+      }
+    auto made = std::make_shared<const Points>(carried(layout, *on).dofs);
+    moved.emplace_back(on, made);
+    on = made;
+  };
+  const auto follow = [&](auto& things) {
+    for (auto& thing : things) {
+      auto copy = *thing;
+      along(copy.on);
+      thing = std::make_shared<const std::decay_t<decltype(copy)>>(std::move(copy));
+    }
+  };
+  follow(def.loads);
+  follow(def.weights);
+  follow(def.constraints);
+}
+
+// On a layout with other meshes or other lines; the shape is carried over.
+CarriedOver SculptingSession::Data::move_to(ModelLayout layout) {
+  bool other_mesh = false;
+  for (int r = 0; r < layout.region_count(); ++r)
+    other_mesh = other_mesh || layout.region(r).mesh() != this->layout().region(r).mesh();
+  Definition def = system().def;
+  CarriedOver made;
+  Shape shape = now.shape;
+  if (other_mesh) {
+    made = carried(layout, absolute(now.shape.x));
+    if (now.in_motion) shape.v = carried(layout, now.shape.v).dofs;
+    carry_places(layout, def);
+  }
+  if (other_mesh && !layout.join_plans().empty()) layout.plan_joins(made.dofs);
+  def.layout = std::make_shared<const ModelLayout>(std::move(layout));
+  rebuild(std::move(def));
+  if (other_mesh) {
+    VecX ones = system().parts->ones;
+    shape.x = made.dofs - ones * system().origin().transpose();
+    if (!now.in_motion) shape.v = Points::Zero(shape.x.rows(), 3);
+    now.shape = std::move(shape);
+    now.good_x = now.shape.x;
+  }
+  hold();
+  return made;
+}
+
+void SculptingSession::Data::refuse_if_used(const std::string& line) {
+  const auto refuse = [&](const std::string& user) {
+    throw InputError("line '" + line + "' cannot be removed: '" + user + "' refers to it");
+  };
+  const auto near = [&](const Area& area) {
+    const auto* at = std::get_if<Area::NearLine>(&area.where);
+    return at && at->line == line;
+  };
+  for (const auto& p : system().def.loads) {
+    if (const auto* l = std::get_if<Load::Line>(&p->load.kind); l && l->line == line)
+      refuse(p->load.name);
+    if (const auto* l = std::get_if<Load::Pressure>(&p->load.kind); l && near(l->area))
+      refuse(p->load.name);
+    if (const auto* l = std::get_if<Load::Uniform>(&p->load.kind); l && near(l->area))
+      refuse(p->load.name);
+  }
+  for (const auto& p : system().def.weights) {
+    const auto* along = p->weight.along ? std::get_if<std::string>(&*p->weight.along) : nullptr;
+    if (near(p->weight.area) || (along && *along == line)) refuse(p->weight.name);
+  }
+  for (const auto& p : system().def.constraints)
+    if (const auto* c = std::get_if<Constraint::LineNormal>(&p->constraint.kind);
+        c && c->line == line)
+      refuse(p->constraint.name);
+  for (const auto& p : system().def.moves)
+    if (p->move.line == line) refuse(p->move.name);
+}
+
+void SculptingSession::Data::set_line(const std::string& name, const HermiteCurve& curve) {
+  require_lines("edited");
+  ModelLayout layout = this->layout();
+  layout.set_line(name, curve);
+  Definition def = system().def;
+  def.layout = std::make_shared<const ModelLayout>(std::move(layout));
+  rebuild(std::move(def));
+  hold();
+}
+
+HermiteCurve SculptingSession::Data::line(const std::string& name) {
+  HermiteCurve curve = layout().line(name);
+  const Definition& def = system().def;
+  for (size_t i = 0; i < def.moves.size(); ++i)
+    if (def.moves[i]->move.line == name)
+      curve = live::sum(curve, def.moves[i]->displacement,
+                        now.parameters.value(system().move_parameter[i]));
+  return curve;
+}
+
+}  // namespace batten

@@ -1,0 +1,152 @@
+#include "batten/core/errors.h"
+#include "batten/sculpting/session/session_engine.h"
+
+namespace batten::live {
+
+namespace {
+
+std::vector<SurfaceStiffness> materials(const System& system, const std::vector<double>& values) {
+  const auto at = [&](int p) { return values[p]; };
+  SurfaceStiffness base;
+  base.alpha = Mat2::Zero();
+  base.alpha(0, 0) = at(system.alpha[0]);
+  base.alpha(1, 1) = at(system.alpha[2]);
+  if (system.alpha[0] != system.alpha[1]) base.alpha(0, 1) = base.alpha(1, 0) = at(system.alpha[1]);
+  base.beta = Vec3(at(system.beta[0]), at(system.beta[1]), at(system.beta[2]));
+  const auto triangles = static_cast<size_t>(system.parts->mesh->triangle_count());
+  std::vector<SurfaceStiffness> all(system.weights.empty() ? 1 : triangles, base);
+  for (size_t w = 0; w < system.weights.size(); ++w) {
+    const double value = at(system.weight_parameter[w]);
+    if (value == 0) continue;
+    const BuiltWeight& built = *system.weights[w];
+    const bool bends = system.def.weights[w]->weight.kind == WeightField::Kind::Bending;
+    for (size_t t = 0; t < triangles; ++t) {
+      // Where a line has no say there is no direction.
+      if (!built.directions.empty() && built.directions[t].isZero(0)) continue;
+      const double weight = value * built.weights[static_cast<long>(t)];
+      const double alpha = bends ? 0 : weight, beta = bends ? weight : 0;
+      all[t] += built.directions.empty()
+                    ? SurfaceStiffness::isotropic(alpha, beta)
+                    : SurfaceStiffness::directional(built.directions[t], alpha, beta);
+    }
+  }
+  for (SurfaceStiffness& m : all) {
+    if (!m.is_valid())
+      throw InputError("alpha must be positive semi-definite and beta not negative, everywhere");
+    m = system.def.scale().material(m);
+  }
+  return system.layout().on_regions(std::move(all));
+}
+
+}  // namespace
+
+// Measured springs act on the matrix itself: Σ k N Nᵀ, and Σ k N p on the right.
+void Engine::add_measured(System& system, const std::vector<double>& values, SparseMatrix& K) {
+  const MeshParts& parts = *system.parts;
+  system.measured_load.resize(0, 3);
+  for (size_t l = 0; l < system.loads.size(); ++l) {
+    const auto* measured = std::get_if<Load::Springs>(&system.def.loads[l]->load.kind);
+    if (!measured || system.measured_feet[l].empty()) continue;
+    if (system.measured_load.rows() == 0) system.measured_load = Points::Zero(system.dofs(), 3);
+    const double value = values[system.load_parameter[l]];
+    if (!(value >= 0))
+      throw InputError("load '" + system.def.loads[l]->load.name + "' has springs of stiffness " +
+                       number(value) + ": it must not be below 0");
+    const double k = value / static_cast<double>(measured->points.size());
+    for (size_t i = 0; i < measured->points.size(); ++i) {
+      if (!system.measured_used[l][i]) continue;
+      const Location where = parts.at(system.measured_feet[l][i]);
+      const Vec12 N =
+          C1Triangle(parts.kind, parts.mesh->shape(where.triangle)).evaluate(where.L).col(kW);
+      const auto dof = parts.assembler.dofs().triangle(*parts.mesh, where.triangle);
+      for (int a = 0; a < 12; ++a) {
+        system.measured_load.row(dof[a]) +=
+            k * N[a] * (measured->points[i] - system.origin()).transpose();
+        for (int b = 0; b < 12; ++b)
+          if (dof[a] >= dof[b]) K.coeffRef(dof[a], dof[b]) += k * N[a] * N[b];
+      }
+    }
+  }
+  if (system.measured_load.rows() > 0)
+    system.measured_reduced = system.reduction->D().transpose() * system.measured_load;
+}
+
+// The matrix and its factor for the values.
+void Engine::make_matrix(System& system, const std::vector<double>& values) {
+  const MeshParts& parts = *system.parts;
+  const auto all = materials(system, values);
+  SparseMatrix K = parts.assembler.pattern();
+  if (all.size() == 1)
+    parts.assembler.stiffness(all[0], K);
+  else
+    parts.assembler.stiffness(all, K);
+  add_measured(system, values, K);
+  // A factor that the history keeps must stay; one of our own takes other numbers in place.
+  if (system.statics && system.statics.use_count() == 1)
+    system.statics->set_matrix(std::move(K));
+  else
+    system.statics = system.statics
+                         ? std::make_shared<LiveSystem>(*system.statics, std::move(K))
+                         : std::make_shared<LiveSystem>(system.reduction, std::move(K),
+                                                        parts.vertices, system.def.expected);
+  system.matrix_values = values;
+  system.moving.reset();
+  system.moving_coupling.reset();
+}
+
+// The rows beside the factor. `older`: stands on the same factor; the solves of things that stand
+// already are kept.
+void Engine::couple(System& system, const Coupling* older) {
+  const LooseRows& rows = *system.loose;
+  std::vector<int> known(static_cast<size_t>(rows.A.cols()), -1);
+  if (older)
+    for (const auto& block : rows.blocks)
+      for (const auto& other : system.coupled_rows->blocks)
+        if (other.owner == block.owner &&
+            other.end_point - other.first_point == block.end_point - block.first_point)
+          for (int k = block.first_point; k < block.end_point; ++k)
+            known[k] = other.first_point + k - block.first_point;
+  SparseMatrix U = SparseMatrix(system.reduction->D().transpose()) * rows.A;
+  system.coupling = older ? std::make_shared<Coupling>(system.statics->factor(), std::move(U),
+                                                       rows.rows, *older, known, kDependent)
+                          : std::make_shared<Coupling>(system.statics->factor(), std::move(U),
+                                                       rows.rows, kDependent);
+  system.coupled_rows = system.loose;
+  system.moving_coupling.reset();
+  stiffness_.setConstant(-1);
+}
+
+bool Engine::prepare_matrix(System& system, const std::vector<double>& values) {
+  bool fits = system.statics && system.matrix_values.size() == values.size();
+  for (size_t p = 0; fits && p < values.size(); ++p)
+    if (system.roles[p] & kMatrix) fits = values[p] == system.matrix_values[p];
+  if (fits && system.coupling && system.coupled_rows == system.loose) return false;
+  anchored_ = false;
+  right_values_.clear();
+  known_response_.assign(known_response_.size(), 0);
+  if (!fits) make_matrix(system, values);
+  const std::shared_ptr<const Coupling> older = fits ? system.coupling : nullptr;
+  couple(system, older.get());
+  return !fits;
+}
+
+SurfaceEnergy Engine::elastic_energy(const System& system, const std::vector<double>& values,
+                                     const Points& x) {
+  const auto part = [&](bool bends) {
+    auto all = materials(system, values);
+    all.resize(static_cast<size_t>(system.parts->mesh->triangle_count()), all[0]);
+    for (SurfaceStiffness& m : all) {
+      if (bends)
+        m.alpha.setZero();
+      else
+        m.beta = m.beta_mixed = Vec3::Zero();
+    }
+    SparseMatrix K = system.parts->assembler.pattern();
+    system.parts->assembler.stiffness(all, K);
+    symmetric_times(K, x, product_);
+    return x.cwiseProduct(product_).sum();
+  };
+  return {part(false), part(true)};
+}
+
+}  // namespace batten::live

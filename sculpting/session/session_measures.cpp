@@ -1,0 +1,141 @@
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "batten/constraints/affine_reduction.h"
+#include "batten/core/index.h"
+#include "batten/sculpting/session/session_engine.h"
+#include "batten/skinning/model/model_projector.h"
+
+namespace batten::live {
+
+double Engine::residual(const System& system, const std::vector<double>& values, const Points& x) {
+  lines_right(system, values, rate_);
+  double largest = 0;
+  const auto note = [&](double missed) {
+    if (!(missed <= largest) && !std::isnan(largest)) largest = missed;
+  };
+  const auto& lines = system.line_rows->rows();
+  for (size_t r = 0; r < lines.size(); ++r) {
+    Vec3 is = Vec3::Zero();
+    for (const auto& e : lines[r].entries) is += e.coefficient * x.row(e.dof).transpose();
+    note((is - rate_.row(static_cast<long>(r)).transpose()).cwiseAbs().maxCoeff());
+  }
+  const LooseRows& rows = *system.loose;
+  for (size_t r = 0; r < rows.rows.size(); ++r) {
+    if (rows.rows[r].soft) continue;
+    double is = 0;
+    rows.rows[r].terms([&](int point, const Vec3& n) {
+      for (SparseMatrix::InnerIterator it(rows.A, point); it; ++it)
+        is += it.value() * n.dot(Vec3(x.row(it.row())));
+    });
+    const auto& source = rows.sources[r];
+    const double goal = source.kind == LooseRows::Source::Goal
+                            ? values[source.parameter] - system.origin()[source.coordinate]
+                            : 0;
+    note(std::abs(is - goal));
+  }
+  return largest;
+}
+
+std::vector<Reaction> Engine::reactions(const System& system, const std::vector<double>& values,
+                                        const Points& x) {
+  symmetric_times(system.statics->matrix(), x, product_);
+  for (size_t l = 0; l < system.loads.size(); ++l) {
+    const double v = values[system.load_parameter[l]];
+    if (v == 0) continue;
+    if (system.loads[l]->F.rows() > 0) product_ -= v * system.loads[l]->F;
+    if (std::holds_alternative<Load::Pressure>(system.def.loads[l]->load.kind))
+      system.parts->pressure().add(x, system.loads[l]->weights, -v * system.loads[l]->scale,
+                                   product_);
+  }
+  if (system.measured_load.rows() > 0) product_ -= system.measured_load;
+  const LooseRows& rows = *system.loose;
+  for (size_t r = 0; r < rows.rows.size(); ++r) {
+    if (!rows.rows[r].soft) continue;
+    Vec3 p = system.origin();
+    for (SparseMatrix::InnerIterator it(rows.A, rows.rows[r].point); it; ++it)
+      p += it.value() * x.row(it.row()).transpose();
+    const double value = values[rows.sources[r].parameter];
+    const Pull to = pull(system, rows.sources[r], value, p);
+    const Vec3& n = rows.rows[r].direction;
+    const Vec3 force = to.stiffness * n.dot(p - to.target) * n;
+    for (SparseMatrix::InnerIterator it(rows.A, rows.rows[r].point); it; ++it)
+      product_.row(it.row()) += it.value() * force.transpose();
+  }
+  std::vector<Reaction> all;
+  for (const auto& named : named_reactions(all_rows(system, values), product_))
+    all.push_back({named.name, named.forces.transpose() * system.parts->ones});
+  return all;
+}
+
+std::vector<SpringDistances> Engine::spring_distances(const System& system, const Points& before,
+                                                      const Points& now) const {
+  std::vector<SpringDistances> all;
+  std::optional<ModelProjector> on_before, on_now;
+  for (size_t l = 0; l < system.loads.size(); ++l) {
+    const auto* springs = std::get_if<Load::Springs>(&system.def.loads[l]->load.kind);
+    if (!springs) continue;
+    if (!on_now) {
+      on_before.emplace(system.layout(), before);
+      on_now.emplace(system.layout(), now);
+    }
+    SpringDistances s;
+    s.name = system.def.loads[l]->load.name;
+    s.points = count_of(springs->points);
+    for (size_t i = 0; i < springs->points.size(); ++i) {
+      if (i >= system.measured_used[l].size() || !system.measured_used[l][i]) {
+        ++s.left_out;
+        continue;
+      }
+      const double was = on_before->nearest(springs->points[i]).distance,
+                   is = on_now->nearest(springs->points[i]).distance;
+      s.before_max = std::max(s.before_max, was);
+      s.max = std::max(s.max, is);
+      s.before_rms += was * was;
+      s.rms += is * is;
+    }
+    const double used = std::max(1, s.points - s.left_out);
+    s.before_rms = std::sqrt(s.before_rms / used);
+    s.rms = std::sqrt(s.rms / used);
+    all.push_back(s);
+  }
+  return all;
+}
+
+double Engine::total_energy(const System& system, const std::vector<double>& values,
+                            const Shape& shape, bool moving) {
+  symmetric_times(system.statics->matrix(), shape.x, product_);
+  for (size_t l = 0; l < system.loads.size(); ++l) {
+    const double v = values[system.load_parameter[l]];
+    if (system.loads[l]->F.rows() > 0 && v != 0) product_ -= 2 * v * system.loads[l]->F;
+    // Along a fixed rim, ⅔ of the work that the pressure would do on the shape as it is.
+    if (std::holds_alternative<Load::Pressure>(system.def.loads[l]->load.kind) && v != 0) {
+      F_.setZero();
+      system.parts->pressure().add(shape.x, system.loads[l]->weights, v * system.loads[l]->scale,
+                                   F_);
+      product_ -= (2.0 / 3) * F_;
+    }
+  }
+  if (system.measured_load.rows() > 0) product_ -= 2 * system.measured_load;
+  double energy = shape.x.cwiseProduct(product_).sum();
+  const LooseRows& rows = *system.loose;
+  for (size_t r = 0; r < rows.rows.size(); ++r) {
+    if (!rows.rows[r].soft) continue;
+    Vec3 p = system.origin();
+    for (SparseMatrix::InnerIterator it(rows.A, rows.rows[r].point); it; ++it)
+      p += it.value() * shape.x.row(it.row()).transpose();
+    const double value = values[rows.sources[r].parameter];
+    // One potential a spring, not a row.
+    if (rows.sources[r].coordinate <= 0)
+      energy += value * stretch_energy(system, rows.sources[r], p);
+  }
+  if (moving && system.motion.density > 0) {
+    symmetric_times(system.parts->mass(), shape.v, product_);
+    energy +=
+        system.def.scale().inertia() * system.motion.density * shape.v.cwiseProduct(product_).sum();
+  }
+  return energy;
+}
+
+}  // namespace batten::live

@@ -1,0 +1,270 @@
+#include <algorithm>
+#include <cmath>
+
+#include "batten/core/errors.h"
+#include "batten/core/plane.h"
+#include "batten/sculpting/loads/area.h"
+#include "batten/sculpting/session/session_system.h"
+#include "batten/skinning/model/model_projector.h"
+
+namespace batten::live {
+
+namespace {
+
+void require_finite(const std::string& name, bool finite) {
+  if (!finite) throw InputError("'" + name + "' has a number that is not finite");
+}
+
+void require_direction(const std::string& name, const Vec3& direction) {
+  require_finite(name, direction.allFinite());
+  if (!(direction.norm() > 0)) throw InputError("'" + name + "' has a direction of no length");
+}
+
+// Where the surface is nearest to a place in space.
+ModelPoint foot(const std::string& name, const Vec3& at, const ModelProjector& projector,
+                double size) {
+  require_finite(name, at.allFinite());
+  const auto closest = projector.nearest_inside(at);
+  constexpr double far = 0.5;  // of the size: no rounding, a mistake
+  if (!(closest.distance <= far * size))
+    throw InputError("'" + name + "': the surface is " + number(closest.distance) +
+                     " away from where it should act (the region's size is " + number(size) + ")");
+  return closest.at;
+}
+
+SharedPoints shared(const Surface& surface) { return std::make_shared<Points>(surface.dofs()); }
+
+void check_area(const Area& area, const Definition& def, const Surface& surface) {
+  if (!everywhere(area)) triangle_weights(area, *def.layout, surface);  // throws what is wrong
+}
+
+}  // namespace
+
+HermiteCurve sum(const HermiteCurve& a, const HermiteCurve& b, double factor) {
+  const HermiteCurve whole = a.with_nodes(b.parameters()), other = b.with_nodes(a.parameters());
+  const CurveMesh& mesh = whole.mesh();
+  Points dofs = whole.dofs();
+  for (int n = 0; n < mesh.node_count(); ++n) {
+    dofs.row(mesh.position_dof(n)) += factor * other.position(n).transpose();
+    if (mesh.slope_in(n) != mesh.slope_out(n))
+      dofs.row(mesh.slope_in(n)) += factor * other.slope_in(n).transpose();
+    dofs.row(mesh.slope_out(n)) += factor * other.slope_out(n).transpose();
+  }
+  return {mesh, dofs};
+}
+
+PlacedLoad place(const Load& load, const Definition& def, const Surface& surface) {
+  PlacedLoad placed{load, {}, nullptr};
+  const double size = def.layout->size();
+  const std::string& name = load.name;
+  std::optional<ModelProjector> projector;
+  const auto put = [&](const Vec3& at) {
+    if (!projector) projector.emplace(*def.layout, surface.dofs());
+    placed.feet.push_back(foot(name, at, *projector, size));
+  };
+  if (const auto* p = std::get_if<Load::Pressure>(&load.kind)) {
+    check_area(p->area, def, surface);
+    if (!everywhere(p->area)) placed.on = shared(surface);
+  } else if (const auto* u = std::get_if<Load::Uniform>(&load.kind)) {
+    require_direction(name, u->direction);
+    check_area(u->area, def, surface);
+    if (!everywhere(u->area)) placed.on = shared(surface);
+  } else if (const auto* g = std::get_if<Load::Gravity>(&load.kind)) {
+    require_direction(name, g->direction);
+    placed.on = shared(surface);
+  } else if (const auto* f = std::get_if<Load::Point>(&load.kind)) {
+    require_direction(name, f->direction);
+    put(f->at);
+  } else if (const auto* line = std::get_if<Load::Line>(&load.kind)) {
+    require_direction(name, line->direction);
+    def.layout->model_line(line->line);
+  } else if (const auto* s = std::get_if<Load::Pulls>(&load.kind)) {
+    if (s->at.empty()) throw InputError("'" + name + "' has no springs: 'at' is empty");
+    if (!(s->rest_length >= 0) || !(s->falloff >= 0) || !std::isfinite(s->rest_length + s->falloff))
+      throw InputError("'" + name + "' has a rest length of " + number(s->rest_length) +
+                       " and a falloff of " + number(s->falloff) + ": expected 0 or more");
+    for (const Vec3& at : s->at) put(at);
+    if (const auto* places = std::get_if<Load::Pulls::Places>(&s->target)) {
+      if (places->to.size() != s->at.size())
+        throw InputError("'" + name + "' has " + std::to_string(s->at.size()) + " springs and " +
+                         std::to_string(places->to.size()) + " places to pull them to");
+      for (const Vec3& to : places->to) require_finite(name, to.allFinite());
+    } else if (const auto* plane = std::get_if<Load::Pulls::Plane>(&s->target)) {
+      require_finite(name, plane->through.allFinite());
+      require_direction(name, plane->normal);
+    } else if (std::get<Load::Pulls::Curve>(s->target).curve.segment_count() < 1) {
+      throw InputError("'" + name + "' has springs to a curve without segments");
+    }
+  } else {
+    const auto& points = std::get<Load::Springs>(load.kind).points;
+    if (points.empty()) throw InputError("'" + name + "' has no points for its springs");
+    for (const Vec3& at : points) require_finite(name, at.allFinite());
+  }
+  return placed;
+}
+
+PlacedWeight place(const WeightField& weight, const Definition& def, const Surface& surface) {
+  check_area(weight.area, def, surface);
+  if (weight.along) {
+    if (const auto* uv = std::get_if<Vec2>(&*weight.along)) {
+      if (!uv->allFinite() || !(uv->norm() > 0))
+        throw InputError("'" + weight.name + "' acts along a direction of no length");
+    } else {
+      def.layout->model_line(std::get<std::string>(*weight.along));
+    }
+  }
+  return {weight, everywhere(weight.area) ? nullptr : shared(surface)};
+}
+
+PlacedConstraint place(const Constraint& c, const Definition& def, const Surface& surface) {
+  PlacedConstraint placed{c, {}, nullptr};
+  const double size = def.layout->size();
+  if (const auto* point = std::get_if<Constraint::Point>(&c.kind)) {
+    require_finite(c.name, point->goal.allFinite());
+    placed.foot = foot(c.name, point->at, ModelProjector(*def.layout, surface.dofs()), size);
+  } else if (const auto* normal = std::get_if<Constraint::Normal>(&c.kind)) {
+    require_direction(c.name, normal->normal);
+    placed.foot = foot(c.name, normal->at, ModelProjector(*def.layout, surface.dofs()), size);
+  } else if (const auto* tangent = std::get_if<Constraint::Tangent>(&c.kind)) {
+    require_direction(c.name, tangent->tau);
+    if (!tangent->along.allFinite() || !(tangent->along.norm() > 0))
+      throw InputError("'" + c.name + "' has no direction in (u, v)");
+    placed.foot = foot(c.name, tangent->at, ModelProjector(*def.layout, surface.dofs()), size);
+  } else {
+    const auto& along = std::get<Constraint::LineNormal>(c.kind);
+    def.layout->model_line(along.line);
+    if (along.normal)
+      require_direction(c.name, *along.normal);
+    else
+      placed.on = shared(surface);
+  }
+  return placed;
+}
+
+namespace {
+
+// The normals of a surface along a line: the mean of those on its sides.
+class NormalsAlong {
+ public:
+  NormalsAlong(const ModelLayout& layout, const ModelLine& line, const Surface& surface)
+      : surface_(surface) {
+    for (const LineSide& side : line.sides)
+      sides_.push_back({layout.image(side), layout.against(line, side),
+                        layout.first_triangle(side.region),
+                        std::make_unique<TriangleLocator>(*layout.region(side.region).mesh())});
+  }
+  Vec3 at(double t) const {
+    Vec3 sum = Vec3::Zero();
+    for (const auto& side : sides_) {
+      const HermiteCurve& image = side.image;
+      Location where = side.locator->locate(
+          flat(image.evaluate(side.against ? image.start() + image.end() - t : t)));
+      where.triangle += side.first_triangle;
+      sum += surface_.jet(where).normal();
+    }
+    return sides_.size() == 1 ? sum : sum.normalized();
+  }
+
+ private:
+  struct Side {
+    HermiteCurve image;
+    bool against;
+    int first_triangle;
+    std::unique_ptr<TriangleLocator> locator;
+  };
+  const Surface& surface_;
+  std::vector<Side> sides_;
+};
+
+void check(const LineMove& move, const Definition& def) {
+  if (def.hold_corners)
+    throw InputError("'" + move.name + "': lines are not held here, only corners are");
+  if (move.direction) require_direction(move.name, *move.direction);
+  if (!(move.fade >= 0 && move.fade <= 0.5))
+    throw InputError("'" + move.name + "' fades over " + number(move.fade) +
+                     " of its line: expected 0 to 0.5 of its length at either end");
+  const ModelLayout& layout = *def.layout;
+  const ModelLine& line = layout.model_line(move.line);
+  const HermiteCurve& fitted = layout.curve(line.sides.front());
+  if (move.fade > 0 && fitted.closed())
+    throw InputError("'" + move.name + "': line '" + move.line +
+                     "' is closed and has no ends to fade to");
+  if (!move.direction && line.sides.size() > 1 && !layout.join_plan(move.line))
+    throw InputError("'" + move.name + "': " + std::to_string(line.sides.size()) +
+                     " regions meet at the crease '" + move.line +
+                     "', which has no normal to move along: expected a direction");
+}
+
+// The profile at a parameter of a line of this span, and its derivative.
+Vec2 profile_of(const LineMove& move, double t, double start, double span) {
+  const double s = (t - start) / span, edge = std::min(s, 1 - s);
+  if (!(move.fade > 0) || edge >= move.fade) return {1, 0};
+  const double r = std::clamp(edge / move.fade, 0.0, 1.0);
+  return {r * r * r * (10 - 15 * r + 6 * r * r),
+          (s < 0.5 ? 1 : -1) * 30 * r * r * (1 - r) * (1 - r) / (move.fade * span)};
+}
+
+// The line with nodes of its own, where it is long between its nodes.
+HermiteCurve with_more_nodes(const LineMove& move, const ModelLayout& layout, const LineSide& first,
+                             const HermiteCurve& fitted) {
+  const double start = fitted.start(), span = fitted.end() - start;
+  std::vector<double> more;
+  constexpr int at_least = 32;
+  // On element edges it is one cubic between vertices.
+  const bool on_edges = !first.embedded;
+  if (on_edges) more = layout.region(first.region).runs()[first.index].parameters;
+  for (int k = 1; k < at_least && !on_edges; ++k) more.push_back(start + span * k / at_least);
+  if (move.fade > 0 && !on_edges)
+    for (const double f : {move.fade, 0.5 * move.fade, 1 - move.fade, 1 - 0.5 * move.fade})
+      more.push_back(start + span * f);
+  return fitted.with_nodes(more);
+}
+
+}  // namespace
+
+PlacedMove place(const LineMove& move, const Definition& def, const Surface& surface) {
+  check(move, def);
+  const ModelLayout& layout = *def.layout;
+  const ModelLine& line = layout.model_line(move.line);
+  const HermiteCurve& fitted = layout.curve(line.sides.front());
+  NormalsAlong normals(layout, line, surface);
+  const double start = fitted.start(), span = fitted.end() - start;
+  const auto profile = [&](double t) { return profile_of(move, t, start, span); };
+  const auto direction = [&](double t) -> Vec3 {
+    if (move.direction) return *move.direction;
+    return normals.at(t);
+  };
+  const HermiteCurve nodes = with_more_nodes(move, layout, line.sides.front(), fitted);
+  const CurveMesh& mesh = nodes.mesh();
+  const double step = 1e-4 * span / nodes.segment_count();
+  Points dofs = Points::Zero(mesh.dof_count(), 3);
+  // Of the direction: differences stay on one side where the line ends or turns a corner.
+  const auto turning = [&](double t, int side) -> Vec3 {
+    if (move.direction) return Vec3::Zero();
+    if (side == 0) {
+      const double before = mesh.closed() && t == start ? mesh.end() : t;
+      return (direction(t + step) - direction(before - step)) / (2 * step);
+    }
+    const double h = side * step;
+    return (-3 * direction(t) + 4 * direction(t + h) - direction(t + 2 * h)) / (2 * h);
+  };
+  const auto slope = [&](double t, int side) -> Vec3 {
+    const Vec2 p = profile(t);
+    return p[1] * direction(t) + p[0] * turning(t, side);
+  };
+  for (int n = 0; n < mesh.node_count(); ++n) {
+    const double t = mesh.parameters()[n];
+    const bool begins = n == 0 && !mesh.closed(),
+               ends = n + 1 == mesh.node_count() && !mesh.closed();
+    dofs.row(mesh.position_dof(n)) = profile(t)[0] * direction(t);
+    if (mesh.is_corner(n)) {
+      dofs.row(mesh.slope_in(n)) = slope(n == 0 ? mesh.end() : t, -1);
+      dofs.row(mesh.slope_out(n)) = slope(t, 1);
+    } else {
+      dofs.row(mesh.slope_out(n)) = slope(t, begins ? 1 : ends ? -1 : 0);
+    }
+  }
+  return {move, HermiteCurve(mesh, dofs)};
+}
+
+}  // namespace batten::live

@@ -1,0 +1,191 @@
+// Inside of a sculpting session: what acts on the surface, placed on its material, and the systems
+// that are made of it. Everything is shared and, but for working storage, immutable.
+#pragma once
+
+#include <memory>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "batten/constraints/coupling.h"
+#include "batten/constraints/live_system.h"
+#include "batten/fem/assembly.h"
+#include "batten/fem/display_points.h"
+#include "batten/fem/pressure_operator.h"
+#include "batten/fem/triangle_locator.h"
+#include "batten/sculpting/session/operation.h"
+#include "batten/sculpting/session/results.h"
+#include "batten/sculpting/session/session_options.h"
+#include "batten/skinning/model/model_scale.h"
+
+namespace batten::live {
+
+/// What depends on the mesh alone.
+struct MeshParts {
+  explicit MeshParts(const ModelLayout& layout);
+  int dofs() const { return assembler.dofs().count(); }
+  // Made when they are asked for.
+  const SparseMatrix& mass() const;
+  const PressureOperator& pressure() const;
+  Location at(const ModelPoint& point) const;
+  const TriangleLocator& locator(int region) const { return *locators[region]; }
+  size_t bytes() const;
+
+  std::shared_ptr<const ParametricMesh> mesh;  ///< of the model
+  std::shared_ptr<const Trim> trim;
+  std::vector<std::shared_ptr<const ParametricMesh>> region_meshes;
+  TriangleElement kind;
+  SurfaceAssembler assembler;
+  std::vector<std::unique_ptr<TriangleLocator>> locators;  ///< of each region
+  std::vector<int> first_triangle;                         ///< of each region
+  VecX domain_scale;                                       ///< ModelLayout::domain_scale
+  DofVertices vertices;
+  VecX ones;  ///< 1 at position dofs
+ private:
+  mutable SparseMatrix mass_;
+  mutable std::unique_ptr<PressureOperator> pressure_;
+};
+
+// Placed things: `feet` are places of the domain; `on` the dofs of the surface that places in space
+// refer to.
+using SharedPoints = std::shared_ptr<const Points>;
+struct PlacedLoad {
+  Load load;
+  std::vector<ModelPoint> feet;
+  SharedPoints on;
+};
+struct PlacedWeight {
+  WeightField weight;
+  SharedPoints on;
+};
+struct PlacedConstraint {
+  Constraint constraint;
+  ModelPoint foot;
+  SharedPoints on;
+};
+struct PlacedMove {
+  LineMove move;
+  HermiteCurve displacement;  ///< for the value 1, over the line's parameters
+};
+
+struct Definition {
+  std::shared_ptr<const ModelLayout> layout;
+  LoadUnits units = LoadUnits::Relative;
+  bool hold_corners = false;
+  Expected expected = Expected::many_factors;
+  ModelScale scale() const { return {units, layout->size()}; }
+  Vec3 origin = Vec3::Zero();  ///< the state is about this point, whatever lines do
+  std::vector<std::shared_ptr<const PlacedLoad>> loads;
+  std::vector<std::shared_ptr<const PlacedWeight>> weights;
+  std::vector<std::shared_ptr<const PlacedConstraint>> constraints;
+  std::vector<std::shared_ptr<const PlacedMove>> moves;
+};
+
+// Places things on a surface (absolute coordinates). Throw InputError.
+PlacedLoad place(const Load& load, const Definition& on, const Surface& surface);
+PlacedWeight place(const WeightField& weight, const Definition& on, const Surface& surface);
+PlacedConstraint place(const Constraint& constraint, const Definition& on, const Surface& surface);
+PlacedMove place(const LineMove& move, const Definition& on, const Surface& surface);
+
+inline Surface surface_on(const Definition& def, const Points& dofs) {
+  return def.layout->surface(dofs);
+}
+inline bool everywhere(const Area& area) {
+  return std::holds_alternative<Area::Everywhere>(area.where) && area.regions.empty();
+}
+
+/// Nodes of either curve; their sum.
+HermiteCurve sum(const HermiteCurve& a, const HermiteCurve& b, double factor);
+
+/// One load on one mesh, for the value 1.
+struct BuiltLoad {
+  Points F;      ///< of linear ones, n×3; empty otherwise
+  MatX reduced;  ///< DᵀF
+  VecX weights;  ///< of pressure: of each triangle; empty for 1 everywhere
+  double scale = 1;
+};
+struct BuiltWeight {
+  VecX weights;
+  std::vector<Vec2> directions;  ///< empty: all directions
+};
+
+/// Rows beside the reduction: user's constraints and springs.
+struct LooseRows {
+  struct Source {
+    enum Kind { Zero, Goal, Spring } kind = Zero;
+    int parameter = -1;  ///< Goal
+    int coordinate = 0;  ///< Goal, Spring: 0 … 2; -1: along the row's direction
+    int load = -1, spring = -1;
+  };
+  /// Columns of A and rows that one thing contributes.
+  struct Block {
+    const void* owner;
+    std::string name;
+    int first_point, end_point, first_row, end_row;
+  };
+  SparseMatrix A;  ///< n × points: functionals on the dofs
+  std::vector<Coupling::Row> rows;
+  std::vector<Source> sources;
+  std::vector<Block> blocks;
+  const std::string& name_of(int row) const;
+};
+
+/// Which part of a system a parameter moves.
+enum Role : unsigned {
+  kNothing = 0,
+  kLinear = 1,
+  kPressure = 2,
+  kSpring = 4,
+  kRight = 8,
+  kGoal = 16,
+  kMatrix = 32
+};
+
+/// A definition on its mesh.
+struct System {
+  Definition def;
+  std::shared_ptr<const MeshParts> parts;
+  // Lines.
+  std::shared_ptr<const ConstraintSet> line_rows;  ///< about the layout's origin
+  std::shared_ptr<const AffineReduction> reduction;
+  MatX base_right;  ///< rows × 3
+  std::vector<std::shared_ptr<const MatX>> move_right;
+  // What acts.
+  std::vector<std::shared_ptr<const BuiltLoad>> loads;
+  std::vector<std::shared_ptr<const BuiltWeight>> weights;
+  std::shared_ptr<const LooseRows> loose;
+  // Parameter of each load, weight and move; of alpha and beta (uu, uv, vv).
+  std::vector<int> load_parameter, weight_parameter, move_parameter;
+  std::array<int, 3> alpha, beta;
+  std::vector<unsigned> roles;  ///< of each parameter
+  // Systems; their numbers belong to matrix_values.
+  std::shared_ptr<LiveSystem> statics, moving;
+  std::shared_ptr<Coupling> coupling, moving_coupling;
+  std::shared_ptr<const LooseRows> coupled_rows, moving_rows;  ///< that those were made for
+  std::vector<double> matrix_values;                   ///< of all parameters, when statics was made
+  Motion motion;                                       ///< of `moving`
+  std::vector<std::vector<ModelPoint>> measured_feet;  ///< of each load; empty unless Springs
+  std::vector<std::vector<char>> measured_used;
+  Points measured_load;  ///< Σ k N p of the measured springs at matrix_values
+  MatX measured_reduced;
+
+  const ModelLayout& layout() const { return *def.layout; }
+  const Vec3& origin() const { return def.origin; }
+  int dofs() const { return parts->dofs(); }
+};
+
+// Parts of build(): one thing that acts on the system as far as it stands.
+BuiltLoad built(const PlacedLoad& placed, const System& system);
+BuiltWeight built(const PlacedWeight& placed, const System& system);
+LooseRows loose_rows(const System& system, const Parameters& parameters);
+/// Right-hand sides of all rows of lines when one line has another curve and all others are zero.
+MatX right_of_line(const System& system, const std::string& name, const HermiteCurve& curve);
+
+/// Builds what differs from `older` (null: everything) up to, not including, the systems; those of
+/// `older` are kept when they fit. Throws InputError, ConflictError.
+std::shared_ptr<System> build(Definition def, const Parameters& parameters, const System* older);
+
+/// Adds each shared part once.
+size_t bytes_of(const System& system, std::set<const void*>& seen);
+
+}  // namespace batten::live

@@ -1,0 +1,334 @@
+#include "batten/core/errors.h"
+#include "batten/core/index.h"
+#include "batten/core/work.h"
+#include "batten/skinning/domains/mesher.h"
+
+#if BATTEN_HAVE_CGAL
+#include <CGAL/Constrained_Delaunay_triangulation_2.h>
+#include <CGAL/Delaunay_mesh_face_base_2.h>
+#include <CGAL/Delaunay_mesh_size_criteria_2.h>
+#include <CGAL/Delaunay_mesher_2.h>
+#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+#include <map>
+#include <queue>
+#endif
+
+namespace batten {
+
+#if BATTEN_HAVE_CGAL
+
+bool have_delaunay_mesher() { return true; }
+
+namespace {
+
+using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
+using Vertex = CGAL::Triangulation_vertex_base_2<Kernel>;
+using Face = CGAL::Delaunay_mesh_face_base_2<Kernel>;
+using Triangulation =
+    CGAL::Constrained_Delaunay_triangulation_2<Kernel,
+                                               CGAL::Triangulation_data_structure_2<Vertex, Face>>;
+using Criteria = CGAL::Delaunay_mesh_size_criteria_2<Triangulation>;
+using Point = Triangulation::Point;
+
+// Along the Z-shaped curve, so that neighbours lie near each other in memory.
+std::vector<int> spatial_order(const std::vector<Point>& points) {
+  double low_x = 0, low_y = 0, extent = 0;
+  if (!points.empty()) low_x = points[0].x(), low_y = points[0].y();
+  for (const Point& p : points) low_x = std::min(low_x, p.x()), low_y = std::min(low_y, p.y());
+  for (const Point& p : points) extent = std::max({extent, p.x() - low_x, p.y() - low_y});
+  constexpr int bits = 16;
+  const auto spread = [](std::uint64_t x) {
+    std::uint64_t result = 0;
+    for (int b = 0; b < bits; ++b) result |= (x >> b & 1) << (2 * b);
+    return result;
+  };
+  std::vector<std::pair<std::uint64_t, int>> keys;
+  for (size_t i = 0; i < points.size(); ++i) {
+    const double scale = ((1 << bits) - 1) / (extent > 0 ? extent : 1);
+    const auto x = static_cast<std::uint64_t>((points[i].x() - low_x) * scale),
+               y = static_cast<std::uint64_t>((points[i].y() - low_y) * scale);
+    keys.emplace_back(spread(x) | spread(y) << 1, static_cast<int>(i));
+  }
+  std::sort(keys.begin(), keys.end());
+  std::vector<int> order;
+  for (const auto& key : keys) order.push_back(key.second);
+  return order;
+}
+
+// Sine of the smallest angle, about: 4 √3 area over the sum of squared sides, 1 when equilateral.
+double quality(const Vec2& a, const Vec2& b, const Vec2& c) {
+  const Vec2 ab = b - a, ac = c - a, bc = c - b;
+  const double area2 = ab.x() * ac.y() - ab.y() * ac.x();
+  return 2 * std::sqrt(3.0) * area2 / (ab.squaredNorm() + ac.squaredNorm() + bc.squaredNorm());
+}
+
+// Moves free vertices to the centre of area of their triangles, one after the other, where the
+// worst of these triangles becomes better or stays good (0.8). CGAL's own optimizers add up in the
+// order of addresses, so that their last bits change from run to run.
+void smooth(std::vector<Vec2>& vertices, const std::vector<ParametricMesh::Triangle>& triangles,
+            const std::vector<char>& fixed, int sweeps) {
+  std::vector<std::vector<int>> around(vertices.size());
+  for (size_t t = 0; t < triangles.size(); ++t)
+    for (const int v : triangles[t]) around[v].push_back(static_cast<int>(t));
+  const auto worst = [&](int v) {
+    double q = 1;
+    for (const int t : around[v]) {
+      const auto& [a, b, c] = triangles[t];
+      q = std::min(q, quality(vertices[a], vertices[b], vertices[c]));
+    }
+    return q;
+  };
+  for (int sweep = 0; sweep < sweeps; ++sweep)
+    for (size_t v = 0; v < vertices.size(); ++v) {
+      if (fixed[v]) continue;
+      Vec2 moment = Vec2::Zero();
+      double total = 0;
+      for (const int t : around[v]) {
+        const auto& [a, b, c] = triangles[t];
+        const Vec2 ab = vertices[b] - vertices[a], ac = vertices[c] - vertices[a];
+        const double area2 = ab.x() * ac.y() - ab.y() * ac.x();
+        moment += area2 / 3 * (vertices[a] + vertices[b] + vertices[c]);
+        total += area2;
+      }
+      const Vec2 before = vertices[v];
+      const double quality_before = worst(static_cast<int>(v));
+      vertices[v] = moment / total;
+      if (worst(static_cast<int>(v)) < std::min(quality_before, 0.8)) vertices[v] = before;
+    }
+}
+
+// A point inside of a simple polygon: the middle of the largest gap between its segments, along
+// lines between neighbouring heights of its points.
+Point inside_of(const std::vector<Vec2>& points, const std::vector<std::array<int, 2>>& polygon) {
+  std::vector<double> heights;
+  for (const auto& segment : polygon) heights.push_back(points[segment[0]].y());
+  std::sort(heights.begin(), heights.end());
+  double widest = 0;
+  Point best(points[polygon[0][0]].x(), points[polygon[0][0]].y());
+  for (size_t i = 0; i + 1 < heights.size(); ++i) {
+    const double step = heights[i + 1] - heights[i], y = heights[i] + step / 2;
+    if (step <= widest) continue;
+    std::vector<double> crossings;
+    for (const auto& [a, b] : polygon) {
+      const Vec2 &p = points[a], &q = points[b];
+      if ((p.y() > y) != (q.y() > y))
+        crossings.push_back(p.x() + (q.x() - p.x()) * ((y - p.y()) / (q.y() - p.y())));
+    }
+    std::sort(crossings.begin(), crossings.end());
+    for (size_t k = 0; k + 1 < crossings.size(); k += 2) {
+      const double room = std::min(step, crossings[k + 1] - crossings[k]);
+      if (room <= widest) continue;
+      widest = room;
+      best = Point((crossings[k] + crossings[k + 1]) / 2, y);
+    }
+  }
+  return best;
+}
+
+// Everything that can be reached from a face without crossing a segment leaves the domain.
+void exclude(Triangulation& triangulation, Triangulation::Face_handle start) {
+  std::vector<Triangulation::Face_handle> stack{start};
+  start->set_in_domain(false);
+  while (!stack.empty()) {
+    const auto face = stack.back();
+    stack.pop_back();
+    for (int i = 0; i < 3; ++i) {
+      const auto next = face->neighbor(i);
+      if (triangulation.is_constrained({face, i}) || !next->is_in_domain()) continue;
+      next->set_in_domain(false);
+      stack.push_back(next);
+    }
+  }
+}
+
+// Ruppert's refinement with segments that stay: triangles whose circumcircle is too large for the
+// target or for their shortest edge get its centre as a vertex, unless the centre is not visible
+// from them or comes too near to a segment. The largest are the first. Every new vertex keeps a
+// distance of √2 times the shortest edge that gave rise to it, so that this ends.
+void refine_between(Triangulation& triangulation, const std::vector<Point>& hole_seeds,
+                    double longest, double least_angle) {
+  using FaceHandle = Triangulation::Face_handle;
+  for (auto f = triangulation.all_faces_begin(); f != triangulation.all_faces_end(); ++f)
+    f->set_in_domain(true);
+  exclude(triangulation, triangulation.infinite_face());
+  for (const Point& seed : hole_seeds) exclude(triangulation, triangulation.locate(seed));
+
+  struct Bad {
+    double radius2;
+    long number;  // the order of equals
+    FaceHandle face;
+    std::array<Triangulation::Vertex_handle, 3> corners;
+    bool operator<(const Bad& other) const {
+      return radius2 != other.radius2 ? radius2 < other.radius2 : number > other.number;
+    }
+  };
+  std::priority_queue<Bad> queue;
+  long number = 0;
+  const double largest2 = longest * longest / 3;  // of an equilateral triangle
+  const auto look = [&](FaceHandle face) {
+    const auto triangle = triangulation.triangle(face);
+    double shortest2 = std::numeric_limits<double>::infinity(), product = 1;
+    for (int i = 0; i < 3; ++i) {
+      const double side2 = CGAL::squared_distance(triangle[i], triangle[(i + 1) % 3]);
+      shortest2 = std::min(shortest2, side2);
+      product *= side2;
+    }
+    const double area = triangle.area(), radius2 = product / (16 * area * area);
+    if (radius2 > largest2 || shortest2 < 4 * least_angle * radius2)
+      queue.push({radius2, number++, face, {face->vertex(0), face->vertex(1), face->vertex(2)}});
+  };
+  for (auto f = triangulation.finite_faces_begin(); f != triangulation.finite_faces_end(); ++f)
+    if (f->is_in_domain()) look(f);
+
+  while (!queue.empty()) {
+    const Bad bad = queue.top();
+    queue.pop();
+    const FaceHandle face = bad.face;
+    if (face->vertex(0) != bad.corners[0] || face->vertex(1) != bad.corners[1] ||
+        face->vertex(2) != bad.corners[2])
+      continue;
+    const Point centre = triangulation.circumcenter(face);
+    Triangulation::Locate_type type;
+    int at;
+    const FaceHandle there = triangulation.locate(centre, type, at, face);
+    if (triangulation.is_infinite(there) || !there->is_in_domain() ||
+        type == Triangulation::VERTEX ||
+        (type == Triangulation::EDGE && triangulation.is_constrained({there, at})))
+      continue;
+    std::vector<FaceHandle> zone;
+    std::vector<Triangulation::Edge> around;
+    triangulation.get_conflicts_and_boundary(centre, std::back_inserter(zone),
+                                             std::back_inserter(around), there);
+    bool good = std::find(zone.begin(), zone.end(), face) != zone.end();
+    for (const auto& edge : around) {
+      if (!triangulation.is_constrained(edge)) continue;
+      const auto ends = triangulation.segment(edge);
+      good = good && CGAL::angle(ends.source(), centre, ends.target()) == CGAL::ACUTE;
+    }
+    if (!good) continue;
+    const auto vertex = triangulation.insert(centre, there);
+    auto f = triangulation.incident_faces(vertex);
+    const auto first = f;
+    do {
+      f->set_in_domain(true);
+      look(f);
+    } while (++f != first);
+  }
+}
+
+using VertexHandle = Triangulation::Vertex_handle;
+
+// Adds the task's points and segments; returns the points.
+std::vector<VertexHandle> insert(const MeshTask& task, Triangulation& triangulation) {
+  std::vector<VertexHandle> handle;
+  for (const Vec2& p : task.points) handle.push_back(triangulation.insert(Point(p.x(), p.y())));
+  const auto constrain = [&](const std::vector<std::array<int, 2>>& segments) {
+    for (const auto& [a, b] : segments) triangulation.insert_constraint(handle[a], handle[b]);
+  };
+  try {
+    constrain(task.outline);
+    constrain(task.inner);
+    for (const auto& hole : task.holes) constrain(hole);
+  } catch (const Triangulation::Intersection_of_constraints_exception&) {
+    throw InputError("lines cross where they share no point");
+  }
+  return handle;
+}
+
+// Ruppert's refinement with segments that are split.
+void refine_everywhere(Triangulation& triangulation, const std::vector<Point>& hole_seeds,
+                       const MeshTask& task, double longest, double least_angle) {
+  CGAL::Delaunay_mesher_2<Triangulation, Criteria> mesher(triangulation,
+                                                          Criteria(least_angle, longest));
+  if (!hole_seeds.empty()) mesher.set_seeds(hole_seeds.begin(), hole_seeds.end());
+  // Next to angles of a few degrees the refinement may never end.
+  Vec2 low = task.points[0], high = low;
+  for (const Vec2& p : task.points) {
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
+  constexpr double many = 20;  // times what an even mesh of the box has
+  const double most = many * ((high - low).prod() / (task.edge_length * task.edge_length) +
+                              static_cast<double>(task.points.size()) + 1000);
+  mesher.init();
+  while (!mesher.is_refinement_done()) {
+    mesher.step_by_step_refine_mesh();
+    if (static_cast<double>(triangulation.number_of_vertices()) > most)
+      throw InputError(
+          "the flat domain cannot be meshed with edges of " + number(task.edge_length) +
+          " (of its size): its outline or its lines come so near to each other, or meet at such "
+          "small angles, that triangles become ever smaller");
+  }
+}
+
+// Vertices and triangles of the domain, vertices on segments fixed, the others smoothed.
+ParametricMesh smoothed_mesh(const Triangulation& triangulation,
+                             const std::vector<VertexHandle>& handle, const MeshTask& task) {
+  // The task's points keep their numbers; the others follow along a space-filling curve.
+  std::map<VertexHandle, int> index;
+  std::vector<Vec2> vertices = task.points;
+  for (size_t i = 0; i < handle.size(); ++i) index[handle[i]] = static_cast<int>(i);
+  std::vector<VertexHandle> added;
+  std::vector<Point> places;
+  for (auto v = triangulation.finite_vertices_begin(); v != triangulation.finite_vertices_end();
+       ++v)
+    if (!index.count(v)) {
+      added.push_back(v);
+      places.push_back(v->point());
+    }
+  for (const int i : spatial_order(places)) {
+    index[added[i]] = count_of(vertices);
+    vertices.emplace_back(places[i].x(), places[i].y());
+  }
+  std::vector<char> fixed(vertices.size(), 0);
+  for (auto e = triangulation.finite_edges_begin(); e != triangulation.finite_edges_end(); ++e)
+    if (triangulation.is_constrained(*e))
+      for (const int side : {1, 2}) fixed[index[e->first->vertex((e->second + side) % 3)]] = 1;
+  std::vector<ParametricMesh::Triangle> found, triangles;
+  std::vector<Point> centres;
+  for (auto f = triangulation.finite_faces_begin(); f != triangulation.finite_faces_end(); ++f) {
+    if (!f->is_in_domain()) continue;
+    found.push_back({index[f->vertex(0)], index[f->vertex(1)], index[f->vertex(2)]});
+    centres.push_back(CGAL::centroid(triangulation.triangle(f)));
+  }
+  for (const int i : spatial_order(centres)) triangles.push_back(found[i]);
+  constexpr int sweeps = 6;
+  smooth(vertices, triangles, fixed, sweeps);
+  return {std::move(vertices), std::move(triangles)};
+}
+
+}  // namespace
+
+ParametricMesh delaunay_mesh(const MeshTask& task) {
+  count(Work::Triangulation);
+  Triangulation triangulation;
+  const std::vector<VertexHandle> handle = insert(task, triangulation);
+  std::vector<Point> seeds;
+  for (const auto& hole : task.holes) seeds.push_back(inside_of(task.points, hole));
+  // Sizes ask for the longest edge; meshes come out with a mean of about three quarters of it.
+  constexpr double least_angle = 0.125;  // sin² of 20.7 degrees
+  const double longest = 1.3 * task.edge_length;
+  if (task.keep_segments)
+    refine_between(triangulation, seeds, longest, least_angle);
+  else
+    refine_everywhere(triangulation, seeds, task, longest, least_angle);
+  return smoothed_mesh(triangulation, handle, task);
+}
+
+#else
+
+bool have_delaunay_mesher() { return false; }
+
+ParametricMesh delaunay_mesh(const MeshTask&) {
+  throw InputError(
+      "this build of Batten has no Delaunay mesher (it was built without CGAL): use "
+      "mesher = \"fan\"");
+}
+
+#endif
+
+}  // namespace batten

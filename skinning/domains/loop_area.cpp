@@ -1,0 +1,104 @@
+#include "batten/skinning/domains/loop_area.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <optional>
+
+#include "batten/core/errors.h"
+#include "batten/skinning/domains/crossing.h"
+#include "batten/skinning/domains/plain_fill.h"
+
+namespace batten {
+namespace {
+
+Vec3 area_vector(const Outline& outline) {
+  Vec3 area = Vec3::Zero();
+  const Vec3 origin = outline.pieces[0].start;
+  for (const auto& piece : outline.pieces) {
+    const auto p = polyline(*piece.stretch.curve);
+    for (size_t i = 0; i + 1 < p.size(); ++i)
+      area += 0.5 * (p[i] - origin).cross(p[i + 1] - origin);
+  }
+  return area;
+}
+
+// Points of the loop, as many of each piece.
+struct LoopPoints {
+  std::vector<Vec3> x;  // over the size
+  int each;             // of a piece
+  double height;        // of all points above the loop's plane
+};
+
+LoopPoints loop_points(const Outline& outline, const Vec3& normal) {
+  LoopPoints points;
+  points.each = static_cast<int>(std::clamp<size_t>(64 / outline.pieces.size(), 2, 24));
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+  for (const auto& piece : outline.pieces) {
+    const InputCurve& c = *piece.stretch.curve;
+    for (int k = 0; k < points.each; ++k) {
+      const Vec3 x =
+          c.evaluate(c.start() + (c.end() - c.start()) * k / points.each) - outline.pieces[0].start;
+      points.x.push_back(x / outline.size);
+      low = std::min(low, points.x.back().dot(normal));
+      high = std::max(high, points.x.back().dot(normal));
+    }
+  }
+  points.height = high - low;
+  return points;
+}
+
+// Whether the loop turns to the left at its corners: seen from its side where it is nearly plane,
+// else as a filling has it (a strip around a cylinder faces all ways).
+std::vector<char> left_at_corners(const Outline& outline) {
+  const Vec3 normal = loop_normal(outline);
+  const LoopPoints points = loop_points(outline, normal);
+  constexpr double nearly_plane = 0.2;  // of the size
+  constexpr size_t most_points = 400;
+  std::optional<PlainFill> fill;
+  if (points.height >= nearly_plane && points.x.size() <= most_points)
+    fill = developable_fill(points.x);
+  std::vector<FillCorner> of_fill;
+  if (fill) of_fill = fill_corners(points.x, *fill);
+  std::vector<char> left;
+  for (const int c : outline.corners) {
+    const auto piece = static_cast<size_t>(c);
+    const Joint joint = joint_at(outline, piece);
+    left.push_back(fill ? turns_left(joint.incoming, joint.outgoing,
+                                     of_fill[piece * static_cast<size_t>(points.each)])
+                        : joint.incoming.cross(joint.outgoing).dot(normal) >= 0);
+  }
+  return left;
+}
+
+}  // namespace
+
+Vec3 loop_normal(const Outline& outline) {
+  const Vec3 area = area_vector(outline);
+  const double length = area.norm();
+  if (!encloses_area(outline))
+    throw InputError("the outline encloses no area seen from any side: it folds back on itself");
+  return area / length;
+}
+
+bool encloses_area(const Outline& outline) {
+  return enclosed_area(outline) >= 1e-6 * outline.size * outline.size;
+}
+
+double enclosed_area(const Outline& outline) { return area_vector(outline).norm(); }
+
+std::vector<double> corner_angles(const Outline& outline) {
+  constexpr double pi = std::numbers::pi;
+  const std::vector<char> left = left_at_corners(outline);
+  std::vector<double> angles;
+  for (size_t i = 0; i < left.size(); ++i) {
+    const Joint joint = joint_at(outline, static_cast<size_t>(outline.corners[i]));
+    const double turn =
+        std::atan2(joint.incoming.cross(joint.outgoing).norm(), joint.incoming.dot(joint.outgoing));
+    angles.push_back(left[i] ? pi - turn : pi + turn);
+  }
+  return angles;
+}
+
+}  // namespace batten

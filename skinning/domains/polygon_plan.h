@@ -1,0 +1,51 @@
+// Inside of the polygon's domain: its lines on straight stretches, before and after the mesh.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "batten/skinning/domains/domain_task.h"
+
+namespace batten {
+
+/// A piece of line on its straight stretch of the domain, from `from` to `to`; fractions run 0 … 1
+/// with the parameter of the fitted curve.
+struct Strip {
+  CharacterLine line;
+  bool flipped = false;
+  HermiteCurve fitted;
+  Vec2 from, to;
+  std::vector<double> nodes;  ///< fractions that must be mesh vertices, 0 and 1 included
+  std::vector<int> points;    ///< of a given curve: its vertices in the mesh, by `nodes`
+  bool given() const { return line.given != nullptr; }
+  double fraction(double u) const { return (u - fitted.start()) / (fitted.end() - fitted.start()); }
+  Vec2 at(double fraction) const { return from + fraction * (to - from); }
+};
+
+/// The polygon and the strips on it, in the region's own scale.
+struct PolygonPlan {
+  DomainTask task;  ///< its mesher is one that the build has
+  Outline outline;
+  std::vector<double> line_angles;  ///< at the corners, in space, radians
+  std::vector<Vec2> polygon;
+  std::vector<Strip> strips;          ///< pieces of the outline in loop order, then inner lines
+  std::vector<Stretch> fitted_inner;  ///< inner lines that are strips
+  /// All outline lines have given curves.
+  bool given() const { return outline.pieces[0].stretch.given != nullptr; }
+};
+
+/// The C1 cubic curve of a strip between two joints; `alone`: of a whole side.
+HermiteCurve fitted_strip(const PolygonPlan& plan, const Stretch& s, const Joint& start,
+                          const Joint& end, bool alone);
+
+/// Makes an inner line a straight run across the polygon. "", or the reason why it cannot be one.
+std::string add_inner_strip(PolygonPlan& plan, const Stretch& s);
+
+/// The mesh with all strips on element edges. Throws InputError: too many triangles; what the
+/// mesher refuses.
+ParametricMesh mesh_polygon(PolygonPlan& plan);
+
+/// The edges and vertices of that mesh on a strip.
+LineRun run_on(const ParametricMesh& mesh, const Strip& strip);
+
+}  // namespace batten

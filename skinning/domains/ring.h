@@ -1,0 +1,47 @@
+// Rings: regions between two smooth closed rims, as tubes, skirts and annuli.
+#pragma once
+
+#include "batten/skinning/domains/domain_task.h"
+
+namespace batten {
+
+/// Whether two rims, as points evenly around them, as many of both, run in one direction around the
+/// ring between them: through a tube when their area vectors point to one side along the way from
+/// rim to rim; where these say nothing (an annulus) when points of equal share then lie nearer
+/// together, from the best start, than the other way around. O(n²).
+bool rims_run_alike(const std::vector<Vec3>& a, const std::vector<Vec3>& b);
+
+/// A strip that is periodic in u: rim A along v = 0, in the direction of its first line, rim B
+/// along v = V. No singular point, and lines stay straight runs of element edges:
+///
+///   U = mean length of the rims / size          u runs evenly with the arc length of each rim
+///   V = mean distance of matched points / size
+///
+/// Points of equal u are matched: of the two directions of rim B and all its starts, those that
+/// make the sum of squared distances between points at equal fractions of arc length least, so that
+/// the strip is not twisted. Both rims become closed C1 cubic curves within the tolerance, whose
+/// nodes lie on columns of the mesh. A rim of one line may begin anywhere: one of them is cut where
+/// it matches the start of the other, and both begin at u = 0. Where lines join on both rims, the
+/// columns tilt by up to half an edge so that each ends on a joint.
+///
+/// The mesh: right triangles, rows × columns with cells as near to squares of the wished edge as
+/// the lines' nodes allow, diagonals alternating.
+///
+/// `a`, `b`: loops without corners, as make_loops() finds them. The parts have a mesh, one run for
+/// each line (those of rim A first, along each rim; the vertices of a rim that is one closed line
+/// name the first one again at the end) and two boundary loops: rim A with u, rim B against it.
+/// Throws InputError in words for the user: a rim with a corner, rims that coincide, an edge length
+/// that means more than 2 million triangles. Cost: O(columns · rows).
+RegionParts ring_parts(const Outline& a, const Outline& b, const DomainTask& task);
+
+/// Embeds holes and inner lines in a ring that has a shape. c(t) are the nearest points of the
+/// surface; of an inner line that crosses no other one they are spread over it as evenly as the
+/// line is long (nearest points crowd where a line bulges away from the surface). u runs on over
+/// the seam, beyond [0, U]; a line begins in [0, U). A closed line that runs around the ring ends
+/// one period from where it begins: its curve and its image are open curves then, whose ends meet
+/// on the ring. Throws InputError as embed_on() does, for a hole around the ring, and for an inner
+/// line that is to be fitted. O(triangles · lines).
+void embed_on_ring(const Surface& surface, const std::vector<Outline>& holes,
+                   const std::vector<Stretch>& inner, const DomainTask& task, RegionParts& parts);
+
+}  // namespace batten

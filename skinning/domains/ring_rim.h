@@ -1,0 +1,97 @@
+// Inside of rings: a rim with its lines.
+#pragma once
+
+#include <cmath>
+#include <memory>
+#include <vector>
+
+#include "batten/skinning/domains/domain_task.h"
+
+namespace batten {
+
+/// Into [0, 1).
+inline double fraction_of(double x) {
+  x -= std::floor(x);
+  return x < 1 ? x : 0;
+}
+
+/// A closed curve begun at another of its points.
+class Reseamed final : public InputCurve {
+ public:
+  Reseamed(std::shared_ptr<const InputCurve> whole, double seam)
+      : whole_(std::move(whole)),
+        seam_(seam),
+        before_(whole_->end() - seam),
+        period_(whole_->end() - whole_->start()) {}
+  double start() const override { return 0; }
+  double end() const override { return period_; }
+  Vec3 evaluate(double t, int order) const override {
+    return whole_->evaluate(t < before_ ? seam_ + t : seam_ + t - period_, order);
+  }
+  std::vector<double> breaks() const override {
+    std::vector<double> all = {0};
+    const auto given = whole_->breaks();
+    for (const double b : given)
+      if (b > seam_) all.push_back(b - seam_);
+    for (const double b : given)
+      if (b > whole_->start() && b < seam_) all.push_back(b - seam_ + period_);
+    all.push_back(period_);
+    return all;
+  }
+
+ private:
+  std::shared_ptr<const InputCurve> whole_;
+  double seam_, before_, period_;
+};
+
+/// A rim and where its lines lie on it, in the direction of u.
+struct Rim {
+  Outline outline;
+  std::vector<ArcLength> arcs;
+  double length = 0;
+  struct Place {
+    double from, share;   // of the rim's length; from in [0, 1)
+    HermiteCurve fitted;  // along the rim
+  };
+  std::vector<Place> places;  // of each line
+
+  explicit Rim(Outline given) : outline(std::move(given)) {
+    for (const auto& p : outline.pieces) {
+      arcs.emplace_back(p.stretch.curve);
+      length += arcs.back().total();
+    }
+    double before = 0;
+    for (const ArcLength& arc : arcs) {
+      const double from = rounded(before / length);
+      before += arc.total();
+      places.push_back({from, rounded(before / length) - from, {}});
+    }
+  }
+  bool one_line() const { return places.size() == 1; }
+
+  struct Point {
+    Vec3 x, tangent;
+  };
+  Point point(double fraction) const {
+    double s = fraction_of(fraction) * length;
+    size_t i = 0;
+    for (; i + 1 < arcs.size() && s > arcs[i].total(); ++i) s -= arcs[i].total();
+    const double t = arcs[i].parameter(s);
+    const InputCurve& curve = *outline.pieces[i].stretch.curve;
+    return {curve.evaluate(t), curve.evaluate(t, 1).normalized()};
+  }
+
+  // Of one line: the same rim, begun elsewhere.
+  Rim cut_at(double fraction) const {
+    Outline cut = outline;
+    auto& piece = cut.pieces[0];
+    const double t = arcs[0].parameter(fraction_of(fraction) * length);
+    if (t > piece.stretch.curve->start() && t < piece.stretch.curve->end()) {
+      piece.stretch.curve = std::make_shared<Reseamed>(piece.stretch.curve, t);
+      piece.start = piece.stretch.curve->evaluate(0);
+    }
+    return Rim(std::move(cut));
+  }
+};
+
+}  // namespace batten

@@ -1,0 +1,295 @@
+#include "batten/skinning/facets/facet_mesh.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <set>
+
+#include "batten/core/errors.h"
+#include "batten/core/index.h"
+#include "batten/core/plane.h"
+#include "batten/skinning/domains/mesher.h"
+#include "batten/skinning/facets/facet_stops.h"
+
+namespace batten {
+namespace {
+
+/// Whether a triangle at a curved edge is far enough from folding: the corners of its six-node
+/// triangle, and a lattice of its image.
+bool unfolded(const FacetMesh& m, int t) {
+  constexpr double least = 0.2;  // of the straight triangle
+  const TriangleShape shape = m.mesh->shape(t);
+  Vec2 middle[3];  // of the edge opposite each corner
+  for (int i = 0; i < 3; ++i) middle[i] = m.image({t, (Vec3::Ones() - Vec3::Unit(i)) / 2});
+  for (int i = 0; i < 3; ++i) {
+    const int j = (i + 1) % 3, k = (i + 2) % 3;
+    const Vec2 to_j = 4 * middle[k] - 3 * shape.vertex[i] - shape.vertex[j],
+               to_k = 4 * middle[j] - 3 * shape.vertex[i] - shape.vertex[k];
+    if (!(cross(to_j, to_k) > least * 2 * shape.area)) return false;
+  }
+  constexpr int n = 8;
+  Vec2 x[n + 1][n + 1];
+  for (int i = 0; i <= n; ++i)
+    for (int j = 0; i + j <= n; ++j) x[i][j] = m.image({t, Vec3(i, j, n - i - j) / n});
+  const double limit = least * 2 * shape.area / (n * n);
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; i + j < n; ++j) {
+      if (!(cross(x[i + 1][j] - x[i][j], x[i][j + 1] - x[i][j]) > limit)) return false;
+      if (i + j + 1 < n &&
+          !(cross(x[i][j + 1] - x[i + 1][j + 1], x[i + 1][j] - x[i + 1][j + 1]) > limit))
+        return false;
+    }
+  return true;
+}
+
+/// Whether two segments without a common end meet.
+bool meet(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d) {
+  const Vec2 low = a.cwiseMin(b), high = a.cwiseMax(b);
+  if ((c.cwiseMax(d) - low).minCoeff() < 0 || (high - c.cwiseMin(d)).minCoeff() < 0) return false;
+  const double ca = cross(d - c, a - c), cb = cross(d - c, b - c);
+  const double ac = cross(b - a, c - a), ad = cross(b - a, d - a);
+  return ca * cb <= 0 && ac * ad <= 0;
+}
+
+/// Meshes between the stops, and adds some where that does not come out well.
+class FacetMesher {
+ public:
+  FacetMesher(const SkinnedRegion& region, double edge_length, const LineStops& asked)
+      : region_(region),
+        may_halve_(asked.may_halve),
+        asked_(!asked.at.empty()),
+        s_(region, edge_length, asked) {}
+
+  FacetMesh make() {
+    FacetMesh result;
+    result.lines = s_.lines();
+    constexpr int rounds = 12;
+    const int untangling = asked_ ? 2 * rounds : rounds;  // into a cusp step by step
+    for (int round = 0;; ++round) {
+      list_pieces();
+      if (untangle(round < untangling)) continue;
+      fill(result);
+      std::set<int> folded;
+      for (int t = 0; t < result.mesh->triangle_count(); ++t) {
+        const auto& e = result.mesh->edges_of(t);
+        std::vector<int> curved;
+        for (const int edge : e)
+          if (result.piece_of_edge[edge] >= 0 && pieces_[result.piece_of_edge[edge]].curved)
+            curved.push_back(result.piece_of_edge[edge]);
+        if (!curved.empty() && !unfolded(result, t)) folded.insert(curved.begin(), curved.end());
+      }
+      if (folded.empty()) return result;
+      // In a cusp no halving helps: its last edges stay straight.
+      if (round >= rounds || !may_halve_)
+        for (const int p : folded) straight_.insert(key(pieces_[p]));
+      else
+        for (const int p : folded) halve(p);
+      if (round > 2 * rounds) throw InputError(s_.who() + "its facets fold where lines touch");
+    }
+  }
+
+ private:
+  using Key = std::pair<int, double>;
+  static Key key(const FacetPiece& piece) { return {piece.line, piece.t0}; }
+
+  void list_pieces() {
+    pieces_.clear();
+    for (size_t l = 0; l < s_.lines().size(); ++l)
+      for (size_t k = 0; k + 1 < s_.on(l).size(); ++k) {
+        const FacetStop &a = s_.on(l)[k], &b = s_.on(l)[k + 1];
+        FacetPiece piece{
+            static_cast<int>(l), a.t, b.t, a.node, b.node, s_.lines()[l].embedded() != nullptr};
+        if (!s_.on_boundary(l) && !inside(s_.lines()[l].at(0.5 * (a.t + b.t)))) continue;
+        if (straight_.count(key(piece))) piece.curved = false;
+        piece.from = s_.near(s_.nodes()[a.node], s_.lines()[l].at(a.t));
+        piece.to = s_.near(s_.nodes()[b.node], s_.lines()[l].at(b.t));
+        pieces_.push_back(piece);
+      }
+  }
+
+  /// Of a ring the holes alone: between the rims is inside.
+  bool inside(const Vec2& p) {
+    const Trim* trim = region_.surface.trim().get();
+    if (trim) return trim->loops().contains(region_.surface.mesh().wrapped(p));
+    if (s_.has_seam()) return true;
+    if (!loops_) loops_ = boundary_loops(region_);
+    return loops_->contains(p);
+  }
+
+  void halve(int p) {
+    const FacetPiece& piece = pieces_[p];
+    s_.add(static_cast<size_t>(piece.line), 0.5 * (piece.t0 + piece.t1));
+  }
+
+  /// Where a piece is cut so that it comes clear of another one: in its middle, or where neighbours
+  /// ask for stops beside an end of the other. Into a cusp, lines have to go by even steps.
+  double cut_beside(const FacetPiece& piece, const FacetPiece& other) const {
+    const double middle = 0.5 * (piece.t0 + piece.t1);
+    if (!asked_) return middle;
+    constexpr double within = 0.4;  // of the piece, from its middle
+    double best = middle, least = within * (piece.t1 - piece.t0);
+    for (const Vec2& end : {other.from, other.to}) {
+      const double t = s_.lines()[piece.line].closest(s_.near(end, piece.from)).u;
+      if (std::abs(t - middle) >= least) continue;
+      least = std::abs(t - middle);
+      best = t;
+    }
+    return best;
+  }
+
+  /// Cuts the curved pieces whose chords meet. Returns whether there were any.
+  bool untangle(bool may_halve) {
+    std::map<int, double> tangled;
+    const int count = count_of(pieces_);
+    for (int p = 0; p < count; ++p)
+      for (int q = p + 1; q < count; ++q) {
+        const FacetPiece &a = pieces_[p], &b = pieces_[q];
+        const int shared = (a.a == b.a) + (a.a == b.b) + (a.b == b.a) + (a.b == b.b);
+        // Those that share both ends lie on each other.
+        const Vec2 move = s_.near(b.from, a.from) - b.from;
+        if (shared == 1 || (shared == 0 && !meet(a.from, a.to, b.from + move, b.to + move)))
+          continue;
+        const bool curved = a.curved || b.curved;
+        if (!may_halve || !curved)
+          throw InputError(s_.who() + "the lines '" + s_.lines()[a.line].name() + "' and '" +
+                           s_.lines()[b.line].name() + "' cross where they share no point");
+        if (a.curved) tangled.try_emplace(p, cut_beside(a, b));
+        if (b.curved) tangled.try_emplace(q, cut_beside(b, a));
+      }
+    for (const auto& [p, t] : tangled) s_.add(static_cast<size_t>(pieces_[p].line), t);
+    return !tangled.empty();
+  }
+
+  void fill(FacetMesh& result) const {
+    MeshTask task;
+    task.edge_length = s_.size();
+    task.keep_segments = true;
+    result.pieces = pieces_;
+    // Pieces that were dropped leave nodes that nobody needs. Those on a seam have two places:
+    // between its images, to which each piece is moved, every node is left or right.
+    std::vector<std::array<int, 2>> number(s_.nodes().size(), {-1, -1});
+    const auto point = [&](int node, const Vec2& p) {
+      const bool right = s_.has_seam() && s_.beyond_seam(p) > 0.5 * s_.period() && s_.on_seam(node);
+      int& index = number[node][right];
+      if (index < 0) {
+        index = count_of(task.points);
+        task.points.push_back(s_.has_seam() ? p : s_.nodes()[node]);
+      }
+      return index;
+    };
+    const auto move = [&](FacetPiece& piece, bool right) {
+      Vec2 shift = Vec2::Zero();
+      if (s_.has_seam()) {
+        const bool of_seam = piece.line == static_cast<int>(s_.seam());
+        const double beyond = of_seam ? 0 : s_.beyond_seam(0.5 * (piece.from + piece.to));
+        shift.x() = (right - std::floor(beyond / s_.period())) * s_.period();
+      }
+      piece.a = point(piece.a, piece.from + shift);
+      piece.b = point(piece.b, piece.to + shift);
+    };
+    std::vector<std::array<int, 2>> seams;
+    for (FacetPiece& piece : result.pieces) {
+      if (s_.has_seam() && piece.line == static_cast<int>(s_.seam())) {
+        FacetPiece image = piece;
+        move(image, true);
+        seams.push_back({image.a, image.b});
+      }
+      move(piece, false);
+    }
+    std::vector<int> loop_of(s_.lines().size(), -1);
+    for (size_t i = 0; i < region_.boundary.size(); ++i)
+      for (const BoundaryPiece& piece : region_.boundary[i])
+        loop_of[s_.line_of(piece)] = static_cast<int>(i);
+    const int outlines = s_.has_seam() ? 2 : 1;
+    if (s_.has_seam()) loop_of[s_.seam()] = 0;
+    task.holes.resize(region_.boundary.size() - static_cast<size_t>(outlines));
+    for (const FacetPiece& piece : result.pieces) {
+      const int loop = loop_of[piece.line];
+      (loop < 0          ? task.inner
+       : loop < outlines ? task.outline
+                         : task.holes[loop - outlines])
+          .push_back({piece.a, piece.b});
+    }
+    task.outline.insert(task.outline.end(), seams.begin(), seams.end());
+    try {
+      result.mesh = std::make_shared<ParametricMesh>(delaunay_mesh(task));
+    } catch (const InputError& error) {
+      throw InputError(s_.who() + error.what());
+    }
+    if (s_.has_seam()) close(result, number);
+    result.piece_of_edge.assign(result.mesh->edge_count(), -1);
+    result.piece_lists.assign(s_.lines().size(), {});
+    for (size_t p = 0; p < result.pieces.size(); ++p) {
+      const FacetPiece& piece = result.pieces[p];
+      const int e = result.mesh->edge_between(piece.a, piece.b);
+      if (e < 0)
+        throw InputError(s_.who() + "the line '" + s_.lines()[piece.line].name() +
+                         "' touches another one where they share no point");
+      result.piece_of_edge[e] = static_cast<int>(p);
+      result.piece_lists[piece.line].push_back(static_cast<int>(p));
+    }
+  }
+
+  /// The two images of the seam become one.
+  void close(FacetMesh& result, const std::vector<std::array<int, 2>>& number) const {
+    const ParametricMesh& open = *result.mesh;
+    std::vector<int> becomes(static_cast<size_t>(open.vertex_count()), -1);
+    for (const auto& [left, right] : number)
+      if (left >= 0 && right >= 0) becomes[right] = left;
+    std::vector<Vec2> vertices;
+    std::vector<int> closed(becomes.size(), -1);
+    const ParametricMesh& mesh = region_.surface.mesh();
+    for (size_t v = 0; v < becomes.size(); ++v) {
+      if (becomes[v] >= 0) continue;
+      closed[v] = count_of(vertices);
+      vertices.push_back(mesh.wrapped(open.vertices()[v]));
+    }
+    for (size_t v = 0; v < becomes.size(); ++v)
+      if (becomes[v] >= 0) closed[v] = closed[becomes[v]];
+    std::vector<ParametricMesh::Triangle> triangles = open.triangles();
+    for (auto& triangle : triangles)
+      for (int& v : triangle) v = closed[v];
+    for (FacetPiece& piece : result.pieces)
+      for (int* node : {&piece.a, &piece.b}) *node = closed[*node];
+    result.mesh =
+        std::make_shared<ParametricMesh>(std::move(vertices), std::move(triangles), s_.period());
+  }
+
+  const SkinnedRegion& region_;
+  bool may_halve_, asked_;
+  FacetStops s_;
+  std::vector<FacetPiece> pieces_;
+  std::set<Key> straight_;
+  std::optional<DomainLoops> loops_;
+};
+
+}  // namespace
+
+Vec2 FacetMesh::image(const Location& where) const {
+  const auto& v = mesh->triangles()[where.triangle];
+  const auto& e = mesh->edges_of(where.triangle);
+  Vec2 p = mesh->shape(where.triangle).point(where.L);
+  for (int i = 0; i < 3; ++i) {
+    if (piece_of_edge[e[i]] < 0 || where.L[i] == 1) continue;
+    const FacetPiece& piece = pieces[piece_of_edge[e[i]]];
+    if (!piece.curved) continue;
+    const int j = (i + 1) % 3, k = (i + 2) % 3;
+    const bool forward = v[j] == piece.a;
+    const double Lj = where.L[forward ? j : k], Lk = where.L[forward ? k : j];
+    if (Lj == 0 || Lk == 0) continue;
+    const double s = where.L[i] == 0 ? Lk : 0.5 * (1 + Lk - Lj);
+    const Vec2 on_line = lines[piece.line].at(piece.t0 + s * (piece.t1 - piece.t0));
+    if (where.L[i] == 0) return mesh->image_near(on_line, p);
+    const Vec2& from = mesh->vertices()[piece.a];
+    const Vec2 chord = (1 - s) * from + s * mesh->image_near(mesh->vertices()[piece.b], from);
+    p += Lj * Lk / (s * (1 - s)) * (mesh->image_near(on_line, chord) - chord);
+  }
+  return p;
+}
+
+FacetMesh facet_mesh(const SkinnedRegion& region, double edge_length, const LineStops& asked) {
+  return FacetMesher(region, edge_length, asked).make();
+}
+
+}  // namespace batten

@@ -1,0 +1,119 @@
+// From character lines to the domain and the mesh of one region.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "batten/constraints/constraint_set.h"
+#include "batten/core/progress.h"
+#include "batten/skinning/region/region_parts.h"
+#include "batten/skinning/region/skin_options.h"
+
+namespace batten {
+
+struct DomainTask;  // skinning/domains/domain_task.h
+
+/// A region before it has a shape: domain, mesh, and how each line hangs on it.
+///
+/// 1. lines are cut at their corners (into "name.1", "name.2", …), outline lines joined at their
+///    ends into loops, hole lines too;
+/// 2. a domain is chosen:
+///      polygon  one loop with three corners or more: bends at the line's corners only, sides as
+///               long and corners as wide as the lines make them; every outline line is a straight
+///               run of element edges, fitted exactly. Inner lines are straight runs across where
+///               they can be;
+///      plane    other outlines: their projection; all lines are embedded, the mesh is cut;
+///      ring     two smooth loops: a strip that is periodic in u, both rims fitted;
+///      sheet    a loop without a polygon that does not project simply either: its developable
+///               filling, unfolded like a strip of paper; all lines are embedded;
+///    scaled so that the region's size is 1: (u, v) has no unit;
+/// 3. the outline becomes C1 cubic Hermite curves (exact where the input is piecewise cubic) on
+///    that domain, which is meshed;
+/// 4. holes, and inner lines that cannot be fitted (closed, bent, ending inside, crossing), are
+///    embedded: on a plane where they are seen, on other domains where the surface that the outline
+///    alone makes is nearest to them;
+/// 5. the mesh is cut along embedded boundaries. Embedded lines are held at points; the gap between
+///    these is measured and driven under tolerance/2 by halving triangles there, for the shape of
+///    least bending.
+/// The domain runs counter-clockwise along the outline in the direction of its first line, so that
+/// line's direction decides to which side the surface's normal points. u runs along that line's
+/// side of the polygon, around the ring, or along the projected x axis (y where the plane is at
+/// right angles to x); directional alpha and beta refer to it.
+/// Source: straight-run rule and embedded lines, docs/theory/domains.md.
+class RegionLayout {
+ public:
+  /// Throws InputError, in words for the user, for what it refuses: an open loop, lines that cross
+  /// or touch, a loop that crosses itself, all lines on one line, holes outside of the outline or
+  /// in each other, inner lines that leave the region or cross at different heights, a domain that
+  /// does not suit the outline. NoSolutionError: a cut whose area does not add up.
+  RegionLayout(std::string name, const std::vector<CharacterLine>& lines,
+               const SkinOptions& options, const Progress& progress = {});
+
+  const std::string& name() const { return name_; }
+  const std::shared_ptr<const ParametricMesh>& mesh() const { return parts_.mesh; }
+  const std::shared_ptr<const Trim>& trim() const { return parts_.trim; }
+  TriangleElement element() const { return options_.element; }
+  const std::vector<LineRun>& runs() const { return parts_.runs; }
+  const std::vector<EmbeddedLine>& embedded() const { return parts_.embedded; }
+  double size() const { return size_; }
+  /// Of lines, model units.
+  double tolerance() const { return tolerance_; }
+  const std::vector<std::string>& warnings() const { return parts_.warnings; }
+  const std::vector<DomainCorner>& corners() const { return parts_.corners; }
+  SkinOptions::Domain domain() const { return options_.domain; }
+  /// A point of the first line.
+  Vec3 origin() const;
+
+  /// The rows that hold every line, fitted ones exactly, embedded ones at their points: uncoupled,
+  /// named after the lines.
+  ConstraintSet line_constraints() const;
+  /// The rows that hold only the positions of the corners: uncoupled, "corner 1", "corner 2", …
+  /// Throws InputError for a domain without corners.
+  ConstraintSet corner_constraints() const;
+  /// The region with the given dofs.
+  SkinnedRegion region(Points dofs) const;
+
+  /// Halves triangles where a shape's embedded lines miss their curves by more than `target`
+  /// between points; false when there is nothing to halve. The layout then has another mesh: dofs
+  /// and constraints made before do not fit it any more.
+  bool refine(const Surface& shape, double target);
+
+  // Edits. Each throws before it has changed anything: the layout is then as it was. After
+  // refine() and, where points of other lines moved, after add_inner() and remove_inner(), dofs and
+  // constraints made before do not fit any more.
+
+  /// Halves the marked triangles, one mark for each, and so many others that the mesh stays
+  /// conforming (bisected()); cuts it and places the points of embedded lines again. Runs stay
+  /// runs. False when nothing is marked. Throws InputError on a wrong count, and what the
+  /// constructor throws when lines do not fit together any more.
+  bool refine(const std::vector<char>& marked);
+
+  /// Whether a run or an embedded line has this name ("name.1", … where a line was cut at corners).
+  bool has_line(const std::string& name) const;
+  /// Its fitted curve. Throws InputError, with the nearest name, when there is none.
+  const HermiteCurve& line(const std::string& name) const;
+  /// Another shape of it over the same CurveMesh; `line.curve` becomes the same curve. The rows of
+  /// line_constraints() keep their coefficients, their values change. Whether it still meets its
+  /// neighbours is not looked at: constraints that contradict each other are found when they are
+  /// reduced. Throws InputError: no such line, another mesh, numbers that are not finite.
+  void set_line(const std::string& name, HermiteCurve curve);
+
+  /// Embeds an inner line where `shape`, a surface on this layout's mesh, is nearest to it; fitted
+  /// within tolerance(), cut at its corners into "name.1", … The mesh stays as it is: refine(shape,
+  /// target) then halves where gaps are wide. Throws InputError: a name that is taken, a role other
+  /// than Inner, Treatment::Fitted, a ring, a shape on another mesh, a line that leaves the region,
+  /// is far away, or crosses others at different heights.
+  void add_inner(const CharacterLine& line, const Surface& shape);
+  /// Takes an embedded inner line out again. Throws InputError for other lines, or none.
+  void remove_inner(const std::string& name);
+
+ private:
+  DomainTask task() const;
+  std::vector<std::string> line_names() const;
+  std::string name_;
+  SkinOptions options_;
+  double size_ = 1, tolerance_ = 0, edge_ = 0, join_ = 0;
+  RegionParts parts_;
+};
+
+}  // namespace batten

@@ -1,0 +1,47 @@
+// From input lines to the stretches that become C1 cubic curves.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "batten/fairing/arc_length.h"
+#include "batten/fairing/curve_fit.h"
+#include "batten/skinning/lines/character_line.h"
+
+namespace batten {
+
+/// A stretch of an input curve without corners inside, in one direction or the other.
+struct Stretch {
+  std::string name;  ///< the line's, with ".1", ".2", … when the line was cut at corners
+  CharacterLine::Role role;
+  /// Of the whole stretch, in its own direction; of a line with a given curve, that one.
+  std::shared_ptr<const InputCurve> curve;
+  CharacterLine::Treatment treatment = CharacterLine::Treatment::Auto;
+  std::shared_ptr<const GivenCurve> given = {};  ///< in the direction of the line
+  std::shared_ptr<const InputCurve> input = {};  ///< with `given`: the line's own curve
+
+  /// The line that the stretch is, as the user gave it: `flipped` when `curve` runs against it.
+  CharacterLine line(bool flipped) const;
+  /// The given curve in the direction of `curve`.
+  HermiteCurve given_along(bool flipped) const;
+};
+
+/// Cuts lines at their corners; those with a given curve stay whole. Throws InputError: a curve of
+/// zero length, or not finite; a given curve with corners, or whose vertices do not ascend from its
+/// start to its end with its nodes among them.
+std::vector<Stretch> cut_at_corners(const CharacterLine& line, double corner_angle);
+
+/// The curve run backwards.
+std::shared_ptr<const InputCurve> reversed(std::shared_ptr<const InputCurve> curve);
+
+/// The input itself when it is piecewise cubic (exact_curve), of even enough speed (fastest/slowest
+/// ≤ 3), with no segment shorter than `shortest` and ends within 1e-8 of its length from `start`
+/// and `end`, to which they are moved.
+std::optional<HermiteCurve> kept_as_given(const Stretch& stretch, double shortest,
+                                          const Vec3& start, const Vec3& end);
+
+/// Nearest distance from p to the curve: samples, then Newton's method.
+double distance_to(const InputCurve& curve, const Vec3& p);
+
+}  // namespace batten

@@ -1,0 +1,217 @@
+// One side of a join line: where the line runs in (u, v), and how dofs make slopes there. Internal.
+#pragma once
+
+#include <algorithm>
+#include <memory>
+#include <vector>
+
+#include "batten/core/index.h"
+#include "batten/core/plane.h"
+#include "batten/fem/assembly.h"
+#include "batten/fem/triangle_locator.h"
+#include "batten/skinning/model/join.h"
+
+namespace batten {
+
+using RowEntries = std::vector<ConstraintSet::Entry>;
+
+// f: fraction of the line; y: join.h.
+class JoinEdge {
+ public:
+  JoinEdge(const ParametricMesh& mesh, TriangleElement kind, const LineRun* run,
+           const EmbeddedLine* line, bool left, const TriangleLocator* locator,
+           const RegionNumbers& numbers)
+      : mesh_(&mesh),
+        kind_(kind),
+        run_(run),
+        line_(line),
+        locator_(locator),
+        turn_(left ? 1 : -1),
+        numbers_(numbers) {
+    const CharacterLine& character = run ? run->line : line->line;
+    const HermiteCurve& curve = run ? run->fitted : line->fitted;
+    start_ = curve.start();
+    span_ = curve.end() - start_;
+    t_ = character.given ? character.given->curve.end() - character.given->curve.start() : span_;
+    if (!run) {
+      against_ = line->against_given;
+      return;
+    }
+    const Vec2 d = mesh.displacement(run->vertices);
+    sigma_ = d.norm() / t_;
+    per_t_uv_ = d / t_;
+    inward_ = inward(d.normalized());
+  }
+  bool embedded() const { return !run_; }
+  const LineRun& run() const { return *run_; }
+  int count() const { return count_of(run_->vertices); }
+  int vertex(int k) const { return run_->vertices[k]; }
+  int end_vertex(int end) const { return vertex(end ? count() - 1 : 0); }
+  bool closed() const {
+    return run_ ? run_->vertices.front() == run_->vertices.back() : line_->fitted.closed();
+  }
+  double fraction(int k) const { return (run_->parameters[k] - start_) / span_; }
+  // Fractions of vertices or points.
+  std::vector<double> stations() const {
+    std::vector<double> f;
+    for (const double p : run_ ? run_->parameters : line_->points) {
+      const double along = (p - start_) / span_;
+      f.push_back(against_ ? 1 - along : along);
+    }
+    std::sort(f.begin(), f.end());
+    // A line much shorter than its elements has no point of its own.
+    if (f.size() < 2) f = {0, 1};
+    return f;
+  }
+  // dX/dt.
+  Vec3 slope(double f) const {
+    return (run_ ? run_->fitted : line_->fitted).evaluate(parameter(f), 1) * per_t();
+  }
+
+  Vec3 across(const Points& q, int k) const {
+    const int v = 3 * vertex(k);
+    return sigma_ * (inward_.x() * q.row(v + 1) + inward_.y() * q.row(v + 2)).transpose();
+  }
+  // factor · y, factor · dx/dt, factor · x at the k-th vertex.
+  void add_across(int k, double factor, RowEntries& entries) const {
+    add_gradient(vertex(k), factor * sigma_ * inward_, entries);
+  }
+  void add_along(int k, double factor, RowEntries& entries) const {
+    add_gradient(vertex(k), factor * per_t_uv_, entries);
+  }
+  int position_dof(int k) const { return numbers_(3 * vertex(k)); }
+  void add_position(int k, double factor, RowEntries& entries) const {
+    entries.push_back({numbers_(3 * vertex(k)), factor});
+  }
+  // factor · y, factor · dx/dt in the middle of the k-th edge, where x is a cubic of t.
+  void add_across_middle(int k, double factor, RowEntries& entries) const {
+    const int e = run_->edges[k];
+    entries.push_back({numbers_(DofMap(*mesh_).edge(e)),
+                       factor * sigma_ * (mesh_->edge_normal(e).dot(inward_) > 0 ? 1 : -1)});
+  }
+  void add_along_middle(int k, double factor, RowEntries& entries) const {
+    const double h = (fraction(k + 1) - fraction(k)) * t_;
+    add_position(k, -1.5 * factor / h, entries);
+    add_position(k + 1, 1.5 * factor / h, entries);
+    add_along(k, -0.25 * factor, entries);
+    add_along(k + 1, -0.25 * factor, entries);
+  }
+
+  // Anywhere on the line.
+  Location where(double f) const {
+    const double p = parameter(f);
+    if (line_) {
+      const Vec3 c = line_->image.evaluate(line_->image.mesh().wrapped(p));
+      return locator_->locate({c.x(), c.y()});
+    }
+    const auto& at = run_->parameters;
+    const auto above = std::upper_bound(at.begin() + 1, at.end() - 1, p);
+    const auto k = static_cast<size_t>(above - at.begin()) - 1;
+    const auto& e = mesh_->edges()[run_->edges[k]];
+    const int t = e.triangle[0], i = e.local[0];
+    const bool next = mesh_->triangles()[t][(i + 1) % 3] == run_->vertices[k];
+    const int first = next ? (i + 1) % 3 : (i + 2) % 3;
+    Location found{t, Vec3::Zero()};
+    found.L[3 - i - first] = std::clamp((p - at[k]) / (at[k + 1] - at[k]), 0.0, 1.0);
+    found.L[first] = 1 - found.L[3 - i - first];
+    return found;
+  }
+  // y = grad x · across_uv(f), dx/dt = grad x · along_uv(f).
+  Vec2 across_uv(double f) const {
+    if (run_) return sigma_ * inward_;
+    return inward(along_uv(f));
+  }
+  Vec2 along_uv(double f) const {
+    if (run_) return per_t_uv_;
+    return flat(line_->image.evaluate(line_->image.mesh().wrapped(parameter(f)), 1) * per_t());
+  }
+  Vec3 across_at(const Points& q, double f) const {
+    const Location at = where(f);
+    const Tabulation N = functions(at);
+    const auto dofs = DofMap(*mesh_).triangle(*mesh_, at.triangle);
+    const Vec2 d = across_uv(f);
+    Vec3 y = Vec3::Zero();
+    for (int m = 0; m < 12; ++m)
+      y += (d.x() * N(m, kU) + d.y() * N(m, kV)) * q.row(dofs[m]).transpose();
+    return y;
+  }
+  // across · y + along · dx/dt + position · x at a fraction of the line.
+  void add_at(double f, double across, double along, double position, RowEntries& entries) const {
+    const Location at = where(f);
+    const Tabulation N = functions(at);
+    const auto dofs = DofMap(*mesh_).triangle(*mesh_, at.triangle);
+    const Vec2 d = across * across_uv(f) + along * along_uv(f);
+    for (int m = 0; m < 12; ++m)
+      entries.push_back(
+          {numbers_(dofs[m]), d.x() * N(m, kU) + d.y() * N(m, kV) + position * N(m, kW)});
+  }
+
+ private:
+  double parameter(double f) const { return start_ + (against_ ? 1 - f : f) * span_; }
+  double per_t() const { return (against_ ? -1 : 1) * span_ / t_; }
+  Tabulation functions(const Location& at) const {
+    return C1Triangle(kind_, mesh_->shape(at.triangle)).evaluate(at.L);
+  }
+  void add_gradient(int v, const Vec2& d, RowEntries& entries) const {
+    entries.push_back({numbers_(3 * v + 1), d.x()});
+    entries.push_back({numbers_(3 * v + 2), d.y()});
+  }
+  Vec2 inward(const Vec2& along) const { return turn_ * Vec2(-along.y(), along.x()); }
+
+  const ParametricMesh* mesh_;
+  TriangleElement kind_;
+  const LineRun* run_;
+  const EmbeddedLine* line_;
+  const TriangleLocator* locator_;
+  double turn_, start_ = 0, span_ = 1, t_ = 1, sigma_ = 1;
+  bool against_ = false;
+  Vec2 inward_ = Vec2::Zero(), per_t_uv_ = Vec2::Zero();
+  RegionNumbers numbers_;
+};
+
+// Sides of join lines, with one locator for each region that needs one.
+class JoinEdges {
+ public:
+  explicit JoinEdges(const std::vector<const RegionLayout*>& regions) {
+    for (const RegionLayout* r : regions)
+      items_.push_back(r ? Item{r->mesh().get(), r->element(), &r->runs(), &r->embedded(), {}, {}}
+                         : Item{});
+  }
+  JoinEdges(const std::vector<const RegionLayout*>& regions,
+            const std::vector<RegionNumbers>& numbers)
+      : JoinEdges(regions) {
+    for (size_t r = 0; r < items_.size(); ++r) items_[r].numbers = numbers[r];
+  }
+  explicit JoinEdges(const std::vector<const SkinnedRegion*>& regions) {
+    for (const SkinnedRegion* r : regions)
+      items_.push_back(
+          r ? Item{&r->surface.mesh(), r->surface.kind(), &r->runs, &r->embedded, {}, {}} : Item{});
+  }
+  JoinEdge operator()(const JoinSide& j) {
+    Item& item = items_[j.region];
+    if (j.embedded && !item.locator) item.locator = std::make_unique<TriangleLocator>(*item.mesh);
+    const auto i = static_cast<size_t>(j.line);
+    return {*item.mesh,
+            item.kind,
+            j.embedded ? nullptr : &(*item.runs)[i],
+            j.embedded ? &(*item.lines)[i] : nullptr,
+            j.left,
+            item.locator.get(),
+            item.numbers};
+  }
+
+ private:
+  struct Item {
+    const ParametricMesh* mesh = nullptr;
+    TriangleElement kind = TriangleElement::HCT;
+    const std::vector<LineRun>* runs = nullptr;
+    const std::vector<EmbeddedLine>* lines = nullptr;
+    std::unique_ptr<TriangleLocator> locator;
+    RegionNumbers numbers;
+  };
+  std::vector<Item> items_;
+};
+
+inline double share(double a, double b, double f) { return a + f * (b - a); }
+
+}  // namespace batten

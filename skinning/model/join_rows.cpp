@@ -1,0 +1,195 @@
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "batten/core/index.h"
+#include "batten/elements/quadrature.h"
+#include "batten/skinning/model/join_edge.h"
+
+namespace batten {
+namespace {
+
+// What was tied before.
+struct Done {
+  std::set<std::pair<int, int>> pairs;  // of vertices; with -1: of one whose y is set
+  std::map<int, int> lower;             // vertices of one node that hang together
+  int first(int v) const {
+    for (auto it = lower.find(v); it != lower.end(); it = lower.find(v)) v = it->second;
+    return v;
+  }
+  // False when they hung together already.
+  bool connect(int a, int b) {
+    const auto [low, high] = std::minmax({first(a), first(b)});
+    if (low == high) return false;
+    lower[high] = low;
+    return true;
+  }
+};
+
+// (1) at the vertices and in the middles of the edges of two runs.
+class RunTies {
+ public:
+  RunTies(const JoinPlan& plan, const std::string& name, const JoinEdge& a, const JoinEdge& b,
+          ConstraintSet& set)
+      : name_(name), a_(a), b_(b), set_(set) {
+    for (size_t e = 0; e < 2; ++e) {
+      log_gamma_[e] = std::log(plan.ends[e].gamma);
+      delta_[e] = plan.ends[e].delta;
+    }
+    if (!plan.constant()) return;
+    log_gamma_[0] = log_gamma_[1] = 0.5 * (log_gamma_[0] + log_gamma_[1]);
+    delta_[0] = delta_[1] = 0.5 * (delta_[0] + delta_[1]);
+  }
+  void vertex(int k) {
+    const double f = a_.fraction(k);
+    RowEntries row;
+    a_.add_across(k, 1, row);
+    b_.add_across(k, gamma(f), row);
+    a_.add_along(k, -delta(f), row);
+    set_.add(name_, std::move(row), Vec3::Zero());
+  }
+  void middle(int k) {
+    const double f = 0.5 * (a_.fraction(k) + a_.fraction(k + 1));
+    RowEntries row;
+    a_.add_across_middle(k, 1, row);
+    b_.add_across_middle(k, gamma(f), row);
+    a_.add_along_middle(k, -delta(f), row);
+    set_.add(name_, summed(row), Vec3::Zero());
+  }
+  // One entry a dof.
+  static RowEntries summed(const RowEntries& entries) {
+    std::map<int, double> sum;
+    for (const auto& e : entries) sum[e.dof] += e.coefficient;
+    RowEntries row;
+    for (const auto& [dof, coefficient] : sum) row.push_back({dof, coefficient});
+    return row;
+  }
+
+ private:
+  double gamma(double f) const { return std::exp(share(log_gamma_[0], log_gamma_[1], f)); }
+  double delta(double f) const { return share(delta_[0], delta_[1], f); }
+  const std::string& name_;
+  const JoinEdge &a_, &b_;
+  ConstraintSet& set_;
+  double log_gamma_[2], delta_[2];
+};
+
+void tie_runs(const JoinPlan& plan, const std::string& name, JoinEdges& sides, bool free,
+              Done& done, ConstraintSet& set) {
+  const JoinEdge a = sides(plan.join_line.sides[0]), b = sides(plan.join_line.sides[1]);
+  RunTies ties(plan, name, a, b, set);
+  const int last = a.count() - 1;
+  for (int k = 1; k < last; ++k) ties.vertex(k);
+  for (int k = 0; k < last; ++k) ties.middle(k);
+  for (size_t e = 0; e < 2; ++e) {
+    const JoinEnd& end = plan.ends[e];
+    const int k = e ? last : 0;
+    const int va = a.position_dof(k), vb = b.position_dof(k);
+    if (end.loose && done.pairs.insert(std::minmax(va, vb)).second) ties.vertex(k);
+    const bool by_lines = !end.open && !end.loose && end.set[0].empty() && end.set[1].empty();
+    if (free && by_lines && done.connect(va, vb)) ties.vertex(k);
+    for (size_t s = 0; s < 2; ++s) {
+      if (end.set[s].empty() || !done.pairs.insert({s ? vb : va, -1}).second) continue;
+      RowEntries row;
+      (s ? b : a).add_across(k, 1, row);
+      for (const JoinEnd::Neighbour& other : end.set[s]) {
+        const JoinEdge beside = sides(other.side);
+        beside.add_across(other.end ? beside.count() - 1 : 0,
+                          1 / static_cast<double>(end.set[s].size()), row);
+      }
+      set.add(name, RunTies::summed(row), Vec3::Zero());
+    }
+  }
+}
+
+// Rows on the average under each hat over fractions of a line. `add(f, weight, interval, share of
+// it, row)`.
+template <class Add>
+void over_hats(const std::vector<double>& at, bool closed, bool with_ends, const std::string& name,
+               const Add& add, ConstraintSet& set) {
+  const SegmentRule gauss = gauss_legendre(6);
+  const int intervals = count_of(at) - 1;
+  const int first = closed || !with_ends ? 1 : 0, end = closed      ? intervals + 1
+                                                        : with_ends ? intervals + 1
+                                                                    : intervals;
+  for (int h = first; h < end; ++h) {
+    RowEntries row;
+    double weight = 0;
+    for (int half = 0; half < 2; ++half) {
+      int i = h - 1 + half;
+      if (closed) i %= intervals;
+      if (i < 0 || i >= intervals) continue;
+      const double from = at[i], to = at[static_cast<size_t>(i) + 1];
+      for (long g = 0; g < gauss.weights.size(); ++g) {
+        const double s = gauss.s[g];
+        const double w = gauss.weights[g] * (to - from) * (half ? 1 - s : s);
+        add(from + s * (to - from), w, static_cast<size_t>(i), s, row);
+        weight += w;
+      }
+    }
+    row = RunTies::summed(row);
+    for (auto& e : row) e.coefficient /= weight;
+    set.add(name, std::move(row), Vec3::Zero());
+  }
+}
+
+void tie_hats(const JoinPlan& plan, const std::string& name, const JoinEdge& a, const JoinEdge& b,
+              ConstraintSet& set) {
+  const bool along_b = a.embedded() && !b.embedded();
+  const auto add = [&](double f, double w, size_t i, double s, RowEntries& row) {
+    const auto between = [&](const std::vector<double>& of) { return share(of[i], of[i + 1], s); };
+    const double delta = between(plan.delta);
+    a.add_at(f, w, along_b ? 0 : -w * delta, 0, row);
+    b.add_at(f, w * between(plan.gamma), along_b ? -w * delta : 0, 0, row);
+  };
+  // The hats at the ends of an open line reach into corners, which its lines hold already.
+  over_hats(plan.at, a.closed(), false, name, add, set);
+}
+
+}  // namespace
+
+void add_join_rows(const std::vector<const RegionLayout*>& regions,
+                   const std::vector<RegionNumbers>& numbers, const std::vector<JoinPlan>& plans,
+                   bool free, ConstraintSet& set) {
+  JoinEdges sides(regions, numbers);
+  Done done;
+  for (const JoinPlan& plan : plans) {
+    if (!plan.why_not.empty()) continue;
+    const std::string name = "smooth line " + plan.join_line.name;
+    if (plan.at.empty())
+      tie_runs(plan, name, sides, free, done, set);
+    else
+      tie_hats(plan, name, sides(plan.join_line.sides[0]), sides(plan.join_line.sides[1]), set);
+  }
+}
+
+void add_line_ties(const std::vector<const RegionLayout*>& regions,
+                   const std::vector<RegionNumbers>& numbers, const JoinLine& line,
+                   ConstraintSet& set) {
+  JoinEdges sides(regions, numbers);
+  const JoinEdge a = sides(line.sides[0]), b = sides(line.sides[1]);
+  const std::string name = "joined line " + line.name;
+  if (!a.embedded() && !b.embedded()) {
+    for (int k = 0; k < a.count(); ++k) {
+      RowEntries place, slope;
+      a.add_position(k, 1, place);
+      b.add_position(k, -1, place);
+      a.add_along(k, 1, slope);
+      b.add_along(k, -1, slope);
+      set.add(name, std::move(place), Vec3::Zero());
+      set.add(name, std::move(slope), Vec3::Zero());
+    }
+    return;
+  }
+  std::vector<double> at = (a.embedded() ? a : b).stations();
+  if (a.embedded() && b.embedded() && b.stations().size() < at.size()) at = b.stations();
+  if (a.closed() && at.back() < 1) at.push_back(1);
+  const auto add = [&](double f, double w, size_t, double, RowEntries& row) {
+    a.add_at(f, 0, 0, w, row);
+    b.add_at(f, 0, 0, -w, row);
+  };
+  over_hats(at, a.closed(), true, name, add, set);
+}
+
+}  // namespace batten

@@ -1,0 +1,241 @@
+#include "batten/skinning/region/flatten.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "batten/core/errors.h"
+#include "batten/core/plane.h"
+
+namespace batten {
+namespace {
+
+// Of a point inside, or on a side.
+VecX mean_value_coordinates(const std::vector<Vec2>& polygon, const Vec2& p, double hair) {
+  const size_t n = polygon.size();
+  VecX w = VecX::Zero(static_cast<long>(n));
+  std::vector<double> half(n);  // tangents of half the angles of the sides
+  double turn = 0;
+  for (size_t i = 0; i < n; ++i) {
+    const Vec2 a = polygon[i] - p, b = polygon[(i + 1) % n] - p, side = b - a;
+    const double along = -a.dot(side) / side.squaredNorm();
+    if (std::abs(cross(a, b)) <= hair * side.norm() && along > -1e-9 && along < 1 + 1e-9) {
+      w.setZero();
+      w[static_cast<long>(i)] = 1 - along;
+      w[static_cast<long>((i + 1) % n)] = along;
+      return w;
+    }
+    const double angle = std::atan2(cross(a, b), a.dot(b));
+    half[i] = std::tan(0.5 * angle);
+    turn += angle;
+  }
+  if (!(turn > 1))  // once around: 2π, outside: 0
+    throw InputError("the mesh is not inside of the polygon that is to be flattened");
+  for (size_t i = 0; i < n; ++i)
+    w[static_cast<long>(i)] = (half[(i + n - 1) % n] + half[i]) / (polygon[i] - p).norm();
+  return w / w.sum();
+}
+
+// ½ log M of a symmetric positive matrix, as a vector with the same norm.
+Vec3 half_log(const Mat2& M) {
+  const double mean = 0.5 * M.trace(), d = 0.5 * (M(0, 0) - M(1, 1)), s = M(0, 1);
+  const double r = std::hypot(d, s);
+  const double high = mean + r, low = (M(0, 0) * M(1, 1) - s * s) / high;
+  // log M = (sum of logs)/2 + (difference of logs)/2 · deviator / r
+  const double sum = 0.25 * std::log(high * low);
+  const double scale = r > 1e-12 * mean ? 0.25 * std::log(high / low) / r : 0.5 / mean;
+  return std::sqrt(2.0) * Vec3(sum, scale * d, scale * s);
+}
+
+// The surface's triangles, and how their domain moves with the corners.
+class Sheet {
+ public:
+  explicit Sheet(const Surface& surface) {
+    const ParametricMesh& mesh = surface.mesh();
+    // Of a trimmed surface, triangles whose centroids are outside do not count.
+    for (int t = 0; t < mesh.triangle_count(); ++t) {
+      const Vec3 centroid = Vec3::Constant(1.0 / 3);
+      if (surface.trim() && surface.trim()->side(t) != Trim::Side::Inside &&
+          !surface.trim()->loops().contains(mesh.shape(t).point(centroid)))
+        continue;
+      const SurfaceJet jet = surface.jet({t, centroid});
+      Eigen::Matrix<double, 3, 2> J;
+      J << jet.x_u, jet.x_v;
+      metric_.push_back(J.transpose() * J);
+      area_.push_back(mesh.shape(t).area);
+    }
+  }
+
+  void follow(const ParametricMesh& mesh, const std::vector<Vec2>& polygon) {
+    Vec2 low = polygon[0], high = low;
+    for (const Vec2& p : polygon) {
+      low = low.cwiseMin(p);
+      high = high.cwiseMax(p);
+    }
+    const double hair = 1e-9 * (high - low).norm();
+    std::vector<VecX> weights;
+    for (const Vec2& p : mesh.vertices())
+      weights.push_back(mean_value_coordinates(polygon, p, hair));
+    for (int t = 0; t < mesh.triangle_count(); ++t) {
+      const TriangleShape shape = mesh.shape(t);
+      MatX slopes = MatX::Zero(static_cast<long>(polygon.size()), 2);
+      for (int i = 0; i < 3; ++i)
+        slopes += weights[mesh.triangles()[t][i]] * Eigen::RowVector2d(shape.b[i], shape.c[i]) /
+                  (2 * shape.area);
+      slopes_.push_back(slopes);
+    }
+  }
+
+  // Metrics over the domain with corners q, and areas there. False: it folds.
+  bool moved(const Eigen::Matrix2Xd& q, std::vector<Mat2>& metric,
+             std::vector<double>& area) const {
+    metric.resize(metric_.size());
+    area.resize(metric_.size());
+    for (size_t t = 0; t < metric_.size(); ++t) {
+      const Mat2 D = q * slopes_[t];
+      const double det = D.determinant();
+      if (!(det > 0)) return false;
+      const Mat2 inverse = D.inverse();
+      metric[t] = inverse.transpose() * metric_[t] * inverse;
+      area[t] = area_[t] * det;
+    }
+    return true;
+  }
+
+  // Strains about their mean scale, times the root of the surface's area. False: the domain folds.
+  bool residual(const Eigen::Matrix2Xd& q, VecX& r) const {
+    std::vector<Mat2> metric;
+    std::vector<double> area;
+    if (!moved(q, metric, area)) return false;
+    r.resize(3 * static_cast<long>(metric.size()));
+    double scale = 0, total = 0;
+    for (size_t t = 0; t < metric.size(); ++t) {
+      const Vec3 strain = half_log(metric[t]);
+      const double weight = area_[t] * std::sqrt(metric_[t].determinant());
+      r.segment<3>(3 * static_cast<long>(t)) = strain;
+      scale += weight * strain[0];
+      total += weight;
+    }
+    for (size_t t = 0; t < metric.size(); ++t) {
+      auto strain = r.segment<3>(3 * static_cast<long>(t));
+      strain[0] -= scale / total;
+      strain *= std::sqrt(area_[t] * std::sqrt(metric_[t].determinant()));
+    }
+    return r.allFinite();
+  }
+
+  const std::vector<Mat2>& metric() const { return metric_; }
+  const std::vector<double>& area() const { return area_; }
+
+ private:
+  std::vector<Mat2> metric_;
+  std::vector<double> area_;
+  std::vector<MatX> slopes_;  // of the corners' weights: corners × 2
+};
+
+Distortion distortion_of(const std::vector<Mat2>& metric, const std::vector<double>& area) {
+  Distortion d;
+  double sum = 0, domain = 0, scale = 0, least = std::numeric_limits<double>::infinity(),
+         largest = 0;
+  std::vector<Vec3> strain;
+  for (size_t t = 0; t < metric.size(); ++t) {
+    strain.push_back(half_log(metric[t]));
+    const double jacobian = std::sqrt(std::max(0.0, metric[t].determinant()));
+    d.max_shear = std::max(d.max_shear, std::exp(std::sqrt(2.0) * strain[t].tail<2>().norm()));
+    least = std::min(least, jacobian);
+    largest = std::max(largest, jacobian);
+    sum += area[t] * jacobian;
+    domain += area[t];
+    scale += area[t] * jacobian * strain[t][0];
+  }
+  d.min_area = least * domain / sum;
+  d.max_area = largest * domain / sum;
+  double squares = 0;
+  for (size_t t = 0; t < metric.size(); ++t) {
+    strain[t][0] -= scale / sum;
+    squares +=
+        area[t] * std::sqrt(std::max(0.0, metric[t].determinant())) * strain[t].squaredNorm();
+  }
+  d.rms = std::sqrt(squares / sum);
+  return d;
+}
+
+// A polygon scaled, turned and moved onto the given one.
+std::vector<Vec2> moved_onto(const Eigen::Matrix2Xd& given, const Eigen::Matrix2Xd& q) {
+  const auto around = [](const Eigen::Matrix2Xd& p) {
+    double sum = 0;
+    for (long i = 0; i < p.cols(); ++i) sum += (p.col((i + 1) % p.cols()) - p.col(i)).norm();
+    return sum;
+  };
+  const Vec2 from = q.rowwise().mean(), to = given.rowwise().mean();
+  const Mat2 S = (given.colwise() - to) * (q.colwise() - from).transpose();
+  const double turn = std::atan2(S(1, 0) - S(0, 1), S.trace()), scale = around(given) / around(q);
+  Mat2 R;
+  R << std::cos(turn), -std::sin(turn), std::sin(turn), std::cos(turn);
+  std::vector<Vec2> moved;
+  for (long i = 0; i < q.cols(); ++i) moved.push_back(scale * (R * (q.col(i) - from)) + to);
+  return moved;
+}
+
+}  // namespace
+
+Distortion distortion(const Surface& surface) {
+  const Sheet sheet(surface);
+  return distortion_of(sheet.metric(), sheet.area());
+}
+
+Flattened flatten(const Surface& surface, const std::vector<Vec2>& polygon) {
+  if (polygon.size() < 3)
+    throw InputError("a polygon with " + std::to_string(polygon.size()) +
+                     " corners is none: expected three or more");
+  const long n = static_cast<long>(polygon.size());
+  Sheet sheet(surface);
+  sheet.follow(surface.mesh(), polygon);
+  Eigen::Matrix2Xd q(2, n);
+  for (long i = 0; i < n; ++i) q.col(i) = polygon[i];
+  const Eigen::Matrix2Xd given = q;
+
+  // Levenberg-Marquardt. The domain may turn, move and grow freely: damping holds it.
+  VecX r;
+  if (!sheet.residual(q, r)) return {polygon, distortion(surface), distortion(surface)};
+  const double h = 1e-7 * (q.rowwise().maxCoeff() - q.rowwise().minCoeff()).norm();
+  double damping = 1e-3;
+  for (int step = 0; step < 60 && damping < 1e8; ++step) {
+    MatX J(r.size(), 2 * n);
+    bool usable = true;
+    for (long k = 0; k < 2 * n && usable; ++k) {
+      Eigen::Matrix2Xd moved = q;
+      moved(k % 2, k / 2) += h;
+      VecX next;
+      usable = sheet.residual(moved, next);
+      if (usable) J.col(k) = (next - r) / h;
+    }
+    if (!usable) break;
+    MatX H = J.transpose() * J;
+    H.diagonal().array() += damping * H.diagonal().maxCoeff();
+    const VecX move = -H.ldlt().solve(J.transpose() * r);
+    const Eigen::Matrix2Xd next = q + Eigen::Map<const Eigen::Matrix2Xd>(move.data(), 2, n);
+    VecX there;
+    if (sheet.residual(next, there) && there.squaredNorm() < r.squaredNorm()) {
+      const bool settled = move.norm() < h;
+      q = next;
+      r = there;
+      damping = std::max(1e-9, damping / 5);
+      if (settled) break;
+    } else {
+      damping *= 5;
+    }
+  }
+
+  Flattened result;
+  result.before = distortion_of(sheet.metric(), sheet.area());
+  std::vector<Mat2> metric;
+  std::vector<double> area;
+  sheet.moved(q, metric, area);
+  result.expected = distortion_of(metric, area);
+  result.polygon = moved_onto(given, q);
+  return result;
+}
+
+}  // namespace batten

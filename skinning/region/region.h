@@ -1,0 +1,63 @@
+// A skinned region: one C1 surface and the lines it hangs on.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "batten/fem/curve.h"
+#include "batten/fem/surface.h"
+#include "batten/skinning/lines/character_line.h"
+
+namespace batten {
+
+/// A fitted line: a chain of element edges along a straight run of the domain, on which the surface
+/// is exactly the fitted curve.
+struct LineRun {
+  CharacterLine line;              ///< as the user gave it
+  HermiteCurve fitted;             ///< the C1 cubic curve that the surface interpolates
+  std::vector<int> vertices;       ///< mesh vertices from the line's start to its end
+  std::vector<double> parameters;  ///< of `fitted`, at each of these vertices
+  std::vector<int> edges;          ///< mesh edges between them
+};
+
+/// An embedded line: the mesh ignores it, the surface is on it at its points and nearly so between
+/// them.
+struct EmbeddedLine {
+  CharacterLine line;          ///< as the user gave it
+  HermiteCurve fitted;         ///< X(t), model units
+  HermiteCurve image;          ///< c(t) in (u, v), z = 0, over the same parameters
+  std::vector<double> points;  ///< parameters at which x(c(t)) = X(t) is held, ascending
+  /// `fitted` runs against line.given: outlines run along their loop.
+  bool against_given = false;
+};
+
+/// One line, or run, of the region's boundary.
+struct BoundaryPiece {
+  enum class Kind { Run, Embedded } kind = Kind::Run;
+  int index = 0;          ///< in SkinnedRegion::runs or ::embedded
+  bool reversed = false;  ///< the loop goes against the line's direction
+};
+
+struct SkinnedRegion {
+  std::string name;
+  Surface surface;
+  std::vector<LineRun> runs;
+  double size = 1;  ///< length scale of the region in model units: diagonal of its lines' box
+  std::vector<EmbeddedLine> embedded = {};
+  /// Closed loops with the region to their left in (u, v), the outline first, then holes. Of a ring
+  /// (a mesh that is periodic in u) there are two, from u to u + period each.
+  std::vector<std::vector<BoundaryPiece>> boundary = {};
+};
+
+/// The straight image of a run in (u, v) (z = 0), over the parameters of its fitted curve.
+HermiteCurve run_image(const ParametricMesh& mesh, const LineRun& run);
+
+/// A piece of the boundary along its loop, in (u, v) (z = 0), over the parameters of
+/// boundary_curve.
+HermiteCurve boundary_image(const SkinnedRegion& region, const BoundaryPiece& piece);
+/// The same piece in space.
+HermiteCurve boundary_curve(const SkinnedRegion& region, const BoundaryPiece& piece);
+/// The boundary as a region of the (u, v) plane. Not for rings.
+DomainLoops boundary_loops(const SkinnedRegion& region);
+
+}  // namespace batten

@@ -1,0 +1,30 @@
+// What a region is made of, except its shape.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "batten/skinning/region/region.h"
+
+namespace batten {
+
+/// A corner of the domain's outline: where it is, and its angle (degrees) in the domain and between
+/// the lines in space.
+struct DomainCorner {
+  Vec2 uv;
+  double domain_degrees, line_degrees;
+};
+
+/// Everything of a region except its shape.
+struct RegionParts {
+  std::shared_ptr<const ParametricMesh> mesh;
+  std::shared_ptr<const Trim> trim;  ///< none when nothing embedded bounds the region
+  std::vector<LineRun> runs;
+  std::vector<EmbeddedLine> embedded;
+  std::vector<std::vector<BoundaryPiece>> boundary;
+  std::vector<DomainCorner> corners;  ///< counter-clockwise
+  std::vector<std::string> warnings;
+};
+
+}  // namespace batten

@@ -1,0 +1,48 @@
+// Inside of select: choices that are made better item by item.
+#pragma once
+
+#include <utility>
+#include <vector>
+
+#include "batten/skinning/search/selection.h"
+
+namespace batten {
+
+/// Local search over choices: chosen[i] says whether item i is taken. Keeps a reference to the
+/// problem.
+class LocalChoice {
+ public:
+  static constexpr double kTie = 1e-9;  ///< gains that differ by less are equal
+
+  explicit LocalChoice(const Selection& problem);
+
+  std::vector<signed char> fixed;  ///< of each item: 1 taken, 0 left out, -1 open
+
+  /// The value of a choice, as Selection has it.
+  double value(const std::vector<char>& chosen) const;
+  /// Takes the items that add most, one after another; `never` is not taken.
+  void fill(std::vector<char>& chosen, const std::vector<int>& from, int never = -1) const;
+  /// Forces an item in or out and mends what is around it. Returns what that changes the value by;
+  /// minus infinity when fixed items stand against it.
+  double forced(std::vector<char>& chosen, int item, bool in, int rounds = 1) const;
+  /// Forces single items as long as that makes the choice better.
+  void improve(std::vector<char>& chosen) const;
+  /// Other items that share an arc with this one, ascending.
+  const std::vector<int>& around(int item) const { return around_[item]; }
+
+ private:
+  struct Use {
+    int item, uses;
+  };
+  bool fits(const std::vector<char>& chosen, int item) const;
+  double advantage(const std::vector<char>& chosen, int item) const;
+  bool in_the_way(const std::vector<char>& chosen, int i, int item) const;
+  void find_neighbours();
+
+  const Selection& problem_;
+  std::vector<std::vector<Use>> uses_;                     // of each arc
+  std::vector<std::vector<std::pair<int, double>>> near_;  // items that have a price with each item
+  std::vector<std::vector<int>> around_, wide_;            // wide: with their neighbours too
+};
+
+}  // namespace batten

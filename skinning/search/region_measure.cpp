@@ -1,0 +1,222 @@
+// What a loop costs, and where its surface lies.
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+
+#include "batten/core/index.h"
+#include "batten/skinning/search/region_loops.h"
+
+namespace batten {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+constexpr double kCorner = 0.2588;  // sin 15°: corners nearer to straight have no plane
+
+double wrapped(double angle) { return std::remainder(angle, 2 * kPi); }
+
+// A loop with its normal at both ends of each use, by the angle in the arc's frame.
+struct Normals {
+  const RegionGraph& graph;
+  const ArcLoop& loop;
+  int n = count_of(loop);
+  struct Corner {
+    Vec3 axis;        // of the turn from the arc before to the arc after
+    double sine = 0;  // of the angle between them
+    double inside = kPi;
+    bool plain = false;  // has a plane
+  };
+  std::vector<Corner> corners;                  // before use i
+  std::vector<std::array<double, 2>> angles{};  // normal at the start and end of travel
+  double worst_twist = 0, twist_squares = 0, turning = 0;
+
+  Normals(const RegionGraph& g, const ArcLoop& l) : graph(g), loop(l), angles(l.size()) {
+    for (int i = 0; i < n; ++i) {
+      const Vec3 in = graph.arriving(loop[(i + n - 1) % n]), out = graph.leaving(loop[i]);
+      Corner corner{in.cross(out), 0};
+      corner.sine = corner.axis.norm();
+      corner.inside = std::atan2(corner.sine, -in.dot(out));
+      corner.plain = corner.sine > kCorner;
+      if (corner.plain) corner.axis /= corner.sine;
+      corners.push_back(corner);
+    }
+    int first = 0;
+    for (int i = 1; i < n; ++i)
+      if (corners[i].sine > corners[first].sine + 1e-9) first = i;
+    if (corners[first].plain)
+      carry(first);
+    else
+      by_area();
+    turn_to_the_inside();
+  }
+
+  const RegionArc& arc(int i) const { return graph.arcs[loop[i].arc]; }
+  Vec3 normal(int i, bool at_end) const {
+    return arc(i).across(at_end != loop[i].reversed, angles[i][at_end]);
+  }
+  double angle_of(int i, bool at_end, const Vec3& across) const {
+    return arc(i).angle(at_end != loop[i].reversed, across);
+  }
+
+  // Around the loop from corner to corner; the twist that is found is spread over the way.
+  void carry(int first) {
+    Vec3 now = corners[first].axis;
+    int from = first;  // use after the last corner with a plane
+    for (int k = 0; k < n; ++k) {
+      const int i = (first + k) % n, next = (i + 1) % n;
+      if (k > 0 && !corners[i].plain) {
+        // Through a straight corner by the least rotation.
+        const Vec3 in = graph.arriving(loop[(i + n - 1) % n]), out = graph.leaving(loop[i]);
+        now = Eigen::Quaterniond::FromTwoVectors(in, out) * now;
+      }
+      angles[i][0] = angles[i][1] = angle_of(i, false, now);
+      now = normal(i, true);
+      if (!corners[next].plain) continue;
+      Vec3 target = corners[next].axis;
+      // A corner that turns inwards has its axis against the normal. The first one is fixed.
+      if (next != first && target.dot(now) < 0) target = -target;
+      const int sign = loop[i].reversed ? -1 : 1;
+      const double twist = sign * wrapped(angle_of(i, true, target) - angles[i][1]);
+      spread(from, i, twist);
+      twist_squares += twist * twist;
+      worst_twist = std::max(worst_twist, std::abs(twist));
+      now = target;
+      from = next;
+    }
+  }
+
+  void spread(int from, int to, double twist) {
+    double length = 0, along = 0;
+    for (int i = from;; i = (i + 1) % n) {
+      length += arc(i).length;
+      if (i == to) break;
+    }
+    for (int i = from;; i = (i + 1) % n) {
+      const int sign = loop[i].reversed ? -1 : 1;
+      angles[i][0] += sign * twist * along / length;
+      along += arc(i).length;
+      angles[i][1] += sign * twist * along / length;
+      if (i == to) break;
+    }
+  }
+
+  void by_area() {
+    const std::vector<Vec3> points = graph.sampled(loop, RegionArc::kPieces);
+    Vec3 area = Vec3::Zero();
+    for (size_t i = 0; i < points.size(); ++i)
+      area += (points[i] - points[0]).cross(points[(i + 1) % points.size()] - points[0]);
+    for (int i = 0; i < n; ++i) {
+      angles[i] = {angle_of(i, false, area), angle_of(i, true, area)};
+      const double twist = wrapped(angles[i][1] - angles[i][0]);
+      twist_squares += twist * twist;
+      worst_twist = std::max(worst_twist, std::abs(twist));
+    }
+  }
+
+  // Directions into the surface: a quarter turn from the normal, to the left of travel.
+  std::array<double, 2> side(int i) const {
+    const double quarter = loop[i].reversed ? kPi / 2 : -kPi / 2;
+    return {angles[i][0] + quarter, angles[i][1] + quarter};
+  }
+
+  void turn_to_the_inside() {
+    std::vector<int> convex(n, 1);
+    for (int i = 0; i < n; ++i) {
+      if (corners[i].axis.dot(normal(i, false)) < 0) convex[i] = -1;
+      turning += convex[i] * (kPi - corners[i].inside);
+      const auto [a, b] = side(i);
+      const double middle = a + wrapped(b - a) / 2;
+      turning += arc(i).turn_u * std::cos(middle) + arc(i).turn_v * std::sin(middle);
+    }
+    const bool flip = turning < 0;
+    if (flip) {
+      turning = -turning;
+      for (auto& [a, b] : angles) a += kPi, b += kPi;
+    }
+    for (int i = 0; i < n; ++i)
+      if (corners[i].plain && (convex[i] < 0) != flip)
+        corners[i].inside = 2 * kPi - corners[i].inside;
+  }
+};
+
+// Whether an arc end at the node before use i leaves into the surface between use i - 1 and use i.
+bool leaves_into(const Normals& around, int i, const ArcEnd& e) {
+  const ArcUse &before = around.loop[(i + around.n - 1) % around.n], &after = around.loop[i];
+  if (e == ArcEnd{before.arc, !before.reversed} || e == ArcEnd{after.arc, after.reversed})
+    return false;
+  const Vec3 in = around.graph.arriving(before), normal = around.normal(i, false);
+  const Vec3 d = around.graph.arcs[e.arc].out(e.end);
+  if (std::abs(d.dot(normal)) > 0.5) return false;
+  double angle = std::atan2(d.dot(normal.cross(in)), -d.dot(in));
+  if (angle < 0) angle += 2 * kPi;
+  return angle > 0.15 && angle < around.corners[i].inside - 0.15;
+}
+
+int jumps(const Normals& around) {
+  int count = 0;
+  for (int i = 0; i < around.n; ++i)
+    for (const ArcEnd& e : around.graph.ends[around.graph.node_before(around.loop[i])])
+      count += around.graph.core[e.arc] && leaves_into(around, i, e);
+  return count;
+}
+
+double plane_distance(const RegionGraph& graph, const ArcLoop& loop) {
+  const std::vector<Vec3> points = graph.sampled(loop, 8);
+  Vec3 mean = Vec3::Zero();
+  for (const Vec3& p : points) mean += p / static_cast<double>(points.size());
+  Mat3 spread = Mat3::Zero();
+  for (const Vec3& p : points) spread += (p - mean) * (p - mean).transpose();
+  const double least =
+      Eigen::SelfAdjointEigenSolver<Mat3>(spread, Eigen::EigenvaluesOnly).eigenvalues()[0] /
+      static_cast<double>(points.size());
+  return std::sqrt(std::max(least, 0.0));
+}
+
+}  // namespace
+
+LoopCandidate measured(const RegionGraph& graph, const ArcLoop& given, const LoopPrices& prices) {
+  LoopCandidate c;
+  c.loop = canonical(given);
+  const Normals around(graph, c.loop);
+  double inside = 0, length = 0;
+  std::map<int, int> arcs, nodes;
+  for (int i = 0; i < around.n; ++i) {
+    inside += around.corners[i].inside;
+    length += around.arc(i).length;
+    // Both ways along a bridge, and its nodes again, is as it must be.
+    if (arcs[c.loop[i].arc]++ > 0) c.again += graph.bridge[c.loop[i].arc] ? -2 : 1;
+    c.again += nodes[graph.node_before(c.loop[i])]++ > 0;
+    auto side = around.side(i);
+    if (c.loop[i].reversed) std::swap(side[0], side[1]);
+    c.side.push_back(side);
+  }
+  const double quarter = kPi / 2;
+  c.again = std::max(c.again, 0);
+  c.twist_deg = around.worst_twist * 180 / kPi;
+  c.bend = plane_distance(graph, c.loop) / (length / (2 * kPi));
+  c.cost = inside / kPi + prices.twist * around.twist_squares / (quarter * quarter) +
+           prices.bend * c.bend * c.bend + prices.jump * jumps(around) + prices.again * c.again;
+  return c;
+}
+
+bool leaves_into(const RegionGraph& graph, const LoopCandidate& loop, const ArcEnd& end) {
+  const Normals around(graph, loop.loop);
+  const int node = graph.arcs[end.arc].nodes[end.end];
+  for (int i = 0; i < around.n; ++i)
+    if (graph.node_before(loop.loop[i]) == node && leaves_into(around, i, end)) return true;
+  return false;
+}
+
+double fold_deg(const LoopCandidate& a, size_t i, const LoopCandidate& b, size_t j) {
+  const double start = wrapped(a.side[i][0] - b.side[j][0]);
+  const double turn = wrapped(a.side[i][1] - a.side[i][0]) - wrapped(b.side[j][1] - b.side[j][0]);
+  double squares = 0;
+  for (const double s : {0.0, 0.25, 0.5, 0.75, 1.0}) {
+    const double fold = kPi - std::abs(wrapped(start + s * turn));
+    squares += fold * fold / 5;
+  }
+  return std::sqrt(squares) * 180 / kPi;
+}
+
+}  // namespace batten

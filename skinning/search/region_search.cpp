@@ -1,0 +1,99 @@
+#include "batten/skinning/search/region_search.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+namespace batten {
+namespace {
+
+double square(double x) { return x * x; }
+
+// The uses of each arc by some loops.
+struct Use {
+  int loop;
+  size_t place;
+};
+
+std::vector<std::vector<Use>> uses_by_arc(const std::vector<LoopCandidate>& loops, size_t arcs) {
+  std::vector<std::vector<Use>> all(arcs);
+  for (size_t c = 0; c < loops.size(); ++c)
+    for (size_t i = 0; i < loops[c].loop.size(); ++i)
+      all[loops[c].loop[i].arc].push_back({static_cast<int>(c), i});
+  return all;
+}
+
+}  // namespace
+
+RegionSearch search_regions(const RegionGraph& graph, const SettledRegions& settled,
+                            const LoopPrices& prices, const Progress& progress) {
+  RegionSearch search;
+  TracedLoops traced = traced_loops(graph, prices, progress);
+  search.complete = traced.complete;
+  progress.at("regions: choice", 0);
+
+  const double fold_price = prices.fold / std::max(1, settled.most_at_arc - 1);
+  // What was asked for takes its room first; its neighbours pay for the fold.
+  search.problem.room.assign(graph.arcs.size(), settled.most_at_arc);
+  std::vector<LoopCandidate> asked;
+  std::vector<std::vector<int>> settled_arcs = settled.nothing;
+  for (const auto& loops : settled.asked)
+    for (size_t k = 0; k < loops.size(); ++k) {
+      asked.push_back(measured(graph, loops[k], prices));
+      settled_arcs.push_back(arcs_of(loops[k]));
+      for (const ArcUse& use : loops[k]) --search.problem.room[use.arc];
+      // The surface lies outside of a hole.
+      if (k > 0)
+        for (auto& side : asked.back().side)
+          for (double& angle : side) angle += EIGEN_PI;
+    }
+  for (int& room : search.problem.room) room = std::max(room, 0);
+  std::sort(settled_arcs.begin(), settled_arcs.end());
+  const auto uses_asked = uses_by_arc(asked, graph.arcs.size());
+
+  std::vector<int> loops_in_part(static_cast<size_t>(graph.part_count), 0);
+  for (const LoopCandidate& c : traced.loops) ++loops_in_part[graph.part[c.loop[0].arc]];
+  for (LoopCandidate& c : traced.loops) {
+    if (std::binary_search(settled_arcs.begin(), settled_arcs.end(), arcs_of(c.loop))) continue;
+    Selection::Item item;
+    item.gain = c.gain(prices);
+    // The only loop that there is, bounds a surface, however it turns.
+    constexpr double some_gain = 0.1;
+    if (loops_in_part[graph.part[c.loop[0].arc]] == 1) item.gain = std::max(item.gain, some_gain);
+    std::map<int, int> uses;
+    for (size_t i = 0; i < c.loop.size(); ++i) {
+      ++uses[c.loop[i].arc];
+      for (const Use& other : uses_asked[c.loop[i].arc])
+        item.gain -= fold_price * square(fold_deg(c, i, asked[other.loop], other.place) / 90);
+    }
+    bool room = true;
+    for (const auto& [arc, count] : uses) {
+      item.arcs.push_back(arc);
+      item.uses.push_back(count);
+      room = room && count <= search.problem.room[arc];
+    }
+    if (!room) continue;
+    if (item.gain <= 1e-9) {
+      search.costly.push_back(std::move(c));
+      continue;
+    }
+    search.problem.items.push_back(std::move(item));
+    search.loops.push_back(std::move(c));
+  }
+
+  const auto uses = uses_by_arc(search.loops, graph.arcs.size());
+  for (size_t a = 0; a < uses.size(); ++a)
+    for (size_t i = 0; i < uses[a].size(); ++i)
+      for (size_t j = i + 1; j < uses[a].size(); ++j) {
+        const auto [c, place] = uses[a][i];
+        const auto [d, other] = uses[a][j];
+        if (c == d) continue;
+        const double fold = fold_deg(search.loops[c], place, search.loops[d], other);
+        search.problem.pairs.push_back({static_cast<int>(a), c, d, fold_price * square(fold / 90)});
+      }
+  search.selected = select(search.problem);
+  progress.at("regions: choice", 1);
+  return search;
+}
+
+}  // namespace batten

@@ -1,0 +1,32 @@
+// The loops that are taken as surfaces, of all that were traced.
+#pragma once
+
+#include "batten/skinning/search/region_loops.h"
+#include "batten/skinning/search/region_selection.h"
+#include "batten/skinning/search/regions.h"
+
+namespace batten {
+
+/// What is settled before the search.
+struct SettledRegions {
+  std::vector<std::vector<ArcLoop>> asked;  ///< the loops of each surface that the user asked for
+  std::vector<std::vector<int>> nothing;    ///< arcs of loops that are no surface, ascending
+  int most_at_arc = 2;
+};
+
+struct RegionSearch {
+  std::vector<LoopCandidate> loops;   ///< those that gain by themselves, in canonical order
+  std::vector<LoopCandidate> costly;  ///< the others
+  Selection problem;                  ///< an item for each of `loops`
+  Selected selected;
+  bool complete = true;  ///< all loops were traced; false: the work limit was met
+};
+
+RegionSearch search_regions(const RegionGraph& graph, const SettledRegions& settled,
+                            const LoopPrices& prices, const Progress& progress);
+
+/// find_regions() on a plain graph.
+FoundRegions find_regions(const RegionGraph& graph, const RegionOptions& options = {},
+                          const Progress& progress = {});
+
+}  // namespace batten

@@ -1,0 +1,191 @@
+#include "batten/skinning/search/region_surfaces.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <memory>
+#include <set>
+
+#include "batten/core/index.h"
+#include "batten/core/words.h"
+#include "batten/skinning/domains/plain_fill.h"
+
+namespace batten {
+namespace {
+
+// Ericson, Real-Time Collision Detection, 5.1.5.
+Vec3 nearest(const Vec3& p, const std::array<Vec3, 3>& triangle) {
+  const auto& [a, b, c] = triangle;
+  const Vec3 ab = b - a, ac = c - a, ap = p - a, bp = p - b, cp = p - c;
+  const double d1 = ab.dot(ap), d2 = ac.dot(ap), d3 = ab.dot(bp), d4 = ac.dot(bp), d5 = ab.dot(cp),
+               d6 = ac.dot(cp);
+  if (d1 <= 0 && d2 <= 0) return a;
+  if (d3 >= 0 && d4 <= d3) return b;
+  if (d6 >= 0 && d5 <= d6) return c;
+  const double vc = d1 * d4 - d3 * d2;
+  if (vc <= 0 && d1 >= 0 && d3 <= 0) return a + d1 / (d1 - d3) * ab;
+  const double vb = d5 * d2 - d1 * d6;
+  if (vb <= 0 && d2 >= 0 && d6 <= 0) return a + d2 / (d2 - d6) * ac;
+  const double va = d3 * d6 - d5 * d4;
+  if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0) return b + (d4 - d3) / (d4 - d3 + d5 - d6) * (c - b);
+  const double sum = va + vb + vc;
+  return sum > 0 ? Vec3(a + vb / sum * ab + vc / sum * ac) : a;
+}
+
+std::vector<Vec3> points_of(const RegionArc& arc) { return {arc.points.begin(), arc.points.end()}; }
+
+double distance_to_loop(const RegionGraph& graph, const ArcLoop& loop, const Vec3& p) {
+  double least = HUGE_VAL;
+  for (const ArcUse& use : loop)
+    for (int k = 0; k < RegionArc::kPieces; ++k) {
+      const auto& x = graph.arcs[use.arc].points;
+      least = std::min(least, (nearest(p, {x[k], x[k + 1], x[k + 1]}) - p).norm());
+    }
+  return least;
+}
+
+}  // namespace
+
+RoughSurface::RoughSurface(const RegionGraph& graph, const ArcLoop& outline) {
+  constexpr int kMost = 240;
+  const int n = count_of(outline);
+  const std::vector<Vec3> points = graph.sampled(outline, std::clamp(kMost / n, 1, 8));
+  low_ = Vec3::Constant(HUGE_VAL), high_ = -low_;
+  for (const Vec3& p : points) low_ = low_.cwiseMin(p), high_ = high_.cwiseMax(p);
+  diagonal_ = (high_ - low_).norm();
+  const auto fill = points.size() <= 400 && points.size() > 2 ? plain_fill(points) : std::nullopt;
+  if (fill) {
+    for (const auto& [a, b, c] : fill->triangles)
+      triangles_.push_back({points[a], points[b], points[c]});
+    return;
+  }
+  Vec3 mean = Vec3::Zero();
+  for (const Vec3& p : points) mean += p / static_cast<double>(points.size());
+  for (size_t i = 0; i < points.size(); ++i)
+    triangles_.push_back({points[i], points[(i + 1) % points.size()], mean});
+}
+
+double RoughSurface::farthest(const std::vector<Vec3>& points, double enough) const {
+  double most = 0;
+  for (const Vec3& p : points) {
+    const Vec3 outside = (low_ - p).cwiseMax(p - high_).cwiseMax(0);
+    if (outside.norm() > enough) return HUGE_VAL;
+    double least = HUGE_VAL;
+    for (const auto& triangle : triangles_)
+      least = std::min(least, (nearest(p, triangle) - p).squaredNorm());
+    most = std::max(most, std::sqrt(least));
+    if (most > enough) return HUGE_VAL;
+  }
+  return most;
+}
+
+void find_inner_lines(const RegionGraph& graph, const LoopPrices& prices,
+                      std::vector<NetworkRegion>& regions) {
+  std::vector<char> bare(graph.arcs.size(), 1);
+  for (const NetworkRegion& region : regions) {
+    for (const int arc : region.inner) bare[arc] = 0;
+    for (const ArcLoop& loop : region.loops)
+      for (const ArcUse& use : loop) bare[use.arc] = 0;
+  }
+  std::vector<std::set<int>> at(graph.nodes.size());  // regions with a loop or inner line there
+  std::vector<LoopCandidate> outlines;
+  for (size_t r = 0; r < regions.size(); ++r) {
+    outlines.push_back(measured(graph, regions[r].loops[0], prices));
+    for (const ArcUse& use : regions[r].loops[0])
+      at[graph.node_before(use)].insert(static_cast<int>(r));
+  }
+  std::map<int, std::unique_ptr<RoughSurface>> surfaces;
+  const auto distance = [&](int r, int a) {
+    auto& surface = surfaces[r];
+    const ArcLoop& loop = regions[r].loops[0];
+    if (!surface) surface = std::make_unique<RoughSurface>(graph, loop);
+    const double d = surface->farthest(points_of(graph.arcs[a]), 0.1 * surface->diagonal());
+    if (!std::isfinite(d)) return d;
+    double from_border = 0;
+    for (const Vec3& p : graph.arcs[a].points)
+      from_border = std::max(from_border, distance_to_loop(graph, loop, p));
+    return from_border < 0.01 * surface->diagonal() ? HUGE_VAL : d;
+  };
+  for (bool more = true; more;) {
+    more = false;
+    for (int a = 0; a < count_of(graph.arcs); ++a) {
+      if (!bare[a]) continue;
+      int best = -1;
+      double least = HUGE_VAL;
+      for (const bool end : {false, true}) {
+        const int node = graph.arcs[a].nodes[end];
+        for (const int r : at[node]) {
+          if (regions[r].ring) continue;
+          const auto& inner = regions[r].inner;
+          const bool hangs = std::any_of(inner.begin(), inner.end(), [&](int b) {
+            return graph.arcs[b].nodes[0] == node || graph.arcs[b].nodes[1] == node;
+          });
+          if (!hangs && !leaves_into(graph, outlines[r], {a, end})) continue;
+          const double d = distance(r, a);
+          if (d < least) best = r, least = d;
+        }
+      }
+      if (best < 0) continue;
+      regions[best].inner.push_back(a);
+      bare[a] = 0;
+      for (const int node : graph.arcs[a].nodes) at[node].insert(best);
+      more = true;
+    }
+  }
+  for (NetworkRegion& region : regions) std::sort(region.inner.begin(), region.inner.end());
+}
+
+std::vector<Island> find_islands(const RegionGraph& graph,
+                                 const std::vector<NetworkRegion>& regions) {
+  std::vector<Island> islands;
+  if (graph.part_count < 2) return islands;
+  std::vector<int> regions_of(graph.part_count, 0);
+  std::vector<size_t> arcs_of_part(graph.part_count, 0);
+  for (size_t a = 0; a < graph.arcs.size(); ++a)
+    if (graph.core[a]) ++arcs_of_part[graph.part[a]];
+  for (const NetworkRegion& region : regions) ++regions_of[graph.part[region.loops[0][0].arc]];
+  std::map<size_t, std::unique_ptr<RoughSurface>> surfaces;
+  for (size_t r = 0; r < regions.size(); ++r) {
+    const ArcLoop& loop = regions[r].loops[0];
+    const int part = graph.part[loop[0].arc];
+    if (regions[r].asked || regions_of[part] != 1 || arcs_of_part[part] != loop.size()) continue;
+    const std::vector<Vec3> points = graph.sampled(loop, 4);
+    for (size_t s = 0; s < regions.size(); ++s) {
+      if (graph.part[regions[s].loops[0][0].arc] == part || regions[s].ring) continue;
+      auto& surface = surfaces[s];
+      if (!surface) surface = std::make_unique<RoughSurface>(graph, regions[s].loops[0]);
+      const double near = 0.02 * surface->diagonal();
+      if (surface->farthest(points, near) <= near) {
+        islands.push_back({static_cast<int>(r), static_cast<int>(s)});
+        break;
+      }
+    }
+  }
+  return islands;
+}
+
+bool like_rims(const RegionGraph& graph, const ArcLoop& a, const ArcLoop& b) {
+  Vec3 middle[2], axis[2];
+  double radius[2]{};
+  for (const int k : {0, 1}) {
+    const ArcLoop& loop = k ? b : a;
+    for (size_t i = 0; i < loop.size(); ++i)
+      if (degrees_between(graph.arriving(loop[i]), graph.leaving(loop[(i + 1) % loop.size()])) > 35)
+        return false;
+    const std::vector<Vec3> points = graph.sampled(loop, RegionArc::kPieces);
+    const double n = static_cast<double>(points.size());
+    middle[k] = axis[k] = Vec3::Zero();
+    for (const Vec3& p : points) middle[k] += p / n;
+    for (size_t i = 0; i < points.size(); ++i)
+      axis[k] += (points[i] - middle[k]).cross(points[(i + 1) % points.size()] - middle[k]);
+    axis[k].normalize();
+    for (const Vec3& p : points) radius[k] += (p - middle[k]).norm() / n;
+  }
+  if (axis[0].dot(axis[1]) < 0) axis[1] = -axis[1];
+  if (degrees_between(axis[0], axis[1]) > 60) return false;
+  const Vec3 along = (axis[0] + axis[1]).normalized(), apart = middle[1] - middle[0];
+  const double aside = (apart - apart.dot(along) * along).norm();
+  return aside < std::max(radius[0], radius[1]);
+}
+
+}  // namespace batten

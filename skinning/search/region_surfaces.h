@@ -1,0 +1,41 @@
+// Found regions as rough surfaces: which lines lie on them.
+#pragma once
+
+#include "batten/skinning/search/region_loops.h"
+
+namespace batten {
+
+/// Triangles over the loop of a region: the plain hole filling, or a fan around the mean where
+/// there is none.
+class RoughSurface {
+ public:
+  RoughSurface(const RegionGraph& graph, const ArcLoop& outline);
+  double diagonal() const { return diagonal_; }
+  /// Distance of the farthest of the points from the triangles; stops counting beyond `enough`.
+  double farthest(const std::vector<Vec3>& points, double enough) const;
+
+ private:
+  std::vector<std::array<Vec3, 3>> triangles_;
+  Vec3 low_, high_;
+  double diagonal_ = 0;
+};
+
+/// Gives bare arcs to the regions that they lie on (NetworkRegion::inner): arcs that leave a node
+/// of the loop into the surface, or hang on such an arc, and stay within a tenth of the region's
+/// size of its rough surface, but not within a hundredth of its border all along.
+void find_inner_lines(const RegionGraph& graph, const LoopPrices& prices,
+                      std::vector<NetworkRegion>& regions);
+
+/// A loop by itself that lies on the rough surface of a region of another part, within a fiftieth
+/// of that region's size.
+struct Island {
+  int region, on;  ///< indices of regions
+};
+std::vector<Island> find_islands(const RegionGraph& graph,
+                                 const std::vector<NetworkRegion>& regions);
+
+/// Whether two loops are like the rims of a tube or an annulus: no corner of more than 20 degrees,
+/// their planes within 60 degrees, and not beside each other.
+bool like_rims(const RegionGraph& graph, const ArcLoop& a, const ArcLoop& b);
+
+}  // namespace batten

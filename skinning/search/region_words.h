@@ -1,0 +1,19 @@
+// What the user says about regions, as loops of arcs.
+#pragma once
+
+#include "batten/skinning/search/region_search.h"
+
+namespace batten {
+
+struct SpokenRegions {
+  SettledRegions settled;
+  std::vector<NetworkRegion> regions;  ///< those asked for, in the order of the words
+};
+
+/// Finds the arcs of each name and chains them into loops. Throws InputError: a name that is not
+/// there (with the nearest one), arcs that do not close one loop, a ring without two rims, an inner
+/// line that is also a border, one loop said twice or to be both a surface and none, more regions
+/// on an arc than `most_at_arc`.
+SpokenRegions resolved_words(const RegionGraph& graph, const RegionOptions& options);
+
+}  // namespace batten

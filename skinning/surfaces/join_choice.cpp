@@ -1,0 +1,137 @@
+#include "batten/skinning/surfaces/join_choice.h"
+
+#include <algorithm>
+#include <map>
+#include <string>
+
+#include "batten/core/errors.h"
+#include "batten/core/groups.h"
+#include "batten/core/index.h"
+
+namespace batten {
+namespace {
+
+// Surfaces that lines alone make are flatter than those that go on beyond them, and meet at more
+// between nodes; at nodes, where lines fix their planes, they meet as they will in the end.
+double estimate(const std::vector<ModelRegion>& regions, const JoinLine& join_line) {
+  const JoinAngle angle = angle_of(regions, join_line);
+  return 0.5 * angle.mean_deg + 0.25 * (angle.end_deg[0] + angle.end_deg[1]);
+}
+
+// One angle for each chain of arcs that go on into each other along one region: half of a
+// straight side cannot be a crease when the other half is smooth.
+std::vector<double> estimate_chains(const CharacterLineNetwork& network, const RegionMaker& maker,
+                                    const std::vector<ModelRegion>& regions,
+                                    const JoinChoice& choice) {
+  const std::vector<JoinLine>& join_lines = choice.join_lines;
+  std::map<int, int> join_line_of;
+  for (size_t s = 0; s < join_lines.size(); ++s)
+    join_line_of[choice.joins[choice.join_of[s]].arc] = static_cast<int>(s);
+  Groups chains(join_lines.size());
+  for (const auto& [arc, s] : join_line_of)
+    for (const ArcEnd& on : network.arcs()[arc].on) {
+      const auto other = join_line_of.find(on.arc);
+      if (other == join_line_of.end()) continue;
+      const auto &mine = maker.sides(arc), &theirs = maker.sides(on.arc);
+      if (std::none_of(mine.begin(), mine.end(), [&](const ArcSide& a) {
+            return std::any_of(theirs.begin(), theirs.end(),
+                               [&](const ArcSide& b) { return a.region == b.region; });
+          }))
+        continue;
+      chains.join(s, other->second);
+    }
+  std::vector<double> sum(join_lines.size(), 0), length(join_lines.size(), 0), result;
+  for (const auto& [arc, s] : join_line_of) {
+    const auto r = static_cast<size_t>(chains.of(s));
+    const double l = network.arcs()[arc].length;
+    sum[r] += l * estimate(regions, join_lines[s]);
+    length[r] += l;
+  }
+  for (size_t s = 0; s < join_lines.size(); ++s) {
+    const auto r = static_cast<size_t>(chains.of(static_cast<int>(s)));
+    result.push_back(sum[r] / length[r]);
+  }
+  return result;
+}
+
+// By arc: smooth or not.
+std::map<int, bool> words_of(const CharacterLineNetwork& network, const ModelOptions& options) {
+  std::map<int, bool> words;
+  for (const JoinWord& word : options.joins) {
+    try {
+      for (const int a : network.arcs_of(word.line)) words[a] = word.smooth;
+    } catch (const InputError& e) {
+      throw InputError(word.where + e.what());
+    }
+  }
+  return words;
+}
+
+// The join of one arc, and a join line where its two regions can have one.
+void add_join(int arc, const std::string& name, const RegionMaker& maker, const bool* smooth,
+              JoinChoice& choice) {
+  const std::vector<ArcSide>& uses = maker.sides(arc);
+  if (uses.empty()) return;
+  ModelJoin join;
+  join.arc = arc;
+  join.line = name;
+  for (const ArcSide& use : uses) join.regions.push_back(use.region);
+  join.kind = uses.size() == 1   ? ModelJoin::Kind::Rim
+              : uses.size() == 2 ? ModelJoin::Kind::Crease
+                                 : ModelJoin::Kind::Branching;
+  join.asked = smooth != nullptr;
+  if (smooth && *smooth && uses.size() != 2)
+    join.why = std::to_string(uses.size()) + " region(s) meet there";
+  if (uses.size() == 2) {
+    const auto one = maker.side_of(uses[0], arc), two = maker.side_of(uses[1], arc);
+    if (one && two) {
+      choice.join_lines.push_back({name, {*one, *two}});
+      choice.join_of.push_back(count_of(choice.joins));
+    } else if (smooth && *smooth) {
+      join.why = !maker.layouts()[uses[0].region] || !maker.layouts()[uses[1].region]
+                     ? "one of its regions could not be skinned"
+                     : "one of its regions does not have it on its boundary";
+    }
+  }
+  choice.joins.push_back(std::move(join));
+}
+
+}  // namespace
+
+JoinAngle angle_of(const std::vector<ModelRegion>& regions, JoinLine join_line,
+                   const std::array<bool, 2>& open) {
+  std::vector<const SkinnedRegion*> two;
+  for (JoinSide& side : join_line.sides) {
+    two.push_back(&*regions[side.region].skinned);
+    side.region = count_of(two) - 1;
+  }
+  return join_angle(two, join_line, open);
+}
+
+JoinChoice choose_joins(const CharacterLineNetwork& network, const RegionMaker& maker,
+                        const ModelOptions& options, const std::vector<ModelRegion>& regions) {
+  const std::map<int, bool> words = words_of(network, options);
+  JoinChoice choice;
+  for (size_t a = 0; a < network.arcs().size(); ++a) {
+    const auto word = words.find(static_cast<int>(a));
+    add_join(static_cast<int>(a), network.arcs()[a].name, maker,
+             word == words.end() ? nullptr : &word->second, choice);
+  }
+  const std::vector<double> estimates = estimate_chains(network, maker, regions, choice);
+  std::vector<JoinLine> smooth;
+  std::vector<int> join_of;
+  for (size_t s = 0; s < choice.join_lines.size(); ++s) {
+    ModelJoin& join = choice.joins[choice.join_of[s]];
+    join.first_deg = estimates[s];
+    const auto word = words.find(join.arc);
+    if (word != words.end() ? !word->second : !(join.first_deg < options.smooth_below_deg))
+      continue;
+    smooth.push_back(choice.join_lines[s]);
+    join_of.push_back(choice.join_of[s]);
+  }
+  choice.join_lines = std::move(smooth);
+  choice.join_of = std::move(join_of);
+  return choice;
+}
+
+}  // namespace batten

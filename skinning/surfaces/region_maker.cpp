@@ -1,0 +1,205 @@
+#include "batten/skinning/surfaces/region_maker.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "batten/core/errors.h"
+#include "batten/core/index.h"
+#include "batten/core/parallel.h"
+
+namespace batten {
+namespace {
+
+double length_of(const CharacterLineNetwork& network, const ArcLoop& loop) {
+  double sum = 0;
+  for (const ArcUse& use : loop) sum += network.arcs()[use.arc].length;
+  return sum;
+}
+
+bool is_smooth(const CharacterLineNetwork& network, const ArcLoop& loop) {
+  for (size_t i = 0; i < loop.size(); ++i) {
+    const ArcUse &use = loop[i], &next = loop[(i + 1) % loop.size()];
+    const NetworkArc& arc = network.arcs()[use.arc];
+    if (arc.on[use.reversed ? 0 : 1] != ArcEnd{next.arc, next.reversed}) return false;
+  }
+  return true;
+}
+
+bool open_slit(const CharacterLineNetwork& network, NetworkRegion& plan, size_t l) {
+  const ArcLoop loop = plan.loops[l];
+  for (size_t i = 0; i < loop.size(); ++i)
+    for (size_t j = i + 1; j < loop.size(); ++j) {
+      if (loop[i].arc != loop[j].arc || loop[i].reversed == loop[j].reversed) continue;
+      const auto at = [&](size_t k) { return loop.begin() + static_cast<std::ptrdiff_t>(k); };
+      ArcLoop between(at(i + 1), at(j)), around(at(j + 1), loop.end());
+      around.insert(around.end(), loop.begin(), at(i));
+      if (length_of(network, around) < length_of(network, between)) std::swap(around, between);
+      if (around.empty()) return false;
+      plan.inner.push_back(loop[i].arc);
+      plan.loops[l] = std::move(around);
+      if (!between.empty()) plan.loops.push_back(std::move(between));
+      return true;
+    }
+  return false;
+}
+
+// A loop that goes along an arc and comes back on it: the arc lies inside then, and what is left
+// are two loops, the longer of which is the outline.
+void open_slits(const CharacterLineNetwork& network, NetworkRegion& plan) {
+  if (plan.ring) return;
+  for (size_t l = 0; l < plan.loops.size(); ++l)
+    while (open_slit(network, plan, l)) {
+    }
+  // A tube that was cut open along a line: two smooth loops and the cut between them.
+  plan.ring = plan.loops.size() == 2 && !plan.inner.empty() && is_smooth(network, plan.loops[0]) &&
+              is_smooth(network, plan.loops[1]);
+}
+
+}  // namespace
+
+std::optional<JoinSide> side_of(const SkinnedRegion& made, int region, const std::string& name) {
+  for (const auto& loop : made.boundary)
+    for (const BoundaryPiece& piece : loop) {
+      const auto i = static_cast<size_t>(piece.index);
+      const bool embedded = piece.kind == BoundaryPiece::Kind::Embedded;
+      if ((embedded ? made.embedded[i].line : made.runs[i].line).name != name) continue;
+      const bool against = embedded && made.embedded[i].against_given;
+      return JoinSide{region, embedded, piece.index, piece.reversed == against};
+    }
+  return std::nullopt;
+}
+
+RegionMaker::RegionMaker(const CharacterLineNetwork& network, const FoundRegions& found,
+                         const ModelOptions& options, const Progress& progress, SurfaceModel& model)
+    : network_(network), options_(options), progress_(progress), model_(model) {
+  std::vector<NetworkRegion> plans = found.regions;
+  for (NetworkRegion& plan : plans) open_slits(network, plan);
+  orientation_ = orient(network, plans);
+  model_.shells = orientation_.shells;
+  model_.regions.resize(plans.size());
+  for (size_t r = 0; r < plans.size(); ++r) {
+    model_.regions[r].plan = std::move(plans[r]);
+    model_.regions[r].plain_area = orientation_.plain_areas[r];
+  }
+  edge_ = options.skin.edge_length > 0 ? options.skin.edge_length : network.size() / 40;
+  tolerance_ = options.skin.tolerance > 0 ? options.skin.tolerance : 1e-4 * network.size();
+  for (const NetworkNode& node : network.nodes())
+    origin_ += node.position / static_cast<double>(network.nodes().size());
+  place_vertices();
+  layouts_.resize(model_.regions.size());
+  first_.resize(model_.regions.size());
+}
+
+// Where meshes have their vertices on each arc.
+void RegionMaker::place_vertices() {
+  given_.resize(network_.arcs().size());
+  for (size_t a = 0; a < network_.arcs().size(); ++a) {
+    const NetworkArc& arc = network_.arcs()[a];
+    double spacing = std::min(edge_, 0.5 * arc.length);
+    for (const ArcSide& side : orientation_.sides[a]) {
+      constexpr double least_across = 8;  // edges across a region
+      spacing = std::min(spacing, orientation_.sizes[side.region] / least_across);
+    }
+    auto given = std::make_shared<GivenCurve>();
+    given->curve = arc.curve;
+    const auto& nodes = arc.curve.parameters();
+    const double per_length = arc.curve.end() / arc.length;
+    given->vertices.push_back(nodes.front());
+    for (size_t i = 0; i + 1 < nodes.size(); ++i) {
+      const double span = nodes[i + 1] - nodes[i];
+      const int cuts =
+          std::max(1, static_cast<int>(std::ceil(span / (spacing * per_length) - 0.2)));
+      for (int c = 1; c <= cuts; ++c)
+        given->vertices.push_back(c == cuts ? nodes[i + 1] : nodes[i] + span * c / cuts);
+    }
+    given_[a] = std::move(given);
+  }
+}
+
+std::vector<CharacterLine> RegionMaker::lines_of(const NetworkRegion& plan) const {
+  std::vector<CharacterLine> lines;
+  const auto add = [&](int a, CharacterLine::Role role) {
+    const NetworkArc& arc = network_.arcs()[a];
+    CharacterLine line{arc.name, arc.input, role};
+    if (role == CharacterLine::Role::Inner)
+      line.curve = curve_from_hermite(arc.curve);
+    else
+      line.given = given_[a];
+    lines.push_back(std::move(line));
+  };
+  for (size_t l = 0; l < plan.loops.size(); ++l)
+    for (const ArcUse& use : plan.loops[l])
+      add(use.arc, l == 0 || plan.ring ? CharacterLine::Role::Outline : CharacterLine::Role::Hole);
+  for (const int a : plan.inner) add(a, CharacterLine::Role::Inner);
+  return lines;
+}
+
+void RegionMaker::lay_out(const std::vector<int>& which, double from, double to) {
+  progress_.at("skinning regions", from);
+  parallel_parts(count_of(which), [&](int i) {
+    const auto r = static_cast<size_t>(which[i]);
+    ModelRegion& region = model_.regions[r];
+    region.why_not.clear();
+    try {
+      lay_out_one(r);
+    } catch (const CancelledError&) {
+      throw;
+    } catch (const std::runtime_error& e) {
+      // Made once more for its joins only: then it stays as it was.
+      if (layouts_[r]) return;
+      region.why_not = e.what();
+      if (dynamic_cast<const NoSolutionError*>(&e) ||
+          region.why_not.find("parametric") != std::string::npos)
+        region.why_not = "its lines leave too little room for elements (" + region.why_not + ")";
+    }
+  });
+  progress_.at("skinning regions", to);
+}
+
+void RegionMaker::lay_out_one(size_t r) {
+  const NetworkRegion& plan = model_.regions[r].plan;
+  SkinOptions skin = options_.skin;
+  constexpr double least_across = 12;  // elements across a small region
+  skin.edge_length = std::min(edge_, orientation_.sizes[r] / least_across);
+  skin.tolerance = tolerance_;
+  skin.domain = plan.ring ? SkinOptions::Domain::Ring : SkinOptions::Domain::Auto;
+  skin.against_first = plan.loops[0][0].reversed;
+  std::vector<CharacterLine> lines = lines_of(plan);
+  std::shared_ptr<const RegionLayout> layout;
+  std::vector<std::string> warnings;
+  try {
+    layout = std::make_shared<const RegionLayout>(plan.name, lines, skin);
+  } catch (const InputError& e) {
+    if (plan.inner.empty()) throw;
+    lines.resize(lines.size() - plan.inner.size());
+    layout = std::make_shared<const RegionLayout>(plan.name, lines, skin);
+    warnings = {"its inner lines are left out: " + std::string(e.what())};
+  }
+  Points shape = ModelLayout(frame(), {layout}, {}).least_energy(options_.material);
+  model_.regions[r].skinned = layout->region(shape);
+  model_.regions[r].warnings = std::move(warnings);
+  layouts_[r] = std::move(layout);
+  first_[r] = std::move(shape);
+}
+
+ModelFrame RegionMaker::frame() const {
+  return {options_.name, network_.size(), tolerance_, origin_, options_.join_tolerance_deg};
+}
+
+std::optional<JoinSide> RegionMaker::side_of(const ArcSide& use, int arc) const {
+  const auto& made = model_.regions[use.region].skinned;
+  return made ? batten::side_of(*made, use.region, network_.arcs()[arc].name) : std::nullopt;
+}
+
+void RegionMaker::halve(int a) {
+  const GivenCurve& given = *given_[a];
+  auto finer = std::make_shared<GivenCurve>(GivenCurve{given.curve, {}});
+  for (size_t i = 0; i + 1 < given.vertices.size(); ++i) {
+    finer->vertices.push_back(given.vertices[i]);
+    finer->vertices.push_back(0.5 * (given.vertices[i] + given.vertices[i + 1]));
+  }
+  finer->vertices.push_back(given.vertices.back());
+  given_[a] = std::move(finer);
+}
+
+}  // namespace batten

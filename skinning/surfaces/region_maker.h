@@ -1,0 +1,59 @@
+// Inside of skin_network: the regions of a network, each one laid out and solved by itself.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "batten/skinning/surfaces/orientation.h"
+#include "batten/skinning/surfaces/surface_model.h"
+
+namespace batten {
+
+/// The side by which a finished region has a line of this name on its boundary; nothing when it has
+/// none. `region`: JoinSide::region of what is returned.
+std::optional<JoinSide> side_of(const SkinnedRegion& made, int region, const std::string& name);
+
+/// Layouts and first shapes of all regions of a network.
+class RegionMaker {
+ public:
+  /// Orients the regions, and fills in shells and plans of the model. Keeps references to all.
+  RegionMaker(const CharacterLineNetwork& network, const FoundRegions& found,
+              const ModelOptions& options, const Progress& progress, SurfaceModel& model);
+
+  /// Lays out these regions and solves each by itself, side by side. The model says
+  /// why one could not be skinned; one that could be before stays as it was then. `from`, `to`:
+  /// progress.
+  void lay_out(const std::vector<int>& which, double from, double to);
+  /// A mesh vertex more between any two on this arc, for the next lay_out().
+  void halve(int arc);
+
+  ModelFrame frame() const;
+  /// The layout of each region; null: it could not be skinned.
+  const std::vector<std::shared_ptr<const RegionLayout>>& layouts() const { return layouts_; }
+  /// Dofs of the shape that each region's own lines make.
+  const std::vector<Points>& first_shapes() const { return first_; }
+  /// Uses of an arc by regions.
+  const std::vector<ArcSide>& sides(int arc) const { return orientation_.sides[arc]; }
+  /// The side by which the region of a use has that arc in its present shape.
+  std::optional<JoinSide> side_of(const ArcSide& use, int arc) const;
+
+ private:
+  void place_vertices();
+  std::vector<CharacterLine> lines_of(const NetworkRegion& plan) const;
+  void lay_out_one(size_t r);
+
+  const CharacterLineNetwork& network_;
+  const ModelOptions& options_;
+  const Progress& progress_;
+  SurfaceModel& model_;
+  double edge_ = 0, tolerance_ = 0;
+  Vec3 origin_ = Vec3::Zero();
+  Orientation orientation_;
+  std::vector<std::shared_ptr<const GivenCurve>> given_;  // by arc: the curve and its vertices
+  std::vector<std::shared_ptr<const RegionLayout>> layouts_;
+  std::vector<Points> first_;
+};
+
+}  // namespace batten

@@ -1,0 +1,291 @@
+#include "batten/skinning/surfaces/skin_network.h"
+
+#include <algorithm>
+#include <map>
+#include <numeric>
+#include <set>
+
+#include "batten/core/errors.h"
+#include "batten/core/groups.h"
+#include "batten/core/index.h"
+#include "batten/core/words.h"
+#include "batten/skinning/surfaces/join_choice.h"
+#include "batten/skinning/surfaces/model_measure.h"
+#include "batten/skinning/surfaces/region_maker.h"
+
+namespace batten {
+namespace {
+
+// The plan with other numbers for its regions.
+JoinPlan renumbered(JoinPlan plan, const std::map<int, int>& number) {
+  for (JoinSide& side : plan.join_line.sides) side.region = number.at(side.region);
+  for (JoinEnd& end : plan.ends)
+    for (auto& neighbours : end.set)
+      for (auto& other : neighbours) other.side.region = number.at(other.side.region);
+  return plan;
+}
+
+class ModelMaker {
+ public:
+  ModelMaker(const CharacterLineNetwork& network, const FoundRegions& found,
+             const ModelOptions& options, const Progress& progress)
+      : network_(network),
+        options_(options),
+        progress_(progress),
+        regions_(network, found, options, progress, model_) {}
+
+  SurfaceModel make() {
+    std::vector<int> all(model_.regions.size());
+    std::iota(all.begin(), all.end(), 0);
+    regions_.lay_out(all, 0, 0.4);
+    progress_.at("joining", 0);
+    JoinChoice choice = choose_joins(network_, regions_, options_, model_.regions);
+    model_.joins = std::move(choice.joins);
+    join_lines_ = std::move(choice.join_lines);
+    join_of_ = std::move(choice.join_of);
+    join();
+    return std::move(model_);
+  }
+
+ private:
+  ModelJoin& join_of(size_t join_line) { return model_.joins[join_of_[join_line]]; }
+
+  // Solves the groups of regions that smooth joins connect, and halves along joins that are still
+  // above the tolerance.
+  void join() {
+    std::vector<Points> dofs(model_.regions.size());
+    std::vector<JoinPlan> plans;
+    for (int round = 0;; ++round) {
+      progress_.at("joining", std::min(0.9, (round + 0.2) / (options_.most_join_rounds + 1)));
+      plans = solve_groups(dofs);
+      give_shapes(dofs);
+      const Round left = look_at(plans, round < options_.most_join_rounds);
+      if (left.halved.empty() && !left.fewer) break;
+      for (const int a : left.halved) regions_.halve(a);
+      regions_.lay_out({left.again.begin(), left.again.end()}, 0.5, 0.9);
+      find_sides_again();
+    }
+    tell_joins(plans);
+    finish(plans, dofs);
+  }
+
+  // What a round leaves to do.
+  struct Round {
+    std::set<int> halved, again;  // arcs, and the regions beside them
+    bool fewer = false;           // a join was given up
+  };
+
+  Round look_at(const std::vector<JoinPlan>& plans, bool may_halve) {
+    Round left;
+    for (size_t s = 0; s < join_lines_.size(); ++s) {
+      if (!plans[s].why_not.empty()) continue;
+      ModelJoin& join = join_of(s);
+      const JoinAngle angle =
+          angle_of(model_.regions, join_lines_[s], {plans[s].ends[0].open, plans[s].ends[1].open});
+      join.max_deg = angle.max_deg;
+      join.max_inside_deg = angle.max_inside_deg;
+      if (angle.max_inside_deg <= options_.join_tolerance_deg) continue;
+      if (!plans[s].at.empty()) {
+        // Vertices on an embedded line are not those of its region's mesh: halving would not help.
+        constexpr double better_a_crease = 2;
+        if (angle.max_inside_deg <= better_a_crease) continue;
+        given_up_[join.arc] = "a region carries it embedded, and would leave an angle of " +
+                              number(angle.max_inside_deg) + " degrees";
+        left.fewer = true;
+      } else if (may_halve) {
+        left.halved.insert(join.arc);
+        for (const int r : join.regions) left.again.insert(r);
+      }
+    }
+    return left;
+  }
+
+  // Another layout of a region may carry a line in another way.
+  void find_sides_again() {
+    for (size_t s = 0; s < join_lines_.size(); ++s) {
+      const int arc = join_of(s).arc;
+      for (size_t k = 0; k < 2; ++k)
+        if (const auto side = regions_.side_of(regions_.sides(arc)[k], arc))
+          join_lines_[s].sides[k] = *side;
+    }
+  }
+
+  // Fills in what became of the joins; smooth lines that end where there is no tangent plane are
+  // listed by node.
+  void tell_joins(const std::vector<JoinPlan>& plans) {
+    std::map<int, std::pair<std::vector<std::string>, double>> without_plane;
+    for (size_t s = 0; s < plans.size(); ++s) {
+      ModelJoin& join = join_of(s);
+      join.why = plans[s].why_not;
+      if (!plans[s].why_not.empty()) continue;
+      join.kind = ModelJoin::Kind::Smooth;
+      join.one_domain = plans[s].constant();
+      for (int e = 0; e < 2; ++e) {
+        const JoinEnd& end = plans[s].ends[e];
+        join.open[e] = end.open;
+        if (!end.open) continue;
+        const NetworkArc& arc = network_.arcs()[join.arc];
+        auto& at_node = without_plane[arc.nodes[e]];
+        at_node.first.push_back("'" + arc.name + "'");
+        at_node.second = std::max(at_node.second, end.apart_deg);
+      }
+    }
+    for (const auto& [node, lines] : without_plane) {
+      std::string names;
+      for (const std::string& name : lines.first) names += (names.empty() ? "" : ", ") + name;
+      model_.warnings.push_back("no tangent plane at " + at(network_.nodes()[node].position) +
+                                ": the lines that meet there leave one by up to " +
+                                number(lines.second) +
+                                " degrees, so that these end as creases: " + names);
+    }
+  }
+
+  // Plans the join lines that are not given up and solves each group; where that fails, gives up some
+  // and begins again.
+  std::vector<JoinPlan> solve_groups(std::vector<Points>& dofs) {
+    for (;;) {
+      dofs = regions_.first_shapes();
+      std::vector<JoinPlan> plans = plan_all();
+      Groups groups(dofs.size());
+      for (const JoinPlan& plan : plans)
+        if (plan.why_not.empty())
+          groups.join(plan.join_line.sides[0].region, plan.join_line.sides[1].region);
+      std::map<int, std::vector<int>> members;
+      for (int r = 0; r < count_of(dofs); ++r)
+        if (regions_.layouts()[r]) members[groups.of(r)].push_back(r);
+      const bool all = std::all_of(members.begin(), members.end(), [&](const auto& group) {
+        return solve_group(group.second, plans, dofs);
+      });
+      if (all) return plans;
+    }
+  }
+
+  std::vector<JoinPlan> plan_all() {
+    std::vector<JoinPlan> plans(join_lines_.size());
+    std::vector<JoinLine> possible;
+    std::vector<size_t> index;
+    for (size_t s = 0; s < join_lines_.size(); ++s) {
+      plans[s].join_line = join_lines_[s];
+      if (const auto it = given_up_.find(join_of(s).arc); it != given_up_.end()) {
+        plans[s].why_not = it->second;
+        continue;
+      }
+      possible.push_back(join_lines_[s]);
+      index.push_back(s);
+    }
+    std::vector<const RegionLayout*> layouts;
+    for (const auto& layout : regions_.layouts()) layouts.push_back(layout.get());
+    std::vector<JoinPlan> planned =
+        plan_joins(layouts, regions_.first_shapes(), possible, options_.join_tolerance_deg);
+    for (size_t i = 0; i < planned.size(); ++i) plans[index[i]] = std::move(planned[i]);
+    return plans;
+  }
+
+  // Whether the join lines of this group go together; otherwise some of them are given up.
+  bool solve_group(const std::vector<int>& group, const std::vector<JoinPlan>& plans,
+                   std::vector<Points>& dofs) {
+    std::map<int, int> local;
+    std::vector<std::shared_ptr<const RegionLayout>> some;
+    for (const int r : group) {
+      local[r] = count_of(some);
+      some.push_back(regions_.layouts()[r]);
+    }
+    std::vector<JoinPlan> of_group;
+    for (const JoinPlan& plan : plans)
+      if (plan.why_not.empty() && local.count(plan.join_line.sides[0].region))
+        of_group.push_back(renumbered(plan, local));
+    if (of_group.empty()) return true;  // a region by itself: its first shape
+    const ModelLayout layout(regions_.frame(), std::move(some), std::move(of_group));
+    Points solved;
+    try {
+      solved = layout.least_energy(options_.material);
+    } catch (const CancelledError&) {
+      throw;
+    } catch (const std::runtime_error& e) {
+      give_up(plans, local, e.what());
+      return false;
+    }
+    for (const int r : group) dofs[r] = layout.region_dofs(local[r], solved);
+    return true;
+  }
+
+  // The join lines of a group on embedded lines, or, where there are none of these, all.
+  void give_up(const std::vector<JoinPlan>& plans, const std::map<int, int>& group,
+               const std::string& why) {
+    for (const bool embedded : {true, false}) {
+      bool any = false;
+      for (size_t s = 0; s < plans.size(); ++s) {
+        if (!plans[s].why_not.empty() || !group.count(plans[s].join_line.sides[0].region) ||
+            plans[s].at.empty() == embedded)
+          continue;
+        given_up_[join_of(s).arc] = why;
+        any = true;
+      }
+      if (any) return;
+    }
+  }
+
+  void give_shapes(const std::vector<Points>& dofs) {
+    for (size_t r = 0; r < dofs.size(); ++r)
+      if (const auto& layout = regions_.layouts()[r])
+        model_.regions[r].skinned = layout->region(dofs[r]);
+  }
+
+  void finish(const std::vector<JoinPlan>& plans, const std::vector<Points>& dofs) {
+    std::map<int, int> number;
+    std::vector<std::shared_ptr<const RegionLayout>> made;
+    std::vector<Points> shapes;
+    for (size_t r = 0; r < dofs.size(); ++r) {
+      const auto& layout = regions_.layouts()[r];
+      if (!layout) continue;
+      ModelRegion& region = model_.regions[r];
+      region.in_layout = number[static_cast<int>(r)] = count_of(made);
+      const auto& more = layout->warnings();
+      region.warnings.insert(region.warnings.end(), more.begin(), more.end());
+      made.push_back(layout);
+      shapes.push_back(dofs[r]);
+    }
+    if (made.empty()) return;
+    std::vector<JoinPlan> joined;
+    for (const JoinPlan& plan : plans)
+      if (plan.why_not.empty()) joined.push_back(renumbered(plan, number));
+    model_.layout =
+        std::make_shared<const ModelLayout>(regions_.frame(), std::move(made), std::move(joined));
+    model_.dofs = model_.layout->all_dofs(shapes);
+    measure(model_, progress_);
+  }
+
+  const CharacterLineNetwork& network_;
+  const ModelOptions& options_;
+  const Progress& progress_;
+  SurfaceModel model_;
+  RegionMaker regions_;
+  std::vector<JoinLine> join_lines_;
+  std::vector<int> join_of_;             // index into model_.joins of each join line
+  std::map<int, std::string> given_up_;  // arcs whose join line proved worse than a crease, and why
+};
+
+}  // namespace
+
+void reshape(SurfaceModel& model, std::shared_ptr<const ModelLayout> layout, Points dofs,
+             std::vector<SkinnedRegion> made, const Progress& progress) {
+  for (ModelRegion& region : model.regions)
+    if (region.in_layout >= 0) region.skinned = std::move(made[region.in_layout]);
+  model.layout = std::move(layout);
+  model.dofs = std::move(dofs);
+  measure(model, progress);
+}
+
+std::vector<const SkinnedRegion*> SurfaceModel::skinned() const {
+  std::vector<const SkinnedRegion*> all;
+  for (const ModelRegion& region : regions)
+    if (region.skinned) all.push_back(&*region.skinned);
+  return all;
+}
+
+SurfaceModel skin_network(const CharacterLineNetwork& network, const FoundRegions& found,
+                          const ModelOptions& options, const Progress& progress) {
+  return ModelMaker(network, found, options, progress).make();
+}
+
+}  // namespace batten

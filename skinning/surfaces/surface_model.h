@@ -1,0 +1,115 @@
+// One model from a network: all regions skinned, joined along their lines, measured.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "batten/skinning/model/model_layout.h"
+#include "batten/skinning/region/quality.h"
+#include "batten/skinning/search/regions.h"
+
+namespace batten {
+
+/// The user's word about a line: names are those of arcs, or of lines.
+struct JoinWord {
+  std::string line;
+  bool smooth = false;
+  std::string where;  ///< for messages
+};
+
+struct ModelOptions {
+  std::string name = "model";
+  /// Element, edge_length (0: 1/40 of the network's size), alpha and beta as in RegionLayout; its
+  /// tolerance is that of embedded lines (0: 1e-4 of the network's size).
+  SkinOptions skin;
+  SurfaceStiffness material{};
+  std::vector<JoinWord> joins;
+  /// Lines without a word are smooth where the surfaces that the lines alone make meet at less than
+  /// this (ModelJoin::first_deg); degrees.
+  double smooth_below_deg = 40;
+  /// What smooth joins are driven under, by halving edges along them; degrees.
+  double join_tolerance_deg = 0.1;
+  int most_join_rounds = 3;
+};
+
+/// A line and the regions that meet along it.
+struct ModelJoin {
+  enum class Kind {
+    Rim,       ///< one region
+    Crease,    ///< two that share the line
+    Smooth,    ///< two that share the line and their tangent planes along it
+    Branching  ///< three or more
+  };
+  int arc = 0;
+  std::string line;  ///< the arc's name
+  /// Indices into SurfaceModel::regions; one twice where it meets itself.
+  std::vector<int> regions;
+  Kind kind = Kind::Rim;
+  bool asked = false;          ///< the user's word
+  std::string why;             ///< why it is a crease although it was to be smooth, or ""
+  std::array<bool, 2> open{};  ///< a smooth join is a crease at its start, end: no tangent plane
+  /// Angle between normals across it, of lines alone: the mean along it and the mean at its ends,
+  /// half and half.
+  double first_deg = 0;
+  /// Largest angle between normals across it, of the result, sampled between nodes too; and the
+  /// same without the edges at ends that are creases.
+  double max_deg = 0, max_inside_deg = 0;
+  /// Both domains unfold into one plane along it: the surface is C1 across as inside of a region,
+  /// to rounding.
+  bool one_domain = false;
+};
+
+/// What is wrong with a surface that was made.
+struct SurfaceFlaw {
+  enum class Kind {
+    Jacobian,  ///< x_u × x_v vanishes, or turns over against its surroundings
+    Fold,      ///< turns by more than 90 degrees inside, or doubles back on a neighbour
+    Crossing,  ///< it passes through itself or another region
+    Area       ///< more than twice that of a plain hole filling
+  };
+  Kind kind;
+  std::vector<int> regions;
+  Vec3 where = Vec3::Zero();
+  double value = 0;  ///< ratio (Jacobian, Area), degrees (Fold), number of facets (Crossing)
+  std::string text;  ///< a sentence for the user
+};
+
+struct ModelRegion {
+  NetworkRegion plan;  ///< loops run counter-clockwise seen from the side of the normal
+  std::optional<SkinnedRegion> skinned;
+  int in_layout = -1;   ///< index into the regions of SurfaceModel::layout, of one that is skinned
+  std::string why_not;  ///< why it could not be skinned, or ""
+  SkinQuality quality;
+  double plain_area = 0;  ///< area of the plain filling of its loops; 0 when there is none
+  std::vector<std::string> warnings;
+};
+
+/// Regions that hang together along arcs.
+struct ModelShell {
+  std::vector<int> regions;
+  bool closed = false;     ///< every arc has two of them
+  bool orientable = true;  ///< normals agree across every arc
+  double area = 0;         ///< model units²
+  double volume = 0;       ///< enclosed, model units³; 0 unless closed and orientable
+};
+
+/// What a network became, in one shape, and what that shape is worth.
+struct SurfaceModel {
+  /// The layout of the regions that are skinned; null when none is.
+  std::shared_ptr<const ModelLayout> layout;
+  Points dofs;                       ///< the shape: dofs on the layout
+  std::vector<ModelRegion> regions;  ///< all regions, in the order of the plan
+  std::vector<ModelJoin> joins;      ///< a join for every arc that has a region, by arc
+  std::vector<ModelShell> shells;
+  std::vector<SurfaceFlaw> flaws;
+  std::vector<std::string> warnings;
+  double area = 0;
+  double max_join_deg = 0;  ///< largest max_inside_deg of the smooth joins
+
+  std::vector<const SkinnedRegion*> skinned() const;
+};
+
+}  // namespace batten

@@ -1,0 +1,315 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <numbers>
+
+#include "batten/core/errors.h"
+#include "batten/core/index.h"
+#include "batten/core/parallel.h"
+#include "batten/core/words.h"
+#include "batten/skinning/facets/facets.h"
+#include "batten/skinning/surfaces/facet_crossings.h"
+#include "batten/skinning/surfaces/wrong_surfaces.h"
+
+namespace batten {
+namespace {
+
+constexpr double kDegrees = 180 / std::numbers::pi;
+using Regions = std::vector<const SkinnedRegion*>;
+
+std::string name_of(const Regions& regions, int r) { return "'" + regions[r]->name + "'"; }
+
+double degrees_between_normals(const Vec3& a, const Vec3& b) {
+  return kDegrees * std::atan2(a.cross(b).norm(), a.dot(b));
+}
+
+// The facets of one region, in model units.
+struct Shell {
+  std::vector<Vec3> points;
+  std::vector<std::array<int, 3>> facets;
+  std::vector<Vec3> normals;  // unit; zero of a facet without area
+  double edge = 0;            // mean length
+};
+
+Shell shell_of(const SkinnedRegion& region) {
+  const Tessellation t = facets(region, 2).tessellation;
+  Shell shell;
+  for (const Location& where : t.points) shell.points.push_back(region.surface.position(where));
+  shell.facets = t.facets;
+  double length = 0;
+  for (const auto& [a, b, c] : shell.facets) {
+    const Vec3 ab = shell.points[b] - shell.points[a], ac = shell.points[c] - shell.points[a];
+    const Vec3 n = ab.cross(ac);
+    const double least = 1e-12 * std::max(ab.squaredNorm(), ac.squaredNorm());
+    shell.normals.push_back(n.norm() > least ? Vec3(n.normalized()) : Vec3(Vec3::Zero()));
+    length += ab.norm() + ac.norm() + (ac - ab).norm();
+  }
+  shell.edge = length / std::max<double>(1, 3 * static_cast<double>(shell.facets.size()));
+  return shell;
+}
+
+void look_at_jacobian(const Regions& regions, int r, const SkinQuality& quality,
+                      std::vector<SurfaceFlaw>& flaws) {
+  if (quality.min_jacobian_ratio > 0) return;
+  // Where: the smallest Jacobian against the mean of its triangle.
+  const Surface& surface = regions[r]->surface;
+  const Trim* trim = surface.trim().get();
+  double least = std::numeric_limits<double>::infinity();
+  Vec3 place = Vec3::Zero();
+  for (int t = 0; t < surface.mesh().triangle_count(); ++t) {
+    if (trim && trim->side(t) == Trim::Side::Outside) continue;
+    const Vec3 middle = Vec3::Constant(1.0 / 3);
+    const Location where[4] = {
+        {t, Vec3::UnitX()}, {t, Vec3::UnitY()}, {t, Vec3::UnitZ()}, {t, middle}};
+    Vec3 areas[4], mean = Vec3::Zero();
+    for (int k = 0; k < 4; ++k) mean += areas[k] = surface.jet(where[k]).area_vector();
+    for (int k = 0; k < 4; ++k) {
+      const double oriented = std::copysign(areas[k].norm(), areas[k].dot(mean));
+      if (!(oriented < least)) continue;
+      least = oriented;
+      place = surface.position(where[k]);
+    }
+  }
+  flaws.push_back({SurfaceFlaw::Kind::Jacobian,
+                   {r},
+                   place,
+                   quality.min_jacobian_ratio,
+                   "region " + name_of(regions, r) + " turns over near " + at(place) +
+                       ": its smallest Jacobian is " + number(quality.min_jacobian_ratio) +
+                       " of the median"});
+}
+
+void look_at_area(const Regions& regions, int r, const Shell& shell, double area, double plain,
+                  std::vector<SurfaceFlaw>& flaws) {
+  constexpr double most = 2;
+  if (!(plain > 0) || area <= most * plain) return;
+  Vec3 middle = Vec3::Zero();
+  for (const Vec3& p : shell.points) middle += p / static_cast<double>(shell.points.size());
+  flaws.push_back({SurfaceFlaw::Kind::Area,
+                   {r},
+                   middle,
+                   area / plain,
+                   "region " + name_of(regions, r) + " has " + number(area / plain) +
+                       " times the area of a plain filling of its lines"});
+}
+
+// An edge of facets, by points that are numbered in all regions together.
+using EdgeKey = std::pair<int, int>;
+
+void look_at_inner_folds(const Regions& regions, int r, const Shell& shell,
+                         std::vector<SurfaceFlaw>& flaws) {
+  std::map<EdgeKey, int> across;
+  double worst = 90 + 1e-6;
+  Vec3 place = Vec3::Zero();
+  for (size_t f = 0; f < shell.facets.size(); ++f)
+    for (int i = 0; i < 3; ++i) {
+      const int a = shell.facets[f][i], b = shell.facets[f][(i + 1) % 3];
+      const auto [it, first] = across.try_emplace(std::minmax(a, b), static_cast<int>(f));
+      if (first) continue;
+      const Vec3 &m = shell.normals[it->second], &n = shell.normals[f];
+      if (m.isZero() || n.isZero()) continue;
+      const double angle = degrees_between_normals(m, n);
+      if (angle <= worst) continue;
+      worst = angle;
+      place = 0.5 * (shell.points[a] + shell.points[b]);
+    }
+  if (worst > 90 + 1e-6)
+    flaws.push_back({SurfaceFlaw::Kind::Fold,
+                     {r},
+                     place,
+                     worst,
+                     "region " + name_of(regions, r) + " folds by " + number(worst) +
+                         " degrees inside, near " + at(place)});
+}
+
+// Points of different regions that lie within `near` of each other, or of one that does, as one
+// number; those of one region only where they are the same but for rounding.
+std::vector<int> welded(const std::vector<Vec3>& points, const std::vector<int>& region,
+                        double near, double rounding) {
+  std::map<std::array<long long, 3>, std::vector<int>> cells;
+  std::vector<int> number(points.size());
+  for (size_t i = 0; i < points.size(); ++i) {
+    std::array<long long, 3> cell;
+    for (int k = 0; k < 3; ++k) cell[k] = std::llround(points[i][k] / (2 * near));
+    number[i] = static_cast<int>(i);
+    bool found = false;
+    for (long long x = -1; x <= 1 && !found; ++x)
+      for (long long y = -1; y <= 1 && !found; ++y)
+        for (long long z = -1; z <= 1 && !found; ++z) {
+          const auto it = cells.find({cell[0] + x, cell[1] + y, cell[2] + z});
+          if (it == cells.end()) continue;
+          for (const int j : it->second)
+            if ((points[j] - points[i]).norm() <= (region[j] == region[i] ? rounding : near)) {
+              number[i] = j;
+              found = true;
+              break;
+            }
+        }
+    if (!found) cells[cell].push_back(static_cast<int>(i));
+  }
+  return number;
+}
+
+// All facets with points on shared lines welded.
+struct Soup {
+  std::vector<Vec3> points;
+  std::vector<std::array<int, 3>> facets;  // welded
+  std::vector<std::array<int, 3>> own;     // the same as they lie
+  std::vector<int> region, facet;          // of each facet
+  double near = 0;
+};
+
+Soup soup_of(const Regions& regions, const std::vector<SkinQuality>& qualities,
+             const std::vector<Shell>& shells) {
+  Soup soup;
+  std::vector<Vec3> rim;    // points on the edges of one facet
+  std::vector<int> at_rim;  // their numbers
+  std::vector<int> of_rim;  // their regions
+  double size = 0, gap = 0, edge = std::numeric_limits<double>::infinity();
+  for (size_t r = 0; r < shells.size(); ++r) {
+    if (!regions[r]) continue;
+    const int base = count_of(soup.points);
+    std::map<EdgeKey, int> uses;
+    for (size_t f = 0; f < shells[r].facets.size(); ++f) {
+      auto facet = shells[r].facets[f];
+      for (int i = 0; i < 3; ++i) ++uses[std::minmax(facet[i], facet[(i + 1) % 3])];
+      for (int& v : facet) v += base;
+      soup.facets.push_back(facet);
+      soup.region.push_back(static_cast<int>(r));
+      soup.facet.push_back(static_cast<int>(f));
+    }
+    std::vector<char> on_rim(shells[r].points.size(), 0);
+    for (const auto& [key, count] : uses)
+      if (count == 1) on_rim[key.first] = on_rim[key.second] = 1;
+    for (size_t i = 0; i < on_rim.size(); ++i) {
+      if (!on_rim[i]) continue;
+      rim.push_back(shells[r].points[i]);
+      at_rim.push_back(base + static_cast<int>(i));
+      of_rim.push_back(static_cast<int>(r));
+    }
+    soup.points.insert(soup.points.end(), shells[r].points.begin(), shells[r].points.end());
+    size = std::max(size, regions[r]->size);
+    gap = std::max(gap, qualities[r].max_line_gap);
+    edge = std::min(edge, shells[r].edge);
+  }
+  soup.near = std::max(1e-9 * size, std::min(4 * gap, 0.1 * edge));
+  const std::vector<int> first = welded(rim, of_rim, soup.near, 1e-9 * size);
+  std::vector<int> number(soup.points.size());
+  for (size_t i = 0; i < number.size(); ++i) number[i] = static_cast<int>(i);
+  for (size_t i = 0; i < rim.size(); ++i) number[at_rim[i]] = at_rim[first[i]];
+  soup.own = soup.facets;
+  for (auto& facet : soup.facets)
+    for (int& v : facet) v = number[v];
+  return soup;
+}
+
+// Where regions meet along a line: the wedge between them.
+void look_at_joins(const Regions& regions, const std::vector<Shell>& shells, const Soup& soup,
+                   std::vector<SurfaceFlaw>& flaws) {
+  std::map<EdgeKey, std::vector<size_t>> beside;
+  for (size_t f = 0; f < soup.facets.size(); ++f)
+    for (int i = 0; i < 3; ++i)
+      beside[std::minmax(soup.facets[f][i], soup.facets[f][(i + 1) % 3])].push_back(f);
+  struct Meeting {
+    double length = 0, sharp = 0, least = 180;
+    Vec3 where = Vec3::Zero();
+  };
+  std::map<EdgeKey, Meeting> meetings;  // by regions
+  // Into the facet, at right angles to its edge.
+  const auto inwards = [&](size_t f, const EdgeKey& e) {
+    const Vec3 &a = soup.points[e.first], along = (soup.points[e.second] - a).normalized();
+    Vec3 d = Vec3::Zero();
+    for (const int v : soup.facets[f])
+      if (v != e.first && v != e.second) d = soup.points[v] - a;
+    return Vec3(d - d.dot(along) * along);
+  };
+  constexpr double sharp = 30;
+  for (const auto& [e, sides] : beside)
+    for (size_t i = 0; i < sides.size(); ++i)
+      for (size_t j = i + 1; j < sides.size(); ++j) {
+        const int r = soup.region[sides[i]], s = soup.region[sides[j]];
+        const auto no_area = [&](size_t f) {
+          return shells[soup.region[f]].normals[soup.facet[f]].isZero();
+        };
+        if (r == s || e.first == e.second || no_area(sides[i]) || no_area(sides[j])) continue;
+        Meeting& m = meetings[std::minmax(r, s)];
+        const Vec3 &a = soup.points[e.first], &b = soup.points[e.second];
+        const double wedge = degrees_between_normals(inwards(sides[i], e), inwards(sides[j], e));
+        m.length += (b - a).norm();
+        if (wedge < sharp) m.sharp += (b - a).norm();
+        if (wedge >= m.least) continue;
+        m.least = wedge;
+        m.where = 0.5 * (a + b);
+      }
+  constexpr double enough = 0.1;  // of the way along which they meet
+  for (const auto& [pair, m] : meetings)
+    if (m.sharp > enough * m.length)
+      flaws.push_back({SurfaceFlaw::Kind::Fold,
+                       {pair.first, pair.second},
+                       m.where,
+                       180 - m.least,
+                       "region " + name_of(regions, pair.second) + " doubles back on region " +
+                           name_of(regions, pair.first) + ": they meet at " + number(m.least) +
+                           " degrees near " + at(m.where)});
+}
+
+void look_at_crossings(const Regions& regions, const std::vector<Shell>& shells, const Soup& soup,
+                       std::vector<SurfaceFlaw>& flaws) {
+  double edge = 0;
+  for (const Shell& shell : shells) edge = std::max(edge, shell.edge);
+  // Beside lines that both regions only nearly keep, facets may dip through each other.
+  constexpr double share = 0.1;
+  const auto crossings = facet_crossings(soup.points, soup.own, soup.facets, soup.region,
+                                         std::max(soup.near, share * edge));
+  struct Crossed {
+    int count = 0;
+    Vec3 where = Vec3::Zero();
+  };
+  std::map<EdgeKey, Crossed> by_regions;
+  for (const FacetCrossing& c : crossings) {
+    Crossed& crossed = by_regions[std::minmax(soup.region[c.a], soup.region[c.b])];
+    if (crossed.count++ == 0) crossed.where = c.where;
+  }
+  for (const auto& [pair, c] : by_regions) {
+    const bool itself = pair.first == pair.second;
+    flaws.push_back(
+        {SurfaceFlaw::Kind::Crossing,
+         itself ? std::vector<int>{pair.first} : std::vector<int>{pair.first, pair.second}, c.where,
+         static_cast<double>(c.count),
+         "region " + name_of(regions, pair.first) + " passes through " +
+             (itself ? std::string("itself") : "region " + name_of(regions, pair.second)) +
+             " near " + at(c.where) + " (" + std::to_string(c.count) + " pairs of facets)"});
+  }
+}
+
+}  // namespace
+
+std::vector<SurfaceFlaw> find_flaws(const std::vector<const SkinnedRegion*>& regions,
+                                    const std::vector<SkinQuality>& qualities,
+                                    const std::vector<double>& plain_areas) {
+  if (qualities.size() != regions.size() || plain_areas.size() != regions.size())
+    throw InputError(std::to_string(qualities.size()) + " qualities and " +
+                     std::to_string(plain_areas.size()) + " areas for " +
+                     std::to_string(regions.size()) + " regions");
+  std::vector<Shell> shells(regions.size());
+  parallel_parts(count_of(regions), [&](int r) {
+    const auto i = static_cast<size_t>(r);
+    if (regions[i]) shells[i] = shell_of(*regions[i]);
+  });
+  std::vector<SurfaceFlaw> flaws;
+  for (size_t i = 0; i < regions.size(); ++i) {
+    if (!regions[i]) continue;
+    const int r = static_cast<int>(i);
+    look_at_jacobian(regions, r, qualities[i], flaws);
+    look_at_inner_folds(regions, r, shells[i], flaws);
+    look_at_area(regions, r, shells[i], qualities[i].area, plain_areas[i], flaws);
+  }
+  const Soup soup = soup_of(regions, qualities, shells);
+  look_at_joins(regions, shells, soup, flaws);
+  look_at_crossings(regions, shells, soup, flaws);
+  return flaws;
+}
+
+}  // namespace batten

@@ -1,0 +1,116 @@
+// Models that STEP files are made of.
+#pragma once
+
+#include <cmath>
+#include <numbers>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "batten/io/scene/read_scene.h"
+#include "batten/io/scene/scene.h"
+#include "batten/skinning/search/find_regions.h"
+#include "batten/skinning/surfaces/skin_network.h"
+#include "batten/skinning/surfaces/surface_model.h"
+
+namespace batten_test {
+
+using namespace batten;
+
+inline CharacterLine straight(const std::string& name, const Vec3& a, const Vec3& b) {
+  return {name, curve_through_points(name, {a, b})};
+}
+
+/// Edges of a box [0, size], every second one backwards: "x00", "y10", …
+inline std::vector<CharacterLine> box(const Vec3& size, const std::string& prefix = "",
+                                      const Vec3& at = Vec3::Zero()) {
+  std::vector<CharacterLine> lines;
+  for (int axis = 0; axis < 3; ++axis)
+    for (int k = 0; k < 4; ++k) {
+      const int second = (axis + 1) % 3, third = (axis + 2) % 3;
+      Vec3 from = at;
+      from[second] += (k & 1) * size[second];
+      from[third] += (k >> 1) * size[third];
+      Vec3 to = from;
+      to[axis] += size[axis];
+      if (k & 1) std::swap(from, to);
+      lines.push_back(straight(prefix + "xyz"[axis] + std::to_string(k), from, to));
+    }
+  return lines;
+}
+
+/// Two boxes of one size, side by side in x, with a wall between them.
+inline std::vector<CharacterLine> two_boxes() {
+  std::vector<CharacterLine> lines = box({10, 10, 10}, "a");
+  for (const CharacterLine& line : box({10, 10, 10}, "b", {10, 0, 0})) {
+    const Vec3 middle = line.curve->evaluate(0.5 * (line.curve->start() + line.curve->end()));
+    if (middle.x() > 10.1) lines.push_back(line);
+  }
+  return lines;
+}
+
+/// Circle around the z axis, closed, beginning at an angle.
+inline CharacterLine circle_line(const std::string& name, double radius, double z,
+                                 double from = 0) {
+  return {name, curve_from_formula(from, from + 2 * std::numbers::pi, [=](double t, int order) {
+            const double c = std::cos(t), s = std::sin(t);
+            return order == 0   ? Vec3(radius * c, radius * s, z)
+                   : order == 1 ? Vec3(-radius * s, radius * c, 0)
+                                : Vec3(-radius * c, -radius * s, 0);
+          })};
+}
+
+/// Regions by their lines; two loops are a ring.
+inline RegionOptions region_words(
+    const std::vector<std::vector<std::vector<std::string>>>& regions) {
+  RegionOptions options;
+  for (const auto& loops : regions) {
+    RegionWord word;
+    word.name = "r" + std::to_string(options.words.size());
+    word.loops = loops;
+    word.ring = loops.size() == 2;
+    options.words.push_back(word);
+  }
+  return options;
+}
+
+struct MadeModel {
+  CharacterLineNetwork network;
+  SurfaceModel model;
+};
+
+inline MadeModel make_model(const std::vector<CharacterLine>& lines,
+                            const RegionOptions& regions = {}, double edge_length = 0,
+                            const NetworkOptions& how = {}) {
+  CharacterLineNetwork network(lines, how);
+  ModelOptions options;
+  options.skin.edge_length = edge_length > 0 ? edge_length : network.size() / 10;
+  SurfaceModel model = skin_network(network, find_regions(network, regions), options);
+  return {std::move(network), std::move(model)};
+}
+
+/// The mouse of the examples. With `keel` two straight lines cut its flat side in four: one loop
+/// without corners is embedded.
+inline MadeModel mouse(double edge_length, bool keel) {
+  const Scene scene = read_scene(std::string(BATTEN_SOURCE_DIR) + "/examples/09-mouse/scene.toml");
+  NetworkOptions how;
+  how.corner_angle = 60;
+  std::vector<CharacterLine> lines;
+  for (const SceneLine& line : scene.lines)
+    lines.push_back({line.name, curve_through_points(line.name, line.points, how.corner_angle)});
+  RegionOptions words;
+  if (keel) {
+    lines.push_back(straight("keel", {0, -52.25, 0}, {0, 52.25, 0}));
+    lines.push_back(straight("beam", {26.56, 0, 0}, {-23.91, 0, 0}));
+  } else {
+    words.words = scene.network->regions;
+  }
+  CharacterLineNetwork network(lines, how);
+  ModelOptions options;
+  options.skin.edge_length = edge_length;
+  options.joins = scene.network->joins;
+  SurfaceModel model = skin_network(network, find_regions(network, words), options);
+  return {std::move(network), std::move(model)};
+}
+
+}  // namespace batten_test

@@ -1,0 +1,241 @@
+// Models some of whose regions embedded lines cut: these are fitted faces on the edges of the exact
+// ones beside them.
+#include <STEPControl_Reader.hxx>
+#include <TopExp.hxx>
+#include <TopTools_IndexedMapOfShape.hxx>
+
+#include <cstdlib>
+#include <set>
+
+#include "batten/core/errors.h"
+#include "batten/io/cad/step.h"
+#include "batten/tests/catch.h"
+#include "batten/tests/io/cad/step_models.h"
+#include "batten/tests/reference.h"
+#include "batten/tests/refusal.h"
+
+using namespace batten_test;
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr double kMm = 0.001;
+
+fs::path file_of(const std::string& name) { return scratch("step_cut") / (name + ".step"); }
+
+bool is_cut(const SkinnedRegion* region) { return region->surface.trim() != nullptr; }
+
+/// Of one line: vertices of all exact regions end them.
+int edges_along(const std::vector<const SkinnedRegion*>& regions, const std::string& line) {
+  size_t most = 1;
+  for (const SkinnedRegion* region : regions)
+    for (const LineRun& run : region->runs)
+      if (!is_cut(region) && run.line.name == line) most = std::max(most, run.edges.size());
+  return static_cast<int>(most);
+}
+
+/// Of the model as one solid: those of exact regions, and of lines between cut ones.
+struct Count {
+  int faces = 0, edges = 0, fitted = 0;
+};
+Count expected(const std::vector<const SkinnedRegion*>& regions) {
+  Count count;
+  std::set<std::string> lines;
+  for (const SkinnedRegion* region : regions) {
+    for (const auto& loop : region->boundary)
+      for (const BoundaryPiece& piece : loop) {
+        const auto i = static_cast<size_t>(piece.index);
+        lines.insert(piece.kind == BoundaryPiece::Kind::Run ? region->runs[i].line.name
+                                                            : region->embedded[i].line.name);
+      }
+    if (is_cut(region)) {
+      ++count.fitted;
+      continue;
+    }
+    const ParametricMesh& mesh = region->surface.mesh();
+    count.faces += 3 * mesh.triangle_count();
+    count.edges += 3 * mesh.triangle_count() + mesh.edge_count();
+    for (const LineRun& run : region->runs) count.edges -= static_cast<int>(run.edges.size());
+  }
+  for (const std::string& line : lines) count.edges += edges_along(regions, line);
+  count.faces += count.fitted;
+  return count;
+}
+
+/// `within`: of the volume, relative; `apart`: of the curves that two regions have of one line,
+/// over the size.
+void expect_solid(const StepReport& r, const MadeModel& made, double within, double apart = 1e-9) {
+  REQUIRE(made.model.shells.size() == 1);
+  const auto regions = made.model.skinned();
+  const Count count = expected(regions);
+  CHECK(r.valid);
+  CHECK(r.solids == 1);
+  CHECK(r.shells == 1);
+  CHECK(r.closed_shells == 1);
+  CHECK(r.free_edges == 0);
+  CHECK(r.faces == count.faces);
+  CHECK(r.edges == count.edges);
+  CHECK(r.unmeasured == 0);
+  CHECK(*r.max_deviation <= 1e-13 * r.size);
+  CHECK(r.reached);
+  REQUIRE(static_cast<int>(r.patches.size()) == count.fitted);
+  double line_gap = 0;
+  for (const StepPatch& patch : r.patches) {
+    CAPTURE(patch.region);
+    CHECK(patch.reached);
+    CHECK(patch.deviation <= r.tolerance);
+    // Its edges are the exact faces' own.
+    CHECK(patch.edge_deviation <= apart * r.size);
+    line_gap = std::max(line_gap, patch.line_gap);
+  }
+  CHECK(r.max_gap <= r.tolerance + line_gap + apart * r.size);
+  CHECK(r.max_tolerance <= 1.1 * r.max_gap + 1e-7 * r.size);
+  const double volume = made.model.shells[0].volume;
+  CAPTURE(r.volume, volume, r.volume / volume - 1);
+  CHECK(std::abs(r.volume - volume) <= within * volume);
+  INFO("deviation " << (r.patches.empty() ? 0 : r.patches[0].deviation) << ", gap " << r.max_gap);
+  // Read again, against the nearest points.
+  const StepReport again = check_step(r.file, kMm, regions);
+  CHECK(again.faces == r.faces);
+}
+
+CharacterLine wave(const std::string& name, double radius, double z, double height, int times) {
+  return {name, curve_from_formula(0, 2 * std::numbers::pi, [=](double t, int order) {
+            const double c = std::cos(t), s = std::sin(t), n = times, h = height;
+            return order == 0   ? Vec3(radius * c, radius * s, z + h * std::cos(n * t))
+                   : order == 1 ? Vec3(-radius * s, radius * c, -n * h * std::sin(n * t))
+                                : Vec3(-radius * c, -radius * s, -n * n * h * std::cos(n * t));
+          })};
+}
+
+/// Four walls and four roofs on a closed line that goes up and down; what is under them is cut.
+std::vector<CharacterLine> house(double height) {
+  constexpr double r = 20, z = 15, top = 25;
+  std::vector<CharacterLine> lines{wave("base", r, 0, height, 2), wave("eaves", r, z, 0, 0)};
+  for (int k = 0; k < 4; ++k) {
+    const double a = k * std::numbers::pi / 2;
+    const Vec3 foot(r * std::cos(a), r * std::sin(a), height * std::cos(2 * a));
+    const Vec3 eaves(foot.x(), foot.y(), z);
+    lines.push_back(straight("post " + std::to_string(k), foot, eaves));
+    lines.push_back(straight("rafter " + std::to_string(k), eaves, {0, 0, top}));
+  }
+  return lines;
+}
+
+RegionOptions surfaces(const std::vector<std::vector<std::string>>& loops) {
+  RegionOptions options;
+  for (const auto& loop : loops) {
+    RegionWord word;
+    word.name = "cut " + std::to_string(options.words.size() + 1);
+    word.loops = {loop};
+    options.words.push_back(word);
+  }
+  return options;
+}
+
+}  // namespace
+
+TEST_CASE("the whole mouse is one solid on its flat side too, which Gmsh opens",
+          "[step_cut][mouse]") {
+  const MadeModel made = mouse(8, false);
+  const fs::path file = file_of("mouse");
+  const StepReport r = write_step(file, made.model.skinned(), kMm, {.name = "mouse"});
+  expect_solid(r, made, 1e-6);
+  REQUIRE(r.patches.size() == 1);
+  CHECK(r.patches[0].region == "bottom");
+  CHECK(r.tolerance == Approx(1e-4 * r.size).epsilon(0.05));
+  CHECK(r.max_gap <= 1e-6 * r.size);  // it is nearly a plane
+  if (std::system("/usr/bin/python3 -c 'import gmsh' > /dev/null 2>&1") != 0) {
+    WARN("skipped: Gmsh's Python module is not installed");
+    return;
+  }
+  CHECK(std::system(("/usr/bin/python3 '" BATTEN_SOURCE_DIR "/tests/io/gmsh_opens_step.py' '" +
+                     file.string() + "' > /dev/null")
+                        .c_str()) == 0);
+}
+
+TEST_CASE("a curved side that is cut keeps its tolerance, whatever that is", "[step_cut]") {
+  const MadeModel made = make_model(house(3), surfaces({{"base"}}), 5);
+  const auto regions = made.model.skinned();
+  REQUIRE(regions.size() == 9);
+  REQUIRE(std::count_if(regions.begin(), regions.end(), is_cut) == 1);
+  for (const double tolerance : {0.0, 1e-3}) {
+    CAPTURE(tolerance);
+    const StepReport r = write_step(file_of("house"), regions, kMm, {.tolerance = tolerance});
+    expect_solid(r, made, 1e-4);
+    if (tolerance > 0) CHECK(r.tolerance == tolerance);
+  }
+}
+
+TEST_CASE("two cut sides have the line between them in common as one edge", "[step_cut]") {
+  std::vector<CharacterLine> lines = house(2);
+  lines.push_back(wave("drain", 8, 1, 0.5, 2));
+  RegionOptions words = surfaces({{"base"}, {"drain"}});
+  words.words[0].loops.push_back({"drain"});
+  const MadeModel made = make_model(lines, words, 5);
+  for (const ModelRegion& region : made.model.regions) {
+    INFO(region.plan.name << ": " << region.why_not);
+    REQUIRE(region.skinned);
+  }
+  const auto regions = made.model.skinned();
+  REQUIRE(regions.size() == 10);
+  REQUIRE(std::count_if(regions.begin(), regions.end(), is_cut) == 2);
+  const StepReport r = write_step(file_of("drain"), regions, kMm);
+  expect_solid(r, made, 1e-4);
+}
+
+TEST_CASE("a ring ends in discs that are cut along closed lines", "[step_cut]") {
+  const MadeModel made = make_model({circle_line("low", 10, 0), circle_line("high", 10, 15, 1)},
+                                    region_words({{{"low"}, {"high"}}, {{"low"}}, {{"high"}}}), 3);
+  const auto regions = made.model.skinned();
+  REQUIRE(regions.size() == 3);
+  REQUIRE(std::count_if(regions.begin(), regions.end(), is_cut) == 2);
+  expect_solid(write_step(file_of("can"), regions, kMm), made, 1e-4, 1e-6);  // rings fit their rims
+}
+
+TEST_CASE("a box with a hole through it is exact but for the two sides with the hole",
+          "[step_cut]") {
+  std::vector<CharacterLine> lines = box({40, 30, 20}, "", {-20, -15, 0});
+  lines.push_back(circle_line("low", 8, 0));
+  lines.push_back(circle_line("high", 8, 20, 1));
+  RegionOptions words = region_words({{{"low"}, {"high"}}});
+  for (const auto& [outline, hole] : std::vector<std::pair<std::vector<std::string>, std::string>>{
+           {{"x0", "x1", "y0", "y2"}, "low"}, {{"x2", "x3", "y1", "y3"}, "high"}}) {
+    RegionWord word;
+    word.name = "side " + hole;
+    word.loops = {outline, {hole}};
+    words.words.push_back(word);
+  }
+  const MadeModel made = make_model(lines, words, 2);
+  for (const ModelRegion& region : made.model.regions) {
+    INFO(region.plan.name << ": " << region.why_not);
+    REQUIRE(region.skinned);
+  }
+  const auto regions = made.model.skinned();
+  REQUIRE(regions.size() == 7);
+  REQUIRE(std::count_if(regions.begin(), regions.end(), is_cut) == 2);
+  const StepReport r = write_step(file_of("hole"), regions, kMm);
+  expect_solid(r, made, 1e-6, 1e-6);
+}
+
+TEST_CASE("cut regions that cannot share edges with exact ones are refused", "[step_cut]") {
+  const fs::path file = file_of("refused");
+  const auto told = [&](const std::vector<const SkinnedRegion*>& regions,
+                        const StepOptions& options = {}) {
+    return refusal([&] { write_step(file, regions, kMm, options); });
+  };
+  const MadeModel made = make_model(house(3), surfaces({{"base"}}), 8);
+  auto regions = made.model.skinned();
+  const auto cut = std::find_if(regions.begin(), regions.end(), is_cut);
+  REQUIRE(cut != regions.end());
+  CHECK_THAT(told({*cut}),
+             Catch::Contains("'" + (*cut)->name + "'") && Catch::Contains("step_form = \"face\""));
+  CHECK_THAT(told(regions, {.tolerance = -1}), Catch::Contains("tolerance"));
+
+  SkinnedRegion nameless = **cut;
+  nameless.embedded[0].line.name.clear();
+  const SkinnedRegion* whole = std::exchange(*cut, &nameless);
+  CHECK_THAT(told(regions), Catch::Contains("without a name"));
+  *cut = whole;
+  CHECK(!fs::exists(file));
+}

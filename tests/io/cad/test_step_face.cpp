@@ -1,0 +1,666 @@
+// One trimmed B-spline face is the region within the tolerance, by what other readers see of it.
+#include "batten/io/cad/step_face.h"
+
+#include <BRepBuilderAPI_MakeVertex.hxx>
+#include <BRepCheck_Analyzer.hxx>
+#include <BRepClass_FaceClassifier.hxx>
+#include <BRepExtrema_DistShapeShape.hxx>
+#include <BRepTools.hxx>
+#include <BRep_Tool.hxx>
+#include <Geom_BSplineSurface.hxx>
+#include <STEPControl_Reader.hxx>
+#include <ShapeAnalysis_Edge.hxx>
+#include <ShapeAnalysis_Wire.hxx>
+#include <ShapeFix_Shape.hxx>
+#include <TopExp_Explorer.hxx>
+#include <TopoDS.hxx>
+#include <TopoDS_Face.hxx>
+#include <TopoDS_Wire.hxx>
+#include <fstream>
+#include <sstream>
+
+#include "batten/core/errors.h"
+#include "batten/fem/bicubic_patch.h"
+#include "batten/io/cad/occ_settings.h"
+#include "batten/tests/catch.h"
+#include "batten/tests/embedded_grid.h"
+#include "batten/tests/reference.h"
+#include "batten/tests/refusal.h"
+#include "batten/tests/sampling.h"
+#include "batten/tests/threads.h"
+
+using namespace batten_test;
+namespace fs = std::filesystem;
+
+namespace {
+
+using Formula = std::function<SurfaceJet(const Vec2&)>;
+
+SurfaceJet wavy(const Vec2& p) {
+  const double u = p.x(), v = p.y();
+  SurfaceJet j{};
+  j.x = {u + 0.1 * std::sin(2 * v), v + 0.1 * u * u, 0.2 * std::sin(3 * u) * std::cos(2 * v)};
+  j.x_u = {1, 0.2 * u, 0.6 * std::cos(3 * u) * std::cos(2 * v)};
+  j.x_v = {0.2 * std::cos(2 * v), 1, -0.4 * std::sin(3 * u) * std::sin(2 * v)};
+  return j;
+}
+
+SurfaceJet paraboloid(const Vec2& p) {
+  SurfaceJet j{};
+  j.x = {p.x(), p.y(), 0.5 * p.squaredNorm()};
+  j.x_u = {1, 0, p.x()};
+  j.x_v = {0, 1, p.y()};
+  return j;
+}
+
+SurfaceJet cylinder(const Vec2& p) {
+  SurfaceJet j{};
+  j.x = {std::sin(p.x()), p.y(), std::cos(p.x())};
+  j.x_u = {std::cos(p.x()), 0, -std::sin(p.x())};
+  j.x_v = {0, 1, 0};
+  return j;
+}
+
+Formula placed(const Formula& f, double scale, const Vec3& at = Vec3::Zero()) {
+  return [=](const Vec2& p) {
+    SurfaceJet j = f(p);
+    j.x = scale * j.x + at;
+    j.x_u *= scale;
+    j.x_v *= scale;
+    return j;
+  };
+}
+
+/// X(t) = x(c(t)) with the nodes of c.
+HermiteCurve lifted(const HermiteCurve& image, const Formula& f) {
+  Points dofs(image.dofs().rows(), 3);
+  for (int i = 0; i < image.node_count(); ++i) {
+    const SurfaceJet j = f(image.position(i).head<2>());
+    const Vec3 d = image.slope_out(i);
+    dofs.row(image.mesh().position_dof(i)) = j.x;
+    dofs.row(image.mesh().slope_out(i)) = d.x() * j.x_u + d.y() * j.x_v;
+  }
+  return {image.mesh(), dofs};
+}
+
+double size_of(const SkinnedRegion& region) {
+  Eigen::AlignedBox3d box;
+  for (const auto& loop : region.boundary)
+    for (const BoundaryPiece& piece : loop) {
+      const HermiteCurve curve = boundary_curve(region, piece);
+      for (int i = 0; i < curve.node_count(); ++i) box.extend(curve.position(i));
+    }
+  return box.diagonal().norm();
+}
+
+const Vec2 hole_at(0.25, -0.1);
+
+/// A disc of radius 0.5 with a hole off its middle, over squares that ignore both.
+SkinnedRegion disc(const Formula& f, int n, int segments = 48,
+                   TriangleElement kind = TriangleElement::HCT) {
+  const HermiteCurve outline = circle({0, 0}, 0.5, segments),
+                     hole = circle(hole_at, 0.12, segments / 2, true);
+  const DomainLoops loops({{outline}, {hole}});
+  const EmbeddedGrid grid(squares({-0.503, -0.507}, 1.02 / n, n, n), loops);
+  const Surface full = interpolated(grid.mesh, kind, f);
+  SkinnedRegion region{"disc", Surface(grid.mesh, kind, full.dofs(), grid.trim), {}, 1, {}, {}};
+  region.embedded.push_back({{}, lifted(outline, f), outline, {}});
+  region.embedded.push_back({{}, lifted(hole, f), hole, {}});
+  region.boundary = {{{BoundaryPiece::Kind::Embedded, 0, false}},
+                     {{BoundaryPiece::Kind::Embedded, 1, false}}};
+  region.size = size_of(region);
+  return region;
+}
+
+/// The curve of the surface along a chain of mesh edges.
+LineRun run_along(const Surface& surface, const std::vector<int>& vertices) {
+  const ParametricMesh& mesh = surface.mesh();
+  LineRun run;
+  run.vertices = vertices;
+  const int n = static_cast<int>(vertices.size());
+  Points x(n, 3), d(n, 3);
+  Vec2 along = Vec2::Zero();
+  for (int i = 0; i + 1 < n; ++i) {
+    const int e = mesh.edge_between(vertices[i], vertices[i + 1]);
+    run.edges.push_back(e);
+    const Vec2 step = (mesh.edges()[e].low == vertices[i] ? 1 : -1) * mesh.edge_tangent(e);
+    if (i == 0) run.parameters.push_back(0);
+    run.parameters.push_back(run.parameters.back() + mesh.edge_length(e));
+    along = step;
+  }
+  for (int i = 0; i < n; ++i) {
+    const auto row = [&](int k) {
+      return surface.dofs().row(surface.dof_map().vertex(vertices[i], k));
+    };
+    x.row(i) = row(0);
+    d.row(i) = along.x() * row(1) + along.y() * row(2);
+  }
+  run.fitted = HermiteCurve(run.parameters, x, d);
+  return run;
+}
+
+/// The unit square with its four sides as runs, of which one goes against the loop.
+SkinnedRegion square(const Formula& f, int n) {
+  const auto mesh = std::make_shared<ParametricMesh>(perturbed_square(n, 1));
+  SkinnedRegion region{"square", interpolated(mesh, TriangleElement::HCT, f), {}, 1, {}, {}};
+  std::vector<int> side[4];
+  for (int i = 0; i <= n; ++i) {
+    side[0].push_back(i);
+    side[1].push_back(i * (n + 1) + n);
+    side[2].push_back(n * (n + 1) + i);  // against the loop
+    side[3].push_back((n - i) * (n + 1));
+  }
+  region.boundary.resize(1);
+  for (int s = 0; s < 4; ++s) {
+    region.runs.push_back(run_along(region.surface, side[s]));
+    region.boundary[0].push_back({BoundaryPiece::Kind::Run, s, s == 2});
+  }
+  region.size = size_of(region);
+  return region;
+}
+
+/// ∫ |x_u × x_v| inside of the loops.
+double area_of(const SkinnedRegion& region) {
+  double area = 0;
+  const ParametricMesh& mesh = region.surface.mesh();
+  const Trim trim(mesh, boundary_loops(region));
+  for (int t = 0; t < mesh.triangle_count(); ++t) {
+    const TriangleRule rule = trim.rule(t, 6);
+    for (long k = 0; k < rule.weights.size(); ++k)
+      area += rule.weights[k] * mesh.shape(t).area *
+              region.surface.jet({t, rule.L.row(k).transpose()}).area_vector().norm();
+  }
+  return area;
+}
+
+/// The one face of a file, in its own numbers.
+TopoDS_Face face_of(const fs::path& file, const char* unit = "MM") {
+  OccSettings occ;
+  occ.set_unit(unit);
+  STEPControl_Reader reader;
+  REQUIRE(reader.ReadFile(file.string().c_str()) == IFSelect_RetDone);
+  reader.TransferRoots();
+  TopExp_Explorer faces(reader.OneShape(), TopAbs_FACE);
+  REQUIRE(faces.More());
+  const TopoDS_Face face = TopoDS::Face(faces.Current());
+  faces.Next();
+  REQUIRE(!faces.More());
+  return face;
+}
+
+/// What is wrong with a face in the eyes of OpenCASCADE's analysers and repairers.
+std::string complaints(const TopoDS_Face& face, double tolerance) {
+  std::string text;
+  if (!BRepCheck_Analyzer(face).IsValid()) text += "not valid; ";
+  for (TopExp_Explorer it(face, TopAbs_WIRE); it.More(); it.Next()) {
+    ShapeAnalysis_Wire wire(TopoDS::Wire(it.Current()), face, tolerance);
+    if (wire.CheckOrder()) text += "order; ";
+    if (wire.CheckConnected()) text += "not connected; ";
+    if (wire.CheckSmall(tolerance)) text += "small edges; ";
+    if (wire.CheckEdgeCurves()) text += "curves of edges; ";
+    if (wire.CheckDegenerated()) text += "degenerated; ";
+    if (wire.CheckClosed()) text += "open; ";
+    if (wire.CheckSelfIntersection()) text += "self-intersection; ";
+    if (wire.CheckLacking()) text += "lacking; ";
+  }
+  for (TopExp_Explorer it(face, TopAbs_EDGE); it.More(); it.Next()) {
+    ShapeAnalysis_Edge check;
+    double deviation;
+    if (check.CheckSameParameter(TopoDS::Edge(it.Current()), face, deviation))
+      text += "parameters of an edge; ";
+  }
+  ShapeFix_Shape fix(face);
+  fix.SetPrecision(tolerance);
+  if (fix.Perform()) text += "repaired; ";
+  return text;
+}
+
+/// Normal of a face at (u, v), outwards.
+Vec3 normal_of(const TopoDS_Face& face, const Vec2& uv) {
+  gp_Pnt p;
+  gp_Vec du, dv;
+  BRep_Tool::Surface(face)->D1(uv.x(), uv.y(), p, du, dv);
+  const gp_Vec n = du.Crossed(dv).Normalized() * (face.Orientation() == TopAbs_REVERSED ? -1 : 1);
+  return {n.X(), n.Y(), n.Z()};
+}
+
+TopAbs_State side_of(const TopoDS_Face& face, const Vec2& uv) {
+  return BRepClass_FaceClassifier(face, gp_Pnt2d(uv.x(), uv.y()), 1e-9).State();
+}
+
+int wires_of(const TopoDS_Face& face) {
+  int count = 0;
+  for (TopExp_Explorer it(face, TopAbs_WIRE); it.More(); it.Next()) ++count;
+  return count;
+}
+
+/// Everything that holds for a file that reached its tolerance.
+void expect_face(const SkinnedRegion& region, const StepReport& r, const char* unit = "MM") {
+  CHECK(r.reached);
+  CHECK(*r.max_deviation <= r.tolerance);
+  CHECK(*r.max_deviation > 0);
+  CHECK(r.valid);
+  CHECK(r.faces == 1);
+  int pieces = 0;
+  for (const auto& loop : region.boundary) pieces += static_cast<int>(loop.size());
+  CHECK(r.edges == pieces);
+  CHECK(r.free_edges == pieces);
+  const double size = region.size;
+  double far = 0;
+  for (int v = 0; v < region.surface.mesh().vertex_count(); ++v)
+    far = std::max(far, region.surface.dofs().row(region.surface.dof_map().vertex(v)).norm());
+  CHECK(r.edge_deviation <= 1e-13 * size + 1e-15 * far);
+  CHECK(r.max_gap <= 1.001 * (r.line_gap + *r.max_deviation));
+  CHECK(r.bytes == fs::file_size(r.file));
+
+  const TopoDS_Face face = face_of(r.file, unit);
+  CHECK(complaints(face, 1.1 * std::max(r.max_gap, 1e-9 * size)) == "");
+  CHECK(wires_of(face) == static_cast<int>(region.boundary.size()));
+
+  // By other means than the report's: points, sides, normals, area.
+  const Handle(Geom_Surface) surface = BRep_Tool::Surface(face);
+  const TriangleLocator locator(region.surface.mesh());
+  const DomainLoops loops = boundary_loops(region);
+  Random random(5);
+  double deviation = 0;
+  int inside = 0, disagree = 0;
+  for (int k = 0; k < 2000; ++k) {
+    const Vec2 uv(random.between(loops.low().x(), loops.high().x()),
+                  random.between(loops.low().y(), loops.high().y()));
+    const bool in = loops.contains(uv);
+    disagree += in != (side_of(face, uv) == TopAbs_IN);
+    if (!in) continue;
+    ++inside;
+    const SurfaceJet jet = region.surface.jet(locator.locate(uv));
+    const gp_Pnt p = surface->Value(uv.x(), uv.y());
+    deviation = std::max(deviation, (Vec3(p.X(), p.Y(), p.Z()) - jet.x).norm());
+    if (k % 50 == 0) CHECK(normal_of(face, uv).dot(jet.normal()) > 0.999);
+  }
+  CHECK(inside > 500);
+  CHECK(disagree <= 1);  // on the line
+  CHECK(deviation <= r.tolerance);
+  CHECK(deviation <= 1.02 * *r.max_deviation + 1e-15 * far);
+  // What the tolerance may do to an area: along the rim, and by its square inside.
+  CHECK(r.area == Approx(area_of(region)).epsilon(20 * r.tolerance / size + 1e-6));
+}
+
+}  // namespace
+
+TEST_CASE("B-splines of an axis sum to one, are C2 and repeat where they close", "[step-face]") {
+  for (const bool periodic : {false, true}) {
+    const SplineAxis axis({0, 0.5, 0.7, 1.5, 2, 2.25}, periodic);
+    CAPTURE(periodic);
+    CHECK(axis.functions() == (periodic ? 5 : 8));
+    for (int k = 0; k < axis.intervals(); ++k) {
+      CHECK(axis.basis(k, 0.3).sum() == Approx(1).epsilon(1e-14));
+      CHECK(axis.basis(k, 0.3).minCoeff() >= 0);
+      if (k + 1 == axis.intervals() && !periodic) continue;
+      const int next = (k + 1) % axis.intervals();
+      for (int d = 0; d <= 2; ++d) {
+        const Eigen::Vector4d a = axis.basis(k, 1, d) / std::pow(axis.length(k), d),
+                              b = axis.basis(next, 0, d) / std::pow(axis.length(next), d);
+        CHECK(std::abs(a[0]) < 1e-12);
+        CHECK((a.tail<3>() - b.head<3>()).norm() < 1e-11);
+      }
+    }
+    CHECK(axis.interval(0.7) == 2);
+    CHECK(axis.interval(2.25) == 4);
+    CHECK(axis.interval(2.25 + 0.6) == (periodic ? 1 : 4));
+  }
+}
+
+TEST_CASE("A fitted patch of few poles is a bicubic surface exactly", "[step-face]") {
+  const auto x = [](const Vec2& p) {
+    return Vec3(p.x() + p.y() * p.y() * p.y(), p.y() - p.x() * p.x(),
+                p.x() * p.x() * p.x() * p.y());
+  };
+  const auto rim = [](double spacing) {
+    std::vector<Vec2> points;
+    for (double t = 0; t < 2 * pi; t += spacing)
+      points.push_back(0.9 * Vec2(std::cos(t), std::sin(t)));
+    return points;
+  };
+  const PatchTarget target{
+      [](const Vec2& p) { return p.norm() < 0.9; }, x, rim, {-1, -1}, {1, 1}, false};
+  const PatchFit fit = fit_bicubic_patch(target, 1e-5);
+  CHECK(fit.reached);
+  CHECK(fit.deviation <= 1e-5);
+  CHECK(fit.patch.poles.rows() <= 11 * 11);
+  CHECK((fit.patch.position({0.3, -0.4}) - x({0.3, -0.4})).norm() <= 1e-5);
+}
+
+TEST_CASE("A disc with a hole is one face within each tolerance", "[step-face]") {
+  const fs::path folder = scratch("step_face");
+  const SkinnedRegion region = disc(placed(wavy, 100), 32);
+  int poles = 0;
+  for (const double relative : {1e-3, 1e-4, 1e-5}) {
+    CAPTURE(relative);
+    const StepReport r = write_step_faces(folder / "disc.step", {&region}, 1e-3,
+                                          {.tolerance = relative * region.size});
+    expect_face(region, r);
+    const TopoDS_Face face = face_of(r.file);
+    CHECK(side_of(face, hole_at) == TopAbs_OUT);
+    CHECK(side_of(face, hole_at + Vec2(0.13, 0)) == TopAbs_IN);
+    const int now = r.patches[0].poles_u * r.patches[0].poles_v;
+    CHECK(now > poles);
+    CHECK(now < 3000);
+    poles = now;
+  }
+}
+
+TEST_CASE("Outside of the trim the face is calm", "[step-face]") {
+  // Viewers take the box of the poles for the part's.
+  const Formula ripples = [](const Vec2& p) {
+    SurfaceJet j = wavy(p);
+    const double phase = 18 * p.x() + 6 * p.y();
+    j.x.z() += 0.03 * std::sin(phase);
+    j.x_u.z() += 0.54 * std::cos(phase);
+    j.x_v.z() += 0.18 * std::cos(phase);
+    return j;
+  };
+  const SkinnedRegion region = disc(ripples, 36, 64);
+  for (const double relative : {1e-3, 1e-4}) {
+    CAPTURE(relative);
+    const StepReport r = write_step_faces(scratch("step_face") / "disc.step", {&region}, 1e-3,
+                                          {.tolerance = relative * region.size});
+    CHECK(r.reached);
+    const TopoDS_Face face = face_of(r.file);
+    const auto spline = Handle(Geom_BSplineSurface)::DownCast(BRep_Tool::Surface(face));
+    REQUIRE(!spline.IsNull());
+    const gp_Pnt middle = spline->Value(0, 0);
+    double farthest = 0;
+    for (int i = 1; i <= spline->NbUPoles(); ++i)
+      for (int j = 1; j <= spline->NbVPoles(); ++j)
+        farthest = std::max(farthest, spline->Pole(i, j).Distance(middle));
+    CHECK(farthest < 0.8 * region.size);
+  }
+}
+
+TEST_CASE("A square of four runs is one face with four edges", "[step-face]") {
+  const fs::path folder = scratch("step_face");
+  const struct {
+    const char* name;
+    Formula f;
+  } shapes[] = {{"paraboloid", paraboloid}, {"cylinder", cylinder}, {"wavy", wavy}};
+  for (const auto& shape : shapes) {
+    CAPTURE(shape.name);
+    const SkinnedRegion region = square(placed(shape.f, 2), 12);
+    const StepReport r =
+        write_step_faces(folder / "square.step", {&region}, 1, {.tolerance = 1e-4 * region.size});
+    expect_face(region, r, "M");
+    CHECK(r.line_gap <= 1e-13);
+  }
+}
+
+TEST_CASE("Far away, in metres and on Z12 elements the face is the same", "[step-face]") {
+  const fs::path folder = scratch("step_face");
+  const Vec3 far(1e7, -2e7, 5e6);
+  const SkinnedRegion near = disc(wavy, 16), away = disc(placed(wavy, 1, far), 16),
+                      large = disc(placed(wavy, 1000), 16),
+                      rational = disc(wavy, 16, 48, TriangleElement::Z12);
+  const auto write = [&](const SkinnedRegion& region, double unit) {
+    return write_step_faces(folder / "disc.step", {&region}, unit,
+                            {.tolerance = 1e-5 * region.size});
+  };
+  const StepReport a = write(near, 1);
+  expect_face(near, a, "M");
+  const StepReport b = write(away, 1);
+  expect_face(away, b, "M");
+  CHECK(*b.max_deviation == Approx(*a.max_deviation).epsilon(1e-3));
+  CHECK(b.patches[0].poles_u == a.patches[0].poles_u);
+  CHECK(b.patches[0].poles_v == a.patches[0].poles_v);
+  const StepReport c = write(large, 1e-3);
+  expect_face(large, c);
+  CHECK(*c.max_deviation == Approx(1000 * *a.max_deviation).epsilon(1e-6));
+  CHECK(c.area == Approx(1e6 * a.area).epsilon(1e-6));
+  // The same file in the world: read in metres it has the numbers of `near`.
+  const TopoDS_Face face = face_of(c.file, "M");
+  const gp_Pnt p = BRep_Tool::Surface(face)->Value(0.1, 0.2);
+  CHECK((Vec3(p.X(), p.Y(), p.Z()) - wavy({0.1, 0.2}).x).norm() <= 2e-4);
+  expect_face(rational, write(rational, 1), "M");
+}
+
+TEST_CASE("The nearest points of surface and file are within the deviation", "[step-face]") {
+  const SkinnedRegion region = disc(wavy, 12);
+  const StepReport r = write_step_faces(scratch("step_face") / "disc.step", {&region}, 1,
+                                        {.tolerance = 1e-3 * region.size});
+  const TopoDS_Face face = face_of(r.file, "M");
+  const Handle(Geom_Surface) surface = BRep_Tool::Surface(face);
+  const TriangleLocator locator(region.surface.mesh());
+  const DomainLoops loops = boundary_loops(region);
+  Random random(3);
+  for (int k = 0; k < 40; ++k) {
+    const Vec2 uv(random.between(-0.5, 0.5), random.between(-0.5, 0.5));
+    if (!loops.contains(uv)) continue;
+    const gp_Pnt p = surface->Value(uv.x(), uv.y());
+    CHECK(region.surface.closest_point({p.X(), p.Y(), p.Z()}).distance <= 1.001 * *r.max_deviation);
+    const Vec3 x = region.surface.position(locator.locate(uv));
+    BRepExtrema_DistShapeShape nearest(BRepBuilderAPI_MakeVertex(gp_Pnt(x.x(), x.y(), x.z())),
+                                       face);
+    CHECK(nearest.Value() <= 1.001 * *r.max_deviation);
+  }
+}
+
+TEST_CASE("A gap between line and surface widens edges, not the face's deviation", "[step-face]") {
+  SkinnedRegion region = disc(wavy, 16);
+  Points dofs = region.embedded[0].fitted.dofs();
+  const HermiteCurve& curve = region.embedded[0].fitted;
+  for (int i = 0; i < curve.node_count(); ++i) dofs(curve.mesh().position_dof(i), 2) += 3e-4;
+  region.embedded[0].fitted = HermiteCurve(curve.mesh(), dofs);
+  const StepReport r =
+      write_step_faces(scratch("step_face") / "disc.step", {&region}, 1e-3, {.tolerance = 1e-5});
+  CHECK(r.reached);
+  CHECK(r.valid);
+  CHECK(*r.max_deviation <= 1e-5);
+  CHECK(r.line_gap == Approx(3e-4).epsilon(0.02));
+  CHECK(r.max_gap == Approx(3e-4).epsilon(0.05));
+  CHECK(r.edge_deviation <= 1e-13);
+  CHECK(complaints(face_of(r.file), 3.3e-4) == "");
+}
+
+TEST_CASE("A tolerance that cannot be reached is reported and the file is there", "[step-face]") {
+  const SkinnedRegion region = disc(wavy, 12);
+  const fs::path file = scratch("step_face") / "disc.step";
+  const StepReport r = write_step_faces(
+      file, {&region}, 1, {.tolerance = 1e-7, .most_poles = 24, .most_poles_in_all = 400});
+  CHECK(!r.reached);
+  CHECK(*r.max_deviation > 1e-7);
+  CHECK(*r.max_deviation < 1e-3);
+  CHECK(r.valid);
+  CHECK(r.patches[0].poles_u <= 24);
+  CHECK(r.patches[0].poles_v <= 24);
+  CHECK(r.patches[0].poles_u * r.patches[0].poles_v <= 400);
+  const Handle(Geom_Surface) surface = BRep_Tool::Surface(face_of(file, "M"));
+  const gp_Pnt p = surface->Value(0.1, 0.2);
+  CHECK((Vec3(p.X(), p.Y(), p.Z()) - wavy({0.1, 0.2}).x).norm() <= *r.max_deviation + 1e-5);
+}
+
+TEST_CASE("Corners of a closed boundary line are vertices of the face", "[step-face]") {
+  // A lens: one closed curve with two corners in space and in (u, v).
+  const double a = 0.35;
+  const auto at = [&](double t, bool before) {  // two arcs, t in [0, 1] and [1, 2]
+    const double s = (before ? t <= 1 : t < 1) ? 1 : -1, w = s > 0 ? t : t - 1;
+    return std::pair{Vec3(s * a * (2 * w - 1), -s * a * 2 * w * (1 - w), 0),
+                     Vec3(s * 2 * a, -s * a * 2 * (1 - 2 * w), 0)};
+  };
+  std::vector<double> u;
+  for (int i = 0; i <= 8; ++i) u.push_back(i / 4.0);
+  const CurveMesh mesh(u, true, {0, 4});
+  Points dofs(mesh.dof_count(), 3), lift(mesh.dof_count(), 3);
+  for (int i = 0; i < 8; ++i) {
+    const double t_in = i == 0 ? 2 : u[i];
+    const Vec3 p = at(u[i], false).first, out = at(u[i], false).second, in = at(t_in, true).second;
+    const SurfaceJet j = wavy(p.head<2>());
+    dofs.row(mesh.position_dof(i)) = p;
+    lift.row(mesh.position_dof(i)) = j.x;
+    dofs.row(mesh.slope_in(i)) = in;
+    lift.row(mesh.slope_in(i)) = in.x() * j.x_u + in.y() * j.x_v;
+    dofs.row(mesh.slope_out(i)) = out;
+    lift.row(mesh.slope_out(i)) = out.x() * j.x_u + out.y() * j.x_v;
+  }
+  const HermiteCurve outline(mesh, dofs), space(mesh, lift);
+  const EmbeddedGrid grid(squares({-0.5, -0.5}, 1.0 / 24, 24, 24), DomainLoops({{outline}}));
+  SkinnedRegion region{
+      "lens",
+      Surface(grid.mesh, TriangleElement::HCT,
+              interpolated(grid.mesh, TriangleElement::HCT, wavy).dofs(), grid.trim),
+      {},
+      1,
+      {{{}, space, outline, {}}},
+      {{{BoundaryPiece::Kind::Embedded, 0, false}}}};
+  const StepReport r =
+      write_step_faces(scratch("step_face") / "lens.step", {&region}, 1, {.tolerance = 1e-4});
+  CHECK(r.reached);
+  CHECK(r.valid);
+  CHECK(r.edges == 2);
+  CHECK(r.edge_deviation <= 1e-13);
+  CHECK(complaints(face_of(r.file, "M"), 1e-4) == "");
+}
+
+TEST_CASE("A ring is one face that closes in u, with a seam, holes beside it", "[step-face]") {
+  // A waisted, wavy tube; the rims begin at different places.
+  const int n = 24, m = 12;
+  const double period = 3, speed = 2 * pi / period;
+  const Formula tube = [=](const Vec2& p) {
+    const double c = std::cos(speed * p.x()), s = std::sin(speed * p.x()), v = p.y();
+    const double r = 0.5 + 0.1 * v * v, r_v = 0.2 * v;
+    SurfaceJet j{};
+    j.x = {r * c, r * s, v + 0.05 * s};
+    j.x_u = {-speed * r * s, speed * r * c, 0.05 * speed * c};
+    j.x_v = {r_v * c, r_v * s, 1};
+    return j;
+  };
+  std::vector<Vec2> vertices;
+  std::vector<ParametricMesh::Triangle> triangles;
+  for (int j = 0; j <= m; ++j)
+    for (int i = 0; i < n; ++i) vertices.emplace_back(period * i / n, -0.6 + 1.5 * j / m);
+  for (int j = 0; j < m; ++j)
+    for (int i = 0; i < n; ++i) {
+      const int a = j * n + i, b = j * n + (i + 1) % n, c = a + n, d = b + n;
+      triangles.push_back({a, b, d});
+      triangles.push_back({a, d, c});
+    }
+  const auto mesh = std::make_shared<ParametricMesh>(vertices, triangles, period);
+  Points dofs = interpolated(mesh, TriangleElement::HCT, tube).dofs();
+  for (int e = 0; e < mesh->edge_count(); ++e) {  // midpoints across the seam too
+    const auto& edge = mesh->edges()[e];
+    const Vec2 a = mesh->vertices()[edge.low], n_e = mesh->edge_normal(e);
+    const SurfaceJet j = tube(0.5 * (a + mesh->image_near(mesh->vertices()[edge.high], a)));
+    dofs.row(DofMap(*mesh).edge(e)) = n_e.x() * j.x_u + n_e.y() * j.x_v;
+  }
+  const Surface surface(mesh, TriangleElement::HCT, dofs);
+  const auto rim = [&](double start, double v, double direction) {
+    return hermite(0, period, 30, false, [=](double t, int order) {
+      return order == 0 ? Vec3(start + direction * t, v + 0.1 * std::sin(speed * t), 0)
+                        : Vec3(direction, 0.1 * speed * std::cos(speed * t), 0);
+    });
+  };
+  const HermiteCurve low = rim(0.4, -0.4, 1), high = rim(5.1, 0.7, -1),
+                     hole = circle({0.5, 0.1}, 0.2, 24, true);
+  for (const bool with_hole : {false, true}) {
+    CAPTURE(with_hole);
+    SkinnedRegion region{"tube", surface, {}, 1, {}, {}};
+    for (const HermiteCurve& image : {low, high, hole}) {
+      if (image.closed() && !with_hole) continue;
+      region.boundary.push_back(
+          {{BoundaryPiece::Kind::Embedded, static_cast<int>(region.embedded.size()), false}});
+      region.embedded.push_back({{}, lifted(image, tube), image, {}});
+    }
+    const StepReport r =
+        write_step_faces(scratch("step_face") / "tube.step", {&region}, 1e-3, {.tolerance = 1e-4});
+    CHECK(r.reached);
+    CHECK(r.valid);
+    CHECK(r.edge_deviation <= 1e-13);
+    CHECK(r.max_gap <= r.line_gap + *r.max_deviation);
+    CHECK(r.free_edges == r.edges - 1);
+    const TopoDS_Face face = face_of(r.file);
+    CHECK(complaints(face, 2e-4) == "");
+    // Where a rim does not begin at the seam it is cut there.
+    CHECK(r.edges == 4 + 2 * with_hole);
+    double area = 0;
+    for (int i = 0; i < 2000; ++i)
+      for (int j = 0; j < 200; ++j) {
+        const double u = period * (i + 0.5) / 2000;
+        const double v0 = -0.4 + 0.1 * std::sin(speed * (u - 0.4)),
+                     v1 = 0.7 + 0.1 * std::sin(speed * (5.1 - u)),
+                     v = v0 + (v1 - v0) * (j + 0.5) / 200;
+        if (with_hole && (Vec2(u, v) - Vec2(0.5, 0.1)).norm() < 0.2) continue;
+        area += tube({u, v}).area_vector().norm() * period / 2000 * (v1 - v0) / 200;
+      }
+    CHECK(r.area == Approx(area).epsilon(1e-3));
+    std::swap(region.embedded[1].image, region.embedded[0].image);
+    std::swap(region.embedded[1].fitted, region.embedded[0].fitted);
+    CHECK(write_step_faces(r.file, {&region}, 1e-3, {.tolerance = 1e-4}).reached);  // either first
+    region.boundary[1][0].reversed = true;
+    CHECK(refusal([&] {
+            write_step_faces(r.file, {&region}, 1e-3, {.tolerance = 1e-4});
+          }).find("-1 times around") != std::string::npos);
+    const Vec3 normal = normal_of(face, {1.2, 0.1});
+    CHECK(normal.dot(tube({1.2, 0.1}).normal()) > 0.999);
+  }
+}
+
+TEST_CASE("Several regions are several faces, each with its own knots", "[step-face]") {
+  const SkinnedRegion one = disc(wavy, 12), two = square(placed(paraboloid, 1, {2, 0, 0}), 6);
+  const StepReport r =
+      write_step_faces(scratch("step_face") / "two.step", {&one, &two}, 1, {.tolerance = 1e-4});
+  CHECK(r.reached);
+  CHECK(r.valid);
+  CHECK(r.faces == 2);
+  CHECK(r.edges == 6);
+  REQUIRE(r.patches.size() == 2);
+  CHECK(r.patches[0].region == "disc");
+  CHECK(r.patches[1].region == "square");
+  CHECK(r.area == Approx(area_of(one) + area_of(two)).epsilon(1e-3));
+}
+
+TEST_CASE("The file has the same bytes on one thread and on two", "[step-face]") {
+  const SkinnedRegion region = disc(wavy, 12);
+  const fs::path folder = scratch("step_face");
+  const auto text = [&](int threads) {
+    const ThreadGuard guard(threads);
+    const fs::path file = folder / "disc.step";
+    write_step_faces(file, {&region}, 1, {.tolerance = 1e-4});
+    std::string all, line;
+    for (std::ifstream in(file); std::getline(in, line);) all += line + "\n";
+    return all.substr(all.find("DATA;"));  // after the time of writing
+  };
+  const std::string one = text(1);
+  CHECK((one == text(2)));
+  CHECK(one.find("PRODUCT('surface','surface'") != std::string::npos);
+}
+
+TEST_CASE("What cannot be a face is refused and leaves an older file alone", "[step-face]") {
+  const fs::path file = scratch("step_face") / "face.step";
+  const SkinnedRegion good = disc(wavy, 8);
+  std::ofstream(file) << "older";
+  const auto told = [&](const SkinnedRegion& region, double unit, double tolerance) {
+    return refusal([&] { write_step_faces(file, {&region}, unit, {.tolerance = tolerance}); });
+  };
+  CHECK(refusal([&] { write_step_faces(file, {}, 1, {.tolerance = 1}); }).find("no region") !=
+        std::string::npos);
+  CHECK(told(good, 1, 0).find("tolerance of 0") != std::string::npos);
+  CHECK(told(good, 1, std::nan("")).find("tolerance of") != std::string::npos);
+  CHECK(refusal([&] {
+          write_step_faces(file, {&good}, 1, {.tolerance = 1, .most_poles = 3});
+        }).find("limit of 3 poles") != std::string::npos);
+  CHECK(told(good, 0.123, 1).find("model unit") != std::string::npos);
+  SkinnedRegion bare = good;
+  bare.boundary.clear();
+  CHECK(told(bare, 1, 1).find("'disc': no boundary") != std::string::npos);
+  SkinnedRegion wrong = good;
+  Points dofs = good.surface.dofs();
+  dofs(7, 1) = std::nan("");
+  wrong.surface = Surface(good.surface.shared_mesh(), TriangleElement::HCT, dofs);
+  CHECK(told(wrong, 1, 1).find("not finite") != std::string::npos);
+  SkinnedRegion uneven = good;
+  uneven.embedded[1].image = uneven.embedded[1].image.with_parameter_times(2);
+  CHECK(told(uneven, 1, 1).find("its image in (u, v)") != std::string::npos);
+  CHECK(refusal([&] {
+          write_step_faces(file.parent_path() / "none" / "f.step", {&good}, 1, {.tolerance = 1e-3});
+        }).find("none") != std::string::npos);
+  std::string text;
+  std::ifstream(file) >> text;
+  CHECK(text == "older");
+  CHECK(std::distance(fs::directory_iterator(file.parent_path()), {}) == 1);
+}

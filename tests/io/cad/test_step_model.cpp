@@ -1,0 +1,159 @@
+// A model is one shell in the file: faces that use the same edges, closed where the model is.
+#include "batten/io/cad/step_face.h"
+
+#include <cmath>
+#include <numbers>
+
+#include "batten/core/errors.h"
+#include "batten/tests/catch.h"
+#include "batten/tests/io/cad/step_models.h"
+#include "batten/tests/reference.h"
+#include "batten/tests/refusal.h"
+
+using namespace batten;
+using namespace batten_test;
+
+namespace {
+
+constexpr double kMm = 0.001;
+
+/// Quarter of a great circle from one axis direction to another.
+CharacterLine quarter(const std::string& name, const Vec3& a, const Vec3& b) {
+  return {name, curve_from_formula(0, std::numbers::pi / 2, [=](double t, int order) {
+            const double c = std::cos(t), s = std::sin(t);
+            return order == 0   ? Vec3(c * a + s * b)
+                   : order == 1 ? Vec3(-s * a + c * b)
+                                : Vec3(-c * a - s * b);
+          })};
+}
+
+StepReport written(const MadeModel& made, const std::string& name, double tolerance) {
+  StepFaceOptions options;
+  options.tolerance = tolerance;
+  return write_step_faces(scratch("step_model") / (name + ".step"), made.model.skinned(), kMm,
+                          options);
+}
+
+}  // namespace
+
+TEST_CASE("a box of twelve lines is one solid whose faces share the twelve edges", "[step_model]") {
+  const MadeModel made = make_model(box({40, 30, 20}));
+  const StepReport r = written(made, "box", 1e-3);
+  CHECK(r.valid);
+  CHECK(r.faces == 6);
+  CHECK(r.edges == 12);
+  CHECK(r.free_edges == 0);
+  CHECK(r.shells == 1);
+  CHECK(r.closed_shells == 1);
+  CHECK(r.solids == 1);
+  CHECK(*r.max_deviation < 1e-9 * 54);
+  CHECK(r.max_gap < 1e-9 * 54);
+  CHECK(r.max_tolerance < 1e-6);
+  REQUIRE(made.model.shells.size() == 1);
+  CHECK(r.volume == Approx(24000.0).epsilon(1e-9));
+  CHECK(made.model.shells[0].volume == Approx(24000.0).epsilon(1e-9));
+  CHECK(r.area == Approx(5200.0).epsilon(1e-9));
+}
+
+TEST_CASE("without its lid a box is an open shell, whose free edges are the rim", "[step_model]") {
+  RegionOptions regions;
+  RegionWord word;
+  word.kind = RegionWord::Kind::Nothing;
+  word.loops = {{"x2", "x3", "y1", "y3"}};  // z = 20
+  regions.words.push_back(word);
+  const MadeModel made = make_model(box({40, 30, 20}), regions);
+  const StepReport r = written(made, "open_box", 1e-3);
+  CHECK(r.valid);
+  CHECK(r.faces == 5);
+  CHECK(r.edges == 12);
+  CHECK(r.free_edges == 4);
+  CHECK(r.shells == 1);
+  CHECK(r.closed_shells == 0);
+  CHECK(r.solids == 0);
+  CHECK(r.area == Approx(5200.0 - 1200).epsilon(1e-9));
+}
+
+TEST_CASE("eight octants are a ball within the tolerance, and so are its volume and edges",
+          "[step_model]") {
+  std::vector<CharacterLine> lines;
+  const Vec3 axes[] = {Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ()};
+  for (int a = 0; a < 3; ++a)
+    for (int k = 0; k < 4; ++k) {
+      const int b = (a + 1) % 3;
+      lines.push_back(quarter("q" + std::to_string(4 * a + k), (k & 1 ? -1 : 1) * axes[a],
+                              (k & 2 ? -1 : 1) * axes[b]));
+    }
+  const MadeModel made = make_model(lines);
+  constexpr double tolerance = 1e-3;
+  const StepReport r = written(made, "ball", tolerance);
+  CHECK(r.valid);
+  CHECK(r.faces == 8);
+  CHECK(r.edges == 12);
+  CHECK(r.free_edges == 0);
+  CHECK(r.solids == 1);
+  CHECK(r.reached);
+  CHECK(*r.max_deviation <= tolerance);
+  CHECK(r.max_gap <= 1.1 * tolerance);
+  CHECK(r.max_tolerance <= 1.1 * r.max_gap);
+  REQUIRE(made.model.shells.size() == 1);
+  const double volume = made.model.shells[0].volume;
+  CHECK(std::abs(r.volume - volume) < tolerance * made.model.area);
+  // The surfaces of least bending are not quite the sphere.
+  CHECK(volume == Approx(4.0 / 3 * std::numbers::pi).epsilon(0.1));
+}
+
+TEST_CASE("a ring and two discs close, although the seam cuts circles away from their nodes",
+          "[step_model]") {
+  const RegionOptions regions = region_words({{{"low"}, {"high"}}, {{"low"}}, {{"high"}}});
+  const MadeModel made =
+      make_model({circle_line("low", 10, 0), circle_line("high", 10, 15, 1.0)}, regions, 4);
+  for (const ModelRegion& region : made.model.regions) {
+    INFO(region.plan.name << ": " << region.why_not);
+    REQUIRE(region.skinned);
+  }
+  const StepReport r = written(made, "can", 0.01);
+  CHECK(r.valid);
+  CHECK(r.faces == 3);
+  CHECK(r.free_edges == 0);
+  CHECK(r.solids == 1);
+  CHECK(r.closed_shells == 1);
+  CHECK(*r.max_deviation <= 0.01);
+  CHECK(r.volume == Approx(made.model.shells[0].volume).epsilon(2e-3));
+}
+
+TEST_CASE("where three regions meet each is a shell of its own, and the report says so",
+          "[step_model]") {
+  RegionOptions regions;
+  regions.most_at_arc = 3;
+  const MadeModel made = make_model(two_boxes(), regions);
+  REQUIRE(made.model.regions.size() == 11);
+  const StepReport r = written(made, "two_boxes", 1e-3);
+  CHECK(r.faces == 11);
+  CHECK(r.shells == 11);
+  CHECK(r.solids == 0);
+  REQUIRE(r.warnings.size() == 1);
+  CHECK(r.warnings[0].find("three and more") != std::string::npos);
+}
+
+TEST_CASE("models and tolerances that cannot be written are refused", "[step_model]") {
+  const MadeModel made = make_model(box({4, 3, 2}));
+  StepFaceOptions options;
+  const auto write = [&](const std::vector<const SkinnedRegion*>& regions) {
+    return refusal(
+        [&] { write_step_faces(scratch("step_model_refused") / "m.step", regions, kMm, options); });
+  };
+  auto regions = made.model.skinned();
+  CHECK(write(regions).find("tolerance") != std::string::npos);
+  options.tolerance = 1e-3;
+  CHECK(write(regions).empty());
+  // Another line of the same name.
+  const MadeModel other = make_model(box({4, 3, 1}));
+  regions.push_back(other.model.skinned()[0]);
+  CHECK(write(regions).find("expected the same curve, or two names") != std::string::npos);
+  regions.pop_back();
+  SkinnedRegion nameless = *regions[0];
+  nameless.runs[0].line.name.clear();
+  regions[0] = &nameless;
+  CHECK(write(regions).find("without a name") != std::string::npos);
+  CHECK(write({}).find("no region") != std::string::npos);
+}

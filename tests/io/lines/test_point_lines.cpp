@@ -1,0 +1,227 @@
+// Point files say the same whatever their dialect, and every mistake is named by its place.
+#include "batten/io/lines/point_lines.h"
+
+#include "batten/core/errors.h"
+#include "batten/tests/catch.h"
+#include "batten/tests/reference.h"
+
+using namespace batten;
+namespace fs = std::filesystem;
+
+namespace {
+
+fs::path file_with(const std::string& name, const std::string& text) {
+  static const fs::path folder = batten_test::scratch("point_lines");
+  std::ofstream(folder / name, std::ios::binary) << text;
+  return folder / name;
+}
+
+/// What the message says after the file's name.
+std::string mistake(const std::string& name, const std::string& text) {
+  const fs::path path = file_with(name, text);
+  try {
+    read_point_lines(path);
+  } catch (const InputError& error) {
+    const std::string message = error.what();
+    REQUIRE(message.starts_with(path.string() + ":"));
+    return message.substr(path.string().size() + 1);
+  }
+  return "no mistake";
+}
+
+const std::vector<Vec3> kThree{{1, 2, 3}, {-4.5, 5e-1, 6}, {7, 8, 9}};
+
+}  // namespace
+
+TEST_CASE("all dialects of a table give the same points", "[io][points]") {
+  const std::string text = GENERATE(
+      "1,2,3\n-4.5,.5,6\n7,8,9\n",                              //
+      "1;2;3\n-4.5; 5e-1 ;6\n7;8;9",                            //
+      "1\t2\t3\n-4.5\t0.5\t6\n7\t8\t9\n",                       //
+      "  1  2   3\n -4.50 +0.5 6.\n 7 8 9 \n\n\n",              //
+      "\xEF\xBB\xBFx,y,z\r\n1,2,3\r\n-4.5,0.5,6\r\n7,8,9\r\n",  //
+      "# a comment\n\n\"x [mm]\" y z\n1 2 3 # first\n// between\n-4.5 0.5 6 // second\n7 8 9",
+      "x y z\n# a comment does not end the line\n1 2 3\n#\n-4.5 0.5 6\n7 8 9\n,,\n ; ;\n");
+  for (const char* name : {"a.csv", "a.TXT", "a.xyz", "a.dat"}) {
+    const auto lines = read_point_lines(file_with(name, text));
+    REQUIRE(lines.size() == 1);
+    CHECK(lines[0].name == "a");
+    CHECK(lines[0].points == kThree);
+  }
+}
+
+TEST_CASE("blank rows separate lines, units scale, two columns lie in z = 0", "[io][points]") {
+  const auto path = file_with("two lines.csv", "u,v\n\n1,2\n3,4\n,\n\n5,6\n7,8\n9,10\n");
+  const auto lines = read_point_lines(path, 0.001);
+  REQUIRE(lines.size() == 2);
+  CHECK(lines[0].name == "two lines_1");
+  CHECK(lines[1].name == "two lines_2");
+  CHECK(lines[0].first_line == 3);
+  CHECK(lines[1].first_line == 7);
+  REQUIRE(lines[1].points.size() == 3);
+  CHECK(lines[1].points[2] == Vec3(9 * 0.001, 10 * 0.001, 0));
+  CHECK_THROWS_AS(read_point_lines(path, 0), InputError);
+}
+
+TEST_CASE("OBJ polylines: indices, names, continued rows", "[io][points]") {
+  const auto lines = read_point_lines(file_with("net.obj",
+                                                "# a net\r\n"
+                                                "mtllib none.mtl\r\n"
+                                                "v 0 0 0\r\nv 1 0 0 1.0\r\nv 1 1 0\r\n"
+                                                "l 1 2\r\n"
+                                                "o side rail\r\n"
+                                                "l -1 -2 -3\r\n"
+                                                "l 2/1 3/2\r\n"
+                                                "vt 0 0\r\nvn 0 0 1\r\nf 1 2 3\r\n"
+                                                "g top\r\n"
+                                                "v 0 1 2\r\n"
+                                                "l 1 \\\r\n  4 \\\r\n  2\r\n"));
+  REQUIRE(lines.size() == 4);
+  CHECK(lines[0].name == "net");
+  CHECK(lines[1].name == "side rail_1");
+  CHECK(lines[2].name == "side rail_2");
+  CHECK(lines[3].name == "top");
+  CHECK(lines[0].points == std::vector<Vec3>{{0, 0, 0}, {1, 0, 0}});
+  CHECK(lines[1].points == std::vector<Vec3>{{1, 1, 0}, {1, 0, 0}, {0, 0, 0}});
+  CHECK(lines[2].points == std::vector<Vec3>{{1, 0, 0}, {1, 1, 0}});
+  CHECK(lines[3].points == std::vector<Vec3>{{0, 0, 0}, {0, 1, 2}, {1, 0, 0}});
+  CHECK(lines[1].first_line == 8);
+  CHECK(lines[3].first_line == 15);
+}
+
+TEST_CASE("drawn strokes: single and repeated points come through", "[io][points]") {
+  const auto path = file_with("cup.curves",
+                              "v 3\r\n1 2 3\r\n-4.5 .5 6\n7 8 9\n"
+                              "\n# a dot\nv 1\n0.1 -0.2 1e-3\nv 2\n5 5 5\n5 5 5");
+  const auto lines = read_point_lines(path);
+  REQUIRE(lines.size() == 3);
+  CHECK(lines[0].name == "cup_1");
+  CHECK(lines[2].name == "cup_3");
+  CHECK(lines[0].points == kThree);
+  CHECK(lines[1].points == std::vector<Vec3>{{0.1, -0.2, 1e-3}});
+  CHECK(lines[2].points == std::vector<Vec3>{{5, 5, 5}, {5, 5, 5}});
+  CHECK(lines[1].first_line == 7);
+  CHECK(read_point_lines(path, 2)[0].points[0] == Vec3(2, 4, 6));
+}
+
+TEST_CASE("mistakes in drawn strokes are named with line and column", "[io][points]") {
+  const std::string two = "v 2\n1 2 3\n4 5 6\n";
+  CHECK(mistake("a.curves", "1 2 3\n") ==
+        "1:1: found '1', expected 'v N' before the N points of a line");
+  CHECK(mistake("a.curves", two + "7 8 9\n") ==
+        "4:1: found '7', expected 'v N' before the N points of a line");
+  CHECK(mistake("a.curves", "v\n") ==
+        "1:1: found 0 words after 'v', expected the number of points");
+  CHECK(mistake("a.curves", two + "v two\n") ==
+        "4:3: found 'two', expected a number of points from 1");
+  CHECK(mistake("a.curves", "v 0\n" + two) == "1:3: found '0', expected a number of points from 1");
+  CHECK(mistake("a.curves", "v 2.5\n") == "1:3: found '2.5', expected a number of points from 1");
+  CHECK(mistake("a.curves", two + "v 3\n1 2 3\n4 5 6\n") ==
+        "6:1: found the end of the file after 2 points, expected 3 as line 4 says");
+  CHECK(mistake("a.curves", "v 3\n1 2 3\n" + two) ==
+        "3:1: found the next line after 1 point, expected 3 as line 1 says");
+  CHECK(mistake("a.curves", "v 1\n 1 2\n") == "2:2: found 2 numbers, expected 3 (x y z)");
+  CHECK(mistake("a.curves", "v 1\n1 2 nan\n") == "2:5: found 'nan', expected a finite number");
+  CHECK(mistake("a.curves", "v 1\n1 2 x\n") == "2:5: found 'x', expected a number");
+  CHECK(mistake("a.curves", "# nothing\n") == "1:1: found no points, expected some");
+}
+
+TEST_CASE("published sketches are read whole", "[io][points]") {
+  const fs::path folder = batten_test::optional_data("sketch-cassie/curves");
+  if (folder.empty()) {
+    WARN("skipped: sketch-cassie is not there (set BATTEN_TEST_DATA)");
+    return;
+  }
+  int sketches = 0;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    if (entry.path().extension() != ".curves") continue;
+    ++sketches;
+    // Rows of the file: one a stroke, one a point.
+    std::ifstream in(entry.path());
+    size_t strokes = 0, points = 0, found = 0;
+    for (std::string row; std::getline(in, row);) ++(row.starts_with("v") ? strokes : points);
+    const auto lines = read_point_lines(entry.path());
+    for (const auto& line : lines) found += line.points.size();
+    INFO(entry.path());
+    CHECK(lines.size() == strokes);
+    CHECK(found == points);
+  }
+  CHECK(sketches > 10);
+}
+
+TEST_CASE("mistakes in tables are named with line and column", "[io][points]") {
+  CHECK(mistake("a.csv", "") == "1:1: found an empty file, expected points");
+  CHECK(mistake("a.csv", "\r\n \n") == "1:1: found an empty file, expected points");
+  CHECK(mistake("a.csv", "x,y,z\n# only words\n") == "1:1: found no points, expected some");
+  CHECK(mistake("a.csv", "1,2\n3,4\n5,six\n") == "3:3: found 'six', expected a number");
+  CHECK(mistake("a.csv", "1,2\n3 ,  4x\n") == "2:6: found '4x', expected a number");
+  CHECK(mistake("a.csv", "x y 3\n1 2 3\n") ==
+        "1:1: found 'x', expected a number (a header row has words only)");
+  CHECK(mistake("a.csv", "1,2,3\n4,5\n") == "2:1: found 2 columns, expected 3 as in line 1");
+  CHECK(mistake("a.csv", "1\n2\n") == "1:1: found 1 column, expected 2 or 3 (x, y, z)");
+  CHECK(mistake("a.csv", "  1 2 3 4\n") == "1:3: found 4 columns, expected 2 or 3 (x, y, z)");
+  CHECK(mistake("a.csv", "1,5;2,5;0\n") ==
+        "1:1: found 5 columns, expected 2 or 3 (x, y, z); numbers are written with a decimal "
+        "point");
+  CHECK(mistake("a.csv", "1,2,3\n4,,6\n") == "2:3: found an empty column 2, expected a number");
+  CHECK(mistake("a.csv", "1,2,3,\n") == "1:7: found an empty column 4, expected a number");
+  CHECK(mistake("a.csv", "1,2\n3,nan\n") == "2:3: found 'nan', expected a finite number");
+  CHECK(mistake("a.csv", "-inf,2\n3,4\n") == "1:1: found '-inf', expected a finite number");
+  CHECK(mistake("a.csv", "1,2\n3,1e999\n") ==
+        "2:3: found '1e999', expected a number between 1e-307 and 1e308");
+  CHECK(mistake("a.csv", "1,2\n3,+-4\n") == "2:3: found '+-4', expected a number");
+  CHECK(mistake("a.csv", "1,2\n\n3,4\n\n5,6\n7,8\n") ==
+        "1:1: found a line of 1 point, expected 2 or more");
+  CHECK(mistake("a.csv", "1,2\n3,4\n\n5,6\n") ==
+        "4:1: found a line of 1 point, expected 2 or more");
+  CHECK(mistake("a.csv",
+                "\xFF\xFE"
+                "1,2\n") == "1:1: found UTF-16 text, expected UTF-8 or ASCII");
+}
+
+TEST_CASE("mistakes in OBJ files are named with line and column", "[io][points]") {
+  const std::string v = "v 0 0 0\nv 1 0 0\n";
+  CHECK(mistake("a.obj", v + "l 1 3\n") ==
+        "3:5: found vertex number 3, expected 1 to 2 or -1 to -2");
+  CHECK(mistake("a.obj", v + "l 0 1\n") ==
+        "3:3: found vertex number 0, expected 1 to 2 or -1 to -2");
+  CHECK(mistake("a.obj", v + "l -3 1\n") ==
+        "3:3: found vertex number -3, expected 1 to 2 or -1 to -2");
+  CHECK(mistake("a.obj", "l 1 2\n" + v) ==
+        "1:3: found vertex number 1, expected vertices (v records) before it");
+  CHECK(mistake("a.obj", v + "l 1 two\n") == "3:5: found 'two', expected a vertex number");
+  CHECK(mistake("a.obj", v + "l 1\n") == "3:4: found a line of 1 point, expected 2 or more");
+  CHECK(mistake("a.obj", v + "l 1 \\") == "3:6: found a line of 1 point, expected 2 or more");
+  CHECK(mistake("a.obj", "v 1 2\n") == "1:6: found 2 coordinates, expected 3 (v x y z)");
+  CHECK(mistake("a.obj", "v 1 2 inf\n") == "1:7: found 'inf', expected a finite number");
+  CHECK(mistake("a.obj", v) == " found 2 vertex records but no line, expected records 'l 1 2 3 …'");
+}
+
+TEST_CASE("files that are not there or not point files are named", "[io][points]") {
+  using Catch::Matchers::Contains;
+  const auto says = [](const fs::path& path) -> std::string {
+    try {
+      read_point_lines(path);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  const fs::path folder = batten_test::scratch("point_lines_folder.csv");
+  CHECK_THAT(says(folder / "none.csv"), Contains("none.csv: this file does not exist"));
+  CHECK_THAT(says(folder), Contains("found a folder"));
+  CHECK_THAT(says(folder / "a.step"), Contains("'.step'") && Contains(".csv"));
+  CHECK_THAT(says(folder / "a"), Contains("no extension"));
+}
+
+TEST_CASE("a million points are read exactly", "[io][points]") {
+  std::string text;
+  for (int i = 0; i < 1000000; ++i)
+    text += std::to_string(i) + ".25," + std::to_string(-i) + ",0.1\n";
+  const auto lines = read_point_lines(file_with("many.csv", text));
+  REQUIRE(lines.size() == 1);
+  REQUIRE(lines[0].points.size() == 1000000);
+  bool exact = true;
+  for (int i = 0; i < 1000000; ++i) exact = exact && lines[0].points[i] == Vec3(i + 0.25, -i, 0.1);
+  CHECK(exact);
+}

@@ -1,0 +1,278 @@
+// The network of the computer mouse under random changes: order and direction of lines, ends that
+// move, lines that are missing or doubled.
+#include <algorithm>
+#include <limits>
+#include <random>
+#include <set>
+
+#include "batten/core/errors.h"
+#include "batten/io/scene/read_scene.h"
+#include "batten/io/scene/scene.h"
+#include "batten/skinning/search/find_regions.h"
+#include "batten/skinning/surfaces/skin_network.h"
+#include "batten/skinning/surfaces/surface_model.h"
+#include "batten/tests/catch.h"
+
+using namespace batten;
+
+namespace {
+
+constexpr double kCorner = 60;  // as the scene says
+constexpr double kEdge = 20;    // coarse: connections are what is looked at
+
+struct Line {
+  std::string name;
+  std::vector<Vec3> points;
+  bool closed() const { return points.front() == points.back(); }
+};
+
+struct Made {
+  CharacterLineNetwork network;
+  FoundRegions found;
+  SurfaceModel model;
+};
+
+class Mouse {
+ public:
+  Mouse() : scene_(read_scene(std::string(BATTEN_SOURCE_DIR) + "/examples/09-mouse/scene.toml")) {
+    for (const SceneLine& line : scene_.lines) lines.push_back({line.name, line.points});
+  }
+
+  std::vector<Line> lines;
+
+  /// `without`: what the scene says about this line is not said.
+  Made make(const std::vector<Line>& given, const std::string& without = "") const {
+    std::vector<CharacterLine> curves;
+    for (const Line& line : given)
+      curves.push_back({line.name, curve_through_points(line.name, line.points, kCorner)});
+    NetworkOptions options;
+    options.corner_angle = kCorner;
+    CharacterLineNetwork network(curves, options);
+    RegionOptions words;
+    for (const RegionWord& word : scene_.network->regions)
+      if (std::none_of(word.loops.begin(), word.loops.end(), [&](const auto& loop) {
+            return std::count(loop.begin(), loop.end(), without) > 0;
+          }))
+        words.words.push_back(word);
+    FoundRegions found = find_regions(network, words);
+    ModelOptions how;
+    how.skin.edge_length = kEdge;
+    how.material = scene_.skin.material;
+    how.most_join_rounds = 0;
+    for (const JoinWord& word : scene_.network->joins)
+      if (word.line != without) how.joins.push_back(word);
+    SurfaceModel model = skin_network(network, found, how);
+    return {std::move(network), std::move(found), std::move(model)};
+  }
+
+ private:
+  Scene scene_;
+};
+
+Vec3 middle(const NetworkArc& arc) { return arc.curve.evaluate(0.5 * arc.curve.end()); }
+
+using Plan = std::multiset<std::multiset<int>>;
+
+// Regions by their arcs, these by the arcs of `first` of the same line that lie nearest.
+Plan plan_of(const Made& made, const Made& first) {
+  std::vector<int> same;
+  for (const NetworkArc& arc : made.network.arcs()) {
+    int best = -1;
+    double least = std::numeric_limits<double>::infinity();
+    for (size_t i = 0; i < first.network.arcs().size(); ++i) {
+      const NetworkArc& other = first.network.arcs()[i];
+      const double d = (middle(other) - middle(arc)).norm();
+      if (first.network.lines()[static_cast<size_t>(other.line)].name !=
+              made.network.lines()[static_cast<size_t>(arc.line)].name ||
+          d >= least)
+        continue;
+      best = static_cast<int>(i);
+      least = d;
+    }
+    same.push_back(best);
+  }
+  Plan plan;
+  for (const NetworkRegion& region : made.found.regions) {
+    std::multiset<int> arcs;
+    for (const ArcLoop& loop : region.loops)
+      for (const ArcUse& use : loop) arcs.insert(same[static_cast<size_t>(use.arc)]);
+    plan.insert(std::move(arcs));
+  }
+  return plan;
+}
+
+bool whole(const Made& made) {
+  return made.model.flaws.empty() && made.model.shells.size() == 1 && made.model.shells[0].closed &&
+         made.model.shells[0].orientable && made.model.shells[0].volume > 0 &&
+         made.model.skinned().size() == made.model.regions.size();
+}
+
+// Largest distance between two models of the same meshes, infinite where these differ. Only where
+// there is surface: what a cut triangle has outside is hardly held.
+double apart(const SurfaceModel& a, const SurfaceModel& b) {
+  constexpr double other = std::numeric_limits<double>::infinity();
+  const auto all_a = a.skinned(), all_b = b.skinned();
+  if (all_a.size() != all_b.size()) return other;
+  const Vec3 places[] = {Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ(), Vec3::Constant(1.0 / 3)};
+  double most = 0;
+  for (size_t r = 0; r < all_a.size(); ++r) {
+    const Surface &x = all_a[r]->surface, &y = all_b[r]->surface;
+    if (x.mesh().triangles() != y.mesh().triangles()) return other;
+    for (int t = 0; t < x.mesh().triangle_count(); ++t)
+      for (const Vec3& L : places) {
+        Vec2 p = Vec2::Zero();
+        for (int i = 0; i < 3; ++i) p += L[i] * x.mesh().vertices()[x.mesh().triangles()[t][i]];
+        if (x.trim() && !x.trim()->loops().contains(p)) continue;
+        most = std::max(most, (x.position({t, L}) - y.position({t, L})).norm());
+      }
+  }
+  return most;
+}
+
+using Kind = NetworkFinding::Kind;
+
+// Whether a finding of one of these kinds is about these lines.
+bool named(const Made& made, const std::vector<Kind>& kinds,
+           const std::vector<std::string>& lines) {
+  return std::any_of(
+      made.network.findings().begin(), made.network.findings().end(), [&](const auto& finding) {
+        return std::count(kinds.begin(), kinds.end(), finding.kind) > 0 &&
+               std::all_of(lines.begin(), lines.end(), [&](const std::string& line) {
+                 return std::count(finding.lines.begin(), finding.lines.end(), line) > 0;
+               });
+      });
+}
+
+// A dangling end, a rim, a choice, a region that failed: whatever the user is told.
+bool says_something(const Made& made) {
+  return !made.found.rims.empty() || !made.found.bare.empty() || !made.found.choices.empty() ||
+         !made.model.flaws.empty() || made.model.skinned().size() != made.model.regions.size() ||
+         std::any_of(made.network.findings().begin(), made.network.findings().end(),
+                     [](const auto& finding) { return !finding.repaired; });
+}
+
+class Changes {
+ public:
+  explicit Changes(unsigned seed) : random_(seed) {}
+
+  double between(double a, double b) {
+    return std::uniform_real_distribution<double>(a, b)(random_);
+  }
+  size_t below(size_t n) { return std::uniform_int_distribution<size_t>(0, n - 1)(random_); }
+  Vec3 direction() {
+    for (;;) {
+      const Vec3 v(between(-1, 1), between(-1, 1), between(-1, 1));
+      if (v.norm() < 1 && v.norm() > 0.1) return v.normalized();
+    }
+  }
+  void shuffle(std::vector<Line>& lines) {
+    for (size_t i = lines.size(); i > 1; --i) std::swap(lines[i - 1], lines[below(i)]);
+    for (Line& line : lines)
+      if (below(2)) std::reverse(line.points.begin(), line.points.end());
+  }
+  Line& open_line(std::vector<Line>& lines) {
+    for (;;) {
+      Line& line = lines[below(lines.size())];
+      if (!line.closed()) return line;
+    }
+  }
+  void move_end(Line& line, double by) {
+    (below(2) ? line.points.front() : line.points.back()) += by * direction();
+  }
+
+ private:
+  std::mt19937 random_;
+};
+
+void check_changes(int count, unsigned seed) {
+  const Mouse mouse;
+  const Made first = mouse.make(mouse.lines);
+  REQUIRE(first.found.regions.size() == 11);
+  REQUIRE(whole(first));
+  const Plan plan = plan_of(first, first);
+  const double tolerance = first.network.tolerance(), size = first.network.size();
+
+  double most_apart = 0;
+  int loose = 0;
+  for (int i = 0; i < count; ++i) {
+    Changes change(seed + static_cast<unsigned>(i));
+    std::vector<Line> lines = mouse.lines;
+    change.shuffle(lines);
+    INFO("change " << i << " of kind " << i % 6 << ", seed " << seed);
+    switch (i % 6) {
+      case 0: {
+        const Made made = mouse.make(lines);
+        REQUIRE(plan_of(made, first) == plan);
+        most_apart = std::max(most_apart, apart(made.model, first.model));
+        REQUIRE(most_apart <= 1e-12 * size);
+        break;
+      }
+      case 1: {  // every end: any two still lie within the tolerance of each other
+        for (Line& line : lines)
+          if (!line.closed())
+            for (Vec3* end : {&line.points.front(), &line.points.back()})
+              *end += change.between(0, 0.499) * tolerance * change.direction();
+        const Made made = mouse.make(lines);
+        REQUIRE(plan_of(made, first) == plan);
+        REQUIRE(whole(made));
+        break;
+      }
+      case 2: {  // one end, almost by the tolerance
+        change.move_end(change.open_line(lines), change.between(0.5, 0.99) * tolerance);
+        const Made made = mouse.make(lines);
+        REQUIRE(plan_of(made, first) == plan);
+        REQUIRE(whole(made));
+        break;
+      }
+      case 3: {  // beyond it
+        Line& line = change.open_line(lines);
+        change.move_end(line, change.between(1.2, 20) * tolerance);
+        const Made made = mouse.make(lines);
+        INFO("line '" << line.name << "'");
+        // An end that went along another line meets it still.
+        const bool meets = plan_of(made, first) == plan && whole(made);
+        REQUIRE((meets || named(made, {Kind::NearMiss, Kind::Dangling}, {line.name})));
+        loose += !meets;
+        break;
+      }
+      case 4: {  // doubled
+        Line copy = lines[change.below(lines.size())];
+        const Vec3 moved = change.between(0, 0.9) * tolerance * change.direction();
+        for (Vec3& p : copy.points) p += moved;
+        const std::string name = copy.name;
+        copy.name += " again";
+        lines.push_back(copy);
+        change.shuffle(lines);
+        const Made made = mouse.make(lines, name);
+        INFO("line '" << name << "'");
+        REQUIRE(named(made, {Kind::Duplicate, Kind::Overlap}, {name, copy.name}));
+        break;
+      }
+      default: {  // missing
+        const size_t gone = change.below(lines.size());
+        const std::string name = lines[gone].name;
+        lines.erase(lines.begin() + static_cast<std::ptrdiff_t>(gone));
+        INFO("line '" << name << "'");
+        const Made made = mouse.make(lines, name);
+        // Another closed body, with fewer regions, or it is said what is open.
+        REQUIRE(plan_of(made, first) != plan);
+        REQUIRE((whole(made) || says_something(made)));
+        if (name == "base" || name == "belt" || name == "seam")
+          REQUIRE_THROWS_AS(mouse.make(lines), InputError);
+      }
+    }
+  }
+  CHECK(most_apart <= 1e-12 * size);
+  CHECK(loose > count / 12);  // half of those that were moved away
+}
+
+}  // namespace
+
+TEST_CASE("a mouse from lines in any order and direction, moved, missing, doubled",
+          "[network][mouse]") {
+  check_changes(40, 1);
+}
+
+TEST_CASE("a mouse under a thousand changes", "[.long][network][mouse]") {
+  check_changes(1000, 1000);
+}

@@ -1,0 +1,168 @@
+// Scenes of networks: what they mean, and how mistakes are answered.
+#include "batten/io/scene/read_scene.h"
+#include "batten/io/scene/scene.h"
+#include "batten/tests/catch.h"
+#include "batten/tests/refusal.h"
+
+using namespace batten;
+using namespace batten_test;
+
+namespace {
+
+const std::string kLine = R"(unit = "mm"
+[[line]]
+name = "a"
+points = [[0,0,0], [1,0,0], [1,1,0], [0,0,0]]
+)";
+
+std::string answer(const std::string& rest) {
+  return refusal([&] { parse_scene(kLine + rest, "s.toml"); });
+}
+
+void check_answer(const std::string& rest, const std::vector<std::string>& parts) {
+  const std::string message = answer(rest);
+  for (const auto& part : parts) {
+    INFO("scene:\n" << rest << "\nmessage: " << message << "\nexpected in it: " << part);
+    CHECK(message.find(part) != std::string::npos);
+  }
+}
+
+}  // namespace
+
+TEST_CASE("a scene with a network is read as it is written", "[scene][network]") {
+  const Scene scene = parse_scene(kLine + R"(
+[network]
+tolerance = 0.5
+straight_angle = 8
+most_at_line = 3
+smooth_below = 30
+join_tolerance = 0.05
+[[region]]
+name = "top"
+loops = [["a", "b"], ["c"]]
+inner = ["d"]
+[[region]]
+loops = [["e"]]
+surface = false
+[[region]]
+name = "tube"
+loops = [["a"], ["c"]]
+ring = true
+[[join]]
+lines = ["a", "b"]
+kind = "smooth"
+[[join]]
+lines = ["c"]
+kind = "crease"
+[skin]
+edge_length = 2
+alpha = 0.1
+[[picture]]
+file = "p.png"
+show = "regions"
+)",
+                                  "s.toml");
+  REQUIRE(scene.network);
+  const SceneNetwork& n = *scene.network;
+  CHECK(n.tolerance == 0.5);
+  CHECK(n.straight_angle == 8);
+  CHECK(n.most_at_line == 3);
+  CHECK(n.smooth_below == 30);
+  CHECK(n.join_tolerance == 0.05);
+  REQUIRE(n.regions.size() == 3);
+  CHECK(n.regions[0].name == "top");
+  CHECK(n.regions[0].loops == std::vector<std::vector<std::string>>{{"a", "b"}, {"c"}});
+  CHECK(n.regions[0].inner == std::vector<std::string>{"d"});
+  CHECK(n.regions[0].kind == RegionWord::Kind::Surface);
+  CHECK(n.regions[0].where == "s.toml:14:9: ");
+  CHECK(n.regions[1].kind == RegionWord::Kind::Nothing);
+  CHECK(n.regions[2].ring);
+  REQUIRE(n.joins.size() == 3);
+  CHECK(n.joins[1].line == "b");
+  CHECK(n.joins[1].smooth);
+  CHECK(n.joins[1].where == "s.toml:24:15: ");
+  CHECK_FALSE(n.joins[2].smooth);
+  CHECK(scene.pictures[0].look.field == PictureScene::Field::Regions);
+  CHECK(scene.skin.options.edge_length == 2);
+}
+
+TEST_CASE("an empty network section is enough, with the kernel's defaults", "[scene][network]") {
+  const Scene scene = parse_scene(kLine + "[network]\n", "s.toml");
+  REQUIRE(scene.network);
+  CHECK(scene.network->tolerance == 0);
+  CHECK(scene.network->straight_angle == NetworkOptions{}.straight_angle);
+  CHECK(scene.network->smooth_below == ModelOptions{}.smooth_below_deg);
+  CHECK(scene.network->join_tolerance == ModelOptions{}.join_tolerance_deg);
+  CHECK(scene.network->most_at_line == RegionOptions{}.most_at_arc);
+  CHECK_FALSE(parse_scene(kLine, "s.toml").network);
+}
+
+TEST_CASE("what does not go with a network is refused with the reason", "[scene][network]") {
+  const std::string n = "[network]\n";
+  check_answer(n + "[skin]\ndomain = \"ring\"\n",
+               {"s.toml:7:10:", "'domain' in a network", "each"});
+  check_answer(n + "[skin]\nrefine = 2\n", {"'refine'", "edge_length"});
+  check_answer(n + "[skin]\nalpha = [1, 0, 1]\n", {"s.toml:7:9:", "three numbers", "one number"});
+  check_answer(n + "[[line]]\nname = \"b\"\nrole = \"inner\"\npoints = [[0,0,0],[1,1,1]]\n",
+               {"s.toml:8:8:", "'role' in a network", "[[region]]"});
+}
+
+TEST_CASE("everything that acts on a surface acts on a network", "[scene][network]") {
+  const Scene scene = parse_scene(kLine + R"([network]
+[skin]
+hold = "corners"
+units = "absolute"
+[[load]]
+name = "l"
+type = "pressure"
+value = 1
+regions = ["top"]
+[[parameter]]
+name = "p"
+value = 1
+[[sweep]]
+file = "a.png"
+parameter = "l"
+values = [1]
+[stress]
+thickness = 1
+young = 1
+pressures = [{region = "top", pressure = 2}]
+supports = [{line = "a"}]
+[output]
+step = "a.step"
+step_form = "exact"
+calculix = "a.inp"
+)",
+                                  "s.toml");
+  CHECK(scene.is_sculpted());
+  CHECK(scene.loads[0].area.regions[0].text == "top");
+  CHECK(scene.skin.hold == SceneSkin::Hold::Corners);
+  CHECK(scene.step_form == Scene::StepForm::Exact);
+  CHECK(scene.stress->pressures[0].region.text == "top");
+}
+
+TEST_CASE("words about regions and joins are checked where they stand", "[scene][network]") {
+  const std::string n = "[network]\n";
+  check_answer("[[region]]\nloops = [[\"a\"]]\n", {"s.toml:5:1:", "without [network]"});
+  check_answer("[[join]]\nlines = [\"a\"]\nkind = \"smooth\"\n", {"without [network]"});
+  check_answer(n + "[[region]]\nname = \"r\"\n", {"loops"});
+  check_answer(n + "[[region]]\nloops = []\n", {"s.toml:7:9:", "an empty list"});
+  check_answer(n + "[[region]]\nloops = [\"a\"]\n", {"s.toml:7:10:", "list of lists of names"});
+  check_answer(n + "[[region]]\nloops = [[\"a\"], []]\n", {"s.toml:7:17:", "an empty list"});
+  check_answer(n + "[[region]]\nloops = [[\"a\"]]\nring = true\n",
+               {"s.toml:8:8:", "ring = true with 1 loops", "2"});
+  check_answer(n + "[[region]]\nloops = [[\"a\"]]\nsurface = false\nname = \"x\"\n", {"'name'"});
+  check_answer(n + "[[region]]\nloops = [[\"a\"], [\"b\"]]\nsurface = false\n", {"2 loops", "one"});
+  check_answer(
+      n + "[[region]]\nname=\"x\"\nloops=[[\"a\"]]\n[[region]]\nname=\"x\"\nloops=[[\"b\"]]\n",
+      {"s.toml:10:6:", "the region name 'x' again"});
+  check_answer(n + "[[join]]\nlines = [\"a\"]\nkind = \"smoth\"\n",
+               {"s.toml:8:8:", "'smoth'", "did you mean 'smooth'?"});
+  check_answer(n + "[[join]]\nkind = \"smooth\"\n", {"lines"});
+  check_answer("[network]\ntolerence = 1\n", {"s.toml:6:1:", "did you mean 'tolerance'?"});
+  check_answer("[network]\ntolerance = -1\n", {"s.toml:6:13:"});
+  check_answer("[network]\nstraight_angle = 60\n", {"s.toml:6:18:", "0 to 45"});
+  check_answer("[network]\nmost_at_line = 0\n", {"s.toml:6:"});
+  check_answer("[network]\nmost_at_line = 99\n", {"1 to 16"});
+}

@@ -1,0 +1,396 @@
+// Scenes for sculpting: areas, weights, moves, rules, values over time, and every mistake in them.
+#include <cmath>
+
+#include "batten/io/scene/read_scene.h"
+#include "batten/io/scene/scene.h"
+#include "batten/tests/catch.h"
+#include "batten/tests/refusal.h"
+
+using namespace batten;
+
+namespace {
+
+// Ten lines; what a test adds begins in line 11.
+const std::string kLines = R"(unit = "mm"
+[[line]]
+name = "rim"
+points = [[0,0,0], [4,0,0], [4,3,0], [0,3,0], [0,0,0]]
+[[line]]
+name = "spine"
+points = [[1,1,0], [3,1,0]]
+role = "inner"
+[skin]
+beta = 2
+)";
+
+Scene scene_with(const std::string& text) { return parse_scene(kLines + text, "s.toml"); }
+
+void check_answer(const std::string& text, const std::vector<std::string>& parts) {
+  const std::string message = batten_test::refusal([&] { scene_with(text); });
+  for (const auto& part : parts) {
+    INFO(text << "\nmessage: " << message << "\nexpected in it: " << part);
+    CHECK(message.find(part) != std::string::npos);
+  }
+}
+
+std::string load(const std::string& type, const std::string& rest) {
+  return "[[load]]\nname = \"l\"\ntype = \"" + type + "\"\nvalue = 1\n" + rest + "\n";
+}
+
+const Parameter* find(const std::vector<Parameter>& list, const std::string& name) {
+  for (const Parameter& p : list)
+    if (p.name == name) return &p;
+  return nullptr;
+}
+
+double value_of(const Scene& scene, const std::string& name) {
+  const auto list = scene.parameters();
+  const Parameter* p = find(list, name);
+  REQUIRE(p);
+  return p->value;
+}
+
+}  // namespace
+
+TEST_CASE("all kinds of loads are read as they are written", "[scene][sculpt]") {
+  const Scene s = scene_with(R"(
+[[load]]
+name = "swell"
+type = "pressure"
+value = [[0, 5], [2, 9]]
+max = 10
+near = "spine"
+radius = 0.5
+[[load]]
+name = "push"
+type = "uniform"
+value = 2
+direction = [0, 0, 3]
+paint = [{ at = [1, 1, 0], radius = 1 }, { at = [2, 1, 0], radius = 0.5, strength = -1 }]
+[[load]]
+name = "weight"
+type = "gravity"
+value = 1
+direction = [0, 0, -2]
+[[load]]
+name = "along"
+type = "line"
+value = 1
+line = "spine"
+direction = [0, 1, 0]
+[[load]]
+name = "pull"
+type = "springs"
+value = 3
+at = [[1, 1, 0], [2, 2, 0]]
+to = [[1, 1, 5], [2, 2, 5]]
+rest_length = 0.25
+falloff = 4
+[[load]]
+name = "rail"
+type = "springs"
+value = 3
+at = [[1, 1, 0]]
+curve = "spine"
+[[load]]
+name = "floor"
+type = "springs"
+value = 3
+at = [[1, 1, 0]]
+plane = { through = [0, 0, -1], normal = [0, 0, 2] }
+[[load]]
+name = "measured"
+type = "springs"
+value = 3
+file = "points.csv"
+)");
+  REQUIRE(s.loads.size() == 8);
+  using Type = SceneLoad::Type;
+  const SceneLoad& swell = s.loads[0];
+  CHECK(swell.type == Type::Pressure);
+  CHECK(swell.value == 5);
+  REQUIRE(swell.over_time.size() == 2);
+  CHECK(swell.over_time[1].time == 2);
+  CHECK(swell.over_time[1].value == 9);
+  const auto& near = std::get<Area::NearLine>(swell.area.area.where);
+  CHECK(near.line == "spine");
+  CHECK(near.radius == 0.5);
+  const auto& painted = std::get<Area::Painted>(s.loads[1].area.area.where);
+  REQUIRE(painted.strokes.size() == 2);
+  CHECK(painted.strokes[0].strength == 1);
+  CHECK(painted.strokes[1].at == Vec3(2, 1, 0));
+  CHECK(painted.strokes[1].strength == -1);
+  CHECK(s.loads[1].direction == Vec3(0, 0, 1));
+  CHECK(s.loads[2].type == Type::Gravity);
+  CHECK(s.loads[2].direction == Vec3(0, 0, -1));
+  CHECK(s.loads[3].type == Type::Line);
+  CHECK(s.loads[3].line.text == "spine");
+  CHECK(s.loads[4].type == Type::Pulls);
+  CHECK(s.loads[4].pulls.at.size() == 2);
+  CHECK(std::get<Load::Pulls::Places>(s.loads[4].pulls.target).to[1] == Vec3(2, 2, 5));
+  CHECK(s.loads[4].pulls.rest_length == 0.25);
+  CHECK(s.loads[4].pulls.falloff == 4);
+  CHECK(s.loads[4].min == 0);
+  CHECK(s.loads[5].curve.text == "spine");
+  CHECK(std::get<Load::Pulls::Plane>(s.loads[6].pulls.target).normal == Vec3(0, 0, 1));
+  CHECK(s.loads[7].type == Type::Springs);
+  CHECK(s.loads[7].file == "points.csv");
+  CHECK(s.is_sculpted());
+}
+
+TEST_CASE("a scene is sculpted when more than lines acts on it", "[scene][sculpt]") {
+  CHECK_FALSE(scene_with("").is_sculpted());
+  CHECK(scene_with(load("pressure", "")).is_sculpted());
+  CHECK(scene_with("[[parameter]]\nname = \"p\"\nvalue = 1\n").is_sculpted());
+  CHECK(scene_with("[[constraint]]\nname = \"c\"\ntype = \"line_normal\"\nline = \"spine\"\n")
+            .is_sculpted());
+}
+
+TEST_CASE("regions of a load belong to a network", "[scene][sculpt]") {
+  CHECK_THROWS_WITH(
+      scene_with(load("pressure", "regions = [\"top\"]")),
+      Catch::Matchers::Contains("'top'") && Catch::Matchers::Contains("without [network]"));
+}
+
+TEST_CASE("weights, moves, line normals and motion are read as they are written",
+          "[scene][sculpt]") {
+  const Scene s = scene_with(R"(
+[[weight]]
+name = "stiff spine"
+kind = "beta"
+value = 40
+min = 0
+near = "spine"
+radius = 1
+along = "spine"
+[[weight]]
+name = "skin"
+kind = "alpha"
+value = 1
+along = [3, 4]
+[[move]]
+name = "rib"
+line = "spine"
+value = 0
+min = -2
+max = 2
+direction = [0, 0, 5]
+fade = 0.25
+[[move]]
+name = "rim"
+line = "rim.1"
+value = 0
+[[constraint]]
+name = "held"
+type = "line_normal"
+line = "spine"
+[[constraint]]
+name = "flat"
+type = "line_normal"
+line = "spine"
+normal = [0, 0, 3]
+[motion]
+density = 2
+damping = 0
+theta = 0.5
+)");
+  REQUIRE(s.weights.size() == 2);
+  CHECK(s.weights[0].kind == WeightField::Kind::Bending);
+  CHECK(std::get<PlacedWord>(*s.weights[0].along).text == "spine");
+  CHECK(s.weights[1].kind == WeightField::Kind::Stretching);
+  CHECK((std::get<Vec2>(*s.weights[1].along) - Vec2(0.6, 0.8)).norm() < 1e-15);
+  REQUIRE(s.moves.size() == 2);
+  CHECK(*s.moves[0].direction == Vec3(0, 0, 1));
+  CHECK(s.moves[0].fade == 0.25);
+  CHECK(s.moves[0].max == 2);
+  CHECK_FALSE(s.moves[1].direction);
+  REQUIRE(s.constraints.size() == 2);
+  CHECK(s.constraints[0].as_it_is);
+  CHECK_FALSE(s.constraints[1].as_it_is);
+  CHECK(s.constraints[1].goal == Vec3(0, 0, 1));
+  CHECK(s.motion.density == 2);
+  CHECK(s.motion.damping == 0);
+  CHECK(s.motion.theta == 0.5);
+  // Line normals have no numbers to set.
+  const auto parameters = s.parameters();
+  CHECK(find(parameters, "stiff spine"));
+  CHECK(find(parameters, "rib"));
+  CHECK_FALSE(find(parameters, "held.x"));
+}
+
+TEST_CASE("one parameter drives others, from their own values", "[scene][sculpt]") {
+  Scene s = scene_with(R"(
+[[parameter]]
+name = "bolder"
+value = 0.5
+min = 0
+max = 1
+drives = [{ name = "swell", factor = 200 }, { name = "rib", factor = 10, offset = -1 }, { name = "beta", factor = 2 }]
+[[parameter]]
+name = "finer"
+value = 0
+drives = [{ name = "swell", factor = -1 }]
+[[load]]
+name = "swell"
+type = "pressure"
+value = 6
+max = 150
+[[move]]
+name = "rib"
+line = "spine"
+value = 0
+)");
+  CHECK(value_of(s, "swell") == 106);
+  CHECK(value_of(s, "rib") == 4);
+  CHECK(value_of(s, "beta") == 3);
+  s.set("bolder", 0, "");
+  s.set("finer", 2, "");
+  CHECK(value_of(s, "swell") == 4);
+  CHECK(value_of(s, "rib") == -1);
+  s.set("bolder", 1, "");  // held to its range
+  CHECK(value_of(s, "swell") == 150);
+  const std::string message = batten_test::refusal([&] { s.set("swell", 1, "--set swell=1: "); });
+  CHECK(message ==
+        "--set swell=1: found a value for 'swell', expected one for 'bolder', which "
+        "drives it");
+}
+
+TEST_CASE("a value over time is set to one that stands", "[scene][sculpt]") {
+  Scene s = scene_with(
+      "[[load]]\nname = \"swell\"\ntype = \"pressure\"\nvalue = [[-1, 0], [1, 4]]\nmax = 5\n");
+  CHECK(value_of(s, "swell") == 2);
+  CHECK(s.named_values()[0].over_time.size() == 2);
+  s.set("swell", 5, "");
+  CHECK(value_of(s, "swell") == 5);
+  CHECK(s.named_values()[0].over_time.empty());
+  CHECK(batten_test::refusal([&] { s.set("swell", 6, ""); }).find("up to 5") != std::string::npos);
+}
+
+TEST_CASE("mistakes in loads are answered with their place", "[scene][sculpt]") {
+  check_answer(load("pressur", ""), {"s.toml:13:8: found the word 'pressur'",
+                                     "gravity, point, line, springs", "did you mean 'pressure'?"});
+  check_answer(load("pressure", "neer = \"spine\""), {"s.toml:15:1: found key 'neer'", "'near'?"});
+  check_answer(load("pressure", "near = \"spien\"\nradius = 1"),
+               {"s.toml:15:8: found the line 'spien', expected one of: rim, spine",
+                "did you mean 'spine'?"});
+  check_answer(load("pressure", "near = \"spine\""), {"no 'radius'"});
+  check_answer(load("pressure", "radius = 1"), {"s.toml:15:10", "'radius' without 'near'"});
+  check_answer(load("pressure", "near = \"spine\"\nradius = 0"),
+               {"s.toml:16:10: found 0", "a number above 0"});
+  check_answer(load("pressure", "near = \"rim\"\nradius = 1\npaint = [{at=[0,0,0], radius=1}]"),
+               {"s.toml:17:9: found both 'near' and 'paint'"});
+  check_answer(load("pressure", "paint = []"), {"found no strokes"});
+  check_answer(load("pressure", "paint = [{at=[0,0,0], raduis=1}]"),
+               {"s.toml:15:", "found key 'raduis' in [[paint]]", "did you mean 'radius'?"});
+  check_answer(load("pressure", "paint = [{at=[0,0,0], radius=-1}]"), {"found -1"});
+  check_answer(load("gravity", ""), {"found no 'direction'"});
+  check_answer(load("gravity", "direction = [0,0,1]\nnear = \"rim\"\nradius = 1"),
+               {"s.toml:16:8: found 'near' for the load 'l'", "\"pressure\" or \"uniform\""});
+  check_answer(load("line", "direction = [0,0,1]"), {"found no 'line' in [[load]]"});
+  check_answer(load("line", "direction = [0,0,1]\nline = \"rims\""),
+               {"s.toml:16:8: found the line 'rims'", "did you mean 'rim'?"});
+  check_answer(load("pressure", "line = \"rim\""),
+               {"s.toml:15:8", "it only where type = \"line\""});
+  check_answer(
+      load("uniform", "direction = [0,0,1]\nat = [0,0,0]"),
+      {"s.toml:16:6: found 'at' for the load 'l', expected it only where type = \"point\""});
+  check_answer(load("pressure", "falloff = 1"), {"it only where type = \"springs\""});
+  check_answer("[[load]]\nname = \"l\"\ntype = \"pressure\"\nvalue = []\n",
+               {"s.toml:14:9: found an empty list, expected a number, or [[t, value], …]"});
+  check_answer("[[load]]\nname = \"l\"\ntype = \"pressure\"\nvalue = [1, 2]\n",
+               {"s.toml:14:10: found 1, expected a list [[t, value], …] for 'value'"});
+  check_answer("[[load]]\nname = \"l\"\ntype = \"pressure\"\nvalue = [[1, 2], [1, 3]]\n",
+               {"s.toml:14:9: found a moment at 1 after one at 1, expected moments that ascend"});
+  check_answer("[[load]]\nname = \"l\"\ntype = \"pressure\"\nvalue = [[1, 2], [2, nan]]\n",
+               {"s.toml:14:22: found nan"});
+  check_answer("[[load]]\nname = \"l\"\ntype = \"pressure\"\nvalue = [[1, 2], [2, 3]]\nmax = 2\n",
+               {"s.toml:14:9: found 3, expected a value up to 2"});
+}
+
+TEST_CASE("mistakes in springs are answered with their place", "[scene][sculpt]") {
+  check_answer(load("springs", ""), {"found no 'file' in [[load]]"});
+  check_answer(load("springs", "at = [[0,0,0]]"),
+               {"found springs without anything that draws them", "one of: to, curve, plane"});
+  check_answer(load("springs", "at = [[0,0,0]]\nto = [[0,0,1]]\ncurve = \"rim\""),
+               {"found springs with more than one target"});
+  check_answer(load("springs", "at = [[0,0,0], [1,0,0]]\nto = [[0,0,1]]"),
+               {"s.toml:16:6: found 1 points, expected 2, one for each place of 'at'"});
+  check_answer(load("springs", "at = [0,0,0]\nto = [[0,0,1]]"),
+               {"s.toml:15:7: found 0, expected a list of points"});
+  check_answer(load("springs", "at = []\nto = []"), {"found an empty list, expected one place"});
+  check_answer(load("springs", "at = [[0,0,0]]\nplane = { through = [0,0,0], normal = [0,0,0] }"),
+               {"s.toml:16:", "found [0, 0, 0], expected a direction"});
+  check_answer(load("springs", "at = [[0,0,0]]\nto = [[0,0,1]]\nfalloff = -1"),
+               {"s.toml:17:11: found -1, expected a length, not below 0"});
+  check_answer(load("springs", "file = \"p.csv\"\nfalloff = 1"),
+               {"s.toml:16:11: found 'falloff' for the springs 'l', expected it only beside 'at'"});
+  check_answer(load("springs", "file = \"p.csv\"\nat = [[0,0,0]]"), {"found both 'at' and 'file'"});
+  check_answer("[[load]]\nname = \"l\"\ntype = \"springs\"\nvalue = -1\nfile = \"p.csv\"\n",
+               {"s.toml:14:9: found -1, expected a stiffness, not below 0"});
+}
+
+TEST_CASE("mistakes in weights, moves and motion are answered with their place",
+          "[scene][sculpt]") {
+  const std::string weight = "[[weight]]\nname = \"w\"\nvalue = 1\n";
+  check_answer(weight, {"found no 'kind' in [[weight]]"});
+  check_answer(weight + "kind = \"gamma\"\n",
+               {"s.toml:14:8: found the word 'gamma'", "expected one of: alpha, beta"});
+  check_answer(weight + "kind = \"beta\"\nalong = \"spin\"\n",
+               {"s.toml:15:9: found the line 'spin'", "did you mean 'spine'?"});
+  check_answer(weight + "kind = \"beta\"\nalong = [0, 0]\n", {"s.toml:15:9: found [0, 0]"});
+  check_answer(weight + "kind = \"beta\"\nalong = [1, 0, 0]\n", {"[u, v] for 'along'"});
+  check_answer("[[weight]]\nname = \"alpha\"\nkind = \"beta\"\nvalue = 1\n",
+               {"s.toml:12:8: found the weight name 'alpha'", "a parameter of [skin]"});
+  const std::string move = "[[move]]\nname = \"m\"\nvalue = 1\n";
+  check_answer(move, {"found no 'line' in [[move]]"});
+  check_answer(move + "line = \"ribb\"\n", {"s.toml:14:8: found the line 'ribb'"});
+  check_answer(move + "line = \"spine\"\nfade = 0.6\n", {"s.toml:15:8: found 0.6", "0 to 0.5"});
+  check_answer(move + "line = \"spine\"\ndirection = [0,0,0]\n", {"found [0, 0, 0]"});
+  check_answer(move + move + "line = \"spine\"\n", {"found no 'line'"});
+  check_answer(move + "line = \"spine\"\n" + move + "line = \"rim\"\n",
+               {"s.toml:16:8: found the name 'm' again (first in line 12)"});
+  check_answer("[motion]\ndensity = -1\n", {"s.toml:12:11: found -1"});
+  check_answer("[motion]\ntheta = 0.4\n", {"s.toml:12:9: found 0.4, expected a number from 0.5"});
+  check_answer("[motion]\ndampng = 1\n", {"found key 'dampng' in [motion]", "'damping'?"});
+  const std::string held = "[[constraint]]\nname = \"c\"\ntype = \"line_normal\"\n";
+  check_answer(held, {"found no 'line' in [[constraint]]"});
+  check_answer(held + "line = \"spine\"\nat = [0,0,0]\n", {"s.toml:15:6: found 'at'", "'line'"});
+  check_answer(held + "line = \"sipne\"\n", {"s.toml:14:8: found the line 'sipne'"});
+  check_answer(
+      "[[constraint]]\nname = \"c\"\ntype = \"point\"\nat = [0,0,0]\nto = [0,0,1]\n"
+      "line = \"rim\"\n",
+      {"s.toml:16:8", "it only where type = \"line_normal\""});
+}
+
+TEST_CASE("mistakes in rules are answered with their place", "[scene][sculpt]") {
+  const std::string slider = "[[parameter]]\nname = \"p\"\nvalue = 1\n";
+  check_answer(slider + "drives = [{ name = \"betta\", factor = 1 }]\n",
+               {"s.toml:14:20: found 'betta' to drive, expected one of: p, alpha, beta",
+                "did you mean 'beta'?"});
+  check_answer(slider + "drives = [{ name = \"beta\" }]\n", {"s.toml:14:", "no 'factor'"});
+  check_answer(slider + "drives = [{ name = \"beta\", factr = 1 }]\n",
+               {"s.toml:14:28: found key 'factr'", "did you mean 'factor'?"});
+  check_answer(slider + "drives = [{ name = \"p\", factor = 1 }]\n",
+               {"s.toml:14:20: parameter 'p': found a circle, 'p' follows 'p'"});
+  check_answer(slider +
+                   "drives = [{ name = \"q\", factor = 1 }]\n[[parameter]]\nname = \"q\"\n"
+                   "value = 1\ndrives = [{ name = \"p\", factor = 1 }]\n",
+               {"s.toml:18:20: parameter 'q': found a circle, 'q' follows 'p' follows 'q'"});
+  check_answer(
+      slider + "drives = [{ name = \"beta\", factor = 1 }, { name = \"beta\", factor = 2 }]\n",
+      {"found 'beta' again"});
+  check_answer(slider +
+                   "drives = [{ name = \"beta\", factor = 1, offset = 1 }]\n[[parameter]]\n"
+                   "name = \"q\"\nvalue = 1\n"
+                   "drives = [{ name = \"beta\", factor = 1, offset = 2 }]\n",
+               {"s.toml:18:20: found another offset of 'beta' (the first in line 14)"});
+  check_answer(slider +
+                   "drives = [{ name = \"l\", factor = 1 }]\n[[load]]\nname = \"l\"\n"
+                   "type = \"pressure\"\nvalue = [[0, 1], [1, 2]]\n",
+               {"s.toml:14:20: found 'l' to drive, whose value is one over time"});
+  check_answer(slider +
+                   "drives = [{ name = \"fair-1.deviation\", factor = 1 }]\n[[fair]]\n"
+                   "lines = [\"spine\"]\ndeviation = 0.1\n",
+               {"which changes the lines"});
+  check_answer("[[parameter]]\nname = \"p\"\n", {"found no 'value'"});
+}

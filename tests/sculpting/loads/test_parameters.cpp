@@ -1,0 +1,194 @@
+// Named numbers: ranges, moments, and rules between them.
+#include <cmath>
+#include <limits>
+
+#include "batten/core/errors.h"
+#include "batten/sculpting/loads/parameters.h"
+#include "batten/tests/allocations.h"
+#include "batten/tests/catch.h"
+
+using namespace batten;
+using Catch::Matchers::Contains;
+
+namespace {
+
+NamedValue named(const std::string& name, double value = 0) {
+  NamedValue p;
+  p.name = name;
+  p.value = value;
+  return p;
+}
+
+NamedValue ranged(const std::string& name, double value, double min, double max) {
+  NamedValue p = named(name, value);
+  p.min = min;
+  p.max = max;
+  return p;
+}
+
+}  // namespace
+
+TEST_CASE("one parameter drives several by linear rules, whatever their order", "[parameters]") {
+  Parameters all;
+  // Followers first, so that the order of the rules is not the order of adding.
+  for (const char* name : {"far", "near", "depth", "bolder", "finer"}) all.add(named(name));
+  all.drive("far", {{"near", 2}, {"finer", -1}}, 1);
+  all.drive("near", {{"bolder", 10}}, 3);
+  all.drive("depth", {{"bolder", -4}, {"bolder", 1}}, 0);
+  all.set("bolder", 0.5);
+  CHECK(all.value("far") == 2 * 8 + 1);
+  all.set("finer", 0.25);
+  CHECK(all.value("near") == 8);
+  CHECK(all.value("far") == 2 * 8 - 0.25 + 1);
+  CHECK(all.value("depth") == -1.5);
+  CHECK(all.values() == std::vector<double>{all.value("far"), 8, -1.5, 0.5, 0.25});
+
+  CHECK_THROWS_WITH(all.set("near", 1), Contains("'near'") && Contains("follows 'bolder'"));
+  CHECK_THROWS_WITH(all.remove("bolder"), Contains("'near' following it"));
+  all.drive("near", {}, 5);  // stands alone again
+  CHECK(all.value("far") == 10.75);
+  all.set("near", 0);
+  CHECK(all.value("far") == 0.75);
+  all.drive("depth", {}, 0);
+  all.remove("bolder");
+  CHECK(all.count() == 4);
+  CHECK(all.index("finer") == 3);
+  all.set("finer", 1);
+  CHECK(all.value("far") == 0);
+}
+
+TEST_CASE("a follower is held to its own range", "[parameters]") {
+  Parameters all;
+  all.add(ranged("slider", 0, -10, 10));
+  NamedValue driven = ranged("pressure", 0, 0, 30);
+  driven.follows = {{"slider", 5}};
+  driven.offset = 10;
+  all.add(driven);
+  CHECK(all.value("pressure") == 10);
+  all.set("slider", 10);
+  CHECK(all.value("pressure") == 30);
+  all.set("slider", -10);
+  CHECK(all.value("pressure") == 0);
+  all.set("slider", 1);
+  CHECK(all.value("pressure") == 15);
+}
+
+TEST_CASE("a circle of rules is named and changes nothing", "[parameters]") {
+  Parameters all;
+  for (const char* name : {"a", "b", "c"}) all.add(named(name, 1));
+  all.drive("b", {{"a", 2}}, 0);
+  all.drive("c", {{"b", 2}}, 0);
+  CHECK_THROWS_WITH(all.drive("a", {{"c", 1}}, 0),
+                    Contains("'a' follows 'c' follows 'b' follows 'a'"));
+  CHECK_THROWS_WITH(all.drive("a", {{"a", 1}}, 0), Contains("'a' follows 'a'"));
+  CHECK_THROWS_WITH(all.drive("b", {{"aa", 1}}, 0), Contains("'aa'"));
+  CHECK_THROWS_AS(all.drive("b", {{"a", std::nan("")}}, 0), InputError);
+  CHECK_THROWS_AS(all.drive("b", {{"a", 1}}, std::nan("")), InputError);
+  all.set("a", 3);
+  CHECK(all.value("c") == 12);
+}
+
+TEST_CASE("numbers that cannot be are refused with their range", "[parameters]") {
+  Parameters all;
+  all.add(ranged("swell", 1, -300, 300));
+  CHECK_THROWS_WITH(all.set("swell", 301), Contains("'swell'") && Contains("found 301") &&
+                                               Contains("a number from -300 to 300"));
+  CHECK_THROWS_WITH(all.set("swell", std::nan("")), Contains("found nan"));
+  CHECK_THROWS_WITH(all.set("sweel", 1), Contains("did you mean 'swell'?"));
+  CHECK_THROWS_AS(all.set(7, 1.0), InputError);
+  CHECK_THROWS_AS(all.set(-1, 1.0), InputError);
+  CHECK(all.value("swell") == 1);
+
+  CHECK_THROWS_WITH(all.add(named("swell")), Contains("taken"));
+  CHECK_THROWS_WITH(all.add(named("")), Contains("without a name"));
+  CHECK_THROWS_WITH(all.add(ranged("x", 0, 2, 1)), Contains("range from 2 to 1"));
+  CHECK_THROWS_WITH(all.add(ranged("x", 3, 0, 1)), Contains("found 3"));
+  CHECK_THROWS_AS(all.add(named("x", std::numeric_limits<double>::infinity())), InputError);
+  NamedValue timed = named("x");
+  timed.over_time = {{0, 1}, {2, 1}, {2, 3}};
+  CHECK_THROWS_WITH(all.add(timed), Contains("ascend"));
+  timed.over_time = {{0, 1}, {2, 1}};
+  timed.max = 0.5;
+  CHECK_THROWS_WITH(all.add(timed), Contains("up to 0.5"));
+  timed.max = 2;
+  timed.follows = {{"swell", 1}};
+  CHECK_THROWS_WITH(all.add(timed), Contains("one of them"));
+  NamedValue early = named("y");
+  early.follows = {{"z", 1}};
+  CHECK_THROWS_WITH(all.add(early), Contains("'z'"));
+  CHECK(all.count() == 1);
+}
+
+TEST_CASE("values over time are linear between moments and constant outside", "[parameters]") {
+  Parameters all;
+  NamedValue timed = named("swell");
+  timed.over_time = {{1, 10}, {2, 30}, {4, -10}};
+  all.add(timed);
+  NamedValue follower = named("depth");
+  follower.follows = {{"swell", 0.5}};
+  all.add(follower);
+  CHECK(all.value("swell") == 10);
+  CHECK(all.value("depth") == 5);
+  CHECK(all.last_moment() == 4);
+  CHECK_FALSE(all.set_time(0.9));
+  const std::vector<std::pair<double, double>> expected = {{1, 10}, {1.25, 15},  {2, 30},
+                                                           {3, 10}, {3.75, -5.}, {9, -10}};
+  for (const auto& [time, value] : expected) {
+    all.set_time(time);
+    CHECK(all.value("swell") == Approx(value).margin(1e-15));
+    CHECK(all.value("depth") == Approx(value / 2).margin(1e-15));
+    CHECK(all.time() == time);
+  }
+  CHECK_THROWS_AS(all.set_time(std::nan("")), InputError);
+
+  all.set("swell", 7);  // by hand: time goes on without it
+  CHECK_FALSE(all.set_time(2));
+  CHECK(all.value("swell") == 7);
+  CHECK(all.last_moment() == 0);
+}
+
+TEST_CASE("restored values are the same bits, and moments move again", "[parameters]") {
+  Parameters all;
+  all.add(named("a", 0.1));
+  NamedValue timed = named("t");
+  timed.over_time = {{0, 1}, {3, 2}};
+  all.add(timed);
+  all.add(named("f"));
+  all.drive("f", {{"a", 1.0 / 3}, {"t", 0.7}}, 0.2);
+  all.set_time(1);
+  const std::vector<double> before = all.values();
+  all.set("a", 0.7);
+  all.set("t", 5);
+  all.set_time(2);
+  const std::vector<double> after = all.values();
+  all.restore(before, 1);
+  CHECK(all.values() == before);
+  CHECK(all.time() == 1);
+  CHECK(all.set_time(3));
+  CHECK(all.value("t") == 2);
+  all.restore(after, 2);
+  CHECK(all.values() == after);
+  CHECK_FALSE(all.set_time(3));
+  CHECK_THROWS_AS(all.restore({1, 2}, 0), InputError);
+}
+
+TEST_CASE("setting, moving in time and restoring ask for no memory", "[parameters]") {
+  if (!batten_test::counts_allocations()) return;
+  Parameters all;
+  all.add(ranged("slider", 0, -1, 1));
+  NamedValue timed = named("t");
+  timed.over_time = {{0, 1}, {3, 2}};
+  all.add(timed);
+  all.add(named("swell"));
+  all.drive("swell", {{"slider", 200}, {"t", 1}}, 6);
+  const std::vector<double> values = all.values();
+  const int slider = all.index("slider");
+  const WorkCount work;
+  for (int i = 0; i < 100; ++i) {
+    all.set(slider, 0.01 * i);
+    all.set("slider", -0.01 * i);
+    all.set_time(0.03 * i);
+    all.restore(values, 0);
+  }
+  CHECK(work.of(Work::Allocation) == 0);
+}

@@ -1,0 +1,298 @@
+// Edits of a layout: refined anywhere, lines of another shape, inner lines that come and go.
+#include "batten/core/errors.h"
+#include "batten/skinning/domains/mesher.h"
+#include "batten/skinning/region/quality.h"
+#include "batten/tests/catch.h"
+#include "batten/tests/refusal.h"
+#include "batten/tests/sampling.h"
+#include "batten/tests/skinning/shapes.h"
+#include "batten/tests/static_twin.h"
+
+using namespace batten_test;
+using namespace batten::twin;
+using Catch::Matchers::Contains;
+
+namespace {
+
+constexpr double pi = std::numbers::pi;
+using Role = CharacterLine::Role;
+
+CharacterLine ellipse(const std::string& name, Role role, const Vec3& centre, double a, double b) {
+  return {name,
+          curve_from_formula(0, 2 * pi,
+                             [=](double t, int order) -> Vec3 {
+                               const double s = t + order * pi / 2;
+                               const Vec3 x(a * std::cos(s), b * std::sin(s), 0);
+                               return order == 0 ? Vec3(centre + x) : x;
+                             }),
+          role};
+}
+
+CharacterLine straight(const std::string& name, const Vec3& a, const Vec3& b) {
+  return {name, curve_through_points(name, {a, b}), Role::Inner};
+}
+
+SkinOptions coarse(double edge = 0.25, double tolerance = 2e-3) {
+  SkinOptions options;
+  options.edge_length = edge;
+  options.tolerance = tolerance;
+  return options;
+}
+
+// A door in small: a cornered outline on runs, a hole and a closed hollow, both embedded.
+std::vector<CharacterLine> panel() {
+  auto lines = polygon_lines({{0, 0, 0}, {2, 0, 0.2}, {2, 1.4, 0}, {0, 1.4, 0.2}});
+  lines.push_back(ellipse("hole", Role::Hole, {0.5, 0.7, 0.1}, 0.2, 0.25));
+  lines.push_back(ellipse("hollow", Role::Inner, {1.4, 0.7, 0.1}, 0.3, 0.2));
+  return lines;
+}
+
+std::vector<CharacterLine> disc() {
+  return {ellipse("rim", Role::Outline, {0, 0, 0}, 1, 0.8),
+          ellipse("hole", Role::Hole, {0.4, 0, 0}, 0.2, 0.15),
+          straight("rib", {-0.6, -0.3, 0}, {-0.1, 0.4, 0})};
+}
+
+std::vector<CharacterLine> ring() {
+  return {ellipse("lower", Role::Outline, {0, 0, 0}, 1, 1),
+          ellipse("upper", Role::Outline, {0, 0, 1.2}, 0.8, 0.7)};
+}
+
+Surface solved(const RegionLayout& layout) {
+  return layout.region(sculpt(layout, layout.line_constraints(), {}, {}).dofs).surface;
+}
+
+std::vector<char> random_marks(const RegionLayout& layout, Random& random, double share) {
+  std::vector<char> marks(layout.mesh()->triangle_count());
+  for (char& m : marks) m = random.between(0, 1) < share;
+  return marks;
+}
+
+bool same_rows(const ConstraintSet& a, const ConstraintSet& b, double tolerance, bool values) {
+  if (a.dof_count() != b.dof_count() || a.rows().size() != b.rows().size() ||
+      a.names() != b.names())
+    return false;
+  for (size_t r = 0; r < a.rows().size(); ++r) {
+    const auto &x = a.rows()[r], &y = b.rows()[r];
+    if (x.name != y.name || x.entries.size() != y.entries.size()) return false;
+    for (size_t i = 0; i < x.entries.size(); ++i)
+      if (x.entries[i].dof != y.entries[i].dof ||
+          !(std::abs(x.entries[i].coefficient - y.entries[i].coefficient) <= tolerance))
+        return false;
+    if (values && !((x.value - y.value).norm() <= tolerance)) return false;
+  }
+  return true;
+}
+
+void check_runs(const RegionLayout& layout) {
+  const ParametricMesh& mesh = *layout.mesh();
+  for (const LineRun& run : layout.runs()) {
+    REQUIRE(run.vertices.size() == run.parameters.size());
+    REQUIRE(run.edges.size() + 1 == run.vertices.size());
+    CHECK(run.parameters.front() == run.fitted.start());
+    CHECK(run.parameters.back() == Approx(run.fitted.end()).epsilon(1e-14));
+    for (size_t k = 0; k < run.edges.size(); ++k) {
+      CHECK(run.parameters[k] < run.parameters[k + 1]);
+      CHECK(run.edges[k] == mesh.edge_between(run.vertices[k], run.vertices[k + 1]));
+      CHECK(run.edges[k] >= 0);
+    }
+  }
+}
+
+HermiteCurve lifted(const HermiteCurve& curve, double height) {
+  Points dofs = curve.dofs();
+  for (int i = 0; i < curve.node_count(); ++i) dofs(curve.mesh().position_dof(i), 2) += height;
+  return {curve.mesh(), dofs};
+}
+
+}  // namespace
+
+TEST_CASE("wherever a layout is refined, its lines stay where they are") {
+  if (!have_delaunay_mesher()) return;
+  Random random(3);
+  for (const auto& lines : {patch_with_inner_line(), panel(), disc(), ring()}) {
+    RegionLayout layout("region", lines, coarse());
+    const double area = layout.trim() ? layout.trim()->area() : 0;
+    for (int round = 0; round < 3; ++round) {
+      const int before = layout.mesh()->triangle_count();
+      REQUIRE(layout.refine(random_marks(layout, random, 0.2)));
+      CHECK(layout.mesh()->triangle_count() > before);
+      check_runs(layout);
+      const Surface shape = solved(layout);
+      CHECK(layout.line_constraints().max_residual(shape.dofs()) <= 1e-12 * layout.size());
+      const SkinQuality quality = measure(layout.region(shape.dofs()));
+      CHECK(quality.max_line_residual <= 1e-10);
+      CHECK(quality.max_line_gap <= 2 * layout.tolerance());
+      CHECK(quality.max_normal_jump_deg < 1e-8);
+      if (!layout.trim()) continue;
+      CHECK(layout.trim()->area() == Approx(area).epsilon(1e-9));
+      double sum = 0;
+      for (int t = 0; t < layout.mesh()->triangle_count(); ++t)
+        sum += layout.trim()->share(t) * layout.mesh()->shape(t).area;
+      CHECK(sum == Approx(area).epsilon(1e-9));
+    }
+  }
+}
+
+TEST_CASE("no marks change nothing, and wrong counts are said") {
+  RegionLayout layout("region", curved_polygon(4, 0.1, 0.1), coarse());
+  const auto mesh = layout.mesh();
+  CHECK_FALSE(layout.refine(std::vector<char>(mesh->triangle_count(), 0)));
+  CHECK_THROWS_AS(layout.refine(std::vector<char>(3, 1)), InputError);
+  CHECK(layout.mesh() == mesh);
+}
+
+TEST_CASE("another shape of a line moves values and leaves coefficients") {
+  if (!have_delaunay_mesher()) return;
+  RegionLayout layout("region", panel(), coarse());
+  for (const std::string name : {"side 1", "hollow", "hole"}) {
+    const ConstraintSet before = layout.line_constraints();
+    const HermiteCurve curve = lifted(layout.line(name), 0.05);
+    layout.set_line(name, curve);
+    CHECK(layout.line(name).dofs() == curve.dofs());
+    const ConstraintSet after = layout.line_constraints();
+    CHECK(same_rows(before, after, 0, false));
+    CHECK_FALSE(same_rows(before, after, 0.01, true));
+    // The rows of this line have risen, no others.
+    for (size_t r = 0; r < after.rows().size(); ++r) {
+      const Vec3 moved = after.rows()[r].value - before.rows()[r].value;
+      if (after.names()[static_cast<size_t>(after.rows()[r].name)] != name)
+        CHECK(moved.norm() == 0);
+    }
+  }
+  // Inputs follow, so that quality is measured against the line as it is now.
+  for (const EmbeddedLine& line : layout.embedded())
+    CHECK(
+        (line.line.curve->evaluate(line.fitted.start()) - line.fitted.evaluate(line.fitted.start()))
+            .norm() < 1e-14);
+}
+
+TEST_CASE("a surface is on a line that was lifted, before and after refinement") {
+  if (!have_delaunay_mesher()) return;
+  RegionLayout layout("region", panel(), coarse());
+  layout.set_line("hollow", lifted(layout.line("hollow"), 0.1));
+  Random random(5);
+  for (int round = 0; round < 2; ++round) {
+    const Surface shape = solved(layout);
+    CHECK(layout.line_constraints().max_residual(shape.dofs()) <= 1e-12);
+    const SkinQuality quality = measure(layout.region(shape.dofs()));
+    CHECK(quality.max_line_gap < 0.01);
+    CHECK(quality.max_line_deviation < 0.01);
+    REQUIRE(layout.refine(random_marks(layout, random, 0.3)));
+  }
+}
+
+TEST_CASE("an inner line that comes and goes leaves the layout as it was") {
+  if (!have_delaunay_mesher()) return;
+  for (const auto& lines : {panel(), disc(), curved_polygon(5, 0.1, 0.02)}) {
+    RegionLayout layout("region", lines, coarse());
+    const Surface shape = solved(layout);
+    const ConstraintSet before = layout.line_constraints();
+    const bool flat = lines[0].name == "rim";
+    // On the shape itself, from one of its points to another.
+    const CharacterLine line =
+        flat ? straight("new", {-0.7, 0.2, 0}, {-0.4, 0.45, 0})
+             : straight("new", shape.position(shape.closest_point({0.2, 0.15, 0}).where),
+                        shape.position(shape.closest_point({0.7, 0.2, 0}).where));
+    CHECK_FALSE(layout.has_line("new"));
+    layout.add_inner(line, shape);
+    CHECK(layout.has_line("new"));
+    const ConstraintSet with = layout.line_constraints();
+    CHECK(with.rows().size() > before.rows().size());
+    const Surface ribbed = solved(layout);
+    CHECK(with.max_residual(ribbed.dofs()) <= 1e-12);
+    double off = 0;
+    const HermiteCurve& curve = layout.line("new");
+    for (int i = 0; i <= 20; ++i) {
+      const double t = curve.start() + (curve.end() - curve.start()) * i / 20;
+      off = std::max(off, ribbed.closest_point(curve.evaluate(t)).distance);
+    }
+    CHECK(off < 3 * layout.tolerance());
+    layout.remove_inner("new");
+    CHECK_FALSE(layout.has_line("new"));
+    CHECK(same_rows(layout.line_constraints(), before, 1e-13, true));
+  }
+}
+
+TEST_CASE("an inner line that is taken out from between others leaves the boundary in order") {
+  if (!have_delaunay_mesher()) return;
+  RegionLayout layout("region", disc(), coarse());
+  layout.add_inner(straight("second", {-0.7, 0.2, 0}, {-0.4, 0.45, 0}), solved(layout));
+  layout.remove_inner("rib");
+  CHECK(layout.has_line("second"));
+  const SkinnedRegion region = layout.region(solved(layout).dofs());
+  for (const auto& loop : region.boundary)
+    for (const BoundaryPiece& piece : loop)
+      CHECK(region.embedded[static_cast<size_t>(piece.index)].line.role != Role::Inner);
+  Random random(1);
+  REQUIRE(layout.refine(random_marks(layout, random, 0.3)));
+  CHECK(layout.trim()->area() * layout.size() * layout.size() ==
+        Approx(pi * (0.8 - 0.03)).epsilon(1e-3));
+}
+
+TEST_CASE("a line with corners comes and goes by its own name") {
+  if (!have_delaunay_mesher()) return;
+  RegionLayout layout("region", curved_polygon(5, 0.0, 0.02), coarse());
+  const ConstraintSet before = layout.line_constraints();
+  const CharacterLine bent{"bent",
+                           curve_through_points("bent", {{-0.3, 0, 0}, {0.1, 0.3, 0}, {0.4, 0, 0}}),
+                           Role::Inner};
+  layout.add_inner(bent, solved(layout));
+  CHECK(layout.has_line("bent.1"));
+  CHECK(layout.has_line("bent.2"));
+  CHECK_THAT(refusal([&] { layout.add_inner(bent, solved(layout)); }),
+             Contains("two lines have the name 'bent.1'"));
+  layout.remove_inner("bent");
+  CHECK(same_rows(layout.line_constraints(), before, 1e-13, true));
+}
+
+TEST_CASE("what edits refuse is said in words, and leaves the layout as it was") {
+  if (!have_delaunay_mesher()) return;
+  RegionLayout layout("region", panel(), coarse());
+  const Surface shape = solved(layout);
+  const ConstraintSet before = layout.line_constraints();
+  const auto mesh = layout.mesh();
+  const auto trim = layout.trim();
+  const auto line = [](const Vec3& a, const Vec3& b) { return straight("new", a, b); };
+  const auto add = [&](const CharacterLine& l) {
+    return refusal([&] { layout.add_inner(l, shape); });
+  };
+  CHECK_THAT(add(line({1.2, 1.2, 0.1}, {3, 1.2, 0.1})), Contains("leaves the region"));
+  CHECK_THAT(add(line({0.1, 0.7, 0.1}, {0.9, 0.7, 0.1})), Contains("leaves the region"));
+  CHECK_THAT(add(line({1, 1, 9}, {1.2, 1, 9})), Contains("away from the surface"));
+  CHECK_THAT(add(line({1.4, 0.4, 0.4}, {1.4, 1, 0.4})), Contains("cross"));
+  CHECK_THAT(add({"hollow", line({1, 1, 0.1}, {1.2, 1, 0.1}).curve, Role::Inner}),
+             Contains("two lines have the name 'hollow'"));
+  CHECK_THAT(add({"new", line({1, 1, 0.1}, {1.2, 1, 0.1}).curve, Role::Outline}),
+             Contains("not an inner line"));
+  CHECK_THAT(add({"new", nullptr, Role::Inner}), Contains("has no curve"));
+  const auto nowhere =
+      curve_from_formula(0, 1, [](double t, int) { return Vec3(t, 0.2, std::sqrt(0.5 - t)); });
+  CHECK_THAT(add({"new", nowhere, Role::Inner}), Contains("not finite"));
+  const RegionLayout other("other", panel(), coarse(0.4));
+  CHECK_THAT(refusal([&] {
+               layout.add_inner(line({1, 1, 0.1}, {1.2, 1, 0.1}), solved(other));
+             }),
+             Contains("another mesh"));
+
+  CHECK_THAT(refusal([&] { layout.line("holow"); }), Contains("did you mean 'hollow'"));
+  CHECK_THAT(refusal([&] { layout.remove_inner("holow"); }), Contains("did you mean 'hollow'"));
+  CHECK_THAT(refusal([&] { layout.remove_inner("hole"); }), Contains("cannot be taken out"));
+  CHECK_THAT(refusal([&] { layout.remove_inner("side 1"); }), Contains("cannot be taken out"));
+  const HermiteCurve hollow = layout.line("hollow");
+  CHECK_THAT(refusal([&] { layout.set_line("holow", hollow); }), Contains("did you mean"));
+  CHECK_THAT(refusal([&] { layout.set_line("hollow", hollow.with_parameter_times(2)); }),
+             Contains("same nodes"));
+  CHECK_THAT(refusal([&] { layout.set_line("side 1", hollow); }), Contains("same nodes"));
+
+  CHECK(layout.mesh() == mesh);
+  CHECK(layout.trim() == trim);
+  CHECK(same_rows(layout.line_constraints(), before, 0, true));
+
+  RegionLayout tube("tube", ring(), coarse());
+  CHECK_THAT(refusal([&] {
+               tube.add_inner(straight("new", {1, 0, 0.4}, {1, 0, 9}), solved(tube));
+             }),
+             Contains("'new'"));
+  CHECK_FALSE(tube.has_line("new"));
+}

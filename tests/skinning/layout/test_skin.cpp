@@ -1,0 +1,217 @@
+// Regions as surfaces: the lines are held exactly, the surface is C1, and the unit does not matter.
+#include "batten/core/errors.h"
+#include "batten/core/parallel.h"
+#include "batten/skinning/domains/mesher.h"
+#include "batten/skinning/region/quality.h"
+#include "batten/tests/catch.h"
+#include "batten/tests/skinning/shapes.h"
+#include "batten/tests/static_twin.h"
+#include "batten/tests/threads.h"
+
+using namespace batten_test;
+using namespace batten::twin;
+using Catch::Matchers::Contains;
+
+namespace {
+
+SkinnedRegion skinned(const std::vector<CharacterLine>& lines, SkinOptions options = {},
+                      const std::vector<Load>& loads = {}) {
+  if (!have_delaunay_mesher()) options.mesher = SkinOptions::Mesher::Fan;
+  const RegionLayout layout("region", lines, options);
+  return layout.region(sculpt(layout, layout.line_constraints(), loads, {}).dofs);
+}
+
+void check_exact(const SkinnedRegion& region, double tolerance) {
+  const SkinQuality q = measure(region);
+  CHECK(q.max_line_residual <= 1e-12);
+  CHECK(q.max_line_deviation <= tolerance);
+  CHECK(q.max_normal_jump_deg <= 1e-9);
+  CHECK(q.min_jacobian_ratio >= 0.05);
+  CHECK(q.singular_nodes == 0);
+}
+
+}  // namespace
+
+TEST_CASE("regions of 3, 4, 5 and 11 sides hold their lines to rounding") {
+  for (const int sides : {3, 4, 5, 11})
+    for (const auto element : {TriangleElement::HCT, TriangleElement::Z12}) {
+      INFO(sides << " sides");
+      SkinOptions options;
+      options.element = element;
+      options.edge_length = 0.2;
+      check_exact(skinned(curved_polygon(sides, 0.2, 0.3 / sides / sides), options), 1e-12);
+      check_exact(skinned(curved_polygon(sides, 0.2, 0.3 / sides / sides), options,
+                          {{"p", PressureLoad{20}}}),
+                  1e-12);
+    }
+}
+
+TEST_CASE("an L-shaped region with a reflex corner") {
+  if (!have_delaunay_mesher()) return;
+  check_exact(
+      skinned(polygon_lines({{0, 0, 0}, {3, 0, 0}, {3, 1, 0}, {1, 1, 0}, {1, 2, 0.4}, {0, 2, 0}})),
+      1e-12);
+}
+
+TEST_CASE("a flat outline makes a flat surface without bending energy") {
+  const SkinnedRegion region = skinned(polygon_lines({{0, 0, 0}, {3, 0, 0}, {4, 2, 0}, {1, 3, 0}}));
+  CHECK(region.surface.dofs().col(2).cwiseAbs().maxCoeff() < 1e-13);
+  CHECK(measure(region).area == Approx(0.5 * (3 * 2 - 0 + 4 * 3 - 1 * 2)).epsilon(1e-9));
+}
+
+TEST_CASE("the first line's direction decides the side of the normal") {
+  auto lines = polygon_lines({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}});
+  CHECK(skinned(lines).surface.jet({0, Vec3::Constant(1.0 / 3)}).normal().z() == Approx(1));
+  std::reverse(lines.begin(), lines.end());
+  CHECK(skinned(lines).surface.jet({0, Vec3::Constant(1.0 / 3)}).normal().z() == Approx(1));
+  lines = polygon_lines({{0, 0, 0}, {0, 1, 0}, {1, 1, 0}, {1, 0, 0}});
+  CHECK(skinned(lines).surface.jet({0, Vec3::Constant(1.0 / 3)}).normal().z() == Approx(-1));
+}
+
+TEST_CASE("an inner line is held as exactly as the outline") {
+  if (!have_delaunay_mesher()) return;
+  const auto lines = patch_with_inner_line();
+  const SkinnedRegion region = skinned(lines, {}, {{"p", PressureLoad{30}}});
+  check_exact(region, 1e-12);
+  // The rib is inside: both its sides carry triangles.
+  for (const int e : region.runs.back().edges)
+    CHECK_FALSE(region.surface.mesh().edges()[e].boundary());
+}
+
+TEST_CASE(
+    "inner lines that cannot be straight runs are embedded, or refused when they must be runs") {
+  if (!have_delaunay_mesher()) return;
+  auto lines = patch_with_inner_line();
+  const auto a = lines[0].curve->evaluate(0.3), b = lines[2].curve->evaluate(0.3);
+  const auto rib = lines[4].curve;
+  using Role = CharacterLine::Role;
+  using Treatment = CharacterLine::Treatment;
+  const auto gap_of = [](const std::vector<CharacterLine>& l, size_t runs) {
+    const RegionLayout layout("region", l, {});
+    CHECK(layout.runs().size() == runs);
+    CHECK(layout.embedded().size() == l.size() - runs);
+    const SkinnedRegion region =
+        layout.region(sculpt(layout, layout.line_constraints(), {}, {}).dofs);
+    const SkinQuality q = measure(region);
+    CHECK(q.max_line_residual < 1e-12);
+    CHECK(q.max_line_deviation <= layout.tolerance());
+    CHECK(q.max_line_gap <= layout.tolerance());
+    return q.max_line_gap;
+  };
+  // Across the rib, through a point of it: the rib stays a run, this one crosses its elements.
+  auto crossing = lines;
+  crossing.push_back(
+      {"second",
+       curve_through_points(
+           "second",
+           {lines[1].curve->evaluate(0.5), rib->evaluate(0.5), lines[3].curve->evaluate(0.5)}, 180),
+       Role::Inner});
+  CHECK(gap_of(crossing, 5) > 0);
+  crossing.back().treatment = Treatment::Fitted;
+  CHECK_THROWS_WITH(RegionLayout("region", crossing, {}),
+                    Contains("'second' cannot be fitted") && Contains("crosses line 'rib'"));
+  auto embedded = lines;
+  embedded.back().treatment = Treatment::Embedded;
+  gap_of(embedded, 4);
+  auto loose = lines;
+  loose.push_back({"loose", curve_through_points("loose", {a, Vec3(0.7 * a + 0.3 * b)}),
+                   Role::Inner, Treatment::Fitted});
+  CHECK_THROWS_WITH(RegionLayout("region", loose, {}),
+                    Contains("'loose' cannot be fitted") && Contains("away from line"));
+  // The same place at two heights.
+  auto bent = lines;
+  bent.push_back({"bent", curve_through_points("bent", {a, Vec3(0.5 * (a + b) + Vec3(0, 0, 1)), b}),
+                  Role::Inner});
+  CHECK_THROWS_WITH(RegionLayout("region", bent, {}),
+                    Contains("'rib'") && Contains("'bent.1'") && Contains("apart"));
+}
+
+TEST_CASE("lines that are not cubic come within the tolerance, both ways") {
+  std::vector<CharacterLine> lines;
+  for (int i = 0; i < 4; ++i)
+    lines.push_back(
+        {"wave " + std::to_string(i), curve_from_formula(0, 1, [i](double t, int order) -> Vec3 {
+           const Vec3 corner[5] = {{0, 0, 0}, {2, 0, 0}, {2, 2, 0}, {0, 2, 0}, {0, 0, 0}};
+           const double k = 2 * std::numbers::pi;
+           const Vec3 side = corner[i + 1] - corner[i];
+           if (order == 0) return corner[i] + t * side + Vec3(0, 0, 0.1 * std::sin(k * t));
+           if (order == 1) return side + Vec3(0, 0, 0.1 * k * std::cos(k * t));
+           return Vec3(0, 0, -0.1 * k * k * std::sin(k * t));
+         })});
+  for (const double tolerance : {1e-3, 1e-6}) {
+    SkinOptions options;
+    options.tolerance = tolerance;
+    const SkinnedRegion region = skinned(lines, options);
+    check_exact(region, tolerance);
+    CHECK(measure(region).max_line_deviation > 1e-4 * tolerance);
+  }
+}
+
+TEST_CASE("lines that continue each other smoothly share one side") {
+  // A square whose lower side is two lines, one of them drawn backwards.
+  std::vector<CharacterLine> lines = {
+      {"left half", bezier_curve({1, 0, 0.2}, {0.7, 0, 0.2}, {0.3, 0, 0.1}, {0, 0, 0})},
+      {"right half", bezier_curve({1, 0, 0.2}, {1.3, 0, 0.2}, {1.7, 0, 0.1}, {2, 0, 0})},
+      {"right", curve_through_points("right", {{2, 0, 0}, {2, 2, 0}})},
+      {"top", curve_through_points("top", {{2, 2, 0}, {0, 2, 0}})},
+      {"left", curve_through_points("left", {{0, 2, 0}, {0, 0, 0}})}};
+  if (!have_delaunay_mesher()) return;
+  SkinOptions options;
+  options.tolerance = 1e-4;
+  const RegionLayout layout("region", lines, options);
+  CHECK(layout.corners().size() == 4);
+  CHECK(layout.runs().size() == 5);
+  const auto region = layout.region(sculpt(layout, layout.line_constraints(), {}, {}).dofs);
+  check_exact(region, 1e-4);
+}
+
+TEST_CASE("the same region in mm and in m is the same shape") {
+  SkinOptions mm, m;
+  mm.edge_length = 150;
+  m.edge_length = 0.15;
+  mm.tolerance = 0.01;
+  m.tolerance = 1e-5;
+  const auto a = skinned(curved_polygon(5, 0.3, 0.1, 1000), mm, {{"p", PressureLoad{25}}});
+  const auto b = skinned(curved_polygon(5, 0.3, 0.1, 1), m, {{"p", PressureLoad{25}}});
+  REQUIRE(a.surface.dofs().rows() == b.surface.dofs().rows());
+  CHECK((a.surface.dofs() / 1000 - b.surface.dofs()).cwiseAbs().maxCoeff() < 1e-9);
+}
+
+TEST_CASE("one thread and two give the same bits") {
+  SkinOptions options;
+  options.edge_length = 0.08;
+  const auto shape = [&] {
+    return skinned(curved_polygon(5, 0.3, 0.1), options, {{"p", PressureLoad{25}}}).surface.dofs();
+  };
+  const ThreadGuard guard(1);
+  const Points one = shape();
+  set_thread_count(2);
+  const Points two = shape();
+  CHECK((one.array() == two.array()).all());
+}
+
+TEST_CASE("the fan of a pentagon without refinement is the paper's five triangles") {
+  SkinOptions options;
+  options.mesher = SkinOptions::Mesher::Fan;
+  options.fan_refinements = 0;
+  const RegionLayout layout("pentagon", curved_polygon(5, 0, 0), options);
+  CHECK(layout.mesh()->triangle_count() == 5);
+  CHECK(DofMap(*layout.mesh()).count() == 28);
+  CHECK(layout.corner_constraints().rows().size() == 5);
+  options.tolerance = 1e-9;
+  const auto circle_arcs = [] {
+    std::vector<CharacterLine> lines;
+    for (int i = 0; i < 5; ++i)
+      lines.push_back(
+          {"arc " + std::to_string(i), curve_from_formula(0, 1, [i](double t, int order) -> Vec3 {
+             const double w = 2 * std::numbers::pi / 5,
+                          a = w * (i + t) + order * std::numbers::pi / 2;
+             return std::pow(w, order) * Vec3(std::cos(a), std::sin(a), 0) +
+                    (order == 0   ? Vec3(0, 0, 0.5 * t * (1 - t))
+                     : order == 1 ? Vec3(0, 0, 0.5 - t)
+                                  : Vec3(0, 0, -1));
+           })});
+    return lines;
+  };
+  CHECK_THROWS_WITH(RegionLayout("pentagon", circle_arcs(), options), Contains("does not have"));
+}

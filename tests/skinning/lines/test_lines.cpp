@@ -1,0 +1,160 @@
+// Input lines, their fits, the loop and the polygon they make.
+#include <numbers>
+
+#include "batten/core/errors.h"
+#include "batten/skinning/domains/polygon_fit.h"
+#include "batten/skinning/lines/line_fit.h"
+#include "batten/tests/catch.h"
+#include "batten/tests/skinning/shapes.h"
+
+using namespace batten_test;
+using Catch::Matchers::Contains;
+
+namespace {
+
+std::shared_ptr<const InputCurve> helix(double turns) {
+  return curve_from_formula(0, 2 * std::numbers::pi * turns, [](double t, int order) -> Vec3 {
+    switch (order) {
+      case 0:
+        return {std::cos(t), std::sin(t), 0.3 * t};
+      case 1:
+        return {-std::sin(t), std::cos(t), 0.3};
+      default:
+        return {-std::cos(t), -std::sin(t), 0};
+    }
+  });
+}
+
+HermiteCurve fit(const std::shared_ptr<const InputCurve>& curve, double tolerance) {
+  FitOptions options;
+  options.tolerance = tolerance;
+  options.corner_angle = 180;
+  options.even = true;
+  options.start = {curve->evaluate(curve->start()),
+                   curve->evaluate(curve->start(), 1).normalized()};
+  options.end = {curve->evaluate(curve->end()), curve->evaluate(curve->end(), 1).normalized()};
+  return fit_curve("line", curve, options);
+}
+
+}  // namespace
+
+TEST_CASE("a curve through points passes them, is C2 between corners and breaks at corners") {
+  std::vector<Vec3> points;
+  for (int i = 0; i <= 10; ++i) points.emplace_back(i * 0.4, std::sin(0.3 * i), 0.2 * i);
+  const auto curve = curve_through_points("line", points);
+  REQUIRE(curve->breaks().size() == points.size());
+  for (size_t i = 0; i < points.size(); ++i)
+    CHECK((curve->evaluate(curve->breaks()[i]) - points[i]).norm() < 1e-14);
+  for (size_t i = 1; i + 1 < points.size(); ++i) {
+    const double t = curve->breaks()[i];
+    CHECK((curve->evaluate(t - 1e-9, 1) - curve->evaluate(t + 1e-9, 1)).norm() < 1e-7);
+    CHECK((curve->evaluate(t - 1e-9, 2) - curve->evaluate(t + 1e-9, 2)).norm() < 1e-6);
+  }
+  CHECK(curve->evaluate(curve->start(), 2).norm() < 1e-12);  // natural end
+  const auto bent =
+      curve_through_points("line", {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {2, 1, 0}, {2, 2, 0}});
+  const auto parts = cut_at_corners({"line", bent}, 20);
+  REQUIRE(parts.size() == 2);
+  CHECK(parts[0].name == "line.1");
+  CHECK((parts[0].curve->evaluate(parts[0].curve->end(), 1).normalized() - Vec3(1, 0, 0)).norm() <
+        1e-9);
+  CHECK((parts[1].curve->evaluate(parts[1].curve->start(), 1).normalized() - Vec3(0, 1, 0)).norm() <
+        1e-9);
+}
+
+TEST_CASE("points that make no line are refused by name") {
+  CHECK_THROWS_WITH(curve_through_points("rim", {{0, 0, 0}}),
+                    Contains("'rim'") && Contains("two or more"));
+  CHECK_THROWS_WITH(curve_through_points("rim", {{0, 0, 0}, {0, 0, 0}}), Contains("zero length"));
+  CHECK_THROWS_WITH(curve_through_points("rim", {{0, 0, 0}, {1, 0, 0}, {1, 0, 0}, {2, 0, 0}}),
+                    Contains("points 2 and 3 are duplicates"));
+  CHECK_THROWS_WITH(curve_through_points("rim", {{0, 0, 0}, {NAN, 0, 0}}),
+                    Contains("point 2") && Contains("finite"));
+}
+
+TEST_CASE("arc length and its inverse") {
+  const ArcLength arc(helix(1));
+  const double speed = std::sqrt(1 + 0.09);
+  CHECK(arc.total() == Approx(2 * std::numbers::pi * speed).epsilon(1e-13));
+  for (const double s : {0.1, 1.0, 3.3, 6.0})
+    CHECK(arc.parameter(s) == Approx(s / speed).epsilon(1e-12));
+}
+
+TEST_CASE("a fit with given ends reaches its tolerance, with fourth-order economy") {
+  const auto curve = helix(1);
+  int before = 0;
+  for (const double tolerance : {1e-3, 1e-5, 1e-7}) {
+    const HermiteCurve fitted = fit(curve, tolerance);
+    double worst = 0;
+    for (int i = 0; i <= 1000; ++i)
+      worst = std::max(
+          worst, fitted.closest_point(curve->evaluate(2 * std::numbers::pi * i / 1000)).distance);
+    CHECK(worst <= tolerance);
+    CHECK(worst > 1e-4 * tolerance);  // not more nodes than it takes
+    for (int i = 0; i < fitted.node_count(); ++i)
+      CHECK(fitted.slope_out(i).norm() == Approx(1).epsilon(1e-2));
+    if (before > 0) CHECK(fitted.node_count() <= 5 * before);
+    before = fitted.node_count();
+  }
+  const auto corner = curve_through_points("line", {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}});
+  CHECK_THROWS_WITH(fit(corner, 1e-6), Contains("corner"));
+}
+
+TEST_CASE("piecewise cubics are kept, in their own parameter") {
+  const auto curve = bezier_curve({0, 0, 0}, {1, 0, 1}, {2, 1, 1}, {3, 1, 0});
+  const auto exact = kept_as_given({"line", CharacterLine::Role::Outline, curve}, 0.1,
+                                   curve->evaluate(0), curve->evaluate(1));
+  REQUIRE(exact);
+  const HermiteCurve& kept = *exact;
+  REQUIRE(kept.node_count() == 2);
+  for (const double t : {0.1, 0.5, 0.77})
+    CHECK((kept.evaluate(t * kept.end()) - curve->evaluate(t)).norm() < 1e-15);
+  CHECK(
+      !kept_as_given({"line", CharacterLine::Role::Outline, helix(1)}, 0.1, {1, 0, 0}, {1, 0, 1}));
+}
+
+TEST_CASE("a polygon with consistent lengths and angles is found exactly") {
+  // An L with a reflex corner.
+  const std::vector<Vec3> corners = {{0, 0, 0}, {3, 0, 0}, {3, 1, 0},
+                                     {1, 1, 0}, {1, 2, 0}, {0, 2, 0}};
+  const double right = std::numbers::pi / 2;
+  const auto polygon = fit_polygon(
+      {3, 1, 2, 1, 1, 2}, {right, right, right, 3 * right, right, right}, corners, Vec3::UnitZ());
+  for (size_t i = 0; i < 6; ++i)
+    for (size_t j = 0; j < i; ++j)
+      CHECK((polygon[i] - polygon[j]).norm() ==
+            Approx((corners[i] - corners[j]).norm()).epsilon(1e-9));
+}
+
+TEST_CASE("loops that are none are refused in words") {
+  const auto outline = [](std::vector<CharacterLine> lines) {
+    SkinOptions options;
+    options.mesher = SkinOptions::Mesher::Fan;
+    RegionLayout layout("region", lines, options);
+  };
+  auto open = polygon_lines({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}});
+  open.pop_back();
+  CHECK_THROWS_WITH(outline(open), Contains("open") && Contains("'side 1'") && Contains("away"));
+  CHECK_THROWS_WITH(
+      outline(polygon_lines({{0, 0, 0}, {1, 1, 0}, {1, 0, 0}, {0, 1, 0}})),
+      Contains("'side 1' and 'side 3'") && Contains("cross") && Contains("(0.5, 0.5, 0)"));
+  CHECK_THROWS_WITH(outline(polygon_lines({{0, 0, 0}, {1, 0, 0}, {3, 0, 0}})),
+                    Contains("one straight line"));
+  CHECK_THROWS_WITH(outline({{"ring", helix(0.9)}}), Contains("open"));
+  auto two = polygon_lines({{0, 0, 0}, {4, 0, 0}, {4, 4, 0}, {0, 4, 0}});
+  for (auto& line : polygon_lines({{1, 1, 0}, {2, 1, 0}, {2, 2, 0}, {1, 2, 0}})) {
+    line.name = "hole " + line.name;
+    two.push_back(line);
+  }
+  CHECK_THROWS_WITH(outline(two), Contains("2 loops") && Contains("'side 1'") &&
+                                      Contains("'hole side 1'") && Contains("role = \"hole\""));
+  auto doubled = polygon_lines({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}});
+  doubled.push_back({"again", doubled[0].curve});
+  CHECK_THROWS_WITH(outline(doubled), Contains("'side 1'") && Contains("'again'"));
+  const auto eight =
+      curve_from_formula(0.3, 2 * std::numbers::pi + 0.1, [](double t, int order) -> Vec3 {
+        if (order == 0) return {std::sin(2 * t), std::sin(t), 0};
+        return {2 * std::cos(2 * t), std::cos(t), 0};
+      });
+  CHECK_THROWS_WITH(outline({{"eight", eight}}), Contains("'eight' crosses itself"));
+}

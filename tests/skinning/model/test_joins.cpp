@@ -1,0 +1,309 @@
+// Smooth joins between regions on lines of their own.
+#include <array>
+#include <cmath>
+#include <map>
+#include <memory>
+#include <numbers>
+
+#include "batten/skinning/region/quality.h"
+#include "batten/tests/patchwork.h"
+
+using namespace batten;
+using namespace batten_test;
+
+namespace {
+
+struct Joined {
+  std::vector<JoinPlan> plans;
+  std::vector<SkinnedRegion> regions;
+  std::vector<JoinAngle> angles;
+  double worst = 0;
+};
+
+Joined join(const Patchwork& p, const std::vector<JoinLine>& join_lines) {
+  Joined result;
+  result.plans = p.plan(join_lines);
+  const ModelLayout model = p.model(join_lines);
+  const Points dofs = model.least_energy({});
+  for (int r = 0; r < model.region_count(); ++r) result.regions.push_back(model.skinned(r, dofs));
+  std::vector<const SkinnedRegion*> all;
+  for (const auto& r : result.regions) all.push_back(&r);
+  for (const JoinLine& s : join_lines) {
+    result.angles.push_back(join_angle(all, s));
+    result.worst = std::max(result.worst, result.angles.back().max_deg);
+  }
+  return result;
+}
+
+// A curve over a straight line of the plane, at height f.
+template <class F>
+std::shared_ptr<const InputCurve> over(const Vec2& a, const Vec2& b, const F& f) {
+  return curve_from_formula(0, 1, [=](double t, int order) -> Vec3 {
+    const auto at = [&](double s) {
+      const Vec2 p = a + s * (b - a);
+      return Vec3(p.x(), p.y(), f(p));
+    };
+    constexpr double step = 1e-4;
+    if (order == 0) return at(t);
+    if (order == 1) return (at(t + step) - at(t - step)) / (2 * step);
+    return (at(t + step) - 2 * at(t) + at(t - step)) / (step * step);
+  });
+}
+
+double wave(const Vec2& p) { return 0.2 * std::sin(2 * p.x() + 0.5) * std::cos(1.5 * p.y()); }
+
+}  // namespace
+
+TEST_CASE("octants of a sphere share tangent planes along their line, with h³ between vertices") {
+  std::vector<double> worst;
+  for (const double h : {0.4, 0.2, 0.1}) {
+    const Patchwork p = octants(h);
+    const auto result = join(p, {p.join_line("zx", 0, 1)});
+    REQUIRE(result.plans[0].why_not.empty());
+    CHECK_FALSE(result.plans[0].constant());
+    for (const JoinEnd& end : result.plans[0].ends) {
+      CHECK(end.gamma == Approx(1).epsilon(1e-9));
+      CHECK(std::abs(end.delta) == Approx(2 / std::sqrt(3.0)).epsilon(1e-9));
+      CHECK(end.apart_deg < 1e-9);
+      CHECK_FALSE(end.open);
+    }
+    worst.push_back(result.worst);
+    for (const SkinnedRegion& r : result.regions) CHECK(measure(r).max_line_residual < 1e-12);
+  }
+  CHECK(worst[0] < 0.1);
+  CHECK(std::log2(worst[0] / worst[1]) > 2.5);
+  CHECK(std::log2(worst[1] / worst[2]) > 2.5);
+}
+
+TEST_CASE("regions that unfold into one plane are C1 across their line to rounding") {
+  // Two squares of a bent sheet, not plane: right angles, so that γ and δ are constant.
+  Patchwork p;
+  p.options.edge_length = 0.2;
+  const auto f = [](const Vec2& q) { return 0.2 * std::cos(std::numbers::pi * q.x()); };
+  const auto flat = [&](const std::string& name, Vec2 a, Vec2 b) {
+    p.add(given_line(name, over(a, b, f), 2, 0.2));
+  };
+  flat("left", {0, 0}, {0, 1});
+  flat("middle", {1, 0}, {1, 1});
+  flat("right", {2, 0}, {2, 1});
+  flat("bottom 1", {0, 0}, {1, 0});
+  flat("bottom 2", {1, 0}, {2, 0});
+  flat("top 1", {0, 1}, {1, 1});
+  flat("top 2", {1, 1}, {2, 1});
+  p.region({"bottom 1", "middle", "top 1", "left"});
+  p.region({"bottom 2", "right", "top 2", "middle"});
+  const auto result = join(p, {p.join_line("middle", 0, 1)});
+  REQUIRE(result.plans[0].why_not.empty());
+  CHECK(result.plans[0].constant());
+  CHECK(result.worst < 1e-5);
+}
+
+TEST_CASE("two joined regions are what one region with an inner line is") {
+  const double h = 0.1;
+  Patchwork p;
+  p.options.edge_length = h;
+  const auto line = [&](const std::string& name, Vec2 a, Vec2 b) {
+    p.add(given_line(name, over(a, b, wave), 2, h));
+  };
+  line("left", {0, 0}, {0, 1});
+  line("middle", {1, 0}, {1, 1});
+  line("right", {2, 0}, {2, 1});
+  line("bottom 1", {0, 0}, {1, 0});
+  line("bottom 2", {1, 0}, {2, 0});
+  line("top 1", {0, 1}, {1, 1});
+  line("top 2", {1, 1}, {2, 1});
+  p.region({"bottom 1", "middle", "top 1", "left"});
+  p.region({"bottom 2", "right", "top 2", "middle"});
+  const auto joined = join(p, {p.join_line("middle", 0, 1)});
+  REQUIRE(joined.plans[0].why_not.empty());
+  CHECK(joined.worst < 0.05);
+
+  std::vector<CharacterLine> lines;
+  for (const auto& [name, l] : p.lines) {
+    CharacterLine copy = l;
+    copy.given.reset();
+    copy.role = name == "middle" ? CharacterLine::Role::Inner : CharacterLine::Role::Outline;
+    lines.push_back(copy);
+  }
+  SkinOptions options;
+  options.edge_length = h;
+  const RegionLayout whole("whole", lines, options);
+  const SkinnedRegion surface = whole.region(ModelLayout(whole).least_energy({}));
+  const auto far = [&](const SkinnedRegion& r) {
+    double most = 0;
+    for (int t = 0; t < r.surface.mesh().triangle_count(); t += 3)
+      most = std::max(most, surface.surface.closest_point(r.surface.position({t})).distance);
+    return most;
+  };
+  // Creases alone would leave it by some percent of the height of 0.2.
+  for (const auto& r : joined.regions) CHECK(far(r) < 2e-3);
+  const SkinnedRegion crease = p.layouts[0]->region(p.first[0]);
+  CHECK(far(crease) > 4 * far(joined.regions[0]));
+}
+
+TEST_CASE("four regions around a crossing, three around a T-junction: smooth along all lines") {
+  const double h = 0.15;
+  for (const bool tee : {false, true}) {
+    Patchwork p;
+    p.options.edge_length = h;
+    const auto line = [&](const std::string& name, Vec2 a, Vec2 b) {
+      p.add(given_line(name, over(a, b, wave), 2, h));
+    };
+    line("w1", {0, 0}, {0, 1});
+    line("w2", {0, 1}, {0, 2});
+    line("e1", {2, 0}, {2, 1});
+    line("e2", {2, 1}, {2, 2});
+    line("s1", {0, 0}, {0.9, 0});
+    line("s2", {0.9, 0}, {2, 0});
+    line("m1", {0, 1}, {0.9, 1});
+    line("m2", {0.9, 1}, {2, 1});
+    line("v1", {0.9, 0}, {0.9, 1});
+    // The pieces of one line have the same slope where they meet.
+    const auto same_slope = [&](const std::string& a, const std::string& b) {
+      auto ga = std::make_shared<GivenCurve>(*p.lines.at(a).given),
+           gb = std::make_shared<GivenCurve>(*p.lines.at(b).given);
+      const int last = ga->curve.node_count() - 1;
+      Points da = ga->curve.dofs(), db = gb->curve.dofs();
+      const long ia = ga->curve.mesh().slope_in(last), ib = gb->curve.mesh().slope_out(0);
+      const Vec3 mean = 2 * (da.row(ia) + db.row(ib)).transpose().normalized();
+      da.row(ia) = mean;
+      db.row(ib) = mean;
+      ga->curve = HermiteCurve(ga->curve.mesh(), da);
+      gb->curve = HermiteCurve(gb->curve.mesh(), db);
+      p.lines.at(a).given = ga;
+      p.lines.at(b).given = gb;
+    };
+    same_slope("m1", "m2");
+    same_slope("w1", "w2");
+    same_slope("e1", "e2");
+    same_slope("s1", "s2");
+    if (!tee) {
+      line("n1", {0, 2}, {0.9, 2});
+      line("n2", {0.9, 2}, {2, 2});
+      line("v2", {0.9, 1}, {0.9, 2});
+      same_slope("v1", "v2");
+      same_slope("n1", "n2");
+    } else {
+      line("n", {0, 2}, {2, 2});
+    }
+    p.region({"s1", "v1", "m1", "w1"});
+    p.region({"s2", "e1", "m2", "v1"});
+    if (tee) {
+      p.region({"m1", "m2", "e2", "n", "w2"});
+    } else {
+      p.region({"m1", "v2", "n1", "w2"});
+      p.region({"m2", "e2", "n2", "v2"});
+    }
+    std::vector<JoinLine> join_lines = {p.join_line("v1", 0, 1), p.join_line("m1", 0, 2)};
+    if (tee) {
+      join_lines.push_back(p.join_line("m2", 1, 2));
+    } else {
+      join_lines.push_back(p.join_line("m2", 1, 3));
+      join_lines.push_back(p.join_line("v2", 2, 3));
+    }
+    const auto result = join(p, join_lines);
+    for (const JoinPlan& plan : result.plans) {
+      INFO(plan.join_line.name << " " << plan.ends[0].apart_deg << " " << plan.ends[1].apart_deg);
+      CHECK(plan.why_not.empty());
+      CHECK_FALSE(plan.ends[0].open);
+      CHECK_FALSE(plan.ends[1].open);
+    }
+    CHECK(result.worst < 0.1);
+    if (tee) CHECK(!result.plans[1].ends[1].set[1].empty());
+  }
+}
+
+TEST_CASE("a node without a tangent plane stays a crease, the line away from it is smooth") {
+  // The far end of the shared line: its neighbours leave by 10 degrees to either side.
+  const double h = 0.1, lift = std::tan(10 * std::numbers::pi / 180);
+  Patchwork p;
+  p.options.edge_length = h;
+  const auto line = [&](const std::string& name, Vec3 a, Vec3 b) {
+    p.add(given_line(name, curve_through_points(name, {a, b}), 2, h));
+  };
+  line("middle", {0, 0, 0}, {0, 1, 0});
+  line("s1", {0, 0, 0}, {-1, 0, 0});
+  line("s2", {0, 0, 0}, {1, 0, 0});
+  line("n1", {0, 1, 0}, {-1, 1, lift});
+  line("n2", {0, 1, 0}, {1, 1, lift});
+  line("w", {-1, 0, 0}, {-1, 1, lift});
+  line("e", {1, 0, 0}, {1, 1, lift});
+  p.region({"-middle", "s1", "w", "n1"});
+  p.region({"middle", "n2", "e", "s2"});
+  const auto result = join(p, {p.join_line("middle", 0, 1)});
+  const JoinPlan& plan = result.plans[0];
+  REQUIRE(plan.why_not.empty());
+  CHECK_FALSE(plan.ends[0].open);
+  CHECK(plan.ends[1].open);
+  CHECK(plan.ends[1].apart_deg == Approx(20).epsilon(1e-6));
+  std::vector<const SkinnedRegion*> all{&result.regions[0], &result.regions[1]};
+  const JoinAngle angle = join_angle(all, p.join_line("middle", 0, 1), {false, true});
+  CHECK(angle.max_deg == Approx(20).epsilon(1e-6));
+  CHECK(angle.max_inside_deg < 0.5);
+}
+
+TEST_CASE("regions that double back on each other are not joined") {
+  const double h = 0.2;
+  Patchwork p;
+  p.options.edge_length = h;
+  const auto line = [&](const std::string& name, Vec3 a, Vec3 b) {
+    p.add(given_line(name, curve_through_points(name, {a, b}), 2, h));
+  };
+  line("middle", {0, 0, 0}, {0, 1, 0});
+  line("s1", {0, 0, 0}, {1, 0, 0.2});
+  line("s2", {0, 0, 0}, {1, 0, -0.2});
+  line("n1", {0, 1, 0}, {1, 1, 0.2});
+  line("n2", {0, 1, 0}, {1, 1, -0.2});
+  line("e1", {1, 0, 0.2}, {1, 1, 0.2});
+  line("e2", {1, 0, -0.2}, {1, 1, -0.2});
+  p.region({"middle", "n1", "e1", "s1"});
+  p.region({"-middle", "n2", "e2", "s2"});
+  const auto plans = p.plan({p.join_line("middle", 0, 1)});
+  CHECK_THAT(plans[0].why_not, Catch::Matchers::Contains("planes differ by 157"));
+}
+
+TEST_CASE("a line that one region has embedded is smooth on averages") {
+  std::vector<double> before, after;
+  for (const double h : {0.2, 0.1, 0.05}) {
+    Patchwork p;
+    p.options.edge_length = h;
+    const auto line = [&](const std::string& name, Vec2 a, Vec2 b) {
+      p.add(given_line(name, over(a, b, wave), 2, h));
+    };
+    line("shared", {0, 0}, {1, 0});
+    line("w", {0, 0}, {0, -1});
+    line("s", {0, -1}, {1, -1});
+    line("e", {1, -1}, {1, 0});
+    // With two corners only, a region has no polygon.
+    const auto bow = [](double t) {
+      const Vec2 q(t, 0.5 * std::sin(std::numbers::pi * t));
+      return Vec3(q.x(), q.y(), wave(q));
+    };
+    p.add(given_line("bow",
+                     curve_from_formula(0, 1,
+                                        [bow](double t, int order) -> Vec3 {
+                                          constexpr double d = 1e-4;
+                                          if (order == 0) return bow(t);
+                                          if (order == 1)
+                                            return (bow(t + d) - bow(t - d)) / (2 * d);
+                                          return (bow(t + d) - 2 * bow(t) + bow(t - d)) / (d * d);
+                                        }),
+                     2, h));
+    // Along the shared line, and against it.
+    p.region(h == 0.1 ? std::vector<std::string>{"bow", "shared"}
+                      : std::vector<std::string>{"shared", "bow"});
+    p.region({"w", "s", "e", "shared"});
+    REQUIRE(p.layouts[0]->domain() != SkinOptions::Domain::Polygon);
+    const JoinLine join_line = p.join_line("shared", 0, 1);
+    REQUIRE((join_line.sides[0].embedded && !join_line.sides[1].embedded));
+    const auto result = join(p, {join_line});
+    INFO(result.plans[0].why_not);
+    REQUIRE(result.plans[0].why_not.empty());
+    const SkinnedRegion a = p.layouts[0]->region(p.first[0]), b = p.layouts[1]->region(p.first[1]);
+    before.push_back(join_angle({&a, &b}, join_line).mean_deg);
+    after.push_back(result.angles[0].mean_deg);
+  }
+  CAPTURE(before, after);
+  for (size_t i = 0; i < after.size(); ++i) CHECK(after[i] < before[i] / 30);
+  CHECK(after[2] < 0.5 * after[0]);
+}

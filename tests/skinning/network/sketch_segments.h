@@ -1,0 +1,72 @@
+// Which segments of a sketch file the arcs of its network are.
+#pragma once
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <vector>
+
+#include "batten/skinning/search/region_graph.h"
+
+namespace batten_test {
+
+using namespace batten;
+
+// The segments of a sketch file that a loop runs along: the middle of one lies on the other.
+struct SketchSegments {
+  std::map<int, std::vector<Vec3>> points;
+
+  explicit SketchSegments(const std::filesystem::path& file) {
+    const auto json = nlohmann::json::parse(std::ifstream(file));
+    for (const auto& segment : json.at("segments"))
+      for (const auto& piece : segment.at("ctrl_pts")) {
+        std::vector<Vec3> p;
+        for (const auto& x : piece) p.push_back(Vec3(x[0], x[1], x[2]));
+        for (int i = 0; i <= 40; ++i) {
+          const double t = i / 40.0, s = 1 - t;
+          points[segment.at("id")].push_back(p.size() == 4
+                                                 ? Vec3(s * s * s * p[0] + 3 * s * s * t * p[1] +
+                                                        3 * s * t * t * p[2] + t * t * t * p[3])
+                                                 : Vec3(s * p.front() + t * p.back()));
+        }
+      }
+  }
+
+  static Vec3 middle(const std::vector<Vec3>& line) {
+    double half = 0;
+    for (size_t i = 1; i < line.size(); ++i) half += (line[i] - line[i - 1]).norm() / 2;
+    for (size_t i = 1; i < line.size(); ++i) {
+      const double d = (line[i] - line[i - 1]).norm();
+      if (d >= half && d > 0) return line[i - 1] + half / d * (line[i] - line[i - 1]);
+      half -= d;
+    }
+    return line.back();
+  }
+  static bool on(const Vec3& p, const std::vector<Vec3>& line, double tolerance) {
+    for (size_t i = 1; i < line.size(); ++i) {
+      const Vec3 d = line[i] - line[i - 1];
+      const double t =
+          d.norm() > 0 ? std::clamp((p - line[i - 1]).dot(d) / d.squaredNorm(), 0.0, 1.0) : 0;
+      if ((line[i - 1] + t * d - p).norm() < tolerance) return true;
+    }
+    return false;
+  }
+  std::vector<std::set<int>> of_arcs(const RegionGraph& graph) const {
+    std::vector<std::set<int>> all;
+    for (const RegionArc& arc : graph.arcs) {
+      const std::vector<Vec3> line(arc.points.begin(), arc.points.end());
+      std::set<int> ids;
+      for (const auto& [id, segment] : points)
+        if (on(middle(line), segment, 2e-3 * graph.size) ||
+            on(middle(segment), line, 2e-3 * graph.size))
+          ids.insert(id);
+      all.push_back(ids);
+    }
+    return all;
+  }
+};
+
+}  // namespace batten_test

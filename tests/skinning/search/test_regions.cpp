@@ -1,0 +1,629 @@
+// Regions of networks: the loops that anyone would take, words of the user, and real sketches.
+#include "batten/skinning/search/find_regions.h"
+#include "batten/skinning/search/regions.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <map>
+#include <numbers>
+#include <set>
+
+#include "batten/core/errors.h"
+#include "batten/skinning/search/region_search.h"
+#include "batten/tests/catch.h"
+#include "batten/tests/reference.h"
+#include "batten/tests/sampling.h"
+#include "batten/tests/skinning/network/networks.h"
+#if BATTEN_TEST_IO
+#include "batten/tests/skinning/network/sketch_segments.h"
+#endif
+#if BATTEN_TEST_IO
+#include "batten/io/lines/sketch_graph.h"
+#endif
+
+using namespace batten_test;
+using Catch::Matchers::Contains;
+
+namespace {
+
+constexpr double pi = std::numbers::pi;
+using Lines = std::vector<CharacterLine>;
+using Names = std::vector<std::string>;
+
+// A circle or a part of one around `centre`, from a towards b (both as long as the radius).
+CharacterLine arc(const std::string& name, const Vec3& centre, const Vec3& a, const Vec3& b,
+                  double from = 0, double to = 2 * pi) {
+  return {name, curve_from_formula(from, to, [=](double t, int order) -> Vec3 {
+            if (order == 0) return centre + a * std::cos(t) + b * std::sin(t);
+            if (order == 1) return -a * std::sin(t) + b * std::cos(t);
+            return -a * std::cos(t) - b * std::sin(t);
+          })};
+}
+
+// Lines along x and y over [0, m] × [0, n] at whole numbers, lifted.
+template <class Height>
+Lines grid(int m, int n, const Height& height) {
+  Lines lines;
+  const auto add = [&](const std::string& name, int count, const auto& at) {
+    std::vector<Vec3> points;
+    for (int i = 0; i <= 8 * count; ++i) points.push_back(at(i / 8.0));
+    lines.push_back({name, curve_through_points(name, points)});
+  };
+  for (int j = 0; j <= n; ++j)
+    add("h" + std::to_string(j), m, [&](double x) { return Vec3(x, j, height(x, j)); });
+  for (int i = 0; i <= m; ++i)
+    add("v" + std::to_string(i), n, [&](double y) { return Vec3(i, y, height(i, y)); });
+  return lines;
+}
+
+Names names_of(const CharacterLineNetwork& network, const ArcLoop& loop) {
+  Names names;
+  for (const ArcUse& use : loop) names.push_back(network.arcs()[use.arc].name);
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+// All loops of all regions, by the names of their arcs.
+std::multiset<Names> loops_of(const CharacterLineNetwork& network, const FoundRegions& found) {
+  std::multiset<Names> all;
+  for (const NetworkRegion& region : found.regions)
+    for (const ArcLoop& loop : region.loops) all.insert(names_of(network, loop));
+  return all;
+}
+
+std::multiset<size_t> sides_of(const FoundRegions& found) {
+  std::multiset<size_t> sides;
+  for (const NetworkRegion& region : found.regions)
+    for (const ArcLoop& loop : region.loops) sides.insert(loop.size());
+  return sides;
+}
+
+// What must hold whatever was found.
+void check_sound(const CharacterLineNetwork& network, const FoundRegions& found, int most = 2) {
+  std::vector<int> uses(network.arcs().size(), 0);
+  std::set<std::string> names;
+  for (const NetworkRegion& region : found.regions) {
+    CHECK(names.insert(region.name).second);
+    for (const ArcLoop& loop : region.loops) {
+      REQUIRE_FALSE(loop.empty());
+      for (size_t i = 0; i < loop.size(); ++i) {
+        const ArcUse &use = loop[i], &next = loop[(i + 1) % loop.size()];
+        CHECK(network.arcs()[use.arc].nodes[!use.reversed] ==
+              network.arcs()[next.arc].nodes[next.reversed]);
+        ++uses[use.arc];
+      }
+    }
+    for (const int a : region.inner) uses[a] -= 100;
+  }
+  std::vector<int> rims, bare;
+  for (size_t a = 0; a < uses.size(); ++a) {
+    CHECK(uses[a] <= most);
+    if (uses[a] == 1) rims.push_back(static_cast<int>(a));
+    if (uses[a] == 0) bare.push_back(static_cast<int>(a));
+  }
+  CHECK(found.rims == rims);
+  CHECK(found.bare == bare);
+  for (const RegionChoice& choice : found.choices) {
+    CHECK(choice.alternatives.size() == choice.margins.size());
+    CHECK(std::is_sorted(choice.margins.begin(), choice.margins.end()));
+    CHECK_FALSE(choice.text.empty());
+    CHECK(choice.where.allFinite());
+  }
+}
+
+struct Found {
+  CharacterLineNetwork network;
+  FoundRegions regions;
+  explicit Found(const Lines& lines, const RegionOptions& options = {})
+      : network(lines), regions(find_regions(network, options)) {
+    check_sound(network, regions, options.most_at_arc);
+  }
+  std::multiset<Names> loops() const { return loops_of(network, regions); }
+  std::multiset<size_t> sides() const { return sides_of(regions); }
+};
+
+std::multiset<size_t> all(size_t count, size_t sides) {
+  std::multiset<size_t> set;
+  for (size_t i = 0; i < count; ++i) set.insert(sides);
+  return set;
+}
+
+RegionWord surface(std::vector<Names> loops, const std::string& name = "") {
+  RegionWord word;
+  word.name = name;
+  word.loops = std::move(loops);
+  return word;
+}
+
+RegionWord nothing(const Names& loop) {
+  RegionWord word;
+  word.kind = RegionWord::Kind::Nothing;
+  word.loops = {loop};
+  return word;
+}
+
+Lines torus(int m, int n, double big = 3, double small = 1) {
+  Lines lines;
+  for (int i = 0; i < m; ++i) {
+    const double a = 2 * pi * i / m;
+    const Vec3 out(std::cos(a), std::sin(a), 0);
+    lines.push_back(
+        arc("small" + std::to_string(i), big * out, small * out, small * Vec3::UnitZ()));
+  }
+  for (int j = 0; j < n; ++j) {
+    const double a = 2 * pi * j / n, r = big + small * std::cos(a);
+    lines.push_back(arc("big" + std::to_string(j), Vec3(0, 0, small * std::sin(a)),
+                        r * Vec3::UnitX(), r * Vec3::UnitY()));
+  }
+  return lines;
+}
+
+Lines stacked_boxes() {
+  Lines lines = box_lines(Vec3::Zero(), Vec3(1, 1, 1));
+  for (CharacterLine& line : box_lines(Vec3(0, 0, 1), Vec3(1, 1, 0.8))) {
+    // The edges of its floor are there already.
+    if (line.curve->evaluate(line.curve->start(), 0).z() == 1 &&
+        line.curve->evaluate(line.curve->end(), 0).z() == 1)
+      continue;
+    line.name = "upper " + line.name;
+    lines.push_back(line);
+  }
+  return lines;
+}
+
+}  // namespace
+
+TEST_CASE("a grid has its cells, plane or curved, and nothing else") {
+  const int m = GENERATE(1, 2, 5), n = GENERATE(1, 3);
+  const double lift = GENERATE(0.0, 0.8);
+  const Found found(
+      grid(m, n, [&](double x, double y) { return lift * std::sin(x + 0.4) * std::cos(0.7 * y); }));
+  CAPTURE(m, n, lift);
+  CHECK(found.sides() == all(static_cast<size_t>(m * n), 4));
+  CHECK(found.regions.rims.size() == static_cast<size_t>(m * n == 1 ? 4 : 2 * (m + n)));
+  CHECK(found.regions.bare.empty());
+  CHECK(found.regions.optimal);
+  if (lift == 0) CHECK(found.regions.choices.empty());
+}
+
+TEST_CASE("a grid of a thousand arcs has its cells") {
+  const Found found(grid(22, 22, [](double x, double y) { return 0.02 * x * x - 0.03 * x * y; }));
+  CHECK(found.sides() == all(22 * 22, 4));
+  CHECK(found.regions.optimal);
+}
+
+TEST_CASE("a box has six faces, and five where the lid is said to be open") {
+  const Lines lines = box_lines(Vec3::Zero(), Vec3(1, 1.3, 0.7));
+  const Found closed(lines);
+  CHECK(closed.sides() == all(6, 4));
+  CHECK(closed.regions.rims.empty());
+  RegionOptions open;
+  open.words = {nothing({"x3", "x4", "y2", "y4"})};
+  const Found without(lines, open);
+  CHECK(without.sides() == all(5, 4));
+  CHECK(without.regions.rims.size() == 4);
+  CHECK(without.regions.choices.empty());  // the user has said it
+}
+
+TEST_CASE("closed surfaces of any genus are found closed") {
+  SECTION("octants of a sphere") {
+    const Found found(sphere_lines());
+    CHECK(found.sides() == all(8, 3));
+    CHECK(found.regions.rims.empty());
+    CHECK(found.regions.optimal);
+  }
+  SECTION("a torus, neither through the middle nor across the tube") {
+    const int m = GENERATE(4, 6), n = GENERATE(3, 5);
+    const Found found(torus(m, n));
+    CAPTURE(m, n);
+    CHECK(found.sides() == all(static_cast<size_t>(m * n), 4));
+    CHECK(found.regions.rims.empty());
+  }
+  SECTION("lunes between meridians: loops of two arcs") {
+    Lines lines;
+    for (int i = 0; i < 5; ++i) {
+      const double a = 2 * pi * i / 5;
+      lines.push_back(arc("m" + std::to_string(i), Vec3::Zero(), Vec3::UnitZ(),
+                          Vec3(std::cos(a), std::sin(a), 0), 0, pi));
+    }
+    CHECK(Found(lines).sides() == all(5, 2));
+  }
+}
+
+TEST_CASE("two boxes that share a wall have it as a region where three may meet") {
+  const Lines lines = stacked_boxes();
+  CHECK(Found(lines).sides() == all(10, 4));
+  RegionOptions options;
+  options.most_at_arc = 3;
+  const Found found(lines, options);
+  CHECK(found.sides() == all(11, 4));
+  CHECK(found.regions.rims.empty());
+}
+
+TEST_CASE("the rim of an open shell is left open, and told") {
+  Lines lines;
+  for (int i = 0; i < 4; ++i) {
+    const double a = pi / 2 * i;
+    const Vec3 out(std::cos(a), std::sin(a), 0), next(-std::sin(a), std::cos(a), 0);
+    lines.push_back(arc("rim" + std::to_string(i), Vec3::Zero(), out, next, 0, pi / 2));
+    lines.push_back(arc("rib" + std::to_string(i), Vec3::Zero(), out, Vec3::UnitZ(), 0, pi / 2));
+  }
+  const Found found(lines);
+  CHECK(found.sides() == all(4, 3));
+  CHECK(found.regions.rims.size() == 4);
+  REQUIRE(found.regions.choices.size() == 1);
+  const RegionChoice& choice = found.regions.choices[0];
+  CHECK(choice.chosen.empty());
+  CHECK(names_of(found.network, choice.alternatives[0][0]) ==
+        Names{"rim0", "rim1", "rim2", "rim3"});
+  CHECK_THAT(choice.text, Contains("left open"));
+  RegionOptions lid;
+  lid.words = {surface({{"rim2", "rim0", "rim3", "rim1"}}, "floor")};
+  const Found with(lines, lid);
+  CHECK(with.regions.regions.size() == 5);
+  CHECK(with.regions.regions[0].name == "floor");
+  CHECK(with.regions.regions[0].asked);
+  CHECK(with.regions.rims.empty());
+}
+
+TEST_CASE("one loop of many arcs is one region") {
+  const int n = GENERATE(1, 2, 3, 12, 28);
+  Lines lines;
+  for (int i = 0; i < n; ++i)
+    lines.push_back(arc("a" + std::to_string(i), Vec3(0, 0, 0.1), Vec3(2, 0, 0.3), Vec3(0, 1, 0.3),
+                        2 * pi * i / n, 2 * pi * (i + 1) / n));
+  const Found found(lines);
+  CAPTURE(n);
+  CHECK(found.sides() == all(1, static_cast<size_t>(n)));
+}
+
+TEST_CASE("a loop that is alone is a region even where every corner turns inwards") {
+  Lines lines;
+  constexpr int lobes = 12;
+  for (int i = 0; i < lobes; ++i) {
+    const double a = 2 * std::numbers::pi * i / lobes, b = 2 * std::numbers::pi * (i + 1) / lobes;
+    const Vec3 p(std::cos(a), std::sin(a), 0), q(std::cos(b), std::sin(b), 0);
+    const Vec3 out = 0.2 * (p + q);
+    lines.push_back({"lobe " + std::to_string(i), bezier_curve(p, p + out, q + out, q)});
+  }
+  const Found found(lines);
+  REQUIRE(found.regions.regions.size() == 1);
+  CHECK(found.regions.regions[0].loops[0].size() == lobes);
+}
+
+TEST_CASE("lines that hang into a region lie in it and others stay bare") {
+  Lines lines = grid(1, 1, [](double, double) { return 0.0; });
+  lines.push_back(straight("in", Vec3(0, 0.5, 0), Vec3(0.6, 0.5, 0)));
+  lines.push_back(straight("twig", Vec3(0.4, 0.5, 0), Vec3(0.5, 0.8, 0)));
+  lines.push_back(straight("out", Vec3(1, 0.5, 0), Vec3(1.7, 0.5, 0)));
+  lines.push_back(straight("up", Vec3(0.5, 1, 0), Vec3(0.5, 0.7, 0.8)));
+  lines.push_back({"curl", bezier_curve(Vec3(0.5, 0, 0), Vec3(0.5, 0.3, 0), Vec3(0.5, 0.5, 0.2),
+                                        Vec3(0.5, 0.5, 0.7))});
+  const Found found(lines);
+  REQUIRE(found.regions.regions.size() == 1);
+  std::set<std::string> inner, bare;
+  for (const int a : found.regions.regions[0].inner)
+    inner.insert(found.network.lines()[found.network.arcs()[a].line].name);
+  for (const int a : found.regions.bare)
+    bare.insert(found.network.lines()[found.network.arcs()[a].line].name);
+  CHECK(inner == std::set<std::string>{"in", "twig"});
+  CHECK(bare == std::set<std::string>{"curl", "out", "up"});
+}
+
+TEST_CASE("a line between two loops is passed on both sides where one lies in the other") {
+  const auto square = [](const std::string& name, double half) {
+    Lines lines;
+    const Vec3 p[] = {{half, half, 0}, {-half, half, 0}, {-half, -half, 0}, {half, -half, 0}};
+    for (int i = 0; i < 4; ++i)
+      lines.push_back(straight(name + std::to_string(i), p[i], p[(i + 1) % 4]));
+    return lines;
+  };
+  Lines lines = square("outer", 2);
+  for (const CharacterLine& line : square("inner", 1)) lines.push_back(line);
+  lines.push_back(straight("bridge", Vec3(1, 1, 0), Vec3(2, 2, 0)));
+  const Found found(lines);
+  CHECK(found.sides() == std::multiset<size_t>{4, 10});
+  CHECK(found.loops().count({"inner0", "inner1", "inner2", "inner3"}) == 1);
+}
+
+TEST_CASE("two loops alone are a ring where they are like rims") {
+  const Vec3 x = Vec3::UnitX(), y = Vec3::UnitY();
+  SECTION("of a tube, tilted") {
+    const Found found({arc("low", Vec3(0, 0, 0), x, y),
+                       arc("high", Vec3(0.3, 0, 2), 1.4 * Vec3(1, 0, 0.2), 1.4 * y)});
+    REQUIRE(found.regions.regions.size() == 1);
+    CHECK(found.regions.regions[0].ring);
+    CHECK(found.regions.regions[0].loops.size() == 2);
+    REQUIRE(found.regions.choices.size() == 1);
+    CHECK(found.regions.choices[0].alternatives.size() == 2);
+    RegionOptions discs;
+    discs.words = {surface({{"low"}}), surface({{"high"}})};
+    const Found apart({arc("low", Vec3(0, 0, 0), x, y), arc("high", Vec3(0, 0, 2), x, y)}, discs);
+    CHECK(apart.regions.regions.size() == 2);
+    CHECK_FALSE(apart.regions.regions[0].ring);
+  }
+  SECTION("of an annulus") {
+    const Found found({arc("in", Vec3::Zero(), x, y), arc("out", Vec3::Zero(), 2 * x, 2 * y)});
+    REQUIRE(found.regions.regions.size() == 1);
+    CHECK(found.regions.regions[0].ring);
+  }
+  SECTION("beside each other they are two discs") {
+    const Found found({arc("a", Vec3::Zero(), x, y), arc("b", Vec3(3, 0, 0), x, y)});
+    CHECK(found.sides() == all(2, 1));
+  }
+}
+
+TEST_CASE("a loop on a region is no guess") {
+  Lines lines = grid(2, 1, [](double, double) { return 0.0; });
+  lines.push_back(arc("eye", Vec3(0.5, 0.5, 0), Vec3(0.2, 0, 0), Vec3(0, 0.2, 0)));
+  const Found found(lines);
+  CHECK(found.sides() == all(2, 4));
+  CHECK(found.regions.bare.size() == 1);
+  REQUIRE(found.regions.choices.size() == 1);
+  CHECK_THAT(found.regions.choices[0].text, Contains("'eye'") && Contains("hole"));
+  // As the choice says: the outline and the hole.
+  RegionOptions options;
+  options.words.emplace_back();
+  for (const ArcLoop& loop : found.regions.choices[0].alternatives[0])
+    options.words[0].loops.push_back(names_of(found.network, loop));
+  const Found hole(lines, options);
+  REQUIRE(hole.regions.regions.size() == 2);
+  CHECK(hole.regions.regions[0].loops.size() == 2);
+  CHECK(hole.regions.rims.size() == 7);
+}
+
+TEST_CASE("what the user says comes first") {
+  const Lines lines = grid(2, 1, [](double, double) { return 0.0; });
+  const Found plain(lines);
+  SECTION("one region instead of two: the line between them is inner") {
+    RegionOptions options;
+    options.words = {surface({{"v0", "h0", "v2", "h1"}}, "plate")};
+    options.words[0].inner = {"v1"};
+    const Found found(lines, options);
+    REQUIRE(found.regions.regions.size() == 1);
+    CHECK(found.regions.regions[0].inner.size() == 1);
+    CHECK(found.regions.bare.empty());
+  }
+  SECTION("no surface") {
+    RegionOptions options;
+    const ArcLoop& loop = plain.regions.regions[1].loops[0];
+    options.words = {nothing(names_of(plain.network, loop))};
+    const Found found(lines, options);
+    REQUIRE(found.regions.regions.size() == 1);
+    CHECK(found.loops() ==
+          std::multiset<Names>{names_of(plain.network, plain.regions.regions[0].loops[0])});
+  }
+}
+
+TEST_CASE("words that fit nothing are refused in words") {
+  const CharacterLineNetwork network(box_lines(Vec3::Zero(), Vec3(1, 1, 1)));
+  const auto refused = [&](const std::vector<RegionWord>& words, const auto& text, int most = 2) {
+    RegionOptions options;
+    options.words = words;
+    options.most_at_arc = most;
+    for (RegionWord& word : options.words) word.where = "scene.toml:8:1: ";
+    CHECK_THROWS_WITH(find_regions(network, options), text);
+    CHECK_THROWS_AS(find_regions(network, options), InputError);
+  };
+  const Names floor{"x1", "x2", "y1", "y3"};
+  refused({surface({{"x1", "x2", "y1", "yy3"}})},
+          Contains("scene.toml:8:1: ") && Contains("'yy3'"));
+  refused({surface({{"x1", "x2", "y1"}}, "lid")}, Contains("'lid'") && Contains("loose at"));
+  refused({surface({})}, Contains("no lines"));
+  refused({surface({{}})}, Contains("no lines"));
+  refused({surface({floor}), surface({floor})}, Contains("twice"));
+  refused({surface({floor}), nothing(floor)}, Contains("no surface"));
+  refused({surface({floor})}, Contains("most_at_arc"), 0);
+  const auto all_edges = [&](char axis) {
+    Names names;
+    for (int i = 1; i <= 4; ++i) names.push_back(std::string(1, axis) + std::to_string(i));
+    return names;
+  };
+  refused({surface({all_edges('x')})}, Contains("loose"));
+  RegionWord ring = surface({floor});
+  ring.ring = true;
+  refused({ring}, Contains("two rims"));
+  RegionWord inner = surface({floor});
+  inner.inner = {"x1"};
+  refused({inner}, Contains("inner line and a border"));
+}
+
+TEST_CASE("regions do not depend on the order or direction of lines, nor on small moves") {
+  Random random(17);
+  const auto wavy = [](double x, double y) { return 0.3 * std::sin(2 * x) + 0.1 * y * y; };
+  for (const Lines& lines : {grid(4, 3, wavy), sphere_lines(), stacked_boxes(), torus(5, 3)}) {
+    const auto expected = Found(lines).loops();
+    for (int round = 0; round < 4; ++round) {
+      Lines other = lines;
+      std::shuffle(other.begin(), other.end(), random.engine);
+      const Vec3 bend = 1e-4 * random.point();
+      for (CharacterLine& line : other) {
+        const auto curve = line.curve;
+        const double a = curve->start(), b = curve->end();
+        const bool back = random() < 0;
+        line.curve = curve_from_formula(a, b, [=](double t, int order) -> Vec3 {
+          const double s = back ? a + b - t : t;
+          Vec3 x = curve->evaluate(s, order);
+          if (order == 0) x += bend.cwiseProduct(Vec3(std::sin(x.y()), std::sin(x.z()), x.x()));
+          return back && order == 1 ? Vec3(-x) : x;
+        });
+      }
+      // Pieces of a cut line are numbered along it: their names change when it is reversed.
+      const Found found(other);
+      CHECK(found.loops().size() == expected.size());
+      CHECK(found.sides() == Found(lines).sides());
+      const auto by_line = [](const Found& f) {
+        std::multiset<Names> loops;
+        for (const NetworkRegion& region : f.regions.regions) {
+          Names names;
+          for (const ArcUse& use : region.loops[0])
+            names.push_back(f.network.lines()[f.network.arcs()[use.arc].line].name);
+          std::sort(names.begin(), names.end());
+          loops.insert(names);
+        }
+        return loops;
+      };
+      CHECK(by_line(found) == by_line(Found(lines)));
+    }
+  }
+}
+
+TEST_CASE("a plane polygon costs its sides less two, and surfaces fold as they meet") {
+  const LoopPrices prices;
+  const auto network = [](const Lines& lines) { return RegionGraph(CharacterLineNetwork(lines)); };
+  SECTION("convex or not") {
+    const std::vector<Vec3> corners{{0, 0, 0}, {3, 0, 0}, {3, 1, 0},
+                                    {1, 1, 0}, {1, 2, 0}, {0, 2, 0}};
+    Lines lines;
+    for (size_t i = 0; i < corners.size(); ++i)
+      lines.push_back(straight("l" + std::to_string(i), corners[i], corners[(i + 1) % 6]));
+    const TracedLoops traced = traced_loops(network(lines), prices, {});
+    REQUIRE(traced.loops.size() == 1);
+    CHECK(traced.loops[0].cost == Approx(4).margin(1e-12));
+    CHECK(traced.loops[0].bend < 1e-12);
+  }
+  SECTION(
+      "faces of a box by a right angle, octants not at all, a loop upon itself by a half turn") {
+    for (const bool box : {true, false}) {
+      const RegionGraph graph =
+          network(box ? box_lines(Vec3::Zero(), Vec3(1, 1, 1)) : sphere_lines());
+      const RegionSearch search = search_regions(graph, {}, prices, {});
+      int met = 0;
+      for (size_t c = 0; c < search.loops.size(); ++c)
+        for (size_t d = c; d < search.loops.size(); ++d) {
+          if (!search.selected.chosen[c] || !search.selected.chosen[d]) continue;
+          const auto &a = search.loops[c], &b = search.loops[d];
+          for (size_t i = 0; i < a.loop.size(); ++i)
+            for (size_t j = 0; j < b.loop.size(); ++j) {
+              if (a.loop[i].arc != b.loop[j].arc) continue;
+              CHECK(fold_deg(a, i, b, j) == Approx(c == d ? 180 : box ? 90 : 0).margin(0.5));
+              met += c != d;
+            }
+        }
+      CHECK(met == 12);
+    }
+  }
+}
+
+TEST_CASE("frames are carried without turning") {
+  // Around a circle the binormal stays.
+  const RegionGraph graph(
+      CharacterLineNetwork({arc("c", Vec3::Zero(), Vec3(1, 0, 0), Vec3(0, 1, 0), 0, 1.5)}));
+  const RegionArc& arc = graph.arcs[0];
+  CHECK((arc.carried(false, Vec3::UnitZ()) - Vec3::UnitZ()).norm() < 1e-12);
+  CHECK(std::hypot(arc.turn_u, arc.turn_v) == Approx(1.5).epsilon(0.01));
+  CHECK((arc.carried(true, arc.carried(false, arc.u[0])) - arc.u[0]).norm() < 1e-12);
+}
+
+TEST_CASE("the selection is the best one") {
+  Random random(5);
+  for (int trial = 0; trial < 300; ++trial) {
+    Selection problem;
+    const int arcs = 6, items = 11;
+    problem.room.assign(arcs, 1 + trial % 3);
+    for (int i = 0; i < items; ++i) {
+      Selection::Item item;
+      item.gain = random.between(0, 3);
+      for (int a = 0; a < arcs; ++a)
+        if (random() > 0.1) {
+          item.arcs.push_back(a);
+          item.uses.push_back(random() > 0.8 ? 2 : 1);
+        }
+      if (!item.arcs.empty()) problem.items.push_back(item);
+    }
+    const int n = static_cast<int>(problem.items.size());
+    for (int i = 0; i < n; ++i)
+      for (int j = i + 1; j < n; ++j)
+        for (const int a : problem.items[i].arcs)
+          if (std::count(problem.items[j].arcs.begin(), problem.items[j].arcs.end(), a))
+            problem.pairs.push_back({a, i, j, random.between(0, 1)});
+    const auto value = [&](unsigned set) {
+      std::vector<int> used(arcs, 0);
+      double sum = 0;
+      for (int i = 0; i < n; ++i)
+        if (set >> i & 1) {
+          sum += problem.items[i].gain;
+          for (size_t k = 0; k < problem.items[i].arcs.size(); ++k)
+            used[problem.items[i].arcs[k]] += problem.items[i].uses[k];
+        }
+      for (const auto& p : problem.pairs)
+        if ((set >> p.a & 1) && (set >> p.b & 1)) sum -= p.price;
+      for (int a = 0; a < arcs; ++a)
+        if (used[a] > problem.room[a]) return -HUGE_VAL;
+      return sum;
+    };
+    double best = 0;
+    for (unsigned set = 0; set < 1u << n; ++set) best = std::max(best, value(set));
+    const Selected found = select(problem);
+    unsigned set = 0;
+    for (int i = 0; i < n; ++i) set |= static_cast<unsigned>(found.chosen[i]) << i;
+    CAPTURE(trial);
+    CHECK(found.optimal);
+    CHECK(found.value == Approx(best).margin(1e-9));
+    CHECK(value(set) == Approx(best).margin(1e-9));
+    CHECK(select(problem, 0).bound >= best - 1e-9);
+  }
+}
+
+#if BATTEN_TEST_IO
+TEST_CASE("regions of real sketches are those that a designer expects", "[data]") {
+  const std::string name = GENERATE("computer-mouse", "hat", "shield");
+  const auto file = optional_data("sketch-cassie/sketch_graph/" + name + ".json");
+  if (file.empty()) {
+    WARN("no sketches here");
+    return;
+  }
+  const auto expected = reference("networks/" + name + ".json");
+  const auto sets = [&](const char* key) {
+    std::set<std::set<int>> all;
+    for (const auto& loop : expected.at(key)) all.insert(loop.at("segments").get<std::set<int>>());
+    return all;
+  };
+  const auto wanted = sets("regions"), doubtful = sets("doubtful");
+  const Found found(read_sketch_graph(file));
+  const auto of_arc = SketchSegments(file).of_arcs(RegionGraph(found.network));
+  const auto segments = [&](const ArcLoop& loop) {
+    std::set<int> ids;
+    for (const ArcUse& use : loop) ids.insert(of_arc[use.arc].begin(), of_arc[use.arc].end());
+    return ids;
+  };
+  std::set<std::set<int>> right, offered;
+  int wrong = 0;
+  for (const NetworkRegion& region : found.regions.regions) {
+    const std::set<int> ids = segments(region.loops[0]);
+    if (wanted.count(ids)) right.insert(ids);
+    wrong += !wanted.count(ids) && !doubtful.count(ids);
+  }
+  // Loops that lie on a region are left to the user, who is told.
+  for (const RegionChoice& choice : found.regions.choices)
+    for (const auto& loops : choice.alternatives)
+      for (const ArcLoop& loop : loops)
+        if (loops.size() == 1 && wanted.count(segments(loop))) offered.insert(segments(loop));
+  offered.insert(right.begin(), right.end());
+  const double precision =
+      static_cast<double>(right.size()) / (static_cast<double>(right.size()) + wrong);
+  const auto share = [&](const auto& set) {
+    return static_cast<double>(set.size()) / static_cast<double>(wanted.size());
+  };
+  CAPTURE(name, right.size(), wrong, offered.size(), wanted.size());
+  CHECK(precision >= 0.95);
+  CHECK(share(right) >= (name == "shield" ? 0.8 : 0.95));
+  CHECK(share(offered) >= 0.95);
+  CHECK(found.regions.optimal);
+}
+
+TEST_CASE("all sketches are looked through without a crash", "[data]") {
+  const auto folder = optional_data("sketch-cassie/sketch_graph");
+  if (folder.empty()) {
+    WARN("no sketches here");
+    return;
+  }
+  for (const auto& entry : std::filesystem::directory_iterator(folder))
+    if (entry.path().extension() == ".json") {
+      CAPTURE(entry.path().string());
+      const Found found(read_sketch_graph(entry.path()));
+      CHECK(found.regions.regions.size() > 10);
+    }
+}
+#endif
