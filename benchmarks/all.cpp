@@ -26,8 +26,9 @@
 #include "batten/mesh/deform/form_feature_deformer.h"
 #include "batten/mesh/prepare.h"
 #include "batten/sculpting/session/session.h"
+#include "batten/skinning/model/model_layout.h"
+#include "batten/skinning/region/quality.h"
 #include "batten/skinning/search/find_regions.h"
-#include "batten/skinning/skin.h"
 #include "batten/skinning/surfaces/skin_network.h"
 #include "batten/skinning/surfaces/surface_model.h"
 #include "batten/tests/clamped_rim.h"
@@ -130,7 +131,7 @@ void add_kernel_tasks(std::vector<Task>& tasks) {
                          batten_test::clamped_rim(mesh),
                          plate.stiffness(SurfaceStiffness::isotropic(0, 1)),
                          dissection_order(mesh));
-                     solver.solve(plate.load(Vec3::UnitZ()));
+                     solver.solve(plate.load(Vec3(0, 0, 1)));
                    }});
   const auto sheet = std::make_shared<SparseMatrix>(batten_test::holed_sheet(14600).normal);
   const auto cholesky = std::make_shared<SparseCholesky>();

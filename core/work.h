@@ -27,7 +27,7 @@ inline std::array<std::atomic<std::int64_t>, kinds_of_work> totals{};
 
 /// Adds to the total of the process, from any thread. A few nanoseconds; allocates nothing.
 inline void count(Work kind, std::int64_t times = 1) {
-  work_inside::totals[kind].fetch_add(times, std::memory_order_relaxed);
+  work_inside::totals[static_cast<size_t>(kind)].fetch_add(times, std::memory_order_relaxed);
 }
 
 /// The work of all threads since this object was made.

@@ -5,7 +5,7 @@
 
 #include "batten/core/expected.h"
 #include "batten/elements/surface_stiffness.h"
-#include "batten/sculpting/loads/loads.h"
+#include "batten/skinning/model/model_scale.h"
 
 namespace batten {
 

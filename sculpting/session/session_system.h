@@ -16,6 +16,7 @@
 #include "batten/sculpting/session/operation.h"
 #include "batten/sculpting/session/results.h"
 #include "batten/sculpting/session/session_options.h"
+#include "batten/skinning/model/model_layout.h"
 #include "batten/skinning/model/model_scale.h"
 
 namespace batten::live {

@@ -1,4 +1,6 @@
 // Edits of a layout: made on a copy of its parts, which takes their place when nothing was thrown.
+#include "batten/skinning/layout/region_layout.h"
+
 #include <algorithm>
 #include <cctype>
 

@@ -26,7 +26,7 @@ void measure_joins(SurfaceModel& model, const std::vector<const SkinnedRegion*>&
   model.max_join_deg = 0;
   for (ModelJoin& join : model.joins) {
     if (join.kind == ModelJoin::Kind::Smooth) {
-      const JoinPlan* plan = model.layout->join_line(join.line);
+      const JoinPlan* plan = model.layout->join_plan(join.line);
       if (plan) {
         const JoinAngle angle =
             join_angle(made, plan->join_line, {plan->ends[0].open, plan->ends[1].open});

@@ -1,19 +1,15 @@
 // How much work skinning is: counts that no machine changes, so that work done twice fails here.
-#include "batten/constraints/affine_reduction.h"
+#include "batten/benchmarks/cases.h"
 #include "batten/core/work.h"
-#include "batten/fem/assembly.h"
-#include "batten/fem/dissection.h"
+#include "batten/skinning/domains/mesher.h"
 #include "batten/skinning/model/model_layout.h"
+#include "batten/skinning/region/quality.h"
 #include "batten/skinning/search/find_regions.h"
-#include "batten/skinning/skin.h"
 #include "batten/skinning/surfaces/skin_network.h"
 #include "batten/skinning/surfaces/surface_model.h"
 #include "batten/tests/catch.h"
-#include "batten/tests/skinning/network/networks.h"
-#include "batten/tests/skinning/shapes.h"
 
 using namespace batten;
-using namespace batten_test;
 
 namespace {
 
@@ -23,10 +19,7 @@ SkinOptions edges(double length) {
   return options;
 }
 
-std::vector<CharacterLine> pentagon() {
-  return polygon_lines(
-      {{1, 0, 0}, {0.3, 0.95, 0.2}, {-0.8, 0.6, -0.1}, {-0.8, -0.6, 0.15}, {0.3, -0.95, -0.05}});
-}
+std::vector<CharacterLine> pentagon() { return bench::lines_of(bench::pentagon()); }
 
 }  // namespace
 
@@ -73,16 +66,7 @@ TEST_CASE("measuring a region factors nothing and meshes nothing") {
 
 TEST_CASE("a model: one mesh and one shape a region, one factor a group of smooth joins") {
   if (!have_delaunay_mesher()) return;
-  // Two by two cells of a wavy sheet.
-  std::vector<CharacterLine> lines;
-  const auto at = [](double x, double y) { return Vec3(x, y, 0.1 * std::sin(x) * std::cos(y)); };
-  for (int i = 0; i <= 2; ++i)
-    for (const bool along_x : {true, false}) {
-      std::vector<Vec3> points;
-      for (int k = 0; k <= 8; ++k) points.push_back(along_x ? at(0.25 * k, i) : at(i, 0.25 * k));
-      const std::string name = (along_x ? "y" : "x") + std::to_string(i);
-      lines.push_back({name, curve_through_points(name, points)});
-    }
+  const std::vector<CharacterLine> lines = bench::wavy_grid(2, 2);
   const CharacterLineNetwork network(lines);
   const FoundRegions found = find_regions(network);
   for (const bool smooth : {false, true}) {

@@ -23,7 +23,7 @@ class Law {
     std::vector<const SkinnedRegion*> all;
     for (const auto& r : made) all.push_back(&r);
     for (const auto& [line, rest] : at_rest_) {
-      const JoinPlan* plan = session.layout().join_line(line);
+      const JoinPlan* plan = session.layout().join_plan(line);
       REQUIRE(plan);
       const double angle =
           join_angle(all, plan->join_line, {plan->ends[0].open, plan->ends[1].open}).max_inside_deg;

@@ -13,7 +13,7 @@ using Catch::Matchers::Contains;
 namespace {
 
 double angle_at(const SculptingSession& session, const std::string& line) {
-  const JoinPlan* plan = session.layout().join_line(line);
+  const JoinPlan* plan = session.layout().join_plan(line);
   REQUIRE(plan);
   const auto made = session.regions();
   std::vector<const SkinnedRegion*> all;
