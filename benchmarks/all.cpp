@@ -11,7 +11,7 @@
 #include <nlohmann/json.hpp>
 #include <random>
 
-#include "batten/constraints/affine_reduction.h"
+#include "batten/constraints/constrained_solver.h"
 #include "batten/core/rotations.h"
 #include "batten/core/sparse_cholesky.h"
 #include "batten/fairing/curve_fit.h"

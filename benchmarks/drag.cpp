@@ -6,6 +6,7 @@
 // for each entry of the factor over the speed of a triad, as in solve.cpp).
 #include <cmath>
 
+#include "batten/constraints/constrained_solver.h"
 #include "batten/constraints/live_system.h"
 #include "batten/core/errors.h"
 #include "batten/fem/assembly.h"

@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "batten/constraints/affine_reduction.h"
+#include "batten/constraints/constrained_solver.h"
 #include "batten/fem/assembly.h"
 #include "batten/fem/dissection.h"
 #include "batten/skinning/layout/region_layout.h"

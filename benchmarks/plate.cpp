@@ -7,7 +7,7 @@
 #include <numbers>
 #include <sstream>
 
-#include "batten/constraints/affine_reduction.h"
+#include "batten/constraints/constrained_solver.h"
 #include "batten/fem/assembly.h"
 #include "batten/fem/dissection.h"
 #include "batten/tests/clamped_rim.h"

@@ -9,7 +9,7 @@
 #include <optional>
 
 #include "analytic_shapes.h"
-#include "batten/constraints/affine_reduction.h"
+#include "batten/constraints/constrained_solver.h"
 #include "batten/constraints/shape/shape_constraints.h"
 #include "batten/core/errors.h"
 #include "batten/fem/assembly.h"

@@ -14,6 +14,7 @@
 #include "batten/apps/commands/lines/fair_lines.h"
 #include "batten/apps/commands/shapes/make_shape.h"
 #include "batten/constraints/affine_reduction.h"
+#include "batten/constraints/constrained_solver.h"
 #include "batten/fem/assembly.h"
 #include "batten/fem/dissection.h"
 #include "batten/fem/triangle_locator.h"

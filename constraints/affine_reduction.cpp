@@ -427,36 +427,4 @@ std::vector<NamedReaction> named_reactions(const ConstraintSet& set, const Point
   return result;
 }
 
-Points solve_constrained(const ConstraintSet& constraints, const SparseMatrix& K, const Points& F) {
-  return ConstrainedSolver(constraints, K).solve(F);
-}
-
-ConstrainedSolver::ConstrainedSolver(const ConstraintSet& constraints, SparseMatrix K,
-                                     const std::vector<int>& dof_order)
-    : reduction_(constraints), K_(std::move(K)) {
-  const SparseMatrix reduced = reduction_.reduce(K_);
-  cholesky_.analyze(reduced, reduction_.order_for(reduced, K_, dof_order));
-  if (!cholesky_.factorize(reduced)) throw NoSolutionError(cholesky_.message());
-  fixed_part_ = reduction_.reduce_load(K_, Points::Zero(constraints.dof_count(), 3));
-}
-
-Points ConstrainedSolver::solve(const Points& F) const {
-  MatX load = fixed_part_;
-  if (reduction_.coupled())
-    load += reduction_.D().transpose() * Eigen::Map<const VecX>(F.data(), F.size());
-  else
-    load += reduction_.D().transpose() * F;
-  // A coordinate without load and without values to hold stays zero.
-  std::vector<long> loaded;
-  for (long c = 0; c < load.cols(); ++c)
-    if (!load.col(c).isZero(0)) loaded.push_back(c);
-  if (static_cast<long>(loaded.size()) == load.cols()) {
-    cholesky_.solve_in_place(load);
-    return reduction_.expand(load);
-  }
-  MatX y = MatX::Zero(load.rows(), load.cols());
-  if (!loaded.empty()) y(Eigen::all, loaded) = cholesky_.solve(load(Eigen::all, loaded));
-  return reduction_.expand(y);
-}
-
 }  // namespace batten

@@ -119,26 +119,4 @@ std::vector<NamedReaction> named_reactions(const ConstraintSet& constraints,
 /// independent. Throws NoSolutionError when it is singular.
 Points solve_kkt(const ConstraintSet& constraints, const SparseMatrix& K, const Points& F);
 
-/// Reduce, factor, solve, expand in one call. Throws ConflictError, NoSolutionError.
-Points solve_constrained(const ConstraintSet& constraints, const SparseMatrix& K, const Points& F);
-
-/// The same with the factor kept, for many loads.
-class ConstrainedSolver {
- public:
-  /// `dof_order`: all n dofs in a fill-reducing order (dissection_order of a mesh), or none.
-  /// Throws ConflictError, NoSolutionError.
-  ConstrainedSolver(const ConstraintSet& constraints, SparseMatrix K,
-                    const std::vector<int>& dof_order = {});
-  /// One pair of triangular solves.
-  Points solve(const Points& F) const;
-  const AffineReduction& reduction() const { return reduction_; }
-  const SparseMatrix& K() const { return K_; }
-
- private:
-  AffineReduction reduction_;
-  SparseMatrix K_;
-  SparseCholesky cholesky_;
-  MatX fixed_part_;  // -Dᵀ K d0
-};
-
 }  // namespace batten

@@ -6,6 +6,7 @@
 #include <deque>
 #include <optional>
 
+#include "batten/constraints/constrained_solver.h"
 #include "batten/core/errors.h"
 #include "batten/fem/assembly.h"
 #include "batten/fem/dissection.h"

@@ -203,157 +203,186 @@ int view(Arguments a) {
   return kDone;
 }
 
+/// Adds the options that every long command has.
+void add_common(CLI::App* sub, Arguments& a) {
+  sub->add_option("--threads", a.threads, "Threads to use; the number of cores unless given")
+      ->check(CLI::Range(1, 1024));
+  sub->add_flag("--quiet", a.quiet, "Print errors only");
+}
+
+/// Adds the unit of lengths.
+void add_unit(CLI::App* sub, Arguments& a) {
+  sub->add_option("--unit", a.unit, "Unit of lengths")
+      ->check(CLI::IsMember(length_units()))
+      ->capture_default_str();
+}
+
+/// Adds "batten run" and its options.
+CLI::App* add_run(CLI::App& app, Arguments& a) {
+  auto* sub = app.add_subcommand("run", "Do everything a scene asks for");
+  sub->add_option("scene", a.file, "Scene (.toml)")->required();
+  sub->add_option("--out", a.out, "Folder for all files, report.json too")->required();
+  sub->add_option("--set", a.settings, "Set a parameter of the scene: name=value")
+      ->take_all()
+      ->allow_extra_args(false);
+  add_common(sub, a);
+  return sub;
+}
+
+/// Adds "batten sculpt" and its options.
+CLI::App* add_sculpt(CLI::App& app, Arguments& a) {
+  auto* sub = app.add_subcommand(
+      "sculpt", "Settle, sweep, move and refine a scene's surface under live loads");
+  sub->add_option("scene", a.file, "Scene (.toml)")->required();
+  sub->add_option("--out", a.out, "Folder for all files, report.json too")->required();
+  sub->add_option("--set", a.sculpt.settings, "Set a parameter: name=value")
+      ->take_all()
+      ->allow_extra_args(false);
+  auto* sweep =
+      sub->add_option("--sweep", a.sculpt.sweeps,
+                      "Settle at so many values, each from the one before: name=from:to:count")
+          ->take_all()
+          ->allow_extra_args(false);
+  auto* time = sub->add_option("--time", a.sculpt.time,
+                               "Motion from the settled shape, until this time; needs --dt");
+  auto* dt = sub->add_option("--dt", a.sculpt.dt, "Step of the motion; needs --time");
+  time->check(kPositive)->needs(dt);
+  dt->check(kPositive)->needs(time);
+  sub->add_option("--frames", a.sculpt.frames, "Most frames of a motion")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  auto* refinement =
+      sub->add_option("--refine", a.sculpt.refinement,
+                      "Halve triangles where curvature jumps, so many rounds: jumps:ROUNDS");
+  auto* record =
+      sub->add_option("--record", a.sculpt.record, "Write everything that was done to this file");
+  sub->add_option("--replay", a.sculpt.replay, "Do what such a file says")
+      ->excludes(sweep)
+      ->excludes(time)
+      ->excludes(refinement)
+      ->excludes(record);
+  add_common(sub, a);
+  return sub;
+}
+
+/// Adds "batten deform" and its options.
+CLI::App* add_deform(CLI::App& app, Arguments& a) {
+  auto* sub =
+      app.add_subcommand("deform", "Edit a mesh; its form features keep their shape exactly");
+  sub->add_option("edits", a.file, "Edits of a mesh (.toml)")->required();
+  sub->add_option("--out", a.out, "Folder for all files, report.json too")->required();
+  sub->add_option("--set", a.settings, "Set a parameter of the edits: name=value")
+      ->take_all()
+      ->allow_extra_args(false);
+  add_common(sub, a);
+  return sub;
+}
+
+/// Adds "batten fair" and its options.
+CLI::App* add_fair(CLI::App& app, Arguments& a) {
+  auto* sub =
+      app.add_subcommand("fair", "Fair drawn or measured lines; the ending of OUT says the kind");
+  sub->add_option("lines", a.file, "Lines: .curves .csv .txt .xyz .dat .obj .iges .step")
+      ->required();
+  sub->add_option("--out", a.out, "File to write: " + listed(curve_file_endings()))->required();
+  auto* deviation = sub->add_option("--deviation", a.deviation,
+                                    "The fairest curve not farther than this from any point");
+  auto* wavelength = sub->add_option("--wavelength", a.wavelength,
+                                     "Smooth what is shorter than this (default: found by itself)");
+  deviation->check(kPositive)->excludes(wavelength);
+  wavelength->check(kPositive);
+  sub->add_option("--minimum", a.minimum,
+                  "Instead: the curve through all points (a few) of least curvature, or of least "
+                  "change of it")
+      ->check(CLI::IsMember({"energy", "variation"}))
+      ->excludes(deviation)
+      ->excludes(wavelength);
+  sub->add_option("--corner-angle", a.corner_angle,
+                  "A corner is where a line turns by more than this, degrees (180: none)")
+      ->check(CLI::Range(1e-3, 180.0))
+      ->capture_default_str();
+  sub->add_flag("--hold-ends", a.hold_ends, "First and last points stay where they are");
+  auto* closed = sub->add_flag("--closed", a.closed, "All lines come back to their start");
+  sub->add_flag("--open", a.open, "No line does")->excludes(closed);
+  sub->add_option("--segments", a.segments,
+                  "In the end: as few segments as stay this near to the fair curve")
+      ->check(kPositive);
+  sub->add_option("--only", a.only, "A line to take, by its name (may be repeated)")
+      ->take_all()
+      ->allow_extra_args(false);
+  sub->add_option("--picture", a.picture, "Curvature combs before and after (.png)");
+  sub->add_option("--report", a.report, "All numbers (.json)");
+  add_unit(sub, a);
+  add_common(sub, a);
+  return sub;
+}
+
+/// Adds "batten skin" and its options.
+CLI::App* add_skin(CLI::App& app, Arguments& a) {
+  auto* sub =
+      app.add_subcommand("skin", "From files of lines straight to a surface: STEP, VTK, report");
+  sub->add_option("lines", a.files,
+                  "Outline: .csv .txt .xyz .dat .obj .curves .iges .step; a network: .json too")
+      ->required();
+  auto* inner =
+      sub->add_option("--inner", a.inner, "A file of inner lines")->allow_extra_args(false);
+  auto* network = sub->add_flag("--network", a.network,
+                                "The lines are a network: all surfaces between them, joined");
+  network->excludes(inner);
+  sub->add_option("--out", a.out, "Folder for all files")->required();
+  add_unit(sub, a);
+  sub->add_option("--edge-length", a.edge_length, "Target length of element edges")
+      ->check(kPositive);
+  sub->add_option("--tolerance", a.tolerance, "Largest distance of fitted lines")->check(kPositive);
+  sub->add_option("--compare", a.compare, "CAD file: measure the distance from its faces");
+  sub->add_option("--pressure", a.pressure, "Pressure along the normal, relative units")
+      ->excludes(network);
+  add_common(sub, a);
+  return sub;
+}
+
+/// Adds "batten info" and its options.
+CLI::App* add_info(CLI::App& app, Arguments& a) {
+  auto* sub =
+      app.add_subcommand("info", "What is in a scene, a file of lines, a mesh, a STEP file");
+  sub->add_option("file", a.file, "The file")->required();
+  add_unit(sub, a);
+  return sub;
+}
+
+/// Adds "batten view" and its options.
+CLI::App* add_view(CLI::App& app, Arguments& a) {
+  auto* sub = app.add_subcommand("view", "A picture of a scene's or a line file's surface");
+  sub->add_option("file", a.file, "Scene (.toml) or file of lines")->required();
+  sub->add_option("--screenshot", a.screenshot, "The picture to write (.png)")->required();
+  sub->add_option("--set", a.settings, "Set a parameter of the scene: name=value")
+      ->take_all()
+      ->allow_extra_args(false);
+  sub->add_option("--show", a.show, "What to show")
+      ->check(CLI::IsMember({"shaded", "mean_curvature", "gauss_curvature", "regions"}))
+      ->capture_default_str();
+  sub->add_flag("--network", a.network, "The lines of the file are a network");
+  sub->add_option("--contours", a.contours, "Number of contour lines")->check(CLI::Range(0, 1000));
+  sub->add_option("--view", a.angles, "Azimuth and elevation, degrees")->expected(2);
+  add_unit(sub, a);
+  add_common(sub, a);
+  return sub;
+}
+
+/// Reads the command line and does what it says.
 int command(int argc, char** argv) {
   Arguments a;
   CLI::App app("Batten: continuous surfaces that shape themselves", "batten");
   app.footer(kExamples);
   app.set_version_flag("--version", kVersion);
   app.require_subcommand(1);
-
-  const auto common = [&](CLI::App* sub) {
-    sub->add_option("--threads", a.threads, "Threads to use; the number of cores unless given")
-        ->check(CLI::Range(1, 1024));
-    sub->add_flag("--quiet", a.quiet, "Print errors only");
-  };
-  const auto lengths = [&](CLI::App* sub) {
-    sub->add_option("--unit", a.unit, "Unit of lengths")
-        ->check(CLI::IsMember(length_units()))
-        ->capture_default_str();
-  };
-
-  auto* run_command = app.add_subcommand("run", "Do everything a scene asks for");
-  run_command->add_option("scene", a.file, "Scene (.toml)")->required();
-  run_command->add_option("--out", a.out, "Folder for all files, report.json too")->required();
-  run_command->add_option("--set", a.settings, "Set a parameter of the scene: name=value")
-      ->take_all()
-      ->allow_extra_args(false);
-  common(run_command);
-
-  auto* sculpt_command = app.add_subcommand(
-      "sculpt", "Settle, sweep, move and refine a scene's surface under live loads");
-  sculpt_command->add_option("scene", a.file, "Scene (.toml)")->required();
-  sculpt_command->add_option("--out", a.out, "Folder for all files, report.json too")->required();
-  sculpt_command->add_option("--set", a.sculpt.settings, "Set a parameter: name=value")
-      ->take_all()
-      ->allow_extra_args(false);
-  auto* sweep =
-      sculpt_command
-          ->add_option("--sweep", a.sculpt.sweeps,
-                       "Settle at so many values, each from the one before: name=from:to:count")
-          ->take_all()
-          ->allow_extra_args(false);
-  auto* time = sculpt_command->add_option(
-      "--time", a.sculpt.time, "Motion from the settled shape, until this time; needs --dt");
-  auto* dt = sculpt_command->add_option("--dt", a.sculpt.dt, "Step of the motion; needs --time");
-  time->check(kPositive)->needs(dt);
-  dt->check(kPositive)->needs(time);
-  sculpt_command->add_option("--frames", a.sculpt.frames, "Most frames of a motion")
-      ->check(CLI::Range(1, 1000))
-      ->capture_default_str();
-  auto* refinement = sculpt_command->add_option(
-      "--refine", a.sculpt.refinement,
-      "Halve triangles where curvature jumps, so many rounds: jumps:ROUNDS");
-  auto* record = sculpt_command->add_option("--record", a.sculpt.record,
-                                            "Write everything that was done to this file");
-  sculpt_command->add_option("--replay", a.sculpt.replay, "Do what such a file says")
-      ->excludes(sweep)
-      ->excludes(time)
-      ->excludes(refinement)
-      ->excludes(record);
-  common(sculpt_command);
-
-  auto* deform_command =
-      app.add_subcommand("deform", "Edit a mesh; its form features keep their shape exactly");
-  deform_command->add_option("edits", a.file, "Edits of a mesh (.toml)")->required();
-  deform_command->add_option("--out", a.out, "Folder for all files, report.json too")->required();
-  deform_command->add_option("--set", a.settings, "Set a parameter of the edits: name=value")
-      ->take_all()
-      ->allow_extra_args(false);
-  common(deform_command);
-
-  auto* fair_command =
-      app.add_subcommand("fair", "Fair drawn or measured lines; the ending of OUT says the kind");
-  fair_command->add_option("lines", a.file, "Lines: .curves .csv .txt .xyz .dat .obj .iges .step")
-      ->required();
-  fair_command->add_option("--out", a.out, "File to write: " + listed(curve_file_endings()))
-      ->required();
-  auto* deviation = fair_command->add_option(
-      "--deviation", a.deviation, "The fairest curve not farther than this from any point");
-  auto* wavelength = fair_command->add_option(
-      "--wavelength", a.wavelength, "Smooth what is shorter than this (default: found by itself)");
-  deviation->check(kPositive)->excludes(wavelength);
-  wavelength->check(kPositive);
-  fair_command
-      ->add_option("--minimum", a.minimum,
-                   "Instead: the curve through all points (a few) of least curvature, or of least "
-                   "change of it")
-      ->check(CLI::IsMember({"energy", "variation"}))
-      ->excludes(deviation)
-      ->excludes(wavelength);
-  fair_command
-      ->add_option("--corner-angle", a.corner_angle,
-                   "A corner is where a line turns by more than this, degrees (180: none)")
-      ->check(CLI::Range(1e-3, 180.0))
-      ->capture_default_str();
-  fair_command->add_flag("--hold-ends", a.hold_ends, "First and last points stay where they are");
-  auto* closed = fair_command->add_flag("--closed", a.closed, "All lines come back to their start");
-  fair_command->add_flag("--open", a.open, "No line does")->excludes(closed);
-  fair_command
-      ->add_option("--segments", a.segments,
-                   "In the end: as few segments as stay this near to the fair curve")
-      ->check(kPositive);
-  fair_command->add_option("--only", a.only, "A line to take, by its name (may be repeated)")
-      ->take_all()
-      ->allow_extra_args(false);
-  fair_command->add_option("--picture", a.picture, "Curvature combs before and after (.png)");
-  fair_command->add_option("--report", a.report, "All numbers (.json)");
-  lengths(fair_command);
-  common(fair_command);
-
-  auto* skin_command =
-      app.add_subcommand("skin", "From files of lines straight to a surface: STEP, VTK, report");
-  skin_command
-      ->add_option("lines", a.files,
-                   "Outline: .csv .txt .xyz .dat .obj .curves .iges .step; a network: .json too")
-      ->required();
-  auto* inner = skin_command->add_option("--inner", a.inner, "A file of inner lines")
-                    ->allow_extra_args(false);
-  auto* network = skin_command->add_flag(
-      "--network", a.network, "The lines are a network: all surfaces between them, joined");
-  network->excludes(inner);
-  skin_command->add_option("--out", a.out, "Folder for all files")->required();
-  lengths(skin_command);
-  skin_command->add_option("--edge-length", a.edge_length, "Target length of element edges")
-      ->check(kPositive);
-  skin_command->add_option("--tolerance", a.tolerance, "Largest distance of fitted lines")
-      ->check(kPositive);
-  skin_command->add_option("--compare", a.compare, "CAD file: measure the distance from its faces");
-  skin_command->add_option("--pressure", a.pressure, "Pressure along the normal, relative units")
-      ->excludes(network);
-  common(skin_command);
-
-  auto* info_command =
-      app.add_subcommand("info", "What is in a scene, a file of lines, a mesh, a STEP file");
-  info_command->add_option("file", a.file, "The file")->required();
-  lengths(info_command);
-
-  auto* view_command =
-      app.add_subcommand("view", "A picture of a scene's or a line file's surface");
-  view_command->add_option("file", a.file, "Scene (.toml) or file of lines")->required();
-  view_command->add_option("--screenshot", a.screenshot, "The picture to write (.png)")->required();
-  view_command->add_option("--set", a.settings, "Set a parameter of the scene: name=value")
-      ->take_all()
-      ->allow_extra_args(false);
-  view_command->add_option("--show", a.show, "What to show")
-      ->check(CLI::IsMember({"shaded", "mean_curvature", "gauss_curvature", "regions"}))
-      ->capture_default_str();
-  view_command->add_flag("--network", a.network, "The lines of the file are a network");
-  view_command->add_option("--contours", a.contours, "Number of contour lines")
-      ->check(CLI::Range(0, 1000));
-  view_command->add_option("--view", a.angles, "Azimuth and elevation, degrees")->expected(2);
-  lengths(view_command);
-  common(view_command);
-
+  const CLI::App* run_command = add_run(app, a);
+  const CLI::App* sculpt_command = add_sculpt(app, a);
+  const CLI::App* deform_command = add_deform(app, a);
+  const CLI::App* fair_command = add_fair(app, a);
+  const CLI::App* skin_command = add_skin(app, a);
+  const CLI::App* info_command = add_info(app, a);
+  add_view(app, a);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {

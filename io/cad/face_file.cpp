@@ -13,6 +13,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <optional>
 
 #include "batten/core/errors.h"
 #include "batten/core/index.h"
@@ -74,6 +75,95 @@ std::vector<Vec2> points_of_face(const TopoDS_Face& face, const Geom_BSplineSurf
   return points;
 }
 
+/// An edge of the file, along the loop.
+struct FileEdge {
+  Handle(Geom_Curve) curve;
+  Handle(Geom2d_Curve) line;
+  double first, last;
+  bool backwards;  // against the loop
+  double at(double share) const { return first + (backwards ? 1 - share : share) * (last - first); }
+};
+
+/// Edges of the file's face that are no seam, and how far any edge is from the face and from its
+/// vertices.
+struct FileEdges {
+  std::vector<FileEdge> edges;
+  double gap = 0;
+};
+
+/// Reads the edges of a face; none if one of them lacks its curve.
+std::optional<FileEdges> edges_of_face(const TopoDS_Face& face,
+                                       const Geom_BSplineSurface& surface) {
+  FileEdges found;
+  double& gap = found.gap;
+  for (TopExp_Explorer it(face.Oriented(TopAbs_FORWARD), TopAbs_EDGE); it.More(); it.Next()) {
+    const TopoDS_Edge& edge = TopoDS::Edge(it.Current());
+    FileEdge e{};
+    e.backwards = edge.Orientation() == TopAbs_REVERSED;
+    double first, last;
+    e.curve = BRep_Tool::Curve(edge, e.first, e.last);
+    e.line = BRep_Tool::CurveOnSurface(edge, face, first, last);
+    // Readers put edges without length where lines meet at a tangent.
+    if (BRep_Tool::Degenerated(edge)) continue;
+    if (e.curve.IsNull() || e.line.IsNull()) return std::nullopt;
+    const int n = 4 * (surface.NbUKnots() + surface.NbVKnots());
+    for (int i = 0; i <= n; ++i) {
+      const double t = e.at(double(i) / n);
+      const gp_Pnt2d uv = e.line->Value(t);
+      gap = std::max(gap, e.curve->Value(t).Distance(surface.Value(uv.X(), uv.Y())));
+    }
+    TopoDS_Vertex a, b;
+    TopExp::Vertices(edge, a, b);
+    if (!a.IsNull()) gap = std::max(gap, BRep_Tool::Pnt(a).Distance(e.curve->Value(e.first)));
+    if (!b.IsNull()) gap = std::max(gap, BRep_Tool::Pnt(b).Distance(e.curve->Value(e.last)));
+    if (!BRep_Tool::IsClosed(edge, face)) found.edges.push_back(e);
+  }
+  return found;
+}
+
+/// How far an edge of the file is from a boundary curve at the same share of the parameter.
+double apart(const FileEdge& e, const FaceStretch& stretch, double share) {
+  const double start = stretch.curve.start(), end = stretch.curve.end();
+  const Vec3 p = from_occ(e.curve->Value(e.at(share)));
+  return (p - stretch.curve.evaluate(start + share * (end - start))).norm();
+}
+
+/// Finds the unused edge of the file that is nearest to a boundary curve; their count if all are
+/// used.
+size_t nearest_edge(const std::vector<FileEdge>& edges, const std::vector<char>& used,
+                    const FaceStretch& stretch) {
+  size_t mine = edges.size();
+  double nearest = infinity;
+  for (size_t k = 0; k < edges.size(); ++k) {
+    double distance = 0;
+    for (const double share : {0.1, 0.3, 0.5, 0.7, 0.9})
+      distance = std::max(distance, apart(edges[k], stretch, share));
+    if (used[k] || distance >= nearest) continue;
+    nearest = distance;
+    mine = k;
+  }
+  return mine;
+}
+
+/// Measures a boundary curve against its edge of the file at n + 1 places, and adds them to
+/// `points`.
+void measure_stretch(const FaceStretch& stretch, const FileEdge& edge, int n, const FaceMaker& made,
+                     StepPatch& report, std::vector<Vec2>& points) {
+  const double start = stretch.curve.start(), end = stretch.curve.end();
+  for (int i = 0; i <= n; ++i) {
+    const double share = double(i) / n, t = start + share * (end - start);
+    report.edge_deviation = std::max(report.edge_deviation, apart(edge, stretch, share));
+    const Vec2 uv = i < n ? stretch.uv(t) : stretch.last();
+    points.push_back(uv);
+    const Vec3 x = i < n ? stretch.curve.evaluate(t)
+                         : stretch.curve.evaluate({stretch.curve.segment_count() - 1, 1.0});
+    report.line_gap = std::max(report.line_gap, (made.position(uv) - x).norm());
+    const gp_Pnt2d of_file = edge.line->Value(edge.at(share));
+    points.emplace_back(of_file.X(), of_file.Y());
+  }
+}
+
+/// Measures a face of the file against the region that it was made of.
 void measure_face(const TopoDS_Face& face, const FaceMaker& made, StepPatch& report) {
   const Handle(Geom_BSplineSurface) surface =
       Handle(Geom_BSplineSurface)::DownCast(BRep_Tool::Surface(face));
@@ -89,58 +179,14 @@ void measure_face(const TopoDS_Face& face, const FaceMaker& made, StepPatch& rep
 
   // Boundary curves, each with the edge of the file that is nearest to it at the same share of the
   // parameter.
-  struct Edge {
-    Handle(Geom_Curve) curve;
-    Handle(Geom2d_Curve) line;
-    double first, last;
-    bool backwards;  // against the loop
-    double at(double share) const {
-      return first + (backwards ? 1 - share : share) * (last - first);
-    }
-  };
-  std::vector<Edge> edges;
-  double gap = 0;
-  for (TopExp_Explorer it(face.Oriented(TopAbs_FORWARD), TopAbs_EDGE); it.More(); it.Next()) {
-    const TopoDS_Edge& edge = TopoDS::Edge(it.Current());
-    Edge e{};
-    e.backwards = edge.Orientation() == TopAbs_REVERSED;
-    double first, last;
-    e.curve = BRep_Tool::Curve(edge, e.first, e.last);
-    e.line = BRep_Tool::CurveOnSurface(edge, face, first, last);
-    // Readers put edges without length where lines meet at a tangent.
-    if (BRep_Tool::Degenerated(edge)) continue;
-    if (e.curve.IsNull() || e.line.IsNull()) return;
-    const int n = 4 * (surface->NbUKnots() + surface->NbVKnots());
-    for (int i = 0; i <= n; ++i) {
-      const double t = e.at(double(i) / n);
-      const gp_Pnt2d uv = e.line->Value(t);
-      gap = std::max(gap, e.curve->Value(t).Distance(surface->Value(uv.X(), uv.Y())));
-    }
-    TopoDS_Vertex a, b;
-    TopExp::Vertices(edge, a, b);
-    if (!a.IsNull()) gap = std::max(gap, BRep_Tool::Pnt(a).Distance(e.curve->Value(e.first)));
-    if (!b.IsNull()) gap = std::max(gap, BRep_Tool::Pnt(b).Distance(e.curve->Value(e.last)));
-    if (!BRep_Tool::IsClosed(edge, face)) edges.push_back(e);
-  }
+  const auto found = edges_of_face(face, *surface);
+  if (!found) return;
+  const std::vector<FileEdge>& edges = found->edges;
   report.edge_deviation = 0;
   std::vector<char> used(edges.size());
   for (const FaceLoop& loop : made.boundary().loops)
     for (const FaceStretch& stretch : loop) {
-      const double start = stretch.curve.start(), end = stretch.curve.end();
-      const auto apart = [&](const Edge& e, double share) {
-        const Vec3 p = from_occ(e.curve->Value(e.at(share)));
-        return (p - stretch.curve.evaluate(start + share * (end - start))).norm();
-      };
-      size_t mine = edges.size();
-      double nearest = infinity;
-      for (size_t k = 0; k < edges.size(); ++k) {
-        double distance = 0;
-        for (const double share : {0.1, 0.3, 0.5, 0.7, 0.9})
-          distance = std::max(distance, apart(edges[k], share));
-        if (used[k] || distance >= nearest) continue;
-        nearest = distance;
-        mine = k;
-      }
+      const size_t mine = nearest_edge(edges, used, stretch);
       if (mine == edges.size()) {
         report.edge_deviation = infinity;
         continue;
@@ -148,20 +194,10 @@ void measure_face(const TopoDS_Face& face, const FaceMaker& made, StepPatch& rep
       used[mine] = 1;
       const int n = 8 * (stretch.curve.segment_count() + stretch.image.segment_count() +
                          surface->NbUKnots() + surface->NbVKnots());
-      for (int i = 0; i <= n; ++i) {
-        const double share = double(i) / n, t = start + share * (end - start);
-        report.edge_deviation = std::max(report.edge_deviation, apart(edges[mine], share));
-        const Vec2 uv = i < n ? stretch.uv(t) : stretch.last();
-        points.push_back(uv);
-        const Vec3 x = i < n ? stretch.curve.evaluate(t)
-                             : stretch.curve.evaluate({stretch.curve.segment_count() - 1, 1.0});
-        report.line_gap = std::max(report.line_gap, (made.position(uv) - x).norm());
-        const gp_Pnt2d of_file = edges[mine].line->Value(edges[mine].at(share));
-        points.emplace_back(of_file.X(), of_file.Y());
-      }
+      measure_stretch(stretch, edges[mine], n, made, report, points);
     }
   if (std::find(used.begin(), used.end(), 0) != used.end()) report.edge_deviation = infinity;
-  report.edge_gap = gap;
+  report.edge_gap = found->gap;
   report.deviation = largest(points.size(), [&](size_t i) {
     return (on_file(points[i]) - made.position(points[i])).norm();
   });

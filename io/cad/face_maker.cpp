@@ -12,6 +12,7 @@
 
 #include "batten/core/index.h"
 #include "batten/fem/cubic_splines.h"
+#include "batten/fem/spline_axis.h"
 
 namespace batten {
 namespace {

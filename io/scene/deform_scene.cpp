@@ -236,23 +236,10 @@ MeshPictureRule read_picture(const TomlTable& t, Names& files) {
   return rule;
 }
 
-DeformScene read(const toml::table& root_table, const std::filesystem::path& file) {
-  const TomlTable root(
-      file.string(), root_table, "the scene",
-      {"name", "unit", "mesh", "weighting", "proposals", "select", "cut", "feature", "features",
-       "guide", "line", "curve", "pull", "edit", "output", "modes", "picture"});
-  const std::filesystem::path folder = file.parent_path();
-  DeformScene scene;
-  scene.file = file;
-  scene.name = root.text("name", file.stem().string());
-  scene.unit = unit_word(root, "unit");
-  scene.mesh = folder / root.text("mesh");
-  scene.weighting = root.choice(
-      "weighting", DeformProblem::Weighting::Area,
-      {{"area", DeformProblem::Weighting::Area}, {"uniform", DeformProblem::Weighting::Uniform}});
+/// Reads what features are proposed.
+void read_proposals(const TomlTable& root, ProposalOptions& o) {
   for (const TomlTable& t : root.table(
            "proposals", {"crease_degrees", "rim_rings", "rim_width", "outer_loops", "nested"})) {
-    ProposalOptions& o = scene.proposals;
     o.crease_degrees = t.positive("crease_degrees", o.crease_degrees);
     if (o.crease_degrees >= 180)
       t.fail("crease_degrees", number(o.crease_degrees), "less than 180 degrees");
@@ -261,6 +248,11 @@ DeformScene read(const toml::table& root_table, const std::filesystem::path& fil
     o.outer_loops = t.boolean("outer_loops", o.outer_loops);
     o.nested = t.boolean("nested", o.nested);
   }
+}
+
+/// Reads selections and cuts, which share their names.
+void read_selections(const TomlTable& root, const std::filesystem::path& folder,
+                     DeformScene& scene) {
   Names selections("selection");
   for (const TomlTable& t :
        root.tables("select", {"name", "box", "sphere", "plane", "loop", "geodesic", "nodes", "file",
@@ -272,7 +264,10 @@ DeformScene read(const toml::table& root_table, const std::filesystem::path& fil
     scene.cuts.push_back(read_cut(t));
     selections.add(t, "name", scene.cuts.back().name);
   }
-  Names kept("name");
+}
+
+/// Reads form features: one by one, and many of a kind.
+void read_features(const TomlTable& root, Names& kept, DeformScene& scene) {
   for (const TomlTable& t : root.tables("feature", {"name", "vertices", "keep"})) {
     FeatureRule rule{t.text("name"), t.place(), t.names("vertices"), read_kind(t)};
     if (rule.vertices.empty()) rule.vertices = {{rule.name, t.place("name")}};
@@ -284,6 +279,10 @@ DeformScene read(const toml::table& root_table, const std::filesystem::path& fil
     if (rule.vertices.empty()) t.fail("of", "no names", "a list of selections or proposals");
     scene.features.push_back(std::move(rule));
   }
+}
+
+/// Reads guides, lines, curves and pulls: what else the mesh keeps or follows.
+void read_guides_and_lines(const TomlTable& root, Names& kept, DeformScene& scene) {
   for (const TomlTable& t : root.tables("guide", {"name", "of", "plane", "line"})) {
     scene.guides.push_back(read_guide(t));
     kept.add(t, "name", scene.guides.back().name);
@@ -303,6 +302,10 @@ DeformScene read(const toml::table& root_table, const std::filesystem::path& fil
     scene.pulls.push_back(read_pull(t));
     kept.add(t, "name", scene.pulls.back().name);
   }
+}
+
+/// Reads the edits.
+void read_edits(const TomlTable& root, DeformScene& scene) {
   Names edits("edit");
   for (const TomlTable& t :
        root.tables("edit", {"name", "fixed", "region", "handle", "scale", "guide"})) {
@@ -310,7 +313,10 @@ DeformScene read(const toml::table& root_table, const std::filesystem::path& fil
     edits.add(t, "name", scene.edits.back().name);
   }
   if (scene.edits.empty()) root.fail("", "no edits", "at least one [[edit]]");
+}
 
+/// Reads what files are written: meshes, models of modes, pictures.
+void read_outputs(const TomlTable& root, DeformScene& scene) {
   Names files("file name");
   const std::string ending = scene.mesh.extension().string();
   scene.mesh_out = scene.mesh.stem().string() + "-deformed" + ending;
@@ -326,6 +332,30 @@ DeformScene read(const toml::table& root_table, const std::filesystem::path& fil
   for (const TomlTable& t :
        root.tables("picture", {"file", "title", "show", "mesh", "view", "zoom", "size"}))
     scene.pictures.push_back(read_picture(t, files));
+}
+
+/// Reads the whole scene from its table.
+DeformScene read(const toml::table& root_table, const std::filesystem::path& file) {
+  const TomlTable root(
+      file.string(), root_table, "the scene",
+      {"name", "unit", "mesh", "weighting", "proposals", "select", "cut", "feature", "features",
+       "guide", "line", "curve", "pull", "edit", "output", "modes", "picture"});
+  const std::filesystem::path folder = file.parent_path();
+  DeformScene scene;
+  scene.file = file;
+  scene.name = root.text("name", file.stem().string());
+  scene.unit = unit_word(root, "unit");
+  scene.mesh = folder / root.text("mesh");
+  scene.weighting = root.choice(
+      "weighting", DeformProblem::Weighting::Area,
+      {{"area", DeformProblem::Weighting::Area}, {"uniform", DeformProblem::Weighting::Uniform}});
+  read_proposals(root, scene.proposals);
+  read_selections(root, folder, scene);
+  Names kept("name");
+  read_features(root, kept, scene);
+  read_guides_and_lines(root, kept, scene);
+  read_edits(root, scene);
+  read_outputs(root, scene);
   return scene;
 }
 

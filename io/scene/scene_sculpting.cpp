@@ -148,28 +148,22 @@ void read_pulls(const TomlTable& table, const std::filesystem::path& folder, Sce
   }
 }
 
-SceneLoad read_load(const TomlTable& table, const std::filesystem::path& folder) {
+/// Reads the direction, of types that have one.
+void read_direction(const TomlTable& table, const std::string& what, SceneLoad& load) {
   using Type = SceneLoad::Type;
-  SceneLoad load;
-  read_named_value(table, load);
-  load.named = table.place("name");
-  load.type = table.choice<Type>("type", {{"pressure", Type::Pressure},
-                                          {"uniform", Type::Uniform},
-                                          {"gravity", Type::Gravity},
-                                          {"point", Type::Point},
-                                          {"line", Type::Line},
-                                          {"springs", Type::Springs}});
-  const bool springs = load.type == Type::Springs;
-  const std::string what = (load.type == Type::Pressure ? "the pressure '"
-                            : springs                   ? "the springs '"
-                                                        : "the load '") +
-                           load.name + "'";
   if (load.type == Type::Pressure)
     refuse(table, what, {{"direction", "none: pressure acts along the surface's normal"}});
-  else if (springs)
+  else if (load.type == Type::Springs)
     refuse(table, what, {{"direction", "none: springs pull towards their points"}});
   else
     load.direction = table.direction("direction");
+}
+
+/// Refuses keys that only other types have.
+void refuse_keys_of_other_types(const TomlTable& table, const std::string& what,
+                                SceneLoad::Type type) {
+  using Type = SceneLoad::Type;
+  const bool springs = type == Type::Springs;
   const char* only_springs = "it only where type = \"springs\"";
   if (!springs)
     refuse(table, what,
@@ -180,9 +174,14 @@ SceneLoad read_load(const TomlTable& table, const std::filesystem::path& folder)
             {"plane", only_springs},
             {"rest_length", only_springs},
             {"falloff", only_springs}});
-  if (load.type != Type::Line) refuse(table, what, {{"line", "it only where type = \"line\""}});
-  if (load.type != Type::Point && !springs)
+  if (type != Type::Line) refuse(table, what, {{"line", "it only where type = \"line\""}});
+  if (type != Type::Point && !springs)
     refuse(table, what, {{"at", "it only where type = \"point\""}});
+}
+
+/// Reads where a load is spread, of types that are.
+void read_spread(const TomlTable& table, const std::string& what, SceneLoad& load) {
+  using Type = SceneLoad::Type;
   if (load.type == Type::Pressure || load.type == Type::Uniform) {
     load.area = read_area(table);
   } else {
@@ -193,15 +192,17 @@ SceneLoad read_load(const TomlTable& table, const std::filesystem::path& folder)
             {"paint", only_spread},
             {"regions", only_spread}});
   }
-  if (load.type == Type::Point) load.at = table.vector("at");
-  if (load.type == Type::Line) load.line = placed(table, "line");
-  if (!springs) return load;
+}
+
+/// Reads springs, to measured points or from places, and checks how stiff they are.
+void read_springs(const TomlTable& table, const std::string& what,
+                  const std::filesystem::path& folder, SceneLoad& load) {
   if (table.has("at") && table.has("file"))
     table.fail("file", "both 'at' and 'file'",
                "'file' for springs to measured points, or 'at' for springs that stay at places");
   if (table.has("at")) {
     refuse(table, what, {{"unit", "it only beside 'file'"}});
-    load.type = Type::Pulls;
+    load.type = SceneLoad::Type::Pulls;
     read_pulls(table, folder, load);
   } else {
     const char* only_at = "it only beside 'at': the feet of springs to measured points slide";
@@ -222,6 +223,31 @@ SceneLoad read_load(const TomlTable& table, const std::filesystem::path& folder)
   for (const auto& moment : load.over_time) expect_stiffness(moment.value);
   // So that no slider goes there either.
   if (load.min < 0 && !table.has("min")) load.min = 0;
+}
+
+/// Reads a load of any type.
+SceneLoad read_load(const TomlTable& table, const std::filesystem::path& folder) {
+  using Type = SceneLoad::Type;
+  SceneLoad load;
+  read_named_value(table, load);
+  load.named = table.place("name");
+  load.type = table.choice<Type>("type", {{"pressure", Type::Pressure},
+                                          {"uniform", Type::Uniform},
+                                          {"gravity", Type::Gravity},
+                                          {"point", Type::Point},
+                                          {"line", Type::Line},
+                                          {"springs", Type::Springs}});
+  const bool springs = load.type == Type::Springs;
+  const std::string what = (load.type == Type::Pressure ? "the pressure '"
+                            : springs                   ? "the springs '"
+                                                        : "the load '") +
+                           load.name + "'";
+  read_direction(table, what, load);
+  refuse_keys_of_other_types(table, what, load.type);
+  read_spread(table, what, load);
+  if (load.type == Type::Point) load.at = table.vector("at");
+  if (load.type == Type::Line) load.line = placed(table, "line");
+  if (springs) read_springs(table, what, folder, load);
   return load;
 }
 

@@ -1,5 +1,6 @@
 #include "batten/io/sessions/session_log.h"
 
+#include <optional>
 #include <sstream>
 
 #include "batten/io/files/whole_file.h"
@@ -90,86 +91,112 @@ LogJson json_of(const Operation& operation) {
   return json_of(*operation.edit);
 }
 
-Operation operation_of(const LogJson& json, const std::string& where) {
-  using Kind = Operation::Kind;
-  if (!json.is_object() || !json.contains("do"))
-    throw InputError(where + "found no \"do\", expected {\"do\": …}");
-  const auto object = [&](std::vector<std::string> keys) {
+/// The object of one operation, with the line of the log it comes from.
+struct OperationObject {
+  const LogJson& json;
+  const std::string& where;
+  /// Expects "do" and these keys.
+  LogObject with(std::vector<std::string> keys) const {
     keys.emplace_back("do");
     return LogObject(json, where, "the operation", keys);
-  };
-  const auto edit = [](Operation::Edit what) {
-    return Operation{Kind::Edit, 0, 0, std::make_shared<const Operation::Edit>(std::move(what))};
-  };
-  const std::string word = LogObject(json, where, "the operation",
-                                     [&] {
-                                       std::vector<std::string> all;
-                                       for (const auto& [key, value] : json.items())
-                                         all.push_back(key);
-                                       return all;
-                                     }())
-                               .text("do");
+  }
+};
+
+/// Reads "do", whatever other keys there are.
+std::string word_of(const OperationObject& operation) {
+  if (!operation.json.is_object() || !operation.json.contains("do"))
+    throw InputError(operation.where + "found no \"do\", expected {\"do\": …}");
+  std::vector<std::string> all;
+  for (const auto& [key, value] : operation.json.items()) all.push_back(key);
+  return LogObject(operation.json, operation.where, "the operation", all).text("do");
+}
+
+/// Reads what edits nothing: numbers, settling, steps, undo. None if `word` is not one of these.
+std::optional<Operation> plain_operation_of(const std::string& word,
+                                            const OperationObject& operation) {
+  using Kind = Operation::Kind;
   if (word == "set") {
-    const LogObject o = object({"parameter", "value"});
-    return {Kind::Set, o.whole("parameter", 0), o.number("value"), nullptr};
+    const LogObject o = operation.with({"parameter", "value"});
+    return Operation{Kind::Set, o.whole("parameter", 0), o.number("value"), nullptr};
   }
   if (word == "answer") {
-    const LogObject o = object({"iterations", "tolerance"});
-    return {Kind::Answer, o.whole("iterations", 0), o.number("tolerance"), nullptr};
+    const LogObject o = operation.with({"iterations", "tolerance"});
+    return Operation{Kind::Answer, o.whole("iterations", 0), o.number("tolerance"), nullptr};
   }
-  if (word == "time") return {Kind::Time, 0, object({"value"}).number("value"), nullptr};
+  if (word == "time")
+    return Operation{Kind::Time, 0, operation.with({"value"}).number("value"), nullptr};
   for (const auto& [kind, name] : {std::pair{Kind::Settle, "settle"},
                                    {Kind::Step, "step"},
                                    {Kind::Rest, "rest"},
                                    {Kind::Undo, "undo"},
                                    {Kind::Redo, "redo"}})
     if (word == name) {
-      object({});
-      return {kind, 0, 0, nullptr};
+      operation.with({});
+      return Operation{kind, 0, 0, nullptr};
     }
-  if (word == "add") {
-    const std::vector<std::string> kinds = {"load", "weight", "constraint", "move", "line"};
-    std::vector<std::string> keys = kinds;
-    keys.emplace_back("parameters");
-    const LogObject o = object(keys);
-    const auto what = [&]() -> decltype(Operation::Add::what) {
-      if (o.has("load")) return load_of(o);
-      if (o.has("weight")) return weight_of(o);
-      if (o.has("constraint")) return constraint_of(o);
-      if (o.has("move")) return move_of(o);
-      if (o.has("line")) return line_of(o);
-      o.fail("nothing to add", "one of: " + listed(kinds));
-    };
-    return edit(Operation::Add{what(), parameters_of(o)});
-  }
-  if (word == "change") return edit(Operation::Change{constraint_of(object({"constraint"}))});
-  if (word == "remove") return edit(Operation::Remove{object({"name"}).text("name")});
+  return std::nullopt;
+}
+
+/// Reads what is added: one thing, and its parameters.
+Operation::Add addition_of(const OperationObject& operation) {
+  const std::vector<std::string> kinds = {"load", "weight", "constraint", "move", "line"};
+  std::vector<std::string> keys = kinds;
+  keys.emplace_back("parameters");
+  const LogObject o = operation.with(keys);
+  const auto what = [&]() -> decltype(Operation::Add::what) {
+    if (o.has("load")) return load_of(o);
+    if (o.has("weight")) return weight_of(o);
+    if (o.has("constraint")) return constraint_of(o);
+    if (o.has("move")) return move_of(o);
+    if (o.has("line")) return line_of(o);
+    o.fail("nothing to add", "one of: " + listed(kinds));
+  };
+  return {what(), parameters_of(o)};
+}
+
+/// Reads where triangles are halved, and how far.
+Refinement refinement_of(const OperationObject& operation) {
+  const LogObject o = operation.with({"strokes", "share", "smallest", "most_triangles"});
+  Refinement refinement;
+  if (o.has("strokes"))
+    refinement.where = Refinement::Brush{strokes_of(o, "strokes")};
+  else
+    refinement.where = Refinement::Jumps{o.number("share")};
+  refinement.smallest = o.number("smallest");
+  refinement.most_triangles = o.whole("most_triangles", 1);
+  return refinement;
+}
+
+/// Reads an edit. None if `word` is not one.
+std::optional<Operation::Edit> edit_of(const std::string& word, const OperationObject& operation) {
+  if (word == "add") return addition_of(operation);
+  if (word == "change") return Operation::Change{constraint_of(operation.with({"constraint"}))};
+  if (word == "remove") return Operation::Remove{operation.with({"name"}).text("name")};
   if (word == "set_line") {
-    const LogObject o = object({"line", "curve"});
-    return edit(Operation::SetLine{o.text("line"), curve_of(o, "curve")});
+    const LogObject o = operation.with({"line", "curve"});
+    return Operation::SetLine{o.text("line"), curve_of(o, "curve")};
   }
-  if (word == "refine") {
-    const LogObject o = object({"strokes", "share", "smallest", "most_triangles"});
-    Refinement refinement;
-    if (o.has("strokes"))
-      refinement.where = Refinement::Brush{strokes_of(o, "strokes")};
-    else
-      refinement.where = Refinement::Jumps{o.number("share")};
-    refinement.smallest = o.number("smallest");
-    refinement.most_triangles = o.whole("most_triangles", 1);
-    return edit(std::move(refinement));
-  }
+  if (word == "refine") return refinement_of(operation);
   if (word == "motion") {
-    const LogObject o = object({"dt", "density", "damping", "theta"});
-    return edit(
-        Motion{o.number("dt"), o.number("density"), o.number("damping"), o.number("theta")});
+    const LogObject o = operation.with({"dt", "density", "damping", "theta"});
+    return Motion{o.number("dt"), o.number("density"), o.number("damping"), o.number("theta")};
   }
   if (word == "add_parameter")
-    return edit(Operation::AddParameter{parameter_of(object({"parameter"}))});
+    return Operation::AddParameter{parameter_of(operation.with({"parameter"}))};
   if (word == "drive") {
-    const LogObject o = object({"name", "follows", "offset"});
-    return edit(Operation::Drive{o.text("name"), shares_of(o, "follows"), o.number("offset")});
+    const LogObject o = operation.with({"name", "follows", "offset"});
+    return Operation::Drive{o.text("name"), shares_of(o, "follows"), o.number("offset")};
   }
+  return std::nullopt;
+}
+
+/// Reads any operation.
+Operation operation_of(const LogJson& json, const std::string& where) {
+  const OperationObject operation{json, where};
+  const std::string word = word_of(operation);
+  if (const auto plain = plain_operation_of(word, operation)) return *plain;
+  if (auto edit = edit_of(word, operation))
+    return {Operation::Kind::Edit, 0, 0, std::make_shared<const Operation::Edit>(std::move(*edit))};
   const std::vector<std::string> words = {
       "add_parameter", "drive", "time", "set",    "settle", "answer",   "step",   "rest",
       "undo",          "redo",  "add",  "change", "remove", "set_line", "refine", "motion"};

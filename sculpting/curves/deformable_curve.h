@@ -6,6 +6,7 @@
 #include <variant>
 #include <vector>
 
+#include "batten/constraints/constrained_solver.h"
 #include "batten/constraints/implicit_steps.h"
 #include "batten/fairing/energy.h"
 #include "batten/fem/curve.h"

@@ -161,13 +161,30 @@ class FacetMesher {
     return !tangled.empty();
   }
 
+  /// Meshes between the pieces and finds their edges.
   void fill(FacetMesh& result) const {
     MeshTask task;
     task.edge_length = s_.size();
     task.keep_segments = true;
     result.pieces = pieces_;
-    // Pieces that were dropped leave nodes that nobody needs. Those on a seam have two places:
-    // between its images, to which each piece is moved, every node is left or right.
+    std::vector<std::array<int, 2>> seams;
+    const auto number = number_points(result.pieces, task, seams);
+    share_out(result.pieces, task);
+    task.outline.insert(task.outline.end(), seams.begin(), seams.end());
+    try {
+      result.mesh = std::make_shared<ParametricMesh>(delaunay_mesh(task));
+    } catch (const InputError& error) {
+      throw InputError(s_.who() + error.what());
+    }
+    if (s_.has_seam()) close(result, number);
+    find_edges(result);
+  }
+
+  /// Numbers the points that pieces end in, left and right of the seam, and lists the seam's right
+  /// image. Pieces that were dropped leave nodes that nobody needs. Those on a seam have two places:
+  /// between its images, to which each piece is moved, every node is left or right.
+  std::vector<std::array<int, 2>> number_points(std::vector<FacetPiece>& pieces, MeshTask& task,
+                                                std::vector<std::array<int, 2>>& seams) const {
     std::vector<std::array<int, 2>> number(s_.nodes().size(), {-1, -1});
     const auto point = [&](int node, const Vec2& p) {
       const bool right = s_.has_seam() && s_.beyond_seam(p) > 0.5 * s_.period() && s_.on_seam(node);
@@ -188,8 +205,7 @@ class FacetMesher {
       piece.a = point(piece.a, piece.from + shift);
       piece.b = point(piece.b, piece.to + shift);
     };
-    std::vector<std::array<int, 2>> seams;
-    for (FacetPiece& piece : result.pieces) {
+    for (FacetPiece& piece : pieces) {
       if (s_.has_seam() && piece.line == static_cast<int>(s_.seam())) {
         FacetPiece image = piece;
         move(image, true);
@@ -197,6 +213,11 @@ class FacetMesher {
       }
       move(piece, false);
     }
+    return number;
+  }
+
+  /// Shares the pieces out: those of the outline, of holes, and inner ones.
+  void share_out(const std::vector<FacetPiece>& pieces, MeshTask& task) const {
     std::vector<int> loop_of(s_.lines().size(), -1);
     for (size_t i = 0; i < region_.boundary.size(); ++i)
       for (const BoundaryPiece& piece : region_.boundary[i])
@@ -204,20 +225,17 @@ class FacetMesher {
     const int outlines = s_.has_seam() ? 2 : 1;
     if (s_.has_seam()) loop_of[s_.seam()] = 0;
     task.holes.resize(region_.boundary.size() - static_cast<size_t>(outlines));
-    for (const FacetPiece& piece : result.pieces) {
+    for (const FacetPiece& piece : pieces) {
       const int loop = loop_of[piece.line];
       (loop < 0          ? task.inner
        : loop < outlines ? task.outline
                          : task.holes[loop - outlines])
           .push_back({piece.a, piece.b});
     }
-    task.outline.insert(task.outline.end(), seams.begin(), seams.end());
-    try {
-      result.mesh = std::make_shared<ParametricMesh>(delaunay_mesh(task));
-    } catch (const InputError& error) {
-      throw InputError(s_.who() + error.what());
-    }
-    if (s_.has_seam()) close(result, number);
+  }
+
+  /// Finds the mesh's edge of every piece.
+  void find_edges(FacetMesh& result) const {
     result.piece_of_edge.assign(result.mesh->edge_count(), -1);
     result.piece_lists.assign(s_.lines().size(), {});
     for (size_t p = 0; p < result.pieces.size(); ++p) {

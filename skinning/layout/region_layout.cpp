@@ -6,7 +6,7 @@
 #include <numbers>
 #include <optional>
 
-#include "batten/constraints/affine_reduction.h"
+#include "batten/constraints/constrained_solver.h"
 #include "batten/constraints/shape/shape_constraints.h"
 #include "batten/core/errors.h"
 #include "batten/fem/assembly.h"

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <map>
 
-#include "batten/constraints/affine_reduction.h"
+#include "batten/constraints/constrained_solver.h"
 #include "batten/core/errors.h"
 #include "batten/core/words.h"
 #include "batten/fem/assembly.h"

@@ -7,6 +7,7 @@
 #include <random>
 #include <set>
 
+#include "batten/constraints/constrained_solver.h"
 #include "batten/core/errors.h"
 #include "batten/tests/catch.h"
 #include "batten/tests/sampling.h"

@@ -1,6 +1,7 @@
 // Geometric constraints of curves, and motion under them.
 #include <cmath>
 
+#include "batten/constraints/constrained_solver.h"
 #include "batten/constraints/implicit_steps.h"
 #include "batten/constraints/shape/curve_constraints.h"
 #include "batten/core/errors.h"

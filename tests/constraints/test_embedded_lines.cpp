@@ -1,5 +1,6 @@
 #include <catch2/catch.hpp>
 
+#include "batten/constraints/constrained_solver.h"
 #include "batten/fem/assembly.h"
 #include "batten/fem/bisection.h"
 #include "batten/tests/embedded_grid.h"

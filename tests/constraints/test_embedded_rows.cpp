@@ -1,5 +1,6 @@
 #include <catch2/catch.hpp>
 
+#include "batten/constraints/constrained_solver.h"
 #include "batten/core/errors.h"
 #include "batten/elements/reference_triangle.h"
 #include "batten/fem/assembly.h"

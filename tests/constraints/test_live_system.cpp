@@ -3,6 +3,7 @@
 
 #include <random>
 
+#include "batten/constraints/constrained_solver.h"
 #include "batten/constraints/coupling.h"
 #include "batten/core/errors.h"
 #include "batten/fem/assembly.h"

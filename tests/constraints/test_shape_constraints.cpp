@@ -3,7 +3,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
-#include "batten/constraints/affine_reduction.h"
+#include "batten/constraints/constrained_solver.h"
 #include "batten/core/errors.h"
 #include "batten/fem/assembly.h"
 #include "batten/tests/catch.h"

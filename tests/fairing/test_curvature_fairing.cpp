@@ -7,7 +7,7 @@
 #include <limits>
 #include <numbers>
 
-#include "batten/constraints/affine_reduction.h"
+#include "batten/constraints/constrained_solver.h"
 #include "batten/constraints/shape/shape_constraints.h"
 #include "batten/core/errors.h"
 #include "batten/core/parallel.h"

@@ -1,7 +1,7 @@
 #include "batten/fem/assembly.h"
 #include "batten/fem/curvature_jumps.h"
 
-#include "batten/constraints/affine_reduction.h"
+#include "batten/constraints/constrained_solver.h"
 #include "batten/tests/catch.h"
 #include "batten/tests/clamped_rim.h"
 #include "batten/tests/embedded_grid.h"

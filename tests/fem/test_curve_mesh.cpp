@@ -2,7 +2,7 @@
 #include <cmath>
 #include <set>
 
-#include "batten/constraints/affine_reduction.h"
+#include "batten/constraints/constrained_solver.h"
 #include "batten/constraints/shape/curve_constraints.h"
 #include "batten/core/band_cholesky.h"
 #include "batten/core/errors.h"

@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "batten/constraints/affine_reduction.h"
+#include "batten/constraints/constrained_solver.h"
 #include "batten/core/errors.h"
 #include "batten/fem/assembly.h"
 #include "batten/tests/catch.h"

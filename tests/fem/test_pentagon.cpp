@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "batten/constraints/affine_reduction.h"
+#include "batten/constraints/constrained_solver.h"
 #include "batten/constraints/shape/shape_constraints.h"
 #include "batten/fem/assembly.h"
 #include "batten/fem/surface.h"

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <numbers>
 
-#include "batten/constraints/affine_reduction.h"
+#include "batten/constraints/constrained_solver.h"
 #include "batten/core/errors.h"
 #include "batten/core/rotations.h"
 #include "batten/mesh/deform/form_feature_deformer.h"

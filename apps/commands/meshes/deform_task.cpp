@@ -18,10 +18,8 @@ double chain_length(const TriangleMesh& mesh, const std::vector<int>& chain, boo
   return sum;
 }
 
-}  // namespace
-
-Kept gather(const DeformScene& scene, VertexSelector& select, const TriangleMesh& mesh) {
-  Kept kept;
+/// Gathers form features: one by one, and many of a kind.
+void gather_features(const DeformScene& scene, VertexSelector& select, Kept& kept) {
   const auto taken = [&](const std::string& name) {
     return std::any_of(kept.features.begin(), kept.features.end(),
                        [&](const auto& f) { return f.name == name; });
@@ -39,6 +37,10 @@ Kept gather(const DeformScene& scene, VertexSelector& select, const TriangleMesh
         kept.features.push_back({name.text, select.of(name), rule.kind});
       }
   }
+}
+
+/// Gathers guides: of proposals their loops, of features and selections all vertices.
+void gather_guides(const DeformScene& scene, VertexSelector& select, Kept& kept) {
   for (const GuideRule& rule : scene.guides) {
     std::vector<int> vertices;
     if (const FeatureProposal* p = select.proposal(rule.of.text)) {
@@ -52,6 +54,11 @@ Kept gather(const DeformScene& scene, VertexSelector& select, const TriangleMesh
         {rule.name, VertexCombination::mean_of(vertices), rule.kind, rule.direction});
     kept.through.push_back(rule.through);
   }
+}
+
+/// Gathers lines, as chains or as rigid features.
+void gather_lines(const DeformScene& scene, VertexSelector& select, const TriangleMesh& mesh,
+                  Kept& kept) {
   for (const LineRule& rule : scene.lines) {
     const std::vector<int> chain = select.path(rule);
     const size_t different = std::set<int>(chain.begin(), chain.end()).size();
@@ -68,6 +75,11 @@ Kept gather(const DeformScene& scene, VertexSelector& select, const TriangleMesh
     const double width = rule.width > 0 ? rule.width : chain_length(mesh, chain, rule.closed) / 10;
     kept.chains.push_back({rule.name, chain, rule.closed, width});
   }
+}
+
+/// Gathers curves that shape themselves, each with the rows that hold the mesh to it.
+void gather_curves(const DeformScene& scene, VertexSelector& select, const TriangleMesh& mesh,
+                   Kept& kept) {
   for (const CurveRule& rule : scene.curves) {
     MeshCurve curve = shape_curve(scene, rule, select, mesh);
     kept.lines.push_back(curve.vertices);
@@ -80,11 +92,27 @@ Kept gather(const DeformScene& scene, VertexSelector& select, const TriangleMesh
                            std::nullopt});
     kept.curves.push_back(std::move(curve));
   }
+}
+
+/// Gathers single vertices that are pulled somewhere.
+void gather_pulls(const DeformScene& scene, VertexSelector& select, const TriangleMesh& mesh,
+                  Kept& kept) {
   for (const PullRule& rule : scene.pulls) {
     const int v =
         rule.node ? select.vertex_of_label(*rule.node, rule.place) : nearest_vertex(mesh, *rule.at);
     kept.rows.push_back({rule.name, {{{v, 1.0}}}, rule.to, -1, rule.weight});
   }
+}
+
+}  // namespace
+
+Kept gather(const DeformScene& scene, VertexSelector& select, const TriangleMesh& mesh) {
+  Kept kept;
+  gather_features(scene, select, kept);
+  gather_guides(scene, select, kept);
+  gather_lines(scene, select, mesh, kept);
+  gather_curves(scene, select, mesh, kept);
+  gather_pulls(scene, select, mesh, kept);
   return kept;
 }
 

@@ -27,6 +27,39 @@ const MeshFile::Set& set_named(const std::vector<MeshFile::Set>& sets, const Pla
       did_you_mean(word.text, names));
 }
 
+/// Gathers the nodes of a set, and those of its faces.
+std::vector<int> with_faces(const MeshFile& file, const MeshFile::Set& set) {
+  std::vector<int> vertices = set.nodes;
+  for (const int f : set.faces)
+    vertices.insert(vertices.end(), file.shells().face(f).begin(), file.shells().face(f).end());
+  return vertices;
+}
+
+/// Reads a file of nodes' numbers and turns each into a vertex as soon as it is read.
+template <class VertexOfLabel>
+std::vector<int> vertices_of_file(const std::filesystem::path& file, const std::string& where,
+                                  const VertexOfLabel& vertex_of_label) {
+  std::ifstream in(file);
+  if (!in) throw InputError(where + "the file " + file.string() + " cannot be read");
+  std::vector<int> vertices;
+  std::string line;
+  for (int row = 1; std::getline(in, line); ++row) {
+    line = line.substr(0, line.find('#'));
+    std::replace(line.begin(), line.end(), ',', ' ');
+    std::istringstream words(line);
+    std::string word;
+    while (words >> word) {
+      char* end = nullptr;
+      const long label = std::strtol(word.c_str(), &end, 10);
+      if (*end != '\0')
+        throw InputError(file.string() + ":" + std::to_string(row) + ": found '" + word +
+                         "', expected numbers of nodes");
+      vertices.push_back(vertex_of_label(label));
+    }
+  }
+  return vertices;
+}
+
 }  // namespace
 
 VertexSelector::VertexSelector(const DeformScene& scene, const MeshFile& file,
@@ -114,6 +147,32 @@ int VertexSelector::vertex_of_label(long label, const Place& place) const {
   return *node;
 }
 
+std::vector<int> VertexSelector::loop_of(const SelectRule& rule) const {
+  const auto& loops = mesh_.topology().boundary_loops();
+  if (*rule.loop > count_of(loops))
+    throw InputError(scene_.at(rule.place) + "found loop " + std::to_string(*rule.loop) +
+                     ", expected 1 to " + std::to_string(loops.size()));
+  return loops[*rule.loop - 1];
+}
+
+std::vector<int> VertexSelector::within_distance(const SelectRule& rule) {
+  const auto& g = *rule.geodesic;
+  const std::vector<int> from = g.node    ? std::vector<int>{vertex_of_label(*g.node, rule.place)}
+                                : g.point ? std::vector<int>{nearest_vertex(mesh_, *g.point)}
+                                          : of(g.of);
+  return vertices_within(mesh_, from, g.distance);
+}
+
+std::vector<int> VertexSelector::listed_vertices(const SelectRule& rule) const {
+  const auto vertex = [&](long label) { return vertex_of_label(label, rule.place); };
+  std::vector<int> vertices;
+  for (const long label : rule.nodes) vertices.push_back(vertex(label));
+  if (rule.file.empty()) return vertices;
+  const auto more = vertices_of_file(rule.file, scene_.at(rule.place), vertex);
+  vertices.insert(vertices.end(), more.begin(), more.end());
+  return vertices;
+}
+
 std::vector<int> VertexSelector::select(const SelectRule& rule) {
   std::vector<int> chosen;
   bool first = true;
@@ -123,59 +182,17 @@ std::vector<int> VertexSelector::select(const SelectRule& rule) {
     chosen = first ? std::move(vertices) : common(chosen, vertices);
     first = false;
   };
-  const auto with_faces = [&](const MeshFile::Set& set) {
-    std::vector<int> vertices = set.nodes;
-    for (const int f : set.faces)
-      vertices.insert(vertices.end(), file_.shells().face(f).begin(), file_.shells().face(f).end());
-    return vertices;
-  };
   if (rule.box) meet(vertices_in_box(mesh_, rule.box->first, rule.box->second));
   if (rule.sphere) meet(vertices_in_sphere(mesh_, rule.sphere->first, rule.sphere->second));
   if (rule.plane)
     meet(vertices_beyond_plane(mesh_, rule.plane->through, rule.plane->normal, rule.plane->within));
-  if (rule.loop) {
-    const auto& loops = mesh_.topology().boundary_loops();
-    if (*rule.loop > count_of(loops))
-      throw InputError(scene_.at(rule.place) + "found loop " + std::to_string(*rule.loop) +
-                       ", expected 1 to " + std::to_string(loops.size()));
-    meet(loops[*rule.loop - 1]);
-  }
-  if (rule.geodesic) {
-    const auto& g = *rule.geodesic;
-    const std::vector<int> from = g.node    ? std::vector<int>{vertex_of_label(*g.node, rule.place)}
-                                  : g.point ? std::vector<int>{nearest_vertex(mesh_, *g.point)}
-                                            : of(g.of);
-    meet(vertices_within(mesh_, from, g.distance));
-  }
-  if (!rule.nodes.empty() || !rule.file.empty()) {
-    std::vector<int> vertices;
-    for (const long label : rule.nodes) vertices.push_back(vertex_of_label(label, rule.place));
-    if (!rule.file.empty()) {
-      std::ifstream in(rule.file);
-      if (!in)
-        throw InputError(scene_.at(rule.place) + "the file " + rule.file.string() +
-                         " cannot be read");
-      std::string line;
-      for (int row = 1; std::getline(in, line); ++row) {
-        line = line.substr(0, line.find('#'));
-        std::replace(line.begin(), line.end(), ',', ' ');
-        std::istringstream words(line);
-        std::string word;
-        while (words >> word) {
-          char* end = nullptr;
-          const long label = std::strtol(word.c_str(), &end, 10);
-          if (*end != '\0')
-            throw InputError(rule.file.string() + ":" + std::to_string(row) + ": found '" + word +
-                             "', expected numbers of nodes");
-          vertices.push_back(vertex_of_label(label, rule.place));
-        }
-      }
-    }
-    meet(vertices);
-  }
-  if (!rule.set.text.empty()) meet(with_faces(set_named(file_.sets(), rule.set, "set", scene_)));
+  if (rule.loop) meet(loop_of(rule));
+  if (rule.geodesic) meet(within_distance(rule));
+  if (!rule.nodes.empty() || !rule.file.empty()) meet(listed_vertices(rule));
+  if (!rule.set.text.empty())
+    meet(with_faces(file_, set_named(file_.sets(), rule.set, "set", scene_)));
   if (!rule.property.text.empty())
-    meet(with_faces(set_named(file_.properties(), rule.property, "property", scene_)));
+    meet(with_faces(file_, set_named(file_.properties(), rule.property, "property", scene_)));
   if (!rule.any.empty()) meet(of(rule.any));
   if (first) {  // no condition: everything
     std::vector<int> all(mesh_.vertex_count());

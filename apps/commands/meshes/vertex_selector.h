@@ -33,7 +33,11 @@ class VertexSelector {
   std::vector<int> path(const LineRule& rule);
 
  private:
+  // What meets all conditions of a rule; then the parts of some of them.
   std::vector<int> select(const SelectRule& rule);
+  std::vector<int> loop_of(const SelectRule& rule) const;
+  std::vector<int> within_distance(const SelectRule& rule);
+  std::vector<int> listed_vertices(const SelectRule& rule) const;
   std::vector<int> cut(const CutRule& rule);
   std::vector<std::string> names();
 

@@ -65,37 +65,40 @@ std::string joins(const NetworkReport& n) {
   return text;
 }
 
-}  // namespace
-
-std::string network_summary(const Report& report, const std::filesystem::path& folder) {
-  const NetworkReport& n = *report.network;
-  const auto& s = report.surface;
-  const std::string unit = " " + report.unit;
-  std::string text = report.name + "\n";
-  text += result_line("lines", std::to_string(n.lines) + ", in " +
-                                   counted(static_cast<size_t>(n.arcs), "piece", "pieces") +
-                                   " between " +
-                                   counted(static_cast<size_t>(n.nodes), "place", "places") +
-                                   " where they meet within " + number(n.tolerance) + unit);
+/// Says how many lines meet where, what was repaired and what was not.
+std::string line_results(const NetworkReport& n, const std::string& unit) {
+  std::string text = result_line(
+      "lines", std::to_string(n.lines) + ", in " +
+                   counted(static_cast<size_t>(n.arcs), "piece", "pieces") + " between " +
+                   counted(static_cast<size_t>(n.nodes), "place", "places") +
+                   " where they meet within " + number(n.tolerance) + unit);
   if (const std::string repaired = repairs(n); !repaired.empty())
     text += result_line("repaired", repaired + unit);
   std::vector<std::string> listed_only;
   for (const NetworkFinding& f : n.findings)
     if (!f.repaired) listed_only.push_back(f.text);
   text += listed_lines("not joined", listed_only);
+  return text;
+}
 
+/// Says which regions were found and skinned, with how many triangles.
+std::string region_results(const NetworkReport& n, const Report::Surface& s) {
   size_t skinned = 0;
   std::vector<std::string> not_skinned;
   for (const auto& r : n.regions) {
     skinned += r.skinned;
     if (!r.skinned) not_skinned.push_back("'" + r.name + "': " + r.why_not);
   }
-  text += result_line("regions", std::to_string(n.regions.size()) + " found, " +
-                                     std::to_string(skinned) +
-                                     " skinned: " + std::to_string(s.triangles) + " triangles, " +
-                                     std::to_string(s.dofs) + " unknowns a coordinate");
-  text += listed_lines("not skinned", not_skinned);
-  if (skinned > 0) text += result_line("joins", joins(n));
+  std::string text = result_line(
+      "regions", std::to_string(n.regions.size()) + " found, " + std::to_string(skinned) +
+                     " skinned: " + std::to_string(s.triangles) + " triangles, " +
+                     std::to_string(s.dofs) + " unknowns a coordinate");
+  return text + listed_lines("not skinned", not_skinned);
+}
+
+/// Says what the shells are.
+std::string shell_results(const NetworkReport& n, const std::string& unit) {
+  std::string text;
   for (const auto& shell : n.shells) {
     if (n.shells.size() > kMost && &shell >= &n.shells[kMost]) continue;
     text +=
@@ -108,37 +111,65 @@ std::string network_summary(const Report& report, const std::filesystem::path& f
   }
   if (n.shells.size() > kMost)
     text += result_line("", "and " + std::to_string(n.shells.size() - kMost) + " more shells");
-  std::vector<std::string> flaws;
-  for (const auto& f : n.flaws) flaws.push_back(f.text);
-  text += listed_lines("wrong", flaws);
-  if (!n.bare.empty())
-    text += result_line("left over", counted(n.bare.size(), "line", "lines") +
-                                         " without a surface: " + some(n.bare));
-  if (skinned > 0)
-    text += result_line("quality", "Jacobian " + number(s.quality.min_jacobian_ratio) +
-                                       " of its median, normal jump " +
-                                       number(s.quality.max_normal_jump_deg) +
-                                       " degrees, surface to your lines " +
-                                       number(s.quality.max_line_deviation) + unit);
-  if (report.step) {
-    const auto& step = *report.step;
-    text += result_line(
-        "STEP", counted(static_cast<size_t>(step.faces), "face", "faces") + " in " +
-                    (step.solids ? counted(static_cast<size_t>(step.solids), "solid", "solids")
-                                 : counted(static_cast<size_t>(step.shells), "shell", "shells")) +
-                    ", " + (step.valid ? "valid" : "NOT valid") + ", within " +
-                    number(step.max_deviation) + unit + ", edges within " + number(step.max_gap) +
-                    unit);
-  }
+  return text;
+}
+
+/// Says how good the surface is.
+std::string quality_result(const Report::Surface& s, const std::string& unit) {
+  return result_line("quality", "Jacobian " + number(s.quality.min_jacobian_ratio) +
+                                    " of its median, normal jump " +
+                                    number(s.quality.max_normal_jump_deg) +
+                                    " degrees, surface to your lines " +
+                                    number(s.quality.max_line_deviation) + unit);
+}
+
+/// Says what the STEP file holds.
+std::string step_result(const Report::Step& step, const std::string& unit) {
+  return result_line(
+      "STEP", counted(static_cast<size_t>(step.faces), "face", "faces") + " in " +
+                  (step.solids ? counted(static_cast<size_t>(step.solids), "solid", "solids")
+                               : counted(static_cast<size_t>(step.shells), "shell", "shells")) +
+                  ", " + (step.valid ? "valid" : "NOT valid") + ", within " +
+                  number(step.max_deviation) + unit + ", edges within " + number(step.max_gap) +
+                  unit);
+}
+
+/// Says what else could be, and with which words.
+std::string choice_results(const NetworkReport& n) {
   std::vector<std::string> choices;
   for (const auto& c : n.choices) choices.push_back(c.text);
-  text += listed_lines("could be", choices);
+  std::string text = listed_lines("could be", choices);
   text += result_line("to change",
                       "[[region]] loops = [[\"…\", \"…\"]], with surface = false for "
                       "none there;");
   text += result_line("",
                       "[[join]] lines = [\"…\"], kind = \"crease\" or \"smooth\" "
                       "(batten info: the names)");
+  return text;
+}
+
+}  // namespace
+
+std::string network_summary(const Report& report, const std::filesystem::path& folder) {
+  const NetworkReport& n = *report.network;
+  const auto& s = report.surface;
+  const std::string unit = " " + report.unit;
+  std::string text = report.name + "\n";
+  text += line_results(n, unit);
+  text += region_results(n, s);
+  const bool skinned =
+      std::any_of(n.regions.begin(), n.regions.end(), [](const auto& r) { return r.skinned; });
+  if (skinned) text += result_line("joins", joins(n));
+  text += shell_results(n, unit);
+  std::vector<std::string> flaws;
+  for (const auto& f : n.flaws) flaws.push_back(f.text);
+  text += listed_lines("wrong", flaws);
+  if (!n.bare.empty())
+    text += result_line("left over", counted(n.bare.size(), "line", "lines") +
+                                         " without a surface: " + some(n.bare));
+  if (skinned) text += quality_result(s, unit);
+  if (report.step) text += step_result(*report.step, unit);
+  text += choice_results(n);
   return text + result_ending(report, folder);
 }
 

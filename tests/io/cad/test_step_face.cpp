@@ -21,6 +21,7 @@
 
 #include "batten/core/errors.h"
 #include "batten/fem/bicubic_patch.h"
+#include "batten/fem/spline_axis.h"
 #include "batten/io/cad/occ_settings.h"
 #include "batten/tests/catch.h"
 #include "batten/tests/embedded_grid.h"

@@ -1,5 +1,5 @@
 // Answers to sliders: superposed, solved, iterated.
-#include "batten/constraints/affine_reduction.h"
+#include "batten/constraints/constrained_solver.h"
 #include "batten/core/errors.h"
 #include "batten/skinning/facets/facets.h"
 #include "batten/tests/allocations.h"

@@ -1,5 +1,5 @@
 // Motion of surfaces against closed forms.
-#include "batten/constraints/affine_reduction.h"
+#include "batten/constraints/constrained_solver.h"
 #include "batten/core/errors.h"
 #include "batten/tests/catch.h"
 #include "batten/tests/sculpting/session/session_scenes.h"

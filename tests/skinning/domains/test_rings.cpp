@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <set>
 
-#include "batten/constraints/affine_reduction.h"
+#include "batten/constraints/constrained_solver.h"
 #include "batten/constraints/shape/shape_constraints.h"
 #include "batten/core/errors.h"
 #include "batten/core/words.h"

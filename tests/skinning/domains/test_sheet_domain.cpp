@@ -1,7 +1,7 @@
 // Fillings of loops, and the domains that unfolding them makes.
 #include <numbers>
 
-#include "batten/constraints/affine_reduction.h"
+#include "batten/constraints/constrained_solver.h"
 #include "batten/core/errors.h"
 #include "batten/fem/assembly.h"
 #include "batten/skinning/domains/plain_fill.h"

@@ -2,7 +2,7 @@
 #include <numbers>
 #include <random>
 
-#include "batten/constraints/affine_reduction.h"
+#include "batten/constraints/constrained_solver.h"
 #include "batten/core/errors.h"
 #include "batten/fem/assembly.h"
 #include "batten/skinning/region/quality.h"

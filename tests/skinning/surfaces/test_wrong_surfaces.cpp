@@ -1,7 +1,7 @@
 // Surfaces that are wrong on purpose, and some that only look it.
 #include <numbers>
 
-#include "batten/constraints/affine_reduction.h"
+#include "batten/constraints/constrained_solver.h"
 #include "batten/core/errors.h"
 #include "batten/fem/assembly.h"
 #include "batten/fem/dissection.h"

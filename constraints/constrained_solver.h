@@ -1,0 +1,33 @@
+// Systems under hard constraints: reduced, factored once, solved for many loads.
+#pragma once
+
+#include <vector>
+
+#include "batten/constraints/affine_reduction.h"
+#include "batten/core/sparse_cholesky.h"
+
+namespace batten {
+
+/// Reduce, factor, solve, expand in one call. Throws ConflictError, NoSolutionError.
+Points solve_constrained(const ConstraintSet& constraints, const SparseMatrix& K, const Points& F);
+
+/// The same with the factor kept, for many loads.
+class ConstrainedSolver {
+ public:
+  /// `dof_order`: all n dofs in a fill-reducing order (dissection_order of a mesh), or none.
+  /// Throws ConflictError, NoSolutionError.
+  ConstrainedSolver(const ConstraintSet& constraints, SparseMatrix K,
+                    const std::vector<int>& dof_order = {});
+  /// One pair of triangular solves.
+  Points solve(const Points& F) const;
+  const AffineReduction& reduction() const { return reduction_; }
+  const SparseMatrix& K() const { return K_; }
+
+ private:
+  AffineReduction reduction_;
+  SparseMatrix K_;
+  SparseCholesky cholesky_;
+  MatX fixed_part_;  // -Dᵀ K d0
+};
+
+}  // namespace batten

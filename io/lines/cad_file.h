@@ -1,0 +1,23 @@
+// An IGES or STEP file as OpenCASCADE reads it. Internal.
+#pragma once
+
+#include <TopTools_IndexedMapOfShape.hxx>
+#include <TopoDS_Compound.hxx>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace batten {
+
+/// The shapes of a file, in millimetres, and the labels of its edges.
+struct CadFile {
+  TopoDS_Compound shape;
+  TopTools_IndexedMapOfShape edges, faces;
+  std::vector<std::string> labels;  // of the edges; "" for none
+  std::string found;                // what the file holds, for messages
+};
+
+/// Reads a file that is whole. Throws InputError: as read_cad_lines() does of files and entities.
+CadFile read_cad(const std::filesystem::path& file);
+
+}  // namespace batten
