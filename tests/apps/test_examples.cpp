@@ -341,7 +341,7 @@ TEST_CASE("Gmsh opens and meshes the hood's STEP file") {
     return;
   }
   const Ran hood = run(kExamples + "02-hood/scene.toml", "hood_gmsh");
-  CHECK(std::system(("/usr/bin/python3 '" BATTEN_SOURCE_DIR "/tests/io/gmsh_opens_step.py' '" +
+  CHECK(std::system(("/usr/bin/python3 '" BATTEN_SOURCE_DIR "/tests/io/cad/gmsh_opens_step.py' '" +
                      (hood.out / "hood.step").string() + "'")
                         .c_str()) == 0);
 }

@@ -149,7 +149,7 @@ TEST_CASE("the whole mouse is one solid on its flat side too, which Gmsh opens",
     WARN("skipped: Gmsh's Python module is not installed");
     return;
   }
-  CHECK(std::system(("/usr/bin/python3 '" BATTEN_SOURCE_DIR "/tests/io/gmsh_opens_step.py' '" +
+  CHECK(std::system(("/usr/bin/python3 '" BATTEN_SOURCE_DIR "/tests/io/cad/gmsh_opens_step.py' '" +
                      file.string() + "' > /dev/null")
                         .c_str()) == 0);
 }

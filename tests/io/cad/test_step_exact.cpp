@@ -205,7 +205,7 @@ TEST_CASE("the mouse is one exact solid, which Gmsh opens", "[step_exact][mouse]
     WARN("skipped: Gmsh's Python module is not installed");
     return;
   }
-  CHECK(std::system(("/usr/bin/python3 '" BATTEN_SOURCE_DIR "/tests/io/gmsh_opens_step.py' '" +
+  CHECK(std::system(("/usr/bin/python3 '" BATTEN_SOURCE_DIR "/tests/io/cad/gmsh_opens_step.py' '" +
                      file.string() + "' > /dev/null")
                         .c_str()) == 0);
 }

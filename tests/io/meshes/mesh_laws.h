@@ -182,8 +182,8 @@ inline bool have_python_with(const std::string& module) {
 }
 
 inline std::string other_reader(const std::string& program, const std::filesystem::path& file) {
-  return "/usr/bin/python3 '" BATTEN_SOURCE_DIR "/tests/io/mesh_positions.py' " + program + " '" +
-         file.string() + "'";
+  return "/usr/bin/python3 '" BATTEN_SOURCE_DIR "/tests/io/meshes/mesh_positions.py' " + program +
+         " '" + file.string() + "'";
 }
 
 }  // namespace batten_test

@@ -390,8 +390,8 @@ TEST_CASE("a node whose planes differ within the tolerance of joins is no reason
   p.region({"-middle", "s1", "w", "n1"});
   p.region({"middle", "n2", "e", "s2"});
   const ModelLayout model = p.model({p.join_line("middle", 0, 1)});
-  REQUIRE(model.join_line("middle"));
-  CHECK(model.join_line("middle")->ends[1].apart_deg == Approx(0.05).epsilon(1e-6));
+  REQUIRE(model.join_plan("middle"));
+  CHECK(model.join_plan("middle")->ends[1].apart_deg == Approx(0.05).epsilon(1e-6));
   SculptingSession session(model, {});
   session.add(Load{"p", Load::Pressure{}}, {slider("p", 1)});
   CHECK_FALSE(session.settle().joins_planned);
