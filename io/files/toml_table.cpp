@@ -9,7 +9,7 @@
 namespace batten {
 namespace {
 
-Place place_of(const toml::source_region& source) {
+FilePlace place_of(const toml::source_region& source) {
   return {static_cast<int>(source.begin.line), static_cast<int>(source.begin.column)};
 }
 
@@ -37,7 +37,7 @@ int count_words(const std::string& shape) {
 
 }  // namespace
 
-std::string place_prefix(const std::string& file, const Place& place) {
+std::string place_prefix(const std::string& file, const FilePlace& place) {
   if (place.line == 0) return file.empty() ? "" : file + ": ";
   return file + ":" + std::to_string(place.line) + ":" + std::to_string(place.column) + ": ";
 }
@@ -67,15 +67,15 @@ TomlTable::TomlTable(std::string file, const toml::table& table, std::string wha
 
 bool TomlTable::has(const std::string& key) const { return table_->contains(key); }
 
-Place TomlTable::place() const {
-  Place place = place_of(table_->source());
+FilePlace TomlTable::place() const {
+  FilePlace place = place_of(table_->source());
   if (place.line == 0) place = {1, 1};
   return place;
 }
 
-Place TomlTable::place(const std::string& key) const {
+FilePlace TomlTable::place(const std::string& key) const {
   const toml::node* node = table_->get(key);
-  const Place place = node ? place_of(node->source()) : Place{};
+  const FilePlace place = node ? place_of(node->source()) : Place{};
   return place.line ? place : this->place();
 }
 

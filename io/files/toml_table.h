@@ -22,11 +22,11 @@ class table;
 namespace batten {
 
 /// A place in a text file, counted from 1; line 0: nowhere.
-struct Place {
+struct FilePlace {
   int line = 0, column = 0;
 };
 /// "file:line:column: ", or "" for nowhere.
-std::string place_prefix(const std::string& file, const Place& place);
+std::string place_prefix(const std::string& file, const FilePlace& place);
 
 /// "; did you mean 'x'?" when one of the words is near enough, else "".
 std::string did_you_mean(const std::string& word, const std::vector<std::string>& words);
@@ -36,7 +36,7 @@ std::string listed(const std::vector<std::string>& words);
 /// One word of a file with its place, for checks that come later.
 struct PlacedWord {
   std::string text;
-  Place place;
+  FilePlace place;
 };
 
 /// One table with the list of the keys it may have. All functions throw InputError with the place,
@@ -48,8 +48,8 @@ class TomlTable {
             std::vector<std::string> keys);
 
   bool has(const std::string& key) const;
-  Place place() const;
-  Place place(const std::string& key) const;
+  FilePlace place() const;
+  FilePlace place(const std::string& key) const;
   const std::string& what() const { return what_; }
 
   std::string text(const std::string& key) const;

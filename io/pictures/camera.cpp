@@ -42,7 +42,8 @@ ViewAxes best_view(const std::vector<Vec3>& points) {
   return ViewAxes(side < 0 ? Vec3(-normal) : normal);
 }
 
-Fit fit(const std::vector<Vec3>& points, const ViewAxes& axes, const Frame& frame, double zoom) {
+Fit fit(const std::vector<Vec3>& points, const ViewAxes& axes, const Viewport& viewport,
+        double zoom) {
   Vec3 low = Vec3::Constant(1e300), high = -low;
   for (const Vec3& p : points) {
     const Vec3 q(axes.right.dot(p), axes.up.dot(p), axes.towards.dot(p));
@@ -50,14 +51,14 @@ Fit fit(const std::vector<Vec3>& points, const ViewAxes& axes, const Frame& fram
     high = high.cwiseMax(q);
   }
   const double margin = 0.06;
-  const double width = frame.width * (1 - 2 * margin);
-  const double height = (frame.height - frame.top - frame.bottom) * (1 - 2 * margin);
+  const double width = viewport.width * (1 - 2 * margin);
+  const double height = (viewport.height - viewport.top - viewport.bottom) * (1 - 2 * margin);
   const Vec3 extent = high - low;
   double pixel = std::max(extent.x() / width, extent.y() / height);
   if (!(pixel > 0)) pixel = 1 / width;
   pixel /= zoom;
   const Vec3 middle = (low + high) / 2;
-  const double shift = pixel * (frame.top - frame.bottom) / 2;
+  const double shift = pixel * (viewport.top - viewport.bottom) / 2;
   return {middle.x() * axes.right + (middle.y() + shift) * axes.up + middle.z() * axes.towards,
           pixel};
 }

@@ -20,7 +20,7 @@ struct ViewAxes {
 ViewAxes best_view(const std::vector<Vec3>& points);
 
 /// A part of the window in pixels, from its lower left corner.
-struct Frame {
+struct Viewport {
   double width, height;  // of the viewport
   double top, bottom;    // kept free for text
   double unit;           // 1 at 1600 × 1000: sizes of text and lines go with it
@@ -30,7 +30,8 @@ struct Fit {
   Vec3 focus;
   double pixel;  // length of a pixel in the model
 };
-/// So that all points are in the frame, at zoom 1.
-Fit fit(const std::vector<Vec3>& points, const ViewAxes& axes, const Frame& frame, double zoom);
+/// So that all points are in the viewport, at zoom 1.
+Fit fit(const std::vector<Vec3>& points, const ViewAxes& axes, const Viewport& viewport,
+        double zoom);
 
 }  // namespace batten::canvas

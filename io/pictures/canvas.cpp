@@ -237,8 +237,8 @@ double title_pixels(double width, double height) {
 
 }  // namespace
 
-Frame frame_of(double width, double height, const std::string& title, bool caption_below,
-               double bar_height) {
+Viewport viewport_of(double width, double height, const std::string& title, bool caption_below,
+                     double bar_height) {
   const double unit = unit_of(width, height);
   const double row = title.empty() ? 0 : 2 * title_pixels(width, height);
   return {width, height, caption_below ? 0 : row, (caption_below ? row : 0) + bar_height * unit,
@@ -266,28 +266,28 @@ void set_camera(vtkRenderer& renderer, const ViewAxes& axes, const Fit& view, do
 }
 
 void add_scalar_bar(vtkRenderer& renderer, vtkLookupTable* table, const std::string& title,
-                    const Frame& frame) {
-  const double width = std::min(0.5 * frame.width, 640 * frame.unit);
-  const double bottom = frame.bottom - 100 * frame.unit;
-  const double text = std::max(10.0, 20 * frame.unit);
+                    const Viewport& viewport) {
+  const double width = std::min(0.5 * viewport.width, 640 * viewport.unit);
+  const double bottom = viewport.bottom - 100 * viewport.unit;
+  const double text = std::max(10.0, 20 * viewport.unit);
   vtkNew<vtkScalarBarActor> bar;
   bar->SetLookupTable(table);
   bar->SetOrientationToHorizontal();
   bar->SetTextPositionToPrecedeScalarBar();
-  bar->SetTextPad(static_cast<int>(6 * frame.unit * kOversampling));
+  bar->SetTextPad(static_cast<int>(6 * viewport.unit * kOversampling));
   bar->SetNumberOfLabels(5);
   bar->SetLabelFormat("%.3g");
   bar->UnconstrainedFontSizeOn();
   set_font(*bar->GetLabelTextProperty(), text);
   bar->SetMaximumNumberOfColors(512);
   bar->GetPositionCoordinate()->SetCoordinateSystemToNormalizedViewport();
-  bar->SetPosition((frame.width - width) / 2 / frame.width, bottom / frame.height);
-  bar->SetWidth(width / frame.width);
-  bar->SetHeight(64 * frame.unit / frame.height);
+  bar->SetPosition((viewport.width - width) / 2 / viewport.width, bottom / viewport.height);
+  bar->SetWidth(width / viewport.width);
+  bar->SetHeight(64 * viewport.unit / viewport.height);
   bar->SetBarRatio(0.36);
   renderer.AddActor2D(bar);
-  add_text(renderer, title, frame.width / 2, bottom + 64 * frame.unit + 0.9 * text, text, width,
-           true);
+  add_text(renderer, title, viewport.width / 2, bottom + 64 * viewport.unit + 0.9 * text, text,
+           width, true);
 }
 
 Image sheet_image(int count, int columns, bool captions_below, const PictureSize& size,

@@ -44,8 +44,8 @@ void add_lights(vtkRenderer& renderer);
 void add_text(vtkRenderer& renderer, std::string text, double x, double y, double pixels,
               double width, bool centred);
 /// Where titles go, and what they leave free.
-Frame frame_of(double width, double height, const std::string& title, bool caption_below,
-               double bar_height);
+Viewport viewport_of(double width, double height, const std::string& title, bool caption_below,
+                     double bar_height);
 void add_title(vtkRenderer& renderer, const std::string& title, double width, double height,
                bool caption_below);
 void set_camera(vtkRenderer& renderer, const ViewAxes& axes, const Fit& view, double width,
@@ -53,7 +53,7 @@ void set_camera(vtkRenderer& renderer, const ViewAxes& axes, const Fit& view, do
 
 /// Colours, numbers below them, the title above: 100 units high.
 void add_scalar_bar(vtkRenderer& renderer, vtkLookupTable* table, const std::string& title,
-                    const Frame& frame);
+                    const Viewport& viewport);
 
 /// One sheet of `count` pictures in `columns`; `draw` fills the renderer of one of them, whose
 /// viewport has the given size in pixels. Throws InputError.

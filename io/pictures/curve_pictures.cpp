@@ -163,27 +163,27 @@ void add_band(vtkRenderer& renderer, const Ink& band) {
 
 /// Lines of known length: curvature as a tooth, and the model's length.
 void add_legend(vtkRenderer& renderer, const CombPicture& picture, const Drawing& drawing,
-                const Fit& view, const Frame& frame, double bottom) {
-  const double text = std::max(10.0, 20 * frame.unit), left = 28 * frame.unit;
-  const double room = frame.width / 2 - left;
+                const Fit& view, const Viewport& viewport, double bottom) {
+  const double text = std::max(10.0, 20 * viewport.unit), left = 28 * viewport.unit;
+  const double room = viewport.width / 2 - left;
   const auto bar = [&](double x, double y, double length, const Colour& colour) {
     // The paper's point under a pixel.
     const auto at = [&](double px, double py) {
-      return Vec3(view.focus.x() + (px - frame.width / 2) * view.pixel,
-                  view.focus.y() + (py - frame.height / 2) * view.pixel, 0);
+      return Vec3(view.focus.x() + (px - viewport.width / 2) * view.pixel,
+                  view.focus.y() + (py - viewport.height / 2) * view.pixel, 0);
     };
     const ViewAxes paper(0, 90);
     Ink ink(paper, kLegend, 0);
     ink.line({at(x, y), at(x + length, y)});
-    const double tick = 5 * frame.unit;
+    const double tick = 5 * viewport.unit;
     for (const double end : {x, x + length}) ink.line({at(end, y - tick), at(end, y + tick)});
-    add_thin_lines(renderer, ink.data(), colour, 2 * frame.unit, Vec3::Zero());
+    add_thin_lines(renderer, ink.data(), colour, 2 * viewport.unit, Vec3::Zero());
   };
   const auto entry = [&](int row, double length, const Colour& colour, const std::string& words) {
     const double y = bottom + (0.8 + 1.6 * row) * text;
     bar(left, y, length, colour);
     const double x = left + length + 0.7 * text;
-    add_text(renderer, words, x, y, text, frame.width - x, false);
+    add_text(renderer, words, x, y, text, viewport.width - x, false);
   };
   const double length = round_step(0.6 * room * view.pixel);
   entry(0, length / view.pixel, kCurve, number(length) + " " + picture.unit);
@@ -196,10 +196,10 @@ void add_legend(vtkRenderer& renderer, const CombPicture& picture, const Drawing
 
 class Panel {
  public:
-  Panel(vtkRenderer& renderer, const Drawing& drawing, const Frame& frame, const Fit& view)
+  Panel(vtkRenderer& renderer, const Drawing& drawing, const Viewport& viewport, const Fit& view)
       : renderer_(renderer),
         drawing_(drawing),
-        frame_(frame),
+        viewport_(viewport),
         view_(view),
         depth_(drawing.size > 0 ? 1e-3 * drawing.size : 1e-3) {}
 
@@ -214,11 +214,11 @@ class Panel {
     for (const auto& [centre, radius] : panel.spheres) circles.line(circle(centre, radius));
     const double few = curves.size() > 8 ? 0.6 : 1;  // a sketch is drawn with a finer pen
     add_band(renderer_, band);
-    add_thin_lines(renderer_, teeth.data(), kTooth, 0.8 * few * frame_.unit, Vec3::Zero());
-    add_thin_lines(renderer_, tips.data(), kTooth, 1.5 * few * frame_.unit, Vec3::Zero());
-    add_dots(renderer_, dots.data(), kDot, 3.4 * few * frame_.unit);
-    add_thin_lines(renderer_, lines.data(), kCurve, 2.8 * few * frame_.unit, Vec3::Zero());
-    add_thin_lines(renderer_, circles.data(), kCircle, 2 * frame_.unit, Vec3::Zero());
+    add_thin_lines(renderer_, teeth.data(), kTooth, 0.8 * few * viewport_.unit, Vec3::Zero());
+    add_thin_lines(renderer_, tips.data(), kTooth, 1.5 * few * viewport_.unit, Vec3::Zero());
+    add_dots(renderer_, dots.data(), kDot, 3.4 * few * viewport_.unit);
+    add_thin_lines(renderer_, lines.data(), kCurve, 2.8 * few * viewport_.unit, Vec3::Zero());
+    add_thin_lines(renderer_, circles.data(), kCircle, 2 * viewport_.unit, Vec3::Zero());
   }
 
  private:
@@ -261,7 +261,7 @@ class Panel {
 
   vtkRenderer& renderer_;
   const Drawing& drawing_;
-  const Frame& frame_;
+  const Viewport& viewport_;
   const Fit& view_;
   double depth_;
 };
@@ -353,13 +353,13 @@ void draw_combs(const std::filesystem::path& path, const CombPicture& picture,
                const auto& curves = drawing.panels[index];
                const std::string title = title_of(panel, drawing, curves);
                // A caption or not, all panels have the same room.
-               const Frame frame = frame_of(width, height, "x", below, 80);
-               const Fit view = fit(in_view, paper, frame, 1);
+               const Viewport viewport = viewport_of(width, height, "x", below, 80);
+               const Fit view = fit(in_view, paper, viewport, 1);
                renderer.SetBackground(0.985, 0.985, 0.98);
-               Panel(renderer, drawing, frame, view).add(panel, curves);
+               Panel(renderer, drawing, viewport, view).add(panel, curves);
                if (i == 0)
-                 add_legend(renderer, picture, drawing, view, frame,
-                            frame.bottom - 80 * frame.unit);
+                 add_legend(renderer, picture, drawing, view, viewport,
+                            viewport.bottom - 80 * viewport.unit);
                add_title(renderer, title, width, height, below);
                set_camera(renderer, paper, view, width, height);
              });

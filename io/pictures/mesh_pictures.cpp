@@ -128,7 +128,8 @@ std::vector<Vec3> used_points(const ShellMesh& shells, const Points& points) {
 void draw(vtkRenderer& renderer, const MeshPicture& picture, double width, double height,
           bool caption_below) {
   const bool coloured = picture.field.size() > 0;
-  const Frame frame = frame_of(width, height, picture.title, caption_below, coloured ? 116 : 0);
+  const Viewport viewport =
+      viewport_of(width, height, picture.title, caption_below, coloured ? 116 : 0);
   add_lights(renderer);
   const auto data = facets_of(picture);
   std::vector<Vec3> in_view = used_points(*picture.shells, picture.points);
@@ -137,7 +138,7 @@ void draw(vtkRenderer& renderer, const MeshPicture& picture, double width, doubl
     in_view.insert(in_view.end(), points.begin(), points.end());
   }
   const ViewAxes axes(picture.azimuth, picture.elevation);
-  const Fit view = fit(in_view, axes, frame, picture.zoom);
+  const Fit view = fit(in_view, axes, viewport, picture.zoom);
   const Vec3 offset = 3 * view.pixel * axes.towards;
 
   vtkNew<vtkPolyDataNormals> normals;
@@ -162,14 +163,14 @@ void draw(vtkRenderer& renderer, const MeshPicture& picture, double width, doubl
     drawn->GetProperty()->SetAmbient(0.3);
     drawn->GetProperty()->SetDiffuse(0.7);
     drawn->GetProperty()->SetSpecular(0.06);
-    add_scalar_bar(renderer, table, picture.field_title, frame);
+    add_scalar_bar(renderer, table, picture.field_title, viewport);
   } else {
     drawn->GetMapper()->SetScalarModeToUseCellData();
   }
   renderer.AddActor(drawn);
-  if (picture.mesh) add_thin_lines(renderer, edges_of(*data), kMesh, 0.7 * frame.unit, offset);
+  if (picture.mesh) add_thin_lines(renderer, edges_of(*data), kMesh, 0.7 * viewport.unit, offset);
   if (!picture.lines.empty())
-    add_tubes(renderer, chains_of(*data, picture.lines), kLine, 2.0 * frame.unit * view.pixel,
+    add_tubes(renderer, chains_of(*data, picture.lines), kLine, 2.0 * viewport.unit * view.pixel,
               offset);
   add_title(renderer, picture.title, width, height, caption_below);
   set_camera(renderer, axes, view, width, height);

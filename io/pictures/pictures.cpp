@@ -256,7 +256,7 @@ const char* field_array(const PictureScene& scene) {
 }
 
 void add_surface(vtkRenderer& renderer, const PictureScene& scene, vtkPolyData& data,
-                 const Frame& frame) {
+                 const Viewport& viewport) {
   const auto facets = part(data, nullptr, data.GetPolys());
   const auto drawn = body(facets, kBody);
   vtkProperty& look = *drawn->GetProperty();
@@ -287,7 +287,7 @@ void add_surface(vtkRenderer& renderer, const PictureScene& scene, vtkPolyData& 
     colour_by(table);
     look.SetAmbient(0.3);
     look.SetDiffuse(0.7);
-    add_scalar_bar(renderer, table, mean ? "Mean curvature" : "Gauss curvature", frame);
+    add_scalar_bar(renderer, table, mean ? "Mean curvature" : "Gauss curvature", viewport);
   }
   renderer.AddActor(drawn);
 }
@@ -318,8 +318,8 @@ void add_iso_lines(vtkRenderer& renderer, const PictureScene& scene, vtkPolyData
 void draw(vtkRenderer& renderer, const PictureScene& scene, double width, double height,
           bool caption_below) {
   const bool bar = has_scale(scene);
-  const Frame frame = frame_of(width, height, scene.title, caption_below, bar ? 116 : 0);
-  const double unit = frame.unit;
+  const Viewport viewport = viewport_of(width, height, scene.title, caption_below, bar ? 116 : 0);
+  const double unit = viewport.unit;
 
   add_lights(renderer);
   const auto data = facets_of(scene);
@@ -330,10 +330,10 @@ void draw(vtkRenderer& renderer, const PictureScene& scene, double width, double
   if (scene.in_view.empty())
     for (const Vec3& p : points_of(*loose)) to_see.push_back(p);
   const ViewAxes axes(scene.azimuth, scene.elevation);
-  const Fit view = fit(to_see, axes, frame, scene.zoom);
+  const Fit view = fit(to_see, axes, viewport, scene.zoom);
   const Vec3 offset = 4 * view.pixel * axes.towards;
 
-  add_surface(renderer, scene, *data, frame);
+  add_surface(renderer, scene, *data, viewport);
   if (scene.mesh)
     add_thin_lines(renderer, element_edges(scene, facets_per_edge(scene)), kMesh, 0.9 * unit,
                    offset);

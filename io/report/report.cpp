@@ -139,7 +139,7 @@ Json json_of(const Report::Comparison& c) {
           {"rms_relative", c.rms_relative}};
 }
 
-Json json_of(const SpringDistances& s) {
+Json json_of(const ScanDistances& s) {
   return {{"name", s.name},
           {"points", s.points},
           {"left_out", s.left_out},
@@ -159,7 +159,7 @@ Json contents(const Report& r) {
   if (r.network) add_network(json, *r.network);
   if (r.step) json["step"] = json_of(*r.step, r.network.has_value());
   if (r.comparison) json["comparison"] = json_of(*r.comparison);
-  for (const auto& springs : r.springs) json["springs"].push_back(json_of(springs));
+  for (const auto& scan : r.scans) json["scans"].push_back(json_of(scan));
   if (r.sculpting) json["sculpting"] = json_of(*r.sculpting);
   json["parameters"] = json_of(r.parameters);
   json["reactions"] = Json::array();

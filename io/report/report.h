@@ -111,7 +111,7 @@ struct Report {
   };
   std::optional<Sculpting> sculpting;  ///< of `batten sculpt`
   bool is_sculpted = false;            ///< more than lines acts on it; not in the file
-  std::vector<SpringDistances> springs;
+  std::vector<ScanDistances> scans;
   std::vector<Parameter> parameters;
   std::vector<std::pair<std::string, double>> timings;  ///< seconds
   std::vector<std::string> warnings, files;

@@ -29,7 +29,7 @@ struct SelectRule {
     double distance = 0;
   };
   std::string name;
-  Place place;
+  FilePlace place;
   std::optional<std::pair<Vec3, Vec3>> box;
   std::optional<std::pair<Vec3, double>> sphere;
   struct Plane {
@@ -50,7 +50,7 @@ struct SelectRule {
 /// [[cut]]: a feature found by a minimum cut; its vertices are a selection of this name.
 struct CutRule {
   std::string name;
-  Place place;
+  FilePlace place;
   std::vector<PlacedWord> band;
   std::optional<Vec3> inside;  ///< its nearest vertex is in the feature; none: the smaller side
   CutOptions options;
@@ -59,7 +59,7 @@ struct CutRule {
 /// [[feature]] (one) or [[features]] (each of its names one).
 struct FeatureRule {
   std::string name;  ///< "" for [[features]]
-  Place place;
+  FilePlace place;
   std::vector<PlacedWord> vertices;  ///< selections and proposals; '*' stands for any letters
   FormFeature::Kind kind = FormFeature::Kind::Free;
 };
@@ -67,7 +67,7 @@ struct FeatureRule {
 /// [[guide]]: a point that stays on a plane or on a line.
 struct GuideRule {
   std::string name;
-  Place place;
+  FilePlace place;
   PlacedWord of;  ///< feature, selection or proposal: the mean of the vertices (of its loop)
   GuidedPoint::Kind kind = GuidedPoint::Kind::OnPlane;
   Vec3 direction = Vec3::UnitZ();
@@ -77,7 +77,7 @@ struct GuideRule {
 /// [[line]]: a character line that keeps its shape, rigidly or in the soft sense.
 struct LineRule {
   std::string name;
-  Place place;
+  FilePlace place;
   std::vector<Vec3> through;  ///< the vertices nearest to these, and along creases between
   std::vector<long> nodes;    ///< or these, in their order
   bool closed = false;
@@ -100,7 +100,7 @@ struct CurveRule {
 /// [[pull]]: a vertex that is drawn to a place, softly or exactly.
 struct PullRule {
   std::string name;
-  Place place;
+  FilePlace place;
   std::optional<long> node;
   std::optional<Vec3> at;
   Vec3 to = Vec3::Zero();
@@ -111,7 +111,7 @@ struct PullRule {
 struct EditRule {
   struct MovedHandle {
     std::string name;
-    Place place;
+    FilePlace place;
     std::vector<PlacedWord> vertices;
     Vec3 translate = Vec3::Zero(), axis = Vec3::UnitZ();
     double degrees = 0, scale = 1;
@@ -126,7 +126,7 @@ struct EditRule {
     Vec3 through;
   };
   std::string name;
-  Place place;
+  FilePlace place;
   std::vector<PlacedWord> fixed, region;
   std::vector<MovedHandle> handles;
   std::vector<ScaledFeature> scales;
@@ -176,7 +176,7 @@ struct DeformScene {
   /// not above 0.
   void set(const std::string& parameter, double value, const std::string& where);
   /// "FILE:LINE:COLUMN: "
-  std::string at(const Place& place) const { return place_prefix(file.string(), place); }
+  std::string at(const FilePlace& place) const { return place_prefix(file.string(), place); }
 };
 
 /// Whether a scene edits a mesh: it names a mesh or has an edit. Throws InputError when the file

@@ -40,7 +40,7 @@ struct FairScene {
   /// not above 0.
   void set(const std::string& parameter, double value, const std::string& where);
   /// "FILE:LINE:COLUMN: "
-  std::string at(const Place& place) const { return place_prefix(file.string(), place); }
+  std::string at(const FilePlace& place) const { return place_prefix(file.string(), place); }
 };
 
 /// Whether a scene fairs curves and makes no surface: it has a [[fair]] and no [skin]. Throws

@@ -22,7 +22,7 @@ struct FairStage {
     Vec3 from, to;  ///< the nearest points of the curve
   };
   std::string name;
-  Place place;
+  FilePlace place;
   std::vector<PlacedWord> lines;  ///< names; '*' stands for any letters; empty: all
   FairOptions options;            ///< its corners are not set; of a local stage,
                                   ///< the wavelength only

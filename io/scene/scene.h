@@ -20,7 +20,7 @@ namespace batten {
 /// [[line]] or [[lines]].
 struct SceneLine {
   std::string name;  ///< of [[line]]; "": all curves of the file, under their own names
-  Place place;
+  FilePlace place;
   std::filesystem::path file;  ///< ready to open; empty: the points are in the scene
   std::string unit;            ///< of the file's lengths; "": the scene's, or what the file says
   std::vector<Vec3> points;    ///< scene unit
@@ -44,7 +44,7 @@ struct SceneSkin {
 struct SceneConstraint {
   enum class Type { Point, Normal, Tangent, LineNormal };
   std::string name;
-  Place place;
+  FilePlace place;
   Type type = Type::Point;
   Vec3 at = Vec3::Zero();
   Vec3 goal = Vec3::Zero();    ///< Point: where it goes; else the direction
@@ -64,7 +64,7 @@ struct SceneArea {
 
 /// [[load]]; its value is a number or one over time.
 struct SceneLoad : NamedValue {
-  Place named;  ///< where its name stands
+  FilePlace named;  ///< where its name stands
   enum class Type {
     Pressure,
     Uniform,
@@ -75,20 +75,20 @@ struct SceneLoad : NamedValue {
     Pulls     ///< springs from places to points, a curve or a plane
   };
   Type type = Type::Pressure;
-  Vec3 direction = Vec3::UnitZ();  ///< unit vector; not for Pressure and springs
+  Vec3 direction = Vec3::UnitZ();  ///< unit vector; not for Pressure, Scan and Pulls
   Vec3 at = Vec3::Zero();          ///< Point
   SceneArea area;                  ///< Pressure, Uniform
   PlacedWord line;                 ///< Line
-  std::filesystem::path file;  ///< Springs: of their points; Pulls: of their curve, if it is one
-  Place place;                 ///< of `file`
-  std::string unit;            ///< of the file's numbers; "": the scene's
-  Load::Pulls pulls;           ///< Pulls; without the curve
-  PlacedWord curve;            ///< Pulls: a line's name, or a file
+  std::filesystem::path file;      ///< Scan: of its points; Pulls: of their curve, if it is one
+  FilePlace place;                 ///< of `file`
+  std::string unit;                ///< of the file's numbers; "": the scene's
+  Load::Pulls pulls;               ///< Pulls; without the curve
+  PlacedWord curve;                ///< Pulls: a line's name, or a file
 };
 
 /// [[weight]]: is added to alpha or beta.
 struct SceneWeight : NamedValue {
-  Place named;
+  FilePlace named;
   WeightField::Kind kind = WeightField::Kind::Bending;
   SceneArea area;
   std::optional<std::variant<Vec2, PlacedWord>> along;  ///< direction of (u, v), or a line
@@ -96,7 +96,7 @@ struct SceneWeight : NamedValue {
 
 /// [[move]]: a line that a parameter moves.
 struct SceneMove : NamedValue {
-  Place named;
+  FilePlace named;
   PlacedWord line;
   std::optional<Vec3> direction;
   double fade = 0;
@@ -105,7 +105,7 @@ struct SceneMove : NamedValue {
 /// One entry of drives = [...] of a [[parameter]].
 struct SceneRule {
   std::string of, driven;
-  Place place;
+  FilePlace place;
   double factor = 1;
   std::optional<double> offset;  ///< not given: the driven parameter's own value
 };
@@ -148,7 +148,7 @@ struct SceneSweep {
 
 /// [network], [[region]], [[join]]: the lines are one network, and all its surfaces are made.
 struct SceneNetwork {
-  Place place;
+  FilePlace place;
   double tolerance = 0;  ///< where lines meet, model units; 0: NetworkOptions'
   double straight_angle = NetworkOptions{}.straight_angle;    ///< degrees
   int most_at_line = RegionOptions{}.most_at_arc;             ///< regions
@@ -206,7 +206,7 @@ struct Scene {
   bool is_sculpted() const;
 
   /// "FILE:LINE:COLUMN: "
-  std::string at(const Place& place) const { return place_prefix(file.string(), place); }
+  std::string at(const FilePlace& place) const { return place_prefix(file.string(), place); }
 };
 
 /// "" when energies with this material have a minimum, else what is expected of it.

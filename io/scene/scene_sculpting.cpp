@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <initializer_list>
 
 #include "batten/io/scene/scene_words.h"
 
@@ -115,23 +116,23 @@ SceneConstraint read_constraint(const TomlTable& table) {
   return c;
 }
 
-/// Springs from places: what draws them, how long and how far.
+/// Reads pulls: the places that they draw, towards what, how long and how far.
 void read_pulls(const TomlTable& table, const std::filesystem::path& folder, SceneLoad& load) {
-  Load::Pulls& springs = load.pulls;
-  springs.at = table.points("at");
-  if (springs.at.empty()) table.fail("at", "an empty list", "one place or more");
+  Load::Pulls& pulls = load.pulls;
+  pulls.at = table.points("at");
+  if (pulls.at.empty()) table.fail("at", "an empty list", "one place or more");
   const int targets = table.has("to") + table.has("curve") + table.has("plane");
   if (targets != 1)
-    table.fail("at",
-               targets == 0 ? "springs without anything that draws them"
-                            : "springs with more than one target",
-               "one of: to, curve, plane");
+    table.fail(
+        "at",
+        targets == 0 ? "pulls without anything that draws them" : "pulls with more than one target",
+        "one of: to, curve, plane");
   if (table.has("to")) {
     const auto to = table.points("to");
-    if (to.size() != springs.at.size())
+    if (to.size() != pulls.at.size())
       table.fail("to", std::to_string(to.size()) + " points",
-                 std::to_string(springs.at.size()) + ", one for each place of 'at'");
-    springs.target = Load::Pulls::Places{to};
+                 std::to_string(pulls.at.size()) + ", one for each place of 'at'");
+    pulls.target = Load::Pulls::Places{to};
   }
   if (table.has("curve")) {
     load.curve = placed(table, "curve");
@@ -139,10 +140,10 @@ void read_pulls(const TomlTable& table, const std::filesystem::path& folder, Sce
     load.place = load.curve.place;
   }
   for (const TomlTable& t : table.table("plane", {"through", "normal"}))
-    springs.target = Load::Pulls::Plane{t.vector("through"), t.direction("normal")};
+    pulls.target = Load::Pulls::Plane{t.vector("through"), t.direction("normal")};
   for (const auto& [key, slot] :
-       {std::pair<const char*, double*>{"rest_length", &springs.rest_length},
-        {"falloff", &springs.falloff}}) {
+       {std::pair<const char*, double*>{"rest_length", &pulls.rest_length},
+        {"falloff", &pulls.falloff}}) {
     *slot = table.number(key, 0);
     if (*slot < 0) table.fail(key, number(*slot), "a length, not below 0");
   }
@@ -153,8 +154,8 @@ void read_direction(const TomlTable& table, const std::string& what, SceneLoad& 
   using Type = SceneLoad::Type;
   if (load.type == Type::Pressure)
     refuse(table, what, {{"direction", "none: pressure acts along the surface's normal"}});
-  else if (load.type == Type::Springs)
-    refuse(table, what, {{"direction", "none: springs pull towards their points"}});
+  else if (load.type == Type::Scan || load.type == Type::Pulls)
+    refuse(table, what, {{"direction", "none: it draws the surface towards its points"}});
   else
     load.direction = table.direction("direction");
 }
@@ -163,65 +164,34 @@ void read_direction(const TomlTable& table, const std::string& what, SceneLoad& 
 void refuse_keys_of_other_types(const TomlTable& table, const std::string& what,
                                 SceneLoad::Type type) {
   using Type = SceneLoad::Type;
-  const bool springs = type == Type::Springs;
-  const char* only_springs = "it only where type = \"springs\"";
-  if (!springs)
-    refuse(table, what,
-           {{"file", only_springs},
-            {"unit", only_springs},
-            {"to", only_springs},
-            {"curve", only_springs},
-            {"plane", only_springs},
-            {"rest_length", only_springs},
-            {"falloff", only_springs}});
-  if (type != Type::Line) refuse(table, what, {{"line", "it only where type = \"line\""}});
-  if (type != Type::Point && !springs)
-    refuse(table, what, {{"at", "it only where type = \"point\""}});
+  const auto refuse_unless = [&](std::initializer_list<Type> types, const std::string& words,
+                                 std::initializer_list<const char*> keys) {
+    if (std::find(types.begin(), types.end(), type) != types.end()) return;
+    const std::string expected = "it only where type = " + words;
+    for (const char* key : keys) refuse(table, what, {{key, expected.c_str()}});
+  };
+  refuse_unless({Type::Scan}, "\"scan\"", {"file", "unit"});
+  refuse_unless({Type::Pulls}, "\"pulls\"", {"to", "curve", "plane", "rest_length", "falloff"});
+  refuse_unless({Type::Line}, "\"line\"", {"line"});
+  refuse_unless({Type::Point, Type::Pulls}, "\"point\" or \"pulls\"", {"at"});
+  refuse_unless({Type::Pressure, Type::Uniform}, "\"pressure\" or \"uniform\"",
+                {"near", "radius", "paint", "regions"});
 }
 
-/// Reads where a load is spread, of types that are.
-void read_spread(const TomlTable& table, const std::string& what, SceneLoad& load) {
-  using Type = SceneLoad::Type;
-  if (load.type == Type::Pressure || load.type == Type::Uniform) {
-    load.area = read_area(table);
-  } else {
-    const char* only_spread = "it only where type = \"pressure\" or \"uniform\"";
-    refuse(table, what,
-           {{"near", only_spread},
-            {"radius", only_spread},
-            {"paint", only_spread},
-            {"regions", only_spread}});
-  }
+/// Reads which points a scan has.
+void read_scan(const TomlTable& table, const std::filesystem::path& folder, SceneLoad& load) {
+  load.file = folder / table.text("file");
+  load.place = table.place("file");
+  if (table.has("unit")) load.unit = unit_word(table, "unit");
 }
 
-/// Reads springs, to measured points or from places, and checks how stiff they are.
-void read_springs(const TomlTable& table, const std::string& what,
-                  const std::filesystem::path& folder, SceneLoad& load) {
-  if (table.has("at") && table.has("file"))
-    table.fail("file", "both 'at' and 'file'",
-               "'file' for springs to measured points, or 'at' for springs that stay at places");
-  if (table.has("at")) {
-    refuse(table, what, {{"unit", "it only beside 'file'"}});
-    load.type = SceneLoad::Type::Pulls;
-    read_pulls(table, folder, load);
-  } else {
-    const char* only_at = "it only beside 'at': the feet of springs to measured points slide";
-    refuse(table, what,
-           {{"to", only_at},
-            {"curve", only_at},
-            {"plane", only_at},
-            {"rest_length", only_at},
-            {"falloff", only_at}});
-    load.file = folder / table.text("file");
-    load.place = table.place("file");
-    if (table.has("unit")) load.unit = unit_word(table, "unit");
-  }
+/// Checks stiffnesses, now and over time, and keeps sliders from going below 0.
+void check_stiffness(const TomlTable& table, SceneLoad& load) {
   const auto expect_stiffness = [&](double value) {
     if (value < 0) table.fail("value", number(value), "a stiffness, not below 0");
   };
   expect_stiffness(load.value);
   for (const auto& moment : load.over_time) expect_stiffness(moment.value);
-  // So that no slider goes there either.
   if (load.min < 0 && !table.has("min")) load.min = 0;
 }
 
@@ -236,18 +206,17 @@ SceneLoad read_load(const TomlTable& table, const std::filesystem::path& folder)
                                           {"gravity", Type::Gravity},
                                           {"point", Type::Point},
                                           {"line", Type::Line},
-                                          {"springs", Type::Springs}});
-  const bool springs = load.type == Type::Springs;
-  const std::string what = (load.type == Type::Pressure ? "the pressure '"
-                            : springs                   ? "the springs '"
-                                                        : "the load '") +
-                           load.name + "'";
+                                          {"scan", Type::Scan},
+                                          {"pulls", Type::Pulls}});
+  const std::string what = "the load '" + load.name + "'";
   read_direction(table, what, load);
   refuse_keys_of_other_types(table, what, load.type);
-  read_spread(table, what, load);
+  if (load.type == Type::Pressure || load.type == Type::Uniform) load.area = read_area(table);
   if (load.type == Type::Point) load.at = table.vector("at");
   if (load.type == Type::Line) load.line = placed(table, "line");
-  if (springs) read_springs(table, what, folder, load);
+  if (load.type == Type::Scan) read_scan(table, folder, load);
+  if (load.type == Type::Pulls) read_pulls(table, folder, load);
+  if (load.type == Type::Scan || load.type == Type::Pulls) check_stiffness(table, load);
   return load;
 }
 

@@ -158,7 +158,7 @@ LogJson json_of(const Load& load) {
                           json["direction"] = json_vector(l.direction);
                         },
                         [&](const Load::Pulls& s) {
-                          json["type"] = "springs";
+                          json["type"] = "pulls";
                           json["at"] = json_points(s.at);
                           if (const auto* places = std::get_if<Load::Pulls::Places>(&s.target)) {
                             json["to"] = json_points(places->to);
@@ -172,9 +172,9 @@ LogJson json_of(const Load& load) {
                           json["rest_length"] = json_number(s.rest_length);
                           json["falloff"] = json_number(s.falloff);
                         },
-                        [&](const Load::Springs& m) {
-                          json["type"] = "measured";
-                          json["points"] = json_points(m.points);
+                        [&](const Load::Scan& s) {
+                          json["type"] = "scan";
+                          json["points"] = json_points(s.points);
                         }},
              load.kind);
   return json;
@@ -189,24 +189,24 @@ Load load_of(const LogObject& parent) {
     if (type == "gravity") return Load::Gravity{o.vector("direction")};
     if (type == "point") return Load::Point{o.vector("at"), o.vector("direction")};
     if (type == "line") return Load::Line{o.text("line"), o.vector("direction")};
-    if (type == "measured") return Load::Springs{o.points("points")};
-    if (type != "springs") {
+    if (type == "scan") return Load::Scan{o.points("points")};
+    if (type != "pulls") {
       const std::vector<std::string> types = {"pressure", "uniform", "gravity", "point",
-                                              "line",     "springs", "measured"};
+                                              "line",     "pulls",   "scan"};
       o.fail("the load type '" + type + "'",
              "one of: " + listed(types) + did_you_mean(type, types));
     }
-    Load::Pulls springs;
-    springs.at = o.points("at");
+    Load::Pulls pulls;
+    pulls.at = o.points("at");
     if (o.has("to"))
-      springs.target = Load::Pulls::Places{o.points("to")};
+      pulls.target = Load::Pulls::Places{o.points("to")};
     else if (o.has("curve"))
-      springs.target = Load::Pulls::Curve{curve_of(o, "curve")};
+      pulls.target = Load::Pulls::Curve{curve_of(o, "curve")};
     else
-      springs.target = Load::Pulls::Plane{o.vector("through"), o.vector("normal")};
-    springs.rest_length = o.number("rest_length", 0);
-    springs.falloff = o.number("falloff", 0);
-    return springs;
+      pulls.target = Load::Pulls::Plane{o.vector("through"), o.vector("normal")};
+    pulls.rest_length = o.number("rest_length", 0);
+    pulls.falloff = o.number("falloff", 0);
+    return pulls;
   };
   return {o.text("name"), kind()};
 }

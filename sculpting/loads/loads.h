@@ -84,14 +84,14 @@ struct Load {
     std::variant<Places, Curve, Plane> target;
     double rest_length = 0, falloff = 0;  ///< model units
   };
-  /// Springs to measured points: the energy gets Σ value/n |x(c_i) - p_i|², c_i the place that is
-  /// nearest to point i, looked for anew until it stands still. `value`: stiffness of all n
-  /// together. Points beyond the surface's rim are left out.
-  struct Springs {
+  /// Measured points that draw the surface: the energy gets Σ value/n |x(c_i) - p_i|², c_i the
+  /// place that is nearest to point i, looked for anew until it stands still. `value`: stiffness of
+  /// all n together. Points beyond the surface's rim are left out.
+  struct Scan {
     std::vector<Vec3> points;
   };
   std::string name;
-  std::variant<Pressure, Uniform, Gravity, Point, Line, Pulls, Springs> kind;
+  std::variant<Pressure, Uniform, Gravity, Point, Line, Pulls, Scan> kind;
 };
 
 /// A field that is added to alpha or beta: value · w, in all directions or in one.

@@ -14,9 +14,9 @@ struct Reaction {
   Vec3 force = Vec3::Zero();
 };
 
-/// How far the points of a spring load are from a surface, model units: of those that are used
+/// How far the points of a scan are from a surface, model units: of those that are used
 /// (points beyond the rim are left out).
-struct SpringDistances {
+struct ScanDistances {
   std::string name;
   int points = 0, left_out = 0;
   double before_max = 0, before_rms = 0;  ///< of the shape without loads

@@ -146,9 +146,9 @@ class SculptingSession {
   /// Force with which each line and constraint holds the surface. At rest; factors a matrix of the
   /// rows.
   std::vector<Reaction> reactions() const;
-  /// Of each Load::Springs: how far its points are from the surface. `before`: a shape on the
+  /// Of each Load::Scan: how far its points are from the surface. `before`: a shape on the
   /// layout to compare with.
-  std::vector<SpringDistances> spring_distances(const Points& before) const;
+  std::vector<ScanDistances> scan_distances(const Points& before) const;
   double enclosed_volume() const;  ///< ⅓ ∬ x·(x_u × x_v)
   size_t history_bytes() const;
 

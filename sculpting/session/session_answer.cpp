@@ -154,20 +154,20 @@ void Engine::put_on_rows(const System& system, Points& x) {
   system.statics->expand(y_, e_, x);
 }
 
-bool Engine::follow_measured(System& system, const Points& x) {
+bool Engine::follow_scans(System& system, const Points& x) {
   bool moved = false;
   for (size_t l = 0; l < system.loads.size(); ++l) {
-    const auto* measured = std::get_if<Load::Springs>(&system.def.loads[l]->load.kind);
-    if (!measured) continue;
+    const auto* scan = std::get_if<Load::Scan>(&system.def.loads[l]->load.kind);
+    if (!scan) continue;
     const ModelProjector projector(system.layout(),
                                    x + system.parts->ones * system.origin().transpose());
-    auto& feet = system.measured_feet[l];
-    auto& used = system.measured_used[l];
+    auto& feet = system.scan_feet[l];
+    auto& used = system.scan_used[l];
     const bool first = feet.empty();
-    feet.resize(measured->points.size());
-    used.resize(measured->points.size());
+    feet.resize(scan->points.size());
+    used.resize(scan->points.size());
     for (size_t i = 0; i < feet.size(); ++i) {
-      const Vec3& p = measured->points[i];
+      const Vec3& p = scan->points[i];
       const auto closest = projector.nearest(p);
       // On the rim the way to a point beyond it is not at right angles to the surface.
       const SurfaceJet jet = projector.surface(closest.at.region).jet(closest.where);

@@ -318,8 +318,8 @@ std::vector<Reaction> SculptingSession::reactions() const {
   return all;
 }
 
-std::vector<SpringDistances> SculptingSession::spring_distances(const Points& before) const {
-  return data_->engine.spring_distances(data_->system(), before, dofs());
+std::vector<ScanDistances> SculptingSession::scan_distances(const Points& before) const {
+  return data_->engine.scan_distances(data_->system(), before, dofs());
 }
 
 double SculptingSession::enclosed_volume() const {

@@ -105,7 +105,7 @@ struct SculptingSession::Data {
   void mark_good();
   void fall_back();
   live::Engine::Run in_steps(const std::vector<double>& goal);
-  bool has_measured();
+  bool has_scans();
   bool plan_joins();
   Answer settle();
   Answer settle_once();

@@ -42,10 +42,10 @@ class Engine {
              double tolerance, bool may_superpose);
   bool is_linear(const System& system, const std::vector<double>& values) const;
 
-  /// Feet of measured springs move to the nearest places of the surface; the matrix has to be
+  /// Feet of scans move to the nearest places of the surface; the matrix has to be
   /// prepared again then. False when none moved by more than 1e-6 in (u, v).
-  bool follow_measured(System& system, const Points& x);
-  /// The model's matrix, if it has measured springs, no longer fits their feet.
+  bool follow_scans(System& system, const Points& x);
+  /// The model's matrix, if it has scans, no longer fits their feet.
   static void outdate(System& system) { system.matrix_values.clear(); }
 
   /// Motion: systems for it, and one step from values at its beginning to values at its end.
@@ -64,16 +64,16 @@ class Engine {
   /// Of each name among lines and constraints, on the domain of size 1.
   std::vector<Reaction> reactions(const System& system, const std::vector<double>& values,
                                   const Points& x);
-  /// Of each spring load, of two shapes in absolute coordinates.
-  std::vector<SpringDistances> spring_distances(const System& system, const Points& before,
-                                                const Points& now) const;
+  /// Of each scan, of two shapes in absolute coordinates.
+  std::vector<ScanDistances> scan_distances(const System& system, const Points& before,
+                                            const Points& now) const;
   /// xᵀKx - 2Fᵀx and springs, plus ρ vᵀMv in motion.
   double total_energy(const System& system, const std::vector<double>& values, const Shape& shape,
                       bool moving);
 
  private:
   void make_matrix(System& system, const std::vector<double>& values);
-  void add_measured(System& system, const std::vector<double>& values, SparseMatrix& K);
+  void add_scans(System& system, const std::vector<double>& values, SparseMatrix& K);
   void couple(System& system, const Coupling* older);
   bool superpose(System& system, const std::vector<double>& values, Points& x, Run& run);
   bool trusts_guess(double first_change, double tolerance, Run& run);

@@ -40,35 +40,34 @@ std::vector<SurfaceStiffness> materials(const System& system, const std::vector<
 
 }  // namespace
 
-// Measured springs act on the matrix itself: Σ k N Nᵀ, and Σ k N p on the right.
-void Engine::add_measured(System& system, const std::vector<double>& values, SparseMatrix& K) {
+// Scans act on the matrix itself: Σ k N Nᵀ, and Σ k N p on the right.
+void Engine::add_scans(System& system, const std::vector<double>& values, SparseMatrix& K) {
   const MeshParts& parts = *system.parts;
-  system.measured_load.resize(0, 3);
+  system.scan_load.resize(0, 3);
   for (size_t l = 0; l < system.loads.size(); ++l) {
-    const auto* measured = std::get_if<Load::Springs>(&system.def.loads[l]->load.kind);
-    if (!measured || system.measured_feet[l].empty()) continue;
-    if (system.measured_load.rows() == 0) system.measured_load = Points::Zero(system.dofs(), 3);
+    const auto* scan = std::get_if<Load::Scan>(&system.def.loads[l]->load.kind);
+    if (!scan || system.scan_feet[l].empty()) continue;
+    if (system.scan_load.rows() == 0) system.scan_load = Points::Zero(system.dofs(), 3);
     const double value = values[system.load_parameter[l]];
     if (!(value >= 0))
       throw InputError("load '" + system.def.loads[l]->load.name + "' has springs of stiffness " +
                        number(value) + ": it must not be below 0");
-    const double k = value / static_cast<double>(measured->points.size());
-    for (size_t i = 0; i < measured->points.size(); ++i) {
-      if (!system.measured_used[l][i]) continue;
-      const Location where = parts.at(system.measured_feet[l][i]);
+    const double k = value / static_cast<double>(scan->points.size());
+    for (size_t i = 0; i < scan->points.size(); ++i) {
+      if (!system.scan_used[l][i]) continue;
+      const Location where = parts.at(system.scan_feet[l][i]);
       const Vec12 N =
           C1Triangle(parts.kind, parts.mesh->shape(where.triangle)).evaluate(where.L).col(kW);
       const auto dof = parts.assembler.dofs().triangle(*parts.mesh, where.triangle);
       for (int a = 0; a < 12; ++a) {
-        system.measured_load.row(dof[a]) +=
-            k * N[a] * (measured->points[i] - system.origin()).transpose();
+        system.scan_load.row(dof[a]) += k * N[a] * (scan->points[i] - system.origin()).transpose();
         for (int b = 0; b < 12; ++b)
           if (dof[a] >= dof[b]) K.coeffRef(dof[a], dof[b]) += k * N[a] * N[b];
       }
     }
   }
-  if (system.measured_load.rows() > 0)
-    system.measured_reduced = system.reduction->D().transpose() * system.measured_load;
+  if (system.scan_load.rows() > 0)
+    system.scan_reduced = system.reduction->D().transpose() * system.scan_load;
 }
 
 // The matrix and its factor for the values.
@@ -80,7 +79,7 @@ void Engine::make_matrix(System& system, const std::vector<double>& values) {
     parts.assembler.stiffness(all[0], K);
   else
     parts.assembler.stiffness(all, K);
-  add_measured(system, values, K);
+  add_scans(system, values, K);
   // A factor that the history keeps must stay; one of our own takes other numbers in place.
   if (system.statics && system.statics.use_count() == 1)
     system.statics->set_matrix(std::move(K));

@@ -49,7 +49,7 @@ std::vector<Reaction> Engine::reactions(const System& system, const std::vector<
       system.parts->pressure().add(x, system.loads[l]->weights, -v * system.loads[l]->scale,
                                    product_);
   }
-  if (system.measured_load.rows() > 0) product_ -= system.measured_load;
+  if (system.scan_load.rows() > 0) product_ -= system.scan_load;
   const LooseRows& rows = *system.loose;
   for (size_t r = 0; r < rows.rows.size(); ++r) {
     if (!rows.rows[r].soft) continue;
@@ -69,27 +69,27 @@ std::vector<Reaction> Engine::reactions(const System& system, const std::vector<
   return all;
 }
 
-std::vector<SpringDistances> Engine::spring_distances(const System& system, const Points& before,
-                                                      const Points& now) const {
-  std::vector<SpringDistances> all;
+std::vector<ScanDistances> Engine::scan_distances(const System& system, const Points& before,
+                                                  const Points& now) const {
+  std::vector<ScanDistances> all;
   std::optional<ModelProjector> on_before, on_now;
   for (size_t l = 0; l < system.loads.size(); ++l) {
-    const auto* springs = std::get_if<Load::Springs>(&system.def.loads[l]->load.kind);
-    if (!springs) continue;
+    const auto* scan = std::get_if<Load::Scan>(&system.def.loads[l]->load.kind);
+    if (!scan) continue;
     if (!on_now) {
       on_before.emplace(system.layout(), before);
       on_now.emplace(system.layout(), now);
     }
-    SpringDistances s;
+    ScanDistances s;
     s.name = system.def.loads[l]->load.name;
-    s.points = count_of(springs->points);
-    for (size_t i = 0; i < springs->points.size(); ++i) {
-      if (i >= system.measured_used[l].size() || !system.measured_used[l][i]) {
+    s.points = count_of(scan->points);
+    for (size_t i = 0; i < scan->points.size(); ++i) {
+      if (i >= system.scan_used[l].size() || !system.scan_used[l][i]) {
         ++s.left_out;
         continue;
       }
-      const double was = on_before->nearest(springs->points[i]).distance,
-                   is = on_now->nearest(springs->points[i]).distance;
+      const double was = on_before->nearest(scan->points[i]).distance,
+                   is = on_now->nearest(scan->points[i]).distance;
       s.before_max = std::max(s.before_max, was);
       s.max = std::max(s.max, is);
       s.before_rms += was * was;
@@ -117,7 +117,7 @@ double Engine::total_energy(const System& system, const std::vector<double>& val
       product_ -= (2.0 / 3) * F_;
     }
   }
-  if (system.measured_load.rows() > 0) product_ -= 2 * system.measured_load;
+  if (system.scan_load.rows() > 0) product_ -= 2 * system.scan_load;
   double energy = shape.x.cwiseProduct(product_).sum();
   const LooseRows& rows = *system.loose;
   for (size_t r = 0; r < rows.rows.size(); ++r) {

@@ -98,7 +98,7 @@ void Engine::step(System& system, const std::vector<double>& from, const std::ve
     if (std::holds_alternative<Load::Pressure>(system.def.loads[l]->load.kind))
       system.parts->pressure().add(next_, load.weights, v * load.scale, F_);
   }
-  if (system.measured_load.rows() > 0) F_ += system.measured_load;
+  if (system.scan_load.rows() > 0) F_ += system.scan_load;
 
   // Lines move at the rate that takes them to their places at the end of the step.
   lines_right(system, from, rate_);

@@ -96,8 +96,8 @@ PlacedLoad place(const Load& load, const Definition& def, const Surface& surface
       throw InputError("'" + name + "' has springs to a curve without segments");
     }
   } else {
-    const auto& points = std::get<Load::Springs>(load.kind).points;
-    if (points.empty()) throw InputError("'" + name + "' has no points for its springs");
+    const auto& points = std::get<Load::Scan>(load.kind).points;
+    if (points.empty()) throw InputError("'" + name + "' has no points");
     for (const Vec3& at : points) require_finite(name, at.allFinite());
   }
   return placed;

@@ -93,7 +93,7 @@ void Engine::add_linear(const System& system, const std::vector<double>& values,
     if (const double v = values[system.load_parameter[l]];
         v != 0 && system.loads[l]->reduced.rows() > 0)
       to += v * system.loads[l]->reduced;
-  if (system.measured_load.rows() > 0) to += system.measured_reduced;
+  if (system.scan_load.rows() > 0) to += system.scan_reduced;
 }
 
 namespace {

@@ -80,9 +80,9 @@ live::Engine::Run SculptingSession::Data::in_steps(const std::vector<double>& go
                         " iterations (more alpha or beta, or less pressure)");
 }
 
-bool SculptingSession::Data::has_measured() {
+bool SculptingSession::Data::has_scans() {
   for (const auto& load : system().def.loads)
-    if (std::holds_alternative<Load::Springs>(load->load.kind)) return true;
+    if (std::holds_alternative<Load::Scan>(load->load.kind)) return true;
   return false;
 }
 
@@ -119,8 +119,8 @@ Answer SculptingSession::Data::settle_once() {
     constexpr int most_rounds = 20;
     for (int round = 0; round < most_rounds; ++round) {
       if (progress.cancelled && progress.cancelled()) throw CancelledError();
-      const bool measured = has_measured();
-      if (measured && !engine.follow_measured(system(), now.shape.x) && round > 0) break;
+      const bool scans = has_scans();
+      if (scans && !engine.follow_scans(system(), now.shape.x) && round > 0) break;
       answer.factored |= engine.prepare_matrix(system(), values);
       Points from = now.shape.x;
       auto run = engine.answer(system(), values, now.shape.x, options.most_iterations,
@@ -140,7 +140,7 @@ Answer SculptingSession::Data::settle_once() {
       }
       answer.change = run.change;
       mark_good();
-      if (!measured) break;
+      if (!scans) break;
     }
   } catch (const Error&) {
     fall_back();

@@ -50,7 +50,7 @@ unsigned role_of(const Load& load) {
   if (std::holds_alternative<Load::Pressure>(load.kind)) return kPressure;
   if (const auto* springs = std::get_if<Load::Pulls>(&load.kind))
     return nonlinear(*springs) ? kSpring | kPressure : kSpring;
-  return std::holds_alternative<Load::Springs>(load.kind) ? kMatrix : kLinear;
+  return std::holds_alternative<Load::Scan>(load.kind) ? kMatrix : kLinear;
 }
 
 MatX right_of(const ConstraintSet& set) {
@@ -168,9 +168,9 @@ void build_loads(System& system, const System* older, bool same_mesh, bool same_
 // The numbers of a matrix stay when what it is made of does.
 void keep_matrix_values(System& system, const System& older, const Parameters& parameters) {
   const Definition& d = system.def;
-  const bool same_matrix = older.def.weights == d.weights && older.measured_load.rows() == 0 &&
+  const bool same_matrix = older.def.weights == d.weights && older.scan_load.rows() == 0 &&
                            std::none_of(d.loads.begin(), d.loads.end(), [](const auto& l) {
-                             return std::holds_alternative<Load::Springs>(l->load.kind);
+                             return std::holds_alternative<Load::Scan>(l->load.kind);
                            });
   if (!same_matrix || older.matrix_values.empty()) return;
   // Values by name: numbers of parameters may have changed.
@@ -195,8 +195,8 @@ void keep_systems(System& system, const System& older, const Parameters& paramet
   for (size_t i = 0; i < d.loads.size(); ++i)
     for (size_t j = 0; j < older.def.loads.size(); ++j)
       if (older.def.loads[j] == d.loads[i]) {
-        system.measured_feet[i] = older.measured_feet[j];
-        system.measured_used[i] = older.measured_used[j];
+        system.scan_feet[i] = older.scan_feet[j];
+        system.scan_used[i] = older.scan_used[j];
       }
   keep_matrix_values(system, older, parameters);
   system.coupling = older.coupling;  // for its solves; the session makes it anew
@@ -219,8 +219,8 @@ std::shared_ptr<System> build(Definition def, const Parameters& parameters, cons
   build_loads(*system, older, same_mesh, same_lines);
   system->loose = std::make_shared<const LooseRows>(loose_rows(*system, parameters));
   give_roles(*system, parameters);
-  system->measured_feet.resize(system->def.loads.size());
-  system->measured_used.resize(system->def.loads.size());
+  system->scan_feet.resize(system->def.loads.size());
+  system->scan_used.resize(system->def.loads.size());
   if (older && system->reduction == older->reduction) keep_systems(*system, *older, parameters);
   return system;
 }
@@ -248,7 +248,7 @@ size_t bytes_of(const System& system, std::set<const void*>& seen) {
     if (made) once(made, made->bytes());
   for (const auto* coupling : {system.coupling.get(), system.moving_coupling.get()})
     if (coupling) once(coupling, coupling->bytes());
-  return sum + 8 * static_cast<size_t>(system.base_right.size() + system.measured_load.size());
+  return sum + 8 * static_cast<size_t>(system.base_right.size() + system.scan_load.size());
 }
 
 }  // namespace batten::live

@@ -163,12 +163,12 @@ struct System {
   std::shared_ptr<LiveSystem> statics, moving;
   std::shared_ptr<Coupling> coupling, moving_coupling;
   std::shared_ptr<const LooseRows> coupled_rows, moving_rows;  ///< that those were made for
-  std::vector<double> matrix_values;                   ///< of all parameters, when statics was made
-  Motion motion;                                       ///< of `moving`
-  std::vector<std::vector<ModelPoint>> measured_feet;  ///< of each load; empty unless Springs
-  std::vector<std::vector<char>> measured_used;
-  Points measured_load;  ///< Σ k N p of the measured springs at matrix_values
-  MatX measured_reduced;
+  std::vector<double> matrix_values;               ///< of all parameters, when statics was made
+  Motion motion;                                   ///< of `moving`
+  std::vector<std::vector<ModelPoint>> scan_feet;  ///< of each load; empty unless Springs
+  std::vector<std::vector<char>> scan_used;
+  Points scan_load;  ///< Σ k N p of the scans at matrix_values
+  MatX scan_reduced;
 
   const ModelLayout& layout() const { return *def.layout; }
   const Vec3& origin() const { return def.origin; }

@@ -26,7 +26,7 @@ SculptResult sculpt(const ModelLayout& layout, const StaticTask& task, const Pro
           answer.change,
           session.reactions(),
           session.residual(),
-          session.spring_distances(alone)};
+          session.scan_distances(alone)};
 }
 
 }  // namespace batten

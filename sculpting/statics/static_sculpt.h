@@ -34,8 +34,8 @@ struct SculptResult {
   int iterations = 0;
   double last_change = 0;  ///< of the last iteration, over the size
   std::vector<Reaction> reactions;
-  double max_constraint_residual = 0;    ///< over all rows, over the size
-  std::vector<SpringDistances> springs;  ///< of each Load::Springs
+  double max_constraint_residual = 0;  ///< over all rows, over the size
+  std::vector<ScanDistances> scans;    ///< of each Load::Scan
 };
 
 /// A SculptingSession without history that settles once: where loads act is looked for on the shape

@@ -347,7 +347,7 @@ TEST_CASE("sculpt answers wrong words before it works", "[cli][sculpt]") {
   fails({"--replay", "none.jsonl", "--record", "a"}, {"--record"});
   fails({"--record", "none/log.jsonl"}, {"none/log.jsonl"});
   c.fails(kSquare +
-              "[[load]]\nname = \"l\"\ntype = \"springs\"\nvalue = 1\nat = [[0,0,0]]\n"
+              "[[load]]\nname = \"l\"\ntype = \"pulls\"\nvalue = 1\nat = [[0,0,0]]\n"
               "curve = \"rail\"\n",
           1, {"s.toml:", "found the line 'rail', expected one of: south, east"}, {}, "sculpt");
 }

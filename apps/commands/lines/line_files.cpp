@@ -18,7 +18,7 @@ const std::vector<std::string> kSketchEndings = {".json"};
 /// Where messages about [[line]] and [[lines]] begin.
 struct SceneFile {
   std::string file, unit;
-  std::string at(const Place& place) const { return place_prefix(file, place); }
+  std::string at(const FilePlace& place) const { return place_prefix(file, place); }
 };
 
 std::vector<SourceLine> read_file(const SceneFile& scene, const SceneLine& source) {
@@ -138,7 +138,7 @@ std::vector<SourceLine> read_sources(const std::vector<SceneLine>& lines,
                                      const std::filesystem::path& file, const std::string& unit) {
   const SceneFile scene{file.string(), unit};
   std::vector<SourceLine> all;
-  std::map<std::string, Place> places;
+  std::map<std::string, FilePlace> places;
   for (const SceneLine& source : lines)
     for (SourceLine& line : lines_of(scene, source)) {
       const auto [it, added] = places.emplace(line.name, source.place);
@@ -151,8 +151,8 @@ std::vector<SourceLine> read_sources(const std::vector<SceneLine>& lines,
   return all;
 }
 
-std::vector<Vec3> spring_points(const Scene& scene, const SceneLoad& load) {
-  if (load.type != SceneLoad::Type::Springs) return {};
+std::vector<Vec3> scan_points(const Scene& scene, const SceneLoad& load) {
+  if (load.type != SceneLoad::Type::Scan) return {};
   if (line_file_kind(load.file) != LineFileKind::Points ||
       !std::filesystem::is_regular_file(load.file))
     throw InputError(scene.at(load.place) + "found '" + load.file.string() +

@@ -39,9 +39,9 @@ std::vector<SourceLine> read_source_file(const std::filesystem::path& file, cons
 std::vector<SourceLine> read_sources(const std::vector<SceneLine>& lines,
                                      const std::filesystem::path& file, const std::string& unit);
 
-/// The points of a load's springs, all lines of its file one after the other, in model units; none
+/// The points of a scan, all lines of its file one after the other, in model units; none
 /// for other loads. Throws InputError with the place in the scene or in the file.
-std::vector<Vec3> spring_points(const Scene& scene, const SceneLoad& load);
+std::vector<Vec3> scan_points(const Scene& scene, const SceneLoad& load);
 
 /// The lines of a scene as curves, before any [[fair]]. Throws InputError.
 std::vector<CharacterLine> read_lines(const Scene& scene);

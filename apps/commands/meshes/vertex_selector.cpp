@@ -139,7 +139,7 @@ std::vector<int> VertexSelector::of(const PlacedWord& name) {
   return found_[name.text] = vertices;
 }
 
-int VertexSelector::vertex_of_label(long label, const Place& place) const {
+int VertexSelector::vertex_of_label(long label, const FilePlace& place) const {
   const auto node = file_.node_of_label(label);
   if (!node)
     throw InputError(scene_.at(place) + "found node " + std::to_string(label) +

@@ -27,7 +27,7 @@ class VertexSelector {
   /// The proposal of that name, or nullptr.
   const FeatureProposal* proposal(const std::string& name);
   const std::vector<FeatureProposal>& proposals();
-  int vertex_of_label(long label, const Place& place) const;
+  int vertex_of_label(long label, const FilePlace& place) const;
   /// Vertices in order: the shortest way along edges past all of them, where creases count as
   /// shorter than they are. Throws InputError.
   std::vector<int> path(const LineRule& rule);

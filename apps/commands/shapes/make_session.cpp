@@ -93,14 +93,14 @@ class SceneOnLayout {
         return {load.name, Load::Point{load.at, load.direction}};
       case Type::Line:
         return {load.name, Load::Line{line(load.line), load.direction}};
-      case Type::Springs:
-        return {load.name, Load::Springs{spring_points(scene_, load)}};
+      case Type::Scan:
+        return {load.name, Load::Scan{scan_points(scene_, load)}};
       case Type::Pulls:
         break;
     }
-    Load::Pulls springs = load.pulls;
-    if (!load.curve.text.empty()) springs.target = Load::Pulls::Curve{curve(load)};
-    return {load.name, std::move(springs)};
+    Load::Pulls pulls = load.pulls;
+    if (!load.curve.text.empty()) pulls.target = Load::Pulls::Curve{curve(load)};
+    return {load.name, std::move(pulls)};
   }
 
   WeightField weight(const SceneWeight& weight) const {
@@ -214,7 +214,8 @@ class Maker {
 
   /// What the session does not like has its place in the scene.
   template <class Thing>
-  void add(const Place& place, const Thing& thing, const std::vector<NamedValue>& parameters = {}) {
+  void add(const FilePlace& place, const Thing& thing,
+           const std::vector<NamedValue>& parameters = {}) {
     try {
       session_.add(thing, parameters);
     } catch (const InputError& e) {

@@ -111,7 +111,7 @@ MadeShape shape_of(const SculptingSession& session, const Scene& scene, const Po
   shape.last_change = answer.change;
   shape.max_constraint_residual = session.residual();
   shape.reactions = session.reactions();
-  shape.springs = session.spring_distances(unloaded);
+  shape.scans = session.scan_distances(unloaded);
   shape.joins_planned = answer.joins_planned;
   std::optional<ModelProjector> projector;
   for (const auto& c : scene.constraints) {

@@ -23,7 +23,7 @@ struct MadeShape {
   double last_change = 0, max_constraint_residual = 0;
   double max_normal_constraint_deg = 0;  ///< at the places that a [[constraint]] holds
   std::vector<Reaction> reactions;
-  std::vector<SpringDistances> springs;
+  std::vector<ScanDistances> scans;
   bool joins_planned = false;  ///< Answer::joins_planned
 
   std::vector<const SkinnedRegion*> all() const { return pointers(regions); }

@@ -136,11 +136,11 @@ std::string summary(const Report& report, const std::filesystem::path& folder) {
                                           ", within " + number(step.max_deviation) + unit +
                                           ", edges within " + number(step.max_gap) + unit);
   }
-  for (const auto& springs : report.springs)
-    text += result_line("springs", std::to_string(springs.points - springs.left_out) + " of " +
-                                       std::to_string(springs.points) + " points of '" +
-                                       springs.name + "', rms " + number(springs.before_rms) +
-                                       " -> " + number(springs.rms) + unit);
+  for (const auto& scan : report.scans)
+    text += result_line("scan", std::to_string(scan.points - scan.left_out) + " of " +
+                                    std::to_string(scan.points) + " points of '" + scan.name +
+                                    "', rms " + number(scan.before_rms) + " -> " +
+                                    number(scan.rms) + unit);
   if (report.comparison)
     text += result_line("compared", "max " + number(report.comparison->max) + unit + ", rms " +
                                         number(report.comparison->rms) + unit + " from " +

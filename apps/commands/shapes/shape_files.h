@@ -25,7 +25,7 @@ struct ShapeRun {
 /// The scene's lines, as [[fair]] leaves them, into the report, and the model that they make.
 MadeModel model_of(ShapeRun& run, const Scene& scene, const Progress& progress);
 
-/// Puts the shape into the model and measures it: lines, surface, network, springs and reactions of
+/// Puts the shape into the model and measures it: lines, surface, network, scans and reactions of
 /// the report.
 void measure_into(ShapeRun& run, MadeModel& made, const MadeShape& shape, const Scene& scene,
                   const Progress& progress);

@@ -168,7 +168,7 @@ void measure_into(ShapeRun& run, MadeModel& made, const MadeShape& shape, const 
   s.max_normal_constraint_deg = shape.max_normal_constraint_deg;
   s.iterations = shape.iterations;
   s.last_change = shape.last_change;
-  report.springs = shape.springs;
+  report.scans = shape.scans;
   report.reactions = shape.reactions;
   if (shape.joins_planned)
     report.warnings.push_back(

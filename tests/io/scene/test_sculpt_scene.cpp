@@ -80,7 +80,7 @@ line = "spine"
 direction = [0, 1, 0]
 [[load]]
 name = "pull"
-type = "springs"
+type = "pulls"
 value = 3
 at = [[1, 1, 0], [2, 2, 0]]
 to = [[1, 1, 5], [2, 2, 5]]
@@ -88,19 +88,19 @@ rest_length = 0.25
 falloff = 4
 [[load]]
 name = "rail"
-type = "springs"
+type = "pulls"
 value = 3
 at = [[1, 1, 0]]
 curve = "spine"
 [[load]]
 name = "floor"
-type = "springs"
+type = "pulls"
 value = 3
 at = [[1, 1, 0]]
 plane = { through = [0, 0, -1], normal = [0, 0, 2] }
 [[load]]
 name = "measured"
-type = "springs"
+type = "scan"
 value = 3
 file = "points.csv"
 )");
@@ -133,7 +133,7 @@ file = "points.csv"
   CHECK(s.loads[4].min == 0);
   CHECK(s.loads[5].curve.text == "spine");
   CHECK(std::get<Load::Pulls::Plane>(s.loads[6].pulls.target).normal == Vec3(0, 0, 1));
-  CHECK(s.loads[7].type == Type::Springs);
+  CHECK(s.loads[7].type == Type::Scan);
   CHECK(s.loads[7].file == "points.csv");
   CHECK(s.is_sculpted());
 }
@@ -267,8 +267,9 @@ TEST_CASE("a value over time is set to one that stands", "[scene][sculpt]") {
 }
 
 TEST_CASE("mistakes in loads are answered with their place", "[scene][sculpt]") {
-  check_answer(load("pressur", ""), {"s.toml:13:8: found the word 'pressur'",
-                                     "gravity, point, line, springs", "did you mean 'pressure'?"});
+  check_answer(load("pressur", ""),
+               {"s.toml:13:8: found the word 'pressur'", "gravity, point, line, scan, pulls",
+                "did you mean 'pressure'?"});
   check_answer(load("pressure", "neer = \"spine\""), {"s.toml:15:1: found key 'neer'", "'near'?"});
   check_answer(load("pressure", "near = \"spien\"\nradius = 1"),
                {"s.toml:15:8: found the line 'spien', expected one of: rim, spine",
@@ -291,10 +292,10 @@ TEST_CASE("mistakes in loads are answered with their place", "[scene][sculpt]") 
                {"s.toml:16:8: found the line 'rims'", "did you mean 'rim'?"});
   check_answer(load("pressure", "line = \"rim\""),
                {"s.toml:15:8", "it only where type = \"line\""});
-  check_answer(
-      load("uniform", "direction = [0,0,1]\nat = [0,0,0]"),
-      {"s.toml:16:6: found 'at' for the load 'l', expected it only where type = \"point\""});
-  check_answer(load("pressure", "falloff = 1"), {"it only where type = \"springs\""});
+  check_answer(load("uniform", "direction = [0,0,1]\nat = [0,0,0]"),
+               {"s.toml:16:6: found 'at' for the load 'l', expected it only where type = \"point\" "
+                "or \"pulls\""});
+  check_answer(load("pressure", "falloff = 1"), {"it only where type = \"pulls\""});
   check_answer("[[load]]\nname = \"l\"\ntype = \"pressure\"\nvalue = []\n",
                {"s.toml:14:9: found an empty list, expected a number, or [[t, value], …]"});
   check_answer("[[load]]\nname = \"l\"\ntype = \"pressure\"\nvalue = [1, 2]\n",
@@ -307,25 +308,27 @@ TEST_CASE("mistakes in loads are answered with their place", "[scene][sculpt]") 
                {"s.toml:14:9: found 3, expected a value up to 2"});
 }
 
-TEST_CASE("mistakes in springs are answered with their place", "[scene][sculpt]") {
-  check_answer(load("springs", ""), {"found no 'file' in [[load]]"});
-  check_answer(load("springs", "at = [[0,0,0]]"),
-               {"found springs without anything that draws them", "one of: to, curve, plane"});
-  check_answer(load("springs", "at = [[0,0,0]]\nto = [[0,0,1]]\ncurve = \"rim\""),
-               {"found springs with more than one target"});
-  check_answer(load("springs", "at = [[0,0,0], [1,0,0]]\nto = [[0,0,1]]"),
+TEST_CASE("mistakes in scans and pulls are answered with their place", "[scene][sculpt]") {
+  check_answer(load("scan", ""), {"found no 'file' in [[load]]"});
+  check_answer(load("pulls", "at = [[0,0,0]]"),
+               {"found pulls without anything that draws them", "one of: to, curve, plane"});
+  check_answer(load("pulls", "at = [[0,0,0]]\nto = [[0,0,1]]\ncurve = \"rim\""),
+               {"found pulls with more than one target"});
+  check_answer(load("pulls", "at = [[0,0,0], [1,0,0]]\nto = [[0,0,1]]"),
                {"s.toml:16:6: found 1 points, expected 2, one for each place of 'at'"});
-  check_answer(load("springs", "at = [0,0,0]\nto = [[0,0,1]]"),
+  check_answer(load("pulls", "at = [0,0,0]\nto = [[0,0,1]]"),
                {"s.toml:15:7: found 0, expected a list of points"});
-  check_answer(load("springs", "at = []\nto = []"), {"found an empty list, expected one place"});
-  check_answer(load("springs", "at = [[0,0,0]]\nplane = { through = [0,0,0], normal = [0,0,0] }"),
+  check_answer(load("pulls", "at = []\nto = []"), {"found an empty list, expected one place"});
+  check_answer(load("pulls", "at = [[0,0,0]]\nplane = { through = [0,0,0], normal = [0,0,0] }"),
                {"s.toml:16:", "found [0, 0, 0], expected a direction"});
-  check_answer(load("springs", "at = [[0,0,0]]\nto = [[0,0,1]]\nfalloff = -1"),
+  check_answer(load("pulls", "at = [[0,0,0]]\nto = [[0,0,1]]\nfalloff = -1"),
                {"s.toml:17:11: found -1, expected a length, not below 0"});
-  check_answer(load("springs", "file = \"p.csv\"\nfalloff = 1"),
-               {"s.toml:16:11: found 'falloff' for the springs 'l', expected it only beside 'at'"});
-  check_answer(load("springs", "file = \"p.csv\"\nat = [[0,0,0]]"), {"found both 'at' and 'file'"});
-  check_answer("[[load]]\nname = \"l\"\ntype = \"springs\"\nvalue = -1\nfile = \"p.csv\"\n",
+  check_answer(load("scan", "file = \"p.csv\"\nfalloff = 1"),
+               {"s.toml:16:11: found 'falloff' for the load 'l'", "only where type = \"pulls\""});
+  check_answer(load("pulls", "file = \"p.csv\"\nat = [[0,0,0]]"),
+               {"found 'file' for the load 'l'", "only where type = \"scan\""});
+  check_answer(load("springs", "file = \"p.csv\""), {"gravity, point, line, scan, pulls"});
+  check_answer("[[load]]\nname = \"l\"\ntype = \"scan\"\nvalue = -1\nfile = \"p.csv\"\n",
                {"s.toml:14:9: found -1, expected a stiffness, not below 0"});
 }
 

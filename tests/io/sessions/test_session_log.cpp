@@ -80,7 +80,7 @@ std::vector<Operation> everything() {
       edit(Operation::Add{Load{"s1", places}, {}}),
       edit(Operation::Add{Load{"s2", rail}, {}}),
       edit(Operation::Add{Load{"s3", floor}, {}}),
-      edit(Operation::Add{Load{"m", Load::Springs{{{1, 2, kThird}}}}, {}}),
+      edit(Operation::Add{Load{"m", Load::Scan{{{1, 2, kThird}}}}, {}}),
       edit(Operation::Add{WeightField{"w", WeightField::Kind::Bending, {}, {}}, {}}),
       edit(Operation::Add{WeightField{"w2", WeightField::Kind::Stretching, {}, Vec2(kThird, 1)},
                           {}}),
