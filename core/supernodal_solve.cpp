@@ -11,6 +11,7 @@
 #include "batten/core/index.h"
 #include "batten/core/parallel.h"
 #include "batten/core/simd.h"
+#include "batten/core/supernodal_chunks.h"
 #include "batten/core/supernodal_sweeps.h"
 
 namespace batten {
@@ -75,85 +76,15 @@ SupernodalSolve::SupernodalSolve(const SupernodalPattern& L, const int* order)
   pending_ = std::make_unique<std::atomic<int>[]>(chunks_.size());
 }
 
-// Subtrees that are small enough become one chunk. A supernode above them is a chunk of its own,
-// which takes in the small chunks right before it, and along a spine (one large child, small ones
-// beside it) also the chunk of that child. Then neighbouring subtrees under the same chunk are
-// joined.
 void SupernodalSolve::cut_into_chunks() {
-  const auto count = count_of(parents_);
-  // So many parts keep a few threads busy; the rows of so many columns stay in a second-level
-  // cache. Nothing here may depend on the number of threads.
-  const long most_entries = std::max(entries_ / 24, 16384L);
-  const long little = most_entries / 8;
-  constexpr int most_columns = 8192;
-  std::vector<long> own(count), below(count, 0), largest_child(count, 0);
-  std::vector<int> first(count);
-  std::iota(first.begin(), first.end(), 0);
-  for (int s = 0; s < count; ++s) {
-    own[s] = block_entries(s);
-    below[s] += own[s];
-    if (const int p = parents_[s]; p >= 0) {
-      below[p] += below[s];
-      largest_child[p] = std::max(largest_child[p], below[s]);
-      first[p] = std::min(first[p], first[s]);
-    }
-  }
-  const auto small = [&](int s) {
-    return s >= 0 && below[s] <= most_entries &&
-           columns_[s + 1] - columns_[first[s]] <= most_columns;
-  };
-  struct Piece {
-    int first, end;  // supernodes
-    long entries;
-    bool subtree;  // nothing is below it
-  };
-  std::vector<Piece> pieces;
-  const auto fits = [&](long entries, int end) {
-    return !pieces.empty() && pieces.back().entries + entries <= most_entries &&
-           columns_[end] - columns_[pieces.back().first] <= most_columns;
-  };
-  for (int s = 0; s < count; ++s) {
-    if (small(s)) {
-      if (!small(parents_[s])) pieces.push_back({first[s], s + 1, below[s], true});
-      continue;
-    }
-    const bool spine = below[s] - own[s] - largest_child[s] <= little;
-    Piece piece{s, s + 1, own[s], false};
-    while (fits(piece.entries, piece.end) && pieces.back().first >= first[s] &&
-           (spine || pieces.back().entries <= little)) {
-      piece.first = pieces.back().first;
-      piece.entries += pieces.back().entries;
-      pieces.pop_back();
-    }
-    pieces.push_back(piece);
-  }
-
-  std::vector<int> piece_of(count);
-  for (size_t i = 0; i < pieces.size(); ++i)
-    std::fill(piece_of.begin() + pieces[i].first, piece_of.begin() + pieces[i].end,
-              static_cast<int>(i));
-  const auto above = [&](const Piece& piece) {
-    const int p = parents_[piece.end - 1];
-    return p < 0 ? -1 : piece_of[p];
-  };
-  std::vector<Piece> all;
-  all.swap(pieces);
-  for (const Piece& piece : all) {
-    if (piece.subtree && fits(piece.entries, piece.end) && pieces.back().subtree &&
-        above(pieces.back()) == above(piece)) {
-      pieces.back().end = piece.end;
-      pieces.back().entries += piece.entries;
-    } else {
-      pieces.push_back(piece);
-    }
-  }
-  std::vector<long> sizes;
-  for (const Piece& piece : pieces) {
-    chunks_.push_back({});
-    chunks_.back().first_supernode = piece.first;
-    chunks_.back().first_column = columns_[piece.first];
-    chunks_.back().end_supernode = piece.end;
-    chunks_.back().end_column = columns_[piece.end];
+  std::vector<long> entries, sizes;
+  for (int s = 0; s < count_of(parents_); ++s) entries.push_back(block_entries(s));
+  for (const SupernodePiece& piece : cut_into_pieces(parents_, columns_, entries)) {
+    Chunk& chunk = chunks_.emplace_back();
+    chunk.first_supernode = piece.first;
+    chunk.first_column = columns_[piece.first];
+    chunk.end_supernode = piece.end;
+    chunk.end_column = columns_[piece.end];
     sizes.push_back(piece.entries);
   }
   relate_chunks(sizes);

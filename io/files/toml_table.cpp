@@ -75,7 +75,7 @@ FilePlace TomlTable::place() const {
 
 FilePlace TomlTable::place(const std::string& key) const {
   const toml::node* node = table_->get(key);
-  const FilePlace place = node ? place_of(node->source()) : Place{};
+  const FilePlace place = node ? place_of(node->source()) : FilePlace{};
   return place.line ? place : this->place();
 }
 

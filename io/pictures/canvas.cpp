@@ -78,7 +78,7 @@ vtkRenderWindow& window() {
   static const vtkSmartPointer<vtkRenderWindow> the_window = [] {
     auto made = vtkSmartPointer<vtkRenderWindow>::New();
     made->SetOffScreenRendering(1);
-    made->SetMultiSamples(4);
+    made->SetMultiSamples(0);
     return made;
   }();
   return *the_window;
@@ -155,7 +155,7 @@ void add_thin_lines(vtkRenderer& renderer, vtkPolyData* lines, const Colour& col
                     const Vec3& offset) {
   const auto drawn = actor(nullptr, lines, colour);
   drawn->GetProperty()->LightingOff();
-  drawn->GetProperty()->SetLineWidth(static_cast<float>(std::max(1.6, width * kOversampling)));
+  drawn->GetProperty()->SetLineWidth(static_cast<float>(std::max(2.2, width * kOversampling)));
   drawn->SetPosition(offset.x(), offset.y(), offset.z());
   renderer.AddActor(drawn);
 }
