@@ -16,7 +16,8 @@ namespace batten {
 
 /// [[picture]] of a fairing scene: curvature combs.
 struct CombPictureRule {
-  /// Combs: two panels, the lines as given and at the end. Stages: one more after each stage.
+  /// Combs: two panels, the lines as given and at the end. Stages: one more panel after each stage;
+  /// local stages that follow each other share one.
   enum class Show { Combs, Stages };
   std::string file, title;
   Show show = Show::Combs;
