@@ -49,8 +49,8 @@ struct PictureScene {
 };
 
 /// Draws one PNG, which appears whole or not at all. To be called on the main thread. About 1 s
-/// with software OpenGL. Throws InputError: no display, no region, a value out of its range, a zebra
-/// beside a field, a file that cannot be written.
+/// with software OpenGL. Throws InputError: no display, no region, a value out of its range, a
+/// zebra beside a field, a file that cannot be written.
 void draw_picture(const std::filesystem::path& path, const PictureScene& scene,
                   const PictureSize& size = {});
 
