@@ -64,7 +64,7 @@ vtkSmartPointer<vtkPolyData> part(vtkPolyData& data, vtkCellArray* lines, vtkCel
   return result;
 }
 
-/// Enough for smooth outlines, few enough to be drawn at once.
+/// Facets along an element edge: enough for smooth outlines, few enough to be drawn fast.
 int facets_per_edge(const PictureScene& scene) {
   if (scene.tessellation > 0) return scene.tessellation;
   constexpr double facets = 40000;
