@@ -32,7 +32,7 @@ vtkSmartPointer<vtkActor> actor(vtkAlgorithmOutput* port, vtkPolyData* data, con
 /// An actor that draws facets as a smooth body in the light of add_lights().
 vtkSmartPointer<vtkActor> body(vtkPolyData* facets, const Colour& colour);
 /// Draws lines on the surface, `width` pixels wide. `offset` moves them towards the camera by a few
-/// pixels, so that the facets do not cover them; parallel projection does not show the move.
+/// pixels, so that the facets do not cover them; parallel projection does not show the shift.
 void add_thin_lines(vtkRenderer& renderer, vtkPolyData* lines, const Colour& colour, double width,
                     const Vec3& offset);
 /// Draws points as round dots, `width` pixels across.

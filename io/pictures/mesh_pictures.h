@@ -18,7 +18,7 @@ struct MeshPicture {
   const ShellMesh* shells = nullptr;
   Points points;                        ///< places where its nodes are drawn, n×3
   std::vector<Part> parts;              ///< part of each face, as its colour; empty: all Body
-  std::vector<std::vector<int>> lines;  ///< rows of nodes that are drawn as tubes
+  std::vector<std::vector<int>> lines;  ///< lists of nodes that are drawn as tubes
   VecX field;                           ///< a number ≥ 0 for each node, as colours; empty: none
   std::string field_title;
   double field_limit = 0;  ///< end of the field's scale; 0: its largest number, rounded up
