@@ -1,19 +1,19 @@
-// The program's side of the terminal: progress, and the wish to stop.
+// The program's terminal: it shows progress and takes the user's wish to stop.
 #pragma once
 
 #include "batten/core/progress.h"
 
 namespace batten {
 
-/// From now on Ctrl-C (and SIGTERM, SIGHUP) ask the work to stop instead of ending the program at
-/// once; the second one does that, for libraries that cannot be stopped, and may leave a hidden
-/// folder behind.
+/// Makes the first Ctrl-C (or SIGTERM, SIGHUP) ask the work to stop. The second one ends the
+/// program at once, because some libraries cannot be stopped; it may leave a hidden folder behind.
 void catch_interrupts();
 
-/// Draws a bar on the terminal's standard error once the work takes more than a second, and none
-/// when standard error is not a terminal or `quiet`. Asks for interrupts. The bar is wiped by
-/// end_progress().
+/// A progress that stops the work after an interrupt and draws a bar on standard error once the
+/// work takes more than a second. It draws none when `quiet`, or when standard error is not a
+/// terminal.
 Progress terminal_progress(bool quiet);
+/// Removes the bar.
 void end_progress();
 
 }  // namespace batten

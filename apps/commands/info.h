@@ -1,4 +1,4 @@
-// What is in a file, in a few lines of text.
+// Describes a file in a few lines of text.
 #pragma once
 
 #include <filesystem>
@@ -6,9 +6,10 @@
 
 namespace batten {
 
-/// A scene (.toml): its lines and parameters. Points or CAD: its lines with lengths and ends. STEP
-/// with faces: what is in it and whether it is valid. `unit`: of lengths in the answer, for a file
-/// that is not a scene; also what files of points are taken to be in. Throws InputError.
+/// Describes a scene (.toml) by its lines and parameters; a file of points, CAD or sketches by its
+/// lines with lengths and ends; a STEP file with faces also by its contents and whether it is
+/// valid. `unit` is that of lengths in the text, and of files of points; a scene has its own.
+/// Throws InputError.
 std::string file_info(const std::filesystem::path& file, const std::string& unit);
 
 }  // namespace batten

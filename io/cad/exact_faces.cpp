@@ -109,7 +109,7 @@ class FacesMaker {
     return std::move(faces_);
   }
 
-  /// Once all faces are made.
+  /// Puts the vertices and edges along lines into `shared`, once all faces are made.
   void share(SharedEdges& shared) const {
     for (const auto& [name, chain] : numbering_.lines()) {
       const int n = count_of(chain.edges);

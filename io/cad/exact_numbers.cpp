@@ -54,7 +54,7 @@ int ExactNumbers::root(int vertex) const {
   return vertex;
 }
 
-// The lower number stays.
+// Makes two vertices one; the lower number stays.
 void ExactNumbers::unite(int a, int b) {
   a = root(a);
   b = root(b);

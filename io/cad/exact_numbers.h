@@ -1,4 +1,4 @@
-// Which vertices and edges exact faces have in common. Internal.
+// Numbers the vertices and edges that exact faces have in common. Internal.
 #pragma once
 
 #include <map>
@@ -9,33 +9,33 @@
 
 namespace batten {
 
-/// A side of a triangle from its lower vertex to the higher one: one edge, or several where
-/// vertices of others lie on it.
+/// The pieces of a side of a triangle, from its lower vertex number to the higher: one edge, or
+/// several where vertices of other triangles lie on it.
 struct Pieces {
-  std::vector<int> vertices, edges;
-  std::vector<double> shares;  // of the side, at the vertices
+  std::vector<int> vertices, edges;  // numbers
+  std::vector<double> shares;        // place of each vertex on the side, from 0 to 1
 };
 
-/// Numbers of a region's vertices and edges among those of all regions, of which each is one.
+/// The numbers that a region's vertices and edges have among those of all regions.
 struct CommonNumbers {
   std::vector<int> vertices, edges;
-  std::map<int, Pieces> on_lines;  // of edges along named lines, instead of the above
+  std::map<int, Pieces> on_lines;  // edges along named lines, which `edges` does not tell
 };
 
-/// Numbers along a line, from its start.
+/// The numbers of vertices and edges along a line, from its start.
 struct LineNumbers {
   std::vector<int> vertices, edges;
 };
 
-/// Numbers vertices and edges of all regions but the cut ones. What lies in the same place of lines
-/// with the same name, or at ends of lines that lie in the same place, gets one number. Edges along
-/// lines end at the plan's cuts (cut_at_vertices).
+/// Numbers vertices and edges of all regions. Vertices and edges in the same place of lines with
+/// the same name get one number; so do ends of lines in the same place. Edges along lines end at
+/// the plan's cuts (cut_at_vertices). Regions that embedded lines cut share no numbers.
 class ExactNumbers {
  public:
-  /// Keeps a reference.
+  /// Numbers everything and keeps a reference to the plan.
   explicit ExactNumbers(const StepPlan& plan);
 
-  /// Of StepPlan::regions.
+  /// The numbers of each StepPlan::regions.
   const std::vector<CommonNumbers>& regions() const { return numbers_; }
   const std::map<std::string, LineNumbers>& lines() const { return lines_; }
   size_t vertex_count() const { return vertices_.size(); }
@@ -48,14 +48,14 @@ class ExactNumbers {
   void join(const LineRun& run, CommonNumbers& own);
 
   const StepPlan& plan_;
-  std::vector<int> vertices_;  // each the number that it is one with, or its own
+  std::vector<int> vertices_;  // of each vertex, a lower number that it is one with, or its own
   std::vector<int> edges_;
   std::map<std::string, LineNumbers> lines_;
   std::map<int, int> places_;
   std::vector<CommonNumbers> numbers_;
 };
 
-/// Cuts lines where triangles of exact faces have vertices on them.
+/// Adds cuts to the plan's lines where triangles of exact faces have vertices on them.
 void cut_at_vertices(StepPlan& plan);
 
 }  // namespace batten

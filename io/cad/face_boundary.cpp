@@ -18,7 +18,7 @@ const std::string& line_name(const SkinnedRegion& region, const BoundaryPiece& p
                                                 : region.embedded.at(i).line.name;
 }
 
-/// From one parameter to a later one; smooth between.
+/// The part of a curve from one parameter to a later one, between which it is smooth.
 HermiteCurve part(const HermiteCurve& whole, double from, double to) {
   const HermiteCurve curve = whole.with_nodes({from, to});
   std::vector<double> u;
@@ -73,8 +73,8 @@ HermiteCurve shifted(const HermiteCurve& image, double du) {
   return {image.mesh(), std::move(dofs)};
 }
 
-/// Which way the stretch runs along its line. Whatever its own direction was: regions run as their
-/// loops do.
+/// Finds in which direction the stretch runs along its line, and the line's parameter on it. A
+/// stretch has the direction of its loop, whatever that of the line is.
 void place_on_line(FaceStretch& whole, const StepPlan& common, const std::string& region) {
   const auto found = common.lines.find(whole.line);
   if (found == common.lines.end())
@@ -132,7 +132,7 @@ std::vector<double> crossings(const FaceStretch& stretch, double u) {
   return found;
 }
 
-/// A loop around a ring, begun anew where it crosses u = seam (mod period), and moved there.
+/// A loop around a ring that begins where it crosses u = seam (mod period), shifted in u to there.
 FaceLoop begun_at(const FaceLoop& loop, double seam, double period) {
   const bool forward = loop.back().last().x() > loop.front().first().x();
   const double begin = forward ? seam : seam + period;
@@ -229,7 +229,7 @@ void FaceBoundary::add_cuts(StepPlan& plan) const {
       }
 }
 
-/// A seam that meets no hole, if possible where the first loop begins.
+/// Chooses a seam that meets no hole, where the first loop begins if that is possible.
 void FaceBoundary::unroll(const std::string& name) {
   const double start = loops[0].front().first().x();
   const auto turns = [&](const FaceLoop& loop) {

@@ -1,4 +1,4 @@
-// The boundary of a region as CAD faces have it. Internal.
+// The boundary of a region, in the pieces that a CAD face has as edges. Internal.
 #pragma once
 
 #include <string>
@@ -9,11 +9,11 @@
 
 namespace batten {
 
-/// A smooth part of the boundary, in space and in (u, v), over the same parameters, along the loop.
+/// A smooth part of the boundary, in the direction of its loop.
 struct FaceStretch {
-  HermiteCurve curve, image;
-  std::string line;             ///< that it is a part of
-  bool reversed = false;        ///< the loop runs against the line
+  HermiteCurve curve, image;    ///< in space and in (u, v), over the same parameters
+  std::string line;             ///< name of its line
+  bool reversed = false;        ///< whether the loop runs against the line
   double shift = 0, scale = 1;  ///< t of the line = shift + scale · t of the stretch
 
   Vec2 uv(double t) const { return flat(image.evaluate(t)); }
@@ -23,26 +23,28 @@ struct FaceStretch {
 };
 using FaceLoop = std::vector<FaceStretch>;
 
+/// All loops of a region's boundary.
 struct FaceBoundary {
-  std::vector<FaceLoop> loops;  ///< of a ring, the first two are one wire, the seam between them
-  double period = 0;
-  double seam = 0;  ///< its u
+  std::vector<FaceLoop> loops;  ///< of a ring, the first two make one wire with the seam
+  double period = 0;            ///< the mesh's period in u; 0 when the region is not a ring
+  double seam = 0;              ///< u of a ring's seam
   DomainLoops domain;
 
-  /// Lines are cut at corners, at the cuts of `common`, and where the seam of a ring meets them.
-  /// Throws InputError: as write_step_faces, and for a line without name when others are in common.
+  /// Cuts the region's lines at corners, at the cuts of `common`, and where the seam of a ring
+  /// meets them. Throws InputError as write_step_faces() does of boundaries, and for a line without
+  /// a name when `common` is given.
   explicit FaceBoundary(const SkinnedRegion& region, const StepPlan* common = nullptr);
 
   bool contains(Vec2 uv) const;
-  /// Where it cuts lines, besides their ends.
+  /// Adds to the plan where this boundary cuts lines, besides their ends.
   void add_cuts(StepPlan& plan) const;
 
  private:
   void unroll(const std::string& name);
 };
 
-/// Cuts lines where the boundary of one of these regions does, so that all regions cut them at the
-/// same places. Throws InputError as FaceBoundary.
+/// Adds to the plan where the boundaries of these regions cut lines, so that all regions cut them
+/// at the same places. Throws InputError as FaceBoundary.
 void cut_lines(StepPlan& plan, const std::vector<const SkinnedRegion*>& regions);
 
 }  // namespace batten

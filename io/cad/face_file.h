@@ -1,4 +1,4 @@
-// Fitted faces in a STEP file, measured on the file read back. Internal.
+// Fits faces, and measures them on the STEP file read back. Internal.
 #pragma once
 
 #include <filesystem>
@@ -13,25 +13,26 @@ namespace batten {
 
 using FittedFaces = std::vector<std::unique_ptr<FaceMaker>>;
 
-/// Fits every region, on all threads. `options` and regions are to live as long.
+/// Fits a face to every region, on all threads. `options` and the regions must outlive the result.
 FittedFaces fitted_faces(const std::vector<const SkinnedRegion*>& regions, const StepPlan& plan,
                          const StepFaceOptions& options);
 
-/// Writes a file and measures it, with finer fits of faces that miss the tolerance as long as that
-/// helps, four times at most. `written` makes all faces, writes them and gives the report, patches
-/// in the order of `made`.
+/// Writes a file and measures it, and again with finer fits of the faces that miss the tolerance,
+/// as long as that helps: four times at most. `written` makes all faces, writes them and returns
+/// the report with patches in the order of `made`.
 StepReport refined(const FittedFaces& made, const std::function<StepReport()>& written);
 
-/// Adds to the report what `faces` of the file read back are against the regions of `made`.
+/// Measures the `faces` of the file read back against the regions of `made` and adds the patches to
+/// the report.
 void measure_patches(StepReport& report, const std::vector<TopoDS_Face>& faces,
                      const FittedFaces& made, double tolerance);
 
-/// The file read back, its faces in the order in which they were written (made), each against its
-/// region: all of a StepReport but file and warnings. Throws Error when there are other faces.
+/// Reads the file back and measures each face, in the order of `made`, against its region: all of a
+/// StepReport but file and warnings. Throws Error when the file has another number of faces.
 StepReport measured_faces(const std::filesystem::path& path, const FittedFaces& made,
                           double tolerance);
 
-/// Throws InputError.
+/// Throws InputError for a tolerance or a limit of poles out of its range.
 void check_options(const std::filesystem::path& path, const StepFaceOptions& options);
 
 }  // namespace batten

@@ -174,13 +174,13 @@ void FaceMaker::fit(const BicubicPatch* start) {
 }
 
 double FaceMaker::widened(double distance) {
-  // What lies between the samples is little more.
+  // Between the samples the distance may be a little larger.
   const double tolerance = std::max(1e-9 * size_, 1.02 * distance);
   widest_ = std::max(widest_, tolerance);
   return tolerance;
 }
 
-// Where stretches meet, at the end of `before` and the start of `after`.
+// The vertex where two stretches meet, at the end of `before` and the start of `after`.
 TopoDS_Vertex FaceMaker::vertex(const FaceStretch& before, const FaceStretch& after) {
   const Vec3 p = after.curve.position(0);
   double distance = (p - end_of(before.curve)).norm();
@@ -197,7 +197,8 @@ TopoDS_Vertex FaceMaker::vertex(const FaceStretch& before, const FaceStretch& af
   return result;
 }
 
-// Forward along the loop. A shared edge that is made here runs along its line.
+// The edge of a stretch, forward along the loop. A shared edge that is made here runs along its
+// line.
 TopoDS_Edge FaceMaker::edge(const FaceStretch& stretch, const TopoDS_Vertex& a,
                             const TopoDS_Vertex& b) {
   bool reversed = shared_ && stretch.reversed;
@@ -298,7 +299,7 @@ void FaceMaker::add_ring() {
                              curve->Value(to.y()).Distance(BRep_Tool::Pnt(b)));
   TopoDS_Edge seam;
   builder_.MakeEdge(seam, curve, widened(0));
-  // Met forward first, on the right side.
+  // The loop meets the seam on the right side first, and runs forward along it there.
   builder_.UpdateEdge(seam, line(right), line(left), face_, widened(0));
   widened(distance);
   finish(seam, a, b, from.y(), to.y());

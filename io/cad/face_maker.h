@@ -1,4 +1,4 @@
-// One region as a trimmed B-spline face of OpenCASCADE. Internal.
+// Makes one region into a trimmed B-spline face of OpenCASCADE. Internal.
 #pragma once
 
 #include <BRep_Builder.hxx>
@@ -21,50 +21,55 @@
 
 namespace batten {
 
-/// Edges and vertices that several faces have in common: one edge for each stretch of a line, one
-/// vertex for each place where stretches end. All are null until somebody makes them.
+/// The edges and vertices that several faces have in common: one edge for each piece of a line
+/// between cuts, one vertex for each place where such pieces end. Each is null until it is set.
 class SharedEdges {
  public:
-  /// Keeps a reference.
+  /// Keeps a reference to the plan.
   explicit SharedEdges(const StepPlan& plan) : plan_(plan) {}
 
-  /// Of the stretch's start, end, along its loop.
+  /// The vertex at the start, or at the end, of a stretch along its loop; and the stretch's edge.
   TopoDS_Vertex& vertex(const FaceStretch& stretch, bool end);
   TopoDS_Edge& edge(const FaceStretch& stretch);
-  /// At a cut of the line, counted from 1; 0: its start, one more than there are: its end.
+  /// The vertex at a cut of the line. Cuts count from 1; 0 is the line's start, and the number
+  /// after the last cut its end.
   TopoDS_Vertex& vertex(const std::string& line, int cut);
-  /// Before a cut, or the line's end. Its orientation says whether it runs along the line.
+  /// The edge that ends at this cut, or at the line's end. Its orientation says whether it runs
+  /// along the line.
   TopoDS_Edge& edge(const std::string& line, int cut) { return edges_[{line, cut}]; }
 
  private:
   int cut_of(const FaceStretch& stretch, bool end) const;
   const StepPlan& plan_;
   std::map<int, TopoDS_Vertex> places_;
-  std::map<std::pair<std::string, int>, TopoDS_Vertex> vertices_;  // at cuts
-  std::map<std::pair<std::string, int>, TopoDS_Edge> edges_;       // before the cut
+  std::map<std::pair<std::string, int>, TopoDS_Vertex> vertices_;  // by line and cut
+  std::map<std::pair<std::string, int>, TopoDS_Edge> edges_;       // by line and the cut at its end
 };
 
-/// The fit of a region's surface, and the face that is made of it.
+/// Fits a B-spline surface to a region and makes a face of it.
 class FaceMaker {
  public:
-  /// Keeps references to region and options. Fits: O(poles), seconds for large regions.
+  /// Fits the surface and keeps references to region and options. O(poles); seconds for large
+  /// regions. Throws InputError as FaceBoundary.
   FaceMaker(const SkinnedRegion& region, const StepFaceOptions& options,
             const StepPlan* common = nullptr);
 
   const SkinnedRegion& region() const { return region_; }
   const FaceBoundary& boundary() const { return boundary_; }
   double size() const { return size_; }
-  /// Of edges and vertices, once the face is made.
+  /// The largest tolerance of edges and vertices, once the face is made; model units.
   double tolerance() const { return widest_; }
   int cells() const { return fit_.patch.u.intervals() * fit_.patch.v.intervals(); }
   Vec3 position(const Vec2& uv) const;
   int poles_u() const { return fit_.patch.u.functions(); }
   int poles_v() const { return fit_.patch.v.functions(); }
 
-  /// After the file was measured: whether another fit may help, and is made.
+  /// Fits anew, finer, after the face of a file was measured at this deviation from the region.
+  /// Returns false, and keeps the last fit, when no finer fit reaches its goal.
   bool refine(double deviation);
 
-  /// The face anew, with edges of its own, or those that it has in common with others.
+  /// Makes the face of the last fit. Its edges along lines are those of `shared`, or its own when
+  /// that is null.
   TopoDS_Face make(SharedEdges* shared = nullptr);
 
  private:

@@ -9,9 +9,9 @@
 
 namespace batten {
 
-/// While one of these lives, OpenCASCADE's translators have the settings given by set() and print
-/// nothing; when it dies, settings, unit and printers are what they were before. The settings
-/// belong to the whole process, so only one thread at a time can hold a guard (others wait).
+/// While such an object exists, OpenCASCADE's translators have the settings given by set() and
+/// print nothing. Its destructor restores settings, unit and printers. The settings belong to the
+/// whole process, so only one thread at a time can have such an object (others wait).
 ///
 ///     OccSettings occ;
 ///     occ.set("xstep.cascade.unit", "MM");
@@ -23,13 +23,14 @@ class OccSettings {
   OccSettings(const OccSettings&) = delete;
   OccSettings& operator=(const OccSettings&) = delete;
 
-  /// Throws std::logic_error when OpenCASCADE does not know the setting or refuses the value.
+  /// Changes a setting. Throws std::logic_error when OpenCASCADE does not know it or refuses the
+  /// value.
   void set(const char* name, const char* value);
   void set(const char* name, int value);
   void set(const char* name, double value);
 
-  /// OpenCASCADE reads into, and writes from, coordinates in this unit ("MM", "M", "INCH" …); the
-  /// unit of a file that is written is the same, so that its coordinates are the given ones.
+  /// Sets the unit ("MM", "M", "INCH" …) of the coordinates that OpenCASCADE reads into and writes
+  /// from. Files that are written have the same unit, so that coordinates are not converted.
   void set_unit(const std::string& name);
 
   /// OpenCASCADE's name of a length unit, or "" for a unit that STEP files of OpenCASCADE cannot

@@ -1,4 +1,4 @@
-// Regions as STEP files that are exactly their surfaces, and what a STEP file holds when read back.
+// Writes regions as STEP files that are exactly their surfaces, and measures STEP files.
 //
 // An HCT triangle is three cubics, and a cubic in affine (s, t) is a bicubic on the square
 // 0 ≤ s, t ≤ 1: each sub-triangle (V_j, V_k, centroid) becomes one bicubic face, cut along straight
@@ -12,9 +12,9 @@
 //     0 o----o  s
 //      V_j    V_k
 //
-// Edges in space are the surface's own cubics, their parameter runs as that of the parameter lines
-// does. Every vertex and edge exists once, shared by the faces beside it, also where regions have a
-// line in common: nothing is sewn. No poles. Normals are along x_u × x_v.
+// Edges in space are the surface's own cubics, with the parameter of the parameter lines. Every
+// vertex and edge exists once and is shared by the faces beside it, also where regions have a line
+// in common: nothing is sewn. No edge is degenerate. Normals are along x_u × x_v.
 //
 //   regions that lines of the same name connect, closed    one solid, normals outwards
 //   the same, open                                         one shell
@@ -32,18 +32,21 @@
 
 namespace batten {
 
+/// How write_step() writes a file.
 struct StepOptions {
-  std::string name = "surface";  ///< of the product
+  std::string name = "surface";  ///< name of the product
   std::string author = "";
-  /// Write Z12 surfaces by the HCT functions of the same dofs: values and gradients on all element
-  /// edges are the same, the inside differs by O(h⁴). StepReport::max_deviation tells by how much.
+  /// Whether Z12 surfaces are written by the HCT functions of the same dofs. Values and gradients
+  /// on all element edges are the same; inside they differ by O(h⁴), which
+  /// StepReport::max_deviation measures.
   bool z12_as_hct = false;
-  /// Of the fitted faces of cut regions from their surfaces, in model units; 0: 1e-4 of the size.
+  /// Largest distance of the fitted faces of cut regions from their surfaces, in model units;
+  /// 0: 1e-4 of the size.
   double tolerance = 0;
 };
 
-/// A text for the user when the file will be large (more than 10,000 triangles in exact faces): how
-/// many faces and about how many megabytes; otherwise "". To be said before write_step.
+/// A warning for the user, to be shown before write_step(), when the file will be large (more than
+/// 10,000 triangles in exact faces): how many faces, and about how many megabytes. Otherwise "".
 std::string step_size_warning(const std::vector<const SkinnedRegion*>& regions);
 
 /// Writes all regions (AP214) and returns check_step of the file. Regions meet where their lines
@@ -63,9 +66,9 @@ StepReport write_step(const std::filesystem::path& file,
                       const std::vector<const SkinnedRegion*>& regions, double model_unit_in_metres,
                       const StepOptions& options = {});
 
-/// Reads a STEP file of any origin into model units and measures it. `regions`: what it should be,
-/// shell by shell. Throws InputError when the file cannot be read or holds no shape, and for units
-/// as above.
+/// Reads a STEP file of any origin into model units and measures it. `regions`: the regions that it
+/// should hold, shell by shell. Throws InputError when the file cannot be read or holds no shape,
+/// and for units as above.
 StepReport check_step(const std::filesystem::path& file, double model_unit_in_metres,
                       const std::vector<const SkinnedRegion*>& regions = {});
 

@@ -201,8 +201,8 @@ std::vector<SubTriangle> as_written(const std::vector<const SkinnedRegion*>& reg
   return expected;
 }
 
-/// Of exact faces. As long as they agree with the surfaces in their order, no search for the
-/// nearest point is needed.
+/// The largest distance of exact faces from their surfaces. As long as they agree in their order,
+/// no search for the nearest point is needed.
 double deviation(const TopoDS_Shape& shape, const std::vector<const SkinnedRegion*>& regions,
                  const std::vector<SubTriangle>& expected, double size) {
   double worst = 0;

@@ -1,4 +1,4 @@
-// Measuring STEP files that are read back. Internal.
+// Measures STEP files that are read back. Internal.
 #pragma once
 
 #include <TopoDS_Face.hxx>
@@ -12,22 +12,24 @@
 
 namespace batten {
 
-/// What is in the file, in the unit of the OccSettings alive. Throws InputError.
+/// Reads the shape of a file, in the unit of the present OccSettings. Throws InputError when it
+/// cannot be read or holds no shape.
 TopoDS_Shape read_step(const std::filesystem::path& path);
 
-/// Everything in StepReport but the file's name and size and what compares with regions.
-/// `region_of_face`: of each face in the file's order; faces beyond its end are one region.
+/// Measures everything in StepReport but the file's name and size and what compares with regions.
+/// `region_of_face`: the region of each face, in the file's order; faces beyond its end are one
+/// region.
 StepReport measured_shape(const TopoDS_Shape& shape, const std::vector<int>& region_of_face);
 
-/// As check_step, in the unit of the OccSettings alive, but for the patches: `fitted` gets the
-/// faces of cut regions, in their order; none where the file is not one of write_step with these
-/// regions.
+/// Measures a file as check_step() does, but without the patches, in the unit of the present
+/// OccSettings. `fitted` gets the faces of cut regions, in their order; none when write_step() did
+/// not write the file from these regions.
 StepReport measured_file(const std::filesystem::path& path,
                          const std::vector<const SkinnedRegion*>& regions,
                          std::vector<TopoDS_Face>& fitted);
 
-/// Largest distance of points inside the face from the nearest of the regions' surfaces.
-/// O(triangles) a point.
+/// The largest distance of points inside the face from the nearest of the regions' surfaces.
+/// O(triangles) for each point.
 double nearest_deviation(const TopoDS_Face& face, const std::vector<const SkinnedRegion*>& regions);
 
 }  // namespace batten

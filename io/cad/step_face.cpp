@@ -14,8 +14,8 @@
 namespace batten {
 namespace {
 
-/// Writes the faces as they are; whether OpenCASCADE finds nothing wrong with them. Readers repair
-/// silently.
+/// Writes the faces as they are and returns whether OpenCASCADE finds nothing wrong with them. (The
+/// file read back would not tell: readers repair silently.)
 bool save(const std::filesystem::path& path, const StepPlan& plan, const FittedFaces& made,
           const StepFaceOptions& options, OccSettings& occ) {
   SharedEdges shared(plan);

@@ -1,5 +1,4 @@
-// Skinned regions as STEP files that people keep: one trimmed bicubic B-spline face for each
-// region.
+// Writes skinned regions as small STEP files: one trimmed bicubic B-spline face for each region.
 //
 // The face is a least-squares fit of x(u, v) over the rectangle around the region's boundary loops,
 // C2 and with as few poles as the tolerance asks for; the parameters are the region's own u, v, the
@@ -12,8 +11,8 @@
 // of them. (Where a ring's seam meets it, or the image of it bends, it is several edges.)
 // Tolerances of edges and vertices are the distances that were measured between them and the faces.
 //
-// Nothing that the report says is taken from the fit: the file is read back from disk by
-// OpenCASCADE and sampled, and knots are refined until the file keeps the tolerance.
+// The report does not use the fit's own numbers: OpenCASCADE reads the file back from disk, it is
+// sampled, and knots are refined until the file keeps the tolerance.
 #pragma once
 
 #include "batten/io/cad/step_face_options.h"
@@ -23,17 +22,17 @@
 namespace batten {
 
 /// Writes one face for each region and measures the file (AP214, coordinates and unit as in
-/// write_step). `max_deviation`, `max_gap`: largest of the faces. When the tolerance cannot be
-/// reached, because of the most poles or because finer knots no longer help (fitting ends where the
-/// elements' own kinks of curvature are too many), the best file found is written and the report
-/// says so. The file is written whole or not at all. Seconds for 10,000 triangles; about 90 bytes a
-/// pole.
+/// write_step). `max_deviation` and `max_gap` are the largest of the faces. When the tolerance
+/// cannot be reached, because of the limits of poles or because finer knots no longer help (the
+/// elements' own jumps of curvature are too many), the best file found is written and the report
+/// says so. The file is written whole or not at all. Takes seconds for 10,000 triangles, and about
+/// 90 bytes for each pole.
 ///
 /// Throws InputError: no region; a region without boundary, or whose boundary curve and image have
 /// different parameters; lines of one name that differ, lines without a name beside them; a ring
 /// whose rims do not run around it, or whose holes leave no room for the seam; a unit other than
-/// those of write_step; a tolerance that is not > 0, limits below those above; dofs that are not
-/// finite; a file that cannot be written.
+/// those of write_step; a tolerance that is not > 0; limits of poles below those that
+/// StepFaceOptions allows; dofs that are not finite; a file that cannot be written.
 StepReport write_step_faces(const std::filesystem::path& file,
                             const std::vector<const SkinnedRegion*>& regions,
                             double model_unit_in_metres, const StepFaceOptions& options);

@@ -1,16 +1,17 @@
-// How near a fitted face comes to its surface, and how large it may become.
+// Options of fitted faces in STEP files.
 #pragma once
 
 #include <string>
 
 namespace batten {
 
+/// How near a fitted face must be to its surface, and how large it may become.
 struct StepFaceOptions {
-  double tolerance = 0;          ///< of the surface, in model units; > 0
-  std::string name = "surface";  ///< of the product
+  double tolerance = 0;          ///< largest distance from the surface, model units; above 0
+  std::string name = "surface";  ///< name of the product
   std::string author = "";
-  int most_poles = 400;            ///< in one direction, 16 or more
-  int most_poles_in_all = 60'000;  ///< of one face, 256 or more: about 6 MB
+  int most_poles = 400;            ///< most poles in one direction, 16 or more
+  int most_poles_in_all = 60'000;  ///< most poles of one face, 256 or more; 60,000 are about 6 MB
 };
 
 }  // namespace batten

@@ -1,4 +1,5 @@
-// What regions have in common in a STEP file: lines, the places where these end, shells. Internal.
+// Plans what regions have in common in a STEP file: lines, the places where they end, and shells.
+// Internal.
 #pragma once
 
 #include <TopoDS_Shape.hxx>
@@ -14,37 +15,40 @@
 
 namespace batten {
 
+/// A line of one region or of several.
 struct StepLine {
-  const HermiteCurve* curve = nullptr;  ///< as the first region has it
-  std::array<int, 2> places{};          ///< of its start, end; ends that coincide have the same
-  std::vector<double> cuts = {};        ///< parameters where all edges along it end, ascending
+  const HermiteCurve* curve = nullptr;  ///< its curve in the first region that has it
+  std::array<int, 2> places{};    ///< numbers of its start and end; ends in one place have the same
+  std::vector<double> cuts = {};  ///< parameters where all edges along it end, ascending
 };
 
+/// Regions that make one shell.
 struct StepShell {
   std::vector<int> regions;  ///< indices into StepPlan::regions
   bool solid = false;
 };
 
+/// The regions of a STEP file, and what they have in common.
 struct StepPlan {
-  std::vector<const SkinnedRegion*> regions;  ///< shell by shell
+  std::vector<const SkinnedRegion*> regions;  ///< all regions, shell by shell
   std::vector<StepShell> shells;
-  std::map<std::string, StepLine> lines;  ///< all that have a name, of boundaries and inside
-  bool joined = false;                    ///< some line is there twice
-  double distance = 0;                    ///< at most, of what is to be one; model units
+  std::map<std::string, StepLine> lines;  ///< all lines with a name, of boundaries and inside
+  bool joined = false;                    ///< whether any line is there twice
+  double distance = 0;  ///< largest distance of points, or of lines, that are one; model units
   std::vector<std::string> warnings;
 };
 
-/// Regions with a line of the same name are one shell. It is a solid when every line of it has two
-/// sides, which run against each other, and its normals point outwards. Regions with three sides at
-/// a line, or without a common outside, are a shell each, and a warning says so. Throws InputError:
-/// no region, dofs that are not finite, different curves of one name.
+/// Plans a file. Regions with a line of the same name are one shell. It is a solid when every line
+/// of it has two sides, which run against each other, and its normals point outwards. Regions with
+/// three sides at a line, or without a common outside, are a shell each, and a warning says so.
+/// Throws InputError: no region, dofs that are not finite, different curves of one name.
 StepPlan step_plan(const std::vector<const SkinnedRegion*>& regions);
 
-/// +1 where `curve` is `line`, -1 where it is that line run backwards, 0 where it is neither within
-/// `distance`. Taken at equal shares of the parameter.
+/// Returns +1 when `curve` is `line`, -1 when it is the line run backwards, 0 when it is neither.
+/// Points at equal shares of the parameters are compared, within `distance`.
 int direction_along(const HermiteCurve& curve, const HermiteCurve& line, double distance);
 
-/// The shells of a plan as shells and solids; `add` puts a region's faces into one.
+/// Makes the shells and solids of a plan. `add` puts a region's faces into its shell.
 TopoDS_Shape assembled(const StepPlan& plan,
                        const std::function<void(int region, TopoDS_Shell& shell)>& add);
 

@@ -1,4 +1,4 @@
-// What is in a STEP file, measured.
+// The numbers measured on a STEP file.
 #pragma once
 
 #include <cstdint>
@@ -9,60 +9,61 @@
 
 namespace batten {
 
-/// One region's fitted face. Lengths in model units. check_step knows region and deviation (a few
-/// points against the nearest of the surface) only.
+/// The fitted face of one region. Lengths are in model units. check_step() sets region and
+/// deviation only (a few points of the face, against the nearest points of the surface).
 struct StepPatch {
   std::string region;
-  /// Largest distance found between the face of the file and the surface, inside the trim: points
-  /// of the face from the surface, points of the surface from the face, and both along the rim. It
-  /// is taken at equal (u, v), so the nearest points are never farther apart.
+  /// Largest distance found between the face of the file and the surface, inside the trim: at
+  /// points of the face, at points of the surface, and along the boundary. It is taken at equal
+  /// (u, v), so the nearest points are never farther apart.
   double deviation = 0;
-  bool reached = false;  ///< deviation ≤ tolerance
-  /// Largest distance between an edge of the file and its face: line_gap and the fit. Vertices too.
+  bool reached = false;  ///< whether deviation ≤ tolerance
+  /// Largest distance between the face and an edge or vertex of the file. It has two causes:
+  /// line_gap and the fit.
   double edge_gap = 0;
-  /// The same between boundary curves and the surface: it comes with the region.
+  /// Largest distance between the boundary curves and the surface of the region itself.
   double line_gap = 0;
-  double edge_deviation = 0;  ///< of the file's edges from the boundary curves: rounding
+  double edge_deviation = 0;  ///< distance of the file's edges from the boundary curves: rounding
   int poles_u = 0, poles_v = 0;
 };
 
-/// What is in a STEP file, measured on the file read back from disk by OpenCASCADE (which silently
-/// repairs directions of curves and loops while it reads). Lengths in model units.
+/// What is in a STEP file, measured on the file that OpenCASCADE reads back from disk (it silently
+/// repairs directions of curves and loops while it reads). Lengths are in model units.
 struct StepReport {
   std::filesystem::path file;
   std::uintmax_t bytes = 0;
   int shells = 0, solids = 0;
-  int closed_shells = 0;  ///< without a free edge
+  int closed_shells = 0;  ///< shells without a free edge
   int faces = 0;
   int edges = 0;
-  int free_edges = 0;  ///< with one face only: the rims; a seam is none
-  /// OpenCASCADE's checks passed (BRepCheck_Analyzer). They pass on a gap too, where reading widens
-  /// the edge's tolerance over it: max_gap tells.
+  int free_edges = 0;  ///< edges with one face only: the rims, but not seams
+  /// Whether OpenCASCADE's checks passed (BRepCheck_Analyzer). They also pass at a gap, because
+  /// reading widens the edge's tolerance over it; max_gap shows it.
   bool valid = false;
   double size = 0;  ///< diagonal of the box around all edges
   double area = 0;
-  double volume = 0;  ///< of all solids, model units³; of exact faces to 1e-12
+  double volume = 0;  ///< volume of all solids, model units³; of exact faces to 1e-12
   /// Largest distance between an edge and the faces beside it (9 points an edge, more on fitted
   /// faces), and between a vertex and the ends of its edges. Over `size` it is a relative gap.
   double max_gap = 0;
   /// Largest angle between the outward normals of two faces of one region along their edge, 9
-  /// points an edge. Where the file's regions are not known all its faces are one.
+  /// points an edge. When the file's regions are not known, all its faces count as one region.
   double max_normal_jump_deg = 0;
-  /// Largest distance of points of the faces (15 each; StepPatch::deviation) to the regions'
-  /// surfaces; only when these were given. Of write_step the exact faces only: `patches` has the
-  /// fitted ones.
+  /// Largest distance of points of the faces (15 each; StepPatch::deviation) from the regions'
+  /// surfaces; set only when these were given. In a report of write_step() it is that of the exact
+  /// faces; `patches` has the fitted ones.
   std::optional<double> max_deviation;
-  double max_tolerance = 0;  ///< of edges and vertices, as a reader has them
-  /// Places where one of these could not be measured: an edge without a parameter line on its face,
-  /// a point where the surface is singular.
+  double max_tolerance = 0;  ///< largest tolerance of edges and vertices after reading
+  /// Count of places where one of these could not be measured: an edge without a parameter line on
+  /// its face, a point where the surface is singular.
   int unmeasured = 0;
   std::vector<std::string> warnings;
 
-  // Of fitted faces.
-  double tolerance = 0;                     ///< asked for
-  bool reached = true;                      ///< by every one
-  double line_gap = 0, edge_deviation = 0;  ///< largest of the faces
-  std::vector<StepPatch> patches;           ///< in the order of the faces
+  // For fitted faces only:
+  double tolerance = 0;                     ///< the tolerance asked for
+  bool reached = true;                      ///< whether every face reaches it
+  double line_gap = 0, edge_deviation = 0;  ///< the largest of the faces
+  std::vector<StepPatch> patches;           ///< each fitted face, in the order of the file
 };
 
 }  // namespace batten

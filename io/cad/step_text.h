@@ -1,4 +1,4 @@
-// How Batten writes a STEP file once OpenCASCADE has its contents. Internal.
+// Writes a STEP file once OpenCASCADE has its contents. Internal.
 #pragma once
 
 #include <filesystem>
@@ -18,13 +18,13 @@ struct StepHeader {
 /// OpenCASCADE's name of a length unit that CAD files can have. Throws InputError.
 std::string cad_unit(double model_unit_in_metres);
 
-/// Header and numbers in digits that come back as the same numbers; whole or not at all. Throws
-/// InputError.
+/// Writes the file with this header and with all digits of its numbers. It appears whole or not at
+/// all. Throws InputError when it cannot be written.
 void save_step(STEPControl_Writer& writer, const std::filesystem::path& path,
                const StepHeader& header);
 
-/// A shape as one product (AP214) in the unit of `occ`. `tolerance`: what the file declares. Throws
-/// Error, InputError.
+/// Writes a shape as one product (AP214) in the unit of `occ`. The file declares `tolerance`.
+/// Throws Error when OpenCASCADE fails, InputError when the file cannot be written.
 void write_shape(const std::filesystem::path& path, const TopoDS_Shape& shape, double tolerance,
                  const std::string& product, const StepHeader& header, OccSettings& occ);
 

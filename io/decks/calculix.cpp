@@ -48,7 +48,7 @@ class SetNames {
   std::set<std::string> taken_{"ALL", "NALL"};
 };
 
-/// Each once, region after region: runs, then embedded lines.
+/// The names of lines, each once, region after region: runs, then embedded lines.
 std::vector<std::string> line_names(const Regions& regions) {
   std::vector<std::string> names;
   const auto add = [&](const std::string& name) {
@@ -178,7 +178,7 @@ std::map<int, Vec3> node_forces(const Regions& regions, const ModelFacets& model
   return force;
 }
 
-/// ccx takes the last word about an element: each has one.
+/// Where several pressures are on an element, ccx takes the last one: each element gets one sum.
 void write_pressures(std::ostream& out, const Regions& regions,
                      const std::vector<std::string>& sets, const ShellDeck& deck) {
   if (deck.pressures.empty()) {

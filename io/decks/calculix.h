@@ -1,4 +1,4 @@
-// Skinned regions as an input deck of CalculiX (ccx): quadratic shell elements that hang together.
+// Writes skinned regions as an input deck of CalculiX (ccx) with quadratic shell elements.
 #pragma once
 
 #include <filesystem>
@@ -9,8 +9,8 @@
 
 namespace batten {
 
-/// A linear static shell problem on a model of one or more regions. Units are the user's and must
-/// fit together (mm, N and MPa need density in t/mm³ and gravity in mm/s²).
+/// A linear static shell problem on a model of one or more regions. The user chooses the units,
+/// which must fit together (mm, N and MPa need density in t/mm³ and gravity in mm/s²).
 struct ShellDeck {
   struct Support {
     enum class Kind {
@@ -32,34 +32,34 @@ struct ShellDeck {
 
   double thickness = 0, young = 0, poisson = 0;
   double density = 0;             ///< needed by gravity only
-  std::string units;              ///< a comment for the reader of the deck: "mm, N, MPa"
+  std::string units;              ///< units as a comment in the deck: "mm, N, MPa"
   std::vector<Support> supports;  ///< one or more
   double pressure = 0;  ///< force per area on all regions; positive pushes along x_u × x_v
-  std::vector<Pressure> pressures;  ///< on single regions, beside that on all
+  std::vector<Pressure> pressures;  ///< further pressures on single regions
   Vec3 area_force = Vec3::Zero();   ///< force per area in a fixed direction
   std::vector<PointForce> point_forces;
   Vec3 gravity = Vec3::Zero();  ///< acceleration
 };
 
-/// Writes `path` (.inp), ready for `ccx -i <path without .inp>`. Whole or not at all.
+/// Writes `path` (.inp) for `ccx -i <path without .inp>`. The file appears whole or not at all.
 ///
-/// Each element becomes one S6 triangle: its vertices and the surface's points at the parametric
-/// midpoints of its edges; the middle surface is the surface, normals are x_u × x_v of each region.
-/// Of one region node numbers are mesh vertex + 1, then vertex_count + edge + 1, and element
-/// numbers triangle + 1. A region with embedded lines has its quadratic_facets for elements: the
-/// deck is the region inside of its boundary, with nodes on its lines.
+/// Each element becomes one S6 triangle of its vertices and the surface's points at the parametric
+/// midpoints of its edges. The surface is the middle surface; normals are x_u × x_v of each region.
+/// In a deck of one region, node numbers are mesh vertex + 1, then vertex_count + edge + 1; element
+/// numbers are triangle + 1. The elements of a region with embedded lines are its quadratic_facets:
+/// the deck is the region inside of its boundary, with nodes on its lines.
 ///
-/// Several regions are one shell (model_facets()): on a line that regions share they share the
-/// nodes, which lie where a region that has the line as a run has them; where lines meet there is
-/// one node. Nodes and elements are numbered region after region, a shared node where it first
-/// comes. Where regions meet at a crease, ccx joins the thick elements of both sides rigidly. Loads
-/// act on all regions.
+/// Several regions are one shell (model_facets()). They share the nodes on a line that they share,
+/// which lie where a region that has the line as a run has them; where lines meet there is one
+/// node. Nodes and elements are numbered region after region, a shared node where it first comes.
+/// Where regions meet at a crease, ccx joins the thick elements of both sides rigidly. Loads act on
+/// all regions.
 ///
-/// Node set NALL, element set ALL, one node set for each line of the model, rims of holes and ribs
-/// as well, and where there are several regions one element set for each: names in capitals, other
-/// signs than letters and digits replaced by '_', with a number behind where two would get the
-/// same. Area forces are exact nodal loads (quadratic shape functions on the true surface). Numbers
-/// have as many digits as ccx reads, 20 characters: relative error 1e-13 at most.
+/// The deck has the node set NALL, the element set ALL, one node set for each line of the model
+/// (also for rims of holes and ribs) and, with several regions, one element set for each. Their
+/// names are in capitals, with '_' for all but letters and digits, and a number behind where two
+/// would be the same. Area forces become exact nodal loads (quadratic shape functions on the true
+/// surface). Numbers have the 20 characters that ccx reads: their relative error is 1e-13 at most.
 ///
 /// Throws InputError: no region, thickness, Young's modulus not above 0, Poisson's ratio not in
 /// (-1, 0.5), a density below 0 or gravity without density, numbers that are not finite, no

@@ -1,4 +1,4 @@
-// How numbers and lists are written in decks of CalculiX. Internal: not installed.
+// Writes numbers and lists of decks of CalculiX. Internal: not installed.
 #pragma once
 
 #include <iosfwd>
@@ -9,13 +9,14 @@
 
 namespace batten {
 
-/// ccx reads the first 20 characters of a number and silently drops the rest, exponents included:
-/// as many digits as fit, relative error 1e-13 at most.
+/// A number with as many digits as fit into 20 characters; its relative error is 1e-13 at most.
+/// (ccx reads 20 characters and silently drops the rest, exponents included.)
 std::string ccx_number(double value);
-/// "x,y,z"
+/// A vector as "x,y,z".
 std::string ccx_vector(const Vec3& v);
 
-/// Nodes or elements that Batten counts from 0 and ccx from 1, up to 16 a row.
+/// Writes the numbers of nodes or elements, which `ids` counts from 0 and ccx from 1, up to 16 in a
+/// row.
 void write_ccx_ids(std::ostream& out, std::span<const int> ids);
 
 }  // namespace batten

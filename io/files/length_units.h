@@ -6,9 +6,9 @@
 
 namespace batten {
 
-/// Length units: mm, cm, m, in, ft.
+/// The names of length units: mm, cm, m, in, ft.
 const std::vector<std::string>& length_units();
-/// Throws InputError for another word.
+/// The length of a unit in metres. Throws InputError for another word.
 double unit_in_metres(const std::string& unit);
 
 }  // namespace batten

@@ -1,4 +1,4 @@
-// Reading a TOML table so that every mistake is answered with its place and a remedy:
+// Reads a TOML table. The message about a mistake says its place and what to write instead:
 //
 //     scene.toml:7:1: found key 'edge_lenght' in [skin], expected one of: …; did you mean
 //     'edge_length'?
@@ -21,16 +21,17 @@ class table;
 
 namespace batten {
 
-/// A place in a text file, counted from 1; line 0: nowhere.
+/// A place in a text file, counted from 1. Line 0 stands for no place.
 struct FilePlace {
   int line = 0, column = 0;
 };
-/// "file:line:column: ", or "" for nowhere.
+/// The place as messages begin with it: "file:line:column: ", or "file: " for no place ("" when
+/// there is no file either).
 std::string place_prefix(const std::string& file, const FilePlace& place);
 
-/// "; did you mean 'x'?" when one of the words is near enough, else "".
+/// The text "; did you mean 'x'?" when one of the words is near enough to `word`, else "".
 std::string did_you_mean(const std::string& word, const std::vector<std::string>& words);
-/// "a, b, c".
+/// The words as one text: "a, b, c".
 std::string listed(const std::vector<std::string>& words);
 
 /// One word of a file with its place, for checks that come later.
@@ -39,33 +40,38 @@ struct PlacedWord {
   FilePlace place;
 };
 
-/// One table with the list of the keys it may have. All functions throw InputError with the place,
-/// what was found and what was expected. A missing key without fallback is such a mistake.
+/// A TOML table and the keys that it may have. Its functions read the value of a key and throw
+/// InputError with the place, what was found and what was expected: for a value of another kind,
+/// and for a missing key without `fallback`.
 class TomlTable {
  public:
-  /// `what` names the table in messages: "[skin]". Throws when the table has any other key.
+  /// Keeps a reference to `table`. `what` names it in messages: "[skin]". Throws InputError when
+  /// the table has a key that is not in `keys`.
   TomlTable(std::string file, const toml::table& table, std::string what,
             std::vector<std::string> keys);
 
   bool has(const std::string& key) const;
+  /// The place of the table, or of a key (of the table when the key is missing).
   FilePlace place() const;
   FilePlace place(const std::string& key) const;
   const std::string& what() const { return what_; }
 
+  /// A text that is not empty.
   std::string text(const std::string& key) const;
   std::string text(const std::string& key, const std::string& fallback) const;
-  /// Finite.
+  /// A finite number.
   double number(const std::string& key) const;
   double number(const std::string& key, double fallback) const;
+  /// A finite number above 0.
   double positive(const std::string& key) const;
   double positive(const std::string& key, double fallback) const;
   bool boolean(const std::string& key, bool fallback) const;
-  /// At least `least`, at most a million.
+  /// A whole number from `least` to a million.
   int whole_number(const std::string& key, int least, int fallback) const;
-  /// As many finite numbers as there are words in `shape` ("x, y, z").
+  /// A list of as many finite numbers as there are words in `shape` ("x, y, z").
   VecX numbers(const std::string& key, const std::string& shape) const;
   Vec3 vector(const std::string& key) const;
-  /// Not zero; made a unit vector.
+  /// A vector that is not zero, as a unit vector.
   Vec3 direction(const std::string& key) const;
   bool is_array(const std::string& key) const;
   std::vector<Vec3> points(const std::string& key) const;
@@ -73,12 +79,12 @@ class TomlTable {
   std::vector<VecX> rows(const std::string& key, const std::string& shape) const;
   std::vector<double> list(const std::string& key) const;
   std::vector<PlacedWord> words(const std::string& key) const;
-  /// A list of lists of names, each with one or more.
+  /// A list of lists of names, each of one name or more.
   std::vector<std::vector<PlacedWord>> word_rows(const std::string& key) const;
   /// One name or a list of them; none when the key is missing.
   std::vector<PlacedWord> names(const std::string& key) const;
 
-  /// One of the given words.
+  /// The value that belongs to one of the given words.
   template <class Value>
   Value choice(const std::string& key,
                std::initializer_list<std::pair<const char*, Value>> choices) const {
@@ -95,15 +101,15 @@ class TomlTable {
     return has(key) ? choice(key, choices) : fallback;
   }
 
-  /// Tables inside this one: [key], [[key]] or {…}, {…} in a list. None when the key is missing.
+  /// The tables inside this one, which may have `keys`: table() reads one, [key] or {…}; tables()
+  /// reads a list of them, [[key]] or [{…}, {…}]. Empty when the key is missing.
   std::vector<TomlTable> table(const std::string& key, std::vector<std::string> keys) const;
   std::vector<TomlTable> tables(const std::string& key, std::vector<std::string> keys) const;
 
-  /// "FILE:LINE:COLUMN: found …, expected …" at a key of this table (at the table itself when the
-  /// key is missing).
+  /// Throws InputError "FILE:LINE:COLUMN: found …, expected …" with the place of the key.
   [[noreturn]] void fail(const std::string& key, const std::string& found,
                          const std::string& expected) const;
-  /// "FILE:LINE:COLUMN: " for messages of one's own.
+  /// The place of a key as "FILE:LINE:COLUMN: ", with which other messages begin.
   std::string at(const std::string& key) const { return place_prefix(file_, place(key)); }
 
  private:

@@ -19,7 +19,8 @@ namespace {
   throw InputError(path.string() + ": cannot write this file: " + reason);
 }
 
-/// Process and counter make the name nobody else's, hidden from "*".
+/// A temporary name that no other process or thread uses, because it has the process number and a
+/// counter; the dot in front hides it from "*".
 fs::path temporary_name(const fs::path& folder, const std::string& stem,
                         const std::string& extension) {
   static std::atomic<int> counter{0};

@@ -7,14 +7,14 @@
 
 namespace batten {
 
-/// An output file under way. Libraries write to temporary(), a name in the same folder with the
-/// same extension; commit() gives the file its real name in one step, replacing an older one.
-/// Without a commit nothing is left behind and an older file stays as it was.
+/// An output file that is being written. Libraries write to temporary(), a name in the same folder
+/// with the same extension. commit() gives the file its real name in one step and replaces an older
+/// one. Without a commit the destructor removes it, and an older file stays as it was.
 class WholeFile {
  public:
   /// Creates the temporary file, so that a folder that is missing or not writable is found out
-  /// before the work is done. Throws InputError with the file and the system's reason; also when
-  /// `path` is there and is not a regular file.
+  /// before the work is done. Throws InputError with the file and the system's reason, also when
+  /// `path` exists and is not a regular file.
   explicit WholeFile(std::filesystem::path path);
   ~WholeFile();
   WholeFile(const WholeFile&) = delete;
@@ -22,15 +22,17 @@ class WholeFile {
 
   const std::filesystem::path& path() const { return path_; }
   const std::filesystem::path& temporary() const { return temporary_; }
-  /// Call once, after the writer has closed the file. Throws InputError.
+  /// Gives the file its real name. Call it once, after the writer has closed the file. Throws
+  /// InputError when the system refuses.
   void commit();
 
  private:
   std::filesystem::path path_, temporary_;
 };
 
-/// The same for text that is written to a stream (numbers in the C locale, '\n' line ends). Throws
-/// InputError, also when the disk is full, and whatever `write` throws.
+/// Writes a file, whole or not at all, with what `write` puts into the stream (numbers in the C
+/// locale, '\n' line ends). Throws InputError, also when the disk is full, and whatever `write`
+/// throws.
 void write_whole_file(const std::filesystem::path& path,
                       const std::function<void(std::ostream&)>& write);
 

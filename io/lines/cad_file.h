@@ -1,4 +1,4 @@
-// An IGES or STEP file as OpenCASCADE reads it. Internal.
+// Reads an IGES or STEP file into OpenCASCADE's shapes. Internal.
 #pragma once
 
 #include <TopTools_IndexedMapOfShape.hxx>
@@ -13,11 +13,11 @@ namespace batten {
 struct CadFile {
   TopoDS_Compound shape;
   TopTools_IndexedMapOfShape edges, faces;
-  std::vector<std::string> labels;  // of the edges; "" for none
-  std::string found;                // what the file holds, for messages
+  std::vector<std::string> labels;  // label of each edge; "" for none
+  std::string found;                // kinds of entities in the file, for messages
 };
 
-/// Reads a file that is whole. Throws InputError: as read_cad_lines() does of files and entities.
+/// Reads a file. Throws InputError as read_cad_lines() does of files and entities.
 CadFile read_cad(const std::filesystem::path& file);
 
 }  // namespace batten

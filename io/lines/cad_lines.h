@@ -1,4 +1,4 @@
-// Lines and surfaces out of IGES and STEP files.
+// Readers of lines and surfaces in IGES and STEP files.
 #pragma once
 
 #include <filesystem>
@@ -9,16 +9,16 @@
 
 namespace batten {
 
-/// Every curve of an IGES (.igs, .iges) or STEP (.stp, .step) file: the edges of its shapes, an
-/// edge that faces share once, and the curves that stand alone. Coordinates are turned from the
-/// unit that the file declares into the model's. Curves in the parameter plane of a face and edges
-/// without length are not among them.
+/// Reads every curve of an IGES (.igs, .iges) or STEP (.stp, .step) file: the edges of its shapes
+/// (an edge that faces share once) and the curves that stand alone. Coordinates are converted from
+/// the unit that the file declares into the model's. Curves in the parameter plane of a face and
+/// edges without length are left out.
 ///
-/// Lines are named by the label that the file gives the curve (numbered from the second on when
-/// several have the same), otherwise "edge1", "edge2" … by their place in the file. Each keeps the
-/// file's own parameter and direction; derivatives are exact.
-/// breaks(): knots where a B-spline is not C1 by their multiplicity; all knots when the curve is
-/// piecewise_cubic(), which straight lines and non-rational splines of degree 3 or less are.
+/// A line has the label that the file gives the curve as its name (numbered from the second on when
+/// several have the same), otherwise "edge1", "edge2" … by its place in the file. It keeps the
+/// file's own parameter and direction; its derivatives are exact. Straight lines and non-rational
+/// splines of degree 3 or less are piecewise_cubic(), and breaks() are all their knots; of other
+/// B-splines they are the knots that are not C1 by their multiplicity.
 ///
 /// Throws InputError: no such file, an extension other than these, an empty file, a file of another
 /// format or cut short (with the line where that shows), an entity that OpenCASCADE cannot convert,
@@ -26,12 +26,13 @@ namespace batten {
 std::vector<CharacterLine> read_cad_lines(const std::filesystem::path& file,
                                           double model_unit_in_metres);
 
-/// A trimmed face of a CAD file, to compare surfaces with. Copies share the data.
+/// A trimmed face of a CAD file, from which distances are measured. Copies share the data.
 class StoredSurface {
  public:
-  /// Distance from `p` (model units) to the nearest point of the face: Newton's method from the
-  /// nearest samples of the face and of its edges, so a local minimum is possible where the face
-  /// comes back to itself between samples. About 0.1 ms. Not to be called from two threads at once.
+  /// Distance from `p` to the nearest point of the face, in model units. Newton's method starts
+  /// from the nearest samples of the face and of its edges, so it may find a local minimum where
+  /// the face comes near itself between samples. About 0.1 ms. Not to be called from two threads at
+  /// once.
   double distance(const Vec3& p) const;
 
  private:
@@ -40,7 +41,8 @@ class StoredSurface {
   std::shared_ptr<const Data> data_;
 };
 
-/// The faces of a file in its order, possibly none. Throws InputError as read_cad_lines does.
+/// Reads the faces of a file in its order; there may be none. Throws InputError as read_cad_lines()
+/// does of files and entities.
 std::vector<StoredSurface> read_cad_surfaces(const std::filesystem::path& file,
                                              double model_unit_in_metres);
 

@@ -1,4 +1,4 @@
-// Curves into STEP and IGES files. Internal.
+// Writes curves to STEP and IGES files. Internal.
 #pragma once
 
 #include <filesystem>
@@ -8,7 +8,8 @@
 
 namespace batten {
 
-/// What write_curves does for CAD; all lines have curves. Throws InputError.
+/// Writes CAD files for write_curves(). All lines have curves. Throws InputError: a unit that CAD
+/// files cannot have, a file that cannot be written; Error when OpenCASCADE fails.
 void write_cad_curves(const std::filesystem::path& path, const std::vector<NamedCurve>& curves,
                       double model_unit_in_metres, bool iges);
 

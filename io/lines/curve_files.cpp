@@ -168,7 +168,7 @@ void check(const fs::path& path, const NamedCurve& line) {
     if (!std::isfinite(u)) refuse("found the parameter " + number(u) + ", expected a finite one");
 }
 
-/// Moves out what the kind of file cannot hold.
+/// Removes the lines that this kind of file cannot hold, and returns a sentence for each.
 std::vector<std::string> leave_out(const fs::path& path, std::vector<NamedCurve>& lines,
                                    const std::function<bool(const NamedCurve&)>& fits,
                                    const std::string& expected) {

@@ -1,4 +1,4 @@
-// Curves as files: points for those who draw, polylines for ParaView, B-splines for CAD.
+// Writes curves to files: as points, as polylines for ParaView, or as B-splines for CAD.
 #pragma once
 
 #include <filesystem>
@@ -9,28 +9,30 @@
 
 namespace batten {
 
-/// Endings that write_curves knows, with their dots.
+/// Endings of files, with their dots, that write_curves() knows.
 const std::vector<std::string>& curve_file_endings();
 
-/// Writes all curves into one file, whole or not at all; the ending says what kind.
+/// Writes all curves into one file, which appears whole or not at all. Its ending says the kind.
 ///
-///   .curves .csv .obj   The points on the curves at `parameters`, in digits that come back as the
-///                       same numbers by read_point_lines: a file that was faired has as many
-///                       points as before. Names are comments in .csv, `o` records in .obj; .curves
+///   .curves .csv .obj   The points on the curves at `parameters`, so that a faired file has as
+///                       many points as before. read_point_lines() reads the digits back as the
+///                       same numbers. Names are comments in .csv and `o` records in .obj; .curves
 ///                       has none.
-///   .vtp                A polyline of 400 points or more a curve (at jumps of curvature two in one
-///                       place). Point data: u, Curvature, Curvature_vector (towards the centre);
-///                       cell data: Name, Closed. A single point is a cell of that point twice.
+///   .vtp                A polyline of 400 points or more for each curve (at jumps of curvature two
+///                       in one place). Point data: u, Curvature, Curvature_vector (towards the
+///                       centre); cell data: Name, Closed. A single point is a cell of that point
+///                       twice.
 ///   .step .stp          Each C1 stretch between corners as one exact B-spline of degree 3 over the
 ///   .iges .igs          curve's own u, named NAME or NAME.1, NAME.2, …; closed smooth curves are
 ///                       closed B-splines. The file declares the model's unit.
 ///
-/// Returns a sentence for each line that the kind cannot hold and that was left out: a line of one
-/// point in .csv and .obj, a line without a curve in CAD files. About a microsecond a point of
-/// text, 20 µs a segment of CAD.
+/// Returns a sentence for each line that was left out because this kind of file cannot hold it: a
+/// line of one point in .csv and .obj, a line without a curve in CAD files. Takes about 1 µs for
+/// each point of text, 20 µs for each segment of CAD.
 ///
 /// Throws InputError: nothing to write (also when all was left out), another ending, a unit that
-/// CAD files cannot have, parameters or points that are not finite, a file that cannot be written.
+/// CAD files cannot have, parameters or points that are not finite, a file that cannot be written;
+/// Error when OpenCASCADE fails.
 std::vector<std::string> write_curves(const std::filesystem::path& path,
                                       const std::vector<NamedCurve>& curves,
                                       double model_unit_in_metres = 1e-3);

@@ -8,15 +8,16 @@
 
 namespace batten {
 
-/// A curve under its name. A line that has none (a single point, say) is its points only.
+/// A line by its name: a curve or, where none could be made (of a single point, for example), its
+/// points only.
 struct NamedCurve {
   std::string name;
-  HermiteCurve curve;              ///< default-made: none
-  std::vector<double> parameters;  ///< u of the points that .curves, .csv and .obj hold
-  std::vector<Vec3> points;        ///< of a line without a curve
+  HermiteCurve curve;              ///< the curve; without segments: none
+  std::vector<double> parameters;  ///< u of the points that .curves, .csv and .obj files get
+  std::vector<Vec3> points;        ///< points of a line without a curve
 
   bool has_curve() const { return curve.segment_count() > 0; }
-  /// The curve at `parameters`, or `points`.
+  /// The points of the curve at `parameters`; without a curve, `points`.
   std::vector<Vec3> written_points() const;
 };
 

@@ -1,4 +1,4 @@
-// Lines given as points in text files.
+// Reads lines that are given as points in text files.
 #pragma once
 
 #include <filesystem>
@@ -13,10 +13,10 @@ namespace batten {
 struct NamedPoints {
   std::string name;          ///< unique in the file
   std::vector<Vec3> points;  ///< model units
-  int first_line = 0;        ///< where it starts in the file, counted from 1: for messages
+  int first_line = 0;        ///< row of the file where it starts, counted from 1, for messages
 };
 
-/// Reads the lines of a file; the format follows from its extension.
+/// Reads the lines of a file. Its extension says the format.
 ///
 ///   .csv .txt .xyz .dat   One point a row, 2 or 3 numbers with commas, semicolons, tabs or blanks
 ///                         between them (2: z = 0). Decimal points, never decimal commas. '#' and
@@ -29,15 +29,15 @@ struct NamedPoints {
 ///                         (numbered when several share the name), else after the file. Everything
 ///                         else in the file is passed over.
 ///   .curves               Drawn strokes: a row `v N`, then N rows of three numbers, and so on;
-///                         blank rows and comments between are passed over. Named as in a table. A
-///                         stroke may be a single point: hands that draw leave some, and a sketch
-///                         should not be lost for one.
+///                         blank rows and comments between are passed over. Names are made as for
+///                         .csv. A stroke may be a single point, because drawn sketches have some.
 ///
-/// Points that repeat the one before them are passed on as they are.
-/// A UTF-8 byte-order mark and CRLF line ends are accepted. `file_unit_over_model_unit` multiplies
-/// all numbers. About 3 million points a second, the whole file in memory.
-/// Throws InputError, "file:line:column: found X, expected Y": also for a file that is missing or
-/// without points, a line of one point (but .curves), numbers that are not finite.
+/// Points that repeat the one before them are kept. A UTF-8 byte-order mark and CRLF line ends are
+/// accepted. `file_unit_over_model_unit` multiplies all numbers. Reads about 3 million points a
+/// second, with the whole file in memory.
+/// Throws InputError, "file:line:column: found X, expected Y": also for another extension, a file
+/// that is missing or without points, a line of one point (not in .curves), numbers that are not
+/// finite, a unit factor not above 0.
 std::vector<NamedPoints> read_point_lines(const std::filesystem::path& path,
                                           double file_unit_over_model_unit = 1);
 

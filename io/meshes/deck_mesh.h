@@ -1,4 +1,4 @@
-// Nodes, shells and sets of a deck, collected in whatever order they come.
+// Collects the nodes, shells and sets of a deck, in any order. Internal.
 #pragma once
 
 #include <array>
@@ -12,40 +12,46 @@
 
 namespace batten {
 
-/// What a set of a deck lists, by the deck's numbers: single ones are ranges of one.
+/// Numbers in a deck that a set lists: first, first + step, … up to last. A single number is a
+/// range of one.
 struct LabelRange {
   long first, last, step = 1;
 };
 
+/// Makes a mesh from the nodes and shells of a deck.
 class DeckMesh {
  public:
   explicit DeckMesh(TextMesh& mesh) : mesh_(mesh) {}
 
-  /// `where`: the field of its number.
+  /// Adds a node. `where`: the text of its number in the file, for messages. `fields`: the places
+  /// of its coordinates. Throws InputError for a number below 1.
   void add_node(long label, std::string_view where, const std::array<double, 3>& xyz,
                 const std::array<Field, 3>& fields);
-  /// Corners, then as many middle nodes or, where a deck leaves them out, zeros.
+  /// Adds a shell with the name of its property, its corners and, in a face of second order, its
+  /// middle nodes; 0 stands for one that the deck leaves out. Throws InputError for a number below
+  /// 1.
   void add_shell(long label, std::string_view where, const std::string& property,
                  std::span<const long> corners, std::span<const long> middle = {});
-  /// Counts other elements by the name that the deck has for them; 0 of it where they cannot be
-  /// counted.
+  /// Counts other elements by their name in the deck; `count` is 0 where they cannot be counted.
   void add_other(const std::string& name, long count = 1) { others_[name] += count; }
 
-  /// Joins everything into the mesh. Throws InputError: a number twice, a node that is missing
-  /// (`missing_hint` follows the message). Sets refer to the mesh after that.
+  /// Makes the mesh of what was added. Throws InputError: a number twice, a node that is missing
+  /// (`missing_hint` is put behind the message).
   void finish(const std::string& missing_hint = {});
-  /// Ascending indices; numbers that are not in the mesh are passed over.
+  /// After finish(): the nodes, or faces, of the mesh with these numbers, as ascending indices.
+  /// Numbers that are not in the mesh are passed over.
   std::vector<int> nodes_of(const std::vector<LabelRange>& ranges) const;
   std::vector<int> faces_of(const std::vector<LabelRange>& ranges) const;
-  /// After finish(): "12 CBAR, 3 RBE2 `what` are carried along as text; …".
+  /// After finish(): adds a warning about other elements and unused nodes to the mesh: "12 CBAR, 3
+  /// RBE2 `what` are carried along as text; …".
   void warn_of_others(const std::string& what);
-  /// Position of a node's number in the file.
+  /// Offset of a node's number in the file, in bytes.
   size_t node_position(int node) const { return node_where_[node]; }
 
  private:
   struct Shell {
     size_t where, property;
-    size_t first;  // of nodes_
+    size_t first;  // its first node in nodes_
     std::uint8_t corners, middle;
   };
   void join_shell(const Shell& shell, long label, const std::string& missing_hint);
@@ -60,17 +66,18 @@ class DeckMesh {
   std::map<std::string, long> others_;
 };
 
-/// A line as columns of fixed width or as values between commas; lines of both kinds may follow one
-/// another. Tabs go to the next multiple of 8 columns.
+/// One line of a deck: values between commas where it has a comma (a free line), otherwise columns
+/// of fixed width. A tab goes to the next multiple of 8 columns.
 class DeckLine {
  public:
-  /// `data`: a part of the file, without comment.
+  /// `data`: the line as a part of the file's text, without its comment.
   explicit DeckLine(std::string_view data);
   bool free() const { return free_; }
-  /// Value `index` of a free line, or the columns of a fixed one, without blanks around it; empty
-  /// where the line ends before.
+  /// Value `index` of a free line, or the `width` columns from `column` of a fixed one, without
+  /// blanks around it; empty where the line ends before. Both count from 0.
   std::string_view value(int index, int column, int width) const;
-  /// Where coordinates are that follow one another from value `index`, or from `column`.
+  /// Finds the fields of coordinates that follow one another from value `index` of a free line, or
+  /// from `column` of a fixed one.
   void fields(const MeshText& file, int index, int column, FieldKind fixed_kind,
               FieldKind free_kind, std::span<Field> result) const;
 

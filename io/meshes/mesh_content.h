@@ -1,4 +1,4 @@
-// What the readers of mesh files hand over. Not installed.
+// The content of a mesh file, as its reader returns it. Not installed.
 #pragma once
 
 #include <filesystem>
@@ -13,32 +13,36 @@
 
 namespace batten {
 
-/// Numbers of nodes or faces, both ways.
+/// The numbers that a file gives its nodes or faces: from index to number, and back.
 class Labels {
  public:
-  /// first, first + 1, …
+  /// The numbers first, first + 1, …
   static Labels counted_from(long first, int count);
-  /// Any numbers, each once: ask twice() before anything else.
+  /// Any numbers, each once. Where twice() returns something, find() has no meaning.
   explicit Labels(std::vector<long> labels = {});
-  /// Positions of the first number that is there twice, the earlier one first.
+  /// The two indices of the first number that is there twice, the smaller one first; none when each
+  /// number is there once.
   std::optional<std::pair<int, int>> twice() const { return twice_; }
 
   int count() const { return count_; }
   long of(int index) const { return labels_.empty() ? first_ + index : labels_[index]; }
+  /// The index of a number; none when it is not there. O(1), or O(log n) for sparse numbers.
   std::optional<int> find(long label) const;
 
  private:
   long first_ = 0;
   int count_ = 0;
-  std::vector<long> labels_;                    // empty: counted
-  std::vector<int> dense_;                      // by label - first_, -1 where there is none
-  std::vector<std::pair<long, int>> by_label_;  // or this
+  std::vector<long> labels_;                    // empty: first_, first_ + 1, …
+  std::vector<int> dense_;                      // index of label - first_; -1 for none
+  std::vector<std::pair<long, int>> by_label_;  // instead of dense_, for sparse numbers
   std::optional<std::pair<int, int>> twice_;
 };
 
+/// A mesh and what else its file holds. Each format derives from it what it writes back.
 struct MeshContent {
   virtual ~MeshContent() = default;
-  /// `points` have the right number and are finite, the extension is one of `extensions`.
+  /// Writes the file with other coordinates, as MeshFile::write() says. The caller has checked that
+  /// `points` have the right number and are finite, and that the extension is one of `extensions`.
   virtual MeshRounding write(const std::filesystem::path& path, const Points& points,
                              const MeshWriteOptions& options) const = 0;
 
@@ -54,20 +58,20 @@ using MeshContentReader = std::unique_ptr<MeshContent>(const std::filesystem::pa
 MeshContentReader read_obj_mesh, read_off_mesh, read_ply_mesh, read_stl_mesh, read_vtk_mesh,
     read_nastran_deck, read_abaqus_deck, read_lsdyna_deck;
 
-/// Each into its own format; the mesh has been checked.
+/// Each writes a mesh in one format, as write_mesh() says, which has checked the mesh.
 void write_obj_mesh(const std::filesystem::path& path, const ShellMesh& mesh);
 void write_off_mesh(const std::filesystem::path& path, const ShellMesh& mesh);
 void write_ply_mesh(const std::filesystem::path& path, const ShellMesh& mesh);
 void write_stl_mesh(const std::filesystem::path& path, const ShellMesh& mesh);
 void write_vtk_mesh(const std::filesystem::path& path, const ShellMesh& mesh);
 
-/// The nodes of a face in the order in which its outline runs through them.
+/// The nodes of a face, middle nodes too, in the order in which they lie around it.
 std::vector<int> outline_of(const ShellMesh& mesh, int face);
-/// Nodes that no face has.
+/// The count of nodes that no face has.
 int unused_nodes(const ShellMesh& mesh);
-/// In lower case, with the dot.
+/// The extension in lower case, with its dot.
 std::string lower_extension(const std::filesystem::path& path);
-/// "1 node", "2 nodes".
+/// A count with its noun: "1 node", "2 nodes".
 std::string counted(long count, const std::string& noun);
 
 }  // namespace batten

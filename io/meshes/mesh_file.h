@@ -1,4 +1,4 @@
-// Mesh files that are read, deformed and written back with everything else in them as it was.
+// Reads mesh files and writes them back with other coordinates, all else in them unchanged.
 #pragma once
 
 #include <filesystem>
@@ -14,7 +14,8 @@ namespace batten {
 
 struct MeshContent;
 
-/// A mesh and the file around it: a value, copies share everything.
+/// A mesh together with the file that it was read from. It is a value; copies share everything.
+/// The formats:
 ///
 ///   .obj               polygons; sets from `g` and `o`, properties from `usemtl`
 ///   .off               OFF, COFF, NOFF, STOFF and their mixtures; as text
@@ -29,39 +30,40 @@ struct MeshContent;
 ///   .k .key .dyn       LS-DYNA keyword: *NODE, *ELEMENT_SHELL, *PART, *SET_NODE, *SET_SHELL;
 ///                      standard, I10 and long format, commas
 ///
-/// What is not a node or a shell is carried along as it stands, and warnings() counts it. Included
-/// files are not followed.
+/// What is not a node or a shell is kept as it stands, and warnings() counts it. Included files are
+/// not read.
 class MeshFile {
  public:
-  /// Throws InputError, "file:line:column: found …, expected …", on everything that cannot be read
-  /// or would be read wrongly: local coordinate systems at nodes of shells, generated nodes,
-  /// several parts, a number twice. O(size): text at 60 to 120 MB/s, in memory three to six times
-  /// its size.
+  /// Reads a file; its extension says the format. Throws InputError, "file:line:column: found …,
+  /// expected …", for everything that cannot be read or would be read wrongly: local coordinate
+  /// systems at nodes of shells, generated nodes, several parts, a number twice. O(size): text at
+  /// 60 to 120 MB/s, with three to six times its size in memory.
   static MeshFile read(const std::filesystem::path& path);
 
   const ShellMesh& shells() const;
-  /// The file's own number: the node's id in a deck; counted from 1 in OBJ, from 0 in OFF, PLY,
+  /// The file's own number of a node: its id in a deck; counted from 1 in OBJ, from 0 in OFF, PLY,
   /// STL, VTK. O(1).
   long node_label(int node) const;
-  /// The element's id in a deck; counted as nodes are in the other formats (VTK: the cell's index
-  /// among all cells).
+  /// The file's own number of a face: the element's id in a deck; in the other formats counted as
+  /// nodes are (VTK: the cell's index among all cells). O(1).
   long face_label(int face) const;
-  /// O(1), or O(log n) for decks with sparse numbers. Nothing when no node, or no shell, has it.
+  /// The node, or face, with this number; none when there is no such one. O(1), or O(log n) for
+  /// decks with sparse numbers.
   std::optional<int> node_of_label(long label) const;
   std::optional<int> face_of_label(long label) const;
 
   using Set = MeshSet;
-  /// In the file's order; those without any node or face of the mesh are left out.
+  /// The sets in the file's order. Sets without any node or face of the mesh are left out.
   const std::vector<Set>& sets() const;
-  /// What holds thickness and material: face sets.
+  /// The properties (in a deck: thickness and material), each as the set of its faces.
   const std::vector<Set>& properties() const;
   /// Sentences about what is in the file and is not part of the mesh.
   const std::vector<std::string>& warnings() const;
-  /// "Nastran bulk data", …: for people.
+  /// The format's name for messages: "Nastran bulk data", …
   const std::string& format() const;
 
   using Rounding = MeshRounding;
-  /// The file as it was read, with other coordinates (n×3); whole or not at all.
+  /// Writes the file as it was read, with other coordinates (n×3). It appears whole or not at all.
   ///
   /// In text and in binary PLY and STL only the coordinates of nodes that moved are replaced: all
   /// other bytes stay, and a coordinate that equals the one that was read keeps its digits. A
@@ -73,7 +75,7 @@ class MeshFile {
   /// coordinates become doubles where single precision would round.
   ///
   /// Throws InputError: an extension of another format, another number of points, coordinates that
-  /// are not finite, what WholeFile throws.
+  /// are not finite or do not fit into their fields, what WholeFile throws.
   Rounding write(const std::filesystem::path& path, const Points& points,
                  const MeshWriteOptions& options = {}) const;
 
@@ -82,11 +84,11 @@ class MeshFile {
   std::shared_ptr<const MeshContent> content_;
 };
 
-/// Writes a mesh without a file around it: .obj, .off (text, exact), .ply, .stl (binary; STL single
-/// precision), .vtp, .vtu (doubles). Second-order faces are quadratic cells in VTU, elsewhere
-/// polygons through all their nodes; STL takes polygons apart into triangles. Throws InputError:
-/// another extension, an index out of range, a face of fewer than 3 nodes, a coordinate that is not
-/// finite, what WholeFile throws.
+/// Writes a mesh that was not read from a file: .obj, .off (text, exact), .ply, .stl (binary; STL
+/// in single precision), .vtp, .vtu (doubles). Second-order faces become quadratic cells in VTU and
+/// polygons through all their nodes in the others; STL gets triangles. The file appears whole or
+/// not at all. Throws InputError: another extension, an index out of range, a face of fewer than 3
+/// nodes, a coordinate that is not finite, what WholeFile throws.
 void write_mesh(const std::filesystem::path& path, const ShellMesh& mesh);
 
 }  // namespace batten

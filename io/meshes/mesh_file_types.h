@@ -1,4 +1,4 @@
-// What mesh files have beside the mesh, and what writing them takes and tells.
+// Sets of mesh files, options for writing these files, and what rounding cost.
 #pragma once
 
 #include <string>
@@ -6,23 +6,25 @@
 
 namespace batten {
 
-/// A node set has nodes only, a face set faces only; ascending, none twice. One of each may share
-/// a name.
+/// A set of a mesh file. A node set has nodes only, a face set faces only, as ascending indices,
+/// each once. A node set and a face set may have the same name.
 struct MeshSet {
-  std::string name;   ///< LS-DYNA, Nastran: the id
-  std::string title;  ///< LS-DYNA only
+  std::string name;   ///< its name; in LS-DYNA and Nastran its id
+  std::string title;  ///< its title; in LS-DYNA only
   std::vector<int> nodes, faces;
 };
 
+/// How a mesh file is written.
 struct MeshWriteOptions {
-  /// Nastran: small-field GRIDs (8 columns a number) that moved become large-field ones (GRID*, 16
-  /// columns, two lines). Other formats have nothing wider.
+  /// In Nastran decks, small-field GRIDs (8 columns a number) that moved become large-field ones
+  /// (GRID*, 16 columns, two lines). Other formats are not changed by it.
   bool wide_nodes = false;
 };
 
+/// What rounding to the file's fields cost.
 struct MeshRounding {
-  double largest = 0;  ///< |written - given| of one coordinate, model units
-  long at_label = -1;  ///< node where; -1 when every coordinate was written exactly
+  double largest = 0;  ///< largest |written - given| of one coordinate, model units
+  long at_label = -1;  ///< number of that node; -1 when every coordinate was written exactly
 };
 
 }  // namespace batten

@@ -1,4 +1,5 @@
-// Text of mesh files: read in one piece, gone through line by line, patched where coordinates are.
+// The text of a mesh file. It is read in one piece and parsed line by line; coordinates are
+// replaced in it. Internal.
 #pragma once
 
 #include <array>
@@ -12,15 +13,15 @@
 
 namespace batten {
 
-/// How a coordinate is written.
+/// The kind of field in which a file holds a coordinate.
 enum class FieldKind : std::uint8_t {
   Free,         ///< as many characters as the double needs
-  Nastran8,     ///< fixed columns
-  Nastran16,    ///< fixed columns
+  Nastran8,     ///< 8 fixed columns
+  Nastran16,    ///< 16 fixed columns
   NastranFree,  ///< 16 characters at most
   Abaqus,       ///< 20 characters at most
-  Dyna16,       ///< fixed columns
-  Dyna20,       ///< fixed columns
+  Dyna16,       ///< 16 fixed columns
+  Dyna20,       ///< 20 fixed columns
   DynaFree16,   ///< 16 characters at most
   DynaFree20,   ///< 20 characters at most
   Float32,      ///< binary, little end first
@@ -29,55 +30,60 @@ enum class FieldKind : std::uint8_t {
   Float64Swapped,
 };
 
-/// Columns of a fixed field, or the most characters of a free one; 0: as many as it needs.
+/// The columns of a fixed field, or the most characters of a free one; 0: as many as it needs.
 int width_of(FieldKind kind);
 
-/// Where one coordinate of a node is in the file.
+/// The place of one coordinate of a node in the file.
 struct Field {
-  size_t begin = 0;
-  std::uint32_t length = 0;
+  size_t begin = 0;          ///< offset in bytes
+  std::uint32_t length = 0;  ///< bytes
   FieldKind kind = FieldKind::Free;
   /// The line ends before this field, or inside it while a later one is missing: it is written in
   /// full width, or with a comma before it, together with the others of its node that are open.
   bool open = false;
-  std::uint16_t gap = 0;  ///< open: blanks to write before it
+  std::uint16_t gap = 0;  ///< open: blanks, or commas in a free line, to write before it
 };
 
 inline bool blank(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\f' || c == '\v'; }
 std::string_view trimmed(std::string_view text);
 std::string upper(std::string_view text);
-/// What a message shows of the file: short, one line, printable, in quotes.
+/// A part of the file as messages show it: in quotes, 32 characters at most, '?' for those that
+/// cannot be printed.
 std::string in_quotes(std::string_view found);
-/// The next word, which is cut off from `rest`; empty at the end.
+/// Takes the next word away from the front of `rest` and returns it; empty at the end.
 std::string_view next_word(std::string_view& rest);
 
-/// Number as Fortran reads it: a decimal point or none, exponents 1.5E3, 1.5D3, 1.5+3. False when
-/// it is none or too large for a double.
+/// Reads a number as Fortran does: with a decimal point or without, exponents 1.5E3, 1.5D3, 1.5+3.
+/// Returns false when the field is not a number or its value is out of a double's range.
 bool parse_real(std::string_view field, double& value);
+/// Reads a whole number. Returns false when the field is not one, or is out of range.
 bool parse_integer(std::string_view field, long& value);
 
-/// The number with at most `width` characters that is nearest to `value`, a decimal point always in
-/// it: exponents as "+3" (Nastran) or "e3". Of the nearest the shortest.
+/// The text of at most `width` characters, with a decimal point, whose number is nearest to
+/// `value`; the shortest of these. Exponents are written "+3" (Nastran) or "e3".
 std::string fixed_real(double value, int width, bool nastran);
 
+/// The text of a file, and a position in it from which lines are read.
 class MeshText {
  public:
-  /// Throws InputError: no file, a folder, empty, UTF-16 and zero bytes unless it is `binary`.
+  /// Reads the file. Throws InputError: no file, a folder, an empty file and, unless it is
+  /// `binary`, UTF-16 text or zero bytes.
   explicit MeshText(const std::filesystem::path& path, bool binary = false);
 
   const std::string& text() const { return text_; }
   const std::filesystem::path& path() const { return path_; }
-  /// The next line without its line end; false at the end of the file. A byte-order mark is passed
-  /// over.
+  /// Reads the next line, without its line end. Returns false at the end of the file. A byte-order
+  /// mark is passed over.
   bool next(std::string_view& line);
-  /// Where next() goes on.
+  /// Offset, in bytes, of the line that next() reads.
   size_t position() const { return at_; }
   void go_to(size_t position) { at_ = position; }
 
+  /// Offset of a part of text() in it, in bytes.
   size_t offset(std::string_view part) const {
     return static_cast<size_t>(part.data() - text_.data());
   }
-  /// "file:line:column: message".
+  /// Throws InputError: "file:line:column: message".
   [[noreturn]] void fail(size_t offset, const std::string& message) const;
   [[noreturn]] void fail(std::string_view where, const std::string& message) const {
     fail(offset(where), message);
@@ -85,8 +91,9 @@ class MeshText {
   [[noreturn]] void fail_at_end(const std::string& message) const { fail(text_.size(), message); }
   long line_of(size_t offset) const;
 
-  /// A finite number. `blank_is_zero` for formats that say so.
+  /// Reads a finite number; an empty field is 0 with `blank_is_zero`. Throws InputError.
   double real(std::string_view field, bool blank_is_zero = false) const;
+  /// Reads a whole number. Throws InputError, in which `expected` says what it should be.
   long integer(std::string_view field, const std::string& expected) const;
 
  private:
@@ -95,14 +102,14 @@ class MeshText {
   size_t at_ = 0;
 };
 
-/// Content whose coordinates are bytes of the file.
+/// The content of a mesh file in which coordinates are replaced field by field.
 struct TextMesh : MeshContent {
   explicit TextMesh(MeshText file) : file(std::move(file)) {}
   MeshRounding write(const std::filesystem::path& path, const Points& points,
                      const MeshWriteOptions& options) const override;
 
   MeshText file;
-  std::vector<std::array<Field, 3>> fields;  ///< of each node, in the order of the file
+  std::vector<std::array<Field, 3>> fields;  ///< the fields of each node's x, y, z
 };
 
 }  // namespace batten

@@ -9,7 +9,7 @@
 namespace batten {
 namespace {
 
-/// What is counted, so that nobody wonders where it went.
+/// Names of other elements, which are counted for the warnings.
 const std::set<std::string, std::less<>> kOtherElements{
     "CBAR",   "CBARAO", "CBEAM",   "CBEAM3", "CBEND",  "CBUSH",  "CBUSH1D", "CBUSH2D", "CCONEAX",
     "CDAMP1", "CDAMP2", "CDAMP3",  "CDAMP4", "CDAMP5", "CELAS1", "CELAS2",  "CELAS3",  "CELAS4",

@@ -35,8 +35,8 @@ namespace batten {
 namespace fs = std::filesystem;
 namespace {
 
-/// Where VTK's complaints go while it reads or writes: else they would fill the terminal, and some
-/// of them are the only sign that a part of the file was passed over.
+/// Keeps the first error that VTK reports while it reads or writes. Otherwise errors would fill the
+/// terminal, and some are the only sign that a part of the file was passed over.
 class Complaints : public vtkOutputWindow {
  public:
   static Complaints* New() { return new Complaints; }
@@ -58,7 +58,8 @@ class Complaints : public vtkOutputWindow {
   std::string first_;
 };
 
-/// Listens as long as it lives; VTK has one window for all, so one at a time.
+/// Sends VTK's messages to a Complaints as long as it exists. VTK has one place for all messages,
+/// so there is one such object at a time.
 class Listening {
  public:
   Listening()

@@ -15,7 +15,7 @@ namespace batten {
 namespace {
 
 constexpr int kBits = 6, kCells = 1 << (3 * kBits), kMapSize = 256;
-/// Of pixels that stay as they were: long runs of one number, which GIF packs well.
+/// The colour number of pixels that do not change: GIF packs long runs of one number well.
 constexpr int kUnchanged = 255, kMostColours = kUnchanged;
 
 int cell_of(const unsigned char* rgb) {
@@ -81,7 +81,7 @@ struct Rectangle {
   int left = 0, top = 0, width = 0, height = 0;
 };
 
-/// The smallest with all pixels that differ; one pixel where none does.
+/// The smallest rectangle with all pixels that differ; one pixel when none does.
 Rectangle changed(const std::vector<unsigned char>& before, const std::vector<unsigned char>& now,
                   int width, int height) {
   int left = width, right = -1, top = height, bottom = -1;

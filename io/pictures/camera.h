@@ -1,4 +1,4 @@
-// From where a picture looks at a model, and how large that is then. Internal.
+// The camera of a picture: its direction, and the scale at which the model fits. Internal.
 #pragma once
 
 #include <vector>
@@ -7,30 +7,34 @@
 
 namespace batten::canvas {
 
-/// Orthonormal: right, up, and towards the camera.
+/// The camera's axes, orthonormal: to the right, upwards, and towards the camera.
 struct ViewAxes {
   Vec3 right, up, towards;
-  /// Degrees, as PictureScene has them.
+  /// Axes of a camera at this azimuth and elevation, in degrees as in PictureScene.
   ViewAxes(double azimuth, double elevation);
-  /// Against this direction; z upwards, or y where that looks down on the plane z = 0 (by less than
-  /// 45 degrees from above or below).
+  /// Axes of a camera in this direction from the model. z points upwards in the picture; y does
+  /// where the direction is less than 45 degrees away from +z or -z.
   explicit ViewAxes(const Vec3& towards_camera);
 };
-/// Onto the plane that fits the points best, from the side of z, y or x that it faces.
+/// Axes of a camera that looks at right angles onto the plane that fits the points best: from above
+/// (+z); from the front (-y) where that plane is steeper than 45 degrees; from the right (+x) where
+/// it faces sideways. O(points).
 ViewAxes best_view(const std::vector<Vec3>& points);
 
 /// A part of the window in pixels, from its lower left corner.
 struct Viewport {
-  double width, height;  // of the viewport
-  double top, bottom;    // kept free for text
-  double unit;           // 1 at 1600 × 1000: sizes of text and lines go with it
+  double width, height;  // size of the viewport
+  double top, bottom;    // heights of the strips that are kept free for text
+  double unit;           // scale of text and lines; 1 at 1600 × 1000
 };
 
+/// The point in the middle of a picture, and its scale.
 struct Fit {
   Vec3 focus;
   double pixel;  // length of a pixel in the model
 };
-/// So that all points are in the viewport, at zoom 1.
+/// The focus and scale at which all points are in the viewport when `zoom` is 1; a zoom of 2 draws
+/// everything twice as large. O(points).
 Fit fit(const std::vector<Vec3>& points, const ViewAxes& axes, const Viewport& viewport,
         double zoom);
 

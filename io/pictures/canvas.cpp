@@ -36,7 +36,8 @@ namespace {
 
 const Colour kTop(1, 1, 1), kBottom(0.80, 0.825, 0.855);
 
-/// Drawn this much larger and averaged down: smooth edges with any driver.
+/// Pictures are drawn so many times larger and averaged down, so that edges are smooth with any
+/// driver.
 constexpr int kOversampling = 2;
 
 void add_light(vtkRenderer& renderer, double x, double y, double z, double intensity) {

@@ -1,4 +1,4 @@
-// Drawing with VTK, shared by the pictures of surfaces and of meshes. Internal.
+// Functions that draw with VTK, shared by the pictures of surfaces, curves and meshes. Internal.
 #pragma once
 
 #include <vtkSmartPointer.h>
@@ -24,26 +24,31 @@ inline const Colour kBody(0.70, 0.775, 0.86), kLine(0.83, 0.21, 0.10), kContour(
     kParameter(0.30, 0.38, 0.50), kMesh(0.25, 0.30, 0.38), kText(0.14, 0.16, 0.20),
     kLoose(0.10, 0.45, 0.75);
 
+/// The points of VTK's data, in its order.
 std::vector<Vec3> points_of(vtkPolyData& data);
+/// An actor that draws the output of `port` or, where that is null, `data` in one colour.
 
 vtkSmartPointer<vtkActor> actor(vtkAlgorithmOutput* port, vtkPolyData* data, const Colour& colour);
-/// A smooth body in the light of add_lights().
+/// An actor that draws facets as a smooth body in the light of add_lights().
 vtkSmartPointer<vtkActor> body(vtkPolyData* facets, const Colour& colour);
-/// Lines on the surface, moved towards the camera by a few pixels: parallel projection shows no
-/// shift, and the facets cannot cover them.
+/// Draws lines on the surface, `width` pixels wide. `offset` moves them towards the camera by a few
+/// pixels, so that the facets do not cover them; parallel projection does not show the shift.
 void add_thin_lines(vtkRenderer& renderer, vtkPolyData* lines, const Colour& colour, double width,
                     const Vec3& offset);
-/// Round dots of so many pixels.
+/// Draws points as round dots, `width` pixels across.
 void add_dots(vtkRenderer& renderer, vtkPolyData* points, const Colour& colour, double width);
+/// Draws lines as tubes. `radius` is in model units; `offset` is as in add_thin_lines().
 void add_tubes(vtkRenderer& renderer, vtkPolyData* lines, const Colour& colour, double radius,
                const Vec3& offset);
-/// Key from the upper left, head light, two fills: no side that faces the viewer stays dark. And
-/// the background.
+/// Sets the background and four lights: from the upper left, from the camera, and two weak ones
+/// from the right and from below, so that no side that faces the camera is dark.
 void add_lights(vtkRenderer& renderer);
-/// One line of text that fits into `width`: smaller, then shorter.
+/// Writes one line of text, `pixels` high, at (x, y) in pixels from the lower left corner. A text
+/// wider than `width` is made smaller (to 65 % at most), then cut.
 void add_text(vtkRenderer& renderer, std::string text, double x, double y, double pixels,
               double width, bool centred);
-/// Where titles go, and what they leave free.
+/// The viewport of a picture with this title (a caption below it, or a title above) and with a
+/// scalar bar of `bar_height` units (0 for none). All in pixels but that height.
 Viewport viewport_of(double width, double height, const std::string& title, bool caption_below,
                      double bar_height);
 void add_title(vtkRenderer& renderer, const std::string& title, double width, double height,
@@ -51,16 +56,19 @@ void add_title(vtkRenderer& renderer, const std::string& title, double width, do
 void set_camera(vtkRenderer& renderer, const ViewAxes& axes, const Fit& view, double width,
                 double height);
 
-/// Colours, numbers below them, the title above: 100 units high.
+/// Draws a scalar bar at the lower edge: colours, numbers, and the title above. It is 100 units
+/// (Viewport::unit) high.
 void add_scalar_bar(vtkRenderer& renderer, vtkLookupTable* table, const std::string& title,
                     const Viewport& viewport);
 
-/// One sheet of `count` pictures in `columns`; `draw` fills the renderer of one of them, whose
-/// viewport has the given size in pixels. Throws InputError.
+/// Draws one sheet of `count` pictures in `columns` columns, in memory. `draw` fills the renderer
+/// of one picture, whose viewport has the given size in pixels. Throws InputError: no display, a
+/// size out of its range, pictures smaller than 32 pixels; NoSolutionError when VTK draws nothing.
 Image sheet_image(
     int count, int columns, bool captions_below, const PictureSize& size,
     const std::function<void(vtkRenderer&, int index, double width, double height)>& draw);
-/// The same as a PNG: whole or not at all.
+/// Draws the same sheet and writes it as a PNG, which appears whole or not at all. Throws
+/// InputError also when the file cannot be written, which is found out before drawing.
 void draw_sheet(
     const std::filesystem::path& path, int count, int columns, bool captions_below,
     const PictureSize& size,

@@ -1,4 +1,4 @@
-// Colours for values, and the values that they span. Internal.
+// Colour tables for fields, and the ranges of values that they cover. Internal.
 #pragma once
 
 #include <vtkSmartPointer.h>
@@ -8,14 +8,14 @@ class vtkLookupTable;
 
 namespace batten::canvas {
 
-/// Blue below 0, red above.
+/// A table from -limit to limit: blue below 0, grey at 0, red above.
 vtkSmartPointer<vtkLookupTable> diverging_colours(double limit);
-/// Light to dark from 0 to the limit.
+/// A table from 0 to the limit: from light to dark blue.
 vtkSmartPointer<vtkLookupTable> sequential_colours(double limit);
-/// Light and dark by turns from `low` to `high`, a change at every multiple of `width` above
-/// `from`.
+/// A table from `low` to `high` of light and dark stripes in turn. They change at from + k · width.
 vtkSmartPointer<vtkLookupTable> striped_colours(double low, double high, double from, double width);
-/// Largest magnitude between the 2nd and the 98th percentile, rounded up.
+/// The limit of a field's colours: the largest magnitude between the 2nd and the 98th percentile of
+/// its finite values, rounded_up(); 1 when that is 0. O(n log n).
 double field_limit(vtkDataArray& values);
 /// The smallest number of two digits that is not below x > 0.
 double rounded_up(double x);

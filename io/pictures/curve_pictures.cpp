@@ -27,7 +27,7 @@ using namespace canvas;
 const Colour kCurve(0.09, 0.20, 0.40), kTooth(0.86, 0.36, 0.22), kDot(0.45, 0.60, 0.72),
     kCircle(0.16, 0.52, 0.44);
 
-/// Parallel projection of lines is a drawing on paper: layers lie one above the other.
+/// Lines in parallel projection are drawn in one plane, the paper, in layers one above the other.
 enum Layer { kBand, kTeeth, kTips, kDots, kCurves, kCircles, kLegend };
 
 /// Lines, triangles or dots of one colour on one layer of the paper.
@@ -146,7 +146,7 @@ Drawing prepare(const CombPicture& picture) {
   }
   const double typical = percentile(curvatures, 0.95);
   if (typical * drawing.size > 1e-6) {
-    // In a sketch of many strokes teeth go with the strokes, not with the sketch.
+    // In a sketch of many strokes the length of teeth follows the strokes' size, not the sketch's.
     const double tooth = std::min(drawing.size / 8, percentile(sizes, 0.5) / 4);
     drawing.scale = tooth / typical;
     drawing.longest = 1.5 * tooth;

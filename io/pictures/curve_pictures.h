@@ -1,4 +1,4 @@
-// Pictures of curves with their curvature combs: what a batten would feel, to be seen.
+// Pictures of curves with their curvature combs.
 #pragma once
 
 #include <filesystem>
@@ -18,7 +18,7 @@ namespace batten {
 struct CombPanel {
   std::string title;
   std::vector<HermiteCurve> curves;
-  std::vector<Vec3> points;  ///< drawn as dots
+  std::vector<Vec3> points;  ///< points that are drawn as dots
   /// Centre and radius of spheres, drawn as circles: where a brush works.
   std::vector<std::pair<Vec3, double>> spheres;
 };
@@ -26,21 +26,23 @@ struct CombPanel {
 /// Panels side by side, with one scale of teeth, one view and one scale of length for all.
 struct CombPicture {
   std::vector<CombPanel> panels;
-  std::string unit;  ///< of lengths, for the legend
-  /// Panel whose curvature decides the scale: what 95 % of its length does not exceed becomes an
-  /// eighth of the drawing's size. Teeth longer than a quarter of it are cut off, and the panel's
-  /// caption says how many.
+  std::string unit;  ///< unit of lengths, for the legend
+  /// The panel whose curvature decides the scale of the teeth: the curvature that 95 % of its
+  /// length does not exceed is drawn as an eighth of the drawing's size, or a quarter of the median
+  /// size of its curves where that is less. Teeth longer than 1.5 times that are cut off, and the
+  /// panel's caption says how many.
   int scale_panel = 0;
-  /// Degrees, as PictureScene has them. None: onto the plane that fits all curves best, x to the
-  /// right or z upwards as far as that plane lets them.
+  /// Azimuth and elevation of the camera, in degrees as in PictureScene. Without them the camera
+  /// looks onto the plane that fits all curves best.
   std::optional<std::pair<double, double>> view;
   int columns = 0;  ///< 0: up to three in a row
 };
 
-/// Draws one PNG, titles as captions below the panels, the legend of the scale in the first. Whole
-/// or not at all; main thread only; needs a display (require_display). About 1 s. Without a size it
-/// is 1600 pixels wide and as high as the drawing needs.
-/// Throws InputError: no panel, a panel without a curve, a scale panel that is not one.
+/// Draws one PNG, which appears whole or not at all. Titles are captions below the panels; the
+/// first panel has the legend of the scale. Without a size the picture is 1600 pixels wide and as
+/// high as the drawing needs. To be called on the main thread; needs a display (require_display).
+/// About 1 s. Throws InputError: no display, no panel, a panel without a curve, a scale panel that
+/// does not exist, a view or size out of its range, a file that cannot be written.
 void draw_combs(const std::filesystem::path& path, const CombPicture& picture,
                 const std::optional<PictureSize>& size = {});
 

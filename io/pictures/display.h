@@ -4,7 +4,7 @@
 namespace batten {
 
 /// Throws InputError when there is no X server that VTK can draw with: VTK itself would end the
-/// program. Call it before a long computation that ends in pictures. Main thread only.
+/// program. Call it before a long computation that ends in pictures, on the main thread.
 void require_display();
 
 }  // namespace batten

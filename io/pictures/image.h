@@ -16,7 +16,8 @@ struct PictureSize {
   int width = 1600, height = 1000;  ///< pixels, 64 to 4096
 };
 
-/// Whole or not at all. Throws InputError: no pixels, a file that cannot be written.
+/// Writes a PNG, which appears whole or not at all. Throws InputError: no pixels, a number of bytes
+/// other than 3 · width · height, a file that cannot be written.
 void write_png(const std::filesystem::path& path, const Image& image);
 
 }  // namespace batten

@@ -1,4 +1,4 @@
-// Pictures of shell meshes: what a deformation did, side by side.
+// Pictures of shell meshes, such as before and after a deformation, side by side.
 #pragma once
 
 #include <filesystem>
@@ -11,27 +11,30 @@
 
 namespace batten {
 
-/// One picture of a mesh, drawn as PictureScene is: parallel projection, z upwards.
+/// One picture of a mesh. As in PictureScene, projection is parallel and z points upwards.
 struct MeshPicture {
   enum class Part { Body, Feature, Handle, Fixed };
 
   const ShellMesh* shells = nullptr;
-  Points points;                        ///< of its nodes, where they are to be drawn
-  std::vector<Part> parts;              ///< of each face; empty: all body
-  std::vector<std::vector<int>> lines;  ///< chains of nodes, as tubes
-  VecX field;                           ///< a number above 0 for each node, as colours; empty: none
+  Points points;                        ///< places where its nodes are drawn, n×3
+  std::vector<Part> parts;              ///< part of each face, as its colour; empty: all Body
+  std::vector<std::vector<int>> lines;  ///< lists of nodes that are drawn as tubes
+  VecX field;                           ///< a number ≥ 0 for each node, as colours; empty: none
   std::string field_title;
-  double field_limit = 0;  ///< end of its scale; 0: from the numbers
+  double field_limit = 0;  ///< end of the field's scale; 0: its largest number, rounded up
   std::string title;
-  bool mesh = false;  ///< element edges
+  bool mesh = false;  ///< whether element edges are drawn
   double azimuth = -30, elevation = 30, zoom = 1;
-  /// What else has to be in view, so that several pictures can be compared.
+  /// Further positions of the nodes that the view has to hold: with the same ones, several pictures
+  /// have the same scale and can be compared.
   std::vector<const Points*> also_in_view;
 };
 
-/// Draws the pictures into one PNG, row by row, titles as captions below them (above a single one).
-/// Normals are smoothed where neighbouring faces differ by less than 30 degrees. Main thread only,
-/// needs a display (require_display). Throws InputError.
+/// Draws the pictures into one PNG, row by row, with titles as captions below them (above a single
+/// one). Normals are smoothed where neighbouring faces differ by less than 30 degrees. The file
+/// appears whole or not at all. To be called on the main thread; needs a display (require_display).
+/// Throws InputError: no display, no picture, no column, a picture without faces or with lists of
+/// the wrong length, a value out of its range, a file that cannot be written.
 void draw_meshes(const std::filesystem::path& path, const std::vector<MeshPicture>& pictures,
                  int columns, const PictureSize& size = {});
 

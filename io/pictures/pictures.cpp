@@ -34,7 +34,7 @@ namespace {
 
 using namespace canvas;
 
-/// Enough for smooth outlines, few enough to be drawn at once.
+/// Facets along an element edge: enough for smooth outlines, few enough to be drawn fast.
 int facets_per_edge(const PictureScene& scene) {
   if (scene.tessellation > 0) return scene.tessellation;
   constexpr double facets = 40000;

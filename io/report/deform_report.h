@@ -14,7 +14,8 @@
 
 namespace batten {
 
-/// Lengths in model units; *_error over the feature's size, *_residual over the mesh's; degrees.
+/// What `batten deform` did. Lengths are in model units, *_error over the feature's size,
+/// *_residual over the mesh's size, *_deg in degrees, *_s in seconds.
 struct DeformReport {
   std::string name, unit, mesh_file, format;
   int nodes = 0, faces = 0;
@@ -25,7 +26,8 @@ struct DeformReport {
     int moving = 0, unknowns = 0, soft_rows = 0, hard_rows = 0, feature_rows = 0;
     int dropped_rows = 0, guide_rows = 0;
     double largest_displacement = 0, hard_residual = 0;
-    double last_correction = 0;  ///< of the last correction step, over the mesh's size
+    double last_correction = 0;  ///< largest change of a coordinate in the last correction step,
+                                 ///< over the mesh's size
     double set_up_s = 0, edit_s = 0;
   };
   std::vector<Edit> edits;
@@ -34,48 +36,49 @@ struct DeformReport {
     std::string name;
     int vertices = 0;
     double size = 0;             ///< diagonal of its box
-    double max_rigid_error = 0;  ///< after the best similarity from the mesh as it was read
-    double scale = 1, turned_deg = 0, moved = 0;
+    double max_rigid_error = 0;  ///< largest distance of its vertices from their places on the mesh
+                                 ///< as it was read, moved by the best similarity
+    double scale = 1, turned_deg = 0, moved = 0;  ///< that similarity
   };
   std::vector<Feature> features;
 
-  /// Lines of vertices that curves drive.
+  /// A line of vertices that a curve drives.
   struct Curve {
     std::string name;
     int vertices = 0, segments = 0;
-    Deviation fairing;  ///< of the vertices from the faired curve, model units
+    Deviation fairing;  ///< deviation of the vertices from the faired curve
     double wavelength = 0;
-    double largest_shift = 0;  ///< that the curve's loads add
-    double max_residual = 0;   ///< of the vertices from the curve in the end, over the mesh's size
+    double largest_shift = 0;  ///< largest displacement by the curve's loads
+    double max_residual = 0;   ///< largest distance of the vertices from the curve in the end
     Fairness before, after;
   };
   std::vector<Curve> curves;
 
-  /// Boundary loops, numbered as [[select]] loop is.
+  /// A boundary loop, numbered as [[select]] loop is.
   struct Hole {
     int loop = 0, vertices = 0;
-    std::string feature;  ///< that holds it, or ""
+    std::string feature;  ///< name of the feature that holds it, or ""
     HoleMeasure before, after;
   };
   std::vector<Hole> holes;
 
   QualitySummary before, after;
-  std::vector<long> inverted;  ///< faces, by the file's numbers
+  std::vector<long> inverted;  ///< the file's numbers of inverted faces
   double largest_displacement = 0;
   long largest_displacement_node = -1;
-  double rounding = 0;  ///< what the file's fields cost, largest coordinate
+  double rounding = 0;  ///< largest |written - computed| of a coordinate (MeshRounding)
   std::vector<Parameter> parameters;
   std::vector<std::pair<std::string, double>> timings;
   std::vector<std::string> warnings, files;
   std::vector<MissedPromise> missed;
 };
 
-/// What the report itself shows to be broken: residuals and max_rigid_error above 1e-12 (above
-/// what 16 roundings of the largest coordinate cost, where that is more), inverted faces, a last
+/// The promises that the report's own numbers break: residuals and max_rigid_error above 1e-12 (or
+/// above 16 roundings of the largest coordinate, where that is more), inverted faces, a last
 /// correction above 1e-9, numbers that are not finite.
 std::vector<MissedPromise> broken_promises(const DeformReport& report);
 
-/// JSON text; numbers that are not finite become the words "nan" and "inf".
+/// The report as JSON text. Numbers that are not finite become the words "nan" and "inf".
 std::string to_json(const DeformReport& report);
 
 }  // namespace batten

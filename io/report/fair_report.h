@@ -10,6 +10,7 @@
 
 namespace batten {
 
+/// What `batten fair` did.
 struct FairReport {
   std::string name, unit;
   std::vector<FairedLine> curves;
@@ -19,12 +20,14 @@ struct FairReport {
   std::vector<MissedPromise> missed;
 };
 
-/// Conditions that hold by more than 1e-12 of the size, and numbers that are not finite.
+/// The promises that the report's own numbers break: those of broken_conditions(), and numbers that
+/// are not finite.
 std::vector<MissedPromise> broken_promises(const FairReport& report);
-/// The conditions alone.
+/// Deviations that a stage states and does not keep, and conditions with a residual above 1e-12 of
+/// the line's size.
 std::vector<MissedPromise> broken_conditions(const std::vector<FairedLine>& curves);
 
-/// JSON text; numbers that are not finite become the words "nan" and "inf".
+/// The report as JSON text. Numbers that are not finite become the words "nan" and "inf".
 std::string to_json(const FairReport& report);
 
 }  // namespace batten

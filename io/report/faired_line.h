@@ -1,4 +1,4 @@
-// What a report says about a faired line.
+// The part of a report about a faired line.
 #pragma once
 
 #include <optional>
@@ -10,19 +10,20 @@
 
 namespace batten {
 
-/// Measured on the curve that is written. Lengths in model units.
+/// A faired line, measured on the curve that is written. Lengths are in model units.
 struct FairedLine {
   std::string name;
-  int points = 0, segments = 0;  ///< of the input (as sampled, for CAD curves); of the result
+  int points = 0, segments = 0;  ///< points of the input (of CAD curves: samples); segments of the
+                                 ///< result
   bool closed = false;
   bool faired = false;                 ///< false: no stage acted on it, or it cannot be faired
   double size = 0;                     ///< diagonal of the box around the points
-  Deviation deviation;                 ///< from the input
-  double wavelength = 0, freedom = 0;  ///< of the last stage of the whole line, FairCurve's
+  Deviation deviation;                 ///< deviation of the result from the input
+  double wavelength = 0, freedom = 0;  ///< FairCurve's, of the last stage of the whole line
   int rounds = 0;
   bool settled = true;
-  double max_residual = 0;  ///< of the conditions, over the size
-  /// Deviation that a stage stated and could not keep: what was stated, and what was reached.
+  double max_residual = 0;  ///< largest residual of the conditions, over the size
+  /// A deviation that a stage stated and did not keep: the stated one, and the one reached.
   std::optional<std::pair<double, double>> too_far;
   std::optional<Fairness> before, after;  ///< none for a line without length
   double seconds = 0;

@@ -1,4 +1,4 @@
-// What a report says about a network and the model made from it.
+// The part of a report about a network and the model made from it.
 #pragma once
 
 #include <array>
@@ -9,10 +9,10 @@
 
 namespace batten {
 
-/// Everything by name, as the user said it or may say it. Lengths in model units, angles in
-/// degrees.
+/// A network, its regions and its model. Arcs and regions are given by their names, which scenes
+/// use, too. Lengths are in model units, angles in degrees.
 struct NetworkReport {
-  /// Lines of one loop, in its order.
+  /// Names of the arcs of one loop, in its order.
   using LoopNames = std::vector<std::string>;
 
   struct Region {
@@ -22,11 +22,11 @@ struct NetworkReport {
     bool ring = false, asked = false;
     double cost = 0;
     bool skinned = false;
-    int triangles = 0, dofs = 0;  ///< as all that follows but plain_area, of one that is skinned
+    int triangles = 0, dofs = 0;  ///< these, size and quality are set when it is skinned
     double size = 0;
     SkinQuality quality;
-    double plain_area = 0;
-    std::string why_not;
+    double plain_area = 0;  ///< area of the plain filling of its loops; 0 without one
+    std::string why_not;    ///< why it is not skinned, or ""
     std::vector<std::string> flaws, warnings;
   };
   struct Join {
@@ -34,10 +34,11 @@ struct NetworkReport {
     std::vector<std::string> regions;
     std::string kind;  ///< "rim", "crease", "smooth", "branching"
     bool asked = false, one_domain = false;
-    std::array<bool, 2> open{};
+    std::array<bool, 2> open{};  ///< these and what follows: as in ModelJoin
     double first_deg = 0, max_deg = 0, max_inside_deg = 0;
     std::string why;
   };
+  /// A choice that the search made, as in RegionChoice.
   struct Choice {
     std::string text;
     Vec3 where = Vec3::Zero();
@@ -68,15 +69,16 @@ struct NetworkReport {
   std::vector<Choice> choices;
   std::vector<Shell> shells;
   std::vector<Flaw> flaws;
-  std::vector<std::string> rims, bare;  ///< lines with one region, with none
+  std::vector<std::string> rims, bare;  ///< arcs with one region, arcs with none
 };
 
-/// fit_tolerance is that of lines, join_tolerance_deg what smooth joins should keep.
+/// The report of a model, its network and its found regions. `fit_tolerance`: of the lines' curves,
+/// model units; `join_tolerance_deg`: largest angle that smooth joins should have.
 NetworkReport network_report(const CharacterLineNetwork& network, const FoundRegions& found,
                              const SurfaceModel& model, double fit_tolerance,
                              double join_tolerance_deg);
 
-/// "ends joined", "near miss": a kind of finding in words.
+/// A kind of finding in words: "ends joined", "near miss".
 const char* word(NetworkFinding::Kind kind);
 
 }  // namespace batten

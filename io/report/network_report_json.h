@@ -1,4 +1,4 @@
-// A network's part of report.json. Internal.
+// Writes the part of report.json about a network. Internal.
 #pragma once
 
 #include "batten/io/report/network_report.h"
@@ -6,7 +6,7 @@
 
 namespace batten {
 
-/// network, regions, joins, choices, shells, flaws, left_over, optimal.
+/// Adds the keys network, regions, joins, choices, shells, flaws, left_over and optimal.
 void add_network(Json& json, const NetworkReport& network);
 
 }  // namespace batten

@@ -68,7 +68,7 @@ Json json_of(const std::vector<Report::Line>& lines) {
   double max_deviation = 0;
   Json each = Json::array();
   for (const auto& line : lines) {
-    // A number that is not one must win over those that are.
+    // NaN must win over numbers, so that the report shows it.
     if (!(line.deviation <= max_deviation)) max_deviation = line.deviation;
     each.push_back({{"name", line.name},
                     {"role", word(line.role)},

@@ -1,4 +1,4 @@
-// report.json: what was made, measured on the finished result.
+// report.json of a surface: what was made, measured on the finished result.
 #pragma once
 
 #include <filesystem>
@@ -16,7 +16,8 @@
 
 namespace batten {
 
-/// Lengths in model units, *_residual over the region's size, angles in degrees.
+/// What `batten run`, `skin` and `sculpt` made. Lengths are in model units, *_residual over the
+/// region's size, angles in degrees.
 struct Report {
   std::string name, unit;
 
@@ -25,13 +26,13 @@ struct Report {
     CharacterLine::Role role = CharacterLine::Role::Outline;
     bool embedded = false;
     double length = 0;
-    double deviation = 0;  ///< of the input from its fitted curve
+    double deviation = 0;  ///< largest deviation of the input from its fitted curve
     int nodes = 0;
-    int points = 0;  ///< of an embedded line: where the surface is held
-    double gap = 0;  ///< of the surface from its curve between them
+    int points = 0;  ///< of an embedded line: number of points where the surface is held
+    double gap = 0;  ///< of an embedded line: gap between these points
   };
   std::vector<Line> lines;
-  std::vector<FairedLine> curves;  ///< the lines as [[fair]] made them; empty without
+  std::vector<FairedLine> curves;  ///< the lines that [[fair]] faired
 
   struct Surface {
     int regions = 1, triangles = 0, dofs = 0;
@@ -42,23 +43,23 @@ struct Report {
     int iterations = 0;
     double last_change = 0;
   } surface;
-  std::optional<NetworkReport> network;  ///< of a scene with [network]
+  std::optional<NetworkReport> network;  ///< set for a scene with [network]
 
   struct Step {
     std::string file, form;
     int faces = 0;
-    double tolerance = 0;  ///< asked; of the exact form 0
+    double tolerance = 0;  ///< the tolerance asked for; 0 in the exact form
     int poles_u = 0, poles_v = 0;
     std::uintmax_t bytes = 0;
     double max_deviation = 0, max_gap = 0, max_normal_jump_deg = 0;
     bool valid = false;
-    // Of a model.
+    // Written for a network only.
     int shells = 0, solids = 0, free_edges = 0;
     double volume = 0;
   };
-  std::optional<Step> step;  ///< measured on the file read back
+  std::optional<Step> step;  ///< the STEP file, measured on the file read back
 
-  /// Distance of the surface, sampled evenly, from the faces of a CAD file.
+  /// Distances of the surface, sampled evenly, from the faces of a CAD file.
   struct Comparison {
     std::string file;
     int points = 0;
@@ -67,16 +68,16 @@ struct Report {
   };
   std::optional<Comparison> comparison;
 
-  std::vector<Reaction> reactions;  ///< of each named constraint
+  std::vector<Reaction> reactions;  ///< reaction of each named constraint
 
-  /// What a sculpting session measured of its shape.
+  /// Numbers that a sculpting session measures of its shape.
   struct Shape {
-    double stretching = 0, bending = 0;  ///< energies, SurfaceEnergy
-    double area = 0, volume = 0;         ///< model units² and ³; ⅓ ∬ x·n dA
-    double residual = 0;                 ///< largest of all constraints
+    double stretching = 0, bending = 0;  ///< the two parts of SurfaceEnergy
+    double area = 0, volume = 0;         ///< model units² and ³; the volume is ⅓ ∬ x·n dA
+    double residual = 0;                 ///< largest residual of all constraints
   };
   struct Sculpting {
-    Shape shape;  ///< in the end
+    Shape shape;  ///< the shape in the end
     struct Step {
       std::string what;  ///< "settle", "replay", …
       int iterations = 0;
@@ -90,27 +91,27 @@ struct Report {
     };
     std::vector<Refinement> refinements;
     struct Row {
-      double value = 0;  ///< of the parameter, or the time
+      double value = 0;  ///< value of the parameter, or time
       Shape shape;
-      int iterations = 0;       ///< of a sweep
-      double total_energy = 0;  ///< of a motion: kinetic plus potential
+      int iterations = 0;       ///< iterations, in a sweep
+      double total_energy = 0;  ///< kinetic and potential energy, in a motion
     };
     struct Sweep {
       std::string parameter;
       std::vector<Row> rows;
-      std::string stopped;  ///< why it ended early; "" when it did not
+      std::string stopped;  ///< why the sweep ended early; "" when it did not
     };
     std::vector<Sweep> sweeps;
     struct Motion {
       double dt = 0, density = 0, damping = 0, theta = 0;
       int steps = 0;
-      double max_residual = 0;  ///< over all steps
-      std::vector<Row> rows;    ///< of the frames
+      double max_residual = 0;  ///< largest residual of all steps
+      std::vector<Row> rows;    ///< one row for each frame
     };
     std::optional<Motion> motion;
   };
-  std::optional<Sculpting> sculpting;  ///< of `batten sculpt`
-  bool is_sculpted = false;            ///< more than lines acts on it; not in the file
+  std::optional<Sculpting> sculpting;  ///< set by `batten sculpt`
+  bool is_sculpted = false;            ///< Scene::is_sculpted(); not in the file
   std::vector<ScanDistances> scans;
   std::vector<Parameter> parameters;
   std::vector<std::pair<std::string, double>> timings;  ///< seconds
@@ -118,11 +119,11 @@ struct Report {
   std::vector<MissedPromise> missed;
 };
 
-/// Numbers of the report that are not finite, by their names in the file ("surface.area").
+/// The numbers of the report that are not finite, by their names in the file ("surface.area").
 std::vector<MissedPromise> numbers_that_failed(const Report& report);
 
-/// The report as JSON text. A number that is not finite cannot stand in JSON: it becomes the word
-/// "nan" or "inf", never null; numbers_that_failed() belongs into `missed` before.
+/// The report as JSON text. A number that is not finite, which JSON cannot hold, becomes the word
+/// "nan" or "inf". Add numbers_that_failed() to `missed` before.
 std::string to_json(const Report& report);
 
 }  // namespace batten

@@ -1,5 +1,5 @@
-// Edits of a mesh: what to hold, keep and move, in one small TOML file (docs/deform.md has every
-// key). The mesh stays in its own file; this reads the scene only.
+// A deform scene is one small TOML file that says what to hold, keep and move on a mesh
+// (docs/deform.md has every key). These functions read the scene only; the mesh has its own file.
 #pragma once
 
 #include <filesystem>
@@ -23,10 +23,10 @@ namespace batten {
 /// [[select]]: vertices of the mesh as it was read that meet all the conditions given.
 struct SelectRule {
   struct Geodesic {
-    std::optional<long> node;   ///< the file's number
-    std::optional<Vec3> point;  ///< its nearest vertex
-    PlacedWord of;              ///< or a selection
-    double distance = 0;
+    std::optional<long> node;   ///< start: the node with this number in the mesh file
+    std::optional<Vec3> point;  ///< or the vertex nearest to this point
+    PlacedWord of;              ///< or this selection
+    double distance = 0;        ///< largest distance from the start over the mesh, model units
   };
   std::string name;
   FilePlace place;
@@ -37,26 +37,27 @@ struct SelectRule {
     double within;
   };
   std::optional<Plane> plane;
-  std::optional<int> loop;  ///< boundary loop, from 1
+  std::optional<int> loop;  ///< number of a boundary loop, from 1
   std::optional<Geodesic> geodesic;
-  std::vector<long> nodes;         ///< the file's numbers
-  std::filesystem::path file;      ///< of such numbers
-  PlacedWord set, property;        ///< of a deck
-  std::vector<PlacedWord> any;     ///< in one of these
-  std::vector<PlacedWord> except;  ///< and in none of these
-  int grow = 0;                    ///< in the end, with so many rings around
+  std::vector<long> nodes;         ///< numbers of nodes in the mesh file
+  std::filesystem::path file;      ///< a file with such numbers
+  PlacedWord set, property;        ///< names of a set and a property of a deck
+  std::vector<PlacedWord> any;     ///< selections: the vertex is in one of them
+  std::vector<PlacedWord> except;  ///< selections: the vertex is in none of them
+  int grow = 0;                    ///< rings of neighbours that are added in the end
 };
 
-/// [[cut]]: a feature found by a minimum cut; its vertices are a selection of this name.
+/// [[cut]]: a feature that is found by a minimum cut; its vertices are a selection of this name.
 struct CutRule {
   std::string name;
   FilePlace place;
-  std::vector<PlacedWord> band;
-  std::optional<Vec3> inside;  ///< its nearest vertex is in the feature; none: the smaller side
+  std::vector<PlacedWord> band;  ///< selections that hold the feature's border
+  std::optional<Vec3> inside;    ///< point whose nearest vertex is in the feature; none: the
+                                 ///< feature is the smaller side
   CutOptions options;
 };
 
-/// [[feature]] (one) or [[features]] (each of its names one).
+/// [[feature]]: one form feature; or [[features]]: one for each of its names.
 struct FeatureRule {
   std::string name;  ///< "" for [[features]]
   FilePlace place;
@@ -68,46 +69,49 @@ struct FeatureRule {
 struct GuideRule {
   std::string name;
   FilePlace place;
-  PlacedWord of;  ///< feature, selection or proposal: the mean of the vertices (of its loop)
+  PlacedWord of;  ///< feature, selection or proposal; the point is the mean of its vertices, or of
+                  ///< those of its loop
   GuidedPoint::Kind kind = GuidedPoint::Kind::OnPlane;
   Vec3 direction = Vec3::UnitZ();
-  std::optional<Vec3> through;  ///< none: where the point is
+  std::optional<Vec3> through;  ///< a point of the plane or line; none: where the point is
 };
 
 /// [[line]]: a character line that keeps its shape, rigidly or in the soft sense.
 struct LineRule {
   std::string name;
   FilePlace place;
-  std::vector<Vec3> through;  ///< the vertices nearest to these, and along creases between
-  std::vector<long> nodes;    ///< or these, in their order
+  std::vector<Vec3> through;  ///< points; the line goes through the vertices nearest to them, and
+                              ///< along creases between
+  std::vector<long> nodes;    ///< or the numbers of its nodes in the mesh file, in their order
   bool closed = false;
   bool rigid = false;
-  double width = 0;  ///< soft; 0: a tenth of the line's length
+  double width = 0;  ///< soft: it resists like a strip of the sheet of this width, model units;
+                     ///< 0: a tenth of the line's length
 };
 
 /// [[curve]]: a line of vertices that becomes a deformable curve: faired, shaped by its own loads,
 /// and then imposed on its vertices exactly.
 struct CurveRule {
   enum class Ends { Clamped, Held, Free };
-  LineRule line;  ///< its way; keep and width are not used
+  LineRule line;  ///< its name and vertices; rigid and width are not used
   bool faired = true;
-  FairOptions fair;  ///< of the fairing
+  FairOptions fair;  ///< how it is faired
   Ends ends = Ends::Clamped;
-  double alpha = 0, beta = 1;  ///< relative, of the change of shape under loads
+  double alpha = 0, beta = 1;  ///< relative weights that resist the curve's loads
   std::vector<CurveLoad> loads;
 };
 
-/// [[pull]]: a vertex that is drawn to a place, softly or exactly.
+/// [[pull]]: a vertex that a row draws to a place, in the least-squares sense or exactly.
 struct PullRule {
   std::string name;
   FilePlace place;
-  std::optional<long> node;
-  std::optional<Vec3> at;
+  std::optional<long> node;  ///< number of the node in the mesh file
+  std::optional<Vec3> at;    ///< or the point that the vertex is nearest to
   Vec3 to = Vec3::Zero();
-  std::optional<double> weight;  ///< none: exactly
+  std::optional<double> weight;  ///< weight of a soft row; none: a hard row
 };
 
-/// [[edit]], on the mesh as the edit before left it.
+/// [[edit]]: what moves in one edit of the mesh, which starts from the result of the edit before.
 struct EditRule {
   struct MovedHandle {
     std::string name;
@@ -115,7 +119,7 @@ struct EditRule {
     std::vector<PlacedWord> vertices;
     Vec3 translate = Vec3::Zero(), axis = Vec3::UnitZ();
     double degrees = 0, scale = 1;
-    std::optional<Vec3> about;  ///< none: the mean of its vertices
+    std::optional<Vec3> about;  ///< centre of turn and scale; none: the mean of its vertices
   };
   struct ScaledFeature {
     PlacedWord feature;
@@ -138,7 +142,7 @@ struct ModesRule {
   double thickness = 0, young = 0, poisson = 0, density = 0;
   int count = 10;
   std::vector<PlacedWord> clamped;
-  std::string before, after;  ///< file names
+  std::string before, after;  ///< file names of the two decks
 };
 
 /// [[picture]]: before and after side by side, or the mesh after each edit.
@@ -151,6 +155,7 @@ struct MeshPictureRule {
   PictureSize size;
 };
 
+/// A deform scene as data. Names and numbers of nodes are looked up later (VertexSelector).
 struct DeformScene {
   std::filesystem::path file;
   std::string name, unit = "mm";
@@ -166,16 +171,16 @@ struct DeformScene {
   std::vector<PullRule> pulls;
   std::vector<EditRule> edits;
   std::string mesh_out, vtp;  ///< file names; "" for none
-  bool wide_nodes = false;
+  bool wide_nodes = false;    ///< MeshWriteOptions::wide_nodes
   std::optional<ModesRule> modes;
   std::vector<MeshPictureRule> pictures;
 
-  /// EDIT.HANDLE.x, .y, .z, .degrees, .scale, EDIT.FEATURE.scale and CURVE.LOAD.
+  /// What can be set: EDIT.HANDLE.x, .y, .z, .degrees, .scale, EDIT.FEATURE.scale and CURVE.LOAD.
   std::vector<Parameter> parameters() const;
-  /// Throws InputError, beginning with `where`: an unknown name (the nearest is offered), a scale
-  /// not above 0.
+  /// Sets one of these numbers. Throws InputError, beginning with `where`: an unknown name (the
+  /// nearest is offered), a number that is not finite, a scale not above 0.
   void set(const std::string& parameter, double value, const std::string& where);
-  /// "FILE:LINE:COLUMN: "
+  /// The place as "FILE:LINE:COLUMN: ", with which messages begin.
   std::string at(const FilePlace& place) const { return place_prefix(file.string(), place); }
 };
 
@@ -183,8 +188,10 @@ struct DeformScene {
 /// cannot be read or is not TOML.
 bool edits_a_mesh(const std::filesystem::path& file);
 
-/// Throws InputError: "FILE:LINE:COLUMN: found …, expected …; did you mean …?"
+/// Reads a deform scene. Throws InputError: "FILE:LINE:COLUMN: found …, expected …; did you mean
+/// …?"
 DeformScene read_deform_scene(const std::filesystem::path& file);
+/// Reads the same from a text. Messages name `file`; paths in the scene are relative to its folder.
 DeformScene parse_deform_scene(const std::string& text, const std::filesystem::path& file);
 
 }  // namespace batten

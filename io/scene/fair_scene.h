@@ -1,4 +1,4 @@
-// Fairing scenes: lines, how they are faired, what is written, in one small TOML file
+// A fairing scene is one small TOML file with lines, how they are faired and what is written
 // (docs/scenes.md has every key).
 #pragma once
 
@@ -14,41 +14,47 @@
 
 namespace batten {
 
-/// [[picture]]: curvature combs.
+/// [[picture]] of a fairing scene: curvature combs.
 struct CombPictureRule {
-  enum class Show { Combs, Stages };  ///< as given and at the end; a panel after each stage
+  /// Combs: two panels, the lines as given and at the end. Stages: one more panel after each stage;
+  /// local stages that follow each other share one.
+  enum class Show { Combs, Stages };
   std::string file, title;
   Show show = Show::Combs;
-  bool points = true;                             ///< the input points as dots
+  bool points = true;                             ///< whether the input points are drawn as dots
   std::optional<std::pair<double, double>> view;  ///< azimuth, elevation; none: the best plane
   std::optional<PictureSize> size;                ///< none: as high as the drawing needs
 };
 
+/// A fairing scene as data.
 struct FairScene {
   std::filesystem::path file;  ///< empty for a scene made by a program
   std::string name = "curves", unit = "mm";
   std::vector<SceneLine> lines;
   std::vector<FairStage> stages;
-  /// At the end: as few C1 segments as stay this near to the fair curve; 0: as it is.
+  /// Tolerance, in model units, of the last step: the fair curve is replaced by the fewest C1
+  /// segments that stay so near to it. 0: it is kept.
   double segments = 0;
-  std::vector<std::string> outputs;  ///< file names; the ending says the kind
+  std::vector<std::string> outputs;  ///< file names; the ending says the kind (write_curves())
   std::vector<CombPictureRule> pictures;
 
-  /// STAGE.deviation, STAGE.wavelength.
+  /// What can be set: STAGE.deviation and STAGE.wavelength, of the stages that state them.
   std::vector<Parameter> parameters() const;
-  /// Throws InputError, beginning with `where`: an unknown name (the nearest is offered), a number
-  /// not above 0.
+  /// Sets one of these numbers. Throws InputError, beginning with `where`: an unknown name (the
+  /// nearest is offered), a number not above 0.
   void set(const std::string& parameter, double value, const std::string& where);
-  /// "FILE:LINE:COLUMN: "
+  /// The place as "FILE:LINE:COLUMN: ", with which messages begin.
   std::string at(const FilePlace& place) const { return place_prefix(file.string(), place); }
 };
 
-/// Whether a scene fairs curves and makes no surface: it has a [[fair]] and no [skin]. Throws
-/// InputError when the file cannot be read or is not TOML.
+/// Whether a scene fairs curves and makes no surface: it has a [[fair]], but neither [skin] nor
+/// [network]. Throws InputError when the file cannot be read or is not TOML.
 bool only_fairs(const std::filesystem::path& file);
 
-/// Throws InputError: "FILE:LINE:COLUMN: found …, expected …; did you mean …?"
+/// Reads a fairing scene. Throws InputError: "FILE:LINE:COLUMN: found …, expected …; did you mean
+/// …?"
 FairScene read_fair_scene(const std::filesystem::path& file);
+/// Reads the same from a text. Messages name `file`; paths in the scene are relative to its folder.
 FairScene parse_fair_scene(const std::string& text, const std::filesystem::path& file);
 
 }  // namespace batten

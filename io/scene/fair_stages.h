@@ -12,36 +12,36 @@
 
 namespace batten {
 
-/// One [[fair]]: of whole lines, or local (a brush, a stretch) on what the stages before left.
+/// One [[fair]]. It fairs whole lines or, as a local stage (a brush or a stretch), a part of the
+/// curves that the stages before made.
 struct FairStage {
   struct Brush {
     Vec3 at;
     double radius;
   };
   struct Stretch {
-    Vec3 from, to;  ///< the nearest points of the curve
+    Vec3 from, to;  ///< it runs between the points of the curve that are nearest to these
   };
   std::string name;
   FilePlace place;
-  std::vector<PlacedWord> lines;  ///< names; '*' stands for any letters; empty: all
-  FairOptions options;            ///< its corners are not set; of a local stage,
-                                  ///< the wavelength only
-  /// Instead of springs: the curve of least curvature or least change of it through all points.
+  std::vector<PlacedWord> lines;  ///< names of lines; '*' stands for any letters; empty: all
+  FairOptions options;            ///< without corners; of a local stage, the wavelength only
+  /// The integral that the curve through all points makes least, instead of springs at the points.
   std::optional<CurveFunctional> minimum;
-  std::optional<bool> hold_ends;             ///< not given: by the kind of scene
-  std::optional<std::vector<Vec3>> corners;  ///< each: the nearest point of the nearest line
+  std::optional<bool> hold_ends;             ///< not given: the kind of scene decides
+  std::optional<std::vector<Vec3>> corners;  ///< places; each marks the nearest point of all lines
   std::optional<Brush> brush;
   std::optional<Stretch> stretch;
 
   bool local() const { return brush || stretch; }
 };
 
-/// All [[fair]] of a scene in their order; without a name they are fair-1, fair-2, … Throws
-/// InputError.
+/// Reads all [[fair]] of a scene, in their order. Stages without a name are called fair-1, fair-2,
+/// … by their numbers. Throws InputError.
 std::vector<FairStage> read_fair_stages(const TomlTable& root);
 
-/// The numbers of the stages that can be set from outside, all above 0: calls f(name, value) for
-/// STAGE.deviation or STAGE.wavelength with a reference to the value.
+/// Calls f(name, value), with a reference to the value, for each number of the stages that can be
+/// set from outside: STAGE.deviation or STAGE.wavelength. They have to be above 0.
 template <class Stages, class Function>
 void for_each_fair_parameter(Stages& stages, const Function& f) {
   for (auto& stage : stages) {

@@ -1,5 +1,5 @@
-// Scenes from one small TOML file (docs/scenes.md has every key). Big data stays in its own files
-// beside it; this reads the scene only, not those files.
+// Functions that read a scene from one small TOML file (docs/scenes.md has every key). Big data is
+// in files of its own, which these functions do not read.
 #pragma once
 
 #include <filesystem>
@@ -9,9 +9,9 @@
 
 namespace batten {
 
-/// Throws InputError: "FILE:LINE:COLUMN: found …, expected …; did you mean …?"
+/// Reads a scene. Throws InputError: "FILE:LINE:COLUMN: found …, expected …; did you mean …?"
 Scene read_scene(const std::filesystem::path& file);
-/// The same from a text; `file` is what messages call it and where its files are looked for.
+/// Reads the same from a text. Messages name `file`; paths in the scene are relative to its folder.
 Scene parse_scene(const std::string& text, const std::filesystem::path& file);
 
 }  // namespace batten

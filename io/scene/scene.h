@@ -1,4 +1,5 @@
-// Scenes: what to make. read_scene.h makes them from files.
+// A scene says, as data, which surface to make and what to write. read_scene.h reads scenes from
+// files.
 #pragma once
 
 #include <filesystem>
@@ -17,24 +18,24 @@
 
 namespace batten {
 
-/// [[line]] or [[lines]].
+/// [[line]]: one line; or [[lines]]: the curves of a file.
 struct SceneLine {
-  std::string name;  ///< of [[line]]; "": all curves of the file, under their own names
+  std::string name;  ///< name of a [[line]]; "": a [[lines]], whose curves have their own names
   FilePlace place;
-  std::filesystem::path file;  ///< ready to open; empty: the points are in the scene
-  std::string unit;            ///< of the file's lengths; "": the scene's, or what the file says
-  std::vector<Vec3> points;    ///< scene unit
-  bool bezier = false;         ///< the points are four Bézier control points
+  std::filesystem::path file;  ///< path that can be opened; empty: the points are in the scene
+  std::string unit;            ///< unit of the file's lengths; "": the scene's or the file's own
+  std::vector<Vec3> points;    ///< points in the scene's unit
+  bool bezier = false;         ///< whether the points are four Bézier control points
   CharacterLine::Role role = CharacterLine::Role::Outline;
   CharacterLine::Treatment treatment = CharacterLine::Treatment::Auto;
-  std::vector<PlacedWord> only, skip, inner, holes;  ///< of [[lines]]: names of its curves
+  std::vector<PlacedWord> only, skip, inner, holes;  ///< names of curves of a [[lines]]
 };
 
-/// [skin]
+/// [skin]: how the surface is made, its material, and what holds it.
 struct SceneSkin {
   SkinOptions options;
   SurfaceStiffness material = SurfaceStiffness::isotropic(0, 1);
-  bool isotropic_alpha = true, isotropic_beta = true;  ///< written as one number
+  bool isotropic_alpha = true, isotropic_beta = true;  ///< whether the scene gives one number
   LoadUnits units = LoadUnits::Relative;
   enum class Hold { Lines, Corners } hold = Hold::Lines;
 };
@@ -47,24 +48,26 @@ struct SceneConstraint {
   FilePlace place;
   Type type = Type::Point;
   Vec3 at = Vec3::Zero();
-  Vec3 goal = Vec3::Zero();    ///< Point: where it goes; else the direction
+  Vec3 goal = Vec3::Zero();    ///< Point: where the surface is held; else the direction
   Vec2 along = Vec2::UnitX();  ///< Tangent: direction in (u, v)
-  double range = std::numeric_limits<double>::infinity();  ///< Point: of each coordinate of goal
-  Vec3 middle = Vec3::Zero();  ///< Point: goal as the scene says it, the middle of that range
-  PlacedWord line;             ///< LineNormal
-  bool as_it_is = false;       ///< LineNormal: no direction was given
+  double range = std::numeric_limits<double>::infinity();  ///< Point: largest |goal - middle| of
+                                                           ///< each coordinate, model units
+  Vec3 middle = Vec3::Zero();  ///< Point: the goal that the scene states
+  PlacedWord line;             ///< LineNormal: the line's name
+  bool as_it_is = false;       ///< LineNormal: whether the tangent planes stay as they are, because
+                               ///< the scene gives no direction
 };
 
-/// Where a load or weight acts: `near` a line, or as painted; in the regions that are named.
+/// Where a load or weight acts: everywhere, `near` a line, or as painted; in the named regions.
 struct SceneArea {
-  Area area;                        ///< its regions are not set
-  PlacedWord line;                  ///< of `near`
-  std::vector<PlacedWord> regions;  ///< none: all
+  Area area;                        ///< the area without its regions
+  PlacedWord line;                  ///< name of the line of `near`
+  std::vector<PlacedWord> regions;  ///< names of regions; none: all regions
 };
 
-/// [[load]]; its value is a number or one over time.
+/// [[load]]: a load and its parameter, which is a number or a value over time.
 struct SceneLoad : NamedValue {
-  FilePlace named;  ///< where its name stands
+  FilePlace named;  ///< place of its name
   enum class Type {
     Pressure,
     Uniform,
@@ -76,41 +79,43 @@ struct SceneLoad : NamedValue {
   };
   Type type = Type::Pressure;
   Vec3 direction = Vec3::UnitZ();  ///< unit vector; not for Pressure, Scan and Pulls
-  Vec3 at = Vec3::Zero();          ///< Point
-  SceneArea area;                  ///< Pressure, Uniform
-  PlacedWord line;                 ///< Line
-  std::filesystem::path file;      ///< Scan: of its points; Pulls: of their curve, if it is one
-  FilePlace place;                 ///< of `file`
-  std::string unit;                ///< of the file's numbers; "": the scene's
-  Load::Pulls pulls;               ///< Pulls; without the curve
-  PlacedWord curve;                ///< Pulls: a line's name, or a file
+  Vec3 at = Vec3::Zero();          ///< Point: place that it acts on
+  SceneArea area;                  ///< Pressure, Uniform: where it acts
+  PlacedWord line;                 ///< Line: the line's name
+  std::filesystem::path file;      ///< Scan: file of its points; Pulls: `curve` as a file
+  FilePlace place;                 ///< place of `file` in the scene
+  std::string unit;                ///< unit of the file's numbers; "": the scene's
+  Load::Pulls pulls;               ///< Pulls: all but the curve
+  PlacedWord curve;                ///< Pulls: name of a line, or of a file
 };
 
-/// [[weight]]: is added to alpha or beta.
+/// [[weight]]: a field that is added to alpha or beta.
 struct SceneWeight : NamedValue {
-  FilePlace named;
+  FilePlace named;  ///< place of its name
   WeightField::Kind kind = WeightField::Kind::Bending;
   SceneArea area;
-  std::optional<std::variant<Vec2, PlacedWord>> along;  ///< direction of (u, v), or a line
+  /// Direction in (u, v), or name of a line, along which it acts; none: in all directions.
+  std::optional<std::variant<Vec2, PlacedWord>> along;
 };
 
 /// [[move]]: a line that a parameter moves.
 struct SceneMove : NamedValue {
-  FilePlace named;
+  FilePlace named;  ///< place of its name
   PlacedWord line;
-  std::optional<Vec3> direction;
-  double fade = 0;
+  std::optional<Vec3> direction;  ///< none: along the surface's normal
+  double fade = 0;                ///< part of the line's length, at each end, over which it fades
 };
 
-/// One entry of drives = [...] of a [[parameter]].
+/// One entry of drives = [...] of a [[parameter]]: driven = offset + factor · of, summed over all
+/// rules that drive the same parameter.
 struct SceneRule {
-  std::string of, driven;
+  std::string of, driven;  ///< names of the two parameters
   FilePlace place;
   double factor = 1;
   std::optional<double> offset;  ///< not given: the driven parameter's own value
 };
 
-/// [motion]
+/// [motion]: density, damping and time scheme of a motion.
 struct SceneMotion {
   double density = 1, damping = 1, theta = 1;
 };
@@ -119,7 +124,7 @@ struct SceneMotion {
 struct SceneStress {
   struct Support {
     PlacedWord line;
-    bool clamped = true;  ///< else pinned: rotations stay free
+    bool clamped = true;  ///< false: pinned, so that rotations are free
   };
   struct Pressure {
     PlacedWord region;
@@ -131,10 +136,10 @@ struct SceneStress {
   std::vector<Support> supports;
 };
 
-/// [[picture]], and the look of a [[sweep]].
+/// [[picture]], and the picture of a [[sweep]].
 struct ScenePicture {
   std::string file;
-  PictureScene look;  ///< its regions are not set
+  PictureScene look;  ///< what is drawn, without the regions
   PictureSize size;
 };
 
@@ -142,78 +147,81 @@ struct ScenePicture {
 struct SceneSweep {
   std::string parameter;
   std::vector<double> values;
-  int columns = 0;       ///< 0: as square as it can be
-  ScenePicture picture;  ///< look.title is that of the panels; the value is put behind it
+  int columns = 0;       ///< panels in a row; 0: the sheet is as square as it can be
+  ScenePicture picture;  ///< the sheet; each panel has look.title and the value as its title
 };
 
-/// [network], [[region]], [[join]]: the lines are one network, and all its surfaces are made.
+/// [network], [[region]] and [[join]]: the lines are one network, and all its regions are skinned.
 struct SceneNetwork {
   FilePlace place;
-  double tolerance = 0;  ///< where lines meet, model units; 0: NetworkOptions'
+  double tolerance = 0;  ///< distance within which lines meet, model units; 0: NetworkOptions'
   double straight_angle = NetworkOptions{}.straight_angle;    ///< degrees
-  int most_at_line = RegionOptions{}.most_at_arc;             ///< regions
+  int most_at_line = RegionOptions{}.most_at_arc;             ///< most regions at one line
   double smooth_below = ModelOptions{}.smooth_below_deg;      ///< degrees
   double join_tolerance = ModelOptions{}.join_tolerance_deg;  ///< degrees
   std::vector<RegionWord> regions;
   std::vector<JoinWord> joins;
 };
 
-/// A number of a scene that can be set from outside.
+/// A number of a scene that can be set from outside, and its range.
 struct Parameter {
   std::string name;
   double value, min, max;
 };
 
+/// A scene as data. Names are looked up when the model is made.
 struct Scene {
   std::filesystem::path file;  ///< empty for a scene made by a program
   std::string name = "surface", unit = "mm";
   std::vector<SceneLine> lines;
-  std::vector<FairStage> fairing;  ///< [[fair]]: what happens to the lines before they are skinned
-  std::optional<SceneNetwork> network;  ///< then the model has all regions between the lines
+  std::vector<FairStage> fairing;       ///< [[fair]]: how lines are faired before they are skinned
+  std::optional<SceneNetwork> network;  ///< without it, the lines bound one region
   SceneSkin skin;
   std::vector<SceneConstraint> constraints;
   std::vector<SceneLoad> loads;
   std::vector<SceneWeight> weights;
   std::vector<SceneMove> moves;
   std::vector<NamedValue> sliders;  ///< [[parameter]]
-  std::vector<SceneRule> rules;     ///< what these drive
+  std::vector<SceneRule> rules;     ///< parameters that they drive
   SceneMotion motion;
   std::optional<SceneStress> stress;
   std::string step, vtu, vtp, calculix;  ///< [output]: file names, "" for none
   enum class StepForm {
-    Auto,  ///< exact where nothing embedded bounds the surface and the file stays small, else face
-    Face,  ///< one B-spline face a region, within step_tolerance
-    Exact  ///< three faces a triangle
+    Auto,  ///< Exact for one region of up to 10,000 triangles, none of them cut; else Face
+    Face,  ///< one B-spline face for each region, within step_tolerance
+    Exact  ///< three faces for each triangle
   } step_form = StepForm::Auto;
   double step_tolerance = 0;      ///< model units; 0: 1e-4 of the region's size
-  std::filesystem::path compare;  ///< [compare]: a CAD file whose faces to measure against
+  std::filesystem::path compare;  ///< [compare]: a CAD file; distances from its faces are measured
   std::vector<ScenePicture> pictures;
   std::vector<SceneSweep> sweeps;
 
-  /// Loads, weights, moves and [[parameter]] by their names; coordinates of constraints as name.x,
-  /// name.y, name.z; alpha and beta, or alpha_uu, alpha_uv, alpha_vv, beta_uu, beta_uv, beta_vv
-  /// where the scene gives three numbers; deviations and wavelengths of [[fair]] as
-  /// STAGE.deviation, STAGE.wavelength. Values over time: at time 0; driven ones by their rules.
+  /// All parameters: loads, weights, moves and [[parameter]] by their names; coordinates of
+  /// constraints as name.x, name.y, name.z; alpha and beta, or alpha_uu, alpha_uv, alpha_vv,
+  /// beta_uu, beta_uv, beta_vv where the scene gives three numbers; deviations and wavelengths of
+  /// [[fair]] as STAGE.deviation, STAGE.wavelength. A value over time is that at time 0; a driven
+  /// one follows its rules.
   std::vector<Parameter> parameters() const;
-  /// The same with their moments and rules.
+  /// The same parameters with their values over time and their rules.
   std::vector<NamedValue> named_values() const;
-  /// A value over time becomes one that stands. Throws InputError, beginning with `where`: an
-  /// unknown name (the nearest is offered), one that is driven, a value out of its range, a
-  /// material that is not one.
+  /// Sets a parameter; a value over time becomes a constant. Throws InputError, beginning with
+  /// `where`: an unknown name (the nearest is offered), a parameter that is driven, a value out of
+  /// its range, a material that expected_of() refuses, a direction of length 0.
   void set(const std::string& parameter, double value, const std::string& where);
 
-  /// Whether anything but its lines acts on the surface.
+  /// Whether the scene has anything but lines that acts on the surface.
   bool is_sculpted() const;
 
-  /// "FILE:LINE:COLUMN: "
+  /// The place as "FILE:LINE:COLUMN: ", with which messages begin.
   std::string at(const FilePlace& place) const { return place_prefix(file.string(), place); }
 };
 
-/// "" when energies with this material have a minimum, else what is expected of it.
+/// What a material has to satisfy, in words, so that energies with it have a minimum; "" when they
+/// have one.
 std::string expected_of(const SurfaceStiffness& material);
 
-/// Whether a line of a layout is this line of a scene: one that was cut at its corners is there as
-/// "name.1", "name.2", …
+/// Whether the line `run` of a layout is, or is a part of, the line `line` of a scene. The parts of
+/// a line that was cut at its corners are called "line.1", "line.2", …
 bool is_part_of(const std::string& run, const std::string& line);
 
 }  // namespace batten

@@ -1,4 +1,4 @@
-// [[line]] and [[lines]], of any kind of scene. Internal.
+// Reads [[line]] and [[lines]] of any kind of scene. Internal.
 #pragma once
 
 #include <filesystem>
@@ -8,11 +8,13 @@
 
 namespace batten {
 
-/// Keys of [[line]] and [[lines]].
+/// Keys that [[line]] and [[lines]] may have; `roles` as in read_scene_lines().
 std::vector<std::string> line_keys(bool roles);
 std::vector<std::string> lines_keys(bool roles);
 
-/// `roles`: whether lines have one (outline, inner). Throws InputError: none at all, too.
+/// Reads all lines of a scene. `roles`: whether lines of this kind of scene have a role (outline,
+/// hole, inner) and a treatment. `folder`: where paths begin. Throws InputError, also when there is
+/// no line.
 std::vector<SceneLine> read_scene_lines(const TomlTable& root, const std::filesystem::path& folder,
                                         bool roles);
 

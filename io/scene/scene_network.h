@@ -1,13 +1,13 @@
-// [network], [[region]] and [[join]]: a scene whose lines are skinned as one network. Internal.
+// Reads [network], [[region]] and [[join]] of a scene, whose lines are one network. Internal.
 #pragma once
 
 #include "batten/io/scene/scene.h"
 
 namespace batten {
 
-/// Reads them into the scene, whose lines are read already, and refuses, with the reason, what does
-/// not go together with a network. Nothing happens without [network]; [[region]] and [[join]] are
-/// refused then. Throws InputError.
+/// Reads these tables into the scene, whose lines have been read before. Without [network] it
+/// changes nothing. Throws InputError: a mistake in the tables, what cannot stand beside [network],
+/// a [[region]] or [[join]] without it.
 void read_network(const TomlTable& root, Scene& scene);
 
 }  // namespace batten

@@ -1,5 +1,5 @@
-// What acts on a scene's surface: [[constraint]], [[load]], [[weight]], [[move]], [[parameter]],
-// [motion]. Internal.
+// Reads what acts on a scene's surface: [[constraint]], [[load]], [[weight]], [[move]],
+// [[parameter]] and [motion]. Internal.
 #pragma once
 
 #include <filesystem>
@@ -8,7 +8,8 @@
 
 namespace batten {
 
-/// Reads them all into the scene, whose lines and [skin] were read before. Throws InputError.
+/// Reads all these tables into the scene, whose lines and [skin] have been read before. `folder`:
+/// where paths begin. Throws InputError.
 void read_sculpting(const TomlTable& root, const std::filesystem::path& folder, Scene& scene);
 
 }  // namespace batten

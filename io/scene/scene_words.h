@@ -1,4 +1,4 @@
-// What readers of scenes share. Internal.
+// Functions that all readers of scenes share. Internal.
 #pragma once
 
 #include <toml++/toml.h>
@@ -13,10 +13,11 @@
 
 namespace batten {
 
-/// Names of one kind, each once.
+/// The names of one kind of thing in a scene; `kind` is the word for it in messages.
 class Names {
  public:
   explicit Names(std::string kind) : kind_(std::move(kind)) {}
+  /// Adds the name that `key` of the table gives. Throws InputError when it was added before.
   void add(const TomlTable& table, const std::string& key, const std::string& name) {
     const auto [it, added] = lines_.emplace(name, table.place(key).line);
     if (!added)
@@ -32,27 +33,30 @@ class Names {
   std::map<std::string, int> lines_;
 };
 
-/// Keys of [skin] and [output].
+/// Keys that [skin] and [output] may have.
 const std::vector<std::string>& skin_keys();
 const std::vector<std::string>& output_keys();
 
-/// A length unit. Throws InputError with the nearest one.
+/// Reads a length unit. Throws InputError, with the nearest unit, for another word.
 std::string unit_word(const TomlTable& table, const std::string& key);
 
-/// A file of the output folder: a name without folders that ends in one of `endings` and is not in
-/// `files` yet.
+/// Reads the name of an output file and adds it to `files`. Throws InputError: a name with folders,
+/// an ending that is not in `endings`, a name that is in `files` already.
 std::string output_file(const TomlTable& table, const std::string& key, Names& files,
                         const std::vector<std::string>& endings);
 
-/// Keys view = [azimuth, elevation] and size = [width, height] of a picture; without them nothing
-/// changes.
+/// Reads the keys view = [azimuth, elevation] (degrees) and size = [width, height] (pixels) of a
+/// picture. Values without a key keep what they were. Throws InputError.
 void read_view(const TomlTable& table, double& azimuth, double& elevation, PictureSize& size);
 
-/// "from 0 to 10", "from 0 up", "up to 10".
+/// A range in words: "from 0 to 10", "from 0 up", "up to 10". One of its ends is finite.
 std::string range_text(double min, double max);
 
-/// `expected`: "a scene (.toml)". Throws InputError.
+/// Reads a whole file. `expected` says in messages what it should be: "a scene (.toml)". Throws
+/// InputError: no such file, a folder, a file that cannot be opened.
 std::string text_of_file(const std::filesystem::path& file, const std::string& expected);
+/// Parses a TOML text; messages name `file`. Throws InputError: an empty text, a text that is not
+/// TOML.
 toml::table parse_toml(const std::string& text, const std::filesystem::path& file,
                        const std::string& expected);
 

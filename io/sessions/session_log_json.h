@@ -1,4 +1,4 @@
-// JSON of a session's log, read so that every mistake says its line. Internal.
+// Reads and writes the JSON of a session's log. Messages about mistakes say their line. Internal.
 #pragma once
 
 #include <algorithm>
@@ -18,7 +18,7 @@ namespace batten {
 
 using LogJson = nlohmann::ordered_json;
 
-/// Throws InputError for a number that JSON cannot hold.
+/// A number as JSON. Throws InputError when it is not finite, which JSON cannot hold.
 inline LogJson json_number(double value) {
   if (!std::isfinite(value))
     throw InputError("session log: found " + number(value) + ", expected finite numbers only");
@@ -28,10 +28,12 @@ inline LogJson json_vector(const Vec3& v) {
   return {json_number(v[0]), json_number(v[1]), json_number(v[2])};
 }
 
-/// One JSON object of the log.
+/// One JSON object of the log. Its functions read the value of a key and throw InputError with the
+/// line, what was found and what was expected.
 class LogObject {
  public:
-  /// `where`: "FILE:LINE: ". Throws when it is no object, or has any other key.
+  /// Keeps a reference to `json`. `where` is "FILE:LINE: "; `what` names the object in messages.
+  /// Throws InputError when it is not an object, or has a key that is not in `keys`.
   LogObject(const LogJson& json, std::string where, std::string what,
             const std::vector<std::string>& keys)
       : json_(json), where_(std::move(where)), what_(std::move(what)) {

@@ -1,5 +1,5 @@
-// What a session's log is about, as JSON: loads, weights, constraints, moves, lines, parameters.
-// Internal.
+// Writes and reads the parts of a session's log as JSON: loads, weights, constraints, moves, lines,
+// parameters. Internal.
 #pragma once
 
 #include <string>
@@ -12,7 +12,7 @@
 
 namespace batten::session_log {
 
-/// One function for each kind of thing.
+/// A function object for std::visit, made of one function for each kind.
 template <class... Cases>
 struct Overloaded : Cases... {
   using Cases::operator()...;
@@ -31,7 +31,8 @@ LogJson json_of(const CharacterLine& line);
 LogJson json_of(const std::vector<NamedValue::Share>& shares);
 LogJson json_of(const NamedValue& parameter);
 
-// Of the parent's key; throw InputError with the line of the log.
+// These read what the parent holds under `key`, or under the key named behind them. They throw
+// InputError with the line of the log.
 std::vector<Area::Painted::Stroke> strokes_of(const LogObject& parent, const std::string& key);
 std::vector<NamedValue::Share> shares_of(const LogObject& parent, const std::string& key);
 HermiteCurve curve_of(const LogObject& parent, const std::string& key);
@@ -41,7 +42,7 @@ Constraint constraint_of(const LogObject& parent);  // "constraint"
 LineMove move_of(const LogObject& parent);          // "move"
 CharacterLine line_of(const LogObject& parent);     // "line"
 NamedValue parameter_of(const LogObject& parent);   // "parameter"
-/// "parameters"; none without.
+/// Reads "parameters"; none when the key is missing.
 std::vector<NamedValue> parameters_of(const LogObject& parent);
 
 }  // namespace batten::session_log

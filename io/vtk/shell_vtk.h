@@ -1,4 +1,4 @@
-// Deformed shell meshes as VTK's files.
+// Writes deformed shell meshes as VTK's files.
 #pragma once
 
 #include <filesystem>
@@ -13,19 +13,20 @@ class vtkPolyData;
 
 namespace batten {
 
-/// What was done to each node.
+/// What a deformation did to each of the n nodes.
 struct DeformedData {
-  Points displacement;       ///< n×3
-  std::vector<int> feature;  ///< index into feature_names, -1 for none; n
+  Points displacement;       ///< displacement of each node, n×3
+  std::vector<int> feature;  ///< index of each node's feature in feature_names, -1 for none
   std::vector<std::string> feature_names;
 };
 
-/// The faces as polygons; faces of second order through all their nodes in the order in which they
-/// lie around them. Double precision.
+/// The faces as polygons in VTK's data, in double precision. A face of second order is a polygon
+/// through all its nodes, in the order in which they lie around it.
 vtkSmartPointer<vtkPolyData> shell_poly_data(const ShellMesh& shells, const Points& points);
 
-/// The mesh at its nodes' present places as a .vtp file, with point data Displacement and Feature
-/// and field data Feature_names. Whole or not at all. Throws InputError.
+/// Writes the mesh, its nodes at `shells.points`, as a .vtp file with point data Displacement and
+/// Feature and field data Feature_names. It appears whole or not at all. Throws InputError when it
+/// cannot be written.
 void write_deformed_vtp(const std::filesystem::path& path, const ShellMesh& shells,
                         const DeformedData& data);
 

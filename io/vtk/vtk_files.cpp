@@ -183,7 +183,7 @@ double common_length(const std::vector<const SkinnedRegion*>& regions) {
   return sum / static_cast<double>(regions.size());
 }
 
-/// Smooth to the eye; large meshes are so by themselves.
+/// Facets along an edge: enough to look smooth, fewer on large meshes, whose elements are small.
 int facets_per_edge(const std::vector<const SkinnedRegion*>& regions) {
   constexpr double most_facets = 400'000;
   double triangles = 0;

@@ -1,4 +1,4 @@
-// How Batten writes VTK's XML files. Internal.
+// Writes VTK's XML files. Internal.
 #pragma once
 
 #include <filesystem>
@@ -8,7 +8,8 @@ class vtkXMLWriter;
 
 namespace batten {
 
-/// Binary appended, compressed; whole or not at all. Throws InputError.
+/// Writes `data` with the writer: binary appended, compressed. The file appears whole or not at
+/// all. Throws InputError when it cannot be written.
 void write_xml(vtkXMLWriter& writer, vtkDataObject* data, const std::filesystem::path& path);
 
 }  // namespace batten

@@ -5,7 +5,7 @@
 namespace batten {
 namespace {
 
-/// What a reader should see without counting.
+/// The counts of extrema and inflections, as words for a caption.
 std::string counts(const std::vector<HermiteCurve>& curves) {
   int extrema = 0, inflections = 0;
   for (const HermiteCurve& curve : curves) {

@@ -1,4 +1,4 @@
-// What a picture of a fairing shows.
+// Makes the panels of a picture of curvature combs.
 #pragma once
 
 #include <vector>
@@ -9,8 +9,9 @@
 
 namespace batten {
 
-/// Combs: as given and at the end. Stages: as given, after each stage of whole lines, after each
-/// row of local ones. Lines without length are dots. At least one result has a curve.
+/// The panels of a [[picture]]. Combs shows the lines as given and at the end; Stages shows them as
+/// given, after each stage of whole lines, and after local stages that follow each other. Lines
+/// without length are dots. At least one result must have a curve.
 CombPicture comb_panels(const std::vector<FairedResult>& results, const FairScene& scene,
                         const CombPictureRule& rule);
 

@@ -35,7 +35,7 @@ class Fairing {
   }
 
   FairedResult faired(size_t index);
-  /// After all lines: brushes that met none.
+  /// Throws InputError for a brush that met no line; to be called after all lines.
   void check_brushes() const {
     for (size_t s = 0; s < settings_.stages.size(); ++s)
       if (settings_.stages[s].brush && !met_[s])
@@ -135,13 +135,14 @@ class Fairing {
   }
 
   FairOptions options_of(size_t line, size_t s) const;
-  /// Of the first stage of whole lines that acts on the line: they decide what it is before all.
+  /// Options of the first stage of whole lines that acts on the line. The first state is made with
+  /// them.
   FairOptions given_options(size_t line) const;
   /// Why a line cannot be faired, or "".
   std::string why_not(size_t line) const;
   CurvatureCurve least_curvature(size_t line, size_t s, const HermiteCurve& curve,
                                  const std::vector<Vec3>& points) const;
-  /// From the first state on.
+  /// Does all stages of a line, from its first state on.
   void run_stages(size_t line, FairedResult& result);
 
   const std::vector<SourceLine>& lines_;
@@ -152,7 +153,7 @@ class Fairing {
   std::vector<std::atomic<bool>> met_;
 };
 
-/// Passes derivatives on, but not that it is cubic: it is to be fitted, not kept.
+/// A curve with the same derivatives that hides that it is cubic, so that it is fitted, not kept.
 class AsFormula final : public InputCurve {
  public:
   explicit AsFormula(HermiteCurve curve) : curve_(curve_from_hermite(std::move(curve))) {}
@@ -352,7 +353,7 @@ std::vector<FairedResult> fair_lines(const std::vector<SourceLine>& lines,
                                      const FairingSettings& settings, const Progress& progress) {
   Fairing fairing(lines, settings);
   std::vector<FairedResult> results(lines.size());
-  // In portions, so that progress is told and a wish to stop is heard on this thread.
+  // The lines are faired in portions, between which this thread reports progress and can stop.
   constexpr size_t portion = 64;
   for (size_t first = 0; first < lines.size(); first += portion) {
     progress.at("fairing", static_cast<double>(first) / static_cast<double>(lines.size()));

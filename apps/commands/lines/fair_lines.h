@@ -1,4 +1,4 @@
-// Lines through the stages of a fairing: from what was given to what is written.
+// Takes lines through the stages of a fairing.
 #pragma once
 
 #include <string>
@@ -11,46 +11,48 @@
 
 namespace batten {
 
+/// How lines are faired.
 struct FairingSettings {
   std::vector<FairStage> stages;
-  bool hold_ends = false;  ///< where a stage does not say
+  bool hold_ends = false;  ///< FairStage::hold_ends of stages that do not give it
   double segments = 0;     ///< FairScene::segments
-  std::string file;        ///< of the scene, for messages
+  std::string file;        ///< the scene's file, for messages
 };
 
 /// One line and what the stages made of it.
 struct FairedResult {
   FairedLine report;
   CharacterLine::Role role = CharacterLine::Role::Outline;
-  std::vector<Vec3> points;  ///< the input's; of a CAD curve about 200 or more samples
-  /// As given, then after each stage (the same curve again where a stage did not act). Empty for a
-  /// line without length.
+  std::vector<Vec3> points;  ///< points of the input; of a CAD curve about 200 samples or more
+  /// The curve as given, then after each stage (the same curve again where a stage did not act).
+  /// Empty for a line without length.
   std::vector<HermiteCurve> states;
-  std::vector<double> parameters;  ///< of the points, on the last state
-  std::string warning;             ///< why it is passed through; "" for a line that could be faired
+  std::vector<double> parameters;  ///< parameters of the points on the last state
+  std::string warning;             ///< why it cannot be faired; "" for a line that can
 
   bool has_curve() const { return !states.empty(); }
   NamedCurve named() const;
 };
 
-/// Fairs all lines, several at a time. Stages of whole lines start from the points (the first) or
-/// from the curve at them (later ones); deviations are those from the input at the end: of CAD
-/// curves at four times as many places as they are sampled at.
+/// Fairs all lines, several at a time. The first stage of a whole line starts from its points,
+/// later ones from the curve at the points. Deviations are measured from the input at the end; of
+/// CAD curves at four times as many places as there are samples.
 ///
-/// A line of one point, or whose points are all the same, or of two that should be closed, cannot
-/// be faired: its result has a warning, no curve and its own points. Throws InputError with the
-/// place of a stage whose names or places meet no line, and what fairing throws; ConflictError;
-/// CancelledError.
+/// A line cannot be faired when it has one point, when its points are all the same, or when it has
+/// two and should be closed: its result has a warning, its own points and no curve. Throws
+/// InputError, with the place of a stage, when the stage's names or places meet no line, and what
+/// fairing throws; ConflictError; CancelledError.
 std::vector<FairedResult> fair_lines(const std::vector<SourceLine>& lines,
                                      const FairingSettings& settings, const Progress& progress);
 
-/// The lines that a scene's surface is made from: those that its [[fair]] are about as the stages
-/// leave them (ends held unless a stage says otherwise), all others as they were given. Throws
-/// InputError: also for a line without length.
+/// The lines of a scene's surface.
 struct FairedLines {
   std::vector<CharacterLine> lines;
-  std::vector<FairedLine> reports;  ///< of the lines that were faired
+  std::vector<FairedLine> reports;  ///< reports on the lines that were faired
 };
+/// Reads the lines that a scene's surface is made from. Lines that a [[fair]] names are faired,
+/// with ends held unless a stage says otherwise; all others are as given. Throws what read_lines()
+/// and fair_lines() throw, and InputError for a line without length.
 FairedLines faired_lines(const Scene& scene, const Progress& progress);
 
 }  // namespace batten

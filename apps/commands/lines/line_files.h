@@ -1,4 +1,4 @@
-// The lines of a scene, from wherever they are.
+// Reads the lines of a scene, from the scene itself and from files.
 #pragma once
 
 #include <filesystem>
@@ -10,41 +10,41 @@
 
 namespace batten {
 
-/// How a file of lines is read, by its extension.
+/// The kind of a file of lines, which its extension says.
 enum class LineFileKind { None, Points, Cad, Sketch };
 LineFileKind line_file_kind(const std::filesystem::path& file);
 
 /// A line as it was given: points, or a curve.
 struct SourceLine {
   std::string name;
-  std::string at;                           ///< "FILE:LINE:COLUMN: ", for messages
+  std::string at;                           ///< its place for messages: "FILE:LINE:COLUMN: "
   std::vector<Vec3> points;                 ///< model units; empty when there is a curve
-  std::shared_ptr<const InputCurve> curve;  ///< of CAD files and Béziers
+  std::shared_ptr<const InputCurve> curve;  ///< set for lines of CAD files, sketches and Béziers
   CharacterLine::Role role = CharacterLine::Role::Outline;
   CharacterLine::Treatment treatment = CharacterLine::Treatment::Auto;
 
-  /// The curve, or the one through the points. Throws InputError: curve_through_points.
+  /// The curve, or one through the points. Throws InputError as curve_through_points() does.
   std::shared_ptr<const InputCurve> as_curve(double corner_angle) const;
 };
 
-/// All lines of a file, in model units. `unit`: of the file's numbers, for files of points ("": the
-/// model's); files of CAD say it themselves, those of sketches are in the model's. Throws
-/// InputError.
+/// Reads all lines of a file, in model units. `unit` is that of a file of points ("": the model's).
+/// CAD files state their unit, and sketches are in the model's. Throws InputError.
 std::vector<SourceLine> read_source_file(const std::filesystem::path& file, const std::string& unit,
                                          const std::string& model_unit);
 
-/// All lines of a scene in its order; `file` is the scene's, for messages. Throws InputError with
-/// the place in the scene: a file that is missing or of an unknown kind, a file of several lines
-/// where one was asked for, a name that its file does not have, a name that two lines have.
+/// Reads all lines of a scene, in its order. `file` is the scene's, for messages. Throws InputError
+/// with the place in the scene: a file that is missing or of an unknown kind, a file of several
+/// lines where one was asked for, a name that its file does not have, a name that two lines have.
 std::vector<SourceLine> read_sources(const std::vector<SceneLine>& lines,
                                      const std::filesystem::path& file, const std::string& unit);
 
-/// The points of a scan, all lines of its file one after the other, in model units; none
-/// for other loads. Throws InputError with the place in the scene or in the file.
+/// Reads the points of a scan, all lines of its file one after the other, in model units; none for
+/// other loads. Throws InputError with the place in the scene or in the file.
 std::vector<Vec3> scan_points(const Scene& scene, const SceneLoad& load);
 
-/// The lines of a scene as curves, before any [[fair]]. Throws InputError.
+/// Reads the lines of a scene as curves, before any [[fair]]. Throws InputError.
 std::vector<CharacterLine> read_lines(const Scene& scene);
+/// The character line of a line as it was given. Throws InputError as as_curve().
 CharacterLine character_line(const SourceLine& line, double corner_angle);
 
 }  // namespace batten

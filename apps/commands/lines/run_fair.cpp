@@ -56,7 +56,7 @@ void write(const std::filesystem::path& path, const std::vector<FairedResult>& r
   report.files.push_back(name);
 }
 
-/// Pictures need a display; a result without them is still a result, but not what was asked for.
+/// Draws pictures. Without a display they are added to report.missed, and the result is kept.
 void draw(const std::filesystem::path& path, const std::vector<FairedResult>& results,
           const FairScene& scene, const CombPictureRule& rule, FairReport& report,
           const std::string& name) {

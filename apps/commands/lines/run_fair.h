@@ -1,4 +1,4 @@
-// The work of `batten fair`: lines that fair themselves.
+// Does the work of `batten fair`: fairs lines and writes them.
 #pragma once
 
 #include <filesystem>
@@ -11,26 +11,27 @@
 
 namespace batten {
 
-/// "name=value" words of the command line. Throws InputError.
+/// Sets parameters of the scene from "name=value" words of the command line. Throws InputError.
 void apply_settings(FairScene& scene, const std::vector<std::string>& settings);
 
 /// Fairs the lines of a scene and writes all files and report.json into the folder, all of them or
-/// none. Pictures that cannot be drawn and conditions that do not hold are in report.missed; lines
-/// that cannot be faired are named in report.warnings and written as they came. Throws InputError,
+/// none. report.missed has pictures that cannot be drawn and conditions that do not hold;
+/// report.warnings has lines that cannot be faired, which are written as given. Throws InputError,
 /// ConflictError, CancelledError.
 FairReport run_fair(const FairScene& scene, const std::filesystem::path& folder,
                     const Progress& progress = {});
 
-/// Files of one run, wherever they are to be; "" for none.
+/// Paths of the files of one run; "" for none.
 struct FairFiles {
   std::filesystem::path out, picture, report;
 };
-/// The same with each file at its own place, written whole; `scene.outputs` and `scene.pictures`
-/// are not looked at.
+/// Does the same with each file at its own path; each appears whole or not at all. It does not use
+/// `scene.outputs` and `scene.pictures`.
 FairReport run_fair(const FairScene& scene, const FairFiles& files, const Progress& progress = {});
 
-/// A table, one row a line (of many the first twenty), with a total.
+/// A table with one row for each line (the first twenty) and a total.
 std::string summary(const FairReport& report);
+/// The same table, with the time and the files at its end.
 std::string summary(const FairReport& report, const std::filesystem::path& folder);
 
 }  // namespace batten

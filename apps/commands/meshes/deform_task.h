@@ -1,4 +1,4 @@
-// From the words of a deform scene to the problem that is solved.
+// Makes the problem that is solved from the words of a deform scene.
 #pragma once
 
 #include <optional>
@@ -10,18 +10,20 @@
 
 namespace batten {
 
-/// What all edits keep: vertices of features, guides, chains, rows.
+/// What all edits of a scene have in common: features, guides, chains and rows.
 struct Kept {
   std::vector<FormFeature> features;
   std::vector<GuidedPoint> guided;
-  std::vector<std::optional<Vec3>> through;  // of each guide
+  std::vector<std::optional<Vec3>> through;  // GuideRule::through of each guide
   std::vector<CharacterChain> chains;
   std::vector<CombinationRow> rows;
   std::vector<MeshCurve> curves;
-  std::vector<std::vector<int>> lines;  // of both, for pictures; a closed one ends as it begins
+  std::vector<std::vector<int>> lines;  // vertices of chains and curves, for pictures; a closed
+                                        // line ends with its first vertex
 };
 
-/// Throws InputError with the place of what cannot be found.
+/// Collects what all edits have in common. Throws InputError with the place of what cannot be
+/// found.
 Kept gather(const DeformScene& scene, VertexSelector& select, const TriangleMesh& mesh);
 
 /// The problem of one edit and how it moves.
@@ -30,7 +32,8 @@ struct Task {
   DeformEdit edit;
 };
 
-/// `mesh`: as the edit before left it. Throws InputError.
+/// Makes the task of one edit. `mesh` is the result of the edit before. Throws InputError with the
+/// place of a name that cannot be found.
 Task task_of(const DeformScene& scene, const EditRule& rule, const Kept& kept,
              VertexSelector& select, const TriangleMesh& mesh);
 

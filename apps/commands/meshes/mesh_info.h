@@ -1,4 +1,4 @@
-// The part of `batten info` for meshes.
+// Describes mesh files for `batten info`.
 #pragma once
 
 #include <filesystem>
@@ -6,7 +6,8 @@
 
 namespace batten {
 
-/// What is in a mesh file: counts, what is wrong with it, its boundary loops and proposed features.
+/// Describes a mesh file: counts, defects, boundary loops and proposed features. `unit` is that of
+/// its lengths. Throws InputError.
 std::string mesh_info(const std::filesystem::path& file, const std::string& unit);
 
 }  // namespace batten

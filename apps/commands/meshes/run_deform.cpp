@@ -101,7 +101,7 @@ std::vector<MeshPicture::Part> parts_of(const ShellMesh& shells, const Kept& kep
   return parts;
 }
 
-/// Pictures need a display; a result without them is still a result, but not what was asked for.
+/// Draws pictures. Without a display they are added to report.missed, and the result is kept.
 void draw_all(DeformReport& report, const DeformScene& scene, const MeshFile& file,
               const std::vector<Points>& states, const std::vector<Task>& tasks, const Kept& kept,
               const OutputFolder& out) {

@@ -1,4 +1,4 @@
-// The work of `batten deform`: edits of a mesh that keep its form features.
+// Does the work of `batten deform`: edits a mesh and keeps its form features.
 #pragma once
 
 #include <filesystem>
@@ -11,16 +11,16 @@
 
 namespace batten {
 
-/// "name=value" words of the command line. Throws InputError.
+/// Sets parameters of the scene from "name=value" words of the command line. Throws InputError.
 void apply_settings(DeformScene& scene, const std::vector<std::string>& settings);
 
 /// Does the edits one after the other, measures the result and writes all files and report.json
-/// into the folder, all of them or none. A result that misses a promise is written too, and says so
-/// in report.missed. Throws InputError, ConflictError, NoSolutionError, CancelledError.
+/// into the folder, all of them or none. A result that misses a promise is written, too;
+/// report.missed says so. Throws InputError, ConflictError, NoSolutionError, CancelledError.
 DeformReport run_deform(const DeformScene& scene, const std::filesystem::path& folder,
                         const Progress& progress = {});
 
-/// What a newcomer wants to know, a dozen lines, ending with the files.
+/// The most important results in about a dozen lines, with the files at the end.
 std::string summary(const DeformReport& report, const std::filesystem::path& folder);
 
 }  // namespace batten

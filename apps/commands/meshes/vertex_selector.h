@@ -1,4 +1,4 @@
-// Names of a deform scene as vertices of its mesh.
+// Finds the vertices of a mesh that the names of a deform scene mean.
 #pragma once
 
 #include <map>
@@ -11,29 +11,30 @@
 
 namespace batten {
 
-/// Selections, cuts and proposed features of one scene, found when they are asked for. All are
-/// made on the mesh as it was read. Throws InputError with the place of the word: an unknown name
-/// (the nearest is offered), one that selects nothing, selections that need each other.
+/// Finds selections, cuts and proposed features of one scene when they are asked for, on the mesh
+/// as it was read, and keeps them. Its functions throw InputError with the place of the word: an
+/// unknown name (the nearest is offered), a name that selects nothing, selections that need each
+/// other.
 class VertexSelector {
  public:
   VertexSelector(const DeformScene& scene, const MeshFile& file, const TriangleMesh& mesh);
 
-  /// Vertices of one name, ascending: selection, cut or proposal.
+  /// The vertices of a selection, cut or proposal by its name, ascending.
   std::vector<int> of(const PlacedWord& name);
-  /// Of several together; '*' stands for any letters.
+  /// The vertices of several names together, ascending; '*' stands for any letters.
   std::vector<int> of(const std::vector<PlacedWord>& names);
-  /// The names that a word with '*' means; a selection's own name is not among those it asks for.
+  /// The names that a word with '*' means, without those of selections that are being found now.
   std::vector<PlacedWord> matching(const PlacedWord& word);
   /// The proposal of that name, or nullptr.
   const FeatureProposal* proposal(const std::string& name);
   const std::vector<FeatureProposal>& proposals();
   int vertex_of_label(long label, const FilePlace& place) const;
-  /// Vertices in order: the shortest way along edges past all of them, where creases count as
-  /// shorter than they are. Throws InputError.
+  /// The vertices of a line in their order: the shortest way along edges through the vertices that
+  /// the rule gives, with creases counted as shorter than they are.
   std::vector<int> path(const LineRule& rule);
 
  private:
-  // What meets all conditions of a rule; then the parts of some of them.
+  // Vertices that meet all conditions of a rule; the next three find those of one condition.
   std::vector<int> select(const SelectRule& rule);
   std::vector<int> loop_of(const SelectRule& rule) const;
   std::vector<int> within_distance(const SelectRule& rule);

@@ -1,4 +1,4 @@
-// The files of one run: all of them appear, or none.
+// The output folder of a run: all its files appear, or none.
 #pragma once
 
 #include <filesystem>
@@ -7,9 +7,9 @@
 
 namespace batten {
 
-/// Files are written into a hidden folder inside the output folder and moved to their names by
-/// commit(). Without it they are removed, files of earlier runs stay as they were, and folders that
-/// did not exist before are gone again.
+/// Files are written into a hidden folder inside the output folder, and commit() moves them to
+/// their names. Without a commit the destructor removes them and the folders that the constructor
+/// made; files of earlier runs stay as they were.
 class OutputFolder {
  public:
   /// Makes the folder and those above it. Throws InputError when it cannot be written to.
@@ -18,15 +18,16 @@ class OutputFolder {
   OutputFolder(const OutputFolder&) = delete;
   OutputFolder& operator=(const OutputFolder&) = delete;
 
-  /// Where to write the file of this name until commit().
+  /// The path at which to write the file of this name before commit().
   std::filesystem::path file(const std::string& name) const { return hidden_ / name; }
   const std::filesystem::path& folder() const { return folder_; }
-  /// Call once. Throws InputError, before anything is moved, when a name is taken by a folder.
+  /// Moves all files to their names. Call it once. Throws InputError, before anything is moved,
+  /// when a folder has the name of a file.
   void commit();
 
  private:
   std::filesystem::path folder_, hidden_;
-  std::vector<std::filesystem::path> made_;  // outermost first
+  std::vector<std::filesystem::path> made_;  // folders that were made, outermost first
   bool committed_ = false;
 };
 

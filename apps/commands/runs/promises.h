@@ -1,4 +1,4 @@
-// What a result must keep to be called done.
+// The promises that a result must keep.
 #pragma once
 
 #include <vector>
@@ -7,7 +7,7 @@
 
 namespace batten {
 
-/// The promises that the measured numbers break, and numbers that could not be computed.
+/// The promises that the measured numbers break, and numbers that are not finite. The promises are:
 ///
 ///   curves    conditions of [[fair]] ≤ 1e-12 of the curve's size
 ///   lines     deviation of input from fitted curve ≤ tolerance
@@ -15,11 +15,12 @@ namespace batten {
 ///             normal jump inside ≤ 1e-3°, Jacobian ≥ 0.05 of its median, no singular node;
 ///             when lines are held: line residual ≤ 1e-10, gap of embedded lines and line
 ///             deviation ≤ tolerance
-///   step      exact: valid, gap ≤ 1e-9 of the size, normal jump ≤ 1e-3°
-///             one face: valid, deviation ≤ what was asked, gap ≤ that plus the tolerance
+///   step      exact: valid, gap and (of HCT surfaces) deviation ≤ 1e-9 of the size plus the step's
+///             tolerance, normal jump ≤ 1e-3°
+///             one face: valid, deviation ≤ the step's tolerance; when lines are held, gap ≤ that
+///             plus `tolerance`
 ///
-///
-/// Of a network each region keeps the promises of `surface` (its lines may also have been moved by
+/// Each region of a network keeps the promises of `surface` (its lines may also have been moved by
 /// the network's tolerance where they were joined), and
 ///
 ///   regions   each is skinned; no flaw (SurfaceFlaw)
@@ -27,7 +28,7 @@ namespace batten {
 ///             and moves), but for ends where the lines leave no tangent plane; one that is asked
 ///             for as smooth is smooth
 ///
-/// `tolerance`: of lines, model units.
+/// `tolerance` is that of lines, in model units.
 std::vector<MissedPromise> broken_promises(const Report& report, double tolerance);
 
 }  // namespace batten

@@ -1,4 +1,4 @@
-// What all commands share.
+// Functions that all commands share.
 #pragma once
 
 #include <chrono>
@@ -11,7 +11,7 @@
 
 namespace batten {
 
-/// Seconds of each stage of a run.
+/// Measures the seconds of each stage of a run: lap() ends a stage, total() the run.
 class Stopwatch {
  public:
   explicit Stopwatch(std::vector<std::pair<std::string, double>>& timings) : timings_(timings) {}
@@ -30,21 +30,22 @@ class Stopwatch {
   Clock::time_point start_ = Clock::now(), last_ = start_;
 };
 
-/// One "name=value" of the command line; messages about it begin with `where`.
+/// One "name=value" of the command line. Messages about it begin with `where`.
 struct Setting {
   std::string name, where;
   double value;
 };
-/// Throws InputError.
+/// Parses words "name=value". Throws InputError: no '=', no name, a value that is not a finite
+/// number.
 std::vector<Setting> parsed_settings(const std::vector<std::string>& settings);
 
-/// Whether a name fits a pattern, in which '*' stands for any letters. O(both).
+/// Whether a text fits a pattern, in which '*' stands for any letters. O(product of the lengths).
 bool matches(const std::string& pattern, const std::string& text);
 
-/// A line of a summary.
+/// A line of a summary: the label in 12 columns, and the text.
 std::string result_line(const std::string& label, const std::string& text);
 
-/// The end of a summary: the time it took and the files. Of any kind of report.
+/// The end of a summary of any kind of report: the time it took, and the files.
 template <class AnyReport>
 std::string result_ending(const AnyReport& report, const std::filesystem::path& folder) {
   std::string text;

@@ -1,4 +1,4 @@
-// From a scene to its model: lines → one region, or network → regions → surfaces.
+// Makes the model of a scene: its lines make one region, or a network of regions.
 #pragma once
 
 #include <optional>
@@ -10,29 +10,30 @@
 
 namespace batten {
 
-/// Throws InputError that begins with the scene's file.
+/// The network of a scene's lines. Throws InputError that begins with the scene's file.
 CharacterLineNetwork network_of(const Scene& scene, const std::vector<CharacterLine>& lines,
                                 const Progress& progress = {});
 
-/// Throws InputError with the place in the scene: words that fit no lines or contradict each other;
-/// no region at all, with what stands in the way.
+/// Finds the regions of a network, as the scene's words ask. Throws InputError with the place in
+/// the scene: words that fit no lines or contradict each other; no region at all, with the reason.
 FoundRegions regions_of(const Scene& scene, const CharacterLineNetwork& network,
                         const Progress& progress = {});
 
+/// A model and what it was made from.
 struct MadeModel {
-  // Of a scene with [network].
+  // Set for a scene with [network]:
   std::optional<CharacterLineNetwork> network;
   std::optional<FoundRegions> found;
-  SurfaceModel model;        ///< without [network]: one region
-  double fit_tolerance = 0;  ///< of lines and embedded ones, model units
+  SurfaceModel model;        ///< the model; without [network] it has one region
+  double fit_tolerance = 0;  ///< tolerance of fitted and embedded lines, model units
 
-  /// Names of regions that the scene may say, and of those that could not be skinned.
+  /// Names of the regions that are skinned, which the scene's loads and weights may use.
   std::vector<std::string> region_names() const;
 };
 
-/// The model that the scene's lines make; it does not depend on parameters of loads and
-/// constraints. Without [network] the region has no shape yet. Throws as above, and
-/// NoSolutionError, ConflictError, CancelledError.
+/// Makes the model of the scene's lines, which does not depend on loads and constraints. Without
+/// [network] the region has no shape yet. Throws what network_of() and regions_of() throw,
+/// NoSolutionError, ConflictError and CancelledError.
 MadeModel make_model(const Scene& scene, const std::vector<CharacterLine>& lines,
                      const Progress& progress = {});
 

@@ -197,8 +197,8 @@ class Maker {
     return options;
   }
 
-  /// Where the place nearest on the unloaded surface is by now: constraints that were added have
-  /// moved it.
+  /// The present position of the place that is nearest on the unloaded surface. Constraints added
+  /// before have moved it.
   Vec3 now(const SceneConstraint& c) const {
     const auto was = unloaded_places_.nearest_inside(c.at);
     constexpr double far = 0.5;  // of the size: no rounding, a mistake
@@ -212,7 +212,7 @@ class Maker {
         .position(session_.layout().in_model(was.at.region, was.where));
   }
 
-  /// What the session does not like has its place in the scene.
+  /// Puts the place in the scene before the message of what the session refuses.
   template <class Thing>
   void add(const FilePlace& place, const Thing& thing,
            const std::vector<NamedValue>& parameters = {}) {
@@ -223,7 +223,7 @@ class Maker {
     }
   }
 
-  /// Added where it does not move anything yet.
+  /// Adds a move at 0, or at the nearest value of its range, so that it moves nothing yet.
   void add_move(const SceneMove& move) {
     NamedValue p = values_.at(move.name);
     if (p.over_time.empty()) {
@@ -252,7 +252,7 @@ class Maker {
   SculptingSession session_;
   Points unloaded_;
   ModelProjector unloaded_places_;
-  // Set when nothing that is to be added refers to the surface without them.
+  // Set last, because what is added before refers to the surface without them.
   std::vector<std::pair<std::string, double>> goals_, moves_;
 };
 

@@ -1,4 +1,4 @@
-// From a model to its shape: everything that a scene has act on it.
+// Makes the shape of a model under everything that a scene has act on it.
 #pragma once
 
 #include <memory>
@@ -9,19 +9,19 @@
 
 namespace batten {
 
-/// As writers and pictures take regions.
+/// Pointers to regions, which writers and pictures take.
 std::vector<const SkinnedRegion*> pointers(const std::vector<SkinnedRegion>& regions);
 
-/// A finished shape of a model, and what its session knew of it.
+/// A finished shape of a model, and what its session measured.
 struct MadeShape {
   std::shared_ptr<const ModelLayout> layout;
   Points dofs;
-  Points unloaded;                     ///< what the lines alone make, on the same layout
-  std::vector<SkinnedRegion> regions;  ///< of the layout, with lines as they are moved
+  Points unloaded;                     ///< dofs of what the lines alone make, on the same layout
+  std::vector<SkinnedRegion> regions;  ///< the layout's regions, with lines where moves put them
   SurfaceEnergy energy;
   int iterations = 0;
   double last_change = 0, max_constraint_residual = 0;
-  double max_normal_constraint_deg = 0;  ///< at the places that a [[constraint]] holds
+  double max_normal_constraint_deg = 0;  ///< largest error of normals that [[constraint]] holds
   std::vector<Reaction> reactions;
   std::vector<ScanDistances> scans;
   bool joins_planned = false;  ///< Answer::joins_planned
@@ -29,27 +29,28 @@ struct MadeShape {
   std::vector<const SkinnedRegion*> all() const { return pointers(regions); }
 };
 
-/// The session's shape as it is. `unloaded`: dofs on its layout. `answer`: of the last settle().
+/// The session's present shape. `unloaded`: dofs of the unloaded surface on its layout. `answer`:
+/// what the last settle() returned.
 MadeShape shape_of(const SculptingSession& session, const Scene& scene, const Points& unloaded,
                    const Answer& answer);
 
-/// The shape that a scene's constraints, loads and material make of a layout: a session that
-/// settles. Throws ConflictError, NoSolutionError, InputError, CancelledError.
+/// Makes the shape of a layout under a scene's constraints, loads and material: a session settles
+/// once. Throws ConflictError, NoSolutionError, InputError, CancelledError.
 MadeShape make_shape(const ModelLayout& layout, const Scene& scene, const MadeModel& made,
                      const Progress& progress = {});
 
-/// The same of the model's own layout, halving triangles where loads, moves and constraints pull
-/// the surface off its embedded lines, until it keeps the tolerance there or halving helps no more.
-/// A network on which nothing acts has its shape already.
+/// Makes the shape of the model's own layout in the same way. Triangles are halved where loads,
+/// moves and constraints pull the surface off its embedded lines, until gaps are within the
+/// tolerance or halving does not help. A network on which nothing acts has its shape already.
 MadeShape make_refined_shape(const MadeModel& made, const Scene& scene,
                              const Progress& progress = {});
 
-/// The layout of make_refined_shape(), for a session of the scene's own values; the model's where
-/// these have no solution.
+/// The layout that make_refined_shape() reaches for the scene's own values, for a session. Where
+/// these have no solution, it is the layout reached so far.
 ModelLayout refined_for_lines(const MadeModel& made, const Scene& scene,
                               const Progress& progress = {});
 
-/// Puts the shape into the model, measured.
+/// Puts the shape into the model and measures its quality.
 void take_shape(MadeModel& made, const MadeShape& shape, const Progress& progress = {});
 
 }  // namespace batten

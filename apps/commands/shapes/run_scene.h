@@ -1,4 +1,4 @@
-// The work of `batten run`: everything a scene asks for.
+// Does the work of `batten run`: makes everything that a scene asks for.
 #pragma once
 
 #include <filesystem>
@@ -9,29 +9,32 @@
 
 namespace batten {
 
-/// "name=value" words of the command line, put into the scene in their order. Throws InputError.
+/// Sets parameters of the scene from "name=value" words of the command line, in their order. Throws
+/// InputError.
 void apply_settings(Scene& scene, const std::vector<std::string>& settings);
 
-/// A scene made of files of lines alone, for `batten skin`: outline files, inner files.
+/// A scene made of files of lines alone, for `batten skin`: files of outlines, files of inner
+/// lines.
 Scene scene_of_lines(const std::vector<std::filesystem::path>& outline,
                      const std::vector<std::filesystem::path>& inner, const std::string& unit);
-/// The same for `batten skin --network`: all lines of all files are one network.
+/// A scene for `batten skin --network`: all lines of all files are one network.
 Scene scene_of_network(const std::vector<std::filesystem::path>& files, const std::string& unit);
 
 /// Makes the shape, measures it and writes all files and report.json into the folder, all of them
-/// or none. A result that misses a promise is written too, and says so in report.missed. Throws
+/// or none. A result that misses a promise is written, too; report.missed says so. Throws
 /// InputError, ConflictError, NoSolutionError, CancelledError.
 Report run_scene(const Scene& scene, const std::filesystem::path& folder,
                  const Progress& progress = {});
 
-/// One picture of the scene's shape, without any other file. Throws as above; InputError when there
-/// is no display.
+/// Draws one picture of the scene's shape, and writes no other file. Throws what run_scene()
+/// throws, and InputError when there is no display.
 void view_scene(const Scene& scene, const PictureScene& look, const std::filesystem::path& file,
                 const Progress& progress = {});
 
-/// What a newcomer wants to know, a dozen lines, ending with the files. Of a network: what was
-/// found, repaired, skinned, left over, and what to say in the scene to have it otherwise.
+/// The most important results in about a dozen lines, with the files at the end.
 std::string summary(const Report& report, const std::filesystem::path& folder);
+/// The same for a network: what was found, repaired, skinned and left over, and what to write into
+/// the scene to change that.
 std::string network_summary(const Report& report, const std::filesystem::path& folder);
 
 }  // namespace batten

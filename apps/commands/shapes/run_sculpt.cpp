@@ -82,7 +82,7 @@ int parsed_steps(const SculptTask& task) {
   return std::max(1, static_cast<int>(std::ceil(steps * (1 - 1e-12))));
 }
 
-/// Letters that every file system and every shell takes.
+/// A name of letters that every file system and every shell accepts.
 std::string file_word(const std::string& text) {
   std::string word;
   for (const char c : text)

@@ -1,4 +1,4 @@
-// A finished shape as the files and numbers that a scene asks for.
+// Writes a finished shape as the files and numbers that a scene asks for.
 #pragma once
 
 #include <vector>
@@ -10,40 +10,42 @@
 
 namespace batten {
 
-/// One run of a command: its folder and its report, which appear together in the end.
+/// One run of a command: its output folder and its report.
 struct ShapeRun {
   explicit ShapeRun(const Scene& scene, const std::filesystem::path& folder);
-  /// Broken promises, and report.json; out.commit() comes last.
+  /// Adds broken promises to the report and writes report.json. Call out.commit() after it.
   void finish(const Progress& progress);
 
   OutputFolder out;
   Report report;
   Stopwatch watch;
-  double tolerance = 0;  ///< of lines, model units
+  double tolerance = 0;  ///< tolerance of lines, model units
 };
 
-/// The scene's lines, as [[fair]] leaves them, into the report, and the model that they make.
+/// Reads and fairs the scene's lines, puts them into the report and makes their model.
 MadeModel model_of(ShapeRun& run, const Scene& scene, const Progress& progress);
 
-/// Puts the shape into the model and measures it: lines, surface, network, scans and reactions of
-/// the report.
+/// Puts the shape into the model, measures it and fills the report: lines, surface, network, scans
+/// and reactions.
 void measure_into(ShapeRun& run, MadeModel& made, const MadeShape& shape, const Scene& scene,
                   const Progress& progress);
 
-/// [compare] and [output]: everything but report.json and pictures. Of a network, a file that
-/// refuses a region is missed, and the others are written. Throws InputError.
+/// Does [compare] and writes the files of [output]: all but report.json and pictures. When a file
+/// cannot hold a region of a network, report.missed says so, and the other files are written.
+/// Throws InputError.
 void write_files(ShapeRun& run, const Scene& scene, const MadeModel& made, const MadeShape& shape,
                  const Progress& progress);
 
-/// [[picture]]. Without a display they are missed: a result without them is still a result, but not
-/// what was asked for.
+/// Draws the pictures of [[picture]]. Without a display it draws none, and report.missed says so.
 void draw_pictures(ShapeRun& run, const Scene& scene, const MadeModel& made, const MadeShape& shape,
                    const Progress& progress);
 
-/// A look at a shape.
+/// What to draw of a shape: `look` with its regions, and with the arcs of the network that no
+/// region has.
 PictureScene picture_of(const PictureScene& look, const MadeModel& made, const MadeShape& shape);
 
-/// Whether pictures can be drawn; false, and `what` missed, when there is no display.
+/// Whether pictures can be drawn. When there is no display, it returns false and adds `what` to
+/// report.missed.
 bool can_draw(Report& report, const std::string& what);
 
 }  // namespace batten

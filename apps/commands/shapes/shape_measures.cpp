@@ -13,7 +13,7 @@
 namespace batten {
 namespace {
 
-// A number that is not one must win over those that are.
+// These keep the extreme value; NaN wins over numbers, so that the report shows it.
 void raise(double& most, double value) {
   if (!(value <= most) && !std::isnan(most)) most = value;
 }

@@ -1,4 +1,4 @@
-// A shape that changes with a parameter or with time, as files.
+// Writes a shape that changes with a parameter or with time as a series of files.
 #pragma once
 
 #include <string>
@@ -11,20 +11,21 @@
 
 namespace batten {
 
-/// Shapes of one series as they come, written to files in the end.
+/// Collects the shapes of one series and writes their files.
 class ShapeSeries {
  public:
-  /// Files are called STEM_000.vtp, …; the look is that of the scene's first [[picture]]; captions
-  /// are LABEL = value.
+  /// Files are called STEM_000.vtp, …, with digits for `most` shapes. Pictures look like the
+  /// scene's first [[picture]]; their captions are LABEL = value.
   ShapeSeries(const Scene& scene, std::string stem, std::string label, const OutputFolder& out,
               int most);
 
-  /// Writes the .vtp at once.
+  /// Adds a shape and writes its .vtp at once. Throws InputError.
   void add(Report& report, double value, std::vector<SkinnedRegion> regions);
   int count() const { return count_of(files_); }
 
-  /// STEM.pvd; with a display STEM.gif (of 120 shapes at most), and STEM.png with all shapes (48 at
-  /// most) or (`each`) one .png a shape. All with one camera, and contours at the same heights.
+  /// Writes STEM.pvd, STEM.gif (of 120 shapes at most), and STEM.png with all shapes (48 at most)
+  /// or, with `each`, one .png for each shape. All pictures have the same camera and the same
+  /// heights of contours. Throws InputError, also when there is no display, after writing STEM.pvd.
   void finish(Report& report, bool each, const Progress& progress);
 
  private:
