@@ -80,6 +80,9 @@ vtkRenderWindow& window() {
     auto made = vtkSmartPointer<vtkRenderWindow>::New();
     made->SetOffScreenRendering(1);
     made->SetMultiSamples(0);
+    // Of the X window nothing is seen: small, it needs no buffers beside those that are drawn into.
+    made->SetSize(16, 16);
+    made->Initialize();
     return made;
   }();
   return *the_window;
