@@ -9,8 +9,8 @@
 
 namespace batten {
 
-/// A corner of the domain's outline: where it is, and its angle (degrees) in the domain and between
-/// the lines in space.
+/// A corner of the domain's outline: its place, and its interior angle (degrees) in the domain and
+/// between the lines in space.
 struct DomainCorner {
   Vec2 uv;
   double domain_degrees, line_degrees;
@@ -19,7 +19,7 @@ struct DomainCorner {
 /// Everything of a region except its shape.
 struct RegionParts {
   std::shared_ptr<const ParametricMesh> mesh;
-  std::shared_ptr<const Trim> trim;  ///< none when nothing embedded bounds the region
+  std::shared_ptr<const Trim> trim;  ///< null when no embedded line bounds the region
   std::vector<LineRun> runs;
   std::vector<EmbeddedLine> embedded;
   std::vector<std::vector<BoundaryPiece>> boundary;
