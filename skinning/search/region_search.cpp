@@ -59,7 +59,7 @@ RegionSearch search_regions(const RegionGraph& graph, const SettledRegions& sett
     if (std::binary_search(settled_arcs.begin(), settled_arcs.end(), arcs_of(c.loop))) continue;
     Selection::Item item;
     item.gain = c.gain(prices);
-    // The only loop that there is, bounds a surface, however it turns.
+    // The only loop of a part of the network bounds a surface, whatever it costs.
     constexpr double some_gain = 0.1;
     if (loops_in_part[graph.part[c.loop[0].arc]] == 1) item.gain = std::max(item.gain, some_gain);
     std::map<int, int> uses;
