@@ -21,7 +21,7 @@ namespace batten {
 /// in all regions of a model, or in those that are named.
 struct Area {
   struct Everywhere {};
-  /// w = (1 - (r/radius)²)² for r < radius, with r the distance from the line, and 0 beyond.
+  /// w is (1 - (r/radius)²)² for r < radius, with r the distance from the line, and 0 beyond.
   struct NearLine {
     std::string line;
     double radius = 0;  ///< model units

@@ -14,7 +14,7 @@ namespace batten {
 /// A number with a name and a range. It has one source: the user's hand (`value`), time, or other
 /// parameters.
 struct NamedValue {
-  /// One term of a rule: factor times the value of another parameter.
+  /// One term of a rule: it adds factor times the value of another parameter.
   struct Share {
     std::string of;
     double factor = 1;

@@ -14,7 +14,7 @@ struct DisplayPattern {
   std::vector<std::vector<std::vector<int>>> lines;  ///< DisplayFacets::lines
 };
 
-/// Display points of one moment, for a viewer.
+/// A frame holds the display points of one moment for a viewer.
 struct Frame {
   std::vector<float> points, normals;  ///< x, y, z one after the other
   std::shared_ptr<const DisplayPattern> pattern;

@@ -8,7 +8,7 @@
 
 namespace batten::live {
 
-/// Positions and velocities, n×3, about the definition's origin.
+/// The positions and velocities of all dofs, n×3, are relative to the definition's origin.
 struct Shape {
   Points x, v;
 };

@@ -9,7 +9,7 @@
 
 namespace batten {
 
-/// The constants of motion: M (ρ ẍ + μ ẋ) + K x = F (constraints/implicit_steps.h).
+/// The surface moves by M (ρ ẍ + μ ẋ) + K x = F (constraints/implicit_steps.h).
 struct Motion {
   double dt = 0;       ///< length of a step in time, > 0
   double density = 1;  ///< ρ ≥ 0; not both 0

@@ -99,20 +99,20 @@ inline bool everywhere(const Area& area) {
 /// Returns a + factor · b, with the nodes of both.
 HermiteCurve sum(const HermiteCurve& a, const HermiteCurve& b, double factor);
 
-/// One load on one mesh, for the value 1.
+/// What one load is on one mesh, for the value 1.
 struct BuiltLoad {
   Points F;      ///< load vector of linear loads, n×3; empty otherwise
   MatX reduced;  ///< DᵀF
   VecX weights;  ///< of pressure: one for each triangle; empty: 1 everywhere
   double scale = 1;
 };
-/// One weight field on one mesh, for the value 1.
+/// What one weight field is on one mesh, for the value 1.
 struct BuiltWeight {
   VecX weights;
   std::vector<Vec2> directions;  ///< empty: all directions
 };
 
-/// The rows beside the reduction: those of constraints and springs.
+/// The rows that stand beside the reduction: those of constraints and springs.
 struct LooseRows {
   struct Source {
     enum Kind { Zero, Goal, Spring } kind = Zero;  ///< what the right-hand side comes from
@@ -120,7 +120,7 @@ struct LooseRows {
     int coordinate = 0;  ///< Goal, Spring: 0 … 2; -1: along the row's direction
     int load = -1, spring = -1;
   };
-  /// Columns of A and rows that one thing contributes.
+  /// The columns of A and the rows that one constraint or load has.
   struct Block {
     const void* owner;
     std::string name;
@@ -144,7 +144,7 @@ enum Role : unsigned {
   kMatrix = 32
 };
 
-/// A definition on its mesh.
+/// A definition, and all that is made of it on its mesh.
 struct System {
   Definition def;
   std::shared_ptr<const MeshParts> parts;

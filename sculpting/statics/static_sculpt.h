@@ -12,13 +12,13 @@
 
 namespace batten {
 
-/// A load and the value of its parameter.
+/// A load that acts, with the value of its parameter.
 struct AppliedLoad {
   Load load;
   double value = 0;
 };
 
-/// One load case.
+/// One load case: what acts, and how it is solved.
 struct StaticTask {
   std::vector<AppliedLoad> loads;
   std::vector<Constraint> constraints;  ///< the goal of a point is Point::goal

@@ -10,7 +10,8 @@
 
 namespace batten {
 
-/// Triangles over the points of the loop and no others, counter-clockwise along it.
+/// The triangles have the points of the loop as corners and no others; they run counter-clockwise
+/// along it.
 struct PlainFill {
   std::vector<std::array<int, 3>> triangles;
   double area = 0;                  ///< of all triangles, model units²

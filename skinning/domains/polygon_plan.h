@@ -23,7 +23,7 @@ struct Strip {
   Vec2 at(double fraction) const { return from + fraction * (to - from); }
 };
 
-/// The polygon and the strips on it, in the region's own scale.
+/// The polygon and the strips that lie on it, in the region's own scale.
 struct PolygonPlan {
   DomainTask task;  ///< its mesher is one that the build has
   Outline outline;

@@ -15,7 +15,7 @@ inline double fraction_of(double x) {
   return x < 1 ? x : 0;
 }
 
-/// A closed curve with its seam at another of its points.
+/// A closed curve that has its seam at another of its points.
 class Reseamed final : public InputCurve {
  public:
   Reseamed(std::shared_ptr<const InputCurve> whole, double seam)

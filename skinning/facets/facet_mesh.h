@@ -9,7 +9,7 @@
 
 namespace batten {
 
-/// The part of a line between two neighbouring stops: one edge of the mesh.
+/// The part of a line between two neighbouring stops; it is one edge of the mesh.
 struct FacetPiece {
   int line;
   double t0, t1;

@@ -28,7 +28,7 @@ struct MeanEdge {
 };
 MeanEdge mean_edge(const Surface& surface);
 
-/// The lines of a region with their stops.
+/// Finds the stops on all lines of a region.
 class FacetStops {
  public:
   /// Throws InputError: no boundary; a ring without room for a seam.
@@ -46,7 +46,7 @@ class FacetStops {
     return static_cast<size_t>(piece.index) +
            (piece.kind == BoundaryPiece::Kind::Run ? 0 : region_.runs.size());
   }
-  /// Target length of edges in (u, v).
+  /// Returns the target length of edges in (u, v).
   double size() const { return size_; }
 
   /// Adds a stop between two others.

@@ -63,7 +63,7 @@ struct QuadraticFacets {
 QuadraticFacets quadratic_facets(const SkinnedRegion& region, double edge_length = 0,
                                  const LineStops& asked = {});
 
-/// Facets for display, and the points on lines.
+/// The facets that are displayed, and their points on lines.
 struct DisplayFacets {
   Tessellation tessellation;
   /// For each line (runs, then embedded lines) its polylines: one, or more where an inner line

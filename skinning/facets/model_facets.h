@@ -25,9 +25,9 @@
 
 namespace batten {
 
-/// The elements of all regions, and common numbers for their nodes.
+/// The elements of all regions, whose nodes get common numbers.
 struct ModelFacets {
-  /// Of each region, with node numbers of its own.
+  /// The elements of each region, with node numbers of its own.
   std::vector<QuadraticFacets> regions;
   /// For each region and each of its nodes the number in the model; numbers begin at 0, in the
   /// order in which nodes first come.

@@ -57,7 +57,7 @@ class RegionLayout {
   const std::vector<LineRun>& runs() const { return parts_.runs; }
   const std::vector<EmbeddedLine>& embedded() const { return parts_.embedded; }
   double size() const { return size_; }
-  /// Largest distance of a line from its curve, model units.
+  /// Returns the largest distance that a line may have from its curve, model units.
   double tolerance() const { return tolerance_; }
   const std::vector<std::string>& warnings() const { return parts_.warnings; }
   const std::vector<DomainCorner>& corners() const { return parts_.corners; }

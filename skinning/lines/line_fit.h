@@ -11,7 +11,7 @@
 
 namespace batten {
 
-/// A stretch of an input curve without corners inside, in one direction or the other.
+/// A stretch is a part of an input curve that has no corners inside, in one direction or the other.
 struct Stretch {
   std::string name;  ///< the line's, with ".1", ".2", … when the line was cut at corners
   CharacterLine::Role role;

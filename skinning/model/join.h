@@ -46,7 +46,7 @@
 
 namespace batten {
 
-/// A region beside a line.
+/// A region that lies beside a line.
 struct JoinSide {
   int region = 0;         ///< index into the regions of the call
   bool embedded = false;  ///< an embedded line of that region, otherwise a run

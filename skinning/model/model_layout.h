@@ -25,7 +25,7 @@ struct ModelLine {
   std::vector<LineSide> sides;  ///< runs first, each kind by region
 };
 
-/// A place on a model's domain.
+/// A place is a region and a point of its domain.
 struct ModelPoint {
   int region = 0;
   Vec2 uv = Vec2::Zero();  ///< parameters of that region

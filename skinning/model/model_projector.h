@@ -13,7 +13,7 @@ namespace batten {
 /// away to matter are passed over by their boxes. It keeps copies of the regions' surfaces.
 class ModelProjector {
  public:
-  /// `dofs`: a shape on the layout.
+  /// `dofs` are those of a shape on the layout.
   ModelProjector(const ModelLayout& layout, const Points& dofs);
 
   struct Nearest {

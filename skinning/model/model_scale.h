@@ -17,14 +17,14 @@ class ModelScale {
   SurfaceStiffness material(const SurfaceStiffness& m) const {
     return on_unit_domain(m, units_, size_);
   }
-  /// Factor of a force.
+  /// Returns the factor of a force.
   double force() const { return relative_ ? size_ : 1; }
-  /// Factors of a force per area of the domain, and per area of the surface itself.
+  /// Return the factors of a force per area of the domain, and per area of the surface itself.
   double per_domain_area() const { return relative_ ? size_ : size_ * size_; }
   double per_area() const { return relative_ ? 1 / size_ : 1; }
-  /// Factor of mass and damping per area of the domain.
+  /// Returns the factor of mass and damping per area of the domain.
   double inertia() const { return relative_ ? 1 : size_ * size_; }
-  /// Factors from forces and energies of the solved problem to those that are reported.
+  /// Return the factors from forces and energies of the solved problem to those that are reported.
   double of_reactions() const { return relative_ ? 1 / size_ : 1; }
   double of_energies() const { return relative_ ? 1 / (size_ * size_) : 1; }
 

@@ -33,7 +33,7 @@ struct RegionArc {
   Vec3 carried(bool from_end, const Vec3& across) const;
 };
 
-/// All arcs and nodes.
+/// The graph that arcs and nodes make.
 struct RegionGraph {
   std::vector<RegionArc> arcs;
   std::vector<Vec3> nodes;

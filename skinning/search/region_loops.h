@@ -17,7 +17,7 @@ struct LoopPrices {
   double again = 1.5;  ///< for each node that it passes twice, but for bridges
 };
 
-/// A loop with the surface that its corners suggest.
+/// A loop, and how a surface would lie at it by its corners.
 struct LoopCandidate {
   ArcLoop loop;     ///< canonical
   double cost = 0;  ///< Σ of inside angles / π + prices of twist, bend, jumps, repeats
@@ -46,7 +46,7 @@ double fold_deg(const LoopCandidate& a, size_t i, const LoopCandidate& b, size_t
 /// of the corner's plane, between the arcs of the corner.
 bool leaves_into(const RegionGraph& graph, const LoopCandidate& loop, const ArcEnd& end);
 
-/// All loops that were traced.
+/// The loops that were traced.
 struct TracedLoops {
   std::vector<LoopCandidate> loops;  ///< loops in canonical order, each once
   bool complete = true;              ///< false: the work limit was met

@@ -14,7 +14,7 @@ struct SettledRegions {
   int most_at_arc = 2;                      ///< RegionOptions::most_at_arc
 };
 
-/// What the search found.
+/// What was traced and chosen.
 struct RegionSearch {
   std::vector<LoopCandidate> loops;   ///< those that gain by themselves, in canonical order
   std::vector<LoopCandidate> costly;  ///< the others

@@ -26,7 +26,7 @@ struct Selected {
 /// again. Ties go to the item that comes first. It is deterministic and uses one thread.
 Selected select(const Selection& problem, long most_work = 50000);
 
-/// A choice with one item the other way.
+/// What changes when one item is forced the other way.
 struct Otherwise {
   double loss = 0;  ///< of value, at most: only the neighbourhood of the item was rearranged
   std::vector<int> out, in;  ///< items that left, and that came instead

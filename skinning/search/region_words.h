@@ -5,7 +5,7 @@
 
 namespace batten {
 
-/// The user's words, as loops.
+/// What the user's words ask for, as loops.
 struct SpokenRegions {
   SettledRegions settled;
   std::vector<NetworkRegion> regions;  ///< those asked for, in the order of the words

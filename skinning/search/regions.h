@@ -9,7 +9,7 @@
 
 namespace batten {
 
-/// An arc on its way around a loop.
+/// One arc as a loop runs along it.
 struct ArcUse {
   int arc = 0;
   bool reversed = false;

@@ -15,7 +15,7 @@ namespace batten {
 /// when it has none. `region`: JoinSide::region of what is returned.
 std::optional<JoinSide> side_of(const SkinnedRegion& made, int region, const std::string& name);
 
-/// Layouts and first shapes of all regions of a network.
+/// Makes the layouts and first shapes of all regions of a network.
 class RegionMaker {
  public:
   /// Orients the regions, and fills in shells and plans of the model. It keeps references to all

@@ -80,7 +80,7 @@ struct SurfaceFlaw {
   std::string text;  ///< a sentence for the user
 };
 
-/// A region of the network, and its surface.
+/// A region of the network, and the surface that it got.
 struct ModelRegion {
   NetworkRegion plan;  ///< loops run counter-clockwise seen from the side of the normal
   std::optional<SkinnedRegion> skinned;
