@@ -100,10 +100,10 @@ void embed_on(const Surface& surface, const std::vector<Outline>& holes,
 /// runs get their new vertices. Trim and points are those of the old mesh until cut_and_place().
 void halve(RegionParts& parts, const std::vector<char>& marked);
 
-/// Returns for each embedded line the parameters at which it must have a point: where an inner line
-/// ends on it or crosses it, or it ends on another. Ends of inner lines that are within the join
-/// distance of another line are moved onto it. Throws InputError: lines that cross in the domain,
-/// but are apart by more than the tolerance in space.
+/// Returns for each embedded line the parameters at which it must have a point: where another
+/// embedded line ends on it or crosses it. Ends of inner lines that are within the join distance of
+/// another line are moved onto it. Throws InputError: lines that cross in the domain, but are apart
+/// by more than the tolerance in space.
 std::vector<std::vector<double>> junctions(RegionParts& parts, const DomainTask& task);
 
 /// Cuts the mesh of parts by their embedded boundary, drops what lies outside, and places the
