@@ -30,8 +30,8 @@ std::optional<PlainFill> plain_fill(const std::vector<Vec3>& loop);
 /// surface in triangles, because all their corners lie on the loop. It makes least, among sums of
 /// best parts,
 ///
-///     Σ A  +  0.03 d² Σ 4 sin²(θ/2) |e|² / (A₁ + A₂)   ≈   ∬ 1 + 0.03 d² κ² dA
-///              triangles         inner edges
+///         Σ A    +    0.03 d²      Σ      4 sin²(θ/2) |e|² / (A₁ + A₂)   ≈   ∬ 1 + 0.03 d² κ² dA
+///     triangles               inner edges
 ///
 /// for triangles of area A, edges e where normals turn by θ, d: the diagonal of the box of the
 /// points. With this, unlike with the least largest angle, a strip around a cylinder stays a strip.

@@ -54,8 +54,8 @@ struct QuadraticFacets {
 };
 
 /// Makes six-node triangles of a region. `edge_length` is the target on embedded lines and, scaled
-/// to (u, v), inside; model units; 0: facet_length(region). Middles of edges on lines lie at c((t0
-/// + t1) / 2). O(n log n).
+/// to (u, v), inside; model units; 0: facet_length(region). Middles of edges on lines lie at
+/// c((t0 + t1) / 2). O(n log n).
 ///
 /// Throws InputError: a region with embedded lines whose boundary is not stated, or a ring with
 /// holes that leave no room for a straight seam; lines that cross or touch where they share no

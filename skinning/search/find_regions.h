@@ -28,8 +28,8 @@ namespace batten {
 /// hole. A smooth or long rim of an open shell stays open, because its inside angles are near 180
 /// degrees; it is listed as a choice. So is everything that another set of loops would have
 /// otherwise for less than 15 % of what the arcs concerned are worth. Two loops and nothing else
-/// are a ring when they are like rims. A loop apart from all others that lies on a region (within 2
-/// % of its size) is left bare and listed as a choice. Bare arcs that hang into a region and lie
+/// are a ring when they are like rims. A loop apart from all others that lies on a region (within
+/// 2 % of its size) is left bare and listed as a choice. Bare arcs that hang into a region and lie
 /// near its plain filling (within 10 % of its size) are its inner lines.
 ///
 /// The user's words come first: the surfaces that they ask for take their room on the arcs, those
