@@ -1,4 +1,4 @@
-// A curve that loads shape, with named parameters.
+// A deformable curve: named loads give it its shape.
 #pragma once
 
 #include <optional>
@@ -14,17 +14,17 @@
 
 namespace batten {
 
-/// A load on a curve; its `value` is a named parameter, for sliders and --set.
+/// A load on a curve. Its `value` is a parameter that sliders and --set change by the load's name.
 struct CurveLoad {
-  /// value · direction per length of the parameter u, all along the curve.
+  /// The force value · direction acts all along the curve, per length of its parameter u.
   struct Uniform {
     Vec3 direction;
   };
-  /// value · direction at the point nearest to `at`.
+  /// The force value · direction acts at the point of the curve that is nearest to `at`.
   struct Force {
     Vec3 at, direction;
   };
-  /// A spring of stiffness value ≥ 0 from the point nearest to `at` to the place `to`.
+  /// A spring of stiffness value ≥ 0 pulls the curve's point nearest to `at` to the place `to`.
   struct Spring {
     Vec3 at, to;
   };
@@ -33,48 +33,54 @@ struct CurveLoad {
   std::variant<Uniform, Force, Spring> kind;
 };
 
+/// What the curve resists to loads and motion.
 struct CurveMaterial {
   CurveAssembler::Along alpha = {0}, beta = {1};
   /// Relative: alpha, beta, loads, density and damping are pure numbers on the curve scaled to
   /// length 1, so that the same curve in mm and in m takes the same shape. Absolute: alpha is a
   /// force, beta force·length², a spring force/length.
   LoadUnits units = LoadUnits::Relative;
-  /// The shape it is made with costs no energy; otherwise a straight line (alpha: a point) does.
+  /// True: the shape that the curve is made with has no energy. False: a straight line has none
+  /// (a point, where alpha is above 0).
   bool keeps_shape = true;
-  double density = 1, damping = 1;
+  double density = 1, damping = 1;  ///< ρ and μ of a motion, ≥ 0
 };
 
 /// The deformable curve of Celniker and Gossard 1991: the minimum of
 ///
 ///     E = ∫ alpha |Y_u|² + beta |Y_uu|² du + Σ k |X(u_k) - to_k|² - 2 ∫ f·X du - 2 Σ F·X(u_i)
 ///
-/// under constraints that hold exactly; Y = X, or X minus the shape it was made with. Solved
-/// about a point of the curve, so that one far away keeps its digits. Loads that only change the
-/// right-hand side cost one solve; a spring's stiffness costs a factor of a banded matrix.
+/// under constraints that hold exactly; Y = X, or X minus the shape it was made with
+/// (keeps_shape). Positions are taken relative to a point of the curve, so that a curve far from
+/// the origin loses no digits. Loads that only change the right-hand side cost one solve; another
+/// stiffness of a spring costs a factor of a banded matrix.
 class DeformableCurve {
  public:
-  /// `constraints`: on the dofs of the shape's mesh (CurveConstraints). Throws InputError (counts,
-  /// numbers that are not finite, two loads of one name, a negative stiffness). solve() and
-  /// start_motion() throw ConflictError, and NoSolutionError when nothing holds the curve.
+  /// `constraints` are on the dofs of the shape's mesh (CurveConstraints). Throws InputError
+  /// (counts, numbers that are not finite, two loads of one name, a negative stiffness). solve()
+  /// and start_motion() throw ConflictError, and NoSolutionError when nothing holds the curve.
   DeformableCurve(HermiteCurve shape, ConstraintSet constraints, CurveMaterial material,
                   std::vector<CurveLoad> loads);
 
   const std::vector<CurveLoad>& loads() const { return loads_; }
-  /// Throws InputError: an unknown name (the nearest is offered), a value that is not finite, a
-  /// negative stiffness.
+  /// Sets the value of a load. Throws InputError: an unknown name (the nearest is offered), a value
+  /// that is not finite, a negative stiffness.
   void set(const std::string& load, double value);
-  /// Where a spring pulls to. Throws InputError when there is no such spring.
+  /// Sets the place that a spring pulls to. Throws InputError: no such spring, a place that is not
+  /// finite.
   void pull_to(const std::string& spring, const Vec3& to);
 
-  /// The static shape under the loads as they are.
+  /// Returns the shape at rest under the present loads.
   HermiteCurve solve();
 
-  /// Motion from the shape as it is (the last one solved or reached), at rest; from the static one
-  /// when that does not keep the constraints. Parameters may change between steps.
+  /// Starts a motion, with velocity 0, from the present shape (the last one solved or reached), or
+  /// from the shape at rest when the present one does not keep the constraints. Values of loads may
+  /// change between steps.
   void start_motion(double dt, double theta = 1);
-  /// One implicit step; throws InputError when there was no start_motion().
+  /// Makes one implicit step. Throws InputError when there was no start_motion().
   HermiteCurve step();
-  /// Kinetic plus potential energy: never grows under constant loads.
+  /// Returns kinetic plus potential energy, which never grows under constant loads. Throws
+  /// InputError when there was no start_motion().
   double energy();
 
   const ConstraintSet& constraints() const { return constraints_; }

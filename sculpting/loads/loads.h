@@ -1,9 +1,10 @@
-// What a sculpting session knows of loads, weights, constraints and moves: plain data with names.
+// Loads, weight fields, constraints and moves of a sculpting session: plain data with names.
 //
-// Each is a separate thing that can come and go at any moment. The number that a slider moves is
-// the parameter of the same name (sculpting/loads/parameters.h); three of them, NAME.x, NAME.y, NAME.z,
-// for the goal of a point. Places are given in space, on the surface as it is when the thing is
-// added, and stay with the material from then on: refinement carries them over.
+// Each of them can be added and removed at any moment. The number that a slider moves is the
+// parameter of the same name (sculpting/loads/parameters.h); the goal of a point has three of them,
+// NAME.x, NAME.y, NAME.z. Places are given in space. They are put where the surface is nearest to
+// them when the load or constraint is added, and stay at that place of the domain from then on,
+// also when the mesh is refined.
 #pragma once
 
 #include <memory>
@@ -16,56 +17,59 @@
 
 namespace batten {
 
-/// Where something acts: a weight w in [0, 1] over the surface; on a whole model in all regions, or
-/// in those that are named.
+/// Says where a load or a weight field acts: by a weight w in [0, 1] at each point of the surface,
+/// in all regions of a model, or in those that are named.
 struct Area {
   struct Everywhere {};
-  /// (1 - (r/radius)²)² for r < radius, r the distance to the line; 0 beyond.
+  /// w is (1 - (r/radius)²)² for r < radius, with r the distance from the line, and 0 beyond.
   struct NearLine {
     std::string line;
     double radius = 0;  ///< model units
   };
-  /// The same bump around each place, times its strength; bumps add up, to 1 at most.
+  /// Each stroke adds strength · (1 - (r/radius)²)², with r the distance from its place. They are
+  /// added in their order, and w is held between 0 and 1 after each.
   struct Painted {
     struct Stroke {
       Vec3 at = Vec3::Zero();
       double radius = 0;    ///< model units
-      double strength = 1;  ///< below 0: an eraser, for strokes before it
+      double strength = 1;  ///< below 0: takes away from the strokes before it
     };
     std::vector<Stroke> strokes;
   };
   std::variant<Everywhere, NearLine, Painted> where;
-  std::vector<std::string> regions = {};
+  std::vector<std::string> regions = {};  ///< names; none: all regions
 };
 
-/// A load; its parameter multiplies it. Relative units: pressure, forces and stiffness of springs
-/// are pure numbers on the model scaled to size 1. Absolute: uniform loads and pressure are
-/// force/length², point loads force, in the model's length unit.
+/// A load. `value` below is that of its parameter, which multiplies it. In relative units pressure,
+/// forces and stiffness of springs are pure numbers on the model scaled to size 1. In absolute
+/// units uniform loads and pressure are force/length², point loads are forces, in the model's
+/// length unit.
 struct Load {
-  /// value · w · n per area of the surface as it is: follows the normal.
+  /// The force value · w · n acts per area of the present surface; it follows the normal n.
   struct Pressure {
     Area area;
   };
-  /// value · w · direction per area of the domain.
+  /// The force value · w · direction acts per area of the domain.
   struct Uniform {
     Vec3 direction = Vec3::Zero();
     Area area = {};
   };
-  /// value · direction per area of the surface as it is when this is added: weight.
+  /// The force value · direction acts per area of the surface as it was when the load was added, as
+  /// gravity does on a sheet.
   struct Gravity {
     Vec3 direction = Vec3::Zero();
   };
-  /// value · direction at one place.
+  /// The force value · direction acts at the place of the surface that is nearest to `at`.
   struct Point {
     Vec3 at = Vec3::Zero(), direction = Vec3::Zero();
   };
-  /// value · direction per length of a line, once however many regions have it.
+  /// The force value · direction acts per length of a line, once however many regions have it.
   struct Line {
     std::string line;
     Vec3 direction = Vec3::Zero();
   };
-  /// Springs from places of the surface to what draws them. Force on a place x, with t the point of
-  /// the target nearest to x and r = |x - t|:
+  /// Springs pull places of the surface to a target. With t the point of the target that is nearest
+  /// to a place x and r = |x - t|, the force on the place is
   ///
   ///     f = value φ(r) (r - rest_length) (t - x)/r,    φ = exp(-(r/falloff)²), or 1 for falloff 0
   ///
@@ -84,9 +88,10 @@ struct Load {
     std::variant<Places, Curve, Plane> target;
     double rest_length = 0, falloff = 0;  ///< model units
   };
-  /// Measured points that draw the surface: the energy gets Σ value/n |x(c_i) - p_i|², c_i the
-  /// place that is nearest to point i, looked for anew until it stands still. `value`: stiffness of
-  /// all n together. Points beyond the surface's rim are left out.
+  /// Springs pull the surface to n measured points p_i: they add Σ value/n |x(c_i) - p_i|² to the
+  /// energy. c_i is the place of the surface that is nearest to p_i; settle() finds it again until
+  /// none moves (20 times at most). `value` is the stiffness of all n springs together. Points
+  /// beyond the surface's rim are left out.
   struct Scan {
     std::vector<Vec3> points;
   };
@@ -94,20 +99,20 @@ struct Load {
   std::variant<Pressure, Uniform, Gravity, Point, Line, Pulls, Scan> kind;
 };
 
-/// A field that is added to alpha or beta: value · w, in all directions or in one.
+/// A weight field adds value · w to alpha or beta, in all directions or in one.
 struct WeightField {
   enum class Kind { Stretching, Bending };
   std::string name;
   Kind kind = Kind::Bending;
   Area area = {};
-  /// Resistance in one direction only: of (u, v), or along the tangent of the nearest point of a
-  /// line.
+  /// With it, the field resists in one direction only: a direction of (u, v), or the tangent of the
+  /// nearest point of the line with this name.
   std::optional<std::variant<Vec2, std::string>> along = {};
 };
 
-/// A geometric constraint of its own (lines are constraints of the layout).
+/// A geometric constraint beside those of the lines, which the layout has.
 struct Constraint {
-  /// The place stays at its goal; parameters NAME.x, NAME.y, NAME.z.
+  /// The place stays at its goal, which is the parameters NAME.x, NAME.y, NAME.z.
   struct Point {
     Vec3 at, goal;
   };
@@ -115,7 +120,7 @@ struct Constraint {
   struct Normal {
     Vec3 at = Vec3::Zero(), normal = Vec3::Zero();
   };
-  /// The derivative in a direction of (u, v) is parallel to tau.
+  /// The derivative of the surface in the direction `along` of (u, v) is parallel to tau.
   struct Tangent {
     Vec3 at = Vec3::Zero();
     Vec2 along = Vec2::Zero();
@@ -131,14 +136,15 @@ struct Constraint {
   std::variant<Point, Normal, Tangent, LineNormal> kind;
 };
 
-/// A line that a parameter moves, with all regions that have it: X(t) + value · profile(t) ·
-/// direction(t), in model units. Without a direction: along the surface's normal where it is when
-/// this is added (the "rib"), of a smooth join along the mean of both; a crease needs a direction.
+/// A line that a parameter moves, in all regions that have it, to X(t) + value · profile(t) ·
+/// direction(t), in model units. `direction` is used with its length. Without one the line moves
+/// along the unit normal that the surface has when this is added (the "rib"), on a smooth join
+/// along the mean of the normals of both sides; a crease needs a direction.
 struct LineMove {
   std::string name, line;
   std::optional<Vec3> direction = {};
   /// Share of the line's length at either end over which the profile rises smoothly from 0 to 1;
-  /// 0: moves as a whole. Not for closed lines.
+  /// 0: the line moves as a whole. At most 0.5; 0 for closed lines.
   double fade = 0;
 };
 

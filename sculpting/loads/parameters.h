@@ -14,12 +14,13 @@ namespace batten {
 /// A number with a name and a range. It has one source: the user's hand (`value`), time, or other
 /// parameters.
 struct NamedValue {
-  /// Linear in another parameter.
+  /// One term of a rule: it adds factor times the value of another parameter.
   struct Share {
     std::string of;
     double factor = 1;
   };
-  /// A value at a moment; linear between moments, constant before the first and after the last.
+  /// A value at one time. Values are linear between moments, and constant before the first and
+  /// after the last.
   struct Moment {
     double time, value;
   };
@@ -28,30 +29,33 @@ struct NamedValue {
   double min = -std::numeric_limits<double>::infinity();
   double max = std::numeric_limits<double>::infinity();
   std::vector<Moment> over_time = {};  ///< ascending; none: the value stands
-  /// value = offset + Σ factor · parameter; none: the value is its own. So one slider can make a
-  /// whole effect.
+  /// value = offset + Σ factor · parameter; none: the value is its own. So one slider can move many
+  /// parameters.
   std::vector<Share> follows = {};
   double offset = 0;
 };
 
-/// The parameters of one model, in the order in which they were added. A value.
+/// The parameters of one model, in the order in which they were added. Copies are independent.
 class Parameters {
  public:
-  /// Throws InputError: no name or one that is taken, numbers that are not finite, min > max, a
-  /// value outside of its range (moments too), moments that do not ascend, a parameter that has
-  /// moments and follows others too, or that follows one that is not there yet.
+  /// Adds a parameter. Throws InputError: no name or one that is taken, numbers that are not
+  /// finite, min > max, a value or a moment outside of the range, moments that do not ascend, a
+  /// parameter that has moments and follows others too, or that follows one that is not there yet.
   void add(NamedValue parameter);
-  /// Throws InputError: unknown, or another one follows it.
+  /// Removes a parameter. Throws InputError: an unknown name, or one that another parameter
+  /// follows.
   void remove(const std::string& name);
-  /// Makes a parameter (that stands already) follow others; its own value and moments go. Without
-  /// any it stands alone again, at the offset. Throws InputError: unknown names, a circle (named),
-  /// numbers that are not finite, an offset that is to stand alone outside of the range.
+  /// Makes a parameter that is there already follow others; it loses its own value and moments.
+  /// Without any to follow it stands alone again, with the offset as its value. Throws InputError:
+  /// unknown names, a circle (its members are named), numbers that are not finite, an offset
+  /// outside of the range for a parameter that stands alone.
   void drive(const std::string& name, std::vector<NamedValue::Share> follows, double offset);
 
   int count() const { return count_of(all_); }
   const std::vector<NamedValue>& all() const { return all_; }
   bool has(const std::string& name) const { return index_.count(name) > 0; }
-  /// Throws InputError: an unknown name; the nearest is offered.
+  /// Returns the number of a parameter. Throws InputError: an unknown name (the nearest is
+  /// offered).
   int index(const std::string& name) const;
 
   /// Sets a parameter by hand; time moves it no more, until restore(). Throws InputError: a number
@@ -60,16 +64,18 @@ class Parameters {
   void set(int index, double value);
   void set(const std::string& name, double value) { set(index(name), value); }
 
-  /// Current value: by hand, at the time, or by its rule. A follower is held to its own range.
+  /// Returns the current value: that set by hand, that of the present time, or that of its rule,
+  /// held to its own range.
   double value(int index) const { return current_[index]; }
   double value(const std::string& name) const { return value(index(name)); }
   const std::vector<double>& values() const { return current_; }
 
   double time() const { return time_; }
-  /// Moves all parameters that have moments and were not set by hand. True when any value changed.
+  /// Sets the time, and with it the parameters that have moments and were not set by hand. Returns
+  /// whether any value changed.
   /// Throws InputError on a time that is not finite. Allocates nothing.
   bool set_time(double time);
-  /// The last moment of any parameter that time moves; 0 without.
+  /// Returns the last moment of all parameters that time moves, or 0 when there is none.
   double last_moment() const;
 
   /// Restores values that values() once gave for the same parameters, and that time. Parameters

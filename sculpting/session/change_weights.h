@@ -1,13 +1,14 @@
-// How much a change of each dof is a change of the surface. Internal.
+// Weighs the dofs by how much a change of each one moves the surface. Internal.
 #pragma once
 
 #include "batten/fem/trim.h"
 
 namespace batten {
 
-/// One number a dof, so that |Δq| times it is a length over the region's size: 1 for positions, the
-/// size of the triangle for slopes, 0 for dofs whose triangles lie outside of the trim but for a
-/// twentieth: those are loose, and move by rounding that nobody sees.
+/// Returns one number for each dof; |Δq| times it is a length in model units. It is 1 for
+/// positions, and for slopes √(2 area) of the largest triangle of the domain that has the dof. It
+/// is 0 for dofs that belong only to triangles of which less than a twentieth lies inside of the
+/// trim: rounding moves these, and they change nothing that is seen.
 VecX change_weights(const ParametricMesh& mesh, const Trim* trim);
 
 }  // namespace batten

@@ -1,4 +1,4 @@
-// Display points of a moving surface, and their way to a viewer thread.
+// Display points of a moving surface, and how they reach a viewer's thread.
 #pragma once
 
 #include <array>
@@ -8,29 +8,30 @@
 
 namespace batten {
 
-/// Facets and lines over display points: changes with the mesh only.
+/// The facets and lines that connect display points. It changes with the mesh only.
 struct DisplayPattern {
   std::vector<std::array<int, 3>> facets;
   std::vector<std::vector<std::vector<int>>> lines;  ///< DisplayFacets::lines
 };
 
+/// A frame holds the display points of one moment for a viewer.
 struct Frame {
   std::vector<float> points, normals;  ///< x, y, z one after the other
   std::shared_ptr<const DisplayPattern> pattern;
   long number = 0;        ///< counts frames
-  bool moved = false;     ///< points or normals differ from the frame before
-  bool remeshed = false;  ///< so does the pattern
+  bool moved = false;     ///< points or normals differ from the frame that was drawn before
+  bool remeshed = false;  ///< the pattern differs from that which this frame had before
 };
 
-/// Three frames between one writer and one reader: neither ever waits, the reader gets the newest
-/// whole frame.
+/// Passes frames from one writer's thread to one reader's thread. Three frames are in use, so that
+/// neither of the two ever waits; the reader gets the newest frame that is complete.
 class FrameExchange {
  public:
-  /// Writer: the frame to fill. Its buffers keep their size from use to use.
+  /// Writer: returns the frame to fill. Its buffers keep their size from use to use.
   Frame& writing() { return frames_[write_]; }
-  /// Writer: hands it over.
+  /// Writer: hands the filled frame over.
   void publish();
-  /// Reader: the newest frame, or none when it is the one that latest() gave before. Stays valid
+  /// Reader: returns the newest frame, or null when latest() has returned it before. It stays valid
   /// until the next latest().
   const Frame* latest();
 

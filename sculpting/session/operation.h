@@ -1,4 +1,4 @@
-// What is done to a session, and what it answers.
+// The operations on a session, as data, and what an answer reports.
 #pragma once
 
 #include <memory>
@@ -14,42 +14,45 @@
 
 namespace batten {
 
-/// What an answer took.
+/// How an answer was reached.
 struct Answer {
   bool converged = true;
   int iterations = 0;       ///< pairs of triangular solves
-  double change = 0;        ///< of the last iteration, over the region's size
-  bool superposed = false;  ///< only linear loads moved: no solve at all
-  /// `change` is five times what the last answers let expect after this first iteration; every
-  /// fourth answer iterates once more and sees.
+  double change = 0;        ///< change of the last iteration, over the model's size
+  bool superposed = false;  ///< only linear loads moved: a sum of known shapes
+  /// The answer stopped after its first iteration: `change` is not measured but is five times what
+  /// the answers before let expect. Every fourth answer makes a second iteration and measures it.
   bool expected = false;
   bool factored = false;  ///< a new factor was needed
-  /// settle(): lines that moved had turned tangents at nodes, and smooth joins were planned again.
+  /// settle() planned smooth joins again, because moved lines had turned the tangents at nodes.
   bool joins_planned = false;
-  double time = 0;  ///< of the motion
+  double time = 0;  ///< time of the motion, or of the values
 };
 
-/// Which triangles to halve, and how often at most.
+/// Says which triangles are halved, and the limits of that.
 struct Refinement {
   struct Brush {
-    std::vector<Area::Painted::Stroke> strokes;  ///< all triangles they touch
+    std::vector<Area::Painted::Stroke> strokes;  ///< triangles that have a point inside of one
   };
   struct Jumps {
-    double share = 0.3;  ///< of the indicator's sum that the halved triangles carry
+    double share = 0.3;  ///< the halved triangles carry this share of the sum of all jumps
   };
   std::variant<Brush, Jumps> where;
-  double smallest = 0;  ///< no edge shorter than this in space, model units; 0: size / 2000
-  int most_triangles = 200000;
+  /// A triangle is halved only when its longest edge in space is longer than twice this; model
+  /// units; 0: size / 2000.
+  double smallest = 0;
+  int most_triangles = 200000;  ///< a refinement that would make more throws InputError
 };
 
+/// What a refinement did.
 struct RefinementReport {
   int triangles_before = 0, triangles = 0;
-  double max_displacement = 0;  ///< of the surface by carrying it over, before it settles again;
-                                ///< over the size
-  double energy_before = 0, energy_carried = 0, energy_settled = 0;  ///< alpha and beta parts
+  double max_displacement = 0;  ///< largest move of the surface when it was carried over, before it
+                                ///< settled again; over the size
+  double energy_before = 0, energy_carried = 0, energy_settled = 0;  ///< stretching and bending
 };
 
-/// One thing that was done to a session: what replay() needs.
+/// One operation on a session, with all that replay() needs.
 struct Operation {
   struct Add {
     std::variant<Load, WeightField, Constraint, LineMove, CharacterLine> what;

@@ -12,21 +12,21 @@ namespace batten {
 ///
 ///     x_next = g - Σ_k (Δf_k · f) Δg_k
 ///
-/// f is taken at a sample of the dofs (the positions of vertices), which tells as much for a sixth
-/// of the work. Pairs outlive the iteration that made them: when the load changes a little, they
-/// still tell how the surface answers, and a drag converges in two iterations instead of eight. The
-/// oldest makes room for the newest, and goes when the newest is nearly a combination of the
-/// others. Allocates at resize() only. Source: Anderson 1965; Walker, Ni 2011.
+/// f is taken at a sample of the dofs (the positions of vertices), which is as good for a sixth of
+/// the work. Pairs are kept from one answer to the next: when the load changes a little, they still
+/// say how the surface gives way, and a drag converges in two iterations instead of eight. Six
+/// pairs are kept; the oldest goes when a seventh comes, or when the newest is nearly a combination
+/// of the others. Memory is allocated in resize() only. Source: Anderson 1965; Walker, Ni 2011.
 class Secants {
  public:
-  /// `sample`: dofs at which f is taken.
+  /// Makes room for x of so many dofs and forgets all pairs. `sample`: dofs at which f is taken.
   void resize(long dofs, std::vector<int> sample);
   void clear() { count_ = 0; }
-  /// No pair is made with the iterate before: another iteration begins.
+  /// Begins another iteration: no pair is made with the iterate before.
   void begin() { has_last_ = false; }
-  /// Takes the pair of this iterate and the one before. x, g = g(x): n×3.
+  /// Takes the pair of this iterate and the one before it. x and g = g(x) are n×3.
   void learn(const Points& x, const Points& g);
-  /// The g that was learnt last becomes the next guess.
+  /// Turns g, the one that was learnt last, into the next guess x_next.
   void guess(Points& g) const;
 
  private:

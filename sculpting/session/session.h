@@ -16,7 +16,7 @@
 
 namespace batten {
 
-/// A surface under the user's hands.
+/// A surface that the user shapes live.
 ///
 ///     SculptingSession session(layout, options);
 ///     session.add(Load{"swell", Load::Pressure{}}, {{.name = "swell", .max = 300}});
@@ -27,20 +27,22 @@ namespace batten {
 ///       draw(session.frame());         // points and exact normals
 ///     }
 ///
-/// A region or a whole model: lines that regions share move them together, smooth joins stay smooth
-/// under everything (their rows stand among those of the lines), creases stay creases. Where moves
-/// turn the tangents of lines at a node, joins there are only as smooth as the rows of before can
-/// have it until settle() plans them again.
+/// It is a region or a whole model: lines that regions share move them together, smooth joins stay
+/// smooth whatever acts (their rows stand among those of the lines), creases stay creases. Moves
+/// that turn the tangents of lines at a node leave the joins there less smooth, because their rows
+/// are those of the lines before; settle() plans them again.
 ///
-/// State: dofs, velocities, time, parameter values. What they are made with (mesh, K, factor, rows)
-/// is shared and immutable, so undo() and redo() put back pointers: the same bits, no downdating.
+/// The state is dofs, velocities, time and parameter values. What they are made with (mesh, K,
+/// factor, rows) is shared and immutable, so undo() and redo() put back pointers: the shape comes
+/// back with the same bits, and nothing is factored.
 ///
 /// What a change costs (docs/theory/sculpting.md has the measurements):
 ///
-///     value of linear loads only         an axpy each (superposed; one solve at the first move)
+///     value of linear loads only         a sum of vectors (superposed; one solve at a first move)
 ///     right-hand side of a constraint,   one pair of triangular solves
 ///       line or move
-///     follower pressure, curved springs  one pair for each iteration, warm from the last ones
+///     pressure, pulls that are not       one pair for each iteration, which starts from the
+///       linear                             last shape
 ///     a geometric constraint added       one solve for each new point; removed: none
 ///     alpha, beta                        numbers of the factor again, its analysis kept
 ///     lines added or removed, refinement everything of the mesh
@@ -49,10 +51,11 @@ namespace batten {
 /// history's first entry of a drag, and the record's pages). Every change either happens or throws
 /// and leaves the last good state: ConflictError names the constraints in conflict.
 ///
-/// One thread at a time; a viewer thread takes frames through FrameExchange.
+/// One thread at a time may call it; a viewer's thread takes frames through FrameExchange.
 class SculptingSession {
  public:
-  /// Settles once. Throws InputError, ConflictError, NoSolutionError.
+  /// Makes a session on which nothing acts but the lines, and settles it. Throws InputError,
+  /// ConflictError, NoSolutionError.
   SculptingSession(ModelLayout layout, const SessionOptions& options,
                    const Progress& progress = {});
   ~SculptingSession();
@@ -61,69 +64,78 @@ class SculptingSession {
 
   // -- parameters ---------------------------------------------------------------------------------
   const Parameters& parameters() const;
-  /// Takes effect with the next answer(), step() or settle(). Throws InputError.
+  /// Sets a parameter by hand; it acts from the next answer(), step() or settle() on. Throws
+  /// InputError as Parameters::set().
   void set(const std::string& parameter, double value) {
     set(parameters().index(parameter), value);
   }
   void set(int parameter, double value);
-  /// A parameter that drives others, or stands alone.
+  /// Adds a parameter for others to follow.
   void add_parameter(NamedValue parameter);
+  /// Makes a parameter follow others, or stand alone again: Parameters::drive().
   void drive(const std::string& parameter, std::vector<NamedValue::Share> follows, double offset);
 
   // -- what acts on the surface -------------------------------------------------------------------
-  /// `parameters`: start value, range and moments of the parameters that come with it (by name;
-  /// those not given start at 0, a point's goal where it says). They take effect with the next
-  /// answer; constraints and lines hold at once (the surface settles). Throws InputError: a name
-  /// that is taken, places far from the surface, numbers; ConflictError.
+  /// Adds something that acts, on the surface as it is. `parameters`: start value, range and
+  /// moments of the parameters that come with it, by name; those not given start at 0, the goal of
+  /// a point at Point::goal. Loads and weight fields act from the next answer on; constraints,
+  /// moves and lines hold at once (the surface settles). Throws InputError: a name that is taken,
+  /// places far from the surface (half the size), numbers out of range; ConflictError.
   void add(Load load, std::vector<NamedValue> parameters = {});
   void add(WeightField weight, std::vector<NamedValue> parameters = {});
   void add(Constraint constraint, std::vector<NamedValue> parameters = {});
   void add(LineMove move, std::vector<NamedValue> parameters = {});
-  /// An inner line more, embedded where the surface is nearest to it.
+  /// Adds an inner line, embedded where the surface is nearest to it.
   void add(CharacterLine line);
-  /// Another place or direction for a constraint of this name.
+  /// Gives the constraint of this name another place, goal or direction. It stays of one kind.
   void change(Constraint constraint);
-  /// A load, weight, constraint, move, or inner embedded line. Throws InputError: no such name, one
-  /// that others refer to.
+  /// Removes a load, weight field, constraint, move or embedded inner line. Throws InputError: no
+  /// such name, or one that others refer to.
   void remove(const std::string& name);
-  /// Another shape of a line over the same parameters and nodes as layout().line(). Moves
-  /// right-hand sides only.
+  /// Gives a line another shape, over the same parameters and nodes as layout().line(). Only
+  /// right-hand sides change; the surface settles.
   void set_line(const std::string& line, HermiteCurve curve);
-  /// The line as the surface has it: the layout's, and what moves add to it.
+  /// Returns the line as the surface has it: the layout's, and what moves add to it.
   HermiteCurve line(const std::string& name) const;
   std::vector<std::string> names() const;  ///< of everything that remove() knows
 
   // -- answers ------------------------------------------------------------------------------------
-  /// The static shape under everything as it stands, to the session's tolerance. Throws
+  /// Finds the shape at rest under all that acts, to the session's tolerance. Throws
   /// NoSolutionError, with the values reached, when pressure is past its limit; parameters and
   /// shape are then those of the last answer that converged.
   Answer settle();
-  /// The same for a drag: stops at the tolerance (a hundredth of a pixel) or after so many
-  /// iterations (not converged: call it again, and it goes on).
+  /// Does the same for a drag: it stops at the tolerance, over the size (a hundredth of a pixel),
+  /// or after so many iterations. When it has not converged, the next call goes on from there.
   Answer answer(int most_iterations = 4, double tolerance = 1e-5);
-  /// From the shape as it is, at rest; from then on step() goes on in time.
+  /// Starts a motion from the present shape with velocity 0; step() then goes on in time. Throws
+  /// InputError: numbers that Motion does not allow, density and damping both 0.
   void start_motion(const Motion& motion);
-  /// One implicit step of dt; time functions move on.
+  /// Makes one implicit step of dt; values over time go on with it.
   Answer step();
   void stop_motion();
   bool in_motion() const;
-  /// Values at a time for the static answers that follow. Throws InputError when in motion.
+  /// Sets the time for values over time, for the answers that follow. Throws InputError in motion.
   void set_time(double time);
 
   // -- history ------------------------------------------------------------------------------------
-  /// Every edit is one step of the history; so are all set() since the last settle() or edit (a
-  /// drag of one slider or of several), and all steps of a motion in a row. False: nothing to undo.
+  /// Puts the state back by one step of the history. One edit is a step; so are all set() since the
+  /// last settle() or edit (a drag of one slider or of several), and all steps of a motion in a
+  /// row. Returns false when there is nothing to undo.
   bool undo();
   bool redo();
-  /// Off at first. Pages of 4,096 operations. Those that throw are recorded too.
+  /// Switches the record of operations on or off; at first it is off. It grows by pages of 4,096
+  /// operations. Those that throw are recorded too.
   void record(bool on);
   const std::vector<Operation>& recorded() const;
-  void apply(const Operation& operation);
-  /// Does it all again; what threw then throws now, and is passed over. On a session made from the
-  /// same input: bit for bit the same. Returns how many threw.
+  void apply(const Operation& operation);  ///< does one operation, as its own function does
+  /// Does all operations again and passes over those that throw, as they did when they were
+  /// recorded; returns how many threw. On a session made from the same input the result is the same
+  /// bit for bit.
   int replay(const std::vector<Operation>& operations);
 
   // -- refinement ---------------------------------------------------------------------------------
+  /// Halves triangles, carries the shape and all that acts over to the new mesh, and settles again.
+  /// Throws InputError: strokes, shares or sizes out of range, too many triangles.
   RefinementReport refine(const Refinement& refinement);
 
   // -- results ------------------------------------------------------------------------------------
@@ -131,23 +143,26 @@ class SculptingSession {
   Points dofs() const;
   SkinnedRegion region(int r = 0) const;  ///< with lines as they are moved
   std::vector<SkinnedRegion> regions() const;
-  /// Points and normals of the shape as it is, in a buffer that the next call writes again.
+  /// Returns points and normals of the present shape, in a buffer that the next call overwrites.
   const Frame& frame();
-  /// The same into a frame of the caller's: FrameExchange::writing(). `moved`: since the last
-  /// drawing.
+  /// Writes the same into a frame of the caller's, FrameExchange::writing(). Its `moved` says
+  /// whether the shape has changed since the last frame() or draw().
   void draw(Frame& to);
-  /// Largest over all constraint rows, over the size, under the values of the last answer.
+  /// Returns the largest residual of all rows, over the size, under the values of the last answer.
   double residual() const;
+  /// Returns the elastic energy of the present shape, on the domain scaled to size 1; over size² in
+  /// relative units.
   SurfaceEnergy energy() const;
-  /// Under the values as they are set: elastic energy less the work of the loads, springs, and in
-  /// motion kinetic energy, in the units of energy(): never grows under loads that stand and do not
-  /// follow. Of pressure: ⅔ p V, which is its potential where the rim is held.
+  /// Returns, under the values as they are set, elastic energy - 2 Fᵀx of the loads, plus the
+  /// energy of springs, and in motion kinetic energy, in the units of energy(). It never grows
+  /// under loads that are constant and do not follow. Pressure p counts with -2 p V (V: the
+  /// enclosed volume), which is its potential where the rim is held.
   double total_energy() const;
-  /// Force with which each line and constraint holds the surface. At rest; factors a matrix of the
-  /// rows.
+  /// Returns the force with which each line and constraint holds the surface at rest. It factors a
+  /// matrix of the rows.
   std::vector<Reaction> reactions() const;
-  /// Of each Load::Scan: how far its points are from the surface. `before`: a shape on the
-  /// layout to compare with.
+  /// Returns for each Load::Scan how far its points are from the surface, and from `before`,
+  /// another shape on the layout to compare with.
   std::vector<ScanDistances> scan_distances(const Points& before) const;
   double enclosed_volume() const;  ///< ⅓ ∬ x·(x_u × x_v)
   size_t history_bytes() const;

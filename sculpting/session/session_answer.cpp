@@ -9,9 +9,9 @@ namespace batten::live {
 
 namespace {
 
-// Over the size: changes below this that do not fall any more are rounding.
+// Changes below this share of the size that do not fall any more are rounding.
 constexpr double kFloor = 1e-9;
-// Over the size: in one iteration, no shape comes back from there.
+// After a change above this times the size in one iteration no shape comes back.
 constexpr double kRunOff = 1e6;
 
 }  // namespace
@@ -44,7 +44,8 @@ void Engine::map(System& system, const std::vector<double>& values, const Points
   system.statics->expand(y_, e_, to);
 }
 
-// Where only linear loads moved since the anchor: its shape and a response to each load.
+// Where only linear loads moved since the anchor, the answer is its shape and a response to each
+// load.
 bool Engine::superpose(System& system, const std::vector<double>& values, Points& x, Run& run) {
   for (size_t p = 0; p < values.size(); ++p)
     if (values[p] != anchor_values_[p] && (system.roles[p] & ~unsigned(kLinear)) != 0) return false;
@@ -73,8 +74,8 @@ bool Engine::superpose(System& system, const std::vector<double>& values, Points
   return true;
 }
 
-// In a drag, the last answers tell how much the first guess brings: one iteration less, looked at
-// again every few answers.
+// In a drag the last answers tell how good the first guess is. It is then taken without a second
+// iteration, but for every fourth answer, which measures again.
 bool Engine::trusts_guess(double first_change, double tolerance, Run& run) {
   constexpr double careful = 5;
   constexpr int most_unseen = 3;

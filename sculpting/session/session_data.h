@@ -1,4 +1,4 @@
-// Inside of a sculpting session: its state, its history, and what its operations do.
+// Inside of a sculpting session: its state, its history, and its operations.
 #pragma once
 
 #include <deque>
@@ -21,7 +21,7 @@ struct State {
   Shape shape;
   bool in_motion = false;
   Motion motion;
-  std::vector<double> shape_values;  // of the parameters, when the shape was made
+  std::vector<double> shape_values;  // values of the parameters when the shape was made
   // The last answer that converged.
   Points good_x;
   std::vector<double> good_values;
@@ -87,7 +87,8 @@ struct SculptingSession::Data {
   void put_back(live::State state);
   bool go(std::deque<live::State>& from, std::deque<live::State>& to);
   void note(const Operation& op);
-  // A parameter that refuses its value leaves no step behind.
+  // Changes values of parameters, as one step of the history for a whole drag; a value that is
+  // refused leaves no step.
   template <class Change>
   void change_values(const Change& change) {
     if (joins) {

@@ -1,4 +1,4 @@
-// Inside of a sculpting session: the answers. Owns working storage only.
+// Inside of a sculpting session: computes its answers. It owns working storage only.
 #pragma once
 
 #include <vector>
@@ -8,31 +8,32 @@
 
 namespace batten::live {
 
-/// Positions and velocities, n×3, about the definition's origin.
+/// The positions and velocities of all dofs, n×3, are relative to the definition's origin.
 struct Shape {
   Points x, v;
 };
 
-// Hard rows of which less is left than this, of their size, beside lines and other rows: they could
-// be met by a surface full of waves only.
+// A hard row is implied when lines and the other rows leave less of it than this share of its size:
+// only a surface full of waves could meet it by itself.
 inline constexpr double kDependent = 1e-5;
-// Over the size: rows that others imply must agree to this.
+// Right-hand sides of implied rows must agree with the other rows to this, over the size.
 inline constexpr double kAgree = 5e-11;
 
+/// Answers, steps and measures on one system.
 class Engine {
  public:
-  /// Storage for a model of another size; forgets what was learnt of the last one.
+  /// Makes storage for another system, and forgets what was learnt on the last one.
   void bind(const System& system);
-  /// Forgets responses and secants: the state was put back.
+  /// Forgets responses and secants, because the state was put back.
   void forget();
 
-  /// The matrix and its factor for these parameter values, the coupling for these rows. True when
-  /// there was something to factor. Throws InputError (a material that is none), NoSolutionError;
-  /// the model's system is then as it was.
+  /// Makes the matrix and its factor for these values of parameters, and the coupling for the
+  /// system's rows. Returns whether there was something to factor. Throws InputError (a material
+  /// that is none, a negative stiffness), NoSolutionError.
   bool prepare_matrix(System& system, const std::vector<double>& values);
 
-  /// Static: iterates from x, which becomes the answer. When it does not converge, or runs off, the
-  /// answer says so; x holds the last iterate unless it ran off.
+  /// Iterates to the shape at rest from x, which becomes the answer. When it does not converge, or
+  /// runs off, Run says so; x holds the last iterate unless it ran off.
   struct Run {
     bool converged = false, ran_off = false, superposed = false, expected = false;
     int iterations = 0;
@@ -40,34 +41,37 @@ class Engine {
   };
   Run answer(System& system, const std::vector<double>& values, Points& x, int most,
              double tolerance, bool may_superpose);
+  /// Whether no load follows under these values: one iteration is then enough.
   bool is_linear(const System& system, const std::vector<double>& values) const;
 
-  /// Feet of scans move to the nearest places of the surface; the matrix has to be
-  /// prepared again then. False when none moved by more than 1e-6 in (u, v).
+  /// Moves the feet of scans to the nearest places of the surface. Returns whether one moved by
+  /// more than 1e-6 in (u, v); the matrix has to be prepared again then.
   bool follow_scans(System& system, const Points& x);
-  /// The model's matrix, if it has scans, no longer fits their feet.
+  /// Notes that the system's matrix no longer fits.
   static void outdate(System& system) { system.matrix_values.clear(); }
 
-  /// Motion: systems for it, and one step from values at its beginning to values at its end.
+  /// Makes the matrix of motion and its factor, and their coupling. Returns whether there was
+  /// something to make.
   bool prepare_motion(System& system, const Motion& motion);
+  /// Makes one step, from the values at its beginning to those at its end.
   void step(System& system, const std::vector<double>& from, const std::vector<double>& to,
             Shape& shape);
-  /// Moves a shape onto the rows as they are now, with the least energy, and takes from the
+  /// Moves a shape onto the present rows, by the displacement of least energy, and takes from the
   /// velocities what the rows do not allow.
   void project(System& system, const std::vector<double>& values, Shape& shape);
 
-  /// Largest violation of all rows, model units.
+  /// Returns the largest residual of all rows, model units.
   double residual(const System& system, const std::vector<double>& values, const Points& x);
-  /// alpha part, beta part of a shape, on the domain of size 1.
+  /// Returns the energies of stretching and of bending of a shape, on the domain of size 1.
   SurfaceEnergy elastic_energy(const System& system, const std::vector<double>& values,
                                const Points& x);
-  /// Of each name among lines and constraints, on the domain of size 1.
+  /// Returns the reaction of each name among lines and constraints, on the domain of size 1.
   std::vector<Reaction> reactions(const System& system, const std::vector<double>& values,
                                   const Points& x);
-  /// Of each scan, of two shapes in absolute coordinates.
+  /// Returns the distances of each scan from two shapes in absolute coordinates.
   std::vector<ScanDistances> scan_distances(const System& system, const Points& before,
                                             const Points& now) const;
-  /// xᵀKx - 2Fᵀx and springs, plus ρ vᵀMv in motion.
+  /// Returns xᵀKx - 2Fᵀx and the energy of springs, plus ρ vᵀMv in motion.
   double total_energy(const System& system, const std::vector<double>& values, const Shape& shape,
                       bool moving);
 
@@ -103,21 +107,22 @@ class Engine {
   MatX ae_, ax_, av_;  // functionals of the loose rows on e, x and v: points × 3
   VecX g_, stiffness_, wanted_;
   Secants secants_;
-  // Of drags: change of the second iteration over that of the first, at most lately; 0: not known.
+  // In drags: largest ratio, lately, of the change of the second iteration to that of the first; 0:
+  // not known.
   double gain_ = 0;
-  int unseen_ = 0;  // answers since it was looked at
+  int unseen_ = 0;  // answers since it was measured
   // Superposition.
   std::vector<Points> responses_;
   std::vector<char> known_response_;
   Points anchor_;
   std::vector<double> anchor_values_;
-  bool anchored_ = false, x_is_anchor_ = false;  // the state's x; copied when a slider begins
-  // Values for which right_, e_, hd_ and ae_ stand; empty: none.
+  bool anchored_ = false, x_is_anchor_ = false;  // x is copied to anchor_ when a slider begins
+  // The values that right_, e_, hd_ and ae_ were made for; empty: none.
   std::vector<double> right_values_;
   const LiveSystem* right_matrix_ = nullptr;
 };
 
-/// out = S x for the lower triangle S.
+/// Computes out = S x, with S symmetric and given by its lower triangle.
 void symmetric_times(const SparseMatrix& S, const Points& x, Points& out);
 
 }  // namespace batten::live

@@ -14,7 +14,7 @@ void SculptingSession::Data::require_lines(const char* what) {
     throw InputError(std::string("lines cannot be ") + what + " here: only the corners are held");
 }
 
-// Dofs of the layout as it is, on the meshes of another.
+// Carries dofs on the present layout over to the meshes of another one.
 CarriedOver SculptingSession::Data::carried(const ModelLayout& layout, const Points& dofs) {
   CarriedOver all;
   std::vector<Points> each;
@@ -30,7 +30,7 @@ CarriedOver SculptingSession::Data::carried(const ModelLayout& layout, const Poi
   return all;
 }
 
-// Places that things refer to go along.
+// Carries over the shapes that loads, weight fields and constraints refer to.
 void SculptingSession::Data::carry_places(const ModelLayout& layout, Definition& def) {
   std::vector<std::pair<live::SharedPoints, live::SharedPoints>> moved;
   const auto along = [&](live::SharedPoints& on) {
@@ -56,7 +56,7 @@ void SculptingSession::Data::carry_places(const ModelLayout& layout, Definition&
   follow(def.constraints);
 }
 
-// On a layout with other meshes or other lines; the shape is carried over.
+// Goes over to a layout with other meshes or other lines, and carries the shape over.
 CarriedOver SculptingSession::Data::move_to(ModelLayout layout) {
   bool other_mesh = false;
   for (int r = 0; r < layout.region_count(); ++r)

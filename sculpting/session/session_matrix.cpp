@@ -21,7 +21,7 @@ std::vector<SurfaceStiffness> materials(const System& system, const std::vector<
     const BuiltWeight& built = *system.weights[w];
     const bool bends = system.def.weights[w]->weight.kind == WeightField::Kind::Bending;
     for (size_t t = 0; t < triangles; ++t) {
-      // Where a line has no say there is no direction.
+      // Regions without the line have no direction.
       if (!built.directions.empty() && built.directions[t].isZero(0)) continue;
       const double weight = value * built.weights[static_cast<long>(t)];
       const double alpha = bends ? 0 : weight, beta = bends ? weight : 0;
@@ -93,8 +93,8 @@ void Engine::make_matrix(System& system, const std::vector<double>& values) {
   system.moving_coupling.reset();
 }
 
-// The rows beside the factor. `older`: stands on the same factor; the solves of things that stand
-// already are kept.
+// Makes the coupling of the rows beside the factor. `older` is on the same factor: solves of what
+// it has already are kept.
 void Engine::couple(System& system, const Coupling* older) {
   const LooseRows& rows = *system.loose;
   std::vector<int> known(static_cast<size_t>(rows.A.cols()), -1);

@@ -109,7 +109,7 @@ double Engine::total_energy(const System& system, const std::vector<double>& val
   for (size_t l = 0; l < system.loads.size(); ++l) {
     const double v = values[system.load_parameter[l]];
     if (system.loads[l]->F.rows() > 0 && v != 0) product_ -= 2 * v * system.loads[l]->F;
-    // Along a fixed rim, ⅔ of the work that the pressure would do on the shape as it is.
+    // Where the rim is held, ⅔ Fᵀx is twice p V: the potential of the pressure, without a half.
     if (std::holds_alternative<Load::Pressure>(system.def.loads[l]->load.kind) && v != 0) {
       F_.setZero();
       system.parts->pressure().add(shape.x, system.loads[l]->weights, v * system.loads[l]->scale,

@@ -6,7 +6,7 @@ namespace batten::live {
 
 namespace {
 
-// The value half way through a step, as θ says.
+// The value of a parameter at the share θ of a step.
 double blended(const Motion& m, const std::vector<double>& from, const std::vector<double>& to,
                int parameter) {
   const auto p = static_cast<size_t>(parameter);
@@ -121,7 +121,7 @@ void Engine::step(System& system, const std::vector<double>& from, const std::ve
 void Engine::project(System& system, const std::vector<double>& values, Shape& shape) {
   anchored_ = false;
   right_values_.clear();
-  // x: the rows' residuals are what is missing.
+  // The right-hand sides are what the shape misses on its rows.
   lines_right(system, values, right_);
   system.reduction->check(right_);
   const auto correct = [&](Points& x, bool velocity) {

@@ -68,7 +68,7 @@ void Engine::throw_conflict(const System& system, const std::vector<double>& val
 }
 
 void Engine::prepare_right(System& system, const std::vector<double>& values) {
-  // Of the lines: only when they moved.
+  // The right-hand sides of lines are made anew only when lines moved.
   bool stands = right_values_.size() == values.size() && right_matrix_ == system.statics.get();
   for (size_t p = 0; stands && p < values.size(); ++p)
     stands = (system.roles[p] & kRight) == 0 || values[p] == right_values_[p];

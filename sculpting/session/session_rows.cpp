@@ -43,7 +43,8 @@ class RowCollector {
     rows.rows.push_back({point, direction, size, soft});
     rows.sources.push_back(source);
   }
-  // A coupled row: of one direction, a number for each dof; else a point for each coordinate.
+  // Adds a coupled row: with one point when all its coefficients are parallel, otherwise with one
+  // for each coordinate.
   void add(const ConstraintSet::CoupledRow& row) {
     double largest = 0, size = 0;
     Vec3 direction = Vec3::UnitX();

@@ -14,7 +14,7 @@ void SculptingSession::Data::mark_good() {
   now.fresh.assign(values.size(), 0);
 }
 
-// Parameters and shape of the last answer that converged.
+// Goes back to parameters and shape of the last answer that converged.
 void SculptingSession::Data::fall_back() {
   if (now.good_values.size() != static_cast<size_t>(now.parameters.count())) return;
   read_values();
@@ -34,7 +34,8 @@ void SculptingSession::Data::fall_back() {
   engine.prepare_matrix(system(), values);
 }
 
-// Towards the values in steps of the way from the last good ones.
+// Goes from the last good values to these in steps, which are halved where the shape does not
+// settle.
 live::Engine::Run SculptingSession::Data::in_steps(const std::vector<double>& goal) {
   const std::vector<double> start = now.good_values;
   Points reached_x = now.good_x;
@@ -86,7 +87,7 @@ bool SculptingSession::Data::has_scans() {
   return false;
 }
 
-// Where the lines that moved have turned tangents at nodes, γ and δ of smooth joins are others.
+// Plans smooth joins again where moved lines have turned tangents at nodes, so that γ and δ change.
 bool SculptingSession::Data::plan_joins() {
   constexpr double same = 1e-7;
   if (layout().join_plans().empty() || system().def.hold_corners ||

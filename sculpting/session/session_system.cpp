@@ -113,7 +113,7 @@ void find_parameters(System& system, const Parameters& parameters) {
   system.beta = three("beta", {"_uu", "_uv", "_vv"});
 }
 
-// After the loose rows: their goals count too.
+// Notes what each parameter acts on. The loose rows are made before, because goals act on them.
 void give_roles(System& system, const Parameters& parameters) {
   const Definition& d = system.def;
   system.roles.assign(static_cast<size_t>(parameters.count()), kNothing);
@@ -165,7 +165,7 @@ void build_loads(System& system, const System* older, bool same_mesh, bool same_
   }
 }
 
-// The numbers of a matrix stay when what it is made of does.
+// Keeps the numbers of the matrix when all that it is made of is the same.
 void keep_matrix_values(System& system, const System& older, const Parameters& parameters) {
   const Definition& d = system.def;
   const bool same_matrix = older.def.weights == d.weights && older.scan_load.rows() == 0 &&
@@ -186,7 +186,7 @@ void keep_matrix_values(System& system, const System& older, const Parameters& p
     take(system.weight_parameter[i], older.weight_parameter[i]);
 }
 
-// Systems on the same reduction.
+// Takes over what was factored on the same reduction.
 void keep_systems(System& system, const System& older, const Parameters& parameters) {
   const Definition& d = system.def;
   system.statics = older.statics;

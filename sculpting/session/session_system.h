@@ -1,4 +1,4 @@
-// Inside of a sculpting session: what acts on the surface, placed on its material, and the systems
+// Inside of a sculpting session: what acts on the surface, placed in its domain, and the systems
 // that are made of it. Everything is shared and, but for working storage, immutable.
 #pragma once
 
@@ -21,11 +21,11 @@
 
 namespace batten::live {
 
-/// What depends on the mesh alone.
+/// All that depends on the mesh alone.
 struct MeshParts {
   explicit MeshParts(const ModelLayout& layout);
   int dofs() const { return assembler.dofs().count(); }
-  // Made when they are asked for.
+  // These two are made when they are asked for.
   const SparseMatrix& mass() const;
   const PressureOperator& pressure() const;
   Location at(const ModelPoint& point) const;
@@ -47,8 +47,8 @@ struct MeshParts {
   mutable std::unique_ptr<PressureOperator> pressure_;
 };
 
-// Placed things: `feet` are places of the domain; `on` the dofs of the surface that places in space
-// refer to.
+// What acts, placed on the surface: `feet` are places of the domain; `on` are the dofs of the shape
+// that areas, normals and the surface's area are taken from, null where none are needed.
 using SharedPoints = std::shared_ptr<const Points>;
 struct PlacedLoad {
   Load load;
@@ -69,20 +69,21 @@ struct PlacedMove {
   HermiteCurve displacement;  ///< for the value 1, over the line's parameters
 };
 
+/// All that acts, on one layout.
 struct Definition {
   std::shared_ptr<const ModelLayout> layout;
   LoadUnits units = LoadUnits::Relative;
   bool hold_corners = false;
   Expected expected = Expected::many_factors;
   ModelScale scale() const { return {units, layout->size()}; }
-  Vec3 origin = Vec3::Zero();  ///< the state is about this point, whatever lines do
+  Vec3 origin = Vec3::Zero();  ///< shapes are kept relative to this point, also when lines move
   std::vector<std::shared_ptr<const PlacedLoad>> loads;
   std::vector<std::shared_ptr<const PlacedWeight>> weights;
   std::vector<std::shared_ptr<const PlacedConstraint>> constraints;
   std::vector<std::shared_ptr<const PlacedMove>> moves;
 };
 
-// Places things on a surface (absolute coordinates). Throw InputError.
+// Each places one thing on a surface (absolute coordinates). They throw InputError.
 PlacedLoad place(const Load& load, const Definition& on, const Surface& surface);
 PlacedWeight place(const WeightField& weight, const Definition& on, const Surface& surface);
 PlacedConstraint place(const Constraint& constraint, const Definition& on, const Surface& surface);
@@ -95,30 +96,31 @@ inline bool everywhere(const Area& area) {
   return std::holds_alternative<Area::Everywhere>(area.where) && area.regions.empty();
 }
 
-/// Nodes of either curve; their sum.
+/// Returns a + factor · b, with the nodes of both.
 HermiteCurve sum(const HermiteCurve& a, const HermiteCurve& b, double factor);
 
-/// One load on one mesh, for the value 1.
+/// What one load is on one mesh, for the value 1.
 struct BuiltLoad {
-  Points F;      ///< of linear ones, n×3; empty otherwise
+  Points F;      ///< load vector of linear loads, n×3; empty otherwise
   MatX reduced;  ///< DᵀF
-  VecX weights;  ///< of pressure: of each triangle; empty for 1 everywhere
+  VecX weights;  ///< of pressure: one for each triangle; empty: 1 everywhere
   double scale = 1;
 };
+/// What one weight field is on one mesh, for the value 1.
 struct BuiltWeight {
   VecX weights;
   std::vector<Vec2> directions;  ///< empty: all directions
 };
 
-/// Rows beside the reduction: user's constraints and springs.
+/// The rows that stand beside the reduction: those of constraints and springs.
 struct LooseRows {
   struct Source {
-    enum Kind { Zero, Goal, Spring } kind = Zero;
-    int parameter = -1;  ///< Goal
+    enum Kind { Zero, Goal, Spring } kind = Zero;  ///< what the right-hand side comes from
+    int parameter = -1;  ///< Goal: the parameter that is the goal; Spring: that of its load
     int coordinate = 0;  ///< Goal, Spring: 0 … 2; -1: along the row's direction
     int load = -1, spring = -1;
   };
-  /// Columns of A and rows that one thing contributes.
+  /// The columns of A and the rows that one constraint or load has.
   struct Block {
     const void* owner;
     std::string name;
@@ -131,7 +133,7 @@ struct LooseRows {
   const std::string& name_of(int row) const;
 };
 
-/// Which part of a system a parameter moves.
+/// Which part of a system a parameter acts on; a sum of these.
 enum Role : unsigned {
   kNothing = 0,
   kLinear = 1,
@@ -142,51 +144,52 @@ enum Role : unsigned {
   kMatrix = 32
 };
 
-/// A definition on its mesh.
+/// A definition, and all that is made of it on its mesh.
 struct System {
   Definition def;
   std::shared_ptr<const MeshParts> parts;
   // Lines.
-  std::shared_ptr<const ConstraintSet> line_rows;  ///< about the layout's origin
+  std::shared_ptr<const ConstraintSet> line_rows;  ///< relative to `origin`
   std::shared_ptr<const AffineReduction> reduction;
-  MatX base_right;  ///< rows × 3
-  std::vector<std::shared_ptr<const MatX>> move_right;
+  MatX base_right;  ///< right-hand sides without moves, rows × 3
+  std::vector<std::shared_ptr<const MatX>> move_right;  ///< of each move, for the value 1
   // What acts.
   std::vector<std::shared_ptr<const BuiltLoad>> loads;
   std::vector<std::shared_ptr<const BuiltWeight>> weights;
   std::shared_ptr<const LooseRows> loose;
-  // Parameter of each load, weight and move; of alpha and beta (uu, uv, vv).
+  // The parameter of each load, weight field and move, and those of alpha and beta (uu, uv, vv).
   std::vector<int> load_parameter, weight_parameter, move_parameter;
   std::array<int, 3> alpha, beta;
-  std::vector<unsigned> roles;  ///< of each parameter
+  std::vector<unsigned> roles;  ///< Role of each parameter
   // Systems; their numbers belong to matrix_values.
   std::shared_ptr<LiveSystem> statics, moving;
   std::shared_ptr<Coupling> coupling, moving_coupling;
-  std::shared_ptr<const LooseRows> coupled_rows, moving_rows;  ///< that those were made for
+  std::shared_ptr<const LooseRows> coupled_rows, moving_rows;  ///< rows of the couplings
   std::vector<double> matrix_values;               ///< of all parameters, when statics was made
   Motion motion;                                   ///< of `moving`
-  std::vector<std::vector<ModelPoint>> scan_feet;  ///< of each load; empty unless Springs
-  std::vector<std::vector<char>> scan_used;
-  Points scan_load;  ///< Σ k N p of the scans at matrix_values
-  MatX scan_reduced;
+  std::vector<std::vector<ModelPoint>> scan_feet;  ///< of each load; empty but for scans
+  std::vector<std::vector<char>> scan_used;        ///< whether each point of a scan pulls
+  Points scan_load;                                ///< Σ k N p of the scans at matrix_values
+  MatX scan_reduced;                               ///< Dᵀ scan_load
 
   const ModelLayout& layout() const { return *def.layout; }
   const Vec3& origin() const { return def.origin; }
   int dofs() const { return parts->dofs(); }
 };
 
-// Parts of build(): one thing that acts on the system as far as it stands.
+// Parts of build(): each makes one thing that acts for a system of which mesh and lines are there.
 BuiltLoad built(const PlacedLoad& placed, const System& system);
 BuiltWeight built(const PlacedWeight& placed, const System& system);
 LooseRows loose_rows(const System& system, const Parameters& parameters);
-/// Right-hand sides of all rows of lines when one line has another curve and all others are zero.
+/// Returns the right-hand sides of all rows of lines for this curve on one line and zero on all
+/// others.
 MatX right_of_line(const System& system, const std::string& name, const HermiteCurve& curve);
 
-/// Builds what differs from `older` (null: everything) up to, not including, the systems; those of
+/// Builds what differs from `older` (null: everything), but no matrix and no factor; those of
 /// `older` are kept when they fit. Throws InputError, ConflictError.
 std::shared_ptr<System> build(Definition def, const Parameters& parameters, const System* older);
 
-/// Adds each shared part once.
+/// Returns the bytes of all parts of a system that are not in `seen`, and adds them to it.
 size_t bytes_of(const System& system, std::set<const void*>& seen);
 
 }  // namespace batten::live

@@ -1,5 +1,4 @@
-// The shape that lines, constraints and loads make of a region or a whole model: one settled
-// answer.
+// Makes the shape at rest of a region or a whole model under lines, constraints and loads.
 #pragma once
 
 #include <string>
@@ -13,34 +12,38 @@
 
 namespace batten {
 
+/// A load that acts, with the value of its parameter.
 struct AppliedLoad {
   Load load;
   double value = 0;
 };
 
+/// One load case: what acts, and how it is solved.
 struct StaticTask {
   std::vector<AppliedLoad> loads;
-  std::vector<Constraint> constraints;  ///< goals of points as they say
+  std::vector<Constraint> constraints;  ///< the goal of a point is Point::goal
   SurfaceStiffness material;            ///< alpha, beta, in the units below
   LoadUnits units = LoadUnits::Relative;
-  bool hold_corners = false;  ///< instead of the lines
+  bool hold_corners = false;  ///< holds the corners only, instead of the lines
   double tolerance = 1e-12;   ///< as SessionOptions
   int most_iterations = 60;   ///< as SessionOptions
 };
 
+/// The shape, and what was measured on it.
 struct SculptResult {
   Points dofs;
-  SurfaceEnergy energy;  ///< of the domain scaled to size 1; over size² in relative units
+  SurfaceEnergy energy;  ///< on the domain scaled to size 1; over size² in relative units
   int iterations = 0;
-  double last_change = 0;  ///< of the last iteration, over the size
+  double last_change = 0;  ///< change of the shape in the last iteration, over the size
   std::vector<Reaction> reactions;
-  double max_constraint_residual = 0;  ///< over all rows, over the size
-  std::vector<ScanDistances> scans;    ///< of each Load::Scan
+  double max_constraint_residual = 0;  ///< largest residual of all rows, over the size
+  std::vector<ScanDistances> scans;    ///< one for each Load::Scan; before: the lines alone
 };
 
-/// A SculptingSession without history that settles once: where loads act is looked for on the shape
-/// under the constraints alone. Throws InputError on bad numbers; ConflictError; NoSolutionError
-/// when the pressure is past its limit, with what was reached.
+/// Settles a SculptingSession that keeps no history. Places of loads are looked for on the shape
+/// under lines and constraints, those of each constraint under the lines and the constraints before
+/// it. Throws InputError on bad numbers, ConflictError, and NoSolutionError when the pressure is
+/// past its limit, with the values that were reached.
 SculptResult sculpt(const ModelLayout& layout, const StaticTask& task,
                     const Progress& progress = {});
 

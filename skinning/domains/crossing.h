@@ -1,4 +1,4 @@
-// Where input curves cross or touch.
+// Finds where input curves cross or touch.
 #pragma once
 
 #include <array>
@@ -11,7 +11,7 @@ namespace batten {
 
 constexpr int kCurveChords = 48;
 
-/// The curve as kCurveChords + 1 points, evenly over its parameter.
+/// Returns kCurveChords + 1 points of the curve, evenly over its parameter.
 std::vector<Vec3> polyline(const InputCurve& curve);
 
 /// Whether two curves come closer than a distance, and where.
@@ -26,13 +26,13 @@ class BoxedCurve {
  public:
   explicit BoxedCurve(const InputCurve& curve);
 
-  /// Whether the other curve comes closer than `distance`: by boxes and polylines first, then on
-  /// the curves. Near common ends (within `skip` of their points) closeness is no crossing.
+  /// Finds whether the other curve comes closer than `distance`, first by boxes and polylines, then
+  /// on the curves. Places within `skip` of the points `common_ends` do not count.
   /// O(chords²), far less where boxes are apart.
   Crossing crossing(const BoxedCurve& other, double distance, const std::vector<Vec3>& common_ends,
                     double skip) const;
-  /// Whether the curve comes closer than `distance` to itself; a closed one does not cross itself
-  /// where it closes.
+  /// Finds whether the curve comes closer than `distance` to itself; the place where a closed one
+  /// closes does not count.
   Crossing self_crossing(double distance) const;
 
  private:

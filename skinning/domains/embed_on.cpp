@@ -1,4 +1,4 @@
-// Holes and inner lines on a surface that there is already.
+// Embeds holes and inner lines on a surface that is there already.
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-// The area that a loop of lines encloses, and the angles that it has seen from that side.
+// Computes the area that a loop of lines encloses, and its angles seen from that side.
 #pragma once
 
 #include <vector>
@@ -7,17 +7,18 @@
 
 namespace batten {
 
-/// Unit area vector of the loop: the side from which it runs counter-clockwise. Throws InputError
-/// when it encloses no area seen from any side.
+/// Returns the unit area vector of the loop: it points to the side from which the loop runs
+/// counter-clockwise. Throws InputError when it encloses no area seen from any side.
 Vec3 loop_normal(const Outline& outline);
+/// Returns whether it encloses an area seen from some side.
 bool encloses_area(const Outline& outline);
-/// Seen from that side, model units².
+/// Returns the area that it encloses seen from the side of loop_normal(), model units².
 double enclosed_area(const Outline& outline);
 
-/// Interior angle at each corner, radians in (0, 2π): whether it turns to the left or to the right
-/// is seen from the loop's side, or from that of its developable filling where the loop is not
-/// nearly plane (out of it by more than a fifth of the size). Throws InputError when the loop
-/// encloses no area seen from any side. Microseconds, or those of the filling (10 ms at most).
+/// Returns the interior angle at each corner, radians in (0, 2π). Whether the loop turns to the
+/// left or to the right there is seen from the loop's side, or from the side of its developable
+/// filling where the loop leaves its plane by more than a fifth of the size. Throws InputError when
+/// the loop encloses no area seen from any side. It takes microseconds, with a filling up to 10 ms.
 std::vector<double> corner_angles(const Outline& outline);
 
 }  // namespace batten

@@ -24,33 +24,35 @@ struct Outline {
   double size = 0;  ///< diagonal of the box of all lines
 
   bool is_corner(size_t piece) const;
-  std::vector<size_t> side(size_t c) const;  ///< its pieces
+  std::vector<size_t> side(size_t c) const;  ///< pieces of side c
   double side_length(size_t c) const;
   const Vec3& end_of(size_t piece) const { return pieces[(piece + 1) % pieces.size()].start; }
 };
 
-/// Joins outline stretches into closed loops, each in the direction of its first stretch, in the
-/// order of those; `against_first`: the first loop the other way. Ends meet within `join` (model
-/// units). Given curves that are listed in the order of one loop are joined in that order, so that
-/// it may come through one place twice. Two given curves make a corner unless their slopes are the
-/// same vector (1e-12), other stretches where they turn by more than `corner_angle` (degrees).
-/// Throws InputError in words for the user: an open loop (with the gap), three lines at one end,
-/// lines that cross or touch, all lines on one line, given curves with others in one loop.
+/// Joins outline stretches into closed loops, each in the direction of its first stretch and in the
+/// order of these; with `against_first` the first loop runs the other way. Ends meet within `join`
+/// (model units). Given curves that are listed in the order of one loop are joined in that order,
+/// so that it may come through one place twice. Two given curves make a corner unless their slopes
+/// are the same vector (1e-12), other stretches where they turn by more than `corner_angle`
+/// (degrees). Throws InputError in words for the user: an open loop (with the gap), three lines at
+/// one end, lines that cross or touch, all lines on one line, given curves with others in one loop.
 std::vector<Outline> make_loops(const std::vector<Stretch>& stretches, double size, double join,
                                 double corner_angle, bool against_first = false);
 
-/// Where piece p of a loop begins: both neighbours take the same point and, unless it is a corner,
-/// the same tangent. `incoming` is what the piece before it takes.
+/// The place where a piece of a loop begins. Both pieces that meet there take the same point and,
+/// unless it is a corner, the same unit tangent: `outgoing` is that of the piece, `incoming` that
+/// of the piece before it.
 struct Joint {
   Vec3 position, outgoing, incoming;
 };
+/// Returns the joint at which piece p begins.
 Joint joint_at(const Outline& outline, size_t p);
 
-/// Text for each joint that turns noticeably, but less than a corner: it will be rounded.
+/// Adds a warning for each joint that turns noticeably, but less than a corner: it will be rounded.
 void warn_of_smoothed_joints(const Outline& outline, double corner_angle,
                              std::vector<std::string>& warnings);
 
-/// The loop the other way around.
+/// Returns the loop the other way around.
 Outline reversed(const Outline& outline);
 
 }  // namespace batten

@@ -1,4 +1,5 @@
-// Plain hole filling: triangles over a closed polyline, by a library.
+// Fills a closed polyline with triangles: as plain hole filling (CGAL), or as a developable
+// surface.
 #pragma once
 
 #include <array>
@@ -9,7 +10,8 @@
 
 namespace batten {
 
-/// Triangles over the points of the loop, counter-clockwise along it, no others.
+/// The triangles have the points of the loop as corners and no others; they run counter-clockwise
+/// along it.
 struct PlainFill {
   std::vector<std::array<int, 3>> triangles;
   double area = 0;                  ///< of all triangles, model units²
@@ -17,34 +19,38 @@ struct PlainFill {
   double worst_fold_deg = 0;        ///< largest angle between normals of neighbours
 };
 
-/// The triangulation of a closed polyline (first point not repeated) with the least worst dihedral
-/// angle, then least area (Liepa 2003; CGAL's triangulate_hole_polyline). None when there is none,
-/// or in a build without CGAL. At most 400 points. O(n³), O(n log n) mostly.
+/// Returns the triangulation of a closed polyline (first point not repeated) whose largest dihedral
+/// angle is least, and of several such ones that of least area (Liepa 2003; CGAL's
+/// triangulate_hole_polyline). Nothing when there is none, or in a build without CGAL. At most 400
+/// points. O(n³), mostly O(n log n).
 /// Throws InputError: fewer than three points, numbers that are not finite.
 std::optional<PlainFill> plain_fill(const std::vector<Vec3>& loop);
 
-/// The triangulation of a closed polyline that is little bent, then small: a developable surface in
-/// triangles, as all corners lie on the loop. Least, among sums of best parts, of
+/// Returns a triangulation of a closed polyline that is little bent and small. It is a developable
+/// surface in triangles, because all their corners lie on the loop. It makes least, among sums of
+/// best parts,
 ///
-///     Σ A  +  0.03 d² Σ 4 sin²(θ/2) |e|² / (A₁ + A₂)   ≈   ∬ 1 + 0.03 d² κ² dA
-///              triangles         inner edges
+///         Σ A    +    0.03 d²      Σ      4 sin²(θ/2) |e|² / (A₁ + A₂)   ≈   ∬ 1 + 0.03 d² κ² dA
+///     triangles               inner edges
 ///
 /// for triangles of area A, edges e where normals turn by θ, d: the diagonal of the box of the
-/// points. Other than the least worst angle, this keeps a strip around a cylinder a strip. None
-/// when all points lie on one line. Dynamic programming over pairs of points (Klincsek 1980),
-/// O(n³): 10 ms for 150 points, no library. Throws as plain_fill().
+/// points. With this, unlike with the least largest angle, a strip around a cylinder stays a strip.
+/// Nothing when all points lie on one line. Dynamic programming over pairs of points (Klincsek
+/// 1980), O(n³): 10 ms for 150 points, no library. Throws as plain_fill().
 std::optional<PlainFill> developable_fill(const std::vector<Vec3>& loop);
 
-/// At each point of the loop, of the triangles around it: the sum of their area vectors (to which
-/// side the filling faces there) and of their angles (interior angle, radians).
+/// The triangles around one point of the loop: the sum of their area vectors, which says to which
+/// side the filling faces there, and the sum of their angles, which is the interior angle
+/// (radians).
 struct FillCorner {
   Vec3 normal = Vec3::Zero();
   double angle = 0;
 };
+/// Returns these for each point of the loop.
 std::vector<FillCorner> fill_corners(const std::vector<Vec3>& loop, const PlainFill& fill);
 
-/// Whether a loop with these directions before and after a corner turns to the left there, as the
-/// filling has it: small turns by its normal, others by its angle.
+/// Returns whether a loop with these directions before and after a corner turns to the left there,
+/// seen on the filling: small turns are judged by its normal, others by its angle.
 bool turns_left(const Vec3& before, const Vec3& after, const FillCorner& corner);
 
 }  // namespace batten

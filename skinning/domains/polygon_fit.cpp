@@ -40,7 +40,8 @@ Value beyond_wall(double angle, double line_angle) {
 
 class PolygonFit {
  public:
-  /// Without corners in space: no walls, no distances, all angles alike.
+  /// Without corners in space there are no penalties and no distances, and all angles have one
+  /// weight.
   PolygonFit(const std::vector<double>& lengths, const std::vector<double>& angles,
              const std::vector<Vec3>* corners)
       : walls_(corners != nullptr),

@@ -1,4 +1,5 @@
-// Inside of the polygon's domain: its lines on straight stretches, before and after the mesh.
+// Inside of polygons: the straight lines of the domain on which their lines lie, before and after
+// the mesh.
 #pragma once
 
 #include <string>
@@ -8,7 +9,7 @@
 
 namespace batten {
 
-/// A piece of line on its straight stretch of the domain, from `from` to `to`; fractions run 0 … 1
+/// A stretch and its straight image in the domain, from `from` to `to`. Fractions run from 0 to 1
 /// with the parameter of the fitted curve.
 struct Strip {
   CharacterLine line;
@@ -22,7 +23,7 @@ struct Strip {
   Vec2 at(double fraction) const { return from + fraction * (to - from); }
 };
 
-/// The polygon and the strips on it, in the region's own scale.
+/// The polygon and the strips that lie on it, in the region's own scale.
 struct PolygonPlan {
   DomainTask task;  ///< its mesher is one that the build has
   Outline outline;
@@ -34,18 +35,18 @@ struct PolygonPlan {
   bool given() const { return outline.pieces[0].stretch.given != nullptr; }
 };
 
-/// The C1 cubic curve of a strip between two joints; `alone`: of a whole side.
+/// Returns the C1 cubic curve of a stretch between two joints. `alone`: it is a whole side.
 HermiteCurve fitted_strip(const PolygonPlan& plan, const Stretch& s, const Joint& start,
                           const Joint& end, bool alone);
 
-/// Makes an inner line a straight run across the polygon. "", or the reason why it cannot be one.
+/// Makes an inner line a straight run across the polygon. Returns "", or why it cannot be one.
 std::string add_inner_strip(PolygonPlan& plan, const Stretch& s);
 
-/// The mesh with all strips on element edges. Throws InputError: too many triangles; what the
-/// mesher refuses.
+/// Makes the mesh, with all strips on element edges. Throws InputError: too many triangles; what
+/// the mesher refuses.
 ParametricMesh mesh_polygon(PolygonPlan& plan);
 
-/// The edges and vertices of that mesh on a strip.
+/// Returns the edges and vertices of that mesh on a strip.
 LineRun run_on(const ParametricMesh& mesh, const Strip& strip);
 
 }  // namespace batten

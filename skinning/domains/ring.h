@@ -5,14 +5,15 @@
 
 namespace batten {
 
-/// Whether two rims, as points evenly around them, as many of both, run in one direction around the
-/// ring between them: through a tube when their area vectors point to one side along the way from
-/// rim to rim; where these say nothing (an annulus) when points of equal share then lie nearer
-/// together, from the best start, than the other way around. O(n²).
+/// Returns whether two rims run in one direction around the ring between them. `a`, `b`: the same
+/// number of points, evenly around each rim. Through a tube they do when their area vectors point
+/// to the same side along the way from rim to rim. Where these do not decide (an annulus), they do
+/// when points at equal shares of the rims lie nearer together than they would with one rim turned
+/// over, from the best start in both cases. O(n²).
 bool rims_run_alike(const std::vector<Vec3>& a, const std::vector<Vec3>& b);
 
-/// A strip that is periodic in u: rim A along v = 0, in the direction of its first line, rim B
-/// along v = V. No singular point, and lines stay straight runs of element edges:
+/// Makes a strip that is periodic in u: rim A along v = 0, in the direction of its first line, rim
+/// B along v = V. It has no singular point, and the rims are straight runs of element edges:
 ///
 ///   U = mean length of the rims / size          u runs evenly with the arc length of each rim
 ///   V = mean distance of matched points / size
@@ -36,11 +37,11 @@ RegionParts ring_parts(const Outline& a, const Outline& b, const DomainTask& tas
 
 /// Embeds holes and inner lines in a ring that has a shape. c(t) are the nearest points of the
 /// surface; of an inner line that crosses no other one they are spread over it as evenly as the
-/// line is long (nearest points crowd where a line bulges away from the surface). u runs on over
-/// the seam, beyond [0, U]; a line begins in [0, U). A closed line that runs around the ring ends
-/// one period from where it begins: its curve and its image are open curves then, whose ends meet
-/// on the ring. Throws InputError as embed_on() does, for a hole around the ring, and for an inner
-/// line that is to be fitted. O(triangles · lines).
+/// line is long (nearest points crowd where a line bulges away from the surface). Images run on
+/// over the seam, beyond [0, U]; a line begins in [0, U). A closed line that runs around the ring
+/// ends one period from where it begins: its curve and its image are open curves then, whose ends
+/// meet on the ring. Throws InputError as embed_on() does, for a hole around the ring, and for an
+/// inner line that is to be fitted. O(triangles · lines).
 void embed_on_ring(const Surface& surface, const std::vector<Outline>& holes,
                    const std::vector<Stretch>& inner, const DomainTask& task, RegionParts& parts);
 

@@ -9,13 +9,13 @@
 
 namespace batten {
 
-/// Into [0, 1).
+/// Returns the part of x in [0, 1).
 inline double fraction_of(double x) {
   x -= std::floor(x);
   return x < 1 ? x : 0;
 }
 
-/// A closed curve begun at another of its points.
+/// A closed curve that has its seam at another of its points.
 class Reseamed final : public InputCurve {
  public:
   Reseamed(std::shared_ptr<const InputCurve> whole, double seam)
@@ -81,7 +81,7 @@ struct Rim {
     return {curve.evaluate(t), curve.evaluate(t, 1).normalized()};
   }
 
-  // Of one line: the same rim, begun elsewhere.
+  // Returns a rim of one line with its seam at another place.
   Rim cut_at(double fraction) const {
     Outline cut = outline;
     auto& piece = cut.pieces[0];

@@ -1,4 +1,4 @@
-// Outlines that neither have corners enough nor lie flat enough: unfolded.
+// Unfolds outlines that have no polygon and do not project simply.
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>

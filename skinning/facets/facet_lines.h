@@ -1,4 +1,5 @@
-// Inside of facets: the lines of a region in (u, v), and where edges end on them by themselves.
+// Inside of facets: the lines of a region in (u, v), and where edges end on a line that nothing
+// else divides.
 #pragma once
 
 #include <string>
@@ -10,11 +11,12 @@
 
 namespace batten {
 
-/// A line of the region in (u, v): a chain of mesh edges, or a curve. Refers to the embedded line.
+/// A line of the region in (u, v): a chain of mesh edges, or a curve. It keeps a reference to the
+/// embedded line.
 class FacetLine {
  public:
   FacetLine(const ParametricMesh& mesh, const LineRun& run);
-  /// A straight line over its own length.
+  /// Makes a straight line with its length as parameter.
   FacetLine(std::string name, const Vec2& from, const Vec2& to);
   explicit FacetLine(const EmbeddedLine& line);
 
@@ -24,17 +26,17 @@ class FacetLine {
   double start() const { return parameters_.front(); }
   double end() const { return parameters_.back(); }
 
-  Vec2 at(double t) const;
-  Vec2 slope(double t) const;
-  /// The cubic arc between two parameters of one segment.
+  Vec2 at(double t) const;     ///< the place at a parameter
+  Vec2 slope(double t) const;  ///< dc/dt there
+  /// Returns the cubic arc of segment k between two shares s of it in [0, 1].
   PlanarCubic arc(size_t k, double s0, double s1) const { return arcs_[k].part(s0, s1); }
   size_t arc_count() const { return arcs_.size(); }
-  /// The range of u that it stays in.
+  /// Returns a range of u that the line does not leave.
   std::pair<double, double> reach() const;
   double parameter(size_t k, double s) const {
     return parameters_[k] + s * (parameters_[k + 1] - parameters_[k]);
   }
-  /// Parameter and distance of the nearest point.
+  /// Returns parameter and distance of the line's point that is nearest to p.
   CurvePoint closest(const Vec2& p) const;
 
  private:
@@ -48,11 +50,11 @@ class FacetLine {
   std::vector<PlanarCubic> arcs_;
 };
 
-/// Where the curve of a line breaks: its ends and corners.
+/// Returns the parameters of a line's ends and corners, ascending.
 std::vector<double> breaks(const EmbeddedLine& line);
 
-/// Parameters that cut a line evenly in pieces of about `edge_length`, `at_least` so many, and turn
-/// by 36 degrees each at most. They follow from the line's curve in space alone.
+/// Returns parameters that cut a line into even pieces of about `edge_length`, `at_least` so many,
+/// each of which turns by at most 36 degrees. They follow from the line's curve in space alone.
 std::vector<double> divisions(const EmbeddedLine& line, double edge_length, int at_least);
 
 }  // namespace batten

@@ -181,8 +181,8 @@ class FacetMesher {
   }
 
   /// Numbers the points that pieces end in, left and right of the seam, and lists the seam's right
-  /// image. Pieces that were dropped leave nodes that nobody needs. Those on a seam have two places:
-  /// between its images, to which each piece is moved, every node is left or right.
+  /// image. Nodes of dropped pieces only are left out. Each piece is moved between the two images
+  /// of the seam, so that a node on the seam has two places, on the left image and on the right.
   std::vector<std::array<int, 2>> number_points(std::vector<FacetPiece>& pieces, MeshTask& task,
                                                 std::vector<std::array<int, 2>>& seams) const {
     std::vector<std::array<int, 2>> number(s_.nodes().size(), {-1, -1});

@@ -1,7 +1,7 @@
 // Inside of facets: where edges end on the lines of a region, before it is meshed.
 //
-// Every mesh vertex of a run, every end and corner of an embedded line, and every point where lines
-// meet or cross is a stop that has to be; between these come those that divisions() or the
+// There has to be a stop at every mesh vertex of a run, at every end and corner of an embedded
+// line, and wherever lines meet or cross. Between these come the stops that divisions() or the
 // neighbours (LineStops) want.
 #pragma once
 
@@ -21,22 +21,24 @@ struct FacetStop {
   bool fixed;  ///< a break, a mesh vertex, or shared with another line
 };
 
-/// Mean distance between the ends of element edges that are not outside, in space and in (u, v).
+/// The mean length of element edges that are not outside: as the distance of their ends in space,
+/// and in (u, v).
 struct MeanEdge {
   double space = 0, uv = 0;
 };
 MeanEdge mean_edge(const Surface& surface);
 
+/// Finds the stops on all lines of a region.
 class FacetStops {
  public:
   /// Throws InputError: no boundary; a ring without room for a seam.
   FacetStops(const SkinnedRegion& region, double edge_length, const LineStops& asked);
 
-  /// "facets of region 'name': "
+  /// Returns "facets of region 'NAME': ", for messages.
   std::string who() const { return "facets of region '" + region_.name + "': "; }
-  /// Of the region (runs, then embedded lines), then of a ring the seam.
+  /// Returns the lines of the region: runs, then embedded lines, then the seam of a ring.
   const std::vector<FacetLine>& lines() const { return lines_; }
-  /// Of each line, ascending.
+  /// Returns the stops of a line, ascending.
   const std::vector<FacetStop>& on(size_t line) const { return stops_[line]; }
   const std::vector<Vec2>& nodes() const { return nodes_; }
   bool on_boundary(size_t line) const { return on_boundary_[line] != 0; }
@@ -44,13 +46,13 @@ class FacetStops {
     return static_cast<size_t>(piece.index) +
            (piece.kind == BoundaryPiece::Kind::Run ? 0 : region_.runs.size());
   }
-  /// Target length of edges in (u, v).
+  /// Returns the target length of edges in (u, v).
   double size() const { return size_; }
 
-  /// One more stop between two.
+  /// Adds a stop between two others.
   void add(size_t line, double t);
 
-  /// p or its image that is nearest to another point.
+  /// Returns p, or on a ring its image that is nearest to another point.
   Vec2 near(const Vec2& p, const Vec2& anchor) const {
     return region_.surface.mesh().image_near(p, anchor);
   }
@@ -58,7 +60,7 @@ class FacetStops {
   bool has_seam() const { return period() > 0; }
   size_t seam() const { return lines_.size() - 1; }
   bool on_seam(int node) const;
-  /// By how much p is to the right of the seam.
+  /// Returns by how much the u of p is greater than that of the seam at the same v.
   double beyond_seam(const Vec2& p) const;
 
  private:
@@ -72,16 +74,16 @@ class FacetStops {
   // The nearest point of a line to p or one of its images.
   CurvePoint closest(const FacetLine& line, const Vec2& p) const;
 
-  // A ring is meshed between two images of a straight seam from rim to rim, which are then one
-  // again. It begins at that vertex of the first rim where it is least along any line, and crosses
-  // no hole.
+  // Cuts a ring along a straight seam from rim to rim. It is meshed between two images of the seam,
+  // which are one again afterwards. The seam begins at the vertex of the first rim for which it
+  // runs least along other lines, and crosses no hole.
   void cut_open();
   void place_fixed_stops();
   void find_crossings();
-  // The second line moved by du.
+  // Finds crossings of two arcs by halving them; the second line is moved by du.
   void cross_arcs(size_t l, size_t i, double s0, double s1, size_t m, size_t j, double t0,
                   double t1, double du, int depth);
-  // Stops between the fixed ones.
+  // Makes the stops between the fixed ones.
   void divide();
   void divide_embedded(size_t line);
   void divide_as_asked(size_t line);

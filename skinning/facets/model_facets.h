@@ -1,4 +1,5 @@
-// Conforming quadratic elements of a whole model: regions that share lines share the nodes on them.
+// Makes conforming quadratic elements of a whole model: regions that share lines share the nodes on
+// them.
 //
 // Two regions share a line where one line (run or embedded) of each has the same name; it is then
 // the same curve in space, whatever way round and over whatever parameters each of them has it. A
@@ -24,26 +25,28 @@
 
 namespace batten {
 
+/// The elements of all regions, whose nodes get common numbers.
 struct ModelFacets {
-  /// Of each region, with node numbers of its own.
+  /// The elements of each region, with node numbers of its own.
   std::vector<QuadraticFacets> regions;
-  /// For each region and node of it the number in the model, from 0, as they first come.
+  /// For each region and each of its nodes the number in the model; numbers begin at 0, in the
+  /// order in which nodes first come.
   std::vector<std::vector<int>> node;
-  /// Place of each node of the model: on the surface; for a node of several regions that of the
-  /// first one that has it on a run, which is exactly on the line; of lines that are embedded
-  /// everywhere the point of the first region's curve.
+  /// Place of each node of the model, on the surface. For a node of several regions it is that of
+  /// the first one that has it on a run, which is exactly on the line; where all regions have the
+  /// line embedded, it is the point of the first region's curve.
   std::vector<Vec3> places;
   struct Line {
     std::string name;
-    /// In nodes of the model, each edge once: first end, second end, middle.
+    /// Nodes of the model on each edge, which is here once: first end, second end, middle.
     std::vector<std::array<int, 3>> edges;
   };
   std::vector<Line> lines;  ///< each name once, as they first come
 };
 
-/// Target lengths as in quadratic_facets(), of each region by itself. A model of one region has
-/// that region's own facets and their numbers. As fast as quadratic_facets() where all shared lines
-/// are runs; otherwise regions with embedded lines are meshed about twice.
+/// Makes them. Target lengths are as in quadratic_facets(), for each region by itself. A model of
+/// one region has that region's own facets and their numbers. As fast as quadratic_facets() where
+/// all shared lines are runs; otherwise regions with embedded lines are meshed about twice.
 ///
 /// Throws InputError: no region; lines of one name that are not the same curve (apart by more than
 /// 1e-2 of the smaller region); neighbours whose facets do not settle; and what quadratic_facets()

@@ -90,7 +90,7 @@ bool has_cusp(const Outline& loop) {
   });
 }
 
-// Of a loop whose lines are embedded.
+// The domain of a loop whose lines are embedded.
 Domain embedding_domain(const Outline& loop, const DomainTask& task) {
   return projects_simply(loop, task) ? Domain::Plane : Domain::Sheet;
 }
@@ -184,7 +184,8 @@ void settle(const JoinedLines& joined, const DomainTask& task, RegionParts& part
   }
 }
 
-// None where another domain suits the outline better, and the user asked for no one.
+// The polygon, its mesh and lines; nothing where another domain suits the outline better and the
+// user asked for none.
 std::optional<RegionParts> polygon_mesh(const JoinedLines& joined, const DomainTask& task,
                                         std::vector<Stretch>& others) {
   const Outline& loop = joined.loops[0];

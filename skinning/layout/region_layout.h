@@ -1,4 +1,4 @@
-// From character lines to the domain and the mesh of one region.
+// Makes the domain and the mesh of one region from its character lines.
 #pragma once
 
 #include <string>
@@ -13,7 +13,8 @@ namespace batten {
 
 struct DomainTask;  // skinning/domains/domain_task.h
 
-/// A region before it has a shape: domain, mesh, and how each line hangs on it.
+/// A region before it has a shape: its domain, its mesh, and how each line lies on it. It is made
+/// in these steps:
 ///
 /// 1. lines are cut at their corners (into "name.1", "name.2", …), outline lines joined at their
 ///    ends into loops, hole lines too;
@@ -33,8 +34,8 @@ struct DomainTask;  // skinning/domains/domain_task.h
 ///    embedded: on a plane where they are seen, on other domains where the surface that the outline
 ///    alone makes is nearest to them;
 /// 5. the mesh is cut along embedded boundaries. Embedded lines are held at points; the gap between
-///    these is measured and driven under tolerance/2 by halving triangles there, for the shape of
-///    least bending.
+///    these is measured, and triangles there are halved until it is below tolerance/2 for the shape
+///    of least bending.
 /// The domain runs counter-clockwise along the outline in the direction of its first line, so that
 /// line's direction decides to which side the surface's normal points. u runs along that line's
 /// side of the polygon, around the ring, or along the projected x axis (y where the plane is at
@@ -56,26 +57,26 @@ class RegionLayout {
   const std::vector<LineRun>& runs() const { return parts_.runs; }
   const std::vector<EmbeddedLine>& embedded() const { return parts_.embedded; }
   double size() const { return size_; }
-  /// Of lines, model units.
+  /// Returns the largest distance that a line may have from its curve, model units.
   double tolerance() const { return tolerance_; }
   const std::vector<std::string>& warnings() const { return parts_.warnings; }
   const std::vector<DomainCorner>& corners() const { return parts_.corners; }
   SkinOptions::Domain domain() const { return options_.domain; }
-  /// A point of the first line.
+  /// Returns the start of the first line.
   Vec3 origin() const;
 
-  /// The rows that hold every line, fitted ones exactly, embedded ones at their points: uncoupled,
-  /// named after the lines.
+  /// Returns the rows that hold every line, fitted ones exactly, embedded ones at their points.
+  /// They are uncoupled and have the names of the lines.
   ConstraintSet line_constraints() const;
-  /// The rows that hold only the positions of the corners: uncoupled, "corner 1", "corner 2", …
-  /// Throws InputError for a domain without corners.
+  /// Returns the rows that hold only the positions of the corners. They are uncoupled and named
+  /// "corner 1", "corner 2", … Throws InputError for a domain without corners.
   ConstraintSet corner_constraints() const;
-  /// The region with the given dofs.
+  /// Returns the region in the shape with these dofs.
   SkinnedRegion region(Points dofs) const;
 
   /// Halves triangles where a shape's embedded lines miss their curves by more than `target`
-  /// between points; false when there is nothing to halve. The layout then has another mesh: dofs
-  /// and constraints made before do not fit it any more.
+  /// between points. Returns false when there is nothing to halve; otherwise the layout has another
+  /// mesh, and dofs and constraints made before do not fit it any more.
   bool refine(const Surface& shape, double target);
 
   // Edits. Each throws before it has changed anything: the layout is then as it was. After
@@ -84,18 +85,20 @@ class RegionLayout {
 
   /// Halves the marked triangles, one mark for each, and so many others that the mesh stays
   /// conforming (bisected()); cuts it and places the points of embedded lines again. Runs stay
-  /// runs. False when nothing is marked. Throws InputError on a wrong count, and what the
+  /// runs. Returns false when nothing is marked. Throws InputError on a wrong count, and what the
   /// constructor throws when lines do not fit together any more.
   bool refine(const std::vector<char>& marked);
 
   /// Whether a run or an embedded line has this name ("name.1", … where a line was cut at corners).
   bool has_line(const std::string& name) const;
-  /// Its fitted curve. Throws InputError, with the nearest name, when there is none.
+  /// Returns the fitted curve of a line. Throws InputError, with the nearest name, when there is
+  /// none.
   const HermiteCurve& line(const std::string& name) const;
-  /// Another shape of it over the same CurveMesh; `line.curve` becomes the same curve. The rows of
-  /// line_constraints() keep their coefficients, their values change. Whether it still meets its
-  /// neighbours is not looked at: constraints that contradict each other are found when they are
-  /// reduced. Throws InputError: no such line, another mesh, numbers that are not finite.
+  /// Gives a line another shape over the same CurveMesh; `line.curve` becomes the same curve. The
+  /// rows of line_constraints() keep their coefficients, their values change. Whether it still
+  /// meets its neighbours is not checked here: constraints that contradict each other are found
+  /// when they are reduced. Throws InputError: no such line, another mesh, numbers that are not
+  /// finite.
   void set_line(const std::string& name, HermiteCurve curve);
 
   /// Embeds an inner line where `shape`, a surface on this layout's mesh, is nearest to it; fitted

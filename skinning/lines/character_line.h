@@ -9,15 +9,16 @@
 
 namespace batten {
 
-/// The C1 cubic curve that stands for a line as it is, so that regions on both sides of it carry
-/// the same: it is not fitted again, and meshes have their vertices on it at the same places.
+/// A C1 cubic curve that is used for a line as it is, so that the regions on both sides carry the
+/// same one: it is not fitted again, and their meshes have vertices on it at the same places.
 struct GivenCurve {
   HermiteCurve curve;  ///< over the direction of the line; its parameter runs evenly
-  /// Parameters of the mesh's vertices on it where it is fitted: ascending, from start to end,
-  /// nodes of the curve among them.
+  /// Parameters of the mesh's vertices on it, for a region that has it fitted: ascending, from
+  /// start to end, with the nodes of the curve among them.
   std::vector<double> vertices;
 };
 
+/// A line, as the user gives it.
 struct CharacterLine {
   enum class Role {
     Outline,  ///< part of the loop around the region, or of one of the two loops of a ring
@@ -34,8 +35,8 @@ struct CharacterLine {
   std::shared_ptr<const InputCurve> curve;
   Role role = Role::Outline;
   Treatment treatment = Treatment::Auto;
-  /// Of an outline or hole line. All lines of a loop have one, or none. Two of them that meet turn
-  /// a corner unless their slopes are the same vector.
+  /// The given curve of an outline or hole line, or null. Either all lines of a loop have one or
+  /// none has. Two of them that meet make a corner unless their slopes are the same vector.
   std::shared_ptr<const GivenCurve> given = {};
 };
 

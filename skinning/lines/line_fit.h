@@ -1,4 +1,4 @@
-// From input lines to the stretches that become C1 cubic curves.
+// Cuts input lines into the stretches that become C1 cubic curves.
 #pragma once
 
 #include <memory>
@@ -11,19 +11,19 @@
 
 namespace batten {
 
-/// A stretch of an input curve without corners inside, in one direction or the other.
+/// A stretch is a part of an input curve that has no corners inside, in one direction or the other.
 struct Stretch {
   std::string name;  ///< the line's, with ".1", ".2", … when the line was cut at corners
   CharacterLine::Role role;
-  /// Of the whole stretch, in its own direction; of a line with a given curve, that one.
+  /// The stretch, in its own direction; the given curve, of a line that has one.
   std::shared_ptr<const InputCurve> curve;
   CharacterLine::Treatment treatment = CharacterLine::Treatment::Auto;
   std::shared_ptr<const GivenCurve> given = {};  ///< in the direction of the line
   std::shared_ptr<const InputCurve> input = {};  ///< with `given`: the line's own curve
 
-  /// The line that the stretch is, as the user gave it: `flipped` when `curve` runs against it.
+  /// Returns the stretch as a line in the user's direction. `flipped`: `curve` runs against it.
   CharacterLine line(bool flipped) const;
-  /// The given curve in the direction of `curve`.
+  /// Returns the given curve in the direction of `curve`.
   HermiteCurve given_along(bool flipped) const;
 };
 
@@ -32,16 +32,17 @@ struct Stretch {
 /// start to its end with its nodes among them.
 std::vector<Stretch> cut_at_corners(const CharacterLine& line, double corner_angle);
 
-/// The curve run backwards.
+/// Returns the curve run backwards.
 std::shared_ptr<const InputCurve> reversed(std::shared_ptr<const InputCurve> curve);
 
-/// The input itself when it is piecewise cubic (exact_curve), of even enough speed (fastest/slowest
-/// ≤ 3), with no segment shorter than `shortest` and ends within 1e-8 of its length from `start`
-/// and `end`, to which they are moved.
+/// Returns the input itself when it is piecewise cubic (exact_curve) and open, of even enough speed
+/// (fastest/slowest ≤ 3), with no segment shorter than `shortest` unless it is the only one, and
+/// ends within 1e-8 of its length from `start` and `end`, to which they are moved. Nothing
+/// otherwise.
 std::optional<HermiteCurve> kept_as_given(const Stretch& stretch, double shortest,
                                           const Vec3& start, const Vec3& end);
 
-/// Nearest distance from p to the curve: samples, then Newton's method.
+/// Returns the smallest distance from p to the curve, by samples and Newton's method.
 double distance_to(const InputCurve& curve, const Vec3& p);
 
 }  // namespace batten

@@ -1,4 +1,5 @@
-// One side of a join line: where the line runs in (u, v), and how dofs make slopes there. Internal.
+// One side of a join line: where the line runs in (u, v), and which dofs make the slopes there.
+// Internal.
 #pragma once
 
 #include <algorithm>
@@ -15,7 +16,7 @@ namespace batten {
 
 using RowEntries = std::vector<ConstraintSet::Entry>;
 
-// f: fraction of the line; y: join.h.
+// The line as one region has it. f is a fraction of the line; y and t are those of join.h.
 class JoinEdge {
  public:
   JoinEdge(const ParametricMesh& mesh, TriangleElement kind, const LineRun* run,
@@ -51,7 +52,7 @@ class JoinEdge {
     return run_ ? run_->vertices.front() == run_->vertices.back() : line_->fitted.closed();
   }
   double fraction(int k) const { return (run_->parameters[k] - start_) / span_; }
-  // Fractions of vertices or points.
+  // Returns the fractions of vertices or points, ascending.
   std::vector<double> stations() const {
     std::vector<double> f;
     for (const double p : run_ ? run_->parameters : line_->points) {
@@ -63,7 +64,7 @@ class JoinEdge {
     if (f.size() < 2) f = {0, 1};
     return f;
   }
-  // dX/dt.
+  // Returns dX/dt.
   Vec3 slope(double f) const {
     return (run_ ? run_->fitted : line_->fitted).evaluate(parameter(f), 1) * per_t();
   }
@@ -72,7 +73,7 @@ class JoinEdge {
     const int v = 3 * vertex(k);
     return sigma_ * (inward_.x() * q.row(v + 1) + inward_.y() * q.row(v + 2)).transpose();
   }
-  // factor · y, factor · dx/dt, factor · x at the k-th vertex.
+  // These add factor · y, factor · dx/dt, factor · x at the k-th vertex.
   void add_across(int k, double factor, RowEntries& entries) const {
     add_gradient(vertex(k), factor * sigma_ * inward_, entries);
   }
@@ -83,7 +84,7 @@ class JoinEdge {
   void add_position(int k, double factor, RowEntries& entries) const {
     entries.push_back({numbers_(3 * vertex(k)), factor});
   }
-  // factor · y, factor · dx/dt in the middle of the k-th edge, where x is a cubic of t.
+  // These add factor · y, factor · dx/dt in the middle of the k-th edge, where x is a cubic of t.
   void add_across_middle(int k, double factor, RowEntries& entries) const {
     const int e = run_->edges[k];
     entries.push_back({numbers_(DofMap(*mesh_).edge(e)),
@@ -97,7 +98,7 @@ class JoinEdge {
     add_along(k + 1, -0.25 * factor, entries);
   }
 
-  // Anywhere on the line.
+  // Returns the place of a fraction in the mesh.
   Location where(double f) const {
     const double p = parameter(f);
     if (line_) {
@@ -116,7 +117,7 @@ class JoinEdge {
     found.L[first] = 1 - found.L[3 - i - first];
     return found;
   }
-  // y = grad x · across_uv(f), dx/dt = grad x · along_uv(f).
+  // Return the directions of (u, v) with y = grad x · across_uv(f), dx/dt = grad x · along_uv(f).
   Vec2 across_uv(double f) const {
     if (run_) return sigma_ * inward_;
     return inward(along_uv(f));
@@ -135,7 +136,7 @@ class JoinEdge {
       y += (d.x() * N(m, kU) + d.y() * N(m, kV)) * q.row(dofs[m]).transpose();
     return y;
   }
-  // across · y + along · dx/dt + position · x at a fraction of the line.
+  // Adds across · y + along · dx/dt + position · x at a fraction of the line.
   void add_at(double f, double across, double along, double position, RowEntries& entries) const {
     const Location at = where(f);
     const Tabulation N = functions(at);
@@ -169,7 +170,7 @@ class JoinEdge {
   RegionNumbers numbers_;
 };
 
-// Sides of join lines, with one locator for each region that needs one.
+// Makes the sides of join lines, with one locator for each region that needs one.
 class JoinEdges {
  public:
   explicit JoinEdges(const std::vector<const RegionLayout*>& regions) {

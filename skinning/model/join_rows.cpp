@@ -57,7 +57,7 @@ class RunTies {
     a_.add_along_middle(k, -delta(f), row);
     set_.add(name_, summed(row), Vec3::Zero());
   }
-  // One entry a dof.
+  // Sums the entries of each dof.
   static RowEntries summed(const RowEntries& entries) {
     std::map<int, double> sum;
     for (const auto& e : entries) sum[e.dof] += e.coefficient;

@@ -1,4 +1,4 @@
-// Nearest places of a whole model for many points in space.
+// Finds the nearest places of a whole model for many points in space.
 #pragma once
 
 #include <memory>
@@ -9,11 +9,11 @@
 
 namespace batten {
 
-/// One SurfaceProjector a region, made when it is needed; regions that are too far away to matter
-/// are passed over by their boxes. Keeps copies of the regions' surfaces.
+/// It has one SurfaceProjector for each region, made when it is needed; regions that are too far
+/// away to matter are passed over by their boxes. It keeps copies of the regions' surfaces.
 class ModelProjector {
  public:
-  /// `dofs`: a shape on the layout.
+  /// `dofs` are those of a shape on the layout.
   ModelProjector(const ModelLayout& layout, const Points& dofs);
 
   struct Nearest {
@@ -22,11 +22,11 @@ class ModelProjector {
     double distance = 0;
     bool inside = true;  ///< the place lies inside of the region's trim
   };
-  /// The nearest place of the meshes of all regions, whether a trim has it inside or not; of
-  /// several regions one inside, if any has one.
+  /// Returns the nearest place on the meshes of all regions, whether it lies inside of their trims
+  /// or not. A place inside of a region's trim goes before all that lie outside.
   Nearest nearest(const Vec3& p) const;
-  /// The nearest place inside: where a trim has the nearest one outside, Surface::closest_point
-  /// looks again.
+  /// Returns the nearest place inside of a trim. Where the nearest one lies outside,
+  /// Surface::closest_point() looks again, which takes longer.
   Nearest nearest_inside(const Vec3& p) const;
   const Surface& surface(int region) const { return regions_[region].surface; }
 

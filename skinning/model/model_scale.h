@@ -1,14 +1,14 @@
-// Which factors loads and materials take on a model scaled to size 1.
+// The factors of loads and materials on a model scaled to size 1.
 #pragma once
 
 #include "batten/fairing/energy.h"
 
 namespace batten {
 
-/// A model of size S is solved on its domain over S. In relative units alpha, beta and loads are
-/// pure numbers there and dofs keep their length, so that forces carry S; in absolute units forces
-/// stay as they are and areas of the domain carry S². (Between the regions of a model:
-/// ModelLayout::domain_scale.)
+/// A model of size S is solved on its domain divided by S. In relative units alpha, beta and loads
+/// are pure numbers there while dofs keep their length, so that forces get a factor S. In absolute
+/// units forces stay as they are and areas of the domain get a factor S². (Between the regions of a
+/// model: ModelLayout::domain_scale().)
 class ModelScale {
  public:
   ModelScale(LoadUnits units, double size)
@@ -17,13 +17,14 @@ class ModelScale {
   SurfaceStiffness material(const SurfaceStiffness& m) const {
     return on_unit_domain(m, units_, size_);
   }
+  /// Returns the factor of a force.
   double force() const { return relative_ ? size_ : 1; }
-  /// Factors of a force per area of the domain, and per area of the surface itself.
+  /// Return the factors of a force per area of the domain, and per area of the surface itself.
   double per_domain_area() const { return relative_ ? size_ : size_ * size_; }
   double per_area() const { return relative_ ? 1 / size_ : 1; }
-  /// Factor of mass and damping per area of the domain.
+  /// Returns the factor of mass and damping per area of the domain.
   double inertia() const { return relative_ ? 1 : size_ * size_; }
-  /// Factors from forces and energies of the solved problem to those that are reported.
+  /// Return the factors from forces and energies of the solved problem to those that are reported.
   double of_reactions() const { return relative_ ? 1 / size_ : 1; }
   double of_energies() const { return relative_ ? 1 / (size_ * size_) : 1; }
 

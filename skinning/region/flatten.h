@@ -1,4 +1,4 @@
-// A better domain for a surface that there is already: the polygon that distorts it least.
+// Finds a better domain for a surface that is there already: the polygon that distorts it least.
 #pragma once
 
 #include <vector>
@@ -15,13 +15,15 @@ struct Distortion {
   /// √ mean of (log σ1/s)² + (log σ2/s)² over the surface's area; log s is the mean of all log σ.
   double rms = 0;
 };
-/// Sampled at the centroid of each triangle.
+/// Measures it at the centroid of each triangle.
 Distortion distortion(const Surface& surface);
 
+/// The polygon that was found.
 struct Flattened {
-  std::vector<Vec2> polygon;  ///< corner for corner; as long around, turned and moved to fit
+  std::vector<Vec2> polygon;  ///< corner for corner; of the same perimeter, turned and moved to fit
   Distortion before;
-  /// Of the same surface carried along to the new polygon; a surface made there anew is near it.
+  /// Distortion of the same surface carried along to the new polygon; a surface that is made anew
+  /// there comes near to it.
   Distortion expected;
 };
 

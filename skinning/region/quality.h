@@ -1,22 +1,23 @@
-// How good a finished surface is.
+// Measures how good a finished surface is.
 #pragma once
 
 #include "batten/skinning/region/region.h"
 
 namespace batten {
 
-/// Largest distance |x(c(t)) - X(t)| of a shape from its embedded line, 20 samples between points.
+/// Returns the largest distance |x(c(t)) - X(t)| of a shape from its embedded line, of 20 samples
+/// between any two points.
 double line_gap(const Surface& surface, const EmbeddedLine& line);
 
 /// How far the finished surface is from what it promises, measured by sampling.
 struct SkinQuality {
-  double max_line_residual = 0;    ///< surface edge to fitted line, over the region's size
-  double max_line_gap = 0;         ///< surface to the curve of embedded lines, model units
-  double max_line_deviation = 0;   ///< surface edge to input curve, both ways, model units
-  double max_normal_jump_deg = 0;  ///< across inner element edges
+  double max_line_residual = 0;    ///< surface from its fitted lines, over the region's size
+  double max_line_gap = 0;         ///< surface from the curves of embedded lines, model units
+  double max_line_deviation = 0;   ///< surface from the input lines, both ways, model units
+  double max_normal_jump_deg = 0;  ///< between normals across inner element edges
   double min_jacobian_ratio = 0;   ///< smallest |x_u × x_v| (oriented) over the median
   double max_shear = 1;            ///< largest σ1/σ2 of (x_u, x_v)
-  double rms_strain = 0;           ///< of the domain against the surface (distortion())
+  double rms_strain = 0;           ///< Distortion::rms of the domain against the surface
   int singular_nodes = 0;          ///< vertices where x_u × x_v is below 1e-6 of the median
   double area = 0;                 ///< model units²
 };

@@ -1,4 +1,4 @@
-// A skinned region: one C1 surface and the lines it hangs on.
+// A skinned region: one C1 surface and its lines.
 #pragma once
 
 #include <string>
@@ -38,26 +38,27 @@ struct BoundaryPiece {
   bool reversed = false;  ///< the loop goes against the line's direction
 };
 
+/// A surface and how its lines lie on it.
 struct SkinnedRegion {
   std::string name;
   Surface surface;
   std::vector<LineRun> runs;
   double size = 1;  ///< length scale of the region in model units: diagonal of its lines' box
   std::vector<EmbeddedLine> embedded = {};
-  /// Closed loops with the region to their left in (u, v), the outline first, then holes. Of a ring
-  /// (a mesh that is periodic in u) there are two, from u to u + period each.
+  /// Closed loops with the region to their left in (u, v), the outline first, then holes. A ring (a
+  /// mesh that is periodic in u) begins with two, its rims, which run once around the period.
   std::vector<std::vector<BoundaryPiece>> boundary = {};
 };
 
-/// The straight image of a run in (u, v) (z = 0), over the parameters of its fitted curve.
+/// Returns the straight image of a run in (u, v) (z = 0), over the parameters of its fitted curve.
 HermiteCurve run_image(const ParametricMesh& mesh, const LineRun& run);
 
-/// A piece of the boundary along its loop, in (u, v) (z = 0), over the parameters of
-/// boundary_curve.
+/// Returns a piece of the boundary, in the direction of its loop, in (u, v) (z = 0), over the
+/// parameters of boundary_curve().
 HermiteCurve boundary_image(const SkinnedRegion& region, const BoundaryPiece& piece);
-/// The same piece in space.
+/// Returns the same piece in space.
 HermiteCurve boundary_curve(const SkinnedRegion& region, const BoundaryPiece& piece);
-/// The boundary as a region of the (u, v) plane. Not for rings.
+/// Returns the boundary as a region of the (u, v) plane. It is not for rings.
 DomainLoops boundary_loops(const SkinnedRegion& region);
 
 }  // namespace batten

@@ -9,17 +9,17 @@
 
 namespace batten {
 
-/// A corner of the domain's outline: where it is, and its angle (degrees) in the domain and between
-/// the lines in space.
+/// A corner of the domain's outline. It has a place, and an interior angle (degrees) in the domain
+/// and another one between the lines in space.
 struct DomainCorner {
   Vec2 uv;
   double domain_degrees, line_degrees;
 };
 
-/// Everything of a region except its shape.
+/// All that a region has except its shape.
 struct RegionParts {
   std::shared_ptr<const ParametricMesh> mesh;
-  std::shared_ptr<const Trim> trim;  ///< none when nothing embedded bounds the region
+  std::shared_ptr<const Trim> trim;  ///< null when no embedded line bounds the region
   std::vector<LineRun> runs;
   std::vector<EmbeddedLine> embedded;
   std::vector<std::vector<BoundaryPiece>> boundary;

@@ -1,10 +1,11 @@
-// How a region is made of its lines.
+// Options for making a region of its lines.
 #pragma once
 
 #include "batten/elements/c1_triangle.h"
 
 namespace batten {
 
+/// How a region is made of its lines.
 struct SkinOptions {
   /// Largest distance between a line and its C1 cubic curve, model units. 0: 1e-4 of the region's
   /// size.
@@ -20,10 +21,10 @@ struct SkinOptions {
   Mesher mesher = Mesher::Delaunay;
   enum class Domain {
     Auto,
-    Polygon,  ///< three corners or more; lines fitted
-    Plane,    ///< a loop that projects simply; lines embedded
-    Sheet,    ///< any other loop, unfolded like a strip of paper; lines embedded
-    Ring      ///< two smooth loops; lines fitted
+    Polygon,  ///< for three corners or more; lines are fitted
+    Plane,    ///< for a loop that projects simply; lines are embedded
+    Sheet,    ///< for any other loop, unfolded like a strip of paper; lines are embedded
+    Ring      ///< for two smooth loops; they are fitted
   };
   Domain domain = Domain::Auto;
   /// The outline runs against its first line: the normal points to the other side.
@@ -32,8 +33,8 @@ struct SkinOptions {
   /// make is as little stretched and sheared as straight sides allow (at most three rounds, each
   /// one solve).
   bool settle = false;
-  /// How often the fan is cut in four; -1: until edges are short enough. Lines that need more nodes
-  /// than that to reach the tolerance are refused.
+  /// How often the triangles of the fan are cut in four; -1: until edges are short enough. Lines
+  /// that need more nodes than the fan then has on a side to reach the tolerance are refused.
   int fan_refinements = -1;
   /// Target length of element edges, model units. 0: 1/20 of the region's size.
   double edge_length = 0;

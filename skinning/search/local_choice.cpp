@@ -102,7 +102,7 @@ double LocalChoice::forced(std::vector<char>& chosen, int item, bool in, int rou
   const double before = local();
   chosen[item] = in;
   if (in) {
-    // Whoever is in the way goes, dearest first.
+    // Items that are in the way are taken out, that of least advantage first.
     for (;;) {
       int worst = -1;
       double least = HUGE_VAL;

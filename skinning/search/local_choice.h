@@ -1,4 +1,4 @@
-// Inside of select: choices that are made better item by item.
+// Inside of select(): makes a choice better item by item.
 #pragma once
 
 #include <utility>
@@ -18,16 +18,16 @@ class LocalChoice {
 
   std::vector<signed char> fixed;  ///< of each item: 1 taken, 0 left out, -1 open
 
-  /// The value of a choice, as Selection has it.
+  /// Returns the value of a choice, the sum that Selection maximises.
   double value(const std::vector<char>& chosen) const;
   /// Takes the items that add most, one after another; `never` is not taken.
   void fill(std::vector<char>& chosen, const std::vector<int>& from, int never = -1) const;
-  /// Forces an item in or out and mends what is around it. Returns what that changes the value by;
-  /// minus infinity when fixed items stand against it.
+  /// Forces an item in or out and chooses the items around it anew. Returns the change of the
+  /// value, or minus infinity when fixed items leave no room for the item.
   double forced(std::vector<char>& chosen, int item, bool in, int rounds = 1) const;
-  /// Forces single items as long as that makes the choice better.
+  /// Forces single items in or out as long as that makes the choice better.
   void improve(std::vector<char>& chosen) const;
-  /// Other items that share an arc with this one, ascending.
+  /// Returns the other items that share an arc with this one, ascending.
   const std::vector<int>& around(int item) const { return around_[item]; }
 
  private:

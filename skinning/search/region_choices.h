@@ -1,17 +1,19 @@
-// What could as well have been chosen otherwise.
+// Finds choices that could as well have been made otherwise.
 #pragma once
 
 #include "batten/skinning/search/region_search.h"
 
 namespace batten {
 
-/// Choices whose alternatives cost less than `most` more, relative to what the sides of the arcs of
-/// their loops are worth; sorted by the chosen loops, alternatives by what they cost.
+/// Returns the choices with alternatives that cost at most `most` more, relative to what the sides
+/// of the arcs of their loops are worth. They are sorted by the chosen loops, the alternatives of
+/// each (at most five) by what they cost.
 std::vector<RegionChoice> near_choices(const RegionGraph& graph, const RegionSearch& search,
                                        const LoopPrices& prices, double most = 0.15);
 
-/// One for each closed chain of arcs with one region (`rims`) that could be closed by a surface,
-/// unless that would lie on its neighbours (fold beyond 150 degrees), or is said to be none.
+/// Returns a choice for each closed chain of arcs with one region (`rims`) that a surface could
+/// close, unless that surface would lie on its neighbours (a fold above 150 degrees), the user has
+/// refused it, or it is among the near choices.
 std::vector<RegionChoice> rim_choices(const RegionGraph& graph, const RegionSearch& search,
                                       const std::vector<NetworkRegion>& regions,
                                       const std::vector<int>& rims,
@@ -20,7 +22,8 @@ std::vector<RegionChoice> rim_choices(const RegionGraph& graph, const RegionSear
 
 /// Fills in the arcs and the place of a choice from its loops.
 void place_choice(const RegionGraph& graph, RegionChoice& choice);
-/// "['a', 'b'], ['c', 'd']" for loops of the arcs a, b and c, d.
+/// Returns "['a', 'b'], ['c', 'd']" for loops of the arcs a, b and c, d; of a loop of more than six
+/// arcs only the first three names and the count.
 std::string said(const RegionGraph& graph, const std::vector<ArcLoop>& loops);
 
 }  // namespace batten

@@ -1,28 +1,28 @@
-// Loops that could bound a surface: traced around the sides of arcs, and what each costs.
+// Traces loops that could bound a surface, and computes what each costs.
 #pragma once
 
 #include "batten/skinning/search/region_graph.h"
 
 namespace batten {
 
-/// What loops cost, in units of half a turn: a plane n-gon costs n - 2.
+/// Prices of loops, in units of half a turn: a plane n-gon costs n - 2.
 struct LoopPrices {
   double covered = 1.25;  ///< what a loop is given for each side of an arc that it takes
-  /// For each arc with two loops that meet at 90 degrees, as the square of the angle; over
-  /// most_at_arc - 1 where more may meet.
+  /// For each arc with two loops that turn against each other by 90 degrees; it grows with the
+  /// square of the angle, and is divided by most_at_arc - 1 where more than two may meet.
   double fold = 0.53;
-  double twist = 0.5;  ///< for each quarter turn between corner planes, as the square
-  double bend = 1.0;   ///< distance from its plane over radius, as the square
-  double jump = 0.3;   ///< for each arc that leaves into the loop from one of its nodes
+  double twist = 0.5;  ///< times the square of the twist between corner planes, in quarter turns
+  double bend = 1.0;   ///< times the square of LoopCandidate::bend
+  double jump = 0.3;   ///< for each arc that leaves a node of the loop into its surface
   double again = 1.5;  ///< for each node that it passes twice, but for bridges
 };
 
-/// A loop with the surface that its corners suggest.
+/// A loop, and how a surface would lie at it by its corners.
 struct LoopCandidate {
   ArcLoop loop;     ///< canonical
   double cost = 0;  ///< Σ of inside angles / π + prices of twist, bend, jumps, repeats
-  /// Where the surface lies as seen from each use of an arc: the angle in the arc's frame of the
-  /// direction into the surface, at the arc's own start and end.
+  /// For each use of an arc the direction into the surface, as an angle in the arc's frame, at the
+  /// arc's own start and end.
   std::vector<std::array<double, 2>> side;
   double twist_deg = 0;  ///< largest twist between neighbouring corner planes
   double bend = 0;       ///< rms distance from the plane of least squares over (length / 2π)
@@ -37,28 +37,29 @@ struct LoopCandidate {
 /// on the side to which the loop turns in all. O(arcs).
 LoopCandidate measured(const RegionGraph& graph, const ArcLoop& loop, const LoopPrices& prices);
 
-/// Degrees by which two surfaces that share an arc (use i of a, j of b) turn against each other,
-/// mean square along it, square root: 0 when one continues the other, 180 when one lies on the
-/// other.
+/// Returns by how many degrees two surfaces that share an arc (use i of a, j of b) turn against
+/// each other, as the root mean square along it: 0 when one continues the other, 180 when one lies
+/// on the other.
 double fold_deg(const LoopCandidate& a, size_t i, const LoopCandidate& b, size_t j);
 
-/// Whether an arc that leaves a node of the loop leaves into its surface: within 30 degrees of the
-/// corner's plane, between the arcs of the corner.
+/// Returns whether an arc that leaves a node of the loop goes into its surface: within 30 degrees
+/// of the corner's plane, between the arcs of the corner.
 bool leaves_into(const RegionGraph& graph, const LoopCandidate& loop, const ArcEnd& end);
 
+/// The loops that were traced.
 struct TracedLoops {
   std::vector<LoopCandidate> loops;  ///< loops in canonical order, each once
   bool complete = true;              ///< false: the work limit was met
 };
 
-/// Loops that are the natural ways on from each corner of the network.
+/// Traces loops from each corner of the network.
 ///
 /// From each pair of arcs at a node the surface between them is followed: its normal is carried
 /// along the arc, and at the next node arcs are tried in the order in which a ray meets them that
-/// turns in the surface from the arc behind. A way costs by how much it is worse than the best one
-/// at its node (angle turned, twist, arcs jumped over), and the cheapest closed ways are kept: so
-/// the first is that of plane graphs, and the others are its neighbours. Bounded work at each
-/// corner.
+/// turns in the surface from the arc behind. A way on costs as much as it is worse than the best
+/// one at its node (angle turned, twist, arcs jumped over), and the cheapest closed ways are kept:
+/// the first is the face that a plane graph would have there, the others are near to it. The work
+/// at each corner is bounded.
 TracedLoops traced_loops(const RegionGraph& graph, const LoopPrices& prices,
                          const Progress& progress);
 

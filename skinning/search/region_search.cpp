@@ -28,10 +28,12 @@ std::vector<std::vector<Use>> uses_by_arc(const std::vector<LoopCandidate>& loop
 RegionSearch search_regions(const RegionGraph& graph, const SettledRegions& settled,
                             const LoopPrices& prices, const Progress& progress) {
   RegionSearch search;
+  // 1. Trace loops. Each comes with its own cost.
   TracedLoops traced = traced_loops(graph, prices, progress);
   search.complete = traced.complete;
   progress.at("regions: choice", 0);
 
+  // 2. What loops are worth: their gains, and the prices of pairs on one arc.
   const double fold_price = prices.fold / std::max(1, settled.most_at_arc - 1);
   // What was asked for takes its room first; its neighbours pay for the fold.
   search.problem.room.assign(graph.arcs.size(), settled.most_at_arc);
@@ -57,7 +59,7 @@ RegionSearch search_regions(const RegionGraph& graph, const SettledRegions& sett
     if (std::binary_search(settled_arcs.begin(), settled_arcs.end(), arcs_of(c.loop))) continue;
     Selection::Item item;
     item.gain = c.gain(prices);
-    // The only loop that there is, bounds a surface, however it turns.
+    // The only loop of a part of the network bounds a surface, whatever it costs.
     constexpr double some_gain = 0.1;
     if (loops_in_part[graph.part[c.loop[0].arc]] == 1) item.gain = std::max(item.gain, some_gain);
     std::map<int, int> uses;
@@ -91,6 +93,7 @@ RegionSearch search_regions(const RegionGraph& graph, const SettledRegions& sett
         const double fold = fold_deg(search.loops[c], place, search.loops[d], other);
         search.problem.pairs.push_back({static_cast<int>(a), c, d, fold_price * square(fold / 90)});
       }
+  // 3. Choose.
   search.selected = select(search.problem);
   progress.at("regions: choice", 1);
   return search;

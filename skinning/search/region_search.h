@@ -1,4 +1,4 @@
-// The loops that are taken as surfaces, of all that were traced.
+// Chooses the loops that are taken as surfaces from all that were traced.
 #pragma once
 
 #include "batten/skinning/search/region_loops.h"
@@ -7,13 +7,14 @@
 
 namespace batten {
 
-/// What is settled before the search.
+/// What the user's words decide before the search.
 struct SettledRegions {
   std::vector<std::vector<ArcLoop>> asked;  ///< the loops of each surface that the user asked for
   std::vector<std::vector<int>> nothing;    ///< arcs of loops that are no surface, ascending
-  int most_at_arc = 2;
+  int most_at_arc = 2;                      ///< RegionOptions::most_at_arc
 };
 
+/// What was traced and chosen.
 struct RegionSearch {
   std::vector<LoopCandidate> loops;   ///< those that gain by themselves, in canonical order
   std::vector<LoopCandidate> costly;  ///< the others
@@ -22,10 +23,11 @@ struct RegionSearch {
   bool complete = true;  ///< all loops were traced; false: the work limit was met
 };
 
+/// Traces loops, makes the problem of choosing among them, and solves it.
 RegionSearch search_regions(const RegionGraph& graph, const SettledRegions& settled,
                             const LoopPrices& prices, const Progress& progress);
 
-/// find_regions() on a plain graph.
+/// Does the same as find_regions() of a network, on a graph.
 FoundRegions find_regions(const RegionGraph& graph, const RegionOptions& options = {},
                           const Progress& progress = {});
 

@@ -127,7 +127,7 @@ class Solver {
     return sum;
   }
 
-  // How many of an item's arcs want it.
+  // How many of an item's arcs have it in their best sets.
   std::vector<int> votes() {
     std::vector<int> votes(problem_.items.size(), 0), set;
     for (size_t a = 0; a < shares_.size(); ++a) {

@@ -1,4 +1,4 @@
-// Found regions as rough surfaces: which lines lie on them.
+// Takes found regions as rough surfaces, and finds which lines lie on them.
 #pragma once
 
 #include "batten/skinning/search/region_loops.h"
@@ -11,7 +11,8 @@ class RoughSurface {
  public:
   RoughSurface(const RegionGraph& graph, const ArcLoop& outline);
   double diagonal() const { return diagonal_; }
-  /// Distance of the farthest of the points from the triangles; stops counting beyond `enough`.
+  /// Returns the distance of the farthest of the points from the triangles; infinity when it is
+  /// above `enough`.
   double farthest(const std::vector<Vec3>& points, double enough) const;
 
  private:
@@ -20,9 +21,10 @@ class RoughSurface {
   double diagonal_ = 0;
 };
 
-/// Gives bare arcs to the regions that they lie on (NetworkRegion::inner): arcs that leave a node
-/// of the loop into the surface, or hang on such an arc, and stay within a tenth of the region's
-/// size of its rough surface, but not within a hundredth of its border all along.
+/// Gives bare arcs to the regions that they lie on (NetworkRegion::inner). These are arcs that
+/// leave a node of the loop into the surface, or hang on such an arc, and stay nearer to its rough
+/// surface than a tenth of the region's size, but not nearer to its border than a hundredth all
+/// along.
 void find_inner_lines(const RegionGraph& graph, const LoopPrices& prices,
                       std::vector<NetworkRegion>& regions);
 
@@ -31,11 +33,12 @@ void find_inner_lines(const RegionGraph& graph, const LoopPrices& prices,
 struct Island {
   int region, on;  ///< indices of regions
 };
+/// Finds all islands.
 std::vector<Island> find_islands(const RegionGraph& graph,
                                  const std::vector<NetworkRegion>& regions);
 
-/// Whether two loops are like the rims of a tube or an annulus: no corner of more than 20 degrees,
-/// their planes within 60 degrees, and not beside each other.
+/// Returns whether two loops are like the rims of a tube or an annulus: they have no corner of more
+/// than 35 degrees, their planes differ by at most 60 degrees, and they are not side by side.
 bool like_rims(const RegionGraph& graph, const ArcLoop& a, const ArcLoop& b);
 
 }  // namespace batten

@@ -1,10 +1,11 @@
-// What the user says about regions, as loops of arcs.
+// Turns what the user says about regions into loops of arcs.
 #pragma once
 
 #include "batten/skinning/search/region_search.h"
 
 namespace batten {
 
+/// What the user's words ask for, as loops.
 struct SpokenRegions {
   SettledRegions settled;
   std::vector<NetworkRegion> regions;  ///< those asked for, in the order of the words

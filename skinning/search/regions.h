@@ -1,4 +1,4 @@
-// Which loops of a network bound surfaces.
+// The loops of a network that bound surfaces, as data.
 #pragma once
 
 #include <string>
@@ -9,7 +9,7 @@
 
 namespace batten {
 
-/// An arc on its way around a loop.
+/// One arc as a loop runs along it.
 struct ArcUse {
   int arc = 0;
   bool reversed = false;
@@ -29,7 +29,7 @@ struct NetworkRegion {
   double cost = 0;         ///< cost of the loop; 0 for one that is asked for
 };
 
-/// What the user says first. Names are those of arcs, or of lines (then all their arcs).
+/// What the user says about one surface. Names are those of arcs, or of lines (all their arcs).
 struct RegionWord {
   enum class Kind {
     Surface,  ///< a surface with these loops
@@ -43,28 +43,30 @@ struct RegionWord {
   std::string where;  ///< for messages: "scene.toml:8:1: "
 };
 
+/// How regions are found.
 struct RegionOptions {
   std::vector<RegionWord> words;
   /// At most so many regions meet at an arc; more make branching surfaces, which are not oriented.
   int most_at_arc = 2;
 };
 
-/// A choice that could as well have been another.
+/// A choice that could nearly as well have been another one.
 struct RegionChoice {
   Vec3 where = Vec3::Zero();
   std::vector<std::string> arcs;  ///< names of the arcs that it is about
-  std::string text;               ///< sentences for the user: what to say to have it otherwise
+  std::string text;               ///< sentences for the user, with what to say to have it otherwise
   std::vector<ArcLoop> chosen;
   std::vector<std::vector<ArcLoop>> alternatives;  ///< best first
-  std::vector<double> margins;                     ///< cost of each over the chosen one, relative
+  std::vector<double> margins;                     ///< of each: what it costs more, relative
 };
 
+/// All that was found.
 struct FoundRegions {
   std::vector<NetworkRegion> regions;  ///< asked for, then found, these in canonical order
   std::vector<RegionChoice> choices;
   std::vector<int> rims;  ///< arcs with one region
   std::vector<int> bare;  ///< arcs with none
-  bool optimal = true;    ///< the least cost is proved; false: the search was cut short
+  bool optimal = true;    ///< the choice is proved best; false: the search was cut short
 };
 
 }  // namespace batten

@@ -1,4 +1,5 @@
-// The problem of choosing loops: each adds something, takes room on arcs, and pays for neighbours.
+// The problem of choosing loops: each has a gain, takes room on arcs, and pays for pairs on one
+// arc.
 #pragma once
 
 #include <vector>

@@ -1,4 +1,4 @@
-// Facets of many surfaces that pass through each other.
+// Finds facets of many surfaces that pass through each other.
 #pragma once
 
 #include <array>
@@ -8,18 +8,19 @@
 
 namespace batten {
 
-/// Two facets, a < b, and a point that both have.
+/// Two facets, a < b, and a point that lies on both.
 struct FacetCrossing {
   int a, b;
   Vec3 where;
 };
 
-/// Pairs of facets that pass through each other: an edge of one pierces the other, or both lie in
-/// one plane and overlap. `facets`: the points of each; `joined`: the same with one index for
-/// points that count as one wherever they lie. Pairs that have a point in common by that index are
-/// none; nor are pairs that cross only within `near` of free edges of both (edges with one facet),
-/// where two surfaces meet along a line that each follows in its own steps. Facets of area zero
-/// cross nothing. Ordered by a, then b. O(n) for facets of similar size, by a grid of cells.
+/// Returns the pairs of facets that pass through each other: an edge of one pierces the other, or
+/// both lie in one plane and overlap. `facets`: the points of each facet; `joined`: the same, but
+/// with one index for points that count as one wherever they lie. Pairs that have such an index in
+/// common do not count. Nor do pairs that cross only within `near` of free edges of both (edges
+/// with one facet), where two surfaces meet along a line that each follows with points of its own.
+/// Facets of area zero cross nothing. Pairs are ordered by a, then b. O(n) for facets of similar
+/// size, by a grid of cells.
 std::vector<FacetCrossing> facet_crossings(const std::vector<Vec3>& points,
                                            const std::vector<std::array<int, 3>>& facets,
                                            const std::vector<std::array<int, 3>>& joined,

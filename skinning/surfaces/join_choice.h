@@ -1,4 +1,4 @@
-// Inside of skin_network: which lines become creases and which are to be smooth.
+// Inside of skin_network(): chooses which lines become creases and which are to be smooth.
 #pragma once
 
 #include <array>
@@ -8,18 +8,20 @@
 
 namespace batten {
 
+/// What was chosen.
 struct JoinChoice {
   std::vector<ModelJoin> joins;      ///< a join for every arc that has a region, by arc
   std::vector<JoinLine> join_lines;  ///< what is to be smooth; regions as the model counts them
   std::vector<int> join_of;          ///< index into `joins` of each join line
 };
 
-/// Looks at every arc: the user's words go first, then the angle at which the first shapes of the
-/// two regions meet (ModelJoin::first_deg). Throws InputError for words that fit no line.
+/// Chooses for every arc: by the user's words, or else by the angle at which the first shapes of
+/// the two regions meet (ModelJoin::first_deg). Throws InputError for words that fit no line.
 JoinChoice choose_joins(const CharacterLineNetwork& network, const RegionMaker& maker,
                         const ModelOptions& options, const std::vector<ModelRegion>& regions);
 
-/// Angle between the present shapes of the two regions of a join line. `open`: ends that are creases.
+/// Returns the angle between the present shapes of the two regions of a join line. `open`: ends
+/// that are creases.
 JoinAngle angle_of(const std::vector<ModelRegion>& regions, JoinLine join_line,
                    const std::array<bool, 2>& open = {});
 

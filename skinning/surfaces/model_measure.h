@@ -1,4 +1,4 @@
-// Inside of skin_network: what a model's shape is worth.
+// Inside of skin_network(): measures a model's shape.
 #pragma once
 
 #include "batten/core/progress.h"

@@ -1,4 +1,4 @@
-// Inside of skin_network: the regions of a network, each one laid out and solved by itself.
+// Inside of skin_network(): lays out and solves each region of a network by itself.
 #pragma once
 
 #include <memory>
@@ -11,32 +11,33 @@
 
 namespace batten {
 
-/// The side by which a finished region has a line of this name on its boundary; nothing when it has
-/// none. `region`: JoinSide::region of what is returned.
+/// Returns the side by which a finished region has a line of this name on its boundary, or nothing
+/// when it has none. `region`: JoinSide::region of what is returned.
 std::optional<JoinSide> side_of(const SkinnedRegion& made, int region, const std::string& name);
 
-/// Layouts and first shapes of all regions of a network.
+/// Makes the layouts and first shapes of all regions of a network.
 class RegionMaker {
  public:
-  /// Orients the regions, and fills in shells and plans of the model. Keeps references to all.
+  /// Orients the regions, and fills in shells and plans of the model. It keeps references to all
+  /// arguments.
   RegionMaker(const CharacterLineNetwork& network, const FoundRegions& found,
               const ModelOptions& options, const Progress& progress, SurfaceModel& model);
 
-  /// Lays out these regions and solves each by itself, side by side. The model says
+  /// Lays out these regions and solves each by itself, on all threads. ModelRegion::why_not says
   /// why one could not be skinned; one that could be before stays as it was then. `from`, `to`:
-  /// progress.
+  /// range of the progress that is reported.
   void lay_out(const std::vector<int>& which, double from, double to);
-  /// A mesh vertex more between any two on this arc, for the next lay_out().
+  /// Puts a mesh vertex between any two on this arc, for the next lay_out().
   void halve(int arc);
 
   ModelFrame frame() const;
   /// The layout of each region; null: it could not be skinned.
   const std::vector<std::shared_ptr<const RegionLayout>>& layouts() const { return layouts_; }
-  /// Dofs of the shape that each region's own lines make.
+  /// Returns the dofs of the shape that each region's own lines make.
   const std::vector<Points>& first_shapes() const { return first_; }
-  /// Uses of an arc by regions.
+  /// Returns the uses of an arc by regions.
   const std::vector<ArcSide>& sides(int arc) const { return orientation_.sides[arc]; }
-  /// The side by which the region of a use has that arc in its present shape.
+  /// Returns the side by which the region of a use has that arc in its present shape.
   std::optional<JoinSide> side_of(const ArcSide& use, int arc) const;
 
  private:

@@ -37,12 +37,16 @@ class ModelMaker {
   SurfaceModel make() {
     std::vector<int> all(model_.regions.size());
     std::iota(all.begin(), all.end(), 0);
+    // 1. Orient: when regions_ was made.
+    // 2. Lay out and solve each region.
     regions_.lay_out(all, 0, 0.4);
     progress_.at("joining", 0);
+    // 3. Choose creases and smooth joins.
     JoinChoice choice = choose_joins(network_, regions_, options_, model_.regions);
     model_.joins = std::move(choice.joins);
     join_lines_ = std::move(choice.join_lines);
     join_of_ = std::move(choice.join_of);
+    // 4. and 5. Solve joined regions together, and measure.
     join();
     return std::move(model_);
   }
@@ -140,8 +144,8 @@ class ModelMaker {
     }
   }
 
-  // Plans the join lines that are not given up and solves each group; where that fails, gives up some
-  // and begins again.
+  // Plans the join lines that are not given up and solves each group; where that fails, gives up
+  // some and begins again.
   std::vector<JoinPlan> solve_groups(std::vector<Points>& dofs) {
     for (;;) {
       dofs = regions_.first_shapes();

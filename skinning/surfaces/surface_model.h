@@ -20,6 +20,7 @@ struct JoinWord {
   std::string where;  ///< for messages
 };
 
+/// How a model is made of a network.
 struct ModelOptions {
   std::string name = "model";
   /// Element, edge_length (0: 1/40 of the network's size), alpha and beta as in RegionLayout; its
@@ -30,9 +31,10 @@ struct ModelOptions {
   /// Lines without a word are smooth where the surfaces that the lines alone make meet at less than
   /// this (ModelJoin::first_deg); degrees.
   double smooth_below_deg = 40;
-  /// What smooth joins are driven under, by halving edges along them; degrees.
+  /// Edges along smooth joins are halved until the angle between the normals is below this;
+  /// degrees.
   double join_tolerance_deg = 0.1;
-  int most_join_rounds = 3;
+  int most_join_rounds = 3;  ///< of such halving
 };
 
 /// A line and the regions that meet along it.
@@ -45,20 +47,21 @@ struct ModelJoin {
   };
   int arc = 0;
   std::string line;  ///< the arc's name
-  /// Indices into SurfaceModel::regions; one twice where it meets itself.
+  /// Indices into SurfaceModel::regions; a region that meets itself is there twice.
   std::vector<int> regions;
   Kind kind = Kind::Rim;
   bool asked = false;          ///< the user's word
   std::string why;             ///< why it is a crease although it was to be smooth, or ""
   std::array<bool, 2> open{};  ///< a smooth join is a crease at its start, end: no tangent plane
-  /// Angle between normals across it, of lines alone: the mean along it and the mean at its ends,
-  /// half and half.
+  /// Angle between the normals of the first shapes, those of each region's lines alone: half the
+  /// sum of the mean along the line and the mean at its ends, averaged over lines that go on
+  /// straight.
   double first_deg = 0;
-  /// Largest angle between normals across it, of the result, sampled between nodes too; and the
-  /// same without the edges at ends that are creases.
+  /// Largest angle between the normals of the result, sampled between nodes too; and the same
+  /// without the edges at ends that are creases.
   double max_deg = 0, max_inside_deg = 0;
-  /// Both domains unfold into one plane along it: the surface is C1 across as inside of a region,
-  /// to rounding.
+  /// Both domains unfold into one plane along it: the surface is C1 across it to rounding, as
+  /// inside of a region.
   bool one_domain = false;
 };
 
@@ -77,6 +80,7 @@ struct SurfaceFlaw {
   std::string text;  ///< a sentence for the user
 };
 
+/// A region of the network, and the surface that it got.
 struct ModelRegion {
   NetworkRegion plan;  ///< loops run counter-clockwise seen from the side of the normal
   std::optional<SkinnedRegion> skinned;
@@ -87,7 +91,7 @@ struct ModelRegion {
   std::vector<std::string> warnings;
 };
 
-/// Regions that hang together along arcs.
+/// Regions that are connected along arcs.
 struct ModelShell {
   std::vector<int> regions;
   bool closed = false;     ///< every arc has two of them
@@ -109,7 +113,7 @@ struct SurfaceModel {
   double area = 0;
   double max_join_deg = 0;  ///< largest max_inside_deg of the smooth joins
 
-  std::vector<const SkinnedRegion*> skinned() const;
+  std::vector<const SkinnedRegion*> skinned() const;  ///< of those regions that are skinned
 };
 
 }  // namespace batten

@@ -1,4 +1,4 @@
-// Surfaces that turn over, fold, cross each other or are far too large.
+// Finds surfaces that turn over, fold, cross each other or are far too large.
 #pragma once
 
 #include <vector>
@@ -7,21 +7,21 @@
 
 namespace batten {
 
-/// The flaws of finished regions (wrong_surfaces.cpp), kind after kind as they are found; indices
-/// are those of `regions`, null ones are passed over. `plain_areas`: one for each, 0 unknown. Seen
-/// on facets, four for each element:
+/// Returns the flaws of finished regions, kind after kind. Their indices are those of `regions`, of
+/// which null ones are passed over. `plain_areas`: one for each region, 0: unknown. Flaws are
+/// looked for on facets, four for each element:
 ///
 ///   Jacobian  min_jacobian_ratio of the quality is not above 0;
 ///   Fold      inside of a region, normals of neighbouring facets differ by more than 90 degrees:
-///             nothing that lines ask for is so sharp. Where two regions meet along a line a crease
-///             of any angle may be wanted, the 90 degrees of a box as well as a thin rim; what is
-///             not is that one lies back on the other. So the wedge between them is measured, 180
-///             degrees where they go on in one plane: below 30 along more than a tenth of their
-///             common way it is a flaw, whose value is 180 less the sharpest wedge. A knife's edge
-///             is named too;
+///             no lines ask for that. Where two regions meet along a line a crease of any angle may
+///             be wanted, that of a box as well as that of a thin rim, but not that one region lies
+///             back on the other. So the wedge between them is measured, which is 180 degrees where
+///             they go on in one plane: a wedge below 30 degrees along more than a tenth of their
+///             common line is a flaw, with the value 180 less the sharpest wedge. A knife's edge is
+///             such a flaw too;
 ///   Crossing  facets without a common point that pass through each other or overlap in one plane
-///             (facet_crossings.h). Near lines that regions share within a gap only, a tenth of an
-///             edge is let pass;
+///             (facet_crossings.h). Near lines that regions share only within a gap, crossings
+///             within a tenth of an edge do not count;
 ///   Area      more than twice `plain_areas`.
 ///
 /// One flaw for each kind and region or pair of regions. O(facets log facets). Throws InputError:
