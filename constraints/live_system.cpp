@@ -1,7 +1,5 @@
 #include "batten/constraints/live_system.h"
 
-#include <algorithm>
-
 #include "batten/core/errors.h"
 #include "batten/core/index.h"
 

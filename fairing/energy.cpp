@@ -1,7 +1,5 @@
 #include "batten/fairing/energy.h"
 
-#include "batten/fem/assembly.h"
-
 namespace batten {
 
 SurfaceStiffness on_unit_domain(const SurfaceStiffness& material, LoadUnits units, double size) {

@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "batten/core/errors.h"
-#include "batten/core/index.h"
 #include "batten/core/words.h"
 
 namespace batten {

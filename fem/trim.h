@@ -11,7 +11,6 @@
 // towards P; all points lie in S.
 #pragma once
 
-#include <memory>
 #include <vector>
 
 #include "batten/elements/quadrature.h"

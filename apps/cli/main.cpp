@@ -1,7 +1,6 @@
 // batten: the command line.
 #include <CLI/CLI.hpp>
 #include <cmath>
-#include <cstdio>
 #include <iostream>
 
 #include "batten/apps/cli/terminal.h"

@@ -1,7 +1,6 @@
 // report.json of a deformed mesh: measured on the finished mesh, not copied from the solver.
 #pragma once
 
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>

@@ -1,7 +1,5 @@
 #include "batten/io/report/report.h"
 
-#include <cmath>
-
 #include "batten/io/report/network_report_json.h"
 #include "batten/io/report/report_json.h"
 

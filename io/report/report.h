@@ -1,7 +1,6 @@
 // report.json: what was made, measured on the finished result.
 #pragma once
 
-#include <filesystem>
 #include <optional>
 #include <string>
 #include <utility>

@@ -1,6 +1,5 @@
 #include "batten/io/scene/deform_scene.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include "batten/core/errors.h"

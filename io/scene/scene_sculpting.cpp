@@ -1,7 +1,6 @@
 #include "batten/io/scene/scene_sculpting.h"
 
 #include <algorithm>
-#include <cmath>
 #include <initializer_list>
 
 #include "batten/io/scene/scene_words.h"

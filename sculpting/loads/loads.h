@@ -6,7 +6,6 @@
 // added, and stay with the material from then on: refinement carries them over.
 #pragma once
 
-#include <memory>
 #include <optional>
 #include <string>
 #include <variant>

@@ -2,7 +2,6 @@
 // answer.
 #pragma once
 
-#include <string>
 #include <vector>
 
 #include "batten/core/progress.h"

@@ -7,7 +7,6 @@
 #include <map>
 
 #include "batten/core/errors.h"
-#include "batten/core/index.h"
 #include "batten/core/plane.h"
 
 namespace batten {

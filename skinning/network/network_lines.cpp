@@ -7,7 +7,6 @@
 #include <tuple>
 
 #include "batten/core/errors.h"
-#include "batten/core/index.h"
 #include "batten/core/parallel.h"
 #include "batten/core/words.h"
 

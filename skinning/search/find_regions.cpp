@@ -1,7 +1,6 @@
 #include "batten/skinning/search/find_regions.h"
 
 #include <algorithm>
-#include <cmath>
 #include <set>
 
 #include "batten/core/errors.h"

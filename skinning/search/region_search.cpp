@@ -1,7 +1,6 @@
 #include "batten/skinning/search/region_search.h"
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 
 namespace batten {

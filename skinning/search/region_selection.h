@@ -1,7 +1,6 @@
 // Which of many loops are taken together: arcs bear so many, and neighbours cost something.
 #pragma once
 
-#include <utility>
 #include <vector>
 
 #include "batten/skinning/search/selection.h"

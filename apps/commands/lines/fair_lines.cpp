@@ -6,7 +6,6 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
-#include <numeric>
 
 #include "batten/apps/commands/lines/sampled_line.h"
 #include "batten/apps/commands/runs/run_parts.h"

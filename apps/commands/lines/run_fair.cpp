@@ -1,7 +1,6 @@
 #include "batten/apps/commands/lines/run_fair.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "batten/apps/commands/lines/comb_panels.h"
 #include "batten/apps/commands/lines/fair_lines.h"

@@ -1,7 +1,6 @@
 #include "batten/apps/commands/lines/sampled_line.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "batten/core/index.h"
 #include "batten/core/words.h"

@@ -3,8 +3,6 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "batten/core/errors.h"
-
 namespace batten {
 
 std::vector<Setting> parsed_settings(const std::vector<std::string>& settings) {

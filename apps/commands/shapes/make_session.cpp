@@ -1,7 +1,6 @@
 #include "batten/apps/commands/shapes/make_session.h"
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 
 #include "batten/apps/commands/lines/line_files.h"

@@ -1,8 +1,6 @@
 // A finished shape as the files and numbers that a scene asks for.
 #pragma once
 
-#include <vector>
-
 #include "batten/apps/commands/runs/output_folder.h"
 #include "batten/apps/commands/runs/run_parts.h"
 #include "batten/apps/commands/shapes/make_shape.h"
