@@ -27,6 +27,8 @@
 // follow by one sparse 12×12 matrix P of the triangle's shape: q̂ = P q, so N = Pᵀ N̂.
 #pragma once
 
+#include <array>
+
 #include "batten/core/eigen.h"
 #include "batten/elements/quadrature.h"
 #include "batten/elements/surface_stiffness.h"

@@ -11,6 +11,7 @@
 // towards P; all points lie in S.
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include "batten/elements/quadrature.h"
