@@ -71,8 +71,8 @@ struct SceneLoad : NamedValue {
     Gravity,
     Point,
     Line,
-    Springs,  ///< to measured points, whose feet slide
-    Pulls     ///< springs from places to points, a curve or a plane
+    Scan,  ///< measured points that draw the surface; their feet on it slide
+    Pulls  ///< springs from places to points, a curve or a plane
   };
   Type type = Type::Pressure;
   Vec3 direction = Vec3::UnitZ();  ///< unit vector; not for Pressure, Scan and Pulls
