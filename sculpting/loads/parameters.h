@@ -69,8 +69,6 @@ class Parameters {
   /// Moves all parameters that have moments and were not set by hand. True when any value changed.
   /// Throws InputError on a time that is not finite. Allocates nothing.
   bool set_time(double time);
-  /// The last moment of any parameter that time moves; 0 without.
-  double last_moment() const;
 
   /// Restores values that values() once gave for the same parameters, and that time. Parameters
   /// with moments whose value is that of the time follow it again, others count as set by hand.

@@ -51,8 +51,9 @@ struct RefinementReport {
 
 /// One thing that was done to a session: what replay() needs.
 struct Operation {
+  using Thing = std::variant<Load, WeightField, Constraint, LineMove, CharacterLine>;
   struct Add {
-    std::variant<Load, WeightField, Constraint, LineMove, CharacterLine> what;
+    Thing what;
     std::vector<NamedValue> parameters;  ///< start values and ranges
   };
   struct Change {
@@ -77,7 +78,7 @@ struct Operation {
   enum class Kind { Set, Settle, Answer, Step, Rest, Time, Undo, Redo, Edit } kind = Kind::Settle;
   int index = 0;     ///< Set: parameter; Answer: most iterations
   double value = 0;  ///< Set; Answer: tolerance; Time
-  std::shared_ptr<const Edit> edit;
+  std::shared_ptr<const Edit> edit = {};
 };
 
 }  // namespace batten

@@ -74,12 +74,8 @@ class SculptingSession {
   /// those not given start at 0, a point's goal where it says). They take effect with the next
   /// answer; constraints and lines hold at once (the surface settles). Throws InputError: a name
   /// that is taken, places far from the surface, numbers; ConflictError.
-  void add(Load load, std::vector<NamedValue> parameters = {});
-  void add(WeightField weight, std::vector<NamedValue> parameters = {});
-  void add(Constraint constraint, std::vector<NamedValue> parameters = {});
-  void add(LineMove move, std::vector<NamedValue> parameters = {});
-  /// An inner line more, embedded where the surface is nearest to it.
-  void add(CharacterLine line);
+  /// A line is one inner line more, embedded where the surface is nearest to it.
+  void add(Operation::Thing thing, std::vector<NamedValue> parameters = {});
   /// Another place or direction for a constraint of this name.
   void change(Constraint constraint);
   /// A load, weight, constraint, move, or inner embedded line. Throws InputError: no such name, one

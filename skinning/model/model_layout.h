@@ -122,7 +122,6 @@ class ModelLayout {
   VecX spread(int r, const VecX& own) const;
   int region_of(int triangle) const;
   Location in_model(int r, Location where) const;
-  Location in_region(Location where) const;
 
   // -- shapes -------------------------------------------------------------------------------------
   Points region_dofs(int r, const Points& all) const;
