@@ -15,6 +15,9 @@ std::string ccx_number(double value);
 /// "x,y,z"
 std::string ccx_vector(const Vec3& v);
 
+/// For a comment: without line ends and other control characters.
+std::string one_line(std::string text);
+
 /// Nodes or elements that Batten counts from 0 and ccx from 1, up to 16 a row.
 void write_ccx_ids(std::ostream& out, std::span<const int> ids);
 

@@ -6,6 +6,7 @@
 
 #include <initializer_list>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -30,8 +31,12 @@ std::string place_prefix(const std::string& file, const FilePlace& place);
 
 /// "; did you mean 'x'?" when one of the words is near enough, else "".
 std::string did_you_mean(const std::string& word, const std::vector<std::string>& words);
+/// What a message shows of a file: in quotes, short, one line, printable.
+std::string in_quotes(std::string_view found);
 /// "a, b, c".
 std::string listed(const std::vector<std::string>& words);
+/// "one of: a, b, c; did you mean 'b'?"
+std::string one_of(const std::string& word, const std::vector<std::string>& words);
 
 /// One word of a file with its place, for checks that come later.
 struct PlacedWord {

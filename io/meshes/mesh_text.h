@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "batten/io/files/toml_table.h"
 #include "batten/io/meshes/mesh_content.h"
 
 namespace batten {
@@ -46,8 +47,6 @@ struct Field {
 inline bool blank(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\f' || c == '\v'; }
 std::string_view trimmed(std::string_view text);
 std::string upper(std::string_view text);
-/// What a message shows of the file: short, one line, printable, in quotes.
-std::string in_quotes(std::string_view found);
 /// The next word, which is cut off from `rest`; empty at the end.
 std::string_view next_word(std::string_view& rest);
 

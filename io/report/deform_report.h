@@ -2,20 +2,19 @@
 #pragma once
 
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "batten/fairing/curve_fit.h"
 #include "batten/fairing/fairness.h"
-#include "batten/io/report/report.h"
+#include "batten/io/report/report_parts.h"
 #include "batten/mesh/features/holes.h"
 #include "batten/mesh/quality.h"
 
 namespace batten {
 
 /// Lengths in model units; *_error over the feature's size, *_residual over the mesh's; degrees.
-struct DeformReport {
-  std::string name, unit, mesh_file, format;
+struct DeformReport : RunReport {
+  std::string mesh_file, format;
   int nodes = 0, faces = 0;
   double size = 0, largest_coordinate = 0;
 
@@ -63,10 +62,6 @@ struct DeformReport {
   double largest_displacement = 0;
   long largest_displacement_node = -1;
   double rounding = 0;  ///< what the file's fields cost, largest coordinate
-  std::vector<Parameter> parameters;
-  std::vector<std::pair<std::string, double>> timings;
-  std::vector<std::string> warnings, files;
-  std::vector<MissedPromise> missed;
 };
 
 /// What the report itself shows to be broken: residuals and max_rigid_error above 1e-12 (above

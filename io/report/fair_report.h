@@ -2,21 +2,14 @@
 #pragma once
 
 #include <string>
-#include <utility>
 #include <vector>
 
-#include "batten/io/report/faired_line.h"
-#include "batten/io/report/report.h"
+#include "batten/io/report/report_parts.h"
 
 namespace batten {
 
-struct FairReport {
-  std::string name, unit;
+struct FairReport : RunReport {
   std::vector<FairedLine> curves;
-  std::vector<Parameter> parameters;
-  std::vector<std::pair<std::string, double>> timings;  ///< seconds
-  std::vector<std::string> warnings, files;
-  std::vector<MissedPromise> missed;
 };
 
 /// Conditions that hold by more than 1e-12 of the size, and numbers that are not finite.

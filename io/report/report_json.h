@@ -5,29 +5,23 @@
 #include <string>
 #include <vector>
 
-#include "batten/io/report/faired_line.h"
-#include "batten/io/report/missed_promise.h"
-#include "batten/io/scene/scene.h"
+#include "batten/io/report/report_parts.h"
 
 namespace batten {
 
 using Json = nlohmann::ordered_json;
 
-/// Replaces numbers that are not finite by words and collects their names.
-void name_failed_numbers(Json& json, const std::string& path, std::vector<MissedPromise>& failed);
+/// Replaces numbers that are not finite by words and returns their names.
+std::vector<MissedPromise> name_failed_numbers(Json& json);
 
 /// The text of a report, with the promises it missed at its end.
-std::string report_text(Json json, const std::vector<MissedPromise>& missed);
+std::string report_text(Json json, const RunReport& report);
 
-/// timings_s, files, warnings: of any kind of report.
-template <class AnyReport>
-void add_ending(Json& json, const AnyReport& report) {
-  json["timings_s"] = Json::object();
-  for (const auto& [stage, seconds] : report.timings) json["timings_s"][stage] = seconds;
-  json["files"] = report.files;
-  json["warnings"] = report.warnings;
-}
+/// name and unit; timings_s, files, warnings.
+Json beginning_of(const RunReport& report);
+void add_ending(Json& json, const RunReport& report);
 
+inline Json json_of(const Vec3& p) { return {p.x(), p.y(), p.z()}; }
 /// "name", "value", and the range where there is one.
 Json json_of(const std::vector<Parameter>& parameters);
 Json json_of(const Fairness& fairness);

@@ -8,8 +8,34 @@
 #include <vector>
 
 #include "batten/core/errors.h"
+#include "batten/core/progress.h"
+#include "batten/io/files/whole_file.h"
+#include "batten/io/report/report_parts.h"
 
 namespace batten {
+
+/// Files are written into a hidden folder inside the output folder and moved to their names by
+/// commit(). Without it they are removed, files of earlier runs stay as they were, and folders that
+/// did not exist before are gone again.
+class OutputFolder {
+ public:
+  /// Makes the folder and those above it. Throws InputError when it cannot be written to.
+  explicit OutputFolder(std::filesystem::path folder);
+  ~OutputFolder();
+  OutputFolder(const OutputFolder&) = delete;
+  OutputFolder& operator=(const OutputFolder&) = delete;
+
+  /// Where to write the file of this name until commit().
+  std::filesystem::path file(const std::string& name) const { return hidden_ / name; }
+  const std::filesystem::path& folder() const { return folder_; }
+  /// Call once. Throws InputError, before anything is moved, when a name is taken by a folder.
+  void commit();
+
+ private:
+  std::filesystem::path folder_, hidden_;
+  std::vector<std::filesystem::path> made_;  // outermost first
+  bool committed_ = false;
+};
 
 /// Seconds of each stage of a run.
 class Stopwatch {
@@ -37,6 +63,26 @@ struct Setting {
 };
 /// Throws InputError.
 std::vector<Setting> parsed_settings(const std::vector<std::string>& settings);
+/// "name=value" words of the command line, put into any kind of scene in their order. Throws
+/// InputError.
+template <class AnyScene>
+void apply_settings(AnyScene& scene, const std::vector<std::string>& settings) {
+  for (const Setting& s : parsed_settings(settings)) scene.set(s.name, s.value, s.where);
+}
+
+/// Whether pictures can be drawn; false, and `what` missed, when there is no display: a result
+/// without them is still a result, but not what was asked for.
+bool can_draw(RunReport& report, const std::string& what);
+
+/// Puts the promises that are broken into any kind of report, and the report into the folder.
+template <class AnyReport>
+void write_report(AnyReport& report, const std::vector<MissedPromise>& broken,
+                  const OutputFolder& out, const Progress& progress) {
+  report.missed.insert(report.missed.end(), broken.begin(), broken.end());
+  report.files.push_back("report.json");
+  write_whole_file(out.file("report.json"), [&](std::ostream& text) { text << to_json(report); });
+  progress.at("files", 1);
+}
 
 /// Whether a name fits a pattern, in which '*' stands for any letters. O(both).
 bool matches(const std::string& pattern, const std::string& text);
@@ -44,15 +90,7 @@ bool matches(const std::string& pattern, const std::string& text);
 /// A line of a summary.
 std::string result_line(const std::string& label, const std::string& text);
 
-/// The end of a summary: the time it took and the files. Of any kind of report.
-template <class AnyReport>
-std::string result_ending(const AnyReport& report, const std::filesystem::path& folder) {
-  std::string text;
-  for (const auto& [stage, seconds] : report.timings)
-    if (stage == "total") text += result_line("time", number(seconds) + " s");
-  text += "files in " + folder.string() + ":\n";
-  for (const auto& file : report.files) text += "  " + file + "\n";
-  return text;
-}
+/// The end of a summary: the time it took and the files.
+std::string result_ending(const RunReport& report, const std::filesystem::path& folder);
 
 }  // namespace batten

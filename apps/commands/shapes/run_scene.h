@@ -9,9 +9,6 @@
 
 namespace batten {
 
-/// "name=value" words of the command line, put into the scene in their order. Throws InputError.
-void apply_settings(Scene& scene, const std::vector<std::string>& settings);
-
 /// A scene made of files of lines alone, for `batten skin`: outline files, inner files.
 Scene scene_of_lines(const std::vector<std::filesystem::path>& outline,
                      const std::vector<std::filesystem::path>& inner, const std::string& unit);

@@ -1,7 +1,6 @@
 // A finished shape as the files and numbers that a scene asks for.
 #pragma once
 
-#include "batten/apps/commands/runs/output_folder.h"
 #include "batten/apps/commands/runs/run_parts.h"
 #include "batten/apps/commands/shapes/make_shape.h"
 #include "batten/io/report/report.h"
@@ -40,8 +39,5 @@ void draw_pictures(ShapeRun& run, const Scene& scene, const MadeModel& made, con
 
 /// A look at a shape.
 PictureScene picture_of(const PictureScene& look, const MadeModel& made, const MadeShape& shape);
-
-/// Whether pictures can be drawn; false, and `what` missed, when there is no display.
-bool can_draw(Report& report, const std::string& what);
 
 }  // namespace batten

@@ -1,16 +1,33 @@
-// What a report says about a faired line.
+// What the reports of several commands have in common.
 #pragma once
 
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "batten/fairing/curve_fit.h"
 #include "batten/fairing/fairness.h"
+#include "batten/io/scene/scene.h"
 
 namespace batten {
 
-/// Measured on the curve that is written. Lengths in model units.
+/// A promise that the result does not keep.
+struct MissedPromise {
+  std::string what;    ///< "surface.min_jacobian_ratio"
+  std::string detail;  ///< "is 0.01, promised at least 0.05"
+};
+
+/// What every report says.
+struct RunReport {
+  std::string name, unit;
+  std::vector<Parameter> parameters;
+  std::vector<std::pair<std::string, double>> timings;  ///< seconds
+  std::vector<std::string> warnings, files;
+  std::vector<MissedPromise> missed;
+};
+
+/// A faired line, measured on the curve that is written. Lengths in model units.
 struct FairedLine {
   std::string name;
   int points = 0, segments = 0;  ///< of the input (as sampled, for CAD curves); of the result
