@@ -8,6 +8,7 @@
 #include "batten/mesh/deform/form_feature_deformer.h"
 #include "batten/mesh/deform/similarity.h"
 #include "batten/mesh/prepare.h"
+#include "batten/tests/deform_twin.h"
 #include "batten/tests/mesh_models.h"
 #include "bench.h"
 #include "cgal_deform_peer.h"

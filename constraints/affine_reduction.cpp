@@ -7,7 +7,6 @@
 #include <set>
 
 #include "batten/core/errors.h"
-#include "batten/core/index.h"
 
 namespace batten {
 namespace {

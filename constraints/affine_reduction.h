@@ -115,8 +115,4 @@ struct NamedReaction {
 std::vector<NamedReaction> named_reactions(const ConstraintSet& constraints,
                                            const Points& reaction);
 
-/// The twin for checking: the saddle point system [K Cᵀ; C 0] by sparse LU. Rows must be
-/// independent. Throws NoSolutionError when it is singular.
-Points solve_kkt(const ConstraintSet& constraints, const SparseMatrix& K, const Points& F);
-
 }  // namespace batten

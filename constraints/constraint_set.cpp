@@ -1,6 +1,5 @@
 #include "batten/constraints/constraint_set.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include "batten/core/errors.h"

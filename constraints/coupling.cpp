@@ -1,6 +1,5 @@
 #include "batten/constraints/coupling.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include "batten/core/errors.h"

@@ -1,8 +1,6 @@
 // The widest vector unit of the machine, chosen by the loader.
 #pragma once
 
-#include <type_traits>
-
 /// Stands before a function, which is then compiled for each generation of vector units, the right
 /// one picked when the program starts. Everything it calls must be inlined into it. Nothing where
 /// the compiler or the processor has no such choice (sanitizers cannot start with ifuncs).

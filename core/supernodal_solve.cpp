@@ -8,7 +8,6 @@
 #include <thread>
 
 #include "batten/core/errors.h"
-#include "batten/core/index.h"
 #include "batten/core/parallel.h"
 #include "batten/core/simd.h"
 #include "batten/core/supernodal_chunks.h"

@@ -1,7 +1,5 @@
 #include "batten/elements/c1_triangle.h"
 
-#include <cmath>
-
 #include "batten/core/errors.h"
 #include "batten/elements/reference_triangle.h"
 

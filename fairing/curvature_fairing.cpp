@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <string>
 
+#include "batten/core/box.h"
 #include "batten/core/errors.h"
 #include "batten/core/index.h"
 #include "batten/elements/quadrature.h"
@@ -42,16 +42,13 @@ struct Frame {
   double size;
 
   explicit Frame(const HermiteCurve& curve) {
-    Vec3 low = curve.position(0), high = low;
+    Box3 box(curve.position(0));
     constexpr int samples = 8;
     for (int i = 0; i < curve.segment_count(); ++i)
-      for (int k = 0; k <= samples; ++k) {
-        const Vec3 x = curve.evaluate(CurveMesh::Where{i, static_cast<double>(k) / samples});
-        low = low.cwiseMin(x);
-        high = high.cwiseMax(x);
-      }
-    origin = 0.5 * (low + high);
-    size = (high - low).norm();
+      for (int k = 0; k <= samples; ++k)
+        box.extend(curve.evaluate(CurveMesh::Where{i, static_cast<double>(k) / samples}));
+    origin = box.center();
+    size = box.diagonal().norm();
     if (!(size > 0)) throw InputError("a curve of length zero cannot be faired");
   }
 };

@@ -7,9 +7,9 @@
 #include <unsupported/Eigen/AutoDiff>
 
 #include "batten/constraints/affine_reduction.h"
+#include "batten/core/chunks.h"
 #include "batten/core/errors.h"
 #include "batten/core/index.h"
-#include "batten/core/parallel.h"
 #include "batten/fem/element_pattern.h"
 
 namespace batten {
@@ -104,12 +104,8 @@ Element integrate(const Surface& surface, const Surface& anchor, int triangle, d
 std::vector<Element> integrate(const Surface& surface, const Surface& anchor, double evenness,
                                bool derivatives) {
   std::vector<Element> all(surface.mesh().triangle_count());
-  constexpr int chunk = 16;
-  const int count = count_of(all);
-  parallel_parts((count + chunk - 1) / chunk, [&](int part) {
-    for (int t = part * chunk; t < std::min(count, (part + 1) * chunk); ++t)
-      all[t] = integrate(surface, anchor, t, evenness, derivatives);
-  });
+  for_each_in_chunks<16>(
+      count_of(all), [&](int t) { all[t] = integrate(surface, anchor, t, evenness, derivatives); });
   return all;
 }
 

@@ -1,8 +1,7 @@
 // What bending and stretching cost, and in which units.
 #pragma once
 
-#include "batten/fem/assembly.h"
-#include "batten/fem/surface.h"
+#include "batten/elements/surface_stiffness.h"
 
 namespace batten {
 
@@ -14,15 +13,19 @@ enum class LoadUnits { Relative, Absolute };
 
 /// The material on a domain that is the region over its size (u = length / size). Stretching is
 /// free of scale in two dimensions; bending carries 1/size² in absolute units.
-SurfaceStiffness on_unit_domain(const SurfaceStiffness& material, LoadUnits units, double size);
+inline SurfaceStiffness on_unit_domain(const SurfaceStiffness& material, LoadUnits units,
+                                       double size) {
+  SurfaceStiffness scaled = material;
+  if (units == LoadUnits::Absolute) {
+    scaled.beta /= size * size;
+    scaled.beta_mixed /= size * size;
+  }
+  return scaled;
+}
 
 struct SurfaceEnergy {
   double stretching = 0;  ///< ∬ alpha part of the energy, sum over x, y, z
   double bending = 0;     ///< ∬ beta part
 };
-
-/// Energies of dofs q (n×3) for a material on the domain of the assembler's mesh.
-SurfaceEnergy energy(const SurfaceAssembler& assembler, const SurfaceStiffness& material,
-                     const Points& q);
 
 }  // namespace batten

@@ -1,7 +1,6 @@
 // Curves that fair themselves: springs to the data balanced against bending.
 #pragma once
 
-#include <optional>
 #include <string>
 #include <vector>
 

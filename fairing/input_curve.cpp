@@ -1,12 +1,7 @@
 #include "batten/fairing/input_curve.h"
 
-#include <algorithm>
-#include <cmath>
-#include <numbers>
-
 #include "batten/core/errors.h"
 #include "batten/core/words.h"
-#include "batten/fem/curve.h"
 
 namespace batten {
 namespace {

@@ -5,8 +5,8 @@
 #include <numbers>
 #include <utility>
 
+#include "batten/core/box.h"
 #include "batten/core/errors.h"
-#include "batten/core/index.h"
 #include "batten/core/words.h"
 
 namespace batten {
@@ -118,12 +118,7 @@ PointRow::PointRow(const std::string& name, const std::vector<Vec3>& given, doub
   if (!(corner_angle > 0) || corner_angle > 180)
     throw InputError(line + ": found the corner angle " + number(corner_angle) +
                      ", expected one above 0, up to 180 degrees");
-  Vec3 low = given[0], high = given[0];
-  for (const Vec3& p : given) {
-    low = low.cwiseMin(p);
-    high = high.cwiseMax(p);
-  }
-  size = (high - low).norm();
+  size = box_around(given).diagonal().norm();
   if (!(size > 0)) throw InputError(line + " has zero length: all points are the same");
   // Points nearer than parameters can be told apart are one.
   double way = 0;

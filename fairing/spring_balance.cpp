@@ -1,7 +1,6 @@
 #include "batten/fairing/spring_balance.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <numbers>
 

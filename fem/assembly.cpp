@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <optional>
 
+#include "batten/core/chunks.h"
 #include "batten/core/errors.h"
 #include "batten/core/index.h"
-#include "batten/core/parallel.h"
 #include "batten/elements/reference_triangle.h"
 #include "batten/fem/surface.h"
 
@@ -168,13 +168,10 @@ VecX SurfaceAssembler::load(const VecX& triangle_weights) const {
 
 Points SurfaceAssembler::gather(const std::function<void(int, ElementLoad&)>& element) const {
   std::vector<ElementLoad> elements(mesh_.triangle_count());
-  constexpr int chunk = 64;
-  parallel_parts((mesh_.triangle_count() + chunk - 1) / chunk, [&](int c) {
-    for (int t = c * chunk; t < std::min(mesh_.triangle_count(), (c + 1) * chunk); ++t) {
-      ElementLoad reference = ElementLoad::Zero();
-      if (!is_outside(t)) element(t, reference);
-      elements[t] = C1Triangle(kind_, shapes_[t]).to_reference_dofs().transpose() * reference;
-    }
+  for_each_in_chunks<64>(mesh_.triangle_count(), [&](int t) {
+    ElementLoad reference = ElementLoad::Zero();
+    if (!is_outside(t)) element(t, reference);
+    elements[t] = C1Triangle(kind_, shapes_[t]).to_reference_dofs().transpose() * reference;
   });
   Points F = Points::Zero(dofs_.count(), 3);
   for (int t = 0; t < mesh_.triangle_count(); ++t) {

@@ -1,7 +1,8 @@
 #include "batten/fem/cubic_splines.h"
 
-#include <Eigen/Geometry>
 #include <array>
+
+#include "batten/core/box.h"
 
 namespace batten {
 namespace {
@@ -47,7 +48,7 @@ int multiplicity(const Piece& before, const Piece& after, double size) {
 
 CubicSpline spline_of(const std::vector<Piece>& pieces) {
   CubicSpline spline;
-  Eigen::AlignedBox3d box;
+  Box3 box;
   for (const Piece& p : pieces)
     for (const Vec3& b : p.bezier) box.extend(b);
   spline.size = box.diagonal().norm();

@@ -1,10 +1,9 @@
 #include "batten/fem/curvature_jumps.h"
 
-#include <algorithm>
 #include <array>
 #include <vector>
 
-#include "batten/core/parallel.h"
+#include "batten/core/chunks.h"
 #include "batten/elements/reference_triangle.h"
 
 namespace batten {
@@ -53,14 +52,6 @@ const Tables& tables(TriangleElement kind) {
   return kind == TriangleElement::HCT ? hct : z12;
 }
 
-template <class Work>
-void for_each_index(int count, const Work& work) {
-  constexpr int chunk = 256;
-  parallel_parts((count + chunk - 1) / chunk, [&](int part) {
-    for (int i = part * chunk; i < std::min(count, (part + 1) * chunk); ++i) work(i);
-  });
-}
-
 }  // namespace
 
 VecX curvature_jumps(const Surface& surface) {
@@ -75,7 +66,7 @@ VecX curvature_jumps(const Surface& surface) {
   using Along = std::array<Vec3, kGauss>;  // x_uu + x_vv
   std::vector<std::array<Along, 3>> edges(mesh.triangle_count());
   VecX eta = VecX::Zero(mesh.triangle_count());
-  for_each_index(mesh.triangle_count(), [&](int t) {
+  for_each_in_chunks<256>(mesh.triangle_count(), [&](int t) {
     const TriangleShape shape = mesh.shape(t);
     const Eigen::Matrix<double, 12, 3> q =
         C1Triangle(surface.kind(), shape).to_reference_dofs() * surface.triangle_dofs(t);

@@ -1,6 +1,5 @@
 #include "batten/fem/curve_mesh.h"
 
-#include <algorithm>
 #include <cmath>
 #include <string>
 

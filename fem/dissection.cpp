@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "batten/core/box.h"
 #include "batten/core/index.h"
 
 namespace batten {
@@ -58,12 +59,9 @@ class Dissection {
         for_each_entity(triangles_[i], [&](int entity) { place(entity); });
       return;
     }
-    Vec2 low = centre_[triangles_[begin]], high = low;
-    for (int i = begin; i < end; ++i) {
-      low = low.cwiseMin(centre_[triangles_[i]]);
-      high = high.cwiseMax(centre_[triangles_[i]]);
-    }
-    const int axis = high.x() - low.x() >= high.y() - low.y() ? 0 : 1;
+    Box2 box;
+    for (int i = begin; i < end; ++i) box.extend(centre_[triangles_[i]]);
+    const int axis = box.sizes().x() >= box.sizes().y() ? 0 : 1;
     const int middle = (begin + end) / 2;
     std::nth_element(triangles_.begin() + begin, triangles_.begin() + middle,
                      triangles_.begin() + end, [&](int a, int b) {

@@ -1,7 +1,5 @@
 #include "batten/fem/domain_loops.h"
 
-#include <limits>
-
 #include "batten/core/errors.h"
 #include "batten/core/plane.h"
 
@@ -20,9 +18,6 @@ std::vector<PlanarCubic> planar_arcs(const HermiteCurve& curve) {
 
 DomainLoops::DomainLoops(std::vector<Loop> loops, Around around)
     : around_(around), loops_(std::move(loops)) {
-  constexpr double infinity = std::numeric_limits<double>::infinity();
-  low_ = Vec2::Constant(infinity);
-  high_ = -low_;
   std::vector<size_t> first;
   for (const Loop& loop : loops_) {
     if (loop.empty()) throw InputError("a loop of the domain without curves");
@@ -34,13 +29,10 @@ DomainLoops::DomainLoops(std::vector<Loop> loops, Around around)
     }
   }
   for (const PlanarCubic& arc : arcs_)
-    for (const Vec2& p : arc.b) {
-      low_ = low_.cwiseMin(p);
-      high_ = high_.cwiseMax(p);
-    }
-  if (arcs_.empty()) low_ = high_ = Vec2::Zero();
+    for (const Vec2& p : arc.b) box_.extend(p);
+  if (arcs_.empty()) box_.extend(Vec2::Zero());
   first.push_back(arcs_.size());
-  const double size = (high_ - low_).norm();
+  const double size = box_.diagonal().norm();
   for (size_t l = 0; l < loops_.size(); ++l)
     for (size_t a = first[l]; a < first[l + 1]; ++a) {
       PlanarCubic& next = arcs_[a + 1 < first[l + 1] ? a + 1 : first[l]];
@@ -53,17 +45,13 @@ DomainLoops::DomainLoops(std::vector<Loop> loops, Around around)
     const PlanarCubic& arc = arcs_[a];
     const BernsteinCubic v{{arc.b[0].y(), arc.b[1].y(), arc.b[2].y(), arc.b[3].y()}};
     const auto parts = v.monotone_parts();
-    double u_low = infinity, u_high = -infinity;
-    for (const Vec2& p : arc.b) {
-      u_low = std::min(u_low, p.x());
-      u_high = std::max(u_high, p.x());
-    }
+    const Box2 box = box_around(arc.b);
     double before = arc.b[0].y();
     for (size_t i = 0; i + 1 < parts.size(); ++i) {
       const double after = i + 2 == parts.size() ? arc.b[3].y() : v.at(parts[i + 1]);
       if (before != after)
-        monotone_.push_back(
-            {static_cast<int>(a), parts[i], parts[i + 1], before, after, u_low, u_high});
+        monotone_.push_back({static_cast<int>(a), parts[i], parts[i + 1], before, after,
+                             box.min().x(), box.max().x()});
       before = after;
     }
   }

@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "batten/core/box.h"
 #include "batten/fem/curve.h"
 #include "batten/fem/planar_cubic.h"
 
@@ -21,7 +22,7 @@ class DomainLoops {
   enum class Around { Outside, Inside };
 
   /// A region without loops: the whole plane, or nothing.
-  explicit DomainLoops(Around around = Around::Inside) : around_(around) {}
+  explicit DomainLoops(Around around = Around::Inside) : around_(around), box_(Vec2(0, 0)) {}
   /// Throws InputError: a curve that leaves the plane z = 0, pieces of a loop that do not meet end
   /// to end (within 1e-9 of the box of all loops), an empty loop.
   explicit DomainLoops(std::vector<Loop> loops, Around around = Around::Outside);
@@ -36,8 +37,8 @@ class DomainLoops {
   bool contains(const Vec2& p) const;
   /// Area that is enclosed; with Around::Inside, minus the area of the holes. Exact.
   double area() const;
-  Vec2 low() const { return low_; }
-  Vec2 high() const { return high_; }
+  Vec2 low() const { return box_.min(); }
+  Vec2 high() const { return box_.max(); }
 
  private:
   // A part of an arc on which v is monotone.
@@ -49,7 +50,7 @@ class DomainLoops {
   std::vector<Loop> loops_;
   std::vector<PlanarCubic> arcs_;
   std::vector<Monotone> monotone_;
-  Vec2 low_ = Vec2::Zero(), high_ = Vec2::Zero();
+  Box2 box_;
 };
 
 }  // namespace batten

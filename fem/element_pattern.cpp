@@ -4,7 +4,6 @@
 #include <limits>
 
 #include "batten/core/errors.h"
-#include "batten/core/index.h"
 #include "batten/core/parallel.h"
 #include "batten/core/work.h"
 

@@ -5,6 +5,8 @@
 #include <functional>
 #include <numeric>
 
+#include "batten/core/box.h"
+#include "batten/core/chunks.h"
 #include "batten/core/errors.h"
 #include "batten/core/index.h"
 #include "batten/core/parallel.h"
@@ -126,16 +128,12 @@ uint64_t interleaved(uint32_t x, uint32_t y) {
 
 std::vector<int> in_neighbourhoods(const ParametricMesh& mesh) {
   const int n = mesh.triangle_count();
-  Vec2 low = mesh.vertices()[0], high = low;
-  for (const Vec2& p : mesh.vertices()) {
-    low = low.cwiseMin(p);
-    high = high.cwiseMax(p);
-  }
-  const double scale = 65535 / (high - low).maxCoeff();
+  const Box2 box = box_around(mesh.vertices());
+  const double scale = 65535 / box.sizes().maxCoeff();
   std::vector<uint64_t> key(n);
   for (int t = 0; t < n; ++t) {
     const Vec2 centre = mesh.wrapped(mesh.shape(t).point(Vec3::Constant(1.0 / 3)));
-    const Vec2 cell = (scale * (centre - low)).cwiseMax(0.0).cwiseMin(65535.0);
+    const Vec2 cell = (scale * (centre - box.min())).cwiseMax(0.0).cwiseMin(65535.0);
     key[t] = interleaved(static_cast<uint32_t>(cell.x()), static_cast<uint32_t>(cell.y()));
   }
   std::vector<int> order(n);
@@ -258,17 +256,13 @@ void PressureOperator::add(const Points& x, const VecX& weights, double value, P
     throw InputError("a load with " + std::to_string(F.rows()) + " dofs on a mesh with " +
                      std::to_string(dofs_));
   forces(x, weights);
-  constexpr int chunk = 4096;
-  const auto gather = [&](int part) {
-    for (int d = part * chunk; d < std::min(dofs_, (part + 1) * chunk); ++d) {
-      if (start_[d] == start_[d + 1]) continue;
-      Vec3 sum = Vec3::Zero();
-      for (int i = start_[d]; i < start_[d + 1]; ++i)
-        sum += Eigen::Map<const Vec3>(&forces_[3 * static_cast<size_t>(place_[i])]);
-      F.row(d) += value * sum;
-    }
-  };
-  parallel_parts((dofs_ + chunk - 1) / chunk, std::ref(gather));
+  for_each_in_chunks<4096>(dofs_, [&](int d) {
+    if (start_[d] == start_[d + 1]) return;
+    Vec3 sum = Vec3::Zero();
+    for (int i = start_[d]; i < start_[d + 1]; ++i)
+      sum += Eigen::Map<const Vec3>(&forces_[3 * static_cast<size_t>(place_[i])]);
+    F.row(d) += value * sum;
+  });
 }
 
 double PressureOperator::volume(const Points& x, const VecX& weights) const {

@@ -4,21 +4,12 @@
 #include <utility>
 #include <vector>
 
-#include "batten/core/parallel.h"
+#include "batten/core/chunks.h"
 #include "batten/elements/reference_triangle.h"
 #include "batten/fem/triangle_locator.h"
 
 namespace batten {
 namespace {
-
-// Calls work(i) for i = 0 … count-1, by chunks.
-template <class Work>
-void for_each_index(int count, const Work& work) {
-  constexpr int chunk = 256;
-  parallel_parts((count + chunk - 1) / chunk, [&](int part) {
-    for (int i = part * chunk; i < std::min(count, (part + 1) * chunk); ++i) work(i);
-  });
-}
 
 // What the new mesh has in common with the old one: its number there, or -1.
 struct Kept {
@@ -67,7 +58,7 @@ std::vector<double> displacements(const Surface& from, const ParametricMesh& to,
   const DofMap dofs(to);
   const TabulatedRule tabulated(from.kind(), samples);
   std::vector<double> moved(to.triangle_count(), 0);
-  for_each_index(to.triangle_count(), [&](int t) {
+  for_each_in_chunks<256>(to.triangle_count(), [&](int t) {
     if (kept.triangle[t]) return;
     const TriangleShape shape = to.shape(t);
     Eigen::Matrix<double, 12, 3> q;
@@ -90,7 +81,7 @@ CarriedOver carried_over(const Surface& from, const ParametricMesh& to) {
   const Kept kept(from.mesh(), to);
   const DofMap dofs(to);
   CarriedOver result{Points::Zero(dofs.count(), 3)};
-  for_each_index(to.vertex_count(), [&](int v) {
+  for_each_in_chunks<256>(to.vertex_count(), [&](int v) {
     if (const int old = kept.vertex[v]; old >= 0) {
       result.dofs.middleRows<3>(dofs.vertex(v)) =
           from.dofs().middleRows<3>(from.dof_map().vertex(old));
@@ -101,7 +92,7 @@ CarriedOver carried_over(const Surface& from, const ParametricMesh& to) {
     result.dofs.row(dofs.vertex(v, 1)) = jet.x_u;
     result.dofs.row(dofs.vertex(v, 2)) = jet.x_v;
   });
-  for_each_index(to.edge_count(), [&](int e) {
+  for_each_in_chunks<256>(to.edge_count(), [&](int e) {
     const auto& edge = to.edges()[e];
     if (const int old = kept.edge[e]; old >= 0) {
       // The normal goes with the direction from the lower number to the higher.

@@ -4,21 +4,19 @@
 #include <cmath>
 #include <limits>
 
+#include "batten/core/box.h"
 #include "batten/core/index.h"
 
 namespace batten {
 
 TriangleLocator::TriangleLocator(const ParametricMesh& mesh) : mesh_(mesh) {
-  Vec2 high = mesh.vertices()[0];
-  low_ = high;
+  Box2 box(mesh.vertices()[0]);
   for (const auto& triangle : mesh.triangles())
-    for (const int v : triangle) {
-      const Vec2 p = mesh.image_near(mesh.vertices()[v], mesh.vertices()[triangle[0]]);
-      low_ = low_.cwiseMin(p);
-      high = high.cwiseMax(p);
-    }
+    for (const int v : triangle)
+      box.extend(mesh.image_near(mesh.vertices()[v], mesh.vertices()[triangle[0]]));
+  low_ = box.min();
   // About two triangles a bucket.
-  const Vec2 extent = (high - low_).cwiseMax(1e-300);
+  const Vec2 extent = box.sizes().cwiseMax(1e-300);
   cell_ = std::sqrt(extent.x() * extent.y() * 2 / mesh.triangle_count());
   cell_ = std::max(cell_, extent.maxCoeff() / 4096);
   columns_ = static_cast<int>(extent.x() / cell_) + 1;
@@ -26,12 +24,8 @@ TriangleLocator::TriangleLocator(const ParametricMesh& mesh) : mesh_(mesh) {
 
   std::vector<std::vector<int>> buckets(static_cast<size_t>(columns_) * rows_);
   for (int t = 0; t < mesh.triangle_count(); ++t) {
-    const TriangleShape shape = mesh.shape(t);
-    Vec2 a = shape.vertex[0], b = a;
-    for (const Vec2& p : shape.vertex) {
-      a = a.cwiseMin(p);
-      b = b.cwiseMax(p);
-    }
+    const Box2 around = box_around(mesh.shape(t).vertex);
+    const Vec2 a = around.min(), b = around.max();
     for (int r = row(a.y()); r <= row(b.y()); ++r)
       for (int c = column(a.x()); c <= column(b.x()); ++c)
         buckets[static_cast<size_t>(r) * columns_ + c].push_back(t);

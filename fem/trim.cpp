@@ -4,6 +4,7 @@
 #include <array>
 #include <map>
 
+#include "batten/core/box.h"
 #include "batten/core/index.h"
 #include "batten/core/plane.h"
 #include "batten/fem/triangle_locator.h"
@@ -119,18 +120,14 @@ std::vector<Piece> boundary_inside(const std::array<Vec2, 3>& S, const DomainLoo
 // Triangles that an arc may meet, by the boxes of its parts.
 void collect(const TriangleLocator& locator, const PlanarCubic& arc, double part_size, int depth,
              std::vector<int>& found) {
-  Vec2 low = arc.b[0], high = low;
-  for (const Vec2& p : arc.b) {
-    low = low.cwiseMin(p);
-    high = high.cwiseMax(p);
-  }
-  if (depth < 10 && (high - low).maxCoeff() > part_size) {
+  const Box2 box = box_around(arc.b);
+  if (depth < 10 && box.sizes().maxCoeff() > part_size) {
     collect(locator, arc.part(0, 0.5), part_size, depth + 1, found);
     collect(locator, arc.part(0.5, 1), part_size, depth + 1, found);
     return;
   }
-  const Vec2 hair = Vec2::Constant(1e-12 + 1e-9 * (high - low).norm());
-  for (const int t : locator.near(low - hair, high + hair)) found.push_back(t);
+  const Vec2 hair = Vec2::Constant(1e-12 + 1e-9 * box.diagonal().norm());
+  for (const int t : locator.near(box.min() - hair, box.max() + hair)) found.push_back(t);
 }
 
 // Triangles that no arc comes near, and that hang together by edges, lie on one side: one of them

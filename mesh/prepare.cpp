@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
-#include <numeric>
 
 #include "batten/core/errors.h"
 #include "batten/core/index.h"
@@ -163,7 +161,6 @@ Links find_links(Work& work) {
   for (size_t i = 0; i < sides.size();) {
     size_t end = i + 1;
     while (end < sides.size() && sides[end].edge == sides[i].edge) ++end;
-    if (end - i == 1) ++found.boundary_edges;
     if (end - i == 2) {
       const bool turned = sides[i].forward == sides[i + 1].forward;
       links[sides[i].triangle].push_back({sides[i + 1].triangle, turned});

@@ -13,8 +13,7 @@ namespace batten {
 
 /// What a mesh is like, by counting. Lists hold at most the first 8 of their kind.
 struct MeshDiagnosis {
-  int components = 0;  ///< parts of the mesh that no edge joins
-  int boundary_edges = 0;
+  int components = 0;           ///< parts of the mesh that no edge joins
   int unused_nodes = 0;         ///< nodes of no face
   int collapsed_faces = 0;      ///< faces with fewer than three different corners
   int duplicate_faces = 0;      ///< faces with the same nodes as an earlier one

@@ -1,7 +1,6 @@
 #include "batten/mesh/selection.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <queue>
 #include <string>

@@ -1,13 +1,11 @@
 #include "batten/mesh/triangle_mesh.h"
 
 #include <algorithm>
-#include <cmath>
 #include <numeric>
 #include <string>
 #include <utility>
 
 #include "batten/core/errors.h"
-#include "batten/core/index.h"
 
 namespace batten {
 namespace {
@@ -205,15 +203,14 @@ Vec3 TriangleMesh::area_vector(int triangle) const {
   return (point(b) - point(a)).cross(point(c) - point(a));
 }
 
-double TriangleMesh::size() const {
-  Vec3 low = Vec3::Constant(INFINITY), high = -low;
+Box3 TriangleMesh::box() const {
+  Box3 box;
   for (int v = 0; v < vertex_count(); ++v)
-    if (!topology_->neighbours(v).empty()) {
-      low = low.cwiseMin(point(v));
-      high = high.cwiseMax(point(v));
-    }
-  return triangle_count() == 0 ? 0 : (high - low).norm();
+    if (!topology_->neighbours(v).empty()) box.extend(point(v));
+  return box;
 }
+
+double TriangleMesh::size() const { return triangle_count() == 0 ? 0 : box().diagonal().norm(); }
 
 double TriangleMesh::length(const std::vector<int>& closed_loop) const {
   double sum = 0;

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "batten/core/box.h"
 #include "batten/core/eigen.h"
 #include "batten/core/index.h"
 
@@ -87,7 +88,8 @@ class TriangleMesh {
   const std::vector<std::array<int, 3>>& triangles() const { return topology_->triangles(); }
   /// Area vector of a triangle: twice its area times its unit normal.
   Vec3 area_vector(int triangle) const;
-  /// Diagonal of the box around all vertices that have triangles.
+  /// The box around all vertices that have triangles, and its diagonal.
+  Box3 box() const;
   double size() const;
   double length(const std::vector<int>& closed_loop) const;
 

@@ -12,6 +12,7 @@
 #include "batten/fem/dissection.h"
 #include "batten/fem/surface_projector.h"
 #include "batten/sculpting/session/change_weights.h"
+#include "batten/tests/energy_twin.h"
 
 namespace batten::twin {
 namespace {

@@ -1,13 +1,13 @@
 // batten: the command line.
 #include <CLI/CLI.hpp>
 #include <cmath>
-#include <cstdio>
 #include <iostream>
 
 #include "batten/apps/cli/terminal.h"
 #include "batten/apps/commands/info.h"
 #include "batten/apps/commands/lines/run_fair.h"
 #include "batten/apps/commands/meshes/run_deform.h"
+#include "batten/apps/commands/runs/run_parts.h"
 #include "batten/apps/commands/shapes/run_scene.h"
 #include "batten/apps/commands/shapes/run_sculpt.h"
 #include "batten/core/parallel.h"
@@ -86,8 +86,7 @@ struct Arguments {
   bool network = false, quiet = false, hold_ends = false, closed = false, open = false;
 };
 
-template <class AnyReport>
-int finish(const AnyReport& report, const std::string& text, const Arguments& a) {
+int finish(const RunReport& report, const std::string& text, const Arguments& a) {
   end_progress();
   if (!a.quiet) std::cout << text;
   for (const auto& w : report.warnings) std::cerr << "warning: " << w << "\n";
@@ -210,6 +209,9 @@ void add_common(CLI::App* sub, Arguments& a) {
   sub->add_flag("--quiet", a.quiet, "Print errors only");
 }
 
+/// An option that may be there several times, each with one value.
+CLI::Option* repeated(CLI::Option* option) { return option->take_all()->allow_extra_args(false); }
+
 /// Adds the unit of lengths.
 void add_unit(CLI::App* sub, Arguments& a) {
   sub->add_option("--unit", a.unit, "Unit of lengths")
@@ -222,9 +224,7 @@ CLI::App* add_run(CLI::App& app, Arguments& a) {
   auto* sub = app.add_subcommand("run", "Do everything a scene asks for");
   sub->add_option("scene", a.file, "Scene (.toml)")->required();
   sub->add_option("--out", a.out, "Folder for all files, report.json too")->required();
-  sub->add_option("--set", a.settings, "Set a parameter of the scene: name=value")
-      ->take_all()
-      ->allow_extra_args(false);
+  repeated(sub->add_option("--set", a.settings, "Set a parameter of the scene: name=value"));
   add_common(sub, a);
   return sub;
 }
@@ -235,14 +235,10 @@ CLI::App* add_sculpt(CLI::App& app, Arguments& a) {
       "sculpt", "Settle, sweep, move and refine a scene's surface under live loads");
   sub->add_option("scene", a.file, "Scene (.toml)")->required();
   sub->add_option("--out", a.out, "Folder for all files, report.json too")->required();
-  sub->add_option("--set", a.sculpt.settings, "Set a parameter: name=value")
-      ->take_all()
-      ->allow_extra_args(false);
-  auto* sweep =
+  repeated(sub->add_option("--set", a.sculpt.settings, "Set a parameter: name=value"));
+  auto* sweep = repeated(
       sub->add_option("--sweep", a.sculpt.sweeps,
-                      "Settle at so many values, each from the one before: name=from:to:count")
-          ->take_all()
-          ->allow_extra_args(false);
+                      "Settle at so many values, each from the one before: name=from:to:count"));
   auto* time = sub->add_option("--time", a.sculpt.time,
                                "Motion from the settled shape, until this time; needs --dt");
   auto* dt = sub->add_option("--dt", a.sculpt.dt, "Step of the motion; needs --time");
@@ -271,9 +267,7 @@ CLI::App* add_deform(CLI::App& app, Arguments& a) {
       app.add_subcommand("deform", "Edit a mesh; its form features keep their shape exactly");
   sub->add_option("edits", a.file, "Edits of a mesh (.toml)")->required();
   sub->add_option("--out", a.out, "Folder for all files, report.json too")->required();
-  sub->add_option("--set", a.settings, "Set a parameter of the edits: name=value")
-      ->take_all()
-      ->allow_extra_args(false);
+  repeated(sub->add_option("--set", a.settings, "Set a parameter of the edits: name=value"));
   add_common(sub, a);
   return sub;
 }
@@ -307,9 +301,7 @@ CLI::App* add_fair(CLI::App& app, Arguments& a) {
   sub->add_option("--segments", a.segments,
                   "In the end: as few segments as stay this near to the fair curve")
       ->check(kPositive);
-  sub->add_option("--only", a.only, "A line to take, by its name (may be repeated)")
-      ->take_all()
-      ->allow_extra_args(false);
+  repeated(sub->add_option("--only", a.only, "A line to take, by its name (may be repeated)"));
   sub->add_option("--picture", a.picture, "Curvature combs before and after (.png)");
   sub->add_option("--report", a.report, "All numbers (.json)");
   add_unit(sub, a);
@@ -355,9 +347,7 @@ CLI::App* add_view(CLI::App& app, Arguments& a) {
   auto* sub = app.add_subcommand("view", "A picture of a scene's or a line file's surface");
   sub->add_option("file", a.file, "Scene (.toml) or file of lines")->required();
   sub->add_option("--screenshot", a.screenshot, "The picture to write (.png)")->required();
-  sub->add_option("--set", a.settings, "Set a parameter of the scene: name=value")
-      ->take_all()
-      ->allow_extra_args(false);
+  repeated(sub->add_option("--set", a.settings, "Set a parameter of the scene: name=value"));
   sub->add_option("--show", a.show, "What to show")
       ->check(CLI::IsMember({"shaded", "mean_curvature", "gauss_curvature", "regions"}))
       ->capture_default_str();

@@ -1,6 +1,5 @@
 #include "batten/constraints/shape/curve_constraints.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include "batten/core/errors.h"

@@ -20,14 +20,14 @@ namespace {
 gp_Pnt to_occ(const Vec3& p) { return {p.x(), p.y(), p.z()}; }
 Vec3 from_occ(const gp_Pnt& p) { return {p.X(), p.Y(), p.Z()}; }
 
-Eigen::AlignedBox3d box_of(const HermiteCurve& curve) {
-  Eigen::AlignedBox3d box;
+Box3 box_of(const HermiteCurve& curve) {
+  Box3 box;
   for (int s = 0; s < curve.segment_count(); ++s)
     for (int k = 0; k <= 4; ++k) box.extend(curve.evaluate({s, k / 4.0}));
   return box;
 }
 Vec3 middle(const FaceBoundary& boundary) {
-  Eigen::AlignedBox3d box;
+  Box3 box;
   for (const FaceLoop& loop : boundary.loops)
     for (const FaceStretch& stretch : loop) box.extend(box_of(stretch.curve));
   return box.center();

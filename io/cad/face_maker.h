@@ -14,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "batten/core/box.h"
 #include "batten/fem/bicubic_patch.h"
 #include "batten/fem/triangle_locator.h"
 #include "batten/io/cad/face_boundary.h"
@@ -89,7 +90,7 @@ class FaceMaker {
   Vec3 middle_;
   Surface near_origin_;
   TriangleLocator locator_;
-  Eigen::AlignedBox3d box_;
+  Box3 box_;
   double size_ = 0, goal_ = 0, widest_ = 0;
   PatchFit fit_;
   BRep_Builder builder_;

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "batten/core/box.h"
 #include "batten/core/errors.h"
 #include "batten/io/cad/exact_faces.h"
 #include "batten/io/cad/exact_numbers.h"
@@ -28,7 +29,7 @@ bool is_cut(const SkinnedRegion& region) { return region.surface.trim() != nullp
 /// Diagonal of the box around all vertices of the meshes; of cut regions, whose meshes reach
 /// farther, around their lines.
 double size_of(const std::vector<const SkinnedRegion*>& regions) {
-  Eigen::AlignedBox3d box;
+  Box3 box;
   for (const SkinnedRegion* region : regions) {
     const Surface& surface = region->surface;
     if (is_cut(*region)) {

@@ -9,6 +9,7 @@
 #include <numeric>
 #include <set>
 
+#include "batten/core/box.h"
 #include "batten/core/errors.h"
 #include "batten/core/index.h"
 #include "batten/fem/assembly.h"
@@ -159,7 +160,7 @@ class Planner {
   }
 
   const std::vector<const SkinnedRegion*>& regions_;
-  Eigen::AlignedBox3d box_;
+  Box3 box_;
   StepPlan plan_;
   std::map<std::string, std::vector<LineSide>> sides_;
   std::vector<char> open_;  // a region whose boundary has more than named lines

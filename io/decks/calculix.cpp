@@ -222,12 +222,6 @@ std::vector<int> nodes_on(const std::vector<std::array<int, 3>>& edges) {
 }
 
 /// Comments must not break out of their line.
-std::string one_line(std::string text) {
-  for (char& c : text)
-    if (static_cast<unsigned char>(c) < 32) c = ' ';
-  return text;
-}
-
 }  // namespace
 
 void write_calculix(const fs::path& path, const Regions& regions, const ShellDeck& deck) {

@@ -25,6 +25,12 @@ std::string ccx_vector(const Vec3& v) {
   return ccx_number(v.x()) + "," + ccx_number(v.y()) + "," + ccx_number(v.z());
 }
 
+std::string one_line(std::string text) {
+  for (char& c : text)
+    if (static_cast<unsigned char>(c) < 32) c = ' ';
+  return text;
+}
+
 void write_ccx_ids(std::ostream& out, std::span<const int> ids) {
   constexpr size_t most_a_row = 16;
   for (size_t i = 0; i < ids.size(); ++i)

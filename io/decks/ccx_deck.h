@@ -15,6 +15,9 @@ std::string ccx_number(double value);
 /// A vector as "x,y,z".
 std::string ccx_vector(const Vec3& v);
 
+/// A text for a comment: each control character, as of line ends, becomes a blank.
+std::string one_line(std::string text);
+
 /// Writes the numbers of nodes or elements, which `ids` counts from 0 and ccx from 1, up to 16 in a
 /// row.
 void write_ccx_ids(std::ostream& out, std::span<const int> ids);

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numeric>
 #include <ostream>
 
 #include "batten/core/errors.h"
+#include "batten/core/groups.h"
 #include "batten/io/decks/ccx_deck.h"
 #include "batten/io/files/whole_file.h"
 
@@ -92,19 +92,15 @@ class Elements {
 
   /// Six for each connected piece without a clamped node.
   int rigid_motions() const {
-    std::vector<int> piece(static_cast<size_t>(node_count()));
-    std::iota(piece.begin(), piece.end(), 0);
-    const auto root = [&](int v) {
-      while (piece[v] != v) v = piece[v] = piece[piece[v]];
-      return v;
-    };
+    Groups pieces(static_cast<size_t>(node_count()));
     for (const auto& [size, list] : by_type_)
       for (const auto& element : list)
-        for (const int v : element.nodes) piece[root(v)] = root(element.nodes[0]);
-    std::vector<char> held(piece.size(), 0);
-    for (const int v : clamped_) held[root(v)] = 1;
-    return 6 * static_cast<int>(std::count_if(used_.begin(), used_.end(),
-                                              [&](int v) { return root(v) == v && !held[v]; }));
+        for (const int v : element.nodes) pieces.join(v, element.nodes[0]);
+    std::vector<char> held(static_cast<size_t>(node_count()), 0);
+    for (const int v : clamped_) held[pieces.of(v)] = 1;
+    return 6 * static_cast<int>(std::count_if(used_.begin(), used_.end(), [&](int v) {
+             return pieces.of(v) == v && !held[v];
+           }));
   }
 
  private:
@@ -157,12 +153,9 @@ void write_shell_modes(const fs::path& path, const ShellMesh& mesh, const ShellM
   check(mesh, modes);
   const Elements elements(mesh, modes);
   const int rigid = elements.rigid_motions();
-  std::string units = modes.units;
-  std::replace_if(
-      units.begin(), units.end(), [](char c) { return static_cast<unsigned char>(c) < 32; }, ' ');
   write_whole_file(path, [&](std::ostream& out) {
     out << "** Natural frequencies of a shell, written by Batten\n";
-    if (!units.empty()) out << "** Units: " << units << '\n';
+    if (!modes.units.empty()) out << "** Units: " << one_line(modes.units) << '\n';
     out << "** Rigid motions: " << rigid << '\n';
     elements.write(out);
     out << "*MATERIAL,NAME=SHELL\n*ELASTIC\n"

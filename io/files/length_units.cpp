@@ -24,8 +24,7 @@ const std::vector<std::string>& length_units() {
 double unit_in_metres(const std::string& unit) {
   for (const auto& [word, metres] : kUnits)
     if (word == unit) return metres;
-  throw InputError("found the unit '" + unit + "', expected one of: " + listed(length_units()) +
-                   did_you_mean(unit, length_units()));
+  throw InputError("found the unit '" + unit + "', expected " + one_of(unit, length_units()));
 }
 
 }  // namespace batten

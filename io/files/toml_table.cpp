@@ -47,10 +47,21 @@ std::string did_you_mean(const std::string& word, const std::vector<std::string>
   return nearest.empty() ? "" : "; did you mean '" + nearest + "'?";
 }
 
+std::string in_quotes(std::string_view found) {
+  std::string text = "'";
+  for (const char c : found.substr(0, 32))
+    text += static_cast<unsigned char>(c) < 32 || c == 127 ? '?' : c;
+  return text + (found.size() > 32 ? "…'" : "'");
+}
+
 std::string listed(const std::vector<std::string>& words) {
   std::string text;
   for (const auto& w : words) text += (text.empty() ? "" : ", ") + w;
   return text;
+}
+
+std::string one_of(const std::string& word, const std::vector<std::string>& words) {
+  return "one of: " + listed(words) + did_you_mean(word, words);
 }
 
 TomlTable::TomlTable(std::string file, const toml::table& table, std::string what,
@@ -60,8 +71,7 @@ TomlTable::TomlTable(std::string file, const toml::table& table, std::string wha
     const std::string name(key.str());
     if (std::find(keys.begin(), keys.end(), name) == keys.end())
       throw InputError(place_prefix(file_, place_of(key.source())) + "found key '" + name +
-                       "' in " + what_ + ", expected one of: " + listed(keys) +
-                       did_you_mean(name, keys));
+                       "' in " + what_ + ", expected " + one_of(name, keys));
   }
 }
 
@@ -99,7 +109,7 @@ void TomlTable::fail_node(const toml::node& node, const std::string& found,
 void TomlTable::fail_word(const std::string& key, const std::string& found,
                           const std::vector<std::string>& names) const {
   throw InputError(at(key) + "found the word '" + found + "' for '" + key + "' in " + what_ +
-                   ", expected one of: " + listed(names) + did_you_mean(found, names));
+                   ", expected " + one_of(found, names));
 }
 
 std::string TomlTable::text(const std::string& key) const {

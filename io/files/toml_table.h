@@ -6,6 +6,7 @@
 
 #include <initializer_list>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -31,8 +32,13 @@ std::string place_prefix(const std::string& file, const FilePlace& place);
 
 /// The text "; did you mean 'x'?" when one of the words is near enough to `word`, else "".
 std::string did_you_mean(const std::string& word, const std::vector<std::string>& words);
+/// A part of a file as messages show it: in quotes, 32 characters at most, '?' for those that
+/// cannot be printed.
+std::string in_quotes(std::string_view found);
 /// The words as one text: "a, b, c".
 std::string listed(const std::vector<std::string>& words);
+/// The text "one of: a, b, c; did you mean 'b'?" for a word that is none of them.
+std::string one_of(const std::string& word, const std::vector<std::string>& words);
 
 /// One word of a file with its place, for checks that come later.
 struct PlacedWord {

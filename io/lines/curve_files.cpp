@@ -200,7 +200,7 @@ std::vector<std::string> write_curves(const fs::path& path, const std::vector<Na
   if (std::find(endings.begin(), endings.end(), ending) == endings.end())
     throw InputError(path.string() + ": found " +
                      (ending.empty() ? "no ending" : "the ending '" + ending + "'") +
-                     ", expected one of: " + listed(endings) + did_you_mean(ending, endings));
+                     ", expected " + one_of(ending, endings));
   for (const NamedCurve& line : curves) check(path, line);
   std::vector<NamedCurve> lines = curves;
   if (ending == ".vtp") {

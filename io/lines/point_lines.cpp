@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "batten/core/errors.h"
+#include "batten/io/files/toml_table.h"
 
 namespace batten {
 namespace fs = std::filesystem;
@@ -21,14 +22,6 @@ std::string plural(long count, const std::string& noun) {
 }
 
 bool blank(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\f' || c == '\v'; }
-
-/// What a message shows of the file: short, one line, printable.
-std::string quoted(std::string_view found) {
-  std::string text = "'";
-  for (const char c : found.substr(0, 32))
-    text += static_cast<unsigned char>(c) < 32 || c == 127 ? '?' : c;
-  return text + (found.size() > 32 ? "…'" : "'");
-}
 
 /// The text of one file, gone through row by row.
 class Rows {
@@ -76,10 +69,11 @@ class Rows {
     const bool plus = field.size() > 1 && field[0] == '+' && field[1] != '-' && field[1] != '+';
     const auto [end, error] = std::from_chars(first + plus, last, value);
     if (error == std::errc::result_out_of_range)
-      fail(first, "found " + quoted(field) + ", expected a number between 1e-307 and 1e308");
+      fail(first, "found " + in_quotes(field) + ", expected a number between 1e-307 and 1e308");
     if (error != std::errc() || end != last)
-      fail(first, "found " + quoted(field) + ", expected " + expected);
-    if (!std::isfinite(value)) fail(first, "found " + quoted(field) + ", expected a finite number");
+      fail(first, "found " + in_quotes(field) + ", expected " + expected);
+    if (!std::isfinite(value))
+      fail(first, "found " + in_quotes(field) + ", expected a finite number");
     return value;
   }
 
@@ -251,7 +245,7 @@ std::vector<NamedPoints> read_obj(Rows& rows, double scale) {
         const auto [end, error] =
             std::from_chars(digits.data(), digits.data() + digits.size(), index);
         if (digits.empty() || end != digits.data() + digits.size() || error != std::errc())
-          rows.fail(word.data(), "found " + quoted(word) + ", expected a vertex number");
+          rows.fail(word.data(), "found " + in_quotes(word) + ", expected a vertex number");
         const long vertex = index < 0 ? count + index : index - 1;
         if (index == 0 || vertex < 0 || vertex >= count)
           rows.fail(word.data(), "found vertex number " + std::to_string(index) + ", expected " +
@@ -280,7 +274,7 @@ long announced_points(const Rows& rows, std::string_view row) {
   split_table_row(row, words);
   if (words[0] != "v")
     rows.fail(words[0].data(),
-              "found " + quoted(words[0]) + ", expected 'v N' before the N points of a line");
+              "found " + in_quotes(words[0]) + ", expected 'v N' before the N points of a line");
   if (words.size() != 2)
     rows.fail(words[0].data(), "found " + plural(static_cast<long>(words.size()) - 1, "word") +
                                    " after 'v', expected the number of points");
@@ -288,7 +282,7 @@ long announced_points(const Rows& rows, std::string_view row) {
   const char *first = words[1].data(), *last = first + words[1].size();
   const auto [end, error] = std::from_chars(first, last, count);
   if (error != std::errc() || end != last || count < 1)
-    rows.fail(first, "found " + quoted(words[1]) + ", expected a number of points from 1");
+    rows.fail(first, "found " + in_quotes(words[1]) + ", expected a number of points from 1");
   return count;
 }
 

@@ -2,13 +2,12 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <fstream>
 #include <iterator>
-#include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "batten/core/box.h"
 #include "batten/core/words.h"
 
 namespace batten {
@@ -132,7 +131,7 @@ class Reader {
   }
 
   void read_segments() {
-    Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
+    Box3 box;
     for (const Json& segment : list(json_, "segments", "the file")) {
       const long id = id_of(segment, "a segment");
       const std::string what = "segment " + std::to_string(id);
@@ -146,15 +145,12 @@ class Reader {
           pieces.push_back({a, (2 * a + b) / 3, (a + 2 * b) / 3, b});
         else
           pieces.push_back({a, point(piece[1], what), point(piece[2], what), b});
-        for (const Vec3& p : pieces.back()) {
-          low = low.cwiseMin(p);
-          high = high.cwiseMax(p);
-        }
+        box.extend(box_around(pieces.back()));
       }
       if (!segments_.emplace(id, std::move(pieces)).second)
         fail(what, "found it twice, expected ids to differ");
     }
-    size_ = segments_.empty() ? 0 : (high - low).norm();
+    size_ = segments_.empty() ? 0 : box.diagonal().norm();
   }
 
   std::string file_;

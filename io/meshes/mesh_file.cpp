@@ -1,8 +1,6 @@
 #include "batten/io/meshes/mesh_file.h"
 
 #include <algorithm>
-#include <cctype>
-#include <limits>
 #include <map>
 
 #include "batten/core/errors.h"

@@ -24,13 +24,6 @@ std::string upper(std::string_view text) {
   return result;
 }
 
-std::string in_quotes(std::string_view found) {
-  std::string text = "'";
-  for (const char c : found.substr(0, 32))
-    text += static_cast<unsigned char>(c) < 32 || c == 127 ? '?' : c;
-  return text + (found.size() > 32 ? "…'" : "'");
-}
-
 std::string_view next_word(std::string_view& rest) {
   size_t i = 0;
   while (i < rest.size() && blank(rest[i])) ++i;

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "batten/io/files/toml_table.h"
 #include "batten/io/meshes/mesh_content.h"
 
 namespace batten {
@@ -47,9 +48,6 @@ struct Field {
 inline bool blank(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\f' || c == '\v'; }
 std::string_view trimmed(std::string_view text);
 std::string upper(std::string_view text);
-/// A part of the file as messages show it: in quotes, 32 characters at most, '?' for those that
-/// cannot be printed.
-std::string in_quotes(std::string_view found);
 /// Takes the next word away from the front of `rest` and returns it; empty at the end.
 std::string_view next_word(std::string_view& rest);
 

@@ -1,5 +1,4 @@
 // Nastran bulk data: GRIDs and shells; everything else stays text.
-#include <algorithm>
 #include <optional>
 #include <set>
 

@@ -19,7 +19,6 @@
 #include <vtkXMLUnstructuredGridReader.h>
 #include <vtkXMLUnstructuredGridWriter.h>
 
-#include <cmath>
 #include <limits>
 #include <map>
 #include <mutex>

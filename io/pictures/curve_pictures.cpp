@@ -13,6 +13,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "batten/core/box.h"
 #include "batten/core/errors.h"
 #include "batten/core/index.h"
 #include "batten/fairing/fairness.h"
@@ -89,9 +90,7 @@ struct Drawing {
 };
 
 double diagonal(const std::vector<Vec3>& points) {
-  Eigen::AlignedBox3d box;
-  for (const Vec3& p : points) box.extend(p);
-  return points.empty() ? 0 : box.diagonal().norm();
+  return points.empty() ? 0 : box_around(points).diagonal().norm();
 }
 
 Drawn drawn(const HermiteCurve& curve, int teeth) {
@@ -290,8 +289,7 @@ std::vector<Vec3> extent(const CombPicture& picture, const Drawing& drawing) {
 
 /// 1600 pixels wide, panels as high as what they show.
 PictureSize natural_size(const std::vector<Vec3>& in_view, int count, int columns) {
-  Eigen::AlignedBox3d box;
-  for (const Vec3& p : in_view) box.extend(p);
+  const Box3 box = box_around(in_view);
   const int rows = (count + columns - 1) / columns;
   const double width = 1600.0 / columns, text = 110;
   const double shape = box.sizes().x() > 0 ? box.sizes().y() / box.sizes().x() : 1;

@@ -10,12 +10,9 @@
 namespace batten {
 namespace {
 
-Json vector_json(const Vec3& v) { return {v[0], v[1], v[2]}; }
-
 Json hole_json(const HoleMeasure& m) {
-  return {{"radius", m.radius},          {"centre", vector_json(m.centre)},
-          {"axis", vector_json(m.axis)}, {"roundness", m.roundness},
-          {"flatness", m.flatness},      {"perimeter", m.perimeter},
+  return {{"radius", m.radius},       {"centre", json_of(m.centre)}, {"axis", json_of(m.axis)},
+          {"roundness", m.roundness}, {"flatness", m.flatness},      {"perimeter", m.perimeter},
           {"circular", m.circular}};
 }
 
@@ -66,9 +63,7 @@ Json curves_json(const std::vector<DeformReport::Curve>& curves) {
 }
 
 Json contents(const DeformReport& r) {
-  Json json;
-  json["name"] = r.name;
-  json["unit"] = r.unit;
+  Json json = beginning_of(r);
   json["mesh"] = {{"file", r.mesh_file},
                   {"format", r.format},
                   {"size", r.size},
@@ -112,8 +107,7 @@ Json contents(const DeformReport& r) {
 
 std::vector<MissedPromise> broken_promises(const DeformReport& report) {
   Json json = contents(report);
-  std::vector<MissedPromise> missed;
-  name_failed_numbers(json, "", missed);
+  std::vector<MissedPromise> missed = name_failed_numbers(json);
   const auto at_most = [&](const std::string& what, double value, double limit) {
     if (value > limit)
       missed.push_back({what, "is " + number(value) + ", promised at most " + number(limit)});
@@ -137,8 +131,6 @@ std::vector<MissedPromise> broken_promises(const DeformReport& report) {
   return missed;
 }
 
-std::string to_json(const DeformReport& report) {
-  return report_text(contents(report), report.missed);
-}
+std::string to_json(const DeformReport& report) { return report_text(contents(report), report); }
 
 }  // namespace batten

@@ -1,14 +1,12 @@
 // report.json of a deformed mesh: measured on the finished mesh, not copied from the solver.
 #pragma once
 
-#include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "batten/fairing/curve_fit.h"
 #include "batten/fairing/fairness.h"
-#include "batten/io/report/report.h"
+#include "batten/io/report/report_parts.h"
 #include "batten/mesh/features/holes.h"
 #include "batten/mesh/quality.h"
 
@@ -16,8 +14,8 @@ namespace batten {
 
 /// What `batten deform` did. Lengths are in model units, *_error over the feature's size,
 /// *_residual over the mesh's size, *_deg in degrees, *_s in seconds.
-struct DeformReport {
-  std::string name, unit, mesh_file, format;
+struct DeformReport : RunReport {
+  std::string mesh_file, format;
   int nodes = 0, faces = 0;
   double size = 0, largest_coordinate = 0;
 
@@ -67,10 +65,6 @@ struct DeformReport {
   double largest_displacement = 0;
   long largest_displacement_node = -1;
   double rounding = 0;  ///< largest |written - computed| of a coordinate (MeshRounding)
-  std::vector<Parameter> parameters;
-  std::vector<std::pair<std::string, double>> timings;
-  std::vector<std::string> warnings, files;
-  std::vector<MissedPromise> missed;
 };
 
 /// The promises that the report's own numbers break: residuals and max_rigid_error above 1e-12 (or

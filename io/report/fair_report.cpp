@@ -7,9 +7,7 @@ namespace batten {
 namespace {
 
 Json contents(const FairReport& r) {
-  Json json;
-  json["name"] = r.name;
-  json["unit"] = r.unit;
+  Json json = beginning_of(r);
   json["curves"] = json_of(r.curves);
   json["parameters"] = json_of(r.parameters);
   add_ending(json, r);
@@ -67,15 +65,12 @@ std::vector<MissedPromise> broken_conditions(const std::vector<FairedLine>& curv
 
 std::vector<MissedPromise> broken_promises(const FairReport& report) {
   Json json = contents(report);
-  std::vector<MissedPromise> missed;
-  name_failed_numbers(json, "", missed);
+  std::vector<MissedPromise> missed = name_failed_numbers(json);
   const auto conditions = broken_conditions(report.curves);
   missed.insert(missed.end(), conditions.begin(), conditions.end());
   return missed;
 }
 
-std::string to_json(const FairReport& report) {
-  return report_text(contents(report), report.missed);
-}
+std::string to_json(const FairReport& report) { return report_text(contents(report), report); }
 
 }  // namespace batten

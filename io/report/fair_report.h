@@ -2,22 +2,15 @@
 #pragma once
 
 #include <string>
-#include <utility>
 #include <vector>
 
-#include "batten/io/report/faired_line.h"
-#include "batten/io/report/report.h"
+#include "batten/io/report/report_parts.h"
 
 namespace batten {
 
 /// What `batten fair` did.
-struct FairReport {
-  std::string name, unit;
+struct FairReport : RunReport {
   std::vector<FairedLine> curves;
-  std::vector<Parameter> parameters;
-  std::vector<std::pair<std::string, double>> timings;  ///< seconds
-  std::vector<std::string> warnings, files;
-  std::vector<MissedPromise> missed;
 };
 
 /// The promises that the report's own numbers break: those of broken_conditions(), and numbers that

@@ -1,16 +1,12 @@
 // report.json of a surface: what was made, measured on the finished result.
 #pragma once
 
-#include <filesystem>
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
-#include "batten/io/report/faired_line.h"
-#include "batten/io/report/missed_promise.h"
 #include "batten/io/report/network_report.h"
-#include "batten/io/scene/scene.h"
+#include "batten/io/report/report_parts.h"
 #include "batten/sculpting/session/results.h"
 #include "batten/skinning/region/quality.h"
 
@@ -18,9 +14,7 @@ namespace batten {
 
 /// What `batten run`, `skin` and `sculpt` made. Lengths are in model units, *_residual over the
 /// region's size, angles in degrees.
-struct Report {
-  std::string name, unit;
-
+struct Report : RunReport {
   struct Line {
     std::string name;
     CharacterLine::Role role = CharacterLine::Role::Outline;
@@ -113,10 +107,6 @@ struct Report {
   std::optional<Sculpting> sculpting;  ///< set by `batten sculpt`
   bool is_sculpted = false;            ///< Scene::is_sculpted(); not in the file
   std::vector<ScanDistances> scans;
-  std::vector<Parameter> parameters;
-  std::vector<std::pair<std::string, double>> timings;  ///< seconds
-  std::vector<std::string> warnings, files;
-  std::vector<MissedPromise> missed;
 };
 
 /// The numbers of the report that are not finite, by their names in the file ("surface.area").

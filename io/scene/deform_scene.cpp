@@ -1,6 +1,5 @@
 #include "batten/io/scene/deform_scene.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include "batten/core/errors.h"
@@ -254,16 +253,12 @@ void read_proposals(const TomlTable& root, ProposalOptions& o) {
 void read_selections(const TomlTable& root, const std::filesystem::path& folder,
                      DeformScene& scene) {
   Names selections("selection");
-  for (const TomlTable& t :
-       root.tables("select", {"name", "box", "sphere", "plane", "loop", "geodesic", "nodes", "file",
-                              "set", "property", "any", "except", "grow"})) {
-    scene.selections.push_back(read_select(t, folder));
-    selections.add(t, "name", scene.selections.back().name);
-  }
-  for (const TomlTable& t : root.tables("cut", {"name", "band", "inside", "concave", "convex"})) {
-    scene.cuts.push_back(read_cut(t));
-    selections.add(t, "name", scene.cuts.back().name);
-  }
+  selections.read(root, "select",
+                  {"name", "box", "sphere", "plane", "loop", "geodesic", "nodes", "file", "set",
+                   "property", "any", "except", "grow"},
+                  scene.selections, [&](const TomlTable& t) { return read_select(t, folder); });
+  selections.read(root, "cut", {"name", "band", "inside", "concave", "convex"}, scene.cuts,
+                  read_cut);
 }
 
 /// Reads form features: one by one, and many of a kind.
@@ -283,35 +278,23 @@ void read_features(const TomlTable& root, Names& kept, DeformScene& scene) {
 
 /// Reads guides, lines, curves and pulls: what else the mesh keeps or follows.
 void read_guides_and_lines(const TomlTable& root, Names& kept, DeformScene& scene) {
-  for (const TomlTable& t : root.tables("guide", {"name", "of", "plane", "line"})) {
-    scene.guides.push_back(read_guide(t));
-    kept.add(t, "name", scene.guides.back().name);
-  }
-  for (const TomlTable& t :
-       root.tables("line", {"name", "through", "nodes", "closed", "keep", "width"})) {
-    scene.lines.push_back(read_line(t));
-    kept.add(t, "name", scene.lines.back().name);
-  }
+  kept.read(root, "guide", {"name", "of", "plane", "line"}, scene.guides, read_guide);
+  kept.read(root, "line", {"name", "through", "nodes", "closed", "keep", "width"}, scene.lines,
+            read_line);
   for (const TomlTable& t : root.tables(
            "curve", {"name", "through", "nodes", "closed", "faired", "deviation", "wavelength",
                      "corner_angle", "ends", "alpha", "beta", "spring", "force", "uniform"})) {
     scene.curves.push_back(read_curve(t));
     kept.add(t, "name", scene.curves.back().line.name);
   }
-  for (const TomlTable& t : root.tables("pull", {"name", "node", "at", "to", "weight"})) {
-    scene.pulls.push_back(read_pull(t));
-    kept.add(t, "name", scene.pulls.back().name);
-  }
+  kept.read(root, "pull", {"name", "node", "at", "to", "weight"}, scene.pulls, read_pull);
 }
 
 /// Reads the edits.
 void read_edits(const TomlTable& root, DeformScene& scene) {
   Names edits("edit");
-  for (const TomlTable& t :
-       root.tables("edit", {"name", "fixed", "region", "handle", "scale", "guide"})) {
-    scene.edits.push_back(read_edit(t, scene.edits.size()));
-    edits.add(t, "name", scene.edits.back().name);
-  }
+  edits.read(root, "edit", {"name", "fixed", "region", "handle", "scale", "guide"}, scene.edits,
+             [&](const TomlTable& t) { return read_edit(t, scene.edits.size()); });
   if (scene.edits.empty()) root.fail("", "no edits", "at least one [[edit]]");
 }
 
@@ -401,8 +384,8 @@ void DeformScene::set(const std::string& parameter, double value, const std::str
     slot = value;
   });
   if (!known)
-    throw InputError(where + "found parameter '" + parameter +
-                     "', expected one of: " + listed(names) + did_you_mean(parameter, names));
+    throw InputError(where + "found parameter '" + parameter + "', expected " +
+                     one_of(parameter, names));
 }
 
 bool edits_a_mesh(const std::filesystem::path& file) {

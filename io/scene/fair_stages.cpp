@@ -92,10 +92,8 @@ FairStage read_stage(const TomlTable& t, size_t index) {
   o.alpha = t.number("alpha", 0);
   if (o.alpha < 0) t.fail("alpha", number(o.alpha), "0 or more");
   Names conditions("condition");
-  for (const TomlTable& c : t.tables("condition", {"name", "type", "at", "direction"})) {
-    o.conditions.push_back(read_condition(c));
-    conditions.add(c, "name", o.conditions.back().name);
-  }
+  conditions.read(t, "condition", {"name", "type", "at", "direction"}, o.conditions,
+                  read_condition);
   return stage;
 }
 
@@ -104,12 +102,10 @@ FairStage read_stage(const TomlTable& t, size_t index) {
 std::vector<FairStage> read_fair_stages(const TomlTable& root) {
   std::vector<FairStage> stages;
   Names names("stage");
-  for (const TomlTable& t : root.tables(
-           "fair", {"name", "lines", "deviation", "wavelength", "corner_angle", "corners", "closed",
-                    "hold_ends", "alpha", "condition", "minimum", "brush", "stretch"})) {
-    stages.push_back(read_stage(t, stages.size()));
-    names.add(t, "name", stages.back().name);
-  }
+  names.read(root, "fair",
+             {"name", "lines", "deviation", "wavelength", "corner_angle", "corners", "closed",
+              "hold_ends", "alpha", "condition", "minimum", "brush", "stretch"},
+             stages, [&](const TomlTable& t) { return read_stage(t, stages.size()); });
   return stages;
 }
 

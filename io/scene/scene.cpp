@@ -114,8 +114,8 @@ void Scene::set(const std::string& parameter, double value, const std::string& w
     slot = value;
   });
   if (!known)
-    throw InputError(where + "found parameter '" + parameter +
-                     "', expected one of: " + listed(names) + did_you_mean(parameter, names));
+    throw InputError(where + "found parameter '" + parameter + "', expected " +
+                     one_of(parameter, names));
   for (const SceneRule& rule : rules)
     if (rule.driven == parameter)
       throw InputError(where + "found a value for '" + parameter + "', expected one for '" +

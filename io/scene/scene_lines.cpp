@@ -91,10 +91,8 @@ std::vector<SceneLine> read_scene_lines(const TomlTable& root, const std::filesy
                                         bool roles) {
   std::vector<SceneLine> lines;
   Names names("line name");
-  for (const TomlTable& t : root.tables("line", line_keys(roles))) {
-    lines.push_back(read_line(t, folder, roles));
-    names.add(t, "name", lines.back().name);
-  }
+  names.read(root, "line", line_keys(roles), lines,
+             [&](const TomlTable& t) { return read_line(t, folder, roles); });
   for (const TomlTable& t : root.tables("lines", lines_keys(roles)))
     lines.push_back(read_lines(t, folder, roles));
   if (lines.empty()) root.fail("", "no lines", "[[line]] or [[lines]]");

@@ -1,7 +1,6 @@
 #include "batten/io/scene/scene_sculpting.h"
 
 #include <algorithm>
-#include <cmath>
 #include <initializer_list>
 
 #include "batten/io/scene/scene_words.h"
@@ -270,8 +269,8 @@ void check_line(const Scene& scene, const PlacedWord& line) {
     if (is_part_of(line.text, source.name)) return;
     names.push_back(source.name);
   }
-  throw InputError(scene.at(line.place) + "found the line '" + line.text +
-                   "', expected one of: " + listed(names) + did_you_mean(line.text, names));
+  throw InputError(scene.at(line.place) + "found the line '" + line.text + "', expected " +
+                   one_of(line.text, names));
 }
 
 /// Regions have names in a network only.
@@ -313,8 +312,7 @@ void check_rules(const Scene& scene) {
       throw InputError(scene.at(rule.place) + "found " + found + ", expected " + expected);
     };
     if (std::find(names.begin(), names.end(), rule.driven) == names.end())
-      fail("'" + rule.driven + "' to drive",
-           "one of: " + listed(names) + did_you_mean(rule.driven, names));
+      fail("'" + rule.driven + "' to drive", one_of(rule.driven, names));
     for_each_fair_parameter(scene.fairing, [&](const std::string& name, double) {
       if (name == rule.driven)
         fail("'" + name + "' to drive, which changes the lines",
@@ -359,11 +357,9 @@ void read_sculpting(const TomlTable& root, const std::filesystem::path& folder, 
         t.fail("name", "the " + kind + " name '" + std::string(taken) + "'",
                "another one: that is a parameter of [skin]");
   };
-  for (const TomlTable& t : root.tables("constraint", {"name", "type", "at", "to", "range",
-                                                       "direction", "along", "line", "normal"})) {
-    scene.constraints.push_back(read_constraint(t));
-    names.add(t, "name", scene.constraints.back().name);
-  }
+  names.read(root, "constraint",
+             {"name", "type", "at", "to", "range", "direction", "along", "line", "normal"},
+             scene.constraints, read_constraint);
   for (const TomlTable& t :
        root.tables("load", {"name", "type", "value", "min", "max", "direction", "at", "line",
                             "near", "radius", "paint", "regions", "file", "unit", "to", "curve",

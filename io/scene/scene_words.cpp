@@ -26,8 +26,7 @@ const std::vector<std::string>& output_keys() {
 std::string unit_word(const TomlTable& table, const std::string& key) {
   const std::string word = table.text(key);
   if (std::find(length_units().begin(), length_units().end(), word) == length_units().end())
-    table.fail(key, "the unit '" + word + "'",
-               "one of: " + listed(length_units()) + did_you_mean(word, length_units()));
+    table.fail(key, "the unit '" + word + "'", one_of(word, length_units()));
   return word;
 }
 

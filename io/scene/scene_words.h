@@ -27,6 +27,15 @@ class Names {
                  "a " + kind_ + " of its own");
   }
   bool has(const std::string& name) const { return lines_.count(name) > 0; }
+  /// Reads all tables of a kind into a list, each under a name of its own.
+  template <class Thing, class Read>
+  void read(const TomlTable& root, const std::string& key, std::vector<std::string> keys,
+            std::vector<Thing>& list, const Read& read_one) {
+    for (const TomlTable& t : root.tables(key, std::move(keys))) {
+      list.push_back(read_one(t));
+      add(t, "name", list.back().name);
+    }
+  }
 
  private:
   std::string kind_;

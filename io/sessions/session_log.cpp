@@ -200,8 +200,7 @@ Operation operation_of(const LogJson& json, const std::string& where) {
   const std::vector<std::string> words = {
       "add_parameter", "drive", "time", "set",    "settle", "answer",   "step",   "rest",
       "undo",          "redo",  "add",  "change", "remove", "set_line", "refine", "motion"};
-  throw InputError(where + "found \"do\": \"" + word + "\", expected one of: " + listed(words) +
-                   did_you_mean(word, words));
+  throw InputError(where + "found \"do\": \"" + word + "\", expected " + one_of(word, words));
 }
 
 constexpr int kVersion = 1;

@@ -3,9 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <initializer_list>
 #include <nlohmann/json.hpp>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -40,7 +38,7 @@ class LogObject {
     if (!json.is_object()) fail(what_ + " that is no {…}", "an object");
     for (const auto& [key, value] : json.items())
       if (std::find(keys.begin(), keys.end(), key) == keys.end())
-        fail("'" + key + "' in " + what_, "one of: " + listed(keys) + did_you_mean(key, keys));
+        fail("'" + key + "' in " + what_, one_of(key, keys));
   }
 
   bool has(const std::string& key) const { return json_.contains(key); }

@@ -193,8 +193,7 @@ Load load_of(const LogObject& parent) {
     if (type != "pulls") {
       const std::vector<std::string> types = {"pressure", "uniform", "gravity", "point",
                                               "line",     "pulls",   "scan"};
-      o.fail("the load type '" + type + "'",
-             "one of: " + listed(types) + did_you_mean(type, types));
+      o.fail("the load type '" + type + "'", one_of(type, types));
     }
     Load::Pulls pulls;
     pulls.at = o.points("at");
@@ -285,8 +284,7 @@ Constraint constraint_of(const LogObject& parent) {
       return Constraint::LineNormal{o.text("line"), normal};
     }
     const std::vector<std::string> types = {"point", "normal", "tangent", "line_normal"};
-    o.fail("the constraint type '" + type + "'",
-           "one of: " + listed(types) + did_you_mean(type, types));
+    o.fail("the constraint type '" + type + "'", one_of(type, types));
   };
   return {o.text("name"), kind()};
 }
@@ -325,8 +323,7 @@ CharacterLine line_of(const LogObject& parent) {
       words.emplace_back(word);
       if (found == word) return void(slot = value);
     }
-    o.fail("the " + key + " '" + found + "'",
-           "one of: " + listed(words) + did_you_mean(found, words));
+    o.fail("the " + key + " '" + found + "'", one_of(found, words));
   };
   choose("role", kRoles, line.role);
   choose("treatment", kTreatments, line.treatment);

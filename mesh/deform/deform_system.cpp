@@ -68,13 +68,7 @@ DeformSystem::DeformSystem(const TriangleMesh& mesh, const DeformProblem& proble
   order_features();
   hold(topology, problem);
 
-  Vec3 low = Vec3::Constant(INFINITY), high = -low;
-  for (int v = 0; v < mesh.vertex_count(); ++v)
-    if (!topology.neighbours(v).empty()) {
-      low = low.cwiseMin(mesh.point(v));
-      high = high.cwiseMax(mesh.point(v));
-    }
-  origin = mesh.triangle_count() > 0 ? Vec3((low + high) / 2) : Vec3(Vec3::Zero());
+  origin = mesh.triangle_count() > 0 ? mesh.box().center() : Vec3(Vec3::Zero());
   rest = mesh.points().rowwise() - origin.transpose();
 
   number(topology, problem);

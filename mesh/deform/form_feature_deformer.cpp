@@ -4,13 +4,13 @@
 
 #include "batten/constraints/affine_reduction.h"
 #include "batten/constraints/coupling.h"
+#include "batten/core/chunks.h"
 #include "batten/core/errors.h"
 #include "batten/core/index.h"
 #include "batten/core/parallel.h"
 #include "batten/core/rotations.h"
 #include "batten/core/sparse_cholesky.h"
 #include "batten/mesh/deform/deform_system.h"
-#include "batten/mesh/deform/in_chunks.h"
 #include "batten/mesh/deform/normal_equations.h"
 #include "batten/mesh/deform/rotation_field.h"
 

@@ -105,8 +105,4 @@ class FormFeatureDeformer {
 double hard_residual(const TriangleMesh& mesh, const DeformProblem& problem, const DeformEdit& edit,
                      const Points& p, const Points& logs);
 
-/// The twin for checking: the same edit by the saddle point system [AᵀA Cᵀ; C 0] (eq. 4), all
-/// vertices. Slow: a sparse LU.
-Points deform_by_kkt(FormFeatureDeformer& deformer, const DeformEdit& edit);
-
 }  // namespace batten

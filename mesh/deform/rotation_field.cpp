@@ -2,9 +2,9 @@
 
 #include <numbers>
 
+#include "batten/core/chunks.h"
 #include "batten/core/errors.h"
 #include "batten/core/sparse_cholesky.h"
-#include "batten/mesh/deform/in_chunks.h"
 
 namespace batten {
 

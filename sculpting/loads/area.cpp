@@ -4,8 +4,9 @@
 #include <cmath>
 #include <limits>
 
+#include "batten/core/box.h"
+#include "batten/core/chunks.h"
 #include "batten/core/errors.h"
-#include "batten/core/parallel.h"
 #include "batten/core/plane.h"
 #include "batten/elements/reference_triangle.h"
 
@@ -15,31 +16,15 @@ namespace {
 constexpr int kPoints = 7;  // a triangle
 using TrianglePoints = Eigen::Matrix<double, kPoints, 3>;
 
-// Calls work(t) for all triangles, by chunks.
-template <class Work>
-void for_each_triangle(int count, const Work& work) {
-  constexpr int chunk = 256;
-  parallel_parts((count + chunk - 1) / chunk, [&](int part) {
-    for (int t = part * chunk; t < std::min(count, (part + 1) * chunk); ++t) work(t);
-  });
-}
-
 double bump(double distance2, double radius) {
   const double share = distance2 / (radius * radius);
   return share < 1 ? (1 - share) * (1 - share) : 0;
 }
 
-struct Box {
-  Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
-  void add(const Vec3& p) {
-    low = low.cwiseMin(p);
-    high = high.cwiseMax(p);
-  }
-  bool meets(const Box& other, double margin) const {
-    return (low.array() - margin <= other.high.array()).all() &&
-           (other.low.array() - margin <= high.array()).all();
-  }
-};
+bool meet(const Box3& a, const Box3& b, double margin) {
+  return (a.min().array() - margin <= b.max().array()).all() &&
+         (b.min().array() - margin <= a.max().array()).all();
+}
 
 double distance2_to_chord(const Vec3& p, const Vec3& a, const Vec3& b) {
   const Vec3 d = b - a;
@@ -68,20 +53,19 @@ class NearChain {
  public:
   NearChain(std::vector<Vec3> chain, double radius) : chain_(std::move(chain)), radius_(radius) {
     for (size_t first = 0; first + 1 < chain_.size(); first += kBlock) {
-      Box box;
+      Box3& box = boxes_.emplace_back();
       for (size_t i = first; i <= std::min(first + kBlock, chain_.size() - 1); ++i)
-        box.add(chain_[i]);
-      boxes_.push_back(box);
+        box.extend(chain_[i]);
     }
   }
 
   Eigen::Matrix<double, kPoints, 1> weights(const TrianglePoints& x) const {
-    Box here;
-    for (int p = 0; p < kPoints; ++p) here.add(x.row(p));
+    Box3 here;
+    for (int p = 0; p < kPoints; ++p) here.extend(x.row(p).transpose());
     Eigen::Matrix<double, kPoints, 1> nearest =
         Eigen::Matrix<double, kPoints, 1>::Constant(radius_ * radius_);
     for (size_t b = 0; b < boxes_.size(); ++b) {
-      if (!here.meets(boxes_[b], radius_)) continue;
+      if (!meet(here, boxes_[b], radius_)) continue;
       for (size_t i = kBlock * b; i < std::min(kBlock * (b + 1), chain_.size() - 1); ++i)
         for (int p = 0; p < kPoints; ++p)
           nearest[p] = std::min(nearest[p], distance2_to_chord(x.row(p), chain_[i], chain_[i + 1]));
@@ -93,7 +77,7 @@ class NearChain {
   static constexpr size_t kBlock = 8;  // chords
   std::vector<Vec3> chain_;
   double radius_;
-  std::vector<Box> boxes_;
+  std::vector<Box3> boxes_;
 };
 
 void require_radius(double radius, const std::string& what) {
@@ -110,7 +94,7 @@ VecX means(const Surface& reference, const Weights& weights) {
   for (int p = 0; p < kPoints; ++p) N.row(p) = rule.functions[p].col(0);
   const ParametricMesh& mesh = reference.mesh();
   VecX result(mesh.triangle_count());
-  for_each_triangle(mesh.triangle_count(), [&](int t) {
+  for_each_in_chunks<256>(mesh.triangle_count(), [&](int t) {
     const C1Triangle element(reference.kind(), mesh.shape(t));
     const TrianglePoints x = N * (element.to_reference_dofs() * reference.triangle_dofs(t));
     result[t] = std::clamp(rule.rule.weights.dot(weights(x)), 0.0, 1.0);
@@ -182,7 +166,7 @@ std::vector<Vec2> directions_along(const HermiteCurve& image, const ParametricMe
     for (int k = 1; k <= cuts; ++k)
       chain.push_back(flat(image.evaluate({s, static_cast<double>(k) / cuts})));
   std::vector<Vec2> directions(static_cast<size_t>(mesh.triangle_count()));
-  for_each_triangle(mesh.triangle_count(), [&](int t) {
+  for_each_in_chunks<256>(mesh.triangle_count(), [&](int t) {
     const Vec2 centre = mesh.shape(t).point(Vec3::Constant(1.0 / 3));
     double nearest = std::numeric_limits<double>::infinity();
     CurveMesh::Where where;

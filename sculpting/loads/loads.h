@@ -7,7 +7,6 @@
 // also when the mesh is refined.
 #pragma once
 
-#include <memory>
 #include <optional>
 #include <string>
 #include <variant>

@@ -163,14 +163,6 @@ bool Parameters::set_time(double time) {
   return changed;
 }
 
-double Parameters::last_moment() const {
-  double last = 0;
-  for (size_t k = 0; k < all_.size(); ++k)
-    if (!all_[k].over_time.empty() && !by_hand_[k])
-      last = std::max(last, all_[k].over_time.back().time);
-  return last;
-}
-
 void Parameters::restore(const std::vector<double>& values, double time) {
   if (values.size() != current_.size())
     throw InputError("found " + std::to_string(values.size()) + " values to restore, expected " +

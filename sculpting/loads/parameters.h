@@ -75,8 +75,6 @@ class Parameters {
   /// whether any value changed.
   /// Throws InputError on a time that is not finite. Allocates nothing.
   bool set_time(double time);
-  /// Returns the last moment of all parameters that time moves, or 0 when there is none.
-  double last_moment() const;
 
   /// Restores values that values() once gave for the same parameters, and that time. Parameters
   /// with moments whose value is that of the time follow it again, others count as set by hand.

@@ -54,8 +54,9 @@ struct RefinementReport {
 
 /// One operation on a session, with all that replay() needs.
 struct Operation {
+  using Thing = std::variant<Load, WeightField, Constraint, LineMove, CharacterLine>;
   struct Add {
-    std::variant<Load, WeightField, Constraint, LineMove, CharacterLine> what;
+    Thing what;
     std::vector<NamedValue> parameters;  ///< start values and ranges
   };
   struct Change {
@@ -80,7 +81,7 @@ struct Operation {
   enum class Kind { Set, Settle, Answer, Step, Rest, Time, Undo, Redo, Edit } kind = Kind::Settle;
   int index = 0;     ///< Set: parameter; Answer: most iterations
   double value = 0;  ///< Set; Answer: tolerance; Time
-  std::shared_ptr<const Edit> edit;
+  std::shared_ptr<const Edit> edit = {};
 };
 
 }  // namespace batten

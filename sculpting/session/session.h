@@ -2,7 +2,6 @@
 #pragma once
 
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -76,17 +75,13 @@ class SculptingSession {
   void drive(const std::string& parameter, std::vector<NamedValue::Share> follows, double offset);
 
   // -- what acts on the surface -------------------------------------------------------------------
-  /// Adds something that acts, on the surface as it is. `parameters`: start value, range and
-  /// moments of the parameters that come with it, by name; those not given start at 0, the goal of
-  /// a point at Point::goal. Loads and weight fields act from the next answer on; constraints,
-  /// moves and lines hold at once (the surface settles). Throws InputError: a name that is taken,
-  /// places far from the surface (half the size), numbers out of range; ConflictError.
-  void add(Load load, std::vector<NamedValue> parameters = {});
-  void add(WeightField weight, std::vector<NamedValue> parameters = {});
-  void add(Constraint constraint, std::vector<NamedValue> parameters = {});
-  void add(LineMove move, std::vector<NamedValue> parameters = {});
-  /// Adds an inner line, embedded where the surface is nearest to it.
-  void add(CharacterLine line);
+  /// Adds something that acts, on the surface as it is; a line is an inner one, embedded where the
+  /// surface is nearest to it. `parameters`: start value, range and moments of the parameters that
+  /// come with it, by name; those not given start at 0, the goal of a point at Point::goal. Loads
+  /// and weight fields act from the next answer on; constraints, moves and lines hold at once (the
+  /// surface settles). Throws InputError: a name that is taken, places far from the surface (half
+  /// the size), numbers out of range; ConflictError.
+  void add(Operation::Thing thing, std::vector<NamedValue> parameters = {});
   /// Gives the constraint of this name another place, goal or direction. It stays of one kind.
   void change(Constraint constraint);
   /// Removes a load, weight field, constraint, move or embedded inner line. Throws InputError: no

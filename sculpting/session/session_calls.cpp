@@ -61,20 +61,13 @@ SculptingSession& SculptingSession::operator=(SculptingSession&&) noexcept = def
 const Parameters& SculptingSession::parameters() const { return data_->now.parameters; }
 
 void SculptingSession::set(int parameter, double value) {
-  Operation op;
-  op.kind = Kind::Set;
-  op.index = parameter;
-  op.value = value;
-  apply(op);
+  apply({.kind = Kind::Set, .index = parameter, .value = value});
 }
 
 namespace {
 
 Operation edit_of(Operation::Edit edit) {
-  Operation op;
-  op.kind = Kind::Edit;
-  op.edit = std::make_shared<const Operation::Edit>(std::move(edit));
-  return op;
+  return {.kind = Kind::Edit, .edit = std::make_shared<const Operation::Edit>(std::move(edit))};
 }
 
 }  // namespace
@@ -88,24 +81,8 @@ void SculptingSession::drive(const std::string& parameter, std::vector<NamedValu
   apply(edit_of(Operation::Drive{parameter, std::move(follows), offset}));
 }
 
-void SculptingSession::add(Load load, std::vector<NamedValue> parameters) {
-  apply(edit_of(Operation::Add{std::move(load), std::move(parameters)}));
-}
-
-void SculptingSession::add(WeightField weight, std::vector<NamedValue> parameters) {
-  apply(edit_of(Operation::Add{std::move(weight), std::move(parameters)}));
-}
-
-void SculptingSession::add(Constraint constraint, std::vector<NamedValue> parameters) {
-  apply(edit_of(Operation::Add{std::move(constraint), std::move(parameters)}));
-}
-
-void SculptingSession::add(LineMove move, std::vector<NamedValue> parameters) {
-  apply(edit_of(Operation::Add{std::move(move), std::move(parameters)}));
-}
-
-void SculptingSession::add(CharacterLine line) {
-  apply(edit_of(Operation::Add{std::move(line), {}}));
+void SculptingSession::add(Operation::Thing thing, std::vector<NamedValue> parameters) {
+  apply(edit_of(Operation::Add{std::move(thing), std::move(parameters)}));
 }
 
 void SculptingSession::change(Constraint constraint) {
@@ -129,11 +106,7 @@ Answer SculptingSession::settle() {
 
 Answer SculptingSession::answer(int most_iterations, double tolerance) {
   Data& d = *data_;
-  Operation op;
-  op.kind = Kind::Answer;
-  op.index = most_iterations;
-  op.value = tolerance;
-  d.note(op);
+  d.note({.kind = Kind::Answer, .index = most_iterations, .value = tolerance});
   if (d.now.in_motion)
     throw InputError("an answer of a surface in motion: step() goes on, stop_motion() ends it");
   return d.quick(most_iterations, tolerance);
@@ -143,39 +116,24 @@ void SculptingSession::start_motion(const Motion& motion) { apply(edit_of(motion
 
 Answer SculptingSession::step() {
   Data& d = *data_;
-  Operation op;
-  op.kind = Kind::Step;
-  d.note(op);
+  d.note({.kind = Kind::Step});
   if (d.now.in_motion) d.remember_start();
   return d.step();
 }
 
-void SculptingSession::stop_motion() {
-  Operation op;
-  op.kind = Kind::Rest;
-  apply(op);
-}
+void SculptingSession::stop_motion() { apply({.kind = Kind::Rest}); }
 
 bool SculptingSession::in_motion() const { return data_->now.in_motion; }
 
-void SculptingSession::set_time(double time) {
-  Operation op;
-  op.kind = Kind::Time;
-  op.value = time;
-  apply(op);
-}
+void SculptingSession::set_time(double time) { apply({.kind = Kind::Time, .value = time}); }
 
 bool SculptingSession::undo() {
-  Operation op;
-  op.kind = Kind::Undo;
-  data_->note(op);
+  data_->note({.kind = Kind::Undo});
   return data_->go(data_->undone_to, data_->redone_to);
 }
 
 bool SculptingSession::redo() {
-  Operation op;
-  op.kind = Kind::Redo;
-  data_->note(op);
+  data_->note({.kind = Kind::Redo});
   return data_->go(data_->redone_to, data_->undone_to);
 }
 

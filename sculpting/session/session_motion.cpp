@@ -1,4 +1,3 @@
-#include <cmath>
 
 #include "batten/sculpting/session/session_engine.h"
 

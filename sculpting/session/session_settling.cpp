@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <cmath>
 
 #include "batten/core/errors.h"
 #include "batten/sculpting/session/session_data.h"

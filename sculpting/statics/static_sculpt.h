@@ -1,7 +1,6 @@
 // Makes the shape at rest of a region or a whole model under lines, constraints and loads.
 #pragma once
 
-#include <string>
 #include <vector>
 
 #include "batten/core/progress.h"

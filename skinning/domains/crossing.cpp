@@ -1,7 +1,6 @@
 #include "batten/skinning/domains/crossing.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace batten {
 namespace {

@@ -1,3 +1,4 @@
+#include "batten/core/box.h"
 #include "batten/core/errors.h"
 #include "batten/core/index.h"
 #include "batten/core/work.h"
@@ -246,14 +247,10 @@ void refine_everywhere(Triangulation& triangulation, const std::vector<Point>& h
                                                           Criteria(least_angle, longest));
   if (!hole_seeds.empty()) mesher.set_seeds(hole_seeds.begin(), hole_seeds.end());
   // Next to angles of a few degrees the refinement may never end.
-  Vec2 low = task.points[0], high = low;
-  for (const Vec2& p : task.points) {
-    low = low.cwiseMin(p);
-    high = high.cwiseMax(p);
-  }
   constexpr double many = 20;  // times what an even mesh of the box has
-  const double most = many * ((high - low).prod() / (task.edge_length * task.edge_length) +
-                              static_cast<double>(task.points.size()) + 1000);
+  const double most =
+      many * (box_around(task.points).sizes().prod() / (task.edge_length * task.edge_length) +
+              static_cast<double>(task.points.size()) + 1000);
   mesher.init();
   while (!mesher.is_refinement_done()) {
     mesher.step_by_step_refine_mesh();

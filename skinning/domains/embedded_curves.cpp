@@ -1,6 +1,4 @@
 // Lines of an embedding as curves.
-#include <algorithm>
-#include <cmath>
 
 #include "batten/core/words.h"
 #include "batten/skinning/domains/domain_task.h"

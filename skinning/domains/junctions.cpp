@@ -3,6 +3,7 @@
 #include <cmath>
 #include <optional>
 
+#include "batten/core/box.h"
 #include "batten/core/errors.h"
 #include "batten/core/plane.h"
 #include "batten/core/words.h"
@@ -30,11 +31,9 @@ struct Chord {
 
 // A segment of a curve as chords, and their box.
 struct ChordRow {
-  Vec2 low, high;
+  Box2 box;
   std::vector<Chord> chords;
-  bool box_meets(const ChordRow& other) const {
-    return !(high.array() < other.low.array()).any() && !(other.high.array() < low.array()).any();
-  }
+  bool box_meets(const ChordRow& other) const { return box.intersects(other.box); }
 };
 
 std::vector<ChordRow> chord_rows(const HermiteCurve& c) {
@@ -44,14 +43,13 @@ std::vector<ChordRow> chord_rows(const HermiteCurve& c) {
   for (int s = 0; s < c.segment_count(); ++s) {
     ChordRow row;
     Vec2 p = flat(c.evaluate({s, 0.0}));
-    row.low = row.high = p;
+    row.box.extend(p);
     for (int k = 0; k < cuts; ++k) {
       const double t0 = u[s] + c.mesh().length(s) * k / cuts,
                    t1 = u[s] + c.mesh().length(s) * (k + 1) / cuts;
       const Vec2 q = flat(c.evaluate({s, static_cast<double>(k + 1) / cuts}));
       row.chords.push_back({t0, t1, p, q});
-      row.low = row.low.cwiseMin(q);
-      row.high = row.high.cwiseMax(q);
+      row.box.extend(q);
       p = q;
     }
     rows.push_back(std::move(row));

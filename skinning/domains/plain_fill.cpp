@@ -5,6 +5,7 @@
 #include <limits>
 #include <map>
 
+#include "batten/core/box.h"
 #include "batten/core/errors.h"
 #include "batten/core/index.h"
 #include "batten/core/words.h"
@@ -116,9 +117,7 @@ std::optional<PlainFill> developable_fill(const std::vector<Vec3>& loop) {
   constexpr double infinity = std::numeric_limits<double>::infinity();
   constexpr double bending = 0.03, flat = 1e-6;
   const int n = count_of(loop);
-  Vec3 low = loop[0], high = loop[0];
-  for (const Vec3& p : loop) low = low.cwiseMin(p), high = high.cwiseMax(p);
-  const double stiffness = bending * (high - low).squaredNorm();
+  const double stiffness = bending * box_around(loop).diagonal().squaredNorm();
 
   std::vector<Part> parts(loop.size() * loop.size());
   const auto part = [&](int i, int j) -> Part& {

@@ -1,6 +1,5 @@
 #include "batten/skinning/facets/facet_mesh.h"
 
-#include <algorithm>
 #include <cmath>
 #include <map>
 #include <optional>

@@ -6,8 +6,8 @@
 #include <limits>
 #include <map>
 
+#include "batten/core/box.h"
 #include "batten/core/errors.h"
-#include "batten/core/index.h"
 #include "batten/core/plane.h"
 
 namespace batten {
@@ -50,12 +50,7 @@ FacetStops::FacetStops(const SkinnedRegion& region, double edge_length, const Li
       on_boundary_[line_of(piece)] = 1;
       at_least_[line_of(piece)] = (least_edges + count_of(loop) - 1) / count_of(loop);
     }
-  Vec2 low = mesh.vertices()[0], high = low;
-  for (const Vec2& p : mesh.vertices()) {
-    low = low.cwiseMin(p);
-    high = high.cwiseMax(p);
-  }
-  same_ = 1e-7 * (high - low).norm();
+  same_ = 1e-7 * box_around(mesh.vertices()).diagonal().norm();
   const MeanEdge mean = mean_edge(region.surface);
   if (!(edge_length > 0)) edge_length = mean.space;
   size_ = mean.uv * (edge_length / mean.space);
@@ -222,16 +217,10 @@ void FacetStops::cross_arcs(size_t l, size_t i, double s0, double s1, size_t m, 
   const PlanarCubic a = lines_[l].arc(i, s0, s1);
   PlanarCubic b = lines_[m].arc(j, t0, t1);
   for (Vec2& p : b.b) p.x() += du;
-  Vec2 low[2], high[2];
-  for (const int side : {0, 1}) {
-    const auto& points = side == 0 ? a.b : b.b;
-    low[side] = high[side] = points[0];
-    for (const Vec2& p : points) {
-      low[side] = low[side].cwiseMin(p);
-      high[side] = high[side].cwiseMax(p);
-    }
-  }
-  if ((high[0] - low[1]).minCoeff() < -same_ || (high[1] - low[0]).minCoeff() < -same_) return;
+  const Box2 of_a = box_around(a.b), of_b = box_around(b.b);
+  if ((of_a.max() - of_b.min()).minCoeff() < -same_ ||
+      (of_b.max() - of_a.min()).minCoeff() < -same_)
+    return;
   constexpr int deepest = 6;
   if (depth < deepest) {
     const double s = 0.5 * (s0 + s1), t = 0.5 * (t0 + t1);

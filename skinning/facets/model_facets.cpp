@@ -3,11 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numeric>
 #include <optional>
 #include <set>
 
+#include "batten/core/box.h"
 #include "batten/core/errors.h"
+#include "batten/core/groups.h"
 #include "batten/core/index.h"
 
 namespace batten {
@@ -53,23 +54,6 @@ struct SharedLine {
     const size_t a = nearest(side.fraction(t[0])), b = nearest(side.fraction(t[1]));
     return a + 1 == b || b + 1 == a;
   }
-};
-
-/// Things that become one; each group is known by its lowest.
-class OneOf {
- public:
-  explicit OneOf(size_t count) : lower_(count) { std::iota(lower_.begin(), lower_.end(), 0); }
-  size_t first(size_t i) {
-    while (lower_[i] != i) i = lower_[i] = lower_[lower_[i]];
-    return i;
-  }
-  void join(size_t i, size_t j) {
-    const auto [low, high] = std::minmax({first(i), first(j)});
-    lower_[high] = low;
-  }
-
- private:
-  std::vector<size_t> lower_;
 };
 
 class ModelMesher {
@@ -216,6 +200,7 @@ class ModelMesher {
 
   size_t id(size_t r, int node) const { return first_[r] + static_cast<size_t>(node); }
 
+  void unite(size_t a, size_t b) { one_->join(static_cast<int>(a), static_cast<int>(b)); }
   void join_nodes() {
     one_.emplace(on_surface_.size());
     on_run_.assign(on_surface_.size(), 0);
@@ -230,7 +215,7 @@ class ModelMesher {
           known;  // by fraction, of an end or the middle after
       const auto join = [&](size_t k, bool middle, size_t id) {
         if (!line.shared()) return;
-        one_->join(known.try_emplace({k, middle}, id).first->second, id);
+        unite(known.try_emplace({k, middle}, id).first->second, id);
         const auto& f = line.fractions;
         if (!on_curve_[id]) on_curve_[id] = line.sides[0].at(middle ? (f[k] + f[k + 1]) / 2 : f[k]);
       };
@@ -255,17 +240,12 @@ class ModelMesher {
         }
       }
     }
-    Vec3 low = on_surface_[0], high = low;
-    for (const Vec3& p : on_surface_) {
-      low = low.cwiseMin(p);
-      high = high.cwiseMax(p);
-    }
-    const double same = 1e-6 * (high - low).norm();
+    const double same = 1e-6 * box_around(on_surface_).diagonal().norm();
     std::stable_sort(ends.begin(), ends.end(),
                      [](const End& a, const End& b) { return a.place.x() < b.place.x(); });
     for (size_t i = 0; i < ends.size(); ++i)
       for (size_t j = i + 1; j < ends.size() && ends[j].place.x() - ends[i].place.x() <= same; ++j)
-        if ((ends[i].place - ends[j].place).norm() <= same) one_->join(ends[i].id, ends[j].id);
+        if ((ends[i].place - ends[j].place).norm() <= same) unite(ends[i].id, ends[j].id);
   }
 
   void number_nodes() {
@@ -275,7 +255,7 @@ class ModelMesher {
       result_.node.emplace_back();
       for (size_t i = 0; i < result_.regions[r].nodes.size(); ++i) {
         const size_t node = first_[r] + i;
-        int& n = number[one_->first(node)];
+        int& n = number[one_->of(static_cast<int>(node))];
         if (n < 0) {
           n = count_of(members);
           members.emplace_back();
@@ -327,7 +307,7 @@ class ModelMesher {
   std::vector<Vec3> on_surface_;
   std::vector<std::optional<Vec3>> on_curve_;
   std::vector<char> on_run_;
-  std::optional<OneOf> one_;
+  std::optional<Groups> one_;  // nodes that become one
 };
 
 }  // namespace

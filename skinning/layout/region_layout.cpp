@@ -8,6 +8,7 @@
 
 #include "batten/constraints/constrained_solver.h"
 #include "batten/constraints/shape/shape_constraints.h"
+#include "batten/core/box.h"
 #include "batten/core/errors.h"
 #include "batten/fem/assembly.h"
 #include "batten/fem/dissection.h"
@@ -32,8 +33,7 @@ void require_names(const std::vector<CharacterLine>& lines, const std::string& r
 }
 
 double diagonal_of(const std::vector<CharacterLine>& lines) {
-  constexpr double infinity = std::numeric_limits<double>::infinity();
-  Vec3 low = Vec3::Constant(infinity), high = -low;
+  Box3 box;
   constexpr int samples = 256;
   for (const auto& line : lines) {
     if (!line.curve) throw InputError("line '" + line.name + "' has no curve");
@@ -44,12 +44,10 @@ double diagonal_of(const std::vector<CharacterLine>& lines) {
     const double a = given ? given->start() : input.start(), b = given ? given->end() : input.end();
     for (int i = 0; i <= samples; ++i) {
       const double t = a + (b - a) * i / samples;
-      const Vec3 p = given ? given->evaluate(t) : input.evaluate(t);
-      low = low.cwiseMin(p);
-      high = high.cwiseMax(p);
+      box.extend(given ? given->evaluate(t) : input.evaluate(t));
     }
   }
-  const double size = (high - low).norm();
+  const double size = box.diagonal().norm();
   if (!std::isfinite(size)) throw InputError("a line has a point that is not finite");
   if (!(size > 0)) throw InputError("all lines are one point: they have zero length");
   return size;

@@ -1,9 +1,7 @@
 #include "batten/skinning/lines/line_fit.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
-#include <numbers>
 
 #include "batten/core/errors.h"
 #include "batten/core/index.h"

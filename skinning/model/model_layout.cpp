@@ -255,11 +255,6 @@ Location ModelLayout::in_model(int r, Location where) const {
   return where;
 }
 
-Location ModelLayout::in_region(Location where) const {
-  where.triangle -= first_triangle(region_of(where.triangle));
-  return where;
-}
-
 // -- shapes ---------------------------------------------------------------------------------------
 
 Points ModelLayout::region_dofs(int r, const Points& all) const {

@@ -124,7 +124,6 @@ class ModelLayout {
   VecX spread(int r, const VecX& own) const;
   int region_of(int triangle) const;  ///< region of a triangle of the model
   Location in_model(int r, Location where) const;
-  Location in_region(Location where) const;
 
   // -- shapes -------------------------------------------------------------------------------------
   Points region_dofs(int r, const Points& all) const;

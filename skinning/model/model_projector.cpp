@@ -1,6 +1,5 @@
 #include "batten/skinning/model/model_projector.h"
 
-#include <limits>
 #include <optional>
 
 #include "batten/core/index.h"
@@ -11,26 +10,21 @@ ModelProjector::ModelProjector(const ModelLayout& layout, const Points& dofs) {
   regions_.reserve(static_cast<size_t>(layout.region_count()));
   for (int r = 0; r < layout.region_count(); ++r) {
     const RegionLayout& of = layout.region(r);
-    Region region{Surface(of.mesh(), of.element(), layout.region_dofs(r, dofs), of.trim()),
-                  Vec3::Constant(std::numeric_limits<double>::infinity()),
-                  Vec3::Constant(-std::numeric_limits<double>::infinity()),
-                  {}};
-    for (int v = 0; v < of.mesh()->vertex_count(); ++v) {
-      const Vec3 x = region.surface.dofs().row(region.surface.dof_map().vertex(v));
-      region.low = region.low.cwiseMin(x);
-      region.high = region.high.cwiseMax(x);
-    }
+    Region region{
+        Surface(of.mesh(), of.element(), layout.region_dofs(r, dofs), of.trim()), Box3(), {}};
+    for (int v = 0; v < of.mesh()->vertex_count(); ++v)
+      region.box.extend(region.surface.dofs().row(region.surface.dof_map().vertex(v)).transpose());
     // Between its vertices it may bulge beyond their box.
     constexpr double bulge = 0.25;
-    const double margin = bulge * (region.high - region.low).norm();
-    region.low.array() -= margin;
-    region.high.array() += margin;
+    const double margin = bulge * region.box.diagonal().norm();
+    region.box.min().array() -= margin;
+    region.box.max().array() += margin;
     regions_.push_back(std::move(region));
   }
 }
 
 double ModelProjector::Region::distance_to_box(const Vec3& p) const {
-  return (low - p).cwiseMax(p - high).cwiseMax(0).norm();
+  return (box.min() - p).cwiseMax(p - box.max()).cwiseMax(0).norm();
 }
 
 ModelProjector::Nearest ModelProjector::in_region(int r, const Vec3& p) const {

@@ -4,6 +4,7 @@
 #include <memory>
 #include <vector>
 
+#include "batten/core/box.h"
 #include "batten/fem/surface_projector.h"
 #include "batten/skinning/model/model_layout.h"
 
@@ -33,7 +34,7 @@ class ModelProjector {
  private:
   struct Region {
     Surface surface;
-    Vec3 low, high;
+    Box3 box;
     mutable std::unique_ptr<SurfaceProjector> projector;
     double distance_to_box(const Vec3& p) const;
   };

@@ -1,8 +1,6 @@
 // The curves of arcs: from node to node exactly, at even speed, with common tangents.
 #pragma once
 
-#include <vector>
-
 #include "batten/skinning/network/arcs.h"
 #include "batten/skinning/network/network_nodes.h"
 

@@ -6,8 +6,8 @@
 #include <set>
 #include <tuple>
 
+#include "batten/core/box.h"
 #include "batten/core/errors.h"
-#include "batten/core/index.h"
 #include "batten/core/parallel.h"
 #include "batten/core/words.h"
 
@@ -288,15 +288,11 @@ Strands make_strands(const std::vector<CharacterLine>& lines, double corner_angl
     for (Strand& strand : of_line[i]) trace(strand);
   });
   Strands all;
-  Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
+  Box3 box;
   for (auto& strands : of_line)
-    for (const auto& strand : strands)
-      for (const Vec3& p : strand.x) {
-        low = low.cwiseMin(p);
-        high = high.cwiseMax(p);
-      }
-  all.origin = 0.5 * (low + high);
-  all.size = (high - low).norm();
+    for (const auto& strand : strands) box.extend(box_around(strand.x));
+  all.origin = box.center();
+  all.size = box.diagonal().norm();
 
   struct Entry {
     std::array<long long, 3> start, end, middle;

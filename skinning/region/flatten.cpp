@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "batten/core/box.h"
 #include "batten/core/errors.h"
 #include "batten/core/plane.h"
 
@@ -68,12 +69,7 @@ class Sheet {
   }
 
   void follow(const ParametricMesh& mesh, const std::vector<Vec2>& polygon) {
-    Vec2 low = polygon[0], high = low;
-    for (const Vec2& p : polygon) {
-      low = low.cwiseMin(p);
-      high = high.cwiseMax(p);
-    }
-    const double hair = 1e-9 * (high - low).norm();
+    const double hair = 1e-9 * box_around(polygon).diagonal().norm();
     std::vector<VecX> weights;
     for (const Vec2& p : mesh.vertices())
       weights.push_back(mean_value_coordinates(polygon, p, hair));
@@ -136,21 +132,18 @@ class Sheet {
 
 Distortion distortion_of(const std::vector<Mat2>& metric, const std::vector<double>& area) {
   Distortion d;
-  double sum = 0, domain = 0, scale = 0, least = std::numeric_limits<double>::infinity(),
-         largest = 0;
+  double sum = 0, domain = 0, scale = 0, least = std::numeric_limits<double>::infinity();
   std::vector<Vec3> strain;
   for (size_t t = 0; t < metric.size(); ++t) {
     strain.push_back(half_log(metric[t]));
     const double jacobian = std::sqrt(std::max(0.0, metric[t].determinant()));
     d.max_shear = std::max(d.max_shear, std::exp(std::sqrt(2.0) * strain[t].tail<2>().norm()));
     least = std::min(least, jacobian);
-    largest = std::max(largest, jacobian);
     sum += area[t] * jacobian;
     domain += area[t];
     scale += area[t] * jacobian * strain[t][0];
   }
   d.min_area = least * domain / sum;
-  d.max_area = largest * domain / sum;
   double squares = 0;
   for (size_t t = 0; t < metric.size(); ++t) {
     strain[t][0] -= scale / sum;

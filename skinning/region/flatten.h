@@ -10,8 +10,8 @@ namespace batten {
 /// How far a surface is from its domain as a flat sheet, whatever the scale. σ1 ≥ σ2: the singular
 /// values of J = (x_u, x_v).
 struct Distortion {
-  double max_shear = 1;               ///< largest σ1/σ2
-  double min_area = 1, max_area = 1;  ///< of σ1 σ2 over its mean
+  double max_shear = 1;  ///< largest σ1/σ2
+  double min_area = 1;   ///< least σ1 σ2 over its mean
   /// √ mean of (log σ1/s)² + (log σ2/s)² over the surface's area; log s is the mean of all log σ.
   double rms = 0;
 };

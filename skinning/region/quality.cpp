@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 
 #include "batten/core/index.h"
 #include "batten/core/plane.h"

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "batten/core/box.h"
 #include "batten/core/errors.h"
 #include "batten/core/index.h"
 
@@ -102,7 +103,7 @@ RegionGraph::RegionGraph(std::vector<Vec3> positions, std::vector<std::array<int
                          const std::vector<std::vector<Vec3>>& polylines,
                          std::vector<std::string> names)
     : nodes(std::move(positions)) {
-  Vec3 low = Vec3::Constant(HUGE_VAL), high = -low;
+  Box3 box;
   for (size_t a = 0; a < polylines.size(); ++a) {
     const auto& line = polylines[a];
     std::vector<double> along{0};
@@ -121,12 +122,12 @@ RegionGraph::RegionGraph(std::vector<Vec3> positions, std::vector<std::array<int
       const double piece = along[i] - along[i - 1];
       const double f = piece > 0 ? std::clamp((s - along[i - 1]) / piece, 0.0, 1.0) : 0;
       arc.points[k] = (1 - f) * line[i - 1] + f * line[i];
-      low = low.cwiseMin(arc.points[k]), high = high.cwiseMax(arc.points[k]);
+      box.extend(arc.points[k]);
     }
     make_frames(arc);
     arcs.push_back(std::move(arc));
   }
-  if (!arcs.empty()) size = (high - low).norm();
+  if (!arcs.empty()) size = box.diagonal().norm();
   connect();
 }
 

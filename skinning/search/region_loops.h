@@ -24,9 +24,8 @@ struct LoopCandidate {
   /// For each use of an arc the direction into the surface, as an angle in the arc's frame, at the
   /// arc's own start and end.
   std::vector<std::array<double, 2>> side;
-  double twist_deg = 0;  ///< largest twist between neighbouring corner planes
-  double bend = 0;       ///< rms distance from the plane of least squares over (length / 2π)
-  int again = 0;         ///< nodes and arcs that are passed twice, but for bridges
+  double bend = 0;  ///< rms distance from the plane of least squares over (length / 2π)
+  int again = 0;    ///< nodes and arcs that are passed twice, but for bridges
   double gain(const LoopPrices& prices) const { return prices.covered * loop.size() - cost; }
 };
 

@@ -29,7 +29,7 @@ struct Normals {
   };
   std::vector<Corner> corners;                  // before use i
   std::vector<std::array<double, 2>> angles{};  // normal at the start and end of travel
-  double worst_twist = 0, twist_squares = 0, turning = 0;
+  double twist_squares = 0, turning = 0;
 
   Normals(const RegionGraph& g, const ArcLoop& l) : graph(g), loop(l), angles(l.size()) {
     for (int i = 0; i < n; ++i) {
@@ -80,7 +80,6 @@ struct Normals {
       const double twist = sign * wrapped(angle_of(i, true, target) - angles[i][1]);
       spread(from, i, twist);
       twist_squares += twist * twist;
-      worst_twist = std::max(worst_twist, std::abs(twist));
       now = target;
       from = next;
     }
@@ -110,7 +109,6 @@ struct Normals {
       angles[i] = {angle_of(i, false, area), angle_of(i, true, area)};
       const double twist = wrapped(angles[i][1] - angles[i][0]);
       twist_squares += twist * twist;
-      worst_twist = std::max(worst_twist, std::abs(twist));
     }
   }
 
@@ -193,7 +191,6 @@ LoopCandidate measured(const RegionGraph& graph, const ArcLoop& given, const Loo
   }
   const double quarter = kPi / 2;
   c.again = std::max(c.again, 0);
-  c.twist_deg = around.worst_twist * 180 / kPi;
   c.bend = plane_distance(graph, c.loop) / (length / (2 * kPi));
   c.cost = inside / kPi + prices.twist * around.twist_squares / (quarter * quarter) +
            prices.bend * c.bend * c.bend + prices.jump * jumps(around) + prices.again * c.again;

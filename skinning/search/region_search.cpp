@@ -1,7 +1,6 @@
 #include "batten/skinning/search/region_search.h"
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 
 namespace batten {
@@ -74,11 +73,7 @@ RegionSearch search_regions(const RegionGraph& graph, const SettledRegions& sett
       item.uses.push_back(count);
       room = room && count <= search.problem.room[arc];
     }
-    if (!room) continue;
-    if (item.gain <= 1e-9) {
-      search.costly.push_back(std::move(c));
-      continue;
-    }
+    if (!room || item.gain <= 1e-9) continue;
     search.problem.items.push_back(std::move(item));
     search.loops.push_back(std::move(c));
   }

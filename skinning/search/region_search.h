@@ -16,9 +16,8 @@ struct SettledRegions {
 
 /// What was traced and chosen.
 struct RegionSearch {
-  std::vector<LoopCandidate> loops;   ///< those that gain by themselves, in canonical order
-  std::vector<LoopCandidate> costly;  ///< the others
-  Selection problem;                  ///< an item for each of `loops`
+  std::vector<LoopCandidate> loops;  ///< those that gain by themselves, in canonical order
+  Selection problem;                 ///< an item for each of `loops`
   Selected selected;
   bool complete = true;  ///< all loops were traced; false: the work limit was met
 };

@@ -2,7 +2,6 @@
 // arc have a price.
 #pragma once
 
-#include <utility>
 #include <vector>
 
 #include "batten/skinning/search/selection.h"

@@ -50,9 +50,8 @@ RoughSurface::RoughSurface(const RegionGraph& graph, const ArcLoop& outline) {
   constexpr int kMost = 240;
   const int n = count_of(outline);
   const std::vector<Vec3> points = graph.sampled(outline, std::clamp(kMost / n, 1, 8));
-  low_ = Vec3::Constant(HUGE_VAL), high_ = -low_;
-  for (const Vec3& p : points) low_ = low_.cwiseMin(p), high_ = high_.cwiseMax(p);
-  diagonal_ = (high_ - low_).norm();
+  box_ = box_around(points);
+  diagonal_ = box_.diagonal().norm();
   const auto fill = points.size() <= 400 && points.size() > 2 ? plain_fill(points) : std::nullopt;
   if (fill) {
     for (const auto& [a, b, c] : fill->triangles)
@@ -68,7 +67,7 @@ RoughSurface::RoughSurface(const RegionGraph& graph, const ArcLoop& outline) {
 double RoughSurface::farthest(const std::vector<Vec3>& points, double enough) const {
   double most = 0;
   for (const Vec3& p : points) {
-    const Vec3 outside = (low_ - p).cwiseMax(p - high_).cwiseMax(0);
+    const Vec3 outside = (box_.min() - p).cwiseMax(p - box_.max()).cwiseMax(0);
     if (outside.norm() > enough) return HUGE_VAL;
     double least = HUGE_VAL;
     for (const auto& triangle : triangles_)

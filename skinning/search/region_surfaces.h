@@ -1,6 +1,7 @@
 // Takes found regions as rough surfaces, and finds which lines lie on them.
 #pragma once
 
+#include "batten/core/box.h"
 #include "batten/skinning/search/region_loops.h"
 
 namespace batten {
@@ -17,7 +18,7 @@ class RoughSurface {
 
  private:
   std::vector<std::array<Vec3, 3>> triangles_;
-  Vec3 low_, high_;
+  Box3 box_;
   double diagonal_ = 0;
 };
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "batten/core/box.h"
 #include "batten/core/index.h"
 #include "batten/core/parallel.h"
 #include "batten/skinning/domains/plain_fill.h"
@@ -104,15 +105,13 @@ struct Sketch {
 Sketch sketch_of(const CharacterLineNetwork& network, const NetworkRegion& region,
                  const Vec3& about) {
   Sketch sketch;
-  Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
+  Box3 box;
   bool filled = !region.ring;
   for (size_t l = 0; l < region.loops.size(); ++l) {
     const std::vector<Vec3> points = polyline(network, region.loops[l]);
-    for (size_t i = 0; i < points.size(); ++i) {
-      low = low.cwiseMin(points[i]);
-      high = high.cwiseMax(points[i]);
+    box.extend(box_around(points));
+    for (size_t i = 0; i < points.size(); ++i)
       sketch.vector += 0.5 * (points[i] - about).cross(points[(i + 1) % points.size()] - about);
-    }
     // A hole runs the other way around, so its filling counts negative by itself.
     const auto fill = filled ? plain_fill(points) : std::nullopt;
     filled = filled && fill;
@@ -133,7 +132,7 @@ Sketch sketch_of(const CharacterLineNetwork& network, const NetworkRegion& regio
       sketch.volume += (a.dot(b.cross(c)) + a.dot(c.cross(d))) / 6;
     }
   }
-  sketch.size = (high - low).norm();
+  sketch.size = box.diagonal().norm();
   return sketch;
 }
 

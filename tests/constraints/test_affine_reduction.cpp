@@ -10,6 +10,7 @@
 #include "batten/constraints/constrained_solver.h"
 #include "batten/core/errors.h"
 #include "batten/tests/catch.h"
+#include "batten/tests/kkt_twin.h"
 #include "batten/tests/sampling.h"
 
 using namespace batten_test;

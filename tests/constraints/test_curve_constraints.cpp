@@ -8,6 +8,7 @@
 #include "batten/fem/curve.h"
 #include "batten/fem/curve_assembly.h"
 #include "batten/tests/catch.h"
+#include "batten/tests/kkt_twin.h"
 #include "batten/tests/refusal.h"
 #include "batten/tests/sampling.h"
 

@@ -9,6 +9,7 @@
 #include "batten/fem/assembly.h"
 #include "batten/tests/catch.h"
 #include "batten/tests/clamped_rim.h"
+#include "batten/tests/kkt_twin.h"
 #include "batten/tests/sampling.h"
 
 using namespace batten_test;

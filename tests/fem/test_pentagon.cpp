@@ -10,6 +10,7 @@
 #include "batten/fem/assembly.h"
 #include "batten/fem/surface.h"
 #include "batten/tests/catch.h"
+#include "batten/tests/kkt_twin.h"
 #include "batten/tests/reference.h"
 
 using namespace batten;

@@ -8,6 +8,7 @@
 #include "batten/mesh/deform/form_feature_deformer.h"
 #include "batten/mesh/operators.h"
 #include "batten/tests/catch.h"
+#include "batten/tests/deform_twin.h"
 #include "batten/tests/mesh/sample_meshes.h"
 #include "batten/tests/refusal.h"
 #include "batten/tests/sampling.h"

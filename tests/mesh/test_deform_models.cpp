@@ -8,6 +8,7 @@
 #include "batten/mesh/prepare.h"
 #include "batten/mesh/quality.h"
 #include "batten/tests/catch.h"
+#include "batten/tests/deform_twin.h"
 #include "batten/tests/mesh_models.h"
 
 using namespace batten;

@@ -11,6 +11,7 @@
 #include "batten/mesh/operators.h"
 #include "batten/tests/allocations.h"
 #include "batten/tests/catch.h"
+#include "batten/tests/deform_twin.h"
 #include "batten/tests/mesh/sample_meshes.h"
 #include "batten/tests/sampling.h"
 #include "batten/tests/threads.h"

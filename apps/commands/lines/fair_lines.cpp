@@ -6,10 +6,9 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
-#include <numeric>
 
-#include "batten/apps/commands/lines/sampled_line.h"
 #include "batten/apps/commands/runs/run_parts.h"
+#include "batten/core/box.h"
 #include "batten/core/index.h"
 #include "batten/core/parallel.h"
 #include "batten/fairing/point_row.h"
@@ -60,8 +59,7 @@ class Fairing {
         if (matches(word.text, names_[i])) any = work_[i][s].acts = true;
       if (!any)
         throw InputError(place_prefix(settings_.file, word.place) + "found the line name '" +
-                         word.text + "', expected one of: " + listed(names_) +
-                         did_you_mean(word.text, names_));
+                         word.text + "', expected " + one_of(word.text, names_));
     }
   }
 
@@ -324,9 +322,7 @@ FairedResult Fairing::faired(size_t index) {
     result.warning = "line '" + report.name + "' has " + why + " and is passed through as it is";
     return result;
   }
-  Eigen::AlignedBox3d box;
-  for (const Vec3& p : line.points) box.extend(p);
-  report.size = box.diagonal().norm();
+  report.size = box_around(line.points).diagonal().norm();
 
   const auto start = std::chrono::steady_clock::now();
   result.states.push_back(curve_as_given(report.name, line.points, given_options(index)));

@@ -7,7 +7,7 @@
 #include "batten/apps/commands/lines/line_files.h"
 #include "batten/core/progress.h"
 #include "batten/io/lines/curve_files.h"
-#include "batten/io/report/faired_line.h"
+#include "batten/io/report/report_parts.h"
 
 namespace batten {
 

@@ -2,17 +2,128 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <vector>
 
-#include "batten/apps/commands/lines/comb_panels.h"
 #include "batten/apps/commands/lines/fair_lines.h"
-#include "batten/apps/commands/runs/output_folder.h"
 #include "batten/apps/commands/runs/run_parts.h"
+#include "batten/core/index.h"
 #include "batten/io/files/length_units.h"
-#include "batten/io/files/whole_file.h"
-#include "batten/io/pictures/display.h"
+#include "batten/io/pictures/curve_pictures.h"
 
 namespace batten {
 namespace {
+
+std::string short_number(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g", value);
+  return text;
+}
+
+std::string from_to(int before, int after) {
+  return std::to_string(before) + " -> " + std::to_string(after);
+}
+
+/// UTF-8 letters, not bytes.
+size_t width_of(const std::string& text) {
+  return static_cast<size_t>(std::count_if(text.begin(), text.end(), [](char c) {
+    return (static_cast<unsigned char>(c) & 0xC0) != 0x80;
+  }));
+}
+
+using Row = std::vector<std::string>;
+
+Row row_of(const FairedLine& c) {
+  Row row = {c.name, std::to_string(c.points)};
+  if (!c.before || !c.after) {
+    row.insert(row.end(), {"-", "-", "-", "-", "-", "-", "-"});
+    return row;
+  }
+  row.insert(row.end(),
+             {std::to_string(c.segments), short_number(c.deviation.max),
+              short_number(c.deviation.rms), from_to(c.before->extrema, c.after->extrema),
+              from_to(c.before->inflections, c.after->inflections),
+              c.wavelength > 0 ? short_number(c.wavelength) : "-", short_number(1000 * c.seconds)});
+  return row;
+}
+
+Row total_of(const std::vector<FairedLine>& curves) {
+  FairedLine sum;
+  sum.name = std::to_string(curves.size()) + " lines";
+  sum.before.emplace();
+  sum.after.emplace();
+  double squares = 0;
+  for (const FairedLine& c : curves) {
+    sum.points += c.points;
+    sum.segments += c.segments;
+    sum.seconds += c.seconds;
+    sum.deviation.max = std::max(sum.deviation.max, c.deviation.max);
+    squares += c.points * c.deviation.rms * c.deviation.rms;
+    for (auto [all, one] : {std::pair(&sum.before, &c.before), std::pair(&sum.after, &c.after)})
+      if (*one) {
+        (*all)->extrema += (*one)->extrema;
+        (*all)->inflections += (*one)->inflections;
+      }
+  }
+  if (sum.points > 0) sum.deviation.rms = std::sqrt(squares / sum.points);
+  return row_of(sum);
+}
+
+/// The counts of extrema and inflections, as words for a caption.
+std::string counts(const std::vector<HermiteCurve>& curves) {
+  int extrema = 0, inflections = 0;
+  for (const HermiteCurve& curve : curves) {
+    const Fairness f = fairness(curve);
+    extrema += f.extrema;
+    inflections += f.inflections;
+  }
+  const auto said = [](int n, const std::string& noun, const std::string& many) {
+    return std::to_string(n) + " " + (n == 1 ? noun : many);
+  };
+  return said(extrema, "extremum", "extrema") + ", " +
+         said(inflections, "inflection", "inflections");
+}
+
+/// The panels of a [[picture]]. Combs shows the lines as given and at the end; Stages shows them as
+/// given, after each stage of whole lines, and after local stages that follow each other. Lines
+/// without length are dots. At least one result must have a curve.
+CombPicture comb_panels(const std::vector<FairedResult>& results, const FairScene& scene,
+                        const CombPictureRule& rule) {
+  CombPicture picture;
+  picture.unit = scene.unit;
+  picture.view = rule.view;
+  const auto add = [&](size_t state, const std::string& title) -> CombPanel& {
+    CombPanel panel;
+    for (const FairedResult& result : results) {
+      if (result.has_curve()) panel.curves.push_back(result.states[state]);
+      if (rule.points || !result.has_curve())
+        panel.points.insert(panel.points.end(), result.points.begin(), result.points.end());
+    }
+    panel.title =
+        (rule.title.empty() ? "" : rule.title + ", ") + title + ": " + counts(panel.curves);
+    picture.panels.push_back(std::move(panel));
+    return picture.panels.back();
+  };
+  const auto& stages = scene.stages;
+  if (rule.show == CombPictureRule::Show::Combs) {
+    add(0, "before");
+    add(stages.size(), "after");
+  } else {
+    add(0, "as given");
+    for (size_t s = 0; s < stages.size(); ++s) {
+      std::string names = stages[s].name;
+      const size_t first = s;
+      while (stages[s].local() && s + 1 < stages.size() && stages[s + 1].local())
+        names += ", " + stages[++s].name;
+      CombPanel& panel = add(s + 1, names);
+      for (size_t k = first; k <= s; ++k)
+        if (stages[k].brush)
+          panel.spheres.emplace_back(stages[k].brush->at, stages[k].brush->radius);
+    }
+  }
+  picture.scale_panel = count_of(picture.panels) - 1;
+  return picture;
+}
 
 std::string first_few(const std::vector<std::string>& names) {
   constexpr size_t few = 5;
@@ -56,33 +167,47 @@ void write(const std::filesystem::path& path, const std::vector<FairedResult>& r
   report.files.push_back(name);
 }
 
-/// Draws pictures. Without a display they are added to report.missed, and the result is kept.
 void draw(const std::filesystem::path& path, const std::vector<FairedResult>& results,
           const FairScene& scene, const CombPictureRule& rule, FairReport& report,
           const std::string& name) {
-  const auto missed = [&](const std::string& why) {
-    report.missed.push_back({name, "is not drawn: " + why});
-  };
-  if (std::none_of(results.begin(), results.end(), [](const auto& r) { return r.has_curve(); }))
-    return missed("no line has a length");
-  try {
-    require_display();
-  } catch (const InputError& e) {
-    return missed(e.what());
+  if (std::none_of(results.begin(), results.end(), [](const auto& r) { return r.has_curve(); })) {
+    report.missed.push_back({name, "is not drawn: no line has a length"});
+    return;
   }
+  if (!can_draw(report, name)) return;
   draw_combs(path, comb_panels(results, scene, rule), rule.size);
   report.files.push_back(name);
 }
 
-void finish(FairReport& report) {
-  const auto broken = broken_promises(report);
-  report.missed.insert(report.missed.end(), broken.begin(), broken.end());
-}
-
 }  // namespace
 
-void apply_settings(FairScene& scene, const std::vector<std::string>& settings) {
-  for (const Setting& s : parsed_settings(settings)) scene.set(s.name, s.value, s.where);
+std::string summary(const FairReport& report) {
+  constexpr size_t most = 20;
+  std::vector<Row> rows = {{"line", "points", "segments", "deviation", "rms", "extrema",
+                            "inflections", "wavelength", "ms"}};
+  const size_t shown = std::min(most, report.curves.size());
+  for (size_t i = 0; i < shown; ++i) rows.push_back(row_of(report.curves[i]));
+  if (report.curves.size() > 1) rows.push_back(total_of(report.curves));
+  std::vector<size_t> widths(rows.front().size(), 0);
+  for (const Row& row : rows)
+    for (size_t k = 0; k < row.size(); ++k) widths[k] = std::max(widths[k], width_of(row[k]));
+  std::string text = report.name + ", lengths in " + report.unit + "\n";
+  for (const Row& row : rows) {
+    if (&row == &rows.back() && shown < report.curves.size())
+      text += "  ... " + std::to_string(report.curves.size() - shown) + " more\n";
+    text += " ";
+    for (size_t k = 0; k < row.size(); ++k) {
+      const std::string pad(widths[k] - width_of(row[k]), ' ');
+      text += " " + (k == 0 ? row[k] + pad : " " + pad + row[k]);
+    }
+    text += "\n";
+  }
+  return text;
+}
+
+std::string summary(const FairReport& report, const std::filesystem::path& folder) {
+  std::string text = summary(report);
+  return text + result_ending(report, folder);
 }
 
 FairReport run_fair(const FairScene& scene, const std::filesystem::path& folder,
@@ -98,10 +223,7 @@ FairReport run_fair(const FairScene& scene, const std::filesystem::path& folder,
     draw(out.file(rule.file), results, scene, rule, report, rule.file);
   if (!scene.pictures.empty()) watch.lap("pictures");
   watch.total();
-  finish(report);
-  report.files.push_back("report.json");
-  write_whole_file(out.file("report.json"), [&](std::ostream& text) { text << to_json(report); });
-  progress.at("files", 1);
+  write_report(report, broken_promises(report), out, progress);
   out.commit();
   return report;
 }
@@ -121,7 +243,8 @@ FairReport run_fair(const FairScene& scene, const FairFiles& files, const Progre
     watch.lap("pictures");
   }
   watch.total();
-  finish(report);
+  const auto broken = broken_promises(report);
+  report.missed.insert(report.missed.end(), broken.begin(), broken.end());
   if (!files.report.empty()) {
     report.files.push_back(files.report.string());
     write_whole_file(files.report, [&](std::ostream& text) { text << to_json(report); });

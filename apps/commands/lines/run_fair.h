@@ -3,16 +3,12 @@
 
 #include <filesystem>
 #include <string>
-#include <vector>
 
 #include "batten/core/progress.h"
 #include "batten/io/report/fair_report.h"
 #include "batten/io/scene/fair_scene.h"
 
 namespace batten {
-
-/// Sets parameters of the scene from "name=value" words of the command line. Throws InputError.
-void apply_settings(FairScene& scene, const std::vector<std::string>& settings);
 
 /// Fairs the lines of a scene and writes all files and report.json into the folder, all of them or
 /// none. report.missed has pictures that cannot be drawn and conditions that do not hold;

@@ -6,12 +6,10 @@
 #include <numbers>
 
 #include "batten/apps/commands/meshes/deform_task.h"
-#include "batten/apps/commands/runs/output_folder.h"
 #include "batten/apps/commands/runs/run_parts.h"
+#include "batten/core/box.h"
 #include "batten/core/index.h"
 #include "batten/io/decks/shell_deck.h"
-#include "batten/io/files/whole_file.h"
-#include "batten/io/pictures/display.h"
 #include "batten/io/pictures/mesh_pictures.h"
 #include "batten/io/vtk/shell_vtk.h"
 #include "batten/mesh/deform/form_feature_deformer.h"
@@ -39,12 +37,9 @@ void measure_into(DeformReport& report, const MeshFile& file, const TriangleMesh
     const Similarity fit = fit_similarity(before, after, f.vertices);
     const double angle = Eigen::AngleAxisd(fit.R).angle() * 180 / std::numbers::pi;
     const auto centre = VertexCombination::mean_of(f.vertices);
-    Vec3 low = Vec3::Constant(INFINITY), high = -low;
-    for (const int v : f.vertices) {
-      low = low.cwiseMin(before.row(v).transpose());
-      high = high.cwiseMax(before.row(v).transpose());
-    }
-    report.features.push_back({f.name, count_of(f.vertices), (high - low).norm(), fit.max_error,
+    Box3 box;
+    for (const int v : f.vertices) box.extend(before.row(v).transpose());
+    report.features.push_back({f.name, count_of(f.vertices), box.diagonal().norm(), fit.max_error,
                                fit.scale, angle, (centre.at(after) - centre.at(before)).norm()});
   }
   for (const MeshCurve& c : kept.curves)
@@ -101,21 +96,14 @@ std::vector<MeshPicture::Part> parts_of(const ShellMesh& shells, const Kept& kep
   return parts;
 }
 
-/// Draws pictures. Without a display they are added to report.missed, and the result is kept.
 void draw_all(DeformReport& report, const DeformScene& scene, const MeshFile& file,
               const std::vector<Points>& states, const std::vector<Task>& tasks, const Kept& kept,
               const OutputFolder& out) {
   if (scene.pictures.empty()) return;
   using Show = MeshPictureRule::Show;
-  try {
-    require_display();
-  } catch (const InputError& e) {
-    for (const auto& rule : scene.pictures)
-      report.missed.push_back({rule.file, std::string("is not drawn: ") + e.what()});
-    return;
-  }
   const auto parts = parts_of(file.shells(), kept, tasks.front());
   for (const MeshPictureRule& rule : scene.pictures) {
+    if (!can_draw(report, rule.file)) continue;
     MeshPicture look;
     look.shells = &file.shells();
     look.parts = parts;
@@ -190,10 +178,6 @@ void write_result(const std::filesystem::path& path, const MeshFile& file, const
 }
 
 }  // namespace
-
-void apply_settings(DeformScene& scene, const std::vector<std::string>& settings) {
-  for (const Setting& s : parsed_settings(settings)) scene.set(s.name, s.value, s.where);
-}
 
 DeformReport run_deform(const DeformScene& scene, const std::filesystem::path& folder,
                         const Progress& progress) {
@@ -289,11 +273,7 @@ DeformReport run_deform(const DeformScene& scene, const std::filesystem::path& f
   draw_all(report, scene, file, states, tasks, kept, out);
   watch.lap("pictures");
   watch.total();
-  const auto broken = broken_promises(report);
-  report.missed.insert(report.missed.end(), broken.begin(), broken.end());
-  report.files.push_back("report.json");
-  write_whole_file(out.file("report.json"), [&](std::ostream& text) { text << to_json(report); });
-  progress.at("files", 1);
+  write_report(report, broken_promises(report), out, progress);
   out.commit();
   return report;
 }

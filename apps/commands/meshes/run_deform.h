@@ -3,16 +3,12 @@
 
 #include <filesystem>
 #include <string>
-#include <vector>
 
 #include "batten/core/progress.h"
 #include "batten/io/report/deform_report.h"
 #include "batten/io/scene/deform_scene.h"
 
 namespace batten {
-
-/// Sets parameters of the scene from "name=value" words of the command line. Throws InputError.
-void apply_settings(DeformScene& scene, const std::vector<std::string>& settings);
 
 /// Does the edits one after the other, measures the result and writes all files and report.json
 /// into the folder, all of them or none. A result that misses a promise is written, too;

@@ -1,7 +1,5 @@
 #include "batten/apps/commands/runs/promises.h"
 
-#include <cmath>
-
 #include "batten/io/report/fair_report.h"
 
 namespace batten {

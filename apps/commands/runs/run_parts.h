@@ -8,8 +8,35 @@
 #include <vector>
 
 #include "batten/core/errors.h"
+#include "batten/core/progress.h"
+#include "batten/io/files/whole_file.h"
+#include "batten/io/report/report_parts.h"
 
 namespace batten {
+
+/// The output folder of a run: all its files appear, or none. Files are written into a hidden folder
+/// inside it, and commit() moves them to their names. Without a commit the destructor removes them
+/// and the folders that the constructor made; files of earlier runs stay as they were.
+class OutputFolder {
+ public:
+  /// Makes the folder and those above it. Throws InputError when it cannot be written to.
+  explicit OutputFolder(std::filesystem::path folder);
+  ~OutputFolder();
+  OutputFolder(const OutputFolder&) = delete;
+  OutputFolder& operator=(const OutputFolder&) = delete;
+
+  /// The path at which to write the file of this name before commit().
+  std::filesystem::path file(const std::string& name) const { return hidden_ / name; }
+  const std::filesystem::path& folder() const { return folder_; }
+  /// Moves all files to their names. Call it once. Throws InputError, before anything is moved,
+  /// when a folder has the name of a file.
+  void commit();
+
+ private:
+  std::filesystem::path folder_, hidden_;
+  std::vector<std::filesystem::path> made_;  // folders that were made, outermost first
+  bool committed_ = false;
+};
 
 /// Measures the seconds of each stage of a run: lap() ends a stage, total() the run.
 class Stopwatch {
@@ -38,6 +65,26 @@ struct Setting {
 /// Parses words "name=value". Throws InputError: no '=', no name, a value that is not a finite
 /// number.
 std::vector<Setting> parsed_settings(const std::vector<std::string>& settings);
+/// Sets parameters of any kind of scene from "name=value" words of the command line, in their order.
+/// Throws InputError.
+template <class AnyScene>
+void apply_settings(AnyScene& scene, const std::vector<std::string>& settings) {
+  for (const Setting& s : parsed_settings(settings)) scene.set(s.name, s.value, s.where);
+}
+
+/// Whether pictures can be drawn. When there is no display, it returns false and adds `what` to
+/// report.missed: the result is kept.
+bool can_draw(RunReport& report, const std::string& what);
+
+/// Adds the broken promises to any kind of report, and writes report.json into the folder.
+template <class AnyReport>
+void write_report(AnyReport& report, const std::vector<MissedPromise>& broken,
+                  const OutputFolder& out, const Progress& progress) {
+  report.missed.insert(report.missed.end(), broken.begin(), broken.end());
+  report.files.push_back("report.json");
+  write_whole_file(out.file("report.json"), [&](std::ostream& text) { text << to_json(report); });
+  progress.at("files", 1);
+}
 
 /// Whether a text fits a pattern, in which '*' stands for any letters. O(product of the lengths).
 bool matches(const std::string& pattern, const std::string& text);
@@ -46,14 +93,6 @@ bool matches(const std::string& pattern, const std::string& text);
 std::string result_line(const std::string& label, const std::string& text);
 
 /// The end of a summary of any kind of report: the time it took, and the files.
-template <class AnyReport>
-std::string result_ending(const AnyReport& report, const std::filesystem::path& folder) {
-  std::string text;
-  for (const auto& [stage, seconds] : report.timings)
-    if (stage == "total") text += result_line("time", number(seconds) + " s");
-  text += "files in " + folder.string() + ":\n";
-  for (const auto& file : report.files) text += "  " + file + "\n";
-  return text;
-}
+std::string result_ending(const RunReport& report, const std::filesystem::path& folder);
 
 }  // namespace batten

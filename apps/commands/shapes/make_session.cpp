@@ -1,10 +1,10 @@
 #include "batten/apps/commands/shapes/make_session.h"
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 
 #include "batten/apps/commands/lines/line_files.h"
+#include "batten/core/box.h"
 #include "batten/core/words.h"
 #include "batten/fairing/curve_fit.h"
 #include "batten/skinning/model/model_projector.h"
@@ -48,8 +48,8 @@ class SceneOnLayout {
         throw InputError(scene_.at(word.place) + "found the region '" + word.text +
                          "', which could not be skinned (" + other.why_not +
                          "), expected one of: " + listed(names));
-    throw InputError(scene_.at(word.place) + "found the region '" + word.text +
-                     "', expected one of: " + listed(names) + did_you_mean(word.text, names));
+    throw InputError(scene_.at(word.place) + "found the region '" + word.text + "', expected " +
+                     one_of(word.text, names));
   }
 
   /// A line of the layout, or one from a file.
@@ -66,17 +66,13 @@ class SceneOnLayout {
     FitOptions options;
     options.corner_angle = scene_.skin.options.corner_angle;
     const auto input = lines.front().as_curve(options.corner_angle);
-    Vec3 low = input->evaluate(input->start()), high = low;
+    Box3 box(input->evaluate(input->start()));
     constexpr int samples = 64;
-    for (int i = 1; i <= samples; ++i) {
-      const Vec3 p =
-          input->evaluate(input->start() + (input->end() - input->start()) * i / samples);
-      low = low.cwiseMin(p);
-      high = high.cwiseMax(p);
-    }
+    for (int i = 1; i <= samples; ++i)
+      box.extend(input->evaluate(input->start() + (input->end() - input->start()) * i / samples));
     constexpr double usual = 1e-4;  // of its size, as lines of the surface
     options.tolerance = scene_.skin.options.tolerance > 0 ? scene_.skin.options.tolerance
-                                                          : usual * (high - low).norm();
+                                                          : usual * box.diagonal().norm();
     return fit_curve(lines.front().name, input, options);
   }
 

@@ -1,7 +1,6 @@
 #include "batten/apps/commands/shapes/make_shape.h"
 
 #include <algorithm>
-#include <cmath>
 #include <optional>
 
 #include "batten/apps/commands/shapes/make_session.h"

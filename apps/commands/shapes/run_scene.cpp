@@ -2,15 +2,158 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "batten/apps/commands/lines/fair_lines.h"
+#include "batten/apps/commands/runs/run_parts.h"
 #include "batten/apps/commands/shapes/shape_files.h"
 #include "batten/core/errors.h"
 #include "batten/core/index.h"
+#include "batten/core/words.h"
 #include "batten/io/pictures/display.h"
 
 namespace batten {
 namespace {
+
+constexpr size_t kMost = 3;  // of a kind that are spelled out
+
+std::string counted(size_t count, const std::string& one, const std::string& many) {
+  return std::to_string(count) + " " + (count == 1 ? one : many);
+}
+
+std::string some(const std::vector<std::string>& names, size_t most = 8) {
+  std::string text;
+  for (size_t i = 0; i < std::min(names.size(), most); ++i) text += (i ? ", " : "") + names[i];
+  if (names.size() > most) text += ", … (" + std::to_string(names.size()) + " in all)";
+  return text;
+}
+
+// The first few, one under the other; the label stands before the first.
+std::string listed_lines(const std::string& label, const std::vector<std::string>& texts) {
+  std::string text;
+  for (size_t i = 0; i < std::min(texts.size(), kMost); ++i)
+    text += result_line(i ? "" : label, texts[i]);
+  if (texts.size() > kMost)
+    text += result_line(
+        "", "and " + std::to_string(texts.size() - kMost) + " more (report.json has all)");
+  return text;
+}
+
+std::string repairs(const NetworkReport& n) {
+  std::map<std::string, int> counts;
+  double farthest = 0;
+  for (const NetworkFinding& f : n.findings) {
+    if (!f.repaired) continue;
+    ++counts[word(f.kind)];
+    farthest = std::max(farthest, f.distance);
+  }
+  std::string text;
+  for (const auto& [kind, count] : counts)
+    text += (text.empty() ? "" : ", ") + std::to_string(count) + " " + kind;
+  return text.empty() ? "" : text + "; farthest apart " + number(farthest);
+}
+
+std::string joins(const NetworkReport& n) {
+  std::map<std::string, size_t> counts;
+  double angle = 0;
+  size_t open = 0;
+  for (const auto& j : n.joins) {
+    ++counts[j.kind];
+    if (j.kind != "smooth") continue;
+    open += j.open[0] || j.open[1];
+    angle = std::max(angle, j.max_inside_deg);
+  }
+  std::string text = counted(counts["crease"], "crease", "creases") + ", " +
+                     std::to_string(counts["smooth"]) + " smooth";
+  if (counts["smooth"]) text += " within " + number(angle) + " degrees";
+  if (open) text += " (" + std::to_string(open) + " of them with an end that is a crease)";
+  text += ", " + counted(counts["rim"], "rim", "rims");
+  if (counts["branching"]) text += ", " + std::to_string(counts["branching"]) + " branching";
+  return text;
+}
+
+/// Says how many lines meet where, what was repaired and what was not.
+std::string line_results(const NetworkReport& n, const std::string& unit) {
+  std::string text = result_line(
+      "lines", std::to_string(n.lines) + ", in " +
+                   counted(static_cast<size_t>(n.arcs), "piece", "pieces") + " between " +
+                   counted(static_cast<size_t>(n.nodes), "place", "places") +
+                   " where they meet within " + number(n.tolerance) + unit);
+  if (const std::string repaired = repairs(n); !repaired.empty())
+    text += result_line("repaired", repaired + unit);
+  std::vector<std::string> listed_only;
+  for (const NetworkFinding& f : n.findings)
+    if (!f.repaired) listed_only.push_back(f.text);
+  text += listed_lines("not joined", listed_only);
+  return text;
+}
+
+/// Says which regions were found and skinned, with how many triangles.
+std::string region_results(const NetworkReport& n, const Report::Surface& s) {
+  size_t skinned = 0;
+  std::vector<std::string> not_skinned;
+  for (const auto& r : n.regions) {
+    skinned += r.skinned;
+    if (!r.skinned) not_skinned.push_back("'" + r.name + "': " + r.why_not);
+  }
+  std::string text = result_line(
+      "regions", std::to_string(n.regions.size()) + " found, " + std::to_string(skinned) +
+                     " skinned: " + std::to_string(s.triangles) + " triangles, " +
+                     std::to_string(s.dofs) + " unknowns a coordinate");
+  return text + listed_lines("not skinned", not_skinned);
+}
+
+/// Says what the shells are.
+std::string shell_results(const NetworkReport& n, const std::string& unit) {
+  std::string text;
+  for (const auto& shell : n.shells) {
+    if (n.shells.size() > kMost && &shell >= &n.shells[kMost]) continue;
+    text +=
+        result_line(&shell == &n.shells.front() ? "shells" : "",
+                    counted(shell.regions.size(), "region", "regions") + ", " +
+                        (shell.closed ? "closed" : "open") +
+                        (shell.orientable ? "" : ", one-sided or branching") + ", area " +
+                        number(shell.area) + unit + "²" +
+                        (shell.volume != 0 ? ", volume " + number(shell.volume) + unit + "³" : ""));
+  }
+  if (n.shells.size() > kMost)
+    text += result_line("", "and " + std::to_string(n.shells.size() - kMost) + " more shells");
+  return text;
+}
+
+/// Says how good the surface is.
+std::string quality_result(const Report::Surface& s, const std::string& unit) {
+  return result_line("quality", "Jacobian " + number(s.quality.min_jacobian_ratio) +
+                                    " of its median, normal jump " +
+                                    number(s.quality.max_normal_jump_deg) +
+                                    " degrees, surface to your lines " +
+                                    number(s.quality.max_line_deviation) + unit);
+}
+
+/// Says what the STEP file holds.
+std::string step_result(const Report::Step& step, const std::string& unit) {
+  return result_line(
+      "STEP", counted(static_cast<size_t>(step.faces), "face", "faces") + " in " +
+                  (step.solids ? counted(static_cast<size_t>(step.solids), "solid", "solids")
+                               : counted(static_cast<size_t>(step.shells), "shell", "shells")) +
+                  ", " + (step.valid ? "valid" : "NOT valid") + ", within " +
+                  number(step.max_deviation) + unit + ", edges within " + number(step.max_gap) +
+                  unit);
+}
+
+/// Says what else could be, and with which words.
+std::string choice_results(const NetworkReport& n) {
+  std::vector<std::string> choices;
+  for (const auto& c : n.choices) choices.push_back(c.text);
+  std::string text = listed_lines("could be", choices);
+  text += result_line("to change",
+                      "[[region]] loops = [[\"…\", \"…\"]], with surface = false for "
+                      "none there;");
+  text += result_line("",
+                      "[[join]] lines = [\"…\"], kind = \"crease\" or \"smooth\" "
+                      "(batten info: the names)");
+  return text;
+}
 
 void draw_sweep(const MadeModel& made, const ModelLayout& layout, const Scene& scene,
                 const SceneSweep& sweep, const std::filesystem::path& file,
@@ -44,8 +187,27 @@ void draw_sweep(const MadeModel& made, const ModelLayout& layout, const Scene& s
 
 }  // namespace
 
-void apply_settings(Scene& scene, const std::vector<std::string>& settings) {
-  for (const Setting& s : parsed_settings(settings)) scene.set(s.name, s.value, s.where);
+std::string network_summary(const Report& report, const std::filesystem::path& folder) {
+  const NetworkReport& n = *report.network;
+  const auto& s = report.surface;
+  const std::string unit = " " + report.unit;
+  std::string text = report.name + "\n";
+  text += line_results(n, unit);
+  text += region_results(n, s);
+  const bool skinned =
+      std::any_of(n.regions.begin(), n.regions.end(), [](const auto& r) { return r.skinned; });
+  if (skinned) text += result_line("joins", joins(n));
+  text += shell_results(n, unit);
+  std::vector<std::string> flaws;
+  for (const auto& f : n.flaws) flaws.push_back(f.text);
+  text += listed_lines("wrong", flaws);
+  if (!n.bare.empty())
+    text += result_line("left over", counted(n.bare.size(), "line", "lines") +
+                                         " without a surface: " + some(n.bare));
+  if (skinned) text += quality_result(s, unit);
+  if (report.step) text += step_result(*report.step, unit);
+  text += choice_results(n);
+  return text + result_ending(report, folder);
 }
 
 Scene scene_of_lines(const std::vector<std::filesystem::path>& outline,

@@ -9,10 +9,6 @@
 
 namespace batten {
 
-/// Sets parameters of the scene from "name=value" words of the command line, in their order. Throws
-/// InputError.
-void apply_settings(Scene& scene, const std::vector<std::string>& settings);
-
 /// A scene made of files of lines alone, for `batten skin`: files of outlines, files of inner
 /// lines.
 Scene scene_of_lines(const std::vector<std::filesystem::path>& outline,

@@ -395,7 +395,7 @@ std::string sculpt_summary(const Report& report, const std::filesystem::path& fo
                           number(m.rows[i].shape.area), number(m.rows[i].shape.volume),
                           number(m.rows[i].shape.residual)});
   }
-  Report ending = report;
+  RunReport ending = report;
   ending.files = few(report.files);
   return text + result_ending(ending, folder);
 }

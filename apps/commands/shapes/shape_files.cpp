@@ -7,15 +7,14 @@
 
 #include "batten/apps/commands/lines/fair_lines.h"
 #include "batten/apps/commands/runs/promises.h"
+#include "batten/core/box.h"
 #include "batten/core/errors.h"
 #include "batten/core/index.h"
 #include "batten/io/cad/step.h"
 #include "batten/io/cad/step_face.h"
 #include "batten/io/decks/calculix.h"
 #include "batten/io/files/length_units.h"
-#include "batten/io/files/whole_file.h"
 #include "batten/io/lines/cad_lines.h"
-#include "batten/io/pictures/display.h"
 #include "batten/io/vtk/vtk_files.h"
 
 namespace batten {
@@ -30,11 +29,7 @@ ShapeRun::ShapeRun(const Scene& scene, const std::filesystem::path& folder)
 
 void ShapeRun::finish(const Progress& progress) {
   watch.total();
-  const auto broken = broken_promises(report, tolerance);
-  report.missed.insert(report.missed.end(), broken.begin(), broken.end());
-  report.files.push_back("report.json");
-  write_whole_file(out.file("report.json"), [&](std::ostream& file) { file << to_json(report); });
-  progress.at("files", 1);
+  write_report(report, broken_promises(report, tolerance), out, progress);
 }
 
 MadeModel model_of(ShapeRun& run, const Scene& scene, const Progress& progress) {
@@ -60,7 +55,7 @@ void compare_into(Report& report, const Scene& scene,
   Report::Comparison c;
   c.file = scene.compare.filename().string();
   double squares = 0, area = 0;
-  Vec3 low = regions.front()->surface.position({0, Vec3::Unit(0)}), high = low;
+  Box3 box(regions.front()->surface.position({0, Vec3::Unit(0)}));
   for (size_t r = 0; r < regions.size(); ++r) {
     const Surface& surface = regions[r]->surface;
     const Trim* trim = surface.trim().get();
@@ -80,14 +75,13 @@ void compare_into(Report& report, const Scene& scene,
         squares += weight * nearest * nearest;
         area += weight;
         c.max = std::max(c.max, nearest);
-        low = low.cwiseMin(jet.x);
-        high = high.cwiseMax(jet.x);
+        box.extend(jet.x);
         ++c.points;
       }
     }
   }
   c.rms = std::sqrt(squares / area);
-  const double length = (high - low).maxCoeff();
+  const double length = box.sizes().maxCoeff();
   c.max_relative = c.max / length;
   c.rms_relative = c.rms / length;
   report.comparison = c;
@@ -209,15 +203,14 @@ ShellDeck deck_of(const Scene& scene, const MadeModel& made) {
                                                        : ShellDeck::Support::Kind::Pinned});
     if (deck.supports.size() == before)
       throw InputError(scene.at(support.line.place) + "found a support on the line '" +
-                       support.line.text + "', expected one of: " + listed(names) +
-                       did_you_mean(support.line.text, names));
+                       support.line.text + "', expected " + one_of(support.line.text, names));
   }
   const std::vector<std::string> regions = made.region_names();
   for (const auto& pressure : stress.pressures) {
     if (std::find(regions.begin(), regions.end(), pressure.region.text) == regions.end())
       throw InputError(scene.at(pressure.region.place) + "found a pressure on the region '" +
-                       pressure.region.text + "', expected one of: " + listed(regions) +
-                       did_you_mean(pressure.region.text, regions));
+                       pressure.region.text + "', expected " +
+                       one_of(pressure.region.text, regions));
     deck.pressures.push_back({pressure.region.text, pressure.pressure});
   }
   return deck;
@@ -291,16 +284,6 @@ PictureScene picture_of(const PictureScene& look, const MadeModel& made, const M
   if (made.found)
     for (const int a : made.found->bare) picture.loose.push_back(made.network->arcs()[a].curve);
   return picture;
-}
-
-bool can_draw(Report& report, const std::string& what) {
-  try {
-    require_display();
-    return true;
-  } catch (const InputError& e) {
-    report.missed.push_back({what, std::string("is not drawn: ") + e.what()});
-    return false;
-  }
 }
 
 void draw_pictures(ShapeRun& run, const Scene& scene, const MadeModel& made, const MadeShape& shape,

@@ -1,9 +1,6 @@
 // Writes a finished shape as the files and numbers that a scene asks for.
 #pragma once
 
-#include <vector>
-
-#include "batten/apps/commands/runs/output_folder.h"
 #include "batten/apps/commands/runs/run_parts.h"
 #include "batten/apps/commands/shapes/make_shape.h"
 #include "batten/io/report/report.h"
@@ -43,9 +40,5 @@ void draw_pictures(ShapeRun& run, const Scene& scene, const MadeModel& made, con
 /// What to draw of a shape: `look` with its regions, and with the arcs of the network that no
 /// region has.
 PictureScene picture_of(const PictureScene& look, const MadeModel& made, const MadeShape& shape);
-
-/// Whether pictures can be drawn. When there is no display, it returns false and adds `what` to
-/// report.missed.
-bool can_draw(Report& report, const std::string& what);
 
 }  // namespace batten

@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <set>
 
 #include "batten/apps/commands/shapes/shape_files.h"
 #include "batten/core/errors.h"

@@ -2,10 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <deque>
 
 #include "batten/apps/commands/shapes/make_shape.h"
-#include "batten/core/index.h"
 #include "batten/io/pictures/animation.h"
 #include "batten/io/vtk/vtk_files.h"
 #include "batten/io/vtk/vtk_series.h"

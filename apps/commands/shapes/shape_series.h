@@ -4,7 +4,6 @@
 #include <string>
 #include <vector>
 
-#include "batten/apps/commands/runs/output_folder.h"
 #include "batten/apps/commands/runs/run_parts.h"
 #include "batten/core/index.h"
 #include "batten/io/report/report.h"

@@ -5,6 +5,7 @@
 
 #include "batten/skinning/domains/mesher.h"
 #include "batten/tests/catch.h"
+#include "batten/tests/energy_twin.h"
 #include "batten/tests/refusal.h"
 #include "batten/tests/sampling.h"
 #include "batten/tests/skinning/shapes.h"

@@ -1,14 +1,31 @@
-// The part of a report about a faired line.
+// What the reports of several commands have in common.
 #pragma once
 
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "batten/fairing/curve_fit.h"
 #include "batten/fairing/fairness.h"
+#include "batten/io/scene/scene.h"
 
 namespace batten {
+
+/// A promise that a result does not keep.
+struct MissedPromise {
+  std::string what;    ///< name of the number in the report: "surface.min_jacobian_ratio"
+  std::string detail;  ///< how it is broken: "is 0.01, promised at least 0.05"
+};
+
+/// What every report says.
+struct RunReport {
+  std::string name, unit;
+  std::vector<Parameter> parameters;
+  std::vector<std::pair<std::string, double>> timings;  ///< seconds
+  std::vector<std::string> warnings, files;
+  std::vector<MissedPromise> missed;
+};
 
 /// A faired line, measured on the curve that is written. Lengths are in model units.
 struct FairedLine {

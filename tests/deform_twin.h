@@ -1,10 +1,13 @@
-// The saddle point twin, apart from the deformer so that they share only the statement.
-#include "batten/constraints/affine_reduction.h"
+// The saddle point twin of the deformer, apart from it so that they share only the statement.
+#pragma once
+
 #include "batten/mesh/deform/form_feature_deformer.h"
+#include "batten/tests/kkt_twin.h"
 
 namespace batten {
 
-Points deform_by_kkt(FormFeatureDeformer& deformer, const DeformEdit& edit) {
+/// The same edit by the saddle point system [AᵀA Cᵀ; C 0] (eq. 4), all vertices. Slow: a sparse LU.
+inline Points deform_by_kkt(FormFeatureDeformer& deformer, const DeformEdit& edit) {
   const FormFeatureDeformer::Statement s = deformer.statement(edit);
   if (s.vertices.empty()) return deformer.positions();
   const SparseMatrix A = s.A;

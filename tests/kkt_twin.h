@@ -1,4 +1,6 @@
 // The saddle point twin of the reduction, apart from it so that they share no code.
+#pragma once
+
 #include <Eigen/SparseLU>
 
 #include "batten/constraints/affine_reduction.h"
@@ -7,7 +9,9 @@
 
 namespace batten {
 
-Points solve_kkt(const ConstraintSet& set, const SparseMatrix& K, const Points& F) {
+/// The system [K Cᵀ; C 0] by sparse LU. Rows must be independent. Throws NoSolutionError when it is
+/// singular.
+inline Points solve_kkt(const ConstraintSet& set, const SparseMatrix& K, const Points& F) {
   // x, y and z are one system each unless a row couples them; then they are stacked.
   const int n = set.dof_count();
   const int copies = set.coupled() ? 3 : 1;

@@ -1,4 +1,4 @@
-// Loops over the rows of large arrays, on several threads.
+// Loops over many small things, on several threads.
 #pragma once
 
 #include <algorithm>
@@ -9,9 +9,8 @@ namespace batten {
 
 /// Calls work(first, last) for pieces of 0 … count - 1, each a thread's at a time; allocates
 /// nothing.
-template <class Work>
+template <int chunk = 4096, class Work>
 void in_chunks(long count, const Work& work) {
-  constexpr int chunk = 4096;  // rows
   const int parts = static_cast<int>((count + chunk - 1) / chunk);
   if (parts <= 1) {
     work(0L, count);
@@ -19,6 +18,14 @@ void in_chunks(long count, const Work& work) {
   }
   parallel_parts(parts, [&](int p) {
     work(static_cast<long>(p) * chunk, std::min<long>(count, static_cast<long>(p + 1) * chunk));
+  });
+}
+
+/// The same one by one: calls work(i).
+template <int chunk, class Work>
+void for_each_in_chunks(int count, const Work& work) {
+  in_chunks<chunk>(count, [&](long first, long last) {
+    for (int i = static_cast<int>(first); i < last; ++i) work(i);
   });
 }
 
