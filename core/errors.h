@@ -21,6 +21,13 @@ class InputError : public Error {
   using Error::Error;
 };
 
+/// A mesh of the (u, v) plane that cannot be: a triangle without area, an edge of three triangles.
+/// Where the mesh was made from lines, they leave too little room for elements.
+class MeshError : public InputError {
+ public:
+  using InputError::InputError;
+};
+
 /// Constraints contradict each other. Exit code 2.
 class ConflictError : public Error {
  public:

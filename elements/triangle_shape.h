@@ -25,7 +25,7 @@ struct TriangleShape {
   std::array<double, 3> b{}, c{};  ///< b_i = v_j - v_k, c_i = u_k - u_j
   double area = 0;
 
-  /// Counter-clockwise vertices. Throws InputError when the area is not > 0 or a number is not
+  /// Counter-clockwise vertices. Throws MeshError when the area is not > 0 or a number is not
   /// finite.
   TriangleShape(const Vec2& v1, const Vec2& v2, const Vec2& v3,
                 const std::array<double, 3>& signs = {1, 1, 1});

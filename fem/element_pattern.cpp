@@ -9,13 +9,32 @@
 
 namespace batten {
 
-ElementPattern::ElementPattern(int dof_count, int per_element, std::vector<int> dofs)
-    : per_element_(per_element),
-      pairs_(per_element * (per_element + 1) / 2),
-      dofs_(std::move(dofs)) {
-  const int n = per_element_, elements = element_count();
+namespace {
 
-  // Elements of each dof, as (element·n + local) in one array.
+std::vector<int> equal_starts(int per_element, int entries) {
+  std::vector<int> starts;
+  for (int s = 0; s <= entries; s += per_element) starts.push_back(s);
+  return starts;
+}
+
+}  // namespace
+
+ElementPattern::ElementPattern(int dof_count, int per_element, std::vector<int> dofs)
+    : ElementPattern(dof_count, equal_starts(per_element, count_of(dofs)), dofs) {}
+
+ElementPattern::ElementPattern(int dof_count, std::vector<int> starts, std::vector<int> dofs)
+    : starts_(std::move(starts)), dofs_(std::move(dofs)) {
+  const int elements = element_count();
+  std::vector<int> element_of(dofs_.size());
+  first_pair_.assign(1, 0);
+  for (int e = 0; e < elements; ++e) {
+    const long n = size_of(e);
+    largest_ = std::max(largest_, size_of(e));
+    first_pair_.push_back(first_pair_.back() + n * (n + 1) / 2);
+    std::fill(element_of.begin() + starts_[e], element_of.begin() + starts_[e + 1], e);
+  }
+
+  // Elements of each dof, as places in dofs_.
   std::vector<int> start(dof_count + 1, 0), uses(dofs_.size());
   for (const int d : dofs_) ++start[d + 1];
   for (int d = 0; d < dof_count; ++d) start[d + 1] += start[d];
@@ -25,16 +44,16 @@ ElementPattern::ElementPattern(int dof_count, int per_element, std::vector<int> 
   }
   first_element_.assign(dof_count, std::numeric_limits<int>::max());
   for (int d = 0; d < dof_count; ++d)
-    if (start[d] < start[d + 1]) first_element_[d] = uses[start[d]] / n;
+    if (start[d] < start[d + 1]) first_element_[d] = element_of[uses[start[d]]];
 
   const auto same_elements = [&](int c, int d) {
     if (c < 0 || start[d] == start[d + 1] || start[d] - start[c] != start[d + 1] - start[d])
       return false;
     for (int i = start[c], j = start[d]; i < start[d]; ++i, ++j)
-      if (uses[i] / n != uses[j] / n) return false;
+      if (element_of[uses[i]] != element_of[uses[j]]) return false;
     return true;
   };
-  position_.resize(static_cast<size_t>(elements) * pairs_);
+  position_.resize(static_cast<size_t>(first_pair_.back()));
   column_.assign(1, 0);
   std::vector<int> place(dof_count, -1), rows;
   for (int d = 0; d < dof_count; ++d) {
@@ -44,8 +63,9 @@ ElementPattern::ElementPattern(int dof_count, int per_element, std::vector<int> 
       rows.assign(1, d);
       place[d] = 0;
       for (int s = start[d]; s < start[d + 1]; ++s) {
-        const int* element = &dofs_[static_cast<size_t>(uses[s] / n) * n];
-        for (int a = 0; a < n; ++a)
+        const int e = element_of[uses[s]];
+        const int* element = &dofs_[starts_[e]];
+        for (int a = 0; a < size_of(e); ++a)
           if (element[a] > d && place[element[a]] < 0) {
             place[element[a]] = 0;
             rows.push_back(element[a]);
@@ -60,10 +80,10 @@ ElementPattern::ElementPattern(int dof_count, int per_element, std::vector<int> 
     for (size_t r = 0; r < rows.size(); ++r) place[rows[r]] = base + static_cast<int>(r);
     row_.insert(row_.end(), rows.begin(), rows.end());
     for (int s = start[d]; s < start[d + 1]; ++s) {
-      const int e = uses[s] / n, b = uses[s] % n;
-      const int* element = &dofs_[static_cast<size_t>(e) * n];
-      int* position = &position_[static_cast<size_t>(e) * pairs_];
-      for (int a = 0; a < n; ++a)
+      const int e = element_of[uses[s]], b = uses[s] - starts_[e];
+      const int* element = &dofs_[starts_[e]];
+      int* position = &position_[first_pair_[e]];
+      for (int a = 0; a < size_of(e); ++a)
         if (element[a] >= d) {
           const int high = std::max(a, b), low = std::min(a, b);
           position[high * (high + 1) / 2 + low] = place[element[a]];
@@ -90,8 +110,8 @@ std::vector<ElementPattern::Part> ElementPattern::split(int parts) const {
   std::vector<int> owners;
   for (int e = 0; e < elements; ++e) {
     owners.clear();
-    for (int a = 0; a < per_element_; ++a) {
-      const int first = first_element_[dofs_[static_cast<size_t>(e) * per_element_ + a]];
+    for (int i = starts_[e]; i < starts_[e + 1]; ++i) {
+      const int first = first_element_[dofs_[i]];
       owners.push_back(static_cast<int>(static_cast<long>(first) * parts / elements));
     }
     std::sort(owners.begin(), owners.end());
@@ -112,17 +132,17 @@ void ElementPattern::assemble(const std::function<void(int, double*)>& element,
   count(Work::AssembledElement, element_count());
   double* values = matrix.valuePtr();
   std::fill_n(values, row_.size(), 0.0);
-  const int n = per_element_;
   constexpr int worth_a_thread = 500;
   const int parts = std::clamp(element_count() / worth_a_thread, 1, thread_count());
 
   const auto scatter_all = [&](int e, const double* K) {
-    const int* position = &position_[static_cast<size_t>(e) * pairs_];
+    const int* position = &position_[first_pair_[e]];
+    const int n = size_of(e);
     for (int a = 0; a < n; ++a)
       for (int b = 0; b <= a; ++b) values[*position++] += K[n * a + b];
   };
   if (parts == 1) {
-    std::vector<double> K(static_cast<size_t>(n) * n);
+    std::vector<double> K(static_cast<size_t>(largest_) * largest_);
     for (int e = 0; e < element_count(); ++e) {
       element(e, K.data());
       scatter_all(e, K.data());
@@ -132,7 +152,7 @@ void ElementPattern::assemble(const std::function<void(int, double*)>& element,
   const std::vector<Part> split_parts = split(parts);
   const long elements = element_count();
   parallel_parts(parts, [&](int part) {
-    std::vector<double> K(static_cast<size_t>(n) * n);
+    std::vector<double> K(static_cast<size_t>(largest_) * largest_);
     const Part& mine = split_parts[part];
     for (size_t i = 0; i < mine.elements.size(); ++i) {
       const int e = mine.elements[i];
@@ -142,8 +162,9 @@ void ElementPattern::assemble(const std::function<void(int, double*)>& element,
         continue;
       }
       // An entry belongs to the owner of its column, the lower of its two dofs.
-      const int* position = &position_[static_cast<size_t>(e) * pairs_];
-      const int* dof = &dofs_[static_cast<size_t>(e) * n];
+      const int* position = &position_[first_pair_[e]];
+      const int* dof = &dofs_[starts_[e]];
+      const int n = size_of(e);
       for (int a = 0; a < n; ++a)
         for (int b = 0; b <= a; ++b, ++position) {
           const int column = std::min(dof[a], dof[b]);

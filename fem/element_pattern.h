@@ -16,14 +16,17 @@ class ElementPattern {
  public:
   /// dofs: `per_element` global dofs of each element, one element after the other.
   ElementPattern(int dof_count, int per_element, std::vector<int> dofs);
+  /// Elements of different sizes: element e has dofs[starts[e]] … dofs[starts[e+1] - 1].
+  ElementPattern(int dof_count, std::vector<int> starts, std::vector<int> dofs);
 
-  int element_count() const { return count_of(dofs_) / per_element_; }
+  int element_count() const { return count_of(starts_) - 1; }
+  int size_of(int element) const { return starts_[element + 1] - starts_[element]; }
 
   /// A matrix of this pattern with zero entries.
   SparseMatrix zero() const;
 
   /// Adds up the elements' matrices into `matrix`, which must have this pattern and is set to zero
-  /// first. `element(e, K)` writes the symmetric matrix of element e, per_element² doubles; it is
+  /// first. `element(e, K)` writes the symmetric matrix of element e, size_of(e)² doubles; it is
   /// called from several threads, and more than once for elements that threads share.
   void assemble(const std::function<void(int element, double* K)>& element,
                 SparseMatrix& matrix) const;
@@ -35,8 +38,9 @@ class ElementPattern {
   };
   std::vector<Part> split(int parts) const;
 
-  int per_element_, pairs_;
-  std::vector<int> dofs_;
+  std::vector<int> starts_, dofs_;
+  std::vector<long> first_pair_;    // of each element, in position_
+  int largest_ = 0;                 // dofs of an element
   std::vector<int> position_;       // [element][pair a ≥ b] → index into the matrix values
   std::vector<int> column_, row_;   // pattern: column starts, rows
   std::vector<int> first_element_;  // of each dof: decides its owner

@@ -19,19 +19,19 @@ ParametricMesh::ParametricMesh(std::vector<Vec2> vertices, std::vector<Triangle>
                                double period)
     : vertices_(std::move(vertices)), triangles_(std::move(triangles)), period_(period) {
   if (!(period >= 0) || !std::isfinite(period))
-    throw InputError("the period of a parametric mesh is " + number(period) +
-                     "; expected a positive number, or 0 for none");
+    throw MeshError("the period of a parametric mesh is " + number(period) +
+                    "; expected a positive number, or 0 for none");
   const int n = vertex_count();
   for (int v = 0; v < n; ++v)
     if (!vertices_[v].allFinite())
-      throw InputError("parametric vertex " + std::to_string(v) + " is not finite");
+      throw MeshError("parametric vertex " + std::to_string(v) + " is not finite");
   if (period_ > 0)
     for (int v = 0; v < n; ++v)
       if (!(vertices_[v].x() >= 0 && vertices_[v].x() < period_))
-        throw InputError("parametric vertex " + std::to_string(v) +
-                         " has u = " + number(vertices_[v].x()) + ", outside of one period, 0 to " +
-                         number(period_));
-  if (triangles_.empty()) throw InputError("a parametric mesh needs at least one triangle");
+        throw MeshError("parametric vertex " + std::to_string(v) +
+                        " has u = " + number(vertices_[v].x()) + ", outside of one period, 0 to " +
+                        number(period_));
+  if (triangles_.empty()) throw MeshError("a parametric mesh needs at least one triangle");
   edges_from_.resize(n);
   triangle_edges_.resize(triangles_.size());
   std::vector<char> used(n, 0);
@@ -39,8 +39,8 @@ ParametricMesh::ParametricMesh(std::vector<Vec2> vertices, std::vector<Triangle>
     const Triangle& tri = triangles_[t];
     for (const int v : tri) {
       if (v < 0 || v >= n)
-        throw InputError("triangle " + std::to_string(t) + " names vertex " + std::to_string(v) +
-                         " of " + std::to_string(n));
+        throw MeshError("triangle " + std::to_string(t) + " names vertex " + std::to_string(v) +
+                        " of " + std::to_string(n));
       used[v] = 1;
     }
     for (int i = 0; i < 3; ++i) {
@@ -54,25 +54,25 @@ ParametricMesh::ParametricMesh(std::vector<Vec2> vertices, std::vector<Triangle>
         // Three such edges could close around the tube.
         constexpr double hair = 1e-9;
         if (period_ > 0 && std::abs(edge_vector(e).x()) > (1 - hair) * period_ / 3)
-          throw InputError("edge " + std::to_string(low) + "-" + std::to_string(high) + " spans " +
-                           number(std::abs(edge_vector(e).x())) +
-                           " in u, a third of the period or more: a periodic mesh needs at least "
-                           "four columns");
+          throw MeshError("edge " + std::to_string(low) + "-" + std::to_string(high) + " spans " +
+                          number(std::abs(edge_vector(e).x())) +
+                          " in u, a third of the period or more: a periodic mesh needs at least "
+                          "four columns");
       } else {
         Edge& edge = edges_[e];
         const auto name = std::to_string(low) + "-" + std::to_string(high);
-        if (!edge.boundary()) throw InputError("edge " + name + " has more than two triangles");
+        if (!edge.boundary()) throw MeshError("edge " + name + " has more than two triangles");
         edge.triangle[1] = t;
         edge.local[1] = i;
         if (edge_sign(edge.triangle[0], edge.local[0]) == edge_sign(t, i))
-          throw InputError("the triangles at edge " + name + " are wound in opposite directions");
+          throw MeshError("the triangles at edge " + name + " are wound in opposite directions");
       }
       triangle_edges_[t][i] = e;
     }
     shape(t);  // throws unless counter-clockwise
   }
   for (int v = 0; v < n; ++v)
-    if (!used[v]) throw InputError("parametric vertex " + std::to_string(v) + " has no triangle");
+    if (!used[v]) throw MeshError("parametric vertex " + std::to_string(v) + " has no triangle");
 }
 
 ParametricMesh ParametricMesh::side_by_side(const std::vector<const ParametricMesh*>& meshes) {

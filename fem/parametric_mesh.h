@@ -31,7 +31,7 @@ class ParametricMesh {
     bool boundary() const { return triangle[1] < 0; }
   };
 
-  /// Throws InputError: a vertex index out of range, a triangle that is not counter-clockwise, an
+  /// Throws MeshError: a vertex index out of range, a triangle that is not counter-clockwise, an
   /// edge with more than two triangles or twice in the same direction, a vertex in no triangle.
   /// With a period: a u outside of [0, period), an edge that spans a third of the period or more
   /// (which way around it runs would be a guess).

@@ -82,7 +82,7 @@ vtkRenderWindow& window() {
     made->SetMultiSamples(0);
     // Of the X window nothing is seen: small, it needs no buffers beside those that are drawn into.
     made->SetSize(16, 16);
-    made->Initialize();
+    made->Start();
     return made;
   }();
   return *the_window;

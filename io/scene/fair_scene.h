@@ -1,5 +1,5 @@
 // A fairing scene is one small TOML file with lines, how they are faired and what is written
-// (docs/scenes.md has every key).
+// (docs/fair.md has every key).
 #pragma once
 
 #include <filesystem>

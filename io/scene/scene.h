@@ -40,7 +40,7 @@ struct SceneSkin {
   enum class Hold { Lines, Corners } hold = Hold::Lines;
 };
 
-/// [[constraint]]: at the point (Point) or the mesh vertex (Normal, Tangent) of the unloaded
+/// [[constraint]]: at the point (Point) or the place (Normal, Tangent) of the unloaded
 /// surface that is nearest to `at`, or along a line (LineNormal).
 struct SceneConstraint {
   enum class Type { Point, Normal, Tangent, LineNormal };

@@ -85,7 +85,8 @@ struct JoinPlan {
       ends;  ///< start and end of a join line of two runs (not of embedded lines)
   /// For an embedded line: fractions of its parameter, and γ and δ there, linear between.
   std::vector<double> at, gamma, delta;
-  std::string why_not;    ///< in words: why the line cannot be joined at all, or ""
+  std::string why_not;  ///< in words, where it is given up: why the line cannot be joined at all
+  bool given_up() const { return !why_not.empty(); }
   bool constant() const;  ///< γ and δ are the same at both ends, and neither is open
 };
 

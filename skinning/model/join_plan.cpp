@@ -68,7 +68,7 @@ void plan_embedded(JoinPlan& plan, const JoinEdge& a, const JoinEdge& b, const P
     plan.delta.push_back(glue.delta);
     // Ends lie at corners, where an embedded line holds slopes only roughly.
     const bool end = f == plan.at.front() || f == plan.at.back();
-    if (!end && plan.why_not.empty()) plan.why_not = glue.wrong("everywhere");
+    if (!end && !plan.given_up()) plan.why_not = glue.wrong("everywhere");
   }
   if (plan.at.size() < 4) plan.why_not = "it is shorter than the elements that it is embedded in";
 }
@@ -104,7 +104,7 @@ std::vector<JoinPlan> plan_joins(const std::vector<const RegionLayout*>& regions
   // What the neighbours want of y at vertices where it is free.
   std::map<std::pair<int, int>, std::vector<JoinEnd::Neighbour>> wanted;
   for (const JoinPlan& plan : plans) {
-    if (!plan.why_not.empty() || !plan.at.empty()) continue;
+    if (plan.given_up() || !plan.at.empty()) continue;
     for (int s = 0; s < 2; ++s) {
       const JoinSide &mine = plan.join_line.sides[s], &other = plan.join_line.sides[1 - s];
       const JoinEdge a = sides(mine), b = sides(other);
@@ -117,7 +117,7 @@ std::vector<JoinPlan> plan_joins(const std::vector<const RegionLayout*>& regions
   }
 
   for (JoinPlan& plan : plans) {
-    if (!plan.why_not.empty() || !plan.at.empty()) continue;
+    if (plan.given_up() || !plan.at.empty()) continue;
     for (int end = 0; end < 2; ++end) {
       JoinEnd& at_end = plan.ends[end];
       std::array<Vec3, 2> y;
@@ -149,7 +149,7 @@ std::vector<JoinPlan> plan_joins(const std::vector<const RegionLayout*>& regions
       at_end.apart_deg = glue.apart_deg;
       at_end.open = !(glue.apart_deg <= most_apart_deg);
       plan.why_not = glue.wrong(end ? "at its end" : "at its start");
-      if (!plan.why_not.empty()) break;
+      if (plan.given_up()) break;
     }
   }
   return plans;

@@ -194,7 +194,7 @@ void add_join_rows(const std::vector<const RegionLayout*>& regions,
   JoinEdges sides(regions, numbers);
   Done done;
   for (const JoinPlan& plan : plans) {
-    if (!plan.why_not.empty()) continue;
+    if (plan.given_up()) continue;
     const std::string name = "smooth line " + plan.join_line.name;
     if (plan.at.empty())
       tie_runs(plan, name, sides, free, done, set);

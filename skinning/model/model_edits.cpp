@@ -123,7 +123,7 @@ void ModelLayout::plan_joins(const Points& shape) {
   std::vector<JoinLine> join_lines;
   std::vector<size_t> index;
   for (size_t s = 0; s < join_plans_.size(); ++s) {
-    if (!join_plans_[s].why_not.empty()) continue;
+    if (join_plans_[s].given_up()) continue;
     join_lines.push_back(join_plans_[s].join_line);
     index.push_back(s);
   }
@@ -138,8 +138,8 @@ double ModelLayout::join_misfit(const Points& shape) const {
   double misfit = 0;
   for (size_t s = 0; s < join_plans_.size(); ++s) {
     const JoinPlan &was = join_plans_[s], &is = anew.join_plans_[s];
-    if (!was.why_not.empty() || !was.at.empty()) continue;
-    if (!is.why_not.empty()) return std::numeric_limits<double>::infinity();
+    if (was.given_up() || !was.at.empty()) continue;
+    if (is.given_up()) return std::numeric_limits<double>::infinity();
     for (size_t e = 0; e < 2; ++e) {
       const JoinEnd &old = was.ends[e], &now = is.ends[e];
       if (old.open != now.open) return std::numeric_limits<double>::infinity();

@@ -151,7 +151,7 @@ bool ModelLayout::against(const ModelLine& line, const LineSide& side) const {
 
 const JoinPlan* ModelLayout::join_plan(const std::string& line) const {
   for (const JoinPlan& plan : join_plans_)
-    if (plan.join_line.name == line && plan.why_not.empty()) return &plan;
+    if (plan.join_line.name == line && !plan.given_up()) return &plan;
   return nullptr;
 }
 
@@ -214,7 +214,7 @@ VecX ModelLayout::position_dofs() const {
 std::vector<int> ModelLayout::dof_order() const {
   if (region_count() == 1) return dissection_order(*mesh_);
   if (std::any_of(join_plans_.begin(), join_plans_.end(),
-                  [](const JoinPlan& plan) { return plan.why_not.empty(); }))
+                  [](const JoinPlan& plan) { return !plan.given_up(); }))
     return {};
   std::vector<int> order;
   for (int r = 0; r < region_count(); ++r)

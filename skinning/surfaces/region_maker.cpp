@@ -148,8 +148,7 @@ void RegionMaker::lay_out(const std::vector<int>& which, double from, double to)
       // Made once more for its joins only: then it stays as it was.
       if (layouts_[r]) return;
       region.why_not = e.what();
-      if (dynamic_cast<const NoSolutionError*>(&e) ||
-          region.why_not.find("parametric") != std::string::npos)
+      if (dynamic_cast<const NoSolutionError*>(&e) || dynamic_cast<const MeshError*>(&e))
         region.why_not = "its lines leave too little room for elements (" + region.why_not + ")";
     }
   });

@@ -169,7 +169,7 @@ class ModelMaker {
   Round look_at(const std::vector<JoinPlan>& plans, bool may_halve) {
     Round left;
     for (size_t s = 0; s < join_lines_.size(); ++s) {
-      if (!plans[s].why_not.empty()) continue;
+      if (plans[s].given_up()) continue;
       ModelJoin& join = join_of(s);
       const JoinAngle angle =
           angle_of(model_.regions, join_lines_[s], {plans[s].ends[0].open, plans[s].ends[1].open});
@@ -208,7 +208,7 @@ class ModelMaker {
     for (size_t s = 0; s < plans.size(); ++s) {
       ModelJoin& join = join_of(s);
       join.why = plans[s].why_not;
-      if (!plans[s].why_not.empty()) continue;
+      if (plans[s].given_up()) continue;
       join.kind = ModelJoin::Kind::Smooth;
       join.one_domain = plans[s].constant();
       for (int e = 0; e < 2; ++e) {
@@ -239,7 +239,7 @@ class ModelMaker {
       std::vector<JoinPlan> plans = plan_all();
       Groups groups(dofs.size());
       for (const JoinPlan& plan : plans)
-        if (plan.why_not.empty())
+        if (!plan.given_up())
           groups.join(plan.join_line.sides[0].region, plan.join_line.sides[1].region);
       std::map<int, std::vector<int>> members;
       for (int r = 0; r < count_of(dofs); ++r)
@@ -283,7 +283,7 @@ class ModelMaker {
     }
     std::vector<JoinPlan> of_group;
     for (const JoinPlan& plan : plans)
-      if (plan.why_not.empty() && local.count(plan.join_line.sides[0].region))
+      if (!plan.given_up() && local.count(plan.join_line.sides[0].region))
         of_group.push_back(renumbered(plan, local));
     if (of_group.empty()) return true;  // a region by itself: its first shape
     const ModelLayout layout(regions_.frame(), std::move(some), std::move(of_group));
@@ -306,7 +306,7 @@ class ModelMaker {
     for (const bool embedded : {true, false}) {
       bool any = false;
       for (size_t s = 0; s < plans.size(); ++s) {
-        if (!plans[s].why_not.empty() || !group.count(plans[s].join_line.sides[0].region) ||
+        if (plans[s].given_up() || !group.count(plans[s].join_line.sides[0].region) ||
             plans[s].at.empty() == embedded)
           continue;
         given_up_[join_of(s).arc] = why;
@@ -339,7 +339,7 @@ class ModelMaker {
     if (made.empty()) return;
     std::vector<JoinPlan> joined;
     for (const JoinPlan& plan : plans)
-      if (plan.why_not.empty()) joined.push_back(renumbered(plan, number));
+      if (!plan.given_up()) joined.push_back(renumbered(plan, number));
     model_.layout =
         std::make_shared<const ModelLayout>(regions_.frame(), std::move(made), std::move(joined));
     model_.dofs = model_.layout->all_dofs(shapes);
