@@ -165,27 +165,35 @@ Json json_of(const std::vector<Report::Line>& lines) {
 
 Json json_of(const Report::Surface& s) {
   const SkinQuality& q = s.quality;
-  return {{"regions", s.regions},
-          {"triangles", s.triangles},
-          {"dofs", s.dofs},
-          {"element", s.element},
-          {"hold", s.hold},
-          {"size", s.size},
-          {"area", q.area},
-          {"bending_energy", s.bending_energy},
-          {"max_line_residual", q.max_line_residual},
-          {"max_line_gap", q.max_line_gap},
-          {"max_line_deviation", q.max_line_deviation},
-          {"max_constraint_residual", s.max_constraint_residual},
-          {"max_normal_constraint_deg", s.max_normal_constraint_deg},
-          {"max_normal_jump_deg", q.max_normal_jump_deg},
-          {"max_smooth_join_deg", s.max_smooth_join_deg},
-          {"min_jacobian_ratio", q.min_jacobian_ratio},
-          {"max_shear", q.max_shear},
-          {"rms_strain", q.rms_strain},
-          {"singular_nodes", q.singular_nodes},
-          {"iterations", s.iterations},
-          {"last_change", s.last_change}};
+  Json json = {{"regions", s.regions},
+               {"triangles", s.triangles},
+               {"dofs", s.dofs},
+               {"element", s.element},
+               {"hold", s.hold},
+               {"size", s.size},
+               {"area", q.area},
+               {"bending_energy", s.bending_energy},
+               {"max_line_residual", q.max_line_residual},
+               {"max_line_gap", q.max_line_gap},
+               {"max_line_deviation", q.max_line_deviation},
+               {"max_constraint_residual", s.max_constraint_residual},
+               {"max_normal_constraint_deg", s.max_normal_constraint_deg},
+               {"max_normal_jump_deg", q.max_normal_jump_deg},
+               {"max_smooth_join_deg", s.max_smooth_join_deg},
+               {"min_jacobian_ratio", q.min_jacobian_ratio},
+               {"max_shear", q.max_shear},
+               {"rms_strain", q.rms_strain},
+               {"singular_nodes", q.singular_nodes},
+               {"iterations", s.iterations},
+               {"last_change", s.last_change}};
+  if (s.fairing)
+    json["fairing"] = {{"functional", s.fairing->functional},
+                       {"start_functional", s.fairing->start_functional},
+                       {"max_move", s.fairing->max_move},
+                       {"iterations", s.fairing->iterations},
+                       {"factorizations", s.fairing->factorizations},
+                       {"converged", s.fairing->converged}};
+  return json;
 }
 
 Json json_of(const Report::Step& s, bool of_network) {

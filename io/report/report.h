@@ -36,6 +36,14 @@ struct Report : RunReport {
     double max_constraint_residual = 0, max_normal_constraint_deg = 0, max_smooth_join_deg = 0;
     int iterations = 0;
     double last_change = 0;
+    /// What fair = "variation" did.
+    struct Fairing {
+      double functional = 0, start_functional = 0;  ///< change of curvature, 1/length²
+      double max_move = 0;                          ///< largest normal move of a vertex, model units
+      int iterations = 0, factorizations = 0;
+      bool converged = false;
+    };
+    std::optional<Fairing> fairing;
   } surface;
   std::optional<NetworkReport> network;  ///< set for a scene with [network]
 

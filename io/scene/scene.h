@@ -38,10 +38,12 @@ struct SceneSkin {
   bool isotropic_alpha = true, isotropic_beta = true;  ///< whether the scene gives one number
   LoadUnits units = LoadUnits::Relative;
   enum class Hold { Lines, Corners } hold = Hold::Lines;
+  /// What the shape makes least: the linear bending energy, or the change of its curvature.
+  enum class Fair { Bending, Variation } fair = Fair::Bending;
 };
 
-/// [[constraint]]: at the point (Point) or the place (Normal, Tangent) of the unloaded
-/// surface that is nearest to `at`, or along a line (LineNormal).
+/// [[constraint]]: at the place of the unloaded surface that is nearest to `at` (Point, Normal,
+/// Tangent), or along a line (LineNormal).
 struct SceneConstraint {
   enum class Type { Point, Normal, Tangent, LineNormal };
   std::string name;

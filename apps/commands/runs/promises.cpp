@@ -84,6 +84,8 @@ std::vector<MissedPromise> broken_promises(const Report& report, double toleranc
     promises.network(*report.network, lines, report.is_sculpted, on_input);
   else
     promises.surface("surface", s.quality, lines, tolerance, on_input);
+  if (s.fairing && !s.fairing->converged)
+    promises.missed.push_back({"surface.fairing.converged", "is false, promised true"});
   if (report.step) promises.step(report, lines, tolerance);
   return promises.missed;
 }

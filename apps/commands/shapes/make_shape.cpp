@@ -8,6 +8,7 @@
 #include "batten/core/words.h"
 #include "batten/fem/assembly.h"
 #include "batten/fem/triangle_locator.h"
+#include "batten/skinning/model/fair_shape.h"
 #include "batten/skinning/model/model_projector.h"
 #include "batten/skinning/surfaces/skin_network.h"
 
@@ -69,14 +70,7 @@ bool halve_at_gaps(ModelLayout& layout, const std::vector<SkinnedRegion>& region
   return layout.refine(marks);
 }
 
-// The shape that a network was skinned with.
-MadeShape shape_at_rest(const MadeModel& made, const Scene& scene) {
-  MadeShape shape;
-  shape.layout = made.model.layout;
-  shape.dofs = shape.unloaded = made.model.dofs;
-  for (const SkinnedRegion* region : made.model.skinned()) shape.regions.push_back(*region);
-  if (!shape.layout) return shape;
-  const ModelLayout& layout = *shape.layout;
+double bending_energy(const ModelLayout& layout, const Points& dofs, const Scene& scene) {
   SurfaceStiffness bends = scene.skin.material;
   bends.alpha.setZero();
   const SurfaceAssembler assembler(*layout.mesh(), layout.element(), layout.trim());
@@ -84,9 +78,32 @@ MadeShape shape_at_rest(const MadeModel& made, const Scene& scene) {
   auto materials = layout.on_regions({bends});
   materials.resize(static_cast<size_t>(layout.mesh()->triangle_count()), materials[0]);
   assembler.stiffness(materials, K);
-  const Points q = shape.dofs - layout.position_dofs() * layout.origin().transpose();
+  const Points q = dofs - layout.position_dofs() * layout.origin().transpose();
   const double energy = q.cwiseProduct(Points(K.selfadjointView<Eigen::Lower>() * q)).sum();
-  shape.energy.bending = std::max(0.0, energy) / (layout.size() * layout.size());
+  return std::max(0.0, energy) / (layout.size() * layout.size());
+}
+
+// Makes the change of curvature least, where the scene asks for that.
+void fair(MadeShape& shape, const Scene& scene, const Progress& progress) {
+  if (scene.skin.fair != SceneSkin::Fair::Variation || !shape.layout) return;
+  const ModelLayout& layout = *shape.layout;
+  shape.fairing = fair_shape(layout, shape.dofs, layout.line_constraints(), progress);
+  shape.dofs = shape.unloaded = shape.fairing->dofs;
+  shape.energy = {};
+  shape.energy.bending = bending_energy(layout, shape.dofs, scene);
+  shape.max_constraint_residual = shape.fairing->max_residual / layout.size();
+  for (int r = 0; r < layout.region_count(); ++r)
+    shape.regions[static_cast<size_t>(r)] = layout.skinned(r, shape.dofs);
+}
+
+// The shape that a network was skinned with.
+MadeShape shape_at_rest(const MadeModel& made, const Scene& scene) {
+  MadeShape shape;
+  shape.layout = made.model.layout;
+  shape.dofs = shape.unloaded = made.model.dofs;
+  for (const SkinnedRegion* region : made.model.skinned()) shape.regions.push_back(*region);
+  if (!shape.layout) return shape;
+  shape.energy.bending = bending_energy(*shape.layout, shape.dofs, scene);
   return shape;
 }
 
@@ -131,12 +148,17 @@ MadeShape make_shape(const ModelLayout& layout, const Scene& scene, const MadeMo
   SculptingSession session =
       make_session(layout, scene, made, Expected::one_factor, progress, &unloaded);
   const Answer answer = session.settle();
-  return shape_of(session, scene, unloaded, answer);
+  MadeShape shape = shape_of(session, scene, unloaded, answer);
+  fair(shape, scene, progress);
+  return shape;
 }
 
 MadeShape make_refined_shape(const MadeModel& made, const Scene& scene, const Progress& progress) {
-  if (made.network && (!scene.is_sculpted() || !made.model.layout))
-    return shape_at_rest(made, scene);
+  if (made.network && (!scene.is_sculpted() || !made.model.layout)) {
+    MadeShape shape = shape_at_rest(made, scene);
+    fair(shape, scene, progress);
+    return shape;
+  }
   const bool held = scene.skin.hold == SceneSkin::Hold::Lines;
   ModelLayout layout = *made.model.layout;
   for (int round = 0;; ++round) {
@@ -170,7 +192,7 @@ ModelLayout refined_for_lines(const MadeModel& made, const Scene& scene, const P
 void take_shape(MadeModel& made, const MadeShape& shape, const Progress& progress) {
   if (!shape.layout) return;
   if (made.network) {
-    if (shape.layout != made.model.layout)
+    if (shape.layout != made.model.layout || shape.fairing)
       reshape(made.model, shape.layout, shape.dofs, shape.regions, progress);
     return;
   }

@@ -2,9 +2,11 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "batten/apps/commands/shapes/make_model.h"
+#include "batten/fairing/variation_surface.h"
 #include "batten/sculpting/session/session.h"
 
 namespace batten {
@@ -25,6 +27,7 @@ struct MadeShape {
   std::vector<Reaction> reactions;
   std::vector<ScanDistances> scans;
   bool joins_planned = false;  ///< Answer::joins_planned
+  std::optional<VariationSurface> fairing;  ///< set where the change of curvature was made least
 
   std::vector<const SkinnedRegion*> all() const { return pointers(regions); }
 };
@@ -35,7 +38,7 @@ MadeShape shape_of(const SculptingSession& session, const Scene& scene, const Po
                    const Answer& answer);
 
 /// Makes the shape of a layout under a scene's constraints, loads and material: a session settles
-/// once. Throws ConflictError, NoSolutionError, InputError, CancelledError.
+/// once; then it is faired where the scene asks for that. Throws ConflictError, NoSolutionError, InputError, CancelledError.
 MadeShape make_shape(const ModelLayout& layout, const Scene& scene, const MadeModel& made,
                      const Progress& progress = {});
 

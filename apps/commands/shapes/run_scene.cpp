@@ -130,6 +130,14 @@ std::string quality_result(const Report::Surface& s, const std::string& unit) {
                                     number(s.quality.max_line_deviation) + unit);
 }
 
+/// Says what fair = "variation" did.
+std::string fairing_result(const Report::Surface& s, const std::string& unit) {
+  if (!s.fairing) return "";
+  return result_line("faired", "change of curvature " + number(s.fairing->start_functional) +
+                                   " -> " + number(s.fairing->functional) + ", moved by up to " +
+                                   number(s.fairing->max_move) + unit);
+}
+
 /// Says what the STEP file holds.
 std::string step_result(const Report::Step& step, const std::string& unit) {
   return result_line(
@@ -204,7 +212,7 @@ std::string network_summary(const Report& report, const std::filesystem::path& f
   if (!n.bare.empty())
     text += result_line("left over", counted(n.bare.size(), "line", "lines") +
                                          " without a surface: " + some(n.bare));
-  if (skinned) text += quality_result(s, unit);
+  if (skinned) text += fairing_result(s, unit) + quality_result(s, unit);
   if (report.step) text += step_result(*report.step, unit);
   text += choice_results(n);
   return text + result_ending(report, folder);
@@ -284,6 +292,7 @@ std::string summary(const Report& report, const std::filesystem::path& folder) {
                                      : "") +
                                 ", surface to your lines " + number(q.max_line_deviation) + unit)
               : result_line("held", "corners only, residual " + number(s.max_constraint_residual));
+  text += fairing_result(s, unit);
   text += result_line("quality", "Jacobian " + number(q.min_jacobian_ratio) +
                                      " of its median, normal jump " +
                                      number(q.max_normal_jump_deg) + " degrees");

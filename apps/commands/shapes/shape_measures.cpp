@@ -167,6 +167,15 @@ void measure_into(ShapeRun& run, MadeModel& made, const MadeShape& shape, const 
   s.max_normal_constraint_deg = shape.max_normal_constraint_deg;
   s.iterations = shape.iterations;
   s.last_change = shape.last_change;
+  if (shape.fairing) {
+    const VariationSurface& f = *shape.fairing;
+    s.fairing = {f.functional, f.start_functional, f.max_move,
+                 f.iterations, f.factorizations,   f.converged};
+    constexpr double far = 0.1;
+    if (f.max_move > far * s.size)
+      report.warnings.push_back("fairing moved the surface by " + number(f.max_move / s.size) +
+                                " of the size: its lines leave much of the shape open");
+  }
   report.scans = shape.scans;
   report.reactions = shape.reactions;
   if (shape.joins_planned)

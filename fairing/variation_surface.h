@@ -1,0 +1,56 @@
+// Surfaces whose curvature changes least: fair surfaces from their lines alone.
+#pragma once
+
+#include <vector>
+
+#include "batten/constraints/constraint_set.h"
+#include "batten/core/progress.h"
+#include "batten/fem/surface.h"
+
+namespace batten {
+
+struct VariationOptions {
+  /// Weight of K² over that of the change of curvature. 1e-3; on boundaries without corners 0.1,
+  /// which chooses among barrels.
+  double gauss = 1e-3;
+  /// Weight of the jumps of curvature across element edges; 0.2 to 20 give the same shapes.
+  double jumps = 2;
+  /// Vertices of each side of the outline in order, from corner to corner. Along sides whose
+  /// normals do not turn about them, and whose curvature is constant, twist is resisted: this tells
+  /// a torus from its neighbours. None: no such term.
+  std::vector<std::vector<int>> sides;
+  int most_iterations = 40;
+};
+
+struct VariationSurface {
+  Points dofs;                  ///< n×3
+  double functional = 0;        ///< E of this surface, 1/length²
+  double start_functional = 0;  ///< E of the start
+  double max_move = 0;          ///< largest move of a vertex along the start's normal, model units
+  double max_residual = 0;      ///< largest violation of a constraint, model units
+  int iterations = 0;           ///< steps that were taken
+  int factorizations = 0;
+  bool converged = false;
+};
+
+/// Minimises over the dofs that meet the constraints, downhill from `start`:
+///
+///     E = ∫ (change of curvature)² dA + jumps · Σ_edges ∫ (jump of curvature)²/h ds + twist
+///
+/// The first term is that of change_residuals(): it vanishes on spheres, cylinders, cones and tori
+/// (Dupin cyclides), so that their boundary lines alone give these shapes. Elements are C1 and
+/// their third derivatives live inside the thirds of HCT triangles; jumps across edges and spokes
+/// complete them, as in interior penalty methods. Source: Moreton, Sequin 1992.
+///
+/// Gauss-Newton steps in principal frames that stand still during a step. Tangential change is
+/// damped about the present surface and so leaves no trace in the shape.
+/// docs/theory/fairness.md has the measurements.
+///
+/// Throws InputError: a Z12 surface, constraints for another mesh, a start without area or without
+/// normal somewhere; ConflictError; NoSolutionError; CancelledError. Cost: 4 to 15 factorizations
+/// of three times as many unknowns as one coordinate has.
+VariationSurface fair_variation(const Surface& start, const ConstraintSet& constraints,
+                                const VariationOptions& options = {},
+                                const Progress& progress = {});
+
+}  // namespace batten

@@ -1,0 +1,46 @@
+#include "batten/skinning/model/fair_shape.h"
+
+#include <algorithm>
+
+namespace batten {
+namespace {
+
+// Sides of the outlines that are no smooth join, in the vertices of the model.
+std::vector<std::vector<int>> free_sides(const ModelLayout& layout) {
+  std::vector<std::vector<int>> sides;
+  for (const ModelLine& line : layout.lines()) {
+    if (layout.join_plan(line.name)) continue;
+    for (const LineSide& side : line.sides) {
+      if (side.embedded) continue;
+      const LineRun& run = layout.region(side.region).runs()[static_cast<size_t>(side.index)];
+      if (run.line.role == CharacterLine::Role::Inner) continue;
+      std::vector<int>& vertices = sides.emplace_back();
+      for (const int v : run.vertices)
+        vertices.push_back(layout.numbers(side.region).vertices / 3 + v);
+    }
+  }
+  return sides;
+}
+
+}  // namespace
+
+VariationSurface fair_shape(const ModelLayout& layout, const Points& start,
+                            const ConstraintSet& constraints, const Progress& progress) {
+  VariationOptions options;
+  bool corners = false;
+  for (int r = 0; r < layout.region_count(); ++r)
+    corners = corners || !layout.region(r).corners().empty();
+  if (corners)
+    options.sides = free_sides(layout);
+  else
+    options.gauss = 0.1;
+  // Near the origin, where coordinates keep their digits.
+  const VecX ones = layout.position_dofs();
+  const Points origin = ones * layout.origin().transpose();
+  VariationSurface result = fair_variation(
+      layout.surface(start - origin), constraints.moved(ones, layout.origin()), options, progress);
+  result.dofs += origin;
+  return result;
+}
+
+}  // namespace batten

@@ -1,0 +1,19 @@
+// Fair shapes of models: curvature that changes as little as their lines allow.
+#pragma once
+
+#include "batten/core/progress.h"
+#include "batten/fairing/variation_surface.h"
+#include "batten/skinning/model/model_layout.h"
+
+namespace batten {
+
+/// Fairs a shape of a model under these rows (those of its lines, and any others), downhill from
+/// `start`: fair_variation() with the sides of all regions and the weight of Gauss curvature that
+/// suits them (larger where no region has a corner, as on rings). Smooth joins stay smooth; the
+/// curvature may jump there, as a cap's does on a cylinder. Dofs are in absolute coordinates.
+///
+/// `constraints` as of ModelLayout::line_constraints(). Throws as fair_variation().
+VariationSurface fair_shape(const ModelLayout& layout, const Points& start,
+                            const ConstraintSet& constraints, const Progress& progress = {});
+
+}  // namespace batten

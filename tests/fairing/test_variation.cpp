@@ -1,0 +1,250 @@
+// The change of curvature: zero on cyclides, geometric, with derivatives that differences confirm.
+#include <Eigen/Geometry>
+#include <cmath>
+#include <random>
+
+#include "batten/constraints/shape/shape_constraints.h"
+#include "batten/core/errors.h"
+#include "batten/core/parallel.h"
+#include "batten/fairing/variation_surface.h"
+#include "batten/fairing/variation_terms.h"
+#include "batten/tests/catch.h"
+#include "batten/tests/refusal.h"
+
+using namespace batten;
+using namespace batten_test;
+using Catch::Matchers::Contains;
+
+namespace {
+
+Jet3 random_jet(std::mt19937& generator) {
+  std::normal_distribution<double> normal;
+  Jet3 jet;
+  for (double& x : jet.reshaped()) x = normal(generator);
+  return jet;
+}
+
+// Derivatives of x(u, v) by differences in long double.
+template <class Place>
+Jet3 jet_of(const Place& place, long double u, long double v) {
+  const long double h = 2e-3L;
+  using Row = std::array<long double, 3>;
+  const auto at = [&](int i, int j) -> Row { return place(u + i * h, v + j * h); };
+  // Central differences of fourth order on five points.
+  const long double d0[5] = {0, 0, 1, 0, 0},
+                    d1[5] = {1 / 12.0L, -2 / 3.0L, 0, 2 / 3.0L, -1 / 12.0L},
+                    d2[5] = {-1 / 12.0L, 4 / 3.0L, -2.5L, 4 / 3.0L, -1 / 12.0L},
+                    d3[5] = {-0.5L, 1, 0, -1, 0.5L};
+  const long double* d[4] = {d0, d1, d2, d3};
+  const int orders[9][2] = {{1, 0}, {0, 1}, {2, 0}, {1, 1}, {0, 2}, {3, 0}, {2, 1}, {1, 2}, {0, 3}};
+  Jet3 jet = Jet3::Zero();
+  for (int k = 0; k < 9; ++k)
+    for (size_t c = 0; c < 3; ++c) {
+      long double sum = 0;
+      for (int i = 0; i < 5; ++i)
+        for (int j = 0; j < 5; ++j)
+          if (const long double w = d[orders[k][0]][i] * d[orders[k][1]][j]; w != 0)
+            sum += w * at(i - 2, j - 2)[c];
+      jet(static_cast<long>(c), k) =
+          static_cast<double>(sum / std::pow(h, orders[k][0] + orders[k][1]));
+    }
+  return jet;
+}
+
+CurvatureForms forms_of(const Jet3& jet) { return curvature_forms(jet, principal_frame(jet)); }
+
+// A graph of degree three over the unit square: C1 elements have it exactly.
+Surface cubic_graph(int n, double tilt = 0.3) {
+  auto mesh = std::make_shared<const ParametricMesh>(ParametricMesh::unit_square(n));
+  const DofMap map(*mesh);
+  Points q = Points::Zero(map.count(), 3);
+  const auto height = [&](const Vec2& p) { return p.x() * p.x() + tilt * p.y() * p.y() * p.x(); };
+  const auto slope = [&](const Vec2& p) {
+    return Vec2(2 * p.x() + tilt * p.y() * p.y(), 2 * tilt * p.y() * p.x());
+  };
+  for (int v = 0; v < mesh->vertex_count(); ++v) {
+    const Vec2 p = mesh->vertices()[v];
+    q.row(map.vertex(v)) << p.x(), p.y(), height(p);
+    q.row(map.vertex(v, 1)) << 1, 0, slope(p).x();
+    q.row(map.vertex(v, 2)) << 0, 1, slope(p).y();
+  }
+  for (int e = 0; e < mesh->edge_count(); ++e) {
+    const auto& edge = mesh->edges()[e];
+    const Vec2 n2 = mesh->edge_normal(e);
+    const Vec2 p = (mesh->vertices()[edge.low] + mesh->vertices()[edge.high]) / 2;
+    q.row(map.edge(e)) << n2.x(), n2.y(), n2.dot(slope(p));
+  }
+  return {mesh, TriangleElement::HCT, q};
+}
+
+Points gradient_of(const VariationTerms& terms, const Surface& s) {
+  Points g = Points::Zero(s.dof_map().count(), 3);
+  const auto add = [&](const auto& dofs, const auto& gradient) {
+    for (int c = 0; c < 3; ++c)
+      for (size_t a = 0; a < dofs.size(); ++a)
+        g(dofs[a], c) += 2 * gradient[static_cast<long>(c * dofs.size() + a)];
+  };
+  for (int t = 0; t < s.mesh().triangle_count(); ++t)
+    add(s.dof_map().triangle(s.mesh(), t), terms.triangle(s, t, {0, 0}).gradient);
+  for (const int e : terms.edges()) add(VariationTerms::edge_dofs(s, e), terms.edge(s, e).gradient);
+  return g;
+}
+
+}  // namespace
+
+TEST_CASE("the change of curvature has the derivatives that differences show") {
+  std::mt19937 generator(3);
+  for (int round = 0; round < 20; ++round) {
+    const Jet3 jet = random_jet(generator);
+    const Mat2 frame = principal_frame(jet);
+    const ChangeWeights weights{0.04 * round, 0.7, 0.2};
+    const ChangeJacobian exact = change_jacobian(jet, frame, weights);
+    ChangeJacobian differences;
+    constexpr double h = 1e-6;
+    for (int c = 0; c < 3; ++c)
+      for (int k = 0; k < 9; ++k) {
+        Jet3 a = jet, b = jet;
+        a(c, k) += h;
+        b(c, k) -= h;
+        differences.col(9 * c + k) = (change_residuals(curvature_forms(a, frame), weights) -
+                                      change_residuals(curvature_forms(b, frame), weights)) /
+                                     (2 * h);
+      }
+    CHECK((exact - differences).cwiseAbs().maxCoeff() < 1e-7 * exact.cwiseAbs().maxCoeff());
+  }
+}
+
+TEST_CASE(
+    "curvature does not change on spheres and cylinders, along its lines not on cones and tori") {
+  using Row = std::array<long double, 3>;
+  const auto sphere = [](long double u, long double v) {
+    return Row{2 * std::cos(u) * std::cos(v), 2 * std::sin(u) * std::cos(v), 2 * std::sin(v)};
+  };
+  const auto cylinder = [](long double u, long double v) {
+    return Row{3 * std::cos(u + v), 3 * std::sin(u + v), v - u * u};
+  };
+  const auto cone = [](long double u, long double v) {
+    return Row{(1 + v) * std::cos(u), (1 + v) * std::sin(u), 2 * v};
+  };
+  const auto torus = [](long double u, long double v) {
+    const long double r = 3 + std::cos(v);
+    return Row{r * std::cos(u), r * std::sin(u), std::sin(v)};
+  };
+  for (const double u : {0.1, 0.7}) {
+    const CurvatureForms ball = forms_of(jet_of(sphere, u, 0.3));
+    CHECK(ball.C.norm() < 1e-6);
+    CHECK(std::abs(std::abs(ball.II[0]) - 0.5) < 1e-8);
+    CHECK(std::abs(ball.II[0] - ball.II[2]) < 1e-8);
+    const CurvatureForms tube = forms_of(jet_of(cylinder, u, 0.3));
+    CHECK(tube.C.norm() < 1e-6);
+    CHECK(std::abs(tube.II[0] + tube.II[2]) == Approx(1.0 / 3).epsilon(1e-8));
+    for (const CurvatureForms& forms :
+         {forms_of(jet_of(cone, u, 0.3)), forms_of(jet_of(torus, u, 0.3))}) {
+      CHECK(std::abs(forms.C[0]) < 1e-6);
+      CHECK(std::abs(forms.C[3]) < 1e-6);
+      CHECK(forms.C.norm() > 0.01);
+      CHECK(std::abs(forms.II[1]) < 1e-9);
+      CHECK(change_residuals(forms, {1, 0, 0}).norm() < 1e-5);
+    }
+  }
+}
+
+TEST_CASE("the forms belong to the shape, not to its parameters or its place") {
+  std::mt19937 generator(5);
+  const Jet3 jet = random_jet(generator);
+  const CurvatureForms forms = forms_of(jet);
+  const Mat3 turn = Eigen::AngleAxisd(1.1, Vec3(1, 2, -1).normalized()).toRotationMatrix();
+  const CurvatureForms turned = forms_of(turn * jet);
+  CHECK((turned.C - forms.C).norm() < 1e-10 * forms.C.norm());
+  Jet3 stretched = jet;  // u twice as fast, v half
+  const double factors[9] = {2, 0.5, 4, 1, 0.25, 8, 2, 0.5, 0.125};
+  for (int k = 0; k < 9; ++k) stretched.col(k) *= factors[k];
+  const CurvatureForms same = forms_of(stretched);
+  CHECK((same.C.cwiseAbs() - forms.C.cwiseAbs()).norm() < 1e-10 * forms.C.norm());
+  CHECK((same.II - forms.II).norm() < 1e-10 * forms.II.norm());
+}
+
+TEST_CASE("the functional has the gradient that differences show, where curvature does not jump") {
+  const Surface s = cubic_graph(2);
+  VariationTerms terms(s, 0.1, 2);
+  terms.add_side(s, {0, 1, 2});
+  terms.set_frames(s);
+  const Points exact = gradient_of(terms, s);
+  constexpr double h = 1e-6;
+  double worst = 0;
+  for (long i = 0; i < s.dofs().size(); ++i) {
+    Points a = s.dofs(), b = s.dofs();
+    a(i) += h;
+    b(i) -= h;
+    const double slope = (terms.value({s.shared_mesh(), s.kind(), a}) -
+                          terms.value({s.shared_mesh(), s.kind(), b})) /
+                         (2 * h);
+    worst = std::max(worst, std::abs(slope - exact(i)));
+  }
+  CHECK(worst < 1e-7 * exact.norm());
+}
+
+TEST_CASE("the value is the sum of the elements' values, and curvature that jumps costs") {
+  Surface s = cubic_graph(3);
+  const VariationTerms terms(s, 0.1, 2);
+  const auto sums = [&](const Surface& surface) {
+    double triangles = 0, edges = 0;
+    for (int t = 0; t < surface.mesh().triangle_count(); ++t)
+      triangles += terms.triangle(surface, t, {1, 1}).value;
+    for (const int e : terms.edges()) edges += terms.edge(surface, e).value;
+    return std::pair{triangles, edges};
+  };
+  const auto [smooth, none] = sums(s);
+  CHECK(smooth == Approx(terms.value(s)).epsilon(1e-12));
+  CHECK(none < 1e-18);
+  Points bent = s.dofs();
+  bent(s.dof_map().vertex(5, 1), 2) += 0.05;
+  const Surface kinked(s.shared_mesh(), s.kind(), bent);
+  VariationTerms again(kinked, 0.1, 2);
+  double jumps = 0;
+  for (const int e : again.edges()) jumps += again.edge(kinked, e).value;
+  CHECK(jumps > 1);
+}
+
+TEST_CASE("fairing keeps the rows exactly, and gives the same bits on one thread and two") {
+  const Surface s = cubic_graph(6);
+  Points bumped = s.dofs();
+  std::mt19937 generator(2);
+  std::normal_distribution<double> normal(0, 0.01);
+  for (int v = 0; v < s.mesh().vertex_count(); ++v)
+    bumped(s.dof_map().vertex(v), 2) += normal(generator);
+  const Surface start(s.shared_mesh(), s.kind(), bumped);
+  ConstraintSet rows(s.dof_map().count());
+  ShapeConstraints shape(s.mesh(), s.kind(), rows);
+  for (int v = 0; v < s.mesh().vertex_count(); ++v)
+    if (const Vec2 p = s.mesh().vertices()[v]; p.x() == 0 || p.x() == 1 || p.y() == 0 || p.y() == 1)
+      for (int d = 0; d < 3; ++d)
+        rows.add("rim", {{s.dof_map().vertex(v, d), 1.0}},
+                 Vec3(s.dofs().row(s.dof_map().vertex(v, d))));
+  const VariationSurface faired = fair_variation(start, rows);
+  CHECK(faired.converged);
+  CHECK(faired.functional < 0.1 * faired.start_functional);
+  CHECK(faired.max_residual < 1e-12);
+  CHECK(faired.factorizations <= 15);
+  set_thread_count(1);
+  const VariationSurface alone = fair_variation(start, rows);
+  set_thread_count(0);
+  CHECK(alone.dofs == faired.dofs);
+}
+
+TEST_CASE("what cannot be faired says so") {
+  const Surface s = cubic_graph(2);
+  const ConstraintSet rows(s.dof_map().count());
+  CHECK_THAT(refusal([&] { fair_variation(s, ConstraintSet(3)); }),
+             Contains("constraints on 3 dofs"));
+  const Surface z12(s.shared_mesh(), TriangleElement::Z12, s.dofs());
+  CHECK_THAT(refusal([&] { fair_variation(z12, rows); }), Contains("expected HCT"));
+  Points broken = s.dofs();
+  broken(0, 0) = std::nan("");
+  CHECK_THAT(refusal([&] {
+               fair_variation({s.shared_mesh(), s.kind(), broken}, rows);
+             }),
+             Contains("not finite"));
+  const Surface nothing(s.shared_mesh(), s.kind(), Points::Zero(s.dofs().rows(), 3));
+  CHECK_THAT(refusal([&] { fair_variation(nothing, rows); }), Contains("area zero"));
+}
