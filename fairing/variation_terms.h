@@ -60,10 +60,6 @@ class VariationTerms {
     Mat2 M;
     double principal;
   };
-  struct TwistEdge {
-    int local;
-    double weight;
-  };
   ChangeWeights weights_at(int triangle, int point) const;
   // Of a trimmed surface only the part inside counts.
   static double share(const Surface& surface, int t);
@@ -73,8 +69,8 @@ class VariationTerms {
 
   double gauss_, jumps_, length_ = 1;
   std::vector<int> edges_;
-  std::vector<Frame> frames_;                      // nine of each triangle
-  std::vector<std::vector<TwistEdge>> twists_of_;  // of each triangle
+  std::vector<Frame> frames_;  // nine of each triangle
+  std::vector<Vec3> twists_;   // weight of twist on the edges of each triangle, or 0
 };
 
 }  // namespace batten

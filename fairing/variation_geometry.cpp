@@ -1,0 +1,70 @@
+#include "batten/fairing/variation_geometry.h"
+
+#include <Eigen/Geometry>
+#include <cmath>
+
+namespace batten {
+namespace {
+
+const Vec2 kCorner[3] = {{1, 0}, {0, 1}, {0, 0}};  // V_i in (L1, L2)
+
+double cross(const Vec2& a, const Vec2& b) { return a.x() * b.y() - a.y() * b.x(); }
+
+}  // namespace
+
+Mat12 reference_map(const Surface& surface, int t) {
+  return C1Triangle(TriangleElement::HCT, surface.mesh().shape(t)).to_reference_dofs();
+}
+
+Vec2 edge_way(int i) { return kCorner[(i + 2) % 3] - kCorner[(i + 1) % 3]; }
+Vec2 spoke_way(int i) { return Vec2(1.0 / 3, 1.0 / 3) - kCorner[i]; }
+
+Vec3 twice_along(const Vec2& d) { return {d.x() * d.x(), 2 * d.x() * d.y(), d.y() * d.y()}; }
+
+CurvatureJump jump_of(const LocalSlopes& X, const Vec3& jump, const Vec2& way, const Vec2& across,
+                      double thickness, double jumps) {
+  CurvatureJump j;
+  const Vec3 area = X.col(0).cross(X.col(1));
+  const double J = area.norm(), length = (X * way).norm();
+  const double width = J * std::abs(cross(way, across)) / length;  // of one unit of `across`
+  const double altitude = J * thickness / length;
+  j.n = area / J;
+  j.weight = std::sqrt(0.5 * jumps * length / altitude) / (width * width);
+  j.value = j.weight * j.n.dot(jump);
+  const Mat2 g = X.transpose() * X;
+  j.slopes = -(g.inverse() * (X.transpose() * jump));
+  return j;
+}
+
+EdgeTwist twist_of(const LocalJet& jet, const Vec2& way) {
+  EdgeTwist t;
+  const LocalSlopes X = jet.leftCols<2>();
+  const Vec2 beside(-way.y(), way.x());
+  const Vec3 along = X * way, other = X * beside;
+  t.Y1 = along.normalized();
+  const double b = other.dot(t.Y1);
+  const Vec3 rest = other - b * t.Y1;
+  t.Y2 = rest.normalized();
+  t.M.row(0) = way.transpose() / along.norm();
+  t.M.row(1) = (beside.transpose() - b * t.M.row(0)) / rest.norm();
+  t.n = t.Y1.cross(t.Y2);
+  const auto second = [&](int a, int c) -> Vec3 {
+    return jet.col(2) * t.M(a, 0) * t.M(c, 0) +
+           jet.col(3) * (t.M(a, 0) * t.M(c, 1) + t.M(a, 1) * t.M(c, 0)) +
+           jet.col(4) * t.M(a, 1) * t.M(c, 1);
+  };
+  const Vec3 Y12 = second(0, 1);
+  t.tau = t.n.dot(Y12);
+  t.along_form = t.n.dot(second(0, 0));
+  t.gamma = {t.Y1.dot(Y12), t.Y2.dot(Y12)};
+  return t;
+}
+
+LocalJet local_jet(const TriangleDofs& q, const HctTables::EdgePoint& point) {
+  LocalJet jet;
+  jet.leftCols<2>() = q.transpose().lazyProduct(point.slopes);
+  jet.rightCols<3>() = q.transpose().lazyProduct(point.second);
+  return jet;
+}
+
+}  // namespace batten

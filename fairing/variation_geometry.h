@@ -1,0 +1,49 @@
+// What the variation of curvature looks at on one triangle, in its (L1, L2): jumps of curvature and
+// twist of the normal. Internal.
+#pragma once
+
+#include "batten/fairing/hct_tables.h"
+#include "batten/fairing/variation_terms.h"
+
+namespace batten {
+
+using TriangleDofs = Eigen::Matrix<double, 12, 3>;
+using LocalJet = Eigen::Matrix<double, 3, 5>;  ///< X_1, X_2, X_11, X_12, X_22
+using LocalSlopes = Eigen::Matrix<double, 3, 2>;
+
+inline constexpr double kPointWeight = 1.0 / 18;  ///< of nine points in a triangle of area ½
+
+/// The matrix that takes a triangle's dofs to those of the reference functions.
+Mat12 reference_map(const Surface& surface, int t);
+
+/// Edge i from V_j to V_k, spoke i from V_i to the centre.
+Vec2 edge_way(int i);
+Vec2 spoke_way(int i);
+/// Weights of ∂11, ∂12, ∂22 in the second derivative along a direction.
+Vec3 twice_along(const Vec2& direction);
+
+/// The jump of curvature across a line at a Gauss point: value = weight n·jump, `jump` that of the
+/// second derivative along a direction beside the line.
+struct CurvatureJump {
+  double weight, value;
+  Vec3 n;
+  Vec2 slopes;  ///< the derivative of n·jump by X_a is slopes[a] n
+};
+/// `way`: the whole line; `across`: the direction beside it; `thickness`: mean area of the thirds
+/// beside the line, over that of a triangle, twice; `jumps`: VariationOptions::jumps.
+CurvatureJump jump_of(const LocalSlopes& X, const Vec3& jump, const Vec2& way, const Vec2& across,
+                      double thickness, double jumps);
+inline constexpr double kSpokeThickness = 1.0 / 3;
+
+/// The twist of the normal along an edge: τ = II_12 of the unit tangent and its perpendicular.
+struct EdgeTwist {
+  double tau, along_form;  ///< II_12, II_11
+  Vec3 n, Y1, Y2;
+  Mat2 M;      ///< Y_a = Σ_i M_ai X_i
+  Vec2 gamma;  ///< Γ^l_12
+};
+EdgeTwist twist_of(const LocalJet& jet, const Vec2& way);
+
+LocalJet local_jet(const TriangleDofs& q, const HctTables::EdgePoint& point);
+
+}  // namespace batten
