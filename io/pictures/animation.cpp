@@ -73,10 +73,6 @@ void check(const std::vector<Image>& frames) {
   }
 }
 
-struct CloseGif {
-  void operator()(GifFileType* gif) const { EGifCloseFile(gif, nullptr); }
-};
-
 struct Rectangle {
   int left = 0, top = 0, width = 0, height = 0;
 };
@@ -101,6 +97,105 @@ Rectangle changed(const std::vector<unsigned char>& before, const std::vector<un
 int hundredths(double seconds) {
   return static_cast<int>(std::clamp(std::round(100 * seconds), 2.0, 65535.0));
 }
+
+/// A GIF under way.
+class GifWriter {
+ public:
+  /// `path` is what messages call the file.
+  GifWriter(const std::filesystem::path& path, const std::filesystem::path& temporary, int width,
+            int height)
+      : path_(path), width_(width), height_(height), now_(pixels()), row_(columns()) {
+    int error = 0;
+    gif_.reset(EGifOpenFileName(temporary.c_str(), false, &error));
+    if (!gif_) fail(error);
+  }
+
+  void write_colours(const Palette& palette) {
+    EGifSetGifVersion(gif_.get(), true);
+    std::array<GifColorType, kMapSize> colours{};
+    for (int i = 0; i < palette.count(); ++i) {
+      const unsigned char* rgb = &palette.colours()[3 * i];
+      colours[i] = {rgb[0], rgb[1], rgb[2]};
+    }
+    const std::unique_ptr<ColorMapObject, void (*)(ColorMapObject*)> map(
+        GifMakeMapObject(kMapSize, colours.data()), GifFreeMapObject);
+    if (!map) throw std::bad_alloc();
+    expect(EGifPutScreenDesc(gif_.get(), width_, height_, 8, 0, map.get()));
+  }
+
+  /// Players begin again at the end.
+  void repeat_forever() {
+    const unsigned char forever[3] = {1, 0, 0};
+    expect(EGifPutExtensionLeader(gif_.get(), APPLICATION_EXT_FUNC_CODE));
+    expect(EGifPutExtensionBlock(gif_.get(), 11, "NETSCAPE2.0"));
+    expect(EGifPutExtensionBlock(gif_.get(), 3, forever));
+    expect(EGifPutExtensionTrailer(gif_.get()));
+  }
+
+  /// Writes what a frame changes, which is all of the first one.
+  void write_frame(const Image& frame, const Palette& palette, double seconds) {
+    for (size_t p = 0; p < now_.size(); ++p) {
+      const unsigned char* rgb = &frame.rgb[3 * p];
+      now_[p] = static_cast<unsigned char>(palette.index(rgb[0], rgb[1], rgb[2]));
+    }
+    write_control(seconds);
+    write_pixels(is_first() ? Rectangle{0, 0, width_, height_}
+                            : changed(before_, now_, width_, height_));
+    before_ = now_;
+  }
+
+  void close() {
+    int error = 0;
+    if (EGifCloseFile(gif_.release(), &error) == GIF_ERROR) fail(error);
+  }
+
+ private:
+  struct CloseGif {
+    void operator()(GifFileType* gif) const { EGifCloseFile(gif, nullptr); }
+  };
+
+  size_t columns() const { return static_cast<size_t>(width_); }
+  size_t pixels() const { return columns() * static_cast<size_t>(height_); }
+  bool is_first() const { return before_.empty(); }
+
+  [[noreturn]] void fail(int code) const {
+    const char* reason = GifErrorString(code);
+    throw InputError(path_.string() +
+                     ": cannot write this file: " + (reason ? reason : "unknown reason"));
+  }
+  void expect(int result) const {
+    if (result == GIF_ERROR) fail(gif_->Error);
+  }
+
+  void write_control(double seconds) {
+    GraphicsControlBlock control{};
+    control.DisposalMode = DISPOSE_DO_NOT;
+    control.DelayTime = hundredths(seconds);
+    control.TransparentColor = is_first() ? NO_TRANSPARENT_COLOR : kUnchanged;
+    GifByteType bytes[4];
+    expect(EGifPutExtension(gif_.get(), GRAPHICS_EXT_FUNC_CODE,
+                            static_cast<int>(EGifGCBToExtension(&control, bytes)), bytes));
+  }
+
+  void write_pixels(const Rectangle& part) {
+    expect(
+        EGifPutImageDesc(gif_.get(), part.left, part.top, part.width, part.height, false, nullptr));
+    for (int y = 0; y < part.height; ++y) {
+      const size_t first =
+          static_cast<size_t>(part.top + y) * columns() + static_cast<size_t>(part.left);
+      for (size_t x = 0; x < row_.size() && x < static_cast<size_t>(part.width); ++x) {
+        const bool same = !is_first() && now_[first + x] == before_[first + x];
+        row_[x] = same ? kUnchanged : now_[first + x];
+      }
+      expect(EGifPutLine(gif_.get(), row_.data(), part.width));
+    }
+  }
+
+  const std::filesystem::path& path_;
+  int width_, height_;
+  std::vector<unsigned char> before_, now_, row_;  // colour numbers
+  std::unique_ptr<GifFileType, CloseGif> gif_;
+};
 
 }  // namespace
 
@@ -160,65 +255,13 @@ void write_gif(const std::filesystem::path& path, const std::vector<Image>& fram
     if (!(s > 0) || !std::isfinite(s))
       throw InputError("found " + number(s) + " seconds a picture, expected a time above 0");
   const Palette palette(frames);
-  const int width = frames.front().width, height = frames.front().height;
-
   WholeFile file(path);
-  int error = 0;
-  const auto fail = [&](int code) {
-    const char* reason = GifErrorString(code);
-    throw InputError(path.string() +
-                     ": cannot write this file: " + (reason ? reason : "unknown reason"));
-  };
-  std::unique_ptr<GifFileType, CloseGif> gif(
-      EGifOpenFileName(file.temporary().c_str(), false, &error));
-  if (!gif) fail(error);
-  const auto expect = [&](int result) {
-    if (result == GIF_ERROR) fail(gif->Error);
-  };
-  EGifSetGifVersion(gif.get(), true);
-  std::array<GifColorType, kMapSize> colours{};
-  for (int i = 0; i < palette.count(); ++i) {
-    const unsigned char* rgb = &palette.colours()[3 * i];
-    colours[i] = {rgb[0], rgb[1], rgb[2]};
-  }
-  const std::unique_ptr<ColorMapObject, void (*)(ColorMapObject*)> map(
-      GifMakeMapObject(kMapSize, colours.data()), GifFreeMapObject);
-  if (!map) throw std::bad_alloc();
-  expect(EGifPutScreenDesc(gif.get(), width, height, 8, 0, map.get()));
-  const unsigned char forever[3] = {1, 0, 0};
-  expect(EGifPutExtensionLeader(gif.get(), APPLICATION_EXT_FUNC_CODE));
-  expect(EGifPutExtensionBlock(gif.get(), 11, "NETSCAPE2.0"));
-  expect(EGifPutExtensionBlock(gif.get(), 3, forever));
-  expect(EGifPutExtensionTrailer(gif.get()));
-
-  std::vector<unsigned char> before, now(static_cast<size_t>(width) * height),
-      row(static_cast<size_t>(width));
-  for (size_t f = 0; f < frames.size(); ++f) {
-    for (size_t p = 0; p < now.size(); ++p) {
-      const unsigned char* rgb = &frames[f].rgb[3 * p];
-      now[p] = static_cast<unsigned char>(palette.index(rgb[0], rgb[1], rgb[2]));
-    }
-    const Rectangle part =
-        f == 0 ? Rectangle{0, 0, width, height} : changed(before, now, width, height);
-    GraphicsControlBlock control{};
-    control.DisposalMode = DISPOSE_DO_NOT;
-    control.DelayTime = hundredths(f + 1 == frames.size() ? last_seconds : seconds);
-    control.TransparentColor = f == 0 ? NO_TRANSPARENT_COLOR : kUnchanged;
-    GifByteType bytes[4];
-    expect(EGifPutExtension(gif.get(), GRAPHICS_EXT_FUNC_CODE,
-                            static_cast<int>(EGifGCBToExtension(&control, bytes)), bytes));
-    expect(
-        EGifPutImageDesc(gif.get(), part.left, part.top, part.width, part.height, false, nullptr));
-    for (int y = 0; y < part.height; ++y) {
-      const size_t first = static_cast<size_t>(part.top + y) * static_cast<size_t>(width) +
-                           static_cast<size_t>(part.left);
-      for (size_t x = 0; x < row.size() && x < static_cast<size_t>(part.width); ++x)
-        row[x] = f > 0 && now[first + x] == before[first + x] ? kUnchanged : now[first + x];
-      expect(EGifPutLine(gif.get(), row.data(), part.width));
-    }
-    before = now;
-  }
-  if (EGifCloseFile(gif.release(), &error) == GIF_ERROR) fail(error);
+  GifWriter gif(path, file.temporary(), frames.front().width, frames.front().height);
+  gif.write_colours(palette);
+  gif.repeat_forever();
+  for (size_t f = 0; f < frames.size(); ++f)
+    gif.write_frame(frames[f], palette, f + 1 == frames.size() ? last_seconds : seconds);
+  gif.close();
   file.commit();
 }
 

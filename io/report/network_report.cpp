@@ -50,30 +50,69 @@ const char* word(NetworkFinding::Kind kind) {
   return "";
 }
 
-NetworkReport network_report(const CharacterLineNetwork& network, const FoundRegions& found,
-                             const SurfaceModel& model, double fit_tolerance,
-                             double join_tolerance_deg) {
-  NetworkReport report;
-  const auto arc = [&](int a) { return network.arcs()[a].name; };
-  const auto names = [&](const std::vector<int>& arcs) {
+namespace {
+
+/// The names of what is reported.
+struct Names {
+  const CharacterLineNetwork& network;
+  const SurfaceModel& model;
+
+  const std::string& arc(int a) const { return network.arcs()[a].name; }
+  std::vector<std::string> arcs(const std::vector<int>& of) const {
     std::vector<std::string> list;
-    for (const int a : arcs) list.push_back(arc(a));
+    for (const int a : of) list.push_back(arc(a));
     return list;
-  };
-  const auto loops = [&](const std::vector<ArcLoop>& of) {
+  }
+  std::vector<NetworkReport::LoopNames> loops(const std::vector<ArcLoop>& of) const {
     std::vector<NetworkReport::LoopNames> list;
     for (const ArcLoop& loop : of) {
       list.emplace_back();
       for (const ArcUse& use : loop) list.back().push_back(arc(use.arc));
     }
     return list;
-  };
-  const auto regions = [&](const std::vector<int>& of) {
+  }
+  std::vector<std::string> regions(const std::vector<int>& of) const {
     std::vector<std::string> list;
     for (const int r : of) list.push_back(model.regions[r].plan.name);
     return list;
-  };
+  }
+};
 
+NetworkReport::Region describe_region(const ModelRegion& r, const Names& names) {
+  NetworkReport::Region region;
+  region.name = r.plan.name;
+  region.loops = names.loops(r.plan.loops);
+  region.inner = names.arcs(r.plan.inner);
+  region.ring = r.plan.ring;
+  region.asked = r.plan.asked;
+  region.cost = r.plan.cost;
+  region.skinned = r.skinned.has_value();
+  region.plain_area = r.plain_area;
+  region.why_not = r.why_not;
+  region.warnings = r.warnings;
+  if (r.skinned) {
+    region.triangles = r.skinned->surface.mesh().triangle_count();
+    region.dofs = r.skinned->surface.dof_map().count();
+    region.size = r.skinned->size;
+    region.quality = r.quality;
+  }
+  return region;
+}
+
+NetworkReport::Choice describe_choice(const RegionChoice& c, const Names& names) {
+  NetworkReport::Choice choice{c.text, c.where, c.arcs, names.loops(c.chosen), {}, c.margins};
+  for (const auto& alternative : c.alternatives)
+    choice.alternatives.push_back(names.loops(alternative));
+  return choice;
+}
+
+}  // namespace
+
+NetworkReport network_report(const CharacterLineNetwork& network, const FoundRegions& found,
+                             const SurfaceModel& model, double fit_tolerance,
+                             double join_tolerance_deg) {
+  const Names names{network, model};
+  NetworkReport report;
   report.lines = count_of(network.lines());
   report.arcs = count_of(network.arcs());
   report.nodes = count_of(network.nodes());
@@ -83,41 +122,17 @@ NetworkReport network_report(const CharacterLineNetwork& network, const FoundReg
   report.join_tolerance_deg = join_tolerance_deg;
   report.findings = network.findings();
   report.optimal = found.optimal;
-  report.rims = names(found.rims);
-  report.bare = names(found.bare);
-  for (const ModelRegion& r : model.regions) {
-    NetworkReport::Region region;
-    region.name = r.plan.name;
-    region.loops = loops(r.plan.loops);
-    region.inner = names(r.plan.inner);
-    region.ring = r.plan.ring;
-    region.asked = r.plan.asked;
-    region.cost = r.plan.cost;
-    region.skinned = r.skinned.has_value();
-    region.plain_area = r.plain_area;
-    region.why_not = r.why_not;
-    region.warnings = r.warnings;
-    if (r.skinned) {
-      region.triangles = r.skinned->surface.mesh().triangle_count();
-      region.dofs = r.skinned->surface.dof_map().count();
-      region.size = r.skinned->size;
-      region.quality = r.quality;
-    }
-    report.regions.push_back(std::move(region));
-  }
+  report.rims = names.arcs(found.rims);
+  report.bare = names.arcs(found.bare);
+  for (const ModelRegion& r : model.regions) report.regions.push_back(describe_region(r, names));
   for (const ModelJoin& j : model.joins)
-    report.joins.push_back({arc(j.arc), regions(j.regions), word(j.kind), j.asked, j.one_domain,
-                            j.open, j.first_deg, j.max_deg, j.max_inside_deg, j.why});
-  for (const RegionChoice& c : found.choices) {
-    NetworkReport::Choice choice{c.text, c.where, c.arcs, loops(c.chosen), {}, c.margins};
-    for (const auto& alternative : c.alternatives)
-      choice.alternatives.push_back(loops(alternative));
-    report.choices.push_back(std::move(choice));
-  }
+    report.joins.push_back({names.arc(j.arc), names.regions(j.regions), word(j.kind), j.asked,
+                            j.one_domain, j.open, j.first_deg, j.max_deg, j.max_inside_deg, j.why});
+  for (const RegionChoice& c : found.choices) report.choices.push_back(describe_choice(c, names));
   for (const ModelShell& s : model.shells)
-    report.shells.push_back({regions(s.regions), s.closed, s.orientable, s.area, s.volume});
+    report.shells.push_back({names.regions(s.regions), s.closed, s.orientable, s.area, s.volume});
   for (const SurfaceFlaw& f : model.flaws) {
-    report.flaws.push_back({word(f.kind), regions(f.regions), f.where, f.value, f.text});
+    report.flaws.push_back({word(f.kind), names.regions(f.regions), f.where, f.value, f.text});
     for (const int r : f.regions) report.regions[r].flaws.push_back(f.text);
   }
   return report;

@@ -150,14 +150,29 @@ void exclude(Triangulation& triangulation, Triangulation::Face_handle start) {
 // target or for their shortest edge get its centre as a vertex, unless the centre is not visible
 // from them or comes too near to a segment. The largest are the first. Every new vertex keeps a
 // distance of √2 times the shortest edge that gave rise to it, so that this ends.
-void refine_between(Triangulation& triangulation, const std::vector<Point>& hole_seeds,
-                    double longest, double least_angle) {
-  using FaceHandle = Triangulation::Face_handle;
-  for (auto f = triangulation.all_faces_begin(); f != triangulation.all_faces_end(); ++f)
-    f->set_in_domain(true);
-  exclude(triangulation, triangulation.infinite_face());
-  for (const Point& seed : hole_seeds) exclude(triangulation, triangulation.locate(seed));
+class Refinement {
+ public:
+  Refinement(Triangulation& triangulation, double longest, double least_angle)
+      : triangulation_(triangulation),
+        largest2_(longest * longest / 3),
+        least_angle_(least_angle) {}
 
+  void run() {
+    auto& t = triangulation_;
+    for (auto f = t.finite_faces_begin(); f != t.finite_faces_end(); ++f)
+      if (f->is_in_domain()) look(f);
+    while (!queue_.empty()) {
+      const Bad bad = queue_.top();
+      queue_.pop();
+      if (!is_there(bad)) continue;
+      const Point centre = t.circumcenter(bad.face);
+      FaceHandle there;
+      if (find(centre, bad.face, there) && fits(centre, bad.face, there)) insert(centre, there);
+    }
+  }
+
+ private:
+  using FaceHandle = Triangulation::Face_handle;
   struct Bad {
     double radius2;
     long number;  // the order of equals
@@ -167,11 +182,10 @@ void refine_between(Triangulation& triangulation, const std::vector<Point>& hole
       return radius2 != other.radius2 ? radius2 < other.radius2 : number > other.number;
     }
   };
-  std::priority_queue<Bad> queue;
-  long number = 0;
-  const double largest2 = longest * longest / 3;  // of an equilateral triangle
-  const auto look = [&](FaceHandle face) {
-    const auto triangle = triangulation.triangle(face);
+
+  // Puts a triangle into the queue where it is bad.
+  void look(FaceHandle face) {
+    const auto triangle = triangulation_.triangle(face);
     double shortest2 = std::numeric_limits<double>::infinity(), product = 1;
     for (int i = 0; i < 3; ++i) {
       const double side2 = CGAL::squared_distance(triangle[i], triangle[(i + 1) % 3]);
@@ -179,46 +193,65 @@ void refine_between(Triangulation& triangulation, const std::vector<Point>& hole
       product *= side2;
     }
     const double area = triangle.area(), radius2 = product / (16 * area * area);
-    if (radius2 > largest2 || shortest2 < 4 * least_angle * radius2)
-      queue.push({radius2, number++, face, {face->vertex(0), face->vertex(1), face->vertex(2)}});
-  };
-  for (auto f = triangulation.finite_faces_begin(); f != triangulation.finite_faces_end(); ++f)
-    if (f->is_in_domain()) look(f);
+    if (radius2 > largest2_ || shortest2 < 4 * least_angle_ * radius2)
+      queue_.push({radius2, number_++, face, {face->vertex(0), face->vertex(1), face->vertex(2)}});
+  }
 
-  while (!queue.empty()) {
-    const Bad bad = queue.top();
-    queue.pop();
-    const FaceHandle face = bad.face;
-    if (face->vertex(0) != bad.corners[0] || face->vertex(1) != bad.corners[1] ||
-        face->vertex(2) != bad.corners[2])
-      continue;
-    const Point centre = triangulation.circumcenter(face);
+  // Whether the triangle is still as it was when it was found.
+  bool is_there(const Bad& bad) const {
+    return bad.face->vertex(0) == bad.corners[0] && bad.face->vertex(1) == bad.corners[1] &&
+           bad.face->vertex(2) == bad.corners[2];
+  }
+
+  // The face with the centre in it; false outside of the domain, at a vertex and on a segment.
+  bool find(const Point& centre, FaceHandle from, FaceHandle& there) const {
     Triangulation::Locate_type type;
     int at;
-    const FaceHandle there = triangulation.locate(centre, type, at, face);
-    if (triangulation.is_infinite(there) || !there->is_in_domain() ||
-        type == Triangulation::VERTEX ||
-        (type == Triangulation::EDGE && triangulation.is_constrained({there, at})))
-      continue;
+    there = triangulation_.locate(centre, type, at, from);
+    return !(triangulation_.is_infinite(there) || !there->is_in_domain() ||
+             type == Triangulation::VERTEX ||
+             (type == Triangulation::EDGE && triangulation_.is_constrained({there, at})));
+  }
+
+  // Whether the centre is visible from its triangle and not too near to a segment.
+  bool fits(const Point& centre, FaceHandle face, FaceHandle there) const {
     std::vector<FaceHandle> zone;
     std::vector<Triangulation::Edge> around;
-    triangulation.get_conflicts_and_boundary(centre, std::back_inserter(zone),
-                                             std::back_inserter(around), there);
+    triangulation_.get_conflicts_and_boundary(centre, std::back_inserter(zone),
+                                              std::back_inserter(around), there);
     bool good = std::find(zone.begin(), zone.end(), face) != zone.end();
     for (const auto& edge : around) {
-      if (!triangulation.is_constrained(edge)) continue;
-      const auto ends = triangulation.segment(edge);
+      if (!triangulation_.is_constrained(edge)) continue;
+      const auto ends = triangulation_.segment(edge);
       good = good && CGAL::angle(ends.source(), centre, ends.target()) == CGAL::ACUTE;
     }
-    if (!good) continue;
-    const auto vertex = triangulation.insert(centre, there);
-    auto f = triangulation.incident_faces(vertex);
+    return good;
+  }
+
+  void insert(const Point& centre, FaceHandle there) {
+    const auto vertex = triangulation_.insert(centre, there);
+    auto f = triangulation_.incident_faces(vertex);
     const auto first = f;
     do {
       f->set_in_domain(true);
       look(f);
     } while (++f != first);
   }
+
+  Triangulation& triangulation_;
+  double largest2_;  // square of the radius, of an equilateral triangle
+  double least_angle_;
+  std::priority_queue<Bad> queue_;
+  long number_ = 0;
+};
+
+void refine_between(Triangulation& triangulation, const std::vector<Point>& hole_seeds,
+                    double longest, double least_angle) {
+  for (auto f = triangulation.all_faces_begin(); f != triangulation.all_faces_end(); ++f)
+    f->set_in_domain(true);
+  exclude(triangulation, triangulation.infinite_face());
+  for (const Point& seed : hole_seeds) exclude(triangulation, triangulation.locate(seed));
+  Refinement(triangulation, longest, least_angle).run();
 }
 
 using VertexHandle = Triangulation::Vertex_handle;

@@ -73,22 +73,21 @@ void plan_embedded(JoinPlan& plan, const JoinEdge& a, const JoinEdge& b, const P
   if (plan.at.size() < 4) plan.why_not = "it is shorter than the elements that it is embedded in";
 }
 
-}  // namespace
+// What join lines are planned from, and the steps that plan them.
+class Planner {
+ public:
+  Planner(const std::vector<const RegionLayout*>& regions, const std::vector<Points>& shapes,
+          double most_apart_deg)
+      : shapes_(shapes), most_apart_deg_(most_apart_deg), sides_(regions) {
+    for (const RegionLayout* region : regions)
+      corner_.push_back(region ? cornered(*region) : std::vector<char>());
+  }
 
-std::vector<JoinPlan> plan_joins(const std::vector<const RegionLayout*>& regions,
-                                 const std::vector<Points>& shapes,
-                                 const std::vector<JoinLine>& join_lines, double most_apart_deg) {
-  std::vector<std::vector<char>> corner;
-  for (const RegionLayout* region : regions)
-    corner.push_back(region ? cornered(*region) : std::vector<char>());
-  const auto shape = [&](const JoinSide& j) -> const Points& { return shapes[j.region]; };
-
-  JoinEdges sides(regions);
-  std::vector<JoinPlan> plans;
-  for (const JoinLine& join_line : join_lines) {
+  // A join line without its ends: embedded lines whole, of runs whether they fit.
+  JoinPlan begin(const JoinLine& join_line) {
     JoinPlan plan;
     plan.join_line = join_line;
-    const JoinEdge a = sides(join_line.sides[0]), b = sides(join_line.sides[1]);
+    const JoinEdge a = sides_(join_line.sides[0]), b = sides_(join_line.sides[1]);
     if (a.embedded() || b.embedded()) {
       plan_embedded(plan, a, b, shape(join_line.sides[0]), shape(join_line.sides[1]));
     } else {
@@ -97,61 +96,84 @@ std::vector<JoinPlan> plan_joins(const std::vector<const RegionLayout*>& regions
         same = std::abs(a.fraction(k) - b.fraction(k)) < 1e-9;
       if (!same) plan.why_not = "the regions beside it have different vertices on it";
     }
-    plans.push_back(std::move(plan));
+    return plan;
   }
 
-  const auto is_free = [&](const JoinSide& j, int v) { return !corner[j.region][v]; };
-  // What the neighbours want of y at vertices where it is free.
-  std::map<std::pair<int, int>, std::vector<JoinEnd::Neighbour>> wanted;
-  for (const JoinPlan& plan : plans) {
-    if (plan.given_up() || !plan.at.empty()) continue;
+  // Collects what the neighbours want of y at vertices where it is free.
+  void collect_wishes(const JoinPlan& plan) {
     for (int s = 0; s < 2; ++s) {
       const JoinSide &mine = plan.join_line.sides[s], &other = plan.join_line.sides[1 - s];
-      const JoinEdge a = sides(mine), b = sides(other);
+      const JoinEdge a = sides_(mine), b = sides_(other);
       for (int end = 0; end < 2; ++end) {
         const int v = a.end_vertex(end);
         if (!is_free(mine, v) || is_free(other, b.end_vertex(end))) continue;
-        wanted[{mine.region, v}].push_back({other, end});
+        wanted_[{mine.region, v}].push_back({other, end});
       }
     }
   }
 
-  for (JoinPlan& plan : plans) {
-    if (plan.given_up() || !plan.at.empty()) continue;
-    for (int end = 0; end < 2; ++end) {
-      JoinEnd& at_end = plan.ends[end];
-      std::array<Vec3, 2> y;
-      int loose = 0;
-      for (int s = 0; s < 2; ++s) {
-        const JoinSide& j = plan.join_line.sides[s];
-        const JoinEdge side = sides(j);
-        const int v = side.end_vertex(end);
-        y[s] = side.across(shape(j), end ? side.count() - 1 : 0);
-        if (!is_free(j, v)) continue;
-        const auto it = wanted.find({j.region, v});
-        if (it == wanted.end()) {
-          ++loose;
-          continue;
-        }
-        y[s].setZero();
-        for (const JoinEnd::Neighbour& other : it->second) {
-          const JoinEdge beside = sides(other.side);
-          y[s] -= beside.across(shape(other.side), other.end ? beside.count() - 1 : 0) /
-                  static_cast<double>(it->second.size());
-        }
-        at_end.set[s] = it->second;
-      }
-      at_end.loose = loose > 0;
-      if (loose > 0) continue;
-      const Glue glue(sides(plan.join_line.sides[0]).slope(end), y[0], y[1]);
-      at_end.gamma = glue.gamma;
-      at_end.delta = glue.delta;
-      at_end.apart_deg = glue.apart_deg;
-      at_end.open = !(glue.apart_deg <= most_apart_deg);
-      plan.why_not = glue.wrong(end ? "at its end" : "at its start");
-      if (plan.given_up()) break;
-    }
+  // γ and δ at an end of a join line of two runs.
+  void plan_end(JoinPlan& plan, int end) {
+    JoinEnd& at_end = plan.ends[end];
+    std::array<Vec3, 2> y;
+    int loose = 0;
+    for (int s = 0; s < 2; ++s)
+      loose += !find_across(plan.join_line.sides[s], end, s, y[s], at_end);
+    at_end.loose = loose > 0;
+    if (loose > 0) return;
+    const Glue glue(sides_(plan.join_line.sides[0]).slope(end), y[0], y[1]);
+    at_end.gamma = glue.gamma;
+    at_end.delta = glue.delta;
+    at_end.apart_deg = glue.apart_deg;
+    at_end.open = !(glue.apart_deg <= most_apart_deg_);
+    plan.why_not = glue.wrong(end ? "at its end" : "at its start");
   }
+
+ private:
+  const Points& shape(const JoinSide& j) const { return shapes_[j.region]; }
+  bool is_free(const JoinSide& j, int v) const { return !corner_[j.region][v]; }
+  static Vec3 end_across(const JoinEdge& edge, const Points& q, int end) {
+    return edge.across(q, end ? edge.count() - 1 : 0);
+  }
+
+  // y of side s at an end: as its shape has it or, where it is free, as the neighbours want it on
+  // the average. False where it is free and nobody wants anything.
+  bool find_across(const JoinSide& j, int end, int s, Vec3& y, JoinEnd& at_end) {
+    const JoinEdge side = sides_(j);
+    const int v = side.end_vertex(end);
+    y = end_across(side, shape(j), end);
+    if (!is_free(j, v)) return true;
+    const auto it = wanted_.find({j.region, v});
+    if (it == wanted_.end()) return false;
+    y.setZero();
+    for (const JoinEnd::Neighbour& other : it->second)
+      y -= end_across(sides_(other.side), shape(other.side), other.end) /
+           static_cast<double>(it->second.size());
+    at_end.set[s] = it->second;
+    return true;
+  }
+
+  const std::vector<Points>& shapes_;
+  double most_apart_deg_;
+  JoinEdges sides_;
+  std::vector<std::vector<char>> corner_;
+  std::map<std::pair<int, int>, std::vector<JoinEnd::Neighbour>> wanted_;  // of region, vertex
+};
+
+}  // namespace
+
+std::vector<JoinPlan> plan_joins(const std::vector<const RegionLayout*>& regions,
+                                 const std::vector<Points>& shapes,
+                                 const std::vector<JoinLine>& join_lines, double most_apart_deg) {
+  Planner planner(regions, shapes, most_apart_deg);
+  std::vector<JoinPlan> plans;
+  for (const JoinLine& join_line : join_lines) plans.push_back(planner.begin(join_line));
+  const auto of_runs = [](const JoinPlan& plan) { return !plan.given_up() && plan.at.empty(); };
+  for (const JoinPlan& plan : plans)
+    if (of_runs(plan)) planner.collect_wishes(plan);
+  for (JoinPlan& plan : plans)
+    for (int end = 0; end < 2; ++end)
+      if (of_runs(plan)) planner.plan_end(plan, end);
   return plans;
 }
 

@@ -188,6 +188,88 @@ void require_options(const NetworkOptions& options) {
     check(name, value, value >= 0 && value <= 180, "degrees from 0 to 180");
 }
 
+// The tolerance that was asked for, or its default.
+double tolerance_of(const NetworkOptions& options, double size) {
+  constexpr double default_tolerance = 1e-3;  // of the size
+  const double tolerance = options.tolerance > 0 ? options.tolerance : default_tolerance * size;
+  if (tolerance > 0.1 * size)
+    throw InputError("network: found tolerance = " + number(tolerance) +
+                     ", expected at most a tenth of the network's size, " + number(size));
+  return tolerance;
+}
+
+double fit_of(const NetworkOptions& options, double size) {
+  constexpr double default_fit = 1e-4;  // of the size
+  return options.fit_tolerance > 0 ? options.fit_tolerance : default_fit * size;
+}
+
+// Drafts of all arcs in canonical order.
+std::vector<Draft> draft_arcs(const Strands& strands, const std::vector<Cut>& cuts,
+                              const std::vector<CharacterLine>& lines) {
+  std::vector<Draft> drafts;
+  for (const Cut& cut : cuts) drafts.push_back(make_draft(strands, cut, strands.size));
+  const auto name_of = [&](const Draft& d) -> const std::string& {
+    return lines[strands.strands[d.cut->strand].line].name;
+  };
+  std::stable_sort(drafts.begin(), drafts.end(), [&](const Draft& a, const Draft& b) {
+    return std::tie(a.nodes, a.middle, name_of(a), a.cut->s0) <
+           std::tie(b.nodes, b.middle, name_of(b), b.cut->s0);
+  });
+  return drafts;
+}
+
+// Arcs without their curves, names and partners; their ends are added to the nodes.
+std::vector<NetworkArc> make_arcs(const std::vector<Draft>& drafts, const Strands& strands,
+                                  std::vector<NetworkNode>& nodes) {
+  std::vector<NetworkArc> arcs(drafts.size());
+  for (int i = 0; i < count_of(drafts); ++i) {
+    NetworkArc& arc = arcs[i];
+    arc.line = strands.strands[drafts[i].cut->strand].line;
+    arc.reversed = drafts[i].input->backwards();
+    arc.input = drafts[i].input;
+    arc.nodes = drafts[i].nodes;
+    nodes[arc.nodes[0]].ends.push_back({i, false});
+    nodes[arc.nodes[1]].ends.push_back({i, true});
+  }
+  return arcs;
+}
+
+// Names arcs along their lines; returns the arcs of each line, at the end those of other lines that
+// it shares.
+std::vector<std::vector<int>> name_arcs(const std::vector<Draft>& drafts,
+                                        const std::vector<CharacterLine>& lines,
+                                        std::vector<NetworkArc>& arcs) {
+  std::vector<std::vector<int>> arcs_of_line(lines.size());
+  for (int i = 0; i < count_of(arcs); ++i) arcs_of_line[arcs[i].line].push_back(i);
+  for (size_t k = 0; k < lines.size(); ++k) {
+    auto& of = arcs_of_line[k];
+    std::sort(of.begin(), of.end(),
+              [&](int i, int j) { return drafts[i].input->first() < drafts[j].input->first(); });
+    for (size_t i = 0; i < of.size(); ++i)
+      arcs[of[i]].name = lines[k].name + (of.size() > 1 ? "." + std::to_string(i + 1) : "");
+  }
+  for (int i = 0; i < count_of(drafts); ++i)
+    for (const int line : drafts[i].cut->shared)
+      if (auto& of = arcs_of_line[line]; std::find(of.begin(), of.end(), i) == of.end())
+        of.push_back(i);
+  return arcs_of_line;
+}
+
+// Makes the curves of arcs, in parallel.
+void shape_arcs(const std::vector<Draft>& drafts, const std::vector<NetworkNode>& nodes,
+                double size, double tolerance, double fit, std::vector<NetworkArc>& arcs) {
+  const auto along = end_tangents(drafts, arcs);
+  parallel_parts(count_of(arcs), [&](int i) {
+    NetworkArc& arc = arcs[i];
+    ArcShape shape = make_arc_curve({drafts[i].input, nodes[arc.nodes[0]].position,
+                                     nodes[arc.nodes[1]].position, along[i][0], along[i][1]},
+                                    size, tolerance, fit);
+    arc.curve = std::move(shape.curve);
+    arc.length = shape.length;
+    arc.deviation = shape.deviation;
+  });
+}
+
 }  // namespace
 
 CharacterLineNetwork::CharacterLineNetwork(const std::vector<CharacterLine>& lines,
@@ -197,12 +279,7 @@ CharacterLineNetwork::CharacterLineNetwork(const std::vector<CharacterLine>& lin
   progress.at("network", 0);
   const Strands strands = make_strands(lines, options.corner_angle);
   size_ = strands.size;
-  constexpr double default_tolerance = 1e-3, default_fit = 1e-4;  // of the size
-  tolerance_ = options.tolerance > 0 ? options.tolerance : default_tolerance * size_;
-  if (tolerance_ > 0.1 * size_)
-    throw InputError("network: found tolerance = " + number(tolerance_) +
-                     ", expected at most a tenth of the network's size, " + number(size_));
-  const double fit = options.fit_tolerance > 0 ? options.fit_tolerance : default_fit * size_;
+  tolerance_ = tolerance_of(options, size_);
 
   progress.at("network", 0.1);
   const Contacts contacts = find_contacts(strands.strands, tolerance_, size_);
@@ -213,51 +290,12 @@ CharacterLineNetwork::CharacterLineNetwork(const std::vector<CharacterLine>& lin
   canonical_nodes(strands, net);
   for (const Vec3& p : net.nodes) nodes_.push_back({p, {}});
 
-  std::vector<Draft> drafts;
-  for (const Cut& cut : net.cuts) drafts.push_back(make_draft(strands, cut, size_));
-  const auto name_of = [&](const Draft& d) -> const std::string& {
-    return lines_[strands.strands[d.cut->strand].line].name;
-  };
-  std::stable_sort(drafts.begin(), drafts.end(), [&](const Draft& a, const Draft& b) {
-    return std::tie(a.nodes, a.middle, name_of(a), a.cut->s0) <
-           std::tie(b.nodes, b.middle, name_of(b), b.cut->s0);
-  });
-  arcs_.resize(drafts.size());
-  arcs_of_line_.resize(lines_.size());
-  for (int i = 0; i < count_of(drafts); ++i) {
-    NetworkArc& arc = arcs_[i];
-    arc.line = strands.strands[drafts[i].cut->strand].line;
-    arc.reversed = drafts[i].input->backwards();
-    arc.input = drafts[i].input;
-    arc.nodes = drafts[i].nodes;
-    nodes_[arc.nodes[0]].ends.push_back({i, false});
-    nodes_[arc.nodes[1]].ends.push_back({i, true});
-    arcs_of_line_[arc.line].push_back(i);
-  }
-  for (size_t k = 0; k < lines_.size(); ++k) {
-    auto& of = arcs_of_line_[k];
-    std::sort(of.begin(), of.end(),
-              [&](int i, int j) { return drafts[i].input->first() < drafts[j].input->first(); });
-    for (size_t i = 0; i < of.size(); ++i)
-      arcs_[of[i]].name = lines_[k].name + (of.size() > 1 ? "." + std::to_string(i + 1) : "");
-  }
-  for (int i = 0; i < count_of(drafts); ++i)
-    for (const int line : drafts[i].cut->shared)
-      if (auto& of = arcs_of_line_[line]; std::find(of.begin(), of.end(), i) == of.end())
-        of.push_back(i);
-
+  const std::vector<Draft> drafts = draft_arcs(strands, net.cuts, lines_);
+  arcs_ = make_arcs(drafts, strands, nodes_);
+  arcs_of_line_ = name_arcs(drafts, lines_, arcs_);
   find_partners(drafts, nodes_, strands, options.straight_angle, arcs_);
-  const auto along = end_tangents(drafts, arcs_);
   progress.at("network", 0.6);
-  parallel_parts(count_of(arcs_), [&](int i) {
-    NetworkArc& arc = arcs_[i];
-    ArcShape shape = make_arc_curve({drafts[i].input, nodes_[arc.nodes[0]].position,
-                                     nodes_[arc.nodes[1]].position, along[i][0], along[i][1]},
-                                    size_, tolerance_, fit);
-    arc.curve = std::move(shape.curve);
-    arc.length = shape.length;
-    arc.deviation = shape.deviation;
-  });
+  shape_arcs(drafts, nodes_, size_, tolerance_, fit_of(options, size_), arcs_);
   tell_of_parts(arcs_, nodes_, lines_, findings_);
   std::stable_sort(
       findings_.begin(), findings_.end(),

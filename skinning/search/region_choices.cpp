@@ -105,61 +105,90 @@ std::vector<RegionChoice> near_choices(const RegionGraph& graph, const RegionSea
   return choices;
 }
 
+namespace {
+
+// Goes along rims: the arcs with one region.
+class Rims {
+ public:
+  Rims(const RegionGraph& graph, const std::vector<int>& rims) : graph_(graph) {
+    for (const int a : rims)
+      for (const bool reversed : {false, true})
+        leaving_[graph.arcs[a].nodes[reversed]].push_back({a, reversed});
+  }
+
+  // The closed chain from an arc on, where no other rim joins it; empty where there is none. No arc
+  // is taken twice.
+  ArcLoop take_loop(int first) {
+    if (!done_.insert(first).second) return {};
+    ArcLoop loop{{first, false}};
+    const int home = graph_.arcs[first].nodes[0];
+    for (int node = graph_.node_after(loop.back()); node != home;
+         node = graph_.node_after(loop.back())) {
+      const auto& ways = leaving_[node];
+      if (ways.size() != 2) return {};
+      loop.push_back(ways[0].arc == loop.back().arc ? ways[1] : ways[0]);
+      if (!done_.insert(loop.back().arc).second) return {};
+    }
+    return leaving_[home].size() == 2 ? loop : ArcLoop();
+  }
+
+ private:
+  const RegionGraph& graph_;
+  std::map<int, std::vector<ArcUse>> leaving_;  // rim arcs at each node, in both directions
+  std::set<int> done_;
+};
+
+// What a surface in a rim would have to do with the regions beside it.
+struct CapFolds {
+  double fold = 0;    // mean, degrees
+  double price = 0;   // of all folds
+  bool same = false;  // a region has these arcs already
+};
+
+CapFolds measure_folds(const RegionGraph& graph, const LoopCandidate& cap,
+                       const std::vector<NetworkRegion>& regions, const LoopPrices& prices) {
+  const std::vector<int> arcs = arcs_of(cap.loop);
+  CapFolds result;
+  for (const NetworkRegion& region : regions) {
+    result.same = result.same || (region.loops.size() == 1 && arcs_of(region.loops[0]) == arcs);
+    for (size_t k = 0; k < region.loops.size(); ++k) {
+      const LoopCandidate other = measured(graph, region.loops[k], prices);
+      for (size_t i = 0; i < cap.loop.size(); ++i)
+        for (size_t j = 0; j < other.loop.size(); ++j)
+          if (cap.loop[i].arc == other.loop[j].arc) {
+            double degrees = fold_deg(cap, i, other, j);
+            if (k > 0) degrees = 180 - degrees;
+            result.fold += degrees / static_cast<double>(cap.loop.size());
+            result.price += prices.fold * degrees * degrees / 8100;
+          }
+    }
+  }
+  return result;
+}
+
+}  // namespace
+
 std::vector<RegionChoice> rim_choices(const RegionGraph& graph, const RegionSearch& search,
                                       const std::vector<NetworkRegion>& regions,
                                       const std::vector<int>& rims,
                                       const std::vector<std::vector<int>>& nothing,
                                       const LoopPrices& prices) {
-  std::map<int, std::vector<ArcUse>> leaving;  // rim arcs at each node, in both directions
-  for (const int a : rims)
-    for (const bool reversed : {false, true})
-      leaving[graph.arcs[a].nodes[reversed]].push_back({a, reversed});
-  std::set<int> done;
+  Rims open(graph, rims);
   std::vector<RegionChoice> choices;
   for (const int first : rims) {
-    if (done.count(first)) continue;
-    ArcLoop loop{{first, false}};
-    done.insert(first);
-    const int home = graph.arcs[first].nodes[0];
-    bool plain = true;
-    for (int node = graph.node_after(loop.back()); node != home && plain;) {
-      const auto& ways = leaving[node];
-      plain = ways.size() == 2;
-      if (!plain) break;
-      const ArcUse& next = ways[0].arc == loop.back().arc ? ways[1] : ways[0];
-      plain = done.insert(next.arc).second;
-      loop.push_back(next);
-      node = graph.node_after(next);
-    }
-    if (!plain || leaving[home].size() != 2) continue;
-
+    const ArcLoop loop = open.take_loop(first);
+    if (loop.empty()) continue;
     const LoopCandidate cap = measured(graph, loop, prices);
-    const std::vector<int> arcs = arcs_of(cap.loop);
-    if (std::binary_search(nothing.begin(), nothing.end(), arcs)) continue;
-    double fold = 0, price = 0;
-    bool same = false;
-    for (const NetworkRegion& region : regions) {
-      same = same || (region.loops.size() == 1 && arcs_of(region.loops[0]) == arcs);
-      for (size_t k = 0; k < region.loops.size(); ++k) {
-        const LoopCandidate other = measured(graph, region.loops[k], prices);
-        for (size_t i = 0; i < cap.loop.size(); ++i)
-          for (size_t j = 0; j < other.loop.size(); ++j)
-            if (cap.loop[i].arc == other.loop[j].arc) {
-              double degrees = fold_deg(cap, i, other, j);
-              if (k > 0) degrees = 180 - degrees;
-              fold += degrees / static_cast<double>(cap.loop.size());
-              price += prices.fold * degrees * degrees / 8100;
-            }
-      }
-    }
+    if (std::binary_search(nothing.begin(), nothing.end(), arcs_of(cap.loop))) continue;
+    const CapFolds folds = measure_folds(graph, cap, regions, prices);
+    if (folds.same || folds.fold > 150) continue;
+    RegionChoice choice;
+    choice.alternatives = {{cap.loop}};
+    choice.margins = {std::max(0.0, folds.price - cap.gain(prices)) /
+                      (prices.covered * static_cast<double>(cap.loop.size()))};
     // Items that were left out are among the near choices, or far from them.
     const bool item = std::any_of(search.loops.begin(), search.loops.end(),
                                   [&](const LoopCandidate& c) { return c.loop == cap.loop; });
-    if (same || fold > 150) continue;
-    RegionChoice choice;
-    choice.alternatives = {{cap.loop}};
-    choice.margins = {std::max(0.0, price - cap.gain(prices)) /
-                      (prices.covered * static_cast<double>(cap.loop.size()))};
     if (item && choice.margins[0] <= 0.15) continue;
     place_choice(graph, choice);
     choice.text = "the rim of " + std::to_string(cap.loop.size()) + " lines " +

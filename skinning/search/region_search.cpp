@@ -22,6 +22,90 @@ std::vector<std::vector<Use>> uses_by_arc(const std::vector<LoopCandidate>& loop
   return all;
 }
 
+// What the user asked for, measured.
+struct AskedLoops {
+  std::vector<LoopCandidate> loops;
+  std::vector<std::vector<int>> settled_arcs;  // of loops that are no items, ascending
+  std::vector<std::vector<Use>> uses;          // of `loops`, by arc
+};
+
+// What was asked for takes its room first; its neighbours pay for the fold.
+AskedLoops settle_asked(const RegionGraph& graph, const SettledRegions& settled,
+                        const LoopPrices& prices, std::vector<int>& room) {
+  AskedLoops asked{{}, settled.nothing, {}};
+  for (const auto& loops : settled.asked)
+    for (size_t k = 0; k < loops.size(); ++k) {
+      asked.loops.push_back(measured(graph, loops[k], prices));
+      asked.settled_arcs.push_back(arcs_of(loops[k]));
+      for (const ArcUse& use : loops[k]) --room[use.arc];
+      // The surface lies outside of a hole.
+      if (k > 0)
+        for (auto& side : asked.loops.back().side)
+          for (double& angle : side) angle += EIGEN_PI;
+    }
+  for (int& r : room) r = std::max(r, 0);
+  std::sort(asked.settled_arcs.begin(), asked.settled_arcs.end());
+  asked.uses = uses_by_arc(asked.loops, graph.arcs.size());
+  return asked;
+}
+
+// The item of a loop; `gain` is that of the loop alone.
+Selection::Item make_item(const LoopCandidate& c, double gain, const AskedLoops& asked,
+                          double fold_price) {
+  Selection::Item item;
+  item.gain = gain;
+  std::map<int, int> uses;
+  for (size_t i = 0; i < c.loop.size(); ++i) {
+    ++uses[c.loop[i].arc];
+    for (const Use& other : asked.uses[c.loop[i].arc])
+      item.gain -= fold_price * square(fold_deg(c, i, asked.loops[other.loop], other.place) / 90);
+  }
+  for (const auto& [arc, count] : uses) {
+    item.arcs.push_back(arc);
+    item.uses.push_back(count);
+  }
+  return item;
+}
+
+bool has_room(const Selection::Item& item, const std::vector<int>& room) {
+  for (size_t i = 0; i < item.arcs.size(); ++i)
+    if (item.uses[i] > room[item.arcs[i]]) return false;
+  return true;
+}
+
+// Makes items of the loops that gain by themselves and have room.
+void add_items(const RegionGraph& graph, const AskedLoops& asked, const LoopPrices& prices,
+               double fold_price, std::vector<LoopCandidate>& traced, RegionSearch& search) {
+  std::vector<int> loops_in_part(static_cast<size_t>(graph.part_count), 0);
+  for (const LoopCandidate& c : traced) ++loops_in_part[graph.part[c.loop[0].arc]];
+  for (LoopCandidate& c : traced) {
+    if (std::binary_search(asked.settled_arcs.begin(), asked.settled_arcs.end(), arcs_of(c.loop)))
+      continue;
+    double gain = c.gain(prices);
+    // The only loop of a part of the network bounds a surface, whatever it costs.
+    constexpr double some_gain = 0.1;
+    if (loops_in_part[graph.part[c.loop[0].arc]] == 1) gain = std::max(gain, some_gain);
+    Selection::Item item = make_item(c, gain, asked, fold_price);
+    if (!has_room(item, search.problem.room) || item.gain <= 1e-9) continue;
+    search.problem.items.push_back(std::move(item));
+    search.loops.push_back(std::move(c));
+  }
+}
+
+// Prices of two loops on one arc.
+void add_pairs(const RegionGraph& graph, double fold_price, RegionSearch& search) {
+  const auto uses = uses_by_arc(search.loops, graph.arcs.size());
+  for (size_t a = 0; a < uses.size(); ++a)
+    for (size_t i = 0; i < uses[a].size(); ++i)
+      for (size_t j = i + 1; j < uses[a].size(); ++j) {
+        const auto [c, place] = uses[a][i];
+        const auto [d, other] = uses[a][j];
+        if (c == d) continue;
+        const double fold = fold_deg(search.loops[c], place, search.loops[d], other);
+        search.problem.pairs.push_back({static_cast<int>(a), c, d, fold_price * square(fold / 90)});
+      }
+}
+
 }  // namespace
 
 RegionSearch search_regions(const RegionGraph& graph, const SettledRegions& settled,
@@ -34,60 +118,11 @@ RegionSearch search_regions(const RegionGraph& graph, const SettledRegions& sett
 
   // 2. What loops are worth: their gains, and the prices of pairs on one arc.
   const double fold_price = prices.fold / std::max(1, settled.most_at_arc - 1);
-  // What was asked for takes its room first; its neighbours pay for the fold.
   search.problem.room.assign(graph.arcs.size(), settled.most_at_arc);
-  std::vector<LoopCandidate> asked;
-  std::vector<std::vector<int>> settled_arcs = settled.nothing;
-  for (const auto& loops : settled.asked)
-    for (size_t k = 0; k < loops.size(); ++k) {
-      asked.push_back(measured(graph, loops[k], prices));
-      settled_arcs.push_back(arcs_of(loops[k]));
-      for (const ArcUse& use : loops[k]) --search.problem.room[use.arc];
-      // The surface lies outside of a hole.
-      if (k > 0)
-        for (auto& side : asked.back().side)
-          for (double& angle : side) angle += EIGEN_PI;
-    }
-  for (int& room : search.problem.room) room = std::max(room, 0);
-  std::sort(settled_arcs.begin(), settled_arcs.end());
-  const auto uses_asked = uses_by_arc(asked, graph.arcs.size());
+  const AskedLoops asked = settle_asked(graph, settled, prices, search.problem.room);
+  add_items(graph, asked, prices, fold_price, traced.loops, search);
+  add_pairs(graph, fold_price, search);
 
-  std::vector<int> loops_in_part(static_cast<size_t>(graph.part_count), 0);
-  for (const LoopCandidate& c : traced.loops) ++loops_in_part[graph.part[c.loop[0].arc]];
-  for (LoopCandidate& c : traced.loops) {
-    if (std::binary_search(settled_arcs.begin(), settled_arcs.end(), arcs_of(c.loop))) continue;
-    Selection::Item item;
-    item.gain = c.gain(prices);
-    // The only loop of a part of the network bounds a surface, whatever it costs.
-    constexpr double some_gain = 0.1;
-    if (loops_in_part[graph.part[c.loop[0].arc]] == 1) item.gain = std::max(item.gain, some_gain);
-    std::map<int, int> uses;
-    for (size_t i = 0; i < c.loop.size(); ++i) {
-      ++uses[c.loop[i].arc];
-      for (const Use& other : uses_asked[c.loop[i].arc])
-        item.gain -= fold_price * square(fold_deg(c, i, asked[other.loop], other.place) / 90);
-    }
-    bool room = true;
-    for (const auto& [arc, count] : uses) {
-      item.arcs.push_back(arc);
-      item.uses.push_back(count);
-      room = room && count <= search.problem.room[arc];
-    }
-    if (!room || item.gain <= 1e-9) continue;
-    search.problem.items.push_back(std::move(item));
-    search.loops.push_back(std::move(c));
-  }
-
-  const auto uses = uses_by_arc(search.loops, graph.arcs.size());
-  for (size_t a = 0; a < uses.size(); ++a)
-    for (size_t i = 0; i < uses[a].size(); ++i)
-      for (size_t j = i + 1; j < uses[a].size(); ++j) {
-        const auto [c, place] = uses[a][i];
-        const auto [d, other] = uses[a][j];
-        if (c == d) continue;
-        const double fold = fold_deg(search.loops[c], place, search.loops[d], other);
-        search.problem.pairs.push_back({static_cast<int>(a), c, d, fold_price * square(fold / 90)});
-      }
   // 3. Choose.
   search.selected = select(search.problem);
   progress.at("regions: choice", 1);

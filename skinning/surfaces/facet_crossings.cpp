@@ -96,9 +96,31 @@ struct Grid {
       return std::tie(cell, facet) < std::tie(o.cell, o.facet);
     }
   };
-  std::vector<Entry> entries;
+  std::vector<Entry> entries;  // none where no facet has an extent
   Vec3 low;
   double side = 1;
+
+  explicit Grid(const std::vector<Box>& boxes)
+      : low(Vec3::Constant(std::numeric_limits<double>::infinity())) {
+    double extent = 0, largest = 0;
+    for (const Box& box : boxes) {
+      low = low.cwiseMin(box.low);
+      extent += (box.high - box.low).maxCoeff();
+      largest = std::max(largest, (box.high - box.low).maxCoeff());
+    }
+    if (boxes.empty() || !(extent > 0)) return;
+    constexpr double most_cells = 16;  // a side of the largest facet's box
+    side = std::max(1.5 * extent / static_cast<double>(boxes.size()), largest / most_cells);
+    for (size_t f = 0; f < boxes.size(); ++f) enter(boxes[f], static_cast<int>(f));
+    std::sort(entries.begin(), entries.end());
+  }
+
+  void enter(const Box& box, int facet) {
+    const auto a = cell(box.low), b = cell(box.high);
+    for (std::uint64_t x = a[0]; x <= b[0]; ++x)
+      for (std::uint64_t y = a[1]; y <= b[1]; ++y)
+        for (std::uint64_t z = a[2]; z <= b[2]; ++z) entries.push_back({key(x, y, z), facet});
+  }
 
   std::array<std::uint64_t, 3> cell(const Vec3& p) const {
     std::array<std::uint64_t, 3> at;
@@ -109,7 +131,62 @@ struct Grid {
   static std::uint64_t key(std::uint64_t x, std::uint64_t y, std::uint64_t z) {
     return x << 42 | y << 21 | z;
   }
+  // The one cell in which a pair is looked at: where both boxes begin.
+  std::uint64_t home(const Box& a, const Box& b) const {
+    const auto at = cell(a.low.cwiseMax(b.low));
+    return key(at[0], at[1], at[2]);
+  }
 };
+
+// Free edges of each facet, and the points at their ends.
+struct FreeEdges {
+  const std::vector<Corners>& corners;
+  const std::vector<Facet>& joined;
+  std::vector<char> at_rim;
+  std::vector<std::array<char, 3>> is_free;
+
+  FreeEdges(const std::vector<Corners>& corners, const std::vector<Facet>& joined,
+            const std::vector<int>& surface_of, size_t points)
+      : corners(corners), joined(joined), at_rim(points, 0), is_free(joined.size()) {
+    const auto key = [&](size_t f, int i) {
+      const auto [v, w] = std::minmax(joined[f][i], joined[f][(i + 1) % 3]);
+      return std::tuple(v, w, surface_of[f]);
+    };
+    std::map<std::tuple<int, int, int>, int> uses_of_surface;
+    for (size_t f = 0; f < joined.size(); ++f)
+      for (int i = 0; i < 3; ++i) ++uses_of_surface[key(f, i)];
+    for (size_t f = 0; f < joined.size(); ++f)
+      for (int i = 0; i < 3; ++i) {
+        is_free[f][i] = uses_of_surface[key(f, i)] == 1;
+        if (is_free[f][i]) at_rim[joined[f][i]] = at_rim[joined[f][(i + 1) % 3]] = 1;
+      }
+  }
+
+  // Whether a point lies within `near` of a free edge of the facet, or of the end of one.
+  bool close_to(size_t f, const Vec3& p, double near) const {
+    for (int i = 0; i < 3; ++i) {
+      if (is_free[f][i] && distance_to_segment(p, corners[f][i], corners[f][(i + 1) % 3]) <= near)
+        return true;
+      if (at_rim[joined[f][i]] && (p - corners[f][i]).norm() <= near) return true;
+    }
+    return false;
+  }
+};
+
+bool have_common_point(const Facet& a, const Facet& b) {
+  for (const int v : a)
+    for (const int w : b)
+      if (v == w) return true;
+  return false;
+}
+
+// Points in which two facets pass through each other, put into `found`.
+void cross_pair(const Corners& a, const Corners& b, std::vector<Vec3>& found) {
+  found.clear();
+  pierce(a, b, found);
+  pierce(b, a, found);
+  if (found.empty()) overlap(a, b, found);
+}
 
 }  // namespace
 
@@ -119,79 +196,34 @@ std::vector<FacetCrossing> facet_crossings(const std::vector<Vec3>& points,
                                            const std::vector<int>& surface_of, double near) {
   std::vector<Corners> corners;
   std::vector<Box> boxes;
-  Grid grid;
-  grid.low = Vec3::Constant(std::numeric_limits<double>::infinity());
-  double extent = 0, largest = 0;
   for (const Facet& f : facets) {
     corners.push_back({points[f[0]], points[f[1]], points[f[2]]});
     boxes.emplace_back(corners.back());
-    grid.low = grid.low.cwiseMin(boxes.back().low);
-    extent += (boxes.back().high - boxes.back().low).maxCoeff();
-    largest = std::max(largest, (boxes.back().high - boxes.back().low).maxCoeff());
   }
-  if (facets.empty() || !(extent > 0)) return {};
-  constexpr double most_cells = 16;  // a side of the largest facet's box
-  grid.side = std::max(1.5 * extent / static_cast<double>(facets.size()), largest / most_cells);
-  for (size_t f = 0; f < facets.size(); ++f) {
-    const auto a = grid.cell(boxes[f].low), b = grid.cell(boxes[f].high);
-    for (std::uint64_t x = a[0]; x <= b[0]; ++x)
-      for (std::uint64_t y = a[1]; y <= b[1]; ++y)
-        for (std::uint64_t z = a[2]; z <= b[2]; ++z)
-          grid.entries.push_back({Grid::key(x, y, z), static_cast<int>(f)});
-  }
-  std::sort(grid.entries.begin(), grid.entries.end());
-
-  // Free edges of each facet.
-  const auto key = [&](size_t f, int i) {
-    return std::minmax(joined[f][i], joined[f][(i + 1) % 3]);
-  };
-  std::map<std::tuple<int, int, int>, int> uses_of_surface;
-  for (size_t f = 0; f < facets.size(); ++f)
-    for (int i = 0; i < 3; ++i)
-      ++uses_of_surface[{key(f, i).first, key(f, i).second, surface_of[f]}];
-  std::vector<char> at_rim(points.size(), 0);
-  std::vector<std::array<char, 3>> is_free(facets.size());
-  for (size_t f = 0; f < facets.size(); ++f)
-    for (int i = 0; i < 3; ++i) {
-      is_free[f][i] = uses_of_surface[{key(f, i).first, key(f, i).second, surface_of[f]}] == 1;
-      if (is_free[f][i]) at_rim[joined[f][i]] = at_rim[joined[f][(i + 1) % 3]] = 1;
-    }
-  const auto near_rim = [&](size_t f, const Vec3& p) {
-    for (int i = 0; i < 3; ++i) {
-      if (is_free[f][i] && distance_to_segment(p, corners[f][i], corners[f][(i + 1) % 3]) <= near)
-        return true;
-      if (at_rim[joined[f][i]] && (p - corners[f][i]).norm() <= near) return true;
-    }
-    return false;
-  };
+  const Grid grid(boxes);
+  if (grid.entries.empty()) return {};
+  const FreeEdges free_edges(corners, joined, surface_of, points.size());
 
   std::vector<FacetCrossing> result;
   std::vector<Vec3> found;
+  const auto test = [&](std::uint64_t cell, size_t a, size_t b) {
+    if (!boxes[a].meets(boxes[b]) || grid.home(boxes[a], boxes[b]) != cell) return;
+    if (have_common_point(joined[a], joined[b])) return;
+    cross_pair(corners[a], corners[b], found);
+    const bool touching = std::all_of(found.begin(), found.end(), [&](const Vec3& p) {
+      return free_edges.close_to(a, p, near) && free_edges.close_to(b, p, near);
+    });
+    if (!found.empty() && !touching)
+      result.push_back({static_cast<int>(a), static_cast<int>(b), found[0]});
+  };
   for (size_t begin = 0; begin < grid.entries.size();) {
+    const std::uint64_t cell = grid.entries[begin].cell;
     size_t end = begin;
-    while (end < grid.entries.size() && grid.entries[end].cell == grid.entries[begin].cell) ++end;
+    while (end < grid.entries.size() && grid.entries[end].cell == cell) ++end;
     for (size_t i = begin; i < end; ++i)
-      for (size_t j = i + 1; j < end; ++j) {
-        const auto a = static_cast<size_t>(grid.entries[i].facet),
-                   b = static_cast<size_t>(grid.entries[j].facet);
-        if (!boxes[a].meets(boxes[b])) continue;
-        // In the cell where both boxes begin, and in no other.
-        const auto home = grid.cell(boxes[a].low.cwiseMax(boxes[b].low));
-        if (Grid::key(home[0], home[1], home[2]) != grid.entries[begin].cell) continue;
-        bool neighbours = false;
-        for (const int v : joined[a])
-          for (const int w : joined[b]) neighbours = neighbours || v == w;
-        if (neighbours) continue;
-        found.clear();
-        pierce(corners[a], corners[b], found);
-        pierce(corners[b], corners[a], found);
-        if (found.empty()) overlap(corners[a], corners[b], found);
-        if (found.empty()) continue;
-        const bool touching = std::all_of(found.begin(), found.end(), [&](const Vec3& p) {
-          return near_rim(a, p) && near_rim(b, p);
-        });
-        if (!touching) result.push_back({static_cast<int>(a), static_cast<int>(b), found[0]});
-      }
+      for (size_t j = i + 1; j < end; ++j)
+        test(cell, static_cast<size_t>(grid.entries[i].facet),
+             static_cast<size_t>(grid.entries[j].facet));
     begin = end;
   }
   std::sort(result.begin(), result.end(), [](const FacetCrossing& x, const FacetCrossing& y) {

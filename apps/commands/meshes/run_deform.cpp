@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "batten/apps/commands/meshes/deform_task.h"
 #include "batten/apps/commands/runs/run_parts.h"
@@ -177,66 +178,109 @@ void write_result(const std::filesystem::path& path, const MeshFile& file, const
   write_deformed_vtp(path, shells, data);
 }
 
-}  // namespace
+/// One run of `batten deform`: the constructor reads, the other steps follow in their order.
+class DeformRun {
+ public:
+  DeformRun(const DeformScene& scene, const std::filesystem::path& folder, const Progress& progress)
+      : scene_(scene),
+        progress_(progress),
+        out_(folder),
+        watch_(report_.timings),
+        file_(read_mesh()),
+        prepared_(prepare_mesh()),
+        select_(make_selector()),
+        kept_(gather_kept()) {}
 
-DeformReport run_deform(const DeformScene& scene, const std::filesystem::path& folder,
-                        const Progress& progress) {
-  OutputFolder out(folder);
-  DeformReport report;
-  report.name = scene.name;
-  report.unit = scene.unit;
-  report.parameters = scene.parameters();
-  Stopwatch watch(report.timings);
-
-  progress.at("mesh", 0);
-  const MeshFile file = MeshFile::read(scene.mesh);
-  report.warnings = file.warnings();
-  report.mesh_file = scene.mesh.filename().string();
-  report.format = file.format();
-  report.nodes = file.shells().node_count();
-  report.faces = file.shells().face_count();
-  PreparedMesh prepared = [&] {
-    try {
-      return prepare(file.shells(), [&](int v) { return std::to_string(file.node_label(v)); });
-    } catch (const InputError& e) {
-      throw InputError(scene.mesh.string() + ": " + e.what());
+  /// Does the edits one after the other.
+  void edit() {
+    states_.push_back(original().points());
+    for (size_t k = 0; k < scene_.edits.size(); ++k) {
+      progress_.at(scene_.edits[k].name,
+                   static_cast<double>(k) / static_cast<double>(scene_.edits.size()));
+      edit_once(scene_.edits[k]);
     }
-  }();
-  report.warnings.insert(report.warnings.end(), prepared.notes.begin(), prepared.notes.end());
-  const TriangleMesh& original = prepared.mesh;
-  watch.lap("mesh");
+    watch_.lap("edits");
+  }
 
-  progress.at("features", 0);
-  VertexSelector select(scene, file, original);
-  const Kept kept = gather(scene, select, original);
-  watch.lap("features");
+  void measure() {
+    progress_.at("measuring", 0);
+    measure_into(report_, file_, original(), states_.back(), kept_);
+    watch_.lap("measure");
+  }
 
-  std::vector<Points> states = {original.points()};
-  std::vector<Task> tasks;
-  for (size_t k = 0; k < scene.edits.size(); ++k) {
-    const EditRule& rule = scene.edits[k];
-    progress.at(rule.name, static_cast<double>(k) / static_cast<double>(scene.edits.size()));
-    const TriangleMesh mesh = original.with_points(states.back());
-    tasks.push_back(task_of(scene, rule, kept, select, mesh));
+  void write() {
+    progress_.at("files", 0);
+    if (!scene_.mesh_out.empty()) write_mesh();
+    if (!scene_.vtp.empty()) {
+      write_result(out_.file(scene_.vtp), file_, states_.front(), states_.back(), kept_);
+      report_.files.push_back(scene_.vtp);
+    }
+    if (scene_.modes) write_modes(report_, scene_, file_, select_, states_.back(), out_);
+    watch_.lap("files");
+  }
+
+  void draw() {
+    draw_all(report_, scene_, file_, states_, tasks_, kept_, out_);
+    watch_.lap("pictures");
+  }
+
+  /// Writes report.json and lets all files appear.
+  DeformReport finish() {
+    watch_.total();
+    write_report(report_, broken_promises(report_), out_, progress_);
+    out_.commit();
+    return std::move(report_);
+  }
+
+ private:
+  const TriangleMesh& original() const { return prepared_.mesh; }
+
+  MeshFile read_mesh() {
+    report_.name = scene_.name;
+    report_.unit = scene_.unit;
+    report_.parameters = scene_.parameters();
+    progress_.at("mesh", 0);
+    MeshFile file = MeshFile::read(scene_.mesh);
+    report_.warnings = file.warnings();
+    report_.mesh_file = scene_.mesh.filename().string();
+    report_.format = file.format();
+    report_.nodes = file.shells().node_count();
+    report_.faces = file.shells().face_count();
+    return file;
+  }
+
+  PreparedMesh prepare_mesh() {
+    try {
+      PreparedMesh prepared =
+          prepare(file_.shells(), [&](int v) { return std::to_string(file_.node_label(v)); });
+      report_.warnings.insert(report_.warnings.end(), prepared.notes.begin(), prepared.notes.end());
+      watch_.lap("mesh");
+      return prepared;
+    } catch (const InputError& e) {
+      throw InputError(scene_.mesh.string() + ": " + e.what());
+    }
+  }
+
+  VertexSelector make_selector() {
+    progress_.at("features", 0);
+    return VertexSelector(scene_, file_, original());
+  }
+
+  Kept gather_kept() {
+    Kept kept = gather(scene_, select_, original());
+    watch_.lap("features");
+    return kept;
+  }
+
+  /// Errors name the edit and its place in the scene.
+  void edit_once(const EditRule& rule) {
+    const TriangleMesh mesh = original().with_points(states_.back());
+    tasks_.push_back(task_of(scene_, rule, kept_, select_, mesh));
     const auto fail = [&](const std::string& why) {
-      return scene.at(rule.place) + "the edit '" + rule.name + "': " + why;
+      return scene_.at(rule.place) + "the edit '" + rule.name + "': " + why;
     };
     try {
-      const auto start = Clock::now();
-      FormFeatureDeformer deformer(mesh, tasks.back().problem);
-      const double set_up = seconds_since(start);
-      const auto begin = Clock::now();
-      deformer.deform(tasks.back().edit);
-      const double edit = seconds_since(begin);
-      deformer.correct();
-      const double change = deformer.correct();
-      const auto c = deformer.counts();
-      report.edits.push_back({rule.name, c.moving, c.unknowns, c.soft_rows, c.hard_rows,
-                              c.feature_rows, c.dropped_rows, c.guide_rows,
-                              largest_move(states.back(), deformer.positions()),
-                              deformer.hard_residual(), change, set_up, edit});
-      for (const auto& note : deformer.notes()) report.warnings.push_back(rule.name + ": " + note);
-      states.push_back(deformer.positions());
+      deform(rule, mesh, tasks_.back());
     } catch (const ConflictError& e) {
       throw ConflictError(e.conflicts(), fail(""));
     } catch (const InputError& e) {
@@ -245,37 +289,63 @@ DeformReport run_deform(const DeformScene& scene, const std::filesystem::path& f
       throw NoSolutionError(fail(e.what()));
     }
   }
-  watch.lap("edits");
 
-  progress.at("measuring", 0);
-  measure_into(report, file, original, states.back(), kept);
-  watch.lap("measure");
+  void deform(const EditRule& rule, const TriangleMesh& mesh, const Task& task) {
+    const auto start = Clock::now();
+    FormFeatureDeformer deformer(mesh, task.problem);
+    const double set_up = seconds_since(start);
+    const auto begin = Clock::now();
+    deformer.deform(task.edit);
+    const double edit = seconds_since(begin);
+    deformer.correct();
+    const double change = deformer.correct();
+    const auto c = deformer.counts();
+    report_.edits.push_back({rule.name, c.moving, c.unknowns, c.soft_rows, c.hard_rows,
+                             c.feature_rows, c.dropped_rows, c.guide_rows,
+                             largest_move(states_.back(), deformer.positions()),
+                             deformer.hard_residual(), change, set_up, edit});
+    for (const auto& note : deformer.notes()) report_.warnings.push_back(rule.name + ": " + note);
+    states_.push_back(deformer.positions());
+  }
 
-  progress.at("files", 0);
-  if (!scene.mesh_out.empty()) {
-    report.rounding =
-        file.write(out.file(scene.mesh_out), states.back(), {scene.wide_nodes}).largest;
-    report.files.push_back(scene.mesh_out);
-    if (report.rounding > 1e-9 * original.size())
-      report.warnings.push_back(scene.mesh_out +
-                                ": the file's number fields round coordinates by up to " +
-                                number(report.rounding) + " " + scene.unit +
-                                (report.format.starts_with("Nastran") && !scene.wide_nodes
-                                     ? "; wide_nodes = true writes the moved nodes in wide fields"
-                                     : ""));
+  /// The mesh in the format of its file.
+  void write_mesh() {
+    report_.rounding =
+        file_.write(out_.file(scene_.mesh_out), states_.back(), {scene_.wide_nodes}).largest;
+    report_.files.push_back(scene_.mesh_out);
+    if (report_.rounding > 1e-9 * original().size())
+      report_.warnings.push_back(scene_.mesh_out +
+                                 ": the file's number fields round coordinates by up to " +
+                                 number(report_.rounding) + " " + scene_.unit +
+                                 (report_.format.starts_with("Nastran") && !scene_.wide_nodes
+                                      ? "; wide_nodes = true writes the moved nodes in wide fields"
+                                      : ""));
   }
-  if (!scene.vtp.empty()) {
-    write_result(out.file(scene.vtp), file, states.front(), states.back(), kept);
-    report.files.push_back(scene.vtp);
-  }
-  if (scene.modes) write_modes(report, scene, file, select, states.back(), out);
-  watch.lap("files");
-  draw_all(report, scene, file, states, tasks, kept, out);
-  watch.lap("pictures");
-  watch.total();
-  write_report(report, broken_promises(report), out, progress);
-  out.commit();
-  return report;
+
+  // In the order in which the constructor makes them.
+  const DeformScene& scene_;
+  const Progress& progress_;
+  OutputFolder out_;
+  DeformReport report_;
+  Stopwatch watch_;
+  const MeshFile file_;
+  const PreparedMesh prepared_;
+  VertexSelector select_;
+  const Kept kept_;
+  std::vector<Points> states_;  // before the first edit, and after each
+  std::vector<Task> tasks_;     // of each edit
+};
+
+}  // namespace
+
+DeformReport run_deform(const DeformScene& scene, const std::filesystem::path& folder,
+                        const Progress& progress) {
+  DeformRun run(scene, folder, progress);
+  run.edit();
+  run.measure();
+  run.write();
+  run.draw();
+  return run.finish();
 }
 
 std::string summary(const DeformReport& report, const std::filesystem::path& folder) {
