@@ -63,23 +63,27 @@ class StackedReduction {
   int n_, free_;
 };
 
-// What an element's unknowns are in terms of free ones.
+// What an element's unknowns are in terms of its free ones: x = T y + …, entry by entry.
 struct ReducedElement {
-  std::vector<int> local;  // where each free unknown is itself one of the element's
-  MatX T;                  // otherwise: element's unknowns × free unknowns
-  bool plain() const { return T.size() == 0; }
+  struct Entry {
+    int unknown, free;
+    double factor;
+  };
+  std::vector<Entry> entries;
+  int free_count = 0;
 };
 
-template <class Matrix>
-void reduce(const ReducedElement& element, const Matrix& full, double* K) {
-  const auto n = static_cast<long>(element.plain() ? element.local.size() : element.T.cols());
-  Eigen::Map<MatX> all(K, n, n);
-  if (element.plain()) {
-    for (long j = 0; j < n; ++j)
-      for (long i = 0; i < n; ++i) all(i, j) = full(element.local[i], element.local[j]);
-  } else {
-    all.noalias() = element.T.transpose() * (full * element.T);
-  }
+// K = Tᵀ A T. Most rows of T have one entry.
+template <int n>
+void reduce(const ReducedElement& element, const Eigen::Matrix<double, n, n>& A, double* K) {
+  Eigen::Matrix<double, n, Eigen::Dynamic> AT(n, element.free_count);
+  AT.setZero();
+  for (const auto& [unknown, free, factor] : element.entries)
+    AT.col(free) += factor * A.col(unknown);
+  Eigen::Map<MatX> all(K, element.free_count, element.free_count);
+  all.setZero();
+  for (const auto& [unknown, free, factor] : element.entries)
+    all.row(free) += factor * AT.row(unknown);
 }
 
 // The largest move of a vertex along the normal.
@@ -158,39 +162,21 @@ class Descent {
   template <class Dofs>
   ReducedElement reduced_element(const Dofs& dofs, std::vector<int>& unknowns) const {
     ReducedElement element;
-    struct Entry {
-      int local, unknown;
-      double factor;
-    };
-    std::vector<Entry> entries;
-    bool plain = true;
     for (int c = 0, local = 0; c < 3; ++c)
       for (const int dof : dofs) {
-        int count = 0;
-        reduction_.row(c, dof, [&](int unknown, double factor) {
-          entries.push_back({local, unknown, factor});
-          plain = plain && factor == 1;
-          ++count;
+        reduction_.row(c, dof, [&](int free, double factor) {
+          element.entries.push_back({local, free, factor});
         });
-        plain = plain && count <= 1;
         ++local;
       }
     std::vector<int> own;
-    for (const Entry& entry : entries) own.push_back(entry.unknown);
+    for (const auto& entry : element.entries) own.push_back(entry.free);
     std::sort(own.begin(), own.end());
     own.erase(std::unique(own.begin(), own.end()), own.end());
-    plain = plain && own.size() == entries.size();
-    const auto place = [&](int unknown) {
-      return std::lower_bound(own.begin(), own.end(), unknown) - own.begin();
-    };
-    if (plain) {
-      element.local.resize(own.size());
-      for (const Entry& entry : entries) element.local[place(entry.unknown)] = entry.local;
-    } else {
-      element.T.setZero(3 * static_cast<long>(dofs.size()), count_of(own));
-      for (const Entry& entry : entries)
-        element.T(entry.local, place(entry.unknown)) += entry.factor;
-    }
+    for (auto& entry : element.entries)
+      entry.free =
+          static_cast<int>(std::lower_bound(own.begin(), own.end(), entry.free) - own.begin());
+    element.free_count = count_of(own);
     unknowns.insert(unknowns.end(), own.begin(), own.end());
     return element;
   }
@@ -224,11 +210,8 @@ class Descent {
     double sum = 0;
     for (int e = 0; e < count; ++e) {
       sum += values[e];
-      const ReducedElement& element = elements_[e];
-      const VecX own = element.plain() ? VecX() : VecX(element.T.transpose() * slopes[e]);
-      for (int i = starts_[e]; i < starts_[e + 1]; ++i)
-        gradient_[unknowns_[i]] +=
-            element.plain() ? slopes[e][element.local[i - starts_[e]]] : own[i - starts_[e]];
+      for (const auto& [unknown, free, factor] : elements_[e].entries)
+        gradient_[unknowns_[starts_[e] + free]] += factor * slopes[e][unknown];
     }
     return sum;
   }
