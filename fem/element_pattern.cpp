@@ -46,7 +46,7 @@ class ElementsOfDofs {
 
   /// Calls visit(element, d's number in it) for each element of d.
   template <class Visit>
-  void visit(int d, const Visit& visit) const {
+  void for_each(int d, const Visit& visit) const {
     for (int s = start_[d]; s < start_[d + 1]; ++s) {
       const int e = element_of_[uses_[s]];
       visit(e, uses_[s] - starts_[e]);
@@ -58,7 +58,7 @@ class ElementsOfDofs {
   void collect_rows(int d, std::vector<int>& place, std::vector<int>& rows) const {
     rows.assign(1, d);
     place[d] = 0;
-    visit(d, [&](int e, int) {
+    for_each(d, [&](int e, int) {
       for (int i = starts_[e]; i < starts_[e + 1]; ++i)
         if (const int other = dofs_[i]; other > d && place[other] < 0) {
           place[other] = 0;
@@ -101,7 +101,7 @@ ElementPattern::ElementPattern(int dof_count, std::vector<int> starts, std::vect
     else
       elements.collect_rows(d, place, rows);
     append_column(rows, place);
-    elements.visit(d, [&](int e, int b) { locate_entries(e, b, place); });
+    elements.for_each(d, [&](int e, int b) { locate_entries(e, b, place); });
     for (const int r : rows) place[r] = -1;
   }
 }
