@@ -19,6 +19,17 @@ Coupling::Coupling(const SparseCholesky& factor, SparseMatrix U, std::vector<Row
 
 void Coupling::prepare(const SparseCholesky& factor, const Coupling* older,
                        const std::vector<int>& known, double dependent) {
+  const std::vector<VecX> implied_by = orthogonalise(dependent);
+  solve_points(factor, older, known);
+  form_schur_complement();
+  const auto soft = static_cast<long>(soft_.size());
+  scratch_.resize(S_.rows());
+  roots_.resize(soft);
+  set_stiffness(VecX::Zero(soft));
+  express_implied(implied_by);
+}
+
+std::vector<VecX> Coupling::orthogonalise(double dependent) {
   const auto count = static_cast<long>(rows_.size());
   // The rows on the unknowns that any of them touches, x, y, z side by side.
   std::vector<int> place(U_.rows(), -1);
@@ -57,9 +68,12 @@ void Coupling::prepare(const SparseCholesky& factor, const Coupling* older,
     }
   }
   const auto rank = static_cast<long>(independent_.size());
-  const auto soft = static_cast<long>(soft_.size());
   R_.conservativeResize(rank, rank);
+  return implied_by;
+}
 
+void Coupling::solve_points(const SparseCholesky& factor, const Coupling* older,
+                            const std::vector<int>& known) {
   Z_.resize(U_.rows(), U_.cols());
   std::vector<long> unknown;
   for (long k = 0; k < U_.cols(); ++k)
@@ -67,15 +81,16 @@ void Coupling::prepare(const SparseCholesky& factor, const Coupling* older,
       Z_.col(k) = older->Z_.col(known[k]);
     else
       unknown.push_back(k);
-  if (!unknown.empty() && U_.rows() > 0) {
-    MatX solved(U_.rows(), static_cast<long>(unknown.size()));
-    for (size_t i = 0; i < unknown.size(); ++i)
-      solved.col(static_cast<long>(i)) = U_.col(unknown[i]);
-    factor.solve_in_place(solved);
-    for (size_t i = 0; i < unknown.size(); ++i)
-      Z_.col(unknown[i]) = solved.col(static_cast<long>(i));
-  }
+  if (unknown.empty() || U_.rows() == 0) return;
+  MatX solved(U_.rows(), static_cast<long>(unknown.size()));
+  for (size_t i = 0; i < unknown.size(); ++i) solved.col(static_cast<long>(i)) = U_.col(unknown[i]);
+  factor.solve_in_place(solved);
+  for (size_t i = 0; i < unknown.size(); ++i) Z_.col(unknown[i]) = solved.col(static_cast<long>(i));
+}
 
+void Coupling::form_schur_complement() {
+  const auto rank = static_cast<long>(independent_.size());
+  const auto soft = static_cast<long>(soft_.size());
   const MatX UtZ = U_.transpose() * Z_;
   std::vector<int> order = independent_;
   order.insert(order.end(), soft_.begin(), soft_.end());
@@ -89,15 +104,15 @@ void Coupling::prepare(const SparseCholesky& factor, const Coupling* older,
       });
       S_(a, b) = sum;
     }
+  if (rank == 0) return;
   const auto lower = R_.triangularView<Eigen::Lower>();
-  if (rank > 0) {
-    lower.solveInPlace(S_.topRows(rank));
-    S_.transposeInPlace();
-    lower.solveInPlace(S_.topRows(rank));
-  }
-  scratch_.resize(rank + soft);
-  roots_.resize(soft);
-  set_stiffness(VecX::Zero(soft));
+  lower.solveInPlace(S_.topRows(rank));
+  S_.transposeInPlace();
+  lower.solveInPlace(S_.topRows(rank));
+}
+
+void Coupling::express_implied(const std::vector<VecX>& implied_by) {
+  const auto rank = static_cast<long>(independent_.size());
   // A row that is shares · Q is shares · R⁻¹ times the independent rows.
   implied_by_ = MatX::Zero(static_cast<long>(implied_.size()), rank);
   for (size_t i = 0; i < implied_.size(); ++i) {

@@ -87,6 +87,13 @@ class Coupling {
  private:
   void prepare(const SparseCholesky& factor, const Coupling* older, const std::vector<int>& known,
                double dependent);
+  // Sorts the rows into soft, independent and implied ones and makes R. Returns of each implied row
+  // its shares of the rows of Q.
+  std::vector<VecX> orthogonalise(double dependent);
+  void solve_points(const SparseCholesky& factor, const Coupling* older,
+                    const std::vector<int>& known);  // makes Z
+  void form_schur_complement();
+  void express_implied(const std::vector<VecX>& implied_by);
   double at(const Row& row, const Eigen::Ref<const MatX>& y) const;
   void residual_of_hard(const Eigen::Ref<const MatX>& y, const VecX& g) const;  // into scratch_
   std::vector<Row> rows_;

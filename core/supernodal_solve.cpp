@@ -180,83 +180,124 @@ void SupernodalSolve::pack(double* values) {
   values_ = values;
 }
 
+// One group of right-hand sides, through all chunks.
 template <class Row>
-void SupernodalSolve::solve_group(const SolvePart* part, double* x, long stride,
-                                  int columns) const {
-  // Vectors start at multiples of their size.
-  const auto address = reinterpret_cast<std::uintptr_t>(work_.get());
-  Row* work = reinterpret_cast<Row*>((address + sizeof(Row) - 1) / sizeof(Row) * sizeof(Row));
-  const PackedSupernodes packed{columns_.data(), row_starts_.data(), packed_starts_.data(),
-                                targets_.data(), values_};
-  const auto forward_chunk = [&](int c) {
-    const Chunk& chunk = chunks_[c];
-    if (part && !part->chunk_forward[c]) {
-      if (part->chunk_backward[c])
+class SupernodalSolve::GroupSolve {
+ public:
+  GroupSolve(const SupernodalSolve& all, const SolvePart* part, double* x, long stride, int columns)
+      : all_(all), part_(part), x_(x), stride_(stride), columns_(columns) {
+    // Vectors start at multiples of their size.
+    const auto address = reinterpret_cast<std::uintptr_t>(all.work_.get());
+    work_ = reinterpret_cast<Row*>((address + sizeof(Row) - 1) / sizeof(Row) * sizeof(Row));
+    packed_ = {all.columns_.data(), all.row_starts_.data(), all.packed_starts_.data(),
+               all.targets_.data(), all.values_};
+  }
+
+  void sweep_alone() const {
+    const int count = all_.chunk_count();
+    for (int c = 0; c < count; ++c) forward(c);
+    for (int c = count - 1; c >= 0; --c) backward(c);
+  }
+
+  // One list for both sweeps: the schedule and then the schedule from its end. Whoever takes an
+  // item waits for what it depends on, which was taken before it.
+  void sweep_together(int threads) const {
+    const int count = all_.chunk_count();
+    for (int c = 0; c < count; ++c)
+      all_.pending_[c].store(all_.chunks_[c].end_child - all_.chunks_[c].first_child,
+                             std::memory_order_relaxed);
+    std::atomic<int> next{0};
+    const auto work_off = [&](int) {
+      for (int i = next++; i < 2 * count; i = next++)
+        if (i < count)
+          forward_in_turn(all_.schedule_[i]);
+        else
+          backward_in_turn(all_.schedule_[2 * count - 1 - i]);
+    };
+    parallel_parts(threads, std::ref(work_off));
+  }
+
+ private:
+  static constexpr int kForwardDone = -1, kBackwardDone = -2;  // states of a chunk, below 0
+
+  void forward(int c) const {
+    const Chunk& chunk = all_.chunks_[c];
+    Row* const work = work_;
+    if (part_ && !part_->chunk_forward[c]) {
+      if (part_->chunk_backward[c])
         std::fill(work + chunk.first_column, work + chunk.end_column, Row{});
       return;
     }
-    load_rows(x, stride, columns, order_.data() + chunk.first_column, work + chunk.first_column,
-              work + chunk.end_column);
-    std::fill(work + n_ + chunk.first_boundary, work + n_ + chunk.end_boundary, Row{});
+    const int n = all_.n_;
+    load_rows(x_, stride_, columns_, all_.order_.data() + chunk.first_column,
+              work + chunk.first_column, work + chunk.end_column);
+    std::fill(work + n + chunk.first_boundary, work + n + chunk.end_boundary, Row{});
+    const int* const targets = all_.boundary_targets_.data();
     for (int i = chunk.first_child; i < chunk.end_child; ++i) {
-      const Chunk& child = chunks_[children_[i]];
-      if (part && !part->chunk_forward[children_[i]]) continue;
+      const Chunk& child = all_.chunks_[all_.children_[i]];
+      if (part_ && !part_->chunk_forward[all_.children_[i]]) continue;
       for (int e = child.first_boundary; e < child.end_boundary; ++e)
-        work[boundary_targets_[e]] += work[n_ + e];
+        work[targets[e]] += work[n + e];
     }
-    sweep_forward(packed, chunk.first_supernode, chunk.end_supernode,
-                  part ? part->forward.data() : nullptr, work);
-  };
-  const auto backward_chunk = [&](int c) {
-    const Chunk& chunk = chunks_[c];
-    if (part && !part->chunk_backward[c]) return;
-    for (int e = chunk.first_boundary; e < chunk.end_boundary; ++e)
-      work[n_ + e] = work[boundary_targets_[e]];
-    sweep_backward(packed, chunk.first_supernode, chunk.end_supernode,
-                   part ? part->backward.data() : nullptr, work);
-    store_rows(work + chunk.first_column, work + chunk.end_column,
-               order_.data() + chunk.first_column, columns, x, stride);
-  };
-
-  const auto count = count_of(chunks_);
-  const int threads = threads_for(part ? part->entries / 2 : entries_);
-  if (threads == 1) {
-    for (int c = 0; c < count; ++c) forward_chunk(c);
-    for (int c = count - 1; c >= 0; --c) backward_chunk(c);
-    return;
+    sweep_forward(packed_, chunk.first_supernode, chunk.end_supernode,
+                  part_ ? part_->forward.data() : nullptr, work);
   }
-  // One list for both sweeps: the schedule and then the schedule from its end. Whoever takes an
-  // item waits for what it depends on, which was taken before it.
-  constexpr int forward_done = -1, backward_done = -2;
-  for (int c = 0; c < count; ++c)
-    pending_[c].store(chunks_[c].end_child - chunks_[c].first_child, std::memory_order_relaxed);
-  std::atomic<int> next{0};
-  const auto wait_for = [&](int c, int state) {
+
+  void backward(int c) const {
+    const Chunk& chunk = all_.chunks_[c];
+    if (part_ && !part_->chunk_backward[c]) return;
+    Row* const work = work_;
+    const int n = all_.n_;
+    const int* const targets = all_.boundary_targets_.data();
+    for (int e = chunk.first_boundary; e < chunk.end_boundary; ++e) work[n + e] = work[targets[e]];
+    sweep_backward(packed_, chunk.first_supernode, chunk.end_supernode,
+                   part_ ? part_->backward.data() : nullptr, work);
+    store_rows(work + chunk.first_column, work + chunk.end_column,
+               all_.order_.data() + chunk.first_column, columns_, x_, stride_);
+  }
+
+  // After its children.
+  void forward_in_turn(int c) const {
+    wait_for(c, 0);
+    forward(c);
+    all_.pending_[c].store(kForwardDone, std::memory_order_release);
+    if (const int parent = all_.chunks_[c].parent; parent >= 0)
+      all_.pending_[parent].fetch_sub(1, std::memory_order_acq_rel);
+  }
+
+  // After its parent; without one, after its own way forward.
+  void backward_in_turn(int c) const {
+    if (const int parent = all_.chunks_[c].parent; parent >= 0)
+      wait_for(parent, kBackwardDone);
+    else
+      wait_for(c, kForwardDone);
+    backward(c);
+    all_.pending_[c].store(kBackwardDone, std::memory_order_release);
+  }
+
+  void wait_for(int c, int state) const {
     int patience = 2000;
-    while (pending_[c].load(std::memory_order_acquire) != state) wait_a_moment(patience);
-  };
-  const auto work_off = [&](int) {
-    for (int i = next++; i < 2 * count; i = next++) {
-      if (i < count) {
-        const int c = schedule_[i];
-        wait_for(c, 0);
-        forward_chunk(c);
-        pending_[c].store(forward_done, std::memory_order_release);
-        if (chunks_[c].parent >= 0)
-          pending_[chunks_[c].parent].fetch_sub(1, std::memory_order_acq_rel);
-      } else {
-        const int c = schedule_[2 * count - 1 - i];
-        const int parent = chunks_[c].parent;
-        if (parent >= 0)
-          wait_for(parent, backward_done);
-        else
-          wait_for(c, forward_done);
-        backward_chunk(c);
-        pending_[c].store(backward_done, std::memory_order_release);
-      }
-    }
-  };
-  parallel_parts(threads, std::ref(work_off));
+    while (all_.pending_[c].load(std::memory_order_acquire) != state) wait_a_moment(patience);
+  }
+
+  const SupernodalSolve& all_;
+  const SolvePart* part_;
+  double* x_;
+  long stride_;
+  int columns_;
+  Row* work_;
+  PackedSupernodes packed_;
+};
+
+template <class Row>
+void SupernodalSolve::solve_group(const SolvePart* part, double* x, long stride,
+                                  int columns) const {
+  const GroupSolve<Row> group(*this, part, x, stride, columns);
+  const int threads = threads_for(part ? part->entries / 2 : entries_);
+  if (threads == 1)
+    group.sweep_alone();
+  else
+    group.sweep_together(threads);
 }
 
 void SupernodalSolve::solve_part(const SolvePart* part, Eigen::Ref<MatX> x) const {

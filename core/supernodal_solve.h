@@ -95,6 +95,8 @@ class SupernodalSolve {
   void make_room(int lanes) const;
   void solve_part(const SolvePart* part, Eigen::Ref<MatX> x) const;
   template <class Row>
+  class GroupSolve;
+  template <class Row>
   void solve_group(const SolvePart* part, double* x, long stride, int columns) const;
 
   int n_ = 0;

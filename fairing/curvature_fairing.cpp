@@ -36,6 +36,20 @@ void check(const CurvatureOptions& o) {
   require(o.most_iterations > 0, "most_iterations", o.most_iterations, "1 or more");
 }
 
+void check(const HermiteCurve& start, const std::vector<CurveHold>& holds,
+           const std::vector<CurveSpring>& springs) {
+  if (start.node_count() < 2) throw InputError("a curve to be faired has no nodes");
+  if (!start.mesh().corners().empty())
+    throw InputError("a curve with corners cannot be faired in one: cut it at its corners");
+  for (const CurveSpring& spring : springs)
+    if (!spring.point.allFinite() || !(spring.stiffness > 0) || !std::isfinite(spring.stiffness))
+      throw InputError("a spring needs a finite point and a stiffness above 0");
+  const auto held =
+      std::count_if(holds.begin(), holds.end(), [](const auto& h) { return h.position; });
+  if (held < 2 && springs.size() < 2)
+    throw InputError("a curve needs two held points or two springs, or it could move away");
+}
+
 // The box of a curve: its centre becomes the origin, its diagonal 1.
 struct Frame {
   Vec3 origin;
@@ -201,6 +215,118 @@ QuinticCurve in_model_units(const QuinticCurve& curve, const Frame& frame) {
   return {u, dofs, curve.closed()};
 }
 
+// One curve on its way to the least functional.
+class CurvatureFairing {
+ public:
+  CurvatureFairing(const HermiteCurve& start, const std::vector<CurveHold>& holds,
+                   const std::vector<CurveSpring>& springs, const CurvatureOptions& options)
+      : start_(start),
+        holds_(holds),
+        springs_(springs),
+        options_(options),
+        frame_(start),
+        nodes_(place_nodes(start, holds, options.segments)) {
+    problem_.curve = quintic_start(start, frame_, nodes_);
+    problem_.functional = options.functional;
+    problem_.length_weight = options.length_weight;
+    problem_.evenness = options.evenness;
+    problem_.most_iterations = options.most_iterations;
+    problem_.holds_position.assign(problem_.curve.node_count(), 0);
+    problem_.holds_tangent.assign(problem_.curve.node_count(), 0);
+    for (size_t i = 0; i < holds.size(); ++i) {
+      if (holds[i].position) problem_.holds_position[nodes_.node_of[i]] = 1;
+      if (holds[i].tangent) problem_.holds_tangent[nodes_.node_of[i]] = 1;
+    }
+  }
+
+  CurvatureCurve run() {
+    result_.start_functional =
+        curvature_functional(in_model_units(problem_.curve, frame_), options_.functional);
+    minimize_in_rounds();
+    finish_curves();
+    measure_holds();
+    measure_deviation();
+    return std::move(result_);
+  }
+
+ private:
+  void minimize_in_rounds() {
+    const double start_length = total_length(problem_.curve);
+    bool still_now = false;
+    double last_change = 1e300;
+    move_springs(springs_, frame_, problem_);
+    while (result_.rounds < options_.most_rounds && !still_now) {
+      minimize_once(start_length);
+      QuinticCurve even = problem_.curve;
+      // Few segments cannot be as even as that: then it is enough that they get no more so.
+      const double change = make_even(even);
+      const bool even_now = change < kEven || change > 0.5 * last_change;
+      last_change = change;
+      still_now = move_springs(springs_, frame_, problem_) < kStill && even_now;
+      if (!still_now && result_.rounds < options_.most_rounds) problem_.curve = std::move(even);
+    }
+    result_.converged = result_.converged && still_now;
+  }
+
+  void minimize_once(double start_length) {
+    constexpr double out_of_bounds = 50;
+    const CurvatureMinimum minimum = minimize(problem_);
+    ++result_.rounds;
+    result_.iterations += minimum.iterations;
+    result_.converged = minimum.converged;
+    QuinticCurve& curve = problem_.curve;
+    curve = QuinticCurve(curve.parameters(), minimum.dofs, curve.closed());
+    if (!(total_length(curve) < out_of_bounds * start_length))
+      throw NoSolutionError(
+          "the curve grows without bound: larger curves bend less (give it a length_weight)");
+  }
+
+  // In model units, with what is held bit for bit; and the cubics.
+  void finish_curves() {
+    const QuinticCurve curve = in_model_units(problem_.curve, frame_);
+    Points dofs = curve.dofs();
+    for (size_t i = 0; i < holds_.size(); ++i)
+      if (holds_[i].position) dofs.row(3L * nodes_.node_of[i]) = start_.evaluate(holds_[i].u);
+    result_.quintic = QuinticCurve(curve.parameters(), dofs, curve.closed());
+    result_.functional = curvature_functional(result_.quintic, options_.functional);
+    result_.curve = result_.quintic.cubics(options_.tolerance);
+  }
+
+  void measure_holds() {
+    for (size_t i = 0; i < holds_.size(); ++i) {
+      const CurveHold& hold = holds_[i];
+      const double u = result_.quintic.parameters()[nodes_.node_of[i]];
+      result_.parameters.push_back(u);
+      const Vec3 x = start_.evaluate(hold.u), t = start_.evaluate(hold.u, 1).normalized();
+      double residual = 0;
+      if (hold.position) residual = (result_.curve.evaluate(u) - x).norm() / frame_.size;
+      if (hold.tangent)
+        residual = std::max(residual, (result_.curve.evaluate(u, 1).normalized() - t).norm());
+      result_.max_residual = std::max(result_.max_residual, residual);
+    }
+  }
+
+  void measure_deviation() {
+    constexpr int samples = 37;  // not those that cubics() looked at
+    const HermiteCurve& cubics = result_.curve;
+    for (int i = 0; i < cubics.segment_count(); ++i)
+      for (int k = 1; k < samples; ++k) {
+        const double u = cubics.parameters()[i] + cubics.mesh().length(i) * k / samples;
+        result_.deviation =
+            std::max(result_.deviation, (cubics.evaluate(u) - result_.quintic.evaluate(u)).norm());
+      }
+  }
+
+  const HermiteCurve& start_;
+  const std::vector<CurveHold>& holds_;
+  const std::vector<CurveSpring>& springs_;
+  const CurvatureOptions& options_;
+  Frame frame_;
+  Nodes nodes_;
+  CurvatureProblem problem_;
+  CurvatureCurve result_;
+};
+
 }  // namespace
 
 double curvature_functional(const QuinticCurve& curve, CurveFunctional functional, int points) {
@@ -219,156 +345,8 @@ CurvatureCurve fair_curvature(const HermiteCurve& start, const std::vector<Curve
                               const std::vector<CurveSpring>& springs,
                               const CurvatureOptions& options) {
   check(options);
-  if (start.node_count() < 2) throw InputError("a curve to be faired has no nodes");
-  if (!start.mesh().corners().empty())
-    throw InputError("a curve with corners cannot be faired in one: cut it at its corners");
-  for (const CurveSpring& spring : springs)
-    if (!spring.point.allFinite() || !(spring.stiffness > 0) || !std::isfinite(spring.stiffness))
-      throw InputError("a spring needs a finite point and a stiffness above 0");
-  const auto held =
-      std::count_if(holds.begin(), holds.end(), [](const auto& h) { return h.position; });
-  if (held < 2 && springs.size() < 2)
-    throw InputError("a curve needs two held points or two springs, or it could move away");
-
-  const Frame frame(start);
-  const Nodes nodes = place_nodes(start, holds, options.segments);
-  CurvatureProblem problem;
-  problem.curve = quintic_start(start, frame, nodes);
-  problem.functional = options.functional;
-  problem.length_weight = options.length_weight;
-  problem.evenness = options.evenness;
-  problem.most_iterations = options.most_iterations;
-  problem.holds_position.assign(problem.curve.node_count(), 0);
-  problem.holds_tangent.assign(problem.curve.node_count(), 0);
-  for (size_t i = 0; i < holds.size(); ++i) {
-    if (holds[i].position) problem.holds_position[nodes.node_of[i]] = 1;
-    if (holds[i].tangent) problem.holds_tangent[nodes.node_of[i]] = 1;
-  }
-  CurvatureCurve result;
-  result.start_functional =
-      curvature_functional(in_model_units(problem.curve, frame), options.functional);
-
-  constexpr double out_of_bounds = 50;
-  const double start_length = total_length(problem.curve);
-  bool still_now = false;
-  double last_change = 1e300;
-  move_springs(springs, frame, problem);
-  while (result.rounds < options.most_rounds && !still_now) {
-    const CurvatureMinimum minimum = minimize(problem);
-    ++result.rounds;
-    result.iterations += minimum.iterations;
-    result.converged = minimum.converged;
-    QuinticCurve& curve = problem.curve;
-    curve = QuinticCurve(curve.parameters(), minimum.dofs, curve.closed());
-    if (!(total_length(curve) < out_of_bounds * start_length))
-      throw NoSolutionError(
-          "the curve grows without bound: larger curves bend less (give it a length_weight)");
-    QuinticCurve even = curve;
-    // Few segments cannot be as even as that: then it is enough that they get no more so.
-    const double change = make_even(even);
-    const bool even_now = change < kEven || change > 0.5 * last_change;
-    last_change = change;
-    still_now = move_springs(springs, frame, problem) < kStill && even_now;
-    if (!still_now && result.rounds < options.most_rounds) curve = std::move(even);
-  }
-  result.converged = result.converged && still_now;
-
-  QuinticCurve curve = in_model_units(problem.curve, frame);
-  Points dofs = curve.dofs();
-  for (size_t i = 0; i < holds.size(); ++i)
-    if (holds[i].position) dofs.row(3L * nodes.node_of[i]) = start.evaluate(holds[i].u);
-  result.quintic = QuinticCurve(curve.parameters(), dofs, curve.closed());
-  result.functional = curvature_functional(result.quintic, options.functional);
-  result.curve = result.quintic.cubics(options.tolerance);
-
-  for (size_t i = 0; i < holds.size(); ++i) {
-    const double u = result.quintic.parameters()[nodes.node_of[i]];
-    result.parameters.push_back(u);
-    const Vec3 x = start.evaluate(holds[i].u), t = start.evaluate(holds[i].u, 1).normalized();
-    double residual = 0;
-    if (holds[i].position) residual = (result.curve.evaluate(u) - x).norm() / frame.size;
-    if (holds[i].tangent)
-      residual = std::max(residual, (result.curve.evaluate(u, 1).normalized() - t).norm());
-    result.max_residual = std::max(result.max_residual, residual);
-  }
-  constexpr int samples = 37;  // not those that cubics() looked at
-  for (int i = 0; i < result.curve.segment_count(); ++i)
-    for (int k = 1; k < samples; ++k) {
-      const double u = result.curve.parameters()[i] + result.curve.mesh().length(i) * k / samples;
-      result.deviation = std::max(result.deviation,
-                                  (result.curve.evaluate(u) - result.quintic.evaluate(u)).norm());
-    }
-  return result;
-}
-
-namespace {
-
-// Direction at the middle of three points of the circle through them.
-Vec3 circle_tangent(const Vec3& a, const Vec3& b, const Vec3& c) {
-  const Vec3 e = b - a, f = c - b;
-  const Vec3 t = e / e.squaredNorm() + f / f.squaredNorm();
-  return t.norm() > 1e-9 / e.norm() ? t.normalized() : f.normalized();
-}
-
-// That of the circle through two points with one end's direction.
-Vec3 mirrored(const Vec3& chord, const Vec3& t) {
-  const Vec3 c = chord.normalized();
-  return 2 * t.dot(c) * c - t;
-}
-
-// Length of the arc over a chord with these directions at its ends, which bound it to three chords.
-double arc_over(const Vec3& chord, const Vec3& t0, const Vec3& t1) {
-  const double length = chord.norm();
-  const auto angle = [&](const Vec3& t) { return std::atan2(t.cross(chord).norm(), t.dot(chord)); };
-  const double half = std::min(0.5 * (angle(t0) + angle(t1)), 2.28);
-  return half > 1e-4 ? length * half / std::sin(half) : length;
-}
-
-}  // namespace
-
-CurvatureCurve minimum_curvature_curve(const std::vector<CurvaturePoint>& points, bool closed,
-                                       const CurvatureOptions& options) {
-  const auto n = static_cast<long>(points.size());
-  if (n < (closed ? 3 : 2))
-    throw InputError("found " + std::to_string(n) + " points, expected at least " +
-                     (closed ? "three for a closed curve" : "two"));
-  const auto at = [&](long i) -> const Vec3& { return points[(i + n) % n].position; };
-  for (long i = 0; i < n; ++i) {
-    const std::string name = "point " + std::to_string(i + 1);
-    const auto& tangent = points[i].tangent;
-    if (!at(i).allFinite() || (tangent && !tangent->allFinite()))
-      throw InputError(name + " has a number that is not finite");
-    if (tangent && !(tangent->norm() > 0)) throw InputError(name + " has a tangent of length zero");
-    if ((i > 0 || closed) && at(i) == at(i - 1))
-      throw InputError(name + " equals the one before it");
-  }
-
-  std::vector<Vec3> t(n);
-  const auto given = [&](long i) { return points[i].tangent.has_value(); };
-  for (long i = 0; i < n; ++i) {
-    if (given(i))
-      t[i] = points[i].tangent->normalized();
-    else if (closed || (i > 0 && i < n - 1))
-      t[i] = circle_tangent(at(i - 1), at(i), at(i + 1));
-  }
-  if (!closed && n == 2 && !given(0) && !given(1))
-    t[0] = t[1] = (at(1) - at(0)).normalized();
-  else if (!closed) {
-    if (!given(0)) t[0] = mirrored(at(1) - at(0), t[1]);
-    if (!given(n - 1)) t[n - 1] = mirrored(at(n - 1) - at(n - 2), t[n - 2]);
-  }
-
-  std::vector<double> u = {0};
-  for (long i = 0; i + 1 < n + (closed ? 1 : 0); ++i)
-    u.push_back(u.back() + arc_over(at(i + 1) - at(i), t[i], t[(i + 1) % n]));
-  Points dofs(2 * n, 3);
-  std::vector<CurveHold> holds;
-  for (long i = 0; i < n; ++i) {
-    dofs.row(2 * i) = at(i);
-    dofs.row(2 * i + 1) = t[i];
-    holds.push_back({u[i], true, given(i)});
-  }
-  return fair_curvature(HermiteCurve(CurveMesh(u, closed), dofs), holds, {}, options);
+  check(start, holds, springs);
+  return CurvatureFairing(start, holds, springs, options).run();
 }
 
 }  // namespace batten

@@ -196,14 +196,10 @@ class InGaussNewtonMetric : public ceres::FirstOrderFunction {
   int size_ = 0;
 };
 
-}  // namespace
+using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
 
-bool have_curvature_fairing() { return true; }
-
-CurvatureMinimum minimize(const CurvatureProblem& given) {
-  using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
-  RowMajor x = given.curve.dofs();
-  ceres::Problem problem;
+// The blocks of `problem` are the rows of x.
+void set_up(const CurvatureProblem& given, RowMajor& x, ceres::Problem& problem) {
   const auto blocks = [&](int segment) {
     std::vector<double*> all;
     for (const int node : {segment, given.curve.node_after(segment)})
@@ -218,44 +214,61 @@ CurvatureMinimum minimize(const CurvatureProblem& given) {
     if (given.holds_position[node]) problem.SetParameterBlockConstant(x.row(3L * node).data());
     if (given.holds_tangent[node]) problem.SetManifold(x.row(3L * node + 1).data(), new Ray);
   }
+}
 
-  // Levenberg and Marquardt's method comes near from far; close to a minimum with curvature left it
-  // gains a constant factor a step, and BFGS takes over.
-  constexpr int least_squares_steps = 40;
+// By Levenberg and Marquardt's method.
+void come_near(int most_iterations, ceres::Problem& problem, CurvatureMinimum& minimum) {
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
   options.sparse_linear_algebra_library_type = ceres::EIGEN_SPARSE;
   options.num_threads = 1;
   options.logging_type = ceres::SILENT;
-  options.max_num_iterations = std::min(least_squares_steps, given.most_iterations);
+  options.max_num_iterations = most_iterations;
   options.function_tolerance = 1e-15;
   options.gradient_tolerance = 1e-12;
   options.parameter_tolerance = 1e-13;
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem, &summary);
-  CurvatureMinimum minimum;
   minimum.iterations = count_of(summary.iterations);
   minimum.converged = summary.termination_type == ceres::CONVERGENCE;
-  if (!minimum.converged && minimum.iterations < given.most_iterations) {
-    auto* metric = new InGaussNewtonMetric(problem);
-    const ceres::GradientProblem in_metric(metric);
-    if (metric->regular()) {
-      ceres::GradientProblemSolver::Options descent;
-      descent.line_search_direction_type = ceres::LBFGS;
-      descent.max_lbfgs_rank = 100;
-      descent.max_num_iterations = given.most_iterations - minimum.iterations;
-      descent.function_tolerance = 1e-16;
-      descent.gradient_tolerance = 1e-10;
-      descent.parameter_tolerance = 1e-14;
-      descent.logging_type = ceres::SILENT;
-      ceres::GradientProblemSolver::Summary found;
-      VecX z = VecX::Zero(metric->NumParameters());
-      ceres::Solve(descent, in_metric, z.data(), &found);
-      metric->move(z.data());
-      minimum.iterations += count_of(found.iterations);
-      minimum.converged = found.termination_type == ceres::CONVERGENCE;
-    }
-  }
+}
+
+// By BFGS, from a point near the minimum.
+void descend(int most_iterations, ceres::Problem& problem, CurvatureMinimum& minimum) {
+  auto* metric = new InGaussNewtonMetric(problem);
+  const ceres::GradientProblem in_metric(metric);  // owns it
+  if (!metric->regular()) return;
+  ceres::GradientProblemSolver::Options descent;
+  descent.line_search_direction_type = ceres::LBFGS;
+  descent.max_lbfgs_rank = 100;
+  descent.max_num_iterations = most_iterations;
+  descent.function_tolerance = 1e-16;
+  descent.gradient_tolerance = 1e-10;
+  descent.parameter_tolerance = 1e-14;
+  descent.logging_type = ceres::SILENT;
+  ceres::GradientProblemSolver::Summary found;
+  VecX z = VecX::Zero(metric->NumParameters());
+  ceres::Solve(descent, in_metric, z.data(), &found);
+  metric->move(z.data());
+  minimum.iterations += count_of(found.iterations);
+  minimum.converged = found.termination_type == ceres::CONVERGENCE;
+}
+
+}  // namespace
+
+bool have_curvature_fairing() { return true; }
+
+CurvatureMinimum minimize(const CurvatureProblem& given) {
+  RowMajor x = given.curve.dofs();
+  ceres::Problem problem;
+  set_up(given, x, problem);
+  // Levenberg and Marquardt's method comes near from far; close to a minimum with curvature left it
+  // gains a constant factor a step, and BFGS takes over.
+  constexpr int least_squares_steps = 40;
+  CurvatureMinimum minimum;
+  come_near(std::min(least_squares_steps, given.most_iterations), problem, minimum);
+  if (!minimum.converged && minimum.iterations < given.most_iterations)
+    descend(given.most_iterations - minimum.iterations, problem, minimum);
   minimum.dofs = x;
   return minimum;
 }

@@ -17,6 +17,63 @@ std::vector<int> equal_starts(int per_element, int entries) {
   return starts;
 }
 
+// Elements of each dof, as places in the list of the elements' dofs.
+class ElementsOfDofs {
+ public:
+  ElementsOfDofs(int dof_count, const std::vector<int>& starts, const std::vector<int>& dofs)
+      : starts_(starts),
+        dofs_(dofs),
+        element_of_(dofs.size()),
+        start_(dof_count + 1, 0),
+        uses_(dofs.size()) {
+    for (int e = 0; e < count_of(starts) - 1; ++e)
+      std::fill(element_of_.begin() + starts[e], element_of_.begin() + starts[e + 1], e);
+    for (const int d : dofs) ++start_[d + 1];
+    for (int d = 0; d < dof_count; ++d) start_[d + 1] += start_[d];
+    std::vector<int> next(start_.begin(), start_.end() - 1);
+    for (int u = 0; u < count_of(dofs); ++u) uses_[next[dofs[u]]++] = u;
+  }
+
+  bool none(int d) const { return start_[d] == start_[d + 1]; }
+  int first(int d) const { return element_of_[uses_[start_[d]]]; }
+
+  bool same(int c, int d) const {
+    if (c < 0 || none(d) || start_[d] - start_[c] != start_[d + 1] - start_[d]) return false;
+    for (int i = start_[c], j = start_[d]; i < start_[d]; ++i, ++j)
+      if (element_of_[uses_[i]] != element_of_[uses_[j]]) return false;
+    return true;
+  }
+
+  /// Calls visit(element, d's number in it) for each element of d.
+  template <class Visit>
+  void for_each(int d, const Visit& visit) const {
+    for (int s = start_[d]; s < start_[d + 1]; ++s) {
+      const int e = element_of_[uses_[s]];
+      visit(e, uses_[s] - starts_[e]);
+    }
+  }
+
+  /// d and the dofs above it that share an element with it, ascending. `place` is -1 for all on
+  /// entry, and 0 for those on return.
+  void collect_rows(int d, std::vector<int>& place, std::vector<int>& rows) const {
+    rows.assign(1, d);
+    place[d] = 0;
+    for_each(d, [&](int e, int) {
+      for (int i = starts_[e]; i < starts_[e + 1]; ++i)
+        if (const int other = dofs_[i]; other > d && place[other] < 0) {
+          place[other] = 0;
+          rows.push_back(other);
+        }
+    });
+    std::sort(rows.begin(), rows.end());
+  }
+
+ private:
+  const std::vector<int>&starts_, &dofs_;
+  std::vector<int> element_of_;    // of each place in the list
+  std::vector<int> start_, uses_;  // of each dof
+};
+
 }  // namespace
 
 ElementPattern::ElementPattern(int dof_count, int per_element, std::vector<int> dofs)
@@ -24,74 +81,49 @@ ElementPattern::ElementPattern(int dof_count, int per_element, std::vector<int> 
 
 ElementPattern::ElementPattern(int dof_count, std::vector<int> starts, std::vector<int> dofs)
     : starts_(std::move(starts)), dofs_(std::move(dofs)) {
-  const int elements = element_count();
-  std::vector<int> element_of(dofs_.size());
   first_pair_.assign(1, 0);
-  for (int e = 0; e < elements; ++e) {
+  for (int e = 0; e < element_count(); ++e) {
     const long n = size_of(e);
     largest_ = std::max(largest_, size_of(e));
     first_pair_.push_back(first_pair_.back() + n * (n + 1) / 2);
-    std::fill(element_of.begin() + starts_[e], element_of.begin() + starts_[e + 1], e);
   }
-
-  // Elements of each dof, as places in dofs_.
-  std::vector<int> start(dof_count + 1, 0), uses(dofs_.size());
-  for (const int d : dofs_) ++start[d + 1];
-  for (int d = 0; d < dof_count; ++d) start[d + 1] += start[d];
-  {
-    std::vector<int> next(start.begin(), start.end() - 1);
-    for (int u = 0; u < count_of(dofs_); ++u) uses[next[dofs_[u]]++] = u;
-  }
+  const ElementsOfDofs elements(dof_count, starts_, dofs_);
   first_element_.assign(dof_count, std::numeric_limits<int>::max());
   for (int d = 0; d < dof_count; ++d)
-    if (start[d] < start[d + 1]) first_element_[d] = element_of[uses[start[d]]];
+    if (!elements.none(d)) first_element_[d] = elements.first(d);
 
-  const auto same_elements = [&](int c, int d) {
-    if (c < 0 || start[d] == start[d + 1] || start[d] - start[c] != start[d + 1] - start[d])
-      return false;
-    for (int i = start[c], j = start[d]; i < start[d]; ++i, ++j)
-      if (element_of[uses[i]] != element_of[uses[j]]) return false;
-    return true;
-  };
   position_.resize(static_cast<size_t>(first_pair_.back()));
   column_.assign(1, 0);
   std::vector<int> place(dof_count, -1), rows;
   for (int d = 0; d < dof_count; ++d) {
-    if (same_elements(d - 1, d)) {
+    if (elements.same(d - 1, d))
       rows.erase(rows.begin());  // the column before without its diagonal entry
-    } else {
-      rows.assign(1, d);
-      place[d] = 0;
-      for (int s = start[d]; s < start[d + 1]; ++s) {
-        const int e = element_of[uses[s]];
-        const int* element = &dofs_[starts_[e]];
-        for (int a = 0; a < size_of(e); ++a)
-          if (element[a] > d && place[element[a]] < 0) {
-            place[element[a]] = 0;
-            rows.push_back(element[a]);
-          }
-      }
-      std::sort(rows.begin(), rows.end());
-    }
-    const int base = count_of(row_);
-    if (static_cast<long>(row_.size()) + static_cast<long>(rows.size()) >
-        std::numeric_limits<int>::max())
-      throw InputError("the assembled matrix has more than 2^31 entries");
-    for (size_t r = 0; r < rows.size(); ++r) place[rows[r]] = base + static_cast<int>(r);
-    row_.insert(row_.end(), rows.begin(), rows.end());
-    for (int s = start[d]; s < start[d + 1]; ++s) {
-      const int e = element_of[uses[s]], b = uses[s] - starts_[e];
-      const int* element = &dofs_[starts_[e]];
-      int* position = &position_[first_pair_[e]];
-      for (int a = 0; a < size_of(e); ++a)
-        if (element[a] >= d) {
-          const int high = std::max(a, b), low = std::min(a, b);
-          position[high * (high + 1) / 2 + low] = place[element[a]];
-        }
-    }
+    else
+      elements.collect_rows(d, place, rows);
+    append_column(rows, place);
+    elements.for_each(d, [&](int e, int b) { locate_entries(e, b, place); });
     for (const int r : rows) place[r] = -1;
-    column_.push_back(count_of(row_));
   }
+}
+
+void ElementPattern::append_column(const std::vector<int>& rows, std::vector<int>& place) {
+  const int base = count_of(row_);
+  if (static_cast<long>(row_.size()) + static_cast<long>(rows.size()) >
+      std::numeric_limits<int>::max())
+    throw InputError("the assembled matrix has more than 2^31 entries");
+  for (size_t r = 0; r < rows.size(); ++r) place[rows[r]] = base + static_cast<int>(r);
+  row_.insert(row_.end(), rows.begin(), rows.end());
+  column_.push_back(count_of(row_));
+}
+
+void ElementPattern::locate_entries(int e, int b, const std::vector<int>& place) {
+  const int* element = &dofs_[starts_[e]];
+  int* position = &position_[first_pair_[e]];
+  for (int a = 0; a < size_of(e); ++a)
+    if (element[a] >= element[b]) {
+      const int high = std::max(a, b), low = std::min(a, b);
+      position[high * (high + 1) / 2 + low] = place[element[a]];
+    }
 }
 
 SparseMatrix ElementPattern::zero() const {

@@ -36,6 +36,10 @@ class ElementPattern {
     std::vector<int> elements;  // ascending
     std::vector<char> shared;   // some entries belong to another part
   };
+  // place: of each of these dofs, then, in the matrix values.
+  void append_column(const std::vector<int>& rows, std::vector<int>& place);
+  // Those of element e in the column of its dof b, from the places of the column's rows.
+  void locate_entries(int e, int b, const std::vector<int>& place);
   std::vector<Part> split(int parts) const;
 
   std::vector<int> starts_, dofs_;

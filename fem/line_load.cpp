@@ -15,6 +15,75 @@ struct Cubic {
   bool operator==(const Cubic&) const = default;
 };
 
+// The cubics that a line with this image passes through.
+class CubicsAlong {
+ public:
+  CubicsAlong(const ParametricMesh& mesh, TriangleElement kind, const TriangleLocator& locator,
+              const HermiteCurve& image)
+      : mesh_(mesh), kind_(kind), locator_(locator), image_(image) {}
+
+  /// From sample to sample, and where the cubic changes.
+  std::vector<double> cut(const std::vector<double>& samples) const {
+    std::vector<double> cuts{samples.front()};
+    for (size_t i = 0; i + 1 < samples.size(); ++i) {
+      double t = samples[i];
+      Cubic here = at(t);
+      while (t < samples[i + 1]) {
+        double next = step_towards(samples[i + 1], t, here);
+        Cubic there = at(next);
+        if (!(there == here)) {
+          const double left = bisect_end_of(here, t, next);
+          if (left < next) {
+            next = left;
+            there = at(next);
+          }
+        }
+        cuts.push_back(next);
+        t = next;
+        here = there;
+      }
+    }
+    return cuts;
+  }
+
+ private:
+  Cubic at(double t) const {
+    const Location on = locator_.locate(flat(image_.evaluate(t)));
+    int sub = 0;
+    if (kind_ == TriangleElement::HCT) on.L.minCoeff(&sub);
+    return {on.triangle, sub};
+  }
+
+  /// Short steps: half of the element that the line is in.
+  double step_towards(double end, double t, const Cubic& here) const {
+    const double h = std::sqrt(2 * mesh_.shape(here.triangle).area),
+                 speed = flat(image_.evaluate(t, 1)).norm(), rest = end - t;
+    const double steps = std::max(1.0, std::ceil(2 * speed * rest / h));
+    return steps == 1 ? end : t + rest / steps;
+  }
+
+  double bisect_end_of(const Cubic& here, double low, double high) const {
+    for (int step = 0; step < 60 && high - low > 1e-13 * (image_.end() - image_.start()); ++step) {
+      const double middle = 0.5 * (low + high);
+      (at(middle) == here ? low : high) = middle;
+    }
+    return high;
+  }
+
+  const ParametricMesh& mesh_;
+  TriangleElement kind_;
+  const TriangleLocator& locator_;
+  const HermiteCurve& image_;
+};
+
+std::vector<double> parameters_of_both(const HermiteCurve& image, const HermiteCurve& curve) {
+  std::vector<double> samples = image.parameters();
+  samples.insert(samples.end(), curve.parameters().begin(), curve.parameters().end());
+  std::sort(samples.begin(), samples.end());
+  samples.erase(std::unique(samples.begin(), samples.end()), samples.end());
+  return samples;
+}
+
 }  // namespace
 
 VecX line_load(const ParametricMesh& mesh, TriangleElement kind, const TriangleLocator& locator,
@@ -23,45 +92,8 @@ VecX line_load(const ParametricMesh& mesh, TriangleElement kind, const TriangleL
     throw InputError("a line over [" + number(curve.start()) + ", " + number(curve.end()) +
                      "] with an image over [" + number(image.start()) + ", " + number(image.end()) +
                      "]");
-  const auto cubic_at = [&](double t) {
-    const Location on = locator.locate(flat(image.evaluate(t)));
-    int sub = 0;
-    if (kind == TriangleElement::HCT) on.L.minCoeff(&sub);
-    return Cubic{on.triangle, sub};
-  };
-
-  std::vector<double> samples = image.parameters();
-  samples.insert(samples.end(), curve.parameters().begin(), curve.parameters().end());
-  std::sort(samples.begin(), samples.end());
-  samples.erase(std::unique(samples.begin(), samples.end()), samples.end());
-  std::vector<double> cuts{samples.front()};
-  for (size_t i = 0; i + 1 < samples.size(); ++i) {
-    // Short steps: half of the element that the line is in.
-    double t = samples[i];
-    Cubic here = cubic_at(t);
-    while (t < samples[i + 1]) {
-      const double h = std::sqrt(2 * mesh.shape(here.triangle).area),
-                   speed = flat(image.evaluate(t, 1)).norm(), rest = samples[i + 1] - t;
-      const double steps = std::max(1.0, std::ceil(2 * speed * rest / h));
-      double next = steps == 1 ? samples[i + 1] : t + rest / steps;
-      Cubic there = cubic_at(next);
-      if (!(there == here)) {
-        double low = t, high = next;
-        for (int step = 0; step < 60 && high - low > 1e-13 * (image.end() - image.start());
-             ++step) {
-          const double middle = 0.5 * (low + high);
-          (cubic_at(middle) == here ? low : high) = middle;
-        }
-        if (high < next) {
-          next = high;
-          there = cubic_at(next);
-        }
-      }
-      cuts.push_back(next);
-      t = next;
-      here = there;
-    }
-  }
+  const std::vector<double> cuts =
+      CubicsAlong(mesh, kind, locator, image).cut(parameters_of_both(image, curve));
 
   static const SegmentRule gauss = gauss_legendre(6);
   const DofMap dofs(mesh);

@@ -145,12 +145,65 @@ std::vector<int> in_neighbourhoods(const ParametricMesh& mesh) {
 
 }  // namespace
 
+// Lays triangles out in batches and parts.
+class PressureOperator::PartMaker {
+ public:
+  PartMaker(PressureOperator& made, const ParametricMesh& mesh)
+      : made_(made), mesh_(mesh), dofs_(mesh), local_(made.dofs_, -1) {}
+
+  void add_parts(const std::vector<int>& triangles, size_t size, int lanes) {
+    for (size_t i = 0; i < triangles.size(); i += size)
+      add_part(triangles, i, std::min(i + size, triangles.size()), lanes);
+  }
+
+ private:
+  void add_part(const std::vector<int>& triangles, size_t first, size_t end, int lanes) {
+    Part part;
+    part.first_batch = count_of(made_.batches_);
+    part.first_dof = count_of(made_.dof_);
+    for (size_t i = first; i < end; i += lanes) {
+      Batch batch{};
+      batch.count = static_cast<int>(std::min<size_t>(lanes, end - i));
+      batch.tensor = lanes == 1 ? static_cast<int>(i) : -1;
+      for (int l = 0; l < kLanes; ++l)
+        fill_lane(batch, l, triangles[i + (l < batch.count ? l : 0)], part.first_dof);
+      made_.batches_.push_back(batch);
+    }
+    part.end_batch = count_of(made_.batches_);
+    part.end_dof = count_of(made_.dof_);
+    for (int d = part.first_dof; d < part.end_dof; ++d) local_[made_.dof_[d]] = -1;
+    made_.parts_.push_back(part);
+  }
+
+  void fill_lane(Batch& batch, int l, int t, int first_dof) {
+    batch.triangle[l] = t;
+    const DofMapNumbers P(mesh_.shape(t));
+    for (int k = 0; k < 3; ++k) {
+      for (int g = 0; g < 4; ++g) batch.numbers[kLanes * (4 * k + g) + l] = P.gradient[k][g];
+      batch.numbers[kLanes * (12 + k) + l] = P.altitude[k];
+      batch.numbers[kLanes * (15 + k) + l] = P.slant[k];
+    }
+    const auto dof = dofs_.triangle(mesh_, t);
+    for (int a = 0; a < 12; ++a) {
+      if (local_[dof[a]] < 0) {
+        local_[dof[a]] = count_of(made_.dof_) - first_dof;
+        made_.dof_.push_back(dof[a]);
+      }
+      batch.dof[kLanes * a + l] = local_[dof[a]];
+    }
+  }
+
+  PressureOperator& made_;
+  const ParametricMesh& mesh_;
+  DofMap dofs_;
+  std::vector<int> local_;  // of each global dof, in the part; -1: not in it
+};
+
 PressureOperator::PressureOperator(const ParametricMesh& mesh, TriangleElement kind,
                                    std::shared_ptr<const Trim> trim)
     : dofs_(DofMap(mesh).count()),
       triangles_(mesh.triangle_count()),
       reference_(reference_tensor(kind)) {
-  const DofMap dofs(mesh);
   std::vector<int> whole, cut;
   for (const int t : in_neighbourhoods(mesh)) {
     const Trim::Side side = trim ? trim->side(t) : Trim::Side::Inside;
@@ -162,46 +215,13 @@ PressureOperator::PressureOperator(const ParametricMesh& mesh, TriangleElement k
   };
   parallel_parts(count_of(cut), fill);
 
-  std::vector<int> local(dofs_, -1);
-  const auto make_part = [&](const std::vector<int>& triangles, size_t first, size_t end,
-                             int lanes) {
-    Part part;
-    part.first_batch = count_of(batches_);
-    part.first_dof = count_of(dof_);
-    for (size_t i = first; i < end; i += lanes) {
-      Batch batch{};
-      batch.count = static_cast<int>(std::min<size_t>(lanes, end - i));
-      batch.tensor = lanes == 1 ? static_cast<int>(i) : -1;
-      for (int l = 0; l < kLanes; ++l) {
-        const int t = triangles[i + (l < batch.count ? l : 0)];
-        batch.triangle[l] = t;
-        const DofMapNumbers P(mesh.shape(t));
-        for (int k = 0; k < 3; ++k) {
-          for (int g = 0; g < 4; ++g) batch.numbers[kLanes * (4 * k + g) + l] = P.gradient[k][g];
-          batch.numbers[kLanes * (12 + k) + l] = P.altitude[k];
-          batch.numbers[kLanes * (15 + k) + l] = P.slant[k];
-        }
-        const auto dof = dofs.triangle(mesh, t);
-        for (int a = 0; a < 12; ++a) {
-          if (local[dof[a]] < 0) {
-            local[dof[a]] = count_of(dof_) - part.first_dof;
-            dof_.push_back(dof[a]);
-          }
-          batch.dof[kLanes * a + l] = local[dof[a]];
-        }
-      }
-      batches_.push_back(batch);
-    }
-    part.end_batch = count_of(batches_);
-    part.end_dof = count_of(dof_);
-    for (int d = part.first_dof; d < part.end_dof; ++d) local[dof_[d]] = -1;
-    parts_.push_back(part);
-  };
-  for (size_t i = 0; i < whole.size(); i += kPartSize)
-    make_part(whole, i, std::min(i + kPartSize, whole.size()), kLanes);
-  for (size_t i = 0; i < cut.size(); i += kPartSize / 4)
-    make_part(cut, i, std::min(i + kPartSize / 4, cut.size()), 1);
+  PartMaker parts(*this, mesh);
+  parts.add_parts(whole, kPartSize, kLanes);
+  parts.add_parts(cut, kPartSize / 4, 1);
+  find_places();
+}
 
+void PressureOperator::find_places() {
   start_.assign(dofs_ + 1, 0);
   for (const int d : dof_) ++start_[d + 1];
   std::partial_sum(start_.begin(), start_.end(), start_.begin());

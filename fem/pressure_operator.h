@@ -56,6 +56,8 @@ class PressureOperator {
     int first_batch, end_batch;
     int first_dof, end_dof;  // in dof_ and forces_
   };
+  class PartMaker;
+  void find_places();  // of each global dof, once the parts are made
   void check(const Points& x, const VecX& weights) const;
   // Fills forces_ with the parts' shares of ∬ w N (x_u × x_v).
   void forces(const Points& x, const VecX& weights) const;

@@ -36,86 +36,124 @@ struct Piece {
   PlanarCubic side;
 };
 
-// The boundary of a sub-triangle's part inside, and whether an arc passes through it.
-std::vector<Piece> boundary_inside(const std::array<Vec2, 3>& S, const DomainLoops& loops,
-                                   const std::vector<PlanarCubic>& arcs, bool& touched) {
+// The boundary of a sub-triangle's part inside.
+class PartInside {
+ public:
+  PartInside(const std::array<Vec2, 3>& S, const DomainLoops& loops,
+             const std::vector<PlanarCubic>& arcs)
+      : S_(S), loops_(loops), twice_(cross(S[1] - S[0], S[2] - S[0])) {
+    for (const PlanarCubic& arc : arcs) add_arc(arc);
+    for (int e = 0; e < 3; ++e) add_edge(e);
+  }
+
+  const std::vector<Piece>& boundary() const { return pieces_; }
+  /// An arc passes through the sub-triangle.
+  bool touched() const { return touched_; }
+
+ private:
   // An arc along an edge belongs to neither side; the edge then bounds the part.
-  constexpr double on_edge = 1e-12, inward = 1e-10;
-  const double twice = cross(S[1] - S[0], S[2] - S[0]);
-  std::vector<Piece> pieces;
-  std::array<std::vector<double>, 3> marks;                       // along each edge
-  std::array<std::vector<std::pair<double, double>>, 3> covered;  // by an arc along it
-  const auto height = [&](int e, const Vec2& p) {
-    return cross(S[(e + 1) % 3] - S[e], p - S[e]) / twice;
-  };
-  const auto place = [&](int e, const Vec2& p) {
-    const Vec2 d = S[(e + 1) % 3] - S[e];
-    return (p - S[e]).dot(d) / d.squaredNorm();
-  };
-  for (const PlanarCubic& arc : arcs) {
+  static constexpr double kOnEdge = 1e-12, kInward = 1e-10;
+  enum class Position { Outside, Inside, AlongEdge };
+
+  double height(int e, const Vec2& p) const {
+    return cross(S_[(e + 1) % 3] - S_[e], p - S_[e]) / twice_;
+  }
+
+  double place(int e, const Vec2& p) const {
+    const Vec2 d = S_[(e + 1) % 3] - S_[e];
+    return (p - S_[e]).dot(d) / d.squaredNorm();
+  }
+
+  // Its parts between the edges' lines: inside, or along an edge.
+  void add_arc(const PlanarCubic& arc) {
+    const std::vector<double> t = cut_by_edges(arc);
+    for (size_t i = 0; i + 1 < t.size(); ++i) {
+      if (t[i + 1] - t[i] < 1e-15) continue;
+      int along = -1;
+      const Position position = find_position(arc, t[i], t[i + 1], along);
+      if (position == Position::Outside) continue;
+      if (position == Position::Inside) {
+        pieces_.push_back({false, arc.part(t[i], t[i + 1])});
+        touched_ = true;
+        continue;
+      }
+      const double a = place(along, arc.at(t[i])), b = place(along, arc.at(t[i + 1]));
+      covered_[along].push_back(std::minmax(a, b));
+      marks_[along].push_back(a);
+      marks_[along].push_back(b);
+    }
+  }
+
+  // Ascending, with the ends; marks the places on the edges.
+  std::vector<double> cut_by_edges(const PlanarCubic& arc) {
     std::vector<double> t{0, 1};
     for (int e = 0; e < 3; ++e) {
       BernsteinCubic distance;
       for (size_t i = 0; i < 4; ++i) distance.b[i] = height(e, arc.b[i]);
       for (const double zero : distance.zeros()) {
         t.push_back(zero);
-        marks[e].push_back(place(e, arc.at(zero)));
+        marks_[e].push_back(place(e, arc.at(zero)));
       }
     }
     std::sort(t.begin(), t.end());
-    for (size_t i = 0; i + 1 < t.size(); ++i) {
-      if (t[i + 1] - t[i] < 1e-15) continue;
-      // No height changes its sign between t_i and t_i+1, but all may vanish somewhere (an arc that
-      // touches the edge): the largest tells.
-      bool inside = true;
-      int along = -1;
-      for (int e = 0; e < 3; ++e) {
-        double largest = 0;
-        for (const double s : {0.1, 0.3, 0.5, 0.7, 0.9}) {
-          const double h = height(e, arc.at(t[i] + s * (t[i + 1] - t[i])));
-          if (std::abs(h) > std::abs(largest)) largest = h;
-        }
-        if (largest < -on_edge)
-          inside = false;
-        else if (largest <= on_edge)
-          along = e;
-      }
-      if (!inside) continue;
-      if (along < 0) {
-        pieces.push_back({false, arc.part(t[i], t[i + 1])});
-        touched = true;
-        continue;
-      }
-      const double a = place(along, arc.at(t[i])), b = place(along, arc.at(t[i + 1]));
-      covered[along].push_back(std::minmax(a, b));
-      marks[along].push_back(a);
-      marks[along].push_back(b);
-    }
+    return t;
   }
-  const Vec2 centre = (S[0] + S[1] + S[2]) / 3;
-  for (int e = 0; e < 3; ++e) {
-    const Vec2 a = S[e], d = S[(e + 1) % 3] - a;
-    marks[e].push_back(0);
-    marks[e].push_back(1);
-    std::sort(marks[e].begin(), marks[e].end());
-    for (size_t i = 0; i + 1 < marks[e].size(); ++i) {
-      const double from = std::clamp(marks[e][i], 0.0, 1.0),
-                   to = std::clamp(marks[e][i + 1], 0.0, 1.0);
+
+  // No height changes its sign between `from` and `to`, but all may vanish somewhere (an arc that
+  // touches the edge): the largest tells.
+  Position find_position(const PlanarCubic& arc, double from, double to, int& along) const {
+    Position position = Position::Inside;
+    for (int e = 0; e < 3; ++e) {
+      double largest = 0;
+      for (const double s : {0.1, 0.3, 0.5, 0.7, 0.9}) {
+        const double h = height(e, arc.at(from + s * (to - from)));
+        if (std::abs(h) > std::abs(largest)) largest = h;
+      }
+      if (largest < -kOnEdge) return Position::Outside;
+      if (largest <= kOnEdge) {
+        position = Position::AlongEdge;
+        along = e;
+      }
+    }
+    return position;
+  }
+
+  // Its parts between the marks that are inside the loops.
+  void add_edge(int e) {
+    const Vec2 a = S_[e], d = S_[(e + 1) % 3] - a;
+    std::vector<double>& marks = marks_[e];
+    marks.push_back(0);
+    marks.push_back(1);
+    std::sort(marks.begin(), marks.end());
+    for (size_t i = 0; i + 1 < marks.size(); ++i) {
+      const double from = std::clamp(marks[i], 0.0, 1.0), to = std::clamp(marks[i + 1], 0.0, 1.0);
       if (to - from < 1e-15) continue;
       const double half = 0.5 * (from + to);
-      Vec2 middle = a + half * d;
-      for (const auto& [low, high] : covered[e])
-        if (low <= half && half <= high) {
-          middle += inward * (centre - middle);
-          break;
-        }
-      if (!loops.contains(middle)) continue;
+      if (!loops_.contains(beside_arcs(e, half, a + half * d))) continue;
       const Vec2 p = a + from * d, q = a + to * d;
-      pieces.push_back({true, {{p, p + (q - p) / 3, q - (q - p) / 3, q}}});
+      pieces_.push_back({true, {{p, p + (q - p) / 3, q - (q - p) / 3, q}}});
     }
   }
-  return pieces;
-}
+
+  // A point of an edge, moved inwards where an arc lies along it.
+  Vec2 beside_arcs(int e, double s, Vec2 point) const {
+    const Vec2 centre = (S_[0] + S_[1] + S_[2]) / 3;
+    for (const auto& [low, high] : covered_[e])
+      if (low <= s && s <= high) {
+        point += kInward * (centre - point);
+        break;
+      }
+    return point;
+  }
+
+  const std::array<Vec2, 3>& S_;
+  const DomainLoops& loops_;
+  double twice_;
+  std::array<std::vector<double>, 3> marks_;                       // along each edge
+  std::array<std::vector<std::pair<double, double>>, 3> covered_;  // by an arc along it
+  std::vector<Piece> pieces_;
+  bool touched_ = false;
+};
 
 // Triangles that an arc may meet, by the boxes of its parts.
 void collect(const TriangleLocator& locator, const PlanarCubic& arc, double part_size, int depth,
@@ -128,6 +166,25 @@ void collect(const TriangleLocator& locator, const PlanarCubic& arc, double part
   }
   const Vec2 hair = Vec2::Constant(1e-12 + 1e-9 * box.diagonal().norm());
   for (const int t : locator.near(box.min() - hair, box.max() + hair)) found.push_back(t);
+}
+
+// Of each triangle that arcs may meet: these, ascending.
+std::map<int, std::vector<int>> find_arcs_near(const ParametricMesh& mesh,
+                                               const DomainLoops& loops) {
+  const TriangleLocator locator(mesh);
+  const int n = mesh.triangle_count();
+  double mesh_area = 0;
+  for (int t = 0; t < n; ++t) mesh_area += mesh.shape(t).area;
+  const double part_size = 2 * std::sqrt(mesh_area / n);
+  std::map<int, std::vector<int>> arcs_near;
+  for (size_t a = 0; a < loops.arcs().size(); ++a) {
+    std::vector<int> found;
+    collect(locator, loops.arcs()[a], part_size, 0, found);
+    std::sort(found.begin(), found.end());
+    found.erase(std::unique(found.begin(), found.end()), found.end());
+    for (const int t : found) arcs_near[t].push_back(static_cast<int>(a));
+  }
+  return arcs_near;
 }
 
 // Triangles that no arc comes near, and that hang together by edges, lie on one side: one of them
@@ -179,25 +236,11 @@ DomainLoops with_images(const DomainLoops& loops, double period) {
 
 Trim::Trim(const ParametricMesh& mesh, DomainLoops given)
     : loops_(with_images(given, mesh.period())) {
-  const DomainLoops& loops = loops_;
   const int n = mesh.triangle_count();
-  const TriangleLocator locator(mesh);
-  double mesh_area = 0;
-  for (int t = 0; t < n; ++t) mesh_area += mesh.shape(t).area;
-  const double part_size = 2 * std::sqrt(mesh_area / n);
-
-  std::map<int, std::vector<int>> arcs_near;  // by triangle
-  for (size_t a = 0; a < loops.arcs().size(); ++a) {
-    std::vector<int> found;
-    collect(locator, loops.arcs()[a], part_size, 0, found);
-    std::sort(found.begin(), found.end());
-    found.erase(std::unique(found.begin(), found.end()), found.end());
-    for (const int t : found) arcs_near[t].push_back(static_cast<int>(a));
-  }
-
+  const std::map<int, std::vector<int>> arcs_near = find_arcs_near(mesh, loops_);
   std::vector<char> is_near(n, 0);
   for (const auto& [t, arcs] : arcs_near) is_near[t] = 1;
-  const std::vector<char> inside = far_inside(mesh, loops, is_near);
+  const std::vector<char> inside = far_inside(mesh, loops_, is_near);
 
   side_.resize(n);
   share_.assign(n, 0);
@@ -206,46 +249,49 @@ Trim::Trim(const ParametricMesh& mesh, DomainLoops given)
     if (!is_near[t]) {
       side_[t] = inside[t] ? Side::Inside : Side::Outside;
       share_[t] = inside[t];
-      area_ += share_[t] * shape.area;
-      continue;
-    }
-    const Vec2 centroid = shape.point(Vec3::Constant(1.0 / 3));
-    bool touched = false;
-    std::vector<Cone> cones;
-    double twice = 0;
-    std::vector<PlanarCubic> arcs;
-    for (const int a : arcs_near[t]) arcs.push_back(loops.arcs()[a]);
-    for (int s = 0; s < 3; ++s) {
-      const std::array<Vec2, 3> S{shape.vertex[(s + 1) % 3], shape.vertex[(s + 2) % 3], centroid};
-      bool here = false;
-      const auto pieces = boundary_inside(S, loops, arcs, here);
-      touched = touched || here;
-      if (pieces.empty()) continue;
-      // From an end of an arc, the cone of that arc is a sliver and the others are positive.
-      const Vec2 apex = here ? pieces[0].side.b[0] : S[0];
-      for (const Piece& p : pieces) {
-        const double area = twice_area(apex, p.straight, p.side);
-        if (area == 0) continue;
-        twice += area;
-        cones.push_back({s, apex, p.straight, p.side});
-      }
-    }
-    // Arcs along the spokes pass through no sub-triangle.
-    const double share = 0.5 * twice / shape.area;
-    if (!touched && !(share > 1e-9 && share < 1 - 1e-9)) {
-      side_[t] = loops.contains(centroid) ? Side::Inside : Side::Outside;
-      share_[t] = side_[t] == Side::Inside ? 1 : 0;
     } else {
-      side_[t] = Side::Cut;
-      share_[t] = share;
-      cut_.push_back(t);
-      cones_of_.push_back(count_of(cones_));
-      cones_.insert(cones_.end(), cones.begin(), cones.end());
-      corners_.push_back(shape.vertex);
+      std::vector<PlanarCubic> arcs;
+      for (const int a : arcs_near.at(t)) arcs.push_back(loops_.arcs()[a]);
+      cut_triangle(t, shape, arcs);
     }
     area_ += share_[t] * shape.area;
   }
   cones_of_.push_back(count_of(cones_));
+}
+
+void Trim::cut_triangle(int t, const TriangleShape& shape, const std::vector<PlanarCubic>& arcs) {
+  const Vec2 centroid = shape.point(Vec3::Constant(1.0 / 3));
+  bool touched = false;
+  std::vector<Cone> cones;
+  double twice = 0;
+  for (int s = 0; s < 3; ++s) {
+    const std::array<Vec2, 3> S{shape.vertex[(s + 1) % 3], shape.vertex[(s + 2) % 3], centroid};
+    const PartInside part(S, loops_, arcs);
+    const std::vector<Piece>& pieces = part.boundary();
+    touched = touched || part.touched();
+    if (pieces.empty()) continue;
+    // From an end of an arc, the cone of that arc is a sliver and the others are positive.
+    const Vec2 apex = part.touched() ? pieces[0].side.b[0] : S[0];
+    for (const Piece& p : pieces) {
+      const double area = twice_area(apex, p.straight, p.side);
+      if (area == 0) continue;
+      twice += area;
+      cones.push_back({s, apex, p.straight, p.side});
+    }
+  }
+  // Arcs along the spokes pass through no sub-triangle.
+  const double share = 0.5 * twice / shape.area;
+  if (!touched && !(share > 1e-9 && share < 1 - 1e-9)) {
+    side_[t] = loops_.contains(centroid) ? Side::Inside : Side::Outside;
+    share_[t] = side_[t] == Side::Inside ? 1 : 0;
+    return;
+  }
+  side_[t] = Side::Cut;
+  share_[t] = share;
+  cut_.push_back(t);
+  cones_of_.push_back(count_of(cones_));
+  cones_.insert(cones_.end(), cones.begin(), cones.end());
+  corners_.push_back(shape.vertex);
 }
 
 TriangleRule Trim::rule(int triangle, int degree) const {

@@ -60,6 +60,9 @@ class Trim {
     bool straight;
     PlanarCubic side;
   };
+  // By the arcs that come near it.
+  void cut_triangle(int triangle, const TriangleShape& shape, const std::vector<PlanarCubic>& arcs);
+
   DomainLoops loops_;
   std::vector<Side> side_;
   std::vector<double> share_;

@@ -1,0 +1,209 @@
+#include "batten/fem/patch_equations.h"
+
+#include <algorithm>
+#include <array>
+#include <optional>
+
+#include "batten/core/errors.h"
+#include "batten/core/parallel.h"
+#include "batten/core/sparse_cholesky.h"
+
+namespace batten {
+namespace {
+
+using Vec4 = Eigen::Vector4d;
+using Mat4 = Eigen::Matrix4d;
+
+/// ∫₀¹ of products of the derivatives on one interval.
+Mat4 gram(const SplineAxis& axis, int interval, int derivative) {
+  Mat4 G = Mat4::Zero();
+  constexpr double place[4] = {0.06943184420297371, 0.33000947820757187, 0.66999052179242813,
+                               0.93056815579702629};
+  constexpr double weight[4] = {0.17392742256872693, 0.32607257743127307, 0.32607257743127307,
+                                0.17392742256872693};
+  for (int g = 0; g < 4; ++g) {
+    const Vec4 b = axis.basis(interval, place[g], derivative);
+    G += weight[g] * b * b.transpose();
+  }
+  return G;
+}
+
+/// Cells within three of one that has samples: only these have functions in common with it.
+std::vector<char> near_samples(const CellSamples& samples, const SplineAxis& u,
+                               const SplineAxis& v) {
+  const int m = u.intervals(), n = v.intervals();
+  std::vector<char> along(static_cast<size_t>(m) * n), near(along.size());
+  for (int i = 0; i < m; ++i)
+    for (int j = 0; j < n; ++j)
+      if (!samples.of(static_cast<size_t>(i) * n + j).empty())
+        for (int d = -3; d <= 3; ++d)
+          if (j + d >= 0 && j + d < n) along[static_cast<size_t>(i) * n + j + d] = 1;
+  for (int i = 0; i < m; ++i)
+    for (int j = 0; j < n; ++j)
+      if (along[static_cast<size_t>(i) * n + j])
+        for (int d = -3; d <= 3; ++d) {
+          const int k = u.periodic() ? (i + d + m) % m : i + d;
+          if (k >= 0 && k < m) near[static_cast<size_t>(k) * n + j] = 1;
+        }
+  return near;
+}
+
+/// The normal equations of samples and bending.
+class PatchEquations {
+ public:
+  PatchEquations(const SplineAxis& u, const SplineAxis& v, const CellSamples& samples,
+                 double bending)
+      : u_(u),
+        v_(v),
+        samples_(samples),
+        columns_(v.functions()),
+        unknowns_(u.functions() * columns_),
+        entries_(static_cast<size_t>(unknowns_)),
+        poles_(Points::Zero(unknowns_, 3)) {
+    // Far from the samples it only has to be stiff beside what is near them.
+    const double bending_outside = 1e4 * bending;
+    const auto near = near_samples(samples, u, v);
+    std::vector<Grams> gram_v;
+    for (int j = 0; j < v.intervals(); ++j) gram_v.push_back(grams(v, j));
+    for (auto& e : entries_) e.fill(0);
+    for (int i = 0; i < u.intervals(); ++i) {
+      const Grams gram_u = grams(u, i);
+      for (int j = 0; j < v.intervals(); ++j) {
+        const size_t cell = static_cast<size_t>(i) * v.intervals() + j;
+        set_to_bending(near[cell] ? bending : bending_outside, gram_u, gram_v[j]);
+        add_samples(cell, i, j);
+        add_cell(i, j);
+      }
+    }
+  }
+
+  /// None when the matrix is singular to rounding.
+  std::optional<BicubicPatch> solve() && {
+    const SparseMatrix K = matrix();
+    SparseCholesky cholesky;
+    cholesky.analyze(K);
+    if (!cholesky.factorize(K)) return std::nullopt;
+    cholesky.solve_in_place(poles_);
+    return BicubicPatch{u_, v_, std::move(poles_)};
+  }
+
+ private:
+  using Grams = std::array<Mat4, 3>;  // by derivative
+
+  static Grams grams(const SplineAxis& axis, int interval) {
+    return {gram(axis, interval, 0), gram(axis, interval, 1), gram(axis, interval, 2)};
+  }
+
+  void set_to_bending(double e, const Grams& gram_u, const Grams& gram_v) {
+    for (int a = 0; a < 4; ++a)
+      for (int c = 0; c < 4; ++c)
+        A_.block<4, 4>(4 * a, 4 * c) =
+            e * (gram_u[2](a, c) * gram_v[0] + 2 * gram_u[1](a, c) * gram_v[1] +
+                 gram_u[0](a, c) * gram_v[2]);
+    b_.setZero();
+  }
+
+  void add_samples(size_t cell, int i, int j) {
+    constexpr double sample_weight = 1.0 / 16;
+    Eigen::Matrix<double, 16, 1> N;
+    for (const CellSamples::Sample& sample : samples_.of(cell)) {
+      const Vec4 Nu = u_.basis(i, sample.s), Nv = v_.basis(j, sample.t);
+      for (int a = 0; a < 4; ++a) N.segment<4>(4 * a) = Nu[a] * Nv;
+      A_.noalias() += sample_weight * N * N.transpose();
+      b_.noalias() += sample_weight * N * sample.x.transpose();
+    }
+  }
+
+  void add_cell(int i, int j) {
+    for (int a = 0; a < 16; ++a) {
+      const size_t row = static_cast<size_t>(u_.function(i, a / 4)) * columns_ + j + a % 4;
+      poles_.row(static_cast<long>(row)) += b_.row(a);
+      for (int c = 0; c < 16; ++c)
+        entries_[row][7 * (c / 4 - a / 4 + 3) + c % 4 - a % 4 + 3] += A_(a, c);
+    }
+  }
+
+  SparseMatrix matrix() const {
+    const int rows = u_.functions();
+    std::vector<Triplet> triplets;
+    triplets.reserve(static_cast<size_t>(unknowns_) * 25);
+    for (int i = 0; i < rows; ++i)
+      for (int j = 0; j < columns_; ++j)
+        for (int k = 0; k < 49; ++k) {
+          const double value = entries_[static_cast<size_t>(i) * columns_ + j][k];
+          int other = i + k / 7 - 3;
+          if (u_.periodic()) other = (other + rows) % rows;
+          const int row = i * columns_ + j, column = other * columns_ + j + k % 7 - 3;
+          if (value != 0 && row >= column) triplets.emplace_back(row, column, value);
+        }
+    SparseMatrix K(unknowns_, unknowns_);
+    K.setFromTriplets(triplets.begin(), triplets.end());
+    return K;
+  }
+
+  const SplineAxis &u_, &v_;
+  const CellSamples& samples_;
+  int columns_, unknowns_;
+  // The symmetric matrix by functions' distance: (i, j) with (i + di, j + dj), di, dj in -3 … 3.
+  std::vector<std::array<double, 49>> entries_;
+  Points poles_;  // the right-hand side, then the solution
+  // Of one cell.
+  Eigen::Matrix<double, 16, 16> A_;
+  Eigen::Matrix<double, 16, 3> b_;
+};
+
+}  // namespace
+
+CellSamples::CellSamples(const PatchTarget& target, const SplineAxis& u, const SplineAxis& v,
+                         const std::vector<double>& places, const std::vector<Vec2>& rim)
+    : cells_(static_cast<size_t>(u.intervals()) * v.intervals()), full_(cells_.size()) {
+  parallel_parts(u.intervals(), [&](int i) {
+    for (int j = 0; j < v.intervals(); ++j) {
+      const size_t cell = static_cast<size_t>(i) * v.intervals() + j;
+      for (const double s : places)
+        for (const double t : places) {
+          const Vec2 uv(u.knots()[i] + s * u.length(i), v.knots()[j] + t * v.length(j));
+          if (target.inside(uv)) cells_[cell].push_back({s, t, target.position(uv)});
+        }
+      full_[cell] = cells_[cell].size() == places.size() * places.size();
+    }
+  });
+  std::vector<Vec3> x(rim.size());
+  const int parts = static_cast<int>(std::min<size_t>(rim.size(), 64));
+  parallel_parts(parts, [&](int part) {
+    const size_t from = rim.size() * part / parts, to = rim.size() * (part + 1) / parts;
+    for (size_t k = from; k < to; ++k) x[k] = target.position(rim[k]);
+  });
+  for (size_t k = 0; k < rim.size(); ++k) {
+    const double a = u.wrapped(rim[k].x()), b = v.wrapped(rim[k].y());
+    const int i = u.interval(a), j = v.interval(b);
+    cells_[static_cast<size_t>(i) * v.intervals() + j].push_back(
+        {(a - u.knots()[i]) / u.length(i), (b - v.knots()[j]) / v.length(j), x[k]});
+  }
+}
+
+double CellSamples::bending() const {
+  double sum = 0, count = 0;
+  for (size_t cell = 0; cell < cells_.size(); ++cell) {
+    if (!full_[cell]) continue;
+    const auto& x = cells_[cell];
+    for (size_t k = 0; k < 4; ++k) {
+      const size_t s = k, t = 4 * k;
+      sum += 64 * (x[s].x - x[s + 4].x - x[s + 8].x + x[s + 12].x).squaredNorm() +
+             64 * (x[t].x - x[t + 1].x - x[t + 2].x + x[t + 3].x).squaredNorm();
+    }
+    count += 4;
+  }
+  return count > 0 ? sum / count : 0;
+}
+
+BicubicPatch fit_to_samples(const SplineAxis& u, const SplineAxis& v, const CellSamples& samples,
+                            double goal) {
+  const double unit = samples.bending(), misfit = 0.01 * goal;
+  const double calm = unit > 0 ? misfit * misfit / unit : 1;
+  for (double bending = std::clamp(calm, 1e-10, 1e-6); bending < 1; bending *= 100)
+    if (auto patch = PatchEquations(u, v, samples, bending).solve()) return *patch;
+  throw NoSolutionError("a B-spline surface cannot be fitted: numbers that are not finite?");
+}
+
+}  // namespace batten

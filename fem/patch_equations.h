@@ -1,0 +1,38 @@
+// Samples of a surface in the cells of a bicubic spline, and the spline of least squares.
+// Internal to bicubic_patch.cpp.
+#pragma once
+
+#include <vector>
+
+#include "batten/fem/bicubic_patch.h"
+
+namespace batten {
+
+/// Samples by cell: cell i · v.intervals() + j.
+class CellSamples {
+ public:
+  struct Sample {
+    double s, t;  // in its cell
+    Vec3 x;
+  };
+
+  /// n×n in each cell, at the given places of [0, 1], and points of the rim.
+  CellSamples(const PatchTarget& target, const SplineAxis& u, const SplineAxis& v,
+              const std::vector<double>& places, const std::vector<Vec2>& rim);
+  const std::vector<Sample>& of(size_t cell) const { return cells_[cell]; }
+
+  /// Mean square of the second derivatives in units of the cells, by differences; of samples at
+  /// four even places a quarter apart.
+  double bending() const;
+
+ private:
+  std::vector<std::vector<Sample>> cells_;
+  std::vector<char> full_;  // all places of the cell are inside
+};
+
+/// With the strongest bending that costs no more than a hundredth of the goal. Throws
+/// NoSolutionError: numbers that are not finite.
+BicubicPatch fit_to_samples(const SplineAxis& u, const SplineAxis& v, const CellSamples& samples,
+                            double goal);
+
+}  // namespace batten
