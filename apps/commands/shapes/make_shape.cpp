@@ -87,7 +87,15 @@ double bending_energy(const ModelLayout& layout, const Points& dofs, const Scene
 void fair(MadeShape& shape, const Scene& scene, const Progress& progress) {
   if (scene.skin.fair != SceneSkin::Fair::Variation || !shape.layout) return;
   const ModelLayout& layout = *shape.layout;
-  shape.fairing = fair_shape(layout, shape.dofs, layout.line_constraints(), progress);
+  try {
+    shape.fairing = fair_shape(layout, shape.dofs, layout.line_constraints(), progress);
+  } catch (const CancelledError&) {
+    throw;
+  } catch (const Error& e) {
+    shape.fairing.emplace();
+    shape.not_faired = e.what();
+    return;
+  }
   shape.dofs = shape.unloaded = shape.fairing->dofs;
   shape.energy = {};
   shape.energy.bending = bending_energy(layout, shape.dofs, scene);

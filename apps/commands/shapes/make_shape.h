@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "batten/apps/commands/shapes/make_model.h"
@@ -26,8 +27,9 @@ struct MadeShape {
   double max_normal_constraint_deg = 0;  ///< largest error of normals that [[constraint]] holds
   std::vector<Reaction> reactions;
   std::vector<ScanDistances> scans;
-  bool joins_planned = false;  ///< Answer::joins_planned
+  bool joins_planned = false;               ///< Answer::joins_planned
   std::optional<VariationSurface> fairing;  ///< set where the change of curvature was made least
+  std::string not_faired;  ///< why it could not be: the shape is then that of least bending
 
   std::vector<const SkinnedRegion*> all() const { return pointers(regions); }
 };

@@ -171,6 +171,8 @@ void measure_into(ShapeRun& run, MadeModel& made, const MadeShape& shape, const 
     const VariationSurface& f = *shape.fairing;
     s.fairing = {f.functional, f.start_functional, f.max_move,
                  f.iterations, f.factorizations,   f.converged};
+    if (!shape.not_faired.empty())
+      report.warnings.push_back("not faired, the surface bends least: " + shape.not_faired);
     constexpr double far = 0.1;
     if (f.max_move > far * s.size)
       report.warnings.push_back("fairing moved the surface by " + number(f.max_move / s.size) +

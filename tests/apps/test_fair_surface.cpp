@@ -1,0 +1,71 @@
+// fair = "variation" as its users meet it: a half cylinder from two arcs and two lines.
+#include <cmath>
+#include <numbers>
+
+#include "batten/core/errors.h"
+#include "batten/tests/apps/cli_case.h"
+
+using namespace batten_test;
+
+namespace {
+
+std::string line(const std::string& name, const std::string& points) {
+  return "[[line]]\nname = \"" + name + "\"\npoints = [" + points + "]\n";
+}
+
+/// A half circle of radius 50 in the plane of this y.
+std::string arc(const std::string& name, double y, bool reversed) {
+  constexpr int pieces = 40;
+  std::string points;
+  for (int i = 0; i <= pieces; ++i) {
+    const double a = std::numbers::pi * (reversed ? pieces - i : i) / pieces;
+    points += "[" + std::to_string(50 * std::cos(a)) + ", " + std::to_string(y) + ", " +
+              std::to_string(50 * std::sin(a)) + "],";
+  }
+  return line(name, points);
+}
+
+std::string half_cylinder(const std::string& skin) {
+  return "unit = \"mm\"\nname = \"half cylinder\"\n" + arc("front", 0, false) +
+         line("left", "[-50,0,0], [-50,120,0]") + arc("back", 120, true) +
+         line("right", "[50,120,0], [50,0,0]") + "[skin]\nedge_length = 15\n" + skin;
+}
+
+nlohmann::json report_of(const Case& c) {
+  return nlohmann::json::parse(contents(c / "out/report.json"));
+}
+
+}  // namespace
+
+TEST_CASE("a half cylinder comes back from its four lines", "[cli][fair]") {
+  const Case c("fair_surface");
+  const double area = std::numbers::pi * 50 * 120;
+  c.file("s.toml", half_cylinder(""));
+  REQUIRE(c.run({"run", "s.toml", "--out", "out"}).code == 0);
+  CHECK(report_of(c)["surface"]["area"].get<double>() < 0.95 * area);
+  CHECK_FALSE(report_of(c)["surface"].contains("fairing"));
+  fs::remove_all(c / "out");
+
+  c.file("s.toml", half_cylinder("fair = \"variation\"\n"));
+  const Result r = c.run({"run", "s.toml", "--out", "out"});
+  INFO(r.err);
+  REQUIRE(r.code == 0);
+  CHECK(r.out.find("faired") != std::string::npos);
+  const auto surface = report_of(c)["surface"];
+  CHECK(surface["area"].get<double>() == Approx(area).epsilon(0.01));
+  CHECK(surface["fairing"]["converged"] == true);
+  CHECK(surface["fairing"]["functional"] < surface["fairing"]["start_functional"]);
+  CHECK(surface["fairing"]["max_move"].get<double>() > 1);
+  CHECK(surface["max_line_residual"].get<double>() < 1e-10);
+}
+
+TEST_CASE("what a fair shape cannot have beside it is refused with its place", "[cli][fair]") {
+  const Case c("fair_refused");
+  const std::string fair = "fair = \"variation\"\n";
+  c.fails(half_cylinder(fair) + "[[load]]\nname = \"l\"\ntype = \"pressure\"\nvalue = 1\n", 1,
+          {"s.toml:", "\"variation\" beside what acts on the surface"});
+  c.fails(half_cylinder(fair + "element = \"z12\"\n"), 1, {"s.toml:", "element = \"hct\""});
+  c.fails(half_cylinder("fair = \"variaton\"\n"), 1, {"did you mean 'variation'"});
+  c.fails(half_cylinder(fair), 1, {"found fair = \"variation\", expected \"bending\""}, {},
+          "sculpt");
+}
