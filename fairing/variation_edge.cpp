@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "batten/fairing/variation_geometry.h"
+#include "batten/fairing/variation_terms.h"
 
 namespace batten {
 namespace {

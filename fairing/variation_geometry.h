@@ -3,7 +3,7 @@
 #pragma once
 
 #include "batten/fairing/hct_tables.h"
-#include "batten/fairing/variation_terms.h"
+#include "batten/fem/surface.h"
 
 namespace batten {
 

@@ -3,6 +3,7 @@
 
 #include "batten/core/simd.h"
 #include "batten/fairing/variation_geometry.h"
+#include "batten/fairing/variation_terms.h"
 
 namespace batten {
 namespace {

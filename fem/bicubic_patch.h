@@ -11,29 +11,9 @@
 // goal)^¼ / h in each direction.
 #pragma once
 
-#include <functional>
-#include <vector>
-
-#include "batten/core/eigen.h"
-#include "batten/fem/spline_axis.h"
+#include "batten/fem/patch_target.h"
 
 namespace batten {
-
-struct BicubicPatch {
-  SplineAxis u, v;
-  Points poles;  ///< of function i of u and j of v: row i · v.functions() + j
-
-  Vec3 position(const Vec2& uv) const;
-};
-
-struct PatchTarget {
-  std::function<bool(const Vec2&)> inside;    ///< called from several threads, as is the next
-  std::function<Vec3(const Vec2&)> position;  ///< asked for inside and on the rim
-  /// Points along the rim, not farther apart than the given length.
-  std::function<std::vector<Vec2>(double spacing)> rim;
-  Vec2 low, high;  ///< box around the region; of a periodic one high - low in u is the period
-  bool periodic = false;  ///< in u
-};
 
 struct PatchFit {
   BicubicPatch patch;

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "batten/fem/bicubic_patch.h"
+#include "batten/fem/patch_target.h"
 
 namespace batten {
 

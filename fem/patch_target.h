@@ -1,0 +1,30 @@
+// A bicubic B-spline, and the surface that it should come near to. Internal.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "batten/core/eigen.h"
+#include "batten/fem/spline_axis.h"
+
+namespace batten {
+
+/// The spline S(u, v).
+struct BicubicPatch {
+  SplineAxis u, v;
+  Points poles;  ///< of function i of u and j of v: row i · v.functions() + j
+
+  Vec3 position(const Vec2& uv) const;
+};
+
+/// A surface that is known inside a region of (u, v).
+struct PatchTarget {
+  std::function<bool(const Vec2&)> inside;    ///< called from several threads, as is the next
+  std::function<Vec3(const Vec2&)> position;  ///< asked for inside and on the rim
+  /// Points along the rim, not farther apart than the given length.
+  std::function<std::vector<Vec2>(double spacing)> rim;
+  Vec2 low, high;  ///< box around the region; of a periodic one high - low in u is the period
+  bool periodic = false;  ///< in u
+};
+
+}  // namespace batten
