@@ -8,7 +8,7 @@
 
 #include "batten/core/errors.h"
 #include "batten/core/index.h"
-#include "batten/core/parallel.h"
+#include "batten/core/chunks.h"
 #include "batten/fairing/variation_geometry.h"
 
 namespace batten {
@@ -28,7 +28,7 @@ void VariationTerms::set_frames(const Surface& surface) {
   const int count = surface.mesh().triangle_count();
   const auto& tables = HctTables::get();
   std::vector<double> split(frames_.size()), sums(count), areas(count);
-  parallel_parts(count, [&](int t) {
+  for_each_in_chunks<16>(count, [&](int t) {
     const TriangleDofs q = reference_map(surface, t).lazyProduct(surface.triangle_dofs(t));
     for (int p = 0; p < 9; ++p) {
       const Jet3 jet = q.transpose().lazyProduct(tables.inside[p]);
@@ -112,7 +112,7 @@ double VariationTerms::share_beside(const Surface& surface, int e) {
 double VariationTerms::value(const Surface& surface) const {
   const int triangles = surface.mesh().triangle_count(), count = triangles + count_of(edges_);
   std::vector<double> parts(count);
-  parallel_parts(count, [&](int i) {
+  for_each_in_chunks<64>(count, [&](int i) {
     parts[i] =
         i < triangles ? triangle_value(surface, i) : edge_value(surface, edges_[i - triangles]);
   });
