@@ -10,6 +10,7 @@
 #include "batten/core/chunks.h"
 #include "batten/core/errors.h"
 #include "batten/core/index.h"
+#include "batten/fairing/fairable.h"
 #include "batten/fem/element_pattern.h"
 
 namespace batten {
@@ -262,15 +263,10 @@ CurvatureSurface fair_curvature(const Surface& start, const ConstraintSet& const
   if (!(options.evenness > 0) || !(options.tolerance > 0) || options.most_rounds < 1 ||
       options.most_iterations < 1)
     throw InputError("evenness, tolerance, most_rounds and most_iterations must be above 0");
-  const int n = start.dof_map().count();
-  if (constraints.dof_count() != n)
-    throw InputError("constraints on " + std::to_string(constraints.dof_count()) +
-                     " dofs for a surface with " + std::to_string(n));
-  if (!start.dofs().allFinite()) throw InputError("a dof of the surface is not finite");
-  if (!(start.area() > 0)) throw InputError("a surface of area zero cannot be faired");
+  require_fairable(start, constraints);
 
   // Near the origin, where coordinates keep their digits.
-  VecX ones = VecX::Zero(n);
+  VecX ones = VecX::Zero(start.dof_map().count());
   for (int v = 0; v < start.mesh().vertex_count(); ++v) ones[start.dof_map().vertex(v)] = 1;
   const Vec3 origin = start.dofs().row(start.dof_map().vertex(0));
   Descent descent(

@@ -4,12 +4,14 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <optional>
 
 #include "batten/constraints/affine_reduction.h"
 #include "batten/core/elimination_order.h"
 #include "batten/core/errors.h"
 #include "batten/core/index.h"
 #include "batten/core/sparse_cholesky.h"
+#include "batten/fairing/fairable.h"
 #include "batten/fairing/variation_terms.h"
 #include "batten/fem/element_pattern.h"
 
@@ -25,7 +27,6 @@ class StackedReduction {
         n_(static_cast<int>(one_.rows()) / (reduction_.coupled() ? 3 : 1)),
         free_(reduction_.free_count()) {}
 
-  int dof_count() const { return n_; }
   bool coupled() const { return reduction_.coupled(); }
   int free_count() const { return coupled() ? free_ : 3 * free_; }
   /// Calls take(free unknown, coefficient) for the row of one dof of one coordinate.
@@ -117,6 +118,7 @@ class Descent {
   // Steps until the shape stands.
   void run(const VariationOptions& options, const Progress& progress, VariationSurface& result) {
     const double length = terms_.length();
+    constexpr double little = 0.01;  // of the functional: not worth a step
     for (int calm = 0; result.iterations < options.most_iterations && !result.converged;) {
       progress.at("fairing", static_cast<double>(result.iterations) / options.most_iterations);
       terms_.set_frames(surface_);
@@ -124,18 +126,20 @@ class Descent {
       if (!std::isfinite(before))
         throw InputError("the surface to be faired has no normal somewhere");
       const Step step = descend(before, result);
-      if (!step.taken) result.converged = true;  // nothing better is near
-      if (!step.taken) return;
+      if (!step.taken) {
+        result.converged = step.promised < little * before;  // otherwise it is stuck
+        return;
+      }
       ++result.iterations;
       calm = step.move < 5e-4 * length ? calm + 1 : 0;
-      result.converged = calm == 2 || (step.gain < 0.01 * before && step.move < 2e-3 * length);
+      result.converged = calm == 2 || (step.gain < little * before && step.move < 2e-3 * length);
     }
   }
 
  private:
   struct Step {
     bool taken = false;
-    double gain = 0, move = 0;
+    double promised = 0, gain = 0, move = 0;  ///< promised: by the first try
   };
 
   Surface at(const VecX& y) const {
@@ -218,15 +222,19 @@ class Descent {
 
   Step descend(double before, VariationSurface& result) {
     constexpr int most_tries = 12;
+    Step step;
     for (int k = 0; k < most_tries; ++k) {
       if (result.factorizations++ == 0) cholesky_.analyze(matrix_, reduction_.order(matrix_));
       if (!cholesky_.factorize(matrix_)) throw NoSolutionError(cholesky_.message());
       const VecX way = -cholesky_.solve(gradient_);
       const double promised = -gradient_.dot(way);
+      if (k == 0) step.promised = promised;
       const Surface next = at(y_ + way);
       const double gain = before - terms_.value(next);
       if (gain > 0) {
-        const Step step{true, gain, normal_move(surface_, next)};
+        step.taken = true;
+        step.gain = gain;
+        step.move = normal_move(surface_, next);
         y_ += way;
         surface_ = next;
         const bool good = gain > 0.5 * promised;
@@ -239,7 +247,7 @@ class Descent {
       evenness_ = std::min(4 * evenness_, 100.0);
       linearise();
     }
-    return {};
+    return step;
   }
 
   Surface surface_;
@@ -260,12 +268,7 @@ VariationSurface fair_variation(const Surface& start, const ConstraintSet& const
                                 const VariationOptions& options, const Progress& progress) {
   if (start.kind() != TriangleElement::HCT)
     throw InputError("found Z12 triangles, expected HCT: their third derivatives are needed");
-  const int n = start.dof_map().count();
-  if (constraints.dof_count() != n)
-    throw InputError("constraints on " + std::to_string(constraints.dof_count()) +
-                     " dofs for a surface with " + std::to_string(n));
-  if (!start.dofs().allFinite()) throw InputError("a dof of the surface is not finite");
-  if (!(start.area() > 0)) throw InputError("a surface of area zero cannot be faired");
+  require_fairable(start, constraints);
   Descent descent(start, constraints, options);
   VariationSurface result;
   result.start_functional = descent.value();

@@ -30,7 +30,7 @@ struct VariationSurface {
   double max_residual = 0;      ///< largest violation of a constraint, model units
   int iterations = 0;           ///< steps that were taken
   int factorizations = 0;
-  bool converged = false;
+  bool converged = false;  ///< no step would gain a hundredth of the functional
 };
 
 /// Minimises over the dofs that meet the constraints, downhill from `start`:
@@ -44,7 +44,7 @@ struct VariationSurface {
 ///
 /// Gauss-Newton steps in principal frames that stand still during a step. Tangential change is
 /// damped about the present surface and so leaves no trace in the shape.
-/// docs/theory/fairness.md has the measurements.
+/// docs/fairness.md has the measurements.
 ///
 /// Throws InputError: a Z12 surface, constraints for another mesh, a start without area or without
 /// normal somewhere; ConflictError; NoSolutionError; CancelledError. Cost: 4 to 15 factorizations

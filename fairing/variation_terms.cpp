@@ -6,12 +6,13 @@
 #include <limits>
 #include <numbers>
 
+#include "batten/core/chunks.h"
 #include "batten/core/errors.h"
 #include "batten/core/index.h"
-#include "batten/core/chunks.h"
 #include "batten/fairing/variation_geometry.h"
 
 namespace batten {
+
 VariationTerms::VariationTerms(const Surface& start, double gauss, double jumps)
     : gauss_(gauss),
       jumps_(jumps),
@@ -82,8 +83,6 @@ void VariationTerms::add_side(const Surface& start, const std::vector<int>& vert
       turn += ds * twist_of(jet, way).tau;
     }
   }
-  // Edges of one side may run against each other in their triangles: curvatures then differ in sign
-  // only by that of d1 × d2, which is that of the boundary's direction, the same for all.
   Vec3 mean = Vec3::Zero();
   for (const Sample& s : samples) mean += s.ds / length * s.curvature;
   double spread = 0;
