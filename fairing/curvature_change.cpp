@@ -169,7 +169,8 @@ ChangeVector change_residuals(const CurvatureForms& forms, const ChangeWeights& 
   return std::sqrt(forms.jacobian) * r;
 }
 
-ChangeJacobian change_jacobian(const Jet3& jet, const Mat2& frame, const ChangeWeights& weights) {
+ChangeJacobian change_jacobian(const Jet3& jet, const Mat2& frame, const ChangeWeights& weights,
+                               ChangeVector& residuals) {
   const Mat9 T = contraction(frame);
   const Jet3 Y = jet.lazyProduct(T);
   const Local at(Y);
@@ -184,7 +185,7 @@ ChangeJacobian change_jacobian(const Jet3& jet, const Mat2& frame, const ChangeW
   const CurvatureForms forms{{at.II[0][0], at.II[0][1], at.II[1][1]},
                              {at.C[0][0][0], at.C[0][0][1], at.C[0][1][1], at.C[1][1][1]},
                              std::sqrt(metric(jet).determinant())};
-  const ChangeVector r = change_residuals(forms, weights);
+  residuals = change_residuals(forms, weights);
   const double root = std::sqrt(forms.jacobian);
   ChangeJacobian all;
   all.topRows<7>() = (root * residual_weights(weights)).lazyProduct(slopes);
@@ -195,7 +196,7 @@ ChangeJacobian change_jacobian(const Jet3& jet, const Mat2& frame, const ChangeW
   Slopes area = Slopes::Zero();
   for (int a = 0; a < 2; ++a) area.col(a) = 0.5 * Y.col(a);
   const Eigen::Matrix<double, 9, 3> area_by_jet = T.lazyProduct(area.transpose());
-  all += r.lazyProduct(area_by_jet.reshaped().transpose());
+  all += residuals.lazyProduct(area_by_jet.reshaped().transpose());
   return all;
 }
 

@@ -51,7 +51,8 @@ using ChangeJacobian = Eigen::Matrix<double, kChangeResiduals, 27>;
 ChangeVector change_residuals(const CurvatureForms& forms, const ChangeWeights& weights);
 
 /// Their derivatives with respect to the jet, in the order [x of all nine columns; y; z], at a jet
-/// for which the frame is orthonormal.
-ChangeJacobian change_jacobian(const Jet3& jet, const Mat2& frame, const ChangeWeights& weights);
+/// for which the frame is orthonormal; and the residuals there.
+ChangeJacobian change_jacobian(const Jet3& jet, const Mat2& frame, const ChangeWeights& weights,
+                               ChangeVector& residuals);
 
 }  // namespace batten

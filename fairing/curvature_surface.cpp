@@ -6,11 +6,12 @@
 #include <limits>
 #include <unsupported/Eigen/AutoDiff>
 
-#include "batten/constraints/affine_reduction.h"
 #include "batten/core/chunks.h"
 #include "batten/core/errors.h"
 #include "batten/core/index.h"
+#include "batten/core/sparse_cholesky.h"
 #include "batten/fairing/fairable.h"
+#include "batten/fairing/stacked_reduction.h"
 #include "batten/fem/element_pattern.h"
 
 namespace batten {
@@ -135,21 +136,6 @@ VecX gathered_gradient(const Surface& surface, const std::vector<Element>& eleme
   return g;
 }
 
-// D for the stacked unknowns [x; y; z].
-SparseMatrix stacked_reduction(const AffineReduction& reduction) {
-  if (reduction.coupled()) return reduction.D();
-  const SparseMatrix& D = reduction.D();
-  std::vector<Triplet> entries;
-  for (int c = 0; c < 3; ++c)
-    for (int j = 0; j < D.outerSize(); ++j)
-      for (SparseMatrix::InnerIterator it(D, j); it; ++it)
-        entries.emplace_back(static_cast<int>(c * D.rows() + it.row()),
-                             static_cast<int>(c * D.cols() + j), it.value());
-  SparseMatrix all(3 * D.rows(), 3 * D.cols());
-  all.setFromTriplets(entries.begin(), entries.end());
-  return all;
-}
-
 // Dᵀ A D of the lower triangle of A; lower triangle.
 SparseMatrix reduced(const SparseMatrix& A, const SparseMatrix& D) {
   const SparseMatrix full = A.selfadjointView<Eigen::Lower>();
@@ -168,16 +154,11 @@ class Descent {
  public:
   Descent(const Surface& start, const ConstraintSet& constraints, double evenness)
       : surface_(start),
+        reduction_(constraints),
         pattern_(3 * start.dof_map().count(), kElement, stacked_dofs(start)),
         stacked_(pattern_.zero()) {
-    const AffineReduction reduction(constraints);
-    D_ = stacked_reduction(reduction);
-    d0_ = reduction.d0().reshaped();
-    const long n = start.dof_map().count(), each = reduction.free_count();
-    const VecX given = start.dofs().reshaped();
-    y_.resize(D_.cols());
-    for (long f = 0; f < D_.cols(); ++f)
-      y_[f] = given[f / each * n + reduction.free_dofs()[f % each]];
+    D_ = reduction_.D();
+    y_ = reduction_.free_part(start.dofs());
     surface_ = at(y_);
 
     const double per_area = parameter_area(start.mesh()) / start.area();
@@ -232,15 +213,14 @@ class Descent {
 
  private:
   Surface at(const VecX& y) const {
-    const VecX x = D_ * y + d0_;
-    return {surface_.shared_mesh(), surface_.kind(),
-            Eigen::Map<const Points>(x.data(), x.size() / 3, 3)};
+    return {surface_.shared_mesh(), surface_.kind(), reduction_.expand(y)};
   }
 
   Surface surface_;
+  StackedReduction reduction_;
   ElementPattern pattern_;
   SparseMatrix stacked_, D_, bending_;
-  VecX d0_, y_;
+  VecX y_;
   SparseCholesky cholesky_;
   double root_ = 0, damping_ = 1e-2;
   int iterations_ = 0;

@@ -101,25 +101,20 @@ double VariationTerms::edge_value(const Surface& surface, int e) const {
   return share_beside(surface, e) * sum;
 }
 
-EdgeTerms VariationTerms::edge(const Surface& surface, int e) const {
+void VariationTerms::edge(const Surface& surface, int e, EdgeRows& rows) const {
   const EdgePair pair(surface, e);
-  Eigen::Matrix<double, 2, kEdgeUnknowns> rows;
-  Vec2 r;
+  const double root = std::sqrt(share_beside(surface, e));
+  rows.count = 2;
   for (int k = 0; k < 2; ++k) {
     const HctTables::Slopes slopes = pair.slopes(static_cast<size_t>(k));
     EdgeRow row = pair.jump(static_cast<size_t>(k));
     const CurvatureJump j = pair.at(slopes, row, jumps_);
     row.head<12>() += slopes * j.slopes;
-    r[k] = j.value;
+    rows.r[k] = root * j.value;
     for (int c = 0; c < 3; ++c)
-      rows.block<1, kEdgeDofs>(k, kEdgeDofs * c) = j.weight * j.n[c] * row.transpose();
+      for (int a = 0; a < kEdgeDofs; ++a)
+        rows.J[kEdgeDofs * c + a][k] = root * j.weight * j.n[c] * row[a];
   }
-  const double part = share_beside(surface, e);
-  EdgeTerms terms;
-  terms.normal = part * rows.transpose().lazyProduct(rows);
-  terms.gradient = part * rows.transpose().lazyProduct(r);
-  terms.value = part * r.squaredNorm();
-  return terms;
 }
 
 }  // namespace batten

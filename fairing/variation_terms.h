@@ -12,22 +12,26 @@
 
 namespace batten {
 
-inline constexpr int kTriangleUnknowns = 36, kEdgeDofs = 17, kEdgeUnknowns = 51;
+inline constexpr int kEdgeDofs = 17;
 
-/// Σ r², JᵀJ and Jᵀr of one element, unknowns [x; y; z] of its dofs.
-template <int unknowns>
-struct SquaredTerms {
-  double value = 0;
-  Eigen::Matrix<double, unknowns, unknowns> normal;
-  Eigen::Matrix<double, unknowns, 1> gradient;
+/// Residuals of one element and their derivatives by its dofs, [x; y; z] one after the other: column
+/// k holds the derivatives of all residuals by dof k.
+template <int unknowns, int most_rows>
+struct TermRows {
+  static constexpr int most = most_rows;
+  static_assert(most % 8 == 0);
+  alignas(64) double J[unknowns][most];
+  alignas(64) double r[most];
+  int count = 0;
 };
-using TriangleTerms = SquaredTerms<kTriangleUnknowns>;
-using EdgeTerms = SquaredTerms<kEdgeUnknowns>;
+/// Nine points with eight residuals and nine of the step, six of spokes, nine of twist.
+using TriangleRows = TermRows<36, 168>;
+using EdgeRows = TermRows<3 * kEdgeDofs, 8>;
 
-/// What is added to JᵀJ so that steps stay small: per |δX_ab|² along the frame, over area².
+/// What is added to JᵀJ so that steps stay small: weights of |δX_ab|² along the frame, over area².
 struct StepWeights {
-  double evenness;  ///< e, of the tangential part: how (u, v) runs over the shape
-  double damping;   ///< λ, of all of it
+  double normal = 0;      ///< of its part along the surface's normal
+  double tangential = 0;  ///< of the rest: how (u, v) runs over the shape
 };
 
 /// The functional over one mesh. Frames and weights are those of the last set_frames(). Values may
@@ -45,8 +49,9 @@ class VariationTerms {
   /// Sum of all squares. Infinite where the surface has no normal.
   double value(const Surface& surface) const;
 
-  TriangleTerms triangle(const Surface& surface, int t, const StepWeights& step) const;
-  EdgeTerms edge(const Surface& surface, int e) const;
+  /// Overwrites `rows`. The rows of the step have residual zero.
+  void triangle(const Surface& surface, int t, const StepWeights& step, TriangleRows& rows) const;
+  void edge(const Surface& surface, int e, EdgeRows& rows) const;
 
   /// Interior edges, and the dofs of one coordinate of each: those of its first triangle, then
   /// those that only the second has.

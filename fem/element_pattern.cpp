@@ -90,7 +90,10 @@ ElementPattern::ElementPattern(int dof_count, std::vector<int> starts, std::vect
   const ElementsOfDofs elements(dof_count, starts_, dofs_);
   first_element_.assign(dof_count, std::numeric_limits<int>::max());
   for (int d = 0; d < dof_count; ++d)
-    if (!elements.none(d)) first_element_[d] = elements.first(d);
+    if (!elements.none(d)) {
+      first_element_[d] = elements.first(d);
+      first_elements_ = std::max(first_elements_, elements.first(d) + 1);
+    }
 
   position_.resize(static_cast<size_t>(first_pair_.back()));
   column_.assign(1, 0);
@@ -136,16 +139,16 @@ SparseMatrix ElementPattern::zero() const {
   return matrix;
 }
 
+int ElementPattern::owner(int dof, int parts) const {
+  return static_cast<int>(static_cast<long>(first_element_[dof]) * parts / first_elements_);
+}
+
 std::vector<ElementPattern::Part> ElementPattern::split(int parts) const {
-  const long elements = element_count();
   std::vector<Part> result(parts);
   std::vector<int> owners;
-  for (int e = 0; e < elements; ++e) {
+  for (int e = 0; e < element_count(); ++e) {
     owners.clear();
-    for (int i = starts_[e]; i < starts_[e + 1]; ++i) {
-      const int first = first_element_[dofs_[i]];
-      owners.push_back(static_cast<int>(static_cast<long>(first) * parts / elements));
-    }
+    for (int i = starts_[e]; i < starts_[e + 1]; ++i) owners.push_back(owner(dofs_[i], parts));
     std::sort(owners.begin(), owners.end());
     owners.erase(std::unique(owners.begin(), owners.end()), owners.end());
     for (const int p : owners) {
@@ -182,7 +185,6 @@ void ElementPattern::assemble(const std::function<void(int, double*)>& element,
     return;
   }
   const std::vector<Part> split_parts = split(parts);
-  const long elements = element_count();
   parallel_parts(parts, [&](int part) {
     std::vector<double> K(static_cast<size_t>(largest_) * largest_);
     const Part& mine = split_parts[part];
@@ -200,8 +202,7 @@ void ElementPattern::assemble(const std::function<void(int, double*)>& element,
       for (int a = 0; a < n; ++a)
         for (int b = 0; b <= a; ++b, ++position) {
           const int column = std::min(dof[a], dof[b]);
-          if (static_cast<long>(first_element_[column]) * parts / elements == part)
-            values[*position] += K[n * a + b];
+          if (owner(column, parts) == part) values[*position] += K[n * a + b];
         }
     }
   });

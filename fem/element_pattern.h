@@ -41,13 +41,17 @@ class ElementPattern {
   // Those of element e in the column of its dof b, from the places of the column's rows.
   void locate_entries(int e, int b, const std::vector<int>& place);
   std::vector<Part> split(int parts) const;
+  // The part that adds up the column of a dof. Elements that bring no new dof, such as edges after
+  // their triangles, do not count.
+  int owner(int dof, int parts) const;
 
   std::vector<int> starts_, dofs_;
   std::vector<long> first_pair_;    // of each element, in position_
   int largest_ = 0;                 // dofs of an element
   std::vector<int> position_;       // [element][pair a ≥ b] → index into the matrix values
   std::vector<int> column_, row_;   // pattern: column starts, rows
-  std::vector<int> first_element_;  // of each dof: decides its owner
+  std::vector<int> first_element_;  // of each dof
+  int first_elements_ = 1;          // those that bring new dofs come before this one
 };
 
 }  // namespace batten

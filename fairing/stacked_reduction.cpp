@@ -1,0 +1,38 @@
+#include "batten/fairing/stacked_reduction.h"
+
+#include "batten/constraints/affine_reduction.h"
+
+namespace batten {
+
+StackedReduction::StackedReduction(const ConstraintSet& constraints) {
+  const AffineReduction reduction(constraints);
+  coupled_ = reduction.coupled();
+  d0_ = reduction.d0().reshaped();
+  const SparseMatrix& D = reduction.D();
+  const int copies = coupled_ ? 1 : 3;
+  const int rows = static_cast<int>(D.rows()), columns = static_cast<int>(D.cols());
+  std::vector<Triplet> entries;
+  entries.reserve(copies * static_cast<size_t>(D.nonZeros()));
+  for (int c = 0; c < copies; ++c) {
+    for (int j = 0; j < columns; ++j)
+      for (SparseMatrix::InnerIterator it(D, j); it; ++it)
+        entries.emplace_back(c * rows + static_cast<int>(it.row()), c * columns + j, it.value());
+    for (const int dof : reduction.free_dofs()) free_rows_.push_back(c * rows + dof);
+  }
+  D_.resize(copies * rows, copies * columns);
+  D_.setFromTriplets(entries.begin(), entries.end());
+}
+
+VecX StackedReduction::free_part(const Points& x) const {
+  VecX y(free_count());
+  for (int f = 0; f < free_count(); ++f)
+    y[f] = x(free_rows_[f] % dof_count(), free_rows_[f] / dof_count());
+  return y;
+}
+
+Points StackedReduction::expand(const VecX& y) const {
+  const VecX x = D_ * y + d0_;
+  return x.reshaped(dof_count(), 3);
+}
+
+}  // namespace batten

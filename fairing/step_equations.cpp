@@ -1,0 +1,169 @@
+#include "batten/fairing/step_equations.h"
+
+#include <algorithm>
+#include <atomic>
+
+#include "batten/core/simd.h"
+
+namespace batten {
+namespace {
+
+typedef double Lanes __attribute__((vector_size(64), aligned(8), may_alias));
+constexpr int kLanes = 8;
+
+// y += factor x, `parts` times eight numbers.
+BATTEN_INLINE void add_multiple(double factor, const Lanes* x, Lanes* y, int parts) {
+  for (int p = 0; p < parts; ++p) y[p] += factor * x[p];
+}
+
+// The products of four columns with two others.
+template <int across, int along>
+BATTEN_INLINE void block(const Lanes* const* a, const Lanes* const* b, int parts, int n, double* K) {
+  Lanes sum[across][along] = {};
+  for (int p = 0; p < parts; ++p)
+    for (int i = 0; i < across; ++i)
+      for (int j = 0; j < along; ++j) sum[i][j] += a[i][p] * b[j][p];
+  for (int i = 0; i < across; ++i)
+    for (int j = 0; j < along; ++j) {
+      const Lanes& s = sum[i][j];
+      K[i * n + j] = ((s[0] + s[1]) + (s[2] + s[3])) + ((s[4] + s[5]) + (s[6] + s[7]));
+    }
+}
+
+// K = JᵀJ of n columns, each `parts` times eight numbers; K is n×n, n a multiple of four.
+BATTEN_CLONES void square(const Lanes* columns, int stride, int parts, int n, double* K) {
+  for (int i = 0; i < n; i += 2)
+    for (int j = 0; j <= i; j += 4) {
+      const Lanes *a[2], *b[4];
+      for (int k = 0; k < 2; ++k) a[k] = columns + (i + k) * stride;
+      for (int k = 0; k < 4; ++k) b[k] = columns + (j + k) * stride;
+      block<2, 4>(a, b, parts, n, K + i * n + j);
+    }
+}
+
+struct Multiple {
+  int from, to;
+  double factor;
+};
+// Columns of `to` are sums of multiples of those of `from`.
+BATTEN_CLONES void combine(const Multiple* multiples, size_t count, const Lanes* from, Lanes* to,
+                           int stride, int parts) {
+  for (size_t k = 0; k < count; ++k)
+    add_multiple(multiples[k].factor, from + multiples[k].from * stride,
+                 to + multiples[k].to * stride, parts);
+}
+
+// Zeros up to the next multiple of eight rows.
+template <class Rows>
+void pad(Rows& rows) {
+  const int end = (rows.count + kLanes - 1) / kLanes * kLanes;
+  for (auto& column : rows.J) std::fill(column + rows.count, column + end, 0.0);
+}
+
+struct Scratch {
+  std::vector<double> columns;
+  std::vector<Multiple> multiples;
+  std::vector<double> square;
+};
+
+}  // namespace
+
+StepEquations::StepEquations(const VariationTerms& terms, const Surface& surface,
+                             const RowMatrix& T)
+    : first_entry_(1, 0),
+      starts_(1, 0),
+      pattern_([&] {
+        const ParametricMesh& mesh = surface.mesh();
+        for (int t = 0; t < mesh.triangle_count(); ++t)
+          add_element(T, surface.dof_map().triangle(mesh, t));
+        for (const int e : terms.edges()) add_element(T, VariationTerms::edge_dofs(surface, e));
+        return ElementPattern(static_cast<int>(T.cols()), starts_, unknowns_);
+      }()),
+      matrix_(pattern_.zero()),
+      gradient_(VecX::Zero(T.cols())),
+      values_(starts_.size() - 1),
+      slopes_(unknowns_.size()) {}
+
+template <class Dofs>
+void StepEquations::add_element(const RowMatrix& T, const Dofs& dofs) {
+  const int n = static_cast<int>(T.rows()) / 3;
+  std::vector<int> own;
+  const size_t begin = entries_.size();
+  int row = 0;
+  for (int c = 0; c < 3; ++c)
+    for (const int dof : dofs) {
+      for (int k = T.outerIndexPtr()[c * n + dof]; k < T.outerIndexPtr()[c * n + dof + 1]; ++k) {
+        own.push_back(T.innerIndexPtr()[k]);
+        entries_.push_back({k, row, own.back()});
+      }
+      ++row;
+    }
+  std::sort(own.begin(), own.end());
+  own.erase(std::unique(own.begin(), own.end()), own.end());
+  for (size_t k = begin; k < entries_.size(); ++k)
+    entries_[k].column = static_cast<int>(
+        std::lower_bound(own.begin(), own.end(), entries_[k].column) - own.begin());
+  unknowns_.insert(unknowns_.end(), own.begin(), own.end());
+  starts_.push_back(count_of(unknowns_));
+  first_entry_.push_back(entries_.size());
+}
+
+template <class Rows>
+void StepEquations::reduce(const Rows& rows, int element, const RowMatrix& T, bool first,
+                           double* K) {
+  constexpr int stride = Rows::most / kLanes;
+  const int n = starts_[element + 1] - starts_[element], padded = (n + 3) / 4 * 4;
+  const int parts = (rows.count + kLanes - 1) / kLanes;
+  thread_local Scratch scratch;
+  scratch.columns.assign(static_cast<size_t>(padded) * Rows::most, 0.0);
+  scratch.multiples.clear();
+  for (size_t k = first_entry_[element]; k < first_entry_[element + 1]; ++k)
+    if (const double factor = T.valuePtr()[entries_[k].value]; factor != 0)
+      scratch.multiples.push_back({entries_[k].row, entries_[k].column, factor});
+  Lanes* columns = reinterpret_cast<Lanes*>(scratch.columns.data());
+  combine(scratch.multiples.data(), scratch.multiples.size(),
+          reinterpret_cast<const Lanes*>(rows.J), columns, stride, parts);
+  scratch.square.resize(static_cast<size_t>(padded) * padded);
+  square(columns, stride, parts, padded, scratch.square.data());
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j <= i; ++j)
+      K[i * n + j] = K[j * n + i] = scratch.square[static_cast<size_t>(i) * padded + j];
+  if (!first) return;
+  const auto dot = [&](const double* column) {
+    double sum = 0;
+    for (int r = 0; r < rows.count; ++r) sum += column[r] * rows.r[r];
+    return sum;
+  };
+  for (int i = 0; i < n; ++i)
+    slopes_[starts_[element] + i] = dot(scratch.columns.data() + static_cast<size_t>(i) * Rows::most);
+  values_[element] = dot(rows.r);
+}
+
+double StepEquations::assemble(const VariationTerms& terms, const Surface& surface,
+                               const StepWeights& weights, const RowMatrix& T) {
+  const int triangles = surface.mesh().triangle_count();
+  std::vector<std::atomic<char>> taken(values_.size());
+  pattern_.assemble(
+      [&](int e, double* K) {
+        const bool first = taken[e].exchange(1) == 0;  // elements that threads share come twice
+        if (e < triangles) {
+          TriangleRows rows;
+          terms.triangle(surface, e, weights, rows);
+          pad(rows);
+          reduce(rows, e, T, first, K);
+        } else {
+          EdgeRows rows;
+          terms.edge(surface, terms.edges()[e - triangles], rows);
+          pad(rows);
+          reduce(rows, e, T, first, K);
+        }
+      },
+      matrix_);
+  gradient_.setZero();
+  for (size_t k = 0; k < unknowns_.size(); ++k) gradient_[unknowns_[k]] += slopes_[k];
+  double sum = 0;
+  for (const double value : values_) sum += value;
+  return sum;
+}
+
+}  // namespace batten
