@@ -100,9 +100,8 @@ RowMatrix NormalSteps::at(const Surface& surface) const {
   for (int f = 0; f < reduction_.free_count(); ++f) {
     const int row = reduction_.free_rows()[f], dof = row % n, c = row / n;
     const auto add = [&](int of, double factor) {
-      scalar_row(of, [&](int unknown, double share) {
-        entries.emplace_back(f, unknown, factor * share);
-      });
+      scalar_row(
+          of, [&](int unknown, double share) { entries.emplace_back(f, unknown, factor * share); });
     };
     if (dof < edges) {
       const int v = dof / 3, slope = dof % 3;

@@ -18,7 +18,8 @@ BATTEN_INLINE void add_multiple(double factor, const Lanes* x, Lanes* y, int par
 
 // The products of four columns with two others.
 template <int across, int along>
-BATTEN_INLINE void block(const Lanes* const* a, const Lanes* const* b, int parts, int n, double* K) {
+BATTEN_INLINE void block(const Lanes* const* a, const Lanes* const* b, int parts, int n,
+                         double* K) {
   Lanes sum[across][along] = {};
   for (int p = 0; p < parts; ++p)
     for (int i = 0; i < across; ++i)
@@ -135,7 +136,8 @@ void StepEquations::reduce(const Rows& rows, int element, const RowMatrix& T, bo
     return sum;
   };
   for (int i = 0; i < n; ++i)
-    slopes_[starts_[element] + i] = dot(scratch.columns.data() + static_cast<size_t>(i) * Rows::most);
+    slopes_[starts_[element] + i] =
+        dot(scratch.columns.data() + static_cast<size_t>(i) * Rows::most);
   values_[element] = dot(rows.r);
 }
 

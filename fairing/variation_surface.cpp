@@ -57,18 +57,20 @@ class Descent {
       run([&] { return normal.at(surface_); }, 1, 2e-3, options, progress, result);
     if (reduction_.free_count() > 0) {
       evenness_ = least_evenness;
-      run([&] { return reduction_.D(); }, reduction_.coupled() ? 1 : 3, 1e-3, options,
-          progress, result);
+      run([&] { return reduction_.D(); }, reduction_.coupled() ? 1 : 3, 1e-3, options, progress,
+          result);
     }
   }
 
  private:
   struct Step {
     bool taken = false;
-    double promised = 0, gain = 0, move = 0;  ///< promised: by the first try
+    double promised = 0;                  ///< by the first try
+    double gain = 0, kept = 0, move = 0;  ///< kept: gain over promise, 0 for a part of a step
   };
   static constexpr double least_evenness = 0.3, least_damping = 1e-4;
-  static constexpr double little = 0.01;  // of the functional: not worth a step
+  static constexpr double poor = 0.25;    // share of the promise
+  static constexpr double little = 0.03;  // of the functional: not worth a step
 
   // Steps until one moves the shape by less than `calm` of its size, or gains little.
   template <class Ways>
@@ -89,14 +91,21 @@ class Descent {
       }
       ++result.iterations;
       terms_.set_frames(surface_);
+      const double gained = value_ - terms_.value(surface_);
       result.converged =
-          step.move < calm * length || value_ - terms_.value(surface_) < little * value_;
+          step.kept > poor && (step.move < calm * length || gained < little * value_);
       if (!result.converged) T_ = ways();
     }
   }
 
-  // After a step that was taken at the try k.
+  void tighten() {
+    damping_ = std::max(8 * damping_, 1e-2);
+    evenness_ = std::min(4 * evenness_, 100.0);
+  }
+
+  // After a step that was taken at the try k and kept this share of its promise.
   void relax(double kept, int k) {
+    if (kept < poor) return tighten();
     const double factor = kept < 0.6 ? 1 : k > 0 ? 0.5 : kept < 0.9 ? 0.3 : 0.1;
     damping_ = std::max(least_damping, factor * damping_);
     if (evenness_ > 0) evenness_ = std::max(least_evenness, factor * evenness_);
@@ -116,19 +125,20 @@ class Descent {
       const VecX way = -cholesky.solve(equations.gradient());
       const double promised = -equations.gradient().dot(way);
       if (k == 0) step.promised = promised;
-      const Surface next = moved(way);
-      const double gain = value_ - terms_.value(next);
-      if (gain > 0) {
+      // A part of the step costs a value, another step a factor.
+      for (double part = 1; part > 0.1; part /= 2) {
+        const Surface next = moved(part * way);
+        step.gain = value_ - terms_.value(next);
+        if (!(step.gain > 0)) continue;
         step.taken = true;
-        step.gain = gain;
         step.move = normal_move(surface_, next);
         surface_ = next;
-        relax(gain / promised, k);
+        step.kept = part < 1 ? 0 : step.gain / promised;
+        relax(step.kept, k);
         return step;
       }
       if (promised < 1e-9 * value_) break;
-      damping_ = std::max(8 * damping_, 1e-2);
-      evenness_ = std::min(4 * evenness_, 100.0);
+      tighten();
     }
     return step;
   }
