@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <memory>
 
 #include "batten/core/elimination_order.h"
 #include "batten/core/errors.h"
@@ -57,6 +58,7 @@ class Descent {
       run([&] { return normal.at(surface_); }, 1, 2e-3, options, progress, result);
     if (reduction_.free_count() > 0) {
       evenness_ = least_evenness;
+      damping_ = least_damping;
       run([&] { return reduction_.D(); }, reduction_.coupled() ? 1 : 3, 1e-3, options, progress,
           result);
     }
@@ -137,7 +139,7 @@ class Descent {
         relax(step.kept, k);
         return step;
       }
-      if (promised < 1e-9 * value_) break;
+      if (promised < little * value_) break;
       tighten();
     }
     return step;
@@ -164,9 +166,17 @@ VariationSurface fair_variation(const Surface& start, const ConstraintSet& const
   if (start.kind() != TriangleElement::HCT)
     throw InputError("found Z12 triangles, expected HCT: their third derivatives are needed");
   require_fairable(start, constraints);
-  Descent descent(start, constraints, options);
   VariationSurface result;
-  result.start_functional = descent.value();
+  std::unique_ptr<Descent> best;
+  const auto consider = [&](const Points& dofs) {
+    auto descent = std::make_unique<Descent>(
+        Surface(start.shared_mesh(), start.kind(), dofs, start.trim()), constraints, options);
+    if (!best || descent->value() < best->value()) best = std::move(descent);
+  };
+  consider(start.dofs());
+  result.start_functional = best->value();
+  for (const Points& dofs : options.other_starts) consider(dofs);
+  Descent& descent = *best;
   descent.run(options, progress, result);
   result.functional = descent.value();
   result.dofs = descent.surface().dofs();

@@ -10,8 +10,8 @@
 namespace batten {
 
 struct VariationOptions {
-  /// Weight of K² over that of the change of curvature. 1e-3; on boundaries without corners 0.1,
-  /// which chooses among barrels.
+  /// Weight of K² over that of the change of curvature. 1e-3; between two rims 10, which makes a
+  /// cylinder or cone of all the barrels that change nothing.
   double gauss = 1e-3;
   /// Weight of the jumps of curvature across element edges; 0.2 to 20 give the same shapes.
   double jumps = 2;
@@ -19,6 +19,8 @@ struct VariationOptions {
   /// normals do not turn about them, and whose curvature is constant, twist is resisted: this tells
   /// a torus from its neighbours. None: no such term.
   std::vector<std::vector<int>> sides;
+  /// Dofs of other surfaces to start from. The one that costs least is taken.
+  std::vector<Points> other_starts;
   int most_iterations = 40;
 };
 

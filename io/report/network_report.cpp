@@ -127,7 +127,8 @@ NetworkReport network_report(const CharacterLineNetwork& network, const FoundReg
   for (const ModelRegion& r : model.regions) report.regions.push_back(describe_region(r, names));
   for (const ModelJoin& j : model.joins)
     report.joins.push_back({names.arc(j.arc), names.regions(j.regions), word(j.kind), j.asked,
-                            j.one_domain, j.open, j.first_deg, j.max_deg, j.max_inside_deg, j.why});
+                            j.one_domain, j.open, j.first_deg, j.max_deg, j.max_inside_deg,
+                            j.max_gap, j.median_curvature_jump, j.max_curvature_jump, j.why});
   for (const RegionChoice& c : found.choices) report.choices.push_back(describe_choice(c, names));
   for (const ModelShell& s : model.shells)
     report.shells.push_back({names.regions(s.regions), s.closed, s.orientable, s.area, s.volume});

@@ -36,6 +36,7 @@ struct NetworkReport {
     bool asked = false, one_domain = false;
     std::array<bool, 2> open{};  ///< these and what follows: as in ModelJoin
     double first_deg = 0, max_deg = 0, max_inside_deg = 0;
+    double max_gap = 0, median_curvature_jump = 0, max_curvature_jump = 0;
     std::string why;
   };
   /// A choice that the search made, as in RegionChoice.

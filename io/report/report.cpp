@@ -40,10 +40,13 @@ Json json_of(const NetworkReport::Join& j) {
     json["first_deg"] = j.first_deg;
     json["max_deg"] = j.max_deg;
     json["max_inside_deg"] = j.max_inside_deg;
+    json["max_gap"] = j.max_gap;
   }
   if (j.kind == "smooth") {
     json["one_domain"] = j.one_domain;
     json["open_ends"] = j.open;
+    json["median_curvature_jump"] = j.median_curvature_jump;
+    json["max_curvature_jump"] = j.max_curvature_jump;
   }
   if (!j.why.empty()) json["why"] = j.why;
   return json;
@@ -170,6 +173,7 @@ Json json_of(const Report::Surface& s) {
                {"dofs", s.dofs},
                {"element", s.element},
                {"hold", s.hold},
+               {"fair", s.fair},
                {"size", s.size},
                {"area", q.area},
                {"bending_energy", s.bending_energy},

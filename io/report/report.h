@@ -30,7 +30,7 @@ struct Report : RunReport {
 
   struct Surface {
     int regions = 1, triangles = 0, dofs = 0;
-    std::string element, hold;
+    std::string element, hold, fair;  ///< words of [skin]
     SkinQuality quality;
     double size = 0, bending_energy = 0;
     double max_constraint_residual = 0, max_normal_constraint_deg = 0, max_smooth_join_deg = 0;
@@ -39,7 +39,7 @@ struct Report : RunReport {
     /// What fair = "variation" did.
     struct Fairing {
       double functional = 0, start_functional = 0;  ///< change of curvature, 1/length²
-      double max_move = 0;                          ///< largest normal move of a vertex, model units
+      double max_move = 0;  ///< largest normal move of a vertex, model units
       int iterations = 0, factorizations = 0;
       bool converged = false;
     };

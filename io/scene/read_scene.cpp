@@ -150,9 +150,15 @@ void read_skin(const TomlTable& table, SceneSkin& skin) {
                             {{"relative", LoadUnits::Relative}, {"absolute", LoadUnits::Absolute}});
   skin.hold =
       table.choice("hold", Hold::Lines, {{"lines", Hold::Lines}, {"corners", Hold::Corners}});
-  skin.fair = table.choice(
-      "fair", SceneSkin::Fair::Bending,
-      {{"bending", SceneSkin::Fair::Bending}, {"variation", SceneSkin::Fair::Variation}});
+  skin.fair = table.choice("fair", SceneSkin::Fair::Bending,
+                           {{"bending", SceneSkin::Fair::Bending},
+                            {"variation", SceneSkin::Fair::Variation},
+                            {"loft", SceneSkin::Fair::Loft}});
+  if (table.has("sections")) {
+    if (skin.fair != SceneSkin::Fair::Loft)
+      table.fail("sections", "sections without a loft", "them only with fair = \"loft\"");
+    skin.sections = table.names("sections");
+  }
   if (skin.fair == SceneSkin::Fair::Variation && skin.options.element != TriangleElement::HCT)
     table.fail("fair", "\"variation\" with element \"z12\"", "element = \"hct\"");
   if (table.has("alpha")) {
@@ -287,9 +293,9 @@ Scene read(const toml::table& root_table, const std::filesystem::path& file) {
   for (const TomlTable& t : root.table("skin", skin_keys())) read_skin(t, scene.skin);
 
   read_sculpting(root, folder, scene);
-  if (scene.skin.fair == SceneSkin::Fair::Variation && scene.is_sculpted())
+  if (scene.skin.fair != SceneSkin::Fair::Bending && scene.is_sculpted())
     for (const TomlTable& t : root.table("skin", skin_keys()))
-      t.fail("fair", "\"variation\" beside what acts on the surface",
+      t.fail("fair", "\"" + scene.skin.fair_word() + "\" beside what acts on the surface",
              "a scene without loads, constraints, weights, moves and sliders, held by its lines: "
              "these act against bending");
 

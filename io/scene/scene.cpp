@@ -143,6 +143,10 @@ void Scene::set(const std::string& parameter, double value, const std::string& w
   *this = std::move(changed);
 }
 
+std::string SceneSkin::fair_word() const {
+  return fair == Fair::Bending ? "bending" : fair == Fair::Variation ? "variation" : "loft";
+}
+
 bool Scene::is_sculpted() const {
   return !loads.empty() || !constraints.empty() || !weights.empty() || !moves.empty() ||
          !sliders.empty() || skin.hold == SceneSkin::Hold::Corners;

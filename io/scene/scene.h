@@ -38,8 +38,12 @@ struct SceneSkin {
   bool isotropic_alpha = true, isotropic_beta = true;  ///< whether the scene gives one number
   LoadUnits units = LoadUnits::Relative;
   enum class Hold { Lines, Corners } hold = Hold::Lines;
-  /// What the shape makes least: the linear bending energy, or the change of its curvature.
-  enum class Fair { Bending, Variation } fair = Fair::Bending;
+  /// What the shape makes least: the linear bending energy, the change of its curvature, or bending
+  /// across sections only.
+  enum class Fair { Bending, Variation, Loft } fair = Fair::Bending;
+  std::vector<PlacedWord> sections;  ///< of a loft: lines that are sides of four-cornered regions
+  /// The word of the scene for `fair`.
+  std::string fair_word() const;
 };
 
 /// [[constraint]]: at the place of the unloaded surface that is nearest to `at` (Point, Normal,

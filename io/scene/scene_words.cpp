@@ -14,7 +14,7 @@ namespace batten {
 const std::vector<std::string>& skin_keys() {
   static const std::vector<std::string> keys = {"element",     "domain", "settle", "mesher",
                                                 "edge_length", "refine", "alpha",  "beta",
-                                                "units",       "hold",   "fair"};
+                                                "units",       "hold",   "fair",   "sections"};
   return keys;
 }
 const std::vector<std::string>& output_keys() {

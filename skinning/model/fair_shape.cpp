@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "batten/skinning/model/loft_shape.h"
+
 namespace batten {
 namespace {
 
@@ -27,16 +29,21 @@ std::vector<std::vector<int>> free_sides(const ModelLayout& layout) {
 VariationSurface fair_shape(const ModelLayout& layout, const Points& start,
                             const ConstraintSet& constraints, const Progress& progress) {
   VariationOptions options;
-  bool corners = false;
-  for (int r = 0; r < layout.region_count(); ++r)
-    corners = corners || !layout.region(r).corners().empty();
+  bool corners = false, inner_lines = false, rings = false;
+  for (int r = 0; r < layout.region_count(); ++r) {
+    const RegionLayout& region = layout.region(r);
+    corners = corners || !region.corners().empty();
+    rings = rings || is_ring(region);
+    inner_lines = inner_lines || !region.embedded().empty();
+  }
   if (corners)
     options.sides = free_sides(layout);
-  else
-    options.gauss = 0.1;
+  else if (!inner_lines)
+    options.gauss = 10;
   // Near the origin, where coordinates keep their digits.
   const VecX ones = layout.position_dofs();
   const Points origin = ones * layout.origin().transpose();
+  if (rings) options.other_starts.push_back(loft_shape(layout, {}) - origin);
   VariationSurface result = fair_variation(
       layout.surface(start - origin), constraints.moved(ones, layout.origin()), options, progress);
   result.dofs += origin;

@@ -121,17 +121,23 @@ void add_line_ties(const std::vector<const RegionLayout*>& regions,
                    const std::vector<RegionNumbers>& numbers, const JoinLine& line,
                    ConstraintSet& set);
 
-/// The angle between the tangent planes of finished regions along a join line, degrees: 0 where
-/// they go on smoothly, 180 where one doubles back on the other; NaN where a surface is singular.
-struct JoinAngle {
+/// How finished regions meet along a join line. Angles are those between their tangent planes,
+/// degrees: 0 where they go on smoothly, 180 where one doubles back on the other; NaN where a
+/// surface is singular.
+struct JoinQuality {
+  double max_gap = 0;  ///< largest distance between the two sides, model units
   double max_deg = 0, mean_deg = 0;
   std::array<double, 2> end_deg{};  ///< angle at the start and the end of the join line
   /// Largest angle without the first edge, or the last, where that end is open.
   double max_inside_deg = 0;
+  /// Median and largest jump of the normal curvature at right angles to the line, without edges at
+  /// open ends, 1/length: 0 where the curvature goes on.
+  double median_curvature_jump = 0, max_curvature_jump = 0;
 };
 /// Measures it at samples + 1 places of each edge, its ends among them. `open`: (1) was given up at
 /// that end.
-JoinAngle join_angle(const std::vector<const SkinnedRegion*>& regions, const JoinLine& join_line,
-                     const std::array<bool, 2>& open = {}, int samples = 8);
+JoinQuality measure_join(const std::vector<const SkinnedRegion*>& regions,
+                         const JoinLine& join_line, const std::array<bool, 2>& open = {},
+                         int samples = 8);
 
 }  // namespace batten

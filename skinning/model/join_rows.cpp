@@ -4,6 +4,8 @@
 #include <map>
 #include <set>
 
+#include <Eigen/LU>
+
 #include "batten/core/index.h"
 #include "batten/core/words.h"
 #include "batten/elements/quadrature.h"
@@ -149,43 +151,65 @@ void tie_hats(const JoinPlan& plan, const std::string& name, const JoinEdge& a, 
   over_hats(plan.at, a.closed(), false, name, add, set);
 }
 
+// The curvature of a surface with normal n in the direction at right angles to `way`; NaN where
+// the surface is singular.
+double curvature_across(const SurfaceJet& jet, const Vec3& n, const Vec3& way) {
+  const Vec3 across = n.cross(way).normalized();
+  Eigen::Matrix<double, 3, 2> X;
+  X << jet.x_u, jet.x_v;
+  const Vec2 c = (X.transpose() * X).inverse() * (X.transpose() * across);
+  return n.dot(c[0] * c[0] * jet.x_uu + 2 * c[0] * c[1] * jet.x_uv + c[1] * c[1] * jet.x_vv);
+}
+
 }  // namespace
 
-JoinAngle join_angle(const std::vector<const SkinnedRegion*>& regions, const JoinLine& join_line,
-                     const std::array<bool, 2>& open, int samples) {
+JoinQuality measure_join(const std::vector<const SkinnedRegion*>& regions,
+                         const JoinLine& join_line, const std::array<bool, 2>& open, int samples) {
   JoinEdges sides(regions);
   const JoinEdge side[2] = {sides(join_line.sides[0]), sides(join_line.sides[1])};
-  const auto normal = [&](int s, double f) {
-    const JoinSide& j = join_line.sides[s];
-    const Vec3 n = regions[j.region]->surface.jet(side[s].where(f)).normal();
-    return Vec3(j.left ? n : -n);
+  const auto jet = [&](int s, double f) {
+    return regions[join_line.sides[s].region]->surface.jet(side[s].where(f));
   };
   std::vector<double> at = side[side[0].embedded() ? 1 : 0].stations();
   if (at.back() < 1) at.push_back(1);
-  JoinAngle angle;
+  JoinQuality quality;
+  std::vector<double> jumps;
   double sum = 0;
   long count = 0;
   const size_t edges = at.size() - 1;
   for (size_t k = 0; k < edges; ++k)
     for (int j = 0; j <= samples; ++j) {
       const double f = share(at[k], at[k + 1], static_cast<double>(j) / samples);
+      const SurfaceJet a = jet(0, f), b = jet(1, f);
       // Seen along the line, one side is to its left and the other to its right: their normals
       // agree where they point to the same side of the surface.
-      const Vec3 na = normal(0, f), nb = -normal(1, f);
+      const Vec3 na = join_line.sides[0].left ? a.normal() : Vec3(-a.normal());
+      const Vec3 nb = join_line.sides[1].left ? Vec3(-b.normal()) : b.normal();
       const double deg = na.isZero() || nb.isZero() ? std::numeric_limits<double>::quiet_NaN()
                                                     : degrees_between(na, nb);
       const auto raise = [deg](double& most) {
         if (!(deg <= most) && !std::isnan(most)) most = deg;
       };
-      raise(angle.max_deg);
-      if (!(open[0] && k == 0) && !(open[1] && k + 1 == edges)) raise(angle.max_inside_deg);
-      if (k == 0 && j == 0) angle.end_deg[0] = deg;
-      if (k + 1 == edges && j == samples) angle.end_deg[1] = deg;
+      quality.max_gap = std::max(quality.max_gap, (a.x - b.x).norm());
+      raise(quality.max_deg);
+      if (!(open[0] && k == 0) && !(open[1] && k + 1 == edges)) {
+        raise(quality.max_inside_deg);
+        const Vec3 way = jet(0, std::min(1.0, f + 1e-4)).x - jet(0, std::max(0.0, f - 1e-4)).x;
+        jumps.push_back(std::abs(curvature_across(a, na, way) - curvature_across(b, nb, way)));
+      }
+      if (k == 0 && j == 0) quality.end_deg[0] = deg;
+      if (k + 1 == edges && j == samples) quality.end_deg[1] = deg;
       sum += deg;
       ++count;
     }
-  angle.mean_deg = count ? sum / static_cast<double>(count) : 0;
-  return angle;
+  quality.mean_deg = count ? sum / static_cast<double>(count) : 0;
+  std::erase_if(jumps, [](double jump) { return std::isnan(jump); });
+  if (!jumps.empty()) {
+    std::sort(jumps.begin(), jumps.end());
+    quality.median_curvature_jump = jumps[jumps.size() / 2];
+    quality.max_curvature_jump = jumps.back();
+  }
+  return quality;
 }
 
 void add_join_rows(const std::vector<const RegionLayout*>& regions,

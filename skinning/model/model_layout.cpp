@@ -293,9 +293,13 @@ SkinnedRegion ModelLayout::skinned(int r, const Points& all) const {
 }
 
 Points ModelLayout::least_energy(const SurfaceStiffness& material) const {
+  return least_energy_of({material});
+}
+
+Points ModelLayout::least_energy_of(std::vector<SurfaceStiffness> materials) const {
   const SurfaceAssembler assembler(*mesh_, element(), trim_);
   SparseMatrix K = assembler.pattern();
-  const auto materials = on_regions({material});
+  materials = on_regions(std::move(materials));
   if (materials.size() == 1)
     assembler.stiffness(materials[0], K);
   else

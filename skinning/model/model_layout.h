@@ -135,6 +135,8 @@ class ModelLayout {
   /// Returns the shape of least energy that has the lines, in absolute coordinates. Costs one
   /// factor. Throws ConflictError, NoSolutionError.
   Points least_energy(const SurfaceStiffness& material) const;
+  /// The same for materials on the model scaled to size 1, one for each triangle.
+  Points least_energy_of(std::vector<SurfaceStiffness> materials) const;
 
   // -- edits: each throws before it has changed anything ---------------------------------------
   /// Halves marked triangles and so many others that the mesh stays conforming, in each region and

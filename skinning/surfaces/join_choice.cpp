@@ -14,7 +14,7 @@ namespace {
 // Surfaces that lines alone make are flatter than those that go on beyond them, and meet at more
 // between nodes; at nodes, where lines fix their planes, they meet as they will in the end.
 double estimate(const std::vector<ModelRegion>& regions, const JoinLine& join_line) {
-  const JoinAngle angle = angle_of(regions, join_line);
+  const JoinQuality angle = angle_of(regions, join_line);
   return 0.5 * angle.mean_deg + 0.25 * (angle.end_deg[0] + angle.end_deg[1]);
 }
 
@@ -98,14 +98,14 @@ void add_join(int arc, const std::string& name, const RegionMaker& maker, const 
 
 }  // namespace
 
-JoinAngle angle_of(const std::vector<ModelRegion>& regions, JoinLine join_line,
-                   const std::array<bool, 2>& open) {
+JoinQuality angle_of(const std::vector<ModelRegion>& regions, JoinLine join_line,
+                     const std::array<bool, 2>& open) {
   std::vector<const SkinnedRegion*> two;
   for (JoinSide& side : join_line.sides) {
     two.push_back(&*regions[side.region].skinned);
     side.region = count_of(two) - 1;
   }
-  return join_angle(two, join_line, open);
+  return measure_join(two, join_line, open);
 }
 
 JoinChoice choose_joins(const CharacterLineNetwork& network, const RegionMaker& maker,

@@ -22,7 +22,7 @@ JoinChoice choose_joins(const CharacterLineNetwork& network, const RegionMaker& 
 
 /// Returns the angle between the present shapes of the two regions of a join line. `open`: ends
 /// that are creases.
-JoinAngle angle_of(const std::vector<ModelRegion>& regions, JoinLine join_line,
-                   const std::array<bool, 2>& open = {});
+JoinQuality angle_of(const std::vector<ModelRegion>& regions, JoinLine join_line,
+                     const std::array<bool, 2>& open = {});
 
 }  // namespace batten

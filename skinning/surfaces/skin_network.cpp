@@ -29,16 +29,22 @@ double enclosed(const SkinnedRegion& region, const Vec3& origin) {
   return about.cwiseProduct(assembler.pressure_load(about)).sum() / 3;
 }
 
+void take_quality(ModelJoin& join, const JoinQuality& quality) {
+  join.max_deg = quality.max_deg;
+  join.max_inside_deg = quality.max_inside_deg;
+  join.max_gap = quality.max_gap;
+  join.median_curvature_jump = quality.median_curvature_jump;
+  join.max_curvature_jump = quality.max_curvature_jump;
+}
+
 void measure_joins(SurfaceModel& model, const std::vector<const SkinnedRegion*>& made) {
   model.max_join_deg = 0;
   for (ModelJoin& join : model.joins) {
     if (join.kind == ModelJoin::Kind::Smooth) {
       const JoinPlan* plan = model.layout->join_plan(join.line);
       if (plan) {
-        const JoinAngle angle =
-            join_angle(made, plan->join_line, {plan->ends[0].open, plan->ends[1].open});
-        join.max_deg = angle.max_deg;
-        join.max_inside_deg = angle.max_inside_deg;
+        take_quality(join,
+                     measure_join(made, plan->join_line, {plan->ends[0].open, plan->ends[1].open}));
         join.open = {plan->ends[0].open, plan->ends[1].open};
         model.max_join_deg = std::max(model.max_join_deg, join.max_inside_deg);
         continue;
@@ -53,8 +59,10 @@ void measure_joins(SurfaceModel& model, const std::vector<const SkinnedRegion*>&
       const int r = model.regions[join.regions[k]].in_layout;
       if (r >= 0) sides[k] = side_of(*made[r], r, join.line);
     }
-    join.max_deg =
-        sides[0] && sides[1] ? join_angle(made, {join.line, {*sides[0], *sides[1]}}).max_deg : 0;
+    take_quality(join, sides[0] && sides[1]
+                           ? measure_join(made, {join.line, {*sides[0], *sides[1]}})
+                           : JoinQuality{});
+    join.max_inside_deg = 0;
   }
 }
 
@@ -171,7 +179,7 @@ class ModelMaker {
     for (size_t s = 0; s < join_lines_.size(); ++s) {
       if (plans[s].given_up()) continue;
       ModelJoin& join = join_of(s);
-      const JoinAngle angle =
+      const JoinQuality angle =
           angle_of(model_.regions, join_lines_[s], {plans[s].ends[0].open, plans[s].ends[1].open});
       join.max_deg = angle.max_deg;
       join.max_inside_deg = angle.max_inside_deg;

@@ -59,6 +59,8 @@ struct ModelJoin {
   /// Largest angle between the normals of the result, sampled between nodes too; and the same
   /// without the edges at ends that are creases.
   double max_deg = 0, max_inside_deg = 0;
+  /// As in JoinQuality, of creases and smooth joins: model units, 1/length.
+  double max_gap = 0, median_curvature_jump = 0, max_curvature_jump = 0;
   /// Both domains unfold into one plane along it: the surface is C1 across it to rounding, as
   /// inside of a region.
   bool one_domain = false;

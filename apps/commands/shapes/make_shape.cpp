@@ -9,6 +9,7 @@
 #include "batten/fem/assembly.h"
 #include "batten/fem/triangle_locator.h"
 #include "batten/skinning/model/fair_shape.h"
+#include "batten/skinning/model/loft_shape.h"
 #include "batten/skinning/model/model_projector.h"
 #include "batten/skinning/surfaces/skin_network.h"
 
@@ -83,10 +84,37 @@ double bending_energy(const ModelLayout& layout, const Points& dofs, const Scene
   return std::max(0.0, energy) / (layout.size() * layout.size());
 }
 
-// Makes the change of curvature least, where the scene asks for that.
-void fair(MadeShape& shape, const Scene& scene, const Progress& progress) {
-  if (scene.skin.fair != SceneSkin::Fair::Variation || !shape.layout) return;
+void take_dofs(MadeShape& shape, const Points& dofs, const Scene& scene) {
   const ModelLayout& layout = *shape.layout;
+  shape.dofs = shape.unloaded = dofs;
+  shape.energy = {};
+  shape.energy.bending = bending_energy(layout, dofs, scene);
+  for (int r = 0; r < layout.region_count(); ++r)
+    shape.regions[static_cast<size_t>(r)] = layout.skinned(r, dofs);
+}
+
+Points lofted(const ModelLayout& layout, const Scene& scene) {
+  std::vector<std::string> sections;
+  for (const PlacedWord& section : scene.skin.sections) sections.push_back(section.text);
+  try {
+    return loft_shape(layout, sections);
+  } catch (const InputError& e) {
+    if (sections.empty()) throw;
+    throw InputError(scene.at(scene.skin.sections.front().place) + e.what());
+  }
+}
+
+// Makes the change of curvature least, or lofts, where the scene asks for that.
+void fair(MadeShape& shape, const Scene& scene, const Progress& progress) {
+  if (scene.skin.fair == SceneSkin::Fair::Bending || !shape.layout) return;
+  const ModelLayout& layout = *shape.layout;
+  if (scene.skin.fair == SceneSkin::Fair::Loft) {
+    shape.lofted = true;
+    take_dofs(shape, lofted(layout, scene), scene);
+    shape.max_constraint_residual =
+        layout.line_constraints().max_residual(shape.dofs) / layout.size();
+    return;
+  }
   try {
     shape.fairing = fair_shape(layout, shape.dofs, layout.line_constraints(), progress);
   } catch (const CancelledError&) {
@@ -96,12 +124,8 @@ void fair(MadeShape& shape, const Scene& scene, const Progress& progress) {
     shape.not_faired = e.what();
     return;
   }
-  shape.dofs = shape.unloaded = shape.fairing->dofs;
-  shape.energy = {};
-  shape.energy.bending = bending_energy(layout, shape.dofs, scene);
+  take_dofs(shape, shape.fairing->dofs, scene);
   shape.max_constraint_residual = shape.fairing->max_residual / layout.size();
-  for (int r = 0; r < layout.region_count(); ++r)
-    shape.regions[static_cast<size_t>(r)] = layout.skinned(r, shape.dofs);
 }
 
 // The shape that a network was skinned with.
@@ -200,7 +224,7 @@ ModelLayout refined_for_lines(const MadeModel& made, const Scene& scene, const P
 void take_shape(MadeModel& made, const MadeShape& shape, const Progress& progress) {
   if (!shape.layout) return;
   if (made.network) {
-    if (shape.layout != made.model.layout || shape.fairing)
+    if (shape.layout != made.model.layout || shape.fairing || shape.lofted)
       reshape(made.model, shape.layout, shape.dofs, shape.regions, progress);
     return;
   }

@@ -29,6 +29,7 @@ struct MadeShape {
   std::vector<ScanDistances> scans;
   bool joins_planned = false;               ///< Answer::joins_planned
   std::optional<VariationSurface> fairing;  ///< set where the change of curvature was made least
+  bool lofted = false;                      ///< set where the scene asked for a loft
   std::string not_faired;  ///< why it could not be: the shape is then that of least bending
 
   std::vector<const SkinnedRegion*> all() const { return pointers(regions); }

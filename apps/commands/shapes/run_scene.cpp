@@ -130,8 +130,9 @@ std::string quality_result(const Report::Surface& s, const std::string& unit) {
                                     number(s.quality.max_line_deviation) + unit);
 }
 
-/// Says what fair = "variation" did.
+/// Says what fair = "variation" or "loft" did.
 std::string fairing_result(const Report::Surface& s, const std::string& unit) {
+  if (s.fair == "loft") return result_line("lofted", "bending across sections only");
   if (!s.fairing) return "";
   return result_line("faired", "change of curvature " + number(s.fairing->start_functional) +
                                    " -> " + number(s.fairing->functional) + ", moved by up to " +

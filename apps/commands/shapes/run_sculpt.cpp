@@ -123,9 +123,9 @@ class SculptRun {
     const int rounds = parsed_rounds(task_.refinement), steps = parsed_steps(task_);
     Stopwatch& watch = run_.watch;
     report_.sculpting.emplace();
-    if (scene_.skin.fair == SceneSkin::Fair::Variation)
-      throw InputError(scene_.at({}) +
-                       "found fair = \"variation\", expected \"bending\": live shapes bend");
+    if (scene_.skin.fair != SceneSkin::Fair::Bending)
+      throw InputError(scene_.at({}) + "found fair = \"" + scene_.skin.fair_word() +
+                       "\", expected \"bending\": live shapes bend");
     std::vector<Setting> settings;
     for (Setting& s : parsed_settings(task_.settings)) {
       if (is_live(scene_, s.name))

@@ -25,6 +25,7 @@ ShapeRun::ShapeRun(const Scene& scene, const std::filesystem::path& folder)
   report.unit = scene.unit;
   report.is_sculpted = scene.is_sculpted();
   report.surface.hold = scene.skin.hold == SceneSkin::Hold::Corners ? "corners" : "lines";
+  report.surface.fair = scene.skin.fair_word();
 }
 
 void ShapeRun::finish(const Progress& progress) {

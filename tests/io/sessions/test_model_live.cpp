@@ -26,7 +26,7 @@ class Law {
       const JoinPlan* plan = session.layout().join_plan(line);
       REQUIRE(plan);
       const double angle =
-          join_angle(all, plan->join_line, {plan->ends[0].open, plan->ends[1].open}).max_inside_deg;
+          measure_join(all, plan->join_line, {plan->ends[0].open, plan->ends[1].open}).max_inside_deg;
       if (!(angle - rest <= worse_)) {
         worse_ = angle - rest;
         worst_line_ = line;

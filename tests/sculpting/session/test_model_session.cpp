@@ -19,7 +19,7 @@ double angle_at(const SculptingSession& session, const std::string& line) {
   const auto made = session.regions();
   std::vector<const SkinnedRegion*> all;
   for (const auto& r : made) all.push_back(&r);
-  return join_angle(all, plan->join_line, {plan->ends[0].open, plan->ends[1].open}).max_inside_deg;
+  return measure_join(all, plan->join_line, {plan->ends[0].open, plan->ends[1].open}).max_inside_deg;
 }
 
 // Largest distance of the surfaces from a line, on every side of it.

@@ -16,7 +16,7 @@ namespace {
 struct Joined {
   std::vector<JoinPlan> plans;
   std::vector<SkinnedRegion> regions;
-  std::vector<JoinAngle> angles;
+  std::vector<JoinQuality> angles;
   double worst = 0;
 };
 
@@ -29,7 +29,7 @@ Joined join(const Patchwork& p, const std::vector<JoinLine>& join_lines) {
   std::vector<const SkinnedRegion*> all;
   for (const auto& r : result.regions) all.push_back(&r);
   for (const JoinLine& s : join_lines) {
-    result.angles.push_back(join_angle(all, s));
+    result.angles.push_back(measure_join(all, s));
     result.worst = std::max(result.worst, result.angles.back().max_deg);
   }
   return result;
@@ -237,7 +237,7 @@ TEST_CASE("a node without a tangent plane stays a crease, the line away from it 
   CHECK(plan.ends[1].open);
   CHECK(plan.ends[1].apart_deg == Approx(20).epsilon(1e-6));
   std::vector<const SkinnedRegion*> all{&result.regions[0], &result.regions[1]};
-  const JoinAngle angle = join_angle(all, p.join_line("middle", 0, 1), {false, true});
+  const JoinQuality angle = measure_join(all, p.join_line("middle", 0, 1), {false, true});
   CHECK(angle.max_deg == Approx(20).epsilon(1e-6));
   CHECK(angle.max_inside_deg < 0.5);
 }
@@ -300,7 +300,7 @@ TEST_CASE("a line that one region has embedded is smooth on averages") {
     INFO(result.plans[0].why_not);
     REQUIRE(result.plans[0].why_not.empty());
     const SkinnedRegion a = p.layouts[0]->region(p.first[0]), b = p.layouts[1]->region(p.first[1]);
-    before.push_back(join_angle({&a, &b}, join_line).mean_deg);
+    before.push_back(measure_join({&a, &b}, join_line).mean_deg);
     after.push_back(result.angles[0].mean_deg);
   }
   CAPTURE(before, after);
