@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <type_traits>
 
 #include "batten/core/simd.h"
 
@@ -61,11 +62,40 @@ void pad(Rows& rows) {
   for (auto& column : rows.J) std::fill(column + rows.count, column + end, 0.0);
 }
 
+// K = JᵀJ of n columns of two rows each, both triangles.
+BATTEN_CLONES void square_two_rows(const double* columns, int stride, int n, double* first,
+                                   double* second, double* K) {
+  for (int i = 0; i < n; ++i) {
+    first[i] = columns[i * stride];
+    second[i] = columns[i * stride + 1];
+  }
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j < n; ++j) K[i * n + j] = first[i] * first[j] + second[i] * second[j];
+}
+
+// K = Tᵀ A T for the symmetric A of m columns; half: m×n numbers.
+BATTEN_CLONES void reduce_square(const Multiple* multiples, size_t count, const double* A, int m,
+                                 int stride, int n, double* half, double* K) {
+  std::fill_n(half, m * n, 0.0);
+  for (size_t k = 0; k < count; ++k)
+    for (int i = 0; i < m; ++i)
+      half[i * n + multiples[k].to] += multiples[k].factor * A[multiples[k].from * stride + i];
+  std::fill_n(K, n * n, 0.0);
+  for (size_t k = 0; k < count; ++k)
+    for (int j = 0; j < n; ++j)
+      K[multiples[k].to * n + j] += multiples[k].factor * half[multiples[k].from * n + j];
+}
+
 struct Scratch {
-  std::vector<double> columns;
+  std::vector<double> columns, square, half;
   std::vector<Multiple> multiples;
-  std::vector<double> square;
 };
+
+// Copies the lower triangle of the square, and mirrors it.
+void copy_square(const double* square, int stride, int n, double* K) {
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j <= i; ++j) K[i * n + j] = K[j * n + i] = square[i * stride + j];
+}
 
 }  // namespace
 
@@ -124,11 +154,25 @@ void StepEquations::reduce(const Rows& rows, int element, const RowMatrix& T, bo
   Lanes* columns = reinterpret_cast<Lanes*>(scratch.columns.data());
   combine(scratch.multiples.data(), scratch.multiples.size(),
           reinterpret_cast<const Lanes*>(rows.J), columns, stride, parts);
-  scratch.square.resize(static_cast<size_t>(padded) * padded);
-  square(columns, stride, parts, padded, scratch.square.data());
-  for (int i = 0; i < n; ++i)
-    for (int j = 0; j <= i; ++j)
-      K[i * n + j] = K[j * n + i] = scratch.square[static_cast<size_t>(i) * padded + j];
+  constexpr int own = static_cast<int>(std::extent_v<decltype(rows.J)>);
+  if constexpr (Rows::most == kLanes) {
+    scratch.half.resize(2 * static_cast<size_t>(n));
+    square_two_rows(scratch.columns.data(), Rows::most, n, scratch.half.data(),
+                    scratch.half.data() + n, K);
+  } else if (n <= own) {
+    scratch.square.resize(static_cast<size_t>(padded) * padded);
+    square(columns, stride, parts, padded, scratch.square.data());
+    copy_square(scratch.square.data(), padded, n, K);
+  } else {  // a line's rows tie many unknowns to the element
+    static_assert(own % 4 == 0);
+    scratch.square.resize(2 * own * own);
+    double* mirrored = scratch.square.data() + own * own;
+    square(reinterpret_cast<const Lanes*>(rows.J), stride, parts, own, scratch.square.data());
+    copy_square(scratch.square.data(), own, own, mirrored);
+    scratch.half.resize(static_cast<size_t>(own) * n);
+    reduce_square(scratch.multiples.data(), scratch.multiples.size(), mirrored, own, own, n,
+                  scratch.half.data(), K);
+  }
   if (!first) return;
   const auto dot = [&](const double* column) {
     double sum = 0;
