@@ -15,10 +15,10 @@
 #include "batten/fem/assembly.h"
 #include "batten/fem/triangle_locator.h"
 #include "batten/skinning/layout/region_layout.h"
-#include "batten/skinning/model/fair_shape.h"
 #include "batten/skinning/model/model_layout.h"
 #include "batten/skinning/region/quality.h"
 #include "bench.h"
+#include "fair_shapes.h"
 #include "occ_filling.h"
 
 namespace {
@@ -164,85 +164,6 @@ struct Worst {
   }
 };
 
-// The bilinearly blended patch of the four sides: what many programs make of them.
-double coons_distance(const AnalyticShape& shape) {
-  const Formula& x = shape.surface;
-  constexpr int n = 24;
-  double worst = 0;
-  for (int i = 1; i < n; ++i)
-    for (int j = 1; j < n; ++j) {
-      const double s = 1.0 * i / n, t = 1.0 * j / n;
-      const Vec3 corners =
-          (1 - s) * ((1 - t) * x(0, 0) + t * x(0, 1)) + s * ((1 - t) * x(1, 0) + t * x(1, 1));
-      const Vec3 place =
-          (1 - s) * x(0, t) + s * x(1, t) + (1 - t) * x(s, 0) + t * x(s, 1) - corners;
-      worst = std::max(worst, x.closest(place).distance);
-    }
-  return worst;
-}
-
-bool is_cyclide(const AnalyticShape& shape) {
-  return shape.name != "saddle" && shape.name != "helicoid strip";
-}
-
-std::vector<AnalyticShape> more_cyclides() {
-  constexpr double pi = std::numbers::pi;
-  using Space = Formula::Space;
-  return {{"cone 120", Formula([](const Jet& s, const Jet& t) {
-             const Jet a = Jet(2 * pi / 3) * s, r = Jet(1) - Jet(0.6) * t;
-             return Space{r * cos(a), r * sin(a), Jet(1.2) * t};
-           })},
-          {"torus half", Formula([](const Jet& s, const Jet& t) {
-             const Jet a = Jet(pi) * s, b = Jet(pi) * (t - Jet(0.5));
-             const Jet r = Jet(2) + Jet(0.7) * cos(b);
-             return Space{r * cos(a), r * sin(a), Jet(0.7) * sin(b)};
-           })}};
-}
-
-// Least change of curvature from boundary lines alone, at four meshes.
-void compare_fair(std::vector<AnalyticShape> shapes, const char* only, Promises& promises) {
-  for (AnalyticShape& shape : more_cyclides())
-    if (!only || shape.name.find(only) != std::string::npos) shapes.push_back(std::move(shape));
-  std::printf(
-      "Boundary lines alone, fair = \"variation\": distance to the formula over the size.\n\n");
-  Table table;
-  table.add({"fair shape", "triangles", "bending", "variation", "Coons", "factorizations",
-             "seconds", "change of curvature"});
-  for (const AnalyticShape& shape : shapes) {
-    double fair_at_500 = 0, bending_at_500 = 0;
-    for (int g = 0; g < grids + 1; ++g) {
-      const double edge = 2 * shape.coarse * std::pow(0.5, g);
-      const Made made = skin(shape, shape.boundary(), edge, fit_tolerance(edge));
-      SkinOptions options;
-      options.edge_length = edge;
-      options.tolerance = fit_tolerance(edge);
-      const ModelLayout model(RegionLayout(shape.name, shape.boundary(), options));
-      VariationSurface fair;
-      const double t = time_of(
-          [&] { fair = fair_shape(model, made.region.surface.dofs(), model.line_constraints()); });
-      const double size = model.size();
-      const double bending = against_formula(shape, made.region.surface).distance / size;
-      const double varied = against_formula(shape, model.surface(fair.dofs)).distance / size;
-      if (made.triangles() < 600 || g == 0) {
-        fair_at_500 = varied;
-        bending_at_500 = bending;
-      }
-      const bool square = shape.domain == AnalyticShape::Domain::Square;
-      table.add({g == 0 ? shape.name : "", std::to_string(made.triangles()), text("%.1e", bending),
-                 text("%.1e", varied), square ? text("%.1e", coons_distance(shape) / size) : "",
-                 std::to_string(fair.factorizations), text("%.3f", t),
-                 text("%.2e", fair.start_functional) + " -> " + text("%.2e", fair.functional)});
-    }
-    if (is_cyclide(shape))
-      promises.at_most(shape.name + ": fair shape's distance to the formula over the size",
-                       fair_at_500, shape.domain == AnalyticShape::Domain::Rings ? 5e-3 : 1e-3);
-    else
-      promises.at_most(shape.name + ": fair shape's distance over that of least bending",
-                       fair_at_500 / bending_at_500, 1);
-  }
-  table.print();
-}
-
 }  // namespace
 
 // With a word: only the shapes whose names hold it.
@@ -306,6 +227,10 @@ int main(int argc, char** argv) {
   alone.print();
 
   compare_fair(shapes, argc > 1 ? argv[1] : nullptr, promises);
+  if (argc < 2) {
+    compare_joined(promises);
+    compare_sections(promises);
+  }
 
   std::printf("With inner lines on the formula's surface: distance to it.\n\n");
   Table inner;

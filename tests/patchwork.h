@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "batten/core/errors.h"
 #include "batten/skinning/model/model_layout.h"
-#include "batten/tests/catch.h"
 #include "batten/tests/skinning/given_lines.h"
 
 namespace batten_test {
@@ -48,8 +48,7 @@ struct Patchwork {
           return {r, embedded, piece.index,
                   piece.reversed == (embedded && made.embedded[i].against_given)};
       }
-    FAIL("no line " << name);
-    return {};
+    throw InputError("region " + std::to_string(r + 1) + " has no line '" + name + "'");
   }
   JoinLine join_line(const std::string& name, int a, int b) const {
     return {name, {side(a, name), side(b, name)}};

@@ -1,0 +1,347 @@
+#include "fair_shapes.h"
+
+#include <cmath>
+#include <numbers>
+
+#include "batten/skinning/layout/region_layout.h"
+#include "batten/skinning/model/fair_shape.h"
+#include "batten/skinning/model/join.h"
+#include "batten/skinning/model/loft_shape.h"
+#include "batten/tests/patchwork.h"
+
+namespace batten::bench {
+namespace {
+
+constexpr double pi = std::numbers::pi;
+
+// Calls visit(point) for some points of each triangle.
+template <class Visit>
+void for_each_point(const Surface& surface, const Visit& visit) {
+  for (int t = 0; t < surface.mesh().triangle_count(); ++t)
+    for (const Vec3& L : {Vec3(1, 1, 1), Vec3(2.8, 0.1, 0.1), Vec3(0.1, 1.5, 1.4)})
+      visit(surface.position({t, L / 3}));
+}
+
+double farthest(const AnalyticShape& shape, const Surface& surface) {
+  double worst = 0;
+  for_each_point(
+      surface, [&](const Vec3& x) { worst = std::max(worst, shape.surface.closest(x).distance); });
+  return worst;
+}
+
+// The bilinearly blended patch of the four sides: what many programs make of them.
+double coons_distance(const AnalyticShape& shape) {
+  const Formula& x = shape.surface;
+  constexpr int n = 24;
+  double worst = 0;
+  for (int i = 1; i < n; ++i)
+    for (int j = 1; j < n; ++j) {
+      const double s = 1.0 * i / n, t = 1.0 * j / n;
+      const Vec3 corners =
+          (1 - s) * ((1 - t) * x(0, 0) + t * x(0, 1)) + s * ((1 - t) * x(1, 0) + t * x(1, 1));
+      const Vec3 place =
+          (1 - s) * x(0, t) + s * x(1, t) + (1 - t) * x(s, 0) + t * x(s, 1) - corners;
+      worst = std::max(worst, x.closest(place).distance);
+    }
+  return worst;
+}
+
+bool is_cyclide(const AnalyticShape& shape) {
+  return shape.name != "saddle" && shape.name != "helicoid strip";
+}
+
+std::vector<AnalyticShape> more_cyclides() {
+  using Space = Formula::Space;
+  return {{"cone 120", Formula([](const Jet& s, const Jet& t) {
+             const Jet a = Jet(2 * pi / 3) * s, r = Jet(1) - Jet(0.6) * t;
+             return Space{r * cos(a), r * sin(a), Jet(1.2) * t};
+           })},
+          {"oblique cylinder", Formula([](const Jet& s, const Jet& t) {
+             const Jet a = Jet(2 * pi / 3) * s;
+             return Space{cos(a), sin(a), Jet(0.3) * cos(a) + Jet(1.5) * t};
+           })},
+          {"torus half", Formula([](const Jet& s, const Jet& t) {
+             const Jet a = Jet(pi) * s, b = Jet(pi) * (t - Jet(0.5));
+             const Jet r = Jet(2) + Jet(0.7) * cos(b);
+             return Space{r * cos(a), r * sin(a), Jet(0.7) * sin(b)};
+           })}};
+}
+
+}  // namespace
+
+void compare_fair(std::vector<AnalyticShape> shapes, const char* only, Promises& promises) {
+  for (AnalyticShape& shape : more_cyclides())
+    if (!only || shape.name.find(only) != std::string::npos) shapes.push_back(std::move(shape));
+  std::printf(
+      "Boundary lines alone, fair = \"variation\": distance to the formula over the size.\n\n");
+  Table table;
+  table.add({"fair shape", "triangles", "bending", "variation", "Coons", "factorizations",
+             "seconds", "change of curvature"});
+  for (const AnalyticShape& shape : shapes) {
+    double fair_at_500 = 0, bending_at_500 = 0;
+    for (int g = 0; g < 4; ++g) {
+      SkinOptions options;
+      options.edge_length = 2 * shape.coarse * std::pow(0.5, g);
+      options.tolerance = 0.01 * std::pow(options.edge_length, 4);
+      const ModelLayout model(RegionLayout(shape.name, shape.boundary(), options));
+      const Points start = model.least_energy({});
+      VariationSurface fair;
+      const double t = time_of([&] { fair = fair_shape(model, start, model.line_constraints()); });
+      const double size = model.size();
+      const double bending = farthest(shape, model.surface(start)) / size;
+      const double varied = farthest(shape, model.surface(fair.dofs)) / size;
+      const int triangles = model.mesh()->triangle_count();
+      if (triangles < 600 || g == 0) {
+        fair_at_500 = varied;
+        bending_at_500 = bending;
+      }
+      const bool square = shape.domain == AnalyticShape::Domain::Square;
+      table.add({g == 0 ? shape.name : "", std::to_string(triangles), text("%.1e", bending),
+                 text("%.1e", varied), square ? text("%.1e", coons_distance(shape) / size) : "",
+                 std::to_string(fair.factorizations), text("%.3f", t),
+                 text("%.2e", fair.start_functional) + " -> " + text("%.2e", fair.functional)});
+    }
+    if (is_cyclide(shape))
+      promises.at_most(shape.name + ": fair shape's distance to the formula over the size",
+                       fair_at_500, shape.domain == AnalyticShape::Domain::Rings ? 5e-3 : 1e-3);
+    else
+      promises.at_most(shape.name + ": fair shape's distance over that of least bending",
+                       fair_at_500 / bending_at_500, 1);
+  }
+  table.print();
+}
+
+namespace {
+
+struct Joined {
+  std::string name;
+  batten_test::Patchwork patches;
+  std::vector<std::tuple<std::string, int, int>> joins;
+  std::function<double(const Vec3&)> distance;
+};
+
+void add_line(batten_test::Patchwork& p, const std::string& name, const Vec3& a, const Vec3& b) {
+  p.add(
+      batten_test::given_line(name, curve_through_points(name, {a, b}), 3, p.options.edge_length));
+}
+void add_arc(batten_test::Patchwork& p, const std::string& name, const Vec3& a, const Vec3& b,
+             const Vec3& centre = Vec3::Zero()) {
+  p.add(batten_test::given_line(
+      name,
+      curve_from_formula(0, pi / 2,
+                         [=](double t, int order) -> Vec3 {
+                           if (order == 0) return centre + a * std::cos(t) + b * std::sin(t);
+                           return order == 1 ? Vec3(-a * std::sin(t) + b * std::cos(t))
+                                             : Vec3(-a * std::cos(t) - b * std::sin(t));
+                         }),
+      3, p.options.edge_length));
+}
+
+std::vector<Joined> joined_shapes(double h) {
+  const Vec3 x = Vec3::UnitX(), y = Vec3::UnitY(), z = Vec3::UnitZ();
+  const auto sphere = [](const Vec3& p) { return std::abs(p.norm() - 1); };
+  const auto cylinder = [](const Vec3& p) { return std::abs(std::hypot(p.x(), p.y()) - 1); };
+  std::vector<Joined> all;
+  all.push_back({"two octants", batten_test::octants(h), {{"zx", 0, 1}}, sphere});
+
+  Joined quarters{"two quarter cylinders", {}, {{"middle", 0, 1}}, cylinder};
+  batten_test::Patchwork& q = quarters.patches;
+  q.options.edge_length = h;
+  const Vec3 up = 1.5 * z;
+  add_arc(q, "low1", x, y);
+  add_arc(q, "low2", y, -x);
+  add_arc(q, "high1", x, y, up);
+  add_arc(q, "high2", y, -x, up);
+  add_line(q, "first", x, x + up);
+  add_line(q, "middle", y, y + up);
+  add_line(q, "last", -x, -x + up);
+  q.region({"low1", "middle", "high1", "first"});
+  q.region({"low2", "last", "high2", "middle"});
+  all.push_back(std::move(quarters));
+
+  Joined cap{"cap on cylinder", {}, {{"rim", 0, 1}}, [=](const Vec3& p) {
+               return p.z() > 0 ? sphere(p) : cylinder(p);
+             }};
+  batten_test::Patchwork& c = cap.patches;
+  c.options.edge_length = h;
+  const Vec3 down = -1.2 * z;
+  add_arc(c, "rim", x, y);
+  add_arc(c, "yz", y, z);
+  add_arc(c, "zx", z, x);
+  add_line(c, "side1", x, x + down);
+  add_line(c, "side2", y, y + down);
+  add_arc(c, "foot", x, y, down);
+  c.region({"rim", "yz", "zx"});
+  c.region({"-rim", "side1", "foot", "side2"});
+  all.push_back(std::move(cap));
+
+  Joined half{"hemisphere of four octants",
+              {},
+              {{"up1", 3, 0}, {"up2", 0, 1}, {"up3", 1, 2}, {"up4", 2, 3}},
+              sphere};
+  batten_test::Patchwork& s = half.patches;
+  s.options.edge_length = h;
+  const Vec3 around[4] = {x, y, -x, -y};
+  for (int k = 0; k < 4; ++k) {
+    add_arc(s, "rim" + std::to_string(k + 1), around[k], around[(k + 1) % 4]);
+    add_arc(s, "up" + std::to_string(k + 1), around[k], z);
+  }
+  for (int k = 0; k < 4; ++k)
+    s.region({"rim" + std::to_string(k + 1), "up" + std::to_string((k + 1) % 4 + 1),
+              "up" + std::to_string(k + 1)});
+  all.push_back(std::move(half));
+  return all;
+}
+
+}  // namespace
+
+void compare_joined(Promises& promises) {
+  std::printf("Several regions with smooth joins: radius 1, jump of curvature in 1/radius.\n\n");
+  Table table;
+  table.add({"joined", "triangles", "bending", "variation", "angle", "jump, bending",
+             "jump, variation", "factorizations", "seconds"});
+  for (const Joined& shape : joined_shapes(0.15)) {
+    std::vector<JoinLine> lines;
+    for (const auto& [name, a, b] : shape.joins)
+      lines.push_back(shape.patches.join_line(name, a, b));
+    const ModelLayout model = shape.patches.model(lines);
+    const Points start = model.least_energy({});
+    VariationSurface fair;
+    const double t = time_of([&] { fair = fair_shape(model, start, model.line_constraints()); });
+    const auto measured = [&](const Points& dofs, double& distance, double& jump) {
+      std::vector<SkinnedRegion> regions;
+      for (int r = 0; r < model.region_count(); ++r) regions.push_back(model.skinned(r, dofs));
+      std::vector<const SkinnedRegion*> made;
+      for (const SkinnedRegion& region : regions) made.push_back(&region);
+      for_each_point(model.surface(dofs),
+                     [&](const Vec3& x) { distance = std::max(distance, shape.distance(x)); });
+      double angle = 0;
+      for (const JoinLine& line : lines) {
+        const JoinQuality quality = measure_join(made, line);
+        angle = std::max(angle, quality.max_deg);
+        jump = std::max(jump, quality.median_curvature_jump);
+      }
+      return angle;
+    };
+    double bending = 0, varied = 0, jump_before = 0, jump = 0;
+    measured(start, bending, jump_before);
+    const double angle = measured(fair.dofs, varied, jump);
+    table.add({shape.name, std::to_string(model.mesh()->triangle_count()), text("%.1e", bending),
+               text("%.1e", varied), text("%.4f", angle), text("%.2e", jump_before),
+               text("%.2e", jump), std::to_string(fair.factorizations), text("%.3f", t)});
+    promises.at_most(shape.name + ": distance to the formula over the radius", varied, 1e-3);
+    promises.at_most(shape.name + ": angle at smooth joins, degrees", angle, 0.1);
+  }
+  table.print();
+}
+
+namespace {
+
+CharacterLine line_through(const std::string& name, const std::vector<Vec3>& points) {
+  CharacterLine line;
+  line.name = name;
+  line.curve = curve_through_points(name, points, 60);
+  return line;
+}
+
+CharacterLine circle(const std::string& name, double radius, double z) {
+  std::vector<Vec3> points;
+  constexpr int pieces = 48;
+  for (int i = 0; i <= pieces; ++i) {
+    const double a = 2 * pi * (i % pieces) / pieces;
+    points.emplace_back(radius * std::cos(a), radius * std::sin(a), z);
+  }
+  return line_through(name, points);
+}
+
+// A ring between two circles: the worst error of the radius, over the larger one, and that of the
+// volume, over the volume.
+void compare_ring(const char* name, double r0, double r1, double h, double edge,
+                  double (*radius_at)(double z), const std::vector<CharacterLine>& more,
+                  double target, Table& table, Promises& promises) {
+  std::vector<CharacterLine> lines{circle("low", r0, 0), circle("high", r1, h)};
+  lines.insert(lines.end(), more.begin(), more.end());
+  SkinOptions options;
+  options.edge_length = edge;
+  const ModelLayout model(RegionLayout(name, lines, options));
+  const Points start = model.least_energy({});
+  VariationSurface fair;
+  const double t = time_of([&] { fair = fair_shape(model, start, model.line_constraints()); });
+  const auto error = [&](const Points& dofs) {
+    double worst = 0;
+    for_each_point(model.surface(dofs), [&](const Vec3& x) {
+      worst = std::max(worst, std::abs(std::hypot(x.x(), x.y()) - radius_at(x.z())));
+    });
+    return worst / std::max(r0, r1);
+  };
+  const double varied = error(fair.dofs);
+  table.add({name, std::to_string(model.mesh()->triangle_count()), text("%.1e", error(start)),
+             text("%.1e", varied), std::to_string(fair.factorizations), text("%.3f", t)});
+  promises.at_most(std::string(name) + ": largest error of the radius", varied, target);
+}
+
+// NACA 0012, chords of 100 and 60, 300 apart: upper half between two sections and two rails.
+void compare_wing(Table& table, Promises& promises) {
+  const auto section = [](double chord, double sweep, double y) {
+    std::vector<Vec3> points;
+    constexpr int pieces = 32;
+    for (int i = 0; i <= pieces; ++i) {
+      const double x = 0.5 * (1 - std::cos(pi * i / pieces));
+      const double z = 0.6 * (0.2969 * std::sqrt(x) - 0.126 * x - 0.3516 * x * x +
+                              0.2843 * x * x * x - 0.1036 * x * x * x * x);
+      points.emplace_back(sweep + chord * x, y, chord * std::max(0.0, z));
+    }
+    return points;
+  };
+  const std::vector<Vec3> root = section(100, 0, 0), tip = section(60, 20, 300);
+  const std::vector<CharacterLine> lines{
+      line_through("root", root), line_through("trailing", {root.back(), tip.back()}),
+      line_through("tip", tip), line_through("leading", {tip.front(), root.front()})};
+  SkinOptions options;
+  options.edge_length = 12;
+  const ModelLayout model(RegionLayout("wing", lines, options));
+  const Points start = model.least_energy({});
+  Points loft;
+  const double t = time_of([&] { loft = loft_shape(model, {"root"}); });
+  const auto crown = [&](const Points& dofs) {
+    double height = 0;
+    for_each_point(model.surface(dofs), [&](const Vec3& x) {
+      if (std::abs(x.y() - 150) < 10) height = std::max(height, x.z());
+    });
+    return height;
+  };
+  const double ruled = 0.06 * 80;  // of the section half way between
+  table.add({"wing, crown at mid-span", std::to_string(model.mesh()->triangle_count()),
+             text("%.2f", crown(start)), text("%.2f (loft)", crown(loft)), "1", text("%.3f", t)});
+  promises.at_least("wing: crown at mid-span over that of a ruled surface", crown(loft) / ruled,
+                    0.98);
+}
+
+}  // namespace
+
+void compare_sections(Promises& promises) {
+  std::printf("Sections: largest error of the radius, over the radius.\n\n");
+  Table table;
+  table.add({"sections", "triangles", "bending", "variation", "factorizations", "seconds"});
+  compare_ring(
+      "can", 33, 33, 120, 12, [](double) { return 33.0; }, {}, 5e-3, table, promises);
+  compare_ring(
+      "tube", 10, 10, 150, 5, [](double) { return 10.0; }, {}, 5e-3, table, promises);
+  compare_ring(
+      "frustum", 40, 25, 60, 10, [](double z) { return 40 - z / 4; }, {}, 5e-3, table, promises);
+  std::vector<Vec3> meridian;
+  for (int i = 0; i <= 16; ++i) {
+    const double a = std::asin(0.6) * (i / 8.0 - 1);
+    meridian.emplace_back(50 * std::cos(a), 0, 30 + 50 * std::sin(a));
+  }
+  CharacterLine line = line_through("meridian", meridian);
+  line.role = CharacterLine::Role::Inner;
+  compare_ring(
+      "sphere's band with a meridian", 40, 40, 60, 8,
+      [](double z) { return std::sqrt(2500 - (z - 30) * (z - 30)); }, {line}, 1e-2, table,
+      promises);
+  compare_wing(table, promises);
+  table.print();
+}
+
+}  // namespace batten::bench
