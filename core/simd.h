@@ -1,5 +1,7 @@
-// The widest vector unit of the machine, chosen by the loader.
+// The widest vector unit of the machine, chosen by the loader or asked for.
 #pragma once
+
+#include <type_traits>
 
 /// Stands before a function, which is then compiled for each generation of vector units, the right
 /// one picked when the program starts. Everything it calls must be inlined into it. Nothing where
@@ -12,7 +14,20 @@
 
 #define BATTEN_INLINE __attribute__((always_inline)) inline
 
+/// Stand before a function that vector_bits() chooses: where one shape of the code does not fit the
+/// registers of every generation.
+#if defined(__x86_64__) && defined(__GNUC__)
+#define BATTEN_WIDE_VECTORS
+#define BATTEN_256_BITS __attribute__((target("avx2,fma")))
+#define BATTEN_512_BITS __attribute__((target("avx512f,avx512vl,avx512dq,fma")))
+#endif
+
 namespace batten {
+
+/// 512, 256 or 128: vector registers of this machine, none wider than the limit.
+int vector_bits();
+/// The limit; 512 at first. For tests.
+void limit_vector_bits(int bits);
 
 /// call(n) with n, 1 … most, as a constant; nothing for 0.
 template <int most, class Call>

@@ -5,10 +5,10 @@
 #include <cstdint>
 #include <functional>
 #include <numeric>
-#include <thread>
 
 #include "batten/core/errors.h"
 #include "batten/core/parallel.h"
+#include "batten/core/patience.h"
 #include "batten/core/simd.h"
 #include "batten/core/supernodal_chunks.h"
 #include "batten/core/supernodal_sweeps.h"
@@ -37,16 +37,6 @@ void store_rows(const Row* row, const Row* end, const int* order, int columns, d
     for (const int* to = order; row < end; ++row, ++to)
       for (int k = 0; k < n(); ++k) x[*to + k * stride] = (*row)[k];
   });
-}
-
-void wait_a_moment(int& patience) {
-  if (--patience > 0) {
-#if defined(__x86_64__)
-    __builtin_ia32_pause();
-#endif
-  } else {
-    std::this_thread::yield();
-  }
 }
 
 }  // namespace
@@ -276,8 +266,8 @@ class SupernodalSolve::GroupSolve {
   }
 
   void wait_for(int c, int state) const {
-    int patience = 2000;
-    while (all_.pending_[c].load(std::memory_order_acquire) != state) wait_a_moment(patience);
+    for (Patience patience; all_.pending_[c].load(std::memory_order_acquire) != state;)
+      patience.wait();
   }
 
   const SupernodalSolve& all_;

@@ -1,7 +1,6 @@
 #include "batten/core/supernodal_sweeps.h"
 
 #include <algorithm>
-#include <atomic>
 
 #include "batten/core/simd.h"
 
@@ -205,28 +204,15 @@ struct Sweeps {
   constexpr Sweeps name = {forward4_##name, backward4_##name, forward8_##name, backward8_##name};
 
 BATTEN_SWEEPS(with_128_bits, , Row2, Row2)
-#if defined(__x86_64__) && defined(__GNUC__)
-BATTEN_SWEEPS(with_256_bits, __attribute__((target("avx2,fma"))), Row4, Row4)
-BATTEN_SWEEPS(with_512_bits, __attribute__((target("avx512f,avx512vl,avx512dq,fma"))), Row4, Row8)
+#ifdef BATTEN_WIDE_VECTORS
+BATTEN_SWEEPS(with_256_bits, BATTEN_256_BITS, Row4, Row4)
+BATTEN_SWEEPS(with_512_bits, BATTEN_512_BITS, Row4, Row8)
 #endif
 #undef BATTEN_SWEEPS
 
-#if defined(__x86_64__) && defined(__GNUC__)
-int widest_vector() {
-  __builtin_cpu_init();
-  if (!__builtin_cpu_supports("avx2") || !__builtin_cpu_supports("fma")) return 128;
-  const bool wide = __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") &&
-                    __builtin_cpu_supports("avx512dq");
-  return wide ? 512 : 256;
-}
-#endif
-
-std::atomic<int> most_bits{512};
-
 const Sweeps& sweeps() {
-#if defined(__x86_64__) && defined(__GNUC__)
-  static const int widest = widest_vector();
-  const int bits = std::min(widest, most_bits.load(std::memory_order_relaxed));
+#ifdef BATTEN_WIDE_VECTORS
+  const int bits = vector_bits();
   if (bits >= 512) return with_512_bits;
   if (bits >= 256) return with_256_bits;
 #endif
@@ -234,8 +220,6 @@ const Sweeps& sweeps() {
 }
 
 }  // namespace
-
-void limit_vector_bits(int bits) { most_bits = bits; }
 
 void sweep_forward(const PackedSupernodes& all, int first, int end, const char* visit, Row4* work) {
   sweeps().forward4(all, first, end, visit, work);

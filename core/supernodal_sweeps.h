@@ -22,10 +22,6 @@ struct PackedSupernodes {
   const double* values;
 };
 
-/// The sweeps use the machine's widest vector registers, but none wider than this: 512 (at first),
-/// 256 or 128 bits. For tests.
-void limit_vector_bits(int bits);
-
 /// Writes the column-major block (lower triangle on top of full rows) as panels; returns the end.
 /// What stands above the diagonal within a panel is never used.
 double* pack_supernode(const double* block, long rows, long columns, double* to);

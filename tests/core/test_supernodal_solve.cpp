@@ -4,10 +4,10 @@
 #include <thread>
 
 #include "batten/core/errors.h"
+#include "batten/core/simd.h"
 #include "batten/core/sparse_cholesky.h"
 #include "batten/core/supernodal_factor.h"
 #include "batten/core/supernodal_solve.h"
-#include "batten/core/supernodal_sweeps.h"
 #include "batten/tests/catch.h"
 #include "batten/tests/solver_matrices.h"
 #include "batten/tests/threads.h"
