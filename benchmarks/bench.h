@@ -11,8 +11,8 @@
 
 #include "batten/core/parallel.h"
 
-// Present when BLAS is OpenBLAS, which Batten's and the peers' factorizations share, and when a
-// factorization uses OpenMP: CHOLMOD asks for four threads whatever OMP_NUM_THREADS says.
+// Present when BLAS is OpenBLAS, which the peers' factorizations share, and when one of them uses
+// OpenMP: CHOLMOD asks for four threads whatever OMP_NUM_THREADS says.
 extern "C" __attribute__((weak)) void openblas_set_num_threads(int);
 extern "C" __attribute__((weak)) void omp_set_max_active_levels(int);
 

@@ -1,69 +1,25 @@
 #include <cholmod.h>
 
 #include <algorithm>
-#include <mutex>
 
 #include "batten/core/elimination_order.h"
 #include "batten/core/errors.h"
 #include "batten/core/supernodal_factor.h"
-
-// Present when BLAS is OpenBLAS. One BLAS thread keeps the factor's bits independent of the
-// machine.
-extern "C" __attribute__((weak)) void openblas_set_num_threads(int);
-extern "C" __attribute__((weak)) int openblas_get_num_threads(void);
-// Present when CHOLMOD was built with OpenMP. It asks for four threads whatever the machine and the
-// environment say, and on few cores their waiting costs as much as the work.
-extern "C" __attribute__((weak)) void omp_set_max_active_levels(int);
-extern "C" __attribute__((weak)) int omp_get_max_active_levels(void);
+#include "batten/core/supernodal_numbers.h"
 
 namespace batten {
 namespace {
 
-// Held by every factorization under way. BLAS's setting belongs to the whole process: the first
-// sets it, the last sets it back. OpenMP's may belong to the thread: everyone sets it.
-class OneThread {
- public:
-  OneThread() {
-    const std::lock_guard lock(state().mutex);
-    if (state().users++ == 0) {
-      state().blas = openblas_get_num_threads ? openblas_get_num_threads() : 0;
-      state().omp = omp_get_max_active_levels ? omp_get_max_active_levels() : 0;
-      if (state().blas > 1) openblas_set_num_threads(1);
-    }
-    if (state().omp > 0) omp_set_max_active_levels(0);
-  }
-  ~OneThread() {
-    const std::lock_guard lock(state().mutex);
-    if (--state().users == 0 && state().blas > 1) openblas_set_num_threads(state().blas);
-    if (state().omp > 0) omp_set_max_active_levels(state().omp);
-  }
-  OneThread(const OneThread&) = delete;
-
- private:
-  struct State {
-    std::mutex mutex;
-    int users = 0, blas = 0, omp = 0;
-  };
-  static State& state() {
-    static State& state = *new State;
-    return state;
-  }
-};
-
 // The first unknown whose pivot is nothing beside its diagonal entry, or not a number; -1: none.
 // The ratio is independent of the scale of the unknowns, and about 1e-16 when a motion costs
 // nothing but rounding let the factor through.
-long singular_unknown(const cholmod_factor& L, const SparseMatrix& A) {
-  const auto* order = static_cast<const int*>(L.Perm);
-  const auto* super = static_cast<const int*>(L.super);
-  const auto* pi = static_cast<const int*>(L.pi);
-  const auto* px = static_cast<const int*>(L.px);
-  const auto* x = static_cast<const double*>(L.x);
+long singular_unknown(const SupernodalPattern& L, const int* order, const double* values,
+                      const SparseMatrix& A) {
   const VecX diagonal = A.diagonal();
-  for (size_t s = 0; s < L.nsuper; ++s) {
-    const long rows = pi[s + 1] - pi[s];
-    for (long c = super[s]; c < super[s + 1]; ++c) {
-      const double pivot = x[px[s] + (c - super[s]) * (rows + 1)];
+  for (int s = 0; s < L.count; ++s) {
+    const long rows = L.row_starts[s + 1] - L.row_starts[s];
+    for (long c = L.columns[s]; c < L.columns[s + 1]; ++c) {
+      const double pivot = values[L.value_starts[s] + (c - L.columns[s]) * (rows + 1)];
       if (!(pivot * pivot > singular_pivot * diagonal[order[c]])) return order[c];
     }
   }
@@ -94,24 +50,24 @@ cholmod_sparse view(const SparseMatrix& A) {
 
 struct SupernodalFactor::Data {
   cholmod_common common;
-  cholmod_factor* factor = nullptr;
+  cholmod_factor* factor = nullptr;  // its pattern alone
+  SupernodalNumbers numbers;
 
   Data() {
     cholmod_start(&common);
     common.print = 0;
     common.postorder = 1;
     common.supernodal = CHOLMOD_SUPERNODAL;
-    common.final_ll = 1;
   }
   ~Data() {
     cholmod_free_factor(&factor, &common);
     cholmod_finish(&common);
   }
-  std::string failure(const char* stage) const {
+  std::string failure() const {
     const char* why = common.status == CHOLMOD_OUT_OF_MEMORY ? "out of memory"
                       : common.status == CHOLMOD_TOO_LARGE   ? "the matrix is too large"
                                                              : "the order or the matrix is invalid";
-    return std::string("the ") + stage + " factorization failed: " + why;
+    return std::string("the symbolic factorization failed: ") + why;
   }
 };
 
@@ -121,6 +77,7 @@ SupernodalFactor::~SupernodalFactor() = default;
 void SupernodalFactor::analyze(const SparseMatrix& A, const std::vector<int>& order,
                                Expected expected) {
   cholmod_common& common = data_->common;
+  data_->numbers = {};
   cholmod_free_factor(&data_->factor, &common);
   cholmod_sparse a = view(A);
   // Small factors are faster with fewer, fuller supernodes: a third at 3,000 unknowns, a tenth at
@@ -141,20 +98,14 @@ void SupernodalFactor::analyze(const SparseMatrix& A, const std::vector<int>& or
     common.method[1].ordering = CHOLMOD_METIS;
   }
   data_->factor = cholmod_analyze_p(&a, given, nullptr, 0, &common);
-  if (!data_->factor) throw NoSolutionError(data_->failure("symbolic"));
+  if (!data_->factor) throw NoSolutionError(data_->failure());
+  data_->numbers = SupernodalNumbers(pattern(), this->order(), A);
 }
 
 std::string SupernodalFactor::factorize(const SparseMatrix& A) {
-  const OneThread guard;
-  cholmod_factor& L = *data_->factor;
-  cholmod_sparse a = view(A);
-  if (!cholmod_factorize(&a, &L, &data_->common) || data_->common.status < 0)
-    return data_->failure("numeric");
-  if (L.minor < L.n) {
-    const auto* order = static_cast<const int*>(L.Perm);
-    return not_positive_definite(order ? order[L.minor] : static_cast<long>(L.minor));
-  }
-  const long unknown = singular_unknown(L, A);
+  const int column = data_->numbers.factorize(A);
+  const long unknown =
+      column < 0 ? singular_unknown(pattern(), order(), values(), A) : order()[column];
   return unknown < 0 ? "" : not_positive_definite(unknown);
 }
 
@@ -167,7 +118,7 @@ SupernodalPattern SupernodalFactor::pattern() const {
 
 const int* SupernodalFactor::order() const { return static_cast<const int*>(data_->factor->Perm); }
 
-double* SupernodalFactor::values() { return static_cast<double*>(data_->factor->x); }
+double* SupernodalFactor::values() { return data_->numbers.values(); }
 
 const char* SupernodalFactor::backend() { return "CHOLMOD"; }
 

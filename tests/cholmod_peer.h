@@ -15,7 +15,7 @@ class CholmodPeer {
  public:
   /// `A`: lower triangle, compressed, alive as long as this. `order` may be empty: AMD. Supernodes
   /// are joined by CHOLMOD's own rule, or by the one that Batten asks of it for small matrices: the
-  /// factor is then the same as Batten's to the last bit (BLAS on one thread).
+  /// factor then has the same pattern as Batten's.
   CholmodPeer(const batten::SparseMatrix& A, std::vector<int> order, bool joined_for_small)
       : order_(std::move(order)) {
     cholmod_start(&common_);
@@ -53,6 +53,10 @@ class CholmodPeer {
         cholmod_analyze_p(&matrix_, order_.empty() ? nullptr : order_.data(), nullptr, 0, &common_);
   }
   void factorize() { cholmod_factorize(&matrix_, factor_, &common_); }
+  /// Numbers of a factor of the same pattern instead of its own, after a factorize().
+  void take_numbers(const double* values) {
+    std::copy_n(values, factor_->xsize, static_cast<double*>(factor_->x));
+  }
   void solve(const batten::MatX& b) {
     cholmod_dense view{};
     view.nrow = view.d = static_cast<size_t>(b.rows());
