@@ -21,12 +21,13 @@ namespace batten {
 ///     x = b;
 ///     cholesky.solve_in_place(x);   // one pair of triangular solves for all columns of b
 ///
-/// The factor is CHOLMOD's supernodal one where CHOLMOD is there, otherwise Eigen's, which takes
-/// several times as long from 10,000 unknowns on. The solve is Batten's own over either: limited by
-/// memory, on several cores when the factor has more than 500,000 entries in a tree with branches,
-/// the same bits on one thread as on many (docs/theory/solver.md).
+/// CHOLMOD orders the unknowns and finds the supernodes where it is there, and the numbers are
+/// Batten's own; otherwise the factor is Eigen's, which takes several times as long from 10,000
+/// unknowns on. The solve is Batten's own over either: limited by memory, on several cores when the
+/// factor has more than 500,000 entries in a tree with branches. Factor and solve have the same bits
+/// on one thread as on many (docs/theory/solver.md).
 ///
-/// Memory: the factor once, 8 bytes an entry, in CHOLMOD's own storage (over Eigen: 20 bytes).
+/// Memory: the factor once, 8 bytes an entry, and 8 an entry of A (over Eigen: 20 bytes an entry).
 /// Movable, not copyable; what was moved from can be assigned to or destroyed. One thread at a
 /// time, solves included; different objects in different threads do not meet.
 class SparseCholesky {
@@ -45,7 +46,8 @@ class SparseCholesky {
   /// successful factorize().
   std::vector<int> order() const;
 
-  /// Factors A, whose pattern is the one that was analysed (otherwise InputError). Returns false
+  /// Factors A, whose pattern is the one that was analysed (otherwise InputError). Over CHOLMOD's
+  /// pattern it uses several cores, and a second time allocates next to nothing. Returns false
   /// when A is not positive definite; message() then says at which unknown and what that means.
   bool factorize(const SparseMatrix& A);
 

@@ -1,4 +1,5 @@
-// The factorization behind SparseCholesky: CHOLMOD's, or Eigen's where CHOLMOD is absent.
+// The factorization behind SparseCholesky: Batten's numbers over CHOLMOD's pattern, or Eigen's where
+// CHOLMOD is absent.
 #pragma once
 
 #include <memory>

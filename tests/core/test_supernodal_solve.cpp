@@ -14,6 +14,8 @@
 
 #ifdef BATTEN_TEST_CHOLMOD
 #include "batten/tests/cholmod_peer.h"
+extern "C" __attribute__((weak)) void openblas_set_num_threads(int);
+extern "C" __attribute__((weak)) void omp_set_max_active_levels(int);
 #endif
 
 using namespace batten_test;
@@ -34,6 +36,8 @@ MatX solved_by_cholmod(const BendingMatrix& problem, const MatX& b) {
   SupernodalFactor factor;
   factor.analyze(problem.K, problem.order, Expected::one_factor);
   REQUIRE(factor.factorize(problem.K).empty());
+  if (openblas_set_num_threads) openblas_set_num_threads(1);
+  if (omp_set_max_active_levels) omp_set_max_active_levels(0);
   CholmodPeer peer(problem.K, problem.order, problem.K.rows() < CholmodPeer::small);
   peer.analyze();
   peer.factorize();
