@@ -20,6 +20,7 @@
 #include "batten/io/meshes/mesh_file.h"
 #include "batten/skinning/domains/plain_fill.h"
 #include "batten/skinning/facets/facets.h"
+#include "batten/skinning/model/fair_shape.h"
 #include "batten/skinning/search/find_regions.h"
 #include "batten/skinning/surfaces/skin_network.h"
 #include "batten/skinning/surfaces/surface_model.h"
@@ -152,9 +153,57 @@ void add_surfaces(const Made& made, Triangles& ours, Triangles& plain) {
   }
 }
 
+// The largest median jump of curvature at a smooth line, and their median, times the size.
+std::array<double, 2> curvature_jumps(const SurfaceModel& model) {
+  std::vector<double> jumps;
+  for (const ModelJoin& j : model.joins)
+    if (j.kind == ModelJoin::Kind::Smooth)
+      jumps.push_back(j.median_curvature_jump * model.layout->size());
+  if (jumps.empty()) return {};
+  return {*std::max_element(jumps.begin(), jumps.end()), median(jumps)};
+}
+
+// Fairs a model and adds a row of what became of it. Returns the flaws that it added.
+int add_fair_row(const char* name, Made& made, Table& table) {
+  const auto layout = made.model.layout;
+  const size_t flaws = made.model.flaws.size();
+  const auto before = curvature_jumps(made.model);
+  VariationSurface fair;
+  const double start = clock_seconds();
+  try {
+    fair = fair_shape(*layout, made.model.dofs, layout->line_constraints());
+  } catch (const std::exception& e) {
+    table.add({name, std::to_string(layout->mesh()->triangle_count()),
+               std::string(e.what()).substr(0, 60)});
+    return 0;
+  }
+  const double seconds = clock_seconds() - start;
+  std::vector<SkinnedRegion> regions;
+  for (int r = 0; r < layout->region_count(); ++r) regions.push_back(layout->skinned(r, fair.dofs));
+  reshape(made.model, layout, fair.dofs, std::move(regions));
+  const auto after = curvature_jumps(made.model);
+  double join = 0;
+  for (const ModelJoin& j : made.model.joins)
+    if (j.kind == ModelJoin::Kind::Smooth) join = std::max(join, j.max_inside_deg);
+  table.add({name, std::to_string(layout->mesh()->triangle_count()), text("%.2f", seconds),
+             std::to_string(fair.factorizations), fair.converged ? "yes" : "no",
+             text("%.3f", fair.max_move / layout->size()),
+             text("%.2e", fair.start_functional) + " -> " + text("%.2e", fair.functional),
+             std::to_string(flaws) + " -> " + std::to_string(made.model.flaws.size()),
+             text("%.2g", join), text("%.2g", before[1]) + " -> " + text("%.2g", after[1])});
+  return count_of(made.model.flaws) - static_cast<int>(flaws);
+}
+
 }  // namespace
 
-int main() {
+// With a word: only the sketches and networks whose names hold it.
+int main(int argc, char** argv) {
+  const auto left_out = [&](const char* name) {
+    return argc > 1 && std::string(name).find(argv[1]) == std::string::npos;
+  };
+  const std::vector<std::string> fair_head = {
+      "faired",    "triangles",           "s",     "factors",  "converged",
+      "move/size", "change of curvature", "flaws", "join deg", "jump x size"};
   Promises promises;
   const auto sketches = batten_test::optional_data("sketch-cassie/sketch_graph");
   if (sketches.empty()) {
@@ -163,13 +212,16 @@ int main() {
     Table table;
     table.add({"sketch", "lines", "repaired", "listed", "arcs", "regions", "skinned", "smooth",
                "open", "creases", "rims", "bare", "choices", "flaws", "min J", "join deg", "s"});
+    Table fair;
+    fair.add(fair_head);
     std::vector<std::string> notes;
     int unnamed = 0;
     for (const char* name :
          {"computer-mouse", "hat", "shield", "teapot", "vacuum", "guitar", "vintage_car",
           "hmd_modern", "architecture", "02-1-2", "02-2-2", "03-1-1"}) {
+      if (left_out(name)) continue;
       const fs::path file = sketches / (std::string(name) + ".json");
-      const Made made = make(read_sketch_graph(file));
+      Made made = make(read_sketch_graph(file));
       int repaired = 0, listed = 0, skinned = 0, smooth = 0, open = 0, creases = 0;
       for (const NetworkFinding& f : made.network->findings()) ++(f.repaired ? repaired : listed);
       double jacobian = 1, join = 0;
@@ -204,6 +256,8 @@ int main() {
                  std::to_string(made.found.rims.size()), std::to_string(made.found.bare.size()),
                  std::to_string(made.found.choices.size()), std::to_string(made.model.flaws.size()),
                  text("%.2f", jacobian), text("%.2g", join), text("%.2f", made.seconds)});
+      const int added = add_fair_row(name, made, fair);
+      promises.at_most(std::string("flaws that fairing adds, ") + name, added, 0);
       const fs::path expected =
           fs::path(BATTEN_SOURCE_DIR) / "tests/reference/networks" / (std::string(name) + ".json");
       if (!fs::exists(expected)) continue;
@@ -214,6 +268,7 @@ int main() {
                         0.8);
     }
     table.print();
+    fair.print();
     for (const std::string& note : notes) std::printf("%s\n", note.c_str());
     std::printf("\n");
     promises.at_most("surfaces that turn over and are not named", unnamed, 0);
@@ -226,32 +281,41 @@ int main() {
     std::printf("Distances of the stored meshes' vertices, over the meshes' size.\n");
     Table table;
     table.add({"network", "lines", "arcs", "regions", "skinned", "smooth", "flaws", "vertices",
-               "max", "rms", "plain: max", "plain: rms", "s"});
+               "max", "rms", "fair: max", "fair: rms", "plain: max", "plain: rms", "s"});
+    Table fair;
+    fair.add(fair_head);
     for (const auto& [lines_file, mesh_file] : {std::pair("hill_3", "hill"),
                                                 {"shell_3", "shell"},
                                                 {"tent_3_regular_curves", "tent"},
                                                 {"roof_75", "roof"},
                                                 {"shell_100", "shell"}}) {
+      if (left_out(lines_file)) continue;
       std::vector<CharacterLine> lines;
       for (const auto& line :
            read_point_lines(shells / "curves" / (std::string(lines_file) + ".txt")))
         lines.push_back({line.name, curve_through_points(line.name, line.points)});
-      const Made made = make(lines);
+      Made made = make(lines);
       const MeshFile mesh = MeshFile::read(shells / "meshes" / (std::string(mesh_file) + ".obj"));
       const Points& vertices = mesh.shells().points;
       const double size = (vertices.colwise().maxCoeff() - vertices.colwise().minCoeff()).norm();
-      Triangles ours, plain;
+      Triangles ours, plain, faired, again;
       add_surfaces(made, ours, plain);
-      Far near_ours, near_plain;
+      const int flaws = count_of(made.model.flaws);
+      const int added = add_fair_row(lines_file, made, fair);
+      promises.at_most(std::string("flaws that fairing adds, ") + lines_file, added, 0);
+      add_surfaces(made, faired, again);
+      Far near_ours, near_fair, near_plain;
       if (!ours.empty() && !plain.empty()) {
         ours.ready();
         plain.ready();
+        faired.ready();
         constexpr double covered = 0.002;
         for (long i = 0; i < vertices.rows(); ++i) {
           const Vec3 p = vertices.row(i);
           const double a = ours.distance(p), b = plain.distance(p);
           if (a > covered * size || b > covered * size) continue;
           near_ours.add(a);
+          near_fair.add(faired.distance(p));
           near_plain.add(b);
         }
       }
@@ -262,14 +326,16 @@ int main() {
       table.add({lines_file, std::to_string(lines.size()),
                  std::to_string(made.network->arcs().size()),
                  std::to_string(made.model.regions.size()), std::to_string(skinned),
-                 std::to_string(smooth), std::to_string(made.model.flaws.size()),
-                 std::to_string(near_ours.count), share(near_ours.max), share(near_ours.rms()),
-                 share(near_plain.max), share(near_plain.rms()), text("%.2f", made.seconds)});
+                 std::to_string(smooth), std::to_string(flaws), std::to_string(near_ours.count),
+                 share(near_ours.max), share(near_ours.rms()), share(near_fair.max),
+                 share(near_fair.rms()), share(near_plain.max), share(near_plain.rms()),
+                 text("%.2f", made.seconds)});
       if (near_ours.count > 0)
         promises.at_most(std::string("rms distance over plain filling's, ") + lines_file,
                          near_ours.rms() / near_plain.rms(), 1);
     }
     table.print();
+    fair.print();
   }
   promises.print("sketches");
 }

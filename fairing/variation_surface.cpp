@@ -165,6 +165,8 @@ VariationSurface fair_variation(const Surface& start, const ConstraintSet& const
                                 const VariationOptions& options, const Progress& progress) {
   if (start.kind() != TriangleElement::HCT)
     throw InputError("found Z12 triangles, expected HCT: their third derivatives are needed");
+  if (!(options.strength > 0 && options.strength <= 1) || !(options.largest_move > 0))
+    throw InputError("expected a strength above 0, at most 1, and a largest move above 0");
   require_fairable(start, constraints);
   VariationSurface result;
   std::unique_ptr<Descent> best;
@@ -178,9 +180,18 @@ VariationSurface fair_variation(const Surface& start, const ConstraintSet& const
   for (const Points& dofs : options.other_starts) consider(dofs);
   Descent& descent = *best;
   descent.run(options, progress, result);
-  result.functional = descent.value();
-  result.dofs = descent.surface().dofs();
-  result.max_move = normal_move(start, descent.surface());
+  const Surface& whole = descent.surface();
+  const double move = normal_move(start, whole);
+  result.share = std::min(options.strength, move > 0 ? options.largest_move / move : 1);
+  result.max_move = result.share * move;
+  if (result.share < 1) {
+    result.dofs = start.dofs() + result.share * (whole.dofs() - start.dofs());
+    const Surface part(start.shared_mesh(), start.kind(), result.dofs, start.trim());
+    result.functional = VariationTerms(part, options.gauss, options.jumps).value(part);
+  } else {
+    result.dofs = whole.dofs();
+    result.functional = descent.value();
+  }
   result.max_residual = constraints.max_residual(result.dofs);
   return result;
 }

@@ -1,6 +1,7 @@
 // Surfaces whose curvature changes least: fair surfaces from their lines alone.
 #pragma once
 
+#include <limits>
 #include <vector>
 
 #include "batten/constraints/constraint_set.h"
@@ -22,10 +23,14 @@ struct VariationOptions {
   /// Dofs of other surfaces to start from. The one that costs least is taken.
   std::vector<Points> other_starts;
   int most_iterations = 40;
+  /// How much of the way from the start to the result is gone, 0 to 1, and the largest move of a
+  /// vertex along the normal, model units. Every row holds on all of the way.
+  double strength = 1, largest_move = std::numeric_limits<double>::infinity();
 };
 
 struct VariationSurface {
   Points dofs;                  ///< n×3
+  double share = 1;             ///< of the way from the start that was gone
   double functional = 0;        ///< E of this surface, 1/length²
   double start_functional = 0;  ///< E of the start
   double max_move = 0;          ///< largest move of a vertex along the start's normal, model units

@@ -154,6 +154,13 @@ void read_skin(const TomlTable& table, SceneSkin& skin) {
                            {{"bending", SceneSkin::Fair::Bending},
                             {"variation", SceneSkin::Fair::Variation},
                             {"loft", SceneSkin::Fair::Loft}});
+  for (const char* key : {"strength", "largest_move"})
+    if (table.has(key) && skin.fair != SceneSkin::Fair::Variation)
+      table.fail(key, std::string("'") + key + "' without variation",
+                 "it only with fair = \"variation\"");
+  skin.strength = table.positive("strength", 1);
+  if (skin.strength > 1) table.fail("strength", number(skin.strength), "above 0, at most 1");
+  skin.largest_move = table.positive("largest_move", 0);
   if (table.has("sections")) {
     if (skin.fair != SceneSkin::Fair::Loft)
       table.fail("sections", "sections without a loft", "them only with fair = \"loft\"");

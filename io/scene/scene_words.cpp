@@ -12,9 +12,9 @@
 namespace batten {
 
 const std::vector<std::string>& skin_keys() {
-  static const std::vector<std::string> keys = {"element",     "domain", "settle", "mesher",
-                                                "edge_length", "refine", "alpha",  "beta",
-                                                "units",       "hold",   "fair",   "sections"};
+  static const std::vector<std::string> keys = {
+      "element", "domain", "settle", "mesher", "edge_length", "refine",   "alpha",
+      "beta",    "units",  "hold",   "fair",   "sections",    "strength", "largest_move"};
   return keys;
 }
 const std::vector<std::string>& output_keys() {

@@ -27,8 +27,8 @@ std::vector<std::vector<int>> free_sides(const ModelLayout& layout) {
 }  // namespace
 
 VariationSurface fair_shape(const ModelLayout& layout, const Points& start,
-                            const ConstraintSet& constraints, const Progress& progress) {
-  VariationOptions options;
+                            const ConstraintSet& constraints, VariationOptions options,
+                            const Progress& progress) {
   bool corners = false, inner_lines = false, rings = false;
   for (int r = 0; r < layout.region_count(); ++r) {
     const RegionLayout& region = layout.region(r);

@@ -13,8 +13,9 @@ namespace batten {
 /// can). A model with rings starts from loft_shape() too, which
 /// does not pinch long ones. Smooth joins stay smooth; the curvature may jump there, as a cap's does on a cylinder. Dofs are in absolute coordinates.
 ///
-/// `constraints` as of ModelLayout::line_constraints(). Throws as fair_variation().
+/// Of `options`, gauss, sides and other_starts are chosen here. `constraints` as of ModelLayout::line_constraints(). Throws as fair_variation().
 VariationSurface fair_shape(const ModelLayout& layout, const Points& start,
-                            const ConstraintSet& constraints, const Progress& progress = {});
+                            const ConstraintSet& constraints, VariationOptions options = {},
+                            const Progress& progress = {});
 
 }  // namespace batten

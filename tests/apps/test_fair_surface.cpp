@@ -69,3 +69,29 @@ TEST_CASE("what a fair shape cannot have beside it is refused with its place", "
   c.fails(half_cylinder(fair), 1, {"found fair = \"variation\", expected \"bending\""}, {},
           "sculpt");
 }
+
+TEST_CASE("a loft runs straight between sections, and names what is no section", "[cli][fair]") {
+  const Case c("loft");
+  const double area = std::numbers::pi * 50 * 120;
+  c.file("s.toml", half_cylinder("fair = \"loft\"\nsections = [\"back\"]\n"));
+  const Result r = c.run({"run", "s.toml", "--out", "out"});
+  INFO(r.err);
+  REQUIRE(r.code == 0);
+  CHECK(r.out.find("lofted") != std::string::npos);
+  const auto surface = report_of(c)["surface"];
+  CHECK(surface["fair"] == "loft");
+  CHECK(surface["area"].get<double>() == Approx(area).epsilon(0.002));
+  CHECK(surface["max_line_residual"].get<double>() < 1e-10);
+
+  c.file("s.toml", half_cylinder("fair = \"loft\"\nsections = [\"bakc\"]\n"));
+  const Result wrong = c.run({"run", "s.toml", "--out", "wrong"});
+  CHECK(wrong.code == 1);
+  CHECK(wrong.err.find("s.toml:") != std::string::npos);
+  CHECK(wrong.err.find("'bakc' is no side") != std::string::npos);
+  c.file("s.toml", half_cylinder("strength = 0.5\n"));
+  CHECK(c.run({"run", "s.toml", "--out", "wrong"}).err.find("only with fair = \"variation\"") !=
+        std::string::npos);
+  c.file("s.toml", half_cylinder("sections = [\"back\"]\n"));
+  CHECK(c.run({"run", "s.toml", "--out", "wrong"}).err.find("only with fair = \"loft\"") !=
+        std::string::npos);
+}

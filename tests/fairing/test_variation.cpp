@@ -6,6 +6,7 @@
 #include "batten/constraints/shape/shape_constraints.h"
 #include "batten/core/errors.h"
 #include "batten/core/parallel.h"
+#include "batten/fairing/normal_steps.h"
 #include "batten/fairing/variation_surface.h"
 #include "batten/fairing/variation_terms.h"
 #include "batten/tests/catch.h"
@@ -89,7 +90,8 @@ Points gradient_of(const VariationTerms& terms, const Surface& s) {
   const auto add = [&](const auto& dofs, const auto& rows) {
     for (size_t k = 0; k < 3 * dofs.size(); ++k)
       for (int r = 0; r < rows.count; ++r)
-        g(dofs[k % dofs.size()], static_cast<long>(k / dofs.size())) += 2 * rows.r[r] * rows.J[k][r];
+        g(dofs[k % dofs.size()], static_cast<long>(k / dofs.size())) +=
+            2 * rows.r[r] * rows.J[k][r];
   };
   TriangleRows triangle;
   for (int t = 0; t < s.mesh().triangle_count(); ++t) {
@@ -275,4 +277,65 @@ TEST_CASE("what cannot be faired says so") {
              Contains("not finite"));
   const Surface nothing(s.shared_mesh(), s.kind(), Points::Zero(s.dofs().rows(), 3));
   CHECK_THAT(refusal([&] { fair_variation(nothing, rows); }), Contains("area zero"));
+}
+
+TEST_CASE("steps along the normals keep the rows and go along the normals") {
+  const Surface s = cubic_graph(4);
+  ConstraintSet rows(s.dof_map().count());
+  for (int v = 0; v < s.mesh().vertex_count(); ++v)
+    if (s.mesh().vertices()[v].x() == 0)
+      for (int d = 0; d < 3; d += 2)
+        rows.add("rim", {{s.dof_map().vertex(v, d), 1.0}},
+                 Vec3(s.dofs().row(s.dof_map().vertex(v, d))));
+  rows.add("tie", {{s.dof_map().vertex(12, 1), 1.0}, {s.dof_map().vertex(13, 1), -1.0}},
+           Vec3(s.dofs().row(s.dof_map().vertex(12, 1)) - s.dofs().row(s.dof_map().vertex(13, 1))));
+  const StackedReduction reduction(rows);
+  const NormalSteps steps(reduction, s);
+  CHECK(3 * steps.count() == reduction.free_count());
+  std::mt19937 generator(4);
+  std::normal_distribution<double> normal;
+  VecX amounts(steps.count());
+  for (double& x : amounts) x = normal(generator);
+  const VecX change = steps.at(s) * amounts;
+  const Points moved = s.dofs() + change.reshaped(s.dof_map().count(), 3);
+  CHECK(rows.max_residual(moved) < 1e-12 * amounts.norm());
+  for (int v = 0; v < s.mesh().vertex_count(); ++v) {
+    const int d = s.dof_map().vertex(v);
+    const Vec3 way = moved.row(d) - s.dofs().row(d);
+    const Vec3 u = s.dofs().row(d + 1), w = s.dofs().row(d + 2);
+    CHECK(way.cross(u.cross(w)).norm() < 1e-12 * (1 + way.norm()));
+  }
+}
+
+TEST_CASE("the same amount everywhere makes the parallel surface of a sphere") {
+  // Dofs of a piece of the unit sphere, over (u, v) in [0, 0.5]².
+  auto mesh = std::make_shared<const ParametricMesh>(ParametricMesh::unit_square(6));
+  const DofMap map(*mesh);
+  const auto at = [](const Vec2& p) -> Vec3 {
+    return {std::cos(p.x()) * std::cos(p.y()), std::sin(p.x()) * std::cos(p.y()), std::sin(p.y())};
+  };
+  const auto slopes = [](const Vec2& p) {
+    Eigen::Matrix<double, 3, 2> X;
+    X << -std::sin(p.x()) * std::cos(p.y()), -std::cos(p.x()) * std::sin(p.y()),
+        std::cos(p.x()) * std::cos(p.y()), -std::sin(p.x()) * std::sin(p.y()), 0, std::cos(p.y());
+    return X;
+  };
+  Points q(map.count(), 3);
+  for (int v = 0; v < mesh->vertex_count(); ++v) {
+    q.row(map.vertex(v)) = at(mesh->vertices()[v]);
+    q.row(map.vertex(v, 1)) = slopes(mesh->vertices()[v]).col(0);
+    q.row(map.vertex(v, 2)) = slopes(mesh->vertices()[v]).col(1);
+  }
+  for (int e = 0; e < mesh->edge_count(); ++e) {
+    const auto& edge = mesh->edges()[e];
+    const Vec2 p = (mesh->vertices()[edge.low] + mesh->vertices()[edge.high]) / 2;
+    q.row(map.edge(e)) = slopes(p) * mesh->edge_normal(e);
+  }
+  const Surface s(mesh, TriangleElement::HCT, q);
+  const StackedReduction free{ConstraintSet(map.count())};
+  const NormalSteps steps(free, s);
+  VecX amounts = VecX::Zero(steps.count());  // φ = 0.1: its slopes are zero
+  for (int v = 0; v < mesh->vertex_count(); ++v) amounts[map.vertex(v)] = 0.1;
+  const VecX change = steps.at(s) * amounts;
+  CHECK((q + change.reshaped(map.count(), 3) - 1.1 * q).cwiseAbs().maxCoeff() < 2e-3);
 }

@@ -116,7 +116,10 @@ void fair(MadeShape& shape, const Scene& scene, const Progress& progress) {
     return;
   }
   try {
-    shape.fairing = fair_shape(layout, shape.dofs, layout.line_constraints(), progress);
+    VariationOptions options;
+    options.strength = scene.skin.strength;
+    if (scene.skin.largest_move > 0) options.largest_move = scene.skin.largest_move;
+    shape.fairing = fair_shape(layout, shape.dofs, layout.line_constraints(), options, progress);
   } catch (const CancelledError&) {
     throw;
   } catch (const Error& e) {

@@ -5,6 +5,7 @@
 #include "batten/sculpting/statics/static_sculpt.h"
 #include "batten/skinning/region/quality.h"
 #include "batten/tests/kkt_twin.h"
+#include "batten/tests/catch.h"
 #include "batten/tests/patchwork.h"
 #include "batten/tests/sculpting/session/session_scenes.h"
 

@@ -2,13 +2,18 @@
 #include "batten/skinning/model/fair_shape.h"
 
 #include <cmath>
+#include <numbers>
 
 #include "batten/benchmarks/analytic_shapes.h"
 #include "batten/core/errors.h"
 #include "batten/skinning/layout/region_layout.h"
+#include "batten/skinning/model/join.h"
+#include "batten/skinning/model/loft_shape.h"
 #include "batten/tests/catch.h"
+#include "batten/tests/patchwork.h"
 
 using namespace batten;
+using Catch::Matchers::Contains;
 
 namespace {
 
@@ -36,6 +41,16 @@ Made make(const bench::AnalyticShape& shape) {
   const double before = distance(shape, model.surface(bending)) / model.size(),
                after = distance(shape, model.surface(fair.dofs)) / model.size();
   return {std::move(model), bending, std::move(fair), before, after};
+}
+
+CharacterLine circle(const std::string& name, double radius, double z) {
+  std::vector<Vec3> points;
+  constexpr int pieces = 48;
+  for (int i = 0; i <= pieces; ++i) {
+    const double a = 2 * std::numbers::pi * (i % pieces) / pieces;
+    points.emplace_back(radius * std::cos(a), radius * std::sin(a), z);
+  }
+  return {name, curve_through_points(name, points)};
 }
 
 bench::AnalyticShape shape_named(const std::string& name) {
@@ -92,4 +107,127 @@ TEST_CASE("a fair shape does not depend on unit or place") {
   const Points same = dofs(1, Vec3::Zero()), other = dofs(1000, Vec3(5000, -3000, 200));
   REQUIRE(same.rows() == other.rows());
   CHECK((same - other).cwiseAbs().maxCoeff() < 1e-6);
+}
+
+TEST_CASE("a long can between two circles is a cylinder, a frustum a cone") {
+  struct Expected {
+    double low, high, height;
+  };
+  for (const auto& [low, high, height] : {Expected{33, 33, 120}, Expected{40, 25, 60}}) {
+    SkinOptions options;
+    options.edge_length = 12;
+    const ModelLayout model(
+        RegionLayout("can", {circle("low", low, 0), circle("high", high, height)}, options));
+    const Points bending = model.least_energy({});
+    const VariationSurface fair = fair_shape(model, bending, model.line_constraints());
+    const auto error = [&, low = low, high = high, height = height](const Points& dofs) {
+      double worst = 0;
+      const Surface surface = model.surface(dofs);
+      for (int t = 0; t < surface.mesh().triangle_count(); ++t) {
+        const Vec3 x = surface.position({t, Vec3::Constant(1.0 / 3)});
+        const double radius = low + (high - low) * x.z() / height;
+        worst = std::max(worst, std::abs(std::hypot(x.x(), x.y()) - radius) / low);
+      }
+      return worst;
+    };
+    CHECK(error(bending) > 0.05);
+    CHECK(error(fair.dofs) < 1e-3);
+    CHECK(error(loft_shape(model, {})) < 1e-3);
+  }
+}
+
+TEST_CASE("a loft is ruled between two sections, and holds its lines") {
+  // Arches of different heights, not in parallel planes.
+  const auto arch = [](const std::string& name, double y, double height, double width) {
+    return CharacterLine{name, curve_from_formula(-1, 1, [=](double t, int order) -> Vec3 {
+                           if (order == 0) return {width * t, y + 0.2 * t, height * (1 - t * t)};
+                           return order == 1 ? Vec3(width, 0.2, -2 * height * t)
+                                             : Vec3(0, 0, -2 * height);
+                         })};
+  };
+  const auto straight = [](const std::string& name, const Vec3& a, const Vec3& b) {
+    return CharacterLine{name, curve_through_points(name, {a, b})};
+  };
+  const std::vector<CharacterLine> lines{
+      arch("front", 0, 0.5, 1), straight("right", {1, 0.2, 0}, {0.8, 3.2, 0}),
+      arch("back", 3, 0.3, 0.8), straight("left", {-0.8, 2.8, 0}, {-1, -0.2, 0})};
+  SkinOptions options;
+  options.edge_length = 0.3;
+  const ModelLayout model(RegionLayout("arch", lines, options));
+  const Points loft = loft_shape(model, {"back"});
+  CHECK(model.line_constraints().max_residual(loft) < 1e-10);
+  double worst = 0;
+  const Surface surface = model.surface(loft);
+  for (int t = 0; t < surface.mesh().triangle_count(); ++t) {
+    const Vec3 x = surface.position({t, Vec3::Constant(1.0 / 3)});
+    // The ruled surface at the same x and y: height over the half-width there.
+    const double f = x.y() / 3, width = 1 - 0.2 * f, height = 0.5 - 0.2 * f, s = x.x() / width;
+    worst = std::max(worst, std::abs(x.z() - height * (1 - s * s)));
+  }
+  CHECK(worst < 0.02);
+  CHECK_THROWS_WITH(loft_shape(model, {"bakc"}), Contains("'bakc' is no side of a region"));
+  CHECK_THROWS_WITH(loft_shape(model, {"back", "left"}), Contains("sides that meet"));
+}
+
+TEST_CASE("joined octants are a sphere whose curvature goes on across the join") {
+  const batten_test::Patchwork patches = batten_test::octants(0.2);
+  const JoinLine line = patches.join_line("zx", 0, 1);
+  const ModelLayout model = patches.model({line});
+  const VariationSurface fair = fair_shape(model, model.least_energy({}), model.line_constraints());
+  double worst = 0;
+  const Surface surface = model.surface(fair.dofs);
+  for (int t = 0; t < surface.mesh().triangle_count(); ++t)
+    worst = std::max(worst, std::abs(surface.position({t, Vec3::Constant(1.0 / 3)}).norm() - 1));
+  CHECK(worst < 1e-3);
+  const SkinnedRegion a = model.skinned(0, fair.dofs), b = model.skinned(1, fair.dofs);
+  const JoinQuality quality = measure_join({&a, &b}, line);
+  CHECK(quality.max_gap < 1e-12);
+  CHECK(quality.max_deg < 0.05);
+  CHECK(quality.median_curvature_jump < 0.01);
+}
+
+TEST_CASE("a cap on a cylinder: the curvature jumps by that of the cap") {
+  const Vec3 x = Vec3::UnitX(), y = Vec3::UnitY(), z = Vec3::UnitZ(), down = -1.2 * z;
+  batten_test::Patchwork p;
+  p.options.edge_length = 0.2;
+  const auto line = [&](const std::string& name, const std::shared_ptr<const InputCurve>& curve) {
+    p.add(batten_test::given_line(name, curve, 3, p.options.edge_length));
+  };
+  line("rim", batten_test::quarter(x, y));
+  line("yz", batten_test::quarter(y, z));
+  line("zx", batten_test::quarter(z, x));
+  line("side1", curve_through_points("side1", {x, x + down}));
+  line("side2", curve_through_points("side2", {y, y + down}));
+  line("foot", curve_from_formula(0, std::numbers::pi / 2, [&](double t, int order) -> Vec3 {
+         return batten_test::quarter(x, y)->evaluate(t, order) +
+                (order == 0 ? down : Vec3(0, 0, 0));
+       }));
+  p.region({"rim", "yz", "zx"});
+  p.region({"-rim", "side1", "foot", "side2"});
+  const JoinLine join = p.join_line("rim", 0, 1);
+  const ModelLayout model = p.model({join});
+  const Points dofs = fair_shape(model, model.least_energy({}), model.line_constraints()).dofs;
+  const SkinnedRegion a = model.skinned(0, dofs), b = model.skinned(1, dofs);
+  const JoinQuality quality = measure_join({&a, &b}, join);
+  CHECK(quality.max_deg < 0.05);
+  CHECK(quality.median_curvature_jump == Approx(1).epsilon(0.02));
+}
+
+TEST_CASE("strength and largest move stop on the way, where every line holds too") {
+  const Made made = make(shape_named("cylinder 90"));
+  const ConstraintSet rows = made.model.line_constraints();
+  VariationOptions half;
+  half.strength = 0.5;
+  const VariationSurface middle = fair_shape(made.model, made.bending, rows, half);
+  CHECK((middle.dofs - 0.5 * (made.bending + made.fair.dofs)).cwiseAbs().maxCoeff() < 1e-9);
+  CHECK(middle.max_residual < 1e-10 * made.model.size());
+  CHECK(middle.functional > made.fair.functional);
+  CHECK(middle.functional < made.fair.start_functional);
+  VariationOptions little;
+  little.largest_move = 0.1 * made.fair.max_move;
+  const VariationSurface near = fair_shape(made.model, made.bending, rows, little);
+  CHECK(near.max_move == Approx(little.largest_move));
+  CHECK(near.share == Approx(0.1));
+  half.strength = 0;
+  CHECK_THROWS_AS(fair_shape(made.model, made.bending, rows, half), InputError);
 }

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "batten/skinning/region/quality.h"
+#include "batten/tests/catch.h"
 #include "batten/tests/patchwork.h"
 
 using namespace batten;
