@@ -289,6 +289,20 @@ TEST_CASE("the car body: eight regions sculpted as one, smooth joins and edges a
   if (kDisplay) CHECK(fs::file_size(ran.out / "body_sport.png") > 20000);
 }
 
+TEST_CASE("sections make a wing and a bottle that run through them") {
+  const Ran wing = run(kExamples + "15-sections/wing.toml", "wing");
+  REQUIRE(wing.code == kDone);
+  CHECK(wing.report["surface"]["fair"] == "loft");
+  CHECK(wing.report["surface"]["max_line_residual"].get<double>() < 1e-10);
+  // Of a ruled surface between the two halves: mean length of the sections times span, nearly.
+  CHECK(wing.report["surface"]["area"].get<double>() == Approx(24270).epsilon(2e-3));
+  const Ran bottle = run(kExamples + "15-sections/bottle.toml", "bottle");
+  REQUIRE(bottle.code == kDone);
+  CHECK(bottle.report["surface"]["max_line_gap"].get<double>() < 0.02);
+  CHECK(bottle.report["surface"]["min_jacobian_ratio"].get<double>() > 0.3);
+  if (kDisplay) CHECK(fs::file_size(bottle.out / "bottle.png") > 20000);
+}
+
 TEST_CASE("the bent plate's hole is a circle of nodes, and bends as plates do") {
   const Ran ran = run(kExamples + "07-plate-with-hole/scene.toml", "plate_with_hole");
   REQUIRE(ran.code == kDone);
