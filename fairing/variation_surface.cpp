@@ -59,7 +59,7 @@ class Descent {
     if (reduction_.free_count() > 0) {
       evenness_ = least_evenness;
       damping_ = least_damping;
-      run([&] { return reduction_.D(); }, reduction_.coupled() ? 1 : 3, 1e-3, options, progress,
+      run([&] { return reduction_.D(); }, reduction_.coupled() ? 1 : 3, 5e-4, options, progress,
           result);
     }
   }
@@ -67,7 +67,7 @@ class Descent {
  private:
   struct Step {
     bool taken = false;
-    double promised = 0;                  ///< by the first try
+    double promised = 0;                  ///< the most of any try
     double gain = 0, kept = 0, move = 0;  ///< kept: gain over promise, 0 for a part of a step
   };
   static constexpr double least_evenness = 0.3, least_damping = 1e-4;
@@ -93,7 +93,8 @@ class Descent {
       }
       ++result.iterations;
       terms_.set_frames(surface_);
-      const double gained = value_ - terms_.value(surface_);
+      // Other frames may take back what the step gained in its own.
+      const double gained = std::max(step.gain, value_ - terms_.value(surface_));
       result.converged =
           step.kept > poor && (step.move < calm * length || gained < little * value_);
       if (!result.converged) T_ = ways();
@@ -123,10 +124,14 @@ class Descent {
       if (!std::isfinite(value_))
         throw InputError("the surface to be faired has no normal somewhere");
       ++result.factorizations;
-      if (!cholesky.factorize(equations.matrix())) throw NoSolutionError(cholesky.message());
+      if (!cholesky.factorize(equations.matrix())) {
+        if (k + 1 == most_tries) throw NoSolutionError(cholesky.message());
+        tighten();
+        continue;
+      }
       const VecX way = -cholesky.solve(equations.gradient());
       const double promised = -equations.gradient().dot(way);
-      if (k == 0) step.promised = promised;
+      step.promised = std::max(step.promised, promised);
       // A part of the step costs a value, another step a factor.
       for (double part = 1; part > 0.1; part /= 2) {
         const Surface next = moved(part * way);
