@@ -166,6 +166,10 @@ std::array<double, 2> curvature_jumps(const SurfaceModel& model) {
 // Fairs a model and adds a row of what became of it. Returns the flaws that it added.
 int add_fair_row(const char* name, Made& made, Table& table) {
   const auto layout = made.model.layout;
+  if (!layout) {
+    table.add({name, "", "no region has a skin"});
+    return 0;
+  }
   const size_t flaws = made.model.flaws.size();
   const auto before = curvature_jumps(made.model);
   VariationSurface fair;
