@@ -90,12 +90,14 @@ Points loft_shape(const ModelLayout& layout, const std::vector<std::string>& sec
   std::set<std::string> missing(sections.begin(), sections.end());
   std::vector<SurfaceStiffness> materials(static_cast<size_t>(layout.mesh()->triangle_count()),
                                           SurfaceStiffness::isotropic(0, 1));
+  bool lofted = false;
   for (int r = 0; r < layout.region_count(); ++r) {
     const RegionLayout& region = layout.region(r);
     const bool ring = is_ring(region);
     const int side =
         !ring && region.corners().size() == 4 ? side_of_sections(region, sections, missing) : -1;
     if (!ring && side < 0) continue;
+    lofted = true;
     for (int t = 0; t < region.mesh()->triangle_count(); ++t) {
       const Vec2 p = region.mesh()->shape(t).point(Vec3::Constant(1.0 / 3));
       SurfaceStiffness& m = materials[static_cast<size_t>(layout.first_triangle(r) + t)];
@@ -107,6 +109,11 @@ Points loft_shape(const ModelLayout& layout, const std::vector<std::string>& sec
   if (!missing.empty())
     throw InputError("the section '" + *missing.begin() +
                      "' is no side of a region with four corners");
+  if (!lofted)
+    throw InputError(
+        "found nothing to loft, expected a ring, or sections: lines that are sides of a region "
+        "with "
+        "four corners");
   return layout.least_energy_of(std::move(materials));
 }
 

@@ -19,7 +19,7 @@ bool is_ring(const RegionLayout& region);
 /// lines are sections too, and the shape is a spline through them. Other regions bend in all
 /// directions. Every line is held as always. Dofs are in absolute coordinates.
 ///
-/// Throws InputError: a section that is no line of the model, or no side of a region with four
+/// Throws InputError: no ring and no sections, a section that is no line of the model, or no side of a region with four
 /// corners. ConflictError, NoSolutionError. Cost: one factor of one coordinate.
 Points loft_shape(const ModelLayout& layout, const std::vector<std::string>& sections);
 

@@ -166,6 +166,7 @@ TEST_CASE("a loft is ruled between two sections, and holds its lines") {
   }
   CHECK(worst < 0.02);
   CHECK_THROWS_WITH(loft_shape(model, {"bakc"}), Contains("'bakc' is no side of a region"));
+  CHECK_THROWS_WITH(loft_shape(model, {}), Contains("nothing to loft"));
   CHECK_THROWS_WITH(loft_shape(model, {"back", "left"}), Contains("sides that meet"));
 }
 
