@@ -86,7 +86,7 @@ int side_of_sections(const RegionLayout& region, const std::vector<std::string>&
 bool is_ring(const RegionLayout& region) { return region.mesh()->period() > 0; }
 
 Points loft_shape(const ModelLayout& layout, const std::vector<std::string>& sections) {
-  constexpr double in_all_ways = 1e-4;  // keeps the matrix definite
+  constexpr double in_all_ways = 1e-7;  // keeps the matrix definite
   std::set<std::string> missing(sections.begin(), sections.end());
   std::vector<SurfaceStiffness> materials(static_cast<size_t>(layout.mesh()->triangle_count()),
                                           SurfaceStiffness::isotropic(0, 1));
