@@ -86,7 +86,8 @@ int side_of_sections(const RegionLayout& region, const std::vector<std::string>&
 bool is_ring(const RegionLayout& region) { return region.mesh()->period() > 0; }
 
 Points loft_shape(const ModelLayout& layout, const std::vector<std::string>& sections) {
-  constexpr double in_all_ways = 1e-7;  // keeps the matrix definite
+  // Keeps the matrix definite, and lines side by side together; would pinch long rings.
+  constexpr double in_all_ways = 1e-4, of_rings = 1e-7;
   std::set<std::string> missing(sections.begin(), sections.end());
   std::vector<SurfaceStiffness> materials(static_cast<size_t>(layout.mesh()->triangle_count()),
                                           SurfaceStiffness::isotropic(0, 1));
@@ -101,7 +102,7 @@ Points loft_shape(const ModelLayout& layout, const std::vector<std::string>& sec
     for (int t = 0; t < region.mesh()->triangle_count(); ++t) {
       const Vec2 p = region.mesh()->shape(t).point(Vec3::Constant(1.0 / 3));
       SurfaceStiffness& m = materials[static_cast<size_t>(layout.first_triangle(r) + t)];
-      m *= in_all_ways;
+      m *= ring ? of_rings : in_all_ways;
       m += SurfaceStiffness::directional(ring ? Vec2(0, 1) : Quadrilateral(region).across(side, p),
                                          0, 1);
     }

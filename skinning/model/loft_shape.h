@@ -12,7 +12,7 @@ bool is_ring(const RegionLayout& region);
 
 /// The shape of least bending across sections only,
 ///
-///     ∫ X_tt² du dv + 1e-7 · bending in all directions,
+///     ∫ X_tt² du dv + 1e-4 (rings: 1e-7) · bending in all directions,
 ///
 /// t from section to section: of a ring from rim to rim, of a region with four corners from the side
 /// that one of `sections` is part of to the opposite side. Between two lines it is ruled; inner
