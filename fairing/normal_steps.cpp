@@ -3,6 +3,8 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
+#include "batten/core/index.h"
+
 namespace batten {
 namespace {
 
@@ -44,6 +46,12 @@ struct NormalField {
     }
   }
 
+  // Where a dof is.
+  const Vec3& normal(int dof) const {
+    const int edges = 3 * count_of(vertex);
+    return dof < edges ? vertex[dof / 3] : edge[dof - edges];
+  }
+
  private:
   using Slopes = Eigen::Matrix<double, 3, 2>;
 
@@ -69,16 +77,13 @@ NormalSteps::NormalSteps(const StackedReduction& reduction, const Surface& start
   std::vector<Vec3> ways(n, Vec3::Zero());  // of a unit step along the free coordinates
   for (int f = 0; f < reduction.free_count(); ++f) {
     const int row = reduction.free_rows()[f], dof = row % n;
-    const int edges = start.dof_map().edge(0);
-    const Vec3& N = dof < edges ? field.vertex[dof / 3] : field.edge[dof - edges];
-    for (int c = 0; c < 3; ++c) ways[dof][c] += reduction.D().coeff(c * n + dof, f) * N[row / n];
+    const double step = field.normal(dof)[row / n];
+    for (int c = 0; c < 3; ++c) ways[dof][c] += reduction.D().coeff(c * n + dof, f) * step;
   }
-  for (int dof = 0; dof < n; ++dof) {
-    const int edges = start.dof_map().edge(0);
-    const Vec3& N = dof < edges ? field.vertex[dof / 3] : field.edge[dof - edges];
-    if (N.dot(ways[dof]) > 0.5 * ways[dof].norm() && ways[dof].norm() > 0.1)
+  for (int dof = 0; dof < n; ++dof)
+    if (const double length = ways[dof].norm();
+        length > 0.1 && field.normal(dof).dot(ways[dof]) > 0.5 * length)
       unknown_of_[dof] = count_++;
-  }
 }
 
 template <class Put>
@@ -103,13 +108,12 @@ RowMatrix NormalSteps::at(const Surface& surface) const {
       scalar_row(
           of, [&](int unknown, double share) { entries.emplace_back(f, unknown, factor * share); });
     };
+    if (unknown_of_[dof] >= 0) add(dof, field.normal(dof)[c]);
     if (dof < edges) {
       const int v = dof / 3, slope = dof % 3;
-      if (unknown_of_[dof] >= 0) add(dof, field.vertex[v][c]);
       if (slope > 0) add(3 * v, (slope == 1 ? field.by_u : field.by_v)[v][c]);
     } else {
       const int e = dof - edges;
-      if (unknown_of_[dof] >= 0) add(dof, field.edge[e][c]);
       // φ at the midpoint, by Hermite's cubic along the edge.
       const Vec2 way = mesh.edge_length(e) / 8 * mesh.edge_tangent(e);
       const double across = field.across[e][c];

@@ -41,8 +41,9 @@ std::vector<int> order_of(const SparseMatrix& A, int copies) {
 // smoothly over the shape before the elements come near to it.
 class Descent {
  public:
-  Descent(const Surface& start, const ConstraintSet& constraints, const VariationOptions& options)
-      : reduction_(constraints),
+  /// The reduction must outlive it.
+  Descent(const Surface& start, const StackedReduction& reduction, const VariationOptions& options)
+      : reduction_(reduction),
         surface_(start.shared_mesh(), start.kind(),
                  reduction_.expand(reduction_.free_part(start.dofs())), start.trim()),
         terms_(surface_, options.gauss, options.jumps) {
@@ -51,6 +52,10 @@ class Descent {
 
   const Surface& surface() const { return surface_; }
   double value() const { return terms_.value(surface_); }
+  double value_of(const Surface& other) {
+    terms_.set_frames(other);
+    return terms_.value(other);
+  }
 
   void run(const VariationOptions& options, const Progress& progress, VariationSurface& result) {
     const NormalSteps normal(reduction_, surface_);
@@ -94,9 +99,10 @@ class Descent {
       ++result.iterations;
       terms_.set_frames(surface_);
       // Other frames may take back what the step gained in its own.
-      const double gained = std::max(step.gain, value_ - terms_.value(surface_));
-      result.converged =
-          step.kept > poor && (step.move < calm * length || gained < little * value_);
+      const auto gained_little = [&] {
+        return step.gain < little * value_ && value_ - terms_.value(surface_) < little * value_;
+      };
+      result.converged = step.kept > poor && (step.move < calm * length || gained_little());
       if (!result.converged) T_ = ways();
     }
   }
@@ -157,7 +163,7 @@ class Descent {
             surface_.trim()};
   }
 
-  StackedReduction reduction_;
+  const StackedReduction& reduction_;
   Surface surface_;
   VariationTerms terms_;
   RowMatrix T_;
@@ -173,11 +179,12 @@ VariationSurface fair_variation(const Surface& start, const ConstraintSet& const
   if (!(options.strength > 0 && options.strength <= 1) || !(options.largest_move > 0))
     throw InputError("expected a strength above 0, at most 1, and a largest move above 0");
   require_fairable(start, constraints);
+  const StackedReduction reduction(constraints);
   VariationSurface result;
   std::unique_ptr<Descent> best;
   const auto consider = [&](const Points& dofs) {
     auto descent = std::make_unique<Descent>(
-        Surface(start.shared_mesh(), start.kind(), dofs, start.trim()), constraints, options);
+        Surface(start.shared_mesh(), start.kind(), dofs, start.trim()), reduction, options);
     if (!best || descent->value() < best->value()) best = std::move(descent);
   };
   consider(start.dofs());
@@ -189,14 +196,10 @@ VariationSurface fair_variation(const Surface& start, const ConstraintSet& const
   const double move = normal_move(start, whole);
   result.share = std::min(options.strength, move > 0 ? options.largest_move / move : 1);
   result.max_move = result.share * move;
-  if (result.share < 1) {
-    result.dofs = start.dofs() + result.share * (whole.dofs() - start.dofs());
-    const Surface part(start.shared_mesh(), start.kind(), result.dofs, start.trim());
-    result.functional = VariationTerms(part, options.gauss, options.jumps).value(part);
-  } else {
-    result.dofs = whole.dofs();
-    result.functional = descent.value();
-  }
+  result.dofs = whole.dofs();
+  if (result.share < 1) result.dofs = start.dofs() + result.share * (whole.dofs() - start.dofs());
+  result.functional =
+      descent.value_of(Surface(start.shared_mesh(), start.kind(), result.dofs, start.trim()));
   result.max_residual = constraints.max_residual(result.dofs);
   return result;
 }
