@@ -29,6 +29,18 @@ int vector_bits();
 /// The limit; 512 at first. For tests.
 void limit_vector_bits(int bits);
 
+/// Of what was made for 128 bits, and where BATTEN_WIDE_VECTORS is defined for 256 and 512 too, the
+/// one for vector_bits().
+template <class Kernels>
+const Kernels& for_vector_bits(const Kernels& narrow) {
+  return narrow;
+}
+template <class Kernels>
+const Kernels& for_vector_bits(const Kernels& narrow, const Kernels& middle, const Kernels& wide) {
+  const int bits = vector_bits();
+  return bits >= 512 ? wide : bits >= 256 ? middle : narrow;
+}
+
 /// call(n) with n, 1 … most, as a constant; nothing for 0.
 template <int most, class Call>
 BATTEN_INLINE void with_constant(int n, const Call& call) {

@@ -212,11 +212,10 @@ BATTEN_SWEEPS(with_512_bits, BATTEN_512_BITS, Row4, Row8)
 
 const Sweeps& sweeps() {
 #ifdef BATTEN_WIDE_VECTORS
-  const int bits = vector_bits();
-  if (bits >= 512) return with_512_bits;
-  if (bits >= 256) return with_256_bits;
+  return for_vector_bits(with_128_bits, with_256_bits, with_512_bits);
+#else
+  return for_vector_bits(with_128_bits);
 #endif
-  return with_128_bits;
 }
 
 }  // namespace
