@@ -20,8 +20,8 @@
 #include "batten/io/meshes/mesh_file.h"
 #include "batten/skinning/domains/plain_fill.h"
 #include "batten/skinning/facets/facets.h"
-#include "batten/skinning/model/fair_shape.h"
 #include "batten/skinning/search/find_regions.h"
+#include "batten/skinning/surfaces/fair_model.h"
 #include "batten/skinning/surfaces/skin_network.h"
 #include "batten/skinning/surfaces/surface_model.h"
 #include "batten/tests/reference.h"
@@ -157,7 +157,7 @@ void add_surfaces(const Made& made, Triangles& ours, Triangles& plain) {
 std::array<double, 2> curvature_jumps(const SurfaceModel& model) {
   std::vector<double> jumps;
   for (const ModelJoin& j : model.joins)
-    if (j.kind == ModelJoin::Kind::Smooth)
+    if (j.kind == ModelJoin::Kind::Smooth && j.curvature)
       jumps.push_back(j.median_curvature_jump * model.layout->size());
   if (jumps.empty()) return {};
   return {*std::max_element(jumps.begin(), jumps.end()), median(jumps)};
@@ -173,9 +173,12 @@ int add_fair_row(const char* name, Made& made, Table& table) {
   const size_t flaws = made.model.flaws.size();
   const auto before = curvature_jumps(made.model);
   VariationSurface fair;
+  size_t kept = 0;
   const double start = clock_seconds();
   try {
-    fair = fair_shape(*layout, made.model.dofs, layout->line_constraints());
+    FairedModel faired = fair_model(made.model, layout, made.model.dofs);
+    fair = std::move(faired.surface);
+    kept = faired.kept.size();
   } catch (const std::exception& e) {
     table.add({name, std::to_string(layout->mesh()->triangle_count()),
                std::string(e.what()).substr(0, 60)});
@@ -194,7 +197,8 @@ int add_fair_row(const char* name, Made& made, Table& table) {
              text("%.3f", fair.max_move / layout->size()),
              text("%.2e", fair.start_functional) + " -> " + text("%.2e", fair.functional),
              std::to_string(flaws) + " -> " + std::to_string(made.model.flaws.size()),
-             text("%.2g", join), text("%.2g", before[1]) + " -> " + text("%.2g", after[1])});
+             std::to_string(kept), text("%.2g", join),
+             text("%.2g", before[1]) + " -> " + text("%.2g", after[1])});
   return count_of(made.model.flaws) - static_cast<int>(flaws);
 }
 
@@ -206,8 +210,9 @@ int main(int argc, char** argv) {
     return argc > 1 && std::string(name).find(argv[1]) == std::string::npos;
   };
   const std::vector<std::string> fair_head = {
-      "faired",    "triangles",           "s",     "factors",  "converged",
-      "move/size", "change of curvature", "flaws", "join deg", "jump x size"};
+      "faired",     "triangles",           "s",     "factors", "converged",
+      "move/size",  "change of curvature", "flaws", "kept",    "join deg",
+      "jump x size"};
   Promises promises;
   const auto sketches = batten_test::optional_data("sketch-cassie/sketch_graph");
   if (sketches.empty()) {

@@ -1,6 +1,7 @@
 #include "batten/fairing/stacked_reduction.h"
 
 #include "batten/constraints/affine_reduction.h"
+#include "batten/core/index.h"
 
 namespace batten {
 
@@ -21,6 +22,29 @@ StackedReduction::StackedReduction(const ConstraintSet& constraints) {
   }
   D_.resize(copies * rows, copies * columns);
   D_.setFromTriplets(entries.begin(), entries.end());
+}
+
+StackedReduction::StackedReduction(const StackedReduction& all, const Points& start,
+                                   const std::vector<char>& still)
+    : coupled_(all.coupled_) {
+  const int n = all.dof_count();
+  std::vector<char> moves(all.free_count(), 1);
+  for (int row = 0; row < 3 * n; ++row)
+    if (still[row % n])
+      for (RowMatrix::InnerIterator it(all.D_, row); it; ++it) moves[it.col()] = 0;
+  std::vector<int> number(moves.size());
+  for (int f = 0; f < all.free_count(); ++f) {
+    number[f] = count_of(free_rows_);
+    if (moves[f]) free_rows_.push_back(all.free_rows_[f]);
+  }
+  std::vector<Triplet> entries;
+  for (int row = 0; row < 3 * n; ++row)
+    for (RowMatrix::InnerIterator it(all.D_, row); it; ++it)
+      if (moves[it.col()]) entries.emplace_back(row, number[it.col()], it.value());
+  D_.resize(3 * n, count_of(free_rows_));
+  D_.setFromTriplets(entries.begin(), entries.end());
+  const Points nearest = all.expand(all.free_part(start));
+  d0_ = nearest.reshaped() - D_ * free_part(nearest);
 }
 
 VecX StackedReduction::free_part(const Points& x) const {

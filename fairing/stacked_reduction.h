@@ -15,6 +15,10 @@ class StackedReduction {
  public:
   /// Throws ConflictError.
   explicit StackedReduction(const ConstraintSet& constraints);
+  /// The same rows where some dofs (of each coordinate) keep the values that the surface nearest to
+  /// `start`, n×3, has: unknowns that they depend on are left out.
+  StackedReduction(const StackedReduction& all, const Points& start,
+                   const std::vector<char>& still);
 
   /// 3n×m.
   const RowMatrix& D() const { return D_; }

@@ -108,6 +108,7 @@ StepEquations::StepEquations(const VariationTerms& terms, const Surface& surface
         for (int t = 0; t < mesh.triangle_count(); ++t)
           add_element(T, surface.dof_map().triangle(mesh, t));
         for (const int e : terms.edges()) add_element(T, VariationTerms::edge_dofs(surface, e));
+        for (int j = 0; j < terms.join_count(); ++j) add_element(T, terms.join_dofs(surface, j));
         return ElementPattern(static_cast<int>(T.cols()), starts_, unknowns_);
       }()),
       matrix_(pattern_.zero()),
@@ -188,20 +189,27 @@ void StepEquations::reduce(const Rows& rows, int element, const RowMatrix& T, bo
 double StepEquations::assemble(const VariationTerms& terms, const Surface& surface,
                                const StepWeights& weights, const RowMatrix& T) {
   const int triangles = surface.mesh().triangle_count();
+  const int edges = triangles + count_of(terms.edges());
   std::vector<std::atomic<char>> taken(values_.size());
   pattern_.assemble(
       [&](int e, double* K) {
         const bool first = taken[e].exchange(1) == 0;  // elements that threads share come twice
+        const auto add = [&](auto& rows) {
+          pad(rows);
+          reduce(rows, e, T, first, K);
+        };
         if (e < triangles) {
           TriangleRows rows;
           terms.triangle(surface, e, weights, rows);
-          pad(rows);
-          reduce(rows, e, T, first, K);
-        } else {
+          add(rows);
+        } else if (e < edges) {
           EdgeRows rows;
           terms.edge(surface, terms.edges()[e - triangles], rows);
-          pad(rows);
-          reduce(rows, e, T, first, K);
+          add(rows);
+        } else {
+          JoinRows rows;
+          terms.join(surface, e - edges, rows);
+          add(rows);
         }
       },
       matrix_);

@@ -19,6 +19,9 @@ Mat12 reference_map(const Surface& surface, int t) {
 Vec2 edge_way(int i) { return kCorner[(i + 2) % 3] - kCorner[(i + 1) % 3]; }
 Vec2 spoke_way(int i) { return Vec2(1.0 / 3, 1.0 / 3) - kCorner[i]; }
 
+Vec3 mixed(const Mat2& M, int a, int b) {
+  return {M(a, 0) * M(b, 0), M(a, 0) * M(b, 1) + M(a, 1) * M(b, 0), M(a, 1) * M(b, 1)};
+}
 Vec3 twice_along(const Vec2& d) { return {d.x() * d.x(), 2 * d.x() * d.y(), d.y() * d.y()}; }
 
 CurvatureJump jump_of(const LocalSlopes& X, const Vec3& jump, const Vec2& way, const Vec2& across,
@@ -36,28 +39,26 @@ CurvatureJump jump_of(const LocalSlopes& X, const Vec3& jump, const Vec2& way, c
   return j;
 }
 
-EdgeTwist twist_of(const LocalJet& jet, const Vec2& way) {
-  EdgeTwist t;
+LineForms line_forms(const LocalJet& jet, const Vec2& way) {
+  LineForms f;
   const LocalSlopes X = jet.leftCols<2>();
   const Vec2 beside(-way.y(), way.x());
   const Vec3 along = X * way, other = X * beside;
-  t.Y1 = along.normalized();
-  const double b = other.dot(t.Y1);
-  const Vec3 rest = other - b * t.Y1;
-  t.Y2 = rest.normalized();
-  t.M.row(0) = way.transpose() / along.norm();
-  t.M.row(1) = (beside.transpose() - b * t.M.row(0)) / rest.norm();
-  t.n = t.Y1.cross(t.Y2);
-  const auto second = [&](int a, int c) -> Vec3 {
-    return jet.col(2) * t.M(a, 0) * t.M(c, 0) +
-           jet.col(3) * (t.M(a, 0) * t.M(c, 1) + t.M(a, 1) * t.M(c, 0)) +
-           jet.col(4) * t.M(a, 1) * t.M(c, 1);
-  };
-  const Vec3 Y12 = second(0, 1);
-  t.tau = t.n.dot(Y12);
-  t.along_form = t.n.dot(second(0, 0));
-  t.gamma = {t.Y1.dot(Y12), t.Y2.dot(Y12)};
-  return t;
+  f.Y1 = along.normalized();
+  const double b = other.dot(f.Y1);
+  const Vec3 rest = other - b * f.Y1;
+  f.Y2 = rest.normalized();
+  f.M.row(0) = way.transpose() / along.norm();
+  f.M.row(1) = (beside.transpose() - b * f.M.row(0)) / rest.norm();
+  f.n = f.Y1.cross(f.Y2);
+  const auto second = [&](int a, int c) -> Vec3 { return jet.rightCols<3>() * mixed(f.M, a, c); };
+  const Vec3 Y12 = second(0, 1), Y22 = second(1, 1);
+  f.along = f.n.dot(second(0, 0));
+  f.twist = f.n.dot(Y12);
+  f.across = f.n.dot(Y22);
+  f.gamma12 = {f.Y1.dot(Y12), f.Y2.dot(Y12)};
+  f.gamma22 = {f.Y1.dot(Y22), f.Y2.dot(Y22)};
+  return f;
 }
 
 LocalJet local_jet(const TriangleDofs& q, const HctTables::EdgePoint& point) {

@@ -21,6 +21,8 @@ Vec2 edge_way(int i);
 Vec2 spoke_way(int i);
 /// Weights of ∂11, ∂12, ∂22 in the second derivative along a direction.
 Vec3 twice_along(const Vec2& direction);
+/// The same in the second derivative along rows a and b of M.
+Vec3 mixed(const Mat2& M, int a, int b);
 
 /// The jump of curvature across a line at a Gauss point: value = weight n·jump, `jump` that of the
 /// second derivative along a direction beside the line.
@@ -35,14 +37,14 @@ CurvatureJump jump_of(const LocalSlopes& X, const Vec3& jump, const Vec2& way, c
                       double thickness, double jumps);
 inline constexpr double kSpokeThickness = 1.0 / 3;
 
-/// The twist of the normal along an edge: τ = II_12 of the unit tangent and its perpendicular.
-struct EdgeTwist {
-  double tau, along_form;  ///< II_12, II_11
+/// The second fundamental form beside a line: 1 is its unit tangent, 2 the perpendicular to that.
+struct LineForms {
+  double along, twist, across;  ///< II_11, II_12, II_22
   Vec3 n, Y1, Y2;
-  Mat2 M;      ///< Y_a = Σ_i M_ai X_i
-  Vec2 gamma;  ///< Γ^l_12
+  Mat2 M;                 ///< Y_a = Σ_i M_ai X_i
+  Vec2 gamma12, gamma22;  ///< Γ^l_12, Γ^l_22
 };
-EdgeTwist twist_of(const LocalJet& jet, const Vec2& way);
+LineForms line_forms(const LocalJet& jet, const Vec2& way);
 
 LocalJet local_jet(const TriangleDofs& q, const HctTables::EdgePoint& point);
 

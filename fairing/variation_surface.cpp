@@ -46,8 +46,9 @@ class Descent {
       : reduction_(reduction),
         surface_(start.shared_mesh(), start.kind(),
                  reduction_.expand(reduction_.free_part(start.dofs())), start.trim()),
-        terms_(surface_, options.gauss, options.jumps) {
+        terms_(surface_, options.gauss, options.jumps, options.still) {
     for (const auto& side : options.sides) terms_.add_side(surface_, side);
+    terms_.add_joins(surface_, options.joins);
   }
 
   const Surface& surface() const { return surface_; }
@@ -170,6 +171,17 @@ class Descent {
   double value_ = 0, evenness_ = 0, damping_ = 1e-2;
 };
 
+StackedReduction reduction_of(const Surface& start, const ConstraintSet& constraints,
+                              const VariationOptions& options) {
+  StackedReduction all(constraints);
+  if (options.still.empty()) return all;
+  std::vector<char> still(start.dof_map().count(), 0);
+  for (int t = 0; t < start.mesh().triangle_count(); ++t)
+    if (options.still[t])
+      for (const int dof : start.dof_map().triangle(start.mesh(), t)) still[dof] = 1;
+  return {all, start.dofs(), still};
+}
+
 }  // namespace
 
 VariationSurface fair_variation(const Surface& start, const ConstraintSet& constraints,
@@ -179,7 +191,7 @@ VariationSurface fair_variation(const Surface& start, const ConstraintSet& const
   if (!(options.strength > 0 && options.strength <= 1) || !(options.largest_move > 0))
     throw InputError("expected a strength above 0, at most 1, and a largest move above 0");
   require_fairable(start, constraints);
-  const StackedReduction reduction(constraints);
+  const StackedReduction reduction = reduction_of(start, constraints, options);
   VariationSurface result;
   std::unique_ptr<Descent> best;
   const auto consider = [&](const Points& dofs) {

@@ -1,6 +1,7 @@
 // Surfaces whose curvature changes least: fair surfaces from their lines alone.
 #pragma once
 
+#include <array>
 #include <limits>
 #include <vector>
 
@@ -9,6 +10,15 @@
 #include "batten/fem/surface.h"
 
 namespace batten {
+
+/// Two places of a surface that are one point of a line at which two of its parts, meshed apart,
+/// join smoothly.
+struct JoinPoint {
+  std::array<Location, 2> at;
+  /// The line's slope in the (u, v) of each part, per unit of one parameter for both.
+  std::array<Vec2, 2> way;
+  double weight = 0;  ///< of this point in an integral over that parameter
+};
 
 struct VariationOptions {
   /// Weight of K² over that of the change of curvature. 1e-3; between two rims 10, which makes a
@@ -20,6 +30,11 @@ struct VariationOptions {
   /// normals do not turn about them, and whose curvature is constant, twist is resisted: this tells
   /// a torus from its neighbours. None: no such term.
   std::vector<std::vector<int>> sides;
+  /// Points of smooth joins across which curvature goes on: there its jump counts as across element
+  /// edges. None: it may jump, as between a cap and a cylinder.
+  std::vector<JoinPoint> joins;
+  /// By triangle: those that keep their shape and count nothing. Empty: none.
+  std::vector<char> still;
   /// Dofs of other surfaces to start from. The one that costs least is taken.
   std::vector<Points> other_starts;
   int most_iterations = 40;

@@ -13,15 +13,24 @@
 
 namespace batten {
 
-VariationTerms::VariationTerms(const Surface& start, double gauss, double jumps)
+VariationTerms::VariationTerms(const Surface& start, double gauss, double jumps,
+                               const std::vector<char>& still)
     : gauss_(gauss),
       jumps_(jumps),
       length_(std::sqrt(start.area())),
+      shares_(start.mesh().triangle_count(), 1),
       frames_(9 * static_cast<size_t>(start.mesh().triangle_count())),
       twists_(start.mesh().triangle_count(), Vec3::Zero()) {
+  constexpr double outside = 1e-6;  // of a trimmed surface; keeps the matrix definite
+  for (int t = 0; t < count_of(shares_); ++t) {
+    if (start.trim()) shares_[t] = std::max(outside, start.trim()->share(t));
+    if (!still.empty() && still[t]) shares_[t] = 0;
+  }
   const auto& edges = start.mesh().edges();
   for (int e = 0; e < count_of(edges); ++e)
-    if (!edges[e].boundary()) edges_.push_back(e);
+    if (!edges[e].boundary() && shares_[edges[e].triangle[0]] > 0 &&
+        shares_[edges[e].triangle[1]] > 0)
+      edges_.push_back(e);
   set_frames(start);
 }
 
@@ -30,6 +39,7 @@ void VariationTerms::set_frames(const Surface& surface) {
   const auto& tables = HctTables::get();
   std::vector<double> split(frames_.size()), sums(count), areas(count);
   for_each_in_chunks<16>(count, [&](int t) {
+    if (shares_[t] == 0) return;
     const TriangleDofs q = reference_map(surface, t).lazyProduct(surface.triangle_dofs(t));
     for (int p = 0; p < 9; ++p) {
       const Jet3 jet = q.transpose().lazyProduct(tables.inside[p]);
@@ -37,7 +47,7 @@ void VariationTerms::set_frames(const Surface& surface) {
       frame.M = principal_frame(jet);
       const CurvatureForms forms = curvature_forms(jet, frame.M);
       split[9 * t + p] = 0.5 * (forms.II[0] - forms.II[2]);
-      const double dA = share(surface, t) * forms.jacobian;
+      const double dA = shares_[t] * forms.jacobian;
       sums[t] += 0.5 * dA * (forms.II[0] * forms.II[0] + forms.II[2] * forms.II[2]);
       areas[t] += dA;
     }
@@ -80,7 +90,7 @@ void VariationTerms::add_side(const Surface& start, const std::vector<int>& vert
       const double ds = HctTables::weight3[k] * d1.norm();
       samples.push_back({ds, d1.cross(d2) / std::pow(d1.norm(), 3)});
       length += ds;
-      turn += ds * twist_of(jet, way).tau;
+      turn += ds * line_forms(jet, way).twist;
     }
   }
   Vec3 mean = Vec3::Zero();
@@ -98,22 +108,18 @@ ChangeWeights VariationTerms::weights_at(int triangle, int point) const {
   return {frames_[9 * triangle + point].principal, 1e-4 / (length_ * length_), gauss_};
 }
 
-double VariationTerms::share(const Surface& surface, int t) {
-  constexpr double outside = 1e-6;  // keeps the matrix definite
-  return surface.trim() ? std::max(outside, surface.trim()->share(t)) : 1;
-}
-
-double VariationTerms::share_beside(const Surface& surface, int e) {
+double VariationTerms::share_beside(const Surface& surface, int e) const {
   const auto& edge = surface.mesh().edges()[e];
-  return 0.5 * (share(surface, edge.triangle[0]) + share(surface, edge.triangle[1]));
+  return 0.5 * (shares_[edge.triangle[0]] + shares_[edge.triangle[1]]);
 }
 
 double VariationTerms::value(const Surface& surface) const {
-  const int triangles = surface.mesh().triangle_count(), count = triangles + count_of(edges_);
-  std::vector<double> parts(count);
-  for_each_in_chunks<64>(count, [&](int i) {
-    parts[i] =
-        i < triangles ? triangle_value(surface, i) : edge_value(surface, edges_[i - triangles]);
+  const int triangles = surface.mesh().triangle_count(), edges = triangles + count_of(edges_);
+  std::vector<double> parts(edges + joins_.size());
+  for_each_in_chunks<64>(count_of(parts), [&](int i) {
+    parts[i] = i < triangles ? triangle_value(surface, i)
+               : i < edges   ? edge_value(surface, edges_[i - triangles])
+                             : join_value(surface, joins_[i - edges]);
   });
   double sum = 0;
   for (const double part : parts) sum += part;
@@ -121,6 +127,7 @@ double VariationTerms::value(const Surface& surface) const {
 }
 
 double VariationTerms::triangle_value(const Surface& surface, int t) const {
+  if (shares_[t] == 0) return 0;
   const auto& tables = HctTables::get();
   const TriangleDofs q = reference_map(surface, t).lazyProduct(surface.triangle_dofs(t));
   double sum = 0;
@@ -143,9 +150,9 @@ double VariationTerms::triangle_value(const Surface& surface, int t) const {
     for (size_t k = 0; k < 3 && twists_[t][i] > 0; ++k) {
       const LocalJet jet = local_jet(q, tables.edges3[i][k]);
       const double ds = HctTables::weight3[k] * (jet.leftCols<2>() * edge_way(i)).norm();
-      sum += twists_[t][i] * ds * std::pow(twist_of(jet, edge_way(i)).tau, 2);
+      sum += twists_[t][i] * ds * std::pow(line_forms(jet, edge_way(i)).twist, 2);
     }
-  return share(surface, t) * sum;
+  return shares_[t] * sum;
 }
 
 }  // namespace batten

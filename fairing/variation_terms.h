@@ -8,11 +8,12 @@
 #include <vector>
 
 #include "batten/fairing/curvature_change.h"
+#include "batten/fairing/variation_surface.h"
 #include "batten/fem/surface.h"
 
 namespace batten {
 
-inline constexpr int kEdgeDofs = 17;
+inline constexpr int kEdgeDofs = 17, kJoinDofs = 24;
 
 /// Residuals of one element and their derivatives by its dofs, [x; y; z] one after the other: column
 /// k holds the derivatives of all residuals by dof k.
@@ -27,6 +28,7 @@ struct TermRows {
 /// Nine points with eight residuals and nine of the step, six of spokes, nine of twist.
 using TriangleRows = TermRows<36, 168>;
 using EdgeRows = TermRows<3 * kEdgeDofs, 8>;
+using JoinRows = TermRows<3 * kJoinDofs, 8>;
 
 /// What is added to JᵀJ so that steps stay small: weights of |δX_ab|² along the frame, over area².
 struct StepWeights {
@@ -38,11 +40,17 @@ struct StepWeights {
 /// be asked for any dofs, derivatives for the surface of set_frames() only.
 class VariationTerms {
  public:
-  /// Throws InputError where the surface has no normal.
-  VariationTerms(const Surface& start, double gauss, double jumps);
+  /// `still`: triangles that count nothing, nor the edges beside them. Throws InputError where the
+  /// others have no normal.
+  VariationTerms(const Surface& start, double gauss, double jumps,
+                 const std::vector<char>& still = {});
   /// Resists twist along a side of the outline: 3/√area ∫ τ² ds, as far as the normal of `start`
   /// does not turn about the side as a whole and its curvature is constant.
   void add_side(const Surface& start, const std::vector<int>& vertices);
+
+  /// Counts the jumps of curvature at these points as those across element edges. Throws InputError:
+  /// the parts double back at a point.
+  void add_joins(const Surface& start, const std::vector<JoinPoint>& points);
 
   void set_frames(const Surface& surface);
 
@@ -57,6 +65,12 @@ class VariationTerms {
   /// those that only the second has.
   const std::vector<int>& edges() const { return edges_; }
   static std::array<int, kEdgeDofs> edge_dofs(const Surface& surface, int e);
+
+  /// Points of joins, one or two together, and the dofs of one coordinate: those of the triangle on
+  /// the first side, then those on the second.
+  int join_count() const { return count_of(joins_); }
+  std::array<int, kJoinDofs> join_dofs(const Surface& surface, int j) const;
+  void join(const Surface& surface, int j, JoinRows& rows) const;
   /// √area of the start.
   double length() const { return length_; }
 
@@ -65,15 +79,27 @@ class VariationTerms {
     Mat2 M;
     double principal;
   };
+  // At one point: w_u, w_v, w_uu, w_uv, w_vv of the dofs on each side, and the way of the line.
+  struct JumpPoint {
+    std::array<Eigen::Matrix<double, 12, 5>, 2> N;
+    std::array<Vec2, 2> way;
+    double weight;
+    double sign;  // of the second side's normal, seen from the first
+  };
+  struct Join {
+    std::array<int, 2> triangle;
+    std::vector<JumpPoint> points;
+  };
   ChangeWeights weights_at(int triangle, int point) const;
-  // Of a trimmed surface only the part inside counts.
-  static double share(const Surface& surface, int t);
-  static double share_beside(const Surface& surface, int e);
+  double share_beside(const Surface& surface, int e) const;
   double triangle_value(const Surface& surface, int t) const;
   double edge_value(const Surface& surface, int e) const;
+  double join_value(const Surface& surface, const Join& join) const;
 
   double gauss_, jumps_, length_ = 1;
+  std::vector<double> shares_;  // of each triangle, what counts
   std::vector<int> edges_;
+  std::vector<Join> joins_;
   std::vector<Frame> frames_;  // nine of each triangle
   std::vector<Vec3> twists_;   // weight of twist on the edges of each triangle, or 0
 };

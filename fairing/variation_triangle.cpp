@@ -12,9 +12,7 @@ namespace {
 class RowWriter {
  public:
   RowWriter(const TriangleDofs& q, double share, TriangleRows& rows)
-      : q_(q), root_(std::sqrt(share)), rows_(rows) {
-    rows_.count = 0;
-  }
+      : q_(q), root_(std::sqrt(share)), rows_(rows) {}
 
   // The change of curvature at one of the nine points, and the rows that keep steps small.
   void add_change(const Table3& N, const Mat2& frame, const ChangeWeights& weights,
@@ -53,12 +51,10 @@ class RowWriter {
   void add_twist(int i, const HctTables::EdgePoint& point, double weight) {
     const LocalJet jet = local_jet(q_, point);
     const double root = root_ * std::sqrt(weight * (jet.leftCols<2>() * edge_way(i)).norm());
-    const EdgeTwist w = twist_of(jet, edge_way(i));
-    const Vec3 mixed(w.M(0, 0) * w.M(1, 0), w.M(0, 0) * w.M(1, 1) + w.M(0, 1) * w.M(1, 0),
-                     w.M(0, 1) * w.M(1, 1));
-    const Vec12 Y12 = point.second * mixed, Y2 = point.slopes * w.M.row(1).transpose();
-    add(root * w.tau, root * w.n, Y12 - point.slopes * (w.M.transpose() * w.gamma),
-        -root * (w.along_form * w.Y1 + w.tau * w.Y2), Y2);
+    const LineForms w = line_forms(jet, edge_way(i));
+    const Vec12 Y12 = point.second * mixed(w.M, 0, 1), Y2 = point.slopes * w.M.row(1).transpose();
+    add(root * w.twist, root * w.n, Y12 - point.slopes * (w.M.transpose() * w.gamma12),
+        -root * (w.along * w.Y1 + w.twist * w.Y2), Y2);
   }
 
   // By the triangle's own dofs: P takes these to q.
@@ -90,9 +86,7 @@ class RowWriter {
   void add_second(const Table3& N, const Mat2& M, const Vec3& w) {
     for (int a = 0; a < 2; ++a)
       for (int b = a; b < 2; ++b) {
-        const Vec12 along = M(a, 0) * M(b, 0) * N.col(2) +
-                            (M(a, 0) * M(b, 1) + M(a, 1) * M(b, 0)) * N.col(3) +
-                            M(a, 1) * M(b, 1) * N.col(4);
+        const Vec12 along = N.middleCols<3>(2) * mixed(M, a, b);
         add(0, a == b ? w : Vec3(std::sqrt(2.0) * w), along);
       }
   }
@@ -106,10 +100,12 @@ class RowWriter {
 
 void VariationTerms::triangle(const Surface& surface, int t, const StepWeights& step,
                               TriangleRows& rows) const {
+  rows.count = 0;
+  if (shares_[t] == 0) return;
   const auto& tables = HctTables::get();
   const Mat12 P = reference_map(surface, t);
   const TriangleDofs q = P.lazyProduct(surface.triangle_dofs(t));
-  RowWriter writer(q, share(surface, t), rows);
+  RowWriter writer(q, shares_[t], rows);
   for (int p = 0; p < 9; ++p)
     writer.add_change(tables.inside[p], frames_[9 * t + p].M, weights_at(t, p), step, length_);
   for (int i = 0; i < 3; ++i)

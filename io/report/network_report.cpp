@@ -128,15 +128,23 @@ NetworkReport network_report(const CharacterLineNetwork& network, const FoundReg
   for (const ModelJoin& j : model.joins)
     report.joins.push_back({names.arc(j.arc), names.regions(j.regions), word(j.kind), j.asked,
                             j.one_domain, j.open, j.first_deg, j.max_deg, j.max_inside_deg,
-                            j.max_gap, j.median_curvature_jump, j.max_curvature_jump, j.why});
+                            j.max_gap, j.median_curvature_jump, j.max_curvature_jump, j.curvature,
+                            j.why});
   for (const RegionChoice& c : found.choices) report.choices.push_back(describe_choice(c, names));
   for (const ModelShell& s : model.shells)
     report.shells.push_back({names.regions(s.regions), s.closed, s.orientable, s.area, s.volume});
-  for (const SurfaceFlaw& f : model.flaws) {
-    report.flaws.push_back({word(f.kind), names.regions(f.regions), f.where, f.value, f.text});
+  for (const SurfaceFlaw& f : model.flaws)
     for (const int r : f.regions) report.regions[r].flaws.push_back(f.text);
-  }
   return report;
+}
+
+std::vector<FlawReport> flaw_reports(const SurfaceModel& model) {
+  std::vector<FlawReport> list;
+  for (const SurfaceFlaw& f : model.flaws) {
+    list.push_back({word(f.kind), {}, f.where, f.value, f.text});
+    for (const int r : f.regions) list.back().regions.push_back(model.regions[r].plan.name);
+  }
+  return list;
 }
 
 }  // namespace batten

@@ -37,6 +37,7 @@ struct NetworkReport {
     std::array<bool, 2> open{};  ///< these and what follows: as in ModelJoin
     double first_deg = 0, max_deg = 0, max_inside_deg = 0;
     double max_gap = 0, median_curvature_jump = 0, max_curvature_jump = 0;
+    bool curvature = false;
     std::string why;
   };
   /// A choice that the search made, as in RegionChoice.
@@ -53,14 +54,6 @@ struct NetworkReport {
     bool closed = false, orientable = true;
     double area = 0, volume = 0;
   };
-  struct Flaw {
-    std::string kind;  ///< "jacobian", "fold", "crossing", "area"
-    std::vector<std::string> regions;
-    Vec3 where = Vec3::Zero();
-    double value = 0;
-    std::string text;
-  };
-
   int lines = 0, arcs = 0, nodes = 0;
   double size = 0, tolerance = 0, fit_tolerance = 0, join_tolerance_deg = 0;
   bool optimal = true;
@@ -69,7 +62,6 @@ struct NetworkReport {
   std::vector<Join> joins;
   std::vector<Choice> choices;
   std::vector<Shell> shells;
-  std::vector<Flaw> flaws;
   std::vector<std::string> rims, bare;  ///< arcs with one region, arcs with none
 };
 
@@ -78,6 +70,16 @@ struct NetworkReport {
 NetworkReport network_report(const CharacterLineNetwork& network, const FoundRegions& found,
                              const SurfaceModel& model, double fit_tolerance,
                              double join_tolerance_deg);
+
+/// SurfaceFlaw with the names of its regions.
+struct FlawReport {
+  std::string kind;  ///< "jacobian", "fold", "crossing", "area"
+  std::vector<std::string> regions;
+  Vec3 where = Vec3::Zero();
+  double value = 0;
+  std::string text;
+};
+std::vector<FlawReport> flaw_reports(const SurfaceModel& model);
 
 /// A kind of finding in words: "ends joined", "near miss".
 const char* word(NetworkFinding::Kind kind);

@@ -45,6 +45,7 @@ Json json_of(const NetworkReport::Join& j) {
   if (j.kind == "smooth") {
     json["one_domain"] = j.one_domain;
     json["open_ends"] = j.open;
+    json["curvature"] = j.curvature;
     json["median_curvature_jump"] = j.median_curvature_jump;
     json["max_curvature_jump"] = j.max_curvature_jump;
   }
@@ -52,7 +53,7 @@ Json json_of(const NetworkReport::Join& j) {
   return json;
 }
 
-/// network, regions, joins, choices, shells, flaws, left_over, optimal.
+/// network, regions, joins, choices, shells, left_over, optimal.
 void add_network(Json& json, const NetworkReport& n) {
   Json findings = Json::array();
   for (const NetworkFinding& f : n.findings)
@@ -81,15 +82,19 @@ void add_network(Json& json, const NetworkReport& n) {
                 {"area", s.area},
                 {"volume", s.volume}};
   });
-  list("flaws", n.flaws, [](const NetworkReport::Flaw& f) {
-    return Json{{"kind", f.kind},
-                {"regions", f.regions},
-                {"where", json_of(f.where)},
-                {"value", f.value},
-                {"text", f.text}};
-  });
   json["left_over"] = {{"rims", n.rims}, {"bare", n.bare}};
   json["optimal"] = n.optimal;
+}
+
+Json json_of(const std::vector<FlawReport>& flaws) {
+  Json json = Json::array();
+  for (const FlawReport& f : flaws)
+    json.push_back({{"kind", f.kind},
+                    {"regions", f.regions},
+                    {"where", json_of(f.where)},
+                    {"value", f.value},
+                    {"text", f.text}});
+  return json;
 }
 
 const char* word(CharacterLine::Role role) {
@@ -196,7 +201,9 @@ Json json_of(const Report::Surface& s) {
                        {"max_move", s.fairing->max_move},
                        {"iterations", s.fairing->iterations},
                        {"factorizations", s.fairing->factorizations},
-                       {"converged", s.fairing->converged}};
+                       {"converged", s.fairing->converged},
+                       {"share", s.fairing->share},
+                       {"kept", s.fairing->kept}};
   return json;
 }
 
@@ -245,6 +252,7 @@ Json contents(const Report& r) {
   json["lines"] = json_of(r.lines);
   if (!r.curves.empty()) json["curves"] = json_of(r.curves);
   json["surface"] = json_of(r.surface);
+  json["flaws"] = json_of(r.flaws);
   if (r.network) add_network(json, *r.network);
   if (r.step) json["step"] = json_of(*r.step, r.network.has_value());
   if (r.comparison) json["comparison"] = json_of(*r.comparison);

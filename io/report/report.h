@@ -42,9 +42,12 @@ struct Report : RunReport {
       double max_move = 0;  ///< largest normal move of a vertex, model units
       int iterations = 0, factorizations = 0;
       bool converged = false;
+      double share = 1;               ///< of the way from the bending shape that was gone
+      std::vector<std::string> kept;  ///< regions that keep their bending shape
     };
     std::optional<Fairing> fairing;
   } surface;
+  std::vector<FlawReport> flaws;         ///< of the surface
   std::optional<NetworkReport> network;  ///< set for a scene with [network]
 
   struct Step {

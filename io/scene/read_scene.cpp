@@ -110,11 +110,14 @@ void read_network(const TomlTable& root, Scene& scene) {
   for (const TomlTable& t : root.tables("region", {"name", "loops", "inner", "ring", "surface"}))
     network.regions.push_back(read_region(t, names));
   for (const TomlTable& t : root.tables("join", {"lines", "kind"})) {
-    const bool smooth = t.choice<bool>("kind", {{"crease", false}, {"smooth", true}});
+    const auto kind = t.choice<JoinWord::Kind>("kind", {{"crease", JoinWord::Kind::Crease},
+                                                        {"smooth", JoinWord::Kind::Smooth},
+                                                        {"tangent", JoinWord::Kind::Tangent},
+                                                        {"curvature", JoinWord::Kind::Curvature}});
     const auto lines = t.words("lines");
     if (lines.empty()) t.fail("lines", "no lines", "names: lines = [\"a\", \"b\"]");
     for (const PlacedWord& line : lines)
-      network.joins.push_back({line.text, smooth, scene.at(line.place)});
+      network.joins.push_back({line.text, kind, scene.at(line.place)});
   }
   scene.network = std::move(network);
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "batten/skinning/model/curvature_joins.h"
 #include "batten/skinning/model/loft_shape.h"
 
 namespace batten {
@@ -40,6 +41,7 @@ VariationSurface fair_shape(const ModelLayout& layout, const Points& start,
     options.sides = free_sides(layout);
   else if (!inner_lines)
     options.gauss = 10;
+  options.joins = curvature_joins(layout);
   // Near the origin, where coordinates keep their digits.
   const VecX ones = layout.position_dofs();
   const Points origin = ones * layout.origin().transpose();

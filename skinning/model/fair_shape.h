@@ -10,10 +10,12 @@ namespace batten {
 /// Fairs a shape of a model under these rows (those of its lines, and any others), downhill from
 /// `start`: fair_variation() with the sides of all regions and the weight of Gauss curvature that
 /// suits them (large on rings between two rims alone: they become cylinders and cones where they
-/// can). A model with rings starts from loft_shape() too, which
-/// does not pinch long ones. Smooth joins stay smooth; the curvature may jump there, as a cap's does on a cylinder. Dofs are in absolute coordinates.
+/// can). A model with rings starts from loft_shape() too, which does not pinch long ones. Smooth
+/// joins stay smooth, and curvature goes on across those that curvature_goes_on() names. Dofs are
+/// in absolute coordinates.
 ///
-/// Of `options`, gauss, sides and other_starts are chosen here. `constraints` as of ModelLayout::line_constraints(). Throws as fair_variation().
+/// Of `options`, gauss, sides, joins and other_starts are chosen here. `constraints` as of
+/// ModelLayout::line_constraints(). Throws as fair_variation().
 VariationSurface fair_shape(const ModelLayout& layout, const Points& start,
                             const ConstraintSet& constraints, VariationOptions options = {},
                             const Progress& progress = {});

@@ -38,6 +38,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -58,6 +59,9 @@ struct JoinSide {
 struct JoinLine {
   std::string name;
   std::array<JoinSide, 2> sides;
+  /// Whether fairing lets the curvature go on across it, or jump. None: as the lines across it do
+  /// (curvature_joins.h).
+  std::optional<bool> curvature = {};
 };
 
 /// What is planned for one end of a join line, before anything is solved.

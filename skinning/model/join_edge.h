@@ -45,6 +45,7 @@ class JoinEdge {
   }
   bool embedded() const { return !run_; }
   const LineRun& run() const { return *run_; }
+  double span() const { return t_; }  // of t over the whole line
   int count() const { return count_of(run_->vertices); }
   int vertex(int k) const { return run_->vertices[k]; }
   int end_vertex(int end) const { return vertex(end ? count() - 1 : 0); }

@@ -54,12 +54,14 @@ std::vector<double> estimate_chains(const CharacterLineNetwork& network, const R
   return result;
 }
 
-// By arc: smooth or not.
-std::map<int, bool> words_of(const CharacterLineNetwork& network, const ModelOptions& options) {
-  std::map<int, bool> words;
+using Kind = JoinWord::Kind;
+
+// By arc.
+std::map<int, Kind> words_of(const CharacterLineNetwork& network, const ModelOptions& options) {
+  std::map<int, Kind> words;
   for (const JoinWord& word : options.joins) {
     try {
-      for (const int a : network.arcs_of(word.line)) words[a] = word.smooth;
+      for (const int a : network.arcs_of(word.line)) words[a] = word.kind;
     } catch (const InputError& e) {
       throw InputError(word.where + e.what());
     }
@@ -68,7 +70,7 @@ std::map<int, bool> words_of(const CharacterLineNetwork& network, const ModelOpt
 }
 
 // The join of one arc, and a join line where its two regions can have one.
-void add_join(int arc, const std::string& name, const RegionMaker& maker, const bool* smooth,
+void add_join(int arc, const std::string& name, const RegionMaker& maker, const Kind* word,
               JoinChoice& choice) {
   const std::vector<ArcSide>& uses = maker.sides(arc);
   if (uses.empty()) return;
@@ -79,15 +81,16 @@ void add_join(int arc, const std::string& name, const RegionMaker& maker, const 
   join.kind = uses.size() == 1   ? ModelJoin::Kind::Rim
               : uses.size() == 2 ? ModelJoin::Kind::Crease
                                  : ModelJoin::Kind::Branching;
-  join.asked = smooth != nullptr;
-  if (smooth && *smooth && uses.size() != 2)
-    join.why = std::to_string(uses.size()) + " region(s) meet there";
+  join.asked = word != nullptr;
+  const bool smooth = word && *word != Kind::Crease;
+  if (smooth && uses.size() != 2) join.why = std::to_string(uses.size()) + " region(s) meet there";
   if (uses.size() == 2) {
     const auto one = maker.side_of(uses[0], arc), two = maker.side_of(uses[1], arc);
     if (one && two) {
-      choice.join_lines.push_back({name, {*one, *two}});
+      JoinLine& line = choice.join_lines.emplace_back(JoinLine{name, {*one, *two}});
+      if (smooth && *word != Kind::Smooth) line.curvature = *word == Kind::Curvature;
       choice.join_of.push_back(count_of(choice.joins));
-    } else if (smooth && *smooth) {
+    } else if (smooth) {
       join.why = !maker.layouts()[uses[0].region] || !maker.layouts()[uses[1].region]
                      ? "one of its regions could not be skinned"
                      : "one of its regions does not have it on its boundary";
@@ -110,7 +113,7 @@ JoinQuality angle_of(const std::vector<ModelRegion>& regions, JoinLine join_line
 
 JoinChoice choose_joins(const CharacterLineNetwork& network, const RegionMaker& maker,
                         const ModelOptions& options, const std::vector<ModelRegion>& regions) {
-  const std::map<int, bool> words = words_of(network, options);
+  const std::map<int, Kind> words = words_of(network, options);
   JoinChoice choice;
   for (size_t a = 0; a < network.arcs().size(); ++a) {
     const auto word = words.find(static_cast<int>(a));
@@ -124,7 +127,8 @@ JoinChoice choose_joins(const CharacterLineNetwork& network, const RegionMaker& 
     ModelJoin& join = choice.joins[choice.join_of[s]];
     join.first_deg = estimates[s];
     const auto word = words.find(join.arc);
-    if (word != words.end() ? !word->second : !(join.first_deg < options.smooth_below_deg))
+    if (word != words.end() ? word->second == Kind::Crease
+                            : !(join.first_deg < options.smooth_below_deg))
       continue;
     smooth.push_back(choice.join_lines[s]);
     join_of.push_back(choice.join_of[s]);

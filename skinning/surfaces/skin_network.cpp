@@ -13,6 +13,7 @@
 #include "batten/core/parallel.h"
 #include "batten/core/words.h"
 #include "batten/fem/assembly.h"
+#include "batten/skinning/model/curvature_joins.h"
 #include "batten/skinning/surfaces/join_choice.h"
 #include "batten/skinning/surfaces/region_maker.h"
 #include "batten/skinning/surfaces/wrong_surfaces.h"
@@ -46,6 +47,7 @@ void measure_joins(SurfaceModel& model, const std::vector<const SkinnedRegion*>&
         take_quality(join,
                      measure_join(made, plan->join_line, {plan->ends[0].open, plan->ends[1].open}));
         join.open = {plan->ends[0].open, plan->ends[1].open};
+        join.curvature = curvature_goes_on(*model.layout, *plan);
         model.max_join_deg = std::max(model.max_join_deg, join.max_inside_deg);
         continue;
       }

@@ -14,8 +14,14 @@ namespace batten {
 
 /// The user's word about a line: names are those of arcs, or of lines.
 struct JoinWord {
+  enum class Kind {
+    Crease,
+    Smooth,     ///< curvature goes on or not, as the lines say: curvature_goes_on()
+    Tangent,    ///< smooth, and curvature may jump
+    Curvature,  ///< smooth, and fairing lets curvature go on
+  };
   std::string line;
-  bool smooth = false;
+  Kind kind = Kind::Crease;
   std::string where;  ///< for messages
 };
 
@@ -59,6 +65,7 @@ struct ModelJoin {
   /// Largest angle between the normals of the result, sampled between nodes too; and the same
   /// without the edges at ends that are creases.
   double max_deg = 0, max_inside_deg = 0;
+  bool curvature = false;  ///< of a smooth one: fairing lets curvature go on across it
   /// As in JoinQuality, of creases and smooth joins: model units, 1/length.
   double max_gap = 0, median_curvature_jump = 0, max_curvature_jump = 0;
   /// Both domains unfold into one plane along it: the surface is C1 across it to rounding, as

@@ -95,3 +95,34 @@ TEST_CASE("a loft runs straight between sections, and names what is no section",
   CHECK(c.run({"run", "s.toml", "--out", "wrong"}).err.find("only with fair = \"loft\"") !=
         std::string::npos);
 }
+
+TEST_CASE("a surface of one region that passes through itself says so", "[cli][fair]") {
+  // A strip between two loops like the letter alpha, each of which rises and so misses itself.
+  const Case c("alpha_strip");
+  const auto loop = [](const std::string& name, double y, bool reversed) {
+    constexpr int pieces = 40;
+    std::string points;
+    for (int i = 0; i <= pieces; ++i) {
+      const double t = 3.0 * (reversed ? pieces - i : i) / pieces - 1.5;
+      points += "[" + std::to_string(50 * (t * t - 1)) + ", " + std::to_string(y + 5 * t) + ", " +
+                std::to_string(50 * t * (t * t - 1)) + "],";
+    }
+    return line(name, points);
+  };
+  const auto side = [](const std::string& name, double t, bool reversed) {
+    const std::string end = ", " + std::to_string(50 * t * (t * t - 1)) + "]",
+                      start = "[" + std::to_string(50 * (t * t - 1)) + ", ";
+    const std::string near = start + std::to_string(5 * t) + end,
+                      far = start + std::to_string(40 + 5 * t) + end;
+    return line(name, reversed ? far + "," + near : near + "," + far);
+  };
+  c.file("s.toml", "unit = \"mm\"\nname = \"alpha\"\n" + loop("front", 0, false) +
+                       side("right", 1.5, false) + loop("back", 40, true) +
+                       side("left", -1.5, true) + "[skin]\nedge_length = 8\n");
+  const Result r = c.run({"run", "s.toml", "--out", "out"});
+  CHECK(r.code == 4);
+  CHECK(r.out.find("passes through itself") != std::string::npos);
+  const auto flaws = report_of(c)["flaws"];
+  REQUIRE(flaws.size() == 1);
+  CHECK(flaws[0]["kind"] == "crossing");
+}

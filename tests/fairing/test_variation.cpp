@@ -236,6 +236,80 @@ TEST_CASE("the value is the sum of the elements' values, and curvature that jump
   CHECK(jumps > 1);
 }
 
+TEST_CASE("the jump of curvature between two parts has the derivatives that differences show") {
+  // Both triangles beside an inner edge of a smooth surface, as if each were a part by itself.
+  const Surface s = cubic_graph(2);
+  const ParametricMesh& mesh = s.mesh();
+  int e = 0;
+  while (mesh.edges()[e].boundary()) ++e;
+  JoinPoint point;
+  point.weight = 0.7;
+  for (size_t side = 0; side < 2; ++side) {
+    const int t = mesh.edges()[e].triangle[side], local = mesh.edges()[e].local[side];
+    point.at[side] = {t, Vec3::Zero()};
+    for (const auto& [v, share] :
+         {std::pair{mesh.edges()[e].low, 0.3}, {mesh.edges()[e].high, 0.7}})
+      for (int i = 0; i < 3; ++i)
+        if (mesh.triangles()[t][i] == v) point.at[side].L[i] = share;
+    CHECK(point.at[side].L[local] == 0);
+    point.way[side] = mesh.edge_tangent(e);
+  }
+  VariationTerms terms(s, 0.1, 2);
+  terms.add_joins(s, {point});
+  REQUIRE(terms.join_count() == 1);
+  JoinRows rows;
+  terms.join(s, 0, rows);
+  REQUIRE(rows.count == 1);
+  CHECK(std::abs(rows.r[0]) < 1e-12);
+  const auto dofs = terms.join_dofs(s, 0);
+  Points exact = Points::Zero(s.dofs().rows(), 3);
+  for (size_t k = 0; k < 3 * dofs.size(); ++k)
+    exact(dofs[k % dofs.size()], static_cast<long>(k / dofs.size())) += rows.J[k][0];
+  constexpr double h = 1e-6;
+  double worst = 0;
+  for (long i = 0; i < exact.size(); ++i) {
+    double r[2];
+    for (int way = 0; way < 2; ++way) {
+      Points x = s.dofs();
+      x(i) += way ? h : -h;
+      JoinRows moved;
+      terms.join({s.shared_mesh(), s.kind(), x}, 0, moved);
+      r[way] = moved.r[0];
+    }
+    worst = std::max(worst, std::abs((r[1] - r[0]) / (2 * h) - exact(i)));
+  }
+  CHECK(exact.norm() > 1);
+  CHECK(worst < 1e-7 * exact.norm());
+}
+
+TEST_CASE("triangles that stand still keep their dofs, and the others are faired beside them") {
+  const Surface s = cubic_graph(6);
+  Points bumped = s.dofs();
+  std::mt19937 generator(2);
+  std::normal_distribution<double> normal(0, 0.01);
+  for (int v = 0; v < s.mesh().vertex_count(); ++v)
+    bumped(s.dof_map().vertex(v), 2) += normal(generator);
+  const Surface start(s.shared_mesh(), s.kind(), bumped);
+  VariationOptions options;
+  std::vector<char> fixed(static_cast<size_t>(bumped.rows()), 0);
+  for (int t = 0; t < s.mesh().triangle_count(); ++t) {
+    options.still.push_back(s.mesh().shape(t).vertex[0].x() < 0.5);
+    if (options.still.back())
+      for (const int dof : s.dof_map().triangle(s.mesh(), t)) fixed[static_cast<size_t>(dof)] = 1;
+  }
+  const ConstraintSet none(s.dof_map().count());
+  const VariationSurface faired = fair_variation(start, none, options);
+  double moved = 0, still = 0;
+  for (long i = 0; i < bumped.rows(); ++i) {
+    const double way = (faired.dofs.row(i) - bumped.row(i)).norm();
+    double& most = fixed[static_cast<size_t>(i)] ? still : moved;
+    most = std::max(most, way);
+  }
+  CHECK(still == 0);
+  CHECK(moved > 1e-3);
+  CHECK(faired.functional < 0.1 * faired.start_functional);
+}
+
 TEST_CASE("fairing keeps the rows exactly, and gives the same bits on one thread and two") {
   const Surface s = cubic_graph(6);
   Points bumped = s.dofs();

@@ -36,11 +36,6 @@ class Promises {
       else
         missed.push_back({"regions." + r.name, "is not skinned: " + r.why_not});
     }
-    for (const auto& flaw : n.flaws) {
-      std::string where;
-      for (const auto& region : flaw.regions) where += (where.empty() ? "" : ", ") + region;
-      missed.push_back({"flaws." + flaw.kind + " in " + where, flaw.text});
-    }
     for (const auto& j : n.joins) {
       const std::string at = "joins." + j.line;
       if (j.kind == "smooth")
@@ -48,6 +43,13 @@ class Promises {
                 n.join_tolerance_deg + (sculpted ? kSculptedJoinDeg : 0));
       if (j.kind != "smooth" && j.asked && !j.why.empty())
         missed.push_back({at, "was asked for as smooth and is a " + j.kind + ": " + j.why});
+    }
+  }
+  void flaws(const std::vector<FlawReport>& flaws) {
+    for (const auto& flaw : flaws) {
+      std::string where;
+      for (const auto& region : flaw.regions) where += (where.empty() ? "" : ", ") + region;
+      missed.push_back({"flaws." + flaw.kind + " in " + where, flaw.text});
     }
   }
   void step(const Report& report, bool lines, double on_line) {
@@ -84,6 +86,7 @@ std::vector<MissedPromise> broken_promises(const Report& report, double toleranc
     promises.network(*report.network, lines, report.is_sculpted, on_input);
   else
     promises.surface("surface", s.quality, lines, tolerance, on_input);
+  promises.flaws(report.flaws);
   if (s.fairing && !s.fairing->converged)
     promises.missed.push_back({"surface.fairing.converged", "is false, promised true"});
   if (report.step) promises.step(report, lines, tolerance);

@@ -8,9 +8,9 @@
 #include "batten/core/words.h"
 #include "batten/fem/assembly.h"
 #include "batten/fem/triangle_locator.h"
-#include "batten/skinning/model/fair_shape.h"
 #include "batten/skinning/model/loft_shape.h"
 #include "batten/skinning/model/model_projector.h"
+#include "batten/skinning/surfaces/fair_model.h"
 #include "batten/skinning/surfaces/skin_network.h"
 
 namespace batten {
@@ -105,7 +105,7 @@ Points lofted(const ModelLayout& layout, const Scene& scene) {
 }
 
 // Makes the change of curvature least, or lofts, where the scene asks for that.
-void fair(MadeShape& shape, const Scene& scene, const Progress& progress) {
+void fair(MadeShape& shape, const Scene& scene, const MadeModel& made, const Progress& progress) {
   if (scene.skin.fair == SceneSkin::Fair::Bending || !shape.layout) return;
   const ModelLayout& layout = *shape.layout;
   if (scene.skin.fair == SceneSkin::Fair::Loft) {
@@ -119,7 +119,9 @@ void fair(MadeShape& shape, const Scene& scene, const Progress& progress) {
     VariationOptions options;
     options.strength = scene.skin.strength;
     if (scene.skin.largest_move > 0) options.largest_move = scene.skin.largest_move;
-    shape.fairing = fair_shape(layout, shape.dofs, layout.line_constraints(), options, progress);
+    FairedModel faired = fair_model(made.model, shape.layout, shape.dofs, options, progress);
+    shape.fairing = std::move(faired.surface);
+    shape.kept = std::move(faired.kept);
   } catch (const CancelledError&) {
     throw;
   } catch (const Error& e) {
@@ -184,14 +186,14 @@ MadeShape make_shape(const ModelLayout& layout, const Scene& scene, const MadeMo
       make_session(layout, scene, made, Expected::one_factor, progress, &unloaded);
   const Answer answer = session.settle();
   MadeShape shape = shape_of(session, scene, unloaded, answer);
-  fair(shape, scene, progress);
+  fair(shape, scene, made, progress);
   return shape;
 }
 
 MadeShape make_refined_shape(const MadeModel& made, const Scene& scene, const Progress& progress) {
   if (made.network && (!scene.is_sculpted() || !made.model.layout)) {
     MadeShape shape = shape_at_rest(made, scene);
-    fair(shape, scene, progress);
+    fair(shape, scene, made, progress);
     return shape;
   }
   const bool held = scene.skin.hold == SceneSkin::Hold::Lines;
@@ -226,18 +228,9 @@ ModelLayout refined_for_lines(const MadeModel& made, const Scene& scene, const P
 
 void take_shape(MadeModel& made, const MadeShape& shape, const Progress& progress) {
   if (!shape.layout) return;
-  if (made.network) {
-    if (shape.layout != made.model.layout || shape.fairing || shape.lofted)
-      reshape(made.model, shape.layout, shape.dofs, shape.regions, progress);
-    return;
-  }
-  progress.at("measuring", 0);
-  ModelRegion& region = made.model.regions.front();
-  region.skinned = shape.regions.front();
-  region.quality = measure(*region.skinned);
-  made.model.layout = shape.layout;
-  made.model.dofs = shape.dofs;
-  made.model.area = region.quality.area;
+  // A network at rest was measured when it was skinned.
+  if (!made.network || shape.layout != made.model.layout || shape.fairing || shape.lofted)
+    reshape(made.model, shape.layout, shape.dofs, shape.regions, progress);
 }
 
 }  // namespace batten

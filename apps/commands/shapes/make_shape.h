@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "batten/apps/commands/shapes/make_model.h"
-#include "batten/fairing/variation_surface.h"
 #include "batten/sculpting/session/session.h"
+#include "batten/skinning/surfaces/fair_model.h"
 
 namespace batten {
 
@@ -30,6 +30,7 @@ struct MadeShape {
   bool joins_planned = false;               ///< Answer::joins_planned
   std::optional<VariationSurface> fairing;  ///< set where the change of curvature was made least
   bool lofted = false;                      ///< set where the scene asked for a loft
+  std::vector<KeptRegion> kept;             ///< regions that were not faired
   std::string not_faired;  ///< why it could not be: the shape is then that of least bending
 
   std::vector<const SkinnedRegion*> all() const { return pointers(regions); }

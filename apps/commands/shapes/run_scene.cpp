@@ -121,6 +121,13 @@ std::string shell_results(const NetworkReport& n, const std::string& unit) {
   return text;
 }
 
+/// Says what is wrong with the surface.
+std::string flaw_results(const Report& report) {
+  std::vector<std::string> texts;
+  for (const auto& f : report.flaws) texts.push_back(f.text);
+  return listed_lines("wrong", texts);
+}
+
 /// Says how good the surface is.
 std::string quality_result(const Report::Surface& s, const std::string& unit) {
   return result_line("quality", "Jacobian " + number(s.quality.min_jacobian_ratio) +
@@ -207,9 +214,7 @@ std::string network_summary(const Report& report, const std::filesystem::path& f
       std::any_of(n.regions.begin(), n.regions.end(), [](const auto& r) { return r.skinned; });
   if (skinned) text += result_line("joins", joins(n));
   text += shell_results(n, unit);
-  std::vector<std::string> flaws;
-  for (const auto& f : n.flaws) flaws.push_back(f.text);
-  text += listed_lines("wrong", flaws);
+  text += flaw_results(report);
   if (!n.bare.empty())
     text += result_line("left over", counted(n.bare.size(), "line", "lines") +
                                          " without a surface: " + some(n.bare));
@@ -293,7 +298,7 @@ std::string summary(const Report& report, const std::filesystem::path& folder) {
                                      : "") +
                                 ", surface to your lines " + number(q.max_line_deviation) + unit)
               : result_line("held", "corners only, residual " + number(s.max_constraint_residual));
-  text += fairing_result(s, unit);
+  text += fairing_result(s, unit) + flaw_results(report);
   text += result_line("quality", "Jacobian " + number(q.min_jacobian_ratio) +
                                      " of its median, normal jump " +
                                      number(q.max_normal_jump_deg) + " degrees");

@@ -154,6 +154,7 @@ void measure_into(ShapeRun& run, MadeModel& made, const MadeShape& shape, const 
     s.dofs = DofMap(*shape.layout->mesh()).count();
   }
   s.quality = worst_of(made.model);
+  report.flaws = flaw_reports(made.model);
   if (made.network) {
     measure_network(report, made, scene);
   } else {
@@ -169,8 +170,13 @@ void measure_into(ShapeRun& run, MadeModel& made, const MadeShape& shape, const 
   s.last_change = shape.last_change;
   if (shape.fairing) {
     const VariationSurface& f = *shape.fairing;
-    s.fairing = {f.functional, f.start_functional, f.max_move,
-                 f.iterations, f.factorizations,   f.converged};
+    s.fairing = {f.functional,     f.start_functional, f.max_move, f.iterations,
+                 f.factorizations, f.converged,        f.share,    {}};
+    for (const KeptRegion& kept : shape.kept) {
+      s.fairing->kept.push_back(shape.layout->region(kept.region).name());
+      report.warnings.push_back("region '" + s.fairing->kept.back() +
+                                "' is not faired and bends least: " + kept.why);
+    }
     if (!shape.not_faired.empty())
       report.warnings.push_back("not faired, the surface bends least: " + shape.not_faired);
     constexpr double far = 0.1;

@@ -79,9 +79,9 @@ show = "regions"
   CHECK(n.regions[2].ring);
   REQUIRE(n.joins.size() == 3);
   CHECK(n.joins[1].line == "b");
-  CHECK(n.joins[1].smooth);
+  CHECK(n.joins[1].kind == JoinWord::Kind::Smooth);
   CHECK(n.joins[1].where == "s.toml:24:15: ");
-  CHECK_FALSE(n.joins[2].smooth);
+  CHECK(n.joins[2].kind == JoinWord::Kind::Crease);
   CHECK(scene.pictures[0].look.field == PictureScene::Field::Regions);
   CHECK(scene.skin.options.edge_length == 2);
 }

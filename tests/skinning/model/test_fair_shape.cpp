@@ -7,6 +7,7 @@
 #include "batten/benchmarks/analytic_shapes.h"
 #include "batten/core/errors.h"
 #include "batten/skinning/layout/region_layout.h"
+#include "batten/skinning/model/curvature_joins.h"
 #include "batten/skinning/model/join.h"
 #include "batten/skinning/model/loft_shape.h"
 #include "batten/tests/catch.h"
@@ -187,7 +188,10 @@ TEST_CASE("joined octants are a sphere whose curvature goes on across the join")
   CHECK(quality.median_curvature_jump < 0.01);
 }
 
-TEST_CASE("a cap on a cylinder: the curvature jumps by that of the cap") {
+namespace {
+
+// An octant over a quarter of a cylinder, side by side along "rim".
+batten_test::Patchwork cap_on_cylinder() {
   const Vec3 x = Vec3::UnitX(), y = Vec3::UnitY(), z = Vec3::UnitZ(), down = -1.2 * z;
   batten_test::Patchwork p;
   p.options.edge_length = 0.2;
@@ -205,13 +209,82 @@ TEST_CASE("a cap on a cylinder: the curvature jumps by that of the cap") {
        }));
   p.region({"rim", "yz", "zx"});
   p.region({"-rim", "side1", "foot", "side2"});
-  const JoinLine join = p.join_line("rim", 0, 1);
-  const ModelLayout model = p.model({join});
+  return p;
+}
+
+JoinQuality faired_join(const batten_test::Patchwork& patches, const JoinLine& join) {
+  const ModelLayout model = patches.model({join});
   const Points dofs = fair_shape(model, model.least_energy({}), model.line_constraints()).dofs;
   const SkinnedRegion a = model.skinned(0, dofs), b = model.skinned(1, dofs);
-  const JoinQuality quality = measure_join({&a, &b}, join);
+  return measure_join({&a, &b}, join);
+}
+
+}  // namespace
+
+TEST_CASE("a cap on a cylinder: the lines across the rim say that curvature jumps by the cap's") {
+  const batten_test::Patchwork patches = cap_on_cylinder();
+  JoinLine join = patches.join_line("rim", 0, 1);
+  CHECK_FALSE(curvature_goes_on(patches.model({join}), patches.plan({join}).front()));
+  const JoinQuality quality = faired_join(patches, join);
   CHECK(quality.max_deg < 0.05);
   CHECK(quality.median_curvature_jump == Approx(1).epsilon(0.02));
+
+  join.curvature = true;
+  CHECK(curvature_goes_on(patches.model({join}), patches.plan({join}).front()));
+  const JoinQuality asked = faired_join(patches, join);
+  CHECK(asked.max_deg < 0.05);
+  CHECK(asked.median_curvature_jump < 0.1);
+}
+
+TEST_CASE("where curvature goes on, its jump is ten times smaller than where it may jump") {
+  // A free form: two wavy strips side by side.
+  batten_test::Patchwork p;
+  p.options.edge_length = 0.15;
+  const auto wave = [&](const std::string& name, double y, double tilt) {
+    p.add(
+        batten_test::given_line(name,
+                                curve_from_formula(0, 1,
+                                                   [=](double t, int order) -> Vec3 {
+                                                     const double k = 2;
+                                                     if (order == 0)
+                                                       return {t, y, tilt * std::sin(k * t)};
+                                                     if (order == 1)
+                                                       return {1, 0, tilt * k * std::cos(k * t)};
+                                                     return {0, 0, -tilt * k * k * std::sin(k * t)};
+                                                   }),
+                                3, p.options.edge_length));
+  };
+  const auto across = [&](const std::string& name, double x, double from, double z0, double z1) {
+    p.add(batten_test::given_line(name,
+                                  curve_from_formula(from, from + 1,
+                                                     [=](double t, int order) -> Vec3 {
+                                                       // One parabola for both strips, from z0 over y = -1 and 1 to z1 at 0.
+                                                       if (order == 0)
+                                                         return {x, t, z1 + (z0 - z1) * t * t};
+                                                       if (order == 1)
+                                                         return {0, 1, 2 * (z0 - z1) * t};
+                                                       return {0, 0, 2 * (z0 - z1)};
+                                                     }),
+                                  3, p.options.edge_length));
+  };
+  const double s = std::sin(2.0);
+  wave("low", -1, 0.1);
+  wave("middle", 0, 0.3);
+  wave("high", 1, 0.1);
+  for (const double from : {-1.0, 0.0}) {
+    const std::string which = from < 0 ? "1" : "2";
+    across("start" + which, 0, from, 0, 0);
+    across("end" + which, 1, from, 0.1 * s, 0.3 * s);
+  }
+  p.region({"low", "end1", "middle", "start1"});
+  p.region({"middle", "end2", "high", "start2"});
+  JoinLine join = p.join_line("middle", 0, 1);
+  CHECK(curvature_goes_on(p.model({join}), p.plan({join}).front()));
+  const JoinQuality goes_on = faired_join(p, join);
+  join.curvature = false;
+  const JoinQuality jumps = faired_join(p, join);
+  CHECK(goes_on.max_deg < 0.1);
+  CHECK(goes_on.median_curvature_jump < 0.1 * jumps.median_curvature_jump);
 }
 
 TEST_CASE("strength and largest move stop on the way, where every line holds too") {

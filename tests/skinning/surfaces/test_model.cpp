@@ -74,7 +74,7 @@ TEST_CASE("eight octants of a sphere become one smooth closed shell near it") {
 TEST_CASE("the user's word makes a crease of a smooth line and names what cannot be smooth") {
   ModelOptions options;
   options.skin.edge_length = 0.3;
-  options.joins = {{"xy", false, "scene:1: "}};
+  options.joins = {{"xy", JoinWord::Kind::Crease, "scene:1: "}};
   const SurfaceModel model = model_of(sphere_lines(), options);
   int creases = 0;
   for (const ModelJoin& join : model.joins)
@@ -85,11 +85,11 @@ TEST_CASE("the user's word makes a crease of a smooth line and names what cannot
     }
   CHECK(creases == 4);
 
-  options.joins = {{"no such line", true, "scene:7: "}};
+  options.joins = {{"no such line", JoinWord::Kind::Smooth, "scene:7: "}};
   CHECK_THROWS_WITH(model_of(sphere_lines(), options), Catch::Matchers::StartsWith("scene:7: "));
 
   // A box corner has no tangent plane.
-  options.joins = {{"z1", true, ""}};
+  options.joins = {{"z1", JoinWord::Kind::Smooth, ""}};
   const SurfaceModel box = model_of(box_lines(Vec3::Zero(), Vec3(1, 1, 1)), options);
   for (const ModelJoin& join : box.joins)
     if (join.asked) {

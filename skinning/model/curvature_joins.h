@@ -1,0 +1,25 @@
+// Smooth joins across which the curvature goes on.
+#pragma once
+
+#include <vector>
+
+#include "batten/fairing/variation_surface.h"
+#include "batten/skinning/model/model_layout.h"
+
+namespace batten {
+
+/// Whether fairing lets the curvature go on across a smooth join: what JoinLine::curvature says or,
+/// where it says nothing, what the lines do that cross it at its ends. Two lines that go on into
+/// each other there, one on each side, have normal curvatures κ_A and κ_B, and the surfaces must
+/// have the same ones. It goes on unless, over the ends at which there are such lines,
+///
+///     Σ |κ_A - κ_B| > ½ Σ max(|κ_A|, |κ_B|),
+///
+/// as where a cap meets a cylinder. Without such lines it goes on. False for a plan that is given
+/// up.
+bool curvature_goes_on(const ModelLayout& layout, const JoinPlan& plan);
+
+/// The points, two for each edge, of all joins across which the curvature goes on.
+std::vector<JoinPoint> curvature_joins(const ModelLayout& layout);
+
+}  // namespace batten

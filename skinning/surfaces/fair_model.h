@@ -1,0 +1,32 @@
+// Fairs a model without making anything wrong.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "batten/skinning/model/fair_shape.h"
+#include "batten/skinning/surfaces/surface_model.h"
+
+namespace batten {
+
+/// A region that keeps the shape that it had.
+struct KeptRegion {
+  int region = 0;   ///< index into the regions of the layout
+  std::string why;  ///< a sentence for the user
+};
+
+struct FairedModel {
+  VariationSurface surface;
+  std::vector<KeptRegion> kept;
+};
+
+/// fair_shape() under the rows of the model's lines, downhill from `start`, dofs on `layout`, which
+/// has the regions of the model. A region keeps its shape where that turns over (curvature means
+/// nothing there), and where fairing would give it a flaw that it did not have: then all others are
+/// faired again beside it. Throws as fair_shape(); NoSolutionError when no region is left.
+FairedModel fair_model(const SurfaceModel& model, std::shared_ptr<const ModelLayout> layout,
+                       const Points& start, const VariationOptions& options = {},
+                       const Progress& progress = {});
+
+}  // namespace batten
