@@ -165,7 +165,7 @@ std::array<double, 2> curvature_jumps(const SurfaceModel& model) {
 
 // Fairs a model and adds a row of what became of it. Returns the flaws that it added.
 int add_fair_row(const char* name, Made& made, Table& table) {
-  const auto layout = made.model.layout;
+  auto layout = made.model.layout;
   if (!layout) {
     table.add({name, "", "no region has a skin"});
     return 0;
@@ -176,7 +176,8 @@ int add_fair_row(const char* name, Made& made, Table& table) {
   size_t kept = 0;
   const double start = clock_seconds();
   try {
-    FairedModel faired = fair_model(made.model, layout, made.model.dofs);
+    FairedModel faired = fair_model(made.model, layout, made.model.dofs, 0.1);
+    layout = faired.layout;
     fair = std::move(faired.surface);
     kept = faired.kept.size();
   } catch (const std::exception& e) {

@@ -89,6 +89,7 @@ class Descent {
     SparseCholesky cholesky;
     cholesky.analyze(equations.matrix(), order_of(equations.matrix(), copies));
     const double length = terms_.length();
+    int idle = 0;  // steps in a row that gained little
     result.converged = false;
     while (result.iterations < options.most_iterations && !result.converged) {
       progress.at("fairing", static_cast<double>(result.iterations) / options.most_iterations);
@@ -100,10 +101,11 @@ class Descent {
       ++result.iterations;
       terms_.set_frames(surface_);
       // Other frames may take back what the step gained in its own.
-      const auto gained_little = [&] {
-        return step.gain < little * value_ && value_ - terms_.value(surface_) < little * value_;
-      };
-      result.converged = step.kept > poor && (step.move < calm * length || gained_little());
+      const bool gained_little =
+          step.gain < little * value_ && value_ - terms_.value(surface_) < little * value_;
+      idle = gained_little ? idle + 1 : 0;
+      result.converged =
+          idle > 1 || (step.kept > poor && (step.move < calm * length || gained_little));
       if (!result.converged) T_ = ways();
     }
   }
@@ -201,7 +203,8 @@ VariationSurface fair_variation(const Surface& start, const ConstraintSet& const
   };
   consider(start.dofs());
   result.start_functional = best->value();
-  for (const Points& dofs : options.other_starts) consider(dofs);
+  if (!options.starts.empty()) best.reset();
+  for (const Points& dofs : options.starts) consider(dofs);
   Descent& descent = *best;
   descent.run(options, progress, result);
   const Surface& whole = descent.surface();

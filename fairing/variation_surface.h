@@ -1,24 +1,15 @@
 // Surfaces whose curvature changes least: fair surfaces from their lines alone.
 #pragma once
 
-#include <array>
 #include <limits>
 #include <vector>
 
 #include "batten/constraints/constraint_set.h"
 #include "batten/core/progress.h"
+#include "batten/fairing/join_point.h"
 #include "batten/fem/surface.h"
 
 namespace batten {
-
-/// Two places of a surface that are one point of a line at which two of its parts, meshed apart,
-/// join smoothly.
-struct JoinPoint {
-  std::array<Location, 2> at;
-  /// The line's slope in the (u, v) of each part, per unit of one parameter for both.
-  std::array<Vec2, 2> way;
-  double weight = 0;  ///< of this point in an integral over that parameter
-};
 
 struct VariationOptions {
   /// Weight of K² over that of the change of curvature. 1e-3; between two rims 10, which makes a
@@ -35,8 +26,8 @@ struct VariationOptions {
   std::vector<JoinPoint> joins;
   /// By triangle: those that keep their shape and count nothing. Empty: none.
   std::vector<char> still;
-  /// Dofs of other surfaces to start from. The one that costs least is taken.
-  std::vector<Points> other_starts;
+  /// Dofs of surfaces to go downhill from: the one that costs least is taken. None: the start.
+  std::vector<Points> starts;
   int most_iterations = 40;
   /// How much of the way from the start to the result is gone, 0 to 1, and the largest move of a
   /// vertex along the normal, model units. Every row holds on all of the way.
@@ -55,7 +46,8 @@ struct VariationSurface {
   bool converged = false;  ///< no step would gain a hundredth of the functional
 };
 
-/// Minimises over the dofs that meet the constraints, downhill from `start`:
+/// Minimises over the dofs that meet the constraints, downhill from `start` (moves and strength are
+/// measured from it):
 ///
 ///     E = ∫ (change of curvature)² dA + jumps · Σ_edges ∫ (jump of curvature)²/h ds + twist
 ///

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "batten/fairing/curvature_change.h"
-#include "batten/fairing/variation_surface.h"
+#include "batten/fairing/join_point.h"
 #include "batten/fem/surface.h"
 
 namespace batten {

@@ -45,7 +45,8 @@ VariationSurface fair_shape(const ModelLayout& layout, const Points& start,
   // Near the origin, where coordinates keep their digits.
   const VecX ones = layout.position_dofs();
   const Points origin = ones * layout.origin().transpose();
-  if (rings) options.other_starts.push_back(loft_shape(layout, {}) - origin);
+  if (rings && options.starts.empty()) options.starts = {start, loft_shape(layout, {})};
+  for (Points& dofs : options.starts) dofs -= origin;
   VariationSurface result = fair_variation(
       layout.surface(start - origin), constraints.moved(ones, layout.origin()), options, progress);
   result.dofs += origin;

@@ -10,11 +10,11 @@ namespace batten {
 /// Fairs a shape of a model under these rows (those of its lines, and any others), downhill from
 /// `start`: fair_variation() with the sides of all regions and the weight of Gauss curvature that
 /// suits them (large on rings between two rims alone: they become cylinders and cones where they
-/// can). A model with rings starts from loft_shape() too, which does not pinch long ones. Smooth
+/// can). A model with rings starts from loft_shape() too (if `options` has no other starts), which does not pinch long ones. Smooth
 /// joins stay smooth, and curvature goes on across those that curvature_goes_on() names. Dofs are
 /// in absolute coordinates.
 ///
-/// Of `options`, gauss, sides, joins and other_starts are chosen here. `constraints` as of
+/// Of `options`, gauss, sides and joins are chosen here. `constraints` as of
 /// ModelLayout::line_constraints(). Throws as fair_variation().
 VariationSurface fair_shape(const ModelLayout& layout, const Points& start,
                             const ConstraintSet& constraints, VariationOptions options = {},

@@ -4,6 +4,7 @@
 #include <set>
 
 #include "batten/core/errors.h"
+#include "batten/fem/surface_transfer.h"
 #include "batten/skinning/surfaces/skin_network.h"
 
 namespace batten {
@@ -20,8 +21,8 @@ FlawKey key_of(const SurfaceFlaw& flaw) {
 class ModelFairing {
  public:
   ModelFairing(const SurfaceModel& model, std::shared_ptr<const ModelLayout> layout,
-               const Points& start)
-      : model_(model), layout_(std::move(layout)), start_(start) {
+               const Points& start, double most_join_deg)
+      : model_(model), layout_(std::move(layout)), start_(start), most_join_deg_(most_join_deg) {
     const bool measured =
         model_.layout == layout_ && model_.dofs.rows() == start.rows() && model_.dofs == start;
     if (!measured) take(start);
@@ -32,23 +33,35 @@ class ModelFairing {
   }
 
   FairedModel run(VariationOptions options, const Progress& progress) {
-    const ConstraintSet constraints = layout_->line_constraints();
-    for (;;) {
+    for (int halved = 0;;) {
       if (count_of(faired_.kept) == layout_->region_count())
         throw NoSolutionError(faired_.kept.front().why);
       if (!faired_.kept.empty()) options.still = still();
       try {
-        faired_.surface = fair_shape(*layout_, start_, constraints, options, progress);
+        take(fair_shape(*layout_, start_, layout_->line_constraints(), options, progress));
       } catch (const NoSolutionError&) {
         if (!keep_all_flawed()) throw;
         continue;
       }
-      take(faired_.surface.dofs);
-      if (!keep_spoiled()) return std::move(faired_);
+      if (keep_spoiled()) continue;
+      constexpr int most_rounds = 2;
+      if (halved++ == most_rounds || !halve_joins()) break;
+      options.starts = {faired_.surface.dofs};
     }
+    faired_.layout = layout_;
+    return std::move(faired_);
   }
 
  private:
+  void take(VariationSurface surface) {
+    const VariationSurface& before = faired_.surface;
+    surface.iterations += before.iterations;
+    surface.factorizations += before.factorizations;
+    if (before.iterations > 0) surface.start_functional = before.start_functional;
+    faired_.surface = std::move(surface);
+    take(faired_.surface.dofs);
+  }
+
   void take(const Points& dofs) {
     std::vector<SkinnedRegion> regions;
     for (int r = 0; r < layout_->region_count(); ++r) regions.push_back(layout_->skinned(r, dofs));
@@ -86,6 +99,38 @@ class ModelFairing {
     return any;
   }
 
+  // Halves the triangles along smooth joins of two runs that are above the tolerance, and goes over
+  // to the finer layout. False when there are none.
+  bool halve_joins() {
+    std::vector<char> marks(layout_->mesh()->triangle_count(), 0);
+    bool any = false;
+    for (const ModelJoin& join : model_.joins) {
+      const JoinPlan* plan = layout_->join_plan(join.line);
+      if (!plan || !plan->at.empty() || !(join.max_inside_deg > most_join_deg_)) continue;
+      any = true;
+      for (const JoinSide& side : plan->join_line.sides) {
+        const RegionLayout& region = layout_->region(side.region);
+        for (const int e : region.runs()[side.line].edges)
+          marks[layout_->first_triangle(side.region) + region.mesh()->edges()[e].triangle[0]] = 1;
+      }
+    }
+    if (!any) return false;
+    auto finer = std::make_shared<ModelLayout>(*layout_);
+    finer->refine(marks);
+    start_ = carried(*finer, start_);
+    faired_.surface.dofs = carried(*finer, faired_.surface.dofs);
+    finer->plan_joins(faired_.surface.dofs);
+    layout_ = std::move(finer);
+    return true;
+  }
+
+  Points carried(const ModelLayout& finer, const Points& dofs) const {
+    std::vector<Points> each;
+    for (int r = 0; r < layout_->region_count(); ++r)
+      each.push_back(carried_over(layout_->skinned(r, dofs).surface, *finer.region(r).mesh()).dofs);
+    return finer.all_dofs(each);
+  }
+
   std::vector<char> still() const {
     std::vector<char> triangles(layout_->mesh()->triangle_count(), 0);
     for (const KeptRegion& kept : faired_.kept)
@@ -96,7 +141,8 @@ class ModelFairing {
 
   SurfaceModel model_;
   std::shared_ptr<const ModelLayout> layout_;
-  const Points& start_;
+  Points start_;
+  double most_join_deg_;
   FairedModel faired_;
   std::set<FlawKey> had_;
   bool tried_flawed_ = false;
@@ -105,9 +151,9 @@ class ModelFairing {
 }  // namespace
 
 FairedModel fair_model(const SurfaceModel& model, std::shared_ptr<const ModelLayout> layout,
-                       const Points& start, const VariationOptions& options,
+                       const Points& start, double most_join_deg, const VariationOptions& options,
                        const Progress& progress) {
-  return ModelFairing(model, std::move(layout), start).run(options, progress);
+  return ModelFairing(model, std::move(layout), start, most_join_deg).run(options, progress);
 }
 
 }  // namespace batten

@@ -17,16 +17,23 @@ struct KeptRegion {
 };
 
 struct FairedModel {
-  VariationSurface surface;
+  std::shared_ptr<const ModelLayout> layout;
+  VariationSurface surface;  ///< on that layout
   std::vector<KeptRegion> kept;
 };
 
 /// fair_shape() under the rows of the model's lines, downhill from `start`, dofs on `layout`, which
-/// has the regions of the model. A region keeps its shape where that turns over (curvature means
-/// nothing there), and where fairing would give it a flaw that it did not have: then all others are
-/// faired again beside it. Throws as fair_shape(); NoSolutionError when no region is left.
+/// has the regions of the model.
+///
+/// A region keeps its shape where that turns over (curvature means nothing there), and where
+/// fairing would give it a flaw that it did not have: then all others are faired again beside it.
+/// Rounder surfaces meet at larger angles between the nodes of smooth joins: where that is more
+/// than `most_join_deg`, and was not before, triangles along the join are halved and the model is
+/// faired on. Joins on embedded lines are planned again for that.
+///
+/// Throws as fair_shape(); NoSolutionError when no region is left.
 FairedModel fair_model(const SurfaceModel& model, std::shared_ptr<const ModelLayout> layout,
-                       const Points& start, const VariationOptions& options = {},
-                       const Progress& progress = {});
+                       const Points& start, double most_join_deg,
+                       const VariationOptions& options = {}, const Progress& progress = {});
 
 }  // namespace batten

@@ -77,7 +77,7 @@ struct ModelJoin {
 struct SurfaceFlaw {
   enum class Kind {
     Jacobian,  ///< x_u × x_v vanishes, or turns over against its surroundings
-    Fold,      ///< turns by more than 90 degrees inside, or doubles back on a neighbour
+    Fold,      ///< turns by more than 120 degrees inside, or doubles back on a neighbour
     Crossing,  ///< it passes through itself or another region
     Area       ///< more than twice that of a plain hole filling
   };

@@ -101,7 +101,8 @@ using EdgeKey = std::pair<int, int>;
 void look_at_inner_folds(const Regions& regions, int r, const Shell& shell,
                          std::vector<SurfaceFlaw>& flaws) {
   std::map<EdgeKey, int> across;
-  double worst = 90 + 1e-6;
+  constexpr double most = 120;  // inner lines with corners may ask for a ridge of 90
+  double worst = most;
   Vec3 place = Vec3::Zero();
   for (size_t f = 0; f < shell.facets.size(); ++f)
     for (int i = 0; i < 3; ++i) {
@@ -115,7 +116,7 @@ void look_at_inner_folds(const Regions& regions, int r, const Shell& shell,
       worst = angle;
       place = 0.5 * (shell.points[a] + shell.points[b]);
     }
-  if (worst > 90 + 1e-6)
+  if (worst > most)
     flaws.push_back({SurfaceFlaw::Kind::Fold,
                      {r},
                      place,

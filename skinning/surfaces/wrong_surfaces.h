@@ -12,7 +12,7 @@ namespace batten {
 /// looked for on facets, four for each element:
 ///
 ///   Jacobian  min_jacobian_ratio of the quality is not above 0;
-///   Fold      inside of a region, normals of neighbouring facets differ by more than 90 degrees:
+///   Fold      inside of a region, normals of neighbouring facets differ by more than 120 degrees:
 ///             no lines ask for that. Where two regions meet along a line a crease of any angle may
 ///             be wanted, that of a box as well as that of a thin rim, but not that one region lies
 ///             back on the other. So the wedge between them is measured, which is 180 degrees where

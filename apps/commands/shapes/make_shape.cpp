@@ -118,8 +118,12 @@ void fair(MadeShape& shape, const Scene& scene, const MadeModel& made, const Pro
   try {
     VariationOptions options;
     options.strength = scene.skin.strength;
+    const double join_tolerance =
+        scene.network ? scene.network->join_tolerance : ModelOptions{}.join_tolerance_deg;
     if (scene.skin.largest_move > 0) options.largest_move = scene.skin.largest_move;
-    FairedModel faired = fair_model(made.model, shape.layout, shape.dofs, options, progress);
+    FairedModel faired =
+        fair_model(made.model, shape.layout, shape.dofs, join_tolerance, options, progress);
+    shape.layout = faired.layout;
     shape.fairing = std::move(faired.surface);
     shape.kept = std::move(faired.kept);
   } catch (const CancelledError&) {
@@ -130,7 +134,7 @@ void fair(MadeShape& shape, const Scene& scene, const MadeModel& made, const Pro
     return;
   }
   take_dofs(shape, shape.fairing->dofs, scene);
-  shape.max_constraint_residual = shape.fairing->max_residual / layout.size();
+  shape.max_constraint_residual = shape.fairing->max_residual / shape.layout->size();
 }
 
 // The shape that a network was skinned with.

@@ -47,7 +47,7 @@ TEST_CASE("a region that turns over keeps its shape, the others are faired") {
   const batten_test::Patchwork patches = octant_and_bow_tie();
   const auto layout = std::make_shared<const ModelLayout>(patches.model({}));
   const Points start = layout->least_energy({});
-  const FairedModel faired = fair_model(model_of(patches, *layout), layout, start);
+  const FairedModel faired = fair_model(model_of(patches, *layout), layout, start, 0.1);
   REQUIRE(faired.kept.size() == 1);
   CHECK(faired.kept[0].region == 1);
   CHECK_THAT(faired.kept[0].why, Contains("turns over"));
@@ -67,5 +67,5 @@ TEST_CASE("a model of which every region turns over cannot be faired") {
   patches.first.erase(patches.first.begin());
   const auto layout = std::make_shared<const ModelLayout>(patches.model({}));
   const Points start = layout->least_energy({});
-  CHECK_THROWS_AS(fair_model(model_of(patches, *layout), layout, start), NoSolutionError);
+  CHECK_THROWS_AS(fair_model(model_of(patches, *layout), layout, start, 0.1), NoSolutionError);
 }
