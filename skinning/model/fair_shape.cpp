@@ -4,6 +4,7 @@
 
 #include "batten/skinning/model/curvature_joins.h"
 #include "batten/skinning/model/loft_shape.h"
+#include "batten/skinning/model/section_surface.h"
 
 namespace batten {
 namespace {

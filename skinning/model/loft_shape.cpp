@@ -1,121 +1,106 @@
 #include "batten/skinning/model/loft_shape.h"
 
 #include <algorithm>
-#include <limits>
-#include <optional>
 #include <set>
 
+#include "batten/core/chunks.h"
 #include "batten/core/errors.h"
 #include "batten/core/words.h"
+#include "batten/skinning/model/section_surface.h"
 
 namespace batten {
 namespace {
 
-// A domain with four corners, (1-s)(1-t) c0 + s (1-t) c1 + s t c2 + (1-s) t c3. Side k runs from
-// corner k to the next.
-class Quadrilateral {
- public:
-  explicit Quadrilateral(const RegionLayout& region) {
-    for (size_t k = 0; k < 4; ++k) corners_[k] = region.corners()[k].uv;
-  }
+// Whether a line is a section, or a part of one: "root.2" of the line "root" that was cut at its
+// corners. Takes the sections that it finds out of `missing`.
+bool is_section(const std::string& name, const std::vector<std::string>& sections,
+                std::set<std::string>& missing) {
+  const auto it = std::find_if(sections.begin(), sections.end(), [&](const std::string& s) {
+    return name == s || name.starts_with(s + ".");
+  });
+  if (it != sections.end()) missing.erase(*it);
+  return it != sections.end();
+}
 
-  // The side nearest to p.
-  int side_at(const Vec2& p) const {
-    int nearest = 0;
-    double least = std::numeric_limits<double>::infinity();
-    for (int k = 0; k < 4; ++k) {
-      const Vec2 from = corners_[k], way = corners_[(k + 1) % 4] - from;
-      const double f = std::clamp(way.dot(p - from) / way.squaredNorm(), 0.0, 1.0);
-      const double distance = (from + f * way - p).norm();
-      if (distance >= least) continue;
-      least = distance;
-      nearest = k;
-    }
-    return nearest;
-  }
-
-  // The direction at p from side `side` to the opposite one, either way.
-  Vec2 across(int side, const Vec2& p) const {
-    const auto& c = corners_;
-    double s = 0.5, t = 0.5;
-    Mat2 slopes;
-    for (int round = 0; round < 8; ++round) {
-      slopes.col(0) = (1 - t) * (c[1] - c[0]) + t * (c[2] - c[3]);
-      slopes.col(1) = (1 - s) * (c[3] - c[0]) + s * (c[2] - c[1]);
-      const Vec2 at = (1 - t) * ((1 - s) * c[0] + s * c[1]) + t * ((1 - s) * c[3] + s * c[2]);
-      const Vec2 step = slopes.inverse() * (p - at);
-      s = std::clamp(s + step[0], 0.0, 1.0);
-      t = std::clamp(t + step[1], 0.0, 1.0);
-    }
-    return slopes.col(side % 2 == 0 ? 1 : 0).normalized();
-  }
-
- private:
-  Vec2 corners_[4];
-};
-
-// The side of a region with four corners that a section is part of, or -1. Takes the sections that
-// it finds out of `missing`.
+// The side of a region with four corners that a section is part of, or -1.
 int side_of_sections(const RegionLayout& region, const std::vector<std::string>& sections,
                      std::set<std::string>& missing) {
   int side = -1;
+  for (const EmbeddedLine& line : region.embedded()) is_section(line.line.name, sections, missing);
   for (const LineRun& run : region.runs()) {
-    if (run.line.role != CharacterLine::Role::Outline || run.vertices.size() < 2) continue;
-    const std::string& name = run.line.name;
-    // "root.2" is a part of the line "root" that was cut at its corners.
-    const auto named = std::find_if(sections.begin(), sections.end(), [&](const std::string& s) {
-      return name == s || name.starts_with(s + ".");
-    });
-    if (named == sections.end()) continue;
-    missing.erase(*named);
-    const auto& at = region.mesh()->vertices();
-    const size_t middle = run.vertices.size() / 2;
-    const int found =
-        Quadrilateral(region).side_at(0.5 * (at[static_cast<size_t>(run.vertices[middle - 1])] +
-                                             at[static_cast<size_t>(run.vertices[middle])]));
+    if (!is_section(run.line.name, sections, missing) || is_ring(region) ||
+        region.corners().size() != 4 || run.line.role != CharacterLine::Role::Outline)
+      continue;
+    const int found = domain_side(region, run);
     if (side >= 0 && found % 2 != side % 2)
       throw InputError("the sections of region '" + region.name() +
-                       "' are sides that meet, expected opposite sides: '" + name + "'");
+                       "' are sides that meet, expected opposite sides: '" + run.line.name + "'");
     side = found;
   }
   return side;
 }
 
-}  // namespace
+// Marks triangles whose dofs miss the surface through the sections inside by more than this.
+void mark_misses(const RegionLayout& region, const SectionSurface& through, const Points& dofs,
+                 double most, char* marks) {
+  const Surface surface(region.mesh(), region.element(), dofs, region.trim());
+  for_each_in_chunks<16>(surface.mesh().triangle_count(), [&](int t) {
+    double miss = 0;
+    for (const Vec3& L :
+         {Vec3(1, 1, 1), Vec3(0.3, 1.35, 1.35), Vec3(1.35, 0.3, 1.35), Vec3(1.35, 1.35, 0.3)}) {
+      const Vec2 uv = surface.mesh().shape(t).point(L / 3);
+      miss = std::max(miss, (surface.position({t, L / 3}) - through.at(uv)).norm());
+    }
+    if (miss > most) marks[t] = 1;
+  });
+}
 
-bool is_ring(const RegionLayout& region) { return region.mesh()->period() > 0; }
-
-Points loft_shape(const ModelLayout& layout, const std::vector<std::string>& sections) {
-  // Keeps the matrix definite, and lines side by side together; would pinch long rings.
-  constexpr double in_all_ways = 1e-4, of_rings = 1e-7;
+// The dofs to come near to: of the surfaces through the sections, 0 in other regions. Marks
+// triangles if there is something to mark.
+Points wanted_dofs(const ModelLayout& layout, const std::vector<std::string>& sections, double most,
+                   std::vector<char>* marks) {
   std::set<std::string> missing(sections.begin(), sections.end());
-  std::vector<SurfaceStiffness> materials(static_cast<size_t>(layout.mesh()->triangle_count()),
-                                          SurfaceStiffness::isotropic(0, 1));
+  Points wanted = Points::Zero(layout.position_dofs().size(), 3);
   bool lofted = false;
   for (int r = 0; r < layout.region_count(); ++r) {
     const RegionLayout& region = layout.region(r);
-    const bool ring = is_ring(region);
-    const int side =
-        !ring && region.corners().size() == 4 ? side_of_sections(region, sections, missing) : -1;
-    if (!ring && side < 0) continue;
+    const int side = side_of_sections(region, sections, missing);
+    if (!is_ring(region) && side < 0) continue;
     lofted = true;
-    for (int t = 0; t < region.mesh()->triangle_count(); ++t) {
-      const Vec2 p = region.mesh()->shape(t).point(Vec3::Constant(1.0 / 3));
-      SurfaceStiffness& m = materials[static_cast<size_t>(layout.first_triangle(r) + t)];
-      m *= ring ? of_rings : in_all_ways;
-      m += SurfaceStiffness::directional(ring ? Vec2(0, 1) : Quadrilateral(region).across(side, p),
-                                         0, 1);
-    }
+    const SectionSurface through(region, side);
+    const Points own = through.dofs();
+    for (int d = 0; d < own.rows(); ++d) wanted.row(layout.numbers(r)(d)) = own.row(d);
+    if (marks) mark_misses(region, through, own, most, marks->data() + layout.first_triangle(r));
   }
   if (!missing.empty())
     throw InputError("the section '" + *missing.begin() +
-                     "' is no side of a region with four corners");
+                     "' is no side of a region with four corners and no line in one");
   if (!lofted)
     throw InputError(
-        "found nothing to loft, expected a ring, or sections: lines that are sides of a region "
-        "with "
-        "four corners");
-  return layout.least_energy_of(std::move(materials));
+        "found nothing to loft, expected a ring, or sections: lines that are sides of "
+        "a region with four corners (region '" +
+        layout.region(0).name() + "' has " + std::to_string(layout.region(0).corners().size()) +
+        ")");
+  return wanted;
+}
+
+}  // namespace
+
+Points loft_shape(const ModelLayout& layout, const std::vector<std::string>& sections) {
+  return layout.nearest(wanted_dofs(layout, sections, 0, nullptr));
+}
+
+LoftedModel loft_model(std::shared_ptr<const ModelLayout> layout,
+                       const std::vector<std::string>& sections, double most) {
+  constexpr int most_rounds = 4;
+  for (int round = 0;; ++round) {
+    std::vector<char> marks(static_cast<size_t>(layout->mesh()->triangle_count()), 0);
+    const Points wanted = wanted_dofs(*layout, sections, most, &marks);
+    auto finer = std::make_shared<ModelLayout>(*layout);
+    if (round == most_rounds || !finer->refine(marks)) return {layout, layout->nearest(wanted)};
+    if (!finer->join_plans().empty()) finer->plan_joins(finer->least_energy({}));
+    layout = std::move(finer);
+  }
 }
 
 }  // namespace batten

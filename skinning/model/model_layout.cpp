@@ -293,21 +293,29 @@ SkinnedRegion ModelLayout::skinned(int r, const Points& all) const {
 }
 
 Points ModelLayout::least_energy(const SurfaceStiffness& material) const {
-  return least_energy_of({material});
+  return least_of_difference(material, Points::Zero(position_dofs().size(), 3));
 }
 
-Points ModelLayout::least_energy_of(std::vector<SurfaceStiffness> materials) const {
+Points ModelLayout::nearest(const Points& wanted) const {
+  return least_of_difference(SurfaceStiffness::isotropic(0, 1), wanted);
+}
+
+// The shape with the lines for which the energy of (x - wanted) is least.
+Points ModelLayout::least_of_difference(const SurfaceStiffness& material,
+                                        const Points& wanted) const {
   const SurfaceAssembler assembler(*mesh_, element(), trim_);
   SparseMatrix K = assembler.pattern();
-  materials = on_regions(std::move(materials));
+  const std::vector<SurfaceStiffness> materials = on_regions({material});
   if (materials.size() == 1)
     assembler.stiffness(materials[0], K);
   else
     assembler.stiffness(materials, K);
   const VecX ones = position_dofs();
+  const Points about_origin = ones * origin().transpose();
+  const Points F = K.selfadjointView<Eigen::Lower>() * Points(wanted - about_origin);
   const ConstrainedSolver solver(line_constraints().moved(ones, origin()), std::move(K),
                                  dof_order());
-  return solver.solve(Points::Zero(ones.size(), 3)) + ones * origin().transpose();
+  return solver.solve(wanted.isZero(0) ? Points(Points::Zero(ones.size(), 3)) : F) + about_origin;
 }
 
 }  // namespace batten

@@ -135,8 +135,9 @@ class ModelLayout {
   /// Returns the shape of least energy that has the lines, in absolute coordinates. Costs one
   /// factor. Throws ConflictError, NoSolutionError.
   Points least_energy(const SurfaceStiffness& material) const;
-  /// The same for materials on the model scaled to size 1, one for each triangle.
-  Points least_energy_of(std::vector<SurfaceStiffness> materials) const;
+  /// Returns the shape that has the lines and is nearest to another one, absolute dofs: the bending
+  /// energy of the difference is least. Costs one factor. Throws as least_energy().
+  Points nearest(const Points& wanted) const;
 
   // -- edits: each throws before it has changed anything ---------------------------------------
   /// Halves marked triangles and so many others that the mesh stays conforming, in each region and
@@ -158,6 +159,7 @@ class ModelLayout {
 
  private:
   void number();
+  Points least_of_difference(const SurfaceStiffness& material, const Points& wanted) const;
   std::vector<const RegionLayout*> layouts() const;
   std::vector<Points> of_regions(const Points& all) const;
   ConstraintSet gathered(ConstraintSet (RegionLayout::*rows)() const, bool name_regions) const;

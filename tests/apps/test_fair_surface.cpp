@@ -126,3 +126,36 @@ TEST_CASE("a surface of one region that passes through itself says so", "[cli][f
   REQUIRE(flaws.size() == 1);
   CHECK(flaws[0]["kind"] == "crossing");
 }
+
+TEST_CASE("sections alone make a surface: their rails are found", "[cli][fair]") {
+  const Case c("only_sections");
+  const auto arch = [](const std::string& name, double y, double height, bool reversed) {
+    constexpr int pieces = 20;
+    std::string points;
+    for (int i = 0; i <= pieces; ++i) {
+      const double x = 2.0 * (reversed ? pieces - i : i) / pieces - 1;
+      points += "[" + std::to_string(50 * x) + ", " + std::to_string(y) + ", " +
+                std::to_string(height * (1 - x * x)) + "],";
+    }
+    return line(name, points);
+  };
+  const std::string sections =
+      arch("b", 60, 30, true) + arch("a", 0, 20, false) + arch("c", 130, 25, false);
+  const auto scene = [&](const std::string& order) {
+    return "unit = \"mm\"\nname = \"arches\"\n" + sections + "[skin]\nfair = \"loft\"\n" +
+           "sections = " + order + "\n";
+  };
+  c.file("s.toml", scene("[\"a\", \"b\", \"c\"]"));
+  const Result r = c.run({"run", "s.toml", "--out", "out"});
+  INFO(r.err);
+  REQUIRE(r.code == 0);
+  const auto report = report_of(c);
+  CHECK(report["lines"]["count"] == 5);
+  CHECK(report["surface"]["max_line_residual"].get<double>() < 1e-10);
+  CHECK(report["flaws"].empty());
+  // Between the areas of the flat floor and of the highest arch all along.
+  CHECK(report["surface"]["area"].get<double>() > 13000);
+  CHECK(report["surface"]["area"].get<double>() < 17000);
+  c.file("s.toml", scene("[\"a\", \"b\", \"d\"]"));
+  CHECK(c.run({"run", "s.toml", "--out", "wrong"}).code == 1);
+}

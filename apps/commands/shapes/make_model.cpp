@@ -1,5 +1,8 @@
 #include "batten/apps/commands/shapes/make_model.h"
 
+#include <algorithm>
+
+#include "batten/skinning/layout/section_region.h"
 #include "batten/skinning/search/find_regions.h"
 #include "batten/skinning/surfaces/skin_network.h"
 
@@ -11,13 +14,30 @@ double fit_tolerance(const Scene& scene, double size) {
   return scene.skin.options.tolerance > 0 ? scene.skin.options.tolerance : usual * size;
 }
 
+// The lines of a scene that is a stack of sections and nothing else, in their order; or none.
+std::vector<CharacterLine> only_sections(const Scene& scene,
+                                         const std::vector<CharacterLine>& lines) {
+  const auto& sections = scene.skin.sections;
+  if (sections.size() < 2 || sections.size() != lines.size()) return {};
+  std::vector<CharacterLine> in_order;
+  for (const PlacedWord& section : sections) {
+    const auto it = std::find_if(lines.begin(), lines.end(),
+                                 [&](const CharacterLine& l) { return l.name == section.text; });
+    if (it == lines.end()) return {};  // loft_shape() says which
+    in_order.push_back(*it);
+  }
+  return in_order;
+}
+
 // A region as a model.
 MadeModel one_region(const Scene& scene, const std::vector<CharacterLine>& lines,
                      const Progress& progress) {
   MadeModel made;
   try {
+    const std::vector<CharacterLine> sections = only_sections(scene, lines);
     made.model.layout = std::make_shared<const ModelLayout>(
-        RegionLayout(scene.name, lines, scene.skin.options, progress));
+        sections.empty() ? RegionLayout(scene.name, lines, scene.skin.options, progress)
+                         : section_region(scene.name, sections, scene.skin.options, progress));
   } catch (const InputError& e) {
     throw InputError(scene.at({}) + e.what());
   }

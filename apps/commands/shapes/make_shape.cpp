@@ -93,26 +93,27 @@ void take_dofs(MadeShape& shape, const Points& dofs, const Scene& scene) {
     shape.regions[static_cast<size_t>(r)] = layout.skinned(r, dofs);
 }
 
-Points lofted(const ModelLayout& layout, const Scene& scene) {
+void loft(MadeShape& shape, const Scene& scene) {
   std::vector<std::string> sections;
   for (const PlacedWord& section : scene.skin.sections) sections.push_back(section.text);
+  shape.lofted = true;
   try {
-    return loft_shape(layout, sections);
+    LoftedModel lofted = loft_model(shape.layout, sections, 2 * shape.layout->tolerance());
+    shape.layout = lofted.layout;
+    take_dofs(shape, lofted.dofs, scene);
   } catch (const InputError& e) {
     if (sections.empty()) throw;
     throw InputError(scene.at(scene.skin.sections.front().place) + e.what());
   }
+  shape.max_constraint_residual =
+      shape.layout->line_constraints().max_residual(shape.dofs) / shape.layout->size();
 }
 
 // Makes the change of curvature least, or lofts, where the scene asks for that.
 void fair(MadeShape& shape, const Scene& scene, const MadeModel& made, const Progress& progress) {
   if (scene.skin.fair == SceneSkin::Fair::Bending || !shape.layout) return;
-  const ModelLayout& layout = *shape.layout;
   if (scene.skin.fair == SceneSkin::Fair::Loft) {
-    shape.lofted = true;
-    take_dofs(shape, lofted(layout, scene), scene);
-    shape.max_constraint_residual =
-        layout.line_constraints().max_residual(shape.dofs) / layout.size();
+    loft(shape, scene);
     return;
   }
   try {

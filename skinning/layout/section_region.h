@@ -1,0 +1,28 @@
+// Regions from sections alone, as hulls, wings and bottles are drawn.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "batten/core/progress.h"
+#include "batten/skinning/layout/region_layout.h"
+
+namespace batten {
+
+/// The lines of a region that runs through sections in this order: the first and the last are its
+/// outline, those between them inner lines. Closed sections make a ring. Open ones, which may run
+/// in either direction, get two rails, "rail 1" and "rail 2": the splines through their starts and
+/// through their ends (start: the end that is nearer to the start of the section before), whose own
+/// ends are not flat (open_spline.h).
+///
+/// Throws InputError: fewer than two sections, open and closed ones, neighbours that begin or end
+/// at one place. O(sections).
+std::vector<CharacterLine> section_lines(std::vector<CharacterLine> sections);
+
+/// The region of these lines. Of open sections it has four corners, where rails leave the first
+/// and the last section, at two degrees or more, and a polygon for its domain. `options.edge_length`
+/// 0: 1/33 of the size. For loft_shape(). Throws as section_lines() and RegionLayout.
+RegionLayout section_region(const std::string& name, std::vector<CharacterLine> sections,
+                            SkinOptions options, const Progress& progress = {});
+
+}  // namespace batten

@@ -1,0 +1,224 @@
+#include "batten/skinning/model/section_surface.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "batten/core/index.h"
+#include "batten/core/plane.h"
+#include "batten/fairing/open_spline.h"
+
+namespace batten {
+
+bool is_ring(const RegionLayout& region) { return region.mesh()->period() > 0; }
+
+int domain_side(const RegionLayout& region, const LineRun& run) {
+  const auto& at = region.mesh()->vertices();
+  const size_t middle = run.vertices.size() / 2;
+  const Vec2 p = 0.5 * (at[run.vertices[middle - 1]] + at[run.vertices[middle]]);
+  int nearest = 0;
+  double least = std::numeric_limits<double>::infinity();
+  for (int k = 0; k < 4; ++k) {
+    const Vec2 from = region.corners()[k].uv, way = region.corners()[(k + 1) % 4].uv - from;
+    const double f = std::clamp(way.dot(p - from) / way.squaredNorm(), 0.0, 1.0);
+    const double distance = (from + f * way - p).norm();
+    if (distance >= least) continue;
+    least = distance;
+    nearest = k;
+  }
+  return nearest;
+}
+
+SectionSurface::SectionSurface(const RegionLayout& region, int side)
+    : region_(region), ring_(is_ring(region)), across_(!ring_ && side % 2 == 1) {
+  const ParametricMesh& mesh = *region.mesh();
+  if (ring_) {
+    double low = std::numeric_limits<double>::infinity(), high = -low;
+    for (const Vec2& p : mesh.vertices()) {
+      low = std::min(low, p.y());
+      high = std::max(high, p.y());
+    }
+    const double u = mesh.vertices()[0].x(), period = mesh.period();
+    const Vec2 corner[4] = {{u, low}, {u + period, low}, {u + period, high}, {u, high}};
+    std::copy_n(corner, 4, corners_);
+  } else {
+    for (size_t k = 0; k < 4; ++k) corners_[k] = region.corners()[k].uv;
+  }
+  for (const LineRun& run : region.runs()) {
+    const bool outline = run.line.role == CharacterLine::Role::Outline;
+    if (!outline || ring_ || domain_side(region, run) % 2 == side % 2)
+      add(run.fitted, run_image(mesh, run));
+  }
+  for (const EmbeddedLine& line : region.embedded())
+    if (line.line.role == CharacterLine::Role::Inner) add(line.fitted, line.image);
+}
+
+Vec2 SectionSurface::map(const Vec2& st) const {
+  const double s = across_ ? st[1] : st[0], t = across_ ? st[0] : st[1];
+  return (1 - t) * ((1 - s) * corners_[0] + s * corners_[1]) +
+         t * ((1 - s) * corners_[3] + s * corners_[2]);
+}
+
+Mat2 SectionSurface::slopes_of_map(const Vec2& st) const {
+  const double s = across_ ? st[1] : st[0], t = across_ ? st[0] : st[1];
+  Mat2 slopes;
+  slopes.col(across_) = (1 - t) * (corners_[1] - corners_[0]) + t * (corners_[2] - corners_[3]);
+  slopes.col(!across_) = (1 - s) * (corners_[3] - corners_[0]) + s * (corners_[2] - corners_[1]);
+  return slopes;
+}
+
+Vec2 SectionSurface::st(const Vec2& uv) const {
+  Vec2 st(0.5, 0.5);
+  for (int round = 0; round < 10; ++round) {
+    const Vec2 step = slopes_of_map(st).inverse() * (uv - map(st));
+    st += step;
+    if (step.squaredNorm() < 1e-28) break;
+  }
+  return st;
+}
+
+double SectionSurface::s_of(const Piece& piece, double parameter) const {
+  return st(flat(piece.image.evaluate(parameter)))[0];
+}
+
+void SectionSurface::add(HermiteCurve curve, HermiteCurve image) {
+  Piece piece{std::move(curve), std::move(image), {}, {}};
+  constexpr int samples = 8;  // of a segment
+  const auto& nodes = piece.curve.parameters();
+  for (size_t i = 0; i + 1 < nodes.size(); ++i)
+    for (int k = 0; k < samples; ++k)
+      piece.at.push_back(nodes[i] + (nodes[i + 1] - nodes[i]) * k / samples);
+  piece.at.push_back(piece.curve.end());
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+  for (double& at : piece.at) {
+    // A closed image begins again at its end.
+    const bool last = &at == &piece.at.back();
+    double s = s_of(piece, at);
+    if (last && piece.curve.closed() && !piece.s.empty())
+      s = piece.s.front() + (piece.s.back() > piece.s.front() ? 1 : -1);
+    piece.s.push_back(s);
+    const double t = st(flat(piece.image.evaluate(at)))[1];
+    low = std::min(low, t);
+    high = std::max(high, t);
+  }
+  const auto [least, most] = std::minmax_element(piece.s.begin(), piece.s.end());
+  if (*most - *least > high - low) pieces_.push_back(std::move(piece));
+}
+
+std::optional<double> SectionSurface::parameter_at(const Piece& piece, double s) const {
+  for (size_t i = 0; i + 1 < piece.s.size(); ++i) {
+    const double a = piece.s[i], b = piece.s[i + 1];
+    for (int around = ring_ ? -2 : 0; around <= (ring_ ? 2 : 0); ++around) {
+      const double wanted = s + around;
+      constexpr double near = 1e-9;
+      if (a == b || wanted < std::min(a, b) - near || wanted > std::max(a, b) + near) continue;
+      // Images are straight or nearly so in between.
+      double f = std::clamp((wanted - a) / (b - a), 0.0, 1.0);
+      const double step = piece.at[i + 1] - piece.at[i];
+      for (int round = 0; round < 4 && f > 0 && f < 1; ++round) {
+        const double miss = wanted - s_of(piece, piece.at[i] + f * step);
+        f = std::clamp(f + (miss - std::round(ring_ ? miss : 0)) / (b - a), 0.0, 1.0);
+      }
+      return piece.at[i] + f * step;
+    }
+  }
+  return std::nullopt;
+}
+
+Vec2 SectionSurface::inside(Vec2 st) const {
+  for (int i = ring_; i < 2; ++i) st[i] = std::clamp(st[i], 0.0, 1.0);
+  return st;
+}
+
+Vec3 SectionSurface::at_place(const Vec2& place, Vec3* by_t) const {
+  std::vector<std::pair<double, Vec3>> points;
+  for (const Piece& piece : pieces_)
+    if (const auto p = parameter_at(piece, place[0]))
+      points.emplace_back(st(flat(piece.image.evaluate(*p)))[1], piece.curve.evaluate(*p));
+  std::sort(points.begin(), points.end(),
+            [](const auto& a, const auto& b) { return a.first < b.first; });
+  constexpr double same = 1e-6;
+  points.erase(std::unique(points.begin(), points.end(),
+                           [&](const auto& a, const auto& b) { return b.first - a.first < same; }),
+               points.end());
+  const int count = count_of(points);
+  if (count < 2) {  // sections that do not reach here
+    if (by_t) by_t->setZero();
+    return points.empty() ? Vec3(Vec3::Zero()) : points[0].second;
+  }
+  std::vector<double> t, chord{0};
+  Points x(count, 3), run = Points::Zero(count, 3);
+  for (int i = 0; i < count; ++i) {
+    t.push_back(points[i].first);
+    x.row(i) = points[i].second;
+    if (i > 0) chord.push_back(chord.back() + (x.row(i) - x.row(i - 1)).norm());
+    run(i, 0) = chord.back();
+  }
+  if (!(chord.back() > 0)) {
+    if (by_t) by_t->setZero();
+    return points[0].second;
+  }
+  // The spline's own parameter is the chord length; it runs smoothly and forwards over t.
+  Points speed = open_spline_slopes(t, run);
+  for (int i = 0; i < count; ++i) {
+    double most = std::numeric_limits<double>::infinity();
+    for (const int k : {i - 1, i})
+      if (k >= 0 && k + 1 < count)
+        most = std::min(most, 3 * (chord[k + 1] - chord[k]) / (t[k + 1] - t[k]));
+    speed(i, 0) = std::clamp(speed(i, 0), 0.1 * most, most);
+  }
+  const HermiteCurve along(t, run, speed);
+  const double u = along.evaluate(place[1])[0];
+  const HermiteCurve spline(chord, x, open_spline_slopes(chord, x));
+  if (by_t) *by_t = spline.evaluate(u, 1) * along.evaluate(place[1], 1)[0];
+  return spline.evaluate(u);
+}
+
+SectionSurface::Slopes SectionSurface::slopes(const Vec2& place) const {
+  Slopes slopes;
+  slopes.x = at_place(place, &slopes.by_t);
+  constexpr double h = 1e-5;
+  const auto beside = [&](double step) { return at_place({place[0] + step, place[1]}, nullptr); };
+  if (ring_ || (place[0] > h && place[0] < 1 - h)) {
+    slopes.by_s = (beside(h) - beside(-h)) / (2 * h);
+  } else {
+    const double in = place[0] > 0.5 ? -h : h;
+    slopes.by_s = (4 * beside(in) - 3 * slopes.x - beside(2 * in)) / (2 * in);
+  }
+  return slopes;
+}
+
+Points SectionSurface::dofs() const {
+  const ParametricMesh& mesh = *region_.mesh();
+  const DofMap map(mesh);
+  Points q(map.count(), 3);
+  // The slope along a direction of (u, v).
+  struct Gradient {
+    Vec3 x;
+    Eigen::Matrix<double, 3, 2> by_uv;
+  };
+  const auto gradient = [&](const Vec2& uv) {
+    const Vec2 place = inside(st(uv));
+    const Slopes s = slopes(place);
+    Eigen::Matrix<double, 3, 2> by_st;
+    by_st << s.by_s, s.by_t;
+    return Gradient{s.x, by_st * slopes_of_map(place).inverse()};
+  };
+  for (int v = 0; v < mesh.vertex_count(); ++v) {
+    const Gradient g = gradient(mesh.vertices()[v]);
+    q.row(map.vertex(v)) = g.x;
+    q.row(map.vertex(v, 1)) = g.by_uv.col(0);
+    q.row(map.vertex(v, 2)) = g.by_uv.col(1);
+  }
+  for (int e = 0; e < mesh.edge_count(); ++e) {
+    const auto& edge = mesh.edges()[e];
+    const auto& corner = mesh.shape(edge.triangle[0]).vertex;
+    const int i = edge.local[0];
+    const Vec2 middle = (corner[(i + 1) % 3] + corner[(i + 2) % 3]) / 2;
+    q.row(map.edge(e)) = gradient(middle).by_uv * mesh.edge_normal(e);
+  }
+  return q;
+}
+
+}  // namespace batten
