@@ -1,13 +1,16 @@
 #include "fair_shapes.h"
 
 #include <cmath>
+#include <map>
 #include <numbers>
 
 #include "batten/skinning/layout/region_layout.h"
 #include "batten/skinning/model/fair_shape.h"
 #include "batten/skinning/model/join.h"
 #include "batten/skinning/model/loft_shape.h"
+#include "batten/skinning/surfaces/fair_model.h"
 #include "batten/tests/patchwork.h"
+#include "batten/tests/random_outlines.h"
 
 namespace batten::bench {
 namespace {
@@ -343,6 +346,70 @@ void compare_sections(Promises& promises) {
       promises);
   compare_wing(table, promises);
   table.print();
+}
+
+void compare_random(Promises& promises) {
+  batten_test::Random random(7);
+  int skinned = 0, faired = 0, far = 0, spoiled = 0;
+  double worst_move = 0, worst_residual = 0, slowest = 0, seconds = 0, triangles = 0;
+  std::map<std::string, int> failed;
+  constexpr int outlines = 300;
+  for (int k = 0; k < outlines; ++k) {
+    const auto lines = batten_test::random_lines(random);
+    std::shared_ptr<const ModelLayout> layout;
+    Points start;
+    try {
+      layout = std::make_shared<const ModelLayout>(RegionLayout("random", lines, {}));
+      start = layout->least_energy({});
+    } catch (const Error&) {
+      continue;  // no surface: what it says is the business of other tests
+    }
+    ++skinned;
+    SurfaceModel model;
+    model.regions.emplace_back().plan.name = "random";
+    model.regions[0].in_layout = 0;
+    FairedModel fair;
+    std::string why;
+    const double t = time_of([&] {
+      try {
+        fair = fair_model(model, layout, start, 0.1);
+      } catch (const Error& e) {
+        why = e.what();
+      }
+    });
+    if (!why.empty()) {
+      ++failed[why.substr(0, why.find(" at unknown"))];
+      continue;
+    }
+    ++faired;
+    const double count = fair.layout->mesh()->triangle_count();
+    seconds += t;
+    triangles += count;
+    slowest = std::max(slowest, 1000 * t / count);
+    const double move = fair.surface.max_move / layout->size();
+    far += move > 0.1;
+    worst_move = std::max(worst_move, move);
+    worst_residual = std::max(worst_residual, fair.surface.max_residual / layout->size());
+    const SkinQuality before = measure(layout->skinned(0, start)),
+                      after = measure(fair.layout->skinned(0, fair.surface.dofs));
+    spoiled += after.min_jacobian_ratio <= 0 && before.min_jacobian_ratio > 0;
+  }
+  std::printf(
+      "%d random outlines with holes and ribs: %d have a surface, %d are faired (%.2f s for 1,000 "
+      "triangles on the average, %.2f at most), %d move by more than a tenth of the size (at most "
+      "%.2f), %d turn over that did not\n",
+      outlines, skinned, faired, 1000 * seconds / triangles, slowest, far, worst_move, spoiled);
+  int unnamed = 0;
+  for (const auto& [why, count] : failed) {
+    std::printf("  %d not faired: %s\n", count, why.c_str());
+    unnamed += why.empty() ? count : 0;
+  }
+  std::printf("\n");
+  promises.at_most("random outlines: largest move over the size", worst_move, 0.5);
+  promises.at_most("random outlines: largest residual over the size", worst_residual, 1e-10);
+  promises.at_most("random outlines: surfaces that turn over and did not", spoiled, 0);
+  promises.at_most("random outlines: failures without a reason", unnamed, 0);
+  promises.at_most("random outlines: seconds for 1,000 triangles at most", slowest, 10);
 }
 
 }  // namespace batten::bench

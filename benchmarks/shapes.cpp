@@ -230,6 +230,7 @@ int main(int argc, char** argv) {
   if (argc < 2) {
     compare_joined(promises);
     compare_sections(promises);
+    compare_random(promises);
   }
 
   std::printf("With inner lines on the formula's surface: distance to it.\n\n");
