@@ -234,6 +234,32 @@ class ElementMeasures {
 
 }  // namespace
 
+void mark_gaps(const SkinnedRegion& region, double target, char* marks) {
+  const Surface& surface = region.surface;
+  const TriangleLocator locator(surface.mesh());
+  constexpr int samples = 20;
+  for (const EmbeddedLine& line : region.embedded) {
+    // The ends too: points may have been left out there, and a closed line comes around.
+    std::vector<double> ends = line.points;
+    ends.insert(ends.begin(), line.image.start());
+    ends.push_back(line.image.end());
+    for (size_t i = 0; i + 1 < ends.size(); ++i) {
+      const double from = ends[i], to = ends[i + 1];
+      std::vector<int> triangles;
+      double gap = 0;
+      for (int k = 0; k <= samples; ++k) {
+        const double t = from + (to - from) * k / samples;
+        const Vec3 uv = line.image.evaluate(t);
+        const Location where = locator.locate({uv.x(), uv.y()});
+        gap = std::max(gap, (surface.position(where) - line.fitted.evaluate(t)).norm());
+        triangles.push_back(where.triangle);
+      }
+      if (gap <= target) continue;
+      for (const int t : triangles) marks[t] = 1;
+    }
+  }
+}
+
 SkinQuality measure(const SkinnedRegion& region) {
   const Surface& surface = region.surface;
   SkinQuality q;

@@ -9,6 +9,10 @@ namespace batten {
 /// between any two points.
 double line_gap(const Surface& surface, const EmbeddedLine& line);
 
+/// Marks the triangles, one mark for each of the region, under the stretches of embedded lines that
+/// the surface leaves by more than `target` between two points.
+void mark_gaps(const SkinnedRegion& region, double target, char* marks);
+
 /// How far the finished surface is from what it promises, measured by sampling.
 struct SkinQuality {
   double max_line_residual = 0;    ///< surface from its fitted lines, over the region's size

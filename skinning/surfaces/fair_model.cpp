@@ -1,7 +1,9 @@
 #include "batten/skinning/surfaces/fair_model.h"
 
 #include <algorithm>
+#include <optional>
 #include <set>
+#include <utility>
 
 #include "batten/core/errors.h"
 #include "batten/fem/surface_transfer.h"
@@ -33,23 +35,24 @@ class ModelFairing {
   }
 
   FairedModel run(VariationOptions options, const Progress& progress) {
-    for (int halved = 0;;) {
+    for (int rounds = 0;;) {
       if (count_of(faired_.kept) == layout_->region_count())
         throw NoSolutionError(faired_.kept.front().why);
       if (!faired_.kept.empty()) options.still = still();
+      bool spoiled = false;
       try {
         take(fair_shape(*layout_, start_, layout_->line_constraints(), options, progress));
+        faired_.layout = layout_;
+        spoiled = keep_spoiled();
       } catch (const NoSolutionError&) {
-        if (!keep_all_flawed()) throw;
-        continue;
+        spoiled = good_ || keep_all_flawed();
+        if (!spoiled) throw;
       }
-      if (keep_spoiled()) continue;
-      constexpr int most_rounds = 2;
-      if (halved++ == most_rounds || !halve_joins()) break;
+      if (spoiled && !good_) continue;
+      constexpr int most_rounds = 3;
+      if (spoiled ? !go_back() : rounds++ == most_rounds || !go_on()) return std::move(faired_);
       options.starts = {faired_.surface.dofs};
     }
-    faired_.layout = layout_;
-    return std::move(faired_);
   }
 
  private:
@@ -99,24 +102,44 @@ class ModelFairing {
     return any;
   }
 
-  // Halves the triangles along smooth joins of two runs that are above the tolerance, and goes over
-  // to the finer layout. False when there are none.
-  bool halve_joins() {
-    std::vector<char> marks(layout_->mesh()->triangle_count(), 0);
-    bool any = false;
+  // Marks the triangles along smooth joins of two runs that are above the tolerance.
+  void mark_joins(std::vector<char>& marks) const {
     for (const ModelJoin& join : model_.joins) {
       const JoinPlan* plan = layout_->join_plan(join.line);
       if (!plan || !plan->at.empty() || !(join.max_inside_deg > most_join_deg_)) continue;
-      any = true;
       for (const JoinSide& side : plan->join_line.sides) {
         const RegionLayout& region = layout_->region(side.region);
         for (const int e : region.runs()[side.line].edges)
           marks[layout_->first_triangle(side.region) + region.mesh()->edges()[e].triangle[0]] = 1;
       }
     }
-    if (!any) return false;
+  }
+
+  // Remembers this shape and goes over to a finer layout. False where there is nothing to halve.
+  bool go_on() {
+    good_ = {faired_, start_};
+    return refine();
+  }
+  // Finer meshes spoiled it: back to the shape before. True for another try, with gaps as they are.
+  bool go_back() {
+    layout_ = good_->first.layout;
+    faired_ = good_->first;
+    start_ = good_->second;
+    take(faired_.surface.dofs);
+    return std::exchange(close_gaps_, false) && refine();
+  }
+
+  // Goes over to a finer layout where the shape left its lines or joins. False when it did not.
+  bool refine() {
+    std::vector<char> marks(layout_->mesh()->triangle_count(), 0);
+    mark_joins(marks);
+    for (const ModelRegion& region : model_.regions)
+      if (close_gaps_ && region.in_layout >= 0 &&
+          region.quality.max_line_gap > layout_->tolerance())
+        mark_gaps(*region.skinned, 0.5 * layout_->tolerance(),
+                  marks.data() + layout_->first_triangle(region.in_layout));
     auto finer = std::make_shared<ModelLayout>(*layout_);
-    finer->refine(marks);
+    if (!finer->refine(marks)) return false;
     start_ = carried(*finer, start_);
     faired_.surface.dofs = carried(*finer, faired_.surface.dofs);
     finer->plan_joins(faired_.surface.dofs);
@@ -145,7 +168,8 @@ class ModelFairing {
   double most_join_deg_;
   FairedModel faired_;
   std::set<FlawKey> had_;
-  bool tried_flawed_ = false;
+  bool tried_flawed_ = false, close_gaps_ = true;
+  std::optional<std::pair<FairedModel, Points>> good_;  // and the start on its mesh
 };
 
 }  // namespace

@@ -27,9 +27,10 @@ struct FairedModel {
 ///
 /// A region keeps its shape where that turns over (curvature means nothing there), and where
 /// fairing would give it a flaw that it did not have: then all others are faired again beside it.
-/// Rounder surfaces meet at larger angles between the nodes of smooth joins: where that is more
-/// than `most_join_deg`, and was not before, triangles along the join are halved and the model is
-/// faired on. Joins on embedded lines are planned again for that.
+/// Rounder surfaces meet at larger angles between the nodes of smooth joins, and leave embedded
+/// lines between their points: where that is more than `most_join_deg`, or the lines' tolerance,
+/// triangles are halved and the model is faired on, three times at most, unless that spoils it. Joins on embedded lines are
+/// planned again for that.
 ///
 /// Throws as fair_shape(); NoSolutionError when no region is left.
 FairedModel fair_model(const SurfaceModel& model, std::shared_ptr<const ModelLayout> layout,

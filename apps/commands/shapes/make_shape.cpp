@@ -7,7 +7,6 @@
 #include "batten/core/errors.h"
 #include "batten/core/words.h"
 #include "batten/fem/assembly.h"
-#include "batten/fem/triangle_locator.h"
 #include "batten/skinning/model/loft_shape.h"
 #include "batten/skinning/model/model_projector.h"
 #include "batten/skinning/surfaces/fair_model.h"
@@ -34,40 +33,12 @@ double widest_gap(const std::vector<SkinnedRegion>& regions) {
   return gap;
 }
 
-// Marks triangles under the stretches of embedded lines that the surface leaves by more than
-// `target` between their points.
-void mark_gaps(const SkinnedRegion& region, double target, std::vector<char>::iterator marks) {
-  const Surface& surface = region.surface;
-  const TriangleLocator locator(surface.mesh());
-  constexpr int samples = 20;
-  for (const EmbeddedLine& line : region.embedded) {
-    // The ends too: points may have been left out there, and a closed line comes around.
-    std::vector<double> ends = line.points;
-    ends.insert(ends.begin(), line.image.start());
-    ends.push_back(line.image.end());
-    for (size_t i = 0; i + 1 < ends.size(); ++i) {
-      const double from = ends[i], to = ends[i + 1];
-      std::vector<int> triangles;
-      double gap = 0;
-      for (int k = 0; k <= samples; ++k) {
-        const double t = from + (to - from) * k / samples;
-        const Vec3 uv = line.image.evaluate(t);
-        const Location where = locator.locate({uv.x(), uv.y()});
-        gap = std::max(gap, (surface.position(where) - line.fitted.evaluate(t)).norm());
-        triangles.push_back(where.triangle);
-      }
-      if (gap <= target) continue;
-      for (const int t : triangles) marks[t] = 1;
-    }
-  }
-}
-
 // Halves at the gaps of a shape on the layout. False when there is nothing to halve.
 bool halve_at_gaps(ModelLayout& layout, const std::vector<SkinnedRegion>& regions) {
   std::vector<char> marks(static_cast<size_t>(layout.mesh()->triangle_count()), 0);
   for (size_t r = 0; r < regions.size(); ++r)
     mark_gaps(regions[r], 0.5 * layout.tolerance(),
-              marks.begin() + layout.first_triangle(static_cast<int>(r)));
+              marks.data() + layout.first_triangle(static_cast<int>(r)));
   return layout.refine(marks);
 }
 
