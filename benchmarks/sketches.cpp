@@ -164,7 +164,7 @@ std::array<double, 2> curvature_jumps(const SurfaceModel& model) {
 }
 
 // Fairs a model and adds a row of what became of it. Returns the flaws that it added.
-int add_fair_row(const char* name, Made& made, Table& table) {
+int add_fair_row(const char* name, Made& made, Table& table, Promises& promises) {
   auto layout = made.model.layout;
   if (!layout) {
     table.add({name, "", "no region has a skin"});
@@ -200,6 +200,7 @@ int add_fair_row(const char* name, Made& made, Table& table) {
              std::to_string(flaws) + " -> " + std::to_string(made.model.flaws.size()),
              std::to_string(kept), text("%.2g", join),
              text("%.2g", before[1]) + " -> " + text("%.2g", after[1])});
+  promises.at_most(std::string("degrees at smooth joins of the fair shape, ") + name, join, 0.1);
   return count_of(made.model.flaws) - static_cast<int>(flaws);
 }
 
@@ -266,7 +267,7 @@ int main(int argc, char** argv) {
                  std::to_string(made.found.rims.size()), std::to_string(made.found.bare.size()),
                  std::to_string(made.found.choices.size()), std::to_string(made.model.flaws.size()),
                  text("%.2f", jacobian), text("%.2g", join), text("%.2f", made.seconds)});
-      const int added = add_fair_row(name, made, fair);
+      const int added = add_fair_row(name, made, fair, promises);
       promises.at_most(std::string("flaws that fairing adds, ") + name, added, 0);
       const fs::path expected =
           fs::path(BATTEN_SOURCE_DIR) / "tests/reference/networks" / (std::string(name) + ".json");
@@ -311,7 +312,7 @@ int main(int argc, char** argv) {
       Triangles ours, plain, faired, again;
       add_surfaces(made, ours, plain);
       const int flaws = count_of(made.model.flaws);
-      const int added = add_fair_row(lines_file, made, fair);
+      const int added = add_fair_row(lines_file, made, fair, promises);
       promises.at_most(std::string("flaws that fairing adds, ") + lines_file, added, 0);
       add_surfaces(made, faired, again);
       Far near_ours, near_fair, near_plain;
