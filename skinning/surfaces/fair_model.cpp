@@ -50,7 +50,7 @@ class ModelFairing {
       }
       if (spoiled && !good_) continue;
       constexpr int most_rounds = 3;
-      if (spoiled ? !go_back() : rounds++ == most_rounds || !go_on()) return std::move(faired_);
+      if (spoiled ? !go_back() : rounds++ >= most_rounds || !go_on()) return std::move(faired_);
       options.starts = {faired_.surface.dofs};
     }
   }
