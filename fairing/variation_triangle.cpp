@@ -31,7 +31,8 @@ class RowWriter {
     rows_.count += kChangeResiduals;
 
     const Vec3 area = jet.col(0).cross(jet.col(1));
-    const double J = area.norm(), per_size = root * std::sqrt(J) / size;
+    // Steps are held outside of a trim as inside: the matrix stays definite there.
+    const double J = area.norm(), per_size = std::sqrt(kPointWeight * J) / size;
     const Vec3 n = area / J, t = (jet.leftCols<2>() * frame.row(0).transpose()).normalized();
     if (step.normal > 0) add_second(N, frame, std::sqrt(step.normal) * per_size * n);
     if (step.tangential > 0) {

@@ -43,7 +43,7 @@ class ModelFairing {
       try {
         take(fair_shape(*layout_, start_, layout_->line_constraints(), options, progress));
         faired_.layout = layout_;
-        spoiled = keep_spoiled();
+        spoiled = keep_spoiled() || (good_ && !(misfit() < good_misfit_));
       } catch (const NoSolutionError&) {
         spoiled = good_ || keep_all_flawed();
         if (!spoiled) throw;
@@ -115,9 +115,22 @@ class ModelFairing {
     }
   }
 
+  // How far the shape is from its lines and joins, over what is allowed.
+  double misfit() const {
+    double worst = 0;
+    for (const ModelJoin& join : model_.joins)
+      if (const JoinPlan* plan = layout_->join_plan(join.line); plan && plan->at.empty())
+        worst = std::max(worst, join.max_inside_deg / most_join_deg_);
+    for (const ModelRegion& region : model_.regions)
+      if (close_gaps_ && region.in_layout >= 0)
+        worst = std::max(worst, region.quality.max_line_gap / layout_->tolerance());
+    return worst;
+  }
+
   // Remembers this shape and goes over to a finer layout. False where there is nothing to halve.
   bool go_on() {
     good_ = {faired_, start_};
+    good_misfit_ = misfit();
     return refine();
   }
   // Finer meshes spoiled it: back to the shape before. True for another try, with gaps as they are.
@@ -126,7 +139,9 @@ class ModelFairing {
     faired_ = good_->first;
     start_ = good_->second;
     take(faired_.surface.dofs);
-    return std::exchange(close_gaps_, false) && refine();
+    if (!std::exchange(close_gaps_, false)) return false;
+    good_misfit_ = misfit();
+    return refine();
   }
 
   // Goes over to a finer layout where the shape left its lines or joins. False when it did not.
@@ -170,6 +185,7 @@ class ModelFairing {
   std::set<FlawKey> had_;
   bool tried_flawed_ = false, close_gaps_ = true;
   std::optional<std::pair<FairedModel, Points>> good_;  // and the start on its mesh
+  double good_misfit_ = 0;
 };
 
 }  // namespace

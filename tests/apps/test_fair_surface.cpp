@@ -156,6 +156,13 @@ TEST_CASE("sections alone make a surface: their rails are found", "[cli][fair]")
   // Between the areas of the flat floor and of the highest arch all along.
   CHECK(report["surface"]["area"].get<double>() > 13000);
   CHECK(report["surface"]["area"].get<double>() < 17000);
-  c.file("s.toml", scene("[\"a\", \"b\", \"d\"]"));
-  CHECK(c.run({"run", "s.toml", "--out", "wrong"}).code == 1);
+  const auto error = [&](const std::string& order) {
+    c.file("s.toml", scene(order));
+    const Result wrong = c.run({"run", "s.toml", "--out", "wrong"});
+    CHECK(wrong.code == 1);
+    return wrong.err;
+  };
+  CHECK(error("[\"a\", \"b\"]").find("'sections' names 2 of 3 lines") != std::string::npos);
+  CHECK(error("[\"b\", \"b\", \"a\"]").find("no rail can run there") != std::string::npos);
+  CHECK(error("[\"a\", \"b\", \"d\"]").find("s.toml:") != std::string::npos);
 }

@@ -33,13 +33,20 @@ std::vector<CharacterLine> only_sections(const Scene& scene,
 MadeModel one_region(const Scene& scene, const std::vector<CharacterLine>& lines,
                      const Progress& progress) {
   MadeModel made;
+  const std::vector<CharacterLine> sections = only_sections(scene, lines);
   try {
-    const std::vector<CharacterLine> sections = only_sections(scene, lines);
     made.model.layout = std::make_shared<const ModelLayout>(
         sections.empty() ? RegionLayout(scene.name, lines, scene.skin.options, progress)
                          : section_region(scene.name, sections, scene.skin.options, progress));
   } catch (const InputError& e) {
-    throw InputError(scene.at({}) + e.what());
+    std::string text = e.what();
+    const size_t named = scene.skin.sections.size();
+    if (!sections.empty() && text.find("'rail ") != std::string::npos)
+      text += "; rails run through the ends of the sections in the order of 'sections'";
+    else if (sections.empty() && named > 1)
+      text += "; 'sections' names " + std::to_string(named) + " of " +
+              std::to_string(lines.size()) + " lines: if there is nothing but sections, name all";
+    throw InputError(scene.at({}) + text);
   }
   made.fit_tolerance = made.model.layout->tolerance();
   ModelRegion& region = made.model.regions.emplace_back();

@@ -155,31 +155,46 @@ MadeShape shape_of(const SculptingSession& session, const Scene& scene, const Po
   return shape;
 }
 
-MadeShape make_shape(const ModelLayout& layout, const Scene& scene, const MadeModel& made,
-                     const Progress& progress) {
+namespace {
+
+// The shape that a session settles in.
+MadeShape settled_shape(const ModelLayout& layout, const Scene& scene, const MadeModel& made,
+                        const Progress& progress) {
   Points unloaded;
   SculptingSession session =
       make_session(layout, scene, made, Expected::one_factor, progress, &unloaded);
   const Answer answer = session.settle();
-  MadeShape shape = shape_of(session, scene, unloaded, answer);
+  return shape_of(session, scene, unloaded, answer);
+}
+
+// The same where triangles are halved until gaps are closed.
+MadeShape settled_refined_shape(const MadeModel& made, const Scene& scene,
+                                const Progress& progress) {
+  const bool held = scene.skin.hold == SceneSkin::Hold::Lines;
+  ModelLayout layout = *made.model.layout;
+  for (int round = 0;; ++round) {
+    MadeShape shape = settled_shape(layout, scene, made, progress);
+    if (!held || round == kMostRounds) return shape;
+    if (widest_gap(shape.regions) <= kMostGap * layout.tolerance()) return shape;
+    if (!halve_at_gaps(layout, shape.regions)) return shape;
+  }
+}
+
+}  // namespace
+
+MadeShape make_shape(const ModelLayout& layout, const Scene& scene, const MadeModel& made,
+                     const Progress& progress) {
+  MadeShape shape = settled_shape(layout, scene, made, progress);
   fair(shape, scene, made, progress);
   return shape;
 }
 
 MadeShape make_refined_shape(const MadeModel& made, const Scene& scene, const Progress& progress) {
-  if (made.network && (!scene.is_sculpted() || !made.model.layout)) {
-    MadeShape shape = shape_at_rest(made, scene);
-    fair(shape, scene, made, progress);
-    return shape;
-  }
-  const bool held = scene.skin.hold == SceneSkin::Hold::Lines;
-  ModelLayout layout = *made.model.layout;
-  for (int round = 0;; ++round) {
-    MadeShape shape = make_shape(layout, scene, made, progress);
-    if (!held || round == kMostRounds) return shape;
-    if (widest_gap(shape.regions) <= kMostGap * layout.tolerance()) return shape;
-    if (!halve_at_gaps(layout, shape.regions)) return shape;
-  }
+  const bool at_rest = made.network && (!scene.is_sculpted() || !made.model.layout);
+  MadeShape shape =
+      at_rest ? shape_at_rest(made, scene) : settled_refined_shape(made, scene, progress);
+  fair(shape, scene, made, progress);
+  return shape;
 }
 
 ModelLayout refined_for_lines(const MadeModel& made, const Scene& scene, const Progress& progress) {

@@ -139,7 +139,7 @@ std::string quality_result(const Report::Surface& s, const std::string& unit) {
 
 /// Says what fair = "variation" or "loft" did.
 std::string fairing_result(const Report::Surface& s, const std::string& unit) {
-  if (s.fair == "loft") return result_line("lofted", "bending across sections only");
+  if (s.fair == "loft") return result_line("lofted", "along splines across the sections");
   if (!s.fairing) return "";
   return result_line("faired", "change of curvature " + number(s.fairing->start_functional) +
                                    " -> " + number(s.fairing->functional) + ", moved by up to " +
