@@ -227,10 +227,10 @@ int main(int argc, char** argv) {
   alone.print();
 
   compare_fair(shapes, argc > 1 ? argv[1] : nullptr, promises);
+  if (argc > 1 && std::string(argv[1]) == "random") compare_random(promises);
   if (argc < 2) {
     compare_joined(promises);
     compare_sections(promises);
-    compare_random(promises);
   }
 
   std::printf("With inner lines on the formula's surface: distance to it.\n\n");
