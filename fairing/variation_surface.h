@@ -43,7 +43,9 @@ struct VariationSurface {
   double max_residual = 0;      ///< largest violation of a constraint, model units
   int iterations = 0;           ///< steps that were taken
   int factorizations = 0;
-  bool converged = false;  ///< no step would gain a hundredth of the functional
+  /// The last step hardly moved the shape, or no step gains three hundredths of the functional, or
+  /// two in a row did not.
+  bool converged = false;
 };
 
 /// Minimises over the dofs that meet the constraints, downhill from `start` (moves and strength are

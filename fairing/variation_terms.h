@@ -48,8 +48,8 @@ class VariationTerms {
   /// does not turn about the side as a whole and its curvature is constant.
   void add_side(const Surface& start, const std::vector<int>& vertices);
 
-  /// Counts the jumps of curvature at these points as those across element edges. Throws InputError:
-  /// the parts double back at a point.
+  /// Counts the jumps of curvature at these points as those across element edges. Where the normals
+  /// of the two parts are opposite, that of the second is turned.
   void add_joins(const Surface& start, const std::vector<JoinPoint>& points);
 
   void set_frames(const Surface& surface);

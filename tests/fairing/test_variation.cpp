@@ -106,6 +106,16 @@ Points gradient_of(const VariationTerms& terms, const Surface& s) {
   return g;
 }
 
+// The surface with its vertices moved up and down at random.
+Surface bumped(const Surface& s) {
+  Points q = s.dofs();
+  std::mt19937 generator(2);
+  std::normal_distribution<double> normal(0, 0.01);
+  for (int v = 0; v < s.mesh().vertex_count(); ++v)
+    q(s.dof_map().vertex(v), 2) += normal(generator);
+  return {s.shared_mesh(), s.kind(), q};
+}
+
 }  // namespace
 
 TEST_CASE("the change of curvature has the derivatives that differences show") {
@@ -292,15 +302,9 @@ TEST_CASE("the jump of curvature between two parts has the derivatives that diff
 }
 
 TEST_CASE("triangles that stand still keep their dofs, and the others are faired beside them") {
-  const Surface s = cubic_graph(6);
-  Points bumped = s.dofs();
-  std::mt19937 generator(2);
-  std::normal_distribution<double> normal(0, 0.01);
-  for (int v = 0; v < s.mesh().vertex_count(); ++v)
-    bumped(s.dof_map().vertex(v), 2) += normal(generator);
-  const Surface start(s.shared_mesh(), s.kind(), bumped);
+  const Surface s = cubic_graph(6), start = bumped(s);
   VariationOptions options;
-  std::vector<char> fixed(static_cast<size_t>(bumped.rows()), 0);
+  std::vector<char> fixed(static_cast<size_t>(start.dofs().rows()), 0);
   for (int t = 0; t < s.mesh().triangle_count(); ++t) {
     options.still.push_back(s.mesh().shape(t).vertex[0].x() < 0.5);
     if (options.still.back())
@@ -309,8 +313,8 @@ TEST_CASE("triangles that stand still keep their dofs, and the others are faired
   const ConstraintSet none(s.dof_map().count());
   const VariationSurface faired = fair_variation(start, none, options);
   double moved = 0, still = 0;
-  for (long i = 0; i < bumped.rows(); ++i) {
-    const double way = (faired.dofs.row(i) - bumped.row(i)).norm();
+  for (long i = 0; i < start.dofs().rows(); ++i) {
+    const double way = (faired.dofs.row(i) - start.dofs().row(i)).norm();
     double& most = fixed[static_cast<size_t>(i)] ? still : moved;
     most = std::max(most, way);
   }
@@ -320,13 +324,7 @@ TEST_CASE("triangles that stand still keep their dofs, and the others are faired
 }
 
 TEST_CASE("fairing keeps the rows exactly, and gives the same bits on one thread and two") {
-  const Surface s = cubic_graph(6);
-  Points bumped = s.dofs();
-  std::mt19937 generator(2);
-  std::normal_distribution<double> normal(0, 0.01);
-  for (int v = 0; v < s.mesh().vertex_count(); ++v)
-    bumped(s.dof_map().vertex(v), 2) += normal(generator);
-  const Surface start(s.shared_mesh(), s.kind(), bumped);
+  const Surface s = cubic_graph(6), start = bumped(s);
   ConstraintSet rows(s.dof_map().count());
   ShapeConstraints shape(s.mesh(), s.kind(), rows);
   for (int v = 0; v < s.mesh().vertex_count(); ++v)
