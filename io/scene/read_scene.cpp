@@ -303,11 +303,10 @@ Scene read(const toml::table& root_table, const std::filesystem::path& file) {
   for (const TomlTable& t : root.table("skin", skin_keys())) read_skin(t, scene.skin);
 
   read_sculpting(root, folder, scene);
-  if (scene.skin.fair != SceneSkin::Fair::Bending && scene.is_sculpted())
+  if (scene.skin.fair != SceneSkin::Fair::Bending && scene.skin.hold == SceneSkin::Hold::Corners)
     for (const TomlTable& t : root.table("skin", skin_keys()))
-      t.fail("fair", "\"" + scene.skin.fair_word() + "\" beside what acts on the surface",
-             "a scene without loads, constraints, weights, moves and sliders, held by its lines: "
-             "these act against bending");
+      t.fail("fair", "\"" + scene.skin.fair_word() + "\" with hold = \"corners\"",
+             "hold = \"lines\": a fair shape is that of its lines");
 
   for (const TomlTable& t : root.table("stress", {"thickness", "young", "poisson", "density",
                                                   "pressure", "pressures", "gravity", "supports"}))

@@ -23,6 +23,7 @@ struct State {
   std::vector<double> shape_values;  // values of the parameters when the shape was made
   // The last answer that converged.
   Points good_x;
+  std::shared_ptr<const Rest> good_rest;
   std::vector<double> good_values;
   std::vector<char> fresh;  // parameters that have not acted on the shape yet: good at 0
 };
@@ -107,8 +108,10 @@ struct SculptingSession::Data {
   live::Engine::Run in_steps(const std::vector<double>& goal);
   bool has_scans();
   bool plan_joins();
-  Answer settle();
-  Answer settle_once();
+  Points bent_from(std::shared_ptr<const live::Rest> rest);
+  void find_rest(bool anew);
+  Answer settle(bool anew = true);
+  Answer settle_once(bool anew);
   Answer quick(int most, double tolerance);
   Answer step();
 

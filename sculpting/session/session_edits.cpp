@@ -45,13 +45,15 @@ void SculptingSession::Data::name_values() {
   for (const NamedValue& p : now.parameters.all()) value_names.push_back(p.name);
 }
 
-// After the rows changed: on the static shape, or in motion as near as can be.
+// After the rows changed: on the static shape, bent from the rest shape as it is, or in motion as
+// near as can be.
 void SculptingSession::Data::hold() {
   read_values();
   if (!now.in_motion) {
-    settle();
+    settle(false);
     return;
   }
+  find_rest(false);
   engine.prepare_matrix(system(), values);
   engine.project(system(), values, now.shape);
   ++version;

@@ -50,6 +50,11 @@ class Engine {
   /// Notes that the system's matrix no longer fits.
   static void outdate(System& system) { system.matrix_values.clear(); }
 
+  /// Gives the system a rest shape, or takes it away (null); prepare_matrix() has to follow.
+  void set_rest(System& system, std::shared_ptr<const Rest> rest);
+  /// Returns all rows, of lines and others, with their names and their values now.
+  ConstraintSet all_rows(const System& system, const std::vector<double>& values) const;
+
   /// Makes the matrix of motion and its factor, and their coupling. Returns whether there was
   /// something to make.
   bool prepare_motion(System& system, const Motion& motion);
@@ -78,6 +83,7 @@ class Engine {
  private:
   void make_matrix(System& system, const std::vector<double>& values);
   void add_scans(System& system, const std::vector<double>& values, SparseMatrix& K);
+  static void load_rest(System& system, const SparseMatrix& K);
   void couple(System& system, const Coupling* older);
   bool superpose(System& system, const std::vector<double>& values, Points& x, Run& run);
   bool trusts_guess(double first_change, double tolerance, Run& run);
@@ -89,7 +95,6 @@ class Engine {
   void aim_springs(System& system, const std::vector<double>& values, const Points& x);
   void add_linear(const System& system, const std::vector<double>& values, MatX& to) const;
   void map(System& system, const std::vector<double>& values, const Points& x, Points& to);
-  ConstraintSet all_rows(const System& system, const std::vector<double>& values) const;
   void throw_conflict(const System& system, const std::vector<double>& values, int row) const;
   struct Pull {
     double stiffness;

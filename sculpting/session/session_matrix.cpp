@@ -70,6 +70,25 @@ void Engine::add_scans(System& system, const std::vector<double>& values, Sparse
     system.scan_reduced = system.reduction->D().transpose() * system.scan_load;
 }
 
+// What holds the surface in its rest shape, as a load: K x_rest. `K` is without scans.
+void Engine::load_rest(System& system, const SparseMatrix& K) {
+  const bool rests = system.rest && system.rest->dofs.rows() > 0;
+  system.rest_load.resize(rests ? system.dofs() : 0, 3);
+  system.rest_reduced.resize(0, 3);
+  if (!rests) return;
+  symmetric_times(K, system.rest->dofs, system.rest_load);
+  system.rest_reduced = system.reduction->D().transpose() * system.rest_load;
+}
+
+void Engine::set_rest(System& system, std::shared_ptr<const Rest> rest) {
+  system.rest = std::move(rest);
+  anchored_ = false;
+  if (system.statics && system.scan_load.rows() == 0)
+    load_rest(system, system.statics->matrix());
+  else
+    outdate(system);
+}
+
 // The matrix and its factor for the values.
 void Engine::make_matrix(System& system, const std::vector<double>& values) {
   const MeshParts& parts = *system.parts;
@@ -79,6 +98,7 @@ void Engine::make_matrix(System& system, const std::vector<double>& values) {
     parts.assembler.stiffness(all[0], K);
   else
     parts.assembler.stiffness(all, K);
+  load_rest(system, K);
   add_scans(system, values, K);
   // A factor that the history keeps must stay; one of our own takes other numbers in place.
   if (system.statics && system.statics.use_count() == 1)
@@ -131,6 +151,8 @@ bool Engine::prepare_matrix(System& system, const std::vector<double>& values) {
 
 SurfaceEnergy Engine::elastic_energy(const System& system, const std::vector<double>& values,
                                      const Points& x) {
+  const bool rests = system.rest && system.rest->dofs.rows() > 0;
+  const Points from_rest = rests ? Points(x - system.rest->dofs) : x;
   const auto part = [&](bool bends) {
     auto all = materials(system, values);
     all.resize(static_cast<size_t>(system.parts->mesh->triangle_count()), all[0]);
@@ -142,8 +164,8 @@ SurfaceEnergy Engine::elastic_energy(const System& system, const std::vector<dou
     }
     SparseMatrix K = system.parts->assembler.pattern();
     system.parts->assembler.stiffness(all, K);
-    symmetric_times(K, x, product_);
-    return x.cwiseProduct(product_).sum();
+    symmetric_times(K, from_rest, product_);
+    return from_rest.cwiseProduct(product_).sum();
   };
   return {part(false), part(true)};
 }

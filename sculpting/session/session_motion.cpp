@@ -98,6 +98,7 @@ void Engine::step(System& system, const std::vector<double>& from, const std::ve
       system.parts->pressure().add(next_, load.weights, v * load.scale, F_);
   }
   if (system.scan_load.rows() > 0) F_ += system.scan_load;
+  if (system.rest_load.rows() > 0) F_ += system.rest_load;
 
   // Lines move at the rate that takes them to their places at the end of the step.
   lines_right(system, from, rate_);

@@ -2,9 +2,13 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 
+#include "batten/constraints/constraint_set.h"
 #include "batten/core/expected.h"
+#include "batten/core/progress.h"
 #include "batten/elements/surface_stiffness.h"
+#include "batten/skinning/model/model_layout.h"
 #include "batten/skinning/model/model_scale.h"
 
 namespace batten {
@@ -17,12 +21,31 @@ struct Motion {
   double theta = 1;    ///< θ of the implicit steps, ½ … 1
 };
 
+/// What a rest shape is made from. All dofs are in absolute coordinates.
+struct RestTask {
+  const ModelLayout& layout;
+  const ConstraintSet& rows;  ///< of lines, moves and constraints, as they are now
+  const Points& bent;         ///< the shape that bends least under these rows
+  /// The shape under these rows that bends least from the first rest shape on this mesh: near to
+  /// what is wanted, and the same whichever way the rows came here. No rows: this is the first.
+  const Points& near;
+  const Progress& progress;
+};
+
+/// Makes the rest shape of a session: the one without elastic energy, from which loads, moves and
+/// constraints bend the surface. It need not meet the rows. A result without rows: there is none,
+/// and lines bend the surface from nothing.
+using RestShape = std::function<Points(const RestTask&)>;
+
 /// How a session is made.
 struct SessionOptions {
   SurfaceStiffness material;  ///< the parameters alpha and beta (or alpha_uu, … beta_vv) start here
   bool isotropic_alpha = true, isotropic_beta = true;  ///< one parameter each, or three
   LoadUnits units = LoadUnits::Relative;
   bool hold_corners = false;  ///< holds the corners only, instead of the lines
+  /// Called by settle() where rows are others than when it was called before; answers in between
+  /// are linear. Empty: none. docs/fairness.md.
+  RestShape rest;
   /// one_factor: the session settles once or twice, and a better order of its factor would not pay.
   Expected expected = Expected::many_factors;
   /// settle() has converged when no dof inside moves by more than this times the size in one

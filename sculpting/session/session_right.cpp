@@ -31,7 +31,6 @@ void Engine::loose_right(const System& system, const std::vector<double>& values
   if (missed > kAgree * system.layout().size()) throw_conflict(system, values, row);
 }
 
-// All rows at once, lines and loose ones, with their names.
 ConstraintSet Engine::all_rows(const System& system, const std::vector<double>& values) const {
   ConstraintSet all(system.dofs());
   MatX right;
@@ -94,6 +93,7 @@ void Engine::add_linear(const System& system, const std::vector<double>& values,
         v != 0 && system.loads[l]->reduced.rows() > 0)
       to += v * system.loads[l]->reduced;
   if (system.scan_load.rows() > 0) to += system.scan_reduced;
+  if (system.rest_load.rows() > 0) to += system.rest_reduced;
 }
 
 namespace {

@@ -9,6 +9,7 @@ using live::Definition;
 
 void SculptingSession::Data::mark_good() {
   now.good_x = now.shape.x;
+  now.good_rest = system().rest;
   now.good_values = now.shape_values = values;
   now.fresh.assign(values.size(), 0);
 }
@@ -28,6 +29,7 @@ void SculptingSession::Data::fall_back() {
   now.shape_values = now.good_values;
   now.shape.x = now.good_x;
   engine.forget();
+  if (system().rest != now.good_rest) engine.set_rest(system(), now.good_rest);
   ++version;
   read_values();
   engine.prepare_matrix(system(), values);
@@ -100,22 +102,23 @@ bool SculptingSession::Data::plan_joins() {
   return true;
 }
 
-Answer SculptingSession::Data::settle() {
-  Answer answer = settle_once();
+Answer SculptingSession::Data::settle(bool anew) {
+  Answer answer = settle_once(anew);
   constexpr int most_plans = 4;
   for (int i = 0; i < most_plans && plan_joins(); ++i) {
     const int before = answer.iterations;
-    answer = settle_once();
+    answer = settle_once(anew);
     answer.iterations += before;
     answer.joins_planned = true;
   }
   return answer;
 }
 
-Answer SculptingSession::Data::settle_once() {
+Answer SculptingSession::Data::settle_once(bool anew) {
   Answer answer;
   try {
     read_values();
+    find_rest(anew);
     constexpr int most_rounds = 20;
     for (int round = 0; round < most_rounds; ++round) {
       if (progress.cancelled && progress.cancelled()) throw CancelledError();

@@ -199,6 +199,8 @@ void keep_systems(System& system, const System& older, const Parameters& paramet
         system.scan_used[i] = older.scan_used[j];
       }
   keep_matrix_values(system, older, parameters);
+  system.rest_load = older.rest_load;
+  system.rest_reduced = older.rest_reduced;
   system.coupling = older.coupling;  // for its solves; the session makes it anew
   system.moving_coupling = older.moving_coupling;
   system.coupled_rows = older.coupled_rows;
@@ -221,6 +223,7 @@ std::shared_ptr<System> build(Definition def, const Parameters& parameters, cons
   give_roles(*system, parameters);
   system->scan_feet.resize(system->def.loads.size());
   system->scan_used.resize(system->def.loads.size());
+  if (same_mesh) system->rest = older->rest;
   if (older && system->reduction == older->reduction) keep_systems(*system, *older, parameters);
   return system;
 }
@@ -248,7 +251,11 @@ size_t bytes_of(const System& system, std::set<const void*>& seen) {
     if (made) once(made, made->bytes());
   for (const auto* coupling : {system.coupling.get(), system.moving_coupling.get()})
     if (coupling) once(coupling, coupling->bytes());
-  return sum + 8 * static_cast<size_t>(system.base_right.size() + system.scan_load.size());
+  if (system.rest)
+    once(system.rest.get(),
+         8 * static_cast<size_t>(system.rest->dofs.size() + system.rest->first.size()));
+  return sum + 8 * static_cast<size_t>(system.base_right.size() + system.scan_load.size() +
+                                       system.rest_load.size());
 }
 
 }  // namespace batten::live

@@ -144,6 +144,13 @@ enum Role : unsigned {
   kMatrix = 32
 };
 
+/// A rest shape and the rows that it was made under. Dofs are relative to the definition's origin.
+struct Rest {
+  Points dofs;   ///< no rows: there is none
+  Points first;  ///< the first one on this mesh
+  ConstraintSet rows;
+};
+
 /// A definition, and all that is made of it on its mesh.
 struct System {
   Definition def;
@@ -171,6 +178,9 @@ struct System {
   std::vector<std::vector<char>> scan_used;        ///< whether each point of a scan pulls
   Points scan_load;                                ///< Σ k N p of the scans at matrix_values
   MatX scan_reduced;                               ///< Dᵀ scan_load
+  std::shared_ptr<const Rest> rest;                ///< null: not made
+  Points rest_load;                                ///< K rest; no rows: none
+  MatX rest_reduced;                               ///< Dᵀ rest_load
 
   const ModelLayout& layout() const { return *def.layout; }
   const Vec3& origin() const { return def.origin; }

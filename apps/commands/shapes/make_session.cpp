@@ -136,11 +136,11 @@ bool driven(const Scene& scene, const std::string& name) {
 class Maker {
  public:
   Maker(const ModelLayout& layout, const Scene& scene, const MadeModel& made, Expected expected,
-        const Progress& progress)
+        const Progress& progress, RestShape rest)
       : scene_(scene),
         on_layout_(scene, layout, made),
         values_(values_of(scene)),
-        session_(layout, options(scene, expected), progress),
+        session_(layout, options(scene, expected, std::move(rest)), progress),
         unloaded_(session_.dofs()),
         unloaded_places_(layout, unloaded_) {}
 
@@ -182,8 +182,9 @@ class Maker {
   const Points& unloaded() const { return unloaded_; }
 
  private:
-  static SessionOptions options(const Scene& scene, Expected expected) {
+  static SessionOptions options(const Scene& scene, Expected expected, RestShape rest) {
     SessionOptions options;
+    options.rest = std::move(rest);
     options.expected = expected;
     options.material = scene.skin.material;
     options.isotropic_alpha = scene.skin.isotropic_alpha;
@@ -255,10 +256,11 @@ class Maker {
 }  // namespace
 
 SculptingSession make_session(const ModelLayout& layout, const Scene& scene, const MadeModel& made,
-                              Expected expected, const Progress& progress, Points* unloaded) {
+                              Expected expected, const Progress& progress, Points* unloaded,
+                              RestShape rest) {
   const std::string where = scene.at({});
   try {
-    Maker maker(layout, scene, made, expected, progress);
+    Maker maker(layout, scene, made, expected, progress, std::move(rest));
     if (unloaded) *unloaded = maker.unloaded();
     return maker.made();
   } catch (const InputError& e) {

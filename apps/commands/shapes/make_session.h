@@ -17,12 +17,12 @@ namespace batten {
 /// same scene and layout give the same session, so that operations recorded on one can be replayed
 /// on another.
 ///
-/// `layout`: the model's, or a finer one. `expected`: as in SessionOptions. `unloaded`, unless
+/// `layout`: the model's, or a finer one. `expected`, `rest`: as in SessionOptions. `unloaded`, unless
 /// null, gets the dofs of the unloaded surface. Throws InputError with the place in the scene for a
 /// line or region that the layout does not have, and what SculptingSession throws.
 SculptingSession make_session(const ModelLayout& layout, const Scene& scene, const MadeModel& made,
                               Expected expected, const Progress& progress = {},
-                              Points* unloaded = nullptr);
+                              Points* unloaded = nullptr, RestShape rest = {});
 
 /// Whether a parameter of the scene is also one of its session. The others (directions of
 /// constraints, [[fair]]) have to be set in the scene before.

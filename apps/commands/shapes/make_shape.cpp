@@ -7,9 +7,7 @@
 #include "batten/core/errors.h"
 #include "batten/core/words.h"
 #include "batten/fem/assembly.h"
-#include "batten/skinning/model/loft_shape.h"
 #include "batten/skinning/model/model_projector.h"
-#include "batten/skinning/surfaces/fair_model.h"
 #include "batten/skinning/surfaces/skin_network.h"
 
 namespace batten {
@@ -64,49 +62,23 @@ void take_dofs(MadeShape& shape, const Points& dofs, const Scene& scene) {
     shape.regions[static_cast<size_t>(r)] = layout.skinned(r, dofs);
 }
 
-void loft(MadeShape& shape, const Scene& scene) {
-  std::vector<std::string> sections;
-  for (const PlacedWord& section : scene.skin.sections) sections.push_back(section.text);
-  shape.lofted = true;
-  try {
-    LoftedModel lofted = loft_model(shape.layout, sections, 2 * shape.layout->tolerance());
-    shape.layout = lofted.layout;
-    take_dofs(shape, lofted.dofs, scene);
-  } catch (const InputError& e) {
-    if (sections.empty()) throw;
-    throw InputError(scene.at(scene.skin.sections.front().place) + e.what());
-  }
-  shape.max_constraint_residual =
-      shape.layout->line_constraints().max_residual(shape.dofs) / shape.layout->size();
-}
-
-// Makes the change of curvature least, or lofts, where the scene asks for that.
+// Makes the shape fair where the scene asks for that: the whole shape, or where something acts what
+// a session bends.
 void fair(MadeShape& shape, const Scene& scene, const MadeModel& made, const Progress& progress) {
   if (scene.skin.fair == SceneSkin::Fair::Bending || !shape.layout) return;
-  if (scene.skin.fair == SceneSkin::Fair::Loft) {
-    loft(shape, scene);
-    return;
-  }
-  try {
-    VariationOptions options;
-    options.strength = scene.skin.strength;
-    const double join_tolerance =
-        scene.network ? scene.network->join_tolerance : ModelOptions{}.join_tolerance_deg;
-    if (scene.skin.largest_move > 0) options.largest_move = scene.skin.largest_move;
-    FairedModel faired =
-        fair_model(made.model, shape.layout, shape.dofs, join_tolerance, options, progress);
+  FairShape faired = fair_scene(scene, made, shape.layout, shape.unloaded, progress);
+  if (faired.rest && scene.is_sculpted()) {
+    SculptingSession session = make_session(*faired.layout, scene, made, Expected::one_factor,
+                                            progress, &shape.unloaded, faired.rest);
+    const Answer answer = session.settle();
+    shape = shape_of(session, scene, shape.unloaded, answer);
+  } else if (faired.dofs.rows() > 0) {
     shape.layout = faired.layout;
-    shape.fairing = std::move(faired.surface);
-    shape.kept = std::move(faired.kept);
-  } catch (const CancelledError&) {
-    throw;
-  } catch (const Error& e) {
-    shape.fairing.emplace();
-    shape.not_faired = e.what();
-    return;
+    take_dofs(shape, faired.dofs, scene);
+    shape.max_constraint_residual =
+        shape.layout->line_constraints().max_residual(shape.dofs) / shape.layout->size();
   }
-  take_dofs(shape, shape.fairing->dofs, scene);
-  shape.max_constraint_residual = shape.fairing->max_residual / shape.layout->size();
+  shape.fairing = std::move(*faired.fairing);
 }
 
 // The shape that a network was skinned with.
@@ -220,7 +192,7 @@ ModelLayout refined_for_lines(const MadeModel& made, const Scene& scene, const P
 void take_shape(MadeModel& made, const MadeShape& shape, const Progress& progress) {
   if (!shape.layout) return;
   // A network at rest was measured when it was skinned.
-  if (!made.network || shape.layout != made.model.layout || shape.fairing || shape.lofted)
+  if (!made.network || shape.layout != made.model.layout || shape.fairing.surface || shape.fairing.lofted)
     reshape(made.model, shape.layout, shape.dofs, shape.regions, progress);
 }
 

@@ -2,13 +2,11 @@
 #pragma once
 
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
-#include "batten/apps/commands/shapes/make_model.h"
+#include "batten/apps/commands/shapes/fair_scene.h"
 #include "batten/sculpting/session/session.h"
-#include "batten/skinning/surfaces/fair_model.h"
 
 namespace batten {
 
@@ -27,11 +25,8 @@ struct MadeShape {
   double max_normal_constraint_deg = 0;  ///< largest error of normals that [[constraint]] holds
   std::vector<Reaction> reactions;
   std::vector<ScanDistances> scans;
-  bool joins_planned = false;               ///< Answer::joins_planned
-  std::optional<VariationSurface> fairing;  ///< set where the change of curvature was made least
-  bool lofted = false;                      ///< set where the scene asked for a loft
-  std::vector<KeptRegion> kept;             ///< regions that were not faired
-  std::string not_faired;  ///< why it could not be: the shape is then that of least bending
+  bool joins_planned = false;  ///< Answer::joins_planned
+  ShapeFairing fairing;        ///< where the scene asks for a fair shape
 
   std::vector<const SkinnedRegion*> all() const { return pointers(regions); }
 };
@@ -42,7 +37,8 @@ MadeShape shape_of(const SculptingSession& session, const Scene& scene, const Po
                    const Answer& answer);
 
 /// Makes the shape of a layout under a scene's constraints, loads and material: a session settles
-/// once; then it is faired where the scene asks for that. Throws ConflictError, NoSolutionError, InputError, CancelledError.
+/// once. Where the scene asks for a fair shape, that is what its session bends. Throws
+/// ConflictError, NoSolutionError, InputError, CancelledError.
 MadeShape make_shape(const ModelLayout& layout, const Scene& scene, const MadeModel& made,
                      const Progress& progress = {});
 

@@ -11,7 +11,6 @@
 #include "batten/core/index.h"
 #include "batten/io/files/whole_file.h"
 #include "batten/io/sessions/session_log.h"
-#include "batten/sculpting/statics/static_sculpt.h"
 
 namespace batten {
 namespace {
@@ -123,9 +122,6 @@ class SculptRun {
     const int rounds = parsed_rounds(task_.refinement), steps = parsed_steps(task_);
     Stopwatch& watch = run_.watch;
     report_.sculpting.emplace();
-    if (scene_.skin.fair != SceneSkin::Fair::Bending)
-      throw InputError(scene_.at({}) + "found fair = \"" + scene_.skin.fair_word() +
-                       "\", expected \"bending\": live shapes bend");
     std::vector<Setting> settings;
     for (Setting& s : parsed_settings(task_.settings)) {
       if (is_live(scene_, s.name))
@@ -138,11 +134,15 @@ class SculptRun {
 
     made_ = model_of(run_, scene_, progress_);
     if (!made_.model.layout) throw InputError(scene_.at({}) + "no region could be skinned");
-    const ModelLayout layout = refined_for_lines(made_, scene_, progress_);
+    auto layout =
+        std::make_shared<const ModelLayout>(refined_for_lines(made_, scene_, progress_));
+    if (scene_.skin.fair != SceneSkin::Fair::Bending)
+      fair_ = fair_scene(scene_, made_, layout, bent_shape(*layout, scene_, progress_), progress_);
+    if (fair_.layout) layout = fair_.layout;
     watch.lap("layout");
     progress_.at("session", 0);
-    session_.emplace(
-        make_session(layout, scene_, made_, Expected::many_factors, progress_, &unloaded_));
+    session_.emplace(make_session(*layout, scene_, made_, Expected::many_factors, progress_,
+                                  &unloaded_, fair_.rest));
     check_sweeps();
     watch.lap("session");
 
@@ -282,11 +282,11 @@ class SculptRun {
   /// Dofs of what the lines alone make, on the mesh as it is now.
   Points unloaded_now() const {
     if (unloaded_.rows() == session_->dofs().rows()) return unloaded_;
-    StaticTask lines;
-    lines.material = scene_.skin.material;
-    lines.units = scene_.skin.units;
-    lines.hold_corners = scene_.skin.hold == SceneSkin::Hold::Corners;
-    return sculpt(session_->layout(), lines, progress_).dofs;
+    const Points bent = bent_shape(session_->layout(), scene_, progress_);
+    if (!fair_.rest) return bent;
+    const ConstraintSet rows = session_->layout().line_constraints();
+    const Points fair = RestShape(fair_.rest)({session_->layout(), rows, bent, {}, progress_});
+    return fair.rows() > 0 ? fair : bent;
   }
 
   void write() {
@@ -294,7 +294,9 @@ class SculptRun {
     for (const NamedValue& p : session_->parameters().all())
       report_.parameters.push_back({p.name, session_->parameters().value(p.name), p.min, p.max});
     report_.sculpting->shape = shape_now(*session_);
-    const MadeShape shape = shape_of(*session_, scene_, unloaded_now(), answer_);
+    const ShapeFairing fairing = fair_.fairing ? *fair_.fairing : ShapeFairing{};
+    MadeShape shape = shape_of(*session_, scene_, unloaded_now(), answer_);
+    shape.fairing = fairing;
     measure_into(run_, made_, shape, scene_, progress_);
     write_files(run_, scene_, made_, shape, progress_);
     draw_pictures(run_, scene_, made_, shape, progress_);
@@ -312,6 +314,7 @@ class SculptRun {
   MadeModel made_;
   std::vector<SweepTask> sweeps_;
   std::optional<SculptingSession> session_;
+  FairShape fair_;  // where the scene asks for one
   Points unloaded_;
   Answer answer_;
 };

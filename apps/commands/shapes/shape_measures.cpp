@@ -168,17 +168,17 @@ void measure_into(ShapeRun& run, MadeModel& made, const MadeShape& shape, const 
   s.max_normal_constraint_deg = shape.max_normal_constraint_deg;
   s.iterations = shape.iterations;
   s.last_change = shape.last_change;
-  if (shape.fairing) {
-    const VariationSurface& f = *shape.fairing;
+  if (shape.fairing.surface) {
+    const VariationSurface& f = *shape.fairing.surface;
     s.fairing = {f.functional,     f.start_functional, f.max_move, f.iterations,
                  f.factorizations, f.converged,        f.share,    {}};
-    for (const KeptRegion& kept : shape.kept) {
+    for (const KeptRegion& kept : shape.fairing.kept) {
       s.fairing->kept.push_back(shape.layout->region(kept.region).name());
       report.warnings.push_back("region '" + s.fairing->kept.back() +
                                 "' is not faired and bends least: " + kept.why);
     }
-    if (!shape.not_faired.empty())
-      report.warnings.push_back("not faired, the surface bends least: " + shape.not_faired);
+    if (!shape.fairing.not_faired.empty())
+      report.warnings.push_back("not faired, the surface bends least: " + shape.fairing.not_faired);
     constexpr double far = 0.1;
     if (f.max_move > far * s.size)
       report.warnings.push_back("fairing moved the surface by " + number(f.max_move / s.size) +

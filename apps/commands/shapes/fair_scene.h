@@ -1,0 +1,44 @@
+// Makes what a scene's lines alone make where it asks for a fair shape, and what a session bends.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "batten/apps/commands/shapes/make_model.h"
+#include "batten/sculpting/session/session_options.h"
+#include "batten/skinning/surfaces/fair_model.h"
+
+namespace batten {
+
+/// What fairing a shape did.
+struct ShapeFairing {
+  std::optional<VariationSurface> surface;  ///< set where the change of curvature was made least
+  bool lofted = false;                      ///< set where the scene asked for a loft
+  std::vector<KeptRegion> kept;             ///< regions that were not faired
+  std::string not_faired;  ///< why it could not be: the shape is then that of least bending
+};
+
+/// The shape of a scene's lines, where nothing else acts.
+struct FairShape {
+  std::shared_ptr<const ModelLayout> layout;  ///< the one it was made on, or a finer one
+  Points dofs;                                ///< no rows where not_faired says why
+  /// What was done; rest() of a session that lives on notes here what it did last.
+  std::shared_ptr<ShapeFairing> fairing;
+  /// What a session's surface is bent from; empty where it bends from nothing.
+  RestShape rest;
+};
+
+/// The shape that fair = "variation" or "loft" asks for, from `bent`, the dofs that bend least on
+/// `layout`. The rest shape of a session is this one, and under other rows of lines, moves and
+/// constraints the one that fair_shape() or loft_shape() makes for them. Throws InputError with the
+/// place in the scene, CancelledError.
+FairShape fair_scene(const Scene& scene, const MadeModel& made,
+                     std::shared_ptr<const ModelLayout> layout, const Points& bent,
+                     const Progress& progress = {});
+
+/// The dofs that a scene's lines and material alone make on a layout by bending least.
+Points bent_shape(const ModelLayout& layout, const Scene& scene, const Progress& progress = {});
+
+}  // namespace batten
