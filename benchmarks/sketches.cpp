@@ -153,6 +153,39 @@ void add_surfaces(const Made& made, Triangles& ours, Triangles& plain) {
   }
 }
 
+// Bilinearly blended Coons patches of the regions with four lines, and our surfaces there.
+void add_coons(const Made& made, Triangles& ours, Triangles& coons) {
+  constexpr int n = 16;
+  for (const ModelRegion& r : made.model.regions) {
+    if (!r.skinned || r.plan.loops.size() != 1 || r.plan.loops[0].size() != 4) continue;
+    const DisplayFacets f = facets(*r.skinned, 3);
+    for (const auto& t : f.tessellation.facets) {
+      const auto at = [&](int k) {
+        return r.skinned->surface.position(f.tessellation.points[static_cast<size_t>(t[k])]);
+      };
+      ours.add(at(0), at(1), at(2));
+    }
+    // Side k at the share s of its way around the loop.
+    const auto side = [&](size_t k, double s) -> Vec3 {
+      const ArcUse& use = r.plan.loops[0][k];
+      const HermiteCurve& curve = made.network->arcs()[use.arc].curve;
+      return curve.evaluate(curve.end() * (use.reversed ? 1 - s : s));
+    };
+    const auto patch = [&](int i, int j) -> Vec3 {
+      const double s = static_cast<double>(i) / n, t = static_cast<double>(j) / n;
+      const Vec3 corners = (1 - s) * (1 - t) * side(0, 0) + s * (1 - t) * side(1, 0) +
+                           s * t * side(2, 0) + (1 - s) * t * side(3, 0);
+      return (1 - t) * side(0, s) + t * side(2, 1 - s) + (1 - s) * side(3, 1 - t) +
+             s * side(1, t) - corners;
+    };
+    for (int i = 0; i < n; ++i)
+      for (int j = 0; j < n; ++j) {
+        coons.add(patch(i, j), patch(i + 1, j), patch(i + 1, j + 1));
+        coons.add(patch(i, j), patch(i + 1, j + 1), patch(i, j + 1));
+      }
+  }
+}
+
 // The largest median jump of curvature at a smooth line, and their median, times the size.
 std::array<double, 2> curvature_jumps(const SurfaceModel& model) {
   std::vector<double> jumps;
@@ -292,7 +325,8 @@ int main(int argc, char** argv) {
     std::printf("Distances of the stored meshes' vertices, over the meshes' size.\n");
     Table table;
     table.add({"network", "lines", "arcs", "regions", "skinned", "smooth", "flaws", "vertices",
-               "max", "rms", "fair: max", "fair: rms", "plain: max", "plain: rms", "s"});
+               "max", "rms", "fair: max", "fair: rms", "plain: max", "plain: rms", "four-sided",
+               "rms", "fair: rms", "Coons: rms", "s"});
     Table fair;
     fair.add(fair_head);
     for (const auto& [lines_file, mesh_file] : {std::pair("hill_3", "hill"),
@@ -309,17 +343,22 @@ int main(int argc, char** argv) {
       const MeshFile mesh = MeshFile::read(shells / "meshes" / (std::string(mesh_file) + ".obj"));
       const Points& vertices = mesh.shells().points;
       const double size = (vertices.colwise().maxCoeff() - vertices.colwise().minCoeff()).norm();
-      Triangles ours, plain, faired, again;
+      Triangles ours, plain, faired, again, four, coons, four_fair, coons_again;
       add_surfaces(made, ours, plain);
+      add_coons(made, four, coons);
       const int flaws = count_of(made.model.flaws);
       const int added = add_fair_row(lines_file, made, fair, promises);
       promises.at_most(std::string("flaws that fairing adds, ") + lines_file, added, 0);
       add_surfaces(made, faired, again);
-      Far near_ours, near_fair, near_plain;
+      add_coons(made, four_fair, coons_again);
+      Far near_ours, near_fair, near_plain, near_four, near_four_fair, near_coons;
       if (!ours.empty() && !plain.empty()) {
         ours.ready();
         plain.ready();
         faired.ready();
+        const bool any_four = !four.empty();
+        if (any_four)
+          for (Triangles* t : {&four, &coons, &four_fair}) t->ready();
         constexpr double covered = 0.002;
         for (long i = 0; i < vertices.rows(); ++i) {
           const Vec3 p = vertices.row(i);
@@ -328,6 +367,10 @@ int main(int argc, char** argv) {
           near_ours.add(a);
           near_fair.add(faired.distance(p));
           near_plain.add(b);
+          if (!any_four || std::min(four.distance(p), coons.distance(p)) > covered * size) continue;
+          near_four.add(four.distance(p));
+          near_four_fair.add(four_fair.distance(p));
+          near_coons.add(coons.distance(p));
         }
       }
       int skinned = 0, smooth = 0;
@@ -340,6 +383,8 @@ int main(int argc, char** argv) {
                  std::to_string(smooth), std::to_string(flaws), std::to_string(near_ours.count),
                  share(near_ours.max), share(near_ours.rms()), share(near_fair.max),
                  share(near_fair.rms()), share(near_plain.max), share(near_plain.rms()),
+                 std::to_string(near_four.count), share(near_four.rms()),
+                 share(near_four_fair.rms()), share(near_coons.rms()),
                  text("%.2f", made.seconds)});
       if (near_ours.count > 0)
         promises.at_most(std::string("rms distance over plain filling's, ") + lines_file,

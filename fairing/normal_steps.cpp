@@ -97,6 +97,18 @@ void NormalSteps::scalar_row(int dof, const Put& put) const {
       put(unknown, it.value());
 }
 
+RowMatrix NormalSteps::of_unknowns(const RowMatrix& rows) const {
+  std::vector<Triplet> entries;
+  for (int r = 0; r < rows.rows(); ++r)
+    for (RowMatrix::InnerIterator it(rows, r); it; ++it)
+      scalar_row(static_cast<int>(it.col()), [&](int unknown, double share) {
+        entries.emplace_back(r, unknown, it.value() * share);
+      });
+  RowMatrix own(rows.rows(), count_);
+  own.setFromTriplets(entries.begin(), entries.end());
+  return own;
+}
+
 RowMatrix NormalSteps::at(const Surface& surface) const {
   const int n = reduction_.dof_count(), edges = surface.dof_map().edge(0);
   const ParametricMesh& mesh = surface.mesh();

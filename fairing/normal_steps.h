@@ -23,6 +23,8 @@ class NormalSteps {
   int count() const { return count_; }
   /// T, 3n×count(), with δ[x; y; z] = T s. The same pattern for every surface of the start's mesh.
   RowMatrix at(const Surface& surface) const;
+  /// The same rows on φ, by its unknowns, for rows of one coordinate.
+  RowMatrix of_unknowns(const RowMatrix& rows) const;
 
  private:
   // The factors of the unknowns in dof d of φ.

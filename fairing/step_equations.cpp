@@ -100,8 +100,9 @@ void copy_square(const double* square, int stride, int n, double* K) {
 }  // namespace
 
 StepEquations::StepEquations(const VariationTerms& terms, const Surface& surface,
-                             const RowMatrix& T)
-    : first_entry_(1, 0),
+                             const RowMatrix& T, RowMatrix held)
+    : held_(std::move(held)),
+      first_entry_(1, 0),
       starts_(1, 0),
       pattern_([&] {
         const ParametricMesh& mesh = surface.mesh();
@@ -109,6 +110,11 @@ StepEquations::StepEquations(const VariationTerms& terms, const Surface& surface
           add_element(T, surface.dof_map().triangle(mesh, t));
         for (const int e : terms.edges()) add_element(T, VariationTerms::edge_dofs(surface, e));
         for (int j = 0; j < terms.join_count(); ++j) add_element(T, terms.join_dofs(surface, j));
+        for (int r = 0; r < held_.rows(); ++r) {
+          for (RowMatrix::InnerIterator it(held_, r); it; ++it)
+            unknowns_.push_back(static_cast<int>(it.col()));
+          starts_.push_back(count_of(unknowns_));
+        }
         return ElementPattern(static_cast<int>(T.cols()), starts_, unknowns_);
       }()),
       matrix_(pattern_.zero()),
@@ -186,13 +192,31 @@ void StepEquations::reduce(const Rows& rows, int element, const RowMatrix& T, bo
   values_[element] = dot(rows.r);
 }
 
+void StepEquations::weigh_held() {
+  constexpr double times = 1e4;
+  held_weights_ = multiplier_weights(held_, matrix_.diagonal(), times);
+}
+
+VecX StepEquations::step(const SparseCholesky& cholesky) const {
+  return solve_held(cholesky, gradient_, held_, held_weights_);
+}
+
 double StepEquations::assemble(const VariationTerms& terms, const Surface& surface,
                                const StepWeights& weights, const RowMatrix& T) {
   const int triangles = surface.mesh().triangle_count();
   const int edges = triangles + count_of(terms.edges());
+  const int joins = edges + terms.join_count();
   std::vector<std::atomic<char>> taken(values_.size());
   pattern_.assemble(
       [&](int e, double* K) {
+        if (e >= joins) {
+          const int n = starts_[e + 1] - starts_[e];
+          const double* b = held_.valuePtr() + held_.outerIndexPtr()[e - joins];
+          const double w = held_weights_.size() > 0 ? held_weights_[e - joins] : 0;
+          for (int i = 0; i < n; ++i)
+            for (int j = 0; j < n; ++j) K[i * n + j] = w * b[i] * b[j];
+          return;
+        }
         const bool first = taken[e].exchange(1) == 0;  // elements that threads share come twice
         const auto add = [&](auto& rows) {
           pad(rows);
@@ -213,6 +237,10 @@ double StepEquations::assemble(const VariationTerms& terms, const Surface& surfa
         }
       },
       matrix_);
+  if (held_weights_.size() < held_.rows()) {
+    weigh_held();
+    return assemble(terms, surface, weights, T);
+  }
   gradient_.setZero();
   for (size_t k = 0; k < unknowns_.size(); ++k) gradient_[unknowns_[k]] += slopes_[k];
   double sum = 0;

@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "batten/fairing/held_rows.h"
 #include "batten/fairing/stacked_reduction.h"
 #include "batten/fairing/variation_terms.h"
 #include "batten/fem/element_pattern.h"
@@ -12,13 +13,18 @@ namespace batten {
 /// JᵀJ and Jᵀr over the unknowns s of steps δ[x; y; z] = T s. Made once for a pattern of T.
 class StepEquations {
  public:
-  StepEquations(const VariationTerms& terms, const Surface& surface, const RowMatrix& T);
+  /// `held`: B of rows that are held by multipliers (held_rows.h).
+  StepEquations(const VariationTerms& terms, const Surface& surface, const RowMatrix& T,
+                RowMatrix held);
 
   /// At the surface of the terms' last set_frames(). Returns the functional. Same bits on one
   /// thread and two.
   double assemble(const VariationTerms& terms, const Surface& surface, const StepWeights& weights,
                   const RowMatrix& T);
+  /// s with (JᵀJ) s = -Jᵀr that keeps the held rows; `cholesky` is the factor of matrix().
+  VecX step(const SparseCholesky& cholesky) const;
 
+  /// JᵀJ, and Bᵀ w B of the held rows.
   const SparseMatrix& matrix() const { return matrix_; }
   /// Half of the functional's slopes.
   const VecX& gradient() const { return gradient_; }
@@ -29,12 +35,15 @@ class StepEquations {
   struct Entry {
     int value, row, column;
   };
+  void weigh_held();
   template <class Dofs>
   void add_element(const RowMatrix& T, const Dofs& dofs);
   // Writes the element's matrix, and its gradient and value the first time.
   template <class Rows>
   void reduce(const Rows& rows, int element, const RowMatrix& T, bool first, double* K);
 
+  RowMatrix held_;
+  VecX held_weights_;  // empty: not yet known
   std::vector<Entry> entries_;
   std::vector<size_t> first_entry_;
   std::vector<int> starts_, unknowns_;

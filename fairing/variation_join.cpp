@@ -7,11 +7,13 @@
 namespace batten {
 namespace {
 
-// The forms on both sides of a point, and what the jump of curvature counts there.
+// The forms on both sides of a point, and what the jumps of curvature and of the tangent plane
+// count there.
 template <class Point>
 struct Sides {
   LineForms forms[2];
-  double root, jump;
+  double root, jump;    // of curvature
+  double stiff, angle;  // of the tangent plane
 
   Sides(const Point& point, const TriangleDofs* q, const std::array<double, 2>& areas,
         double jumps) {
@@ -27,6 +29,9 @@ struct Sides {
     }
     root = std::sqrt(jumps * point.weight * speed / thickness);
     jump = forms[0].across - point.sign * forms[1].across;
+    stiff = root / thickness;
+    angle = forms[0].n.dot(forms[1].Y2);
+    if (!point.curvature) root = 0;
   }
 };
 
@@ -38,22 +43,19 @@ std::array<double, 2> areas_of(const Surface& surface, const std::array<int, 2>&
 
 void VariationTerms::add_joins(const Surface& start, const std::vector<JoinPoint>& points) {
   for (const JoinPoint& point : points) {
-    JumpPoint added;
+    Join& added = joins_.emplace_back();
     added.way = point.way;
     added.weight = point.weight;
-    std::array<int, 2> triangle;
+    added.curvature = point.curvature;
     Vec3 normal[2];
     for (size_t s = 0; s < 2; ++s) {
       const Location& at = point.at[s];
-      triangle[s] = at.triangle;
+      added.triangle[s] = at.triangle;
       const Tabulation N = C1Triangle(start.kind(), start.mesh().shape(at.triangle)).evaluate(at.L);
       added.N[s] = N.middleCols<5>(kU);
       normal[s] = start.jet(at).normal();
     }
     added.sign = normal[0].dot(normal[1]) < 0 ? -1 : 1;
-    if (joins_.empty() || joins_.back().triangle != triangle || joins_.back().points.size() > 1)
-      joins_.push_back({triangle, {}});
-    joins_.back().points.push_back(std::move(added));
   }
 }
 
@@ -70,36 +72,36 @@ std::array<int, kJoinDofs> VariationTerms::join_dofs(const Surface& surface, int
 double VariationTerms::join_value(const Surface& surface, const Join& join) const {
   const TriangleDofs q[2] = {surface.triangle_dofs(join.triangle[0]),
                              surface.triangle_dofs(join.triangle[1])};
-  double sum = 0;
-  for (const JumpPoint& point : join.points) {
-    const Sides sides(point, q, areas_of(surface, join.triangle), jumps_);
-    sum += std::pow(sides.root * sides.jump, 2);
-  }
-  return sum;
+  const Sides sides(join, q, areas_of(surface, join.triangle), jumps_);
+  return std::pow(sides.root * sides.jump, 2) + std::pow(sides.stiff * sides.angle, 2);
 }
 
 void VariationTerms::join(const Surface& surface, int j, JoinRows& rows) const {
   const Join& join = joins_[j];
   const TriangleDofs q[2] = {surface.triangle_dofs(join.triangle[0]),
                              surface.triangle_dofs(join.triangle[1])};
-  rows.count = 0;
-  for (const JumpPoint& point : join.points) {
-    const Sides sides(point, q, areas_of(surface, join.triangle), jumps_);
-    for (int s = 0; s < 2; ++s) {
-      const LineForms& f = sides.forms[s];
-      const auto& N = point.N[static_cast<size_t>(s)];
-      const double root = sides.root * (s == 0 ? 1 : -point.sign);
-      const Vec12 Y2 = N.leftCols<2>() * f.M.row(1).transpose();
-      const Vec12 Y22 =
-          N.rightCols<3>() * mixed(f.M, 1, 1) - N.leftCols<2>() * (f.M.transpose() * f.gamma22);
-      const Vec3 turn = -2 * (f.twist * f.Y1 + f.across * f.Y2);
-      for (int c = 0; c < 3; ++c)
-        for (int a = 0; a < 12; ++a)
-          rows.J[kJoinDofs * c + 12 * s + a][rows.count] =
-              root * (f.n[c] * Y22[a] + turn[c] * Y2[a]);
-    }
-    rows.r[rows.count++] = sides.root * sides.jump;
+  const Sides sides(join, q, areas_of(surface, join.triangle), jumps_);
+  for (int s = 0; s < 2; ++s) {
+    const LineForms& f = sides.forms[s];
+    const auto& N = join.N[static_cast<size_t>(s)];
+    const double root = sides.root * (s == 0 ? 1 : -join.sign);
+    // The second side turns to the first one's normal, or that normal turns.
+    const double tilt = s == 1 ? sides.stiff : -sides.stiff * sides.forms[1].Y2.dot(f.Y2);
+    const Vec3 turn = -2 * (f.twist * f.Y1 + f.across * f.Y2);
+    const Vec3& n = sides.forms[0].n;
+    const Vec12 Y2 = N.leftCols<2>() * f.M.row(1).transpose();
+    const Vec12 Y22 =
+        N.rightCols<3>() * mixed(f.M, 1, 1) - N.leftCols<2>() * (f.M.transpose() * f.gamma22);
+    for (int c = 0; c < 3; ++c)
+      for (int a = 0; a < 12; ++a) {
+        double* column = rows.J[kJoinDofs * c + 12 * s + a];
+        column[0] = root * (f.n[c] * Y22[a] + turn[c] * Y2[a]);
+        column[1] = tilt * n[c] * Y2[a];
+      }
   }
+  rows.count = 2;
+  rows.r[0] = sides.root * sides.jump;
+  rows.r[1] = sides.stiff * sides.angle;
 }
 
 }  // namespace batten

@@ -9,6 +9,7 @@
 #include "batten/core/errors.h"
 #include "batten/core/sparse_cholesky.h"
 #include "batten/fairing/fairable.h"
+#include "batten/fairing/held_rows.h"
 #include "batten/fairing/normal_steps.h"
 #include "batten/fairing/step_equations.h"
 #include "batten/fairing/variation_terms.h"
@@ -41,11 +42,12 @@ std::vector<int> order_of(const SparseMatrix& A, int copies) {
 // smoothly over the shape before the elements come near to it.
 class Descent {
  public:
-  /// The reduction must outlive it.
-  Descent(const Surface& start, const StackedReduction& reduction, const VariationOptions& options)
+  /// Reduction and rows must outlive it.
+  Descent(const Surface& start, const StackedReduction& reduction, const HeldRows& held,
+          const VariationOptions& options)
       : reduction_(reduction),
-        surface_(start.shared_mesh(), start.kind(),
-                 reduction_.expand(reduction_.free_part(start.dofs())), start.trim()),
+        held_(held),
+        surface_(start.shared_mesh(), start.kind(), on_rows(start.dofs()), start.trim()),
         terms_(surface_, options.gauss, options.jumps, options.still) {
     for (const auto& side : options.sides) terms_.add_side(surface_, side);
     terms_.add_joins(surface_, options.joins);
@@ -61,12 +63,13 @@ class Descent {
   void run(const VariationOptions& options, const Progress& progress, VariationSurface& result) {
     const NormalSteps normal(reduction_, surface_);
     if (normal.count() > 0)
-      run([&] { return normal.at(surface_); }, 1, 2e-3, options, progress, result);
+      run([&] { return normal.at(surface_); }, normal.of_unknowns(held_.rows()), 1, 2e-3, options,
+          progress, result);
     if (reduction_.free_count() > 0) {
       evenness_ = least_evenness;
       damping_ = least_damping;
-      run([&] { return reduction_.D(); }, reduction_.coupled() ? 1 : 3, 5e-4, options, progress,
-          result);
+      run([&] { return reduction_.D(); }, held_.of_unknowns(), reduction_.coupled() ? 1 : 3, 5e-4,
+          options, progress, result);
     }
   }
 
@@ -82,10 +85,10 @@ class Descent {
 
   // Steps until one moves the shape by less than `calm` of its size, or gains little.
   template <class Ways>
-  void run(const Ways& ways, int copies, double calm, const VariationOptions& options,
-           const Progress& progress, VariationSurface& result) {
+  void run(const Ways& ways, const RowMatrix& held, int copies, double calm,
+           const VariationOptions& options, const Progress& progress, VariationSurface& result) {
     T_ = ways();
-    StepEquations equations(terms_, surface_, T_);
+    StepEquations equations(terms_, surface_, T_, held);
     SparseCholesky cholesky;
     cholesky.analyze(equations.matrix(), order_of(equations.matrix(), copies));
     const double length = terms_.length();
@@ -138,7 +141,7 @@ class Descent {
         tighten();
         continue;
       }
-      const VecX way = -cholesky.solve(equations.gradient());
+      const VecX way = equations.step(cholesky);
       const double promised = -equations.gradient().dot(way);
       step.promised = std::max(step.promised, promised);
       // A part of the step costs a value, another step a factor.
@@ -162,11 +165,17 @@ class Descent {
   Surface moved(const VecX& way) const {
     const VecX change = T_ * way;
     const Points x = surface_.dofs() + change.reshaped(reduction_.dof_count(), 3);
-    return {surface_.shared_mesh(), surface_.kind(), reduction_.expand(reduction_.free_part(x)),
-            surface_.trim()};
+    return {surface_.shared_mesh(), surface_.kind(), on_rows(x), surface_.trim()};
+  }
+
+  Points on_rows(const Points& dofs) const {
+    Points x = reduction_.expand(reduction_.free_part(dofs));
+    held_.put_on(x);
+    return x;
   }
 
   const StackedReduction& reduction_;
+  const HeldRows& held_;
   Surface surface_;
   VariationTerms terms_;
   RowMatrix T_;
@@ -175,7 +184,7 @@ class Descent {
 
 StackedReduction reduction_of(const Surface& start, const ConstraintSet& constraints,
                               const VariationOptions& options) {
-  StackedReduction all(constraints);
+  StackedReduction all(HeldRows::few_dofs(constraints));
   if (options.still.empty()) return all;
   std::vector<char> still(start.dof_map().count(), 0);
   for (int t = 0; t < start.mesh().triangle_count(); ++t)
@@ -194,11 +203,12 @@ VariationSurface fair_variation(const Surface& start, const ConstraintSet& const
     throw InputError("expected a strength above 0, at most 1, and a largest move above 0");
   require_fairable(start, constraints);
   const StackedReduction reduction = reduction_of(start, constraints, options);
+  const HeldRows held(HeldRows::many_dofs(constraints), reduction, start);
   VariationSurface result;
   std::unique_ptr<Descent> best;
   const auto consider = [&](const Points& dofs) {
     auto descent = std::make_unique<Descent>(
-        Surface(start.shared_mesh(), start.kind(), dofs, start.trim()), reduction, options);
+        Surface(start.shared_mesh(), start.kind(), dofs, start.trim()), reduction, held, options);
     if (!best || descent->value() < best->value()) best = std::move(descent);
   };
   consider(start.dofs());

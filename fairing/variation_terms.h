@@ -48,8 +48,9 @@ class VariationTerms {
   /// does not turn about the side as a whole and its curvature is constant.
   void add_side(const Surface& start, const std::vector<int>& vertices);
 
-  /// Counts the jumps of curvature at these points as those across element edges. Where the normals
-  /// of the two parts are opposite, that of the second is turned.
+  /// Counts the jumps of curvature at these points as those across element edges, and those of
+  /// the tangent plane over the square of the thickness. Where the normals of the two parts are
+  /// opposite, that of the second is turned.
   void add_joins(const Surface& start, const std::vector<JoinPoint>& points);
 
   void set_frames(const Surface& surface);
@@ -66,8 +67,8 @@ class VariationTerms {
   const std::vector<int>& edges() const { return edges_; }
   static std::array<int, kEdgeDofs> edge_dofs(const Surface& surface, int e);
 
-  /// Points of joins, one or two together, and the dofs of one coordinate: those of the triangle on
-  /// the first side, then those on the second.
+  /// Points of joins, and the dofs of one coordinate of each: those of the triangle on the first
+  /// side, then those on the second.
   int join_count() const { return count_of(joins_); }
   std::array<int, kJoinDofs> join_dofs(const Surface& surface, int j) const;
   void join(const Surface& surface, int j, JoinRows& rows) const;
@@ -79,16 +80,14 @@ class VariationTerms {
     Mat2 M;
     double principal;
   };
-  // At one point: w_u, w_v, w_uu, w_uv, w_vv of the dofs on each side, and the way of the line.
-  struct JumpPoint {
+  // A point: w_u, w_v, w_uu, w_uv, w_vv of the dofs on each side, and the way of the line.
+  struct Join {
+    std::array<int, 2> triangle;
     std::array<Eigen::Matrix<double, 12, 5>, 2> N;
     std::array<Vec2, 2> way;
     double weight;
     double sign;  // of the second side's normal, seen from the first
-  };
-  struct Join {
-    std::array<int, 2> triangle;
-    std::vector<JumpPoint> points;
+    bool curvature;
   };
   ChangeWeights weights_at(int triangle, int point) const;
   double share_beside(const Surface& surface, int e) const;

@@ -98,6 +98,9 @@ void Engine::make_matrix(System& system, const std::vector<double>& values) {
     parts.assembler.stiffness(all[0], K);
   else
     parts.assembler.stiffness(all, K);
+  const double beta = (values[system.beta[0]] + values[system.beta[2]]) / 2;
+  K += system.def.scale().material(SurfaceStiffness::isotropic(0, beta)).beta[0] *
+       system.layout().join_stiffness();
   load_rest(system, K);
   add_scans(system, values, K);
   // A factor that the history keeps must stay; one of our own takes other numbers in place.

@@ -75,7 +75,8 @@ std::vector<JoinPoint> curvature_joins(const ModelLayout& layout) {
   const SegmentRule gauss = gauss_legendre(2);
   std::vector<JoinPoint> points;
   for (const JoinPlan& plan : layout.join_plans()) {
-    if (!curvature_goes_on(layout, plan)) continue;
+    const bool goes_on = curvature_goes_on(layout, plan);
+    if (plan.given_up() || (!goes_on && plan.at.empty())) continue;
     const JoinLine& line = plan.join_line;
     const JoinEdge sides[2] = {edges(line.sides[0]), edges(line.sides[1])};
     const std::vector<double> at = sides[sides[0].embedded() ? 1 : 0].stations();
@@ -83,6 +84,7 @@ std::vector<JoinPoint> curvature_joins(const ModelLayout& layout) {
       for (long g = 0; g < gauss.weights.size(); ++g) {
         const double f = share(at[k], at[k + 1], gauss.s[g]);
         JoinPoint& point = points.emplace_back();
+        point.curvature = goes_on;
         for (size_t s = 0; s < 2; ++s) {
           point.at[s] = layout.in_model(line.sides[s].region, sides[s].where(f));
           point.way[s] = sides[s].along_uv(f);

@@ -19,7 +19,8 @@ namespace batten {
 /// up.
 bool curvature_goes_on(const ModelLayout& layout, const JoinPlan& plan);
 
-/// The points, two for each edge, of all joins across which the curvature goes on.
+/// The points, two for each edge or hat, of all joins across which the curvature goes on, and of those on
+/// embedded lines, whose rows leave the tangent planes open between them.
 std::vector<JoinPoint> curvature_joins(const ModelLayout& layout);
 
 }  // namespace batten

@@ -28,7 +28,8 @@
 //
 //      ∫ φ_k (y_A + γ y_B - δ x_t) dt = 0,     y = |c'| ∂x/∂ν of the embedded side,
 //
-// and γ, δ are those that change the first shapes least: γ the ratio of the parts of y_A and y_B
+// at ends where lines meet at a corner also pointwise, and between as join_stiffness() can. γ, δ
+// are those that change the first shapes least: γ the ratio of the parts of y_A and y_B
 // across the line, δ what is left along it. The angle then falls with h only
 // (docs/theory/domains.md).
 //
@@ -85,10 +86,16 @@ struct JoinEnd {
 /// How (1) is imposed along one join line.
 struct JoinPlan {
   JoinLine join_line;
-  std::array<JoinEnd, 2>
-      ends;  ///< start and end of a join line of two runs (not of embedded lines)
+  std::array<JoinEnd, 2> ends;  ///< start and end; of an embedded line only whether it is open
   /// For an embedded line: fractions of its parameter, and γ and δ there, linear between.
   std::vector<double> at, gamma, delta;
+  bool closed = false;  ///< of an embedded line: it has no ends
+  /// For an embedded line, what is imposed at its start and end: (1) on the average over the hat
+  /// there, where its regions go on smoothly beyond it; (1) itself at a corner, where the lines that
+  /// meet give y of both sides; or nothing, where the end is open or a side has a corner that the
+  /// other does not see.
+  enum class EndRow { None, Hat, Point };
+  std::array<EndRow, 2> end_rows{};
   std::string why_not;  ///< in words, where it is given up: why the line cannot be joined at all
   bool given_up() const { return !why_not.empty(); }
   bool constant() const;  ///< γ and δ are the same at both ends, and neither is open
@@ -117,6 +124,16 @@ struct RegionNumbers {
 void add_join_rows(const std::vector<const RegionLayout*>& regions,
                    const std::vector<RegionNumbers>& numbers, const std::vector<JoinPlan>& plans,
                    bool free, ConstraintSet& set);
+
+/// Between hats the rows leave (1) open on embedded lines. This is what its square costs there, with
+/// β = 1, beside the bending energy on the domain of size 1; lower triangle, of one coordinate,
+///
+///     1000 (S/s_A)² ∫ |y_A + γ y_B - δ x_t|² / (σ_A h) dt,      h = √(2 · area of the triangle).
+///
+/// Zeros where no join line is embedded. `size`: S of the model.
+SparseMatrix join_stiffness(const std::vector<const RegionLayout*>& regions,
+                            const std::vector<RegionNumbers>& numbers,
+                            const std::vector<JoinPlan>& plans, double size, int dofs);
 
 /// Adds rows with the name "joined line NAME" that keep the regions beside a line together where
 /// nothing holds the line itself: places and slopes along it are the same at the vertices of two

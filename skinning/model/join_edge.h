@@ -99,6 +99,10 @@ class JoinEdge {
     add_along(k + 1, -0.25 * factor, entries);
   }
 
+  // Returns the place of a fraction of an embedded line in (u, v).
+  Vec2 image(double f) const {
+    return flat(line_->image.evaluate(line_->image.mesh().wrapped(parameter(f))));
+  }
   // Returns the place of a fraction in the mesh.
   Location where(double f) const {
     const double p = parameter(f);

@@ -1,5 +1,6 @@
 #include <cmath>
 #include <map>
+#include <optional>
 
 #include "batten/core/errors.h"
 #include "batten/core/words.h"
@@ -56,12 +57,22 @@ struct Glue {
   }
 };
 
+// Beside its ends a line gets narrower hats: there the surfaces turn most.
+void halve_ends(std::vector<double>& at) {
+  const double first = (at[0] + at[1]) / 2, last = (at[at.size() - 2] + at.back()) / 2;
+  if (at.size() > 2) at.insert(at.end() - 1, last);
+  at.insert(at.begin() + 1, first);
+}
+
 void plan_embedded(JoinPlan& plan, const JoinEdge& a, const JoinEdge& b, const Points& qa,
                    const Points& qb) {
   // The hats of the coarser side.
   plan.at = a.embedded() ? a.stations() : b.stations();
   if (a.embedded() && b.embedded() && b.stations().size() < plan.at.size()) plan.at = b.stations();
-  if (a.closed() && plan.at.back() < 1) plan.at.push_back(1);
+  plan.closed = a.closed();
+  if (plan.at.size() < 4) plan.why_not = "it is shorter than the elements that it is embedded in";
+  if (plan.closed && plan.at.back() < 1) plan.at.push_back(1);
+  if (!plan.closed) halve_ends(plan.at);
   for (const double f : plan.at) {
     const Glue glue(a.slope(f), a.across_at(qa, f), b.across_at(qb, f));
     plan.gamma.push_back(glue.gamma);
@@ -70,7 +81,47 @@ void plan_embedded(JoinPlan& plan, const JoinEdge& a, const JoinEdge& b, const P
     const bool end = f == plan.at.front() || f == plan.at.back();
     if (!end && !plan.given_up()) plan.why_not = glue.wrong("everywhere");
   }
-  if (plan.at.size() < 4) plan.why_not = "it is shorter than the elements that it is embedded in";
+}
+
+// What another line of its region does where an embedded side ends.
+struct Beyond {
+  bool straight = false;  // one goes on there as the side does
+  std::optional<Vec3> y;  // of the side, where one leaves at an angle
+};
+Beyond beyond(const RegionLayout& region, const JoinEdge& side, double end) {
+  constexpr double same_place = 1e-7, sine = 0.05;  // of the size
+  const Vec2 at = side.image(end), way = side.along_uv(end);
+  Beyond found;
+  // A line that begins here, or ends here: its slopes there in (u, v) and in space.
+  const auto look = [&](const Vec2& place, Vec2 uv, Vec3 x, bool begins) {
+    if ((place - at).norm() > same_place) return;
+    const double turn = cross(uv, way) / (uv.norm() * way.norm());
+    if (std::abs(turn) > sine) {
+      Mat2 both;
+      both << way, uv;
+      Eigen::Matrix<double, 3, 2> slopes;
+      slopes << side.slope(end), x;
+      found.y = slopes * (both.inverse() * side.across_uv(end));
+    } else {
+      const bool goes_away = (uv.dot(way) > 0) == begins;
+      found.straight = found.straight || goes_away == (end != 0);
+    }
+  };
+  for (const EmbeddedLine& line : region.embedded())
+    for (const bool begins : {true, false}) {
+      const double t = begins ? line.image.start() : line.image.end();
+      look(flat(line.image.evaluate(t)), flat(line.image.evaluate(t, 1)),
+           line.fitted.evaluate(t, 1), begins);
+    }
+  for (const LineRun& run : region.runs())
+    for (const bool begins : {true, false}) {
+      const double t = begins ? run.parameters.front() : run.parameters.back();
+      look(region.mesh()->vertices()[begins ? run.vertices.front() : run.vertices.back()],
+           region.mesh()->displacement(run.vertices) /
+               (run.parameters.back() - run.parameters.front()),
+           run.fitted.evaluate(t, 1), begins);
+    }
+  return found;
 }
 
 // What join lines are planned from, and the steps that plan them.
@@ -78,7 +129,7 @@ class Planner {
  public:
   Planner(const std::vector<const RegionLayout*>& regions, const std::vector<Points>& shapes,
           double most_apart_deg)
-      : shapes_(shapes), most_apart_deg_(most_apart_deg), sides_(regions) {
+      : regions_(regions), shapes_(shapes), most_apart_deg_(most_apart_deg), sides_(regions) {
     for (const RegionLayout* region : regions)
       corner_.push_back(region ? cornered(*region) : std::vector<char>());
   }
@@ -129,6 +180,48 @@ class Planner {
     plan.why_not = glue.wrong(end ? "at its end" : "at its start");
   }
 
+  // What is imposed at an end of an embedded line.
+  void plan_embedded_end(JoinPlan& plan, int end) {
+    const std::array<JoinSide, 2>& sides = plan.join_line.sides;
+    const auto e = static_cast<size_t>(end);
+    bool straight = true, known = true;
+    std::optional<std::pair<int, int>> free;  // region and vertex of a run whose y follows
+    Vec3 y[2];
+    JoinEnd set;
+    for (size_t s = 0; s < 2; ++s) {
+      const JoinEdge side = sides_(sides[s]);
+      if (side.embedded()) {
+        const Beyond other = beyond(*regions_[sides[s].region], side, end);
+        straight = straight && other.straight;
+        known = known && other.y;
+        if (other.y) y[s] = *other.y;
+      } else if (!find_across(sides[s], end, static_cast<int>(s), y[s], set)) {
+        free = {sides[s].region, side.end_vertex(end)};
+        if (const auto it = followed_.find(*free); it != followed_.end())
+          y[s] = it->second;
+        else
+          y[s] = end_across(side, shape(sides[s]), end);
+      }
+    }
+    using EndRow = JoinPlan::EndRow;
+    plan.end_rows[e] = straight ? EndRow::Hat : EndRow::None;
+    if (!known) return;
+    const Vec3 slope = sides_(sides[0]).slope(end);
+    const Glue glue(slope, y[0], y[1]);
+    const bool follows = free && !followed_.count(*free);
+    plan.ends[e].apart_deg = follows ? 0 : glue.apart_deg;
+    plan.ends[e].open = !(plan.ends[e].apart_deg <= most_apart_deg_);
+    if (plan.ends[e].open || !glue.wrong("").empty()) return;
+    plan.end_rows[e] = EndRow::Point;
+    (end ? plan.gamma.back() : plan.gamma.front()) = glue.gamma;
+    (end ? plan.delta.back() : plan.delta.front()) = glue.delta;
+    if (!follows) return;
+    // The run's y becomes what (1) makes of the other side's.
+    const bool first = !sides[0].embedded;
+    followed_[*free] = first ? Vec3(glue.delta * slope - glue.gamma * y[1])
+                             : Vec3((glue.delta * slope - y[0]) / glue.gamma);
+  }
+
  private:
   const Points& shape(const JoinSide& j) const { return shapes_[j.region]; }
   bool is_free(const JoinSide& j, int v) const { return !corner_[j.region][v]; }
@@ -153,11 +246,13 @@ class Planner {
     return true;
   }
 
+  const std::vector<const RegionLayout*>& regions_;
   const std::vector<Points>& shapes_;
   double most_apart_deg_;
   JoinEdges sides_;
   std::vector<std::vector<char>> corner_;
   std::map<std::pair<int, int>, std::vector<JoinEnd::Neighbour>> wanted_;  // of region, vertex
+  std::map<std::pair<int, int>, Vec3> followed_;  // y of runs that follow an embedded side's
 };
 
 }  // namespace
@@ -173,7 +268,10 @@ std::vector<JoinPlan> plan_joins(const std::vector<const RegionLayout*>& regions
     if (of_runs(plan)) planner.collect_wishes(plan);
   for (JoinPlan& plan : plans)
     for (int end = 0; end < 2; ++end)
-      if (of_runs(plan)) planner.plan_end(plan, end);
+      if (of_runs(plan))
+        planner.plan_end(plan, end);
+      else if (!plan.given_up() && !plan.closed)
+        planner.plan_embedded_end(plan, end);
   return plans;
 }
 

@@ -110,13 +110,12 @@ void tie_runs(const JoinPlan& plan, const std::string& name, JoinEdges& sides, b
 // Rows on the average under each hat over fractions of a line. `add(f, weight, interval, share of
 // it, row)`.
 template <class Add>
-void over_hats(const std::vector<double>& at, bool closed, bool with_ends, const std::string& name,
-               const Add& add, ConstraintSet& set) {
+void over_hats(const std::vector<double>& at, bool closed, const std::array<bool, 2>& with_ends,
+               const std::string& name, const Add& add, ConstraintSet& set) {
   const SegmentRule gauss = gauss_legendre(6);
   const int intervals = count_of(at) - 1;
-  const int first = closed || !with_ends ? 1 : 0, end = closed      ? intervals + 1
-                                                        : with_ends ? intervals + 1
-                                                                    : intervals;
+  const int first = closed || !with_ends[0] ? 1 : 0;
+  const int end = closed || with_ends[1] ? intervals + 1 : intervals;
   for (int h = first; h < end; ++h) {
     RowEntries row;
     double weight = 0;
@@ -138,17 +137,47 @@ void over_hats(const std::vector<double>& at, bool closed, bool with_ends, const
   }
 }
 
+// Adds factor · (y_A + γ y_B - δ x_t) at a fraction of an embedded line, the share s of the
+// interval i.
+void add_condition(const JoinPlan& plan, const JoinEdge& a, const JoinEdge& b, double f,
+                   double factor, size_t i, double s, RowEntries& row) {
+  const bool along_b = a.embedded() && !b.embedded();
+  const double gamma = share(plan.gamma[i], plan.gamma[i + 1], s),
+               delta = share(plan.delta[i], plan.delta[i + 1], s);
+  a.add_at(f, factor, along_b ? 0 : -factor * delta, 0, row);
+  b.add_at(f, factor * gamma, along_b ? -factor * delta : 0, 0, row);
+}
+
+// visit(f, weight, interval, share of it) at Gauss points of the parts of all intervals.
+template <class Visit>
+void over_intervals(const JoinPlan& plan, const SegmentRule& gauss, int parts,
+                    const Visit& visit) {
+  for (size_t i = 0; i + 1 < plan.at.size(); ++i)
+    for (int part = 0; part < parts; ++part)
+      for (long g = 0; g < gauss.weights.size(); ++g) {
+        const double s = (part + gauss.s[g]) / parts, length = plan.at[i + 1] - plan.at[i];
+        visit(plan.at[i] + s * length, gauss.weights[g] * length / parts, i, s);
+      }
+}
+
 void tie_hats(const JoinPlan& plan, const std::string& name, const JoinEdge& a, const JoinEdge& b,
               ConstraintSet& set) {
-  const bool along_b = a.embedded() && !b.embedded();
+  using EndRow = JoinPlan::EndRow;
   const auto add = [&](double f, double w, size_t i, double s, RowEntries& row) {
-    const auto between = [&](const std::vector<double>& of) { return share(of[i], of[i + 1], s); };
-    const double delta = between(plan.delta);
-    a.add_at(f, w, along_b ? 0 : -w * delta, 0, row);
-    b.add_at(f, w * between(plan.gamma), along_b ? -w * delta : 0, 0, row);
+    add_condition(plan, a, b, f, w, i, s, row);
   };
-  // The hats at the ends of an open line reach into corners, which its lines hold already.
-  over_hats(plan.at, a.closed(), false, name, add, set);
+  over_hats(plan.at, a.closed(),
+            {plan.end_rows[0] == EndRow::Hat, plan.end_rows[1] == EndRow::Hat}, name, add, set);
+  for (size_t e = 0; e < 2; ++e) {
+    if (plan.end_rows[e] != EndRow::Point) continue;
+    const auto f = static_cast<double>(e);
+    RowEntries across, along;
+    add(f, 1, e ? plan.at.size() - 2 : 0, f, across);
+    a.add_at(f, 0, 1, 0, along);
+    b.add_at(f, 0, -1, 0, along);
+    set.add(name, RunTies::summed(across), Vec3::Zero());
+    set.add(name, RunTies::summed(along), Vec3::Zero());
+  }
 }
 
 // The curvature of a surface with normal n in the direction at right angles to `way`; NaN where
@@ -227,6 +256,37 @@ void add_join_rows(const std::vector<const RegionLayout*>& regions,
   }
 }
 
+SparseMatrix join_stiffness(const std::vector<const RegionLayout*>& regions,
+                            const std::vector<RegionNumbers>& numbers,
+                            const std::vector<JoinPlan>& plans, double size, int dofs) {
+  constexpr double times = 1000;
+  constexpr int parts = 4;  // of an interval: elements end anywhere
+  const SegmentRule gauss = gauss_legendre(6);
+  JoinEdges sides(regions, numbers);
+  std::vector<Triplet> entries;
+  for (const JoinPlan& plan : plans) {
+    if (plan.given_up() || plan.at.empty()) continue;
+    const JoinEdge a = sides(plan.join_line.sides[0]), b = sides(plan.join_line.sides[1]);
+    const RegionLayout& region = *regions[plan.join_line.sides[0].region];
+    const double scale = std::pow(size / region.size(), 2);
+    over_intervals(plan, gauss, parts, [&](double f, double w, size_t i, double s) {
+      RowEntries row;
+      add_condition(plan, a, b, f, 1, i, s, row);
+      const double thickness = std::sqrt(2 * region.mesh()->shape(a.where(f).triangle).area);
+      const double weight =
+          times * scale * w * a.span() / (thickness * a.along_uv(f).norm());
+      row = RunTies::summed(row);
+      for (const auto& p : row)
+        for (const auto& q : row)
+          if (p.dof >= q.dof)
+            entries.emplace_back(p.dof, q.dof, weight * p.coefficient * q.coefficient);
+    });
+  }
+  SparseMatrix K(dofs, dofs);
+  K.setFromTriplets(entries.begin(), entries.end());
+  return K;
+}
+
 void add_line_ties(const std::vector<const RegionLayout*>& regions,
                    const std::vector<RegionNumbers>& numbers, const JoinLine& line,
                    ConstraintSet& set) {
@@ -252,7 +312,7 @@ void add_line_ties(const std::vector<const RegionLayout*>& regions,
     a.add_at(f, 0, 0, w, row);
     b.add_at(f, 0, 0, -w, row);
   };
-  over_hats(at, a.closed(), true, name, add, set);
+  over_hats(at, a.closed(), {true, true}, name, add, set);
 }
 
 }  // namespace batten

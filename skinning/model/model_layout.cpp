@@ -149,6 +149,11 @@ bool ModelLayout::against(const ModelLine& line, const LineSide& side) const {
   return runs_against(side) != runs_against(line.sides.front());
 }
 
+SparseMatrix ModelLayout::join_stiffness() const {
+  return batten::join_stiffness(layouts(), numbers_, join_plans_, size(),
+                                static_cast<int>(position_dofs().size()));
+}
+
 const JoinPlan* ModelLayout::join_plan(const std::string& line) const {
   for (const JoinPlan& plan : join_plans_)
     if (plan.join_line.name == line && !plan.given_up()) return &plan;
@@ -310,6 +315,8 @@ Points ModelLayout::least_of_difference(const SurfaceStiffness& material,
     assembler.stiffness(materials[0], K);
   else
     assembler.stiffness(materials, K);
+  const double beta = (material.beta[0] + material.beta[2]) / 2;
+  K += beta * join_stiffness();
   const VecX ones = position_dofs();
   const Points about_origin = ones * origin().transpose();
   const Points F = K.selfadjointView<Eigen::Lower>() * Points(wanted - about_origin);

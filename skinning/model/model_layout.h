@@ -106,6 +106,9 @@ class ModelLayout {
   /// "REGION corner 1"), those that keep regions together along lines that they share, "joined line
   /// NAME", and those of smooth joins. Throws InputError for a model without corners.
   ConstraintSet corner_constraints() const;
+  /// Returns join_stiffness() of all embedded join lines, for isotropic β = 1 on the model scaled
+  /// to size 1. It belongs to every stiffness of bending; times β.
+  SparseMatrix join_stiffness() const;
   /// Returns a vector with 1 at position dofs and 0 elsewhere.
   VecX position_dofs() const;
   /// Returns a fill-reducing order of all dofs; empty where joins tie regions together: a better

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "batten/core/errors.h"
-#include "batten/fem/surface_transfer.h"
+#include "batten/skinning/surfaces/embedded_joins.h"
 #include "batten/skinning/surfaces/skin_network.h"
 
 namespace batten {
@@ -44,7 +44,9 @@ class ModelFairing {
         take(fair_shape(*layout_, start_, layout_->line_constraints(), options, progress));
         faired_.layout = layout_;
         spoiled = keep_spoiled() || (good_ && !(misfit() < good_misfit_));
-      } catch (const NoSolutionError&) {
+      } catch (const CancelledError&) {
+        throw;
+      } catch (const Error&) {  // of a step, or of facets that cannot be made any more
         spoiled = good_ || keep_all_flawed();
         if (!spoiled) throw;
       }
@@ -76,8 +78,7 @@ class ModelFairing {
     bool any = false;
     for (const int r : flaw.regions) {
       const int own = model_.regions[r].in_layout;
-      const bool known = std::any_of(faired_.kept.begin(), faired_.kept.end(),
-                                     [&](const KeptRegion& kept) { return kept.region == own; });
+      const bool known = is_kept(own);
       if (!known) faired_.kept.push_back({own, why});
       any = any || !known;
     }
@@ -102,29 +103,35 @@ class ModelFairing {
     return any;
   }
 
-  // Marks the triangles along smooth joins of two runs that are above the tolerance.
+  // Marks the triangles along smooth joins that are above the tolerance.
   void mark_joins(std::vector<char>& marks) const {
     for (const ModelJoin& join : model_.joins) {
       const JoinPlan* plan = layout_->join_plan(join.line);
-      if (!plan || !plan->at.empty() || !(join.max_inside_deg > most_join_deg_)) continue;
-      for (const JoinSide& side : plan->join_line.sides) {
-        const RegionLayout& region = layout_->region(side.region);
-        for (const int e : region.runs()[side.line].edges)
-          marks[layout_->first_triangle(side.region) + region.mesh()->edges()[e].triangle[0]] = 1;
-      }
+      if (!plan || !moves(*plan) || !(join.max_inside_deg > most_join_deg_)) continue;
+      for (const JoinSide& side : plan->join_line.sides) mark_along(*layout_, side, marks);
     }
   }
 
-  // How far the shape is from its lines and joins, over what is allowed.
+  bool is_kept(int region) const {
+    return std::any_of(faired_.kept.begin(), faired_.kept.end(),
+                       [&](const KeptRegion& kept) { return kept.region == region; });
+  }
+  // Whether a region beside the join is faired.
+  bool moves(const JoinPlan& plan) const {
+    const auto& sides = plan.join_line.sides;
+    return !is_kept(sides[0].region) || !is_kept(sides[1].region);
+  }
+
+  // How far the shape is from its lines and joins, beyond and over what is allowed, in all.
   double misfit() const {
-    double worst = 0;
+    double sum = 0;
     for (const ModelJoin& join : model_.joins)
-      if (const JoinPlan* plan = layout_->join_plan(join.line); plan && plan->at.empty())
-        worst = std::max(worst, join.max_inside_deg / most_join_deg_);
+      if (const JoinPlan* plan = layout_->join_plan(join.line); plan && moves(*plan))
+        sum += std::max(0.0, join.max_inside_deg / most_join_deg_ - 1);
     for (const ModelRegion& region : model_.regions)
       if (close_gaps_ && region.in_layout >= 0)
-        worst = std::max(worst, region.quality.max_line_gap / layout_->tolerance());
-    return worst;
+        sum += std::max(0.0, region.quality.max_line_gap / layout_->tolerance() - 1);
+    return sum;
   }
 
   // Remembers this shape and goes over to a finer layout. False where there is nothing to halve.
@@ -155,18 +162,11 @@ class ModelFairing {
                   marks.data() + layout_->first_triangle(region.in_layout));
     auto finer = std::make_shared<ModelLayout>(*layout_);
     if (!finer->refine(marks)) return false;
-    start_ = carried(*finer, start_);
-    faired_.surface.dofs = carried(*finer, faired_.surface.dofs);
+    start_ = carried_over(*layout_, start_, *finer);
+    faired_.surface.dofs = carried_over(*layout_, faired_.surface.dofs, *finer);
     finer->plan_joins(faired_.surface.dofs);
     layout_ = std::move(finer);
     return true;
-  }
-
-  Points carried(const ModelLayout& finer, const Points& dofs) const {
-    std::vector<Points> each;
-    for (int r = 0; r < layout_->region_count(); ++r)
-      each.push_back(carried_over(layout_->skinned(r, dofs).surface, *finer.region(r).mesh()).dofs);
-    return finer.all_dofs(each);
   }
 
   std::vector<char> still() const {

@@ -14,6 +14,7 @@
 #include "batten/core/words.h"
 #include "batten/fem/assembly.h"
 #include "batten/skinning/model/curvature_joins.h"
+#include "batten/skinning/surfaces/embedded_joins.h"
 #include "batten/skinning/surfaces/join_choice.h"
 #include "batten/skinning/surfaces/region_maker.h"
 #include "batten/skinning/surfaces/wrong_surfaces.h"
@@ -353,6 +354,13 @@ class ModelMaker {
     model_.layout =
         std::make_shared<const ModelLayout>(regions_.frame(), std::move(made), std::move(joined));
     model_.dofs = model_.layout->all_dofs(shapes);
+    JoinedModel refined = refine_embedded_joins({model_.layout, model_.dofs}, options_.material,
+                                                options_.join_tolerance_deg, progress_);
+    model_.layout = std::move(refined.layout);
+    model_.dofs = std::move(refined.dofs);
+    for (ModelRegion& region : model_.regions)
+      if (region.in_layout >= 0)
+        region.skinned = model_.layout->skinned(region.in_layout, model_.dofs);
     measure(model_, progress_);
   }
 

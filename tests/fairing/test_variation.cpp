@@ -6,6 +6,7 @@
 #include "batten/constraints/shape/shape_constraints.h"
 #include "batten/core/errors.h"
 #include "batten/core/parallel.h"
+#include "batten/fairing/held_rows.h"
 #include "batten/fairing/normal_steps.h"
 #include "batten/fairing/variation_surface.h"
 #include "batten/fairing/variation_terms.h"
@@ -246,8 +247,8 @@ TEST_CASE("the value is the sum of the elements' values, and curvature that jump
   CHECK(jumps > 1);
 }
 
-TEST_CASE("the jump of curvature between two parts has the derivatives that differences show") {
-  // z = x²: places of equal x have equal forms, so that the jump between them is zero, and the
+TEST_CASE("jumps of curvature and tangent plane between two parts have the derivatives that differences show") {
+  // z = x²: places of equal x have equal forms, so that the jumps between them are zero, and the
   // dofs beside one are not those beside the other.
   const Surface s = cubic_graph(3, 0);
   JoinPoint point;
@@ -259,17 +260,20 @@ TEST_CASE("the jump of curvature between two parts has the derivatives that diff
   REQUIRE(terms.join_count() == 1);
   JoinRows rows;
   terms.join(s, 0, rows);
-  REQUIRE(rows.count == 1);
-  CHECK(std::abs(rows.r[0]) < 1e-12);
+  REQUIRE(rows.count == 2);
   const auto dofs = terms.join_dofs(s, 0);
-  Points exact = Points::Zero(s.dofs().rows(), 3);
-  for (size_t k = 0; k < 3 * dofs.size(); ++k)
-    exact(dofs[k % dofs.size()], static_cast<long>(k / dofs.size())) += rows.J[k][0];
+  Points exact[2];
+  for (int r = 0; r < 2; ++r) {
+    CHECK(std::abs(rows.r[r]) < 1e-12);
+    exact[r] = Points::Zero(s.dofs().rows(), 3);
+    for (size_t k = 0; k < 3 * dofs.size(); ++k)
+      exact[r](dofs[k % dofs.size()], static_cast<long>(k / dofs.size())) += rows.J[k][r];
+  }
   // Steps that keep the lines where they are: the slope along them does not change.
   std::mt19937 generator(8);
   std::normal_distribution<double> normal;
   for (int round = 0; round < 20; ++round) {
-    Points step = Points::NullaryExpr(exact.rows(), 3, [&] { return normal(generator); });
+    Points step = Points::NullaryExpr(s.dofs().rows(), 3, [&] { return normal(generator); });
     for (size_t side = 0; side < 2; ++side) {
       const Surface change(s.shared_mesh(), s.kind(), step);
       const SurfaceJet jet = change.jet(point.at[side]);
@@ -279,7 +283,7 @@ TEST_CASE("the jump of curvature between two parts has the derivatives that diff
       double most = 0;
       int taker = 0;
       for (const int dof : own) {
-        Points unit = Points::Zero(exact.rows(), 3);
+        Points unit = Points::Zero(step.rows(), 3);
         unit(dof, 0) = 1;
         const SurfaceJet one = Surface(s.shared_mesh(), s.kind(), unit).jet(point.at[side]);
         const double share = one.x_u.x() * point.way[side].x() + one.x_v.x() * point.way[side].y();
@@ -290,15 +294,70 @@ TEST_CASE("the jump of curvature between two parts has the derivatives that diff
       step.row(taker) -= along / most;
     }
     constexpr double h = 1e-6;
-    double r[2];
-    for (int way = 0; way < 2; ++way) {
-      JoinRows moved;
-      terms.join({s.shared_mesh(), s.kind(), Points(s.dofs() + (way ? h : -h) * step)}, 0, moved);
-      r[way] = moved.r[0];
+    JoinRows moved[2];
+    for (int way = 0; way < 2; ++way)
+      terms.join({s.shared_mesh(), s.kind(), Points(s.dofs() + (way ? h : -h) * step)}, 0,
+                 moved[way]);
+    for (int r = 0; r < 2; ++r) {
+      const double slope = exact[r].cwiseProduct(step).sum();
+      CHECK(std::abs((moved[1].r[r] - moved[0].r[r]) / (2 * h) - slope) <
+            1e-6 * exact[r].norm() * step.norm());
     }
-    const double slope = exact.cwiseProduct(step).sum();
-    CHECK(std::abs((r[1] - r[0]) / (2 * h) - slope) < 1e-6 * exact.norm() * step.norm());
   }
+}
+
+TEST_CASE("multipliers find the minimum under rows, rows that follow from others among them") {
+  std::mt19937 generator(5);
+  std::normal_distribution<double> normal;
+  constexpr int n = 20, count = 5;
+  const MatX A = MatX::NullaryExpr(n, n, [&] { return normal(generator); });
+  const MatX H = A.transpose() * A + MatX::Identity(n, n);
+  MatX B = MatX::NullaryExpr(count, n, [&] { return normal(generator); });
+  const MatX g = MatX::NullaryExpr(n, 2, [&] { return normal(generator); }),
+             miss_of = MatX::NullaryExpr(count, 2, [&] { return normal(generator); });
+  MatX miss = miss_of;
+  B.row(4) = B.row(0) - 2 * B.row(1);
+  miss.row(4) = miss.row(0) - 2 * miss.row(1);
+  MatX kkt = MatX::Zero(n + 4, n + 4), right(n + 4, 2);
+  kkt << H, B.topRows(4).transpose(), B.topRows(4), MatX::Zero(4, 4);
+  right << -g, -miss.topRows(4);
+  const MatX exact = kkt.fullPivLu().solve(right).topRows(n);
+
+  const RowMatrix rows = B.sparseView();
+  const VecX weights = multiplier_weights(rows, H.diagonal(), 1e4);
+  const MatX weighted = H + B.transpose() * weights.asDiagonal() * B;
+  SparseCholesky factor;
+  const SparseMatrix sparse = weighted.sparseView();
+  factor.analyze(sparse);
+  REQUIRE(factor.factorize(sparse));
+  CHECK((solve_held(factor, g, rows, weights, miss) - exact).cwiseAbs().maxCoeff() < 1e-9);
+}
+
+TEST_CASE("rows of many dofs, held by multipliers, give what eliminating them gives") {
+  const Surface s = cubic_graph(6), start = bumped(s);
+  ConstraintSet rows(s.dof_map().count());
+  ShapeConstraints shape(s.mesh(), s.kind(), rows);
+  for (int v = 0; v < s.mesh().vertex_count(); ++v)
+    if (const Vec2 p = s.mesh().vertices()[v]; p.x() == 0 || p.x() == 1 || p.y() == 0 || p.y() == 1)
+      rows.fix("rim", s.dof_map().vertex(v), start.dofs().row(s.dof_map().vertex(v)));
+  for (double t = 0.08; t < 1; t += 0.12) {
+    const Location at = start.locate({t, 0.31 + 0.4 * t});
+    shape.point("line", at, start.position(at));
+  }
+  REQUIRE(HeldRows::many_dofs(rows).rows().size() == 8);
+  // A row that couples coordinates has all rows eliminated.
+  ConstraintSet eliminated = rows;
+  eliminated.add_coupled("again", {{s.dof_map().vertex(0), Vec3::UnitX()}},
+                         start.dofs()(s.dof_map().vertex(0), 0));
+  REQUIRE(HeldRows::many_dofs(eliminated).rows().empty());
+  const VariationSurface held = fair_variation(start, rows), without = fair_variation(start, eliminated);
+  CHECK(held.max_residual < 1e-12);
+  CHECK(held.functional == Approx(without.functional).epsilon(0.02));
+  double apart = 0;
+  for (int v = 0; v < s.mesh().vertex_count(); ++v)
+    apart = std::max(apart, (held.dofs - without.dofs).row(s.dof_map().vertex(v)).norm());
+  CHECK(apart < 2e-3);
+  CHECK(held.functional < 0.1 * held.start_functional);
 }
 
 TEST_CASE("triangles that stand still keep their dofs, and the others are faired beside them") {

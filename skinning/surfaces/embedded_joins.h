@@ -1,0 +1,30 @@
+// Smooth joins on embedded lines: meshes that are fine enough for them.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "batten/core/progress.h"
+#include "batten/elements/surface_stiffness.h"
+#include "batten/skinning/model/model_layout.h"
+
+namespace batten {
+
+/// Marks the triangles that a side of a join line runs through, or along.
+void mark_along(const ModelLayout& layout, const JoinSide& side, std::vector<char>& marks);
+
+/// Carries a shape over to a finer layout of the same regions.
+Points carried_over(const ModelLayout& layout, const Points& dofs, const ModelLayout& finer);
+
+struct JoinedModel {
+  std::shared_ptr<const ModelLayout> layout;
+  Points dofs;
+};
+
+/// The angle at joins on embedded lines falls with the size of their triangles. This halves those
+/// along lines whose angle is above `most_deg`, plans all joins anew from the shape, and solves for
+/// least bending, as long as the angles fall; at most three times.
+JoinedModel refine_embedded_joins(JoinedModel model, const SurfaceStiffness& material,
+                                  double most_deg, const Progress& progress = {});
+
+}  // namespace batten
