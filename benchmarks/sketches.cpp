@@ -175,8 +175,8 @@ void add_coons(const Made& made, Triangles& ours, Triangles& coons) {
       const double s = static_cast<double>(i) / n, t = static_cast<double>(j) / n;
       const Vec3 corners = (1 - s) * (1 - t) * side(0, 0) + s * (1 - t) * side(1, 0) +
                            s * t * side(2, 0) + (1 - s) * t * side(3, 0);
-      return (1 - t) * side(0, s) + t * side(2, 1 - s) + (1 - s) * side(3, 1 - t) +
-             s * side(1, t) - corners;
+      return (1 - t) * side(0, s) + t * side(2, 1 - s) + (1 - s) * side(3, 1 - t) + s * side(1, t) -
+             corners;
     };
     for (int i = 0; i < n; ++i)
       for (int j = 0; j < n; ++j) {
@@ -384,8 +384,7 @@ int main(int argc, char** argv) {
                  share(near_ours.max), share(near_ours.rms()), share(near_fair.max),
                  share(near_fair.rms()), share(near_plain.max), share(near_plain.rms()),
                  std::to_string(near_four.count), share(near_four.rms()),
-                 share(near_four_fair.rms()), share(near_coons.rms()),
-                 text("%.2f", made.seconds)});
+                 share(near_four_fair.rms()), share(near_coons.rms()), text("%.2f", made.seconds)});
       if (near_ours.count > 0)
         promises.at_most(std::string("rms distance over plain filling's, ") + lines_file,
                          near_ours.rms() / near_plain.rms(), 1);

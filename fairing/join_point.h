@@ -14,7 +14,7 @@ struct JoinPoint {
   std::array<Location, 2> at;
   /// The line's slope in the (u, v) of each part, per unit of one parameter for both.
   std::array<Vec2, 2> way;
-  double weight = 0;  ///< of this point in an integral over that parameter
+  double weight = 0;      ///< of this point in an integral over that parameter
   bool curvature = true;  ///< whether curvature goes on; the tangent plane always does
 };
 

@@ -9,11 +9,18 @@
 namespace batten {
 namespace {
 
-// Slopes of the natural C2 cubic spline through rows first … last of the points over u.
-void natural_slopes(const std::vector<double>& u, const Points& x, long first, long last,
+// Slopes of the C2 cubic spline through rows first … last of the points over u, whose first and last
+// pieces are parabolas: its ends are curved as the points beside them are. Two points: straight.
+void spline_slopes(const std::vector<double>& u, const Points& x, long first, long last,
                     Points& slope) {
   const long n = last - first + 1;
-  // Tridiagonal system for the slopes m: continuity of the second derivative, zero at both ends.
+  if (n == 2) {
+    slope.middleRows(first, 2) =
+        ((x.row(last) - x.row(first)) / (u[last] - u[first])).replicate(2, 1);
+    return;
+  }
+  // Tridiagonal system for the slopes m: continuity of the second derivative; at both ends
+  // m0 + m1 = 2 (x1 - x0)/h.
   std::vector<double> diagonal(n), upper(n), lower(n);
   Points right(n, 3);
   for (long i = 0; i < n; ++i) {
@@ -25,6 +32,9 @@ void natural_slopes(const std::vector<double>& u, const Points& x, long first, l
     right.row(i).setZero();
     if (left > 0) right.row(i) += 3 / (left * left) * (x.row(g) - x.row(g - 1));
     if (next > 0) right.row(i) += 3 / (next * next) * (x.row(g + 1) - x.row(g));
+    if (left > 0 && next > 0) continue;
+    diagonal[i] /= 2;
+    right.row(i) *= 2.0 / 3;
   }
   for (long i = 1; i < n; ++i) {
     const double f = lower[i] / diagonal[i - 1];
@@ -46,7 +56,7 @@ class PointCurve final : public InputCurve {
     Points slope(x.rows(), 3);
     for (size_t c = 0; c + 1 < corners.size(); ++c) {
       const long a = corners[c], n = corners[c + 1] - a + 1;
-      natural_slopes(knots_, x, a, a + n - 1, slope);
+      spline_slopes(knots_, x, a, a + n - 1, slope);
       pieces_.emplace_back(std::vector<double>(knots_.begin() + a, knots_.begin() + a + n),
                            x.middleRows(a, n), slope.middleRows(a, n));
     }

@@ -121,8 +121,7 @@ double Engine::total_energy(const System& system, const std::vector<double>& val
   if (system.scan_load.rows() > 0) product_ -= 2 * system.scan_load;
   if (system.rest_load.rows() > 0) product_ -= 2 * system.rest_load;
   double energy = shape.x.cwiseProduct(product_).sum();
-  if (system.rest_load.rows() > 0)
-    energy += system.rest->dofs.cwiseProduct(system.rest_load).sum();
+  if (system.rest_load.rows() > 0) energy += system.rest->dofs.cwiseProduct(system.rest_load).sum();
   const LooseRows& rows = *system.loose;
   for (size_t r = 0; r < rows.rows.size(); ++r) {
     if (!rows.rows[r].soft) continue;

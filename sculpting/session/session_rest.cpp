@@ -9,11 +9,11 @@ namespace {
 
 bool same_rows(const ConstraintSet& a, const ConstraintSet& b) {
   const auto same = [](const auto& p, const auto& q) {
-    return p.value == q.value &&
-           std::equal(p.entries.begin(), p.entries.end(), q.entries.begin(), q.entries.end(),
-                      [](const auto& x, const auto& y) {
-                        return x.dof == y.dof && x.coefficient == y.coefficient;
-                      });
+    return p.value == q.value && std::equal(p.entries.begin(), p.entries.end(), q.entries.begin(),
+                                            q.entries.end(), [](const auto& x, const auto& y) {
+                                              return x.dof == y.dof &&
+                                                     x.coefficient == y.coefficient;
+                                            });
   };
   return std::equal(a.rows().begin(), a.rows().end(), b.rows().begin(), b.rows().end(), same) &&
          std::equal(a.coupled_rows().begin(), a.coupled_rows().end(), b.coupled_rows().begin(),

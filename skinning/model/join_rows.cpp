@@ -150,8 +150,7 @@ void add_condition(const JoinPlan& plan, const JoinEdge& a, const JoinEdge& b, d
 
 // visit(f, weight, interval, share of it) at Gauss points of the parts of all intervals.
 template <class Visit>
-void over_intervals(const JoinPlan& plan, const SegmentRule& gauss, int parts,
-                    const Visit& visit) {
+void over_intervals(const JoinPlan& plan, const SegmentRule& gauss, int parts, const Visit& visit) {
   for (size_t i = 0; i + 1 < plan.at.size(); ++i)
     for (int part = 0; part < parts; ++part)
       for (long g = 0; g < gauss.weights.size(); ++g) {
@@ -166,8 +165,8 @@ void tie_hats(const JoinPlan& plan, const std::string& name, const JoinEdge& a, 
   const auto add = [&](double f, double w, size_t i, double s, RowEntries& row) {
     add_condition(plan, a, b, f, w, i, s, row);
   };
-  over_hats(plan.at, a.closed(),
-            {plan.end_rows[0] == EndRow::Hat, plan.end_rows[1] == EndRow::Hat}, name, add, set);
+  over_hats(plan.at, a.closed(), {plan.end_rows[0] == EndRow::Hat, plan.end_rows[1] == EndRow::Hat},
+            name, add, set);
   for (size_t e = 0; e < 2; ++e) {
     if (plan.end_rows[e] != EndRow::Point) continue;
     const auto f = static_cast<double>(e);
@@ -273,8 +272,7 @@ SparseMatrix join_stiffness(const std::vector<const RegionLayout*>& regions,
       RowEntries row;
       add_condition(plan, a, b, f, 1, i, s, row);
       const double thickness = std::sqrt(2 * region.mesh()->shape(a.where(f).triangle).area);
-      const double weight =
-          times * scale * w * a.span() / (thickness * a.along_uv(f).norm());
+      const double weight = times * scale * w * a.span() / (thickness * a.along_uv(f).norm());
       row = RunTies::summed(row);
       for (const auto& p : row)
         for (const auto& q : row)

@@ -57,7 +57,8 @@ JoinedModel refine_embedded_joins(JoinedModel model, const SurfaceStiffness& mat
                                   double most_deg, const Progress& progress) {
   constexpr int most_rounds = 3;
   constexpr double better = 0.9;
-  std::vector<double> now = angles(model), before(now.size(), std::numeric_limits<double>::infinity());
+  std::vector<double> now = angles(model),
+                      before(now.size(), std::numeric_limits<double>::infinity());
   for (int round = 0; round < most_rounds; ++round) {
     if (progress.cancelled && progress.cancelled()) throw CancelledError();
     std::vector<char> marks(model.layout->mesh()->triangle_count(), 0);
@@ -84,6 +85,7 @@ JoinedModel refine_embedded_joins(JoinedModel model, const SurfaceStiffness& mat
     now = angles(next);
     model = std::move(next);
   }
+  model.angles = std::move(now);
   return model;
 }
 

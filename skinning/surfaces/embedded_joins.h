@@ -19,6 +19,9 @@ Points carried_over(const ModelLayout& layout, const Points& dofs, const ModelLa
 struct JoinedModel {
   std::shared_ptr<const ModelLayout> layout;
   Points dofs;
+  /// Degrees at each of the layout's join plans: the largest angle inside; 0 where no region has the line
+  /// embedded.
+  std::vector<double> angles = {};
 };
 
 /// The angle at joins on embedded lines falls with the size of their triangles. This halves those

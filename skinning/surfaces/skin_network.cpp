@@ -153,22 +153,35 @@ class ModelMaker {
   ModelJoin& join_of(size_t join_line) { return model_.joins[join_of_[join_line]]; }
 
   // Solves the groups of regions that smooth joins connect, and halves along joins that are still
-  // above the tolerance.
+  // above the tolerance. Begins again where a join proves worse than a crease.
   void join() {
-    std::vector<Points> dofs(model_.regions.size());
+    std::vector<JoinPlan> plans;
+    do {
+      plans = joined();
+    } while (!finish(plans));
+    tell_joins(plans);
+    for (ModelRegion& region : model_.regions)
+      if (region.in_layout >= 0) {
+        const auto& more = model_.layout->region(region.in_layout).warnings();
+        region.warnings.insert(region.warnings.end(), more.begin(), more.end());
+      }
+    if (model_.layout) measure(model_, progress_);
+  }
+
+  std::vector<JoinPlan> joined() {
+    dofs_.assign(model_.regions.size(), {});
     std::vector<JoinPlan> plans;
     for (int round = 0;; ++round) {
       progress_.at("joining", std::min(0.9, (round + 0.2) / (options_.most_join_rounds + 1)));
-      plans = solve_groups(dofs);
-      give_shapes(dofs);
+      plans = solve_groups(dofs_);
+      give_shapes(dofs_);
       const Round left = look_at(plans, round < options_.most_join_rounds);
       if (left.halved.empty() && !left.fewer) break;
       for (const int a : left.halved) regions_.halve(a);
       regions_.lay_out({left.again.begin(), left.again.end()}, 0.5, 0.9);
       find_sides_again();
     }
-    tell_joins(plans);
-    finish(plans, dofs);
+    return plans;
   }
 
   // What a round leaves to do.
@@ -189,10 +202,9 @@ class ModelMaker {
       if (angle.max_inside_deg <= options_.join_tolerance_deg) continue;
       if (!plans[s].at.empty()) {
         // Vertices on an embedded line are not those of its region's mesh: halving would not help.
-        constexpr double better_a_crease = 2;
+        constexpr double better_a_crease = 2;  // finer meshes do not help that any more
         if (angle.max_inside_deg <= better_a_crease) continue;
-        given_up_[join.arc] = "a region carries it embedded, and would leave an angle of " +
-                              number(angle.max_inside_deg) + " degrees";
+        give_up_embedded(join.arc, angle.max_inside_deg);
         left.fewer = true;
       } else if (may_halve) {
         left.halved.insert(join.arc);
@@ -200,6 +212,11 @@ class ModelMaker {
       }
     }
     return left;
+  }
+
+  void give_up_embedded(int arc, double degrees) {
+    given_up_[arc] = "a region carries it embedded, and would leave an angle of " +
+                     number(degrees) + " degrees";
   }
 
   // Another layout of a region may carry a line in another way.
@@ -333,21 +350,20 @@ class ModelMaker {
         model_.regions[r].skinned = layout->region(dofs[r]);
   }
 
-  void finish(const std::vector<JoinPlan>& plans, const std::vector<Points>& dofs) {
+  // Makes the model's layout and shape. False when joins on embedded lines were given up.
+  bool finish(const std::vector<JoinPlan>& plans) {
     std::map<int, int> number;
     std::vector<std::shared_ptr<const RegionLayout>> made;
     std::vector<Points> shapes;
-    for (size_t r = 0; r < dofs.size(); ++r) {
+    for (size_t r = 0; r < dofs_.size(); ++r) {
       const auto& layout = regions_.layouts()[r];
       if (!layout) continue;
       ModelRegion& region = model_.regions[r];
       region.in_layout = number[static_cast<int>(r)] = count_of(made);
-      const auto& more = layout->warnings();
-      region.warnings.insert(region.warnings.end(), more.begin(), more.end());
       made.push_back(layout);
-      shapes.push_back(dofs[r]);
+      shapes.push_back(dofs_[r]);
     }
-    if (made.empty()) return;
+    if (made.empty()) return true;
     std::vector<JoinPlan> joined;
     for (const JoinPlan& plan : plans)
       if (!plan.given_up()) joined.push_back(renumbered(plan, number));
@@ -358,10 +374,20 @@ class ModelMaker {
                                                 options_.join_tolerance_deg, progress_);
     model_.layout = std::move(refined.layout);
     model_.dofs = std::move(refined.dofs);
+    constexpr double better_a_crease = 0.5;
+    bool all = true;
+    for (const ModelJoin& join : model_.joins)
+      for (size_t j = 0; j < refined.angles.size(); ++j)
+        if (model_.layout->join_plans()[j].join_line.name == join.line &&
+            refined.angles[j] > better_a_crease) {
+          give_up_embedded(join.arc, refined.angles[j]);
+          all = false;
+        }
+    if (!all) return false;
     for (ModelRegion& region : model_.regions)
       if (region.in_layout >= 0)
         region.skinned = model_.layout->skinned(region.in_layout, model_.dofs);
-    measure(model_, progress_);
+    return true;
   }
 
   const CharacterLineNetwork& network_;
@@ -369,6 +395,7 @@ class ModelMaker {
   const Progress& progress_;
   SurfaceModel model_;
   RegionMaker regions_;
+  std::vector<Points> dofs_;  // of the regions
   std::vector<JoinLine> join_lines_;
   std::vector<int> join_of_;             // index into model_.joins of each join line
   std::map<int, std::string> given_up_;  // arcs whose join line proved worse than a crease, and why

@@ -19,7 +19,7 @@ namespace batten {
 ///    warning.
 /// 4. Regions that smooth joins connect are solved together (model/join.h), and halved along joins
 ///    until these keep the tolerance. A join that a region carries embedded, and that would be left
-///    with more than 2 degrees, becomes a crease.
+///    with more than half a degree, becomes a crease.
 /// 5. The model is measured, and its flaws are looked for.
 ///
 /// A region that cannot be skinned is left out (ModelRegion::why_not); the others are made all the

@@ -192,7 +192,8 @@ ModelLayout refined_for_lines(const MadeModel& made, const Scene& scene, const P
 void take_shape(MadeModel& made, const MadeShape& shape, const Progress& progress) {
   if (!shape.layout) return;
   // A network at rest was measured when it was skinned.
-  if (!made.network || shape.layout != made.model.layout || shape.fairing.surface || shape.fairing.lofted)
+  if (!made.network || shape.layout != made.model.layout || shape.fairing.surface ||
+      shape.fairing.lofted)
     reshape(made.model, shape.layout, shape.dofs, shape.regions, progress);
 }
 

@@ -156,7 +156,8 @@ TEST_CASE("refinement and new lines take the rest shape along") {
   CHECK(radius_error(session) == before);
 }
 
-TEST_CASE("a rest shape that cannot be made leaves the last good state, and none bends from nothing") {
+TEST_CASE(
+    "a rest shape that cannot be made leaves the last good state, and none bends from nothing") {
   bool fails = false;
   SessionOptions options = with_material(0, 1);
   options.rest = [&](const RestTask&) -> Points {
