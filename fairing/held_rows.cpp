@@ -58,8 +58,8 @@ HeldRows::HeldRows(const ConstraintSet& held, const StackedReduction& reduction,
   stacked_.setFromTriplets(entries.begin(), entries.end());
 
   // Whole triangles: where a line leaves little of one inside, that would move too easily.
-  const SparseMatrix K = SurfaceAssembler(surface.mesh(), surface.kind())
-                             .stiffness(SurfaceStiffness::isotropic(0, 1));
+  const SparseMatrix K =
+      SurfaceAssembler(surface.mesh(), surface.kind()).stiffness(SurfaceStiffness::isotropic(0, 1));
   SparseMatrix N = D.transpose() * SparseMatrix(K.selfadjointView<Eigen::Lower>()) * D;
   constexpr double least = 1e-10;  // of the diagonal: keeps it definite where nothing else does
   const VecX diagonal = N.diagonal();

@@ -28,7 +28,8 @@ class InputCurve {
 
 /// A curve through points, in their order. Between corners (where the direction turns by more than
 /// `corner_angle` degrees at a point) it is the C2 cubic spline through the points over their chord
-/// lengths, with natural ends; two points give a straight line. A point list whose last point
+/// lengths, whose first and last pieces are parabolas; three points give a parabola, two a straight
+/// line. A point list whose last point
 /// equals its first is closed: C2 across the seam too, unless it turns a corner there. Throws
 /// InputError: fewer than two points, a number that is not finite, two successive points that
 /// coincide (closer than 1e-9 of the size), all points in one place. `name` is used in messages.

@@ -12,7 +12,7 @@ namespace {
 // Slopes of the C2 cubic spline through rows first … last of the points over u, whose first and last
 // pieces are parabolas: its ends are curved as the points beside them are. Two points: straight.
 void spline_slopes(const std::vector<double>& u, const Points& x, long first, long last,
-                    Points& slope) {
+                   Points& slope) {
   const long n = last - first + 1;
   if (n == 2) {
     slope.middleRows(first, 2) =

@@ -12,7 +12,7 @@
 namespace batten {
 
 struct VariationOptions {
-  /// Weight of K² over that of the change of curvature. 1e-3; between two rims 10, which makes a
+  /// Weight of K² over that of the change of curvature. 1e-3; between two rims 100, which makes a
   /// cylinder or cone of all the barrels that change nothing.
   double gauss = 1e-3;
   /// Weight of the jumps of curvature across element edges; 0.2 to 20 give the same shapes.

@@ -41,7 +41,7 @@ VariationSurface fair_shape(const ModelLayout& layout, const Points& start,
   if (corners)
     options.sides = free_sides(layout);
   else if (!inner_lines)
-    options.gauss = 10;
+    options.gauss = 100;
   options.joins = curvature_joins(layout);
   // Near the origin, where coordinates keep their digits.
   const VecX ones = layout.position_dofs();

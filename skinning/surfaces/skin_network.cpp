@@ -1,118 +1,21 @@
 #include "batten/skinning/surfaces/skin_network.h"
 
 #include <algorithm>
-#include <array>
 #include <map>
 #include <numeric>
-#include <optional>
 #include <set>
 
 #include "batten/core/errors.h"
 #include "batten/core/groups.h"
 #include "batten/core/index.h"
-#include "batten/core/parallel.h"
 #include "batten/core/words.h"
-#include "batten/fem/assembly.h"
-#include "batten/skinning/model/curvature_joins.h"
 #include "batten/skinning/surfaces/embedded_joins.h"
 #include "batten/skinning/surfaces/join_choice.h"
+#include "batten/skinning/surfaces/measure_model.h"
 #include "batten/skinning/surfaces/region_maker.h"
-#include "batten/skinning/surfaces/wrong_surfaces.h"
 
 namespace batten {
 namespace {
-
-double enclosed(const SkinnedRegion& region, const Vec3& origin) {
-  const Surface& s = region.surface;
-  VecX ones = VecX::Zero(s.dof_map().count());
-  for (int v = 0; v < s.mesh().vertex_count(); ++v) ones[s.dof_map().vertex(v)] = 1;
-  const Points about = s.dofs() - ones * origin.transpose();
-  const SurfaceAssembler assembler(s.mesh(), s.kind(), s.trim());
-  return about.cwiseProduct(assembler.pressure_load(about)).sum() / 3;
-}
-
-void take_quality(ModelJoin& join, const JoinQuality& quality) {
-  join.max_deg = quality.max_deg;
-  join.max_inside_deg = quality.max_inside_deg;
-  join.max_gap = quality.max_gap;
-  join.median_curvature_jump = quality.median_curvature_jump;
-  join.max_curvature_jump = quality.max_curvature_jump;
-}
-
-void measure_joins(SurfaceModel& model, const std::vector<const SkinnedRegion*>& made) {
-  model.max_join_deg = 0;
-  for (ModelJoin& join : model.joins) {
-    if (join.kind == ModelJoin::Kind::Smooth) {
-      const JoinPlan* plan = model.layout->join_plan(join.line);
-      if (plan) {
-        take_quality(join,
-                     measure_join(made, plan->join_line, {plan->ends[0].open, plan->ends[1].open}));
-        join.open = {plan->ends[0].open, plan->ends[1].open};
-        join.curvature = curvature_goes_on(*model.layout, *plan);
-        model.max_join_deg = std::max(model.max_join_deg, join.max_inside_deg);
-        continue;
-      }
-      join.kind = ModelJoin::Kind::Crease;
-      for (const JoinPlan& given_up : model.layout->join_plans())
-        if (given_up.join_line.name == join.line) join.why = given_up.why_not;
-    }
-    if (join.kind != ModelJoin::Kind::Crease) continue;
-    std::array<std::optional<JoinSide>, 2> sides;
-    for (size_t k = 0; k < 2; ++k) {
-      const int r = model.regions[join.regions[k]].in_layout;
-      if (r >= 0) sides[k] = side_of(*made[r], r, join.line);
-    }
-    take_quality(join, sides[0] && sides[1]
-                           ? measure_join(made, {join.line, {*sides[0], *sides[1]}})
-                           : JoinQuality{});
-    join.max_inside_deg = 0;
-  }
-}
-
-/// Fills in qualities and areas of the regions, angles of the joins, volumes of the shells, and
-/// flaws, of a model that has layout and shape. Joins that its layout gave up become creases.
-void measure(SurfaceModel& model, const Progress& progress) {
-  progress.at("measuring", 0);
-  const int n = count_of(model.regions);
-  parallel_parts(n, [&](int r) {
-    ModelRegion& region = model.regions[r];
-    if (region.skinned) region.quality = measure(*region.skinned);
-  });
-  std::vector<SkinQuality> qualities;
-  std::vector<double> plain;
-  std::vector<int> index;
-  model.area = 0;
-  for (int r = 0; r < n; ++r) {
-    const ModelRegion& region = model.regions[r];
-    if (!region.skinned) continue;
-    qualities.push_back(region.quality);
-    plain.push_back(region.plain_area);
-    index.push_back(r);
-    model.area += region.quality.area;
-  }
-  const std::vector<const SkinnedRegion*> made = model.skinned();
-  measure_joins(model, made);
-  for (ModelShell& shell : model.shells) {
-    bool whole = true;
-    shell.area = shell.volume = 0;
-    for (const int r : shell.regions) {
-      const ModelRegion& region = model.regions[r];
-      if (!region.skinned) {
-        whole = false;
-        continue;
-      }
-      shell.area += region.quality.area;
-      shell.volume += enclosed(*region.skinned, model.layout->origin());
-    }
-    shell.closed = shell.closed && whole;
-    if (!shell.closed || !shell.orientable) shell.volume = 0;
-  }
-  progress.at("measuring", 0.5);
-  model.flaws = find_flaws(made, qualities, plain);
-  for (SurfaceFlaw& flaw : model.flaws)
-    for (int& r : flaw.regions) r = index[r];
-  progress.at("measuring", 1);
-}
 
 // The plan with other numbers for its regions.
 JoinPlan renumbered(JoinPlan plan, const std::map<int, int>& number) {
@@ -215,8 +118,8 @@ class ModelMaker {
   }
 
   void give_up_embedded(int arc, double degrees) {
-    given_up_[arc] = "a region carries it embedded, and would leave an angle of " +
-                     number(degrees) + " degrees";
+    given_up_[arc] =
+        "a region carries it embedded, and would leave an angle of " + number(degrees) + " degrees";
   }
 
   // Another layout of a region may carry a line in another way.

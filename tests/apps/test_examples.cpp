@@ -309,6 +309,23 @@ TEST_CASE("sections make a wing, a bottle and a hull that run through them") {
   CHECK(hull.report["surface"]["area"].get<double>() == Approx(8.289).epsilon(1e-3));
 }
 
+TEST_CASE("classical shapes come back from their lines") {
+  const double pi = std::acos(-1.0);
+  const double slant = std::hypot(80, 35), tube = 20 * (60 * pi / 2 + 20) * pi / 2;
+  for (const auto& [name, area] : {std::pair{"cylinder", pi * 50 * 120},
+                                   {"cone", pi / 3 * (60 + 25) * slant},
+                                   {"sphere", pi / 2 * 2500},
+                                   {"torus", tube},
+                                   {"can", 2 * pi * 33 * 120}}) {
+    INFO(name);
+    const Ran ran =
+        run(kExamples + "16-classics/" + name + ".toml", std::string("classic_") + name);
+    REQUIRE(ran.code == kDone);
+    CHECK(ran.report["surface"]["area"].get<double>() == Approx(area).epsilon(5e-4));
+    CHECK(ran.report["surface"]["max_line_residual"].get<double>() < 1e-10);
+  }
+}
+
 TEST_CASE("the bent plate's hole is a circle of nodes, and bends as plates do") {
   const Ran ran = run(kExamples + "07-plate-with-hole/scene.toml", "plate_with_hole");
   REQUIRE(ran.code == kDone);

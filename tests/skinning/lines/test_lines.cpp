@@ -50,7 +50,12 @@ TEST_CASE("a curve through points passes them, is C2 between corners and breaks 
     CHECK((curve->evaluate(t - 1e-9, 1) - curve->evaluate(t + 1e-9, 1)).norm() < 1e-7);
     CHECK((curve->evaluate(t - 1e-9, 2) - curve->evaluate(t + 1e-9, 2)).norm() < 1e-6);
   }
-  CHECK(curve->evaluate(curve->start(), 2).norm() < 1e-12);  // natural end
+  // Ends are curved as what is beside them.
+  CHECK((curve->evaluate(curve->start(), 2) - curve->evaluate(curve->breaks()[1], 2)).norm() <
+        1e-9);
+  const auto bow = curve_through_points("bow", {{0, 0, 0}, {1, 1, 0}, {2, 0, 0}}, 100);
+  const double half = bow->breaks()[1] / 2;
+  CHECK((bow->evaluate(half) - Vec3(0.5, 0.75, 0)).norm() < 1e-12);
   const auto bent =
       curve_through_points("line", {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {2, 1, 0}, {2, 2, 0}});
   const auto parts = cut_at_corners({"line", bent}, 20);
