@@ -15,7 +15,8 @@ struct JoinPoint {
   /// The line's slope in the (u, v) of each part, per unit of one parameter for both.
   std::array<Vec2, 2> way;
   double weight = 0;      ///< of this point in an integral over that parameter
-  bool curvature = true;  ///< whether curvature goes on; the tangent plane always does
+  bool curvature = true;  ///< whether the jump of curvature counts
+  bool tangent = true;    ///< whether that of the tangent plane does; not where constraints hold it
 };
 
 }  // namespace batten

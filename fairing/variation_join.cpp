@@ -32,6 +32,7 @@ struct Sides {
     stiff = root / thickness;
     angle = forms[0].n.dot(forms[1].Y2);
     if (!point.curvature) root = 0;
+    if (!point.tangent) stiff = 0;
   }
 };
 
@@ -47,6 +48,7 @@ void VariationTerms::add_joins(const Surface& start, const std::vector<JoinPoint
     added.way = point.way;
     added.weight = point.weight;
     added.curvature = point.curvature;
+    added.tangent = point.tangent;
     Vec3 normal[2];
     for (size_t s = 0; s < 2; ++s) {
       const Location& at = point.at[s];

@@ -87,7 +87,7 @@ class VariationTerms {
     std::array<Vec2, 2> way;
     double weight;
     double sign;  // of the second side's normal, seen from the first
-    bool curvature;
+    bool curvature, tangent;
   };
   ChangeWeights weights_at(int triangle, int point) const;
   double share_beside(const Surface& surface, int e) const;

@@ -192,6 +192,20 @@ void read_skin(const TomlTable& table, SceneSkin& skin) {
   }
 }
 
+// What [skin] fair makes impossible or leaves without effect.
+void refuse_what_fair_decides(const TomlTable& root, const SceneSkin& skin) {
+  using Fair = SceneSkin::Fair;
+  if (skin.fair != Fair::Bending && skin.hold == SceneSkin::Hold::Corners)
+    for (const TomlTable& t : root.table("skin", skin_keys()))
+      t.fail("fair", "\"" + skin.fair_word() + "\" with hold = \"corners\"",
+             "hold = \"lines\": a fair shape is that of its lines");
+  if (skin.fair == Fair::Variation) return;
+  for (const TomlTable& t : root.tables("join", {"lines", "kind"}))
+    if (const std::string kind = t.text("kind"); kind == "tangent" || kind == "curvature")
+      t.fail("kind", "\"" + kind + "\" where nothing is faired",
+             "\"smooth\" or \"crease\", or fair = \"variation\" in [skin]");
+}
+
 SceneStress read_stress(const TomlTable& table) {
   SceneStress stress;
   stress.thickness = table.positive("thickness");
@@ -303,10 +317,7 @@ Scene read(const toml::table& root_table, const std::filesystem::path& file) {
   for (const TomlTable& t : root.table("skin", skin_keys())) read_skin(t, scene.skin);
 
   read_sculpting(root, folder, scene);
-  if (scene.skin.fair != SceneSkin::Fair::Bending && scene.skin.hold == SceneSkin::Hold::Corners)
-    for (const TomlTable& t : root.table("skin", skin_keys()))
-      t.fail("fair", "\"" + scene.skin.fair_word() + "\" with hold = \"corners\"",
-             "hold = \"lines\": a fair shape is that of its lines");
+  refuse_what_fair_decides(root, scene.skin);
 
   for (const TomlTable& t : root.table("stress", {"thickness", "young", "poisson", "density",
                                                   "pressure", "pressures", "gravity", "supports"}))

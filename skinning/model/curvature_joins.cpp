@@ -85,6 +85,7 @@ std::vector<JoinPoint> curvature_joins(const ModelLayout& layout) {
         const double f = share(at[k], at[k + 1], gauss.s[g]);
         JoinPoint& point = points.emplace_back();
         point.curvature = goes_on;
+        point.tangent = !plan.at.empty();
         for (size_t s = 0; s < 2; ++s) {
           point.at[s] = layout.in_model(line.sides[s].region, sides[s].where(f));
           point.way[s] = sides[s].along_uv(f);

@@ -19,8 +19,9 @@ namespace batten {
 /// up.
 bool curvature_goes_on(const ModelLayout& layout, const JoinPlan& plan);
 
-/// The points, two for each edge or hat, of all joins across which the curvature goes on, and of those on
-/// embedded lines, whose rows leave the tangent planes open between them.
+/// The points, two for each edge or hat, of all joins across which the curvature goes on, and of
+/// those on embedded lines. On these the jump of the tangent plane counts too, since the rows of
+/// such a join leave it open between its hats; elsewhere the rows hold it.
 std::vector<JoinPoint> curvature_joins(const ModelLayout& layout);
 
 }  // namespace batten

@@ -65,6 +65,10 @@ TEST_CASE("what a fair shape cannot have beside it is refused with its place", "
   c.fails(half_cylinder(fair + "hold = \"corners\"\n"), 1, {"s.toml:", "hold = \"lines\""});
   c.fails(half_cylinder(fair + "element = \"z12\"\n"), 1, {"s.toml:", "element = \"hct\""});
   c.fails(half_cylinder("fair = \"variaton\"\n"), 1, {"did you mean 'variation'"});
+  for (const std::string kind : {"curvature", "tangent"})
+    c.fails(
+        half_cylinder("") + "[network]\n[[join]]\nlines = [\"front\"]\nkind = \"" + kind + "\"\n",
+        1, {"s.toml:", "\"" + kind + "\" where nothing is faired", "variation"});
 }
 
 TEST_CASE("loads bend a fair shape, and a live session comes back to it", "[cli][fair]") {
