@@ -29,7 +29,8 @@ struct Sides {
     }
     root = std::sqrt(jumps * point.weight * speed / thickness);
     jump = forms[0].across - point.sign * forms[1].across;
-    stiff = root / thickness;
+    constexpr double first = 10;  // the tangent plane comes before the curvature
+    stiff = first * root / thickness;
     angle = forms[0].n.dot(forms[1].Y2);
     if (!point.curvature) root = 0;
     if (!point.tangent) stiff = 0;

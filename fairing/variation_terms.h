@@ -49,7 +49,7 @@ class VariationTerms {
   void add_side(const Surface& start, const std::vector<int>& vertices);
 
   /// Counts the jumps of curvature at these points as those across element edges, and those of
-  /// the tangent plane over the square of the thickness. Where the normals of the two parts are
+  /// the tangent plane over the square of the thickness, a hundred times as much. Where the normals of the two parts are
   /// opposite, that of the second is turned.
   void add_joins(const Surface& start, const std::vector<JoinPoint>& points);
 

@@ -35,15 +35,16 @@ class ModelFairing {
   }
 
   FairedModel run(VariationOptions options, const Progress& progress) {
-    for (int rounds = 0;;) {
+    for (int rounds = 0, kept_more = 0;;) {
       if (count_of(faired_.kept) == layout_->region_count())
         throw NoSolutionError(faired_.kept.front().why);
       if (!faired_.kept.empty()) options.still = still();
-      bool spoiled = false;
+      bool spoiled = false, others_kept = false;
       try {
         take(fair_shape(*layout_, start_, layout_->line_constraints(), options, progress));
         faired_.layout = layout_;
-        spoiled = keep_spoiled() || (good_ && !(misfit() < good_misfit_));
+        others_kept = keep_spoiled();
+        spoiled = others_kept || (good_ && !(misfit() < good_misfit_));
       } catch (const CancelledError&) {
         throw;
       } catch (const Error&) {  // of a step, or of facets that cannot be made any more
@@ -51,7 +52,8 @@ class ModelFairing {
         if (!spoiled) throw;
       }
       if (spoiled && !good_) continue;
-      constexpr int most_rounds = 3;
+      constexpr int most_rounds = 3, most_kept_more = 3;
+      if (others_kept && kept_more++ < most_kept_more) continue;
       if (spoiled ? !go_back() : rounds++ >= most_rounds || !go_on()) return std::move(faired_);
       options.starts = {faired_.surface.dofs};
     }

@@ -29,8 +29,9 @@ struct FairedModel {
 /// fairing would give it a flaw that it did not have: then all others are faired again beside it.
 /// Rounder surfaces meet at larger angles between the nodes of smooth joins, and leave embedded
 /// lines between their points: where that is more than `most_join_deg`, or the lines' tolerance,
-/// triangles are halved and the model is faired on, three times at most, unless that spoils it. Joins on embedded lines are
-/// planned again for that.
+/// triangles are halved and the model is faired on, three times at most, unless that spoils it.
+/// Joins on embedded lines are planned again for that. A region that only the finer mesh gives a
+/// flaw keeps its shape then, too.
 ///
 /// Throws as fair_shape(); NoSolutionError when no region is left.
 FairedModel fair_model(const SurfaceModel& model, std::shared_ptr<const ModelLayout> layout,
