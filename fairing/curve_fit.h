@@ -39,12 +39,4 @@ std::optional<HermiteCurve> exact_curve(const InputCurve& curve, double corner_a
 HermiteCurve fit_curve(const std::string& name, std::shared_ptr<const InputCurve> curve,
                        const FitOptions& options);
 
-/// Points at which the direction turns by more than `angle` degrees, ascending, the ends of an open
-/// list not among them. The direction on either side is that of the line through the neighbours
-/// within reach, which is longer where the points are noisy (the noise is estimated from third
-/// differences), so that noise makes no corners; of several such points side by side the sharpest
-/// counts. In lists of ten points or fewer a corner has to stand alone and turn by half as much
-/// again.
-std::vector<int> find_corners(const std::vector<Vec3>& points, bool closed, double angle);
-
 }  // namespace batten

@@ -8,95 +8,10 @@
 #include "batten/core/box.h"
 #include "batten/core/errors.h"
 #include "batten/core/words.h"
+#include "batten/fairing/corners.h"
+#include "batten/fairing/noise.h"
 
 namespace batten {
-namespace {
-
-constexpr size_t kFewestDifferences = 8;  // below it a corner would be half of the evidence
-
-// Half the spread of neighbours about a straight line through them, from third differences (which a
-// smooth curve does not have): robust against corners because it is a median.
-double noise_of(const std::vector<Vec3>& p) {
-  std::vector<double> size;
-  for (size_t i = 3; i < p.size(); ++i)
-    size.push_back((p[i] - 3 * p[i - 1] + 3 * p[i - 2] - p[i - 3]).norm());
-  if (size.size() < kFewestDifferences) return 0;
-  std::nth_element(size.begin(), size.begin() + size.size() / 2, size.end());
-  // |Gaussian in three dimensions| has the median 1.54 σ; the weights' norm is √20.
-  return size[size.size() / 2] / (1.54 * std::sqrt(20.0));
-}
-
-// Direction of the `reach` points behind or before point i, with it: their regression on the
-// number. Points nearer than `least` to the first say nothing about it and come on top.
-Vec3 direction(const std::vector<Vec3>& p, bool closed, int i, int step, int reach, double least) {
-  const int n = count_of(p);
-  const int most = closed ? n - 1 : step > 0 ? n - 1 - i : i;
-  const auto at = [&](int k) { return p[(i + (closed ? n : 0) + step * k) % n]; };
-  reach = std::min(reach, most);
-  while (reach < most && (at(reach) - p[i]).norm() < least) ++reach;
-  Vec3 sum = Vec3::Zero();
-  for (int k = 0; k <= reach; ++k) sum += (k - 0.5 * reach) * at(k);
-  return step * sum;
-}
-
-}  // namespace
-
-std::vector<int> find_corners(const std::vector<Vec3>& points, bool closed, double angle) {
-  const int n = count_of(points);
-  if (n < 3 || angle >= 180) return {};
-  // Progress from point to point, over so many of them that noise does not lengthen it.
-  const int stride = std::max(n / 16, 1);
-  std::vector<double> steps;
-  for (int i = stride; i < n; ++i)
-    steps.push_back((points[i] - points[i - stride]).norm() / stride);
-  std::nth_element(steps.begin(), steps.begin() + steps.size() / 2, steps.end());
-  const double spacing = steps[steps.size() / 2];
-  // The direction of an arm of k points errs by about σ √12 / (k^1.5 spacing) radians: twelve of
-  // that, for both arms of thousands of points, stay below a quarter of the angle.
-  const double quarter = angle / 4 * std::numbers::pi / 180;
-  const double needed =
-      spacing > 0 ? std::pow(12 * std::sqrt(12.0) * noise_of(points) / (spacing * quarter), 2 / 3.0)
-                  : 1;
-  if (needed > n / 8.0 + 1) return {};  // so noisy that no corner can be told
-  const int reach = std::max(1, static_cast<int>(needed));
-
-  // A bend turns less between shorter arms, a corner as much.
-  const auto turn_at = [&](int i, int arm) {
-    constexpr double a_part = 0.05;  // of the spacing
-    return degrees_between(direction(points, closed, i, -1, arm, a_part * spacing),
-                           direction(points, closed, i, 1, arm, a_part * spacing));
-  };
-  std::vector<double> turn(n, 0.0);
-  for (int i = closed ? 0 : reach; i < (closed ? n : n - reach); ++i) {
-    turn[i] = turn_at(i, reach);
-    if (turn[i] > angle && reach > 3 && turn_at(i, reach / 2) < 0.8 * turn[i]) turn[i] = 0;
-  }
-  std::vector<int> corners;
-  for (int i = 0; i < n; ++i) {
-    // The sharpest within an arm; of equal ones the first.
-    bool sharpest = turn[i] > angle;
-    for (int k = 1; k < reach && sharpest; ++k)
-      for (const int step : {-k, k}) {
-        const int other = closed ? (i + step + n) % n : i + step;
-        if (other >= 0 && other < n && other != i)
-          sharpest = sharpest && (turn[other] < turn[i] || (turn[other] == turn[i] && step > 0));
-      }
-    // Where the noise cannot be told, a corner has to stand alone and be half as sharp again: a
-    // wave of five points has none.
-    const bool few = points.size() < kFewestDifferences + 3;
-    sharpest = sharpest && (!few || turn[i] > std::min(1.5 * angle, 180.0));
-    if (sharpest && few)
-      for (const int step : {-1, 1}) {
-        const int other = closed ? (i + step + n) % n : i + step;
-        sharpest = sharpest && (other < 0 || other >= n || turn[other] < 0.5 * turn[i]);
-      }
-    // Points that all but repeat the last corner are that corner.
-    if (sharpest && !corners.empty())
-      sharpest = (points[i] - points[corners.back()]).norm() > 0.05 * spacing;
-    if (sharpest) corners.push_back(i);
-  }
-  return corners;
-}
 
 void check_tolerance(const std::string& name, double tolerance) {
   if (!(tolerance > 0) || !std::isfinite(tolerance))
@@ -162,7 +77,7 @@ PointRow::PointRow(const std::string& name, const std::vector<Vec3>& given, doub
 std::vector<double> PointRow::denoised_chord() const {
   constexpr int most_blocks = 200;
   const int n = count();
-  if (n < 2 * most_blocks || noise_of(points) < 0.3 * length() / n) return chord;
+  if (n < 2 * most_blocks || noise_across(points, closed) < 0.3 * length() / n) return chord;
   std::vector<Vec3> mean(most_blocks, Vec3::Zero());
   std::vector<double> middle(most_blocks);  // number of the block's middle point
   for (int b = 0; b < most_blocks; ++b) {

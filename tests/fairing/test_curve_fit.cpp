@@ -3,6 +3,7 @@
 #include <fstream>
 #include <numbers>
 
+#include "batten/fairing/corners.h"
 #include "batten/fairing/curve_fit.h"
 
 #include "batten/core/errors.h"

@@ -1,0 +1,224 @@
+#include "batten/fairing/corners.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+
+#include "batten/core/index.h"
+#include "batten/core/words.h"
+#include "batten/fairing/noise.h"
+#include "batten/fairing/two_arms.h"
+
+namespace batten {
+namespace {
+
+constexpr int few = 11;                // points, too few to tell noise
+constexpr double few_turn_by = 20;     // degrees, at least
+constexpr double at_end_turn_by = 40;  // where one side is a single chord
+constexpr double sharp = 75;           // always a corner
+constexpr double uneven_turn_by = 30;  // and more: a corner between sides of
+constexpr double uneven = 3;           // this ratio
+constexpr double errors = 5;           // standard errors that are no chance
+
+double degrees(double radians) { return radians * 180 / std::numbers::pi; }
+
+// A row whose numbers go around where it is closed.
+class Row {
+ public:
+  Row(const std::vector<Vec3>& points, bool closed)
+      : points_(points), closed_(closed), count_(count_of(points)) {}
+  int count() const { return count_; }
+  bool closed() const { return closed_; }
+  // Whether point i has neighbours so many places before and behind.
+  bool has(int i) const { return closed_ || (i >= 0 && i < count_); }
+  bool inside(int i) const { return has(i - 1) && has(i + 1); }
+  int number(int i) const { return ((i % count_) + count_) % count_; }
+  const Vec3& at(int i) const { return points_[static_cast<size_t>(number(i))]; }
+  double step(int i) const { return (at(i + 1) - at(i)).norm(); }
+  double turn(int i) const { return degrees_between(at(i) - at(i - 1), at(i + 1) - at(i)); }
+
+ private:
+  const std::vector<Vec3>& points_;
+  bool closed_;
+  int count_;
+};
+
+// Corners of one row.
+class CornerSearch {
+ public:
+  CornerSearch(const std::vector<Vec3>& points, bool closed, double angle)
+      : points_(points), row_(points, closed), angle_(angle) {
+    for (int i = 0; i < row_.count(); ++i) turn_.push_back(row_.inside(i) ? row_.turn(i) : 0);
+    if (row_.count() > few) noise_ = noise_across(points, closed);
+  }
+
+  std::vector<int> run() {
+    std::vector<int> found;
+    if (row_.count() <= few) return in_points();
+    // Corners are no noise: it is estimated again without them.
+    constexpr int most_rounds = 4;
+    for (int round = 0; round < most_rounds; ++round) {
+      if (round > 0) noise_ = noise_across(points_, row_.closed(), found);
+      const std::vector<int> again = is_noisy() ? in_noise(in_points()) : in_points();
+      if (round > 0 && again == found) break;
+      found = again;
+    }
+    return found;
+  }
+
+  // Whether turns of `angle` between neighbours may be noise.
+  bool is_noisy() const {
+    std::vector<double> steps;
+    for (int i = 0; i + 1 < row_.count(); ++i) steps.push_back(row_.step(i));
+    std::nth_element(steps.begin(), steps.begin() + steps.size() / 2, steps.end());
+    return errors * error_of_turn(steps[steps.size() / 2]) > angle_;
+  }
+
+ private:
+  double error_of_turn(double step) const {
+    return step > 0 ? degrees(noise_ * std::sqrt(6.0) / step) : 360;
+  }
+
+  // What the turns beside point i, on one side, let expect there. Negative: nothing.
+  double expected(int i, int side) const {
+    if (!row_.inside(i + side)) return -1;
+    const double next = turn_at(i + side);
+    constexpr double none = 0.5, most_growth = 4;  // degrees; ratio
+    if (!row_.inside(i + 2 * side)) return next;
+    const double behind = turn_at(i + 2 * side);
+    if (next <= 2 * none) return next;
+    return next * std::clamp(next / std::max(behind, none), 1.0, most_growth);
+  }
+  double turn_at(int i) const { return turn_[static_cast<size_t>(row_.number(i))]; }
+
+  bool is_corner(int i) const {
+    const double before = row_.step(i - 1), after = row_.step(i);
+    const double error = error_of_turn(std::min(before, after));
+    const bool is_short = row_.count() <= few;
+    const double turn = turn_at(i);
+    if (turn <= std::max(is_short ? std::max(angle_, few_turn_by) : angle_, errors * error))
+      return false;
+    const double sides[2] = {expected(i, -1), expected(i, 1)};
+    const double most = std::max(sides[0], sides[1]);
+    // Towards a nose turns grow from both sides.
+    const bool nose = std::min(sides[0], sides[1]) > 0.8 * turn &&
+                      std::max(turn_at(i - 1), turn_at(i + 1)) < 0.5 * turn;
+    if (turn > sharp) return !nose;
+    const auto [less, more] = std::minmax(before, after);
+    if (turn - errors * error > uneven_turn_by && more > uneven * less) return true;
+    if (most < 0) return false;
+    if (is_short && std::min(sides[0], sides[1]) < 0 && turn < at_end_turn_by) return false;
+    return turn > (is_short ? 3 : 2) * most && turn - most > errors * error;
+  }
+
+  std::vector<int> in_points() const {
+    std::vector<int> found;
+    for (int i = 0; i < row_.count(); ++i)
+      if (row_.inside(i) && is_corner(i)) found.push_back(i);
+    return found;
+  }
+
+  // Adds those that arms on both sides tell, the surest first; arms end at corners.
+  std::vector<int> in_noise(std::vector<int> found) {
+    struct Told {
+      int before, behind;
+      double gain;
+    };
+    std::map<int, Told> told;
+    constexpr double sure = 24;  // as much as no noise gains in some hundred places
+    for (;;) {
+      int best = -1;
+      double most = sure;
+      for (int i = 0; i < row_.count(); ++i) {
+        const int before = reach(i, -1, found), behind = reach(i, 1, found);
+        constexpr int fewest = 2;
+        if (before < fewest || behind < fewest) continue;
+        Told& t = told.try_emplace(i, Told{-1, -1, 0}).first->second;
+        if (t.before != before || t.behind != behind)
+          t = {before, behind, gain_at(i, before, behind)};
+        if (t.gain > most) {
+          most = t.gain;
+          best = i;
+        }
+      }
+      if (best < 0) return found;
+      found.insert(std::upper_bound(found.begin(), found.end(), best), best);
+    }
+  }
+
+  // Points from i to the next corner or end.
+  int reach(int i, int side, const std::vector<int>& found) const {
+    constexpr int most = 60;
+    int k = 0;
+    while (k < most && k < row_.count() / 2 && row_.has(i + side * (k + 1)) &&
+           (k == 0 || !std::binary_search(found.begin(), found.end(), row_.number(i + side * k))))
+      ++k;
+    return std::binary_search(found.begin(), found.end(), i) ? 0 : k;
+  }
+
+  double gain_at(int i, int before, int behind) {
+    double best = 0;
+    for (int m = 2; m <= std::max(before, behind); m += std::max(1, m / 4)) {
+      const int first = std::min(m, before), last = std::min(m, behind);
+      Points near(first + last + 1, 3);
+      for (int k = -first; k <= last; ++k) near.row(k + first) = row_.at(i + k);
+      best = std::max(best, arms_.gain(near, first, noise_, angle_));
+    }
+    return best;
+  }
+
+  const std::vector<Vec3>& points_;
+  Row row_;
+  double angle_, noise_ = 0;
+  std::vector<double> turn_;
+  TwoArms arms_;
+};
+
+// Points that all but repeat the one before say nothing about directions.
+std::vector<int> distinct(const std::vector<Vec3>& points) {
+  std::vector<int> kept;
+  const int n = count_of(points);
+  constexpr double a_part = 0.05;
+  std::vector<double> steps;
+  for (int i = 0; i + 1 < n; ++i) steps.push_back((points[i + 1] - points[i]).norm());
+  for (int i = 0; i < n; ++i) {
+    if (i > 0 && n > 3) {
+      const double around =
+          std::min(i > 1 ? steps[i - 2] : steps[i], i + 1 < n ? steps[i] : steps[i - 2]);
+      if (steps[i - 1] < a_part * around) continue;
+    }
+    kept.push_back(i);
+  }
+  return kept;
+}
+
+}  // namespace
+
+std::vector<int> find_corners(const std::vector<Vec3>& points, bool closed, double angle) {
+  if (points.size() < 3 || angle >= 180) return {};
+  const std::vector<int> kept = distinct(points);
+  std::vector<Vec3> row;
+  for (const int i : kept) row.push_back(points[i]);
+  std::vector<int> corners;
+  constexpr int most = 300;
+  CornerSearch search(row, closed, angle);
+  const int block = static_cast<int>((row.size() + most - 1) / most);
+  std::vector<int> found;
+  if (block > 1 && search.is_noisy()) {
+    std::vector<Vec3> means;
+    for (size_t i = 0; i + block <= row.size(); i += block) {
+      Vec3 sum = Vec3::Zero();
+      for (int k = 0; k < block; ++k) sum += row[i + k];
+      means.push_back(sum / block);
+    }
+    for (const int c : CornerSearch(means, closed, angle).run())
+      found.push_back(c * block + block / 2);
+  } else {
+    found = search.run();
+  }
+  for (const int c : found) corners.push_back(kept[c]);
+  return corners;
+}
+
+}  // namespace batten

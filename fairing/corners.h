@@ -1,0 +1,30 @@
+// Corners of lines that are given by points.
+#pragma once
+
+#include <vector>
+
+#include "batten/core/eigen.h"
+
+namespace batten {
+
+/// Points at which a line turns a corner, ascending, the ends of an open list not among them.
+/// `closed`: the list goes on from its last point to its first, which it does not repeat.
+///
+/// A corner **stands out**: its turn, by more than `angle` degrees, is at least twice of what the
+/// turns beside it let expect (they may go on growing as they do, up to fourfold from point to
+/// point, as towards the nose of a wing). So an arc of five points has none, though it turns by
+/// 45 degrees at each. A turn of more than 75 degrees is one in any case, unless the turns grow
+/// towards it from both sides, and so is one of more than 30 where one side is three times as long
+/// as the other: squares and chamfers are given by their corners. In lists of eleven points or
+/// fewer a corner turns by 20 degrees at least, and is three times as large.
+///
+/// Where points are noisy, so that `angle` could be noise, arms of up to sixty points tell on either side:
+/// two parabolas that meet at a corner have to be nearer to the points than any one polynomial, up
+/// to the fifth degree, by more than chance would let them. The noise is estimated from third and
+/// fifth differences across the line. At most about three hundred points are looked at then: means
+/// of neighbours stand for more.
+///
+/// Cost: O(points); with noise up to some tens of milliseconds.
+std::vector<int> find_corners(const std::vector<Vec3>& points, bool closed, double angle);
+
+}  // namespace batten

@@ -1,0 +1,67 @@
+#include "batten/fairing/two_arms.h"
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "batten/core/words.h"
+
+namespace batten {
+
+const TwoArms::Shape& TwoArms::shape(int count, int corner, int degree) {
+  const auto [found, added] = shapes_.try_emplace({count, corner, degree});
+  Shape& s = found->second;
+  if (!added) return s;
+  const bool arms = corner >= 0;
+  const int columns = arms ? 1 + 2 * degree : 1 + degree;
+  s.values = MatX::Zero(count, columns);
+  s.slopes = MatX::Zero(count, columns);
+  for (int i = 0; i < count; ++i) {
+    const double x = (arms ? i - corner : i - 0.5 * (count - 1)) / (0.5 * count);
+    s.values(i, 0) = 1;
+    for (int d = 1; d <= degree; ++d) {
+      const int column = arms && i > corner ? degree + d : d;
+      s.values(i, column) = std::pow(x, d);
+      s.slopes(i, column) = d * std::pow(x, d - 1);
+    }
+  }
+  s.inverse = s.values.completeOrthogonalDecomposition().pseudoInverse();
+  return s;
+}
+
+TwoArms::Fit TwoArms::fit(const Shape& shape, const Points& points, double noise) {
+  Fit fit;
+  fit.coefficients = shape.inverse * points;
+  const Points off = points - shape.values * fit.coefficients,
+               way = shape.slopes * fit.coefficients;
+  for (long i = 0; i < points.rows(); ++i) {
+    const double along = way.row(i).squaredNorm();
+    const double part = along > 0 ? std::pow(off.row(i).dot(way.row(i)), 2) / along : 0;
+    fit.chi += (off.row(i).squaredNorm() - part) / (noise * noise);
+  }
+  return fit;
+}
+
+double TwoArms::gain(const Points& points, int corner, double noise, double least_turn) {
+  const auto count = static_cast<int>(points.rows());
+  double best = 0;
+  for (const int degree : {1, 2}) {
+    const int dof = count - 1 - 2 * degree;
+    if (dof < 2) continue;
+    const Fit arms = fit(shape(count, corner, degree), points, noise);
+    if (arms.chi > 1.3 * dof + 3 * std::sqrt(2.0 * dof)) continue;
+    const Vec3 before = arms.coefficients.row(1), behind = arms.coefficients.row(degree + 1);
+    const double turn = degrees_between(before, behind);
+    if (!(turn > least_turn)) continue;
+    double smooth = std::numeric_limits<double>::infinity();
+    for (int d = degree + 1; d <= 2 * degree + 1 && d < count - 1; ++d)
+      smooth = std::min(smooth, fit(shape(count, -1, d), points, noise).chi);
+    if (!std::isfinite(smooth)) continue;
+    const double sharpness = std::clamp(turn / 50, 0.7, 2.0);
+    best = std::max(best, sharpness * (smooth - arms.chi) / std::max(1.0, arms.chi / dof));
+  }
+  return best;
+}
+
+}  // namespace batten

@@ -1,0 +1,37 @@
+// Whether two arms that meet at a point are nearer to noisy points than a smooth curve. Internal.
+#pragma once
+
+#include <array>
+#include <map>
+
+#include "batten/core/eigen.h"
+
+namespace batten {
+
+class TwoArms {
+ public:
+  /// With χ² the sum of squared distances across the curve over the noise squared: by how much
+  /// that of the best smooth curve (a polynomial in the points' number, up to the third degree
+  /// beside straight arms, to the fifth beside parabolic ones) is above that of two arms that meet
+  /// at point `corner` (a row of `points`), over max(1, χ²/dof) of the latter and times the turn
+  /// over 50 degrees (0.7 to 2): noise seldom makes sharp turns. 0 where the arms meet at
+  /// `least_turn` degrees or less, or are no good fit themselves. `noise` > 0. Remembers the matrices of each size: later calls
+  /// cost O(points).
+  double gain(const Points& points, int corner, double noise, double least_turn);
+
+ private:
+  struct Shape {
+    MatX values, slopes, inverse;  // inverse: the least-squares coefficients of given points
+  };
+  struct Fit {
+    double chi = 0;
+    Points coefficients;
+  };
+  // Polynomials up to `degree`; with arms ≥ 0, on both sides of that point.
+  const Shape& shape(int count, int corner, int degree);
+  static Fit fit(const Shape& shape, const Points& points, double noise);
+
+  std::map<std::array<int, 3>, Shape> shapes_;
+};
+
+}  // namespace batten
