@@ -15,10 +15,10 @@ namespace {
 
 constexpr int few = 11;                // points, too few to tell noise
 constexpr double few_turn_by = 20;     // degrees, at least
-constexpr double at_end_turn_by = 40;  // where one side is a single chord
+constexpr double at_end_turn_by = 60;  // where one side is a single chord
 constexpr double sharp = 75;           // always a corner
 constexpr double uneven_turn_by = 30;  // and more: a corner between sides of
-constexpr double uneven = 3;           // this ratio
+constexpr double uneven = 2.5;         // this ratio
 constexpr double errors = 5;           // standard errors that are no chance
 
 double degrees(double radians) { return radians * 180 / std::numbers::pi; }
@@ -109,7 +109,7 @@ class CornerSearch {
     if (turn - errors * error > uneven_turn_by && more > uneven * less) return true;
     if (most < 0) return false;
     if (is_short && std::min(sides[0], sides[1]) < 0 && turn < at_end_turn_by) return false;
-    return turn > (is_short ? 3 : 2) * most && turn - most > errors * error;
+    return turn > (is_short ? 3 : 2.2) * most && turn - most > errors * error;
   }
 
   std::vector<int> in_points() const {

@@ -17,6 +17,12 @@ class Hermite final : public InputCurve {
     return curve_.evaluate(t, order);
   }
   std::vector<double> breaks() const override { return curve_.parameters(); }
+  std::vector<double> corners() const override {
+    std::vector<double> all;
+    for (const int node : curve_.mesh().corners())
+      all.push_back(curve_.parameters()[static_cast<size_t>(node)]);
+    return all;
+  }
   bool piecewise_cubic() const override { return true; }
 
  private:

@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,21 +22,32 @@ class InputCurve {
   virtual Vec3 evaluate(double t, int order = 0) const = 0;
   /// Parameters where derivatives may jump, start() and end() included, increasing.
   virtual std::vector<double> breaks() const { return {start(), end()}; }
+  /// Breaks at which the curve has a corner, however small its turn.
+  virtual std::vector<double> corners() const { return {}; }
   /// True when every piece between breaks is a polynomial of degree 3 or less in t: such lines are
   /// reproduced exactly, not fitted.
   virtual bool piecewise_cubic() const { return false; }
 };
 
-/// A curve through points, in their order. Between corners (where the direction turns by more than
-/// `corner_angle` degrees at a point) it is the C2 cubic spline through the points over their chord
-/// lengths, whose first and last pieces are parabolas; three points give a parabola, two a straight
-/// line. A point list whose last point
-/// equals its first is closed: C2 across the seam too, unless it turns a corner there. Throws
-/// InputError: fewer than two points, a number that is not finite, two successive points that
-/// coincide (closer than 1e-9 of the size), all points in one place. `name` is used in messages.
-std::shared_ptr<const InputCurve> curve_through_points(const std::string& name,
-                                                       const std::vector<Vec3>& points,
-                                                       double corner_angle = 20);
+/// A curve through points, in their order, C1 between corners. Between corners it is
+///
+/// - straight, or an arc, where points lie on a line or on a circle (point_runs()): exactly
+///   straight, and off the circle by 4e-6 of the radius where points are 45 degrees apart (it grows
+///   with the sixth power);
+/// - elsewhere the C2 cubic spline over chord lengths. It begins and ends along lines and arcs; at
+///   corners and ends its last piece is a parabola: three points give one unless they are an arc's.
+///
+/// Corners are the points of `corners` (numbers from 0), or found where it is not given: they turn by
+/// `corner_angle` degrees at least and stand out, as find_corners() says.
+///
+/// A point list whose last point equals its first is closed, smooth across the seam too, unless
+/// that is a corner. The slope is 1 where lines and arcs are. Throws InputError: fewer than two
+/// points, a number that is not finite, two successive points that coincide (closer than 1e-9 of
+/// the size), all points in one place, a stated corner that is not among the points. `name` is used
+/// in messages. Cost: O(points), and what find_corners() takes.
+std::shared_ptr<const InputCurve> curve_through_points(
+    const std::string& name, const std::vector<Vec3>& points, double corner_angle = 20,
+    const std::optional<std::vector<int>>& corners = {});
 
 /// A Hermite curve as an input curve.
 std::shared_ptr<const InputCurve> curve_from_hermite(HermiteCurve curve);

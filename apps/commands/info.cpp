@@ -5,11 +5,12 @@
 #include <cmath>
 #include <fstream>
 
-#include "batten/apps/commands/lines/line_files.h"
+#include "batten/apps/commands/lines/line_reading.h"
 #include "batten/apps/commands/shapes/make_model.h"
 #include "batten/core/errors.h"
 #include "batten/core/words.h"
 #include "batten/fairing/arc_length.h"
+#include "batten/fairing/fair_curve.h"
 #include "batten/io/cad/step.h"
 #include "batten/io/files/length_units.h"
 #include "batten/io/meshes/mesh_file.h"
@@ -87,17 +88,22 @@ std::string lines_text(const std::vector<SourceLine>& lines, const std::string& 
       text += "no length  at " + at(line.points.front()) + "\n";
       continue;
     }
-    FairOptions options;
-    options.corner_angle = corner_angle;
-    const auto curve = line.curve
-                           ? line.curve
-                           : curve_from_hermite(curve_as_given(line.name, line.points, options));
+    std::shared_ptr<const InputCurve> curve;
+    std::string remark;
+    try {
+      curve = line.as_curve(corner_angle);
+      if (!line.points.empty()) remark = "  " + words_of(reading_of(line, corner_angle));
+    } catch (const InputError& e) {
+      // Strokes may have points that repeat each other: fairing takes them.
+      curve = curve_from_hermite(curve_as_given(line.name, line.points));
+      remark = "  no line of a surface: " + std::string(e.what());
+    }
     text += "length " + number(ArcLength(curve).total()) + "  from " +
             at(curve->evaluate(curve->start())) + " to " + at(curve->evaluate(curve->end())) +
             (line.role == CharacterLine::Role::Inner  ? "  inner"
              : line.role == CharacterLine::Role::Hole ? "  hole"
                                                       : "") +
-            "\n";
+            remark + "\n";
   }
   return text;
 }

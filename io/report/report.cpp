@@ -251,6 +251,7 @@ Json contents(const Report& r) {
   Json json = beginning_of(r);
   json["lines"] = json_of(r.lines);
   if (!r.curves.empty()) json["curves"] = json_of(r.curves);
+  if (!r.surprises.empty()) json["lines_read"] = r.surprises;
   json["surface"] = json_of(r.surface);
   json["flaws"] = json_of(r.flaws);
   if (r.network) add_network(json, *r.network);

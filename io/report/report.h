@@ -26,7 +26,8 @@ struct Report : RunReport {
     double gap = 0;  ///< of an embedded line: gap between these points
   };
   std::vector<Line> lines;
-  std::vector<FairedLine> curves;  ///< the lines that [[fair]] faired
+  std::vector<FairedLine> curves;      ///< the lines that [[fair]] faired
+  std::vector<std::string> surprises;  ///< what one may not expect of how points were read
 
   struct Surface {
     int regions = 1, triangles = 0, dofs = 0;

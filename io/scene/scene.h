@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "batten/fairing/curve_shapes.h"
 #include "batten/io/files/toml_table.h"
 #include "batten/io/pictures/image.h"
 #include "batten/io/pictures/pictures.h"
@@ -25,7 +26,10 @@ struct SceneLine {
   std::filesystem::path file;  ///< path that can be opened; empty: the points are in the scene
   std::string unit;            ///< unit of the file's lengths; "": the scene's or the file's own
   std::vector<Vec3> points;    ///< points in the scene's unit
-  bool bezier = false;         ///< whether the points are four Bézier control points
+  std::shared_ptr<const InputCurve> curve;  ///< of a word: arc, circle, bezier, …
+  std::string copy;                         ///< name of the line that this one is a copy of
+  Placement placement;                      ///< of the copy
+  std::optional<std::vector<int>> corners;  ///< of the points, stated; not given: found
   CharacterLine::Role role = CharacterLine::Role::Outline;
   CharacterLine::Treatment treatment = CharacterLine::Treatment::Auto;
   std::vector<PlacedWord> only, skip, inner, holes;  ///< names of curves of a [[lines]]

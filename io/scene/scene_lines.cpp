@@ -1,5 +1,10 @@
 #include "batten/io/scene/scene_lines.h"
 
+#include <cmath>
+
+#include "batten/core/index.h"
+#include "batten/core/words.h"
+#include "batten/io/scene/scene_curves.h"
 #include "batten/io/scene/scene_words.h"
 
 namespace batten {
@@ -19,6 +24,62 @@ CharacterLine::Treatment read_treatment(const TomlTable& table) {
                        {"embedded", Treatment::Embedded}});
 }
 
+// corners = [3, 7], "none" or "all".
+std::optional<std::vector<int>> read_corners(const TomlTable& table, const SceneLine& line) {
+  if (!table.has("corners")) return std::nullopt;
+  if (line.points.empty() && line.file.empty())
+    table.fail("corners", "corners of a curve", "them only of points");
+  std::vector<int> corners;
+  if (!table.is_array("corners")) {
+    const bool all = table.choice("corners", true, {{"all", true}, {"none", false}});
+    if (all && !line.file.empty())
+      table.fail("corners", "\"all\" for the points of a file", "\"none\" or numbers of points");
+    for (int i = 1; all && i + 1 < count_of(line.points); ++i) corners.push_back(i);
+    if (all) corners.push_back(0);
+    return corners;
+  }
+  for (const double number : table.list("corners")) {
+    const bool whole = number == std::floor(number) && number >= 1 && number < 1e9;
+    if (!whole || (line.file.empty() && number > count_of(line.points)))
+      table.fail("corners", batten::number(number),
+                 line.file.empty() ? "numbers of points, 1 to " + std::to_string(line.points.size())
+                                   : "numbers of points, from 1 on");
+    corners.push_back(static_cast<int>(number) - 1);
+  }
+  return corners;
+}
+
+// Reads what shape the line has; returns the key that says it.
+std::string read_shape(const TomlTable& table, const std::filesystem::path& folder,
+                       SceneLine& line) {
+  std::vector<std::string> found;
+  for (const std::string& word : shape_words())
+    if (table.has(word)) found.push_back(word);
+  if (found.size() != 1)
+    table.fail("name",
+               found.empty() ? "the line '" + line.name + "' without its shape"
+                             : "more than one shape for the line '" + line.name + "'",
+               "one of: " + listed(shape_words()));
+  const std::string key = found.front();
+  if (table.has("unit") && key != "file")
+    table.fail("unit", "a unit beside '" + key + "'",
+               "it only beside 'file': the scene is in the scene's unit");
+  if (key == "file") {
+    line.file = folder / table.text("file");
+    if (table.has("unit")) line.unit = unit_word(table, "unit");
+  } else if (key == "points") {
+    line.points = table.points(key);
+    if (line.points.size() < 2)
+      table.fail(key, std::to_string(line.points.size()) + " points", "2 points or more");
+  } else if (key == "copy") {
+    line.copy = table.text("copy");
+    line.placement = read_placement(table);
+  } else {
+    line.curve = read_curve(table, key);
+  }
+  return key;
+}
+
 SceneLine read_line(const TomlTable& table, const std::filesystem::path& folder, bool roles) {
   SceneLine line;
   line.place = table.place();
@@ -27,29 +88,11 @@ SceneLine read_line(const TomlTable& table, const std::filesystem::path& folder,
     line.role = read_role(table);
     line.treatment = read_treatment(table);
   }
-  const int sources = table.has("file") + table.has("points") + table.has("bezier");
-  if (sources != 1)
-    table.fail("name",
-               sources == 0 ? "the line '" + line.name + "' without its shape"
-                            : "more than one shape for the line '" + line.name + "'",
-               "one of: file, points, bezier");
-  if (table.has("file")) {
-    line.file = folder / table.text("file");
-    if (table.has("unit")) line.unit = unit_word(table, "unit");
-    line.place = table.place("file");
-  } else {
-    line.bezier = table.has("bezier");
-    const std::string key = line.bezier ? "bezier" : "points";
-    line.points = table.points(key);
-    line.place = table.place(key);
-    if (table.has("unit"))
-      table.fail("unit", "a unit beside '" + key + "'",
-                 "it only beside 'file': points in the scene are in the scene's unit");
-    if (line.bezier && line.points.size() != 4)
-      table.fail(key, std::to_string(line.points.size()) + " points", "4 control points");
-    if (line.points.size() < 2)
-      table.fail(key, std::to_string(line.points.size()) + " points", "2 points or more");
-  }
+  line.place = table.place(read_shape(table, folder, line));
+  for (const std::string& key : placement_words())
+    if (table.has(key) && line.copy.empty())
+      table.fail(key, "'" + key + "' without 'copy'", "both: copy = \"the line's name\"");
+  line.corners = read_corners(table, line);
   return line;
 }
 
@@ -76,7 +119,9 @@ SceneLine read_lines(const TomlTable& table, const std::filesystem::path& folder
 }  // namespace
 
 std::vector<std::string> line_keys(bool roles) {
-  std::vector<std::string> keys = {"name", "file", "points", "bezier", "unit"};
+  std::vector<std::string> keys = {"name", "unit", "corners"};
+  keys.insert(keys.end(), shape_words().begin(), shape_words().end());
+  keys.insert(keys.end(), placement_words().begin(), placement_words().end());
   if (roles) keys.insert(keys.end(), {"role", "treatment"});
   return keys;
 }

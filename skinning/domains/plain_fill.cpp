@@ -141,9 +141,9 @@ std::optional<PlainFill> developable_fill(const std::vector<Vec3>& loop) {
         normal /= twice;
         cost += 0.5 * twice;
         if (a.apex >= 0)
-          cost += stiffness * 2 * (1 - normal.dot(a.normal)) * ik2 / (0.5 * twice + a.area);
+          cost += stiffness * (1 - normal.dot(a.normal)) * ik2 / std::min(0.5 * twice, a.area);
         if (b.apex >= 0)
-          cost += stiffness * 2 * (1 - normal.dot(b.normal)) * kj2 / (0.5 * twice + b.area);
+          cost += stiffness * (1 - normal.dot(b.normal)) * kj2 / std::min(0.5 * twice, b.area);
         if (cost < best.cost) best = {cost, k, normal, 0.5 * twice};
       }
       part(i, j) = best;

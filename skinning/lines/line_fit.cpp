@@ -110,10 +110,12 @@ std::vector<Stretch> cut_at_corners(const CharacterLine& line, double corner_ang
   if (line.given) return {{line.name, line.role, whole, line.treatment, line.given, line.curve}};
 
   std::vector<double> cuts = {curve.start()};
-  const std::vector<double> breaks = curve.breaks();
+  const std::vector<double> breaks = curve.breaks(), corners = curve.corners();
   for (size_t i = 1; i + 1 < breaks.size(); ++i) {
     const auto [a, b] = one_sided(curve, breaks[i]);
-    if (degrees_between(a, b) > corner_angle) cuts.push_back(breaks[i]);
+    if (degrees_between(a, b) > corner_angle ||
+        std::binary_search(corners.begin(), corners.end(), breaks[i]))
+      cuts.push_back(breaks[i]);
   }
   cuts.push_back(curve.end());
   if (cuts.size() == 2) return {{line.name, line.role, line.curve, line.treatment}};

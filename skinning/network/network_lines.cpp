@@ -107,10 +107,11 @@ std::vector<Strand> cut_line(const CharacterLine& line, int index, double corner
                       1e-9 * given_arc.total() + 64 * std::numeric_limits<double>::epsilon() *
                                                      whole->evaluate(a, 0).norm();
   std::vector<double> cuts;
-  const std::vector<double> breaks = whole->breaks();
+  const std::vector<double> breaks = whole->breaks(), corners = whole->corners();
   for (size_t i = 1; i + 1 < breaks.size(); ++i)
     if (degrees_between(tangent(*whole, breaks[i], -1), tangent(*whole, breaks[i], 1)) >
-        corner_angle)
+            corner_angle ||
+        std::binary_search(corners.begin(), corners.end(), breaks[i]))
       cuts.push_back(breaks[i]);
   const bool smooth_seam =
       closed && degrees_between(tangent(*whole, b, -1), tangent(*whole, a, 1)) <= corner_angle;
@@ -184,6 +185,14 @@ Vec3 Piece::evaluate(double t, int order) const {
   if (order > 0) u = std::clamp(u, from_ + sliver, to_ - sliver);
   if (u > whole_->end() && to_ > whole_->end()) u -= whole_->end() - whole_->start();
   return backwards_ && order == 1 ? Vec3(-whole_->evaluate(u, 1)) : whole_->evaluate(u, order);
+}
+
+std::vector<double> Piece::corners() const {
+  std::vector<double> inside;
+  for (const double c : whole_->corners())
+    if (c > from_ && c < to_) inside.push_back(backwards_ ? -c : c);
+  if (backwards_) std::reverse(inside.begin(), inside.end());
+  return inside;
 }
 
 std::vector<double> Piece::breaks() const {

@@ -23,6 +23,7 @@ class Piece final : public InputCurve {
   /// Derivatives at both ends are those of the part's own side.
   Vec3 evaluate(double t, int order) const override;
   std::vector<double> breaks() const override;
+  std::vector<double> corners() const override;
   bool piecewise_cubic() const override { return whole_->piecewise_cubic(); }
 
   /// The part from a to b in this piece's own parameter, or from b to a.

@@ -3,10 +3,9 @@
 #include <fstream>
 #include <numbers>
 
+#include "batten/core/errors.h"
 #include "batten/fairing/corners.h"
 #include "batten/fairing/curve_fit.h"
-
-#include "batten/core/errors.h"
 #include "batten/fairing/curve_fit_problem.h"
 #include "batten/tests/catch.h"
 #include "batten/tests/reference.h"
@@ -158,8 +157,8 @@ TEST_CASE("a cubic input is converted exactly, whatever the speeds of its pieces
   for (int k = 0; k <= 20; ++k)
     CHECK((one.evaluate(one.end() * k / 20.0) - first->evaluate(k / 20.0)).norm() < 2e-15);
 
-  const auto house =
-      curve_through_points("house", {{0, 0, 0}, {4, 0, 0}, {4, 3, 0}, {2, 5, 0}}, 30);
+  const auto house = curve_through_points("house", {{0, 0, 0}, {4, 0, 0}, {4, 3, 0}, {2, 5, 0}}, 30,
+                                          std::vector<int>{1, 2});
   const HermiteCurve cornered = *exact_curve(*house, 30);
   CHECK(cornered.mesh().corners() == std::vector<int>{1, 2});
   for (int k = 0; k <= 50; ++k) {

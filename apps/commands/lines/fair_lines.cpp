@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 
+#include "batten/apps/commands/lines/line_reading.h"
 #include "batten/apps/commands/runs/run_parts.h"
 #include "batten/core/box.h"
 #include "batten/core/index.h"
@@ -370,20 +371,29 @@ std::vector<FairedResult> fair_lines(const std::vector<SourceLine>& lines,
 }
 
 FairedLines faired_lines(const Scene& scene, const Progress& progress) {
-  if (scene.fairing.empty()) return {read_lines(scene), {}};
   const auto sources = read_sources(scene.lines, scene.file, scene.unit);
+  const double corner_angle = scene.skin.options.corner_angle;
+  FairedLines faired;
+  const auto as_given = [&](const SourceLine& line) {
+    faired.lines.push_back(character_line(line, corner_angle));
+    const std::string text = surprise(line, corner_angle);
+    if (!text.empty()) faired.surprises.push_back(text);
+  };
+  if (scene.fairing.empty()) {
+    for (const SourceLine& line : sources) as_given(line);
+    return faired;
+  }
   FairingSettings settings;
   settings.stages = scene.fairing;
   settings.hold_ends = true;
   settings.file = scene.file.string();
   const auto results = fair_lines(sources, settings, progress);
-  FairedLines faired;
   for (size_t i = 0; i < sources.size(); ++i) {
     const FairedResult& result = results[i];
     if (!result.warning.empty())
       throw InputError(sources[i].at + result.warning + ", expected lines with a length");
     if (!result.report.faired) {
-      faired.lines.push_back(character_line(sources[i], scene.skin.options.corner_angle));
+      as_given(sources[i]);
       continue;
     }
     faired.lines.push_back({sources[i].name, curve_from_hermite(result.states.back()),

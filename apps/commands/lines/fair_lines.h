@@ -48,7 +48,8 @@ std::vector<FairedResult> fair_lines(const std::vector<SourceLine>& lines,
 /// The lines of a scene's surface.
 struct FairedLines {
   std::vector<CharacterLine> lines;
-  std::vector<FairedLine> reports;  ///< reports on the lines that were faired
+  std::vector<FairedLine> reports;     ///< reports on the lines that were faired
+  std::vector<std::string> surprises;  ///< what a person may not expect of how points were read
 };
 /// Reads the lines that a scene's surface is made from. Lines that a [[fair]] names are faired,
 /// with ends held unless a stage says otherwise; all others are as given. Throws what read_lines()

@@ -63,13 +63,14 @@ bool contains(const std::vector<PlacedWord>& words, const std::string& name) {
 
 std::vector<SourceLine> lines_of(const SceneFile& scene, const SceneLine& source) {
   if (source.file.empty()) {
-    SourceLine line{source.name, scene.at(source.place), {}, nullptr,
-                    source.role, source.treatment};
-    const auto& p = source.points;
-    if (source.bezier)
-      line.curve = bezier_curve(p[0], p[1], p[2], p[3]);
-    else
-      line.points = p;
+    SourceLine line;
+    line.name = source.name;
+    line.at = scene.at(source.place);
+    line.points = source.points;
+    line.curve = source.curve;
+    line.corners = source.corners;
+    line.role = source.role;
+    line.treatment = source.treatment;
     return {line};
   }
   std::vector<SourceLine> lines = read_file(scene, source);
@@ -79,6 +80,7 @@ std::vector<SourceLine> lines_of(const SceneFile& scene, const SceneLine& source
                        " lines in '" + source.file.string() + "', expected one for the line '" +
                        source.name + "'; [[lines]] takes several");
     lines.front().name = source.name;
+    lines.front().corners = source.corners;
   }
   for (const auto* words : {&source.only, &source.skip, &source.inner, &source.holes})
     check_names(scene, source, *words, lines);
@@ -184,7 +186,7 @@ LineFileKind line_file_kind(const std::filesystem::path& file) {
 std::shared_ptr<const InputCurve> SourceLine::as_curve(double corner_angle) const {
   if (curve) return curve;
   try {
-    return curve_through_points(name, points, corner_angle);
+    return curve_through_points(name, points, corner_angle, corners);
   } catch (const InputError& e) {
     throw InputError(at + e.what());
   }
@@ -210,11 +212,57 @@ std::vector<SourceLine> read_source_file(const std::filesystem::path& file, cons
   return lines;
 }
 
+namespace {
+
+// Gives copies their shapes; they may be copies of copies.
+class Copies {
+ public:
+  Copies(const SceneFile& scene, std::vector<SourceLine>& lines,
+         const std::map<std::string, const SceneLine*>& copies)
+      : scene_(scene), lines_(lines), copies_(copies) {}
+
+  void make() {
+    for (const auto& [name, copy] : copies_) shape(name, *copy, 0);
+  }
+
+ private:
+  SourceLine& named(const std::string& name, const FilePlace& place) {
+    std::vector<std::string> names;
+    for (SourceLine& line : lines_) {
+      if (line.name == name) return line;
+      names.push_back(line.name);
+    }
+    throw InputError(scene_.at(place) + "found a copy of '" + name +
+                     "', expected one of: " + listed(names) + did_you_mean(name, names));
+  }
+
+  void shape(const std::string& name, const SceneLine& copy, size_t depth) {
+    SourceLine& line = named(name, copy.place);
+    if (line.curve || !line.points.empty()) return;
+    if (depth > copies_.size())
+      throw InputError(scene_.at(copy.place) + "found that '" + name +
+                       "' is a copy of itself, expected a copy of another line");
+    const auto of = copies_.find(copy.copy);
+    if (of != copies_.end()) shape(copy.copy, *of->second, depth + 1);
+    const SourceLine& given = named(copy.copy, copy.place);
+    for (const Vec3& p : given.points) line.points.push_back(copy.placement(p));
+    if (given.curve) line.curve = placed(given.curve, copy.placement);
+    line.corners = given.corners;
+  }
+
+  const SceneFile& scene_;
+  std::vector<SourceLine>& lines_;
+  const std::map<std::string, const SceneLine*>& copies_;
+};
+
+}  // namespace
+
 std::vector<SourceLine> read_sources(const std::vector<SceneLine>& lines,
                                      const std::filesystem::path& file, const std::string& unit) {
   const SceneFile scene{file.string(), unit};
   std::vector<SourceLine> all;
   std::map<std::string, FilePlace> places;
+  std::map<std::string, const SceneLine*> copies;
   for (const SceneLine& source : lines)
     for (SourceLine& line : lines_of(scene, source)) {
       const auto [it, added] = places.emplace(line.name, source.place);
@@ -222,8 +270,10 @@ std::vector<SourceLine> read_sources(const std::vector<SceneLine>& lines,
         throw InputError(scene.at(source.place) + "found the line name '" + line.name +
                          "' again (first in line " + std::to_string(it->second.line) +
                          "), expected each name once");
+      if (!source.copy.empty()) copies.emplace(line.name, &source);
       all.push_back(std::move(line));
     }
+  Copies(scene, all, copies).make();
   return all;
 }
 

@@ -22,6 +22,7 @@ struct SourceLine {
   std::string at;                           ///< its place for messages: "FILE:LINE:COLUMN: "
   std::vector<Vec3> points;                 ///< model units; empty when there is a curve
   std::shared_ptr<const InputCurve> curve;  ///< set for lines of CAD files, sketches and Béziers
+  std::optional<std::vector<int>> corners = {};  ///< of `points`, stated; not given: found
   CharacterLine::Role role = CharacterLine::Role::Outline;
   CharacterLine::Treatment treatment = CharacterLine::Treatment::Auto;
 

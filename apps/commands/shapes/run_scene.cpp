@@ -208,6 +208,7 @@ std::string network_summary(const Report& report, const std::filesystem::path& f
   const auto& s = report.surface;
   const std::string unit = " " + report.unit;
   std::string text = report.name + "\n";
+  text += listed_lines("read", report.surprises);
   text += line_results(n, unit);
   text += region_results(n, s);
   const bool skinned =
@@ -284,7 +285,7 @@ std::string summary(const Report& report, const std::filesystem::path& folder) {
   double deviation = 0;
   for (const auto& line : report.lines) deviation = std::max(deviation, line.deviation);
 
-  std::string text = report.name + "\n";
+  std::string text = report.name + "\n" + listed_lines("read", report.surprises);
   text += result_line(
       "lines", std::to_string(report.lines.size()) + ", fitted within " + number(deviation) + unit);
   text +=

@@ -37,6 +37,7 @@ MadeModel model_of(ShapeRun& run, const Scene& scene, const Progress& progress) 
   progress.at("lines", 0);
   const FairedLines lines = faired_lines(scene, progress);
   run.report.curves = lines.reports;
+  run.report.surprises = lines.surprises;
   run.watch.lap("lines");
   MadeModel made = make_model(scene, lines.lines, progress);
   run.tolerance = made.fit_tolerance;

@@ -114,7 +114,7 @@ file = "sweep.png"
   REQUIRE(s.lines.size() == 3);
   CHECK(s.lines[0].file == std::filesystem::path("dir/lines/cowl.csv"));
   CHECK(s.lines[0].unit == "mm");
-  CHECK(s.lines[1].bezier);
+  CHECK(s.lines[1].curve);
   CHECK(s.lines[1].role == CharacterLine::Role::Inner);
   CHECK(s.lines[2].name.empty());
   CHECK(s.lines[2].only[1].text == "edge3");

@@ -1,0 +1,28 @@
+// How lines that are given by points were read: corners, closedness.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "batten/apps/commands/lines/line_files.h"
+
+namespace batten {
+
+struct LineReading {
+  int points = 0;
+  std::vector<int> corners;          ///< numbers of points, from 1
+  std::vector<double> corner_turns;  ///< degrees from chord to chord there
+  bool closed = false;
+  double smooth_turn = 0;  ///< largest turn at a point that is no corner, degrees
+};
+
+/// For a line that is given by points. Throws InputError as SourceLine::as_curve().
+LineReading reading_of(const SourceLine& line, double corner_angle);
+
+/// In words: "49 points, closed, corners at 3, 7".
+std::string words_of(const LineReading& reading);
+/// What a person may not expect, in words: large turns that are no corners, slight ones that are.
+/// "" where there is nothing of the kind, or where corners are stated.
+std::string surprise(const SourceLine& line, double corner_angle);
+
+}  // namespace batten

@@ -1,0 +1,160 @@
+#include "batten/fairing/point_runs.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "batten/core/index.h"
+#include "batten/core/words.h"
+
+namespace batten {
+namespace {
+
+constexpr double on_it = 5e-5;       // of the chord
+constexpr double same_way = 0.5;     // degrees
+constexpr double most_turn = 75;     // degrees, at a point of an arc
+constexpr double most_uneven = 2.5;  // chords of an arc that few points tell
+
+struct Circle {
+  Vec3 centre, axis;  // points go around the axis counterclockwise
+  double radius = 0;
+  Vec3 tangent(const Vec3& p) const { return axis.cross(p - centre).normalized(); }
+};
+
+std::optional<Circle> circle_through(const Vec3& a, const Vec3& b, const Vec3& c) {
+  const Vec3 ab = b - a, ac = c - a, normal = ab.cross(ac);
+  if (!(normal.norm() > 1e-9 * ab.norm() * ac.norm())) return std::nullopt;
+  const Vec3 to_centre =
+      (normal.cross(ab) * ac.squaredNorm() + ac.cross(normal) * ab.squaredNorm()) /
+      (2 * normal.squaredNorm());
+  return Circle{a + to_centre, normal.normalized(), to_centre.norm()};
+}
+
+class RunSearch {
+ public:
+  explicit RunSearch(const std::vector<Vec3>& points) : p_(points), last_(count_of(points) - 1) {}
+
+  std::vector<PointRun> run() {
+    for (int i = 0; i + 2 <= last_;) {
+      const int straight = straight_from(i);
+      const int arc = straight > i ? i : arc_from(i);
+      const int end = std::max(straight, arc);
+      if (end == i) {
+        ++i;
+        continue;
+      }
+      add(i, end, straight > i);
+      i = end;
+    }
+    agree();
+    return std::move(runs_);
+  }
+
+ private:
+  double turn(int i) const { return degrees_between(p_[i] - p_[i - 1], p_[i + 1] - p_[i]); }
+  Vec3 axis(int i) const { return (p_[i] - p_[i - 1]).cross(p_[i + 1] - p_[i]); }
+  double chord(int i) const { return (p_[i + 1] - p_[i]).norm(); }
+
+  bool is_straight(int a, int b) const {
+    const Vec3 way = (p_[b] - p_[a]).normalized();
+    double before = 0;
+    for (int i = a + 1; i <= b; ++i) {
+      const Vec3 d = p_[i] - p_[a];
+      const double along = d.dot(way);
+      if (!(along > before) || (d - along * way).norm() > on_it * (p_[b] - p_[a]).norm())
+        return false;
+      before = along;
+    }
+    return true;
+  }
+
+  // The last point of the straight run that begins at i; i itself if there is none.
+  int straight_from(int i) const {
+    int end = i + 1;
+    while (end < last_ && is_straight(i, end + 1)) ++end;
+    if (end - i < 2) return i;
+    const bool inflects = end - i == 2 && i > 0 && end < last_ && axis(i).dot(axis(end)) < 0;
+    return inflects ? i : end;
+  }
+
+  bool is_arc(int a, int b) const {
+    const auto circle = circle_through(p_[a], p_[(a + b) / 2], p_[b]);
+    if (!circle) return false;
+    const double near =
+        on_it * std::min((p_[b] - p_[a]).norm() + circle->radius, 4 * circle->radius);
+    for (int i = a; i <= b; ++i) {
+      const Vec3 d = p_[i] - circle->centre;
+      const double out = d.dot(circle->axis);
+      if (std::abs(out) > near || std::abs(d.norm() - circle->radius) > near) return false;
+      if (i == a || i == b) continue;
+      if (turn(i) > most_turn || axis(i).dot(circle->axis) <= 0) return false;
+    }
+    return true;
+  }
+
+  int arc_from(int i) const {
+    int end = i + 1;
+    // The middle point moves as the arc grows: one that fails may go on.
+    while (end < last_ && is_arc(i, end + 1)) ++end;
+    constexpr int sure = 4;  // chords
+    if (end - i < 2) return i;
+    return end - i >= sure || is_told(i, end) ? end : i;
+  }
+
+  // Whether few points are an arc: all there are, or one that goes on along both chords beside it.
+  bool is_told(int a, int b) const {
+    for (int i = a; i + 1 < b; ++i)
+      if (std::max(chord(i), chord(i + 1)) > most_uneven * std::min(chord(i), chord(i + 1)))
+        return false;
+    if (a == 0 && b == last_) return true;
+    const Circle circle = *circle_through(p_[a], p_[(a + b) / 2], p_[b]);
+    const bool before =
+                   a == 0 || degrees_between(p_[a] - p_[a - 1], circle.tangent(p_[a])) < same_way,
+               behind = b == last_ ||
+                        degrees_between(p_[b + 1] - p_[b], circle.tangent(p_[b])) < same_way;
+    return before && behind;
+  }
+
+  void add(int a, int b, bool straight) {
+    PointRun run{a, b, {}};
+    if (straight) {
+      run.tangents.assign(static_cast<size_t>(b - a) + 1, (p_[b] - p_[a]).normalized());
+    } else {
+      const Circle circle = *circle_through(p_[a], p_[(a + b) / 2], p_[b]);
+      for (int i = a; i <= b; ++i) run.tangents.push_back(circle.tangent(p_[i]));
+    }
+    runs_.push_back(std::move(run));
+  }
+
+  // Where two runs share a point they have one tangent, or the longer one leaves a chord to what is
+  // between them.
+  void agree() {
+    for (size_t k = 0; k + 1 < runs_.size(); ++k) {
+      PointRun &a = runs_[k], &b = runs_[k + 1];
+      if (a.last != b.first) continue;
+      Vec3 &before = a.tangents.back(), &behind = b.tangents.front();
+      if (degrees_between(before, behind) < same_way) {
+        before = behind = (before + behind).normalized();
+      } else if (a.tangents.size() > b.tangents.size()) {
+        a.tangents.pop_back();
+        --a.last;
+      } else {
+        b.tangents.erase(b.tangents.begin());
+        ++b.first;
+      }
+    }
+  }
+
+  const std::vector<Vec3>& p_;
+  int last_;
+  std::vector<PointRun> runs_;
+};
+
+}  // namespace
+
+std::vector<PointRun> point_runs(const std::vector<Vec3>& points) {
+  return RunSearch(points).run();
+}
+
+}  // namespace batten

@@ -1,0 +1,117 @@
+#include <cmath>
+#include <numbers>
+
+#include "batten/core/errors.h"
+#include "batten/fairing/arc_length.h"
+#include "batten/fairing/curve_shapes.h"
+#include "batten/tests/catch.h"
+
+using namespace batten;
+using Catch::Matchers::Contains;
+
+namespace {
+
+constexpr double pi = std::numbers::pi;
+
+// Largest difference between the derivatives and differences of the curve.
+double error_of_derivatives(const InputCurve& curve) {
+  double most = 0;
+  const double h = 1e-5 * (curve.end() - curve.start());
+  for (int k = 1; k < 40; ++k) {
+    const double t = curve.start() + (curve.end() - curve.start()) * (k + 0.123) / 41;
+    for (const int order : {1, 2}) {
+      const Vec3 exact = curve.evaluate(t, order);
+      const Vec3 difference =
+          (curve.evaluate(t + h, order - 1) - curve.evaluate(t - h, order - 1)) / (2 * h);
+      most = std::max(most, (exact - difference).norm() / std::max(1.0, exact.norm()));
+    }
+  }
+  return most;
+}
+
+}  // namespace
+
+TEST_CASE("arcs, ellipses and helices are their formulas") {
+  const auto half = arc_through({5, 0, 1}, {0, 5, 1}, {-5, 0, 1});
+  CHECK(ArcLength(half).total() == Approx(5 * pi));
+  CHECK((half->evaluate(half->end()) - Vec3(-5, 0, 1)).norm() < 1e-14);
+  const auto other = arc_through({5, 0, 1}, {0, -5, 1}, {0, 5, 1});
+  CHECK(ArcLength(other).total() == Approx(7.5 * pi));
+  const CurvePlane plane = curve_plane({1, 2, 3}, {0, 1, 1}, {1, 0, 0});
+  CHECK(plane.x.cross(plane.y).dot(Vec3(0, 1, 1)) == Approx(std::sqrt(2)));
+  const auto ellipse = ellipse_arc(plane, 3, 2, 0, -pi);
+  for (int k = 0; k <= 20; ++k) {
+    const Vec3 d = ellipse->evaluate(ellipse->end() * k / 20) - plane.centre;
+    CHECK(std::pow(d.dot(plane.x) / 3, 2) + std::pow(d.dot(plane.y) / 2, 2) == Approx(1));
+    CHECK(d.dot(plane.y) < 1e-12);  // backwards
+    CHECK(std::abs(d.dot(plane.normal())) < 1e-12);
+  }
+  const auto screw = helix(plane, 2, 3, 2.5);
+  CHECK(ArcLength(screw).total() == Approx(2.5 * std::hypot(4 * pi, 3)));
+  CHECK((screw->evaluate(screw->end()) - screw->evaluate(0)).dot(plane.normal()) == Approx(7.5));
+  for (const auto& curve : {half, other, ellipse, screw})
+    CHECK(error_of_derivatives(*curve) < 1e-7);
+}
+
+TEST_CASE("a rectangle has its sides and corners") {
+  const CurvePlane plane;
+  const auto sharp = rectangle(plane, 100, 60, 0), round = rectangle(plane, 100, 60, 8);
+  CHECK(ArcLength(sharp).total() == Approx(320));
+  CHECK(ArcLength(round).total() == Approx(320 - 64 + 16 * pi));
+  for (const auto& curve : {sharp, round}) {
+    CHECK((curve->evaluate(curve->end()) - curve->evaluate(0)).norm() < 1e-12);
+    CHECK((curve->evaluate(0) - Vec3(0, -30, 0)).norm() < 1e-12);
+    CHECK(curve->evaluate(1).x() == Approx(1));
+  }
+  const auto t = round->breaks();
+  for (size_t i = 1; i + 1 < t.size(); ++i)
+    CHECK((round->evaluate(t[i] - 1e-9, 1) - round->evaluate(t[i] + 1e-9, 1)).norm() < 1e-6);
+  CHECK(ArcLength(rectangle(plane, 20, 20, 10)).total() == Approx(20 * pi));
+}
+
+TEST_CASE("splines by their poles: Bézier, circle by weights, multiple knots") {
+  const std::vector<Vec3> p = {{0, 0, 0}, {1, 2, 0}, {3, 2, 1}, {4, 0, 0}, {6, 1, 2}};
+  const auto bezier = bezier_curve(p[0], p[1], p[2], p[3]),
+             same = nurbs_curve(3, {p.begin(), p.end() - 1}, {}, {});
+  for (int k = 0; k <= 10; ++k)
+    for (const int order : {0, 1, 2})
+      CHECK((bezier->evaluate(k / 10.0, order) - same->evaluate(k / 10.0, order)).norm() < 1e-12);
+  CHECK(same->piecewise_cubic());
+  const double w = std::sqrt(0.5);
+  const auto quarter = nurbs_curve(2, {{1, 0, 0}, {1, 1, 0}, {0, 1, 0}}, {1, w, 1}, {});
+  CHECK_FALSE(quarter->piecewise_cubic());
+  for (int k = 0; k <= 20; ++k)
+    CHECK(quarter->evaluate(k / 20.0).norm() == Approx(1).epsilon(1e-14));
+  const auto kinked = nurbs_curve(2, p, {}, {0, 0, 0, 1, 1, 2, 2, 2});
+  CHECK(kinked->breaks() == std::vector<double>{0, 1, 2});
+  CHECK((kinked->evaluate(1) - p[2]).norm() < 1e-14);
+  const auto five = nurbs_curve(4, p, {1, 2, 1, 3, 1}, {});
+  for (const auto& curve :
+       {same, quarter, five, nurbs_curve(3, p, {}, {}), nurbs_curve(1, p, {}, {})})
+    CHECK(error_of_derivatives(*curve) < 1e-7);
+}
+
+TEST_CASE("copies are where they are put") {
+  const auto arc = arc_through({5, 0, 1}, {0, 5, 1}, {-5, 0, 1});
+  const Placement there = scaled({0, 0, 1}, 2).then(turned({0, 0, 0}, {0, 0, 1}, pi / 2));
+  const auto copy = placed(arc, there.then(mirrored({0, 0, 0}, {0, 0, 3})));
+  CHECK((copy->evaluate(copy->start()) - Vec3(0, 10, -1)).norm() < 1e-13);
+  CHECK(error_of_derivatives(*copy) < 1e-7);
+  CHECK(ArcLength(copy).total() == Approx(10 * pi));
+}
+
+TEST_CASE("what describes no curve is refused with what was found") {
+  const CurvePlane plane;
+  CHECK_THROWS_WITH(arc_through({0, 0, 0}, {1, 0, 0}, {2, 0, 0}), Contains("on a line"));
+  CHECK_THROWS_WITH(ellipse_arc(plane, -1, 1, 0, 1), Contains("found the radius -1"));
+  CHECK_THROWS_WITH(ellipse_arc(plane, 1, 1, 0, 7), Contains("360 apart"));
+  CHECK_THROWS_WITH(helix(plane, 1, 1, 0), Contains("number of turns"));
+  CHECK_THROWS_WITH(rectangle(plane, 10, 4, 3), Contains("expected 0 to 2"));
+  CHECK_THROWS_WITH(curve_plane({0, 0, 0}, {0, 0, 1}, {0, 0, 2}), Contains("along the normal"));
+  CHECK_THROWS_WITH(nurbs_curve(3, {{0, 0, 0}, {1, 0, 0}}, {}, {}), Contains("expected 4 or more"));
+  const std::vector<Vec3> p = {{0, 0, 0}, {1, 1, 0}, {2, 0, 0}};
+  CHECK_THROWS_WITH(nurbs_curve(2, p, {1, 1}, {}), Contains("one for each"));
+  CHECK_THROWS_WITH(nurbs_curve(2, p, {1, 0, 1}, {}), Contains("weights above 0"));
+  CHECK_THROWS_WITH(nurbs_curve(2, p, {}, {0, 0, 0, 1, 1}), Contains("expected 6"));
+  CHECK_THROWS_WITH(nurbs_curve(2, p, {}, {0, 0, 1, 0, 1, 1}), Contains("do not descend"));
+}
