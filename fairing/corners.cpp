@@ -80,15 +80,18 @@ class CornerSearch {
     return step > 0 ? degrees(noise_ * std::sqrt(6.0) / step) : 360;
   }
 
-  // What the turns beside point i, on one side, let expect there. Negative: nothing.
-  double expected(int i, int side) const {
-    if (!row_.inside(i + side)) return -1;
+  // The turn beside point i, on one side, and what it would be there if it went on growing as it
+  // does. Negative: nothing is known.
+  struct Beside {
+    double turn = -1, grown = -1;
+  };
+  Beside beside(int i, int side) const {
+    if (!row_.inside(i + side)) return {};
     const double next = turn_at(i + side);
-    constexpr double none = 0.5, most_growth = 4;  // degrees; ratio
-    if (!row_.inside(i + 2 * side)) return next;
-    const double behind = turn_at(i + 2 * side);
-    if (next <= 2 * none) return next;
-    return next * std::clamp(next / std::max(behind, none), 1.0, most_growth);
+    constexpr double none = 0.5, most_growth = 3;  // degrees; ratio
+    if (!row_.inside(i + 2 * side) || next <= 2 * none) return {next, next};
+    const double behind = std::max(turn_at(i + 2 * side), none);
+    return {next, next * std::clamp(next / behind, 1.0, most_growth)};
   }
   double turn_at(int i) const { return turn_[static_cast<size_t>(row_.number(i))]; }
 
@@ -99,17 +102,17 @@ class CornerSearch {
     const double turn = turn_at(i);
     if (turn <= std::max(is_short ? std::max(angle_, few_turn_by) : angle_, errors * error))
       return false;
-    const double sides[2] = {expected(i, -1), expected(i, 1)};
-    const double most = std::max(sides[0], sides[1]);
+    const Beside left = beside(i, -1), right = beside(i, 1);
+    const double next = std::max(left.turn, right.turn), grown = std::max(left.grown, right.grown);
     // Towards a nose turns grow from both sides.
-    const bool nose = std::min(sides[0], sides[1]) > 0.8 * turn &&
-                      std::max(turn_at(i - 1), turn_at(i + 1)) < 0.5 * turn;
+    const bool nose = std::min(left.grown, right.grown) > 0.8 * turn && next < 0.5 * turn;
     if (turn > sharp) return !nose;
     const auto [less, more] = std::minmax(before, after);
     if (turn - errors * error > uneven_turn_by && more > uneven * less) return true;
-    if (most < 0) return false;
-    if (is_short && std::min(sides[0], sides[1]) < 0 && turn < at_end_turn_by) return false;
-    return turn > (is_short ? 3 : 2.2) * most && turn - most > errors * error;
+    if (next < 0) return false;
+    if (is_short && std::min(left.turn, right.turn) < 0 && turn < at_end_turn_by) return false;
+    return turn > std::max((is_short ? 3 : 2.2) * next, 1.2 * grown) &&
+           turn - grown > errors * error;
   }
 
   std::vector<int> in_points() const {

@@ -10,13 +10,14 @@ namespace batten {
 /// Points at which a line turns a corner, ascending, the ends of an open list not among them.
 /// `closed`: the list goes on from its last point to its first, which it does not repeat.
 ///
-/// A corner **stands out**: its turn, by more than `angle` degrees, is at least twice of what the
-/// turns beside it let expect (they may go on growing as they do, up to fourfold from point to
-/// point, as towards the nose of a wing). So an arc of five points has none, though it turns by
-/// 45 degrees at each. A turn of more than 75 degrees is one in any case, unless the turns grow
-/// towards it from both sides, and so is one of more than 30 where one side is three times as long
-/// as the other: squares and chamfers are given by their corners. In lists of eleven points or
-/// fewer a corner turns by 20 degrees at least, and is three times as large.
+/// A corner **stands out**: its turn, by more than `angle` degrees, is at least 2.2 times as large
+/// as the turns beside it, and more than these would be there if they went on growing as they do,
+/// up to threefold from point to point. So an arc of five points has none, though it turns by 45
+/// degrees at each. A turn of more than 75 degrees is one in any case, unless the turns grow towards
+/// it from both sides as towards the nose of a wing, and so is one of more than 30 where one side is
+/// 2.5 times as long as the other: squares and chamfers are given by their corners. In lists of
+/// eleven points or fewer a corner turns by 20 degrees at least, is three times as large, and turns
+/// by 60 where one side of it is a single chord.
 ///
 /// Where points are noisy, so that `angle` could be noise, arms of up to sixty points tell on either side:
 /// two parabolas that meet at a corner have to be nearer to the points than any one polynomial, up
