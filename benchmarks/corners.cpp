@@ -19,8 +19,8 @@ using namespace batten::bench;
 struct Line {
   std::string kind;
   double noise = 0;  // over the size
-  std::vector<Vec3> points;
-  std::vector<int> corners;
+  std::vector<Vec3> points = {};
+  std::vector<int> corners = {};
 };
 
 double radians(double degrees) { return degrees * std::numbers::pi / 180; }
@@ -150,7 +150,7 @@ class Lines {
 };
 
 std::vector<int> every_turn(const std::vector<Vec3>& p) {
-  std::vector<int> corners;
+  std::vector<int> corners = {};
   for (size_t i = 1; i + 1 < p.size(); ++i)
     if (degrees_between(p[i] - p[i - 1], p[i + 1] - p[i]) > 20)
       corners.push_back(static_cast<int>(i));

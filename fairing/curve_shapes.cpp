@@ -72,6 +72,25 @@ class Placed final : public InputCurve {
   Placement placement_;
 };
 
+// Cubics of 15 degrees or less with unit slopes at their ends: off the circle by 1e-8 of its radius.
+std::shared_ptr<const InputCurve> circle_arc(const CurvePlane& plane, double radius, double from,
+                                             double to) {
+  const double sweep = to - from;
+  const bool closed = std::abs(sweep) > 2 * pi * (1 - 1e-12);
+  const int pieces = std::max(1, static_cast<int>(std::ceil(std::abs(sweep) * 12 / pi - 1e-9)));
+  const double step = sweep / pieces;
+  std::vector<double> u;
+  for (int i = 0; i <= pieces; ++i) u.push_back(i * 4 * std::tan(std::abs(step) / 4) * radius);
+  const int nodes = closed ? pieces : pieces + 1;
+  Points dofs(2 * nodes, 3);
+  for (int i = 0; i < nodes; ++i) {
+    const double t = from + i * step, sign = sweep > 0 ? 1 : -1;
+    dofs.row(2 * i) = plane.centre + radius * (std::cos(t) * plane.x + std::sin(t) * plane.y);
+    dofs.row(2 * i + 1) = sign * (std::cos(t) * plane.y - std::sin(t) * plane.x);
+  }
+  return curve_from_hermite(HermiteCurve(CurveMesh(u, closed), std::move(dofs)));
+}
+
 std::shared_ptr<const InputCurve> straight(const Vec3& a, const Vec3& b) {
   const double length = (b - a).norm();
   Points x(2, 3), slope(2, 3);
@@ -101,6 +120,7 @@ std::shared_ptr<const InputCurve> ellipse_arc(const CurvePlane& plane, double a,
                      number(to * 180 / pi) +
                      " degrees, expected two angles that are not equal and "
                      "at most 360 apart");
+  if (a == b) return circle_arc(plane, a, from, to);
   const double r = std::max(a, b), sign = sweep > 0 ? 1 : -1;
   return curve_from_formula(0, std::abs(sweep) * r, [=](double u, int order) -> Vec3 {
     const double t = from + sign * u / r, rate = std::pow(sign / r, order);

@@ -20,10 +20,11 @@ struct CurvePlane {
 /// parallel to it.
 CurvePlane curve_plane(const Vec3& centre, const Vec3& normal, const Vec3& along);
 
-/// The circular arc from a over b to c. u is the length. Throws InputError when they are on a line.
+/// The circular arc from a over b to c, as ellipse_arc() makes it. Throws InputError when they are on a line.
 std::shared_ptr<const InputCurve> arc_through(const Vec3& a, const Vec3& b, const Vec3& c);
 /// centre + a cos t x + b sin t y for t between two angles in radians, backwards when `to` < `from`;
-/// closed when they are 2π apart. u is |t| times the larger of a and b. Throws InputError: a
+/// closed when they are 2π apart. Circular arcs are cubics that are off the circle by 1e-8 of the
+/// radius, and u is the length to as much; of others u is |t| times the larger radius. Throws InputError: a
 /// radius that is not above 0, angles that are equal or more than 2π apart.
 std::shared_ptr<const InputCurve> ellipse_arc(const CurvePlane& plane, double a, double b,
                                               double from, double to);
