@@ -37,14 +37,15 @@ class Spline final : public InputCurve {
     return all;
   }
   Vec3 evaluate(double t, int order) const override {
-    std::array<Homogeneous, 3> h;
-    for (int d = 0; d <= order; ++d) h[d] = de_boor(t, d);
-    const double w = h[0][3];
-    const Vec3 x = h[0].head<3>() / w;
+    const Homogeneous h = de_boor(t, 0);
+    const double w = h[3];
+    const Vec3 x = h.head<3>() / w;
     if (order == 0) return x;
-    const Vec3 x1 = (h[1].head<3>() - h[1][3] * x) / w;
+    const Homogeneous h1 = de_boor(t, 1);
+    const Vec3 x1 = (h1.head<3>() - h1[3] * x) / w;
     if (order == 1) return x1;
-    return (h[2].head<3>() - 2 * h[1][3] * x1 - h[2][3] * x) / w;
+    const Homogeneous h2 = de_boor(t, 2);
+    return (h2.head<3>() - 2 * h1[3] * x1 - h2[3] * x) / w;
   }
 
  private:
