@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 #include "batten/core/index.h"
@@ -75,7 +76,15 @@ class RunSearch {
     while (end < last_ && is_straight(i, end + 1)) ++end;
     if (end - i < 2) return i;
     const bool inflects = end - i == 2 && i > 0 && end < last_ && axis(i).dot(axis(end)) < 0;
-    return inflects ? i : end;
+    if (inflects) return i;
+    // Dense points of any curve are nearly straight: a line turns at its ends, and nowhere else.
+    double inside = 0, beside = 0;
+    for (int k = i + 1; k < end; ++k) inside = std::max(inside, turn(k));
+    for (const int k : {i, end})
+      if (k > 0 && k < last_) beside = std::max(beside, turn(k));
+    constexpr double least = 0.5;                      // degrees
+    const double share = end - i == 2 ? 0.001 : 0.05;  // three points are soon nearly on a line
+    return beside > least && inside < share * beside ? end : i;
   }
 
   bool is_arc(int a, int b) const {
@@ -98,8 +107,28 @@ class RunSearch {
     // The middle point moves as the arc grows: one that fails may go on.
     while (end < last_ && is_arc(i, end + 1)) ++end;
     constexpr int sure = 4;  // chords
-    if (end - i < 2) return i;
+    if (end - i < 2 || !ends_bending(i, end)) return i;
     return end - i >= sure || is_told(i, end) ? end : i;
+  }
+
+  // Curvature of the circle through a point and its neighbours.
+  double bend(int i) const {
+    const Vec3 a = p_[i] - p_[i - 1], b = p_[i + 1] - p_[i];
+    return 2 * a.cross(b).norm() / (a.norm() * b.norm() * (a + b).norm());
+  }
+  // Dense points of any curve are nearly on a circle. An arc bends as much at all its points, and
+  // otherwise at its ends.
+  bool ends_bending(int a, int b) const {
+    double least = std::numeric_limits<double>::infinity(), most = 0;
+    for (int k = a + 1; k < b; ++k) {
+      least = std::min(least, bend(k));
+      most = std::max(most, bend(k));
+    }
+    constexpr double even = 1.02, other = 0.2;  // ratio; share
+    if (most > even * least) return false;
+    for (const int k : {a, b})
+      if (k > 0 && k < last_ && std::abs(bend(k) / most - 1) < other) return false;
+    return true;
   }
 
   // Whether few points are an arc: all there are, or one that goes on along both chords beside it.
@@ -108,6 +137,9 @@ class RunSearch {
       if (std::max(chord(i), chord(i + 1)) > most_uneven * std::min(chord(i), chord(i + 1)))
         return false;
     if (a == 0 && b == last_) return true;
+    constexpr double clear = 10;  // degrees: chords of dense points always leave along each other
+    for (int i = a + 1; i < b; ++i)
+      if (turn(i) < clear) return false;
     const Circle circle = *circle_through(p_[a], p_[(a + b) / 2], p_[b]);
     const bool before =
                    a == 0 || degrees_between(p_[a] - p_[a - 1], circle.tangent(p_[a])) < same_way,

@@ -108,6 +108,25 @@ TEST_CASE("a straight stretch stays straight beside a bow, symmetric curves are 
                  [](const Vec3& p) { return p.y() - std::sin(p.x()); }) < 5e-3);
 }
 
+TEST_CASE("dense points of smooth curves are left to the spline") {
+  for (const int count : {40, 54, 70, 100, 400}) {
+    std::vector<Vec3> wave, ellipse;
+    for (int i = 0; i <= count; ++i) {
+      const double t = 2 * pi * i / count;
+      wave.emplace_back(5 * t, std::sin(t), 0.1 * t * t);
+      ellipse.emplace_back(3 * std::cos(t), 2 * std::sin(t), 0);
+    }
+    INFO(count);
+    CHECK(point_runs(wave).empty());
+    CHECK(point_runs(ellipse).empty());
+    // C2: no jump of the second derivative.
+    const auto curve = curve_through_points("wave", wave);
+    const auto t = curve->breaks();
+    for (size_t i = 1; i + 1 < t.size(); ++i)
+      CHECK((curve->evaluate(t[i] - 1e-9, 2) - curve->evaluate(t[i] + 1e-9, 2)).norm() < 1e-6);
+  }
+}
+
 TEST_CASE("corners may be stated") {
   const std::vector<Vec3> points = {{0, 0, 0},   {1, 0, 0},   {2, 0, 0},
                                     {3, 0.2, 0}, {4, 0.4, 0}, {5, 0.6, 0}};
