@@ -38,8 +38,8 @@ class RunSearch {
 
   std::vector<PointRun> run() {
     for (int i = 0; i + 2 <= last_;) {
-      const int straight = straight_from(i);
-      const int arc = straight > i ? i : arc_from(i);
+      const int straight = i >= no_line_before_ ? straight_from(i) : i;
+      const int arc = straight > i || i < no_arc_before_ ? i : arc_from(i);
       const int end = std::max(straight, arc);
       if (end == i) {
         ++i;
@@ -70,10 +70,24 @@ class RunSearch {
     return true;
   }
 
-  // The last point of the straight run that begins at i; i itself if there is none.
-  int straight_from(int i) const {
+  // How far a run from i goes: point by point, later in steps that double and halve again, so that
+  // thousands of points on one line take no time.
+  template <class Fits>
+  int farthest(int i, const Fits& fits) const {
     int end = i + 1;
-    while (end < last_ && is_straight(i, end + 1)) ++end;
+    constexpr int one_by_one = 16;
+    while (end < last_ && end - i < one_by_one && fits(i, end + 1)) ++end;
+    if (end - i < one_by_one) return end;
+    int step = 1;
+    for (; end + step <= last_ && fits(i, end + step); step *= 2) end += step;
+    for (; step > 0; step /= 2)
+      if (end + step <= last_ && fits(i, end + step)) end += step;
+    return end;
+  }
+
+  // The last point of the straight run that begins at i; i itself if there is none.
+  int straight_from(int i) {
+    const int end = farthest(i, [this](int a, int b) { return is_straight(a, b); });
     if (end - i < 2) return i;
     const bool inflects = end - i == 2 && i > 0 && end < last_ && axis(i).dot(axis(end)) < 0;
     if (inflects) return i;
@@ -84,7 +98,10 @@ class RunSearch {
       if (k > 0 && k < last_) beside = std::max(beside, turn(k));
     constexpr double least = 0.5;                      // degrees
     const double share = end - i == 2 ? 0.001 : 0.05;  // three points are soon nearly on a line
-    return beside > least && inside < share * beside ? end : i;
+    if (beside > least && inside < share * beside) return end;
+    // What begins later on the same line ends there too.
+    no_line_before_ = std::max(no_line_before_, end - 1);
+    return i;
   }
 
   bool is_arc(int a, int b) const {
@@ -102,12 +119,15 @@ class RunSearch {
     return true;
   }
 
-  int arc_from(int i) const {
-    int end = i + 1;
-    // The middle point moves as the arc grows: one that fails may go on.
-    while (end < last_ && is_arc(i, end + 1)) ++end;
+  int arc_from(int i) {
+    const int end = farthest(i, [this](int a, int b) { return is_arc(a, b); });
     constexpr int sure = 4;  // chords
-    if (end - i < 2 || !ends_bending(i, end)) return i;
+    if (end - i < 2) return i;
+    if (!ends_bending(i, end)) {
+      // What begins later on it bends as much at its beginning as behind.
+      no_arc_before_ = std::max(no_arc_before_, end - 1);
+      return i;
+    }
     return end - i >= sure || is_told(i, end) ? end : i;
   }
 
@@ -180,6 +200,7 @@ class RunSearch {
 
   const std::vector<Vec3>& p_;
   int last_;
+  int no_line_before_ = 0, no_arc_before_ = 0;  // such runs begin there or later
   std::vector<PointRun> runs_;
 };
 
