@@ -92,7 +92,7 @@ std::string lines_text(const std::vector<SourceLine>& lines, const std::string& 
     std::string remark;
     try {
       curve = line.as_curve(corner_angle);
-      if (!line.points.empty()) remark = "  " + words_of(reading_of(line, corner_angle));
+      if (!line.points.empty()) remark = "  " + words_of(reading_of(line, *curve));
     } catch (const InputError& e) {
       // Strokes may have points that repeat each other: fairing takes them.
       curve = curve_from_hermite(curve_as_given(line.name, line.points));

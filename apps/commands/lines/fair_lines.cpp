@@ -376,7 +376,7 @@ FairedLines faired_lines(const Scene& scene, const Progress& progress) {
   FairedLines faired;
   const auto as_given = [&](const SourceLine& line) {
     faired.lines.push_back(character_line(line, corner_angle));
-    const std::string text = surprise(line, corner_angle);
+    const std::string text = surprise(line, *faired.lines.back().curve);
     if (!text.empty()) faired.surprises.push_back(text);
   };
   if (scene.fairing.empty()) {

@@ -18,21 +18,20 @@ std::string numbers_of(const std::vector<int>& list) {
 
 }  // namespace
 
-LineReading reading_of(const SourceLine& line, double corner_angle) {
+LineReading reading_of(const SourceLine& line, const InputCurve& curve) {
   const std::vector<Vec3>& p = line.points;
-  const auto curve = line.as_curve(corner_angle);
-  const std::vector<double> t = curve->breaks(), corners = curve->corners();
+  const std::vector<double> t = curve.breaks(), corners = curve.corners();
   const int last = count_of(p) - 1;
   LineReading reading;
   reading.points = last + 1;
-  reading.closed = (p.front() - p.back()).norm() < 1e-9 * curve->end();
+  reading.closed = (p.front() - p.back()).norm() < 1e-9 * curve.end();
   for (int i = reading.closed ? 0 : 1; i < last; ++i) {
     const double turn = degrees_between(p[i] - p[i > 0 ? i - 1 : last - 1], p[i + 1] - p[i]);
     // The seam of a closed line is a corner where its tangents say so.
     const bool is_corner =
         i > 0 ? std::binary_search(corners.begin(), corners.end(), t[static_cast<size_t>(i)])
-              : degrees_between(curve->evaluate(curve->end(), 1),
-                                curve->evaluate(curve->start(), 1)) > 0.01;
+              : degrees_between(curve.evaluate(curve.end(), 1), curve.evaluate(curve.start(), 1)) >
+                    0.01;
     if (is_corner) {
       reading.corners.push_back(i + 1);
       reading.corner_turns.push_back(turn);
@@ -52,9 +51,9 @@ std::string words_of(const LineReading& reading) {
   return text;
 }
 
-std::string surprise(const SourceLine& line, double corner_angle) {
+std::string surprise(const SourceLine& line, const InputCurve& curve) {
   if (line.points.empty() || line.corners) return "";
-  const LineReading reading = reading_of(line, corner_angle);
+  const LineReading reading = reading_of(line, curve);
   constexpr double large = 20, slight = 40;
   std::string text;
   if (reading.smooth_turn > large)

@@ -16,13 +16,13 @@ struct LineReading {
   double smooth_turn = 0;  ///< largest turn at a point that is no corner, degrees
 };
 
-/// For a line that is given by points. Throws InputError as SourceLine::as_curve().
-LineReading reading_of(const SourceLine& line, double corner_angle);
+/// Of a line that is given by points; `curve`: what SourceLine::as_curve() made of it.
+LineReading reading_of(const SourceLine& line, const InputCurve& curve);
 
 /// In words: "49 points, closed, corners at 3, 7".
 std::string words_of(const LineReading& reading);
 /// What a person may not expect, in words: large turns that are no corners, slight ones that are.
 /// "" where there is nothing of the kind, or where corners are stated.
-std::string surprise(const SourceLine& line, double corner_angle);
+std::string surprise(const SourceLine& line, const InputCurve& curve);
 
 }  // namespace batten
