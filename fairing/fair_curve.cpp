@@ -6,6 +6,7 @@
 
 #include "batten/constraints/affine_reduction.h"
 #include "batten/core/errors.h"
+#include "batten/fairing/bending_ease.h"
 #include "batten/fairing/fair_conditions.h"
 #include "batten/fairing/fair_nodes.h"
 #include "batten/fairing/point_row.h"
@@ -76,6 +77,7 @@ class Fairing {
   std::vector<int> node_of_;  // of each point
   HermiteCurve curve_;        // of the last round
   std::vector<double> foot_;  // of each point, on it
+  BendingEase ease_;          // of the last round; even where the balance is stated
   // Of the conditions, for one mesh.
   std::optional<AffineReduction> reduction_;
   SparseMatrix bending_;
@@ -226,7 +228,12 @@ void Fairing::reduce_conditions() {
   for (int n = 0; n < mesh_.node_count(); ++n) positions_[mesh_.position_dof(n)] = 1;
   reduction_.emplace(set.moved(positions_, row_.points.front()));
   const double alpha = options_.alpha / (row_.size * row_.size);
-  bending_ = CurveAssembler(mesh_).stiffness({alpha}, {1});
+  CurveAssembler::Along bending = {1};
+  if (!ease_.even()) {
+    bending.clear();
+    for (const double e : ease_.of(mesh_)) bending.push_back({e, e});
+  }
+  bending_ = CurveAssembler(mesh_).stiffness({alpha}, bending);
 }
 
 Points Fairing::solve(SpringBalance& balance, double lambda, const Springs& springs) const {
@@ -329,7 +336,7 @@ FairCurve Fairing::run() {
     node_of_ = std::move(nodes.node_of);
     const Springs springs = gather();
     const auto ends = held();
-    SpringBalance balance(mesh_, springs, alpha, count_, ends);
+    SpringBalance balance(mesh_, springs, alpha, count_, ends, ease_.of(mesh_));
     reduce_conditions();
     if (result.rounds < searches || options_.balance == FairOptions::Balance::Deviation)
       wave = find_wave(balance, springs, wave);
@@ -348,6 +355,8 @@ FairCurve Fairing::run() {
       most_nodes_ *= 2;  // more nodes than the balance makes use of
       continue;
     }
+    if (options_.balance == FairOptions::Balance::CrossValidation && result.rounds < searches)
+      ease_ = BendingEase(curve_, wave, ease_);
     held_at_ = at_;
     const double change = project(result.rounds == 0);
     ++result.rounds;

@@ -32,7 +32,8 @@ Points SpringBalance::solve(double lambda) {
   right_.setZero(mesh_.dof_count(), 3);
   for (int s = 0; s < mesh_.segment_count(); ++s) {
     const HermiteSegment segment(mesh_.length(s));
-    HermiteSegment::Matrix K = segment.bending(lambda);
+    HermiteSegment::Matrix K =
+        segment.bending(ease_.empty() ? lambda : lambda * ease_[static_cast<size_t>(s)]);
     if (alpha_ > 0) K += segment.stretching(lambda * alpha_);
     band_.add(A_, s, K);
   }

@@ -30,12 +30,19 @@ struct Springs {
   double scatter = 0;          ///< Σ |point - mean of its node|²
 };
 
-/// The balance of springs against λ ∫ |X_uu|² + alpha |X_u|² du, for any λ. Keeps references.
+/// The balance of springs against λ ∫ ease |X_uu|² + alpha |X_u|² du, for any λ; `ease` of each
+/// segment, or none for 1. Keeps references.
 class SpringBalance {
  public:
   SpringBalance(const CurveMesh& mesh, const Springs& springs, double alpha, int points,
-                const std::vector<std::pair<int, Vec3>>& held)
-      : mesh_(mesh), springs_(springs), alpha_(alpha), points_(points), held_(held), band_(mesh) {}
+                const std::vector<std::pair<int, Vec3>>& held, const std::vector<double>& ease = {})
+      : mesh_(mesh),
+        springs_(springs),
+        alpha_(alpha),
+        points_(points),
+        held_(held),
+        ease_(ease),
+        band_(mesh) {}
 
   /// Dofs of the curve of least energy at λ. Throws NoSolutionError.
   Points solve(double lambda);
@@ -51,6 +58,7 @@ class SpringBalance {
   double alpha_;
   int points_;
   const std::vector<std::pair<int, Vec3>>& held_;
+  std::vector<double> ease_;
   CurveBand band_;
   BandCholesky A_;
   Points right_;

@@ -83,7 +83,8 @@ struct Arguments {
   double edge_length = 0, tolerance = 0, pressure = 0;
   double deviation = 0, wavelength = 0, corner_angle = FairOptions{}.corner_angle, segments = 0;
   int threads = 0, contours = 0;
-  bool network = false, quiet = false, hold_ends = false, closed = false, open = false;
+  bool network = false, exact_step = false, quiet = false, hold_ends = false, closed = false,
+       open = false;
 };
 
 int finish(const RunReport& report, const std::string& text, const Arguments& a) {
@@ -157,6 +158,7 @@ Scene lines_scene(const Arguments& a) {
   scene.skin.options.edge_length = a.edge_length;
   scene.skin.options.tolerance = a.tolerance;
   scene.compare = a.compare;
+  if (a.exact_step) scene.step_form = Scene::StepForm::Exact;
   if (a.pressure != 0) {
     SceneLoad load;
     load.name = "pressure";
@@ -172,6 +174,7 @@ int skin(const Arguments& a) {
 
 int info(const Arguments& a) {
   std::cout << file_info(a.file, a.unit);
+  if (!a.picture.empty()) draw_lines(a.picture, a.file, a.unit);
   return kDone;
 }
 
@@ -276,7 +279,7 @@ CLI::App* add_deform(CLI::App& app, Arguments& a) {
 CLI::App* add_fair(CLI::App& app, Arguments& a) {
   auto* sub =
       app.add_subcommand("fair", "Fair drawn or measured lines; the ending of OUT says the kind");
-  sub->add_option("lines", a.file, "Lines: .curves .csv .txt .xyz .dat .obj .iges .step")
+  sub->add_option("lines", a.file, "Lines: .curves .csv .txt .xyz .dat .obj .iges .step .dxf .svg")
       ->required();
   sub->add_option("--out", a.out, "File to write: " + listed(curve_file_endings()))->required();
   auto* deviation = sub->add_option("--deviation", a.deviation,
@@ -314,7 +317,8 @@ CLI::App* add_skin(CLI::App& app, Arguments& a) {
   auto* sub =
       app.add_subcommand("skin", "From files of lines straight to a surface: STEP, VTK, report");
   sub->add_option("lines", a.files,
-                  "Outline: .csv .txt .xyz .dat .obj .curves .iges .step; a network: .json too")
+                  "Outline: .csv .txt .xyz .dat .obj .curves .iges .step .dxf .svg; a network: "
+                  ".json too")
       ->required();
   auto* inner =
       sub->add_option("--inner", a.inner, "A file of inner lines")->allow_extra_args(false);
@@ -327,6 +331,8 @@ CLI::App* add_skin(CLI::App& app, Arguments& a) {
       ->check(kPositive);
   sub->add_option("--tolerance", a.tolerance, "Largest distance of fitted lines")->check(kPositive);
   sub->add_option("--compare", a.compare, "CAD file: measure the distance from its faces");
+  sub->add_flag("--exact-step", a.exact_step,
+                "STEP to rounding, three faces a triangle, instead of one face a region");
   sub->add_option("--pressure", a.pressure, "Pressure along the normal, relative units")
       ->excludes(network);
   add_common(sub, a);
@@ -338,6 +344,7 @@ CLI::App* add_info(CLI::App& app, Arguments& a) {
   auto* sub =
       app.add_subcommand("info", "What is in a scene, a file of lines, a mesh, a STEP file");
   sub->add_option("file", a.file, "The file")->required();
+  sub->add_option("--picture", a.picture, "Draw its lines with their curvature, to a .png");
   add_unit(sub, a);
   return sub;
 }

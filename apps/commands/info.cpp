@@ -1,7 +1,7 @@
 #include "batten/apps/commands/info.h"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <fstream>
 
@@ -10,10 +10,13 @@
 #include "batten/core/errors.h"
 #include "batten/core/words.h"
 #include "batten/fairing/arc_length.h"
+#include "batten/fairing/curve_fit.h"
 #include "batten/fairing/fair_curve.h"
 #include "batten/io/cad/step.h"
 #include "batten/io/files/length_units.h"
+#include "batten/io/files/text.h"
 #include "batten/io/meshes/mesh_file.h"
+#include "batten/io/pictures/curve_pictures.h"
 #include "batten/io/scene/deform_scene.h"
 #include "batten/io/scene/fair_scene.h"
 #include "batten/io/scene/read_scene.h"
@@ -75,6 +78,32 @@ std::string mesh_info(const std::filesystem::path& path, const std::string& unit
 
 constexpr double kCorner = 20;  // degrees, as in a scene
 
+// "straight", or the normal of the plane that the curve lies in; "" where it does not.
+std::string flatness(const InputCurve& curve) {
+  std::vector<Vec3> points;
+  const std::vector<double> breaks = curve.breaks();
+  for (size_t i = 0; i + 1 < breaks.size(); ++i)
+    for (int k = 0; k < 8; ++k)
+      points.push_back(curve.evaluate(breaks[i] + (breaks[i + 1] - breaks[i]) * k / 8));
+  points.push_back(curve.evaluate(curve.end()));
+  Vec3 mean = Vec3::Zero();
+  for (const Vec3& p : points) mean += p / static_cast<double>(points.size());
+  Mat3 spread = Mat3::Zero();
+  for (const Vec3& p : points) spread += (p - mean) * (p - mean).transpose();
+  const Eigen::SelfAdjointEigenSolver<Mat3> axes(spread);
+  constexpr double flat = 1e-12;  // of the spread, a square
+  if (axes.eigenvalues()[1] <= flat * axes.eigenvalues()[2]) return "  straight";
+  if (axes.eigenvalues()[0] > flat * axes.eigenvalues()[2]) return "";
+  Vec3 normal = axes.eigenvectors().col(0);
+  for (int i = 2; i >= 0; --i)
+    if (std::abs(normal[i]) > 1e-6) {
+      normal *= normal[i] < 0 ? -1 : 1;
+      break;
+    }
+  normal = (normal * 1e6).array().round() / 1e6 + 0.0;
+  return "  in a plane with normal " + at(normal);
+}
+
 std::string lines_text(const std::vector<SourceLine>& lines, const std::string& unit,
                        double corner_angle) {
   std::string text = std::to_string(lines.size()) + (lines.size() == 1 ? " line" : " lines") +
@@ -100,12 +129,37 @@ std::string lines_text(const std::vector<SourceLine>& lines, const std::string& 
     }
     text += "length " + number(ArcLength(curve).total()) + "  from " +
             at(curve->evaluate(curve->start())) + " to " + at(curve->evaluate(curve->end())) +
+            flatness(*curve) +
             (line.role == CharacterLine::Role::Inner  ? "  inner"
              : line.role == CharacterLine::Role::Hole ? "  hole"
                                                       : "") +
             remark + "\n";
+    if (!line.read_as.empty()) text += "    read: " + line.read_as + "\n";
   }
   return text;
+}
+
+void draw_lines(const std::filesystem::path& picture, const std::vector<SourceLine>& lines,
+                const std::string& unit, double corner_angle) {
+  CombPicture sheet;
+  sheet.unit = unit;
+  sheet.panels.resize(1);
+  CombPanel& panel = sheet.panels[0];
+  panel.title = std::to_string(lines.size()) + (lines.size() == 1 ? " line" : " lines");
+  for (const SourceLine& line : lines) {
+    if (!sampled(line, corner_angle).has_length()) continue;
+    try {
+      const auto curve = line.as_curve(corner_angle);
+      FitOptions options;
+      options.tolerance = 1e-4 * ArcLength(curve).total();
+      options.corner_angle = 0.5;  // corners are breaks of the curve already
+      panel.curves.push_back(fit_curve(line.name, curve, options));
+    } catch (const InputError&) {  // the text says why
+      continue;
+    }
+    panel.points.insert(panel.points.end(), line.points.begin(), line.points.end());
+  }
+  draw_combs(picture, sheet);
 }
 
 std::string parameters_text(const std::vector<Parameter>& parameters) {
@@ -175,8 +229,7 @@ std::string edits_text(const DeformScene& scene) {
 
 /// Lines and meshes share endings: a mesh has faces, a Nastran deck grid points.
 bool is_mesh_file(const std::filesystem::path& file) {
-  std::string ending = file.extension().string();
-  for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  const std::string ending = lower_extension(file);
   if (ending == ".obj" || ending == ".dat") {
     std::ifstream in(file);
     for (std::string row; std::getline(in, row);)
@@ -201,7 +254,7 @@ std::string file_info(const std::filesystem::path& file, const std::string& unit
   if (line_file_kind(file) == LineFileKind::None)
     throw InputError(file.string() + ": found the ending '" + file.extension().string() +
                      "', expected a scene (.toml), lines (.csv, .txt, .xyz, .dat, .obj, .curves, "
-                     ".iges, .step, .json) or a "
+                     ".iges, .step, .dxf, .svg, .json) or a "
                      "mesh (.obj, .off, .ply, .stl, .vtp, .vtu, .bdf, .nas, .dat, .inp, .k, .key, "
                      ".dyn)");
   std::string text;
@@ -216,6 +269,25 @@ std::string file_info(const std::filesystem::path& file, const std::string& unit
              std::to_string(step.free_edges) + " rim edges\n";
   }
   return lines_text(read_source_file(file, unit, unit), unit, kCorner);
+}
+
+void draw_lines(const std::filesystem::path& picture, const std::filesystem::path& file,
+                const std::string& unit) {
+  if (file.extension() == ".toml") {
+    if (edits_a_mesh(file))
+      throw InputError(file.string() + ": found edits of a mesh, expected lines to draw");
+    if (only_fairs(file)) {
+      const FairScene scene = read_fair_scene(file);
+      return draw_lines(picture, read_sources(scene.lines, scene.file, scene.unit), scene.unit,
+                        kCorner);
+    }
+    const Scene scene = read_scene(file);
+    return draw_lines(picture, read_sources(scene.lines, scene.file, scene.unit), scene.unit,
+                      scene.skin.options.corner_angle);
+  }
+  if (line_file_kind(file) == LineFileKind::None)
+    throw InputError(file.string() + ": found no scene or file of lines, expected one to draw");
+  draw_lines(picture, read_source_file(file, unit, unit), unit, kCorner);
 }
 
 }  // namespace batten

@@ -226,7 +226,7 @@ FittedFaces fitted_faces(const std::vector<const SkinnedRegion*>& regions, const
 
 StepReport refined(const FittedFaces& made, const std::function<StepReport()>& written) {
   StepReport report;
-  for (int round = 0; round < 4; ++round) {
+  for (int round = 0; round < 6; ++round) {
     report = written();
     bool again = false;
     for (size_t k = 0; k < made.size(); ++k)

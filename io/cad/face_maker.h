@@ -92,6 +92,7 @@ class FaceMaker {
   TriangleLocator locator_;
   Box3 box_;
   double size_ = 0, goal_ = 0, widest_ = 0;
+  double share_ = 0.9;  // of the tolerance, that the next fit aims at
   PatchFit fit_;
   BRep_Builder builder_;
   Handle(Geom_BSplineSurface) surface_;

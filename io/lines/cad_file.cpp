@@ -13,11 +13,11 @@
 #include <XSControl_WorkSession.hxx>
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cstdlib>
 #include <fstream>
 
 #include "batten/core/errors.h"
+#include "batten/io/files/text.h"
 #include "batten/io/cad/occ_settings.h"
 
 namespace batten {
@@ -180,8 +180,7 @@ void transfer(XSControl_Reader& reader, const std::filesystem::path& file, CadFi
 }  // namespace
 
 CadFile read_cad(const std::filesystem::path& file) {
-  std::string extension = file.extension().string();
-  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  const std::string extension = lower_extension(file);
   const bool iges = extension == ".igs" || extension == ".iges";
   if (!iges && extension != ".stp" && extension != ".step")
     throw InputError(file.string() + ": extension '" + extension +

@@ -13,12 +13,12 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <ostream>
 
 #include "batten/core/errors.h"
+#include "batten/io/files/text.h"
 #include "batten/io/files/toml_table.h"
 #include "batten/io/files/whole_file.h"
 #include "batten/io/lines/curve_cad.h"
@@ -194,8 +194,7 @@ const std::vector<std::string>& curve_file_endings() {
 
 std::vector<std::string> write_curves(const fs::path& path, const std::vector<NamedCurve>& curves,
                                       double model_unit_in_metres) {
-  std::string ending = path.extension().string();
-  for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  const std::string ending = lower_extension(path);
   const auto& endings = curve_file_endings();
   if (std::find(endings.begin(), endings.end(), ending) == endings.end())
     throw InputError(path.string() + ": found " +

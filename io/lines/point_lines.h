@@ -2,28 +2,27 @@
 #pragma once
 
 #include <filesystem>
-#include <string>
 #include <vector>
 
-#include "batten/core/eigen.h"
+#include "batten/io/lines/named_points.h"
 
 namespace batten {
-
-/// One line of a file: its points in their order, two or more (.curves: one or more).
-struct NamedPoints {
-  std::string name;          ///< unique in the file
-  std::vector<Vec3> points;  ///< model units
-  int first_line = 0;        ///< row of the file where it starts, counted from 1, for messages
-};
 
 /// Reads the lines of a file. Its extension says the format.
 ///
 ///   .csv .txt .xyz .dat   One point a row, 2 or 3 numbers with commas, semicolons, tabs or blanks
-///                         between them (2: z = 0). Decimal points, never decimal commas. '#' and
-///                         '//' start comments. The first row may be a header (words only). Blank
-///                         rows, or rows of separators only, separate lines. Names: the file's
-///                         name, with _1, _2, … when there are several lines. A row `CURVE 3`
-///                         begins a line too, and names it "curve 3".
+///                         between them (2: z = 0). Commas inside numbers are decimal ones where
+///                         semicolons, tabs or blanks are between the numbers. '#' and '//' start
+///                         comments. Rows of words before the numbers are titles, digits in them or
+///                         not. A header that names x, y, z (two of them at least) says which
+///                         columns are meant, others are passed over; a column "line", "name" or
+///                         "curve" says which line a point is of. Of four columns without a header
+///                         the first may count the points. Blank rows, or rows of separators only,
+///                         separate lines; a row of words after them names the next. Names: the
+///                         file's name, with _1, _2, … when there are several lines. A row
+///                         `CURVE 3` begins a line too, and names it "curve 3".
+///                         Offset tables (OffsetTable) give a line for each station, Lednicer's
+///                         airfoils (join_lednicer) one line around both sides.
 ///   .obj                  `v` and `l` records, indices from 1 or negative (from the end); each `l`
 ///                         record is one line, named after the last `o` or `g` record before it
 ///                         (numbered when several share the name), else after the file. Everything

@@ -51,16 +51,6 @@ std::optional<int> Labels::find(long label) const {
   return dense_[index];
 }
 
-std::string counted(long count, const std::string& noun) {
-  return std::to_string(count) + " " + noun + (count == 1 ? "" : "s");
-}
-
-std::string lower_extension(const std::filesystem::path& path) {
-  std::string extension = path.extension().string();
-  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return extension;
-}
-
 int unused_nodes(const ShellMesh& mesh) {
   std::vector<char> used(static_cast<size_t>(mesh.node_count()));
   for (int f = 0; f < mesh.face_count(); ++f)

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "batten/io/files/text.h"
 #include "batten/io/meshes/mesh_file_types.h"
 #include "batten/mesh/shell_mesh.h"
 
@@ -69,9 +70,5 @@ void write_vtk_mesh(const std::filesystem::path& path, const ShellMesh& mesh);
 std::vector<int> outline_of(const ShellMesh& mesh, int face);
 /// The count of nodes that no face has.
 int unused_nodes(const ShellMesh& mesh);
-/// The extension in lower case, with its dot.
-std::string lower_extension(const std::filesystem::path& path);
-/// A count with its noun: "1 node", "2 nodes".
-std::string counted(long count, const std::string& noun);
 
 }  // namespace batten

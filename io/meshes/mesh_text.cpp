@@ -12,12 +12,6 @@
 namespace batten {
 namespace fs = std::filesystem;
 
-std::string_view trimmed(std::string_view text) {
-  while (!text.empty() && blank(text.back())) text.remove_suffix(1);
-  while (!text.empty() && blank(text.front())) text.remove_prefix(1);
-  return text;
-}
-
 std::string upper(std::string_view text) {
   std::string result(text);
   for (char& c : result) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));

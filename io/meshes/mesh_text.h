@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "batten/io/files/text.h"
 #include "batten/io/files/toml_table.h"
 #include "batten/io/meshes/mesh_content.h"
 
@@ -45,8 +46,6 @@ struct Field {
   std::uint16_t gap = 0;  ///< open: blanks, or commas in a free line, to write before it
 };
 
-inline bool blank(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\f' || c == '\v'; }
-std::string_view trimmed(std::string_view text);
 std::string upper(std::string_view text);
 /// Takes the next word away from the front of `rest` and returns it; empty at the end.
 std::string_view next_word(std::string_view& rest);

@@ -156,7 +156,7 @@ Json json_of(const std::vector<Report::Line>& lines) {
   Json each = Json::array();
   for (const auto& line : lines) {
     // NaN must win over numbers, so that the report shows it.
-    if (!(line.deviation <= max_deviation)) max_deviation = line.deviation;
+    if (line.holds && !(line.deviation <= max_deviation)) max_deviation = line.deviation;
     each.push_back({{"name", line.name},
                     {"role", word(line.role)},
                     {"treatment", line.embedded ? "embedded" : "fitted"},
@@ -166,6 +166,7 @@ Json json_of(const std::vector<Report::Line>& lines) {
     if (line.embedded) {
       each.back()["points"] = line.points;
       each.back()["gap"] = line.gap;
+      each.back()["holds"] = line.holds;
     }
   }
   return {{"count", lines.size()}, {"max_deviation", max_deviation}, {"each", each}};
@@ -194,7 +195,9 @@ Json json_of(const Report::Surface& s) {
                {"rms_strain", q.rms_strain},
                {"singular_nodes", q.singular_nodes},
                {"iterations", s.iterations},
-               {"last_change", s.last_change}};
+               {"last_change", s.last_change},
+               {"mean_normal", {s.mean_normal.x(), s.mean_normal.y(), s.mean_normal.z()}},
+               {"moved", s.moved}};
   if (s.fairing)
     json["fairing"] = {{"functional", s.fairing->functional},
                        {"start_functional", s.fairing->start_functional},

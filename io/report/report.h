@@ -20,10 +20,11 @@ struct Report : RunReport {
     CharacterLine::Role role = CharacterLine::Role::Outline;
     bool embedded = false;
     double length = 0;
-    double deviation = 0;  ///< largest deviation of the input from its fitted curve
+    double deviation = 0;  ///< largest deviation of the input from its curve
     int nodes = 0;
-    int points = 0;  ///< of an embedded line: number of points where the surface is held
-    double gap = 0;  ///< of an embedded line: gap between these points
+    int points = 0;     ///< of an embedded line: number of points where the surface is held
+    double gap = 0;     ///< of an embedded line: gap between these points
+    bool holds = true;  ///< false: it only trims the surface, whose rim its curve is
   };
   std::vector<Line> lines;
   std::vector<FairedLine> curves;      ///< the lines that [[fair]] faired
@@ -37,6 +38,13 @@ struct Report : RunReport {
     double max_constraint_residual = 0, max_normal_constraint_deg = 0, max_smooth_join_deg = 0;
     int iterations = 0;
     double last_change = 0;
+    /// Of a scene in which something acts: the largest distance of a vertex from where the lines
+    /// alone put it, model units.
+    double moved = 0;
+    /// Mean of the unit normals over the area: short on a surface that goes around. Then `outwards`
+    /// says whether they point away from the middle (1), towards it (-1).
+    Vec3 mean_normal = Vec3::Zero();
+    int outwards = 0;
     /// What fair = "variation" did.
     struct Fairing {
       double functional = 0, start_functional = 0;  ///< change of curvature, 1/length²

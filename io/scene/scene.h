@@ -32,6 +32,7 @@ struct SceneLine {
   std::optional<std::vector<int>> corners;  ///< of the points, stated; not given: found
   CharacterLine::Role role = CharacterLine::Role::Outline;
   CharacterLine::Treatment treatment = CharacterLine::Treatment::Auto;
+  bool holds = true;                                 ///< false, of holes: they only trim
   std::vector<PlacedWord> only, skip, inner, holes;  ///< names of curves of a [[lines]]
 };
 
@@ -199,10 +200,9 @@ struct Scene {
   std::optional<SceneStress> stress;
   std::string step, vtu, vtp, calculix;  ///< [output]: file names, "" for none
   enum class StepForm {
-    Auto,  ///< Exact for one region of up to 10,000 triangles, none of them cut; else Face
     Face,  ///< one B-spline face for each region, within step_tolerance
     Exact  ///< three faces for each triangle
-  } step_form = StepForm::Auto;
+  } step_form = StepForm::Face;
   double step_tolerance = 0;      ///< model units; 0: 1e-4 of the region's size
   std::filesystem::path compare;  ///< [compare]: a CAD file; distances from its faces are measured
   std::vector<ScenePicture> pictures;

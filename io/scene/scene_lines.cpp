@@ -87,6 +87,9 @@ SceneLine read_line(const TomlTable& table, const std::filesystem::path& folder,
   if (roles) {
     line.role = read_role(table);
     line.treatment = read_treatment(table);
+    line.holds = table.boolean("hold", true);
+    if (!line.holds && line.role != CharacterLine::Role::Hole)
+      table.fail("hold", "hold = false of a line that is no hole", "role = \"hole\" beside it");
   }
   line.place = table.place(read_shape(table, folder, line));
   for (const std::string& key : placement_words())
@@ -110,6 +113,9 @@ SceneLine read_lines(const TomlTable& table, const std::filesystem::path& folder
   if (roles) {
     line.inner = table.words("inner");
     line.holes = table.words("holes");
+    line.holds = table.boolean("hold", true);
+    if (!line.holds && line.holes.empty() && line.role != CharacterLine::Role::Hole)
+      table.fail("hold", "hold = false without holes", "'holes', or role = \"hole\", beside it");
   }
   if (!line.only.empty() && !line.skip.empty())
     table.fail("skip", "both 'only' and 'skip'", "one of them");
@@ -122,13 +128,13 @@ std::vector<std::string> line_keys(bool roles) {
   std::vector<std::string> keys = {"name", "unit", "corners"};
   keys.insert(keys.end(), shape_words().begin(), shape_words().end());
   keys.insert(keys.end(), placement_words().begin(), placement_words().end());
-  if (roles) keys.insert(keys.end(), {"role", "treatment"});
+  if (roles) keys.insert(keys.end(), {"role", "treatment", "hold"});
   return keys;
 }
 
 std::vector<std::string> lines_keys(bool roles) {
   std::vector<std::string> keys = {"file", "unit", "only", "skip"};
-  if (roles) keys.insert(keys.end(), {"role", "treatment", "inner", "holes"});
+  if (roles) keys.insert(keys.end(), {"role", "treatment", "inner", "holes", "hold"});
   return keys;
 }
 

@@ -99,6 +99,7 @@ void place_points(RegionParts& parts, const DomainTask& task, const TriangleLoca
   for (size_t i = 0; i < parts.embedded.size(); ++i) {
     EmbeddedLine& line = parts.embedded[i];
     line.points.clear();
+    if (!line.line.holds) continue;
     const size_t others = taken.size();
     for (const double t : embedded_points(*parts.mesh, locator, line.image, {}, always[i])) {
       const Vec2 c = flat(line.image.evaluate(t));
@@ -227,6 +228,7 @@ void grade_by_curvature(RegionParts& parts, const DomainTask& task) {
   }
 }
 
+// Of a line that only trims, `fitted` is the surface's own once it has a shape.
 double line_gap(const Surface& surface, const EmbeddedLine& line) {
   const TriangleLocator locator(surface.mesh());
   double largest = 0;
@@ -247,6 +249,7 @@ bool refine_at_gaps(RegionParts& parts, const Surface& surface, double target,
   bool missed = false;
   for (size_t l = 0; l < gaps.size(); ++l) {
     const EmbeddedLine& line = parts.embedded[l];
+    if (!line.line.holds) continue;
     between_points(line, [&](size_t interval, double t) {
       if (interval >= gaps[l].size()) gaps[l].resize(interval + 1, 0);
       const Location where = locator.locate(flat(line.image.evaluate(t)));
@@ -264,7 +267,8 @@ bool refine_at_gaps(RegionParts& parts, const Surface& surface, double target,
     const TriangleLocator now(*parts.mesh);
     std::vector<char> marked(parts.mesh->triangle_count(), 0);
     bool here = false;
-    for (size_t l = 0; l < gaps.size(); ++l)
+    for (size_t l = 0; l < gaps.size(); ++l) {
+      if (gaps[l].empty()) continue;
       between_points(parts.embedded[l], [&](size_t interval, double t) {
         if (gaps[l][interval] * std::pow(8.0, -0.5 * pass) <= target) return;
         const int triangle = now.locate(flat(parts.embedded[l].image.evaluate(t))).triangle;
@@ -272,6 +276,7 @@ bool refine_at_gaps(RegionParts& parts, const Surface& surface, double target,
         marked[triangle] = 1;
         here = true;
       });
+    }
     if (!here) break;
     any = true;
     halve(parts, marked);

@@ -14,10 +14,12 @@
 #include "batten/fem/dissection.h"
 #include "batten/fem/triangle_locator.h"
 #include "batten/skinning/domains/domain_task.h"
+#include "batten/skinning/domains/hole_cuts.h"
 #include "batten/skinning/domains/polygon_fit.h"
 #include "batten/skinning/domains/ring.h"
 #include "batten/skinning/region/flatten.h"
 #include "batten/skinning/region/quality.h"
+#include "batten/skinning/region/surface_line.h"
 
 namespace batten {
 namespace {
@@ -74,6 +76,7 @@ JoinedLines cut_and_join(const std::vector<CharacterLine>& lines, const DomainTa
   joined.loops =
       make_loops(around, task.size, task.join, options.corner_angle, options.against_first);
   if (!rims.empty()) joined.holes = make_loops(rims, task.size, task.join, options.corner_angle);
+  joined.inner = cut_at_holes(joined.inner, joined.holes, task);
   for (const Stretch& s : around)
     if (s.treatment == CharacterLine::Treatment::Embedded) joined.to_embed = s.name;
   return joined;
@@ -331,9 +334,13 @@ ConstraintSet RegionLayout::corner_constraints() const {
 }
 
 SkinnedRegion RegionLayout::region(Points dofs) const {
-  return {name_,           Surface(parts_.mesh, options_.element, std::move(dofs), parts_.trim),
-          parts_.runs,     size_,
-          parts_.embedded, parts_.boundary};
+  SkinnedRegion region{
+      name_,           Surface(parts_.mesh, options_.element, std::move(dofs), parts_.trim),
+      parts_.runs,     size_,
+      parts_.embedded, parts_.boundary};
+  for (EmbeddedLine& line : region.embedded)
+    if (!line.line.holds) line.fitted = curve_on(region.surface, line.image, 0.1 * tolerance_);
+  return region;
 }
 
 }  // namespace batten

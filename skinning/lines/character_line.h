@@ -38,6 +38,9 @@ struct CharacterLine {
   /// The given curve of an outline or hole line, or null. Either all lines of a loop have one or
   /// none has. Two of them that meet make a corner unless their slopes are the same vector.
   std::shared_ptr<const GivenCurve> given = {};
+  /// False, of a hole line: it trims the surface and does not hold it. Its place on the surface is
+  /// nearest to where it was drawn; where that is in space, the surface says.
+  bool holds = true;
 };
 
 }  // namespace batten

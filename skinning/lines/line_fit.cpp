@@ -56,8 +56,8 @@ std::pair<Vec3, Vec3> one_sided(const InputCurve& curve, double t) {
 }  // namespace
 
 CharacterLine Stretch::line(bool flipped) const {
-  if (given) return {name, input, role, treatment, given};
-  return {name, flipped ? reversed(curve) : curve, role, treatment};
+  if (given) return {name, input, role, treatment, given, holds};
+  return {name, flipped ? reversed(curve) : curve, role, treatment, {}, holds};
 }
 
 HermiteCurve Stretch::given_along(bool flipped) const {
@@ -86,6 +86,11 @@ void check(const CharacterLine& line) {
 }
 
 }  // namespace
+
+std::shared_ptr<const InputCurve> piece_between(std::shared_ptr<const InputCurve> curve,
+                                                double from, double to) {
+  return std::make_shared<Part>(std::move(curve), from, to, false);
+}
 
 std::shared_ptr<const InputCurve> reversed(std::shared_ptr<const InputCurve> curve) {
   const double a = curve->start(), b = curve->end();
@@ -118,12 +123,17 @@ std::vector<Stretch> cut_at_corners(const CharacterLine& line, double corner_ang
       cuts.push_back(breaks[i]);
   }
   cuts.push_back(curve.end());
-  if (cuts.size() == 2) return {{line.name, line.role, line.curve, line.treatment}};
+  if (cuts.size() == 2)
+    return {{line.name, line.role, line.curve, line.treatment, {}, {}, line.holds}};
   std::vector<Stretch> parts;
   for (size_t i = 0; i + 1 < cuts.size(); ++i)
-    parts.push_back({line.name + "." + std::to_string(i + 1), line.role,
-                     std::make_shared<Part>(line.curve, cuts[i], cuts[i + 1], false),
-                     line.treatment});
+    parts.push_back({line.name + "." + std::to_string(i + 1),
+                     line.role,
+                     piece_between(line.curve, cuts[i], cuts[i + 1]),
+                     line.treatment,
+                     {},
+                     {},
+                     line.holds});
   return parts;
 }
 

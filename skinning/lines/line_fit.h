@@ -20,6 +20,7 @@ struct Stretch {
   CharacterLine::Treatment treatment = CharacterLine::Treatment::Auto;
   std::shared_ptr<const GivenCurve> given = {};  ///< in the direction of the line
   std::shared_ptr<const InputCurve> input = {};  ///< with `given`: the line's own curve
+  bool holds = true;
 
   /// Returns the stretch as a line in the user's direction. `flipped`: `curve` runs against it.
   CharacterLine line(bool flipped) const;
@@ -32,6 +33,9 @@ struct Stretch {
 /// start to its end with its nodes among them.
 std::vector<Stretch> cut_at_corners(const CharacterLine& line, double corner_angle);
 
+/// Returns a curve from one parameter to a later one.
+std::shared_ptr<const InputCurve> piece_between(std::shared_ptr<const InputCurve> curve,
+                                                double from, double to);
 /// Returns the curve run backwards.
 std::shared_ptr<const InputCurve> reversed(std::shared_ptr<const InputCurve> curve);
 

@@ -108,6 +108,7 @@ void measure_run(const SkinnedRegion& region, const LineRun& run, SkinQuality& q
 void measure_embedded(const Surface& surface, const TriangleLocator& locator,
                       const EmbeddedLine& line, SkinQuality& q) {
   raise(q.max_line_gap, line_gap(surface, line));
+  if (!line.line.holds) return;
   const int count = std::max<int>(
       {256, 2 * edge_samples * count_of(line.points), 4 * line.fitted.segment_count()});
   const auto on_surface = [&](double u) -> Vec3 {

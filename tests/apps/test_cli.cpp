@@ -40,6 +40,7 @@ young = 210000
 supports = [{line = "south"}, {line = "north", kind = "pinned"}]
 [output]
 step = "s.step"
+step_form = "exact"
 vtp = "s.vtp"
 vtu = "s.vtu"
 calculix = "s.inp"
@@ -47,6 +48,8 @@ calculix = "s.inp"
   const Result r = c.run({"run", "s.toml", "--out", "a/b"});
   INFO(r.err);
   REQUIRE(r.code == 0);
+  CHECK(r.out.find("  normals     point along +z\n") != std::string::npos);
+  CHECK(r.out.find("  moved       by up to ") != std::string::npos);
   if (BATTEN_TEST_CGAL) CHECK(r.err.empty());  // without CGAL it warns
   for (const char* name : {"s.step", "s.vtp", "s.vtu", "s.inp", "report.json"}) {
     CHECK(fs::file_size(c / ("a/b/" + std::string(name))) > 100);

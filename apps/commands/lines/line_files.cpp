@@ -6,8 +6,11 @@
 #include "batten/core/index.h"
 #include "batten/core/words.h"
 #include "batten/fairing/arc_length.h"
+#include "batten/fairing/curve_shapes.h"
 #include "batten/io/files/length_units.h"
+#include "batten/io/files/text.h"
 #include "batten/io/lines/cad_lines.h"
+#include "batten/io/lines/drawing_lines.h"
 #include "batten/io/lines/point_lines.h"
 #include "batten/io/lines/sketch_graph.h"
 #include "batten/skinning/lines/line_fit.h"
@@ -17,7 +20,13 @@ namespace {
 
 const std::vector<std::string> kPointEndings = {".csv", ".txt", ".xyz", ".dat", ".obj", ".curves"};
 const std::vector<std::string> kCadEndings = {".iges", ".igs", ".step", ".stp"};
+const std::vector<std::string> kDrawingEndings = {".dxf", ".svg"};
 const std::vector<std::string> kSketchEndings = {".json"};
+
+std::string all_endings() {
+  return listed(kPointEndings) + ", " + listed(kCadEndings) + ", " + listed(kDrawingEndings) +
+         ", " + listed(kSketchEndings);
+}
 
 /// Where messages about [[line]] and [[lines]] begin.
 struct SceneFile {
@@ -29,12 +38,10 @@ std::vector<SourceLine> read_file(const SceneFile& scene, const SceneLine& sourc
   const std::string at = scene.at(source.place);
   if (!std::filesystem::is_regular_file(source.file))
     throw InputError(at + "found no file '" + source.file.string() +
-                     "', expected a file of lines (" + listed(kPointEndings) + ", " +
-                     listed(kCadEndings) + ", " + listed(kSketchEndings) + ")");
+                     "', expected a file of lines (" + all_endings() + ")");
   if (line_file_kind(source.file) == LineFileKind::None)
     throw InputError(at + "found the ending '" + source.file.extension().string() + "' of '" +
-                     source.file.string() + "', expected one of: " + listed(kPointEndings) + ", " +
-                     listed(kCadEndings) + ", " + listed(kSketchEndings));
+                     source.file.string() + "', expected one of: " + all_endings());
   if (line_file_kind(source.file) == LineFileKind::Sketch && !source.unit.empty() &&
       source.unit != scene.unit)
     throw InputError(at + "found the unit '" + source.unit + "' for '" + source.file.string() +
@@ -71,6 +78,7 @@ std::vector<SourceLine> lines_of(const SceneFile& scene, const SceneLine& source
     line.corners = source.corners;
     line.role = source.role;
     line.treatment = source.treatment;
+    line.holds = source.holds;
     return {line};
   }
   std::vector<SourceLine> lines = read_file(scene, source);
@@ -93,6 +101,7 @@ std::vector<SourceLine> lines_of(const SceneFile& scene, const SceneLine& source
                 : contains(source.holes, line.name) ? CharacterLine::Role::Hole
                                                     : source.role;
     line.treatment = source.treatment;
+    line.holds = source.holds || line.role != CharacterLine::Role::Hole;
   }
   return lines;
 }
@@ -172,15 +181,15 @@ std::vector<double> nearest_in_order(const HermiteCurve& curve, const std::vecto
 }
 
 LineFileKind line_file_kind(const std::filesystem::path& file) {
-  std::string ending = file.extension().string();
-  for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  const std::string ending = lower_extension(file);
   const auto has = [&](const std::vector<std::string>& endings) {
     return std::find(endings.begin(), endings.end(), ending) != endings.end();
   };
-  return has(kPointEndings)    ? LineFileKind::Points
-         : has(kCadEndings)    ? LineFileKind::Cad
-         : has(kSketchEndings) ? LineFileKind::Sketch
-                               : LineFileKind::None;
+  return has(kPointEndings)     ? LineFileKind::Points
+         : has(kCadEndings)     ? LineFileKind::Cad
+         : has(kDrawingEndings) ? LineFileKind::Drawing
+         : has(kSketchEndings)  ? LineFileKind::Sketch
+                                : LineFileKind::None;
 }
 
 std::shared_ptr<const InputCurve> SourceLine::as_curve(double corner_angle) const {
@@ -191,6 +200,28 @@ std::shared_ptr<const InputCurve> SourceLine::as_curve(double corner_angle) cons
     throw InputError(at + e.what());
   }
 }
+
+namespace {
+
+std::vector<SourceLine> read_drawn(const std::filesystem::path& file, const std::string& unit,
+                                   double model) {
+  Drawing drawing = read_drawing(file);
+  const double stated = unit.empty() ? drawing.unit_in_metres : unit_in_metres(unit);
+  const Placement to_model = scaled(Vec3::Zero(), stated > 0 ? stated / model : 1);
+  std::vector<SourceLine> lines;
+  for (DrawnLine& line : drawing.lines) {
+    for (Vec3& p : line.points) p = to_model(p);
+    lines.push_back({line.name, file.string() + ": ", std::move(line.points),
+                     line.curve ? placed(line.curve, to_model) : nullptr});
+  }
+  for (const std::string& note : drawing.notes)
+    lines[0].read_as += (lines[0].read_as.empty() ? "" : "; ") + note;
+  if (stated == 0)
+    lines[0].read_as += std::string(lines[0].read_as.empty() ? "" : "; ") + "no unit stated";
+  return lines;
+}
+
+}  // namespace
 
 std::vector<SourceLine> read_source_file(const std::filesystem::path& file, const std::string& unit,
                                          const std::string& model_unit) {
@@ -206,9 +237,13 @@ std::vector<SourceLine> read_source_file(const std::filesystem::path& file, cons
       lines.push_back({line.name, file.string() + ": ", {}, line.curve});
     return lines;
   }
-  for (NamedPoints& line : read_point_lines(file, unit.empty() ? 1 : unit_in_metres(unit) / model))
+  if (line_file_kind(file) == LineFileKind::Drawing) return read_drawn(file, unit, model);
+  for (NamedPoints& line :
+       read_point_lines(file, unit.empty() ? 1 : unit_in_metres(unit) / model)) {
     lines.push_back({line.name, place_prefix(file.string(), {line.first_line, 1}),
                      std::move(line.points), nullptr});
+    lines.back().read_as = line.read_as;
+  }
   return lines;
 }
 
@@ -290,7 +325,7 @@ std::vector<Vec3> scan_points(const Scene& scene, const SceneLoad& load) {
 }
 
 CharacterLine character_line(const SourceLine& line, double corner_angle) {
-  return {line.name, line.as_curve(corner_angle), line.role, line.treatment};
+  return {line.name, line.as_curve(corner_angle), line.role, line.treatment, {}, line.holds};
 }
 
 std::vector<CharacterLine> read_lines(const Scene& scene) {

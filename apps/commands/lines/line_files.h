@@ -13,25 +13,28 @@
 namespace batten {
 
 /// The kind of a file of lines, which its extension says.
-enum class LineFileKind { None, Points, Cad, Sketch };
+enum class LineFileKind { None, Points, Cad, Drawing, Sketch };
 LineFileKind line_file_kind(const std::filesystem::path& file);
 
 /// A line as it was given: points, or a curve.
 struct SourceLine {
   std::string name;
-  std::string at;                           ///< its place for messages: "FILE:LINE:COLUMN: "
-  std::vector<Vec3> points;                 ///< model units; empty when there is a curve
-  std::shared_ptr<const InputCurve> curve;  ///< set for lines of CAD files, sketches and Béziers
+  std::string at;                                ///< its place for messages: "FILE:LINE:COLUMN: "
+  std::vector<Vec3> points;                      ///< model units; empty when there is a curve
+  std::shared_ptr<const InputCurve> curve;       ///< set for lines that are not given by points
   std::optional<std::vector<int>> corners = {};  ///< of `points`, stated; not given: found
+  std::string read_as = {};  ///< how its file was read, in words, where that is not obvious
   CharacterLine::Role role = CharacterLine::Role::Outline;
   CharacterLine::Treatment treatment = CharacterLine::Treatment::Auto;
+  bool holds = true;
 
   /// The curve, or one through the points. Throws InputError as curve_through_points() does.
   std::shared_ptr<const InputCurve> as_curve(double corner_angle) const;
 };
 
-/// Reads all lines of a file, in model units. `unit` is that of a file of points ("": the model's).
-/// CAD files state their unit, and sketches are in the model's. Throws InputError.
+/// Reads all lines of a file, in model units. `unit` is that of a file of points ("": the model's)
+/// or of a drawing ("": its own, where it states one). CAD files state their unit, and sketches are
+/// in the model's. Throws InputError.
 std::vector<SourceLine> read_source_file(const std::filesystem::path& file, const std::string& unit,
                                          const std::string& model_unit);
 

@@ -79,7 +79,7 @@ std::vector<MissedPromise> broken_promises(const Report& report, double toleranc
   const double on_input = tolerance + (report.network ? report.network->tolerance : 0);
   for (const MissedPromise& m : broken_conditions(report.curves)) promises.missed.push_back(m);
   for (const auto& line : report.lines)
-    promises.at_most("lines." + line.name + ".deviation", line.deviation, on_input);
+    if (line.holds) promises.at_most("lines." + line.name + ".deviation", line.deviation, on_input);
   promises.at_most("surface.max_constraint_residual", s.max_constraint_residual, 1e-10);
   promises.at_most("surface.max_normal_constraint_deg", s.max_normal_constraint_deg, 1e-6);
   if (report.network)

@@ -277,13 +277,38 @@ void view_scene(const Scene& scene, const PictureScene& look, const std::filesys
   draw_picture(file, picture_of(look, made, shape));
 }
 
+namespace {
+
+std::string direction_of(const Report::Surface& s) {
+  constexpr double around = 0.3, clear = 0.95;
+  if (s.mean_normal.norm() < around) return s.outwards > 0 ? "outwards" : "inwards";
+  const Vec3 n = s.mean_normal.normalized();
+  for (int i = 0; i < 3; ++i)
+    if (std::abs(n[i]) > clear)
+      return (n[i] > 0 ? "along +" : "along -") + std::string(1, "xyz"[i]);
+  return "along " + at(((n * 100).array().round() / 100 + 0.0).matrix());
+}
+
+// Lines that only trim, and how far from the surface they were drawn.
+std::string trimming_results(const Report& report, const std::string& unit) {
+  std::string text;
+  for (const auto& line : report.lines)
+    if (!line.holds)
+      text += result_line("trimmed", "by '" + line.name + "', drawn within " +
+                                         number(line.deviation) + unit + " of the surface");
+  return text;
+}
+
+}  // namespace
+
 std::string summary(const Report& report, const std::filesystem::path& folder) {
   if (report.network) return network_summary(report, folder);
   const auto& s = report.surface;
   const auto& q = s.quality;
   const std::string unit = " " + report.unit;
   double deviation = 0;
-  for (const auto& line : report.lines) deviation = std::max(deviation, line.deviation);
+  for (const auto& line : report.lines)
+    if (line.holds) deviation = std::max(deviation, line.deviation);
 
   std::string text = report.name + "\n" + listed_lines("read", report.surprises);
   text += result_line(
@@ -299,7 +324,12 @@ std::string summary(const Report& report, const std::filesystem::path& folder) {
                                      : "") +
                                 ", surface to your lines " + number(q.max_line_deviation) + unit)
               : result_line("held", "corners only, residual " + number(s.max_constraint_residual));
+  text += trimming_results(report, unit);
+  if (report.is_sculpted && s.moved > 0)
+    text +=
+        result_line("moved", "by up to " + number(s.moved) + unit + " from the lines' own shape");
   text += fairing_result(s, unit) + flaw_results(report);
+  text += result_line("normals", "point " + direction_of(s));
   text += result_line("quality", "Jacobian " + number(q.min_jacobian_ratio) +
                                      " of its median, normal jump " +
                                      number(q.max_normal_jump_deg) + " degrees");

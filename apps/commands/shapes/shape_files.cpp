@@ -147,20 +147,13 @@ void write_step_into(Report& report, const Scene& scene, const MadeModel& made,
   using Form = Scene::StepForm;
   const auto regions = with_faces(report, made.model);
   if (regions.empty()) throw InputError("no region has a surface that does not turn over");
-  int triangles = 0;
-  bool cut = false;
-  for (const SkinnedRegion* region : regions) {
-    triangles += region->surface.mesh().triangle_count();
-    cut = cut || region->surface.trim();
-  }
+  const bool cut = std::any_of(regions.begin(), regions.end(),
+                               [](const SkinnedRegion* r) { return r->surface.trim(); });
   if (scene.step_form == Form::Exact && cut && !made.network)
     throw InputError(scene.at({}) +
                      "found step_form = \"exact\" for a surface that embedded lines cut, expected "
                      "\"face\": cut triangles have no exact form");
-  constexpr int few_triangles = 10'000;
-  const bool face =
-      scene.step_form == Form::Face ||
-      (scene.step_form == Form::Auto && (cut || made.network || triangles > few_triangles));
+  const bool face = scene.step_form == Form::Face;
   Report::Step& s = report.step.emplace();
   s.form = face ? "face" : "exact";
   s.file = scene.step;

@@ -7,6 +7,7 @@
 #include "batten/core/errors.h"
 #include "batten/core/index.h"
 #include "batten/fairing/arc_length.h"
+#include "batten/fem/surface.h"
 #include "batten/skinning/lines/line_fit.h"
 
 namespace batten {
@@ -76,7 +77,7 @@ void measure_region_lines(Report& report, const SkinnedRegion& region) {
   for (const EmbeddedLine& e : region.embedded)
     report.lines.push_back({e.line.name, e.line.role, true, ArcLength(e.line.curve).total(),
                             deviation(e.line, e.fitted), e.fitted.node_count(), count_of(e.points),
-                            line_gap(region.surface, e)});
+                            line_gap(region.surface, e), e.line.holds});
 }
 
 // Of an arc that several regions have: it counts as embedded where one of them has it so.
@@ -139,6 +140,34 @@ void measure_network(Report& report, const MadeModel& made, const Scene& scene) 
         "the search for regions was cut short: others may cost less; say yours by [[region]]");
 }
 
+// Where normals point, and how far what acts has moved the surface.
+void measure_sides(Report::Surface& s, const MadeShape& shape) {
+  Vec3 normals = Vec3::Zero(), centre = Vec3::Zero();
+  double area = 0, flux = 0;
+  const auto visit = [&](const auto& what) {
+    for (const SkinnedRegion& region : shape.regions)
+      for (int t = 0; t < region.surface.mesh().triangle_count(); ++t) {
+        const Trim* trim = region.surface.trim().get();
+        if (trim && trim->side(t) == Trim::Side::Outside) continue;
+        const SurfaceJet jet = region.surface.jet({t, Vec3::Constant(1.0 / 3)});
+        what(jet, region.surface.mesh().shape(t).area * jet.area_vector());
+      }
+  };
+  visit([&](const SurfaceJet& jet, const Vec3& n) {
+    normals += n;
+    centre += n.norm() * jet.x;
+    area += n.norm();
+  });
+  centre /= area;
+  visit([&](const SurfaceJet& jet, const Vec3& n) { flux += n.dot(jet.x - centre); });
+  s.mean_normal = normals / area;
+  s.outwards = flux > 0 ? 1 : -1;
+  if (!shape.layout || shape.unloaded.rows() != shape.dofs.rows()) return;
+  const DofMap dofs(*shape.layout->mesh());
+  for (int v = 0; v < shape.layout->mesh()->vertex_count(); ++v)
+    raise(s.moved, (shape.dofs.row(dofs.vertex(v)) - shape.unloaded.row(dofs.vertex(v))).norm());
+}
+
 }  // namespace
 
 void measure_into(ShapeRun& run, MadeModel& made, const MadeShape& shape, const Scene& scene,
@@ -163,6 +192,7 @@ void measure_into(ShapeRun& run, MadeModel& made, const MadeShape& shape, const 
                            made.model.regions.front().warnings.end());
     warn_of_strain(report);
   }
+  measure_sides(s, shape);
   s.bending_energy = shape.energy.bending;
   s.max_constraint_residual = shape.max_constraint_residual;
   s.max_normal_constraint_deg = shape.max_normal_constraint_deg;

@@ -63,6 +63,98 @@ TEST_CASE("blank rows separate lines, units scale, two columns lie in z = 0", "[
   CHECK_THROWS_AS(read_point_lines(path, 0), InputError);
 }
 
+TEST_CASE("titles may hold digits, and headers say which columns are meant", "[io][points]") {
+  const std::string text =
+      GENERATE("NACA 2412\n1,2,3\n-4.5,.5,6\n7,8,9\n", "MH 32  8.7% \n1 2 3\n-4.5 .5 6\n7 8 9\n",
+               "2412\n1 2 3\n-4.5 .5 6\n7 8 9\n", "63 215 MOD B\n\n1 2 3\n-4.5 .5 6\n7 8 9\n",
+               "2412 AIRFOIL\n(13.9%) thick, 2 % camber\n1 2 3\n-4.5 .5 6\n7 8 9\n",
+               "1,0;2,0;3,0\n-4,5;0,5;6,0\n7,0;8,0;9,0\n", "1,0;2;3\n-4,5;0,5;6\n7;8;9\n",
+               "1,0 2,0 3,0\n-4,5 0,5 6,0\n7,0 8,0 9,0\n", "7 1 2 3\n8 -4.5 .5 6\n9 7 8 9\n",
+               "z,x,y\n3,1,2\n6,-4.5,.5\n9,7,8\n",
+               "id;X [mm];Y [mm];Z [mm];note\nA 1;1;2;3;\n2b;-4.5;0.5;6;a corner\n7;7;8;9;\n",
+               "x,y,z\nmm,mm,mm\n1,2,3\n-4.5,.5,6\n7,8,9\n",
+      "\"Points:0\",\"Points:1\",\"Points:2\",\"kappa\"\n1,2,3,0\n-4.5,.5,6,0\n7,8,9,0\n");
+  const auto lines = read_point_lines(file_with("a.csv", text));
+  INFO(text);
+  REQUIRE(lines.size() == 1);
+  CHECK(lines[0].name == "a");
+  CHECK(lines[0].points == kThree);
+}
+
+TEST_CASE("how a table was read is said where it is not obvious", "[io][points]") {
+  const auto said = [](const std::string& text) {
+    return read_point_lines(file_with("a.csv", text))[0].read_as;
+  };
+  CHECK(said("x,y,z\n1,2,3\n4,5,6\n") == "columns named by the header");
+  CHECK(said("1,2,3\n4,5,6\n").empty());
+  CHECK(said("NACA 2412\n1 2\n4 5\n") == "title 'NACA 2412'");
+  CHECK(said("1,5;2\n4;5\n") == "decimal commas");
+  CHECK(said("1 1 2 3\n2 4 5 6\n") == "the first column counts the points");
+}
+
+TEST_CASE("lines of one table are named by a column or by the rows above them", "[io][points]") {
+  const auto by_column = read_point_lines(
+      file_with("a.csv", "line,x,y,z\nkeel,0,0,0\nkeel,1,0,0\ndeck,0,0,1\ndeck,1,0,1\n"));
+  REQUIRE(by_column.size() == 2);
+  CHECK(by_column[0].name == "keel");
+  CHECK(by_column[1].name == "deck");
+  CHECK(by_column[1].points == std::vector<Vec3>{{0, 0, 1}, {1, 0, 1}});
+  const auto by_rows =
+      read_point_lines(file_with("a.csv", "section 1\n0 0\n1 0\n\nsection 2\n0 1\n1 1\n"));
+  REQUIRE(by_rows.size() == 2);
+  CHECK(by_rows[0].name == "section 1");
+  CHECK(by_rows[1].name == "section 2");
+  CHECK(by_rows[1].points == std::vector<Vec3>{{0, 1, 0}, {1, 1, 0}});
+}
+
+TEST_CASE("Selig's and Lednicer's airfoils are the same line", "[io][points]") {
+  const std::string selig = "TEST 12\n1 0.01\n0.5 0.1\n0 0\n0.4 -0.1\n1 -0.01\n";
+  const std::string lednicer =
+      GENERATE("TEST 12\n  3. 3.\n\n0 0\n0.5 0.1\n1 0.01\n\n0 0\n0.4 -0.1\n1 -0.01\n",
+               "TEST 12\n3 3\n0 0\n0.5 0.1\n1 0.01\n0 0\n0.4 -0.1\n1 -0.01\n");
+  const auto a = read_point_lines(file_with("a.dat", selig), 2);
+  const auto b = read_point_lines(file_with("b.dat", lednicer), 2);
+  REQUIRE(a.size() == 1);
+  REQUIRE(b.size() == 1);
+  CHECK(a[0].points == b[0].points);
+  CHECK(b[0].name == "b");
+  CHECK(b[0].read_as == "both sides of an airfoil, joined at the leading edge, title 'TEST 12'");
+}
+
+TEST_CASE("offset tables give stations", "[io][points]") {
+  const std::string text =
+      GENERATE("station,0,0.5,1\n0,,,1\n2,,0.5,1.5\n4,0,1,2\n",
+               "x/z 0 0.5 1\n0 - - 1\n2 - 0.5 1.5\n4 0 1 2\n",
+               ";0;0.5;1\n0;;;1\n2;;0.5;1.5\n4;0;1;2\n", "z,0,2,4\n0,,,0\n0.5,,0.5,1\n1,1,1.5,2\n");
+  INFO(text);
+  const auto lines = read_point_lines(file_with("hull.csv", text), 10);
+  REQUIRE(lines.size() == 2);
+  CHECK(lines[0].name == "station 2");
+  CHECK(lines[0].points == std::vector<Vec3>{{20, 5, 5}, {20, 15, 10}});
+  CHECK(lines[1].name == "station 4");
+  CHECK(lines[1].points == std::vector<Vec3>{{40, 0, 0}, {40, 10, 5}, {40, 20, 10}});
+  CHECK(lines[0].read_as == "of an offset table");
+}
+
+TEST_CASE("all published airfoils are read", "[io][points]") {
+  const fs::path folder = batten_test::optional_data("lines-airfoils");
+  if (folder.empty()) {
+    WARN("skipped: lines-airfoils is not there (set BATTEN_TEST_DATA)");
+    return;
+  }
+  int sections = 0;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    if (entry.path().extension() != ".dat") continue;
+    INFO(entry.path());
+    const auto lines = read_point_lines(entry.path());
+    REQUIRE(lines.size() == 1);
+    CHECK(std::abs(lines[0].points.front().x() - 1) < 0.01);
+    CHECK(std::abs(lines[0].points.back().x() - 1) < 0.01);
+    ++sections;
+  }
+  CHECK(sections >= 12);
+}
+
 TEST_CASE("OBJ polylines: indices, names, continued rows", "[io][points]") {
   const auto lines = read_point_lines(file_with("net.obj",
                                                 "# a net\r\n"
@@ -158,11 +250,25 @@ TEST_CASE("mistakes in tables are named with line and column", "[io][points]") {
   CHECK(mistake("a.csv", "x y 3\n1 2 3\n") ==
         "1:1: found 'x', expected a number (a header row has words only)");
   CHECK(mistake("a.csv", "1,2,3\n4,5\n") == "2:1: found 2 columns, expected 3 as in line 1");
-  CHECK(mistake("a.csv", "1\n2\n") == "1:1: found 1 column, expected 2 or 3 (x, y, z)");
-  CHECK(mistake("a.csv", "  1 2 3 4\n") == "1:3: found 4 columns, expected 2 or 3 (x, y, z)");
-  CHECK(mistake("a.csv", "1,5;2,5;0\n") ==
-        "1:1: found 5 columns, expected 2 or 3 (x, y, z); numbers are written with a decimal "
-        "point");
+  CHECK(mistake("a.csv", "1\n2\n") == "2:1: found 1 column, expected 2 or 3 (x, y, z)");
+  CHECK(
+      mistake("a.csv", "  1.5 2 3 4\n") ==
+      "1:3: found 4 columns, expected 2 or 3 (x, y, z), or a header row that names those columns");
+  CHECK(
+      mistake("a.csv", "1,2,3,4,5\n") ==
+      "1:1: found 5 columns, expected 2 or 3 (x, y, z), or a header row that names those columns");
+  CHECK(mistake("a.csv", "1 2 3 4\n2 3 4 5\n4 4 5 6\n") ==
+        "3:1: found '4' in the first of 4 columns, expected 3 as it counts the points, or a header "
+        "row that names the columns x, y, z");
+  CHECK(mistake("a.csv", "1,5;2,5;0\n2,5;1,x;0\n") == "2:5: found '1,x', expected a number");
+  CHECK(mistake("a.csv", "l.0 0.5\n2 3\n") ==
+        "1:1: found 'l.0', expected a number (a header row has words only)");
+  CHECK(mistake("a.csv", "5,six\n1,2\n") ==
+        "1:3: found 'six', expected a number (a header row has words only)");
+  CHECK(mistake("a.csv", "1,2\n3,4\n\n5,six\n6,7\n") == "4:3: found 'six', expected a number");
+  CHECK(mistake("a.csv", "x,y,w\n1,2,3\n4,5\n") == "3:1: found 2 columns, expected 3 as in line 2");
+  CHECK(mistake("a.csv", "x/z,0,1,2\n0,1,2,3\n1,2,3\n") ==
+        "3:1: found 3 columns, expected 4 as in the first row");
   CHECK(mistake("a.csv", "1,2,3\n4,,6\n") == "2:3: found an empty column 2, expected a number");
   CHECK(mistake("a.csv", "1,2,3,\n") == "1:7: found an empty column 4, expected a number");
   CHECK(mistake("a.csv", "1,2\n3,nan\n") == "2:3: found 'nan', expected a finite number");

@@ -1,0 +1,48 @@
+#include "batten/io/lines/drawing_lines.h"
+
+#include <algorithm>
+
+#include "batten/core/errors.h"
+#include "batten/io/files/text.h"
+#include "batten/io/lines/drawing_parts.h"
+#include "batten/io/lines/line_names.h"
+
+namespace batten {
+
+Drawing read_drawing(const std::filesystem::path& path) {
+  const std::string ending = lower_extension(path);
+  if (ending != ".dxf" && ending != ".svg")
+    throw InputError(path.string() + ": found the ending '" + ending + "', expected .dxf or .svg");
+  if (!std::filesystem::is_regular_file(path))
+    throw InputError(path.string() + ": found no such file, expected a drawing");
+  Drawing drawing = ending == ".dxf" ? read_dxf(path) : read_svg(path);
+  const auto finite = [](const Vec3& p) { return p.allFinite() && p.norm() < 1e100; };
+  size_t without_length = drawing.lines.size();
+  std::erase_if(drawing.lines, [](const DrawnLine& line) {
+    return !line.curve && std::all_of(line.points.begin(), line.points.end(),
+                                      [&](const Vec3& p) { return p == line.points[0]; });
+  });
+  without_length -= drawing.lines.size();
+  if (without_length > 0)
+    drawing.notes.push_back("passed over: " + std::to_string(without_length) +
+                            " lines without length");
+  if (drawing.lines.empty()) {
+    std::string notes;
+    for (const std::string& note : drawing.notes) notes += " (" + note + ")";
+    throw InputError(path.string() + ": found no line" + notes + ", expected some");
+  }
+  std::vector<std::string*> names;
+  for (DrawnLine& line : drawing.lines) {
+    const bool good = line.curve ? finite(line.curve->evaluate(line.curve->start())) &&
+                                       finite(line.curve->evaluate(line.curve->end()))
+                                 : std::all_of(line.points.begin(), line.points.end(), finite);
+    if (!good)
+      throw InputError(path.string() + ": found numbers in '" + line.name +
+                       "' that are not finite or too large, expected places");
+    names.push_back(&line.name);
+  }
+  number_equal_names(names, path.stem().string());
+  return drawing;
+}
+
+}  // namespace batten

@@ -1,0 +1,299 @@
+#include <2geom/bezier-curve.h>
+#include <2geom/elliptical-arc.h>
+#include <2geom/exception.h>
+#include <2geom/pathvector.h>
+#include <2geom/svg-path-parser.h>
+#include <vtkCallbackCommand.h>
+#include <vtkCommand.h>
+#include <vtkNew.h>
+#include <vtkXMLDataElement.h>
+#include <vtkXMLDataParser.h>
+
+#include <charconv>
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+#include "batten/core/errors.h"
+#include "batten/io/files/toml_table.h"
+#include "batten/io/lines/drawing_parts.h"
+#include "batten/io/lines/line_names.h"
+#include "batten/io/lines/text_rows.h"
+
+namespace batten {
+namespace {
+
+constexpr double kPixel = 0.0254 / 96;  // metres
+constexpr double kTurn = 2 * std::numbers::pi;
+
+Vec3 in_plane(const Geom::Point& p) { return {p.x(), p.y(), 0}; }
+
+// "svg:path" is a path.
+std::string kind_of(vtkXMLDataElement* element) {
+  const std::string name = element->GetName() ? element->GetName() : "";
+  return name.substr(name.find(':') + 1);
+}
+
+std::string attribute(vtkXMLDataElement* element, const char* key) {
+  const char* value = element->GetAttribute(key);
+  return value ? value : "";
+}
+
+[[noreturn]] void fail(vtkXMLDataElement* element, const std::string& key,
+                       const std::string& expected) {
+  const std::string id = attribute(element, "id");
+  throw InputError("found " + key + " = " + in_quotes(attribute(element, key.c_str())) + " of a " +
+                   kind_of(element) + (id.empty() ? "" : " with id '" + id + "'") + ", expected " +
+                   expected);
+}
+
+// Numbers with commas, blanks or words between them.
+std::vector<double> numbers_of(std::string_view text) {
+  std::vector<double> numbers;
+  for (size_t i = 0; i < text.size();) {
+    double value = 0;
+    const char* first = text.data() + i + (text[i] == '+');
+    const auto [end, error] = std::from_chars(first, text.data() + text.size(), value);
+    if (error == std::errc()) numbers.push_back(value);
+    i = error == std::errc() ? static_cast<size_t>(end - text.data()) : i + 1;
+  }
+  return numbers;
+}
+
+// In metres, or none: not given, or in percent. A bare number is in pixels.
+std::optional<double> length_of(const std::string& text) {
+  double value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc()) return {};
+  const std::string unit(
+      trimmed(std::string_view(text).substr(static_cast<size_t>(end - text.data()))));
+  static const std::map<std::string, double> units = {
+      {"", kPixel},        {"px", kPixel},     {"mm", 0.001},  {"cm", 0.01},  {"in", 0.0254},
+      {"pt", 0.0254 / 72}, {"pc", 0.0254 / 6}, {"q", 0.00025}, {"Q", 0.00025}};
+  const auto found = units.find(unit);
+  if (found == units.end()) return {};
+  return value * found->second;
+}
+
+double coordinate(vtkXMLDataElement* element, const char* key, double fallback = 0) {
+  const std::string text = attribute(element, key);
+  if (text.empty()) return fallback;
+  const std::optional<double> metres = length_of(text);
+  if (!metres) fail(element, key, "a length");
+  return *metres / kPixel;
+}
+
+// One word of a transform, with its numbers.
+Placement transform_word(vtkXMLDataElement* element, const std::string& word,
+                         const std::vector<double>& n) {
+  const size_t count = n.size();
+  Placement p;
+  const auto put = [&](double a, double b, double c, double d, double e, double f) {
+    p.A.topLeftCorner<2, 2>() << a, c, b, d;
+    p.b = Vec3(e, f, 0);
+  };
+  const auto angle = [&] { return n[0] * std::numbers::pi / 180; };
+  if (word == "matrix" && count == 6) {
+    put(n[0], n[1], n[2], n[3], n[4], n[5]);
+  } else if (word == "translate" && (count == 1 || count == 2)) {
+    put(1, 0, 0, 1, n[0], count > 1 ? n[1] : 0);
+  } else if (word == "scale" && (count == 1 || count == 2)) {
+    put(n[0], 0, 0, n.back(), 0, 0);
+  } else if (word == "rotate" && (count == 1 || count == 3)) {
+    const double c = std::cos(angle()), s = std::sin(angle());
+    put(c, s, -s, c, 0, 0);
+    if (count == 3) {
+      const Vec3 about(n[1], n[2], 0);
+      p.b = about - p.A * about;
+    }
+  } else if (word == "skewX" && count == 1) {
+    put(1, 0, std::tan(angle()), 1, 0, 0);
+  } else if (word == "skewY" && count == 1) {
+    put(1, std::tan(angle()), 0, 1, 0, 0);
+  } else {
+    fail(element, "transform", "words such as matrix(a b c d e f), translate(x y), rotate(angle)");
+  }
+  return p;
+}
+
+Placement transform_of(vtkXMLDataElement* element) {
+  const std::string text = attribute(element, "transform");
+  Placement all;
+  for (size_t i = 0;;) {
+    i = text.find_first_not_of(" \t\r\n,", i);
+    if (i == text.npos) return all;
+    const size_t open = text.find('(', i), close = text.find(')', i);
+    if (open == text.npos || close == text.npos || close < open)
+      fail(element, "transform", "words with numbers in brackets");
+    const std::string word(trimmed(std::string_view(text).substr(i, open - i)));
+    // What stands last acts first.
+    all =
+        transform_word(element, word, numbers_of(std::string_view(text).substr(open, close - open)))
+            .then(all);
+    i = close + 1;
+  }
+}
+
+std::shared_ptr<const InputCurve> piece_of(const Geom::Curve& curve) {
+  if (const auto* arc = dynamic_cast<const Geom::EllipticalArc*>(&curve)) {
+    const double c = std::cos(arc->rotationAngle()), s = std::sin(arc->rotationAngle());
+    const CurvePlane plane{in_plane(arc->center()), Vec3(c, s, 0), Vec3(-s, c, 0)};
+    double from = arc->initialAngle(), to = arc->finalAngle();
+    if (arc->sweep() && to <= from) to += kTurn;
+    if (!arc->sweep() && to >= from) to -= kTurn;
+    return ellipse_arc(plane, arc->ray(Geom::X), arc->ray(Geom::Y), from, to);
+  }
+  const auto* bezier = dynamic_cast<const Geom::BezierCurve*>(&curve);
+  if (!bezier || bezier->order() > 3)
+    throw InputError("found a piece of a path that is no line, Bézier curve or arc");
+  const auto p = [&](unsigned i) { return in_plane(bezier->controlPoint(i)); };
+  if (bezier->order() == 1) return straight(p(0), p(1));
+  if (bezier->order() == 3) return bezier_curve(p(0), p(1), p(2), p(3));
+  return bezier_curve(p(0), (p(0) + 2 * p(1)) / 3, (2 * p(1) + p(2)) / 3, p(2));
+}
+
+class SvgReader {
+ public:
+  Drawing read(vtkXMLDataElement* root) {
+    if (kind_of(root) != "svg") throw InputError("found no <svg>, expected an SVG drawing");
+    go_into(root, page_of(root), "");
+    drawing_.unit_in_metres = unit_;
+    passed_over_.say_in(drawing_);
+    return std::move(drawing_);
+  }
+
+ private:
+  // y upwards from the page's lower edge.
+  Placement page_of(vtkXMLDataElement* root) {
+    std::vector<double> box = numbers_of(attribute(root, "viewBox"));
+    const auto width = length_of(attribute(root, "width"));
+    const auto height = length_of(attribute(root, "height"));
+    unit_ = kPixel;
+    if (box.size() == 4 && box[2] > 0 && width && *width > 0) unit_ = *width / box[2];
+    if (box.size() != 4) box = {0, 0, 0, height ? *height / kPixel : 0};
+    Placement page;
+    page.A(1, 1) = -1;
+    page.b = Vec3(-box[0], box[1] + box[3], 0);
+    return page;
+  }
+
+  void go_into(vtkXMLDataElement* parent, const Placement& outer, const std::string& layer) {
+    for (int i = 0; i < parent->GetNumberOfNestedElements(); ++i) {
+      vtkXMLDataElement* element = parent->GetNestedElement(i);
+      const std::string kind = kind_of(element);
+      if (attribute(element, "display") == "none" ||
+          attribute(element, "style").find("display:none") != std::string::npos)
+        continue;
+      const Placement here = transform_of(element).then(outer);
+      const std::string label = attribute(element, "inkscape:label");
+      const std::string name = label.empty() ? attribute(element, "id") : label;
+      if (kind == "g" || kind == "a" || kind == "svg")
+        go_into(element, here, label.empty() ? layer : label);
+      else
+        shape(element, kind, here, name.empty() ? layer : name);
+    }
+  }
+
+  void shape(vtkXMLDataElement* e, const std::string& kind, const Placement& here,
+             const std::string& name) {
+    if (kind == "path") return path(e, here, name);
+    if (kind == "text" || kind == "image" || kind == "use" || kind == "foreignObject")
+      return passed_over_.add(kind);
+    const auto at = [&](const char* x, const char* y) {
+      return Vec3(coordinate(e, x), coordinate(e, y), 0);
+    };
+    if (kind == "line") {
+      add({name, {at("x1", "y1"), at("x2", "y2")}}, here);
+    } else if (kind == "polyline" || kind == "polygon") {
+      const std::vector<double> n = numbers_of(attribute(e, "points"));
+      if (n.size() % 2 != 0 || n.size() < 4) fail(e, "points", "pairs of numbers, two or more");
+      DrawnLine line{name, {}};
+      for (size_t i = 0; i < n.size(); i += 2) line.points.push_back({n[i], n[i + 1], 0});
+      if (kind == "polygon" && line.points.front() != line.points.back())
+        line.points.push_back(line.points.front());
+      add(line, here);
+    } else if (kind == "circle" || kind == "ellipse") {
+      const bool circle = kind == "circle";
+      const double a = coordinate(e, circle ? "r" : "rx"), b = coordinate(e, circle ? "r" : "ry");
+      if (!(a > 0 && b > 0)) return passed_over_.add(kind + " without size");
+      const CurvePlane plane{at("cx", "cy"), Vec3::UnitX(), Vec3::UnitY()};
+      add({name, {}, ellipse_arc(plane, a, b, 0, kTurn)}, here);
+    } else if (kind == "rect") {
+      rect(e, here, name);
+    }
+  }
+
+  void rect(vtkXMLDataElement* e, const Placement& here, const std::string& name) {
+    const double w = coordinate(e, "width"), h = coordinate(e, "height");
+    if (!(w > 0 && h > 0)) return passed_over_.add("rect without size");
+    const double rx = coordinate(e, "rx", coordinate(e, "ry"));
+    const double ry = coordinate(e, "ry", rx);
+    const Vec3 centre(coordinate(e, "x") + w / 2, coordinate(e, "y") + h / 2, 0);
+    if (!(rx > 0 && ry > 0)) {
+      const CurvePlane plane{centre, Vec3::UnitX(), Vec3::UnitY()};
+      return add({name, {}, rectangle(plane, w, h, 0)}, here);
+    }
+    // Elliptic corners are round ones, stretched.
+    const double a = std::min(rx, w / 2), stretch = std::min(ry, h / 2) / a;
+    Placement own;
+    own.A(1, 1) = stretch;
+    own.b = centre;
+    add({name, {}, rectangle({}, w, h / stretch, a)}, own.then(here));
+  }
+
+  // A path of straight pieces is points; each of its parts is a line.
+  void path(vtkXMLDataElement* e, const Placement& here, const std::string& name) {
+    Geom::PathVector parts;
+    try {
+      parts = Geom::parse_svg_path(attribute(e, "d").c_str());
+    } catch (const std::exception&) {
+      fail(e, "d", "path data (M, L, C, A, z …)");
+    }
+    for (const Geom::Path& part : parts) {
+      std::vector<std::shared_ptr<const InputCurve>> pieces;
+      DrawnLine line{name, {in_plane(part.initialPoint())}};
+      bool straight_only = true;
+      for (auto curve = part.begin(); curve != part.end_default(); ++curve) {
+        if (curve->isDegenerate()) continue;
+        pieces.push_back(piece_of(*curve));
+        straight_only = straight_only && curve->isLineSegment();
+        line.points.push_back(in_plane(curve->finalPoint()));
+      }
+      if (pieces.empty()) {
+        passed_over_.add("path without length");
+        continue;
+      }
+      if (!straight_only) {
+        line.points.clear();
+        line.curve = pieces.size() == 1 ? pieces[0] : chained(std::move(pieces));
+      }
+      add(line, here);
+    }
+  }
+
+  void add(const DrawnLine& line, const Placement& here) {
+    drawing_.lines.push_back(placed(line, here));
+  }
+
+  Drawing drawing_;
+  PassedOver passed_over_;
+  double unit_ = kPixel;
+};
+
+}  // namespace
+
+Drawing read_svg(const std::filesystem::path& path) {
+  vtkNew<vtkXMLDataParser> parser;
+  parser->SetFileName(path.string().c_str());
+  // VTK prints errors that nobody listens to.
+  parser->AddObserver(vtkCommand::ErrorEvent, vtkNew<vtkCallbackCommand>());
+  if (!parser->Parse() || !parser->GetRootElement())
+    throw InputError(path.string() + ": found no well-formed XML, expected an SVG drawing");
+  try {
+    return SvgReader().read(parser->GetRootElement());
+  } catch (const std::exception& e) {
+    throw InputError(path.string() + ": " + e.what());
+  }
+}
+
+}  // namespace batten
