@@ -31,12 +31,13 @@ BendingEase::BendingEase(const HermiteCurve& curve, double wave, const BendingEa
     // Turns add up in halves, so that half a circle is not taken for none.
     const Vec3 a = curve.evaluate(from + hair, 1), b = curve.evaluate(0.5 * (from + to), 1),
                c = curve.evaluate(to - hair, 1);
-    bend[static_cast<size_t>(i)] =
-        (degrees_between(a, b) + degrees_between(b, c)) / window;
+    bend[static_cast<size_t>(i)] = (degrees_between(a, b) + degrees_between(b, c)) / window;
   }
-  const double mean = std::accumulate(bend.begin(), bend.end(), 0.0) / static_cast<double>(bend.size());
+  const double mean =
+      std::accumulate(bend.begin(), bend.end(), 0.0) / static_cast<double>(bend.size());
   if (!(mean > 0)) return;
-  for (double& k : bend) k = std::pow(std::max(1.0, k / mean), -1.5);
+  constexpr double usual = 2;  // what noise alone makes of an even curve
+  for (double& k : bend) k = std::pow(std::max(1.0, k / (usual * mean)), -1.5);
   ease_ = std::move(bend);
 }
 
@@ -47,13 +48,14 @@ double BendingEase::at(double share) const {
   return ease_[i] + (x - static_cast<double>(i)) * (ease_[i + 1] - ease_[i]);
 }
 
-std::vector<double> BendingEase::of(const CurveMesh& mesh) const {
-  std::vector<double> ease;
+std::vector<HermiteSegment::Linear> BendingEase::of(const CurveMesh& mesh) const {
+  std::vector<HermiteSegment::Linear> ease;
   if (even()) return ease;
   const double length = mesh.end() - mesh.start();
-  for (int s = 0; s < mesh.segment_count(); ++s)
-    ease.push_back(
-        at((mesh.parameters()[static_cast<size_t>(s)] + 0.5 * mesh.length(s) - mesh.start()) / length));
+  const auto at_node = [&](int i) {
+    return at((mesh.parameters()[static_cast<size_t>(i)] - mesh.start()) / length);
+  };
+  for (int s = 0; s < mesh.segment_count(); ++s) ease.push_back({at_node(s), at_node(s + 1)});
   return ease;
 }
 

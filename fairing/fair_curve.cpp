@@ -9,6 +9,7 @@
 #include "batten/fairing/bending_ease.h"
 #include "batten/fairing/fair_conditions.h"
 #include "batten/fairing/fair_nodes.h"
+#include "batten/fairing/noise.h"
 #include "batten/fairing/point_row.h"
 #include "batten/fairing/spring_balance.h"
 #include "batten/fem/curve_assembly.h"
@@ -24,6 +25,7 @@ class Fairing {
     length_ = u_.back();
     u_.resize(count_);
     tangent_.assign(count_, Vec3::Zero());
+    noise_ = noise_across(row.points, row.closed, row.corners);
     if (const CurveCondition* plane = symmetry()) centre(*plane);
   }
 
@@ -46,8 +48,10 @@ class Fairing {
 
   void centre(const CurveCondition& plane);
   std::vector<double> forced_nodes();
+  bool crowds(int i) const;
   Springs gather() const;
   std::vector<std::pair<int, Vec3>> held() const;
+  double most_move() const;
   double find_wave(SpringBalance& balance, const Springs& springs, double before);
   void reduce_conditions();
   Points solve(SpringBalance& balance, double lambda, const Springs& springs) const;
@@ -67,6 +71,7 @@ class Fairing {
   const FairOptions& options_;
   const int count_;
   double length_ = 0;
+  double noise_ = 0;             // standard deviation across the line
   std::vector<double> u_;        // of the points, in [0, length_]
   std::vector<Vec3> tangent_;    // unit, of the last curve there
   std::vector<double> at_;       // where the conditions act, or unused
@@ -144,6 +149,16 @@ std::vector<double> Fairing::forced_nodes() {
   return forced;
 }
 
+// Whether a point has no node of its own beside an end or a corner. It would draw that along the
+// line: what lies beside an end says nothing about where it ends.
+bool Fairing::crowds(int i) const {
+  const int n = node_of_[i];
+  const bool end = !row_.closed && (n == 0 || n + 1 == mesh_.node_count());
+  const bool own = (!row_.closed && (i == 0 || i + 1 == count_)) ||
+                   std::binary_search(row_.corners.begin(), row_.corners.end(), i);
+  return (end || mesh_.is_corner(n)) && !own;
+}
+
 Springs Fairing::gather() const {
   Springs springs;
   springs.weight.assign(mesh_.node_count(), 0);
@@ -151,6 +166,7 @@ Springs Fairing::gather() const {
   std::vector<Vec3> moved(count_);
   for (int i = 0; i < count_; ++i) {
     const int n = node_of_[i];
+    if (crowds(i)) continue;
     double along = mesh_.parameters()[n] - u_[i];
     if (row_.closed) along = std::remainder(along, length_);
     moved[i] = row_.points[i] + along * tangent_[i];
@@ -160,7 +176,7 @@ Springs Fairing::gather() const {
   for (int n = 0; n < mesh_.node_count(); ++n)
     if (springs.weight[n] > 0) springs.goal[n] /= springs.weight[n];
   for (int i = 0; i < count_; ++i)
-    springs.scatter += (moved[i] - springs.goal[node_of_[i]]).squaredNorm();
+    if (!crowds(i)) springs.scatter += (moved[i] - springs.goal[node_of_[i]]).squaredNorm();
   return springs;
 }
 
@@ -185,20 +201,29 @@ double Fairing::off_axis(const Points& q) const {
   return worst;
 }
 
+// Root mean square by which noise may have moved the points: what moves them farther was none.
+double Fairing::most_move() const {
+  constexpr double any = 0.025, none = 1e-6;  // of the size
+  constexpr int fewest = 11;                  // points of which noise_across() knows something
+  if (count_ < fewest) return any * row_.size;
+  return std::min(any * row_.size, 2 * noise_ + none * row_.size);
+}
+
 double Fairing::find_wave(SpringBalance& balance, const Springs& springs, double before) {
   const double finest = 0.5 * spacing(), coarsest = 4 * length_;
   switch (options_.balance) {
     case FairOptions::Balance::Wavelength:
       return options_.wavelength;
     case FairOptions::Balance::CrossValidation: {
-      constexpr int fewest = 6;       // points from which something can be learned about noise
-      constexpr double most = 0.025;  // of the size: what moves farther was no noise
+      constexpr int fewest = 6;  // points from which something can be learned about noise
       if (count_ < fewest) return 0;
+      // Where points lie unevenly the finest wave already moves what has no noise.
+      if (balance.moved(lambda_at(finest)) > most_move()) return 0;
       const double low = before > 0 ? std::max(finest, before / 3) : finest,
                    high = before > 0 ? std::min(coarsest, before * 3) : coarsest;
-      return std::exp(minimum_of(
-          [&](double x) { return balance.score(lambda_at(std::exp(x)), most * row_.size); },
-          std::log(low), std::log(high), before > 0 ? 6 : 16));
+      return std::exp(
+          minimum_of([&](double x) { return balance.score(lambda_at(std::exp(x)), most_move()); },
+                     std::log(low), std::log(high), before > 0 ? 6 : 16));
     }
     case FairOptions::Balance::Deviation: {
       double low = std::log(no_wave()), high = std::log(coarsest);
@@ -228,12 +253,9 @@ void Fairing::reduce_conditions() {
   for (int n = 0; n < mesh_.node_count(); ++n) positions_[mesh_.position_dof(n)] = 1;
   reduction_.emplace(set.moved(positions_, row_.points.front()));
   const double alpha = options_.alpha / (row_.size * row_.size);
-  CurveAssembler::Along bending = {1};
-  if (!ease_.even()) {
-    bending.clear();
-    for (const double e : ease_.of(mesh_)) bending.push_back({e, e});
-  }
-  bending_ = CurveAssembler(mesh_).stiffness({alpha}, bending);
+  CurveAssembler::Along ease = ease_.of(mesh_);
+  if (ease.empty()) ease = {1};
+  bending_ = CurveAssembler(mesh_).stiffness({alpha}, ease);
 }
 
 Points Fairing::solve(SpringBalance& balance, double lambda, const Springs& springs) const {
@@ -377,6 +399,7 @@ FairCurve Fairing::run() {
   run_by_arc_length();
   result.curve = curve_;
   result.wavelength = wave;
+  result.noise = noise_;
   result.deviation = deviation_of(curve_, row_, foot_);
   for (const int i : row_.index) result.parameters.push_back(foot_[i]);
   return result;

@@ -14,6 +14,9 @@ struct FairCurve {
   std::vector<double> parameters;  ///< nearest parameter of each point
   Deviation deviation;
   double wavelength = 0;  ///< wavelength of the balance that was found; 0: nothing was smoothed
+  /// Standard deviation of the points across their line, estimated from their differences; 0 for
+  /// fewer than eleven points.
+  double noise = 0;
   double freedom = 0;     ///< effective degrees of freedom of one coordinate
   int rounds = 0;
   bool settled = false;     ///< parameters stood still within the rounds

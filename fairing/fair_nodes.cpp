@@ -37,8 +37,10 @@ std::vector<double> all_nodes(const PointRow& row, const std::vector<double>& u,
   forced.push_back(end);
   // The forced ones first; of the others those that are not too near.
   // (What acts between nodes acts there too; a corner and the mirror image of its partner are one.)
-  const double gap = 0.25 * length / std::min(row.count(), most_nodes),
-               same = mirrored ? 4 * gap : 0.01 * gap;
+  // Corners and their mirror images need room.
+  const double share = row.count() <= most_nodes && !mirrored ? 0.02 : 0.25;
+  const double gap = share * length / std::min(row.count(), most_nodes),
+               same = mirrored ? length / std::min(row.count(), most_nodes) : 0.01 * gap;
   std::sort(forced.begin(), forced.end());
   std::vector<double> nodes;
   for (const double at : forced)

@@ -26,10 +26,10 @@ struct CurveCondition {
 
 /// Fairing of points given in an order (global): the curve minimises
 ///
-///     Σ_i |X(u_i) - p_i|² + λ ∫ (|X_uu|² + alpha |X_u|²) du
+///     Σ_i |X(u_i) - p_i|² + λ ∫ (ease |X_uu|² + alpha |X_u|²) du
 ///
-/// over all C2 cubics with a node at each u_i (points closer than a quarter of the mean spacing
-/// share one; from 1,000 points on there are fewer nodes than points, but always several times as
+/// over all C2 cubics with a node at each u_i (points closer than a fiftieth of the mean spacing
+/// share one, but for an end or a corner, which has none but its own; from 1,000 points on there are fewer nodes than points, but always several times as
 /// many as the balance can make use of). u_i begin as chord lengths; after each solve they move
 /// to the nearest point of the curve and u becomes arc length, until they stand still: distances
 /// are then those to the curve, not to an assumed parameter.
@@ -38,9 +38,11 @@ struct FairOptions {
   enum class Balance {
     /// Generalised cross-validation (Craven, Wahba 1979) of x, y, z together: the curve that would
     /// predict left-out points best. From 20 points on each degree of freedom counts 1.4 times
-    /// (Kim, Gu 2004), with six once. Points move by 2.5 % of the size at most (root mean
-    /// square): what is larger was no noise. Fewer than six points tell nothing about noise: the
-    /// curve then goes through them.
+    /// (Kim, Gu 2004), with six once. Points move by twice their noise at most (root mean square;
+    /// of fewer than eleven, whose noise nobody knows, by 2.5 % of the size): what is larger was
+    /// none. Noise is what neighbouring points do not share; a hand's slow tremor needs its
+    /// wavelength stated. Fewer than six points tell nothing about noise: the curve then goes
+    /// through them. Bending is eased in tight bends (BendingEase), where it would flatten them.
     CrossValidation,
     Deviation,  ///< the fairest curve not farther than `deviation` from any point; where conditions
                 ///< or a missing corner do not let it be, FairCurve::deviation is larger

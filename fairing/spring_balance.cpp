@@ -1,6 +1,7 @@
 #include "batten/fairing/spring_balance.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <numbers>
 
@@ -32,8 +33,8 @@ Points SpringBalance::solve(double lambda) {
   right_.setZero(mesh_.dof_count(), 3);
   for (int s = 0; s < mesh_.segment_count(); ++s) {
     const HermiteSegment segment(mesh_.length(s));
-    HermiteSegment::Matrix K =
-        segment.bending(ease_.empty() ? lambda : lambda * ease_[static_cast<size_t>(s)]);
+    const HermiteSegment::Linear ease = ease_.empty() ? 1 : ease_[static_cast<size_t>(s)];
+    HermiteSegment::Matrix K = segment.bending({lambda * ease.start, lambda * ease.end});
     if (alpha_ > 0) K += segment.stretching(lambda * alpha_);
     band_.add(A_, s, K);
   }
@@ -63,13 +64,19 @@ double SpringBalance::freedom() const {
   return trace;
 }
 
-double SpringBalance::score(double lambda, double most) {
-  const double dearer = 1 + 0.4 * std::clamp((points_ - 6) / 14.0, 0.0, 1.0);
-  const Points q = solve(lambda);
+double SpringBalance::rest_of(const Points& q) const {
   double rest = springs_.scatter;
   for (int n = 0; n < mesh_.node_count(); ++n)
     rest += springs_.weight[n] *
             (q.row(mesh_.position_dof(n)).transpose() - springs_.goal[n]).squaredNorm();
+  return rest;
+}
+
+double SpringBalance::moved(double lambda) { return std::sqrt(rest_of(solve(lambda)) / points_); }
+
+double SpringBalance::score(double lambda, double most) {
+  const double dearer = 1 + 0.4 * std::clamp((points_ - 6) / 14.0, 0.0, 1.0);
+  const double rest = rest_of(solve(lambda));
   const double left = points_ - dearer * freedom();
   return left > 0 && rest <= points_ * most * most ? rest / (left * left)
                                                    : std::numeric_limits<double>::infinity();

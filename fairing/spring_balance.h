@@ -35,30 +35,36 @@ struct Springs {
 class SpringBalance {
  public:
   SpringBalance(const CurveMesh& mesh, const Springs& springs, double alpha, int points,
-                const std::vector<std::pair<int, Vec3>>& held, const std::vector<double>& ease = {})
+                const std::vector<std::pair<int, Vec3>>& held,
+                std::vector<HermiteSegment::Linear> ease = {})
       : mesh_(mesh),
         springs_(springs),
         alpha_(alpha),
         points_(points),
         held_(held),
-        ease_(ease),
+        ease_(std::move(ease)),
         band_(mesh) {}
 
   /// Dofs of the curve of least energy at λ. Throws NoSolutionError.
   Points solve(double lambda);
   /// Trace of the influence matrix of the last solve().
   double freedom() const;
+  /// Root mean square by which the points move at λ.
+  double moved(double lambda);
   /// Generalised cross-validation at λ. Each degree of freedom counts more than once where there
   /// are points enough; infinite where points move by more than `most` (root mean square).
   double score(double lambda, double most);
 
  private:
+  // Sum of the squares by which the points are off a solution.
+  double rest_of(const Points& q) const;
+
   const CurveMesh& mesh_;
   const Springs& springs_;
   double alpha_;
   int points_;
   const std::vector<std::pair<int, Vec3>>& held_;
-  std::vector<double> ease_;
+  std::vector<HermiteSegment::Linear> ease_;
   CurveBand band_;
   BandCholesky A_;
   Points right_;

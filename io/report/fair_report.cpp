@@ -37,6 +37,7 @@ Json json_of(const std::vector<FairedLine>& curves) {
          {"faired", c.faired},
          {"deviation",
           {{"max", c.deviation.max}, {"rms", c.deviation.rms}, {"between", c.deviation.between}}},
+         {"noise", c.noise},
          {"wavelength", c.wavelength},
          {"freedom", c.freedom},
          {"rounds", c.rounds},

@@ -37,6 +37,7 @@ struct FairedLine {
   double size = 0;                     ///< diagonal of the box around the points
   Deviation deviation;                 ///< deviation of the result from the input
   double wavelength = 0, freedom = 0;  ///< FairCurve's, of the last stage of the whole line
+  double noise = 0;  ///< FairCurve's, of the first stage of the whole line
   int rounds = 0;
   bool settled = true;
   double max_residual = 0;  ///< largest residual of the conditions, over the size

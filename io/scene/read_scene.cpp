@@ -330,7 +330,8 @@ Scene read(const toml::table& root_table, const std::filesystem::path& file) {
     if (t.has("step")) scene.step = output_file(t, "step", files, {".step", ".stp"});
     using Form = Scene::StepForm;
     scene.step_form =
-        t.choice("step_form", Form::Face, {{"face", Form::Face}, {"exact", Form::Exact}});
+        t.choice("step_form", Form::Auto,
+                 {{"auto", Form::Auto}, {"face", Form::Face}, {"exact", Form::Exact}});
     scene.step_tolerance = t.positive("step_tolerance", 0);
     for (const char* key : {"step_form", "step_tolerance"})
       if (t.has(key) && scene.step.empty())

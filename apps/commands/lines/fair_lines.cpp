@@ -290,6 +290,7 @@ void Fairing::run_stages(size_t line, FairedResult& result) {
           options);
       curve = fair.curve;
       u = fair.parameters;
+      if (!report.faired) report.noise = fair.noise;
       report.faired = true;
       report.wavelength = fair.wavelength;
       report.freedom = fair.freedom;

@@ -151,6 +151,13 @@ std::vector<FairedResult> fair(const FairScene& scene, FairReport& report, Stopw
     report.curves.push_back(result.report);
     if (!result.warning.empty()) report.warnings.push_back(result.warning);
     if (!result.report.settled) restless.push_back(result.report.name);
+    const FairedLine& line = result.report;
+    constexpr double more = 3;  // than noise may move them
+    if (settings.segments == 0 && line.noise > 0 && line.deviation.rms > more * line.noise)
+      report.warnings.push_back("'" + line.name + "' has moved by " + number(line.deviation.rms) +
+                                " (root mean square), and its points' noise is about " +
+                                number(line.noise) + " " + scene.unit +
+                                ": a shorter wavelength or a smaller deviation keeps more of it");
   }
   if (!restless.empty())
     report.warnings.push_back("parameters still moved in the last round: " + first_few(restless));

@@ -153,13 +153,21 @@ void write_step_into(Report& report, const Scene& scene, const MadeModel& made,
     throw InputError(scene.at({}) +
                      "found step_form = \"exact\" for a surface that embedded lines cut, expected "
                      "\"face\": cut triangles have no exact form");
-  const bool face = scene.step_form == Form::Face;
   Report::Step& s = report.step.emplace();
-  s.form = face ? "face" : "exact";
+  s.form = scene.step_form == Form::Exact ? "exact" : "face";
   s.file = scene.step;
   StepReport step;
   try {
-    step = (face ? face_step : exact_step)(report, scene, regions, out.file(scene.step));
+    step =
+        (s.form == "face" ? face_step : exact_step)(report, scene, regions, out.file(scene.step));
+    if (scene.step_form == Form::Auto && !cut && !made.network && !step.reached) {
+      report.warnings.push_back("one face in '" + scene.step + "' would be " +
+                                number(step.max_deviation.value_or(std::nan(""))) + " " +
+                                scene.unit + " off the surface: it has three a triangle");
+      s.form = "exact";
+      s.tolerance = s.poles_u = s.poles_v = 0;
+      step = exact_step(report, scene, regions, out.file(scene.step));
+    }
   } catch (...) {
     report.step.reset();
     throw;
@@ -168,7 +176,7 @@ void write_step_into(Report& report, const Scene& scene, const MadeModel& made,
   s.bytes = step.bytes;
   s.max_deviation = step.max_deviation.value_or(std::nan(""));
   s.max_gap = step.max_gap;
-  s.max_normal_jump_deg = face ? 0 : step.max_normal_jump_deg;
+  s.max_normal_jump_deg = s.form == "face" ? 0 : step.max_normal_jump_deg;
   s.valid = step.valid;
   s.shells = step.shells;
   s.solids = step.solids;

@@ -109,7 +109,7 @@ TEST_CASE("a hole that does not hold leaves the shape as it is without it", "[sk
   SkinOptions options = coarse();
   options.domain = GENERATE(Domain::Polygon, Domain::Plane, Domain::Sheet);
   const SkinnedRegion whole = shaped({"roof", lines, options});
-  lines.push_back(circle("hole", {1, 1.4, 0.1}, 0.4));
+  lines.push_back(circle("hole", {1, 1.4, 0.1}, 0.15));
   const SkinnedRegion held = shaped({"roof", lines, options});
   lines.back().holds = false;
   const SkinnedRegion free = shaped({"roof", lines, options});
@@ -125,7 +125,7 @@ TEST_CASE("a hole that does not hold leaves the shape as it is without it", "[sk
                                         (rim->fitted.end() - rim->fitted.start()) * i / 64);
     from_whole = std::max(from_whole, whole.surface.closest_point(p).distance);
   }
-  // Without the hole's own stiffness the rest bends a little otherwise, far less than held.
+  // Without the stiffness of what was cut out the rest bends a little otherwise, far less than held.
   CHECK(from_whole < 0.02);
   CHECK(measure(free).max_line_deviation < 1e-3);
   CHECK(measure(free).min_jacobian_ratio > 0.3);
