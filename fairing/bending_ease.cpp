@@ -2,60 +2,106 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
+#include "batten/core/index.h"
 #include "batten/core/words.h"
 
 namespace batten {
+namespace {
+
+// Unit tangents inside of segments, so never at a corner, in the order of u.
+struct Tangents {
+  std::vector<double> u;
+  std::vector<Vec3> t;
+
+  explicit Tangents(const HermiteCurve& curve) {
+    constexpr int least = 64;
+    const int segments = curve.segment_count(), each = 1 + (least - 1) / segments;
+    for (int s = 0; s < segments; ++s)
+      for (int k = 0; k < each; ++k) {
+        const double f = (k + 0.5) / each;
+        u.push_back(curve.parameters()[static_cast<size_t>(s)] + f * curve.mesh().length(s));
+        t.push_back(curve.evaluate(CurveMesh::Where{s, f}, 1).normalized());
+      }
+  }
+  // Of a closed curve without corners: once more before and after.
+  void repeat(double length) {
+    const std::vector<double> own = u;
+    const std::vector<Vec3> tangents = t;
+    u.clear();
+    t.clear();
+    for (const double shift : {-length, 0.0, length})
+      for (size_t i = 0; i < own.size(); ++i) {
+        u.push_back(own[i] + shift);
+        t.push_back(tangents[i]);
+      }
+  }
+};
+
+// The turn from one tangent to another over the way between, by halves, so that half a circle is
+// not taken for none.
+double bend(const Tangents& tangents, size_t from, size_t to) {
+  const double way = tangents.u[to] - tangents.u[from];
+  const size_t middle = (from + to) / 2;
+  return way > 0 ? (degrees_between(tangents.t[from], tangents.t[middle]) +
+                    degrees_between(tangents.t[middle], tangents.t[to])) /
+                       way
+                 : 0;
+}
+
+}  // namespace
 
 BendingEase::BendingEase(const HermiteCurve& curve, double wave, const BendingEase& before) {
-  constexpr int each = 4, least = 200, most = 8000;
-  const int count = std::clamp(each * curve.segment_count(), least, most);
-  const double start = curve.start(), length = curve.end() - start;
-  std::vector<double> stops;  // the window ends there
-  if (!curve.closed()) stops = {start, curve.end()};
+  Tangents tangents(curve);
+  u_ = tangents.u;
+  const double length = curve.end() - curve.start();
+  std::vector<double> stops = {-INFINITY};  // windows end there
   for (const int corner : curve.mesh().corners())
     stops.push_back(curve.parameters()[static_cast<size_t>(corner)]);
-  std::sort(stops.begin(), stops.end());
-  std::vector<double> bend(static_cast<size_t>(count) + 1);
-  for (int i = 0; i <= count; ++i) {
-    const double u = start + length * i / count;
-    const double reach = 0.25 * wave * std::pow(before.at(static_cast<double>(i) / count), 0.25);
-    double from = u - reach, to = u + reach;
-    for (const double stop : stops) {
-      if (stop <= u) from = std::max(from, stop);
-      if (stop >= u) to = std::min(to, stop);
-    }
-    const double window = to - from, hair = 1e-9 * length;
-    if (!(window > 4 * hair)) continue;
-    // Turns add up in halves, so that half a circle is not taken for none.
-    const Vec3 a = curve.evaluate(from + hair, 1), b = curve.evaluate(0.5 * (from + to), 1),
-               c = curve.evaluate(to - hair, 1);
-    bend[static_cast<size_t>(i)] = (degrees_between(a, b) + degrees_between(b, c)) / window;
+  stops.push_back(INFINITY);
+  if (curve.closed() && stops.size() == 2) tangents.repeat(length);
+  const auto first_from = [&](double u) {
+    return std::lower_bound(tangents.u.begin(), tangents.u.end(), u) - tangents.u.begin();
+  };
+  double sum = 0;
+  for (const double u : u_) {
+    const double reach = 0.25 * wave * std::pow(before.at((u - curve.start()) / length), 0.25);
+    const auto stop = std::upper_bound(stops.begin(), stops.end(), u);
+    const long from = first_from(std::max(u - reach, *(stop - 1)));
+    const long to = first_from(std::min(u + reach, *stop)) - 1;
+    ease_.push_back(to > from ? bend(tangents, static_cast<size_t>(from), static_cast<size_t>(to))
+                              : 0);
   }
-  const double mean =
-      std::accumulate(bend.begin(), bend.end(), 0.0) / static_cast<double>(bend.size());
-  if (!(mean > 0)) return;
+  for (size_t i = 0; i < u_.size(); ++i) {
+    const double a = i > 0 ? u_[i - 1] : curve.start();
+    const double b = i + 1 < u_.size() ? u_[i + 1] : curve.end();
+    sum += ease_[i] * (b - a) / 2;
+  }
+  const double mean = sum / length;
   constexpr double usual = 2;  // what noise alone makes of an even curve
-  for (double& k : bend) k = std::pow(std::max(1.0, k / (usual * mean)), -1.5);
-  ease_ = std::move(bend);
+  for (double& e : ease_) e = mean > 0 ? std::pow(std::max(1.0, e / (usual * mean)), -1.5) : 1;
+  if (std::all_of(ease_.begin(), ease_.end(), [](double e) { return e == 1; })) ease_.clear();
+  for (double& u : u_) u = (u - curve.start()) / length;
 }
 
 double BendingEase::at(double share) const {
   if (ease_.empty()) return 1;
-  const double x = std::clamp(share, 0.0, 1.0) * static_cast<double>(ease_.size() - 1);
-  const size_t i = std::min(static_cast<size_t>(x), ease_.size() - 2);
-  return ease_[i] + (x - static_cast<double>(i)) * (ease_[i + 1] - ease_[i]);
+  const auto above = std::upper_bound(u_.begin(), u_.end(), share);
+  if (above == u_.begin()) return ease_.front();
+  if (above == u_.end()) return ease_.back();
+  const auto i = static_cast<size_t>(above - u_.begin());
+  return ease_[i - 1] + (share - u_[i - 1]) / (u_[i] - u_[i - 1]) * (ease_[i] - ease_[i - 1]);
 }
 
 std::vector<HermiteSegment::Linear> BendingEase::of(const CurveMesh& mesh) const {
   std::vector<HermiteSegment::Linear> ease;
   if (even()) return ease;
   const double length = mesh.end() - mesh.start();
-  const auto at_node = [&](int i) {
-    return at((mesh.parameters()[static_cast<size_t>(i)] - mesh.start()) / length);
-  };
-  for (int s = 0; s < mesh.segment_count(); ++s) ease.push_back({at_node(s), at_node(s + 1)});
+  std::vector<double> nodes;
+  for (const double u : mesh.parameters()) nodes.push_back(at((u - mesh.start()) / length));
+  // A closed curve goes on where it begins.
+  if (mesh.closed()) nodes.front() = nodes.back() = (nodes.front() + nodes.back()) / 2;
+  for (size_t s = 0; s + 1 < nodes.size(); ++s) ease.push_back({nodes[s], nodes[s + 1]});
   return ease;
 }
 

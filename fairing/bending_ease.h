@@ -26,7 +26,7 @@ class BendingEase {
   std::vector<HermiteSegment::Linear> of(const CurveMesh& mesh) const;
 
  private:
-  std::vector<double> ease_;  // at even shares
+  std::vector<double> u_, ease_;  // at shares of the length
 };
 
 }  // namespace batten

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <utility>
 
 #include "batten/core/index.h"
 #include "batten/core/words.h"
@@ -59,7 +60,11 @@ class CornerSearch {
     // Corners are no noise: it is estimated again without them.
     constexpr int most_rounds = 4;
     for (int round = 0; round < most_rounds; ++round) {
-      if (round > 0) noise_ = noise_across(points_, row_.closed(), found);
+      if (round > 0) {
+        const double before = std::exchange(noise_, noise_across(points_, row_.closed(), found));
+        constexpr double same = 0.02;
+        if (std::abs(noise_ - before) <= same * before) break;
+      }
       const std::vector<int> again = is_noisy() ? in_noise(in_points()) : in_points();
       if (round > 0 && again == found) break;
       found = again;
@@ -164,6 +169,9 @@ class CornerSearch {
     double best = 0;
     for (int m = 2; m <= std::max(before, behind); m += std::max(1, m / 4)) {
       const int first = std::min(m, before), last = std::min(m, behind);
+      // Arms that meet at an angle have chords that do, unless both bend the other way.
+      const Vec3 coming = row_.at(i) - row_.at(i - first), going = row_.at(i + last) - row_.at(i);
+      if (degrees_between(coming, going) < 0.5 * angle_) continue;
       Points near(first + last + 1, 3);
       for (int k = -first; k <= last; ++k) near.row(k + first) = row_.at(i + k);
       best = std::max(best, arms_.gain(near, first, noise_, angle_));

@@ -32,9 +32,10 @@ const TwoArms::Shape& TwoArms::shape(int count, int corner, int degree) {
 
 TwoArms::Fit TwoArms::fit(const Shape& shape, const Points& points, double noise) {
   Fit fit;
-  fit.coefficients = shape.inverse * points;
-  const Points off = points - shape.values * fit.coefficients,
-               way = shape.slopes * fit.coefficients;
+  // Eigen's kernels for large products would take longer to begin than these take.
+  fit.coefficients = shape.inverse.lazyProduct(points);
+  const Points off = points - Points(shape.values.lazyProduct(fit.coefficients)),
+               way = shape.slopes.lazyProduct(fit.coefficients);
   for (long i = 0; i < points.rows(); ++i) {
     const double along = way.row(i).squaredNorm();
     const double part = along > 0 ? std::pow(off.row(i).dot(way.row(i)), 2) / along : 0;
