@@ -10,8 +10,9 @@ namespace batten {
 
 /// What multiplies bending along a curve, so that tight bends are not flattened where the rest is
 /// wide, as at an airfoil's nose: (κ̄/2κ_m)^-1.5 where the mean curvature κ̄ around a place exceeds
-/// twice that of the whole line, κ_m; else 1. It is what bending of even weight becomes in a parameter that
-/// runs faster through bends, dτ ∝ √κ ds. A circle has 1 everywhere, and so has a straight line.
+/// twice that of the whole line, κ_m; else 1. It is what bending of even weight becomes in a
+/// parameter that runs faster through bends, dτ ∝ √κ ds. A circle has 1 everywhere, and so has a
+/// straight line.
 class BendingEase {
  public:
   BendingEase() = default;

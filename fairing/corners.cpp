@@ -20,6 +20,7 @@ constexpr double at_end_turn_by = 60;  // where one side is a single chord
 constexpr double sharp = 75;           // always a corner
 constexpr double uneven_turn_by = 30;  // and more: a corner between sides of
 constexpr double uneven = 2.5;         // this ratio
+constexpr double sure = 24;            // a gain as no noise has in some hundred places
 constexpr double errors = 5;           // standard errors that are no chance
 
 double degrees(double radians) { return radians * 180 / std::numbers::pi; }
@@ -134,7 +135,6 @@ class CornerSearch {
       double gain;
     };
     std::map<int, Told> told;
-    constexpr double sure = 24;  // as much as no noise gains in some hundred places
     for (;;) {
       int best = -1;
       double most = sure;
@@ -174,7 +174,7 @@ class CornerSearch {
       if (degrees_between(coming, going) < 0.5 * angle_) continue;
       Points near(first + last + 1, 3);
       for (int k = -first; k <= last; ++k) near.row(k + first) = row_.at(i + k);
-      best = std::max(best, arms_.gain(near, first, noise_, angle_));
+      best = std::max(best, arms_.gain(near, first, noise_, angle_, std::max(best, sure)));
     }
     return best;
   }

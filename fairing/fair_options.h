@@ -29,10 +29,11 @@ struct CurveCondition {
 ///     Σ_i |X(u_i) - p_i|² + λ ∫ (ease |X_uu|² + alpha |X_u|²) du
 ///
 /// over all C2 cubics with a node at each u_i (points closer than a fiftieth of the mean spacing
-/// share one, but for an end or a corner, which has none but its own; from 1,000 points on there are fewer nodes than points, but always several times as
-/// many as the balance can make use of). u_i begin as chord lengths; after each solve they move
-/// to the nearest point of the curve and u becomes arc length, until they stand still: distances
-/// are then those to the curve, not to an assumed parameter.
+/// share one, but for an end or a corner, which has none but its own; from 1,000 points on there
+/// are fewer nodes than points, but always several times as many as the balance can make use of).
+/// u_i begin as chord lengths; after each solve they move to the nearest point of the curve and u
+/// becomes arc length, until they stand still: distances are then those to the curve, not to an
+/// assumed parameter.
 struct FairOptions {
   /// The way in which λ is found.
   enum class Balance {

@@ -44,9 +44,10 @@ TwoArms::Fit TwoArms::fit(const Shape& shape, const Points& points, double noise
   return fit;
 }
 
-double TwoArms::gain(const Points& points, int corner, double noise, double least_turn) {
+double TwoArms::gain(const Points& points, int corner, double noise, double least_turn,
+                     double least) {
   const auto count = static_cast<int>(points.rows());
-  double best = 0;
+  double best = least;
   for (const int degree : {1, 2}) {
     const int dof = count - 1 - 2 * degree;
     if (dof < 2) continue;
@@ -55,14 +56,15 @@ double TwoArms::gain(const Points& points, int corner, double noise, double leas
     const Vec3 before = arms.coefficients.row(1), behind = arms.coefficients.row(degree + 1);
     const double turn = degrees_between(before, behind);
     if (!(turn > least_turn)) continue;
-    double smooth = std::numeric_limits<double>::infinity();
-    for (int d = degree + 1; d <= 2 * degree + 1 && d < count - 1; ++d)
-      smooth = std::min(smooth, fit(shape(count, -1, d), points, noise).chi);
-    if (!std::isfinite(smooth)) continue;
     const double sharpness = std::clamp(turn / 50, 0.7, 2.0);
-    best = std::max(best, sharpness * (smooth - arms.chi) / std::max(1.0, arms.chi / dof));
+    double gain = std::numeric_limits<double>::infinity();
+    // Further degrees can only take from the gain.
+    for (int d = degree + 1; d <= 2 * degree + 1 && d < count - 1 && gain > best; ++d)
+      gain = std::min(gain, sharpness * (fit(shape(count, -1, d), points, noise).chi - arms.chi) /
+                                std::max(1.0, arms.chi / dof));
+    if (std::isfinite(gain)) best = std::max(best, gain);
   }
-  return best;
+  return best > least ? best : 0;
 }
 
 }  // namespace batten

@@ -15,9 +15,10 @@ class TwoArms {
   /// beside straight arms, to the fifth beside parabolic ones) is above that of two arms that meet
   /// at point `corner` (a row of `points`), over max(1, χ²/dof) of the latter and times the turn
   /// over 50 degrees (0.7 to 2): noise seldom makes sharp turns. 0 where the arms meet at
-  /// `least_turn` degrees or less, or are no good fit themselves. `noise` > 0. Remembers the matrices of each size: later calls
-  /// cost O(points).
-  double gain(const Points& points, int corner, double noise, double least_turn);
+  /// `least_turn` degrees or less, are no good fit themselves, or gain no more than `least`.
+  /// `noise` > 0. Remembers the matrices of each size: later calls cost O(points).
+  double gain(const Points& points, int corner, double noise, double least_turn,
+              double least = 0);
 
  private:
   struct Shape {

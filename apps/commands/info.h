@@ -6,14 +6,14 @@
 
 namespace batten {
 
-/// Describes a scene (.toml) by its lines and parameters; a file of points, CAD, drawings or sketches
-/// by its lines with lengths, ends, planes and how they were read; a STEP file with faces also by its contents and whether it is
-/// valid. `unit` is that of lengths in the text, and of files of points; a scene has its own.
-/// Throws InputError.
+/// Describes a scene (.toml) by its lines and parameters; a file of points, CAD, drawings or
+/// sketches by its lines with lengths, ends, planes and how they were read; a STEP file with faces
+/// also by its contents and whether it is valid. `unit` is that of lengths in the text, and of
+/// files of points; a scene has its own. Throws InputError.
 std::string file_info(const std::filesystem::path& file, const std::string& unit);
 
-/// Draws the lines of a scene or a file as they were read, with their points and curvature combs, to
-/// a PNG. Throws InputError: no lines, no display.
+/// Draws the lines of a scene or a file as they were read, with their points and curvature combs,
+/// to a PNG. Throws InputError: no lines, no display.
 void draw_lines(const std::filesystem::path& picture, const std::filesystem::path& file,
                 const std::string& unit);
 

@@ -14,12 +14,13 @@
 namespace batten {
 
 /// Whether a row is a heading: words, which may hold digits ("NACA 2412", "MH 32  8.7%"), and in
-/// the first row of a file a number alone, or the corner of an offset table that is empty. A row of numbers with a mistake in it ("1, 2, x",
-/// "l.0 0.5") is none, nor one that names an axis beside a number.
+/// the first row of a file a number alone, or the corner of an offset table that is empty. A row of
+/// numbers with a mistake in it ("1, 2, x", "l.0 0.5") is none, nor one that names an axis beside a
+/// number.
 bool is_heading(std::string_view row, bool first_row);
 
-/// The columns that a header names: x, y, z ("X [mm]", ParaView's "Points:0"), two of them at least,
-/// the others 0; and "line", "name" or "curve", of which each change begins a line.
+/// The columns that a header names: x, y, z ("X [mm]", ParaView's "Points:0"), two of them at
+/// least, the others 0; and "line", "name" or "curve", of which each change begins a line.
 struct HeadingColumns {
   char separator = 0;  ///< 0: blanks, commas and semicolons alike
   std::array<int, 3> axes = {-1, -1, -1};
@@ -39,8 +40,8 @@ std::string name_in(std::string_view heading);
 /// When the word begins with "z", "w" or "h", rows are waterlines and columns stations.
 class OffsetTable {
  public:
-  /// Reads on from the row at which `rows` stands. A line for each station: points (x, half breadth,
-  /// z), upwards. Stations with fewer than two points are left out. Throws InputError.
+  /// Reads on from the row at which `rows` stands. A line for each station: points (x, half
+  /// breadth, z), upwards. Stations with fewer than two points are left out. Throws InputError.
   std::vector<NamedPoints> read(TextRows& rows, double scale) const;
 
  private:
@@ -51,9 +52,9 @@ class OffsetTable {
 };
 std::optional<OffsetTable> offset_table(std::string_view heading, std::string_view row);
 
-/// Lednicer's airfoils: a row with the numbers of points of both sides, then the upper and the lower
-/// side, each from the leading edge. They become one line, from the trailing edge over the upper
-/// side to the leading edge and back, as in Selig's format. Other lines are left as they are.
+/// Lednicer's airfoils: a row with the numbers of points of both sides, then the upper and the
+/// lower side, each from the leading edge. They become one line, from the trailing edge over the
+/// upper side to the leading edge and back, as in Selig's format. Other lines are left as they are.
 void join_lednicer(std::vector<NamedPoints>& lines, double scale);
 
 std::string_view without_quotes(std::string_view field);

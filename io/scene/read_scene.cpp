@@ -32,8 +32,10 @@ void refuse_what_does_not_fit(const TomlTable& root) {
            {{"domain", each}, {"settle", each}, {"mesher", each}, {"refine", "edge_length"}});
     for (const char* key : {"alpha", "beta"})
       if (t.has(key) && t.is_array(key))
-        t.fail(key, "three numbers in a network",
-               "one number: its regions have no direction of u in common");
+        t.fail(
+            key, "three numbers in a network",
+            "one number: its regions have no direction of u in common (a [[weight]] with along = "
+            "\"LINE\" resists along a line)");
   }
 }
 

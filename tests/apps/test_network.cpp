@@ -120,6 +120,33 @@ TEST_CASE("what cannot be kept is named, with exit code 4", "[cli][network]") {
   CHECK(said);
 }
 
+TEST_CASE("resistance along a line acts in all regions that have it", "[cli][network]") {
+  // Two shells in a row; bending along the line between them is dearer, so they sag less.
+  const auto area = [](const std::string& value) {
+    const Case c("along");
+    std::string scene = "unit = \"mm\"\n[network]\n";
+    for (int i = 0; i < 3; ++i) {
+      const std::string y = std::to_string(100 * i);
+      scene += "[[line]]\nname = \"arch " + std::to_string(i) + "\"\narc = [[0," + y + ",0],[50," +
+               y + ",20],[100," + y + ",0]]\n";
+    }
+    for (const char* x : {"0", "100"})
+      scene += "[[line]]\nname = \"side " + std::string(x) + "\"\npoints = [[" + x + ",0,0],[" + x +
+               ",100,0],[" + x + ",200,0]]\n";
+    c.file("s.toml", scene +
+                         "[skin]\nedge_length = 20\n[[weight]]\nname = \"w\"\nkind = "
+                         "\"beta\"\nalong = \"arch 1\"\nvalue = " +
+                         value + "\n");
+    const Result r = c.run({"run", "s.toml", "--out", "out"});
+    INFO(r.err);
+    REQUIRE(r.code == 0);
+    return nlohmann::json::parse(contents(c / "out/report.json"))["surface"]["area"].get<double>();
+  };
+  const double even = area("0"), along = area("50"), cylinder = 22070;
+  CHECK(along > even + 0.1 * (cylinder - even));
+  CHECK(along < cylinder);
+}
+
 TEST_CASE("mistakes in a network's words are answered with their place", "[cli][network]") {
   const Case c("network_mistakes");
   c.fails(kHead + box() + "[[join]]\nlines = [\"e13\"]\nkind = \"smooth\"\n", 1,

@@ -125,7 +125,8 @@ TEST_CASE("a hole that does not hold leaves the shape as it is without it", "[sk
                                         (rim->fitted.end() - rim->fitted.start()) * i / 64);
     from_whole = std::max(from_whole, whole.surface.closest_point(p).distance);
   }
-  // Without the stiffness of what was cut out the rest bends a little otherwise, far less than held.
+  // Without the stiffness of what was cut out the rest bends a little otherwise, far less than
+  // held.
   CHECK(from_whole < 0.02);
   CHECK(measure(free).max_line_deviation < 1e-3);
   CHECK(measure(free).min_jacobian_ratio > 0.3);
