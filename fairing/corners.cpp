@@ -21,6 +21,7 @@ constexpr double sharp = 75;           // always a corner
 constexpr double uneven_turn_by = 30;  // and more: a corner between sides of
 constexpr double uneven = 2.5;         // this ratio
 constexpr double sure = 24;            // a gain as no noise has in some hundred places
+constexpr int longest = 60;            // points of an arm
 constexpr double errors = 5;           // standard errors that are no chance
 
 double degrees(double radians) { return radians * 180 / std::numbers::pi; }
@@ -135,6 +136,7 @@ class CornerSearch {
       double gain;
     };
     std::map<int, Told> told;
+    if (likely_.empty()) find_likely();
     for (;;) {
       int best = -1;
       double most = sure;
@@ -157,21 +159,58 @@ class CornerSearch {
 
   // Points from i to the next corner or end.
   int reach(int i, int side, const std::vector<int>& found) const {
-    constexpr int most = 60;
     int k = 0;
-    while (k < most && k < row_.count() / 2 && row_.has(i + side * (k + 1)) &&
+    while (k < longest && k < row_.count() / 2 && row_.has(i + side * (k + 1)) &&
            (k == 0 || !std::binary_search(found.begin(), found.end(), row_.number(i + side * k))))
       ++k;
     return std::binary_search(found.begin(), found.end(), i) ? 0 : k;
   }
 
+  // Lengths of arms that are tried.
+  static int longer(int m) { return m + std::max(1, m / 4); }
+
+  // For each length of arms the points at which a corner may be: the straight lines of least squares
+  // through both arms turn by half of the angle at least, and by nearly as much as anywhere near.
+  void find_likely() {
+    likely_.clear();
+    const int n = row_.count(), margin = row_.closed() ? longest : 0;
+    std::vector<Vec3> sum(1, Vec3::Zero()), moment = sum;  // of the points, and of k times them
+    for (int k = -margin; k < n + margin; ++k) {
+      sum.push_back(sum.back() + row_.at(k) - row_.at(0));
+      moment.push_back(moment.back() + k * (row_.at(k) - row_.at(0)));
+    }
+    const auto direction = [&](int from, int to) -> Vec3 {
+      const auto a = static_cast<size_t>(from + margin), b = static_cast<size_t>(to + margin + 1);
+      return moment[b] - moment[a] - 0.5 * (from + to) * (sum[b] - sum[a]);
+    };
+    for (int m = 2; m <= std::min(longest, n / 2); m = longer(m)) {
+      std::vector<double> turn(static_cast<size_t>(n));
+      for (int i = 0; i < n; ++i) {
+        const int first = row_.closed() ? m : std::min(m, i),
+                  last = row_.closed() ? m : std::min(m, n - 1 - i);
+        if (first > 0 && last > 0)
+          turn[static_cast<size_t>(i)] =
+              degrees_between(direction(i - first, i), direction(i, i + last));
+      }
+      std::vector<char>& likely = likely_.emplace_back(turn.size());
+      constexpr double nearly = 0.8;
+      for (int i = 0; i < n; ++i) {
+        const double here = turn[static_cast<size_t>(i)];
+        bool most = here >= 0.5 * angle_;
+        for (int k = -m / 2; k <= m / 2 && most; ++k)
+          if (row_.has(i + k))
+            most = here >= nearly * turn[static_cast<size_t>(row_.number(i + k))];
+        likely[static_cast<size_t>(i)] = most;
+      }
+    }
+  }
+
   double gain_at(int i, int before, int behind) {
     double best = 0;
-    for (int m = 2; m <= std::max(before, behind); m += std::max(1, m / 4)) {
+    size_t size = 0;
+    for (int m = 2; m <= std::max(before, behind); m = longer(m)) {
+      if (!likely_.at(size++)[static_cast<size_t>(i)]) continue;
       const int first = std::min(m, before), last = std::min(m, behind);
-      // Arms that meet at an angle have chords that do, unless both bend the other way.
-      const Vec3 coming = row_.at(i) - row_.at(i - first), going = row_.at(i + last) - row_.at(i);
-      if (degrees_between(coming, going) < 0.5 * angle_) continue;
       Points near(first + last + 1, 3);
       for (int k = -first; k <= last; ++k) near.row(k + first) = row_.at(i + k);
       best = std::max(best, arms_.gain(near, first, noise_, angle_, std::max(best, sure)));
@@ -183,6 +222,7 @@ class CornerSearch {
   Row row_;
   double angle_, noise_ = 0;
   std::vector<double> turn_;
+  std::vector<std::vector<char>> likely_;  // by length of arms and point
   TwoArms arms_;
 };
 

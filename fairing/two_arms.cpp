@@ -1,6 +1,6 @@
 #include "batten/fairing/two_arms.h"
 
-#include <Eigen/QR>
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -20,22 +20,34 @@ const TwoArms::Shape& TwoArms::shape(int count, int corner, int degree) {
   for (int i = 0; i < count; ++i) {
     const double x = (arms ? i - corner : i - 0.5 * (count - 1)) / (0.5 * count);
     s.values(i, 0) = 1;
+    double power = 1;
     for (int d = 1; d <= degree; ++d) {
       const int column = arms && i > corner ? degree + d : d;
-      s.values(i, column) = std::pow(x, d);
-      s.slopes(i, column) = d * std::pow(x, d - 1);
+      s.slopes(i, column) = d * power;
+      power *= x;
+      s.values(i, column) = power;
     }
   }
-  s.inverse = s.values.completeOrthogonalDecomposition().pseudoInverse();
+  // Six columns over [-1, 1] at most: their squares keep enough digits.
+  s.inverse = MatX(s.values.transpose().lazyProduct(s.values))
+                  .ldlt()
+                  .solve(s.values.transpose())
+                  .transpose();
   return s;
 }
 
 TwoArms::Fit TwoArms::fit(const Shape& shape, const Points& points, double noise) {
   Fit fit;
-  // Eigen's kernels for large products would take longer to begin than these take.
-  fit.coefficients = shape.inverse.lazyProduct(points);
-  const Points off = points - Points(shape.values.lazyProduct(fit.coefficients)),
-               way = shape.slopes.lazyProduct(fit.coefficients);
+  fit.coefficients.resize(shape.values.cols(), 3);
+  Points off = points, way = Points::Zero(points.rows(), 3);
+  // By columns: Eigen's kernels for large products would take longer to begin than these take.
+  for (long c = 0; c < shape.values.cols(); ++c)
+    for (int k = 0; k < 3; ++k) {
+      const double x = shape.inverse.col(c).dot(points.col(k));
+      fit.coefficients(c, k) = x;
+      off.col(k) -= x * shape.values.col(c);
+      way.col(k) += x * shape.slopes.col(c);
+    }
   for (long i = 0; i < points.rows(); ++i) {
     const double along = way.row(i).squaredNorm();
     const double part = along > 0 ? std::pow(off.row(i).dot(way.row(i)), 2) / along : 0;

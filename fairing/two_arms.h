@@ -22,7 +22,7 @@ class TwoArms {
 
  private:
   struct Shape {
-    MatX values, slopes, inverse;  // inverse: the least-squares coefficients of given points
+    MatX values, slopes, inverse;  // inverseᵀ points: the coefficients of least squares
   };
   struct Fit {
     double chi = 0;
