@@ -200,7 +200,8 @@ struct Scene {
   std::optional<SceneStress> stress;
   std::string step, vtu, vtp, calculix;  ///< [output]: file names, "" for none
   enum class StepForm {
-    Auto,  ///< Face; Exact where that misses step_tolerance, of one region that nothing cuts
+    Auto,  ///< Face; Exact where that misses step_tolerance, of one region of up to 10,000
+           ///< triangles that nothing cuts
     Face,  ///< one B-spline face for each region, within step_tolerance
     Exact  ///< three faces for each triangle
   } step_form = StepForm::Auto;
