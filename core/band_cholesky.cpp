@@ -20,6 +20,10 @@ void BandCholesky::reset(int n, int band) {
   rows_.assign(static_cast<size_t>(n) * (band_ + 1), 0.0);
 }
 
+void BandCholesky::add(const BandCholesky& B, double factor) {
+  for (size_t k = 0; k < rows_.size(); ++k) rows_[k] += factor * B.rows_[k];
+}
+
 void BandCholesky::fix(int i, const Vec3& value, Points& b) {
   const int first = std::max(0, i - band_), last = std::min(n_ - 1, i + band_);
   for (int j = first; j <= last; ++j) {
@@ -76,7 +80,7 @@ void BandCholesky::solve(Points& b) const {
   }
 }
 
-VecX BandCholesky::inverse_diagonal() const {
+double BandCholesky::trace_of_quotient(const BandCholesky& B) const {
   // Z = A⁻¹ inside the band, row by row as the factor: L_jj Z_ij = δ_ij / L_jj - Σ_k L_kj Z_ik, k >
   // j.
   std::vector<double> inverse(rows_.size(), 0.0);
@@ -84,17 +88,17 @@ VecX BandCholesky::inverse_diagonal() const {
     if (i < j) std::swap(i, j);
     return inverse[static_cast<size_t>(i) * (band_ + 1) + band_ + j - i];
   };
-  VecX diagonal(n_);
+  double trace = 0;
   for (int j = n_ - 1; j >= 0; --j) {
     const int last = std::min(n_ - 1, j + band_);
     for (int i = last; i >= j; --i) {
       double sum = i == j ? entry(j, j) : 0;
       for (int k = j + 1; k <= last; ++k) sum -= entry(k, j) * z(i, k);
       z(i, j) = sum * entry(j, j);
+      trace += (i == j ? 1 : 2) * z(i, j) * B.entry(i, j);
     }
-    diagonal[j] = z(j, j);
   }
-  return diagonal;
+  return trace;
 }
 
 }  // namespace batten

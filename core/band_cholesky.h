@@ -18,6 +18,10 @@ class BandCholesky {
 
   /// A(i, j) += value, for |i - j| ≤ band. Before factorize() only.
   void add(int i, int j, double value) { (i >= j ? entry(i, j) : entry(j, i)) += value; }
+  /// A += factor B, of the same size and band, not factored either.
+  void add(const BandCholesky& B, double factor);
+  /// A(i, i), before factorize().
+  double diagonal(int i) const { return entry(i, i); }
   /// x_i = value from now on: moves column i to the right-hand side b (n×3). Before factorize()
   /// only, after everything was added.
   void fix(int i, const Vec3& value, Points& b);
@@ -26,9 +30,9 @@ class BandCholesky {
   bool factorize();
   /// b becomes x with A x = b.
   void solve(Points& b) const;
-  /// The diagonal of A⁻¹: by the recursion of Takahashi, Fagan, Chin 1973 on the entries of the
-  /// inverse inside the band. O(n band²).
-  VecX inverse_diagonal() const;
+  /// trace(A⁻¹ B), B of the same size and band, not factored: by the recursion of Takahashi, Fagan,
+  /// Chin 1973 on the entries of the inverse inside the band. O(n band²).
+  double trace_of_quotient(const BandCholesky& B) const;
 
  private:
   double& entry(int i, int j) {

@@ -15,20 +15,18 @@ namespace batten {
 /// that nodes 0, n-1, 1, n-2, … follow each other.
 class CurveBand {
  public:
-  explicit CurveBand(const CurveMesh& mesh) : mesh_(mesh) {
-    if (!mesh.closed()) return;
-    place_.resize(mesh.dof_count());
-    int next = 0;
-    for (int i = 0; i < mesh.node_count(); ++i) {
-      const int node = i % 2 == 0 ? i / 2 : mesh.node_count() - 1 - i / 2;
-      for (int d = std::min(mesh.slope_in(node), mesh.position_dof(node));
-           d <= mesh.slope_out(node); ++d)
-        place_[d] = next++;
-    }
+  /// `pairs`: the dofs of two segments beside a node that is no corner depend on each other too.
+  explicit CurveBand(const CurveMesh& mesh, bool pairs = false) : mesh_(mesh) {
+    if (mesh.closed()) fold();
     for (int s = 0; s < mesh.segment_count(); ++s) {
       const auto dof = mesh.segment_dofs(s);
-      for (const int a : dof)
-        for (const int b : dof) band_ = std::max(band_, std::abs(place_[a] - place_[b]));
+      const int after = (s + 1) % mesh.segment_count();
+      const bool joined = pairs && (mesh.closed() || after > 0) && !mesh.is_corner(after);
+      const auto other = joined ? mesh.segment_dofs(after) : dof;
+      for (const int a : dof) {
+        for (const int b : dof) band_ = std::max(band_, std::abs(place(a) - place(b)));
+        for (const int b : other) band_ = std::max(band_, std::abs(place(a) - place(b)));
+      }
     }
   }
 
@@ -41,6 +39,17 @@ class CurveBand {
   }
 
  private:
+  void fold() {
+    place_.resize(mesh_.dof_count());
+    int next = 0;
+    for (int i = 0; i < mesh_.node_count(); ++i) {
+      const int node = i % 2 == 0 ? i / 2 : mesh_.node_count() - 1 - i / 2;
+      for (int d = std::min(mesh_.slope_in(node), mesh_.position_dof(node));
+           d <= mesh_.slope_out(node); ++d)
+        place_[d] = next++;
+    }
+  }
+
   const CurveMesh& mesh_;
   std::vector<int> place_;
   int band_ = 3;

@@ -6,13 +6,12 @@
 
 #include "batten/constraints/affine_reduction.h"
 #include "batten/core/errors.h"
-#include "batten/fairing/bending_ease.h"
 #include "batten/fairing/fair_conditions.h"
 #include "batten/fairing/fair_nodes.h"
 #include "batten/fairing/noise.h"
 #include "batten/fairing/point_row.h"
 #include "batten/fairing/spring_balance.h"
-#include "batten/fem/curve_assembly.h"
+#include "batten/fairing/wave_ease.h"
 
 namespace batten {
 namespace {
@@ -24,7 +23,6 @@ class Fairing {
     u_ = row.denoised_chord();
     length_ = u_.back();
     u_.resize(count_);
-    tangent_.assign(count_, Vec3::Zero());
     noise_ = noise_across(row.points, row.closed, row.corners);
     if (const CurveCondition* plane = symmetry()) centre(*plane);
   }
@@ -33,12 +31,9 @@ class Fairing {
 
  private:
   using Type = CurveCondition::Type;
-  double lambda_at(double wave) const {
-    return std::pow(wave / (2 * std::numbers::pi), 4) * count_ / length_;
-  }
   double spacing() const { return length_ / std::min(count_, most_nodes_); }  // of nodes
   // So short that nothing is smoothed, and the system still positive definite in floating point.
-  double no_wave() const { return 0.02 * spacing(); }
+  double no_wave() const { return 0.1 * spacing(); }
   const CurveCondition* symmetry() const {
     for (const auto& c : options_.conditions)
       if (c.type == Type::Symmetry) return &c;
@@ -48,13 +43,13 @@ class Fairing {
 
   void centre(const CurveCondition& plane);
   std::vector<double> forced_nodes();
-  bool crowds(int i) const;
-  Springs gather() const;
+  bool at_stop(double u) const;
+  std::vector<Spring> springs() const;
   std::vector<std::pair<int, Vec3>> held() const;
   double most_move() const;
-  double find_wave(SpringBalance& balance, const Springs& springs, double before);
+  double find_wave(SpringBalance& balance, double before);
   void reduce_conditions();
-  Points solve(SpringBalance& balance, double lambda, const Springs& springs) const;
+  Points solve(SpringBalance& balance, double wave) const;
   double off_axis(const Points& q) const;
   double project(bool first);
   void run_by_arc_length();
@@ -73,19 +68,17 @@ class Fairing {
   double length_ = 0;
   double noise_ = 0;             // standard deviation across the line
   std::vector<double> u_;        // of the points, in [0, length_]
-  std::vector<Vec3> tangent_;    // unit, of the last curve there
   std::vector<double> at_;       // where the conditions act, or unused
   std::vector<double> held_at_;  // those of the last solve
-  int most_nodes_ = 1000;
+  int most_nodes_ = 64;
   double tightened_ = 1;  // of the stated deviation, so that it holds after the last projection
   CurveMesh mesh_;
-  std::vector<int> node_of_;  // of each point
-  HermiteCurve curve_;        // of the last round
-  std::vector<double> foot_;  // of each point, on it
-  BendingEase ease_;          // of the last round; even where the balance is stated
+  std::vector<int> corner_node_;  // of each corner of the row
+  HermiteCurve curve_;            // of the last round
+  std::vector<double> foot_;      // of each point, on it
+  WaveEase ease_;                 // of the last round; even where the balance is stated
   // Of the conditions, for one mesh.
   std::optional<AffineReduction> reduction_;
-  SparseMatrix bending_;
   VecX positions_;  // 1 at position dofs
 };
 
@@ -149,35 +142,28 @@ std::vector<double> Fairing::forced_nodes() {
   return forced;
 }
 
-// Whether a point has no node of its own beside an end or a corner. It would draw that along the
-// line: what lies beside an end says nothing about where it ends.
-bool Fairing::crowds(int i) const {
-  const int n = node_of_[i];
-  const bool end = !row_.closed && (n == 0 || n + 1 == mesh_.node_count());
-  const bool own = (!row_.closed && (i == 0 || i + 1 == count_)) ||
-                   std::binary_search(row_.corners.begin(), row_.corners.end(), i);
-  return (end || mesh_.is_corner(n)) && !own;
+// A point whose foot is the end of the line, though it is not the end itself, has no spring: it
+// would draw the end towards itself in every round, and what lies beside an end says nothing about
+// where that ends. So it is at corners.
+std::vector<Spring> Fairing::springs() const {
+  std::vector<Spring> springs;
+  for (int i = 0; i < count_; ++i) {
+    const bool own = (!row_.closed && (i == 0 || i + 1 == count_)) ||
+                     std::binary_search(row_.corners.begin(), row_.corners.end(), i);
+    if (!own && at_stop(u_[i])) continue;
+    springs.push_back({mesh_.where(u_[i]), row_.points[i]});
+  }
+  return springs;
 }
 
-Springs Fairing::gather() const {
-  Springs springs;
-  springs.weight.assign(mesh_.node_count(), 0);
-  springs.goal.assign(mesh_.node_count(), Vec3::Zero());
-  std::vector<Vec3> moved(count_);
-  for (int i = 0; i < count_; ++i) {
-    const int n = node_of_[i];
-    if (crowds(i)) continue;
-    double along = mesh_.parameters()[n] - u_[i];
-    if (row_.closed) along = std::remainder(along, length_);
-    moved[i] = row_.points[i] + along * tangent_[i];
-    springs.weight[n] += 1;
-    springs.goal[n] += moved[i];
-  }
-  for (int n = 0; n < mesh_.node_count(); ++n)
-    if (springs.weight[n] > 0) springs.goal[n] /= springs.weight[n];
-  for (int i = 0; i < count_; ++i)
-    if (!crowds(i)) springs.scatter += (moved[i] - springs.goal[node_of_[i]]).squaredNorm();
-  return springs;
+// Whether a parameter is that of an end or of a corner.
+bool Fairing::at_stop(double u) const {
+  const double same = 1e-9 * length_;
+  if (!row_.closed && (u < same || u > length_ - same)) return true;
+  return std::any_of(mesh_.corners().begin(), mesh_.corners().end(), [&](int node) {
+    const double off = u - mesh_.parameters()[node];
+    return std::abs(row_.closed ? std::remainder(off, length_) : off) < same;
+  });
 }
 
 std::vector<std::pair<int, Vec3>> Fairing::held() const {
@@ -186,16 +172,14 @@ std::vector<std::pair<int, Vec3>> Fairing::held() const {
           {mesh_.position_dof(mesh_.node_count() - 1), row_.points.back()}};
 }
 
-// Largest distance of a node's goal from the curve, across its tangent.
+// Largest distance of a point from the curve at its parameter, across the tangent.
 double Fairing::off_axis(const Points& q) const {
+  const HermiteCurve curve(mesh_, q);
   double worst = 0;
   for (int i = 0; i < count_; ++i) {
-    const int n = node_of_[i];
-    double along = mesh_.parameters()[n] - u_[i];
-    if (row_.closed) along = std::remainder(along, length_);
-    Vec3 d = q.row(mesh_.position_dof(n)).transpose() - row_.points[i] - along * tangent_[i];
-    const Vec3 t = q.row(mesh_.slope_out(n)).normalized();
-    if (!mesh_.is_corner(n)) d -= t.dot(d) * t;
+    Vec3 d = curve.evaluate(u_[i]) - row_.points[i];
+    const Vec3 t = curve.evaluate(u_[i], 1).normalized();
+    if (!std::binary_search(row_.corners.begin(), row_.corners.end(), i)) d -= t.dot(d) * t;
     worst = std::max(worst, d.norm());
   }
   return worst;
@@ -209,8 +193,8 @@ double Fairing::most_move() const {
   return std::min(any * row_.size, 2 * noise_ + none * row_.size);
 }
 
-double Fairing::find_wave(SpringBalance& balance, const Springs& springs, double before) {
-  const double finest = 0.5 * spacing(), coarsest = 4 * length_;
+double Fairing::find_wave(SpringBalance& balance, double before) {
+  const double finest = 0.5 * spacing(), coarsest = 2 * length_;
   switch (options_.balance) {
     case FairOptions::Balance::Wavelength:
       return options_.wavelength;
@@ -218,18 +202,16 @@ double Fairing::find_wave(SpringBalance& balance, const Springs& springs, double
       constexpr int fewest = 6;  // points from which something can be learned about noise
       if (count_ < fewest) return 0;
       // Where points lie unevenly the finest wave already moves what has no noise.
-      if (balance.moved(lambda_at(finest)) > most_move()) return 0;
+      if (balance.moved(balance.solve(finest)) > most_move()) return 0;
       const double low = before > 0 ? std::max(finest, before / 3) : finest,
                    high = before > 0 ? std::min(coarsest, before * 3) : coarsest;
-      return std::exp(
-          minimum_of([&](double x) { return balance.score(lambda_at(std::exp(x)), most_move()); },
-                     std::log(low), std::log(high), before > 0 ? 6 : 16));
+      return std::exp(minimum_of([&](double x) { return balance.score(std::exp(x), most_move()); },
+                                 std::log(low), std::log(high), before > 0 ? 6 : 16));
     }
     case FairOptions::Balance::Deviation: {
       double low = std::log(no_wave()), high = std::log(coarsest);
       const auto fits = [&](double x) {
-        return off_axis(solve(balance, lambda_at(std::exp(x)), springs)) <=
-               tightened_ * options_.deviation;
+        return off_axis(solve(balance, std::exp(x))) <= tightened_ * options_.deviation;
       };
       if (fits(high)) return coarsest;
       for (int i = 0; i < 24; ++i) {
@@ -252,27 +234,18 @@ void Fairing::reduce_conditions() {
   positions_ = VecX::Zero(mesh_.dof_count());
   for (int n = 0; n < mesh_.node_count(); ++n) positions_[mesh_.position_dof(n)] = 1;
   reduction_.emplace(set.moved(positions_, row_.points.front()));
-  const double alpha = options_.alpha / (row_.size * row_.size);
-  CurveAssembler::Along ease = ease_.of(mesh_);
-  if (ease.empty()) ease = {1};
-  bending_ = CurveAssembler(mesh_).stiffness({alpha}, ease);
 }
 
-Points Fairing::solve(SpringBalance& balance, double lambda, const Springs& springs) const {
-  if (!reduction_) return balance.solve(lambda);
+Points Fairing::solve(SpringBalance& balance, double wave) const {
+  if (!reduction_) return balance.solve(wave);
   const Vec3 origin = row_.points.front();
-  SparseMatrix K = lambda * bending_;
-  Points F = Points::Zero(mesh_.dof_count(), 3);
-  for (int n = 0; n < mesh_.node_count(); ++n) {
-    const int dof = mesh_.position_dof(n);
-    K.coeffRef(dof, dof) += springs.weight[n];
-    F.row(dof) = springs.weight[n] * (springs.goal[n] - origin).transpose();
-  }
+  const SparseMatrix K = balance.matrix(wave);
   const SparseMatrix A = reduction_->reduce(K);
   SparseCholesky cholesky;
   cholesky.analyze(A);
   if (!cholesky.factorize(A)) throw NoSolutionError(cholesky.message());
-  return reduction_->expand(cholesky.solve(reduction_->reduce_load(K, F))) +
+  return reduction_->expand(
+             cholesky.solve(reduction_->reduce_load(K, balance.load(row_.points.front())))) +
          positions_ * origin.transpose();
 }
 
@@ -298,8 +271,9 @@ double Fairing::project(bool first) {
     const Vec3& p = row_.points[i];
     double u = u_[i];
     const bool end = !row_.closed && (i == 0 || i == count_ - 1);
-    if (std::binary_search(row_.corners.begin(), row_.corners.end(), i)) {
-      u = mesh_.parameters()[node_of_[i]];
+    const auto corner = std::lower_bound(row_.corners.begin(), row_.corners.end(), i);
+    if (corner != row_.corners.end() && *corner == i) {
+      u = mesh_.parameters()[corner_node_[corner - row_.corners.begin()]];
     } else if (!end) {
       const double reach = std::max(3 * spacing(), 2 * (curve_.evaluate(u) - p).norm());
       std::vector<double> around;
@@ -314,8 +288,6 @@ double Fairing::project(bool first) {
               .u);
     }
     foot_[i] = u;
-    const Vec3 d = curve_.evaluate(u, 1);
-    tangent_[i] = d.norm() > 0 ? Vec3(d.normalized()) : Vec3::Zero();
     const double s = arc(u) / arc.total();
     double moved = std::abs(s - u_[i] / length_);
     if (row_.closed) moved = std::min(moved, 1 - moved);
@@ -355,30 +327,30 @@ FairCurve Fairing::run() {
     FairNodes nodes =
         choose_nodes(row_, u_, length_, forced_nodes(), symmetry() != nullptr, most_nodes_);
     mesh_ = std::move(nodes.mesh);
-    node_of_ = std::move(nodes.node_of);
-    const Springs springs = gather();
-    const auto ends = held();
-    SpringBalance balance(mesh_, springs, alpha, count_, ends, ease_.of(mesh_));
+    corner_node_ = std::move(nodes.corner_node);
+    const std::vector<Spring> springs = this->springs();
+    const FairEnergy energy(mesh_, ease_.of(mesh_), alpha);
+    SpringBalance balance(mesh_, springs, energy, held());
     reduce_conditions();
     if (result.rounds < searches || options_.balance == FairOptions::Balance::Deviation)
-      wave = find_wave(balance, springs, wave);
-    const double lambda = lambda_at(std::max(wave, no_wave()));
-    const Points q = solve(balance, lambda, springs);
-    if (!free_of_rows()) balance.solve(lambda);
+      wave = find_wave(balance, wave);
+    const double smoothed = std::max(wave, no_wave());
+    const Points q = solve(balance, smoothed);
+    if (!free_of_rows()) balance.solve(smoothed);
     result.freedom = balance.freedom();
     curve_ = HermiteCurve(mesh_, q);
     // A direction is held where the curve is nearest in the end, not where it was before.
     constexpr int most_moves = 40;
     for (int move = 0; move < most_moves && tangents_moved(); ++move) {
       reduce_conditions();
-      curve_ = HermiteCurve(mesh_, solve(balance, lambda, springs));
+      curve_ = HermiteCurve(mesh_, solve(balance, smoothed));
     }
-    if (result.freedom > 0.25 * mesh_.node_count() && most_nodes_ < count_) {
+    if (result.freedom > 0.4 * mesh_.node_count() && most_nodes_ < count_) {
       most_nodes_ *= 2;  // more nodes than the balance makes use of
       continue;
     }
     if (options_.balance == FairOptions::Balance::CrossValidation && result.rounds < searches)
-      ease_ = BendingEase(curve_, wave, ease_);
+      ease_ = WaveEase(curve_, wave, ease_);
     held_at_ = at_;
     const double change = project(result.rounds == 0);
     ++result.rounds;
@@ -418,12 +390,14 @@ HermiteCurve curve_as_given(const std::string& name, const std::vector<Vec3>& po
                             const FairOptions& options) {
   const PointRow row(name, points, options.corner_angle, options.corners, options.closed);
   const CurveMesh mesh(row.chord, row.closed, row.corners);
-  Springs springs;
-  springs.weight.assign(row.count(), 1);
-  springs.goal = row.points;
+  std::vector<Spring> springs;
   std::vector<std::pair<int, Vec3>> held;
-  for (int i = 0; i < row.count(); ++i) held.emplace_back(mesh.position_dof(i), row.points[i]);
-  return {mesh, SpringBalance(mesh, springs, 0, row.count(), held).solve(1)};
+  for (int i = 0; i < row.count(); ++i) {
+    springs.push_back({mesh.where(row.chord[i]), row.points[i]});
+    held.emplace_back(mesh.position_dof(i), row.points[i]);
+  }
+  const FairEnergy energy(mesh, {}, 0);
+  return {mesh, SpringBalance(mesh, springs, energy, held).solve(row.length())};
 }
 
 }  // namespace batten

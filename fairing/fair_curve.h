@@ -17,7 +17,7 @@ struct FairCurve {
   /// Standard deviation of the points across their line, estimated from their differences; 0 for
   /// fewer than eleven points.
   double noise = 0;
-  double freedom = 0;     ///< effective degrees of freedom of one coordinate
+  double freedom = 0;  ///< effective degrees of freedom of one coordinate
   int rounds = 0;
   bool settled = false;     ///< parameters stood still within the rounds
   double max_residual = 0;  ///< largest violation of a condition, measured, over the size

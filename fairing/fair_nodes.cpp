@@ -24,12 +24,11 @@ std::vector<double> merged_nodes(const std::vector<double>& nodes,
 // All nodes; the second half of a mirrored curve has those of the first.
 std::vector<double> all_nodes(const PointRow& row, const std::vector<double>& u, double length,
                               std::vector<double> forced, bool mirrored, int most_nodes) {
-  std::vector<double> wanted;
-  if (row.count() <= most_nodes) {
-    wanted = u;
-  } else {
-    for (int i = 0; i <= most_nodes; ++i) wanted.push_back(length * i / most_nodes);
-  }
+  std::vector<double> places = u, wanted;
+  std::sort(places.begin(), places.end());
+  const size_t stride =
+      (places.size() + static_cast<size_t>(most_nodes) - 1) / static_cast<size_t>(most_nodes);
+  for (size_t i = 0; i < places.size(); i += stride) wanted.push_back(places[i]);
   const double end = mirrored ? 0.5 * length : length;
   if (mirrored)
     for (auto* all : {&forced, &wanted})
@@ -82,9 +81,10 @@ FairNodes choose_nodes(const PointRow& row, const std::vector<double>& u, double
     corners.push_back(node % (row.closed ? last : last + 1));
     if (mirrored) corners.push_back((last - node) % (row.closed ? last : last + 1));
   }
-  std::vector<int> node_of;
-  for (const double at : u) node_of.push_back(nearest(at) % (row.closed ? last : last + 1));
-  return {CurveMesh(std::move(parameters), row.closed, std::move(corners)), std::move(node_of)};
+  std::vector<int> corner_node;
+  for (const int c : row.corners)
+    corner_node.push_back(nearest(u[c]) % (row.closed ? last : last + 1));
+  return {CurveMesh(std::move(parameters), row.closed, std::move(corners)), std::move(corner_node)};
 }
 
 }  // namespace batten

@@ -9,6 +9,13 @@
 #include "batten/elements/quadrature.h"
 
 namespace batten {
+namespace {
+
+HermiteSegment::Vector shape(const CurveMesh& mesh, CurveMesh::Where at) {
+  return HermiteSegment(mesh.length(at.segment)).evaluate(at.s);
+}
+
+}  // namespace
 
 NodeArc::NodeArc(const HermiteCurve& curve) : curve_(curve), at_node_{0} {
   for (int s = 0; s < curve.segment_count(); ++s)
@@ -28,58 +35,120 @@ double NodeArc::inside(CurveMesh::Where at) const {
   return sum * at.s * curve_.mesh().length(at.segment);
 }
 
-Points SpringBalance::solve(double lambda) {
-  band_.reset(A_);
-  right_.setZero(mesh_.dof_count(), 3);
-  for (int s = 0; s < mesh_.segment_count(); ++s) {
-    const HermiteSegment segment(mesh_.length(s));
-    const HermiteSegment::Linear ease = ease_.empty() ? 1 : ease_[static_cast<size_t>(s)];
-    HermiteSegment::Matrix K = segment.bending({lambda * ease.start, lambda * ease.end});
-    if (alpha_ > 0) K += segment.stretching(lambda * alpha_);
-    band_.add(A_, s, K);
+SpringBalance::SpringBalance(const CurveMesh& mesh, const std::vector<Spring>& springs,
+                             const FairEnergy& energy, std::vector<std::pair<int, Vec3>> held)
+    : mesh_(mesh),
+      springs_(springs),
+      energy_(energy),
+      held_(std::move(held)),
+      origin_(springs.empty() ? Vec3::Zero() : springs.front().goal),
+      density_(static_cast<double>(springs.size()) / (mesh.end() - mesh.start())),
+      band_(mesh, true) {
+  for (const Spring& spring : springs_) {
+    const HermiteSegment::Vector H = shape(mesh_, spring.at);
+    FairEnergy::Part& part = spring_parts_.emplace_back();
+    const auto dofs = mesh_.segment_dofs(spring.at.segment);
+    std::copy(dofs.begin(), dofs.end(), part.dofs.begin());
+    part.K.topLeftCorner<4, 4>() = H * H.transpose();
   }
-  for (int n = 0; n < mesh_.node_count(); ++n) {
-    const int i = band_.place(mesh_.position_dof(n));
-    A_.add(i, i, springs_.weight[n]);
-    right_.row(i) += springs_.weight[n] * springs_.goal[n].transpose();
+  const auto fill = [&](BandCholesky& A, const std::vector<FairEnergy::Part>& parts) {
+    band_.reset(A);
+    for (const FairEnergy::Part& part : parts)
+      for (int a = 0; a < part.count; ++a)
+        for (int b = 0; b <= a; ++b)
+          A.add(band_.place(part.dof(a)), band_.place(part.dof(b)), part.K(a, b));
+  };
+  fill(spring_band_, spring_parts_);
+  fill(change_band_, energy_.change());
+  fill(bending_band_, energy_.bending());
+  const Points load = this->load(origin_);
+  load_.resize(load.rows(), 3);
+  for (int d = 0; d < mesh_.dof_count(); ++d) load_.row(band_.place(d)) = load.row(d);
+}
+
+double SpringBalance::of_change(double wave) const {
+  return std::pow(wave / (2 * std::numbers::pi), 6) * density_;
+}
+
+double SpringBalance::of_bending(double wave) const {
+  return std::pow(wave / (2 * std::numbers::pi), 4) * density_;
+}
+
+Points SpringBalance::load(const Vec3& origin) const {
+  Points load = Points::Zero(mesh_.dof_count(), 3);
+  for (const Spring& spring : springs_) {
+    const HermiteSegment::Vector H = shape(mesh_, spring.at);
+    const auto dofs = mesh_.segment_dofs(spring.at.segment);
+    for (int a = 0; a < 4; ++a)
+      load.row(dofs[static_cast<size_t>(a)]) += H[a] * (spring.goal - origin).transpose();
   }
-  for (const auto& [dof, value] : held_) A_.fix(band_.place(dof), value, right_);
-  if (!A_.factorize())
-    throw NoSolutionError("a curve cannot be faired: its system is not positive definite");
+  return load;
+}
+
+SparseMatrix SpringBalance::matrix(double wave) const {
+  std::vector<Eigen::Triplet<double>> entries;
+  const auto add = [&](const std::vector<FairEnergy::Part>& parts, double factor) {
+    for (const FairEnergy::Part& part : parts)
+      for (int a = 0; a < part.count; ++a)
+        for (int b = 0; b < part.count; ++b)
+          entries.emplace_back(part.dof(a), part.dof(b), factor * part.K(a, b));
+  };
+  add(spring_parts_, 1);
+  add(energy_.change(), of_change(wave));
+  add(energy_.bending(), of_bending(wave));
+  SparseMatrix K(mesh_.dof_count(), mesh_.dof_count());
+  K.setFromTriplets(entries.begin(), entries.end());
+  return K;
+}
+
+bool SpringBalance::try_solve(double wave, Points& q) {
+  A_ = spring_band_;
+  A_.add(change_band_, of_change(wave));
+  A_.add(bending_band_, of_bending(wave));
+  right_ = load_;
+  for (const auto& [dof, value] : held_) A_.fix(band_.place(dof), value - origin_, right_);
+  if (!A_.factorize()) return false;
   A_.solve(right_);
-  Points q(mesh_.dof_count(), 3);
+  q.resize(mesh_.dof_count(), 3);
   for (int d = 0; d < mesh_.dof_count(); ++d) q.row(d) = right_.row(band_.place(d));
+  for (int n = 0; n < mesh_.node_count(); ++n) q.row(mesh_.position_dof(n)) += origin_.transpose();
+  return true;
+}
+
+Points SpringBalance::solve(double wave) {
+  Points q;
+  if (!try_solve(wave, q))
+    throw NoSolutionError("a curve cannot be faired: its system is not positive definite");
   return q;
 }
 
 double SpringBalance::freedom() const {
-  const VecX inverse = A_.inverse_diagonal();
-  double trace = 0;
-  for (int n = 0; n < mesh_.node_count(); ++n) {
-    const int dof = mesh_.position_dof(n);
-    const bool is_held =
-        std::any_of(held_.begin(), held_.end(), [&](const auto& h) { return h.first == dof; });
-    trace += is_held ? 1 : springs_.weight[n] * inverse[band_.place(dof)];
-  }
+  double trace = A_.trace_of_quotient(spring_band_);
+  // A held place is one degree of freedom, however many springs act there.
+  for (const auto& [dof, value] : held_) trace += 1 - spring_band_.diagonal(band_.place(dof));
   return trace;
 }
 
-double SpringBalance::rest_of(const Points& q) const {
-  double rest = springs_.scatter;
-  for (int n = 0; n < mesh_.node_count(); ++n)
-    rest += springs_.weight[n] *
-            (q.row(mesh_.position_dof(n)).transpose() - springs_.goal[n]).squaredNorm();
-  return rest;
+double SpringBalance::moved(const Points& q) const {
+  double rest = 0;
+  for (const Spring& spring : springs_) {
+    const HermiteSegment::Vector H = shape(mesh_, spring.at);
+    const auto dofs = mesh_.segment_dofs(spring.at.segment);
+    Vec3 off = -spring.goal;
+    for (int a = 0; a < 4; ++a) off += H[a] * q.row(dofs[static_cast<size_t>(a)]).transpose();
+    rest += off.squaredNorm();
+  }
+  return springs_.empty() ? 0 : std::sqrt(rest / static_cast<double>(springs_.size()));
 }
 
-double SpringBalance::moved(double lambda) { return std::sqrt(rest_of(solve(lambda)) / points_); }
-
-double SpringBalance::score(double lambda, double most) {
-  const double dearer = 1 + 0.4 * std::clamp((points_ - 6) / 14.0, 0.0, 1.0);
-  const double rest = rest_of(solve(lambda));
-  const double left = points_ - dearer * freedom();
-  return left > 0 && rest <= points_ * most * most ? rest / (left * left)
-                                                   : std::numeric_limits<double>::infinity();
+double SpringBalance::score(double wave, double most) {
+  constexpr double none = std::numeric_limits<double>::infinity();
+  const auto points = static_cast<double>(springs_.size());
+  const double dearer = 1 + 0.3 * std::clamp((points - 6) / 14.0, 0.0, 1.0);
+  Points q;
+  if (!try_solve(wave, q)) return none;
+  const double rest = moved(q), left = points - dearer * freedom();
+  return left > 0 && rest <= most ? rest * rest * points / (left * left) : none;
 }
 
 double minimum_of(const std::function<double(double)>& f, double low, double high, int samples) {

@@ -1,4 +1,4 @@
-// Springs against bending on one mesh: the inner problem of fairing. Internal.
+// Springs against the energy of a curve on one mesh: the inner problem of fairing. Internal.
 #pragma once
 
 #include <functional>
@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "batten/fairing/curve_band.h"
+#include "batten/fairing/fair_energy.h"
 #include "batten/fem/curve.h"
 
 namespace batten {
@@ -23,51 +24,52 @@ class NodeArc {
   std::vector<double> at_node_;
 };
 
-/// The springs of all points that belong to a node, as one.
-struct Springs {
-  std::vector<double> weight;  ///< number of points at each node
-  std::vector<Vec3> goal;      ///< their mean, moved along the curve to the node's parameter
-  double scatter = 0;          ///< Σ |point - mean of its node|²
+/// Draws the curve at one parameter towards a place.
+struct Spring {
+  CurveMesh::Where at;
+  Vec3 goal;
 };
 
-/// The balance of springs against λ ∫ ease |X_uu|² + alpha |X_u|² du, for any λ; `ease` of each
-/// segment, or none for 1. Keeps references.
+/// The least of Σ |X(u_i) - goal_i|² + a FairEnergy, for any wavelength of it. Keeps references.
 class SpringBalance {
  public:
-  SpringBalance(const CurveMesh& mesh, const Springs& springs, double alpha, int points,
-                const std::vector<std::pair<int, Vec3>>& held,
-                std::vector<HermiteSegment::Linear> ease = {})
-      : mesh_(mesh),
-        springs_(springs),
-        alpha_(alpha),
-        points_(points),
-        held_(held),
-        ease_(std::move(ease)),
-        band_(mesh) {}
+  /// `held`: dofs and their values.
+  SpringBalance(const CurveMesh& mesh, const std::vector<Spring>& springs, const FairEnergy& energy,
+                std::vector<std::pair<int, Vec3>> held);
 
-  /// Dofs of the curve of least energy at λ. Throws NoSolutionError.
-  Points solve(double lambda);
+  /// Dofs of the curve of least energy. Throws NoSolutionError where the wavelength is so large
+  /// that the springs are lost in rounding.
+  Points solve(double wave);
   /// Trace of the influence matrix of the last solve().
   double freedom() const;
-  /// Root mean square by which the points move at λ.
-  double moved(double lambda);
-  /// Generalised cross-validation at λ. Each degree of freedom counts more than once where there
-  /// are points enough; infinite where points move by more than `most` (root mean square).
-  double score(double lambda, double most);
+  /// Root mean square by which a curve is off the springs' goals.
+  double moved(const Points& dofs) const;
+  /// Generalised cross-validation of one wavelength. Each degree of freedom counts more than once
+  /// where there are points enough; infinite where points move by more than `most` (root mean
+  /// square), or solve() would throw.
+  double score(double wave, double most);
+
+  /// The whole matrix at a wavelength, and the springs' load about `origin`, in the mesh's order of
+  /// dofs.
+  SparseMatrix matrix(double wave) const;
+  Points load(const Vec3& origin) const;
 
  private:
-  // Sum of the squares by which the points are off a solution.
-  double rest_of(const Points& q) const;
+  bool try_solve(double wave, Points& q);
+  // What multiplies the two parts of the energy.
+  double of_change(double wave) const;
+  double of_bending(double wave) const;
 
   const CurveMesh& mesh_;
-  const Springs& springs_;
-  double alpha_;
-  int points_;
-  const std::vector<std::pair<int, Vec3>>& held_;
-  std::vector<HermiteSegment::Linear> ease_;
+  const std::vector<Spring>& springs_;
+  std::vector<FairEnergy::Part> spring_parts_;
+  const FairEnergy& energy_;
+  std::vector<std::pair<int, Vec3>> held_;
+  Vec3 origin_;     // of the unknowns: far from it digits would be lost
+  double density_;  // springs per length
   CurveBand band_;
-  BandCholesky A_;
-  Points right_;
+  BandCholesky spring_band_, change_band_, bending_band_, A_;
+  Points load_, right_;
 };
 
 /// Where f is smallest over [low, high]: `samples` values, then golden sections. Of equal values

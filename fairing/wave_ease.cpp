@@ -1,4 +1,4 @@
-#include "batten/fairing/bending_ease.h"
+#include "batten/fairing/wave_ease.h"
 
 #include <algorithm>
 #include <cmath>
@@ -51,7 +51,7 @@ double bend(const Tangents& tangents, size_t from, size_t to) {
 
 }  // namespace
 
-BendingEase::BendingEase(const HermiteCurve& curve, double wave, const BendingEase& before) {
+WaveEase::WaveEase(const HermiteCurve& curve, double wave, const WaveEase& before) {
   Tangents tangents(curve);
   u_ = tangents.u;
   const double length = curve.end() - curve.start();
@@ -65,7 +65,7 @@ BendingEase::BendingEase(const HermiteCurve& curve, double wave, const BendingEa
   };
   double sum = 0;
   for (const double u : u_) {
-    const double reach = 0.25 * wave * std::pow(before.at((u - curve.start()) / length), 0.25);
+    const double reach = 0.25 * wave * before.at((u - curve.start()) / length);
     const auto stop = std::upper_bound(stops.begin(), stops.end(), u);
     const long from = first_from(std::max(u - reach, *(stop - 1)));
     const long to = first_from(std::min(u + reach, *stop)) - 1;
@@ -78,13 +78,13 @@ BendingEase::BendingEase(const HermiteCurve& curve, double wave, const BendingEa
     sum += ease_[i] * (b - a) / 2;
   }
   const double mean = sum / length;
-  constexpr double usual = 2;  // what noise alone makes of an even curve
-  for (double& e : ease_) e = mean > 0 ? std::pow(std::max(1.0, e / (usual * mean)), -1.5) : 1;
+  constexpr double usual = 1.2;  // what noise makes of an even curve
+  for (double& e : ease_) e = mean > 0 ? std::pow(std::max(1.0, e / (usual * mean)), -5 / 12.0) : 1;
   if (std::all_of(ease_.begin(), ease_.end(), [](double e) { return e == 1; })) ease_.clear();
   for (double& u : u_) u = (u - curve.start()) / length;
 }
 
-double BendingEase::at(double share) const {
+double WaveEase::at(double share) const {
   if (ease_.empty()) return 1;
   const auto above = std::upper_bound(u_.begin(), u_.end(), share);
   if (above == u_.begin()) return ease_.front();
@@ -93,15 +93,13 @@ double BendingEase::at(double share) const {
   return ease_[i - 1] + (share - u_[i - 1]) / (u_[i] - u_[i - 1]) * (ease_[i] - ease_[i - 1]);
 }
 
-std::vector<HermiteSegment::Linear> BendingEase::of(const CurveMesh& mesh) const {
-  std::vector<HermiteSegment::Linear> ease;
+std::vector<double> WaveEase::of(const CurveMesh& mesh) const {
+  std::vector<double> ease;
   if (even()) return ease;
   const double length = mesh.end() - mesh.start();
-  std::vector<double> nodes;
-  for (const double u : mesh.parameters()) nodes.push_back(at((u - mesh.start()) / length));
+  for (const double u : mesh.parameters()) ease.push_back(at((u - mesh.start()) / length));
   // A closed curve goes on where it begins.
-  if (mesh.closed()) nodes.front() = nodes.back() = (nodes.front() + nodes.back()) / 2;
-  for (size_t s = 0; s + 1 < nodes.size(); ++s) ease.push_back({nodes[s], nodes[s + 1]});
+  if (mesh.closed()) ease.front() = ease.back() = (ease.front() + ease.back()) / 2;
   return ease;
 }
 

@@ -1,0 +1,50 @@
+#include "batten/fairing/fair_energy.h"
+
+#include <algorithm>
+
+#include "batten/elements/hermite_segment.h"
+
+namespace batten {
+
+FairEnergy::FairEnergy(const CurveMesh& mesh, const std::vector<double>& ease, double alpha) {
+  constexpr double of_change = 2 / 3.0, of_bending = 1 / 3.0, mu = 100;
+  const auto fourth = [&](int at) {  // power of the ease at a parameter of the mesh
+    const double r = ease.empty() ? 1 : ease[static_cast<size_t>(at)];
+    return r * r * r * r;
+  };
+  const auto sixth = [&](int at) {
+    const double r = ease.empty() ? 1 : ease[static_cast<size_t>(at)];
+    return r * r * fourth(at);
+  };
+  const int segments = mesh.segment_count();
+  for (int s = 0; s < segments; ++s) {
+    const double h = mesh.length(s);
+    const HermiteSegment segment(h);
+    const auto dofs = mesh.segment_dofs(s);
+    Part part;
+    std::copy(dofs.begin(), dofs.end(), part.dofs.begin());
+    const HermiteSegment::Vector third = segment.evaluate(0, 3);  // constant along the segment
+    part.K.topLeftCorner<4, 4>() =
+        of_change * 0.5 * (sixth(s) + sixth(s + 1)) * h * third * third.transpose();
+    change_.push_back(part);
+    const HermiteSegment::Linear weight{of_bending * fourth(s), of_bending * fourth(s + 1)};
+    HermiteSegment::Matrix K = segment.bending(weight);
+    if (alpha > 0) K += segment.stretching({alpha * weight.start, alpha * weight.end});
+    part.K.topLeftCorner<4, 4>() = K;
+    bending_.push_back(part);
+
+    const int after = (s + 1) % segments;  // segment, and the node before it
+    if ((after == 0 && !mesh.closed()) || mesh.is_corner(after)) continue;
+    const auto behind = mesh.segment_dofs(after);
+    part.count = 6;
+    std::copy(behind.begin() + 2, behind.end(), part.dofs.begin() + 4);
+    Eigen::Matrix<double, 6, 1> jump = Eigen::Matrix<double, 6, 1>::Zero();
+    jump.head<4>() = segment.evaluate(1, 2);
+    jump.tail<4>() -= HermiteSegment(mesh.length(after)).evaluate(0, 2);
+    const double around = 0.5 * (h + mesh.length(after));
+    part.K = of_change * sixth(s + 1) * mu / around * jump * jump.transpose();
+    change_.push_back(part);
+  }
+}
+
+}  // namespace batten

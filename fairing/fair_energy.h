@@ -1,0 +1,43 @@
+// What a curve that is faired resists: bending, and more so the change of it. Internal.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "batten/core/eigen.h"
+#include "batten/fem/curve_mesh.h"
+
+namespace batten {
+
+/// The energy of one coordinate of a cubic curve, for the wavelength w = 2πa below which waves are
+/// smoothed away:
+///
+///     ρ ∫ ⅔ (ra)⁶ |X_uuu|² + ⅓ (ra)⁴ (|X_uu|² + alpha |X_u|²) du  +  ρ Σ_n ⅔ (ra)⁶ μ/h [X_uu]²
+///
+/// with ρ springs per length, r the ease (WaveEase), h the mean length of the segments beside a
+/// node n that is no corner, and [X_uu] by how much the second derivative jumps there: μ = 100
+/// leaves little of that. A wave of wavelength v along even springs keeps 1 / (1 + ⅔ (rw/v)⁶ + ⅓ (rw/v)⁴)
+/// of its height. The third derivative smooths the curvature too, which bending leaves in waves of
+/// noise; bending holds what the third derivative leaves free, at the ends and in short stretches.
+class FairEnergy {
+ public:
+  using Matrix = Eigen::Matrix<double, 6, 6>;
+  /// The first `count` of its dofs, and that corner of its matrix.
+  struct Part {
+    int count = 4;
+    std::array<int, 6> dofs{};
+    Matrix K = Matrix::Zero();
+    int dof(int a) const { return dofs[static_cast<size_t>(a)]; }
+  };
+  /// `ease`: r at each parameter of the mesh, or none for 1; alpha ≥ 0, 1/length².
+  FairEnergy(const CurveMesh& mesh, const std::vector<double>& ease, double alpha);
+
+  /// Matrices of what is multiplied by ρ a⁶, and by ρ a⁴.
+  const std::vector<Part>& change() const { return change_; }
+  const std::vector<Part>& bending() const { return bending_; }
+
+ private:
+  std::vector<Part> change_, bending_;
+};
+
+}  // namespace batten
