@@ -59,7 +59,7 @@ class Fairing {
     for (int i = 4; i < count_; i += 4) shorter += (row_.points[i] - row_.points[i - 4]).norm();
     return count_ >= 16 && shorter < 0.7 * row_.length();
   }
-  bool tangents_moved();
+  void settle_tangents(SpringBalance& balance, double wave);
 
   const std::string& name_;
   const PointRow& row_;
@@ -211,7 +211,11 @@ double Fairing::find_wave(SpringBalance& balance, double before) {
     case FairOptions::Balance::Deviation: {
       double low = std::log(no_wave()), high = std::log(coarsest);
       const auto fits = [&](double x) {
-        return off_axis(solve(balance, std::exp(x))) <= tightened_ * options_.deviation;
+        try {
+          return off_axis(solve(balance, std::exp(x))) <= tightened_ * options_.deviation;
+        } catch (const NoSolutionError&) {
+          return false;  // so long a wave leaves nothing of the springs
+        }
       };
       if (fits(high)) return coarsest;
       for (int i = 0; i < 24; ++i) {
@@ -244,21 +248,52 @@ Points Fairing::solve(SpringBalance& balance, double wave) const {
   SparseCholesky cholesky;
   cholesky.analyze(A);
   if (!cholesky.factorize(A)) throw NoSolutionError(cholesky.message());
-  return reduction_->expand(
-             cholesky.solve(reduction_->reduce_load(K, balance.load(row_.points.front())))) +
-         positions_ * origin.transpose();
+  const auto answer = [&](const SparseMatrix& matrix, const Points& load) {
+    return reduction_->expand(cholesky.solve(reduction_->reduce_load(matrix, load)));
+  };
+  Points q = answer(K, balance.load(origin)) + positions_ * origin.transpose();
+  // Where conditions act depends on the last digits of the curve.
+  const SparseMatrix none(K.rows(), K.cols());
+  const Points fixed =
+      reduction_->expand(MatX::Zero(reduction_->free_count(), reduction_->coupled() ? 1 : 3));
+  constexpr int refinements = 2;
+  for (int i = 0; i < refinements; ++i) q += answer(none, balance.imbalance(wave, q)) - fixed;
+  return q;
 }
 
-// Puts every direction where the curve is nearest to its place; whether that moved any.
-bool Fairing::tangents_moved() {
-  bool moved = false;
-  for (size_t k = 0; k < at_.size(); ++k) {
-    if (options_.conditions[k].type != Type::Tangent) continue;
-    const double u = curve_.closest_point(options_.conditions[k].at).u;
-    moved = moved || std::abs(u - at_[k]) > 1e-14 * length_;
-    at_[k] = u;
+// Solves again with every direction held where the curve is nearest to its place in the end, not
+// where it was before.
+void Fairing::settle_tangents(SpringBalance& balance, double wave) {
+  const auto move = [&] {
+    double most = 0;
+    for (size_t k = 0; k < at_.size(); ++k) {
+      if (options_.conditions[k].type != Type::Tangent) continue;
+      const double u = curve_.closest_point(options_.conditions[k].at).u;
+      most = std::max(most, std::abs(u - at_[k]));
+      at_[k] = u;
+    }
+    return most;
+  };
+  // In the end rounding moves them to and fro: the best stays.
+  constexpr int most_moves = 40;
+  constexpr double still = 1e-14;
+  double least = std::numeric_limits<double>::infinity();
+  HermiteCurve best;
+  std::vector<double> best_at;
+  for (int k = 0; k < most_moves; ++k) {
+    const std::vector<double> held = at_;
+    const double moved = move();
+    if (moved < least) {
+      least = moved;
+      best = curve_;
+      best_at = held;
+    }
+    if (moved <= still * length_) break;
+    reduce_conditions();
+    curve_ = HermiteCurve(mesh_, solve(balance, wave));
   }
-  return moved;
+  curve_ = best;
+  at_ = best_at;
 }
 
 // Moves every point's parameter to the nearest point of the curve and to arc length; returns the
@@ -339,13 +374,8 @@ FairCurve Fairing::run() {
     if (!free_of_rows()) balance.solve(smoothed);
     result.freedom = balance.freedom();
     curve_ = HermiteCurve(mesh_, q);
-    // A direction is held where the curve is nearest in the end, not where it was before.
-    constexpr int most_moves = 40;
-    for (int move = 0; move < most_moves && tangents_moved(); ++move) {
-      reduce_conditions();
-      curve_ = HermiteCurve(mesh_, solve(balance, smoothed));
-    }
-    if (result.freedom > 0.4 * mesh_.node_count() && most_nodes_ < count_) {
+    settle_tangents(balance, smoothed);
+    if (result.freedom > 0.25 * mesh_.node_count() && most_nodes_ < count_) {
       most_nodes_ *= 2;  // more nodes than the balance makes use of
       continue;
     }
@@ -397,7 +427,7 @@ HermiteCurve curve_as_given(const std::string& name, const std::vector<Vec3>& po
     held.emplace_back(mesh.position_dof(i), row.points[i]);
   }
   const FairEnergy energy(mesh, {}, 0);
-  return {mesh, SpringBalance(mesh, springs, energy, held).solve(row.length())};
+  return {mesh, SpringBalance(mesh, springs, energy, held).solve(1e-6 * row.length())};
 }
 
 }  // namespace batten

@@ -7,7 +7,7 @@
 namespace batten {
 
 FairEnergy::FairEnergy(const CurveMesh& mesh, const std::vector<double>& ease, double alpha) {
-  constexpr double of_change = 2 / 3.0, of_bending = 1 / 3.0, mu = 100;
+  constexpr double of_change = 2 / 3.0, of_bending = 1 / 3.0, mu = 1000;
   const auto fourth = [&](int at) {  // power of the ease at a parameter of the mesh
     const double r = ease.empty() ? 1 : ease[static_cast<size_t>(at)];
     return r * r * r * r;
@@ -23,6 +23,7 @@ FairEnergy::FairEnergy(const CurveMesh& mesh, const std::vector<double>& ease, d
     const auto dofs = mesh.segment_dofs(s);
     Part part;
     std::copy(dofs.begin(), dofs.end(), part.dofs.begin());
+    part.free.topRows<4>() << 1, 0, 0, 1, 1, h, 0, 1;
     const HermiteSegment::Vector third = segment.evaluate(0, 3);  // constant along the segment
     part.K.topLeftCorner<4, 4>() =
         of_change * 0.5 * (sixth(s) + sixth(s + 1)) * h * third * third.transpose();
@@ -32,11 +33,13 @@ FairEnergy::FairEnergy(const CurveMesh& mesh, const std::vector<double>& ease, d
     if (alpha > 0) K += segment.stretching({alpha * weight.start, alpha * weight.end});
     part.K.topLeftCorner<4, 4>() = K;
     bending_.push_back(part);
+    if (alpha > 0) bending_.back().free.col(1).setZero();
 
     const int after = (s + 1) % segments;  // segment, and the node before it
     if ((after == 0 && !mesh.closed()) || mesh.is_corner(after)) continue;
     const auto behind = mesh.segment_dofs(after);
     part.count = 6;
+    part.free.bottomRows<2>() << 1, h + mesh.length(after), 0, 1;
     std::copy(behind.begin() + 2, behind.end(), part.dofs.begin() + 4);
     Eigen::Matrix<double, 6, 1> jump = Eigen::Matrix<double, 6, 1>::Zero();
     jump.head<4>() = segment.evaluate(1, 2);
@@ -44,6 +47,17 @@ FairEnergy::FairEnergy(const CurveMesh& mesh, const std::vector<double>& ease, d
     const double around = 0.5 * (h + mesh.length(after));
     part.K = of_change * sixth(s + 1) * mu / around * jump * jump.transpose();
     change_.push_back(part);
+  }
+}
+
+void FairEnergy::subtract(const std::vector<Part>& parts, double factor, const Points& x,
+                          Points& f) {
+  for (const Part& part : parts) {
+    Eigen::Matrix<double, 6, 3> local = Eigen::Matrix<double, 6, 3>::Zero();
+    for (int a = 0; a < part.count; ++a) local.row(a) = x.row(part.dof(a));
+    local -= part.free * local.topRows<2>().eval();
+    const Eigen::Matrix<double, 6, 3> force = factor * part.K * local;
+    for (int a = 0; a < part.count; ++a) f.row(part.dof(a)) -= force.row(a);
   }
 }
 

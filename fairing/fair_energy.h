@@ -27,6 +27,9 @@ class FairEnergy {
     int count = 4;
     std::array<int, 6> dofs{};
     Matrix K = Matrix::Zero();
+    /// Of the two straight lines that cost nothing, 1 and u: their dofs. Without them the products
+    /// of K lose fewer digits.
+    Eigen::Matrix<double, 6, 2> free = Eigen::Matrix<double, 6, 2>::Zero();
     int dof(int a) const { return dofs[static_cast<size_t>(a)]; }
   };
   /// `ease`: r at each parameter of the mesh, or none for 1; alpha ≥ 0, 1/length².
@@ -35,6 +38,8 @@ class FairEnergy {
   /// Matrices of what is multiplied by ρ a⁶, and by ρ a⁴.
   const std::vector<Part>& change() const { return change_; }
   const std::vector<Part>& bending() const { return bending_; }
+  /// f -= factor K x of all parts.
+  static void subtract(const std::vector<Part>& parts, double factor, const Points& x, Points& f);
 
  private:
   std::vector<Part> change_, bending_;

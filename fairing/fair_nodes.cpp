@@ -7,15 +7,27 @@
 namespace batten {
 namespace {
 
-// The forced nodes, and those of the wanted ones that are not too near to others; both ascending.
+// Mean gap of the places around place i.
+double gap_around(const std::vector<double>& places, size_t i) {
+  constexpr size_t reach = 4;
+  const size_t from = i < reach ? 0 : i - reach, to = std::min(i + reach, places.size() - 1);
+  return (places[to] - places[from]) / static_cast<double>(std::max<size_t>(to - from, 1));
+}
+
+// The forced nodes, and those of the wanted ones that are not nearer to others than a share of the
+// gaps around them; both ascending. Where noise throws feet together nodes would be so near that
+// curvature changes between them lose their digits.
 std::vector<double> merged_nodes(const std::vector<double>& nodes,
-                                 const std::vector<double>& wanted, double gap) {
+                                 const std::vector<double>& wanted, double share) {
   std::vector<double> merged;
   size_t next = 0;
   for (size_t k = 0; k + 1 < nodes.size(); ++k) {
     merged.push_back(nodes[k]);
-    for (; next < wanted.size() && wanted[next] < nodes[k + 1] - gap; ++next)
+    for (; next < wanted.size(); ++next) {
+      const double gap = share * gap_around(wanted, next);
+      if (wanted[next] >= nodes[k + 1] - gap) break;
       if (wanted[next] >= merged.back() + gap) merged.push_back(wanted[next]);
+    }
   }
   merged.push_back(nodes.back());
   return merged;
@@ -34,19 +46,20 @@ std::vector<double> all_nodes(const PointRow& row, const std::vector<double>& u,
     for (auto* all : {&forced, &wanted})
       for (double& at : *all) at = std::min(at, length - at);
   forced.push_back(end);
+  constexpr int few = 11;  // points that are all passed through, or nearly
   // The forced ones first; of the others those that are not too near.
   // (What acts between nodes acts there too; a corner and the mirror image of its partner are one.)
+  const double spacing = length / std::min(row.count(), most_nodes);
   // Corners and their mirror images need room.
-  const double share = row.count() <= most_nodes && !mirrored ? 0.02 : 0.25;
-  const double gap = share * length / std::min(row.count(), most_nodes),
-               same = mirrored ? length / std::min(row.count(), most_nodes) : 0.01 * gap;
+  const double same = (mirrored ? 1 : 2e-4) * spacing;
   std::sort(forced.begin(), forced.end());
   std::vector<double> nodes;
   for (const double at : forced)
     if (nodes.empty() || at - nodes.back() > same) nodes.push_back(at);
   nodes.back() = end;
   std::sort(wanted.begin(), wanted.end());
-  std::vector<double> merged = merged_nodes(nodes, wanted, gap);
+  std::vector<double> merged =
+      merged_nodes(nodes, wanted, row.count() < few && !mirrored ? 0.02 : 0.3);
   // A closed curve has three segments at least: the longest ones are halved.
   while (row.closed && merged.size() < 4) {
     size_t longest = 0;

@@ -122,6 +122,27 @@ Points SpringBalance::solve(double wave) {
   return q;
 }
 
+Points SpringBalance::imbalance(double wave, const Points& q) const {
+  Points f = Points::Zero(mesh_.dof_count(), 3);
+  for (const Spring& spring : springs_) {
+    const HermiteSegment::Vector H = shape(mesh_, spring.at);
+    const auto dofs = mesh_.segment_dofs(spring.at.segment);
+    const Vec3 pull = spring.goal - at(q, spring);
+    for (int a = 0; a < 4; ++a) f.row(dofs[static_cast<size_t>(a)]) += H[a] * pull.transpose();
+  }
+  FairEnergy::subtract(energy_.change(), of_change(wave), q, f);
+  FairEnergy::subtract(energy_.bending(), of_bending(wave), q, f);
+  return f;
+}
+
+Vec3 SpringBalance::at(const Points& q, const Spring& spring) const {
+  const HermiteSegment::Vector H = shape(mesh_, spring.at);
+  const auto dofs = mesh_.segment_dofs(spring.at.segment);
+  Vec3 x = Vec3::Zero();
+  for (int a = 0; a < 4; ++a) x += H[a] * q.row(dofs[static_cast<size_t>(a)]).transpose();
+  return x;
+}
+
 double SpringBalance::freedom() const {
   double trace = A_.trace_of_quotient(spring_band_);
   // A held place is one degree of freedom, however many springs act there.
@@ -131,13 +152,7 @@ double SpringBalance::freedom() const {
 
 double SpringBalance::moved(const Points& q) const {
   double rest = 0;
-  for (const Spring& spring : springs_) {
-    const HermiteSegment::Vector H = shape(mesh_, spring.at);
-    const auto dofs = mesh_.segment_dofs(spring.at.segment);
-    Vec3 off = -spring.goal;
-    for (int a = 0; a < 4; ++a) off += H[a] * q.row(dofs[static_cast<size_t>(a)]).transpose();
-    rest += off.squaredNorm();
-  }
+  for (const Spring& spring : springs_) rest += (at(q, spring) - spring.goal).squaredNorm();
   return springs_.empty() ? 0 : std::sqrt(rest / static_cast<double>(springs_.size()));
 }
 

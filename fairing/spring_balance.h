@@ -53,9 +53,12 @@ class SpringBalance {
   /// dofs.
   SparseMatrix matrix(double wave) const;
   Points load(const Vec3& origin) const;
+  /// Load minus matrix times `dofs`, with more digits than these two have.
+  Points imbalance(double wave, const Points& dofs) const;
 
  private:
   bool try_solve(double wave, Points& q);
+  Vec3 at(const Points& dofs, const Spring& spring) const;
   // What multiplies the two parts of the energy.
   double of_change(double wave) const;
   double of_bending(double wave) const;
