@@ -18,8 +18,9 @@ namespace {
 
 class Fairing {
  public:
-  Fairing(const std::string& name, const PointRow& row, const FairOptions& options)
-      : name_(name), row_(row), options_(options), count_(row.count()) {
+  Fairing(const std::string& name, const std::vector<Vec3>& given, const PointRow& row,
+          const FairOptions& options)
+      : name_(name), given_(given), row_(row), options_(options), count_(row.count()) {
     u_ = row.denoised_chord();
     length_ = u_.back();
     u_.resize(count_);
@@ -62,6 +63,7 @@ class Fairing {
   void settle_tangents(SpringBalance& balance, double wave);
 
   const std::string& name_;
+  const std::vector<Vec3>& given_;
   const PointRow& row_;
   const FairOptions& options_;
   const int count_;
@@ -403,7 +405,11 @@ FairCurve Fairing::run() {
   result.wavelength = wave;
   result.noise = noise_;
   result.deviation = deviation_of(curve_, row_, foot_);
-  for (const int i : row_.index) result.parameters.push_back(foot_[i]);
+  for (size_t i = 0; i < row_.index.size(); ++i) {
+    const int at = row_.index[i];
+    if (at < 0) result.outliers.push_back(static_cast<int>(i));
+    result.parameters.push_back(at < 0 ? curve_.closest_point(given_[i]).u : foot_[at]);
+  }
   return result;
 }
 
@@ -411,9 +417,10 @@ FairCurve Fairing::run() {
 
 FairCurve fair_points(const std::string& name, const std::vector<Vec3>& points,
                       const FairOptions& options) {
-  const PointRow row(name, points, options.corner_angle, options.corners, options.closed);
+  const PointRow row(name, points, options.corner_angle, options.corners, options.closed,
+                     options.drop_outliers ? PointRow::Outliers::Drop : PointRow::Outliers::Keep);
   check(name, options, row.closed);
-  return Fairing(name, row, options).run();
+  return Fairing(name, points, row, options).run();
 }
 
 HermiteCurve curve_as_given(const std::string& name, const std::vector<Vec3>& points,

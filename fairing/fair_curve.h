@@ -12,7 +12,8 @@ namespace batten {
 struct FairCurve {
   HermiteCurve curve;              ///< u: arc length to a few digits
   std::vector<double> parameters;  ///< nearest parameter of each point
-  Deviation deviation;
+  std::vector<int> outliers;       ///< points that were passed over, ascending
+  Deviation deviation;             ///< of the others
   double wavelength = 0;  ///< wavelength of the balance that was found; 0: nothing was smoothed
   /// Standard deviation of the points across their line, estimated from their differences; 0 for
   /// fewer than eleven points.

@@ -18,13 +18,13 @@ double gap_around(const std::vector<double>& places, size_t i) {
 // gaps around them; both ascending. Where noise throws feet together nodes would be so near that
 // curvature changes between them lose their digits.
 std::vector<double> merged_nodes(const std::vector<double>& nodes,
-                                 const std::vector<double>& wanted, double share) {
+                                 const std::vector<double>& wanted, double share, double least) {
   std::vector<double> merged;
   size_t next = 0;
   for (size_t k = 0; k + 1 < nodes.size(); ++k) {
     merged.push_back(nodes[k]);
     for (; next < wanted.size(); ++next) {
-      const double gap = share * gap_around(wanted, next);
+      const double gap = std::max(least, share * gap_around(wanted, next));
       if (wanted[next] >= nodes[k + 1] - gap) break;
       if (wanted[next] >= merged.back() + gap) merged.push_back(wanted[next]);
     }
@@ -59,7 +59,7 @@ std::vector<double> all_nodes(const PointRow& row, const std::vector<double>& u,
   nodes.back() = end;
   std::sort(wanted.begin(), wanted.end());
   std::vector<double> merged =
-      merged_nodes(nodes, wanted, row.count() < few && !mirrored ? 0.02 : 0.3);
+      merged_nodes(nodes, wanted, row.count() < few && !mirrored ? 0.02 : 0.3, 2e-4 * spacing);
   // A closed curve has three segments at least: the longest ones are halved.
   while (row.closed && merged.size() < 4) {
     size_t longest = 0;

@@ -56,6 +56,9 @@ struct FairOptions {
   double corner_angle = 50;                 ///< a corner turns by more than this, as in FitOptions
   std::optional<std::vector<int>> corners;  ///< corners that are given instead of found
   std::optional<bool> closed;
+  /// Points of a noisy line that lie off it, one or two among their neighbours, farther than its
+  /// noise explains have no spring (a wrong digit, a twitch of the hand). Given corners are kept.
+  bool drop_outliers = true;
   bool hold_ends = false;  ///< the first and the last point of an open curve stay
   std::vector<CurveCondition> conditions;
   int most_rounds = 10;

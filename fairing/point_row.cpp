@@ -10,6 +10,7 @@
 #include "batten/core/words.h"
 #include "batten/fairing/corners.h"
 #include "batten/fairing/noise.h"
+#include "batten/fairing/outliers.h"
 
 namespace batten {
 
@@ -21,7 +22,7 @@ void check_tolerance(const std::string& name, double tolerance) {
 
 PointRow::PointRow(const std::string& name, const std::vector<Vec3>& given, double corner_angle,
                    const std::optional<std::vector<int>>& given_corners,
-                   std::optional<bool> is_closed) {
+                   std::optional<bool> is_closed, Outliers outliers) {
   const std::string line = "line '" + name + "'";
   for (size_t i = 0; i < given.size(); ++i)
     if (!given[i].allFinite() || given[i].cwiseAbs().maxCoeff() > 1e100)
@@ -54,6 +55,7 @@ PointRow::PointRow(const std::string& name, const std::vector<Vec3>& given, doub
   if (closed && count() < 3)
     throw InputError(line + " is closed and has " + std::to_string(count()) +
                      " different points: it needs three or more");
+  if (outliers == Outliers::Drop) drop_outliers(given_corners);
   chord = {0};
   for (int i = 1; i < count(); ++i)
     chord.push_back(chord.back() + (points[i] - points[i - 1]).norm());
@@ -72,6 +74,22 @@ PointRow::PointRow(const std::string& name, const std::vector<Vec3>& given, doub
   } else {
     corners = find_corners(points, closed, corner_angle);
   }
+}
+
+void PointRow::drop_outliers(const std::optional<std::vector<int>>& given_corners) {
+  std::vector<int> off = find_outliers(points, closed);
+  if (given_corners)
+    for (const int c : *given_corners) std::erase(off, index[c]);
+  if (off.empty()) return;
+  std::vector<int> place(points.size(), -1);
+  std::vector<Vec3> kept;
+  for (int i = 0; i < count(); ++i) {
+    if (std::binary_search(off.begin(), off.end(), i)) continue;
+    place[i] = count_of(kept);
+    kept.push_back(points[i]);
+  }
+  for (int& i : index) i = place[i];
+  points = std::move(kept);
 }
 
 std::vector<double> PointRow::denoised_chord() const {

@@ -14,11 +14,13 @@ namespace batten {
 /// first point.
 struct PointRow {
   std::vector<Vec3> points;
-  std::vector<int> index;     ///< place of each given point in `points`
+  std::vector<int> index;     ///< place of each given point in `points`; -1: an outlier
   std::vector<double> chord;  ///< from the first point; one more entry when closed: the whole
   std::vector<int> corners;   ///< ascending; ends of an open row not among them
   bool closed = false;
   double size = 0;  ///< diagonal of the bounding box
+
+  enum class Outliers { Keep, Drop };  ///< Drop: as find_outliers(), given corners excepted
 
   /// `chord`, where steps are noise rather than progress: lengths between means of many points.
   std::vector<double> denoised_chord() const;
@@ -29,7 +31,11 @@ struct PointRow {
 
   /// Throws InputError as fit_points() says.
   PointRow(const std::string& name, const std::vector<Vec3>& given, double corner_angle,
-           const std::optional<std::vector<int>>& given_corners, std::optional<bool> is_closed);
+           const std::optional<std::vector<int>>& given_corners, std::optional<bool> is_closed,
+           Outliers outliers = Outliers::Keep);
+
+ private:
+  void drop_outliers(const std::optional<std::vector<int>>& given_corners);
 };
 
 /// Throws InputError when it is not a length above 0.
