@@ -22,6 +22,7 @@ void check(const std::string& name, const FairOptions& options, bool closed) {
                        ", expected a length above 0");
   };
   if (options.balance == FairOptions::Balance::Deviation) positive(options.deviation, "deviation");
+  if (options.balance == FairOptions::Balance::Noise) positive(options.noise, "noise");
   if (options.balance == FairOptions::Balance::Wavelength)
     positive(options.wavelength, "wavelength");
   if (!(options.alpha >= 0) || !std::isfinite(options.alpha))

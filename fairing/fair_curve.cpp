@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numbers>
 
 #include "batten/constraints/affine_reduction.h"
@@ -48,6 +49,7 @@ class Fairing {
   std::vector<Spring> springs() const;
   std::vector<std::pair<int, Vec3>> held() const;
   double most_move() const;
+  double longest_wave(const std::function<bool(double)>& fits) const;
   double find_wave(SpringBalance& balance, double before);
   void reduce_conditions();
   Points solve(SpringBalance& balance, double wave) const;
@@ -195,6 +197,26 @@ double Fairing::most_move() const {
   return std::min(any * row_.size, 2 * noise_ + none * row_.size);
 }
 
+// The longest wavelength that fits, of those that are long, fit not, or are short and fit.
+double Fairing::longest_wave(const std::function<bool(double)>& fits) const {
+  const auto can = [&](double wave) {
+    try {
+      return fits(wave);
+    } catch (const NoSolutionError&) {
+      return false;  // so long a wave leaves nothing of the springs
+    }
+  };
+  const double coarsest = 2 * length_;
+  if (can(coarsest)) return coarsest;
+  double low = std::log(no_wave()), high = std::log(coarsest);
+  constexpr int halvings = 24;
+  for (int i = 0; i < halvings; ++i) {
+    const double middle = 0.5 * (low + high);
+    (can(std::exp(middle)) ? low : high) = middle;
+  }
+  return std::exp(low);
+}
+
 double Fairing::find_wave(SpringBalance& balance, double before) {
   const double finest = 0.5 * spacing(), coarsest = 2 * length_;
   switch (options_.balance) {
@@ -210,22 +232,17 @@ double Fairing::find_wave(SpringBalance& balance, double before) {
       return std::exp(minimum_of([&](double x) { return balance.score(std::exp(x), most_move()); },
                                  std::log(low), std::log(high), before > 0 ? 6 : 16));
     }
-    case FairOptions::Balance::Deviation: {
-      double low = std::log(no_wave()), high = std::log(coarsest);
-      const auto fits = [&](double x) {
-        try {
-          return off_axis(solve(balance, std::exp(x))) <= tightened_ * options_.deviation;
-        } catch (const NoSolutionError&) {
-          return false;  // so long a wave leaves nothing of the springs
-        }
-      };
-      if (fits(high)) return coarsest;
-      for (int i = 0; i < 24; ++i) {
-        const double middle = 0.5 * (low + high);
-        (fits(middle) ? low : high) = middle;
-      }
-      return std::exp(low);
-    }
+    case FairOptions::Balance::Noise:
+      return longest_wave([&](double wave) {
+        const Points q = solve(balance, wave);
+        if (!free_of_rows()) balance.solve(wave);
+        const double left = 1 - balance.freedom() / count_;
+        return left > 0 && balance.moved(q) <= options_.noise * std::sqrt(left);
+      });
+    case FairOptions::Balance::Deviation:
+      return longest_wave([&](double wave) {
+        return off_axis(solve(balance, wave)) <= tightened_ * options_.deviation;
+      });
   }
   return 0;
 }
@@ -381,7 +398,8 @@ FairCurve Fairing::run() {
       most_nodes_ *= 2;  // more nodes than the balance makes use of
       continue;
     }
-    if (options_.balance == FairOptions::Balance::CrossValidation && result.rounds < searches)
+    if (result.rounds < searches && (options_.balance == FairOptions::Balance::CrossValidation ||
+                                     options_.balance == FairOptions::Balance::Noise))
       ease_ = WaveEase(curve_, wave, ease_);
     held_at_ = at_;
     const double change = project(result.rounds == 0);

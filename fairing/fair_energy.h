@@ -15,7 +15,7 @@ namespace batten {
 ///     ρ ∫ ⅔ (ra)⁶ |X_uuu|² + ⅓ (ra)⁴ (|X_uu|² + alpha |X_u|²) du  +  ρ Σ_n ⅔ (ra)⁶ μ/h [X_uu]²
 ///
 /// with ρ springs per length, r the ease (WaveEase), h the mean length of the segments beside a
-/// node n that is no corner, and [X_uu] by how much the second derivative jumps there: μ = 100
+/// node n that is no corner, and [X_uu] by how much the second derivative jumps there: μ = 1000
 /// leaves little of that. A wave of wavelength v along even springs keeps 1 / (1 + ⅔ (rw/v)⁶ + ⅓ (rw/v)⁴)
 /// of its height. The third derivative smooths the curvature too, which bending leaves in waves of
 /// noise; bending holds what the third derivative leaves free, at the ends and in short stretches.

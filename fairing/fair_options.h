@@ -26,32 +26,35 @@ struct CurveCondition {
 
 /// Fairing of points given in an order (global): the curve minimises
 ///
-///     Σ_i |X(u_i) - p_i|² + λ ∫ (ease |X_uu|² + alpha |X_u|²) du
+///     Σ_i |X(u_i) - p_i|² + ρ ∫ ⅔ (ra)⁶ |X_uuu|² + ⅓ (ra)⁴ (|X_uu|² + alpha |X_u|²) du
 ///
-/// over all C2 cubics with a node at each u_i (points closer than a fiftieth of the mean spacing
-/// share one, but for an end or a corner, which has none but its own; from 1,000 points on there
-/// are fewer nodes than points, but always several times as many as the balance can make use of).
-/// u_i begin as chord lengths; after each solve they move to the nearest point of the curve and u
+/// (FairEnergy) over C1 cubics whose second derivatives all but go on at the nodes: ρ points per
+/// length, wavelength 2πa, ease r (WaveEase). Nodes are at every k-th point, several times as many
+/// as the balance can make use of. u_i begin as chord lengths; after each solve they move to the nearest point of the curve and u
 /// becomes arc length, until they stand still: distances are then those to the curve, not to an
 /// assumed parameter.
 struct FairOptions {
   /// The way in which λ is found.
   enum class Balance {
     /// Generalised cross-validation (Craven, Wahba 1979) of x, y, z together: the curve that would
-    /// predict left-out points best. From 20 points on each degree of freedom counts 1.4 times
-    /// (Kim, Gu 2004), with six once. Points move by twice their noise at most (root mean square;
+    /// predict left-out points best. From 20 points on each degree of freedom counts 1.3 times
+    /// (nearly as Kim, Gu 2004), with six once. Points move by twice their noise at most (root mean square;
     /// of fewer than eleven, whose noise nobody knows, by 2.5 % of the size): what is larger was
     /// none. Noise is what neighbouring points do not share; a hand's slow tremor needs its
-    /// wavelength stated. Fewer than six points tell nothing about noise: the curve then goes
-    /// through them. Bending is eased in tight bends (BendingEase), where it would flatten them.
+    /// wavelength or its size stated. Fewer than six points tell nothing about noise: the curve then goes
+    /// through them. Waves are shorter in tight bends (WaveEase), which would be flattened.
     CrossValidation,
+    Noise,      ///< the fairest curve whose points are off by `noise`, root mean square, less what
+                ///< its freedom takes: where the noise is known, also a tremor that neighbours share
     Deviation,  ///< the fairest curve not farther than `deviation` from any point; where conditions
                 ///< or a missing corner do not let it be, FairCurve::deviation is larger
-    Wavelength  ///< waves of length `wavelength` keep half of their height; shorter ones less
+    Wavelength  ///< waves of length `wavelength` keep half of their height, waves of length v
+                ///< 1 / (1 + ⅔ (wavelength/v)⁶ + ⅓ (wavelength/v)⁴)
   };
   Balance balance = Balance::CrossValidation;
+  double noise = 0;       ///< model units, above 0: of the distances across the line
   double deviation = 0;   ///< model units, above 0
-  double wavelength = 0;  ///< model units, above 0; λ = (wavelength / 2π)⁴ × points per length
+  double wavelength = 0;  ///< model units, above 0
   double alpha = 0;       ///< resistance to stretching over that to bending × size², ≥ 0
   double corner_angle = 50;                 ///< a corner turns by more than this, as in FitOptions
   std::optional<std::vector<int>> corners;  ///< corners that are given instead of found

@@ -81,10 +81,11 @@ struct Arguments {
   SculptTask sculpt;
   std::vector<double> angles;
   double edge_length = 0, tolerance = 0, pressure = 0;
-  double deviation = 0, wavelength = 0, corner_angle = FairOptions{}.corner_angle, segments = 0;
+  double noise = 0, deviation = 0, wavelength = 0, corner_angle = FairOptions{}.corner_angle,
+         segments = 0;
   int threads = 0, contours = 0;
   bool network = false, exact_step = false, quiet = false, hold_ends = false, closed = false,
-       open = false;
+       open = false, keep_outliers = false;
 };
 
 int finish(const RunReport& report, const std::string& text, const Arguments& a) {
@@ -118,9 +119,12 @@ int fair(const Arguments& a) {
   stage.name = "fair";
   FairOptions& options = stage.options;
   using Balance = FairOptions::Balance;
-  options.balance = a.deviation > 0    ? Balance::Deviation
+  options.balance = a.noise > 0        ? Balance::Noise
+                    : a.deviation > 0  ? Balance::Deviation
                     : a.wavelength > 0 ? Balance::Wavelength
                                        : Balance::CrossValidation;
+  options.noise = a.noise;
+  options.drop_outliers = !a.keep_outliers;
   options.deviation = a.deviation;
   options.wavelength = a.wavelength;
   options.corner_angle = a.corner_angle;
@@ -282,16 +286,21 @@ CLI::App* add_fair(CLI::App& app, Arguments& a) {
   sub->add_option("lines", a.file, "Lines: .curves .csv .txt .xyz .dat .obj .iges .step .dxf .svg")
       ->required();
   sub->add_option("--out", a.out, "File to write: " + listed(curve_file_endings()))->required();
+  auto* noise = sub->add_option("--noise", a.noise,
+                                "The fairest curve that the points are off by this, root mean "
+                                "square: where the noise is known");
   auto* deviation = sub->add_option("--deviation", a.deviation,
                                     "The fairest curve not farther than this from any point");
   auto* wavelength = sub->add_option("--wavelength", a.wavelength,
                                      "Smooth what is shorter than this (default: found by itself)");
+  noise->check(kPositive)->excludes(deviation)->excludes(wavelength);
   deviation->check(kPositive)->excludes(wavelength);
   wavelength->check(kPositive);
   sub->add_option("--minimum", a.minimum,
                   "Instead: the curve through all points (a few) of least curvature, or of least "
                   "change of it")
       ->check(CLI::IsMember({"energy", "variation"}))
+      ->excludes(noise)
       ->excludes(deviation)
       ->excludes(wavelength);
   sub->add_option("--corner-angle", a.corner_angle,
@@ -301,6 +310,8 @@ CLI::App* add_fair(CLI::App& app, Arguments& a) {
   sub->add_flag("--hold-ends", a.hold_ends, "First and last points stay where they are");
   auto* closed = sub->add_flag("--closed", a.closed, "All lines come back to their start");
   sub->add_flag("--open", a.open, "No line does")->excludes(closed);
+  sub->add_flag("--keep-outliers", a.keep_outliers,
+                "Points that lie off a noisy line are not passed over");
   sub->add_option("--segments", a.segments,
                   "In the end: as few segments as stay this near to the fair curve")
       ->check(kPositive);

@@ -28,7 +28,9 @@ Json json_of(const Fairness& f) {
 
 Json json_of(const std::vector<FairedLine>& curves) {
   Json list = Json::array();
-  for (const FairedLine& c : curves)
+  for (const FairedLine& c : curves) {
+    Json outliers = Json::array();
+    for (const int i : c.outliers) outliers.push_back(i + 1);
     list.push_back(
         {{"name", c.name},
          {"points", c.points},
@@ -38,6 +40,7 @@ Json json_of(const std::vector<FairedLine>& curves) {
          {"deviation",
           {{"max", c.deviation.max}, {"rms", c.deviation.rms}, {"between", c.deviation.between}}},
          {"noise", c.noise},
+         {"outliers", outliers},
          {"wavelength", c.wavelength},
          {"freedom", c.freedom},
          {"rounds", c.rounds},
@@ -46,6 +49,7 @@ Json json_of(const std::vector<FairedLine>& curves) {
          {"before", c.before ? json_of(*c.before) : Json()},
          {"after", c.after ? json_of(*c.after) : Json()},
          {"seconds", c.seconds}});
+  }
   return list;
 }
 

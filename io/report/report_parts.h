@@ -35,9 +35,10 @@ struct FairedLine {
   bool closed = false;
   bool faired = false;                 ///< false: no stage acted on it, or it cannot be faired
   double size = 0;                     ///< diagonal of the box around the points
-  Deviation deviation;                 ///< deviation of the result from the input
+  Deviation deviation;                 ///< deviation of the result from the input, less outliers
   double wavelength = 0, freedom = 0;  ///< FairCurve's, of the last stage of the whole line
-  double noise = 0;  ///< FairCurve's, of the first stage of the whole line
+  double noise = 0;                    ///< FairCurve's, of the first stage of the whole line
+  std::vector<int> outliers;           ///< likewise: points of the input that were passed over
   int rounds = 0;
   bool settled = true;
   double max_residual = 0;  ///< largest residual of the conditions, over the size

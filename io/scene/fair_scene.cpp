@@ -73,7 +73,7 @@ void FairScene::set(const std::string& parameter, double value, const std::strin
   });
   if (!known)
     throw InputError(where + "found parameter '" + parameter + "', expected " +
-                     (names.empty() ? std::string("none: no stage has a deviation or a wavelength")
+                     (names.empty() ? std::string("none: no stage has a noise, a deviation or a wavelength")
                                     : "one of: " + listed(names)) +
                      did_you_mean(parameter, names));
 }

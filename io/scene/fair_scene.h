@@ -38,7 +38,7 @@ struct FairScene {
   std::vector<std::string> outputs;  ///< file names; the ending says the kind (write_curves())
   std::vector<CombPictureRule> pictures;
 
-  /// What can be set: STAGE.deviation and STAGE.wavelength, of the stages that state them.
+  /// What can be set: STAGE.noise, STAGE.deviation and STAGE.wavelength, of the stages that state them.
   std::vector<Parameter> parameters() const;
   /// Sets one of these numbers. Throws InputError, beginning with `where`: an unknown name (the
   /// nearest is offered), a number not above 0.

@@ -33,8 +33,17 @@ CurveCondition read_condition(const TomlTable& t) {
 
 void read_balance(const TomlTable& t, FairOptions& options) {
   using Balance = FairOptions::Balance;
-  if (t.has("deviation") && t.has("wavelength"))
-    t.fail("wavelength", "both 'deviation' and 'wavelength'", "one of them, or none");
+  std::string given;
+  for (const std::string key : {"noise", "deviation", "wavelength"}) {
+    if (!t.has(key)) continue;
+    if (!given.empty())
+      t.fail(key, "both '" + given + "' and '" + key + "'", "one of them, or none");
+    given = key;
+  }
+  if (t.has("noise")) {
+    options.balance = Balance::Noise;
+    options.noise = t.positive("noise");
+  }
   if (t.has("deviation")) {
     options.balance = Balance::Deviation;
     options.deviation = t.positive("deviation");
@@ -49,8 +58,8 @@ void read_local(const TomlTable& t, FairStage& stage) {
   if (t.has("brush") && t.has("stretch"))
     t.fail("stretch", "both 'brush' and 'stretch'", "one of them");
   const std::string kind = t.has("brush") ? "brush" : "stretch";
-  for (const char* key : {"deviation", "corner_angle", "corners", "closed", "hold_ends", "alpha",
-                          "condition", "minimum"})
+  for (const char* key : {"noise", "deviation", "corner_angle", "corners", "closed", "hold_ends",
+                          "alpha", "condition", "minimum", "outliers"})
     if (t.has(key))
       t.fail(key, "'" + std::string(key) + "' beside '" + kind + "'",
              "it only in a stage of whole lines: local stages have a 'wavelength'");
@@ -74,8 +83,8 @@ FairStage read_stage(const TomlTable& t, size_t index) {
   FairOptions& o = stage.options;
   read_balance(t, o);
   if (t.has("minimum")) {
-    for (const char* key :
-         {"deviation", "wavelength", "corners", "hold_ends", "alpha", "condition"})
+    for (const char* key : {"noise", "deviation", "wavelength", "corners", "hold_ends", "alpha",
+                            "condition", "outliers"})
       if (t.has(key))
         t.fail(key, "'" + std::string(key) + "' beside 'minimum'",
                "none: the curve goes through all points");
@@ -88,6 +97,7 @@ FairStage read_stage(const TomlTable& t, size_t index) {
     t.fail("corner_angle", number(o.corner_angle), "at most 180 degrees (180: no corners)");
   if (t.has("corners")) stage.corners = t.points("corners");
   if (t.has("closed")) o.closed = t.boolean("closed", false);
+  o.drop_outliers = t.choice<bool>("outliers", true, {{"drop", true}, {"keep", false}});
   if (t.has("hold_ends")) stage.hold_ends = t.boolean("hold_ends", false);
   o.alpha = t.number("alpha", 0);
   if (o.alpha < 0) t.fail("alpha", number(o.alpha), "0 or more");
@@ -102,10 +112,11 @@ FairStage read_stage(const TomlTable& t, size_t index) {
 std::vector<FairStage> read_fair_stages(const TomlTable& root) {
   std::vector<FairStage> stages;
   Names names("stage");
-  names.read(root, "fair",
-             {"name", "lines", "deviation", "wavelength", "corner_angle", "corners", "closed",
-              "hold_ends", "alpha", "condition", "minimum", "brush", "stretch"},
-             stages, [&](const TomlTable& t) { return read_stage(t, stages.size()); });
+  names.read(
+      root, "fair",
+      {"name", "lines", "noise", "deviation", "wavelength", "outliers", "corner_angle", "corners",
+       "closed", "hold_ends", "alpha", "condition", "minimum", "brush", "stretch"},
+      stages, [&](const TomlTable& t) { return read_stage(t, stages.size()); });
   return stages;
 }
 

@@ -40,10 +40,12 @@ struct FairStage {
 std::vector<FairStage> read_fair_stages(const TomlTable& root);
 
 /// Calls f(name, value), with a reference to the value, for each number of the stages that can be
-/// set from outside: STAGE.deviation or STAGE.wavelength. They have to be above 0.
+/// set from outside: STAGE.noise, STAGE.deviation or STAGE.wavelength. They have to be above 0.
 template <class Stages, class Function>
 void for_each_fair_parameter(Stages& stages, const Function& f) {
   for (auto& stage : stages) {
+    if (stage.options.balance == FairOptions::Balance::Noise)
+      f(stage.name + ".noise", stage.options.noise);
     if (stage.options.balance == FairOptions::Balance::Deviation)
       f(stage.name + ".deviation", stage.options.deviation);
     if (stage.options.balance == FairOptions::Balance::Wavelength)

@@ -212,8 +212,8 @@ struct Scene {
 
   /// All parameters: loads, weights, moves and [[parameter]] by their names; coordinates of
   /// constraints as name.x, name.y, name.z; alpha and beta, or alpha_uu, alpha_uv, alpha_vv,
-  /// beta_uu, beta_uv, beta_vv where the scene gives three numbers; deviations and wavelengths of
-  /// [[fair]] as STAGE.deviation, STAGE.wavelength. A value over time is that at time 0; a driven
+  /// beta_uu, beta_uv, beta_vv where the scene gives three numbers; noises, deviations and wavelengths of
+  /// [[fair]] as STAGE.noise, STAGE.deviation, STAGE.wavelength. A value over time is that at time 0; a driven
   /// one follows its rules.
   std::vector<Parameter> parameters() const;
   /// The same parameters with their values over time and their rules.

@@ -76,6 +76,12 @@ double error(const HermiteCurve& curve, const std::function<Vec3(double)>& x) {
   return std::sqrt(sum);
 }
 
+double error(const std::vector<Vec3>& points, const std::function<Vec3(double)>& x) {
+  double sum = 0;
+  for (const Vec3& p : points) sum += std::pow(distance_to(x, p), 2);
+  return std::sqrt(sum / static_cast<double>(points.size()));
+}
+
 CurveCondition condition(CurveCondition::Type type, const Vec3& at,
                          const Vec3& direction = Vec3::UnitZ()) {
   return {"hold", type, at, direction};
@@ -173,6 +179,97 @@ TEST_CASE(
   std::sort(shares.begin(), shares.end());
   CHECK(shares[4] < 0.7);
   CHECK(shares.back() < 1);
+}
+
+TEST_CASE("curvature of a faired line has at most twice the extrema of the true one") {
+  const auto sine = [](double s) { return Vec3(10 * s, 0.6 * std::sin(8 * pi * s), 0); };
+  std::vector<Vec3> exact;
+  for (int i = 0; i <= 800; ++i) exact.push_back(sine(i / 800.0));
+  const int truth = fairness(curve_as_given("exact", exact)).extrema;
+  REQUIRE(truth == 8);
+  for (const double sigma : {0.01, 0.03}) {
+    std::vector<int> extrema;
+    for (unsigned seed = 0; seed < 9; ++seed) {
+      Noisy data = noisy(200, seed, sigma, sine);
+      for (Vec3& p : data.points) p.z() = 0;
+      extrema.push_back(fairness(fair_points("sine", data.points).curve).extrema);
+    }
+    std::sort(extrema.begin(), extrema.end());
+    CHECK(extrema[4] <= 2 * truth);
+  }
+}
+
+TEST_CASE("outliers of a noisy line are passed over, corners and bends are none") {
+  constexpr double sigma = 0.004;
+  std::vector<double> ratios;
+  for (unsigned seed = 0; seed < 9; ++seed) {
+    Noisy data = noisy(200, seed, sigma, roof);
+    const std::vector<int> off = {17, 60, 62, 101, 140, 183};
+    std::mt19937 engine(seed);
+    std::normal_distribution<double> gauss;
+    for (const int i : off) {
+      const Vec3 along = (roof((i + 1) / 199.0) - roof((i - 1) / 199.0)).normalized();
+      Vec3 way(gauss(engine), gauss(engine), gauss(engine));
+      way -= way.dot(along) * along;
+      data.points[static_cast<size_t>(i)] += 12 * sigma * way.normalized();
+    }
+    FairOptions options;
+    const FairCurve fair = fair_points("roof", data.points, options);
+    for (const int i : off) CHECK(std::count(fair.outliers.begin(), fair.outliers.end(), i) == 1);
+    CHECK(fair.outliers.size() <= off.size() + 1);
+    CHECK(fair.parameters.size() == data.points.size());
+    ratios.push_back(error(fair.curve, roof) / error(data.points, roof));
+    options.drop_outliers = false;
+    CHECK(fair_points("roof", data.points, options).outliers.empty());
+    options.drop_outliers = true;
+    options.corners = off;
+    CHECK(fair_points("roof", data.points, options).outliers.size() <= 1);
+  }
+  std::sort(ratios.begin(), ratios.end());
+  CHECK(ratios[4] < 0.5);
+
+  for (const int side : {12, 30, 70})
+    CHECK(fair_points("section", airfoil(0.02, 0.4, 0.12, side)).outliers.empty());
+  std::vector<Vec3> saw;
+  for (int i = 0; i < 60; ++i) saw.emplace_back(i, i % 6 == 3, 0);
+  CHECK(fair_points("saw", saw).outliers.empty());
+  std::mt19937 engine(1);
+  std::normal_distribution<double> gauss(0, 0.02);
+  std::vector<Vec3> steps;  // corners in noise
+  for (int i = 0; i < 80; ++i)
+    steps.emplace_back(std::min(i % 40, 20) + 20 * (i / 40) + gauss(engine),
+                       std::max(i % 40 - 20, 0) + 20 * (i / 40) + gauss(engine), 0);
+  CHECK(fair_points("steps", steps).outliers.empty());
+}
+
+TEST_CASE("a tremor that neighbours share goes where its size or its wavelength is stated") {
+  for (unsigned seed = 0; seed < 5; ++seed) {
+    std::mt19937 engine(seed);
+    std::uniform_real_distribution<double> uniform;
+    std::vector<Vec3> points;
+    for (int i = 0; i < 200; ++i) points.push_back(roof(i / 199.0));
+    constexpr double height = 0.01;
+    for (int wave = 0; wave < 8; ++wave) {
+      const double length = 200 / 40.0 * (1 + uniform(engine));
+      for (const int axis : {1, 2}) {
+        const double phase = 2 * pi * uniform(engine);
+        for (size_t i = 0; i < points.size(); ++i)
+          points[i][axis] +=
+              height / 2 * std::sin(2 * pi * static_cast<double>(i) / length + phase);
+      }
+    }
+    const double before = error(points, roof);
+    FairOptions options;
+    options.balance = FairOptions::Balance::Wavelength;
+    options.wavelength = curve_as_given("roof", noisy(200, 0, 0, roof).points).length() / 10;
+    CHECK(error(fair_points("roof", points, options).curve, roof) < 0.5 * before);
+    options.balance = FairOptions::Balance::Noise;
+    options.noise = before;
+    const FairCurve known = fair_points("roof", points, options);
+    CHECK(error(known.curve, roof) < 0.5 * before);
+    CHECK(known.deviation.rms < 1.05 * before);
+    CHECK(known.deviation.rms > 0.7 * before);
+  }
 }
 
 TEST_CASE("the smoothing spline: its energy is least, its curvature hardly jumps") {

@@ -189,8 +189,13 @@ std::vector<double> scaled(std::vector<double> u, const HermiteCurve& from,
 }
 
 Deviation measured(const std::string& name, const HermiteCurve& curve, const SampledLine& line,
-                   const std::vector<double>& parameters) {
-  const PointRow row(name, line.points, 180, {}, curve.closed());
+                   const std::vector<int>& outliers, std::vector<double> parameters) {
+  std::vector<Vec3> points = line.points;
+  for (size_t k = outliers.size(); k-- > 0;) {
+    points.erase(points.begin() + outliers[k]);
+    parameters.erase(parameters.begin() + outliers[k]);
+  }
+  const PointRow row(name, points, 180, {}, curve.closed());
   std::vector<double> t(static_cast<size_t>(row.count()));
   for (size_t i = parameters.size(); i-- > 0;) t[row.index[i]] = parameters[i];
   Deviation d = deviation_of(curve, row, t);
@@ -290,7 +295,10 @@ void Fairing::run_stages(size_t line, FairedResult& result) {
           options);
       curve = fair.curve;
       u = fair.parameters;
-      if (!report.faired) report.noise = fair.noise;
+      if (!report.faired) {
+        report.noise = fair.noise;
+        report.outliers = fair.outliers;
+      }
       report.faired = true;
       report.wavelength = fair.wavelength;
       report.freedom = fair.freedom;
@@ -334,7 +342,7 @@ FairedResult Fairing::faired(size_t index) {
   const HermiteCurve& curve = result.states.back();
   report.segments = curve.segment_count();
   report.closed = curve.closed();
-  report.deviation = measured(report.name, curve, line, result.parameters);
+  report.deviation = measured(report.name, curve, line, report.outliers, result.parameters);
   report.before = fairness(result.states.front());
   report.after = fairness(curve);
   return result;
@@ -345,6 +353,24 @@ FairedResult Fairing::faired(size_t index) {
 NamedCurve FairedResult::named() const {
   if (!has_curve()) return {report.name, {}, {}, points};
   return {report.name, states.back(), parameters, {}};
+}
+
+std::string first_few(const std::vector<std::string>& names) {
+  constexpr size_t few = 5;
+  if (names.size() <= few) return listed(names);
+  return listed({names.begin(), names.begin() + few}) + " and " +
+         std::to_string(names.size() - few) + " more";
+}
+
+std::string passed_over(const FairedLine& line) {
+  if (line.outliers.empty()) return "";
+  std::vector<std::string> numbers;
+  for (const int i : line.outliers) numbers.push_back(std::to_string(i + 1));
+  const bool one = numbers.size() == 1;
+  return "'" + line.name + "': " + (one ? "point " : "points ") + first_few(numbers) +
+         (one ? " lies" : " lie") + " off the line farther than its noise explains and " +
+         (one ? "was" : "were") + " passed over (outliers = \"keep\" keeps " +
+         (one ? "it)" : "them)");
 }
 
 std::vector<FairedResult> fair_lines(const std::vector<SourceLine>& lines,
@@ -400,6 +426,8 @@ FairedLines faired_lines(const Scene& scene, const Progress& progress) {
     faired.lines.push_back({sources[i].name, curve_from_hermite(result.states.back()),
                             sources[i].role, sources[i].treatment});
     faired.reports.push_back(result.report);
+    const std::string text = passed_over(result.report);
+    if (!text.empty()) faired.surprises.push_back(text);
   }
   return faired;
 }

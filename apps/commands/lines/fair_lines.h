@@ -45,6 +45,11 @@ struct FairedResult {
 std::vector<FairedResult> fair_lines(const std::vector<SourceLine>& lines,
                                      const FairingSettings& settings, const Progress& progress);
 
+/// Five of the names, and how many more there are.
+std::string first_few(const std::vector<std::string>& names);
+/// Says which points were passed over as outliers; "" for none.
+std::string passed_over(const FairedLine& line);
+
 /// The lines of a scene's surface.
 struct FairedLines {
   std::vector<CharacterLine> lines;

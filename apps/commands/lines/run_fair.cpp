@@ -125,13 +125,6 @@ CombPicture comb_panels(const std::vector<FairedResult>& results, const FairScen
   return picture;
 }
 
-std::string first_few(const std::vector<std::string>& names) {
-  constexpr size_t few = 5;
-  if (names.size() <= few) return listed(names);
-  return listed({names.begin(), names.begin() + few}) + " and " +
-         std::to_string(names.size() - few) + " more";
-}
-
 /// Lines to results and the report about them.
 std::vector<FairedResult> fair(const FairScene& scene, FairReport& report, Stopwatch& watch,
                                const Progress& progress) {
@@ -152,6 +145,7 @@ std::vector<FairedResult> fair(const FairScene& scene, FairReport& report, Stopw
     if (!result.warning.empty()) report.warnings.push_back(result.warning);
     if (!result.report.settled) restless.push_back(result.report.name);
     const FairedLine& line = result.report;
+    if (const std::string text = passed_over(line); !text.empty()) report.warnings.push_back(text);
     constexpr double more = 3;  // than noise may move them
     if (settings.segments == 0 && line.noise > 0 && line.deviation.rms > more * line.noise)
       report.warnings.push_back("'" + line.name + "' has moved by " + number(line.deviation.rms) +

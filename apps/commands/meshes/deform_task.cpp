@@ -126,6 +126,7 @@ MeshCurve shape_curve(const DeformScene& scene, const CurveRule& rule, VertexSel
   std::vector<Vec3> points;
   for (const int v : result.vertices) points.push_back(mesh.point(v));
   FairOptions options = rule.fair;
+  options.drop_outliers = false;  // a mesh has no wrong digits
   options.closed = rule.line.closed;
   options.hold_ends = !rule.line.closed;
   try {
