@@ -213,7 +213,9 @@ class CornerSearch {
       const int first = std::min(m, before), last = std::min(m, behind);
       Points near(first + last + 1, 3);
       for (int k = -first; k <= last; ++k) near.row(k + first) = row_.at(i + k);
-      best = std::max(best, arms_.gain(near, first, noise_, angle_, std::max(best, sure)));
+      const double gain = arms_.gain(near, first, noise_, angle_, std::max(best, sure));
+      if (gain < 0) break;
+      best = std::max(best, gain);
     }
     return best;
   }

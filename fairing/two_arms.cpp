@@ -8,6 +8,16 @@
 #include "batten/core/words.h"
 
 namespace batten {
+namespace {
+
+// Takes from a column its parts along orthonormal ones, and gives it length 1.
+void orthonormalize(const Eigen::Ref<const MatX>& Q, Eigen::Ref<VecX> column) {
+  for (long k = 0; k < Q.cols(); ++k) column -= Q.col(k).dot(column) * Q.col(k);
+  const double size = column.norm();
+  if (size > 0) column /= size;
+}
+
+}  // namespace
 
 const TwoArms::Shape& TwoArms::shape(int count, int corner, int degree) {
   const auto [found, added] = shapes_.try_emplace({count, corner, degree});
@@ -56,19 +66,63 @@ TwoArms::Fit TwoArms::fit(const Shape& shape, const Points& points, double noise
   return fit;
 }
 
+const MatX& TwoArms::kinks(int count, int corner, int degree) {
+  const auto [found, added] = kinks_.try_emplace({count, corner, degree});
+  MatX& H = found->second;
+  if (!added) return H;
+  const int highest = std::min(2 * degree + 1, count - 2);
+  const auto [known, is_new] = polynomials_.try_emplace(count);
+  MatX& Q = known->second;
+  if (is_new) {
+    Q.resize(count, std::min(6, count - 1));
+    for (int i = 0; i < count; ++i) {
+      double power = 1;
+      for (long d = 0; d < Q.cols(); ++d) {
+        Q(i, d) = power;
+        power *= (i - 0.5 * (count - 1)) / (0.5 * count);
+      }
+    }
+    for (long d = 0; d < Q.cols(); ++d) orthonormalize(Q.leftCols(d), Q.col(d));
+  }
+  H.resize(count, degree);
+  for (int i = 0; i < count; ++i) {
+    const double x = (i - corner) / (0.5 * count);
+    H(i, 0) = std::abs(x);
+    if (degree == 2) H(i, 1) = x * std::abs(x);
+  }
+  for (int d = 0; d < degree; ++d) {
+    orthonormalize(Q.leftCols(highest + 1), H.col(d));
+    orthonormalize(H.leftCols(d), H.col(d));
+  }
+  return H;
+}
+
+double TwoArms::most_gain(const Points& points, int corner, int degree, double noise) {
+  const MatX& H = kinks(static_cast<int>(points.rows()), corner, degree);
+  double sum = 0;
+  for (int k = 0; k < 3; ++k)
+    for (int d = 0; d < degree; ++d) sum += std::pow(H.col(d).dot(points.col(k)), 2);
+  return sum / (noise * noise);
+}
+
 double TwoArms::gain(const Points& points, int corner, double noise, double least_turn,
                      double least) {
   const auto count = static_cast<int>(points.rows());
   double best = least;
+  constexpr double sharpest = 2, slack = 1.15, few = 1;
   for (const int degree : {1, 2}) {
     const int dof = count - 1 - 2 * degree;
     if (dof < 2) continue;
+    // Distances across the curve alone may gain a little more.
+    if (sharpest * (slack * most_gain(points, corner, degree, noise) + few) <= best) continue;
     const Fit arms = fit(shape(count, corner, degree), points, noise);
-    if (arms.chi > 1.3 * dof + 3 * std::sqrt(2.0 * dof)) continue;
+    const double good = 1.3 * dof + 3 * std::sqrt(2.0 * dof);
+    if (degree == 2 && arms.chi > 2 * good) return -1;
+    if (arms.chi > good) continue;
     const Vec3 before = arms.coefficients.row(1), behind = arms.coefficients.row(degree + 1);
     const double turn = degrees_between(before, behind);
     if (!(turn > least_turn)) continue;
-    const double sharpness = std::clamp(turn / 50, 0.7, 2.0);
+    const double sharpness = std::clamp(turn / 50, 0.7, sharpest);
     double gain = std::numeric_limits<double>::infinity();
     // Further degrees can only take from the gain.
     for (int d = degree + 1; d <= 2 * degree + 1 && d < count - 1 && gain > best; ++d)
