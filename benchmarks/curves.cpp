@@ -39,18 +39,6 @@ double call_time(const std::function<void()>& call) {
 
 // ---- noise -----------------------------------------------------------------------------------
 
-HermiteCurve hermite(const Sampled& curve) {
-  constexpr int nodes = 401;
-  std::vector<double> u;
-  Points x(nodes, 3), slope(nodes, 3);
-  for (int i = 0; i < nodes; ++i) {
-    u.push_back(static_cast<double>(i) / (nodes - 1));
-    x.row(i) = curve.at(u.back(), 0);
-    slope.row(i) = curve.at(u.back(), 1);
-  }
-  return {u, x, slope};
-}
-
 void noise_table(const Scipy& scipy, Promises& promises) {
   struct Problem {
     size_t curve;

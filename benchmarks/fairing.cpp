@@ -48,10 +48,7 @@ void waves_table(Promises& promises) {
   table.add({"extrema of curvature", "sigma/size", "as given", "faired", "true"});
   double worst = 0;
   for (const TrueCurve& curve : curves) {
-    Stroke exact;
-    for (int i = 0; i <= 1000; ++i) exact.push_back(curve.at(i / 1000.0));
-    // Springs make no ends without curvature, as the spline through the points has them.
-    const int truth = fairness(fair_points("true", exact).curve).extrema;
+    const int truth = fairness(hermite(sampled(curve))).extrema;
     for (const double part : parts) {
       std::vector<double> given, faired;
       for (int seed = 1; seed <= seeds; ++seed) {
@@ -137,7 +134,7 @@ void harm_table(Promises& promises) {
         options.noise = real.rms_distance(tremor);
         fair("size", tremor, options);
         options.balance = FairOptions::Balance::Wavelength;
-        options.wavelength = 3 * length / 20;
+        options.wavelength = length / 8;
         fair("wavelength", tremor, options);
       }
       std::vector<std::string> row = {curve.name, text("%.1f %%", 100 * part)};

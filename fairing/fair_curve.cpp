@@ -22,11 +22,8 @@ class Fairing {
   Fairing(const std::string& name, const std::vector<Vec3>& given, const PointRow& row,
           const FairOptions& options)
       : name_(name), given_(given), row_(row), options_(options), count_(row.count()) {
-    u_ = row.denoised_chord();
-    length_ = u_.back();
-    u_.resize(count_);
     noise_ = noise_across(row.points, row.closed, row.corners);
-    if (const CurveCondition* plane = symmetry()) centre(*plane);
+    begin();
   }
 
   FairCurve run();
@@ -36,10 +33,21 @@ class Fairing {
   double spacing() const { return length_ / std::min(count_, most_nodes_); }  // of nodes
   // So short that nothing is smoothed, and the system still positive definite in floating point.
   double no_wave() const { return 0.1 * spacing(); }
+  // Shorter waves than noisy points can show would be spikes between them.
+  double finest_wave() const {
+    const double gap = length_ / count_;
+    constexpr double noisy = 0.05;
+    return std::max(least_wave_, noise_ > noisy * gap ? 2 * gap : 0.5 * spacing());
+  }
   const CurveCondition* symmetry() const {
     for (const auto& c : options_.conditions)
       if (c.type == Type::Symmetry) return &c;
     return nullptr;
+  }
+  void begin();
+  bool spiky() const {
+    constexpr double longer = 1.5;
+    return NodeArc(curve_).total() > longer * row_.length();
   }
   bool free_of_rows() const { return options_.conditions.empty(); }
 
@@ -51,6 +59,7 @@ class Fairing {
   double most_move() const;
   double longest_wave(const std::function<bool(double)>& fits) const;
   double find_wave(SpringBalance& balance, double before);
+  void solve_round(SpringBalance& balance, double& wave);
   void reduce_conditions();
   Points solve(SpringBalance& balance, double wave) const;
   double off_axis(const Points& q) const;
@@ -74,17 +83,30 @@ class Fairing {
   std::vector<double> u_;        // of the points, in [0, length_]
   std::vector<double> at_;       // where the conditions act, or unused
   std::vector<double> held_at_;  // those of the last solve
-  int most_nodes_ = 64;
+  static constexpr int fewest_nodes = 64;
+  int most_nodes_ = fewest_nodes;
   double tightened_ = 1;  // of the stated deviation, so that it holds after the last projection
   CurveMesh mesh_;
   std::vector<int> corner_node_;  // of each corner of the row
   HermiteCurve curve_;            // of the last round
   std::vector<double> foot_;      // of each point, on it
+  double least_wave_ = 0;         // that leaves no spikes
   WaveEase ease_;                 // of the last round; even where the balance is stated
   // Of the conditions, for one mesh.
   std::optional<AffineReduction> reduction_;
   VecX positions_;  // 1 at position dofs
 };
+
+// Parameters from chords.
+void Fairing::begin() {
+  u_ = row_.denoised_chord();
+  length_ = u_.back();
+  u_.resize(count_);
+  ease_ = {};
+  at_.clear();
+  most_nodes_ = fewest_nodes;
+  if (const CurveCondition* plane = symmetry()) centre(*plane);
+}
 
 // Moves the parameters so that the curve crosses the plane half way; a closed one starts there too.
 void Fairing::centre(const CurveCondition& plane) {
@@ -208,7 +230,8 @@ double Fairing::longest_wave(const std::function<bool(double)>& fits) const {
   };
   const double coarsest = 2 * length_;
   if (can(coarsest)) return coarsest;
-  double low = std::log(no_wave()), high = std::log(coarsest);
+  const bool is_close = options_.balance == FairOptions::Balance::Deviation;
+  double low = std::log(is_close ? no_wave() : finest_wave()), high = std::log(coarsest);
   constexpr int halvings = 24;
   for (int i = 0; i < halvings; ++i) {
     const double middle = 0.5 * (low + high);
@@ -218,10 +241,11 @@ double Fairing::longest_wave(const std::function<bool(double)>& fits) const {
 }
 
 double Fairing::find_wave(SpringBalance& balance, double before) {
-  const double finest = 0.5 * spacing(), coarsest = 2 * length_;
+  const double finest = finest_wave(), coarsest = 2 * length_;
   switch (options_.balance) {
     case FairOptions::Balance::Wavelength:
-      return options_.wavelength;
+      // Beyond twice an open line's length all of it is smoothed but a parabola.
+      return row_.closed ? options_.wavelength : std::min(options_.wavelength, coarsest);
     case FairOptions::Balance::CrossValidation: {
       constexpr int fewest = 6;  // points from which something can be learned about noise
       if (count_ < fewest) return 0;
@@ -372,6 +396,23 @@ void Fairing::run_by_arc_length() {
   curve_ = curve_.with_parameter_times(scale);
 }
 
+// The curve of one round. Where digits are too few for so long a wave, of one that they suffice for.
+void Fairing::solve_round(SpringBalance& balance, double& wave) {
+  constexpr double shorter = 0.8;
+  const bool as_stated = row_.closed && options_.balance == FairOptions::Balance::Wavelength;
+  for (;; wave *= shorter) {
+    const double smoothed = std::max(wave, no_wave());
+    try {
+      curve_ = HermiteCurve(mesh_, solve(balance, smoothed));
+      settle_tangents(balance, smoothed);
+      if (!free_of_rows()) balance.solve(smoothed);
+      return;
+    } catch (const NoSolutionError&) {
+      if (as_stated || shorter * wave < no_wave()) throw;
+    }
+  }
+}
+
 FairCurve Fairing::run() {
   FairCurve result;
   double wave = 0;
@@ -388,16 +429,23 @@ FairCurve Fairing::run() {
     reduce_conditions();
     if (result.rounds < searches || options_.balance == FairOptions::Balance::Deviation)
       wave = find_wave(balance, wave);
-    const double smoothed = std::max(wave, no_wave());
-    const Points q = solve(balance, smoothed);
-    if (!free_of_rows()) balance.solve(smoothed);
+    solve_round(balance, wave);
     result.freedom = balance.freedom();
-    curve_ = HermiteCurve(mesh_, q);
-    settle_tangents(balance, smoothed);
-    if (result.freedom > 0.25 * mesh_.node_count() && most_nodes_ < count_) {
-      most_nodes_ *= 2;  // more nodes than the balance makes use of
+    if (spiky() && options_.balance != FairOptions::Balance::Wavelength &&
+        least_wave_ < 0.5 * row_.length()) {
+      // Through points that go to and fro the curve would run off between them.
+      least_wave_ = std::max(2 * least_wave_, 4 * row_.length() / count_);
+      wave = 0;
+      result.rounds = 0;
+      begin();
       continue;
     }
+    // More nodes than the balance makes use of, but not so many that long waves lose their digits.
+    if (result.freedom > 0.25 * mesh_.node_count() && most_nodes_ < count_) {
+      most_nodes_ *= 2;
+      continue;
+    }
+    if (result.freedom < mesh_.node_count() / 16.0 && most_nodes_ > fewest_nodes) most_nodes_ /= 2;
     if (result.rounds < searches && (options_.balance == FairOptions::Balance::CrossValidation ||
                                      options_.balance == FairOptions::Balance::Noise))
       ease_ = WaveEase(curve_, wave, ease_);

@@ -67,8 +67,13 @@ WaveEase::WaveEase(const HermiteCurve& curve, double wave, const WaveEase& befor
   for (const double u : u_) {
     const double reach = 0.25 * wave * before.at((u - curve.start()) / length);
     const auto stop = std::upper_bound(stops.begin(), stops.end(), u);
-    const long from = first_from(std::max(u - reach, *(stop - 1)));
-    const long to = first_from(std::min(u + reach, *stop)) - 1;
+    // A turn takes a few tangents.
+    constexpr long fewest = 1;
+    const long here = first_from(u);
+    const long from = std::max(std::min(first_from(u - reach), here - fewest),
+                               static_cast<long>(first_from(*(stop - 1))));
+    const long to = std::min(std::max(first_from(u + reach) - 1, here + fewest),
+                             static_cast<long>(first_from(*stop)) - 1);
     ease_.push_back(to > from ? bend(tangents, static_cast<size_t>(from), static_cast<size_t>(to))
                               : 0);
   }
