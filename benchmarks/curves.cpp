@@ -26,6 +26,7 @@ namespace fs = std::filesystem;
 using namespace batten;
 using namespace batten::bench;
 
+using bench::sampled;
 Sampled sampled(const OccFit& fit) {
   return {[&fit](double u, int order) { return fit.evaluate(u, order); }, fit.knots()};
 }

@@ -83,19 +83,21 @@ void BandCholesky::solve(Points& b) const {
 double BandCholesky::trace_of_quotient(const BandCholesky& B) const {
   // Z = A⁻¹ inside the band, row by row as the factor: L_jj Z_ij = δ_ij / L_jj - Σ_k L_kj Z_ik, k >
   // j.
-  std::vector<double> inverse(rows_.size(), 0.0);
-  const auto z = [&](int i, int j) -> double& {
-    if (i < j) std::swap(i, j);
-    return inverse[static_cast<size_t>(i) * (band_ + 1) + band_ + j - i];
-  };
+  std::vector<double> inverse(rows_.size()), column(static_cast<size_t>(band_) + 1);
   double trace = 0;
   for (int j = n_ - 1; j >= 0; --j) {
     const int last = std::min(n_ - 1, j + band_);
+    const double diagonal = entry(j, j);  // its reciprocal
+    for (int k = j + 1; k <= last; ++k) column[static_cast<size_t>(k - j)] = entry(k, j);
+    const double* const L = column.data() - j;
     for (int i = last; i >= j; --i) {
-      double sum = i == j ? entry(j, j) : 0;
-      for (int k = j + 1; k <= last; ++k) sum -= entry(k, j) * z(i, k);
-      z(i, j) = sum * entry(j, j);
-      trace += (i == j ? 1 : 2) * z(i, j) * B.entry(i, j);
+      double sum = i == j ? diagonal : 0;
+      double* const row = row_of(inverse, i, band_);
+      // Z_ik stands in row i up to the diagonal, behind it in row k; Z_jk is new and stands there.
+      for (int k = j + 1; k <= i; ++k) sum -= L[k] * row[k];
+      for (int k = std::max(i, j) + 1; k <= last; ++k) sum -= L[k] * row_of(inverse, k, band_)[i];
+      row[j] = sum * diagonal;
+      trace += (i == j ? 1 : 2) * row[j] * B.entry(i, j);
     }
   }
   return trace;

@@ -59,16 +59,22 @@ TEST_CASE("what newcomers typed is made, and every promise held", "[cli][newcome
   }
 }
 
-TEST_CASE("a deck's centre line is cut where hatches take it", "[cli][newcomers]") {
+TEST_CASE("a deck's centre line is cut where hatches take it, and moves as one",
+          "[cli][newcomers]") {
   if (!there()) return;
-  const Newcomer n =
-      run("07-deck/scene.toml", [](const std::string& scene) { return without(scene, "move"); });
+  const Newcomer n = run("07-deck/scene.toml");
   INFO(n.ran.err);
   CHECK(n.ran.code == 0);
   int pieces = 0;
   for (const auto& line : n.report["lines"]["each"])
     pieces += line["name"].get<std::string>().starts_with("centreline.");
   CHECK(pieces == 4);
+  const Newcomer moved = run("07-deck/scene.toml", [](const std::string& scene) {
+    return std::regex_replace(scene, std::regex("value = 0"), "value = 40");
+  });
+  INFO(moved.ran.err);
+  CHECK(moved.ran.code == 0);
+  CHECK(moved.report["surface"]["moved"] == Approx(40).epsilon(0.05));
 }
 
 TEST_CASE("a mast that misses the centre line is named with place and distance",

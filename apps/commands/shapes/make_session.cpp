@@ -23,15 +23,22 @@ class SceneOnLayout {
   bool has(const std::string& name) const {
     return std::find(names_.begin(), names_.end(), name) != names_.end();
   }
-  std::string line(const PlacedWord& word) const {
-    if (has(word.text)) return word.text;
+  /// The line, or the pieces into which corners and holes have cut it.
+  std::vector<std::string> pieces(const PlacedWord& word) const {
+    if (has(word.text)) return {word.text};
     std::vector<std::string> parts;
     for (const auto& name : names_)
       if (is_part_of(name, word.text)) parts.push_back(name);
-    throw InputError(scene_.at(word.place) + "found the line '" + word.text + "'" +
-                     (parts.empty() ? "" : ", which is in pieces") +
-                     ", expected one of: " + listed(parts.empty() ? names_ : parts) +
-                     (parts.empty() ? did_you_mean(word.text, names_) : ""));
+    if (parts.empty())
+      throw InputError(scene_.at(word.place) + "found the line '" + word.text +
+                       "', expected one of: " + listed(names_) + did_you_mean(word.text, names_));
+    return parts;
+  }
+  std::string line(const PlacedWord& word) const {
+    const std::vector<std::string> parts = pieces(word);
+    if (has(word.text)) return word.text;
+    throw InputError(scene_.at(word.place) + "found the line '" + word.text +
+                     "', which is in pieces, expected one of: " + listed(parts));
   }
 
   Area area(const SceneArea& area) const {
@@ -227,8 +234,16 @@ class Maker {
       if (!driven(scene_, move.name)) moves_.emplace_back(move.name, p.value);
       p.value = std::clamp(0.0, p.min, p.max);
     }
-    add(move.named, LineMove{move.name, on_layout_.line(move.line), move.direction, move.fade},
-        {p});
+    // The pieces of a line that is cut move together: all follow the first.
+    std::string name = move.name;
+    int number = 1;
+    for (const std::string& piece : on_layout_.pieces(move.line)) {
+      add(move.named, LineMove{name, piece, move.direction, move.fade}, {p});
+      name = move.name + "." + std::to_string(++number);
+      p.name = name;
+      p.over_time.clear();
+      p.follows = {{move.name}};
+    }
   }
 
   void add_point(const SceneConstraint& c) {
