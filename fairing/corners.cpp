@@ -146,15 +146,32 @@ class CornerSearch {
         if (before < fewest || behind < fewest) continue;
         Told& t = told.try_emplace(i, Told{-1, -1, 0}).first->second;
         if (t.before != before || t.behind != behind)
-          t = {before, behind, gain_at(i, before, behind)};
+          t = {before, behind, gain_at(i, before, behind, false)};
         if (t.gain > most) {
           most = t.gain;
           best = i;
         }
       }
       if (best < 0) return found;
+      best = refined(best, found);
       found.insert(std::upper_bound(found.begin(), found.end(), best), best);
     }
+  }
+
+  // The surest place near one that long arms have told.
+  int refined(int i, const std::vector<int>& found) {
+    int best = i;
+    double most = 0;
+    for (int k = i - stride(longest); k <= i + stride(longest); ++k) {
+      if (!row_.inside(k)) continue;
+      const int before = reach(row_.number(k), -1, found), behind = reach(row_.number(k), 1, found);
+      const double gain = gain_at(row_.number(k), before, behind, true);
+      if (gain > most) {
+        most = gain;
+        best = row_.number(k);
+      }
+    }
+    return best;
   }
 
   // Points from i to the next corner or end.
@@ -168,6 +185,8 @@ class CornerSearch {
 
   // Lengths of arms that are tried.
   static int longer(int m) { return m + std::max(1, m / 4); }
+  // From place to place at which arms so long are tried first: they see a corner from afar.
+  static int stride(int m) { return std::max(1, m / 6); }
 
   // For each length of arms the points at which a corner may be: the straight lines of least squares
   // through both arms turn by half of the angle at least, and by nearly as much as anywhere near.
@@ -205,11 +224,12 @@ class CornerSearch {
     }
   }
 
-  double gain_at(int i, int before, int behind) {
+  double gain_at(int i, int before, int behind, bool every_place) {
     double best = 0;
     size_t size = 0;
     for (int m = 2; m <= std::max(before, behind); m = longer(m)) {
       if (!likely_.at(size++)[static_cast<size_t>(i)]) continue;
+      if (!every_place && i % stride(m) != 0) continue;
       const int first = std::min(m, before), last = std::min(m, behind);
       Points near(first + last + 1, 3);
       for (int k = -first; k <= last; ++k) near.row(k + first) = row_.at(i + k);
