@@ -6,8 +6,8 @@
 
 namespace batten {
 
-FairEnergy::FairEnergy(const CurveMesh& mesh, const std::vector<double>& ease, double alpha) {
-  constexpr double of_change = 2 / 3.0, of_bending = 1 / 3.0, mu = 1000;
+FairEnergy::FairEnergy(const CurveMesh& mesh, const std::vector<double>& ease, double alpha,
+                       double mu) {
   const auto fourth = [&](int at) {  // power of the ease at a parameter of the mesh
     const double r = ease.empty() ? 1 : ease[static_cast<size_t>(at)];
     return r * r * r * r;
@@ -25,10 +25,9 @@ FairEnergy::FairEnergy(const CurveMesh& mesh, const std::vector<double>& ease, d
     std::copy(dofs.begin(), dofs.end(), part.dofs.begin());
     part.free.topRows<4>() << 1, 0, 0, 1, 1, h, 0, 1;
     const HermiteSegment::Vector third = segment.evaluate(0, 3);  // constant along the segment
-    part.K.topLeftCorner<4, 4>() =
-        of_change * 0.5 * (sixth(s) + sixth(s + 1)) * h * third * third.transpose();
+    part.K.topLeftCorner<4, 4>() = 0.5 * (sixth(s) + sixth(s + 1)) * h * third * third.transpose();
     change_.push_back(part);
-    const HermiteSegment::Linear weight{of_bending * fourth(s), of_bending * fourth(s + 1)};
+    const HermiteSegment::Linear weight{fourth(s), fourth(s + 1)};
     HermiteSegment::Matrix K = segment.bending(weight);
     if (alpha > 0) K += segment.stretching({alpha * weight.start, alpha * weight.end});
     part.K.topLeftCorner<4, 4>() = K;
@@ -45,7 +44,7 @@ FairEnergy::FairEnergy(const CurveMesh& mesh, const std::vector<double>& ease, d
     jump.head<4>() = segment.evaluate(1, 2);
     jump.tail<4>() -= HermiteSegment(mesh.length(after)).evaluate(0, 2);
     const double around = 0.5 * (h + mesh.length(after));
-    part.K = of_change * sixth(s + 1) * mu / around * jump * jump.transpose();
+    part.K = sixth(s + 1) * mu / around * jump * jump.transpose();
     change_.push_back(part);
   }
 }

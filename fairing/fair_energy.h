@@ -12,13 +12,15 @@ namespace batten {
 /// The energy of one coordinate of a cubic curve, for the wavelength w = 2πa below which waves are
 /// smoothed away:
 ///
-///     ρ ∫ ⅔ (ra)⁶ |X_uuu|² + ⅓ (ra)⁴ (|X_uu|² + alpha |X_u|²) du  +  ρ Σ_n ⅔ (ra)⁶ μ/h [X_uu]²
+///     ρ ∫ (1-b) (ra)⁶ |X_uuu|² + b (ra)⁴ (|X_uu|² + alpha |X_u|²) du
+///   + ρ Σ_n (1-b) (ra)⁶ μ/h [X_uu]²
 ///
 /// with ρ springs per length, r the ease (WaveEase), h the mean length of the segments beside a
 /// node n that is no corner, and [X_uu] by how much the second derivative jumps there: μ = 1000
-/// leaves little of that. A wave of wavelength v along even springs keeps 1 / (1 + ⅔ (rw/v)⁶ + ⅓ (rw/v)⁴)
-/// of its height. The third derivative smooths the curvature too, which bending leaves in waves of
-/// noise; bending holds what the third derivative leaves free, at the ends and in short stretches.
+/// leaves little of that. A wave of wavelength v along even springs keeps
+/// 1 / (1 + (1-b) (rw/v)⁶ + b (rw/v)⁴) of its height. The third derivative smooths the curvature
+/// too, which bending leaves in waves of noise. Where waves are nearly as long as the line bending
+/// holds what the third derivative leaves free there: b = 1 / (1 + (βL/w)²), β = 0.5, L the length.
 class FairEnergy {
  public:
   using Matrix = Eigen::Matrix<double, 6, 6>;
@@ -33,9 +35,10 @@ class FairEnergy {
     int dof(int a) const { return dofs[static_cast<size_t>(a)]; }
   };
   /// `ease`: r at each parameter of the mesh, or none for 1; alpha ≥ 0, 1/length².
-  FairEnergy(const CurveMesh& mesh, const std::vector<double>& ease, double alpha);
+  FairEnergy(const CurveMesh& mesh, const std::vector<double>& ease, double alpha,
+             double mu = 1000);
 
-  /// Matrices of what is multiplied by ρ a⁶, and by ρ a⁴.
+  /// Matrices of what is multiplied by ρ (1-b) a⁶, and by ρ b a⁴.
   const std::vector<Part>& change() const { return change_; }
   const std::vector<Part>& bending() const { return bending_; }
   /// f -= factor K x of all parts.

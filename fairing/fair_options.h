@@ -26,10 +26,10 @@ struct CurveCondition {
 
 /// Fairing of points given in an order (global): the curve minimises
 ///
-///     Σ_i |X(u_i) - p_i|² + ρ ∫ ⅔ (ra)⁶ |X_uuu|² + ⅓ (ra)⁴ (|X_uu|² + alpha |X_u|²) du
+///     Σ_i |X(u_i) - p_i|² + ρ ∫ (1-b) (ra)⁶ |X_uuu|² + b (ra)⁴ (|X_uu|² + alpha |X_u|²) du
 ///
 /// (FairEnergy) over C1 cubics whose second derivatives all but go on at the nodes: ρ points per
-/// length, wavelength 2πa, ease r (WaveEase). Nodes are at every k-th point, several times as many
+/// length, wavelength 2πa, b = 1 / (1 + (L/4πa)²) with L the length, ease r (WaveEase). Nodes are at every k-th point, several times as many
 /// as the balance can make use of. u_i begin as chord lengths; after each solve they move to the nearest point of the curve and u
 /// becomes arc length, until they stand still: distances are then those to the curve, not to an
 /// assumed parameter.
@@ -44,19 +44,19 @@ struct FairOptions {
     /// wavelength or its size stated. Fewer than six points tell nothing about noise: the curve then goes
     /// through them. Waves are shorter in tight bends (WaveEase), which would be flattened.
     CrossValidation,
-    Noise,      ///< the fairest curve whose points are off by `noise`, root mean square, less what
-                ///< its freedom takes: where the noise is known, also a tremor that neighbours share
+    Noise,  ///< the fairest curve whose points are off by `noise`, root mean square, less what
+            ///< its freedom takes: where the noise is known, also a tremor that neighbours share
     Deviation,  ///< the fairest curve not farther than `deviation` from any point; where conditions
                 ///< or a missing corner do not let it be, FairCurve::deviation is larger
     Wavelength  ///< waves of length `wavelength` keep half of their height, waves of length v
-                ///< 1 / (1 + ⅔ (wavelength/v)⁶ + ⅓ (wavelength/v)⁴)
+                ///< 1 / (1 + (1-b) (wavelength/v)⁶ + b (wavelength/v)⁴)
   };
   Balance balance = Balance::CrossValidation;
-  double noise = 0;       ///< model units, above 0: of the distances across the line
-  double deviation = 0;   ///< model units, above 0
-  double wavelength = 0;  ///< model units, above 0
-  double alpha = 0;       ///< resistance to stretching over that to bending × size², ≥ 0
-  double corner_angle = 50;                 ///< a corner turns by more than this, as in FitOptions
+  double noise = 0;          ///< model units, above 0: of the distances across the line
+  double deviation = 0;      ///< model units, above 0
+  double wavelength = 0;     ///< model units, above 0
+  double alpha = 0;          ///< resistance to stretching over that to bending × size², ≥ 0
+  double corner_angle = 50;  ///< a corner turns by more than this, as in FitOptions
   std::optional<std::vector<int>> corners;  ///< corners that are given instead of found
   std::optional<bool> closed;
   /// Points of a noisy line that lie off it, one or two among their neighbours, farther than its

@@ -66,12 +66,17 @@ SpringBalance::SpringBalance(const CurveMesh& mesh, const std::vector<Spring>& s
   for (int d = 0; d < mesh_.dof_count(); ++d) load_.row(band_.place(d)) = load.row(d);
 }
 
+double SpringBalance::bending_share(double wave) const {
+  constexpr double beta = 0.5;
+  return 1 / (1 + std::pow(beta * (mesh_.end() - mesh_.start()) / wave, 2));
+}
+
 double SpringBalance::of_change(double wave) const {
-  return std::pow(wave / (2 * std::numbers::pi), 6) * density_;
+  return std::pow(wave / (2 * std::numbers::pi), 6) * density_ * (1 - bending_share(wave));
 }
 
 double SpringBalance::of_bending(double wave) const {
-  return std::pow(wave / (2 * std::numbers::pi), 4) * density_;
+  return std::pow(wave / (2 * std::numbers::pi), 4) * density_ * bending_share(wave);
 }
 
 Points SpringBalance::load(const Vec3& origin) const {

@@ -60,6 +60,7 @@ class SpringBalance {
   bool try_solve(double wave, Points& q);
   Vec3 at(const Points& dofs, const Spring& spring) const;
   // What multiplies the two parts of the energy.
+  double bending_share(double wave) const;  // FairEnergy's b
   double of_change(double wave) const;
   double of_bending(double wave) const;
 

@@ -297,10 +297,11 @@ TEST_CASE("the smoothing spline: its energy is least, its curvature hardly jumps
       for (const auto& [at, weight] : {std::pair(0.0, 1 / 6.0), {0.5, 4 / 6.0}, {1.0, 1 / 6.0}})
         bending += weight * h * curve.evaluate({s, at}, 2).squaredNorm();  // quadratic along it
       if (s > 0)
-        change += 200 / (h + mesh.length(s - 1)) *
+        change += 2000 / (h + mesh.length(s - 1)) *
                   (curve.evaluate({s, 0}, 2) - curve.evaluate({s - 1, 1}, 2)).squaredNorm();
     }
-    return springs + density * (2 * std::pow(a, 6) * change + std::pow(a, 4) * bending) / 3;
+    const double b = 1 / (1 + std::pow(curve.end() / 2, 2));  // the wavelength is 1
+    return springs + density * ((1 - b) * std::pow(a, 6) * change + b * std::pow(a, 4) * bending);
   };
   const double least = cost(fair.curve);
   Random random(8);
@@ -332,8 +333,8 @@ TEST_CASE(
     return high / 1e-4;
   };
   CHECK(kept(3, 3) == Approx(0.5).margin(0.01));
-  CHECK(kept(6, 3) == Approx(96.0 / 99).margin(0.01));  // 1 / (1 + ⅔ 2⁻⁶ + ⅓ 2⁻⁴)
-  CHECK(kept(1.5, 3) == Approx(1.0 / 49).margin(0.01));
+  CHECK(kept(6, 3) == Approx(64.0 / 65).margin(0.01));
+  CHECK(kept(1.5, 3) == Approx(1.0 / 65).margin(0.01));
 }
 
 TEST_CASE("a stated deviation is kept, and used") {
@@ -447,7 +448,8 @@ TEST_CASE("a closed curve under a stated wavelength keeps what the wavelength sa
     const FairCurve fair = fair_points("circle", circle, options);
     // The circle is one wave around its length 2π.
     const double a = wavelength / (2 * pi);
-    const double kept = 1 / (1 + 2 / 3.0 * std::pow(a, 6) + 1 / 3.0 * std::pow(a, 4));
+    const double b = 1 / (1 + std::pow(pi / wavelength, 2));  // of the length 2π
+    const double kept = 1 / (1 + (1 - b) * std::pow(a, 6) + b * std::pow(a, 4));
     CHECK(fair.curve.length() / (2 * pi) == Approx(kept).epsilon(0.01));
     CHECK(fair.curve.end() == Approx(fair.curve.length()).epsilon(1e-3));
     CHECK(fair.settled);
