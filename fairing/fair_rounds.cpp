@@ -137,8 +137,7 @@ FairCurve FairRounds::run() {
       wave = find_wave(balance, wave);
     solve_round(balance, wave);
     result.freedom = balance.freedom();
-    if (spiky() && options_.balance != FairOptions::Balance::Wavelength &&
-        least_wave_ < 0.5 * row_.length()) {
+    if (tells_noise() && least_wave_ < 0.5 * row_.length() && spiky()) {
       // Through points that go to and fro the curve would run off between them.
       least_wave_ = std::max(2 * least_wave_, 4 * row_.length() / count_);
       wave = 0;
@@ -152,9 +151,7 @@ FairCurve FairRounds::run() {
       continue;
     }
     if (result.freedom < mesh_.node_count() / 16.0 && most_nodes_ > fewest_nodes) most_nodes_ /= 2;
-    if (result.rounds < searches && (options_.balance == FairOptions::Balance::CrossValidation ||
-                                     options_.balance == FairOptions::Balance::Noise))
-      ease_ = WaveEase(curve_, wave, ease_);
+    if (tells_noise() && result.rounds < searches) ease_ = WaveEase(curve_, wave, ease_);
     held_at_ = at_;
     const double change = project(result.rounds == 0);
     ++result.rounds;

@@ -42,6 +42,11 @@ class FairRounds {
       if (c.type == Type::Symmetry) return &c;
     return nullptr;
   }
+  // Whether the balance is between noise and shape, rather than a length that must be kept.
+  bool tells_noise() const {
+    return options_.balance == FairOptions::Balance::CrossValidation ||
+           options_.balance == FairOptions::Balance::Noise;
+  }
   void begin();
   bool spiky() const {
     constexpr double longer = 1.5;
