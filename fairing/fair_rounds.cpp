@@ -160,6 +160,10 @@ FairCurve FairRounds::run() {
     int more_rounds = 0;
     if (options_.balance == FairOptions::Balance::Deviation) {
       const double worst = deviation_of(curve_, row_, foot_).max;
+      // Spikes grow from round to round, until nothing of the line is left.
+      if (spiky() && !nearest_.foot.empty()) break;
+      if (worst <= std::max(nearest_.deviation, options_.deviation))
+        nearest_ = {curve_, foot_, held_at_, length_, wave, result.freedom, worst};
       if (worst > options_.deviation) {
         tightened_ *= 0.999 * options_.deviation / worst;
         result.settled = false;
@@ -167,6 +171,14 @@ FairCurve FairRounds::run() {
       }
     }
     if (result.settled || result.rounds >= options_.most_rounds + more_rounds) break;
+  }
+  if (!nearest_.foot.empty()) {
+    result.freedom = nearest_.freedom;
+    wave = nearest_.wave;
+    length_ = nearest_.length;
+    curve_ = nearest_.curve;
+    foot_ = nearest_.foot;
+    held_at_ = nearest_.held_at;
   }
   result.max_residual = max_residual(options_.conditions, held_at_, curve_, row_.size);
   run_by_arc_length();

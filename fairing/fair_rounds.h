@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <limits>
 #include <optional>
 #include <string>
 #include <utility>
@@ -94,7 +95,15 @@ class FairRounds {
   HermiteCurve curve_;            // of the last round
   std::vector<double> foot_;      // of each point, on it
   double least_wave_ = 0;         // that leaves no spikes
-  WaveEase ease_;                 // of the last round; even where the balance is stated
+  struct Round {
+    HermiteCurve curve;
+    std::vector<double> foot, held_at;
+    double length = 0, wave = 0, freedom = 0;
+    double deviation = std::numeric_limits<double>::infinity();
+  };
+  // Under a stated deviation: the last round that keeps it, or the one that comes nearest.
+  Round nearest_;
+  WaveEase ease_;  // of the last round; even where the balance is stated
   // Of the conditions, for one mesh.
   std::optional<AffineReduction> reduction_;
   VecX positions_;  // 1 at position dofs

@@ -1,5 +1,7 @@
 #include "batten/fem/bicubic_patch.h"
 
+#include <Eigen/QR>
+#include <Eigen/SparseCore>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -20,6 +22,32 @@ Vec3 position_in(const BicubicPatch& patch, int i, int j, double s, double t) {
     x += Nu[a] * (patch.poles.middleRows<4>(row).transpose() * Nv);
   }
   return x;
+}
+
+/// Changes the poles as little as possible so that the patch passes through its fixed points.
+void pass_through_fixed(BicubicPatch& patch, const PatchTarget& target) {
+  const long n = static_cast<long>(target.fixed.size());
+  if (n == 0) return;
+  std::vector<Eigen::Triplet<double>> entries;
+  Points missing(n, 3);
+  for (long k = 0; k < n; ++k) {
+    const Vec2& uv = target.fixed[static_cast<size_t>(k)];
+    missing.row(k) = target.position(uv) - patch.position(uv);
+    const double u = patch.u.wrapped(uv.x()), v = patch.v.wrapped(uv.y());
+    const int i = patch.u.interval(u), j = patch.v.interval(v);
+    const Vec4 Nu = patch.u.basis(i, (u - patch.u.knots()[i]) / patch.u.length(i)),
+               Nv = patch.v.basis(j, (v - patch.v.knots()[j]) / patch.v.length(j));
+    for (int a = 0; a < 4; ++a)
+      for (int b = 0; b < 4; ++b)
+        entries.emplace_back(k, patch.u.function(i, a) * patch.v.functions() + j + b,
+                             Nu[a] * Nv[b]);
+  }
+  Eigen::SparseMatrix<double> N(n, patch.poles.rows());
+  N.setFromTriplets(entries.begin(), entries.end());
+  // Lines that begin where others end give a point twice.
+  const Eigen::MatrixXd square = (N * N.transpose()).eval().toDense();
+  patch.poles += N.transpose() *
+                 Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd>(square).solve(missing);
 }
 
 /// Largest |S - x| in each cell; raises what is there.
@@ -150,6 +178,7 @@ class PatchSearch {
     const CellSamples fitted(target_, u_, v_, {0.125, 0.375, 0.625, 0.875}, target_.rim(spacing));
     const CellSamples others(target_, u_, v_, {0, 0.5}, target_.rim(0.7 * spacing));
     patch_ = fit_to_samples(u_, v_, fitted, goal_);
+    pass_through_fixed(patch_, target_);
 
     errors_.assign(static_cast<size_t>(u_.intervals()) * v_.intervals(), 0.0);
     raise_errors(patch_, others, errors_);

@@ -8,7 +8,8 @@
 // so small that it costs a hundredth of the goal (1e-10 to 1e-6). Knots are simple (S is
 // C2) and lie where the errors are: each round, from the error e of every cell and the jumps of
 // x_uuu and x_vvv at its sides (which tell the directions apart), new knots with a density ~ (e /
-// goal)^¼ / h in each direction.
+// goal)^¼ / h in each direction. At the fixed points the spline is the surface: the least change of
+// the poles that makes it so is added, min Σ |ΔP|², N ΔP = x - S.
 #pragma once
 
 #include "batten/fem/patch_target.h"

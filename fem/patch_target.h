@@ -24,7 +24,8 @@ struct PatchTarget {
   /// Points along the rim, not farther apart than the given length.
   std::function<std::vector<Vec2>(double spacing)> rim;
   Vec2 low, high;  ///< box around the region; of a periodic one high - low in u is the period
-  bool periodic = false;  ///< in u
+  bool periodic = false;         ///< in u
+  std::vector<Vec2> fixed = {};  ///< where the spline passes through the surface: corners
 };
 
 }  // namespace batten

@@ -57,7 +57,7 @@ FaceLoop cut(const FaceStretch& whole, std::vector<double> at) {
   FaceLoop pieces;
   for (size_t i = 0; i + 1 < at.size(); ++i)
     pieces.push_back({part(whole.curve, at[i], at[i + 1]), part(whole.image, at[i], at[i + 1]),
-                      whole.line, whole.reversed, whole.shift, whole.scale});
+                      whole.line, whole.reversed, whole.shift, whole.scale, whole.shared});
   return pieces;
 }
 
@@ -86,6 +86,7 @@ void place_on_line(FaceStretch& whole, const StepPlan& common, const std::string
   // Regions have other parameters where they fitted the line themselves.
   whole.scale = (line.end() - line.start()) / (whole.curve.end() - whole.curve.start());
   if (whole.reversed) whole.scale = -whole.scale;
+  whole.shared = found->second.sides > 1;
   whole.shift = (whole.reversed ? line.end() : line.start()) - whole.scale * whole.curve.start();
 }
 

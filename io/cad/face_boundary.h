@@ -15,6 +15,7 @@ struct FaceStretch {
   std::string line;             ///< name of its line
   bool reversed = false;        ///< whether the loop runs against the line
   double shift = 0, scale = 1;  ///< t of the line = shift + scale · t of the stretch
+  bool shared = false;          ///< whether the line has another side
 
   Vec2 uv(double t) const { return flat(image.evaluate(t)); }
   Vec2 first() const { return flat(image.position(0)); }

@@ -121,23 +121,25 @@ std::optional<FileEdges> edges_of_face(const TopoDS_Face& face,
   return found;
 }
 
-/// How far an edge of the file is from a boundary curve at the same share of the parameter.
-double apart(const FileEdge& e, const FaceStretch& stretch, double share) {
+/// How far an edge of the file is from the line, or from the region's rim where no other region has
+/// the line, at the same share of the parameter.
+double apart(const FileEdge& e, const FaceStretch& stretch, double share, const FaceMaker& made) {
   const double start = stretch.curve.start(), end = stretch.curve.end();
+  const double t = share < 1 ? start + share * (end - start) : end;
   const Vec3 p = from_occ(e.curve->Value(e.at(share)));
-  return (p - stretch.curve.evaluate(start + share * (end - start))).norm();
+  return (p - (stretch.shared ? stretch.curve.evaluate(t) : made.position(stretch.uv(t)))).norm();
 }
 
 /// Finds the unused edge of the file that is nearest to a boundary curve; their count if all are
 /// used.
 size_t nearest_edge(const std::vector<FileEdge>& edges, const std::vector<char>& used,
-                    const FaceStretch& stretch) {
+                    const FaceStretch& stretch, const FaceMaker& made) {
   size_t mine = edges.size();
   double nearest = infinity;
   for (size_t k = 0; k < edges.size(); ++k) {
     double distance = 0;
     for (const double share : {0.1, 0.3, 0.5, 0.7, 0.9})
-      distance = std::max(distance, apart(edges[k], stretch, share));
+      distance = std::max(distance, apart(edges[k], stretch, share, made));
     if (used[k] || distance >= nearest) continue;
     nearest = distance;
     mine = k;
@@ -152,7 +154,7 @@ void measure_stretch(const FaceStretch& stretch, const FileEdge& edge, int n, co
   const double start = stretch.curve.start(), end = stretch.curve.end();
   for (int i = 0; i <= n; ++i) {
     const double share = double(i) / n, t = start + share * (end - start);
-    report.edge_deviation = std::max(report.edge_deviation, apart(edge, stretch, share));
+    report.edge_deviation = std::max(report.edge_deviation, apart(edge, stretch, share, made));
     const Vec2 uv = i < n ? stretch.uv(t) : stretch.last();
     points.push_back(uv);
     const Vec3 x = i < n ? stretch.curve.evaluate(t)
@@ -186,7 +188,7 @@ void measure_face(const TopoDS_Face& face, const FaceMaker& made, StepPatch& rep
   std::vector<char> used(edges.size());
   for (const FaceLoop& loop : made.boundary().loops)
     for (const FaceStretch& stretch : loop) {
-      const size_t mine = nearest_edge(edges, used, stretch);
+      const size_t mine = nearest_edge(edges, used, stretch, made);
       if (mine == edges.size()) {
         report.edge_deviation = infinity;
         continue;

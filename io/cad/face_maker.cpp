@@ -1,7 +1,10 @@
 #include "batten/io/cad/face_maker.h"
 
+#include <Approx_CurveOnSurface.hxx>
 #include <BRep_Tool.hxx>
+#include <Geom2dAdaptor_Curve.hxx>
 #include <Geom2d_BSplineCurve.hxx>
+#include <GeomAdaptor_Surface.hxx>
 #include <Geom_BSplineCurve.hxx>
 #include <TopExp.hxx>
 #include <TopoDS.hxx>
@@ -10,6 +13,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "batten/core/errors.h"
 #include "batten/core/index.h"
 #include "batten/fem/cubic_splines.h"
 #include "batten/fem/spline_axis.h"
@@ -58,6 +62,44 @@ std::pair<TColStd_Array1OfReal, TColStd_Array1OfInteger> knots(const CubicSpline
     times(i) = spline.multiplicities[i - 1];
   }
   return {values, times};
+}
+
+Handle(Geom_BSplineCurve) to_occ(const CubicSpline& spline) {
+  TColgp_Array1OfPnt poles(1, count_of(spline.poles));
+  for (int i = 1; i <= poles.Length(); ++i) poles(i) = to_occ(spline.poles[i - 1]);
+  const auto [t, times] = knots(spline);
+  return new Geom_BSplineCurve(poles, t, times, 3);
+}
+Handle(Geom2d_BSplineCurve) to_flat_occ(const CubicSpline& spline) {
+  TColgp_Array1OfPnt2d poles(1, count_of(spline.poles));
+  for (int i = 1; i <= poles.Length(); ++i)
+    poles(i) = {spline.poles[i - 1].x(), spline.poles[i - 1].y()};
+  const auto [t, times] = knots(spline);
+  return new Geom2d_BSplineCurve(poles, t, times, 3);
+}
+
+/// The same spline over other parameters.
+CubicSpline over(CubicSpline spline, double first, double last) {
+  const double from = spline.knots.front(), to = spline.knots.back();
+  for (double& k : spline.knots) k = first + (k - from) / (to - from) * (last - first);
+  spline.knots.back() = last;
+  return spline;
+}
+
+/// The curve S(l(t)) of a surface along a line of its parameters, within a tolerance, moved from the
+/// origin to a place.
+Handle(Geom_BSplineCurve)
+    curve_on_surface(const Handle(Geom_BSplineSurface) & surface,
+                     const Handle(Geom2d_BSplineCurve) & line, double tolerance, const gp_Pnt& place) {
+  const double first = line->FirstParameter(), last = line->LastParameter();
+  Approx_CurveOnSurface found(new Geom2dAdaptor_Curve(line), new GeomAdaptor_Surface(surface),
+                              first, last, tolerance);
+  constexpr int most_segments = 10'000, degree = 8;
+  found.Perform(most_segments, degree, GeomAbs_C1, true);
+  if (!found.HasResult()) throw Error("STEP: OpenCASCADE finds no curve along a face's rim");
+  const Handle(Geom_BSplineCurve) curve = found.Curve3d();
+  curve->Translate(gp_Pnt(), place);
+  return curve;
 }
 
 Vec3 end_of(const HermiteCurve& curve) { return curve.evaluate({curve.segment_count() - 1, 1.0}); }
@@ -123,18 +165,22 @@ bool FaceMaker::refine(double deviation) {
   return false;
 }
 
-TopoDS_Face FaceMaker::make(SharedEdges* shared) {
+TopoDS_Face FaceMaker::make(double coincidence, SharedEdges* shared) {
+  coincidence_ = coincidence;
   shared_ = shared;
   used_.clear();
   const BicubicPatch& patch = fit_.patch;
+  const auto [u, u_times] = knots(patch.u);
+  const auto [v, v_times] = knots(patch.v);
   TColgp_Array2OfPnt poles(1, patch.u.functions(), 1, patch.v.functions());
   for (int i = 0; i < patch.u.functions(); ++i)
     for (int j = 0; j < patch.v.functions(); ++j)
-      poles(i + 1, j + 1) = to_occ(
-          patch.poles.row(static_cast<long>(i) * patch.v.functions() + j).transpose() + middle_);
-  const auto [u, u_times] = knots(patch.u);
-  const auto [v, v_times] = knots(patch.v);
-  surface_ = new Geom_BSplineSurface(poles, u, v, u_times, v_times, 3, 3, patch.u.periodic());
+      poles(i + 1, j + 1) =
+          to_occ(patch.poles.row(static_cast<long>(i) * patch.v.functions() + j).transpose());
+  surface_near_origin_ =
+      new Geom_BSplineSurface(poles, u, v, u_times, v_times, 3, 3, patch.u.periodic());
+  surface_ = Handle(Geom_BSplineSurface)::DownCast(
+      surface_near_origin_->Translated(gp_Vec(gp_Pnt(), to_occ(middle_))));
   widest_ = 1e-9 * size_;
   builder_.MakeFace(face_, surface_, widest_);
 
@@ -165,6 +211,8 @@ void FaceMaker::fit(const BicubicPatch* start) {
         }
     return points;
   };
+  for (const FaceLoop& loop : boundary_.loops)
+    for (const FaceStretch& stretch : loop) target.fixed.push_back(stretch.first());
   target.low = boundary_.domain.low();
   target.high = boundary_.domain.high();
   target.periodic = boundary_.period > 0;
@@ -184,9 +232,12 @@ double FaceMaker::widened(double distance) {
 
 // The vertex where two stretches meet, at the end of `before` and the start of `after`.
 TopoDS_Vertex FaceMaker::vertex(const FaceStretch& before, const FaceStretch& after) {
-  const Vec3 p = after.curve.position(0);
-  double distance = (p - end_of(before.curve)).norm();
-  for (const Vec2& uv : {before.last(), after.first()})
+  const bool of_lines = before.shared || after.shared;
+  const Vec2 first = after.first();
+  const Vec3 p =
+      of_lines ? after.curve.position(0) : from_occ(surface_->Value(first.x(), first.y()));
+  double distance = of_lines ? (p - end_of(before.curve)).norm() : 0;
+  for (const Vec2& uv : {before.last(), first})
     distance = std::max(distance, (from_occ(surface_->Value(uv.x(), uv.y())) - p).norm());
   TopoDS_Vertex mine;
   TopoDS_Vertex& result = shared_ ? shared_->vertex(after, false) : mine;
@@ -215,26 +266,19 @@ TopoDS_Edge FaceMaker::edge(const FaceStretch& stretch, const TopoDS_Vertex& a,
     if (!result->IsNull() && used_.count(result->TShape().get())) result = &mine;
     if (!result->IsNull() && result->Orientation() == TopAbs_REVERSED) reversed = !reversed;
   }
+  const CubicSpline plane = along(stretch.image);
   if (result->IsNull()) {
-    const CubicSpline space = along(stretch.curve);
-    TColgp_Array1OfPnt poles(1, count_of(space.poles));
-    for (int i = 1; i <= poles.Length(); ++i) poles(i) = to_occ(space.poles[i - 1]);
-    const auto [t, times] = knots(space);
-    builder_.MakeEdge(*result, new Geom_BSplineCurve(poles, t, times, 3), widened(0));
-    finish(*result, reversed ? b : a, reversed ? a : b, space.knots.front(), space.knots.back());
+    const Handle(Geom_BSplineCurve) curve =
+        stretch.shared ? to_occ(along(stretch.curve))
+                       : curve_on_surface(surface_near_origin_, to_flat_occ(plane),
+                                          0.3 * coincidence_, to_occ(middle_));
+    builder_.MakeEdge(*result, curve, widened(0));
+    finish(*result, reversed ? b : a, reversed ? a : b, curve->FirstParameter(),
+           curve->LastParameter());
   }
   double first, last;
   const Handle(Geom_Curve) curve = BRep_Tool::Curve(*result, first, last);
-
-  CubicSpline plane = along(stretch.image);
-  const double from = plane.knots.front(), to = plane.knots.back();
-  for (double& k : plane.knots) k = first + (k - from) / (to - from) * (last - first);
-  plane.knots.back() = last;
-  TColgp_Array1OfPnt2d flat_poles(1, count_of(plane.poles));
-  for (int i = 1; i <= flat_poles.Length(); ++i)
-    flat_poles(i) = {plane.poles[i - 1].x(), plane.poles[i - 1].y()};
-  const auto [s, flat_times] = knots(plane);
-  const Handle(Geom2d_BSplineCurve) line = new Geom2d_BSplineCurve(flat_poles, s, flat_times, 3);
+  const Handle(Geom2d_BSplineCurve) line = to_flat_occ(over(plane, first, last));
 
   double distance = 0;
   const int of_curve = static_cast<int>(stretch.curve.segment_count()) + 1;

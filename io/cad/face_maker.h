@@ -69,9 +69,10 @@ class FaceMaker {
   /// Returns false, and keeps the last fit, when no finer fit reaches its goal.
   bool refine(double deviation);
 
-  /// Makes the face of the last fit. Its edges along lines are those of `shared`, or its own when
-  /// that is null.
-  TopoDS_Face make(SharedEdges* shared = nullptr);
+  /// Makes the face of the last fit. Its edges along lines with another side are those of `shared`,
+  /// or its own when that is null: they are the lines. All others are curves of the face itself,
+  /// within `coincidence` of it, model units.
+  TopoDS_Face make(double coincidence, SharedEdges* shared = nullptr);
 
  private:
   void fit(const BicubicPatch* start);
@@ -92,10 +93,11 @@ class FaceMaker {
   TriangleLocator locator_;
   Box3 box_;
   double size_ = 0, goal_ = 0, widest_ = 0;
+  double coincidence_ = 0;
   double share_ = 0.9;  // of the tolerance, that the next fit aims at
   PatchFit fit_;
   BRep_Builder builder_;
-  Handle(Geom_BSplineSurface) surface_;
+  Handle(Geom_BSplineSurface) surface_, surface_near_origin_;  // rounding is less at the origin
   TopoDS_Face face_;
   SharedEdges* shared_ = nullptr;
   std::set<const void*> used_;  // edges that the face has

@@ -79,8 +79,12 @@ void check_exact(const std::vector<const SkinnedRegion*>& regions, bool z12_as_h
 class ModelFile {
  public:
   /// Plans the file and fits faces. Keeps a reference to the options.
-  ModelFile(const std::vector<const SkinnedRegion*>& regions, const StepOptions& options)
-      : options_(options), plan_(step_plan(regions)), size_(size_of(regions)) {
+  ModelFile(const std::vector<const SkinnedRegion*>& regions, double model_unit_in_metres,
+            const StepOptions& options)
+      : options_(options),
+        plan_(step_plan(regions)),
+        size_(size_of(regions)),
+        coincidence_(reader_coincidence(model_unit_in_metres)) {
     for (const SkinnedRegion* region : plan_.regions)
       if (is_cut(*region)) cut_.push_back(region);
     cut_at_vertices(plan_);
@@ -116,7 +120,7 @@ class ModelFile {
     auto maker = fitted_.begin();
     for (size_t r = 0; r < faces.size(); ++r) {
       if (!is_cut(*plan_.regions[r])) continue;
-      faces[r].push_back((*maker)->make(common));
+      faces[r].push_back((*maker)->make(coincidence_, common));
       tolerance = std::max(tolerance, (*maker++)->tolerance());
     }
     const TopoDS_Shape shape = assembled(plan_, [&](int region, TopoDS_Shell& shell) {
@@ -129,7 +133,7 @@ class ModelFile {
 
   const StepOptions& options_;
   StepPlan plan_;
-  double size_;
+  double size_, coincidence_;
   std::vector<const SkinnedRegion*> cut_;
   StepFaceOptions face_options_;
   FittedFaces fitted_;  // of `cut_`
@@ -158,7 +162,7 @@ StepReport write_step(const std::filesystem::path& path,
                      "; expected a length above 0, or 0");
   const std::string unit = cad_unit(model_unit_in_metres);
   WholeFile file(path);
-  const ModelFile model(regions, options);
+  const ModelFile model(regions, model_unit_in_metres, options);
   OccSettings occ;
   occ.set_unit(unit);
   StepReport report;

@@ -17,10 +17,10 @@ namespace {
 /// Writes the faces as they are and returns whether OpenCASCADE finds nothing wrong with them. (The
 /// file read back would not tell: readers repair silently.)
 bool save(const std::filesystem::path& path, const StepPlan& plan, const FittedFaces& made,
-          const StepFaceOptions& options, OccSettings& occ) {
+          double coincidence, const StepFaceOptions& options, OccSettings& occ) {
   SharedEdges shared(plan);
   const TopoDS_Shape shape = assembled(plan, [&](int region, TopoDS_Shell& shell) {
-    BRep_Builder().Add(shell, made[region]->make(plan.joined ? &shared : nullptr));
+    BRep_Builder().Add(shell, made[region]->make(coincidence, plan.joined ? &shared : nullptr));
   });
   double tolerance = 0;
   for (const auto& maker : made) tolerance = std::max(tolerance, maker->tolerance());
@@ -45,7 +45,8 @@ StepReport write_step_faces(const std::filesystem::path& path,
   occ.set_unit(unit);
   try {
     StepReport report = refined(made, [&] {
-      const bool valid = save(file.temporary(), plan, made, options, occ);
+      const bool valid = save(file.temporary(), plan, made,
+                              reader_coincidence(model_unit_in_metres), options, occ);
       StepReport measured = measured_faces(file.temporary(), made, options.tolerance);
       measured.valid = measured.valid && valid;
       return measured;

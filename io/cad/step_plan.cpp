@@ -40,6 +40,7 @@ class Planner {
     open_.resize(regions.size());
     for (int r = 0; r < count_of(regions); ++r) add_lines(r);
     find_places();
+    for (const auto& [name, sides] : sides_) plan_.lines.at(name).sides = count_of(sides);
   }
 
   StepPlan plan() {

@@ -19,6 +19,7 @@ namespace batten {
 struct StepLine {
   const HermiteCurve* curve = nullptr;  ///< its curve in the first region that has it
   std::array<int, 2> places{};    ///< numbers of its start and end; ends in one place have the same
+  int sides = 0;                  ///< how many regions lie beside it; a line inside one has two
   std::vector<double> cuts = {};  ///< parameters where all edges along it end, ascending
 };
 

@@ -18,12 +18,15 @@ struct StepPatch {
   /// (u, v), so the nearest points are never farther apart.
   double deviation = 0;
   bool reached = false;  ///< whether deviation ≤ tolerance
-  /// Largest distance between the face and an edge or vertex of the file. It has two causes:
-  /// line_gap and the fit.
+  /// Largest distance between the face and an edge or vertex of the file. Edges whose line no other
+  /// region has lie on the face within what readers take for one point (1e-7 mm). Others are the
+  /// lines themselves; they are off by line_gap and the fit.
   double edge_gap = 0;
   /// Largest distance between the boundary curves and the surface of the region itself.
   double line_gap = 0;
-  double edge_deviation = 0;  ///< distance of the file's edges from the boundary curves: rounding
+  /// Distance of the file's edges from lines that regions have in common (rounding), and from the
+  /// region's own rim elsewhere (the fit).
+  double edge_deviation = 0;
   int poles_u = 0, poles_v = 0;
 };
 

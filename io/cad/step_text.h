@@ -18,6 +18,12 @@ struct StepHeader {
 /// OpenCASCADE's name of a length unit that CAD files can have. Throws InputError.
 std::string cad_unit(double model_unit_in_metres);
 
+/// The distance within which OpenCASCADE takes points for one when it reads a file: 1e-7 mm, in
+/// model units.
+inline double reader_coincidence(double model_unit_in_metres) {
+  return 1e-10 / model_unit_in_metres;
+}
+
 /// Writes the file with this header and with all digits of its numbers. It appears whole or not at
 /// all. Throws InputError when it cannot be written.
 void save_step(STEPControl_Writer& writer, const std::filesystem::path& path,

@@ -137,6 +137,20 @@ TEST_CASE("a fair curve does as its options say") {
   CHECK(worst > 1e-6);
 }
 
+TEST_CASE("a drawn line keeps within any deviation that is stated, also far below its noise") {
+  const Case c("fair_deviation");
+  const std::string swan = BATTEN_SOURCE_DIR "/examples/04-fairing/swan.csv";
+  for (const double limit : {0.02, 0.5, 1.0, 2.5}) {
+    CAPTURE(limit);
+    const Result r = c.run({"fair", swan, "--deviation", batten::number(limit), "--out", "o.csv",
+                            "--report", "r.json"});
+    CHECK(r.code == 0);
+    const auto curve = json(c, "r.json")["curves"][0];
+    CHECK(curve["deviation"]["max"].get<double>() <= limit);
+    CHECK(curve["after"]["length"].get<double>() < 1.2 * curve["before"]["length"].get<double>());
+  }
+}
+
 TEST_CASE("strokes without length are named and passed through, the sketch is faired") {
   const Case c("fair_dots");
   c.file("s.curves",

@@ -8,6 +8,8 @@
 
 #include "batten/core/errors.h"
 #include "batten/fairing/fairness.h"
+#include "batten/fairing/point_row.h"
+#include "batten/fairing/spring_balance.h"
 #include "batten/tests/catch.h"
 #include "batten/tests/reference.h"
 #include "batten/tests/refusal.h"
@@ -349,6 +351,30 @@ TEST_CASE("a stated deviation is kept, and used") {
     CHECK(fair.deviation.max > 0.8 * limit);
     CHECK(fair.wavelength < before);
     before = fair.wavelength;
+  }
+}
+
+TEST_CASE("a stated deviation far below the noise is kept, without spikes that grow") {
+  Random random(11);
+  std::vector<Vec3> points;
+  for (int i = 0; i < 400; ++i) {
+    const double a = 2 * pi * i / 400;
+    points.push_back(
+        {100 * std::cos(a) + random.between(-3, 3), 100 * std::sin(a) + random.between(-3, 3), 0});
+  }
+  const PointRow row("circle", points, 180, {}, true);
+  for (const double deviation : {0.02, 0.2, 0.5, 1.0, 2.0}) {
+    CAPTURE(deviation);
+    FairOptions options;
+    options.closed = true;
+    options.corner_angle = 180;
+    options.balance = FairOptions::Balance::Deviation;
+    options.deviation = deviation;
+    options.drop_outliers = false;
+    const FairCurve fair = fair_points("circle", points, options);
+    CHECK(fair.deviation.max <= deviation);
+    for (const Vec3& p : points) CHECK(fair.curve.closest_point(p).distance <= deviation);
+    CHECK(NodeArc(fair.curve).total() <= 1.5 * row.length());
   }
 }
 

@@ -342,7 +342,8 @@ FairedResult Fairing::faired(size_t index) {
   const HermiteCurve& curve = result.states.back();
   report.segments = curve.segment_count();
   report.closed = curve.closed();
-  report.deviation = measured(report.name, curve, line, report.outliers, result.parameters);
+  report.deviation = measured(report.name, curve, line, report.outliers,
+                              batten::nearest(curve, line.points, result.parameters));
   report.before = fairness(result.states.front());
   report.after = fairness(curve);
   return result;

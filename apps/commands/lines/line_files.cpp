@@ -148,8 +148,8 @@ SampledLine sampled(const SourceLine& line, double corner_angle) {
   return result;
 }
 
-std::vector<double> nearest_in_order(const HermiteCurve& curve, const std::vector<Vec3>& points,
-                                     const std::vector<double>& given) {
+std::vector<double> nearest(const HermiteCurve& curve, const std::vector<Vec3>& points,
+                            const std::vector<double>& given) {
   std::vector<double> guess = given, result;
   // The last point of a closed list may be its first one again, at parameter 0.
   for (size_t i = 1; i < guess.size() && curve.closed(); ++i)
@@ -172,11 +172,17 @@ std::vector<double> nearest_in_order(const HermiteCurve& curve, const std::vecto
       for (double& u : tries) u = std::clamp(u, low, high);
     std::sort(tries.begin(), tries.end());
     tries.erase(std::unique(tries.begin(), tries.end()), tries.end());
-    const double u = closest_on_curve([&](double t, int order) { return curve.evaluate(t, order); },
+    result.push_back(closest_on_curve([&](double t, int order) { return curve.evaluate(t, order); },
                                       tries, points[i])
-                         .u;
-    result.push_back(i > 0 ? std::max(u, result.back()) : u);
+                         .u);
   }
+  return result;
+}
+
+std::vector<double> nearest_in_order(const HermiteCurve& curve, const std::vector<Vec3>& points,
+                                     const std::vector<double>& guess) {
+  std::vector<double> result = nearest(curve, points, guess);
+  for (size_t i = 1; i < result.size(); ++i) result[i] = std::max(result[i], result[i - 1]);
   return result;
 }
 

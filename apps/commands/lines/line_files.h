@@ -68,8 +68,12 @@ struct SampledLine {
 /// points, or eight for each span of a spline. Throws InputError: a curve that is not finite.
 SampledLine sampled(const SourceLine& line, double corner_angle);
 
-/// The parameters of the curve's nearest points, ascending in the order of `points`. Each is looked
-/// for around its `guess` (ascending). O(points).
+/// The parameters of the curve's points nearest to `points`. Each is looked for around its `guess`
+/// (ascending). Those of points that go to and fro do too. O(points).
+std::vector<double> nearest(const HermiteCurve& curve, const std::vector<Vec3>& points,
+                            const std::vector<double>& guess);
+
+/// The same, ascending in the order of `points`: none is before the one of an earlier point.
 std::vector<double> nearest_in_order(const HermiteCurve& curve, const std::vector<Vec3>& points,
                                      const std::vector<double>& guess);
 

@@ -216,6 +216,24 @@ std::string complaints(const TopoDS_Face& face, double tolerance) {
   return text;
 }
 
+/// The largest distance between edges of a face and the face at many parameters.
+double off_face(const TopoDS_Face& face) {
+  const Handle(Geom_Surface) surface = BRep_Tool::Surface(face);
+  double most = 0;
+  for (TopExp_Explorer it(face, TopAbs_EDGE); it.More(); it.Next()) {
+    double first, last;
+    const TopoDS_Edge& edge = TopoDS::Edge(it.Current());
+    const Handle(Geom_Curve) curve = BRep_Tool::Curve(edge, first, last);
+    const Handle(Geom2d_Curve) line = BRep_Tool::CurveOnSurface(edge, face, first, last);
+    for (int i = 0; i <= 2000; ++i) {
+      const double t = first + (last - first) * i / 2000;
+      const gp_Pnt2d uv = line->Value(t);
+      most = std::max(most, curve->Value(t).Distance(surface->Value(uv.X(), uv.Y())));
+    }
+  }
+  return most;
+}
+
 /// Normal of a face at (u, v), outwards.
 Vec3 normal_of(const TopoDS_Face& face, const Vec2& uv) {
   gp_Pnt p;
@@ -250,12 +268,15 @@ void expect_face(const SkinnedRegion& region, const StepReport& r, const char* u
   double far = 0;
   for (int v = 0; v < region.surface.mesh().vertex_count(); ++v)
     far = std::max(far, region.surface.dofs().row(region.surface.dof_map().vertex(v)).norm());
-  CHECK(r.edge_deviation <= 1e-13 * size + 1e-15 * far);
-  CHECK(r.max_gap <= 1.001 * (r.line_gap + *r.max_deviation));
+  // Edges are the rim of the face: readers take them for curves of it.
+  const double coincidence = 1e-7 * (unit == std::string("M") ? 1e-3 : 1) + 2e-15 * far;
+  CHECK(r.edge_deviation <= 1.001 * *r.max_deviation);
+  CHECK(r.max_gap <= coincidence);
+  CHECK(off_face(face_of(r.file, unit)) <= coincidence);
   CHECK(r.bytes == fs::file_size(r.file));
 
   const TopoDS_Face face = face_of(r.file, unit);
-  CHECK(complaints(face, 1.1 * std::max(r.max_gap, 1e-9 * size)) == "");
+  CHECK(complaints(face, coincidence) == "");
   CHECK(wires_of(face) == static_cast<int>(region.boundary.size()));
 
   // By other means than the report's: points, sides, normals, area.
@@ -442,7 +463,7 @@ TEST_CASE("The nearest points of surface and file are within the deviation", "[s
   }
 }
 
-TEST_CASE("A gap between line and surface widens edges, not the face's deviation", "[step-face]") {
+TEST_CASE("Where a surface leaves its line, the edge stays on the face", "[step-face]") {
   SkinnedRegion region = disc(wavy, 16);
   Points dofs = region.embedded[0].fitted.dofs();
   const HermiteCurve& curve = region.embedded[0].fitted;
@@ -454,9 +475,10 @@ TEST_CASE("A gap between line and surface widens edges, not the face's deviation
   CHECK(r.valid);
   CHECK(*r.max_deviation <= 1e-5);
   CHECK(r.line_gap == Approx(3e-4).epsilon(0.02));
-  CHECK(r.max_gap == Approx(3e-4).epsilon(0.05));
-  CHECK(r.edge_deviation <= 1e-13);
-  CHECK(complaints(face_of(r.file), 3.3e-4) == "");
+  CHECK(r.max_gap <= 1e-7);
+  CHECK(r.edge_deviation <= 1e-5);
+  CHECK(complaints(face_of(r.file), 1e-7) == "");
+  CHECK(off_face(face_of(r.file)) <= 1e-7);
 }
 
 TEST_CASE("A tolerance that cannot be reached is reported and the file is there", "[step-face]") {
@@ -514,7 +536,8 @@ TEST_CASE("Corners of a closed boundary line are vertices of the face", "[step-f
   CHECK(r.reached);
   CHECK(r.valid);
   CHECK(r.edges == 2);
-  CHECK(r.edge_deviation <= 1e-13);
+  CHECK(r.edge_deviation <= 1e-4);
+  CHECK(off_face(face_of(r.file, "M")) <= 1e-10);
   CHECK(complaints(face_of(r.file, "M"), 1e-4) == "");
 }
 
@@ -571,8 +594,9 @@ TEST_CASE("A ring is one face that closes in u, with a seam, holes beside it", "
         write_step_faces(scratch("step_face") / "tube.step", {&region}, 1e-3, {.tolerance = 1e-4});
     CHECK(r.reached);
     CHECK(r.valid);
-    CHECK(r.edge_deviation <= 1e-13);
-    CHECK(r.max_gap <= r.line_gap + *r.max_deviation);
+    CHECK(r.edge_deviation <= 1e-4);
+    CHECK(r.max_gap <= 1e-7);
+    CHECK(off_face(face_of(r.file)) <= 1e-7);
     CHECK(r.free_edges == r.edges - 1);
     const TopoDS_Face face = face_of(r.file);
     CHECK(complaints(face, 2e-4) == "");
