@@ -28,15 +28,8 @@ HermiteCurve fitted_open(const Stretch& s, const Joint& start, const Joint& end,
   return fit_curve(s.name, s.curve, fit);
 }
 
-// A curve that comes back to its start, without an end.
-HermiteCurve closed(const HermiteCurve& curve) {
-  if (curve.closed()) return curve;
-  const long last = 2 * (curve.node_count() - 1);
-  return {CurveMesh(curve.parameters(), true), curve.dofs().topRows(last)};
-}
-
 HermiteCurve fitted_closed(const Stretch& s, const DomainTask& task) {
-  if (s.given && s.given->curve.segment_count() > 1) return closed(s.given->curve);
+  if (s.given && s.given->curve.segment_count() > 1) return closed_curve(s.given->curve);
   const FitOptions fit = fit_options(task, true);
   if (const auto exact = exact_curve(*s.curve, fit.corner_angle); exact && exact->closed())
     return *exact;

@@ -107,16 +107,26 @@ class Builder {
     if (!(V_ > 1e-6 * U_))
       throw InputError("the rims of a ring, with lines '" + rim_[0].outline.pieces[0].stretch.name +
                        "' and '" + rim_[1].outline.pieces[0].stretch.name + "', coincide");
-    if (rim_[1].one_line()) {
+    if (rim_[1].one_line() && !rim_[1].given()) {
       rim_[1] = rim_[1].cut_at(phase);
-    } else if (rim_[0].one_line()) {
+    } else if (rim_[0].one_line() && !rim_[0].given()) {
       rim_[0] = rim_[0].cut_at(-phase);
     } else {
       for (auto& place : rim_[1].places) place.from = fraction_of(place.from - phase);
     }
   }
 
+  // The curves as they are given, so that the regions beyond carry the same.
+  static void take_given(Rim& rim) {
+    for (size_t i = 0; i < rim.places.size(); ++i) {
+      const auto& piece = rim.outline.pieces[i];
+      const HermiteCurve along = piece.stretch.given_along(piece.flipped);
+      rim.places[i].fitted = rim.one_line() ? closed_curve(along) : along;
+    }
+  }
+
   void fit(Rim& rim) const {
+    if (rim.given()) return take_given(rim);
     FitOptions fit;
     fit.tolerance = task_.tolerance;
     fit.corner_angle = 180;
@@ -141,13 +151,22 @@ class Builder {
     }
   }
 
-  // Where the nodes of a rim lie, as fractions of it.
+  // Where the nodes of a rim, or the given vertices, lie, as fractions of it.
   static std::vector<double> nodes(const Rim& rim) {
     std::vector<double> all;
-    for (const auto& p : rim.places)
-      for (int i = 0; i < p.fitted.segment_count(); ++i)
-        all.push_back(
-            fraction_of(p.from + p.share * rounded(p.fitted.parameters()[i] / p.fitted.end())));
+    for (size_t i = 0; i < rim.places.size(); ++i) {
+      const Rim::Place& p = rim.places[i];
+      const auto& piece = rim.outline.pieces[i];
+      const double end = p.fitted.end();
+      if (rim.given()) {
+        for (const double vertex : piece.stretch.given->vertices)
+          if (const double t = piece.flipped ? end - vertex : vertex; t < end)
+            all.push_back(fraction_of(p.from + p.share * t / end));
+      } else {
+        for (int k = 0; k < p.fitted.segment_count(); ++k)
+          all.push_back(fraction_of(p.from + p.share * rounded(p.fitted.parameters()[k] / end)));
+      }
+    }
     return all;
   }
 

@@ -55,18 +55,26 @@ struct Rim {
   };
   std::vector<Place> places;  // of each line
 
-  explicit Rim(Outline given) : outline(std::move(given)) {
+  explicit Rim(Outline loop) : outline(std::move(loop)) {
     for (const auto& p : outline.pieces) {
       arcs.emplace_back(p.stretch.curve);
       length += arcs.back().total();
     }
-    double before = 0;
-    for (const ArcLength& arc : arcs) {
-      const double from = rounded(before / length);
-      before += arc.total();
-      places.push_back({from, rounded(before / length) - from, {}});
+    // Slopes of given curves go on from one to the next over their own parameters.
+    std::vector<double> before = {0};
+    for (size_t i = 0; i < arcs.size(); ++i)
+      before.push_back(before.back() +
+                       (given() ? given(i).end() - given(i).start() : arcs[i].total()));
+    for (size_t i = 0; i < arcs.size(); ++i) {
+      const auto share = [&](double part) {
+        return given() ? part / before.back() : rounded(part / length);
+      };
+      const double from = share(before[i]);
+      places.push_back({from, share(before[i + 1]) - from, {}});
     }
   }
+  bool given() const { return outline.pieces[0].stretch.given != nullptr; }
+  const HermiteCurve& given(size_t i) const { return outline.pieces[i].stretch.given->curve; }
   bool one_line() const { return places.size() == 1; }
 
   struct Point {

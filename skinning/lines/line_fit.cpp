@@ -60,6 +60,12 @@ CharacterLine Stretch::line(bool flipped) const {
   return {name, flipped ? reversed(curve) : curve, role, treatment, {}, holds};
 }
 
+HermiteCurve closed_curve(const HermiteCurve& curve) {
+  if (curve.closed()) return curve;
+  const long last = 2 * (curve.node_count() - 1);
+  return {CurveMesh(curve.parameters(), true), curve.dofs().topRows(last)};
+}
+
 HermiteCurve Stretch::given_along(bool flipped) const {
   return flipped ? given->curve.backwards() : given->curve;
 }

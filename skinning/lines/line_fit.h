@@ -39,6 +39,9 @@ std::shared_ptr<const InputCurve> piece_between(std::shared_ptr<const InputCurve
 /// Returns the curve run backwards.
 std::shared_ptr<const InputCurve> reversed(std::shared_ptr<const InputCurve> curve);
 
+/// Returns a curve that ends where and as it starts as a closed one, without an end.
+HermiteCurve closed_curve(const HermiteCurve& curve);
+
 /// Returns the input itself when it is piecewise cubic (exact_curve) and open, of even enough speed
 /// (fastest/slowest ≤ 3), with no segment shorter than `shortest` unless it is the only one, and
 /// ends within 1e-8 of its length from `start` and `end`, to which they are moved. Nothing

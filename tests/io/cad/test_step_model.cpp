@@ -2,6 +2,7 @@
 #include "batten/io/cad/step_face.h"
 
 #include <cmath>
+#include <map>
 #include <numbers>
 
 #include "batten/core/errors.h"
@@ -117,6 +118,51 @@ TEST_CASE("a ring and two discs close, although the seam cuts circles away from 
   CHECK(r.free_edges == 0);
   CHECK(r.solids == 1);
   CHECK(r.closed_shells == 1);
+  CHECK(*r.max_deviation <= 0.01);
+  CHECK(r.volume == Approx(made.model.shells[0].volume).epsilon(2e-3));
+}
+
+TEST_CASE("rims of any shape are one edge for a ring and its lids, wherever they begin",
+          "[step_model]") {
+  const auto oval = [](const std::string& name, double z, double begin) {
+    const auto curve = curve_from_formula(0, 2 * std::numbers::pi, [=](double t, int order) {
+      const double a = t + begin, r = 10 + std::cos(3 * a), r1 = -3 * std::sin(3 * a),
+                   r2 = -9 * std::cos(3 * a);
+      const Vec3 e(std::cos(a), std::sin(a), 0), n(-e.y(), e.x(), 0);
+      return order == 0   ? Vec3(r * e + Vec3(0, 0, z))
+             : order == 1 ? Vec3(r1 * e + r * n)
+                          : Vec3((r2 - r) * e + 2 * r1 * n);
+    });
+    return CharacterLine{name, curve};
+  };
+  const RegionOptions regions = region_words({{{"low"}, {"high"}}, {{"low"}}, {{"high"}}});
+  const MadeModel made = make_model({oval("low", 0, 0), oval("high", 15, 1.0)}, regions, 4);
+  std::map<std::string, HermiteCurve> carried;
+  for (const ModelRegion& region : made.model.regions) {
+    INFO(region.plan.name << ": " << region.why_not);
+    REQUIRE(region.skinned);
+    for (const auto& loop : region.skinned->boundary)
+      for (const BoundaryPiece& piece : loop) {
+        const bool run = piece.kind == BoundaryPiece::Kind::Run;
+        const std::string name = run ? region.skinned->runs[piece.index].line.name
+                                     : region.skinned->embedded[piece.index].line.name;
+        const HermiteCurve& curve = run ? region.skinned->runs[piece.index].fitted
+                                        : region.skinned->embedded[piece.index].fitted;
+        const auto [it, first] = carried.emplace(name, curve);
+        if (first) continue;
+        const auto off = [&](const HermiteCurve& other) {
+          return curve.dofs().rows() != other.dofs().rows()
+                     ? 1
+                     : (curve.dofs() - other.dofs()).cwiseAbs().maxCoeff();
+        };
+        CHECK(std::min(off(it->second), off(it->second.backwards())) < 1e-12);
+      }
+  }
+  const StepReport r = written(made, "oval", 0.01);
+  CHECK(r.valid);
+  CHECK(r.faces == 3);
+  CHECK(r.free_edges == 0);
+  CHECK(r.solids == 1);
   CHECK(*r.max_deviation <= 0.01);
   CHECK(r.volume == Approx(made.model.shells[0].volume).epsilon(2e-3));
 }
