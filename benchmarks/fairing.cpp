@@ -175,7 +175,10 @@ struct Section {
     all.back() = all.front();
     return all;
   }
-  double nose_radius() const { return 1.1019 * thickness * thickness; }
+  // Of the parabola that it begins as, at right angles to the mean line.
+  double nose_radius() const {
+    return 1.1019 * thickness * thickness / std::hypot(1, 2 * camber / at);
+  }
 };
 
 std::vector<Section> sections() {

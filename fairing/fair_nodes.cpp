@@ -33,6 +33,16 @@ std::vector<double> merged_nodes(const std::vector<double>& nodes,
   return merged;
 }
 
+std::vector<double> with_middles(const std::vector<double>& nodes) {
+  std::vector<double> all;
+  for (size_t k = 0; k + 1 < nodes.size(); ++k) {
+    all.push_back(nodes[k]);
+    all.push_back(0.5 * (nodes[k] + nodes[k + 1]));
+  }
+  all.push_back(nodes.back());
+  return all;
+}
+
 // All nodes; the second half of a mirrored curve has those of the first.
 std::vector<double> all_nodes(const PointRow& row, const std::vector<double>& u, double length,
                               std::vector<double> forced, bool mirrored, int most_nodes) {
@@ -60,6 +70,7 @@ std::vector<double> all_nodes(const PointRow& row, const std::vector<double>& u,
   std::sort(wanted.begin(), wanted.end());
   std::vector<double> merged =
       merged_nodes(nodes, wanted, row.count() < few && !mirrored ? 0.02 : 0.3, 2e-4 * spacing);
+  if (most_nodes > row.count()) merged = with_middles(merged);
   // A closed curve has three segments at least: the longest ones are halved.
   while (row.closed && merged.size() < 4) {
     size_t longest = 0;

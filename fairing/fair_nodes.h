@@ -13,9 +13,10 @@ struct FairNodes {
   std::vector<int> corner_node;  ///< of each corner of the row
 };
 
-/// A node at every parameter of `forced`, and at every point (of more than `most_nodes` points: at
-/// every second, or third, …) that is not too near to another node. u: of the points, in [0, length].
-/// Where the curve is `mirrored`, its second half has the mirror images of the nodes of the first.
+/// A node at every parameter of `forced`, and at every point that is not too near to another node:
+/// of more than `most_nodes` points at every second, or third, …; of fewer half way between, too.
+/// u: of the points, in [0, length]. Where the curve is `mirrored`, its second half has the mirror
+/// images of the nodes of the first.
 FairNodes choose_nodes(const PointRow& row, const std::vector<double>& u, double length,
                        std::vector<double> forced, bool mirrored, int most_nodes);
 

@@ -25,7 +25,7 @@ void FairRounds::begin() {
   u_.resize(count_);
   ease_ = {};
   at_.clear();
-  most_nodes_ = fewest_nodes;
+  most_nodes_ = std::min(fewest_nodes, count_);
   if (const CurveCondition* plane = symmetry()) centre(*plane);
 }
 
@@ -146,8 +146,10 @@ FairCurve FairRounds::run() {
       continue;
     }
     // More nodes than the balance makes use of, but not so many that long waves lose their digits.
-    if (result.freedom > 0.25 * mesh_.node_count() && most_nodes_ < count_) {
-      most_nodes_ *= 2;
+    // Where all points are passed through, two a point bring the curvature that they tell.
+    const int enough = tells_noise() && free_of_rows() ? count_ + 1 : count_;
+    if (result.freedom > 0.25 * mesh_.node_count() && most_nodes_ < enough) {
+      most_nodes_ = std::min(2 * most_nodes_, enough);
       continue;
     }
     if (result.freedom < mesh_.node_count() / 16.0 && most_nodes_ > fewest_nodes) most_nodes_ /= 2;
