@@ -119,11 +119,37 @@ std::vector<std::pair<int, Vec3>> FairRounds::held() const {
           {mesh_.position_dof(mesh_.node_count() - 1), row_.points.back()}};
 }
 
+// Whether the rounds are over. Keeps the round that is the answer, if the last one is not.
+bool FairRounds::over(FairCurve& result, double wave, double change) {
+  const auto keep = [&](double score) {
+    kept_ = {curve_, foot_, held_at_, length_, wave, result.freedom, score};
+  };
+  // Parameters stand still when they move by little of what is smoothed anyway.
+  result.settled = result.rounds > 1 && change * length_ < std::max(1e-4 * length_, 0.01 * wave);
+  if (options_.balance == FairOptions::Balance::Deviation) {
+    const double worst = deviation_of(curve_, row_, foot_).max;
+    // Spikes grow from round to round, until nothing of the line is left.
+    if (spiky() && !kept_.foot.empty()) return true;
+    if (worst <= std::max(kept_.score, options_.deviation)) keep(worst);
+    if (worst > options_.deviation) {
+      tightened_ *= 0.999 * options_.deviation / worst;
+      result.settled = false;
+      constexpr int more_rounds = 20;
+      return result.rounds >= options_.most_rounds + more_rounds;
+    }
+  } else if (result.rounds >= searches) {
+    // Feet that move farther and farther run off with the curve.
+    constexpr double farther = 3;
+    if (change > farther * kept_.score) return true;
+    if (change <= kept_.score) keep(change);
+  }
+  return result.settled || result.rounds >= options_.most_rounds;
+}
+
 FairCurve FairRounds::run() {
   FairCurve result;
   double wave = 0;
   const double alpha = options_.alpha / (row_.size * row_.size);
-  constexpr int searches = 4;  // rounds in which the balance is sought; it then stays
   while (true) {
     FairNodes nodes =
         choose_nodes(row_, u_, length_, forced_nodes(), symmetry() != nullptr, most_nodes_);
@@ -147,7 +173,8 @@ FairCurve FairRounds::run() {
     }
     // More nodes than the balance makes use of, but not so many that long waves lose their digits.
     // Where all points are passed through, two a point bring the curvature that they tell.
-    const int enough = tells_noise() && free_of_rows() ? count_ + 1 : count_;
+    const bool through = tells_noise() && free_of_rows() && result.freedom > 0.5 * count_;
+    const int enough = through ? count_ + 1 : count_;
     if (result.freedom > 0.25 * mesh_.node_count() && most_nodes_ < enough) {
       most_nodes_ = std::min(2 * most_nodes_, enough);
       continue;
@@ -157,30 +184,15 @@ FairCurve FairRounds::run() {
     held_at_ = at_;
     const double change = project(result.rounds == 0);
     ++result.rounds;
-    // Parameters stand still when they move by little of what is smoothed anyway.
-    result.settled = result.rounds > 1 && change * length_ < std::max(1e-4 * length_, 0.01 * wave);
-    int more_rounds = 0;
-    if (options_.balance == FairOptions::Balance::Deviation) {
-      const double worst = deviation_of(curve_, row_, foot_).max;
-      // Spikes grow from round to round, until nothing of the line is left.
-      if (spiky() && !nearest_.foot.empty()) break;
-      if (worst <= std::max(nearest_.deviation, options_.deviation))
-        nearest_ = {curve_, foot_, held_at_, length_, wave, result.freedom, worst};
-      if (worst > options_.deviation) {
-        tightened_ *= 0.999 * options_.deviation / worst;
-        result.settled = false;
-        more_rounds = 20;
-      }
-    }
-    if (result.settled || result.rounds >= options_.most_rounds + more_rounds) break;
+    if (over(result, wave, change)) break;
   }
-  if (!nearest_.foot.empty()) {
-    result.freedom = nearest_.freedom;
-    wave = nearest_.wave;
-    length_ = nearest_.length;
-    curve_ = nearest_.curve;
-    foot_ = nearest_.foot;
-    held_at_ = nearest_.held_at;
+  if (!kept_.foot.empty()) {
+    result.freedom = kept_.freedom;
+    wave = kept_.wave;
+    length_ = kept_.length;
+    curve_ = kept_.curve;
+    foot_ = kept_.foot;
+    held_at_ = kept_.held_at;
   }
   result.max_residual = max_residual(options_.conditions, held_at_, curve_, row_.size);
   run_by_arc_length();

@@ -48,7 +48,9 @@ class FairRounds {
     return options_.balance == FairOptions::Balance::CrossValidation ||
            options_.balance == FairOptions::Balance::Noise;
   }
+  static constexpr int searches = 4;  // rounds in which the balance is sought; it then stays
   void begin();
+  bool over(FairCurve& result, double wave, double change);
   bool spiky() const {
     constexpr double longer = 1.5;
     return NodeArc(curve_).total() > longer * row_.length();
@@ -99,10 +101,11 @@ class FairRounds {
     HermiteCurve curve;
     std::vector<double> foot, held_at;
     double length = 0, wave = 0, freedom = 0;
-    double deviation = std::numeric_limits<double>::infinity();
+    double score = std::numeric_limits<double>::infinity();
   };
-  // Under a stated deviation: the last round that keeps it, or the one that comes nearest.
-  Round nearest_;
+  // Under a stated deviation: the last round that keeps it, or the one that comes nearest, by its
+  // deviation. Else the one in which parameters moved least, by how far.
+  Round kept_;
   WaveEase ease_;  // of the last round; even where the balance is stated
   // Of the conditions, for one mesh.
   std::optional<AffineReduction> reduction_;
