@@ -88,9 +88,9 @@ CubicSpline over(CubicSpline spline, double first, double last) {
 
 /// The curve S(l(t)) of a surface along a line of its parameters, within a tolerance, moved from the
 /// origin to a place.
-Handle(Geom_BSplineCurve)
-    curve_on_surface(const Handle(Geom_BSplineSurface) & surface,
-                     const Handle(Geom2d_BSplineCurve) & line, double tolerance, const gp_Pnt& place) {
+Handle(Geom_BSplineCurve) curve_on_surface(const Handle(Geom_BSplineSurface) & surface,
+                                           const Handle(Geom2d_BSplineCurve) & line,
+                                           double tolerance, const gp_Pnt& place) {
   const double first = line->FirstParameter(), last = line->LastParameter();
   Approx_CurveOnSurface found(new Geom2dAdaptor_Curve(line), new GeomAdaptor_Surface(surface),
                               first, last, tolerance);
@@ -152,6 +152,8 @@ FaceMaker::FaceMaker(const SkinnedRegion& region, const StepFaceOptions& options
 Vec3 FaceMaker::position(const Vec2& uv) const {
   return near_origin_.position(locator_.locate(uv)) + middle_;
 }
+
+Vec3 FaceMaker::fitted_position(const Vec2& uv) const { return fit_.patch.position(uv) + middle_; }
 
 bool FaceMaker::refine(double deviation) {
   if (!fit_.reached || !std::isfinite(deviation)) return false;
@@ -220,7 +222,12 @@ void FaceMaker::fit(const BicubicPatch* start) {
     target.low.x() = boundary_.seam;
     target.high.x() = boundary_.seam + boundary_.period;
   }
-  fit_ = fit_bicubic_patch(target, goal_, {options_.most_poles, options_.most_poles_in_all}, start);
+  constexpr int few = 2'000;
+  const int in_proportion =
+      std::max(few, options_.most_poles_a_triangle * region_.surface.mesh().triangle_count());
+  fit_ = fit_bicubic_patch(
+      target, goal_, {options_.most_poles, std::min(options_.most_poles_in_all, in_proportion)},
+      start);
 }
 
 double FaceMaker::widened(double distance) {

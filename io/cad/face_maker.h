@@ -62,6 +62,8 @@ class FaceMaker {
   double tolerance() const { return widest_; }
   int cells() const { return fit_.patch.u.intervals() * fit_.patch.v.intervals(); }
   Vec3 position(const Vec2& uv) const;
+  /// Returns the point of the last fit, model units.
+  Vec3 fitted_position(const Vec2& uv) const;
   int poles_u() const { return fit_.patch.u.functions(); }
   int poles_v() const { return fit_.patch.v.functions(); }
 

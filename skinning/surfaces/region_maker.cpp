@@ -6,6 +6,7 @@
 #include "batten/core/errors.h"
 #include "batten/core/index.h"
 #include "batten/core/parallel.h"
+#include "batten/skinning/surfaces/region_trials.h"
 
 namespace batten {
 namespace {
@@ -163,22 +164,13 @@ void RegionMaker::lay_out_one(size_t r) {
   skin.tolerance = tolerance_;
   skin.domain = plan.ring ? SkinOptions::Domain::Ring : SkinOptions::Domain::Auto;
   skin.against_first = plan.loops[0][0].reversed;
-  std::vector<CharacterLine> lines = lines_of(plan);
-  std::shared_ptr<const RegionLayout> layout;
-  std::vector<std::string> warnings;
-  try {
-    layout = std::make_shared<const RegionLayout>(plan.name, lines, skin);
-  } catch (const InputError& e) {
-    if (plan.inner.empty()) throw;
-    lines.resize(lines.size() - plan.inner.size());
-    layout = std::make_shared<const RegionLayout>(plan.name, lines, skin);
-    warnings = {"its inner lines are left out: " + std::string(e.what())};
-  }
-  Points shape = ModelLayout(frame(), {layout}, {}).least_energy(options_.material);
-  model_.regions[r].skinned = layout->region(shape);
-  model_.regions[r].warnings = std::move(warnings);
-  layouts_[r] = std::move(layout);
-  first_[r] = std::move(shape);
+  RegionTrial trial = try_region(
+      {plan.name, lines_of(plan), count_of(plan.inner), skin, orientation_.plain_areas[r]}, frame(),
+      options_.material);
+  model_.regions[r].skinned = trial.layout->region(trial.shape);
+  model_.regions[r].warnings = std::move(trial.warnings);
+  layouts_[r] = std::move(trial.layout);
+  first_[r] = std::move(trial.shape);
 }
 
 ModelFrame RegionMaker::frame() const {

@@ -8,14 +8,26 @@
 #include "batten/core/errors.h"
 #include "batten/core/groups.h"
 #include "batten/core/index.h"
+#include "batten/core/parallel.h"
 #include "batten/core/words.h"
 #include "batten/skinning/surfaces/embedded_joins.h"
 #include "batten/skinning/surfaces/join_choice.h"
 #include "batten/skinning/surfaces/measure_model.h"
 #include "batten/skinning/surfaces/region_maker.h"
+#include "batten/skinning/surfaces/region_trials.h"
 
 namespace batten {
 namespace {
+
+// The regions that the rows of a join act on.
+std::vector<int> regions_of(const JoinPlan& plan) {
+  std::vector<int> regions;
+  for (const JoinSide& side : plan.join_line.sides) regions.push_back(side.region);
+  for (const JoinEnd& end : plan.ends)
+    for (const auto& neighbours : end.set)
+      for (const auto& other : neighbours) regions.push_back(other.side.region);
+  return regions;
+}
 
 // The plan with other numbers for its regions.
 JoinPlan renumbered(JoinPlan plan, const std::map<int, int>& number) {
@@ -59,9 +71,13 @@ class ModelMaker {
   // above the tolerance. Begins again where a join proves worse than a crease.
   void join() {
     std::vector<JoinPlan> plans;
+    constexpr int most_rounds = 2;
+    int round = 0;
     do {
-      plans = joined();
-    } while (!finish(plans));
+      do {
+        plans = joined();
+      } while (!finish(plans));
+    } while (round++ < most_rounds && free_spoiled(plans));
     tell_joins(plans);
     for (ModelRegion& region : model_.regions)
       if (region.in_layout >= 0) {
@@ -171,7 +187,7 @@ class ModelMaker {
       Groups groups(dofs.size());
       for (const JoinPlan& plan : plans)
         if (!plan.given_up())
-          groups.join(plan.join_line.sides[0].region, plan.join_line.sides[1].region);
+          for (const int r : regions_of(plan)) groups.join(plan.join_line.sides[0].region, r);
       std::map<int, std::vector<int>> members;
       for (int r = 0; r < count_of(dofs); ++r)
         if (regions_.layouts()[r]) members[groups.of(r)].push_back(r);
@@ -245,6 +261,30 @@ class ModelMaker {
       }
       if (any) return;
     }
+  }
+
+  // Regions that are well by themselves and turn over, or sag, in one shape with their neighbours:
+  // their joins are given up. Whether there is any.
+  bool free_spoiled(const std::vector<JoinPlan>& plans) {
+    std::vector<char> spoiled(model_.regions.size(), 0);
+    parallel_parts(count_of(model_.regions), [&](int r) {
+      const ModelRegion& region = model_.regions[r];
+      if (!region.skinned) return;
+      const double plain = region.plain_area;
+      spoiled[r] = turns_or_sags(*region.skinned, plain) &&
+                   !turns_or_sags(regions_.layouts()[r]->region(regions_.first_shapes()[r]), plain);
+    });
+    bool any = false;
+    for (size_t s = 0; s < plans.size(); ++s) {
+      if (plans[s].given_up()) continue;
+      for (const JoinSide& side : join_lines_[s].sides) {
+        if (!spoiled[side.region]) continue;
+        given_up_[join_of(s).arc] = "region '" + model_.regions[side.region].plan.name +
+                                    "' would turn over or sag where it goes on smoothly";
+        any = true;
+      }
+    }
+    return any;
   }
 
   void give_shapes(const std::vector<Points>& dofs) {

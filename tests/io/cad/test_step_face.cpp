@@ -493,6 +493,12 @@ TEST_CASE("A tolerance that cannot be reached is reported and the file is there"
   CHECK(r.patches[0].poles_u <= 24);
   CHECK(r.patches[0].poles_v <= 24);
   CHECK(r.patches[0].poles_u * r.patches[0].poles_v <= 400);
+  // Few triangles ask for few poles, whatever the tolerance.
+  const SkinnedRegion coarse = disc(wavy, 4);
+  const StepReport few = write_step_faces(file.parent_path() / "few.step", {&coarse}, 1,
+                                          {.tolerance = 1e-9, .most_poles_a_triangle = 1});
+  CHECK(!few.reached);
+  CHECK(few.patches[0].poles_u * few.patches[0].poles_v <= 2'000);
   const Handle(Geom_Surface) surface = BRep_Tool::Surface(face_of(file, "M"));
   const gp_Pnt p = surface->Value(0.1, 0.2);
   CHECK((Vec3(p.X(), p.Y(), p.Z()) - wavy({0.1, 0.2}).x).norm() <= *r.max_deviation + 1e-5);

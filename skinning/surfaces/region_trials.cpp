@@ -1,0 +1,222 @@
+#include "batten/skinning/surfaces/region_trials.h"
+
+#include <algorithm>
+#include <cmath>
+#include <exception>
+#include <limits>
+#include <optional>
+
+#include "batten/core/errors.h"
+#include "batten/core/index.h"
+#include "batten/core/words.h"
+#include "batten/skinning/region/quality.h"
+#include "batten/skinning/surfaces/wrong_surfaces.h"
+
+namespace batten {
+namespace {
+
+using Domain = SkinOptions::Domain;
+constexpr double kLeastJacobian = 0.05, kMostArea = 2;
+
+// One way to lay a region out.
+struct Way {
+  std::string word;
+  Domain domain;
+  bool settle = false;
+  double edge = 1;  // times the edge length that was asked for
+};
+
+std::string word_of(Domain domain) {
+  switch (domain) {
+    case Domain::Polygon:
+      return "polygon";
+    case Domain::Plane:
+      return "plane";
+    case Domain::Sheet:
+      return "sheet";
+    case Domain::Ring:
+      return "ring";
+    case Domain::Auto:
+      break;
+  }
+  return "domain";
+}
+
+std::vector<Way> ways_after(const RegionWish& wish, Domain first) {
+  const Way finer{"with edges half as long", wish.skin.domain, false, 0.5};
+  if (wish.skin.domain != Domain::Auto) return {finer};
+  std::vector<Way> ways{{"as a settled polygon", Domain::Polygon, true}};
+  for (const Domain domain : {Domain::Plane, Domain::Sheet})
+    if (domain != first) ways.push_back({"as a " + word_of(domain), domain});
+  ways.push_back(finer);
+  return ways;
+}
+
+struct Made {
+  RegionTrial trial;
+  int evil = 0;
+  std::string why;  // the worst of it, for the user
+};
+
+// Whether a closer look is worth its time: elements that are sheared flat or turned against their
+// neighbours, an area that is too large.
+bool suspicious(const SkinnedRegion& region, double plain_area) {
+  const Surface& surface = region.surface;
+  const ParametricMesh& mesh = surface.mesh();
+  const Trim* trim = surface.trim().get();
+  const auto n = static_cast<size_t>(mesh.triangle_count());
+  std::vector<Vec3> middle(n, Vec3::Zero());
+  std::vector<double> sizes;
+  double least = std::numeric_limits<double>::infinity(), area = 0;
+  for (int t = 0; t < mesh.triangle_count(); ++t) {
+    if (trim && trim->side(t) == Trim::Side::Outside) continue;
+    middle[t] = surface.jet({t, Vec3::Constant(1.0 / 3)}).area_vector();
+    const double size = middle[t].norm();
+    sizes.push_back(size);
+    area += size * mesh.shape(t).area;
+    for (int k = 0; k < 3; ++k) {
+      const Vec3 corner = surface.jet({t, Vec3::Unit(k)}).area_vector();
+      least = std::min(least, corner.dot(middle[t]) / size);
+    }
+  }
+  if (sizes.empty() || !std::isfinite(area)) return true;
+  std::nth_element(sizes.begin(), sizes.begin() + count_of(sizes) / 2, sizes.end());
+  constexpr double low = 0.15, large = 1.8;  // above what is a flaw
+  if (!(least > low * sizes[sizes.size() / 2])) return true;
+  if (plain_area > 0 && area > large * plain_area) return true;
+  return std::any_of(mesh.edges().begin(), mesh.edges().end(), [&](const auto& edge) {
+    if (edge.triangle[1] < 0) return false;
+    const Vec3 &a = middle[edge.triangle[0]], &b = middle[edge.triangle[1]];
+    return a.dot(b) < 0.5 * a.norm() * b.norm();  // by more than 60 degrees
+  });
+}
+
+// What is wrong with a region by itself.
+void judge(Made& made, double plain_area) {
+  const RegionLayout& layout = *made.trial.layout;
+  const SkinnedRegion region = layout.region(made.trial.shape);
+  if (layout.embedded().empty() && !suspicious(region, plain_area)) return;
+  const SkinQuality quality = measure(region);
+  constexpr double far_off = 20;  // plain fillings: this is no surface in these lines any more
+  if (!std::isfinite(quality.area) || (plain_area > 0 && quality.area > far_off * plain_area))
+    throw NoSolutionError("the surface runs far away from its lines");
+  const auto add = [&](int evil, const std::string& why) {
+    made.evil += evil;
+    if (made.why.empty()) made.why = why;
+  };
+  for (const SurfaceFlaw& flaw : find_flaws({&region}, {quality}, {plain_area}))
+    switch (flaw.kind) {
+      case SurfaceFlaw::Kind::Jacobian:
+        add(4, "it turns over");
+        break;
+      case SurfaceFlaw::Kind::Fold:
+        add(2, "it folds");
+        break;
+      case SurfaceFlaw::Kind::Crossing:
+        add(2, "it passes through itself");
+        break;
+      case SurfaceFlaw::Kind::Area:
+        add(1, "it sags");
+        break;
+    }
+  if (quality.min_jacobian_ratio < kLeastJacobian) add(1, "it nearly turns over");
+  if (quality.max_line_gap > layout.tolerance()) add(1, "it misses its lines");
+}
+
+Made made_in(const Way& way, const RegionWish& wish, bool with_inner, const ModelFrame& frame,
+             const SurfaceStiffness& material) {
+  SkinOptions skin = wish.skin;
+  skin.domain = way.domain;
+  skin.settle = way.settle;
+  skin.edge_length *= way.edge;
+  std::vector<CharacterLine> lines = wish.lines;
+  if (!with_inner) lines.resize(lines.size() - static_cast<size_t>(wish.inner));
+  Made made;
+  made.trial.layout = std::make_shared<const RegionLayout>(wish.name, lines, skin);
+  made.trial.shape = ModelLayout(frame, {made.trial.layout}, {}).least_energy(material);
+  judge(made, wish.plain_area);
+  return made;
+}
+
+class Trials {
+ public:
+  Trials(const RegionWish& wish, const ModelFrame& frame, const SurfaceStiffness& material)
+      : wish_(wish), frame_(frame), material_(material) {}
+
+  RegionTrial best() {
+    for (const bool inner : {true, false}) {
+      if (!inner && wish_.inner == 0) break;
+      if (attempt({"", wish_.skin.domain}, inner)) return taken();
+      const Domain first =
+          best_ && best_inner_ == inner ? best_->trial.layout->domain() : Domain::Auto;
+      for (const Way& way : ways_after(wish_, first))
+        if (attempt(way, inner)) return taken();
+    }
+    if (!best_) std::rethrow_exception(first_error_);
+    return taken();
+  }
+
+ private:
+  // Whether there is nothing wrong with it.
+  bool attempt(const Way& way, bool inner) {
+    ++count_;
+    std::string why;
+    try {
+      Made made = made_in(way, wish_, inner, frame_, material_);
+      if (!inner) ++made.evil;
+      why = made.why;
+      const bool well = made.evil == (inner ? 0 : 1);
+      if (!best_ || made.evil < best_->evil) {
+        best_ = std::move(made);
+        best_way_ = way.word;
+        best_inner_ = inner;
+      }
+      if (well) return true;
+    } catch (const CancelledError&) {
+      throw;
+    } catch (const std::runtime_error& e) {
+      why = e.what();
+      if (!first_error_) first_error_ = std::current_exception();
+    }
+    if (count_ == 1) first_why_ = why;
+    return false;
+  }
+
+  RegionTrial taken() {
+    RegionTrial trial = std::move(best_->trial);
+    const int left = best_inner_ ? 0 : 1;
+    if (!best_inner_) trial.warnings.push_back("its inner lines are left out: " + first_why_);
+    if (best_->evil > left)
+      trial.warnings.push_back(std::to_string(count_) +
+                               " ways to make it were tried, and in the best " + best_->why);
+    else if (best_inner_ && !best_way_.empty())
+      trial.warnings.push_back("it is made " + best_way_ +
+                               ", since the usual way failed: " + first_why_);
+    return trial;
+  }
+
+  const RegionWish& wish_;
+  const ModelFrame& frame_;
+  const SurfaceStiffness& material_;
+  int count_ = 0;
+  std::optional<Made> best_;
+  std::string best_way_, first_why_;
+  bool best_inner_ = true;
+  std::exception_ptr first_error_;
+};
+
+}  // namespace
+
+bool turns_or_sags(const SkinnedRegion& region, double plain_area) {
+  if (!suspicious(region, plain_area)) return false;
+  const SkinQuality quality = measure(region);
+  return !(quality.min_jacobian_ratio >= kLeastJacobian) ||
+         (plain_area > 0 && quality.area > kMostArea * plain_area);
+}
+
+RegionTrial try_region(const RegionWish& wish, const ModelFrame& frame,
+                       const SurfaceStiffness& material) {
+  return Trials(wish, frame, material).best();
+}
+
+}  // namespace batten

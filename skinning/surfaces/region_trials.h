@@ -1,0 +1,45 @@
+// Lays out one region of a network in one way after the other, until its surface has no flaw.
+//
+// What its lines ask for is tried first. Where that fails, turns over, folds, passes through itself
+// or sags, the same lines are tried on the other domains, on a finer mesh, and then without inner
+// lines. The trial with the least of these evils stays:
+//
+//     evil = 4 [turns over] + 2 [folds] + 2 [passes through itself] + 1 [area > 2 plain fillings]
+//            + 1 [Jacobian < 0.05 of the median] + 1 [misses its lines] + 1 [without inner lines]
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "batten/skinning/model/model_layout.h"
+
+namespace batten {
+
+/// The region as it is asked for.
+struct RegionWish {
+  std::string name;
+  std::vector<CharacterLine> lines;  ///< the inner ones last
+  int inner = 0;                     ///< how many of them are inner lines
+  SkinOptions skin;                  ///< `domain`: the first to be tried
+  double plain_area = 0;             ///< of a plain filling; 0: unknown
+};
+
+/// A region that could be laid out, in the shape that its own lines make.
+struct RegionTrial {
+  std::shared_ptr<const RegionLayout> layout;
+  Points shape;
+  std::vector<std::string> warnings;  ///< what was tried before, and why it did not serve
+};
+
+/// Returns the first trial without a flaw, or else the one with the least evil; of equals the
+/// first. At most eleven trials, each as long as a RegionLayout, one solve and find_flaws(); one
+/// where the first is well. Throws what the first trial threw when all fail.
+RegionTrial try_region(const RegionWish& wish, const ModelFrame& frame,
+                       const SurfaceStiffness& material);
+
+/// Whether the Jacobian of a finished region falls below 0.05 of the median, or its area is more
+/// than twice that of a plain filling (0: unknown). O(triangles).
+bool turns_or_sags(const SkinnedRegion& region, double plain_area);
+
+}  // namespace batten
