@@ -80,7 +80,7 @@ struct Arguments {
   std::vector<std::string> files, inner, settings, only;
   SculptTask sculpt;
   std::vector<double> angles;
-  double edge_length = 0, tolerance = 0, pressure = 0;
+  double edge_length = 0, tolerance = 0, meet = 0, pressure = 0;
   double noise = 0, deviation = 0, wavelength = 0, corner_angle = FairOptions{}.corner_angle,
          segments = 0;
   int threads = 0, contours = 0;
@@ -161,6 +161,10 @@ Scene lines_scene(const Arguments& a) {
                                            {a.inner.begin(), a.inner.end()}, a.unit);
   scene.skin.options.edge_length = a.edge_length;
   scene.skin.options.tolerance = a.tolerance;
+  if (a.meet > 0) {
+    if (!scene.network) throw InputError("--meet is for lines of a --network");
+    scene.network->tolerance = a.meet;
+  }
   scene.compare = a.compare;
   if (a.exact_step) scene.step_form = Scene::StepForm::Exact;
   if (a.pressure != 0) {
@@ -341,6 +345,9 @@ CLI::App* add_skin(CLI::App& app, Arguments& a) {
   sub->add_option("--edge-length", a.edge_length, "Target length of element edges")
       ->check(kPositive);
   sub->add_option("--tolerance", a.tolerance, "Largest distance of fitted lines")->check(kPositive);
+  sub->add_option("--meet", a.meet,
+                  "Distance within which lines of a network meet; found unless given")
+      ->check(kPositive);
   sub->add_option("--compare", a.compare, "CAD file: measure the distance from its faces");
   sub->add_flag("--exact-step", a.exact_step,
                 "STEP to rounding, three faces a triangle, instead of one face a region");

@@ -118,6 +118,7 @@ NetworkReport network_report(const CharacterLineNetwork& network, const FoundReg
   report.nodes = count_of(network.nodes());
   report.size = network.size();
   report.tolerance = network.tolerance();
+  report.usual_share = network.usual_share();
   report.fit_tolerance = fit_tolerance;
   report.join_tolerance_deg = join_tolerance_deg;
   report.findings = network.findings();

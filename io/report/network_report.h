@@ -55,6 +55,8 @@ struct NetworkReport {
     double area = 0, volume = 0;
   };
   int lines = 0, arcs = 0, nodes = 0;
+  /// Share of ends that would meet within the usual tolerance (CharacterLineNetwork).
+  double usual_share = 1;
   double size = 0, tolerance = 0, fit_tolerance = 0, join_tolerance_deg = 0;
   bool optimal = true;
   std::vector<NetworkFinding> findings;

@@ -63,8 +63,10 @@ void add_network(Json& json, const NetworkReport& n) {
                         {"distance", f.distance},
                         {"repaired", f.repaired},
                         {"text", f.text}});
-  json["network"] = {{"lines", n.lines}, {"arcs", n.arcs},           {"nodes", n.nodes},
-                     {"size", n.size},   {"tolerance", n.tolerance}, {"findings", findings}};
+  json["network"] = {{"lines", n.lines},         {"arcs", n.arcs},
+                     {"nodes", n.nodes},         {"size", n.size},
+                     {"tolerance", n.tolerance}, {"usual_share", n.usual_share},
+                     {"findings", findings}};
   const auto list = [&](const char* key, const auto& items, const auto& one) {
     json[key] = Json::array();
     for (const auto& item : items) json[key].push_back(one(item));

@@ -188,14 +188,49 @@ void require_options(const NetworkOptions& options) {
     check(name, value, value >= 0 && value <= 180, "degrees from 0 to 180");
 }
 
-// The tolerance that was asked for, or its default.
-double tolerance_of(const NetworkOptions& options, double size) {
-  constexpr double default_tolerance = 1e-3;  // of the size
-  const double tolerance = options.tolerance > 0 ? options.tolerance : default_tolerance * size;
-  if (tolerance > 0.1 * size)
-    throw InputError("network: found tolerance = " + number(tolerance) +
+// The share of the lines' ends that meet another line; 1 where there is no end.
+double share_of_met_ends(const std::vector<Strand>& strands, const Contacts& contacts) {
+  std::vector<std::array<char, 2>> met(strands.size(), {0, 0});
+  for (const Contact& c : contacts.joined) {
+    if (strands[c.a].line == strands[c.b].line) continue;
+    if (c.ea >= 0) met[c.a][c.ea] = 1;
+    if (c.eb >= 0) met[c.b][c.eb] = 1;
+  }
+  int ends = 0, meeting = 0;
+  for (size_t k = 0; k < strands.size(); ++k)
+    for (size_t e = 0; e < 2 && !strands[k].closed; ++e) {
+      if (strands[k].corner[e]) continue;
+      ++ends;
+      meeting += met[k][e];
+    }
+  return ends > 0 ? static_cast<double>(meeting) / ends : 1;
+}
+
+struct Met {
+  double tolerance;
+  Contacts contacts;
+  double usual_share = 1;
+};
+
+// The contacts within the tolerance that was asked for or, without one, within the usual one; where
+// that joins less than half of the ends, within the first larger one that joins four fifths.
+Met meet(const std::vector<Strand>& strands, const NetworkOptions& options, double size) {
+  if (options.tolerance > 0.1 * size)
+    throw InputError("network: found tolerance = " + number(options.tolerance) +
                      ", expected at most a tenth of the network's size, " + number(size));
-  return tolerance;
+  if (options.tolerance > 0)
+    return {options.tolerance, find_contacts(strands, options.tolerance, size)};
+  constexpr double usual = 1e-3, largest = 2e-2, step = 1.4;  // of the size
+  Met met{usual * size, find_contacts(strands, usual * size, size)};
+  met.usual_share = share_of_met_ends(strands, met.contacts);
+  if (met.usual_share >= 0.5) return met;
+  for (double share = usual; share < largest;) {
+    share = std::min(step * share, largest);
+    Contacts contacts = find_contacts(strands, share * size, size);
+    if (share_of_met_ends(strands, contacts) >= 0.8)
+      return {share * size, std::move(contacts), met.usual_share};
+  }
+  return met;
 }
 
 double fit_of(const NetworkOptions& options, double size) {
@@ -279,12 +314,12 @@ CharacterLineNetwork::CharacterLineNetwork(const std::vector<CharacterLine>& lin
   progress.at("network", 0);
   const Strands strands = make_strands(lines, options.corner_angle);
   size_ = strands.size;
-  tolerance_ = tolerance_of(options, size_);
-
   progress.at("network", 0.1);
-  const Contacts contacts = find_contacts(strands.strands, tolerance_, size_);
+  const Met met = meet(strands.strands, options, size_);
+  tolerance_ = met.tolerance;
+  usual_share_ = met.usual_share;
   progress.at("network", 0.5);
-  NodesAndCuts net = make_nodes(strands, contacts, tolerance_, lines_, findings_);
+  NodesAndCuts net = make_nodes(strands, met.contacts, tolerance_, lines_, findings_);
   if (net.cuts.empty())
     throw InputError("the network has no line longer than its tolerance, " + number(tolerance_));
   canonical_nodes(strands, net);

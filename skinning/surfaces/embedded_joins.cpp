@@ -55,11 +55,12 @@ std::vector<double> angles(const JoinedModel& model) {
 
 JoinedModel refine_embedded_joins(JoinedModel model, const SurfaceStiffness& material,
                                   double most_deg, const Progress& progress) {
-  constexpr int most_rounds = 3;
+  constexpr int most_rounds = 3, most_triangles = 20'000;  // a round of more takes seconds
   constexpr double better = 0.9;
   std::vector<double> now = angles(model),
                       before(now.size(), std::numeric_limits<double>::infinity());
   for (int round = 0; round < most_rounds; ++round) {
+    if (model.layout->mesh()->triangle_count() > most_triangles) break;
     if (progress.cancelled && progress.cancelled()) throw CancelledError();
     std::vector<char> marks(model.layout->mesh()->triangle_count(), 0);
     bool any = false;

@@ -6,7 +6,6 @@
 #include "batten/core/errors.h"
 #include "batten/core/index.h"
 #include "batten/core/parallel.h"
-#include "batten/skinning/surfaces/region_trials.h"
 
 namespace batten {
 namespace {
@@ -87,6 +86,7 @@ RegionMaker::RegionMaker(const CharacterLineNetwork& network, const FoundRegions
   for (const NetworkNode& node : network.nodes())
     origin_ += node.position / static_cast<double>(network.nodes().size());
   place_vertices();
+  trials_.resize(model_.regions.size());
   layouts_.resize(model_.regions.size());
   first_.resize(model_.regions.size());
 }
@@ -164,13 +164,18 @@ void RegionMaker::lay_out_one(size_t r) {
   skin.tolerance = tolerance_;
   skin.domain = plan.ring ? SkinOptions::Domain::Ring : SkinOptions::Domain::Auto;
   skin.against_first = plan.loops[0][0].reversed;
-  RegionTrial trial = try_region(
-      {plan.name, lines_of(plan), count_of(plan.inner), skin, orientation_.plain_areas[r]}, frame(),
-      options_.material);
+  const RegionWish wish{plan.name, lines_of(plan), count_of(plan.inner), skin,
+                        orientation_.plain_areas[r]};
+  if (trials_[r].layout) {
+    trials_[r] = try_again(wish, trials_[r], frame(), options_.material);
+  } else {
+    trials_[r] = try_region(wish, frame(), options_.material);
+    model_.regions[r].warnings = trials_[r].warnings;
+  }
+  const RegionTrial& trial = trials_[r];
   model_.regions[r].skinned = trial.layout->region(trial.shape);
-  model_.regions[r].warnings = std::move(trial.warnings);
-  layouts_[r] = std::move(trial.layout);
-  first_[r] = std::move(trial.shape);
+  layouts_[r] = trial.layout;
+  first_[r] = trial.shape;
 }
 
 ModelFrame RegionMaker::frame() const {

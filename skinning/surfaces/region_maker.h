@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "batten/skinning/surfaces/orientation.h"
+#include "batten/skinning/surfaces/region_trials.h"
 #include "batten/skinning/surfaces/surface_model.h"
 
 namespace batten {
@@ -53,6 +54,7 @@ class RegionMaker {
   Vec3 origin_ = Vec3::Zero();
   Orientation orientation_;
   std::vector<std::shared_ptr<const GivenCurve>> given_;  // by arc: the curve and its vertices
+  std::vector<RegionTrial> trials_;  // how each region was laid out
   std::vector<std::shared_ptr<const RegionLayout>> layouts_;
   std::vector<Points> first_;
 };

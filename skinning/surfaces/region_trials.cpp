@@ -123,19 +123,14 @@ void judge(Made& made, double plain_area) {
   if (quality.max_line_gap > layout.tolerance()) add(1, "it misses its lines");
 }
 
-Made made_in(const Way& way, const RegionWish& wish, bool with_inner, const ModelFrame& frame,
-             const SurfaceStiffness& material) {
-  SkinOptions skin = wish.skin;
-  skin.domain = way.domain;
-  skin.settle = way.settle;
-  skin.edge_length *= way.edge;
+RegionTrial laid_out(const RegionWish& wish, const SkinOptions& skin, bool inner,
+                     const ModelFrame& frame, const SurfaceStiffness& material) {
   std::vector<CharacterLine> lines = wish.lines;
-  if (!with_inner) lines.resize(lines.size() - static_cast<size_t>(wish.inner));
-  Made made;
-  made.trial.layout = std::make_shared<const RegionLayout>(wish.name, lines, skin);
-  made.trial.shape = ModelLayout(frame, {made.trial.layout}, {}).least_energy(material);
-  judge(made, wish.plain_area);
-  return made;
+  if (!inner) lines.resize(lines.size() - static_cast<size_t>(wish.inner));
+  RegionTrial trial{
+      std::make_shared<const RegionLayout>(wish.name, lines, skin), {}, skin, inner, {}};
+  trial.shape = ModelLayout(frame, {trial.layout}, {}).least_energy(material);
+  return trial;
 }
 
 class Trials {
@@ -148,7 +143,7 @@ class Trials {
       if (!inner && wish_.inner == 0) break;
       if (attempt({"", wish_.skin.domain}, inner)) return taken();
       const Domain first =
-          best_ && best_inner_ == inner ? best_->trial.layout->domain() : Domain::Auto;
+          best_ && best_->trial.inner == inner ? best_->trial.layout->domain() : Domain::Auto;
       for (const Way& way : ways_after(wish_, first))
         if (attempt(way, inner)) return taken();
     }
@@ -159,23 +154,31 @@ class Trials {
  private:
   // Whether there is nothing wrong with it.
   bool attempt(const Way& way, bool inner) {
+    constexpr int most_triangles = 3'000;  // of all trials: large regions are tried less often
+    if (spent_ > most_triangles) return false;
     ++count_;
     std::string why;
     try {
-      Made made = made_in(way, wish_, inner, frame_, material_);
+      SkinOptions skin = wish_.skin;
+      skin.domain = way.domain;
+      skin.settle = way.settle;
+      skin.edge_length *= way.edge;
+      Made made{laid_out(wish_, skin, inner, frame_, material_), 0, ""};
+      judge(made, wish_.plain_area);
       if (!inner) ++made.evil;
       why = made.why;
+      spent_ += made.trial.layout->mesh()->triangle_count();
       const bool well = made.evil == (inner ? 0 : 1);
       if (!best_ || made.evil < best_->evil) {
         best_ = std::move(made);
         best_way_ = way.word;
-        best_inner_ = inner;
       }
       if (well) return true;
     } catch (const CancelledError&) {
       throw;
     } catch (const std::runtime_error& e) {
       why = e.what();
+      spent_ += triangles_a_line * count_of(wish_.lines);
       if (!first_error_) first_error_ = std::current_exception();
     }
     if (count_ == 1) first_why_ = why;
@@ -184,12 +187,12 @@ class Trials {
 
   RegionTrial taken() {
     RegionTrial trial = std::move(best_->trial);
-    const int left = best_inner_ ? 0 : 1;
-    if (!best_inner_) trial.warnings.push_back("its inner lines are left out: " + first_why_);
+    const int left = trial.inner ? 0 : 1;
+    if (!trial.inner) trial.warnings.push_back("its inner lines are left out: " + first_why_);
     if (best_->evil > left)
       trial.warnings.push_back(std::to_string(count_) +
                                " ways to make it were tried, and in the best " + best_->why);
-    else if (best_inner_ && !best_way_.empty())
+    else if (trial.inner && !best_way_.empty())
       trial.warnings.push_back("it is made " + best_way_ +
                                ", since the usual way failed: " + first_why_);
     return trial;
@@ -198,10 +201,10 @@ class Trials {
   const RegionWish& wish_;
   const ModelFrame& frame_;
   const SurfaceStiffness& material_;
-  int count_ = 0;
+  static constexpr int triangles_a_line = 60;  // of a region that failed, about
+  int count_ = 0, spent_ = 0;
   std::optional<Made> best_;
   std::string best_way_, first_why_;
-  bool best_inner_ = true;
   std::exception_ptr first_error_;
 };
 
@@ -217,6 +220,11 @@ bool turns_or_sags(const SkinnedRegion& region, double plain_area) {
 RegionTrial try_region(const RegionWish& wish, const ModelFrame& frame,
                        const SurfaceStiffness& material) {
   return Trials(wish, frame, material).best();
+}
+
+RegionTrial try_again(const RegionWish& wish, const RegionTrial& before, const ModelFrame& frame,
+                      const SurfaceStiffness& material) {
+  return laid_out(wish, before.skin, before.inner, frame, material);
 }
 
 }  // namespace batten

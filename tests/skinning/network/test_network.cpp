@@ -630,3 +630,39 @@ TEST_CASE("Random networks keep the laws, shuffled bit by bit") {
     }
   }
 }
+
+TEST_CASE("lines whose ends stop short of each other get the tolerance that joins them") {
+  // A box drawn by hand: each edge ends beside its corners.
+  for (const double gap : {0.0, 0.002, 0.012, 0.05}) {
+    std::vector<CharacterLine> lines;
+    for (int k = 0; k < 12; ++k) {
+      const int axis = k / 4;
+      Vec3 a = Vec3::Zero();
+      a[(axis + 1) % 3] = k % 2;
+      a[(axis + 2) % 3] = k / 2 % 2;
+      a[axis] = gap;
+      Vec3 b = a;
+      b[axis] = 1 - gap;
+      const std::string name = "edge " + std::to_string(k);
+      lines.push_back({name, curve_through_points(name, {a, b})});
+    }
+    const CharacterLineNetwork network(lines);
+    CAPTURE(gap);
+    const double size = network.size();
+    if (gap < 1e-3) {
+      CHECK(network.usual_share() == 1);
+      CHECK(network.tolerance() == Approx(1e-3 * size));
+    } else {
+      CHECK(network.usual_share() == 0);
+    }
+    // Ends at a corner are apart by gap √2.
+    if (gap == 0.002 || gap == 0.012) {
+      CHECK(network.nodes().size() == 8);
+      CHECK(network.tolerance() < 2 * std::numbers::sqrt2 * gap);
+    }
+    if (gap == 0.05) CHECK(network.tolerance() == Approx(1e-3 * size));  // too far apart for a hand
+    NetworkOptions stated;
+    stated.tolerance = 1e-4 * size;
+    CHECK(CharacterLineNetwork(lines, stated).tolerance() == 1e-4 * size);
+  }
+}
