@@ -154,8 +154,8 @@ class Trials {
  private:
   // Whether there is nothing wrong with it.
   bool attempt(const Way& way, bool inner) {
-    constexpr int most_triangles = 3'000;  // of all trials: large regions are tried less often
-    if (spent_ > most_triangles) return false;
+    constexpr int most_triangles = 8'000;  // of all trials: large regions are tried less often
+    if (spent_ > most_triangles && !way.word.empty()) return false;
     ++count_;
     std::string why;
     try {

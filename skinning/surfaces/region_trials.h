@@ -35,7 +35,7 @@ struct RegionTrial {
 };
 
 /// Returns the first trial without a flaw, or else the one with the least evil; of equals the
-/// first. At most eleven trials, and no more once they made 3,000 triangles; each as long as a RegionLayout, one solve and find_flaws(); one
+/// first. At most eleven trials, and no more once they made 8,000 triangles; each as long as a RegionLayout, one solve and find_flaws(); one
 /// where the first is well. Throws what the first trial threw when all fail.
 RegionTrial try_region(const RegionWish& wish, const ModelFrame& frame,
                        const SurfaceStiffness& material);
