@@ -57,7 +57,7 @@ class CharacterLineNetwork {
   double size() const { return size_; }
   double tolerance() const { return tolerance_; }
   /// Share of the lines' ends that meet another line within 1e-3 of the size; 1 where a tolerance
-  /// was asked for. Below 0.5, tolerance() was found (NetworkOptions).
+  /// was asked for. Below 0.5, a larger tolerance() was looked for (NetworkOptions).
   double usual_share() const { return usual_share_; }
   /// Indices of the arcs that have a name, their own or that of their line, along the line.
   /// Throws InputError, with the nearest name, when there is none.

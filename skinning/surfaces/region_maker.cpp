@@ -86,7 +86,7 @@ RegionMaker::RegionMaker(const CharacterLineNetwork& network, const FoundRegions
   for (const NetworkNode& node : network.nodes())
     origin_ += node.position / static_cast<double>(network.nodes().size());
   place_vertices();
-  trials_.resize(model_.regions.size());
+  ways_.resize(model_.regions.size());
   layouts_.resize(model_.regions.size());
   first_.resize(model_.regions.size());
 }
@@ -166,16 +166,13 @@ void RegionMaker::lay_out_one(size_t r) {
   skin.against_first = plan.loops[0][0].reversed;
   const RegionWish wish{plan.name, lines_of(plan), count_of(plan.inner), skin,
                         orientation_.plain_areas[r]};
-  if (trials_[r].layout) {
-    trials_[r] = try_again(wish, trials_[r], frame(), options_.material);
-  } else {
-    trials_[r] = try_region(wish, frame(), options_.material);
-    model_.regions[r].warnings = trials_[r].warnings;
-  }
-  const RegionTrial& trial = trials_[r];
+  RegionTrial trial = ways_[r] ? try_again(wish, *ways_[r], frame(), options_.material)
+                               : try_region(wish, frame(), options_.material);
+  if (!ways_[r]) model_.regions[r].warnings = std::move(trial.warnings);
+  ways_[r] = trial.way;
   model_.regions[r].skinned = trial.layout->region(trial.shape);
-  layouts_[r] = trial.layout;
-  first_[r] = trial.shape;
+  layouts_[r] = std::move(trial.layout);
+  first_[r] = std::move(trial.shape);
 }
 
 ModelFrame RegionMaker::frame() const {

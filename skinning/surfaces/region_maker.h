@@ -54,7 +54,7 @@ class RegionMaker {
   Vec3 origin_ = Vec3::Zero();
   Orientation orientation_;
   std::vector<std::shared_ptr<const GivenCurve>> given_;  // by arc: the curve and its vertices
-  std::vector<RegionTrial> trials_;  // how each region was laid out
+  std::vector<std::optional<RegionWay>> ways_;  // how each region was laid out
   std::vector<std::shared_ptr<const RegionLayout>> layouts_;
   std::vector<Points> first_;
 };

@@ -26,28 +26,12 @@ struct Way {
   double edge = 1;  // times the edge length that was asked for
 };
 
-std::string word_of(Domain domain) {
-  switch (domain) {
-    case Domain::Polygon:
-      return "polygon";
-    case Domain::Plane:
-      return "plane";
-    case Domain::Sheet:
-      return "sheet";
-    case Domain::Ring:
-      return "ring";
-    case Domain::Auto:
-      break;
-  }
-  return "domain";
-}
-
 std::vector<Way> ways_after(const RegionWish& wish, Domain first) {
   const Way finer{"with edges half as long", wish.skin.domain, false, 0.5};
   if (wish.skin.domain != Domain::Auto) return {finer};
   std::vector<Way> ways{{"as a settled polygon", Domain::Polygon, true}};
-  for (const Domain domain : {Domain::Plane, Domain::Sheet})
-    if (domain != first) ways.push_back({"as a " + word_of(domain), domain});
+  if (first != Domain::Plane) ways.push_back({"on a plane", Domain::Plane});
+  if (first != Domain::Sheet) ways.push_back({"as a sheet", Domain::Sheet});
   ways.push_back(finer);
   return ways;
 }
@@ -91,6 +75,14 @@ bool suspicious(const SkinnedRegion& region, double plain_area) {
   });
 }
 
+std::pair<int, const char*> evil_of(SurfaceFlaw::Kind kind) {
+  using Kind = SurfaceFlaw::Kind;
+  if (kind == Kind::Jacobian) return {4, "it turns over"};
+  if (kind == Kind::Fold) return {2, "it folds"};
+  if (kind == Kind::Crossing) return {2, "it passes through itself"};
+  return {1, "it sags"};
+}
+
 // What is wrong with a region by itself.
 void judge(Made& made, double plain_area) {
   const RegionLayout& layout = *made.trial.layout;
@@ -104,21 +96,10 @@ void judge(Made& made, double plain_area) {
     made.evil += evil;
     if (made.why.empty()) made.why = why;
   };
-  for (const SurfaceFlaw& flaw : find_flaws({&region}, {quality}, {plain_area}))
-    switch (flaw.kind) {
-      case SurfaceFlaw::Kind::Jacobian:
-        add(4, "it turns over");
-        break;
-      case SurfaceFlaw::Kind::Fold:
-        add(2, "it folds");
-        break;
-      case SurfaceFlaw::Kind::Crossing:
-        add(2, "it passes through itself");
-        break;
-      case SurfaceFlaw::Kind::Area:
-        add(1, "it sags");
-        break;
-    }
+  for (const SurfaceFlaw& flaw : find_flaws({&region}, {quality}, {plain_area})) {
+    const auto [evil, why] = evil_of(flaw.kind);
+    add(evil, why);
+  }
   if (quality.min_jacobian_ratio < kLeastJacobian) add(1, "it nearly turns over");
   if (quality.max_line_gap > layout.tolerance()) add(1, "it misses its lines");
 }
@@ -128,7 +109,7 @@ RegionTrial laid_out(const RegionWish& wish, const SkinOptions& skin, bool inner
   std::vector<CharacterLine> lines = wish.lines;
   if (!inner) lines.resize(lines.size() - static_cast<size_t>(wish.inner));
   RegionTrial trial{
-      std::make_shared<const RegionLayout>(wish.name, lines, skin), {}, skin, inner, {}};
+      std::make_shared<const RegionLayout>(wish.name, lines, skin), {}, {skin, inner}, {}};
   trial.shape = ModelLayout(frame, {trial.layout}, {}).least_energy(material);
   return trial;
 }
@@ -143,7 +124,7 @@ class Trials {
       if (!inner && wish_.inner == 0) break;
       if (attempt({"", wish_.skin.domain}, inner)) return taken();
       const Domain first =
-          best_ && best_->trial.inner == inner ? best_->trial.layout->domain() : Domain::Auto;
+          best_ && best_->trial.way.inner == inner ? best_->trial.layout->domain() : Domain::Auto;
       for (const Way& way : ways_after(wish_, first))
         if (attempt(way, inner)) return taken();
     }
@@ -187,12 +168,12 @@ class Trials {
 
   RegionTrial taken() {
     RegionTrial trial = std::move(best_->trial);
-    const int left = trial.inner ? 0 : 1;
-    if (!trial.inner) trial.warnings.push_back("its inner lines are left out: " + first_why_);
+    const int left = trial.way.inner ? 0 : 1;
+    if (!trial.way.inner) trial.warnings.push_back("its inner lines are left out: " + first_why_);
     if (best_->evil > left)
       trial.warnings.push_back(std::to_string(count_) +
                                " ways to make it were tried, and in the best " + best_->why);
-    else if (trial.inner && !best_way_.empty())
+    else if (trial.way.inner && !best_way_.empty())
       trial.warnings.push_back("it is made " + best_way_ +
                                ", since the usual way failed: " + first_why_);
     return trial;
@@ -222,9 +203,9 @@ RegionTrial try_region(const RegionWish& wish, const ModelFrame& frame,
   return Trials(wish, frame, material).best();
 }
 
-RegionTrial try_again(const RegionWish& wish, const RegionTrial& before, const ModelFrame& frame,
+RegionTrial try_again(const RegionWish& wish, const RegionWay& way, const ModelFrame& frame,
                       const SurfaceStiffness& material) {
-  return laid_out(wish, before.skin, before.inner, frame, material);
+  return laid_out(wish, way.skin, way.inner, frame, material);
 }
 
 }  // namespace batten

@@ -25,24 +25,30 @@ struct RegionWish {
   double plain_area = 0;             ///< of a plain filling; 0: unknown
 };
 
+/// How a region was laid out.
+struct RegionWay {
+  SkinOptions skin;
+  bool inner = true;  ///< whether with its inner lines
+};
+
 /// A region that could be laid out, in the shape that its own lines make.
 struct RegionTrial {
   std::shared_ptr<const RegionLayout> layout;
   Points shape;
-  SkinOptions skin;                   ///< with which it was laid out
-  bool inner = true;                  ///< whether with its inner lines
+  RegionWay way;
   std::vector<std::string> warnings;  ///< what was tried before, and why it did not serve
 };
 
 /// Returns the first trial without a flaw, or else the one with the least evil; of equals the
-/// first. At most eleven trials, and no more once they made 8,000 triangles; each as long as a RegionLayout, one solve and find_flaws(); one
-/// where the first is well. Throws what the first trial threw when all fail.
+/// first. At most ten trials, and only the usual ones once these made 8,000 triangles; each as long
+/// as a RegionLayout, one solve and find_flaws(); one where the first is well. Throws what the first
+/// trial threw when all fail.
 RegionTrial try_region(const RegionWish& wish, const ModelFrame& frame,
                        const SurfaceStiffness& material);
 
 /// Lays the region out once more, its lines cut at other places, in the way that was taken before.
 /// Throws what RegionLayout and the solve throw.
-RegionTrial try_again(const RegionWish& wish, const RegionTrial& before, const ModelFrame& frame,
+RegionTrial try_again(const RegionWish& wish, const RegionWay& way, const ModelFrame& frame,
                       const SurfaceStiffness& material);
 
 /// Whether the Jacobian of a finished region falls below 0.05 of the median, or its area is more

@@ -79,10 +79,12 @@ std::string line_results(const NetworkReport& n, const std::string& unit) {
                    counted(static_cast<size_t>(n.arcs), "piece", "pieces") + " between " +
                    counted(static_cast<size_t>(n.nodes), "place", "places") +
                    " where they meet within " + number(n.tolerance) + unit);
-  if (constexpr double prepared = 0.5; n.usual_share < prepared)
-    text += result_line(
-        "by hand", "within 1e-3 of their size only " + number(100 * n.usual_share) +
-                       " % of their ends would meet another line: say `tolerance` to have another");
+  if (constexpr double prepared = 0.5; n.usual_share < prepared) {
+    const bool found = n.tolerance > 1.1e-3 * n.size;
+    text += result_line("by hand", "within 1e-3 of their size only " + number(100 * n.usual_share) +
+                                       " % of their ends " + (found ? "would meet" : "meet") +
+                                       " another line: state `tolerance` (--meet) to have another");
+  }
   if (const std::string repaired = repairs(n); !repaired.empty())
     text += result_line("repaired", repaired + unit);
   std::vector<std::string> listed_only;
