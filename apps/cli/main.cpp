@@ -403,8 +403,8 @@ int command(int argc, char** argv) {
   } catch (const CLI::ParseError& e) {
     return app.exit(e) == 0 ? kDone : kBadInput;
   }
+  catch_interrupts(kCancelled);
   set_thread_count(a.threads);
-  catch_interrupts();
   if (*run_command) return run(a);
   if (*sculpt_command) return sculpt(a);
   if (*deform_command) return deform(a);
@@ -438,6 +438,10 @@ int main(int argc, char** argv) {
   } catch (const std::exception& e) {
     code = kNoSolution;
     message = std::string("unexpected: ") + e.what();
+  }
+  if (interrupted() && !message.empty()) {  // a file that was removed may have stopped it too
+    code = kCancelled;
+    message = CancelledError().what();
   }
   end_progress();
   if (!message.empty()) std::cerr << "batten: " << message << "\n";

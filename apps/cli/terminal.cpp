@@ -1,23 +1,46 @@
 #include "batten/apps/cli/terminal.h"
 
+#include <semaphore.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
+#include <ctime>
 #include <string>
+#include <thread>
+
+#include "batten/io/files/unfinished.h"
 
 namespace batten {
 namespace {
 
-volatile std::sig_atomic_t interrupted = 0;
-bool bar_is_drawn = false;
+std::atomic<bool> signal_came = false;
+std::atomic<bool> bar_is_drawn = false;
+sem_t signals;  // one up for each signal: all that a handler may do
 
-void interrupt(int signal) {
-  if (interrupted) std::signal(signal, SIG_DFL);
-  if (interrupted) std::raise(signal);
-  interrupted = 1;
+void count_signal(int) {
+  signal_came = true;
+  sem_post(&signals);
+}
+
+// Waits for a signal and for the work to stop; ends the program where it does not.
+void watch(int exit_code) {
+  while (sem_wait(&signals) != 0) {
+  }
+  timespec until{};
+  clock_gettime(CLOCK_REALTIME, &until);
+  until.tv_nsec += 300'000'000;
+  until.tv_sec += until.tv_nsec / 1'000'000'000;
+  until.tv_nsec %= 1'000'000'000;
+  sem_timedwait(&signals, &until);
+  discard_unfinished();
+  end_progress();
+  std::fputs("batten: cancelled\n", stderr);
+  std::_Exit(exit_code);
 }
 
 void draw(std::string_view stage, double fraction) {
@@ -34,15 +57,17 @@ void draw(std::string_view stage, double fraction) {
 
 }  // namespace
 
-void catch_interrupts() {
-  std::signal(SIGINT, interrupt);
-  std::signal(SIGTERM, interrupt);
-  std::signal(SIGHUP, interrupt);
+void catch_interrupts(int exit_code) {
+  sem_init(&signals, 0, 0);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) std::signal(signal, count_signal);
+  std::thread(watch, exit_code).detach();
 }
+
+bool interrupted() { return signal_came; }
 
 Progress terminal_progress(bool quiet) {
   Progress progress;
-  progress.cancelled = [] { return interrupted != 0; };
+  progress.cancelled = interrupted;
   if (quiet || !isatty(STDERR_FILENO)) return progress;
   using Clock = std::chrono::steady_clock;
   progress.report = [next = Clock::now() + std::chrono::seconds(1), last = std::string()](

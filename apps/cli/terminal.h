@@ -5,9 +5,12 @@
 
 namespace batten {
 
-/// Makes the first Ctrl-C (or SIGTERM, SIGHUP) ask the work to stop. The second one ends the
-/// program at once, because some libraries cannot be stopped; it may leave a hidden folder behind.
-void catch_interrupts();
+/// Makes Ctrl-C, SIGTERM and SIGHUP ask the work to stop. Some libraries cannot be stopped: after a
+/// third of a second, or at the second signal, a thread of its own removes what is unfinished and
+/// ends the program with this exit code.
+void catch_interrupts(int exit_code);
+/// Whether one of these signals came.
+bool interrupted();
 
 /// A progress that stops the work after an interrupt and draws a bar on standard error once the
 /// work takes more than a second. It draws none when `quiet`, or when standard error is not a

@@ -55,6 +55,7 @@ WholeFile::WholeFile(fs::path path) : path_(std::move(path)) {
   temporary_ =
       temporary_name(folder, target.stem().string().substr(0, 100), target.extension().string());
   path_ = target;
+  unfinished_.emplace(temporary_);
   if (const int reason = create(temporary_)) fail(path_, std::strerror(reason));
 }
 
@@ -65,7 +66,7 @@ WholeFile::~WholeFile() {
 
 void WholeFile::commit() {
   std::error_code error;
-  fs::rename(temporary_, path_, error);
+  finish_files([&] { fs::rename(temporary_, path_, error); });
   if (error) fail(path_, error.message());
   temporary_.clear();
 }

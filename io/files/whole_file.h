@@ -4,6 +4,9 @@
 #include <filesystem>
 #include <functional>
 #include <iosfwd>
+#include <optional>
+
+#include "batten/io/files/unfinished.h"
 
 namespace batten {
 
@@ -28,6 +31,7 @@ class WholeFile {
 
  private:
   std::filesystem::path path_, temporary_;
+  std::optional<Unfinished> unfinished_;
 };
 
 /// Writes a file, whole or not at all, with what `write` puts into the stream (numbers in the C

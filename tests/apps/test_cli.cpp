@@ -6,6 +6,9 @@
 #include <cmath>
 #include <thread>
 
+#include "batten/apps/cli/terminal.h"
+#include "batten/apps/commands/runs/run_parts.h"
+
 using namespace batten_test;
 
 namespace {
@@ -443,4 +446,25 @@ TEST_CASE("an interrupted run leaves nothing", "[cli]") {
     CHECK(r.err == "batten: cancelled\n");
     CHECK_FALSE(fs::exists(c / "out"));
   }
+}
+
+TEST_CASE("work that hears nothing is ended all the same", "[cli]") {
+  const Case c("deaf");
+  const pid_t child = fork();
+  if (child == 0) {
+    batten::catch_interrupts(130);
+    close(STDERR_FILENO);
+    const batten::OutputFolder out(c / "a/out");
+    write(out.file("half.txt"), "half");
+    fs::create_directory(out.file("pictures"));
+    const batten::WholeFile whole(c / "whole.txt");
+    raise(SIGTERM);
+    for (;;) pause();
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  CHECK(WIFEXITED(status));
+  CHECK(WEXITSTATUS(status) == 130);
+  c.file("other.txt", "");
+  CHECK(std::distance(fs::directory_iterator(c / ""), fs::directory_iterator()) == 1);
 }

@@ -14,8 +14,10 @@ OutputFolder::OutputFolder(fs::path folder) : folder_(std::move(folder)) {
   for (fs::path p = fs::absolute(folder_); !p.empty() && !fs::exists(p, error) && !error;
        p = p.parent_path())
     if (p.has_filename()) made_.insert(made_.begin(), p);
-  make_output_folder(folder_);
   hidden_ = folder_ / (".batten-" + std::to_string(getpid()));
+  for (const fs::path& p : made_) unfinished_.emplace_back(p, Unfinished::Content::Keep);
+  unfinished_.emplace_back(hidden_);
+  make_output_folder(folder_);
   fs::remove_all(hidden_, error);
   fs::create_directory(hidden_, error);
   if (error) throw InputError(hidden_.string() + ": cannot make this folder: " + error.message());
@@ -36,12 +38,15 @@ void OutputFolder::commit() {
     if (fs::is_directory(folder_ / name))
       throw InputError((folder_ / name).string() +
                        ": cannot write this file: a folder has this name");
-  for (const auto& name : names) {
-    std::error_code error;
-    fs::rename(hidden_ / name, folder_ / name, error);
-    if (error)
-      throw InputError((folder_ / name).string() + ": cannot write this file: " + error.message());
-  }
+  finish_files([&] {
+    for (const auto& name : names) {
+      std::error_code error;
+      fs::rename(hidden_ / name, folder_ / name, error);
+      if (error)
+        throw InputError((folder_ / name).string() +
+                         ": cannot write this file: " + error.message());
+    }
+  });
   committed_ = true;
 }
 

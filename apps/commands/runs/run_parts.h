@@ -3,20 +3,23 @@
 
 #include <chrono>
 #include <filesystem>
+#include <list>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "batten/core/errors.h"
 #include "batten/core/progress.h"
+#include "batten/io/files/unfinished.h"
 #include "batten/io/files/whole_file.h"
 #include "batten/io/report/report_parts.h"
 
 namespace batten {
 
 /// The output folder of a run: all its files appear, or none. Files are written into a hidden folder
-/// inside it, and commit() moves them to their names. Without a commit the destructor removes them
-/// and the folders that the constructor made; files of earlier runs stay as they were.
+/// inside it, and commit() moves them to their names. Without a commit the destructor, or
+/// discard_unfinished(), removes them and the folders that the constructor made; files of earlier
+/// runs stay as they were.
 class OutputFolder {
  public:
   /// Makes the folder and those above it. Throws InputError when it cannot be written to.
@@ -35,6 +38,7 @@ class OutputFolder {
  private:
   std::filesystem::path folder_, hidden_;
   std::vector<std::filesystem::path> made_;  // folders that were made, outermost first
+  std::list<Unfinished> unfinished_;         // all of these
   bool committed_ = false;
 };
 
