@@ -59,21 +59,58 @@ std::vector<Vec2> points_of_region(const FaceMaker& made) {
   return points;
 }
 
-/// Points of the file's face, by its knots: 3×3 of each cell that are inside of its trim.
-std::vector<Vec2> points_of_face(const TopoDS_Face& face, const Geom_BSplineSurface& surface) {
-  std::vector<Vec2> points;
-  BRepTopAdaptor_FClass2d classifier(face, 1e-9);
-  const int n = surface.NbUKnots() * surface.NbVKnots() > 10'000 ? 2 : 3;
-  for (int i = 1; i < surface.NbUKnots(); ++i)
-    for (int j = 1; j < surface.NbVKnots(); ++j)
-      for (int k = 0; k < n * n; ++k) {
-        const double s = (k / n + 0.5) / n, t = (k % n + 0.5) / n;
-        const gp_Pnt2d uv((1 - s) * surface.UKnot(i) + s * surface.UKnot(i + 1),
-                          (1 - t) * surface.VKnot(j) + t * surface.VKnot(j + 1));
-        if (classifier.Perform(uv) == TopAbs_IN) points.emplace_back(uv.X(), uv.Y());
+/// The knots of a surface in both directions, and which of their cells a border passes through.
+class KnotCells {
+ public:
+  KnotCells(std::vector<double> u, std::vector<double> v)
+      : u_(std::move(u)), v_(std::move(v)), passed_((u_.size() - 1) * (v_.size() - 1), 0) {}
+
+  /// A piece of the border, short against the cells.
+  void pass(const Vec2& a, const Vec2& b) {
+    const auto [i0, i1] = range(u_, a.x(), b.x());
+    const auto [j0, j1] = range(v_, a.y(), b.y());
+    for (size_t i = i0; i <= i1; ++i)
+      for (size_t j = j0; j <= j1; ++j) passed_[i * (v_.size() - 1) + j] = 1;
+  }
+
+  /// n² points of each cell that are `inside`. Asks once for neighbours that the border leaves
+  /// alone.
+  template <class Inside>
+  std::vector<Vec2> points(const Inside& inside) const {
+    const int n = u_.size() * v_.size() > 10'000 ? 2 : 3;
+    std::vector<Vec2> points;
+    for (size_t i = 0; i + 1 < u_.size(); ++i) {
+      enum { Unknown, In, Out } state = Unknown;
+      for (size_t j = 0; j + 1 < v_.size(); ++j) {
+        const bool passed = passed_[i * (v_.size() - 1) + j];
+        if (passed)
+          state = Unknown;
+        else if (state == Unknown)
+          state = inside(at(i, j, 0.5, 0.5)) ? In : Out;
+        for (int k = 0; k < n * n; ++k) {
+          const Vec2 uv = at(i, j, (k / n + 0.5) / n, (k % n + 0.5) / n);
+          if (passed ? inside(uv) : state == In) points.push_back(uv);
+        }
       }
-  return points;
-}
+    }
+    return points;
+  }
+
+ private:
+  Vec2 at(size_t i, size_t j, double s, double t) const {
+    return {(1 - s) * u_[i] + s * u_[i + 1], (1 - t) * v_[j] + t * v_[j + 1]};
+  }
+  static std::pair<size_t, size_t> range(const std::vector<double>& knots, double a, double b) {
+    const auto cell = [&](double x) {
+      const auto above = std::upper_bound(knots.begin() + 1, knots.end() - 1, x);
+      return static_cast<size_t>(above - knots.begin()) - 1;
+    };
+    return {cell(std::min(a, b)), cell(std::max(a, b))};
+  }
+
+  std::vector<double> u_, v_;
+  std::vector<char> passed_;
+};
 
 /// An edge of the file, along the loop.
 struct FileEdge {
@@ -119,6 +156,28 @@ std::optional<FileEdges> edges_of_face(const TopoDS_Face& face,
     if (!BRep_Tool::IsClosed(edge, face)) found.edges.push_back(e);
   }
   return found;
+}
+
+/// Points of the file's face, by the cells of its knots, that are inside of its trim.
+std::vector<Vec2> points_of_face(const TopoDS_Face& face, const Geom_BSplineSurface& surface,
+                                 const std::vector<FileEdge>& edges) {
+  std::vector<double> u, v;
+  for (int i = 1; i <= surface.NbUKnots(); ++i) u.push_back(surface.UKnot(i));
+  for (int j = 1; j <= surface.NbVKnots(); ++j) v.push_back(surface.VKnot(j));
+  KnotCells cells(u, v);
+  for (const FileEdge& e : edges) {
+    const int n = 8 * (surface.NbUKnots() + surface.NbVKnots());
+    gp_Pnt2d before = e.line->Value(e.at(0));
+    for (int i = 1; i <= n; ++i) {
+      const gp_Pnt2d here = e.line->Value(e.at(double(i) / n));
+      cells.pass({before.X(), before.Y()}, {here.X(), here.Y()});
+      before = here;
+    }
+  }
+  BRepTopAdaptor_FClass2d classifier(face, 1e-9);
+  return cells.points([&](const Vec2& uv) {
+    return classifier.Perform({uv.x(), uv.y()}) == TopAbs_IN;
+  });
 }
 
 /// How far an edge of the file is from the line, or from the region's rim where no other region has
@@ -177,13 +236,13 @@ void measure_face(const TopoDS_Face& face, const FaceMaker& made, StepPatch& rep
     return from_occ(surface->Value(u, uv.y()));
   };
   std::vector<Vec2> points = points_of_region(made);
-  for (const Vec2& uv : points_of_face(face, *surface)) points.push_back(uv);
 
   // Boundary curves, each with the edge of the file that is nearest to it at the same share of the
   // parameter.
   const auto found = edges_of_face(face, *surface);
   if (!found) return;
   const std::vector<FileEdge>& edges = found->edges;
+  for (const Vec2& uv : points_of_face(face, *surface, edges)) points.push_back(uv);
   report.edge_deviation = 0;
   std::vector<char> used(edges.size());
   for (const FaceLoop& loop : made.boundary().loops)
@@ -211,14 +270,22 @@ void settle(FaceMaker& made, double tolerance) {
   constexpr int most_fits = 5;
   for (int i = 0; i < most_fits; ++i) {
     std::vector<Vec2> points = points_of_region(made);
+    KnotCells cells(made.patch().u.knots(), made.patch().v.knots());
     for (const FaceLoop& loop : made.boundary().loops)
       for (const FaceStretch& stretch : loop) {
         const int n = 8 * (stretch.curve.segment_count() + stretch.image.segment_count() +
                            made.poles_u() + made.poles_v());
         const double start = stretch.curve.start(), end = stretch.curve.end();
-        for (int k = 0; k < n; ++k)
+        Vec2 before = stretch.first();
+        for (int k = 0; k < n; ++k) {
           points.push_back(stretch.uv(start + (end - start) * double(k) / n));
+          cells.pass(before, points.back());
+          before = points.back();
+        }
+        cells.pass(before, stretch.last());
       }
+    for (const Vec2& uv : cells.points([&](const Vec2& p) { return made.boundary().contains(p); }))
+      points.push_back(uv);
     const double deviation = largest(points.size(), [&](size_t k) {
       return (made.fitted_position(points[k]) - made.position(points[k])).norm();
     });

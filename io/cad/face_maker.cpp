@@ -157,12 +157,15 @@ Vec3 FaceMaker::fitted_position(const Vec2& uv) const { return fit_.patch.positi
 
 bool FaceMaker::refine(double deviation) {
   if (!fit_.reached || !std::isfinite(deviation)) return false;
-  // What one step misses by a hair lies where the fit has no samples: later steps are larger.
-  goal_ *= share_ * options_.tolerance / deviation;
-  share_ *= 0.8;
+  goal_ *= 0.9 * options_.tolerance / deviation;
   const PatchFit before = fit_;
-  fit(&before.patch);
-  if (fit_.reached) return true;
+  constexpr int most_steps = 6;
+  for (int i = 0; i < most_steps; ++i) {
+    fit(&before.patch);
+    if (!fit_.reached) break;
+    if (poles_u() * poles_v() > before.patch.poles.rows()) return true;
+    goal_ *= 0.8;  // what is missed by a hair lies where the fit has no samples
+  }
   fit_ = before;
   return false;
 }

@@ -62,13 +62,14 @@ class FaceMaker {
   double tolerance() const { return widest_; }
   int cells() const { return fit_.patch.u.intervals() * fit_.patch.v.intervals(); }
   Vec3 position(const Vec2& uv) const;
-  /// Returns the point of the last fit, model units.
+  /// Returns the last fit, moved to the origin; and a point of it, model units.
+  const BicubicPatch& patch() const { return fit_.patch; }
   Vec3 fitted_position(const Vec2& uv) const;
   int poles_u() const { return fit_.patch.u.functions(); }
   int poles_v() const { return fit_.patch.v.functions(); }
 
-  /// Fits anew, finer, after the face of a file was measured at this deviation from the region.
-  /// Returns false, and keeps the last fit, when no finer fit reaches its goal.
+  /// Fits anew, with more poles, after the face of a file was measured at this deviation from the region.
+  /// Returns false, and keeps the last fit, when none reaches its goal.
   bool refine(double deviation);
 
   /// Makes the face of the last fit. Its edges along lines with another side are those of `shared`,
@@ -96,7 +97,6 @@ class FaceMaker {
   Box3 box_;
   double size_ = 0, goal_ = 0, widest_ = 0;
   double coincidence_ = 0;
-  double share_ = 0.9;  // of the tolerance, that the next fit aims at
   PatchFit fit_;
   BRep_Builder builder_;
   Handle(Geom_BSplineSurface) surface_, surface_near_origin_;  // rounding is less at the origin
