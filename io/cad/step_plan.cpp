@@ -51,6 +51,7 @@ class Planner {
         for (const int k : group) done[k] = 1;
         add_shells(group);
       }
+    put_solids_first();
     return std::move(plan_);
   }
 
@@ -144,6 +145,19 @@ class Planner {
     StepShell shell{std::vector<int>(group.size()), closed && volume(group) > 0};
     std::iota(shell.regions.begin(), shell.regions.end(), start);
     plan_.shells.push_back(std::move(shell));
+  }
+
+  // STEP files list solids before other shells: faces come back in the order of the plan then.
+  void put_solids_first() {
+    std::stable_partition(plan_.shells.begin(), plan_.shells.end(),
+                          [](const StepShell& shell) { return shell.solid; });
+    const std::vector<const SkinnedRegion*> before = std::move(plan_.regions);
+    plan_.regions.clear();
+    for (StepShell& shell : plan_.shells)
+      for (int& r : shell.regions) {
+        plan_.regions.push_back(before[r]);
+        r = count_of(plan_.regions) - 1;
+      }
   }
 
   /// ⅓ ∬ x · (x_u × x_v).

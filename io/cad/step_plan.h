@@ -31,7 +31,7 @@ struct StepShell {
 
 /// The regions of a STEP file, and what they have in common.
 struct StepPlan {
-  std::vector<const SkinnedRegion*> regions;  ///< all regions, shell by shell
+  std::vector<const SkinnedRegion*> regions;  ///< all regions, shell by shell, solids first
   std::vector<StepShell> shells;
   std::map<std::string, StepLine> lines;  ///< all lines with a name, of boundaries and inside
   bool joined = false;                    ///< whether any line is there twice

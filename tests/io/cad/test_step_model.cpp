@@ -1,4 +1,5 @@
 // A model is one shell in the file: faces that use the same edges, closed where the model is.
+#include "batten/io/cad/step.h"
 #include "batten/io/cad/step_face.h"
 
 #include <cmath>
@@ -72,6 +73,27 @@ TEST_CASE("without its lid a box is an open shell, whose free edges are the rim"
   CHECK(r.closed_shells == 0);
   CHECK(r.solids == 0);
   CHECK(r.area == Approx(5200.0 - 1200).epsilon(1e-9));
+}
+
+TEST_CASE("a solid beside an open shell is measured face by face in both forms", "[step_model]") {
+  // The open shell comes first in the model, the solid first in the file.
+  std::vector<CharacterLine> lines = box({40, 30, 20}, "a_");
+  for (const CharacterLine& line : box({10, 10, 10}, "", {100, 0, 0})) lines.push_back(line);
+  RegionOptions regions;
+  RegionWord word;
+  word.kind = RegionWord::Kind::Nothing;
+  word.loops = {{"a_x2", "a_x3", "a_y1", "a_y3"}};
+  regions.words.push_back(word);
+  const MadeModel made = make_model(lines, regions, 40);
+  REQUIRE(made.model.shells.size() == 2);
+  CHECK_FALSE(made.model.shells[0].closed);
+  const StepReport r = written(made, "box_and_open_box", 1e-3);
+  CHECK(r.faces == 11);
+  CHECK(r.solids == 1);
+  CHECK(*r.max_deviation < 1e-9 * 120);
+  const StepReport exact =
+      write_step(scratch("step_model") / "exact.step", made.model.skinned(), kMm);
+  CHECK(*exact.max_deviation < 1e-9 * 120);
 }
 
 TEST_CASE("eight octants are a ball within the tolerance, and so are its volume and edges",
