@@ -38,12 +38,11 @@ StepReport write_step_faces(const std::filesystem::path& path,
   StepPlan plan = step_plan(regions);
   const std::string unit = cad_unit(model_unit_in_metres);
   WholeFile file(path);
-  if (plan.joined) cut_lines(plan, plan.regions);
-  const FittedFaces made = fitted_faces(plan.regions, plan, options);
-
   OccSettings occ;
   occ.set_unit(unit);
   try {
+    if (plan.joined) cut_lines(plan, plan.regions);
+    const FittedFaces made = fitted_faces(plan.regions, plan, options);
     StepReport report = refined(made, [&] {
       const bool valid = save(file.temporary(), plan, made,
                               reader_coincidence(model_unit_in_metres), options, occ);

@@ -76,6 +76,9 @@ struct DisplayFacets {
 /// between c(t0) and c(t1). Throws as above.
 DisplayFacets facets(const SkinnedRegion& region, int n, double edge_length = 0);
 
+/// Why a region has no facets, in words, or "". O(1) without embedded lines, else as facets().
+std::string why_no_facets(const SkinnedRegion& region);
+
 /// Returns the mean distance in space between the ends of element edges that are not outside, model
 /// units.
 double facet_length(const SkinnedRegion& region);

@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 
+#include "batten/core/errors.h"
 #include "batten/fem/triangle_locator.h"
 #include "batten/skinning/facets/facet_mesh.h"
 #include "batten/skinning/facets/facet_stops.h"
@@ -153,6 +154,16 @@ DisplayFacets facets(const SkinnedRegion& region, int n, double edge_length) {
   }
   result.tessellation = std::move(all.tessellation);
   return result;
+}
+
+std::string why_no_facets(const SkinnedRegion& region) {
+  if (region.embedded.empty()) return "";
+  try {
+    quadratic_facets(region);
+  } catch (const InputError& e) {
+    return e.what();
+  }
+  return "";
 }
 
 }  // namespace batten

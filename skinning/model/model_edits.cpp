@@ -132,6 +132,11 @@ void ModelLayout::plan_joins(const Points& shape) {
   for (size_t i = 0; i < plans.size(); ++i) join_plans_[index[i]] = plans[i];
 }
 
+void ModelLayout::give_up_join(const std::string& line, const std::string& why) {
+  for (JoinPlan& plan : join_plans_)
+    if (plan.join_line.name == line) plan.why_not = why;
+}
+
 double ModelLayout::join_misfit(const Points& shape) const {
   ModelLayout anew = *this;
   anew.plan_joins(shape);

@@ -155,6 +155,8 @@ class ModelLayout {
   /// Plans γ and δ of all smooth joins again, from a shape on this layout. Joins that turn out to
   /// be impossible are given up (JoinPlan::why_not). O(join lines).
   void plan_joins(const Points& shape);
+  /// Makes a crease of the line's smooth join, for a reason in words.
+  void give_up_join(const std::string& line, const std::string& why);
   /// Returns by how much γ and δ at the ends of smooth joins would change, relatively, if they were
   /// planned from this shape; infinite where an end would open or close, or a join is impossible.
   /// plan_joins() is due when this is not small.

@@ -6,6 +6,7 @@
 #include "batten/core/errors.h"
 #include "batten/fem/surface_transfer.h"
 #include "batten/fem/triangle_locator.h"
+#include "batten/skinning/facets/facets.h"
 
 namespace batten {
 
@@ -51,43 +52,101 @@ std::vector<double> angles(const JoinedModel& model) {
   return all;
 }
 
+class Refiner {
+ public:
+  Refiner(JoinedModel model, const SurfaceStiffness& material, double most_deg)
+      : model_(std::move(model)),
+        material_(material),
+        most_deg_(most_deg),
+        now_(angles(model_)),
+        before_(now_.size(), std::numeric_limits<double>::infinity()) {}
+
+  JoinedModel refined(const Progress& progress) {
+    constexpr int most_rounds = 3;
+    for (int round = 0; round < most_rounds && halve(); ++round) {
+      give_up_hopeless(false);
+      if (progress.cancelled && progress.cancelled()) throw CancelledError();
+    }
+    while (give_up_hopeless(true)) {
+    }
+    return std::move(model_);
+  }
+
+ private:
+  bool falls(size_t j) const {
+    constexpr double better = 0.9;
+    return now_[j] > most_deg_ && now_[j] < better * before_[j];
+  }
+
+  // Whether there was anything to halve, and the finer mesh has a shape.
+  bool halve() {
+    constexpr int most_triangles = 20'000;  // a round of more takes seconds
+    if (model_.layout->mesh()->triangle_count() > most_triangles) return false;
+    std::vector<char> marks(model_.layout->mesh()->triangle_count(), 0);
+    bool any = false;
+    const auto& plans = model_.layout->join_plans();
+    for (size_t j = 0; j < now_.size(); ++j) {
+      if (!falls(j)) continue;
+      any = true;
+      for (const JoinSide& side : plans[j].join_line.sides) mark_along(*model_.layout, side, marks);
+    }
+    if (!any) return false;
+    auto finer = std::make_shared<ModelLayout>(*model_.layout);
+    const std::vector<double> now = now_;
+    if (!finer->refine(marks)) return false;
+    const Points shape = carried_over(*model_.layout, model_.dofs, *finer);
+    for (int r = 0; r < finer->region_count(); ++r)
+      if (finer->region(r).mesh() != model_.layout->region(r).mesh() &&
+          !why_no_facets(finer->skinned(r, shape)).empty())
+        return false;
+    if (!solve(finer, shape)) return false;
+    before_ = now;
+    return true;
+  }
+
+  // Makes creases of joins that stay bad. Whether there is any.
+  bool give_up_hopeless(bool last) {
+    constexpr double better_a_crease = 0.5;  // degrees
+    auto fewer = std::make_shared<ModelLayout>(*model_.layout);
+    bool any = false;
+    for (size_t j = 0; j < now_.size(); ++j) {
+      if (now_[j] <= better_a_crease || (!last && falls(j))) continue;
+      fewer->give_up_join(model_.layout->join_plans()[j].join_line.name,
+                          "a region carries it embedded, and would leave an angle of " +
+                              number(now_[j]) + " degrees");
+      any = true;
+    }
+    return any && solve(fewer, model_.dofs);
+  }
+
+  // Plans all joins of another layout from a shape on it and takes both, unless that is too much
+  // for its mesh.
+  bool solve(const std::shared_ptr<ModelLayout>& layout, const Points& shape) {
+    layout->plan_joins(shape);
+    JoinedModel next{layout, {}};
+    try {
+      next.dofs = layout->least_energy(material_);
+    } catch (const CancelledError&) {
+      throw;
+    } catch (const Error&) {
+      return false;
+    }
+    now_ = angles(next);
+    model_ = std::move(next);
+    return true;
+  }
+
+  JoinedModel model_;
+  const SurfaceStiffness& material_;
+  const double most_deg_;
+  std::vector<double> now_, before_;  // degrees at each join plan; on the mesh before
+};
+
 }  // namespace
 
 JoinedModel refine_embedded_joins(JoinedModel model, const SurfaceStiffness& material,
                                   double most_deg, const Progress& progress) {
-  constexpr int most_rounds = 3, most_triangles = 20'000;  // a round of more takes seconds
-  constexpr double better = 0.9;
-  std::vector<double> now = angles(model),
-                      before(now.size(), std::numeric_limits<double>::infinity());
-  for (int round = 0; round < most_rounds; ++round) {
-    if (model.layout->mesh()->triangle_count() > most_triangles) break;
-    if (progress.cancelled && progress.cancelled()) throw CancelledError();
-    std::vector<char> marks(model.layout->mesh()->triangle_count(), 0);
-    bool any = false;
-    const auto& plans = model.layout->join_plans();
-    for (size_t j = 0; j < now.size(); ++j) {
-      if (!(now[j] > most_deg) || !(now[j] < better * before[j])) continue;
-      any = true;
-      for (const JoinSide& side : plans[j].join_line.sides) mark_along(*model.layout, side, marks);
-    }
-    if (!any) break;
-    auto finer = std::make_shared<ModelLayout>(*model.layout);
-    if (!finer->refine(marks)) break;
-    finer->plan_joins(carried_over(*model.layout, model.dofs, *finer));
-    JoinedModel next{finer, {}};
-    try {
-      next.dofs = finer->least_energy(material);
-    } catch (const CancelledError&) {
-      throw;
-    } catch (const Error&) {  // too much for this mesh: the last shape stands
-      break;
-    }
-    before = now;
-    now = angles(next);
-    model = std::move(next);
-  }
-  model.angles = std::move(now);
-  return model;
+  return Refiner(std::move(model), material, most_deg).refined(progress);
 }
 
 }  // namespace batten

@@ -19,14 +19,12 @@ Points carried_over(const ModelLayout& layout, const Points& dofs, const ModelLa
 struct JoinedModel {
   std::shared_ptr<const ModelLayout> layout;
   Points dofs;
-  /// Degrees at each of the layout's join plans: the largest angle inside; 0 where no region has the line
-  /// embedded.
-  std::vector<double> angles = {};
 };
 
 /// The angle at joins on embedded lines falls with the size of their triangles. This halves those
 /// along lines whose angle is above `most_deg`, plans all joins anew from the shape, and solves for
-/// least bending, as long as the angles fall; at most three times, and no more above 20,000 triangles.
+/// least bending, as long as the angles fall; at most three times, and no more above 20,000
+/// triangles. Joins that stay above half a degree become creases (JoinPlan::why_not).
 JoinedModel refine_embedded_joins(JoinedModel model, const SurfaceStiffness& material,
                                   double most_deg, const Progress& progress = {});
 

@@ -175,6 +175,14 @@ void RegionMaker::lay_out_one(size_t r) {
   first_[r] = std::move(trial.shape);
 }
 
+void RegionMaker::leave_out(int r, const std::string& why) {
+  ModelRegion& region = model_.regions[r];
+  region.why_not = why;
+  region.skinned.reset();
+  region.in_layout = -1;
+  layouts_[r] = nullptr;
+}
+
 ModelFrame RegionMaker::frame() const {
   return {options_.name, network_.size(), tolerance_, origin_, options_.join_tolerance_deg};
 }

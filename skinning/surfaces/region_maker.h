@@ -28,6 +28,8 @@ class RegionMaker {
   /// why one could not be skinned; one that could be before stays as it was then. `from`, `to`:
   /// range of the progress that is reported.
   void lay_out(const std::vector<int>& which, double from, double to);
+  /// Leaves a region out after all, for a reason in words.
+  void leave_out(int region, const std::string& why);
   /// Puts a mesh vertex between any two on this arc, for the next lay_out().
   void halve(int arc);
 

@@ -10,6 +10,7 @@
 #include "batten/core/index.h"
 #include "batten/core/parallel.h"
 #include "batten/core/words.h"
+#include "batten/skinning/facets/facets.h"
 #include "batten/skinning/surfaces/embedded_joins.h"
 #include "batten/skinning/surfaces/join_choice.h"
 #include "batten/skinning/surfaces/measure_model.h"
@@ -74,10 +75,9 @@ class ModelMaker {
     constexpr int most_rounds = 2;
     int round = 0;
     do {
-      do {
-        plans = joined();
-      } while (!finish(plans));
-    } while (round++ < most_rounds && free_spoiled(plans));
+      plans = joined();
+      finish(plans);
+    } while (leave_out_broken() || (round++ < most_rounds && free_spoiled(plans)));
     tell_joins(plans);
     for (ModelRegion& region : model_.regions)
       if (region.in_layout >= 0) {
@@ -263,6 +263,23 @@ class ModelMaker {
     }
   }
 
+  // Regions of which no facets can be made would take every file with them. Whether there is any.
+  bool leave_out_broken() {
+    bool any = false;
+    for (size_t r = 0; r < model_.regions.size(); ++r) {
+      if (!model_.regions[r].skinned) continue;
+      const std::string why = why_no_facets(*model_.regions[r].skinned);
+      if (why.empty()) continue;
+      regions_.leave_out(static_cast<int>(r), why);
+      for (size_t s = 0; s < join_lines_.size(); ++s)
+        for (const JoinSide& side : join_lines_[s].sides)
+          if (side.region == static_cast<int>(r))
+            given_up_[join_of(s).arc] = "one of its regions could not be skinned";
+      any = true;
+    }
+    return any;
+  }
+
   // Regions that are well by themselves and turn over, or sag, in one shape with their neighbours:
   // their joins are given up. Whether there is any.
   bool free_spoiled(const std::vector<JoinPlan>& plans) {
@@ -293,8 +310,8 @@ class ModelMaker {
         model_.regions[r].skinned = layout->region(dofs[r]);
   }
 
-  // Makes the model's layout and shape. False when joins on embedded lines were given up.
-  bool finish(const std::vector<JoinPlan>& plans) {
+  // Makes the model's layout and shape, on which joins on embedded lines may be given up.
+  void finish(std::vector<JoinPlan>& plans) {
     std::map<int, int> number;
     std::vector<std::shared_ptr<const RegionLayout>> made;
     std::vector<Points> shapes;
@@ -306,7 +323,7 @@ class ModelMaker {
       made.push_back(layout);
       shapes.push_back(dofs_[r]);
     }
-    if (made.empty()) return true;
+    if (made.empty()) return;
     std::vector<JoinPlan> joined;
     for (const JoinPlan& plan : plans)
       if (!plan.given_up()) joined.push_back(renumbered(plan, number));
@@ -317,20 +334,16 @@ class ModelMaker {
                                                 options_.join_tolerance_deg, progress_);
     model_.layout = std::move(refined.layout);
     model_.dofs = std::move(refined.dofs);
-    constexpr double better_a_crease = 0.5;
-    bool all = true;
-    for (const ModelJoin& join : model_.joins)
-      for (size_t j = 0; j < refined.angles.size(); ++j)
-        if (model_.layout->join_plans()[j].join_line.name == join.line &&
-            refined.angles[j] > better_a_crease) {
-          give_up_embedded(join.arc, refined.angles[j]);
-          all = false;
-        }
-    if (!all) return false;
+    const auto& of_layout = model_.layout->join_plans();  // of those that were not given up before
+    size_t next = 0;
+    for (size_t s = 0; s < plans.size(); ++s) {
+      if (plans[s].given_up()) continue;
+      const JoinPlan& plan = of_layout[next++];
+      if (plan.given_up()) given_up_[join_of(s).arc] = plans[s].why_not = plan.why_not;
+    }
     for (ModelRegion& region : model_.regions)
       if (region.in_layout >= 0)
         region.skinned = model_.layout->skinned(region.in_layout, model_.dofs);
-    return true;
   }
 
   const CharacterLineNetwork& network_;

@@ -270,6 +270,7 @@ Report run_scene(const Scene& scene, const std::filesystem::path& folder,
     run.report.files.push_back(sweep.picture.file);
   }
   if (!scene.pictures.empty() || !scene.sweeps.empty()) run.watch.lap("pictures");
+  write_step_file(run, scene, made, progress);
   run.finish(progress);
   run.out.commit();
   return std::move(run.report);

@@ -300,6 +300,7 @@ class SculptRun {
     write_files(run_, scene_, made_, shape, progress_);
     draw_pictures(run_, scene_, made_, shape, progress_);
     if (!scene_.pictures.empty()) run_.watch.lap("pictures");
+    write_step_file(run_, scene_, made_, progress_);
     run_.finish(progress_);
     if (!task_.record.empty()) write_session_log(task_.record, session_->recorded());
     run_.out.commit();

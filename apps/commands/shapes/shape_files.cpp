@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <set>
 
 #include "batten/apps/commands/lines/fair_lines.h"
@@ -89,12 +90,61 @@ void compare_into(Report& report, const Scene& scene,
   report.comparison = c;
 }
 
+using Regions = std::vector<const SkinnedRegion*>;
+
+/// Writes a file by `write`, which is given a list of the numbers of all regions. Where it refuses
+/// regions of a network, each is tried alone, on a copy of the report, and those that can be written
+/// are: report.missed says what is not there.
+template <class Write>
+void write_what_can_be(Report& report, const OutputFolder& out, const std::string& file,
+                       const Regions& regions, bool of_network, const Write& write) {
+  std::string why;
+  const auto refused = [&](const std::vector<int>& some, Report& into) {
+    Report next = into;
+    try {
+      write(some, next);
+    } catch (const CancelledError&) {
+      throw;
+    } catch (const Error& e) {
+      if (!of_network) throw;
+      why = e.what();
+      return true;
+    }
+    into = std::move(next);
+    return false;
+  };
+  std::vector<int> all(regions.size()), good;
+  std::iota(all.begin(), all.end(), 0);
+  if (refused(all, report)) {
+    for (const int r : all) {
+      Report trial = report;
+      if (!refused({r}, trial))
+        good.push_back(r);
+      else
+        report.missed.push_back({file, "is without region '" + regions[r]->name + "': " + why});
+    }
+    if (good.empty() || refused(good, report)) {
+      report.missed.push_back({file, "is not written: " + why});
+      std::filesystem::remove(out.file(file));  // that of a trial
+      return;
+    }
+  }
+  report.files.push_back(file);
+}
+
+template <class Whole>
+std::vector<Whole> picked(const std::vector<Whole>& all, const std::vector<int>& which) {
+  std::vector<Whole> some;
+  for (const int i : which) some.push_back(all[i]);
+  return some;
+}
+
 // No face can be fitted to a surface that turns over.
-std::vector<const SkinnedRegion*> with_faces(Report& report, const SurfaceModel& model) {
+Regions with_faces(Report& report, const SurfaceModel& model) {
   std::set<int> over;
   for (const SurfaceFlaw& flaw : model.flaws)
     if (flaw.kind == SurfaceFlaw::Kind::Jacobian) over.insert(flaw.regions[0]);
-  std::vector<const SkinnedRegion*> regions;
+  Regions regions;
   for (int r = 0; r < count_of(model.regions); ++r) {
     const ModelRegion& region = model.regions[r];
     if (region.skinned && !over.count(r)) regions.push_back(&*region.skinned);
@@ -143,10 +193,8 @@ StepReport face_step(Report& report, const Scene& scene,
 }
 
 void write_step_into(Report& report, const Scene& scene, const MadeModel& made,
-                     const OutputFolder& out) {
+                     const Regions& regions, const OutputFolder& out) {
   using Form = Scene::StepForm;
-  const auto regions = with_faces(report, made.model);
-  if (regions.empty()) throw InputError("no region has a surface that does not turn over");
   const bool cut = std::any_of(regions.begin(), regions.end(),
                                [](const SkinnedRegion* r) { return r->surface.trim(); });
   if (scene.step_form == Form::Exact && cut && !made.network)
@@ -156,23 +204,17 @@ void write_step_into(Report& report, const Scene& scene, const MadeModel& made,
   Report::Step& s = report.step.emplace();
   s.form = scene.step_form == Form::Exact ? "exact" : "face";
   s.file = scene.step;
-  StepReport step;
-  try {
-    step =
-        (s.form == "face" ? face_step : exact_step)(report, scene, regions, out.file(scene.step));
-    constexpr int few_triangles = 10'000;
-    if (scene.step_form == Form::Auto && !cut && !made.network && !step.reached &&
-        regions.front()->surface.mesh().triangle_count() <= few_triangles) {
-      report.warnings.push_back("one face in '" + scene.step + "' would be " +
-                                number(step.max_deviation.value_or(std::nan(""))) + " " +
-                                scene.unit + " off the surface: it has three a triangle");
-      s.form = "exact";
-      s.tolerance = s.poles_u = s.poles_v = 0;
-      step = exact_step(report, scene, regions, out.file(scene.step));
-    }
-  } catch (...) {
-    report.step.reset();
-    throw;
+  StepReport step =
+      (s.form == "face" ? face_step : exact_step)(report, scene, regions, out.file(scene.step));
+  constexpr int few_triangles = 10'000;
+  if (scene.step_form == Form::Auto && !cut && !made.network && !step.reached &&
+      regions.front()->surface.mesh().triangle_count() <= few_triangles) {
+    report.warnings.push_back("one face in '" + scene.step + "' would be " +
+                              number(step.max_deviation.value_or(std::nan(""))) + " " + scene.unit +
+                              " off the surface: it has three a triangle");
+    s.form = "exact";
+    s.tolerance = s.poles_u = s.poles_v = 0;
+    step = exact_step(report, scene, regions, out.file(scene.step));
   }
   s.faces = step.faces;
   s.bytes = step.bytes;
@@ -185,7 +227,6 @@ void write_step_into(Report& report, const Scene& scene, const MadeModel& made,
   s.free_edges = step.free_edges;
   s.volume = step.volume;
   for (const auto& w : step.warnings) report.warnings.push_back(scene.step + ": " + w);
-  report.files.push_back(scene.step);
 }
 
 ShellDeck deck_of(const Scene& scene, const MadeModel& made) {
@@ -222,7 +263,7 @@ ShellDeck deck_of(const Scene& scene, const MadeModel& made) {
 }
 
 void write_vtk_files(Report& report, const Scene& scene, const MadeModel& made,
-                     const MadeShape& shape, const OutputFolder& out, const auto& unless_refused) {
+                     const MadeShape& shape, const OutputFolder& out) {
   VtkOptions vtk;
   if (made.network) vtk.lines = vtk_lines(*made.network, made.model);
   // Displacements are from what the lines alone make.
@@ -231,12 +272,16 @@ void write_vtk_files(Report& report, const Scene& scene, const MadeModel& made,
     for (int r = 0; r < shape.layout->region_count(); ++r)
       unloaded.push_back(shape.layout->skinned(r, shape.unloaded).surface);
   for (const Surface& surface : unloaded) vtk.references.push_back(&surface);
+  const Regions regions = shape.all();
   const auto write_vtk = [&](const std::string& file, const auto& write) {
     if (file.empty()) return;
-    unless_refused(file, [&] {
-      write(out.file(file), shape.all(), vtk);
-      report.files.push_back(file);
-    });
+    write_what_can_be(report, out, file, regions, made.network.has_value(),
+                      [&](const std::vector<int>& which, Report&) {
+                        VtkOptions of_some = vtk;
+                        if (!vtk.references.empty())
+                          of_some.references = picked(vtk.references, which);
+                        write(out.file(file), picked(regions, which), of_some);
+                      });
   };
   write_vtk(scene.vtp, write_vtp);
   write_vtk(scene.vtu, write_vtu);
@@ -252,35 +297,39 @@ void write_files(ShapeRun& run, const Scene& scene, const MadeModel& made, const
     compare_into(report, scene, shape.all(), progress);
     run.watch.lap("compare");
   }
-  // One region that a file cannot have does not take the others' files away.
-  const auto unless_refused = [&](const std::string& file, const auto& write) {
-    try {
-      write();
-    } catch (const InputError& e) {
-      if (!made.network) throw;
-      report.missed.push_back({file, std::string("is not written: ") + e.what()});
-    }
-  };
   progress.at("files", 0);
-  if (!scene.step.empty()) {
-    progress.at("STEP", 0);
-    unless_refused(scene.step, [&] { write_step_into(report, scene, made, run.out); });
-    run.watch.lap("step");
-  }
   if (!scene.vtp.empty() || !scene.vtu.empty()) {
     progress.at("VTK", 0);
-    write_vtk_files(report, scene, made, shape, run.out, unless_refused);
+    write_vtk_files(report, scene, made, shape, run.out);
     run.watch.lap("vtk");
   }
   if (!scene.calculix.empty()) {
     // A support or pressure on what is not there is the scene's mistake.
     const ShellDeck deck = deck_of(scene, made);
-    unless_refused(scene.calculix, [&] {
-      write_calculix(run.out.file(scene.calculix), shape.all(), deck);
-      report.files.push_back(scene.calculix);
-    });
+    const Regions regions = shape.all();
+    write_what_can_be(report, run.out, scene.calculix, regions, made.network.has_value(),
+                      [&](const std::vector<int>& which, Report&) {
+                        write_calculix(run.out.file(scene.calculix), picked(regions, which), deck);
+                      });
     run.watch.lap("calculix");
   }
+}
+
+void write_step_file(ShapeRun& run, const Scene& scene, const MadeModel& made,
+                     const Progress& progress) {
+  if (scene.step.empty() || made.model.skinned().empty()) return;
+  progress.at("STEP", 0);
+  const Regions regions = with_faces(run.report, made.model);
+  if (regions.empty()) {
+    run.report.missed.push_back(
+        {scene.step, "is not written: no region has a surface that does not turn over"});
+    return;
+  }
+  write_what_can_be(run.report, run.out, scene.step, regions, made.network.has_value(),
+                    [&](const std::vector<int>& which, Report& into) {
+                      write_step_into(into, scene, made, picked(regions, which), run.out);
+                    });
+  run.watch.lap("step");
 }
 
 PictureScene picture_of(const PictureScene& look, const MadeModel& made, const MadeShape& shape) {
@@ -297,13 +346,13 @@ void draw_pictures(ShapeRun& run, const Scene& scene, const MadeModel& made, con
   for (const auto& picture : scene.pictures) {
     if (!can_draw(report, picture.file)) continue;
     progress.at("picture " + picture.file, 0);
-    try {
-      draw_picture(run.out.file(picture.file), picture_of(picture.look, made, shape), picture.size);
-      report.files.push_back(picture.file);
-    } catch (const InputError& e) {
-      if (!made.network) throw;
-      report.missed.push_back({picture.file, std::string("is not drawn: ") + e.what()});
-    }
+    const Regions regions = shape.all();
+    write_what_can_be(report, run.out, picture.file, regions, made.network.has_value(),
+                      [&](const std::vector<int>& which, Report&) {
+                        PictureScene look = picture_of(picture.look, made, shape);
+                        look.regions = picked(regions, which);
+                        draw_picture(run.out.file(picture.file), look, picture.size);
+                      });
   }
 }
 

@@ -27,8 +27,8 @@ MadeModel model_of(ShapeRun& run, const Scene& scene, const Progress& progress);
 void measure_into(ShapeRun& run, MadeModel& made, const MadeShape& shape, const Scene& scene,
                   const Progress& progress);
 
-/// Does [compare] and writes the files of [output]: all but report.json and pictures. When a file
-/// cannot hold a region of a network, report.missed says so, and the other files are written.
+/// Does [compare] and writes the files of [output]: all but report.json, pictures and STEP. When a
+/// file cannot hold a region of a network, it is written without it, and report.missed says so.
 /// Throws InputError.
 void write_files(ShapeRun& run, const Scene& scene, const MadeModel& made, const MadeShape& shape,
                  const Progress& progress);
@@ -36,6 +36,11 @@ void write_files(ShapeRun& run, const Scene& scene, const MadeModel& made, const
 /// Draws the pictures of [[picture]]. Without a display it draws none, and report.missed says so.
 void draw_pictures(ShapeRun& run, const Scene& scene, const MadeModel& made, const MadeShape& shape,
                    const Progress& progress);
+
+/// Writes the STEP file of [output]: the last one, since it takes longest. Regions that turn over
+/// are not in it; others as in write_files().
+void write_step_file(ShapeRun& run, const Scene& scene, const MadeModel& made,
+                     const Progress& progress);
 
 /// What to draw of a shape: `look` with its regions, and with the arcs of the network that no
 /// region has.
