@@ -15,7 +15,8 @@ const std::vector<std::string>& curve_file_endings();
 /// Writes all curves into one file, which appears whole or not at all. Its ending says the kind.
 ///
 ///   .curves .csv .obj   The points on the curves at `parameters`, so that a faired file has as
-///                       many points as before. read_point_lines() reads the digits back as the
+///                       many points as before (less those that fairing moved to the place of
+///                       their neighbour). read_point_lines() reads the digits back as the
 ///                       same numbers. Names are comments in .csv and `o` records in .obj; .curves
 ///                       has none.
 ///   .vtp                A polyline of 400 points or more for each curve (at jumps of curvature two

@@ -17,7 +17,8 @@ struct NamedCurve {
   std::vector<Vec3> points;        ///< points of a line without a curve
 
   bool has_curve() const { return curve.segment_count() > 0; }
-  /// The points of the curve at `parameters`; without a curve, `points`.
+  /// The points of the curve at `parameters`, those that follow each other in one place once (no
+  /// reader takes them twice); without a curve, `points`.
   std::vector<Vec3> written_points() const;
 };
 

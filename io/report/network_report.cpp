@@ -1,5 +1,9 @@
 #include "batten/io/report/network_report.h"
 
+#include <algorithm>
+#include <map>
+
+#include "batten/core/groups.h"
 #include "batten/core/index.h"
 
 namespace batten {
@@ -106,6 +110,32 @@ NetworkReport::Choice describe_choice(const RegionChoice& c, const Names& names)
   return choice;
 }
 
+// The findings, but for lines that lie apart from the others and are joined to them by a region, as
+// the rims of a ring and holes are.
+std::vector<NetworkFinding> findings_that_stand(const CharacterLineNetwork& network,
+                                                const FoundRegions& found) {
+  Groups nodes(network.nodes().size());
+  const auto first_node = [&](int arc) { return network.arcs()[arc].nodes[0]; };
+  for (const NetworkArc& arc : network.arcs()) nodes.join(arc.nodes[0], arc.nodes[1]);
+  for (const NetworkRegion& region : found.regions) {
+    const int own = first_node(region.loops.front().front().arc);
+    for (const ArcLoop& loop : region.loops) nodes.join(own, first_node(loop.front().arc));
+    for (const int arc : region.inner) nodes.join(own, first_node(arc));
+  }
+  std::map<int, int> sizes;  // arcs of each part
+  for (int a = 0; a < count_of(network.arcs()); ++a) ++sizes[nodes.of(first_node(a))];
+  const auto largest = std::max_element(
+      sizes.begin(), sizes.end(), [](const auto& p, const auto& q) { return p.second < q.second; });
+  std::vector<NetworkFinding> stand;
+  for (const NetworkFinding& f : network.findings()) {
+    const bool joined =
+        f.kind == NetworkFinding::Kind::Apart &&
+        nodes.of(first_node(network.arcs_of(f.lines.front()).front())) == largest->first;
+    if (!joined) stand.push_back(f);
+  }
+  return stand;
+}
+
 }  // namespace
 
 NetworkReport network_report(const CharacterLineNetwork& network, const FoundRegions& found,
@@ -121,7 +151,7 @@ NetworkReport network_report(const CharacterLineNetwork& network, const FoundReg
   report.usual_share = network.usual_share();
   report.fit_tolerance = fit_tolerance;
   report.join_tolerance_deg = join_tolerance_deg;
-  report.findings = network.findings();
+  report.findings = findings_that_stand(network, found);
   report.optimal = found.optimal;
   report.rims = names.arcs(found.rims);
   report.bare = names.arcs(found.bare);

@@ -172,6 +172,7 @@ struct SceneNetwork {
   int most_at_line = RegionOptions{}.most_at_arc;             ///< most regions at one line
   double smooth_below = ModelOptions{}.smooth_below_deg;      ///< degrees
   double join_tolerance = ModelOptions{}.join_tolerance_deg;  ///< degrees
+  bool fair_trembling = true;  ///< without any [[fair]], lines that tremble are faired
   std::vector<RegionWord> regions;
   std::vector<JoinWord> joins;
 };

@@ -188,49 +188,39 @@ void require_options(const NetworkOptions& options) {
     check(name, value, value >= 0 && value <= 180, "degrees from 0 to 180");
 }
 
-// The share of the lines' ends that meet another line; 1 where there is no end.
-double share_of_met_ends(const std::vector<Strand>& strands, const Contacts& contacts) {
-  std::vector<std::array<char, 2>> met(strands.size(), {0, 0});
-  for (const Contact& c : contacts.joined) {
-    if (strands[c.a].line == strands[c.b].line) continue;
-    if (c.ea >= 0) met[c.a][c.ea] = 1;
-    if (c.eb >= 0) met[c.b][c.eb] = 1;
-  }
-  int ends = 0, meeting = 0;
-  for (size_t k = 0; k < strands.size(); ++k)
-    for (size_t e = 0; e < 2 && !strands[k].closed; ++e) {
-      if (strands[k].corner[e]) continue;
-      ++ends;
-      meeting += met[k][e];
-    }
-  return ends > 0 ? static_cast<double>(meeting) / ends : 1;
+// The share of gaps that are within a tolerance; 1 where there is no end.
+double share_within(const std::vector<double>& gaps, double tolerance) {
+  const auto within =
+      std::count_if(gaps.begin(), gaps.end(), [&](double gap) { return gap <= tolerance; });
+  return gaps.empty() ? 1 : static_cast<double>(within) / static_cast<double>(gaps.size());
 }
 
-struct Met {
-  double tolerance;
-  Contacts contacts;
-  double usual_share = 1;
+// The tolerance that the hand behind these gaps needs; `usual` where they tell none.
+double found_tolerance(std::vector<double> gaps, double usual, double largest) {
+  if (share_within(gaps, largest) < 0.5) return usual;
+  std::sort(gaps.begin(), gaps.end());
+  const size_t meeting =
+      static_cast<size_t>(std::upper_bound(gaps.begin(), gaps.end(), largest) - gaps.begin());
+  const double most = gaps[(4 * meeting + 4) / 5 - 1], all = gaps[meeting - 1];
+  constexpr double alike = 2, margin = 1.4;  // a node takes the ends of a circle, not of a pair
+  return std::clamp(margin * (all <= alike * most ? all : most), usual, largest);
+}
+
+struct Meeting {
+  double tolerance, usual_share = 1;
 };
 
-// The contacts within the tolerance that was asked for or, without one, within the usual one; where
-// that joins less than half of the ends, within the first larger one that joins four fifths.
-Met meet(const std::vector<Strand>& strands, const NetworkOptions& options, double size) {
+// The tolerance that was asked for or, without one, the usual one; where that joins less than half
+// of the ends, the one that their gaps ask for.
+Meeting meeting_of(const std::vector<Strand>& strands, const NetworkOptions& options, double size) {
   if (options.tolerance > 0.1 * size)
     throw InputError("network: found tolerance = " + number(options.tolerance) +
                      ", expected at most a tenth of the network's size, " + number(size));
-  if (options.tolerance > 0)
-    return {options.tolerance, find_contacts(strands, options.tolerance, size)};
-  constexpr double usual = 1e-3, largest = 2e-2, step = 1.4;  // of the size
-  Met met{usual * size, find_contacts(strands, usual * size, size)};
-  met.usual_share = share_of_met_ends(strands, met.contacts);
-  if (met.usual_share >= 0.5) return met;
-  for (double share = usual; share < largest;) {
-    share = std::min(step * share, largest);
-    Contacts contacts = find_contacts(strands, share * size, size);
-    if (share_of_met_ends(strands, contacts) >= 0.8)
-      return {share * size, std::move(contacts), met.usual_share};
-  }
-  return met;
+  if (options.tolerance > 0) return {options.tolerance};
+  const double usual = 1e-3 * size, largest = 2e-2 * size;
+  const std::vector<double> gaps = end_gaps(strands, largest);
+  const double share = share_within(gaps, usual);
+  return {share < 0.5 ? found_tolerance(gaps, usual, largest) : usual, share};
 }
 
 double fit_of(const NetworkOptions& options, double size) {
@@ -315,11 +305,12 @@ CharacterLineNetwork::CharacterLineNetwork(const std::vector<CharacterLine>& lin
   const Strands strands = make_strands(lines, options.corner_angle);
   size_ = strands.size;
   progress.at("network", 0.1);
-  const Met met = meet(strands.strands, options, size_);
-  tolerance_ = met.tolerance;
-  usual_share_ = met.usual_share;
+  const Meeting meeting = meeting_of(strands.strands, options, size_);
+  tolerance_ = meeting.tolerance;
+  usual_share_ = meeting.usual_share;
+  const Contacts contacts = find_contacts(strands.strands, tolerance_, size_);
   progress.at("network", 0.5);
-  NodesAndCuts net = make_nodes(strands, met.contacts, tolerance_, lines_, findings_);
+  NodesAndCuts net = make_nodes(strands, contacts, tolerance_, lines_, findings_);
   if (net.cuts.empty())
     throw InputError("the network has no line longer than its tolerance, " + number(tolerance_));
   canonical_nodes(strands, net);

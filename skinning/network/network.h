@@ -12,8 +12,10 @@ namespace batten {
 
 struct NetworkOptions {
   /// Ends and lines that come nearer than this meet, model units. 0: 1e-3 of the size; where less
-  /// than half of the lines' ends then meet another line, as in drawings by hand, the smallest of
-  /// 1.4, 1.96, … times that, up to 2e-2 of the size, with which four fifths of them do.
+  /// than half of the lines' ends then meet another line, as in drawings by hand, what the ends'
+  /// gaps to the nearest other line ask for. Of the gaps up to 2e-2 of the size (half of all ends
+  /// at least must have one) it is 1.4 times the largest, where that is at most twice the one that
+  /// four fifths do not exceed, and 1.4 times the latter otherwise; never above 2e-2 of the size.
   double tolerance = 0;
   /// Largest distance between a line and the curves of its arcs where nothing had to be repaired,
   /// model units. 0: 1e-4 of the size.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <tuple>
 
 #include "batten/core/groups.h"
@@ -13,27 +14,51 @@
 namespace batten::netting {
 namespace {
 
-constexpr double kMiss = 5;  // tolerances, up to which something is a near miss
+// Something is a near miss up to this many tolerances, and this share of the size.
+constexpr double kMiss = 5, kMissOfSize = 0.04;
 
 struct Chord {
   int strand, segment;
 };
 
+std::vector<Chord> chords_of(const std::vector<Strand>& strands) {
+  std::vector<Chord> chords;
+  for (int k = 0; k < count_of(strands); ++k)
+    for (int i = 0; i < strands[k].segments(); ++i) chords.push_back({k, i});
+  return chords;
+}
+
+BoxTree tree_of(const std::vector<Strand>& strands, const std::vector<Chord>& chords) {
+  std::vector<Box> boxes;
+  for (const Chord& c : chords) {
+    const Strand& strand = strands[c.strand];
+    const Vec3 sag = Vec3::Constant(strand.sag[c.segment]);
+    Box box;
+    for (const Vec3& p : {strand.x[c.segment], strand.x[c.segment + 1]})
+      box.add({p - sag, p + sag});
+    boxes.push_back(box);
+  }
+  return BoxTree(std::move(boxes));
+}
+
+// The parameter of a strand's point nearest to p on and around one of its chords.
+double foot_near(const Strand& strand, int segment, const Vec3& p) {
+  const Vec3 chord = strand.x[segment + 1] - strand.x[segment];
+  const double along = std::clamp(
+      (p - strand.x[segment]).dot(chord) / std::max(chord.squaredNorm(), 1e-300), 0.0, 1.0);
+  const auto range = bracket(strand, segment);
+  return strand.foot(p, strand.t[segment] + along * (strand.t[segment + 1] - strand.t[segment]),
+                     range[0], range[1]);
+}
+
 class Search {
  public:
   Search(const std::vector<Strand>& strands, double tolerance, double size)
-      : strands_(strands), tolerance_(tolerance), size_(size) {
-    std::vector<Box> boxes;
-    for (int k = 0; k < count_of(strands); ++k)
-      for (int i = 0; i < strands[k].segments(); ++i) {
-        Box box;
-        for (const Vec3& p : {strands[k].x[i], strands[k].x[i + 1]})
-          box.add({p - Vec3::Constant(strands[k].sag[i]), p + Vec3::Constant(strands[k].sag[i])});
-        chords_.push_back({k, i});
-        boxes.push_back(box);
-      }
-    tree_ = std::make_unique<BoxTree>(std::move(boxes));
-  }
+      : strands_(strands),
+        tolerance_(tolerance),
+        size_(size),
+        chords_(chords_of(strands)),
+        tree_(tree_of(strands, chords_)) {}
 
   Contacts run() {
     std::vector<Contact> found = between_chords();
@@ -63,7 +88,9 @@ class Search {
   }
 
  private:
-  double reach() const { return kMiss * tolerance_; }
+  double reach() const {
+    return std::max(tolerance_, std::min(kMiss * tolerance_, kMissOfSize * size_));
+  }
 
   // Of one strand: far enough along it, and bent back enough, to be two places.
   bool apart(const Contact& c) const {
@@ -79,7 +106,7 @@ class Search {
 
   std::vector<Contact> between_chords() const {
     std::vector<std::pair<int, int>> pairs;
-    tree_->near_pairs(reach(), [&](int i, int j) {
+    tree_.near_pairs(reach(), [&](int i, int j) {
       if (worth_looking(i, j)) pairs.emplace_back(i, j);
     });
     std::sort(pairs.begin(), pairs.end());
@@ -129,20 +156,15 @@ class Search {
       for (int end = 0; end < 2 && !strands_[k].closed; ++end) {
         const Vec3 p = strands_[k].end_point(end);
         std::vector<int> near;
-        tree_->near_box({p, p}, reach(), [&](int i) { near.push_back(i); });
+        tree_.near_box({p, p}, reach(), [&](int i) { near.push_back(i); });
         std::sort(near.begin(), near.end());
         for (const int i : near) {
           const Chord q = chords_[i];
           const Strand& b = strands_[q.strand];
-          const auto range = bracket(b, q.segment);
           Contact c{k, q.strand};
           c.ta = strands_[k].end_parameter(end);
           c.ea = end;
-          const Vec3 chord = b.x[q.segment + 1] - b.x[q.segment];
-          const double along = std::clamp(
-              (p - b.x[q.segment]).dot(chord) / std::max(chord.squaredNorm(), 1e-300), 0.0, 1.0);
-          c.tb = b.foot(p, b.t[q.segment] + along * (b.t[q.segment + 1] - b.t[q.segment]), range[0],
-                        range[1]);
+          c.tb = foot_near(b, q.segment, p);
           c.distance = (b.point(c.tb) - p).norm();
           if (!(c.distance <= reach())) continue;
           set_lengths(c);
@@ -356,13 +378,32 @@ class Search {
   const std::vector<Strand>& strands_;
   double tolerance_, size_;
   std::vector<Chord> chords_;
-  std::unique_ptr<BoxTree> tree_;
+  BoxTree tree_;
 };
 
 }  // namespace
 
 Contacts find_contacts(const std::vector<Strand>& strands, double tolerance, double size) {
   return Search(strands, tolerance, size).run();
+}
+
+std::vector<double> end_gaps(const std::vector<Strand>& strands, double reach) {
+  const std::vector<Chord> chords = chords_of(strands);
+  const BoxTree tree = tree_of(strands, chords);
+  std::vector<double> gaps;
+  for (const Strand& strand : strands)
+    for (int end = 0; end < 2 && !strand.closed; ++end) {
+      if (strand.corner[end]) continue;
+      const Vec3 p = strand.end_point(end);
+      double& gap = gaps.emplace_back(std::numeric_limits<double>::infinity());
+      tree.near_box({p, p}, reach, [&](int i) {
+        const Strand& other = strands[chords[i].strand];
+        if (other.line == strand.line) return;
+        const double d = (other.point(foot_near(other, chords[i].segment, p)) - p).norm();
+        if (d <= reach) gap = std::min(gap, d);
+      });
+    }
+  return gaps;
 }
 
 }  // namespace batten::netting

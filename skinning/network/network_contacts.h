@@ -18,7 +18,8 @@ struct Contact {
 
 struct Contacts {
   std::vector<Contact> joined;  ///< within the tolerance
-  /// Within five tolerances, where the two strands are not joined nearby.
+  /// Within five tolerances, but not above 4 % of the size, where the two strands are not joined
+  /// nearby.
   std::vector<Contact> missed;
 };
 
@@ -33,5 +34,9 @@ struct Contacts {
 /// Boxes around chords in a tree, Gauss-Newton on both curves from every near pair of chords: about
 /// O(n log n) for n chords.
 Contacts find_contacts(const std::vector<Strand>& strands, double tolerance, double size);
+
+/// How far the ends of open lines are from the nearest other line, of each end that is no corner
+/// within its line; infinite above `reach`. O(n log n) for n chords while few are within reach.
+std::vector<double> end_gaps(const std::vector<Strand>& strands, double reach);
 
 }  // namespace batten::netting

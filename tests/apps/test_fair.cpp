@@ -164,7 +164,7 @@ TEST_CASE("strokes without length are named and passed through, the sketch is fa
   REQUIRE(lines.size() == 4);
   CHECK(lines[1].points == std::vector<Vec3>{{1, 2, 3}});
   CHECK(lines[2].points == std::vector<Vec3>(3, Vec3(4, 5, 6)));
-  CHECK(lines[3].points.size() == 5);
+  CHECK(lines[3].points.size() == 4);  // the first two lie in one place
   CHECK_FALSE(json(c, "r.json")["curves"][1]["faired"].get<bool>());
   const Result text = c.run({"fair", "s.curves", "--out", "o.csv"});
   CHECK(text.code == 0);

@@ -188,6 +188,54 @@ TEST_CASE("sculpt works on a network as on one region: sweep, motion, record and
   CHECK(report(c, "again")["sculpting"]["bending_energy"] == j["sculpting"]["bending_energy"]);
 }
 
+TEST_CASE("the rims of a ring are not told to lie apart, other lines are", "[cli][network]") {
+  const Case c("network_apart");
+  const std::string line = "[[line]]\nname = ";
+  c.file("s.toml", kHead + kCoarse + line +
+                       "\"low\"\ncircle = { centre = [0,0,0], radius = 10 }\n" + line +
+                       "\"high\"\ncircle = { centre = [0,0,15], radius = 10 }\n" + line +
+                       "\"far\"\npoints = [[40,0,0],[40,10,0]]\n" +
+                       "[[region]]\nname = \"wall\"\nloops = [[\"low\"], [\"high\"]]\n"
+                       "ring = true\n");
+  const Result r = c.run({"run", "s.toml", "--out", "out"});
+  INFO(r.out << r.err);
+  std::vector<std::string> apart;
+  const auto j = report(c, "out");
+  for (const auto& f : j["network"]["findings"])
+    if (f["kind"] == "apart") apart.push_back(f["lines"][0]);
+  CHECK(apart == std::vector<std::string>{"far"});
+}
+
+TEST_CASE("lines of a network that tremble are faired unless they are to be kept",
+          "[cli][network]") {
+  const Case c("network_trembling");
+  // A square of 40 whose first side bulges by 8: 41 points, off by up to 0.15 to and fro.
+  std::string side;
+  for (int i = 0; i <= 40; ++i) {
+    const double shake = i % 40 == 0 ? 0 : 0.15 * std::sin(12.9898 * i * i);
+    side += (i ? ", [" : "[") + std::to_string(i) + ", " +
+            std::to_string(-8 * std::sin(i * 3.14159265358979 / 40) + shake) + ", 0]";
+  }
+  const std::string line = "[[line]]\nname = ";
+  const std::string lines = line + "\"side\"\npoints = [" + side + "]\n" + line +
+                            "\"rest\"\npoints = [[40,0,0],[40,40,0],[0,40,0],[0,0,0]]\n";
+  c.file("fair.toml", kHead + lines + kCoarse);
+  c.file("keep.toml", kHead + "trembling = \"keep\"\n" + lines + kCoarse);
+  const Result fair = c.run({"run", "fair.toml", "--out", "fair"});
+  INFO(fair.out << fair.err);
+  REQUIRE(fair.code == 0);
+  CHECK(fair.out.find("side trembles and was faired") != std::string::npos);
+  const auto curves = report(c, "fair")["curves"];
+  REQUIRE(curves.size() == 1);
+  CHECK(curves[0]["name"] == "side");
+  CHECK(curves[0]["before"]["extrema"].get<int>() >= 10);
+  CHECK(curves[0]["after"]["extrema"].get<int>() <= 3);
+  CHECK(curves[0]["deviation"]["max"].get<double>() < 0.3);
+  const Result keep = c.run({"run", "keep.toml", "--out", "keep"});
+  CHECK(keep.out.find("faired") == std::string::npos);
+  CHECK(!report(c, "keep").contains("curves"));
+}
+
 TEST_CASE("skin --network takes curves from files, in any order", "[cli][network]") {
   const Case c("network_files");
   const std::string square =

@@ -398,39 +398,4 @@ std::vector<FairedResult> fair_lines(const std::vector<SourceLine>& lines,
   return results;
 }
 
-FairedLines faired_lines(const Scene& scene, const Progress& progress) {
-  const auto sources = read_sources(scene.lines, scene.file, scene.unit);
-  const double corner_angle = scene.skin.options.corner_angle;
-  FairedLines faired;
-  const auto as_given = [&](const SourceLine& line) {
-    faired.lines.push_back(character_line(line, corner_angle));
-    const std::string text = surprise(line, *faired.lines.back().curve);
-    if (!text.empty()) faired.surprises.push_back(text);
-  };
-  if (scene.fairing.empty()) {
-    for (const SourceLine& line : sources) as_given(line);
-    return faired;
-  }
-  FairingSettings settings;
-  settings.stages = scene.fairing;
-  settings.hold_ends = true;
-  settings.file = scene.file.string();
-  const auto results = fair_lines(sources, settings, progress);
-  for (size_t i = 0; i < sources.size(); ++i) {
-    const FairedResult& result = results[i];
-    if (!result.warning.empty())
-      throw InputError(sources[i].at + result.warning + ", expected lines with a length");
-    if (!result.report.faired) {
-      as_given(sources[i]);
-      continue;
-    }
-    faired.lines.push_back({sources[i].name, curve_from_hermite(result.states.back()),
-                            sources[i].role, sources[i].treatment});
-    faired.reports.push_back(result.report);
-    const std::string text = passed_over(result.report);
-    if (!text.empty()) faired.surprises.push_back(text);
-  }
-  return faired;
-}
-
 }  // namespace batten

@@ -50,15 +50,4 @@ std::string first_few(const std::vector<std::string>& names);
 /// Says which points were passed over as outliers; "" for none.
 std::string passed_over(const FairedLine& line);
 
-/// The lines of a scene's surface.
-struct FairedLines {
-  std::vector<CharacterLine> lines;
-  std::vector<FairedLine> reports;     ///< reports on the lines that were faired
-  std::vector<std::string> surprises;  ///< what a person may not expect of how points were read
-};
-/// Reads the lines that a scene's surface is made from. Lines that a [[fair]] names are faired,
-/// with ends held unless a stage says otherwise; all others are as given. Throws what read_lines()
-/// and fair_lines() throw, and InputError for a line without length.
-FairedLines faired_lines(const Scene& scene, const Progress& progress);
-
 }  // namespace batten

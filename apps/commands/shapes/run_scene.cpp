@@ -4,7 +4,7 @@
 #include <cmath>
 #include <map>
 
-#include "batten/apps/commands/lines/fair_lines.h"
+#include "batten/apps/commands/lines/scene_lines.h"
 #include "batten/apps/commands/runs/run_parts.h"
 #include "batten/apps/commands/shapes/shape_files.h"
 #include "batten/core/errors.h"

@@ -6,7 +6,7 @@
 #include <numeric>
 #include <set>
 
-#include "batten/apps/commands/lines/fair_lines.h"
+#include "batten/apps/commands/lines/scene_lines.h"
 #include "batten/apps/commands/runs/promises.h"
 #include "batten/core/box.h"
 #include "batten/core/errors.h"

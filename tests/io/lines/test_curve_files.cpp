@@ -110,6 +110,16 @@ TEST_CASE("points come back as they were written, and as many", "[io][curves]") 
   }
 }
 
+TEST_CASE("points that follow each other in one place are written once", "[io][curves]") {
+  const fs::path folder = batten_test::scratch("curve_repeats");
+  auto curves = many();
+  auto& u = curves.front().parameters;
+  const size_t before = u.size();
+  u.insert(u.begin() + 2, u[1]);
+  CHECK(write_curves(folder / "a.csv", curves).empty());
+  CHECK(read_point_lines(folder / "a.csv").front().points.size() == before);
+}
+
 TEST_CASE("a line of one point stays where it can, and is named where it cannot", "[io][curves]") {
   const fs::path folder = batten_test::scratch("curve_dot");
   auto curves = many();

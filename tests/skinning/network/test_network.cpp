@@ -666,3 +666,27 @@ TEST_CASE("lines whose ends stop short of each other get the tolerance that join
     CHECK(CharacterLineNetwork(lines, stated).tolerance() == 1e-4 * size);
   }
 }
+
+TEST_CASE("the tolerance of a drawing by hand passes over ends that were never to meet") {
+  // The sides of a hexagon, short at both ends by 0.4 to 0.6; a whisker that ends 3 below one.
+  std::vector<CharacterLine> lines;
+  const auto add = [&](const Vec3& a, const Vec3& b) {
+    const std::string name = "line " + std::to_string(lines.size());
+    lines.push_back({name, curve_through_points(name, {a, b})});
+  };
+  const auto corner = [](int k) {
+    return Vec3(100 * std::cos(k * std::numbers::pi / 3), 100 * std::sin(k * std::numbers::pi / 3),
+                0);
+  };
+  for (int k = 0; k < 6; ++k) {
+    const Vec3 along = (corner(k + 1) - corner(k)).normalized();
+    const double gap = 0.4 + 0.04 * k;
+    add(corner(k) + gap * along, corner(k + 1) - gap * along);
+  }
+  add({0, 83.6, 0}, {0, 20, 0});
+  const CharacterLineNetwork network(lines);
+  // 14 ends: 12 at corners, one 3 below the upper side, one far from everything.
+  CHECK(network.usual_share() == 0);
+  CHECK(network.tolerance() > 0.6);
+  CHECK(network.tolerance() < 1.4 * 2 * 0.6);
+}

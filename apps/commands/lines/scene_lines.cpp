@@ -1,0 +1,142 @@
+#include "batten/apps/commands/lines/scene_lines.h"
+
+#include <algorithm>
+
+#include "batten/apps/commands/lines/fair_lines.h"
+#include "batten/apps/commands/lines/line_reading.h"
+#include "batten/core/errors.h"
+#include "batten/core/index.h"
+#include "batten/core/words.h"
+#include "batten/skinning/network/network.h"
+
+namespace batten {
+namespace {
+
+class SceneLines {
+ public:
+  SceneLines(const Scene& scene, const Progress& progress)
+      : scene_(scene),
+        progress_(progress),
+        sources_(read_sources(scene.lines, scene.file, scene.unit)),
+        texts_(sources_.size()) {}
+
+  FairedLines run() && {
+    if (!scene_.fairing.empty()) {
+      take(as_asked());
+    } else {
+      for (size_t i = 0; i < sources_.size(); ++i) add_as_given(i);
+      if (scene_.network && scene_.network->fair_trembling) fair_trembling();
+    }
+    for (std::string& text : texts_)
+      if (!text.empty()) result_.surprises.push_back(std::move(text));
+    return std::move(result_);
+  }
+
+ private:
+  FairingSettings settings() const {
+    FairingSettings settings;
+    settings.stages = scene_.fairing;
+    settings.hold_ends = true;
+    settings.file = scene_.file.string();
+    return settings;
+  }
+
+  std::vector<FairedResult> as_asked() const { return fair_lines(sources_, settings(), progress_); }
+
+  void add_as_given(size_t i) {
+    result_.lines.push_back(character_line(sources_[i], scene_.skin.options.corner_angle));
+    texts_[i] = surprise(sources_[i], *result_.lines.back().curve);
+  }
+
+  static CharacterLine faired_line(const SourceLine& source, const FairedResult& result) {
+    return {source.name, curve_from_hermite(result.states.back()), source.role, source.treatment};
+  }
+
+  void take(const std::vector<FairedResult>& results) {
+    for (size_t i = 0; i < sources_.size(); ++i) {
+      const FairedResult& result = results[i];
+      if (!result.warning.empty())
+        throw InputError(sources_[i].at + result.warning + ", expected lines with a length");
+      if (!result.report.faired) {
+        add_as_given(i);
+        continue;
+      }
+      result_.lines.push_back(faired_line(sources_[i], result));
+      result_.reports.push_back(result.report);
+      texts_[i] = passed_over(result.report);
+    }
+  }
+
+  // Whether the ends of the lines meet no better than a hand draws.
+  bool by_hand() const {
+    constexpr double prepared = 0.5;
+    NetworkOptions options;
+    options.corner_angle = scene_.skin.options.corner_angle;
+    return CharacterLineNetwork(result_.lines, options, progress_).usual_share() < prepared;
+  }
+
+  static bool trembles(const FairedLine& line, bool by_hand) {
+    if (!line.faired || !line.before || !line.after) return false;
+    constexpr int most_left = 3, fewest = 4;
+    const int gone = line.before->extrema - line.after->extrema;
+    if (by_hand) return gone > 0;
+    return line.noise > 0 && gone >= fewest &&
+           most_left * line.after->extrema <= line.before->extrema;
+  }
+
+  // Lines that were given by points, and their numbers.
+  std::pair<std::vector<SourceLine>, std::vector<size_t>> drawn() const {
+    std::pair<std::vector<SourceLine>, std::vector<size_t>> drawn;
+    for (size_t i = 0; i < sources_.size(); ++i) {
+      if (sources_[i].points.empty()) continue;
+      drawn.first.push_back(sources_[i]);
+      drawn.second.push_back(i);
+    }
+    return drawn;
+  }
+
+  void fair_trembling() {
+    const auto [lines, numbers] = drawn();
+    if (lines.empty()) return;
+    FairingSettings all = settings();
+    all.stages.emplace_back().options.corner_angle = scene_.skin.options.corner_angle;
+    const bool hand = by_hand();
+    std::vector<FairedResult> faired;
+    try {
+      faired = fair_lines(lines, all, progress_);
+    } catch (const CancelledError&) {
+      throw;
+    } catch (const Error&) {
+      return;  // nobody asked for fairing: the lines stay as given
+    }
+    std::vector<std::string> names;
+    for (size_t k = 0; k < faired.size(); ++k) {
+      if (!trembles(faired[k].report, hand)) continue;
+      result_.lines[numbers[k]] = faired_line(lines[k], faired[k]);
+      result_.reports.push_back(faired[k].report);
+      texts_[numbers[k]] = passed_over(faired[k].report);
+      names.push_back(lines[k].name);
+    }
+    if (!names.empty()) result_.surprises.push_back(words_of_faired(names));
+  }
+
+  static std::string words_of_faired(const std::vector<std::string>& names) {
+    const bool one = names.size() == 1;
+    return first_few(names) + (one ? " trembles and was faired" : " tremble and were faired") +
+           " (trembling = \"keep\" in [network] keeps " + (one ? "it" : "them") + " as given)";
+  }
+
+  const Scene& scene_;
+  const Progress& progress_;
+  std::vector<SourceLine> sources_;
+  std::vector<std::string> texts_;  // surprises, of each line
+  FairedLines result_;
+};
+
+}  // namespace
+
+FairedLines faired_lines(const Scene& scene, const Progress& progress) {
+  return SceneLines(scene, progress).run();
+}
+
+}  // namespace batten
