@@ -10,6 +10,7 @@
 #include "batten/io/files/toml_table.h"
 #include "batten/io/lines/line_names.h"
 #include "batten/io/lines/point_table.h"
+#include "batten/io/lines/segment_chains.h"
 #include "batten/io/lines/text_rows.h"
 
 namespace batten {
@@ -94,7 +95,7 @@ std::vector<NamedPoints> read_obj(TextRows& rows, double scale) {
     throw InputError(rows.path().string() + ": found " +
                      counted(static_cast<long>(vertices.size()), "vertex record") +
                      " but no line, expected records 'l 1 2 3 …'");
-  return lines;
+  return chain_segments(std::move(lines));
 }
 
 /// The count of a row "v N".

@@ -25,8 +25,9 @@ namespace batten {
 ///                         airfoils (join_lednicer) one line around both sides.
 ///   .obj                  `v` and `l` records, indices from 1 or negative (from the end); each `l`
 ///                         record is one line, named after the last `o` or `g` record before it
-///                         (numbered when several share the name), else after the file. Everything
-///                         else in the file is passed over.
+///                         (numbered when several share the name), else after the file. Records of
+///                         two vertices are chained into lines (chain_segments()). Everything else
+///                         in the file is passed over.
 ///   .curves               Drawn strokes: a row `v N`, then N rows of three numbers, and so on;
 ///                         blank rows and comments between are passed over. Names are made as for
 ///                         .csv. A stroke may be a single point, because drawn sketches have some.

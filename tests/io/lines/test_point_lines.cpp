@@ -1,6 +1,9 @@
 // Point files say the same whatever their dialect, and every mistake is named by its place.
 #include "batten/io/lines/point_lines.h"
 
+#include <cmath>
+#include <numbers>
+
 #include "batten/core/errors.h"
 #include "batten/tests/catch.h"
 #include "batten/tests/reference.h"
@@ -73,7 +76,7 @@ TEST_CASE("titles may hold digits, and headers say which columns are meant", "[i
                "z,x,y\n3,1,2\n6,-4.5,.5\n9,7,8\n",
                "id;X [mm];Y [mm];Z [mm];note\nA 1;1;2;3;\n2b;-4.5;0.5;6;a corner\n7;7;8;9;\n",
                "x,y,z\nmm,mm,mm\n1,2,3\n-4.5,.5,6\n7,8,9\n",
-      "\"Points:0\",\"Points:1\",\"Points:2\",\"kappa\"\n1,2,3,0\n-4.5,.5,6,0\n7,8,9,0\n");
+               "\"Points:0\",\"Points:1\",\"Points:2\",\"kappa\"\n1,2,3,0\n-4.5,.5,6,0\n7,8,9,0\n");
   const auto lines = read_point_lines(file_with("a.csv", text));
   INFO(text);
   REQUIRE(lines.size() == 1);
@@ -179,6 +182,51 @@ TEST_CASE("OBJ polylines: indices, names, continued rows", "[io][points]") {
   CHECK(lines[3].points == std::vector<Vec3>{{0, 0, 0}, {0, 1, 2}, {1, 0, 0}});
   CHECK(lines[1].first_line == 8);
   CHECK(lines[3].first_line == 15);
+}
+
+TEST_CASE("OBJ segments are chained into the lines they are of", "[io][points]") {
+  // A circle of 24 segments in disorder and any direction, a spoke at its first vertex, and the
+  // sides of a square, whose turns are corners.
+  constexpr int n = 24;
+  std::string text;
+  for (int i = 0; i < n; ++i)
+    text += "v " + std::to_string(std::cos(i * 2 * std::numbers::pi / n)) + " " +
+            std::to_string(std::sin(i * 2 * std::numbers::pi / n)) + " 0\n";
+  text += "v 2 0 0\nv 3 0 0\nv 3 1 0\nv 2 1 0\n";
+  for (int k = 0; k < n; ++k) {
+    const int i = 7 * k % n, j = (i + 1) % n;
+    text += "l " + std::to_string((k % 3 ? i : j) + 1) + " " + std::to_string((k % 3 ? j : i) + 1) +
+            "\n";
+  }
+  const std::string square = "l 26 27\nl 27 28\nl 28 25\nl 25 26\n";
+  SECTION("closed without an end") {
+    const auto lines = read_point_lines(file_with("circle.obj", text + square));
+    REQUIRE(lines.size() == 5);
+    CHECK(lines[0].points.size() == n + 1);
+    CHECK(lines[0].points.front() == lines[0].points.back());
+    double length = 0;
+    for (size_t i = 1; i < lines[0].points.size(); ++i)
+      length += (lines[0].points[i] - lines[0].points[i - 1]).norm();
+    CHECK(length == Approx(2 * n * std::sin(std::numbers::pi / n)));
+    CHECK(lines[0].read_as == "28 records of the file as 5 lines");
+    for (int k = 1; k < 5; ++k) CHECK(lines[k].points.size() == 2);
+  }
+  SECTION("cut where a third line ends") {
+    const auto lines = read_point_lines(file_with("spoke.obj", text + "l 1 25\n"));
+    REQUIRE(lines.size() == 2);
+    CHECK(lines[0].points.size() == n + 1);
+    CHECK((lines[0].points.front() - Vec3(1, 0, 0)).norm() == 0);
+    CHECK((lines[0].points.back() - Vec3(1, 0, 0)).norm() == 0);
+    CHECK(lines[1].points.size() == 2);
+  }
+  SECTION("names keep apart") {
+    const auto lines = read_point_lines(file_with(
+        "names.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nv 3 0 0\no a\nl 1 2\nl 2 3\no b\nl 3 4\n"));
+    REQUIRE(lines.size() == 2);
+    CHECK(lines[0].name == "a");
+    CHECK(lines[0].points.size() == 3);
+    CHECK(lines[1].points.size() == 2);
+  }
 }
 
 TEST_CASE("drawn strokes: single and repeated points come through", "[io][points]") {
