@@ -25,6 +25,15 @@ const char* word(SurfaceFlaw::Kind kind) {
                                   : "area";
 }
 
+const char* word(SkinOptions::Domain domain) {
+  using Domain = SkinOptions::Domain;
+  return domain == Domain::Polygon ? "polygon"
+         : domain == Domain::Plane ? "plane"
+         : domain == Domain::Sheet ? "sheet"
+         : domain == Domain::Ring  ? "ring"
+                                   : "auto";
+}
+
 }  // namespace
 
 const char* word(NetworkFinding::Kind kind) {
@@ -98,6 +107,7 @@ NetworkReport::Region describe_region(const ModelRegion& r, const Names& names) 
     region.triangles = r.skinned->surface.mesh().triangle_count();
     region.dofs = r.skinned->surface.dof_map().count();
     region.size = r.skinned->size;
+    region.domain = word(names.model.layout->region(r.in_layout).domain());
     region.quality = r.quality;
   }
   return region;

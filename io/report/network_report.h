@@ -22,8 +22,9 @@ struct NetworkReport {
     bool ring = false, asked = false;
     double cost = 0;
     bool skinned = false;
-    int triangles = 0, dofs = 0;  ///< these, size and quality are set when it is skinned
+    int triangles = 0, dofs = 0;  ///< these, size, domain and quality are set when it is skinned
     double size = 0;
+    std::string domain;  ///< "polygon", "plane", "sheet", "ring"
     SkinQuality quality;
     double plain_area = 0;  ///< area of the plain filling of its loops; 0 without one
     std::string why_not;    ///< why it is not skinned, or ""

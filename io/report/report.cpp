@@ -25,6 +25,7 @@ Json json_of(const NetworkReport::Region& r) {
                {"skinned", r.skinned}, {"plain_area", r.plain_area}};
   if (r.skinned) {
     json.update({{"triangles", r.triangles}, {"dofs", r.dofs}, {"size", r.size}});
+    json["domain"] = r.domain;
     json.update(json_of(r.quality));
   } else {
     json["why_not"] = r.why_not;

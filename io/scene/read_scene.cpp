@@ -27,7 +27,8 @@ void refuse_what_does_not_fit(const TomlTable& root) {
             {"holes", found},
             {"treatment", "none: the domains decide"}});
   for (const TomlTable& t : root.table("skin", skin_keys())) {
-    constexpr const char* each = "none: each region of a network has the domain that suits it";
+    constexpr const char* each =
+        "none: each region of a network has the domain that suits it, or its [[region]]'s";
     refuse(t, "in a network",
            {{"domain", each}, {"settle", each}, {"mesher", each}, {"refine", "edge_length"}});
     for (const char* key : {"alpha", "beta"})
@@ -47,6 +48,26 @@ std::vector<std::string> loop_of(const TomlTable& table, const std::vector<Place
   return names;
 }
 
+SkinOptions::Domain read_domain(const TomlTable& table) {
+  using Domain = SkinOptions::Domain;
+  return table.choice("domain", Domain::Auto,
+                      {{"auto", Domain::Auto},
+                       {"polygon", Domain::Polygon},
+                       {"plane", Domain::Plane},
+                       {"sheet", Domain::Sheet},
+                       {"ring", Domain::Ring}});
+}
+
+/// How a region of a network is to be made. Throws InputError for a ring by its domain.
+RegionSkin read_region_skin(const TomlTable& table) {
+  if (table.has("domain") && (table.text("domain") == "ring" || table.boolean("ring", false)))
+    table.fail(
+        "domain",
+        "the domain '" + table.text("domain") + "'" + (table.has("ring") ? " of a ring" : ""),
+        "ring = true alone");
+  return {read_domain(table), table.positive("edge_length", 0)};
+}
+
 RegionWord read_region(const TomlTable& table, Names& names) {
   RegionWord word;
   word.where = table.at("loops");
@@ -56,11 +77,14 @@ RegionWord read_region(const TomlTable& table, Names& names) {
   if (word.loops.empty())
     table.fail("loops", "no loop", "one or more: loops = [[\"a\", \"b\", \"c\"]]");
   word.ring = table.boolean("ring", false);
+  word.skin = read_region_skin(table);
   for (const PlacedWord& inner : table.words("inner")) word.inner.push_back(inner.text);
   if (word.kind == RegionWord::Kind::Nothing) {
     refuse(table, "of a loop without surface",
            {{"name", "none: what is not there has no name"},
             {"ring", "none"},
+            {"domain", "none: there is nothing to make"},
+            {"edge_length", "none: there is nothing to make"},
             {"inner", "none: nothing lies on it"}});
     if (word.loops.size() > 1)
       table.fail("loops", std::to_string(word.loops.size()) + " loops beside surface = false",
@@ -111,7 +135,8 @@ void read_network(const TomlTable& root, Scene& scene) {
     table.fail("most_at_line", std::to_string(network.most_at_line), "1 to 16");
 
   Names names("region name");
-  for (const TomlTable& t : root.tables("region", {"name", "loops", "inner", "ring", "surface"}))
+  for (const TomlTable& t : root.tables(
+           "region", {"name", "loops", "inner", "ring", "surface", "domain", "edge_length"}))
     network.regions.push_back(read_region(t, names));
   for (const TomlTable& t : root.tables("join", {"lines", "kind"})) {
     const auto kind = t.choice<JoinWord::Kind>("kind", {{"crease", JoinWord::Kind::Crease},
@@ -134,13 +159,7 @@ void read_skin(const TomlTable& table, SceneSkin& skin) {
                    {{"hct", TriangleElement::HCT}, {"z12", TriangleElement::Z12}});
   skin.options.mesher = table.choice("mesher", Mesher::Delaunay,
                                      {{"delaunay", Mesher::Delaunay}, {"fan", Mesher::Fan}});
-  using Domain = SkinOptions::Domain;
-  skin.options.domain = table.choice("domain", Domain::Auto,
-                                     {{"auto", Domain::Auto},
-                                      {"polygon", Domain::Polygon},
-                                      {"plane", Domain::Plane},
-                                      {"sheet", Domain::Sheet},
-                                      {"ring", Domain::Ring}});
+  skin.options.domain = read_domain(table);
   skin.options.settle = table.boolean("settle", false);
   skin.options.edge_length = table.positive("edge_length", 0);
   if (table.has("refine")) {

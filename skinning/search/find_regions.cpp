@@ -117,6 +117,7 @@ class Words {
     NetworkRegion region;
     region.name = word.name;
     region.ring = word.ring;
+    region.skin = word.skin;
     region.asked = true;
     for (const auto& names : word.loops) region.loops.push_back(chained(names));
     std::vector<int> border;

@@ -6,6 +6,7 @@
 
 #include "batten/core/progress.h"
 #include "batten/skinning/network/network.h"
+#include "batten/skinning/region/skin_options.h"
 
 namespace batten {
 
@@ -17,6 +18,12 @@ struct ArcUse {
 };
 using ArcLoop = std::vector<ArcUse>;
 
+/// How the surface of one region is to be made, where the user says so.
+struct RegionSkin {
+  SkinOptions::Domain domain = SkinOptions::Domain::Auto;
+  double edge_length = 0;  ///< model units; 0: that of the model
+};
+
 /// One surface to be: where it ends, and what lies on it.
 struct NetworkRegion {
   std::string name;  ///< the user's, or "region 1", "region 2", …
@@ -27,6 +34,7 @@ struct NetworkRegion {
   std::vector<int> inner;  ///< arcs that lie on the surface, inside
   bool asked = false;      ///< the user's word
   double cost = 0;         ///< cost of the loop; 0 for one that is asked for
+  RegionSkin skin = {};
 };
 
 /// What the user says about one surface. Names are those of arcs, or of lines (all their arcs).
@@ -40,6 +48,7 @@ struct RegionWord {
   std::vector<std::vector<std::string>> loops;  ///< lines of each loop, in any order and direction
   bool ring = false;                            ///< loops are the two rims of a ring
   std::vector<std::string> inner;
+  RegionSkin skin = {};
   std::string where;  ///< for messages: "scene.toml:8:1: "
 };
 

@@ -91,16 +91,23 @@ RegionMaker::RegionMaker(const CharacterLineNetwork& network, const FoundRegions
   first_.resize(model_.regions.size());
 }
 
+double RegionMaker::edge_of(int region) const {
+  const double own = model_.regions[region].plan.skin.edge_length;
+  return own > 0 ? own : edge_;
+}
+
 // Where meshes have their vertices on each arc.
 void RegionMaker::place_vertices() {
   given_.resize(network_.arcs().size());
   for (size_t a = 0; a < network_.arcs().size(); ++a) {
     const NetworkArc& arc = network_.arcs()[a];
-    double spacing = std::min(edge_, 0.5 * arc.length);
+    double spacing = orientation_.sides[a].empty() ? edge_ : network_.size();
     for (const ArcSide& side : orientation_.sides[a]) {
       constexpr double least_across = 8;  // edges across a region
-      spacing = std::min(spacing, orientation_.sizes[side.region] / least_across);
+      spacing =
+          std::min({spacing, edge_of(side.region), orientation_.sizes[side.region] / least_across});
     }
+    spacing = std::min(spacing, 0.5 * arc.length);
     auto given = std::make_shared<GivenCurve>();
     given->curve = arc.curve;
     const auto& nodes = arc.curve.parameters();
@@ -160,12 +167,15 @@ void RegionMaker::lay_out_one(size_t r) {
   const NetworkRegion& plan = model_.regions[r].plan;
   SkinOptions skin = options_.skin;
   constexpr double least_across = 12;  // elements across a small region
-  skin.edge_length = std::min(edge_, orientation_.sizes[r] / least_across);
+  skin.edge_length = std::min(edge_of(static_cast<int>(r)), orientation_.sizes[r] / least_across);
   skin.tolerance = tolerance_;
-  skin.domain = plan.ring ? SkinOptions::Domain::Ring : SkinOptions::Domain::Auto;
+  skin.domain = plan.ring ? SkinOptions::Domain::Ring : plan.skin.domain;
   skin.against_first = plan.loops[0][0].reversed;
-  const RegionWish wish{plan.name, lines_of(plan), count_of(plan.inner), skin,
-                        orientation_.plain_areas[r]};
+  // Triangles that trials may take: of large regions and of large models fewer are made.
+  constexpr int of_model = 100'000, least = 1'000, most = 8'000;
+  const int budget = std::clamp(of_model / count_of(model_.regions), least, most);
+  const RegionWish wish{
+      plan.name, lines_of(plan), count_of(plan.inner), skin, orientation_.plain_areas[r], budget};
   RegionTrial trial = ways_[r] ? try_again(wish, *ways_[r], frame(), options_.material)
                                : try_region(wish, frame(), options_.material);
   if (!ways_[r]) model_.regions[r].warnings = std::move(trial.warnings);

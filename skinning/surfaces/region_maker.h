@@ -44,6 +44,7 @@ class RegionMaker {
   std::optional<JoinSide> side_of(const ArcSide& use, int arc) const;
 
  private:
+  double edge_of(int region) const;
   void place_vertices();
   std::vector<CharacterLine> lines_of(const NetworkRegion& plan) const;
   void lay_out_one(size_t r);
@@ -56,7 +57,7 @@ class RegionMaker {
   Vec3 origin_ = Vec3::Zero();
   Orientation orientation_;
   std::vector<std::shared_ptr<const GivenCurve>> given_;  // by arc: the curve and its vertices
-  std::vector<std::optional<RegionWay>> ways_;  // how each region was laid out
+  std::vector<std::optional<RegionWay>> ways_;            // how each region was laid out
   std::vector<std::shared_ptr<const RegionLayout>> layouts_;
   std::vector<Points> first_;
 };

@@ -135,8 +135,7 @@ class Trials {
  private:
   // Whether there is nothing wrong with it.
   bool attempt(const Way& way, bool inner) {
-    constexpr int most_triangles = 8'000;  // of all trials: large regions are tried less often
-    if (spent_ > most_triangles && !way.word.empty()) return false;
+    if (best_ && spent_ > wish_.most_triangles && !way.word.empty()) return false;
     ++count_;
     std::string why;
     try {

@@ -23,6 +23,7 @@ struct RegionWish {
   int inner = 0;                     ///< how many of them are inner lines
   SkinOptions skin;                  ///< `domain`: the first to be tried
   double plain_area = 0;             ///< of a plain filling; 0: unknown
+  int most_triangles = 8'000;        ///< of all trials but the first, about
 };
 
 /// How a region was laid out.
@@ -40,9 +41,9 @@ struct RegionTrial {
 };
 
 /// Returns the first trial without a flaw, or else the one with the least evil; of equals the
-/// first. At most ten trials, and only the usual ones once these made 8,000 triangles; each as long
-/// as a RegionLayout, one solve and find_flaws(); one where the first is well. Throws what the first
-/// trial threw when all fail.
+/// first. At most ten trials, and none but the usual ones once these made most_triangles and one of
+/// them could be made; each as long as a RegionLayout, one solve and find_flaws(); one where the
+/// first is well. Throws what the first trial threw when all fail.
 RegionTrial try_region(const RegionWish& wish, const ModelFrame& frame,
                        const SurfaceStiffness& material);
 

@@ -1,5 +1,6 @@
 // Networks as users meet them: batten run and batten skin --network, from lines to a report.
 #include <cmath>
+#include <map>
 
 #include "batten/tests/apps/cli_case.h"
 
@@ -99,6 +100,46 @@ TEST_CASE("the user's words about regions and joins are followed", "[cli][networ
   CHECK(j["regions"].size() == 5);
   CHECK(j["left_over"]["rims"].size() == 4);
   CHECK(j["shells"][0]["closed"] == false);
+}
+
+TEST_CASE("a region has its own domain and its own edges", "[cli][network]") {
+  const Case c("network_region_skin");
+  // A square of 20, and another on one of its sides that rises by 5.
+  const std::string line = "[[line]]\nname = ";
+  const std::string strip = line +
+                            "\"a\"\npoints = [[0,0,0],[20,0,0],[20,20,0],[0,20,0],[0,0,0]]\n" +
+                            line + "\"b\"\npoints = [[20,0,0],[40,0,5],[40,20,5],[20,20,0]]\n";
+  const auto words = [](const std::string& more) {
+    return "[[region]]\nname = \"fine\"\nloops = [[\"a\"]]\n" + more;
+  };
+  c.file("usual.toml", kHead + strip + words("") + kCoarse);
+  c.file("fine.toml", kHead + strip + words("edge_length = 1\n") + kCoarse);
+  c.file("plane.toml", kHead + strip + words("domain = \"plane\"\n") + kCoarse);
+  c.file("ring.toml", kHead + strip + words("domain = \"ring\"\n") + kCoarse);
+  const auto of = [&](const std::string& name) {
+    const Result r = c.run({"run", name + ".toml", "--out", name});
+    INFO(r.out << r.err);
+    REQUIRE(r.code == 0);
+    std::map<std::string, nlohmann::json> regions;
+    const auto j = report(c, name);
+    for (const auto& region : j["regions"])
+      regions[region["name"] == "fine" ? "fine" : "other"] = region;
+    REQUIRE(regions.size() == 2);
+    return regions;
+  };
+  auto usual = of("usual"), fine = of("fine"), plane = of("plane");
+  const auto triangles = [](const nlohmann::json& region) {
+    return region["triangles"].get<int>();
+  };
+  CHECK(triangles(fine["fine"]) > 2 * triangles(usual["fine"]));
+  CHECK(triangles(fine["other"]) < 1.5 * triangles(usual["other"]));
+  CHECK(usual["fine"]["domain"] == "polygon");
+  CHECK(plane["fine"]["domain"] == "plane");
+  CHECK(plane["other"]["domain"] == "polygon");
+  CHECK(plane["fine"]["area"].get<double>() == Approx(400.0).epsilon(0.01));
+  const Result ring = c.run({"run", "ring.toml", "--out", "ring"});
+  CHECK(ring.code == 1);
+  CHECK(ring.err.find("expected ring = true alone") != std::string::npos);
 }
 
 TEST_CASE("what cannot be kept is named, with exit code 4", "[cli][network]") {
