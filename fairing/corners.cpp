@@ -9,6 +9,7 @@
 #include "batten/core/index.h"
 #include "batten/core/words.h"
 #include "batten/fairing/noise.h"
+#include "batten/fairing/point_means.h"
 #include "batten/fairing/two_arms.h"
 
 namespace batten {
@@ -18,7 +19,7 @@ constexpr int few = 11;                // points, too few to tell noise
 constexpr double few_turn_by = 20;     // degrees, at least
 constexpr double at_end_turn_by = 60;  // where one side is a single chord
 constexpr double sharp = 75;           // always a corner
-constexpr double uneven_turn_by = 30;  // and more: a corner between sides of
+constexpr double uneven_turn_by = 40;  // and more: a corner between sides of
 constexpr double uneven = 2.5;         // this ratio
 constexpr double sure = 24;            // a gain as no noise has in some hundred places
 constexpr int longest = 60;            // points of an arm
@@ -114,12 +115,27 @@ class CornerSearch {
     // Towards a nose turns grow from both sides.
     const bool nose = std::min(left.grown, right.grown) > 0.8 * turn && next < 0.5 * turn;
     if (turn > sharp) return !nose;
+    if (ends_in_nose(i)) return false;
     const auto [less, more] = std::minmax(before, after);
     if (turn - errors * error > uneven_turn_by && more > uneven * less) return true;
     if (next < 0) return false;
     if (is_short && std::min(left.turn, right.turn) < 0 && turn < at_end_turn_by) return false;
     return turn > std::max((is_short ? 3 : 2.2) * next, 1.2 * grown) &&
            turn - grown > errors * error;
+  }
+
+  // Half of a section ends at its nose: turns grow steadily towards the last chord.
+  bool ends_in_nose(int i) const {
+    const int side = !row_.inside(i - 1) ? 1 : -1;
+    if (row_.inside(i - side)) return false;
+    constexpr int places = 4;
+    constexpr double growth = 1.2, none = 0.5;  // degrees
+    for (int k = 0; k + 1 < places; ++k) {
+      if (!row_.inside(i + side * (k + 1))) return false;
+      const double here = turn_at(i + side * k), behind = turn_at(i + side * (k + 1));
+      if (behind < none || here < growth * behind) return false;
+    }
+    return true;
   }
 
   std::vector<int> in_points() const {
@@ -268,7 +284,8 @@ std::vector<int> distinct(const std::vector<Vec3>& points) {
 
 }  // namespace
 
-std::vector<int> find_corners(const std::vector<Vec3>& points, bool closed, double angle) {
+std::vector<int> find_corners(const std::vector<Vec3>& points, bool closed, double angle,
+                              int tremor) {
   if (points.size() < 3 || angle >= 180) return {};
   const std::vector<int> kept = distinct(points);
   std::vector<Vec3> row;
@@ -276,17 +293,13 @@ std::vector<int> find_corners(const std::vector<Vec3>& points, bool closed, doub
   std::vector<int> corners;
   constexpr int most = 300;
   CornerSearch search(row, closed, angle);
-  const int block = static_cast<int>((row.size() + most - 1) / most);
+  int each = tremor;
+  if (search.is_noisy()) each = std::max(each, static_cast<int>((row.size() + most - 1) / most));
   std::vector<int> found;
-  if (block > 1 && search.is_noisy()) {
-    std::vector<Vec3> means;
-    for (size_t i = 0; i + block <= row.size(); i += block) {
-      Vec3 sum = Vec3::Zero();
-      for (int k = 0; k < block; ++k) sum += row[i + k];
-      means.push_back(sum / block);
-    }
-    for (const int c : CornerSearch(means, closed, angle).run())
-      found.push_back(c * block + block / 2);
+  if (each > 1) {
+    const std::vector<Vec3> some = means(row, each);
+    for (const int c : CornerSearch(some, closed, angle).run())
+      found.push_back(static_cast<int>((c + 0.5) * count_of(row) / count_of(some)));
   } else {
     found = search.run();
   }

@@ -5,10 +5,21 @@
 
 namespace batten {
 
+namespace {
+
+KnownNoise known_of(const FairOptions& options) {
+  if (options.balance == FairOptions::Balance::Noise) return {options.noise, 0};
+  if (options.balance == FairOptions::Balance::Wavelength) return {0, options.wavelength};
+  return {};
+}
+
+}  // namespace
+
 FairCurve fair_points(const std::string& name, const std::vector<Vec3>& points,
                       const FairOptions& options) {
   const PointRow row(name, points, options.corner_angle, options.corners, options.closed,
-                     options.drop_outliers ? PointRow::Outliers::Drop : PointRow::Outliers::Keep);
+                     options.drop_outliers ? PointRow::Outliers::Drop : PointRow::Outliers::Keep,
+                     known_of(options));
   check(name, options, row.closed);
   return FairRounds(name, points, row, options).run();
 }

@@ -71,12 +71,6 @@ class FairRounds {
   double off_axis(const Points& q) const;
   double project(bool first);
   void run_by_arc_length();
-  // Whether the way from point to point is much longer than that from every fourth to the next.
-  bool zigzags() const {
-    double shorter = 0;
-    for (int i = 4; i < count_; i += 4) shorter += (row_.points[i] - row_.points[i - 4]).norm();
-    return count_ >= 16 && shorter < 0.7 * row_.length();
-  }
   void settle_tangents(SpringBalance& balance, double wave);
 
   const std::string& name_;

@@ -6,6 +6,7 @@
 
 #include "batten/core/errors.h"
 #include "batten/fairing/fair_conditions.h"
+#include "batten/fairing/point_means.h"
 
 namespace batten {
 
@@ -115,7 +116,7 @@ double FairRounds::project(bool first) {
   // Under a stated balance a closed curve that shrinks would shrink faster and faster if the
   // parameter shrank with it: it keeps the length of the points, or, where that is mostly noise, of
   // the first curve.
-  if (options_.balance == FairOptions::Balance::CrossValidation || (first && zigzags()))
+  if (options_.balance == FairOptions::Balance::CrossValidation || (first && zigzags(row_.points)))
     length_ = arc.total();
   for (double& u : u_) u *= length_;
   for (size_t k = 0; k < at_.size(); ++k) {

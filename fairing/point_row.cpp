@@ -11,6 +11,7 @@
 #include "batten/fairing/corners.h"
 #include "batten/fairing/noise.h"
 #include "batten/fairing/outliers.h"
+#include "batten/fairing/point_means.h"
 
 namespace batten {
 
@@ -22,7 +23,7 @@ void check_tolerance(const std::string& name, double tolerance) {
 
 PointRow::PointRow(const std::string& name, const std::vector<Vec3>& given, double corner_angle,
                    const std::optional<std::vector<int>>& given_corners,
-                   std::optional<bool> is_closed, Outliers outliers) {
+                   std::optional<bool> is_closed, Outliers outliers, const KnownNoise& known) {
   const std::string line = "line '" + name + "'";
   for (size_t i = 0; i < given.size(); ++i)
     if (!given[i].allFinite() || given[i].cwiseAbs().maxCoeff() > 1e100)
@@ -72,7 +73,7 @@ PointRow::PointRow(const std::string& name, const std::vector<Vec3>& given, doub
     corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
     if (!closed) std::erase_if(corners, [&](int c) { return c == 0 || c == count() - 1; });
   } else {
-    corners = find_corners(points, closed, corner_angle);
+    corners = find_corners(points, closed, corner_angle, tremor(known));
   }
 }
 
@@ -92,33 +93,21 @@ void PointRow::drop_outliers(const std::optional<std::vector<int>>& given_corner
   points = std::move(kept);
 }
 
+// Of so many points means are free of the tremor.
+int PointRow::tremor(const KnownNoise& known) const {
+  constexpr double more = 1.6, waves = 4;
+  if (!(known.size > more * noise_across(points, closed)) && !(known.wavelength > 0)) return 1;
+  const int each = points_a_mean(points);
+  if (known.size > 0) return each;
+  const double apart = way_of_means(points, each, closed).back() / count();
+  return std::max(1, static_cast<int>(std::min<double>(each, known.wavelength / waves / apart)));
+}
+
 std::vector<double> PointRow::denoised_chord() const {
-  constexpr int most_blocks = 200;
-  const int n = count();
-  if (n < 2 * most_blocks || noise_across(points, closed) < 0.3 * length() / n) return chord;
-  std::vector<Vec3> mean(most_blocks, Vec3::Zero());
-  std::vector<double> middle(most_blocks);  // number of the block's middle point
-  for (int b = 0; b < most_blocks; ++b) {
-    const long from = static_cast<long>(b) * n / most_blocks,
-               to = static_cast<long>(b + 1) * n / most_blocks;
-    for (long i = from; i < to; ++i) mean[b] += points[i] / static_cast<double>(to - from);
-    middle[b] = 0.5 * static_cast<double>(from + to - 1);
-  }
-  // Lengths between the means; the halves of the first and the last block go on as fast.
-  std::vector<double> result;
-  int b = 0;
-  double before = 0;
-  for (int i = 0; i < n + closed; ++i) {
-    while (b + 2 < most_blocks && i > middle[b + 1]) {
-      before += (mean[b + 1] - mean[b]).norm();
-      ++b;
-    }
-    result.push_back(before + (mean[b + 1] - mean[b]).norm() * (i - middle[b]) /
-                                  (middle[b + 1] - middle[b]));
-  }
-  const double first = result.front();
-  for (double& u : result) u -= first;
-  return result;
+  constexpr double much = 0.3;  // of a step
+  if (noise_across(points, closed) < much * length() / count() && !zigzags(points)) return chord;
+  const int each = points_a_mean(points);
+  return each > 1 ? way_of_means(points, each, closed) : chord;
 }
 
 double PointRow::bend(int i) const {

@@ -10,6 +10,12 @@
 
 namespace batten {
 
+/// What is known of the points' noise, in model units; 0: nothing.
+struct KnownNoise {
+  double size = 0;        ///< root mean square across the line
+  double wavelength = 0;  ///< shorter waves are noise
+};
+
 /// Distinct neighbours, chord lengths, corners. The list of a closed curve does not repeat its
 /// first point.
 struct PointRow {
@@ -22,19 +28,21 @@ struct PointRow {
 
   enum class Outliers { Keep, Drop };  ///< Drop: as find_outliers(), given corners excepted
 
-  /// `chord`, where steps are noise rather than progress: lengths between means of many points.
+  /// `chord`, or where steps are noise rather than progress, the way along means (point_means.h).
   std::vector<double> denoised_chord() const;
   double length() const { return chord.back(); }
   int count() const { return count_of(points); }
   /// Curvature of the circle through point i and both neighbours; 0 where there are not both.
   double bend(int i) const;
 
-  /// Throws InputError as fit_points() says.
+  /// Where points run to and fro and their known noise is more than neighbours tell, a tremor,
+  /// means of neighbours tell corners. Throws InputError as fit_points() says.
   PointRow(const std::string& name, const std::vector<Vec3>& given, double corner_angle,
            const std::optional<std::vector<int>>& given_corners, std::optional<bool> is_closed,
-           Outliers outliers = Outliers::Keep);
+           Outliers outliers = Outliers::Keep, const KnownNoise& known = {});
 
  private:
+  int tremor(const KnownNoise& known) const;
   void drop_outliers(const std::optional<std::vector<int>>& given_corners);
 };
 

@@ -62,6 +62,7 @@ TwoArms::Fit TwoArms::fit(const Shape& shape, const Points& points, double noise
     const double along = way.row(i).squaredNorm();
     const double part = along > 0 ? std::pow(off.row(i).dot(way.row(i)), 2) / along : 0;
     fit.chi += (off.row(i).squaredNorm() - part) / (noise * noise);
+    fit.along += part / (noise * noise);
   }
   return fit;
 }
@@ -123,10 +124,14 @@ double TwoArms::gain(const Points& points, int corner, double noise, double leas
     const double turn = degrees_between(before, behind);
     if (!(turn > least_turn)) continue;
     const double sharpness = std::clamp(turn / 50, 0.7, sharpest);
+    constexpr double sharp = 75;
+    const double of_along = turn > sharp ? 1 / std::max(1.0, arms.along / dof) : 0;
+    const auto misfit = [&](const Fit& fit) { return fit.chi + of_along * fit.along; };
     double gain = std::numeric_limits<double>::infinity();
     // Further degrees can only take from the gain.
     for (int d = degree + 1; d <= 2 * degree + 1 && d < count - 1 && gain > best; ++d)
-      gain = std::min(gain, sharpness * (fit(shape(count, -1, d), points, noise).chi - arms.chi) /
+      gain = std::min(gain, sharpness *
+                                (misfit(fit(shape(count, -1, d), points, noise)) - misfit(arms)) /
                                 std::max(1.0, arms.chi / dof));
     if (std::isfinite(gain)) best = std::max(best, gain);
   }

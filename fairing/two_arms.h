@@ -14,7 +14,9 @@ class TwoArms {
   /// that of the best smooth curve (a polynomial in the points' number, up to the third degree
   /// beside straight arms, to the fifth beside parabolic ones) is above that of two arms that meet
   /// at point `corner` (a row of `points`), over max(1, χ²/dof) of the latter and times the turn
-  /// over 50 degrees (0.7 to 2): noise seldom makes sharp turns. 0 where the arms meet at
+  /// over 50 degrees (0.7 to 2): noise seldom makes sharp turns.
+  /// Where they turn by more than 75 degrees, distances along the curve count too, over those along
+  /// the arms: a curve that turns so far on the spot is slow there, and points are not. 0 where the arms meet at
   /// `least_turn` degrees or less, are no good fit themselves, or gain no more than `least`; -1
   /// where parabolic arms fit so badly that longer ones will too.
   /// `noise` > 0. Remembers the matrices of each size: later calls cost O(points).
@@ -25,7 +27,8 @@ class TwoArms {
     MatX values, slopes, inverse;  // inverseᵀ points: the coefficients of least squares
   };
   struct Fit {
-    double chi = 0;
+    double chi = 0;    // across the curve
+    double along = 0;  // squares along it, likewise over the noise squared
     Points coefficients;
   };
   // Polynomials up to `degree`; with arms ≥ 0, on both sides of that point.

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <map>
 #include <set>
+#include <tuple>
+#include <utility>
 
 #include "batten/core/errors.h"
 #include "batten/core/index.h"
@@ -201,8 +203,9 @@ class Finder {
     found_.optimal = search_.complete && search_.selected.optimal;
     found_.choices = near_choices(graph_, search_, prices_);
     if (!ring()) islands();
+    holes();
     find_inner_lines(graph_, prices_, found_.regions);
-    count_uses();
+    std::tie(found_.bare, found_.rims) = bare_and_rims();
     auto open =
         rim_choices(graph_, search_, found_.regions, found_.rims, settled_.nothing, prices_);
     found_.choices.insert(found_.choices.end(), open.begin(), open.end());
@@ -270,17 +273,23 @@ class Finder {
     found_.regions.resize(kept);
   }
 
-  void count_uses() {
-    std::vector<int> uses(graph_.arcs.size(), 0);
+  // What stands on a plane face, or goes through it, has its rim there.
+  void holes() {
+    for (PlaneHole& hole : find_plane_holes(graph_, found_.regions, bare_and_rims().second))
+      found_.regions[hole.on].loops.push_back(std::move(hole.loop));
+  }
+
+  // The arcs without a region, and those with one.
+  std::pair<std::vector<int>, std::vector<int>> bare_and_rims() const {
+    std::vector<int> uses(graph_.arcs.size(), 0), bare, rims;
     for (const NetworkRegion& region : found_.regions) {
       for (const ArcLoop& loop : region.loops)
         for (const ArcUse& use : loop) ++uses[use.arc];
       for (const int arc : region.inner) uses[arc] += 2;
     }
-    for (size_t a = 0; a < uses.size(); ++a) {
-      if (uses[a] == 0) found_.bare.push_back(static_cast<int>(a));
-      if (uses[a] == 1) found_.rims.push_back(static_cast<int>(a));
-    }
+    for (size_t a = 0; a < uses.size(); ++a)
+      if (uses[a] < 2) (uses[a] == 0 ? bare : rims).push_back(static_cast<int>(a));
+    return {bare, rims};
   }
 
   void name_regions() {

@@ -30,7 +30,8 @@ namespace batten {
 /// otherwise for less than 15 % of what the arcs concerned are worth. Two loops and nothing else
 /// are a ring when they are like rims. A loop apart from all others that lies on a region (within
 /// 2 % of its size) is left bare and listed as a choice. Bare arcs that hang into a region and lie
-/// near its plain filling (within 10 % of its size) are its inner lines.
+/// near its plain filling (within 10 % of its size) are its inner lines. A closed chain of arcs with
+/// one region each, in a plane region, is a hole of that: something stands there, or goes through.
 ///
 /// The user's words come first: the surfaces that they ask for take their room on the arcs, those
 /// that they refuse are never chosen. The rest depends on the network alone; ties go by the order

@@ -5,6 +5,8 @@
 #include <map>
 #include <set>
 
+#include "batten/skinning/search/region_surfaces.h"
+
 namespace batten {
 namespace {
 
@@ -107,37 +109,6 @@ std::vector<RegionChoice> near_choices(const RegionGraph& graph, const RegionSea
 
 namespace {
 
-// Goes along rims: the arcs with one region.
-class Rims {
- public:
-  Rims(const RegionGraph& graph, const std::vector<int>& rims) : graph_(graph) {
-    for (const int a : rims)
-      for (const bool reversed : {false, true})
-        leaving_[graph.arcs[a].nodes[reversed]].push_back({a, reversed});
-  }
-
-  // The closed chain from an arc on, where no other rim joins it; empty where there is none. No arc
-  // is taken twice.
-  ArcLoop take_loop(int first) {
-    if (!done_.insert(first).second) return {};
-    ArcLoop loop{{first, false}};
-    const int home = graph_.arcs[first].nodes[0];
-    for (int node = graph_.node_after(loop.back()); node != home;
-         node = graph_.node_after(loop.back())) {
-      const auto& ways = leaving_[node];
-      if (ways.size() != 2) return {};
-      loop.push_back(ways[0].arc == loop.back().arc ? ways[1] : ways[0]);
-      if (!done_.insert(loop.back().arc).second) return {};
-    }
-    return leaving_[home].size() == 2 ? loop : ArcLoop();
-  }
-
- private:
-  const RegionGraph& graph_;
-  std::map<int, std::vector<ArcUse>> leaving_;  // rim arcs at each node, in both directions
-  std::set<int> done_;
-};
-
 // What a surface in a rim would have to do with the regions beside it.
 struct CapFolds {
   double fold = 0;    // mean, degrees
@@ -173,11 +144,8 @@ std::vector<RegionChoice> rim_choices(const RegionGraph& graph, const RegionSear
                                       const std::vector<int>& rims,
                                       const std::vector<std::vector<int>>& nothing,
                                       const LoopPrices& prices) {
-  Rims open(graph, rims);
   std::vector<RegionChoice> choices;
-  for (const int first : rims) {
-    const ArcLoop loop = open.take_loop(first);
-    if (loop.empty()) continue;
+  for (const ArcLoop& loop : closed_chains(graph, rims)) {
     const LoopCandidate cap = measured(graph, loop, prices);
     if (std::binary_search(nothing.begin(), nothing.end(), arcs_of(cap.loop))) continue;
     const CapFolds folds = measure_folds(graph, cap, regions, prices);

@@ -8,6 +8,7 @@
 
 #include "batten/core/index.h"
 #include "batten/core/parallel.h"
+#include "batten/skinning/search/plane_loops.h"
 
 namespace batten {
 namespace {
@@ -60,6 +61,8 @@ class Tracer {
  private:
   void follow(const ArcUse& in, const ArcUse& out, const Vec3& normal,
               std::vector<ArcLoop>& loops) {
+    if (ArcLoop plane = loop_in_plane(graph_, in, out, normal); !plane.empty())
+      loops.push_back(std::move(plane));
     ways_.clear();
     taken_.clear();
     using Next = std::pair<double, int>;

@@ -11,6 +11,9 @@ struct LoopPrices {
   /// For each arc with two loops that turn against each other by 90 degrees; it grows with the
   /// square of the angle, and is divided by most_at_arc - 1 where more than two may meet.
   double fold = 0.53;
+  /// What a loop costs less for each place where a straight arc goes on in a curved one, in the
+  /// outline of a plane face (fillet_ends): a fillet is one corner, not two sides.
+  double fillet_end = 0.28;
   double twist = 0.5;  ///< times the square of the twist between corner planes, in quarter turns
   double bend = 1.0;   ///< times the square of LoopCandidate::bend
   double jump = 0.3;   ///< for each arc that leaves a node of the loop into its surface
@@ -24,8 +27,9 @@ struct LoopCandidate {
   /// For each use of an arc the direction into the surface, as an angle in the arc's frame, at the
   /// arc's own start and end.
   std::vector<std::array<double, 2>> side;
-  double bend = 0;  ///< rms distance from the plane of least squares over (length / 2π)
-  int again = 0;    ///< nodes and arcs that are passed twice, but for bridges
+  double bend = 0;        ///< rms distance from the plane of least squares over (length / 2π)
+  double inside_deg = 0;  ///< mean of the inside angles
+  int again = 0;          ///< nodes and arcs that are passed twice, but for bridges
   double gain(const LoopPrices& prices) const { return prices.covered * loop.size() - cost; }
 };
 
@@ -33,7 +37,8 @@ struct LoopCandidate {
 /// normal where arcs meet at 15 to 165 degrees; between such corners the normal is carried along
 /// without turning about the line, and what is missing at the next corner is its twist, spread over
 /// the length. Without such a corner the area vector of the loop gives the normal. The surface is
-/// on the side to which the loop turns in all. O(arcs).
+/// on the side to which the loop turns in all. The outline of a plane face with fillets costs what
+/// its arcs turn too, as a polygon does: n - 2 for n arcs, less `fillet_end`s. O(arcs).
 LoopCandidate measured(const RegionGraph& graph, const ArcLoop& loop, const LoopPrices& prices);
 
 /// Returns by how many degrees two surfaces that share an arc (use i of a, j of b) turn against
@@ -58,7 +63,7 @@ struct TracedLoops {
 /// turns in the surface from the arc behind. A way on costs as much as it is worse than the best
 /// one at its node (angle turned, twist, arcs jumped over), and the cheapest closed ways are kept:
 /// the first is the face that a plane graph would have there, the others are near to it. The work
-/// at each corner is bounded.
+/// at each corner is bounded. Loops in the plane of the pair come first (loop_in_plane).
 TracedLoops traced_loops(const RegionGraph& graph, const LoopPrices& prices,
                          const Progress& progress);
 

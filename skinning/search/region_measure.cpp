@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "batten/core/index.h"
+#include "batten/skinning/search/plane_loops.h"
 #include "batten/skinning/search/region_loops.h"
 
 namespace batten {
@@ -190,6 +191,9 @@ LoopCandidate measured(const RegionGraph& graph, const ArcLoop& given, const Loo
     c.side.push_back(side);
   }
   const double quarter = kPi / 2;
+  c.inside_deg = inside / around.n * 180 / kPi;
+  if (const int ends = fillet_ends(graph, c.loop); ends > 0)
+    inside = (around.n - 2 - prices.fillet_end * ends) * kPi;
   c.again = std::max(c.again, 0);
   c.bend = plane_distance(graph, c.loop) / (length / (2 * kPi));
   c.cost = inside / kPi + prices.twist * around.twist_squares / (quarter * quarter) +

@@ -9,6 +9,7 @@
 #include "batten/core/index.h"
 #include "batten/core/words.h"
 #include "batten/skinning/domains/plain_fill.h"
+#include "batten/skinning/search/plane_loops.h"
 
 namespace batten {
 namespace {
@@ -161,6 +162,50 @@ std::vector<Island> find_islands(const RegionGraph& graph,
     }
   }
   return islands;
+}
+
+std::vector<ArcLoop> closed_chains(const RegionGraph& graph, const std::vector<int>& arcs) {
+  std::map<int, std::vector<ArcUse>> leaving;  // at each node, in both directions
+  for (const int a : arcs)
+    for (const bool reversed : {false, true})
+      leaving[graph.arcs[a].nodes[reversed]].push_back({a, reversed});
+  std::set<int> done;
+  const auto chain_from = [&](int first) -> ArcLoop {
+    ArcLoop loop{{first, false}};
+    const int home = graph.arcs[first].nodes[0];
+    for (int node = graph.node_after(loop.back()); node != home;
+         node = graph.node_after(loop.back())) {
+      const auto& ways = leaving[node];
+      if (ways.size() != 2) return {};
+      loop.push_back(ways[0].arc == loop.back().arc ? ways[1] : ways[0]);
+      if (!done.insert(loop.back().arc).second) return {};
+    }
+    return leaving[home].size() == 2 ? loop : ArcLoop();
+  };
+  std::vector<ArcLoop> chains;
+  for (const int first : arcs)
+    if (done.insert(first).second)
+      if (ArcLoop loop = chain_from(first); !loop.empty()) chains.push_back(std::move(loop));
+  return chains;
+}
+
+std::vector<PlaneHole> find_plane_holes(const RegionGraph& graph,
+                                        const std::vector<NetworkRegion>& regions,
+                                        const std::vector<int>& rims) {
+  std::vector<PlaneHole> holes;
+  std::vector<std::optional<PlaneFace>> faces(regions.size());
+  const std::vector<ArcLoop> chains = closed_chains(graph, rims);
+  for (size_t r = 0; r < regions.size() && !chains.empty(); ++r)
+    if (!regions[r].ring && !regions[r].asked) faces[r] = plane_face(graph, regions[r].loops[0]);
+  for (const ArcLoop& chain : chains) {
+    int best = -1;
+    for (size_t r = 0; r < regions.size(); ++r)
+      if (faces[r] && faces[r]->holds(graph.sampled(chain, RegionArc::kPieces)) &&
+          (best < 0 || faces[r]->area < faces[best]->area))
+        best = static_cast<int>(r);
+    if (best >= 0) holes.push_back({chain, best});
+  }
+  return holes;
 }
 
 bool like_rims(const RegionGraph& graph, const ArcLoop& a, const ArcLoop& b) {

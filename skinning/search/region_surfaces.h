@@ -38,6 +38,21 @@ struct Island {
 std::vector<Island> find_islands(const RegionGraph& graph,
                                  const std::vector<NetworkRegion>& regions);
 
+/// Returns the closed chains of some arcs, where no other of these arcs joins them; no arc is taken
+/// twice.
+std::vector<ArcLoop> closed_chains(const RegionGraph& graph, const std::vector<int>& arcs);
+
+/// A closed chain of arcs with one region each, that lies inside of a plane region and in its plane
+/// (3e-4 of the network's size): what stands on it, or goes through, has made a hole there.
+struct PlaneHole {
+  ArcLoop loop;
+  int on;  ///< index of the plane region; the smallest around the chain
+};
+/// Finds all of these, on regions that nobody asked for. `rims`: the arcs with one region.
+std::vector<PlaneHole> find_plane_holes(const RegionGraph& graph,
+                                        const std::vector<NetworkRegion>& regions,
+                                        const std::vector<int>& rims);
+
 /// Returns whether two loops are like the rims of a tube or an annulus: they have no corner of more
 /// than 35 degrees, their planes differ by at most 60 degrees, and they are not side by side.
 bool like_rims(const RegionGraph& graph, const ArcLoop& a, const ArcLoop& b);

@@ -98,6 +98,13 @@ TEST_CASE("rounded corners and noses are none") {
   wing.emplace_back(0, 0, 0);
   for (int i = 16; i >= 0; --i) wing.emplace_back(stations[i], -half(stations[i]), 0);
   CHECK(find_corners(wing, false, 8).empty());
+  // Either side of it, given by itself.
+  CHECK(find_corners({wing.begin(), wing.begin() + 18}, false, 8).empty());
+  CHECK(find_corners({wing.begin() + 17, wing.end()}, false, 8).empty());
+  // A kink before the last chord stays one.
+  std::vector<Vec3> hook(wing.begin(), wing.begin() + 12);
+  hook.push_back(hook.back() + Vec3(-0.04, -0.03, 0));
+  CHECK(find_corners(hook, false, 8) == Numbers{11});
 }
 
 TEST_CASE("noise makes no corners, and hides none that stand far above it") {

@@ -244,26 +244,36 @@ TEST_CASE("outliers of a noisy line are passed over, corners and bends are none"
   CHECK(fair_points("steps", steps).outliers.empty());
 }
 
+namespace {
+
+// Eight waves in each coordinate, a fortieth to a twentieth of the roof line long.
+std::vector<Vec3> trembling_roof(unsigned seed, double height, const std::vector<int>& axes) {
+  std::mt19937 engine(seed);
+  std::uniform_real_distribution<double> uniform;
+  std::vector<Vec3> points;
+  for (int i = 0; i < 200; ++i) points.push_back(roof(i / 199.0));
+  for (int wave = 0; wave < 8; ++wave) {
+    const double length = 200 / 40.0 * (1 + uniform(engine));
+    for (const int axis : axes) {
+      const double phase = 2 * pi * uniform(engine);
+      for (size_t i = 0; i < points.size(); ++i)
+        points[i][axis] += height / 2 * std::sin(2 * pi * static_cast<double>(i) / length + phase);
+    }
+  }
+  return points;
+}
+
+double roof_length() { return curve_as_given("roof", noisy(200, 0, 0, roof).points).length(); }
+
+}  // namespace
+
 TEST_CASE("a tremor that neighbours share goes where its size or its wavelength is stated") {
   for (unsigned seed = 0; seed < 5; ++seed) {
-    std::mt19937 engine(seed);
-    std::uniform_real_distribution<double> uniform;
-    std::vector<Vec3> points;
-    for (int i = 0; i < 200; ++i) points.push_back(roof(i / 199.0));
-    constexpr double height = 0.01;
-    for (int wave = 0; wave < 8; ++wave) {
-      const double length = 200 / 40.0 * (1 + uniform(engine));
-      for (const int axis : {1, 2}) {
-        const double phase = 2 * pi * uniform(engine);
-        for (size_t i = 0; i < points.size(); ++i)
-          points[i][axis] +=
-              height / 2 * std::sin(2 * pi * static_cast<double>(i) / length + phase);
-      }
-    }
+    const std::vector<Vec3> points = trembling_roof(seed, 0.01, {1, 2});
     const double before = error(points, roof);
     FairOptions options;
     options.balance = FairOptions::Balance::Wavelength;
-    options.wavelength = curve_as_given("roof", noisy(200, 0, 0, roof).points).length() / 10;
+    options.wavelength = roof_length() / 10;
     CHECK(error(fair_points("roof", points, options).curve, roof) < 0.5 * before);
     options.balance = FairOptions::Balance::Noise;
     options.noise = before;
@@ -271,6 +281,25 @@ TEST_CASE("a tremor that neighbours share goes where its size or its wavelength 
     CHECK(error(known.curve, roof) < 0.5 * before);
     CHECK(known.deviation.rms < 1.05 * before);
     CHECK(known.deviation.rms > 0.7 * before);
+  }
+}
+
+TEST_CASE("points that a tremor moves to and fro have no corners where that is stated") {
+  for (unsigned seed = 0; seed < 5; ++seed) {
+    INFO("seed " << seed);
+    const std::vector<Vec3> points = trembling_roof(seed, 0.02, {0, 1, 2});
+    const double before = error(points, roof);
+    FairOptions options;
+    // Nothing is known: its kinks are taken for corners.
+    CHECK(fair_points("roof", points, options).curve.mesh().corners().size() > 5);
+    options.balance = FairOptions::Balance::Wavelength;
+    options.wavelength = roof_length() / 6;
+    const HermiteCurve smooth = fair_points("roof", points, options).curve;
+    CHECK(smooth.mesh().corners().empty());
+    CHECK(error(smooth, roof) < 0.5 * before);
+    options.balance = FairOptions::Balance::Noise;
+    options.noise = before;
+    CHECK(fair_points("roof", points, options).curve.mesh().corners().empty());
   }
 }
 
