@@ -297,8 +297,9 @@ SkinnedRegion ModelLayout::skinned(int r, const Points& all) const {
   return region(r).region(region_dofs(r, all));
 }
 
-Points ModelLayout::least_energy(const SurfaceStiffness& material) const {
-  return least_of_difference(material, Points::Zero(position_dofs().size(), 3));
+Points ModelLayout::least_energy(const SurfaceStiffness& material, const Points& rest) const {
+  return least_of_difference(
+      material, rest.rows() > 0 ? rest : Points(Points::Zero(position_dofs().size(), 3)));
 }
 
 Points ModelLayout::nearest(const Points& wanted) const {

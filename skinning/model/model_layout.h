@@ -135,9 +135,10 @@ class ModelLayout {
   /// own.
   Surface surface(Points all) const;
   SkinnedRegion skinned(int r, const Points& all) const;
-  /// Returns the shape of least energy that has the lines, in absolute coordinates. Costs one
+  /// Returns the shape of least energy that has the lines, in absolute coordinates. `rest`: the
+  /// shape without energy, absolute dofs, 0 in regions that have none; no rows: none has. Costs one
   /// factor. Throws ConflictError, NoSolutionError.
-  Points least_energy(const SurfaceStiffness& material) const;
+  Points least_energy(const SurfaceStiffness& material, const Points& rest = {}) const;
   /// Returns the shape that has the lines and is nearest to another one, absolute dofs: the bending
   /// energy of the difference is least. Costs one factor. Throws as least_energy().
   Points nearest(const Points& wanted) const;

@@ -7,6 +7,7 @@
 
 #include "batten/core/index.h"
 #include "batten/core/plane.h"
+#include "batten/core/words.h"
 #include "batten/fairing/open_spline.h"
 
 namespace batten {
@@ -187,6 +188,16 @@ SectionSurface::Slopes SectionSurface::slopes(const Vec2& place) const {
     slopes.by_s = (4 * beside(in) - 3 * slopes.x - beside(2 * in)) / (2 * in);
   }
   return slopes;
+}
+
+double SectionSurface::twist_deg() const {
+  constexpr int samples = 32;
+  double most = 0;
+  for (int k = 0; k < samples; ++k) {
+    const double s = (k + 0.5) / samples;
+    most = std::max(most, degrees_between(slopes({s, 0}).by_s, slopes({s, 1}).by_s));
+  }
+  return most;
 }
 
 Points SectionSurface::dofs() const {

@@ -26,6 +26,13 @@ class SectionSurface {
   SectionSurface(const RegionLayout& region, int side);
 
   Vec3 at(const Vec2& uv) const { return at_place(inside(st(uv)), nullptr); }
+  /// A point of the first section (of least t) or the last one.
+  Vec3 on_section(double s, bool last) const {
+    return at_place(inside({s, last ? 1 : 0}), nullptr);
+  }
+  /// The largest angle between the directions of the first and the last section at equal s, degrees.
+  /// Where it is 0 the surface of straight lines between them unfolds into a plane.
+  double twist_deg() const;
   /// Values and slopes at the dofs of the region's mesh. Slopes along s are differences, good to
   /// about 1e-9.
   Points dofs() const;

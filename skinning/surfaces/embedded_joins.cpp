@@ -7,6 +7,7 @@
 #include "batten/fem/surface_transfer.h"
 #include "batten/fem/triangle_locator.h"
 #include "batten/skinning/facets/facets.h"
+#include "batten/skinning/model/natural_shape.h"
 
 namespace batten {
 
@@ -125,7 +126,7 @@ class Refiner {
     layout->plan_joins(shape);
     JoinedModel next{layout, {}};
     try {
-      next.dofs = layout->least_energy(material_);
+      next.dofs = layout->least_energy(material_, natural_dofs(*layout));
     } catch (const CancelledError&) {
       throw;
     } catch (const Error&) {

@@ -1,21 +1,51 @@
 #include "batten/skinning/surfaces/join_choice.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <string>
 
 #include "batten/core/errors.h"
 #include "batten/core/groups.h"
 #include "batten/core/index.h"
+#include "batten/core/words.h"
 
 namespace batten {
 namespace {
 
+// Whether the lines of a region fix its tangent plane at an end of one of its arcs: the line before
+// or behind it turns a corner there.
+bool is_plane_fixed(const CharacterLineNetwork& network, const NetworkRegion& plan, int arc,
+                    bool end) {
+  constexpr double corner = 15;  // degrees
+  for (const ArcLoop& loop : plan.loops)
+    for (size_t i = 0; i < loop.size(); ++i) {
+      if (loop[i].arc != arc) continue;
+      const bool behind = loop[i].reversed != end;
+      const ArcUse& other = loop[(i + (behind ? 1 : loop.size() - 1)) % loop.size()];
+      const double turn = degrees_between(network.direction({arc, end}),
+                                          network.direction({other.arc, other.reversed != !behind}));
+      return turn > corner && turn < 180 - corner;
+    }
+  return false;
+}
+
 // Surfaces that lines alone make are flatter than those that go on beyond them, and meet at more
 // between nodes; at nodes, where lines fix their planes, they meet as they will in the end.
-double estimate(const std::vector<ModelRegion>& regions, const JoinLine& join_line) {
+double estimate(const CharacterLineNetwork& network, const std::vector<ModelRegion>& regions,
+                const ModelJoin& join, const JoinLine& join_line) {
   const JoinQuality angle = angle_of(regions, join_line);
-  return 0.5 * angle.mean_deg + 0.25 * (angle.end_deg[0] + angle.end_deg[1]);
+  constexpr double of_end = 0.4;  // where it is known
+  double sum = 0, share = 0;
+  for (const bool end : {false, true}) {
+    const bool known = std::all_of(join.regions.begin(), join.regions.end(), [&](int r) {
+      return is_plane_fixed(network, regions[r].plan, join.arc, end);
+    });
+    if (!known || std::isnan(angle.end_deg[end])) continue;
+    sum += of_end * angle.end_deg[end];
+    share += of_end;
+  }
+  return sum + (1 - share) * angle.mean_deg;
 }
 
 // One angle for each chain of arcs that go on into each other along one region: half of a
@@ -44,7 +74,7 @@ std::vector<double> estimate_chains(const CharacterLineNetwork& network, const R
   for (const auto& [arc, s] : join_line_of) {
     const auto r = static_cast<size_t>(chains.of(s));
     const double l = network.arcs()[arc].length;
-    sum[r] += l * estimate(regions, join_lines[s]);
+    sum[r] += l * estimate(network, regions, choice.joins[choice.join_of[s]], join_lines[s]);
     length[r] += l;
   }
   for (size_t s = 0; s < join_lines.size(); ++s) {

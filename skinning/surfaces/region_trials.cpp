@@ -9,6 +9,7 @@
 #include "batten/core/errors.h"
 #include "batten/core/index.h"
 #include "batten/core/words.h"
+#include "batten/skinning/model/natural_shape.h"
 #include "batten/skinning/region/quality.h"
 #include "batten/skinning/surfaces/wrong_surfaces.h"
 
@@ -110,7 +111,8 @@ RegionTrial laid_out(const RegionWish& wish, const SkinOptions& skin, bool inner
   if (!inner) lines.resize(lines.size() - static_cast<size_t>(wish.inner));
   RegionTrial trial{
       std::make_shared<const RegionLayout>(wish.name, lines, skin), {}, {skin, inner}, {}};
-  trial.shape = ModelLayout(frame, {trial.layout}, {}).least_energy(material);
+  const ModelLayout alone(frame, {trial.layout}, {});
+  trial.shape = alone.least_energy(material, natural_dofs(alone));
   return trial;
 }
 

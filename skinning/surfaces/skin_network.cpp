@@ -11,6 +11,7 @@
 #include "batten/core/parallel.h"
 #include "batten/core/words.h"
 #include "batten/skinning/facets/facets.h"
+#include "batten/skinning/model/natural_shape.h"
 #include "batten/skinning/surfaces/embedded_joins.h"
 #include "batten/skinning/surfaces/join_choice.h"
 #include "batten/skinning/surfaces/measure_model.h"
@@ -236,7 +237,7 @@ class ModelMaker {
     const ModelLayout layout(regions_.frame(), std::move(some), std::move(of_group));
     Points solved;
     try {
-      solved = layout.least_energy(options_.material);
+      solved = layout.least_energy(options_.material, natural_dofs(layout));
     } catch (const CancelledError&) {
       throw;
     } catch (const std::runtime_error& e) {

@@ -35,7 +35,7 @@ struct ModelOptions {
   std::vector<JoinWord> joins;
   /// Lines without a word are smooth where the surfaces that the lines alone make meet at less than
   /// this (ModelJoin::first_deg); degrees.
-  double smooth_below_deg = 40;
+  double smooth_below_deg = 25;
   /// Edges along smooth joins are halved until the angle between the normals is below this;
   /// degrees.
   double join_tolerance_deg = 0.1;

@@ -1,0 +1,180 @@
+#include "batten/skinning/model/natural_shape.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "batten/core/words.h"
+#include "batten/skinning/model/section_surface.h"
+
+namespace batten {
+namespace {
+
+constexpr double kNear = 1e-4;     // of the region's size
+constexpr double kParallel = 1.0;  // degrees
+
+struct Plane {
+  Vec3 at, normal;
+  double off(const Vec3& p) const { return std::abs((p - at).dot(normal)); }
+};
+
+Plane plane_through(const std::vector<Vec3>& points) {
+  Vec3 mean = Vec3::Zero();
+  for (const Vec3& p : points) mean += p / static_cast<double>(points.size());
+  Mat3 spread = Mat3::Zero();
+  for (const Vec3& p : points) spread += (p - mean) * (p - mean).transpose();
+  return {mean, Eigen::SelfAdjointEigenSolver<Mat3>(spread).eigenvectors().col(0)};
+}
+
+std::vector<Vec3> points_of(const HermiteCurve& curve) {
+  constexpr int samples = 4;  // of a segment
+  std::vector<Vec3> points;
+  for (int s = 0; s < curve.segment_count(); ++s)
+    for (int k = 0; k < samples; ++k)
+      points.push_back(curve.evaluate(CurveMesh::Where{s, k / double(samples)}));
+  points.push_back(curve.evaluate(curve.end()));
+  return points;
+}
+
+// Of all lines.
+Plane plane_of(const RegionLayout& region, double& farthest) {
+  std::vector<Vec3> points;
+  const auto add = [&](const HermiteCurve& curve) {
+    const std::vector<Vec3> more = points_of(curve);
+    points.insert(points.end(), more.begin(), more.end());
+  };
+  for (const LineRun& run : region.runs()) add(run.fitted);
+  for (const EmbeddedLine& line : region.embedded()) add(line.fitted);
+  const Plane plane = plane_through(points);
+  farthest = 0;
+  for (const Vec3& p : points) farthest = std::max(farthest, plane.off(p));
+  return plane;
+}
+
+// Whether both sides beside `side` are straight.
+bool has_rails(const RegionLayout& region, int side) {
+  for (int k = 1; k < 4; k += 2) {
+    std::vector<Vec3> points;
+    for (const LineRun& run : region.runs()) {
+      if (run.line.role != CharacterLine::Role::Outline ||
+          domain_side(region, run) != (side + k) % 4)
+        continue;
+      const std::vector<Vec3> more = points_of(run.fitted);
+      points.insert(points.end(), more.begin(), more.end());
+    }
+    if (points.empty()) return false;
+    size_t far = 0;
+    for (size_t i = 0; i < points.size(); ++i)
+      if ((points[i] - points[0]).norm() > (points[far] - points[0]).norm()) far = i;
+    const Vec3 along = (points[far] - points[0]).normalized();
+    for (const Vec3& p : points)
+      if (along.cross(p - points[0]).norm() > kNear * region.size()) return false;
+  }
+  return true;
+}
+
+struct Circle {
+  Vec3 centre, axis;
+  double radius;
+};
+
+// The circle that a section is a part of: where it is equally far from the axis in its middle.
+std::optional<Circle> circle_of(const SectionSurface& surface, bool last, double tolerance) {
+  constexpr int samples = 24;
+  std::vector<Vec3> points;
+  for (int k = 0; k < samples; ++k) points.push_back(surface.on_section((k + 0.5) / samples, last));
+  const Vec3 &a = points[0], b = points[samples / 3] - a, c = points[2 * samples / 3] - a;
+  const Vec3 axis = b.cross(c);
+  if (!(axis.norm() > 1e-3 * b.norm() * c.norm())) return std::nullopt;
+  const Vec3 to_centre = (axis.cross(b) * c.squaredNorm() + c.cross(axis) * b.squaredNorm()) /
+                         (2 * axis.squaredNorm());
+  const Circle circle{a + to_centre, axis.normalized(), to_centre.norm()};
+  for (const Vec3& p : points) {
+    const Vec3 d = p - circle.centre;
+    if (std::abs(d.dot(circle.axis)) > tolerance || std::abs(d.norm() - circle.radius) > tolerance)
+      return std::nullopt;
+  }
+  return circle;
+}
+
+bool is_extrusion(const SectionSurface& surface, double tolerance) {
+  constexpr int samples = 16;
+  const auto across = [&](double s) -> Vec3 {
+    return surface.on_section(s, true) - surface.on_section(s, false);
+  };
+  const Vec3 first = across(0.5 / samples);
+  for (int k = 1; k < samples; ++k)
+    if ((across((k + 0.5) / samples) - first).norm() > tolerance) return false;
+  return true;
+}
+
+NaturalShape ruled(const RegionLayout& region, int side) {
+  const SectionSurface surface(region, side);
+  NaturalShape shape;
+  shape.side = side;
+  if (surface.twist_deg() > kParallel) return {};
+  using Kind = NaturalShape::Kind;
+  const double tolerance = 5 * kNear * region.size();
+  shape.kind = is_extrusion(surface, tolerance) ? Kind::Extrusion : Kind::Developable;
+  const auto one = circle_of(surface, false, tolerance), two = circle_of(surface, true, tolerance);
+  if (!one || !two) return shape;
+  const Vec3 apart = two->centre - one->centre;
+  const auto across = [&](const Vec3& axis) {
+    return degrees_between(axis, apart.dot(axis) < 0 ? Vec3(-apart) : apart);
+  };
+  if (across(one->axis) > kParallel || across(two->axis) > kParallel) return shape;
+  shape.kind = shape.kind == Kind::Extrusion ? Kind::Cylinder : Kind::Cone;
+  shape.radius = std::max(one->radius, two->radius);
+  return shape;
+}
+
+}  // namespace
+
+NaturalShape natural_shape(const RegionLayout& region) {
+  double farthest = 0;
+  plane_of(region, farthest);
+  if (farthest <= kNear * region.size()) return {NaturalShape::Kind::Plane};
+  const bool inner =
+      std::any_of(region.embedded().begin(), region.embedded().end(),
+                  [](const auto& e) { return e.line.role != CharacterLine::Role::Hole; }) ||
+      std::any_of(region.runs().begin(), region.runs().end(),
+                  [](const auto& run) { return run.line.role != CharacterLine::Role::Outline; });
+  if (inner) return {};
+  if (is_ring(region)) return ruled(region, 0);
+  if (region.corners().size() != 4) return {};
+  for (const int side : {0, 1})
+    if (has_rails(region, side))
+      if (const NaturalShape shape = ruled(region, side); shape.is_ruled()) return shape;
+  return {};
+}
+
+Points natural_dofs(const ModelLayout& layout) {
+  Points all;
+  for (int r = 0; r < layout.region_count(); ++r) {
+    const RegionLayout& region = layout.region(r);
+    const NaturalShape shape = natural_shape(region);
+    if (!shape.is_ruled()) continue;
+    if (all.rows() == 0) all = Points::Zero(layout.position_dofs().size(), 3);
+    const Points own = SectionSurface(region, shape.side).dofs();
+    for (int d = 0; d < own.rows(); ++d) all.row(layout.numbers(r)(d)) = own.row(d);
+  }
+  return all;
+}
+
+double off_natural(const RegionLayout& region, const NaturalShape& shape, const Points& dofs) {
+  double most = 0, unused = 0;
+  if (shape.kind == NaturalShape::Kind::Free) return most;
+  const ParametricMesh& mesh = *region.mesh();
+  const DofMap map(mesh);
+  const bool plane = shape.kind == NaturalShape::Kind::Plane;
+  const Plane flat = plane ? plane_of(region, unused) : Plane{};
+  const Points ruled = plane ? Points() : SectionSurface(region, shape.side).dofs();
+  for (int v = 0; v < mesh.vertex_count(); ++v) {
+    const Vec3 x = dofs.row(map.vertex(v));
+    most = std::max(most, plane ? flat.off(x) : (x - ruled.row(map.vertex(v)).transpose()).norm());
+  }
+  return most;
+}
+
+}  // namespace batten
