@@ -109,6 +109,8 @@ NetworkReport::Region describe_region(const ModelRegion& r, const Names& names) 
     region.size = r.skinned->size;
     region.domain = word(names.model.layout->region(r.in_layout).domain());
     region.quality = r.quality;
+    region.shape = word_for(r.natural.kind);
+    region.radius = r.natural.radius;
   }
   return region;
 }

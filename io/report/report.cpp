@@ -26,6 +26,8 @@ Json json_of(const NetworkReport::Region& r) {
   if (r.skinned) {
     json.update({{"triangles", r.triangles}, {"dofs", r.dofs}, {"size", r.size}});
     json["domain"] = r.domain;
+    if (!r.shape.empty()) json["shape"] = r.shape;
+    if (r.radius > 0) json["radius"] = r.radius;
     json.update(json_of(r.quality));
   } else {
     json["why_not"] = r.why_not;

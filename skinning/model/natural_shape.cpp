@@ -1,6 +1,7 @@
 #include "batten/skinning/model/natural_shape.h"
 
 #include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -89,7 +90,8 @@ std::optional<Circle> circle_of(const SectionSurface& surface, bool last, double
   if (!(axis.norm() > 1e-3 * b.norm() * c.norm())) return std::nullopt;
   const Vec3 to_centre = (axis.cross(b) * c.squaredNorm() + c.cross(axis) * b.squaredNorm()) /
                          (2 * axis.squaredNorm());
-  const Circle circle{a + to_centre, axis.normalized(), to_centre.norm()};
+  Circle circle{a + to_centre, axis.normalized(), 0};
+  for (const Vec3& p : points) circle.radius += (p - circle.centre).norm() / samples;
   for (const Vec3& p : points) {
     const Vec3 d = p - circle.centre;
     if (std::abs(d.dot(circle.axis)) > tolerance || std::abs(d.norm() - circle.radius) > tolerance)
@@ -107,6 +109,92 @@ bool is_extrusion(const SectionSurface& surface, double tolerance) {
   for (int k = 1; k < samples; ++k)
     if ((across((k + 0.5) / samples) - first).norm() > tolerance) return false;
   return true;
+}
+
+// Around an axis, from sections that are arcs about it.
+class Revolved {
+ public:
+  Revolved(const RegionLayout& region, int side)
+      : arcs_(region, side), meridians_(region, side + 1), size_(region.size()) {}
+
+  // Whether the other two sides are one meridian, turned.
+  NaturalShape shape(int side) {
+    constexpr double near = 5 * kNear;
+    const double tolerance = near * size_;
+    const auto one = circle_of(arcs_, false, tolerance), two = circle_of(arcs_, true, tolerance);
+    if (!one || !two) return {};
+    // The larger circle knows the axis better.
+    const Circle& known = one->radius > two->radius ? *one : *two;
+    centre_ = known.centre;
+    axis_ = known.axis;
+    for (const auto* circle : {&*one, &*two}) {
+      const Vec3 d = circle->centre - centre_;
+      if ((d - d.dot(axis_) * axis_).norm() > tolerance) return {};
+      if (axis_.cross(circle->axis).norm() * circle->radius > tolerance) return {};
+    }
+    constexpr int samples = 16;
+    for (int k = 0; k <= samples; ++k) {
+      const double t = k / double(samples);
+      if ((turned(meridians_.on_section(t, false), angle(1)) - meridians_.on_section(t, true))
+              .norm() > tolerance)
+        return {};
+      if ((turned(arcs_.on_section(0, true), angle(t)) - arcs_.on_section(t, true)).norm() >
+          tolerance)
+        return {};
+    }
+    using Kind = NaturalShape::Kind;
+    const auto meridian = circle_of(meridians_, false, tolerance);
+    if (!meridian || std::abs(meridian->axis.dot(axis_)) > near) return {Kind::Revolution, 0, side};
+    const Vec3 d = meridian->centre - centre_;
+    const bool on_axis = (d - d.dot(axis_) * axis_).norm() <= tolerance;
+    return {on_axis ? Kind::Sphere : Kind::Torus, meridian->radius, side};
+  }
+
+  // After shape().
+  Points dofs() const {
+    return arcs_.dofs_of([this](const Vec2& st) {
+      constexpr double h = 1e-5;
+      const double a = std::clamp(st[0], h, 1 - h), b = std::clamp(st[1], h, 1 - h);
+      const double turn = angle(st[0]), speed = (angle(a + h) - angle(a - h)) / (2 * h);
+      const Vec3 along =
+          (meridians_.on_section(b + h, false) - meridians_.on_section(b - h, false)) / (2 * h);
+      SectionSurface::Slopes slopes;
+      slopes.x = turned(meridians_.on_section(st[1], false), turn);
+      slopes.by_s = speed * axis_.cross(slopes.x - centre_);
+      slopes.by_t = Eigen::AngleAxisd(turn, axis_) * along;
+      return slopes;
+    });
+  }
+
+ private:
+  // Of the first arc, from its start on; less than a turn.
+  double angle(double s) const {
+    const auto from = [&](double at) -> Vec3 {
+      const Vec3 d = arcs_.on_section(at, false) - centre_;
+      return d - d.dot(axis_) * axis_;
+    };
+    const Vec3 start = from(0), middle = from(0.5 * s), end = from(s);
+    const auto between = [&](const Vec3& p, const Vec3& q) {
+      return std::atan2(p.cross(q).dot(axis_), p.dot(q));
+    };
+    return between(start, middle) + between(middle, end);
+  }
+  Vec3 turned(const Vec3& x, double angle) const {
+    return centre_ + Eigen::AngleAxisd(angle, axis_) * (x - centre_);
+  }
+
+  SectionSurface arcs_, meridians_;
+  double size_;
+  Vec3 centre_ = Vec3::Zero(), axis_ = Vec3::UnitZ();
+};
+
+Points rest_dofs(const RegionLayout& region, const NaturalShape& shape) {
+  using Kind = NaturalShape::Kind;
+  if (shape.kind != Kind::Sphere && shape.kind != Kind::Torus && shape.kind != Kind::Revolution)
+    return SectionSurface(region, shape.side).dofs();
+  Revolved revolved(region, shape.side);
+  revolved.shape(shape.side);
+  return revolved.dofs();
 }
 
 NaturalShape ruled(const RegionLayout& region, int side) {
@@ -145,8 +233,18 @@ NaturalShape natural_shape(const RegionLayout& region) {
   if (region.corners().size() != 4) return {};
   for (const int side : {0, 1})
     if (has_rails(region, side))
-      if (const NaturalShape shape = ruled(region, side); shape.is_ruled()) return shape;
+      if (const NaturalShape shape = ruled(region, side); shape.has_rest()) return shape;
+  for (const int side : {0, 1})
+    if (const NaturalShape shape = Revolved(region, side).shape(side); shape.has_rest())
+      return shape;
   return {};
+}
+
+const char* word_for(NaturalShape::Kind kind) {
+  static constexpr const char* words[] = {"",       "plane",     "cylinder",
+                                          "cone",   "extrusion", "unfoldable strip",
+                                          "sphere", "torus",     "revolved strip"};
+  return words[static_cast<size_t>(kind)];
 }
 
 Points natural_dofs(const ModelLayout& layout) {
@@ -154,9 +252,9 @@ Points natural_dofs(const ModelLayout& layout) {
   for (int r = 0; r < layout.region_count(); ++r) {
     const RegionLayout& region = layout.region(r);
     const NaturalShape shape = natural_shape(region);
-    if (!shape.is_ruled()) continue;
+    if (!shape.has_rest()) continue;
     if (all.rows() == 0) all = Points::Zero(layout.position_dofs().size(), 3);
-    const Points own = SectionSurface(region, shape.side).dofs();
+    const Points own = rest_dofs(region, shape);
     for (int d = 0; d < own.rows(); ++d) all.row(layout.numbers(r)(d)) = own.row(d);
   }
   return all;
@@ -169,10 +267,10 @@ double off_natural(const RegionLayout& region, const NaturalShape& shape, const 
   const DofMap map(mesh);
   const bool plane = shape.kind == NaturalShape::Kind::Plane;
   const Plane flat = plane ? plane_of(region, unused) : Plane{};
-  const Points ruled = plane ? Points() : SectionSurface(region, shape.side).dofs();
+  const Points rest = plane ? Points() : rest_dofs(region, shape);
   for (int v = 0; v < mesh.vertex_count(); ++v) {
     const Vec3 x = dofs.row(map.vertex(v));
-    most = std::max(most, plane ? flat.off(x) : (x - ruled.row(map.vertex(v)).transpose()).norm());
+    most = std::max(most, plane ? flat.off(x) : (x - rest.row(map.vertex(v)).transpose()).norm());
   }
   return most;
 }

@@ -201,6 +201,10 @@ double SectionSurface::twist_deg() const {
 }
 
 Points SectionSurface::dofs() const {
+  return dofs_of([this](const Vec2& place) { return slopes(place); });
+}
+
+Points SectionSurface::dofs_of(const std::function<Slopes(const Vec2& st)>& surface) const {
   const ParametricMesh& mesh = *region_.mesh();
   const DofMap map(mesh);
   Points q(map.count(), 3);
@@ -211,7 +215,7 @@ Points SectionSurface::dofs() const {
   };
   const auto gradient = [&](const Vec2& uv) {
     const Vec2 place = inside(st(uv));
-    const Slopes s = slopes(place);
+    const Slopes s = surface(place);
     Eigen::Matrix<double, 3, 2> by_st;
     by_st << s.by_s, s.by_t;
     return Gradient{s.x, by_st * slopes_of_map(place).inverse()};

@@ -1,6 +1,7 @@
 // The surface that runs through sections of one region, before any line is held. Internal.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -33,9 +34,15 @@ class SectionSurface {
   /// The largest angle between the directions of the first and the last section at equal s, degrees.
   /// Where it is 0 the surface of straight lines between them unfolds into a plane.
   double twist_deg() const;
+  /// A place of the surface and its derivatives by s and t.
+  struct Slopes {
+    Vec3 x, by_s, by_t;
+  };
   /// Values and slopes at the dofs of the region's mesh. Slopes along s are differences, good to
   /// about 1e-9.
   Points dofs() const;
+  /// The same of another surface over (s, t).
+  Points dofs_of(const std::function<Slopes(const Vec2& st)>& surface) const;
 
  private:
   // A piece of a section: its curve, its image in (u, v) over the same parameters, and where these
@@ -44,10 +51,6 @@ class SectionSurface {
     HermiteCurve curve, image;
     std::vector<double> at, s;
   };
-  struct Slopes {
-    Vec3 x, by_s, by_t;
-  };
-
   Mat2 slopes_of_map(const Vec2& st) const;
   Vec2 map(const Vec2& st) const;
   Vec2 st(const Vec2& uv) const;

@@ -67,7 +67,13 @@ void measure(SurfaceModel& model, const Progress& progress) {
   const int n = count_of(model.regions);
   parallel_parts(n, [&](int r) {
     ModelRegion& region = model.regions[r];
-    if (region.skinned) region.quality = measure(*region.skinned);
+    if (!region.skinned) return;
+    region.quality = measure(*region.skinned);
+    const RegionLayout& layout = model.layout->region(region.in_layout);
+    region.natural = natural_shape(layout);
+    constexpr double near = 5e-4;  // of the size, as lines are recognised
+    if (off_natural(layout, region.natural, region.skinned->surface.dofs()) > near * layout.size())
+      region.natural = {};
   });
   std::vector<SkinQuality> qualities;
   std::vector<double> plain;

@@ -8,6 +8,7 @@
 #include "batten/core/words.h"
 #include "batten/fairing/curve_fit.h"
 #include "batten/skinning/model/model_projector.h"
+#include "batten/skinning/model/natural_shape.h"
 
 namespace batten {
 namespace {
@@ -274,6 +275,9 @@ SculptingSession make_session(const ModelLayout& layout, const Scene& scene, con
                               Expected expected, const Progress& progress, Points* unloaded,
                               RestShape rest) {
   const std::string where = scene.at({});
+  // Regions of a network that are cylinders and the like are bent from that.
+  if (!rest && made.network && natural_dofs(layout).rows() > 0)
+    rest = [](const RestTask& task) { return natural_dofs(task.layout); };
   try {
     Maker maker(layout, scene, made, expected, progress, std::move(rest));
     if (unloaded) *unloaded = maker.unloaded();

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <map>
+#include <set>
 
 #include "batten/apps/commands/lines/scene_lines.h"
 #include "batten/apps/commands/runs/run_parts.h"
@@ -107,6 +109,29 @@ std::string region_results(const NetworkReport& n, const Report::Surface& s) {
                      " skinned: " + std::to_string(s.triangles) + " triangles, " +
                      std::to_string(s.dofs) + " unknowns a coordinate");
   return text + listed_lines("not skinned", not_skinned);
+}
+
+/// Says which regions are planes, cylinders, …
+std::string shape_results(const NetworkReport& n) {
+  std::map<std::string, std::pair<int, std::set<std::string>>> shapes;  // count, radii
+  for (const auto& r : n.regions)
+    if (!r.shape.empty()) {
+      auto& [count, radii] = shapes[r.shape];
+      ++count;
+      char radius[32];
+      std::snprintf(radius, sizeof radius, "%.4g", r.radius);
+      if (r.radius > 0) radii.insert(radius);
+    }
+  std::string text;
+  for (const auto& [shape, of] : shapes) {
+    text += (text.empty() ? "" : ", ") +
+            counted(static_cast<size_t>(of.first), shape, shape == "torus" ? "tori" : shape + "s");
+    std::string radii;
+    for (const std::string& radius : of.second) radii += (radii.empty() ? "" : ", ") + radius;
+    constexpr size_t few = 4;
+    if (!radii.empty() && of.second.size() <= few) text += " (radius " + radii + ")";
+  }
+  return text.empty() ? "" : result_line("shapes", text);
 }
 
 /// Says what the shells are.
@@ -217,6 +242,7 @@ std::string network_summary(const Report& report, const std::filesystem::path& f
   text += listed_lines("read", report.surprises);
   text += line_results(n, unit);
   text += region_results(n, s);
+  text += shape_results(n);
   const bool skinned =
       std::any_of(n.regions.begin(), n.regions.end(), [](const auto& r) { return r.skinned; });
   if (skinned) text += result_line("joins", joins(n));
