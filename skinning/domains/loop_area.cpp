@@ -49,25 +49,36 @@ LoopPoints loop_points(const Outline& outline, const Vec3& normal) {
   return points;
 }
 
-// Whether the loop turns to the left at its corners: seen from its side where it is nearly plane,
-// else as a filling has it (a strip around a cylinder faces all ways).
+// Whether the loop turns to the left at its corners: seen from its side where it is nearly plane and
+// the corner not upright on that plane, as where a wing's edge meets the nose of a section; else as a
+// filling has it (a strip around a cylinder faces all ways).
 std::vector<char> left_at_corners(const Outline& outline) {
   const Vec3 normal = loop_normal(outline);
   const LoopPoints points = loop_points(outline, normal);
   constexpr double nearly_plane = 0.2;  // of the size
+  constexpr double upright = 0.5;       // cosine of 60 degrees
   constexpr size_t most_points = 400;
+  std::vector<double> facing;  // cosine of the angle between a corner's axis and the normal
+  for (const int c : outline.corners) {
+    const Joint joint = joint_at(outline, static_cast<size_t>(c));
+    facing.push_back(joint.incoming.cross(joint.outgoing).stableNormalized().dot(normal));
+  }
+  const auto asks = [&](double cosine) {
+    return points.height >= nearly_plane || std::abs(cosine) < upright;
+  };
   std::optional<PlainFill> fill;
-  if (points.height >= nearly_plane && points.x.size() <= most_points)
+  if (points.x.size() <= most_points && std::any_of(facing.begin(), facing.end(), asks))
     fill = developable_fill(points.x);
   std::vector<FillCorner> of_fill;
   if (fill) of_fill = fill_corners(points.x, *fill);
   std::vector<char> left;
-  for (const int c : outline.corners) {
-    const auto piece = static_cast<size_t>(c);
+  for (size_t i = 0; i < facing.size(); ++i) {
+    const auto piece = static_cast<size_t>(outline.corners[i]);
     const Joint joint = joint_at(outline, piece);
-    left.push_back(fill ? turns_left(joint.incoming, joint.outgoing,
-                                     of_fill[piece * static_cast<size_t>(points.each)])
-                        : joint.incoming.cross(joint.outgoing).dot(normal) >= 0);
+    left.push_back(fill && asks(facing[i])
+                       ? turns_left(joint.incoming, joint.outgoing,
+                                    of_fill[piece * static_cast<size_t>(points.each)])
+                       : facing[i] >= 0);
   }
   return left;
 }

@@ -177,8 +177,10 @@ SpokenRegions resolved_words(const RegionGraph& graph, const RegionOptions& opti
 
 class Finder {
  public:
-  Finder(const RegionGraph& graph, const RegionOptions& options, const Progress& progress)
-      : graph_(graph), progress_(progress) {
+  // `exact`: the graph with the curves' own tangents; null: there is none.
+  Finder(const RegionGraph& graph, const RegionGraph* exact, const RegionOptions& options,
+         const Progress& progress)
+      : graph_(graph), exact_(exact ? *exact : graph), progress_(progress) {
     for (const RegionArc& arc : graph_.arcs)
       for (const Vec3& p : arc.points)
         if (!p.allFinite())
@@ -188,11 +190,15 @@ class Finder {
     found_.regions = std::move(spoken.regions);
     // A line that is said to lie inside of a surface is no border.
     for (const NetworkRegion& region : found_.regions)
-      for (const int arc : region.inner) graph_.core[arc] = false;
+      for (const int arc : region.inner) graph_.core[arc] = exact_.core[arc] = false;
   }
 
   FoundRegions find() {
     search_ = search_regions(graph_, settled_, prices_, progress_);
+    if (auto closed = closed_search(search_, exact_, settled_, prices_, progress_)) {
+      search_ = std::move(*closed);
+      graph_ = exact_;
+    }
     for (size_t i = 0; i < search_.loops.size(); ++i)
       if (search_.selected.chosen[i]) {
         NetworkRegion region;
@@ -303,7 +309,7 @@ class Finder {
       }
   }
 
-  RegionGraph graph_;
+  RegionGraph graph_, exact_;
   const Progress& progress_;
   LoopPrices prices_;
   SettledRegions settled_;
@@ -315,12 +321,13 @@ class Finder {
 
 FoundRegions find_regions(const RegionGraph& graph, const RegionOptions& options,
                           const Progress& progress) {
-  return Finder(graph, options, progress).find();
+  return Finder(graph, nullptr, options, progress).find();
 }
 
 FoundRegions find_regions(const CharacterLineNetwork& network, const RegionOptions& options,
                           const Progress& progress) {
-  return Finder(RegionGraph(network), options, progress).find();
+  const RegionGraph exact(network, RegionGraph::EndTangents::OfCurve);
+  return Finder(RegionGraph(network), &exact, options, progress).find();
 }
 
 }  // namespace batten

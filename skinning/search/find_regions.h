@@ -24,6 +24,10 @@ namespace batten {
 ///    It is proved best by a dual bound and by branch and bound, unless that is cut short
 ///    (region_selection.h; `optimal`).
 ///
+/// 4. Where that leaves rims, a closed model is looked for: with 0.6 more for each side, among the
+///    chosen loops and those that do not run like rims (mean inside angle up to 120 degrees). So a
+///    propeller gets its skins rather than its ribs.
+///
 /// So a plane grid gets its cells and not its outline, a wire box six faces, a torus no disc in its
 /// hole. A smooth or long rim of an open shell stays open, because its inside angles are near 180
 /// degrees; it is listed as a choice. So is everything that another set of loops would have

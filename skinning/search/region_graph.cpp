@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <utility>
 
 #include "batten/core/box.h"
 #include "batten/core/errors.h"
@@ -30,8 +32,8 @@ Vec3 transported(const Vec3& u, const Vec3& p, const Vec3& q, const Vec3& t, con
   return (next - next.dot(t_next) * t_next).normalized();
 }
 
-// Fills in tangents and frames from the points.
-void make_frames(RegionArc& arc) {
+// Fills in tangents and frames from the points; `ends`: the directions there, where they are known.
+void make_frames(RegionArc& arc, const std::optional<std::pair<Vec3, Vec3>>& ends = {}) {
   const auto& x = arc.points;
   const double scale = (x.front() - x[kPieces / 2]).norm() + (x.back() - x[kPieces / 2]).norm();
   const auto direction = [&](int a, int b) {
@@ -50,6 +52,8 @@ void make_frames(RegionArc& arc) {
   };
   at_end(arc.tangents.front(), x[0], x[1], x[2], 1);
   at_end(arc.tangents.back(), x[kPieces], x[kPieces - 1], x[kPieces - 2], -1);
+  if (ends && ends->first.norm() > 0) arc.tangents.front() = ends->first.normalized();
+  if (ends && ends->second.norm() > 0) arc.tangents.back() = ends->second.normalized();
   arc.u[0] = any_across(arc.tangents[0]);
   for (int k = 0; k < kPieces; ++k) {
     arc.u[k + 1] = transported(arc.u[k], x[k], x[k + 1], arc.tangents[k], arc.tangents[k + 1]);
@@ -80,7 +84,8 @@ Vec3 RegionArc::carried(bool from_end, const Vec3& across) const {
   return norm > 1e-12 ? Vec3(next / norm) : u[l];
 }
 
-RegionGraph::RegionGraph(const CharacterLineNetwork& network) : size(network.size()) {
+RegionGraph::RegionGraph(const CharacterLineNetwork& network, EndTangents tangents)
+    : size(network.size()) {
   for (const NetworkNode& node : network.nodes()) nodes.push_back(node.position);
   for (const NetworkArc& from : network.arcs()) {
     RegionArc arc;
@@ -93,7 +98,10 @@ RegionGraph::RegionGraph(const CharacterLineNetwork& network) : size(network.siz
       arc.points[k] = from.curve.evaluate(a + (b - a) * k / kPieces);
     arc.points.front() = nodes[arc.nodes[0]];
     arc.points.back() = nodes[arc.nodes[1]];
-    make_frames(arc);
+    if (tangents == EndTangents::OfCurve)
+      make_frames(arc, std::pair{from.curve.evaluate(a, 1), from.curve.evaluate(b, 1)});
+    else
+      make_frames(arc);
     arcs.push_back(std::move(arc));
   }
   connect();

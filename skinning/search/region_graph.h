@@ -47,8 +47,14 @@ struct RegionGraph {
   double size = 1;
 
   RegionGraph() = default;
+  /// How an arc begins and ends.
+  enum class EndTangents {
+    OfPieces,  ///< as its first two pieces tell: small hooks of a hand do not count
+    OfCurve    ///< as its curve does: at the nose of a section it does not run along the chord
+  };
   /// Makes the graph from the curves of a network. O(arcs).
-  explicit RegionGraph(const CharacterLineNetwork& network);
+  explicit RegionGraph(const CharacterLineNetwork& network,
+                       EndTangents tangents = EndTangents::OfPieces);
   /// Makes it from polylines of two points or more between nodes. Throws InputError: fewer points,
   /// numbers that are not finite, no length.
   RegionGraph(std::vector<Vec3> nodes, std::vector<std::array<int, 2>> arc_nodes,

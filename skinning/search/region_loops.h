@@ -8,6 +8,8 @@ namespace batten {
 /// Prices of loops, in units of half a turn: a plane n-gon costs n - 2.
 struct LoopPrices {
   double covered = 1.25;  ///< what a loop is given for each side of an arc that it takes
+  /// What a side that is covered is worth more in the search for a closed model.
+  double closed = 0.6;
   /// For each arc with two loops that turn against each other by 90 degrees; it grows with the
   /// square of the angle, and is divided by most_at_arc - 1 where more than two may meet.
   double fold = 0.53;

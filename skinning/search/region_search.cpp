@@ -1,6 +1,7 @@
 #include "batten/skinning/search/region_search.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 namespace batten {
@@ -106,10 +107,11 @@ void add_pairs(const RegionGraph& graph, double fold_price, RegionSearch& search
       }
 }
 
-}  // namespace
+constexpr double like_a_rim = 120;  // degrees, the mean inside angle
 
-RegionSearch search_regions(const RegionGraph& graph, const SettledRegions& settled,
-                            const LoopPrices& prices, const Progress& progress) {
+// The loops that were traced in a graph, and the problem of choosing among them.
+RegionSearch make_problem(const RegionGraph& graph, const SettledRegions& settled,
+                          const LoopPrices& prices, const Progress& progress) {
   RegionSearch search;
   // 1. Trace loops. Each comes with its own cost.
   TracedLoops traced = traced_loops(graph, prices, progress);
@@ -122,10 +124,64 @@ RegionSearch search_regions(const RegionGraph& graph, const SettledRegions& sett
   const AskedLoops asked = settle_asked(graph, settled, prices, search.problem.room);
   add_items(graph, asked, prices, fold_price, traced.loops, search);
   add_pairs(graph, fold_price, search);
+  return search;
+}
 
+// Uses of each arc that are still free.
+std::vector<int> free_sides(const RegionSearch& search) {
+  std::vector<int> left = search.problem.room;
+  for (size_t i = 0; i < search.loops.size(); ++i)
+    if (search.selected.chosen[i])
+      for (const ArcUse& use : search.loops[i].loop) --left[use.arc];
+  return left;
+}
+
+bool has_rims(const RegionSearch& search) {
+  const std::vector<int> left = free_sides(search);
+  return std::any_of(left.begin(), left.end(), [](int sides) { return sides == 1; });
+}
+
+// Whether every arc with a free side has loops for it that do not run like rims.
+bool may_close(const RegionSearch& search) {
+  constexpr size_t most_arcs = 2000;
+  std::vector<int> left = search.problem.room;
+  if (left.size() > most_arcs) return false;
+  for (const int free : free_sides(search))
+    if (free == 2) return false;  // bare
+  for (size_t i = 0; i < search.loops.size(); ++i)
+    if (search.selected.chosen[i] || search.loops[i].inside_deg <= like_a_rim)
+      for (const ArcUse& use : search.loops[i].loop) --left[use.arc];
+  return std::all_of(left.begin(), left.end(), [](int sides) { return sides <= 0; });
+}
+
+}  // namespace
+
+RegionSearch search_regions(const RegionGraph& graph, const SettledRegions& settled,
+                            const LoopPrices& prices, const Progress& progress) {
+  RegionSearch search = make_problem(graph, settled, prices, progress);
   // 3. Choose.
   search.selected = select(search.problem);
   progress.at("regions: choice", 1);
+  return search;
+}
+
+std::optional<RegionSearch> closed_search(const RegionSearch& open, const RegionGraph& exact,
+                                          const SettledRegions& settled, const LoopPrices& prices,
+                                          const Progress& progress) {
+  if (settled.most_at_arc != 2 || !has_rims(open) || !may_close(open)) return std::nullopt;
+  RegionSearch search = make_problem(exact, settled, prices, progress);
+  for (size_t i = 0; i < search.loops.size(); ++i) {
+    const LoopCandidate& loop = search.loops[i];
+    const bool chosen = std::any_of(open.loops.begin(), open.loops.end(), [&](const auto& other) {
+      return other.loop == loop.loop && open.selected.chosen[&other - open.loops.data()];
+    });
+    search.problem.items[i].gain += chosen || loop.inside_deg <= like_a_rim
+                                        ? prices.closed * static_cast<double>(loop.loop.size())
+                                        : -std::abs(search.problem.items[i].gain) - 1;
+  }
+  search.selected = select(search.problem);
+  progress.at("regions: choice", 1);
+  if (has_rims(search)) return std::nullopt;
   return search;
 }
 

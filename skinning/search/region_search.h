@@ -1,6 +1,8 @@
 // Chooses the loops that are taken as surfaces from all that were traced.
 #pragma once
 
+#include <optional>
+
 #include "batten/skinning/search/region_loops.h"
 #include "batten/skinning/search/region_selection.h"
 #include "batten/skinning/search/regions.h"
@@ -25,6 +27,14 @@ struct RegionSearch {
 /// Traces loops, makes the problem of choosing among them, and solves it.
 RegionSearch search_regions(const RegionGraph& graph, const SettledRegions& settled,
                             const LoopPrices& prices, const Progress& progress);
+
+/// Searches for a closed model where the search has left rims: a loop is worth more for every side
+/// that it covers (LoopPrices::closed), and loops that run like rims (mean inside angle above 120
+/// degrees), which were not chosen, stay out. `exact`: the same graph with the curves' own tangents.
+/// Returns nothing where rims are left, or would be by the loops that `open` knows.
+std::optional<RegionSearch> closed_search(const RegionSearch& open, const RegionGraph& exact,
+                                          const SettledRegions& settled, const LoopPrices& prices,
+                                          const Progress& progress);
 
 /// Does the same as find_regions() of a network, on a graph.
 FoundRegions find_regions(const RegionGraph& graph, const RegionOptions& options = {},

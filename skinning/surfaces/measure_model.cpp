@@ -1,5 +1,6 @@
 #include "batten/skinning/surfaces/measure_model.h"
 
+#include <algorithm>
 #include <array>
 #include <optional>
 
@@ -60,6 +61,15 @@ void measure_joins(SurfaceModel& model, const std::vector<const SkinnedRegion*>&
   }
 }
 
+// Whether two regions meet at a line that the user asked to be a crease: a knife's edge may be.
+bool has_asked_crease(const SurfaceModel& model, const std::vector<int>& regions) {
+  return std::any_of(model.joins.begin(), model.joins.end(), [&](const ModelJoin& join) {
+    return join.asked && join.kind == ModelJoin::Kind::Crease &&
+           std::is_permutation(join.regions.begin(), join.regions.end(), regions.begin(),
+                               regions.end());
+  });
+}
+
 }  // namespace
 
 void measure(SurfaceModel& model, const Progress& progress) {
@@ -108,6 +118,10 @@ void measure(SurfaceModel& model, const Progress& progress) {
   model.flaws = find_flaws(made, qualities, plain);
   for (SurfaceFlaw& flaw : model.flaws)
     for (int& r : flaw.regions) r = index[r];
+  std::erase_if(model.flaws, [&](const SurfaceFlaw& flaw) {
+    return flaw.kind == SurfaceFlaw::Kind::Fold && flaw.regions.size() == 2 &&
+           has_asked_crease(model, flaw.regions);
+  });
   progress.at("measuring", 1);
 }
 
