@@ -23,8 +23,8 @@ bool is_plane_fixed(const CharacterLineNetwork& network, const NetworkRegion& pl
       if (loop[i].arc != arc) continue;
       const bool behind = loop[i].reversed != end;
       const ArcUse& other = loop[(i + (behind ? 1 : loop.size() - 1)) % loop.size()];
-      const double turn = degrees_between(network.direction({arc, end}),
-                                          network.direction({other.arc, other.reversed != !behind}));
+      const double turn = degrees_between(
+          network.direction({arc, end}), network.direction({other.arc, other.reversed != !behind}));
       return turn > corner && turn < 180 - corner;
     }
   return false;

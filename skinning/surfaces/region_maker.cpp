@@ -163,7 +163,7 @@ void RegionMaker::lay_out(const std::vector<int>& which, double from, double to)
   progress_.at("skinning regions", to);
 }
 
-void RegionMaker::lay_out_one(size_t r) {
+RegionWish RegionMaker::wish_of(size_t r) const {
   const NetworkRegion& plan = model_.regions[r].plan;
   SkinOptions skin = options_.skin;
   constexpr double least_across = 12;  // elements across a small region
@@ -174,15 +174,32 @@ void RegionMaker::lay_out_one(size_t r) {
   // Triangles that trials may take: of large regions and of large models fewer are made.
   constexpr int of_model = 100'000, least = 1'000, most = 8'000;
   const int budget = std::clamp(of_model / count_of(model_.regions), least, most);
-  const RegionWish wish{
-      plan.name, lines_of(plan), count_of(plan.inner), skin, orientation_.plain_areas[r], budget};
-  RegionTrial trial = ways_[r] ? try_again(wish, *ways_[r], frame(), options_.material)
-                               : try_region(wish, frame(), options_.material);
-  if (!ways_[r]) model_.regions[r].warnings = std::move(trial.warnings);
+  return {plan.name, lines_of(plan), count_of(plan.inner), skin, orientation_.plain_areas[r],
+          budget};
+}
+
+void RegionMaker::take(size_t r, RegionTrial trial) {
   ways_[r] = trial.way;
   model_.regions[r].skinned = trial.layout->region(trial.shape);
   layouts_[r] = std::move(trial.layout);
   first_[r] = std::move(trial.shape);
+}
+
+void RegionMaker::lay_out_one(size_t r) {
+  const RegionWish wish = wish_of(r);
+  RegionTrial trial = ways_[r] ? try_again(wish, *ways_[r], frame(), options_.material)
+                               : try_region(wish, frame(), options_.material);
+  if (!ways_[r]) model_.regions[r].warnings = trial.warnings;
+  take(r, std::move(trial));
+}
+
+bool RegionMaker::lay_out_otherwise(int region) {
+  const auto r = static_cast<size_t>(region);
+  auto trial = try_other(wish_of(r), layouts_[r]->domain(), frame(), options_.material);
+  if (!trial) return false;
+  model_.regions[r].warnings = trial->warnings;
+  take(r, std::move(*trial));
+  return true;
 }
 
 void RegionMaker::leave_out(int r, const std::string& why) {

@@ -28,6 +28,8 @@ class RegionMaker {
   /// why one could not be skinned; one that could be before stays as it was then. `from`, `to`:
   /// range of the progress that is reported.
   void lay_out(const std::vector<int>& which, double from, double to);
+  /// Lays out a region in another way (try_other()). Whether there was one.
+  bool lay_out_otherwise(int region);
   /// Leaves a region out after all, for a reason in words.
   void leave_out(int region, const std::string& why);
   /// Puts a mesh vertex between any two on this arc, for the next lay_out().
@@ -47,7 +49,9 @@ class RegionMaker {
   double edge_of(int region) const;
   void place_vertices();
   std::vector<CharacterLine> lines_of(const NetworkRegion& plan) const;
+  RegionWish wish_of(size_t r) const;
   void lay_out_one(size_t r);
+  void take(size_t r, RegionTrial trial);
 
   const CharacterLineNetwork& network_;
   const ModelOptions& options_;

@@ -204,6 +204,30 @@ RegionTrial try_region(const RegionWish& wish, const ModelFrame& frame,
   return Trials(wish, frame, material).best();
 }
 
+std::optional<RegionTrial> try_other(const RegionWish& wish, Domain was, const ModelFrame& frame,
+                                     const SurfaceStiffness& material) {
+  if (wish.skin.domain != Domain::Auto) return std::nullopt;
+  for (const Domain next : {Domain::Plane, Domain::Sheet}) {
+    if (was != Domain::Polygon && !(was == Domain::Plane && next == Domain::Sheet)) continue;
+    SkinOptions skin = wish.skin;
+    skin.domain = next;
+    try {
+      Made made{laid_out(wish, skin, true, frame, material), 0, ""};
+      judge(made, wish.plain_area);
+      if (made.evil > 0) continue;
+      made.trial.warnings.push_back(std::string("it is made ") +
+                                    (next == Domain::Plane ? "on a plane" : "as a sheet") +
+                                    ": in the usual way it would turn over or sag where it goes on "
+                                    "smoothly in its neighbours");
+      return std::move(made.trial);
+    } catch (const CancelledError&) {
+      throw;
+    } catch (const std::runtime_error&) {  // the next one, then
+    }
+  }
+  return std::nullopt;
+}
+
 RegionTrial try_again(const RegionWish& wish, const RegionWay& way, const ModelFrame& frame,
                       const SurfaceStiffness& material) {
   return laid_out(wish, way.skin, way.inner, frame, material);

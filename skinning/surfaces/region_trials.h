@@ -9,6 +9,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -51,6 +52,12 @@ RegionTrial try_region(const RegionWish& wish, const ModelFrame& frame,
 /// Throws what RegionLayout and the solve throw.
 RegionTrial try_again(const RegionWish& wish, const RegionWay& way, const ModelFrame& frame,
                       const SurfaceStiffness& material);
+
+/// Lays a region out whose shape is spoiled where it goes on in its neighbours: on a plane, or as a
+/// sheet, where it was a polygon; as a sheet, where it was on a plane. Returns the first of these
+/// that has no flaw by itself, or nothing; nothing for a domain that was asked for.
+std::optional<RegionTrial> try_other(const RegionWish& wish, SkinOptions::Domain was,
+                                     const ModelFrame& frame, const SurfaceStiffness& material);
 
 /// Whether the Jacobian of a finished region falls below 0.05 of the median, or its area is more
 /// than twice that of a plain filling (0: unknown). O(triangles).

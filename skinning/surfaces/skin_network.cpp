@@ -73,7 +73,7 @@ class ModelMaker {
   // above the tolerance. Begins again where a join proves worse than a crease.
   void join() {
     std::vector<JoinPlan> plans;
-    constexpr int most_rounds = 2;
+    constexpr int most_rounds = 3;
     int round = 0;
     do {
       plans = joined();
@@ -281,8 +281,8 @@ class ModelMaker {
     return any;
   }
 
-  // Regions that are well by themselves and turn over, or sag, in one shape with their neighbours:
-  // their joins are given up. Whether there is any.
+  // Regions that are well by themselves and turn over, or sag, in one shape with their neighbours
+  // are laid out in another way; where there is none their joins are given up. Whether there is any.
   bool free_spoiled(const std::vector<JoinPlan>& plans) {
     std::vector<char> spoiled(model_.regions.size(), 0);
     parallel_parts(count_of(model_.regions), [&](int r) {
@@ -293,6 +293,12 @@ class ModelMaker {
                    !turns_or_sags(regions_.layouts()[r]->region(regions_.first_shapes()[r]), plain);
     });
     bool any = false;
+    for (size_t r = 0; r < spoiled.size(); ++r)
+      if (spoiled[r] && regions_.lay_out_otherwise(static_cast<int>(r))) {
+        spoiled[r] = 0;
+        any = true;
+      }
+    if (any) find_sides_again();
     for (size_t s = 0; s < plans.size(); ++s) {
       if (plans[s].given_up()) continue;
       for (const JoinSide& side : join_lines_[s].sides) {
