@@ -116,7 +116,9 @@ struct SceneMove : NamedValue {
   FilePlace named;  ///< place of its name
   PlacedWord line;
   std::optional<Vec3> direction;  ///< none: along the surface's normal
-  double fade = 0;                ///< part of the line's length, at each end, over which it fades
+  /// Part of the line's length, at each end, over which it fades; none: a quarter where an end lies
+  /// on a line that does not move, else 0.
+  std::optional<double> fade;
 };
 
 /// One entry of drives = [...] of a [[parameter]]: driven = offset + factor · of, summed over all

@@ -242,9 +242,9 @@ SceneMove read_move(const TomlTable& table) {
   move.named = table.place("name");
   move.line = placed(table, "line");
   if (table.has("direction")) move.direction = table.direction("direction");
-  move.fade = table.number("fade", 0);
-  if (move.fade < 0 || move.fade > 0.5)
-    table.fail("fade", number(move.fade), "a share of the line's length from 0 to 0.5");
+  if (table.has("fade")) move.fade = table.number("fade", 0);
+  if (move.fade && !(*move.fade >= 0 && *move.fade <= 0.5))
+    table.fail("fade", number(*move.fade), "a share of the line's length from 0 to 0.5");
   return move;
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 
 #include "batten/apps/commands/lines/line_files.h"
 #include "batten/core/box.h"
@@ -228,6 +229,28 @@ class Maker {
     }
   }
 
+  /// The share of a piece over which it fades: as stated, or else so that it does not leave lines that
+  /// stay where they are.
+  double fade_of(const SceneMove& move, const std::string& piece) const {
+    if (move.fade) return *move.fade;
+    const ModelLayout& layout = session_.layout();
+    const HermiteCurve& curve = layout.line(piece);
+    std::set<std::string> moved;
+    for (const SceneMove& other : scene_.moves)
+      for (std::string& name : on_layout_.pieces(other.line)) moved.insert(std::move(name));
+    const auto stays = [&](const Vec3& end) {
+      return std::any_of(layout.lines().begin(), layout.lines().end(), [&](const ModelLine& line) {
+        return !moved.count(line.name) &&
+               layout.line(line.name).closest_point(end).distance <= layout.tolerance();
+      });
+    };
+    constexpr double usual = 0.25;
+    return !curve.closed() &&
+                   (stays(curve.evaluate(curve.start())) || stays(curve.evaluate(curve.end())))
+               ? usual
+               : 0;
+  }
+
   /// Adds a move at 0, or at the nearest value of its range, so that it moves nothing yet.
   void add_move(const SceneMove& move) {
     NamedValue p = values_.at(move.name);
@@ -239,7 +262,7 @@ class Maker {
     std::string name = move.name;
     int number = 1;
     for (const std::string& piece : on_layout_.pieces(move.line)) {
-      add(move.named, LineMove{name, piece, move.direction, move.fade}, {p});
+      add(move.named, LineMove{name, piece, move.direction, fade_of(move, piece)}, {p});
       name = move.name + "." + std::to_string(++number);
       p.name = name;
       p.over_time.clear();
