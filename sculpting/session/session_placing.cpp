@@ -3,6 +3,7 @@
 
 #include "batten/core/errors.h"
 #include "batten/core/plane.h"
+#include "batten/core/words.h"
 #include "batten/sculpting/loads/area.h"
 #include "batten/sculpting/session/session_system.h"
 #include "batten/skinning/model/model_projector.h"
@@ -18,6 +19,29 @@ void require_finite(const std::string& name, bool finite) {
 void require_direction(const std::string& name, const Vec3& direction) {
   require_finite(name, direction.allFinite());
   if (!(direction.norm() > 0)) throw InputError("'" + name + "' has a direction of no length");
+}
+
+// A surface through a line has normals at right angles to it only.
+void require_upright(const std::string& name, const Vec3& normal, const std::string& line,
+                     const HermiteCurve& curve) {
+  require_direction(name, normal);
+  constexpr int samples = 64;
+  constexpr double most = 1;  // degrees
+  double worst = 0;
+  Vec3 where = Vec3::Zero();
+  for (int k = 0; k <= samples; ++k) {
+    const double t = curve.start() + (curve.end() - curve.start()) * k / samples;
+    const double off = std::abs(90 - degrees_between(curve.evaluate(t, 1), normal));
+    if (off <= worst) continue;
+    worst = off;
+    where = curve.evaluate(t);
+  }
+  if (worst > most)
+    throw InputError("'" + name + "' asks for one normal along '" + line +
+                     "', which leaves the planes with that normal by up to " + number(worst) +
+                     " degrees, near " + at(where) +
+                     ": no surface through the line has it. Expected a normal at right angles to "
+                     "all of the line, or none (the tangent planes then stay as they are)");
 }
 
 // Where the surface is nearest to a place in space.
@@ -134,7 +158,7 @@ PlacedConstraint place(const Constraint& c, const Definition& def, const Surface
     const auto& along = std::get<Constraint::LineNormal>(c.kind);
     def.layout->model_line(along.line);
     if (along.normal)
-      require_direction(c.name, *along.normal);
+      require_upright(c.name, *along.normal, along.line, def.layout->line(along.line));
     else
       placed.on = shared(surface);
   }

@@ -59,9 +59,9 @@ struct ModelJoin {
   bool asked = false;          ///< the user's word
   std::string why;             ///< why it is a crease although it was to be smooth, or ""
   std::array<bool, 2> open{};  ///< a smooth join is a crease at its start, end: no tangent plane
-  /// Angle between the normals of the first shapes, those of each region's lines alone: half the
-  /// sum of the mean along the line and the mean at its ends, averaged over lines that go on
-  /// straight.
+  /// Angle between the normals of the first shapes, those of each region's lines alone: 0.4 of that
+  /// at either end where lines fix both planes, the rest of the mean along the line; averaged over
+  /// lines that go on straight.
   double first_deg = 0;
   /// Largest angle between the normals of the result, sampled between nodes too; and the same
   /// without the edges at ends that are creases.

@@ -10,6 +10,7 @@
 #include <set>
 
 #include "batten/core/errors.h"
+#include "batten/fairing/curve_shapes.h"
 #include "batten/skinning/search/region_search.h"
 #include "batten/tests/catch.h"
 #include "batten/tests/reference.h"
@@ -229,6 +230,110 @@ TEST_CASE("closed surfaces of any genus are found closed") {
     }
     CHECK(Found(lines).sides() == all(5, 2));
   }
+}
+
+// An outline at height 0 and at height 1, and upright lines between their corners.
+Lines prism(const Lines& outline) {
+  Lines lines;
+  int number = 0;
+  for (const CharacterLine& line : outline) {
+    const std::string name = "side" + std::to_string(++number);
+    lines.push_back({name + " low", line.curve});
+    lines.push_back({name + " high", placed(line.curve, {Mat3::Identity(), Vec3::UnitZ()})});
+    const Vec3 corner = line.curve->evaluate(line.curve->start());
+    lines.push_back(straight(name + " edge", corner, corner + Vec3::UnitZ()));
+  }
+  return lines;
+}
+
+TEST_CASE("solids with fillets are closed, cups are not") {
+  SECTION("a D") {
+    const Found found(
+        prism({straight("a", {-2, -1, 0}, {0, -1, 0}),
+               arc("b", {0, 0, 0}, -Vec3::UnitY(), Vec3::UnitX(), 0, pi),
+               straight("c", {0, 1, 0}, {-2, 1, 0}), straight("d", {-2, 1, 0}, {-2, -1, 0})}));
+    CHECK(found.sides() == all(6, 4));
+    CHECK(found.regions.rims.empty());
+  }
+  SECTION("a rectangle whose corners are rounded") {
+    Lines outline;
+    const Vec3 x = Vec3::UnitX(), y = Vec3::UnitY();
+    const Vec3 centres[] = {{2, -1, 0}, {2, 1, 0}, {-2, 1, 0}, {-2, -1, 0}};
+    const Vec3 out[] = {-y, x, y, -x};
+    for (size_t k = 0; k < 4; ++k) {
+      const Vec3 &a = 0.5 * out[k], &b = 0.5 * out[(k + 1) % 4];
+      outline.push_back(arc("round", centres[k], a, b, 0, pi / 2));
+      outline.push_back(straight("flat", centres[k] + b, centres[(k + 1) % 4] + b));
+    }
+    const Found found(prism(outline));
+    CHECK(found.regions.regions.size() == 10);
+    CHECK(found.regions.rims.empty());
+  }
+  SECTION("a cup, whose rim is round all the way") {
+    Lines outline;
+    for (int k = 0; k < 4; ++k)
+      outline.push_back(
+          arc("round", Vec3::Zero(), Vec3::UnitX(), Vec3::UnitY(), k * pi / 2, (k + 1) * pi / 2));
+    const Found found(prism(outline));
+    CHECK(found.sides() == all(4, 4));
+    CHECK(found.regions.rims.size() == 8);
+  }
+}
+
+TEST_CASE("a chain with one wall inside of a plane face is a hole of it") {
+  Lines lines = box_lines({-3, -2, 0}, {6, 4, 1});
+  Lines circle;
+  for (int k = 0; k < 2; ++k)
+    circle.push_back(
+        arc("round", Vec3::Zero(), Vec3::UnitX(), Vec3::UnitY(), k * pi, (k + 1) * pi));
+  const Lines hole = prism(circle);
+  lines.insert(lines.end(), hole.begin(), hole.end());
+  const Found found(lines);
+  CHECK(found.regions.regions.size() == 8);
+  CHECK(found.regions.rims.empty());
+  int holes = 0;
+  for (const NetworkRegion& region : found.regions.regions)
+    if (region.loops.size() == 2) {
+      ++holes;
+      CHECK(region.loops[0].size() == 4);
+      CHECK(region.loops[1].size() == 2);
+    }
+  CHECK(holes == 2);
+  // Without its walls the circle below lies in the face, and nobody knows what for.
+  lines.resize(12);
+  lines.push_back(circle[0]);
+  lines.push_back({"other half", circle[1].curve});
+  CHECK(Found(lines).sides() == all(6, 4));
+}
+
+TEST_CASE("sections of a wing get its skins, not its ribs") {
+  // Noses are round, trailing edges sharp; ribs lie in planes, skins are twisted.
+  Lines lines;
+  std::vector<Vec3> front, rear;
+  for (int k = 0; k < 4; ++k) {
+    const double turn = 0.25 * k, chord = 2 - 0.3 * k;
+    const Vec3 x(std::cos(turn), 0, std::sin(turn)), z(-std::sin(turn), 0, std::cos(turn));
+    for (const int side : {1, -1}) {
+      std::vector<Vec3> points;
+      for (int i = 0; i <= 24; ++i) {
+        const double s = 0.5 * (1 - std::cos(pi * i / 24)),
+                     half = 0.6 * (0.2969 * std::sqrt(s) - 0.126 * s - 0.3516 * s * s +
+                                   0.2843 * s * s * s - 0.1036 * s * s * s * s);
+        points.push_back(chord * ((s - 0.5) * x + side * half * z) + 1.5 * k * Vec3::UnitY());
+      }
+      const std::string name = (side > 0 ? "upper" : "lower") + std::to_string(k);
+      lines.push_back({name, curve_through_points(name, points)});
+      if (side > 0) front.push_back(points.front()), rear.push_back(points.back());
+    }
+  }
+  lines.push_back({"front", curve_through_points("front", front)});
+  lines.push_back({"rear", curve_through_points("rear", rear)});
+  RegionOptions ends;
+  ends.words = {surface({{"upper0", "lower0"}}, "root"), surface({{"upper3", "lower3"}}, "tip")};
+  const Found found(lines, ends);
+  CHECK(found.regions.regions.size() == 8);
+  CHECK(found.regions.rims.empty());
+  CHECK(found.regions.bare.empty());
 }
 
 TEST_CASE("two boxes that share a wall have it as a region where three may meet") {
