@@ -141,13 +141,18 @@ bool has_rims(const RegionSearch& search) {
   return std::any_of(left.begin(), left.end(), [](int sides) { return sides == 1; });
 }
 
-// Whether every arc with a free side has loops for it that do not run like rims.
-bool may_close(const RegionSearch& search) {
+// Whether every arc that does not dangle has a loop, and loops for a free side that do not run like
+// rims.
+bool may_close(const RegionSearch& search, const std::vector<bool>& core) {
   constexpr size_t most_arcs = 2000;
   std::vector<int> left = search.problem.room;
   if (left.size() > most_arcs) return false;
-  for (const int free : free_sides(search))
-    if (free == 2) return false;  // bare
+  const std::vector<int> free = free_sides(search);
+  for (size_t a = 0; a < free.size(); ++a)
+    if (!core[a])
+      left[a] = 0;
+    else if (free[a] == 2)
+      return false;
   for (size_t i = 0; i < search.loops.size(); ++i)
     if (search.selected.chosen[i] || search.loops[i].inside_deg <= like_a_rim)
       for (const ArcUse& use : search.loops[i].loop) --left[use.arc];
@@ -168,7 +173,8 @@ RegionSearch search_regions(const RegionGraph& graph, const SettledRegions& sett
 std::optional<RegionSearch> closed_search(const RegionSearch& open, const RegionGraph& exact,
                                           const SettledRegions& settled, const LoopPrices& prices,
                                           const Progress& progress) {
-  if (settled.most_at_arc != 2 || !has_rims(open) || !may_close(open)) return std::nullopt;
+  if (settled.most_at_arc != 2 || !has_rims(open) || !may_close(open, exact.core))
+    return std::nullopt;
   RegionSearch search = make_problem(exact, settled, prices, progress);
   for (size_t i = 0; i < search.loops.size(); ++i) {
     const LoopCandidate& loop = search.loops[i];
