@@ -326,6 +326,18 @@ TEST_CASE("classical shapes come back from their lines") {
   }
 }
 
+TEST_CASE("a block with round corners and a hole is a solid of planes and cylinders") {
+  const Ran ran = run(kExamples + "17-solid/scene.toml", "solid");
+  REQUIRE(ran.code == kDone);
+  const double pi = std::acos(-1.0);
+  const double volume = 30 * (100 * 60 - (4 - pi) * 144 - pi * 196);
+  CHECK(ran.report["shells"].size() == 1);
+  CHECK(ran.report["shells"][0]["volume"].get<double>() == Approx(volume).epsilon(1e-5));
+  CHECK(ran.report["step"]["solids"] == 1);
+  CHECK(ran.report["step"]["faces"] == 12);
+  for (const auto& region : ran.report["regions"]) CHECK(region.contains("shape"));
+}
+
 TEST_CASE("the bent plate's hole is a circle of nodes, and bends as plates do") {
   const Ran ran = run(kExamples + "07-plate-with-hole/scene.toml", "plate_with_hole");
   REQUIRE(ran.code == kDone);
