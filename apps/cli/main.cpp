@@ -1,5 +1,6 @@
 // batten: the command line.
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cmath>
 #include <iostream>
 
@@ -91,9 +92,15 @@ struct Arguments {
 int finish(const RunReport& report, const std::string& text, const Arguments& a) {
   end_progress();
   if (!a.quiet) std::cout << text;
-  for (const auto& w : report.warnings) std::cerr << "warning: " << w << "\n";
-  for (const auto& m : report.missed)
-    std::cerr << "promise missed: " << m.what << " " << m.detail << "\n";
+  constexpr size_t most = 10;  // of a kind: the report has all
+  const auto list = [&](const char* label, const auto& items, const auto& text_of) {
+    for (size_t i = 0; i < std::min(items.size(), most); ++i)
+      std::cerr << label << ": " << text_of(items[i]) << "\n";
+    if (items.size() > most)
+      std::cerr << label << ": and " << items.size() - most << " more (the report has all)\n";
+  };
+  list("warning", report.warnings, [](const auto& w) { return w; });
+  list("promise missed", report.missed, [](const auto& m) { return m.what + " " + m.detail; });
   return report.missed.empty() ? kDone : kMissed;
 }
 template <class AnyReport>

@@ -6,6 +6,7 @@
 #include <fstream>
 
 #include "batten/apps/commands/lines/line_reading.h"
+#include "batten/apps/commands/lines/mirror_lines.h"
 #include "batten/apps/commands/shapes/make_model.h"
 #include "batten/core/errors.h"
 #include "batten/core/words.h"
@@ -176,7 +177,9 @@ std::string parameters_text(const std::vector<Parameter>& parameters) {
 
 // Pieces and regions by the names that [[region]] and [[join]] know.
 std::string network_text(const Scene& scene) {
-  const CharacterLineNetwork network = network_of(scene, read_lines(scene));
+  std::vector<CharacterLine> lines = read_lines(scene);
+  add_mirrored(scene, lines);
+  const CharacterLineNetwork network = network_of(scene, lines);
   const auto place = [&](const NetworkArc& arc, int end) {
     return at(network.nodes()[arc.nodes[end]].position);
   };

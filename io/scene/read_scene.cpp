@@ -106,8 +106,9 @@ RegionWord read_region(const TomlTable& table, Names& names) {
 /// Without [network] it changes nothing. Throws InputError: a mistake in the tables, what cannot
 /// stand beside [network], a [[region]] or [[join]] without it.
 void read_network(const TomlTable& root, Scene& scene) {
-  const auto networks = root.table("network", {"tolerance", "straight_angle", "most_at_line",
-                                               "smooth_below", "join_tolerance", "trembling"});
+  const auto networks =
+      root.table("network", {"tolerance", "straight_angle", "most_at_line", "smooth_below",
+                             "join_tolerance", "trembling", "symmetry"});
   if (networks.empty()) {
     for (const char* key : {"region", "join"})
       if (root.has(key))
@@ -130,6 +131,8 @@ void read_network(const TomlTable& root, Scene& scene) {
   network.join_tolerance = table.positive("join_tolerance", network.join_tolerance);
   if (table.has("trembling"))
     network.fair_trembling = table.choice<bool>("trembling", {{"fair", true}, {"keep", false}});
+  if (table.has("symmetry"))
+    network.symmetry = table.choice<int>("symmetry", {{"x", 0}, {"y", 1}, {"z", 2}});
   network.most_at_line = table.whole_number("most_at_line", 1, network.most_at_line);
   if (network.most_at_line > 16)
     table.fail("most_at_line", std::to_string(network.most_at_line), "1 to 16");

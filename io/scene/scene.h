@@ -174,6 +174,9 @@ struct SceneNetwork {
   int most_at_line = RegionOptions{}.most_at_arc;             ///< most regions at one line
   double smooth_below = ModelOptions{}.smooth_below_deg;      ///< degrees
   double join_tolerance = ModelOptions{}.join_tolerance_deg;  ///< degrees
+  /// The lines are those of one half: the model is mirrored in the plane through the origin at right
+  /// angles to this axis, 0, 1, 2 for x, y, z.
+  std::optional<int> symmetry;
   bool fair_trembling = true;  ///< without any [[fair]], lines that tremble are faired
   std::vector<RegionWord> regions;
   std::vector<JoinWord> joins;

@@ -195,6 +195,47 @@ TEST_CASE("resistance along a line acts in all regions that have it", "[cli][net
     for (const double area : areas(value, "50")) CHECK(area == Approx(22070 / 2).epsilon(1e-3));
 }
 
+TEST_CASE("half a model is enough where it is symmetric", "[cli][network]") {
+  const Case c("symmetry");
+  // A house with its ridge in the plane y = 0: half of the walls, one slope of the roof.
+  const std::string head =
+      "unit = \"mm\"\n[network]\nsymmetry = \"y\"\n[output]\nstep = \"h.step\"\n";
+  const auto line = [](const std::string& name, const std::string& points) {
+    return "[[line]]\nname = \"" + name + "\"\npoints = [" + points + "]\n";
+  };
+  std::string lines = line("ridge", "[0,0,50],[100,0,50]");
+  for (const std::string x : {"0", "100"}) {
+    lines += line("post " + x, "[" + x + ",30,0],[" + x + ",30,30]");
+    lines += line("sill " + x, "[" + x + ",0,0],[" + x + ",30,0]");
+    lines += line("slope " + x, "[" + x + ",30,30],[" + x + ",0,50]");
+  }
+  lines += line("wall", "[0,30,0],[100,30,0]") + line("eaves", "[0,30,30],[100,30,30]");
+  c.file("h.toml", head + lines +
+                       "[[region]]\nname = \"roof\"\nloops = [[\"ridge\", \"slope 0\", "
+                       "\"eaves\", \"slope 100\"]]\n"
+                       "[[join]]\nlines = [\"eaves\"]\nkind = \"crease\"\n");
+  const Result r = c.run({"run", "h.toml", "--out", "out"});
+  INFO(r.err);
+  REQUIRE(r.code == 0);
+  const auto report = nlohmann::json::parse(contents(c / "out/report.json"));
+  // Two walls, two slopes, two gables, the floor: whole where they cross the plane.
+  CHECK(report["regions"].size() == 7);
+  CHECK(report["step"]["solids"] == 1);
+  CHECK(report["step"]["volume"].get<double>() ==
+        Approx(100 * (60 * 30 + 60 * 20 / 2)).epsilon(1e-6));
+  int roofs = 0, asked = 0;
+  for (const auto& region : report["regions"])
+    roofs += region["name"] == "roof" || region["name"] == "mirrored roof";
+  for (const auto& join : report["joins"]) asked += join["asked"].get<bool>();
+  CHECK(roofs == 2);
+  CHECK(asked == 2);
+  const Case wrong("symmetry_wrong");
+  wrong.fails(head + line("a", "[0,-20,0],[0,30,0]"), 1,
+              {"s.toml:2:1:", "'a' crosses the plane of symmetry", "(0, -20, 0)"});
+  wrong.fails("unit = \"mm\"\n[network]\nsymmetry = \"w\"\n" + lines, 1,
+              {"s.toml:3:12:", "one of: x, y, z"});
+}
+
 TEST_CASE("mistakes in a network's words are answered with their place", "[cli][network]") {
   const Case c("network_mistakes");
   c.fails(kHead + box() + "[[join]]\nlines = [\"e13\"]\nkind = \"smooth\"\n", 1,

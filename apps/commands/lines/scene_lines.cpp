@@ -4,6 +4,7 @@
 
 #include "batten/apps/commands/lines/fair_lines.h"
 #include "batten/apps/commands/lines/line_reading.h"
+#include "batten/apps/commands/lines/mirror_lines.h"
 #include "batten/core/errors.h"
 #include "batten/core/index.h"
 #include "batten/core/words.h"
@@ -27,6 +28,7 @@ class SceneLines {
       for (size_t i = 0; i < sources_.size(); ++i) add_as_given(i);
       if (scene_.network && scene_.network->fair_trembling) fair_trembling();
     }
+    add_mirrored(scene_, result_.lines);
     for (std::string& text : texts_)
       if (!text.empty()) result_.surprises.push_back(std::move(text));
     return std::move(result_);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "batten/apps/commands/lines/mirror_lines.h"
 #include "batten/skinning/layout/section_region.h"
 #include "batten/skinning/search/find_regions.h"
 #include "batten/skinning/surfaces/skin_network.h"
@@ -75,7 +76,7 @@ CharacterLineNetwork network_of(const Scene& scene, const std::vector<CharacterL
 FoundRegions regions_of(const Scene& scene, const CharacterLineNetwork& network,
                         const Progress& progress) {
   RegionOptions options;
-  options.words = scene.network->regions;
+  options.words = mirrored_regions(scene, network.lines());
   options.most_at_arc = scene.network->most_at_line;
   FoundRegions found = find_regions(network, options, progress);
   if (!found.regions.empty()) return found;
@@ -110,7 +111,7 @@ MadeModel make_model(const Scene& scene, const std::vector<CharacterLine>& lines
   options.name = scene.name;
   options.skin = scene.skin.options;
   options.material = scene.skin.material;
-  options.joins = scene.network->joins;
+  options.joins = mirrored_joins(scene, lines);
   options.smooth_below_deg = scene.network->smooth_below;
   options.join_tolerance_deg = scene.network->join_tolerance;
   made.model = skin_network(*made.network, *made.found, options, progress);

@@ -1,0 +1,110 @@
+#include "batten/apps/commands/lines/mirror_lines.h"
+
+#include <algorithm>
+#include <set>
+
+#include "batten/core/box.h"
+#include "batten/core/errors.h"
+#include "batten/core/words.h"
+#include "batten/fairing/curve_shapes.h"
+
+namespace batten {
+namespace {
+
+const std::string kMirrored = "mirrored ";
+
+std::vector<Vec3> sampled(const InputCurve& curve) {
+  constexpr int samples = 64;
+  std::vector<Vec3> points;
+  for (int i = 0; i <= samples; ++i)
+    points.push_back(curve.evaluate(curve.start() + (curve.end() - curve.start()) * i / samples));
+  return points;
+}
+
+// Names that the mirror images of words have: "rail.2" becomes "mirrored rail.2".
+class Twins {
+ public:
+  explicit Twins(const std::vector<CharacterLine>& lines) {
+    for (const CharacterLine& line : lines) names_.insert(line.name);
+  }
+  // The same name for what lies in the plane.
+  std::string of(const std::string& name) const {
+    const size_t dot = name.rfind('.');
+    const bool has = names_.count(kMirrored + name) ||
+                     (dot != std::string::npos && names_.count(kMirrored + name.substr(0, dot)));
+    return has ? kMirrored + name : name;
+  }
+
+ private:
+  std::set<std::string> names_;
+};
+
+}  // namespace
+
+void add_mirrored(const Scene& scene, std::vector<CharacterLine>& lines) {
+  if (!scene.network || !scene.network->symmetry) return;
+  const int axis = *scene.network->symmetry;
+  std::vector<std::vector<Vec3>> points;
+  Box3 box;
+  for (const CharacterLine& line : lines) {
+    points.push_back(sampled(*line.curve));
+    box.extend(box_around(points.back()));
+  }
+  constexpr double near = 1e-3;  // of the size
+  const double tolerance =
+      scene.network->tolerance > 0 ? scene.network->tolerance : near * box.diagonal().norm();
+  const Placement mirror = mirrored(Vec3::Zero(), Vec3::Unit(axis));
+  const size_t count = lines.size();
+  for (size_t i = 0; i < count; ++i) {
+    const auto [low, high] =
+        std::minmax_element(points[i].begin(), points[i].end(),
+                            [axis](const Vec3& a, const Vec3& b) { return a[axis] < b[axis]; });
+    if ((*low)[axis] < -tolerance && (*high)[axis] > tolerance)
+      throw InputError(scene.at(scene.network->place) + "line '" + lines[i].name +
+                       "' crosses the plane of symmetry, from " + at(*low) + " to " + at(*high) +
+                       "; expected lines on one side of it, which end there or lie in it");
+    if ((*low)[axis] >= -tolerance && (*high)[axis] <= tolerance) continue;
+    CharacterLine twin = lines[i];
+    twin.name = kMirrored + twin.name;
+    twin.curve = placed(lines[i].curve, mirror);
+    lines.push_back(std::move(twin));
+  }
+}
+
+std::vector<JoinWord> mirrored_joins(const Scene& scene, const std::vector<CharacterLine>& lines) {
+  std::vector<JoinWord> words = scene.network->joins;
+  if (!scene.network->symmetry) return words;
+  const Twins twins(lines);
+  for (const JoinWord& word : scene.network->joins)
+    if (const std::string twin = twins.of(word.line); twin != word.line)
+      words.push_back({twin, word.kind, word.where});
+  return words;
+}
+
+std::vector<RegionWord> mirrored_regions(const Scene& scene,
+                                         const std::vector<CharacterLine>& lines) {
+  std::vector<RegionWord> words = scene.network->regions;
+  if (!scene.network->symmetry) return words;
+  const Twins twins(lines);
+  const auto names_of = [](const RegionWord& word) {
+    std::multiset<std::string> names;
+    for (const auto& loop : word.loops) names.insert(loop.begin(), loop.end());
+    return names;
+  };
+  for (const RegionWord& word : scene.network->regions) {
+    RegionWord twin = word;
+    bool whole = false;  // names lines of both halves
+    for (std::string& name : twin.inner) name = twins.of(name);
+    for (auto& loop : twin.loops)
+      for (std::string& name : loop) {
+        whole |= name.starts_with(kMirrored);
+        name = twins.of(name);
+      }
+    if (whole || names_of(twin) == names_of(word)) continue;
+    if (!twin.name.empty()) twin.name = kMirrored + twin.name;
+    words.push_back(std::move(twin));
+  }
+  return words;
+}
+
+}  // namespace batten
