@@ -249,7 +249,7 @@ const char* word_for(NaturalShape::Kind kind) {
 
 Points natural_dofs(const ModelLayout& layout) {
   Points all;
-  for (int r = 0; r < layout.region_count(); ++r) {
+  for (int r = 0; r < layout.region_count() && layout.natural(); ++r) {
     const RegionLayout& region = layout.region(r);
     const NaturalShape shape = natural_shape(region);
     if (!shape.has_rest()) continue;

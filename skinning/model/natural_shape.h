@@ -38,7 +38,7 @@ const char* word_for(NaturalShape::Kind kind);
 NaturalShape natural_shape(const RegionLayout& region);
 
 /// Dofs of the surfaces that lines mean, of all regions that mean one; 0 in all others; no rows
-/// where no region does. As a rest shape (ModelLayout::least_energy) it costs no energy, so that a
+/// where no region does, or none is to (ModelFrame::natural). As a rest shape (ModelLayout::least_energy) it costs no energy, so that a
 /// region keeps it unless its neighbours bend it. Planes need none: they are what bends least.
 /// O(triangles) of those regions.
 Points natural_dofs(const ModelLayout& layout);

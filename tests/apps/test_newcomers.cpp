@@ -112,7 +112,7 @@ TEST_CASE("pickups that only trim let the arch rise", "[cli][newcomers]") {
   CHECK(free.ran.out.find("trimmed     by 'neck pickup.1', drawn within ") != std::string::npos);
 }
 
-TEST_CASE("a can is a cylinder, whether it is asked to be fair or not", "[cli][newcomers]") {
+TEST_CASE("a can is a cylinder, faired or not, unless it is asked to bend", "[cli][newcomers]") {
   if (!there()) return;
   for (const std::string fair : {"", "\nfair = \"variation\""}) {
     const Newcomer n = run("small/can.toml", [&](const std::string& scene) {
@@ -123,6 +123,10 @@ TEST_CASE("a can is a cylinder, whether it is asked to be fair or not", "[cli][n
     const double exact = 3.14159265358979 * 20 * 20 * 40;
     CHECK(std::abs(n.report["step"]["volume"].get<double>() / exact - 1) < 1e-3);
   }
+  const Newcomer bent = run("small/can.toml", [&](const std::string& scene) {
+    return std::regex_replace(scene, std::regex("\\[skin\\]"), "[skin]\nfair = \"bending\"");
+  });
+  CHECK(bent.report["step"]["volume"].get<double>() < 0.9 * 3.14159265358979 * 20 * 20 * 40);
 }
 
 TEST_CASE("a propeller is a solid of skins, a bottle has the recess it was given",

@@ -112,6 +112,7 @@ MadeModel make_model(const Scene& scene, const std::vector<CharacterLine>& lines
   options.skin = scene.skin.options;
   options.material = scene.skin.material;
   options.joins = mirrored_joins(scene, lines);
+  options.natural = scene.skin.natural;
   options.smooth_below_deg = scene.network->smooth_below;
   options.join_tolerance_deg = scene.network->join_tolerance;
   made.model = skin_network(*made.network, *made.found, options, progress);
