@@ -9,16 +9,19 @@
 #include <StepRepr_RepresentationItem.hxx>
 #include <TCollection_HAsciiString.hxx>
 #include <TopExp.hxx>
+#include <TransferBRep.hxx>
+#include <Transfer_TransientProcess.hxx>
 #include <XSControl_TransferReader.hxx>
 #include <XSControl_WorkSession.hxx>
 #include <algorithm>
 #include <array>
 #include <cstdlib>
 #include <fstream>
+#include <utility>
 
 #include "batten/core/errors.h"
-#include "batten/io/files/text.h"
 #include "batten/io/cad/occ_settings.h"
+#include "batten/io/files/text.h"
 
 namespace batten {
 namespace {
@@ -134,6 +137,20 @@ std::string label_of(const Handle(Standard_Transient) & entity) {
   return "";
 }
 
+// What every edge is made from, in one pass: TransferReader looks through all entities for each.
+std::vector<std::string> labels_of(const TopTools_IndexedMapOfShape& edges,
+                                   const Handle(Transfer_TransientProcess) & made) {
+  std::vector<std::string> labels(static_cast<size_t>(edges.Extent()));
+  std::vector<char> known(labels.size(), 0);
+  for (int i = 1; i <= made->NbMapped(); ++i) {
+    const TopoDS_Shape shape = TransferBRep::ShapeResult(made, made->Mapped(i));
+    const int edge = shape.IsNull() ? 0 : edges.FindIndex(shape);
+    if (edge == 0 || std::exchange(known[static_cast<size_t>(edge) - 1], 1)) continue;
+    labels[static_cast<size_t>(edge) - 1] = label_of(made->Mapped(i));
+  }
+  return labels;
+}
+
 bool is_geometry(const IGESData_IGESEntity& entity) {
   const int type = entity.TypeNumber();
   const bool curve_or_surface = (type >= 100 && type < 200) || (type >= 500 && type < 600);
@@ -172,9 +189,7 @@ void transfer(XSControl_Reader& reader, const std::filesystem::path& file, CadFi
 
   TopExp::MapShapes(cad.shape, TopAbs_EDGE, cad.edges);
   TopExp::MapShapes(cad.shape, TopAbs_FACE, cad.faces);
-  const Handle(XSControl_TransferReader) made = reader.WS()->TransferReader();
-  for (int e = 1; e <= cad.edges.Extent(); ++e)
-    cad.labels.push_back(label_of(made->EntityFromShapeResult(cad.edges(e), 1)));
+  cad.labels = labels_of(cad.edges, reader.WS()->TransferReader()->TransientProcess());
 }
 
 }  // namespace

@@ -1,9 +1,11 @@
 #include "batten/io/lines/cad_lines.h"
 
+#include <BRepBndLib.hxx>
 #include <BRepLib.hxx>
 #include <BRepTools.hxx>
 #include <BRepTopAdaptor_FClass2d.hxx>
 #include <BRep_Tool.hxx>
+#include <Bnd_Box.hxx>
 #include <GeomAdaptor_Curve.hxx>
 #include <Geom_BSplineCurve.hxx>
 #include <Geom_BSplineSurface.hxx>
@@ -21,6 +23,7 @@
 #include <limits>
 #include <set>
 
+#include "batten/core/box.h"
 #include "batten/core/errors.h"
 #include "batten/io/lines/cad_file.h"
 
@@ -169,6 +172,7 @@ struct StoredSurface::Data {
   };
 
   double scale = 1;  // from millimetres
+  Box3 box;          // millimetres
   TopoDS_Face face;
   Handle(Geom_Surface) surface;
   double u0 = 0, u1 = 0, v0 = 0, v1 = 0;
@@ -192,6 +196,13 @@ int sample_count(int pieces) { return std::clamp(4 * pieces + 1, 17, 65); }
 }  // namespace
 
 void StoredSurface::Data::build() {
+  Bnd_Box around;
+  BRepBndLib::Add(face, around, false);
+  if (!around.IsVoid()) {
+    double low[3], high[3];
+    around.Get(low[0], low[1], low[2], high[0], high[1], high[2]);
+    box = Box3(Vec3(low[0], low[1], low[2]), Vec3(high[0], high[1], high[2]));
+  }
   surface = BRep_Tool::Surface(face);
   BRepTools::UVBounds(face, u0, u1, v0, v1);
   int nu = 33, nv = 33;
@@ -318,6 +329,26 @@ double StoredSurface::Data::to_edges(const Vec3& p, double limit) const {
 double StoredSurface::distance(const Vec3& p) const {
   const Vec3 q = p / data_->scale;
   return data_->scale * data_->to_edges(q, data_->to_inside(q));
+}
+
+double StoredSurface::at_least(const Vec3& p) const {
+  const Box3& box = data_->box;
+  return box.isEmpty() ? 0 : data_->scale * box.exteriorDistance(Vec3(p / data_->scale));
+}
+
+double distance(const std::vector<StoredSurface>& faces, const Vec3& p, size_t& first) {
+  if (faces.empty()) throw InputError("found no faces to measure distances from");
+  first = std::min(first, faces.size() - 1);
+  double best = faces[first].distance(p);
+  const size_t asked = first;
+  for (size_t i = 0; i < faces.size(); ++i) {
+    if (i == asked || faces[i].at_least(p) >= best) continue;
+    const double other = faces[i].distance(p);
+    if (other >= best) continue;
+    best = other;
+    first = i;
+  }
+  return best;
 }
 
 std::vector<StoredSurface> read_cad_surfaces(const std::filesystem::path& file,

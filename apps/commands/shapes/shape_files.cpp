@@ -58,6 +58,7 @@ void compare_into(Report& report, const Scene& scene,
   Report::Comparison c;
   c.file = scene.compare.filename().string();
   double squares = 0, area = 0;
+  size_t first = 0;
   Box3 box(regions.front()->surface.position({0, Vec3::Unit(0)}));
   for (size_t r = 0; r < regions.size(); ++r) {
     const Surface& surface = regions[r]->surface;
@@ -72,8 +73,7 @@ void compare_into(Report& report, const Scene& scene,
       for (long p = 0; p < rule.weights.size(); ++p) {
         if (!(rule.weights[p] > 0)) continue;
         const SurfaceJet jet = surface.jet({t, rule.L.row(p).transpose()});
-        double nearest = std::numeric_limits<double>::infinity();
-        for (const auto& face : faces) nearest = std::min(nearest, face.distance(jet.x));
+        const double nearest = distance(faces, jet.x, first);
         const double weight = rule.weights[p] * mesh.shape(t).area * jet.area_vector().norm();
         squares += weight * nearest * nearest;
         area += weight;

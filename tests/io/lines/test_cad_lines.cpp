@@ -7,6 +7,7 @@
 #include <BRepBuilderAPI_MakeVertex.hxx>
 #include <BRepBuilderAPI_MakeWire.hxx>
 #include <BRepPrimAPI_MakeBox.hxx>
+#include <BRep_Builder.hxx>
 #include <GC_MakeArcOfCircle.hxx>
 #include <Geom_BSplineCurve.hxx>
 #include <Geom_BezierSurface.hxx>
@@ -17,6 +18,7 @@
 #include <Interface_Static.hxx>
 #include <STEPControl_Writer.hxx>
 #include <TCollection_HAsciiString.hxx>
+#include <TopoDS_Compound.hxx>
 #include <TopoDS_Edge.hxx>
 #include <TopoDS_Face.hxx>
 #include <TopoDS_Shape.hxx>
@@ -282,6 +284,33 @@ TEST_CASE("The distance to a stored face is that to its nearest point, edges inc
           CHECK(faces[0].distance(p) ==
                 Approx(std::hypot(std::max(radius - 0.5, 0.0), z)).margin(1e-9));
         }
+  }
+  SECTION("many discs: boxes leave none out that is nearest") {
+    BRep_Builder builder;
+    TopoDS_Compound all;
+    builder.MakeCompound(all);
+    for (int k = 0; k < 12; ++k) {
+      const gp_Ax2 axes(gp_Pnt(700.0 * (k % 4), 900.0 * (k / 4), 100.0 * ((5 * k) % 7)),
+                        gp_Dir(0.1 * k, 0.3, 1));
+      const TopoDS_Edge rim = BRepBuilderAPI_MakeEdge(gp_Circ(axes, 300 + 20 * k));
+      const TopoDS_Wire wire = BRepBuilderAPI_MakeWire(rim);
+      builder.Add(all, BRepBuilderAPI_MakeFace(wire).Face());
+    }
+    write_step_file(file, all, "MM");
+    const auto faces = read_cad_surfaces(file, 1);
+    REQUIRE(faces.size() == 12);
+    size_t first = 0;
+    for (int k = 0; k < 200; ++k) {
+      const Vec3 p(0.013 * ((37 * k) % 250) - 0.5, 0.011 * ((53 * k) % 230) - 0.5,
+                   0.007 * ((71 * k) % 190) - 0.4);
+      double nearest = 1e300;
+      for (const auto& face : faces) {
+        nearest = std::min(nearest, face.distance(p));
+        CHECK(face.at_least(p) <= face.distance(p) + 1e-12);
+      }
+      CHECK(distance(faces, p, first) == nearest);
+      CHECK(faces[first].distance(p) == nearest);
+    }
   }
   SECTION("a part of a sphere") {
     const double quarter = std::numbers::pi / 2;
