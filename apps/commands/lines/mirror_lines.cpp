@@ -72,12 +72,14 @@ void add_mirrored(const Scene& scene, std::vector<CharacterLine>& lines) {
 }
 
 std::vector<JoinWord> mirrored_joins(const Scene& scene, const std::vector<CharacterLine>& lines) {
-  std::vector<JoinWord> words = scene.network->joins;
-  if (!scene.network->symmetry) return words;
+  const std::vector<JoinWord>& said = scene.network->joins;
+  if (!scene.network->symmetry) return said;
   const Twins twins(lines);
-  for (const JoinWord& word : scene.network->joins)
+  std::vector<JoinWord> words;
+  for (const JoinWord& word : said)
     if (const std::string twin = twins.of(word.line); twin != word.line)
       words.push_back({twin, word.kind, word.where});
+  words.insert(words.end(), said.begin(), said.end());  // the user has the last word
   return words;
 }
 
@@ -100,7 +102,10 @@ std::vector<RegionWord> mirrored_regions(const Scene& scene,
         whole |= name.starts_with(kMirrored);
         name = twins.of(name);
       }
-    if (whole || names_of(twin) == names_of(word)) continue;
+    const bool said =
+        std::any_of(scene.network->regions.begin(), scene.network->regions.end(),
+                    [&](const RegionWord& other) { return names_of(other) == names_of(twin); });
+    if (whole || said) continue;
     if (!twin.name.empty()) twin.name = kMirrored + twin.name;
     words.push_back(std::move(twin));
   }
