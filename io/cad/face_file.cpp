@@ -18,6 +18,7 @@
 #include "batten/core/errors.h"
 #include "batten/core/index.h"
 #include "batten/core/parallel.h"
+#include "batten/io/cad/edge_parameter.h"
 #include "batten/io/cad/step_check.h"
 
 namespace batten {
@@ -117,8 +118,12 @@ struct FileEdge {
   Handle(Geom_Curve) curve;
   Handle(Geom2d_Curve) line;
   double first, last;
-  bool backwards;  // against the loop
-  double at(double share) const { return first + (backwards ? 1 - share : share) * (last - first); }
+  bool backwards;     // against the loop
+  double weight = 1;  // of its parameter
+  /// The parameter at a share of the parameter that the edge was made with.
+  double at(double share) const {
+    return first + new_share(backwards ? 1 - share : share, weight) * (last - first);
+  }
 };
 
 /// Edges of the file's face that are no seam, and how far any edge is from the face and from its
@@ -143,6 +148,7 @@ std::optional<FileEdges> edges_of_face(const TopoDS_Face& face,
     // Readers put edges without length where lines meet at a tangent.
     if (BRep_Tool::Degenerated(edge)) continue;
     if (e.curve.IsNull() || e.line.IsNull()) return std::nullopt;
+    e.weight = parameter_weight(*e.curve);
     const int n = 4 * (surface.NbUKnots() + surface.NbVKnots());
     for (int i = 0; i <= n; ++i) {
       const double t = e.at(double(i) / n);

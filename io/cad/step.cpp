@@ -10,6 +10,7 @@
 
 #include "batten/core/box.h"
 #include "batten/core/errors.h"
+#include "batten/io/cad/edge_parameter.h"
 #include "batten/io/cad/exact_faces.h"
 #include "batten/io/cad/exact_numbers.h"
 #include "batten/io/cad/face_file.h"
@@ -126,6 +127,7 @@ class ModelFile {
     const TopoDS_Shape shape = assembled(plan_, [&](int region, TopoDS_Shell& shell) {
       for (const TopoDS_Face& face : faces[region]) BRep_Builder().Add(shell, face);
     });
+    show_largest_gaps(shape, coincidence_);
     write_shape(path, shape, tolerance, options_.name + " 1",
                 {options_.name, options_.author, "surfaces"}, occ);
     return cut_.empty() || BRepCheck_Analyzer(shape).IsValid();

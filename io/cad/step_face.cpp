@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "batten/core/errors.h"
+#include "batten/io/cad/edge_parameter.h"
 #include "batten/io/cad/face_file.h"
 #include "batten/io/cad/occ_settings.h"
 #include "batten/io/cad/step_text.h"
@@ -22,6 +23,7 @@ bool save(const std::filesystem::path& path, const StepPlan& plan, const FittedF
   const TopoDS_Shape shape = assembled(plan, [&](int region, TopoDS_Shell& shell) {
     BRep_Builder().Add(shell, made[region]->make(coincidence, plan.joined ? &shared : nullptr));
   });
+  show_largest_gaps(shape, coincidence);
   double tolerance = 0;
   for (const auto& maker : made) tolerance = std::max(tolerance, maker->tolerance());
   write_shape(path, shape, tolerance, options.name, {options.name, options.author, "surfaces"},
