@@ -175,7 +175,7 @@ void show_largest_gaps(const TopoDS_Shape& shape, double least) {
     if (edge.curve.IsNull() || edge.on_faces.empty()) return;
     const Gap gap = largest_gap(edge);
     // A gap at an end is seen; one very near to an end would take a very uneven parameter.
-    constexpr double near_end = 0.002;
+    constexpr double near_end = 0.001;
     if (gap.size <= least || gap.share < near_end || gap.share > 1 - near_end) return;
     change_parameter(edges(k + 1), edge, weight_for(gap.share));
     constexpr double rounding = 1e-5;

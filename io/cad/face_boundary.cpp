@@ -271,7 +271,7 @@ void cut_lines(StepPlan& plan, const std::vector<const SkinnedRegion*>& regions)
   for (const SkinnedRegion* region : regions) FaceBoundary(*region, &plan).add_cuts(plan);
   for (auto& [name, line] : plan.lines) {
     // Readers make closed curves periodic, and change rational ones by that: see edge_parameter.h.
-    if (line.sides > 1 && line.places[0] == line.places[1])
+    if (line.cuts.empty() && line.sides > 1 && line.places[0] == line.places[1])
       line.cuts.push_back((line.curve->start() + line.curve->end()) / 2);
     std::sort(line.cuts.begin(), line.cuts.end());
     const double hair = 1e-9 * (line.curve->end() - line.curve->start());

@@ -60,6 +60,42 @@ inline CharacterLine circle_line(const std::string& name, double radius, double 
           })};
 }
 
+/// Closed line around the z axis with three bulges, beginning at an angle.
+inline CharacterLine oval_line(const std::string& name, double z, double begin) {
+  const auto curve = curve_from_formula(0, 2 * std::numbers::pi, [=](double t, int order) {
+    const double a = t + begin, r = 10 + std::cos(3 * a), r1 = -3 * std::sin(3 * a),
+                 r2 = -9 * std::cos(3 * a);
+    const Vec3 e(std::cos(a), std::sin(a), 0), n(-e.y(), e.x(), 0);
+    return order == 0   ? Vec3(r * e + Vec3(0, 0, z))
+           : order == 1 ? Vec3(r1 * e + r * n)
+                        : Vec3((r2 - r) * e + 2 * r1 * n);
+  });
+  return CharacterLine{name, curve};
+}
+
+/// Quarter of a great circle from one axis direction to another.
+inline CharacterLine quarter(const std::string& name, const Vec3& a, const Vec3& b) {
+  return {name, curve_from_formula(0, std::numbers::pi / 2, [=](double t, int order) {
+            const double c = std::cos(t), s = std::sin(t);
+            return order == 0   ? Vec3(c * a + s * b)
+                   : order == 1 ? Vec3(-s * a + c * b)
+                                : Vec3(-c * a - s * b);
+          })};
+}
+
+/// Twelve quarters of great circles: the edges of eight octants of a ball.
+inline std::vector<CharacterLine> octants() {
+  std::vector<CharacterLine> lines;
+  const Vec3 axes[] = {Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ()};
+  for (int a = 0; a < 3; ++a)
+    for (int k = 0; k < 4; ++k) {
+      const int b = (a + 1) % 3;
+      lines.push_back(quarter("q" + std::to_string(4 * a + k), (k & 1 ? -1 : 1) * axes[a],
+                              (k & 2 ? -1 : 1) * axes[b]));
+    }
+  return lines;
+}
+
 /// Regions by their lines; two loops are a ring.
 inline RegionOptions region_words(
     const std::vector<std::vector<std::vector<std::string>>>& regions) {

@@ -19,16 +19,6 @@ namespace {
 
 constexpr double kMm = 0.001;
 
-/// Quarter of a great circle from one axis direction to another.
-CharacterLine quarter(const std::string& name, const Vec3& a, const Vec3& b) {
-  return {name, curve_from_formula(0, std::numbers::pi / 2, [=](double t, int order) {
-            const double c = std::cos(t), s = std::sin(t);
-            return order == 0   ? Vec3(c * a + s * b)
-                   : order == 1 ? Vec3(-s * a + c * b)
-                                : Vec3(-c * a - s * b);
-          })};
-}
-
 StepReport written(const MadeModel& made, const std::string& name, double tolerance) {
   StepFaceOptions options;
   options.tolerance = tolerance;
@@ -98,15 +88,7 @@ TEST_CASE("a solid beside an open shell is measured face by face in both forms",
 
 TEST_CASE("eight octants are a ball within the tolerance, and so are its volume and edges",
           "[step_model]") {
-  std::vector<CharacterLine> lines;
-  const Vec3 axes[] = {Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ()};
-  for (int a = 0; a < 3; ++a)
-    for (int k = 0; k < 4; ++k) {
-      const int b = (a + 1) % 3;
-      lines.push_back(quarter("q" + std::to_string(4 * a + k), (k & 1 ? -1 : 1) * axes[a],
-                              (k & 2 ? -1 : 1) * axes[b]));
-    }
-  const MadeModel made = make_model(lines);
+  const MadeModel made = make_model(octants());
   constexpr double tolerance = 1e-3;
   const StepReport r = written(made, "ball", tolerance);
   CHECK(r.valid);
@@ -146,19 +128,9 @@ TEST_CASE("a ring and two discs close, although the seam cuts circles away from 
 
 TEST_CASE("rims of any shape are one edge for a ring and its lids, wherever they begin",
           "[step_model]") {
-  const auto oval = [](const std::string& name, double z, double begin) {
-    const auto curve = curve_from_formula(0, 2 * std::numbers::pi, [=](double t, int order) {
-      const double a = t + begin, r = 10 + std::cos(3 * a), r1 = -3 * std::sin(3 * a),
-                   r2 = -9 * std::cos(3 * a);
-      const Vec3 e(std::cos(a), std::sin(a), 0), n(-e.y(), e.x(), 0);
-      return order == 0   ? Vec3(r * e + Vec3(0, 0, z))
-             : order == 1 ? Vec3(r1 * e + r * n)
-                          : Vec3((r2 - r) * e + 2 * r1 * n);
-    });
-    return CharacterLine{name, curve};
-  };
   const RegionOptions regions = region_words({{{"low"}, {"high"}}, {{"low"}}, {{"high"}}});
-  const MadeModel made = make_model({oval("low", 0, 0), oval("high", 15, 1.0)}, regions, 4);
+  const MadeModel made =
+      make_model({oval_line("low", 0, 0), oval_line("high", 15, 1.0)}, regions, 4);
   std::map<std::string, HermiteCurve> carried;
   for (const ModelRegion& region : made.model.regions) {
     INFO(region.plan.name << ": " << region.why_not);
