@@ -10,9 +10,11 @@
 
 namespace batten {
 
-/// The text "(x, y, z)" of a point.
+/// The text "(x, y, z)" of a point; what is only rounding beside the largest coordinate is 0.
 inline std::string at(const Vec3& p) {
-  return "(" + number(p.x()) + ", " + number(p.y()) + ", " + number(p.z()) + ")";
+  const double rounding = 1e-14 * p.cwiseAbs().maxCoeff();
+  const auto word = [&](double x) { return number(std::abs(x) <= rounding ? 0.0 : x); };
+  return "(" + word(p.x()) + ", " + word(p.y()) + ", " + word(p.z()) + ")";
 }
 
 /// Angle between two vectors of any length, degrees in [0, 180]; exact to rounding near 0 and 180.

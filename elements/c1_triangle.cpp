@@ -1,6 +1,7 @@
 #include "batten/elements/c1_triangle.h"
 
 #include "batten/core/errors.h"
+#include "batten/elements/bernstein_cubics.h"
 #include "batten/elements/reference_triangle.h"
 
 namespace batten {
@@ -37,10 +38,36 @@ Tabulation C1Triangle::evaluate(const Vec3& L) const {
   return to_reference_dofs().transpose().lazyProduct(reference_at(L));
 }
 
+Eigen::Matrix<double, 12, 3> C1Triangle::to_reference(const Eigen::Matrix<double, 12, 3>& q) const {
+  const DofMapNumbers numbers(shape_);
+  Eigen::Matrix<double, 12, 3> r;
+  for (int i = 0; i < 3; ++i) {
+    const double* g = numbers.gradient[i];
+    r.row(3 * i) = q.row(3 * i);
+    r.row(3 * i + 1) = g[0] * q.row(3 * i + 1) + g[1] * q.row(3 * i + 2);
+    r.row(3 * i + 2) = g[2] * q.row(3 * i + 1) + g[3] * q.row(3 * i + 2);
+  }
+  for (int i = 0; i < 3; ++i) {
+    const int j = (i + 1) % 3, k = (i + 2) % 3;
+    r.row(9 + i) = numbers.altitude[i] * q.row(9 + i) +
+                   numbers.slant[i] * (1.5 * (r.row(3 * k) - r.row(3 * j)) -
+                                       0.25 * (r.row(3 * j + 1) - r.row(3 * k + 2)));
+  }
+  return r;
+}
+
+Vec3 C1Triangle::position(const Vec3& L, const Eigen::Matrix<double, 12, 3>& q) const {
+  const Eigen::Matrix<double, 12, 3> reference = to_reference(q);
+  if (kind_ != TriangleElement::HCT)
+    return reference.transpose().lazyProduct(reference_functions(kind_, L).col(0));
+  const HctPlace at(L);
+  const Vec12 functions = hct_ordinates(at.sub).transpose().lazyProduct(cubics(at.local));
+  return reference.transpose().lazyProduct(functions);
+}
+
 Eigen::Matrix<double, 3, kDerivatives> C1Triangle::jet(
     const Vec3& L, const Eigen::Matrix<double, 12, 3>& q) const {
-  const Eigen::Matrix<double, 12, 3> reference = to_reference_dofs().lazyProduct(q);
-  return reference.transpose().lazyProduct(reference_at(L));
+  return to_reference(q).transpose().lazyProduct(reference_at(L));
 }
 
 Mat12 C1Triangle::stiffness(const SurfaceStiffness& material) const {
@@ -68,7 +95,7 @@ Eigen::Matrix<double, 10, 3> C1Triangle::bezier(int sub,
                                                 const Eigen::Matrix<double, 12, 3>& q) const {
   if (kind_ != TriangleElement::HCT)
     throw InputError("Bezier ordinates exist for HCT triangles only: Z12 is rational");
-  return hct_ordinates(sub) * (to_reference_dofs() * q);
+  return hct_ordinates(sub) * to_reference(q);
 }
 
 }  // namespace batten

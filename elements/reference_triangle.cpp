@@ -3,13 +3,11 @@
 #include "batten/core/errors.h"
 #include "batten/core/index.h"
 #include "batten/core/simd.h"
+#include "batten/elements/bernstein_cubics.h"
 #include "batten/elements/z12_functions.h"
 
 namespace batten {
 namespace {
-
-constexpr int bezier_power[10][3] = {{3, 0, 0}, {0, 3, 0}, {0, 0, 3}, {2, 1, 0}, {1, 2, 0},
-                                     {0, 2, 1}, {0, 1, 2}, {1, 0, 2}, {2, 0, 1}, {1, 1, 1}};
 
 std::array<Eigen::Matrix<double, 10, 12>, 3> make_hct_ordinates() {
   using Row = Eigen::Matrix<double, 1, 12>;
@@ -40,45 +38,34 @@ std::array<Eigen::Matrix<double, 10, 12>, 3> make_hct_ordinates() {
   return ordinates;
 }
 
+// sum = ordinatesᵀ (12 × 10) times cubics (10 × 6), all column-major.
+BATTEN_CLONES void combine_cubics(const double* ordinates, const double* cubics, double* sum) {
+  for (int c = 0; c < 6; ++c) {
+    double column[12] = {};
+    for (int m = 0; m < 10; ++m)
+      for (int a = 0; a < 12; ++a) column[a] += ordinates[12 * m + a] * cubics[10 * c + m];
+    for (int a = 0; a < 12; ++a) sum[12 * c + a] = column[a];
+  }
+}
+
 ReferenceTabulation hct_functions(const Vec3& L) {
-  int s = 0;
-  if (L[1] < L[s]) s = 1;
-  if (L[2] < L[s]) s = 2;
-  const int j = (s + 1) % 3, k = (s + 2) % 3;
-  const Vec3 local(L[j] - L[s], L[k] - L[s], 3 * L[s]);
-  // Change of the local coordinates along the two reduced directions.
-  Eigen::Matrix<double, 3, 2> D;
-  for (int d = 0; d < 2; ++d) {
-    const Vec3 step = Vec3::Unit(d) - Vec3::Unit(2);
-    D.col(d) = Vec3(step[j] - step[s], step[k] - step[s], 3 * step[s]);
-  }
-  constexpr double factorial[4] = {1, 1, 2, 6};
-  Eigen::Matrix<double, 10, 6> bernstein;
-  for (int m = 0; m < 10; ++m) {
-    double power[3][3];  // [variable][order of derivative] of λ^e
-    double scale = 6;
-    for (int v = 0; v < 3; ++v) {
-      const int e = bezier_power[m][v];
-      const double x = local[v];
-      power[v][0] = e == 0 ? 1 : e == 1 ? x : e == 2 ? x * x : x * x * x;
-      power[v][1] = e == 0 ? 0 : e == 1 ? 1 : e == 2 ? 2 * x : 3 * x * x;
-      power[v][2] = e < 2 ? 0 : e == 2 ? 2 : 6 * x;
-      scale /= factorial[e];
-    }
-    Vec3 g;
-    Mat3 H;
-    for (int a = 0; a < 3; ++a) {
-      const int b = (a + 1) % 3, c = (a + 2) % 3;
-      g[a] = power[a][1] * power[b][0] * power[c][0];
-      H(a, a) = power[a][2] * power[b][0] * power[c][0];
-      H(a, b) = H(b, a) = power[a][1] * power[b][1] * power[c][0];
-    }
-    const Vec3 HD0 = H * D.col(0), HD1 = H * D.col(1);
-    bernstein.row(m) << power[0][0] * power[1][0] * power[2][0], g.dot(D.col(0)), g.dot(D.col(1)),
-        HD0.dot(D.col(0)), HD0.dot(D.col(1)), HD1.dot(D.col(1));
-    bernstein.row(m) *= scale;
-  }
-  return hct_ordinates(s).transpose() * bernstein;
+  static const auto ordinates = [] {
+    std::array<Eigen::Matrix<double, 12, 10>, 3> transposed;
+    for (int s = 0; s < 3; ++s) transposed[s] = hct_ordinates(s).transpose();
+    return transposed;
+  }();
+  const HctPlace at(L);
+  const Vec3 d1 = at.within({1, 0, -1}), d2 = at.within({0, 1, -1});
+  Eigen::Matrix<double, 10, 6> table;
+  table.col(0) = cubics(at.local);
+  table.col(1) = cubics_along(at.local, d1);
+  table.col(2) = cubics_along(at.local, d2);
+  table.col(3) = cubics_along(at.local, d1, d1);
+  table.col(4) = cubics_along(at.local, d1, d2);
+  table.col(5) = cubics_along(at.local, d2, d2);
+  ReferenceTabulation functions;
+  combine_cubics(ordinates[at.sub].data(), table.data(), functions.data());
+  return functions;
 }
 
 ReferenceTensors make_tensors(TriangleElement kind) {

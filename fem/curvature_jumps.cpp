@@ -69,7 +69,7 @@ VecX curvature_jumps(const Surface& surface) {
   for_each_in_chunks<256>(mesh.triangle_count(), [&](int t) {
     const TriangleShape shape = mesh.shape(t);
     const Eigen::Matrix<double, 12, 3> q =
-        C1Triangle(surface.kind(), shape).to_reference_dofs() * surface.triangle_dofs(t);
+        C1Triangle(surface.kind(), shape).to_reference(surface.triangle_dofs(t));
     const DerivativeMap map(shape);
     const Vec3 laplacian = (map.second.row(0) + map.second.row(2)).transpose();
     const auto at = [&](const Second& N) -> Vec3 { return q.transpose() * (N * laplacian); };

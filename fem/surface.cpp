@@ -62,7 +62,10 @@ Eigen::Matrix<double, 12, 3> Surface::triangle_dofs(int t) const {
   return q;
 }
 
-Vec3 Surface::position(const Location& where) const { return jet(where).x; }
+Vec3 Surface::position(const Location& where) const {
+  return C1Triangle(kind_, mesh_->shape(where.triangle))
+      .position(where.L, triangle_dofs(where.triangle));
+}
 
 SurfaceJet Surface::jet(const Location& where) const {
   const Eigen::Matrix<double, 3, kDerivatives> d =
@@ -101,8 +104,7 @@ double Surface::area() const {
   double sum = 0;
   const auto add_whole = [&](int t) {
     const TriangleShape shape = mesh_->shape(t);
-    const Eigen::Matrix<double, 12, 3> q =
-        C1Triangle(kind_, shape).to_reference_dofs().lazyProduct(triangle_dofs(t));
+    const Eigen::Matrix<double, 12, 3> q = C1Triangle(kind_, shape).to_reference(triangle_dofs(t));
     const DerivativeMap map(shape);
     for (long p = 0; p < rule.weights.size(); ++p) {
       const Eigen::Matrix<double, 12, 2> local = slopes[p] * map.first.transpose();

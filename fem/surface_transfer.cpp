@@ -64,7 +64,7 @@ std::vector<double> displacements(const Surface& from, const ParametricMesh& to,
     Eigen::Matrix<double, 12, 3> q;
     const auto dof = dofs.triangle(to, t);
     for (int a = 0; a < 12; ++a) q.row(a) = new_dofs.row(dof[a]);
-    q = C1Triangle(from.kind(), shape).to_reference_dofs() * q.eval();
+    q = C1Triangle(from.kind(), shape).to_reference(q);
     for (size_t p = 0; p < tabulated.functions.size(); ++p) {
       const Vec3 x = q.transpose() * tabulated.functions[p].col(0);
       const Vec2 uv = shape.point(samples.L.row(static_cast<long>(p)));

@@ -96,7 +96,7 @@ VecX means(const Surface& reference, const Weights& weights) {
   VecX result(mesh.triangle_count());
   for_each_in_chunks<256>(mesh.triangle_count(), [&](int t) {
     const C1Triangle element(reference.kind(), mesh.shape(t));
-    const TrianglePoints x = N * (element.to_reference_dofs() * reference.triangle_dofs(t));
+    const TrianglePoints x = N * element.to_reference(reference.triangle_dofs(t));
     result[t] = std::clamp(rule.rule.weights.dot(weights(x)), 0.0, 1.0);
   });
   return result;

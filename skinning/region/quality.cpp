@@ -59,9 +59,8 @@ class AreaVectors {
   /// At all points of triangle t.
   const std::vector<Vec3>& at(int t) {
     const TriangleShape shape = surface_.mesh().shape(t);
-    const Eigen::Matrix<double, 12, 3> q = C1Triangle(surface_.kind(), shape)
-                                               .to_reference_dofs()
-                                               .lazyProduct(surface_.triangle_dofs(t));
+    const Eigen::Matrix<double, 12, 3> q =
+        C1Triangle(surface_.kind(), shape).to_reference(surface_.triangle_dofs(t));
     found_ = q.transpose().lazyProduct(slopes_);
     const double scale = DerivativeMap(shape).first.determinant();
     areas_.clear();
