@@ -7,6 +7,7 @@
 
 #include "batten/core/box.h"
 #include "batten/core/errors.h"
+#include "batten/core/parallel.h"
 #include "batten/core/plane.h"
 
 namespace batten {
@@ -73,26 +74,39 @@ class Sheet {
     std::vector<VecX> weights;
     for (const Vec2& p : mesh.vertices())
       weights.push_back(mean_value_coordinates(polygon, p, hair));
+    slopes_.assign(polygon.size(), Eigen::Matrix2Xd::Zero(2, mesh.triangle_count()));
     for (int t = 0; t < mesh.triangle_count(); ++t) {
       const TriangleShape shape = mesh.shape(t);
-      MatX slopes = MatX::Zero(static_cast<long>(polygon.size()), 2);
-      for (int i = 0; i < 3; ++i)
-        slopes += weights[mesh.triangles()[t][i]] * Eigen::RowVector2d(shape.b[i], shape.c[i]) /
-                  (2 * shape.area);
-      slopes_.push_back(slopes);
+      for (int i = 0; i < 3; ++i) {
+        const VecX& of_vertex = weights[mesh.triangles()[t][i]];
+        const Vec2 slope = Vec2(shape.b[i], shape.c[i]) / (2 * shape.area);
+        for (size_t c = 0; c < slopes_.size(); ++c)
+          slopes_[c].col(t) += of_vertex[static_cast<long>(c)] * slope;
+      }
     }
   }
 
-  // Metrics over the domain with corners q, and areas there. False: it folds.
-  bool moved(const Eigen::Matrix2Xd& q, std::vector<Mat2>& metric,
+  // How each triangle of the domain changes with corners q: ∂(new place)/∂(u, v).
+  std::vector<Mat2> changes(const Eigen::Matrix2Xd& q) const {
+    std::vector<Mat2> D(metric_.size(), Mat2::Zero());
+    for (size_t c = 0; c < slopes_.size(); ++c) add_move(static_cast<long>(c), q.col(c), D);
+    return D;
+  }
+  // The same where one corner moves farther.
+  void add_move(long corner, const Vec2& by, std::vector<Mat2>& D) const {
+    for (size_t t = 0; t < D.size(); ++t)
+      D[t] += by * slopes_[corner].col(static_cast<long>(t)).transpose();
+  }
+
+  // Metrics over the changed domain, and areas there. False: it folds.
+  bool moved(const std::vector<Mat2>& D, std::vector<Mat2>& metric,
              std::vector<double>& area) const {
     metric.resize(metric_.size());
     area.resize(metric_.size());
     for (size_t t = 0; t < metric_.size(); ++t) {
-      const Mat2 D = q * slopes_[t];
-      const double det = D.determinant();
+      const double det = D[t].determinant();
       if (!(det > 0)) return false;
-      const Mat2 inverse = D.inverse();
+      const Mat2 inverse = D[t].inverse();
       metric[t] = inverse.transpose() * metric_[t] * inverse;
       area[t] = area_[t] * det;
     }
@@ -100,10 +114,10 @@ class Sheet {
   }
 
   // Strains about their mean scale, times the root of the surface's area. False: the domain folds.
-  bool residual(const Eigen::Matrix2Xd& q, VecX& r) const {
+  bool residual(const std::vector<Mat2>& D, VecX& r) const {
     std::vector<Mat2> metric;
     std::vector<double> area;
-    if (!moved(q, metric, area)) return false;
+    if (!moved(D, metric, area)) return false;
     r.resize(3 * static_cast<long>(metric.size()));
     double scale = 0, total = 0;
     for (size_t t = 0; t < metric.size(); ++t) {
@@ -127,7 +141,7 @@ class Sheet {
  private:
   std::vector<Mat2> metric_;
   std::vector<double> area_;
-  std::vector<MatX> slopes_;  // of the corners' weights: corners × 2
+  std::vector<Eigen::Matrix2Xd> slopes_;  // of each corner's weight, by triangle
 };
 
 Distortion distortion_of(const std::vector<Mat2>& metric, const std::vector<double>& area) {
@@ -152,6 +166,24 @@ Distortion distortion_of(const std::vector<Mat2>& metric, const std::vector<doub
   }
   d.rms = std::sqrt(squares / sum);
   return d;
+}
+
+// ∂r/∂(corners), by differences h. False: a corner that moves folds the domain.
+bool slopes_of_residual(const Sheet& sheet, const std::vector<Mat2>& D, const VecX& r, long corners,
+                        double h, MatX& J) {
+  J.resize(r.size(), 2 * corners);
+  std::vector<char> usable(static_cast<size_t>(corners), 0);
+  parallel_parts(static_cast<int>(corners), [&](int corner) {
+    for (int axis = 0; axis < 2; ++axis) {
+      std::vector<Mat2> moved = D;
+      sheet.add_move(corner, h * Vec2::Unit(axis), moved);
+      VecX next;
+      if (!sheet.residual(moved, next)) return;
+      J.col(2 * corner + axis) = (next - r) / h;
+    }
+    usable[corner] = 1;
+  });
+  return std::find(usable.begin(), usable.end(), 0) == usable.end();
 }
 
 // A polygon scaled, turned and moved onto the given one.
@@ -190,29 +222,24 @@ Flattened flatten(const Surface& surface, const std::vector<Vec2>& polygon) {
   const Eigen::Matrix2Xd given = q;
 
   // Levenberg-Marquardt. The domain may turn, move and grow freely: damping holds it.
+  std::vector<Mat2> D = sheet.changes(q);
   VecX r;
-  if (!sheet.residual(q, r)) return {polygon, distortion(surface), distortion(surface)};
+  if (!sheet.residual(D, r)) return {polygon, distortion(surface), distortion(surface)};
   const double h = 1e-7 * (q.rowwise().maxCoeff() - q.rowwise().minCoeff()).norm();
   double damping = 1e-3;
   for (int step = 0; step < 60 && damping < 1e8; ++step) {
-    MatX J(r.size(), 2 * n);
-    bool usable = true;
-    for (long k = 0; k < 2 * n && usable; ++k) {
-      Eigen::Matrix2Xd moved = q;
-      moved(k % 2, k / 2) += h;
-      VecX next;
-      usable = sheet.residual(moved, next);
-      if (usable) J.col(k) = (next - r) / h;
-    }
-    if (!usable) break;
+    MatX J;
+    if (!slopes_of_residual(sheet, D, r, n, h, J)) break;
     MatX H = J.transpose() * J;
     H.diagonal().array() += damping * H.diagonal().maxCoeff();
     const VecX move = -H.ldlt().solve(J.transpose() * r);
     const Eigen::Matrix2Xd next = q + Eigen::Map<const Eigen::Matrix2Xd>(move.data(), 2, n);
+    std::vector<Mat2> changed = sheet.changes(next);
     VecX there;
-    if (sheet.residual(next, there) && there.squaredNorm() < r.squaredNorm()) {
+    if (sheet.residual(changed, there) && there.squaredNorm() < r.squaredNorm()) {
       const bool settled = move.norm() < h;
       q = next;
+      D = std::move(changed);
       r = there;
       damping = std::max(1e-9, damping / 5);
       if (settled) break;
@@ -225,7 +252,7 @@ Flattened flatten(const Surface& surface, const std::vector<Vec2>& polygon) {
   result.before = distortion_of(sheet.metric(), sheet.area());
   std::vector<Mat2> metric;
   std::vector<double> area;
-  sheet.moved(q, metric, area);
+  sheet.moved(D, metric, area);
   result.expected = distortion_of(metric, area);
   result.polygon = moved_onto(given, q);
   return result;
