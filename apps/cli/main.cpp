@@ -77,7 +77,7 @@ const CLI::Validator kPositive(
 
 struct Arguments {
   std::string file, out, minimum, unit = "mm", screenshot, compare, show = "shaded", picture,
-                                  report;
+                                  report, choices;
   std::vector<std::string> files, inner, settings, only;
   SculptTask sculpt;
   std::vector<double> angles;
@@ -187,7 +187,14 @@ int skin(const Arguments& a) {
   return finish(run_scene(lines_scene(a), a.out, terminal_progress(a.quiet)), a);
 }
 
-int info(const Arguments& a) {
+int info(Arguments a) {
+  if (!a.choices.empty()) {
+    a.files = {a.file};
+    a.network = true;
+    std::cout << draw_choices(a.choices,
+                              a.file.ends_with(".toml") ? read_scene(a.file) : lines_scene(a));
+    return kDone;
+  }
   std::cout << file_info(a.file, a.unit);
   if (!a.picture.empty()) draw_lines(a.picture, a.file, a.unit);
   return kDone;
@@ -370,6 +377,9 @@ CLI::App* add_info(CLI::App& app, Arguments& a) {
       app.add_subcommand("info", "What is in a scene, a file of lines, a mesh, a STEP file");
   sub->add_option("file", a.file, "The file")->required();
   sub->add_option("--picture", a.picture, "Draw its lines with their curvature, to a .png");
+  sub->add_option("--choices", a.choices,
+                  "Network: draw surfaces that could as well be others, into this folder, and say "
+                  "what to write");
   add_unit(sub, a);
   return sub;
 }

@@ -18,6 +18,8 @@
 #include "batten/io/files/text.h"
 #include "batten/io/meshes/mesh_file.h"
 #include "batten/io/pictures/curve_pictures.h"
+#include "batten/io/pictures/display.h"
+#include "batten/io/pictures/loop_pictures.h"
 #include "batten/io/scene/deform_scene.h"
 #include "batten/io/scene/fair_scene.h"
 #include "batten/io/scene/read_scene.h"
@@ -291,6 +293,79 @@ void draw_lines(const std::filesystem::path& picture, const std::filesystem::pat
   if (line_file_kind(file) == LineFileKind::None)
     throw InputError(file.string() + ": found no scene or file of lines, expected one to draw");
   draw_lines(picture, read_source_file(file, unit, unit), unit, kCorner);
+}
+
+namespace {
+
+// [["a", "b"], ["c"]]: loops as [[region]] knows them.
+std::string loops_words(const CharacterLineNetwork& network, const std::vector<ArcLoop>& loops) {
+  std::string text = "[";
+  for (size_t l = 0; l < loops.size(); ++l) {
+    text += l ? ", [" : "[";
+    for (size_t i = 0; i < loops[l].size(); ++i)
+      text += (i ? ", \"" : "\"") + network.arcs()[loops[l][i].arc].name + "\"";
+    text += "]";
+  }
+  return text + "]";
+}
+
+// The words that have these surfaces; without any, no surface in the others.
+std::string way_words(const CharacterLineNetwork& network, const RegionChoice& choice,
+                      const std::vector<ArcLoop>& with) {
+  const std::vector<ArcLoop>& loops = with.empty() ? choice.chosen : with;
+  std::vector<std::vector<ArcLoop>> surfaces;
+  for (const ArcLoop& loop : loops) surfaces.push_back({loop});
+  if (choice.one_surface) surfaces = {loops};
+  std::string text;
+  for (const auto& surface : surfaces)
+    text += "    [[region]]\n    loops = " + loops_words(network, surface) + "\n" +
+            (with.empty() ? "    surface = false\n" : "");
+  return text;
+}
+
+LoopPanel panel_of(const CharacterLineNetwork& network, const std::string& title,
+                   const std::vector<ArcLoop>& loops, bool one_surface) {
+  LoopPanel panel{title, {}, one_surface};
+  for (const ArcLoop& loop : loops) {
+    panel.loops.emplace_back();
+    for (const ArcUse& use : loop) panel.loops.back().push_back(network.arcs()[use.arc].curve);
+  }
+  return panel;
+}
+
+}  // namespace
+
+std::string draw_choices(const std::filesystem::path& folder, const Scene& scene) {
+  if (!scene.network)
+    throw InputError("found no [network], expected one: only networks have choices");
+  require_display();
+  std::vector<CharacterLine> lines = read_lines(scene);
+  add_mirrored(scene, lines);
+  const CharacterLineNetwork network = network_of(scene, lines);
+  const FoundRegions found = regions_of(scene, network);
+  if (found.choices.empty()) return "no choice is close\n";
+  std::filesystem::create_directories(folder);
+  LoopPicture picture;
+  for (const NetworkArc& arc : network.arcs()) picture.lines.push_back(arc.curve);
+  std::string text;
+  for (size_t k = 0; k < found.choices.size(); ++k) {
+    const RegionChoice& choice = found.choices[k];
+    const std::string file = "choice_" + std::to_string(k + 1) + ".png";
+    text += file + ": " + choice.text + "\n";
+    picture.ways = {panel_of(network, choice.chosen.empty() ? "as it is: no surface" : "as it is",
+                             choice.chosen, choice.one_surface)};
+    for (size_t a = 0; a < choice.alternatives.size(); ++a) {
+      const auto& other = choice.alternatives[a];
+      const long percent = std::lround(100 * choice.margins[a]);
+      const std::string title =
+          std::string(other.empty() ? "or no surface" : "or so") +
+          (percent > 0 ? ", costs " + std::to_string(percent) + " % more" : "");
+      picture.ways.push_back(panel_of(network, title, other, choice.one_surface));
+      text += "  " + title + ":\n" + way_words(network, choice, other);
+    }
+    draw_loops(folder / file, picture);
+  }
+  return text;
 }
 
 }  // namespace batten

@@ -4,6 +4,8 @@
 #include <filesystem>
 #include <string>
 
+#include "batten/io/scene/scene.h"
+
 namespace batten {
 
 /// Describes a scene (.toml) by its lines and parameters; a file of points, CAD, drawings or
@@ -16,5 +18,12 @@ std::string file_info(const std::filesystem::path& file, const std::string& unit
 /// to a PNG. Throws InputError: no lines, no display.
 void draw_lines(const std::filesystem::path& picture, const std::filesystem::path& file,
                 const std::string& unit);
+
+/// Finds the regions of a scene with a network, and the choices that could as well have been made
+/// otherwise. Draws each into `folder` as choice_1.png, choice_2.png …: where it is, the surfaces as
+/// they are, and every other way. Returns what each is about, and for every way the words for a
+/// scene that settle it. Throws InputError: no network, no display, what network_of() and
+/// regions_of() throw.
+std::string draw_choices(const std::filesystem::path& folder, const Scene& scene);
 
 }  // namespace batten

@@ -236,6 +236,7 @@ class Finder {
     RegionChoice choice;
     choice.chosen = {a, b};
     choice.alternatives = {{a}, {b}};
+    choice.one_surface = true;
     choice.margins = {0, 0};
     place_choice(graph_, choice);
     choice.text = "the two loops " + said(graph_, {a, b}) +
@@ -254,6 +255,7 @@ class Finder {
       gone[region] = 1;
       RegionChoice choice;
       choice.alternatives = {{outline, loop}, {loop}};
+      choice.one_surface = true;
       choice.margins = {0, 0};
       place_choice(graph_, choice);
       choice.text = "the loop " + said(graph_, {loop}) + " lies on the surface in " +

@@ -64,9 +64,11 @@ struct RegionChoice {
   Vec3 where = Vec3::Zero();
   std::vector<std::string> arcs;  ///< names of the arcs that it is about
   std::string text;               ///< sentences for the user, with what to say to have it otherwise
-  std::vector<ArcLoop> chosen;
-  std::vector<std::vector<ArcLoop>> alternatives;  ///< best first
-  std::vector<double> margins;                     ///< of each: what it costs more, relative
+  std::vector<ArcLoop> chosen;    ///< loops with a surface
+  std::vector<std::vector<ArcLoop>> alternatives;  ///< the same, best first
+  /// Whether the loops of each way bound one surface (a ring, a hole), not one each.
+  bool one_surface = false;
+  std::vector<double> margins;  ///< of each: what it costs more, relative
 };
 
 /// All that was found.

@@ -219,6 +219,15 @@ TEST_CASE("info tells lines, lengths and parameters", "[cli]") {
   CHECK(none.err.find("rum.csv: found no such file") != std::string::npos);
 }
 
+TEST_CASE("choices of a network are drawn, or nothing is where there is no display", "[cli]") {
+  const Case c("choices");
+  c.file("rim.csv", "0 0\n3 4\n\n3 4\n3 5\n");
+  const Result r = c.run({"info", "rim.csv", "--choices", "out"});
+  CHECK(r.code == 1);
+  CHECK(r.err.find("no display") != std::string::npos);
+  CHECK_FALSE(fs::exists(c / "out"));
+}
+
 TEST_CASE("help and version", "[cli]") {
   const Case c("help");
   const Result help = c.run({"--help"});

@@ -1,12 +1,14 @@
 // Pictures show what the scene says: everything inside the frame, the right colours, or a plain
 // sentence where there is no display.
 #include "batten/io/pictures/display.h"
+#include "batten/io/pictures/loop_pictures.h"
 #include "batten/io/pictures/pictures.h"
 
 #include <vtkImageData.h>
 #include <vtkNew.h>
 #include <vtkPNGReader.h>
 
+#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <functional>
@@ -302,6 +304,40 @@ TEST_CASE("pictures of embedded regions show holes as holes", "[io][pictures]") 
   const Vec3 body = at(-0.53, -0.31);
   CHECK(body[2] - body[0] > 0.06);
   CHECK(picture.count(red) > 800);
+}
+
+TEST_CASE("ways to have surfaces show as sheets in their loops", "[io][pictures]") {
+  if (!have_display()) return;
+  const auto side = [](const Vec3& a, const Vec3& b) {
+    Points x(2, 3), d(2, 3);
+    x << a.transpose(), b.transpose();
+    d << (b - a).transpose(), (b - a).transpose();
+    return HermiteCurve({0, 1}, x, d);
+  };
+  const Vec3 a(0, 0, 0), b(4, 0, 0), c(4, 3, 0), d(0, 3, 0);
+  LoopPicture picture;
+  picture.lines = {side(a, b), side(c, b), side(c, d), side(a, d)};
+  picture.ways = {{"as it is", {picture.lines}}, {"or so", {}}};
+  const fs::path path = batten_test::scratch("loop_pictures") / "ways.png";
+  draw_loops(path, picture);
+  const Picture sheet(path);
+  // Three panels: everywhere, with the sheet, without it.
+  std::array<long, 3> sheets{}, lines{};
+  for (int y = 0; y < sheet.height; ++y)
+    for (int x = 0; x < sheet.width; ++x) {
+      const Vec3 colour = sheet.pixel(x, y);
+      sheets[3 * x / sheet.width] += colour[2] - colour[0] > 0.15;
+      lines[3 * x / sheet.width] += red(colour);
+    }
+  CAPTURE(sheets, lines);
+  CHECK(sheets[0] > 20'000);
+  CHECK(sheets[1] > 50'000);
+  CHECK(sheets[2] == 0);
+  CHECK(lines[1] > 1000);
+  CHECK(lines[2] == 0);
+  picture.ways.pop_back();
+  picture.ways[0].loops.clear();
+  CHECK_FALSE(refusal([&] { draw_loops(path, picture); }).empty());
 }
 
 TEST_CASE("a contact sheet holds every scene in its own place", "[io][pictures]") {
