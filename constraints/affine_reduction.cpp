@@ -13,6 +13,7 @@ namespace {
 
 constexpr double kPart = 1e-9;               // of a row: a smaller share has no part in a conflict
 constexpr double kNoise = 1e-14;             // of the same: rounding of terms that cancel
+constexpr double kNothing = 1e-16;           // of a pivot: shares decay from row to row of a chain
 constexpr double kConflictTolerance = 1e-9;  // of the right-hand sides that take part
 constexpr double kRightNoise = 1e-12;        // of the largest right-hand side of all rows
 
@@ -81,7 +82,9 @@ class Elimination {
                                        std::pair<int, double>(column, -INFINITY));
       if (it == rows_[user].terms.end() || it->first != column) continue;
       subtract(rows_[user], it->second, row);
-      std::erase_if(rows_[user].terms, [&](const auto& t) { return t.first == column; });
+      std::erase_if(rows_[user].terms, [&](const auto& t) {
+        return t.first == column || std::abs(t.second) <= kNothing;
+      });
       note_use(user, row.terms);
     }
     used_by_[column].clear();
