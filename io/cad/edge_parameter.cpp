@@ -91,11 +91,11 @@ double largest_between(const SplineEdge& edge, double a, double b) {
   return (a + b) / 2;
 }
 
-/// Where an edge is farthest from its faces, and how far.
+/// Where an edge is farthest from its faces, and how far; roughly where that is below `least`.
 struct Gap {
   double share = 0, size = 0;
 };
-Gap largest_gap(const SplineEdge& edge) {
+Gap largest_gap(const SplineEdge& edge, double least) {
   int knots = edge.curve->NbKnots();
   for (const FaceCurve& face : edge.on_faces) knots += face.line->NbKnots();
   for (const FaceCurve& face : edge.on_faces)
@@ -105,6 +105,7 @@ Gap largest_gap(const SplineEdge& edge) {
   std::vector<double> gaps(static_cast<size_t>(n) + 1);
   for (int i = 0; i <= n; ++i) gaps[i] = edge.gap(double(i) / n);
   const double highest = *std::max_element(gaps.begin(), gaps.end());
+  if (highest < 0.5 * least) return {0, highest};
   Gap found;
   const auto take = [&](double share) {
     if (const double size = edge.gap(share); size > found.size) found = {share, size};
@@ -173,7 +174,7 @@ void show_largest_gaps(const TopoDS_Shape& shape, double least) {
   parallel_parts(edges.Extent(), [&](int k) {
     const SplineEdge edge = spline_edge(edges(k + 1));
     if (edge.curve.IsNull() || edge.on_faces.empty()) return;
-    const Gap gap = largest_gap(edge);
+    const Gap gap = largest_gap(edge, least);
     // A gap at an end is seen; one very near to an end would take a very uneven parameter.
     constexpr double near_end = 0.001;
     if (gap.size <= least || gap.share < near_end || gap.share > 1 - near_end) return;

@@ -127,7 +127,7 @@ class ModelFile {
     const TopoDS_Shape shape = assembled(plan_, [&](int region, TopoDS_Shell& shell) {
       for (const TopoDS_Face& face : faces[region]) BRep_Builder().Add(shell, face);
     });
-    show_largest_gaps(shape, coincidence_);
+    if (!cut_.empty()) show_largest_gaps(shape, coincidence_);
     write_shape(path, shape, tolerance, options_.name + " 1",
                 {options_.name, options_.author, "surfaces"}, occ);
     return cut_.empty() || BRepCheck_Analyzer(shape).IsValid();

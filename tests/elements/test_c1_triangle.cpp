@@ -253,6 +253,22 @@ TEST_CASE("Z12's reference tensors are the integrals of the paper's raw function
 
 // --- the functions ------------------------------------------------------------------------------
 
+TEST_CASE("positions, jets and reference dofs of many coordinates are the functions' sums") {
+  Draws draw(11);
+  for (const TriangleElement kind : {TriangleElement::HCT, TriangleElement::Z12})
+    for (int i = 0; i < 50; ++i) {
+      const C1Triangle triangle(kind, draw.triangle());
+      Eigen::Matrix<double, 12, 3> q;
+      q << draw.dofs(), draw.dofs(), draw.dofs();
+      CHECK((triangle.to_reference(q) - triangle.to_reference_dofs() * q).norm() < 1e-13);
+      for (const Vec3& L : {draw.inside(), Vec3(1, 0, 0), Vec3(0.5, 0.5, 0)}) {
+        const Eigen::Matrix<double, 3, kDerivatives> sum = q.transpose() * triangle.evaluate(L);
+        CHECK((triangle.jet(L, q) - sum).norm() < 1e-12 * (1 + sum.norm()));
+        CHECK((triangle.position(L, q) - sum.col(kW)).norm() < 1e-13 * (1 + sum.norm()));
+      }
+    }
+}
+
 TEST_CASE("each function is 1 in its own dof and 0 in the eleven others") {
   Draws random(1);
   for (int trial = 0; trial < 50; ++trial) {
