@@ -24,7 +24,8 @@ TriangleLocator::TriangleLocator(const ParametricMesh& mesh) : mesh_(mesh) {
 
   std::vector<std::vector<int>> buckets(static_cast<size_t>(columns_) * rows_);
   for (int t = 0; t < mesh.triangle_count(); ++t) {
-    const Box2 around = box_around(mesh.shape(t).vertex);
+    corners_.push_back(mesh.shape(t).vertex);
+    const Box2 around = box_around(corners_.back());
     const Vec2 a = around.min(), b = around.max();
     for (int r = row(a.y()); r <= row(b.y()); ++r)
       for (int c = column(a.x()); c <= column(b.x()); ++c)
@@ -70,14 +71,27 @@ Location TriangleLocator::locate(const Vec2& uv) const {
   return best.where;
 }
 
+// Rounding puts points of a shared edge a hair outside of both triangles.
+constexpr double kHair = 1e-13;
+
+bool TriangleLocator::misses(int triangle, const Vec2& uv) const {
+  const auto& [a, b, c] = corners_[triangle];
+  const auto twice_area = [](const Vec2& p, const Vec2& q) {
+    return p.x() * q.y() - p.y() * q.x();
+  };
+  const Vec2 to_a = a - uv, to_b = b - uv, to_c = c - uv;
+  const double of_c = twice_area(to_a, to_b), of_a = twice_area(to_b, to_c),
+               of_b = twice_area(to_c, to_a);
+  // The exact test allows a hair, of which this one is less sure.
+  return std::min({of_a, of_b, of_c}) < -1e3 * kHair * (of_a + of_b + of_c);
+}
+
 TriangleLocator::Found TriangleLocator::search(const Vec2& uv, double nearest) const {
   Location best{-1, Vec3::Zero()};
-  // Rounding puts points of a shared edge a hair outside of both triangles.
-  constexpr double hair = 1e-13;
   const auto look = [&](int t) {
     const TriangleShape shape = mesh_.shape(t);
     Vec3 L = shape.barycentric(uv);
-    if (L.minCoeff() >= -hair) {
+    if (L.minCoeff() >= -kHair) {
       L = L.cwiseMax(0.0);
       best = {t, L / L.sum()};
       return true;
@@ -95,8 +109,11 @@ TriangleLocator::Found TriangleLocator::search(const Vec2& uv, double nearest) c
     }
     return false;
   };
-  // Rings of buckets around the point, until nothing nearer can come.
   const int c0 = column(uv.x()), r0 = row(uv.y());
+  const size_t own = static_cast<size_t>(r0) * columns_ + c0;
+  for (int i = start_[own]; i < start_[own + 1]; ++i)
+    if (!misses(triangles_[i], uv) && look(triangles_[i])) return {best, 0};
+  // Outside: rings of buckets around the point, until nothing nearer can come.
   for (int ring = 0; ring <= std::max(columns_, rows_); ++ring) {
     if (nearest <= (ring - 1) * cell_) break;
     for (int r = std::max(0, r0 - ring); r <= std::min(rows_ - 1, r0 + ring); ++r)

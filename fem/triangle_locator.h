@@ -1,6 +1,7 @@
 // Which triangle of a parametric mesh holds a point.
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "batten/fem/location.h"
@@ -28,6 +29,8 @@ class TriangleLocator {
   };
   // The nearest point of a triangle within `nearest`; where.triangle is -1 when there is none.
   Found search(const Vec2& uv, double nearest) const;
+  // Whether a triangle is clearly not the one.
+  bool misses(int triangle, const Vec2& uv) const;
   int column(double u) const;
   int row(double v) const;
   const ParametricMesh& mesh_;
@@ -35,6 +38,7 @@ class TriangleLocator {
   double cell_ = 1;
   int columns_ = 1, rows_ = 1;
   std::vector<int> start_, triangles_;  // of each bucket
+  std::vector<std::array<Vec2, 3>> corners_;
 };
 
 }  // namespace batten

@@ -22,10 +22,11 @@ FittedFaces fitted_faces(const std::vector<const SkinnedRegion*>& regions, const
 /// the report with patches in the order of `made`.
 StepReport refined(const FittedFaces& made, const std::function<StepReport()>& written);
 
-/// Measures the `faces` of the file read back against the regions of `made` and adds the patches to
-/// the report.
+/// Measures the `faces` of the file read back against the regions of `made`, on all threads, and
+/// adds the patches to the report. `rest` measures the rest of the report meanwhile.
 void measure_patches(StepReport& report, const std::vector<TopoDS_Face>& faces,
-                     const FittedFaces& made, double tolerance);
+                     const FittedFaces& made, double tolerance,
+                     const std::function<void()>& rest = {});
 
 /// Reads the file back and measures each face, in the order of `made`, against its region: all of a
 /// StepReport but file and warnings. Throws Error when the file has another number of faces.

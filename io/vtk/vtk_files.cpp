@@ -24,6 +24,7 @@
 
 #include "batten/core/errors.h"
 #include "batten/core/index.h"
+#include "batten/core/parallel.h"
 #include "batten/io/files/whole_file.h"
 #include "batten/io/vtk/vtk_write.h"
 #include "batten/skinning/facets/facets.h"
@@ -55,6 +56,31 @@ vtkSmartPointer<Array> array(const char* name, int components) {
   return a;
 }
 
+/// Points of one region with their data.
+struct RegionPoints {
+  struct Point {
+    Vec3 x, normal;
+    Vec2 uv;
+    Vec3 displacement = Vec3::Zero();
+  };
+  std::vector<Point> points;
+  std::vector<Curvatures> bends;  // none, or of each point
+  bool moved = false;             // against a reference
+
+  RegionPoints() = default;
+  RegionPoints(const Surface& surface, const Tessellation& tessellation, const Surface* reference,
+               bool curvatures)
+      : moved(reference) {
+    if (curvatures) bends = recovered_curvatures(surface, tessellation);
+    for (const Location& where : tessellation.points) {
+      const SurfaceJet jet = surface.jet(where);
+      Point p{jet.x, jet.normal(), surface.mesh().shape(where.triangle).point(where.L)};
+      if (reference) p.displacement = jet.x - reference->position(where);
+      points.push_back(p);
+    }
+  }
+};
+
 /// Points of all regions with their data.
 struct PointTable {
   vtkNew<vtkPoints> points;
@@ -69,25 +95,19 @@ struct PointTable {
   PointTable() { points->SetDataTypeToDouble(); }
 
   /// Index of the first point added.
-  vtkIdType add(const Surface& surface, const Tessellation& tessellation, const Surface* reference,
-                bool with_curvatures) {
+  vtkIdType add(const RegionPoints& more) {
     const vtkIdType first = points->GetNumberOfPoints();
-    if (with_curvatures)
-      for (const Curvatures& bend : recovered_curvatures(surface, tessellation)) {
-        mean->InsertNextValue(bend.mean);
-        gauss->InsertNextValue(bend.gauss);
-        k1->InsertNextValue(bend.k1);
-        k2->InsertNextValue(bend.k2);
-      }
-    for (const Location& where : tessellation.points) {
-      const SurfaceJet jet = surface.jet(where);
-      points->InsertNextPoint(jet.x.data());
-      normals->InsertNextTuple(jet.normal().eval().data());
-      const Vec2 at = surface.mesh().shape(where.triangle).point(where.L);
-      uv->InsertNextTuple3(at.x(), at.y(), 0);
-      if (!reference) continue;
-      const Vec3 moved = jet.x - reference->position(where);
-      displacement->InsertNextTuple(moved.data());
+    for (const Curvatures& bend : more.bends) {
+      mean->InsertNextValue(bend.mean);
+      gauss->InsertNextValue(bend.gauss);
+      k1->InsertNextValue(bend.k1);
+      k2->InsertNextValue(bend.k2);
+    }
+    for (const RegionPoints::Point& p : more.points) {
+      points->InsertNextPoint(p.x.data());
+      normals->InsertNextTuple(p.normal.data());
+      uv->InsertNextTuple3(p.uv.x(), p.uv.y(), 0);
+      if (more.moved) displacement->InsertNextTuple(p.displacement.data());
     }
     return first;
   }
@@ -191,6 +211,10 @@ int facets_per_edge(const std::vector<const SkinnedRegion*>& regions) {
   return std::clamp(static_cast<int>(std::sqrt(most_facets / triangles)), 1, 4);
 }
 
+const Surface* reference(const VtkOptions& options, int region) {
+  return options.references.empty() ? nullptr : options.references[region];
+}
+
 }  // namespace
 
 void write_xml(vtkXMLWriter& writer, vtkDataObject* data, const fs::path& path) {
@@ -198,9 +222,12 @@ void write_xml(vtkXMLWriter& writer, vtkDataObject* data, const fs::path& path) 
   writer.SetInputDataObject(data);
   writer.SetFileName(file.temporary().c_str());
   writer.SetDataModeToAppended();
-  writer.SetCompressorTypeToZLib();
-  // A third of the usual level's time, for files a tenth larger.
-  writer.SetCompressionLevel(1);
+  if (vtkPolyData::SafeDownCast(data)) {
+    writer.SetCompressorTypeToLZ4();  // a third of zlib's time, for files a fifth larger
+  } else {
+    writer.SetCompressorTypeToZLib();  // which other programs that read VTU know
+    writer.SetCompressionLevel(1);
+  }
   if (!writer.Write())
     throw InputError(path.string() + ": cannot write this file: " +
                      vtkErrorCode::GetStringFromErrorCode(writer.GetErrorCode()));
@@ -227,12 +254,17 @@ vtkSmartPointer<vtkPolyData> to_poly_data(const std::vector<const SkinnedRegion*
   const int per_edge =
       options.facets_per_edge > 0 ? options.facets_per_edge : facets_per_edge(regions);
   LineIndex index(options.lines);
+  std::vector<DisplayFacets> of_regions(regions.size());
+  std::vector<RegionPoints> points(regions.size());
+  parallel_parts(count_of(regions), [&](int r) {
+    of_regions[r] = batten::facets(*regions[r], per_edge, length);
+    points[r] = {regions[r]->surface, of_regions[r].tessellation, reference(options, r),
+                 options.curvatures};
+  });
   for (size_t r = 0; r < regions.size(); ++r) {
     const SkinnedRegion& region = *regions[r];
-    const auto [tessellation, chains] = batten::facets(region, per_edge, length);
-    const vtkIdType first =
-        table.add(region.surface, tessellation,
-                  options.references.empty() ? nullptr : options.references[r], options.curvatures);
+    const auto& [tessellation, chains] = of_regions[r];
+    const vtkIdType first = table.add(points[r]);
     for (size_t l = 0; l < chains.size(); ++l) {
       const int line = index.of(region, l);
       if (line < 0) continue;
@@ -271,14 +303,17 @@ void write_vtu(const fs::path& path, const std::vector<const SkinnedRegion*>& re
   CellTable cells(options);
   vtkNew<vtkUnstructuredGrid> grid;
   std::vector<vtkIdType> first;
-  std::vector<QuadraticFacets> elements;
+  std::vector<QuadraticFacets> elements(regions.size());
   const double length = common_length(regions);
-  for (size_t r = 0; r < regions.size(); ++r) {
-    elements.push_back(quadratic_facets(*regions[r], length));
-    first.push_back(table.add(regions[r]->surface, {elements[r].nodes, {}, {}},
-                              options.references.empty() ? nullptr : options.references[r],
-                              options.curvatures));
-  }
+  std::vector<RegionPoints> points(regions.size());
+  parallel_parts(count_of(regions), [&](int r) {
+    elements[r] = quadratic_facets(*regions[r], length);
+    points[r] = {regions[r]->surface,
+                 {elements[r].nodes, {}, {}},
+                 reference(options, r),
+                 options.curvatures};
+  });
+  for (const RegionPoints& more : points) first.push_back(table.add(more));
   const auto insert = [&](int type, size_t r, const auto& nodes) {
     std::array<vtkIdType, 6> ids{};
     for (size_t i = 0; i < nodes.size(); ++i) ids[i] = first[r] + nodes[i];

@@ -7,6 +7,7 @@
 #include <Eigen/LU>
 
 #include "batten/core/index.h"
+#include "batten/core/parallel.h"
 #include "batten/core/words.h"
 #include "batten/elements/quadrature.h"
 #include "batten/skinning/model/join_edge.h"
@@ -262,10 +263,17 @@ SparseMatrix join_stiffness(const std::vector<const RegionLayout*>& regions,
   constexpr int parts = 4;  // of an interval: elements end anywhere
   const SegmentRule gauss = gauss_legendre(6);
   JoinEdges sides(regions, numbers);
-  std::vector<Triplet> entries;
+  std::vector<const JoinPlan*> embedded;
+  std::vector<std::array<JoinEdge, 2>> edges;
   for (const JoinPlan& plan : plans) {
     if (plan.given_up() || plan.at.empty()) continue;
-    const JoinEdge a = sides(plan.join_line.sides[0]), b = sides(plan.join_line.sides[1]);
+    embedded.push_back(&plan);
+    edges.push_back({sides(plan.join_line.sides[0]), sides(plan.join_line.sides[1])});
+  }
+  std::vector<std::vector<Triplet>> of_plan(embedded.size());
+  parallel_parts(count_of(embedded), [&](int j) {
+    const JoinPlan& plan = *embedded[j];
+    const auto& [a, b] = edges[j];
     const RegionLayout& region = *regions[plan.join_line.sides[0].region];
     const double scale = std::pow(size / region.size(), 2);
     over_intervals(plan, gauss, parts, [&](double f, double w, size_t i, double s) {
@@ -277,9 +285,11 @@ SparseMatrix join_stiffness(const std::vector<const RegionLayout*>& regions,
       for (const auto& p : row)
         for (const auto& q : row)
           if (p.dof >= q.dof)
-            entries.emplace_back(p.dof, q.dof, weight * p.coefficient * q.coefficient);
+            of_plan[j].emplace_back(p.dof, q.dof, weight * p.coefficient * q.coefficient);
     });
-  }
+  });
+  std::vector<Triplet> entries;
+  for (const auto& own : of_plan) entries.insert(entries.end(), own.begin(), own.end());
   SparseMatrix K(dofs, dofs);
   K.setFromTriplets(entries.begin(), entries.end());
   return K;

@@ -76,6 +76,8 @@ class ModelLayout {
   const Vec3& origin() const { return frame_.origin; }
   int region_count() const { return count_of(regions_); }
   const RegionLayout& region(int r) const { return *regions_[r]; }
+  const std::vector<std::shared_ptr<const RegionLayout>>& regions() const { return regions_; }
+  const ModelFrame& frame() const { return frame_; }
   /// Returns the index of a region. Throws InputError, with the nearest name, when there is none.
   int region_named(const std::string& name) const;
   /// Warnings of all regions; of several regions they begin "region 'NAME': …".

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <optional>
 
+#include "batten/core/parallel.h"
 #include "batten/core/words.h"
 #include "batten/skinning/model/section_surface.h"
 
@@ -248,14 +249,17 @@ const char* word_for(NaturalShape::Kind kind) {
 }
 
 Points natural_dofs(const ModelLayout& layout) {
+  if (!layout.natural()) return {};
+  std::vector<Points> rests(static_cast<size_t>(layout.region_count()));
+  parallel_parts(layout.region_count(), [&](int r) {
+    const NaturalShape shape = natural_shape(layout.region(r));
+    if (shape.has_rest()) rests[r] = rest_dofs(layout.region(r), shape);
+  });
   Points all;
-  for (int r = 0; r < layout.region_count() && layout.natural(); ++r) {
-    const RegionLayout& region = layout.region(r);
-    const NaturalShape shape = natural_shape(region);
-    if (!shape.has_rest()) continue;
+  for (int r = 0; r < layout.region_count(); ++r) {
+    if (rests[r].rows() == 0) continue;
     if (all.rows() == 0) all = Points::Zero(layout.position_dofs().size(), 3);
-    const Points own = rest_dofs(region, shape);
-    for (int d = 0; d < own.rows(); ++d) all.row(layout.numbers(r)(d)) = own.row(d);
+    for (int d = 0; d < rests[r].rows(); ++d) all.row(layout.numbers(r)(d)) = rests[r].row(d);
   }
   return all;
 }

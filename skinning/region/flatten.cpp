@@ -7,7 +7,6 @@
 
 #include "batten/core/box.h"
 #include "batten/core/errors.h"
-#include "batten/core/parallel.h"
 #include "batten/core/plane.h"
 
 namespace batten {
@@ -66,6 +65,7 @@ class Sheet {
       J << jet.x_u, jet.x_v;
       metric_.push_back(J.transpose() * J);
       area_.push_back(mesh.shape(t).area);
+      weight_.push_back(area_.back() * std::sqrt(metric_.back().determinant()));
     }
   }
 
@@ -89,13 +89,10 @@ class Sheet {
   // How each triangle of the domain changes with corners q: ∂(new place)/∂(u, v).
   std::vector<Mat2> changes(const Eigen::Matrix2Xd& q) const {
     std::vector<Mat2> D(metric_.size(), Mat2::Zero());
-    for (size_t c = 0; c < slopes_.size(); ++c) add_move(static_cast<long>(c), q.col(c), D);
+    for (size_t c = 0; c < slopes_.size(); ++c)
+      for (size_t t = 0; t < D.size(); ++t)
+        D[t] += q.col(static_cast<long>(c)) * slopes_[c].col(static_cast<long>(t)).transpose();
     return D;
-  }
-  // The same where one corner moves farther.
-  void add_move(long corner, const Vec2& by, std::vector<Mat2>& D) const {
-    for (size_t t = 0; t < D.size(); ++t)
-      D[t] += by * slopes_[corner].col(static_cast<long>(t)).transpose();
   }
 
   // Metrics over the changed domain, and areas there. False: it folds.
@@ -122,25 +119,67 @@ class Sheet {
     double scale = 0, total = 0;
     for (size_t t = 0; t < metric.size(); ++t) {
       const Vec3 strain = half_log(metric[t]);
-      const double weight = area_[t] * std::sqrt(metric_[t].determinant());
       r.segment<3>(3 * static_cast<long>(t)) = strain;
-      scale += weight * strain[0];
-      total += weight;
+      scale += weight_[t] * strain[0];
+      total += weight_[t];
     }
     for (size_t t = 0; t < metric.size(); ++t) {
       auto strain = r.segment<3>(3 * static_cast<long>(t));
       strain[0] -= scale / total;
-      strain *= std::sqrt(area_[t] * std::sqrt(metric_[t].determinant()));
+      strain *= std::sqrt(weight_[t]);
     }
     return r.allFinite();
+  }
+
+  // ∂(residual)/∂(corners), columns by corner and axis. A triangle's strain depends on the four
+  // numbers of its own D, which are linear in the corners.
+  MatX slopes_of_residual(const std::vector<Mat2>& D) const {
+    const long corners = static_cast<long>(slopes_.size());
+    MatX J(3 * static_cast<long>(D.size()), 2 * corners);
+    Eigen::RowVectorXd mean = Eigen::RowVectorXd::Zero(2 * corners);
+    double total = 0;
+    for (size_t t = 0; t < D.size(); ++t) {
+      const auto of_strain = slopes_of_strain(t, D[t]);
+      auto own = J.middleRows<3>(3 * static_cast<long>(t));
+      for (long c = 0; c < corners; ++c)
+        own.middleCols<2>(2 * c).noalias() =
+            of_strain.leftCols<2>() * slopes_[c](0, static_cast<long>(t)) +
+            of_strain.rightCols<2>() * slopes_[c](1, static_cast<long>(t));
+      mean += weight_[t] * own.row(0);
+      total += weight_[t];
+    }
+    mean /= total;
+    for (size_t t = 0; t < D.size(); ++t) {
+      auto own = J.middleRows<3>(3 * static_cast<long>(t));
+      own.row(0) -= mean;
+      own *= std::sqrt(weight_[t]);
+    }
+    return J;
   }
 
   const std::vector<Mat2>& metric() const { return metric_; }
   const std::vector<double>& area() const { return area_; }
 
  private:
+  // ∂(strain)/∂D, columns D(0, 0), D(1, 0), D(0, 1), D(1, 1); by differences.
+  Eigen::Matrix<double, 3, 4> slopes_of_strain(size_t triangle, const Mat2& D) const {
+    const auto strain = [&](const Mat2& change) {
+      const Mat2 inverse = change.inverse();
+      return half_log(inverse.transpose() * metric_[triangle] * inverse);
+    };
+    const double h = 1e-7 * D.norm();
+    Eigen::Matrix<double, 3, 4> slopes;
+    for (int k = 0; k < 4; ++k) {
+      Mat2 more = D, less = D;
+      more(k % 2, k / 2) += h;
+      less(k % 2, k / 2) -= h;
+      slopes.col(k) = (strain(more) - strain(less)) / (2 * h);
+    }
+    return slopes;
+  }
+
   std::vector<Mat2> metric_;
-  std::vector<double> area_;
+  std::vector<double> area_, weight_;     // in the domain; on the surface
   std::vector<Eigen::Matrix2Xd> slopes_;  // of each corner's weight, by triangle
 };
 
@@ -166,24 +205,6 @@ Distortion distortion_of(const std::vector<Mat2>& metric, const std::vector<doub
   }
   d.rms = std::sqrt(squares / sum);
   return d;
-}
-
-// ∂r/∂(corners), by differences h. False: a corner that moves folds the domain.
-bool slopes_of_residual(const Sheet& sheet, const std::vector<Mat2>& D, const VecX& r, long corners,
-                        double h, MatX& J) {
-  J.resize(r.size(), 2 * corners);
-  std::vector<char> usable(static_cast<size_t>(corners), 0);
-  parallel_parts(static_cast<int>(corners), [&](int corner) {
-    for (int axis = 0; axis < 2; ++axis) {
-      std::vector<Mat2> moved = D;
-      sheet.add_move(corner, h * Vec2::Unit(axis), moved);
-      VecX next;
-      if (!sheet.residual(moved, next)) return;
-      J.col(2 * corner + axis) = (next - r) / h;
-    }
-    usable[corner] = 1;
-  });
-  return std::find(usable.begin(), usable.end(), 0) == usable.end();
 }
 
 // A polygon scaled, turned and moved onto the given one.
@@ -225,11 +246,10 @@ Flattened flatten(const Surface& surface, const std::vector<Vec2>& polygon) {
   std::vector<Mat2> D = sheet.changes(q);
   VecX r;
   if (!sheet.residual(D, r)) return {polygon, distortion(surface), distortion(surface)};
-  const double h = 1e-7 * (q.rowwise().maxCoeff() - q.rowwise().minCoeff()).norm();
+  const double small = 1e-7 * (q.rowwise().maxCoeff() - q.rowwise().minCoeff()).norm();
   double damping = 1e-3;
   for (int step = 0; step < 60 && damping < 1e8; ++step) {
-    MatX J;
-    if (!slopes_of_residual(sheet, D, r, n, h, J)) break;
+    const MatX J = sheet.slopes_of_residual(D);
     MatX H = J.transpose() * J;
     H.diagonal().array() += damping * H.diagonal().maxCoeff();
     const VecX move = -H.ldlt().solve(J.transpose() * r);
@@ -237,7 +257,9 @@ Flattened flatten(const Surface& surface, const std::vector<Vec2>& polygon) {
     std::vector<Mat2> changed = sheet.changes(next);
     VecX there;
     if (sheet.residual(changed, there) && there.squaredNorm() < r.squaredNorm()) {
-      const bool settled = move.norm() < h;
+      constexpr double little = 1e-6;  // of the squares of the strain
+      const bool settled =
+          move.norm() < small || r.squaredNorm() - there.squaredNorm() < little * r.squaredNorm();
       q = next;
       D = std::move(changed);
       r = there;

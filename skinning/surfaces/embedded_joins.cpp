@@ -2,11 +2,15 @@
 
 #include <algorithm>
 #include <limits>
+#include <map>
 
 #include "batten/core/errors.h"
+#include "batten/core/index.h"
+#include "batten/core/parallel.h"
 #include "batten/fem/surface_transfer.h"
 #include "batten/fem/triangle_locator.h"
 #include "batten/skinning/facets/facets.h"
+#include "batten/skinning/model/model_groups.h"
 #include "batten/skinning/model/natural_shape.h"
 
 namespace batten {
@@ -32,7 +36,10 @@ void mark_along(const ModelLayout& layout, const JoinSide& side, std::vector<cha
 Points carried_over(const ModelLayout& layout, const Points& dofs, const ModelLayout& finer) {
   std::vector<Points> each;
   for (int r = 0; r < layout.region_count(); ++r)
-    each.push_back(carried_over(layout.skinned(r, dofs).surface, *finer.region(r).mesh()).dofs);
+    each.push_back(
+        finer.region(r).mesh() == layout.region(r).mesh()
+            ? layout.region_dofs(r, dofs)
+            : carried_over(layout.skinned(r, dofs).surface, *finer.region(r).mesh()).dofs);
   return finer.all_dofs(each);
 }
 
@@ -45,11 +52,12 @@ std::vector<double> angles(const JoinedModel& model) {
     regions.push_back(model.layout->skinned(r, model.dofs));
   std::vector<const SkinnedRegion*> pointers;
   for (const SkinnedRegion& region : regions) pointers.push_back(&region);
-  std::vector<double> all;
-  for (const JoinPlan& plan : model.layout->join_plans())
-    all.push_back(plan.given_up() || plan.at.empty()
-                      ? 0
-                      : measure_join(pointers, plan.join_line).max_inside_deg);
+  const auto& plans = model.layout->join_plans();
+  std::vector<double> all(plans.size(), 0.0);
+  parallel_parts(count_of(plans), [&](int j) {
+    if (!plans[j].given_up() && !plans[j].at.empty())
+      all[j] = measure_join(pointers, plans[j].join_line).max_inside_deg;
+  });
   return all;
 }
 
@@ -64,11 +72,9 @@ class Refiner {
 
   JoinedModel refined(const Progress& progress) {
     constexpr int most_rounds = 3;
-    for (int round = 0; round < most_rounds && halve(); ++round) {
-      give_up_hopeless(false);
+    for (int round = 0; round < most_rounds && halve(); ++round)
       if (progress.cancelled && progress.cancelled()) throw CancelledError();
-    }
-    while (give_up_hopeless(true)) {
+    while (make_creases()) {
     }
     return std::move(model_);
   }
@@ -79,6 +85,7 @@ class Refiner {
     return now_[j] > most_deg_ && now_[j] < better * before_[j];
   }
 
+  // Halves along the joins whose angles fall, and makes creases of bad ones that fall no more.
   // Whether there was anything to halve, and the finer mesh has a shape.
   bool halve() {
     constexpr int most_triangles = 20'000;  // a round of more takes seconds
@@ -93,48 +100,98 @@ class Refiner {
     }
     if (!any) return false;
     auto finer = std::make_shared<ModelLayout>(*model_.layout);
-    const std::vector<double> now = now_;
     if (!finer->refine(marks)) return false;
     const Points shape = carried_over(*model_.layout, model_.dofs, *finer);
-    for (int r = 0; r < finer->region_count(); ++r)
-      if (finer->region(r).mesh() != model_.layout->region(r).mesh() &&
-          !why_no_facets(finer->skinned(r, shape)).empty())
-        return false;
+    if (!has_facets(*finer, shape)) return false;
+    give_up(*finer, [this](size_t j) { return !falls(j); });
+    std::vector<double> now = now_;
     if (!solve(finer, shape)) return false;
-    before_ = now;
+    before_ = std::move(now);
     return true;
   }
 
   // Makes creases of joins that stay bad. Whether there is any.
-  bool give_up_hopeless(bool last) {
-    constexpr double better_a_crease = 0.5;  // degrees
+  bool make_creases() {
     auto fewer = std::make_shared<ModelLayout>(*model_.layout);
+    return give_up(*fewer, [](size_t) { return true; }) && solve(fewer, model_.dofs);
+  }
+
+  template <class Hopeless>
+  bool give_up(ModelLayout& layout, const Hopeless& hopeless) const {
+    constexpr double better_a_crease = 0.5;  // degrees
     bool any = false;
     for (size_t j = 0; j < now_.size(); ++j) {
-      if (now_[j] <= better_a_crease || (!last && falls(j))) continue;
-      fewer->give_up_join(model_.layout->join_plans()[j].join_line.name,
+      if (now_[j] <= better_a_crease || !hopeless(j)) continue;
+      layout.give_up_join(model_.layout->join_plans()[j].join_line.name,
                           "a region carries it embedded, and would leave an angle of " +
                               number(now_[j]) + " degrees");
       any = true;
     }
-    return any && solve(fewer, model_.dofs);
+    return any;
   }
 
-  // Plans all joins of another layout from a shape on it and takes both, unless that is too much
-  // for its mesh.
+  // Whether facets can be made of the regions whose meshes are new.
+  bool has_facets(const ModelLayout& finer, const Points& shape) const {
+    std::vector<char> none(static_cast<size_t>(finer.region_count()), 0);
+    parallel_parts(finer.region_count(), [&](int r) {
+      none[r] = finer.region(r).mesh() != model_.layout->region(r).mesh() &&
+                !why_no_facets(finer.skinned(r, shape)).empty();
+    });
+    return std::find(none.begin(), none.end(), 1) == none.end();
+  }
+
+  // Takes another layout and a shape on it. Joins are planned from the shape, and regions solved,
+  // in the groups in which anything is new. Not where that is too much for a mesh.
   bool solve(const std::shared_ptr<ModelLayout>& layout, const Points& shape) {
-    layout->plan_joins(shape);
-    JoinedModel next{layout, {}};
+    std::vector<JoinPlan> plans = layout->join_plans();
+    std::vector<Points> shapes;
+    for (int r = 0; r < layout->region_count(); ++r)
+      shapes.push_back(layout->region_dofs(r, shape));
+    const std::vector<char> is_new = new_regions(*layout);
     try {
-      next.dofs = layout->least_energy(material_, natural_dofs(*layout));
+      for (const RegionGroup& group : groups_of(layout->regions(), plans)) {
+        if (std::none_of(group.regions.begin(), group.regions.end(),
+                         [&](int r) { return is_new[r]; }))
+          continue;
+        solve(layout->frame(), group, shapes, plans);
+      }
     } catch (const CancelledError&) {
       throw;
     } catch (const Error&) {
       return false;
     }
-    now_ = angles(next);
-    model_ = std::move(next);
+    model_.layout =
+        std::make_shared<const ModelLayout>(layout->frame(), layout->regions(), std::move(plans));
+    model_.dofs = model_.layout->all_dofs(shapes);
+    now_ = angles(model_);
     return true;
+  }
+
+  void solve(const ModelFrame& frame, const RegionGroup& group, std::vector<Points>& shapes,
+             std::vector<JoinPlan>& plans) const {
+    ModelLayout own(frame, group.layouts, group.plans);
+    std::vector<Points> before;
+    std::map<int, int> in_model;
+    for (const int r : group.regions) {
+      in_model[count_of(before)] = r;
+      before.push_back(shapes[r]);
+    }
+    own.plan_joins(own.all_dofs(before));
+    const Points solved = own.least_energy(material_, natural_dofs(own));
+    for (const auto& [mine, r] : in_model) shapes[r] = own.region_dofs(mine, solved);
+    for (size_t j = 0; j < group.joins.size(); ++j)
+      plans[group.joins[j]] = renumbered(own.join_plans()[j], in_model);
+  }
+
+  // Regions that have another mesh than in the present model, or a join less.
+  std::vector<char> new_regions(const ModelLayout& layout) const {
+    std::vector<char> is_new;
+    for (int r = 0; r < layout.region_count(); ++r)
+      is_new.push_back(layout.regions()[r] != model_.layout->regions()[r]);
+    for (size_t j = 0; j < now_.size(); ++j)
+      if (layout.join_plans()[j].given_up() && !model_.layout->join_plans()[j].given_up())
+        for (const JoinSide& side : layout.join_plans()[j].join_line.sides) is_new[side.region] = 1;
+    return is_new;
   }
 
   JoinedModel model_;

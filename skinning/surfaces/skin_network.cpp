@@ -6,11 +6,11 @@
 #include <set>
 
 #include "batten/core/errors.h"
-#include "batten/core/groups.h"
 #include "batten/core/index.h"
 #include "batten/core/parallel.h"
 #include "batten/core/words.h"
 #include "batten/skinning/facets/facets.h"
+#include "batten/skinning/model/model_groups.h"
 #include "batten/skinning/model/natural_shape.h"
 #include "batten/skinning/surfaces/embedded_joins.h"
 #include "batten/skinning/surfaces/join_choice.h"
@@ -20,25 +20,6 @@
 
 namespace batten {
 namespace {
-
-// The regions that the rows of a join act on.
-std::vector<int> regions_of(const JoinPlan& plan) {
-  std::vector<int> regions;
-  for (const JoinSide& side : plan.join_line.sides) regions.push_back(side.region);
-  for (const JoinEnd& end : plan.ends)
-    for (const auto& neighbours : end.set)
-      for (const auto& other : neighbours) regions.push_back(other.side.region);
-  return regions;
-}
-
-// The plan with other numbers for its regions.
-JoinPlan renumbered(JoinPlan plan, const std::map<int, int>& number) {
-  for (JoinSide& side : plan.join_line.sides) side.region = number.at(side.region);
-  for (JoinEnd& end : plan.ends)
-    for (auto& neighbours : end.set)
-      for (auto& other : neighbours) other.side.region = number.at(other.side.region);
-  return plan;
-}
 
 class ModelMaker {
  public:
@@ -75,10 +56,14 @@ class ModelMaker {
     std::vector<JoinPlan> plans;
     constexpr int most_rounds = 3;
     int round = 0;
+    const auto settled = [&] {
+      return !leave_out_broken() && (round++ >= most_rounds || !free_spoiled(plans));
+    };
     do {
-      plans = joined();
+      do plans = joined();
+      while (!settled());
       finish(plans);
-    } while (leave_out_broken() || (round++ < most_rounds && free_spoiled(plans)));
+    } while (!settled());
     tell_joins(plans);
     for (ModelRegion& region : model_.regions)
       if (region.in_layout >= 0) {
@@ -185,16 +170,9 @@ class ModelMaker {
     for (;;) {
       dofs = regions_.first_shapes();
       std::vector<JoinPlan> plans = plan_all();
-      Groups groups(dofs.size());
-      for (const JoinPlan& plan : plans)
-        if (!plan.given_up())
-          for (const int r : regions_of(plan)) groups.join(plan.join_line.sides[0].region, r);
-      std::map<int, std::vector<int>> members;
-      for (int r = 0; r < count_of(dofs); ++r)
-        if (regions_.layouts()[r]) members[groups.of(r)].push_back(r);
-      const bool all = std::all_of(members.begin(), members.end(), [&](const auto& group) {
-        return solve_group(group.second, plans, dofs);
-      });
+      bool all = true;
+      for (const RegionGroup& group : groups_of(regions_.layouts(), plans))
+        all = solve_group(group, plans, dofs) && all;
       if (all) return plans;
     }
   }
@@ -221,57 +199,48 @@ class ModelMaker {
   }
 
   // Whether the join lines of this group go together; otherwise some of them are given up.
-  bool solve_group(const std::vector<int>& group, const std::vector<JoinPlan>& plans,
+  bool solve_group(const RegionGroup& group, const std::vector<JoinPlan>& plans,
                    std::vector<Points>& dofs) {
-    std::map<int, int> local;
-    std::vector<std::shared_ptr<const RegionLayout>> some;
-    for (const int r : group) {
-      local[r] = count_of(some);
-      some.push_back(regions_.layouts()[r]);
+    if (group.plans.empty()) return true;  // a region by itself: its first shape
+    auto& [before, shapes] = solved_[group.regions.front()];
+    if (!same_task(before, group)) {
+      const ModelLayout layout(regions_.frame(), group.layouts, group.plans);
+      Points all;
+      try {
+        all = layout.least_energy(options_.material, natural_dofs(layout));
+      } catch (const CancelledError&) {
+        throw;
+      } catch (const std::runtime_error& e) {
+        give_up(plans, group, e.what());
+        return false;
+      }
+      shapes.clear();
+      for (int r = 0; r < layout.region_count(); ++r) shapes.push_back(layout.region_dofs(r, all));
+      before = group;
     }
-    std::vector<JoinPlan> of_group;
-    for (const JoinPlan& plan : plans)
-      if (!plan.given_up() && local.count(plan.join_line.sides[0].region))
-        of_group.push_back(renumbered(plan, local));
-    if (of_group.empty()) return true;  // a region by itself: its first shape
-    const ModelLayout layout(regions_.frame(), std::move(some), std::move(of_group));
-    Points solved;
-    try {
-      solved = layout.least_energy(options_.material, natural_dofs(layout));
-    } catch (const CancelledError&) {
-      throw;
-    } catch (const std::runtime_error& e) {
-      give_up(plans, local, e.what());
-      return false;
-    }
-    for (const int r : group) dofs[r] = layout.region_dofs(local[r], solved);
+    for (size_t i = 0; i < shapes.size(); ++i) dofs[group.regions[i]] = shapes[i];
     return true;
   }
 
   // The join lines of a group on embedded lines, or, where there are none of these, all.
-  void give_up(const std::vector<JoinPlan>& plans, const std::map<int, int>& group,
+  void give_up(const std::vector<JoinPlan>& plans, const RegionGroup& group,
                const std::string& why) {
-    for (const bool embedded : {true, false}) {
-      bool any = false;
-      for (size_t s = 0; s < plans.size(); ++s) {
-        if (plans[s].given_up() || !group.count(plans[s].join_line.sides[0].region) ||
-            plans[s].at.empty() == embedded)
-          continue;
-        given_up_[join_of(s).arc] = why;
-        any = true;
-      }
-      if (any) return;
-    }
+    const bool embedded = std::any_of(group.joins.begin(), group.joins.end(),
+                                      [&](size_t s) { return !plans[s].at.empty(); });
+    for (const size_t s : group.joins)
+      if (plans[s].at.empty() != embedded) given_up_[join_of(s).arc] = why;
   }
 
   // Regions of which no facets can be made would take every file with them. Whether there is any.
   bool leave_out_broken() {
     bool any = false;
-    for (size_t r = 0; r < model_.regions.size(); ++r) {
-      if (!model_.regions[r].skinned) continue;
-      const std::string why = why_no_facets(*model_.regions[r].skinned);
-      if (why.empty()) continue;
-      regions_.leave_out(static_cast<int>(r), why);
+    std::vector<std::string> why(model_.regions.size());
+    parallel_parts(count_of(why), [&](int r) {
+      if (model_.regions[r].skinned) why[r] = why_no_facets(*model_.regions[r].skinned);
+    });
+    for (size_t r = 0; r < why.size(); ++r) {
+      if (why[r].empty()) continue;
+      regions_.leave_out(static_cast<int>(r), why[r]);
       for (size_t s = 0; s < join_lines_.size(); ++s)
         for (const JoinSide& side : join_lines_[s].sides)
           if (side.region == static_cast<int>(r))
@@ -359,6 +328,9 @@ class ModelMaker {
   SurfaceModel model_;
   RegionMaker regions_;
   std::vector<Points> dofs_;  // of the regions
+  // Groups that were solved and their shapes, by their first region, to be taken again where nothing
+  // has changed.
+  std::map<int, std::pair<RegionGroup, std::vector<Points>>> solved_;
   std::vector<JoinLine> join_lines_;
   std::vector<int> join_of_;             // index into model_.joins of each join line
   std::map<int, std::string> given_up_;  // arcs whose join line proved worse than a crease, and why
