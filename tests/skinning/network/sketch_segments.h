@@ -69,4 +69,50 @@ struct SketchSegments {
   }
 };
 
+// The surfaces that a person expects in a sketch, by the segments around each
+// (tests/reference/networks).
+class ExpectedSurfaces {
+ public:
+  explicit ExpectedSurfaces(const nlohmann::json& file) {
+    for (const auto& region : file.at("regions")) {
+      spellings_.push_back({region.at("segments").get<std::set<int>>()});
+      if (region.contains("also"))
+        for (const auto& other : region.at("also"))
+          spellings_.back().push_back(other.get<std::set<int>>());
+    }
+    for (const auto& region : file.at("doubtful"))
+      doubtful_.push_back(region.at("segments").get<std::set<int>>());
+  }
+  int count() const { return static_cast<int>(spellings_.size()); }
+  // Which surface a loop is, by the segments of each of its arcs; -1: none.
+  int of(const std::vector<std::set<int>>& loop) const {
+    for (size_t r = 0; r < spellings_.size(); ++r)
+      for (const std::set<int>& segments : spellings_[r])
+        if (runs_along(loop, segments)) return static_cast<int>(r);
+    return -1;
+  }
+  bool doubtful(const std::vector<std::set<int>>& loop) const {
+    return std::any_of(doubtful_.begin(), doubtful_.end(),
+                       [&](const auto& segments) { return runs_along(loop, segments); });
+  }
+
+ private:
+  // Strokes may be doubled: each arc lies on one of the segments, and each of these has an arc.
+  static bool runs_along(const std::vector<std::set<int>>& loop, const std::set<int>& segments) {
+    std::set<int> left = segments;
+    for (const std::set<int>& arc : loop) {
+      bool on = arc.empty();
+      for (const int id : arc) {
+        on = on || segments.count(id);
+        left.erase(id);
+      }
+      if (!on) return false;
+    }
+    return left.empty();
+  }
+
+  std::vector<std::vector<std::set<int>>> spellings_;
+  std::vector<std::set<int>> doubtful_;
+};
+
 }  // namespace batten_test

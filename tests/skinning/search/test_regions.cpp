@@ -673,45 +673,43 @@ TEST_CASE("the selection is the best one") {
 
 #if BATTEN_TEST_IO
 TEST_CASE("regions of real sketches are those that a designer expects", "[data]") {
-  const std::string name = GENERATE("computer-mouse", "hat", "shield");
+  const std::string name = GENERATE("computer-mouse", "hat", "shield", "teapot", "vacuum");
   const auto file = optional_data("sketch-cassie/sketch_graph/" + name + ".json");
   if (file.empty()) {
     WARN("no sketches here");
     return;
   }
-  const auto expected = reference("networks/" + name + ".json");
-  const auto sets = [&](const char* key) {
-    std::set<std::set<int>> all;
-    for (const auto& loop : expected.at(key)) all.insert(loop.at("segments").get<std::set<int>>());
-    return all;
-  };
-  const auto wanted = sets("regions"), doubtful = sets("doubtful");
+  const ExpectedSurfaces expected(reference("networks/" + name + ".json"));
   const Found found(read_sketch_graph(file));
   const auto of_arc = SketchSegments(file).of_arcs(RegionGraph(found.network));
   const auto segments = [&](const ArcLoop& loop) {
-    std::set<int> ids;
-    for (const ArcUse& use : loop) ids.insert(of_arc[use.arc].begin(), of_arc[use.arc].end());
-    return ids;
+    std::vector<std::set<int>> of_arcs;
+    for (const ArcUse& use : loop) of_arcs.push_back(of_arc[use.arc]);
+    return of_arcs;
   };
-  std::set<std::set<int>> right, offered;
+  std::set<int> right, offered;
   int wrong = 0;
   for (const NetworkRegion& region : found.regions.regions) {
-    const std::set<int> ids = segments(region.loops[0]);
-    if (wanted.count(ids)) right.insert(ids);
-    wrong += !wanted.count(ids) && !doubtful.count(ids);
+    const auto loop = segments(region.loops[0]);
+    const int which = expected.of(loop);
+    if (which >= 0)
+      right.insert(which);
+    else
+      wrong += !expected.doubtful(loop);
   }
   // Loops that lie on a region are left to the user, who is told.
+  offered = right;
   for (const RegionChoice& choice : found.regions.choices)
     for (const auto& loops : choice.alternatives)
       for (const ArcLoop& loop : loops)
-        if (loops.size() == 1 && wanted.count(segments(loop))) offered.insert(segments(loop));
-  offered.insert(right.begin(), right.end());
+        if (const int which = expected.of(segments(loop)); loops.size() == 1 && which >= 0)
+          offered.insert(which);
   const double precision =
       static_cast<double>(right.size()) / (static_cast<double>(right.size()) + wrong);
   const auto share = [&](const auto& set) {
-    return static_cast<double>(set.size()) / static_cast<double>(wanted.size());
+    return static_cast<double>(set.size()) / expected.count();
   };
-  CAPTURE(name, right.size(), wrong, offered.size(), wanted.size());
+  CAPTURE(name, right.size(), wrong, offered.size(), expected.count());
   CHECK(precision >= 0.95);
   CHECK(share(right) >= (name == "shield" ? 0.8 : 0.95));
   CHECK(share(offered) >= 0.95);
