@@ -55,31 +55,6 @@ Made make(const std::vector<CharacterLine>& lines) {
   return made;
 }
 
-// Surfaces that were found against those that a person expects.
-struct Score {
-  int right = 0, wrong = 0, expected = 0;
-  double precision() const { return static_cast<double>(right) / (right + wrong); }
-  double recall() const { return static_cast<double>(right) / expected; }
-};
-Score score(const fs::path& expected_file, const fs::path& sketch, const Made& made) {
-  const batten_test::ExpectedSurfaces expected(nlohmann::json::parse(std::ifstream(expected_file)));
-  const auto of_arc = batten_test::SketchSegments(sketch).of_arcs(RegionGraph(*made.network));
-  std::set<int> right;
-  Score s;
-  for (const NetworkRegion& region : made.found.regions) {
-    std::vector<std::set<int>> loop;
-    for (const ArcUse& use : region.loops[0]) loop.push_back(of_arc[static_cast<size_t>(use.arc)]);
-    const int which = expected.of(loop);
-    if (which >= 0)
-      right.insert(which);
-    else
-      s.wrong += expected.doubtful(loop) ? 0 : 1;
-  }
-  s.right = static_cast<int>(right.size());
-  s.expected = expected.count();
-  return s;
-}
-
 // Triangles, and how far points are from them.
 class Triangles {
  public:
@@ -293,7 +268,10 @@ int main(int argc, char** argv) {
       const fs::path expected =
           fs::path(BATTEN_SOURCE_DIR) / "tests/reference/networks" / (std::string(name) + ".json");
       if (!fs::exists(expected)) continue;
-      const Score s = score(expected, file, made);
+      const auto s =
+          batten_test::ExpectedSurfaces(nlohmann::json::parse(std::ifstream(expected)))
+              .score(made.found.regions,
+                     batten_test::SketchSegments(file).of_arcs(RegionGraph(*made.network)));
       promises.at_least(std::string("precision, ") + name, s.precision(), 0.97);
       promises.at_least(std::string("recall, ") + name, s.recall(), 0.95);
     }

@@ -6,8 +6,15 @@
 
 #include "batten/core/box.h"
 #include "batten/core/index.h"
+#include "batten/core/plane.h"
 
 namespace batten {
+namespace {
+
+// Rounding puts points of a shared edge a hair outside of both triangles.
+constexpr double kHair = 1e-13;
+
+}  // namespace
 
 TriangleLocator::TriangleLocator(const ParametricMesh& mesh) : mesh_(mesh) {
   Box2 box(mesh.vertices()[0]);
@@ -71,17 +78,10 @@ Location TriangleLocator::locate(const Vec2& uv) const {
   return best.where;
 }
 
-// Rounding puts points of a shared edge a hair outside of both triangles.
-constexpr double kHair = 1e-13;
-
 bool TriangleLocator::misses(int triangle, const Vec2& uv) const {
   const auto& [a, b, c] = corners_[triangle];
-  const auto twice_area = [](const Vec2& p, const Vec2& q) {
-    return p.x() * q.y() - p.y() * q.x();
-  };
   const Vec2 to_a = a - uv, to_b = b - uv, to_c = c - uv;
-  const double of_c = twice_area(to_a, to_b), of_a = twice_area(to_b, to_c),
-               of_b = twice_area(to_c, to_a);
+  const double of_c = cross(to_a, to_b), of_a = cross(to_b, to_c), of_b = cross(to_c, to_a);
   // The exact test allows a hair, of which this one is less sure.
   return std::min({of_a, of_b, of_c}) < -1e3 * kHair * (of_a + of_b + of_c);
 }

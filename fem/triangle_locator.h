@@ -37,8 +37,8 @@ class TriangleLocator {
   Vec2 low_;
   double cell_ = 1;
   int columns_ = 1, rows_ = 1;
-  std::vector<int> start_, triangles_;  // of each bucket
-  std::vector<std::array<Vec2, 3>> corners_;
+  std::vector<int> start_, triangles_;        // of each bucket
+  std::vector<std::array<Vec2, 3>> corners_;  // of each triangle
 };
 
 }  // namespace batten

@@ -74,10 +74,10 @@ class KnotCells {
       for (size_t j = j0; j <= j1; ++j) passed_[i * (v_.size() - 1) + j] = 1;
   }
 
-  /// n² points of each cell that are inside: `holds` tells of a point in a cell that the border
-  /// passes, `free` of one elsewhere; neighbours that the border leaves alone are asked once.
-  template <class Holds, class Free>
-  std::vector<Vec2> points(const Holds& holds, const Free& free) const {
+  /// n² points of each cell that are inside: `near_border` tells of a point in a cell that
+  /// the border passes, `elsewhere` of any other; neighbours that the border leaves alone are asked once.
+  template <class NearBorder, class Elsewhere>
+  std::vector<Vec2> points(const NearBorder& near_border, const Elsewhere& elsewhere) const {
     const int n = u_.size() * v_.size() > 10'000 ? 2 : 3;
     std::vector<Vec2> points;
     for (size_t i = 0; i + 1 < u_.size(); ++i) {
@@ -87,10 +87,10 @@ class KnotCells {
         if (passed)
           state = Unknown;
         else if (state == Unknown)
-          state = free(at(i, j, 0.5, 0.5)) ? In : Out;
+          state = elsewhere(at(i, j, 0.5, 0.5)) ? In : Out;
         for (int k = 0; k < n * n; ++k) {
           const Vec2 uv = at(i, j, (k / n + 0.5) / n, (k % n + 0.5) / n);
-          if (passed ? holds(uv) : state == In) points.push_back(uv);
+          if (passed ? near_border(uv) : state == In) points.push_back(uv);
         }
       }
     }
@@ -339,9 +339,10 @@ StepReport refined(const FittedFaces& made, const std::function<StepReport()>& w
 void measure_patches(StepReport& report, const std::vector<TopoDS_Face>& faces,
                      const FittedFaces& made, double tolerance, const std::function<void()>& rest) {
   std::vector<StepPatch> patches(faces.size());
-  parallel_parts(count_of(faces) + (rest ? 1 : 0), [&](int i) {
-    if (rest && i-- == 0) return rest();
-    const auto k = static_cast<size_t>(i);
+  const int before = rest ? 1 : 0;
+  parallel_parts(before + count_of(faces), [&](int part) {
+    if (part < before) return rest();
+    const auto k = static_cast<size_t>(part - before);
     StepPatch& patch = patches[k];
     patch.region = made[k]->region().name;
     patch.poles_u = made[k]->poles_u();

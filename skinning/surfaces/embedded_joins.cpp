@@ -99,11 +99,11 @@ class Refiner {
       for (const JoinSide& side : plans[j].join_line.sides) mark_along(*model_.layout, side, marks);
     }
     if (!any) return false;
-    auto finer = std::make_shared<ModelLayout>(*model_.layout);
-    if (!finer->refine(marks)) return false;
-    const Points shape = carried_over(*model_.layout, model_.dofs, *finer);
-    if (!has_facets(*finer, shape)) return false;
-    give_up(*finer, [this](size_t j) { return !falls(j); });
+    ModelLayout finer = *model_.layout;
+    if (!finer.refine(marks)) return false;
+    const Points shape = carried_over(*model_.layout, model_.dofs, finer);
+    if (!has_facets(finer, shape)) return false;
+    give_up(finer, [this](size_t j) { return !falls(j); });
     std::vector<double> now = now_;
     if (!solve(finer, shape)) return false;
     before_ = std::move(now);
@@ -112,8 +112,8 @@ class Refiner {
 
   // Makes creases of joins that stay bad. Whether there is any.
   bool make_creases() {
-    auto fewer = std::make_shared<ModelLayout>(*model_.layout);
-    return give_up(*fewer, [](size_t) { return true; }) && solve(fewer, model_.dofs);
+    ModelLayout fewer = *model_.layout;
+    return give_up(fewer, [](size_t) { return true; }) && solve(fewer, model_.dofs);
   }
 
   template <class Hopeless>
@@ -142,26 +142,23 @@ class Refiner {
 
   // Takes another layout and a shape on it. Joins are planned from the shape, and regions solved,
   // in the groups in which anything is new. Not where that is too much for a mesh.
-  bool solve(const std::shared_ptr<ModelLayout>& layout, const Points& shape) {
-    std::vector<JoinPlan> plans = layout->join_plans();
+  bool solve(const ModelLayout& layout, const Points& shape) {
+    std::vector<JoinPlan> plans = layout.join_plans();
     std::vector<Points> shapes;
-    for (int r = 0; r < layout->region_count(); ++r)
-      shapes.push_back(layout->region_dofs(r, shape));
-    const std::vector<char> is_new = new_regions(*layout);
+    for (int r = 0; r < layout.region_count(); ++r) shapes.push_back(layout.region_dofs(r, shape));
+    const std::vector<char> is_new = new_regions(layout);
     try {
-      for (const RegionGroup& group : groups_of(layout->regions(), plans)) {
-        if (std::none_of(group.regions.begin(), group.regions.end(),
-                         [&](int r) { return is_new[r]; }))
-          continue;
-        solve(layout->frame(), group, shapes, plans);
-      }
+      for (const RegionGroup& group : groups_of(layout.regions(), plans))
+        if (std::any_of(group.regions.begin(), group.regions.end(),
+                        [&](int r) { return is_new[r]; }))
+          solve(layout.frame(), group, shapes, plans);
     } catch (const CancelledError&) {
       throw;
     } catch (const Error&) {
       return false;
     }
     model_.layout =
-        std::make_shared<const ModelLayout>(layout->frame(), layout->regions(), std::move(plans));
+        std::make_shared<const ModelLayout>(layout.frame(), layout.regions(), std::move(plans));
     model_.dofs = model_.layout->all_dofs(shapes);
     now_ = angles(model_);
     return true;
@@ -183,14 +180,15 @@ class Refiner {
       plans[group.joins[j]] = renumbered(own.join_plans()[j], in_model);
   }
 
-  // Regions that have another mesh than in the present model, or a join less.
+  // Regions that have another mesh than in the present model, or whose group has a join less.
   std::vector<char> new_regions(const ModelLayout& layout) const {
     std::vector<char> is_new;
     for (int r = 0; r < layout.region_count(); ++r)
       is_new.push_back(layout.regions()[r] != model_.layout->regions()[r]);
-    for (size_t j = 0; j < now_.size(); ++j)
-      if (layout.join_plans()[j].given_up() && !model_.layout->join_plans()[j].given_up())
-        for (const JoinSide& side : layout.join_plans()[j].join_line.sides) is_new[side.region] = 1;
+    for (const RegionGroup& was : groups_of(model_.layout->regions(), model_.layout->join_plans()))
+      if (std::any_of(was.joins.begin(), was.joins.end(),
+                      [&](size_t j) { return layout.join_plans()[j].given_up(); }))
+        for (const int r : was.regions) is_new[r] = 1;
     return is_new;
   }
 

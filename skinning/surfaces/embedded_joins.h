@@ -22,9 +22,10 @@ struct JoinedModel {
 };
 
 /// The angle at joins on embedded lines falls with the size of their triangles. This halves those
-/// along lines whose angle is above `most_deg`, plans all joins anew from the shape, and solves for
-/// least bending, as long as the angles fall; at most three times, and no more above 20,000
-/// triangles. Joins that stay above half a degree become creases (JoinPlan::why_not).
+/// along lines whose angle is above `most_deg`, plans joins anew from the shape, and solves for least
+/// bending, as long as the angles fall; at most three times, and no more above 20,000 triangles.
+/// Joins that stay above half a degree become creases (JoinPlan::why_not). Groups of regions in
+/// which nothing changes (groups_of()) keep their shape and plans.
 JoinedModel refine_embedded_joins(JoinedModel model, const SurfaceStiffness& material,
                                   double most_deg, const Progress& progress = {});
 

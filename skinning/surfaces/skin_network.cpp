@@ -57,7 +57,10 @@ class ModelMaker {
     constexpr int most_rounds = 3;
     int round = 0;
     const auto settled = [&] {
-      return !leave_out_broken() && (round++ >= most_rounds || !free_spoiled(plans));
+      if (leave_out_broken()) return false;
+      if (round == most_rounds || !free_spoiled(plans)) return true;
+      ++round;
+      return false;
     };
     do {
       do plans = joined();

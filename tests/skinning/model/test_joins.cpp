@@ -5,7 +5,10 @@
 #include <memory>
 #include <numbers>
 
+#include "batten/skinning/model/model_groups.h"
+#include "batten/skinning/model/natural_shape.h"
 #include "batten/skinning/region/quality.h"
+#include "batten/skinning/surfaces/embedded_joins.h"
 #include "batten/tests/catch.h"
 #include "batten/tests/patchwork.h"
 
@@ -307,4 +310,60 @@ TEST_CASE("a line that one region has embedded is smooth on averages") {
   CAPTURE(before, after);
   for (size_t i = 0; i < after.size(); ++i) CHECK(after[i] < before[i] / 30);
   CHECK(after[2] < 0.5 * after[0]);
+}
+
+TEST_CASE(
+    "refining the joins of one group leaves the model at least energy, and others as they were") {
+  Patchwork p;
+  p.options.edge_length = 0.2;
+  const auto line = [&](const std::string& name, Vec2 a, Vec2 b) {
+    p.add(given_line(name, over(a, b, wave), 2, 0.2));
+  };
+  // One region has the shared line embedded; two more regions are joined along runs, far away.
+  line("shared", {0, 0}, {1, 0});
+  line("w", {0, 0}, {0, -1});
+  line("s", {0, -1}, {1, -1});
+  line("e", {1, -1}, {1, 0});
+  const auto bow = [](double t) {
+    const Vec2 q(t, 0.5 * std::sin(std::numbers::pi * t));
+    return Vec3(q.x(), q.y(), wave(q));
+  };
+  p.add(given_line(
+      "bow", curve_through_points("bow", {bow(0), bow(0.2), bow(0.4), bow(0.6), bow(0.8), bow(1)}),
+      2, 0.2));
+  line("middle", {4, 0}, {4, 1});
+  line("s1", {3, 0}, {4, 0});
+  line("n1", {3, 1}, {4, 1});
+  line("w1", {3, 0}, {3, 1});
+  line("s2", {4, 0}, {5, 0});
+  line("n2", {4, 1}, {5, 1});
+  line("e2", {5, 0}, {5, 1});
+  p.region({"shared", "bow"});
+  p.region({"w", "s", "e", "shared"});
+  p.region({"s1", "middle", "n1", "w1"});
+  p.region({"s2", "e2", "n2", "middle"});
+  const ModelLayout coarse = p.model({p.join_line("shared", 0, 1), p.join_line("middle", 2, 3)});
+  for (const JoinPlan& plan : coarse.join_plans()) {
+    INFO(plan.why_not);
+    REQUIRE(!plan.given_up());
+  }
+  const auto groups = groups_of(coarse.regions(), coarse.join_plans());
+  REQUIRE(groups.size() == 2);
+  CHECK(groups[0].regions == std::vector<int>{0, 1});
+  CHECK(groups[1].regions == std::vector<int>{2, 3});
+  CHECK(groups[1].plans[0].join_line.sides[1].region == 1);
+  CHECK(same_task(groups[1], groups[1]));
+  CHECK(!same_task(groups[0], groups[1]));
+
+  const SurfaceStiffness material;
+  const Points before = coarse.least_energy(material, natural_dofs(coarse));
+  const JoinedModel refined =
+      refine_embedded_joins({std::make_shared<const ModelLayout>(coarse), before}, material, 1e-6);
+  REQUIRE(refined.layout->mesh()->triangle_count() > coarse.mesh()->triangle_count());
+  const Points whole = refined.layout->least_energy(material, natural_dofs(*refined.layout));
+  CHECK((refined.dofs - whole).cwiseAbs().maxCoeff() < 1e-8);
+  for (const int r : {2, 3}) {
+    CHECK(refined.layout->regions()[r] == coarse.regions()[r]);
+    CHECK(refined.layout->region_dofs(r, refined.dofs) == coarse.region_dofs(r, before));
+  }
 }

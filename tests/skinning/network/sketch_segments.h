@@ -9,6 +9,7 @@
 #include <set>
 #include <vector>
 
+#include "batten/skinning/search/find_regions.h"
 #include "batten/skinning/search/region_graph.h"
 
 namespace batten_test {
@@ -69,10 +70,27 @@ struct SketchSegments {
   }
 };
 
-// The surfaces that a person expects in a sketch, by the segments around each
+// The segments of each arc of a loop.
+inline std::vector<std::set<int>> segments_along(const ArcLoop& loop,
+                                                 const std::vector<std::set<int>>& of_arc) {
+  std::vector<std::set<int>> all;
+  for (const ArcUse& use : loop) all.push_back(of_arc[static_cast<size_t>(use.arc)]);
+  return all;
+}
+
+// The surfaces that are expected in a sketch, by the segments around each
 // (tests/reference/networks).
 class ExpectedSurfaces {
  public:
+  struct Score {
+    std::set<int> right;          // which of the expected ones were found
+    int wrong = 0, expected = 0;  // found but not expected, or once more; expected in all
+    double precision() const {
+      return static_cast<double>(right.size()) / (static_cast<double>(right.size()) + wrong);
+    }
+    double recall() const { return static_cast<double>(right.size()) / expected; }
+  };
+
   explicit ExpectedSurfaces(const nlohmann::json& file) {
     for (const auto& region : file.at("regions")) {
       spellings_.push_back({region.at("segments").get<std::set<int>>()});
@@ -91,12 +109,23 @@ class ExpectedSurfaces {
         if (runs_along(loop, segments)) return static_cast<int>(r);
     return -1;
   }
+  Score score(const std::vector<NetworkRegion>& regions,
+              const std::vector<std::set<int>>& of_arc) const {
+    Score s;
+    s.expected = count();
+    for (const NetworkRegion& region : regions) {
+      const auto loop = segments_along(region.loops[0], of_arc);
+      const int which = of(loop);
+      if (which < 0 || !s.right.insert(which).second) s.wrong += !doubtful(loop);
+    }
+    return s;
+  }
+
+ private:
   bool doubtful(const std::vector<std::set<int>>& loop) const {
     return std::any_of(doubtful_.begin(), doubtful_.end(),
                        [&](const auto& segments) { return runs_along(loop, segments); });
   }
-
- private:
   // Strokes may be doubled: each arc lies on one of the segments, and each of these has an arc.
   static bool runs_along(const std::vector<std::set<int>>& loop, const std::set<int>& segments) {
     std::set<int> left = segments;

@@ -682,37 +682,19 @@ TEST_CASE("regions of real sketches are those that a designer expects", "[data]"
   const ExpectedSurfaces expected(reference("networks/" + name + ".json"));
   const Found found(read_sketch_graph(file));
   const auto of_arc = SketchSegments(file).of_arcs(RegionGraph(found.network));
-  const auto segments = [&](const ArcLoop& loop) {
-    std::vector<std::set<int>> of_arcs;
-    for (const ArcUse& use : loop) of_arcs.push_back(of_arc[use.arc]);
-    return of_arcs;
-  };
-  std::set<int> right, offered;
-  int wrong = 0;
-  for (const NetworkRegion& region : found.regions.regions) {
-    const auto loop = segments(region.loops[0]);
-    const int which = expected.of(loop);
-    if (which >= 0)
-      right.insert(which);
-    else
-      wrong += !expected.doubtful(loop);
-  }
+  const ExpectedSurfaces::Score score = expected.score(found.regions.regions, of_arc);
   // Loops that lie on a region are left to the user, who is told.
-  offered = right;
+  std::set<int> offered = score.right;
   for (const RegionChoice& choice : found.regions.choices)
     for (const auto& loops : choice.alternatives)
       for (const ArcLoop& loop : loops)
-        if (const int which = expected.of(segments(loop)); loops.size() == 1 && which >= 0)
+        if (const int which = expected.of(segments_along(loop, of_arc));
+            loops.size() == 1 && which >= 0)
           offered.insert(which);
-  const double precision =
-      static_cast<double>(right.size()) / (static_cast<double>(right.size()) + wrong);
-  const auto share = [&](const auto& set) {
-    return static_cast<double>(set.size()) / expected.count();
-  };
-  CAPTURE(name, right.size(), wrong, offered.size(), expected.count());
-  CHECK(precision >= 0.95);
-  CHECK(share(right) >= (name == "shield" ? 0.8 : 0.95));
-  CHECK(share(offered) >= 0.95);
+  CAPTURE(name, score.right.size(), score.wrong, offered.size(), score.expected);
+  CHECK(score.precision() >= 0.95);
+  CHECK(score.recall() >= (name == "shield" ? 0.8 : 0.95));
+  CHECK(static_cast<double>(offered.size()) >= 0.95 * score.expected);
   CHECK(found.regions.optimal);
 }
 
