@@ -2,10 +2,20 @@
 // OpenCASCADE's filling, and what cutting one region into 200 costs.
 //
 // Time: processor time from the lines to the model, measured and looked through for flaws, on one
-// thread, nothing written. Beside OpenCASCADE's filling: from the curves to the surface only.
+// thread, nothing written; once more on the clock, on two threads; and 3,136 regions by the program,
+// files and all. Beside OpenCASCADE's filling: from the curves to the surface only.
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <map>
 
+#include "batten/core/words.h"
 #include "batten/skinning/search/find_regions.h"
 #include "batten/skinning/surfaces/skin_network.h"
 #include "batten/skinning/surfaces/surface_model.h"
@@ -82,41 +92,139 @@ SkinQuality fill(const std::vector<CharacterLine>& lines, bool look = false) {
   return look ? measure(layout.region(std::move(dofs))) : SkinQuality{};
 }
 
+// The most memory that this process had since the last call, beyond what it has now; bytes. 0 where
+// the system does not tell.
+class Peak {
+ public:
+  Peak() {
+    if (std::FILE* f = std::fopen("/proc/self/clear_refs", "w")) {
+      std::fputs("5", f);
+      std::fclose(f);
+    }
+    start_ = now();
+  }
+  double grown() const { return std::max(0.0, now() - start_); }
+
+ private:
+  static double now() {
+    std::ifstream status("/proc/self/status");
+    for (std::string line; std::getline(status, line);)
+      if (line.rfind("VmHWM:", 0) == 0) return 1024 * std::stod(line.substr(6));
+    return 0;
+  }
+  double start_;
+};
+
+double clock_of(const std::function<void()>& work) {
+  const auto start = std::chrono::steady_clock::now();
+  work();
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+constexpr double kNoJoins = -1, kAllSmooth = 180;
+
+void grids(Promises& promises) {
+  Table table;
+  table.add({"grid", "regions", "triangles", "network ms", "regions ms", "skin ms", "ms a region",
+             "kB a region", "smooth: ms", "largest angle"});
+  std::map<int, double> each, search, memory;  // by lines
+  for (const int count : {24, 60, 200, 400}) {
+    const int cells = count / 2 - 1;
+    const std::vector<CharacterLine> lines = wavy_grid(cells, cells);
+    const double edge = 0.25 / cells;
+    const Peak peak;
+    Made made = make(lines, edge, kNoJoins);
+    const bool right = made.regions == cells * cells && made.failed == 0;
+    const double most = right ? 1 : std::numeric_limits<double>::infinity();
+    memory[count] = most * peak.grown() / made.regions;
+    each[count] = most * made.total() / made.regions;
+    search[count] = most * (made.network + made.find) / made.regions;
+    // Thousands of regions in one system show nothing that 841 do not.
+    const bool joined = count <= 60;
+    const Made smooth = joined ? make(lines, edge, kAllSmooth) : Made{};
+    table.add({std::to_string(count) + " lines",
+               std::to_string(made.regions) + (right ? "" : " WRONG"),
+               std::to_string(made.triangles), text("%.1f", 1e3 * made.network),
+               text("%.1f", 1e3 * made.find), text("%.1f", 1e3 * made.skin),
+               text("%.2f", 1e3 * each[count]), text("%.0f", memory[count] / 1024),
+               joined ? text("%.1f", 1e3 * smooth.total()) : "",
+               joined ? text("%.2g deg", smooth.model.max_join_deg) : ""});
+  }
+  table.print();
+  promises.at_most("time a region, 200 by 200 lines over 12 by 12", each[400] / each[24], 1.3);
+  promises.at_most("search a region, 200 by 200 lines over 12 by 12", search[400] / search[24],
+                   1.3);
+  promises.at_most("memory a region, 200 by 200 lines over 100 by 100",
+                   memory[200] > 0 ? std::optional(memory[400] / memory[200]) : std::nullopt, 1.1);
+
+  const std::vector<CharacterLine> lines = wavy_grid(99, 99);
+  const auto all = [&] { make(lines, 0.25 / 99, kNoJoins); };
+  const double one = clock_of(all);
+  set_thread_count(2);
+  const double two = clock_of(all);
+  set_thread_count(1);
+  std::printf("100 by 100 lines, on the clock: %.1f s on one thread, %.1f s on two.\n\n", one, two);
+  promises.at_least("one thread's time over two threads', 100 by 100 lines", one / two, 1.6);
+}
+
+// 57 by 57 lines as a file of points through the program, with STEP, in a process of its own.
+void program(Promises& promises) {
+#ifdef BATTEN_PROGRAM
+  namespace fs = std::filesystem;
+  const fs::path folder = fs::temp_directory_path() / ("batten_grid_" + std::to_string(getpid()));
+  fs::create_directories(folder);
+  {
+    std::ofstream file(folder / "grid.csv");
+    file << "x,y,z\n";
+    for (const CharacterLine& line : wavy_grid(56, 56)) {
+      for (int i = 0; i <= 60; ++i) {
+        const double t = line.curve->start() + (line.curve->end() - line.curve->start()) * i / 60;
+        const Vec3 p = line.curve->evaluate(t, 0);
+        file << number(p.x()) << ',' << number(p.y()) << ',' << number(p.z()) << '\n';
+      }
+      file << '\n';
+    }
+  }
+  const std::string csv = (folder / "grid.csv").string(), out = (folder / "out").string();
+  int status = 0;
+  rusage used{};
+  const double clock = clock_of([&] {
+    const pid_t child = fork();
+    if (child == 0) {
+      std::freopen("/dev/null", "w", stdout);
+      execl(BATTEN_PROGRAM, BATTEN_PROGRAM, "skin", "--network", csv.c_str(), "--unit", "m",
+            "--out", out.c_str(), nullptr);
+      _exit(127);
+    }
+    wait4(child, &status, 0, &used);
+  });
+  const bool right = WIFEXITED(status) && WEXITSTATUS(status) == 0;
+  std::printf("57 by 57 lines through the program, with STEP: %.1f s, %.2f GB, exit code %d.\n\n",
+              clock, used.ru_maxrss / 1048576.0, WEXITSTATUS(status));
+  const auto if_right = [&](double x) { return right ? std::optional(x) : std::nullopt; };
+  promises.at_most("seconds, 57 by 57 lines with STEP", if_right(clock), 20);
+  promises.at_most("GB, 57 by 57 lines with STEP", if_right(used.ru_maxrss / 1048576.0), 1);
+  fs::remove_all(folder);
+#else
+  promises.at_most("seconds, 57 by 57 lines with STEP", std::nullopt, 20);
+#endif
+}
+
 }  // namespace
 
-int main() {
+// With a number: only the grid of so many lines.
+int main(int argc, char** argv) {
   one_thread();
-  Promises promises;
-  constexpr double no_joins = -1, all_smooth = 180;
-
-  {
-    Table table;
-    table.add({"grid", "regions", "triangles", "network ms", "regions ms", "skin ms", "ms a region",
-               "smooth: ms", "largest angle"});
-    double first = 0, last = 0;
-    for (const int count : {12, 28, 60, 200}) {
-      const int cells = count / 2 - 1;
-      const std::vector<CharacterLine> lines = wavy_grid(cells, cells);
-      const double edge = 0.25 / cells;
-      const Made made = make(lines, edge, no_joins);
-      const bool right = made.regions == cells * cells && made.failed == 0;
-      const double each = made.total() / made.regions;
-      if (first == 0) first = each;
-      last = each;
-      // 10,000 regions in one system show nothing that 841 do not.
-      const bool joined = count <= 60;
-      const Made smooth = joined ? make(lines, edge, all_smooth) : Made{};
-      table.add({std::to_string(count) + " lines",
-                 std::to_string(made.regions) + (right ? "" : " WRONG"),
-                 std::to_string(made.triangles), text("%.1f", 1e3 * made.network),
-                 text("%.1f", 1e3 * made.find), text("%.1f", 1e3 * made.skin),
-                 text("%.2f", 1e3 * each), joined ? text("%.1f", 1e3 * smooth.total()) : "",
-                 joined ? text("%.2g deg", smooth.model.max_join_deg) : ""});
-      if (!right) last = std::numeric_limits<double>::infinity();
-    }
-    table.print();
-    promises.at_most("time a region of a grid of 200 lines over that of 12", last / first, 1.5);
+  if (argc > 1) {
+    const int cells = std::stoi(argv[1]) / 2 - 1;
+    const Made made = make(wavy_grid(cells, cells), 0.25 / cells, kNoJoins);
+    std::printf("%d regions: network %.2f s, regions %.2f s, skin %.2f s\n", made.regions,
+                made.network, made.find, made.skin);
+    return 0;
   }
+  Promises promises;
+  grids(promises);
+  program(promises);
 
   {
     const std::string version = occ_version();
@@ -129,10 +237,10 @@ int main() {
       const std::vector<Cubic> curves = loop(count);
       const std::vector<CharacterLine> lines = lines_of(curves);
       std::vector<std::function<void()>> works = {[&] { fill(lines); },
-                                                  [&] { make(lines, 0.1, no_joins); }};
+                                                  [&] { make(lines, 0.1, kNoJoins); }};
       if (!version.empty()) works.push_back([&] { Filling(curves, {}, {"", 1e-4, 15, 9}); });
       const std::vector<double> time = side_by_side(5, works);
-      const Made made = make(lines, 0.1, no_joins);
+      const Made made = make(lines, 0.1, kNoJoins);
       const bool right =
           made.regions == 1 && made.failed == 0 && fill(lines, true).max_line_residual < 1e-10;
       ours.push_back(right ? time[0] : std::numeric_limits<double>::infinity());
@@ -154,12 +262,12 @@ int main() {
     std::vector<double> many, one;
     Made a, b;
     for (int round = 0; round < 3; ++round) {
-      a = make(cells, 0.0105, no_joins);
-      b = make(whole, 0.0108, no_joins);
+      a = make(cells, 0.0105, kNoJoins);
+      b = make(whole, 0.0108, kNoJoins);
       many.push_back(a.total());
       one.push_back(b.total());
     }
-    const Made smooth = make(cells, 0.0105, all_smooth);
+    const Made smooth = make(cells, 0.0105, kAllSmooth);
     Table table;
     table.add({"20,000 triangles", "regions", "triangles", "seconds", "largest angle"});
     const auto row = [&](const std::string& name, const Made& m, double time) {

@@ -200,6 +200,27 @@ int add_fair_row(const char* name, Made& made, Table& table, Promises& promises)
   return count_of(made.model.flaws) - static_cast<int>(flaws);
 }
 
+// Compares with the surfaces and creases that readers of the drawing expect.
+void score(const fs::path& sketch, const Made& made, Promises& promises,
+           std::vector<std::string>& notes) {
+  const std::string name = sketch.stem().string();
+  const fs::path file = fs::path(BATTEN_SOURCE_DIR) / "tests/reference/networks" / (name + ".json");
+  if (!fs::exists(file)) return;
+  const batten_test::ExpectedSurfaces expected(nlohmann::json::parse(std::ifstream(file)));
+  const auto of_arc = batten_test::SketchSegments(sketch).of_arcs(RegionGraph(*made.network));
+  const auto s = expected.score(made.found.regions, of_arc);
+  promises.at_least("precision, " + name, s.precision(), 0.97);
+  promises.at_least("recall, " + name, s.recall(), 0.95);
+  if (!expected.knows_creases()) return;
+  const auto creases = expected.creases(made.model.joins, of_arc);
+  promises.at_least("precision of creases, " + name, creases.precision(), 0.95);
+  promises.at_least("recall of creases, " + name, creases.recall(), 0.95);
+  for (const std::string& line : creases.wrong)
+    notes.push_back(name + ": " + line + " is a crease; smooth was expected");
+  for (const std::string& line : creases.missed)
+    notes.push_back(name + ": " + line + " is smooth; a crease was expected");
+}
+
 }  // namespace
 
 // With a word: only the sketches and networks whose names hold it.
@@ -263,17 +284,9 @@ int main(int argc, char** argv) {
                  std::to_string(made.found.rims.size()), std::to_string(made.found.bare.size()),
                  std::to_string(made.found.choices.size()), std::to_string(made.model.flaws.size()),
                  text("%.2f", jacobian), text("%.2g", join), text("%.2f", made.seconds)});
+      score(file, made, promises, notes);
       const int added = add_fair_row(name, made, fair, promises);
       promises.at_most(std::string("flaws that fairing adds, ") + name, added, 0);
-      const fs::path expected =
-          fs::path(BATTEN_SOURCE_DIR) / "tests/reference/networks" / (std::string(name) + ".json");
-      if (!fs::exists(expected)) continue;
-      const auto s =
-          batten_test::ExpectedSurfaces(nlohmann::json::parse(std::ifstream(expected)))
-              .score(made.found.regions,
-                     batten_test::SketchSegments(file).of_arcs(RegionGraph(*made.network)));
-      promises.at_least(std::string("precision, ") + name, s.precision(), 0.97);
-      promises.at_least(std::string("recall, ") + name, s.recall(), 0.95);
     }
     table.print();
     fair.print();

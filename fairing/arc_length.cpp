@@ -67,8 +67,11 @@ double ArcLength::parameter(double s) const {
     const double speed = curve_->evaluate(t, 1).norm();
     const double dt =
         (speed_integral(*curve_, a, t) - rest) / std::max(speed, 1e-3 * panel / (b - a));
+    const double before = t;
     t = std::clamp(t - dt, a, b);
-    if (std::abs(dt) <= 1e-15 * (t_.back() - t_.front())) break;
+    // A short piece of a long curve has parameters much larger than their range.
+    const double rounding = 4e-16 * std::max(std::abs(a), std::abs(b));
+    if (std::abs(t - before) <= std::max(1e-15 * (t_.back() - t_.front()), rounding)) break;
   }
   return t;
 }

@@ -8,7 +8,7 @@
 #include "batten/core/groups.h"
 #include "batten/core/index.h"
 #include "batten/core/parallel.h"
-#include "batten/skinning/network/network_boxes.h"
+#include "batten/skinning/network/chord_tree.h"
 #include "batten/skinning/network/strand_distance.h"
 
 namespace batten::netting {
@@ -17,48 +17,10 @@ namespace {
 // Something is a near miss up to this many tolerances, and this share of the size.
 constexpr double kMiss = 5, kMissOfSize = 0.04;
 
-struct Chord {
-  int strand, segment;
-};
-
-std::vector<Chord> chords_of(const std::vector<Strand>& strands) {
-  std::vector<Chord> chords;
-  for (int k = 0; k < count_of(strands); ++k)
-    for (int i = 0; i < strands[k].segments(); ++i) chords.push_back({k, i});
-  return chords;
-}
-
-BoxTree tree_of(const std::vector<Strand>& strands, const std::vector<Chord>& chords) {
-  std::vector<Box> boxes;
-  for (const Chord& c : chords) {
-    const Strand& strand = strands[c.strand];
-    const Vec3 sag = Vec3::Constant(strand.sag[c.segment]);
-    Box box;
-    for (const Vec3& p : {strand.x[c.segment], strand.x[c.segment + 1]})
-      box.add({p - sag, p + sag});
-    boxes.push_back(box);
-  }
-  return BoxTree(std::move(boxes));
-}
-
-// The parameter of a strand's point nearest to p on and around one of its chords.
-double foot_near(const Strand& strand, int segment, const Vec3& p) {
-  const Vec3 chord = strand.x[segment + 1] - strand.x[segment];
-  const double along = std::clamp(
-      (p - strand.x[segment]).dot(chord) / std::max(chord.squaredNorm(), 1e-300), 0.0, 1.0);
-  const auto range = bracket(strand, segment);
-  return strand.foot(p, strand.t[segment] + along * (strand.t[segment + 1] - strand.t[segment]),
-                     range[0], range[1]);
-}
-
 class Search {
  public:
   Search(const std::vector<Strand>& strands, double tolerance, double size)
-      : strands_(strands),
-        tolerance_(tolerance),
-        size_(size),
-        chords_(chords_of(strands)),
-        tree_(tree_of(strands, chords_)) {}
+      : strands_(strands), tolerance_(tolerance), size_(size), tree_(strands) {}
 
   Contacts run() {
     std::vector<Contact> found = between_chords();
@@ -116,7 +78,7 @@ class Search {
     parallel_parts(static_cast<int>(chunks), [&](int part) {
       const size_t begin = static_cast<size_t>(part) * chunk;
       for (size_t k = begin; k < std::min(begin + chunk, pairs.size()); ++k) {
-        const Chord p = chords_[pairs[k].first], q = chords_[pairs[k].second];
+        const Chord p = tree_.chord(pairs[k].first), q = tree_.chord(pairs[k].second);
         const Strand &a = strands_[p.strand], &b = strands_[q.strand];
         Contact c{p.strand, q.strand};
         double s = 0, t = 0;
@@ -137,7 +99,7 @@ class Search {
   }
 
   bool worth_looking(int i, int j) const {
-    const Chord p = chords_[i], q = chords_[j];
+    const Chord p = tree_.chord(i), q = tree_.chord(j);
     const Strand &a = strands_[p.strand], &b = strands_[q.strand];
     if (p.strand == q.strand) {
       const double most = std::max(a.between(a.s[p.segment], a.s[q.segment + 1]),
@@ -155,18 +117,14 @@ class Search {
     for (int k = 0; k < count_of(strands_); ++k)
       for (int end = 0; end < 2 && !strands_[k].closed; ++end) {
         const Vec3 p = strands_[k].end_point(end);
-        std::vector<int> near;
-        tree_.near_box({p, p}, reach(), [&](int i) { near.push_back(i); });
-        std::sort(near.begin(), near.end());
-        for (const int i : near) {
-          const Chord q = chords_[i];
-          const Strand& b = strands_[q.strand];
-          Contact c{k, q.strand};
+        for (const NearPlace& place : tree_.near_point(p, reach())) {
+          if (!(place.distance <= reach())) continue;
+          const Strand& b = strands_[place.strand];
+          Contact c{k, place.strand};
           c.ta = strands_[k].end_parameter(end);
           c.ea = end;
-          c.tb = foot_near(b, q.segment, p);
-          c.distance = (b.point(c.tb) - p).norm();
-          if (!(c.distance <= reach())) continue;
+          c.tb = place.t;
+          c.distance = place.distance;
           set_lengths(c);
           for (int e = 0; e < 2 && !b.closed; ++e)
             if (const double d = (p - b.end_point(e)).norm();
@@ -377,8 +335,7 @@ class Search {
 
   const std::vector<Strand>& strands_;
   double tolerance_, size_;
-  std::vector<Chord> chords_;
-  BoxTree tree_;
+  ChordTree tree_;
 };
 
 }  // namespace
@@ -388,20 +345,15 @@ Contacts find_contacts(const std::vector<Strand>& strands, double tolerance, dou
 }
 
 std::vector<double> end_gaps(const std::vector<Strand>& strands, double reach) {
-  const std::vector<Chord> chords = chords_of(strands);
-  const BoxTree tree = tree_of(strands, chords);
+  const ChordTree tree(strands);
   std::vector<double> gaps;
   for (const Strand& strand : strands)
     for (int end = 0; end < 2 && !strand.closed; ++end) {
       if (strand.corner[end]) continue;
-      const Vec3 p = strand.end_point(end);
       double& gap = gaps.emplace_back(std::numeric_limits<double>::infinity());
-      tree.near_box({p, p}, reach, [&](int i) {
-        const Strand& other = strands[chords[i].strand];
-        if (other.line == strand.line) return;
-        const double d = (other.point(foot_near(other, chords[i].segment, p)) - p).norm();
-        if (d <= reach) gap = std::min(gap, d);
-      });
+      for (const NearPlace& near : tree.near_point(strand.end_point(end), reach))
+        if (strands[near.strand].line != strand.line && near.distance <= reach)
+          gap = std::min(gap, near.distance);
     }
   return gaps;
 }

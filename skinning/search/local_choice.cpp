@@ -4,6 +4,14 @@
 #include <cmath>
 
 namespace batten {
+namespace {
+
+void tidy(std::vector<int>& list) {
+  std::sort(list.begin(), list.end());
+  list.erase(std::unique(list.begin(), list.end()), list.end());
+}
+
+}  // namespace
 
 LocalChoice::LocalChoice(const Selection& problem)
     : fixed(problem.items.size(), -1),
@@ -47,47 +55,51 @@ double LocalChoice::value(const std::vector<char>& chosen) const {
   return sum;
 }
 
-// Items that share an arc with each item, and these with their neighbours too: ascending.
 void LocalChoice::find_neighbours() {
-  const auto tidy = [](std::vector<int>& list) {
-    std::sort(list.begin(), list.end());
-    list.erase(std::unique(list.begin(), list.end()), list.end());
-  };
   around_.resize(problem_.items.size());
-  wide_.resize(problem_.items.size());
   for (size_t i = 0; i < around_.size(); ++i) {
     for (const int a : problem_.items[i].arcs)
       for (const Use& s : uses_[a])
         if (s.item != static_cast<int>(i)) around_[i].push_back(s.item);
     tidy(around_[i]);
   }
-  for (size_t i = 0; i < around_.size(); ++i) {
-    wide_[i] = around_[i];
-    wide_[i].push_back(static_cast<int>(i));
-    for (const int k : around_[i])
-      wide_[i].insert(wide_[i].end(), around_[k].begin(), around_[k].end());
-    tidy(wide_[i]);
-  }
 }
 
-// Takes the items that add most, one after another.
+std::vector<int> LocalChoice::wide(int item) const {
+  std::vector<int> all = around_[item];
+  all.push_back(item);
+  for (const int k : around_[item]) all.insert(all.end(), around_[k].begin(), around_[k].end());
+  tidy(all);
+  return all;
+}
+
 void LocalChoice::fill(std::vector<char>& chosen, const std::vector<int>& from, int never) const {
-  for (;;) {
-    int best = -1;
-    double most = kTie;
-    for (const int i : from) {
-      if (chosen[i] || i == never || fixed[i] == 0) continue;
-      const double gain = advantage(chosen, i);
-      if (gain > most + kTie && fits(chosen, i)) best = i, most = gain;
+  // What an item adds, in ties, and the item; an advantage only falls while others are taken.
+  using Bid = std::pair<long long, int>;
+  std::vector<Bid> heap;
+  const auto bid = [&](int i) -> Bid { return {std::llround(advantage(chosen, i) / kTie), -i}; };
+  for (const int i : from)
+    if (!chosen[i] && i != never && fixed[i] != 0)
+      if (const Bid b = bid(i); b.first > 1) heap.push_back(b);
+  std::make_heap(heap.begin(), heap.end());
+  while (!heap.empty()) {
+    std::pop_heap(heap.begin(), heap.end());
+    const int i = -heap.back().second;
+    if (const Bid now = bid(i); now != heap.back() && now.first > 1) {
+      heap.back() = now;
+      std::push_heap(heap.begin(), heap.end());
+      continue;
+    } else if (now.first > 1 && fits(chosen, i)) {
+      chosen[i] = 1;
     }
-    if (best < 0) return;
-    chosen[best] = 1;
+    heap.pop_back();
   }
 }
 
 // Forces an item in or out and mends what is around it. Returns what that changes the value by.
-double LocalChoice::forced(std::vector<char>& chosen, int item, bool in, int rounds) const {
-  const std::vector<int>&around = around_[item], &wide = wide_[item];
+double LocalChoice::forced(std::vector<char>& chosen, int item, bool in,
+                           const std::vector<int>& wide) const {
+  const std::vector<int>& around = around_[item];
   const auto local = [&] {
     double sum = 0;
     for (const int i : wide)
@@ -120,7 +132,7 @@ double LocalChoice::forced(std::vector<char>& chosen, int item, bool in, int rou
       return -HUGE_VAL;
     }
   }
-  for (int r = 0; r < rounds; ++r) fill(chosen, wide, in ? -1 : item);
+  fill(chosen, wide, in ? -1 : item);
   return local() - before;
 }
 
@@ -141,8 +153,13 @@ void LocalChoice::improve(std::vector<char>& chosen) const {
     better = false;
     for (size_t i = 0; i < chosen.size(); ++i) {
       if (fixed[i] >= 0) continue;
-      std::vector<char> other = chosen;
-      if (forced(other, static_cast<int>(i), !chosen[i]) > kTie) chosen = other, better = true;
+      const std::vector<int> near = wide(static_cast<int>(i));
+      std::vector<char> before;
+      for (const int k : near) before.push_back(chosen[k]);
+      if (forced(chosen, static_cast<int>(i), !chosen[i], near) > kTie)
+        better = true;
+      else
+        for (size_t k = 0; k < near.size(); ++k) chosen[near[k]] = before[k];
     }
   }
 }

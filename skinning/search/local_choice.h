@@ -20,15 +20,18 @@ class LocalChoice {
 
   /// Returns the value of a choice, the sum that Selection maximises.
   double value(const std::vector<char>& chosen) const;
-  /// Takes the items that add most, one after another; `never` is not taken.
+  /// Takes the items that add most, one after another, of equal ones the first; `never` is not
+  /// taken. O(n log n) for n items of bounded neighbourhoods.
   void fill(std::vector<char>& chosen, const std::vector<int>& from, int never = -1) const;
-  /// Forces an item in or out and chooses the items around it anew. Returns the change of the
-  /// value, or minus infinity when fixed items leave no room for the item.
-  double forced(std::vector<char>& chosen, int item, bool in, int rounds = 1) const;
+  /// Forces an item in or out and chooses the items around it, wide(item), anew. Returns the change
+  /// of the value, or minus infinity when fixed items leave no room for the item.
+  double forced(std::vector<char>& chosen, int item, bool in, const std::vector<int>& wide) const;
   /// Forces single items in or out as long as that makes the choice better.
   void improve(std::vector<char>& chosen) const;
   /// Returns the other items that share an arc with this one, ascending.
   const std::vector<int>& around(int item) const { return around_[item]; }
+  /// Returns these and their neighbours too, with the item: ascending.
+  std::vector<int> wide(int item) const;
 
  private:
   struct Use {
@@ -42,7 +45,7 @@ class LocalChoice {
   const Selection& problem_;
   std::vector<std::vector<Use>> uses_;                     // of each arc
   std::vector<std::vector<std::pair<int, double>>> near_;  // items that have a price with each item
-  std::vector<std::vector<int>> around_, wide_;            // wide: with their neighbours too
+  std::vector<std::vector<int>> around_;
 };
 
 }  // namespace batten

@@ -120,9 +120,15 @@ CapFolds measure_folds(const RegionGraph& graph, const LoopCandidate& cap,
                        const std::vector<NetworkRegion>& regions, const LoopPrices& prices) {
   const std::vector<int> arcs = arcs_of(cap.loop);
   CapFolds result;
+  const auto beside = [&](const ArcLoop& loop) {
+    return std::any_of(loop.begin(), loop.end(), [&](const ArcUse& use) {
+      return std::binary_search(arcs.begin(), arcs.end(), use.arc);
+    });
+  };
   for (const NetworkRegion& region : regions) {
-    result.same = result.same || (region.loops.size() == 1 && arcs_of(region.loops[0]) == arcs);
     for (size_t k = 0; k < region.loops.size(); ++k) {
+      if (!beside(region.loops[k])) continue;
+      if (region.loops.size() == 1 && arcs_of(region.loops[0]) == arcs) result.same = true;
       const LoopCandidate other = measured(graph, region.loops[k], prices);
       for (size_t i = 0; i < cap.loop.size(); ++i)
         for (size_t j = 0; j < other.loop.size(); ++j)

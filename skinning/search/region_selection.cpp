@@ -127,28 +127,29 @@ class Solver {
     return sum;
   }
 
-  // How many of an item's arcs have it in their best sets.
-  std::vector<int> votes() {
-    std::vector<int> votes(problem_.items.size(), 0), set;
-    for (size_t a = 0; a < shares_.size(); ++a) {
-      best(static_cast<int>(a), -1, -1, &set);
-      for (const int s : set) ++votes[shares_[a][s].item];
-    }
-    return votes;
-  }
-
   // The best sets of all arcs, kept while items are fixed and set free.
   struct Bests {
     std::vector<double> value;
     std::vector<std::vector<int>> set;  // items
     std::vector<int> votes;             // arcs that want each item
-    double sum = 0;
+    double sum = 0;                     // of those values that are finite
+    int impossible = 0;                 // arcs with more fixed uses than room
+
+    double top() const { return impossible > 0 ? -HUGE_VAL : sum; }
+    void count(double of_arc, int times) {
+      if (std::isfinite(of_arc))
+        sum += times * of_arc;
+      else
+        impossible += times;
+    }
   };
 
   void renew(Bests& bests, int arc) {
     for (const int i : bests.set[arc]) --bests.votes[i];
     std::vector<int>& set = bests.set[arc];
+    bests.count(bests.value[arc], -1);
     bests.value[arc] = best(arc, -1, -1, &set);
+    bests.count(bests.value[arc], 1);
     for (int& s : set) {
       s = shares_[arc][s].item;
       ++bests.votes[s];
@@ -169,8 +170,7 @@ class Solver {
       cut_ = true;
       return;
     }
-    double top = 0;
-    for (const double value : bests.value) top += value;
+    const double top = bests.top();
     if (top <= lead_value + LocalChoice::kTie) return;
     int doubt = -1, widest = 0;
     for (const int i : items) {
@@ -253,15 +253,21 @@ class Solver {
       for (const auto& part : parts)
         for (const int i : part) fixed_[i] = static_cast<signed char>(result.chosen[i]);
       bool all = true;
+      Bests bests = all_bests();
+      const auto renew_around = [&](const std::vector<int>& part) {
+        for (const int i : part)
+          for (const int a : problem_.items[i].arcs) renew(bests, a);
+      };
+      double lead = local_.value(result.chosen);
       for (const auto& part : parts) {
         for (const int i : part) fixed_[i] = -1;
-        Bests bests = all_bests();
+        renew_around(part);
         work_left_ = most_work / static_cast<long>(parts.size());
         cut_ = false;
-        double lead = local_.value(result.chosen);
         search(bests, part, result.chosen, lead);
         all = all && !cut_;
         for (const int i : part) fixed_[i] = static_cast<signed char>(result.chosen[i]);
+        renew_around(part);
       }
       result.value = local_.value(result.chosen);
       if (all) result.bound = result.value;
@@ -300,10 +306,11 @@ std::vector<Otherwise> otherwise(const Selection& problem, const Selected& selec
   std::vector<Otherwise> all(problem.items.size());
   std::vector<char> other = selected.chosen;
   for (size_t i = 0; i < all.size(); ++i) {
-    all[i].loss = -local.forced(other, static_cast<int>(i), !selected.chosen[i]);
-    for (size_t k = 0; k < other.size(); ++k)
+    const std::vector<int> near = local.wide(static_cast<int>(i));
+    all[i].loss = -local.forced(other, static_cast<int>(i), !selected.chosen[i], near);
+    for (const int k : near)
       if (other[k] != selected.chosen[k]) {
-        (other[k] ? all[i].in : all[i].out).push_back(static_cast<int>(k));
+        (other[k] ? all[i].in : all[i].out).push_back(k);
         other[k] = selected.chosen[k];
       }
   }

@@ -199,9 +199,9 @@ std::vector<PlaneHole> find_plane_holes(const RegionGraph& graph,
     if (!regions[r].ring && !regions[r].asked) faces[r] = plane_face(graph, regions[r].loops[0]);
   for (const ArcLoop& chain : chains) {
     int best = -1;
+    const std::vector<Vec3> points = graph.sampled(chain, RegionArc::kPieces);
     for (size_t r = 0; r < regions.size(); ++r)
-      if (faces[r] && faces[r]->holds(graph.sampled(chain, RegionArc::kPieces)) &&
-          (best < 0 || faces[r]->area < faces[best]->area))
+      if (faces[r] && faces[r]->holds(points) && (best < 0 || faces[r]->area < faces[best]->area))
         best = static_cast<int>(r);
     if (best >= 0) holes.push_back({chain, best});
   }

@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <iterator>
 #include <limits>
-#include <map>
 #include <tuple>
 
+#include "batten/core/index.h"
+#include "batten/core/parallel.h"
 #include "batten/core/plane.h"
 
 namespace batten {
@@ -87,92 +89,6 @@ void overlap(const Corners& x, const Corners& y, std::vector<Vec3>& found) {
     }
 }
 
-// Facets by the cells of a grid that their boxes meet, sorted by cell.
-struct Grid {
-  struct Entry {
-    std::uint64_t cell;
-    int facet;
-    bool operator<(const Entry& o) const {
-      return std::tie(cell, facet) < std::tie(o.cell, o.facet);
-    }
-  };
-  std::vector<Entry> entries;  // none where no facet has an extent
-  Vec3 low;
-  double side = 1;
-
-  explicit Grid(const std::vector<Box>& boxes)
-      : low(Vec3::Constant(std::numeric_limits<double>::infinity())) {
-    double extent = 0, largest = 0;
-    for (const Box& box : boxes) {
-      low = low.cwiseMin(box.low);
-      extent += (box.high - box.low).maxCoeff();
-      largest = std::max(largest, (box.high - box.low).maxCoeff());
-    }
-    if (boxes.empty() || !(extent > 0)) return;
-    constexpr double most_cells = 16;  // a side of the largest facet's box
-    side = std::max(1.5 * extent / static_cast<double>(boxes.size()), largest / most_cells);
-    for (size_t f = 0; f < boxes.size(); ++f) enter(boxes[f], static_cast<int>(f));
-    std::sort(entries.begin(), entries.end());
-  }
-
-  void enter(const Box& box, int facet) {
-    const auto a = cell(box.low), b = cell(box.high);
-    for (std::uint64_t x = a[0]; x <= b[0]; ++x)
-      for (std::uint64_t y = a[1]; y <= b[1]; ++y)
-        for (std::uint64_t z = a[2]; z <= b[2]; ++z) entries.push_back({key(x, y, z), facet});
-  }
-
-  std::array<std::uint64_t, 3> cell(const Vec3& p) const {
-    std::array<std::uint64_t, 3> at;
-    for (int k = 0; k < 3; ++k)
-      at[k] = static_cast<std::uint64_t>(std::clamp((p[k] - low[k]) / side, 0.0, 2097151.0));
-    return at;
-  }
-  static std::uint64_t key(std::uint64_t x, std::uint64_t y, std::uint64_t z) {
-    return x << 42 | y << 21 | z;
-  }
-  // The one cell in which a pair is looked at: where both boxes begin.
-  std::uint64_t home(const Box& a, const Box& b) const {
-    const auto at = cell(a.low.cwiseMax(b.low));
-    return key(at[0], at[1], at[2]);
-  }
-};
-
-// Free edges of each facet, and the points at their ends.
-struct FreeEdges {
-  const std::vector<Corners>& corners;
-  const std::vector<Facet>& joined;
-  std::vector<char> at_rim;
-  std::vector<std::array<char, 3>> is_free;
-
-  FreeEdges(const std::vector<Corners>& corners, const std::vector<Facet>& joined,
-            const std::vector<int>& surface_of, size_t points)
-      : corners(corners), joined(joined), at_rim(points, 0), is_free(joined.size()) {
-    const auto key = [&](size_t f, int i) {
-      const auto [v, w] = std::minmax(joined[f][i], joined[f][(i + 1) % 3]);
-      return std::tuple(v, w, surface_of[f]);
-    };
-    std::map<std::tuple<int, int, int>, int> uses_of_surface;
-    for (size_t f = 0; f < joined.size(); ++f)
-      for (int i = 0; i < 3; ++i) ++uses_of_surface[key(f, i)];
-    for (size_t f = 0; f < joined.size(); ++f)
-      for (int i = 0; i < 3; ++i) {
-        is_free[f][i] = uses_of_surface[key(f, i)] == 1;
-        if (is_free[f][i]) at_rim[joined[f][i]] = at_rim[joined[f][(i + 1) % 3]] = 1;
-      }
-  }
-
-  // Whether a point lies within `near` of a free edge of the facet, or of the end of one.
-  bool close_to(size_t f, const Vec3& p, double near) const {
-    for (int i = 0; i < 3; ++i) {
-      if (is_free[f][i] && distance_to_segment(p, corners[f][i], corners[f][(i + 1) % 3]) <= near)
-        return true;
-      if (at_rim[joined[f][i]] && (p - corners[f][i]).norm() <= near) return true;
-    }
-    return false;
-  }
-};
-
 bool have_common_point(const Facet& a, const Facet& b) {
   for (const int v : a)
     for (const int w : b)
@@ -188,47 +104,207 @@ void cross_pair(const Corners& a, const Corners& b, std::vector<Vec3>& found) {
   if (found.empty()) overlap(a, b, found);
 }
 
+using Cell = std::array<int, 3>;
+
+// Cubes of one size over all facets, in slabs across the longest side.
+struct Grid {
+  Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity());
+  double side = 0;  // 0: no facet has an extent
+  int axis = 0, slabs = 1, cells_of_slab = 1;
+
+  explicit Grid(const std::vector<Vec3>& points, const std::vector<Facet>& facets) {
+    Vec3 high = -low;
+    double extent = 0, largest = 0;
+    for (const Facet& f : facets) {
+      const Box box({points[f[0]], points[f[1]], points[f[2]]});
+      low = low.cwiseMin(box.low);
+      high = high.cwiseMax(box.high);
+      extent += (box.high - box.low).maxCoeff();
+      largest = std::max(largest, (box.high - box.low).maxCoeff());
+    }
+    if (!(extent > 0)) return;
+    constexpr double most_cells = 16;  // a side of the largest facet's box
+    side = std::max(1.5 * extent / static_cast<double>(facets.size()), largest / most_cells);
+    (high - low).maxCoeff(&axis);
+    constexpr int facets_of_slab = 4096;
+    const int cells = at(high)[axis] + 1;
+    slabs = std::clamp(count_of(facets) / facets_of_slab, 1, cells);
+    cells_of_slab = (cells + slabs - 1) / slabs;
+  }
+  Cell at(const Vec3& p) const {
+    Cell cell;
+    for (int k = 0; k < 3; ++k)
+      cell[k] = static_cast<int>(std::clamp((p[k] - low[k]) / side, 0.0, 2097151.0));
+    return cell;
+  }
+  int slab_of(const Cell& cell) const { return cell[axis] / cells_of_slab; }
+  static std::uint64_t key(const Cell& c) {
+    return static_cast<std::uint64_t>(c[0]) << 42 | static_cast<std::uint64_t>(c[1]) << 21 |
+           static_cast<std::uint64_t>(c[2]);
+  }
+};
+
+// Two facets that pass through each other, and where.
+struct Passing {
+  int a, b;
+  std::vector<Vec3> found;
+};
+
+class Search {
+ public:
+  Search(const std::vector<Vec3>& points, const std::vector<Facet>& facets,
+         const std::vector<Facet>& joined)
+      : points_(points), facets_(facets), joined_(joined), grid_(points, facets) {}
+
+  std::vector<Passing> run() {
+    if (!(grid_.side > 0)) return {};
+    put_in_slabs();
+    std::vector<std::vector<Passing>> parts(static_cast<size_t>(grid_.slabs));
+    parallel_parts(grid_.slabs, [&](int slab) { parts[slab] = in_slab(slab); });
+    std::vector<Passing> all;
+    for (auto& part : parts)
+      all.insert(all.end(), std::make_move_iterator(part.begin()),
+                 std::make_move_iterator(part.end()));
+    std::sort(all.begin(), all.end(), [](const Passing& x, const Passing& y) {
+      return std::tie(x.a, x.b) < std::tie(y.a, y.b);
+    });
+    return all;
+  }
+
+ private:
+  struct Entry {
+    std::uint64_t cell;
+    int place;  // in the slab
+    bool operator<(const Entry& o) const {
+      return std::tie(cell, place) < std::tie(o.cell, o.place);
+    }
+  };
+
+  Corners corners(int f) const {
+    return {points_[facets_[f][0]], points_[facets_[f][1]], points_[facets_[f][2]]};
+  }
+
+  // Counts first, then writes: facets of each slab, ascending.
+  void put_in_slabs() {
+    first_.assign(static_cast<size_t>(grid_.slabs) + 1, 0);
+    const auto each = [&](const auto& put) {
+      for (int f = 0; f < count_of(facets_); ++f) {
+        const Box box(corners(f));
+        const int last = grid_.slab_of(grid_.at(box.high));
+        for (int s = grid_.slab_of(grid_.at(box.low)); s <= last; ++s) put(s, f);
+      }
+    };
+    each([&](int s, int) { ++first_[s + 1]; });
+    for (size_t s = 1; s < first_.size(); ++s) first_[s] += first_[s - 1];
+    std::vector<size_t> next(first_.begin(), first_.end() - 1);
+    of_slab_.resize(first_.back());
+    each([&](int s, int f) { of_slab_[next[s]++] = f; });
+  }
+
+  std::vector<Passing> in_slab(int slab) const {
+    const int* facets = of_slab_.data() + first_[slab];
+    const int count = static_cast<int>(first_[slab + 1] - first_[slab]);
+    std::vector<Box> boxes;
+    std::vector<Entry> entries;
+    for (int i = 0; i < count; ++i) {
+      boxes.emplace_back(corners(facets[i]));
+      Cell from = grid_.at(boxes[i].low), to = grid_.at(boxes[i].high);
+      from[grid_.axis] = std::max(from[grid_.axis], slab * grid_.cells_of_slab);
+      to[grid_.axis] = std::min(to[grid_.axis], (slab + 1) * grid_.cells_of_slab - 1);
+      for (int x = from[0]; x <= to[0]; ++x)
+        for (int y = from[1]; y <= to[1]; ++y)
+          for (int z = from[2]; z <= to[2]; ++z) entries.push_back({Grid::key({x, y, z}), i});
+    }
+    std::sort(entries.begin(), entries.end());
+    std::vector<Passing> all;
+    std::vector<Vec3> found;
+    const auto test = [&](std::uint64_t cell, int i, int j) {
+      // A pair is looked at in one cell: where both boxes begin.
+      if (!boxes[i].meets(boxes[j]) ||
+          Grid::key(grid_.at(boxes[i].low.cwiseMax(boxes[j].low))) != cell)
+        return;
+      if (have_common_point(joined_[facets[i]], joined_[facets[j]])) return;
+      cross_pair(corners(facets[i]), corners(facets[j]), found);
+      if (!found.empty()) all.push_back({facets[i], facets[j], found});
+    };
+    for (size_t begin = 0, end = 0; begin < entries.size(); begin = end) {
+      while (end < entries.size() && entries[end].cell == entries[begin].cell) ++end;
+      for (size_t i = begin; i < end; ++i)
+        for (size_t j = i + 1; j < end; ++j)
+          test(entries[begin].cell, entries[i].place, entries[j].place);
+    }
+    return all;
+  }
+
+  const std::vector<Vec3>& points_;
+  const std::vector<Facet>&facets_, &joined_;
+  Grid grid_;
+  std::vector<size_t> first_;  // place of each slab's first facet
+  std::vector<int> of_slab_;
+};
+
+// Free edges of each facet, and the points at their ends.
+struct FreeEdges {
+  const std::vector<Vec3>& points;
+  const std::vector<Facet>&facets, &joined;
+  std::vector<char> at_rim;
+  std::vector<std::array<char, 3>> is_free;
+
+  FreeEdges(const std::vector<Vec3>& points, const std::vector<Facet>& facets,
+            const std::vector<Facet>& joined, const std::vector<int>& surface_of)
+      : points(points),
+        facets(facets),
+        joined(joined),
+        at_rim(points.size(), 0),
+        is_free(joined.size()) {
+    struct Side {
+      std::tuple<int, int, int> edge;  // points, surface
+      int facet, side;
+      bool operator<(const Side& o) const { return edge < o.edge; }
+    };
+    std::vector<Side> sides;
+    for (int f = 0; f < count_of(joined); ++f)
+      for (int i = 0; i < 3; ++i) {
+        const auto [v, w] = std::minmax(joined[f][i], joined[f][(i + 1) % 3]);
+        sides.push_back({{v, w, surface_of[f]}, f, i});
+      }
+    std::sort(sides.begin(), sides.end());
+    for (size_t i = 0; i < sides.size(); ++i) {
+      const bool one =
+          (i == 0 || sides[i - 1] < sides[i]) && (i + 1 == sides.size() || sides[i] < sides[i + 1]);
+      if (!one) continue;
+      is_free[sides[i].facet][sides[i].side] = 1;
+      at_rim[std::get<0>(sides[i].edge)] = at_rim[std::get<1>(sides[i].edge)] = 1;
+    }
+  }
+
+  // Whether a point lies within `near` of a free edge of the facet, or of the end of one.
+  bool close_to(int f, const Vec3& p, double near) const {
+    for (int i = 0; i < 3; ++i) {
+      const Vec3 &a = points[facets[f][i]], &b = points[facets[f][(i + 1) % 3]];
+      if (is_free[f][i] && distance_to_segment(p, a, b) <= near) return true;
+      if (at_rim[joined[f][i]] && (p - a).norm() <= near) return true;
+    }
+    return false;
+  }
+};
+
 }  // namespace
 
 std::vector<FacetCrossing> facet_crossings(const std::vector<Vec3>& points,
                                            const std::vector<std::array<int, 3>>& facets,
                                            const std::vector<std::array<int, 3>>& joined,
                                            const std::vector<int>& surface_of, double near) {
-  std::vector<Corners> corners;
-  std::vector<Box> boxes;
-  for (const Facet& f : facets) {
-    corners.push_back({points[f[0]], points[f[1]], points[f[2]]});
-    boxes.emplace_back(corners.back());
-  }
-  const Grid grid(boxes);
-  if (grid.entries.empty()) return {};
-  const FreeEdges free_edges(corners, joined, surface_of, points.size());
-
+  const std::vector<Passing> passing = Search(points, facets, joined).run();
+  if (passing.empty()) return {};
+  const FreeEdges free_edges(points, facets, joined, surface_of);
   std::vector<FacetCrossing> result;
-  std::vector<Vec3> found;
-  const auto test = [&](std::uint64_t cell, size_t a, size_t b) {
-    if (!boxes[a].meets(boxes[b]) || grid.home(boxes[a], boxes[b]) != cell) return;
-    if (have_common_point(joined[a], joined[b])) return;
-    cross_pair(corners[a], corners[b], found);
-    const bool touching = std::all_of(found.begin(), found.end(), [&](const Vec3& p) {
-      return free_edges.close_to(a, p, near) && free_edges.close_to(b, p, near);
+  for (const Passing& pair : passing) {
+    const bool touching = std::all_of(pair.found.begin(), pair.found.end(), [&](const Vec3& p) {
+      return free_edges.close_to(pair.a, p, near) && free_edges.close_to(pair.b, p, near);
     });
-    if (!found.empty() && !touching)
-      result.push_back({static_cast<int>(a), static_cast<int>(b), found[0]});
-  };
-  for (size_t begin = 0; begin < grid.entries.size();) {
-    const std::uint64_t cell = grid.entries[begin].cell;
-    size_t end = begin;
-    while (end < grid.entries.size() && grid.entries[end].cell == cell) ++end;
-    for (size_t i = begin; i < end; ++i)
-      for (size_t j = i + 1; j < end; ++j)
-        test(cell, static_cast<size_t>(grid.entries[i].facet),
-             static_cast<size_t>(grid.entries[j].facet));
-    begin = end;
+    if (!touching) result.push_back({pair.a, pair.b, pair.found[0]});
   }
-  std::sort(result.begin(), result.end(), [](const FacetCrossing& x, const FacetCrossing& y) {
-    return std::tie(x.a, x.b) < std::tie(y.a, y.b);
-  });
   return result;
 }
 

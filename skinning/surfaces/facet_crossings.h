@@ -20,7 +20,7 @@ struct FacetCrossing {
 /// common do not count. Nor do pairs that cross only within `near` of free edges of both (edges
 /// with one facet), where two surfaces meet along a line that each follows with points of its own.
 /// Facets of area zero cross nothing. Pairs are ordered by a, then b. O(n) for facets of similar
-/// size, by a grid of cells.
+/// size, by a grid of cells; on all threads.
 std::vector<FacetCrossing> facet_crossings(const std::vector<Vec3>& points,
                                            const std::vector<std::array<int, 3>>& facets,
                                            const std::vector<std::array<int, 3>>& joined,

@@ -10,6 +10,13 @@
 namespace batten {
 namespace {
 
+constexpr int kMostOfModel = 100'000;  // triangles, about
+
+// Elements across a small region: of many regions each has fewer.
+double least_across(size_t regions) {
+  return std::clamp(std::sqrt(kMostOfModel / static_cast<double>(regions)), 6.0, 12.0);
+}
+
 double length_of(const CharacterLineNetwork& network, const ArcLoop& loop) {
   double sum = 0;
   for (const ArcUse& use : loop) sum += network.arcs()[use.arc].length;
@@ -103,9 +110,8 @@ void RegionMaker::place_vertices() {
     const NetworkArc& arc = network_.arcs()[a];
     double spacing = orientation_.sides[a].empty() ? edge_ : network_.size();
     for (const ArcSide& side : orientation_.sides[a]) {
-      constexpr double least_across = 8;  // edges across a region
-      spacing =
-          std::min({spacing, edge_of(side.region), orientation_.sizes[side.region] / least_across});
+      const double across = 2.0 / 3 * least_across(model_.regions.size());
+      spacing = std::min({spacing, edge_of(side.region), orientation_.sizes[side.region] / across});
     }
     spacing = std::min(spacing, 0.5 * arc.length);
     auto given = std::make_shared<GivenCurve>();
@@ -166,14 +172,14 @@ void RegionMaker::lay_out(const std::vector<int>& which, double from, double to)
 RegionWish RegionMaker::wish_of(size_t r) const {
   const NetworkRegion& plan = model_.regions[r].plan;
   SkinOptions skin = options_.skin;
-  constexpr double least_across = 12;  // elements across a small region
-  skin.edge_length = std::min(edge_of(static_cast<int>(r)), orientation_.sizes[r] / least_across);
+  skin.edge_length = std::min(edge_of(static_cast<int>(r)),
+                              orientation_.sizes[r] / least_across(model_.regions.size()));
   skin.tolerance = tolerance_;
   skin.domain = plan.ring ? SkinOptions::Domain::Ring : plan.skin.domain;
   skin.against_first = plan.loops[0][0].reversed;
   // Triangles that trials may take: of large regions and of large models fewer are made.
-  constexpr int of_model = 100'000, least = 1'000, most = 8'000;
-  const int budget = std::clamp(of_model / count_of(model_.regions), least, most);
+  constexpr int least = 1'000, most = 8'000;
+  const int budget = std::clamp(kMostOfModel / count_of(model_.regions), least, most);
   return {plan.name, lines_of(plan), count_of(plan.inner), skin, orientation_.plain_areas[r],
           budget};
 }

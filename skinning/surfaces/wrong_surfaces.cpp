@@ -29,9 +29,29 @@ double degrees_between_normals(const Vec3& a, const Vec3& b) {
 struct Shell {
   std::vector<Vec3> points;
   std::vector<std::array<int, 3>> facets;
-  std::vector<Vec3> normals;  // unit; zero of a facet without area
-  double edge = 0;            // mean length
+  std::vector<Vec3> normals;             // unit; zero of a facet without area
+  std::vector<std::pair<int, int>> rim;  // facet, and which of its edges: those of one facet
+  double edge = 0;                       // mean length
 };
+
+std::vector<std::pair<int, int>> rim_of(const std::vector<std::array<int, 3>>& facets) {
+  std::vector<std::array<int, 4>> sides;  // points, facet, which edge
+  for (int f = 0; f < count_of(facets); ++f)
+    for (int i = 0; i < 3; ++i) {
+      const auto [a, b] = std::minmax(facets[f][i], facets[f][(i + 1) % 3]);
+      sides.push_back({a, b, f, i});
+    }
+  std::sort(sides.begin(), sides.end());
+  const auto same = [&](size_t i, size_t j) {
+    return sides[i][0] == sides[j][0] && sides[i][1] == sides[j][1];
+  };
+  std::vector<std::pair<int, int>> rim;
+  for (size_t i = 0; i < sides.size(); ++i)
+    if ((i == 0 || !same(i - 1, i)) && (i + 1 == sides.size() || !same(i, i + 1)))
+      rim.emplace_back(sides[i][2], sides[i][3]);
+  std::sort(rim.begin(), rim.end());
+  return rim;
+}
 
 Shell shell_of(const SkinnedRegion& region) {
   const Tessellation t = facets(region, 2).tessellation;
@@ -46,6 +66,7 @@ Shell shell_of(const SkinnedRegion& region) {
     shell.normals.push_back(n.norm() > least ? Vec3(n.normalized()) : Vec3(Vec3::Zero()));
     length += ab.norm() + ac.norm() + (ac - ab).norm();
   }
+  shell.rim = rim_of(shell.facets);
   shell.edge = length / std::max<double>(1, 3 * static_cast<double>(shell.facets.size()));
   return shell;
 }
@@ -156,9 +177,10 @@ std::vector<int> welded(const std::vector<Vec3>& points, const std::vector<int>&
 // All facets with points on shared lines welded.
 struct Soup {
   std::vector<Vec3> points;
-  std::vector<std::array<int, 3>> facets;  // welded
-  std::vector<std::array<int, 3>> own;     // the same as they lie
-  std::vector<int> region, facet;          // of each facet
+  std::vector<std::array<int, 3>> facets;       // welded
+  std::vector<std::array<int, 3>> own;          // the same as they lie
+  std::vector<int> region, facet;               // of each facet
+  std::vector<std::pair<EdgeKey, size_t>> rim;  // edges of one facet in their region: by points
   double near = 0;
 };
 
@@ -172,18 +194,18 @@ Soup soup_of(const Regions& regions, const std::vector<SkinQuality>& qualities,
   for (size_t r = 0; r < shells.size(); ++r) {
     if (!regions[r]) continue;
     const int base = count_of(soup.points);
-    std::map<EdgeKey, int> uses;
+    std::vector<char> on_rim(shells[r].points.size(), 0);
+    for (const auto& [f, i] : shells[r].rim) {
+      for (const int v : {shells[r].facets[f][i], shells[r].facets[f][(i + 1) % 3]}) on_rim[v] = 1;
+      soup.rim.push_back({{i, 0}, soup.facets.size() + static_cast<size_t>(f)});
+    }
     for (size_t f = 0; f < shells[r].facets.size(); ++f) {
       auto facet = shells[r].facets[f];
-      for (int i = 0; i < 3; ++i) ++uses[std::minmax(facet[i], facet[(i + 1) % 3])];
       for (int& v : facet) v += base;
       soup.facets.push_back(facet);
       soup.region.push_back(static_cast<int>(r));
       soup.facet.push_back(static_cast<int>(f));
     }
-    std::vector<char> on_rim(shells[r].points.size(), 0);
-    for (const auto& [key, count] : uses)
-      if (count == 1) on_rim[key.first] = on_rim[key.second] = 1;
     for (size_t i = 0; i < on_rim.size(); ++i) {
       if (!on_rim[i]) continue;
       rim.push_back(shells[r].points[i]);
@@ -203,16 +225,17 @@ Soup soup_of(const Regions& regions, const std::vector<SkinQuality>& qualities,
   soup.own = soup.facets;
   for (auto& facet : soup.facets)
     for (int& v : facet) v = number[v];
+  for (auto& [by, f] : soup.rim) {
+    const int i = by.first;
+    by = std::minmax(soup.facets[f][i], soup.facets[f][(i + 1) % 3]);
+  }
+  std::sort(soup.rim.begin(), soup.rim.end());
   return soup;
 }
 
 // Where regions meet along a line: the wedge between them.
 void look_at_joins(const Regions& regions, const std::vector<Shell>& shells, const Soup& soup,
                    std::vector<SurfaceFlaw>& flaws) {
-  std::map<EdgeKey, std::vector<size_t>> beside;
-  for (size_t f = 0; f < soup.facets.size(); ++f)
-    for (int i = 0; i < 3; ++i)
-      beside[std::minmax(soup.facets[f][i], soup.facets[f][(i + 1) % 3])].push_back(f);
   struct Meeting {
     double length = 0, sharp = 0, least = 180;
     Vec3 where = Vec3::Zero();
@@ -227,23 +250,24 @@ void look_at_joins(const Regions& regions, const std::vector<Shell>& shells, con
     return Vec3(d - d.dot(along) * along);
   };
   constexpr double sharp = 30;
-  for (const auto& [e, sides] : beside)
-    for (size_t i = 0; i < sides.size(); ++i)
-      for (size_t j = i + 1; j < sides.size(); ++j) {
-        const int r = soup.region[sides[i]], s = soup.region[sides[j]];
-        const auto no_area = [&](size_t f) {
-          return shells[soup.region[f]].normals[soup.facet[f]].isZero();
-        };
-        if (r == s || e.first == e.second || no_area(sides[i]) || no_area(sides[j])) continue;
-        Meeting& m = meetings[std::minmax(r, s)];
-        const Vec3 &a = soup.points[e.first], &b = soup.points[e.second];
-        const double wedge = degrees_between_normals(inwards(sides[i], e), inwards(sides[j], e));
-        m.length += (b - a).norm();
-        if (wedge < sharp) m.sharp += (b - a).norm();
-        if (wedge >= m.least) continue;
-        m.least = wedge;
-        m.where = 0.5 * (a + b);
-      }
+  const auto no_area = [&](size_t f) {
+    return shells[soup.region[f]].normals[soup.facet[f]].isZero();
+  };
+  for (size_t i = 0; i < soup.rim.size(); ++i)
+    for (size_t j = i + 1; j < soup.rim.size() && soup.rim[j].first == soup.rim[i].first; ++j) {
+      const EdgeKey& e = soup.rim[i].first;
+      const size_t f = soup.rim[i].second, g = soup.rim[j].second;
+      const int r = soup.region[f], s = soup.region[g];
+      if (r == s || e.first == e.second || no_area(f) || no_area(g)) continue;
+      Meeting& m = meetings[std::minmax(r, s)];
+      const Vec3 &a = soup.points[e.first], &b = soup.points[e.second];
+      const double wedge = degrees_between_normals(inwards(f, e), inwards(g, e));
+      m.length += (b - a).norm();
+      if (wedge < sharp) m.sharp += (b - a).norm();
+      if (wedge >= m.least) continue;
+      m.least = wedge;
+      m.where = 0.5 * (a + b);
+    }
   constexpr double enough = 0.1;  // of the way along which they meet
   for (const auto& [pair, m] : meetings)
     if (m.sharp > enough * m.length)

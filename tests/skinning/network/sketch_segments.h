@@ -11,6 +11,7 @@
 
 #include "batten/skinning/search/find_regions.h"
 #include "batten/skinning/search/region_graph.h"
+#include "batten/skinning/surfaces/surface_model.h"
 
 namespace batten_test {
 
@@ -100,7 +101,11 @@ class ExpectedSurfaces {
     }
     for (const auto& region : file.at("doubtful"))
       doubtful_.push_back(region.at("segments").get<std::set<int>>());
+    if (!file.contains("creases")) return;
+    creases_ = file.at("creases").get<std::set<int>>();
+    doubtful_lines_ = file.at("doubtful_creases").get<std::set<int>>();
   }
+  bool knows_creases() const { return !creases_.empty(); }
   int count() const { return static_cast<int>(spellings_.size()); }
   // Which surface a loop is, by the segments of each of its arcs; -1: none.
   int of(const std::vector<std::set<int>>& loop) const {
@@ -121,7 +126,38 @@ class ExpectedSurfaces {
     return s;
   }
 
+  // Which lines between two regions are creases, by the names of their arcs.
+  struct Creases {
+    std::vector<std::string> right, wrong, missed;
+    double precision() const { return share(right.size(), wrong.size()); }
+    double recall() const { return share(right.size(), missed.size()); }
+
+   private:
+    static double share(size_t of, size_t and_others) {
+      return static_cast<double>(of) / static_cast<double>(of + and_others);
+    }
+  };
+  Creases creases(const std::vector<ModelJoin>& joins,
+                  const std::vector<std::set<int>>& of_arc) const {
+    Creases c;
+    for (const ModelJoin& join : joins) {
+      const bool crease = join.kind == ModelJoin::Kind::Crease;
+      const std::set<int>& on = of_arc[static_cast<size_t>(join.arc)];
+      if ((!crease && join.kind != ModelJoin::Kind::Smooth) || on.empty() ||
+          any_in(on, doubtful_lines_))
+        continue;
+      const bool meant = any_in(on, creases_);
+      if (meant && crease) c.right.push_back(join.line);
+      if (!meant && crease) c.wrong.push_back(join.line);
+      if (meant && !crease) c.missed.push_back(join.line);
+    }
+    return c;
+  }
+
  private:
+  static bool any_in(const std::set<int>& on, const std::set<int>& lines) {
+    return std::any_of(on.begin(), on.end(), [&](int id) { return lines.count(id) > 0; });
+  }
   bool doubtful(const std::vector<std::set<int>>& loop) const {
     return std::any_of(doubtful_.begin(), doubtful_.end(),
                        [&](const auto& segments) { return runs_along(loop, segments); });
@@ -142,6 +178,7 @@ class ExpectedSurfaces {
 
   std::vector<std::vector<std::set<int>>> spellings_;
   std::vector<std::set<int>> doubtful_;
+  std::set<int> creases_, doubtful_lines_;
 };
 
 }  // namespace batten_test
