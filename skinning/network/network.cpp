@@ -218,7 +218,10 @@ Meeting meeting_of(const std::vector<Strand>& strands, const NetworkOptions& opt
                      ", expected at most a tenth of the network's size, " + number(size));
   if (options.tolerance > 0) return {options.tolerance};
   const double usual = 1e-3 * size, largest = 2e-2 * size;
-  const std::vector<double> gaps = end_gaps(strands, largest);
+  std::vector<double> gaps = end_gaps(strands, largest);
+  // Lines that cross and run out a little have met: no hand's gap is what follows.
+  if (share_within(gaps, usual) < 0.5)
+    gaps = end_gaps(strands, largest, find_contacts(strands, usual, size).joined);
   const double share = share_within(gaps, usual);
   return {share < 0.5 ? found_tolerance(gaps, usual, largest) : usual, share};
 }

@@ -13,7 +13,8 @@ namespace batten {
 struct NetworkOptions {
   /// Ends and lines that come nearer than this meet, model units. 0: 1e-3 of the size; where less
   /// than half of the lines' ends then meet another line, as in drawings by hand, what the ends'
-  /// gaps to the nearest other line ask for. Of the gaps up to 2e-2 of the size (half of all ends
+  /// gaps to the nearest other line ask for (an end that runs out beyond a crossing by less than
+  /// 2e-2 of the size meets what it crosses). Of the gaps up to 2e-2 of the size (half of all ends
   /// at least must have one) it is 1.4 times the largest, where that is at most twice the one that
   /// four fifths do not exceed, and 1.4 times the latter otherwise; never above 2e-2 of the size.
   double tolerance = 0;

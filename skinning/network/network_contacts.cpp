@@ -344,8 +344,14 @@ Contacts find_contacts(const std::vector<Strand>& strands, double tolerance, dou
   return Search(strands, tolerance, size).run();
 }
 
-std::vector<double> end_gaps(const std::vector<Strand>& strands, double reach) {
+std::vector<double> end_gaps(const std::vector<Strand>& strands, double reach,
+                             const std::vector<Contact>& contacts) {
   const ChordTree tree(strands);
+  std::vector<std::vector<std::pair<double, double>>> met(strands.size());  // where, how far
+  for (const Contact& c : contacts) {
+    met[c.a].emplace_back(c.sa, c.distance);
+    met[c.b].emplace_back(c.sb, c.distance);
+  }
   std::vector<double> gaps;
   for (const Strand& strand : strands)
     for (int end = 0; end < 2 && !strand.closed; ++end) {
@@ -354,6 +360,8 @@ std::vector<double> end_gaps(const std::vector<Strand>& strands, double reach) {
       for (const NearPlace& near : tree.near_point(strand.end_point(end), reach))
         if (strands[near.strand].line != strand.line && near.distance <= reach)
           gap = std::min(gap, near.distance);
+      for (const auto& [s, distance] : met[&strand - strands.data()])
+        if (std::abs(s - (end ? strand.length : 0)) <= reach) gap = std::min(gap, distance);
     }
   return gaps;
 }

@@ -36,7 +36,10 @@ struct Contacts {
 Contacts find_contacts(const std::vector<Strand>& strands, double tolerance, double size);
 
 /// How far the ends of open lines are from the nearest other line, of each end that is no corner
-/// within its line; infinite above `reach`. O(n log n) for n chords while few are within reach.
-std::vector<double> end_gaps(const std::vector<Strand>& strands, double reach);
+/// within its line; infinite above `reach`. Ends that run out beyond a contact, by less than
+/// `reach`, are as far from the other line as that contact is. O(n log n) for n chords while few are
+/// within reach.
+std::vector<double> end_gaps(const std::vector<Strand>& strands, double reach,
+                             const std::vector<Contact>& contacts = {});
 
 }  // namespace batten::netting

@@ -667,6 +667,20 @@ TEST_CASE("lines whose ends stop short of each other get the tolerance that join
   }
 }
 
+TEST_CASE("lines that cross and run out a little are not drawn by hand") {
+  // A grid whose lines end 1 % of the size beyond the last crossing, and near no other line's end.
+  std::vector<CharacterLine> lines;
+  for (int i = 0; i < 4; ++i) {
+    const double x = i / 3.0;
+    lines.push_back(straight("x" + std::to_string(i), {x, -0.014, 0}, {x, 1.014, 0}));
+    lines.push_back(straight("y" + std::to_string(i), {-0.014, x, 0}, {1.014, x, 0}));
+  }
+  const CharacterLineNetwork network(lines);
+  CHECK(network.usual_share() == 1);
+  CHECK(network.tolerance() == Approx(1e-3 * network.size()));
+  CHECK(count(network, Kind::Crossing) == 16);
+}
+
 TEST_CASE("the tolerance of a drawing by hand passes over ends that were never to meet") {
   // The sides of a hexagon, short at both ends by 0.4 to 0.6; a whisker that ends 3 below one.
   std::vector<CharacterLine> lines;
