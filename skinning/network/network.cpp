@@ -211,7 +211,7 @@ struct Meeting {
 };
 
 // The tolerance that was asked for or, without one, the usual one; where that joins less than half
-// of the ends, the one that their gaps ask for.
+// of the places at which lines end or cross, the one that the gaps of their ends ask for.
 Meeting meeting_of(const std::vector<Strand>& strands, const NetworkOptions& options, double size) {
   if (options.tolerance > 0.1 * size)
     throw InputError("network: found tolerance = " + number(options.tolerance) +
@@ -219,10 +219,17 @@ Meeting meeting_of(const std::vector<Strand>& strands, const NetworkOptions& opt
   if (options.tolerance > 0) return {options.tolerance};
   const double usual = 1e-3 * size, largest = 2e-2 * size;
   std::vector<double> gaps = end_gaps(strands, largest);
-  // Lines that cross and run out a little have met: no hand's gap is what follows.
-  if (share_within(gaps, usual) < 0.5)
-    gaps = end_gaps(strands, largest, find_contacts(strands, usual, size).joined);
-  const double share = share_within(gaps, usual);
+  double share = share_within(gaps, usual);
+  if (share >= 0.5) return {usual, share};
+  // Lines that cross and run out a little have met: no hand's gap is what follows. Lines that cross
+  // far more often than they end were laid to cross, and their gaps there tell of no hand either.
+  const std::vector<Contact> met = find_contacts(strands, usual, size).joined;
+  gaps = end_gaps(strands, largest, met);
+  const auto crossing =
+      std::count_if(met.begin(), met.end(), [](const Contact& c) { return c.ea < 0 && c.eb < 0; });
+  std::vector<double> places = gaps;
+  places.resize(gaps.size() + static_cast<size_t>(crossing), 0.0);
+  share = share_within(places, usual);
   return {share < 0.5 ? found_tolerance(gaps, usual, largest) : usual, share};
 }
 

@@ -12,8 +12,8 @@ namespace batten {
 
 struct NetworkOptions {
   /// Ends and lines that come nearer than this meet, model units. 0: 1e-3 of the size; where less
-  /// than half of the lines' ends then meet another line, as in drawings by hand, what the ends'
-  /// gaps to the nearest other line ask for (an end that runs out beyond a crossing by less than
+  /// than half of the lines' ends and crossings then meet another line, as in drawings by hand, what
+  /// the ends' gaps to the nearest other line ask for (an end that runs out beyond a crossing by less than
   /// 2e-2 of the size meets what it crosses). Of the gaps up to 2e-2 of the size (half of all ends
   /// at least must have one) it is 1.4 times the largest, where that is at most twice the one that
   /// four fifths do not exceed, and 1.4 times the latter otherwise; never above 2e-2 of the size.
@@ -59,8 +59,8 @@ class CharacterLineNetwork {
   /// Diagonal of the box around all lines, model units.
   double size() const { return size_; }
   double tolerance() const { return tolerance_; }
-  /// Share of the lines' ends that meet another line within 1e-3 of the size; 1 where a tolerance
-  /// was asked for. Below 0.5, a larger tolerance() was looked for (NetworkOptions).
+  /// Share of the lines' ends that meet another line within 1e-3 of the size; with the places at
+  /// which lines cross where less than half of the ends do; 1 where a tolerance was asked for. Below 0.5, a larger tolerance() was looked for (NetworkOptions).
   double usual_share() const { return usual_share_; }
   /// Indices of the arcs that have a name, their own or that of their line, along the line.
   /// Throws InputError, with the nearest name, when there is none.

@@ -18,9 +18,13 @@ using Facet = std::array<int, 3>;
 using Corners = std::array<Vec3, 3>;
 
 struct Box {
-  Vec3 low, high;
+  Vec3 low, high, sum;
   explicit Box(const Corners& c)
-      : low(c[0].cwiseMin(c[1]).cwiseMin(c[2])), high(c[0].cwiseMax(c[1]).cwiseMax(c[2])) {}
+      : low(c[0].cwiseMin(c[1]).cwiseMin(c[2])),
+        high(c[0].cwiseMax(c[1]).cwiseMax(c[2])),
+        sum(c[0] + c[1] + c[2]) {}
+  // A sum is finite only where all are: minima and maxima may lose a NaN.
+  bool is_finite() const { return sum.allFinite(); }
   bool meets(const Box& other) const {
     return (low.array() <= other.high.array()).all() && (other.low.array() <= high.array()).all();
   }
@@ -117,6 +121,7 @@ struct Grid {
     double extent = 0, largest = 0;
     for (const Facet& f : facets) {
       const Box box({points[f[0]], points[f[1]], points[f[2]]});
+      if (!box.is_finite()) continue;
       low = low.cwiseMin(box.low);
       high = high.cwiseMax(box.high);
       extent += (box.high - box.low).maxCoeff();
@@ -190,6 +195,7 @@ class Search {
     const auto each = [&](const auto& put) {
       for (int f = 0; f < count_of(facets_); ++f) {
         const Box box(corners(f));
+        if (!box.is_finite()) continue;
         const int last = grid_.slab_of(grid_.at(box.high));
         for (int s = grid_.slab_of(grid_.at(box.low)); s <= last; ++s) put(s, f);
       }

@@ -681,6 +681,22 @@ TEST_CASE("lines that cross and run out a little are not drawn by hand") {
   CHECK(count(network, Kind::Crossing) == 16);
 }
 
+TEST_CASE("lines that cross far more often than they end are not drawn by hand") {
+  // A grid whose outer lines are 1.5 % of the size inside of the others' ends, doubled by
+  // neighbours that near: a tolerance of their gaps would join the neighbours.
+  std::vector<CharacterLine> lines;
+  for (int i = 0; i < 8; ++i)
+    for (const double beside : {0.0, 0.021}) {
+      const double x = i / 7.0 + beside;
+      const std::string name = std::to_string(lines.size());
+      lines.push_back(straight("x" + name, {x, -0.024, 0}, {x, 1.045, 0.003}));
+      lines.push_back(straight("y" + name, {-0.024, x, 0}, {1.045, x, 0.003}));
+    }
+  const CharacterLineNetwork network(lines);
+  CHECK(network.usual_share() > 0.5);
+  CHECK(network.tolerance() == Approx(1e-3 * network.size()));
+}
+
 TEST_CASE("the tolerance of a drawing by hand passes over ends that were never to meet") {
   // The sides of a hexagon, short at both ends by 0.4 to 0.6; a whisker that ends 3 below one.
   std::vector<CharacterLine> lines;
