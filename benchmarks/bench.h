@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <chrono>
 #include <cstdio>
 #include <ctime>
 #include <functional>
@@ -37,6 +38,13 @@ inline double time_of(const std::function<void()>& work) {
   const double start = seconds();
   work();
   return seconds() - start;
+}
+
+/// Seconds on the clock, of work on several threads or in another process.
+inline double clock_of(const std::function<void()>& work) {
+  const auto start = std::chrono::steady_clock::now();
+  work();
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
 /// The middle value; the mean of the two middle ones for an even count.

@@ -7,7 +7,6 @@
 #include <vtkPoints.h>
 #include <vtkPolyData.h>
 
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <fstream>
@@ -34,10 +33,6 @@ using namespace batten;
 using namespace batten::bench;
 namespace fs = std::filesystem;
 
-double clock_seconds() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
-
 struct Made {
   std::unique_ptr<CharacterLineNetwork> network;
   FoundRegions found;
@@ -47,11 +42,11 @@ struct Made {
 
 Made make(const std::vector<CharacterLine>& lines) {
   Made made;
-  const double start = clock_seconds();
-  made.network = std::make_unique<CharacterLineNetwork>(lines);
-  made.found = find_regions(*made.network);
-  made.model = skin_network(*made.network, made.found);
-  made.seconds = clock_seconds() - start;
+  made.seconds = clock_of([&] {
+    made.network = std::make_unique<CharacterLineNetwork>(lines);
+    made.found = find_regions(*made.network);
+    made.model = skin_network(*made.network, made.found);
+  });
   return made;
 }
 
@@ -170,9 +165,10 @@ int add_fair_row(const char* name, Made& made, Table& table, Promises& promises)
   const auto before = curvature_jumps(made.model);
   VariationSurface fair;
   size_t kept = 0;
-  const double start = clock_seconds();
+  double seconds = 0;
   try {
-    FairedModel faired = fair_model(made.model, layout, made.model.dofs, 0.1);
+    FairedModel faired;
+    seconds = clock_of([&] { faired = fair_model(made.model, layout, made.model.dofs, 0.1); });
     layout = faired.layout;
     fair = std::move(faired.surface);
     kept = faired.kept.size();
@@ -181,7 +177,6 @@ int add_fair_row(const char* name, Made& made, Table& table, Promises& promises)
                std::string(e.what()).substr(0, 60)});
     return 0;
   }
-  const double seconds = clock_seconds() - start;
   std::vector<SkinnedRegion> regions;
   for (int r = 0; r < layout->region_count(); ++r) regions.push_back(layout->skinned(r, fair.dofs));
   reshape(made.model, layout, fair.dofs, std::move(regions));

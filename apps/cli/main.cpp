@@ -12,6 +12,7 @@
 #include "batten/apps/commands/shapes/run_scene.h"
 #include "batten/apps/commands/shapes/run_sculpt.h"
 #include "batten/core/parallel.h"
+#include "batten/io/files/in_child.h"
 #include "batten/io/files/length_units.h"
 #include "batten/io/lines/curve_files.h"
 #include "batten/io/scene/read_scene.h"
@@ -421,6 +422,7 @@ int command(int argc, char** argv) {
     return app.exit(e) == 0 ? kDone : kBadInput;
   }
   catch_interrupts(kCancelled);
+  read_in_child(true);
   set_thread_count(a.threads);
   if (*run_command) return run(a);
   if (*sculpt_command) return sculpt(a);

@@ -14,6 +14,7 @@
 #include "batten/fairing/curve_fit.h"
 #include "batten/fairing/fair_curve.h"
 #include "batten/io/cad/step.h"
+#include "batten/io/files/input_file.h"
 #include "batten/io/files/length_units.h"
 #include "batten/io/files/text.h"
 #include "batten/io/meshes/mesh_file.h"
@@ -249,8 +250,7 @@ bool is_mesh_file(const std::filesystem::path& file) {
 }  // namespace
 
 std::string file_info(const std::filesystem::path& file, const std::string& unit) {
-  if (!std::filesystem::is_regular_file(file))
-    throw InputError(file.string() + ": found no such file, expected a scene or a file of lines");
+  require_input_file(file, "a scene, a mesh or a file of lines");
   if (file.extension() == ".toml")
     return edits_a_mesh(file) ? edits_text(read_deform_scene(file))
            : only_fairs(file) ? fairing_text(read_fair_scene(file))

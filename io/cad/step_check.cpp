@@ -24,6 +24,7 @@
 #include "batten/core/index.h"
 #include "batten/io/cad/occ_settings.h"
 #include "batten/io/cad/step_text.h"
+#include "batten/io/files/input_file.h"
 
 namespace batten {
 namespace {
@@ -244,8 +245,7 @@ double nearest_deviation(const TopoDS_Face& face,
 }
 
 TopoDS_Shape read_step(const std::filesystem::path& path) {
-  if (!std::filesystem::is_regular_file(path))
-    throw InputError(path.string() + ": no such file; expected a STEP file");
+  require_input_file(path, "a STEP file");
   STEPControl_Reader reader;
   TopoDS_Shape shape;
   if (reader.ReadFile(path.string().c_str()) == IFSelect_RetDone) {

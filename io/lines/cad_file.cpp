@@ -1,6 +1,7 @@
 #include "batten/io/lines/cad_file.h"
 
 #include <BRep_Builder.hxx>
+#include <BinTools.hxx>
 #include <IGESControl_Reader.hxx>
 #include <IGESData_IGESEntity.hxx>
 #include <IGESGeom_Line.hxx>
@@ -9,6 +10,7 @@
 #include <StepRepr_RepresentationItem.hxx>
 #include <TCollection_HAsciiString.hxx>
 #include <TopExp.hxx>
+#include <TopoDS.hxx>
 #include <TransferBRep.hxx>
 #include <Transfer_TransientProcess.hxx>
 #include <XSControl_TransferReader.hxx>
@@ -16,11 +18,14 @@
 #include <algorithm>
 #include <array>
 #include <cstdlib>
-#include <fstream>
+#include <sstream>
+#include <stdexcept>
 #include <utility>
 
 #include "batten/core/errors.h"
 #include "batten/io/cad/occ_settings.h"
+#include "batten/io/files/in_child.h"
+#include "batten/io/files/input_file.h"
 #include "batten/io/files/text.h"
 
 namespace batten {
@@ -34,11 +39,7 @@ namespace {
 }
 
 std::vector<std::string> lines_of(const std::filesystem::path& file) {
-  if (!std::filesystem::exists(file))
-    throw InputError(file.string() + ": no such file; expected an IGES or STEP file");
-  std::ifstream in(file, std::ios::binary);
-  if (!std::filesystem::is_regular_file(file) || !in)
-    throw InputError(file.string() + ": cannot be read; expected an IGES or STEP file");
+  std::istringstream in(input_bytes(file, "an IGES or STEP file"));
   std::vector<std::string> lines;
   for (std::string line; std::getline(in, line);) {
     while (!line.empty() && std::isspace(static_cast<unsigned char>(line.back()))) line.pop_back();
@@ -162,6 +163,11 @@ bool without_length(const Handle(IGESData_IGESEntity) & entity) {
   return !line.IsNull() && line->StartPoint().IsEqual(line->EndPoint(), 1e-12);
 }
 
+void map_shapes(CadFile& cad) {
+  TopExp::MapShapes(cad.shape, TopAbs_EDGE, cad.edges);
+  TopExp::MapShapes(cad.shape, TopAbs_FACE, cad.faces);
+}
+
 void transfer(XSControl_Reader& reader, const std::filesystem::path& file, CadFile& cad) {
   BRep_Builder builder;
   builder.MakeCompound(cad.shape);
@@ -187,22 +193,16 @@ void transfer(XSControl_Reader& reader, const std::filesystem::path& file, CadFi
                      " and no shape among them; expected "
                      "curves or surfaces");
 
-  TopExp::MapShapes(cad.shape, TopAbs_EDGE, cad.edges);
-  TopExp::MapShapes(cad.shape, TopAbs_FACE, cad.faces);
+  map_shapes(cad);
   cad.labels = labels_of(cad.edges, reader.WS()->TransferReader()->TransientProcess());
 }
 
 }  // namespace
 
-CadFile read_cad(const std::filesystem::path& file) {
-  const std::string extension = lower_extension(file);
-  const bool iges = extension == ".igs" || extension == ".iges";
-  if (!iges && extension != ".stp" && extension != ".step")
-    throw InputError(file.string() + ": extension '" + extension +
-                     "'; expected .igs, .iges, .stp or .step");
-  const auto lines = lines_of(file);
-  iges ? check_iges(file, lines) : check_step_text(file, lines);
+namespace {
 
+// The shapes and labels of a file whose text was looked at.
+CadFile read_with_occ(const std::filesystem::path& file, bool iges) {
   OccSettings occ;
   occ.set_unit("MM");
   // One line an entity, corners in it or not; the default cuts splines at their corners.
@@ -221,6 +221,52 @@ CadFile read_cad(const std::filesystem::path& file) {
                      ": OpenCASCADE failed to read it: " + failure.GetMessageString());
   }
   return cad;
+}
+
+// The order of edges in the map is that of the shape, and survives.
+std::string to_bytes(const CadFile& cad) {
+  std::ostringstream out;
+  out << cad.found << '\n' << cad.labels.size() << '\n';
+  for (const std::string& label : cad.labels) out << label.size() << ' ' << label;
+  BinTools::Write(cad.shape, out);
+  return out.str();
+}
+
+CadFile from_bytes(const std::string& bytes) {
+  std::istringstream in(bytes);
+  CadFile cad;
+  size_t count = 0;
+  std::getline(in, cad.found);
+  in >> count;
+  in.get();
+  for (size_t i = 0; i < count; ++i) {
+    size_t length = 0;
+    in >> length;
+    in.get();
+    in.read(cad.labels.emplace_back(length, ' ').data(), static_cast<std::streamsize>(length));
+  }
+  TopoDS_Shape shape;
+  BinTools::Read(shape, in);
+  if (!in || shape.IsNull() || shape.ShapeType() != TopAbs_COMPOUND)
+    throw std::logic_error("what a child process read is not whole");
+  cad.shape = TopoDS::Compound(shape);
+  map_shapes(cad);
+  return cad;
+}
+
+}  // namespace
+
+CadFile read_cad(const std::filesystem::path& file) {
+  const std::string extension = lower_extension(file);
+  const bool iges = extension == ".igs" || extension == ".iges";
+  if (!iges && extension != ".stp" && extension != ".step")
+    throw InputError(file.string() + ": extension '" + extension +
+                     "'; expected .igs, .iges, .stp or .step");
+  const auto lines = lines_of(file);
+  iges ? check_iges(file, lines) : check_step_text(file, lines);
+  if (!reads_in_child()) return read_with_occ(file, iges);
+  return from_bytes(
+      bytes_from_child(file, "OpenCASCADE", [&] { return to_bytes(read_with_occ(file, iges)); }));
 }
 
 }  // namespace batten

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "batten/core/errors.h"
+#include "batten/io/files/input_file.h"
 #include "batten/io/files/text.h"
 #include "batten/io/lines/drawing_parts.h"
 #include "batten/io/lines/line_names.h"
@@ -13,8 +14,7 @@ Drawing read_drawing(const std::filesystem::path& path) {
   const std::string ending = lower_extension(path);
   if (ending != ".dxf" && ending != ".svg")
     throw InputError(path.string() + ": found the ending '" + ending + "', expected .dxf or .svg");
-  if (!std::filesystem::is_regular_file(path))
-    throw InputError(path.string() + ": found no such file, expected a drawing");
+  require_input_file(path, "a drawing");
   Drawing drawing = ending == ".dxf" ? read_dxf(path) : read_svg(path);
   const auto finite = [](const Vec3& p) { return p.allFinite() && p.norm() < 1e100; };
   size_t without_length = drawing.lines.size();

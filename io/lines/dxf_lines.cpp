@@ -2,12 +2,12 @@
 #include <dl_dxf.h>
 
 #include <cmath>
-#include <fstream>
 #include <numbers>
 #include <sstream>
 
 #include "batten/core/errors.h"
 #include "batten/core/index.h"
+#include "batten/io/files/input_file.h"
 #include "batten/io/lines/drawing_parts.h"
 #include "batten/io/lines/line_names.h"
 #include "batten/io/lines/text_rows.h"
@@ -260,9 +260,7 @@ void collect(const Collector& all, const Block& block, const Placement& placemen
 }
 
 std::string text_of(const std::filesystem::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  std::string text((std::istreambuf_iterator<char>(in)), {});
-  if (!in) throw InputError(path.string() + ": this file cannot be read");
+  std::string text = input_bytes(path, "a drawing");
   if (text.starts_with("AutoCAD Binary DXF"))
     throw InputError(path.string() + ": found a binary DXF file, expected one in text form");
   if (text.starts_with("AC10"))

@@ -29,8 +29,7 @@ class ObjWords {
       rest_ = without_comment(rows_.row());
     }
     size_t length = 0;
-    while (length < rest_.size() && !blank(rest_[length]) && rest_.substr(length) != "\\")
-      ++length;
+    while (length < rest_.size() && !blank(rest_[length]) && rest_.substr(length) != "\\") ++length;
     const std::string_view word = rest_.substr(0, length);
     rest_.remove_prefix(length);
     return word;

@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <array>
-#include <fstream>
-#include <iterator>
 #include <map>
 #include <nlohmann/json.hpp>
 
 #include "batten/core/box.h"
 #include "batten/core/words.h"
+#include "batten/io/files/input_file.h"
+#include "batten/io/files/nesting.h"
 
 namespace batten {
 namespace {
@@ -46,13 +46,8 @@ class PolyBezier final : public InputCurve {
 class Reader {
  public:
   explicit Reader(const std::filesystem::path& path) : file_(path.string() + ": ") {
-    std::error_code error;
-    if (!std::filesystem::exists(path, error)) fail("", "this file does not exist");
-    if (std::filesystem::is_directory(path, error)) fail("", "found a folder, expected a file");
-    std::ifstream in(path, std::ios::binary);
-    std::string text;
-    if (in) text.assign(std::istreambuf_iterator<char>(in), {});
-    if (!in) fail("", "this file cannot be read");
+    const std::string text = input_bytes(path, "a sketch (.json)");
+    require_shallow(text, path.string());
     try {
       json_ = Json::parse(text);
     } catch (const Json::exception& e) {

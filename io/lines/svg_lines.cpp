@@ -15,6 +15,8 @@
 #include <optional>
 
 #include "batten/core/errors.h"
+#include "batten/io/files/input_file.h"
+#include "batten/io/files/nesting.h"
 #include "batten/io/files/toml_table.h"
 #include "batten/io/lines/drawing_parts.h"
 #include "batten/io/lines/line_names.h"
@@ -283,6 +285,7 @@ class SvgReader {
 }  // namespace
 
 Drawing read_svg(const std::filesystem::path& path) {
+  require_shallow_elements(input_bytes(path, "a drawing"), path.string());
   vtkNew<vtkXMLDataParser> parser;
   parser->SetFileName(path.string().c_str());
   // VTK prints errors that nobody listens to.

@@ -3,22 +3,16 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <fstream>
 
 #include "batten/core/errors.h"
+#include "batten/io/files/input_file.h"
 #include "batten/io/files/toml_table.h"
 
 namespace batten {
 namespace fs = std::filesystem;
 
 TextRows::TextRows(const fs::path& path) : path_(path) {
-  std::error_code error;
-  if (!fs::exists(path, error)) throw InputError(path.string() + ": this file does not exist");
-  if (fs::is_directory(path, error))
-    throw InputError(path.string() + ": found a folder, expected a file");
-  std::ifstream in(path, std::ios::binary);
-  if (in) text_.assign(std::istreambuf_iterator<char>(in), {});
-  if (!in) throw InputError(path.string() + ": this file cannot be read");
+  text_ = input_bytes(path, "a file of points");
   if (text_.starts_with("\xFF\xFE") || text_.starts_with("\xFE\xFF"))
     throw InputError(path.string() + ":1:1: found UTF-16 text, expected UTF-8 or ASCII");
   if (text_.starts_with("\xEF\xBB\xBF")) text_.erase(0, 3);

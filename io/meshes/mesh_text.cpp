@@ -5,9 +5,9 @@
 #include <charconv>
 #include <cmath>
 #include <cstring>
-#include <fstream>
 
 #include "batten/core/errors.h"
+#include "batten/io/files/input_file.h"
 
 namespace batten {
 namespace fs = std::filesystem;
@@ -55,17 +55,7 @@ bool parse_integer(std::string_view field, long& value) {
 }
 
 MeshText::MeshText(const fs::path& path, bool binary) : path_(path) {
-  std::error_code error;
-  if (!fs::exists(path, error)) throw InputError(path.string() + ": this file does not exist");
-  if (fs::is_directory(path, error))
-    throw InputError(path.string() + ": found a folder, expected a file");
-  std::ifstream in(path, std::ios::binary);
-  const auto size = in ? fs::file_size(path, error) : 0;
-  if (in && !error) {
-    text_.resize(size);
-    in.read(text_.data(), static_cast<std::streamsize>(size));
-  }
-  if (!in || error) throw InputError(path.string() + ": this file cannot be read");
+  text_ = input_bytes(path, "a mesh");
   if (std::all_of(text_.begin(), text_.end(), [](char c) { return blank(c) || c == '\n'; }))
     fail(size_t{0}, "found an empty file, expected a mesh");
   if (binary) return;

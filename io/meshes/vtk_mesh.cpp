@@ -27,6 +27,7 @@
 
 #include "batten/core/errors.h"
 #include "batten/core/index.h"
+#include "batten/io/files/in_child.h"
 #include "batten/io/files/whole_file.h"
 #include "batten/io/meshes/mesh_text.h"
 
@@ -87,16 +88,22 @@ class Listening {
   vtkNew<Complaints> complaints_;
 };
 
+/// Reads the file, or what a child made of it.
 template <class Reader>
-vtkSmartPointer<vtkPointSet> read_with(const fs::path& path) {
+vtkSmartPointer<vtkPointSet> read_from(const fs::path& path, const std::string* bytes) {
   const auto fail = [&](const std::string& reason) -> void {
     throw InputError(path.string() + ": VTK cannot read this file: " + reason);
   };
   const Listening listening;
   vtkNew<Reader> reader;
   try {
-    if (!reader->CanReadFile(path.c_str())) fail("it is no VTK XML file of this kind");
-    reader->SetFileName(path.c_str());
+    if (bytes) {
+      reader->ReadFromInputStringOn();
+      reader->SetInputString(*bytes);
+    } else {
+      if (!reader->CanReadFile(path.c_str())) fail("it is no VTK XML file of this kind");
+      reader->SetFileName(path.c_str());
+    }
     reader->Update();
   } catch (const InputError&) {
     throw;
@@ -112,6 +119,24 @@ vtkSmartPointer<vtkPointSet> read_with(const fs::path& path) {
   auto result = vtkSmartPointer<vtkPointSet>::Take(reader->GetOutput()->NewInstance());
   result->ShallowCopy(reader->GetOutput());
   return result;
+}
+
+template <class Reader, class Writer>
+vtkSmartPointer<vtkPointSet> read_with(const fs::path& path) {
+  if (!reads_in_child()) return read_from<Reader>(path, nullptr);
+  const std::string bytes = bytes_from_child(path, "VTK", [&] {
+    const auto data = read_from<Reader>(path, nullptr);
+    vtkNew<Writer> writer;
+    writer->SetInputDataObject(data);
+    writer->WriteToOutputStringOn();
+    writer->SetDataModeToAppended();
+    writer->EncodeAppendedDataOff();
+    writer->SetCompressorTypeToNone();
+    writer->SetHeaderTypeToUInt64();
+    writer->Write();
+    return writer->GetOutputString();
+  });
+  return read_from<Reader>(path, &bytes);
 }
 
 /// Cells as they are in the file, checked: VTK itself believes what it reads.
@@ -204,8 +229,9 @@ class VtkMesh : public MeshContent {
  public:
   VtkMesh(const fs::path& path, bool surface)
       : file_(path.string()),
-        data_(surface ? read_with<vtkXMLPolyDataReader>(path)
-                      : read_with<vtkXMLUnstructuredGridReader>(path)) {
+        data_(surface
+                  ? read_with<vtkXMLPolyDataReader, vtkXMLPolyDataWriter>(path)
+                  : read_with<vtkXMLUnstructuredGridReader, vtkXMLUnstructuredGridWriter>(path)) {
     format = surface ? "VTK surface (VTP)" : "VTK unstructured grid (VTU)";
     extensions = {surface ? ".vtp" : ".vtu"};
     const vtkIdType count = data_->GetNumberOfPoints();

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "batten/core/errors.h"
+#include "batten/io/files/input_file.h"
 #include "batten/io/scene/scene_words.h"
 
 namespace batten {
@@ -390,7 +391,7 @@ void DeformScene::set(const std::string& parameter, double value, const std::str
 
 bool edits_a_mesh(const std::filesystem::path& file) {
   const toml::table root =
-      parse_toml(text_of_file(file, "a scene (.toml)"), file, "a scene or edits of a mesh");
+      parse_toml(input_bytes(file, "a scene (.toml)"), file, "a scene or edits of a mesh");
   return root.contains("mesh") || root.contains("edit");
 }
 
@@ -399,7 +400,7 @@ DeformScene parse_deform_scene(const std::string& text, const std::filesystem::p
 }
 
 DeformScene read_deform_scene(const std::filesystem::path& file) {
-  return parse_deform_scene(text_of_file(file, "edits of a mesh (.toml)"), file);
+  return parse_deform_scene(input_bytes(file, "edits of a mesh (.toml)"), file);
 }
 
 }  // namespace batten

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "batten/core/errors.h"
+#include "batten/io/files/input_file.h"
 #include "batten/io/scene/scene_lines.h"
 #include "batten/io/scene/scene_words.h"
 
@@ -73,13 +74,14 @@ void FairScene::set(const std::string& parameter, double value, const std::strin
   });
   if (!known)
     throw InputError(where + "found parameter '" + parameter + "', expected " +
-                     (names.empty() ? std::string("none: no stage has a noise, a deviation or a wavelength")
-                                    : "one of: " + listed(names)) +
+                     (names.empty()
+                          ? std::string("none: no stage has a noise, a deviation or a wavelength")
+                          : "one of: " + listed(names)) +
                      did_you_mean(parameter, names));
 }
 
 bool only_fairs(const std::filesystem::path& file) {
-  const toml::table root = parse_toml(text_of_file(file, "a scene (.toml)"), file, "a scene");
+  const toml::table root = parse_toml(input_bytes(file, "a scene (.toml)"), file, "a scene");
   return root.contains("fair") && !root.contains("skin") && !root.contains("network");
 }
 
@@ -88,7 +90,7 @@ FairScene parse_fair_scene(const std::string& text, const std::filesystem::path&
 }
 
 FairScene read_fair_scene(const std::filesystem::path& file) {
-  return parse_fair_scene(text_of_file(file, "a fairing scene (.toml)"), file);
+  return parse_fair_scene(input_bytes(file, "a fairing scene (.toml)"), file);
 }
 
 }  // namespace batten

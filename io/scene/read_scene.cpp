@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "batten/io/files/input_file.h"
 #include "batten/io/scene/scene_lines.h"
 #include "batten/io/scene/scene_sculpting.h"
 #include "batten/io/scene/scene_words.h"
@@ -385,7 +386,7 @@ Scene parse_scene(const std::string& text, const std::filesystem::path& file) {
 }
 
 Scene read_scene(const std::filesystem::path& file) {
-  return parse_scene(text_of_file(file, "a scene (.toml)"), file);
+  return parse_scene(input_bytes(file, "a scene (.toml)"), file);
 }
 
 }  // namespace batten

@@ -2,12 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <limits>
-#include <sstream>
 
 #include "batten/core/errors.h"
 #include "batten/io/files/length_units.h"
+#include "batten/io/files/nesting.h"
 
 namespace batten {
 
@@ -64,23 +63,12 @@ std::string range_text(double min, double max) {
   return "up to " + number(max);
 }
 
-std::string text_of_file(const std::filesystem::path& file, const std::string& expected) {
-  if (!std::filesystem::exists(file))
-    throw InputError(file.string() + ": no such file, expected " + expected);
-  if (std::filesystem::is_directory(file))
-    throw InputError(file.string() + ": found a folder, expected " + expected);
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) throw InputError(file.string() + ": cannot be opened for reading");
-  std::ostringstream text;
-  text << stream.rdbuf();
-  return text.str();
-}
-
 toml::table parse_toml(const std::string& text, const std::filesystem::path& file,
                        const std::string& expected) {
   if (text.find_first_not_of(" \t\r\n") == std::string::npos)
     throw InputError(place_prefix(file.string(), {1, 1}) + "found an empty file, expected " +
                      expected);
+  require_shallow(text, file.string());
   try {
     return toml::parse(text, file.string());
   } catch (const toml::parse_error& e) {

@@ -61,11 +61,8 @@ void read_view(const TomlTable& table, double& azimuth, double& elevation, Pictu
 /// A range in words: "from 0 to 10", "from 0 up", "up to 10". One of its ends is finite.
 std::string range_text(double min, double max);
 
-/// Reads a whole file. `expected` says in messages what it should be: "a scene (.toml)". Throws
-/// InputError: no such file, a folder, a file that cannot be opened.
-std::string text_of_file(const std::filesystem::path& file, const std::string& expected);
 /// Parses a TOML text; messages name `file`. Throws InputError: an empty text, a text that is not
-/// TOML.
+/// TOML, or nested too deeply (require_shallow).
 toml::table parse_toml(const std::string& text, const std::filesystem::path& file,
                        const std::string& expected);
 

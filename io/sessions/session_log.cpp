@@ -3,6 +3,8 @@
 #include <optional>
 #include <sstream>
 
+#include "batten/io/files/input_file.h"
+#include "batten/io/files/nesting.h"
 #include "batten/io/files/whole_file.h"
 #include "batten/io/scene/scene_words.h"
 #include "batten/io/sessions/session_log_parts.h"
@@ -222,6 +224,7 @@ void write_session_log(const std::filesystem::path& file,
 
 std::vector<Operation> parse_session_log(const std::string& text,
                                          const std::filesystem::path& file) {
+  require_shallow(text, file.string());
   std::vector<Operation> operations;
   std::istringstream lines(text);
   int count = 0;
@@ -256,7 +259,7 @@ std::vector<Operation> parse_session_log(const std::string& text,
 }
 
 std::vector<Operation> read_session_log(const std::filesystem::path& file) {
-  return parse_session_log(text_of_file(file, "a log of a session"), file);
+  return parse_session_log(input_bytes(file, "a log of a session"), file);
 }
 
 }  // namespace batten

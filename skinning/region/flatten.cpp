@@ -186,14 +186,19 @@ class Sheet {
 Distortion distortion_of(const std::vector<Mat2>& metric, const std::vector<double>& area) {
   Distortion d;
   double sum = 0, domain = 0, scale = 0, least = std::numeric_limits<double>::infinity();
-  std::vector<Vec3> strain;
+  std::vector<Vec3> strain(metric.size(), Vec3::Zero());
   for (size_t t = 0; t < metric.size(); ++t) {
-    strain.push_back(half_log(metric[t]));
     const double jacobian = std::sqrt(std::max(0.0, metric[t].determinant()));
+    domain += area[t];
+    if (!(jacobian > 0)) {  // a line or a point on the surface: no area, no weight
+      d.max_shear = std::numeric_limits<double>::infinity();
+      least = 0;
+      continue;
+    }
+    strain[t] = half_log(metric[t]);
     d.max_shear = std::max(d.max_shear, std::exp(std::sqrt(2.0) * strain[t].tail<2>().norm()));
     least = std::min(least, jacobian);
     sum += area[t] * jacobian;
-    domain += area[t];
     scale += area[t] * jacobian * strain[t][0];
   }
   d.min_area = least * domain / sum;

@@ -263,24 +263,9 @@ struct FreeEdges {
         joined(joined),
         at_rim(points.size(), 0),
         is_free(joined.size()) {
-    struct Side {
-      std::tuple<int, int, int> edge;  // points, surface
-      int facet, side;
-      bool operator<(const Side& o) const { return edge < o.edge; }
-    };
-    std::vector<Side> sides;
-    for (int f = 0; f < count_of(joined); ++f)
-      for (int i = 0; i < 3; ++i) {
-        const auto [v, w] = std::minmax(joined[f][i], joined[f][(i + 1) % 3]);
-        sides.push_back({{v, w, surface_of[f]}, f, i});
-      }
-    std::sort(sides.begin(), sides.end());
-    for (size_t i = 0; i < sides.size(); ++i) {
-      const bool one =
-          (i == 0 || sides[i - 1] < sides[i]) && (i + 1 == sides.size() || sides[i] < sides[i + 1]);
-      if (!one) continue;
-      is_free[sides[i].facet][sides[i].side] = 1;
-      at_rim[std::get<0>(sides[i].edge)] = at_rim[std::get<1>(sides[i].edge)] = 1;
+    for (const auto& [f, i] : free_sides(joined, surface_of)) {
+      is_free[f][i] = 1;
+      at_rim[joined[f][i]] = at_rim[joined[f][(i + 1) % 3]] = 1;
     }
   }
 
@@ -296,6 +281,26 @@ struct FreeEdges {
 };
 
 }  // namespace
+
+std::vector<std::pair<int, int>> free_sides(const std::vector<Facet>& facets,
+                                            const std::vector<int>& surface_of) {
+  std::vector<std::array<int, 5>> sides;  // points, surface, facet, which side
+  for (int f = 0; f < count_of(facets); ++f)
+    for (int i = 0; i < 3; ++i) {
+      const auto [v, w] = std::minmax(facets[f][i], facets[f][(i + 1) % 3]);
+      sides.push_back({v, w, surface_of.empty() ? 0 : surface_of[f], f, i});
+    }
+  std::sort(sides.begin(), sides.end());
+  const auto same = [&](size_t i, size_t j) {
+    return std::equal(sides[i].begin(), sides[i].begin() + 3, sides[j].begin());
+  };
+  std::vector<std::pair<int, int>> free;
+  for (size_t i = 0; i < sides.size(); ++i)
+    if ((i == 0 || !same(i - 1, i)) && (i + 1 == sides.size() || !same(i, i + 1)))
+      free.emplace_back(sides[i][3], sides[i][4]);
+  std::sort(free.begin(), free.end());
+  return free;
+}
 
 std::vector<FacetCrossing> facet_crossings(const std::vector<Vec3>& points,
                                            const std::vector<std::array<int, 3>>& facets,

@@ -34,25 +34,6 @@ struct Shell {
   double edge = 0;                       // mean length
 };
 
-std::vector<std::pair<int, int>> rim_of(const std::vector<std::array<int, 3>>& facets) {
-  std::vector<std::array<int, 4>> sides;  // points, facet, which edge
-  for (int f = 0; f < count_of(facets); ++f)
-    for (int i = 0; i < 3; ++i) {
-      const auto [a, b] = std::minmax(facets[f][i], facets[f][(i + 1) % 3]);
-      sides.push_back({a, b, f, i});
-    }
-  std::sort(sides.begin(), sides.end());
-  const auto same = [&](size_t i, size_t j) {
-    return sides[i][0] == sides[j][0] && sides[i][1] == sides[j][1];
-  };
-  std::vector<std::pair<int, int>> rim;
-  for (size_t i = 0; i < sides.size(); ++i)
-    if ((i == 0 || !same(i - 1, i)) && (i + 1 == sides.size() || !same(i, i + 1)))
-      rim.emplace_back(sides[i][2], sides[i][3]);
-  std::sort(rim.begin(), rim.end());
-  return rim;
-}
-
 Shell shell_of(const SkinnedRegion& region) {
   const Tessellation t = facets(region, 2).tessellation;
   Shell shell;
@@ -66,7 +47,7 @@ Shell shell_of(const SkinnedRegion& region) {
     shell.normals.push_back(n.norm() > least ? Vec3(n.normalized()) : Vec3(Vec3::Zero()));
     length += ab.norm() + ac.norm() + (ac - ab).norm();
   }
-  shell.rim = rim_of(shell.facets);
+  shell.rim = free_sides(shell.facets);
   shell.edge = length / std::max<double>(1, 3 * static_cast<double>(shell.facets.size()));
   return shell;
 }

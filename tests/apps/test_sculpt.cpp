@@ -343,7 +343,7 @@ TEST_CASE("sculpt answers wrong words before it works", "[cli][sculpt]") {
   fails({"--time", "1"}, {"--dt"});
   fails({"--time", "1", "--dt", "0"}, {"--dt"});
   fails({"--time", "1", "--dt", "1e-9"}, {"found 1e+09 steps, expected at most a million"});
-  fails({"--replay", "none.jsonl"}, {"none.jsonl: no such file"});
+  fails({"--replay", "none.jsonl"}, {"none.jsonl: found no such file"});
   fails({"--replay", "none.jsonl", "--record", "a"}, {"--record"});
   fails({"--record", "none/log.jsonl"}, {"none/log.jsonl"});
   c.fails(kSquare +

@@ -7,6 +7,7 @@
 #include "batten/core/words.h"
 #include "batten/fairing/arc_length.h"
 #include "batten/fairing/curve_shapes.h"
+#include "batten/io/files/input_file.h"
 #include "batten/io/files/length_units.h"
 #include "batten/io/files/text.h"
 #include "batten/io/lines/cad_lines.h"
@@ -36,9 +37,7 @@ struct SceneFile {
 
 std::vector<SourceLine> read_file(const SceneFile& scene, const SceneLine& source) {
   const std::string at = scene.at(source.place);
-  if (!std::filesystem::is_regular_file(source.file))
-    throw InputError(at + "found no file '" + source.file.string() +
-                     "', expected a file of lines (" + all_endings() + ")");
+  require_input_file(source.file, "a file of lines (" + all_endings() + ")", at);
   if (line_file_kind(source.file) == LineFileKind::None)
     throw InputError(at + "found the ending '" + source.file.extension().string() + "' of '" +
                      source.file.string() + "', expected one of: " + all_endings());
@@ -320,10 +319,11 @@ std::vector<SourceLine> read_sources(const std::vector<SceneLine>& lines,
 
 std::vector<Vec3> scan_points(const Scene& scene, const SceneLoad& load) {
   if (load.type != SceneLoad::Type::Scan) return {};
-  if (line_file_kind(load.file) != LineFileKind::Points ||
-      !std::filesystem::is_regular_file(load.file))
-    throw InputError(scene.at(load.place) + "found '" + load.file.string() +
-                     "', expected a file of points (" + listed(kPointEndings) + ")");
+  const std::string expected = "a file of points (" + listed(kPointEndings) + ")";
+  if (line_file_kind(load.file) != LineFileKind::Points)
+    throw InputError(scene.at(load.place) + "found '" + load.file.string() + "', expected " +
+                     expected);
+  require_input_file(load.file, expected, scene.at(load.place));
   std::vector<Vec3> points;
   for (const SourceLine& line : read_source_file(load.file, load.unit, scene.unit))
     points.insert(points.end(), line.points.begin(), line.points.end());

@@ -2,13 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <numbers>
 #include <numeric>
 #include <queue>
+#include <sstream>
 
 #include "batten/apps/commands/runs/run_parts.h"
 #include "batten/core/index.h"
+#include "batten/io/files/input_file.h"
 #include "batten/mesh/selection.h"
 
 namespace batten {
@@ -39,8 +40,7 @@ std::vector<int> with_faces(const MeshFile& file, const MeshFile::Set& set) {
 template <class VertexOfLabel>
 std::vector<int> vertices_of_file(const std::filesystem::path& file, const std::string& where,
                                   const VertexOfLabel& vertex_of_label) {
-  std::ifstream in(file);
-  if (!in) throw InputError(where + "the file " + file.string() + " cannot be read");
+  std::istringstream in(input_bytes(file, "numbers of nodes", where));
   std::vector<int> vertices;
   std::string line;
   for (int row = 1; std::getline(in, line); ++row) {

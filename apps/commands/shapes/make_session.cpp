@@ -8,6 +8,7 @@
 #include "batten/core/box.h"
 #include "batten/core/words.h"
 #include "batten/fairing/curve_fit.h"
+#include "batten/io/files/input_file.h"
 #include "batten/skinning/model/model_projector.h"
 #include "batten/skinning/model/natural_shape.h"
 
@@ -65,9 +66,8 @@ class SceneOnLayout {
   HermiteCurve curve(const SceneLoad& load) const {
     if (has(load.curve.text)) return layout_.line(load.curve.text);
     if (line_file_kind(load.file) == LineFileKind::None) line(load.curve);  // no file: a wrong name
-    if (!std::filesystem::is_regular_file(load.file))
-      throw InputError(scene_.at(load.place) + "found '" + load.file.string() +
-                       "', expected a file of a line, or one of: " + listed(names_));
+    require_input_file(load.file, "a file of a line, or one of: " + listed(names_),
+                       scene_.at(load.place));
     const auto lines = read_source_file(load.file, load.unit, scene_.unit);
     if (lines.size() != 1)
       throw InputError(scene_.at(load.place) + "found " + std::to_string(lines.size()) +

@@ -362,7 +362,7 @@ TEST_CASE("files that are not there or not point files are named", "[io][points]
     return "";
   };
   const fs::path folder = batten_test::scratch("point_lines_folder.csv");
-  CHECK_THAT(says(folder / "none.csv"), Contains("none.csv: this file does not exist"));
+  CHECK_THAT(says(folder / "none.csv"), Contains("none.csv: found no such file"));
   CHECK_THAT(says(folder), Contains("found a folder"));
   CHECK_THAT(says(folder / "a.step"), Contains("'.step'") && Contains(".csv"));
   CHECK_THAT(says(folder / "a"), Contains("no extension"));

@@ -256,7 +256,7 @@ TEST_CASE("files that are no mesh files are named", "[io][mesh]") {
   for (const std::string extension :
        {".obj", ".off", ".ply", ".stl", ".vtp", ".vtu", ".bdf", ".inp", ".k"}) {
     INFO(extension);
-    CHECK_THAT(says(folder / ("none" + extension)), Contains("does not exist"));
+    CHECK_THAT(says(folder / ("none" + extension)), Contains("found no such file"));
     CHECK_THAT(mistake("empty" + extension, ""), Contains("found an empty file, expected a mesh"));
     CHECK_THAT(mistake("blank" + extension, " \r\n\n"), Contains("found an empty file"));
     CHECK(mistake("utf16" + extension, std::string("\xFF\xFEv\0 \0\x31\0", 8)) != "no mistake");
@@ -266,7 +266,7 @@ TEST_CASE("files that are no mesh files are named", "[io][mesh]") {
     CHECK(mistake("garbage" + extension, garbage) != "no mistake");
     CHECK(mistake("zeros" + extension, std::string(500, '\0')) != "no mistake");
   }
-  CHECK_THAT(says(folder), Contains("found a folder, expected a file"));
+  CHECK_THAT(says(folder), Contains("found a folder, expected a mesh"));
   CHECK_THAT(says(folder / "a.step"), Contains("'.step'") && Contains(".bdf"));
   CHECK_THAT(says(folder / "a"), Contains("no extension"));
 }
