@@ -14,6 +14,7 @@
 #include "batten/fairing/curve_fit.h"
 #include "batten/fairing/fair_curve.h"
 #include "batten/io/cad/step.h"
+#include "batten/io/files/in_child.h"
 #include "batten/io/files/input_file.h"
 #include "batten/io/files/length_units.h"
 #include "batten/io/files/text.h"
@@ -247,6 +248,17 @@ bool is_mesh_file(const std::filesystem::path& file) {
   return std::find(endings.begin(), endings.end(), ending) != endings.end();
 }
 
+// "" for a file without faces.
+std::string step_text(const std::filesystem::path& file, const std::string& unit) {
+  const StepReport step = check_step(file, unit_in_metres(unit));
+  if (step.faces == 0) return "";
+  return std::to_string(step.faces) + " faces in " + std::to_string(step.shells) +
+         " shells, lengths in " + unit + "\n  " + (step.valid ? "valid" : "NOT valid") + ", area " +
+         number(step.area) + ", largest gap " + number(step.max_gap) + ", largest normal jump " +
+         number(step.max_normal_jump_deg) + " degrees, " + std::to_string(step.free_edges) +
+         " rim edges\n";
+}
+
 }  // namespace
 
 std::string file_info(const std::filesystem::path& file, const std::string& unit) {
@@ -262,17 +274,12 @@ std::string file_info(const std::filesystem::path& file, const std::string& unit
                      ".iges, .step, .dxf, .svg, .json) or a "
                      "mesh (.obj, .off, .ply, .stl, .vtp, .vtu, .bdf, .nas, .dat, .inp, .k, .key, "
                      ".dyn)");
-  std::string text;
   const std::string ending = file.extension().string();
-  if (ending == ".step" || ending == ".stp") {
-    const StepReport step = check_step(file, unit_in_metres(unit));
-    if (step.faces > 0)
-      return std::to_string(step.faces) + " faces in " + std::to_string(step.shells) +
-             " shells, lengths in " + unit + "\n  " + (step.valid ? "valid" : "NOT valid") +
-             ", area " + number(step.area) + ", largest gap " + number(step.max_gap) +
-             ", largest normal jump " + number(step.max_normal_jump_deg) + " degrees, " +
-             std::to_string(step.free_edges) + " rim edges\n";
-  }
+  if (ending == ".step" || ending == ".stp")
+    if (const std::string text =
+            bytes_from_child(file, "OpenCASCADE", [&] { return step_text(file, unit); });
+        !text.empty())
+      return text;
   return lines_text(read_source_file(file, unit, unit), unit, kCorner);
 }
 

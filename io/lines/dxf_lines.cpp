@@ -1,6 +1,7 @@
 #include <dl_creationadapter.h>
 #include <dl_dxf.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <sstream>
@@ -265,6 +266,16 @@ std::string text_of(const std::filesystem::path& path) {
     throw InputError(path.string() + ": found a binary DXF file, expected one in text form");
   if (text.starts_with("AC10"))
     throw InputError(path.string() + ": found a DWG file, expected DXF");
+  // dxflib reads no further, for ever, where a line is longer than its buffer.
+  size_t row = 1, begin = 0;
+  for (; begin < text.size(); ++row) {
+    const size_t end = std::min(text.find('\n', begin), text.size());
+    if (end - begin >= DL_DXF_MAXLINE - 1)
+      throw InputError(path.string() + ":" + std::to_string(row) + ": found a line of " +
+                       std::to_string(end - begin) + " characters, expected less than " +
+                       std::to_string(DL_DXF_MAXLINE - 1));
+    begin = end + 1;
+  }
   const size_t last = text.find_last_not_of(" \t\r\n");
   if (text.find("SECTION") == text.npos)
     throw InputError(path.string() + ": found no section, expected a DXF file");

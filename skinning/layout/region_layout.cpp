@@ -167,7 +167,7 @@ bool strained(const Outline& loop, const RegionParts& parts) {
 // Whether the surface of the outline alone turns over somewhere, or nearly so.
 bool overturned(const RegionParts& parts, TriangleElement element) {
   constexpr double least = 0.05;
-  return !(measure({"", plain_surface(parts, element), {}}).min_jacobian_ratio >= least);
+  return !(measure(plain_surface(parts, element)).min_jacobian_ratio >= least);
 }
 
 // Moves the polygon's corners until the surface is as little strained as straight sides allow.

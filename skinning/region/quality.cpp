@@ -260,17 +260,22 @@ void mark_gaps(const SkinnedRegion& region, double target, char* marks) {
   }
 }
 
+SkinQuality measure(const Surface& surface) {
+  SkinQuality q;
+  ElementMeasures(surface).measure(q);
+  q.area = surface.area();
+  return q;
+}
+
 SkinQuality measure(const SkinnedRegion& region) {
   const Surface& surface = region.surface;
-  SkinQuality q;
+  SkinQuality q = measure(surface);
   for (const LineRun& run : region.runs) measure_run(region, run, q);
   const TriangleLocator locator(surface.mesh());
   for (const EmbeddedLine& line : region.embedded) measure_embedded(surface, locator, line, q);
-  ElementMeasures(surface).measure(q);
   const Distortion d = distortion(surface);
   q.max_shear = d.max_shear;
   q.rms_strain = d.rms;
-  q.area = surface.area();
   return q;
 }
 

@@ -89,7 +89,9 @@ void judge(Made& made, double plain_area) {
   const RegionLayout& layout = *made.trial.layout;
   const SkinnedRegion region = layout.region(made.trial.shape);
   if (layout.embedded().empty() && !suspicious(region, plain_area)) return;
-  const SkinQuality quality = measure(region);
+  SkinQuality quality = measure(region.surface);
+  for (const EmbeddedLine& line : region.embedded)
+    quality.max_line_gap = std::max(quality.max_line_gap, line_gap(region.surface, line));
   constexpr double far_off = 20;  // plain fillings: this is no surface in these lines any more
   if (!std::isfinite(quality.area) || (plain_area > 0 && quality.area > far_off * plain_area))
     throw NoSolutionError("the surface runs far away from its lines");
@@ -194,7 +196,7 @@ class Trials {
 
 bool turns_or_sags(const SkinnedRegion& region, double plain_area) {
   if (!suspicious(region, plain_area)) return false;
-  const SkinQuality quality = measure(region);
+  const SkinQuality quality = measure(region.surface);
   return !(quality.min_jacobian_ratio >= kLeastJacobian) ||
          (plain_area > 0 && quality.area > kMostArea * plain_area);
 }

@@ -1,0 +1,250 @@
+#!/usr/bin/env python3
+"""Runs the batten program on damaged files and says what should not have happened.
+
+    fuzz.py PROGRAM TARGET SECONDS [--runs N] [--first K] [--keep FOLDER] [--jobs N]
+
+TARGET is one of the folders in seeds/, or "all" (SECONDS are then for each). Run K of a target
+always makes the same file. What counts as a finding: an end by a signal, an exit code outside the
+list of docs/conventions.md, an error that nobody expected, more than 10 s or 2 GB, a report that is no
+JSON or holds numbers that are not finite, files beside a refusal, hidden files that are left. A
+finding's input is kept, and the exit code is 1. Needs Python 3 only.
+"""
+import argparse
+import json
+import math
+import os
+import random
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+MOST_SECONDS, MOST_MEGABYTES = 10, 2048
+EXIT_CODES = {0, 1, 2, 3, 4, 130}
+
+# What is run on a file of each target; "@" is the file, "OUT" a folder that is not there yet.
+COMMANDS = {
+    "lines": [["info", "@"], ["fair", "@", "--out", "OUT.csv"], ["skin", "@", "--out", "OUT"]],
+    "cad": [["info", "@"]],
+    "drawings": [["info", "@"]],
+    "meshes": [["info", "@"]],
+    "networks": [["skin", "--network", "@", "--unit", "m", "--out", "OUT"]],
+    "scenes": [["run", "@", "--out", "OUT"], ["info", "@"]],
+    "edits": [["deform", "@", "--out", "OUT"], ["info", "@"]],
+    "sculpting": [["sculpt", "@", "--out", "OUT"]],
+    "logs": [["sculpt", "scene.toml", "--replay", "@", "--out", "OUT"]],
+}
+NUMBERS = [b"0", b"-1", b"1", b"1e308", b"-1e308", b"1e-320", b"nan", b"inf", b"-inf", b"1e9",
+           b"4294967296", b"2147483648", b"-2147483649", b"9223372036854775807", b"65536",
+           b"1e-9", b"1e400", b"0x10", b"1,5", b"--3", b""]
+NUMBER = re.compile(rb"[-+]?\d+(?:\.\d*)?(?:[eE][-+]?\d+)?")
+
+
+def cut(data, rng, _):
+    return data[:rng.randrange(len(data) + 1)]
+
+
+def flip(data, rng, _):
+    changed = bytearray(data)
+    for _ in range(rng.choice([1, 1, 2, 5, 20])):
+        changed[rng.randrange(len(changed))] ^= 1 << rng.randrange(8)
+    return bytes(changed)
+
+
+def set_bytes(data, rng, _):
+    changed = bytearray(data)
+    at = rng.randrange(len(changed))
+    for i in range(at, min(len(changed), at + rng.choice([1, 2, 4, 8]))):
+        changed[i] = rng.choice([0, 255, 127, 128, ord("-"), ord("9"), ord("\n"), rng.randrange(256)])
+    return bytes(changed)
+
+
+def number(data, rng, _):
+    places = list(NUMBER.finditer(data))
+    for _ in range(rng.choice([1, 1, 1, 3])):
+        if places:
+            place = rng.choice(places)
+            data = data[:place.start()] + rng.choice(NUMBERS) + data[place.end():]
+            places = list(NUMBER.finditer(data))
+    return data
+
+
+def part(data, rng):
+    a, b = sorted(rng.randrange(len(data) + 1) for _ in range(2))
+    return (a, min(b, a + rng.choice([4, 40, 400, 4000])))
+
+
+def drop(data, rng, _):
+    a, b = part(data, rng)
+    return data[:a] + data[b:]
+
+
+def double(data, rng, _):
+    a, b = part(data, rng)
+    return data[:b] + data[a:b] * rng.choice([1, 1, 10, 1000]) + data[b:]
+
+
+def lines(data, rng, _):
+    rows = data.split(b"\n")
+    for _ in range(rng.choice([1, 2, 4])):
+        i, j = rng.randrange(len(rows)), rng.randrange(len(rows))
+        kind = rng.randrange(3)
+        if kind == 0:
+            rows[i], rows[j] = rows[j], rows[i]
+        elif kind == 1:
+            rows.insert(i, rows[j])
+        elif len(rows) > 1:
+            del rows[i]
+    return b"\n".join(rows)
+
+
+def nest(data, rng, _):
+    at = rng.randrange(len(data) + 1)
+    what = rng.choice([b"[", b"{", b"(", b"[[", b"a.", b"<g>", b'{"a":', b"'", b'"'])
+    return data[:at] + what * rng.choice([3, 100, 100000]) + data[at:]
+
+
+def splice(data, rng, others):
+    other = rng.choice(others)
+    return data[:rng.randrange(len(data) + 1)] + other[rng.randrange(len(other) + 1):]
+
+
+MUTATIONS = [cut, flip, set_bytes, number, number, number, drop, double, lines, nest, splice]
+
+
+def finite(value):
+    if isinstance(value, float):
+        return math.isfinite(value)
+    if isinstance(value, dict):
+        return all(finite(v) for v in value.values())
+    if isinstance(value, list):
+        return all(finite(v) for v in value)
+    return True
+
+
+def run(command, folder):
+    """Exit code (negative: a signal), what was printed, seconds, megabytes."""
+    with open(folder / "printed", "wb") as printed:
+        start = time.monotonic()
+        process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=printed,
+                                   stderr=subprocess.STDOUT, cwd=folder)
+        timer = threading.Timer(MOST_SECONDS + 1, process.kill)
+        timer.start()
+        _, status, used = os.wait4(process.pid, 0)
+        timer.cancel()
+        process.returncode = os.waitstatus_to_exitcode(status)
+    text = (folder / "printed").read_bytes()[:100000].decode("utf-8", "replace")
+    return process.returncode, text, time.monotonic() - start, used.ru_maxrss / 1024
+
+
+def wrong(code, text, seconds, megabytes, folder, names):
+    """What should not have happened, or an empty text."""
+    if seconds > MOST_SECONDS:
+        return f"slow: {seconds:.1f} s"
+    if code < 0:
+        return f"signal {-code}"
+    if "Sanitizer" in text or "runtime error:" in text:
+        return "sanitizer"
+    if code not in EXIT_CODES:
+        return f"exit code {code}"
+    if "batten: unexpected" in text:
+        return "an error that nobody expected"
+    if megabytes > MOST_MEGABYTES and "Sanitizer" not in os.environ.get("BATTEN_FUZZ_BUILD", ""):
+        return f"memory: {megabytes:.0f} MB"
+    out = folder / "OUT"
+    left = [p.name for p in folder.iterdir() if p.name not in names | {"OUT", "OUT.csv", "printed"}]
+    if left or (out.is_dir() and any(p.name.startswith(".") for p in out.iterdir())):
+        return f"left behind: {left}"
+    if code in (0, 4):
+        if out.is_dir():
+            try:
+                report = json.loads((out / "report.json").read_text())
+            except (OSError, ValueError) as error:
+                return f"report: {error}"
+            if not finite(report):
+                return "report: numbers that are not finite"
+    elif out.exists() or (folder / "OUT.csv").exists():
+        return "files beside a refusal"
+    return ""
+
+
+class Target:
+    def __init__(self, name, program, keep):
+        self.name, self.program, self.keep = name, program, keep
+        self.seeds = sorted(p for p in (HERE / "seeds" / name).iterdir() if p.is_file())
+        self.beside = HERE / "seeds" / name / "beside"
+        self.bytes = [p.read_bytes() for p in self.seeds]
+
+    def once(self, k):
+        """Run k: what was wrong with it, or an empty text."""
+        rng = random.Random(f"{self.name} {k}")
+        chosen = rng.randrange(len(self.seeds))
+        ending = self.seeds[chosen].suffix
+        alike = [b for p, b in zip(self.seeds, self.bytes) if p.suffix == ending]
+        data = self.bytes[chosen]
+        for _ in range(rng.choice([1, 1, 2, 3])):
+            data = rng.choice(MUTATIONS)(data or b"x", rng, alike)
+        command = rng.choice(COMMANDS[self.name])
+        with tempfile.TemporaryDirectory(prefix="batten_fuzz_") as name:
+            folder = Path(name)
+            names = {"input" + ending}
+            (folder / ("input" + ending)).write_bytes(data)
+            if self.beside.is_dir():
+                for p in self.beside.iterdir():
+                    shutil.copy(p, folder)
+                    names.add(p.name)
+            words = [self.program] + ["input" + ending if w == "@" else w for w in command]
+            code, text, seconds, megabytes = run(words, folder)
+            what = wrong(code, text, seconds, megabytes, folder, names)
+        if what:
+            self.keep.mkdir(parents=True, exist_ok=True)
+            kept = self.keep / f"{self.name}-{k}{ending}"
+            kept.write_bytes(data)
+            print(f"{self.name} {k}: {what}: batten {' '.join(command)}, kept as {kept}\n"
+                  f"    {text.strip()[-300:]}", flush=True)
+        return what
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("program")
+    parser.add_argument("target", choices=["all", *COMMANDS])
+    parser.add_argument("seconds", type=float)
+    parser.add_argument("--runs", type=int, default=10**9, help="at most so many of each target")
+    parser.add_argument("--first", type=int, default=0)
+    parser.add_argument("--keep", type=Path, default=Path("fuzz-findings"))
+    parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1)
+    a = parser.parse_args()
+    found = 0
+    for name in COMMANDS if a.target == "all" else [a.target]:
+        target = Target(name, os.path.abspath(a.program), a.keep.absolute())
+        until, number_of_run, lock, count = time.monotonic() + a.seconds, [a.first], threading.Lock(), [0]
+
+        def work(_):
+            wrongs = 0
+            while time.monotonic() < until:
+                with lock:
+                    k = number_of_run[0]
+                    number_of_run[0] += 1
+                if k >= a.first + a.runs:
+                    break
+                wrongs += bool(target.once(k))
+                with lock:
+                    count[0] += 1
+            return wrongs
+
+        with ThreadPoolExecutor(a.jobs) as pool:
+            wrongs = sum(pool.map(work, range(a.jobs)))
+        print(f"{name}: {count[0]} runs, {wrongs} findings", flush=True)
+        found += wrongs
+    return 1 if found else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,170 @@
+// What may be read, how deep it may be nested, and readers that die alone.
+#include <sys/resource.h>
+#include <sys/stat.h>
+
+#include <csignal>
+#include <cstdlib>
+#include <fstream>
+#include <new>
+
+#include "batten/core/errors.h"
+#include "batten/io/files/in_child.h"
+#include "batten/io/files/input_file.h"
+#include "batten/io/files/nesting.h"
+#include "batten/io/lines/cad_lines.h"
+#include "batten/io/meshes/mesh_file.h"
+#include "batten/tests/catch.h"
+#include "batten/tests/reference.h"
+#include "batten/tests/refusal.h"
+
+using namespace batten;
+using Catch::Matchers::Contains;
+namespace fs = std::filesystem;
+
+namespace {
+
+const fs::path seeds = fs::path(BATTEN_SOURCE_DIR) / "tests/fuzz/seeds";
+
+std::string repeated(const std::string& text, int times) {
+  std::string all;
+  for (int i = 0; i < times; ++i) all += text;
+  return all;
+}
+
+// Reading in a child, until the end of a test.
+struct InChild {
+  InChild() { read_in_child(true); }
+  ~InChild() { read_in_child(false); }
+};
+
+}  // namespace
+
+TEST_CASE("only regular files are read") {
+  const fs::path folder = batten_test::scratch("input_files");
+  fs::create_directories(folder);
+  const auto says = [&](const fs::path& path) {
+    return batten_test::refusal([&] { input_bytes(path, "a thing", "here: "); });
+  };
+  const std::string bytes("a\0b\n\xff", 5);
+  std::ofstream(folder / "file", std::ios::binary) << bytes;
+  CHECK(input_bytes(folder / "file", "a thing") == bytes);
+  fs::create_symlink("file", folder / "link");
+  CHECK(input_bytes(folder / "link", "a thing") == bytes);
+
+  CHECK(says(folder / "none") ==
+        "here: " + (folder / "none").string() + ": found no such file, expected a thing");
+  CHECK_THAT(says(folder / "file" / "below"), Contains("found no such file"));
+  CHECK_THAT(says(folder), Contains("found a folder"));
+  CHECK_THAT(says("/dev/zero"), Contains("found a device"));
+  REQUIRE(mkfifo((folder / "pipe").c_str(), 0600) == 0);
+  CHECK_THAT(says(folder / "pipe"), Contains("found a pipe"));
+  fs::create_symlink("round", folder / "trip");
+  fs::create_symlink("trip", folder / "round");
+  CHECK_THAT(says(folder / "trip"), Contains("found links that lead in a circle"));
+  // A file of holes, which takes no room on the disk.
+  std::ofstream(folder / "large").put('x');
+  fs::resize_file(folder / "large", largest_input_file + 1);
+  CHECK_THAT(says(folder / "large"), Contains("found 2048 MB, more than the 2048 MB"));
+  fs::remove(folder / "large");
+}
+
+TEST_CASE("text may be nested so deep and no deeper") {
+  const auto says = [](const std::string& text) {
+    return batten_test::refusal([&] { require_shallow(text, "f"); });
+  };
+  for (const char* open : {"[", "{"}) {
+    CHECK_NOTHROW(require_shallow(repeated(open, deepest_nesting), "f"));
+    CHECK(
+        says("\n " + repeated(open, deepest_nesting + 1)) ==
+        "f:2:66: found lists, tables or parts of a key in each other, expected 64 levels at most");
+  }
+  CHECK_NOTHROW(require_shallow(repeated("a.", deepest_nesting) + "a = 1", "f"));
+  CHECK_THAT(says(repeated("a.", 65) + "a = 1"), Contains("f:1:130: "));
+  // Side by side is not in each other, and neither is what stands in quotes or comments.
+  CHECK_NOTHROW(require_shallow("x = [" + repeated("[1.5, 2.5],\n", 1000) + "]", "f"));
+  const std::string deep = repeated("[", 1000);
+  for (const std::string& text :
+       {"\"" + deep + "\"", "'" + deep + "'", "\"\"\"\n" + deep + "\n\"\"\"", "# " + deep,
+        "\"\\\"" + deep + "\"", "'''" + deep + "'" + deep + "'''"})
+    CHECK_NOTHROW(require_shallow(text + "\nx = [1]", "f"));
+  CHECK_THAT(says("\"\" " + deep), Contains("64 levels"));
+
+  CHECK_NOTHROW(require_shallow_elements(repeated("<g a='>'>", 64), "f"));
+  CHECK_NOTHROW(require_shallow_elements(repeated("<g/><p>x</p><!-- <g> -->", 1000), "f"));
+  CHECK_THAT(batten_test::refusal([] { require_shallow_elements(repeated("<g>", 65), "f"); }),
+             Contains("f:1:193: found elements in each other"));
+}
+
+TEST_CASE("a reader in a child process dies alone and says how") {
+  const InChild guard;
+  const fs::path file = seeds / "cad" / "two.step";
+  const auto read = [&](const std::function<std::string()>& work) {
+    return bytes_from_child(file, "The library", work);
+  };
+  const auto says = [&](const std::function<std::string()>& work) {
+    return batten_test::refusal([&] { read(work); });
+  };
+  CHECK(read([] { return std::string(3 << 20, 'x'); }) == std::string(3 << 20, 'x'));
+  CHECK(read([] { return std::string(); }).empty());
+  CHECK(says([]() -> std::string { throw InputError("a: b"); }) == "a: b");
+  CHECK_THAT(says([]() -> std::string { throw std::runtime_error("no luck"); }),
+             Contains("two.step: The library fails to read this file: no luck"));
+  CHECK_THAT(says([]() -> std::string {
+               std::raise(SIGSEGV);
+               return "";
+             }),
+             Contains("The library breaks down over this file") && Contains("it is damaged"));
+  CHECK_THAT(says([]() -> std::string { std::abort(); }), Contains("breaks down"));
+  CHECK_THAT(says([]() -> std::string { std::_Exit(0); }), Contains("ends while it reads"));
+  CHECK_THAT(says([]() -> std::string { throw std::bad_alloc(); }), Contains("asks for more than"));
+#if !defined(__SANITIZE_ADDRESS__)
+  CHECK_THAT(says([] { return std::string(std::size_t{8} << 30, 'x'); }),
+             Contains("asks for more than 1025 MB"));
+#endif
+  CHECK_THAT(says([]() -> std::string {
+               // Sooner than the limit for this file.
+               const rlimit one{1, 2};
+               setrlimit(RLIMIT_CPU, &one);
+               const volatile bool forever = true;
+               while (forever) {
+               }
+               return "";
+             }),
+             Contains("had not read this file after 7 s"));
+  CHECK_THROWS_AS(read([]() -> std::string {
+                    std::raise(SIGTERM);
+                    return "";
+                  }),
+                  CancelledError);
+}
+
+TEST_CASE("what is read in a child is the same") {
+  for (const char* name : {"two.step", "two.igs", "square.step"}) {
+    CAPTURE(name);
+    const auto here = read_cad_lines(seeds / "cad" / name, 1e-3);
+    const InChild guard;
+    const auto there = read_cad_lines(seeds / "cad" / name, 1e-3);
+    REQUIRE(here.size() == there.size());
+    for (size_t i = 0; i < here.size(); ++i) {
+      CHECK(here[i].name == there[i].name);
+      const double a = here[i].curve->start(), b = here[i].curve->end();
+      CHECK(a == there[i].curve->start());
+      CHECK(b == there[i].curve->end());
+      for (int k = 0; k <= 10; ++k)
+        CHECK(here[i].curve->evaluate(a + (b - a) * k / 10, 0) ==
+              there[i].curve->evaluate(a + (b - a) * k / 10, 0));
+    }
+  }
+  for (const char* name : {"sheet.vtp", "binary.vtp", "sheet.vtu", "binary.vtu"}) {
+    CAPTURE(name);
+    const MeshFile here = MeshFile::read(seeds / "meshes" / name);
+    const InChild guard;
+    const MeshFile there = MeshFile::read(seeds / "meshes" / name);
+    CHECK(here.shells().points == there.shells().points);
+    REQUIRE(here.shells().face_count() == there.shells().face_count());
+    for (int f = 0; f < here.shells().face_count(); ++f) {
+      const auto a = here.shells().face(f), b = there.shells().face(f);
+      CHECK(std::vector<int>(a.begin(), a.end()) == std::vector<int>(b.begin(), b.end()));
+    }
+  }
+}
