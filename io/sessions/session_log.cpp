@@ -234,7 +234,7 @@ std::vector<Operation> parse_session_log(const std::string& text,
     LogJson json;
     try {
       json = LogJson::parse(line);
-    } catch (const LogJson::parse_error&) {
+    } catch (const LogJson::exception&) {
       throw InputError(where +
                        "found a line that is no JSON, or was cut off, expected {\"do\": …}");
     }

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """Runs the batten program on damaged files and says what should not have happened.
 
-    fuzz.py PROGRAM TARGET SECONDS [--runs N] [--first K] [--keep FOLDER] [--jobs N]
+    fuzz.py SERVER TARGET SECONDS [--runs N] [--first K] [--keep FOLDER] [--jobs N]
 
-TARGET is one of the folders in seeds/, or "all" (SECONDS are then for each). Run K of a target
+SERVER is what server.cpp was built to. TARGET is one of the folders in seeds/, or "all" (SECONDS are then for each). Run K of a target
 always makes the same file. What counts as a finding: an end by a signal, an exit code outside the
 list of docs/conventions.md, an error that nobody expected, more than 10 s or 2 GB, a report that is no
 JSON or holds numbers that are not finite, files beside a refusal, hidden files that are left. A
@@ -128,19 +128,19 @@ def finite(value):
     return True
 
 
-def run(command, folder):
-    """Exit code (negative: a signal), what was printed, seconds, megabytes."""
-    with open(folder / "printed", "wb") as printed:
-        start = time.monotonic()
-        process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=printed,
-                                   stderr=subprocess.STDOUT, cwd=folder)
-        timer = threading.Timer(MOST_SECONDS + 1, process.kill)
-        timer.start()
-        _, status, used = os.wait4(process.pid, 0)
-        timer.cancel()
-        process.returncode = os.waitstatus_to_exitcode(status)
-    text = (folder / "printed").read_bytes()[:100000].decode("utf-8", "replace")
-    return process.returncode, text, time.monotonic() - start, used.ru_maxrss / 1024
+class Server:
+    """The program in server.cpp, one for each thread."""
+
+    def __init__(self, path):
+        self.process = subprocess.Popen([path], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
+                                        text=True)
+
+    def run(self, command, folder):
+        """Exit code (negative: a signal), what was printed, seconds, megabytes."""
+        print("\t".join([str(folder), *command]), file=self.process.stdin, flush=True)
+        code, seconds, megabytes = self.process.stdout.readline().split()
+        text = (folder / "printed").read_bytes()[:100000].decode("utf-8", "replace")
+        return int(code), text, float(seconds), float(megabytes)
 
 
 def wrong(code, text, seconds, megabytes, folder, names):
@@ -175,13 +175,13 @@ def wrong(code, text, seconds, megabytes, folder, names):
 
 
 class Target:
-    def __init__(self, name, program, keep):
-        self.name, self.program, self.keep = name, program, keep
+    def __init__(self, name, keep):
+        self.name, self.keep = name, keep
         self.seeds = sorted(p for p in (HERE / "seeds" / name).iterdir() if p.is_file())
         self.beside = HERE / "seeds" / name / "beside"
         self.bytes = [p.read_bytes() for p in self.seeds]
 
-    def once(self, k):
+    def once(self, k, server):
         """Run k: what was wrong with it, or an empty text."""
         rng = random.Random(f"{self.name} {k}")
         chosen = rng.randrange(len(self.seeds))
@@ -199,8 +199,8 @@ class Target:
                 for p in self.beside.iterdir():
                     shutil.copy(p, folder)
                     names.add(p.name)
-            words = [self.program] + ["input" + ending if w == "@" else w for w in command]
-            code, text, seconds, megabytes = run(words, folder)
+            words = ["input" + ending if w == "@" else w for w in command]
+            code, text, seconds, megabytes = server.run(words, folder)
             what = wrong(code, text, seconds, megabytes, folder, names)
         if what:
             self.keep.mkdir(parents=True, exist_ok=True)
@@ -213,7 +213,7 @@ class Target:
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
-    parser.add_argument("program")
+    parser.add_argument("server")
     parser.add_argument("target", choices=["all", *COMMANDS])
     parser.add_argument("seconds", type=float)
     parser.add_argument("--runs", type=int, default=10**9, help="at most so many of each target")
@@ -223,20 +223,22 @@ def main():
     a = parser.parse_args()
     found = 0
     for name in COMMANDS if a.target == "all" else [a.target]:
-        target = Target(name, os.path.abspath(a.program), a.keep.absolute())
+        target = Target(name, a.keep.absolute())
         until, number_of_run, lock, count = time.monotonic() + a.seconds, [a.first], threading.Lock(), [0]
 
         def work(_):
-            wrongs = 0
+            wrongs, server = 0, Server(os.path.abspath(a.server))
             while time.monotonic() < until:
                 with lock:
                     k = number_of_run[0]
                     number_of_run[0] += 1
                 if k >= a.first + a.runs:
                     break
-                wrongs += bool(target.once(k))
+                wrongs += bool(target.once(k, server))
                 with lock:
                     count[0] += 1
+            server.process.stdin.close()
+            server.process.wait()
             return wrongs
 
         with ThreadPoolExecutor(a.jobs) as pool:
