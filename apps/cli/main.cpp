@@ -2,6 +2,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
+#include <csignal>
 #include <iostream>
 
 #include "batten/apps/cli/terminal.h"
@@ -11,6 +12,7 @@
 #include "batten/apps/commands/runs/run_parts.h"
 #include "batten/apps/commands/shapes/run_scene.h"
 #include "batten/apps/commands/shapes/run_sculpt.h"
+#include "batten/core/memory.h"
 #include "batten/core/parallel.h"
 #include "batten/io/files/in_child.h"
 #include "batten/io/files/length_units.h"
@@ -84,7 +86,7 @@ struct Arguments {
   std::vector<double> angles;
   double edge_length = 0, tolerance = 0, meet = 0, pressure = 0;
   double noise = 0, deviation = 0, wavelength = 0, corner_angle = FairOptions{}.corner_angle,
-         segments = 0;
+         segments = 0, memory = 0;
   int threads = 0, contours = 0;
   bool network = false, exact_step = false, quiet = false, hold_ends = false, closed = false,
        open = false, keep_outliers = false;
@@ -232,6 +234,9 @@ int view(Arguments a) {
 void add_common(CLI::App* sub, Arguments& a) {
   sub->add_option("--threads", a.threads, "Threads to use; the number of cores unless given")
       ->check(CLI::Range(1, 1024));
+  sub->add_option("--memory", a.memory,
+                  "GB that may be used; what is there unless given. More is refused beforehand")
+      ->check(kPositive);
   sub->add_flag("--quiet", a.quiet, "Print errors only");
 }
 
@@ -422,8 +427,10 @@ int command(int argc, char** argv) {
     return app.exit(e) == 0 ? kDone : kBadInput;
   }
   catch_interrupts(kCancelled);
+  std::signal(SIGXFSZ, SIG_IGN);  // writers tell of a file that may not grow
   read_in_child(true);
   set_thread_count(a.threads);
+  limit_memory(1e9 * a.memory);
   if (*run_command) return run(a);
   if (*sculpt_command) return sculpt(a);
   if (*deform_command) return deform(a);

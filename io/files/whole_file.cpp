@@ -5,6 +5,8 @@
 
 #include <atomic>
 #include <cerrno>
+#include <charconv>
+#include <csignal>
 #include <cstring>
 #include <fstream>
 #include <locale>
@@ -26,6 +28,25 @@ fs::path temporary_name(const fs::path& folder, const std::string& stem,
   static std::atomic<int> counter{0};
   return folder / ("." + stem + "." + std::to_string(getpid()) + "-" + std::to_string(++counter) +
                    extension);
+}
+
+/// Removes what temporary_name() gave to processes that were killed.
+void remove_orphans(const fs::path& folder, const std::string& stem, const std::string& extension) {
+  const std::string begin = "." + stem + ".";
+  std::error_code error, ignored;
+  for (fs::directory_iterator entry(folder, error), end; !error && entry != end;
+       entry.increment(error)) {
+    const std::string name = entry->path().filename().string();
+    if (!name.starts_with(begin) || !name.ends_with(extension)) continue;
+    const char *first = name.data() + begin.size(), *last = name.data() + name.size();
+    long process = 0, count = 0;
+    const auto [dash, bad] = std::from_chars(first, last, process);
+    if (bad != std::errc() || process <= 0 || dash == last || *dash != '-') continue;
+    const auto [rest, worse] = std::from_chars(dash + 1, last, count);
+    if (worse != std::errc() || std::string(rest, last) != extension) continue;
+    if (::kill(static_cast<pid_t>(process), 0) != 0 && errno == ESRCH)
+      fs::remove(entry->path(), ignored);
+  }
 }
 
 /// 0, or errno.
@@ -52,8 +73,10 @@ WholeFile::WholeFile(fs::path path) : path_(std::move(path)) {
   if (!fs::exists(above)) fail(path_, "the folder " + folder.string() + " does not exist");
   if (!fs::is_directory(above)) fail(path_, folder.string() + " is not a folder");
   // Long names must leave room for what is added to them.
-  temporary_ =
-      temporary_name(folder, target.stem().string().substr(0, 100), target.extension().string());
+  const std::string stem = target.stem().string().substr(0, 100),
+                    extension = target.extension().string();
+  remove_orphans(folder, stem, extension);
+  temporary_ = temporary_name(folder, stem, extension);
   path_ = target;
   unfinished_.emplace(temporary_);
   if (const int reason = create(temporary_)) fail(path_, std::strerror(reason));

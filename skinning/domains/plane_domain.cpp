@@ -6,6 +6,7 @@
 #include "batten/core/words.h"
 #include "batten/skinning/domains/domain_task.h"
 #include "batten/skinning/domains/loop_area.h"
+#include "batten/skinning/domains/mesh_size.h"
 #include "batten/skinning/domains/polygon_fit.h"
 
 namespace batten {
@@ -156,12 +157,7 @@ std::shared_ptr<const ParametricMesh> squares_over(const DomainLoops& outside,
   const double h = rounded(task.edge / task.size);
   const Vec2 extent = outside.high() - outside.low();
   const double expected = 2 * extent.x() * extent.y() / (h * h);
-  constexpr double most_triangles = 2e6;
-  if (expected > most_triangles)
-    throw InputError("edge_length = " + number(task.edge) + " on a region of size " +
-                     number(task.size) + " means about " + number(expected) +
-                     " triangles; at most " + number(most_triangles) +
-                     " are allowed (is the unit right?)");
+  require_mesh_size(expected, task.edge, task.size, "a region");
   const int columns = static_cast<int>(std::ceil(extent.x() / h)) + 2,
             rows = static_cast<int>(std::ceil(extent.y() / h)) + 2;
   const Vec2 origin =

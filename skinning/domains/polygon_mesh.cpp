@@ -7,6 +7,7 @@
 #include "batten/core/index.h"
 #include "batten/core/plane.h"
 #include "batten/core/words.h"
+#include "batten/skinning/domains/mesh_size.h"
 #include "batten/skinning/domains/mesher.h"
 #include "batten/skinning/domains/polygon_plan.h"
 
@@ -142,16 +143,11 @@ ParametricMesh mesh_polygon(PolygonPlan& plan) {
                                         std::pow(4.0, plan.task.options.fan_refinements)
                                   : area * plan.task.size * plan.task.size /
                                         (std::sqrt(3.0) / 4 * plan.task.edge * plan.task.edge);
-  constexpr double most_triangles = 2e6;
   if (counted && expected > most_triangles)
     throw InputError("a fan refined " + std::to_string(plan.task.options.fan_refinements) +
                      " times has " + number(expected) + " triangles; at most " +
                      number(most_triangles) + " are allowed");
-  if (expected > most_triangles)
-    throw InputError("edge_length = " + number(plan.task.edge) + " on a region of size " +
-                     number(plan.task.size) + " means about " + number(expected) +
-                     " triangles; at most " + number(most_triangles) +
-                     " are allowed (is the unit right?)");
+  require_mesh_size(expected, plan.task.edge, plan.task.size, "a region");
   for (Strip& s : plan.strips) {
     if (s.given()) {
       fix_nodes(s);

@@ -7,6 +7,7 @@
 #include "batten/core/errors.h"
 #include "batten/core/index.h"
 #include "batten/core/words.h"
+#include "batten/skinning/domains/mesh_size.h"
 #include "batten/skinning/domains/ring_rim.h"
 
 namespace batten {
@@ -186,12 +187,7 @@ class Builder {
   double column_width() const {
     const double h = std::min({task_.edge / task_.size, 2 * V_, U_ / 8}) / U_;
     const double expected = 2 * U_ * V_ * task_.size * task_.size / (task_.edge * task_.edge);
-    constexpr double most_triangles = 2e6;
-    if (expected > most_triangles || 2 / h > most_triangles)
-      throw InputError("edge_length = " + number(task_.edge) + " on a ring of size " +
-                       number(task_.size) + " means about " + number(std::max(expected, 2 / h)) +
-                       " triangles; at most " + number(most_triangles) +
-                       " are allowed (is the unit right?)");
+    require_mesh_size(std::max(expected, 2 / h), task_.edge, task_.size, "a ring");
     return h;
   }
 

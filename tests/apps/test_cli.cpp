@@ -458,6 +458,42 @@ TEST_CASE("an interrupted run leaves nothing", "[cli]") {
   }
 }
 
+TEST_CASE("what a killed run left is removed by the next, what a living one has is not", "[cli]") {
+  const Case c("killed");
+  c.file("s.toml", kUnit + square() + "[skin]\nedge_length = 0.3\n" + kPressure);
+  c.file("small.toml", kUnit + square());
+  const auto begun = [&] {
+    const pid_t child = c.start({"run", "s.toml", "--out", "out"});
+    const fs::path hidden = c / ("out/.batten-" + std::to_string(child));
+    int status = 0;
+    while (!fs::exists(hidden) && waitpid(child, &status, WNOHANG) == 0)
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));  // it locks the folder
+    return std::pair(child, hidden);
+  };
+  const auto [killed, orphan] = begun();
+  kill(killed, SIGKILL);
+  c.wait(killed);
+  REQUIRE(fs::exists(orphan));
+  const auto [living, hidden] = begun();
+  CHECK_FALSE(fs::exists(orphan));
+  CHECK(c.run({"run", "small.toml", "--out", "out"}).code == 0);
+  CHECK(fs::exists(hidden));
+  CHECK(fs::exists(c / "out/report.json"));
+  kill(living, SIGTERM);
+  c.wait(living);
+  CHECK_FALSE(fs::exists(hidden));
+  CHECK(fs::exists(c / "out/report.json"));
+
+  // A single file: the number of a process that cannot be.
+  c.file(".faired.4194305-1.csv", "half");
+  c.file(".faired.4194305-x.csv", "somebody's own");
+  c.file("wave.csv", "x,y,z\n0,0,0\n1,1,0\n2,0,0\n3,1,0\n");
+  CHECK(c.run({"fair", "wave.csv", "--out", "faired.csv"}).code == 0);
+  CHECK_FALSE(fs::exists(c / ".faired.4194305-1.csv"));
+  CHECK(fs::exists(c / ".faired.4194305-x.csv"));
+}
+
 TEST_CASE("work that hears nothing is ended all the same", "[cli]") {
   const Case c("deaf");
   const pid_t child = fork();

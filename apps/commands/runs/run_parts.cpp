@@ -1,6 +1,10 @@
 #include "batten/apps/commands/runs/run_parts.h"
 
+#include <fcntl.h>
+#include <sys/file.h>
 #include <unistd.h>
+
+#include <cerrno>
 #include <cmath>
 #include <cstdlib>
 
@@ -9,23 +13,62 @@
 namespace batten {
 namespace fs = std::filesystem;
 
+namespace {
+
+const std::string kHidden = ".batten-";
+
+// An open folder with the system's lock on it, or -1: somebody else has it and `waits` is false, or
+// the file system knows no locks.
+int locked_folder(const fs::path& folder, bool waits) {
+  const int file = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (file < 0) return -1;
+  while (::flock(file, LOCK_EX | (waits ? 0 : LOCK_NB)) != 0) {
+    if (errno == EINTR) continue;
+    ::close(file);
+    return -1;
+  }
+  return file;
+}
+
+// Hidden folders of runs that were killed: nobody holds their locks.
+void remove_orphans(const fs::path& folder) {
+  std::error_code error, ignored;
+  for (fs::directory_iterator entry(folder, error), end; !error && entry != end;
+       entry.increment(error)) {
+    if (!entry->path().filename().string().starts_with(kHidden)) continue;
+    if (const int lock = locked_folder(entry->path(), false); lock >= 0) {
+      fs::remove_all(entry->path(), ignored);
+      ::close(lock);
+    }
+  }
+}
+
+}  // namespace
+
 OutputFolder::OutputFolder(fs::path folder) : folder_(std::move(folder)) {
   std::error_code error;
   for (fs::path p = fs::absolute(folder_); !p.empty() && !fs::exists(p, error) && !error;
        p = p.parent_path())
     if (p.has_filename()) made_.insert(made_.begin(), p);
-  hidden_ = folder_ / (".batten-" + std::to_string(getpid()));
+  hidden_ = folder_ / (kHidden + std::to_string(getpid()));
   for (const fs::path& p : made_) unfinished_.emplace_back(p, Unfinished::Content::Keep);
   unfinished_.emplace_back(hidden_);
   make_output_folder(folder_);
-  fs::remove_all(hidden_, error);
-  fs::create_directory(hidden_, error);
+  {
+    // One after the other, so that nobody takes a folder that is not locked yet for an orphan.
+    const int turn = locked_folder(folder_, true);
+    remove_orphans(folder_);
+    fs::create_directory(hidden_, error);
+    if (!error) lock_ = locked_folder(hidden_, false);
+    if (turn >= 0) ::close(turn);
+  }
   if (error) throw InputError(hidden_.string() + ": cannot make this folder: " + error.message());
 }
 
 OutputFolder::~OutputFolder() {
   std::error_code ignored;
   fs::remove_all(hidden_, ignored);
+  if (lock_ >= 0) ::close(lock_);
   if (!committed_)
     for (auto p = made_.rbegin(); p != made_.rend(); ++p) fs::remove(*p, ignored);  // if empty
 }
@@ -39,13 +82,16 @@ void OutputFolder::commit() {
       throw InputError((folder_ / name).string() +
                        ": cannot write this file: a folder has this name");
   finish_files([&] {
+    const int turn = locked_folder(folder_, true);
+    std::string failure;
     for (const auto& name : names) {
       std::error_code error;
       fs::rename(hidden_ / name, folder_ / name, error);
-      if (error)
-        throw InputError((folder_ / name).string() +
-                         ": cannot write this file: " + error.message());
+      if (error && failure.empty())
+        failure = (folder_ / name).string() + ": cannot write this file: " + error.message();
     }
+    if (turn >= 0) ::close(turn);
+    if (!failure.empty()) throw InputError(failure);
   });
   committed_ = true;
 }

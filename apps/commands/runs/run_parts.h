@@ -19,7 +19,8 @@ namespace batten {
 /// The output folder of a run: all its files appear, or none. Files are written into a hidden folder
 /// inside it, and commit() moves them to their names. Without a commit the destructor, or
 /// discard_unfinished(), removes them and the folders that the constructor made; files of earlier
-/// runs stay as they were.
+/// runs stay as they were. Runs into one folder may overlap: each moves all its files at once, and
+/// the last one stays. What a killed run left is removed by the next.
 class OutputFolder {
  public:
   /// Makes the folder and those above it. Throws InputError when it cannot be written to.
@@ -37,6 +38,7 @@ class OutputFolder {
 
  private:
   std::filesystem::path folder_, hidden_;
+  int lock_ = -1;                            // of the hidden folder, as long as it is in use
   std::vector<std::filesystem::path> made_;  // folders that were made, outermost first
   std::list<Unfinished> unfinished_;         // all of these
   bool committed_ = false;

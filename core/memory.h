@@ -1,0 +1,20 @@
+// How much memory a computation may ask for, so that it can say no before it starts.
+#pragma once
+
+#include <string>
+
+namespace batten {
+
+/// States the memory that this process may have, bytes; 0: what the system has. Of the whole
+/// process: batten's --memory.
+void limit_memory(double bytes);
+
+/// Bytes that may still be asked for: of what limit_memory() stated, or that the system says are
+/// available, less than a limit of the process on its addresses where it has one. Infinite where
+/// the system does not tell. 20 µs.
+double memory_left();
+
+/// Whole bytes in words: "14 GB", "300 MB".
+std::string bytes_in_words(double bytes);
+
+}  // namespace batten

@@ -1,0 +1,20 @@
+// Whether a mesh can be afforded.
+#pragma once
+
+#include <string>
+
+namespace batten {
+
+/// Bytes that skinning takes at its highest for a mesh of so many triangles: mostly its factor,
+/// which grows as n log n.
+double bytes_for_triangles(double triangles);
+
+/// Throws InputError for a mesh that is too large: of more than two million triangles, or for which
+/// there is not enough memory (memory_left). The message says how much it would take, and which
+/// edge_length needs half of what there is. `what`: "a region", "a ring"; `edge`, `size` in model
+/// units.
+void require_mesh_size(double triangles, double edge, double size, const std::string& what);
+
+inline constexpr double most_triangles = 2e6;
+
+}  // namespace batten

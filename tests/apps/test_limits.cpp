@@ -1,0 +1,90 @@
+// The limits of docs/limits.md, each at its edge: just inside it works, just beyond it is refused
+// before anything is done.
+#include <sys/stat.h>
+
+#include "batten/tests/apps/cli_case.h"
+
+using namespace batten_test;
+
+namespace {
+
+std::string square(const std::string& skin) {
+  return "unit = \"mm\"\n[[line]]\nname = \"a\"\npoints = [[0,0,0],[100,0,0]]\n"
+         "[[line]]\nname = \"b\"\npoints = [[100,0,0],[100,100,0]]\n"
+         "[[line]]\nname = \"c\"\npoints = [[100,100,0],[0,100,0]]\n"
+         "[[line]]\nname = \"d\"\npoints = [[0,100,0],[0,0,0]]\n[skin]\n" +
+         skin + "\n[output]\nvtp = \"s.vtp\"\n";
+}
+
+std::string nested(int levels) {
+  return "x = " + std::string(static_cast<size_t>(levels), '[') +
+         std::string(static_cast<size_t>(levels), ']') + "\n";
+}
+
+}  // namespace
+
+TEST_CASE("meshes that memory cannot hold are refused beforehand, with what fits") {
+  const Case c("limits_memory");
+  c.fails(square("edge_length = 0.3"), 1,
+          {"edge_length = 0.3 on a region of size", "triangles, which need", "GB of memory, and",
+           "are there; edge_length = ", " needs "},
+          {"--memory", "0.5"});
+  c.fails(square("edge_length = 0.05"), 1, {"triangles; at most 2e+06 are allowed"});
+  // What the message names does fit.
+  c.file("s.toml", square("edge_length = 0.3"));
+  const std::string message = c.run({"run", "s.toml", "--out", "out", "--memory", "0.5"}).err;
+  const size_t at = message.find("are there; edge_length = ");
+  REQUIRE(at != std::string::npos);
+  const std::string edge = message.substr(at + 25, message.find(' ', at + 25) - at - 25);
+  c.file("s.toml", square("edge_length = " + edge));
+  CHECK(c.run({"run", "s.toml", "--out", "out", "--memory", "0.5"}).code == 0);
+}
+
+TEST_CASE("scenes may be nested so deep and no deeper") {
+  const Case c("limits_nesting");
+  c.fails(nested(64) + square(""), 1, {"found key 'x'"});
+  c.fails(nested(65) + square(""), 1, {"s.toml:1:69: found lists", "64 levels at most"});
+  c.fails(nested(1000000) + square(""), 1, {"64 levels at most"});
+}
+
+TEST_CASE("pipes, devices and links in a circle are no files") {
+  const Case c("limits_files");
+  REQUIRE(mkfifo((c / "pipe.csv").c_str(), 0600) == 0);
+  fs::create_symlink("b.csv", c / "a.csv");
+  fs::create_symlink("a.csv", c / "b.csv");
+  fs::create_symlink("/dev/zero", c / "zero.csv");
+  fs::create_directory(c / "folder.csv");
+  const std::vector<std::pair<std::string, std::string>> all = {
+      {"pipe", "found a pipe"},
+      {"a", "found links that lead in a circle"},
+      {"zero", "found a device"},
+      {"folder", "found a folder"}};
+  for (const auto& [name, expected] : all)
+    for (const char* ending : {".csv", ".toml", ".json", ".step", ".igs", ".svg", ".dxf", ".obj",
+                               ".vtp", ".bdf", ".stl"}) {
+      const std::string file = name + ending;
+      if (!fs::exists(fs::symlink_status(c / file))) fs::rename(c / (name + ".csv"), c / file);
+      CAPTURE(file);
+      const Result r = c.run({"info", file});
+      CHECK(r.code == 1);
+      CHECK(r.err.find(expected) != std::string::npos);
+      fs::rename(c / file, c / (name + ".csv"));
+      if (name == "a") break;  // the circle is broken by another name
+    }
+}
+
+TEST_CASE("a line of a drawing may have so many characters") {
+  const Case c("limits_dxf");
+  const auto drawing = [](size_t length) {
+    return "999\n" + std::string(length, 'x') +
+           "\n0\nSECTION\n2\nENTITIES\n0\nLINE\n8\n0\n10\n0\n20\n0\n30\n0\n11\n50\n21\n0\n31\n0\n"
+           "0\nENDSEC\n0\nEOF\n";
+  };
+  c.file("a.dxf", drawing(1022));
+  CHECK(c.run({"info", "a.dxf"}).code == 0);
+  c.file("a.dxf", drawing(1023));
+  const Result r = c.run({"info", "a.dxf"});
+  CHECK(r.code == 1);
+  CHECK(r.err.find("a.dxf:2: found a line of 1023 characters, expected less than 1023") !=
+        std::string::npos);
+}
