@@ -5,9 +5,7 @@
 #include <vtkCellTypes.h>
 #include <vtkDoubleArray.h>
 #include <vtkErrorCode.h>
-#include <vtkLogger.h>
 #include <vtkNew.h>
-#include <vtkOutputWindow.h>
 #include <vtkPointData.h>
 #include <vtkPoints.h>
 #include <vtkPolyData.h>
@@ -21,72 +19,19 @@
 
 #include <limits>
 #include <map>
-#include <mutex>
 #include <new>
 #include <optional>
 
 #include "batten/core/errors.h"
 #include "batten/core/index.h"
 #include "batten/io/files/in_child.h"
-#include "batten/io/files/whole_file.h"
 #include "batten/io/meshes/mesh_text.h"
+#include "batten/io/vtk/vtk_messages.h"
+#include "batten/io/vtk/vtk_write.h"
 
 namespace batten {
 namespace fs = std::filesystem;
 namespace {
-
-/// Keeps the first error that VTK reports while it reads or writes. Otherwise errors would fill the
-/// terminal, and some are the only sign that a part of the file was passed over.
-class Complaints : public vtkOutputWindow {
- public:
-  static Complaints* New() { return new Complaints; }
-  void DisplayText(const char*) override {}
-  void DisplayErrorText(const char* text) override {
-    if (!first_.empty()) return;
-    // "ERROR: In file, line n\nclass (address): message"
-    std::string_view message = text ? text : "";
-    if (const size_t at = message.find("): "); at != message.npos) message = message.substr(at + 3);
-    first_ = trimmed(message.substr(0, message.find('\n')));
-    if (first_.empty()) first_ = "it is damaged";
-  }
-  void DisplayWarningText(const char*) override {}
-  void DisplayGenericWarningText(const char*) override {}
-  void DisplayDebugText(const char*) override {}
-  const std::string& first() const { return first_; }
-
- private:
-  std::string first_;
-};
-
-/// Sends VTK's messages to a Complaints as long as it exists. VTK has one place for all messages,
-/// so there is one such object at a time.
-class Listening {
- public:
-  Listening()
-      : lock_(mutex()),
-        before_(vtkOutputWindow::GetInstance()),
-        verbosity_(vtkLogger::GetCurrentVerbosityCutoff()) {
-    vtkOutputWindow::SetInstance(complaints_);
-    vtkLogger::SetStderrVerbosity(vtkLogger::VERBOSITY_OFF);
-  }
-  ~Listening() {
-    vtkLogger::SetStderrVerbosity(verbosity_);
-    vtkOutputWindow::SetInstance(before_);
-  }
-  Listening(const Listening&) = delete;
-  Listening& operator=(const Listening&) = delete;
-  const std::string& first() const { return complaints_->first(); }
-
- private:
-  static std::mutex& mutex() {
-    static std::mutex one;
-    return one;
-  }
-  std::lock_guard<std::mutex> lock_;
-  vtkSmartPointer<vtkOutputWindow> before_;
-  vtkLogger::Verbosity verbosity_;
-  vtkNew<Complaints> complaints_;
-};
 
 /// Reads the file, or what a child made of it.
 template <class Reader>
@@ -94,7 +39,7 @@ vtkSmartPointer<vtkPointSet> read_from(const fs::path& path, const std::string* 
   const auto fail = [&](const std::string& reason) -> void {
     throw InputError(path.string() + ": VTK cannot read this file: " + reason);
   };
-  const Listening listening;
+  const VtkMessages messages;
   vtkNew<Reader> reader;
   try {
     if (bytes) {
@@ -112,7 +57,7 @@ vtkSmartPointer<vtkPointSet> read_from(const fs::path& path, const std::string* 
   } catch (const std::exception& error) {
     fail(error.what());
   }
-  if (!listening.first().empty()) fail(listening.first());
+  if (!messages.first_error().empty()) fail(messages.first_error());
   if (reader->GetErrorCode() != vtkErrorCode::NoError)
     fail(vtkErrorCode::GetStringFromErrorCode(reader->GetErrorCode()));
   if (!reader->GetOutput() || !reader->GetOutput()->GetPoints()) fail("it has no points");
@@ -193,26 +138,13 @@ std::optional<FaceType> face_type(int cell_type) {
   }
 }
 
-void write_with(vtkXMLWriter& writer, vtkDataObject* data, const fs::path& path) {
-  WholeFile file(path);
-  const Listening listening;
-  writer.SetInputDataObject(data);
-  writer.SetFileName(file.temporary().c_str());
-  writer.SetDataModeToAppended();
-  writer.SetCompressorTypeToZLib();
-  if (!writer.Write() || !listening.first().empty())
-    throw InputError(path.string() + ": cannot write this file: " +
-                     vtkErrorCode::GetStringFromErrorCode(writer.GetErrorCode()));
-  file.commit();
-}
-
 void write_data(vtkDataObject* data, const fs::path& path) {
   if (vtkPolyData::SafeDownCast(data)) {
     vtkNew<vtkXMLPolyDataWriter> writer;
-    write_with(*writer, data, path);
+    write_xml(*writer, data, path);
   } else {
     vtkNew<vtkXMLUnstructuredGridWriter> writer;
-    write_with(*writer, data, path);
+    write_xml(*writer, data, path);
   }
 }
 

@@ -26,6 +26,7 @@
 #include "batten/core/index.h"
 #include "batten/core/parallel.h"
 #include "batten/io/files/whole_file.h"
+#include "batten/io/vtk/vtk_messages.h"
 #include "batten/io/vtk/vtk_write.h"
 #include "batten/skinning/facets/facets.h"
 
@@ -219,6 +220,7 @@ const Surface* reference(const VtkOptions& options, int region) {
 
 void write_xml(vtkXMLWriter& writer, vtkDataObject* data, const fs::path& path) {
   WholeFile file(path);
+  const VtkMessages messages;
   writer.SetInputDataObject(data);
   writer.SetFileName(file.temporary().c_str());
   writer.SetDataModeToAppended();
@@ -228,7 +230,7 @@ void write_xml(vtkXMLWriter& writer, vtkDataObject* data, const fs::path& path) 
     writer.SetCompressorTypeToZLib();  // which other programs that read VTU know
     writer.SetCompressionLevel(1);
   }
-  if (!writer.Write())
+  if (!writer.Write() || !messages.first_error().empty())
     throw InputError(path.string() + ": cannot write this file: " +
                      vtkErrorCode::GetStringFromErrorCode(writer.GetErrorCode()));
   file.commit();

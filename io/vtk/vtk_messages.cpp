@@ -1,0 +1,51 @@
+#include "batten/io/vtk/vtk_messages.h"
+
+#include <string_view>
+
+#include "batten/io/files/text.h"
+
+namespace batten {
+namespace {
+
+std::mutex& one_at_a_time() {
+  static std::mutex one;
+  return one;
+}
+
+}  // namespace
+
+class VtkMessages::Listener : public vtkOutputWindow {
+ public:
+  static Listener* New() { return new Listener; }
+  void DisplayText(const char*) override {}
+  void DisplayErrorText(const char* text) override {
+    if (!first.empty()) return;
+    // "ERROR: In file, line n\nclass (address): message"
+    std::string_view message = text ? text : "";
+    if (const size_t at = message.find("): "); at != message.npos) message = message.substr(at + 3);
+    first = trimmed(message.substr(0, message.find('\n')));
+    if (first.empty()) first = "it is damaged";
+  }
+  void DisplayWarningText(const char*) override {}
+  void DisplayGenericWarningText(const char*) override {}
+  void DisplayDebugText(const char*) override {}
+
+  std::string first;
+};
+
+VtkMessages::VtkMessages()
+    : lock_(one_at_a_time()),
+      before_(vtkOutputWindow::GetInstance()),
+      verbosity_(vtkLogger::GetCurrentVerbosityCutoff()) {
+  vtkOutputWindow::SetInstance(listener_);
+  vtkLogger::SetStderrVerbosity(vtkLogger::VERBOSITY_OFF);
+}
+
+VtkMessages::~VtkMessages() {
+  vtkLogger::SetStderrVerbosity(verbosity_);
+  vtkOutputWindow::SetInstance(before_);
+}
+
+const std::string& VtkMessages::first_error() const { return listener_->first; }
+
+}  // namespace batten
