@@ -317,6 +317,8 @@ class AbaqusReader {
 
   void warn() {
     deck_.warn_of_others("elements");
+    if (file_.ends_in_mid_line())
+      mesh_.warnings.push_back("the file ends in mid-line: it may be cut short");
     if (assembly_blocks_ > 0)
       mesh_.warnings.push_back(
           "nodes and elements of the assembly itself are carried along as text");

@@ -46,14 +46,16 @@ class DynaReader {
   void read() {
     bool more = next(line_);
     while (more && !line_.starts_with('*')) more = next(line_);
+    bool ended = false;
     while (line_.starts_with('*')) {
       const Keyword keyword = read_keyword();
-      if (keyword.name == "END") break;
+      if (ended = keyword.name == "END"; ended) break;
       handle(keyword);
       while (next_card()) {
       }
     }
     finish();
+    if (!ended) mesh_.warnings.push_back("the deck has no *END: it may be cut short");
   }
 
  private:

@@ -85,6 +85,8 @@ class MeshText {
   [[noreturn]] void fail(std::string_view where, const std::string& message) const {
     fail(offset(where), message);
   }
+  /// Whether the last line has no line end: the file may be cut short, or was typed so.
+  bool ends_in_mid_line() const { return !text_.empty() && text_.back() != '\n'; }
   [[noreturn]] void fail_at_end(const std::string& message) const { fail(text_.size(), message); }
   long line_of(size_t offset) const;
 

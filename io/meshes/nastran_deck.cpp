@@ -51,12 +51,13 @@ class NastranReader {
   void read() {
     go_to_bulk();
     std::string_view line;
+    bool ended = false;
     while (file_.next(line)) {
       if (line.empty() || line[0] == '$') continue;
       const CardLine card(line);
       if (card.continues()) continue;
       const std::string name = upper(card.name);
-      if (name == "ENDDATA") break;
+      if (ended = name == "ENDDATA"; ended) break;
       if (name == "GRID") {
         grid(card);
       } else if (name == "CTRIA3" || name == "CTRIAR") {
@@ -76,6 +77,7 @@ class NastranReader {
       }
     }
     finish();
+    if (!ended) mesh_.warnings.push_back("the deck has no ENDDATA: it may be cut short");
   }
 
  private:

@@ -96,6 +96,8 @@ class ObjReader {
                                " of the file are kept as text");
     if (const int unused = unused_nodes(mesh_.shells))
       mesh_.warnings.push_back(counted(unused, "node") + " without a face");
+    if (file_.ends_in_mid_line())
+      mesh_.warnings.push_back("the file ends in mid-line: it may be cut short");
   }
 
  private:

@@ -2,6 +2,8 @@
 #include <array>
 #include <cmath>
 #include <cstdlib>
+#include <fstream>
+#include <sstream>
 
 #include "batten/tests/io/meshes/mesh_laws.h"
 
@@ -672,6 +674,32 @@ TEST_CASE("damaged decks give an answer or an error", "[io][decks]") {
   check_damage(".bdf", kNastran, 1500);
   check_damage(".inp", abaqus_plate(), 1500);
   check_damage(".k", kDyna, 1500);
+}
+
+namespace {
+
+std::string joined(const std::vector<std::string>& sentences) {
+  std::string all;
+  for (const std::string& sentence : sentences) all += sentence + "\n";
+  return all;
+}
+
+}  // namespace
+
+TEST_CASE("decks and polygons that may be cut short are named") {
+  const std::filesystem::path folder =
+      std::filesystem::path(BATTEN_SOURCE_DIR) / "tests/fuzz/seeds/meshes";
+  const auto cut = batten_test::scratch("cut_decks");
+  std::filesystem::create_directories(cut);
+  for (const char* name : {"sheet.bdf", "sheet.k", "sheet.inp", "sheet.obj"}) {
+    CAPTURE(name);
+    std::ostringstream text;
+    text << std::ifstream(folder / name, std::ios::binary).rdbuf();
+    CHECK_THAT(joined(MeshFile::read(folder / name).warnings()), !Contains("cut short"));
+    // The last line but its last two characters: that of the end, or of the last faces.
+    std::ofstream(cut / name, std::ios::binary) << text.str().substr(0, text.str().size() - 3);
+    CHECK_THAT(joined(MeshFile::read(cut / name).warnings()), Contains("it may be cut short"));
+  }
 }
 
 TEST_CASE("writing decks refuses what would not be the same mesh", "[io][decks]") {
