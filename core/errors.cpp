@@ -1,7 +1,7 @@
 #include "batten/core/errors.h"
 
 #include <algorithm>
-#include <cstdio>
+#include <charconv>
 #include <numeric>
 
 namespace batten {
@@ -24,9 +24,9 @@ ConflictError::ConflictError(std::vector<Conflict> conflicts, const std::string&
     : Error(where + describe(conflicts)), conflicts_(std::move(conflicts)) {}
 
 std::string number(double value) {
+  // Whatever locale the process has.
   char text[32];
-  std::snprintf(text, sizeof text, "%.6g", value);
-  return text;
+  return {text, std::to_chars(text, text + sizeof text, value, std::chars_format::general, 6).ptr};
 }
 
 std::string nearest_word(const std::string& word, const std::vector<std::string>& words) {

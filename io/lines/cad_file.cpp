@@ -226,6 +226,7 @@ CadFile read_with_occ(const std::filesystem::path& file, bool iges) {
 // The order of edges in the map is that of the shape, and survives.
 std::string to_bytes(const CadFile& cad) {
   std::ostringstream out;
+  out.imbue(std::locale::classic());
   out << cad.found << '\n' << cad.labels.size() << '\n';
   for (const std::string& label : cad.labels) out << label.size() << ' ' << label;
   BinTools::Write(cad.shape, out);
@@ -234,6 +235,7 @@ std::string to_bytes(const CadFile& cad) {
 
 CadFile from_bytes(const std::string& bytes) {
   std::istringstream in(bytes);
+  in.imbue(std::locale::classic());
   CadFile cad;
   size_t count = 0;
   std::getline(in, cad.found);

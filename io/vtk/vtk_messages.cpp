@@ -14,6 +14,21 @@ std::mutex& one_at_a_time() {
 
 }  // namespace
 
+// The streams' locale is the process's: it is changed only where numbers have no points there, and
+// for one without a name, so that the C library's stays.
+ClassicNumbers::ClassicNumbers() : own_(newlocale(LC_ALL_MASK, "C", nullptr)) {
+  before_in_c_ = uselocale(own_);
+  const auto& numbers = std::use_facet<std::numpunct<char>>(before_);
+  if (numbers.decimal_point() != '.' || !numbers.grouping().empty())
+    std::locale::global(std::locale(before_, new std::numpunct<char>));
+}
+
+ClassicNumbers::~ClassicNumbers() {
+  if (!(std::locale() == before_)) std::locale::global(before_);
+  uselocale(before_in_c_);
+  freelocale(own_);
+}
+
 class VtkMessages::Listener : public vtkOutputWindow {
  public:
   static Listener* New() { return new Listener; }

@@ -6,10 +6,26 @@
 #include <vtkOutputWindow.h>
 #include <vtkSmartPointer.h>
 
+#include <clocale>
+#include <locale>
 #include <mutex>
 #include <string>
 
 namespace batten {
+
+/// Numbers have points in this thread, whatever locale the process has, as long as such an object
+/// exists: VTK writes and reads numbers by streams that know the process's locale only.
+class ClassicNumbers {
+ public:
+  ClassicNumbers();
+  ~ClassicNumbers();
+  ClassicNumbers(const ClassicNumbers&) = delete;
+  ClassicNumbers& operator=(const ClassicNumbers&) = delete;
+
+ private:
+  std::locale before_;
+  locale_t own_, before_in_c_;
+};
 
 /// Takes VTK's messages as long as it exists, and keeps the first error. Otherwise errors would
 /// fill the terminal, and some are the only sign that a part of a file was passed over. VTK has one
@@ -26,6 +42,7 @@ class VtkMessages {
  private:
   class Listener;
   std::lock_guard<std::mutex> lock_;
+  ClassicNumbers numbers_;
   vtkSmartPointer<vtkOutputWindow> before_;
   vtkLogger::Verbosity verbosity_;
   vtkNew<Listener> listener_;

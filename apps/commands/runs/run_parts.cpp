@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <charconv>
 #include <cmath>
 #include <cstdlib>
 
@@ -104,9 +105,10 @@ std::vector<Setting> parsed_settings(const std::vector<std::string>& settings) {
     if (equals == std::string::npos || equals == 0)
       throw InputError(where + "found no '=', expected name=value");
     const std::string text = setting.substr(equals + 1);
-    char* end = nullptr;
-    const double value = std::strtod(text.c_str(), &end);
-    if (text.empty() || *end != '\0' || !std::isfinite(value))
+    double value = 0;
+    const char* const last = text.data() + text.size();
+    const auto [end, error] = std::from_chars(text.data() + text.starts_with('+'), last, value);
+    if (error != std::errc() || end != last || !std::isfinite(value))
       throw InputError(where + "found '" + text + "', expected a number");
     parsed.push_back({setting.substr(0, equals), where, value});
   }

@@ -2,9 +2,11 @@
 #include <sys/resource.h>
 #include <sys/stat.h>
 
+#include <cmath>
 #include <csignal>
 #include <cstdlib>
 #include <fstream>
+#include <locale>
 #include <new>
 
 #include "batten/core/errors.h"
@@ -12,6 +14,8 @@
 #include "batten/io/files/input_file.h"
 #include "batten/io/files/nesting.h"
 #include "batten/io/lines/cad_lines.h"
+#include "batten/io/lines/drawing_lines.h"
+#include "batten/io/lines/point_lines.h"
 #include "batten/io/meshes/mesh_file.h"
 #include "batten/tests/catch.h"
 #include "batten/tests/reference.h"
@@ -167,4 +171,45 @@ TEST_CASE("what is read in a child is the same") {
       CHECK(std::vector<int>(a.begin(), a.end()) == std::vector<int>(b.begin(), b.end()));
     }
   }
+}
+
+TEST_CASE("files are read and written the same whatever the process's locale is") {
+  struct Comma : std::numpunct<char> {
+    char do_decimal_point() const override { return ','; }
+    char do_thousands_sep() const override { return '.'; }
+    std::string do_grouping() const override { return "\1"; }
+  };
+  const auto seen = [] {
+    std::string all = number(1234.5) + " " + number(-1e-9) + " " + number(1e300);
+    const auto add = [&](const Vec3& p) {
+      for (int k = 0; k < 3; ++k) all += " " + std::to_string(std::llround(1e6 * p[k]));
+    };
+    for (const char* name : {"arc.txt", "foil.dat", "lines.obj", "names.csv", "two.xyz"})
+      for (const NamedPoints& line : read_point_lines(seeds / "lines" / name, 1))
+        for (const Vec3& p : line.points) add(p);
+    for (const char* name : {"two.step", "two.igs", "square.step"})
+      for (const CharacterLine& line : read_cad_lines(seeds / "cad" / name, 1e-3))
+        add(line.curve->evaluate(line.curve->start(), 0));
+    for (const char* name : {"part.dxf", "plate.svg"})
+      for (const DrawnLine& line : read_drawing(seeds / "drawings" / name).lines)
+        for (const Vec3& p : line.points) add(p);
+    for (const auto& entry : fs::directory_iterator(seeds / "meshes")) {
+      const MeshFile mesh = MeshFile::read(entry.path());
+      for (int i = 0; i < mesh.shells().node_count(); ++i) add(mesh.shells().points.row(i));
+      const fs::path copy = batten_test::scratch("locale") / entry.path().filename();
+      fs::create_directories(copy.parent_path());
+      const Points moved = mesh.shells().points * 1.5;
+      mesh.write(copy, moved);
+      all += std::to_string(fs::file_size(copy));
+      const MeshFile again = MeshFile::read(copy);
+      for (int i = 0; i < again.shells().node_count(); ++i) add(again.shells().points.row(i));
+    }
+    return all;
+  };
+  const std::string usual = seen();
+  const std::locale before = std::locale::global(std::locale(std::locale(), new Comma));
+  const std::string there = seen();
+  std::locale::global(before);
+  CHECK(usual.size() > 1000);
+  CHECK(there == usual);
 }
