@@ -75,47 +75,65 @@ class Splitter {
       }
       return;
     }
-    // Cut off the best ear against the polygon's own normal, again and again.
+    constexpr size_t most_sides = 10'000;
+    if (n > most_sides)
+      throw InputError("found a face of " + std::to_string(n) + " corners, expected at most " +
+                       std::to_string(most_sides));
+    // Cut off the best ear against the polygon's own normal, again and again: O(n²).
     Vec3 normal = Vec3::Zero();
     const Vec3 origin = points_.row(v[0]);
     for (size_t i = 1; i + 1 < n; ++i)
       normal += (points_.row(v[i]).transpose() - origin)
                     .cross(points_.row(v[i + 1]).transpose() - origin);
-    std::vector<int> left = v;
+    std::vector<Ear> left(n);
+    for (size_t i = 0; i < n; ++i) left[i].corner = v[i];
+    for (size_t i = 0; i < n; ++i) measure(left, i, normal);
     while (left.size() > 3) {
-      size_t best = 0;
-      double best_quality = -INFINITY;
-      for (size_t i = 0; i < left.size(); ++i) {
-        const int a = left[(i + left.size() - 1) % left.size()], b = left[i],
-                  c = left[(i + 1) % left.size()];
-        const Vec3 p = points_.row(a), q = points_.row(b), r = points_.row(c);
-        double ear = quality(a, b, c);
-        if ((q - p).cross(r - p).dot(normal) <= 0 || holds_another(left, i, normal)) ear -= 10;
-        if (ear > best_quality) {
-          best_quality = ear;
-          best = i;
-        }
-      }
-      out.push_back({left[(best + left.size() - 1) % left.size()], left[best],
-                     left[(best + 1) % left.size()]});
+      const size_t count = left.size();
+      const size_t best = static_cast<size_t>(
+          std::max_element(left.begin(), left.end(),
+                           [](const Ear& x, const Ear& y) { return x.score < y.score; }) -
+          left.begin());
+      const int gone = left[best].corner;
+      out.push_back(
+          {left[(best + count - 1) % count].corner, gone, left[(best + 1) % count].corner});
       left.erase(left.begin() + static_cast<long>(best));
+      const size_t next = best % left.size(), before = (next + left.size() - 1) % left.size();
+      for (size_t i = 0; i < left.size(); ++i)
+        if (i == next || i == before || left[i].held == gone) measure(left, i, normal);
     }
-    out.push_back({left[0], left[1], left[2]});
+    out.push_back({left[0].corner, left[1].corner, left[2].corner});
   }
 
-  bool holds_another(const std::vector<int>& v, size_t i, const Vec3& normal) const {
-    const size_t n = v.size();
-    const Vec3 corner[3] = {points_.row(v[(i + n - 1) % n]), points_.row(v[i]),
-                            points_.row(v[(i + 1) % n])};
+  // A corner of what is left of a polygon, as the tip of a triangle that may be cut off.
+  struct Ear {
+    int corner;
+    double score = 0;
+    int held = -1;  // a corner inside of it: it becomes better when that one is gone
+  };
+
+  void measure(std::vector<Ear>& left, size_t i, const Vec3& normal) const {
+    const size_t n = left.size();
+    const int a = left[(i + n - 1) % n].corner, b = left[i].corner, c = left[(i + 1) % n].corner;
+    const Vec3 p = points_.row(a), q = points_.row(b), r = points_.row(c);
+    const bool outwards = (q - p).cross(r - p).dot(normal) <= 0;
+    left[i].held = outwards ? -1 : held_corner(left, i, normal);
+    left[i].score = quality(a, b, c) - (outwards || left[i].held >= 0 ? 10 : 0);
+  }
+
+  int held_corner(const std::vector<Ear>& left, size_t i, const Vec3& normal) const {
+    const size_t n = left.size();
+    const Vec3 corner[3] = {points_.row(left[(i + n - 1) % n].corner), points_.row(left[i].corner),
+                            points_.row(left[(i + 1) % n].corner)};
     for (size_t k = 0; k < n; ++k) {
       if (k == i || k == (i + 1) % n || k == (i + n - 1) % n) continue;
-      const Vec3 p = points_.row(v[k]);
+      const Vec3 p = points_.row(left[k].corner);
       bool inside = true;
       for (int e = 0; e < 3; ++e)
         inside = inside && (corner[(e + 1) % 3] - corner[e]).cross(p - corner[e]).dot(normal) >= 0;
-      if (inside) return true;
+      if (inside) return left[k].corner;
     }
-    return false;
+    return -1;
   }
 
   const Points& points_;

@@ -2,6 +2,9 @@
 // before anything is done.
 #include <sys/stat.h>
 
+#include <cmath>
+#include <numbers>
+
 #include "batten/tests/apps/cli_case.h"
 
 using namespace batten_test;
@@ -86,5 +89,28 @@ TEST_CASE("a line of a drawing may have so many characters") {
   const Result r = c.run({"info", "a.dxf"});
   CHECK(r.code == 1);
   CHECK(r.err.find("a.dxf:2: found a line of 1023 characters, expected less than 1023") !=
+        std::string::npos);
+}
+
+TEST_CASE("a face of a mesh may have so many corners") {
+  const Case c("limits_face");
+  const auto face = [](int corners) {
+    std::string text, all = "f";
+    for (int i = 0; i < corners; ++i) {
+      const double angle = 2 * std::numbers::pi * i / corners, r = i % 2 ? 1 : 0.9;  // a star
+      text += "v " + std::to_string(r * std::cos(angle)) + " " +
+              std::to_string(r * std::sin(angle)) + " 0\n";
+      all += " " + std::to_string(i + 1);
+    }
+    return text + all + "\n";
+  };
+  c.file("a.obj", face(10'000));
+  const Result r = c.run({"info", "a.obj"});
+  INFO(r.err);
+  CHECK(r.code == 0);
+  c.file("a.obj", face(10'001));
+  const Result more = c.run({"info", "a.obj"});
+  CHECK(more.code == 1);
+  CHECK(more.err.find("found a face of 10001 corners, expected at most 10000") !=
         std::string::npos);
 }
