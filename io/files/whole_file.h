@@ -16,7 +16,8 @@ namespace batten {
 class WholeFile {
  public:
   /// Creates the temporary file, so that a folder that is missing or not writable is found out
-  /// before the work is done. Removes those that killed programs left for a file of this name. Throws InputError with the file and the system's reason, also when
+  /// before the work is done. Removes those that killed programs left for a file of this name.
+  /// Throws InputError with the file and the system's reason, also when
   /// `path` exists and is not a regular file.
   explicit WholeFile(std::filesystem::path path);
   ~WholeFile();

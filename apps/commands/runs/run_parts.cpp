@@ -107,7 +107,9 @@ std::vector<Setting> parsed_settings(const std::vector<std::string>& settings) {
     const std::string text = setting.substr(equals + 1);
     double value = 0;
     const char* const last = text.data() + text.size();
-    const auto [end, error] = std::from_chars(text.data() + text.starts_with('+'), last, value);
+    // from_chars knows no leading plus.
+    const bool plus = text.starts_with('+') && !text.starts_with("+-");
+    const auto [end, error] = std::from_chars(text.data() + plus, last, value);
     if (error != std::errc() || end != last || !std::isfinite(value))
       throw InputError(where + "found '" + text + "', expected a number");
     parsed.push_back({setting.substr(0, equals), where, value});
