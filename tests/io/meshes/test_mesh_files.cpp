@@ -138,8 +138,9 @@ TEST_CASE("OBJ: nodes, faces, groups, materials", "[io][mesh]") {
   REQUIRE(file.properties().size() == 2);
   CHECK(file.properties()[0].name == "steel");
   CHECK(file.properties()[0].faces == std::vector<int>{0, 1});
-  REQUIRE(file.warnings().size() == 2);
+  REQUIRE(file.warnings().size() == 3);
   CHECK_THAT(file.warnings()[0], Contains("1 normal (vn)"));
+  CHECK_THAT(file.warnings()[2], Contains("ends in mid-line"));
 }
 
 TEST_CASE("unchanged nodes keep every byte of a text file", "[io][mesh]") {
