@@ -24,6 +24,9 @@ if(BATTEN_SANITIZE)
   target_link_options(batten_options INTERFACE -fsanitize=address,undefined)
   target_compile_definitions(batten_options INTERFACE BATTEN_NO_CLONES=1)
 endif()
+if(BATTEN_FUZZ)
+  target_compile_options(batten_options INTERFACE -fsanitize=fuzzer-no-link)
+endif()
 
 # What nearly every source parses: half of the time of a build without it. The dev and sanitize presets do without
 # (CMAKE_DISABLE_PRECOMPILE_HEADERS), so that a source which forgets an include shows.

@@ -1,5 +1,6 @@
 // What can go wrong, by what the user has to do about it. Each class is one exit code of the
-// program (docs/conventions.md).
+// program (docs/conventions.md). Besides these the library throws std::bad_alloc, and
+// std::logic_error for a call that breaks what its header asks for (an index out of range).
 #pragma once
 
 #include <stdexcept>

@@ -50,6 +50,13 @@ double memory_left() {
 #endif
 }
 
+void require_memory(double bytes, const std::string& what) {
+  const double left = memory_left();
+  if (bytes > left)
+    throw InputError(what + " needs " + bytes_in_words(bytes) + " of memory, and " +
+                     bytes_in_words(std::max(left, 0.0)) + " are there");
+}
+
 std::string bytes_in_words(double bytes) {
   constexpr double giga = 1e9, mega = 1e6;
   return bytes >= 0.95 * giga ? number(std::round(10 * bytes / giga) / 10) + " GB"

@@ -14,6 +14,9 @@ void limit_memory(double bytes);
 /// the system does not tell. 20 µs.
 double memory_left();
 
+/// Throws InputError "WHAT needs 14 GB of memory, and 6 GB are there" where that is so.
+void require_memory(double bytes, const std::string& what);
+
 /// Whole bytes in words: "14 GB", "300 MB".
 std::string bytes_in_words(double bytes);
 

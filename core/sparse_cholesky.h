@@ -37,7 +37,8 @@ class SparseCholesky {
   SparseCholesky(SparseCholesky&&) noexcept;
   SparseCholesky& operator=(SparseCholesky&&) noexcept;
 
-  /// Orders the unknowns and finds the pattern of the factor. Throws InputError unless A is square.
+  /// Orders the unknowns and finds the pattern of the factor. Throws InputError unless A is square,
+  /// and for a factor that memory cannot hold (memory_left; over CHOLMOD).
   void analyze(const SparseMatrix& A, Expected expected = Expected::one_factor);
   /// The same in a given order: unknowns, the first to eliminate first (nested dissection of a
   /// mesh). An empty order: AMD. Throws InputError unless it names every unknown once.

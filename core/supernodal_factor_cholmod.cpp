@@ -4,6 +4,7 @@
 
 #include "batten/core/elimination_order.h"
 #include "batten/core/errors.h"
+#include "batten/core/memory.h"
 #include "batten/core/supernodal_factor.h"
 #include "batten/core/supernodal_numbers.h"
 
@@ -99,6 +100,11 @@ void SupernodalFactor::analyze(const SparseMatrix& A, const std::vector<int>& or
   }
   data_->factor = cholmod_analyze_p(&a, given, nullptr, 0, &common);
   if (!data_->factor) throw NoSolutionError(data_->failure());
+  // Said before the numbers are made, not by the system that ends the program in the midst of it.
+  constexpr size_t large = size_t{1} << 24;
+  if (data_->factor->xsize > large)
+    require_memory(8.0 * static_cast<double>(data_->factor->xsize),
+                   "a factor of " + std::to_string(A.rows()) + " unknowns");
   data_->numbers = SupernodalNumbers(pattern(), this->order(), A);
 }
 

@@ -18,6 +18,7 @@
 #include "batten/io/files/input_file.h"
 #include "batten/io/files/length_units.h"
 #include "batten/io/files/text.h"
+#include "batten/io/files/whole_file.h"
 #include "batten/io/meshes/mesh_file.h"
 #include "batten/io/pictures/curve_pictures.h"
 #include "batten/io/pictures/display.h"
@@ -351,7 +352,7 @@ std::string draw_choices(const std::filesystem::path& folder, const Scene& scene
   const CharacterLineNetwork network = network_of(scene, lines);
   const FoundRegions found = regions_of(scene, network);
   if (found.choices.empty()) return "no choice is close\n";
-  std::filesystem::create_directories(folder);
+  make_output_folder(folder);
   LoopPicture picture;
   for (const NetworkArc& arc : network.arcs()) picture.lines.push_back(arc.curve);
   std::string text;

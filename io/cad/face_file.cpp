@@ -20,6 +20,7 @@
 #include "batten/core/parallel.h"
 #include "batten/io/cad/edge_parameter.h"
 #include "batten/io/cad/step_check.h"
+#include "batten/io/files/input_file.h"
 
 namespace batten {
 namespace {
@@ -374,7 +375,7 @@ StepReport measured_faces(const std::filesystem::path& path, const FittedFaces& 
   StepReport report;
   measure_patches(report, faces, made, tolerance,
                   [&] { report = measured_shape(shape, region_of_face); });
-  report.bytes = std::filesystem::file_size(path);
+  report.bytes = input_size(path);
   report.max_deviation = 0;
   for (const StepPatch& patch : report.patches)
     report.max_deviation = std::max(*report.max_deviation, patch.deviation);

@@ -288,7 +288,7 @@ StepReport measured_file(const std::filesystem::path& path,
   for (const SubTriangle& sub : expected) region_of_face.push_back(sub.region);
   StepReport report = measured_shape(shape, region_of_face);
   report.file = path;
-  report.bytes = std::filesystem::file_size(path);
+  report.bytes = input_size(path);
   if (!regions.empty()) report.max_deviation = deviation(shape, regions, expected, report.size);
   fitted.clear();
   size_t f = 0;

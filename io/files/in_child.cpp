@@ -17,6 +17,7 @@
 #include <stdexcept>
 
 #include "batten/core/errors.h"
+#include "batten/io/files/input_file.h"
 
 namespace batten {
 namespace {
@@ -37,9 +38,7 @@ struct Limits {
 };
 
 Limits limits_for(const std::filesystem::path& file) {
-  std::error_code error;
-  const auto size = std::filesystem::file_size(file, error);
-  const double megabytes = error ? 0 : static_cast<double>(size) / 1048576;
+  const double megabytes = static_cast<double>(input_size(file)) / 1048576;
   return {static_cast<rlim_t>(6 + std::ceil(4 * megabytes)),
           (rlim_t{1} << 30) + static_cast<rlim_t>(200 * 1048576 * megabytes)};
 }
@@ -141,7 +140,7 @@ std::string bytes_from_child(const std::filesystem::path& file, const std::strin
   const Limits limits = limits_for(file);
   int ends[2];
   if (::pipe2(ends, O_CLOEXEC) != 0)
-    throw std::runtime_error(std::string("no pipe for a child process: ") + std::strerror(errno));
+    throw Error(std::string("no pipe for a child process: ") + std::strerror(errno));
   const pid_t parent = ::getpid(), child = ::fork();
   if (child == 0) be_child(ends[1], parent, limits, read);
   const int fork_error = errno;
@@ -149,7 +148,7 @@ std::string bytes_from_child(const std::filesystem::path& file, const std::strin
   std::string all = child > 0 ? read_all(ends[0]) : std::string();
   ::close(ends[0]);
   if (child < 0)
-    throw std::runtime_error(std::string("no child process: ") + std::strerror(fork_error));
+    throw Error(std::string("no child process: ") + std::strerror(fork_error));
   const int status = ending_of(child);
   if (WIFSIGNALED(status)) {
     const int number = WTERMSIG(status);

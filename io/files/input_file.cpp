@@ -100,4 +100,9 @@ std::string input_bytes(const std::filesystem::path& file, const std::string& ex
   return OpenFile(file, expected, where).bytes();
 }
 
+std::uintmax_t input_size(const std::filesystem::path& file) noexcept {
+  struct stat found {};
+  return ::stat(file.c_str(), &found) == 0 ? static_cast<std::uintmax_t>(found.st_size) : 0;
+}
+
 }  // namespace batten

@@ -20,6 +20,9 @@ void require_input_file(const std::filesystem::path& file, const std::string& ex
 std::string input_bytes(const std::filesystem::path& file, const std::string& expected,
                         const std::string& where = "");
 
+/// Bytes of a file; 0 where the system does not tell.
+std::uintmax_t input_size(const std::filesystem::path& file) noexcept;
+
 /// Bytes: 2³¹. What is made of a file takes several times its size.
 inline constexpr std::uintmax_t largest_input_file = std::uintmax_t{1} << 31;
 

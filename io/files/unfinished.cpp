@@ -20,10 +20,17 @@ Registry& registry() {
   return *all;
 }
 
+// The folder that the process is in may change, or be gone.
+fs::path anchored(const fs::path& path) {
+  std::error_code error;
+  fs::path whole = fs::absolute(path, error);
+  return error ? path : whole;
+}
+
 }  // namespace
 
 Unfinished::Unfinished(fs::path path, Content content)
-    : path_(fs::absolute(path)), content_(content) {
+    : path_(anchored(path)), content_(content) {
   const std::lock_guard lock(registry().changing);
   registry().list.push_back(this);
 }

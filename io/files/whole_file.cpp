@@ -115,7 +115,8 @@ void make_output_folder(const fs::path& path) {
   if (fs::exists(found) && !fs::is_directory(found)) refuse("a file has this name");
   if (!fs::exists(found)) {
     fs::create_directories(path, error);
-    if (error && !fs::is_directory(path)) refuse(error.message());
+    std::error_code ignored;
+    if (error && !fs::is_directory(path, ignored)) refuse(error.message());
   }
   const fs::path probe = temporary_name(path, "probe", "");
   if (const int reason = create(probe)) refuse(std::strerror(reason));

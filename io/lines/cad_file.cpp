@@ -250,7 +250,7 @@ CadFile from_bytes(const std::string& bytes) {
   TopoDS_Shape shape;
   BinTools::Read(shape, in);
   if (!in || shape.IsNull() || shape.ShapeType() != TopAbs_COMPOUND)
-    throw std::logic_error("what a child process read is not whole");
+    throw Error("what a child process read is not whole");
   cad.shape = TopoDS::Compound(shape);
   map_shapes(cad);
   return cad;

@@ -273,7 +273,7 @@ SparseMatrix join_stiffness(const std::vector<const RegionLayout*>& regions,
   std::vector<std::vector<Triplet>> of_plan(embedded.size());
   parallel_parts(count_of(embedded), [&](int j) {
     const JoinPlan& plan = *embedded[j];
-    const auto& [a, b] = edges[j];
+    const JoinEdge &a = edges[j][0], &b = edges[j][1];
     const RegionLayout& region = *regions[plan.join_line.sides[0].region];
     const double scale = std::pow(size / region.size(), 2);
     over_intervals(plan, gauss, parts, [&](double f, double w, size_t i, double s) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <set>
 #include <tuple>
 
@@ -177,6 +178,27 @@ void trace(Strand& strand) {
   for (const double t : strand.t) strand.s.push_back(strand.arc->length_at(t));
 }
 
+// Moves lines that agree in every point with another one to that one's equals.
+void unite_equal(const std::vector<CharacterLine>& lines, std::vector<std::vector<Strand>>& of_line,
+                 Strands& all) {
+  std::map<std::vector<double>, std::vector<int>> alike;
+  for (int i = 0; i < count_of(lines); ++i) {
+    std::vector<double> points;
+    for (const Strand& strand : of_line[i])
+      for (const Vec3& p : strand.x) points.insert(points.end(), p.begin(), p.end());
+    alike[std::move(points)].push_back(i);
+  }
+  all.equals.resize(lines.size());
+  for (auto& [points, members] : alike) {
+    std::sort(members.begin(), members.end(),
+              [&](int i, int j) { return lines[i].name < lines[j].name; });
+    for (size_t k = 1; k < members.size(); ++k) {
+      all.equals[members[0]].push_back(members[k]);
+      of_line[members[k]].clear();
+    }
+  }
+}
+
 }  // namespace
 
 Vec3 Piece::evaluate(double t, int order) const {
@@ -297,6 +319,7 @@ Strands make_strands(const std::vector<CharacterLine>& lines, double corner_angl
     for (Strand& strand : of_line[i]) trace(strand);
   });
   Strands all;
+  unite_equal(lines, of_line, all);
   Box3 box;
   for (auto& strands : of_line)
     for (const auto& strand : strands) box.extend(box_around(strand.x));

@@ -66,6 +66,8 @@ struct Strands {
   std::vector<Strand> strands;  ///< strands in canonical order
   /// Ends (strand, 0 or 1) that a corner of a line joins.
   std::vector<std::array<std::pair<int, int>, 2>> corners;
+  /// Of each line those that are equal to it in every point; they have no strands of their own.
+  std::vector<std::vector<int>> equals;
   Vec3 origin = Vec3::Zero();  ///< centre of the box
   double size = 0;             ///< diagonal of the box around all points
 };
@@ -83,7 +85,8 @@ std::array<long long, 3> sort_key(const Vec3& p, const Vec3& origin, double size
 
 /// Throws InputError for lines that are no lines (network.h). Each line gets the direction that the
 /// first difference between its two ends, or of points as far from either end, gives it; strands
-/// are in the order of start, end and middle, equal ones in that of their lines' names.
+/// are in the order of start, end and middle, equal ones in that of their lines' names. Of lines that
+/// are equal in every point, the first by name has strands.
 Strands make_strands(const std::vector<CharacterLine>& lines, double corner_angle);
 
 }  // namespace batten::netting

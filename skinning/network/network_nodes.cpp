@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 #include <tuple>
+#include <utility>
 
 #include "batten/core/groups.h"
 #include "batten/core/index.h"
@@ -33,6 +34,7 @@ class Builder {
     collapse();
     cut();
     leave_out_short();
+    tell_of_equals();
     leave_out_doubled();
     rejoin();
     findings_.tell_of_nodes(set_, result_);
@@ -201,7 +203,8 @@ class Builder {
       }
       for (size_t i = 0; i + 1 < stops.size(); ++i)
         result_.cuts.push_back(
-            {k, stops[i].s, stops[i + 1].s, {stops[i].node, stops[i + 1].node}, {}});
+            {k, stops[i].s, stops[i + 1].s, {stops[i].node, stops[i + 1].node},
+             all_.equals[strand.line]});
       if (stops.size() < 2)
         findings_.tell(Kind::Short, {findings_.name_of(k)}, strand.x.front(), strand.length, true,
                        "line '" + findings_.name_of(k) + "' is " + number(strand.length) +
@@ -271,6 +274,18 @@ class Builder {
     return false;
   }
 
+  void tell_of_equals() {
+    std::vector<char> told(lines_.size(), 0);
+    for (const Strand& strand : strands_) {
+      if (std::exchange(told[strand.line], 1)) continue;
+      for (const int equal : all_.equals[strand.line]) {
+        const std::string &a = lines_[equal].name, &b = lines_[strand.line].name;
+        findings_.tell(Kind::Duplicate, {a, b}, strand.x[strand.x.size() / 2], 0, true,
+                       "line '" + a + "' is equal to line '" + b + "': left out");
+      }
+    }
+  }
+
   void leave_out_doubled() {
     std::map<std::pair<int, int>, std::vector<size_t>> between;
     std::vector<char> gone(result_.cuts.size(), 0);
@@ -285,7 +300,9 @@ class Builder {
           gone[i] = 1;
           const int line = strands_[c.strand].line;
           ++lost[line];
-          result_.cuts[j].shared.push_back(line);
+          auto& shared = result_.cuts[j].shared;
+          shared.push_back(line);
+          shared.insert(shared.end(), c.shared.begin(), c.shared.end());
           overlap.try_emplace({line, strands_[result_.cuts[j].strand].line}, i);
           break;
         }

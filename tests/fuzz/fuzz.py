@@ -2,10 +2,11 @@
 """Runs the batten program on damaged files and says what should not have happened.
 
     fuzz.py SERVER TARGET SECONDS [--runs N] [--first K] [--keep FOLDER] [--jobs N]
-            [--slow SECONDS]
+            [--slow SECONDS] [--seeds FOLDER …]
 
-SERVER is what server.cpp was built to. TARGET is one of the folders in seeds/, or "all" (SECONDS are then for each). Run K of a target
-always makes the same file. What counts as a finding: an end by a signal, an exit code outside the
+SERVER is what server.cpp was built to. TARGET is one of the folders in seeds/, or "all" (SECONDS are
+then for each); more files to begin with come from the FOLDERs. Run K of a target always makes the
+same file: a seed is damaged or, now and then, a file that it names. What counts as a finding: an end by a signal, an exit code outside the
 list of docs/conventions.md, an error that nobody expected, more than 10 s or 2 GB, a report that is no
 JSON or holds numbers that are not finite, files beside a refusal, hidden files that are left. A
 finding's input is kept, and the exit code is 1. Needs Python 3 only.
@@ -32,8 +33,10 @@ EXIT_CODES = {0, 1, 2, 3, 4, 130}
 # What is run on a file of each target; "@" is the file, "OUT" a folder that is not there yet.
 COMMANDS = {
     "lines": [["info", "@"], ["fair", "@", "--out", "OUT.csv"], ["skin", "@", "--out", "OUT"]],
-    "cad": [["info", "@"]],
-    "drawings": [["info", "@"]],
+    "cad": [["info", "@"], ["fair", "@", "--out", "OUT.csv"],
+            ["skin", "--network", "@", "--out", "OUT"]],
+    "drawings": [["info", "@"], ["fair", "@", "--out", "OUT.csv"],
+                 ["skin", "--network", "@", "--out", "OUT"]],
     "meshes": [["info", "@"]],
     "networks": [["skin", "--network", "@", "--unit", "m", "--out", "OUT"]],
     "scenes": [["run", "@", "--out", "OUT"], ["info", "@"]],
@@ -41,9 +44,23 @@ COMMANDS = {
     "sculpting": [["sculpt", "@", "--out", "OUT"]],
     "logs": [["sculpt", "scene.toml", "--replay", "@", "--out", "OUT"]],
 }
+# Endings of further seeds.
+ENDINGS = {
+    "lines": {".csv", ".txt", ".dat", ".xyz", ".json", ".curves"},
+    "cad": {".step", ".stp", ".igs", ".iges"},
+    "drawings": {".dxf", ".svg"},
+    "meshes": {".obj", ".off", ".ply", ".stl", ".bdf", ".dat", ".inp", ".k", ".vtp", ".vtu"},
+    "networks": {".csv", ".txt", ".json", ".curves"},
+    "scenes": {".toml"},
+    "edits": {".toml"},
+    "sculpting": {".toml"},
+    "logs": set(),
+}
+MOST_BYTES = 1 << 20  # of a further seed, and of all that lies beside it
 NUMBERS = [b"0", b"-1", b"1", b"1e308", b"-1e308", b"1e-320", b"nan", b"inf", b"-inf", b"1e9",
            b"4294967296", b"2147483648", b"-2147483649", b"9223372036854775807", b"65536",
            b"1e-9", b"1e400", b"0x10", b"1,5", b"--3", b""]
+NOT_FINITE = re.compile(rb"(?i)[\s,=(][-+]?(?:nan|inf)[\s,)]")
 NUMBER = re.compile(rb"[-+]?\d+(?:\.\d*)?(?:[eE][-+]?\d+)?")
 
 
@@ -144,6 +161,14 @@ class Server:
         return int(code), text, float(seconds), float(megabytes)
 
 
+def not_finite(out):
+    """A text file of results that holds nan or inf where a number belongs."""
+    for path in [out] if out.is_file() else sorted(out.rglob("*")):
+        if path.suffix in (".csv", ".obj", ".inp", ".step") and NOT_FINITE.search(path.read_bytes()):
+            return path.name
+    return ""
+
+
 def wrong(code, text, seconds, megabytes, folder, names):
     """What should not have happened, or an empty text."""
     if seconds > float(os.environ["BATTEN_FUZZ_SECONDS"]):
@@ -170,45 +195,66 @@ def wrong(code, text, seconds, megabytes, folder, names):
                 return f"report: {error}"
             if not finite(report):
                 return "report: numbers that are not finite"
+        for result in (out, folder / "OUT.csv"):
+            if name := not_finite(result):
+                return f"{name}: numbers that are not finite"
     elif out.exists() or (folder / "OUT.csv").exists():
         return "files beside a refusal"
     return ""
 
 
+class Seed:
+    """A file, and those that lie beside it: it may name them."""
+
+    def __init__(self, path, beside):
+        self.path, self.data = path, path.read_bytes()
+        self.beside = {}
+        if beside.is_dir() and path.suffix in (".toml", ".jsonl"):
+            files = [p for p in sorted(beside.rglob("*")) if p.is_file() and p != path and
+                     p.suffix not in (".md", ".png", ".cpp", ".gif")]
+            if sum(p.stat().st_size for p in files) <= MOST_BYTES:
+                self.beside = {p.relative_to(beside): p.read_bytes() for p in files}
+
+
 class Target:
-    def __init__(self, name, keep):
+    def __init__(self, name, keep, folders):
         self.name, self.keep = name, keep
-        self.seeds = sorted(p for p in (HERE / "seeds" / name).iterdir() if p.is_file())
-        self.beside = HERE / "seeds" / name / "beside"
-        self.bytes = [p.read_bytes() for p in self.seeds]
+        own = HERE / "seeds" / name
+        self.seeds = [Seed(p, own / "beside") for p in sorted(own.iterdir()) if p.is_file()]
+        self.seeds += [Seed(p, p.parent) for f in folders for p in sorted(f.rglob("*"))
+                       if p.suffix in ENDINGS[name] and p.is_file() and
+                       p.stat().st_size <= MOST_BYTES]
+
+    def damage(self, name, data, rng):
+        alike = [s.data for s in self.seeds if s.path.suffix == Path(name).suffix]
+        for _ in range(rng.choice([1, 1, 2, 3])):
+            data = rng.choice(MUTATIONS)(data or b"x", rng, alike or [data or b"x"])
+        return data
 
     def once(self, k, server):
         """Run k: what was wrong with it, or an empty text."""
         rng = random.Random(f"{self.name} {k}")
-        chosen = rng.randrange(len(self.seeds))
-        ending = self.seeds[chosen].suffix
-        alike = [b for p, b in zip(self.seeds, self.bytes) if p.suffix == ending]
-        data = self.bytes[chosen]
-        for _ in range(rng.choice([1, 1, 2, 3])):
-            data = rng.choice(MUTATIONS)(data or b"x", rng, alike)
+        seed = rng.choice(self.seeds)
+        main = "input" + seed.path.suffix
+        files = {Path(main): seed.data, **seed.beside}
+        damaged = rng.choice(list(files)) if rng.randrange(3) == 0 else Path(main)
+        files[damaged] = self.damage(damaged, files[damaged], rng)
         command = rng.choice(COMMANDS[self.name])
         with tempfile.TemporaryDirectory(prefix="batten_fuzz_") as name:
             folder = Path(name)
-            names = {"input" + ending}
-            (folder / ("input" + ending)).write_bytes(data)
-            if self.beside.is_dir():
-                for p in self.beside.iterdir():
-                    shutil.copy(p, folder)
-                    names.add(p.name)
-            words = ["input" + ending if w == "@" else w for w in command]
+            for path, data in files.items():
+                (folder / path).parent.mkdir(parents=True, exist_ok=True)
+                (folder / path).write_bytes(data)
+            words = [main if w == "@" else w for w in command]
             code, text, seconds, megabytes = server.run(words, folder)
+            names = {path.parts[0] for path in files}
             what = wrong(code, text, seconds, megabytes, folder, names)
-        if what:
-            self.keep.mkdir(parents=True, exist_ok=True)
-            kept = self.keep / f"{self.name}-{k}{ending}"
-            kept.write_bytes(data)
-            print(f"{self.name} {k}: {what}: batten {' '.join(command)}, kept as {kept}\n"
-                  f"    {text.strip()[-300:]}", flush=True)
+            if what:
+                kept = self.keep / f"{self.name}-{k}"
+                shutil.rmtree(kept, ignore_errors=True)
+                shutil.copytree(folder, kept, ignore=shutil.ignore_patterns("OUT*"))
+                print(f"{self.name} {k}: {what}: batten {' '.join(words)} in {kept}, made from "
+                      f"{seed.path} with {damaged} damaged\n    {text.strip()[-300:]}", flush=True)
         return what
 
 
@@ -221,12 +267,13 @@ def main():
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--keep", type=Path, default=Path("fuzz-findings"))
     parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1)
+    parser.add_argument("--seeds", type=Path, nargs="*", default=[], help="folders of more seeds")
     parser.add_argument("--slow", type=int, default=10, help="seconds that a run may take")
     a = parser.parse_args()
     os.environ["BATTEN_FUZZ_SECONDS"] = str(a.slow)
     found = 0
     for name in COMMANDS if a.target == "all" else [a.target]:
-        target = Target(name, a.keep.absolute())
+        target = Target(name, a.keep.absolute(), a.seeds)
         until, number_of_run, lock, count = time.monotonic() + a.seconds, [a.first], threading.Lock(), [0]
 
         def work(_):

@@ -76,10 +76,14 @@ OutputFolder::~OutputFolder() {
 
 void OutputFolder::commit() {
   std::vector<fs::path> names;
-  for (const auto& entry : fs::directory_iterator(hidden_))
-    names.push_back(entry.path().filename());
+  std::error_code unread;
+  for (fs::directory_iterator entry(hidden_, unread), end; !unread && entry != end;
+       entry.increment(unread))
+    names.push_back(entry->path().filename());
+  if (unread)
+    throw InputError(hidden_.string() + ": cannot read this folder: " + unread.message());
   for (const auto& name : names)
-    if (fs::is_directory(folder_ / name))
+    if (fs::is_directory(folder_ / name, unread))
       throw InputError((folder_ / name).string() +
                        ": cannot write this file: a folder has this name");
   finish_files([&] {

@@ -121,7 +121,7 @@ class SculptRun {
     for (const std::string& text : task_.sweeps) sweeps_.push_back(parsed_sweep(text));
     const int rounds = parsed_rounds(task_.refinement), steps = parsed_steps(task_);
     Stopwatch& watch = run_.watch;
-    report_.sculpting.emplace();
+    report_.sculpting = Report::Sculpting{};
     std::vector<Setting> settings;
     for (Setting& s : parsed_settings(task_.settings)) {
       if (is_live(scene_, s.name))

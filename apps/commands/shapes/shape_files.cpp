@@ -201,7 +201,7 @@ void write_step_into(Report& report, const Scene& scene, const MadeModel& made,
     throw InputError(scene.at({}) +
                      "found step_form = \"exact\" for a surface that embedded lines cut, expected "
                      "\"face\": cut triangles have no exact form");
-  Report::Step& s = report.step.emplace();
+  Report::Step& s = report.step.emplace(Report::Step{});
   s.form = scene.step_form == Form::Exact ? "exact" : "face";
   s.file = scene.step;
   StepReport step =

@@ -487,6 +487,18 @@ TEST_CASE("Lines that run along others are kept once, and named") {
   CHECK(network.arcs_of("x1 again") == network.arcs_of("x1"));
   check_laws(network);
 
+  // Hundreds that are equal cost no more than one: among each other they have no contacts.
+  auto many = base;
+  for (int i = 0; i < 500; ++i) {
+    many.push_back(base[1]);
+    many.back().name = "x1 again " + std::to_string(i);
+  }
+  const CharacterLineNetwork often(many);
+  CHECK(often.arcs().size() == single.arcs().size());
+  CHECK(count(often, Kind::Duplicate) == 500);
+  CHECK(often.arcs_of("x1 again 499") == often.arcs_of("x1"));
+  check_laws(often);
+
   // Two straight lines share the stretch from 1 to 2.
   const CharacterLineNetwork part(
       {straight("a", {0, 0, 0}, {2, 0, 0}), straight("b", {1, 0, 0}, {3, 0, 0})});
