@@ -60,7 +60,12 @@ MOST_BYTES = 1 << 20  # of a further seed, and of all that lies beside it
 NUMBERS = [b"0", b"-1", b"1", b"1e308", b"-1e308", b"1e-320", b"nan", b"inf", b"-inf", b"1e9",
            b"4294967296", b"2147483648", b"-2147483649", b"9223372036854775807", b"65536",
            b"1e-9", b"1e400", b"0x10", b"1,5", b"--3", b""]
-NOT_FINITE = re.compile(rb"(?i)[\s,=(][-+]?(?:nan|inf)[\s,)]")
+NOT_FINITE = {  # by ending; a name may be "inf"
+    ".csv": re.compile(rb"(?i),[-+]?(?:nan|inf)[\s,]"),
+    ".obj": re.compile(rb"(?i) [-+]?(?:nan|inf)\s"),
+    ".inp": re.compile(rb"(?i),\s*[-+]?(?:nan|inf)[\s,]"),
+    ".step": re.compile(rb"(?i)[(,][-+]?(?:nan|inf)[,)]"),
+}
 NUMBER = re.compile(rb"[-+]?\d+(?:\.\d*)?(?:[eE][-+]?\d+)?")
 
 
@@ -90,6 +95,21 @@ def number(data, rng, _):
             place = rng.choice(places)
             data = data[:place.start()] + rng.choice(NUMBERS) + data[place.end():]
             places = list(NUMBER.finditer(data))
+    return data
+
+
+def other_number(data, rng, _):
+    """A number that the format allows: what is read then, and computed, is unusual."""
+    places = list(NUMBER.finditer(data))
+    for place in sorted(rng.sample(places, min(len(places), rng.choice([1, 1, 2, 5]))),
+                        key=lambda p: -p.start()):
+        if b"." in place.group() or b"e" in place.group().lower():
+            value = float(place.group()) * rng.choice([-1, 0, 0.5, 2, 10, 1e3, 1e-3, 1 + 1e-9, 1e9])
+            value += rng.choice([0, 0, 1e-6, 1])
+            text = f"{value:.9f}" if abs(value) < 1e6 else f"{value:.9e}"
+        else:
+            text = str(max(0, int(place.group()) + rng.choice([-1, 1, 2, 10])))
+        data = data[:place.start()] + text.encode() + data[place.end():]
     return data
 
 
@@ -133,6 +153,7 @@ def splice(data, rng, others):
     return data[:rng.randrange(len(data) + 1)] + other[rng.randrange(len(other) + 1):]
 
 
+GENTLE = [other_number, other_number, other_number, number, lines]
 MUTATIONS = [cut, flip, set_bytes, number, number, number, drop, double, lines, nest, splice]
 
 
@@ -164,7 +185,7 @@ class Server:
 def not_finite(out):
     """A text file of results that holds nan or inf where a number belongs."""
     for path in [out] if out.is_file() else sorted(out.rglob("*")):
-        if path.suffix in (".csv", ".obj", ".inp", ".step") and NOT_FINITE.search(path.read_bytes()):
+        if path.suffix in NOT_FINITE and NOT_FINITE[path.suffix].search(path.read_bytes()):
             return path.name
     return ""
 
@@ -227,8 +248,9 @@ class Target:
 
     def damage(self, name, data, rng):
         alike = [s.data for s in self.seeds if s.path.suffix == Path(name).suffix]
+        kinds = rng.choice([GENTLE, MUTATIONS])
         for _ in range(rng.choice([1, 1, 2, 3])):
-            data = rng.choice(MUTATIONS)(data or b"x", rng, alike or [data or b"x"])
+            data = rng.choice(kinds)(data or b"x", rng, alike or [data or b"x"])
         return data
 
     def once(self, k, server):

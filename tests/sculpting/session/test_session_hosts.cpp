@@ -44,7 +44,7 @@ TEST_CASE("sessions in threads of their own have the bits that each has alone") 
 TEST_CASE("ten thousand sessions that were made and dropped leave no memory behind") {
   size_t early = 0;
   for (int n = 0; n < 10000; ++n) {
-    SculptingSession session(ModelLayout(square_layout(0.5)));
+    SculptingSession session(ModelLayout(square_layout(0.5)), few_bytes());
     session.add(Load{"swell", Load::Pressure{}});
     session.set("swell", 1);
     session.answer(1, 1e-6);
