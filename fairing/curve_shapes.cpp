@@ -193,6 +193,7 @@ std::shared_ptr<const InputCurve> rectangle(const CurvePlane& plane, double widt
 }
 
 std::shared_ptr<const InputCurve> chained(std::vector<std::shared_ptr<const InputCurve>> curves) {
+  if (curves.empty()) throw InputError("found no piece of a line, expected one or more");
   return std::make_shared<Chain>(std::move(curves));
 }
 

@@ -47,7 +47,8 @@ std::shared_ptr<const InputCurve> nurbs_curve(int degree, const std::vector<Vec3
                                               const std::vector<double>& weights,
                                               const std::vector<double>& knots);
 
-/// Curves one after the other, each beginning where the one before ends.
+/// Curves one after the other, each beginning where the one before ends. Throws InputError where
+/// there are none.
 std::shared_ptr<const InputCurve> chained(std::vector<std::shared_ptr<const InputCurve>> curves);
 
 /// x ↦ A x + b.

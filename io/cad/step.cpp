@@ -83,7 +83,7 @@ class ModelFile {
   ModelFile(const std::vector<const SkinnedRegion*>& regions, double model_unit_in_metres,
             const StepOptions& options)
       : options_(options),
-        plan_(step_plan(regions)),
+        plan_(step_plan(regions, model_unit_in_metres)),
         size_(size_of(regions)),
         coincidence_(reader_coincidence(model_unit_in_metres)) {
     for (const SkinnedRegion* region : plan_.regions)

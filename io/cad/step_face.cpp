@@ -37,7 +37,7 @@ StepReport write_step_faces(const std::filesystem::path& path,
                             const std::vector<const SkinnedRegion*>& regions,
                             double model_unit_in_metres, const StepFaceOptions& options) {
   check_options(path, options);
-  StepPlan plan = step_plan(regions);
+  StepPlan plan = step_plan(regions, model_unit_in_metres);
   const std::string unit = cad_unit(model_unit_in_metres);
   WholeFile file(path);
   OccSettings occ;

@@ -28,7 +28,8 @@ Vec3 end_of(const HermiteCurve& curve, bool end) {
 
 class Planner {
  public:
-  explicit Planner(const std::vector<const SkinnedRegion*>& regions) : regions_(regions) {
+  Planner(const std::vector<const SkinnedRegion*>& regions, double unit_in_metres)
+      : regions_(regions) {
     if (regions.empty()) throw InputError("STEP: no region to write");
     for (const SkinnedRegion* region : regions) {
       if (!region->surface.dofs().allFinite())
@@ -36,6 +37,7 @@ class Planner {
       for (const LineRun& run : region->runs) extend_box(run.fitted);
       for (const EmbeddedLine& line : region->embedded) extend_box(line.fitted);
     }
+    require_near(unit_in_metres);
     if (!box_.isEmpty()) plan_.distance = 1e-6 * box_.diagonal().norm();
     open_.resize(regions.size());
     for (int r = 0; r < count_of(regions); ++r) add_lines(r);
@@ -56,6 +58,19 @@ class Planner {
   }
 
  private:
+  // OpenCASCADE resolves 1e-7 mm anywhere. Farther out than this its edges leave their faces by
+  // parts in 10⁴ of the size, and reading the file takes minutes.
+  void require_near(double unit_in_metres) const {
+    constexpr double most_metres = 5e4;
+    const double far = box_.isEmpty() ? 0
+                                      : std::max(box_.min().cwiseAbs().maxCoeff(),
+                                                 box_.max().cwiseAbs().maxCoeff());
+    if (far * unit_in_metres > most_metres)
+      throw InputError("STEP: found a surface that reaches to coordinates of " + number(far) +
+                       ", expected at most " + number(most_metres / unit_in_metres) +
+                       " (50 km; is the unit right?)");
+  }
+
   void extend_box(const HermiteCurve& curve) {
     for (int i = 0; i < curve.node_count(); ++i) box_.extend(curve.position(i));
   }
@@ -183,8 +198,8 @@ class Planner {
 
 }  // namespace
 
-StepPlan step_plan(const std::vector<const SkinnedRegion*>& regions) {
-  return Planner(regions).plan();
+StepPlan step_plan(const std::vector<const SkinnedRegion*>& regions, double unit_in_metres) {
+  return Planner(regions, unit_in_metres).plan();
 }
 
 int direction_along(const HermiteCurve& curve, const HermiteCurve& line, double distance) {

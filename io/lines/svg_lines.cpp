@@ -56,8 +56,10 @@ std::vector<double> numbers_of(std::string_view text) {
     double value = 0;
     const char* first = text.data() + i + (text[i] == '+');
     const auto [end, error] = std::from_chars(first, text.data() + text.size(), value);
-    if (error == std::errc()) numbers.push_back(value);
-    i = error == std::errc() ? static_cast<size_t>(end - text.data()) : i + 1;
+    // "inf" and "nan" are words.
+    const bool good = error == std::errc() && std::isfinite(value);
+    if (good) numbers.push_back(value);
+    i = good ? static_cast<size_t>(end - text.data()) : i + 1;
   }
   return numbers;
 }
@@ -66,7 +68,7 @@ std::vector<double> numbers_of(std::string_view text) {
 std::optional<double> length_of(const std::string& text) {
   double value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc()) return {};
+  if (error != std::errc() || !std::isfinite(value)) return {};
   const std::string unit(
       trimmed(std::string_view(text).substr(static_cast<size_t>(end - text.data()))));
   static const std::map<std::string, double> units = {

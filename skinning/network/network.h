@@ -47,8 +47,8 @@ struct NetworkOptions {
 class CharacterLineNetwork {
  public:
   /// Throws InputError: no line, two lines of one name, a line without curve or length, numbers
-  /// that are not finite, a tolerance below 0. Cost: about O(n log n) for n lines of bounded
-  /// length.
+  /// that are not finite, a tolerance below 0, lines that are drawn over each other again and again.
+  /// Cost: about O(n log n) for n lines of bounded length.
   explicit CharacterLineNetwork(const std::vector<CharacterLine>& lines,
                                 const NetworkOptions& options = {}, const Progress& progress = {});
 

@@ -5,6 +5,7 @@
 #include <limits>
 #include <tuple>
 
+#include "batten/core/errors.h"
 #include "batten/core/groups.h"
 #include "batten/core/index.h"
 #include "batten/core/parallel.h"
@@ -66,10 +67,22 @@ class Search {
     c.sb = strands_[c.b].arc->length_at(c.tb);
   }
 
+  // Drawings by hand have up to 35 for a chord.
+  size_t most_pairs() const {
+    size_t chords = 0;
+    for (const Strand& strand : strands_) chords += strand.sag.size();
+    return 100 * chords + 100'000;
+  }
+
   std::vector<Contact> between_chords() const {
     std::vector<std::pair<int, int>> pairs;
+    const size_t most = most_pairs();
     tree_.near_pairs(reach(), [&](int i, int j) {
       if (worth_looking(i, j)) pairs.emplace_back(i, j);
+      if (pairs.size() > most)
+        throw InputError("network: found lines that lie within " + number(reach()) +
+                         " of each other, or of themselves, again and again, expected lines that "
+                         "meet in places (is a line drawn many times over?)");
     });
     std::sort(pairs.begin(), pairs.end());
     constexpr size_t chunk = 256;

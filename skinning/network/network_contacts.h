@@ -33,6 +33,9 @@ struct Contacts {
 ///
 /// Boxes around chords in a tree, Gauss-Newton on both curves from every near pair of chords: about
 /// O(n log n) for n chords.
+///
+/// Throws InputError where more than 100 pairs of chords for each chord (and 100,000) are near: lines
+/// that are drawn over each other again and again.
 Contacts find_contacts(const std::vector<Strand>& strands, double tolerance, double size);
 
 /// How far the ends of open lines are from the nearest other line, of each end that is no corner

@@ -499,6 +499,11 @@ TEST_CASE("Lines that run along others are kept once, and named") {
   CHECK(often.arcs_of("x1 again 499") == often.arcs_of("x1"));
   check_laws(often);
 
+  // A line that runs to and fro over itself has as many contacts as pairs of its pieces.
+  std::vector<Vec3> fro;
+  for (int i = 0; i < 2000; ++i) fro.emplace_back(i % 40 < 20 ? i % 20 : 20 - i % 20, 1e-7 * i, 0);
+  CHECK_THROWS_WITH(CharacterLineNetwork({through("fro", fro)}), Catch::Matchers::Contains("again and again"));
+
   // Two straight lines share the stretch from 1 to 2.
   const CharacterLineNetwork part(
       {straight("a", {0, 0, 0}, {2, 0, 0}), straight("b", {1, 0, 0}, {3, 0, 0})});
