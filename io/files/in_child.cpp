@@ -147,8 +147,7 @@ std::string bytes_from_child(const std::filesystem::path& file, const std::strin
   ::close(ends[1]);
   std::string all = child > 0 ? read_all(ends[0]) : std::string();
   ::close(ends[0]);
-  if (child < 0)
-    throw Error(std::string("no child process: ") + std::strerror(fork_error));
+  if (child < 0) throw Error(std::string("no child process: ") + std::strerror(fork_error));
   const int status = ending_of(child);
   if (WIFSIGNALED(status)) {
     const int number = WTERMSIG(status);

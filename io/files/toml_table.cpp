@@ -162,9 +162,11 @@ int TomlTable::whole_number(const std::string& key, int least, int fallback) con
   if (!has(key)) return fallback;
   const toml::node& value = *table_->get(key);
   const auto* number = value.as_integer();
-  if (!number || number->get() < least || number->get() > 1'000'000)
+  constexpr int most = 1'000'000;
+  if (!number || number->get() < least || number->get() > most)
     fail_node(value, describe(value),
-              "a whole number from " + std::to_string(least) + " for '" + key + "'");
+              "a whole number from " + std::to_string(least) + " to " + std::to_string(most) +
+                  " for '" + key + "'");
   return static_cast<int>(number->get());
 }
 

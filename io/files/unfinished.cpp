@@ -29,8 +29,7 @@ fs::path anchored(const fs::path& path) {
 
 }  // namespace
 
-Unfinished::Unfinished(fs::path path, Content content)
-    : path_(anchored(path)), content_(content) {
+Unfinished::Unfinished(fs::path path, Content content) : path_(anchored(path)), content_(content) {
   const std::lock_guard lock(registry().changing);
   registry().list.push_back(this);
 }

@@ -15,6 +15,10 @@ double bytes_for_triangles(double triangles);
 /// units.
 void require_mesh_size(double triangles, double edge, double size, const std::string& what);
 
+/// The same for all regions of a model together: at least 2 kB a triangle. What the factor of
+/// regions in one shape takes is asked for when it is planned (SparseCholesky).
+void require_model_size(double triangles, double edge, double size);
+
 inline constexpr double most_triangles = 2e6;
 
 }  // namespace batten

@@ -202,9 +202,11 @@ class Builder {
         stops.push_back({stops.front().s + strand.length, stops.front().node});
       }
       for (size_t i = 0; i + 1 < stops.size(); ++i)
-        result_.cuts.push_back(
-            {k, stops[i].s, stops[i + 1].s, {stops[i].node, stops[i + 1].node},
-             all_.equals[strand.line]});
+        result_.cuts.push_back({k,
+                                stops[i].s,
+                                stops[i + 1].s,
+                                {stops[i].node, stops[i + 1].node},
+                                all_.equals[strand.line]});
       if (stops.size() < 2)
         findings_.tell(Kind::Short, {findings_.name_of(k)}, strand.x.front(), strand.length, true,
                        "line '" + findings_.name_of(k) + "' is " + number(strand.length) +

@@ -32,7 +32,9 @@ struct LoopCandidate {
   double bend = 0;        ///< rms distance from the plane of least squares over (length / 2π)
   double inside_deg = 0;  ///< mean of the inside angles
   int again = 0;          ///< nodes and arcs that are passed twice, but for bridges
-  double gain(const LoopPrices& prices) const { return prices.covered * static_cast<double>(loop.size()) - cost; }
+  double gain(const LoopPrices& prices) const {
+    return prices.covered * static_cast<double>(loop.size()) - cost;
+  }
 };
 
 /// Measures a closed loop. Corner planes (of the arcs before and after a corner) give the surface's

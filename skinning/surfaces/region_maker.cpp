@@ -6,6 +6,7 @@
 #include "batten/core/errors.h"
 #include "batten/core/index.h"
 #include "batten/core/parallel.h"
+#include "batten/skinning/domains/mesh_size.h"
 
 namespace batten {
 namespace {
@@ -92,10 +93,23 @@ RegionMaker::RegionMaker(const CharacterLineNetwork& network, const FoundRegions
   tolerance_ = options.skin.tolerance > 0 ? options.skin.tolerance : 1e-4 * network.size();
   for (const NetworkNode& node : network.nodes())
     origin_ += node.position / static_cast<double>(network.nodes().size());
+  require_memory_for_all();
   place_vertices();
   ways_.resize(model_.regions.size());
   layouts_.resize(model_.regions.size());
   first_.resize(model_.regions.size());
+}
+
+double RegionMaker::element_edge(int region) const {
+  return std::min(edge_of(region),
+                  orientation_.sizes[region] / least_across(model_.regions.size()));
+}
+
+void RegionMaker::require_memory_for_all() const {
+  double triangles = 0;
+  for (int r = 0; r < count_of(model_.regions); ++r)
+    triangles += orientation_.plain_areas[r] / (0.433 * std::pow(element_edge(r), 2));
+  require_model_size(triangles, edge_, network_.size());
 }
 
 double RegionMaker::edge_of(int region) const {
@@ -172,8 +186,7 @@ void RegionMaker::lay_out(const std::vector<int>& which, double from, double to)
 RegionWish RegionMaker::wish_of(size_t r) const {
   const NetworkRegion& plan = model_.regions[r].plan;
   SkinOptions skin = options_.skin;
-  skin.edge_length = std::min(edge_of(static_cast<int>(r)),
-                              orientation_.sizes[r] / least_across(model_.regions.size()));
+  skin.edge_length = element_edge(static_cast<int>(r));
   skin.tolerance = tolerance_;
   skin.domain = plan.ring ? SkinOptions::Domain::Ring : plan.skin.domain;
   skin.against_first = plan.loops[0][0].reversed;

@@ -46,7 +46,9 @@ class RegionMaker {
   std::optional<JoinSide> side_of(const ArcSide& use, int arc) const;
 
  private:
-  double edge_of(int region) const;
+  double edge_of(int region) const;       // as stated
+  double element_edge(int region) const;  // and shorter in small regions
+  void require_memory_for_all() const;
   void place_vertices();
   std::vector<CharacterLine> lines_of(const NetworkRegion& plan) const;
   RegionWish wish_of(size_t r) const;

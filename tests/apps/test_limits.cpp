@@ -43,6 +43,79 @@ TEST_CASE("meshes that memory cannot hold are refused beforehand, with what fits
   CHECK(c.run({"run", "s.toml", "--out", "out", "--memory", "0.5"}).code == 0);
 }
 
+TEST_CASE("all regions of a network together are asked for their memory") {
+  const Case c("limits_network");
+  const fs::path box = fs::path(BATTEN_SOURCE_DIR) / "tests/fuzz/seeds/networks/box.csv";
+  const Result r = c.run({"skin", "--network", box.string(), "--edge-length", "0.004", "--memory",
+                          "1", "--out", "out"});
+  CHECK(r.code == 1);
+  CHECK(r.err.find("edge_length = 0.004 on all regions of a network of size") != std::string::npos);
+  CHECK(r.err.find("GB of memory, and") != std::string::npos);
+  CHECK_FALSE(fs::exists(c / "out"));
+}
+
+TEST_CASE("pictures and whole numbers and threads have limits that are said") {
+  const Case c("limits_numbers");
+  const auto picture = [](const std::string& size) {
+    return square("") + "[[picture]]\nfile = \"s.png\"\nsize = " + size + "\n";
+  };
+  const auto info = [&](const std::string& scene) {
+    c.file("s.toml", scene);
+    return c.run({"info", "s.toml"});
+  };
+  CHECK(info(picture("[64, 4096]")).code == 0);
+  for (const char* size : {"[63, 100]", "[100, 4097]"})
+    c.fails(picture(size), 1, {"s.toml:", "expected 64 to 4096 pixels each"});
+  const auto looked = [](const std::string& contours) {
+    return square("") + "[[picture]]\nfile = \"s.png\"\ncontours = " + contours + "\n";
+  };
+  CHECK(info(looked("1000000")).code == 0);
+  c.fails(looked("1000001"), 1, {"s.toml:", "a whole number from 0 to 1000000 for 'contours'"});
+  c.fails(square("edge_length = 60"), 1, {"1025"}, {"--threads", "1025"});
+  CHECK(c.run({"run", "s.toml", "--out", "out", "--threads", "1024"}).code == 0);
+}
+
+TEST_CASE("a motion has a million steps at most") {
+  const Case c("limits_steps");
+  c.file("s.toml",
+         square("edge_length = 60") + "[[load]]\nname = \"p\"\ntype = \"pressure\"\nvalue = 1\n");
+  const Result r =
+      c.run({"sculpt", "s.toml", "--out", "out", "--time", "1000.01", "--dt", "0.001"});
+  CHECK(r.code == 1);
+  CHECK(r.err.find("found 1.00001e+06 steps, expected at most a million") != std::string::npos);
+  CHECK_FALSE(fs::exists(c / "out"));
+}
+
+TEST_CASE("the tolerance of a network is at most a tenth of its size") {
+  const Case c("limits_tolerance");
+  const fs::path box = fs::path(BATTEN_SOURCE_DIR) / "tests/fuzz/seeds/networks/box.csv";
+  const auto run = [&](const char* meet) {
+    return c.run({"skin", "--network", box.string(), "--meet", meet, "--out", "out"});
+  };
+  const Result r = run("0.25");  // of 2.449
+  CHECK(r.code == 1);
+  CHECK(r.err.find("expected at most a tenth of the network's size, 2.44949") != std::string::npos);
+  CHECK(run("0.24").code == 0);
+}
+
+TEST_CASE("STEP files hold coordinates up to 50 km") {
+  const Case c("limits_step");
+  const auto triangle = [](double size) {
+    const std::string s = std::to_string(size);
+    return "x,y,z\n0,0,0\n" + s + ",0,0\n\n" + s + ",0,0\n0," + s + ",0\n\n0," + s + ",0\n0,0,0\n";
+  };
+  const auto run = [&](double size) {
+    c.file("t.csv", triangle(size));
+    return c.run({"skin", "--network", "t.csv", "--unit", "m", "--out", "out"});
+  };
+  const Result near = run(49'999), far = run(50'001);
+  INFO(near.err);
+  CHECK(near.code == 0);
+  CHECK(far.code == 4);
+  CHECK(far.err.find("coordinates of 50001, expected at most 50000 (50 km") != std::string::npos);
+  CHECK(fs::exists(c / "out/t.vtp"));
+}
+
 TEST_CASE("scenes may be nested so deep and no deeper") {
   const Case c("limits_nesting");
   c.fails(nested(64) + square(""), 1, {"found key 'x'"});

@@ -80,8 +80,7 @@ void OutputFolder::commit() {
   for (fs::directory_iterator entry(hidden_, unread), end; !unread && entry != end;
        entry.increment(unread))
     names.push_back(entry->path().filename());
-  if (unread)
-    throw InputError(hidden_.string() + ": cannot read this folder: " + unread.message());
+  if (unread) throw InputError(hidden_.string() + ": cannot read this folder: " + unread.message());
   for (const auto& name : names)
     if (fs::is_directory(folder_ / name, unread))
       throw InputError((folder_ / name).string() +
@@ -101,6 +100,16 @@ void OutputFolder::commit() {
   committed_ = true;
 }
 
+std::optional<double> stated_number(std::string_view text) {
+  double value = 0;
+  const char* const last = text.data() + text.size();
+  // from_chars knows no leading plus.
+  const bool plus = text.starts_with('+') && !text.starts_with("+-");
+  const auto [end, error] = std::from_chars(text.data() + plus, last, value);
+  if (error != std::errc() || end != last || !std::isfinite(value)) return {};
+  return value;
+}
+
 std::vector<Setting> parsed_settings(const std::vector<std::string>& settings) {
   std::vector<Setting> parsed;
   for (const std::string& setting : settings) {
@@ -109,14 +118,9 @@ std::vector<Setting> parsed_settings(const std::vector<std::string>& settings) {
     if (equals == std::string::npos || equals == 0)
       throw InputError(where + "found no '=', expected name=value");
     const std::string text = setting.substr(equals + 1);
-    double value = 0;
-    const char* const last = text.data() + text.size();
-    // from_chars knows no leading plus.
-    const bool plus = text.starts_with('+') && !text.starts_with("+-");
-    const auto [end, error] = std::from_chars(text.data() + plus, last, value);
-    if (error != std::errc() || end != last || !std::isfinite(value))
-      throw InputError(where + "found '" + text + "', expected a number");
-    parsed.push_back({setting.substr(0, equals), where, value});
+    const std::optional<double> value = stated_number(text);
+    if (!value) throw InputError(where + "found '" + text + "', expected a number");
+    parsed.push_back({setting.substr(0, equals), where, *value});
   }
   return parsed;
 }

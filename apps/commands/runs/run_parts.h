@@ -4,7 +4,9 @@
 #include <chrono>
 #include <filesystem>
 #include <list>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -68,6 +70,8 @@ struct Setting {
   std::string name, where;
   double value;
 };
+/// The finite number that all of a text states, "0.5" in any locale; none where it states none.
+std::optional<double> stated_number(std::string_view text);
 /// Parses words "name=value". Throws InputError: no '=', no name, a value that is not a finite
 /// number.
 std::vector<Setting> parsed_settings(const std::vector<std::string>& settings);

@@ -36,10 +36,9 @@ SweepTask parsed_sweep(const std::string& text) {
   for (size_t at = equals + 1; at <= text.size();) {
     const size_t colon = std::min(text.find(':', at), text.size());
     const std::string word = text.substr(at, colon - at);
-    char* end = nullptr;
-    numbers.push_back(std::strtod(word.c_str(), &end));
-    if (word.empty() || *end != '\0' || !std::isfinite(numbers.back()))
-      fail("'" + word + "' for a number");
+    const std::optional<double> value = stated_number(word);
+    if (!value) fail("'" + word + "' for a number");
+    numbers.push_back(*value);
     at = colon + 1;
   }
   if (numbers.size() != 3) fail(std::to_string(numbers.size()) + " numbers");
