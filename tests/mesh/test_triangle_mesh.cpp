@@ -135,6 +135,11 @@ TEST_CASE("preparation splits elements and repairs what is safe") {
   const ShellMesh arrow =
       shells_of({{0, 0, 0}, {4, 0, 0}, {4, 3, 0}, {2, 0.5, 0}, {0, 3, 0}}, {{0, 1, 2, 3, 4}});
   CHECK(total_area(prepare(arrow).mesh) == Approx(7));
+  // The best ear, an equilateral triangle, holds the tip of a spike that runs into the polygon.
+  const ShellMesh spiked = shells_of(
+      {{0, 0, 0}, {4.9, 0, 0}, {5, 6, 0}, {5.1, 0, 0}, {10, 0, 0}, {5, 5 * std::sqrt(3.0), 0}},
+      {{0, 1, 2, 3, 4, 5}});
+  CHECK(total_area(prepare(spiked).mesh) == Approx(25 * std::sqrt(3.0) - 0.6));
   // Second order: four triangles for six nodes, six for eight.
   ShellMesh s6 = shells_of({{0, 0, 0}, {2, 0, 0}, {0, 2, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}, {});
   s6.add_face(std::vector<int>{0, 1, 2, 3, 4, 5}, true);
