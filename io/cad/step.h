@@ -61,7 +61,7 @@ std::string step_size_warning(const std::vector<const SkinnedRegion*>& regions);
 /// regions of which one embeds a line that another has as a run; lines of one name that differ; a
 /// unit other than um, mm, cm, m, km, inch, ft, mi, mil, uin; a Z12 surface, other than a fitted
 /// one, without `z12_as_hct`; a tolerance below 0; what write_step_faces says of fitted regions;
-/// dofs that are not finite; coordinates beyond 50 km; an element edge without length; a file that cannot be written.
+/// dofs that are not finite; a size above 20 km; an element edge without length; a file that cannot be written.
 StepReport write_step(const std::filesystem::path& file,
                       const std::vector<const SkinnedRegion*>& regions, double model_unit_in_metres,
                       const StepOptions& options = {});

@@ -34,7 +34,7 @@ namespace batten {
 /// different parameters; lines of one name that differ, lines without a name beside them; a ring
 /// whose rims do not run around it, or whose holes leave no room for the seam; a unit other than
 /// those of write_step; a tolerance that is not > 0; limits of poles below those that
-/// StepFaceOptions allows; dofs that are not finite; coordinates beyond 50 km; a file that cannot be written.
+/// StepFaceOptions allows; dofs that are not finite; a size above 20 km; a file that cannot be written.
 StepReport write_step_faces(const std::filesystem::path& file,
                             const std::vector<const SkinnedRegion*>& regions,
                             double model_unit_in_metres, const StepFaceOptions& options);

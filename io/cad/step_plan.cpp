@@ -37,7 +37,7 @@ class Planner {
       for (const LineRun& run : region->runs) extend_box(run.fitted);
       for (const EmbeddedLine& line : region->embedded) extend_box(line.fitted);
     }
-    require_near(unit_in_metres);
+    require_size(unit_in_metres);
     if (!box_.isEmpty()) plan_.distance = 1e-6 * box_.diagonal().norm();
     open_.resize(regions.size());
     for (int r = 0; r < count_of(regions); ++r) add_lines(r);
@@ -58,17 +58,14 @@ class Planner {
   }
 
  private:
-  // OpenCASCADE resolves 1e-7 mm anywhere. Farther out than this its edges leave their faces by
-  // parts in 10⁴ of the size, and reading the file takes minutes.
-  void require_near(double unit_in_metres) const {
-    constexpr double most_metres = 5e4;
-    const double far = box_.isEmpty() ? 0
-                                      : std::max(box_.min().cwiseAbs().maxCoeff(),
-                                                 box_.max().cwiseAbs().maxCoeff());
-    if (far * unit_in_metres > most_metres)
-      throw InputError("STEP: found a surface that reaches to coordinates of " + number(far) +
-                       ", expected at most " + number(most_metres / unit_in_metres) +
-                       " (50 km; is the unit right?)");
+  // OpenCASCADE resolves 1e-7 mm. In larger files its edges leave their faces by 1e-4 of the size,
+  // reading takes minutes, or it gives up.
+  void require_size(double unit_in_metres) const {
+    constexpr double most_metres = 2e4;
+    const double size = box_.isEmpty() ? 0 : box_.diagonal().norm();
+    if (size * unit_in_metres > most_metres)
+      throw InputError("STEP: found a surface of size " + number(size) + ", expected at most " +
+                       number(most_metres / unit_in_metres) + " (20 km; is the unit right?)");
   }
 
   void extend_box(const HermiteCurve& curve) {

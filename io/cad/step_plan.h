@@ -42,7 +42,7 @@ struct StepPlan {
 /// Plans a file. Regions with a line of the same name are one shell. It is a solid when every line
 /// of it has two sides, which run against each other, and its normals point outwards. Regions with
 /// three sides at a line, or without a common outside, are a shell each, and a warning says so.
-/// Throws InputError: no region, dofs that are not finite, coordinates beyond 50 km, different curves
+/// Throws InputError: no region, dofs that are not finite, a size above 20 km, different curves
 /// of one name.
 StepPlan step_plan(const std::vector<const SkinnedRegion*>& regions, double unit_in_metres);
 

@@ -98,7 +98,7 @@ TEST_CASE("the tolerance of a network is at most a tenth of its size") {
   CHECK(run("0.24").code == 0);
 }
 
-TEST_CASE("STEP files hold coordinates up to 50 km") {
+TEST_CASE("STEP files hold surfaces up to 20 km") {
   const Case c("limits_step");
   const auto triangle = [](double size) {
     const std::string s = std::to_string(size);
@@ -108,11 +108,12 @@ TEST_CASE("STEP files hold coordinates up to 50 km") {
     c.file("t.csv", triangle(size));
     return c.run({"skin", "--network", "t.csv", "--unit", "m", "--out", "out"});
   };
-  const Result near = run(49'999), far = run(50'001);
+  const Result near = run(14'142), far = run(14'143);  // √2 of it
   INFO(near.err);
   CHECK(near.code == 0);
   CHECK(far.code == 4);
-  CHECK(far.err.find("coordinates of 50001, expected at most 50000 (50 km") != std::string::npos);
+  CHECK(far.err.find("surface of size 20001.2, expected at most 20000 (20 km") !=
+        std::string::npos);
   CHECK(fs::exists(c / "out/t.vtp"));
 }
 
