@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 namespace {
 
 [[noreturn]] void fail(const fs::path& path, const std::string& reason) {
-  throw InputError(path.string() + ": cannot write this file: " + reason);
+  throw FileError(path.string() + ": cannot write this file: " + reason);
 }
 
 /// A temporary name that no other process or thread uses, because it has the process number and a
@@ -107,7 +107,7 @@ void write_whole_file(const fs::path& path, const std::function<void(std::ostrea
 
 void make_output_folder(const fs::path& path) {
   const auto refuse = [&](const std::string& reason) {
-    throw InputError(path.string() + ": cannot use this output folder: " + reason);
+    throw FileError(path.string() + ": cannot use this output folder: " + reason);
   };
   if (path.empty()) refuse("its name is empty");
   std::error_code error;

@@ -6,9 +6,17 @@
 #include <iosfwd>
 #include <optional>
 
+#include "batten/core/errors.h"
 #include "batten/io/files/unfinished.h"
 
 namespace batten {
+
+/// The system does not let a file be written: no room, no permission. What fails with this fails
+/// for every file, not for one surface.
+class FileError : public InputError {
+ public:
+  using InputError::InputError;
+};
 
 /// An output file that is being written. Libraries write to temporary(), a name in the same folder
 /// with the same extension. commit() gives the file its real name in one step and replaces an older
@@ -17,8 +25,8 @@ class WholeFile {
  public:
   /// Creates the temporary file, so that a folder that is missing or not writable is found out
   /// before the work is done. Removes those that killed programs left for a file of this name.
-  /// Throws InputError with the file and the system's reason, also when
-  /// `path` exists and is not a regular file.
+  /// Throws FileError with the file and the system's reason, also when `path` exists and is not a
+  /// regular file.
   explicit WholeFile(std::filesystem::path path);
   ~WholeFile();
   WholeFile(const WholeFile&) = delete;
@@ -27,7 +35,7 @@ class WholeFile {
   const std::filesystem::path& path() const { return path_; }
   const std::filesystem::path& temporary() const { return temporary_; }
   /// Gives the file its real name. Call it once, after the writer has closed the file. Throws
-  /// InputError when the system refuses.
+  /// FileError when the system refuses.
   void commit();
 
  private:
@@ -36,13 +44,13 @@ class WholeFile {
 };
 
 /// Writes a file, whole or not at all, with what `write` puts into the stream (numbers in the C
-/// locale, '\n' line ends). Throws InputError, also when the disk is full, and whatever `write`
+/// locale, '\n' line ends). Throws FileError, also when the disk is full, and whatever `write`
 /// throws.
 void write_whole_file(const std::filesystem::path& path,
                       const std::function<void(std::ostream&)>& write);
 
 /// Makes sure that the folder exists, with all folders above it, and that files can be created in
-/// it. Throws InputError otherwise.
+/// it. Throws FileError otherwise.
 void make_output_folder(const std::filesystem::path& path);
 
 }  // namespace batten

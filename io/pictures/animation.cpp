@@ -160,8 +160,8 @@ class GifWriter {
 
   [[noreturn]] void fail(int code) const {
     const char* reason = GifErrorString(code);
-    throw InputError(path_.string() +
-                     ": cannot write this file: " + (reason ? reason : "unknown reason"));
+    throw FileError(path_.string() +
+                    ": cannot write this file: " + (reason ? reason : "unknown reason"));
   }
   void expect(int result) const {
     if (result == GIF_ERROR) fail(gif_->Error);

@@ -31,8 +31,8 @@ void write_png(const std::filesystem::path& path, const Image& image) {
   writer->SetInputData(data);
   writer->Write();
   if (writer->GetErrorCode() != vtkErrorCode::NoError)
-    throw InputError(path.string() + ": cannot write this file: " +
-                     vtkErrorCode::GetStringFromErrorCode(writer->GetErrorCode()));
+    throw FileError(path.string() + ": cannot write this file: " +
+                    vtkErrorCode::GetStringFromErrorCode(writer->GetErrorCode()));
   file.commit();
 }
 

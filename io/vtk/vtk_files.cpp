@@ -231,8 +231,8 @@ void write_xml(vtkXMLWriter& writer, vtkDataObject* data, const fs::path& path) 
     writer.SetCompressionLevel(1);
   }
   if (!writer.Write() || !messages.first_error().empty())
-    throw InputError(path.string() + ": cannot write this file: " +
-                     vtkErrorCode::GetStringFromErrorCode(writer.GetErrorCode()));
+    throw FileError(path.string() + ": cannot write this file: " +
+                    vtkErrorCode::GetStringFromErrorCode(writer.GetErrorCode()));
   file.commit();
 }
 

@@ -83,8 +83,8 @@ void OutputFolder::commit() {
   if (unread) throw InputError(hidden_.string() + ": cannot read this folder: " + unread.message());
   for (const auto& name : names)
     if (fs::is_directory(folder_ / name, unread))
-      throw InputError((folder_ / name).string() +
-                       ": cannot write this file: a folder has this name");
+      throw FileError((folder_ / name).string() +
+                      ": cannot write this file: a folder has this name");
   finish_files([&] {
     const int turn = locked_folder(folder_, true);
     std::string failure;
@@ -95,7 +95,7 @@ void OutputFolder::commit() {
         failure = (folder_ / name).string() + ": cannot write this file: " + error.message();
     }
     if (turn >= 0) ::close(turn);
-    if (!failure.empty()) throw InputError(failure);
+    if (!failure.empty()) throw FileError(failure);
   });
   committed_ = true;
 }

@@ -105,6 +105,8 @@ void write_what_can_be(Report& report, const OutputFolder& out, const std::strin
       write(some, next);
     } catch (const CancelledError&) {
       throw;
+    } catch (const FileError&) {
+      throw;
     } catch (const Error& e) {
       if (!of_network) throw;
       why = e.what();
