@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "batten/core/errors.h"
+#include "batten/core/memory.h"
 #include "batten/tests/catch.h"
 #include "batten/tests/sampling.h"
 
@@ -177,4 +178,30 @@ TEST_CASE("a factor moves with its numbers") {
   CHECK(third.solve(b) == x);
   const std::string backend = SparseCholesky::backend();
   CHECK((backend == "CHOLMOD" || backend == "Eigen"));
+}
+
+TEST_CASE("a factor that memory cannot hold is refused before its numbers") {
+  if (std::string(SparseCholesky::backend()) != "CHOLMOD") return;
+  // All are coupled to the first alone; with that one eliminated first the factor is full.
+  constexpr int n = 6000;
+  std::vector<Triplet> entries;
+  std::vector<int> order;
+  for (int i = 0; i < n; ++i) {
+    entries.emplace_back(i, i, n);
+    if (i > 0) entries.emplace_back(i, 0, 1);
+    order.push_back(i);
+  }
+  SparseMatrix A(n, n);
+  A.setFromTriplets(entries.begin(), entries.end());
+  struct NoLimit {
+    ~NoLimit() { limit_memory(0); }
+  } afterwards;
+  SparseCholesky cholesky;
+  limit_memory(1e8);
+  CHECK_THROWS_WITH(cholesky.analyze(A, order),
+                    Catch::Matchers::Contains("a factor of 6000 unknowns needs 288 MB of memory"));
+  cholesky.analyze(A);  // the other way round it stays as sparse as A
+  REQUIRE(cholesky.factorize(A));
+  limit_memory(0);
+  CHECK_NOTHROW(cholesky.analyze(A, order));
 }
