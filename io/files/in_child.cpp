@@ -34,7 +34,8 @@ constexpr bool kMemoryIsLimited = true;
 enum class Outcome : char { Bytes = 'b', Refused = 'r', NoMemory = 'm', Failed = 'f' };
 
 struct Limits {
-  rlim_t seconds, bytes;
+  rlim_t seconds, bytes;  // of the processor, of memory
+  rlim_t by_the_clock() const { return 4 * seconds; }
 };
 
 Limits limits_for(const std::filesystem::path& file) {
@@ -77,13 +78,16 @@ bool write_all(int to, const char* bytes, size_t count) {
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (::getppid() != parent) ::_exit(1);
   for (const int number : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGSEGV, SIGBUS, SIGFPE, SIGILL,
-                           SIGABRT, SIGXCPU, SIGPIPE})
+                           SIGABRT, SIGXCPU, SIGPIPE, SIGALRM})
     ::signal(number, SIG_DFL);
   sigset_t none;
   sigemptyset(&none);
   ::sigprocmask(SIG_SETMASK, &none, nullptr);
   limit(RLIMIT_CORE, 0);
   limit(RLIMIT_CPU, limits.seconds);
+  // A lock that another thread held when the process was copied is never opened: waiting for it
+  // uses no processor time.
+  ::alarm(static_cast<unsigned>(limits.by_the_clock()));
   if (kMemoryIsLimited) limit(RLIMIT_AS, addresses_in_use() + limits.bytes);
   if (const int nothing = ::open("/dev/null", O_RDWR); nothing >= 0) {
     ::dup2(nothing, STDOUT_FILENO);
@@ -152,8 +156,9 @@ std::string bytes_from_child(const std::filesystem::path& file, const std::strin
   if (WIFSIGNALED(status)) {
     const int number = WTERMSIG(status);
     if (number == SIGINT || number == SIGTERM || number == SIGHUP) throw CancelledError();
-    if (number == SIGXCPU || number == SIGKILL)
-      fail("had not read this file after " + std::to_string(limits.seconds) +
+    if (number == SIGXCPU || number == SIGALRM || number == SIGKILL)
+      fail("had not read this file after " +
+           std::to_string(number == SIGALRM ? limits.by_the_clock() : limits.seconds) +
            " s: it is damaged, or too large");
     fail(std::string("breaks down over this file (") + ::strsignal(number) + "): it is damaged");
   }
