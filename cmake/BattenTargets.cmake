@@ -54,6 +54,7 @@ function(batten_library folder)
     $<BUILD_INTERFACE:${PROJECT_BINARY_DIR}/include> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
   target_link_libraries(batten_${name} PUBLIC ${ARG_LINKS}
                         PRIVATE $<BUILD_INTERFACE:batten_options> ${ARG_PRIVATE_LINKS})
+  target_compile_features(batten_${name} PUBLIC cxx_std_20)  # headers have std::span
   batten_precompile(batten_${name})
   if(folder STREQUAL "io")
     set(export batten-io)
