@@ -48,6 +48,12 @@ bool has_decimal_commas(const Fields& fields, bool each) {
   return any;
 }
 
+// A number of points, which a double and a long hold.
+bool is_count(std::string_view field) {
+  constexpr size_t most_digits = 15;
+  return field.size() <= most_digits && is_whole(field);
+}
+
 class PointTable {
  public:
   PointTable(TextRows& rows, double scale) : rows_(rows), scale_(scale) {}
@@ -117,7 +123,7 @@ class PointTable {
     columns_.count = count_of(fields_);
     if (columns_.named) {
       how_ = "columns named by the header";
-    } else if (columns_.count == 4 && is_whole(fields_[0])) {
+    } else if (columns_.count == 4 && is_count(fields_[0])) {
       columns_.number = static_cast<long>(value(fields_[0])) - 1;
       how_ = "the first column counts the points";
     } else if (columns_.count != 2 && columns_.count != 3) {
@@ -149,7 +155,7 @@ class PointTable {
       const long next = ++*columns_.number;
       if (fields_.size() == 4 && value(fields_[0]) != static_cast<double>(next)) {
         // Each line may count its own points.
-        if (!new_line_ || !is_whole(fields_[0]))
+        if (!new_line_ || !is_count(fields_[0]))
           rows_.fail(
               row.data(),
               "found " + in_quotes(fields_[0]) + " in the first of 4 columns, expected " +

@@ -93,6 +93,10 @@ TEST_CASE("how a table was read is said where it is not obvious", "[io][points]"
   CHECK(said("NACA 2412\n1 2\n4 5\n") == "title 'NACA 2412'");
   CHECK(said("1,5;2\n4;5\n") == "decimal commas");
   CHECK(said("1 1 2 3\n2 4 5 6\n") == "the first column counts the points");
+  CHECK(said("999999999999999 1 2 3\n1000000000000000 4 5 6\n") ==
+        "the first column counts the points");
+  CHECK_THROWS_AS(read_point_lines(file_with("a.csv", std::string(38, '5') + ",2,0,1\n1,2,3,4\n")),
+                  InputError);
 }
 
 TEST_CASE("lines of one table are named by a column or by the rows above them", "[io][points]") {
