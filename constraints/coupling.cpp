@@ -1,8 +1,11 @@
 #include "batten/constraints/coupling.h"
 
+#include <Eigen/SparseQR>
+#include <algorithm>
 #include <cmath>
 
 #include "batten/core/errors.h"
+#include "batten/core/memory.h"
 
 namespace batten {
 Coupling::Coupling(const SparseCholesky& factor, SparseMatrix U, std::vector<Row> rows,
@@ -29,51 +32,63 @@ void Coupling::prepare(const SparseCholesky& factor, const Coupling* older,
   express_implied(implied_by);
 }
 
-std::vector<VecX> Coupling::orthogonalise(double dependent) {
-  const auto count = static_cast<long>(rows_.size());
-  // The rows on the unknowns that any of them touches, x, y, z side by side.
-  std::vector<int> place(U_.rows(), -1);
-  long touched = 0;
-  for (long k = 0; k < U_.cols(); ++k)
-    for (SparseMatrix::InnerIterator it(U_, k); it; ++it)
-      if (place[it.row()] < 0) place[it.row()] = static_cast<int>(touched++);
-  MatX Q(3 * touched, count);  // orthonormal columns
-  R_ = MatX::Zero(count, count);
-  std::vector<VecX> implied_by;
-  for (long a = 0; a < count; ++a) {
-    if (rows_[a].soft) {
-      soft_.push_back(static_cast<int>(a));
-      continue;
-    }
-    VecX row = VecX::Zero(3 * touched);
-    rows_[a].terms([&](int point, const Vec3& n) {
+// The hard rows, each over its size, as columns; x, y, z of an unknown lie side by side. Rows along a
+// line then make a band.
+SparseMatrix Coupling::hard_rows(const std::vector<int>& hard) const {
+  std::vector<Eigen::Triplet<double>> entries;
+  for (size_t k = 0; k < hard.size(); ++k) {
+    const Row& row = rows_[hard[k]];
+    const double scale = row.size > 0 ? 1 / row.size : 1;
+    row.terms([&](int point, const Vec3& n) {
       for (SparseMatrix::InnerIterator it(U_, point); it; ++it)
-        for (int c = 0; c < 3; ++c) row[c * touched + place[it.row()]] += it.value() * n[c];
+        for (int c = 0; c < 3; ++c)
+          if (n[c] != 0)
+            entries.emplace_back(3 * it.row() + c, static_cast<int>(k), scale * it.value() * n[c]);
     });
-    const auto rank = static_cast<long>(independent_.size());
+  }
+  // Eigen's QR reads beyond a matrix that is wider than high (3.4.0): zeros make it high.
+  const auto count = static_cast<long>(hard.size());
+  SparseMatrix G(std::max<long>(3 * U_.rows(), count), count);
+  G.setFromTriplets(entries.begin(), entries.end());
+  return G;
+}
+
+std::vector<VecX> Coupling::orthogonalise(double dependent) {
+  std::vector<int> hard;
+  for (int a = 0; a < rows(); ++a) (rows_[a].soft ? soft_ : hard).push_back(a);
+  R_.resize(0, 0);
+  if (hard.empty()) return {};
+  Eigen::SparseQR<SparseMatrix, Eigen::NaturalOrdering<int>> qr;
+  qr.setPivotThreshold(dependent);
+  qr.compute(hard_rows(hard));
+  if (qr.info() != Eigen::Success)
+    throw NoSolutionError("the rows of guided points cannot be reduced");
+  // Columns of R: those that are independent of the ones before, then the rest.
+  Eigen::RowVectorXi order(static_cast<long>(hard.size()));
+  for (size_t k = 0; k < hard.size(); ++k) order[static_cast<long>(k)] = hard[k];
+  order = order * qr.colsPermutation();
+  const long rank = qr.rank();
+  R_.setZero(rank, rank);
+  std::vector<VecX> implied_by;
+  for (long k = 0; k < order.size(); ++k) {
     VecX shares = VecX::Zero(rank);
-    for (int pass = 0; pass < 2; ++pass) {  // twice is enough (Kahan, Parlett)
-      const VecX more = Q.leftCols(rank).transpose() * row;
-      row -= Q.leftCols(rank) * more;
-      shares += more;
-    }
-    if (row.norm() > dependent * rows_[a].size) {
-      R_.row(rank).head(rank) = shares.transpose();
-      R_(rank, rank) = row.norm();
-      Q.col(rank) = row / row.norm();
-      independent_.push_back(static_cast<int>(a));
+    for (Eigen::SparseMatrix<double>::InnerIterator it(qr.matrixR(), k); it; ++it)
+      if (it.row() < rank) shares[it.row()] = it.value() * rows_[order[k]].size;
+    if (k < rank) {
+      R_.row(k) = shares.transpose();
+      independent_.push_back(order[k]);
     } else {
-      implied_.push_back(static_cast<int>(a));
-      implied_by.push_back(shares);
+      implied_.push_back(order[k]);
+      implied_by.push_back(std::move(shares));
     }
   }
-  const auto rank = static_cast<long>(independent_.size());
-  R_.conservativeResize(rank, rank);
   return implied_by;
 }
 
 void Coupling::solve_points(const SparseCholesky& factor, const Coupling* older,
                             const std::vector<int>& known) {
+  require_memory(8.0 * static_cast<double>(U_.rows()) * static_cast<double>(U_.cols()),
+                 "holding a shape at " + std::to_string(points()) + " places beside its lines");
   Z_.resize(U_.rows(), U_.cols());
   std::vector<long> unknown;
   for (long k = 0; k < U_.cols(); ++k)
@@ -81,11 +96,16 @@ void Coupling::solve_points(const SparseCholesky& factor, const Coupling* older,
       Z_.col(k) = older->Z_.col(known[k]);
     else
       unknown.push_back(k);
-  if (unknown.empty() || U_.rows() == 0) return;
-  MatX solved(U_.rows(), static_cast<long>(unknown.size()));
-  for (size_t i = 0; i < unknown.size(); ++i) solved.col(static_cast<long>(i)) = U_.col(unknown[i]);
-  factor.solve_in_place(solved);
-  for (size_t i = 0; i < unknown.size(); ++i) Z_.col(unknown[i]) = solved.col(static_cast<long>(i));
+  if (U_.rows() == 0) return;
+  // Block by block: a copy of all would be as large as Z.
+  constexpr size_t at_once = 256;
+  for (size_t first = 0; first < unknown.size(); first += at_once) {
+    const auto count = static_cast<long>(std::min(at_once, unknown.size() - first));
+    MatX solved(U_.rows(), count);
+    for (long i = 0; i < count; ++i) solved.col(i) = U_.col(unknown[first + i]);
+    factor.solve_in_place(solved);
+    for (long i = 0; i < count; ++i) Z_.col(unknown[first + i]) = solved.col(i);
+  }
 }
 
 void Coupling::form_schur_complement() {

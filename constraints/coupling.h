@@ -24,14 +24,16 @@ namespace batten {
 /// before the reduction) are left out; contradiction() tells when their right-hand sides do not
 /// fit.
 ///
-/// Cost: one solve for each different point at construction, points × m numbers are kept; apply()
-/// is as many axpys on m numbers and a triangular solve with as many rows.
+/// Cost: one solve for each different point and O(unknowns under rows × rows²) at construction,
+/// points × m numbers are kept; apply() is as many axpys on m numbers and a triangular solve with as
+/// many rows.
 class Coupling {
  public:
   struct Row {
     struct Term {
       int point;       ///< column of U
       Vec3 direction;  ///< n_k
+      bool operator==(const Term&) const = default;
     };
     int point;
     Vec3 direction;
@@ -40,6 +42,7 @@ class Coupling {
     /// Further terms, for a row whose direction is not the same for all unknowns: Σ n · (uᵀ y).
     std::vector<Term> more = {};
 
+    bool operator==(const Row&) const = default;
     /// Calls visit(point, direction) for each term.
     template <class Visit>
     void terms(const Visit& visit) const {
@@ -87,6 +90,7 @@ class Coupling {
  private:
   void prepare(const SparseCholesky& factor, const Coupling* older, const std::vector<int>& known,
                double dependent);
+  SparseMatrix hard_rows(const std::vector<int>& hard) const;
   // Sorts the rows into soft, independent and implied ones and makes R. Returns of each implied row
   // its shares of the rows of Q.
   std::vector<VecX> orthogonalise(double dependent);

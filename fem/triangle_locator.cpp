@@ -78,6 +78,14 @@ Location TriangleLocator::locate(const Vec2& uv) const {
   return best.where;
 }
 
+// A lower bound: less by far more than its rounding.
+double TriangleLocator::distance_to_bucket(int row, int column, const Vec2& uv) const {
+  const Vec2 corner = low_ + cell_ * Vec2(column, row);
+  const Vec2 q = uv.cwiseMax(corner).cwiseMin(corner + Vec2(cell_, cell_));
+  constexpr double slack = 1e-9;
+  return (1 - slack) * (uv - q).norm() - slack * cell_;
+}
+
 bool TriangleLocator::misses(int triangle, const Vec2& uv) const {
   const auto& [a, b, c] = corners_[triangle];
   const Vec2 to_a = a - uv, to_b = b - uv, to_c = c - uv;
@@ -116,13 +124,16 @@ TriangleLocator::Found TriangleLocator::search(const Vec2& uv, double nearest) c
   // Outside: rings of buckets around the point, until nothing nearer can come.
   for (int ring = 0; ring <= std::max(columns_, rows_); ++ring) {
     if (nearest <= (ring - 1) * cell_) break;
-    for (int r = std::max(0, r0 - ring); r <= std::min(rows_ - 1, r0 + ring); ++r)
-      for (int c = std::max(0, c0 - ring); c <= std::min(columns_ - 1, c0 + ring); ++c) {
-        if (std::max(std::abs(r - r0), std::abs(c - c0)) != ring) continue;
+    for (int r = std::max(0, r0 - ring); r <= std::min(rows_ - 1, r0 + ring); ++r) {
+      const int step = std::abs(r - r0) == ring ? 1 : 2 * ring;
+      for (int c = c0 - ring; c <= std::min(columns_ - 1, c0 + ring); c += step) {
+        if (c < 0) continue;
+        if (!(distance_to_bucket(r, c, uv) < nearest)) continue;
         const size_t bucket = static_cast<size_t>(r) * columns_ + c;
         for (int i = start_[bucket]; i < start_[bucket + 1]; ++i)
           if (look(triangles_[i])) return {best, 0};
       }
+    }
   }
   return {best, nearest};
 }

@@ -31,6 +31,7 @@ class TriangleLocator {
   Found search(const Vec2& uv, double nearest) const;
   // Whether a triangle is clearly not the one.
   bool misses(int triangle, const Vec2& uv) const;
+  double distance_to_bucket(int row, int column, const Vec2& uv) const;
   int column(double u) const;
   int row(double v) const;
   const ParametricMesh& mesh_;

@@ -116,6 +116,20 @@ void Engine::make_matrix(System& system, const std::vector<double>& values) {
   system.moving_coupling.reset();
 }
 
+// Whether two couplings of these would be equal, on one mesh and reduction. What their right-hand
+// sides come from may differ.
+bool same_rows(const LooseRows& a, const LooseRows& b) {
+  const auto same_matrix = [](const SparseMatrix& x, const SparseMatrix& y) {
+    const auto equal = [](const auto* p, const auto* q, long n) { return std::equal(p, p + n, q); };
+    return x.rows() == y.rows() && x.cols() == y.cols() && x.nonZeros() == y.nonZeros() &&
+           x.isCompressed() && y.isCompressed() &&
+           equal(x.outerIndexPtr(), y.outerIndexPtr(), x.cols() + 1) &&
+           equal(x.innerIndexPtr(), y.innerIndexPtr(), x.nonZeros()) &&
+           equal(x.valuePtr(), y.valuePtr(), x.nonZeros());
+  };
+  return &a == &b || (a.rows == b.rows && same_matrix(a.A, b.A));
+}
+
 // Makes the coupling of the rows beside the factor. `older` is on the same factor: solves of what
 // it has already are kept.
 void Engine::couple(System& system, const Coupling* older) {
@@ -148,7 +162,10 @@ bool Engine::prepare_matrix(System& system, const std::vector<double>& values) {
   known_response_.assign(known_response_.size(), 0);
   if (!fits) make_matrix(system, values);
   const std::shared_ptr<const Coupling> older = fits ? system.coupling : nullptr;
-  couple(system, older.get());
+  if (older && same_rows(*system.coupled_rows, *system.loose))
+    system.coupled_rows = system.loose;
+  else
+    couple(system, older.get());
   return !fits;
 }
 

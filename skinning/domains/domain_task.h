@@ -115,11 +115,12 @@ void cut_and_place(RegionParts& parts, const DomainTask& task);
 ConstraintSet line_rows(const RegionParts& parts, TriangleElement element);
 
 /// Halves triangles where lines or holes bend more tightly than elements of their size can follow
-/// (radius below two sizes), before anything is cut.
+/// (radius below two sizes), before anything is cut; no more once there are most_when_halved().
 void grade_by_curvature(RegionParts& parts, const DomainTask& task);
 
 /// Halves triangles where the gap between two points of an embedded line is above `target` (model
-/// units). Returns false when there is no such gap, or no triangle may be halved any more.
+/// units). Returns false when there is no such gap, or no triangle may be halved any more: they are
+/// too small, or the mesh would have more than most_when_halved(); then it warns.
 bool refine_at_gaps(RegionParts& parts, const Surface& surface, double target,
                     const DomainTask& task);
 

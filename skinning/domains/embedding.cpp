@@ -9,6 +9,7 @@
 #include "batten/fem/bisection.h"
 #include "batten/fem/triangle_locator.h"
 #include "batten/skinning/domains/domain_task.h"
+#include "batten/skinning/domains/mesh_size.h"
 #include "batten/skinning/region/quality.h"
 
 namespace batten {
@@ -20,6 +21,22 @@ constexpr int kGapSamples = 20;  // between points
 
 // No triangle becomes smaller.
 double smallest_size(const DomainTask& task) { return task.edge / task.size / 64; }
+
+// Whether the mesh may be halved at the marks: most of them make two triangles of one.
+bool may_halve(const RegionParts& parts, const std::vector<char>& marked, const DomainTask& task) {
+  const auto more = std::count(marked.begin(), marked.end(), 1);
+  return static_cast<double>(parts.mesh->triangle_count() + more) <=
+         most_when_halved(task.edge, task.size);
+}
+
+void warn_of_coarse_mesh(RegionParts& parts, const DomainTask& task) {
+  const std::string warning = "triangles under lines are halved no more once there are " +
+                              number(most_when_halved(task.edge, task.size)) +
+                              ": lines may be missed by more than " + number(task.tolerance) +
+                              " (the tolerance)";
+  if (std::find(parts.warnings.begin(), parts.warnings.end(), warning) == parts.warnings.end())
+    parts.warnings.push_back(warning);
+}
 
 // Visits samples between the points of a line, interval by interval: `visit(interval, t)`.
 template <class Visit>
@@ -223,7 +240,7 @@ void grade_by_curvature(RegionParts& parts, const DomainTask& task) {
           any = true;
         }
     }
-    if (!any) return;
+    if (!any || !may_halve(parts, marked, task)) return;
     halve(parts, marked);
   }
 }
@@ -278,6 +295,10 @@ bool refine_at_gaps(RegionParts& parts, const Surface& surface, double target,
       });
     }
     if (!here) break;
+    if (!may_halve(parts, marked, task)) {
+      warn_of_coarse_mesh(parts, task);
+      break;
+    }
     any = true;
     halve(parts, marked);
   }

@@ -48,4 +48,17 @@ void require_model_size(double triangles, double edge, double size) {
                      [](double n) { return 70e6 + 2000 * n; });
 }
 
+double most_when_halved(double edge, double size) {
+  constexpr double usual = 50'000, times = 10;
+  return std::clamp(times * (size / edge) * (size / edge), usual, most_triangles);
+}
+
+void require_tolerance(double tolerance, double size) {
+  constexpr double least_share = 1e-9;
+  if (tolerance >= least_share * size) return;
+  throw InputError("tolerance = " + number(tolerance) + " is too small for a size of " +
+                   number(size) + ": expected " + number(least_share * size) +
+                   " or more, to which shapes are computed (is the unit right?)");
+}
+
 }  // namespace batten

@@ -1,4 +1,4 @@
-// Whether a mesh can be afforded.
+// Whether a mesh can be afforded, and a tolerance reached.
 #pragma once
 
 #include <string>
@@ -20,5 +20,13 @@ void require_mesh_size(double triangles, double edge, double size, const std::st
 void require_model_size(double triangles, double edge, double size);
 
 inline constexpr double most_triangles = 2e6;
+
+/// Returns how many triangles a region may have after those under its embedded lines were halved:
+/// 50,000, or ten times those of its size and edge length, (size/edge)².
+double most_when_halved(double edge, double size);
+
+/// Throws InputError for a tolerance of lines below 1e-9 of the size: shapes are not computed more
+/// exactly.
+void require_tolerance(double tolerance, double size);
 
 }  // namespace batten

@@ -15,6 +15,7 @@
 #include "batten/fem/triangle_locator.h"
 #include "batten/skinning/domains/domain_task.h"
 #include "batten/skinning/domains/hole_cuts.h"
+#include "batten/skinning/domains/mesh_size.h"
 #include "batten/skinning/domains/polygon_fit.h"
 #include "batten/skinning/domains/ring.h"
 #include "batten/skinning/region/flatten.h"
@@ -271,6 +272,7 @@ RegionLayout::RegionLayout(std::string name, const std::vector<CharacterLine>& l
   progress.at("fitting lines", 0);
   size_ = diagonal_of(lines);
   tolerance_ = options.tolerance > 0 ? options.tolerance : 1e-4 * size_;
+  require_tolerance(tolerance_, size_);
   edge_ = options.edge_length > 0 ? options.edge_length : size_ / 20;
   join_ = std::max(tolerance_, 1e-6 * size_);
   const DomainTask task = this->task();

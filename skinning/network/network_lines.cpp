@@ -141,29 +141,41 @@ std::vector<Strand> cut_line(const CharacterLine& line, int index, double corner
   return strands;
 }
 
-// Points of [a, b] behind the point at a, so dense that chords tell where the curve is.
-void trace(Strand& strand, double a, const Vec3& pa, double b, const Vec3& pb, int depth) {
-  const Vec3 chord = pb - pa;
+// A place on a strand: its parameter, its arc length from the start, its point.
+struct Place {
+  double t, s;
+  Vec3 x;
+};
+
+Place place_at(const Strand& strand, double t) {
+  return {t, strand.arc->length_at(t), strand.point(t)};
+}
+
+// Adds places behind a up to b, so dense that chords tell where the curve is.
+void trace(Strand& strand, const Place& a, const Place& b, int depth) {
+  const Vec3 chord = b.x - a.x;
   const double length = chord.norm();
   double sag = 0;
-  Vec3 middle = pa;
   for (const double f : {0.25, 0.5, 0.75}) {
-    const Vec3 p = strand.point(a + f * (b - a));
-    if (f == 0.5) middle = p;
+    const Vec3 p = strand.point(a.t + f * (b.t - a.t));
     const double along =
-        length > 0 ? std::clamp((p - pa).dot(chord) / (length * length), 0.0, 1.0) : 0;
-    sag = std::max(sag, (p - pa - along * chord).norm());
+        length > 0 ? std::clamp((p - a.x).dot(chord) / (length * length), 0.0, 1.0) : 0;
+    sag = std::max(sag, (p - a.x - along * chord).norm());
   }
-  constexpr double flat = 0.05;  // of the chord
+  constexpr double flat = 0.05;     // of the chord
+  constexpr double straight = 1.1;  // times the chord: a longer curve leaves it between the samples
   constexpr int deepest = 12;
-  if (depth < deepest && (sag > flat * length || length > 0.25 * strand.length) &&
+  if (depth < deepest &&
+      (sag > flat * length || b.s - a.s > straight * length || length > 0.25 * strand.length) &&
       length + sag > 1e-5 * strand.length) {
-    trace(strand, a, pa, 0.5 * (a + b), middle, depth + 1);
-    trace(strand, 0.5 * (a + b), middle, b, pb, depth + 1);
+    const Place middle = place_at(strand, 0.5 * (a.t + b.t));
+    trace(strand, a, middle, depth + 1);
+    trace(strand, middle, b, depth + 1);
     return;
   }
-  strand.t.push_back(b);
-  strand.x.push_back(pb);
+  strand.t.push_back(b.t);
+  strand.s.push_back(b.s);
+  strand.x.push_back(b.x);
   strand.sag.push_back(1.5 * sag);
 }
 
@@ -171,11 +183,15 @@ void trace(Strand& strand) {
   strand.arc = std::make_shared<ArcLength>(strand.curve);
   strand.length = strand.arc->total();
   const std::vector<double> breaks = strand.curve->breaks();
-  strand.t = {breaks.front()};
-  strand.x = {strand.point(breaks.front())};
-  for (size_t i = 0; i + 1 < breaks.size(); ++i)
-    trace(strand, breaks[i], strand.x.back(), breaks[i + 1], strand.point(breaks[i + 1]), 0);
-  for (const double t : strand.t) strand.s.push_back(strand.arc->length_at(t));
+  Place from = place_at(strand, breaks.front());
+  strand.t = {from.t};
+  strand.s = {from.s};
+  strand.x = {from.x};
+  for (size_t i = 1; i < breaks.size(); ++i) {
+    const Place to = place_at(strand, breaks[i]);
+    trace(strand, from, to, 0);
+    from = to;
+  }
 }
 
 // Moves lines that agree in every point with another one to that one's equals.

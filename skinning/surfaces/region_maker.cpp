@@ -91,6 +91,7 @@ RegionMaker::RegionMaker(const CharacterLineNetwork& network, const FoundRegions
   }
   edge_ = options.skin.edge_length > 0 ? options.skin.edge_length : network.size() / 40;
   tolerance_ = options.skin.tolerance > 0 ? options.skin.tolerance : 1e-4 * network.size();
+  require_tolerance(tolerance_, network.size());
   for (const NetworkNode& node : network.nodes())
     origin_ += node.position / static_cast<double>(network.nodes().size());
   require_memory_for_all();

@@ -19,6 +19,10 @@ std::string square(const std::string& skin) {
          skin + "\n[output]\nvtp = \"s.vtp\"\n";
 }
 
+std::string with_tolerance(const std::string& tolerance, std::string scene) {
+  return scene.insert(scene.find("[[line]]"), "tolerance = " + tolerance + "\n");
+}
+
 std::string nested(int levels) {
   return "x = " + std::string(static_cast<size_t>(levels), '[') +
          std::string(static_cast<size_t>(levels), ']') + "\n";
@@ -96,6 +100,42 @@ TEST_CASE("the tolerance of a network is at most a tenth of its size") {
   CHECK(r.code == 1);
   CHECK(r.err.find("expected at most a tenth of the network's size, 2.44949") != std::string::npos);
   CHECK(run("0.24").code == 0);
+}
+
+TEST_CASE("the tolerance of lines is at least 1e-9 of the size") {
+  const Case c("limits_fine");
+  c.file("in.toml", with_tolerance("1.415e-7", square("edge_length = 60")));  // of 141.42
+  CHECK(c.run({"run", "in.toml", "--out", "in"}).code == 0);
+  c.fails(
+      with_tolerance("1.414e-7", square("")), 1,
+      {"tolerance = 1.414e-07 is too small for a size of 141.421: expected 1.41421e-07 or more"});
+  const fs::path box = fs::path(BATTEN_SOURCE_DIR) / "tests/fuzz/seeds/networks/box.csv";
+  c.file("n.toml",
+         "unit = \"m\"\ntolerance = 1e-9\n[network]\n[[lines]]\nfile = \"" + box.string() + "\"\n");
+  const Result r = c.run({"run", "n.toml", "--out", "net"});
+  CHECK(r.code == 1);
+  CHECK(r.err.find("tolerance = 1e-09 is too small for a size of 2.44949") != std::string::npos);
+}
+
+TEST_CASE("triangles under lines are halved until there are 50,000, and what is missed is said") {
+  const Case c("limits_halving");
+  std::string scene = square("edge_length = 4");
+  for (const int r : {12, 17, 22, 27, 32, 37, 42}) {  // rings that rise and fall
+    const auto at = [r](int x, int y, int z) {
+      return "[" + std::to_string(50 + r * x) + "," + std::to_string(50 + r * y) + "," +
+             std::to_string(z) + "]";
+    };
+    scene += "[[line]]\nname = \"ring " + std::to_string(r) + "\"\nrole = \"inner\"\npoints = [" +
+             at(1, 0, 0) + "," + at(0, 1, 4) + "," + at(-1, 0, 0) + "," + at(0, -1, 4) + "," +
+             at(1, 0, 0) + "]\n";
+  }
+  c.file("s.toml", with_tolerance("2e-7", scene));
+  const Result r = c.run({"run", "s.toml", "--out", "out"});
+  INFO(r.out << r.err);
+  CHECK(r.code == 4);
+  CHECK(r.err.find("halved no more once there are 50000: lines may be missed by more than 2e-07") !=
+        std::string::npos);
+  CHECK(r.err.find("promise missed: surface.max_line_gap is ") != std::string::npos);
 }
 
 TEST_CASE("STEP files hold surfaces up to 20 km") {

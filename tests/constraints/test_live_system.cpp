@@ -171,6 +171,67 @@ TEST_CASE("a hard row that others imply is left out, and contradicted when it do
   CHECK(coupling.contradiction(Vec3(1, 2, 1.5)).second == 2);
 }
 
+TEST_CASE("rows that follow from those before are left out wherever they stand") {
+  Plate p;
+  constexpr int points = 12;
+  const SparseMatrix A = p.functionals(points);
+  std::vector<Coupling::Row> rows;
+  VecX g(40);
+  std::vector<int> free, implied;
+  std::uniform_int_distribution<int> one(0, 39);
+  std::normal_distribution<double> value;
+  for (int k = 0; k < 40; ++k) {
+    // Every third row is a sum of two before it.
+    if (k >= 5 && k % 3 == 2) {
+      const int i = one(p.random) % k, j = (i + 1) % k;
+      const double a = value(p.random), b = value(p.random);
+      Coupling::Row row{rows[i].point, a * rows[i].direction, 1};
+      for (const auto& t : rows[i].more) row.more.push_back({t.point, a * t.direction});
+      rows[j].terms([&](int point, const Vec3& n) { row.more.push_back({point, b * n}); });
+      rows.push_back(row);
+      g[k] = a * g[i] + b * g[j];
+      implied.push_back(k);
+    } else {
+      rows.push_back({static_cast<int>(free.size()) % points, p.direction(), 1e-3});
+      g[k] = value(p.random);
+      free.push_back(k);
+    }
+  }
+  const Coupling coupling(p.system.factor(), p.reduced(A), rows);
+  CHECK(coupling.independent() == free);
+  CHECK(coupling.implied() == implied);
+  CHECK(coupling.contradiction(g).first < 1e-10);
+  const Points x = p.solve(coupling, g, A, rows);
+  const MatX ax = A.transpose() * x;
+  for (int k = 0; k < 40; ++k) CHECK(rows[k].of(ax) == Approx(g[k]).margin(1e-9));
+  for (const int k : implied) {
+    VecX other = g;
+    other[k] += 0.25;
+    CHECK(coupling.contradiction(other).first >= 0.25 - 1e-9);
+  }
+}
+
+TEST_CASE("more rows than unknowns: those that fit are kept") {
+  SparseMatrix one(1, 1);
+  one.insert(0, 0) = 4;
+  SparseCholesky factor;
+  factor.analyze(one);
+  REQUIRE(factor.factorize(one));
+  SparseMatrix U(1, 1);
+  U.insert(0, 0) = 2;
+  std::vector<Coupling::Row> rows;
+  for (const double z : {0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0})
+    rows.push_back({0, Vec3(1, z, z * z), 2 * Vec3(1, z, z * z).norm()});
+  const Coupling coupling(factor, U, rows);
+  CHECK(coupling.independent() == std::vector<int>{0, 1, 2});
+  VecX g(7);
+  for (int k = 0; k < 7; ++k) g[k] = rows[k].direction.dot(Vec3(3, -1, 0.5));
+  CHECK(coupling.contradiction(g).first < 1e-12);
+  MatX y = MatX::Zero(1, 3);
+  coupling.apply(y, g);
+  CHECK((y - 0.5 * MatX(Vec3(3, -1, 0.5).transpose())).norm() < 1e-12);
+}
+
 TEST_CASE("a live system takes other numbers, and stays as it was when they are no material") {
   Plate p;
   const SparseMatrix softer = p.assembler.stiffness(SurfaceStiffness::isotropic(0.5, 0.05));

@@ -16,6 +16,7 @@ namespace {
 /// Half of the tolerance is the lines' own deviation from their curves.
 constexpr double kMostGap = 0.7;
 constexpr int kMostRounds = 8;
+constexpr double kMostTriangles = 20'000;  // of a sculpted shape that is refined
 
 /// Degrees between the surface's normal at a place and a direction, either sign.
 double turned(const Surface& surface, const Location& where, const Vec3& direction) {
@@ -37,7 +38,9 @@ bool halve_at_gaps(ModelLayout& layout, const std::vector<SkinnedRegion>& region
   for (size_t r = 0; r < regions.size(); ++r)
     mark_gaps(regions[r], 0.5 * layout.tolerance(),
               marks.data() + layout.first_triangle(static_cast<int>(r)));
-  return layout.refine(marks);
+  const auto more = std::count(marks.begin(), marks.end(), 1);
+  return static_cast<double>(layout.mesh()->triangle_count() + more) <= kMostTriangles &&
+         layout.refine(marks);
 }
 
 double bending_energy(const ModelLayout& layout, const Points& dofs, const Scene& scene) {

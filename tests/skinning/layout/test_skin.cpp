@@ -198,7 +198,7 @@ TEST_CASE("the fan of a pentagon without refinement is the paper's five triangle
   CHECK(layout.mesh()->triangle_count() == 5);
   CHECK(DofMap(*layout.mesh()).count() == 28);
   CHECK(layout.corner_constraints().rows().size() == 5);
-  options.tolerance = 1e-9;
+  options.tolerance = 1e-8;
   const auto circle_arcs = [] {
     std::vector<CharacterLine> lines;
     for (int i = 0; i < 5; ++i)

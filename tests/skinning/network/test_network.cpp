@@ -278,6 +278,22 @@ TEST_CASE("Millimetres and metres make the same parameters, far from the origin 
   CHECK(combinatorics(far) == combinatorics(metres));
 }
 
+TEST_CASE("The size holds what a line does between a few even parameters") {
+  // A straight line with a narrow peak, of one smooth piece, twice as high as it is long.
+  const auto peak = [](double t, int order) -> Vec3 {
+    const double x = (t - 0.4) / 0.03, e = 2 * std::exp(-x * x);
+    if (order == 0) return {t, 0, e};
+    if (order == 1) return {1, 0, -2 * x / 0.03 * e};
+    return {0, 0, (4 * x * x - 2) / (0.03 * 0.03) * e};
+  };
+  const CharacterLineNetwork network(
+      {{"peak", curve_from_formula(0, 1, peak)}, straight("across", {0.3, 0, 1}, {0.5, 0, 1})}, {});
+  CHECK(network.size() == Approx(std::hypot(1, 2)).epsilon(1e-3));
+  int crossings = 0;
+  for (const auto& node : network.nodes()) crossings += node.ends.size() == 4;
+  CHECK(crossings == 2);
+}
+
 TEST_CASE("Ends within the tolerance become one node, beyond it they are named") {
   const auto lines_with = [](double gap) {
     // Three sides of a triangle; the gap at the corner (1, 0, 0).
