@@ -52,8 +52,9 @@ struct Equation {
 // that are not pivots.
 class Elimination {
  public:
-  Elimination(int columns, double dependent)
-      : pivot_row_(columns, -1), used_by_(columns), dependent_(dependent) {}
+  // `given`: all rows that will come.
+  Elimination(int columns, const std::vector<Equation>& given, double dependent)
+      : pivot_row_(columns, -1), used_by_(columns), given_(given), dependent_(dependent) {}
 
   void add(Equation row) {
     const Terms given = row.terms;
@@ -85,6 +86,9 @@ class Elimination {
       std::erase_if(rows_[user].terms, [&](const auto& t) {
         return t.first == column || std::abs(t.second) <= kNothing;
       });
+      std::erase_if(rows_[user].history, [&](const auto& h) {
+        return std::abs(h.second) <= kNothing * given_[h.first].history[0].second;
+      });
       note_use(user, row.terms);
     }
     used_by_[column].clear();
@@ -114,6 +118,7 @@ class Elimination {
   std::vector<int> pivot_row_;
   std::vector<std::vector<int>> used_by_;  // rows that mention a column; may list former users
   std::vector<Equation> rows_, implied_;
+  const std::vector<Equation>& given_;
   double dependent_;  // of a row's largest coefficient: smaller is no pivot
 };
 
@@ -196,7 +201,7 @@ AffineReduction::AffineReduction(const ConstraintSet& constraints, Values values
   std::iota(order.begin(), order.end(), 0);
   std::stable_sort(order.begin(), order.end(),
                    [&](int a, int b) { return given[a].terms.size() < given[b].terms.size(); });
-  Elimination elimination(columns, dependent);
+  Elimination elimination(columns, given, dependent);
   for (const int i : order) elimination.add(given[i]);
 
   const auto& pivot_row = elimination.pivot_row();

@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "batten/core/chunks.h"
 #include "batten/core/errors.h"
 #include "batten/core/index.h"
 #include "batten/fairing/curve_fit_problem.h"
@@ -119,114 +120,185 @@ bool calm(Problem& fit) {
 
 // ---- fewer nodes -----------------------------------------------------------------------------
 
-// A part of a fit between two nodes, which keep position and slope.
+std::vector<Held>::const_iterator first_held(const Problem& fit, double u) {
+  return std::lower_bound(fit.held.begin(), fit.held.end(), u,
+                          [](const Held& h, double at) { return h.u < at; });
+}
+
+// A part of a fit between two nodes, which keep position and slope. Nodes between them are gone.
 struct Window {
   int a, b;         // nodes
+  double from, to;  // parameters of the first node that is gone, and of the last
   int first_point;  // of its points in those of the whole; negative: before the seam
   Problem part;
 
-  Window(const Problem& fit, int node_a, int node_b, std::vector<double> knots,
+  // Without `removed` nodes from `node` on; or with one in their place.
+  Window(const Problem& fit, int node, int removed, std::optional<double> instead,
          const Corners& corners)
-      : a(node_a), b(node_b) {
+      : a(std::max(0, node - reach)),
+        b(std::min(fit.mesh.segment_count(), node + removed - 1 + reach)) {
+    const auto& u = fit.mesh.parameters();
+    from = u[node];
+    to = u[node + removed - 1];
+    std::vector<double> knots(u.begin() + a, u.begin() + b + 1);
+    const auto at = knots.begin() + (node - a);
+    const auto behind = knots.erase(at, at + removed);
+    if (instead) knots.insert(behind, on_grid(from + *instead * (to - from), u.back()));
     part.tolerance = fit.tolerance;
     part.even = fit.even;
-    const double from = knots.front(), to = knots.back();
+    take_points(fit, knots.front(), knots.back());
+    take_held(fit, knots.front(), knots.back());
+    std::vector<int> nodes = corner_nodes(knots, corners);
+    std::erase_if(nodes, [&](int i) { return i == 0 || i + 1 == count_of(knots); });
+    part.set_mesh(std::move(knots), nodes);
+  }
+
+  bool removes(double u) const { return u >= from && u <= to; }
+  // What is reached over the tolerance.
+  double fitted() {
+    constexpr int rounds = 6;
+    part.improve(rounds);
+    return part.done() ? 1 : part.worst() / part.tolerance;
+  }
+
+ private:
+  static constexpr int reach = 2;  // segments
+
+  void take_points(const Problem& fit, double start, double end) {
     // With the points before and behind: the gaps to them count too.
     const int n = fit.count();
-    first_point = fit.first_from(from) - 1;
-    int behind = fit.first_behind(to) + 1;
+    first_point = fit.first_from(start) - 1;
+    int behind = fit.first_behind(end) + 1;
     if (!fit.closed) {
       first_point = std::max(first_point, 0);
       behind = std::min(behind, n);
     }
     for (int i = first_point; i < behind; ++i) {
       part.points.push_back(fit.points[(i + n) % n]);
-      part.points.back().t += i < 0 ? -fit.period() : i >= n ? fit.period() : 0;
+      FitPoint& p = part.points.back();
+      p.t += i < 0 ? -fit.period() : i >= n ? fit.period() : 0;
+      if (removes(p.t)) p.kept = false;
     }
-    for (const Held& h : fit.held)
-      if (h.u > from && h.u < to) part.held.push_back(h);
-    const CurveMesh& m = fit.mesh;
-    const Vec3 out = fit.dof(m.slope_out(a));
-    part.held.insert(part.held.begin(), {from, fit.dof(m.position_dof(a)), out, out});
-    const int end = b % m.node_count();
-    const Vec3 in = fit.dof(m.slope_in(end));
-    part.held.push_back({to, fit.dof(m.position_dof(end)), in, in});
-    std::vector<int> nodes = corner_nodes(knots, corners);
-    std::erase_if(nodes, [&](int i) { return i == 0 || i + 1 == count_of(knots); });
-    part.set_mesh(std::move(knots), nodes);
   }
 
-  void put_back(Problem& fit, const Corners& corners) const {
-    for (int k = 0; k < part.count(); ++k) {
-      const int i = first_point + k;
-      if (i < 0 || i >= fit.count()) continue;
-      fit.points[i].t = part.points[k].t;
-      fit.points[i].kept = part.points[k].kept;
-    }
-    const CurveMesh old = fit.mesh;
-    const Points before = fit.dofs;
-    const auto &u = old.parameters(), &knots = part.mesh.parameters();
-    std::vector<double> all(u.begin(), u.begin() + a);
-    all.insert(all.end(), knots.begin(), knots.end());
-    all.insert(all.end(), u.begin() + b + 1, u.end());
-    fit.set_mesh(all, corner_nodes(all, corners));
-    fit.dofs.resize(fit.mesh.dof_count(), 3);
-    const int last = a + part.mesh.segment_count(), change = last - b;
-    for (int node = 0; node < fit.mesh.node_count(); ++node) {
-      const bool inside = node > a && node < last;
-      const CurveMesh& m = inside ? part.mesh : old;
-      const Points& q = inside ? part.dofs : before;
-      const int k = inside ? node - a : node <= a ? node : node - change;
-      fit.dofs.row(fit.mesh.position_dof(node)) = q.row(m.position_dof(k));
-      fit.dofs.row(fit.mesh.slope_in(node)) = q.row(m.slope_in(k));
-      fit.dofs.row(fit.mesh.slope_out(node)) = q.row(m.slope_out(k));
-    }
+  void take_held(const Problem& fit, double start, double end) {
+    const CurveMesh& m = fit.mesh;
+    const Vec3 out = fit.dof(m.slope_out(a));
+    part.held.push_back({start, fit.dof(m.position_dof(a)), out, out});
+    for (auto it = first_held(fit, start); it != fit.held.end() && it->u < end; ++it)
+      if (it->u > start && !removes(it->u)) part.held.push_back(*it);
+    const int last = b % m.node_count();
+    const Vec3 in = fit.dof(m.slope_in(last));
+    part.held.push_back({end, fit.dof(m.position_dof(last)), in, in});
   }
 };
+
+// The fit with these windows in it, which are in order and share ends at most.
+void put_back(Problem& fit, const Corners& corners, const std::vector<Window>& windows) {
+  struct Source {
+    const CurveMesh* mesh;
+    const Points* dofs;
+    int node;
+  };
+  const CurveMesh old = fit.mesh;
+  const Points before = fit.dofs;
+  std::vector<double> u;
+  std::vector<Source> sources;
+  int next = 0;
+  const auto keep_to = [&](int node) {
+    for (; next <= node; ++next) {
+      u.push_back(old.parameters()[next]);
+      if (next < old.node_count()) sources.push_back({&old, &before, next});
+    }
+  };
+  for (const Window& w : windows) {
+    for (int k = 0; k < w.part.count(); ++k) {
+      const int i = w.first_point + k;
+      if (i < 0 || i >= fit.count()) continue;
+      fit.points[i].t = w.part.points[k].t;
+      fit.points[i].kept = w.part.points[k].kept;
+    }
+    keep_to(w.a);
+    for (int k = 1; k < w.part.mesh.segment_count(); ++k) {
+      u.push_back(w.part.mesh.parameters()[k]);
+      sources.push_back({&w.part.mesh, &w.part.dofs, k});
+    }
+    next = w.b;
+  }
+  keep_to(old.segment_count());
+  auto w = windows.begin();
+  std::erase_if(fit.held, [&](const Held& h) {
+    while (w != windows.end() && w->to < h.u) ++w;
+    return w != windows.end() && w->removes(h.u);
+  });
+  const std::vector<int> at_corners = corner_nodes(u, corners);
+  fit.set_mesh(std::move(u), at_corners);
+  fit.dofs.resize(fit.mesh.dof_count(), 3);
+  for (int node = 0; node < fit.mesh.node_count(); ++node) {
+    const Source& source = sources[node];
+    const auto copy = [&](int to, int from) { fit.dofs.row(to) = source.dofs->row(from); };
+    copy(fit.mesh.position_dof(node), source.mesh->position_dof(source.node));
+    copy(fit.mesh.slope_in(node), source.mesh->slope_in(source.node));
+    copy(fit.mesh.slope_out(node), source.mesh->slope_out(source.node));
+  }
+}
+
+bool may_go(const Problem& fit, int node) {
+  const double u = fit.mesh.parameters()[node];
+  for (auto it = first_held(fit, u); it != fit.held.end() && it->u == u; ++it)
+    if (!it->removable) return false;
+  return true;
+}
+
+// Of many nodes every fourth one is tried at a time, and those that may go go together, until few
+// do: one by one, a long segment would take in the points of a straight line one after the other.
+void thin_out(Problem& fit, const Corners& corners) {
+  constexpr int many = 200, side_by_side = 4;
+  constexpr double few = 0.95;
+  for (int before = std::numeric_limits<int>::max();
+       fit.mesh.segment_count() > many && fit.mesh.segment_count() < few * before;) {
+    before = fit.mesh.segment_count();
+    for (int offset = 0; offset < side_by_side; ++offset) {
+      std::vector<int> nodes;
+      for (int node = 2 + offset; node + 2 <= fit.mesh.segment_count(); node += side_by_side)
+        if (may_go(fit, node)) nodes.push_back(node);
+      std::vector<std::optional<Window>> tried(nodes.size());
+      for_each_in_chunks<16>(count_of(nodes), [&](int i) {
+        Window window(fit, nodes[i], 1, {}, corners);
+        if (window.fitted() <= 1) tried[i] = std::move(window);
+      });
+      std::vector<Window> gone;
+      for (auto& window : tried)
+        if (window) gone.push_back(std::move(*window));
+      put_back(fit, corners, gone);
+    }
+  }
+}
 
 // Takes nodes out where their neighbourhood can be fitted without them: a window of segments is
 // solved again, everything outside stays.
 void prune(Problem& fit, const Corners& corners) {
-  constexpr int reach = 2, rounds = 6;
-  const auto movable = [&](double u) {
-    return std::none_of(fit.held.begin(), fit.held.end(),
-                        [&](const Held& h) { return h.u == u && !h.removable; });
-  };
   // Takes out one node; or two, for one at that place between them. Returns what is reached over
   // the tolerance: they are gone when that is not above 1.
-  const auto attempt = [&](int node, int removed, double place) {
-    const auto& u = fit.mesh.parameters();
-    const int a = std::max(0, node - reach),
-              b = std::min(fit.mesh.segment_count(), node + removed - 1 + reach);
-    if (fit.closed && b - a == fit.mesh.segment_count() && fit.mesh.segment_count() <= 3)
+  const auto attempt = [&](int node, int removed, std::optional<double> instead) {
+    Window window(fit, node, removed, instead, corners);
+    if (fit.closed && window.b - window.a == fit.mesh.segment_count() &&
+        fit.mesh.segment_count() <= 3)
       return std::numeric_limits<double>::infinity();
-    const double from = u[node], to = u[node + removed - 1];
-    const auto gone = [&](double at) { return at >= from && at <= to; };
-    std::vector<double> knots(u.begin() + a, u.begin() + b + 1);
-    const auto at = knots.begin() + (node - a);
-    const auto behind = knots.erase(at, at + removed);
-    if (removed > 1) knots.insert(behind, on_grid(from + place * (to - from), u.back()));
-    Window window(fit, a, b, std::move(knots), corners);
-    std::erase_if(window.part.held, [&](const Held& h) { return gone(h.u); });
-    for (FitPoint& p : window.part.points)
-      if (gone(p.t)) p.kept = false;
-    window.part.improve(rounds);
-    if (!window.part.done()) return window.part.worst() / fit.tolerance;
-    std::erase_if(fit.held, [&](const Held& h) { return gone(h.u); });
-    window.put_back(fit, corners);
-    return 1.0;
+    const double reached = window.fitted();
+    if (reached <= 1) put_back(fit, corners, {std::move(window)});
+    return reached;
   };
   for (int node = 1; node < fit.mesh.segment_count(); ++node) {
-    const auto& u = fit.mesh.parameters();
-    if (!movable(u[node])) continue;
-    bool gone = attempt(node, 1, 0) <= 1;
-    if (!gone && node + 1 < fit.mesh.segment_count() && movable(u[node + 1])) {
+    if (!may_go(fit, node)) continue;
+    bool gone = attempt(node, 1, {}) <= 1;
+    if (!gone && node + 1 < fit.mesh.segment_count() && may_go(fit, node + 1)) {
       constexpr double nearly = 1.5;
       const double reached = attempt(node, 2, 0.5);
       gone = reached <= 1 || (reached < nearly && (attempt(node, 2, 0.2) <= 1 ||  //
                                                    attempt(node, 2, 0.8) <= 1));
     }
-    if (gone) node = std::max(0, node - reach);  // those before it anew
+    if (gone) node = std::max(0, node - 2);  // those before it anew
   }
 }
 
@@ -299,7 +371,10 @@ CurveFit fit_row(const std::string& name, PointRow row, const FitOptions& option
     const std::vector<int> at_corners = corner_nodes(u, corners);
     fit.set_mesh(std::move(u), at_corners);
   }
-  if (!options.halved) prune(fit, corners);
+  if (!options.halved) {
+    thin_out(fit, corners);
+    prune(fit, corners);
+  }
 
   CurveFit result;
   result.curve = HermiteCurve(fit.mesh, fit.dofs);

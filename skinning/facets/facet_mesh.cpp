@@ -1,7 +1,9 @@
 #include "batten/skinning/facets/facet_mesh.h"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
+#include <numeric>
 #include <optional>
 #include <set>
 
@@ -137,27 +139,66 @@ class FacetMesher {
     return best;
   }
 
+  /// Whether two pieces meet but in one common end. Those that share both ends lie on each other.
+  bool tangled(const FacetPiece& a, const FacetPiece& b) const {
+    const int shared = (a.a == b.a) + (a.a == b.b) + (a.b == b.a) + (a.b == b.b);
+    if (shared > 0) return shared > 1;
+    const Vec2 move = s_.near(b.from, a.from) - b.from;
+    return meet(a.from, a.to, b.from + move, b.to + move);
+  }
+
+  /// Pieces in the order in which a sweep along u (axis 0) or v comes upon them, and how many of the
+  /// others each has beside it.
+  struct Sweep {
+    std::vector<int> order, beside;
+    long pairs = 0;
+  };
+  Sweep sweep(int axis) const {
+    const auto low = [&](int p) { return std::min(pieces_[p].from[axis], pieces_[p].to[axis]); };
+    Sweep result;
+    result.order.resize(pieces_.size());
+    std::iota(result.order.begin(), result.order.end(), 0);
+    std::sort(result.order.begin(), result.order.end(),
+              [&](int p, int q) { return std::pair(low(p), p) < std::pair(low(q), q); });
+    for (auto it = result.order.begin(); it != result.order.end(); ++it) {
+      const double high = std::max(pieces_[*it].from[axis], pieces_[*it].to[axis]);
+      const auto end = std::upper_bound(it, result.order.end(), high,
+                                        [&](double at, int q) { return at < low(q); });
+      result.beside.push_back(static_cast<int>(end - it) - 1);
+      result.pairs += result.beside.back();
+    }
+    return result;
+  }
+
+  /// All pairs that are tangled, the lower number first.
+  std::vector<std::pair<int, int>> tangled_pairs() const {
+    Sweep best = sweep(1);
+    // On a ring, pieces are known in u up to images.
+    if (!s_.has_seam())
+      if (Sweep other = sweep(0); other.pairs < best.pairs) best = std::move(other);
+    std::vector<std::pair<int, int>> pairs;
+    for (size_t i = 0; i < best.order.size(); ++i)
+      for (int k = 1; k <= best.beside[i]; ++k) {
+        const auto [p, q] = std::minmax(best.order[i], best.order[i + static_cast<size_t>(k)]);
+        if (tangled(pieces_[p], pieces_[q])) pairs.emplace_back(p, q);
+      }
+    std::sort(pairs.begin(), pairs.end());
+    return pairs;
+  }
+
   /// Cuts the curved pieces whose chords meet. Returns whether there were any.
   bool untangle(bool may_halve) {
-    std::map<int, double> tangled;
-    const int count = count_of(pieces_);
-    for (int p = 0; p < count; ++p)
-      for (int q = p + 1; q < count; ++q) {
-        const FacetPiece &a = pieces_[p], &b = pieces_[q];
-        const int shared = (a.a == b.a) + (a.a == b.b) + (a.b == b.a) + (a.b == b.b);
-        // Those that share both ends lie on each other.
-        const Vec2 move = s_.near(b.from, a.from) - b.from;
-        if (shared == 1 || (shared == 0 && !meet(a.from, a.to, b.from + move, b.to + move)))
-          continue;
-        const bool curved = a.curved || b.curved;
-        if (!may_halve || !curved)
-          throw InputError(s_.who() + "the lines '" + s_.lines()[a.line].name() + "' and '" +
-                           s_.lines()[b.line].name() + "' cross where they share no point");
-        if (a.curved) tangled.try_emplace(p, cut_beside(a, b));
-        if (b.curved) tangled.try_emplace(q, cut_beside(b, a));
-      }
-    for (const auto& [p, t] : tangled) s_.add(static_cast<size_t>(pieces_[p].line), t);
-    return !tangled.empty();
+    std::map<int, double> cuts;
+    for (const auto& [p, q] : tangled_pairs()) {
+      const FacetPiece &a = pieces_[p], &b = pieces_[q];
+      if (!may_halve || !(a.curved || b.curved))
+        throw InputError(s_.who() + "the lines '" + s_.lines()[a.line].name() + "' and '" +
+                         s_.lines()[b.line].name() + "' cross where they share no point");
+      if (a.curved) cuts.try_emplace(p, cut_beside(a, b));
+      if (b.curved) cuts.try_emplace(q, cut_beside(b, a));
+    }
+    for (const auto& [p, t] : cuts) s_.add(static_cast<size_t>(pieces_[p].line), t);
+    return !cuts.empty();
   }
 
   /// Meshes between the pieces and finds their edges.

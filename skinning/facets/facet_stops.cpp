@@ -63,10 +63,8 @@ FacetStops::FacetStops(const SkinnedRegion& region, double edge_length, const Li
 
 void FacetStops::add(size_t line, double t) {
   auto& stops = stops_[line];
-  const auto place =
-      std::find_if(stops.begin(), stops.end(), [&](const FacetStop& stop) { return stop.t >= t; });
-  const int node = new_node(lines_[line].at(t));
-  stops.insert(place, {t, node, false});
+  const FacetStop stop{t, new_node(lines_[line].at(t)), false};
+  stops.insert(std::lower_bound(stops.begin(), stops.end(), stop, before), stop);
 }
 
 double FacetStops::beyond_seam(const Vec2& p) const {

@@ -11,6 +11,7 @@
 #include "batten/tests/reference.h"
 #include "batten/tests/refusal.h"
 #include "batten/tests/sampling.h"
+#include "batten/tests/threads.h"
 
 using namespace batten_test;
 using Catch::Matchers::Contains;
@@ -414,6 +415,23 @@ TEST_CASE("rounds that cannot reach the tolerance are not begun, and move no par
   often.improve(30);
   CHECK(often.done());
   CHECK(often.points[7].t != 7 / 20.0);
+}
+
+TEST_CASE("where the curve has to go through all points, those of straight stretches go again") {
+  // No smooth curve with fewer nodes follows the spike: 6,000 nodes, then few.
+  std::vector<Vec3> points = points_of(6000, [](double s) { return Vec3(1000 * s, 0, 0); });
+  points[2500].y() = 40;
+  points[4000].y() = -25;
+  FitOptions options = within(1e-3);
+  options.corner_angle = 180;
+  const CurveFit fit = fit_points("spikes", points, options);
+  CHECK(fit.deviation.max <= 1e-3);
+  CHECK(farthest(fit.curve, points) <= 1.001e-3);
+  CHECK(fit.curve.segment_count() < 40);
+  const ThreadGuard one(1);
+  const CurveFit alone = fit_points("spikes", points, options);
+  CHECK(alone.curve.dofs() == fit.curve.dofs());
+  CHECK(alone.parameters == fit.parameters);
 }
 
 TEST_CASE("a hundred thousand noisy points are fitted in few segments") {
