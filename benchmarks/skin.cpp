@@ -11,7 +11,7 @@
 #include <filesystem>
 #include <map>
 
-#include "batten/apps/commands/lines/fair_lines.h"
+#include "batten/apps/commands/lines/scene_lines.h"
 #include "batten/apps/commands/shapes/make_shape.h"
 #include "batten/constraints/affine_reduction.h"
 #include "batten/constraints/constrained_solver.h"
