@@ -296,20 +296,28 @@ std::vector<int> AffineReduction::order_of_free(const std::vector<int>& dof_orde
 std::vector<int> AffineReduction::order_for(const SparseMatrix& reduced, const SparseMatrix& K,
                                             const std::vector<int>& dof_order) const {
   constexpr double few_ties = 1.2;
-  const double as_meshed = few_ties * static_cast<double>(K.nonZeros()) * (coupled_ ? 3 : 1);
+  const bool one_of_three = coupled_ && K.rows() == dof_count_;
+  const double as_meshed = few_ties * static_cast<double>(K.nonZeros()) * (one_of_three ? 3 : 1);
   return static_cast<double>(reduced.nonZeros()) <= as_meshed ? order_of_free(dof_order)
                                                               : std::vector<int>();
 }
 
-MatX AffineReduction::reduce_load(const SparseMatrix& K, const Points& F) const {
+namespace {
+
+// K x; K of one coordinate, or of all three stacked.
+Points times(const SparseMatrix& K, const Points& x) {
   const auto symmetric = K.selfadjointView<Eigen::Lower>();
-  if (d0_.isZero(0)) {
-    if (!coupled_) return D_.transpose() * F;
-    return D_.transpose() * Eigen::Map<const VecX>(F.data(), F.size());
-  }
-  if (!coupled_) return D_.transpose() * (F - Points(symmetric * d0_));
+  if (K.cols() == x.rows()) return symmetric * x;
+  const VecX y = symmetric * Eigen::Map<const VecX>(x.data(), x.size());
+  return Eigen::Map<const Points>(y.data(), x.rows(), 3);
+}
+
+}  // namespace
+
+MatX AffineReduction::reduce_load(const SparseMatrix& K, const Points& F) const {
   const Points fixed = Eigen::Map<const Points>(d0_.data(), dof_count_, 3);
-  const Points rest = F - Points(symmetric * fixed);
+  const Points rest = d0_.isZero(0) ? F : Points(F - times(K, fixed));
+  if (!coupled_) return D_.transpose() * rest;
   return D_.transpose() * Eigen::Map<const VecX>(rest.data(), rest.size());
 }
 
@@ -319,7 +327,7 @@ Points AffineReduction::expand(const MatX& y) const {
 }
 
 Points reaction_forces(const SparseMatrix& K, const Points& x, const Points& F) {
-  return Points(K.selfadjointView<Eigen::Lower>() * x) - F;
+  return times(K, x) - F;
 }
 
 namespace {

@@ -77,7 +77,8 @@ class AffineReduction {
   std::vector<int> order_for(const SparseMatrix& reduced, const SparseMatrix& K,
                              const std::vector<int>& dof_order) const;
 
-  /// Dᵀ K D, lower triangle, from the lower triangle of the n×n matrix K of one coordinate.
+  /// Dᵀ K D, lower triangle, from the lower triangle of the n×n matrix K of one coordinate; when
+  /// coupled also from a 3n×3n one over [x; y; z]. Throws InputError for another size.
   SparseMatrix reduce(const SparseMatrix& K) const;
   /// Dᵀ (F - K d0): free_count × 3, or × 1 when coupled.
   MatX reduce_load(const SparseMatrix& K, const Points& F) const;
@@ -101,7 +102,8 @@ class AffineReduction {
   MatX d0_;
 };
 
-/// Forces that the constraints exert on the dofs: r = K x - F, n×3. Zero on free dofs.
+/// Forces that the constraints exert on the dofs: r = K x - F, n×3. Zero on free dofs. K is n×n, or
+/// 3n×3n over [x; y; z].
 /// In the sense of the energy E = xᵀKx - 2Fᵀx = 2 (½xᵀKx - Fᵀx): r is the force of the second form.
 Points reaction_forces(const SparseMatrix& K, const Points& x, const Points& F);
 

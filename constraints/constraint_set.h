@@ -38,10 +38,13 @@ class ConstraintSet {
     double value;
   };
 
-  explicit ConstraintSet(int dof_count) : dof_count_(dof_count) {}
+  /// Whether the set is coupled from the start: so it is for a matrix that mixes x, y and z itself.
+  enum class Kind { Plain, Coupled };
+  explicit ConstraintSet(int dof_count, Kind kind = Kind::Plain)
+      : dof_count_(dof_count), kind_(kind) {}
 
   int dof_count() const { return dof_count_; }
-  bool coupled() const { return !coupled_rows_.empty(); }
+  bool coupled() const { return kind_ == Kind::Coupled || !coupled_rows_.empty(); }
   const std::vector<Row>& rows() const { return rows_; }
   const std::vector<CoupledRow>& coupled_rows() const { return coupled_rows_; }
   const std::vector<std::string>& names() const { return names_; }
@@ -63,6 +66,7 @@ class ConstraintSet {
  private:
   int name_index(const std::string& name);
   int dof_count_;
+  Kind kind_;
   std::vector<std::string> names_;
   std::vector<Row> rows_;
   std::vector<CoupledRow> coupled_rows_;

@@ -3,6 +3,7 @@
 #include <numeric>
 
 #include "batten/constraints/affine_reduction.h"
+#include "batten/core/errors.h"
 #include "batten/core/parallel.h"
 
 namespace batten {
@@ -110,7 +111,11 @@ SparseMatrix with_products(const SparseMatrix& A, const RowMatrix& G, const RowM
 }  // namespace
 
 SparseMatrix AffineReduction::reduce(const SparseMatrix& K) const {
-  if (selection_ && !coupled_) return picked(K, free_dofs_);
+  const bool stacked = coupled_ && K.rows() == 3L * dof_count_;
+  if (K.rows() != dof_count_ && !stacked)
+    throw InputError("a matrix of " + std::to_string(K.rows()) + " unknowns under constraints on " +
+                     std::to_string(dof_count_) + " dofs a coordinate");
+  if (selection_ && stacked == coupled_) return picked(K, free_dofs_);
   // With the dofs apart, free ones f and others p = G f:
   // DᵀKD = K_ff + GᵀT + TᵀG, T = K_pf + ½ K_pp G.
   const int columns = static_cast<int>(D_.rows()), free = free_count();
@@ -125,9 +130,9 @@ SparseMatrix AffineReduction::reduce(const SparseMatrix& K) const {
       if (const int p = other_of[it.row()]; p >= 0) g.emplace_back(p, f, it.value());
   // Free dofs keep their order, so K_ff is written column by column.
   SparseMatrix K_ff(free, free);
-  K_ff.reserve(K.nonZeros() * (coupled_ ? 3 : 1));
+  K_ff.reserve(K.nonZeros() * (coupled_ && !stacked ? 3 : 1));
   for (int b = 0; b < columns; ++b) {
-    const int j = b % dof_count_, offset = b - j, fb = free_of[b];
+    const int j = stacked ? b : b % dof_count_, offset = b - j, fb = free_of[b];
     if (fb >= 0) K_ff.startVec(fb);
     for (SparseMatrix::InnerIterator it(K, j); it; ++it) {
       if (it.row() < j) continue;

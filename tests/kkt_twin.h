@@ -10,7 +10,7 @@
 namespace batten {
 
 /// The system [K Cᵀ; C 0] by sparse LU. Rows must be independent. Throws NoSolutionError when it is
-/// singular.
+/// singular. K is n×n, or 3n×3n over [x; y; z] of a coupled set.
 inline Points solve_kkt(const ConstraintSet& set, const SparseMatrix& K, const Points& F) {
   // x, y and z are one system each unless a row couples them; then they are stacked.
   const int n = set.dof_count();
@@ -24,8 +24,9 @@ inline Points solve_kkt(const ConstraintSet& set, const SparseMatrix& K, const P
     if (i != j) entries.emplace_back(j, i, v);
   };
   int row = copies * n;
+  const bool stacked = K.cols() == 3 * n && set.coupled();
   for (int c = 0; c < copies; ++c) {
-    for (int j = 0; j < K.outerSize(); ++j)
+    for (int j = 0; j < K.outerSize() && !(stacked && c > 0); ++j)
       for (SparseMatrix::InnerIterator it(K, j); it; ++it)
         if (it.row() >= j) both(c * n + static_cast<int>(it.row()), c * n + j, it.value());
     for (const auto& r : set.rows()) {

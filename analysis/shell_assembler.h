@@ -1,0 +1,62 @@
+// Stiffness of Kirchhoff-Love shells on C1 triangles.
+#pragma once
+
+#include <vector>
+
+#include "batten/analysis/shell_point.h"
+#include "batten/analysis/shell_section.h"
+#include "batten/fem/element_pattern.h"
+
+namespace batten {
+
+/// The shell that a surface is: its displacements are in the surface's own C1 functions,
+/// U = Σ N_m q_m, so that the mesh of the design carries the analysis.
+///
+///     K = ∬ (t εᵀ Q ε + t³/12 κᵀ Q κ) J du dv         K q = F,  F = ∬ N f J du dv
+///
+/// K mixes x, y and z: it is 3n×3n over the stacked dofs [x; y; z] of n dofs a coordinate. Loads of
+/// SurfaceAssembler are loads here too: point_load, area_load (a force per area), pressure_load (a
+/// pressure along the normal). Supports are a ConstraintSet of Kind::Coupled for ConstrainedSolver.
+/// With a trim, the inside counts, and `outside` times the rest, as in SurfaceAssembler.
+///
+/// Rules: HCT 6 points on each sub-triangle, Z12 six-Duffy with m = 4; ordinary rules are
+/// inconsistent on Z12. On coarse meshes of curved shells membrane stiffness locks bending:
+/// 8 elements a quarter are the least, 16 are good. Source: docs/theory/shells.md.
+class ShellAssembler {
+ public:
+  /// `sections`: one, or one for each triangle. Throws InputError: another count, a section that is
+  /// none (require_section), a surface without a normal somewhere.
+  ShellAssembler(Surface surface, std::vector<ShellSection> sections, double outside = 1e-6);
+
+  /// The lower triangle of K. O(triangles), on all threads; the same bits on one.
+  SparseMatrix stiffness() const;
+
+  /// What a displacement q (n×3) does at one place. Throws InputError for another number of dofs.
+  ShellStrain strain(const Points& q, const Location& where) const;
+  /// Stress (σ11, σ22, σ12) at the height z above the middle surface, -t/2 … t/2.
+  Vec3 stress(const Points& q, const Location& where, double z) const;
+  /// Forces (N11, N22, N12) and moments (M11, M22, M12) per length.
+  struct Resultants {
+    Vec3 forces, moments;
+  };
+  Resultants resultants(const Points& q, const Location& where) const;
+  /// The point with its local axes, in which strains, stresses and resultants are.
+  ShellPoint point(const Location& where) const;
+
+  const Surface& surface() const { return surface_; }
+  const ShellSection& section(int triangle) const {
+    return sections_[sections_.size() == 1 ? 0 : static_cast<size_t>(triangle)];
+  }
+
+ private:
+  using ElementMatrix = Eigen::Matrix<double, 36, 36, Eigen::RowMajor>;
+  // Adds the integral over a rule, times `factor`, to the lower blocks of K.
+  void add(int triangle, const TriangleRule& rule, double factor, ElementMatrix& K) const;
+
+  Surface surface_;
+  std::vector<ShellSection> sections_;
+  double outside_;
+  ElementPattern pattern_;
+};
+
+}  // namespace batten
