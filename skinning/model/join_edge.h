@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <memory>
 #include <vector>
 
@@ -217,6 +218,19 @@ class JoinEdges {
   };
   std::vector<Item> items_;
 };
+
+// A Gauss point of a hat over fractions of a line, with the hat's weight there: `share` of the
+// interval between two of them.
+struct HatPoint {
+  double f, weight;
+  size_t interval;
+  double share;
+};
+// The hats over the fractions `at`; those of the first and the last one where wanted.
+std::vector<std::vector<HatPoint>> hats(const std::vector<double>& at, bool closed,
+                                        const std::array<bool, 2>& with_ends);
+// The fractions over whose hats two sides, of which one is embedded, are tied on the average.
+std::vector<double> tie_stations(const JoinEdge& a, const JoinEdge& b);
 
 inline double share(double a, double b, double f) { return a + f * (b - a); }
 

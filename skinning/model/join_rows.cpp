@@ -113,24 +113,12 @@ void tie_runs(const JoinPlan& plan, const std::string& name, JoinEdges& sides, b
 template <class Add>
 void over_hats(const std::vector<double>& at, bool closed, const std::array<bool, 2>& with_ends,
                const std::string& name, const Add& add, ConstraintSet& set) {
-  const SegmentRule gauss = gauss_legendre(6);
-  const int intervals = count_of(at) - 1;
-  const int first = closed || !with_ends[0] ? 1 : 0;
-  const int end = closed || with_ends[1] ? intervals + 1 : intervals;
-  for (int h = first; h < end; ++h) {
+  for (const std::vector<HatPoint>& hat : hats(at, closed, with_ends)) {
     RowEntries row;
     double weight = 0;
-    for (int half = 0; half < 2; ++half) {
-      int i = h - 1 + half;
-      if (closed) i %= intervals;
-      if (i < 0 || i >= intervals) continue;
-      const double from = at[i], to = at[static_cast<size_t>(i) + 1];
-      for (long g = 0; g < gauss.weights.size(); ++g) {
-        const double s = gauss.s[g];
-        const double w = gauss.weights[g] * (to - from) * (half ? 1 - s : s);
-        add(from + s * (to - from), w, static_cast<size_t>(i), s, row);
-        weight += w;
-      }
+    for (const HatPoint& p : hat) {
+      add(p.f, p.weight, p.interval, p.share, row);
+      weight += p.weight;
     }
     row = RunTies::summed(row);
     for (auto& e : row) e.coefficient /= weight;
@@ -295,6 +283,38 @@ SparseMatrix join_stiffness(const std::vector<const RegionLayout*>& regions,
   return K;
 }
 
+std::vector<std::vector<HatPoint>> hats(const std::vector<double>& at, bool closed,
+                                        const std::array<bool, 2>& with_ends) {
+  const SegmentRule gauss = gauss_legendre(6);
+  const int intervals = count_of(at) - 1;
+  const int first = closed || !with_ends[0] ? 1 : 0;
+  const int end = closed || with_ends[1] ? intervals + 1 : intervals;
+  std::vector<std::vector<HatPoint>> all;
+  for (int h = first; h < end; ++h) {
+    all.emplace_back();
+    for (int half = 0; half < 2; ++half) {
+      int i = h - 1 + half;
+      if (closed) i %= intervals;
+      if (i < 0 || i >= intervals) continue;
+      const double from = at[i], to = at[static_cast<size_t>(i) + 1];
+      for (long g = 0; g < gauss.weights.size(); ++g) {
+        const double s = gauss.s[g];
+        all.back().push_back({from + s * (to - from),
+                              gauss.weights[g] * (to - from) * (half ? 1 - s : s),
+                              static_cast<size_t>(i), s});
+      }
+    }
+  }
+  return all;
+}
+
+std::vector<double> tie_stations(const JoinEdge& a, const JoinEdge& b) {
+  std::vector<double> at = (a.embedded() ? a : b).stations();
+  if (a.embedded() && b.embedded() && b.stations().size() < at.size()) at = b.stations();
+  if (a.closed() && at.back() < 1) at.push_back(1);
+  return at;
+}
+
 void add_line_ties(const std::vector<const RegionLayout*>& regions,
                    const std::vector<RegionNumbers>& numbers, const JoinLine& line,
                    ConstraintSet& set) {
@@ -313,14 +333,11 @@ void add_line_ties(const std::vector<const RegionLayout*>& regions,
     }
     return;
   }
-  std::vector<double> at = (a.embedded() ? a : b).stations();
-  if (a.embedded() && b.embedded() && b.stations().size() < at.size()) at = b.stations();
-  if (a.closed() && at.back() < 1) at.push_back(1);
   const auto add = [&](double f, double w, size_t, double, RowEntries& row) {
     a.add_at(f, 0, 0, w, row);
     b.add_at(f, 0, 0, -w, row);
   };
-  over_hats(at, a.closed(), {true, true}, name, add, set);
+  over_hats(tie_stations(a, b), a.closed(), {true, true}, name, add, set);
 }
 
 }  // namespace batten

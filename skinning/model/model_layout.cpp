@@ -196,16 +196,20 @@ ConstraintSet ModelLayout::corner_constraints() const {
   ConstraintSet all = gathered(&RegionLayout::corner_constraints, true);
   if (all.rows().empty())
     throw InputError("model '" + name() + "' has no corners that could hold it");
+  for (const JoinLine& line : shared_lines()) add_line_ties(layouts(), numbers_, line, all);
+  add_join_rows(layouts(), numbers_, join_plans_, true, all);
+  return all;
+}
+
+std::vector<JoinLine> ModelLayout::shared_lines() const {
+  std::vector<JoinLine> all;
   for (const ModelLine& line : lines_)
     for (size_t s = 1; s < line.sides.size(); ++s) {
       const LineSide &a = line.sides[0], &b = line.sides[s];
-      add_line_ties(layouts(), numbers_,
-                    {line.name,
+      all.push_back({line.name,
                      {JoinSide{a.region, a.embedded, a.index, true},
-                      JoinSide{b.region, b.embedded, b.index, false}}},
-                    all);
+                      JoinSide{b.region, b.embedded, b.index, false}}});
     }
-  add_join_rows(layouts(), numbers_, join_plans_, true, all);
   return all;
 }
 

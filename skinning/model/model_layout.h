@@ -99,6 +99,9 @@ class ModelLayout {
   HermiteCurve image(const LineSide& side) const;
   /// Returns whether a side runs against the first side of the line.
   bool against(const ModelLine& line, const LineSide& side) const;
+  /// Returns each line that regions share, smooth or a crease, as its first side and each further
+  /// one. Which of them lies to the left is not told.
+  std::vector<JoinLine> shared_lines() const;
   const std::vector<JoinPlan>& join_plans() const { return join_plans_; }
   /// Returns the plan of the line's smooth join, or null.
   const JoinPlan* join_plan(const std::string& line) const;

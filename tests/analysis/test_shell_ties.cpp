@@ -1,0 +1,147 @@
+// Shells of several regions: moments go around creases, through smooth lines and T-joints.
+#include <cmath>
+
+#include "batten/analysis/models/shell_ties.h"
+#include "batten/analysis/shell_assembler.h"
+#include "batten/constraints/constrained_solver.h"
+#include "batten/core/errors.h"
+#include "batten/fem/assembly.h"
+#include "batten/tests/catch.h"
+#include "batten/tests/patchwork.h"
+
+using namespace batten_test;
+using Catch::Matchers::Contains;
+
+namespace {
+
+// Plates of width W between straight lines across; lines across are named, from y = 0 to W.
+struct Plates {
+  static constexpr double W = 0.5, E = 1000, t = 0.02, q = 1e-4;
+  static constexpr double EI = E * t * t * t / 12;
+  Patchwork patchwork;
+  double h = 0.1;
+
+  void across(const std::string& name, const Vec3& at_0, const Vec3& at_W) {
+    line(name, at_0, at_W + Vec3(0, W, 0));
+  }
+  void line(const std::string& name, const Vec3& a, const Vec3& b) {
+    const Vec3 d = b - a;
+    const auto curve = curve_from_formula(0, 1, [=](double s, int order) -> Vec3 {
+      return order == 0 ? Vec3(a + s * d) : order == 1 ? d : Vec3(0, 0, 0);
+    });
+    patchwork.add(given_line(name, curve, 1, h));
+  }
+  // A plate between two lines across.
+  void plate(const std::string& from, const std::string& to) {
+    const auto end = [&](const std::string& name, double s) {
+      return patchwork.lines.at(name).curve->evaluate(s);
+    };
+    line(from + to + " 0", end(from, 0), end(to, 0));
+    line(from + to + " W", end(from, 1), end(to, 1));
+    patchwork.region({from, from + to + " W", to, from + to + " 0"});
+  }
+  Plates() { patchwork.options.edge_length = h; }
+};
+
+struct Solved {
+  ModelLayout layout;
+  Points shape, q;
+  // The displacement in the middle of a line.
+  Vec3 at(const std::string& name) const {
+    const ModelLine& line = layout.model_line(name);
+    const LineRun& run = layout.region(line.sides[0].region).runs()[line.sides[0].index];
+    const int v = run.vertices[run.vertices.size() / 2];
+    return q.row(layout.numbers(line.sides[0].region)(3 * v));
+  }
+};
+
+// Clamped along "foot", loaded by q downwards on one region.
+Solved solved(const Plates& plates, int loaded, const std::vector<std::string>& hinges = {}) {
+  const ModelLayout layout = plates.patchwork.model({});
+  const Points shape = layout.all_dofs(plates.patchwork.first);
+  ConstraintSet set = shell_ties(layout, shape, hinges);
+  const LineSide foot = layout.model_line("foot").sides[0];
+  const LineRun& run = layout.region(foot.region).runs()[foot.index];
+  const DofMap dofs(*layout.region(foot.region).mesh());
+  const RegionNumbers& number = layout.numbers(foot.region);
+  for (const int v : run.vertices)
+    for (int k = 0; k < 3; ++k) set.fix("foot", number(dofs.vertex(v, k)), Vec3::Zero());
+  for (const int e : run.edges) set.fix("foot", number(dofs.edge(e)), Vec3::Zero());
+  const Surface one = layout.skinned(loaded, shape).surface;
+  const VecX load = SurfaceAssembler(one.mesh(), one.kind()).area_load(one);
+  const Points F = layout.spread(loaded, load) * Eigen::RowVector3d(0, 0, -Plates::q);
+  const ShellAssembler shell(layout.surface(shape),
+                             {{ShellMaterial::isotropic(Plates::E, 0), Plates::t}});
+  return {layout, shape, ConstrainedSolver(set, shell.stiffness()).solve(F)};
+}
+
+}  // namespace
+
+TEST_CASE("a plate in two regions bends as one, whatever the line between them") {
+  Plates plates;
+  const double L = 1, exact = Plates::q * L * L * L * L / (8 * Plates::EI);
+  plates.across("foot", {0, 0, 0}, {0, 0, 0});
+  plates.across("between", {0.6, 0, 0}, {0.45, 0, 0});
+  plates.across("tip", {L, 0, 0}, {L, 0, 0});
+  plates.plate("foot", "between");
+  plates.plate("between", "tip");
+  // The load on both, one after the other.
+  const double sum = solved(plates, 0).at("tip").z() + solved(plates, 1).at("tip").z();
+  CHECK(-sum == Approx(exact).epsilon(1e-3));
+}
+
+TEST_CASE("a crease carries moments around its corner, a hinge does not") {
+  Plates plates;
+  const double L = 0.8, H = 0.6, q = Plates::q, EI = Plates::EI;
+  plates.across("foot", {0, 0, 0}, {0, 0, 0});
+  plates.across("knee", {0, 0, H}, {0, 0, H});
+  plates.across("tip", {L, 0, H}, {L, 0, H});
+  plates.plate("foot", "knee");
+  plates.plate("knee", "tip");
+  const Solved frame = solved(plates, 1);
+  const double down = q * L * L * L * L / (8 * EI) + q * L * L / 2 * H / EI * L +
+                      q * L * H / (Plates::E * Plates::t);
+  CHECK(-frame.at("tip").z() == Approx(down).epsilon(1e-3));
+  CHECK(frame.at("knee").x() == Approx(q * L * L / 2 * H * H / (2 * EI)).epsilon(1e-3));
+  CHECK_THROWS_AS(solved(plates, 1, {"knee"}), NoSolutionError);  // the arm swings
+  CHECK_THROWS_WITH(solved(plates, 1, {"foot"}), Contains("'foot' is a rim"));
+  CHECK_THROWS_WITH(solved(plates, 1, {"kne"}), Contains("knee"));
+}
+
+TEST_CASE("a third plate at a crease goes along, whatever its angle") {
+  Plates plates;
+  const double L = 0.8, H = 0.6, q = Plates::q, EI = Plates::EI;
+  plates.across("foot", {0, 0, 0}, {0, 0, 0});
+  plates.across("knee", {0, 0, H}, {0, 0, H});
+  plates.across("tip", {L, 0, H}, {L, 0, H});
+  plates.across("top", {-0.2, 0, H + 0.3}, {-0.2, 0, H + 0.3});
+  plates.plate("foot", "knee");
+  plates.plate("knee", "tip");
+  plates.plate("knee", "top");
+  const Solved frame = solved(plates, 1);
+  const double turn = q * L * L / 2 * H / EI;
+  CHECK(frame.at("knee").x() == Approx(turn * H / 2).epsilon(1e-3));
+  // Free, it turns with the knee about y: (x, z) by (z, -x) of the turn.
+  const Vec3 moved = frame.at("top") - frame.at("knee");
+  CHECK(moved.x() == Approx(turn * 0.3).epsilon(2e-3));
+  CHECK(moved.z() == Approx(turn * 0.2).epsilon(2e-3));
+}
+
+TEST_CASE("rigid motions of a model keep its ties") {
+  Plates plates;
+  plates.across("foot", {0, 0, 0}, {0.1, 0, 0});
+  plates.across("knee", {0, 0, 0.5}, {0, 0, 0.6});
+  plates.across("tip", {0.7, 0, 0.4}, {0.6, 0, 0.5});
+  plates.plate("foot", "knee");
+  plates.plate("knee", "tip");
+  const ModelLayout layout = plates.patchwork.model({});
+  const Points shape = layout.all_dofs(plates.patchwork.first);
+  const ConstraintSet ties = shell_ties(layout, shape);
+  for (int c = 0; c < 3; ++c) {
+    Points turn(shape.rows(), 3);
+    for (long d = 0; d < turn.rows(); ++d)
+      turn.row(d) = Vec3::Unit(c).cross(Vec3(shape.row(d))).transpose();
+    CHECK(ties.max_residual(turn) < 1e-9);
+    CHECK(ties.max_residual(layout.position_dofs() * Vec3::Unit(c).transpose()) < 1e-12);
+  }
+}
