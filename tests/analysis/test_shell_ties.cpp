@@ -1,6 +1,7 @@
 // Shells of several regions: moments go around creases, through smooth lines and T-joints.
 #include <cmath>
 
+#include "batten/analysis/models/line_supports.h"
 #include "batten/analysis/models/shell_ties.h"
 #include "batten/analysis/shell_assembler.h"
 #include "batten/constraints/constrained_solver.h"
@@ -60,13 +61,7 @@ Solved solved(const Plates& plates, int loaded, const std::vector<std::string>& 
   const ModelLayout layout = plates.patchwork.model({});
   const Points shape = layout.all_dofs(plates.patchwork.first);
   ConstraintSet set = shell_ties(layout, shape, hinges);
-  const LineSide foot = layout.model_line("foot").sides[0];
-  const LineRun& run = layout.region(foot.region).runs()[foot.index];
-  const DofMap dofs(*layout.region(foot.region).mesh());
-  const RegionNumbers& number = layout.numbers(foot.region);
-  for (const int v : run.vertices)
-    for (int k = 0; k < 3; ++k) set.fix("foot", number(dofs.vertex(v, k)), Vec3::Zero());
-  for (const int e : run.edges) set.fix("foot", number(dofs.edge(e)), Vec3::Zero());
+  add_support(layout, shape, LineSupport::clamped("foot"), set);
   const Surface one = layout.skinned(loaded, shape).surface;
   const VecX load = SurfaceAssembler(one.mesh(), one.kind()).area_load(one);
   const Points F = layout.spread(loaded, load) * Eigen::RowVector3d(0, 0, -Plates::q);

@@ -1,0 +1,35 @@
+// The rotation of a shell about a line, as rows on the dofs of one side. Internal.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "batten/constraints/constraint_set.h"
+#include "batten/skinning/model/join_edge.h"
+
+namespace batten {
+
+using CoupledEntries = std::vector<ConstraintSet::CoupledEntry>;
+
+// ω of shell_ties.h, a form of the displacement's dofs; each function adds factor · ω to a row.
+class LineRotation {
+ public:
+  LineRotation(const JoinEdge& side, const Points& shape) : side_(side), shape_(shape) {}
+
+  void at_vertex(int k, double factor, CoupledEntries& row) const;
+  void in_middle(int k, double factor, CoupledEntries& row) const;  // of the k-th edge
+  void at_fraction(double f, double factor, CoupledEntries& row) const;
+
+ private:
+  Vec3 of_shape(const RowEntries& entries) const;
+  void add(const RowEntries& across, const RowEntries& along, double factor,
+           CoupledEntries& row) const;
+  const JoinEdge& side_;
+  const Points& shape_;
+};
+
+// Adds a row whose entries may name a dof more than once.
+void add_summed(const std::string& name, const CoupledEntries& entries, double value,
+                ConstraintSet& set);
+
+}  // namespace batten

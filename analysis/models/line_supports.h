@@ -1,0 +1,38 @@
+// Supports of a shell along the lines of its model.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "batten/constraints/constraint_set.h"
+#include "batten/skinning/model/model_layout.h"
+
+namespace batten {
+
+/// What holds a shell along one line: the displacement in some directions, the rotation about the
+/// line.
+///
+///     clamped      directions x, y, z; rotation
+///     pinned       directions x, y, z
+///     symmetric    the normal of the plane; rotation (the surface meets the plane at right angles)
+///     diaphragm    the two directions in the wall
+struct LineSupport {
+  std::string name;  ///< of its rows
+  std::string line;
+  std::vector<Vec3> directions;      ///< any length but zero
+  Vec3 displacement = Vec3::Zero();  ///< of the line, in those directions
+  bool rotation = false;
+
+  static LineSupport clamped(const std::string& line);
+  static LineSupport pinned(const std::string& line);
+  static LineSupport symmetric(const std::string& line, const Vec3& normal);
+};
+
+/// Adds the rows of a support to those of shell_ties(). On a run they hold it everywhere in its
+/// directions, and the rotation at vertices and in the middles of edges; on an embedded line both on
+/// the average of each hat. Other regions of the line follow by their ties. Throws InputError: no
+/// such line (with the nearest name), a direction of length zero, nothing to hold.
+void add_support(const ModelLayout& model, const Points& shape, const LineSupport& support,
+                 ConstraintSet& set);
+
+}  // namespace batten
