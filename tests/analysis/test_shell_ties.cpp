@@ -1,5 +1,7 @@
 // Shells of several regions: moments go around creases, through smooth lines and T-joints.
+#include <Eigen/QR>
 #include <cmath>
+#include <numbers>
 
 #include "batten/analysis/models/line_supports.h"
 #include "batten/analysis/models/shell_ties.h"
@@ -7,8 +9,10 @@
 #include "batten/constraints/constrained_solver.h"
 #include "batten/core/errors.h"
 #include "batten/fem/assembly.h"
+#include "batten/skinning/model/natural_shape.h"
 #include "batten/tests/catch.h"
 #include "batten/tests/patchwork.h"
+#include "batten/tests/sampling.h"
 
 using namespace batten_test;
 using Catch::Matchers::Contains;
@@ -55,6 +59,31 @@ struct Solved {
     return q.row(layout.numbers(line.sides[0].region)(3 * v));
   }
 };
+
+// The dofs of x² + y² = R² over a plane domain, (x, z) being affine in (u, v).
+Points above_plane(const RegionLayout& layout, double R) {
+  MatX uv(0, 3), xz(0, 2);
+  for (const EmbeddedLine& line : layout.embedded())
+    for (const double t : line.points) {
+      uv.conservativeResize(uv.rows() + 1, 3);
+      xz.conservativeResize(uv.rows(), 2);
+      const Vec3 c = line.image.evaluate(t), x = line.fitted.evaluate(t);
+      uv.bottomRows(1) << c.x(), c.y(), 1;
+      xz.bottomRows(1) << x.x(), x.z();
+    }
+  const MatX map = uv.colPivHouseholderQr().solve(xz);  // 3×2
+  return interpolated(layout.mesh(), layout.element(),
+                      [&](const Vec2& p) {
+                        const Vec2 at = map.transpose() * Vec3(p.x(), p.y(), 1);
+                        const double y = std::sqrt(R * R - at.x() * at.x()), slope = -at.x() / y;
+                        SurfaceJet j{};
+                        j.x = {at.x(), y, at.y()};
+                        j.x_u = {map(0, 0), slope * map(0, 0), map(0, 1)};
+                        j.x_v = {map(1, 0), slope * map(1, 0), map(1, 1)};
+                        return j;
+                      })
+      .dofs();
+}
 
 // Clamped along "foot", loaded by q downwards on one region.
 Solved solved(const Plates& plates, int loaded, const std::vector<std::string>& hinges = {}) {
@@ -120,6 +149,79 @@ TEST_CASE("a third plate at a crease goes along, whatever its angle") {
   const Vec3 moved = frame.at("top") - frame.at("knee");
   CHECK(moved.x() == Approx(turn * 0.3).epsilon(2e-3));
   CHECK(moved.z() == Approx(turn * 0.2).epsilon(2e-3));
+}
+
+TEST_CASE("the Scordelis-Lo roof comes out the same in one region and in two, and near it trimmed") {
+  constexpr double R = 25, half = 40 * std::numbers::pi / 180, reference = 0.30059;
+  const auto arc = [&](double from, double to, double z) {
+    return curve_from_formula(0, 1, [=](double s, int order) -> Vec3 {
+      const double a = from + s * (to - from), w = to - from;
+      if (order == 0) return {R * std::sin(a), R * std::cos(a), z};
+      if (order == 1) return w * R * Vec3(std::cos(a), -std::sin(a), 0);
+      return w * w * R * Vec3(-std::sin(a), -std::cos(a), 0);
+    });
+  };
+  const auto generator = [&](double a) {
+    return curve_from_formula(0, 1, [=](double s, int order) -> Vec3 {
+      if (order == 0) return {R * std::sin(a), R * std::cos(a), R * s};
+      return order == 1 ? Vec3(0, 0, R) : Vec3(0, 0, 0);
+    });
+  };
+  const auto roof = [&](bool cut, SkinOptions::Domain domain) {
+    Patchwork p;
+    p.options.edge_length = 1.6;
+    p.options.domain = domain;
+    p.size = R;
+    const double at = cut ? 0.55 * half : half;
+    const auto add = [&](const std::string& name, const std::shared_ptr<const InputCurve>& curve) {
+      p.add(given_line(name, curve, R, p.options.edge_length));
+    };
+    add("crown", generator(0));
+    add("free", generator(half));
+    add("middle 1", arc(0, at, 0));
+    add("wall 1", arc(0, at, R));
+    if (cut) {
+      add("between", generator(at));
+      add("middle 2", arc(at, half, 0));
+      add("wall 2", arc(at, half, R));
+      p.region({"crown", "middle 1", "between", "wall 1"});
+      p.region({"between", "middle 2", "free", "wall 2"});
+    } else {
+      p.region({"crown", "middle 1", "free", "wall 1"});
+    }
+    const ModelLayout layout = p.model({});
+    const Points shape = domain == SkinOptions::Domain::Plane
+                             ? above_plane(layout.region(0), R)
+                             : layout.least_energy({}, natural_dofs(layout));
+    ConstraintSet set = shell_ties(layout, shape);
+    add_support(layout, shape, LineSupport::symmetric("crown", Vec3::UnitX()), set);
+    for (int part = 1; part <= (cut ? 2 : 1); ++part) {
+      const std::string k = std::to_string(part);
+      add_support(layout, shape, LineSupport::symmetric("middle " + k, Vec3::UnitZ()), set);
+      add_support(layout, shape,
+                  {"wall", "wall " + k, {Vec3::UnitX(), Vec3::UnitY()}, Vec3::Zero(), false}, set);
+    }
+    Points F = Points::Zero(shape.rows(), 3);
+    for (int r = 0; r < layout.region_count(); ++r) {
+      const Surface one = layout.skinned(r, shape).surface;
+      const VecX load = SurfaceAssembler(one.mesh(), one.kind(), one.trim()).area_load(one);
+      F += layout.spread(r, load) * Eigen::RowVector3d(0, -90, 0);
+    }
+    const ShellAssembler shell(layout.surface(shape),
+                               {{ShellMaterial::isotropic(4.32e8, 0), 0.25}});
+    const Points q = ConstrainedSolver(set, shell.stiffness()).solve(F);
+    // At the free edge, in the middle of the roof.
+    const int last = layout.region_count() - 1;
+    const Surface moved = layout.skinned(last, q + shape).surface;
+    const Surface still = layout.skinned(last, shape).surface;
+    const Location where = still.closest_point({R * std::sin(half), R * std::cos(half), 0}).where;
+    return still.position(where).y() - moved.position(where).y();
+  };
+  CHECK(roof(false, SkinOptions::Domain::Polygon) == Approx(reference).epsilon(2e-3));
+  CHECK(roof(true, SkinOptions::Domain::Polygon) == Approx(reference).epsilon(5e-3));
+  // Averages over hats leave supports on embedded lines soft between them: 3.6 % here, 1.7 % with
+  // elements half as long.
+  CHECK(roof(false, SkinOptions::Domain::Plane) == Approx(reference).epsilon(4e-2));
 }
 
 TEST_CASE("rigid motions of a model keep its ties") {
