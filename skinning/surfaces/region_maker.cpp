@@ -129,6 +129,10 @@ void RegionMaker::place_vertices() {
       spacing = std::min({spacing, edge_of(side.region), orientation_.sizes[side.region] / across});
     }
     spacing = std::min(spacing, 0.5 * arc.length);
+    if (const double count = arc.length / spacing; !(count <= most_triangles))
+      throw InputError("elements of " + number(spacing) + " on line '" + arc.name + "' of length " +
+                       number(arc.length) + " mean " + number(count) + " of their edges; at most " +
+                       number(most_triangles) + " are allowed (is a point wrong, or the unit?)");
     auto given = std::make_shared<GivenCurve>();
     given->curve = arc.curve;
     const auto& nodes = arc.curve.parameters();

@@ -117,6 +117,20 @@ TEST_CASE("the tolerance of lines is at least 1e-9 of the size") {
   CHECK(r.err.find("tolerance = 1e-09 is too small for a size of 2.44949") != std::string::npos);
 }
 
+TEST_CASE("a line of a network has two million element edges at most") {
+  const Case c("limits_edges");
+  const auto run = [&](const std::string& far) {
+    c.file("t.csv",
+           "x,y,z\n0,0,0\n1,0,0\n\n1,0,0\n0,1,0\n\n0,1,0\n0,0,0\n\n0,0,0\n0,0," + far + "\n");
+    return c.run({"skin", "--network", "t.csv", "--unit", "m", "--edge-length", "0.1", "--meet",
+                  "0.01", "--out", "out"});
+  };
+  const Result far = run("3e5");
+  CHECK(far.code == 1);
+  CHECK(far.err.find("elements of 0.1 on line") != std::string::npos);
+  CHECK(far.err.find("of their edges; at most 2e+06 are allowed") != std::string::npos);
+}
+
 TEST_CASE("triangles under lines are halved until there are 50,000, and what is missed is said") {
   const Case c("limits_halving");
   std::string scene = square("edge_length = 4");
