@@ -109,7 +109,7 @@ class Coupling {
   MatX S_;       // independent rows times R⁻¹ from both sides, then soft ones as they are
   VecX roots_;   // √s_k
   MatX scaled_;  // S_ with soft rows scaled, plus 1 on their diagonal
-  Eigen::LLT<MatX> schur_;
+  Eigen::LLT<MatX> schur_ = Eigen::LLT<MatX>(MatX(0, 0));  // copies read its state
   mutable VecX scratch_;  // one number a row, so that apply() allocates nothing
 };
 
