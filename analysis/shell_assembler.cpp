@@ -1,5 +1,7 @@
 #include "batten/analysis/shell_assembler.h"
 
+#include <cmath>
+
 #include "batten/core/errors.h"
 #include "batten/elements/c1_triangle.h"
 
@@ -21,8 +23,8 @@ TriangleRule rule_of(TriangleElement kind) {
   return kind == TriangleElement::HCT ? split_triangle(4) : six_duffy(4);
 }
 
+// What f,1 or f,2 of a function in one coordinate adds to (ε11, ε22, 2ε12).
 Vec3 strain_along(const Vec3& e1, const Vec3& e2, int axis, int coordinate) {
-  // What f,1 or f,2 of a function in one coordinate adds to (ε11, ε22, 2ε12).
   return axis == 0 ? Vec3(e1[coordinate], 0, e2[coordinate])
                    : Vec3(0, e2[coordinate], e1[coordinate]);
 }

@@ -24,9 +24,9 @@ namespace batten {
 /// before the reduction) are left out; contradiction() tells when their right-hand sides do not
 /// fit.
 ///
-/// Cost: one solve for each different point and O(unknowns under rows × rows²) at construction,
-/// points × m numbers are kept; apply() is as many axpys on m numbers and a triangular solve with as
-/// many rows.
+/// Cost: one solve for each different point at construction, a sparse QR of the rows and O(rows³) for
+/// S; points × m numbers are kept. apply() is as many axpys on m numbers and a triangular solve with
+/// as many rows.
 class Coupling {
  public:
   struct Row {

@@ -167,7 +167,7 @@ void trace(Strand& strand, const Place& a, const Place& b, int depth) {
   constexpr int deepest = 12;
   if (depth < deepest &&
       (sag > flat * length || b.s - a.s > straight * length || length > 0.25 * strand.length) &&
-      length + sag > 1e-5 * strand.length) {
+      b.s - a.s > 1e-5 * strand.length) {
     const Place middle = place_at(strand, 0.5 * (a.t + b.t));
     trace(strand, a, middle, depth + 1);
     trace(strand, middle, b, depth + 1);

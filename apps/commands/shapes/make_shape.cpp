@@ -16,7 +16,12 @@ namespace {
 /// Half of the tolerance is the lines' own deviation from their curves.
 constexpr double kMostGap = 0.7;
 constexpr int kMostRounds = 8;
-constexpr double kMostTriangles = 20'000;  // of a sculpted shape that is refined
+
+/// Triangles that a sculpted shape may have after it was refined.
+int most_when_refined(const ModelLayout& layout) {
+  constexpr int usual = 20'000, times = 4;
+  return std::max(usual, times * layout.mesh()->triangle_count());
+}
 
 /// Degrees between the surface's normal at a place and a direction, either sign.
 double turned(const Surface& surface, const Location& where, const Vec3& direction) {
@@ -32,15 +37,15 @@ double widest_gap(const std::vector<SkinnedRegion>& regions) {
   return gap;
 }
 
-// Halves at the gaps of a shape on the layout. False when there is nothing to halve.
-bool halve_at_gaps(ModelLayout& layout, const std::vector<SkinnedRegion>& regions) {
+// Halves at the gaps of a shape on the layout. False when there is nothing to halve, or the mesh
+// would have more than `most` triangles.
+bool halve_at_gaps(ModelLayout& layout, const std::vector<SkinnedRegion>& regions, int most) {
   std::vector<char> marks(static_cast<size_t>(layout.mesh()->triangle_count()), 0);
   for (size_t r = 0; r < regions.size(); ++r)
     mark_gaps(regions[r], 0.5 * layout.tolerance(),
               marks.data() + layout.first_triangle(static_cast<int>(r)));
   const auto more = std::count(marks.begin(), marks.end(), 1);
-  return static_cast<double>(layout.mesh()->triangle_count() + more) <= kMostTriangles &&
-         layout.refine(marks);
+  return layout.mesh()->triangle_count() + more <= most && layout.refine(marks);
 }
 
 double bending_energy(const ModelLayout& layout, const Points& dofs, const Scene& scene) {
@@ -147,11 +152,12 @@ MadeShape settled_refined_shape(const MadeModel& made, const Scene& scene,
                                 const Progress& progress) {
   const bool held = scene.skin.hold == SceneSkin::Hold::Lines;
   ModelLayout layout = *made.model.layout;
+  const int most = most_when_refined(layout);
   for (int round = 0;; ++round) {
     MadeShape shape = settled_shape(layout, scene, made, progress);
     if (!held || round == kMostRounds) return shape;
     if (widest_gap(shape.regions) <= kMostGap * layout.tolerance()) return shape;
-    if (!halve_at_gaps(layout, shape.regions)) return shape;
+    if (!halve_at_gaps(layout, shape.regions, most)) return shape;
   }
 }
 
@@ -178,6 +184,7 @@ ModelLayout refined_for_lines(const MadeModel& made, const Scene& scene, const P
     return std::any_of(l.sides.begin(), l.sides.end(), [](const auto& s) { return s.embedded; });
   });
   if (scene.skin.hold != SceneSkin::Hold::Lines || !embeds) return layout;
+  const int most = most_when_refined(layout);
   for (int round = 0; round < kMostRounds; ++round) {
     SculptingSession session = make_session(layout, scene, made, Expected::one_factor, progress);
     try {
@@ -187,7 +194,7 @@ ModelLayout refined_for_lines(const MadeModel& made, const Scene& scene, const P
     }
     const auto regions = session.regions();
     if (widest_gap(regions) <= kMostGap * layout.tolerance()) return layout;
-    if (!halve_at_gaps(layout, regions)) return layout;
+    if (!halve_at_gaps(layout, regions, most)) return layout;
   }
   return layout;
 }
