@@ -4,6 +4,7 @@
 
 #include "batten/constraints/affine_reduction.h"
 #include "batten/core/errors.h"
+#include "batten/core/memory.h"
 #include "batten/core/parallel.h"
 
 namespace batten {
@@ -69,6 +70,18 @@ class ColumnSum {
   std::vector<int> rows_;
 };
 
+// Asks for the memory of n columns, whose entries nobody has counted, when some of them are made:
+// as columns, in the matrix made of them, and in the pattern that a factor is planned with.
+void require_room(const Columns& made, long column, long n) {
+  constexpr double as_column = 12, later = 12 + 8;
+  const double entries = static_cast<double>(made.rows.size()) * static_cast<double>(n) /
+                         static_cast<double>(made.sizes.size());
+  const double left = 1 - static_cast<double>(column) / static_cast<double>(n);
+  require_memory(entries * (left * as_column + later),
+                 "a system whose unknowns long lines tie together (" + number(entries) +
+                     " entries; a larger edge_length makes fewer)");
+}
+
 // The lower triangle of A + GᵀT + TᵀG; A is lower too. Column by column, on all threads.
 SparseMatrix with_products(const SparseMatrix& A, const RowMatrix& G, const RowMatrix& T) {
   const SparseMatrix G_columns(G), T_columns(T);
@@ -76,8 +89,10 @@ SparseMatrix with_products(const SparseMatrix& A, const RowMatrix& G, const RowM
   constexpr int most_parts = 32;
   const int parts = static_cast<int>(std::min<long>(n, most_parts));
   std::vector<Columns> made(static_cast<size_t>(parts));
+  constexpr size_t many = 1 << 20;
   parallel_parts(parts, [&](int part) {
     ColumnSum sum(n);
+    size_t asked_at = many;
     for (long j = n * part / parts; j < n * (part + 1) / parts; ++j) {
       const int from = static_cast<int>(j);
       for (SparseMatrix::InnerIterator it(A, j); it; ++it)
@@ -87,6 +102,9 @@ SparseMatrix with_products(const SparseMatrix& A, const RowMatrix& G, const RowM
       for (SparseMatrix::InnerIterator it(T_columns, j); it; ++it)
         sum.add(it.value(), G, static_cast<int>(it.row()), from);
       sum.move_to(made[part]);
+      if (made[part].rows.size() < asked_at) continue;
+      asked_at += many;
+      require_room(made[part], j, n);
     }
   });
   SparseMatrix result(n, n);

@@ -1,5 +1,6 @@
 #include "batten/fairing/arc_length.h"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
@@ -8,70 +9,125 @@
 namespace batten {
 namespace {
 
+constexpr int kPoints = 8;
+using Speeds = Eigen::Matrix<double, kPoints, 1>;
+
 const SegmentRule& length_rule() {
-  static const SegmentRule rule = gauss_legendre(8);
+  static const SegmentRule rule = gauss_legendre(kPoints);
   return rule;
 }
 
-double speed_integral(const InputCurve& curve, double a, double b) {
-  double sum = 0;
-  for (long p = 0; p < length_rule().s.size(); ++p)
-    sum += length_rule().weights[p] * curve.evaluate(a + (b - a) * length_rule().s[p], 1).norm();
-  return sum * (b - a);
+Speeds speeds(const InputCurve& curve, double a, double b) {
+  Speeds result;
+  for (int p = 0; p < kPoints; ++p)
+    result[p] = curve.evaluate(a + (b - a) * length_rule().s[p], 1).norm();
+  return result;
 }
 
-// Halves a panel until two halves agree with the whole.
-void add_panels(const InputCurve& curve, double a, double b, double whole, double total, int depth,
-                std::vector<double>& t, std::vector<double>& length) {
-  const double middle = 0.5 * (a + b);
-  const double first = speed_integral(curve, a, middle), second = speed_integral(curve, middle, b);
-  if (depth >= 12 || std::abs(first + second - whole) <= 1e-14 * total) {
-    t.push_back(b);
-    length.push_back(length.back() + first + second);
-    return;
+double speed_integral(const InputCurve& curve, double a, double b) {
+  return length_rule().weights.dot(speeds(curve, a, b)) * (b - a);
+}
+
+// Coefficients 1, x, … of the polynomial through values at the Gauss points of [0, 1].
+Speeds polynomial(const Speeds& values) {
+  using Square = Eigen::Matrix<double, kPoints, kPoints>;
+  static const Square inverse = [] {
+    Square powers;
+    for (int p = 0; p < kPoints; ++p)
+      for (int k = 0; k < kPoints; ++k) powers(p, k) = std::pow(length_rule().s[p], k);
+    return Square(powers.inverse());
+  }();
+  return inverse * values;
+}
+
+// Where on [0, 1] the integral of the polynomial through `speed` is `share` of the whole.
+double inverse_of_integral(const Speeds& speed, double share) {
+  constexpr double rounding = 1e-13;
+  if (speed.maxCoeff() - speed.minCoeff() <= rounding * speed.maxCoeff()) return share;
+  const Speeds c = polynomial(speed);
+  const auto integral = [&](double x) {
+    double sum = 0;
+    for (int k = kPoints - 1; k >= 0; --k) sum = (sum + c[k] / (k + 1)) * x;
+    return sum;
+  };
+  const double length = share * integral(1);
+  double x = share;
+  for (int step = 0; step < 20; ++step) {
+    double slope = 0;
+    for (int k = kPoints - 1; k >= 0; --k) slope = slope * x + c[k];
+    if (!(slope > 0)) return share;
+    const double dx = (integral(x) - length) / slope;
+    x = std::clamp(x - dx, 0.0, 1.0);
+    if (std::abs(dx) < 1e-12) break;
   }
-  add_panels(curve, a, middle, first, total, depth + 1, t, length);
-  add_panels(curve, middle, b, second, total, depth + 1, t, length);
+  return x;
 }
 
 }  // namespace
 
+// Halves a panel until two halves agree with the whole.
+void ArcLength::add_panels(const Panel& whole, double total, int depth) {
+  const double middle = 0.5 * (whole.start + whole.end);
+  const auto half = [&](double a, double b) {
+    const Speeds speed = speeds(*curve_, a, b);
+    return Panel{a, b, 0, length_rule().weights.dot(speed) * (b - a), speed};
+  };
+  Panel first = half(whole.start, middle), second = half(middle, whole.end);
+  if (depth >= 12 || std::abs(first.length + second.length - whole.length) <= 1e-14 * total) {
+    for (Panel* panel : {&first, &second}) {
+      panel->before = panels_.empty() ? 0 : this->total();
+      panels_.push_back(*panel);
+    }
+    return;
+  }
+  add_panels(first, total, depth + 1);
+  add_panels(second, total, depth + 1);
+}
+
 ArcLength::ArcLength(std::shared_ptr<const InputCurve> curve) : curve_(std::move(curve)) {
   const std::vector<double> breaks = curve_->breaks();
-  t_ = {breaks.front()};
-  length_ = {0};
-  std::vector<double> whole;
+  std::vector<Panel> spans;
   double total = 0;
   for (size_t i = 0; i + 1 < breaks.size(); ++i) {
-    whole.push_back(speed_integral(*curve_, breaks[i], breaks[i + 1]));
-    total += whole.back();
+    const double length = speed_integral(*curve_, breaks[i], breaks[i + 1]);
+    spans.push_back({breaks[i], breaks[i + 1], total, length, {}});
+    total += length;
   }
-  for (size_t i = 0; i + 1 < breaks.size(); ++i)
-    add_panels(*curve_, breaks[i], breaks[i + 1], whole[i], total, 0, t_, length_);
+  for (const Panel& span : spans) add_panels(span, total, 0);
+}
+
+// The panel in which the value of a start, of parameters or of lengths, lies.
+const ArcLength::Panel& ArcLength::panel_at(double value, double Panel::*start) const {
+  const auto after =
+      std::upper_bound(panels_.begin() + 1, panels_.end(), value,
+                       [&](double v, const Panel& panel) { return v < panel.*start; });
+  return *(after - 1);
 }
 
 double ArcLength::length_at(double t) const {
-  t = std::clamp(t, t_.front(), t_.back());
-  const auto i = std::upper_bound(t_.begin() + 1, t_.end() - 1, t) - t_.begin();
-  return length_[i - 1] + speed_integral(*curve_, t_[i - 1], t);
+  t = std::clamp(t, panels_.front().start, panels_.back().end);
+  const Panel& panel = panel_at(t, &Panel::start);
+  return panel.before + speed_integral(*curve_, panel.start, t);
 }
 
 double ArcLength::parameter(double s) const {
-  if (s <= 0) return t_.front();
-  if (s >= total()) return t_.back();
-  const auto i = std::upper_bound(length_.begin() + 1, length_.end() - 1, s) - length_.begin();
-  const double a = t_[i - 1], b = t_[i], panel = length_[i] - length_[i - 1],
-               rest = s - length_[i - 1];
-  double t = a + (b - a) * rest / panel;
+  const double first = panels_.front().start, last = panels_.back().end;
+  if (s <= 0) return first;
+  if (s >= total()) return last;
+  const Panel& panel = panel_at(s, &Panel::before);
+  const double a = panel.start, b = panel.end, rest = s - panel.before;
+  double t = a + (b - a) * inverse_of_integral(panel.speed, rest / panel.length);
   for (int step = 0; step < 30; ++step) {
     const double speed = curve_->evaluate(t, 1).norm();
     const double dt =
-        (speed_integral(*curve_, a, t) - rest) / std::max(speed, 1e-3 * panel / (b - a));
+        (speed_integral(*curve_, a, t) - rest) / std::max(speed, 1e-3 * panel.length / (b - a));
     const double before = t;
     t = std::clamp(t - dt, a, b);
-    // A short piece of a long curve has parameters much larger than their range.
+    // The error after a step goes with the square of the step. A short piece of a long curve has
+    // parameters much larger than their range.
     const double rounding = 4e-16 * std::max(std::abs(a), std::abs(b));
-    if (std::abs(t - before) <= std::max(1e-15 * (t_.back() - t_.front()), rounding)) break;
+    const double small = std::max({1e-15 * (last - first), rounding, 1e-8 * (b - a)});
+    if (std::abs(t - before) <= small) break;
   }
   return t;
 }

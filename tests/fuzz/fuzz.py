@@ -7,9 +7,11 @@
 SERVER is what server.cpp was built to. TARGET is one of the folders in seeds/, or "all" (SECONDS are
 then for each); more files to begin with come from the FOLDERs. Run K of a target always makes the
 same file: a seed is damaged or, now and then, a file that it names. What counts as a finding: an end by a signal, an exit code outside the
-list of docs/conventions.md, an error that nobody expected, more than 10 s or 2 GB, a report that is no
-JSON or holds numbers that are not finite, files beside a refusal, hidden files that are left. A
-finding's input is kept, and the exit code is 1. Needs Python 3 only.
+list of docs/conventions.md, an error that nobody expected, more than 2 GB, a report that is no JSON or
+holds numbers that are not finite, files beside a refusal, hidden files that are left. A run of more
+than 10 s is asked to stop: it is a finding unless it does within 2 s, with exit code 130 and nothing
+left; then it is counted and told as a long one, since much work may have been asked for. What is
+found and what was long is kept, and the exit code is 1 after findings. Needs Python 3 only.
 """
 import argparse
 import json
@@ -27,7 +29,7 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
-MOST_MEGABYTES = 2048
+MEMORY, MOST_MEGABYTES = "2", 2048  # gigabytes that a run is told to keep to, and that it may take
 EXIT_CODES = {0, 1, 2, 3, 4, 130}
 
 # What is run on a file of each target; "@" is the file, "OUT" a folder that is not there yet.
@@ -66,6 +68,7 @@ NOT_FINITE = {  # by ending; a name may be "inf"
     ".inp": re.compile(rb"(?i),\s*[-+]?(?:nan|inf)[\s,]"),
     ".step": re.compile(rb"(?i)[(,][-+]?(?:nan|inf)[,)]"),
 }
+LONG = "long"  # a run that was asked to stop and did
 NUMBER = re.compile(rb"[-+]?\d+(?:\.\d*)?(?:[eE][-+]?\d+)?")
 
 
@@ -192,8 +195,8 @@ def not_finite(out):
 
 def wrong(code, text, seconds, megabytes, folder, names):
     """What should not have happened, or an empty text."""
-    if seconds > float(os.environ["BATTEN_FUZZ_SECONDS"]):
-        return f"slow: {seconds:.1f} s"
+    if seconds > float(os.environ["BATTEN_FUZZ_SECONDS"]) and code == -9:
+        return f"no answer to SIGTERM after {seconds:.1f} s"
     if code < 0:
         return f"signal {-code}"
     if "Sanitizer" in text or "runtime error:" in text:
@@ -221,7 +224,7 @@ def wrong(code, text, seconds, megabytes, folder, names):
                 return f"{name}: numbers that are not finite"
     elif out.exists() or (folder / "OUT.csv").exists():
         return "files beside a refusal"
-    return ""
+    return LONG if code == 130 else ""
 
 
 class Seed:
@@ -267,7 +270,7 @@ class Target:
             for path, data in files.items():
                 (folder / path).parent.mkdir(parents=True, exist_ok=True)
                 (folder / path).write_bytes(data)
-            words = [main if w == "@" else w for w in command]
+            words = [main if w == "@" else w for w in command] + ["--memory", MEMORY]
             code, text, seconds, megabytes = server.run(words, folder)
             names = {path.parts[0] for path in files}
             what = wrong(code, text, seconds, megabytes, folder, names)
@@ -296,27 +299,28 @@ def main():
     found = 0
     for name in COMMANDS if a.target == "all" else [a.target]:
         target = Target(name, a.keep.absolute(), a.seeds)
-        until, number_of_run, lock, count = time.monotonic() + a.seconds, [a.first], threading.Lock(), [0]
+        until, number_of_run, lock, count = time.monotonic() + a.seconds, [a.first], threading.Lock(), [0] * 3
 
         def work(_):
-            wrongs, server = 0, Server(os.path.abspath(a.server))
+            server = Server(os.path.abspath(a.server))
             while time.monotonic() < until:
                 with lock:
                     k = number_of_run[0]
                     number_of_run[0] += 1
                 if k >= a.first + a.runs:
                     break
-                wrongs += bool(target.once(k, server))
+                what = target.once(k, server)
                 with lock:
                     count[0] += 1
+                    count[1] += what == LONG
+                    count[2] += what not in ("", LONG)
             server.process.stdin.close()
             server.process.wait()
-            return wrongs
 
         with ThreadPoolExecutor(a.jobs) as pool:
-            wrongs = sum(pool.map(work, range(a.jobs)))
-        print(f"{name}: {count[0]} runs, {wrongs} findings", flush=True)
-        found += wrongs
+            list(pool.map(work, range(a.jobs)))
+        print(f"{name}: {count[0]} runs, {count[2]} findings, {count[1]} long", flush=True)
+        found += count[2]
     return 1 if found else 0
 
 

@@ -2,8 +2,10 @@
 // libraries loaded already. That takes 5 ms where starting the program takes 130.
 //
 // A line of input: folder TAB argument TAB argument …; the answer: exit code (negative: the number
-// of a signal), seconds, megabytes. What a run prints goes to FOLDER/printed.
+// of a signal), seconds, megabytes. What a run prints goes to FOLDER/printed. A run that takes longer
+// than BATTEN_FUZZ_SECONDS is asked to stop (SIGTERM), and killed when it does not answer.
 #include <fcntl.h>
+#include <signal.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -20,10 +22,34 @@ int batten_main(int argc, char** argv);  // apps/cli/main.cpp
 
 namespace {
 
-// A run that takes longer is ended by SIGALRM.
-unsigned most_seconds() {
+using Clock = std::chrono::steady_clock;
+
+double most_seconds() {
   const char* stated = std::getenv("BATTEN_FUZZ_SECONDS");
-  return stated ? static_cast<unsigned>(std::atoi(stated)) + 1 : 11;
+  return stated ? std::atof(stated) : 10;
+}
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+// Waits for a run's end, which it may have to bring about.
+int end_of(pid_t child, Clock::time_point start, rusage& used) {
+  constexpr double to_answer = 2;
+  constexpr useconds_t nap = 500;
+  bool asked = false;
+  int status = 0;
+  while (wait4(child, &status, WNOHANG, &used) == 0) {
+    const double seconds = seconds_since(start);
+    if (seconds > most_seconds() + to_answer) {
+      kill(child, SIGKILL);
+    } else if (seconds > most_seconds() && !asked) {
+      kill(child, SIGTERM);
+      asked = true;
+    }
+    usleep(nap);
+  }
+  return status;
 }
 
 [[noreturn]] void be_program(const std::string& folder, std::vector<std::string> words) {
@@ -33,7 +59,6 @@ unsigned most_seconds() {
   dup2(nothing, STDIN_FILENO);
   dup2(printed, STDOUT_FILENO);
   dup2(printed, STDERR_FILENO);
-  alarm(most_seconds());
   std::vector<char*> arguments;
   for (std::string& word : words) arguments.push_back(word.data());
   arguments.push_back(nullptr);
@@ -49,15 +74,14 @@ int main() {
     std::vector<std::string> words = {"batten"};
     std::getline(in, folder, '\t');
     while (std::getline(in, word, '\t')) words.push_back(word);
-    const auto start = std::chrono::steady_clock::now();
+    const auto start = Clock::now();
     const pid_t child = fork();
     if (child == 0) be_program(folder, words);
-    int status = 0;
+    if (child < 0) return 1;
     rusage used{};
-    if (child < 0 || wait4(child, &status, 0, &used) < 0) return 1;
-    const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
+    const int status = end_of(child, start, used);
     std::printf("%d %.3f %.0f\n", WIFSIGNALED(status) ? -WTERMSIG(status) : WEXITSTATUS(status),
-                seconds.count(), static_cast<double>(used.ru_maxrss) / 1024);
+                seconds_since(start), static_cast<double>(used.ru_maxrss) / 1024);
     std::fflush(stdout);
   }
   return 0;

@@ -5,6 +5,7 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
+#include <functional>
 #include <limits>
 
 #include "batten/apps/commands/lines/line_reading.h"
@@ -23,14 +24,29 @@ struct Work {
   std::optional<std::vector<int>> corners;  ///< points that the stage names as corners
 };
 
+/// Does `work` for each line, in portions, between which this thread reports progress and can stop.
+void for_each_line(size_t lines, const Progress& progress, const char* stage,
+                   const std::function<void(size_t line)>& work) {
+  constexpr size_t portion = 64;
+  for (size_t first = 0; first < lines; first += portion) {
+    progress.at(stage, static_cast<double>(first) / static_cast<double>(lines));
+    const size_t count = std::min(portion, lines - first);
+    parallel_parts(static_cast<int>(count),
+                   [&](int part) { work(first + static_cast<size_t>(part)); });
+  }
+}
+
 class Fairing {
  public:
-  Fairing(const std::vector<SourceLine>& lines, const FairingSettings& settings)
+  Fairing(const std::vector<SourceLine>& lines, const FairingSettings& settings,
+          const Progress& progress)
       : lines_(lines), settings_(settings), met_(settings.stages.size()) {
     for (const SourceLine& line : lines) names_.push_back(line.name);
     work_.assign(lines.size(), std::vector<Work>(settings.stages.size()));
     for (size_t s = 0; s < settings.stages.size(); ++s) choose(s);
-    for (size_t i = 0; i < lines.size(); ++i) sampled_.push_back(sampled(lines[i], angle_of(i)));
+    sampled_.resize(lines.size());
+    for_each_line(lines.size(), progress, "reading lines",
+                  [&](size_t i) { sampled_[i] = sampled(lines[i], angle_of(i)); });
     for (size_t s = 0; s < settings.stages.size(); ++s) place(s);
   }
 
@@ -376,24 +392,17 @@ std::string passed_over(const FairedLine& line) {
 
 std::vector<FairedResult> fair_lines(const std::vector<SourceLine>& lines,
                                      const FairingSettings& settings, const Progress& progress) {
-  Fairing fairing(lines, settings);
+  Fairing fairing(lines, settings, progress);
   std::vector<FairedResult> results(lines.size());
-  // The lines are faired in portions, between which this thread reports progress and can stop.
-  constexpr size_t portion = 64;
-  for (size_t first = 0; first < lines.size(); first += portion) {
-    progress.at("fairing", static_cast<double>(first) / static_cast<double>(lines.size()));
-    const size_t count = std::min(portion, lines.size() - first);
-    parallel_parts(static_cast<int>(count), [&](int part) {
-      const size_t i = first + static_cast<size_t>(part);
-      try {
-        results[i] = fairing.faired(i);
-      } catch (const ConflictError& e) {
-        throw ConflictError(e.conflicts(), lines[i].at);
-      } catch (const InputError& e) {
-        throw InputError(lines[i].at + e.what());
-      }
-    });
-  }
+  for_each_line(lines.size(), progress, "fairing", [&](size_t i) {
+    try {
+      results[i] = fairing.faired(i);
+    } catch (const ConflictError& e) {
+      throw ConflictError(e.conflicts(), lines[i].at);
+    } catch (const InputError& e) {
+      throw InputError(lines[i].at + e.what());
+    }
+  });
   fairing.check_brushes();
   return results;
 }

@@ -146,8 +146,10 @@ std::vector<FairedResult> fair(const FairScene& scene, FairReport& report, Stopw
     if (!result.report.settled) restless.push_back(result.report.name);
     const FairedLine& line = result.report;
     if (const std::string text = passed_over(line); !text.empty()) report.warnings.push_back(text);
-    constexpr double more = 3;  // than noise may move them
-    if (settings.segments == 0 && line.noise > 0 && line.deviation.rms > more * line.noise)
+    constexpr double more = 3;     // than noise may move them
+    constexpr double seen = 1e-6;  // of a line's size: less is not worth a word
+    if (settings.segments == 0 && line.noise > 0 &&
+        line.deviation.rms > std::max(more * line.noise, seen * line.size))
       report.warnings.push_back("'" + line.name + "' has moved by " + number(line.deviation.rms) +
                                 " (root mean square), and its points' noise is about " +
                                 number(line.noise) + " " + scene.unit +

@@ -239,7 +239,7 @@ TEST_CASE("where u begins does not matter to inner lines") {
       return Made({circle("low", Role::Outline, 1, 0, turn + low),
                    circle("high", Role::Outline, 0.8, 2, turn + high),
                    rounded_square("s", 0.55, 0.8, turn, line),
-                   circle("c", Role::Inner, 0.6, 1.3, turn + line)},
+                   circle("c", Role::Inner, 0.62, 1.3, turn + line)},
                   edge, tolerance);
     };
     const Made straight = made(0, 0, 0, 0);
