@@ -1,6 +1,7 @@
 #include "batten/analysis/models/line_supports.h"
 
 #include "batten/analysis/models/line_rotation.h"
+#include "batten/analysis/models/line_sides.h"
 #include "batten/core/errors.h"
 
 namespace batten {
@@ -30,7 +31,7 @@ class SupportedLine {
       }
       return;
     }
-    over_hats([&](const std::vector<HatPoint>& hat, double weight) {
+    LineSides::over_hats(side_, side_, [&](const std::vector<HatPoint>& hat, double weight) {
       RowEntries row;
       for (const HatPoint& p : hat) side_.add_at(p.f, 0, 0, p.weight / weight, row);
       add(row, value);
@@ -45,7 +46,7 @@ class SupportedLine {
         add([&](CoupledEntries& row) { rotation_.in_middle(k, 1, row); });
       return;
     }
-    over_hats([&](const std::vector<HatPoint>& hat, double weight) {
+    LineSides::over_hats(side_, side_, [&](const std::vector<HatPoint>& hat, double weight) {
       add([&](CoupledEntries& row) {
         for (const HatPoint& p : hat) rotation_.at_fraction(p.f, p.weight / weight, row);
       });
@@ -58,14 +59,6 @@ class SupportedLine {
     CoupledEntries row;
     fill(row);
     add_summed(support_.name, row, 0, set_);
-  }
-  template <class Visit>
-  void over_hats(const Visit& visit) const {
-    for (const auto& hat : hats(tie_stations(side_, side_), side_.closed(), {true, true})) {
-      double weight = 0;
-      for (const HatPoint& p : hat) weight += p.weight;
-      visit(hat, weight);
-    }
   }
 
   const JoinEdge& side_;
@@ -95,15 +88,8 @@ void add_support(const ModelLayout& model, const Points& shape, const LineSuppor
   const std::string who = "support '" + support.name + "' ";
   if (support.directions.empty() && !support.rotation)
     throw InputError(who + "holds nothing: expected directions or the rotation");
-  const LineSide line = model.model_line(support.line).sides[0];
-  std::vector<const RegionLayout*> regions;
-  std::vector<RegionNumbers> numbers;
-  for (int r = 0; r < model.region_count(); ++r) {
-    regions.push_back(&model.region(r));
-    numbers.push_back(model.numbers(r));
-  }
-  JoinEdges sides(regions, numbers);
-  const JoinEdge side = sides({line.region, line.embedded, line.index, true});
+  LineSides sides(model);
+  const JoinEdge side = sides(model.model_line(support.line));
   SupportedLine held(side, shape, support, set);
   for (const Vec3& direction : support.directions) {
     if (!direction.allFinite() || direction.isZero(0))

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "batten/analysis/models/line_rotation.h"
+#include "batten/analysis/models/line_sides.h"
 #include "batten/core/errors.h"
 
 namespace batten {
@@ -26,35 +27,27 @@ void tie_rotations(const std::string& name, const JoinEdge& a, const JoinEdge& b
     }
     return;
   }
-  for (const auto& hat : hats(tie_stations(a, b), a.closed(), {true, true})) {
+  LineSides::over_hats(a, b, [&](const std::vector<HatPoint>& hat, double weight) {
     CoupledEntries row;
-    double weight = 0;
-    for (const HatPoint& p : hat) weight += p.weight;
     for (const HatPoint& p : hat) {
       of_a.at_fraction(p.f, p.weight / weight, row);
       of_b.at_fraction(p.f, -p.weight / weight, row);
     }
     add_summed(name, row, 0, set);
-  }
+  });
 }
 
 }  // namespace
 
 ConstraintSet shell_ties(const ModelLayout& model, const Points& shape,
                          const std::vector<std::string>& hinges) {
-  std::vector<const RegionLayout*> regions;
-  std::vector<RegionNumbers> numbers;
-  for (int r = 0; r < model.region_count(); ++r) {
-    regions.push_back(&model.region(r));
-    numbers.push_back(model.numbers(r));
-  }
   for (const std::string& hinge : hinges)
     if (model.model_line(hinge).sides.size() < 2)
       throw InputError("the hinge '" + hinge + "' is a rim: it has one region, expected two");
   ConstraintSet set(static_cast<int>(shape.rows()), ConstraintSet::Kind::Coupled);
-  JoinEdges sides(regions, numbers);
+  LineSides sides(model);
   for (const JoinLine& line : model.shared_lines()) {
-    add_line_ties(regions, numbers, line, set);
+    add_line_ties(sides.regions(), sides.numbers(), line, set);
     if (std::find(hinges.begin(), hinges.end(), line.name) != hinges.end()) continue;
     const JoinEdge a = sides(line.sides[0]), b = sides(line.sides[1]);
     tie_rotations("joined line " + line.name, a, b, shape, set);

@@ -11,43 +11,14 @@
 #include "batten/core/errors.h"
 #include "batten/fem/assembly.h"
 #include "batten/skinning/model/natural_shape.h"
+#include "batten/tests/analysis/plates.h"
 #include "batten/tests/catch.h"
-#include "batten/tests/patchwork.h"
 #include "batten/tests/sampling.h"
 
 using namespace batten_test;
 using Catch::Matchers::Contains;
 
 namespace {
-
-// Plates of width W between straight lines across; lines across are named, from y = 0 to W.
-struct Plates {
-  static constexpr double W = 0.5, E = 1000, t = 0.02, q = 1e-4;
-  static constexpr double EI = E * t * t * t / 12;
-  Patchwork patchwork;
-  double h = 0.1;
-
-  void across(const std::string& name, const Vec3& at_0, const Vec3& at_W) {
-    line(name, at_0, at_W + Vec3(0, W, 0));
-  }
-  void line(const std::string& name, const Vec3& a, const Vec3& b) {
-    const Vec3 d = b - a;
-    const auto curve = curve_from_formula(0, 1, [=](double s, int order) -> Vec3 {
-      return order == 0 ? Vec3(a + s * d) : order == 1 ? d : Vec3(0, 0, 0);
-    });
-    patchwork.add(given_line(name, curve, 1, h));
-  }
-  // A plate between two lines across.
-  void plate(const std::string& from, const std::string& to) {
-    const auto end = [&](const std::string& name, double s) {
-      return patchwork.lines.at(name).curve->evaluate(s);
-    };
-    line(from + to + " 0", end(from, 0), end(to, 0));
-    line(from + to + " W", end(from, 1), end(to, 1));
-    patchwork.region({from, from + to + " W", to, from + to + " 0"});
-  }
-  Plates() { patchwork.options.edge_length = h; }
-};
 
 struct Solved {
   ModelLayout layout;

@@ -1,0 +1,160 @@
+#include "batten/analysis/models/free_motions.h"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+#include <Eigen/SVD>
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "batten/core/errors.h"
+
+namespace batten {
+namespace {
+
+using Motion = Eigen::Matrix<double, 6, 1>;  // (t, ω S): translation of the centre, turn times size
+
+// Bodies that stay rigid, one for each region, or one of all.
+class RigidBodies {
+ public:
+  RigidBodies(const ModelLayout& model, const Points& shape)
+      : shape_(shape), positions_(model.position_dofs()), body_of_(shape.rows(), 0) {
+    constexpr int most = 500;
+    count_ = model.region_count() > most ? 1 : model.region_count();
+    for (int r = 0; r < model.region_count() && count_ > 1; ++r) {
+      const int dofs = DofMap(*model.region(r).mesh()).count();
+      const RegionNumbers& numbers = model.numbers(r);
+      for (int d = 0; d < dofs; ++d) body_of_[numbers(d)] = r;
+    }
+    centre_ = (positions_.transpose() * shape).transpose() / positions_.sum();
+    double squares = 0;
+    for (long m = 0; m < shape.rows(); ++m)
+      if (positions_[m] > 0) squares += (shape.row(m).transpose() - centre_).squaredNorm();
+    size_ = std::sqrt(squares / positions_.sum());
+  }
+
+  int count() const { return count_; }
+  const Vec3& centre() const { return centre_; }
+  double size() const { return size_; }
+
+  // Adds a row's part to AᵀA, where A is what rows make of motions.
+  void add_row(const std::vector<ConstraintSet::CoupledEntry>& entries, MatX& AtA) const {
+    std::map<int, Motion> parts;
+    for (const auto& e : entries) {
+      const Vec3 lever = shape_.row(e.dof).transpose() - positions_[e.dof] * centre_;
+      Motion part;
+      part << positions_[e.dof] * e.coefficient, lever.cross(e.coefficient) / size_;
+      parts.try_emplace(body_of_[e.dof], Motion::Zero()).first->second += part;
+    }
+    double largest = 0;
+    for (const auto& [body, part] : parts) largest = std::max(largest, part.norm());
+    if (!(largest > 0)) return;
+    for (const auto& [a, of_a] : parts)
+      for (const auto& [b, of_b] : parts)
+        AtA.block<6, 6>(6 * a, 6 * b) += of_a * of_b.transpose() / (largest * largest);
+  }
+
+ private:
+  const Points& shape_;
+  VecX positions_;
+  std::vector<int> body_of_;
+  int count_ = 1;
+  Vec3 centre_;
+  double size_ = 1;
+};
+
+std::string vector_in_words(Vec3 v) {
+  constexpr double digits = 1e4;
+  std::string text;
+  for (int c = 0; c < 3; ++c)
+    text += (c ? ", " : "[") + number(std::round(v[c] * digits) / digits + 0.0);
+  return text + "]";
+}
+
+// Of a unit vector and its opposite the one whose largest component is positive.
+Vec3 pointing_up(Vec3 v) {
+  v.normalize();
+  Eigen::Index largest = 0;
+  v.cwiseAbs().maxCoeff(&largest);
+  return v[largest] < 0 ? Vec3(-v) : v;
+}
+
+std::string in_words(const Motion& motion, const Vec3& centre, double size) {
+  constexpr double none = 1e-6;
+  const Vec3 t = motion.head<3>(), turn = motion.tail<3>() / size;
+  if (turn.norm() * size <= none * t.norm())
+    return "can slide along " + vector_in_words(pointing_up(t));
+  const Vec3 axis = pointing_up(turn);
+  Vec3 through = centre + turn.cross(t) / turn.squaredNorm();
+  through -= axis.dot(through - centre) * axis;
+  return "can turn about the axis along " + vector_in_words(axis) + " through " +
+         vector_in_words(through);
+}
+
+// An orthonormal basis of `space` without the direction `gone`, which lies in it.
+MatX without(const MatX& space, const VecX& gone) {
+  const MatX rest = space - gone * (gone.transpose() * space);
+  const Eigen::JacobiSVD<MatX> svd(rest, Eigen::ComputeThinU);
+  return svd.matrixU().leftCols(space.cols() - 1);
+}
+
+// Unit vectors of all bodies moving as one.
+MatX together(int bodies) {
+  return Eigen::Matrix<double, 6, 6>::Identity().replicate(bodies, 1) / std::sqrt(bodies);
+}
+
+}  // namespace
+
+std::vector<std::string> free_motions(const ModelLayout& model, const Points& shape,
+                                      const ConstraintSet& rows) {
+  const RigidBodies bodies(model, shape);
+  const int count = bodies.count();
+  MatX AtA = MatX::Zero(6 * count, 6 * count);
+  std::vector<ConstraintSet::CoupledEntry> entries;
+  for (const auto& row : rows.rows())
+    for (int c = 0; c < 3; ++c) {
+      entries.clear();
+      for (const auto& e : row.entries) entries.push_back({e.dof, e.coefficient * Vec3::Unit(c)});
+      bodies.add_row(entries, AtA);
+    }
+  for (const auto& row : rows.coupled_rows()) bodies.add_row(row.entries, AtA);
+
+  const Eigen::SelfAdjointEigenSolver<MatX> eigen(AtA);
+  const VecX& values = eigen.eigenvalues();
+  constexpr double free = 1e-10;  // squares of what resists
+  long none = 0;
+  while (none < values.size() && values[none] <= free * std::max(1.0, values[values.size() - 1]))
+    ++none;
+  MatX space = eigen.eigenvectors().leftCols(none);
+  std::vector<std::string> found;
+  const auto holds = [&](const VecX& v) {
+    constexpr double inside = 1e-6;
+    return (space * (space.transpose() * v) - v).norm() < inside;
+  };
+  const MatX all = together(count);
+  for (int c = 0; c < 3 && space.cols() > 0; ++c)
+    if (holds(all.col(c))) {
+      found.push_back("all of it can slide along " + vector_in_words(Vec3::Unit(c)));
+      space = without(space, all.col(c));
+    }
+  // Further motions of all as one: where the two spaces meet.
+  while (space.cols() > 0) {
+    const Eigen::JacobiSVD<MatX> svd(space.transpose() * all,
+                                     Eigen::ComputeThinU | Eigen::ComputeThinV);
+    const VecX v = all * svd.matrixV().col(0);
+    if (!holds(v)) break;
+    found.push_back("all of it " + in_words(svd.matrixV().col(0), bodies.centre(), bodies.size()));
+    space = without(space, v);
+  }
+  for (long k = 0; k < space.cols(); ++k) {
+    int most = 0;
+    for (int b = 1; b < count; ++b)
+      if (space.col(k).segment<6>(6 * b).norm() > space.col(k).segment<6>(6 * most).norm())
+        most = b;
+    found.push_back("region '" + model.region(most).name() + "' " +
+                    in_words(space.col(k).segment<6>(6 * most), bodies.centre(), bodies.size()));
+  }
+  return found;
+}
+
+}  // namespace batten

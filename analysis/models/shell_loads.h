@@ -1,0 +1,50 @@
+// Loads on the shell of a model.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "batten/skinning/model/model_layout.h"
+
+namespace batten {
+
+// Each returns F, n×3 over the dofs of the model, whose work with a displacement q is Σ F_m · q_m.
+// `shape`: absolute dofs of the middle surface. Sums of loads are loads.
+
+/// Force per area of the surface at a place x with the unit normal n = x_u × x_v / |x_u × x_v|.
+using AreaForce = std::function<Vec3(const Vec3& x, const Vec3& n)>;
+
+/// F = ∬ N f(x, n) dA over the inside of the regions; none: of all. A pressure p is f = p n (it
+/// pushes along the normal), weight ρ t g. By quadrature, 18 points a sub-triangle's cubic or
+/// better; f is called on one thread. Throws InputError for a region out of range.
+Points area_force(const ModelLayout& model, const Points& shape, const AreaForce& force,
+                  const std::vector<int>& regions = {});
+
+/// F of a force per length along a line. Throws InputError: no such line (with the nearest name).
+Points line_force(const ModelLayout& model, const std::string& line, const Vec3& per_length);
+
+/// F of a moment per length about the line's own direction, right-handed, on its first side. Throws
+/// as line_force().
+Points line_moment(const ModelLayout& model, const Points& shape, const std::string& line,
+                   double per_length);
+
+/// A place of the surface, for forces and supports.
+struct ShellPlace {
+  ModelPoint at;
+  Location where;       ///< in the mesh of the model
+  double distance = 0;  ///< from the point that was asked for
+};
+/// The place inside of the model's trims that is nearest to p.
+ShellPlace nearest_place(const ModelLayout& model, const Points& shape, const Vec3& p);
+
+/// F of a force at one place.
+Points point_force(const ModelLayout& model, const ShellPlace& place, const Vec3& force);
+
+/// Resultant of a load: its force, and its moment about the origin.
+struct Resultant {
+  Vec3 force = Vec3::Zero(), moment = Vec3::Zero();
+};
+Resultant resultant(const ModelLayout& model, const Points& shape, const Points& F);
+
+}  // namespace batten

@@ -1,0 +1,78 @@
+// The regions of a model as one shell that is held and can be solved.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "batten/analysis/models/line_supports.h"
+#include "batten/analysis/models/shell_loads.h"
+#include "batten/analysis/shell_assembler.h"
+#include "batten/constraints/constrained_solver.h"
+
+namespace batten {
+
+/// What holds a shell at one place of its surface: the displacement in some directions.
+struct PointSupport {
+  std::string name;
+  ShellPlace place;
+  std::vector<Vec3> directions;      ///< any length but zero
+  Vec3 displacement = Vec3::Zero();  ///< in those directions
+};
+
+/// What a shell is made of and how it is held.
+struct ShellDefinition {
+  std::vector<ShellSection> sections;  ///< one, or one for each region
+  std::vector<LineSupport> lines;
+  std::vector<PointSupport> points;
+  std::vector<std::string> hinges;  ///< lines about which regions turn freely
+};
+
+/// What a support does to the shell.
+struct SupportReaction {
+  std::string support;
+  Resultant resultant;  ///< on the shell; moment about the origin
+};
+
+/// Linear statics of a model: K q = F under the rows of its joins and supports, one factor for all
+/// loads.
+///
+///     const ShellModel shell(layout, shape, {{{ShellMaterial::isotropic(210e3, 0.3), 1.5}},
+///                                            {LineSupport::clamped("hinges")}});
+///     const Points q = shell.solve(point_force(layout, nearest_place(layout, shape, knob), push));
+///
+/// Costs one stiffness and one factor of up to 3n unknowns; solve() one pair of triangular solves.
+class ShellModel {
+ public:
+  /// `shape`: absolute dofs of the middle surface. Throws InputError: sections for another number
+  /// of regions, what require_section(), shell_ties(), add_support() throw; ConflictError: supports
+  /// that contradict each other; NoSolutionError: motions that nothing resists, each named.
+  ShellModel(ModelLayout layout, Points shape, const ShellDefinition& definition);
+
+  /// The displacement, n×3. Throws InputError for a load of another size.
+  Points solve(const Points& F) const;
+  /// What every support does to the shell, in the order of the definition. Their sum balances the
+  /// load to rounding: λ of its rows, from K q - F = Cᵀ λ.
+  std::vector<SupportReaction> reactions(const Points& q, const Points& F) const;
+  /// ½ qᵀ K q
+  double energy(const Points& q) const;
+
+  const ModelLayout& layout() const { return layout_; }
+  const Points& shape() const { return shape_; }
+  const ShellAssembler& assembler() const { return assembler_; }
+  const ShellSection& section(int region) const {
+    return sections_[sections_.size() == 1 ? 0 : static_cast<size_t>(region)];
+  }
+  /// Free unknowns of the system that is solved.
+  int unknowns() const { return solver_.reduction().free_count(); }
+
+ private:
+  ModelLayout layout_;
+  Points shape_;
+  std::vector<ShellSection> sections_;
+  std::vector<std::string> supports_;
+  ConstraintSet rows_;
+  ShellAssembler assembler_;
+  ConstrainedSolver solver_;
+};
+
+}  // namespace batten

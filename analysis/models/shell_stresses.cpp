@@ -1,0 +1,215 @@
+#include "batten/analysis/models/shell_stresses.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <utility>
+
+namespace batten {
+namespace {
+
+// (xx, yy, zz, yz, xz, xy) of a symmetric tensor.
+Eigen::Matrix<double, 6, 1> packed(const Mat3& a) {
+  Eigen::Matrix<double, 6, 1> p;
+  p << a(0, 0), a(1, 1), a(2, 2), a(1, 2), a(0, 2), a(0, 1);
+  return p;
+}
+
+template <class Six>
+Mat3 unpacked(const Six& p) {
+  Mat3 a;
+  a << p[0], p[5], p[4], p[5], p[1], p[3], p[4], p[3], p[2];
+  return a;
+}
+
+// From (11, 22, 12) in the axes of a point.
+Mat3 in_space(const Vec3& s, const ShellPoint& at) {
+  const Vec3 &a = at.e1(), &b = at.e2();
+  return s[0] * a * a.transpose() + s[1] * b * b.transpose() +
+         s[2] * (a * b.transpose() + b * a.transpose());
+}
+
+Vec3 in_axes(const Mat3& s, const ShellPoint& at) {
+  return {at.e1().dot(s * at.e1()), at.e2().dot(s * at.e2()), at.e1().dot(s * at.e2())};
+}
+
+}  // namespace
+
+double von_mises(const Mat3& stress) {
+  const auto [a, b] = principal(stress);
+  return std::sqrt(std::max(0.0, a * a - a * b + b * b));
+}
+
+std::array<double, 2> principal(const Mat3& stress) {
+  const double mean = 0.5 * stress.trace();
+  const double radius =
+      std::sqrt(std::max(0.0, 0.5 * stress.cwiseProduct(stress).sum() - mean * mean));
+  return {mean + radius, mean - radius};
+}
+
+ShellStresses::ShellStresses(const ShellModel& shell, const Points& q) : shell_(shell), q_(q) {
+  take_samples();
+  fit();
+  measure_error();
+  find_peak();
+}
+
+ShellStress ShellStresses::raw(const Location& where) const {
+  const auto of = shell_.assembler().resultants(q_, where);
+  const ShellPoint at = shell_.assembler().point(where);
+  return {in_space(of.forces, at), in_space(of.moments, at),
+          shell_.assembler().section(where.triangle).thickness};
+}
+
+// At the centroids of sub-triangles; in a triangle that is cut, at points of its inside.
+void ShellStresses::take_samples() {
+  const Surface& surface = shell_.assembler().surface();
+  const ParametricMesh& mesh = surface.mesh();
+  const Trim* trim = surface.trim().get();
+  TriangleRule centroids{Eigen::Matrix<double, 3, 3>::Constant(4.0 / 9),
+                         VecX::Constant(3, 1.0 / 3)};
+  for (int i = 0; i < 3; ++i) centroids.L(i, i) = 1.0 / 9;
+  samples_.resize(mesh.triangle_count());
+  for (int t = 0; t < mesh.triangle_count(); ++t) {
+    if (trim && trim->side(t) == Trim::Side::Outside) continue;
+    const bool cut = trim && trim->side(t) == Trim::Side::Cut;
+    const TriangleRule rule = cut ? trim->rule(t, 2) : centroids;
+    for (long p = 0; p < rule.weights.size(); ++p) {
+      const Location where{t, rule.L.row(p).transpose()};
+      const ShellStress stress = raw(where);
+      Sample sample{
+          where,
+          rule.weights[p] * mesh.shape(t).area * shell_.assembler().point(where).jacobian(),
+          {}};
+      sample.parts << packed(stress.forces), packed(stress.moments);
+      samples_[t].push_back(sample);
+    }
+  }
+}
+
+// 1, x, y, x²/2, xy, y²/2 at a place relative to a vertex, in units of the patch.
+ShellStresses::Monomials ShellStresses::monomials(const Vec2& d, double size) {
+  const double x = d.x() / size, y = d.y() / size;
+  Monomials row;
+  row << 1, x, y, 0.5 * x * x, x * y, 0.5 * y * y;
+  return row;
+}
+
+// The triangles around each vertex that have samples; with those around them where they are few.
+std::vector<std::vector<int>> ShellStresses::patches() const {
+  const ParametricMesh& mesh = shell_.assembler().surface().mesh();
+  std::vector<std::vector<int>> around(mesh.vertices().size());
+  for (int t = 0; t < mesh.triangle_count(); ++t)
+    if (!samples_[t].empty())
+      for (const int v : mesh.triangles()[t]) around[v].push_back(t);
+  std::vector<std::vector<int>> result = around;
+  constexpr size_t enough = 5;
+  for (size_t v = 0; v < around.size(); ++v) {
+    if (around[v].size() >= enough) continue;
+    std::set<int> more(around[v].begin(), around[v].end());
+    for (const int t : around[v])
+      for (const int w : mesh.triangles()[t]) more.insert(around[w].begin(), around[w].end());
+    result[v].assign(more.begin(), more.end());
+  }
+  return result;
+}
+
+void ShellStresses::fit() {
+  const ParametricMesh& mesh = shell_.assembler().surface().mesh();
+  const auto patches = this->patches();
+  at_vertices_.resize(patches.size());
+  for (size_t v = 0; v < patches.size(); ++v) {
+    if (patches[v].empty()) continue;
+    Polynomial& polynomial = at_vertices_[v].emplace();
+    const Vec2& here = mesh.vertices()[v];
+    std::vector<std::pair<Vec2, const Sample*>> used;
+    for (const int t : patches[v])
+      for (const Sample& s : samples_[t])
+        used.emplace_back(mesh.image_near(mesh.shape(t).point(s.where.L), here) - here, &s);
+    for (const auto& [d, sample] : used) polynomial.size = std::max(polynomial.size, d.norm());
+    Eigen::Matrix<double, 6, 6> A = Eigen::Matrix<double, 6, 6>::Zero();
+    Eigen::Matrix<double, 6, kParts> b = Eigen::Matrix<double, 6, kParts>::Zero();
+    for (const auto& [d, sample] : used) {
+      const Monomials row = monomials(d, polynomial.size);
+      A += sample->weight * row * row.transpose();
+      b += sample->weight * row * sample->parts.transpose();
+    }
+    // Where samples do not tell a coefficient (slivers, corners of one triangle) it is small.
+    constexpr double lean = 1e-6;
+    A.diagonal().tail<5>().array() += lean * A(0, 0);
+    polynomial.coefficients = A.ldlt().solve(b);
+  }
+}
+
+ShellStress ShellStresses::stress_of(const Parts& parts, const Vec3& normal,
+                                     double thickness) const {
+  const Mat3 flat = Mat3::Identity() - normal * normal.transpose();
+  return {flat * unpacked(parts.head<6>()) * flat, flat * unpacked(parts.tail<6>()) * flat,
+          thickness};
+}
+
+ShellStress ShellStresses::at(const Location& where) const {
+  const Surface& surface = shell_.assembler().surface();
+  const ParametricMesh& mesh = surface.mesh();
+  const TriangleShape shape = mesh.shape(where.triangle);
+  Parts parts = Parts::Zero();
+  double sum = 0;
+  for (int i = 0; i < 3; ++i) {
+    const auto& polynomial = at_vertices_[mesh.triangles()[where.triangle][i]];
+    if (!polynomial) continue;
+    const Vec2 d = shape.point(where.L) - shape.point(Vec3::Unit(i));
+    parts += where.L[i] * polynomial->coefficients.transpose() * monomials(d, polynomial->size);
+    sum += where.L[i];
+  }
+  if (sum > 0) parts /= sum;
+  return stress_of(parts, surface.jet(where).normal(),
+                   shell_.assembler().section(where.triangle).thickness);
+}
+
+void ShellStresses::measure_error() {
+  double jumps = 0, energy = 0;
+  for (const auto& of_triangle : samples_)
+    for (const Sample& s : of_triangle) {
+      const ShellPoint point = shell_.assembler().point(s.where);
+      const ShellSection& section = shell_.assembler().section(s.where.triangle);
+      const Mat3 compliance = section.material.Q.inverse();
+      const double t = section.thickness;
+      const ShellStress better = at(s.where), own = stress_of(s.parts, point.normal(), t);
+      const auto work = [&](const ShellStress& a) {
+        const Vec3 N = in_axes(a.forces, point), M = in_axes(a.moments, point);
+        return s.weight * (N.dot(compliance * N) / t + 12 / (t * t * t) * M.dot(compliance * M));
+      };
+      energy += work(own);
+      jumps += work({better.forces - own.forces, better.moments - own.moments, t});
+    }
+  error_ = energy > 0 ? std::sqrt(jumps / energy) : 0;
+}
+
+void ShellStresses::find_peak() {
+  const Surface& surface = shell_.assembler().surface();
+  const Trim* trim = surface.trim().get();
+  const auto take = [&](const Location& where) {
+    const ShellStress stress = at(where);
+    for (const double height : {1.0, -1.0}) {
+      const double value = von_mises(stress.at(height));
+      if (value > peak_.value) peak_ = {value, height, 0, where, Vec3::Zero()};
+    }
+  };
+  for (int t = 0; t < count_of(samples_); ++t) {
+    const bool cut = trim && trim->side(t) == Trim::Side::Cut;
+    for (const Sample& s : samples_[t])
+      if (cut) take(s.where);
+    for (int i = 0; i < 3 && !cut && !samples_[t].empty(); ++i) take({t, Vec3::Unit(i)});
+  }
+  peak_.at = surface.position(peak_.where);
+  for (const Sample& s : samples_[peak_.where.triangle]) {
+    const ShellStress own = stress_of(s.parts, surface.jet(s.where).normal(),
+                                      shell_.assembler().section(s.where.triangle).thickness);
+    peak_.spread = std::max(peak_.spread, std::abs(von_mises(own.at(peak_.height)) -
+                                                   von_mises(at(s.where).at(peak_.height))));
+  }
+}
+
+}  // namespace batten

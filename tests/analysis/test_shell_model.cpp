@@ -1,0 +1,183 @@
+// A model as a shell: loads, reactions, motions that nothing resists, recovered stresses.
+#include <Eigen/Geometry>
+#include <cmath>
+
+#include "batten/analysis/models/shell_stresses.h"
+#include "batten/core/errors.h"
+#include "batten/tests/analysis/plates.h"
+#include "batten/tests/catch.h"
+
+using namespace batten_test;
+using Catch::Matchers::Contains;
+using Catch::Matchers::EndsWith;
+using Catch::Matchers::StartsWith;
+
+namespace {
+
+// An arm of two plates around a knee, on a foot.
+struct Arm {
+  Plates plates;
+  ModelLayout layout;
+  Points shape;
+  static constexpr double L = 0.8, H = 0.6;
+
+  static Plates lines() {
+    Plates p;
+    p.across("foot", {0, 0, 0}, {0, 0, 0});
+    p.across("knee", {0, 0, H}, {0, 0, H});
+    p.across("tip", {L, 0, H}, {L, 0, H});
+    p.plate("foot", "knee");
+    p.plate("knee", "tip");
+    return p;
+  }
+  Arm()
+      : plates(lines()),
+        layout(plates.patchwork.model({})),
+        shape(layout.all_dofs(plates.patchwork.first)) {}
+
+  ShellModel shell(const std::vector<LineSupport>& supports,
+                   const std::vector<std::string>& hinges = {}, double nu = 0) const {
+    return {layout,
+            shape,
+            {{{ShellMaterial::isotropic(Plates::E, nu), Plates::t}}, supports, {}, hinges}};
+  }
+  std::string why_not(const std::vector<LineSupport>& supports,
+                      const std::vector<std::string>& hinges = {}) const {
+    try {
+      shell(supports, hinges);
+    } catch (const NoSolutionError& e) {
+      return e.what();
+    }
+    return "";
+  }
+};
+
+Vec3 downwards(const Vec3&, const Vec3&) { return {0, 0, -Plates::q}; }
+
+}  // namespace
+
+TEST_CASE("reactions balance every kind of load, and the work is twice the energy") {
+  const Arm arm;
+  const ShellModel shell = arm.shell({LineSupport::clamped("foot")}, {}, 0.3);
+  const ShellPlace knob = nearest_place(arm.layout, arm.shape, {0.7, 0.2, Arm::H + 0.1});
+  CHECK(knob.distance == Approx(0.1));
+  const auto pressure = [](const Vec3&, const Vec3& n) -> Vec3 { return 1e-4 * n; };
+  const Points F = area_force(arm.layout, arm.shape, pressure, {1}) +
+                   line_force(arm.layout, "tip", {1e-5, 2e-5, -3e-5}) +
+                   line_moment(arm.layout, arm.shape, "tip", 1e-5) +
+                   point_force(arm.layout, knob, {0, 1e-5, 1e-5});
+  const Points q = shell.solve(F);
+  const Resultant load = resultant(arm.layout, arm.shape, F);
+  const std::vector<SupportReaction> reactions = shell.reactions(q, F);
+  REQUIRE(reactions.size() == 1);
+  CHECK(reactions[0].support == "clamped foot");
+  CHECK((reactions[0].resultant.force + load.force).norm() < 1e-9 * load.force.norm());
+  CHECK((reactions[0].resultant.moment + load.moment).norm() < 1e-9 * load.moment.norm());
+  CHECK(2 * shell.energy(q) == Approx(F.cwiseProduct(q).sum()).epsilon(1e-9));
+}
+
+TEST_CASE("loads have the resultants that their words say") {
+  const Arm arm;
+  const double W = Plates::W, L = Arm::L, H = Arm::H;
+  const auto check = [&](const Points& F, const Vec3& force, const Vec3& moment) {
+    const Resultant sum = resultant(arm.layout, arm.shape, F);
+    CHECK((sum.force - force).norm() < 1e-12);
+    CHECK((sum.moment - moment).norm() < 1e-12);
+  };
+  const Vec3 weight(0, 0, -Plates::q * L * W);
+  check(area_force(arm.layout, arm.shape, downwards, {1}), weight,
+        Vec3(L / 2, W / 2, H).cross(weight));
+  check(line_force(arm.layout, "tip", {0, 0, 3}), {0, 0, 3 * W},
+        Vec3(L, W / 2, H).cross(Vec3(0, 0, 3 * W)));
+  // About the line's direction, +y.
+  check(line_moment(arm.layout, arm.shape, "tip", 5), {0, 0, 0}, {0, 5 * W, 0});
+  CHECK_THROWS_WITH(line_force(arm.layout, "tipp", {0, 0, 1}), Contains("'tip'"));
+  CHECK_THROWS_AS(area_force(arm.layout, arm.shape, downwards, {2}), InputError);
+}
+
+TEST_CASE("what nothing holds is named by its motion") {
+  const Arm arm;
+  using Support = LineSupport;
+  const std::string not_held = "the shell is not held: ";
+  CHECK(arm.why_not({Support::clamped("foot")}).empty());
+  CHECK_THAT(arm.why_not({}), Contains("all of it can slide along [1, 0, 0]") &&
+                                  Contains("[0, 0, 1]") && Contains("turn about"));
+  CHECK_THAT(
+      arm.why_not({Support::pinned("foot")}),
+      StartsWith(not_held + "all of it can turn about the axis along [0, 1, 0] through [0,") &&
+          EndsWith(", 0]"));
+  CHECK_THAT(arm.why_not({Support::clamped("foot")}, {"knee"}),
+             StartsWith(not_held + "region 'region 2' can turn about the axis along [0, 1, 0]") &&
+                 EndsWith(", 0.6]"));
+  CHECK(arm.why_not({{"wall", "foot", {Vec3::UnitX(), Vec3::UnitZ()}, Vec3::Zero(), true}}) ==
+        not_held + "all of it can slide along [0, 1, 0]");
+  CHECK(arm.why_not({Support::pinned("foot"), Support::pinned("tip")}, {"knee"}).empty());
+}
+
+TEST_CASE("recovered stresses of a bent plate are those of a beam, with the tension on top") {
+  const Arm arm;
+  const ShellModel shell = arm.shell({LineSupport::clamped("foot")});
+  constexpr double m = 1e-4;
+  const Points q = shell.solve(line_moment(arm.layout, arm.shape, "tip", m));
+  const ShellStresses stresses(shell, q);
+  const double sigma = 6 * m / (Plates::t * Plates::t);
+  const ShellPlace at = nearest_place(arm.layout, arm.shape, {0.3, 0.2, Arm::H});
+  const ShellStress stress = stresses.at(at.where);
+  // The moment presses the tip down: the upper side is stretched, whichever way the normal points.
+  const double up = shell.assembler().point(at.where).normal().z();
+  CHECK(stress.at(up)(0, 0) == Approx(sigma).epsilon(1e-6));
+  CHECK(stress.at(-up)(0, 0) == Approx(-sigma).epsilon(1e-6));
+  CHECK(von_mises(stress.at(1)) == Approx(sigma).epsilon(1e-6));
+  CHECK(std::abs(stress.at(0)(0, 0)) < 1e-6 * sigma);
+  CHECK(stresses.error() < 1e-6);
+  CHECK(stresses.peak().value == Approx(sigma).epsilon(1e-5));
+  const auto [s1, s2] = principal(stress.at(up));
+  CHECK(s1 == Approx(sigma).epsilon(1e-6));
+  CHECK(std::abs(s2) < 1e-6 * sigma);
+}
+
+TEST_CASE("the error estimate follows the true error as the mesh gets finer") {
+  // A strip under its own weight, clamped at one end: its moment is q (L - x)^2 / 2.
+  const double L = 1, q = Plates::q;
+  const double exact = q * q * std::pow(L, 5) / (40 * Plates::EI) * Plates::W;
+  double before = 0;
+  for (const double h : {0.25, 0.125}) {
+    Plates plates;
+    plates.h = plates.patchwork.options.edge_length = h;
+    plates.across("foot", {0, 0, 0}, {0, 0, 0});
+    plates.across("tip", {L, 0, 0}, {L, 0, 0});
+    plates.plate("foot", "tip");
+    const ModelLayout layout = plates.patchwork.model({});
+    const Points shape = layout.all_dofs(plates.patchwork.first);
+    const ShellModel shell(layout, shape,
+                           {{{ShellMaterial::isotropic(Plates::E, 0), Plates::t}},
+                            {LineSupport::clamped("foot")},
+                            {},
+                            {}});
+    const Points u = shell.solve(area_force(layout, shape, downwards));
+    const double error = std::sqrt(std::abs(exact - shell.energy(u)) / exact);
+    const ShellStresses stresses(shell, u);
+    INFO(h << ": true " << error << ", estimate " << stresses.error());
+    CHECK(stresses.error() < 2 * error);
+    CHECK(stresses.error() > 0.5 * error);
+    if (before > 0) CHECK(stresses.error() < 0.6 * before);
+    before = stresses.error();
+  }
+}
+
+TEST_CASE("a point support holds its direction, by the displacement that it is given") {
+  const Arm arm;
+  const ShellPlace jack = nearest_place(arm.layout, arm.shape, {Arm::L, 0.25, Arm::H});
+  const ShellDefinition definition{{{ShellMaterial::isotropic(Plates::E, 0.3), Plates::t}},
+                                   {LineSupport::clamped("foot")},
+                                   {{"jack", jack, {Vec3::UnitZ()}, {0, 0, 0.01}}},
+                                   {}};
+  const ShellModel shell(arm.layout, arm.shape, definition);
+  const Points none = Points::Zero(arm.shape.rows(), 3), q = shell.solve(none);
+  CHECK(arm.layout.surface(arm.shape + q).position(jack.where).z() == Approx(Arm::H + 0.01));
+  const auto reactions = shell.reactions(q, none);
+  REQUIRE(reactions.size() == 2);
+  const Vec3 pushed = reactions[1].resultant.force;
+  CHECK(pushed.z() > 0);
+  CHECK((reactions[0].resultant.force + pushed).norm() < 1e-9 * pushed.norm());
+}
