@@ -1,6 +1,7 @@
 #include "batten/analysis/models/shell_model.h"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <map>
 
 #include "batten/analysis/models/free_motions.h"
@@ -53,10 +54,14 @@ std::vector<ShellSection> for_triangles(const ModelLayout& layout,
   return all;
 }
 
+// Each name once: the parts of a line that is cut at corners are one support.
 std::vector<std::string> names_of(const ShellDefinition& definition) {
   std::vector<std::string> names;
-  for (const LineSupport& support : definition.lines) names.push_back(support.name);
-  for (const PointSupport& support : definition.points) names.push_back(support.name);
+  const auto add = [&](const std::string& name) {
+    if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+  };
+  for (const LineSupport& support : definition.lines) add(support.name);
+  for (const PointSupport& support : definition.points) add(support.name);
   return names;
 }
 

@@ -50,7 +50,7 @@ class ShellModel {
 
   /// The displacement, n×3. Throws InputError for a load of another size.
   Points solve(const Points& F) const;
-  /// What every support does to the shell, in the order of the definition. Their sum balances the
+  /// What every support does to the shell, each name once. Their sum balances the
   /// load to rounding: λ of its rows, from K q - F = Cᵀ λ.
   std::vector<SupportReaction> reactions(const Points& q, const Points& F) const;
   /// ½ qᵀ K q

@@ -56,6 +56,7 @@ Examples:
   batten skin --network sketch.json --unit m --out result    a network of lines to all its surfaces
   batten run hood.toml --out result             everything a scene asks for
   batten run hood.toml --out result --set crown=4
+  batten stress hood.toml --out result          and its stresses, without remeshing
   batten sculpt bowl.toml --out result --sweep swell=0:250:9
   batten fair sketch.csv --out fair.step        drawn lines, as smooth as they were meant
   batten deform edit.toml --out result          a mesh moved, its holes and beads exactly kept
@@ -160,6 +161,12 @@ int run(const Arguments& a) {
   return finish(run_scene(scene, a.out, terminal_progress(a.quiet)), a);
 }
 
+int stress(const Arguments& a) {
+  Scene scene = read_scene(a.file);
+  apply_settings(scene, a.settings);
+  return finish(run_stress(scene, a.out, terminal_progress(a.quiet)), a);
+}
+
 int sculpt(const Arguments& a) {
   const Report report = run_sculpt(read_scene(a.file), a.sculpt, a.out, terminal_progress(a.quiet));
   return finish(report, sculpt_summary(report, a.out), a);
@@ -250,9 +257,9 @@ void add_unit(CLI::App* sub, Arguments& a) {
       ->capture_default_str();
 }
 
-/// Adds "batten run" and its options.
-CLI::App* add_run(CLI::App& app, Arguments& a) {
-  auto* sub = app.add_subcommand("run", "Do everything a scene asks for");
+/// Adds "batten run" or "batten stress" and its options.
+CLI::App* add_run(CLI::App& app, const char* name, const char* what, Arguments& a) {
+  auto* sub = app.add_subcommand(name, what);
   sub->add_option("scene", a.file, "Scene (.toml)")->required();
   sub->add_option("--out", a.out, "Folder for all files, report.json too")->required();
   repeated(sub->add_option("--set", a.settings, "Set a parameter of the scene: name=value"));
@@ -414,7 +421,9 @@ int command(int argc, char** argv) {
   app.footer(kExamples);
   app.set_version_flag("--version", kVersion);
   app.require_subcommand(1);
-  const CLI::App* run_command = add_run(app, a);
+  const CLI::App* run_command = add_run(app, "run", "Do everything a scene asks for", a);
+  const CLI::App* stress_command =
+      add_run(app, "stress", "The same, and the stresses of the shape as the shell of [stress]", a);
   const CLI::App* sculpt_command = add_sculpt(app, a);
   const CLI::App* deform_command = add_deform(app, a);
   const CLI::App* fair_command = add_fair(app, a);
@@ -432,6 +441,7 @@ int command(int argc, char** argv) {
   set_thread_count(a.threads);
   limit_memory(1e9 * a.memory);
   if (*run_command) return run(a);
+  if (*stress_command) return stress(a);
   if (*sculpt_command) return sculpt(a);
   if (*deform_command) return deform(a);
   if (*fair_command) return fair(a);

@@ -41,13 +41,18 @@ vtkSmartPointer<vtkLookupTable> diverging_colours(double limit) {
   return table;
 }
 
-vtkSmartPointer<vtkLookupTable> sequential_colours(double limit) {
+namespace {
+
+struct Stop {
+  double at;
+  Vec3 rgb;
+};
+
+// A table from 0 to the limit through these colours, blended as the eye sees them.
+vtkSmartPointer<vtkLookupTable> table_of(const std::vector<Stop>& stops, double limit) {
   vtkNew<vtkColorTransferFunction> colours;
   colours->SetColorSpaceToLab();
-  colours->AddRGBPoint(0, 0.90, 0.92, 0.94);
-  colours->AddRGBPoint(0.35, 0.55, 0.76, 0.86);
-  colours->AddRGBPoint(0.7, 0.16, 0.44, 0.70);
-  colours->AddRGBPoint(1, 0.06, 0.14, 0.42);
+  for (const Stop& s : stops) colours->AddRGBPoint(s.at, s.rgb.x(), s.rgb.y(), s.rgb.z());
   auto table = vtkSmartPointer<vtkLookupTable>::New();
   constexpr int entries = 256;
   table->SetNumberOfTableValues(entries);
@@ -58,6 +63,25 @@ vtkSmartPointer<vtkLookupTable> sequential_colours(double limit) {
   }
   table->SetRange(0, limit);
   return table;
+}
+
+}  // namespace
+
+vtkSmartPointer<vtkLookupTable> sequential_colours(double limit) {
+  return table_of({{0, {0.90, 0.92, 0.94}},
+                   {0.35, {0.55, 0.76, 0.86}},
+                   {0.7, {0.16, 0.44, 0.70}},
+                   {1, {0.06, 0.14, 0.42}}},
+                  limit);
+}
+
+vtkSmartPointer<vtkLookupTable> heat_colours(double limit) {
+  return table_of({{0, {0.19, 0.29, 0.66}},
+                   {0.25, {0.33, 0.66, 0.80}},
+                   {0.5, {0.66, 0.85, 0.55}},
+                   {0.75, {0.98, 0.80, 0.38}},
+                   {1, {0.76, 0.12, 0.13}}},
+                  limit);
 }
 
 vtkSmartPointer<vtkLookupTable> striped_colours(double low, double high, double from,

@@ -12,6 +12,8 @@ namespace batten::canvas {
 vtkSmartPointer<vtkLookupTable> diverging_colours(double limit);
 /// A table from 0 to the limit: from light to dark blue.
 vtkSmartPointer<vtkLookupTable> sequential_colours(double limit);
+/// A table from 0 to the limit: from blue over green and yellow to red, lighter in the middle.
+vtkSmartPointer<vtkLookupTable> heat_colours(double limit);
 /// A table from `low` to `high` of light and dark stripes in turn. They change at from + k · width.
 vtkSmartPointer<vtkLookupTable> striped_colours(double low, double high, double from, double width);
 /// The limit of a field's colours: the largest magnitude between the 2nd and the 98th percentile of

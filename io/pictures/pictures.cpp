@@ -44,14 +44,21 @@ int facets_per_edge(const PictureScene& scene) {
   return std::clamp(static_cast<int>(std::sqrt(facets / triangles)), fewest, 24);
 }
 
+const char* const kValue = "Value";
+
 bool has_scale(const PictureScene& scene) {
-  return scene.field == PictureScene::Field::Mean || scene.field == PictureScene::Field::Gauss;
+  using Field = PictureScene::Field;
+  return scene.field == Field::Mean || scene.field == Field::Gauss || scene.field == Field::Value;
 }
 
 vtkSmartPointer<vtkPolyData> facets_of(const PictureScene& scene) {
   VtkOptions options;
   options.facets_per_edge = facets_per_edge(scene);
-  options.curvatures = has_scale(scene);
+  options.curvatures = has_scale(scene) && scene.field != PictureScene::Field::Value;
+  if (scene.field == PictureScene::Field::Value)
+    options.fields = {{kValue, 1, [&](int region, const Location& where) {
+                         return VecX::Constant(1, scene.value.at(region, where));
+                       }}};
   return to_poly_data(scene.regions, options);
 }
 
@@ -124,7 +131,9 @@ vtkSmartPointer<vtkUnsignedCharArray> region_colours(vtkPolyData& data) {
 }
 
 const char* field_array(const PictureScene& scene) {
-  return scene.field == PictureScene::Field::Mean ? "Mean_curvature" : "Gauss_curvature";
+  return scene.field == PictureScene::Field::Value  ? kValue
+         : scene.field == PictureScene::Field::Mean ? "Mean_curvature"
+                                                    : "Gauss_curvature";
 }
 
 void add_surface(vtkRenderer& renderer, const PictureScene& scene, vtkPolyData& data,
@@ -152,14 +161,19 @@ void add_surface(vtkRenderer& renderer, const PictureScene& scene, vtkPolyData& 
     drawn->GetMapper()->SetColorModeToDirectScalars();
   } else if (scene.field != PictureScene::Field::None) {
     const bool mean = scene.field == PictureScene::Field::Mean;
+    const bool value = scene.field == PictureScene::Field::Value;
     facets->GetPointData()->SetActiveScalars(field_array(scene));
-    const double limit = scene.field_limit > 0 ? scene.field_limit
-                                               : field_limit(*facets->GetPointData()->GetScalars());
-    const auto table = diverging_colours(limit);
+    const double stated = value ? scene.value.limit : scene.field_limit;
+    const double limit = stated > 0 ? stated : field_limit(*facets->GetPointData()->GetScalars());
+    const auto table = value ? heat_colours(limit) : diverging_colours(limit);
     colour_by(table);
     look.SetAmbient(0.3);
     look.SetDiffuse(0.7);
-    add_scalar_bar(renderer, table, mean ? "Mean curvature" : "Gauss curvature", viewport);
+    add_scalar_bar(renderer, table,
+                   value  ? scene.value.title
+                   : mean ? "Mean curvature"
+                          : "Gauss curvature",
+                   viewport);
   }
   renderer.AddActor(drawn);
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <utility>
@@ -16,16 +17,24 @@ namespace batten {
 /// is moved so that everything fits.
 struct PictureScene {
   enum class Field {
-    None,    ///< one colour
-    Mean,    ///< mean curvature, blue below 0, red above
-    Gauss,   ///< Gauss curvature, in the same colours
-    Regions  ///< each region in a colour of its own
+    None,     ///< one colour
+    Mean,     ///< mean curvature, blue below 0, red above
+    Gauss,    ///< Gauss curvature, in the same colours
+    Regions,  ///< each region in a colour of its own
+    Value     ///< `value`, light at 0 and dark at the limit
+  };
+  /// A quantity of the surface that is not below 0, and what its scale says.
+  struct Value {
+    std::string title;
+    std::function<double(int region, const Location& where)> at;
+    double limit = 0;  ///< of the colours; 0: from the values, 2 % of which may lie above
   };
 
   std::vector<const SkinnedRegion*> regions;
   std::string title;          ///< UTF-8; made smaller, then shortened, when it is too wide
   Field field = Field::None;  ///< its scale is symmetric about 0; 2 % at each end may lie outside
-  int contours = 0;           ///< number of lines of equal height, evenly spaced
+  Value value;
+  int contours = 0;                        ///< number of lines of equal height, evenly spaced
   Vec3 contour_direction = Vec3::UnitZ();  ///< direction in which heights are measured
   int parameter_lines = 0;          ///< number of lines of equal u, and of equal v, evenly spaced
   bool lines = true;                ///< whether character lines are drawn, as tubes

@@ -255,6 +255,42 @@ Json json_of(const ScanDistances& s) {
           {"rms", s.rms}};
 }
 
+Json json_of(const StressReport::Case& c) {
+  Json json = {{"name", c.name},
+               {"combination", c.combination},
+               {"force", json_of(c.force)},
+               {"max_displacement", c.displacement},
+               {"displacement", json_of(c.displaced)},
+               {"displacement_at", json_of(c.displaced_at)},
+               {"displacement_region", c.displaced_region},
+               {"max_von_mises", c.stress},
+               {"stress_at", json_of(c.stressed_at)},
+               {"stress_region", c.stressed_region},
+               {"stress_side", c.side},
+               {"stress_spread", c.spread},
+               {"stress_at_a_point", c.at_point},
+               {"strain_energy", c.energy},
+               {"error_estimate", c.error},
+               {"balance", c.balance}};
+  if (c.safety > 0) json["safety"] = c.safety;
+  json["reactions"] = Json::array();
+  for (const auto& r : c.reactions)
+    json["reactions"].push_back(
+        {{"support", r.support}, {"force", json_of(r.force)}, {"moment", json_of(r.moment)}});
+  return json;
+}
+
+Json json_of(const StressReport& s) {
+  Json json = {{"unknowns", s.unknowns},
+               {"thickness_over_radius", s.thickness_over_radius},
+               {"edge_over_bend", s.edge_over_bend}};
+  if (!s.material.empty()) json["material"] = s.material;
+  if (s.yield > 0) json["yield"] = s.yield;
+  json["cases"] = Json::array();
+  for (const auto& c : s.cases) json["cases"].push_back(json_of(c));
+  return json;
+}
+
 Json contents(const Report& r) {
   Json json = beginning_of(r);
   json["lines"] = json_of(r.lines);
@@ -267,6 +303,7 @@ Json contents(const Report& r) {
   if (r.comparison) json["comparison"] = json_of(*r.comparison);
   for (const auto& scan : r.scans) json["scans"].push_back(json_of(scan));
   if (r.sculpting) json["sculpting"] = json_of(*r.sculpting);
+  if (r.stress) json["stress"] = json_of(*r.stress);
   json["parameters"] = json_of(r.parameters);
   json["reactions"] = Json::array();
   for (const auto& reaction : r.reactions)

@@ -7,6 +7,7 @@
 
 #include "batten/io/report/network_report.h"
 #include "batten/io/report/report_parts.h"
+#include "batten/io/report/stress_report.h"
 #include "batten/sculpting/session/results.h"
 #include "batten/skinning/region/quality.h"
 
@@ -125,6 +126,7 @@ struct Report : RunReport {
     std::optional<Motion> motion;
   };
   std::optional<Sculpting> sculpting;  ///< set by `batten sculpt`
+  std::optional<StressReport> stress;  ///< set by `batten stress`
   bool is_sculpted = false;            ///< Scene::is_sculpted(); not in the file
   std::vector<ScanDistances> scans;
 };

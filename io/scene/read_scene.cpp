@@ -234,29 +234,6 @@ void refuse_what_fair_decides(const TomlTable& root, const SceneSkin& skin) {
              "\"smooth\" or \"crease\", or fair = \"variation\" in [skin]");
 }
 
-SceneStress read_stress(const TomlTable& table) {
-  SceneStress stress;
-  stress.thickness = table.positive("thickness");
-  stress.young = table.positive("young");
-  stress.poisson = table.number("poisson", 0.3);
-  if (stress.poisson <= -1 || stress.poisson >= 0.5)
-    table.fail("poisson", number(stress.poisson), "a number above -1 and below 0.5");
-  stress.density = table.positive("density", 0);
-  stress.pressure = table.number("pressure", 0);
-  if (table.has("gravity")) {
-    stress.gravity = table.vector("gravity");
-    if (stress.density == 0) table.fail("gravity", "gravity without 'density'", "both");
-  }
-  for (const TomlTable& t : table.tables("pressures", {"region", "pressure"}))
-    stress.pressures.push_back({{t.text("region"), t.place("region")}, t.number("pressure")});
-  for (const TomlTable& t : table.tables("supports", {"line", "kind"}))
-    stress.supports.push_back({{t.text("line"), t.place("line")},
-                               t.choice("kind", true, {{"clamped", true}, {"pinned", false}})});
-  if (stress.supports.empty())
-    table.fail("supports", "no supports", "one or more: supports = [{line = \"…\"}]");
-  return stress;
-}
-
 const std::vector<std::string> kPictureKeys = {"file",
                                                "title",
                                                "show",
@@ -347,9 +324,8 @@ Scene read(const toml::table& root_table, const std::filesystem::path& file) {
   read_sculpting(root, folder, scene);
   refuse_what_fair_decides(root, scene.skin);
 
-  for (const TomlTable& t : root.table("stress", {"thickness", "young", "poisson", "density",
-                                                  "pressure", "pressures", "gravity", "supports"}))
-    scene.stress = read_stress(t);
+  for (const TomlTable& t : root.table("stress", stress_keys()))
+    scene.stress = read_stress(t, scene.unit);
 
   Names files("file name");
   for (const TomlTable& t : root.table("compare", {"file"}))

@@ -13,6 +13,7 @@
 #include "batten/io/pictures/image.h"
 #include "batten/io/pictures/pictures.h"
 #include "batten/io/scene/fair_stages.h"
+#include "batten/io/scene/scene_stress.h"
 #include "batten/sculpting/loads/loads.h"
 #include "batten/sculpting/loads/parameters.h"
 #include "batten/skinning/surfaces/surface_model.h"
@@ -135,22 +136,6 @@ struct SceneRule {
 /// [motion]: density, damping and time scheme of a motion.
 struct SceneMotion {
   double density = 1, damping = 1, theta = 1;
-};
-
-/// [stress]: shell, material and supports of the CalculiX deck.
-struct SceneStress {
-  struct Support {
-    PlacedWord line;
-    bool clamped = true;  ///< false: pinned, so that rotations are free
-  };
-  struct Pressure {
-    PlacedWord region;
-    double pressure = 0;
-  };
-  double thickness = 0, young = 0, poisson = 0, density = 0, pressure = 0;
-  std::vector<Pressure> pressures;  ///< on single regions of a network, beside `pressure` on all
-  Vec3 gravity = Vec3::Zero();
-  std::vector<Support> supports;
 };
 
 /// [[picture]], and the picture of a [[sweep]].

@@ -65,14 +65,21 @@ struct RegionPoints {
     Vec3 displacement = Vec3::Zero();
   };
   std::vector<Point> points;
-  std::vector<Curvatures> bends;  // none, or of each point
-  bool moved = false;             // against a reference
+  std::vector<Curvatures> bends;          // none, or of each point
+  bool moved = false;                     // against a reference
+  std::vector<std::vector<VecX>> fields;  // of each field, of each point
 
   RegionPoints() = default;
-  RegionPoints(const Surface& surface, const Tessellation& tessellation, const Surface* reference,
-               bool curvatures)
-      : moved(reference) {
-    if (curvatures) bends = recovered_curvatures(surface, tessellation);
+  RegionPoints(int region, const Surface& surface, const Tessellation& tessellation,
+               const VtkOptions& options)
+      : moved(!options.references.empty()) {
+    const Surface* reference = moved ? options.references[region] : nullptr;
+    if (options.curvatures) bends = recovered_curvatures(surface, tessellation);
+    for (const VtkField& field : options.fields) {
+      fields.emplace_back();
+      for (const Location& where : tessellation.points)
+        fields.back().push_back(field.at(region, where));
+    }
     for (const Location& where : tessellation.points) {
       const SurfaceJet jet = surface.jet(where);
       Point p{jet.x, jet.normal(), surface.mesh().shape(where.triangle).point(where.L)};
@@ -93,7 +100,13 @@ struct PointTable {
   vtkSmartPointer<vtkDoubleArray> uv = array<vtkDoubleArray>("uv", 3);
   vtkSmartPointer<vtkDoubleArray> displacement = array<vtkDoubleArray>("Displacement", 3);
 
-  PointTable() { points->SetDataTypeToDouble(); }
+  std::vector<vtkSmartPointer<vtkDoubleArray>> fields;
+
+  explicit PointTable(const VtkOptions& options) {
+    points->SetDataTypeToDouble();
+    for (const VtkField& field : options.fields)
+      fields.push_back(array<vtkDoubleArray>(field.name.c_str(), field.components));
+  }
 
   /// Index of the first point added.
   vtkIdType add(const RegionPoints& more) {
@@ -110,6 +123,8 @@ struct PointTable {
       uv->InsertNextTuple3(p.uv.x(), p.uv.y(), 0);
       if (more.moved) displacement->InsertNextTuple(p.displacement.data());
     }
+    for (size_t f = 0; f < fields.size(); ++f)
+      for (const VecX& value : more.fields[f]) fields[f]->InsertNextTuple(value.data());
     return first;
   }
 
@@ -120,6 +135,7 @@ struct PointTable {
     if (options.curvatures)
       for (const auto& scalars : {mean, gauss, k1, k2}) data.AddArray(scalars);
     data.AddArray(uv);
+    for (const auto& field : fields) data.AddArray(field);
     if (!options.references.empty()) data.SetVectors(displacement);
   }
 };
@@ -212,10 +228,6 @@ int facets_per_edge(const std::vector<const SkinnedRegion*>& regions) {
   return std::clamp(static_cast<int>(std::sqrt(most_facets / triangles)), 1, 4);
 }
 
-const Surface* reference(const VtkOptions& options, int region) {
-  return options.references.empty() ? nullptr : options.references[region];
-}
-
 }  // namespace
 
 void write_xml(vtkXMLWriter& writer, vtkDataObject* data, const fs::path& path) {
@@ -249,7 +261,7 @@ std::vector<VtkLine> vtk_lines(const CharacterLineNetwork& network, const Surfac
 vtkSmartPointer<vtkPolyData> to_poly_data(const std::vector<const SkinnedRegion*>& regions,
                                           const VtkOptions& options) {
   check(regions, options);
-  PointTable table;
+  PointTable table(options);
   CellTable line_cells(options), facet_cells(options);
   vtkNew<vtkCellArray> lines, facets;
   const double length = common_length(regions);
@@ -260,8 +272,7 @@ vtkSmartPointer<vtkPolyData> to_poly_data(const std::vector<const SkinnedRegion*
   std::vector<RegionPoints> points(regions.size());
   parallel_parts(count_of(regions), [&](int r) {
     of_regions[r] = batten::facets(*regions[r], per_edge, length);
-    points[r] = {regions[r]->surface, of_regions[r].tessellation, reference(options, r),
-                 options.curvatures};
+    points[r] = {r, regions[r]->surface, of_regions[r].tessellation, options};
   });
   for (size_t r = 0; r < regions.size(); ++r) {
     const SkinnedRegion& region = *regions[r];
@@ -301,7 +312,7 @@ void write_vtp(const fs::path& path, const std::vector<const SkinnedRegion*>& re
 void write_vtu(const fs::path& path, const std::vector<const SkinnedRegion*>& regions,
                const VtkOptions& options) {
   check(regions, options);
-  PointTable table;
+  PointTable table(options);
   CellTable cells(options);
   vtkNew<vtkUnstructuredGrid> grid;
   std::vector<vtkIdType> first;
@@ -310,10 +321,7 @@ void write_vtu(const fs::path& path, const std::vector<const SkinnedRegion*>& re
   std::vector<RegionPoints> points(regions.size());
   parallel_parts(count_of(regions), [&](int r) {
     elements[r] = quadratic_facets(*regions[r], length);
-    points[r] = {regions[r]->surface,
-                 {elements[r].nodes, {}, {}},
-                 reference(options, r),
-                 options.curvatures};
+    points[r] = {r, regions[r]->surface, {elements[r].nodes, {}, {}}, options};
   });
   for (const RegionPoints& more : points) first.push_back(table.add(more));
   const auto insert = [&](int type, size_t r, const auto& nodes) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -26,6 +27,14 @@ struct VtkLine {
 /// The lines of a network that its regions have: those of loops, then inner ones.
 std::vector<VtkLine> vtk_lines(const CharacterLineNetwork& network, const SurfaceModel& model);
 
+/// Further data of points: a name, so many numbers, and their values at places of a region's mesh.
+/// It is asked on several threads.
+struct VtkField {
+  std::string name;
+  int components = 1;
+  std::function<VecX(int region, const Location& where)> at;
+};
+
 struct VtkOptions {
   /// Surfaces from which displacements are measured: none, or one for each region, on the same
   /// mesh.
@@ -34,6 +43,7 @@ struct VtkOptions {
   /// quadratic_facets; VTP only. 0: 4, or fewer so that there are at most 400,000 facets.
   int facets_per_edge = 0;
   bool curvatures = true;  ///< whether the arrays of curvatures are written
+  std::vector<VtkField> fields = {};
   /// The lines of a model, each written once, from the first region that has a line of its name.
   /// None: the lines of each region are written.
   std::vector<VtkLine> lines = {};
@@ -45,7 +55,7 @@ struct VtkOptions {
 ///
 ///   point data  Normals (unit, exact, x_u × x_v; zero where the surface is singular),
 ///               Mean_curvature, Gauss_curvature, K1 ≥ K2 (recovered_curvatures), uv (u, v, 0),
-///               Displacement (with references)
+///               Displacement (with references), and options.fields
 ///   cell data   Region (index), Triangle (element of the region, -1 on lines), Line (index, -1 on
 ///               facets); with options.lines also Join (VtkLine::join) and Join_angle (degrees),
 ///               both -1 on facets

@@ -9,6 +9,7 @@
 #include "batten/apps/commands/lines/scene_lines.h"
 #include "batten/apps/commands/runs/run_parts.h"
 #include "batten/apps/commands/shapes/shape_files.h"
+#include "batten/apps/commands/shapes/stress_shape.h"
 #include "batten/core/errors.h"
 #include "batten/core/index.h"
 #include "batten/core/words.h"
@@ -253,6 +254,7 @@ std::string network_summary(const Report& report, const std::filesystem::path& f
                                          " without a surface: " + some(n.bare));
   if (skinned) text += fairing_result(s, unit) + quality_result(s, unit);
   if (report.step) text += step_result(*report.step, unit);
+  if (report.stress) text += stress_results(*report.stress, report.unit);
   text += choice_results(n);
   return text + result_ending(report, folder);
 }
@@ -280,14 +282,17 @@ Scene scene_of_network(const std::vector<std::filesystem::path>& files, const st
   return scene;
 }
 
-Report run_scene(const Scene& scene, const std::filesystem::path& folder,
-                 const Progress& progress) {
+namespace {
+
+Report run_all(const Scene& scene, const std::filesystem::path& folder, bool with_stress,
+               const Progress& progress) {
   ShapeRun run(scene, folder);
   run.report.parameters = scene.parameters();
   MadeModel made = model_of(run, scene, progress);
   const MadeShape shape = make_refined_shape(made, scene, progress);
   run.watch.lap("sculpt");
   measure_into(run, made, shape, scene, progress);
+  if (with_stress) analyse(run, scene, shape, progress);
   write_files(run, scene, made, shape, progress);
   draw_pictures(run, scene, made, shape, progress);
   for (const auto& sweep : scene.sweeps) {
@@ -300,6 +305,20 @@ Report run_scene(const Scene& scene, const std::filesystem::path& folder,
   run.finish(progress);
   run.out.commit();
   return std::move(run.report);
+}
+
+}  // namespace
+
+Report run_scene(const Scene& scene, const std::filesystem::path& folder,
+                 const Progress& progress) {
+  return run_all(scene, folder, false, progress);
+}
+
+Report run_stress(const Scene& scene, const std::filesystem::path& folder,
+                  const Progress& progress) {
+  if (!scene.stress)
+    throw InputError(scene.at({}) + "found no [stress], expected thickness, material and supports");
+  return run_all(scene, folder, true, progress);
 }
 
 void view_scene(const Scene& scene, const PictureScene& look, const std::filesystem::path& file,
@@ -382,6 +401,7 @@ std::string summary(const Report& report, const std::filesystem::path& folder) {
                                     std::to_string(scan.points) + " points of '" + scan.name +
                                     "', rms " + number(scan.before_rms) + " -> " +
                                     number(scan.rms) + unit);
+  if (report.stress) text += stress_results(*report.stress, report.unit);
   if (report.comparison)
     text += result_line("compared", "max " + number(report.comparison->max) + unit + ", rms " +
                                         number(report.comparison->rms) + unit + " from " +

@@ -22,6 +22,11 @@ Scene scene_of_network(const std::vector<std::filesystem::path>& files, const st
 Report run_scene(const Scene& scene, const std::filesystem::path& folder,
                  const Progress& progress = {});
 
+/// The same, and analyses the shape as the shell of [stress]: analyse(). Throws as run_scene(), and
+/// InputError for a scene without [stress].
+Report run_stress(const Scene& scene, const std::filesystem::path& folder,
+                  const Progress& progress = {});
+
 /// Draws one picture of the scene's shape, and writes no other file. Throws what run_scene()
 /// throws, and InputError when there is no display.
 void view_scene(const Scene& scene, const PictureScene& look, const std::filesystem::path& file,

@@ -8,6 +8,7 @@
 
 #include "batten/apps/commands/lines/scene_lines.h"
 #include "batten/apps/commands/runs/promises.h"
+#include "batten/apps/commands/shapes/stress_words.h"
 #include "batten/core/box.h"
 #include "batten/core/errors.h"
 #include "batten/core/index.h"
@@ -231,35 +232,49 @@ void write_step_into(Report& report, const Scene& scene, const MadeModel& made,
   for (const auto& w : step.warnings) report.warnings.push_back(scene.step + ": " + w);
 }
 
+// What a deck of one step with one section cannot say is refused.
 ShellDeck deck_of(const Scene& scene, const MadeModel& made) {
+  using Support = SceneStress::Support;
+  using Load = SceneStress::Load;
   const SceneStress& stress = *scene.stress;
+  const auto refuse = [&](const FilePlace& place, const std::string& what) {
+    throw InputError(scene.at(place) + "found " + what + ", which '" + scene.calculix +
+                     "' cannot hold; `batten stress` can");
+  };
   ShellDeck deck;
   deck.thickness = stress.thickness;
   deck.young = stress.young;
   deck.poisson = stress.poisson;
   deck.density = stress.density;
-  deck.pressure = stress.pressure;
-  deck.gravity = stress.gravity;
   deck.units = "lengths in " + scene.unit;
-  std::vector<std::string> names;
-  for (const ModelLine& line : made.model.layout->lines()) names.push_back(line.name);
-  for (const auto& support : stress.supports) {
-    const size_t before = deck.supports.size();
-    for (const auto& name : names)
-      if (is_part_of(name, support.line.text))
-        deck.supports.push_back({name, support.clamped ? ShellDeck::Support::Kind::Clamped
-                                                       : ShellDeck::Support::Kind::Pinned});
-    if (deck.supports.size() == before)
-      throw InputError(scene.at(support.line.place) + "found a support on the line '" +
-                       support.line.text + "', expected " + one_of(support.line.text, names));
+  if (!stress.thicknesses.empty())
+    refuse(stress.thicknesses[0].region.place, "a thickness of one region");
+  if (!stress.hinges.empty()) refuse(stress.hinges[0].place, "a hinge");
+  for (const Support& support : stress.supports) {
+    if (support.kind != Support::Kind::Clamped && support.kind != Support::Kind::Pinned)
+      refuse(support.place, "a support that is neither clamped nor pinned");
+    if (support.point) refuse(support.place, "a support at a point");
+    if (!support.displacement.isZero(0)) refuse(support.place, "a displacement");
+    const auto kind = support.kind == Support::Kind::Clamped ? ShellDeck::Support::Kind::Clamped
+                                                             : ShellDeck::Support::Kind::Pinned;
+    for (const auto& name : lines_named(*made.model.layout, scene, support.line))
+      deck.supports.push_back({name, kind});
   }
-  const std::vector<std::string> regions = made.region_names();
-  for (const auto& pressure : stress.pressures) {
-    if (std::find(regions.begin(), regions.end(), pressure.region.text) == regions.end())
-      throw InputError(scene.at(pressure.region.place) + "found a pressure on the region '" +
-                       pressure.region.text + "', expected " +
-                       one_of(pressure.region.text, regions));
-    deck.pressures.push_back({pressure.region.text, pressure.pressure});
+  for (const Load& load : stress.loads) {
+    if (load.load_case != stress.loads[0].load_case) refuse(load.place, "a second load case");
+    if (!load.region.text.empty()) region_named(*made.model.layout, scene, load.region);
+    if (load.type == Load::Type::Pressure && load.region.text.empty())
+      deck.pressure += load.value;
+    else if (load.type == Load::Type::Pressure)
+      deck.pressures.push_back({load.region.text, load.value});
+    else if (load.type == Load::Type::Gravity)
+      deck.gravity += load.vector;
+    else if (load.type == Load::Type::AreaForce && load.region.text.empty())
+      deck.area_force += load.vector;
+    else if (load.type == Load::Type::Point)
+      deck.point_forces.push_back({load.point, load.vector});
+    else
+      refuse(load.place, "a load of this kind");
   }
   return deck;
 }

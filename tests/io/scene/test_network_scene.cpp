@@ -139,7 +139,7 @@ calculix = "a.inp"
   CHECK(scene.loads[0].area.regions[0].text == "top");
   CHECK(scene.skin.hold == SceneSkin::Hold::Corners);
   CHECK(scene.step_form == Scene::StepForm::Exact);
-  CHECK(scene.stress->pressures[0].region.text == "top");
+  CHECK(scene.stress->loads[0].region.text == "top");
 }
 
 TEST_CASE("words about regions and joins are checked where they stand", "[scene][network]") {

@@ -134,8 +134,9 @@ file = "sweep.png"
   CHECK(s.loads[1].value * s.loads[1].direction == Vec3(0, 0, -2));
   REQUIRE(s.stress);
   CHECK(s.stress->poisson == 0.3);
-  CHECK(s.stress->supports[0].clamped);
-  CHECK_FALSE(s.stress->supports[1].clamped);
+  using Kind = SceneStress::Support::Kind;
+  CHECK(s.stress->supports[0].kind == Kind::Clamped);
+  CHECK(s.stress->supports[1].kind == Kind::Pinned);
   CHECK(s.step == "hood.step");
   CHECK(s.vtp.empty());
   CHECK(s.pictures[0].look.field == PictureScene::Field::Mean);

@@ -1,0 +1,330 @@
+#include "batten/apps/commands/shapes/stress_shape.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "batten/analysis/models/shell_stresses.h"
+#include "batten/apps/commands/shapes/stress_words.h"
+#include "batten/core/box.h"
+#include "batten/io/files/text.h"
+#include "batten/io/vtk/vtk_files.h"
+
+namespace batten {
+namespace {
+
+/// One case or combination, and what the shell does under it.
+struct CaseAnswer {
+  StressReport::Case report;
+  Points load, displacement;
+};
+
+// VTK's order of a symmetric tensor.
+VecX in_order(const Mat3& s) {
+  VecX six(6);
+  six << s(0, 0), s(1, 1), s(2, 2), s(0, 1), s(1, 2), s(0, 2);
+  return six;
+}
+
+std::string file_word(const std::string& name) {
+  std::string word;
+  for (const char c : name)
+    word += std::isalnum(static_cast<unsigned char>(c)) || c == '-' ? c : '_';
+  return word;
+}
+
+std::vector<CaseAnswer> answers_of(const Scene& scene, const ShellModel& shell,
+                                   const ShellDefinition& definition) {
+  const auto loads = loads_of(scene, shell.layout(), shell.shape(), definition);
+  std::vector<CaseAnswer> answers;
+  for (const std::string& name : scene.stress->cases()) {
+    answers.emplace_back();
+    answers.back().report.name = name;
+    answers.back().load = loads.at(name);
+  }
+  for (const SceneStress::Combination& sum : scene.stress->combinations) {
+    answers.emplace_back();
+    answers.back().report.name = sum.name;
+    answers.back().report.combination = true;
+    answers.back().load = Points::Zero(shell.shape().rows(), 3);
+    for (const auto& [load_case, factor] : sum.parts)
+      answers.back().load += factor * loads.at(load_case.text);
+  }
+  if (answers.empty()) {  // supports that move are enough
+    answers.emplace_back();
+    answers.back().report.name = "supports";
+    answers.back().load = Points::Zero(shell.shape().rows(), 3);
+  }
+  for (CaseAnswer& a : answers) a.displacement = shell.solve(a.load);
+  return answers;
+}
+
+void measure_balance(const ShellModel& shell, CaseAnswer& a) {
+  StressReport::Case& c = a.report;
+  const Resultant load = resultant(shell.layout(), shell.shape(), a.load);
+  c.force = load.force;
+  Vec3 sum = load.force;
+  double size = 0;
+  for (const SupportReaction& r : shell.reactions(a.displacement, a.load)) {
+    c.reactions.push_back({r.support, r.resultant.force, r.resultant.moment});
+    sum += r.resultant.force;
+    size += r.resultant.force.norm();
+  }
+  size = std::max(size, load.force.norm());
+  c.balance = size > 0 ? sum.norm() / size : 0;
+  c.energy = shell.energy(a.displacement);
+}
+
+// At vertices inside of the trim, and in cut triangles at points of the rule of their inside.
+template <class Visit>
+void visit_places(const Surface& surface, const Visit& visit) {
+  const Trim* trim = surface.trim().get();
+  for (int t = 0; t < surface.mesh().triangle_count(); ++t) {
+    if (trim && trim->side(t) == Trim::Side::Outside) continue;
+    if (!trim || trim->side(t) != Trim::Side::Cut) {
+      for (int i = 0; i < 3; ++i) visit(Location{t, Vec3::Unit(i)});
+      continue;
+    }
+    const TriangleRule rule = trim->rule(t, 1);
+    for (long p = 0; p < rule.weights.size(); ++p) visit(Location{t, rule.L.row(p).transpose()});
+  }
+}
+
+void measure_displacement(const ShellModel& shell, CaseAnswer& a) {
+  const Surface& surface = shell.assembler().surface();
+  const Surface moved = shell.layout().surface(a.displacement);
+  StressReport::Case& c = a.report;
+  visit_places(surface, [&](const Location& where) {
+    const Vec3 u = moved.position(where);
+    if (!(u.norm() > c.displacement)) return;
+    c.displacement = u.norm();
+    c.displaced = u;
+    c.displaced_at = surface.position(where);
+    c.displaced_region = shell.layout().region(shell.layout().region_of(where.triangle)).name();
+  });
+}
+
+// √(twice the mean area of triangles) of a surface: the length of its edges.
+double edge_length(const ParametricMesh& mesh, const Surface& surface, int t) {
+  const double area =
+      mesh.shape(t).area * surface.jet({t, Vec3::Constant(1.0 / 3)}).area_vector().norm();
+  return std::sqrt(2 * area);
+}
+
+void measure_stress(const Scene& scene, const ShellModel& shell, const ShellDefinition& definition,
+                    const ShellStresses& stresses, StressReport::Case& c) {
+  const auto peak = stresses.peak();
+  c.stress = peak.value;
+  c.side = peak.height > 0 ? "top" : "bottom";
+  c.stressed_at = peak.at;
+  c.stressed_region = shell.layout().region(shell.layout().region_of(peak.where.triangle)).name();
+  c.spread = peak.spread;
+  c.error = stresses.error();
+  if (scene.stress->yield > 0 && c.stress > 0) c.safety = scene.stress->yield / c.stress;
+  const Surface& surface = shell.assembler().surface();
+  constexpr double near = 3;  // edges
+  const double reach = near * edge_length(surface.mesh(), surface, peak.where.triangle);
+  const auto look = [&](const Vec3& p) { c.at_point |= (p - peak.at).norm() < reach; };
+  for (const SceneStress::Load& load : scene.stress->loads)
+    if (load.type == SceneStress::Load::Type::Point) look(load.point);
+  for (const PointSupport& support : definition.points) look(surface.position(support.place.where));
+}
+
+// How thin the shell is against its radii, and how fine its elements are.
+void measure_theory(const ShellModel& shell, StressReport& report) {
+  const Surface& surface = shell.assembler().surface();
+  const Trim* trim = surface.trim().get();
+  for (int t = 0; t < surface.mesh().triangle_count(); ++t) {
+    if (trim && trim->side(t) == Trim::Side::Outside) continue;
+    const Curvatures bend = curvatures(surface.jet({t, Vec3::Constant(1.0 / 3)}));
+    const double k = std::max(std::abs(bend.k1), std::abs(bend.k2));
+    const double thickness = shell.assembler().section(t).thickness;
+    report.thickness_over_radius = std::max(report.thickness_over_radius, thickness * k);
+    report.edge_over_bend = std::max(
+        report.edge_over_bend, edge_length(surface.mesh(), surface, t) * std::sqrt(k / thickness));
+  }
+}
+
+void warn(const StressReport& s, std::vector<std::string>& warnings) {
+  constexpr double thin = 0.1, coarse = 1.5;
+  if (s.thickness_over_radius > thin)
+    warnings.push_back("the shell is up to " + number(s.thickness_over_radius) +
+                       " of its radius thick: thin shell theory is meant for 0.1 and less");
+  if (s.edge_over_bend > coarse)
+    warnings.push_back(
+        "elements are up to " + number(s.edge_over_bend) +
+        " times √(radius × thickness) long, above 1.5 they may be too stiff: a smaller edge_length "
+        "shows how much");
+  for (const auto& c : s.cases)
+    if (c.at_point)
+      warnings.push_back("case '" + c.name +
+                         "': the largest stress is beside a point load or a "
+                         "point support, where it has no limit as elements get smaller");
+}
+
+/// Draws and writes one case.
+class CaseFiles {
+ public:
+  CaseFiles(const ShellModel& shell, const CaseAnswer& answer, const ShellStresses& stresses)
+      : shell_(shell),
+        answer_(answer),
+        stresses_(stresses),
+        moved_(shell.layout().surface(answer.displacement)) {}
+
+  void write(const std::filesystem::path& file) const {
+    std::vector<SkinnedRegion> regions = of_shape(shell_.shape());
+    VtkOptions options;
+    options.curvatures = false;
+    options.fields = {{"Displacement", 3, [&](int r, const Location& where) -> VecX {
+                         return moved_.position(in_model(r, where));
+                       }}};
+    for (const auto& [name, height] : kSides) {
+      options.fields.push_back({"Von_mises_" + std::string(name), 1,
+                                [this, height = height](int r, const Location& where) {
+                                  return VecX::Constant(1, equivalent(r, where, height));
+                                }});
+      options.fields.push_back(
+          {"Stress_" + std::string(name), 6, [this, height = height](int r, const Location& where) {
+             return in_order(at(r, where).at(height));
+           }});
+    }
+    options.fields.push_back(
+        {"Forces", 6, [this](int r, const Location& w) { return in_order(at(r, w).forces); }});
+    options.fields.push_back(
+        {"Moments", 6, [this](int r, const Location& w) { return in_order(at(r, w).moments); }});
+    write_vtu(file, pointers(regions), options);
+  }
+
+  void draw(const std::filesystem::path& file, const PictureScene& view, const std::string& title,
+            const std::string& stress_unit) const {
+    const double times = exaggeration();
+    const std::vector<SkinnedRegion> regions =
+        of_shape(shell_.shape() + times * answer_.displacement);
+    PictureScene picture;
+    picture.azimuth = view.azimuth;
+    picture.elevation = view.elevation;
+    picture.regions = pointers(regions);
+    picture.field = PictureScene::Field::Value;
+    picture.title = title + ", displacements × " + number(times);
+    picture.value = {"Von Mises stress" + stress_unit + ", the larger of both sides",
+                     [&](int r, const Location& where) {
+                       return std::max(equivalent(r, where, 1), equivalent(r, where, -1));
+                     },
+                     0};
+    draw_picture(file, picture);
+  }
+
+ private:
+  static constexpr std::pair<const char*, double> kSides[] = {
+      {"top", 1}, {"middle", 0}, {"bottom", -1}};
+
+  Location in_model(int r, const Location& where) const {
+    return shell_.layout().in_model(r, where);
+  }
+  ShellStress at(int r, const Location& where) const { return stresses_.at(in_model(r, where)); }
+  double equivalent(int r, const Location& where, double height) const {
+    return von_mises(at(r, where).at(height));
+  }
+  std::vector<SkinnedRegion> of_shape(const Points& dofs) const {
+    std::vector<SkinnedRegion> regions;
+    for (int r = 0; r < shell_.layout().region_count(); ++r)
+      regions.push_back(shell_.layout().skinned(r, dofs));
+    return regions;
+  }
+  // So that the largest displacement is a twentieth of the model: 1, 2, 5, 10, …
+  double exaggeration() const {
+    constexpr double share = 0.05;
+    if (!(answer_.report.displacement > 0)) return 1;
+    const double wanted = share * shell_.layout().size() / answer_.report.displacement;
+    const double power = std::pow(10, std::floor(std::log10(wanted)));
+    for (const double digit : {5.0, 2.0})
+      if (wanted >= digit * power) return digit * power;
+    return power;
+  }
+
+  const ShellModel& shell_;
+  const CaseAnswer& answer_;
+  const ShellStresses& stresses_;
+  Surface moved_;
+};
+
+std::string stress_unit(const Scene& scene) {
+  return scene.unit == "mm" ? " [N/mm²]" : scene.unit == "m" ? " [Pa]" : "";
+}
+
+}  // namespace
+
+void analyse(ShapeRun& run, const Scene& scene, const MadeShape& shape, const Progress& progress) {
+  if (!shape.layout) return;
+  require_one_system(scene);
+  progress.at("stress", 0);
+  const ShellDefinition definition = shell_of(scene, *shape.layout, shape.dofs);
+  const ShellModel shell(*shape.layout, shape.dofs, definition);
+  std::vector<CaseAnswer> answers = answers_of(scene, shell, definition);
+  StressReport& report = run.report.stress.emplace();
+  report.material = scene.stress->material;
+  report.unknowns = shell.unknowns();
+  report.yield = scene.stress->yield;
+  measure_theory(shell, report);
+  run.watch.lap("stress");
+  for (CaseAnswer& a : answers) {
+    progress.at("stress of " + a.report.name, 0);
+    measure_balance(shell, a);
+    measure_displacement(shell, a);
+    const ShellStresses stresses(shell, a.displacement);
+    measure_stress(scene, shell, definition, stresses, a.report);
+    const std::string stem = file_word(scene.name) + "_" + file_word(a.report.name);
+    const CaseFiles files(shell, a, stresses);
+    files.write(run.out.file(stem + ".vtu"));
+    run.report.files.push_back(stem + ".vtu");
+    if (can_draw(run.report, stem + ".png")) {
+      files.draw(run.out.file(stem + ".png"),
+                 scene.pictures.empty() ? PictureScene() : scene.pictures[0].look,
+                 scene.name + ": " + a.report.name, stress_unit(scene));
+      run.report.files.push_back(stem + ".png");
+    }
+    constexpr double balanced = 1e-8;
+    if (!(a.report.balance <= balanced))
+      run.report.missed.push_back({"stress.balance of " + a.report.name,
+                                   "is " + number(a.report.balance) + ", promised at most 1e-8"});
+    report.cases.push_back(a.report);
+  }
+  warn(report, run.report.warnings);
+  run.watch.lap("stress files");
+}
+
+namespace {
+
+std::string three_digits(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g", value);
+  return text;
+}
+
+std::string place_in_words(const Vec3& p) {
+  std::string text;
+  for (int c = 0; c < 3; ++c) text += (c ? ", " : "(") + three_digits(p[c]);
+  return text + ")";
+}
+
+}  // namespace
+
+std::string stress_results(const StressReport& report, const std::string& unit) {
+  std::string text =
+      result_line("stress", std::to_string(report.unknowns) + " unknowns" +
+                                (report.material.empty() ? "" : ", " + report.material));
+  for (const auto& c : report.cases) {
+    std::string stress = "von Mises " + three_digits(c.stress) + " at " +
+                         place_in_words(c.stressed_at) + ", " + c.side + " of '" +
+                         c.stressed_region + "', ± " + three_digits(c.spread);
+    if (c.safety > 0) stress += "; yield / stress " + three_digits(c.safety);
+    text += result_line(c.combination ? "combination" : "case", "'" + c.name + "': " + stress);
+    text += result_line("", "moves by " + three_digits(c.displacement) + " " + unit + " at " +
+                                place_in_words(c.displaced_at) + "; error about " +
+                                three_digits(100 * c.error) + " % in energy norm, " +
+                                three_digits(100 * c.error * c.error) + " % in displacement");
+  }
+  return text;
+}
+
+}  // namespace batten

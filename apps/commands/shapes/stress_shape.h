@@ -1,0 +1,21 @@
+// Stresses of a finished shape: solved, measured, written, drawn.
+#pragma once
+
+#include <string>
+
+#include "batten/apps/commands/shapes/shape_files.h"
+
+namespace batten {
+
+/// Analyses the shape as the shell of scene.stress: each load case and combination, from one factor.
+/// For each it writes NAME_CASE.vtu (on the undeformed shape: Displacement, Von_mises_top, _middle
+/// and _bottom, Stress_top and _bottom, Forces, Moments; tensors as xx, yy, zz, xy, yz, xz) and draws
+/// NAME_CASE.png, the equivalent stress on the deformed shape. Fills report.stress and
+/// report.warnings; report.missed where reactions do not balance the loads. Throws InputError with
+/// the place in the scene, ConflictError, NoSolutionError (what is not held, by its motion).
+void analyse(ShapeRun& run, const Scene& scene, const MadeShape& shape, const Progress& progress);
+
+/// The lines of a summary about it.
+std::string stress_results(const StressReport& report, const std::string& unit);
+
+}  // namespace batten

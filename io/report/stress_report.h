@@ -1,0 +1,47 @@
+// What a stress analysis found, for report.json and for a mail.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "batten/core/eigen.h"
+
+namespace batten {
+
+/// Of `batten stress`. Units are the scene's: lengths in model units, forces and stresses follow
+/// from Young's modulus.
+struct StressReport {
+  std::string material;  ///< its name, or ""
+  int unknowns = 0;      ///< of the system that was factored
+  double yield = 0;      ///< 0: not stated
+  double thickness_over_radius =
+      0;                      ///< the largest thickness over the smallest radius of curvature
+  double edge_over_bend = 0;  ///< largest of edge length / √(radius · thickness): above 1.5 coarse
+
+  struct Reaction {
+    std::string support;
+    Vec3 force, moment;  ///< on the shell; moment about the origin
+  };
+  struct Case {
+    std::string name;
+    bool combination = false;
+    Vec3 force = Vec3::Zero();  ///< sum of all loads
+    double displacement = 0;    ///< the largest
+    Vec3 displaced = Vec3::Zero(), displaced_at = Vec3::Zero();
+    std::string displaced_region;
+    double stress = 0;  ///< the largest equivalent stress (von Mises)
+    std::string side;   ///< "top" or "bottom"
+    Vec3 stressed_at = Vec3::Zero();
+    std::string stressed_region;
+    double spread = 0;      ///< of the elements' own stresses there
+    bool at_point = false;  ///< beside a point load or support, where stresses have no limit
+    double safety = 0;      ///< yield / stress; 0 where no yield is stated
+    double energy = 0;
+    double error = 0;    ///< estimate, relative, in energy norm
+    double balance = 0;  ///< |loads + reactions| / |loads|
+    std::vector<Reaction> reactions;
+  };
+  std::vector<Case> cases;
+};
+
+}  // namespace batten

@@ -1,0 +1,246 @@
+#include "batten/io/scene/scene_stress.h"
+
+#include <algorithm>
+
+#include "batten/io/files/length_units.h"
+
+namespace batten {
+
+const std::vector<NamedMaterial>& named_materials() {
+  static const std::vector<NamedMaterial> materials = {
+      {"steel", 210e9, 0.3, 7850, "EN 1993-1-1, 3.2.6"},
+      {"stainless steel", 200e9, 0.3, 7900, "EN 1993-1-4, 2.1.3"},
+      {"aluminium", 70e9, 0.3, 2700, "EN 1999-1-1, 3.2.5"},
+      {"titanium", 114e9, 0.34, 4430, "Ti-6Al-4V, MMPDS-01"},
+      {"glass", 70e9, 0.23, 2500, "EN 572-1"},
+      {"concrete", 33e9, 0.2, 2500, "C30/37, EN 1992-1-1, table 3.1"},
+  };
+  return materials;
+}
+
+std::string SceneStress::Support::in_words() const {
+  const std::string what = kind == Kind::Clamped     ? "clamped "
+                           : kind == Kind::Pinned    ? "pinned "
+                           : kind == Kind::Symmetric ? "symmetric "
+                                                     : "held ";
+  if (!point) return what + line.text;
+  std::string at;
+  for (int c = 0; c < 3; ++c) at += (c ? ", " : "[") + number((*point)[c]);
+  return what + "point " + at + "]";
+}
+
+std::vector<std::string> SceneStress::cases() const {
+  std::vector<std::string> names;
+  for (const Load& load : loads)
+    if (std::find(names.begin(), names.end(), load.load_case) == names.end())
+      names.push_back(load.load_case);
+  return names;
+}
+
+const std::vector<std::string>& stress_keys() {
+  static const std::vector<std::string> keys = {
+      "thickness", "thicknesses", "material", "young",    "poisson", "density", "yield",
+      "pressure",  "pressures",   "gravity",  "supports", "hinges",  "loads",   "combinations"};
+  return keys;
+}
+
+namespace {
+
+const std::string kUsualCase = "loads";
+
+void read_material(const TomlTable& table, const std::string& unit, SceneStress& stress) {
+  if (!table.has("material")) {
+    stress.young = table.positive("young");
+    stress.poisson = table.number("poisson", 0.3);
+    if (stress.poisson <= -1 || stress.poisson >= 0.5)
+      table.fail("poisson", number(stress.poisson), "a number above -1 and below 0.5");
+    stress.density = table.positive("density", 0);
+    return;
+  }
+  for (const char* key : {"young", "poisson", "density"})
+    if (table.has(key))
+      table.fail(key, "'" + std::string(key) + "' beside 'material'", "one of the two");
+  stress.material = table.text("material");
+  std::vector<std::string> names;
+  for (const NamedMaterial& m : named_materials()) names.emplace_back(m.name);
+  const auto known = std::find(names.begin(), names.end(), stress.material);
+  if (known == names.end())
+    table.fail("material", "the material '" + stress.material + "'",
+               one_of(stress.material, names) + ", or 'young', 'poisson' and 'density'");
+  const NamedMaterial& m = named_materials()[static_cast<size_t>(known - names.begin())];
+  stress.poisson = m.poisson;
+  if (unit == "m") {
+    stress.young = m.young;
+    stress.density = m.density;
+  } else if (unit == "mm") {  // N and t
+    stress.young = 1e-6 * m.young;
+    stress.density = 1e-12 * m.density;
+  } else {
+    table.fail("material", "a material by name in a scene in " + unit,
+               "a scene in mm (N, t, MPa) or m (N, kg, Pa); or 'young' and 'density' in your own");
+  }
+}
+
+SceneStress::Support read_support(const TomlTable& t) {
+  using Kind = SceneStress::Support::Kind;
+  SceneStress::Support support;
+  support.place = t.place();
+  if (t.has("line") == t.has("point"))
+    t.fail("line", t.has("line") ? "a line and a point" : "a support on nothing",
+           "one of line = \"…\" and point = [x, y, z]");
+  if (t.has("line"))
+    support.line = {t.text("line"), t.place("line")};
+  else
+    support.point = t.vector("point");
+  const bool directions = t.has("directions");
+  support.kind = t.choice("kind",
+                          directions      ? Kind::Held
+                          : support.point ? Kind::Pinned
+                                          : Kind::Clamped,
+                          {{"clamped", Kind::Clamped},
+                           {"pinned", Kind::Pinned},
+                           {"symmetric", Kind::Symmetric},
+                           {"held", Kind::Held}});
+  if (support.point && (support.kind == Kind::Clamped || support.kind == Kind::Symmetric))
+    t.fail("kind", "\"" + t.text("kind") + "\" at a point", "\"pinned\" or \"held\"");
+  if (directions != (support.kind == Kind::Held))
+    t.fail("directions", directions ? "directions of another support" : "a held support without",
+           "kind = \"held\" and directions = [[x, y, z], …]");
+  if (t.has("normal") != (support.kind == Kind::Symmetric))
+    t.fail("normal", t.has("normal") ? "the normal of no plane" : "a plane without its normal",
+           "kind = \"symmetric\" and normal = [x, y, z]");
+  if (directions) support.directions = t.points("directions");
+  if (t.has("normal")) support.directions = {t.direction("normal")};
+  for (const Vec3& d : support.directions)
+    if (d.isZero(0)) t.fail("directions", "a direction of length zero", "another");
+  support.rotation =
+      t.boolean("rotation", support.kind == Kind::Clamped || support.kind == Kind::Symmetric);
+  if (support.point && support.rotation)
+    t.fail("rotation", "a rotation held at a point", "a line: a point has no direction");
+  if (t.has("displacement")) support.displacement = t.vector("displacement");
+  return support;
+}
+
+SceneStress::Load read_load(const TomlTable& t) {
+  using Type = SceneStress::Load::Type;
+  SceneStress::Load load;
+  load.place = t.place();
+  load.load_case = t.text("case", kUsualCase);
+  const std::vector<std::string> kinds = {"pressure", "force",       "moment",
+                                          "gravity",  "hydrostatic", "area_force"};
+  std::vector<std::string> stated;
+  for (const std::string& kind : kinds)
+    if (t.has(kind)) stated.push_back(kind);
+  if (stated.size() != 1)
+    t.fail(stated.empty() ? "case" : stated[1],
+           stated.empty() ? "a load without a value" : "two loads in one",
+           "one of: " + listed(kinds));
+  const std::string& kind = stated[0];
+  const auto needs = [&](const char* key, bool needed, const std::string& what) {
+    if (t.has(key) != needed)
+      t.fail(t.has(key) ? key : kind,
+             t.has(key) ? "'" + std::string(key) + "' beside '" + kind + "'"
+                        : "'" + kind + "' without a place",
+             what);
+  };
+  const bool at_line = kind == "moment" || (kind == "force" && !t.has("point"));
+  const bool at_point = kind == "force" && t.has("point");
+  needs("line", at_line,
+        kind == "moment"  ? "moment = M, line = \"…\""
+        : kind == "force" ? "force = [x, y, z] with point = [x, y, z], or with line = \"…\""
+                          : "no line");
+  needs("point", at_point, "force = [x, y, z], point = [x, y, z]");
+  needs("level", kind == "hydrostatic", "hydrostatic = WEIGHT, level = Z");
+  if (t.has("region") && (at_line || at_point || kind == "gravity"))
+    t.fail("region", "'region' beside '" + kind + "'", "no region");
+  if (t.has("region")) load.region = {t.text("region"), t.place("region")};
+  if (at_line) load.line = {t.text("line"), t.place("line")};
+  if (at_point) load.point = t.vector("point");
+  if (kind == "pressure" || kind == "moment" || kind == "hydrostatic") {
+    load.type = kind == "pressure" ? Type::Pressure
+                : kind == "moment" ? Type::LineMoment
+                                   : Type::Hydrostatic;
+    load.value = t.number(kind);
+    load.level = t.number("level", 0);
+  } else {
+    load.type = kind == "gravity"      ? Type::Gravity
+                : kind == "area_force" ? Type::AreaForce
+                : at_point             ? Type::Point
+                                       : Type::LineForce;
+    load.vector = t.vector(kind);
+  }
+  return load;
+}
+
+// `pressure`, `pressures` and `gravity`: loads of the usual case, in short.
+void read_short_loads(const TomlTable& table, SceneStress& stress) {
+  using Load = SceneStress::Load;
+  const auto add = [&](Load::Type type, const FilePlace& place) -> Load& {
+    stress.loads.emplace_back();
+    stress.loads.back().type = type;
+    stress.loads.back().load_case = kUsualCase;
+    stress.loads.back().place = place;
+    return stress.loads.back();
+  };
+  if (table.has("pressure"))
+    add(Load::Type::Pressure, table.place("pressure")).value = table.number("pressure");
+  for (const TomlTable& t : table.tables("pressures", {"region", "pressure"})) {
+    Load& load = add(Load::Type::Pressure, t.place());
+    load.region = {t.text("region"), t.place("region")};
+    load.value = t.number("pressure");
+  }
+  if (table.has("gravity"))
+    add(Load::Type::Gravity, table.place("gravity")).vector = table.vector("gravity");
+}
+
+void read_combinations(const TomlTable& table, SceneStress& stress) {
+  std::vector<std::string> names = stress.cases();
+  for (const TomlTable& t : table.tables("combinations", {"name", "cases", "factors"})) {
+    SceneStress::Combination sum;
+    sum.name = t.text("name");
+    if (std::find(names.begin(), names.end(), sum.name) != names.end())
+      t.fail("name", "the name '" + sum.name + "' again", "each case and combination once");
+    const std::vector<PlacedWord> cases = t.words("cases");
+    const std::vector<double> factors = t.list("factors");
+    if (cases.empty() || cases.size() != factors.size())
+      t.fail("factors", std::to_string(factors.size()) + " factors",
+             "one for each of the " + std::to_string(cases.size()) + " cases");
+    const std::vector<std::string> known = stress.cases();
+    for (size_t i = 0; i < cases.size(); ++i) {
+      if (std::find(known.begin(), known.end(), cases[i].text) == known.end())
+        t.fail("cases", "the case '" + cases[i].text + "'", one_of(cases[i].text, known));
+      sum.parts.emplace_back(cases[i], factors[i]);
+    }
+    names.push_back(sum.name);
+    stress.combinations.push_back(std::move(sum));
+  }
+}
+
+}  // namespace
+
+SceneStress read_stress(const TomlTable& table, const std::string& unit) {
+  SceneStress stress;
+  read_material(table, unit, stress);
+  stress.thickness = table.positive("thickness");
+  stress.yield = table.positive("yield", 0);
+  for (const TomlTable& t : table.tables("thicknesses", {"region", "thickness"}))
+    stress.thicknesses.push_back({{t.text("region"), t.place("region")}, t.positive("thickness")});
+  read_short_loads(table, stress);
+  for (const TomlTable& t :
+       table.tables("loads", {"case", "pressure", "force", "moment", "gravity", "hydrostatic",
+                              "area_force", "region", "line", "point", "level"}))
+    stress.loads.push_back(read_load(t));
+  for (const SceneStress::Load& load : stress.loads)
+    if (load.type == SceneStress::Load::Type::Gravity && stress.density == 0)
+      table.fail(table.has("gravity") ? "gravity" : "loads", "gravity without 'density'", "both");
+  read_combinations(table, stress);
+  for (const TomlTable& t : table.tables("supports", {"line", "point", "kind", "directions",
+                                                      "normal", "rotation", "displacement"}))
+    stress.supports.push_back(read_support(t));
+  if (stress.supports.empty())
+    table.fail("supports", "no supports", "one or more: supports = [{line = \"…\"}]");
+  stress.hinges = table.names("hinges");
+  return stress;
+}
+
+}  // namespace batten

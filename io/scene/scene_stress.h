@@ -1,0 +1,86 @@
+// [stress] of a scene: what its shell is made of, what holds it, what acts on it.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "batten/io/files/toml_table.h"
+
+namespace batten {
+
+/// A material by its name, in SI units; mass and force of other units follow from them.
+struct NamedMaterial {
+  const char* name;
+  double young, poisson, density;  ///< Pa, 1, kg/m³
+  const char* source;
+};
+/// The materials that `material` of a scene may name.
+const std::vector<NamedMaterial>& named_materials();
+
+/// [stress]: the shell of a scene, for `batten stress` and for CalculiX.
+struct SceneStress {
+  struct Thickness {
+    PlacedWord region;
+    double thickness = 0;
+  };
+  struct Support {
+    enum class Kind {
+      Clamped,    ///< no displacement, no rotation about the line
+      Pinned,     ///< no displacement
+      Symmetric,  ///< in the plane with the normal directions[0]
+      Held        ///< displacement in `directions`, and the rotation where `rotation` says so
+    };
+    Kind kind = Kind::Clamped;
+    PlacedWord line;
+    std::optional<Vec3> point;  ///< in place of a line: the nearest place of the surface
+    std::vector<Vec3> directions;
+    Vec3 displacement = Vec3::Zero();
+    bool rotation = false;
+    FilePlace place;
+    std::string in_words() const;  ///< "clamped rim"
+  };
+  struct Load {
+    enum class Type {
+      Pressure,     ///< `value` per area along the normal
+      AreaForce,    ///< `vector` per area
+      Gravity,      ///< the acceleration `vector`
+      Hydrostatic,  ///< pressure value · (level - z) below the level
+      Point,        ///< the force `vector`
+      LineForce,    ///< `vector` per length
+      LineMoment    ///< `value` per length
+    };
+    Type type = Type::Pressure;
+    std::string load_case;      ///< the case that it belongs to
+    PlacedWord region;          ///< "": all regions
+    PlacedWord line;            ///< of LineForce and LineMoment
+    Vec3 point = Vec3::Zero();  ///< of Point
+    double value = 0, level = 0;
+    Vec3 vector = Vec3::Zero();
+    FilePlace place;
+  };
+  /// Cases times factors, summed.
+  struct Combination {
+    std::string name;
+    std::vector<std::pair<PlacedWord, double>> parts;
+  };
+
+  std::string material;  ///< its name; "": the numbers below were stated
+  double young = 0, poisson = 0, density = 0;
+  double thickness = 0, yield = 0;  ///< yield: 0 when not stated
+  std::vector<Thickness> thicknesses;
+  std::vector<Support> supports;
+  std::vector<Load> loads;
+  std::vector<Combination> combinations;
+  std::vector<PlacedWord> hinges;
+
+  std::vector<std::string> cases() const;  ///< names of load cases, in their order
+};
+
+/// The keys of [stress].
+const std::vector<std::string>& stress_keys();
+/// Reads [stress] of a scene with lengths in `unit`. Throws InputError with the place.
+SceneStress read_stress(const TomlTable& table, const std::string& unit);
+
+}  // namespace batten
