@@ -42,18 +42,26 @@ ShellAssembler::ShellAssembler(Surface surface, std::vector<ShellSection> sectio
   for (const ShellSection& section : sections_) require_section(section);
 }
 
-void ShellAssembler::add(int t, const TriangleRule& rule, double factor, ElementMatrix& K) const {
+template <class Visit>
+void ShellAssembler::for_points(int t, const TriangleRule& rule, const Visit& visit) const {
   const TriangleShape shape = surface_.mesh().shape(t);
   const C1Triangle triangle(surface_.kind(), shape);
   const Eigen::Matrix<double, 12, 3> q = surface_.triangle_dofs(t);
-  const ShellSection& s = section(t);
-  const double thickness = s.thickness, bending = std::pow(thickness, 3) / 12;
   for (long p = 0; p < rule.weights.size(); ++p) {
-    const Tabulation N = triangle.evaluate(rule.L.row(p));
+    const Vec3 L = rule.L.row(p);
+    const Tabulation N = triangle.evaluate(L);
     const Eigen::Matrix<double, 3, kDerivatives> x = q.transpose() * N;
     const ShellPoint at({x.col(kW), x.col(kU), x.col(kV), x.col(kUU), x.col(kUV), x.col(kVV)},
-                        s.along);
-    const double w = factor * rule.weights[p] * shape.area * at.jacobian();
+                        section(t).along);
+    visit(N, at, L, rule.weights[p] * shape.area * at.jacobian());
+  }
+}
+
+void ShellAssembler::add(int t, const TriangleRule& rule, double factor, ElementMatrix& K) const {
+  const ShellSection& s = section(t);
+  const double thickness = s.thickness, bending = std::pow(thickness, 3) / 12;
+  for_points(t, rule, [&](const Tabulation& N, const ShellPoint& at, const Vec3&, double area) {
+    const double w = factor * area;
     const Vec12 f[2] = {at.along_axes(0, N.col(kU), N.col(kV)),
                         at.along_axes(1, N.col(kU), N.col(kV))};
     const Eigen::Matrix<double, 3, 12> rows = at.bending_rows(N);
@@ -70,7 +78,7 @@ void ShellAssembler::add(int t, const TriangleRule& rule, double factor, Element
           block += f[a] * g.transpose();
         }
       }
-  }
+  });
 }
 
 SparseMatrix ShellAssembler::stiffness() const {
@@ -91,6 +99,55 @@ SparseMatrix ShellAssembler::stiffness() const {
       },
       result);
   return result;
+}
+
+SparseMatrix ShellAssembler::over_inside(
+    const std::function<void(int triangle, const TriangleRule& rule, ScalarMatrix& K)>& add) const {
+  const DofMap& map = surface_.dof_map();
+  std::vector<int> dofs;
+  for (int t = 0; t < surface_.mesh().triangle_count(); ++t) {
+    const auto of_triangle = map.triangle(surface_.mesh(), t);
+    dofs.insert(dofs.end(), of_triangle.begin(), of_triangle.end());
+  }
+  const ElementPattern pattern(map.count(), 12, dofs);
+  // Products of cubics are of degree 6.
+  constexpr int degree = 6, order = 5;
+  const TriangleRule whole =
+      surface_.kind() == TriangleElement::HCT ? split_triangle(degree) : six_duffy(order);
+  const Trim* trim = surface_.trim().get();
+  SparseMatrix result = pattern.zero();
+  pattern.assemble(
+      [&](int t, double* out) {
+        Eigen::Map<ScalarMatrix> mapped(out);
+        ScalarMatrix K = ScalarMatrix::Zero();
+        const bool cut = trim && trim->side(t) == Trim::Side::Cut;
+        if (!trim || trim->side(t) != Trim::Side::Outside)
+          add(t, cut ? trim->rule(t, degree) : whole, K);
+        mapped = K;
+      },
+      result);
+  return result;
+}
+
+SparseMatrix ShellAssembler::mass() const {
+  return over_inside([&](int t, const TriangleRule& rule, ScalarMatrix& M) {
+    const ShellSection& s = section(t);
+    for_points(t, rule, [&](const Tabulation& N, const ShellPoint&, const Vec3&, double area) {
+      M += area * s.material.density * s.thickness * N.col(kW) * N.col(kW).transpose();
+    });
+  });
+}
+
+SparseMatrix ShellAssembler::geometric_stiffness(const Points& q) const {
+  return over_inside([&](int t, const TriangleRule& rule, ScalarMatrix& G) {
+    for_points(t, rule, [&](const Tabulation& N, const ShellPoint& at, const Vec3& L, double area) {
+      const Vec3 force = area * resultants(q, {t, L}).forces;
+      const Vec12 f1 = at.along_axes(0, N.col(kU), N.col(kV)),
+                  f2 = at.along_axes(1, N.col(kU), N.col(kV));
+      G += f1 * (force[0] * f1 + force[2] * f2).transpose() +
+           f2 * (force[2] * f1 + force[1] * f2).transpose();
+    });
+  });
 }
 
 ShellPoint ShellAssembler::point(const Location& where) const {

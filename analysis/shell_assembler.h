@@ -1,6 +1,7 @@
 // Stiffness of Kirchhoff-Love shells on C1 triangles.
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "batten/analysis/shell_point.h"
@@ -31,6 +32,14 @@ class ShellAssembler {
   /// The lower triangle of K. O(triangles), on all threads; the same bits on one.
   SparseMatrix stiffness() const;
 
+  /// M = ∬ ρ t N Nᵀ J du dv, the lower triangle of one coordinate, n×n: the same for x, y and z. Of a
+  /// trimmed surface the inside counts only. Rotary inertia is left out, as thin shells have it.
+  SparseMatrix mass() const;
+  /// G = ∬ (N11 N,1 N,1ᵀ + N22 N,2 N,2ᵀ + N12 (N,1 N,2ᵀ + N,2 N,1ᵀ)) J du dv with the membrane forces
+  /// of a displacement q, likewise: the energy ½ uᵀ G u that these forces give up or take where the
+  /// shell moves on by u. Throws InputError for another number of dofs.
+  SparseMatrix geometric_stiffness(const Points& q) const;
+
   /// What a displacement q (n×3) does at one place. Throws InputError for another number of dofs.
   ShellStrain strain(const Points& q, const Location& where) const;
   /// Stress (σ11, σ22, σ12) at the height z above the middle surface, -t/2 … t/2.
@@ -50,8 +59,15 @@ class ShellAssembler {
 
  private:
   using ElementMatrix = Eigen::Matrix<double, 36, 36, Eigen::RowMajor>;
+  using ScalarMatrix = Eigen::Matrix<double, 12, 12, Eigen::RowMajor>;
+  // Calls visit(N, point, L, weight) at the points of a rule; the weight is an area of the surface.
+  template <class Visit>
+  void for_points(int triangle, const TriangleRule& rule, const Visit& visit) const;
   // Adds the integral over a rule, times `factor`, to the lower blocks of K.
   void add(int triangle, const TriangleRule& rule, double factor, ElementMatrix& K) const;
+  // A matrix of one coordinate, integrated over the inside; add(triangle, rule, K) of a part.
+  SparseMatrix over_inside(const std::function<void(int triangle, const TriangleRule& rule,
+                                                    ScalarMatrix& K)>& add) const;
 
   Surface surface_;
   std::vector<ShellSection> sections_;

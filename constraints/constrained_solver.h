@@ -20,6 +20,8 @@ class ConstrainedSolver {
                     const std::vector<int>& dof_order = {});
   /// One pair of triangular solves.
   Points solve(const Points& F) const;
+  /// The same on free unknowns: DᵀKD y = b, b becomes y.
+  void solve_reduced(Eigen::Ref<MatX> b) const { cholesky_.solve_in_place(b); }
   const AffineReduction& reduction() const { return reduction_; }
   const SparseMatrix& K() const { return K_; }
 

@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 #include "batten/analysis/models/free_motions.h"
@@ -31,12 +32,13 @@ void add_point_support(const ModelLayout& model, const PointSupport& support, Co
 }
 
 ConstraintSet rows_of(const ModelLayout& layout, const Points& shape,
-                      const ShellDefinition& definition) {
+                      const ShellDefinition& definition, ShellModel::Free free, int& free_count) {
   ConstraintSet set = shell_ties(layout, shape, definition.hinges);
   for (const LineSupport& support : definition.lines) add_support(layout, shape, support, set);
   for (const PointSupport& support : definition.points) add_point_support(layout, support, set);
   const std::vector<std::string> motions = free_motions(layout, shape, set);
-  if (motions.empty()) return set;
+  free_count = count_of(motions);
+  if (motions.empty() || free == ShellModel::Free::Shifted) return set;
   std::string text = "the shell is not held: ";
   for (const std::string& motion : motions) text += (&motion == &motions[0] ? "" : "; ") + motion;
   throw NoSolutionError(text);
@@ -69,14 +71,46 @@ VecX stacked(const Points& q) { return Eigen::Map<const VecX>(q.data(), q.size()
 
 }  // namespace
 
-ShellModel::ShellModel(ModelLayout layout, Points shape, const ShellDefinition& definition)
+namespace {
+
+// K, and of a shell that is not held a little mass in each coordinate.
+SparseMatrix stiffness_of(const ShellAssembler& assembler, double shift) {
+  SparseMatrix K = assembler.stiffness();
+  if (shift == 0) return K;
+  const SparseMatrix M = assembler.mass();
+  SparseMatrix all(K.rows(), K.cols());
+  std::vector<Triplet> entries;
+  for (long j = 0; j < M.cols(); ++j)
+    for (SparseMatrix::InnerIterator it(M, j); it; ++it)
+      for (int c = 0; c < 3; ++c) {
+        const int offset = c * static_cast<int>(M.rows());
+        entries.emplace_back(offset + static_cast<int>(it.row()), offset + static_cast<int>(j),
+                             shift * it.value());
+      }
+  all.setFromTriplets(entries.begin(), entries.end());
+  return K + all;
+}
+
+// (2π f)² of bending waves as long as the shell, or so.
+double shift_of(const ShellSection& section, double size) {
+  const ShellMaterial& m = section.material;
+  return m.Q(0, 0) * std::pow(section.thickness, 2) / (12 * m.density * std::pow(size, 4));
+}
+
+}  // namespace
+
+ShellModel::ShellModel(ModelLayout layout, Points shape, const ShellDefinition& definition,
+                       Free free)
     : layout_(std::move(layout)),
       shape_(std::move(shape)),
       sections_(definition.sections),
       supports_(names_of(definition)),
-      rows_(rows_of(layout_, shape_, definition)),
+      rows_(rows_of(layout_, shape_, definition, free, free_motions_)),
       assembler_(layout_.surface(shape_), for_triangles(layout_, definition.sections)),
-      solver_(rows_, assembler_.stiffness(), layout_.dof_order()) {}
+      solver_(rows_,
+              stiffness_of(assembler_,
+                           shift_ = free_motions_ > 0 ? shift_of(sections_[0], layout_.size()) : 0),
+              layout_.dof_order()) {}
 
 Points ShellModel::solve(const Points& F) const {
   if (F.rows() != shape_.rows())

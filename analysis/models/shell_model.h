@@ -46,7 +46,12 @@ class ShellModel {
   /// `shape`: absolute dofs of the middle surface. Throws InputError: sections for another number
   /// of regions, what require_section(), shell_ties(), add_support() throw; ConflictError: supports
   /// that contradict each other; NoSolutionError: motions that nothing resists, each named.
-  ShellModel(ModelLayout layout, Points shape, const ShellDefinition& definition);
+  ///
+  /// Free::Shifted takes a shell that is not held, for its vibrations: its stiffness is K + shift() M,
+  /// and no other function knows of that.
+  enum class Free { Refused, Shifted };
+  ShellModel(ModelLayout layout, Points shape, const ShellDefinition& definition,
+             Free free = Free::Refused);
 
   /// The displacement, n×3. Throws InputError for a load of another size.
   Points solve(const Points& F) const;
@@ -62,6 +67,10 @@ class ShellModel {
   const ShellSection& section(int region) const {
     return sections_[sections_.size() == 1 ? 0 : static_cast<size_t>(region)];
   }
+  const ConstrainedSolver& solver() const { return solver_; }
+  /// Motions that nothing resists, and what was added of the mass because of them.
+  int free_motions() const { return free_motions_; }
+  double shift() const { return shift_; }
   /// Free unknowns of the system that is solved.
   int unknowns() const { return solver_.reduction().free_count(); }
 
@@ -70,6 +79,8 @@ class ShellModel {
   Points shape_;
   std::vector<ShellSection> sections_;
   std::vector<std::string> supports_;
+  int free_motions_ = 0;
+  double shift_ = 0;
   ConstraintSet rows_;
   ShellAssembler assembler_;
   ConstrainedSolver solver_;

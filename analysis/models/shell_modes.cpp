@@ -1,0 +1,147 @@
+#include "batten/analysis/models/shell_modes.h"
+
+#include <Spectra/SymGEigsSolver.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+#include "batten/core/errors.h"
+
+namespace batten {
+namespace {
+
+// y = Dᵀ A D x for a matrix A of one coordinate that acts on x, y and z alike.
+class ReducedProduct {
+ public:
+  using Scalar = double;
+  ReducedProduct(const AffineReduction& reduction, const SparseMatrix& A)
+      : D_(reduction.D()), A_(A) {}
+  Eigen::Index rows() const { return D_.cols(); }
+  Eigen::Index cols() const { return D_.cols(); }
+  void perform_op(const double* x, double* y) const {
+    const VecX q = D_ * Eigen::Map<const VecX>(x, D_.cols());
+    const Eigen::Map<const Points> points(q.data(), A_.rows(), 3);
+    const Points forces = A_.selfadjointView<Eigen::Lower>() * points;
+    Eigen::Map<VecX>(y, D_.cols()) =
+        D_.transpose() * Eigen::Map<const VecX>(forces.data(), forces.size());
+  }
+
+ private:
+  const SparseMatrix &D_, &A_;
+};
+
+// y = DᵀKD x, and its inverse by the factor.
+class ReducedStiffness {
+ public:
+  using Scalar = double;
+  explicit ReducedStiffness(const ConstrainedSolver& solver) : solver_(solver) {}
+  Eigen::Index rows() const { return solver_.reduction().free_count(); }
+  Eigen::Index cols() const { return rows(); }
+  void perform_op(const double* x, double* y) const {
+    const SparseMatrix& D = solver_.reduction().D();
+    const VecX q = D * Eigen::Map<const VecX>(x, rows());
+    Eigen::Map<VecX>(y, rows()) = D.transpose() * (solver_.K().selfadjointView<Eigen::Lower>() * q);
+  }
+  void solve(const double* x, double* y) const {
+    MatX b = Eigen::Map<const VecX>(x, rows());
+    solver_.solve_reduced(b);
+    Eigen::Map<VecX>(y, rows()) = b.col(0);
+  }
+
+ private:
+  const ConstrainedSolver& solver_;
+};
+
+struct Pairs {
+  VecX values;  // largest first
+  std::vector<Points> vectors;
+};
+
+// The largest μ of A u = μ K u, or those of largest magnitude. None where the iteration does not
+// end.
+std::optional<Pairs> largest_pairs(const ConstrainedSolver& solver, const SparseMatrix& A,
+                                   int count, Spectra::SortRule which) {
+  const int n = solver.reduction().free_count();
+  if (count < 1 || 2 * count >= n)
+    throw InputError("found " + std::to_string(count) + " modes of " + std::to_string(n) +
+                     " unknowns, expected 1 or more, and fewer than half of the unknowns");
+  ReducedProduct product(solver.reduction(), A);
+  ReducedStiffness stiffness(solver);
+  // Room for pairs of equal values, as symmetric shells have them.
+  const int room = std::min(n, 2 * count + 20);
+  Spectra::SymGEigsSolver<ReducedProduct, ReducedStiffness, Spectra::GEigsMode::RegularInverse>
+      lanczos(product, stiffness, count, room);
+  lanczos.init();
+  constexpr int restarts = 300;
+  constexpr double tolerance = 1e-10;
+  lanczos.compute(which, restarts, tolerance, Spectra::SortRule::LargestAlge);
+  if (lanczos.info() != Spectra::CompInfo::Successful) return std::nullopt;
+  Pairs pairs;
+  pairs.values = lanczos.eigenvalues();
+  const MatX vectors = lanczos.eigenvectors();
+  for (long k = 0; k < vectors.cols(); ++k) {
+    const VecX q = solver.reduction().D() * vectors.col(k);  // without what supports impose
+    pairs.vectors.push_back(Eigen::Map<const Points>(q.data(), A.rows(), 3));
+  }
+  return pairs;
+}
+
+[[noreturn]] void no_end(int count) {
+  throw NoSolutionError("the iteration for " + std::to_string(count) +
+                        " modes did not end: ask for a few more");
+}
+
+}  // namespace
+
+ShellModes natural_modes(const ModelLayout& layout, const Points& shape,
+                         const ShellDefinition& definition, int count) {
+  for (const ShellSection& section : definition.sections)
+    if (!(section.material.density > 0))
+      throw InputError("natural frequencies need a density, found " +
+                       number(section.material.density));
+  const ShellModel shell(layout, shape, definition, ShellModel::Free::Shifted);
+  const SparseMatrix M = shell.assembler().mass();
+  const auto found = largest_pairs(shell.solver(), M, count + shell.free_motions(),
+                                   Spectra::SortRule::LargestAlge);
+  if (!found) no_end(count);
+  const Pairs& pairs = *found;
+  ShellModes modes;
+  modes.rigid = shell.free_motions();
+  modes.frequencies.resize(pairs.values.size());
+  for (long k = 0; k < pairs.values.size(); ++k) {
+    const double square = 1 / pairs.values[k] - shell.shift();
+    modes.frequencies[k] =
+        k < modes.rigid ? 0 : std::sqrt(std::max(0.0, square)) / (2 * std::numbers::pi);
+    const Points& u = pairs.vectors[k];
+    const double mass = u.cwiseProduct(M.selfadjointView<Eigen::Lower>() * u).sum();
+    modes.shapes.push_back(u / std::sqrt(mass));
+  }
+  return modes;
+}
+
+ShellBuckling buckling(const ShellModel& shell, const Points& q, int count) {
+  const SparseMatrix G = -shell.assembler().geometric_stiffness(q);
+  auto found = largest_pairs(shell.solver(), G, count, Spectra::SortRule::LargestAlge);
+  if (!found) {
+    // Where nothing buckles the largest μ is 0, of infinitely many shapes: then those that are not
+    // near 0 are below it.
+    found = largest_pairs(shell.solver(), G, count, Spectra::SortRule::LargestMagn);
+    if (!found || found->values[0] > 0) no_end(count);
+  }
+  const Pairs& pairs = *found;
+  ShellBuckling result;
+  const long positive = (pairs.values.array() > 0).count();
+  result.factors = pairs.values.head(positive).cwiseInverse();
+  const VecX positions = shell.layout().position_dofs();
+  for (long k = 0; k < positive; ++k) {
+    double largest = 0;
+    for (long m = 0; m < positions.size(); ++m)
+      if (positions[m] > 0) largest = std::max(largest, pairs.vectors[k].row(m).norm());
+    result.shapes.push_back(pairs.vectors[k] / largest);
+  }
+  return result;
+}
+
+}  // namespace batten

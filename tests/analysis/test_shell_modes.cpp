@@ -1,0 +1,108 @@
+// Frequencies and buckling loads against closed forms.
+#include <cmath>
+#include <numbers>
+
+#include "batten/analysis/models/shell_modes.h"
+#include "batten/core/errors.h"
+#include "batten/tests/analysis/plates.h"
+#include "batten/tests/catch.h"
+
+using namespace batten_test;
+using Catch::Matchers::Contains;
+using std::numbers::pi;
+
+namespace {
+
+constexpr double kDensity = 0.3;
+
+// One plate of width W and length L.
+struct OnePlate {
+  Plates plates;
+  ModelLayout layout;
+  Points shape;
+  double L;
+
+  static Plates lines(double L, double h) {
+    Plates p;
+    p.h = p.patchwork.options.edge_length = h;
+    p.across("a", {0, 0, 0}, {0, 0, 0});
+    p.across("b", {L, 0, 0}, {L, 0, 0});
+    p.plate("a", "b");
+    return p;
+  }
+  OnePlate(double length, double h)
+      : plates(lines(length, h)),
+        layout(plates.patchwork.model({})),
+        shape(layout.all_dofs(plates.patchwork.first)),
+        L(length) {}
+  ShellDefinition made_of(double nu, std::vector<LineSupport> supports = {}) const {
+    return {{{ShellMaterial::isotropic(Plates::E, nu, kDensity), Plates::t}},
+            std::move(supports),
+            {},
+            {}};
+  }
+};
+
+LineSupport held(const std::string& line, const std::vector<Vec3>& directions) {
+  return {line, line, directions, Vec3::Zero(), false};
+}
+
+const std::vector<std::string> kEdges = {"a", "b", "ab 0", "ab W"};
+
+}  // namespace
+
+TEST_CASE("a simply supported plate has its frequencies, also where two are equal") {
+  const OnePlate plate(Plates::W, Plates::W / 8);
+  constexpr double nu = 0.3;
+  std::vector<LineSupport> supports;
+  for (const std::string& edge : kEdges)
+    supports.push_back(held(edge, {Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ()}));
+  const ShellModes modes = natural_modes(plate.layout, plate.shape, plate.made_of(nu, supports), 5);
+  const double D = Plates::EI / (1 - nu * nu);
+  const double first = pi / 2 * 2 / (Plates::W * Plates::W) * std::sqrt(D / (kDensity * Plates::t));
+  CHECK(modes.rigid == 0);
+  REQUIRE(modes.frequencies.size() == 5);
+  const double times[] = {2, 5, 5, 8, 10};
+  for (int k = 0; k < 5; ++k)
+    CHECK(modes.frequencies[k] == Approx(first * times[k] / 2).epsilon(5e-3));
+}
+
+TEST_CASE("a strip that nothing holds has six rigid motions, then the bending of a free beam") {
+  const OnePlate strip(6 * Plates::W, Plates::W / 3);
+  const ShellModes modes = natural_modes(strip.layout, strip.shape, strip.made_of(0), 2);
+  CHECK(modes.rigid == 6);
+  REQUIRE(modes.frequencies.size() == 8);
+  const double root = 4.730041;
+  const double beam =
+      root * root / (2 * pi * strip.L * strip.L) * std::sqrt(Plates::EI / (kDensity * Plates::t));
+  CHECK(modes.frequencies[6] == Approx(beam).epsilon(5e-3));
+  const SparseMatrix M =
+      ShellAssembler(strip.layout.surface(strip.shape), strip.made_of(0).sections).mass();
+  const Points& u = modes.shapes[6];
+  CHECK(u.cwiseProduct(M.selfadjointView<Eigen::Lower>() * u).sum() == Approx(1));
+  CHECK_THROWS_WITH(natural_modes(strip.layout, strip.shape,
+                                  {{{ShellMaterial::isotropic(1, 0), 1}}, {}, {}, {}}, 2),
+                    Contains("density"));
+}
+
+TEST_CASE("a square plate buckles under the pressure of two sides where Bryan says") {
+  const OnePlate plate(Plates::W, Plates::W / 8);
+  constexpr double nu = 0.3;
+  std::vector<LineSupport> supports;
+  for (const std::string& edge : kEdges) supports.push_back(held(edge, {Vec3::UnitZ()}));
+  supports.push_back(held("a", {Vec3::UnitX()}));
+  ShellDefinition definition = plate.made_of(nu, supports);
+  definition.points = {{"corner",
+                        nearest_place(plate.layout, plate.shape, {0, 0, 0}),
+                        {Vec3::UnitY()},
+                        Vec3::Zero()}};
+  const ShellModel shell(plate.layout, plate.shape, definition);
+  const Points q = shell.solve(line_force(plate.layout, "b", {-1, 0, 0}));
+  const ShellBuckling found = buckling(shell, q, 2);
+  const double D = Plates::EI / (1 - nu * nu), unit = pi * pi * D / (Plates::W * Plates::W);
+  REQUIRE(found.factors.size() == 2);
+  CHECK(found.factors[0] == Approx(4 * unit).epsilon(1e-2));
+  CHECK(found.factors[1] == Approx(6.25 * unit).epsilon(1e-2));
+  // Pulled, it does not buckle.
+  CHECK(buckling(shell, -q, 1).factors.size() == 0);
+}
