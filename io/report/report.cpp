@@ -273,6 +273,7 @@ Json json_of(const StressReport::Case& c) {
                {"error_estimate", c.error},
                {"balance", c.balance}};
   if (c.safety > 0) json["safety"] = c.safety;
+  if (c.buckling_asked) json["buckling_factors"] = c.buckling;
   json["reactions"] = Json::array();
   for (const auto& r : c.reactions)
     json["reactions"].push_back(
@@ -288,6 +289,7 @@ Json json_of(const StressReport& s) {
   if (s.yield > 0) json["yield"] = s.yield;
   json["cases"] = Json::array();
   for (const auto& c : s.cases) json["cases"].push_back(json_of(c));
+  if (!s.frequencies.empty()) json["frequencies"] = s.frequencies;
   return json;
 }
 

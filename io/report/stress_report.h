@@ -39,9 +39,12 @@ struct StressReport {
     double energy = 0;
     double error = 0;    ///< estimate, relative, in energy norm
     double balance = 0;  ///< |loads + reactions| / |loads|
+    bool buckling_asked = false;
+    std::vector<double> buckling;  ///< factors of the load, smallest first
     std::vector<Reaction> reactions;
   };
   std::vector<Case> cases;
+  std::vector<double> frequencies;  ///< 1/time, rigid motions as 0 first
 };
 
 }  // namespace batten

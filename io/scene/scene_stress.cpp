@@ -39,8 +39,9 @@ std::vector<std::string> SceneStress::cases() const {
 
 const std::vector<std::string>& stress_keys() {
   static const std::vector<std::string> keys = {
-      "thickness", "thicknesses", "material", "young",    "poisson", "density", "yield",
-      "pressure",  "pressures",   "gravity",  "supports", "hinges",  "loads",   "combinations"};
+      "thickness", "thicknesses",  "material",  "young",   "poisson",  "density",
+      "yield",     "pressure",     "pressures", "gravity", "supports", "hinges",
+      "loads",     "combinations", "modes",     "buckling"};
   return keys;
 }
 
@@ -240,6 +241,10 @@ SceneStress read_stress(const TomlTable& table, const std::string& unit) {
   if (stress.supports.empty())
     table.fail("supports", "no supports", "one or more: supports = [{line = \"…\"}]");
   stress.hinges = table.names("hinges");
+  stress.modes = table.whole_number("modes", 1, 0);
+  if (stress.modes > 0 && stress.density == 0)
+    table.fail("modes", "modes without 'density'", "both");
+  stress.buckling = table.whole_number("buckling", 1, 0);
   return stress;
 }
 

@@ -4,11 +4,10 @@
 #include <cmath>
 #include <cstdio>
 
+#include "batten/analysis/models/shell_modes.h"
 #include "batten/analysis/models/shell_stresses.h"
+#include "batten/apps/commands/shapes/stress_files.h"
 #include "batten/apps/commands/shapes/stress_words.h"
-#include "batten/core/box.h"
-#include "batten/io/files/text.h"
-#include "batten/io/vtk/vtk_files.h"
 
 namespace batten {
 namespace {
@@ -18,20 +17,6 @@ struct CaseAnswer {
   StressReport::Case report;
   Points load, displacement;
 };
-
-// VTK's order of a symmetric tensor.
-VecX in_order(const Mat3& s) {
-  VecX six(6);
-  six << s(0, 0), s(1, 1), s(2, 2), s(0, 1), s(1, 2), s(0, 2);
-  return six;
-}
-
-std::string file_word(const std::string& name) {
-  std::string word;
-  for (const char c : name)
-    word += std::isalnum(static_cast<unsigned char>(c)) || c == '-' ? c : '_';
-  return word;
-}
 
 std::vector<CaseAnswer> answers_of(const Scene& scene, const ShellModel& shell,
                                    const ShellDefinition& definition) {
@@ -162,94 +147,33 @@ void warn(const StressReport& s, std::vector<std::string>& warnings) {
                          "point support, where it has no limit as elements get smaller");
 }
 
-/// Draws and writes one case.
-class CaseFiles {
- public:
-  CaseFiles(const ShellModel& shell, const CaseAnswer& answer, const ShellStresses& stresses)
-      : shell_(shell),
-        answer_(answer),
-        stresses_(stresses),
-        moved_(shell.layout().surface(answer.displacement)) {}
+std::string three_digits(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g", value);
+  return text;
+}
 
-  void write(const std::filesystem::path& file) const {
-    std::vector<SkinnedRegion> regions = of_shape(shell_.shape());
-    VtkOptions options;
-    options.curvatures = false;
-    options.fields = {{"Displacement", 3, [&](int r, const Location& where) -> VecX {
-                         return moved_.position(in_model(r, where));
-                       }}};
-    for (const auto& [name, height] : kSides) {
-      options.fields.push_back({"Von_mises_" + std::string(name), 1,
-                                [this, height = height](int r, const Location& where) {
-                                  return VecX::Constant(1, equivalent(r, where, height));
-                                }});
-      options.fields.push_back(
-          {"Stress_" + std::string(name), 6, [this, height = height](int r, const Location& where) {
-             return in_order(at(r, where).at(height));
-           }});
-    }
-    options.fields.push_back(
-        {"Forces", 6, [this](int r, const Location& w) { return in_order(at(r, w).forces); }});
-    options.fields.push_back(
-        {"Moments", 6, [this](int r, const Location& w) { return in_order(at(r, w).moments); }});
-    write_vtu(file, pointers(regions), options);
+void find_buckling(const Scene& scene, const ShellModel& shell, CaseAnswer& a, StressFiles& files) {
+  const ShellBuckling found = buckling(shell, a.displacement, scene.stress->buckling);
+  std::vector<std::string> captions;
+  for (const double factor : found.factors) {
+    a.report.buckling.push_back(factor);
+    captions.push_back(a.report.name + " buckles at " + three_digits(factor) + " times its load");
   }
+  a.report.buckling_asked = true;
+  if (!captions.empty()) files.write_motions(a.report.name + " buckling", found.shapes, captions);
+}
 
-  void draw(const std::filesystem::path& file, const PictureScene& view, const std::string& title,
-            const std::string& stress_unit) const {
-    const double times = exaggeration();
-    const std::vector<SkinnedRegion> regions =
-        of_shape(shell_.shape() + times * answer_.displacement);
-    PictureScene picture;
-    picture.azimuth = view.azimuth;
-    picture.elevation = view.elevation;
-    picture.regions = pointers(regions);
-    picture.field = PictureScene::Field::Value;
-    picture.title = title + ", displacements × " + number(times);
-    picture.value = {"Von Mises stress" + stress_unit + ", the larger of both sides",
-                     [&](int r, const Location& where) {
-                       return std::max(equivalent(r, where, 1), equivalent(r, where, -1));
-                     },
-                     0};
-    draw_picture(file, picture);
+void find_modes(const Scene& scene, const ShellModel& shell, const ShellDefinition& definition,
+                StressReport& report, StressFiles& files) {
+  const ShellModes modes =
+      natural_modes(shell.layout(), shell.shape(), definition, scene.stress->modes);
+  std::vector<std::string> captions;
+  for (const double f : modes.frequencies) {
+    report.frequencies.push_back(f);
+    captions.push_back(three_digits(f) + " Hz");
   }
-
- private:
-  static constexpr std::pair<const char*, double> kSides[] = {
-      {"top", 1}, {"middle", 0}, {"bottom", -1}};
-
-  Location in_model(int r, const Location& where) const {
-    return shell_.layout().in_model(r, where);
-  }
-  ShellStress at(int r, const Location& where) const { return stresses_.at(in_model(r, where)); }
-  double equivalent(int r, const Location& where, double height) const {
-    return von_mises(at(r, where).at(height));
-  }
-  std::vector<SkinnedRegion> of_shape(const Points& dofs) const {
-    std::vector<SkinnedRegion> regions;
-    for (int r = 0; r < shell_.layout().region_count(); ++r)
-      regions.push_back(shell_.layout().skinned(r, dofs));
-    return regions;
-  }
-  // So that the largest displacement is a twentieth of the model: 1, 2, 5, 10, …
-  double exaggeration() const {
-    constexpr double share = 0.05;
-    if (!(answer_.report.displacement > 0)) return 1;
-    const double wanted = share * shell_.layout().size() / answer_.report.displacement;
-    const double power = std::pow(10, std::floor(std::log10(wanted)));
-    for (const double digit : {5.0, 2.0})
-      if (wanted >= digit * power) return digit * power;
-    return power;
-  }
-
-  const ShellModel& shell_;
-  const CaseAnswer& answer_;
-  const ShellStresses& stresses_;
-  Surface moved_;
-};
-
-std::string stress_unit(const Scene& scene) {
-  return scene.unit == "mm" ? " [N/mm²]" : scene.unit == "m" ? " [Pa]" : "";
+  files.write_motions("modes", modes.shapes, captions);
 }
 
 }  // namespace
@@ -267,39 +191,27 @@ void analyse(ShapeRun& run, const Scene& scene, const MadeShape& shape, const Pr
   report.yield = scene.stress->yield;
   measure_theory(shell, report);
   run.watch.lap("stress");
+  StressFiles files(run, scene, shell);
   for (CaseAnswer& a : answers) {
     progress.at("stress of " + a.report.name, 0);
     measure_balance(shell, a);
     measure_displacement(shell, a);
     const ShellStresses stresses(shell, a.displacement);
     measure_stress(scene, shell, definition, stresses, a.report);
-    const std::string stem = file_word(scene.name) + "_" + file_word(a.report.name);
-    const CaseFiles files(shell, a, stresses);
-    files.write(run.out.file(stem + ".vtu"));
-    run.report.files.push_back(stem + ".vtu");
-    if (can_draw(run.report, stem + ".png")) {
-      files.draw(run.out.file(stem + ".png"),
-                 scene.pictures.empty() ? PictureScene() : scene.pictures[0].look,
-                 scene.name + ": " + a.report.name, stress_unit(scene));
-      run.report.files.push_back(stem + ".png");
-    }
+    files.write_case(a.report.name, a.displacement, a.report.displacement, stresses);
     constexpr double balanced = 1e-8;
     if (!(a.report.balance <= balanced))
       run.report.missed.push_back({"stress.balance of " + a.report.name,
                                    "is " + number(a.report.balance) + ", promised at most 1e-8"});
+    if (scene.stress->buckling > 0) find_buckling(scene, shell, a, files);
     report.cases.push_back(a.report);
   }
+  if (scene.stress->modes > 0) find_modes(scene, shell, definition, report, files);
   warn(report, run.report.warnings);
   run.watch.lap("stress files");
 }
 
 namespace {
-
-std::string three_digits(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3g", value);
-  return text;
-}
 
 std::string place_in_words(const Vec3& p) {
   std::string text;
@@ -319,11 +231,18 @@ std::string stress_results(const StressReport& report, const std::string& unit) 
                          c.stressed_region + "', ± " + three_digits(c.spread);
     if (c.safety > 0) stress += "; yield / stress " + three_digits(c.safety);
     text += result_line(c.combination ? "combination" : "case", "'" + c.name + "': " + stress);
+    if (c.buckling_asked)
+      text += result_line(
+          "", c.buckling.empty() ? "does not buckle under this load"
+                                 : "buckles at " + three_digits(c.buckling[0]) + " times its load");
     text += result_line("", "moves by " + three_digits(c.displacement) + " " + unit + " at " +
                                 place_in_words(c.displaced_at) + "; error about " +
                                 three_digits(100 * c.error) + " % in energy norm, " +
                                 three_digits(100 * c.error * c.error) + " % in displacement");
   }
+  std::string hertz;
+  for (const double f : report.frequencies) hertz += (hertz.empty() ? "" : ", ") + three_digits(f);
+  if (!hertz.empty()) text += result_line("frequencies", hertz + " Hz");
   return text;
 }
 

@@ -7,12 +7,11 @@
 
 namespace batten {
 
-/// Analyses the shape as the shell of scene.stress: each load case and combination, from one factor.
-/// For each it writes NAME_CASE.vtu (on the undeformed shape: Displacement, Von_mises_top, _middle
-/// and _bottom, Stress_top and _bottom, Forces, Moments; tensors as xx, yy, zz, xy, yz, xz) and draws
-/// NAME_CASE.png, the equivalent stress on the deformed shape. Fills report.stress and
-/// report.warnings; report.missed where reactions do not balance the loads. Throws InputError with
-/// the place in the scene, ConflictError, NoSolutionError (what is not held, by its motion).
+/// Analyses the shape as the shell of scene.stress: each load case and combination from one factor,
+/// and where the scene asks for them, buckling factors and natural frequencies. StressFiles writes
+/// and draws them. Fills report.stress and report.warnings; report.missed where reactions do not
+/// balance the loads. Throws InputError with the place in the scene, ConflictError, NoSolutionError
+/// (what is not held, by its motion).
 void analyse(ShapeRun& run, const Scene& scene, const MadeShape& shape, const Progress& progress);
 
 /// The lines of a summary about it.

@@ -1,0 +1,172 @@
+#include "batten/apps/commands/shapes/stress_files.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "batten/io/pictures/animation.h"
+#include "batten/io/vtk/vtk_files.h"
+
+namespace batten {
+namespace {
+
+// VTK's order of a symmetric tensor.
+VecX in_order(const Mat3& s) {
+  VecX six(6);
+  six << s(0, 0), s(1, 1), s(2, 2), s(0, 1), s(1, 2), s(0, 2);
+  return six;
+}
+
+std::string file_word(const std::string& name) {
+  std::string word;
+  for (const char c : name)
+    word += std::isalnum(static_cast<unsigned char>(c)) || c == '-' ? c : '_';
+  return word;
+}
+
+std::string stress_unit(const Scene& scene) {
+  return scene.unit == "mm" ? " [N/mm²]" : scene.unit == "m" ? " [Pa]" : "";
+}
+
+}  // namespace
+
+std::vector<SkinnedRegion> StressFiles::regions_of(const Points& dofs) const {
+  std::vector<SkinnedRegion> regions;
+  for (int r = 0; r < shell_.layout().region_count(); ++r)
+    regions.push_back(shell_.layout().skinned(r, dofs));
+  return regions;
+}
+
+PictureScene StressFiles::view() const {
+  PictureScene picture;
+  if (scene_.pictures.empty()) return picture;
+  picture.azimuth = scene_.pictures[0].look.azimuth;
+  picture.elevation = scene_.pictures[0].look.elevation;
+  return picture;
+}
+
+double StressFiles::exaggeration(double largest) const {
+  constexpr double share = 0.05;
+  if (!(largest > 0)) return 1;
+  const double wanted = share * shell_.layout().size() / largest;
+  const double power = std::pow(10, std::floor(std::log10(wanted)));
+  for (const double digit : {5.0, 2.0})
+    if (wanted >= digit * power) return digit * power;
+  return power;
+}
+
+double StressFiles::largest(const Points& displacement) const {
+  const VecX positions = shell_.layout().position_dofs();
+  double most = 0;
+  for (long m = 0; m < positions.size(); ++m)
+    if (positions[m] > 0) most = std::max(most, displacement.row(m).norm());
+  return most;
+}
+
+std::string StressFiles::stem(const std::string& name) const {
+  return file_word(scene_.name) + "_" + file_word(name);
+}
+
+void StressFiles::write_case(const std::string& name, const Points& displacement, double largest,
+                             const ShellStresses& stresses) {
+  const auto at = [&](int r, const Location& where) {
+    return stresses.at(shell_.layout().in_model(r, where));
+  };
+  const Surface moved = shell_.layout().surface(displacement);
+  VtkOptions options;
+  options.curvatures = false;
+  options.fields.push_back({"Displacement", 3, [&](int r, const Location& where) -> VecX {
+                              return moved.position(shell_.layout().in_model(r, where));
+                            }});
+  for (const auto& [side, height] :
+       {std::pair<const char*, double>{"top", 1}, {"middle", 0}, {"bottom", -1}}) {
+    options.fields.push_back({"Von_mises_" + std::string(side), 1,
+                              [&at, h = height](int r, const Location& where) -> VecX {
+                                return VecX::Constant(1, von_mises(at(r, where).at(h)));
+                              }});
+    options.fields.push_back(
+        {"Stress_" + std::string(side), 6,
+         [&at, h = height](int r, const Location& where) { return in_order(at(r, where).at(h)); }});
+  }
+  options.fields.push_back(
+      {"Forces", 6, [&](int r, const Location& where) { return in_order(at(r, where).forces); }});
+  options.fields.push_back(
+      {"Moments", 6, [&](int r, const Location& where) { return in_order(at(r, where).moments); }});
+  const std::vector<SkinnedRegion> still = regions_of(shell_.shape());
+  write_vtu(run_.out.file(stem(name) + ".vtu"), pointers(still), options);
+  run_.report.files.push_back(stem(name) + ".vtu");
+
+  if (!can_draw(run_.report, stem(name) + ".png")) return;
+  const double times = exaggeration(largest);
+  const std::vector<SkinnedRegion> regions = regions_of(shell_.shape() + times * displacement);
+  PictureScene picture = view();
+  picture.regions = pointers(regions);
+  picture.field = PictureScene::Field::Value;
+  picture.title = scene_.name + ": " + name + ", displacements × " + number(times);
+  picture.value = {"Von Mises stress" + stress_unit(scene_) + ", the larger of both sides",
+                   [&](int r, const Location& where) {
+                     const ShellStress stress = at(r, where);
+                     return std::max(von_mises(stress.at(1)), von_mises(stress.at(-1)));
+                   },
+                   0};
+  draw_picture(run_.out.file(stem(name) + ".png"), picture);
+  run_.report.files.push_back(stem(name) + ".png");
+}
+
+void StressFiles::write_motions(const std::string& kind, const std::vector<Points>& shapes,
+                                const std::vector<std::string>& captions) {
+  std::vector<Surface> moved;
+  for (const Points& shape : shapes)
+    moved.push_back(shell_.layout().surface(shape / largest(shape)));
+  VtkOptions options;
+  options.curvatures = false;
+  for (size_t k = 0; k < shapes.size(); ++k)
+    options.fields.push_back(
+        {file_word(kind) + "_" + std::to_string(k + 1), 3, [&, k](int r, const Location& where) -> VecX {
+           return moved[k].position(shell_.layout().in_model(r, where));
+         }});
+  const std::vector<SkinnedRegion> still = regions_of(shell_.shape());
+  write_vtu(run_.out.file(stem(kind) + ".vtu"), pointers(still), options);
+  run_.report.files.push_back(stem(kind) + ".vtu");
+
+  if (!can_draw(run_.report, stem(kind) + ".png")) return;
+  constexpr double swing = 0.07;  // of the model
+  constexpr int frames = 16;
+  const PictureSize small{640, 400};
+  std::vector<std::vector<SkinnedRegion>> kept;
+  const auto picture_at = [&](size_t k, double phase) {
+    kept.push_back(
+        regions_of(shell_.shape() + swing * shell_.layout().size() * phase * moved[k].dofs()));
+    PictureScene picture = view();
+    picture.regions = pointers(kept.back());
+    picture.field = PictureScene::Field::Value;
+    picture.title = captions[k];
+    picture.value = {"Displacement, of the largest",
+                     [&, k, phase](int r, const Location& where) {
+                       return std::abs(phase) *
+                              moved[k].position(shell_.layout().in_model(r, where)).norm();
+                     },
+                     1};
+    return picture;
+  };
+  std::vector<PictureScene> sheet;
+  for (size_t k = 0; k < shapes.size(); ++k) sheet.push_back(picture_at(k, 1));
+  draw_contact_sheet(run_.out.file(stem(kind) + ".png"), sheet,
+                     static_cast<int>(std::ceil(std::sqrt(static_cast<double>(sheet.size())))));
+  run_.report.files.push_back(stem(kind) + ".png");
+  for (size_t k = 0; k < shapes.size(); ++k) {
+    kept.clear();
+    std::vector<PictureScene> phases;
+    for (int i = 0; i < frames; ++i)
+      phases.push_back(picture_at(k, std::sin(2 * std::numbers::pi * i / frames)));
+    hold_view(phases);
+    std::vector<Image> images;
+    for (const PictureScene& phase : phases) images.push_back(picture_image(phase, small));
+    const std::string file = stem(kind) + "_" + std::to_string(k + 1) + ".gif";
+    constexpr double seconds = 0.06;
+    write_gif(run_.out.file(file), images, seconds, seconds);
+    run_.report.files.push_back(file);
+  }
+}
+
+}  // namespace batten
