@@ -95,13 +95,10 @@ std::optional<Pairs> largest_pairs(const ConstrainedSolver& solver, const Sparse
 
 }  // namespace
 
-ShellModes natural_modes(const ModelLayout& layout, const Points& shape,
-                         const ShellDefinition& definition, int count) {
-  for (const ShellSection& section : definition.sections)
-    if (!(section.material.density > 0))
-      throw InputError("natural frequencies need a density, found " +
-                       number(section.material.density));
-  const ShellModel shell(layout, shape, definition, ShellModel::Free::Shifted);
+ShellModes natural_modes(const ShellModel& shell, int count) {
+  for (int r = 0; r < shell.layout().region_count(); ++r)
+    if (const double density = shell.section(r).material.density; !(density > 0))
+      throw InputError("natural frequencies need a density, found " + number(density));
   const SparseMatrix M = shell.assembler().mass();
   const auto found = largest_pairs(shell.solver(), M, count + shell.free_motions(),
                                    Spectra::SortRule::LargestAlge);

@@ -14,13 +14,12 @@ struct ShellModes {
   int rigid = 0;               ///< of them: motions without strain, of a shell that is not held
 };
 
-/// K q = (2π f)² M q for the lowest `count` frequencies, besides rigid motions. The shell need not
-/// be held: then the system is shifted by a little mass, and its rigid motions come first. Lanczos
-/// iteration by Spectra on the inverse (shift and invert, implicitly restarted), one factor and some
-/// 3 · count solves. Throws InputError: no density in some section, count not above 0 or more than
-/// half of the unknowns; otherwise as ShellModel; NoSolutionError when the iteration does not end.
-ShellModes natural_modes(const ModelLayout& layout, const Points& shape,
-                         const ShellDefinition& definition, int count);
+/// K q = (2π f)² M q for the lowest `count` frequencies, besides rigid motions: those of a shell that
+/// is not held (ShellModel::Free::Shifted) come first. Lanczos
+/// iteration by Spectra on the inverse (shift and invert, implicitly restarted): some 3 · count
+/// solves with the shell's factor. Throws InputError: no density in some section, count not above 0
+/// or half of the unknowns; NoSolutionError when the iteration does not end.
+ShellModes natural_modes(const ShellModel& shell, int count);
 
 /// Load factors at which a shell buckles, smallest first.
 struct ShellBuckling {

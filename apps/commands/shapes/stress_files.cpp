@@ -121,10 +121,10 @@ void StressFiles::write_motions(const std::string& kind, const std::vector<Point
   VtkOptions options;
   options.curvatures = false;
   for (size_t k = 0; k < shapes.size(); ++k)
-    options.fields.push_back(
-        {file_word(kind) + "_" + std::to_string(k + 1), 3, [&, k](int r, const Location& where) -> VecX {
-           return moved[k].position(shell_.layout().in_model(r, where));
-         }});
+    options.fields.push_back({file_word(kind) + "_" + std::to_string(k + 1), 3,
+                              [&, k](int r, const Location& where) -> VecX {
+                                return moved[k].position(shell_.layout().in_model(r, where));
+                              }});
   const std::vector<SkinnedRegion> still = regions_of(shell_.shape());
   write_vtu(run_.out.file(stem(kind) + ".vtu"), pointers(still), options);
   run_.report.files.push_back(stem(kind) + ".vtu");

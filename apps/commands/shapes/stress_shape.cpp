@@ -164,10 +164,9 @@ void find_buckling(const Scene& scene, const ShellModel& shell, CaseAnswer& a, S
   if (!captions.empty()) files.write_motions(a.report.name + " buckling", found.shapes, captions);
 }
 
-void find_modes(const Scene& scene, const ShellModel& shell, const ShellDefinition& definition,
-                StressReport& report, StressFiles& files) {
-  const ShellModes modes =
-      natural_modes(shell.layout(), shell.shape(), definition, scene.stress->modes);
+void find_modes(const Scene& scene, const ShellModel& shell, StressReport& report,
+                StressFiles& files) {
+  const ShellModes modes = natural_modes(shell, scene.stress->modes);
   std::vector<std::string> captions;
   for (const double f : modes.frequencies) {
     report.frequencies.push_back(f);
@@ -206,7 +205,7 @@ void analyse(ShapeRun& run, const Scene& scene, const MadeShape& shape, const Pr
     if (scene.stress->buckling > 0) find_buckling(scene, shell, a, files);
     report.cases.push_back(a.report);
   }
-  if (scene.stress->modes > 0) find_modes(scene, shell, definition, report, files);
+  if (scene.stress->modes > 0) find_modes(scene, shell, report, files);
   warn(report, run.report.warnings);
   run.watch.lap("stress files");
 }

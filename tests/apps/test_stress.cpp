@@ -1,0 +1,141 @@
+// batten stress: what it finds, what it writes, and how it refuses.
+#include "batten/tests/apps/cli_case.h"
+
+#include <cmath>
+
+using namespace batten_test;
+
+namespace {
+
+std::string line(const std::string& name, const std::string& points) {
+  return "[[line]]\nname = \"" + name + "\"\npoints = " + points + "\n";
+}
+
+// A plate of 100 by 100, of steel in mm.
+std::string plate(const std::string& stress) {
+  return "name = \"plate\"\nunit = \"mm\"\n" + line("a", "[[0,0,0],[100,0,0]]") +
+         line("b", "[[100,0,0],[100,100,0]]") + line("c", "[[100,100,0],[0,100,0]]") +
+         line("d", "[[0,100,0],[0,0,0]]") + "[skin]\nedge_length = 20\n[stress]\n" + stress + "\n";
+}
+
+const std::string kSteel = "thickness = 1\nmaterial = \"steel\"\n";
+const std::string kClamped = "supports = [{line = \"a\"}]\n";
+
+void refused(const Case& c, const std::string& stress, int code,
+             const std::vector<std::string>& parts) {
+  c.file("s.toml", plate(stress));
+  const Result r = c.run({"stress", "s.toml", "--out", "out"});
+  INFO(stress << "\n" << r.err);
+  CHECK(r.code == code);
+  for (const std::string& part : parts) CHECK(r.err.find(part) != std::string::npos);
+  CHECK_FALSE(fs::exists(c / "out"));
+}
+
+nlohmann::json stress_of(const Case& c, const std::string& scene) {
+  c.file("s.toml", scene);
+  const Result r = c.run({"stress", "s.toml", "--out", "out"});
+  INFO(r.err);
+  REQUIRE((r.code == 0 || r.code == 4));  // pictures need a display
+  return nlohmann::json::parse(contents(c / "out/report.json"))["stress"];
+}
+
+}  // namespace
+
+TEST_CASE("a stress analysis says what moves, what is stressed, and what holds") {
+  const Case c("stress_plate");
+  const auto stress = stress_of(
+      c,
+      plate(
+          kSteel + kClamped +
+          "yield = 235\nmodes = 2\n"
+          "loads = [{line = \"c\", force = [0, 0, -0.01]}, {case = \"wind\", pressure = 1e-4}]\n"
+          "combinations = [{name = \"both\", cases = [\"loads\", \"wind\"], factors = [2, -1]}]"));
+  REQUIRE(stress["cases"].size() == 3);
+  const auto &tip = stress["cases"][0], &wind = stress["cases"][1], &both = stress["cases"][2];
+  // A cantilever: w = F L^3 / 3EI, a plate of width 100 being a little stiffer.
+  const double beam = 0.01 * 1e6 / (3 * 210000.0 / 12);
+  CHECK(tip["max_displacement"].get<double>() == Approx(beam).epsilon(0.08));
+  CHECK(tip["displacement"][2].get<double>() < 0);
+  CHECK(tip["max_von_mises"].get<double>() == Approx(6.0).epsilon(0.2));
+  CHECK(tip["safety"].get<double>() == Approx(235 / tip["max_von_mises"].get<double>()));
+  CHECK(tip["reactions"][0]["support"] == "clamped a");
+  CHECK(tip["reactions"][0]["force"][2].get<double>() == Approx(1));
+  CHECK(tip["balance"].get<double>() < 1e-8);
+  CHECK(wind["force"][2].get<double>() == Approx(1));
+  CHECK(both["combination"]);
+  CHECK(both["displacement"][2].get<double>() ==
+        Approx(2 * tip["displacement"][2].get<double>() - wind["displacement"][2].get<double>())
+            .epsilon(1e-3));
+  // Of a cantilever plate, square, with ν = 0.3: 3.47 and 8.51 √(D/ρt)/2πL².
+  const double unit = std::sqrt(210000.0 / (12 * 0.91) / 7.85e-9) / (2 * std::acos(-1.0) * 1e4);
+  CHECK(stress["frequencies"][0].get<double>() == Approx(3.47 * unit).epsilon(0.01));
+  CHECK(stress["frequencies"][1].get<double>() == Approx(8.51 * unit).epsilon(0.01));
+  for (const char* file :
+       {"plate_loads.vtu", "plate_wind.vtu", "plate_both.vtu", "plate_modes.vtu"})
+    CHECK(fs::exists(c / "out" / file));
+}
+
+TEST_CASE("the same plate in m and in mm has the same stresses") {
+  const Case c("stress_units");
+  const auto mm = stress_of(c, plate(kSteel + kClamped + "gravity = [0, 0, -9810]"));
+  std::string in_m =
+      plate("thickness = 0.001\nmaterial = \"steel\"\n" + kClamped + "gravity = [0, 0, -9.81]");
+  in_m.replace(in_m.find("\"mm\""), 4, "\"m\"");
+  for (size_t at; (at = in_m.find("100")) != std::string::npos;) in_m.replace(at, 3, "0.1");
+  in_m.replace(in_m.find("edge_length = 20"), 16, "edge_length = 0.02");
+  const auto m = stress_of(c, in_m);
+  const auto of = [](const auto& s, const char* key) {
+    return s["cases"][0][key].template get<double>();
+  };
+  CHECK(of(m, "max_displacement") == Approx(1e-3 * of(mm, "max_displacement")).epsilon(1e-6));
+  CHECK(of(m, "max_von_mises") == Approx(1e6 * of(mm, "max_von_mises")).epsilon(1e-6));
+}
+
+TEST_CASE("what a stress analysis cannot be made of is refused by its place") {
+  const Case c("stress_refused");
+  refused(c, kSteel, 1, {"found no supports", "supports = [{line"});
+  refused(c, kSteel + "supports = [{kind = \"clamped\"}]", 1, {"a support on nothing"});
+  refused(c, kSteel + "supports = [{line = \"aa\"}]", 1, {"s.toml:", "found the line 'aa'", "'a'"});
+  refused(c, "thickness = -1\nmaterial = \"steel\"\n" + kClamped, 1, {"'thickness'", "-1"});
+  refused(c, "thickness = 1\nmaterial = \"stele\"\n" + kClamped, 1, {"did you mean 'steel'"});
+  refused(c, "thickness = 1\nyoung = 210e9\n" + kClamped, 1, {"N/mm² (steel: 210000), not Pa"});
+  refused(c, "thickness = 1\nyoung = 210e3\ndensity = 7850\n" + kClamped, 1,
+          {"t/mm³", "not kg/m³"});
+  refused(c, kSteel + kClamped + "loads = [{point = [50, 50, 80], force = [0, 0, 1]}]", 1,
+          {"s.toml:", "80 mm away from the surface"});
+  refused(c, kSteel + kClamped + "loads = [{force = [0, 0, 1]}]", 1, {"'force' without a place"});
+  refused(c, kSteel + kClamped + "loads = [{pressure = 1, moment = 2}]", 1, {"two loads in one"});
+  refused(c, kSteel + kClamped + "loads = [{pressure = 1, region = \"top\"}]", 1,
+          {"found the region 'top'"});
+  refused(c, kSteel + kClamped + "hinges = [\"c\"]", 1, {"found the hinge 'c', which is a rim"});
+  refused(c,
+          kSteel + kClamped + "combinations = [{name = \"x\", cases = [\"snow\"], factors = [1]}]",
+          1, {"the case 'snow'"});
+  refused(c, kSteel + "supports = [{line = \"a\", kind = \"pinned\"}]\npressure = 1", 3,
+          {"the shell is not held: all of it can turn about the axis along [1, 0, 0]"});
+  refused(c, "thickness = 1\nyoung = 1000\n" + kClamped + "gravity = [0, 0, 1]", 1, {"'density'"});
+}
+
+TEST_CASE("a region that hangs free is named") {
+  const Case c("stress_free");
+  const std::string far =
+      line("e", "[[300,0,0],[400,0,0]]") + line("f", "[[400,0,0],[400,100,0]]") +
+      line("g", "[[400,100,0],[300,100,0]]") + line("h", "[[300,100,0],[300,0,0]]");
+  std::string scene = plate(kSteel + kClamped + "pressure = 1");
+  scene.insert(scene.find("[skin]"), far + "[network]\n");
+  c.file("s.toml", scene);
+  const Result r = c.run({"stress", "s.toml", "--out", "out"});
+  INFO(r.err);
+  CHECK(r.code == 3);
+  CHECK(r.err.find("the shell is not held: region '") != std::string::npos);
+  CHECK_FALSE(fs::exists(c / "out"));
+}
+
+TEST_CASE("a deck that cannot hold the loads of a scene is refused") {
+  const Case c("stress_deck");
+  const std::string deck = "\n[output]\ncalculix = \"p.inp\"";
+  c.file("s.toml", plate(kSteel + kClamped + "loads = [{line = \"c\", moment = 1}]" + deck));
+  const Result r = c.run({"run", "s.toml", "--out", "out"});
+  CHECK(r.code == 1);
+  CHECK(r.err.find("which 'p.inp' cannot hold; `batten stress` can") != std::string::npos);
+}
