@@ -106,18 +106,19 @@ MatX together(int bodies) {
 }  // namespace
 
 std::vector<std::string> free_motions(const ModelLayout& model, const Points& shape,
-                                      const ConstraintSet& rows) {
+                                      const ShellTies& ties) {
   const RigidBodies bodies(model, shape);
   const int count = bodies.count();
   MatX AtA = MatX::Zero(6 * count, 6 * count);
   std::vector<ConstraintSet::CoupledEntry> entries;
-  for (const auto& row : rows.rows())
+  for (const auto& row : ties.rows.rows())
     for (int c = 0; c < 3; ++c) {
       entries.clear();
       for (const auto& e : row.entries) entries.push_back({e.dof, e.coefficient * Vec3::Unit(c)});
       bodies.add_row(entries, AtA);
     }
-  for (const auto& row : rows.coupled_rows()) bodies.add_row(row.entries, AtA);
+  for (const auto& row : ties.rows.coupled_rows()) bodies.add_row(row.entries, AtA);
+  for (const auto& spring : ties.springs.springs()) bodies.add_row(spring.entries, AtA);
 
   const Eigen::SelfAdjointEigenSolver<MatX> eigen(AtA);
   const VecX& values = eigen.eigenvalues();

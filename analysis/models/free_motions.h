@@ -4,16 +4,15 @@
 #include <string>
 #include <vector>
 
-#include "batten/constraints/constraint_set.h"
-#include "batten/skinning/model/model_layout.h"
+#include "batten/analysis/models/shell_ties.h"
 
 namespace batten {
 
-// Motions in which each region stays rigid and no row of the set resists, in words: "all of it can
+// Motions in which each region stays rigid and no row and no spring resists, in words: "all of it can
 // slide along [0, 0, 1]", "region 'lid' can turn about the axis along … through …". None where the
 // shell is held. A motion that is resisted by less than 1e-5 of what others are counts as free.
 // O(rows + (6 regions)³); models of more than 500 regions are looked at as one body.
 std::vector<std::string> free_motions(const ModelLayout& model, const Points& shape,
-                                      const ConstraintSet& rows);
+                                      const ShellTies& ties);
 
 }  // namespace batten

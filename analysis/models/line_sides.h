@@ -1,8 +1,12 @@
-// A line of a model as one of its regions has it, on the numbers of the whole model. Internal.
+// Lines of a model as its regions have them, on the numbers of the whole model. Internal.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <vector>
 
+#include "batten/analysis/shell_section.h"
+#include "batten/elements/quadrature.h"
 #include "batten/skinning/model/join_edge.h"
 #include "batten/skinning/model/model_layout.h"
 
@@ -23,16 +27,6 @@ class LineSides {
   const std::vector<const RegionLayout*>& regions() const { return regions_; }
   const std::vector<RegionNumbers>& numbers() const { return numbers_; }
 
-  // Visits the hats of an embedded line, with the sum of each one's weights.
-  template <class Visit>
-  static void over_hats(const JoinEdge& a, const JoinEdge& b, const Visit& visit) {
-    for (const auto& hat : hats(tie_stations(a, b), a.closed(), {true, true})) {
-      double weight = 0;
-      for (const HatPoint& p : hat) weight += p.weight;
-      visit(hat, weight);
-    }
-  }
-
  private:
   static std::vector<const RegionLayout*> layouts(const ModelLayout& model) {
     std::vector<const RegionLayout*> regions;
@@ -48,6 +42,48 @@ class LineSides {
   std::vector<const RegionLayout*> regions_;
   std::vector<RegionNumbers> numbers_;
   JoinEdges sides_;
+};
+
+// Calls visit(f, dl) at points of a line, dl being the length that each stands for: eight between
+// stations of either side, from end to end. (Points where a line is held do not reach its corners,
+// which are points of other lines.)
+template <class Visit>
+void over_line(const JoinEdge& a, const JoinEdge& b, const Visit& visit) {
+  std::vector<double> at = a.stations();
+  const std::vector<double> more = b.stations();
+  at.insert(at.end(), more.begin(), more.end());
+  at.insert(at.end(), {0.0, 1.0});
+  std::sort(at.begin(), at.end());
+  constexpr int points = 4;
+  static const SegmentRule rule = gauss_legendre(points);
+  constexpr double nothing = 1e-12;
+  for (size_t i = 0; i + 1 < at.size(); ++i) {
+    if (at[i + 1] - at[i] < nothing) continue;
+    for (int half = 0; half < 2; ++half) {
+      const double from = share(at[i], at[i + 1], 0.5 * half), width = 0.5 * (at[i + 1] - at[i]);
+      for (int p = 0; p < points; ++p) {
+        const double f = from + width * rule.s[p];
+        visit(f, rule.weights[p] * width * a.span() * a.slope(f).norm());
+      }
+    }
+  }
+}
+
+// Stiffness per length of the springs of a line, of the section and the elements' edge length there.
+struct SpringStiffness {
+  double displacement, rotation;
+
+  SpringStiffness(const JoinEdge& side, const Surface& model, const ShellSection& section,
+                  int first_triangle, double f) {
+    constexpr double alpha = 1000;
+    Location where = side.where(f);
+    where.triangle += first_triangle;
+    const double area = model.mesh().shape(where.triangle).area *
+                        model.jet({where.triangle, Vec3::Constant(1.0 / 3)}).area_vector().norm();
+    const double t = section.thickness;
+    displacement = alpha * section.material.Q(0, 0) * t / std::sqrt(2 * area);
+    rotation = displacement * t * t / 12;
+  }
 };
 
 }  // namespace batten

@@ -7,65 +7,54 @@
 namespace batten {
 namespace {
 
-// One line of the model on its first side.
-class SupportedLine {
- public:
-  SupportedLine(const JoinEdge& side, const Points& shape, const LineSupport& support,
-                ConstraintSet& set)
-      : side_(side), rotation_(side, shape), support_(support), set_(set) {}
+CoupledEntries along(const Vec3& direction, const RowEntries& entries) {
+  CoupledEntries row;
+  for (const auto& e : entries) row.push_back({e.dof, e.coefficient * direction});
+  return row;
+}
 
-  void hold(const Vec3& direction) {
-    const double value = direction.dot(support_.displacement);
-    const auto add = [&](const RowEntries& entries, double right) {
-      CoupledEntries row;
-      for (const auto& e : entries) row.push_back({e.dof, e.coefficient * direction});
-      add_summed(support_.name, row, right, set_);
-    };
-    if (!side_.embedded()) {
-      for (int k = 0; k < side_.count(); ++k) {
-        RowEntries place, slope;
-        side_.add_position(k, 1, place);
-        side_.add_along(k, 1, slope);
-        add(place, value);
-        add(slope, 0);
-      }
-      return;
+void hold_run(const JoinEdge& side, const Points& shape, const LineSupport& support,
+              const std::vector<Vec3>& directions, ConstraintSet& set) {
+  for (const Vec3& direction : directions)
+    for (int k = 0; k < side.count(); ++k) {
+      RowEntries place, slope;
+      side.add_position(k, 1, place);
+      side.add_along(k, 1, slope);
+      add_summed(support.name, along(direction, place), direction.dot(support.displacement), set);
+      add_summed(support.name, along(direction, slope), 0, set);
     }
-    LineSides::over_hats(side_, side_, [&](const std::vector<HatPoint>& hat, double weight) {
-      RowEntries row;
-      for (const HatPoint& p : hat) side_.add_at(p.f, 0, 0, p.weight / weight, row);
-      add(row, value);
-    });
-  }
-
-  void hold_rotation() {
-    if (!side_.embedded()) {
-      for (int k = 0; k < side_.count(); ++k)
-        add([&](CoupledEntries& row) { rotation_.at_vertex(k, 1, row); });
-      for (int k = 0; k + 1 < side_.count(); ++k)
-        add([&](CoupledEntries& row) { rotation_.in_middle(k, 1, row); });
-      return;
-    }
-    LineSides::over_hats(side_, side_, [&](const std::vector<HatPoint>& hat, double weight) {
-      add([&](CoupledEntries& row) {
-        for (const HatPoint& p : hat) rotation_.at_fraction(p.f, p.weight / weight, row);
-      });
-    });
-  }
-
- private:
-  template <class Fill>
-  void add(const Fill& fill) {
+  if (!support.rotation) return;
+  const LineRotation rotation(side, shape);
+  for (int k = 0; k < side.count(); ++k) {
     CoupledEntries row;
-    fill(row);
-    add_summed(support_.name, row, 0, set_);
+    rotation.at_vertex(k, 1, row);
+    add_summed(support.name, row, 0, set);
   }
+  for (int k = 0; k + 1 < side.count(); ++k) {
+    CoupledEntries row;
+    rotation.in_middle(k, 1, row);
+    add_summed(support.name, row, 0, set);
+  }
+}
 
-  const JoinEdge& side_;
-  LineRotation rotation_;
-  const LineSupport& support_;
-  ConstraintSet& set_;
-};
+template <class Stiffness>
+void hold_embedded(const JoinEdge& side, const Points& shape, const LineSupport& support,
+                   const std::vector<Vec3>& directions, const Stiffness& stiffness,
+                   LineSprings& springs) {
+  const LineRotation rotation(side, shape);
+  over_line(side, side, [&](double f, double dl) {
+    const SpringStiffness k = stiffness(f);
+    RowEntries place;
+    side.add_at(f, 0, 0, 1, place);
+    for (const Vec3& direction : directions)
+      springs.add(support.name, along(direction, place), k.displacement * dl,
+                  direction.dot(support.displacement));
+    if (!support.rotation) return;
+    CoupledEntries row;
+    rotation.at_fraction(f, 1, row);
+    springs.add(support.name, row, k.rotation * dl, 0);
+  });
+}
 
 const std::vector<Vec3> kAll = {Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ()};
 
@@ -83,20 +72,34 @@ LineSupport LineSupport::symmetric(const std::string& line, const Vec3& normal) 
   return {"symmetric " + line, line, {normal}, Vec3::Zero(), true};
 }
 
-void add_support(const ModelLayout& model, const Points& shape, const LineSupport& support,
-                 ConstraintSet& set) {
+void add_support(const ModelLayout& model, const Points& shape,
+                 const std::vector<ShellSection>& sections, const LineSupport& support,
+                 ShellTies& ties) {
   const std::string who = "support '" + support.name + "' ";
   if (support.directions.empty() && !support.rotation)
     throw InputError(who + "holds nothing: expected directions or the rotation");
-  LineSides sides(model);
-  const JoinEdge side = sides(model.model_line(support.line));
-  SupportedLine held(side, shape, support, set);
+  std::vector<Vec3> directions;
   for (const Vec3& direction : support.directions) {
     if (!direction.allFinite() || direction.isZero(0))
       throw InputError(who + "has a direction of length zero");
-    held.hold(direction.normalized());
+    directions.push_back(direction.normalized());
   }
-  if (support.rotation) held.hold_rotation();
+  LineSides sides(model);
+  const ModelLine& line = model.model_line(support.line);
+  const JoinEdge side = sides(line);
+  if (!side.embedded()) {
+    hold_run(side, shape, support, directions, ties.rows);
+    return;
+  }
+  const int r = line.sides[0].region;
+  const Surface surface = model.surface(shape);
+  hold_embedded(
+      side, shape, support, directions,
+      [&](double f) {
+        return SpringStiffness(side, surface, sections[sections.size() == 1 ? 0 : r],
+                               model.first_triangle(r), f);
+      },
+      ties.springs);
 }
 
 }  // namespace batten

@@ -4,8 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "batten/constraints/constraint_set.h"
-#include "batten/skinning/model/model_layout.h"
+#include "batten/analysis/models/shell_ties.h"
 
 namespace batten {
 
@@ -28,11 +27,12 @@ struct LineSupport {
   static LineSupport symmetric(const std::string& line, const Vec3& normal);
 };
 
-/// Adds the rows of a support to those of shell_ties(). On a run they hold it everywhere in its
-/// directions, and the rotation at vertices and in the middles of edges; on an embedded line both on
-/// the average of each hat. Other regions of the line follow by their ties. Throws InputError: no
-/// such line (with the nearest name), a direction of length zero, nothing to hold.
-void add_support(const ModelLayout& model, const Points& shape, const LineSupport& support,
-                 ConstraintSet& set);
+/// Adds a support to shell_ties(). On a run it is rows, which hold everywhere in its directions, and
+/// the rotation at vertices and in the middles of edges; on an embedded line it is springs, as ties
+/// are. Other regions of the line follow by their ties. Throws InputError: no such line (with the
+/// nearest name), a direction of length zero, nothing to hold.
+void add_support(const ModelLayout& model, const Points& shape,
+                 const std::vector<ShellSection>& sections, const LineSupport& support,
+                 ShellTies& ties);
 
 }  // namespace batten

@@ -64,19 +64,11 @@ Points line_moment(const ModelLayout& model, const Points& shape, const std::str
   const JoinEdge side = sides(model.model_line(line));
   const LineRotation rotation(side, shape);
   Points F = Points::Zero(shape.rows(), 3);
-  constexpr int points = 4;
-  const SegmentRule rule = gauss_legendre(points);
-  const std::vector<double> f = side.stations();
-  for (size_t i = 0; i + 1 < f.size(); ++i)
-    for (int p = 0; p < points; ++p) {
-      const double at = share(f[i], f[i + 1], rule.s[p]);
-      CoupledEntries row;
-      rotation.at_fraction(
-          at,
-          per_length * rule.weights[p] * (f[i + 1] - f[i]) * side.span() * side.slope(at).norm(),
-          row);
-      for (const auto& e : row) F.row(e.dof) += e.coefficient.transpose();
-    }
+  over_line(side, side, [&](double f, double dl) {
+    CoupledEntries row;
+    rotation.at_fraction(f, per_length * dl, row);
+    for (const auto& e : row) F.row(e.dof) += e.coefficient.transpose();
+  });
   return F;
 }
 

@@ -3,11 +3,9 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <map>
 
 #include "batten/analysis/models/free_motions.h"
 #include "batten/analysis/models/line_rotation.h"
-#include "batten/analysis/models/shell_ties.h"
 #include "batten/core/errors.h"
 #include "batten/elements/c1_triangle.h"
 
@@ -31,14 +29,16 @@ void add_point_support(const ModelLayout& model, const PointSupport& support, Co
   }
 }
 
-ConstraintSet rows_of(const ModelLayout& layout, const Points& shape,
-                      const ShellDefinition& definition, ShellModel::Free free, int& free_count) {
-  ConstraintSet set = shell_ties(layout, shape, definition.hinges);
-  for (const LineSupport& support : definition.lines) add_support(layout, shape, support, set);
-  for (const PointSupport& support : definition.points) add_point_support(layout, support, set);
-  const std::vector<std::string> motions = free_motions(layout, shape, set);
+ShellTies ties_of(const ModelLayout& layout, const Points& shape, const ShellDefinition& definition,
+                  ShellModel::Free free, int& free_count) {
+  ShellTies ties = shell_ties(layout, shape, definition.sections, definition.hinges);
+  for (const LineSupport& support : definition.lines)
+    add_support(layout, shape, definition.sections, support, ties);
+  for (const PointSupport& support : definition.points)
+    add_point_support(layout, support, ties.rows);
+  const std::vector<std::string> motions = free_motions(layout, shape, ties);
   free_count = count_of(motions);
-  if (motions.empty() || free == ShellModel::Free::Shifted) return set;
+  if (motions.empty() || free == ShellModel::Free::Shifted) return ties;
   std::string text = "the shell is not held: ";
   for (const std::string& motion : motions) text += (&motion == &motions[0] ? "" : "; ") + motion;
   throw NoSolutionError(text);
@@ -73,9 +73,11 @@ VecX stacked(const Points& q) { return Eigen::Map<const VecX>(q.data(), q.size()
 
 namespace {
 
-// K, and of a shell that is not held a little mass in each coordinate.
-SparseMatrix stiffness_of(const ShellAssembler& assembler, double shift) {
+// K with its springs, and of a shell that is not held a little mass in each coordinate.
+SparseMatrix stiffness_of(const ShellAssembler& assembler, const LineSprings& springs,
+                          double shift) {
   SparseMatrix K = assembler.stiffness();
+  if (!springs.empty()) K += springs.stiffness();
   if (shift == 0) return K;
   const SparseMatrix M = assembler.mass();
   SparseMatrix all(K.rows(), K.cols());
@@ -105,10 +107,10 @@ ShellModel::ShellModel(ModelLayout layout, Points shape, const ShellDefinition& 
       shape_(std::move(shape)),
       sections_(definition.sections),
       supports_(names_of(definition)),
-      rows_(rows_of(layout_, shape_, definition, free, free_motions_)),
+      ties_(ties_of(layout_, shape_, definition, free, free_motions_)),
       assembler_(layout_.surface(shape_), for_triangles(layout_, definition.sections)),
-      solver_(rows_,
-              stiffness_of(assembler_,
+      solver_(ties_.rows,
+              stiffness_of(assembler_, ties_.springs,
                            shift_ = free_motions_ > 0 ? shift_of(sections_[0], layout_.size()) : 0),
               layout_.dof_order()) {}
 
@@ -116,7 +118,7 @@ Points ShellModel::solve(const Points& F) const {
   if (F.rows() != shape_.rows())
     throw InputError("a load of " + std::to_string(F.rows()) + " dofs on a shell of " +
                      std::to_string(shape_.rows()));
-  return solver_.solve(F);
+  return ties_.springs.empty() ? solver_.solve(F) : solver_.solve(F + ties_.springs.load());
 }
 
 std::vector<SupportReaction> ShellModel::reactions(const Points& q, const Points& F) const {
@@ -124,29 +126,39 @@ std::vector<SupportReaction> ShellModel::reactions(const Points& q, const Points
       solver_.reduction().from_right().transpose() * stacked(reaction_forces(solver_.K(), q, F));
   const VecX positions = layout_.position_dofs();
   std::vector<SupportReaction> result;
-  std::map<int, size_t> of_name;
   for (const std::string& name : supports_) result.push_back({name, {}});
-  for (size_t n = 0; n < rows_.names().size(); ++n)
-    for (size_t s = 0; s < supports_.size(); ++s)
-      if (supports_[s] == rows_.names()[n]) of_name.emplace(static_cast<int>(n), s);
-  const auto first = static_cast<long>(3 * rows_.rows().size());
-  for (size_t r = 0; r < rows_.coupled_rows().size(); ++r) {
-    const ConstraintSet::CoupledRow& row = rows_.coupled_rows()[r];
-    const auto of = of_name.find(row.name);
-    if (of == of_name.end()) continue;  // a tie
-    Resultant& sum = result[of->second].resultant;
-    for (const auto& e : row.entries) {
-      const Vec3 force = lambda[first + static_cast<long>(r)] * e.coefficient;
+  // Of a support's name; ties have none.
+  const auto resultant_of = [&](const std::string& name) -> Resultant* {
+    const auto found = std::find(supports_.begin(), supports_.end(), name);
+    return found == supports_.end() ? nullptr : &result[found - supports_.begin()].resultant;
+  };
+  const auto add = [&](const CoupledEntries& entries, double factor, Resultant& sum) {
+    for (const auto& e : entries) {
+      const Vec3 force = factor * e.coefficient;
       sum.force += positions[e.dof] * force;
       sum.moment += Vec3(shape_.row(e.dof)).cross(force);
     }
+  };
+  const auto first = static_cast<long>(3 * ties_.rows.rows().size());
+  for (size_t r = 0; r < ties_.rows.coupled_rows().size(); ++r) {
+    const ConstraintSet::CoupledRow& row = ties_.rows.coupled_rows()[r];
+    if (Resultant* sum = resultant_of(ties_.rows.names()[row.name]))
+      add(row.entries, lambda[first + static_cast<long>(r)], *sum);
   }
+  for (const LineSprings::Spring& spring : ties_.springs.springs())
+    if (Resultant* sum = resultant_of(ties_.springs.names()[spring.name]))
+      add(spring.entries, LineSprings::pull(spring, q), *sum);
   return result;
 }
 
 double ShellModel::energy(const Points& q) const {
   const VecX x = stacked(q);
-  return 0.5 * x.dot(solver_.K().selfadjointView<Eigen::Lower>() * x);
+  double energy = 0.5 * x.dot(solver_.K().selfadjointView<Eigen::Lower>() * x);
+  for (const LineSprings::Spring& spring : ties_.springs.springs()) {
+    const double along = LineSprings::pull(spring, q) / spring.stiffness - spring.value;
+    energy -= 0.5 * spring.stiffness * along * along;
+  }
+  return energy;
 }
 
 }  // namespace batten

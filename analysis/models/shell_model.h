@@ -56,9 +56,9 @@ class ShellModel {
   /// The displacement, n×3. Throws InputError for a load of another size.
   Points solve(const Points& F) const;
   /// What every support does to the shell, each name once. Their sum balances the
-  /// load to rounding: λ of its rows, from K q - F = Cᵀ λ.
+  /// load to rounding: λ of its rows, from K q - F = Cᵀ λ, and the pull of its springs.
   std::vector<SupportReaction> reactions(const Points& q, const Points& F) const;
-  /// ½ qᵀ K q
+  /// ½ qᵀ K q, without what springs of embedded lines hold
   double energy(const Points& q) const;
 
   const ModelLayout& layout() const { return layout_; }
@@ -81,7 +81,7 @@ class ShellModel {
   std::vector<std::string> supports_;
   int free_motions_ = 0;
   double shift_ = 0;
-  ConstraintSet rows_;
+  ShellTies ties_;
   ShellAssembler assembler_;
   ConstrainedSolver solver_;
 };

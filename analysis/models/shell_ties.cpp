@@ -12,47 +12,81 @@ namespace {
 void tie_rotations(const std::string& name, const JoinEdge& a, const JoinEdge& b,
                    const Points& shape, ConstraintSet& set) {
   const LineRotation of_a(a, shape), of_b(b, shape);
-  if (!a.embedded() && !b.embedded()) {
-    for (int k = 0; k < a.count(); ++k) {
-      CoupledEntries row;
-      of_a.at_vertex(k, 1, row);
-      of_b.at_vertex(k, -1, row);
-      add_summed(name, row, 0, set);
-    }
-    for (int k = 0; k + 1 < a.count(); ++k) {
-      CoupledEntries row;
-      of_a.in_middle(k, 1, row);
-      of_b.in_middle(k, -1, row);
-      add_summed(name, row, 0, set);
-    }
-    return;
-  }
-  LineSides::over_hats(a, b, [&](const std::vector<HatPoint>& hat, double weight) {
+  for (int k = 0; k < a.count(); ++k) {
     CoupledEntries row;
-    for (const HatPoint& p : hat) {
-      of_a.at_fraction(p.f, p.weight / weight, row);
-      of_b.at_fraction(p.f, -p.weight / weight, row);
-    }
+    of_a.at_vertex(k, 1, row);
+    of_b.at_vertex(k, -1, row);
     add_summed(name, row, 0, set);
+  }
+  for (int k = 0; k + 1 < a.count(); ++k) {
+    CoupledEntries row;
+    of_a.in_middle(k, 1, row);
+    of_b.in_middle(k, -1, row);
+    add_summed(name, row, 0, set);
+  }
+}
+
+// stiffness(f): of the stiffer side.
+template <class Stiffness>
+void add_springs(const std::string& name, const JoinEdge& a, const JoinEdge& b, const Points& shape,
+                 bool hinge, const Stiffness& stiffness, LineSprings& springs) {
+  const LineRotation of_a(a, shape), of_b(b, shape);
+  over_line(a, b, [&](double f, double dl) {
+    const SpringStiffness k = stiffness(f);
+    RowEntries apart;
+    a.add_at(f, 0, 0, 1, apart);
+    b.add_at(f, 0, 0, -1, apart);
+    for (int c = 0; c < 3; ++c) {
+      CoupledEntries row;
+      for (const auto& e : apart) row.push_back({e.dof, e.coefficient * Vec3::Unit(c)});
+      springs.add(name, row, k.displacement * dl, 0);
+    }
+    if (hinge) return;
+    CoupledEntries row;
+    of_a.at_fraction(f, 1, row);
+    of_b.at_fraction(f, -1, row);
+    springs.add(name, row, k.rotation * dl, 0);
   });
 }
 
 }  // namespace
 
-ConstraintSet shell_ties(const ModelLayout& model, const Points& shape,
-                         const std::vector<std::string>& hinges) {
+ShellTies shell_ties(const ModelLayout& model, const Points& shape,
+                     const std::vector<ShellSection>& sections,
+                     const std::vector<std::string>& hinges) {
   for (const std::string& hinge : hinges)
     if (model.model_line(hinge).sides.size() < 2)
       throw InputError("the hinge '" + hinge + "' is a rim: it has one region, expected two");
-  ConstraintSet set(static_cast<int>(shape.rows()), ConstraintSet::Kind::Coupled);
+  const int count = static_cast<int>(shape.rows());
+  ShellTies ties{ConstraintSet(count, ConstraintSet::Kind::Coupled), LineSprings(count)};
   LineSides sides(model);
+  const Surface surface = model.surface(shape);
   for (const JoinLine& line : model.shared_lines()) {
-    add_line_ties(sides.regions(), sides.numbers(), line, set);
-    if (std::find(hinges.begin(), hinges.end(), line.name) != hinges.end()) continue;
+    const std::string name = "joined line " + line.name;
+    const bool hinge = std::find(hinges.begin(), hinges.end(), line.name) != hinges.end();
     const JoinEdge a = sides(line.sides[0]), b = sides(line.sides[1]);
-    tie_rotations("joined line " + line.name, a, b, shape, set);
+    if (!a.embedded() && !b.embedded()) {
+      add_line_ties(sides.regions(), sides.numbers(), line, ties.rows);
+      if (!hinge) tie_rotations(name, a, b, shape, ties.rows);
+      continue;
+    }
+    const auto of_side = [&](int s, const JoinEdge& side, double f) {
+      const int r = line.sides[s].region;
+      return SpringStiffness(side, surface, sections[sections.size() == 1 ? 0 : r],
+                             model.first_triangle(r), f);
+    };
+    add_springs(
+        name, a, b, shape, hinge,
+        [&](double f) {
+          SpringStiffness k = of_side(0, a, f);
+          const SpringStiffness other = of_side(1, b, f);
+          k.displacement = std::max(k.displacement, other.displacement);
+          k.rotation = std::max(k.rotation, other.rotation);
+          return k;
+        },
+        ties.springs);
   }
-  return set;
+  return ties;
 }
 
 }  // namespace batten
