@@ -90,7 +90,7 @@ struct Arguments {
          segments = 0, memory = 0;
   int threads = 0, contours = 0;
   bool network = false, exact_step = false, quiet = false, hold_ends = false, closed = false,
-       open = false, keep_outliers = false;
+       open = false, keep_outliers = false, with_calculix = false;
 };
 
 int finish(const RunReport& report, const std::string& text, const Arguments& a) {
@@ -164,7 +164,7 @@ int run(const Arguments& a) {
 int stress(const Arguments& a) {
   Scene scene = read_scene(a.file);
   apply_settings(scene, a.settings);
-  return finish(run_stress(scene, a.out, terminal_progress(a.quiet)), a);
+  return finish(run_stress(scene, a.out, a.with_calculix, terminal_progress(a.quiet)), a);
 }
 
 int sculpt(const Arguments& a) {
@@ -422,8 +422,10 @@ int command(int argc, char** argv) {
   app.set_version_flag("--version", kVersion);
   app.require_subcommand(1);
   const CLI::App* run_command = add_run(app, "run", "Do everything a scene asks for", a);
-  const CLI::App* stress_command =
+  CLI::App* stress_command =
       add_run(app, "stress", "The same, and the stresses of the shape as the shell of [stress]", a);
+  stress_command->add_flag("--with-ccx", a.with_calculix,
+                           "Run CalculiX on the same shell, and print what it finds");
   const CLI::App* sculpt_command = add_sculpt(app, a);
   const CLI::App* deform_command = add_deform(app, a);
   const CLI::App* fair_command = add_fair(app, a);

@@ -274,6 +274,9 @@ Json json_of(const StressReport::Case& c) {
                {"balance", c.balance}};
   if (c.safety > 0) json["safety"] = c.safety;
   if (c.buckling_asked) json["buckling_factors"] = c.buckling;
+  if (c.calculix)
+    json["calculix"] = {{"max_displacement", c.calculix->displacement},
+                        {"max_von_mises", c.calculix->stress}};
   json["reactions"] = Json::array();
   for (const auto& r : c.reactions)
     json["reactions"].push_back(

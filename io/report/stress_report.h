@@ -1,6 +1,7 @@
 // What a stress analysis found, for report.json and for a mail.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,6 +23,10 @@ struct StressReport {
     std::string support;
     Vec3 force, moment;  ///< on the shell; moment about the origin
   };
+  /// The largest values of another program on the same shell.
+  struct Witness {
+    double displacement = 0, stress = 0;
+  };
   struct Case {
     std::string name;
     bool combination = false;
@@ -42,6 +47,7 @@ struct StressReport {
     bool buckling_asked = false;
     std::vector<double> buckling;  ///< factors of the load, smallest first
     std::vector<Reaction> reactions;
+    std::optional<Witness> calculix;
   };
   std::vector<Case> cases;
   std::vector<double> frequencies;  ///< 1/time, rigid motions as 0 first

@@ -4,6 +4,7 @@
 
 #include "batten/analysis/models/shell_modes.h"
 #include "batten/core/errors.h"
+#include "batten/skinning/model/natural_shape.h"
 #include "batten/tests/analysis/plates.h"
 #include "batten/tests/catch.h"
 
@@ -86,6 +87,57 @@ TEST_CASE("a strip that nothing holds has six rigid motions, then the bending of
       strip.layout, strip.shape,
       {{{ShellMaterial::isotropic(1, 0), 1}}, {LineSupport::clamped("a")}, {}, {}});
   CHECK_THROWS_WITH(natural_modes(weightless, 2), Contains("density"));
+}
+
+TEST_CASE("a free ring of two halves swings as Hoppe says") {
+  constexpr double R = 1, b = 0.2, t = 0.01, E = 1000;
+  Patchwork p;
+  p.options.edge_length = 0.1;
+  const auto half = [&](const std::string& name, double side, double z) {
+    p.add(given_line(name,
+                     curve_from_formula(0, 1,
+                                        [=](double s, int order) -> Vec3 {
+                                          const double a = pi * s, w = pi;
+                                          const Vec3 x(R * std::cos(a), side * R * std::sin(a), z),
+                                              d(-R * std::sin(a), side * R * std::cos(a), 0);
+                                          return order == 0 ? x
+                                                 : order == 1
+                                                     ? Vec3(w * d)
+                                                     : Vec3(-w * w * Vec3(x.x(), x.y(), 0));
+                                        }),
+                     1, p.options.edge_length));
+  };
+  const auto upright = [&](const std::string& name, double x) {
+    p.add(given_line(name,
+                     curve_from_formula(0, 1,
+                                        [=](double s, int order) -> Vec3 {
+                                          return order == 0   ? Vec3(x, 0, b * s)
+                                                 : order == 1 ? Vec3(0, 0, b)
+                                                              : Vec3(0, 0, 0);
+                                        }),
+                     1, p.options.edge_length));
+  };
+  half("low 1", 1, 0);
+  half("high 1", 1, b);
+  half("low 2", -1, 0);
+  half("high 2", -1, b);
+  upright("east", R);
+  upright("west", -R);
+  p.region({"low 1", "west", "high 1", "east"});
+  p.region({"low 2", "west", "high 2", "east"});
+  const ModelLayout layout = p.model({});
+  const Points shape = layout.least_energy({}, natural_dofs(layout));
+  const ShellModel shell(layout, shape,
+                         {{{ShellMaterial::isotropic(E, 0, kDensity), t}}, {}, {}, {}},
+                         ShellModel::Free::Shifted);
+  const ShellModes modes = natural_modes(shell, 4);
+  CHECK(modes.rigid == 6);
+  // Among the first are those of k waves around, in its plane: (2 pi f)^2 = E t^2/(12 rho R^4) ....
+  const auto of = [&](int k) {
+    const double k2 = k * k;
+    return std::sqrt(E * t * t / (12 * kDensity) * k2 * (k2 - 1) * (k2 - 1) / (k2 + 1)) / (2 * pi);
+  };
+  for (const int k : {2}) CHECK((modes.frequencies.array() / of(k) - 1).abs().minCoeff() < 5e-3);
 }
 
 TEST_CASE("a square plate buckles under the pressure of two sides where Bryan says") {

@@ -201,6 +201,51 @@ TEST_CASE("the Scordelis-Lo roof comes out the same in one region, in two, and t
   CHECK(roof(false, SkinOptions::Domain::Plane) == Approx(reference).epsilon(5e-4));
 }
 
+TEST_CASE("a box beam in torsion turns as Bredt says") {
+  // Four plates around, clamped at one end; a closed rim of moments is a torque at the other.
+  constexpr double L = 4, a = 0.5, b = 0.3, t = 0.02, E = 1000, nu = 0.3;
+  Plates plates;
+  plates.h = plates.patchwork.options.edge_length = 0.1;
+  const Vec3 corner[4] = {{0, 0, 0}, {0, a, 0}, {0, a, b}, {0, 0, b}};
+  for (int k = 0; k < 4; ++k) {
+    const Vec3 &p = corner[k], &q = corner[(k + 1) % 4], x(L, 0, 0);
+    const std::string n = std::to_string(k);
+    plates.line("foot " + n, p, q);
+    plates.line("tip " + n, p + x, q + x);
+    plates.line("edge " + n, p, p + x);
+  }
+  for (int k = 0; k < 4; ++k) {
+    const std::string n = std::to_string(k), next = std::to_string((k + 1) % 4);
+    plates.patchwork.region({"foot " + n, "edge " + next, "tip " + n, "edge " + n});
+  }
+  const ModelLayout layout = plates.patchwork.model({});
+  const Points shape = layout.all_dofs(plates.patchwork.first);
+  ShellDefinition definition{{{ShellMaterial::isotropic(E, nu), t}}, {}, {}, {}};
+  Points F = Points::Zero(shape.rows(), 3);
+  // A shear flow of 1 around the tip: the torque is twice the area.
+  for (int k = 0; k < 4; ++k) {
+    const std::string n = std::to_string(k);
+    definition.lines.push_back(LineSupport::clamped("foot " + n));
+    F += line_force(layout, "tip " + n, (corner[(k + 1) % 4] - corner[k]).normalized());
+  }
+  const double torque = resultant(layout, shape, F).moment.x(), area = a * b;
+  CHECK(torque == Approx(2 * area));
+  const Points q = ShellModel(layout, shape, definition).solve(F);
+  const Surface moved = layout.surface(q);
+  // The mean of what its sides turn: where the section is distorted they differ.
+  const auto turn_at = [&](double x) {
+    const auto at = [&](const Vec3& p) {
+      return moved.position(nearest_place(layout, shape, p).where);
+    };
+    const double upright = (at({x, a, b / 2}).z() - at({x, 0, b / 2}).z()) / a,
+                 level = (at({x, a / 2, 0}).y() - at({x, a / 2, b}).y()) / b;
+    return (upright + level) / 2;
+  };
+  const double G = E / (2 * (1 + nu)), J = 4 * area * area * t / (2 * (a + b));
+  // Away from both ends, where sections warp freely.
+  CHECK(turn_at(3) - turn_at(1) == Approx(torque * 2 / (G * J)).epsilon(1e-2));
+}
+
 TEST_CASE("rigid motions of a model keep its ties") {
   Plates plates;
   plates.across("foot", {0, 0, 0}, {0.1, 0, 0});

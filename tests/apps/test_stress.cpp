@@ -131,6 +131,32 @@ TEST_CASE("a region that hangs free is named") {
   CHECK_FALSE(fs::exists(c / "out"));
 }
 
+TEST_CASE("CalculiX is asked about the same shell, and a missing one is named") {
+  const Case c("stress_ccx");
+  std::string scene = plate(kSteel + kClamped + "pressure = -1e-3");
+  scene.replace(scene.find("edge_length = 20"), 16, "edge_length = 8");
+  c.file("s.toml", scene);
+  setenv("CCX", "/no/such/ccx", 1);
+  const Result missing = c.run({"stress", "s.toml", "--out", "out", "--with-ccx"});
+  unsetenv("CCX");
+  CHECK(missing.code == 1);
+  CHECK(missing.err.find("found no program '/no/such/ccx', expected CalculiX") !=
+        std::string::npos);
+  CHECK_FALSE(fs::exists(c / "out"));
+  if (std::system("command -v ccx > /dev/null") != 0) {
+    WARN("no ccx here: skipped");
+    return;
+  }
+  const Result r = c.run({"stress", "s.toml", "--out", "out", "--with-ccx"});
+  INFO(r.err);
+  const auto found = nlohmann::json::parse(contents(c / "out/report.json"))["stress"]["cases"][0];
+  CHECK(found["calculix"]["max_displacement"].get<double>() ==
+        Approx(found["max_displacement"].get<double>()).epsilon(0.02));
+  CHECK(fs::exists(c / "out/plate_loads_ccx.inp"));
+  CHECK(fs::exists(c / "out/plate_loads_ccx.frd"));
+  CHECK_FALSE(fs::exists(c / "out/spooles.out"));
+}
+
 TEST_CASE("a deck that cannot hold the loads of a scene is refused") {
   const Case c("stress_deck");
   const std::string deck = "\n[output]\ncalculix = \"p.inp\"";

@@ -10,6 +10,7 @@
 #include "batten/apps/commands/runs/run_parts.h"
 #include "batten/apps/commands/shapes/shape_files.h"
 #include "batten/apps/commands/shapes/stress_shape.h"
+#include "batten/apps/commands/shapes/stress_witness.h"
 #include "batten/core/errors.h"
 #include "batten/core/index.h"
 #include "batten/core/words.h"
@@ -284,7 +285,9 @@ Scene scene_of_network(const std::vector<std::filesystem::path>& files, const st
 
 namespace {
 
-Report run_all(const Scene& scene, const std::filesystem::path& folder, bool with_stress,
+enum class Stress { None, Ours, AndCalculix };
+
+Report run_all(const Scene& scene, const std::filesystem::path& folder, Stress stress,
                const Progress& progress) {
   ShapeRun run(scene, folder);
   run.report.parameters = scene.parameters();
@@ -292,7 +295,8 @@ Report run_all(const Scene& scene, const std::filesystem::path& folder, bool wit
   const MadeShape shape = make_refined_shape(made, scene, progress);
   run.watch.lap("sculpt");
   measure_into(run, made, shape, scene, progress);
-  if (with_stress) analyse(run, scene, shape, progress);
+  if (stress != Stress::None) analyse(run, scene, shape, progress);
+  if (stress == Stress::AndCalculix && run.report.stress) ask_calculix(run, scene, shape, progress);
   write_files(run, scene, made, shape, progress);
   draw_pictures(run, scene, made, shape, progress);
   for (const auto& sweep : scene.sweeps) {
@@ -311,14 +315,14 @@ Report run_all(const Scene& scene, const std::filesystem::path& folder, bool wit
 
 Report run_scene(const Scene& scene, const std::filesystem::path& folder,
                  const Progress& progress) {
-  return run_all(scene, folder, false, progress);
+  return run_all(scene, folder, Stress::None, progress);
 }
 
-Report run_stress(const Scene& scene, const std::filesystem::path& folder,
+Report run_stress(const Scene& scene, const std::filesystem::path& folder, bool with_calculix,
                   const Progress& progress) {
   if (!scene.stress)
     throw InputError(scene.at({}) + "found no [stress], expected thickness, material and supports");
-  return run_all(scene, folder, true, progress);
+  return run_all(scene, folder, with_calculix ? Stress::AndCalculix : Stress::Ours, progress);
 }
 
 void view_scene(const Scene& scene, const PictureScene& look, const std::filesystem::path& file,

@@ -24,7 +24,8 @@ Report run_scene(const Scene& scene, const std::filesystem::path& folder,
 
 /// The same, and analyses the shape as the shell of [stress]: analyse(). Throws as run_scene(), and
 /// InputError for a scene without [stress].
-Report run_stress(const Scene& scene, const std::filesystem::path& folder,
+/// `with_calculix`: asks CalculiX, too (ask_calculix()).
+Report run_stress(const Scene& scene, const std::filesystem::path& folder, bool with_calculix,
                   const Progress& progress = {});
 
 /// Draws one picture of the scene's shape, and writes no other file. Throws what run_scene()

@@ -232,53 +232,6 @@ void write_step_into(Report& report, const Scene& scene, const MadeModel& made,
   for (const auto& w : step.warnings) report.warnings.push_back(scene.step + ": " + w);
 }
 
-// What a deck of one step with one section cannot say is refused.
-ShellDeck deck_of(const Scene& scene, const MadeModel& made) {
-  using Support = SceneStress::Support;
-  using Load = SceneStress::Load;
-  const SceneStress& stress = *scene.stress;
-  const auto refuse = [&](const FilePlace& place, const std::string& what) {
-    throw InputError(scene.at(place) + "found " + what + ", which '" + scene.calculix +
-                     "' cannot hold; `batten stress` can");
-  };
-  ShellDeck deck;
-  deck.thickness = stress.thickness;
-  deck.young = stress.young;
-  deck.poisson = stress.poisson;
-  deck.density = stress.density;
-  deck.units = "lengths in " + scene.unit;
-  if (!stress.thicknesses.empty())
-    refuse(stress.thicknesses[0].region.place, "a thickness of one region");
-  if (!stress.hinges.empty()) refuse(stress.hinges[0].place, "a hinge");
-  for (const Support& support : stress.supports) {
-    if (support.kind != Support::Kind::Clamped && support.kind != Support::Kind::Pinned)
-      refuse(support.place, "a support that is neither clamped nor pinned");
-    if (support.point) refuse(support.place, "a support at a point");
-    if (!support.displacement.isZero(0)) refuse(support.place, "a displacement");
-    const auto kind = support.kind == Support::Kind::Clamped ? ShellDeck::Support::Kind::Clamped
-                                                             : ShellDeck::Support::Kind::Pinned;
-    for (const auto& name : lines_named(*made.model.layout, scene, support.line))
-      deck.supports.push_back({name, kind});
-  }
-  for (const Load& load : stress.loads) {
-    if (load.load_case != stress.loads[0].load_case) refuse(load.place, "a second load case");
-    if (!load.region.text.empty()) region_named(*made.model.layout, scene, load.region);
-    if (load.type == Load::Type::Pressure && load.region.text.empty())
-      deck.pressure += load.value;
-    else if (load.type == Load::Type::Pressure)
-      deck.pressures.push_back({load.region.text, load.value});
-    else if (load.type == Load::Type::Gravity)
-      deck.gravity += load.vector;
-    else if (load.type == Load::Type::AreaForce && load.region.text.empty())
-      deck.area_force += load.vector;
-    else if (load.type == Load::Type::Point)
-      deck.point_forces.push_back({load.point, load.vector});
-    else
-      refuse(load.place, "a load of this kind");
-  }
-  return deck;
-}
-
 void write_vtk_files(Report& report, const Scene& scene, const MadeModel& made,
                      const MadeShape& shape, const OutputFolder& out) {
   VtkOptions vtk;
@@ -306,6 +259,53 @@ void write_vtk_files(Report& report, const Scene& scene, const MadeModel& made,
 
 }  // namespace
 
+ShellDeck deck_of(const Scene& scene, const ModelLayout& layout, const std::string& load_case,
+                  const std::string& file) {
+  using Support = SceneStress::Support;
+  using Load = SceneStress::Load;
+  const SceneStress& stress = *scene.stress;
+  const auto refuse = [&](const FilePlace& place, const std::string& what) {
+    throw InputError(scene.at(place) + "found " + what + ", which '" + file +
+                     "' cannot hold; `batten stress` can");
+  };
+  ShellDeck deck;
+  deck.thickness = stress.thickness;
+  deck.young = stress.young;
+  deck.poisson = stress.poisson;
+  deck.density = stress.density;
+  deck.units = "lengths in " + scene.unit;
+  if (!stress.thicknesses.empty())
+    refuse(stress.thicknesses[0].region.place, "a thickness of one region");
+  if (!stress.hinges.empty()) refuse(stress.hinges[0].place, "a hinge");
+  for (const Support& support : stress.supports) {
+    if (support.kind != Support::Kind::Clamped && support.kind != Support::Kind::Pinned)
+      refuse(support.place, "a support that is neither clamped nor pinned");
+    if (support.point) refuse(support.place, "a support at a point");
+    if (!support.displacement.isZero(0)) refuse(support.place, "a displacement");
+    const auto kind = support.kind == Support::Kind::Clamped ? ShellDeck::Support::Kind::Clamped
+                                                             : ShellDeck::Support::Kind::Pinned;
+    for (const auto& name : lines_named(layout, scene, support.line))
+      deck.supports.push_back({name, kind});
+  }
+  for (const Load& load : stress.loads) {
+    if (load.load_case != load_case) continue;
+    if (!load.region.text.empty()) region_named(layout, scene, load.region);
+    if (load.type == Load::Type::Pressure && load.region.text.empty())
+      deck.pressure += load.value;
+    else if (load.type == Load::Type::Pressure)
+      deck.pressures.push_back({load.region.text, load.value});
+    else if (load.type == Load::Type::Gravity)
+      deck.gravity += load.vector;
+    else if (load.type == Load::Type::AreaForce && load.region.text.empty())
+      deck.area_force += load.vector;
+    else if (load.type == Load::Type::Point)
+      deck.point_forces.push_back({load.point, load.vector});
+    else
+      refuse(load.place, "a load of this kind");
+  }
+  return deck;
+}
+
 void write_files(ShapeRun& run, const Scene& scene, const MadeModel& made, const MadeShape& shape,
                  const Progress& progress) {
   if (shape.regions.empty()) return;
@@ -322,7 +322,13 @@ void write_files(ShapeRun& run, const Scene& scene, const MadeModel& made, const
   }
   if (!scene.calculix.empty()) {
     // A support or pressure on what is not there is the scene's mistake.
-    const ShellDeck deck = deck_of(scene, made);
+    const std::vector<std::string> cases = scene.stress->cases();
+    if (cases.size() > 1)
+      throw InputError(scene.at({}) + "[stress]: found " + std::to_string(cases.size()) +
+                       " load cases, which '" + scene.calculix +
+                       "' cannot hold; `batten stress` can");
+    const ShellDeck deck =
+        deck_of(scene, *made.model.layout, cases.empty() ? "" : cases[0], scene.calculix);
     const Regions regions = shape.all();
     write_what_can_be(report, run.out, scene.calculix, regions, made.network.has_value(),
                       [&](const std::vector<int>& which, Report&) {

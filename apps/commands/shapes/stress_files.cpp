@@ -30,6 +30,10 @@ std::string stress_unit(const Scene& scene) {
 
 }  // namespace
 
+std::string stress_stem(const Scene& scene, const std::string& name) {
+  return file_word(scene.name) + "_" + file_word(name);
+}
+
 std::vector<SkinnedRegion> StressFiles::regions_of(const Points& dofs) const {
   std::vector<SkinnedRegion> regions;
   for (int r = 0; r < shell_.layout().region_count(); ++r)
@@ -63,10 +67,6 @@ double StressFiles::largest(const Points& displacement) const {
   return most;
 }
 
-std::string StressFiles::stem(const std::string& name) const {
-  return file_word(scene_.name) + "_" + file_word(name);
-}
-
 void StressFiles::write_case(const std::string& name, const Points& displacement, double largest,
                              const ShellStresses& stresses) {
   const auto at = [&](int r, const Location& where) {
@@ -93,10 +93,10 @@ void StressFiles::write_case(const std::string& name, const Points& displacement
   options.fields.push_back(
       {"Moments", 6, [&](int r, const Location& where) { return in_order(at(r, where).moments); }});
   const std::vector<SkinnedRegion> still = regions_of(shell_.shape());
-  write_vtu(run_.out.file(stem(name) + ".vtu"), pointers(still), options);
-  run_.report.files.push_back(stem(name) + ".vtu");
+  write_vtu(run_.out.file(stress_stem(scene_, name) + ".vtu"), pointers(still), options);
+  run_.report.files.push_back(stress_stem(scene_, name) + ".vtu");
 
-  if (!can_draw(run_.report, stem(name) + ".png")) return;
+  if (!can_draw(run_.report, stress_stem(scene_, name) + ".png")) return;
   const double times = exaggeration(largest);
   const std::vector<SkinnedRegion> regions = regions_of(shell_.shape() + times * displacement);
   PictureScene picture = view();
@@ -109,8 +109,8 @@ void StressFiles::write_case(const std::string& name, const Points& displacement
                      return std::max(von_mises(stress.at(1)), von_mises(stress.at(-1)));
                    },
                    0};
-  draw_picture(run_.out.file(stem(name) + ".png"), picture);
-  run_.report.files.push_back(stem(name) + ".png");
+  draw_picture(run_.out.file(stress_stem(scene_, name) + ".png"), picture);
+  run_.report.files.push_back(stress_stem(scene_, name) + ".png");
 }
 
 void StressFiles::write_motions(const std::string& kind, const std::vector<Points>& shapes,
@@ -126,10 +126,10 @@ void StressFiles::write_motions(const std::string& kind, const std::vector<Point
                                 return moved[k].position(shell_.layout().in_model(r, where));
                               }});
   const std::vector<SkinnedRegion> still = regions_of(shell_.shape());
-  write_vtu(run_.out.file(stem(kind) + ".vtu"), pointers(still), options);
-  run_.report.files.push_back(stem(kind) + ".vtu");
+  write_vtu(run_.out.file(stress_stem(scene_, kind) + ".vtu"), pointers(still), options);
+  run_.report.files.push_back(stress_stem(scene_, kind) + ".vtu");
 
-  if (!can_draw(run_.report, stem(kind) + ".png")) return;
+  if (!can_draw(run_.report, stress_stem(scene_, kind) + ".png")) return;
   constexpr double swing = 0.07;  // of the model
   constexpr int frames = 16;
   const PictureSize small{640, 400};
@@ -151,9 +151,9 @@ void StressFiles::write_motions(const std::string& kind, const std::vector<Point
   };
   std::vector<PictureScene> sheet;
   for (size_t k = 0; k < shapes.size(); ++k) sheet.push_back(picture_at(k, 1));
-  draw_contact_sheet(run_.out.file(stem(kind) + ".png"), sheet,
+  draw_contact_sheet(run_.out.file(stress_stem(scene_, kind) + ".png"), sheet,
                      static_cast<int>(std::ceil(std::sqrt(static_cast<double>(sheet.size())))));
-  run_.report.files.push_back(stem(kind) + ".png");
+  run_.report.files.push_back(stress_stem(scene_, kind) + ".png");
   for (size_t k = 0; k < shapes.size(); ++k) {
     kept.clear();
     std::vector<PictureScene> phases;
@@ -162,7 +162,7 @@ void StressFiles::write_motions(const std::string& kind, const std::vector<Point
     hold_view(phases);
     std::vector<Image> images;
     for (const PictureScene& phase : phases) images.push_back(picture_image(phase, small));
-    const std::string file = stem(kind) + "_" + std::to_string(k + 1) + ".gif";
+    const std::string file = stress_stem(scene_, kind) + "_" + std::to_string(k + 1) + ".gif";
     constexpr double seconds = 0.06;
     write_gif(run_.out.file(file), images, seconds, seconds);
     run_.report.files.push_back(file);

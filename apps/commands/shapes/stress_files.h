@@ -9,6 +9,10 @@
 
 namespace batten {
 
+/// The name of a case's files without their ending: NAME_CASE after the scene, of letters, digits,
+/// '-' and '_'.
+std::string stress_stem(const Scene& scene, const std::string& name);
+
 /// Writes what a shell does into the folder of a run, NAME_… after the scene, and lists the files in
 /// its report. Pictures are seen as the scene's first picture.
 class StressFiles {
@@ -33,7 +37,6 @@ class StressFiles {
   // How much a displacement is drawn larger: by 1, 2, 5, 10, …, a twentieth of the model at most.
   double exaggeration(double largest) const;
   double largest(const Points& displacement) const;
-  std::string stem(const std::string& name) const;
 
   ShapeRun& run_;
   const Scene& scene_;

@@ -230,6 +230,10 @@ std::string stress_results(const StressReport& report, const std::string& unit) 
                          c.stressed_region + "', ± " + three_digits(c.spread);
     if (c.safety > 0) stress += "; yield / stress " + three_digits(c.safety);
     text += result_line(c.combination ? "combination" : "case", "'" + c.name + "': " + stress);
+    if (c.calculix)
+      text += result_line("", "CalculiX, six-node triangles: moves by " +
+                                  three_digits(c.calculix->displacement) + " " + unit +
+                                  ", von Mises " + three_digits(c.calculix->stress));
     if (c.buckling_asked)
       text += result_line(
           "", c.buckling.empty() ? "does not buckle under this load"

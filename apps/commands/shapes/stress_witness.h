@@ -1,0 +1,15 @@
+// The same shell by CalculiX, as a witness.
+#pragma once
+
+#include "batten/apps/commands/shapes/shape_files.h"
+
+namespace batten {
+
+/// Writes each load case of a scene as a deck of six-node triangles, NAME_CASE_ccx.inp, runs `ccx` on
+/// it and puts its largest displacement and equivalent stress beside ours in report.stress; the .frd
+/// file stays beside the deck. CCX names another program. Throws InputError: what a deck cannot hold
+/// (deck_of), no such program, a run that leaves no results.
+void ask_calculix(ShapeRun& run, const Scene& scene, const MadeShape& shape,
+                  const Progress& progress);
+
+}  // namespace batten
