@@ -84,13 +84,14 @@ struct Arguments {
                                   report, choices;
   std::vector<std::string> files, inner, settings, only;
   SculptTask sculpt;
+  StressTask stress;
   std::vector<double> angles;
   double edge_length = 0, tolerance = 0, meet = 0, pressure = 0;
   double noise = 0, deviation = 0, wavelength = 0, corner_angle = FairOptions{}.corner_angle,
          segments = 0, memory = 0;
   int threads = 0, contours = 0;
   bool network = false, exact_step = false, quiet = false, hold_ends = false, closed = false,
-       open = false, keep_outliers = false, with_calculix = false;
+       open = false, keep_outliers = false;
 };
 
 int finish(const RunReport& report, const std::string& text, const Arguments& a) {
@@ -164,7 +165,7 @@ int run(const Arguments& a) {
 int stress(const Arguments& a) {
   Scene scene = read_scene(a.file);
   apply_settings(scene, a.settings);
-  return finish(run_stress(scene, a.out, a.with_calculix, terminal_progress(a.quiet)), a);
+  return finish(run_stress(scene, a.out, a.stress, terminal_progress(a.quiet)), a);
 }
 
 int sculpt(const Arguments& a) {
@@ -424,8 +425,12 @@ int command(int argc, char** argv) {
   const CLI::App* run_command = add_run(app, "run", "Do everything a scene asks for", a);
   CLI::App* stress_command =
       add_run(app, "stress", "The same, and the stresses of the shape as the shell of [stress]", a);
-  stress_command->add_flag("--with-ccx", a.with_calculix,
+  stress_command->add_flag("--with-ccx", a.stress.with_calculix,
                            "Run CalculiX on the same shell, and print what it finds");
+  stress_command
+      ->add_option("--accuracy", a.stress.accuracy,
+                   "Make elements smaller until displacements are this exact: 0.01 is a percent")
+      ->check(kPositive);
   const CLI::App* sculpt_command = add_sculpt(app, a);
   const CLI::App* deform_command = add_deform(app, a);
   const CLI::App* fair_command = add_fair(app, a);

@@ -292,6 +292,12 @@ Json json_of(const StressReport& s) {
   if (s.yield > 0) json["yield"] = s.yield;
   json["cases"] = Json::array();
   for (const auto& c : s.cases) json["cases"].push_back(json_of(c));
+  for (const auto& m : s.meshes)
+    json["meshes"].push_back({{"edge_length", m.edge_length},
+                              {"unknowns", m.unknowns},
+                              {"max_displacement", m.displacement},
+                              {"max_von_mises", m.stress},
+                              {"error_estimate", m.error}});
   if (!s.frequencies.empty()) json["frequencies"] = s.frequencies;
   return json;
 }

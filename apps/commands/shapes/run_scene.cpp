@@ -9,6 +9,7 @@
 #include "batten/apps/commands/lines/scene_lines.h"
 #include "batten/apps/commands/runs/run_parts.h"
 #include "batten/apps/commands/shapes/shape_files.h"
+#include "batten/apps/commands/shapes/stress_accuracy.h"
 #include "batten/apps/commands/shapes/stress_shape.h"
 #include "batten/apps/commands/shapes/stress_witness.h"
 #include "batten/core/errors.h"
@@ -285,18 +286,27 @@ Scene scene_of_network(const std::vector<std::filesystem::path>& files, const st
 
 namespace {
 
-enum class Stress { None, Ours, AndCalculix };
-
-Report run_all(const Scene& scene, const std::filesystem::path& folder, Stress stress,
-               const Progress& progress) {
+Report run_all(const Scene& as_stated, const std::filesystem::path& folder,
+               const StressTask* stress, const Progress& progress) {
+  AccurateScene accurate{as_stated, {}, true};
+  if (stress && stress->accuracy > 0)
+    accurate = accurate_scene(as_stated, stress->accuracy, progress);
+  const Scene& scene = accurate.scene;
   ShapeRun run(scene, folder);
   run.report.parameters = scene.parameters();
   MadeModel made = model_of(run, scene, progress);
   const MadeShape shape = make_refined_shape(made, scene, progress);
   run.watch.lap("sculpt");
   measure_into(run, made, shape, scene, progress);
-  if (stress != Stress::None) analyse(run, scene, shape, progress);
-  if (stress == Stress::AndCalculix && run.report.stress) ask_calculix(run, scene, shape, progress);
+  if (stress) analyse(run, scene, shape, progress);
+  if (run.report.stress) {
+    run.report.stress->meshes = accurate.meshes;
+    if (!accurate.reached)
+      run.report.missed.push_back(
+          {"stress.accuracy", "is " + number(std::pow(accurate.meshes.back().error, 2)) +
+                                  ", asked for " + number(stress->accuracy)});
+    if (stress->with_calculix) ask_calculix(run, scene, shape, progress);
+  }
   write_files(run, scene, made, shape, progress);
   draw_pictures(run, scene, made, shape, progress);
   for (const auto& sweep : scene.sweeps) {
@@ -315,14 +325,14 @@ Report run_all(const Scene& scene, const std::filesystem::path& folder, Stress s
 
 Report run_scene(const Scene& scene, const std::filesystem::path& folder,
                  const Progress& progress) {
-  return run_all(scene, folder, Stress::None, progress);
+  return run_all(scene, folder, nullptr, progress);
 }
 
-Report run_stress(const Scene& scene, const std::filesystem::path& folder, bool with_calculix,
+Report run_stress(const Scene& scene, const std::filesystem::path& folder, const StressTask& task,
                   const Progress& progress) {
   if (!scene.stress)
     throw InputError(scene.at({}) + "found no [stress], expected thickness, material and supports");
-  return run_all(scene, folder, with_calculix ? Stress::AndCalculix : Stress::Ours, progress);
+  return run_all(scene, folder, &task, progress);
 }
 
 void view_scene(const Scene& scene, const PictureScene& look, const std::filesystem::path& file,

@@ -24,8 +24,11 @@ Report run_scene(const Scene& scene, const std::filesystem::path& folder,
 
 /// The same, and analyses the shape as the shell of [stress]: analyse(). Throws as run_scene(), and
 /// InputError for a scene without [stress].
-/// `with_calculix`: asks CalculiX, too (ask_calculix()).
-Report run_stress(const Scene& scene, const std::filesystem::path& folder, bool with_calculix,
+struct StressTask {
+  bool with_calculix = false;  ///< asks CalculiX, too (ask_calculix())
+  double accuracy = 0;  ///< share of displacements; 0: edge_length as it is. accurate_scene()
+};
+Report run_stress(const Scene& scene, const std::filesystem::path& folder, const StressTask& task,
                   const Progress& progress = {});
 
 /// Draws one picture of the scene's shape, and writes no other file. Throws what run_scene()

@@ -177,36 +177,60 @@ void find_modes(const Scene& scene, const ShellModel& shell, StressReport& repor
 
 }  // namespace
 
+namespace {
+
+// Solves and measures all cases, one after the other. each(shell, answer, stresses) may add to what
+// is reported of a case.
+template <class Each>
+StressReport solved(const Scene& scene, const ShellModel& shell, const ShellDefinition& definition,
+                    const Progress& progress, const Each& each) {
+  StressReport report;
+  report.material = scene.stress->material;
+  report.unknowns = shell.unknowns();
+  report.yield = scene.stress->yield;
+  measure_theory(shell, report);
+  for (CaseAnswer& a : answers_of(scene, shell, definition)) {
+    progress.at("stress of " + a.report.name, 0);
+    measure_balance(shell, a);
+    measure_displacement(shell, a);
+    const ShellStresses stresses(shell, a.displacement);
+    measure_stress(scene, shell, definition, stresses, a.report);
+    each(a, stresses);
+    report.cases.push_back(a.report);
+  }
+  return report;
+}
+
+}  // namespace
+
+StressReport stresses_of(const Scene& scene, const MadeShape& shape, const Progress& progress) {
+  require_one_system(scene);
+  const ShellDefinition definition = shell_of(scene, *shape.layout, shape.dofs);
+  const ShellModel shell(*shape.layout, shape.dofs, definition);
+  return solved(scene, shell, definition, progress, [](CaseAnswer&, const ShellStresses&) {});
+}
+
 void analyse(ShapeRun& run, const Scene& scene, const MadeShape& shape, const Progress& progress) {
   if (!shape.layout) return;
   require_one_system(scene);
   progress.at("stress", 0);
   const ShellDefinition definition = shell_of(scene, *shape.layout, shape.dofs);
   const ShellModel shell(*shape.layout, shape.dofs, definition);
-  std::vector<CaseAnswer> answers = answers_of(scene, shell, definition);
-  StressReport& report = run.report.stress.emplace();
-  report.material = scene.stress->material;
-  report.unknowns = shell.unknowns();
-  report.yield = scene.stress->yield;
-  measure_theory(shell, report);
   run.watch.lap("stress");
   StressFiles files(run, scene, shell);
-  for (CaseAnswer& a : answers) {
-    progress.at("stress of " + a.report.name, 0);
-    measure_balance(shell, a);
-    measure_displacement(shell, a);
-    const ShellStresses stresses(shell, a.displacement);
-    measure_stress(scene, shell, definition, stresses, a.report);
-    files.write_case(a.report.name, a.displacement, a.report.displacement, stresses);
-    constexpr double balanced = 1e-8;
-    if (!(a.report.balance <= balanced))
-      run.report.missed.push_back({"stress.balance of " + a.report.name,
-                                   "is " + number(a.report.balance) + ", promised at most 1e-8"});
-    if (scene.stress->buckling > 0) find_buckling(scene, shell, a, files);
-    report.cases.push_back(a.report);
-  }
+  StressReport report =
+      solved(scene, shell, definition, progress, [&](CaseAnswer& a, const ShellStresses& stresses) {
+        files.write_case(a.report.name, a.displacement, a.report.displacement, stresses);
+        constexpr double balanced = 1e-8;
+        if (!(a.report.balance <= balanced))
+          run.report.missed.push_back(
+              {"stress.balance of " + a.report.name,
+               "is " + number(a.report.balance) + ", promised at most 1e-8"});
+        if (scene.stress->buckling > 0) find_buckling(scene, shell, a, files);
+      });
   if (scene.stress->modes > 0) find_modes(scene, shell, report, files);
   warn(report, run.report.warnings);
+  run.report.stress = std::move(report);
   run.watch.lap("stress files");
 }
 
@@ -224,6 +248,12 @@ std::string stress_results(const StressReport& report, const std::string& unit) 
   std::string text =
       result_line("stress", std::to_string(report.unknowns) + " unknowns" +
                                 (report.material.empty() ? "" : ", " + report.material));
+  for (const auto& m : report.meshes)
+    text += result_line(&m == &report.meshes[0] ? "meshes" : "",
+                        "edges of " + three_digits(m.edge_length) + " " + unit + ": " +
+                            std::to_string(m.unknowns) + " unknowns, moves by " +
+                            three_digits(m.displacement) + ", von Mises " + three_digits(m.stress) +
+                            ", error " + three_digits(100 * m.error * m.error) + " %");
   for (const auto& c : report.cases) {
     std::string stress = "von Mises " + three_digits(c.stress) + " at " +
                          place_in_words(c.stressed_at) + ", " + c.side + " of '" +

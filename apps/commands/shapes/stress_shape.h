@@ -14,6 +14,9 @@ namespace batten {
 /// (what is not held, by its motion).
 void analyse(ShapeRun& run, const Scene& scene, const MadeShape& shape, const Progress& progress);
 
+/// The numbers of the same analysis: no files, no buckling, no modes.
+StressReport stresses_of(const Scene& scene, const MadeShape& shape, const Progress& progress = {});
+
 /// The lines of a summary about it.
 std::string stress_results(const StressReport& report, const std::string& unit);
 
