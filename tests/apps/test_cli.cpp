@@ -352,7 +352,7 @@ TEST_CASE("wrong scenes end with exit code 1", "[cli]") {
   c.fails(good +
               "[stress]\nthickness = 1\nyoung = 1\nsupports = [{line = \"suoth\"}]\n[output]\n"
               "calculix = \"s.inp\"\n",
-          1, {"found a support on the line 'suoth'", "did you mean 'south'?"});
+          1, {"found the line 'suoth'", "did you mean 'south'?"});
 }
 
 TEST_CASE("an output folder that cannot be is refused before the work", "[cli]") {

@@ -532,3 +532,24 @@ TEST_CASE("published hulls are skinned and compared with the surfaces in their f
     CHECK(report["comparison"]["rms_relative"].get<double>() > 1e-4);
   }
 }
+
+TEST_CASE("a roof finds its form and stands, and a door is leaned on", "[examples]") {
+  const Ran roof = run(kExamples + "19-roof/scene.toml", "example_roof", "", "stress");
+  CHECK(roof.code == kDone);
+  const auto& cases = roof.report["stress"]["cases"];
+  REQUIRE(cases.size() == 3);
+  // 8 cm of concrete over some 420 m^2.
+  CHECK(cases[0]["force"][2].get<double>() ==
+        Approx(-0.08 * 2500 * 9.81 * roof.report["surface"]["area"].get<double>()).epsilon(1e-6));
+  CHECK(cases[2]["max_von_mises"].get<double>() < 2e6);
+  CHECK(cases[2]["buckling_factors"][0].get<double>() > 20);
+  for (const auto& c : cases) CHECK(c["balance"].get<double>() < 1e-8);
+
+  const Ran door = run(kExamples + "18-lean/scene.toml", "example_lean", "", "stress");
+  CHECK(door.code == kDone);
+  const auto& lean = door.report["stress"]["cases"][0];
+  CHECK(lean["max_displacement"].get<double>() == Approx(0.84).epsilon(0.01));
+  CHECK(lean["stress_at_a_point"]);
+  CHECK(lean["balance"].get<double>() < 1e-8);
+  CHECK(door.report["stress"]["frequencies"][0].get<double>() == Approx(89.8).epsilon(5e-3));
+}
