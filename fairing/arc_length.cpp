@@ -90,7 +90,7 @@ ArcLength::ArcLength(std::shared_ptr<const InputCurve> curve) : curve_(std::move
   double total = 0;
   for (size_t i = 0; i + 1 < breaks.size(); ++i) {
     const double length = speed_integral(*curve_, breaks[i], breaks[i + 1]);
-    spans.push_back({breaks[i], breaks[i + 1], total, length, {}});
+    spans.push_back({breaks[i], breaks[i + 1], total, length, Speeds::Zero()});
     total += length;
   }
   for (const Panel& span : spans) add_panels(span, total, 0);

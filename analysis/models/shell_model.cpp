@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "batten/analysis/models/elastic_supports.h"
 #include "batten/analysis/models/free_motions.h"
 #include "batten/analysis/models/line_rotation.h"
 #include "batten/core/errors.h"
@@ -29,13 +30,22 @@ void add_point_support(const ModelLayout& model, const PointSupport& support, Co
   }
 }
 
-ShellTies ties_of(const ModelLayout& layout, const Points& shape, const ShellDefinition& definition,
-                  ShellModel::Free free, int& free_count) {
+ShellTies ties_of(const ModelLayout& layout, const Points& shape,
+                  const ShellDefinition& definition) {
   ShellTies ties = shell_ties(layout, shape, definition.sections, definition.hinges);
   for (const LineSupport& support : definition.lines)
     add_support(layout, shape, definition.sections, support, ties);
   for (const PointSupport& support : definition.points)
     add_point_support(layout, support, ties.rows);
+  for (const ElasticSupport& support : definition.elastic)
+    add_elastic_support(layout, shape, support, ties.springs);
+  return ties;
+}
+
+// The same, and whether they hold the shell.
+ShellTies holding_ties(const ModelLayout& layout, const Points& shape,
+                       const ShellDefinition& definition, ShellModel::Free free, int& free_count) {
+  ShellTies ties = ties_of(layout, shape, definition);
   const std::vector<std::string> motions = free_motions(layout, shape, ties);
   free_count = count_of(motions);
   if (motions.empty() || free == ShellModel::Free::Shifted) return ties;
@@ -64,14 +74,11 @@ std::vector<std::string> names_of(const ShellDefinition& definition) {
   };
   for (const LineSupport& support : definition.lines) add(support.name);
   for (const PointSupport& support : definition.points) add(support.name);
+  for (const ElasticSupport& support : definition.elastic) add(support.name);
   return names;
 }
 
 VecX stacked(const Points& q) { return Eigen::Map<const VecX>(q.data(), q.size()); }
-
-}  // namespace
-
-namespace {
 
 // K with its springs, and of a shell that is not held a little mass in each coordinate.
 SparseMatrix stiffness_of(const ShellAssembler& assembler, const LineSprings& springs,
@@ -105,13 +112,13 @@ ShellModel::ShellModel(ModelLayout layout, Points shape, const ShellDefinition& 
                        Free free)
     : layout_(std::move(layout)),
       shape_(std::move(shape)),
-      sections_(definition.sections),
+      definition_(definition),
       supports_(names_of(definition)),
-      ties_(ties_of(layout_, shape_, definition, free, free_motions_)),
+      ties_(holding_ties(layout_, shape_, definition, free, free_motions_)),
       assembler_(layout_.surface(shape_), for_triangles(layout_, definition.sections)),
       solver_(ties_.rows,
               stiffness_of(assembler_, ties_.springs,
-                           shift_ = free_motions_ > 0 ? shift_of(sections_[0], layout_.size()) : 0),
+                           shift_ = free_motions_ > 0 ? shift_of(section(0), layout_.size()) : 0),
               layout_.dof_order()) {}
 
 Points ShellModel::solve(const Points& F) const {
@@ -121,9 +128,19 @@ Points ShellModel::solve(const Points& F) const {
   return ties_.springs.empty() ? solver_.solve(F) : solver_.solve(F + ties_.springs.load());
 }
 
+Points ShellModel::unbalanced(const Points& q, const Points& F) const {
+  return reaction_forces(solver_.K(), q, F + ties_.springs.load());
+}
+
+Points ShellModel::adjoint(const Points& G) const {
+  MatX y = solver_.reduction().D().transpose() * stacked(G);
+  solver_.solve_reduced(y);
+  const VecX a = solver_.reduction().D() * y;
+  return Eigen::Map<const Points>(a.data(), shape_.rows(), 3);
+}
+
 std::vector<SupportReaction> ShellModel::reactions(const Points& q, const Points& F) const {
-  const VecX lambda =
-      solver_.reduction().from_right().transpose() * stacked(reaction_forces(solver_.K(), q, F));
+  const VecX lambda = solver_.reduction().from_right().transpose() * stacked(unbalanced(q, F));
   const VecX positions = layout_.position_dofs();
   std::vector<SupportReaction> result;
   for (const std::string& name : supports_) result.push_back({name, {}});
@@ -149,6 +166,41 @@ std::vector<SupportReaction> ShellModel::reactions(const Points& q, const Points
     if (Resultant* sum = resultant_of(ties_.springs.names()[spring.name]))
       add(spring.entries, LineSprings::pull(spring, q), *sum);
   return result;
+}
+
+double ShellModel::goal_change(const Points& u, const Points& F, const Points& a, const Points& G,
+                               const Points& shape, const Points& other_F) const {
+  const ShellTies ties = ties_of(layout_, shape, definition_);
+  const ShellAssembler assembler(layout_.surface(shape),
+                                 for_triangles(layout_, definition_.sections));
+  const auto work = [&](const SparseMatrix& K, const LineSprings& springs, const Points& load) {
+    const VecX x = stacked(a), y = stacked(u);
+    double sum = a.cwiseProduct(load).sum() - x.dot(K.selfadjointView<Eigen::Lower>() * y);
+    for (const LineSprings::Spring& spring : springs.springs())
+      for (const auto& e : spring.entries)
+        sum += LineSprings::pull(spring, u) * e.coefficient.dot(a.row(e.dof));
+    return sum;
+  };
+  double change = work(assembler.stiffness(), ties.springs, other_F) -
+                  work(assembler_.stiffness(), ties_.springs, F);
+  // Rows of the other shape, on displacements that keep those of this one.
+  const auto& share = solver_.reduction().from_right();
+  const VecX of_u = share.transpose() * stacked(unbalanced(u, F)),
+             of_a = share.transpose() * stacked(Points(unbalanced(a, G) + ties_.springs.load()));
+  const auto first = static_cast<long>(3 * ties.rows.rows().size());
+  for (size_t r = 0; r < ties.rows.coupled_rows().size(); ++r) {
+    const ConstraintSet::CoupledRow &row = ties.rows.coupled_rows()[r],
+                                    &before = ties_.rows.coupled_rows()[r];
+    const auto value = [](const ConstraintSet::CoupledRow& of, const Points& q) {
+      double sum = 0;
+      for (const auto& e : of.entries) sum += e.coefficient.dot(q.row(e.dof));
+      return sum;
+    };
+    const long k = first + static_cast<long>(r);
+    change +=
+        of_u[k] * (value(row, a) - value(before, a)) + of_a[k] * (value(row, u) - value(before, u));
+  }
+  return change;
 }
 
 double ShellModel::energy(const Points& q) const {

@@ -1,6 +1,7 @@
 // The regions of a model as one shell that is held and can be solved.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,12 +20,23 @@ struct PointSupport {
   Vec3 displacement = Vec3::Zero();  ///< in those directions
 };
 
+/// Springs that hold a shell at a place, per length of a line or per area of a region.
+struct ElasticSupport {
+  std::string name;
+  std::optional<ShellPlace> place;  ///< of a point; else
+  std::string line;                 ///< of a line; "": an area
+  int region = -1;                  ///< of an area; -1: all regions
+  Vec3 stiffness = Vec3::Zero();  ///< along x, y, z: force over displacement, or per length or area
+  double normal = 0;              ///< of an area: along its normal (an elastic foundation)
+};
+
 /// What a shell is made of and how it is held.
 struct ShellDefinition {
   std::vector<ShellSection> sections;  ///< one, or one for each region
   std::vector<LineSupport> lines;
   std::vector<PointSupport> points;
   std::vector<std::string> hinges;  ///< lines about which regions turn freely
+  std::vector<ElasticSupport> elastic = {};
 };
 
 /// What a support does to the shell.
@@ -58,6 +70,18 @@ class ShellModel {
   /// What every support does to the shell, each name once. Their sum balances the
   /// load to rounding: λ of its rows, from K q - F = Cᵀ λ, and the pull of its springs.
   std::vector<SupportReaction> reactions(const Points& q, const Points& F) const;
+  /// By how much Gᵀu changes when the shape becomes `shape`, on the same layout, and the load other_F:
+  /// to first order,
+  ///
+  ///     aᵀ (δF - δK u) + λ(u)ᵀ δC a + λ(a)ᵀ δC u,      u = solve(F),  a = adjoint(G)
+  ///
+  /// with λ the multipliers of the rows. One stiffness, no factor: with an adjoint a, all parameters
+  /// of a shape cost this much each. G: a goal, as a load (point_force() of 1 for a displacement,
+  /// F for the compliance, without δF in it).
+  double goal_change(const Points& u, const Points& F, const Points& a, const Points& G,
+                     const Points& shape, const Points& other_F) const;
+  /// K a = G under supports that do not move.
+  Points adjoint(const Points& G) const;
   /// ½ qᵀ K q, without what springs of embedded lines hold
   double energy(const Points& q) const;
 
@@ -65,7 +89,8 @@ class ShellModel {
   const Points& shape() const { return shape_; }
   const ShellAssembler& assembler() const { return assembler_; }
   const ShellSection& section(int region) const {
-    return sections_[sections_.size() == 1 ? 0 : static_cast<size_t>(region)];
+    const auto& sections = definition_.sections;
+    return sections[sections.size() == 1 ? 0 : static_cast<size_t>(region)];
   }
   const ConstrainedSolver& solver() const { return solver_; }
   /// Motions that nothing resists, and what was added of the mass because of them.
@@ -77,7 +102,10 @@ class ShellModel {
  private:
   ModelLayout layout_;
   Points shape_;
-  std::vector<ShellSection> sections_;
+  // K q - F with the springs' own load: what rows do.
+  Points unbalanced(const Points& q, const Points& F) const;
+
+  ShellDefinition definition_;
   std::vector<std::string> supports_;
   int free_motions_ = 0;
   double shift_ = 0;

@@ -82,7 +82,7 @@ void ShellStresses::take_samples() {
       Sample sample{
           where,
           rule.weights[p] * mesh.shape(t).area * shell_.assembler().point(where).jacobian(),
-          {}};
+          Parts::Zero()};
       sample.parts << packed(stress.forces), packed(stress.moments);
       samples_[t].push_back(sample);
     }

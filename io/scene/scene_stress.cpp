@@ -22,8 +22,10 @@ std::string SceneStress::Support::in_words() const {
   const std::string what = kind == Kind::Clamped     ? "clamped "
                            : kind == Kind::Pinned    ? "pinned "
                            : kind == Kind::Symmetric ? "symmetric "
+                           : kind == Kind::Elastic   ? "elastic "
                                                      : "held ";
-  if (!point) return what + line.text;
+  if (!point)
+    return what + (line.text.empty() ? region.text.empty() ? "all" : region.text : line.text);
   std::string at;
   for (int c = 0; c < 3; ++c) at += (c ? ", " : "[") + number((*point)[c]);
   return what + "point " + at + "]";
@@ -39,9 +41,9 @@ std::vector<std::string> SceneStress::cases() const {
 
 const std::vector<std::string>& stress_keys() {
   static const std::vector<std::string> keys = {
-      "thickness", "thicknesses",  "material",  "young",   "poisson",  "density",
-      "yield",     "pressure",     "pressures", "gravity", "supports", "hinges",
-      "loads",     "combinations", "modes",     "buckling"};
+      "thickness", "thicknesses",  "material",  "young",    "poisson",  "density",
+      "yield",     "pressure",     "pressures", "gravity",  "supports", "hinges",
+      "loads",     "combinations", "modes",     "buckling", "shear",    "along"};
   return keys;
 }
 
@@ -51,14 +53,28 @@ const std::string kUsualCase = "loads";
 
 void read_material(const TomlTable& table, const std::string& unit, SceneStress& stress) {
   if (!table.has("material")) {
-    stress.young = table.positive("young");
+    if (table.is_array("young")) {
+      const VecX moduli = table.numbers("young", "along, across");
+      if (!(moduli.minCoeff() > 0))
+        table.fail("young", "a modulus that is not above 0", "both above 0");
+      stress.young = moduli[0];
+      stress.young_across = moduli[1];
+      stress.shear = table.positive("shear");
+      stress.along = table.direction("along");
+    } else {
+      stress.young = table.positive("young");
+      for (const char* key : {"shear", "along"})
+        if (table.has(key))
+          table.fail(key, "'" + std::string(key) + "' of an isotropic material",
+                     "young = [along, across] with it");
+    }
     stress.poisson = table.number("poisson", 0.3);
     if (stress.poisson <= -1 || stress.poisson >= 0.5)
       table.fail("poisson", number(stress.poisson), "a number above -1 and below 0.5");
     stress.density = table.positive("density", 0);
     return;
   }
-  for (const char* key : {"young", "poisson", "density"})
+  for (const char* key : {"young", "poisson", "density", "shear", "along"})
     if (table.has(key))
       table.fail(key, "'" + std::string(key) + "' beside 'material'", "one of the two");
   stress.material = table.text("material");
@@ -82,10 +98,40 @@ void read_material(const TomlTable& table, const std::string& unit, SceneStress&
   }
 }
 
+// {foundation = k, region = "…"}, or {spring = [kx, ky, kz]} with a line, a point, or a region.
+void read_elastic(const TomlTable& t, SceneStress::Support& support) {
+  support.kind = SceneStress::Support::Kind::Elastic;
+  for (const char* key : {"kind", "directions", "normal", "rotation", "displacement"})
+    if (t.has(key)) t.fail(key, "'" + std::string(key) + "' of springs", "springs without it");
+  if (t.has("foundation") == t.has("spring"))
+    t.fail("spring", "a foundation and a spring", "one of them");
+  if (t.has("line") + t.has("point") + t.has("region") > 1)
+    t.fail("line", "several places", "one of: line, point, region");
+  if (t.has("foundation")) {
+    if (t.has("line") || t.has("point"))
+      t.fail("foundation", "a foundation of a line or a point", "a region, or none for all");
+    support.foundation = t.positive("foundation");
+  } else {
+    support.springs = t.vector("spring");
+    if (support.springs.minCoeff() < 0 || support.springs.isZero(0))
+      t.fail("spring", "a stiffness below 0, or none", "three numbers from 0 on, one above it");
+  }
+  if (t.has("line")) support.line = {t.text("line"), t.place("line")};
+  if (t.has("point")) support.point = t.vector("point");
+  if (t.has("region")) support.region = {t.text("region"), t.place("region")};
+}
+
 SceneStress::Support read_support(const TomlTable& t) {
   using Kind = SceneStress::Support::Kind;
   SceneStress::Support support;
   support.place = t.place();
+  if (t.has("foundation") || t.has("spring")) {
+    read_elastic(t, support);
+    return support;
+  }
+  if (t.has("region"))
+    t.fail("region", "'region' without 'foundation'",
+           "foundation = force per area and displacement");
   if (t.has("line") == t.has("point"))
     t.fail("line", t.has("line") ? "a line and a point" : "a support on nothing",
            "one of line = \"…\" and point = [x, y, z]");
@@ -235,8 +281,9 @@ SceneStress read_stress(const TomlTable& table, const std::string& unit) {
     if (load.type == SceneStress::Load::Type::Gravity && stress.density == 0)
       table.fail(table.has("gravity") ? "gravity" : "loads", "gravity without 'density'", "both");
   read_combinations(table, stress);
-  for (const TomlTable& t : table.tables("supports", {"line", "point", "kind", "directions",
-                                                      "normal", "rotation", "displacement"}))
+  for (const TomlTable& t :
+       table.tables("supports", {"line", "point", "kind", "directions", "normal", "rotation",
+                                 "displacement", "foundation", "spring", "region"}))
     stress.supports.push_back(read_support(t));
   if (stress.supports.empty())
     table.fail("supports", "no supports", "one or more: supports = [{line = \"…\"}]");

@@ -30,7 +30,8 @@ struct SceneStress {
       Clamped,    ///< no displacement, no rotation about the line
       Pinned,     ///< no displacement
       Symmetric,  ///< in the plane with the normal directions[0]
-      Held        ///< displacement in `directions`, and the rotation where `rotation` says so
+      Held,       ///< displacement in `directions`, and the rotation where `rotation` says so
+      Elastic     ///< springs along x, y, z, or along the normal
     };
     Kind kind = Kind::Clamped;
     PlacedWord line;
@@ -38,6 +39,9 @@ struct SceneStress {
     std::vector<Vec3> directions;
     Vec3 displacement = Vec3::Zero();
     bool rotation = false;
+    PlacedWord region;            ///< of Elastic on an area: "" for all regions
+    Vec3 springs = Vec3::Zero();  ///< of Elastic, or `foundation` per area along the normal
+    double foundation = 0;
     FilePlace place;
     std::string in_words() const;  ///< "clamped rim"
   };
@@ -68,6 +72,9 @@ struct SceneStress {
 
   std::string material;  ///< its name; "": the numbers below were stated
   double young = 0, poisson = 0, density = 0;
+  /// Of an orthotropic material: Young's modulus across `along`, the shear modulus; 0: isotropic.
+  double young_across = 0, shear = 0;
+  Vec3 along = Vec3::Zero();
   double thickness = 0, yield = 0;  ///< yield: 0 when not stated
   std::vector<Thickness> thicknesses;
   std::vector<Support> supports;

@@ -165,6 +165,64 @@ TEST_CASE("the error estimate follows the true error as the mesh gets finer") {
   }
 }
 
+TEST_CASE("springs give way by force over stiffness, and their reactions balance") {
+  const Arm arm;
+  const double W = Plates::W, L = Arm::L;
+  // Everything rests on one foundation of the shelf and springs along the foot.
+  const ShellPlace end = nearest_place(arm.layout, arm.shape, {L, W / 2, Arm::H});
+  ShellDefinition definition{{{ShellMaterial::isotropic(Plates::E, 0.3), Plates::t}}, {}, {}, {}};
+  definition.elastic = {{"floor", {}, "", 1, Vec3::Zero(), 2.0},
+                        {"foot", {}, "foot", -1, {5, 5, 0}, 0},
+                        {"wire", end, "", -1, {3, 0, 0}, 0}};
+  const ShellModel shell(arm.layout, arm.shape, definition);
+  const Points F = area_force(arm.layout, arm.shape, downwards);
+  const Points q = shell.solve(F);
+  const auto reactions = shell.reactions(q, F);
+  Resultant sum = resultant(arm.layout, arm.shape, F);
+  for (const auto& r : reactions) {
+    sum.force += r.resultant.force;
+    sum.moment += r.resultant.moment;
+  }
+  CHECK(sum.force.norm() < 1e-10);
+  CHECK(sum.moment.norm() < 1e-10);
+  // All weight is on the floor.
+  CHECK(reactions[0].resultant.force.z() == Approx(Plates::q * W * (L + Arm::H)));
+  CHECK(std::abs(reactions[1].resultant.force.z()) < 1e-12);
+}
+
+TEST_CASE("one adjoint tells how goals change with the shape, as solving again does") {
+  const Arm arm;
+  for (const bool pinned : {false, true}) {
+    const ShellDefinition definition{
+        {{ShellMaterial::isotropic(Plates::E, 0.3), Plates::t}},
+        {pinned ? LineSupport::pinned("foot") : LineSupport::clamped("foot"),
+         {"prop", "tip", {Vec3::UnitZ()}, {0, 0, pinned ? 1e-3 : 0}, false}},
+        {},
+        {}};
+    const ShellModel shell(arm.layout, arm.shape, definition);
+    const auto load = [&](const Points& shape) { return area_force(arm.layout, shape, downwards); };
+    const Points F = load(arm.shape), u = shell.solve(F);
+    const ShellPlace middle = nearest_place(arm.layout, arm.shape, {0.4, 0.25, Arm::H});
+    const Points G = point_force(arm.layout, middle, {0, 0, 1});
+    const Points a = shell.adjoint(G);
+    // The shelf is bent upwards, and everything leans.
+    Points way = Points::Zero(arm.shape.rows(), 3);
+    for (long m = 0; m < way.rows(); ++m)
+      way.row(m) = Eigen::RowVector3d(0.2 * arm.shape(m, 2), 0, 0.3 * arm.shape(m, 0));
+    const auto goal = [&](double s) {
+      const Points shape = arm.shape + s * way;
+      return ShellModel(arm.layout, shape, definition).solve(load(shape)).cwiseProduct(G).sum();
+    };
+    constexpr double s = 1e-4;
+    const double again = (goal(s) - goal(-s)) / (2 * s);
+    const auto change = [&](double step) {
+      const Points shape = arm.shape + step * way;
+      return shell.goal_change(u, F, a, G, shape, load(shape));
+    };
+    CHECK((change(s) - change(-s)) / (2 * s) == Approx(again).epsilon(1e-4));
+  }
+}
+
 TEST_CASE("a point support holds its direction, by the displacement that it is given") {
   const Arm arm;
   const ShellPlace jack = nearest_place(arm.layout, arm.shape, {Arm::L, 0.25, Arm::H});

@@ -274,6 +274,7 @@ ShellDeck deck_of(const Scene& scene, const ModelLayout& layout, const std::stri
   deck.poisson = stress.poisson;
   deck.density = stress.density;
   deck.units = "lengths in " + scene.unit;
+  if (stress.young_across > 0) refuse({}, "an orthotropic material");
   if (!stress.thicknesses.empty())
     refuse(stress.thicknesses[0].region.place, "a thickness of one region");
   if (!stress.hinges.empty()) refuse(stress.hinges[0].place, "a hinge");

@@ -67,6 +67,21 @@ ShellPlace place_of(const Scene& scene, const ModelLayout& layout, const Points&
 void add_support_words(const Scene& scene, const ModelLayout& layout, const Points& shape,
                        const SceneStress::Support& support, ShellDefinition& definition) {
   using Kind = SceneStress::Support::Kind;
+  if (support.kind == Kind::Elastic) {
+    ElasticSupport springs{support.in_words(), {}, "", -1, support.springs, support.foundation};
+    if (support.point)
+      springs.place = place_of(scene, layout, shape, *support.point, support.place);
+    if (!support.region.text.empty()) springs.region = region_named(layout, scene, support.region);
+    if (support.line.text.empty()) {
+      definition.elastic.push_back(springs);
+      return;
+    }
+    for (const std::string& line : lines_named(layout, scene, support.line)) {
+      springs.line = line;
+      definition.elastic.push_back(springs);
+    }
+    return;
+  }
   const bool all = support.kind == Kind::Clamped || support.kind == Kind::Pinned;
   const std::vector<Vec3> directions =
       all ? std::vector<Vec3>{Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ()} : support.directions;
@@ -132,8 +147,11 @@ Points load_of(const Scene& scene, const ModelLayout& layout, const Points& shap
 ShellDefinition shell_of(const Scene& scene, const ModelLayout& layout, const Points& shape) {
   const SceneStress& s = *scene.stress;
   ShellDefinition definition;
-  const ShellMaterial material = ShellMaterial::isotropic(s.young, s.poisson, s.density);
-  definition.sections = {{material, s.thickness}};
+  const ShellMaterial material =
+      s.young_across > 0
+          ? ShellMaterial::orthotropic(s.young, s.young_across, s.poisson, s.shear, s.density)
+          : ShellMaterial::isotropic(s.young, s.poisson, s.density);
+  definition.sections = {{material, s.thickness, s.along}};
   if (!s.thicknesses.empty()) {
     definition.sections.assign(static_cast<size_t>(layout.region_count()), definition.sections[0]);
     for (const auto& of : s.thicknesses)
