@@ -298,6 +298,11 @@ Json json_of(const StressReport& s) {
                               {"max_displacement", m.displacement},
                               {"max_von_mises", m.stress},
                               {"error_estimate", m.error}});
+  for (const auto& d : s.sensitivities)
+    json["sensitivities"].push_back({{"parameter", d.parameter},
+                                     {"case", d.of_case},
+                                     {"max_displacement", d.displacement},
+                                     {"compliance", d.compliance}});
   if (!s.frequencies.empty()) json["frequencies"] = s.frequencies;
   return json;
 }

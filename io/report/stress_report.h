@@ -57,6 +57,13 @@ struct StressReport {
     double displacement = 0, stress = 0, error = 0;
   };
   std::vector<Mesh> meshes;
+  /// Derivatives of a case by a parameter of the scene.
+  struct Sensitivity {
+    std::string parameter, of_case;
+    double displacement = 0;  ///< of the largest displacement, along itself
+    double compliance = 0;    ///< of the work of the loads
+  };
+  std::vector<Sensitivity> sensitivities;
   std::vector<double> frequencies;  ///< 1/time, rigid motions as 0 first
 };
 

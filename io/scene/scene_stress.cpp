@@ -41,9 +41,9 @@ std::vector<std::string> SceneStress::cases() const {
 
 const std::vector<std::string>& stress_keys() {
   static const std::vector<std::string> keys = {
-      "thickness", "thicknesses",  "material",  "young",    "poisson",  "density",
-      "yield",     "pressure",     "pressures", "gravity",  "supports", "hinges",
-      "loads",     "combinations", "modes",     "buckling", "shear",    "along"};
+      "thickness", "thicknesses", "material", "young",    "poisson",      "density", "yield",
+      "pressure",  "pressures",   "gravity",  "supports", "hinges",       "loads",   "combinations",
+      "modes",     "buckling",    "shear",    "along",    "sensitivities"};
   return keys;
 }
 
@@ -291,6 +291,7 @@ SceneStress read_stress(const TomlTable& table, const std::string& unit) {
   stress.modes = table.whole_number("modes", 1, 0);
   if (stress.modes > 0 && stress.density == 0)
     table.fail("modes", "modes without 'density'", "both");
+  stress.sensitivities = table.boolean("sensitivities", false);
   stress.buckling = table.whole_number("buckling", 1, 0);
   return stress;
 }

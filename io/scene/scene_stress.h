@@ -81,6 +81,7 @@ struct SceneStress {
   std::vector<Load> loads;
   std::vector<Combination> combinations;
   std::vector<PlacedWord> hinges;
+  bool sensitivities = false;
   int modes = 0, buckling = 0;  ///< how many natural modes, and buckling factors of each case
 
   std::vector<std::string> cases() const;  ///< names of load cases, in their order

@@ -75,6 +75,57 @@ TEST_CASE("a stress analysis says what moves, what is stressed, and what holds")
     CHECK(fs::exists(c / "out" / file));
 }
 
+TEST_CASE("sensitivities are what other values of the parameter give") {
+  const Case c("stress_sensitivity");
+  const auto with = [&](double swell) {
+    const std::string load =
+        "[[load]]\nname = \"swell\"\ntype = \"pressure\"\nvalue = " + std::to_string(swell) +
+        "\nmin = 0\nmax = 200\n";
+    std::string scene =
+        plate(kSteel +
+              "sensitivities = true\nsupports = [{line = \"a\"}, {line = \"c\", kind = "
+              "\"pinned\"}]\npressure = -1e-2");
+    return stress_of(c, scene.insert(scene.find("[stress]"), load));
+  };
+  const auto here = with(20), up = with(20.2), down = with(19.8);
+  const auto& s = here["sensitivities"][0];
+  CHECK(s["parameter"] == "swell");
+  const auto difference = [&](const char* key, double times) {
+    return times * (up["cases"][0][key].get<double>() - down["cases"][0][key].get<double>()) / 0.4;
+  };
+  CHECK(s["max_displacement"].get<double>() ==
+        Approx(difference("max_displacement", 1)).epsilon(1e-2));
+  CHECK(s["compliance"].get<double>() == Approx(difference("strain_energy", 2)).epsilon(1e-2));
+}
+
+TEST_CASE(
+    "a plate on a foundation sinks by weight over stiffness, an orthotropic one bends its way") {
+  const Case c("stress_springs");
+  const auto sunk = stress_of(
+      c,
+      plate(
+          kSteel +
+          "supports = [{foundation = 0.5}, {line = \"a\", spring = [1, 1, 0]}]\npressure = -0.02"));
+  CHECK(sunk["cases"][0]["displacement"][2].get<double>() == Approx(-0.04).epsilon(1e-6));
+  const auto tip = [&](const std::string& along) {
+    return stress_of(
+               c,
+               plate("thickness = 1\nyoung = [100000, 10000]\nshear = 5000\npoisson = 0\nalong = " +
+                     along + "\n" + kClamped +
+                     "loads = [{line = \"c\", force = [0, 0, -0.01]}]"))["cases"][0]
+                                                                        ["max_displacement"]
+                                                                            .get<double>();
+  };
+  CHECK(tip("[0, 1, 0]") == Approx(0.01 * 1e6 / (3 * 1e5 / 12)).epsilon(1e-2));
+  CHECK(tip("[1, 0, 0]") == Approx(10 * tip("[0, 1, 0]")).epsilon(1e-2));
+  const Case bad("stress_springs_refused");
+  refused(bad, kSteel + "supports = [{foundation = 1, line = \"a\"}]", 1,
+          {"a foundation of a line"});
+  refused(bad, kSteel + "supports = [{line = \"a\", spring = [0, 0, 0]}]", 1,
+          {"a stiffness below 0, or none"});
+  refused(bad, "thickness = 1\nyoung = [1e5, 1e4]\n" + kClamped, 1, {"'shear'"});
+}
+
 TEST_CASE("the same plate in m and in mm has the same stresses") {
   const Case c("stress_units");
   const auto mm = stress_of(c, plate(kSteel + kClamped + "gravity = [0, 0, -9810]"));

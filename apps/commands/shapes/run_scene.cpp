@@ -10,6 +10,7 @@
 #include "batten/apps/commands/runs/run_parts.h"
 #include "batten/apps/commands/shapes/shape_files.h"
 #include "batten/apps/commands/shapes/stress_accuracy.h"
+#include "batten/apps/commands/shapes/stress_sensitivity.h"
 #include "batten/apps/commands/shapes/stress_shape.h"
 #include "batten/apps/commands/shapes/stress_witness.h"
 #include "batten/core/errors.h"
@@ -305,6 +306,7 @@ Report run_all(const Scene& as_stated, const std::filesystem::path& folder,
       run.report.missed.push_back(
           {"stress.accuracy", "is " + number(std::pow(accurate.meshes.back().error, 2)) +
                                   ", asked for " + number(stress->accuracy)});
+    if (scene.stress->sensitivities) find_sensitivities(run, scene, made, shape, progress);
     if (stress->with_calculix) ask_calculix(run, scene, shape, progress);
   }
   write_files(run, scene, made, shape, progress);

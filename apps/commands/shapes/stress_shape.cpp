@@ -273,6 +273,11 @@ std::string stress_results(const StressReport& report, const std::string& unit) 
                                 three_digits(100 * c.error) + " % in energy norm, " +
                                 three_digits(100 * c.error * c.error) + " % in displacement");
   }
+  for (const auto& d : report.sensitivities)
+    text += result_line(&d == &report.sensitivities[0] ? "sensitivity" : "",
+                        "by '" + d.parameter + "', case '" + d.of_case + "': moves by " +
+                            three_digits(d.displacement) + " " + unit +
+                            " more for each 1, the loads' work by " + three_digits(d.compliance));
   std::string hertz;
   for (const double f : report.frequencies) hertz += (hertz.empty() ? "" : ", ") + three_digits(f);
   if (!hertz.empty()) text += result_line("frequencies", hertz + " Hz");
