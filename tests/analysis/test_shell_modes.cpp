@@ -140,6 +140,97 @@ TEST_CASE("a free ring of two halves swings as Hoppe says") {
   for (const int k : {2}) CHECK((modes.frequencies.array() / of(k) - 1).abs().minCoeff() < 5e-3);
 }
 
+namespace {
+
+// A sector of a cylinder of radius 1 between two planes of symmetry, with diaphragms at its ends.
+struct Sector {
+  static constexpr double E = 1000;
+  double theta, L, t;
+  Patchwork patchwork;
+  ModelLayout layout;
+  Points shape;
+
+  static Patchwork lines(double theta, double L, double h) {
+    Patchwork p;
+    p.options.edge_length = h;
+    const auto add = [&](const std::string& name, const std::shared_ptr<const InputCurve>& curve) {
+      p.add(given_line(name, curve, 1, h));
+    };
+    const auto arc = [=](double z) {
+      return curve_from_formula(0, 1, [=](double s, int order) -> Vec3 {
+        const double a = theta * s;
+        if (order == 0) return {std::cos(a), std::sin(a), z};
+        if (order == 1) return theta * Vec3(-std::sin(a), std::cos(a), 0);
+        return -theta * theta * Vec3(std::cos(a), std::sin(a), 0);
+      });
+    };
+    const auto generator = [=](double a) {
+      return curve_from_formula(0, 1, [=](double s, int order) -> Vec3 {
+        if (order == 0) return {std::cos(a), std::sin(a), L * s};
+        return order == 1 ? Vec3(0, 0, L) : Vec3(0, 0, 0);
+      });
+    };
+    add("low", arc(0));
+    add("right", generator(theta));
+    add("high", arc(L));
+    add("left", generator(0));
+    p.region({"low", "right", "high", "left"});
+    return p;
+  }
+  Sector(double theta, double L, double t, double h)
+      : theta(theta),
+        L(L),
+        t(t),
+        patchwork(lines(theta, L, h)),
+        layout(patchwork.model({})),
+        shape(layout.least_energy({}, natural_dofs(layout))) {}
+
+  ShellModel shell() const {
+    ShellDefinition d{{{ShellMaterial::isotropic(E, 0, kDensity), t}}, {}, {}, {}};
+    d.lines = {LineSupport::symmetric("left", {0, 1, 0}),
+               LineSupport::symmetric("right", {-std::sin(theta), std::cos(theta), 0}),
+               held("low", {Vec3::UnitX(), Vec3::UnitY()}),
+               held("high", {Vec3::UnitX(), Vec3::UnitY()})};
+    // Waves are still along the axis in the middle.
+    const Vec3 middle(std::cos(theta / 2), std::sin(theta / 2), L / 2);
+    d.points = {{"middle", nearest_place(layout, shape, middle), {Vec3::UnitZ()}, Vec3::Zero()}};
+    return {layout, shape, d};
+  }
+  // Of m half waves along and n across, Donnell: bending and membrane part, with wave numbers.
+  double stiffness(int m, int n) const {
+    const double a2 = std::pow(m * pi / L, 2), b2 = std::pow(n * pi / theta, 2);
+    return E * t * t * t / 12 * std::pow(a2 + b2, 2) + E * t * a2 * a2 / std::pow(a2 + b2, 2);
+  }
+};
+
+}  // namespace
+
+TEST_CASE("a cylinder buckles under axial load where Donnell says") {
+  const Sector sector(0.6, 0.4, 0.004, 0.025);
+  const ShellModel shell = sector.shell();
+  const Points q = shell.solve(line_force(sector.layout, "high", {0, 0, -1}) +
+                               line_force(sector.layout, "low", {0, 0, 1}));
+  double least = 1e300;
+  for (int m = 1; m < 20; ++m)
+    for (int n = 0; n < 20; ++n)
+      least = std::min(least, sector.stiffness(m, n) / std::pow(m * pi / sector.L, 2));
+  const double classical = Sector::E * sector.t * sector.t / std::sqrt(3);
+  CHECK(least == Approx(classical).epsilon(0.02));
+  const double found = buckling(shell, q, 1).factors[0];
+  INFO(found / least << " of Donnell");
+  CHECK(found == Approx(least).epsilon(0.02));
+}
+
+TEST_CASE("a cylindrical panel vibrates as Donnell says") {
+  const Sector sector(0.2, 0.2, 0.002, 0.02);
+  const ShellModes modes = natural_modes(sector.shell(), 6);
+  for (const auto& [m, n] : {std::pair(1, 1), std::pair(1, 2)}) {
+    const double f = std::sqrt(sector.stiffness(m, n) / (kDensity * sector.t)) / (2 * pi);
+    INFO(m << ", " << n << ": " << (modes.frequencies.array() / f - 1).abs().minCoeff());
+    CHECK((modes.frequencies.array() / f - 1).abs().minCoeff() < 5e-3);
+  }
+}
+
 TEST_CASE("a square plate buckles under the pressure of two sides where Bryan says") {
   const OnePlate plate(Plates::W, Plates::W / 8);
   constexpr double nu = 0.3;
