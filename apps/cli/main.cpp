@@ -289,6 +289,10 @@ CLI::App* add_sculpt(CLI::App& app, Arguments& a) {
   auto* refinement =
       sub->add_option("--refine", a.sculpt.refinement,
                       "Halve triangles where curvature jumps, so many rounds: jumps:ROUNDS");
+  sub->add_flag(
+         "--stress", a.sculpt.stress,
+         "Largest displacement and stress of the shell of [stress], at each value of a sweep")
+      ->needs(sweep);
   auto* record =
       sub->add_option("--record", a.sculpt.record, "Write everything that was done to this file");
   sub->add_option("--replay", a.sculpt.replay, "Do what such a file says")

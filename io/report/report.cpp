@@ -135,6 +135,10 @@ Json json_of(const Report::Sculpting& s) {
     for (const auto& row : sweep.rows) {
       rows.push_back({{"value", row.value}, {"iterations", row.iterations}});
       rows.back().update(json_of(row.shape));
+      if (row.stress) {
+        rows.back()["max_displacement"] = row.stress->displacement;
+        rows.back()["max_von_mises"] = row.stress->von_mises;
+      }
     }
     json["sweeps"].push_back({{"parameter", sweep.parameter}, {"rows", rows}});
     if (!sweep.stopped.empty()) json["sweeps"].back()["stopped"] = sweep.stopped;

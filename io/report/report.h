@@ -105,11 +105,16 @@ struct Report : RunReport {
       double max_displacement = 0, energy_before = 0, energy_carried = 0, energy_settled = 0;
     };
     std::vector<Refinement> refinements;
+    /// Largest values of all load cases of [stress].
+    struct Stress {
+      double displacement = 0, von_mises = 0;
+    };
     struct Row {
       double value = 0;  ///< value of the parameter, or time
       Shape shape;
       int iterations = 0;       ///< iterations, in a sweep
       double total_energy = 0;  ///< kinetic and potential energy, in a motion
+      std::optional<Stress> stress;  ///< in a sweep, where asked for
     };
     struct Sweep {
       std::string parameter;

@@ -155,6 +155,13 @@ bool can_draw(RunReport& report, const std::string& what) {
   }
 }
 
+std::string file_word(const std::string& text) {
+  std::string word;
+  for (const char c : text)
+    word += std::isalnum(static_cast<unsigned char>(c)) || c == '-' || c == '.' ? c : '_';
+  return word.empty() ? "surface" : word;
+}
+
 std::string result_line(const std::string& label, const std::string& text) {
   return "  " + label + std::string(12 - label.size(), ' ') + text + "\n";
 }

@@ -99,6 +99,9 @@ void write_report(AnyReport& report, const std::vector<MissedPromise>& broken,
 /// Whether a text fits a pattern, in which '*' stands for any letters. O(product of the lengths).
 bool matches(const std::string& pattern, const std::string& text);
 
+/// A name of letters that every file system and every shell accepts.
+std::string file_word(const std::string& text);
+
 /// A line of a summary: the label in 12 columns, and the text.
 std::string result_line(const std::string& label, const std::string& text);
 

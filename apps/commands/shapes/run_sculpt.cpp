@@ -8,6 +8,7 @@
 #include "batten/apps/commands/shapes/make_session.h"
 #include "batten/apps/commands/shapes/shape_files.h"
 #include "batten/apps/commands/shapes/shape_series.h"
+#include "batten/apps/commands/shapes/stress_shape.h"
 #include "batten/core/index.h"
 #include "batten/io/files/whole_file.h"
 #include "batten/io/sessions/session_log.h"
@@ -80,14 +81,6 @@ int parsed_steps(const SculptTask& task) {
   return std::max(1, static_cast<int>(std::ceil(steps * (1 - 1e-12))));
 }
 
-/// A name of letters that every file system and every shell accepts.
-std::string file_word(const std::string& text) {
-  std::string word;
-  for (const char c : text)
-    word += std::isalnum(static_cast<unsigned char>(c)) || c == '-' || c == '.' ? c : '_';
-  return word.empty() ? "surface" : word;
-}
-
 double area_of(const Surface& surface) {
   const ParametricMesh& mesh = surface.mesh();
   const Trim* trim = surface.trim().get();
@@ -117,6 +110,8 @@ class SculptRun {
       : scene_(scene), task_(task), progress_(progress), run_(scene, folder) {}
 
   Report done() {
+    if (task_.stress && !scene_.stress)
+      throw InputError(scene_.at({}) + "found no [stress], expected thickness, material, supports");
     for (const std::string& text : task_.sweeps) sweeps_.push_back(parsed_sweep(text));
     const int rounds = parsed_rounds(task_.refinement), steps = parsed_steps(task_);
     Stopwatch& watch = run_.watch;
@@ -237,13 +232,25 @@ class SculptRun {
                                       std::to_string(sweep.count) + " values, " + table.stopped});
         break;
       }
-      table.rows.push_back({value, shape_now(*session_), answer_.iterations, 0});
+      table.rows.push_back({value, shape_now(*session_), answer_.iterations, 0, stress_now()});
       series.add(report_, value, session_->regions());
     }
     report_.sculpting->sweeps.push_back(table);
     finish(series, false);
     session_->set(sweep.parameter, before);
     settle("back from the sweep of " + sweep.parameter);
+  }
+
+  // The largest values of all load cases.
+  std::optional<Report::Sculpting::Stress> stress_now() const {
+    if (!task_.stress) return std::nullopt;
+    const MadeShape shape = shape_of(*session_, scene_, unloaded_now(), answer_);
+    Report::Sculpting::Stress most;
+    for (const StressReport::Case& c : stresses_of(scene_, shape, progress_).cases) {
+      most.displacement = std::max(most.displacement, c.displacement);
+      most.von_mises = std::max(most.von_mises, c.stress);
+    }
+    return most;
   }
 
   void move(int steps) {
@@ -253,7 +260,7 @@ class SculptRun {
     const int stride = (steps + task_.frames - 1) / task_.frames;
     ShapeSeries series(scene_, stem("time"), "t", run_.out, steps / stride + 1);
     const auto add = [&](double time) {
-      table.rows.push_back({time, shape_now(*session_), 0, session_->total_energy()});
+      table.rows.push_back({time, shape_now(*session_), 0, session_->total_energy(), {}});
       series.add(report_, time, session_->regions());
     };
     add(0);
@@ -380,11 +387,20 @@ std::string sculpt_summary(const Report& report, const std::filesystem::path& fo
                                        number(r.max_displacement) + " of the size, energy " +
                                        number(r.energy_before) + " -> " + number(r.energy_settled));
   for (const auto& sweep : sculpting.sweeps) {
-    text += row_text({sweep.parameter, "energy", "area", "volume", "iterations", "residual"});
-    for (const auto& row : sweep.rows)
-      text += row_text({number(row.value), number(energy(row.shape)), number(row.shape.area),
-                        number(row.shape.volume), std::to_string(row.iterations),
-                        number(row.shape.residual)});
+    std::vector<std::string> head = {sweep.parameter, "energy",     "area",
+                                     "volume",        "iterations", "residual"};
+    if (!sweep.rows.empty() && sweep.rows[0].stress)
+      head.insert(head.end(), {"moves", "von Mises"});
+    text += row_text(head);
+    for (const auto& row : sweep.rows) {
+      std::vector<std::string> words = {
+          number(row.value),        number(energy(row.shape)),      number(row.shape.area),
+          number(row.shape.volume), std::to_string(row.iterations), number(row.shape.residual)};
+      if (row.stress)
+        words.insert(words.end(),
+                     {number(row.stress->displacement), number(row.stress->von_mises)});
+      text += row_text(words);
+    }
     if (!sweep.stopped.empty()) text += "    stopped " + sweep.stopped + "\n";
   }
   if (sculpting.motion) {

@@ -17,6 +17,7 @@ struct SculptTask {
   double time = 0, dt = 0;               ///< duration and time step of a motion; 0: no motion
   int frames = 60;                       ///< most frames of a motion, besides the first
   std::string refinement;                ///< "jumps:ROUNDS"; "": none
+  bool stress = false;                   ///< of the shell of [stress], at each value of a sweep
   std::filesystem::path record, replay;  ///< log to write, log to read; "": none
 };
 
@@ -25,7 +26,8 @@ struct SculptTask {
 ///     replay      applies the operations of a log
 ///     settings    sets parameters of the session, then settles
 ///     refinement  halves triangles at jumps of curvature, in as many rounds as asked for
-///     sweeps      settles at each value, from the shape before; then sets the parameter back
+///     sweeps      settles at each value, from the shape before (and analyses it as the shell of
+///                 [stress], where asked for); then sets the parameter back
 ///     motion      moves from the settled shape, at rest, in steps of dt
 ///
 /// It writes these files, all of them or none: those of [output] and [[picture]], with the shape in

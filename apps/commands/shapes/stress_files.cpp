@@ -17,13 +17,6 @@ VecX in_order(const Mat3& s) {
   return six;
 }
 
-std::string file_word(const std::string& name) {
-  std::string word;
-  for (const char c : name)
-    word += std::isalnum(static_cast<unsigned char>(c)) || c == '-' ? c : '_';
-  return word;
-}
-
 std::string stress_unit(const Scene& scene) {
   return scene.unit == "mm" ? " [N/mm²]" : scene.unit == "m" ? " [Pa]" : "";
 }
