@@ -98,6 +98,26 @@ TEST_CASE("sensitivities are what other values of the parameter give") {
   CHECK(s["compliance"].get<double>() == Approx(difference("strain_energy", 2)).epsilon(1e-2));
 }
 
+TEST_CASE("a sweep says the stresses of each shape") {
+  const Case c("stress_sweep");
+  const std::string load =
+      "[[load]]\nname = \"swell\"\ntype = \"pressure\"\nmin = 0\nmax = 200\nvalue = 0\n";
+  std::string scene = plate(kSteel +
+                            "supports = [{line = \"a\"}, {line = \"c\", kind = \"pinned\"}]\n"
+                            "pressure = -1e-2");
+  c.file("s.toml", scene.insert(scene.find("[stress]"), load));
+  const Result r =
+      c.run({"sculpt", "s.toml", "--sweep", "swell=0:40:3", "--stress", "--out", "out"});
+  INFO(r.err);
+  const auto rows =
+      nlohmann::json::parse(contents(c / "out/report.json"))["sculpting"]["sweeps"][0]["rows"];
+  REQUIRE(rows.size() == 3);
+  // A vault is stiffer than a plate.
+  CHECK(rows[1]["max_displacement"].get<double>() < rows[0]["max_displacement"].get<double>());
+  CHECK(rows[2]["max_von_mises"].get<double>() < rows[0]["max_von_mises"].get<double>());
+  CHECK(c.run({"sculpt", "s.toml", "--stress", "--out", "out2"}).code == 1);
+}
+
 TEST_CASE(
     "a plate on a foundation sinks by weight over stiffness, an orthotropic one bends its way") {
   const Case c("stress_springs");
