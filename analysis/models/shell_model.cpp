@@ -54,12 +54,17 @@ ShellTies holding_ties(const ModelLayout& layout, const Points& shape,
   throw NoSolutionError(text);
 }
 
+const ShellDefinition& checked(const ModelLayout& layout, const ShellDefinition& definition) {
+  if (definition.sections.size() != 1 && count_of(definition.sections) != layout.region_count())
+    throw InputError(std::to_string(definition.sections.size()) + " sections for " +
+                     std::to_string(layout.region_count()) + " regions, expected one, or one each");
+  for (const ShellSection& section : definition.sections) require_section(section);
+  return definition;
+}
+
 std::vector<ShellSection> for_triangles(const ModelLayout& layout,
                                         const std::vector<ShellSection>& sections) {
   if (sections.size() == 1) return sections;
-  if (count_of(sections) != layout.region_count())
-    throw InputError(std::to_string(sections.size()) + " sections for " +
-                     std::to_string(layout.region_count()) + " regions");
   std::vector<ShellSection> all;
   for (int t = 0; t < layout.mesh()->triangle_count(); ++t)
     all.push_back(sections[layout.region_of(t)]);
@@ -112,7 +117,7 @@ ShellModel::ShellModel(ModelLayout layout, Points shape, const ShellDefinition& 
                        Free free)
     : layout_(std::move(layout)),
       shape_(std::move(shape)),
-      definition_(definition),
+      definition_(checked(layout_, definition)),
       supports_(names_of(definition)),
       ties_(holding_ties(layout_, shape_, definition, free, free_motions_)),
       assembler_(layout_.surface(shape_), for_triangles(layout_, definition.sections)),

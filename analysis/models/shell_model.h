@@ -67,8 +67,8 @@ class ShellModel {
 
   /// The displacement, n×3. Throws InputError for a load of another size.
   Points solve(const Points& F) const;
-  /// What every support does to the shell, each name once. Their sum balances the
-  /// load to rounding: λ of its rows, from K q - F = Cᵀ λ, and the pull of its springs.
+  /// What every support does to the shell, each name once. Their sum balances the load to
+  /// rounding: λ of its rows, from K q - F = Cᵀ λ, and the pull of its springs.
   std::vector<SupportReaction> reactions(const Points& q, const Points& F) const;
   /// By how much Gᵀu changes when the shape becomes `shape`, on the same layout, and the load other_F:
   /// to first order,
@@ -100,11 +100,11 @@ class ShellModel {
   int unknowns() const { return solver_.reduction().free_count(); }
 
  private:
-  ModelLayout layout_;
-  Points shape_;
   // K q - F with the springs' own load: what rows do.
   Points unbalanced(const Points& q, const Points& F) const;
 
+  ModelLayout layout_;
+  Points shape_;
   ShellDefinition definition_;
   std::vector<std::string> supports_;
   int free_motions_ = 0;

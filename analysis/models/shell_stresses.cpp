@@ -80,8 +80,7 @@ void ShellStresses::take_samples() {
       const Location where{t, rule.L.row(p).transpose()};
       const ShellStress stress = raw(where);
       Sample sample{
-          where,
-          rule.weights[p] * mesh.shape(t).area * shell_.assembler().point(where).jacobian(),
+          where, rule.weights[p] * mesh.shape(t).area * shell_.assembler().point(where).jacobian(),
           Parts::Zero()};
       sample.parts << packed(stress.forces), packed(stress.moments);
       samples_[t].push_back(sample);

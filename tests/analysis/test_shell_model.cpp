@@ -165,6 +165,20 @@ TEST_CASE("the error estimate follows the true error as the mesh gets finer") {
   }
 }
 
+TEST_CASE("sections belong to regions, and are checked before anything is made of them") {
+  const Arm arm;
+  const ShellSection good{ShellMaterial::isotropic(Plates::E, 0), Plates::t},
+      none{good.material, 0};
+  const std::vector<LineSupport> foot = {LineSupport::clamped("foot")};
+  const auto made = [&](const std::vector<ShellSection>& sections) {
+    return ShellModel(arm.layout, arm.shape, {sections, foot, {}, {}});
+  };
+  CHECK_NOTHROW(made({good, good}));
+  CHECK_THROWS_WITH(made({good, good, good}), Contains("3 sections for 2 regions"));
+  CHECK_THROWS_WITH(made({}), Contains("0 sections"));
+  CHECK_THROWS_AS(made({good, none}), InputError);
+}
+
 TEST_CASE("springs give way by force over stiffness, and their reactions balance") {
   const Arm arm;
   const double W = Plates::W, L = Arm::L;

@@ -12,7 +12,8 @@ namespace {
 // A case with its goal: 1 at the place of its largest displacement, along it.
 struct Goal {
   const StressReport::Case& of;
-  Points F, u, G, a;
+  Points F, u, G;
+  Points of_G, of_F;  // adjoints
 };
 
 double step_of(const Parameter& p) {
@@ -62,7 +63,8 @@ void find_sensitivities(ShapeRun& run, const Scene& scene, const MadeModel& made
     if (c.combination || F == loads.end() || !(c.displacement > 0)) continue;
     const ShellPlace place = nearest_place(*shape.layout, shape.dofs, c.displaced_at);
     const Points G = point_force(*shape.layout, place, c.displaced.normalized());
-    goals.push_back({c, F->second, shell.solve(F->second), G, shell.adjoint(G)});
+    goals.push_back(
+        {c, F->second, shell.solve(F->second), G, shell.adjoint(G), shell.adjoint(F->second)});
   }
   std::set<std::string> of_lines;
   for_each_fair_parameter(scene.fairing,
@@ -87,9 +89,10 @@ void find_sensitivities(ShapeRun& run, const Scene& scene, const MadeModel& made
       };
       // Of the work Fᵀu itself: its own load is the goal, and changes too.
       const double work =
-          derivative(g.u, g.F) +
+          derivative(g.of_F, g.F) +
           (up_loads.at(g.of.name) - down_loads.at(g.of.name)).cwiseProduct(g.u).sum() / (2 * step);
-      run.report.stress->sensitivities.push_back({p.name, g.of.name, derivative(g.a, g.G), work});
+      run.report.stress->sensitivities.push_back(
+          {p.name, g.of.name, derivative(g.of_G, g.G), work});
     }
   }
   run.watch.lap("sensitivities");
