@@ -2,33 +2,21 @@
 
 #include <Eigen/Geometry>
 
+#include "batten/analysis/models/line_rotation.h"
 #include "batten/analysis/models/line_sides.h"
 #include "batten/core/errors.h"
-#include "batten/elements/c1_triangle.h"
 
 namespace batten {
 namespace {
 
-// Springs of one place with the functions N of its triangle: along the axes, and along n.
-void add_at(const ElasticSupport& support, const std::vector<ConstraintSet::Entry>& place,
-            double share, const Vec3& n, LineSprings& springs) {
+// Springs of one place: along the axes, and along n.
+void add_at(const ElasticSupport& support, const RowEntries& place, double share, const Vec3& n,
+            LineSprings& springs) {
   const auto add = [&](const Vec3& direction, double stiffness) {
-    if (stiffness == 0) return;
-    LineSprings::Entries row;
-    for (const auto& e : place) row.push_back({e.dof, e.coefficient * direction});
-    springs.add(support.name, row, stiffness * share, 0);
+    if (stiffness > 0) springs.add(support.name, along(direction, place), stiffness * share, 0);
   };
   for (int c = 0; c < 3; ++c) add(Vec3::Unit(c), support.stiffness[c]);
   add(n, support.normal);
-}
-
-std::vector<ConstraintSet::Entry> functions_at(const ModelLayout& model, const Location& where) {
-  const ParametricMesh& mesh = *model.mesh();
-  const Tabulation N = C1Triangle(model.element(), mesh.shape(where.triangle)).evaluate(where.L);
-  const auto dofs = DofMap(mesh).triangle(mesh, where.triangle);
-  std::vector<ConstraintSet::Entry> entries;
-  for (int m = 0; m < 12; ++m) entries.push_back({dofs[m], N(m, kW)});
-  return entries;
 }
 
 void add_on_area(const ModelLayout& model, const Points& shape, const ElasticSupport& support,

@@ -28,6 +28,13 @@ class LineRotation {
   const Points& shape_;
 };
 
+// The part of a place along a direction, as a row.
+inline CoupledEntries along(const Vec3& direction, const RowEntries& place) {
+  CoupledEntries row;
+  for (const auto& e : place) row.push_back({e.dof, e.coefficient * direction});
+  return row;
+}
+
 // Adds a row whose entries may name a dof more than once.
 void add_summed(const std::string& name, const CoupledEntries& entries, double value,
                 ConstraintSet& set);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "batten/analysis/shell_section.h"
+#include "batten/elements/c1_triangle.h"
 #include "batten/elements/quadrature.h"
 #include "batten/skinning/model/join_edge.h"
 #include "batten/skinning/model/model_layout.h"
@@ -43,6 +44,16 @@ class LineSides {
   std::vector<RegionNumbers> numbers_;
   JoinEdges sides_;
 };
+
+// The functions of the triangle that holds a place of the model, there.
+inline RowEntries functions_at(const ModelLayout& model, const Location& where) {
+  const ParametricMesh& mesh = *model.mesh();
+  const Tabulation N = C1Triangle(model.element(), mesh.shape(where.triangle)).evaluate(where.L);
+  const auto dofs = DofMap(mesh).triangle(mesh, where.triangle);
+  RowEntries entries;
+  for (int m = 0; m < 12; ++m) entries.push_back({dofs[m], N(m, kW)});
+  return entries;
+}
 
 // Calls visit(f, dl) at points of a line, dl being the length that each stands for: eight between
 // stations of either side, from end to end. (Points where a line is held do not reach its corners,

@@ -7,12 +7,6 @@
 namespace batten {
 namespace {
 
-CoupledEntries along(const Vec3& direction, const RowEntries& entries) {
-  CoupledEntries row;
-  for (const auto& e : entries) row.push_back({e.dof, e.coefficient * direction});
-  return row;
-}
-
 void hold_run(const JoinEdge& side, const Points& shape, const LineSupport& support,
               const std::vector<Vec3>& directions, ConstraintSet& set) {
   for (const Vec3& direction : directions)

@@ -78,13 +78,9 @@ ShellPlace nearest_place(const ModelLayout& model, const Points& shape, const Ve
 }
 
 Points point_force(const ModelLayout& model, const ShellPlace& place, const Vec3& force) {
-  const ParametricMesh& mesh = *model.mesh();
-  const C1Triangle triangle(model.element(), mesh.shape(place.where.triangle));
-  const Tabulation N = triangle.evaluate(place.where.L);
-  const DofMap map(mesh);
-  const auto dofs = map.triangle(mesh, place.where.triangle);
-  Points F = Points::Zero(map.count(), 3);
-  for (int m = 0; m < 12; ++m) F.row(dofs[m]) += N(m, kW) * force.transpose();
+  Points F = Points::Zero(DofMap(*model.mesh()).count(), 3);
+  for (const auto& e : functions_at(model, place.where))
+    F.row(e.dof) += e.coefficient * force.transpose();
   return F;
 }
 

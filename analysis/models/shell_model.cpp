@@ -7,8 +7,8 @@
 #include "batten/analysis/models/elastic_supports.h"
 #include "batten/analysis/models/free_motions.h"
 #include "batten/analysis/models/line_rotation.h"
+#include "batten/analysis/models/line_sides.h"
 #include "batten/core/errors.h"
-#include "batten/elements/c1_triangle.h"
 
 namespace batten {
 namespace {
@@ -16,17 +16,12 @@ namespace {
 void add_point_support(const ModelLayout& model, const PointSupport& support, ConstraintSet& set) {
   if (support.directions.empty())
     throw InputError("support '" + support.name + "' holds nothing: expected directions");
-  const ParametricMesh& mesh = *model.mesh();
-  const int t = support.place.where.triangle;
-  const Tabulation N = C1Triangle(model.element(), mesh.shape(t)).evaluate(support.place.where.L);
-  const auto dofs = DofMap(mesh).triangle(mesh, t);
+  const RowEntries place = functions_at(model, support.place.where);
   for (const Vec3& direction : support.directions) {
     if (!direction.allFinite() || direction.isZero(0))
       throw InputError("support '" + support.name + "' has a direction of length zero");
-    const Vec3 along = direction.normalized();
-    CoupledEntries row;
-    for (int m = 0; m < 12; ++m) row.push_back({dofs[m], N(m, kW) * along});
-    add_summed(support.name, row, along.dot(support.displacement), set);
+    const Vec3 unit = direction.normalized();
+    add_summed(support.name, along(unit, place), unit.dot(support.displacement), set);
   }
 }
 
@@ -173,28 +168,26 @@ std::vector<SupportReaction> ShellModel::reactions(const Points& q, const Points
   return result;
 }
 
-double ShellModel::goal_change(const Points& u, const Points& F, const Points& a, const Points& G,
-                               const Points& shape, const Points& other_F) const {
-  const ShellTies ties = ties_of(layout_, shape, definition_);
+ShellSystem ShellModel::system_of(const Points& shape) const {
+  ShellTies ties = ties_of(layout_, shape, definition_);
   const ShellAssembler assembler(layout_.surface(shape),
                                  for_triangles(layout_, definition_.sections));
-  const auto work = [&](const SparseMatrix& K, const LineSprings& springs, const Points& load) {
-    const VecX x = stacked(a), y = stacked(u);
-    double sum = a.cwiseProduct(load).sum() - x.dot(K.selfadjointView<Eigen::Lower>() * y);
-    for (const LineSprings::Spring& spring : springs.springs())
-      for (const auto& e : spring.entries)
-        sum += LineSprings::pull(spring, u) * e.coefficient.dot(a.row(e.dof));
-    return sum;
-  };
-  double change = work(assembler.stiffness(), ties.springs, other_F) -
-                  work(assembler_.stiffness(), ties_.springs, F);
+  SparseMatrix K = stiffness_of(assembler, ties.springs, 0);
+  return {std::move(ties), std::move(K)};
+}
+
+double ShellModel::goal_change(const Points& u, const Points& F, const Points& a, const Points& G,
+                               const ShellSystem& other, const Points& other_F) const {
+  const Points here = unbalanced(u, F),
+               there = reaction_forces(other.K, u, other_F + other.ties.springs.load());
+  double change = a.cwiseProduct(here - there).sum();
   // Rows of the other shape, on displacements that keep those of this one.
   const auto& share = solver_.reduction().from_right();
-  const VecX of_u = share.transpose() * stacked(unbalanced(u, F)),
+  const VecX of_u = share.transpose() * stacked(here),
              of_a = share.transpose() * stacked(Points(unbalanced(a, G) + ties_.springs.load()));
-  const auto first = static_cast<long>(3 * ties.rows.rows().size());
-  for (size_t r = 0; r < ties.rows.coupled_rows().size(); ++r) {
-    const ConstraintSet::CoupledRow &row = ties.rows.coupled_rows()[r],
+  const auto first = static_cast<long>(3 * other.ties.rows.rows().size());
+  for (size_t r = 0; r < other.ties.rows.coupled_rows().size(); ++r) {
+    const ConstraintSet::CoupledRow &row = other.ties.rows.coupled_rows()[r],
                                     &before = ties_.rows.coupled_rows()[r];
     const auto value = [](const ConstraintSet::CoupledRow& of, const Points& q) {
       double sum = 0;

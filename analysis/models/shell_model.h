@@ -45,6 +45,12 @@ struct SupportReaction {
   Resultant resultant;  ///< on the shell; moment about the origin
 };
 
+/// K with its springs, 3n×3n, and what ties and holds, of one shape.
+struct ShellSystem {
+  ShellTies ties;
+  SparseMatrix K;
+};
+
 /// Linear statics of a model: K q = F under the rows of its joins and supports, one factor for all
 /// loads.
 ///
@@ -70,16 +76,16 @@ class ShellModel {
   /// What every support does to the shell, each name once. Their sum balances the load to
   /// rounding: λ of its rows, from K q - F = Cᵀ λ, and the pull of its springs.
   std::vector<SupportReaction> reactions(const Points& q, const Points& F) const;
-  /// By how much Gᵀu changes when the shape becomes `shape`, on the same layout, and the load other_F:
-  /// to first order,
+  /// The system of another shape on the same layout: one stiffness, no factor.
+  ShellSystem system_of(const Points& shape) const;
+  /// By how much Gᵀu changes when the system becomes `other`, and the load other_F: to first order,
   ///
   ///     aᵀ (δF - δK u) + λ(u)ᵀ δC a + λ(a)ᵀ δC u,      u = solve(F),  a = adjoint(G)
   ///
-  /// with λ the multipliers of the rows. One stiffness, no factor: with an adjoint a, all parameters
-  /// of a shape cost this much each. G: a goal, as a load (point_force() of 1 for a displacement,
-  /// F for the compliance, without δF in it).
+  /// with λ the multipliers of the rows. G: a goal, as a load (point_force() of 1 for a displacement,
+  /// F for the compliance, without δF in it). Costs a few sparse products.
   double goal_change(const Points& u, const Points& F, const Points& a, const Points& G,
-                     const Points& shape, const Points& other_F) const;
+                     const ShellSystem& other, const Points& other_F) const;
   /// K a = G under supports that do not move.
   Points adjoint(const Points& G) const;
   /// ½ qᵀ K q, without what springs of embedded lines hold

@@ -36,11 +36,8 @@ void add_springs(const std::string& name, const JoinEdge& a, const JoinEdge& b, 
     RowEntries apart;
     a.add_at(f, 0, 0, 1, apart);
     b.add_at(f, 0, 0, -1, apart);
-    for (int c = 0; c < 3; ++c) {
-      CoupledEntries row;
-      for (const auto& e : apart) row.push_back({e.dof, e.coefficient * Vec3::Unit(c)});
-      springs.add(name, row, k.displacement * dl, 0);
-    }
+    for (int c = 0; c < 3; ++c)
+      springs.add(name, along(Vec3::Unit(c), apart), k.displacement * dl, 0);
     if (hinge) return;
     CoupledEntries row;
     of_a.at_fraction(f, 1, row);

@@ -231,7 +231,7 @@ TEST_CASE("one adjoint tells how goals change with the shape, as solving again d
     const double again = (goal(s) - goal(-s)) / (2 * s);
     const auto change = [&](double step) {
       const Points shape = arm.shape + step * way;
-      return shell.goal_change(u, F, a, G, shape, load(shape));
+      return shell.goal_change(u, F, a, G, shell.system_of(shape), load(shape));
     };
     CHECK((change(s) - change(-s)) / (2 * s) == Approx(again).epsilon(1e-4));
   }

@@ -81,10 +81,11 @@ void find_sensitivities(ShapeRun& run, const Scene& scene, const MadeModel& made
     const Points up = shape.dofs + step * *change, down = shape.dofs - step * *change;
     const auto up_loads = loads_of(scene, *shape.layout, up, definition),
                down_loads = loads_of(scene, *shape.layout, down, definition);
+    const ShellSystem up_system = shell.system_of(up), down_system = shell.system_of(down);
     for (const Goal& g : goals) {
       const auto derivative = [&](const Points& a, const Points& G) {
-        return (shell.goal_change(g.u, g.F, a, G, up, up_loads.at(g.of.name)) -
-                shell.goal_change(g.u, g.F, a, G, down, down_loads.at(g.of.name))) /
+        return (shell.goal_change(g.u, g.F, a, G, up_system, up_loads.at(g.of.name)) -
+                shell.goal_change(g.u, g.F, a, G, down_system, down_loads.at(g.of.name))) /
                (2 * step);
       };
       // Of the work Fᵀu itself: its own load is the goal, and changes too.

@@ -175,10 +175,6 @@ void find_modes(const Scene& scene, const ShellModel& shell, StressReport& repor
   files.write_motions("modes", modes.shapes, captions);
 }
 
-}  // namespace
-
-namespace {
-
 // Solves and measures all cases, one after the other. each(shell, answer, stresses) may add to what
 // is reported of a case.
 template <class Each>
