@@ -42,8 +42,12 @@ class ShellStresses {
   ShellStress raw(const Location& where) const;
 
   /// √(energy of the stresses' jumps / energy): the relative error in energy norm by Zienkiewicz and
-  /// Zhu (1987). The error of a displacement under its own load is about its square.
+  /// Zhu (1987), by the rule of the stiffness, which also sees the false membrane forces of elements
+  /// that lock. The error of a displacement under its own load is about its square.
   double error() const { return error_; }
+  /// What is missing of a goal Gᵀq, about: the work of these jumps with those of `adjoint`, the
+  /// stresses of ShellModel::adjoint(G) on the same shell (Oden and Prudhomme 2001).
+  double missing(const ShellStresses& adjoint) const;
 
   /// The largest equivalent stress at a vertex inside, top or bottom.
   struct Peak {
@@ -73,6 +77,11 @@ class ShellStresses {
   void take_samples();
   std::vector<std::vector<int>> patches() const;
   void fit();
+  // ∬ work(place, energy) dA over the inside; energy(a, b) is the work of stresses a on those of b.
+  template <class Work>
+  double integral(const Work& work) const;
+  // What recovery adds to the element's own stress.
+  ShellStress jump(const Location& where) const;
   void measure_error();
   void find_peak();
   ShellStress stress_of(const Parts& parts, const Vec3& normal, double thickness) const;

@@ -275,6 +275,7 @@ Json json_of(const StressReport::Case& c) {
                {"stress_at_a_point", c.at_point},
                {"strain_energy", c.energy},
                {"error_estimate", c.error},
+               {"max_displacement_error", c.displacement_error},
                {"balance", c.balance}};
   if (c.safety > 0) json["safety"] = c.safety;
   if (c.buckling_asked) json["buckling_factors"] = c.buckling;
@@ -301,7 +302,7 @@ Json json_of(const StressReport& s) {
                               {"unknowns", m.unknowns},
                               {"max_displacement", m.displacement},
                               {"max_von_mises", m.stress},
-                              {"error_estimate", m.error}});
+                              {"displacement_error", m.error}});
   for (const auto& d : s.sensitivities)
     json["sensitivities"].push_back({{"parameter", d.parameter},
                                      {"case", d.of_case},

@@ -30,8 +30,9 @@ struct StressReport {
   struct Case {
     std::string name;
     bool combination = false;
-    Vec3 force = Vec3::Zero();  ///< sum of all loads
-    double displacement = 0;    ///< the largest
+    Vec3 force = Vec3::Zero();      ///< sum of all loads
+    double displacement = 0;        ///< the largest
+    double displacement_error = 0;  ///< estimate of what is missing of it
     Vec3 displaced = Vec3::Zero(), displaced_at = Vec3::Zero();
     std::string displaced_region;
     double stress = 0;  ///< the largest equivalent stress (von Mises)
@@ -54,7 +55,8 @@ struct StressReport {
   struct Mesh {
     double edge_length = 0;
     int unknowns = 0;
-    double displacement = 0, stress = 0, error = 0;
+    double displacement = 0, stress = 0;
+    double error = 0;  ///< estimate: relative, of displacements
   };
   std::vector<Mesh> meshes;
   /// Derivatives of a case by a parameter of the scene.

@@ -1,16 +1,11 @@
 // Shells of several regions: moments go around creases, through smooth lines and T-joints.
-#include <Eigen/LU>
-#include <Eigen/QR>
 #include <cmath>
-#include <numbers>
 
 #include "batten/analysis/models/shell_model.h"
 #include "batten/core/errors.h"
 #include "batten/fem/assembly.h"
-#include "batten/skinning/model/natural_shape.h"
 #include "batten/tests/analysis/plates.h"
 #include "batten/tests/catch.h"
-#include "batten/tests/sampling.h"
 
 using namespace batten_test;
 using Catch::Matchers::Contains;
@@ -28,40 +23,6 @@ struct Solved {
     return q.row(layout.numbers(line.sides[0].region)(3 * v));
   }
 };
-
-// The dofs of the cylinder (R sin a, R cos a, z) over a plane domain, which is its projection.
-Points over_plane(const RegionLayout& layout, double R) {
-  MatX x(0, 4), uv(0, 2);
-  for (const EmbeddedLine& line : layout.embedded())
-    for (const double t : line.points) {
-      x.conservativeResize(x.rows() + 1, 4);
-      uv.conservativeResize(x.rows(), 2);
-      x.bottomRows(1) << line.fitted.evaluate(t).transpose(), 1;
-      uv.bottomRows(1) << line.image.evaluate(t).head<2>().transpose();
-    }
-  const MatX projection = x.colPivHouseholderQr().solve(uv);  // 4×2
-  return interpolated(
-             layout.mesh(), layout.element(),
-             [&](const Vec2& p) {
-               Vec2 at(0.3, 0.5 * R);  // (a, z), by Newton's method
-               Eigen::Matrix<double, 3, 2> d;
-               Mat2 J;
-               SurfaceJet j{};
-               for (int step = 0; step < 30; ++step) {
-                 j.x = {R * std::sin(at[0]), R * std::cos(at[0]), at[1]};
-                 d << R * std::cos(at[0]), 0, -R * std::sin(at[0]), 0, 0, 1;
-                 J = projection.topRows(3).transpose() * d;
-                 const Vec2 missed =
-                     projection.transpose() * Eigen::Vector4d(j.x.x(), j.x.y(), j.x.z(), 1) - p;
-                 at -= J.inverse() * missed;
-               }
-               d = d * J.inverse();
-               j.x_u = d.col(0);
-               j.x_v = d.col(1);
-               return j;
-             })
-      .dofs();
-}
 
 // Clamped along "foot", loaded by q downwards on one region.
 Solved solved(const Plates& plates, int loaded, const std::vector<std::string>& hinges = {}) {
@@ -128,77 +89,6 @@ TEST_CASE("a third plate at a crease goes along, whatever its angle") {
   const Vec3 moved = frame.at("top") - frame.at("knee");
   CHECK(moved.x() == Approx(turn * 0.3).epsilon(2e-3));
   CHECK(moved.z() == Approx(turn * 0.2).epsilon(2e-3));
-}
-
-TEST_CASE("the Scordelis-Lo roof comes out the same in one region, in two, and trimmed") {
-  constexpr double R = 25, half = 40 * std::numbers::pi / 180, reference = 0.30059;
-  const auto arc = [&](double from, double to, double z) {
-    return curve_from_formula(0, 1, [=](double s, int order) -> Vec3 {
-      const double a = from + s * (to - from), w = to - from;
-      if (order == 0) return {R * std::sin(a), R * std::cos(a), z};
-      if (order == 1) return w * R * Vec3(std::cos(a), -std::sin(a), 0);
-      return w * w * R * Vec3(-std::sin(a), -std::cos(a), 0);
-    });
-  };
-  const auto generator = [&](double a) {
-    return curve_from_formula(0, 1, [=](double s, int order) -> Vec3 {
-      if (order == 0) return {R * std::sin(a), R * std::cos(a), R * s};
-      return order == 1 ? Vec3(0, 0, R) : Vec3(0, 0, 0);
-    });
-  };
-  const auto roof = [&](bool cut, SkinOptions::Domain domain) {
-    Patchwork p;
-    p.options.edge_length = 1.6;
-    p.options.domain = domain;
-    p.size = R;
-    const double at = cut ? 0.55 * half : half;
-    const auto add = [&](const std::string& name, const std::shared_ptr<const InputCurve>& curve) {
-      p.add(given_line(name, curve, R, p.options.edge_length));
-    };
-    add("crown", generator(0));
-    add("free", generator(half));
-    add("middle 1", arc(0, at, 0));
-    add("wall 1", arc(0, at, R));
-    if (cut) {
-      add("between", generator(at));
-      add("middle 2", arc(at, half, 0));
-      add("wall 2", arc(at, half, R));
-      p.region({"crown", "middle 1", "between", "wall 1"});
-      p.region({"between", "middle 2", "free", "wall 2"});
-    } else {
-      p.region({"crown", "middle 1", "free", "wall 1"});
-    }
-    const ModelLayout layout = p.model({});
-    const Points shape = domain == SkinOptions::Domain::Plane
-                             ? over_plane(layout.region(0), R)
-                             : layout.least_energy({}, natural_dofs(layout));
-    ShellDefinition definition{{{ShellMaterial::isotropic(4.32e8, 0), 0.25}},
-                               {LineSupport::symmetric("crown", Vec3::UnitX())},
-                               {},
-                               {}};
-    for (int part = 1; part <= (cut ? 2 : 1); ++part) {
-      const std::string k = std::to_string(part);
-      definition.lines.push_back(LineSupport::symmetric("middle " + k, Vec3::UnitZ()));
-      definition.lines.push_back(
-          {"wall", "wall " + k, {Vec3::UnitX(), Vec3::UnitY()}, Vec3::Zero(), false});
-    }
-    Points F = Points::Zero(shape.rows(), 3);
-    for (int r = 0; r < layout.region_count(); ++r) {
-      const Surface one = layout.skinned(r, shape).surface;
-      const VecX load = SurfaceAssembler(one.mesh(), one.kind(), one.trim()).area_load(one);
-      F += layout.spread(r, load) * Eigen::RowVector3d(0, -90, 0);
-    }
-    const Points q = ShellModel(layout, shape, definition).solve(F);
-    // At the free edge, in the middle of the roof.
-    const int last = layout.region_count() - 1;
-    const Surface moved = layout.skinned(last, q + shape).surface;
-    const Surface still = layout.skinned(last, shape).surface;
-    const Location where = still.closest_point({R * std::sin(half), R * std::cos(half), 0}).where;
-    return still.position(where).y() - moved.position(where).y();
-  };
-  CHECK(roof(false, SkinOptions::Domain::Polygon) == Approx(reference).epsilon(2e-3));
-  CHECK(roof(true, SkinOptions::Domain::Polygon) == Approx(reference).epsilon(5e-3));
-  CHECK(roof(false, SkinOptions::Domain::Plane) == Approx(reference).epsilon(5e-4));
 }
 
 TEST_CASE("a box beam in torsion turns as Bredt says") {

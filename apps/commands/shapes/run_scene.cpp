@@ -304,7 +304,7 @@ Report run_all(const Scene& as_stated, const std::filesystem::path& folder,
     run.report.stress->meshes = accurate.meshes;
     if (!accurate.reached)
       run.report.missed.push_back(
-          {"stress.accuracy", "is " + number(std::pow(accurate.meshes.back().error, 2)) +
+          {"stress.accuracy", "is " + number(accurate.meshes.back().error) +
                                   ", asked for " + number(stress->accuracy)});
     if (scene.stress->sensitivities) find_sensitivities(run, scene, made, shape, progress);
     if (stress->with_calculix) ask_calculix(run, scene, shape, progress);

@@ -28,7 +28,9 @@ StressReport::Mesh mesh_of(const StressReport& report, double edge_length) {
   for (const StressReport::Case& c : report.cases) {
     mesh.displacement = std::max(mesh.displacement, c.displacement);
     mesh.stress = std::max(mesh.stress, c.stress);
-    mesh.error = std::max(mesh.error, c.error);
+    mesh.error = std::max(mesh.error, std::pow(c.error, 2));
+    if (c.displacement > 0)
+      mesh.error = std::max(mesh.error, c.displacement_error / c.displacement);
   }
   return mesh;
 }
@@ -55,7 +57,7 @@ AccurateScene accurate_scene(const Scene& scene, double accuracy, const Progress
     }
     result.scene = next;
     result.meshes.push_back(mesh_of(report, edge));
-    const double error = std::pow(result.meshes.back().error, 2);
+    const double error = result.meshes.back().error;
     result.reached = error <= accuracy;
     if (result.reached) break;
     // The error of displacements goes with the fourth power of the edges, beside corners and point
