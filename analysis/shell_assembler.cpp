@@ -59,9 +59,9 @@ void ShellAssembler::for_points(int t, const TriangleRule& rule, const Visit& vi
 
 void ShellAssembler::add(int t, const TriangleRule& rule, double factor, ElementMatrix& K) const {
   const ShellSection& s = section(t);
-  const double thickness = s.thickness, bending = std::pow(thickness, 3) / 12;
-  for_points(t, rule, [&](const Tabulation& N, const ShellPoint& at, const Vec3&, double area) {
-    const double w = factor * area;
+  for_points(t, rule, [&](const Tabulation& N, const ShellPoint& at, const Vec3& L, double area) {
+    const double w = factor * area, thickness = s.thickness_at(L),
+                 bending = std::pow(thickness, 3) / 12;
     const Vec12 f[2] = {at.along_axes(0, N.col(kU), N.col(kV)),
                         at.along_axes(1, N.col(kU), N.col(kV))};
     const Eigen::Matrix<double, 3, 12> rows = at.bending_rows(N);
@@ -132,8 +132,8 @@ SparseMatrix ShellAssembler::over_inside(
 SparseMatrix ShellAssembler::mass() const {
   return over_inside([&](int t, const TriangleRule& rule, ScalarMatrix& M) {
     const ShellSection& s = section(t);
-    for_points(t, rule, [&](const Tabulation& N, const ShellPoint&, const Vec3&, double area) {
-      M += area * s.material.density * s.thickness * N.col(kW) * N.col(kW).transpose();
+    for_points(t, rule, [&](const Tabulation& N, const ShellPoint&, const Vec3& L, double area) {
+      M += area * s.material.density * s.thickness_at(L) * N.col(kW) * N.col(kW).transpose();
     });
   });
 }
@@ -174,7 +174,7 @@ ShellAssembler::Resultants ShellAssembler::resultants(const Points& q,
                                                       const Location& where) const {
   const ShellStrain s = strain(q, where);
   const ShellSection& of = section(where.triangle);
-  const double t = of.thickness;
+  const double t = of.thickness_at(where.L);
   return {t * of.material.Q * s.membrane, t * t * t / 12 * of.material.Q * s.curvature};
 }
 

@@ -49,9 +49,12 @@ ShellMaterial ShellMaterial::orthotropic(double E1, double E2, double nu12, doub
 
 void require_section(const ShellSection& section) {
   const Mat3& Q = section.material.Q;
-  if (!(section.thickness > 0) || !std::isfinite(section.thickness))
-    throw InputError("a shell with thickness = " + number(section.thickness) +
-                     ", expected a length above 0");
+  const double least = section.thickness + std::min(0.0, section.more.minCoeff());
+  if (!(section.thickness > 0 && least > 0) || !std::isfinite(section.thickness) ||
+      !section.more.allFinite())
+    throw InputError(
+        "a shell with thickness = " + number(section.thickness > 0 ? least : section.thickness) +
+        ", expected a length above 0");
   if (!section.along.allFinite()) throw InputError("a material's direction that is not finite");
   constexpr double rounding = 1e-12;
   if (!Q.allFinite() || (Q - Q.transpose()).norm() > rounding * Q.norm() ||

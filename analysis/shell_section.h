@@ -30,9 +30,14 @@ struct ShellSection {
   /// Direction 1 of the material is this one, projected onto the surface; zero: along x_u. Where the
   /// surface is at right angles to it, along x_u too.
   Vec3 along = Vec3::Zero();
+  /// What is added to the thickness at the three corners of a triangle, linear between them.
+  Vec3 more = Vec3::Zero();
+
+  /// The thickness at a place of its triangle.
+  double thickness_at(const Vec3& L) const { return thickness + more.dot(L); }
 };
 
-/// Throws InputError for a thickness that is not above 0, or a Q that is not symmetric and positive
+/// Throws InputError for a thickness that is not above 0 everywhere, or a Q that is not symmetric and positive
 /// definite.
 void require_section(const ShellSection& section);
 

@@ -46,6 +46,18 @@ void LineRotation::add(const RowEntries& across, const RowEntries& along, double
   for (const auto& e : along) row.push_back({e.dof, factor * e.coefficient * b / (speed * a) * n});
 }
 
+std::vector<Vec3> unit_directions(const std::string& support, const std::vector<Vec3>& directions) {
+  if (directions.empty())
+    throw InputError("support '" + support + "' holds nothing: expected directions");
+  std::vector<Vec3> units;
+  for (const Vec3& direction : directions) {
+    if (!direction.allFinite() || direction.isZero(0))
+      throw InputError("support '" + support + "' has a direction of length zero");
+    units.push_back(direction.normalized());
+  }
+  return units;
+}
+
 void add_summed(const std::string& name, const CoupledEntries& entries, double value,
                 ConstraintSet& set) {
   std::map<int, Vec3> sum;

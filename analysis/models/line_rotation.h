@@ -35,6 +35,9 @@ inline CoupledEntries along(const Vec3& direction, const RowEntries& place) {
   return row;
 }
 
+// Directions of a support at length 1. Throws InputError: none, or one of length zero.
+std::vector<Vec3> unit_directions(const std::string& support, const std::vector<Vec3>& directions);
+
 // Adds a row whose entries may name a dof more than once.
 void add_summed(const std::string& name, const CoupledEntries& entries, double value,
                 ConstraintSet& set);

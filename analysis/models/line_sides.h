@@ -55,6 +55,15 @@ inline RowEntries functions_at(const ModelLayout& model, const Location& where) 
   return entries;
 }
 
+// The place of the surface at a fraction of a line.
+inline Vec3 place_of(const JoinEdge& side, const Points& shape, double f) {
+  RowEntries entries;
+  side.add_at(f, 0, 0, 1, entries);
+  Vec3 x = Vec3::Zero();
+  for (const auto& e : entries) x += e.coefficient * shape.row(e.dof).transpose();
+  return x;
+}
+
 // Calls visit(f, dl) at points of a line, dl being the length that each stands for: eight between
 // stations of either side, from end to end. (Points where a line is held do not reach its corners,
 // which are points of other lines.)
@@ -80,19 +89,17 @@ void over_line(const JoinEdge& a, const JoinEdge& b, const Visit& visit) {
   }
 }
 
-// Stiffness per length of the springs of a line, of the section and the elements' edge length there.
+// Stiffness per length of the stiff springs of a line, of the section and the edge length there.
 struct SpringStiffness {
-  double displacement, rotation;
+  double displacement, rotation, edge;
 
-  SpringStiffness(const JoinEdge& side, const Surface& model, const ShellSection& section,
-                  int first_triangle, double f) {
+  SpringStiffness(const Surface& model, const ShellSection& section, int triangle) {
     constexpr double alpha = 1000;
-    Location where = side.where(f);
-    where.triangle += first_triangle;
-    const double area = model.mesh().shape(where.triangle).area *
-                        model.jet({where.triangle, Vec3::Constant(1.0 / 3)}).area_vector().norm();
+    const double area = model.mesh().shape(triangle).area *
+                        model.jet({triangle, Vec3::Constant(1.0 / 3)}).area_vector().norm();
     const double t = section.thickness;
-    displacement = alpha * section.material.Q(0, 0) * t / std::sqrt(2 * area);
+    edge = std::sqrt(2 * area);
+    displacement = alpha * section.material.Q(0, 0) * t / edge;
     rotation = displacement * t * t / 12;
   }
 };

@@ -32,11 +32,14 @@ void hold_run(const JoinEdge& side, const Points& shape, const LineSupport& supp
 }
 
 template <class Stiffness>
-void hold_embedded(const JoinEdge& side, const Points& shape, const LineSupport& support,
-                   const std::vector<Vec3>& directions, const Stiffness& stiffness,
-                   LineSprings& springs) {
+void hold_by_springs(const JoinEdge& side, const Points& shape, const LineSupport& support,
+                     const std::vector<Vec3>& directions, const Stiffness& stiffness,
+                     ShellSprings& springs) {
   const LineRotation rotation(side, shape);
+  bool any = false;
   over_line(side, side, [&](double f, double dl) {
+    if (support.box && !support.box->contains(place_of(side, shape, f))) return;
+    any = true;
     const SpringStiffness k = stiffness(f);
     RowEntries place;
     side.add_at(f, 0, 0, 1, place);
@@ -48,6 +51,8 @@ void hold_embedded(const JoinEdge& side, const Points& shape, const LineSupport&
     rotation.at_fraction(f, 1, row);
     springs.add(support.name, row, k.rotation * dl, 0);
   });
+  if (!any)
+    throw InputError("support '" + support.name + "' has a box that holds nothing of the line");
 }
 
 const std::vector<Vec3> kAll = {Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ()};
@@ -69,29 +74,26 @@ LineSupport LineSupport::symmetric(const std::string& line, const Vec3& normal) 
 void add_support(const ModelLayout& model, const Points& shape,
                  const std::vector<ShellSection>& sections, const LineSupport& support,
                  ShellTies& ties) {
-  const std::string who = "support '" + support.name + "' ";
   if (support.directions.empty() && !support.rotation)
-    throw InputError(who + "holds nothing: expected directions or the rotation");
-  std::vector<Vec3> directions;
-  for (const Vec3& direction : support.directions) {
-    if (!direction.allFinite() || direction.isZero(0))
-      throw InputError(who + "has a direction of length zero");
-    directions.push_back(direction.normalized());
-  }
+    throw InputError("support '" + support.name +
+                     "' holds nothing: expected directions or the rotation");
+  const std::vector<Vec3> directions = support.directions.empty()
+                                           ? std::vector<Vec3>{}
+                                           : unit_directions(support.name, support.directions);
   LineSides sides(model);
   const ModelLine& line = model.model_line(support.line);
   const JoinEdge side = sides(line);
-  if (!side.embedded()) {
+  if (!side.embedded() && !support.box) {
     hold_run(side, shape, support, directions, ties.rows);
     return;
   }
   const int r = line.sides[0].region;
   const Surface surface = model.surface(shape);
-  hold_embedded(
+  hold_by_springs(
       side, shape, support, directions,
       [&](double f) {
-        return SpringStiffness(side, surface, sections[sections.size() == 1 ? 0 : r],
-                               model.first_triangle(r), f);
+        return SpringStiffness(surface, sections[sections.size() == 1 ? 0 : r],
+                               model.first_triangle(r) + side.where(f).triangle);
       },
       ties.springs);
 }

@@ -1,10 +1,12 @@
 // Supports of a shell along the lines of its model.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "batten/analysis/models/shell_ties.h"
+#include "batten/core/box.h"
 
 namespace batten {
 
@@ -21,6 +23,8 @@ struct LineSupport {
   std::vector<Vec3> directions;      ///< any length but zero
   Vec3 displacement = Vec3::Zero();  ///< of the line, in those directions
   bool rotation = false;
+  /// What of the line lies in it only, held by springs, as embedded lines are.
+  std::optional<Box3> box = {};
 
   static LineSupport clamped(const std::string& line);
   static LineSupport pinned(const std::string& line);
@@ -30,7 +34,7 @@ struct LineSupport {
 /// Adds a support to shell_ties(). On a run it is rows, which hold everywhere in its directions, and
 /// the rotation at vertices and in the middles of edges; on an embedded line it is springs, as ties
 /// are. Other regions of the line follow by their ties. Throws InputError: no such line (with the
-/// nearest name), a direction of length zero, nothing to hold.
+/// nearest name), a direction of length zero, nothing to hold, a box that holds nothing of it.
 void add_support(const ModelLayout& model, const Points& shape,
                  const std::vector<ShellSection>& sections, const LineSupport& support,
                  ShellTies& ties);

@@ -1,72 +1,103 @@
 #include "batten/analysis/models/shell_loads.h"
 
 #include <Eigen/Geometry>
-#include <algorithm>
 
 #include "batten/analysis/models/line_rotation.h"
 #include "batten/analysis/models/line_sides.h"
+#include "batten/analysis/models/part_places.h"
 #include "batten/core/errors.h"
 #include "batten/elements/c1_triangle.h"
 #include "batten/elements/quadrature.h"
 #include "batten/fem/assembly.h"
-#include "batten/fem/line_load.h"
 #include "batten/skinning/model/model_projector.h"
 
 namespace batten {
 
-Points area_force(const ModelLayout& model, const Points& shape, const AreaForce& force,
-                  const std::vector<int>& regions) {
-  for (const int r : regions)
-    if (r < 0 || r >= model.region_count())
-      throw InputError("a load on region " + std::to_string(r) + " of " +
-                       std::to_string(model.region_count()));
+namespace {
+
+const TriangleRule& load_rule(TriangleElement kind) {
+  static const TriangleRule split = split_triangle(6), duffy = six_duffy(5);
+  return kind == TriangleElement::HCT ? split : duffy;
+}
+
+[[noreturn]] void nothing_in(const Box3& box) {
+  const auto corner = [](const Vec3& p) {
+    return "[" + number(p.x()) + ", " + number(p.y()) + ", " + number(p.z()) + "]";
+  };
+  throw InputError("found nothing in the box from " + corner(box.min()) + " to " +
+                   corner(box.max()) + ", expected a box that holds a part of it");
+}
+
+// Σ f(x, dA n) over a part, on the functions there.
+template <class Force>
+Points over_area(const ModelLayout& model, const Points& shape, const ShellPart& part,
+                 const Force& force) {
   const Surface surface = model.surface(shape);
-  const Trim* trim = surface.trim().get();
-  constexpr int degree = 6, order = 5;
-  const TriangleRule whole =
-      surface.kind() == TriangleElement::HCT ? split_triangle(degree) : six_duffy(order);
   Points F = Points::Zero(shape.rows(), 3);
-  for (int t = 0; t < surface.mesh().triangle_count(); ++t) {
-    if (!regions.empty() &&
-        std::find(regions.begin(), regions.end(), model.region_of(t)) == regions.end())
-      continue;
-    if (trim && trim->side(t) == Trim::Side::Outside) continue;
-    const bool cut = trim && trim->side(t) == Trim::Side::Cut;
-    const TriangleRule rule = cut ? trim->rule(t, degree) : whole;
-    const TriangleShape geometry = surface.mesh().shape(t);
-    const C1Triangle triangle(surface.kind(), geometry);
-    const Eigen::Matrix<double, 12, 3> q = surface.triangle_dofs(t);
-    const auto dofs = surface.dof_map().triangle(surface.mesh(), t);
-    for (long p = 0; p < rule.weights.size(); ++p) {
-      const Tabulation N = triangle.evaluate(rule.L.row(p));
-      const Vec3 x = q.transpose() * N.col(kW);
-      const Vec3 area = Vec3(q.transpose() * N.col(kU)).cross(Vec3(q.transpose() * N.col(kV)));
-      const double size = area.norm();
-      if (!(size > 0)) continue;
-      const Vec3 f = rule.weights[p] * geometry.area * size * force(x, area / size);
-      for (int m = 0; m < 12; ++m) F.row(dofs[m]) += N(m, kW) * f.transpose();
-    }
-  }
+  bool any = false;
+  constexpr int degree = 6;
+  over_part(model, surface, part, load_rule(surface.kind()), degree,
+            [&](const Location& where, const Vec3& area) {
+              any = true;
+              if (!(area.norm() > 0)) return;
+              const Vec3 f = force(where, area);
+              for (const auto& e : functions_at(model, where))
+                F.row(e.dof) += e.coefficient * f.transpose();
+            });
+  if (part.box && !any) nothing_in(*part.box);
   return F;
 }
 
-Points line_force(const ModelLayout& model, const std::string& line, const Vec3& per_length) {
-  const LineSide& side = model.model_line(line).sides[0];
-  const ParametricMesh& mesh = *model.region(side.region).mesh();
-  const VecX load =
-      line_load(mesh, model.element(), TriangleLocator(mesh), model.image(side), model.curve(side));
-  return model.spread(side.region, load) * per_length.transpose();
+// Calls visit(side, f, dl) along a line.
+template <class Visit>
+void along_line(const ModelLayout& model, const Points& shape, const std::string& line,
+                const std::optional<Box3>& box, const Visit& visit) {
+  LineSides sides(model);
+  const JoinEdge side = sides(model.model_line(line));
+  bool any = false;
+  over_line(side, side, [&](double f, double dl) {
+    if (box && !box->contains(place_of(side, shape, f))) return;
+    any = true;
+    visit(side, f, dl);
+  });
+  if (box && !any) nothing_in(*box);
+}
+
+}  // namespace
+
+Points area_force(const ModelLayout& model, const Points& shape, const AreaForce& force,
+                  const ShellPart& part) {
+  const Surface surface = model.surface(shape);
+  return over_area(model, shape, part, [&](const Location& where, const Vec3& area) -> Vec3 {
+    return area.norm() * force(surface.position(where), area.normalized());
+  });
+}
+
+Points weight(const ModelLayout& model, const Points& shape,
+              const std::vector<ShellSection>& sections, const Vec3& acceleration) {
+  return over_area(model, shape, {}, [&](const Location& where, const Vec3& area) -> Vec3 {
+    const ShellSection& s = sections[sections.size() == 1 ? 0 : where.triangle];
+    return area.norm() * s.material.density * s.thickness_at(where.L) * acceleration;
+  });
+}
+
+Points line_force(const ModelLayout& model, const Points& shape, const std::string& line,
+                  const Vec3& per_length, const std::optional<Box3>& box) {
+  Points F = Points::Zero(shape.rows(), 3);
+  along_line(model, shape, line, box, [&](const JoinEdge& side, double f, double dl) {
+    RowEntries place;
+    side.add_at(f, 0, 0, dl, place);
+    for (const auto& e : place) F.row(e.dof) += e.coefficient * per_length.transpose();
+  });
+  return F;
 }
 
 Points line_moment(const ModelLayout& model, const Points& shape, const std::string& line,
-                   double per_length) {
-  LineSides sides(model);
-  const JoinEdge side = sides(model.model_line(line));
-  const LineRotation rotation(side, shape);
+                   double per_length, const std::optional<Box3>& box) {
   Points F = Points::Zero(shape.rows(), 3);
-  over_line(side, side, [&](double f, double dl) {
+  along_line(model, shape, line, box, [&](const JoinEdge& side, double f, double dl) {
     CoupledEntries row;
-    rotation.at_fraction(f, per_length * dl, row);
+    LineRotation(side, shape).at_fraction(f, per_length * dl, row);
     for (const auto& e : row) F.row(e.dof) += e.coefficient.transpose();
   });
   return F;

@@ -2,12 +2,22 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "batten/analysis/shell_section.h"
+#include "batten/core/box.h"
 #include "batten/skinning/model/model_layout.h"
 
 namespace batten {
+
+/// A part of the surface of a model, on which something acts, or where something holds it.
+struct ShellPart {
+  std::vector<int> regions = {};  ///< none: all
+  std::optional<Box3> box =
+      {};  ///< what lies in it only; its border is met to a 32nd of an element
+};
 
 // Each returns F, n×3 over the dofs of the model, whose work with a displacement q is Σ F_m · q_m.
 // `shape`: absolute dofs of the middle surface. Sums of loads are loads.
@@ -15,19 +25,26 @@ namespace batten {
 /// Force per area of the surface at a place x with the unit normal n = x_u × x_v / |x_u × x_v|.
 using AreaForce = std::function<Vec3(const Vec3& x, const Vec3& n)>;
 
-/// F = ∬ N f(x, n) dA over the inside of the regions; none: of all. A pressure p is f = p n (it
-/// pushes along the normal), weight ρ t g. By quadrature, 18 points a sub-triangle's cubic or
-/// better; f is called on one thread. Throws InputError for a region out of range.
+/// F = ∬ N f(x, n) dA over the inside of a part. A pressure p is f = p n (it pushes along the
+/// normal). By quadrature, of degree 6 or better; f is called on one thread. Throws InputError for a
+/// region out of range, or a box that holds no place of the surface.
 Points area_force(const ModelLayout& model, const Points& shape, const AreaForce& force,
-                  const std::vector<int>& regions = {});
+                  const ShellPart& part = {});
 
-/// F of a force per length along a line. Throws InputError: no such line (with the nearest name).
-Points line_force(const ModelLayout& model, const std::string& line, const Vec3& per_length);
+/// F = ∬ N ρ t a dA: the weight of the shell under an acceleration a. `sections`: one, or one for
+/// each triangle of the model's mesh.
+Points weight(const ModelLayout& model, const Points& shape,
+              const std::vector<ShellSection>& sections, const Vec3& acceleration);
+
+/// F of a force per length along a line, or along what of it lies in a box. Throws InputError: no
+/// such line (with the nearest name), a box that holds nothing of it.
+Points line_force(const ModelLayout& model, const Points& shape, const std::string& line,
+                  const Vec3& per_length, const std::optional<Box3>& box = {});
 
 /// F of a moment per length about the line's own direction, right-handed, on its first side. Throws
 /// as line_force().
 Points line_moment(const ModelLayout& model, const Points& shape, const std::string& line,
-                   double per_length);
+                   double per_length, const std::optional<Box3>& box = {});
 
 /// A place of the surface, for forces and supports.
 struct ShellPlace {

@@ -4,43 +4,16 @@
 #include <algorithm>
 #include <cmath>
 
-#include "batten/analysis/models/elastic_supports.h"
 #include "batten/analysis/models/free_motions.h"
-#include "batten/analysis/models/line_rotation.h"
-#include "batten/analysis/models/line_sides.h"
 #include "batten/core/errors.h"
 
 namespace batten {
 namespace {
 
-void add_point_support(const ModelLayout& model, const PointSupport& support, ConstraintSet& set) {
-  if (support.directions.empty())
-    throw InputError("support '" + support.name + "' holds nothing: expected directions");
-  const RowEntries place = functions_at(model, support.place.where);
-  for (const Vec3& direction : support.directions) {
-    if (!direction.allFinite() || direction.isZero(0))
-      throw InputError("support '" + support.name + "' has a direction of length zero");
-    const Vec3 unit = direction.normalized();
-    add_summed(support.name, along(unit, place), unit.dot(support.displacement), set);
-  }
-}
-
-ShellTies ties_of(const ModelLayout& layout, const Points& shape,
-                  const ShellDefinition& definition) {
-  ShellTies ties = shell_ties(layout, shape, definition.sections, definition.hinges);
-  for (const LineSupport& support : definition.lines)
-    add_support(layout, shape, definition.sections, support, ties);
-  for (const PointSupport& support : definition.points)
-    add_point_support(layout, support, ties.rows);
-  for (const ElasticSupport& support : definition.elastic)
-    add_elastic_support(layout, shape, support, ties.springs);
-  return ties;
-}
-
-// The same, and whether they hold the shell.
+// Ties and supports, and how many motions they leave.
 ShellTies holding_ties(const ModelLayout& layout, const Points& shape,
                        const ShellDefinition& definition, ShellModel::Free free, int& free_count) {
-  ShellTies ties = ties_of(layout, shape, definition);
+  ShellTies ties = shell_ties(layout, shape, definition);
   const std::vector<std::string> motions = free_motions(layout, shape, ties);
   free_count = count_of(motions);
   if (motions.empty() || free == ShellModel::Free::Shifted) return ties;
@@ -49,39 +22,10 @@ ShellTies holding_ties(const ModelLayout& layout, const Points& shape,
   throw NoSolutionError(text);
 }
 
-const ShellDefinition& checked(const ModelLayout& layout, const ShellDefinition& definition) {
-  if (definition.sections.size() != 1 && count_of(definition.sections) != layout.region_count())
-    throw InputError(std::to_string(definition.sections.size()) + " sections for " +
-                     std::to_string(layout.region_count()) + " regions, expected one, or one each");
-  for (const ShellSection& section : definition.sections) require_section(section);
-  return definition;
-}
-
-std::vector<ShellSection> for_triangles(const ModelLayout& layout,
-                                        const std::vector<ShellSection>& sections) {
-  if (sections.size() == 1) return sections;
-  std::vector<ShellSection> all;
-  for (int t = 0; t < layout.mesh()->triangle_count(); ++t)
-    all.push_back(sections[layout.region_of(t)]);
-  return all;
-}
-
-// Each name once: the parts of a line that is cut at corners are one support.
-std::vector<std::string> names_of(const ShellDefinition& definition) {
-  std::vector<std::string> names;
-  const auto add = [&](const std::string& name) {
-    if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
-  };
-  for (const LineSupport& support : definition.lines) add(support.name);
-  for (const PointSupport& support : definition.points) add(support.name);
-  for (const ElasticSupport& support : definition.elastic) add(support.name);
-  return names;
-}
-
 VecX stacked(const Points& q) { return Eigen::Map<const VecX>(q.data(), q.size()); }
 
 // K with its springs, and of a shell that is not held a little mass in each coordinate.
-SparseMatrix stiffness_of(const ShellAssembler& assembler, const LineSprings& springs,
+SparseMatrix stiffness_of(const ShellAssembler& assembler, const ShellSprings& springs,
                           double shift) {
   SparseMatrix K = assembler.stiffness();
   if (!springs.empty()) K += springs.stiffness();
@@ -112,10 +56,11 @@ ShellModel::ShellModel(ModelLayout layout, Points shape, const ShellDefinition& 
                        Free free)
     : layout_(std::move(layout)),
       shape_(std::move(shape)),
-      definition_(checked(layout_, definition)),
-      supports_(names_of(definition)),
+      definition_(definition),
+      sections_(triangle_sections(layout_, definition)),
+      supports_(support_names(definition)),
       ties_(holding_ties(layout_, shape_, definition, free, free_motions_)),
-      assembler_(layout_.surface(shape_), for_triangles(layout_, definition.sections)),
+      assembler_(layout_.surface(shape_), sections_),
       solver_(ties_.rows,
               stiffness_of(assembler_, ties_.springs,
                            shift_ = free_motions_ > 0 ? shift_of(section(0), layout_.size()) : 0),
@@ -149,7 +94,7 @@ std::vector<SupportReaction> ShellModel::reactions(const Points& q, const Points
     const auto found = std::find(supports_.begin(), supports_.end(), name);
     return found == supports_.end() ? nullptr : &result[found - supports_.begin()].resultant;
   };
-  const auto add = [&](const CoupledEntries& entries, double factor, Resultant& sum) {
+  const auto add = [&](const ShellSprings::Entries& entries, double factor, Resultant& sum) {
     for (const auto& e : entries) {
       const Vec3 force = factor * e.coefficient;
       sum.force += positions[e.dof] * force;
@@ -162,16 +107,15 @@ std::vector<SupportReaction> ShellModel::reactions(const Points& q, const Points
     if (Resultant* sum = resultant_of(ties_.rows.names()[row.name]))
       add(row.entries, lambda[first + static_cast<long>(r)], *sum);
   }
-  for (const LineSprings::Spring& spring : ties_.springs.springs())
+  for (const ShellSprings::Spring& spring : ties_.springs.springs())
     if (Resultant* sum = resultant_of(ties_.springs.names()[spring.name]))
-      add(spring.entries, LineSprings::pull(spring, q), *sum);
+      add(spring.entries, ShellSprings::pull(spring, q), *sum);
   return result;
 }
 
 ShellSystem ShellModel::system_of(const Points& shape) const {
-  ShellTies ties = ties_of(layout_, shape, definition_);
-  const ShellAssembler assembler(layout_.surface(shape),
-                                 for_triangles(layout_, definition_.sections));
+  ShellTies ties = shell_ties(layout_, shape, definition_);
+  const ShellAssembler assembler(layout_.surface(shape), sections_);
   SparseMatrix K = stiffness_of(assembler, ties.springs, 0);
   return {std::move(ties), std::move(K)};
 }
@@ -204,8 +148,8 @@ double ShellModel::goal_change(const Points& u, const Points& F, const Points& a
 double ShellModel::energy(const Points& q) const {
   const VecX x = stacked(q);
   double energy = 0.5 * x.dot(solver_.K().selfadjointView<Eigen::Lower>() * x);
-  for (const LineSprings::Spring& spring : ties_.springs.springs()) {
-    const double along = LineSprings::pull(spring, q) / spring.stiffness - spring.value;
+  for (const ShellSprings::Spring& spring : ties_.springs.springs()) {
+    const double along = ShellSprings::pull(spring, q) / spring.stiffness - spring.value;
     energy -= 0.5 * spring.stiffness * along * along;
   }
   return energy;

@@ -1,43 +1,14 @@
 // The regions of a model as one shell that is held and can be solved.
 #pragma once
 
-#include <optional>
 #include <string>
 #include <vector>
 
-#include "batten/analysis/models/line_supports.h"
-#include "batten/analysis/models/shell_loads.h"
+#include "batten/analysis/models/shell_definition.h"
 #include "batten/analysis/shell_assembler.h"
 #include "batten/constraints/constrained_solver.h"
 
 namespace batten {
-
-/// What holds a shell at one place of its surface: the displacement in some directions.
-struct PointSupport {
-  std::string name;
-  ShellPlace place;
-  std::vector<Vec3> directions;      ///< any length but zero
-  Vec3 displacement = Vec3::Zero();  ///< in those directions
-};
-
-/// Springs that hold a shell at a place, per length of a line or per area of a region.
-struct ElasticSupport {
-  std::string name;
-  std::optional<ShellPlace> place;  ///< of a point; else
-  std::string line;                 ///< of a line; "": an area
-  int region = -1;                  ///< of an area; -1: all regions
-  Vec3 stiffness = Vec3::Zero();  ///< along x, y, z: force over displacement, or per length or area
-  double normal = 0;              ///< of an area: along its normal (an elastic foundation)
-};
-
-/// What a shell is made of and how it is held.
-struct ShellDefinition {
-  std::vector<ShellSection> sections;  ///< one, or one for each region
-  std::vector<LineSupport> lines;
-  std::vector<PointSupport> points;
-  std::vector<std::string> hinges;  ///< lines about which regions turn freely
-  std::vector<ElasticSupport> elastic = {};
-};
 
 /// What a support does to the shell.
 struct SupportReaction {
@@ -61,8 +32,8 @@ struct ShellSystem {
 /// Costs one stiffness and one factor of up to 3n unknowns; solve() one pair of triangular solves.
 class ShellModel {
  public:
-  /// `shape`: absolute dofs of the middle surface. Throws InputError: sections for another number
-  /// of regions, what require_section(), shell_ties(), add_support() throw; ConflictError: supports
+  /// `shape`: absolute dofs of the middle surface. Throws InputError: what triangle_sections() and
+  /// shell_ties() throw; ConflictError: supports
   /// that contradict each other; NoSolutionError: motions that nothing resists, each named.
   ///
   /// Free::Shifted takes a shell that is not held, for its vibrations: its stiffness is K + shift() M,
@@ -112,6 +83,7 @@ class ShellModel {
   ModelLayout layout_;
   Points shape_;
   ShellDefinition definition_;
+  std::vector<ShellSection> sections_;  // one, or one for each triangle
   std::vector<std::string> supports_;
   int free_motions_ = 0;
   double shift_ = 0;

@@ -62,7 +62,7 @@ ShellStress ShellStresses::raw(const Location& where) const {
   const auto of = shell_.assembler().resultants(q_, where);
   const ShellPoint at = shell_.assembler().point(where);
   return {in_space(of.forces, at), in_space(of.moments, at),
-          shell_.assembler().section(where.triangle).thickness};
+          shell_.assembler().section(where.triangle).thickness_at(where.L)};
 }
 
 // At the centroids of sub-triangles; in a triangle that is cut, at points of its inside.
@@ -166,7 +166,7 @@ ShellStress ShellStresses::at(const Location& where) const {
   }
   if (sum > 0) parts /= sum;
   return stress_of(parts, surface.jet(where).normal(),
-                   shell_.assembler().section(where.triangle).thickness);
+                   shell_.assembler().section(where.triangle).thickness_at(where.L));
 }
 
 // The samples are where elements are at their best: the rule of the stiffness sees the rest, as the
@@ -183,9 +183,9 @@ double ShellStresses::integral(const Work& work) const {
     const TriangleRule rule = cut ? trim->rule(t, 4) : whole;
     const ShellSection& section = shell_.assembler().section(t);
     const Mat3 compliance = section.material.Q.inverse();
-    const double h = section.thickness;
     for (long p = 0; p < rule.weights.size(); ++p) {
       const Location where{t, rule.L.row(p).transpose()};
+      const double h = section.thickness_at(where.L);
       const ShellPoint point = shell_.assembler().point(where);
       const auto energy = [&](const ShellStress& a, const ShellStress& b) {
         return in_axes(a.forces, point).dot(compliance * in_axes(b.forces, point)) / h +
@@ -237,8 +237,9 @@ void ShellStresses::find_peak() {
   }
   peak_.at = surface.position(peak_.where);
   for (const Sample& s : samples_[peak_.where.triangle]) {
-    const ShellStress own = stress_of(s.parts, surface.jet(s.where).normal(),
-                                      shell_.assembler().section(s.where.triangle).thickness);
+    const ShellStress own =
+        stress_of(s.parts, surface.jet(s.where).normal(),
+                  shell_.assembler().section(s.where.triangle).thickness_at(s.where.L));
     peak_.spread = std::max(peak_.spread, std::abs(von_mises(own.at(peak_.height)) -
                                                    von_mises(at(s.where).at(peak_.height))));
   }

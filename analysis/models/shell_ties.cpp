@@ -29,7 +29,7 @@ void tie_rotations(const std::string& name, const JoinEdge& a, const JoinEdge& b
 // stiffness(f): of the stiffer side.
 template <class Stiffness>
 void add_springs(const std::string& name, const JoinEdge& a, const JoinEdge& b, const Points& shape,
-                 bool hinge, const Stiffness& stiffness, LineSprings& springs) {
+                 bool hinge, const Stiffness& stiffness, ShellSprings& springs) {
   const LineRotation of_a(a, shape), of_b(b, shape);
   over_line(a, b, [&](double f, double dl) {
     const SpringStiffness k = stiffness(f);
@@ -55,7 +55,7 @@ ShellTies shell_ties(const ModelLayout& model, const Points& shape,
     if (model.model_line(hinge).sides.size() < 2)
       throw InputError("the hinge '" + hinge + "' is a rim: it has one region, expected two");
   const int count = static_cast<int>(shape.rows());
-  ShellTies ties{ConstraintSet(count, ConstraintSet::Kind::Coupled), LineSprings(count)};
+  ShellTies ties{ConstraintSet(count, ConstraintSet::Kind::Coupled), ShellSprings(count)};
   LineSides sides(model);
   const Surface surface = model.surface(shape);
   for (const JoinLine& line : model.shared_lines()) {
@@ -69,8 +69,8 @@ ShellTies shell_ties(const ModelLayout& model, const Points& shape,
     }
     const auto of_side = [&](int s, const JoinEdge& side, double f) {
       const int r = line.sides[s].region;
-      return SpringStiffness(side, surface, sections[sections.size() == 1 ? 0 : r],
-                             model.first_triangle(r), f);
+      return SpringStiffness(surface, sections[sections.size() == 1 ? 0 : r],
+                             model.first_triangle(r) + side.where(f).triangle);
     };
     add_springs(
         name, a, b, shape, hinge,

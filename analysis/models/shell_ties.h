@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "batten/analysis/models/line_springs.h"
+#include "batten/analysis/models/shell_springs.h"
 #include "batten/analysis/shell_section.h"
 #include "batten/constraints/constraint_set.h"
 #include "batten/skinning/model/model_layout.h"
@@ -14,7 +14,7 @@ namespace batten {
 /// Rows that hold exactly, and springs along embedded lines.
 struct ShellTies {
   ConstraintSet rows;
-  LineSprings springs;
+  ShellSprings springs;
 };
 
 /// Ties under which regions move as one shell along the lines that they share, "joined line NAME":

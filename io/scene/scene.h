@@ -14,7 +14,6 @@
 #include "batten/io/pictures/pictures.h"
 #include "batten/io/scene/fair_stages.h"
 #include "batten/io/scene/scene_stress.h"
-#include "batten/sculpting/loads/loads.h"
 #include "batten/sculpting/loads/parameters.h"
 #include "batten/skinning/surfaces/surface_model.h"
 
@@ -72,13 +71,6 @@ struct SceneConstraint {
   PlacedWord line;             ///< LineNormal: the line's name
   bool as_it_is = false;       ///< LineNormal: whether the tangent planes stay as they are, because
                                ///< the scene gives no direction
-};
-
-/// Where a load or weight acts: everywhere, `near` a line, or as painted; in the named regions.
-struct SceneArea {
-  Area area;                        ///< the area without its regions
-  PlacedWord line;                  ///< name of the line of `near`
-  std::vector<PlacedWord> regions;  ///< names of regions; none: all regions
 };
 
 /// [[load]]: a load and its parameter, which is a number or a value over time.

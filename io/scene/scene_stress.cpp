@@ -18,14 +18,31 @@ const std::vector<NamedMaterial>& named_materials() {
   return materials;
 }
 
+namespace {
+
+std::string box_in_words(const Box3& box) {
+  std::string text;
+  for (const Vec3& corner : {Vec3(box.min()), Vec3(box.max())}) {
+    text += text.empty() ? "[" : " to [";
+    for (int c = 0; c < 3; ++c) text += (c ? ", " : "") + number(corner[c]);
+    text += "]";
+  }
+  return text;
+}
+
+}  // namespace
+
 std::string SceneStress::Support::in_words() const {
   const std::string what = kind == Kind::Clamped     ? "clamped "
                            : kind == Kind::Pinned    ? "pinned "
                            : kind == Kind::Symmetric ? "symmetric "
                            : kind == Kind::Elastic   ? "elastic "
                                                      : "held ";
-  if (!point)
-    return what + (line.text.empty() ? region.text.empty() ? "all" : region.text : line.text);
+  if (!point) {
+    const std::string where = line.text.empty() ? region.text : line.text;
+    if (!box) return what + (where.empty() ? "all" : where);
+    return what + (where.empty() ? "box " : where + " in the box ") + box_in_words(*box);
+  }
   std::string at;
   for (int c = 0; c < 3; ++c) at += (c ? ", " : "[") + number((*point)[c]);
   return what + "point " + at + "]";
@@ -98,6 +115,17 @@ void read_material(const TomlTable& table, const std::string& unit, SceneStress&
   }
 }
 
+// box = [[x, y, z], [x, y, z]]: two opposite corners, in any order.
+std::optional<Box3> read_box(const TomlTable& t) {
+  if (!t.has("box")) return {};
+  const std::vector<Vec3> corners = t.points("box");
+  const Box3 box = box_around(corners);
+  if (corners.size() != 2 || !(box.sizes().minCoeff() > 0))
+    t.fail("box", corners.size() == 2 ? "a flat box" : std::to_string(corners.size()) + " corners",
+           "two opposite corners that differ in x, y and z");
+  return box;
+}
+
 // {foundation = k, region = "…"}, or {spring = [kx, ky, kz]} with a line, a point, or a region.
 void read_elastic(const TomlTable& t, SceneStress::Support& support) {
   support.kind = SceneStress::Support::Kind::Elastic;
@@ -105,8 +133,6 @@ void read_elastic(const TomlTable& t, SceneStress::Support& support) {
     if (t.has(key)) t.fail(key, "'" + std::string(key) + "' of springs", "springs without it");
   if (t.has("foundation") == t.has("spring"))
     t.fail("spring", "a foundation and a spring", "one of them");
-  if (t.has("line") + t.has("point") + t.has("region") > 1)
-    t.fail("line", "several places", "one of: line, point, region");
   if (t.has("foundation")) {
     if (t.has("line") || t.has("point"))
       t.fail("foundation", "a foundation of a line or a point", "a region, or none for all");
@@ -116,29 +142,30 @@ void read_elastic(const TomlTable& t, SceneStress::Support& support) {
     if (support.springs.minCoeff() < 0 || support.springs.isZero(0))
       t.fail("spring", "a stiffness below 0, or none", "three numbers from 0 on, one above it");
   }
+}
+
+void read_place(const TomlTable& t, SceneStress::Support& support) {
+  if (t.has("line") + t.has("point") + t.has("region") > 1 || (t.has("point") && t.has("box")))
+    t.fail(t.has("point") ? "point" : "line", "several places",
+           "one of line, point and region; a box with a line or a region, or alone");
   if (t.has("line")) support.line = {t.text("line"), t.place("line")};
   if (t.has("point")) support.point = t.vector("point");
   if (t.has("region")) support.region = {t.text("region"), t.place("region")};
+  support.box = read_box(t);
 }
 
 SceneStress::Support read_support(const TomlTable& t) {
   using Kind = SceneStress::Support::Kind;
   SceneStress::Support support;
   support.place = t.place();
+  read_place(t, support);
   if (t.has("foundation") || t.has("spring")) {
     read_elastic(t, support);
     return support;
   }
-  if (t.has("region"))
-    t.fail("region", "'region' without 'foundation'",
-           "foundation = force per area and displacement");
-  if (t.has("line") == t.has("point"))
-    t.fail("line", t.has("line") ? "a line and a point" : "a support on nothing",
-           "one of line = \"…\" and point = [x, y, z]");
-  if (t.has("line"))
-    support.line = {t.text("line"), t.place("line")};
-  else
-    support.point = t.vector("point");
+  if (!t.has("line") && !t.has("point") && !t.has("region") && !t.has("box"))
+    t.fail("line", "a support on nothing",
+           "one of line = \"…\", point = [x, y, z], region = \"…\", box = [[x, y, z], [x, y, z]]");
   const bool directions = t.has("directions");
   support.kind = t.choice("kind",
                           directions      ? Kind::Held
@@ -148,8 +175,9 @@ SceneStress::Support read_support(const TomlTable& t) {
                            {"pinned", Kind::Pinned},
                            {"symmetric", Kind::Symmetric},
                            {"held", Kind::Held}});
-  if (support.point && (support.kind == Kind::Clamped || support.kind == Kind::Symmetric))
-    t.fail("kind", "\"" + t.text("kind") + "\" at a point", "\"pinned\" or \"held\"");
+  if ((support.point && support.kind == Kind::Clamped) ||
+      (support.line.text.empty() && support.kind == Kind::Symmetric))
+    t.fail("kind", "\"" + t.text("kind") + "\" without a line", "\"pinned\" or \"held\"");
   if (directions != (support.kind == Kind::Held))
     t.fail("directions", directions ? "directions of another support" : "a held support without",
            "kind = \"held\" and directions = [[x, y, z], …]");
@@ -162,8 +190,9 @@ SceneStress::Support read_support(const TomlTable& t) {
     if (d.isZero(0)) t.fail("directions", "a direction of length zero", "another");
   support.rotation =
       t.boolean("rotation", support.kind == Kind::Clamped || support.kind == Kind::Symmetric);
-  if (support.point && support.rotation)
-    t.fail("rotation", "a rotation held at a point", "a line: a point has no direction");
+  if (t.has("rotation") && support.line.text.empty())
+    t.fail("rotation", "a rotation without a line",
+           "a line: a point has no direction, and an area that is held does not turn");
   if (t.has("displacement")) support.displacement = t.vector("displacement");
   return support;
 }
@@ -200,6 +229,9 @@ SceneStress::Load read_load(const TomlTable& t) {
   needs("level", kind == "hydrostatic", "hydrostatic = WEIGHT, level = Z");
   if (t.has("region") && (at_line || at_point || kind == "gravity"))
     t.fail("region", "'region' beside '" + kind + "'", "no region");
+  if (t.has("box") && (at_point || kind == "gravity"))
+    t.fail("box", "'box' beside '" + kind + "'", "no box");
+  load.box = read_box(t);
   if (t.has("region")) load.region = {t.text("region"), t.place("region")};
   if (at_line) load.line = {t.text("line"), t.place("line")};
   if (at_point) load.point = t.vector("point");
@@ -217,6 +249,21 @@ SceneStress::Load read_load(const TomlTable& t) {
     load.vector = t.vector(kind);
   }
   return load;
+}
+
+SceneStress::Thickness read_thickness(const TomlTable& t) {
+  SceneStress::Thickness thickness;
+  thickness.thickness = t.positive("thickness");
+  if (t.has("region")) {
+    thickness.region = {t.text("region"), t.place("region")};
+    for (const char* key : {"near", "paint", "regions"})
+      if (t.has(key)) t.fail(key, "'" + std::string(key) + "' beside 'region'", "one of the two");
+  } else if (!t.has("near") && !t.has("paint")) {
+    t.fail("thickness", "a thickness without its place",
+           "one of: region = \"…\"; near = \"…\", radius = R; paint = [{at = […], radius = R}]");
+  }
+  thickness.area = read_area(t);
+  return thickness;
 }
 
 // `pressure`, `pressures` and `gravity`: loads of the usual case, in short.
@@ -270,12 +317,13 @@ SceneStress read_stress(const TomlTable& table, const std::string& unit) {
   read_material(table, unit, stress);
   stress.thickness = table.positive("thickness");
   stress.yield = table.positive("yield", 0);
-  for (const TomlTable& t : table.tables("thicknesses", {"region", "thickness"}))
-    stress.thicknesses.push_back({{t.text("region"), t.place("region")}, t.positive("thickness")});
+  for (const TomlTable& t :
+       table.tables("thicknesses", {"region", "thickness", "near", "radius", "paint", "regions"}))
+    stress.thicknesses.push_back(read_thickness(t));
   read_short_loads(table, stress);
   for (const TomlTable& t :
        table.tables("loads", {"case", "pressure", "force", "moment", "gravity", "hydrostatic",
-                              "area_force", "region", "line", "point", "level"}))
+                              "area_force", "region", "line", "point", "level", "box"}))
     stress.loads.push_back(read_load(t));
   for (const SceneStress::Load& load : stress.loads)
     if (load.type == SceneStress::Load::Type::Gravity && stress.density == 0)
@@ -283,7 +331,7 @@ SceneStress read_stress(const TomlTable& table, const std::string& unit) {
   read_combinations(table, stress);
   for (const TomlTable& t :
        table.tables("supports", {"line", "point", "kind", "directions", "normal", "rotation",
-                                 "displacement", "foundation", "spring", "region"}))
+                                 "displacement", "foundation", "spring", "region", "box"}))
     stress.supports.push_back(read_support(t));
   if (stress.supports.empty())
     table.fail("supports", "no supports", "one or more: supports = [{line = \"…\"}]");

@@ -6,7 +6,9 @@
 #include <utility>
 #include <vector>
 
+#include "batten/core/box.h"
 #include "batten/io/files/toml_table.h"
+#include "batten/io/scene/scene_area.h"
 
 namespace batten {
 
@@ -22,7 +24,8 @@ const std::vector<NamedMaterial>& named_materials();
 /// [stress]: the shell of a scene, for `batten stress` and for CalculiX.
 struct SceneStress {
   struct Thickness {
-    PlacedWord region;
+    PlacedWord region;  ///< of all of a region; ""
+    SceneArea area;     ///< and where it fades from the thickness around it to its own
     double thickness = 0;
   };
   struct Support {
@@ -36,14 +39,15 @@ struct SceneStress {
     Kind kind = Kind::Clamped;
     PlacedWord line;
     std::optional<Vec3> point;  ///< in place of a line: the nearest place of the surface
+    std::optional<Box3> box;    ///< what lies in it, of the line, the region, or all
     std::vector<Vec3> directions;
     Vec3 displacement = Vec3::Zero();
     bool rotation = false;
-    PlacedWord region;            ///< of Elastic on an area: "" for all regions
+    PlacedWord region;            ///< of an area: "" for all regions
     Vec3 springs = Vec3::Zero();  ///< of Elastic, or `foundation` per area along the normal
     double foundation = 0;
     FilePlace place;
-    std::string in_words() const;  ///< "clamped rim"
+    std::string in_words() const;  ///< "clamped rim", "pinned rim in a box"
   };
   struct Load {
     enum class Type {
@@ -58,6 +62,7 @@ struct SceneStress {
     Type type = Type::Pressure;
     std::string load_case;      ///< the case that it belongs to
     PlacedWord region;          ///< "": all regions
+    std::optional<Box3> box;    ///< what lies in it only
     PlacedWord line;            ///< of LineForce and LineMoment
     Vec3 point = Vec3::Zero();  ///< of Point
     double value = 0, level = 0;

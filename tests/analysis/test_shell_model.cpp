@@ -62,8 +62,8 @@ TEST_CASE("reactions balance every kind of load, and the work is twice the energ
   const ShellPlace knob = nearest_place(arm.layout, arm.shape, {0.7, 0.2, Arm::H + 0.1});
   CHECK(knob.distance == Approx(0.1));
   const auto pressure = [](const Vec3&, const Vec3& n) -> Vec3 { return 1e-4 * n; };
-  const Points F = area_force(arm.layout, arm.shape, pressure, {1}) +
-                   line_force(arm.layout, "tip", {1e-5, 2e-5, -3e-5}) +
+  const Points F = area_force(arm.layout, arm.shape, pressure, {{1}}) +
+                   line_force(arm.layout, arm.shape, "tip", {1e-5, 2e-5, -3e-5}) +
                    line_moment(arm.layout, arm.shape, "tip", 1e-5) +
                    point_force(arm.layout, knob, {0, 1e-5, 1e-5});
   const Points q = shell.solve(F);
@@ -85,14 +85,14 @@ TEST_CASE("loads have the resultants that their words say") {
     CHECK((sum.moment - moment).norm() < 1e-12);
   };
   const Vec3 weight(0, 0, -Plates::q * L * W);
-  check(area_force(arm.layout, arm.shape, downwards, {1}), weight,
+  check(area_force(arm.layout, arm.shape, downwards, {{1}}), weight,
         Vec3(L / 2, W / 2, H).cross(weight));
-  check(line_force(arm.layout, "tip", {0, 0, 3}), {0, 0, 3 * W},
+  check(line_force(arm.layout, arm.shape, "tip", {0, 0, 3}), {0, 0, 3 * W},
         Vec3(L, W / 2, H).cross(Vec3(0, 0, 3 * W)));
   // About the line's direction, +y.
   check(line_moment(arm.layout, arm.shape, "tip", 5), {0, 0, 0}, {0, 5 * W, 0});
-  CHECK_THROWS_WITH(line_force(arm.layout, "tipp", {0, 0, 1}), Contains("'tip'"));
-  CHECK_THROWS_AS(area_force(arm.layout, arm.shape, downwards, {2}), InputError);
+  CHECK_THROWS_WITH(line_force(arm.layout, arm.shape, "tipp", {0, 0, 1}), Contains("'tip'"));
+  CHECK_THROWS_AS(area_force(arm.layout, arm.shape, downwards, {{2}}), InputError);
 }
 
 TEST_CASE("what nothing holds is named by its motion") {
@@ -185,9 +185,9 @@ TEST_CASE("springs give way by force over stiffness, and their reactions balance
   // Everything rests on one foundation of the shelf and springs along the foot.
   const ShellPlace end = nearest_place(arm.layout, arm.shape, {L, W / 2, Arm::H});
   ShellDefinition definition{{{ShellMaterial::isotropic(Plates::E, 0.3), Plates::t}}, {}, {}, {}};
-  definition.elastic = {{"floor", {}, "", 1, Vec3::Zero(), 2.0},
-                        {"foot", {}, "foot", -1, {5, 5, 0}, 0},
-                        {"wire", end, "", -1, {3, 0, 0}, 0}};
+  definition.elastic = {{"floor", {}, "", {{1}}, Vec3::Zero(), 2.0},
+                        {"foot", {}, "foot", {}, {5, 5, 0}, 0},
+                        {"wire", end, "", {}, {3, 0, 0}, 0}};
   const ShellModel shell(arm.layout, arm.shape, definition);
   const Points F = area_force(arm.layout, arm.shape, downwards);
   const Points q = shell.solve(F);

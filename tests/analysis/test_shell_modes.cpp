@@ -208,8 +208,8 @@ struct Sector {
 TEST_CASE("a cylinder buckles under axial load where Donnell says") {
   const Sector sector(0.6, 0.4, 0.004, 0.025);
   const ShellModel shell = sector.shell();
-  const Points q = shell.solve(line_force(sector.layout, "high", {0, 0, -1}) +
-                               line_force(sector.layout, "low", {0, 0, 1}));
+  const Points q = shell.solve(line_force(sector.layout, sector.shape, "high", {0, 0, -1}) +
+                               line_force(sector.layout, sector.shape, "low", {0, 0, 1}));
   double least = 1e300;
   for (int m = 1; m < 20; ++m)
     for (int n = 0; n < 20; ++n)
@@ -243,7 +243,7 @@ TEST_CASE("a square plate buckles under the pressure of two sides where Bryan sa
                         {Vec3::UnitY()},
                         Vec3::Zero()}};
   const ShellModel shell(plate.layout, plate.shape, definition);
-  const Points q = shell.solve(line_force(plate.layout, "b", {-1, 0, 0}));
+  const Points q = shell.solve(line_force(plate.layout, plate.shape, "b", {-1, 0, 0}));
   const ShellBuckling found = buckling(shell, q, 2);
   const double D = Plates::EI / (1 - nu * nu), unit = pi * pi * D / (Plates::W * Plates::W);
   REQUIRE(found.factors.size() == 2);

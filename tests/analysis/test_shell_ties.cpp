@@ -116,7 +116,7 @@ TEST_CASE("a box beam in torsion turns as Bredt says") {
   for (int k = 0; k < 4; ++k) {
     const std::string n = std::to_string(k);
     definition.lines.push_back(LineSupport::clamped("foot " + n));
-    F += line_force(layout, "tip " + n, (corner[(k + 1) % 4] - corner[k]).normalized());
+    F += line_force(layout, shape, "tip " + n, (corner[(k + 1) % 4] - corner[k]).normalized());
   }
   const double torque = resultant(layout, shape, F).moment.x(), area = a * b;
   CHECK(torque == Approx(2 * area));

@@ -276,12 +276,13 @@ ShellDeck deck_of(const Scene& scene, const ModelLayout& layout, const std::stri
   deck.units = "lengths in " + scene.unit;
   if (stress.young_across > 0) refuse({}, "an orthotropic material");
   if (!stress.thicknesses.empty())
-    refuse(stress.thicknesses[0].region.place, "a thickness of one region");
+    refuse(stress.thicknesses[0].region.place, "a thickness of one place");
   if (!stress.hinges.empty()) refuse(stress.hinges[0].place, "a hinge");
   for (const Support& support : stress.supports) {
     if (support.kind != Support::Kind::Clamped && support.kind != Support::Kind::Pinned)
       refuse(support.place, "a support that is neither clamped nor pinned");
     if (support.point) refuse(support.place, "a support at a point");
+    if (support.line.text.empty() || support.box) refuse(support.place, "a support of an area");
     if (!support.displacement.isZero(0)) refuse(support.place, "a displacement");
     const auto kind = support.kind == Support::Kind::Clamped ? ShellDeck::Support::Kind::Clamped
                                                              : ShellDeck::Support::Kind::Pinned;
@@ -290,6 +291,7 @@ ShellDeck deck_of(const Scene& scene, const ModelLayout& layout, const std::stri
   }
   for (const Load& load : stress.loads) {
     if (load.load_case != load_case) continue;
+    if (load.box) refuse(load.place, "a load in a box");
     if (!load.region.text.empty()) region_named(layout, scene, load.region);
     if (load.type == Load::Type::Pressure && load.region.text.empty())
       deck.pressure += load.value;

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "batten/core/errors.h"
+#include "batten/sculpting/loads/area.h"
 #include "batten/skinning/region/quality.h"
 
 namespace batten {
@@ -54,6 +55,23 @@ void require_one_system(const Scene& scene) {
 
 namespace {
 
+// The area that a scene means, once for each part of a line that is in parts.
+std::vector<Area> areas_of(const Scene& scene, const ModelLayout& layout, const SceneArea& area) {
+  Area common = area.area;
+  for (const PlacedWord& region : area.regions) {
+    region_named(layout, scene, region);
+    common.regions.push_back(region.text);
+  }
+  auto* near = std::get_if<Area::NearLine>(&common.where);
+  if (!near) return {common};
+  std::vector<Area> areas;
+  for (const std::string& line : lines_named(layout, scene, area.line)) {
+    near->line = line;
+    areas.push_back(common);
+  }
+  return areas;
+}
+
 ShellPlace place_of(const Scene& scene, const ModelLayout& layout, const Points& shape,
                     const Vec3& point, const FilePlace& at) {
   const ShellPlace place = nearest_place(layout, shape, point);
@@ -64,14 +82,22 @@ ShellPlace place_of(const Scene& scene, const ModelLayout& layout, const Points&
   return place;
 }
 
+ShellPart part_of(const Scene& scene, const ModelLayout& layout, const PlacedWord& region,
+                  const std::optional<Box3>& box) {
+  ShellPart part;
+  if (!region.text.empty()) part.regions = {region_named(layout, scene, region)};
+  part.box = box;
+  return part;
+}
+
 void add_support_words(const Scene& scene, const ModelLayout& layout, const Points& shape,
                        const SceneStress::Support& support, ShellDefinition& definition) {
   using Kind = SceneStress::Support::Kind;
+  const ShellPart part = part_of(scene, layout, support.region, support.box);
   if (support.kind == Kind::Elastic) {
-    ElasticSupport springs{support.in_words(), {}, "", -1, support.springs, support.foundation};
+    ElasticSupport springs{support.in_words(), {}, "", part, support.springs, support.foundation};
     if (support.point)
       springs.place = place_of(scene, layout, shape, *support.point, support.place);
-    if (!support.region.text.empty()) springs.region = region_named(layout, scene, support.region);
     if (support.line.text.empty()) {
       definition.elastic.push_back(springs);
       return;
@@ -91,16 +117,19 @@ void add_support_words(const Scene& scene, const ModelLayout& layout, const Poin
                                  directions, support.displacement});
     return;
   }
+  if (support.line.text.empty()) {
+    definition.areas.push_back({support.in_words(), part, directions, support.displacement});
+    return;
+  }
   for (const std::string& line : lines_named(layout, scene, support.line))
-    definition.lines.push_back(
-        {support.in_words(), line, directions, support.displacement, support.rotation});
+    definition.lines.push_back({support.in_words(), line, directions, support.displacement,
+                                support.rotation, support.box});
 }
 
 Points load_of(const Scene& scene, const ModelLayout& layout, const Points& shape,
                const ShellDefinition& definition, const SceneStress::Load& load) {
   using Type = SceneStress::Load::Type;
-  std::vector<int> regions;
-  if (!load.region.text.empty()) regions = {region_named(layout, scene, load.region)};
+  const ShellPart part = part_of(scene, layout, load.region, load.box);
   const Vec3 v = load.vector;
   const double value = load.value, level = load.level;
   const auto along_lines = [&](const auto& one) {
@@ -111,35 +140,64 @@ Points load_of(const Scene& scene, const ModelLayout& layout, const Points& shap
   switch (load.type) {
     case Type::Pressure:
       return area_force(
-          layout, shape, [=](const Vec3&, const Vec3& n) -> Vec3 { return value * n; }, regions);
+          layout, shape, [=](const Vec3&, const Vec3& n) -> Vec3 { return value * n; }, part);
     case Type::AreaForce:
       return area_force(
-          layout, shape, [=](const Vec3&, const Vec3&) { return v; }, regions);
+          layout, shape, [=](const Vec3&, const Vec3&) { return v; }, part);
     case Type::Hydrostatic:
       return area_force(
           layout, shape,
           [=](const Vec3& x, const Vec3& n) -> Vec3 {
             return value * std::max(0.0, level - x.z()) * n;
           },
-          regions);
-    case Type::Gravity: {
-      Points sum = Points::Zero(shape.rows(), 3);
-      for (int r = 0; r < layout.region_count(); ++r) {
-        const ShellSection& s = definition.sections[definition.sections.size() == 1 ? 0 : r];
-        const Vec3 weight = s.material.density * s.thickness * v;
-        sum += area_force(layout, shape, [=](const Vec3&, const Vec3&) { return weight; }, {r});
-      }
-      return sum;
-    }
+          part);
+    case Type::Gravity:
+      return weight(layout, shape, triangle_sections(layout, definition), v);
     case Type::Point:
       return point_force(layout, place_of(scene, layout, shape, load.point, load.place), v);
     case Type::LineForce:
-      return along_lines([&](const std::string& line) { return line_force(layout, line, v); });
-    case Type::LineMoment:
       return along_lines(
-          [&](const std::string& line) { return line_moment(layout, shape, line, value); });
+          [&](const std::string& line) { return line_force(layout, shape, line, v, load.box); });
+    case Type::LineMoment:
+      return along_lines([&](const std::string& line) {
+        return line_moment(layout, shape, line, value, load.box);
+      });
   }
   return {};
+}
+
+// Thicknesses of regions, then those that fade from them, one after the other.
+void set_thicknesses(const Scene& scene, const ModelLayout& layout, const Points& shape,
+                     ShellDefinition& definition) {
+  const auto& stated = scene.stress->thicknesses;
+  if (stated.empty()) return;
+  definition.sections.assign(static_cast<size_t>(layout.region_count()), definition.sections[0]);
+  for (const auto& of : stated)
+    if (!of.region.text.empty())
+      definition.sections[region_named(layout, scene, of.region)].thickness = of.thickness;
+  const Surface surface = layout.surface(shape);
+  const ParametricMesh& mesh = surface.mesh();
+  const VecX none = VecX::Zero(mesh.vertex_count());
+  VecX base = none, all;
+  for (int t = 0; t < mesh.triangle_count(); ++t)
+    for (const int v : mesh.triangles()[t])
+      base[v] = definition.sections[layout.region_of(t)].thickness;
+  all = base;
+  for (const auto& of : stated) {
+    if (!of.region.text.empty()) continue;
+    for (const Area& area : areas_of(scene, layout, of.area)) {
+      const VecX weights = triangle_weights(area, layout, surface);
+      VecX sum = none, count = none;
+      for (int t = 0; t < mesh.triangle_count(); ++t)
+        for (const int v : mesh.triangles()[t]) {
+          sum[v] += weights[t];
+          count[v] += 1;
+        }
+      for (long v = 0; v < all.size(); ++v)
+        if (count[v] > 0) all[v] += sum[v] / count[v] * (of.thickness - all[v]);
+    }
+  }
+  if (all != base) definition.more_thickness = all - base;
 }
 
 }  // namespace
@@ -152,11 +210,7 @@ ShellDefinition shell_of(const Scene& scene, const ModelLayout& layout, const Po
           ? ShellMaterial::orthotropic(s.young, s.young_across, s.poisson, s.shear, s.density)
           : ShellMaterial::isotropic(s.young, s.poisson, s.density);
   definition.sections = {{material, s.thickness, s.along}};
-  if (!s.thicknesses.empty()) {
-    definition.sections.assign(static_cast<size_t>(layout.region_count()), definition.sections[0]);
-    for (const auto& of : s.thicknesses)
-      definition.sections[region_named(layout, scene, of.region)].thickness = of.thickness;
-  }
+  set_thicknesses(scene, layout, shape, definition);
   for (const SceneStress::Support& support : s.supports)
     add_support_words(scene, layout, shape, support, definition);
   for (const PlacedWord& hinge : s.hinges)

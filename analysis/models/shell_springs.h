@@ -1,4 +1,4 @@
-// Stiff springs along lines, where no rows can hold a surface exactly.
+// Springs that hold a shell: soft ones, and stiff ones where no rows can hold it exactly.
 #pragma once
 
 #include <string>
@@ -8,11 +8,11 @@
 
 namespace batten {
 
-/// The energy ½ Σ k (Σ a_m · q_m - value)², each term a quadrature point of a line, k its stiffness
-/// per length times the length that it stands for. On lines that cross elements anyhow rows would be
-/// too many or too few; springs a thousand times as stiff as the elements beside them are neither
-/// (shell_ties.h).
-class LineSprings {
+/// The energy ½ Σ k (Σ a_m · q_m - value)², each term a quadrature point of a line or an area, k its
+/// stiffness per length or area times the length or area that it stands for. On lines that cross
+/// elements anyhow rows would be too many or too few; springs a thousand times as stiff as the
+/// elements beside them are neither (shell_ties.h).
+class ShellSprings {
  public:
   using Entries = std::vector<ConstraintSet::CoupledEntry>;
   struct Spring {
@@ -21,7 +21,7 @@ class LineSprings {
     double stiffness, value;
   };
 
-  explicit LineSprings(int dof_count) : dof_count_(dof_count) {}
+  explicit ShellSprings(int dof_count) : dof_count_(dof_count) {}
   /// Entries that name a dof again are added up.
   void add(const std::string& name, const Entries& entries, double stiffness, double value);
 

@@ -1,4 +1,4 @@
-#include "batten/analysis/models/line_springs.h"
+#include "batten/analysis/models/shell_springs.h"
 
 #include <algorithm>
 #include <map>
@@ -7,8 +7,8 @@
 
 namespace batten {
 
-void LineSprings::add(const std::string& name, const Entries& entries, double stiffness,
-                      double value) {
+void ShellSprings::add(const std::string& name, const Entries& entries, double stiffness,
+                       double value) {
   auto known = count_of(names_) - 1;
   while (known >= 0 && names_[known] != name) --known;
   if (known < 0) {
@@ -22,7 +22,7 @@ void LineSprings::add(const std::string& name, const Entries& entries, double st
   springs_.push_back({known, std::move(once), stiffness, value});
 }
 
-SparseMatrix LineSprings::stiffness() const {
+SparseMatrix ShellSprings::stiffness() const {
   // Many springs lie in one triangle, or pair of triangles, and have the same dofs.
   std::map<std::vector<int>, MatX> blocks;
   for (const Spring& spring : springs_) {
@@ -48,7 +48,7 @@ SparseMatrix LineSprings::stiffness() const {
   return K;
 }
 
-Points LineSprings::load() const {
+Points ShellSprings::load() const {
   Points F = Points::Zero(dof_count_, 3);
   for (const Spring& spring : springs_)
     for (const auto& e : spring.entries)
@@ -56,7 +56,7 @@ Points LineSprings::load() const {
   return F;
 }
 
-double LineSprings::pull(const Spring& spring, const Points& q) {
+double ShellSprings::pull(const Spring& spring, const Points& q) {
   double stretch = -spring.value;
   for (const auto& e : spring.entries) stretch += q.row(e.dof).dot(e.coefficient);
   return -spring.stiffness * stretch;

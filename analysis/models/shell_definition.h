@@ -1,0 +1,64 @@
+// What a shell is made of and how it is held.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "batten/analysis/models/line_supports.h"
+#include "batten/analysis/models/shell_loads.h"
+
+namespace batten {
+
+/// What holds a shell at one place of its surface: the displacement in some directions.
+struct PointSupport {
+  std::string name;
+  ShellPlace place;
+  std::vector<Vec3> directions;      ///< any length but zero
+  Vec3 displacement = Vec3::Zero();  ///< in those directions
+};
+
+/// What holds a part of a shell's area: the displacement in some directions, and so the rotation. By
+/// stiff springs, per area those of an embedded line over the length of an edge (shell_ties.h).
+struct AreaSupport {
+  std::string name;
+  ShellPart part;
+  std::vector<Vec3> directions;      ///< any length but zero
+  Vec3 displacement = Vec3::Zero();  ///< in those directions
+};
+
+/// Springs that hold a shell at a place, per length of a line or per area of a part.
+struct ElasticSupport {
+  std::string name;
+  std::optional<ShellPlace> place;  ///< of a point; else
+  std::string line;                 ///< of a line, as far as it lies in the part's box; "": an area
+  ShellPart part;
+  Vec3 stiffness = Vec3::Zero();  ///< along x, y, z: force over displacement, or per length or area
+  double normal = 0;              ///< of an area: along its normal (an elastic foundation)
+};
+
+struct ShellDefinition {
+  std::vector<ShellSection> sections;  ///< one, or one for each region
+  std::vector<LineSupport> lines;
+  std::vector<PointSupport> points;
+  std::vector<std::string> hinges;  ///< lines about which regions turn freely
+  std::vector<ElasticSupport> elastic = {};
+  std::vector<AreaSupport> areas = {};
+  /// Added to the thickness at each vertex of the model's mesh, linear between them; none: nothing.
+  VecX more_thickness = {};
+};
+
+/// The sections of a model: one, or one for each triangle of its mesh. Throws InputError: sections or
+/// thicknesses of another number, what require_section() throws.
+std::vector<ShellSection> triangle_sections(const ModelLayout& model,
+                                            const ShellDefinition& definition);
+
+/// Everything that ties regions to each other and holds them. Throws InputError: what shell_ties() and
+/// add_support() throw, directions of length zero, parts that hold nothing, negative stiffness.
+ShellTies shell_ties(const ModelLayout& model, const Points& shape,
+                     const ShellDefinition& definition);
+
+/// Names of the supports, each once: the parts of a line that is cut at corners are one support.
+std::vector<std::string> support_names(const ShellDefinition& definition);
+
+}  // namespace batten
