@@ -431,6 +431,13 @@ int command(int argc, char** argv) {
       add_run(app, "stress", "The same, and the stresses of the shape as the shell of [stress]", a);
   stress_command->add_flag("--with-ccx", a.stress.with_calculix,
                            "Run CalculiX on the same shell, and print what it finds");
+  stress_command->add_option("--ccx-elements", a.stress.element, "Its elements: S6, S3 or S8R")
+      ->transform(CLI::CheckedTransformer(
+          std::map<std::string, ShellDeck::Element>{{"S6", ShellDeck::Element::S6},
+                                                    {"S3", ShellDeck::Element::S3},
+                                                    {"S8R", ShellDeck::Element::S8R}},
+          CLI::ignore_case))
+      ->needs("--with-ccx");
   stress_command
       ->add_option("--accuracy", a.stress.accuracy,
                    "Make elements smaller until displacements are this exact: 0.01 is a percent")

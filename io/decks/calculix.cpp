@@ -11,8 +11,7 @@
 #include <set>
 
 #include "batten/core/errors.h"
-#include "batten/elements/quadrature.h"
-#include "batten/fem/triangle_locator.h"
+#include "batten/io/decks/calculix_parts.h"
 #include "batten/io/decks/ccx_deck.h"
 #include "batten/io/files/whole_file.h"
 #include "batten/skinning/facets/model_facets.h"
@@ -90,92 +89,38 @@ void check(const Regions& regions, const ShellDeck& deck) {
   expect(deck.gravity.isZero(0) || deck.density > 0, "gravity but density", deck.density,
          "a density above 0");
   expect(std::isfinite(deck.pressure), "pressure", deck.pressure, "a finite number");
-  bool finite = deck.area_force.allFinite() && deck.gravity.allFinite();
+  for (const auto& t : deck.thicknesses)
+    expect(above_zero(t.thickness), "thickness", t.thickness, "a length above 0");
+  bool finite = deck.gravity.allFinite();
+  for (const auto& f : deck.line_forces) finite = finite && f.per_length.allFinite();
   for (const auto& f : deck.point_forces)
     finite = finite && f.at.allFinite() && f.force.allFinite();
   for (const auto& p : deck.pressures) finite = finite && std::isfinite(p.pressure);
   if (!finite) throw InputError(who + "found a load that is not finite");
   if (deck.supports.empty())
     throw InputError(who + "found no support, expected at least one line that is held");
-  const std::vector<std::string> lines = line_names(regions);
-  for (const auto& support : deck.supports)
-    if (std::find(lines.begin(), lines.end(), support.line) == lines.end())
-      throw InputError(
-          who + "found a support on the line '" + support.line + "', which " +
-          (one ? "the region does not have; " : "no region has; ") +
-          not_among(support.line, lines, one ? "its lines are: " : "their lines are: "));
-  std::vector<std::string> names;
-  for (const SkinnedRegion* region : regions) names.push_back(region->name);
-  for (const auto& p : deck.pressures)
-    if (std::find(names.begin(), names.end(), p.region) == names.end())
-      throw InputError(who + "found a pressure on the region '" + p.region +
-                       "', which the model does not have; " +
-                       not_among(p.region, names, "its regions are: "));
-}
-
-/// ∬ N dA of each node, N the quadratic shape functions, dA of the true surface.
-VecX node_areas(const Surface& surface, const QuadraticFacets& facets) {
-  static const TriangleRule split = split_triangle(6), whole = symmetric_triangle(8);
-  const TriangleRule& rule = facets.of_elements ? split : whole;
-  std::optional<TriangleLocator> locator;
-  if (!facets.of_elements) locator.emplace(surface.mesh());
-  VecX area = VecX::Zero(static_cast<long>(facets.nodes.size()));
-  for (size_t t = 0; t < facets.triangles.size(); ++t) {
-    const auto& n = facets.triangles[t];
-    for (long p = 0; p < rule.weights.size(); ++p) {
-      const Vec3 L = rule.L.row(p).transpose();
-      const double N[6] = {L[0] * (2 * L[0] - 1), L[1] * (2 * L[1] - 1), L[2] * (2 * L[2] - 1),
-                           4 * L[0] * L[1],       4 * L[1] * L[2],       4 * L[2] * L[0]};
-      Location where{static_cast<int>(t), L};
-      double parametric;
-      if (locator) {
-        // The element's place in (u, v) is quadratic as well.
-        Vec2 at = Vec2::Zero(), d0 = Vec2::Zero(), d1 = Vec2::Zero();  // along L0 - L2, L1 - L2
-        const double N0[6] = {4 * L[0] - 1, 0,         1 - 4 * L[2],
-                              4 * L[1],     -4 * L[1], 4 * (L[2] - L[0])},
-                     N1[6] = {0,        4 * L[1] - 1,      1 - 4 * L[2],
-                              4 * L[0], 4 * (L[2] - L[1]), -4 * L[0]};
-        for (int a = 0; a < 6; ++a) {
-          const Vec2 uv = surface.mesh().image_near(facets.uv[n[a]], facets.uv[n[0]]);
-          at += N[a] * uv;
-          d0 += N0[a] * uv;
-          d1 += N1[a] * uv;
-        }
-        parametric = 0.5 * (d0.x() * d1.y() - d0.y() * d1.x());
-        where = locator->locate(at);
-      } else {
-        parametric = surface.mesh().shape(where.triangle).area;
-      }
-      const double dA = rule.weights[p] * parametric * surface.jet(where).area_vector().norm();
-      for (int a = 0; a < 6; ++a) area[n[a]] += N[a] * dA;
-    }
-  }
-  return area;
-}
-
-/// Forces on the nodes, from 0.
-std::map<int, Vec3> node_forces(const Regions& regions, const ModelFacets& model,
-                                const ShellDeck& deck) {
-  std::map<int, Vec3> force;
-  const auto at = [&](int node) -> Vec3& {
-    return force.try_emplace(node, Vec3::Zero()).first->second;
+  const auto expect_line = [&](const std::string& line, const std::string& what) {
+    const std::vector<std::string> lines = line_names(regions);
+    if (std::find(lines.begin(), lines.end(), line) == lines.end())
+      throw InputError(who + "found a " + what + " on the line '" + line + "', which " +
+                       (one ? "the region does not have; " : "no region has; ") +
+                       not_among(line, lines, one ? "its lines are: " : "their lines are: "));
   };
-  if (!deck.area_force.isZero(0))
-    for (size_t r = 0; r < regions.size(); ++r) {
-      const VecX area = node_areas(regions[r]->surface, model.regions[r]);
-      // At vertices of flat triangles the integral is zero; what is left there is rounding.
-      const double rounding = 1e-14 * area.cwiseAbs().maxCoeff();
-      for (long i = 0; i < area.size(); ++i)
-        if (std::abs(area[i]) > rounding) at(model.node[r][i]) += area[i] * deck.area_force;
-    }
-  for (const auto& f : deck.point_forces) {
-    const auto nearest = std::min_element(
-        model.places.begin(), model.places.end(), [&](const Vec3& a, const Vec3& b) {
-          return (a - f.at).squaredNorm() < (b - f.at).squaredNorm();
-        });
-    at(static_cast<int>(nearest - model.places.begin())) += f.force;
+  const auto expect_region = [&](const std::string& region, const std::string& what) {
+    std::vector<std::string> names;
+    for (const SkinnedRegion* r : regions) names.push_back(r->name);
+    if (std::find(names.begin(), names.end(), region) == names.end())
+      throw InputError(who + "found a " + what + " on the region '" + region +
+                       "', which the model does not have; " +
+                       not_among(region, names, "its regions are: "));
+  };
+  for (const auto& support : deck.supports) {
+    if (!support.line.empty()) expect_line(support.line, "support");
+    if (!support.region.empty()) expect_region(support.region, "support");
   }
-  return force;
+  for (const auto& f : deck.line_forces) expect_line(f.line, "force");
+  for (const auto& p : deck.pressures) expect_region(p.region, "pressure");
+  for (const auto& t : deck.thicknesses) expect_region(t.region, "thickness");
 }
 
 /// Where several pressures are on an element, ccx takes the last one: each element gets one sum.
@@ -195,7 +140,7 @@ void write_pressures(std::ostream& out, const Regions& regions,
 
 void write_loads(std::ostream& out, const Regions& regions, const ModelFacets& model,
                  const std::vector<std::string>& sets, const ShellDeck& deck) {
-  const auto forces = node_forces(regions, model, deck);
+  const auto forces = deck_forces(regions, model, deck);
   if (!forces.empty()) {
     out << "*CLOAD\n";
     for (const auto& [node, force] : forces)
@@ -207,26 +152,70 @@ void write_loads(std::ostream& out, const Regions& regions, const ModelFacets& m
     out << "*DLOAD\nALL,GRAV," << ccx_number(g) << ',' << ccx_vector(deck.gravity / g) << '\n';
 }
 
-/// The ends of a line's edges, then their middles, each once.
-std::vector<int> nodes_on(const std::vector<std::array<int, 3>>& edges) {
-  std::vector<int> nodes;
-  const auto add = [&](int node) {
-    if (std::find(nodes.begin(), nodes.end(), node) == nodes.end()) nodes.push_back(node);
-  };
-  for (const auto& edge : edges) {
-    add(edge[0]);
-    add(edge[1]);
-  }
-  for (const auto& edge : edges) add(edge[2]);
-  return nodes;
+const char* type_name(ShellDeck::Element element) {
+  return element == ShellDeck::Element::S3    ? "S3"
+         : element == ShellDeck::Element::S8R ? "S8R"
+                                              : "S6";
 }
 
-/// Comments must not break out of their line.
+/// The nodes of a support that is not all of a line.
+std::vector<int> held_nodes(const Regions& regions, const ModelFacets& model,
+                            const DeckElements& elements, const ShellDeck::Support& support) {
+  if (!support.line.empty() && !support.box) return {};
+  std::set<int> nodes;
+  const auto add = [&](int node) {
+    if (!support.box || support.box->contains(elements.places[node])) nodes.insert(node);
+  };
+  for (const auto& line : model.lines)
+    if (line.name == support.line)
+      for (const int node : elements.nodes_on(line.edges)) add(node);
+  for (size_t r = 0; r < regions.size() && support.line.empty(); ++r)
+    if (support.region.empty() || regions[r]->name == support.region)
+      for (const auto& element : elements.of_regions[r])
+        for (const int node : element) add(node);
+  if (nodes.empty())
+    throw InputError("stress deck: found a support that holds no node, expected a larger box");
+  return {nodes.begin(), nodes.end()};
+}
+
+void write_support(std::ostream& out, const std::string& set, const ShellDeck::Support& support) {
+  const bool clamped = support.kind == ShellDeck::Support::Kind::Clamped;
+  if (support.held == std::array<bool, 3>{true, true, true} && support.displacement.isZero(0)) {
+    out << set << ",1," << (clamped ? 6 : 3) << '\n';
+    return;
+  }
+  for (int c = 0; c < 3; ++c) {
+    if (!support.held[c]) continue;
+    out << set << ',' << c + 1 << ',' << c + 1;
+    if (support.displacement[c] != 0) out << ',' << ccx_number(support.displacement[c]);
+    out << '\n';
+  }
+  if (clamped) out << set << ",4,6\n";
+}
+
+void write_sections(std::ostream& out, const Regions& regions, const std::vector<std::string>& sets,
+                    const ShellDeck& deck) {
+  const auto write = [&](const std::string& set, double thickness) {
+    out << "*SHELL SECTION,ELSET=" << set << ",MATERIAL=SHELL\n" << ccx_number(thickness) << '\n';
+  };
+  if (deck.thicknesses.empty()) return write("ALL", deck.thickness);
+  for (size_t r = 0; r < regions.size(); ++r) {
+    double thickness = deck.thickness;
+    for (const auto& t : deck.thicknesses)
+      if (t.region == regions[r]->name) thickness = t.thickness;
+    write(sets[r], thickness);
+  }
+}
+
 }  // namespace
 
 void write_calculix(const fs::path& path, const Regions& regions, const ShellDeck& deck) {
   check(regions, deck);
   const ModelFacets model = model_facets(regions);
+  const DeckElements elements = deck_elements(regions, model, deck.element);
+  std::vector<std::vector<int>> held;
+  for (const auto& support : deck.supports)
+    held.push_back(held_nodes(regions, model, elements, support));
   const bool one = regions.size() == 1;
   SetNames names;
   std::vector<std::string> line_sets, region_sets;
@@ -240,19 +229,16 @@ void write_calculix(const fs::path& path, const Regions& regions, const ShellDec
         << ", written by Batten\n";
     if (!deck.units.empty()) out << "** Units: " << one_line(deck.units) << '\n';
     out << "*NODE,NSET=NALL\n";
-    for (size_t i = 0; i < model.places.size(); ++i)
-      out << i + 1 << ',' << ccx_vector(model.places[i]) << '\n';
-    out << "*ELEMENT,TYPE=S6,ELSET=ALL\n";
+    for (size_t i = 0; i < elements.places.size(); ++i)
+      out << i + 1 << ',' << ccx_vector(elements.places[i]) << '\n';
+    out << "*ELEMENT,TYPE=" << type_name(deck.element) << ",ELSET=ALL\n";
     std::vector<size_t> first{1};  // element of each region, and behind the last
-    for (size_t r = 0; r < regions.size(); ++r) {
-      const auto& triangles = model.regions[r].triangles;
-      for (size_t t = 0; t < triangles.size(); ++t) {
-        std::array<int, 6> nodes;
-        for (size_t i = 0; i < 6; ++i) nodes[i] = model.node[r][triangles[t][i]];
-        out << first[r] + t << ',';
-        write_ccx_ids(out, nodes);
+    for (const auto& of_region : elements.of_regions) {
+      for (size_t e = 0; e < of_region.size(); ++e) {
+        out << first.back() + e << ',';
+        write_ccx_ids(out, of_region[e]);
       }
-      first.push_back(first[r] + triangles.size());
+      first.push_back(first.back() + of_region.size());
     }
     for (size_t r = 0; r < regions.size() && !one; ++r)
       out << "** Region " << one_line(regions[r]->name) << "\n*ELSET,ELSET=" << region_sets[r]
@@ -260,18 +246,25 @@ void write_calculix(const fs::path& path, const Regions& regions, const ShellDec
           << first[r] << ',' << first[r + 1] - 1 << ",1\n";
     for (size_t l = 0; l < model.lines.size(); ++l) {
       out << "** Line " << one_line(model.lines[l].name) << "\n*NSET,NSET=" << line_sets[l] << '\n';
-      write_ccx_ids(out, nodes_on(model.lines[l].edges));
+      write_ccx_ids(out, elements.nodes_on(model.lines[l].edges));
     }
     out << "*MATERIAL,NAME=SHELL\n*ELASTIC\n"
         << ccx_number(deck.young) << ',' << ccx_number(deck.poisson) << '\n';
     if (deck.density > 0) out << "*DENSITY\n" << ccx_number(deck.density) << '\n';
-    out << "*SHELL SECTION,ELSET=ALL,MATERIAL=SHELL\n" << ccx_number(deck.thickness) << '\n';
+    write_sections(out, regions, region_sets, deck);
+    for (size_t k = 0; k < held.size(); ++k) {
+      if (held[k].empty()) continue;
+      out << "*NSET,NSET=SUPPORT_" << k + 1 << '\n';
+      write_ccx_ids(out, held[k]);
+    }
     out << "*BOUNDARY\n";
-    for (const auto& support : deck.supports)
-      for (size_t l = 0; l < model.lines.size(); ++l)
-        if (model.lines[l].name == support.line)
-          out << line_sets[l] << ",1,"
-              << (support.kind == ShellDeck::Support::Kind::Clamped ? 6 : 3) << '\n';
+    for (size_t k = 0; k < deck.supports.size(); ++k) {
+      if (!held[k].empty())
+        write_support(out, "SUPPORT_" + std::to_string(k + 1), deck.supports[k]);
+      for (size_t l = 0; l < model.lines.size() && held[k].empty(); ++l)
+        if (model.lines[l].name == deck.supports[k].line)
+          write_support(out, line_sets[l], deck.supports[k]);
+    }
     out << "*STEP\n*STATIC\n";
     write_loads(out, regions, model, region_sets, deck);
     out << "*NODE FILE\nU\n*EL FILE\nS\n*END STEP\n";

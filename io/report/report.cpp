@@ -280,8 +280,11 @@ Json json_of(const StressReport::Case& c) {
   if (c.safety > 0) json["safety"] = c.safety;
   if (c.buckling_asked) json["buckling_factors"] = c.buckling;
   if (c.calculix)
-    json["calculix"] = {{"max_displacement", c.calculix->displacement},
-                        {"max_von_mises", c.calculix->stress}};
+    json["calculix"] = {{"elements", c.calculix->elements},
+                        {"max_displacement", c.calculix->displacement},
+                        {"max_von_mises", c.calculix->stress},
+                        {"displacement_there", c.calculix->displacement_there},
+                        {"von_mises_there", c.calculix->stress_there}};
   json["reactions"] = Json::array();
   for (const auto& r : c.reactions)
     json["reactions"].push_back(

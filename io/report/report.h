@@ -112,8 +112,8 @@ struct Report : RunReport {
     struct Row {
       double value = 0;  ///< value of the parameter, or time
       Shape shape;
-      int iterations = 0;       ///< iterations, in a sweep
-      double total_energy = 0;  ///< kinetic and potential energy, in a motion
+      int iterations = 0;            ///< iterations, in a sweep
+      double total_energy = 0;       ///< kinetic and potential energy, in a motion
       std::optional<Stress> stress;  ///< in a sweep, where asked for
     };
     struct Sweep {

@@ -23,9 +23,10 @@ struct StressReport {
     std::string support;
     Vec3 force, moment;  ///< on the shell; moment about the origin
   };
-  /// The largest values of another program on the same shell.
+  /// The largest values of another program on the same shell, and those where ours are largest.
   struct Witness {
-    double displacement = 0, stress = 0;
+    std::string elements;
+    double displacement = 0, stress = 0, displacement_there = 0, stress_there = 0;
   };
   struct Case {
     std::string name;
@@ -35,9 +36,10 @@ struct StressReport {
     double displacement_error = 0;  ///< estimate of what is missing of it
     Vec3 displaced = Vec3::Zero(), displaced_at = Vec3::Zero();
     std::string displaced_region;
-    double stress = 0;  ///< the largest equivalent stress (von Mises)
-    std::string side;   ///< "top" or "bottom"
-    Vec3 stressed_at = Vec3::Zero();
+    double stress = 0;                  ///< the largest equivalent stress (von Mises)
+    std::string side;                   ///< "top" or "bottom"
+    Vec3 stressed_at = Vec3::Zero();    ///< on the middle surface
+    Vec3 stressed_face = Vec3::Zero();  ///< the same place, top or bottom
     std::string stressed_region;
     double spread = 0;      ///< of the elements' own stresses there
     bool at_point = false;  ///< beside a point load or support, where stresses have no limit

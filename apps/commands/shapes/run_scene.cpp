@@ -303,11 +303,11 @@ Report run_all(const Scene& as_stated, const std::filesystem::path& folder,
   if (run.report.stress) {
     run.report.stress->meshes = accurate.meshes;
     if (!accurate.reached)
-      run.report.missed.push_back(
-          {"stress.accuracy", "is " + number(accurate.meshes.back().error) +
-                                  ", asked for " + number(stress->accuracy)});
+      run.report.missed.push_back({"stress.accuracy", "is " + number(accurate.meshes.back().error) +
+                                                          ", asked for " +
+                                                          number(stress->accuracy)});
     if (scene.stress->sensitivities) find_sensitivities(run, scene, made, shape, progress);
-    if (stress->with_calculix) ask_calculix(run, scene, shape, progress);
+    if (stress->with_calculix) ask_calculix(run, scene, shape, stress->element, progress);
   }
   write_files(run, scene, made, shape, progress);
   draw_pictures(run, scene, made, shape, progress);

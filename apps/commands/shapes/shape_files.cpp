@@ -8,7 +8,7 @@
 
 #include "batten/apps/commands/lines/scene_lines.h"
 #include "batten/apps/commands/runs/promises.h"
-#include "batten/apps/commands/shapes/stress_words.h"
+#include "batten/apps/commands/shapes/stress_deck.h"
 #include "batten/core/box.h"
 #include "batten/core/errors.h"
 #include "batten/core/index.h"
@@ -258,56 +258,6 @@ void write_vtk_files(Report& report, const Scene& scene, const MadeModel& made,
 }
 
 }  // namespace
-
-ShellDeck deck_of(const Scene& scene, const ModelLayout& layout, const std::string& load_case,
-                  const std::string& file) {
-  using Support = SceneStress::Support;
-  using Load = SceneStress::Load;
-  const SceneStress& stress = *scene.stress;
-  const auto refuse = [&](const FilePlace& place, const std::string& what) {
-    throw InputError(scene.at(place) + "found " + what + ", which '" + file +
-                     "' cannot hold; `batten stress` can");
-  };
-  ShellDeck deck;
-  deck.thickness = stress.thickness;
-  deck.young = stress.young;
-  deck.poisson = stress.poisson;
-  deck.density = stress.density;
-  deck.units = "lengths in " + scene.unit;
-  if (stress.young_across > 0) refuse({}, "an orthotropic material");
-  if (!stress.thicknesses.empty())
-    refuse(stress.thicknesses[0].region.place, "a thickness of one place");
-  if (!stress.hinges.empty()) refuse(stress.hinges[0].place, "a hinge");
-  for (const Support& support : stress.supports) {
-    if (support.kind != Support::Kind::Clamped && support.kind != Support::Kind::Pinned)
-      refuse(support.place, "a support that is neither clamped nor pinned");
-    if (support.point) refuse(support.place, "a support at a point");
-    if (support.line.text.empty() || support.box) refuse(support.place, "a support of an area");
-    if (!support.displacement.isZero(0)) refuse(support.place, "a displacement");
-    const auto kind = support.kind == Support::Kind::Clamped ? ShellDeck::Support::Kind::Clamped
-                                                             : ShellDeck::Support::Kind::Pinned;
-    for (const auto& name : lines_named(layout, scene, support.line))
-      deck.supports.push_back({name, kind});
-  }
-  for (const Load& load : stress.loads) {
-    if (load.load_case != load_case) continue;
-    if (load.box) refuse(load.place, "a load in a box");
-    if (!load.region.text.empty()) region_named(layout, scene, load.region);
-    if (load.type == Load::Type::Pressure && load.region.text.empty())
-      deck.pressure += load.value;
-    else if (load.type == Load::Type::Pressure)
-      deck.pressures.push_back({load.region.text, load.value});
-    else if (load.type == Load::Type::Gravity)
-      deck.gravity += load.vector;
-    else if (load.type == Load::Type::AreaForce && load.region.text.empty())
-      deck.area_force += load.vector;
-    else if (load.type == Load::Type::Point)
-      deck.point_forces.push_back({load.point, load.vector});
-    else
-      refuse(load.place, "a load of this kind");
-  }
-  return deck;
-}
 
 void write_files(ShapeRun& run, const Scene& scene, const MadeModel& made, const MadeShape& shape,
                  const Progress& progress) {

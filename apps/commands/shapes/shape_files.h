@@ -3,7 +3,6 @@
 
 #include "batten/apps/commands/runs/run_parts.h"
 #include "batten/apps/commands/shapes/make_shape.h"
-#include "batten/io/decks/calculix.h"
 #include "batten/io/report/report.h"
 
 namespace batten {
@@ -42,11 +41,6 @@ void draw_pictures(ShapeRun& run, const Scene& scene, const MadeModel& made, con
 /// are not in it; others as in write_files().
 void write_step_file(ShapeRun& run, const Scene& scene, const MadeModel& made,
                      const Progress& progress);
-
-/// [stress] as a CalculiX deck: one section, one load case. Throws InputError with the place in the
-/// scene for what such a deck cannot hold; `file` names it.
-ShellDeck deck_of(const Scene& scene, const ModelLayout& layout, const std::string& load_case,
-                  const std::string& file);
 
 /// What to draw of a shape: `look` with its regions, and with the arcs of the network that no
 /// region has.

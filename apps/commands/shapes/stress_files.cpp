@@ -85,6 +85,9 @@ void StressFiles::write_case(const std::string& name, const Points& displacement
       {"Forces", 6, [&](int r, const Location& where) { return in_order(at(r, where).forces); }});
   options.fields.push_back(
       {"Moments", 6, [&](int r, const Location& where) { return in_order(at(r, where).moments); }});
+  options.fields.push_back({"Thickness", 1, [&](int r, const Location& where) -> VecX {
+                              return VecX::Constant(1, at(r, where).thickness);
+                            }});
   const std::vector<SkinnedRegion> still = regions_of(shell_.shape());
   write_vtu(run_.out.file(stress_stem(scene_, name) + ".vtu"), pointers(still), options);
   run_.report.files.push_back(stress_stem(scene_, name) + ".vtu");

@@ -21,7 +21,7 @@ class StressFiles {
       : run_(run), scene_(scene), shell_(shell) {}
 
   /// NAME_CASE.vtu on the undeformed shape, with Displacement, Von_mises_top, _middle and _bottom,
-  /// Stress_top, _middle and _bottom, Forces, Moments (tensors as xx, yy, zz, xy, yz, xz), and
+  /// Stress_top, _middle and _bottom, Forces, Moments, Thickness (tensors as xx, yy, zz, xy, yz, xz), and
   /// NAME_CASE.png, the equivalent stress on the deformed shape. `largest`: displacement.
   void write_case(const std::string& name, const Points& displacement, double largest,
                   const ShellStresses& stresses);

@@ -113,6 +113,8 @@ void measure_stress(const Scene& scene, const ShellModel& shell, const ShellDefi
   c.stress = peak.value;
   c.side = peak.height > 0 ? "top" : "bottom";
   c.stressed_at = peak.at;
+  c.stressed_face = peak.at + 0.5 * peak.height * stresses.at(peak.where).thickness *
+                                  shell.assembler().surface().jet(peak.where).normal();
   c.stressed_region = shell.layout().region(shell.layout().region_of(peak.where.triangle)).name();
   c.spread = peak.spread;
   c.error = stresses.error();
@@ -269,9 +271,11 @@ std::string stress_results(const StressReport& report, const std::string& unit) 
     if (c.safety > 0) stress += "; yield / stress " + three_digits(c.safety);
     text += result_line(c.combination ? "combination" : "case", "'" + c.name + "': " + stress);
     if (c.calculix)
-      text += result_line("", "CalculiX, six-node triangles: moves by " +
-                                  three_digits(c.calculix->displacement) + " " + unit +
-                                  ", von Mises " + three_digits(c.calculix->stress));
+      text += result_line("", "CalculiX, " + c.calculix->elements + ": moves by " +
+                                  three_digits(c.calculix->displacement) + " " + unit + ", there " +
+                                  three_digits(c.calculix->displacement_there) + "; von Mises " +
+                                  three_digits(c.calculix->stress) + ", there " +
+                                  three_digits(c.calculix->stress_there));
     if (c.buckling_asked)
       text += result_line(
           "", c.buckling.empty() ? "does not buckle under this load"

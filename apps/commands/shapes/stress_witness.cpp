@@ -11,6 +11,7 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "batten/apps/commands/shapes/stress_deck.h"
 #include "batten/apps/commands/shapes/stress_files.h"
 #include "batten/io/decks/frd_results.h"
 
@@ -51,23 +52,44 @@ void run_ccx(const std::filesystem::path& deck) {
   std::filesystem::remove(deck.parent_path() / "spooles.out");
 }
 
+StressReport::Witness witness_of(const FrdResults& results, const StressReport::Case& ours) {
+  StressReport::Witness witness;
+  const FrdResults::Node *moved = nullptr, *stressed = nullptr;
+  const auto nearer = [](const Vec3& to, const FrdResults::Node& a, const FrdResults::Node* b) {
+    return !b || (a.x - to).squaredNorm() < (b->x - to).squaredNorm();
+  };
+  for (const FrdResults::Node& node : results.nodes) {
+    witness.displacement = std::max(witness.displacement, node.displacement.norm());
+    witness.stress = std::max(witness.stress, equivalent(node.stress));
+    if (nearer(ours.displaced_at, node, moved)) moved = &node;
+    if (nearer(ours.stressed_face, node, stressed)) stressed = &node;
+  }
+  if (moved) witness.displacement_there = moved->displacement.norm();
+  if (stressed) witness.stress_there = equivalent(stressed->stress);
+  return witness;
+}
+
+const char* element_words(ShellDeck::Element element) {
+  return element == ShellDeck::Element::S3    ? "three-node triangles"
+         : element == ShellDeck::Element::S8R ? "eight-node quads"
+                                              : "six-node triangles";
+}
+
 }  // namespace
 
 void ask_calculix(ShapeRun& run, const Scene& scene, const MadeShape& shape,
-                  const Progress& progress) {
+                  ShellDeck::Element element, const Progress& progress) {
   for (StressReport::Case& c : run.report.stress->cases) {
     if (c.combination) continue;
     progress.at("CalculiX, case " + c.name, 0);
     const std::string stem = stress_stem(scene, c.name) + "_ccx";
     const auto deck = run.out.file(stem + ".inp");
-    write_calculix(deck, shape.all(), deck_of(scene, *shape.layout, c.name, stem + ".inp"));
+    ShellDeck shell = deck_of(scene, *shape.layout, c.name, stem + ".inp");
+    shell.element = element;
+    write_calculix(deck, shape.all(), shell);
     run_ccx(deck);
-    StressReport::Witness witness;
-    for (const FrdResults::Node& node : read_frd(run.out.file(stem + ".frd")).nodes) {
-      witness.displacement = std::max(witness.displacement, node.displacement.norm());
-      witness.stress = std::max(witness.stress, equivalent(node.stress));
-    }
-    c.calculix = witness;
+    c.calculix = witness_of(read_frd(run.out.file(stem + ".frd")), c);
+    c.calculix->elements = element_words(element);
     run.report.files.push_back(stem + ".inp");
     run.report.files.push_back(stem + ".frd");
   }

@@ -2,14 +2,15 @@
 #pragma once
 
 #include "batten/apps/commands/shapes/shape_files.h"
+#include "batten/io/decks/calculix.h"
 
 namespace batten {
 
-/// Writes each load case of a scene as a deck of six-node triangles, NAME_CASE_ccx.inp, runs `ccx` on
-/// it and puts its largest displacement and equivalent stress beside ours in report.stress; the .frd
-/// file stays beside the deck. CCX names another program. Throws InputError: what a deck cannot hold
+/// Writes each load case of a scene as a deck, NAME_CASE_ccx.inp, runs `ccx` on it and puts its
+/// largest displacement and equivalent stress, and those where ours are largest, beside ours in
+/// report.stress; the .frd file stays beside the deck. CCX names another program. Throws InputError: what a deck cannot hold
 /// (deck_of), no such program, a run that leaves no results.
 void ask_calculix(ShapeRun& run, const Scene& scene, const MadeShape& shape,
-                  const Progress& progress);
+                  ShellDeck::Element element, const Progress& progress);
 
 }  // namespace batten

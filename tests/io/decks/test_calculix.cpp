@@ -68,6 +68,10 @@ SurfaceJet curved(double u, double v) {
           o};
 }
 
+auto everywhere(const Vec3& force) {
+  return [force](const std::string&, const Vec3&, const Vec3&) { return force; };
+}
+
 ShellDeck plate(double thickness) {
   ShellDeck deck;
   deck.thickness = thickness;
@@ -179,7 +183,8 @@ TEST_CASE("nodal loads carry the whole force at the right place", "[io][calculix
   const SkinnedRegion region = region_of(4, curved, kSides);
   const fs::path path = batten_test::scratch("deck_loads") / "shell.inp";
   ShellDeck deck = plate(0.02);
-  deck.area_force = {0.5, -1, 2};
+  const Vec3 per_area(0.5, -1, 2);
+  deck.area_force = everywhere(per_area);
   const Vec3 at = region.surface.position({5, Vec3::Unit(2)});
   deck.point_forces = {{at + Vec3(1e-3, 0, 0), {10, 0, 0}}, {at, {0, 0, 7}}};
   write_calculix(path, {&region}, deck);
@@ -194,7 +199,7 @@ TEST_CASE("nodal loads carry the whole force at the right place", "[io][calculix
     force += f;
     moment += vector_of(nodes.at(static_cast<size_t>(std::stoi(load[0]) - 1)), 1).cross(f);
   }
-  const Vec3 expected = region.surface.area() * deck.area_force + Vec3(10, 0, 7);
+  const Vec3 expected = region.surface.area() * per_area + Vec3(10, 0, 7);
   CHECK((force - expected).norm() < 1e-12 * expected.norm());
   // The moment, by the surface's own integral. The element's geometry is quadratic, as is this
   // surface up to 1e-5: they agree that well.
@@ -204,7 +209,7 @@ TEST_CASE("nodal loads carry the whole force at the right place", "[io][calculix
     for (long p = 0; p < rule.weights.size(); ++p) {
       const SurfaceJet j = region.surface.jet({t, rule.L.row(p).transpose()});
       expected_moment += rule.weights[p] * region.surface.mesh().shape(t).area *
-                         j.area_vector().norm() * j.x.cross(deck.area_force);
+                         j.area_vector().norm() * j.x.cross(per_area);
     }
   CHECK((moment - expected_moment).norm() < 1e-6 * expected_moment.norm());
 }
@@ -226,12 +231,40 @@ TEST_CASE("a clamped square plate bends as theory says, along the normal", "[io]
   // 16 x 16 of ccx's elements are 4.3 % too stiff, 32 x 32 1.3 %.
   CHECK(pressure.moved.z() == Approx(clamped).epsilon(0.05));
 
+  // Quads are nearer, on three for each triangle; flat triangles of three nodes far too stiff.
+  deck.element = ShellDeck::Element::S8R;
+  write_calculix(path, {&region}, deck);
+  CHECK(run_ccx(path).moved.z() == Approx(clamped).epsilon(0.02));
+  deck.element = ShellDeck::Element::S3;
+  write_calculix(path, {&region}, deck);
+  const double flat = run_ccx(path).moved.z() / clamped;
+  CHECK(flat > 0.05);
+  CHECK(flat < 0.95);
+  deck.element = ShellDeck::Element::S6;
+  // Nodes on the rim by a box around each side in place of the lines.
+  const std::vector<ShellDeck::Support> lines = deck.supports;
+  deck.supports.clear();
+  const double more = 1e-6 * a;
+  for (const auto& [from, to] : {std::pair(Vec3(0, 0, 0), Vec3(a, 0, 0)),
+                                 {Vec3(0, a, 0), Vec3(a, a, 0)},
+                                 {Vec3(0, 0, 0), Vec3(0, a, 0)},
+                                 {Vec3(a, 0, 0), Vec3(a, a, 0)}}) {
+    deck.supports.push_back({"", ShellDeck::Support::Kind::Clamped});
+    deck.supports.back().box = Box3(from - Vec3::Constant(more), to + Vec3::Constant(more));
+  }
+  write_calculix(path, {&region}, deck);
+  CHECK(run_ccx(path).moved.z() == Approx(pressure.moved.z()).epsilon(1e-9));
+  deck.supports[0].box = Box3(Vec3::Constant(9 * a), Vec3::Constant(10 * a));
+  CHECK_THROWS_WITH(write_calculix(path, {&region}, deck),
+                    Catch::Matchers::Contains("holds no node"));
+  deck.supports = lines;
+
   // The same load as a force per area and as weight.
   deck.pressure = 0;
-  deck.area_force = {0, 0, -q};
+  deck.area_force = everywhere({0, 0, -q});
   write_calculix(path, {&region}, deck);
   CHECK(run_ccx(path).moved.z() == Approx(-pressure.moved.z()).epsilon(1e-3));
-  deck.area_force.setZero();
+  deck.area_force = {};
   deck.density = 7.85e-9;
   deck.gravity = {0, 0, -q / (deck.density * t)};
   write_calculix(path, {&region}, deck);
@@ -257,7 +290,7 @@ TEST_CASE("a curved shell runs as written", "[io][calculix]") {
   const fs::path path = batten_test::scratch("curved shell") / "shell.inp";
   ShellDeck deck = plate(0.01);
   deck.pressure = 1;
-  deck.area_force = {0, 0, -1};
+  deck.area_force = everywhere({0, 0, -1});
   deck.density = 1;
   deck.gravity = {0, 0, -10};
   deck.point_forces = {{{0.5, 0.15, 0}, {0, 1, 0}}};
@@ -284,7 +317,7 @@ TEST_CASE("a plate with an embedded hole: sets on its lines, loads inside only",
   const SkinnedRegion region = flat_ring(a, b, 12);
   ShellDeck deck = plate(t);
   deck.supports = {{"rim", ShellDeck::Support::Kind::Clamped}};
-  deck.area_force = {0, 0, q};
+  deck.area_force = everywhere({0, 0, q});
   const fs::path path = batten_test::scratch("ring") / "ring.inp";
   write_calculix(path, {&region}, deck);
   const auto found = sections(path);
@@ -343,7 +376,7 @@ TEST_CASE("a plate with an embedded hole: sets on its lines, loads inside only",
   CHECK(answer.moved.z() == Approx(expected).epsilon(0.08));
   const Vec3 at = vector_of(nodes.at(static_cast<size_t>(answer.node) - 1), 1);
   CHECK(at.norm() == Approx(b).epsilon(1e-3));
-  deck.area_force.setZero();
+  deck.area_force = {};
   deck.pressure = q;
   write_calculix(path, {&region}, deck);
   CHECK(run_ccx(path).moved.z() == Approx(answer.moved.z()).epsilon(2e-3));

@@ -42,6 +42,10 @@ CharacterLine arc(const std::string& name, const Vec3& centre, double radius, do
           })};
 }
 
+auto everywhere(const Vec3& force) {
+  return [force](const std::string&, const Vec3&, const Vec3&) { return force; };
+}
+
 ShellDeck deck_of(double thickness, const std::vector<std::string>& lines) {
   ShellDeck deck;
   deck.thickness = thickness;
@@ -180,14 +184,15 @@ TEST_CASE("a creased box is a closed shell of elements", "[io][calculix]") {
   REQUIRE(regions.size() == 6);
   const fs::path path = scratch("box_deck") / "box.inp";
   ShellDeck deck = deck_of(0.5, {"x1"});
-  deck.area_force = {1, -2, 0.5};
+  const Vec3 per_area{1, -2, 0.5};
+  deck.area_force = everywhere(per_area);
   write_calculix(path, regions, deck);
   const auto rows = sections(path);
   const DeckMesh mesh(rows);
   check_edges(mesh, regions);
   CHECK(mesh.edges_by_count() == Counts{{2, static_cast<int>(mesh.edges.size())}});
   const Vec3 force = DeckForces(rows).all;
-  CHECK((force - 2200 * deck.area_force).norm() < 1e-12 * force.norm());
+  CHECK((force - 2200 * per_area).norm() < 1e-12 * force.norm());
   check_reaction(path);
   // Each element in the set of its region, once.
   int next = 1;
@@ -201,7 +206,7 @@ TEST_CASE("a creased box is a closed shell of elements", "[io][calculix]") {
   }
   CHECK(next - 1 == static_cast<int>(mesh.elements.size()));
   // Evenly blown up it carries itself.
-  deck.area_force.setZero();
+  deck.area_force = {};
   deck.pressure = 1;
   write_calculix(path, regions, deck);
   check_reaction(path, 2200);
@@ -228,7 +233,8 @@ TEST_CASE("regions that have a line embedded take the nodes of those that have i
   CHECK(sides.at("bow").embedded >= 1);
   const fs::path path = scratch("half_disc") / "deck.inp";
   ShellDeck deck = deck_of(0.5, {"b", "top"});
-  deck.area_force = {0, 1, 2};
+  const Vec3 per_area{0, 1, 2};
+  deck.area_force = everywhere(per_area);
   write_calculix(path, regions, deck);
   const auto rows = sections(path);
   const DeckMesh mesh(rows);
@@ -248,7 +254,7 @@ TEST_CASE("regions that have a line embedded take the nodes of those that have i
         }
       }
   const Vec3 force = DeckForces(rows).all;
-  CHECK((force - area_of(regions) * deck.area_force).norm() < 1e-5 * force.norm());
+  CHECK((force - area_of(regions) * per_area).norm() < 1e-5 * force.norm());
   CHECK(area_of(regions) == Approx(20 * 12 + 40 * 20).epsilon(1e-5));
   check_reaction(path);
 }
@@ -267,7 +273,8 @@ TEST_CASE("a line that is embedded on both sides has common nodes", "[io][calcul
   REQUIRE(sides_of(regions).at("chord").embedded == 2);
   const fs::path path = scratch("disc_of_two") / "disc.inp";
   ShellDeck deck = deck_of(t, {"low", "high"});
-  deck.area_force = {0, 0, q};
+  const Vec3 per_area{0, 0, q};
+  deck.area_force = everywhere(per_area);
   write_calculix(path, regions, deck);
   const auto rows = sections(path);
   const DeckMesh mesh(rows);
@@ -330,7 +337,8 @@ TEST_CASE("the sculpted mouse is one closed shell of elements that carries its l
   ShellDeck deck = deck_of(0.8, {});
   for (const auto& [name, sides] : sides_of(regions))
     if (name.starts_with("base")) deck.supports.push_back({name, Kind::Clamped});
-  deck.area_force = {0.01, -0.02, -0.03};
+  const Vec3 per_area{0.01, -0.02, -0.03};
+  deck.area_force = everywhere(per_area);
   write_calculix(path, regions, deck);
   const auto rows = sections(path);
   const DeckMesh mesh(rows);
@@ -340,7 +348,7 @@ TEST_CASE("the sculpted mouse is one closed shell of elements that carries its l
   CHECK(vertices - static_cast<int>(mesh.edges.size()) + static_cast<int>(mesh.elements.size()) ==
         2);
   const Vec3 force = DeckForces(rows).all;
-  CHECK((force - area_of(regions) * deck.area_force).norm() < 1e-5 * force.norm());
+  CHECK((force - area_of(regions) * per_area).norm() < 1e-5 * force.norm());
   check_reaction(path);
 }
 
@@ -371,12 +379,13 @@ TEST_CASE("sketches become conforming shells", "[io][calculix]") {
   ShellDeck deck = deck_of(5e-4, {});
   for (const auto& [line, sides] : sides_of(regions))
     if (deck.supports.size() < 8) deck.supports.push_back({line, Kind::Pinned});
-  deck.area_force = {1, 2, 3};
+  const Vec3 per_area{1, 2, 3};
+  deck.area_force = everywhere(per_area);
   write_calculix(path, regions, deck);
   const auto rows = sections(path);
   check_edges(DeckMesh(rows), regions);
   const Vec3 force = DeckForces(rows).all;
-  CHECK((force - area_of(regions) * deck.area_force).norm() < 1e-4 * force.norm());
+  CHECK((force - area_of(regions) * per_area).norm() < 1e-4 * force.norm());
   if (name == "vacuum") check_reaction(path);
 }
 
