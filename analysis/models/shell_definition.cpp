@@ -27,6 +27,7 @@ void add_area_support(const ModelLayout& model, const Points& shape,
   over_part(model, surface, support.part, symmetric_triangle(degree + 2), degree,
             [&](const Location& where, const Vec3& area) {
               any = true;
+              if (!(area.norm() > 0)) return;
               const int r = model.region_of(where.triangle);
               const SpringStiffness k(surface, sections[sections.size() == 1 ? 0 : r],
                                       where.triangle);

@@ -149,7 +149,8 @@ double ShellModel::energy(const Points& q) const {
   const VecX x = stacked(q);
   double energy = 0.5 * x.dot(solver_.K().selfadjointView<Eigen::Lower>() * x);
   for (const ShellSprings::Spring& spring : ties_.springs.springs()) {
-    const double along = ShellSprings::pull(spring, q) / spring.stiffness - spring.value;
+    double along = 0;
+    for (const auto& e : spring.entries) along += e.coefficient.dot(q.row(e.dof));
     energy -= 0.5 * spring.stiffness * along * along;
   }
   return energy;

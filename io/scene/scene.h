@@ -150,7 +150,7 @@ struct SceneNetwork {
   FilePlace place;
   double tolerance = 0;  ///< distance within which lines meet, model units; 0: NetworkOptions'
   double straight_angle = NetworkOptions{}.straight_angle;    ///< degrees
-  int most_at_line = RegionOptions{}.most_at_arc;             ///< most regions at one line
+  int most_at_line = RegionOptions{}.most_at_line;             ///< most regions at one line
   double smooth_below = ModelOptions{}.smooth_below_deg;      ///< degrees
   double join_tolerance = ModelOptions{}.join_tolerance_deg;  ///< degrees
   /// The lines are those of one half: the model is mirrored in the plane through the origin at right

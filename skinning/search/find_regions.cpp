@@ -34,8 +34,8 @@ class Words {
       : graph_(graph), options_(options) {}
 
   SpokenRegions resolve() {
-    if (options_.most_at_arc < 1)
-      throw InputError("most_at_arc is " + std::to_string(options_.most_at_arc) +
+    if (options_.most_at_line < 1)
+      throw InputError("most_at_line is " + std::to_string(options_.most_at_line) +
                        "; at least one region must be let at an arc");
     for (const RegionWord& word : options_.words) {
       who_ = word.where + (word.name.empty() ? "a surface" : "surface '" + word.name + "'");
@@ -148,16 +148,16 @@ class Words {
   }
 
   void limit() {
-    spoken_.settled.most_at_arc = options_.most_at_arc;
+    spoken_.settled.most_at_line = options_.most_at_line;
     std::map<int, int> uses;
     for (const NetworkRegion& region : spoken_.regions)
       for (const ArcLoop& loop : region.loops)
         for (const ArcUse& use : loop)
-          if (++uses[use.arc] > options_.most_at_arc)
+          if (++uses[use.arc] > options_.most_at_line)
             throw InputError(options_.words.front().where +
                              "surfaces that are asked for: " + std::to_string(uses[use.arc]) +
                              " of them meet at '" + graph_.arcs[use.arc].name +
-                             "', and most_at_arc is " + std::to_string(options_.most_at_arc));
+                             "', and most_at_line is " + std::to_string(options_.most_at_line));
   }
 
   const RegionGraph& graph_;
@@ -170,7 +170,7 @@ class Words {
 /// Finds the arcs of each name and chains them into loops. Throws InputError: a name that is not
 /// there (with the nearest one), arcs that do not close one loop, a ring without two rims, an inner
 /// line that is also a border, one loop said twice or to be both a surface and none, more regions
-/// on an arc than `most_at_arc`.
+/// on an arc than `most_at_line`.
 SpokenRegions resolved_words(const RegionGraph& graph, const RegionOptions& options) {
   return Words(graph, options).resolve();
 }

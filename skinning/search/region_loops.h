@@ -11,7 +11,7 @@ struct LoopPrices {
   /// What a side that is covered is worth more in the search for a closed model.
   double closed = 0.6;
   /// For each arc with two loops that turn against each other by 90 degrees; it grows with the
-  /// square of the angle, and is divided by most_at_arc - 1 where more than two may meet.
+  /// square of the angle, and is divided by most_at_line - 1 where more than two may meet.
   double fold = 0.53;
   /// What a loop costs less for each place where a straight arc goes on in a curved one, in the
   /// outline of a plane face (fillet_ends): a fillet is one corner, not two sides.

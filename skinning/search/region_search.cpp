@@ -119,8 +119,8 @@ RegionSearch make_problem(const RegionGraph& graph, const SettledRegions& settle
   progress.at("regions: choice", 0);
 
   // 2. What loops are worth: their gains, and the prices of pairs on one arc.
-  const double fold_price = prices.fold / std::max(1, settled.most_at_arc - 1);
-  search.problem.room.assign(graph.arcs.size(), settled.most_at_arc);
+  const double fold_price = prices.fold / std::max(1, settled.most_at_line - 1);
+  search.problem.room.assign(graph.arcs.size(), settled.most_at_line);
   const AskedLoops asked = settle_asked(graph, settled, prices, search.problem.room);
   add_items(graph, asked, prices, fold_price, traced.loops, search);
   add_pairs(graph, fold_price, search);
@@ -173,7 +173,7 @@ RegionSearch search_regions(const RegionGraph& graph, const SettledRegions& sett
 std::optional<RegionSearch> closed_search(const RegionSearch& open, const RegionGraph& exact,
                                           const SettledRegions& settled, const LoopPrices& prices,
                                           const Progress& progress) {
-  if (settled.most_at_arc != 2 || !has_rims(open) || !may_close(open, exact.core))
+  if (settled.most_at_line != 2 || !has_rims(open) || !may_close(open, exact.core))
     return std::nullopt;
   RegionSearch search = make_problem(exact, settled, prices, progress);
   for (size_t i = 0; i < search.loops.size(); ++i) {

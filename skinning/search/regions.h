@@ -56,7 +56,7 @@ struct RegionWord {
 struct RegionOptions {
   std::vector<RegionWord> words;
   /// At most so many regions meet at an arc; more make branching surfaces, which are not oriented.
-  int most_at_arc = 2;
+  int most_at_line = 2;
 };
 
 /// A choice that could nearly as well have been another one.

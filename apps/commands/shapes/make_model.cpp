@@ -77,7 +77,7 @@ FoundRegions regions_of(const Scene& scene, const CharacterLineNetwork& network,
                         const Progress& progress) {
   RegionOptions options;
   options.words = mirrored_regions(scene, network.lines());
-  options.most_at_arc = scene.network->most_at_line;
+  options.most_at_line = scene.network->most_at_line;
   FoundRegions found = find_regions(network, options, progress);
   if (!found.regions.empty()) return found;
   std::string text = scene.at(scene.network->place) + "found no loop of lines that bounds a " +

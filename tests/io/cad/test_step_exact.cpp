@@ -183,7 +183,7 @@ TEST_CASE("a region meets itself along a line, with an outside or without", "[st
 
 TEST_CASE("where three regions meet each is a shell of its own", "[step_exact]") {
   RegionOptions regions;
-  regions.most_at_arc = 3;
+  regions.most_at_line = 3;
   const MadeModel made = make_model(two_boxes(), regions);
   REQUIRE(made.model.regions.size() == 11);
   const StepReport r = write_step(file_of("two_boxes"), made.model.skinned(), kMm);

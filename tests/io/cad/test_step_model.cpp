@@ -164,7 +164,7 @@ TEST_CASE("rims of any shape are one edge for a ring and its lids, wherever they
 TEST_CASE("where three regions meet each is a shell of its own, and the report says so",
           "[step_model]") {
   RegionOptions regions;
-  regions.most_at_arc = 3;
+  regions.most_at_line = 3;
   const MadeModel made = make_model(two_boxes(), regions);
   REQUIRE(made.model.regions.size() == 11);
   const StepReport r = written(made, "two_boxes", 1e-3);

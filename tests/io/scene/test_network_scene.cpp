@@ -93,7 +93,7 @@ TEST_CASE("an empty network section is enough, with the kernel's defaults", "[sc
   CHECK(scene.network->straight_angle == NetworkOptions{}.straight_angle);
   CHECK(scene.network->smooth_below == ModelOptions{}.smooth_below_deg);
   CHECK(scene.network->join_tolerance == ModelOptions{}.join_tolerance_deg);
-  CHECK(scene.network->most_at_line == RegionOptions{}.most_at_arc);
+  CHECK(scene.network->most_at_line == RegionOptions{}.most_at_line);
   CHECK_FALSE(parse_scene(kLine, "s.toml").network);
 }
 

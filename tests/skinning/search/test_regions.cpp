@@ -118,7 +118,7 @@ struct Found {
   FoundRegions regions;
   explicit Found(const Lines& lines, const RegionOptions& options = {})
       : network(lines), regions(find_regions(network, options)) {
-    check_sound(network, regions, options.most_at_arc);
+    check_sound(network, regions, options.most_at_line);
   }
   std::multiset<Names> loops() const { return loops_of(network, regions); }
   std::multiset<size_t> sides() const { return sides_of(regions); }
@@ -340,7 +340,7 @@ TEST_CASE("two boxes that share a wall have it as a region where three may meet"
   const Lines lines = stacked_boxes();
   CHECK(Found(lines).sides() == all(10, 4));
   RegionOptions options;
-  options.most_at_arc = 3;
+  options.most_at_line = 3;
   const Found found(lines, options);
   CHECK(found.sides() == all(11, 4));
   CHECK(found.regions.rims.empty());
@@ -506,7 +506,7 @@ TEST_CASE("words that fit nothing are refused in words") {
   const auto refused = [&](const std::vector<RegionWord>& words, const auto& text, int most = 2) {
     RegionOptions options;
     options.words = words;
-    options.most_at_arc = most;
+    options.most_at_line = most;
     for (RegionWord& word : options.words) word.where = "scene.toml:8:1: ";
     CHECK_THROWS_WITH(find_regions(network, options), text);
     CHECK_THROWS_AS(find_regions(network, options), InputError);
@@ -519,7 +519,7 @@ TEST_CASE("words that fit nothing are refused in words") {
   refused({surface({{}})}, Contains("no lines"));
   refused({surface({floor}), surface({floor})}, Contains("twice"));
   refused({surface({floor}), nothing(floor)}, Contains("no surface"));
-  refused({surface({floor})}, Contains("most_at_arc"), 0);
+  refused({surface({floor})}, Contains("most_at_line"), 0);
   const auto all_edges = [&](char axis) {
     Names names;
     for (int i = 1; i <= 4; ++i) names.push_back(std::string(1, axis) + std::to_string(i));
