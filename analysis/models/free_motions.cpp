@@ -103,36 +103,14 @@ MatX together(int bodies) {
   return Eigen::Matrix<double, 6, 6>::Identity().replicate(bodies, 1) / std::sqrt(bodies);
 }
 
-}  // namespace
-
-std::vector<std::string> free_motions(const ModelLayout& model, const Points& shape,
-                                      const ShellTies& ties) {
-  const RigidBodies bodies(model, shape);
-  const int count = bodies.count();
-  MatX AtA = MatX::Zero(6 * count, 6 * count);
-  std::vector<ConstraintSet::CoupledEntry> entries;
-  for (const auto& row : ties.rows.rows())
-    for (int c = 0; c < 3; ++c) {
-      entries.clear();
-      for (const auto& e : row.entries) entries.push_back({e.dof, e.coefficient * Vec3::Unit(c)});
-      bodies.add_row(entries, AtA);
-    }
-  for (const auto& row : ties.rows.coupled_rows()) bodies.add_row(row.entries, AtA);
-  for (const auto& spring : ties.springs.springs()) bodies.add_row(spring.entries, AtA);
-
-  const Eigen::SelfAdjointEigenSolver<MatX> eigen(AtA);
-  const VecX& values = eigen.eigenvalues();
-  constexpr double free = 1e-10;  // squares of what resists
-  long none = 0;
-  while (none < values.size() && values[none] <= free * std::max(1.0, values[values.size() - 1]))
-    ++none;
-  MatX space = eigen.eigenvectors().leftCols(none);
+// The motions of a space, first those of all bodies as one.
+std::vector<std::string> named(const ModelLayout& model, const RigidBodies& bodies, MatX space) {
   std::vector<std::string> found;
   const auto holds = [&](const VecX& v) {
     constexpr double inside = 1e-6;
     return (space * (space.transpose() * v) - v).norm() < inside;
   };
-  const MatX all = together(count);
+  const MatX all = together(bodies.count());
   for (int c = 0; c < 3 && space.cols() > 0; ++c)
     if (holds(all.col(c))) {
       found.push_back("all of it can slide along " + vector_in_words(Vec3::Unit(c)));
@@ -149,13 +127,45 @@ std::vector<std::string> free_motions(const ModelLayout& model, const Points& sh
   }
   for (long k = 0; k < space.cols(); ++k) {
     int most = 0;
-    for (int b = 1; b < count; ++b)
+    for (int b = 1; b < bodies.count(); ++b)
       if (space.col(k).segment<6>(6 * b).norm() > space.col(k).segment<6>(6 * most).norm())
         most = b;
-    found.push_back("region '" + model.region(most).name() + "' " +
+    const std::string who =
+        bodies.count() > 1 ? "region '" + model.region(most).name() + "' " : "all of it ";
+    found.push_back(who +
                     in_words(space.col(k).segment<6>(6 * most), bodies.centre(), bodies.size()));
   }
   return found;
+}
+
+}  // namespace
+
+FreeMotions free_motions(const ModelLayout& model, const Points& shape, const ShellTies& ties) {
+  const RigidBodies bodies(model, shape);
+  MatX AtA = MatX::Zero(6 * bodies.count(), 6 * bodies.count());
+  std::vector<ConstraintSet::CoupledEntry> entries;
+  for (const auto& row : ties.rows.rows())
+    for (int c = 0; c < 3; ++c) {
+      entries.clear();
+      for (const auto& e : row.entries) entries.push_back({e.dof, e.coefficient * Vec3::Unit(c)});
+      bodies.add_row(entries, AtA);
+    }
+  for (const auto& row : ties.rows.coupled_rows()) bodies.add_row(row.entries, AtA);
+  for (const auto& spring : ties.springs.springs()) bodies.add_row(spring.entries, AtA);
+
+  const Eigen::SelfAdjointEigenSolver<MatX> eigen(AtA);
+  const VecX& values = eigen.eigenvalues();
+  constexpr double none = 1e-10, little = 1e-4;  // squares of what resists
+  const auto below = [&](double limit) {
+    return std::lower_bound(values.begin(), values.end(), limit) - values.begin();
+  };
+  const long free = below(none * std::max(1.0, values[values.size() - 1])),
+             weak = std::max(free, below(little));
+  FreeMotions motions;
+  motions.free = named(model, bodies, eigen.eigenvectors().leftCols(free));
+  motions.weak = named(model, bodies, eigen.eigenvectors().middleCols(free, weak - free));
+  if (weak > free) motions.resisted = std::sqrt(values[free]);
+  return motions;
 }
 
 }  // namespace batten

@@ -1,4 +1,4 @@
-// The motions that supports leave to a shell. Internal.
+// The motions that supports leave to a shell, or nearly so.
 #pragma once
 
 #include <string>
@@ -8,11 +8,18 @@
 
 namespace batten {
 
-// Motions in which each region stays rigid and no row and no spring resists, in words: "all of it can
-// slide along [0, 0, 1]", "region 'lid' can turn about the axis along … through …". None where the
-// shell is held. A motion that is resisted by less than 1e-5 of what others are counts as free.
-// O(rows + (6 regions)³); models of more than 500 regions are looked at as one body.
-std::vector<std::string> free_motions(const ModelLayout& model, const Points& shape,
-                                      const ShellTies& ties);
+/// Motions in which each region stays rigid, in words: "all of it can slide along [0, 0, 1]", "region
+/// 'lid' can turn about the axis along … through …".
+struct FreeMotions {
+  /// Nothing resists these: rows and springs do by less than 1e-5 of what they do to others.
+  std::vector<std::string> free;
+  /// These are resisted, but by supports that lie within a hundredth of the shell's size of where they
+  /// would not be: three points almost in one line.
+  std::vector<std::string> weak;
+  double resisted = 0;  ///< the smallest lever of them, over the shell's size (root of mean square)
+};
+
+/// O(rows + (6 regions)³); models of more than 500 regions are looked at as one body.
+FreeMotions free_motions(const ModelLayout& model, const Points& shape, const ShellTies& ties);
 
 }  // namespace batten

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "batten/analysis/models/free_motions.h"
 #include "batten/core/errors.h"
 
 namespace batten {
@@ -12,13 +11,14 @@ namespace {
 
 // Ties and supports, and how many motions they leave.
 ShellTies holding_ties(const ModelLayout& layout, const Points& shape,
-                       const ShellDefinition& definition, ShellModel::Free free, int& free_count) {
+                       const ShellDefinition& definition, ShellModel::Free free,
+                       FreeMotions& motions) {
   ShellTies ties = shell_ties(layout, shape, definition);
-  const std::vector<std::string> motions = free_motions(layout, shape, ties);
-  free_count = count_of(motions);
-  if (motions.empty() || free == ShellModel::Free::Shifted) return ties;
+  motions = free_motions(layout, shape, ties);
+  if (motions.free.empty() || free == ShellModel::Free::Shifted) return ties;
   std::string text = "the shell is not held: ";
-  for (const std::string& motion : motions) text += (&motion == &motions[0] ? "" : "; ") + motion;
+  for (const std::string& motion : motions.free)
+    text += (&motion == &motions.free[0] ? "" : "; ") + motion;
   throw NoSolutionError(text);
 }
 
@@ -59,12 +59,13 @@ ShellModel::ShellModel(ModelLayout layout, Points shape, const ShellDefinition& 
       definition_(definition),
       sections_(triangle_sections(layout_, definition)),
       supports_(support_names(definition)),
-      ties_(holding_ties(layout_, shape_, definition, free, free_motions_)),
+      ties_(holding_ties(layout_, shape_, definition, free, motions_)),
       assembler_(layout_.surface(shape_), sections_),
-      solver_(ties_.rows,
-              stiffness_of(assembler_, ties_.springs,
-                           shift_ = free_motions_ > 0 ? shift_of(section(0), layout_.size()) : 0),
-              layout_.dof_order()) {}
+      solver_(
+          ties_.rows,
+          stiffness_of(assembler_, ties_.springs,
+                       shift_ = !motions_.free.empty() ? shift_of(section(0), layout_.size()) : 0),
+          layout_.dof_order()) {}
 
 Points ShellModel::solve(const Points& F) const {
   if (F.rows() != shape_.rows())

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "batten/analysis/models/free_motions.h"
 #include "batten/analysis/models/shell_definition.h"
 #include "batten/analysis/shell_assembler.h"
 #include "batten/constraints/constrained_solver.h"
@@ -70,8 +71,8 @@ class ShellModel {
     return sections[sections.size() == 1 ? 0 : static_cast<size_t>(region)];
   }
   const ConstrainedSolver& solver() const { return solver_; }
-  /// Motions that nothing resists, and what was added of the mass because of them.
-  int free_motions() const { return free_motions_; }
+  /// Motions that nothing resists, or little; and what was added of the mass because of the first.
+  const FreeMotions& motions() const { return motions_; }
   double shift() const { return shift_; }
   /// Free unknowns of the system that is solved.
   int unknowns() const { return solver_.reduction().free_count(); }
@@ -85,7 +86,7 @@ class ShellModel {
   ShellDefinition definition_;
   std::vector<ShellSection> sections_;  // one, or one for each triangle
   std::vector<std::string> supports_;
-  int free_motions_ = 0;
+  FreeMotions motions_;
   double shift_ = 0;
   ShellTies ties_;
   ShellAssembler assembler_;

@@ -100,12 +100,12 @@ ShellModes natural_modes(const ShellModel& shell, int count) {
     if (const double density = shell.section(r).material.density; !(density > 0))
       throw InputError("natural frequencies need a density, found " + number(density));
   const SparseMatrix M = shell.assembler().mass();
-  const auto found = largest_pairs(shell.solver(), M, count + shell.free_motions(),
+  const auto found = largest_pairs(shell.solver(), M, count + count_of(shell.motions().free),
                                    Spectra::SortRule::LargestAlge);
   if (!found) no_end(count);
   const Pairs& pairs = *found;
   ShellModes modes;
-  modes.rigid = shell.free_motions();
+  modes.rigid = count_of(shell.motions().free);
   modes.frequencies.resize(pairs.values.size());
   for (long k = 0; k < pairs.values.size(); ++k) {
     const double square = 1 / pairs.values[k] - shell.shift();

@@ -19,6 +19,9 @@ struct StressReport {
       0;                      ///< the largest thickness over the smallest radius of curvature
   double edge_over_bend = 0;  ///< largest of edge length / √(radius · thickness): above 1.5 coarse
 
+  std::vector<std::string> weak_motions;  ///< which the supports hardly resist
+  double resisted = 0;                    ///< by what lever, over the size
+
   struct Reaction {
     std::string support;
     Vec3 force, moment;  ///< on the shell; moment about the origin

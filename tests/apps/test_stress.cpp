@@ -70,8 +70,8 @@ TEST_CASE("a stress analysis says what moves, what is stressed, and what holds")
   const double unit = std::sqrt(210000.0 / (12 * 0.91) / 7.85e-9) / (2 * std::acos(-1.0) * 1e4);
   CHECK(stress["frequencies"][0].get<double>() == Approx(3.47 * unit).epsilon(0.01));
   CHECK(stress["frequencies"][1].get<double>() == Approx(8.51 * unit).epsilon(0.01));
-  for (const char* file :
-       {"plate_loads.vtu", "plate_wind.vtu", "plate_both.vtu", "plate_modes.vtu"})
+  for (const char* file : {"plate_loads.vtu", "plate_wind.vtu", "plate_both.vtu",
+                           "plate_modes_1.vtu", "plate_modes.pvd"})
     CHECK(fs::exists(c / "out" / file));
 }
 
@@ -144,6 +144,46 @@ TEST_CASE(
   refused(bad, kSteel + "supports = [{line = \"a\", spring = [0, 0, 0]}]", 1,
           {"a stiffness below 0, or none"});
   refused(bad, "thickness = 1\nyoung = [1e5, 1e4]\n" + kClamped, 1, {"'shear'"});
+}
+
+TEST_CASE("parts in boxes and painted thickness") {
+  const Case c("stress_parts");
+  // Two jaws hold the plate at its ends, a weight stands in the middle.
+  const auto held = stress_of(
+      c,
+      plate(kSteel + "thicknesses = [{near = \"c\", radius = 40, thickness = 2},\n"
+                     "  {paint = [{at = [50, 50, 0], radius = 20}], thickness = 1.5}]\n"
+                     "supports = [{box = [[-1, 10, -1], [101, -1, 1]]},\n"
+                     "  {line = \"c\", box = [[-1, 99, -1], [50, 101, 1]], kind = \"pinned\"}]\n"
+                     "loads = [{area_force = [0, 0, -0.01], box = [[40, 40, -1], [60, 60, 1]]},\n"
+                     "  {line = \"b\", force = [0, 0, -1], box = [[99, 0, -1], [101, 50, 1]]}]"));
+  const auto& loads = held["cases"][0];
+  CHECK(loads["force"][2].get<double>() == Approx(-4 - 50).epsilon(0.02));
+  CHECK(loads["balance"].get<double>() < 1e-8);
+  REQUIRE(loads["reactions"].size() == 2);
+  CHECK(loads["reactions"][0]["support"] == "pinned c in the box [-1, 99, -1] to [50, 101, 1]");
+  const Case bad("stress_parts_refused");
+  refused(bad, kSteel + "supports = [{box = [[0, 0, 0], [1, 1, 0]]}]", 1, {"a flat box"});
+  refused(bad, kSteel + "supports = [{box = [[0, 0, 0]]}]", 1, {"1 corners"});
+  refused(bad, kSteel + "supports = [{box = [[7, 7, 7], [8, 8, 8]]}]", 1, {"holds nothing"});
+  refused(bad, kSteel + "supports = [{box = [[-1, -1, -1], [9, 9, 9]], rotation = true}]", 1,
+          {"a rotation without a line"});
+  refused(bad, kSteel + "supports = [{line = \"a\", point = [0, 0, 0]}]", 1, {"several places"});
+  refused(bad, kSteel + kClamped + "loads = [{pressure = 1, box = [[7, 7, 7], [8, 8, 8]]}]", 1,
+          {"nothing in the box from [7, 7, 7] to [8, 8, 8]"});
+  refused(bad, kSteel + kClamped + "thicknesses = [{thickness = 2}]", 1,
+          {"a thickness without its place"});
+}
+
+TEST_CASE("supports that hardly hold are warned of") {
+  const Case c("stress_weak");
+  c.file("s.toml", plate(kSteel + "supports = [{point = [0, 50, 0]}, {point = [100, 50, 0]},\n"
+                                  "  {point = [50, 50.5, 0], directions = [[0, 0, 1]]}]\n"
+                                  "loads = [{point = [50, 60, 0], force = [0, 0, -1]}]"));
+  const Result r = c.run({"stress", "s.toml", "--out", "out"});
+  INFO(r.err);
+  CHECK(r.err.find("the supports hardly hold it: all of it can turn about the axis along "
+                   "[1, 0, 0]") != std::string::npos);
 }
 
 TEST_CASE("the same plate in m and in mm has the same stresses") {

@@ -6,6 +6,7 @@
 
 #include "batten/io/pictures/animation.h"
 #include "batten/io/vtk/vtk_files.h"
+#include "batten/io/vtk/vtk_series.h"
 
 namespace batten {
 namespace {
@@ -114,16 +115,21 @@ void StressFiles::write_motions(const std::string& kind, const std::vector<Point
   std::vector<Surface> moved;
   for (const Points& shape : shapes)
     moved.push_back(shell_.layout().surface(shape / largest(shape)));
-  VtkOptions options;
-  options.curvatures = false;
-  for (size_t k = 0; k < shapes.size(); ++k)
-    options.fields.push_back({file_word(kind) + "_" + std::to_string(k + 1), 3,
-                              [&, k](int r, const Location& where) -> VecX {
+  const std::vector<SkinnedRegion> still = regions_of(shell_.shape());
+  std::vector<SeriesFile> series;
+  for (size_t k = 0; k < shapes.size(); ++k) {
+    VtkOptions options;
+    options.curvatures = false;
+    options.fields.push_back({"Displacement", 3, [&](int r, const Location& where) -> VecX {
                                 return moved[k].position(shell_.layout().in_model(r, where));
                               }});
-  const std::vector<SkinnedRegion> still = regions_of(shell_.shape());
-  write_vtu(run_.out.file(stress_stem(scene_, kind) + ".vtu"), pointers(still), options);
-  run_.report.files.push_back(stress_stem(scene_, kind) + ".vtu");
+    const std::string file = stress_stem(scene_, kind) + "_" + std::to_string(k + 1) + ".vtu";
+    write_vtu(run_.out.file(file), pointers(still), options);
+    run_.report.files.push_back(file);
+    series.push_back({static_cast<double>(k + 1), file});
+  }
+  write_pvd(run_.out.file(stress_stem(scene_, kind) + ".pvd"), series);
+  run_.report.files.push_back(stress_stem(scene_, kind) + ".pvd");
 
   if (!can_draw(run_.report, stress_stem(scene_, kind) + ".png")) return;
   constexpr double swing = 0.07;  // of the model

@@ -26,8 +26,9 @@ class StressFiles {
   void write_case(const std::string& name, const Points& displacement, double largest,
                   const ShellStresses& stresses);
 
-  /// NAME_KIND.vtu with an array for each shape, NAME_KIND.png, a sheet of all of them with their
-  /// captions, and NAME_KIND_1.gif, …, on which they swing.
+  /// NAME_KIND.pvd, a series of NAME_KIND_1.vtu, … with the Displacement of each shape, the largest 1;
+  /// NAME_KIND.png, a sheet of all of them with their captions, and NAME_KIND_1.gif, …, on which they
+  /// swing.
   void write_motions(const std::string& kind, const std::vector<Points>& shapes,
                      const std::vector<std::string>& captions);
 

@@ -153,6 +153,10 @@ void warn(const StressReport& s, std::vector<std::string>& warnings) {
         "elements are up to " + number(s.edge_over_bend) +
         " times √(radius × thickness) long, above 1.5 they may be too stiff: a smaller edge_length "
         "shows how much");
+  for (const std::string& motion : s.weak_motions)
+    warnings.push_back("the supports hardly hold it: " + motion +
+                       ", which they resist by a lever of " + number(100 * s.resisted) +
+                       " % of its size: the result hangs on exactly where they are");
   for (const auto& c : s.cases)
     if (c.at_point)
       warnings.push_back("case '" + c.name +
@@ -197,6 +201,8 @@ StressReport solved(const Scene& scene, const ShellModel& shell, const ShellDefi
   report.material = scene.stress->material;
   report.unknowns = shell.unknowns();
   report.yield = scene.stress->yield;
+  report.weak_motions = shell.motions().weak;
+  report.resisted = shell.motions().resisted;
   measure_theory(shell, report);
   for (CaseAnswer& a : answers_of(scene, shell, definition)) {
     progress.at("stress of " + a.report.name, 0);
