@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "batten/analysis/shell_triangle.h"
 #include "batten/core/errors.h"
 #include "batten/elements/c1_triangle.h"
 
@@ -19,8 +20,18 @@ std::vector<int> stacked_dofs(const Surface& surface) {
   return all;
 }
 
-TriangleRule rule_of(TriangleElement kind) {
-  return kind == TriangleElement::HCT ? split_triangle(4) : six_duffy(4);
+const TabulatedRule& whole_rule(TriangleElement kind) {
+  static const TabulatedRule hct(TriangleElement::HCT, split_triangle(4)),
+      z12(TriangleElement::Z12, six_duffy(4));
+  return kind == TriangleElement::HCT ? hct : z12;
+}
+
+// Products of cubics are of degree 6.
+constexpr int kMassDegree = 6;
+const TabulatedRule& mass_rule(TriangleElement kind) {
+  static const TabulatedRule hct(TriangleElement::HCT, split_triangle(kMassDegree)),
+      z12(TriangleElement::Z12, six_duffy(5));
+  return kind == TriangleElement::HCT ? hct : z12;
 }
 
 // What f,1 or f,2 of a function in one coordinate adds to (ε11, ε22, 2ε12).
@@ -43,21 +54,18 @@ ShellAssembler::ShellAssembler(Surface surface, std::vector<ShellSection> sectio
 }
 
 template <class Visit>
-void ShellAssembler::for_points(int t, const TriangleRule& rule, const Visit& visit) const {
-  const TriangleShape shape = surface_.mesh().shape(t);
-  const C1Triangle triangle(surface_.kind(), shape);
-  const Eigen::Matrix<double, 12, 3> q = surface_.triangle_dofs(t);
-  for (long p = 0; p < rule.weights.size(); ++p) {
-    const Vec3 L = rule.L.row(p);
-    const Tabulation N = triangle.evaluate(L);
-    const Eigen::Matrix<double, 3, kDerivatives> x = q.transpose() * N;
-    const ShellPoint at({x.col(kW), x.col(kU), x.col(kV), x.col(kUU), x.col(kUV), x.col(kVV)},
-                        section(t).along);
-    visit(N, at, L, rule.weights[p] * shape.area * at.jacobian());
+void ShellAssembler::for_points(int t, const TabulatedRule& points, const Visit& visit) const {
+  const ShellTriangle triangle(surface_, t, section(t).along);
+  const Mat12 P = triangle.to_reference_dofs();
+  for (long p = 0; p < points.rule.weights.size(); ++p) {
+    const ReferenceTabulation& functions = points.functions[p];
+    const ShellPoint at = triangle.point(functions);
+    visit(triangle.functions(P, functions), at, Vec3(points.rule.L.row(p)),
+          points.rule.weights[p] * triangle.parametric_area() * at.jacobian());
   }
 }
 
-void ShellAssembler::add(int t, const TriangleRule& rule, double factor, ElementMatrix& K) const {
+void ShellAssembler::add(int t, const TabulatedRule& rule, double factor, ElementMatrix& K) const {
   const ShellSection& s = section(t);
   for_points(t, rule, [&](const Tabulation& N, const ShellPoint& at, const Vec3& L, double area) {
     const double w = factor * area, thickness = s.thickness_at(L),
@@ -81,8 +89,35 @@ void ShellAssembler::add(int t, const TriangleRule& rule, double factor, Element
   });
 }
 
+// Second derivatives of HCT functions are linear, those of Z12 functions rational.
+TabulatedRule ShellAssembler::cut_rule(int t) const {
+  const int degree = surface_.kind() == TriangleElement::HCT ? 4 : 8;
+  return {surface_.kind(), surface_.trim()->rule(t, degree)};
+}
+
+void ShellAssembler::visit_inside(int t, const PointVisit& visit) const {
+  const Trim* trim = surface_.trim().get();
+  if (trim && trim->side(t) == Trim::Side::Outside) return;
+  std::optional<TabulatedRule> cut;
+  if (trim && trim->side(t) == Trim::Side::Cut) cut = cut_rule(t);
+  const TabulatedRule& points = cut ? *cut : whole_rule(surface_.kind());
+  const ShellTriangle triangle(surface_, t, section(t).along);
+  for (long p = 0; p < points.rule.weights.size(); ++p) {
+    const ShellPoint at = triangle.point(points.functions[p]);
+    visit(triangle, points.functions[p], at, Vec3(points.rule.L.row(p)),
+          points.rule.weights[p] * triangle.parametric_area() * at.jacobian());
+  }
+}
+
+ShellAssembler::Resultants ShellAssembler::resultants(int triangle, const Vec3& L,
+                                                      const ShellStrain& s) const {
+  const ShellSection& of = section(triangle);
+  const double t = of.thickness_at(L);
+  return {t * of.material.Q * s.membrane, t * t * t / 12 * of.material.Q * s.curvature};
+}
+
 SparseMatrix ShellAssembler::stiffness() const {
-  const TriangleRule whole = rule_of(surface_.kind());
+  const TabulatedRule& whole = whole_rule(surface_.kind());
   const Trim* trim = surface_.trim().get();
   SparseMatrix result = pattern_.zero();
   pattern_.assemble(
@@ -92,9 +127,7 @@ SparseMatrix ShellAssembler::stiffness() const {
         const bool cut = trim && trim->side(t) == Trim::Side::Cut;
         const bool outside = trim && trim->side(t) == Trim::Side::Outside;
         add(t, whole, cut || outside ? outside_ : 1, K);
-        // Second derivatives of HCT functions are linear, those of Z12 functions rational.
-        if (cut)
-          add(t, trim->rule(t, surface_.kind() == TriangleElement::HCT ? 4 : 8), 1 - outside_, K);
+        if (cut) add(t, cut_rule(t), 1 - outside_, K);
         mapped = K;
       },
       result);
@@ -102,7 +135,8 @@ SparseMatrix ShellAssembler::stiffness() const {
 }
 
 SparseMatrix ShellAssembler::over_inside(
-    const std::function<void(int triangle, const TriangleRule& rule, ScalarMatrix& K)>& add) const {
+    const std::function<void(int triangle, const TabulatedRule& rule, ScalarMatrix& K)>& add)
+    const {
   const DofMap& map = surface_.dof_map();
   std::vector<int> dofs;
   for (int t = 0; t < surface_.mesh().triangle_count(); ++t) {
@@ -110,10 +144,7 @@ SparseMatrix ShellAssembler::over_inside(
     dofs.insert(dofs.end(), of_triangle.begin(), of_triangle.end());
   }
   const ElementPattern pattern(map.count(), 12, dofs);
-  // Products of cubics are of degree 6.
-  constexpr int degree = 6, order = 5;
-  const TriangleRule whole =
-      surface_.kind() == TriangleElement::HCT ? split_triangle(degree) : six_duffy(order);
+  const TabulatedRule& whole = mass_rule(surface_.kind());
   const Trim* trim = surface_.trim().get();
   SparseMatrix result = pattern.zero();
   pattern.assemble(
@@ -122,7 +153,7 @@ SparseMatrix ShellAssembler::over_inside(
         ScalarMatrix K = ScalarMatrix::Zero();
         const bool cut = trim && trim->side(t) == Trim::Side::Cut;
         if (!trim || trim->side(t) != Trim::Side::Outside)
-          add(t, cut ? trim->rule(t, degree) : whole, K);
+          add(t, cut ? TabulatedRule(surface_.kind(), trim->rule(t, kMassDegree)) : whole, K);
         mapped = K;
       },
       result);
@@ -130,7 +161,7 @@ SparseMatrix ShellAssembler::over_inside(
 }
 
 SparseMatrix ShellAssembler::mass() const {
-  return over_inside([&](int t, const TriangleRule& rule, ScalarMatrix& M) {
+  return over_inside([&](int t, const TabulatedRule& rule, ScalarMatrix& M) {
     const ShellSection& s = section(t);
     for_points(t, rule, [&](const Tabulation& N, const ShellPoint&, const Vec3& L, double area) {
       M += area * s.material.density * s.thickness_at(L) * N.col(kW) * N.col(kW).transpose();
@@ -139,9 +170,11 @@ SparseMatrix ShellAssembler::mass() const {
 }
 
 SparseMatrix ShellAssembler::geometric_stiffness(const Points& q) const {
-  return over_inside([&](int t, const TriangleRule& rule, ScalarMatrix& G) {
+  return over_inside([&](int t, const TabulatedRule& rule, ScalarMatrix& G) {
+    const Eigen::Matrix<double, 12, 3> local = dofs_on(q, t);
     for_points(t, rule, [&](const Tabulation& N, const ShellPoint& at, const Vec3& L, double area) {
-      const Vec3 force = area * resultants(q, {t, L}).forces;
+      const Vec3 force =
+          area * resultants(t, L, at.strain(local.transpose().lazyProduct(N))).forces;
       const Vec12 f1 = at.along_axes(0, N.col(kU), N.col(kV)),
                   f2 = at.along_axes(1, N.col(kU), N.col(kV));
       G += f1 * (force[0] * f1 + force[2] * f2).transpose() +
@@ -154,15 +187,19 @@ ShellPoint ShellAssembler::point(const Location& where) const {
   return {surface_.jet(where), section(where.triangle).along};
 }
 
+Eigen::Matrix<double, 12, 3> ShellAssembler::dofs_on(const Points& q, int t) const {
+  const auto dof = surface_.dof_map().triangle(surface_.mesh(), t);
+  Eigen::Matrix<double, 12, 3> local;
+  for (int a = 0; a < 12; ++a) local.row(a) = q.row(dof[a]);
+  return local;
+}
+
 ShellStrain ShellAssembler::strain(const Points& q, const Location& where) const {
   if (q.rows() != surface_.dof_map().count())
     throw InputError("a displacement of " + std::to_string(q.rows()) + " dofs on a shell of " +
                      std::to_string(surface_.dof_map().count()));
-  const auto dof = surface_.dof_map().triangle(surface_.mesh(), where.triangle);
-  Eigen::Matrix<double, 12, 3> local;
-  for (int a = 0; a < 12; ++a) local.row(a) = q.row(dof[a]);
   const C1Triangle triangle(surface_.kind(), surface_.mesh().shape(where.triangle));
-  return point(where).strain(triangle.jet(where.L, local));
+  return point(where).strain(triangle.jet(where.L, dofs_on(q, where.triangle)));
 }
 
 Vec3 ShellAssembler::stress(const Points& q, const Location& where, double z) const {
@@ -172,10 +209,7 @@ Vec3 ShellAssembler::stress(const Points& q, const Location& where, double z) co
 
 ShellAssembler::Resultants ShellAssembler::resultants(const Points& q,
                                                       const Location& where) const {
-  const ShellStrain s = strain(q, where);
-  const ShellSection& of = section(where.triangle);
-  const double t = of.thickness_at(where.L);
-  return {t * of.material.Q * s.membrane, t * t * t / 12 * of.material.Q * s.curvature};
+  return resultants(where.triangle, where.L, strain(q, where));
 }
 
 }  // namespace batten

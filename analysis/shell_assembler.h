@@ -4,8 +4,8 @@
 #include <functional>
 #include <vector>
 
-#include "batten/analysis/shell_point.h"
 #include "batten/analysis/shell_section.h"
+#include "batten/analysis/shell_triangle.h"
 #include "batten/fem/element_pattern.h"
 
 namespace batten {
@@ -49,8 +49,20 @@ class ShellAssembler {
     Vec3 forces, moments;
   };
   Resultants resultants(const Points& q, const Location& where) const;
+  /// Those of a strain at a place.
+  Resultants resultants(int triangle, const Vec3& L, const ShellStrain& strain) const;
   /// The point with its local axes, in which strains, stresses and resultants are.
   ShellPoint point(const Location& where) const;
+
+  /// Calls visit at the points of the stiffness's rule that are inside of a triangle, with the area
+  /// that each stands for: point.strain(triangle.jet(triangle.reference(q), functions)) is what q does
+  /// there, in a tenth of the time of strain().
+  using PointVisit =
+      std::function<void(const ShellTriangle& triangle, const ReferenceTabulation& functions,
+                         const ShellPoint& point, const Vec3& L, double area)>;
+  void visit_inside(int triangle, const PointVisit& visit) const;
+  /// Dofs of a displacement on one triangle.
+  Eigen::Matrix<double, 12, 3> dofs_on(const Points& q, int triangle) const;
 
   const Surface& surface() const { return surface_; }
   const ShellSection& section(int triangle) const {
@@ -62,11 +74,12 @@ class ShellAssembler {
   using ScalarMatrix = Eigen::Matrix<double, 12, 12, Eigen::RowMajor>;
   // Calls visit(N, point, L, weight) at the points of a rule; the weight is an area of the surface.
   template <class Visit>
-  void for_points(int triangle, const TriangleRule& rule, const Visit& visit) const;
+  void for_points(int triangle, const TabulatedRule& rule, const Visit& visit) const;
+  TabulatedRule cut_rule(int triangle) const;
   // Adds the integral over a rule, times `factor`, to the lower blocks of K.
-  void add(int triangle, const TriangleRule& rule, double factor, ElementMatrix& K) const;
+  void add(int triangle, const TabulatedRule& rule, double factor, ElementMatrix& K) const;
   // A matrix of one coordinate, integrated over the inside; add(triangle, rule, K) of a part.
-  SparseMatrix over_inside(const std::function<void(int triangle, const TriangleRule& rule,
+  SparseMatrix over_inside(const std::function<void(int triangle, const TabulatedRule& rule,
                                                     ScalarMatrix& K)>& add) const;
 
   Surface surface_;

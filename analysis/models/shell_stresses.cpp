@@ -152,8 +152,11 @@ ShellStress ShellStresses::stress_of(const Parts& parts, const Vec3& normal,
 }
 
 ShellStress ShellStresses::at(const Location& where) const {
-  const Surface& surface = shell_.assembler().surface();
-  const ParametricMesh& mesh = surface.mesh();
+  return at(where, shell_.assembler().surface().jet(where).normal());
+}
+
+ShellStress ShellStresses::at(const Location& where, const Vec3& normal) const {
+  const ParametricMesh& mesh = shell_.assembler().surface().mesh();
   const TriangleShape shape = mesh.shape(where.triangle);
   Parts parts = Parts::Zero();
   double sum = 0;
@@ -165,58 +168,70 @@ ShellStress ShellStresses::at(const Location& where) const {
     sum += where.L[i];
   }
   if (sum > 0) parts /= sum;
-  return stress_of(parts, surface.jet(where).normal(),
-                   shell_.assembler().section(where.triangle).thickness_at(where.L));
+  return stress_of(parts, normal, shell_.assembler().section(where.triangle).thickness_at(where.L));
 }
+
+namespace {
+
+using Six = Eigen::Matrix<double, 6, 1>;  // (N11, N22, N12, M11, M22, M12) in the axes of a point
+
+Six in_axes(const ShellStress& s, const ShellPoint& at) {
+  Six six;
+  six << in_axes(s.forces, at), in_axes(s.moments, at);
+  return six;
+}
+
+Six six_of(const ShellAssembler::Resultants& r) {
+  Six six;
+  six << r.forces, r.moments;
+  return six;
+}
+
+// The work of stresses a on the strains of b, per area.
+double work(const Six& a, const Six& b, const Mat3& compliance, double t) {
+  return a.head<3>().dot(compliance * b.head<3>()) / t +
+         a.tail<3>().dot(compliance * b.tail<3>()) * 12 / (t * t * t);
+}
+
+}  // namespace
 
 // The samples are where elements are at their best: the rule of the stiffness sees the rest, as the
-// false membrane forces of elements that lock.
-template <class Work>
-double ShellStresses::integral(const Work& work) const {
-  const Surface& surface = shell_.assembler().surface();
-  const Trim* trim = surface.trim().get();
-  static const TriangleRule whole = split_triangle(4);
-  VecX of_triangles = VecX::Zero(surface.mesh().triangle_count());
-  for_each_in_chunks<64>(surface.mesh().triangle_count(), [&](int t) {
-    if (trim && trim->side(t) == Trim::Side::Outside) return;
-    const bool cut = trim && trim->side(t) == Trim::Side::Cut;
-    const TriangleRule rule = cut ? trim->rule(t, 4) : whole;
-    const ShellSection& section = shell_.assembler().section(t);
-    const Mat3 compliance = section.material.Q.inverse();
-    for (long p = 0; p < rule.weights.size(); ++p) {
-      const Location where{t, rule.L.row(p).transpose()};
-      const double h = section.thickness_at(where.L);
-      const ShellPoint point = shell_.assembler().point(where);
-      const auto energy = [&](const ShellStress& a, const ShellStress& b) {
-        return in_axes(a.forces, point).dot(compliance * in_axes(b.forces, point)) / h +
-               in_axes(a.moments, point).dot(compliance * in_axes(b.moments, point)) * 12 /
-                   (h * h * h);
+// false membrane forces of elements that lock. `adjoint` may be this one.
+ShellStresses::Energies ShellStresses::energies(const ShellStresses& adjoint) const {
+  const ShellAssembler& shell = shell_.assembler();
+  const int count = shell.surface().mesh().triangle_count();
+  Eigen::Matrix<double, Eigen::Dynamic, 2> of_triangles(count, 2);
+  for_each_in_chunks<64>(count, [&](int t) {
+    of_triangles.row(t).setZero();
+    const Mat3 compliance = shell.section(t).material.Q.inverse();
+    std::optional<ShellTriangle::Dofs> here, there;
+    shell.visit_inside(t, [&](const ShellTriangle& triangle, const ReferenceTabulation& functions,
+                              const ShellPoint& point, const Vec3& L, double area) {
+      if (!here) here = triangle.reference(shell.dofs_on(q_, t));
+      const auto own_of = [&](const ShellTriangle::Dofs& q) {
+        return six_of(shell.resultants(t, L, point.strain(triangle.jet(q, functions))));
       };
-      of_triangles[t] +=
-          rule.weights[p] * surface.mesh().shape(t).area * point.jacobian() * work(where, energy);
-    }
+      const double thickness = shell.section(t).thickness_at(L);
+      const Six own = own_of(*here), jump = in_axes(at({t, L}, point.normal()), point) - own;
+      Six other = jump;
+      if (&adjoint != this) {
+        if (!there) there = triangle.reference(shell.dofs_on(adjoint.q_, t));
+        other = in_axes(adjoint.at({t, L}, point.normal()), point) - own_of(*there);
+      }
+      of_triangles(t, 0) += area * work(jump, other, compliance, thickness);
+      of_triangles(t, 1) += area * work(own, own, compliance, thickness);
+    });
   });
-  return of_triangles.sum();
-}
-
-ShellStress ShellStresses::jump(const Location& where) const {
-  const ShellStress better = at(where), own = raw(where);
-  return {better.forces - own.forces, better.moments - own.moments, own.thickness};
+  return {of_triangles.col(0).sum(), of_triangles.col(1).sum()};
 }
 
 double ShellStresses::missing(const ShellStresses& adjoint) const {
-  return integral([&](const Location& where, const auto& energy) {
-    const ShellStress here = jump(where);
-    return energy(here, &adjoint == this ? here : adjoint.jump(where));
-  });
+  return energies(adjoint).missing;
 }
 
 void ShellStresses::measure_error() {
-  const double all = integral([&](const Location& where, const auto& energy) {
-    const ShellStress own = raw(where);
-    return energy(own, own);
-  });
-  error_ = all > 0 ? std::sqrt(missing(*this) / all) : 0;
+  const Energies e = energies(*this);
+  error_ = e.all > 0 ? std::sqrt(e.missing / e.all) : 0;
 }
 
 void ShellStresses::find_peak() {

@@ -77,11 +77,12 @@ class ShellStresses {
   void take_samples();
   std::vector<std::vector<int>> patches() const;
   void fit();
-  // ∬ work(place, energy) dA over the inside; energy(a, b) is the work of stresses a on those of b.
-  template <class Work>
-  double integral(const Work& work) const;
-  // What recovery adds to the element's own stress.
-  ShellStress jump(const Location& where) const;
+  // The work of these jumps with those of `adjoint`, and of the elements' own stresses.
+  struct Energies {
+    double missing, all;
+  };
+  Energies energies(const ShellStresses& adjoint) const;
+  ShellStress at(const Location& where, const Vec3& normal) const;
   void measure_error();
   void find_peak();
   ShellStress stress_of(const Parts& parts, const Vec3& normal, double thickness) const;
