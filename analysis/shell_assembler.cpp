@@ -1,5 +1,6 @@
 #include "batten/analysis/shell_assembler.h"
 
+#include <Eigen/Cholesky>
 #include <cmath>
 
 #include "batten/analysis/shell_triangle.h"
@@ -34,12 +35,6 @@ const TabulatedRule& mass_rule(TriangleElement kind) {
   return kind == TriangleElement::HCT ? hct : z12;
 }
 
-// What f,1 or f,2 of a function in one coordinate adds to (ε11, ε22, 2ε12).
-Vec3 strain_along(const Vec3& e1, const Vec3& e2, int axis, int coordinate) {
-  return axis == 0 ? Vec3(e1[coordinate], 0, e2[coordinate])
-                   : Vec3(0, e2[coordinate], e1[coordinate]);
-}
-
 }  // namespace
 
 ShellAssembler::ShellAssembler(Surface surface, std::vector<ShellSection> sections, double outside)
@@ -65,28 +60,39 @@ void ShellAssembler::for_points(int t, const TabulatedRule& points, const Visit&
   }
 }
 
+// K = BᵀB, six rows of B a point: Lᵀ ε √(w t) and Lᵀ κ √(w t³/12), with Q = L Lᵀ and w the area of
+// the point. A product of matrices is several times as fast as its terms one by one.
 void ShellAssembler::add(int t, const TabulatedRule& rule, double factor, ElementMatrix& K) const {
   const ShellSection& s = section(t);
+  const Mat3 Lt = Eigen::LLT<Mat3>(s.material.Q).matrixU();
+  constexpr int points = 18;
+  Eigen::Matrix<double, 6 * points, 36> B;
+  int rows = 0;
+  double sign = 1;  // rules of cut triangles may have weights below 0
+  const auto add_rows = [&] {
+    if (rows > 0) K.selfadjointView<Eigen::Lower>().rankUpdate(B.topRows(rows).transpose(), sign);
+    rows = 0;
+  };
   for_points(t, rule, [&](const Tabulation& N, const ShellPoint& at, const Vec3& L, double area) {
-    const double w = factor * area, thickness = s.thickness_at(L),
-                 bending = std::pow(thickness, 3) / 12;
-    const Vec12 f[2] = {at.along_axes(0, N.col(kU), N.col(kV)),
-                        at.along_axes(1, N.col(kU), N.col(kV))};
-    const Eigen::Matrix<double, 3, 12> rows = at.bending_rows(N);
-    const Mat12 bent = w * bending * rows.transpose() * s.material.Q * rows;
-    const Vec3& n = at.normal();
-    for (int c = 0; c < 3; ++c)
-      for (int d = 0; d <= c; ++d) {
-        auto block = K.block<12, 12>(12 * c, 12 * d);
-        block += n[c] * n[d] * bent;
-        for (int a = 0; a < 2; ++a) {
-          const Vec3 stress = w * thickness * s.material.Q * strain_along(at.e1(), at.e2(), a, c);
-          const Vec12 g = stress.dot(strain_along(at.e1(), at.e2(), 0, d)) * f[0] +
-                          stress.dot(strain_along(at.e1(), at.e2(), 1, d)) * f[1];
-          block += f[a] * g.transpose();
-        }
-      }
+    if ((area < 0) != (sign < 0) || rows == 6 * points) add_rows();
+    sign = area < 0 ? -1 : 1;
+    const double thickness = s.thickness_at(L),
+                 membrane = std::sqrt(sign * factor * area * thickness),
+                 bending = membrane * thickness / std::sqrt(12.0);
+    const Vec12 f1 = at.along_axes(0, N.col(kU), N.col(kV)),
+                f2 = at.along_axes(1, N.col(kU), N.col(kV));
+    const Eigen::Matrix<double, 3, 12> curved = -bending * (Lt * at.bending_rows(N));
+    for (int c = 0; c < 3; ++c) {
+      Eigen::Matrix<double, 3, 12> strain;
+      strain.row(0) = at.e1()[c] * f1;
+      strain.row(1) = at.e2()[c] * f2;
+      strain.row(2) = at.e1()[c] * f2 + at.e2()[c] * f1;
+      B.block<3, 12>(rows, 12 * c) = membrane * (Lt * strain);
+      B.block<3, 12>(rows + 3, 12 * c) = at.normal()[c] * curved;
+    }
+    rows += 6;
   });
+  add_rows();
 }
 
 // Second derivatives of HCT functions are linear, those of Z12 functions rational.
@@ -128,7 +134,7 @@ SparseMatrix ShellAssembler::stiffness() const {
         const bool outside = trim && trim->side(t) == Trim::Side::Outside;
         add(t, whole, cut || outside ? outside_ : 1, K);
         if (cut) add(t, cut_rule(t), 1 - outside_, K);
-        mapped = K;
+        mapped = K.selfadjointView<Eigen::Lower>();
       },
       result);
   return result;

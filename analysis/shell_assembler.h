@@ -76,7 +76,7 @@ class ShellAssembler {
   template <class Visit>
   void for_points(int triangle, const TabulatedRule& rule, const Visit& visit) const;
   TabulatedRule cut_rule(int triangle) const;
-  // Adds the integral over a rule, times `factor`, to the lower blocks of K.
+  // Adds the integral over a rule, times `factor`, to the lower triangle of K.
   void add(int triangle, const TabulatedRule& rule, double factor, ElementMatrix& K) const;
   // A matrix of one coordinate, integrated over the inside; add(triangle, rule, K) of a part.
   SparseMatrix over_inside(const std::function<void(int triangle, const TabulatedRule& rule,

@@ -24,13 +24,13 @@ void add_on_area(const ModelLayout& model, const Points& shape, const ElasticSup
                  ShellSprings& springs) {
   constexpr int degree = 4;
   bool any = false;
-  over_part(model, model.surface(shape), support.part, symmetric_triangle(degree + 2), degree,
-            [&](const Location& where, const Vec3& area) {
-              any = true;
-              if (area.norm() > 0)
-                add_at(support, functions_at(model, where), area.norm(), area.normalized(),
-                       springs);
-            });
+  const Surface surface = model.surface(shape);
+  const TabulatedRule whole(surface.kind(), symmetric_triangle(degree + 2));
+  over_part(model, surface, support.part, whole, degree, [&](const PartPlace& at) {
+    any = true;
+    if (at.area.norm() > 0)
+      add_at(support, at.entries(), at.area.norm(), at.area.normalized(), springs);
+  });
   if (!any) throw InputError("elastic support '" + support.name + "' holds nothing of the surface");
 }
 

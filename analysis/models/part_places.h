@@ -1,13 +1,18 @@
 // Integrals over a part of a model's surface. Internal.
 #pragma once
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <optional>
 #include <string>
 
 #include "batten/analysis/models/shell_loads.h"
 #include "batten/core/errors.h"
-#include "batten/elements/quadrature.h"
+#include "batten/elements/c1_triangle.h"
+#include "batten/elements/reference_triangle.h"
+#include "batten/skinning/model/join_edge.h"
 
 namespace batten {
 
@@ -74,12 +79,26 @@ class PlacesInBox {
   const Box3& box_;
 };
 
-// Calls visit(place, dA n) at points of a part, inside of the trims: those of the rule `whole`, in
+// One point of a part, and the functions of its triangle there.
+struct PartPlace {
+  Location where;
+  Vec3 x, area;  // dA n
+  const std::array<int, 12>& dofs;
+  Vec12 functions;
+
+  RowEntries entries() const {
+    RowEntries row;
+    for (int m = 0; m < 12; ++m) row.push_back({dofs[m], functions[m]});
+    return row;
+  }
+};
+
+// Calls visit(PartPlace) at points of a part, inside of the trims: those of the rule `whole`, in
 // triangles that are cut those of the trim's rule of a degree. Throws InputError for a region out of
 // range.
 template <class Visit>
 void over_part(const ModelLayout& model, const Surface& surface, const ShellPart& part,
-               const TriangleRule& whole, int degree, const Visit& visit) {
+               const TabulatedRule& whole, int degree, const Visit& visit) {
   for (const int r : part.regions)
     if (r < 0 || r >= model.region_count())
       throw InputError("found region " + std::to_string(r) + " of " +
@@ -91,13 +110,28 @@ void over_part(const ModelLayout& model, const Surface& surface, const ShellPart
       continue;
     if (trim && trim->side(t) == Trim::Side::Outside) continue;
     const bool cut = trim && trim->side(t) == Trim::Side::Cut;
-    TriangleRule rule = cut ? trim->rule(t, degree) : whole;
-    if (part.box && !cut) rule = PlacesInBox(surface, *part.box).inside(t, whole);
-    const double parametric = surface.mesh().shape(t).area;
-    for (long p = 0; p < rule.weights.size(); ++p) {
-      const Location where{t, rule.L.row(p).transpose()};
-      if (part.box && cut && !part.box->contains(surface.position(where))) continue;
-      visit(where, Vec3(rule.weights[p] * parametric * surface.jet(where).area_vector()));
+    std::optional<TabulatedRule> own;
+    if (cut) own.emplace(surface.kind(), trim->rule(t, degree));
+    if (part.box && !cut)
+      own.emplace(surface.kind(), PlacesInBox(surface, *part.box).inside(t, whole.rule));
+    const TabulatedRule& points = own ? *own : whole;
+    if (points.rule.weights.size() == 0) continue;
+    const C1Triangle triangle(surface.kind(), surface.mesh().shape(t));
+    const DerivativeMap map(triangle.shape());
+    const Mat12 P = triangle.to_reference_dofs();
+    const Eigen::Matrix<double, 12, 3> X = triangle.to_reference(surface.triangle_dofs(t));
+    const std::array<int, 12> dofs = surface.dof_map().triangle(surface.mesh(), t);
+    for (long p = 0; p < points.rule.weights.size(); ++p) {
+      const ReferenceTabulation& f = points.functions[p];
+      const Vec3 x = X.transpose().lazyProduct(f.col(0));
+      if (part.box && cut && !part.box->contains(x)) continue;
+      const Eigen::Matrix<double, 3, 2> d =
+          X.transpose().lazyProduct(f.middleCols<2>(1)).eval() * map.first.transpose();
+      visit(PartPlace{{t, points.rule.L.row(p).transpose()},
+                      x,
+                      points.rule.weights[p] * triangle.shape().area * d.col(0).cross(d.col(1)),
+                      dofs,
+                      P.transpose().lazyProduct(f.col(0))});
     }
   }
 }

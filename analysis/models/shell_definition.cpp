@@ -24,18 +24,17 @@ void add_area_support(const ModelLayout& model, const Points& shape,
   const Surface surface = model.surface(shape);
   constexpr int degree = 4;
   bool any = false;
-  over_part(model, surface, support.part, symmetric_triangle(degree + 2), degree,
-            [&](const Location& where, const Vec3& area) {
-              any = true;
-              if (!(area.norm() > 0)) return;
-              const int r = model.region_of(where.triangle);
-              const SpringStiffness k(surface, sections[sections.size() == 1 ? 0 : r],
-                                      where.triangle);
-              const RowEntries place = functions_at(model, where);
-              for (const Vec3& unit : directions)
-                springs.add(support.name, along(unit, place), k.displacement / k.edge * area.norm(),
-                            unit.dot(support.displacement));
-            });
+  const TabulatedRule whole(surface.kind(), symmetric_triangle(degree + 2));
+  over_part(model, surface, support.part, whole, degree, [&](const PartPlace& at) {
+    any = true;
+    if (!(at.area.norm() > 0)) return;
+    const int r = model.region_of(at.where.triangle);
+    const SpringStiffness k(surface, sections[sections.size() == 1 ? 0 : r], at.where.triangle);
+    const RowEntries place = at.entries();
+    for (const Vec3& unit : directions)
+      springs.add(support.name, along(unit, place), k.displacement / k.edge * at.area.norm(),
+                  unit.dot(support.displacement));
+  });
   if (!any) throw InputError("support '" + support.name + "' holds nothing of the surface");
 }
 

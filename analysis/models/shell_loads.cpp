@@ -15,8 +15,9 @@ namespace batten {
 
 namespace {
 
-const TriangleRule& load_rule(TriangleElement kind) {
-  static const TriangleRule split = split_triangle(6), duffy = six_duffy(5);
+const TabulatedRule& load_rule(TriangleElement kind) {
+  static const TabulatedRule split(TriangleElement::HCT, split_triangle(6)),
+      duffy(TriangleElement::Z12, six_duffy(5));
   return kind == TriangleElement::HCT ? split : duffy;
 }
 
@@ -28,7 +29,7 @@ const TriangleRule& load_rule(TriangleElement kind) {
                    corner(box.max()) + ", expected a box that holds a part of it");
 }
 
-// Σ f(x, dA n) over a part, on the functions there.
+// Σ force(place) over a part, on the functions there.
 template <class Force>
 Points over_area(const ModelLayout& model, const Points& shape, const ShellPart& part,
                  const Force& force) {
@@ -36,14 +37,12 @@ Points over_area(const ModelLayout& model, const Points& shape, const ShellPart&
   Points F = Points::Zero(shape.rows(), 3);
   bool any = false;
   constexpr int degree = 6;
-  over_part(model, surface, part, load_rule(surface.kind()), degree,
-            [&](const Location& where, const Vec3& area) {
-              any = true;
-              if (!(area.norm() > 0)) return;
-              const Vec3 f = force(where, area);
-              for (const auto& e : functions_at(model, where))
-                F.row(e.dof) += e.coefficient * f.transpose();
-            });
+  over_part(model, surface, part, load_rule(surface.kind()), degree, [&](const PartPlace& place) {
+    any = true;
+    if (!(place.area.norm() > 0)) return;
+    const Vec3 f = force(place);
+    for (int m = 0; m < 12; ++m) F.row(place.dofs[m]) += place.functions[m] * f.transpose();
+  });
   if (part.box && !any) nothing_in(*part.box);
   return F;
 }
@@ -67,17 +66,16 @@ void along_line(const ModelLayout& model, const Points& shape, const std::string
 
 Points area_force(const ModelLayout& model, const Points& shape, const AreaForce& force,
                   const ShellPart& part) {
-  const Surface surface = model.surface(shape);
-  return over_area(model, shape, part, [&](const Location& where, const Vec3& area) -> Vec3 {
-    return area.norm() * force(surface.position(where), area.normalized());
+  return over_area(model, shape, part, [&](const PartPlace& place) -> Vec3 {
+    return place.area.norm() * force(place.x, place.area.normalized());
   });
 }
 
 Points weight(const ModelLayout& model, const Points& shape,
               const std::vector<ShellSection>& sections, const Vec3& acceleration) {
-  return over_area(model, shape, {}, [&](const Location& where, const Vec3& area) -> Vec3 {
-    const ShellSection& s = sections[sections.size() == 1 ? 0 : where.triangle];
-    return area.norm() * s.material.density * s.thickness_at(where.L) * acceleration;
+  return over_area(model, shape, {}, [&](const PartPlace& place) -> Vec3 {
+    const ShellSection& s = sections[sections.size() == 1 ? 0 : place.where.triangle];
+    return place.area.norm() * s.material.density * s.thickness_at(place.where.L) * acceleration;
   });
 }
 
