@@ -48,6 +48,13 @@ ShellAssembler::ShellAssembler(Surface surface, std::vector<ShellSection> sectio
   for (const ShellSection& section : sections_) require_section(section);
 }
 
+void ShellAssembler::move(Surface surface) {
+  if (surface.dof_map().count() != surface_.dof_map().count() ||
+      surface.mesh().triangles() != surface_.mesh().triangles())
+    throw InputError("a shell can only move on the mesh that it was made on");
+  surface_ = std::move(surface);
+}
+
 template <class Visit>
 void ShellAssembler::for_points(int t, const TabulatedRule& points, const Visit& visit) const {
   const ShellTriangle triangle(surface_, t, section(t).along);

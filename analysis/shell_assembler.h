@@ -29,6 +29,9 @@ class ShellAssembler {
   /// none (require_section), a surface without a normal somewhere.
   ShellAssembler(Surface surface, std::vector<ShellSection> sections, double outside = 1e-6);
 
+  /// Another shape of the same mesh. Throws InputError for another mesh.
+  void move(Surface surface);
+
   /// The lower triangle of K. O(triangles), on all threads; the same bits on one.
   SparseMatrix stiffness() const;
 

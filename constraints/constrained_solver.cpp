@@ -12,11 +12,23 @@ Points solve_constrained(const ConstraintSet& constraints, const SparseMatrix& K
 
 ConstrainedSolver::ConstrainedSolver(const ConstraintSet& constraints, SparseMatrix K,
                                      const std::vector<int>& dof_order)
-    : reduction_(constraints), K_(std::move(K)) {
+    : reduction_(constraints), dof_order_(dof_order) {
+  factor(std::move(K));
+}
+
+void ConstrainedSolver::update(const ConstraintSet& constraints, SparseMatrix K) {
+  reduction_ = AffineReduction(constraints);
+  factor(std::move(K));
+}
+
+void ConstrainedSolver::factor(SparseMatrix K) {
+  K_ = std::move(K);
   const SparseMatrix reduced = reduction_.reduce(K_);
-  cholesky_.analyze(reduced, reduction_.order_for(reduced, K_, dof_order));
+  if (!cholesky_.fits(reduced))
+    cholesky_.analyze(reduced, reduction_.order_for(reduced, K_, dof_order_));
   if (!cholesky_.factorize(reduced)) throw NoSolutionError(cholesky_.message());
-  fixed_part_ = reduction_.reduce_load(K_, Points::Zero(constraints.dof_count(), 3));
+  const long dofs = reduction_.coupled() ? K_.rows() / 3 : K_.rows();
+  fixed_part_ = reduction_.reduce_load(K_, Points::Zero(dofs, 3));
 }
 
 Points ConstrainedSolver::solve(const Points& F) const {

@@ -18,6 +18,9 @@ class ConstrainedSolver {
   /// Throws ConflictError, NoSolutionError.
   ConstrainedSolver(const ConstraintSet& constraints, SparseMatrix K,
                     const std::vector<int>& dof_order = {});
+  /// Other numbers: those of a shape that has moved. Where the pattern of DᵀKD is the same, as it
+  /// mostly is, nothing is analysed again. After a throw only update() may be called.
+  void update(const ConstraintSet& constraints, SparseMatrix K);
   /// One pair of triangular solves.
   Points solve(const Points& F) const;
   /// The same on free unknowns: DᵀKD y = b, b becomes y.
@@ -26,8 +29,11 @@ class ConstrainedSolver {
   const SparseMatrix& K() const { return K_; }
 
  private:
+  void factor(SparseMatrix K);
+
   AffineReduction reduction_;
   SparseMatrix K_;
+  std::vector<int> dof_order_;
   SparseCholesky cholesky_;
   MatX fixed_part_;  // -Dᵀ K d0
 };

@@ -75,10 +75,14 @@ void SparseCholesky::analyze(const SparseMatrix& A, const std::vector<int>& orde
   data_->analyze(A, order, Expected::one_factor);
 }
 
+bool SparseCholesky::fits(const SparseMatrix& A) const {
+  return A.rows() == data_->n && A.cols() == data_->n && pattern_hash(A) == data_->pattern;
+}
+
 bool SparseCholesky::factorize(const SparseMatrix& A) {
   Data& d = *data_;
   if (d.n < 0) analyze(A);
-  if (A.rows() != d.n || A.cols() != d.n || pattern_hash(A) != d.pattern)
+  if (!fits(A))
     throw InputError("factorize: the matrix (" + std::to_string(A.rows()) + " by " +
                      std::to_string(A.cols()) + ", " + std::to_string(A.nonZeros()) +
                      " entries) has not the pattern that was analysed: analyze it first");

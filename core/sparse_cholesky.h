@@ -43,6 +43,8 @@ class SparseCholesky {
   /// The same in a given order: unknowns, the first to eliminate first (nested dissection of a
   /// mesh). An empty order: AMD. Throws InputError unless it names every unknown once.
   void analyze(const SparseMatrix& A, const std::vector<int>& order);
+  /// Whether A has the pattern that was analysed: factorize() takes it. O(entries).
+  bool fits(const SparseMatrix& A) const;
   /// The order that was found or given, of use for another matrix of the same pattern; needs a
   /// successful factorize().
   std::vector<int> order() const;

@@ -57,15 +57,27 @@ ShellModel::ShellModel(ModelLayout layout, Points shape, const ShellDefinition& 
     : layout_(std::move(layout)),
       shape_(std::move(shape)),
       definition_(definition),
+      free_(free),
       sections_(triangle_sections(layout_, definition)),
       supports_(support_names(definition)),
       ties_(holding_ties(layout_, shape_, definition, free, motions_)),
       assembler_(layout_.surface(shape_), sections_),
-      solver_(
-          ties_.rows,
-          stiffness_of(assembler_, ties_.springs,
-                       shift_ = !motions_.free.empty() ? shift_of(section(0), layout_.size()) : 0),
-          layout_.dof_order()) {}
+      solver_(ties_.rows, stiffness(), layout_.dof_order()) {}
+
+void ShellModel::move(Points shape) {
+  if (shape.rows() != shape_.rows())
+    throw InputError("a shape of " + std::to_string(shape.rows()) + " dofs on a shell of " +
+                     std::to_string(shape_.rows()));
+  shape_ = std::move(shape);
+  ties_ = holding_ties(layout_, shape_, definition_, free_, motions_);
+  assembler_.move(layout_.surface(shape_));
+  solver_.update(ties_.rows, stiffness());
+}
+
+SparseMatrix ShellModel::stiffness() {
+  shift_ = motions_.free.empty() ? 0 : shift_of(section(0), layout_.size());
+  return stiffness_of(assembler_, ties_.springs, shift_);
+}
 
 Points ShellModel::solve(const Points& F) const {
   if (F.rows() != shape_.rows())

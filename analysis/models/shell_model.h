@@ -43,6 +43,11 @@ class ShellModel {
   ShellModel(ModelLayout layout, Points shape, const ShellDefinition& definition,
              Free free = Free::Refused);
 
+  /// The same shell in another shape, while a slider moves: sections and supports stay, supports at
+  /// points at their places of the material. Costs the numbers of a stiffness and of a factor; their
+  /// patterns are kept. Throws as the constructor; after a throw only move() may be called.
+  void move(Points shape);
+
   /// The displacement, n×3. Throws InputError for a load of another size.
   Points solve(const Points& F) const;
   /// What every support does to the shell, each name once. Their sum balances the load to
@@ -78,12 +83,15 @@ class ShellModel {
   int unknowns() const { return solver_.reduction().free_count(); }
 
  private:
+  // Of ties_ and assembler_.
+  SparseMatrix stiffness();
   // K q - F with the springs' own load: what rows do.
   Points unbalanced(const Points& q, const Points& F) const;
 
   ModelLayout layout_;
   Points shape_;
   ShellDefinition definition_;
+  Free free_;
   std::vector<ShellSection> sections_;  // one, or one for each triangle
   std::vector<std::string> supports_;
   FreeMotions motions_;

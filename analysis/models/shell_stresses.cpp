@@ -54,7 +54,6 @@ std::array<double, 2> principal(const Mat3& stress) {
 ShellStresses::ShellStresses(const ShellModel& shell, const Points& q) : shell_(shell), q_(q) {
   take_samples();
   fit();
-  measure_error();
   find_peak();
 }
 
@@ -229,9 +228,9 @@ double ShellStresses::missing(const ShellStresses& adjoint) const {
   return energies(adjoint).missing;
 }
 
-void ShellStresses::measure_error() {
+double ShellStresses::error() const {
   const Energies e = energies(*this);
-  error_ = e.all > 0 ? std::sqrt(e.missing / e.all) : 0;
+  return e.all > 0 ? std::sqrt(e.missing / e.all) : 0;
 }
 
 void ShellStresses::find_peak() {

@@ -31,7 +31,8 @@ std::array<double, 2> principal(const Mat3& stress);
 /// three cubics of each triangle (Z12: of the same sub-triangles), and a quadratic over (u, v) is
 /// fitted to those around each vertex (Zienkiewicz and Zhu 1992): never across lines of regions, so
 /// that jumps at creases and steps of thickness stay. Inside of a triangle its three quadratics are
-/// blended. O(triangles).
+/// blended. O(triangles), on all threads; error() and missing() as much again. Keeps references to the
+/// shell and to q.
 class ShellStresses {
  public:
   ShellStresses(const ShellModel& shell, const Points& q);
@@ -44,7 +45,7 @@ class ShellStresses {
   /// √(energy of the stresses' jumps / energy): the relative error in energy norm by Zienkiewicz and
   /// Zhu (1987), by the rule of the stiffness, which also sees the false membrane forces of elements
   /// that lock. The error of a displacement under its own load is about its square.
-  double error() const { return error_; }
+  double error() const;
   /// What is missing of a goal Gᵀq, about: the work of these jumps with those of `adjoint`, the
   /// stresses of ShellModel::adjoint(G) on the same shell (Oden and Prudhomme 2001).
   double missing(const ShellStresses& adjoint) const;
@@ -83,7 +84,6 @@ class ShellStresses {
   };
   Energies energies(const ShellStresses& adjoint) const;
   ShellStress at(const Location& where, const Vec3& normal) const;
-  void measure_error();
   void find_peak();
   ShellStress stress_of(const Parts& parts, const Vec3& normal, double thickness) const;
 
@@ -91,7 +91,6 @@ class ShellStresses {
   const Points& q_;
   std::vector<std::vector<Sample>> samples_;            // of each triangle
   std::vector<std::optional<Polynomial>> at_vertices_;  // none where nothing is inside
-  double error_ = 0;
   Peak peak_;
 };
 

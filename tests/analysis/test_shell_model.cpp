@@ -239,6 +239,32 @@ TEST_CASE("one adjoint tells how goals change with the shape, as solving again d
   }
 }
 
+TEST_CASE("a shell that moves is the shell that is made anew") {
+  const Arm arm;
+  ShellDefinition definition{{{ShellMaterial::isotropic(Plates::E, 0.3), Plates::t}},
+                             {LineSupport::clamped("foot")},
+                             {},
+                             {}};
+  // As the arm turns away, the box holds other elements.
+  definition.areas = {
+      {"wall", {{}, Box3(Vec3(0.5, -1, 0), Vec3(1, 1, Arm::H + 0.06))}, {Vec3::UnitX()}}};
+  ShellModel moving(arm.layout, arm.shape, definition);
+  const Points start = moving.solve(area_force(arm.layout, arm.shape, downwards));
+  for (const double s : {0.02, 0.1, 0.0}) {
+    Points shape = arm.shape;
+    for (long m = 0; m < shape.rows(); ++m) shape(m, 2) += s * arm.shape(m, 0);
+    moving.move(shape);
+    const Points F = area_force(arm.layout, shape, downwards), q = moving.solve(F);
+    const Points anew = ShellModel(arm.layout, shape, definition).solve(F);
+    CHECK((q - anew).cwiseAbs().maxCoeff() < 1e-9 * anew.cwiseAbs().maxCoeff());
+    if (s > 0)
+      CHECK((q - start).cwiseAbs().maxCoeff() > 1e-4 * start.cwiseAbs().maxCoeff());
+    else
+      CHECK((q - start).cwiseAbs().maxCoeff() < 1e-9 * start.cwiseAbs().maxCoeff());
+  }
+  CHECK_THROWS_WITH(moving.move(Points::Zero(3, 3)), Contains("3 dofs"));
+}
+
 TEST_CASE("a point support holds its direction, by the displacement that it is given") {
   const Arm arm;
   const ShellPlace jack = nearest_place(arm.layout, arm.shape, {Arm::L, 0.25, Arm::H});

@@ -242,15 +242,10 @@ class SculptRun {
   }
 
   // The largest values of all load cases.
-  std::optional<Report::Sculpting::Stress> stress_now() const {
+  std::optional<Report::Sculpting::Stress> stress_now() {
     if (!task_.stress) return std::nullopt;
-    const MadeShape shape = shape_of(*session_, scene_, unloaded_now(), answer_);
-    Report::Sculpting::Stress most;
-    for (const StressReport::Case& c : stresses_of(scene_, shape, progress_).cases) {
-      most.displacement = std::max(most.displacement, c.displacement);
-      most.von_mises = std::max(most.von_mises, c.stress);
-    }
-    return most;
+    const MovingStress::Largest most = stress_.at(session_->layout(), session_->dofs());
+    return Report::Sculpting::Stress{most.displacement, most.von_mises};
   }
 
   void move(int steps) {
@@ -320,6 +315,7 @@ class SculptRun {
   MadeModel made_;
   std::vector<SweepTask> sweeps_;
   std::optional<SculptingSession> session_;
+  MovingStress stress_{scene_};
   FairShape fair_;  // where the scene asks for one
   Points unloaded_;
   Answer answer_;

@@ -219,6 +219,24 @@ StressReport solved(const Scene& scene, const ShellModel& shell, const ShellDefi
 
 }  // namespace
 
+MovingStress::Largest MovingStress::at(const ModelLayout& layout, const Points& dofs) {
+  if (shell_ && shell_->layout().mesh() == layout.mesh()) {
+    shell_->move(dofs);
+  } else {
+    require_one_system(scene_);
+    definition_ = shell_of(scene_, layout, dofs);
+    shell_.emplace(layout, dofs, definition_);
+  }
+  Largest largest;
+  for (CaseAnswer& a : answers_of(scene_, *shell_, definition_)) {
+    measure_displacement(*shell_, a);
+    largest.displacement = std::max(largest.displacement, a.report.displacement);
+    largest.von_mises =
+        std::max(largest.von_mises, ShellStresses(*shell_, a.displacement).peak().value);
+  }
+  return largest;
+}
+
 StressReport stresses_of(const Scene& scene, const MadeShape& shape, const Progress& progress) {
   require_one_system(scene);
   const ShellDefinition definition = shell_of(scene, *shape.layout, shape.dofs);

@@ -1,8 +1,10 @@
 // Stresses of a finished shape: solved, measured, written, drawn.
 #pragma once
 
+#include <optional>
 #include <string>
 
+#include "batten/analysis/models/shell_model.h"
 #include "batten/apps/commands/shapes/shape_files.h"
 
 namespace batten {
@@ -16,6 +18,23 @@ void analyse(ShapeRun& run, const Scene& scene, const MadeShape& shape, const Pr
 
 /// The numbers of the same analysis: no files, no buckling, no modes.
 StressReport stresses_of(const Scene& scene, const MadeShape& shape, const Progress& progress = {});
+
+/// The largest values of all cases while a shape moves: what does not change is kept.
+class MovingStress {
+ public:
+  explicit MovingStress(const Scene& scene) : scene_(scene) {}
+
+  struct Largest {
+    double displacement = 0, von_mises = 0;
+  };
+  /// Throws as stresses_of().
+  Largest at(const ModelLayout& layout, const Points& dofs);
+
+ private:
+  const Scene& scene_;
+  ShellDefinition definition_;
+  std::optional<ShellModel> shell_;
+};
 
 /// The lines of a summary about it.
 std::string stress_results(const StressReport& report, const std::string& unit);
