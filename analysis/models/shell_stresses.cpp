@@ -226,16 +226,21 @@ ShellStresses::Energies ShellStresses::energies(const ShellStresses& adjoint) co
       of_triangles(t, 1) += area * work(own, own, compliance, thickness);
     });
   });
-  return {of_triangles.col(0).sum(), of_triangles.col(1).sum()};
+  return {of_triangles.col(0), of_triangles.col(1)};
+}
+
+VecX ShellStresses::missing_of_triangles(const ShellStresses& adjoint) const {
+  return energies(adjoint).missing;
 }
 
 double ShellStresses::missing(const ShellStresses& adjoint) const {
-  return energies(adjoint).missing;
+  return missing_of_triangles(adjoint).sum();
 }
 
 double ShellStresses::error() const {
   const Energies e = energies(*this);
-  return e.all > 0 ? std::sqrt(e.missing / e.all) : 0;
+  const double all = e.all.sum();
+  return all > 0 ? std::sqrt(e.missing.sum() / all) : 0;
 }
 
 void ShellStresses::find_peak() {

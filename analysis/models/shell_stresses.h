@@ -49,6 +49,8 @@ class ShellStresses {
   /// What is missing of a goal Gᵀq, about: the work of these jumps with those of `adjoint`, the
   /// stresses of ShellModel::adjoint(G) on the same shell (Oden and Prudhomme 2001).
   double missing(const ShellStresses& adjoint) const;
+  /// The same of each triangle: where smaller elements pay.
+  VecX missing_of_triangles(const ShellStresses& adjoint) const;
 
   /// The largest equivalent stress at a vertex inside, top or bottom.
   struct Peak {
@@ -78,9 +80,9 @@ class ShellStresses {
   void take_samples();
   std::vector<std::vector<int>> patches() const;
   void fit();
-  // The work of these jumps with those of `adjoint`, and of the elements' own stresses.
+  // Of each triangle: the work of these jumps with those of `adjoint`, and of the own stresses.
   struct Energies {
-    double missing, all;
+    VecX missing, all;
   };
   Energies energies(const ShellStresses& adjoint) const;
   ShellStress at(const Location& where, const Vec3& normal) const;

@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "batten/core/errors.h"
+#include "batten/core/largest_share.h"
 #include "batten/fem/curvature_jumps.h"
 #include "batten/sculpting/session/session_data.h"
 
@@ -48,16 +49,7 @@ std::vector<char> marks(const Refinement& refinement, const ModelLayout& layout,
   if (!(share > 0 && share <= 1))
     throw InputError("a refinement of the share " + number(share) +
                      " of the jumps: expected above 0, at most 1");
-  std::vector<int> order(jumps.size());
-  for (size_t t = 0; t < order.size(); ++t) order[t] = static_cast<int>(t);
-  std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return jumps[a] > jumps[b]; });
-  double sum = 0, taken = 0;
-  for (const double j : jumps) sum += j;
-  for (const int t : order) {
-    if (!(taken < share * sum)) break;
-    taken += jumps[t];
-    mark(t);
-  }
+  for (const int t : largest_share(jumps, share)) mark(t);
   return marked;
 }
 

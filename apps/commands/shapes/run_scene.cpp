@@ -287,28 +287,30 @@ Scene scene_of_network(const std::vector<std::filesystem::path>& files, const st
 
 namespace {
 
-Report run_all(const Scene& as_stated, const std::filesystem::path& folder,
-               const StressTask* stress, const Progress& progress) {
-  AccurateScene accurate{as_stated, {}, true};
-  if (stress && stress->accuracy > 0)
-    accurate = accurate_scene(as_stated, stress->accuracy, progress);
-  const Scene& scene = accurate.scene;
+// The shell of a shape, on smaller elements where an accuracy is asked for.
+void stress_into(ShapeRun& run, const Scene& scene, const MadeModel& made, const MadeShape& shape,
+                 const StressTask& task, const Progress& progress) {
+  AccurateShape accurate{shape, {}, true};
+  if (task.accuracy > 0) accurate = accurate_shape(scene, shape, task.accuracy, progress);
+  analyse(run, scene, accurate.shape, progress);
+  if (!run.report.stress) return;
+  run.report.stress->meshes = accurate.meshes;
+  if (!accurate.reached)
+    run.report.missed.push_back({"stress.accuracy", "is " + number(accurate.meshes.back().error) +
+                                                        ", asked for " + number(task.accuracy)});
+  if (scene.stress->sensitivities) find_sensitivities(run, scene, made, shape, progress);
+  if (task.with_calculix) ask_calculix(run, scene, accurate.shape, task.element, progress);
+}
+
+Report run_all(const Scene& scene, const std::filesystem::path& folder, const StressTask* stress,
+               const Progress& progress) {
   ShapeRun run(scene, folder);
   run.report.parameters = scene.parameters();
   MadeModel made = model_of(run, scene, progress);
   const MadeShape shape = make_refined_shape(made, scene, progress);
   run.watch.lap("sculpt");
   measure_into(run, made, shape, scene, progress);
-  if (stress) analyse(run, scene, shape, progress);
-  if (run.report.stress) {
-    run.report.stress->meshes = accurate.meshes;
-    if (!accurate.reached)
-      run.report.missed.push_back({"stress.accuracy", "is " + number(accurate.meshes.back().error) +
-                                                          ", asked for " +
-                                                          number(stress->accuracy)});
-    if (scene.stress->sensitivities) find_sensitivities(run, scene, made, shape, progress);
-    if (stress->with_calculix) ask_calculix(run, scene, shape, stress->element, progress);
-  }
+  if (stress) stress_into(run, scene, made, shape, *stress, progress);
   write_files(run, scene, made, shape, progress);
   draw_pictures(run, scene, made, shape, progress);
   for (const auto& sweep : scene.sweeps) {

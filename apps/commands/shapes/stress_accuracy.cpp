@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "batten/apps/commands/lines/scene_lines.h"
 #include "batten/apps/commands/shapes/stress_shape.h"
+#include "batten/core/errors.h"
+#include "batten/core/largest_share.h"
+#include "batten/skinning/surfaces/embedded_joins.h"
 
 namespace batten {
 namespace {
@@ -35,35 +37,45 @@ StressReport::Mesh mesh_of(const StressReport& report, double edge_length) {
   return mesh;
 }
 
+// The same surface on halved triangles.
+MadeShape halved(const MadeShape& shape, const std::vector<int>& triangles) {
+  std::vector<char> marks(static_cast<size_t>(shape.layout->mesh()->triangle_count()), 0);
+  for (const int t : triangles) marks[t] = 1;
+  ModelLayout finer = *shape.layout;
+  finer.refine(marks);
+  MadeShape result = shape;
+  result.dofs = carried_over(*shape.layout, shape.dofs, finer);
+  result.unloaded = carried_over(*shape.layout, shape.unloaded, finer);
+  result.regions.clear();
+  for (int r = 0; r < finer.region_count(); ++r)
+    result.regions.push_back(finer.skinned(r, result.dofs));
+  result.layout = std::make_shared<const ModelLayout>(std::move(finer));
+  return result;
+}
+
 }  // namespace
 
-AccurateScene accurate_scene(const Scene& scene, double accuracy, const Progress& progress) {
-  AccurateScene result{scene, {}, false};
-  const auto lines = faired_lines(scene, progress).lines;
-  Scene next = scene;
-  constexpr int most = 6;
-  while (static_cast<int>(result.meshes.size()) < most) {
-    StressReport report;
-    double edge = next.skin.options.edge_length;
+AccurateShape accurate_shape(const Scene& scene, const MadeShape& shape, double accuracy,
+                             const Progress& progress) {
+  AccurateShape result{shape, {}, false};
+  if (!shape.layout) return result;
+  constexpr int most = 12;
+  constexpr double share = 0.7;  // of the error, in the triangles that are halved
+  MadeShape next = shape;
+  for (int round = 0; round < most; ++round) {
+    progress.at("mesh " + std::to_string(round + 1), 0);
+    VecX where;
     try {
-      const MadeModel made = make_model(next, lines, progress);
-      const MadeShape shape = make_refined_shape(made, next, progress);
-      if (!shape.layout) break;
-      if (!(edge > 0)) edge = mean_edge(shape);
-      report = stresses_of(next, shape, progress);
+      const StressReport report = stresses_of(scene, next, where, progress);
+      result.meshes.push_back(mesh_of(report, mean_edge(next)));
+      result.shape = next;
+      result.reached = result.meshes.back().error <= accuracy;
+      if (result.reached) break;
+      next = halved(next, largest_share(where, share));
     } catch (const InputError&) {
-      if (result.meshes.empty()) throw;  // else it is what memory has room for
+      if (round == 0) throw;  // else it is what memory has room for
       break;
     }
-    result.scene = next;
-    result.meshes.push_back(mesh_of(report, edge));
-    const double error = result.meshes.back().error;
-    result.reached = error <= accuracy;
-    if (result.reached) break;
-    // The error of displacements goes with the fourth power of the edges, beside corners and point
-    // loads with a lower one.
-    const double wanted = 0.9 * std::pow(accuracy / error, 0.25);
-    next.skin.options.edge_length = edge * std::clamp(wanted, 0.5, 0.8);
   }
   return result;
 }

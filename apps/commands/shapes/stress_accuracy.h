@@ -3,22 +3,22 @@
 
 #include <vector>
 
+#include "batten/apps/commands/shapes/make_shape.h"
 #include "batten/io/report/stress_report.h"
-#include "batten/io/scene/scene.h"
 
 namespace batten {
 
-/// The scene with an edge_length at which the estimated error of displacements (of the largest one,
-/// and of the loads' work: error_estimate squared) is at most `accuracy` in all cases, and what was
-/// found on the way. Makes the shape anew
-/// for each of up to six meshes, each a half to four fifths as long as the one before, as the
-/// estimate asks for. Where that is not enough, or memory is not, the last one that could be made:
-/// its row then says so. Throws as run_stress().
-struct AccurateScene {
-  Scene scene;
-  std::vector<StressReport::Mesh> meshes;
+/// A finished shape on smaller elements: the same surface, on a mesh that is halved where the error
+/// estimate is large (largest_share of what each triangle has in it), until displacements are exact to
+/// `accuracy` in all cases: the largest one, and the loads' work (error_estimate squared). Where that
+/// takes more than twelve rounds or more memory than there is, the last mesh that could be made:
+/// `reached` then says so. Throws as run_stress().
+struct AccurateShape {
+  MadeShape shape;
+  std::vector<StressReport::Mesh> meshes;  ///< what each of them gave
   bool reached = false;
 };
-AccurateScene accurate_scene(const Scene& scene, double accuracy, const Progress& progress);
+AccurateShape accurate_shape(const Scene& scene, const MadeShape& shape, double accuracy,
+                             const Progress& progress);
 
 }  // namespace batten

@@ -91,13 +91,21 @@ void measure_displacement(const ShellModel& shell, CaseAnswer& a) {
   });
 }
 
-// What is missing of the largest displacement, by the adjoint of it.
-void measure_missing(const ShellModel& shell, const ShellStresses& stresses, CaseAnswer& a) {
+// What is missing of the largest displacement, by the adjoint of it. Adds to `where`, which has an
+// entry for each triangle or none, the share that each has in that and in the error of the energy.
+void measure_missing(const ShellModel& shell, const ShellStresses& stresses, CaseAnswer& a,
+                     VecX& where) {
   StressReport::Case& c = a.report;
+  const auto add = [&](const VecX& parts) {
+    const double sum = parts.cwiseAbs().sum();
+    if (where.size() == parts.size() && sum > 0) where += parts.cwiseAbs() / sum;
+    return std::abs(parts.sum());
+  };
+  if (where.size() > 0) add(stresses.missing_of_triangles(stresses));
   if (!(c.displacement > 0)) return;
   const Vec3 direction = c.displaced / c.displacement;
   const Points adjoint = shell.adjoint(point_force(shell.layout(), {{}, a.most, 0}, direction));
-  c.displacement_error = std::abs(stresses.missing(ShellStresses(shell, adjoint)));
+  c.displacement_error = add(stresses.missing_of_triangles(ShellStresses(shell, adjoint)));
 }
 
 // √(twice the mean area of triangles) of a surface: the length of its edges.
@@ -196,7 +204,7 @@ void find_modes(const Scene& scene, const ShellModel& shell, StressReport& repor
 // is reported of a case.
 template <class Each>
 StressReport solved(const Scene& scene, const ShellModel& shell, const ShellDefinition& definition,
-                    const Progress& progress, const Each& each) {
+                    VecX& where, const Progress& progress, const Each& each) {
   StressReport report;
   report.material = scene.stress->material;
   report.unknowns = shell.unknowns();
@@ -209,7 +217,7 @@ StressReport solved(const Scene& scene, const ShellModel& shell, const ShellDefi
     measure_balance(shell, a);
     measure_displacement(shell, a);
     const ShellStresses stresses(shell, a.displacement);
-    measure_missing(shell, stresses, a);
+    measure_missing(shell, stresses, a, where);
     measure_stress(scene, shell, definition, stresses, a.report);
     each(a, stresses);
     report.cases.push_back(a.report);
@@ -237,11 +245,14 @@ MovingStress::Largest MovingStress::at(const ModelLayout& layout, const Points& 
   return largest;
 }
 
-StressReport stresses_of(const Scene& scene, const MadeShape& shape, const Progress& progress) {
+StressReport stresses_of(const Scene& scene, const MadeShape& shape, VecX& where,
+                         const Progress& progress) {
   require_one_system(scene);
   const ShellDefinition definition = shell_of(scene, *shape.layout, shape.dofs);
   const ShellModel shell(*shape.layout, shape.dofs, definition);
-  return solved(scene, shell, definition, progress, [](CaseAnswer&, const ShellStresses&) {});
+  where = VecX::Zero(shape.layout->mesh()->triangle_count());
+  return solved(scene, shell, definition, where, progress,
+                [](CaseAnswer&, const ShellStresses&) {});
 }
 
 void analyse(ShapeRun& run, const Scene& scene, const MadeShape& shape, const Progress& progress) {
@@ -252,16 +263,18 @@ void analyse(ShapeRun& run, const Scene& scene, const MadeShape& shape, const Pr
   const ShellModel shell(*shape.layout, shape.dofs, definition);
   run.watch.lap("stress");
   StressFiles files(run, scene, shell);
+  VecX nowhere;
   StressReport report =
-      solved(scene, shell, definition, progress, [&](CaseAnswer& a, const ShellStresses& stresses) {
-        files.write_case(a.report.name, a.displacement, a.report.displacement, stresses);
-        constexpr double balanced = 1e-8;
-        if (!(a.report.balance <= balanced))
-          run.report.missed.push_back(
-              {"stress.balance of " + a.report.name,
-               "is " + number(a.report.balance) + ", promised at most 1e-8"});
-        if (scene.stress->buckling > 0) find_buckling(scene, shell, a, files);
-      });
+      solved(scene, shell, definition, nowhere, progress,
+             [&](CaseAnswer& a, const ShellStresses& stresses) {
+               files.write_case(a.report.name, a.displacement, a.report.displacement, stresses);
+               constexpr double balanced = 1e-8;
+               if (!(a.report.balance <= balanced))
+                 run.report.missed.push_back(
+                     {"stress.balance of " + a.report.name,
+                      "is " + number(a.report.balance) + ", promised at most 1e-8"});
+               if (scene.stress->buckling > 0) find_buckling(scene, shell, a, files);
+             });
   if (scene.stress->modes > 0) find_modes(scene, shell, report, files);
   warn(report, run.report.warnings);
   run.report.stress = std::move(report);

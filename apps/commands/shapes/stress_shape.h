@@ -16,8 +16,10 @@ namespace batten {
 /// (what is not held, by its motion).
 void analyse(ShapeRun& run, const Scene& scene, const MadeShape& shape, const Progress& progress);
 
-/// The numbers of the same analysis: no files, no buckling, no modes.
-StressReport stresses_of(const Scene& scene, const MadeShape& shape, const Progress& progress = {});
+/// The numbers of the same analysis: no files, no buckling, no modes. `where` becomes the shares that
+/// triangles have in the errors, summed over cases: of the energy, and of the largest displacement.
+StressReport stresses_of(const Scene& scene, const MadeShape& shape, VecX& where,
+                         const Progress& progress = {});
 
 /// The largest values of all cases while a shape moves: what does not change is kept.
 class MovingStress {
