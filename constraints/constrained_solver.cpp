@@ -11,9 +11,17 @@ Points solve_constrained(const ConstraintSet& constraints, const SparseMatrix& K
 }
 
 ConstrainedSolver::ConstrainedSolver(const ConstraintSet& constraints, SparseMatrix K,
-                                     const std::vector<int>& dof_order)
-    : reduction_(constraints), dof_order_(dof_order) {
-  factor(std::move(K));
+                                     const std::vector<int>& dof_order,
+                                     std::unique_ptr<OtherFactor> factor)
+    : reduction_(constraints), dof_order_(dof_order), other_(std::move(factor)) {
+  this->factor(std::move(K));
+}
+
+void ConstrainedSolver::solve_reduced(Eigen::Ref<MatX> b) const {
+  if (other_)
+    other_->solve_in_place(b);
+  else
+    cholesky_.solve_in_place(b);
 }
 
 void ConstrainedSolver::update(const ConstraintSet& constraints, SparseMatrix K) {
@@ -24,9 +32,13 @@ void ConstrainedSolver::update(const ConstraintSet& constraints, SparseMatrix K)
 void ConstrainedSolver::factor(SparseMatrix K) {
   K_ = std::move(K);
   const SparseMatrix reduced = reduction_.reduce(K_);
-  if (!cholesky_.fits(reduced))
-    cholesky_.analyze(reduced, reduction_.order_for(reduced, K_, dof_order_));
-  if (!cholesky_.factorize(reduced)) throw NoSolutionError(cholesky_.message());
+  if (other_) {
+    other_->factorize(reduced);
+  } else {
+    if (!cholesky_.fits(reduced))
+      cholesky_.analyze(reduced, reduction_.order_for(reduced, K_, dof_order_));
+    if (!cholesky_.factorize(reduced)) throw NoSolutionError(cholesky_.message());
+  }
   const long dofs = reduction_.coupled() ? K_.rows() / 3 : K_.rows();
   fixed_part_ = reduction_.reduce_load(K_, Points::Zero(dofs, 3));
 }
@@ -42,11 +54,15 @@ Points ConstrainedSolver::solve(const Points& F) const {
   for (long c = 0; c < load.cols(); ++c)
     if (!load.col(c).isZero(0)) loaded.push_back(c);
   if (static_cast<long>(loaded.size()) == load.cols()) {
-    cholesky_.solve_in_place(load);
+    solve_reduced(load);
     return reduction_.expand(load);
   }
   MatX y = MatX::Zero(load.rows(), load.cols());
-  if (!loaded.empty()) y(Eigen::all, loaded) = cholesky_.solve(load(Eigen::all, loaded));
+  if (!loaded.empty()) {
+    MatX part = load(Eigen::all, loaded);
+    solve_reduced(part);
+    y(Eigen::all, loaded) = part;
+  }
   return reduction_.expand(y);
 }
 

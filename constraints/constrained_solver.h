@@ -1,9 +1,11 @@
 // Systems under hard constraints: reduced, factored once, solved for many loads.
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include "batten/constraints/affine_reduction.h"
+#include "batten/core/other_factor.h"
 #include "batten/core/sparse_cholesky.h"
 
 namespace batten {
@@ -16,15 +18,17 @@ class ConstrainedSolver {
  public:
   /// `dof_order`: all n dofs in a fill-reducing order (dissection_order of a mesh), or none.
   /// Throws ConflictError, NoSolutionError.
+  /// `factor`: what factors DᵀKD; none: SparseCholesky.
   ConstrainedSolver(const ConstraintSet& constraints, SparseMatrix K,
-                    const std::vector<int>& dof_order = {});
+                    const std::vector<int>& dof_order = {},
+                    std::unique_ptr<OtherFactor> factor = nullptr);
   /// Other numbers: those of a shape that has moved. Where the pattern of DᵀKD is the same, as it
   /// mostly is, nothing is analysed again. After a throw only update() may be called.
   void update(const ConstraintSet& constraints, SparseMatrix K);
   /// One pair of triangular solves.
   Points solve(const Points& F) const;
   /// The same on free unknowns: DᵀKD y = b, b becomes y.
-  void solve_reduced(Eigen::Ref<MatX> b) const { cholesky_.solve_in_place(b); }
+  void solve_reduced(Eigen::Ref<MatX> b) const;
   const AffineReduction& reduction() const { return reduction_; }
   const SparseMatrix& K() const { return K_; }
 
@@ -35,7 +39,8 @@ class ConstrainedSolver {
   SparseMatrix K_;
   std::vector<int> dof_order_;
   SparseCholesky cholesky_;
-  MatX fixed_part_;  // -Dᵀ K d0
+  std::unique_ptr<OtherFactor> other_;  // in its place
+  MatX fixed_part_;                     // -Dᵀ K d0
 };
 
 }  // namespace batten

@@ -53,7 +53,7 @@ double shift_of(const ShellSection& section, double size) {
 }  // namespace
 
 ShellModel::ShellModel(ModelLayout layout, Points shape, const ShellDefinition& definition,
-                       Free free)
+                       Free free, const FactorMaker& factors)
     : layout_(std::move(layout)),
       shape_(std::move(shape)),
       definition_(definition),
@@ -62,7 +62,7 @@ ShellModel::ShellModel(ModelLayout layout, Points shape, const ShellDefinition& 
       supports_(support_names(definition)),
       ties_(holding_ties(layout_, shape_, definition, free, motions_)),
       assembler_(layout_.surface(shape_), sections_),
-      solver_(ties_.rows, stiffness(), layout_.dof_order()) {}
+      solver_(ties_.rows, stiffness(), layout_.dof_order(), factors ? factors() : nullptr) {}
 
 void ShellModel::move(Points shape) {
   if (shape.rows() != shape_.rows())

@@ -40,8 +40,9 @@ class ShellModel {
   /// Free::Shifted takes a shell that is not held, for its vibrations: its stiffness is K + shift() M,
   /// and no other function knows of that.
   enum class Free { Refused, Shifted };
+  /// `factors`: what factors its systems; empty: SparseCholesky.
   ShellModel(ModelLayout layout, Points shape, const ShellDefinition& definition,
-             Free free = Free::Refused);
+             Free free = Free::Refused, const FactorMaker& factors = {});
 
   /// The same shell in another shape, while a slider moves: sections and supports stay, supports at
   /// points at their places of the material. Costs the numbers of a stiffness and of a factor; their

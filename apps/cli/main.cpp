@@ -9,6 +9,7 @@
 #include "batten/apps/commands/info.h"
 #include "batten/apps/commands/lines/run_fair.h"
 #include "batten/apps/commands/meshes/run_deform.h"
+#include "batten/apps/commands/runs/distributed.h"
 #include "batten/apps/commands/runs/run_parts.h"
 #include "batten/apps/commands/shapes/run_scene.h"
 #include "batten/apps/commands/shapes/run_sculpt.h"
@@ -163,9 +164,16 @@ int run(const Arguments& a) {
 }
 
 int stress(const Arguments& a) {
+  const auto processes = Distributed::of_this_run();
+  if (processes && processes->helps()) {
+    processes->serve();
+    return kDone;
+  }
+  StressTask task = a.stress;
+  if (processes) task.factors = processes->factors();
   Scene scene = read_scene(a.file);
   apply_settings(scene, a.settings);
-  return finish(run_stress(scene, a.out, a.stress, terminal_progress(a.quiet)), a);
+  return finish(run_stress(scene, a.out, task, terminal_progress(a.quiet)), a);
 }
 
 int sculpt(const Arguments& a) {

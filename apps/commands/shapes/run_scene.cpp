@@ -291,8 +291,9 @@ namespace {
 void stress_into(ShapeRun& run, const Scene& scene, const MadeModel& made, const MadeShape& shape,
                  const StressTask& task, const Progress& progress) {
   AccurateShape accurate{shape, {}, true};
-  if (task.accuracy > 0) accurate = accurate_shape(scene, shape, task.accuracy, progress);
-  analyse(run, scene, accurate.shape, progress);
+  if (task.accuracy > 0)
+    accurate = accurate_shape(scene, shape, task.accuracy, task.factors, progress);
+  analyse(run, scene, accurate.shape, task.factors, progress);
   if (!run.report.stress) return;
   run.report.stress->meshes = accurate.meshes;
   if (!accurate.reached)

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "batten/core/other_factor.h"
 #include "batten/io/decks/calculix.h"
 #include "batten/io/report/report.h"
 
@@ -28,6 +29,7 @@ Report run_scene(const Scene& scene, const std::filesystem::path& folder,
 struct StressTask {
   bool with_calculix = false;                           ///< asks CalculiX, too (ask_calculix())
   ShellDeck::Element element = ShellDeck::Element::S6;  ///< of CalculiX
+  FactorMaker factors = {};                             ///< of its systems; empty: SparseCholesky
   double accuracy = 0;  ///< share of displacements; 0: edge_length as it is. accurate_scene()
 };
 Report run_stress(const Scene& scene, const std::filesystem::path& folder, const StressTask& task,

@@ -56,7 +56,7 @@ MadeShape halved(const MadeShape& shape, const std::vector<int>& triangles) {
 }  // namespace
 
 AccurateShape accurate_shape(const Scene& scene, const MadeShape& shape, double accuracy,
-                             const Progress& progress) {
+                             const FactorMaker& factors, const Progress& progress) {
   AccurateShape result{shape, {}, false};
   if (!shape.layout) return result;
   constexpr int most = 12;
@@ -66,7 +66,7 @@ AccurateShape accurate_shape(const Scene& scene, const MadeShape& shape, double 
     progress.at("mesh " + std::to_string(round + 1), 0);
     VecX where;
     try {
-      const StressReport report = stresses_of(scene, next, where, progress);
+      const StressReport report = stresses_of(scene, next, where, factors, progress);
       result.meshes.push_back(mesh_of(report, mean_edge(next)));
       result.shape = next;
       result.reached = result.meshes.back().error <= accuracy;

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "batten/apps/commands/shapes/make_shape.h"
+#include "batten/core/other_factor.h"
 #include "batten/io/report/stress_report.h"
 
 namespace batten {
@@ -19,6 +20,6 @@ struct AccurateShape {
   bool reached = false;
 };
 AccurateShape accurate_shape(const Scene& scene, const MadeShape& shape, double accuracy,
-                             const Progress& progress);
+                             const FactorMaker& factors, const Progress& progress);
 
 }  // namespace batten

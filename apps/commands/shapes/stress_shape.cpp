@@ -246,21 +246,22 @@ MovingStress::Largest MovingStress::at(const ModelLayout& layout, const Points& 
 }
 
 StressReport stresses_of(const Scene& scene, const MadeShape& shape, VecX& where,
-                         const Progress& progress) {
+                         const FactorMaker& factors, const Progress& progress) {
   require_one_system(scene);
   const ShellDefinition definition = shell_of(scene, *shape.layout, shape.dofs);
-  const ShellModel shell(*shape.layout, shape.dofs, definition);
+  const ShellModel shell(*shape.layout, shape.dofs, definition, ShellModel::Free::Refused, factors);
   where = VecX::Zero(shape.layout->mesh()->triangle_count());
   return solved(scene, shell, definition, where, progress,
                 [](CaseAnswer&, const ShellStresses&) {});
 }
 
-void analyse(ShapeRun& run, const Scene& scene, const MadeShape& shape, const Progress& progress) {
+void analyse(ShapeRun& run, const Scene& scene, const MadeShape& shape, const FactorMaker& factors,
+             const Progress& progress) {
   if (!shape.layout) return;
   require_one_system(scene);
   progress.at("stress", 0);
   const ShellDefinition definition = shell_of(scene, *shape.layout, shape.dofs);
-  const ShellModel shell(*shape.layout, shape.dofs, definition);
+  const ShellModel shell(*shape.layout, shape.dofs, definition, ShellModel::Free::Refused, factors);
   run.watch.lap("stress");
   StressFiles files(run, scene, shell);
   VecX nowhere;

@@ -12,14 +12,15 @@ namespace batten {
 /// Analyses the shape as the shell of scene.stress: each load case and combination from one factor,
 /// and where the scene asks for them, buckling factors and natural frequencies. StressFiles writes
 /// and draws them. Fills report.stress and report.warnings; report.missed where reactions do not
-/// balance the loads. Throws InputError with the place in the scene, ConflictError, NoSolutionError
+/// balance the loads. `factors`: of its systems; empty: SparseCholesky. Throws InputError with the place in the scene, ConflictError, NoSolutionError
 /// (what is not held, by its motion).
-void analyse(ShapeRun& run, const Scene& scene, const MadeShape& shape, const Progress& progress);
+void analyse(ShapeRun& run, const Scene& scene, const MadeShape& shape, const FactorMaker& factors,
+             const Progress& progress);
 
 /// The numbers of the same analysis: no files, no buckling, no modes. `where` becomes the shares that
 /// triangles have in the errors, summed over cases: of the energy, and of the largest displacement.
 StressReport stresses_of(const Scene& scene, const MadeShape& shape, VecX& where,
-                         const Progress& progress = {});
+                         const FactorMaker& factors = {}, const Progress& progress = {});
 
 /// The largest values of all cases while a shape moves: what does not change is kept.
 class MovingStress {
