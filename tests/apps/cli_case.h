@@ -37,6 +37,7 @@ class Case {
   explicit Case(const std::string& name) : folder_(scratch("cli_" + name)) {}
   ~Case() { fs::remove_all(folder_); }
 
+  const fs::path& folder() const { return folder_; }
   fs::path operator/(const std::string& name) const { return folder_ / name; }
   void file(const std::string& name, const std::string& text) const { write(folder_ / name, text); }
 

@@ -242,6 +242,64 @@ TEST_CASE("a region that hangs free is named") {
   CHECK_FALSE(fs::exists(c / "out"));
 }
 
+TEST_CASE("smaller elements where the error is make displacements as exact as asked for") {
+  const Case c("stress_accuracy");
+  // Half of a side is held: at its end stresses have no limit.
+  c.file("s.toml", plate(kSteel + "supports = [{line = \"a\", box = [[-1, -1, -1], [50, 1, 1]]}]\n"
+                                  "loads = [{line = \"c\", force = [0, 0, -0.01]}]"));
+  const auto at = [&](const std::string& accuracy, const std::string& out) {
+    const Result r = c.run({"stress", "s.toml", "--accuracy", accuracy, "--out", out});
+    INFO(r.err);
+    REQUIRE((r.code == 0 || r.code == 4));
+    return nlohmann::json::parse(contents(c / out / "report.json"))["stress"];
+  };
+  const auto coarse = at("0.01", "coarse"), fine = at("0.001", "fine");
+  REQUIRE(fine["meshes"].size() > coarse["meshes"].size());
+  const auto of = [](const auto& s) {
+    return s["cases"][0]["max_displacement"].template get<double>();
+  };
+  CHECK(of(coarse) == Approx(of(fine)).epsilon(0.02));
+  CHECK(fine["meshes"].back()["displacement_error"].get<double>() <= 1e-3);
+  // Halving all elements as often would make more of them.
+  const auto& meshes = fine["meshes"];
+  const double grown =
+      meshes.back()["unknowns"].get<double>() / meshes[0]["unknowns"].get<double>();
+  CHECK(grown < std::pow(2.0, static_cast<double>(meshes.size()) - 1) / 2);
+}
+
+TEST_CASE("two processes find what one finds") {
+  const fs::path module = fs::path(BATTEN_CLI).parent_path() / "batten_petsc.so";
+  if (!fs::exists(module) || std::system("command -v mpirun > /dev/null") != 0) {
+    WARN("no PETSc or mpirun here: skipped");
+    return;
+  }
+  const Case c("stress_processes");
+  c.file("s.toml", plate(kSteel + kClamped + "modes = 2\npressure = 1e-4"));
+  const auto run = [&](const std::string& before, const std::string& out) {
+    const std::string command = "cd '" + c.folder().string() + "' && " + before + " '" +
+                                std::string(BATTEN_CLI) + "' stress s.toml --out " + out +
+                                " > log 2>&1";
+    std::system(command.c_str());  // 4 without a display
+    return nlohmann::json::parse(contents(c / out / "report.json"))["stress"];
+  };
+  const auto one = run("", "one"),
+             two = run("mpirun --allow-run-as-root --oversubscribe -n 2", "two");
+  for (const char* key : {"max_displacement", "max_von_mises"})
+    CHECK(two["cases"][0][key].get<double>() ==
+          Approx(one["cases"][0][key].get<double>()).epsilon(1e-8));
+  CHECK(two["frequencies"][1].get<double>() ==
+        Approx(one["frequencies"][1].get<double>()).epsilon(1e-8));
+  CHECK(two["cases"][0]["max_displacement"] !=
+        one["cases"][0]["max_displacement"]);  // its own bits
+  // A shell that is not held ends all processes.
+  c.file("s.toml", plate(kSteel + "supports = [{line = \"a\", kind = \"pinned\"}]\npressure = 1"));
+  const std::string refused = "cd '" + c.folder().string() +
+                              "' && mpirun --allow-run-as-root --oversubscribe -n 2 '" +
+                              std::string(BATTEN_CLI) + "' stress s.toml --out no > log 2>&1";
+  CHECK(std::system(refused.c_str()) != 0);
+  CHECK(contents(c / "log").find("the shell is not held") != std::string::npos);
+}
+
 TEST_CASE("CalculiX is asked about the same shell, and a missing one is named") {
   const Case c("stress_ccx");
   std::string scene = plate(kSteel + kClamped + "pressure = -1e-3");

@@ -59,7 +59,7 @@ AccurateShape accurate_shape(const Scene& scene, const MadeShape& shape, double 
                              const FactorMaker& factors, const Progress& progress) {
   AccurateShape result{shape, {}, false};
   if (!shape.layout) return result;
-  constexpr int most = 12;
+  constexpr int most = 20;
   constexpr double share = 0.7;  // of the error, in the triangles that are halved
   MadeShape next = shape;
   for (int round = 0; round < most; ++round) {

@@ -12,7 +12,7 @@ namespace batten {
 /// A finished shape on smaller elements: the same surface, on a mesh that is halved where the error
 /// estimate is large (largest_share of what each triangle has in it), until displacements are exact to
 /// `accuracy` in all cases: the largest one, and the loads' work (error_estimate squared). Where that
-/// takes more than twelve rounds or more memory than there is, the last mesh that could be made:
+/// takes more than twenty rounds or more memory than there is, the last mesh that could be made:
 /// `reached` then says so. Throws as run_stress().
 struct AccurateShape {
   MadeShape shape;
