@@ -66,4 +66,23 @@ Points ConstrainedSolver::solve(const Points& F) const {
   return reduction_.expand(y);
 }
 
+Points ConstrainedSolver::solve_refined(const Points& F) const {
+  Points q = solve(F);
+  if (!reduction_.coupled()) return q;
+  using Long = long double;
+  const Eigen::Map<const VecX> x(q.data(), q.size()), f(F.data(), F.size());
+  Eigen::Matrix<Long, Eigen::Dynamic, 1> residual = f.cast<Long>();
+  for (long j = 0; j < K_.cols(); ++j)
+    for (SparseMatrix::InnerIterator it(K_, j); it; ++it) {
+      const Long k = it.value();
+      residual[it.row()] -= k * x[j];
+      if (it.row() != j) residual[j] -= k * x[it.row()];
+    }
+  MatX step = reduction_.D().transpose() * residual.cast<double>();
+  solve_reduced(step);
+  const VecX more = reduction_.D() * step;
+  q += Eigen::Map<const Points>(more.data(), q.rows(), 3);
+  return q;
+}
+
 }  // namespace batten

@@ -83,7 +83,7 @@ Points ShellModel::solve(const Points& F) const {
   if (F.rows() != shape_.rows())
     throw InputError("a load of " + std::to_string(F.rows()) + " dofs on a shell of " +
                      std::to_string(shape_.rows()));
-  return ties_.springs.empty() ? solver_.solve(F) : solver_.solve(F + ties_.springs.load());
+  return solver_.solve_refined(ties_.springs.empty() ? F : F + ties_.springs.load());
 }
 
 Points ShellModel::unbalanced(const Points& q, const Points& F) const {
