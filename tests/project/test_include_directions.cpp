@@ -58,6 +58,8 @@ const std::map<std::string, std::string> kForeign = {
     {"CGAL", "CGAL/"},
     {"Ceres", "ceres/"},
     {"Boost.Graph", "boost/"},
+    {"PETSc", "petsc"},
+    {"Spectra", "Spectra/"},
     {"VTK", "vtk"},
     {"toml++", "toml"},
     {"nlohmann-json", "nlohmann"},
@@ -82,8 +84,8 @@ struct File {
 std::vector<File> source_files() {
   const std::regex include_line("^\\s*#\\s*include\\s*[<\"]([^>\"]+)[>\"]");
   std::vector<File> files;
-  for (const char* folder : {"core", "elements", "fem", "constraints", "fairing", "skinning",
-                             "sculpting", "mesh", "io", "apps"})
+  for (const char* folder : {"core", "elements", "fem", "constraints", "analysis", "fairing",
+                             "skinning", "distributed", "sculpting", "mesh", "io", "apps"})
     for (const auto& entry : fs::recursive_directory_iterator(root / folder)) {
       if (entry.path().extension() != ".h" && entry.path().extension() != ".cpp") continue;
       File file{fs::relative(entry.path(), root).string(), {}};
