@@ -42,6 +42,7 @@ class AffineReduction {
 
   bool coupled() const { return coupled_; }
   /// Unknowns that stay free: of each coordinate, or of all three when coupled.
+  int dof_count() const { return dof_count_; }
   int free_count() const { return static_cast<int>(D_.cols()); }
   /// The dof behind each free unknown (0 … n-1, or 0 … 3n-1 of [x; y; z] when coupled).
   const std::vector<int>& free_dofs() const { return free_dofs_; }

@@ -39,8 +39,7 @@ void ConstrainedSolver::factor(SparseMatrix K) {
       cholesky_.analyze(reduced, reduction_.order_for(reduced, K_, dof_order_));
     if (!cholesky_.factorize(reduced)) throw NoSolutionError(cholesky_.message());
   }
-  const long dofs = reduction_.coupled() ? K_.rows() / 3 : K_.rows();
-  fixed_part_ = reduction_.reduce_load(K_, Points::Zero(dofs, 3));
+  fixed_part_ = reduction_.reduce_load(K_, Points::Zero(reduction_.dof_count(), 3));
 }
 
 Points ConstrainedSolver::solve(const Points& F) const {
@@ -68,7 +67,8 @@ Points ConstrainedSolver::solve(const Points& F) const {
 
 Points ConstrainedSolver::solve_refined(const Points& F) const {
   Points q = solve(F);
-  if (!reduction_.coupled()) return q;
+  if (K_.rows() != q.size())
+    throw InputError("solve_refined() needs a K over the stacked dofs, 3n by 3n");
   using Long = long double;
   const Eigen::Map<const VecX> x(q.data(), q.size()), f(F.data(), F.size());
   Eigen::Matrix<Long, Eigen::Dynamic, 1> residual = f.cast<Long>();

@@ -30,6 +30,7 @@ class ConstrainedSolver {
   /// The same for coupled systems whose soft motions are 1e8 times as soft as their stiff ones, such as
   /// thin shells: one step of iterative refinement, its residual F - K q in long double. What 16 digits
   /// of K tell is then right to some 10 digits, whatever factored it. Costs two solves and a product.
+  /// Throws InputError for a K that is not 3n×3n.
   Points solve_refined(const Points& F) const;
   /// The same on free unknowns: DᵀKD y = b, b becomes y.
   void solve_reduced(Eigen::Ref<MatX> b) const;

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "batten/io/decks/calculix.h"
+#include "batten/io/decks/deck_of_shell.h"
 #include "batten/skinning/facets/model_facets.h"
 
 namespace batten {

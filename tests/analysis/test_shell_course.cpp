@@ -231,6 +231,83 @@ TEST_CASE("the obstacle course comes out the same in one region, in two, and tri
   }
 }
 
+TEST_CASE(
+    "the skin of a sphere under pressure carries p R/2 both ways, better with each refinement") {
+  const double R = 2, t = 0.01, p = 3, E = 1000, nu = 0.3;
+  // R (a, b, 1 - a - b)/|…|: an octant.
+  const Piece octant{[R](double a, double b) {
+    const Vec3 y(a, b, 1 - a - b), y_a(1, 0, -1), y_b(0, 1, -1), n = y.normalized();
+    const auto along = [&](const Vec3& d) -> Vec3 { return R / y.norm() * (d - n.dot(d) * n); };
+    SurfaceJet j{};
+    j.x = R * n;
+    j.x_u = along(y_a);
+    j.x_v = along(y_b);
+    return j;
+  }};
+  const Vec3 x = Vec3::UnitX(), y = Vec3::UnitY(), z = Vec3::UnitZ();
+  double last = 1;
+  for (const double h : {0.6, 0.3, 0.15}) {
+    Patchwork sheet;
+    sheet.options.edge_length = h;
+    sheet.options.domain = SkinOptions::Domain::Plane;
+    for (const auto& [name, a, b] :
+         {std::tuple<const char*, Vec3, Vec3>{"zx", z, x}, {"xy", x, y}, {"yz", y, z}})
+      sheet.add(given_line(name, quarter(R * a, R * b), R, h));
+    sheet.region({"zx", "xy", "yz"});
+    const ModelLayout layout = sheet.model({});
+    const Points shape = over_plane(layout.region(0), octant);
+    const ShellModel shell(layout, shape,
+                           {{{ShellMaterial::isotropic(E, nu), t}},
+                            {LineSupport::symmetric("zx", y), LineSupport::symmetric("xy", z),
+                             LineSupport::symmetric("yz", x)},
+                            {},
+                            {}});
+    const Points q = shell.solve(area_force(
+        layout, shape, [p](const Vec3& at, const Vec3&) -> Vec3 { return p * at.normalized(); }));
+    double worst = 0;
+    const ShellStresses stresses(shell, q);
+    const Surface moved = layout.surface(q);
+    for (const Vec3& to : {Vec3(1, 1, 1), Vec3(2, 1, 1), Vec3(1, 3, 1)}) {
+      const ShellPlace place = nearest_place(layout, shape, R * to.normalized());
+      const auto [most, least] = principal(stresses.at(place.where).at(0));
+      worst = std::max(
+          {worst, std::abs(most * t / (p * R / 2) - 1), std::abs(least * t / (p * R / 2) - 1)});
+      CHECK(moved.position(place.where).norm() ==
+            Approx(p * R * R * (1 - nu) / (2 * E * t)).epsilon(0.02));
+    }
+    CHECK(worst < last);
+    last = worst / 2;
+  }
+  CHECK(last < 2e-3);
+}
+
+TEST_CASE("plates bend as theory says, clamped and simply supported") {
+  constexpr double t = 0.01, E = 1000, nu = 0.3, q = 1e-5;
+  const double D = E * t * t * t / (12 * (1 - nu * nu));
+  const Piece square{[](double a, double b) {
+    SurfaceJet j{};
+    j.x = {a, b, 0};
+    j.x_u = {1, 0, 0};
+    j.x_v = {0, 1, 0};
+    return j;
+  }};
+  for (const Cut cut : {Cut::One, Cut::Two, Cut::Trimmed})
+    for (const bool clamped : {true, false}) {
+      INFO(name(cut) << (clamped ? ", clamped" : ", simply supported"));
+      Shell s(square, 1, 0.08, cut, 0.55, {ShellMaterial::isotropic(E, nu), t});
+      for (const char* side : {"a0", "a1", "b0", "b1"})
+        for (const std::string& line : s.course.side(side))
+          s.definition.lines.push_back(clamped ? LineSupport::clamped(line)
+                                               : LineSupport::pinned(line));
+      const Answer a = s.answer(area_force(s.course.layout, s.course.shape,
+                                           [](const Vec3&, const Vec3&) -> Vec3 {
+                                             return {0, 0, -q};
+                                           }),
+                                s.nearest({0.5, 0.5, 0}), {0, 0, -1});
+      CHECK(a.displacement == Approx((clamped ? 0.00126532 : 0.00406235) * q / D).epsilon(5e-3));
+    }
+}
+
 TEST_CASE("the error estimate is right within a factor of two, also where elements lock") {
   for (const Cut cut : {Cut::One, Cut::Two, Cut::Trimmed}) {
     INFO(name(cut));
