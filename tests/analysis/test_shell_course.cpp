@@ -128,6 +128,7 @@ struct Course {
   Course(const Piece& piece, double size, double h, Cut cut, double middle)
       : patchwork(lines(piece, size, h, cut, middle)), layout(patchwork.model({})) {
     shape = cut == Cut::Trimmed ? over_plane(layout.region(0), piece) : natural_dofs(layout);
+    if (shape.rows() == 0) shape = layout.all_dofs(patchwork.first);  // a plane
   }
   // The parts of a side.
   std::vector<std::string> side(const std::string& name) const {
