@@ -37,6 +37,7 @@ struct ElasticSupport {
   double normal = 0;              ///< of an area: along its normal (an elastic foundation)
 };
 
+/// All of a shell but its shape and its loads.
 struct ShellDefinition {
   std::vector<ShellSection> sections;  ///< one, or one for each region
   std::vector<LineSupport> lines;

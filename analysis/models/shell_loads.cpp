@@ -25,8 +25,8 @@ const TabulatedRule& load_rule(TriangleElement kind) {
   const auto corner = [](const Vec3& p) {
     return "[" + number(p.x()) + ", " + number(p.y()) + ", " + number(p.z()) + "]";
   };
-  throw InputError("found nothing in the box from " + corner(box.min()) + " to " +
-                   corner(box.max()) + ", expected a box that holds a part of it");
+  throw EmptyPartError("found nothing in the box from " + corner(box.min()) + " to " +
+                       corner(box.max()) + ", expected a box that holds a part of it");
 }
 
 // Σ force(place) over a part, on the functions there.

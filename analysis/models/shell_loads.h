@@ -8,6 +8,7 @@
 
 #include "batten/analysis/shell_section.h"
 #include "batten/core/box.h"
+#include "batten/core/errors.h"
 #include "batten/skinning/model/model_layout.h"
 
 namespace batten {
@@ -19,6 +20,12 @@ struct ShellPart {
       {};  ///< what lies in it only; its border is met to a 32nd of an element
 };
 
+/// A part that holds nothing of the surface.
+class EmptyPartError : public InputError {
+ public:
+  using InputError::InputError;
+};
+
 // Each returns F, n×3 over the dofs of the model, whose work with a displacement q is Σ F_m · q_m.
 // `shape`: absolute dofs of the middle surface. Sums of loads are loads.
 
@@ -27,7 +34,7 @@ using AreaForce = std::function<Vec3(const Vec3& x, const Vec3& n)>;
 
 /// F = ∬ N f(x, n) dA over the inside of a part. A pressure p is f = p n (it pushes along the
 /// normal). By quadrature, of degree 6 or better; f is called on one thread. Throws InputError for a
-/// region out of range, or a box that holds no place of the surface.
+/// region out of range; EmptyPartError: a box that holds no place of the surface.
 Points area_force(const ModelLayout& model, const Points& shape, const AreaForce& force,
                   const ShellPart& part = {});
 
@@ -37,7 +44,7 @@ Points weight(const ModelLayout& model, const Points& shape,
               const std::vector<ShellSection>& sections, const Vec3& acceleration);
 
 /// F of a force per length along a line, or along what of it lies in a box. Throws InputError: no
-/// such line (with the nearest name), a box that holds nothing of it.
+/// such line (with the nearest name); EmptyPartError: a box that holds nothing of it.
 Points line_force(const ModelLayout& model, const Points& shape, const std::string& line,
                   const Vec3& per_length, const std::optional<Box3>& box = {});
 

@@ -170,7 +170,7 @@ TEST_CASE("parts in boxes and painted thickness") {
           {"a rotation without a line"});
   refused(bad, kSteel + "supports = [{line = \"a\", point = [0, 0, 0]}]", 1, {"several places"});
   refused(bad, kSteel + kClamped + "loads = [{pressure = 1, box = [[7, 7, 7], [8, 8, 8]]}]", 1,
-          {"nothing in the box from [7, 7, 7] to [8, 8, 8]"});
+          {"s.toml:21", "nothing in the box from [7, 7, 7] to [8, 8, 8]"});
   refused(bad, kSteel + kClamped + "thicknesses = [{thickness = 2}]", 1,
           {"a thickness without its place"});
 }

@@ -228,7 +228,11 @@ std::map<std::string, Points> loads_of(const Scene& scene, const ModelLayout& la
   std::map<std::string, Points> loads;
   for (const SceneStress::Load& load : scene.stress->loads) {
     Points& sum = loads.try_emplace(load.load_case, Points::Zero(shape.rows(), 3)).first->second;
-    sum += load_of(scene, layout, shape, definition, load);
+    try {
+      sum += load_of(scene, layout, shape, definition, load);
+    } catch (const EmptyPartError& e) {
+      throw InputError(scene.at(load.place) + e.what());
+    }
   }
   return loads;
 }
