@@ -8,11 +8,12 @@
 #include <optional>
 #include <string>
 
-#include "batten/analysis/models/shell_loads.h"
+#include "batten/analysis/models/shell_part.h"
 #include "batten/core/errors.h"
 #include "batten/elements/c1_triangle.h"
 #include "batten/elements/reference_triangle.h"
 #include "batten/skinning/model/join_edge.h"
+#include "batten/skinning/model/model_layout.h"
 
 namespace batten {
 

@@ -1,10 +1,10 @@
 // What a shell is made of and how it is held.
 #pragma once
 
-#include <optional>
 #include <string>
 #include <vector>
 
+#include "batten/analysis/models/elastic_supports.h"
 #include "batten/analysis/models/line_supports.h"
 #include "batten/analysis/models/shell_loads.h"
 
@@ -25,16 +25,6 @@ struct AreaSupport {
   ShellPart part;
   std::vector<Vec3> directions;      ///< any length but zero
   Vec3 displacement = Vec3::Zero();  ///< in those directions
-};
-
-/// Springs that hold a shell at a place, per length of a line or per area of a part.
-struct ElasticSupport {
-  std::string name;
-  std::optional<ShellPlace> place;  ///< of a point; else
-  std::string line;                 ///< of a line, as far as it lies in the part's box; "": an area
-  ShellPart part;
-  Vec3 stiffness = Vec3::Zero();  ///< along x, y, z: force over displacement, or per length or area
-  double normal = 0;              ///< of an area: along its normal (an elastic foundation)
 };
 
 /// All of a shell but its shape and its loads.

@@ -6,25 +6,11 @@
 #include <string>
 #include <vector>
 
+#include "batten/analysis/models/shell_part.h"
 #include "batten/analysis/shell_section.h"
-#include "batten/core/box.h"
-#include "batten/core/errors.h"
 #include "batten/skinning/model/model_layout.h"
 
 namespace batten {
-
-/// A part of the surface of a model, on which something acts, or where something holds it.
-struct ShellPart {
-  std::vector<int> regions = {};  ///< none: all
-  std::optional<Box3> box =
-      {};  ///< what lies in it only; its border is met to a 32nd of an element
-};
-
-/// A part that holds nothing of the surface.
-class EmptyPartError : public InputError {
- public:
-  using InputError::InputError;
-};
 
 // Each returns F, n×3 over the dofs of the model, whose work with a displacement q is Σ F_m · q_m.
 // `shape`: absolute dofs of the middle surface. Sums of loads are loads.
