@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <cmath>
+#include <optional>
 
 #include "batten/analysis/shell_triangle.h"
 #include "batten/core/errors.h"
