@@ -104,17 +104,19 @@ void ShellAssembler::add(int t, const TabulatedRule& rule, double factor, Elemen
 }
 
 // Second derivatives of HCT functions are linear, those of Z12 functions rational.
-TabulatedRule ShellAssembler::cut_rule(int t) const {
-  const int degree = surface_.kind() == TriangleElement::HCT ? 4 : 8;
-  return {surface_.kind(), surface_.trim()->rule(t, degree)};
-}
+int ShellAssembler::cut_degree() const { return surface_.kind() == TriangleElement::HCT ? 4 : 8; }
 
 void ShellAssembler::visit_inside(int t, const PointVisit& visit) const {
+  visit_inside(t, whole_rule(surface_.kind()), cut_degree(), visit);
+}
+
+void ShellAssembler::visit_inside(int t, const TabulatedRule& whole, int degree,
+                                  const PointVisit& visit) const {
   const Trim* trim = surface_.trim().get();
   if (trim && trim->side(t) == Trim::Side::Outside) return;
   std::optional<TabulatedRule> cut;
-  if (trim && trim->side(t) == Trim::Side::Cut) cut = cut_rule(t);
-  const TabulatedRule& points = cut ? *cut : whole_rule(surface_.kind());
+  if (trim && trim->side(t) == Trim::Side::Cut) cut.emplace(surface_.kind(), trim->rule(t, degree));
+  const TabulatedRule& points = cut ? *cut : whole;
   const ShellTriangle triangle(surface_, t, section(t).along);
   for (long p = 0; p < points.rule.weights.size(); ++p) {
     const ShellPoint at = triangle.point(points.functions[p]);
@@ -141,7 +143,8 @@ SparseMatrix ShellAssembler::stiffness() const {
         const bool cut = trim && trim->side(t) == Trim::Side::Cut;
         const bool outside = trim && trim->side(t) == Trim::Side::Outside;
         add(t, whole, cut || outside ? outside_ : 1, K);
-        if (cut) add(t, cut_rule(t), 1 - outside_, K);
+        if (cut)
+          add(t, TabulatedRule(surface_.kind(), trim->rule(t, cut_degree())), 1 - outside_, K);
         mapped = K.selfadjointView<Eigen::Lower>();
       },
       result);

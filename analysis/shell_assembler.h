@@ -64,6 +64,9 @@ class ShellAssembler {
       std::function<void(const ShellTriangle& triangle, const ReferenceTabulation& functions,
                          const ShellPoint& point, const Vec3& L, double area)>;
   void visit_inside(int triangle, const PointVisit& visit) const;
+  /// The same at points of another rule, and in cut triangles of their rule of a degree.
+  void visit_inside(int triangle, const TabulatedRule& whole, int degree,
+                    const PointVisit& visit) const;
   /// Dofs of a displacement on one triangle.
   Eigen::Matrix<double, 12, 3> dofs_on(const Points& q, int triangle) const;
 
@@ -78,7 +81,7 @@ class ShellAssembler {
   // Calls visit(N, point, L, weight) at the points of a rule; the weight is an area of the surface.
   template <class Visit>
   void for_points(int triangle, const TabulatedRule& rule, const Visit& visit) const;
-  TabulatedRule cut_rule(int triangle) const;
+  int cut_degree() const;
   // Adds the integral over a rule, times `factor`, to the lower triangle of K.
   void add(int triangle, const TabulatedRule& rule, double factor, ElementMatrix& K) const;
   // A matrix of one coordinate, integrated over the inside; add(triangle, rule, K) of a part.

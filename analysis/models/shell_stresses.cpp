@@ -67,30 +67,24 @@ ShellStress ShellStresses::raw(const Location& where) const {
 // At the centroids of sub-triangles; in a triangle that is cut, at points of its inside.
 void ShellStresses::take_samples() {
   const ShellAssembler& shell = shell_.assembler();
-  const Surface& surface = shell.surface();
-  const Trim* trim = surface.trim().get();
   TriangleRule centroids{Eigen::Matrix<double, 3, 3>::Constant(4.0 / 9),
                          VecX::Constant(3, 1.0 / 3)};
   for (int i = 0; i < 3; ++i) centroids.L(i, i) = 1.0 / 9;
-  const TabulatedRule whole(surface.kind(), centroids);
-  samples_.resize(surface.mesh().triangle_count());
-  for_each_in_chunks<64>(surface.mesh().triangle_count(), [&](int t) {
-    if (trim && trim->side(t) == Trim::Side::Outside) return;
-    std::optional<TabulatedRule> cut;
-    if (trim && trim->side(t) == Trim::Side::Cut) cut.emplace(surface.kind(), trim->rule(t, 2));
-    const TabulatedRule& points = cut ? *cut : whole;
-    const ShellTriangle triangle(surface, t, shell.section(t).along);
-    const ShellTriangle::Dofs q = triangle.reference(shell.dofs_on(q_, t));
-    for (long p = 0; p < points.rule.weights.size(); ++p) {
-      const Location where{t, points.rule.L.row(p).transpose()};
-      const ShellPoint at = triangle.point(points.functions[p]);
-      const auto own =
-          shell.resultants(t, where.L, at.strain(triangle.jet(q, points.functions[p])));
-      Sample sample{where, points.rule.weights[p] * triangle.parametric_area() * at.jacobian(),
-                    Parts::Zero()};
-      sample.parts << packed(in_space(own.forces, at)), packed(in_space(own.moments, at));
-      samples_[t].push_back(sample);
-    }
+  const TabulatedRule whole(shell.surface().kind(), centroids);
+  constexpr int degree = 2;
+  samples_.resize(shell.surface().mesh().triangle_count());
+  for_each_in_chunks<64>(count_of(samples_), [&](int t) {
+    std::optional<ShellTriangle::Dofs> q;
+    shell.visit_inside(
+        t, whole, degree,
+        [&](const ShellTriangle& triangle, const ReferenceTabulation& functions,
+            const ShellPoint& at, const Vec3& L, double area) {
+          if (!q) q = triangle.reference(shell.dofs_on(q_, t));
+          const auto own = shell.resultants(t, L, at.strain(triangle.jet(*q, functions)));
+          Sample sample{{t, L}, area, Parts::Zero()};
+          sample.parts << packed(in_space(own.forces, at)), packed(in_space(own.moments, at));
+          samples_[t].push_back(sample);
+        });
   });
 }
 
