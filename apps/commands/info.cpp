@@ -13,12 +13,12 @@
 #include "batten/fairing/arc_length.h"
 #include "batten/fairing/curve_fit.h"
 #include "batten/fairing/fair_curve.h"
-#include "batten/io/cad/step.h"
 #include "batten/io/files/in_child.h"
 #include "batten/io/files/input_file.h"
 #include "batten/io/files/length_units.h"
 #include "batten/io/files/text.h"
 #include "batten/io/files/whole_file.h"
+#include "batten/io/lines/cad_calls.h"
 #include "batten/io/meshes/mesh_file.h"
 #include "batten/io/pictures/curve_pictures.h"
 #include "batten/io/pictures/display.h"
@@ -251,7 +251,7 @@ bool is_mesh_file(const std::filesystem::path& file) {
 
 // "" for a file without faces.
 std::string step_text(const std::filesystem::path& file, const std::string& unit) {
-  const StepReport step = check_step(file, unit_in_metres(unit));
+  const StepReport step = cad_calls().check_step(file, unit_in_metres(unit), {});
   if (step.faces == 0) return "";
   return std::to_string(step.faces) + " faces in " + std::to_string(step.shells) +
          " shells, lengths in " + unit + "\n  " + (step.valid ? "valid" : "NOT valid") + ", area " +

@@ -21,7 +21,7 @@
 #include "batten/io/files/text.h"
 #include "batten/io/files/toml_table.h"
 #include "batten/io/files/whole_file.h"
-#include "batten/io/lines/curve_cad.h"
+#include "batten/io/lines/cad_calls.h"
 #include "batten/io/vtk/vtk_write.h"
 
 namespace batten {
@@ -220,7 +220,7 @@ std::vector<std::string> write_curves(const fs::path& path, const std::vector<Na
                                : least == 2 ? "lines of two points or more"
                                             : "lines with points");
   if (cad)
-    write_cad_curves(path, lines, model_unit_in_metres, ending.starts_with(".ig"));
+    cad_calls().write_cad_curves(path, lines, model_unit_in_metres, ending.starts_with(".ig"));
   else
     write_whole_file(path, [&](std::ostream& out) {
       ending == ".csv"   ? write_csv(out, lines)

@@ -10,7 +10,7 @@
 #include "batten/io/files/input_file.h"
 #include "batten/io/files/length_units.h"
 #include "batten/io/files/text.h"
-#include "batten/io/lines/cad_lines.h"
+#include "batten/io/lines/cad_calls.h"
 #include "batten/io/lines/drawing_lines.h"
 #include "batten/io/lines/point_lines.h"
 #include "batten/io/lines/sketch_graph.h"
@@ -238,7 +238,7 @@ std::vector<SourceLine> read_source_file(const std::filesystem::path& file, cons
     return lines;
   }
   if (line_file_kind(file) == LineFileKind::Cad) {
-    for (const CharacterLine& line : read_cad_lines(file, model))
+    for (const CharacterLine& line : cad_calls().read_cad_lines(file, model))
       lines.push_back({line.name, file.string() + ": ", {}, line.curve});
     return lines;
   }

@@ -1,10 +1,9 @@
 #include "batten/apps/commands/runs/distributed.h"
 
-#include <dlfcn.h>
-
 #include <cstdlib>
 #include <filesystem>
 
+#include "batten/apps/commands/runs/module_file.h"
 #include "batten/core/errors.h"
 #include "batten/distributed/module.h"
 
@@ -17,21 +16,11 @@ struct Distributed::Module {
 
 namespace {
 
-namespace fs = std::filesystem;
-
 // Processes of this run, as Open MPI and MPICH tell them.
 int process_count() {
   for (const char* name : {"OMPI_COMM_WORLD_SIZE", "PMI_SIZE"})
     if (const char* value = std::getenv(name)) return std::atoi(value);
   return 1;
-}
-
-fs::path module_file() {
-  std::error_code none;
-  const fs::path program = fs::read_symlink("/proc/self/exe", none).parent_path();
-  for (const fs::path& folder : {program, program / ".." / BATTEN_LIBDIR / "batten"})
-    if (fs::exists(folder / "batten_petsc.so", none)) return folder / "batten_petsc.so";
-  return {};
 }
 
 class SharedFactor : public OtherFactor {
@@ -64,18 +53,14 @@ class SharedFactor : public OtherFactor {
 
 std::unique_ptr<Distributed> Distributed::of_this_run() {
   if (process_count() < 2) return nullptr;
-  const fs::path file = module_file();
+  const std::filesystem::path file = module_file("batten_petsc.so");
   if (file.empty())
     throw InputError("found " + std::to_string(process_count()) +
                      " processes, expected one: this batten was built without PETSc "
                      "(libpetsc-real-dev)");
   // Open MPI's own parts look for its symbols among all.
-  void* library = dlopen(file.c_str(), RTLD_NOW | RTLD_GLOBAL);
-  const auto start =
-      library
-          ? reinterpret_cast<decltype(&batten_distributed)>(dlsym(library, "batten_distributed"))
-          : nullptr;
-  if (!start) throw InputError(file.string() + " cannot be loaded: " + dlerror());
+  const auto start = reinterpret_cast<decltype(&batten_distributed)>(
+      module_entry(file, "batten_distributed", true));
   auto module = std::make_unique<Module>();
   if (const char* failed = start(&module->calls)) throw InputError(failed);
   return std::unique_ptr<Distributed>(new Distributed(std::move(module)));

@@ -12,11 +12,9 @@
 #include "batten/core/box.h"
 #include "batten/core/errors.h"
 #include "batten/core/index.h"
-#include "batten/io/cad/step.h"
-#include "batten/io/cad/step_face.h"
 #include "batten/io/decks/calculix.h"
 #include "batten/io/files/length_units.h"
-#include "batten/io/lines/cad_lines.h"
+#include "batten/io/lines/cad_calls.h"
 #include "batten/io/vtk/vtk_files.h"
 
 namespace batten {
@@ -52,7 +50,7 @@ namespace {
 // The root mean square is taken over the area of the surfaces.
 void compare_into(Report& report, const Scene& scene,
                   const std::vector<const SkinnedRegion*>& regions, const Progress& progress) {
-  const auto faces = read_cad_surfaces(scene.compare, unit_in_metres(scene.unit));
+  const auto faces = cad_calls().read_cad_surfaces(scene.compare, unit_in_metres(scene.unit));
   if (faces.empty())
     throw InputError(scene.compare.string() + ": found no faces, expected some to compare with");
   const TriangleRule whole = split_triangle(2);
@@ -74,7 +72,7 @@ void compare_into(Report& report, const Scene& scene,
       for (long p = 0; p < rule.weights.size(); ++p) {
         if (!(rule.weights[p] > 0)) continue;
         const SurfaceJet jet = surface.jet({t, rule.L.row(p).transpose()});
-        const double nearest = distance(faces, jet.x, first);
+        const double nearest = cad_calls().distance(faces, jet.x, first);
         const double weight = rule.weights[p] * mesh.shape(t).area * jet.area_vector().norm();
         squares += weight * nearest * nearest;
         area += weight;
@@ -161,13 +159,14 @@ Regions with_faces(Report& report, const SurfaceModel& model) {
 StepReport exact_step(Report& report, const Scene& scene,
                       const std::vector<const SkinnedRegion*>& regions,
                       const std::filesystem::path& file) {
-  const std::string warning = step_size_warning(regions);
+  const std::string warning = cad_calls().step_size_warning(regions);
   if (!warning.empty())
     report.warnings.push_back(warning + "; step_form = \"face\" makes one face of each region");
   StepOptions options;
   options.name = scene.name;
   options.z12_as_hct = true;
-  const StepReport step = write_step(file, regions, unit_in_metres(scene.unit), options);
+  const StepReport step =
+      cad_calls().write_step(file, regions, unit_in_metres(scene.unit), options);
   if (step.unmeasured > 0)
     report.missed.push_back(
         {"step", "has " + std::to_string(step.unmeasured) + " places that could not be measured"});
@@ -186,7 +185,8 @@ StepReport face_step(Report& report, const Scene& scene,
   options.name = scene.name;
   constexpr double usual = 1e-4;
   options.tolerance = scene.step_tolerance > 0 ? scene.step_tolerance : usual * report.surface.size;
-  const StepReport step = write_step_faces(file, regions, unit_in_metres(scene.unit), options);
+  const StepReport step =
+      cad_calls().write_step_faces(file, regions, unit_in_metres(scene.unit), options);
   report.step->tolerance = options.tolerance;
   for (const StepPatch& patch : step.patches) {
     report.step->poles_u = std::max(report.step->poles_u, patch.poles_u);

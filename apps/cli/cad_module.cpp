@@ -1,0 +1,20 @@
+// The program's cad_calls(): OpenCASCADE comes with a module, at the first call.
+#include "batten/apps/commands/runs/module_file.h"
+#include "batten/core/errors.h"
+#include "batten/io/lines/cad_calls.h"
+
+namespace batten {
+
+const CadCalls& cad_calls() {
+  static const CadCalls& calls = []() -> const CadCalls& {
+    const std::string name = "batten_cad.so";
+    const auto file = module_file(name);
+    if (file.empty())
+      throw InputError(name + ": not found beside the program or in " BATTEN_LIBDIR
+                              "/batten, expected for STEP and IGES files");
+    return *reinterpret_cast<const CadCalls* (*)()>(module_entry(file, "batten_cad"))();
+  }();
+  return calls;
+}
+
+}  // namespace batten

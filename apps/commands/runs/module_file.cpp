@@ -1,0 +1,25 @@
+#include "batten/apps/commands/runs/module_file.h"
+
+#include <dlfcn.h>
+
+#include "batten/core/errors.h"
+
+namespace batten {
+namespace fs = std::filesystem;
+
+fs::path module_file(const std::string& name) {
+  std::error_code none;
+  const fs::path program = fs::read_symlink("/proc/self/exe", none).parent_path();
+  for (const fs::path& folder : {program, program / ".." / BATTEN_LIBDIR / "batten"})
+    if (fs::exists(folder / name, none)) return folder / name;
+  return {};
+}
+
+void* module_entry(const fs::path& file, const char* function, bool global) {
+  void* library = dlopen(file.c_str(), global ? RTLD_NOW | RTLD_GLOBAL : RTLD_LAZY | RTLD_LOCAL);
+  void* entry = library ? dlsym(library, function) : nullptr;
+  if (!entry) throw InputError(file.string() + " cannot be loaded: " + dlerror());
+  return entry;
+}
+
+}  // namespace batten

@@ -1,0 +1,17 @@
+// Modules: parts of the program that are loaded when they are needed.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+namespace batten {
+
+/// Where the module of this name lies: beside the program, as in a build, or in lib/batten, as
+/// installed; empty where it was not built.
+std::filesystem::path module_file(const std::string& name);
+
+/// Loads a module and finds the function by which it is entered. `global`: all libraries that are loaded
+/// later see its symbols. Throws InputError with the linker's reason.
+void* module_entry(const std::filesystem::path& file, const char* function, bool global = false);
+
+}  // namespace batten

@@ -1,0 +1,30 @@
+// What programs use of OpenCASCADE, as one table: linked in, or in a module that a program loads at
+// the first call. Internal.
+#pragma once
+
+#include "batten/io/cad/step.h"
+#include "batten/io/cad/step_face.h"
+#include "batten/io/lines/cad_lines.h"
+#include "batten/io/lines/curve_cad.h"
+
+namespace batten {
+
+struct CadCalls {
+  decltype(&batten::write_step) write_step;
+  decltype(&batten::write_step_faces) write_step_faces;
+  decltype(&batten::step_size_warning) step_size_warning;
+  decltype(&batten::check_step) check_step;
+  decltype(&batten::read_cad_lines) read_cad_lines;
+  decltype(&batten::read_cad_surfaces) read_cad_surfaces;
+  decltype(&batten::write_cad_curves) write_cad_curves;
+  double (*distance)(const std::vector<StoredSurface>& faces, const Vec3& p, size_t& first);
+};
+
+/// The table of this program. A program that defines it itself, as `batten` does, leaves
+/// OpenCASCADE's 16 libraries out of its start, which take half of it.
+const CadCalls& cad_calls();
+
+/// The functions that are linked here.
+const CadCalls& linked_cad();
+
+}  // namespace batten

@@ -1,0 +1,11 @@
+#include "batten/io/lines/cad_calls.h"
+
+namespace batten {
+
+const CadCalls& linked_cad() {
+  static const CadCalls calls{&write_step,     &write_step_faces,  &step_size_warning, &check_step,
+                              &read_cad_lines, &read_cad_surfaces, &write_cad_curves,  &distance};
+  return calls;
+}
+
+}  // namespace batten
