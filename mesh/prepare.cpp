@@ -5,6 +5,7 @@
 
 #include "batten/core/errors.h"
 #include "batten/core/index.h"
+#include "batten/mesh/sheets.h"
 
 namespace batten {
 namespace {
@@ -141,129 +142,14 @@ class Splitter {
 
 /// The triangles that are left after repairs, and what was found on the way.
 struct Work {
-  std::vector<std::array<int, 3>> triangles;
   std::vector<int> face_of;
+  Sheets sheets;
   MeshDiagnosis found;
 };
 
 template <class T>
 void note(std::vector<T>& list, const T& item) {
   if (list.size() < kListed) list.push_back(item);
-}
-
-/// The triangle across an edge.
-struct Link {
-  int other;
-  bool turned;  ///< it runs through the edge in the same direction
-};
-using Links = std::vector<std::vector<Link>>;  // of each triangle
-
-/// Who lies across which edge; boundary and non-manifold edges are counted.
-Links find_links(Work& work) {
-  struct Side {
-    std::array<int, 2> edge;
-    int triangle;
-    bool forward;
-  };
-  std::vector<Side> sides;
-  for (int t = 0; t < count_of(work.triangles); ++t)
-    for (int c = 0; c < 3; ++c) {
-      const int a = work.triangles[t][c], b = work.triangles[t][(c + 1) % 3];
-      sides.push_back({{std::min(a, b), std::max(a, b)}, t, a < b});
-    }
-  std::sort(sides.begin(), sides.end(), [](const Side& x, const Side& y) {
-    return std::pair(x.edge, x.triangle) < std::pair(y.edge, y.triangle);
-  });
-  Links links(work.triangles.size());
-  MeshDiagnosis& found = work.found;
-  for (size_t i = 0; i < sides.size();) {
-    size_t end = i + 1;
-    while (end < sides.size() && sides[end].edge == sides[i].edge) ++end;
-    if (end - i == 2) {
-      const bool turned = sides[i].forward == sides[i + 1].forward;
-      links[sides[i].triangle].push_back({sides[i + 1].triangle, turned});
-      links[sides[i + 1].triangle].push_back({sides[i].triangle, turned});
-    }
-    if (end - i > 2) {
-      ++found.non_manifold_edge_count;
-      note(found.non_manifold_edges, sides[i].edge);
-    }
-    i = end;
-  }
-  return links;
-}
-
-/// Faces turned so that neighbours run through their common edge in opposite directions.
-void orient(Work& work, const Links& links) {
-  MeshDiagnosis& found = work.found;
-  std::vector<int> turn(work.triangles.size(), -1), stack;
-  for (size_t seed = 0; seed < turn.size(); ++seed) {
-    if (turn[seed] >= 0) continue;
-    ++found.components;
-    turn[seed] = 0;
-    stack.push_back(static_cast<int>(seed));
-    while (!stack.empty()) {
-      const int t = stack.back();
-      stack.pop_back();
-      for (const Link& link : links[t]) {
-        const int wanted = turn[t] ^ static_cast<int>(link.turned);
-        if (turn[link.other] < 0) {
-          turn[link.other] = wanted;
-          stack.push_back(link.other);
-        } else if (turn[link.other] != wanted) {
-          found.orientable = false;
-        }
-      }
-    }
-  }
-  std::vector<char> face_turned(
-      work.face_of.empty() ? 0 : *std::max_element(work.face_of.begin(), work.face_of.end()) + 1,
-      0);
-  for (size_t t = 0; t < turn.size(); ++t)
-    if (turn[t] == 1) {
-      std::swap(work.triangles[t][1], work.triangles[t][2]);
-      face_turned[work.face_of[t]] = 1;
-    }
-  found.turned_faces = static_cast<int>(std::count(face_turned.begin(), face_turned.end(), 1));
-}
-
-/// Whether two linked triangles x and y have a common edge that ends at v.
-bool share_edge_at(int v, const std::array<int, 3>& x, const std::array<int, 3>& y) {
-  const auto in_y = [&](int w) { return std::find(y.begin(), y.end(), w) != y.end(); };
-  return in_y(v) && std::any_of(x.begin(), x.end(), [&](int w) { return w != v && in_y(w); });
-}
-
-/// Fans: triangles around a vertex that are linked by edges at it. Vertices with several are noted.
-void count_fans(Work& work, const Links& links, int node_count) {
-  std::vector<std::vector<int>> around(node_count);
-  for (int t = 0; t < count_of(work.triangles); ++t)
-    for (const int v : work.triangles[t]) around[v].push_back(t);
-  std::vector<int> stack;
-  std::vector<char> seen(work.triangles.size(), 0);
-  for (int v = 0; v < node_count; ++v) {
-    int fans = 0;
-    for (const int seed : around[v]) {
-      if (seen[seed]) continue;
-      ++fans;
-      seen[seed] = 1;
-      stack.push_back(seed);
-      while (!stack.empty()) {
-        const int t = stack.back();
-        stack.pop_back();
-        for (const Link& link : links[t]) {
-          if (seen[link.other] || !share_edge_at(v, work.triangles[t], work.triangles[link.other]))
-            continue;
-          seen[link.other] = 1;
-          stack.push_back(link.other);
-        }
-      }
-    }
-    for (const int t : around[v]) seen[t] = 0;
-    if (fans > 1) {
-      ++work.found.non_manifold_vertex_count;
-      note(work.found.non_manifold_vertices, v);
-    }
-  }
 }
 
 /// Throws InputError for indices out of range; notes nodes of no face, and bad ones.
@@ -322,6 +208,23 @@ bool has_no_area(const Points& points, const std::array<int, 3>& t) {
   return !((q - p).cross(r - p).norm() > kFlat * longest);
 }
 
+void note_sheets(Work& work) {
+  const Sheets& sheets = work.sheets;
+  MeshDiagnosis& found = work.found;
+  found.components = sheets.parts;
+  found.sheets = sheets.count;
+  found.orientable = sheets.cut_edges == 0;
+  found.joint_edge_count = count_of(sheets.joint_edges);
+  for (const auto& edge : sheets.joint_edges) note(found.joint_edges, edge);
+  found.touching_node_count = count_of(sheets.touching_nodes);
+  for (const int v : sheets.touching_nodes) note(found.touching_nodes, v);
+  std::vector<int> faces;
+  for (size_t t = 0; t < sheets.turned.size(); ++t)
+    if (sheets.turned[t] && (faces.empty() || faces.back() != work.face_of[t]))
+      faces.push_back(work.face_of[t]);
+  found.turned_faces = count_of(faces);
+}
+
 Work examine(const ShellMesh& shells) {
   Work work;
   MeshDiagnosis& found = work.found;
@@ -329,18 +232,18 @@ Work examine(const ShellMesh& shells) {
   if (!found.bad_nodes.empty()) return work;
   const std::vector<char> dropped = faces_to_drop(shells, found);
   Splitter splitter(shells.points);
+  std::vector<std::array<int, 3>> triangles;
   for (int f = 0; f < shells.face_count(); ++f) {
     if (dropped[f]) continue;
     // A second-order element that lost a corner or a middle node is taken by its corners.
     const std::vector<int> all(shells.face(f).begin(), shells.face(f).end());
     const bool second = shells.second_order(f) && simple(all);
-    splitter.split(second ? shells.face(f) : shells.corners(f), second, work.triangles);
-    work.face_of.resize(work.triangles.size(), f);
+    splitter.split(second ? shells.face(f) : shells.corners(f), second, triangles);
+    work.face_of.resize(triangles.size(), f);
   }
-  for (const auto& t : work.triangles) found.zero_area_triangles += has_no_area(shells.points, t);
-  const Links links = find_links(work);
-  orient(work, links);
-  count_fans(work, links, shells.node_count());
+  for (const auto& t : triangles) found.zero_area_triangles += has_no_area(shells.points, t);
+  work.sheets = find_sheets(shells.points, std::move(triangles));
+  note_sheets(work);
   return work;
 }
 
@@ -355,24 +258,14 @@ PreparedMesh prepare(const ShellMesh& shells, const std::function<std::string(in
   if (shells.face_count() == 0) throw InputError("found no faces, expected a surface mesh");
   if (!d.bad_nodes.empty())
     throw InputError("node " + name(d.bad_nodes[0]) + " has a coordinate that is not finite");
-  if (work.triangles.empty())
+  if (work.face_of.empty())
     throw InputError("all " + counted(shells.face_count(), "face") +
                      " have fewer than three different corners");
-  if (d.non_manifold_edge_count > 0) {
-    const auto& [a, b] = d.non_manifold_edges[0];
-    throw InputError("found " + counted(d.non_manifold_edge_count, "edge") +
-                     " of more than two faces (the first between nodes " + name(a) + " and " +
-                     name(b) + "), expected a manifold surface");
-  }
-  if (!d.orientable)
-    throw InputError("the mesh cannot be oriented, it has one side only (as a Möbius strip)");
-  if (d.non_manifold_vertex_count > 0)
-    throw InputError("found " + counted(d.non_manifold_vertex_count, "node") +
-                     " where parts of the mesh touch without a common edge (the first is node " +
-                     name(d.non_manifold_vertices[0]) + "), expected a manifold surface");
   if (d.zero_area_triangles > 0) {
-    const auto& t = *std::find_if(work.triangles.begin(), work.triangles.end(),
-                                  [&](const auto& x) { return has_no_area(shells.points, x); });
+    auto t = *std::find_if(
+        work.sheets.triangles.begin(), work.sheets.triangles.end(),
+        [&](const auto& x) { return has_no_area(shells.points, work.sheets.nodes_of(x)); });
+    t = work.sheets.nodes_of(t);
     throw InputError("found " + counted(d.zero_area_triangles, "triangle") +
                      " without area (the first has nodes " + name(t[0]) + ", " + name(t[1]) + ", " +
                      name(t[2]) + ")");
@@ -388,7 +281,20 @@ PreparedMesh prepare(const ShellMesh& shells, const std::function<std::string(in
   say(d.unused_nodes, "node", "of no face");
   say(d.coincident_nodes, "node", "at the place of another one: the surface is open there");
   if (d.components > 1) notes.push_back("the mesh has " + std::to_string(d.components) + " parts");
-  TriangleMesh mesh(shells.points, std::move(work.triangles));
+  if (d.joint_edge_count > 0)
+    notes.push_back(counted(d.joint_edge_count, "edge") +
+                    " of three faces or more (the first between nodes " +
+                    name(d.joint_edges[0][0]) + " and " + name(d.joint_edges[0][1]) +
+                    "): sheets end there, joined");
+  if (d.touching_node_count > 0)
+    notes.push_back(counted(d.touching_node_count, "node") +
+                    " where sheets touch (the first is node " + name(d.touching_nodes[0]) +
+                    "): joined there");
+  if (!d.orientable)
+    notes.push_back("a sheet with one side only (as a Möbius strip) is cut open along " +
+                    counted(work.sheets.cut_edges, "edge") + " in the computation");
+  TriangleMesh mesh(shells.points, std::move(work.sheets.triangles),
+                    std::move(work.sheets.node_of_more));
   return {std::move(mesh), std::move(work.face_of), d, std::move(notes)};
 }
 

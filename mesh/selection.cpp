@@ -53,10 +53,12 @@ class Fronts {
         straight_(mesh.vertex_count(), 0),
         taken_(mesh.vertex_count(), 0),
         distance_(VecX::Constant(mesh.vertex_count(), kInfinity)) {
-    for (const int v : sources) {
-      distance_[v] = 0;
-      queue_.push({0, v});
-    }
+    for (const int source : sources)
+      for (const int v : mesh.topology().together(source)) {
+        source_[v] = 1;
+        distance_[v] = 0;
+        queue_.push({0, v});
+      }
     // A front may reach a vertex sooner than one of the corners that it passed between.
     double longest = 0;
     if (std::isfinite(farthest))
@@ -89,6 +91,7 @@ class Fronts {
     }
     for (const int j : mesh_.topology().neighbours(v))
       offer(j, distance_[v] + (mesh_.point(j) - mesh_.point(v)).norm(), straight_[v]);
+    for (const int j : mesh_.topology().together(v)) offer(j, distance_[v], straight_[v]);
   }
 
   void offer(int v, double d, bool straight) {
@@ -171,15 +174,17 @@ Selection vertices_within(const TriangleMesh& mesh, const std::vector<int>& sour
 
 Selection grown(const MeshTopology& topology, const std::vector<int>& vertices, int rings) {
   std::vector<char> inside = vertex_flags(topology, vertices);
+  inside = vertex_flags(topology, topology.whole_nodes(numbers_of(inside)));
   std::vector<int> front = numbers_of(inside), next;
   for (int ring = 0; ring < rings; ++ring) {
     next.clear();
     for (const int v : front)
-      for (const int j : topology.neighbours(v))
-        if (!inside[j]) {
-          inside[j] = 1;
-          next.push_back(j);
-        }
+      for (const int u : topology.neighbours(v))
+        for (const int j : topology.together(u))
+          if (!inside[j]) {
+            inside[j] = 1;
+            next.push_back(j);
+          }
     front.swap(next);
   }
   return numbers_of(inside);

@@ -10,7 +10,8 @@ namespace batten {
 
 /// Vertex numbers, ascending, each once. Every function below returns one and takes vertex numbers
 /// in any order. Vertices without triangles are never selected by place. Numbers out of range are
-/// refused by InputError, which names the first.
+/// refused by InputError, which names the first. Distances and rings pass joints of sheets; what they
+/// and the functions by place select are whole nodes.
 using Selection = std::vector<int>;
 
 /// Vertices with low ≤ p ≤ high in every coordinate.

@@ -12,20 +12,34 @@ namespace {
 
 std::string named(int vertex) { return std::to_string(vertex); }
 
+std::vector<int> each_once(std::vector<int> vertices) {
+  std::sort(vertices.begin(), vertices.end());
+  vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+  return vertices;
+}
+
 }  // namespace
 
-MeshTopology::MeshTopology(int vertex_count, std::vector<std::array<int, 3>> triangles)
-    : vertex_count_(vertex_count), triangles_(std::move(triangles)) {
+MeshTopology::MeshTopology(int node_count, std::vector<std::array<int, 3>> triangles,
+                           std::vector<int> node_of_more)
+    : vertex_count_(node_count + count_of(node_of_more)),
+      triangles_(std::move(triangles)),
+      node_of_more_(std::move(node_of_more)) {
+  for (const int node : node_of_more_)
+    if (node < 0 || node >= node_count)
+      throw InputError("a vertex stands for node " + named(node) + " of " +
+                       std::to_string(node_count));
   for (size_t t = 0; t < triangles_.size(); ++t) {
     const auto& [a, b, c] = triangles_[t];
     for (const int v : {a, b, c})
-      if (v < 0 || v >= vertex_count)
+      if (v < 0 || v >= vertex_count_)
         throw InputError("triangle " + std::to_string(t) + " names vertex " + named(v) + " of " +
-                         std::to_string(vertex_count));
+                         std::to_string(vertex_count_));
     if (a == b || b == c || c == a)
       throw InputError("triangle " + std::to_string(t) + " has vertex " +
-                       named(a == b || a == c ? a : b) + " twice");
+                       named(node_of(a == b || a == c ? a : b)) + " twice");
   }
+  find_together();
   find_edges();
   find_fans();
   find_loops();
@@ -61,8 +75,8 @@ void MeshTopology::find_edges() {
     for (int i = start[v]; i < start[v + 1];) {
       int end = i + 1;
       while (end < start[v + 1] && sides[end].high == sides[i].high) ++end;
-      const std::string where =
-          "the edge between vertices " + named(sides[i].low) + " and " + named(sides[i].high);
+      const std::string where = "the edge between vertices " + named(node_of(sides[i].low)) +
+                                " and " + named(node_of(sides[i].high));
       if (end - i > 2)
         throw InputError(where + " has " + std::to_string(end - i) +
                          " triangles, expected one or two");
@@ -133,27 +147,68 @@ void MeshTopology::find_fans() {
       t = across(t, (corner_in(t) + 1) % 3);
     } while (t >= 0 && t != first);
     if (seen != own.size())
-      throw InputError("vertex " + named(v) +
+      throw InputError("vertex " + named(node_of(v)) +
                        " joins parts of the mesh that share no edge there, expected one fan of "
                        "triangles around every vertex");
   }
 }
 
+void MeshTopology::find_together() {
+  const int n = node_count();
+  together_start_.assign(n + 1, 0);
+  for (int v = 0; v < vertex_count_; ++v) ++together_start_[node_of(v) + 1];
+  std::partial_sum(together_start_.begin(), together_start_.end(), together_start_.begin());
+  together_.resize(vertex_count_);
+  std::vector<int> next(together_start_.begin(), together_start_.end() - 1);
+  for (int v = 0; v < vertex_count_; ++v) together_[next[node_of(v)]++] = v;
+}
+
+std::vector<int> MeshTopology::whole_nodes(std::vector<int> vertices) const {
+  for (size_t i = 0, given = vertices.size(); i < given; ++i)
+    for (const int v : together(vertices[i]))
+      if (v != vertices[i]) vertices.push_back(v);
+  return each_once(std::move(vertices));
+}
+
+std::vector<int> MeshTopology::nodes_of(std::vector<int> vertices) const {
+  for (int& v : vertices) v = node_of(v);
+  return each_once(std::move(vertices));
+}
+
+std::vector<char> MeshTopology::joint_edges() const {
+  if (node_of_more_.empty()) return {};
+  std::vector<std::pair<std::pair<int, int>, int>> ends(edges_.size());
+  for (size_t e = 0; e < edges_.size(); ++e)
+    ends[e] = {std::minmax({node_of(edges_[e].low), node_of(edges_[e].high)}), static_cast<int>(e)};
+  std::sort(ends.begin(), ends.end());
+  std::vector<char> joint(edges_.size(), 0);
+  for (size_t i = 1; i < ends.size(); ++i)
+    if (ends[i].first == ends[i - 1].first) joint[ends[i].second] = joint[ends[i - 1].second] = 1;
+  return joint;
+}
+
 void MeshTopology::find_loops() {
   // The surface lies on the left of the boundary: as its one triangle runs.
   std::vector<int> after(vertex_count_, -1);
-  for (const Edge& e : edges_) {
-    if (e.right < 0) after[e.low] = e.high;
-    if (e.left < 0) after[e.high] = e.low;
+  std::vector<char> into_joint(vertex_count_, 0);
+  const std::vector<char> joint = joint_edges();
+  for (size_t i = 0; i < edges_.size(); ++i) {
+    const Edge& e = edges_[i];
+    if (e.left >= 0 && e.right >= 0) continue;
+    const int from = e.right < 0 ? e.low : e.high;
+    after[from] = e.right < 0 ? e.high : e.low;
+    into_joint[from] = !joint.empty() && joint[i];
   }
   for (int v = 0; v < vertex_count_; ++v) {
     if (after[v] < 0) continue;
     std::vector<int> loop;
+    bool along_joint = false;
     for (int w = v; after[w] >= 0;) {
       loop.push_back(w);
+      along_joint |= into_joint[w] != 0;
       w = std::exchange(after[w], -1);
     }
-    loops_.push_back(std::move(loop));
+    (along_joint ? joint_loops_ : loops_).push_back(std::move(loop));
   }
 }
 
@@ -177,10 +232,14 @@ void MeshTopology::find_components() {
   }
 }
 
-TriangleMesh::TriangleMesh(Points points, std::vector<std::array<int, 3>> triangles)
+TriangleMesh::TriangleMesh(Points points, std::vector<std::array<int, 3>> triangles,
+                           std::vector<int> node_of_more)
     : TriangleMesh(nullptr, std::move(points)) {
+  const auto nodes = static_cast<int>(points_.rows());
   topology_ =
-      std::make_shared<const MeshTopology>(static_cast<int>(points_.rows()), std::move(triangles));
+      std::make_shared<const MeshTopology>(nodes, std::move(triangles), std::move(node_of_more));
+  points_.conservativeResize(vertex_count(), 3);
+  for (int v = nodes; v < vertex_count(); ++v) points_.row(v) = points_.row(topology_->node_of(v));
 }
 
 TriangleMesh::TriangleMesh(std::shared_ptr<const MeshTopology> topology, Points points)

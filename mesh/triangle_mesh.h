@@ -1,4 +1,4 @@
-// Triangle meshes that deformers work on: oriented manifolds with or without boundary.
+// Triangle meshes that deformers work on: oriented sheets, with or without boundary, that may meet.
 #pragma once
 
 #include <array>
@@ -16,6 +16,11 @@ namespace batten {
 ///
 /// Every edge has one or two triangles, which run through it in opposite directions; the triangles
 /// around a vertex form one fan. Vertices without triangles are allowed and have no neighbours.
+///
+/// Built-up structures are several such sheets: where a sheet ends at another one (a T-joint) or
+/// touches it at a point, each has a vertex of its own there. These vertices are one node: they have
+/// one place and go together. Vertices 0 … node_count() - 1 are the nodes themselves, the others
+/// stand for one of them.
 class MeshTopology {
  public:
   struct Edge {
@@ -23,12 +28,25 @@ class MeshTopology {
     int left, right;  ///< triangle that runs low → high, and the other one; -1 where there is none
   };
 
-  /// Throws InputError that names the vertices: an index out of range, a corner twice in a
-  /// triangle, an edge of more than two triangles or of two that run the same way, a vertex whose
-  /// triangles form several fans. O(triangles · log triangles).
-  MeshTopology(int vertex_count, std::vector<std::array<int, 3>> triangles);
+  /// `node_of_more`: the node of each vertex from node_count on. Throws InputError that names the
+  /// nodes: an index out of range, a corner twice in a triangle, an edge of more than two triangles
+  /// or of two that run the same way, a vertex whose triangles form several fans.
+  /// O(triangles · log triangles).
+  MeshTopology(int node_count, std::vector<std::array<int, 3>> triangles,
+               std::vector<int> node_of_more = {});
 
   int vertex_count() const { return vertex_count_; }
+  int node_count() const { return vertex_count_ - count_of(node_of_more_); }
+  int node_of(int vertex) const {
+    return vertex < node_count() ? vertex : node_of_more_[vertex - node_count()];
+  }
+  /// All vertices of the node that a vertex is one of, ascending: itself alone in most places.
+  std::span<const int> together(int vertex) const {
+    return part(together_, together_start_, node_of(vertex));
+  }
+  /// The vertices with all that go together with them; the nodes of vertices. Ascending, each once.
+  std::vector<int> whole_nodes(std::vector<int> vertices) const;
+  std::vector<int> nodes_of(std::vector<int> vertices) const;
   int triangle_count() const { return count_of(triangles_); }
   const std::vector<std::array<int, 3>>& triangles() const { return triangles_; }
   /// The edges, sorted by (low, high).
@@ -46,11 +64,13 @@ class MeshTopology {
   int across(int triangle, int corner) const;
 
   /// Closed chains of boundary vertices, the surface on their left; each starts at its lowest
-  /// vertex, the loops are sorted by it.
+  /// vertex, the loops are sorted by it. Those that run along another sheet somewhere are no rims
+  /// and come apart, in joint_loops().
   const std::vector<std::vector<int>>& boundary_loops() const { return loops_; }
+  const std::vector<std::vector<int>>& joint_loops() const { return joint_loops_; }
   bool on_boundary(int vertex) const { return on_boundary_[vertex] != 0; }
-  /// Number of the connected part of each vertex, -1 for vertices without triangles; parts are
-  /// numbered in the order of their lowest vertices.
+  /// Number of the sheet of each vertex, which its edges connect; -1 for vertices without triangles.
+  /// Sheets are numbered in the order of their lowest vertices.
   const std::vector<int>& component() const { return component_; }
   int component_count() const { return component_count_; }
 
@@ -64,20 +84,28 @@ class MeshTopology {
   void find_loops();
   void find_components();
 
+  void find_together();
+  /// Whether each edge joins the same nodes as another one; empty where none does.
+  std::vector<char> joint_edges() const;
+
   int vertex_count_, component_count_ = 0;
   std::vector<std::array<int, 3>> triangles_, edges_of_;
   std::vector<Edge> edges_;
   std::vector<int> neighbours_, neighbour_start_, triangles_of_, triangle_start_, component_;
-  std::vector<std::vector<int>> loops_;
+  std::vector<int> node_of_more_, together_, together_start_;
+  std::vector<std::vector<int>> loops_, joint_loops_;
   std::vector<char> on_boundary_;
 };
 
 /// A topology and a position for each vertex: a value, cheap to copy but for the points.
 class TriangleMesh {
  public:
-  /// Throws InputError: what MeshTopology throws, a coordinate that is not finite.
-  TriangleMesh(Points points, std::vector<std::array<int, 3>> triangles);
-  /// The same mesh in another shape. Throws InputError on another number of points.
+  /// One point for each node. Throws InputError: what MeshTopology throws, a coordinate that is not
+  /// finite.
+  TriangleMesh(Points points, std::vector<std::array<int, 3>> triangles,
+               std::vector<int> node_of_more = {});
+  /// The same mesh in another shape: one point for each vertex. Throws InputError on another number
+  /// of points.
   TriangleMesh with_points(Points points) const;
 
   const Points& points() const { return points_; }

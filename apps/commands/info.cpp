@@ -63,6 +63,8 @@ std::string mesh_info(const std::filesystem::path& path, const std::string& unit
     }
   }();
   for (const auto& note : prepared.notes) text += "  " + note + "\n";
+  const Box3 box = prepared.mesh.box();
+  text += "  from " + at(box.min()) + " to " + at(box.max()) + "\n";
   const QualitySummary q = summarize(shells, shells.points);
   text += "  worst aspect " + number(q.aspect.worst) + ", warpage " +
           number(q.warpage_degrees.worst) + " degrees, Jacobian " + number(q.jacobian.worst) + "\n";
@@ -75,10 +77,11 @@ std::string mesh_info(const std::filesystem::path& path, const std::string& unit
   const auto& loops = prepared.mesh.topology().boundary_loops();
   for (size_t l = 0; l < loops.size(); ++l)
     text += "  loop " + std::to_string(l + 1) + ": " + std::to_string(loops[l].size()) +
-            " nodes, " + where(measure_hole(shells.points, loops[l])) + "\n";
+            " nodes, " + where(measure_hole(prepared.mesh.points(), loops[l])) + "\n";
   for (const auto& p : propose_features(prepared.mesh))
-    text += "  feature '" + p.name + "': " + std::to_string(p.vertices.size()) + " nodes, " +
-            where(p.measure) + "\n";
+    text += "  feature '" + p.name +
+            "': " + std::to_string(prepared.mesh.topology().nodes_of(p.vertices).size()) +
+            " nodes, " + where(p.measure) + "\n";
   return text;
 }
 

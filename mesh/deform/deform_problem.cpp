@@ -47,6 +47,15 @@ Vec3 HandleMove::operator()(const Vec3& p) const {
   return about + scale * rotated(turn, p - about) + shift;
 }
 
+DeformProblem with_whole_nodes(DeformProblem problem, const MeshTopology& topology) {
+  if (topology.node_count() == topology.vertex_count()) return problem;
+  problem.fixed = topology.whole_nodes(std::move(problem.fixed));
+  if (problem.region) problem.region = topology.whole_nodes(std::move(*problem.region));
+  for (Handle& h : problem.handles) h.vertices = topology.whole_nodes(std::move(h.vertices));
+  for (FormFeature& f : problem.features) f.vertices = topology.whole_nodes(std::move(f.vertices));
+  return problem;
+}
+
 void check(const DeformProblem& problem, int count) {
   std::set<std::pair<std::string, std::string>> names;  // a feature and a handle may share one
   const auto check_name = [&](const std::string& kind, const std::string& name) {

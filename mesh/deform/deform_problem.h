@@ -105,6 +105,10 @@ struct DeformEdit {
   std::vector<Vec3> targets;  ///< right-hand side of each row; empty: as in the problem
 };
 
+/// The problem with fixed vertices, handles, features and region as whole nodes: what holds or moves
+/// one vertex of a node holds or moves all (MeshTopology::whole_nodes).
+DeformProblem with_whole_nodes(DeformProblem problem, const MeshTopology& topology);
+
 /// Throw InputError on what no deformer can take, with the name of the part: vertices out of range,
 /// an empty handle or feature, no name or one twice within its kind, a guided point whose
 /// coefficients do not sum to 1, a direction of length zero, nothing fixed and no handle; numbers

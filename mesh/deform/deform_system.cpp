@@ -61,7 +61,6 @@ class RingWeights {
 
 DeformSystem::DeformSystem(const TriangleMesh& mesh, const DeformProblem& problem)
     : positions(0), rotations(0) {
-  check(problem, mesh.vertex_count());
   const MeshTopology& topology = mesh.topology();
   for (const auto& f : problem.features) feature_vertices_.push_back(sorted(f.vertices));
   find_parts(topology);
@@ -75,7 +74,7 @@ DeformSystem::DeformSystem(const TriangleMesh& mesh, const DeformProblem& proble
   positions = ConstraintSet(count_of(vertex));
   rotations = ConstraintSet(count_of(vertex));
   add_soft_rows(mesh, problem);
-  add_hard_rows(problem);
+  add_hard_rows(topology, problem);
 }
 
 void DeformSystem::find_parts(const MeshTopology& topology) {
@@ -86,6 +85,7 @@ void DeformSystem::find_parts(const MeshTopology& topology) {
   };
   for (const auto& vertices : feature_vertices_)
     for (const int v : vertices) groups.join(node(vertices[0]), node(v));
+  for (int v = topology.node_count(); v < n; ++v) groups.join(node(topology.node_of(v)), node(v));
   std::vector<int> number(components + n, -1);
   part_.resize(n);
   for (int v = 0; v < n; ++v) {
@@ -324,7 +324,7 @@ void DeformSystem::add_chain(const CharacterChain& chain, DeformProblem::Weighti
   }
 }
 
-void DeformSystem::add_hard_rows(const DeformProblem& problem) {
+void DeformSystem::add_hard_rows(const MeshTopology& topology, const DeformProblem& problem) {
   const auto hold_row = [&](const std::string& name, int v, Value::Kind kind, int who) {
     positions.fix(name, dof[v], Vec3::Zero());
     values.push_back({kind, who, v, -1});
@@ -363,6 +363,15 @@ void DeformSystem::add_hard_rows(const DeformProblem& problem) {
     }
   }
   feature_rows = static_cast<int>(values.size() - held_rows);
+  for (int v = topology.node_count(); v < topology.vertex_count(); ++v)
+    if (holder[v] == kMoves && feature_of_[v] < 0) {
+      const std::vector<ConstraintSet::Entry> one_place{{dof[v], 1.0},
+                                                        {dof[topology.node_of(v)], -1.0}};
+      positions.add("sheets at a joint", one_place, Vec3::Zero());
+      values.push_back({Value::Kind::Joint, -1, -1, -1});
+      rotations.add("sheets at a joint", one_place, Vec3::Zero());
+      turned_by.push_back(-1);
+    }
   for (size_t r = 0; r < problem.rows.size(); ++r) {
     const CombinationRow& row = problem.rows[r];
     if (row.weight) continue;

@@ -16,6 +16,7 @@ using RowPoints = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
 /// The vertices that take part, "dofs": those that move, and those held ones that a row of a moving
 /// vertex reaches. Positions are relative to `origin`, so that large coordinates cost no digits.
 struct DeformSystem {
+  /// The problem is one that check() takes, with whole nodes.
   DeformSystem(const TriangleMesh& mesh, const DeformProblem& problem);
 
   /// What holds a vertex that is in no handle; kMoves: nothing does.
@@ -38,7 +39,7 @@ struct DeformSystem {
 
   // Hard rows.
   struct Value {
-    enum class Kind { Fixed, Handle, Feature, Row } kind;
+    enum class Kind { Fixed, Handle, Feature, Row, Joint } kind;
     int who;                ///< handle, feature, row
     int vertex, reference;  ///< Feature: vertex - reference
   };
@@ -69,11 +70,11 @@ struct DeformSystem {
   std::vector<WrittenRow> written_rows(const DeformProblem& problem) const;
   void add_chain(const CharacterChain& chain, DeformProblem::Weighting weighting,
                  std::vector<WrittenRow>& rows) const;
-  void add_hard_rows(const DeformProblem& problem);
+  void add_hard_rows(const MeshTopology& topology, const DeformProblem& problem);
   std::vector<std::vector<int>> feature_vertices_;  // sorted
   std::vector<int> feature_of_;                     // of each vertex, or -1
-  /// Number of the part of the mesh that a vertex is in. What no edge joins, but a feature, is one
-  /// part; a vertex without triangles that is in no feature is a part of its own.
+  /// Number of the part of the mesh that a vertex is in. What no edge joins, but a node or a
+  /// feature, is one part; a vertex without triangles that is in no feature is a part of its own.
   std::vector<int> part_;
   int part_count_ = 0;
   /// Features that share vertices one after the other, each with a vertex to refer to: of the first

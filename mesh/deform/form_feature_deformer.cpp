@@ -20,6 +20,11 @@ namespace {
 constexpr double kContradiction =
     1e-9;  // of the size: guided points that cannot be where they should
 
+DeformProblem checked(DeformProblem problem, const TriangleMesh& mesh) {
+  check(problem, mesh.vertex_count());
+  return with_whole_nodes(std::move(problem), mesh.topology());
+}
+
 }  // namespace
 
 struct FormFeatureDeformer::Data {
@@ -70,7 +75,7 @@ struct FormFeatureDeformer::Data {
 
 FormFeatureDeformer::Data::Data(const TriangleMesh& given, DeformProblem stated)
     : mesh(given),
-      problem(std::move(stated)),
+      problem(checked(std::move(stated), mesh)),
       system(mesh, problem),
       positions(system.positions, AffineReduction::Values::Later),
       rotations(system, static_cast<long>(problem.handles.size())),
@@ -189,6 +194,8 @@ void FormFeatureDeformer::Data::set_hard_values(const DeformEdit& edit) {
       d = scale_of(edit, value.who) *
           rotated(turn_at(system.feature_dof[value.who]),
                   (system.rest.row(value.vertex) - system.rest.row(value.reference)).transpose());
+    } else if (value.kind == Kind::Joint) {
+      d = Vec3::Zero();
     } else {
       const CombinationRow& row = problem.rows[value.who];
       d = edit.targets.empty() ? row.target : edit.targets[value.who];

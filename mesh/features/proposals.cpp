@@ -108,16 +108,22 @@ class Proposer {
                                    normal[e.left].dot(normal[e.right])) > angle);
   }
 
-  // The longest loop of each part of the mesh; of equally long ones the first.
+  // The longest loop of each sheet; of equally long ones the first. One that runs along another
+  // sheet may be the outline, but no hole.
   void find_outer_loops() {
     const auto& loops = topology_.boundary_loops();
     outer_.assign(loops.size(), 0);
-    std::map<int, size_t> longest;
-    for (size_t i = 0; i < loops.size(); ++i) {
-      const auto [at, is_new] = longest.emplace(topology_.component()[loops[i].front()], i);
-      if (!is_new && mesh_.length(loops[i]) > mesh_.length(loops[at->second])) at->second = i;
+    std::map<int, const std::vector<int>*> longest;
+    for (const auto* all : {&loops, &topology_.joint_loops()})
+      for (const auto& loop : *all) {
+        const auto [at, is_new] = longest.emplace(topology_.component()[loop.front()], &loop);
+        if (!is_new && mesh_.length(loop) > mesh_.length(*at->second)) at->second = &loop;
+      }
+    for (const auto& [sheet, loop] : longest) {
+      outlines_.push_back(loop);
+      if (loop >= loops.data() && loop < loops.data() + loops.size())
+        outer_[static_cast<size_t>(loop - loops.data())] = 1;
     }
-    for (const auto& [component, i] : longest) outer_[i] = 1;
   }
 
   FeatureProposal hole(const std::vector<int>& loop, const std::vector<Enclosed>& enclosed) const {
@@ -198,9 +204,7 @@ class Proposer {
       part_area[part_of(t)] += area_[t];
     }
     std::vector<char> panel(patches.count, 0);
-    const auto& loops = topology_.boundary_loops();
-    for (size_t i = 0; i < loops.size(); ++i)
-      if (outer_[i]) add_patches_at(loops[i], patches, panel);
+    for (const std::vector<int>* outline : outlines_) add_patches_at(*outline, patches, panel);
 
     for (;;) {
       const Groups groups = groups_of(
@@ -275,8 +279,9 @@ class Proposer {
   const TriangleMesh& mesh_;
   const MeshTopology& topology_;
   const ProposalOptions& options_;
-  std::vector<double> area_;          // of triangles
-  std::vector<char> crease_, outer_;  // of edges, of boundary loops
+  std::vector<double> area_;                       // of triangles
+  std::vector<char> crease_, outer_;               // of edges, of boundary loops
+  std::vector<const std::vector<int>*> outlines_;  // one of each sheet that has a border
 };
 
 }  // namespace

@@ -44,7 +44,7 @@ struct FeatureProposal {
 /// flange: its largest patch is added to the panel. Creases that do not close enclose nothing and
 /// propose nothing, nor do strips between two parts of the panel (the wall of a flange).
 ///
-/// Holes: all boundary loops but the longest of each part of the mesh, each with its rim, the
+/// Holes: all boundary loops but the longest of each sheet, each with its rim, the
 /// flange around it. The rim is, the first that there is within `rim_rings` rings:
 /// - everything up to the outermost closed crease, when that holds no other hole; this crease is
 ///   not proposed a second time;

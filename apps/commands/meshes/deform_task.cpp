@@ -52,11 +52,12 @@ void gather_features(const DeformScene& scene, VertexSelector& select, Kept& kep
 }
 
 /// Gathers guides: of proposals their loops, of features and selections all vertices.
-void gather_guides(const DeformScene& scene, VertexSelector& select, Kept& kept) {
+void gather_guides(const DeformScene& scene, VertexSelector& select, const TriangleMesh& mesh,
+                   Kept& kept) {
   for (const GuideRule& rule : scene.guides) {
     std::vector<int> vertices;
     if (const FeatureProposal* p = select.proposal(rule.of.text)) {
-      vertices = p->loop;
+      vertices = mesh.topology().nodes_of(p->loop);
     } else {
       const auto feature = std::find_if(kept.features.begin(), kept.features.end(),
                                         [&](const auto& f) { return f.name == rule.of.text; });
@@ -173,7 +174,7 @@ double distance_from(const MeshCurve& curve, const Points& p) {
 Kept gather(const DeformScene& scene, VertexSelector& select, const TriangleMesh& mesh) {
   Kept kept;
   gather_features(scene, select, kept);
-  gather_guides(scene, select, kept);
+  gather_guides(scene, select, mesh, kept);
   gather_lines(scene, select, mesh, kept);
   gather_curves(scene, select, mesh, kept);
   gather_pulls(scene, select, mesh, kept);

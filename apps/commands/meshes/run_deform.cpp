@@ -31,9 +31,15 @@ double largest_move(const Points& before, const Points& after, int* where = null
   return largest;
 }
 
+/// Places of the file's nodes: the mesh has more vertices where sheets meet.
+Points of_nodes(const Points& vertices, const MeshFile& file) {
+  return vertices.topRows(file.shells().node_count());
+}
+
 void measure_into(DeformReport& report, const MeshFile& file, const TriangleMesh& original,
-                  const Points& after, const Kept& kept) {
-  const Points& before = original.points();
+                  const Points& all_after, const Kept& kept) {
+  const Points before = of_nodes(original.points(), file), after = of_nodes(all_after, file);
+  const MeshTopology& topology = original.topology();
   for (const FormFeature& f : kept.features) {
     const Similarity fit = fit_similarity(before, after, f.vertices);
     const double angle = Eigen::AngleAxisd(fit.R).angle() * 180 / std::numbers::pi;
@@ -47,10 +53,12 @@ void measure_into(DeformReport& report, const MeshFile& file, const TriangleMesh
     report.curves.push_back({c.name, count_of(c.vertices), c.curve.segment_count(), c.fairing,
                              c.wavelength, c.largest_shift,
                              distance_from(c, after) / original.size(), c.before, c.after});
-  std::vector<int> feature_of(original.vertex_count(), -1);
+  std::vector<int> feature_of(before.rows(), -1);
   for (size_t f = 0; f < kept.features.size(); ++f)
     for (const int v : kept.features[f].vertices) feature_of[v] = static_cast<int>(f);
-  const auto& loops = original.topology().boundary_loops();
+  auto loops = topology.boundary_loops();
+  for (auto& loop : loops)
+    for (int& v : loop) v = topology.node_of(v);
   for (size_t l = 0; l < loops.size(); ++l) {
     DeformReport::Hole hole;
     hole.loop = static_cast<int>(l) + 1;
@@ -103,6 +111,8 @@ void draw_all(DeformReport& report, const DeformScene& scene, const MeshFile& fi
   if (scene.pictures.empty()) return;
   using Show = MeshPictureRule::Show;
   const auto parts = parts_of(file.shells(), kept, tasks.front());
+  std::vector<Points> places;
+  for (const Points& state : states) places.push_back(of_nodes(state, file));
   for (const MeshPictureRule& rule : scene.pictures) {
     if (!can_draw(report, rule.file)) continue;
     MeshPicture look;
@@ -113,10 +123,10 @@ void draw_all(DeformReport& report, const DeformScene& scene, const MeshFile& fi
     look.azimuth = rule.azimuth;
     look.elevation = rule.elevation;
     look.zoom = rule.zoom;
-    for (const Points& state : states) look.also_in_view.push_back(&state);
+    for (const Points& state : places) look.also_in_view.push_back(&state);
     std::vector<MeshPicture> pictures;
     const auto add = [&](size_t state, const std::string& title) {
-      look.points = states[state];
+      look.points = places[state];
       look.title = title;
       pictures.push_back(look);
     };
@@ -132,7 +142,7 @@ void draw_all(DeformReport& report, const DeformScene& scene, const MeshFile& fi
       columns = static_cast<int>(std::ceil(std::sqrt(static_cast<double>(states.size()))));
     } else {
       if (rule.show == Show::Displacement) {
-        look.field = (states.back() - states.front()).rowwise().norm();
+        look.field = (places.back() - places.front()).rowwise().norm();
         look.field_title = "Displacement, " + scene.unit;
       }
       look.also_in_view.clear();
@@ -212,10 +222,12 @@ class DeformRun {
     progress_.at("files", 0);
     if (!scene_.mesh_out.empty()) write_mesh();
     if (!scene_.vtp.empty()) {
-      write_result(out_.file(scene_.vtp), file_, states_.front(), states_.back(), kept_);
+      write_result(out_.file(scene_.vtp), file_, of_nodes(states_.front(), file_),
+                   of_nodes(states_.back(), file_), kept_);
       report_.files.push_back(scene_.vtp);
     }
-    if (scene_.modes) write_modes(report_, scene_, file_, select_, states_.back(), out_);
+    if (scene_.modes)
+      write_modes(report_, scene_, file_, select_, of_nodes(states_.back(), file_), out_);
     watch_.lap("files");
   }
 
@@ -311,7 +323,9 @@ class DeformRun {
   /// The mesh in the format of its file.
   void write_mesh() {
     report_.rounding =
-        file_.write(out_.file(scene_.mesh_out), states_.back(), {scene_.wide_nodes}).largest;
+        file_
+            .write(out_.file(scene_.mesh_out), of_nodes(states_.back(), file_), {scene_.wide_nodes})
+            .largest;
     report_.files.push_back(scene_.mesh_out);
     if (report_.rounding > 1e-9 * original().size())
       report_.warnings.push_back(scene_.mesh_out +

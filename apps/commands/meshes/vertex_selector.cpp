@@ -136,7 +136,7 @@ std::vector<int> VertexSelector::of(const PlacedWord& name) {
     throw InputError(scene_.at(name.place) + "the selection '" + name.text +
                      "' has no vertex, expected at least one");
   under_way_.pop_back();
-  return found_[name.text] = vertices;
+  return found_[name.text] = mesh_.topology().nodes_of(std::move(vertices));
 }
 
 int VertexSelector::vertex_of_label(long label, const FilePlace& place) const {
@@ -177,8 +177,7 @@ std::vector<int> VertexSelector::select(const SelectRule& rule) {
   std::vector<int> chosen;
   bool first = true;
   const auto meet = [&](std::vector<int> vertices) {
-    std::sort(vertices.begin(), vertices.end());
-    vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+    vertices = mesh_.topology().nodes_of(std::move(vertices));
     chosen = first ? std::move(vertices) : common(chosen, vertices);
     first = false;
   };
@@ -204,7 +203,7 @@ std::vector<int> VertexSelector::select(const SelectRule& rule) {
 }
 
 std::vector<int> VertexSelector::cut(const CutRule& rule) {
-  const std::vector<int> vertices = of(rule.band);
+  const std::vector<int> vertices = mesh_.topology().whole_nodes(of(rule.band));
   std::vector<char> in(mesh_.vertex_count(), 0);
   for (const int v : vertices) in[v] = 1;
   std::vector<int> band;
@@ -255,20 +254,23 @@ std::vector<int> VertexSelector::path(const LineRule& rule) {
       queue.pop();
       if (d > distance[v]) continue;
       if (v == from) break;
-      for (const int u : topology.neighbours(v)) {
-        const double longer = d + cost(v, u);
-        if (longer < distance[u]) {
-          distance[u] = longer;
-          next[u] = v;
-          queue.emplace(longer, u);
-        }
-      }
+      const auto offer = [&](int u, double longer) {
+        if (!(longer < distance[u])) return;
+        distance[u] = longer;
+        next[u] = v;
+        queue.emplace(longer, u);
+      };
+      for (const int u : topology.neighbours(v)) offer(u, d + cost(v, u));
+      for (const int u : topology.together(v)) offer(u, d);
     }
     if (!std::isfinite(distance[from]))
       throw InputError(scene_.at(rule.place) + "the line '" + rule.name +
                        "' runs between parts of the mesh that are not connected");
     for (int v = from; v != goal; v = next[v]) way.push_back(next[v]);
   }
+  // Sheets that meet at a node have a vertex each there.
+  for (int& v : way) v = topology.node_of(v);
+  way.erase(std::unique(way.begin(), way.end()), way.end());
   if (rule.closed && way.size() > 1) way.pop_back();
   return way;
 }

@@ -19,7 +19,7 @@ class VertexSelector {
  public:
   VertexSelector(const DeformScene& scene, const MeshFile& file, const TriangleMesh& mesh);
 
-  /// The vertices of a selection, cut or proposal by its name, ascending.
+  /// The vertices of a selection, cut or proposal by its name, ascending: nodes of the file.
   std::vector<int> of(const PlacedWord& name);
   /// The vertices of several names together, ascending; '*' stands for any letters.
   std::vector<int> of(const std::vector<PlacedWord>& names);
