@@ -8,26 +8,30 @@ namespace batten {
 namespace {
 
 Similarity fit(const Points& before, const Points& after, const std::vector<int>& vertices,
-               std::optional<double> scale) {
+               std::optional<double> scale, const std::vector<double>& weights = {}) {
   Similarity best;
   if (vertices.empty()) return best;
+  const auto weight = [&](size_t i) { return weights.empty() ? 1.0 : weights[i]; };
   // Sums relative to the first vertex: far from the origin they would lose digits.
   const Vec3 from = before.row(vertices[0]), to = after.row(vertices[0]);
-  const auto count = static_cast<double>(vertices.size());
+  double total = 0;
+  for (size_t i = 0; i < vertices.size(); ++i) total += weight(i);
   Vec3 mean_before = Vec3::Zero(), mean_after = Vec3::Zero(), low = Vec3::Zero(), high = low;
-  for (const int v : vertices) {
+  for (size_t i = 0; i < vertices.size(); ++i) {
+    const int v = vertices[i];
     const Vec3 x = before.row(v).transpose() - from;
-    mean_before += x / count;
-    mean_after += (after.row(v).transpose() - to) / count;
+    mean_before += weight(i) / total * x;
+    mean_after += weight(i) / total * (after.row(v).transpose() - to);
     low = low.cwiseMin(x);
     high = high.cwiseMax(x);
   }
   Mat3 covariance = Mat3::Zero();
   double spread = 0;
-  for (const int v : vertices) {
+  for (size_t i = 0; i < vertices.size(); ++i) {
+    const int v = vertices[i];
     const Vec3 x = before.row(v).transpose() - from - mean_before;
-    covariance += (after.row(v).transpose() - to - mean_after) * x.transpose();
-    spread += x.squaredNorm();
+    covariance += weight(i) * (after.row(v).transpose() - to - mean_after) * x.transpose();
+    spread += weight(i) * x.squaredNorm();
   }
   const Eigen::JacobiSVD<Mat3> svd(covariance, Eigen::ComputeFullU | Eigen::ComputeFullV);
   Vec3 sign = Vec3::Ones();
@@ -60,6 +64,12 @@ Similarity fit_similarity(const Points& before, const Points& after,
 Similarity fit_similarity(const Points& before, const Points& after,
                           const std::vector<int>& vertices, double scale) {
   return fit(before, after, vertices, scale);
+}
+
+Similarity fit_similarity(const Points& before, const Points& after,
+                          const std::vector<int>& vertices, double scale,
+                          const std::vector<double>& weights) {
+  return fit(before, after, vertices, scale, weights);
 }
 
 }  // namespace batten

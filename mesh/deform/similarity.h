@@ -22,5 +22,9 @@ Similarity fit_similarity(const Points& before, const Points& after,
                           const std::vector<int>& vertices);
 Similarity fit_similarity(const Points& before, const Points& after,
                           const std::vector<int>& vertices, double scale);
+/// `weights`: one for each of the vertices, at least 0, not all of them 0.
+Similarity fit_similarity(const Points& before, const Points& after,
+                          const std::vector<int>& vertices, double scale,
+                          const std::vector<double>& weights);
 
 }  // namespace batten

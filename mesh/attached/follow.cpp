@@ -1,0 +1,326 @@
+#include "batten/mesh/attached/follow.h"
+
+#include <Eigen/SVD>
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include "batten/core/errors.h"
+#include "batten/core/groups.h"
+#include "batten/core/index.h"
+#include "batten/core/rotations.h"
+#include "batten/core/sparse_cholesky.h"
+#include "batten/mesh/deform/similarity.h"
+
+namespace batten {
+namespace {
+
+using Kind = OtherElement::Kind;
+
+/// The rotation nearest to a sum of rotations.
+Mat3 nearest_rotation(const Mat3& sum) {
+  const Eigen::JacobiSVD<Mat3> svd(sum, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  Vec3 sign = Vec3::Ones();
+  if ((svd.matrixU() * svd.matrixV().transpose()).determinant() < 0) sign[2] = -1;
+  return svd.matrixU() * sign.asDiagonal() * svd.matrixV().transpose();
+}
+
+Vec3 log_of(const Mat3& R) {
+  const Eigen::AngleAxisd turn(R);
+  return rotation_log(turn.axis(), turn.angle());
+}
+
+class Follower {
+ public:
+  Follower(const Points& before, Points& after, std::vector<char> placed, std::vector<Mat3> turns,
+           std::span<const OtherElement> elements, const FollowOptions& options)
+      : before_(before),
+        after_(after),
+        placed_(std::move(placed)),
+        turns_(std::move(turns)),
+        options_(options) {
+    for (const OtherElement& e : elements)
+      if (options.of(e.kind) != Following::Stay) elements_.push_back(&e);
+  }
+
+  std::vector<int> follow() {
+    do {
+      while (carry_all()) continue;
+    } while (deform_all());
+    std::sort(result_.begin(), result_.end());
+    return std::move(result_);
+  }
+
+ private:
+  struct Motion {
+    Mat3 R = Mat3::Identity();
+    Vec3 shift = Vec3::Zero();
+    bool still = false;  ///< nothing moved: no digit may change
+    Vec3 operator()(const Vec3& p) const { return R * p + shift; }
+  };
+
+  /// The best motion of placed nodes. Where their places leave it open, their rotations decide.
+  Motion motion_of(const std::vector<int>& nodes, const std::vector<double>& weights = {}) const {
+    if (std::all_of(nodes.begin(), nodes.end(),
+                    [&](int v) { return after_.row(v) == before_.row(v); }))
+      return {Mat3::Identity(), Vec3::Zero(), true};
+    Mat3 sum = Mat3::Zero();
+    for (size_t i = 0; i < nodes.size(); ++i)
+      sum += (weights.empty() ? 1.0 : weights[i]) * turns_[nodes[i]];
+    const Mat3 mean = nearest_rotation(sum);
+    Points from(static_cast<long>(nodes.size()), 3), to = from;
+    std::vector<int> all;
+    for (int i = 0; i < count_of(nodes); ++i) {
+      from.row(i) =
+          (mean * (before_.row(nodes[i]) - before_.row(nodes[0])).transpose()).transpose();
+      to.row(i) = after_.row(nodes[i]);
+      all.push_back(i);
+    }
+    const Similarity fit = weights.empty() ? fit_similarity(from, to, all, 1)
+                                           : fit_similarity(from, to, all, 1, weights);
+    const Mat3 R = fit.R * mean;
+    return {R, fit.shift - R * before_.row(nodes[0]).transpose(), false};
+  }
+
+  void place(int node, const Motion& motion) {
+    if (!motion.still) {
+      after_.row(node) = motion(before_.row(node).transpose()).transpose();
+      result_.push_back(node);
+    }
+    turns_[node] = motion.R;
+    placed_[node] = 1;
+  }
+
+  /// Rigid elements and averages of nodes that are placed. Returns whether there was one.
+  bool carry_all() {
+    bool any = false;
+    for (const OtherElement* e : elements_) {
+      if (e->kind == Kind::Rigid) any |= carry_rigid(*e);
+      if (e->kind == Kind::Average) any |= carry_average(*e);
+    }
+    return any;
+  }
+
+  bool carry_rigid(const OtherElement& e) {
+    std::vector<int> known, open;
+    for (const int v : e.nodes) (placed_[v] ? known : open).push_back(v);
+    if (known.empty() || open.empty()) return false;
+    const Motion motion = motion_of(known);
+    for (const int v : open)
+      if (!placed_[v]) place(v, motion);
+    return true;
+  }
+
+  bool carry_average(const OtherElement& e) {
+    if (e.nodes.size() < 2 || placed_[e.nodes[0]]) return false;
+    const std::vector<int> others(e.nodes.begin() + 1, e.nodes.end());
+    if (!std::all_of(others.begin(), others.end(), [&](int v) { return placed_[v] != 0; }))
+      return false;
+    place(e.nodes[0], motion_of(others, e.weights));
+    return true;
+  }
+
+  // ---- what else hangs on placed nodes ---------------------------------------------------------
+
+  struct Body {
+    std::vector<int> nodes, held;  ///< open ones; placed ones that they hang on
+    bool rigid = false;
+    Motion motion;
+  };
+
+  static bool joins(const OtherElement& e) {
+    return e.kind != Kind::Rigid && e.kind != Kind::Average && e.nodes.size() > 1;
+  }
+
+  /// Returns whether there was something.
+  bool deform_all() {
+    bodies_.clear();
+    body_of_.assign(placed_.size(), -1);
+    find_bodies();
+    std::vector<int> smooth;
+    for (Body& body : bodies_) {
+      body.motion = motion_of(body.held);
+      if (body.rigid || body.motion.still)
+        for (const int v : body.nodes) place(v, body.motion);
+      else
+        smooth.insert(smooth.end(), body.nodes.begin(), body.nodes.end());
+    }
+    if (!smooth.empty()) deform(smooth);
+    return !bodies_.empty();
+  }
+
+  void find_bodies() {
+    Groups groups(placed_.size());
+    for (const OtherElement* e : elements_) {
+      int first = -1;
+      for (const int v : e->nodes)
+        if (joins(*e) && !placed_[v]) {
+          if (first >= 0) groups.join(first, v);
+          first = v;
+        }
+    }
+    std::map<int, Body> found;  // by the lowest open node
+    for (const OtherElement* e : elements_) {
+      if (!joins(*e)) continue;
+      const auto open =
+          std::find_if(e->nodes.begin(), e->nodes.end(), [&](int v) { return !placed_[v]; });
+      if (open == e->nodes.end()) continue;
+      Body& body = found[groups.of(*open)];
+      body.rigid |= options_.of(e->kind) == Following::Rigid;
+      for (const int v : e->nodes) (placed_[v] ? body.held : body.nodes).push_back(v);
+    }
+    for (auto& [lowest, body] : found) {
+      if (body.held.empty()) continue;
+      for (auto* list : {&body.nodes, &body.held}) {
+        std::sort(list->begin(), list->end());
+        list->erase(std::unique(list->begin(), list->end()), list->end());
+      }
+      for (const int v : body.nodes) body_of_[v] = count_of(bodies_);
+      bodies_.push_back(std::move(body));
+    }
+  }
+
+  struct Edge {
+    int a, b;
+    double weight;
+  };
+
+  /// All pairs of nodes of one element of which one is to be placed.
+  std::vector<Edge> edges_of(const std::vector<int>& row) const {
+    std::vector<Edge> edges;
+    for (const OtherElement* e : elements_) {
+      if (!joins(*e)) continue;
+      for (size_t i = 0; i < e->nodes.size(); ++i)
+        for (size_t j = 0; j < i; ++j) {
+          const int a = e->nodes[j], b = e->nodes[i];
+          if (a == b || (row[a] < 0 && row[b] < 0)) continue;
+          // Nodes at one place stay together, but for a singular weight.
+          const double square =
+              std::max((before_.row(a) - before_.row(b)).squaredNorm(), 1e-12 * scale_);
+          edges.push_back({a, b, scale_ / square});
+        }
+    }
+    return edges;
+  }
+
+  void deform(const std::vector<int>& nodes) {
+    scale_ = (before_.colwise().maxCoeff() - before_.colwise().minCoeff()).squaredNorm();
+    std::vector<int> row(placed_.size(), -1);
+    for (int i = 0; i < count_of(nodes); ++i) row[nodes[i]] = i;
+    const std::vector<Edge> edges = edges_of(row);
+    std::vector<Triplet> entries;
+    for (const Edge& e : edges) {
+      const int a = row[e.a], b = row[e.b];
+      if (a >= 0) entries.emplace_back(a, a, e.weight);
+      if (b >= 0) entries.emplace_back(b, b, e.weight);
+      if (a >= 0 && b >= 0) entries.emplace_back(std::max(a, b), std::min(a, b), -e.weight);
+    }
+    const auto n = static_cast<long>(nodes.size());
+    SparseMatrix K(n, n);
+    K.setFromTriplets(entries.begin(), entries.end());
+    SparseCholesky factor;
+    factor.analyze(K);
+    if (!factor.factorize(K))
+      throw NoSolutionError("what hangs on the shells: " + factor.message());
+
+    const auto motion_at = [&](const Edge& e) -> const Motion& {
+      return bodies_[body_of_[row[e.a] >= 0 ? e.a : e.b]].motion;
+    };
+    // Logarithms relative to the body's motion.
+    MatX q = MatX::Zero(n, 3);
+    const auto log_at = [&](const Edge& e, int v) {
+      return log_of(motion_at(e).R.transpose() * turns_[v]);
+    };
+    for_open_ends(edges, row, [&](const Edge& e, int open, int other) {
+      if (row[other] < 0) q.row(row[open]) += e.weight * log_at(e, other).transpose();
+    });
+    factor.solve_in_place(q);
+    // Places relative to it.
+    MatX y = MatX::Zero(n, 3);
+    for_open_ends(edges, row, [&](const Edge& e, int open, int other) {
+      const Motion& motion = motion_at(e);
+      const auto turn = [&](int v) -> Vec3 {
+        if (row[v] < 0) return log_at(e, v);
+        return q.row(row[v]).transpose();
+      };
+      const Vec3 edge = (before_.row(open) - before_.row(other)).transpose();
+      Vec3 pull = rotated((turn(open) + turn(other)) / 2, edge);
+      if (row[other] < 0)
+        pull += motion.R.transpose() * (after_.row(other).transpose() - motion.shift);
+      y.row(row[open]) += e.weight * pull.transpose();
+    });
+    factor.solve_in_place(y);
+    for (int i = 0; i < n; ++i) {
+      const Motion& motion = bodies_[body_of_[nodes[i]]].motion;
+      after_.row(nodes[i]) = motion(y.row(i).transpose()).transpose();
+      const Vec3 log = q.row(i).transpose();
+      Mat3 R;
+      for (int c = 0; c < 3; ++c) R.col(c) = motion.R * rotated(log, Vec3::Unit(c));
+      turns_[nodes[i]] = R;
+      placed_[nodes[i]] = 1;
+      result_.push_back(nodes[i]);
+    }
+  }
+
+  template <class Visit>
+  static void for_open_ends(const std::vector<Edge>& edges, const std::vector<int>& row,
+                            const Visit& visit) {
+    for (const Edge& e : edges) {
+      if (row[e.a] >= 0) visit(e, e.a, e.b);
+      if (row[e.b] >= 0) visit(e, e.b, e.a);
+    }
+  }
+
+  const Points& before_;
+  Points& after_;
+  std::vector<char> placed_;
+  std::vector<Mat3> turns_;
+  const FollowOptions& options_;
+  std::vector<const OtherElement*> elements_;
+  std::vector<Body> bodies_;
+  std::vector<int> body_of_;  // of each open node, or -1
+  double scale_ = 1;
+  std::vector<int> result_;
+};
+
+}  // namespace
+
+std::vector<FormFeature> connections(std::span<const OtherElement> elements,
+                                     const std::vector<char>& has_face,
+                                     const FollowOptions& options) {
+  std::vector<char> in_rigid(has_face.size(), 0);
+  for (const OtherElement& e : elements)
+    if (e.kind == Kind::Rigid && options.of(e.kind) != Following::Stay)
+      for (const int v : e.nodes) in_rigid[v] = 1;
+  const auto all = [](const OtherElement& e, const auto& condition) {
+    return std::all_of(e.nodes.begin(), e.nodes.end(), condition);
+  };
+  const auto keeps_shape = [&](const OtherElement& e) {
+    if (e.nodes.size() < 2 || options.of(e.kind) == Following::Stay) return false;
+    if (e.kind == Kind::Rigid) return true;
+    if (e.kind == Kind::Bush) return all(e, [&](int v) { return has_face[v] || in_rigid[v]; });
+    return e.kind == Kind::Beam && all(e, [&](int v) { return !has_face[v] && in_rigid[v]; });
+  };
+  std::vector<FormFeature> result;
+  std::set<std::vector<int>> known;
+  std::set<std::string> names;
+  for (const OtherElement& e : elements) {
+    if (!keeps_shape(e)) continue;
+    std::vector<int> nodes = e.nodes;
+    std::sort(nodes.begin(), nodes.end());
+    nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+    if (nodes.size() < 2 || !known.insert(nodes).second) continue;
+    std::string name = e.name + " " + std::to_string(e.label);
+    while (!names.insert(name).second) name += "'";
+    result.push_back({name, std::move(nodes), FormFeature::Kind::Free});
+  }
+  return result;
+}
+
+std::vector<int> follow(const Points& before, Points& after, std::vector<char> placed,
+                        std::vector<Mat3> turns, std::span<const OtherElement> elements,
+                        const FollowOptions& options) {
+  return Follower(before, after, std::move(placed), std::move(turns), elements, options).follow();
+}
+
+}  // namespace batten
