@@ -316,7 +316,7 @@ class AbaqusReader {
   }
 
   void warn() {
-    deck_.warn_of_others("elements");
+    deck_.warn_of_others();
     if (file_.ends_in_mid_line())
       mesh_.warnings.push_back("the file ends in mid-line: it may be cut short");
     if (assembly_blocks_ > 0)

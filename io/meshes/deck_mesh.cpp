@@ -45,8 +45,8 @@ void DeckMesh::finish(const std::string& missing_hint) {
     if (!twice) return;
     file.fail(where(twice->second), "found " + std::string(what) + " " +
                                         std::to_string(labels.of(twice->second)) +
-                                        " a second time, the first is in line " +
-                                        std::to_string(file.line_of(where(twice->first))));
+                                        " a second time, the first is in " +
+                                        file.line_name(where(twice->first), where(twice->second)));
   };
   mesh_.node_labels = Labels(std::move(node_labels_));
   mesh_.face_labels = Labels(std::move(shell_labels_));
@@ -63,6 +63,37 @@ void DeckMesh::finish(const std::string& missing_hint) {
   }
   for (MeshSet& property : properties)
     if (!property.name.empty()) mesh_.properties.push_back(std::move(property));
+  for (DeckElement& element : elements_) join_element(element, missing_hint);
+  elements_.clear();
+}
+
+void DeckMesh::add_element(DeckElement element) {
+  add_other(element.name);
+  elements_.push_back(std::move(element));
+}
+
+bool DeckMesh::scalar_point(long label) const {
+  return std::any_of(scalar_points_.begin(), scalar_points_.end(), [&](const LabelRange& range) {
+    return label >= range.first && label <= range.last;
+  });
+}
+
+void DeckMesh::join_element(DeckElement& element, const std::string& missing_hint) {
+  OtherElement joined{element.kind, std::move(element.name), element.label, {}, {}};
+  for (size_t i = 0; i < element.nodes.size(); ++i) {
+    const long node = element.nodes[i];
+    if (node == 0) continue;
+    const auto found = mesh_.node_labels.find(node);
+    if (!found && scalar_point(node)) continue;
+    if (!found)
+      mesh_.file.fail(element.where,
+                      "found node " + std::to_string(node) + " in " + joined.name +
+                          (joined.label ? " " + std::to_string(joined.label) : std::string()) +
+                          ", expected the number of a node" + missing_hint);
+    joined.nodes.push_back(*found);
+    if (i > 0 && i <= element.weights.size()) joined.weights.push_back(element.weights[i - 1]);
+  }
+  if (!joined.nodes.empty()) mesh_.others.push_back(std::move(joined));
 }
 
 void DeckMesh::join_shell(const Shell& shell, long label, const std::string& missing_hint) {
@@ -127,15 +158,14 @@ std::vector<int> DeckMesh::faces_of(const std::vector<LabelRange>& ranges) const
   return indices_of(mesh_.face_labels, ranges);
 }
 
-void DeckMesh::warn_of_others(const std::string& what) {
+void DeckMesh::warn_of_others() {
   const int unused = unused_nodes(mesh_.shells);
-  if (unused == 0 && others_.empty()) return;
   std::string text;
   for (const auto& [name, count] : others_)
     text += (text.empty() ? "" : ", ") + (count > 0 ? std::to_string(count) + " " : "") + name;
-  if (!text.empty()) text += " " + what + " are carried along as text; ";
-  mesh_.warnings.push_back(text + counted(unused, "node") +
-                           " that no shell uses stay where they are");
+  if (unused > 0)
+    text += (text.empty() ? "" : "; ") + counted(unused, "node") + " that no shell uses";
+  if (!text.empty()) mesh_.warnings.push_back(text);
 }
 
 DeckLine::DeckLine(std::string_view data)

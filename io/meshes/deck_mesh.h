@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "batten/io/meshes/mesh_text.h"
+#include "batten/io/meshes/text_mesh.h"
 
 namespace batten {
 
@@ -16,6 +16,17 @@ namespace batten {
 /// range of one.
 struct LabelRange {
   long first, last, step = 1;
+};
+
+/// An element that is no shell, or a connection, by the numbers of its nodes; 0 for one that is left
+/// out. `where`: a text in the file, for messages.
+struct DeckElement {
+  OtherElement::Kind kind = OtherElement::Kind::Other;
+  std::string name;
+  long label = 0;
+  std::string_view where;
+  std::vector<long> nodes;
+  std::vector<double> weights;
 };
 
 /// Makes a mesh from the nodes and shells of a deck.
@@ -32,6 +43,10 @@ class DeckMesh {
   /// 1.
   void add_shell(long label, std::string_view where, const std::string& property,
                  std::span<const long> corners, std::span<const long> middle = {});
+  /// Adds an element that is no shell, and counts it.
+  void add_element(DeckElement element);
+  /// Numbers of points without a place, which elements may have as nodes.
+  void add_scalar_points(LabelRange range) { scalar_points_.push_back(range); }
   /// Counts other elements by their name in the deck; `count` is 0 where they cannot be counted.
   void add_other(const std::string& name, long count = 1) { others_[name] += count; }
 
@@ -42,9 +57,9 @@ class DeckMesh {
   /// Numbers that are not in the mesh are passed over.
   std::vector<int> nodes_of(const std::vector<LabelRange>& ranges) const;
   std::vector<int> faces_of(const std::vector<LabelRange>& ranges) const;
-  /// After finish(): adds a warning about other elements and unused nodes to the mesh: "12 CBAR, 3
-  /// RBE2 `what` are carried along as text; …".
-  void warn_of_others(const std::string& what);
+  /// After finish(): adds what is beside the shells to the warnings: "12 CBAR, 3 RBE2; 2 nodes that
+  /// no shell uses".
+  void warn_of_others();
   /// Offset of a node's number in the file, in bytes.
   size_t node_position(int node) const { return node_where_[node]; }
 
@@ -55,6 +70,8 @@ class DeckMesh {
     std::uint8_t corners, middle;
   };
   void join_shell(const Shell& shell, long label, const std::string& missing_hint);
+  void join_element(DeckElement& element, const std::string& missing_hint);
+  bool scalar_point(long label) const;
 
   TextMesh& mesh_;
   std::vector<double> coordinates_;
@@ -63,6 +80,8 @@ class DeckMesh {
   std::vector<Shell> shells_;
   std::vector<std::string> properties_;
   std::map<std::string, size_t, std::less<>> property_index_;
+  std::vector<DeckElement> elements_;
+  std::vector<LabelRange> scalar_points_;
   std::map<std::string, long> others_;
 };
 

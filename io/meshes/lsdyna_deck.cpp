@@ -238,7 +238,7 @@ class DynaReader {
     }
     if (includes_ > 0)
       mesh_.warnings.push_back(counted(includes_, "*INCLUDE") + " is not followed");
-    deck_.warn_of_others("blocks");
+    deck_.warn_of_others();
   }
 
   TextMesh& mesh_;

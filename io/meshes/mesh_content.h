@@ -46,12 +46,15 @@ struct MeshContent {
   /// `points` have the right number and are finite, and that the extension is one of `extensions`.
   virtual MeshRounding write(const std::filesystem::path& path, const Points& points,
                              const MeshWriteOptions& options) const = 0;
+  /// Files that write() puts beside the file, as MeshFile::files_beside() says.
+  virtual std::vector<std::filesystem::path> files_beside() const { return {}; }
 
   std::string format;
   std::vector<std::string> extensions;
   ShellMesh shells;
   Labels node_labels, face_labels;
   std::vector<MeshSet> sets, properties;
+  std::vector<OtherElement> others;
   std::vector<std::string> warnings;
 };
 

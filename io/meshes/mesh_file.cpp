@@ -63,8 +63,11 @@ std::optional<int> MeshFile::face_of_label(long label) const {
 }
 const std::vector<MeshFile::Set>& MeshFile::sets() const { return content_->sets; }
 const std::vector<MeshFile::Set>& MeshFile::properties() const { return content_->properties; }
+const std::vector<OtherElement>& MeshFile::others() const { return content_->others; }
 const std::vector<std::string>& MeshFile::warnings() const { return content_->warnings; }
 const std::string& MeshFile::format() const { return content_->format; }
+
+std::vector<fs::path> MeshFile::files_beside() const { return content_->files_beside(); }
 
 MeshFile::Rounding MeshFile::write(const fs::path& path, const Points& points,
                                    const MeshWriteOptions& options) const {

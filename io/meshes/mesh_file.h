@@ -57,13 +57,21 @@ class MeshFile {
   const std::vector<Set>& sets() const;
   /// The properties (in a deck: thickness and material), each as the set of its faces.
   const std::vector<Set>& properties() const;
+  /// What is in a deck beside shells and has nodes, in the file's order; none in other formats.
+  const std::vector<OtherElement>& others() const;
   /// Sentences about what is in the file and is not part of the mesh.
   const std::vector<std::string>& warnings() const;
   /// The format's name for messages: "Nastran bulk data", …
   const std::string& format() const;
 
+  /// Included files of the deck, from its folder. write() puts them beside the deck that it writes,
+  /// under the same names, changed or not. Not among them: files outside of the deck's folder, which
+  /// stay where they are and of which no node can be moved.
+  std::vector<std::filesystem::path> files_beside() const;
+
   using Rounding = MeshRounding;
-  /// Writes the file as it was read, with other coordinates (n×3). It appears whole or not at all.
+  /// Writes the file as it was read, with other coordinates (n×3), and files_beside(). Each appears
+  /// whole or not at all; where there are several, none takes the place of one that was read.
   ///
   /// In text and in binary PLY and STL only the coordinates of nodes that moved are replaced: all
   /// other bytes stay, and a coordinate that equals the one that was read keeps its digits. A

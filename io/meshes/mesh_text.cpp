@@ -5,6 +5,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstring>
+#include <functional>
 
 #include "batten/core/errors.h"
 #include "batten/io/files/input_file.h"
@@ -54,39 +55,102 @@ bool parse_integer(std::string_view field, long& value) {
   return error == std::errc() && end == last;
 }
 
-MeshText::MeshText(const fs::path& path, bool binary) : path_(path) {
-  text_ = input_bytes(path, "a mesh");
-  if (std::all_of(text_.begin(), text_.end(), [](char c) { return blank(c) || c == '\n'; }))
+MeshText::MeshText(const fs::path& path, bool binary) {
+  open({path, input_bytes(path, "a mesh"), 0, std::string::npos, path.filename()}, binary);
+  const std::string& text = this->text();
+  if (std::all_of(text.begin(), text.end(), [](char c) { return blank(c) || c == '\n'; }))
     fail(size_t{0}, "found an empty file, expected a mesh");
+}
+
+void MeshText::open(Source source, bool binary) {
+  if (!sources_.empty()) source.base = sources_.back()->base + sources_.back()->text.size() + 1;
+  sources_.push_back(std::make_shared<const Source>(std::move(source)));
+  current_ = sources_.size() - 1;
+  at_ = 0;
   if (binary) return;
-  if (text_.starts_with("\xFF\xFE") || text_.starts_with("\xFE\xFF"))
-    fail(size_t{0}, "found UTF-16 text, expected UTF-8 or ASCII");
-  if (const void* zero = std::memchr(text_.data(), 0, text_.size()))
-    fail(static_cast<size_t>(static_cast<const char*>(zero) - text_.data()),
-         "found a zero byte, expected text");
-  if (text_.starts_with("\xEF\xBB\xBF")) at_ = 3;
+  const std::string& text = current().text;
+  if (text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF"))
+    fail(current().base, "found UTF-16 text, expected UTF-8 or ASCII");
+  if (const auto zero = text.find('\0'); zero != text.npos)
+    fail(current().base + zero, "found a zero byte, expected text");
+  if (text.starts_with("\xEF\xBB\xBF")) at_ = 3;
 }
 
 bool MeshText::next(std::string_view& line) {
-  if (at_ >= text_.size()) return false;
-  const char* begin = text_.data() + at_;
-  const void* end = std::memchr(begin, '\n', text_.size() - at_);
+  while (!next_here(line))
+    if (!leave_file()) return false;
+  return true;
+}
+
+bool MeshText::next_here(std::string_view& line) {
+  const std::string& text = current().text;
+  if (at_ >= text.size()) return false;
+  const char* begin = text.data() + at_;
+  const void* end = std::memchr(begin, '\n', text.size() - at_);
   const size_t length =
-      end ? static_cast<size_t>(static_cast<const char*>(end) - begin) : text_.size() - at_;
+      end ? static_cast<size_t>(static_cast<const char*>(end) - begin) : text.size() - at_;
   at_ += length + (end != nullptr);
   line = {begin, length};
   if (line.ends_with('\r')) line.remove_suffix(1);
   return true;
 }
 
-long MeshText::line_of(size_t offset) const {
-  return 1 + std::count(text_.begin(), text_.begin() + static_cast<std::ptrdiff_t>(offset), '\n');
+bool MeshText::leave_file() {
+  if (open_.empty()) return false;
+  current_ = open_.back().source;
+  at_ = open_.back().at;
+  open_.pop_back();
+  return true;
+}
+
+size_t MeshText::offset(std::string_view part) const {
+  const std::less_equal<const char*> before;
+  const auto in = [&](const Source& source) {
+    const char* begin = source.text.data();
+    return before(begin, part.data()) && before(part.data(), begin + source.text.size());
+  };
+  const auto of = [&](const Source& source) {
+    return source.base + static_cast<size_t>(part.data() - source.text.data());
+  };
+  if (in(current())) return of(current());
+  for (const auto& source : sources_)
+    if (in(*source)) return of(*source);
+  return 0;
+}
+
+const MeshText::Source& MeshText::source_of(size_t offset) const {
+  const auto behind =
+      std::upper_bound(sources_.begin() + 1, sources_.end(), offset,
+                       [](size_t at, const auto& source) { return at < source->base; });
+  return **(behind - 1);
+}
+
+std::string_view MeshText::part(size_t offset, size_t length) const {
+  const Source& source = source_of(offset);
+  return std::string_view(source.text).substr(offset - source.base, length);
+}
+
+namespace {
+
+long line_in(const MeshText::Source& source, size_t offset) {
+  const char* begin = source.text.data();
+  return 1 + std::count(begin, begin + (offset - source.base), '\n');
+}
+
+}  // namespace
+
+std::string MeshText::line_name(size_t offset, size_t seen_from) const {
+  const Source& source = source_of(offset);
+  const std::string line = "line " + std::to_string(line_in(source, offset));
+  return &source == &source_of(seen_from) ? line : line + " of " + source.path.string();
 }
 
 void MeshText::fail(size_t offset, const std::string& message) const {
-  const size_t line_end = offset == 0 ? text_.npos : text_.rfind('\n', offset - 1);
-  const size_t column = line_end == text_.npos ? offset : offset - line_end - 1;
-  throw InputError(path_.string() + ":" + std::to_string(line_of(offset)) + ":" +
+  const Source& source = source_of(offset);
+  const size_t at = offset - source.base;
+  const size_t line_end = at == 0 ? source.text.npos : source.text.rfind('\n', at - 1);
+  const size_t column = line_end == source.text.npos ? at : at - line_end - 1;
+  throw InputError(source.path.string() + ":" + std::to_string(line_in(source, offset)) + ":" +
                    std::to_string(column + 1) + ": " + message);
 }
 

@@ -1,17 +1,16 @@
-// The text of a mesh file. It is read in one piece and parsed line by line; coordinates are
-// replaced in it. Internal.
+// The text of a mesh file and of the files that it includes. Each is read in one piece and parsed
+// line by line; coordinates are replaced in it. Internal.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "batten/io/files/text.h"
 #include "batten/io/files/toml_table.h"
-#include "batten/io/meshes/mesh_content.h"
 
 namespace batten {
 
@@ -60,35 +59,70 @@ bool parse_integer(std::string_view field, long& value);
 /// `value`; the shortest of these. Exponents are written "+3" (Nastran) or "e3".
 std::string fixed_real(double value, int width, bool nastran);
 
-/// The text of a file, and a position in it from which lines are read.
+/// The text of a file, of the files that it includes, and a position in them from which lines are
+/// read. Offsets count through all texts, so that one number says file and place.
 class MeshText {
  public:
+  struct Source {
+    std::filesystem::path path;
+    std::string text;
+    size_t base = 0;  ///< offset of its first byte
+    /// Offset of the line that includes it; npos for the file that was named first.
+    size_t included_at = std::string::npos;
+    /// Where a deck that is written has it, from the folder of the deck. Empty: it lies outside of
+    /// that folder or is named by a whole path; it is not written.
+    std::filesystem::path beside;
+  };
+
   /// Reads the file. Throws InputError: no file, a folder, an empty file and, unless it is
   /// `binary`, UTF-16 text or zero bytes.
   explicit MeshText(const std::filesystem::path& path, bool binary = false);
 
-  const std::string& text() const { return text_; }
-  const std::filesystem::path& path() const { return path_; }
-  /// Reads the next line, without its line end. Returns false at the end of the file. A byte-order
-  /// mark is passed over.
-  bool next(std::string_view& line);
-  /// Offset, in bytes, of the line that next() reads.
-  size_t position() const { return at_; }
-  void go_to(size_t position) { at_ = position; }
+  /// The file that was named first.
+  const std::string& text() const { return sources_.front()->text; }
+  const std::filesystem::path& path() const { return sources_.front()->path; }
+  /// All files in the order in which they were opened. A file that is included twice is here twice.
+  const std::vector<std::shared_ptr<const Source>>& sources() const { return sources_; }
 
-  /// Offset of a part of text() in it, in bytes.
-  size_t offset(std::string_view part) const {
-    return static_cast<size_t>(part.data() - text_.data());
-  }
+  /// Reads the next line, without its line end; after the last line of an included file that behind
+  /// the line which includes it. Returns false at the end of everything. A byte-order mark is
+  /// passed over.
+  bool next(std::string_view& line);
+  /// The same, but returns false at the end of the current file.
+  bool next_here(std::string_view& line);
+  /// Offset, in bytes, of the line that next_here() reads.
+  size_t position() const { return current().base + at_; }
+  /// To a position in the current file.
+  void go_to(size_t position) { at_ = position - current().base; }
+
+  /// Goes on with the first line of another file, and after its last one behind the current line.
+  /// `name`, as it stands in the text, is looked for from the current file's folder, from that of
+  /// the first file, then in `folders`. Throws InputError with the places of all including lines:
+  /// a file that cannot be read, one that includes itself.
+  void include(const std::string& name, std::string_view where,
+               const std::vector<std::string>& folders = {});
+  /// Leaves the rest of an included file. Returns false in the file that was named first.
+  bool leave_file();
+  /// In how many including files the current one lies.
+  int depth() const { return static_cast<int>(open_.size()); }
+
+  /// Offset of a part of a text, in bytes.
+  size_t offset(std::string_view part) const;
+  /// `length` bytes from an offset.
+  std::string_view part(size_t offset, size_t length) const;
+  const Source& source_of(size_t offset) const;
   /// Throws InputError: "file:line:column: message".
   [[noreturn]] void fail(size_t offset, const std::string& message) const;
   [[noreturn]] void fail(std::string_view where, const std::string& message) const {
     fail(offset(where), message);
   }
   /// Whether the last line has no line end: the file may be cut short, or was typed so.
-  bool ends_in_mid_line() const { return !text_.empty() && text_.back() != '\n'; }
-  [[noreturn]] void fail_at_end(const std::string& message) const { fail(text_.size(), message); }
-  long line_of(size_t offset) const;
+  bool ends_in_mid_line() const { return !text().empty() && text().back() != '\n'; }
+  [[noreturn]] void fail_at_end(const std::string& message) const {
+    fail(sources_.front()->base + text().size(), message);
+  }
+  /// "line 7", with the name of the file where `seen_from` lies in another one.
+  std::string line_name(size_t offset, size_t seen_from) const;
 
   /// Reads a finite number; an empty field is 0 with `blank_is_zero`. Throws InputError.
   double real(std::string_view field, bool blank_is_zero = false) const;
@@ -96,19 +130,16 @@ class MeshText {
   long integer(std::string_view field, const std::string& expected) const;
 
  private:
-  std::filesystem::path path_;
-  std::string text_;
-  size_t at_ = 0;
-};
+  struct Including {
+    size_t source, at;  // of the file that goes on, and where
+  };
+  const Source& current() const { return *sources_[current_]; }
+  void open(Source source, bool binary);
+  std::string places(size_t offset) const;
 
-/// The content of a mesh file in which coordinates are replaced field by field.
-struct TextMesh : MeshContent {
-  explicit TextMesh(MeshText file) : file(std::move(file)) {}
-  MeshRounding write(const std::filesystem::path& path, const Points& points,
-                     const MeshWriteOptions& options) const override;
-
-  MeshText file;
-  std::vector<std::array<Field, 3>> fields;  ///< the fields of each node's x, y, z
+  std::vector<std::shared_ptr<const Source>> sources_;
+  std::vector<Including> open_;
+  size_t current_ = 0, at_ = 0;
 };
 
 }  // namespace batten

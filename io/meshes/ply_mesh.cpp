@@ -10,7 +10,7 @@
 #include "batten/core/errors.h"
 #include "batten/core/index.h"
 #include "batten/io/files/whole_file.h"
-#include "batten/io/meshes/mesh_text.h"
+#include "batten/io/meshes/text_mesh.h"
 
 namespace batten {
 namespace {

@@ -9,6 +9,7 @@
 #include "batten/core/errors.h"
 #include "batten/core/index.h"
 #include "batten/io/files/whole_file.h"
+#include "batten/io/meshes/mesh_content.h"
 #include "batten/io/meshes/mesh_text.h"
 
 namespace batten {

@@ -25,6 +25,7 @@
 #include "batten/core/errors.h"
 #include "batten/core/index.h"
 #include "batten/io/files/in_child.h"
+#include "batten/io/meshes/mesh_content.h"
 #include "batten/io/meshes/mesh_text.h"
 #include "batten/io/vtk/vtk_messages.h"
 #include "batten/io/vtk/vtk_write.h"

@@ -211,11 +211,8 @@ TEST_CASE("Nastran: nodes and shells of all three field formats", "[io][decks]")
   REQUIRE(file.sets().size() == 1);
   CHECK(file.sets()[0].name == "4");
   CHECK(file.sets()[0].nodes.size() == 5);
-  REQUIRE(file.warnings().size() == 2);
-  CHECK(file.warnings()[0] == "in local coordinate systems, used by no shell: 1 node");
-  CHECK(file.warnings()[1] ==
-        "1 CBAR, 2 RBE2 elements are carried along as text; 2 nodes that no shell uses stay where "
-        "they are");
+  REQUIRE(file.warnings().size() == 1);
+  CHECK(file.warnings()[0] == "1 CBAR, 2 RBE2; 2 nodes that no shell uses");
 }
 
 TEST_CASE("decks with unchanged nodes keep every byte", "[io][decks]") {
@@ -410,12 +407,13 @@ TEST_CASE("Nastran: mistakes are named with line and column", "[io][decks]") {
   CHECK(says(grids + "CTRIA3,5,1,1,2,3\nCTRIA3,5,1,1,2,3\n") ==
         "5:8: found element 5 a second time, the first is in line 4");
   CHECK(says(grids + "GRID,4,7,0.,0.,0.\nCTRIA3,1,1,1,2,4\n") ==
-        "4:6: found node 4 in a local coordinate system, expected the basic system (CP 0 or "
-        "blank)");
+        "4:6: found node 4 in coordinate system 7, expected one that the deck defines");
   CHECK_THAT(says(grids + "GRDSET          3\nCTRIA3,1,1,1,2,3\n"),
-             Contains("1:9: found node 1 in a local"));
-  CHECK(says(grids + "INCLUDE 'more.bdf'\n") ==
-        "4:1: found 'INCLUDE 'more.bdf'', expected everything in one file");
+             Contains("1:9: found node 1 in coordinate system 3, expected one"));
+  CHECK(says("BEGIN BULK\n" + grids + "CTRIA3,5,1,1,2,3\n") ==
+        "6:1: found the end of a deck with BEGIN BULK, expected ENDDATA: it may be cut short");
+  CHECK(says("BEGIN BULK\n" + grids + "BEGIN SUPER=1\n") ==
+        "5:1: found 'BEGIN SUPER=1', expected one model without superelements");
   CHECK(says(grids + "CTRIA3  1       1       1       2\n") ==
         "4:1: found 2 corners of element 1, expected 3");
   CHECK(says("GRID    1               0.x     0.      0.\n") ==
@@ -553,7 +551,7 @@ TEST_CASE("Abaqus: one part in its place, with an assembly", "[io][decks]") {
   REQUIRE(file.sets().size() == 1);
   CHECK(file.sets()[0].name == "edge");
   REQUIRE(file.warnings().size() == 2);
-  CHECK_THAT(file.warnings()[0], Contains("1 T3D2 elements"));
+  CHECK_THAT(file.warnings()[0], Contains("1 T3D2"));
 }
 
 TEST_CASE("LS-DYNA: nodes, shells, parts and sets", "[io][decks]") {
@@ -698,6 +696,10 @@ TEST_CASE("decks and polygons that may be cut short are named") {
     CHECK_THAT(joined(MeshFile::read(folder / name).warnings()), !Contains("cut short"));
     // The last line but its last two characters: that of the end, or of the last faces.
     std::ofstream(cut / name, std::ios::binary) << text.str().substr(0, text.str().size() - 3);
+    if (std::string(name) == "sheet.bdf") {
+      CHECK_THROWS_WITH(MeshFile::read(cut / name), Contains("it may be cut short"));
+      continue;
+    }
     CHECK_THAT(joined(MeshFile::read(cut / name).warnings()), Contains("it may be cut short"));
   }
 }

@@ -1,4 +1,6 @@
-// Coordinates put back into the text that they were read from.
+// The characters that stand for a coordinate in a field of a file.
+#include "batten/io/meshes/field_text.h"
+
 #include <algorithm>
 #include <bit>
 #include <charconv>
@@ -6,12 +8,8 @@
 #include <cstdlib>
 #include <cstring>
 #include <limits>
-#include <ostream>
 
-#include "batten/core/errors.h"
 #include "batten/core/index.h"
-#include "batten/io/files/whole_file.h"
-#include "batten/io/meshes/mesh_text.h"
 
 namespace batten {
 namespace {
@@ -103,12 +101,12 @@ int width_of(FieldKind kind) {
   }
 }
 
-namespace {
-
 bool fixed_columns(FieldKind kind) {
   return kind == FieldKind::Nastran8 || kind == FieldKind::Nastran16 || kind == FieldKind::Dyna16 ||
          kind == FieldKind::Dyna20;
 }
+
+namespace {
 
 bool nastran(FieldKind kind) {
   return kind == FieldKind::Nastran8 || kind == FieldKind::Nastran16 ||
@@ -126,7 +124,8 @@ std::string bytes_of(double value, bool swapped, double& written) {
   return bytes;
 }
 
-/// The characters that stand for `value`, and what a reader will make of them.
+}  // namespace
+
 std::string text_of(double value, FieldKind kind, double& written) {
   switch (kind) {
     case FieldKind::Float32:
@@ -150,7 +149,6 @@ std::string text_of(double value, FieldKind kind, double& written) {
   return text;
 }
 
-/// `text` where the old field has its own: at the left, or in the last column.
 std::string placed(const std::string& text, const Field& field, std::string_view old) {
   if (!fixed_columns(field.kind)) return text;
   const auto width = static_cast<size_t>(width_of(field.kind));
@@ -162,7 +160,6 @@ std::string placed(const std::string& text, const Field& field, std::string_view
   return text + std::string(to > text.size() ? to - text.size() : 0, ' ');
 }
 
-/// A small-field GRID as two large-field lines.
 std::string wide_grid(std::string_view line, const std::array<std::string, 3>& coordinates,
                       const std::string& line_end) {
   const std::string_view data = line.substr(0, line.find('$'));
@@ -179,136 +176,6 @@ std::string wide_grid(std::string_view line, const std::array<std::string, 3>& c
   if (data.size() < line.size()) second += " " + std::string(line.substr(data.size()));
   return "GRID*   " + field(1) + field(2) + right(coordinates[0]) + right(coordinates[1]) +
          line_end + second;
-}
-
-/// The text of a mesh file with other coordinates.
-class Rewriting {
- public:
-  Rewriting(const TextMesh& mesh, const Points& points, bool wide_nodes)
-      : mesh_(mesh), points_(points), wide_nodes_(wide_nodes), text_(mesh.file.text()) {
-    out_.reserve(text_.size() + text_.size() / 8);
-  }
-
-  /// The coordinates of a node, by their order in the text.
-  void rewrite(size_t i) {
-    const Node node = look_at(i);
-    if (!node.changes()) return;
-    if (wide_nodes_ && is_small_grid(node))
-      widen(node);
-    else
-      replace_fields(node);
-  }
-
-  void write_to(const std::filesystem::path& path) {
-    out_.append(text_, done_, text_.npos);
-    write_whole_file(path, [&](std::ostream& stream) {
-      stream.write(out_.data(), static_cast<std::streamsize>(out_.size()));
-    });
-  }
-
-  const MeshRounding& rounding() const { return rounding_; }
-
- private:
-  struct Node {
-    size_t index;
-    const std::array<Field, 3>& fields;
-    std::array<bool, 3> changed{};
-    bool changes() const { return changed[0] || changed[1] || changed[2]; }
-    /// Then all its open fields are written, together.
-    bool changes_open() const {
-      bool any = false;
-      for (size_t c = 0; c < 3; ++c) any |= changed[c] && fields[c].open;
-      return any;
-    }
-  };
-
-  Node look_at(size_t i) const {
-    Node node{i, mesh_.fields[i]};
-    const auto row = static_cast<Eigen::Index>(i);
-    for (int c = 0; c < 3; ++c) node.changed[c] = points_(row, c) != mesh_.shells.points(row, c);
-    return node;
-  }
-
-  size_t line_begin(const Node& node) const {
-    const size_t before = text_.rfind('\n', node.fields[0].begin);
-    return before == text_.npos ? 0 : before + 1;
-  }
-
-  /// Whether the node is a GRID in small fields without tabs.
-  bool is_small_grid(const Node& node) const {
-    const Field &x = node.fields[0], &z = node.fields[2];
-    const size_t line = line_begin(node);
-    return x.kind == FieldKind::Nastran8 && x.begin - line == 24 &&
-           text_.find('\t', line) >= z.begin + z.length;
-  }
-
-  void widen(const Node& node) {
-    const size_t line = line_begin(node);
-    size_t end = std::min(text_.find('\n', node.fields[0].begin), text_.size());
-    const bool carriage = end > line && text_[end - 1] == '\r';
-    end -= carriage;
-    std::array<std::string, 3> coordinates;
-    for (int c = 0; c < 3; ++c) coordinates[c] = new_text(node, c, FieldKind::Nastran16);
-    replace(line, end,
-            wide_grid(std::string_view(text_).substr(line, end - line), coordinates,
-                      carriage ? "\r\n" : "\n"));
-  }
-
-  void replace_fields(const Node& node) {
-    // A file may have its y before its x.
-    std::array<int, 3> order{0, 1, 2};
-    std::stable_sort(order.begin(), order.end(),
-                     [&](int a, int b) { return node.fields[a].begin < node.fields[b].begin; });
-    for (const int c : order) {
-      const Field& field = node.fields[c];
-      if (!node.changed[c] && !(node.changes_open() && field.open)) continue;
-      std::string by = placed(new_text(node, c, field.kind), field, old_text(node, c));
-      if (field.open) by = std::string(field.gap, fixed_columns(field.kind) ? ' ' : ',') + by;
-      replace(field.begin, field.begin + field.length, by);
-    }
-  }
-
-  std::string_view old_text(const Node& node, int c) const {
-    return std::string_view(text_).substr(node.fields[c].begin, node.fields[c].length);
-  }
-
-  std::string new_text(const Node& node, int c, FieldKind kind) {
-    if (!node.changed[c]) return std::string(trimmed(old_text(node, c)));
-    const double value = points_(static_cast<Eigen::Index>(node.index), c);
-    double written = 0;
-    const std::string result = text_of(value, kind, written);
-    const double error = std::abs(written - value);
-    if (!std::isfinite(written) || result.empty())
-      mesh_.file.fail(node.fields[c].begin,
-                      "the coordinate " + number(value) + " does not fit into its field");
-    if (error > rounding_.largest)
-      rounding_ = {error, mesh_.node_labels.of(static_cast<int>(node.index))};
-    return result;
-  }
-
-  void replace(size_t begin, size_t end, const std::string& by) {
-    out_.append(text_, done_, begin - done_);
-    out_ += by;
-    done_ = end;
-  }
-
-  const TextMesh& mesh_;
-  const Points& points_;
-  bool wide_nodes_;
-  const std::string& text_;
-  std::string out_;
-  size_t done_ = 0;  // end of what was read
-  MeshRounding rounding_;
-};
-
-}  // namespace
-
-MeshRounding TextMesh::write(const std::filesystem::path& path, const Points& points,
-                             const MeshWriteOptions& options) const {
-  Rewriting rewriting(*this, points, options.wide_nodes);
-  for (size_t i = 0; i < fields.size(); ++i) rewriting.rewrite(i);
-  rewriting.write_to(path);
-  return rewriting.rounding();
 }
 
 }  // namespace batten

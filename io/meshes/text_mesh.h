@@ -1,0 +1,31 @@
+// A mesh file whose coordinates are replaced in its text. Internal.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "batten/io/meshes/mesh_content.h"
+#include "batten/io/meshes/mesh_text.h"
+#include "batten/io/meshes/node_systems.h"
+
+namespace batten {
+
+/// The content of a mesh file in which coordinates are replaced field by field.
+struct TextMesh : MeshContent {
+  explicit TextMesh(MeshText file) : file(std::move(file)) {}
+  MeshRounding write(const std::filesystem::path& path, const Points& points,
+                     const MeshWriteOptions& options) const override;
+  std::vector<std::filesystem::path> files_beside() const override;
+
+  MeshText file;
+  std::vector<std::array<Field, 3>> fields;  ///< the fields of each node's three numbers
+  NodeSystems systems;                       ///< what these numbers mean
+  /// Why a node must stay where it is, as "a coordinate that is the parameter <x>"; few have it.
+  std::vector<std::pair<int, std::string>> held;
+};
+
+/// Makes the places of a mesh's nodes of the numbers that are in shells.points, and keeps these.
+/// Throws as NodeFrames does.
+void place_nodes(TextMesh& mesh, NodeSystems systems);
+
+}  // namespace batten

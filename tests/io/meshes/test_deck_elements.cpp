@@ -1,0 +1,123 @@
+// What decks have beside shells, by its nodes.
+#include "batten/tests/io/meshes/mesh_laws.h"
+
+using namespace batten_test;
+using Catch::Matchers::Contains;
+using Kind = OtherElement::Kind;
+
+namespace {
+
+/// "Kind name label: nodes by their numbers; weights" of each element.
+std::vector<std::string> told(const MeshFile& file) {
+  static const std::map<Kind, std::string> kinds{
+      {Kind::Solid, "solid"},  {Kind::Beam, "beam"}, {Kind::Bush, "bush"},  {Kind::Rigid, "rigid"},
+      {Kind::Average, "mean"}, {Kind::Mass, "mass"}, {Kind::Other, "other"}};
+  std::vector<std::string> all;
+  for (const OtherElement& element : file.others()) {
+    std::string text =
+        kinds.at(element.kind) + " " + element.name + " " + std::to_string(element.label) + ":";
+    for (const int node : element.nodes) text += " " + std::to_string(file.node_label(node));
+    if (!element.weights.empty()) text += ";";
+    for (const double weight : element.weights) text += " " + number(weight);
+    all.push_back(text);
+  }
+  return all;
+}
+
+using Lines = std::vector<std::string>;
+
+std::string nastran_grids(int count) {
+  std::string text;
+  for (int i = 1; i <= count; ++i)
+    text += "GRID," + std::to_string(i) + ",," + std::to_string(i % 5) + ".," +
+            std::to_string(i / 5) + ".,0.\n";
+  return text + "CTRIA3,1,1,1,2,6\n";
+}
+
+Lines nastran(const std::string& cards) {
+  return told(MeshFile::read(file_with("others.bdf", nastran_grids(30) + cards)));
+}
+
+}  // namespace
+
+TEST_CASE("Nastran: solids have their corners and middle nodes in the deck's order",
+          "[io][decks]") {
+  CHECK(nastran("CHEXA   10      1       1       2       3       4       5       6       +A\n"
+                "+A      7       8\n"
+                "CTETRA  11      1       4       3       2       1\n"
+                "CHEXA*  12                             1               1               2\n"
+                "*                      3               4               5               6\n"
+                "*                      7               8               9              10\n"
+                "*                     11              12              13              14\n"
+                "*                     15              16              17              18\n"
+                "*                     19              20\n"
+                "CPENTA,13,1,1,2,3,4,5,6\n,7,,9,10,,12,13,14,\n,15\n"
+                "CPYRAM,14,1,1,2,3,4,5\n") ==
+        Lines{"solid CHEXA 10: 1 2 3 4 5 6 7 8", "solid CTETRA 11: 4 3 2 1",
+              "solid CHEXA 12: 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20",
+              "solid CPENTA 13: 1 2 3 4 5 6 7 9 10 12 13 14 15", "solid CPYRAM 14: 1 2 3 4 5"});
+}
+
+TEST_CASE("Nastran: bars, springs and masses, with the node of their direction", "[io][decks]") {
+  CHECK(nastran("CBAR    10      1       1       2       0.      0.      1.\n"
+                "CBAR    11      1       1       2       9\n"
+                "CBEAM,12,1,3,4,7,,\nCBEAM3,13,1,1,2,3,8\n"
+                "CROD,14,1,5,6\nCONROD,15,5,6,1,2.5\nCTUBE,16,1,7,8\n") ==
+        Lines{"beam CBAR 10: 1 2", "beam CBAR 11: 1 2 9", "beam CBEAM 12: 3 4 7",
+              "beam CBEAM3 13: 1 2 3 8", "beam CROD 14: 5 6", "beam CONROD 15: 5 6",
+              "beam CTUBE 16: 7 8"});
+  // Ends to the ground, and points without a place, are left out.
+  CHECK(nastran("CBUSH,10,1,1,2,,,,0\nCBUSH,11,1,3,,0.,0.,1.\nCBUSH,12,1,3,4,5\n"
+                "CELAS1,13,1,1,3,2,3\nCELAS2,14,1.+4,7,1\nCELAS2,15,1.+4,0,,8,2\n"
+                "SPOINT,1001,THRU,1005\nSPOINT,77\nCDAMP2,16,.5,1,1,1003\nCELAS1,17,1,77,,1\n"
+                "CGAP,18,1,4,5,1.,0.,0.\nCFAST,19,1,PROP,3,4,7,8,9\nCWELD,20,1,7,ELPAT,8,9\n"
+                "CELAS4,21,1.,1001,1002\n") ==
+        Lines{"bush CBUSH 10: 1 2", "bush CBUSH 11: 3", "bush CBUSH 12: 3 4 5",
+              "bush CELAS1 13: 1 2", "bush CELAS2 14: 7", "bush CELAS2 15: 8", "bush CDAMP2 16: 1",
+              "bush CELAS1 17: 1", "bush CGAP 18: 4 5", "bush CFAST 19: 8 9 7",
+              "bush CWELD 20: 8 9 7"});
+  CHECK(nastran("CONM2,10,3,0,1.5\nCONM1,11,4,,1.\nPLOTEL,12,1,2\nCSHEAR,13,1,1,2,3,4\n") ==
+        Lines{"mass CONM2 10: 3", "mass CONM1 11: 4", "other PLOTEL 12: 1 2",
+              "other CSHEAR 13: 1 2 3 4"});
+}
+
+TEST_CASE("Nastran: rigid elements have their independent node first", "[io][decks]") {
+  CHECK(nastran("RBAR,10,1,2,123456\nRBAR,11,1,2,,123456\nRROD,12,1,2\nRROD,13,1,2,1\n"
+                "RBE2    14      9       123456  1       2       3       4       5       +\n"
+                "+       6       7       8       1.2-5\n"
+                "RBE2,15,9,123,1,THRU,4,7\n"
+                "RBE2*   16                             9             123               1\n"
+                "*                      2\n"
+                "RBE1,17,9,123,10,456,11,1\n,,12,2\n,UM,1,123,2,3\n,,3,1,.5\n"
+                "RSPLINE,18,.1,1,2,123,3,123456,4\n,,5\n"
+                "MPC,19,1,1,1.,2,1,-1.,\n,,3,1,.5\n") ==
+        Lines{"rigid RBAR 10: 1 2", "rigid RBAR 11: 2 1", "rigid RROD 12: 1 2",
+              "rigid RROD 13: 2 1", "rigid RBE2 14: 9 1 2 3 4 5 6 7 8",
+              "rigid RBE2 15: 9 1 2 3 4 7", "rigid RBE2 16: 9 1 2",
+              "rigid RBE1 17: 9 10 11 12 1 2 3", "other RSPLINE 18: 1 2 3 4 5",
+              "other MPC 19: 1 2 3"});
+}
+
+TEST_CASE("Nastran: averages have their reference node first, then nodes with weights",
+          "[io][decks]") {
+  CHECK(nastran("RBE3    10              9       123456  1.      123     1       2       +\n"
+                "+       3       2.5     123456  4       5       1.      456     6       +\n"
+                "+       UM      1       12      2       3\n"
+                "RBE3,11,,9,123456,.5,123,1,THRU\n,4,UM,1,12,2,3\n"
+                "RBE3,12,,9,123456,1.0,123,1,2\n,,,ALPHA,6.5-6\n") ==
+        Lines{"mean RBE3 10: 9 1 2 3 4 5; 1 1 1 2.5 2.5",
+              "mean RBE3 11: 9 1 2 3 4; 0.5 0.5 0.5 0.5", "mean RBE3 12: 9 1 2; 1 1"});
+}
+
+TEST_CASE("Nastran: nodes of other elements that are not there are named with their place",
+          "[io][decks]") {
+  const auto says = [](const std::string& cards) {
+    return mistake("others_wrong.bdf", "GRID,1\nGRID,2\nGRID,3\nCTRIA3,1,1,1,2,3\n" + cards);
+  };
+  CHECK(says("CBAR,10,1,1,99,0.,0.,1.\n") ==
+        "5:6: found node 99 in CBAR 10, expected the number of a node");
+  CHECK(says("CBUSH   10      1       1       a\n") == "5:33: found 'a', expected a node number");
+  CHECK(says("RBE3,10,,,123,1.,123,1,2\n") ==
+        "5:6: found an RBE3 without its reference node, expected one");
+  CHECK(says("RBE2,10,1,123,2,THRU,1000000000\n") == "5:22: found more nodes than an element has");
+}
