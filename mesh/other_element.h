@@ -6,21 +6,22 @@
 
 namespace batten {
 
-/// An element that is no shell, or a connection of nodes, by its nodes: indices of the mesh.
+/// An element of a deck that is no shell, or a connection of nodes, by its nodes. Where the deck
+/// leaves a node out (an end to the ground, a middle node), it is not there.
 struct OtherElement {
   enum class Kind {
-    Solid,    ///< corners in the deck's order, then middle nodes
-    Beam,     ///< bars, rods, beams
-    Bush,     ///< springs, dampers, bushes, fasteners between two nodes
-    Rigid,    ///< the independent node first
-    Average,  ///< the reference node first: it moves as the mean of the others (RBE3)
-    Mass,
-    Other
+    Solid,  ///< corners, then middle nodes, in the deck's order
+    Beam,   ///< bars and beams too: the ends, then a node that gives its direction, if there is one
+    Bush,   ///< springs, dampers, gaps, fasteners: as a beam
+    Rigid,  ///< the independent node first
+    Average,  ///< the reference node first, which follows the others
+    Mass,     ///< one node
+    Other     ///< something else
   };
   Kind kind = Kind::Other;
-  std::string name;  ///< as the deck calls it: CHEXA, RBE2, C3D8
-  long label = 0;
-  std::vector<int> nodes;
+  std::string name;             ///< as the deck calls it: CHEXA, RBE2, C3D8, *MPC, …
+  long label = 0;               ///< its number; 0 without one
+  std::vector<int> nodes;       ///< indices of the mesh's nodes
   std::vector<double> weights;  ///< Average: one for each node but the first
 };
 

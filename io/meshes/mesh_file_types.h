@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "batten/mesh/other_element.h"
+
 namespace batten {
 
 /// A set of a mesh file. A node set has nodes only, a face set faces only, as ascending indices,
@@ -12,25 +14,6 @@ struct MeshSet {
   std::string name;   ///< its name; in LS-DYNA and Nastran its id
   std::string title;  ///< its title; in LS-DYNA only
   std::vector<int> nodes, faces;
-};
-
-/// An element of a deck that is no shell, or a connection of nodes, by its nodes. Where the deck
-/// leaves a node out (an end to the ground, a middle node), it is not there.
-struct OtherElement {
-  enum class Kind {
-    Solid,  ///< corners, then middle nodes, in the deck's order
-    Beam,   ///< bars and beams too: the ends, then a node that gives its direction, if there is one
-    Bush,   ///< springs, dampers, gaps, fasteners: as a beam
-    Rigid,  ///< the independent node first
-    Average,  ///< the reference node first, which follows the others
-    Mass,     ///< one node
-    Other     ///< something else
-  };
-  Kind kind = Kind::Other;
-  std::string name;             ///< as the deck calls it: CHEXA, RBE2, C3D8, *MPC, …
-  long label = 0;               ///< its number; 0 without one
-  std::vector<int> nodes;       ///< indices of the mesh's nodes
-  std::vector<double> weights;  ///< Average: one for each node but the first
 };
 
 /// How a mesh file is written.

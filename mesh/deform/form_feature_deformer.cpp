@@ -43,7 +43,8 @@ struct FormFeatureDeformer::Data {
                                : edit.guides[guide_of[k]];
   }
   void add_guide_row(ConstraintSet& set, size_t k, double value) const;
-  /// r = b - A d0.
+  /// r = b - A x, x the shape with the free unknowns at rest: the solution is then a change of shape,
+  /// and so are its errors.
   void start_residual();
   /// load = Bᵀ r.
   void reduce_residual();
@@ -65,8 +66,8 @@ struct FormFeatureDeformer::Data {
   Points q, good_q;  // logarithms, dofs × 3, of this edit and of the last good one
   MatX right;        // right-hand sides of the hard rows
   VecX g;            // of the coupling rows
-  RowPoints b, r;
-  MatX y, load, x;
+  RowPoints b, r, rest_rows;  // rest_rows = B y_rest
+  MatX y, y_rest, load, x;
   Points result;
   DeformEdit last;
   bool solved = false;       // result is the answer to `last`
@@ -101,7 +102,11 @@ FormFeatureDeformer::Data::Data(const TriangleMesh& given, DeformProblem stated)
   g.resize(static_cast<long>(guide_of.size()));
   b = r = system.base;
   load.resize(positions.free_count(), 3);
-  y = MatX::Zero(positions.free_count(), 3);
+  y_rest.resize(positions.free_count(), 3);
+  for (int i = 0; i < positions.free_count(); ++i)
+    y_rest.row(i) = system.rest.row(system.vertex[positions.free_dofs()[i]]);
+  y = y_rest;
+  rest_rows = rows * y_rest;
   x.resize(dofs, 3);
   result = mesh.points();
 }
@@ -243,7 +248,7 @@ void FormFeatureDeformer::Data::start_residual() {
   const MatX& d0 = positions.d0();
   in_chunks(b.rows(), [&](long first, long last) {
     for (long i = first; i < last; ++i) {
-      Eigen::RowVector3d sum = b.row(i);
+      Eigen::RowVector3d sum = b.row(i) - rest_rows.row(i);
       for (RowMatrix::InnerIterator a(A_held_rows, i); a; ++a) sum -= a.value() * d0.row(a.col());
       r.row(i) = sum;
     }
@@ -289,8 +294,8 @@ const Points& FormFeatureDeformer::deform(const DeformEdit& edit) {
   d.start_residual();
   if (d.positions.free_count() > 0) {
     d.reduce_residual();
-    d.y = d.load;
-    d.factor.solve_in_place(d.y);
+    d.factor.solve_in_place(d.load);
+    d.y = d.y_rest + d.load;
     d.coupling.apply(d.y, d.g);
   }
   if (!d.y.allFinite() || !d.positions.d0().allFinite())
@@ -309,7 +314,8 @@ double FormFeatureDeformer::correct() {
   // What is left of b - A x, in the rows' own accuracy.
   d.start_residual();
   for (long c = 0; c < d.B.cols(); ++c)
-    for (SparseMatrix::InnerIterator e(d.B, c); e; ++e) d.r.row(e.row()) -= e.value() * d.y.row(c);
+    for (SparseMatrix::InnerIterator e(d.B, c); e; ++e)
+      d.r.row(e.row()) -= e.value() * (d.y.row(c) - d.y_rest.row(c));
   d.reduce_residual();
   d.factor.solve_in_place(d.load);
   d.y += d.load;
