@@ -92,6 +92,13 @@ Json contents(const DeformReport& r) {
                              {"feature", h.feature},
                              {"before", hole_json(h.before)},
                              {"after", hole_json(h.after)}});
+  json["attached"] = {{"elements", Json::object()},
+                      {"connections", r.attached.connections},
+                      {"max_rigid_error", r.attached.max_rigid_error},
+                      {"least_rigid", r.attached.least_rigid},
+                      {"followed_nodes", r.attached.followed},
+                      {"inverted_solids", r.attached.inverted_solids}};
+  for (const auto& [name, count] : r.attached.elements) json["attached"]["elements"][name] = count;
   json["quality"] = {{"before", quality_json(r.before)},
                      {"after", quality_json(r.after)},
                      {"inverted", r.inverted}};
@@ -124,6 +131,12 @@ std::vector<MissedPromise> broken_promises(const DeformReport& report) {
     at_most("features." + f.name + ".max_rigid_error", f.max_rigid_error, limit(f.size));
   for (const auto& c : report.curves)
     at_most("curves." + c.name + ".max_residual", c.max_residual, limit(report.size));
+  at_most("attached.max_rigid_error", report.attached.max_rigid_error,
+          limit(report.size) * report.size);
+  if (const auto& solids = report.attached.inverted_solids; !solids.empty())
+    missed.push_back(
+        {"attached.inverted_solids", std::to_string(solids.size()) + " solids, the first is " +
+                                         std::to_string(solids[0]) + ", promised none"});
   if (!report.inverted.empty())
     missed.push_back(
         {"quality.inverted", std::to_string(report.inverted.size()) + " faces, the first is " +

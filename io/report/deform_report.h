@@ -60,6 +60,17 @@ struct DeformReport : RunReport {
   };
   std::vector<Hole> holes;
 
+  /// Elements that are no shells, and what became of them.
+  struct Attached {
+    std::vector<std::pair<std::string, int>> elements;  ///< how many of each kind the deck has
+    int connections = 0;                ///< rigid elements, bushes and bolts that keep their shape
+    double max_rigid_error = 0;         ///< largest distance of their nodes from a rigid motion
+    std::string least_rigid;            ///< the connection where that is
+    int followed = 0;                   ///< nodes of no shell that moved with the shells
+    std::vector<long> inverted_solids;  ///< the deck's numbers
+  };
+  Attached attached;
+
   QualitySummary before, after;
   std::vector<long> inverted;  ///< the file's numbers of inverted faces
   double largest_displacement = 0;
@@ -69,7 +80,8 @@ struct DeformReport : RunReport {
 
 /// The promises that the report's own numbers break: residuals and max_rigid_error above 1e-12 (or
 /// above 16 roundings of the largest coordinate, where that is more), inverted faces, a last
-/// correction above 1e-9, numbers that are not finite.
+/// correction above 1e-9, connections less rigid than 1e-12 of the size, inverted solids, numbers
+/// that are not finite.
 std::vector<MissedPromise> broken_promises(const DeformReport& report);
 
 /// The report as JSON text. Numbers that are not finite become the words "nan" and "inf".

@@ -250,6 +250,23 @@ void read_proposals(const TomlTable& root, ProposalOptions& o) {
   }
 }
 
+/// Reads how elements that are no shells go with the shells.
+void read_attached(const TomlTable& root, FollowOptions& options) {
+  const std::vector<std::string> kinds = {"solids", "beams",  "bushes", "rigid",
+                                          "means",  "masses", "others"};  // as OtherElement::Kind
+  for (const TomlTable& t : root.table("attached", kinds))
+    for (size_t k = 0; k < kinds.size(); ++k) {
+      const bool says_itself = kinds[k] == "rigid" || kinds[k] == "means";
+      Following& slot = options.of_kind[k];
+      if (!t.has(kinds[k])) continue;
+      slot = says_itself ? t.choice<Following>(
+                               kinds[k], {{"follow", Following::Rigid}, {"stay", Following::Stay}})
+                         : t.choice<Following>(kinds[k], {{"smooth", Following::Smooth},
+                                                          {"rigid", Following::Rigid},
+                                                          {"stay", Following::Stay}});
+    }
+}
+
 /// Reads selections and cuts, which share their names.
 void read_selections(const TomlTable& root, const std::filesystem::path& folder,
                      DeformScene& scene) {
@@ -322,8 +339,8 @@ void read_outputs(const TomlTable& root, DeformScene& scene) {
 DeformScene read(const toml::table& root_table, const std::filesystem::path& file) {
   const TomlTable root(
       file.string(), root_table, "the scene",
-      {"name", "unit", "mesh", "weighting", "proposals", "select", "cut", "feature", "features",
-       "guide", "line", "curve", "pull", "edit", "output", "modes", "picture"});
+      {"name", "unit", "mesh", "weighting", "proposals", "attached", "select", "cut", "feature",
+       "features", "guide", "line", "curve", "pull", "edit", "output", "modes", "picture"});
   const std::filesystem::path folder = file.parent_path();
   DeformScene scene;
   scene.file = file;
@@ -334,6 +351,7 @@ DeformScene read(const toml::table& root_table, const std::filesystem::path& fil
       "weighting", DeformProblem::Weighting::Area,
       {{"area", DeformProblem::Weighting::Area}, {"uniform", DeformProblem::Weighting::Uniform}});
   read_proposals(root, scene.proposals);
+  read_attached(root, scene.following);
   read_selections(root, folder, scene);
   Names kept("name");
   read_features(root, kept, scene);

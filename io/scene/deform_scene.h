@@ -12,6 +12,7 @@
 #include "batten/io/pictures/image.h"
 #include "batten/io/pictures/pictures.h"
 #include "batten/io/scene/scene.h"
+#include "batten/mesh/attached/follow.h"
 #include "batten/mesh/deform/deform_problem.h"
 #include "batten/mesh/features/feature_cut.h"
 #include "batten/mesh/features/proposals.h"
@@ -161,6 +162,7 @@ struct DeformScene {
   std::filesystem::path mesh;
   DeformProblem::Weighting weighting = DeformProblem::Weighting::Area;
   ProposalOptions proposals;
+  FollowOptions following;
   std::vector<SelectRule> selections;
   std::vector<CutRule> cuts;
   std::vector<FeatureRule> features;

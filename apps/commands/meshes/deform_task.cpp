@@ -171,8 +171,10 @@ double distance_from(const MeshCurve& curve, const Points& p) {
   return worst;
 }
 
-Kept gather(const DeformScene& scene, VertexSelector& select, const TriangleMesh& mesh) {
+Kept gather(const DeformScene& scene, VertexSelector& select, const AttachedNodes& attached,
+            const TriangleMesh& mesh) {
   Kept kept;
+  kept.attached = &attached;
   gather_features(scene, select, kept);
   gather_guides(scene, select, mesh, kept);
   gather_lines(scene, select, mesh, kept);
@@ -185,8 +187,9 @@ Task task_of(const DeformScene& scene, const EditRule& rule, const Kept& kept,
              VertexSelector& select, const TriangleMesh& mesh) {
   Task task;
   task.problem.fixed = select.of(rule.fixed);
-  if (!rule.region.empty()) task.problem.region = select.of(rule.region);
+  const std::vector<FormFeature>& connections = kept.attached->connections();
   task.problem.features = kept.features;
+  task.problem.features.insert(task.problem.features.end(), connections.begin(), connections.end());
   task.problem.guided = kept.guided;
   task.problem.chains = kept.chains;
   task.problem.rows = kept.rows;
@@ -203,9 +206,13 @@ Task task_of(const DeformScene& scene, const EditRule& rule, const Kept& kept,
     move.scale = h.scale;
     task.edit.handles.push_back(move);
   }
+  if (!rule.region.empty()) {
+    task.problem.region = select.of(rule.region);
+    kept.attached->widen(*task.problem.region, task.problem.handles);
+  }
   std::vector<std::string> names;
   for (const auto& f : kept.features) names.push_back(f.name);
-  task.edit.feature_scales.assign(kept.features.size(), 1.0);
+  task.edit.feature_scales.assign(task.problem.features.size(), 1.0);
   for (const auto& s : rule.scales) {
     bool any = false;
     for (size_t f = 0; f < names.size(); ++f)

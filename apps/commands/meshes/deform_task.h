@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "batten/apps/commands/meshes/attached_nodes.h"
 #include "batten/apps/commands/meshes/vertex_selector.h"
 #include "batten/fairing/fairness.h"
 #include "batten/mesh/deform/deform_problem.h"
@@ -32,6 +33,7 @@ double distance_from(const MeshCurve& curve, const Points& p);
 /// What all edits of a scene have in common: features, guides, chains and rows.
 struct Kept {
   std::vector<FormFeature> features;
+  const AttachedNodes* attached = nullptr;  ///< its connections are features, too
   std::vector<GuidedPoint> guided;
   std::vector<std::optional<Vec3>> through;  // GuideRule::through of each guide
   std::vector<CharacterChain> chains;
@@ -43,7 +45,8 @@ struct Kept {
 
 /// Collects what all edits have in common. Throws InputError with the place of what cannot be
 /// found.
-Kept gather(const DeformScene& scene, VertexSelector& select, const TriangleMesh& mesh);
+Kept gather(const DeformScene& scene, VertexSelector& select, const AttachedNodes& attached,
+            const TriangleMesh& mesh);
 
 /// The problem of one edit and how it moves.
 struct Task {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <utility>
 
@@ -34,6 +35,13 @@ double largest_move(const Points& before, const Points& after, int* where = null
 /// Places of the file's nodes: the mesh has more vertices where sheets meet.
 Points of_nodes(const Points& vertices, const MeshFile& file) {
   return vertices.topRows(file.shells().node_count());
+}
+
+/// Coordinates that change by roundings only are as they were, so that their text stays.
+Points unmoved_as_before(const Points& before, const Points& after) {
+  const double rounding =
+      16 * std::numeric_limits<double>::epsilon() * before.cwiseAbs().maxCoeff();
+  return ((after - before).array().abs() <= rounding).select(before, after);
 }
 
 void measure_into(DeformReport& report, const MeshFile& file, const TriangleMesh& original,
@@ -199,6 +207,7 @@ class DeformRun {
         file_(read_mesh()),
         prepared_(prepare_mesh()),
         select_(make_selector()),
+        attached_(file_, original(), scene.following),
         kept_(gather_kept()) {}
 
   /// Does the edits one after the other.
@@ -215,6 +224,7 @@ class DeformRun {
   void measure() {
     progress_.at("measuring", 0);
     measure_into(report_, file_, original(), states_.back(), kept_);
+    attached_.measure_into(report_, original().points(), states_.back());
     watch_.lap("measure");
   }
 
@@ -279,7 +289,7 @@ class DeformRun {
   }
 
   Kept gather_kept() {
-    Kept kept = gather(scene_, select_, original());
+    Kept kept = gather(scene_, select_, attached_, original());
     watch_.lap("features");
     return kept;
   }
@@ -317,7 +327,8 @@ class DeformRun {
                              largest_move(states_.back(), deformer.positions()),
                              deformer.hard_residual(), change, set_up, edit});
     for (const auto& note : deformer.notes()) report_.warnings.push_back(rule.name + ": " + note);
-    states_.push_back(deformer.positions());
+    states_.push_back(unmoved_as_before(mesh.points(), deformer.positions()));
+    attached_.follow(mesh.points(), states_.back(), task.problem.features);
   }
 
   /// The mesh in the format of its file.
@@ -345,6 +356,7 @@ class DeformRun {
   const MeshFile file_;
   const PreparedMesh prepared_;
   VertexSelector select_;
+  const AttachedNodes attached_;
   const Kept kept_;
   std::vector<Points> states_;  // before the first edit, and after each
   std::vector<Task> tasks_;     // of each edit
@@ -380,6 +392,15 @@ std::string summary(const DeformReport& report, const std::filesystem::path& fol
   if (!report.features.empty())
     text += result_line("features", std::to_string(report.features.size()) + ", rigid to " +
                                         number(rigid) + " of their size");
+  if (const auto& a = report.attached; !a.elements.empty()) {
+    std::string words;
+    for (const auto& [name, count] : a.elements)
+      words += (words.empty() ? "" : ", ") + std::to_string(count) + " " + name;
+    text +=
+        result_line("attached", words + "; " + std::to_string(a.connections) +
+                                    " connections rigid to " + number(a.max_rigid_error) + unit +
+                                    ", " + std::to_string(a.followed) + " nodes followed");
+  }
   for (const auto& c : report.curves)
     text += result_line("curve", c.name + ": " + std::to_string(c.vertices) + " nodes, faired by " +
                                      number(c.fairing.max) + unit + ", curvature extrema " +

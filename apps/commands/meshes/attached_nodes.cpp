@@ -1,0 +1,98 @@
+#include "batten/apps/commands/meshes/attached_nodes.h"
+
+#include <algorithm>
+#include <map>
+
+#include "batten/core/index.h"
+#include "batten/mesh/attached/solids.h"
+#include "batten/mesh/deform/similarity.h"
+
+namespace batten {
+
+AttachedNodes::AttachedNodes(const MeshFile& file, const TriangleMesh& mesh,
+                             const FollowOptions& options)
+    : file_(file), mesh_(mesh), options_(options) {
+  const MeshTopology& topology = mesh.topology();
+  for (int v = 0; v < topology.node_count(); ++v)
+    has_face_.push_back(!topology.neighbours(v).empty());
+  connections_ = batten::connections(file.others(), has_face_, options);
+  std::vector<char> taken = has_face_;
+  for (const FormFeature& c : connections_)
+    for (const int v : c.vertices) taken[v] = 1;
+  for (const OtherElement& e : file.others())
+    for (const int v : e.nodes)
+      if (!taken[v]) open_.push_back(v);
+  std::sort(open_.begin(), open_.end());
+  open_.erase(std::unique(open_.begin(), open_.end()), open_.end());
+}
+
+void AttachedNodes::widen(std::vector<int>& region, const std::vector<Handle>& handles) const {
+  std::vector<char> in(has_face_.size(), 0);
+  for (const int v : region) in[mesh_.topology().node_of(v)] = 1;
+  for (const Handle& h : handles)
+    for (const int v : h.vertices) in[mesh_.topology().node_of(v)] = 1;
+  for (const FormFeature& c : connections_)
+    if (std::any_of(c.vertices.begin(), c.vertices.end(), [&](int v) { return in[v] != 0; }))
+      for (const int v : c.vertices)
+        if (!has_face_[v] && !in[v]) region.push_back(v);
+}
+
+std::vector<Mat3> AttachedNodes::turns(const Points& before, const Points& after,
+                                       const std::vector<FormFeature>& features) const {
+  const MeshTopology& topology = mesh_.topology();
+  std::vector<Mat3> turns(has_face_.size(), Mat3::Identity());
+  std::vector<char> known(has_face_.size(), 0);
+  for (const FormFeature& f : features) {
+    const Mat3 R = fit_similarity(before, after, f.vertices).R;
+    for (const int v : f.vertices) {
+      turns[v] = R;
+      known[v] = 1;
+    }
+  }
+  // Shells turn as the ring around the node does.
+  for (const OtherElement& e : file_.others())
+    for (const int node : e.nodes) {
+      if (known[node] || !has_face_[node]) continue;
+      known[node] = 1;
+      std::vector<int> ring{node};
+      for (const int v : topology.together(node))
+        ring.insert(ring.end(), topology.neighbours(v).begin(), topology.neighbours(v).end());
+      turns[node] = fit_similarity(before, after, ring, 1).R;
+    }
+  return turns;
+}
+
+void AttachedNodes::follow(const Points& before, Points& after,
+                           const std::vector<FormFeature>& features) const {
+  if (open_.empty()) return;
+  std::vector<char> placed = has_face_;
+  for (const FormFeature& f : features)
+    for (const int v : f.vertices) placed[v] = 1;
+  batten::follow(before, after, std::move(placed), turns(before, after, features), file_.others(),
+                 options_);
+}
+
+void AttachedNodes::measure_into(DeformReport& report, const Points& before,
+                                 const Points& after) const {
+  const auto& others = file_.others();
+  std::map<std::string, int> count;
+  for (const OtherElement& e : others) ++count[e.name];
+  for (const auto& [name, elements] : count) report.attached.elements.emplace_back(name, elements);
+  report.attached.connections = count_of(connections_);
+  for (const FormFeature& c : connections_) {
+    // Zero-length bushes have no size of their own.
+    const Similarity fit = fit_similarity(before, after, c.vertices, 1);
+    Box3 box;
+    for (const int v : c.vertices) box.extend(before.row(v).transpose());
+    const double error = fit.max_error * std::max(box.diagonal().norm(), 0.0);
+    if (error > report.attached.max_rigid_error || std::isnan(error)) {
+      report.attached.max_rigid_error = error;
+      report.attached.least_rigid = c.name;
+    }
+  }
+  for (const int v : open_) report.attached.followed += before.row(v) != after.row(v);
+  for (const int e : inverted_solids(others, before, after))
+    report.attached.inverted_solids.push_back(others[e].label);
+}
+
+}  // namespace batten
