@@ -12,6 +12,11 @@ namespace batten {
 /// that a field of logarithms winds as far as it was asked to. Source: Masuda et al. 2006, eq.
 /// 6, 7.
 inline Vec3 rotation_log(const Vec3& axis, double angle) { return axis.normalized() * (angle / 2); }
+/// The shortest logarithm of a rotation matrix.
+inline Vec3 rotation_log(const Mat3& R) {
+  const Eigen::AngleAxisd turn(R);
+  return rotation_log(turn.axis(), turn.angle());
+}
 
 /// The vector R(q) x: one sine, one cosine, two cross products.
 inline Vec3 rotated(const Vec3& q, const Vec3& x) {

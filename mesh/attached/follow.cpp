@@ -25,11 +25,6 @@ Mat3 nearest_rotation(const Mat3& sum) {
   return svd.matrixU() * sign.asDiagonal() * svd.matrixV().transpose();
 }
 
-Vec3 log_of(const Mat3& R) {
-  const Eigen::AngleAxisd turn(R);
-  return rotation_log(turn.axis(), turn.angle());
-}
-
 class Follower {
  public:
   Follower(const Points& before, Points& after, std::vector<char> placed, std::vector<Mat3> turns,
@@ -229,7 +224,7 @@ class Follower {
     // Logarithms relative to the body's motion.
     MatX q = MatX::Zero(n, 3);
     const auto log_at = [&](const Edge& e, int v) {
-      return log_of(motion_at(e).R.transpose() * turns_[v]);
+      return rotation_log(motion_at(e).R.transpose() * turns_[v]);
     };
     for_open_ends(edges, row, [&](const Edge& e, int open, int other) {
       if (row[other] < 0) q.row(row[open]) += e.weight * log_at(e, other).transpose();

@@ -255,6 +255,7 @@ void DeformSystem::add_soft_rows(const TriangleMesh& mesh, const DeformProblem& 
   A.reserve(entries);
   base.resize(rows, 3);
   add_curvature_rows(mesh, curved, problem.weighting);
+  curvature_rows = static_cast<long>(curved.size());
   for (const WrittenRow& row : written) {
     const auto r = static_cast<long>(target_row.size());
     A.startVec(r);

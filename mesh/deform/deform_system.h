@@ -30,8 +30,9 @@ struct DeformSystem {
   int moving = 0;           ///< dofs that are not held
   std::vector<std::string> notes;
 
-  // Soft rows A p = b; row r has the target scale · R(q) base.
+  // Soft rows A p = b, those of curvature first; row r has the target scale · R(q) base.
   RowMatrix A;  ///< rows × dofs
+  long curvature_rows = 0;
   RowPoints base;
   std::vector<int> turns_with;  ///< dof, or -1
   std::vector<int> scaled_by;   ///< feature, or feature count + handle, or -1

@@ -2,23 +2,15 @@
 
 #include <cmath>
 
-#include "batten/constraints/affine_reduction.h"
-#include "batten/constraints/coupling.h"
 #include "batten/core/chunks.h"
 #include "batten/core/errors.h"
 #include "batten/core/index.h"
 #include "batten/core/parallel.h"
-#include "batten/core/rotations.h"
-#include "batten/core/sparse_cholesky.h"
-#include "batten/mesh/deform/deform_system.h"
+#include "batten/mesh/deform/form_feature_data.h"
 #include "batten/mesh/deform/normal_equations.h"
-#include "batten/mesh/deform/rotation_field.h"
 
 namespace batten {
 namespace {
-
-constexpr double kContradiction =
-    1e-9;  // of the size: guided points that cannot be where they should
 
 DeformProblem checked(DeformProblem problem, const TriangleMesh& mesh) {
   check(problem, mesh.vertex_count());
@@ -26,53 +18,6 @@ DeformProblem checked(DeformProblem problem, const TriangleMesh& mesh) {
 }
 
 }  // namespace
-
-struct FormFeatureDeformer::Data {
-  Data(const TriangleMesh& mesh, DeformProblem problem);
-
-  void keep_held_columns();
-  void couple_guides();
-  void set_targets(const DeformEdit& edit);
-  void set_hard_values(const DeformEdit& edit);
-  void set_guides(const DeformEdit& edit);
-  void expand(const DeformEdit& edit);
-  double scale_of(const DeformEdit& edit, int scaled_by) const;
-  /// Where coupling row k wants its point.
-  Vec3 through(const DeformEdit& edit, size_t k) const {
-    return edit.guides.empty() ? problem.guided[guide_of[k]].point.at(mesh.points())
-                               : edit.guides[guide_of[k]];
-  }
-  void add_guide_row(ConstraintSet& set, size_t k, double value) const;
-  /// r = b - A x, x the shape with the free unknowns at rest: the solution is then a change of shape,
-  /// and so are its errors.
-  void start_residual();
-  /// load = Bᵀ r.
-  void reduce_residual();
-  Vec3 turn_at(int dof) const { return q.row(dof).transpose(); }
-
-  TriangleMesh mesh;
-  DeformProblem problem;
-  DeformSystem system;
-  AffineReduction positions;
-  RotationField rotations;
-  SparseMatrix B;         // A D
-  RowMatrix A_held_rows;  // the columns of A where d0 may be other than zero
-  SparseCholesky factor;
-  Coupling coupling;
-  std::vector<Vec3> guide_directions;  // of each coupling row
-  std::vector<int> guide_of;           // guided point of each coupling row
-  double size;
-
-  Points q, good_q;  // logarithms, dofs × 3, of this edit and of the last good one
-  MatX right;        // right-hand sides of the hard rows
-  VecX g;            // of the coupling rows
-  RowPoints b, r, rest_rows;  // rest_rows = B y_rest
-  MatX y, y_rest, load, x;
-  Points result;
-  DeformEdit last;
-  bool solved = false;       // result is the answer to `last`
-  bool correctable = false;  // and so are y, b, d0
-};
 
 FormFeatureDeformer::Data::Data(const TriangleMesh& given, DeformProblem stated)
     : mesh(given),
@@ -157,85 +102,6 @@ void FormFeatureDeformer::Data::couple_guides() {
   }
 }
 
-double FormFeatureDeformer::Data::scale_of(const DeformEdit& edit, int scaled_by) const {
-  if (scaled_by < 0) return 1;
-  const auto features = count_of(problem.features);
-  if (scaled_by >= features) return edit.handles[scaled_by - features].scale;
-  return edit.feature_scales.empty() ? 1 : edit.feature_scales[scaled_by];
-}
-
-void FormFeatureDeformer::Data::set_targets(const DeformEdit& edit) {
-  const bool still = rotations.still();
-  in_chunks(b.rows(), [&](long first, long last) {
-    for (long i = first; i < last; ++i) {
-      Vec3 target = system.base.row(i).transpose();
-      if (const int t = system.target_row[i]; t >= 0) {
-        const CombinationRow& row = problem.rows[t];
-        target = std::sqrt(*row.weight) * (edit.targets.empty() ? row.target : edit.targets[t]);
-      }
-      const int turns_with = system.turns_with[i];
-      if (!still && turns_with >= 0) target = rotated(turn_at(turns_with), target);
-      if (system.target_row[i] >= 0) {
-        // Positions are relative to the origin.
-        double sum = 0;
-        for (RowMatrix::InnerIterator a(system.A, i); a; ++a) sum += a.value();
-        target -= sum * system.origin;
-      }
-      b.row(i) = scale_of(edit, system.scaled_by[i]) * target.transpose();
-    }
-  });
-}
-
-void FormFeatureDeformer::Data::set_hard_values(const DeformEdit& edit) {
-  using Kind = DeformSystem::Value::Kind;
-  for (size_t k = 0; k < system.values.size(); ++k) {
-    const auto& value = system.values[k];
-    Vec3 d;
-    if (value.kind == Kind::Fixed) {
-      d = system.rest.row(value.vertex);
-    } else if (value.kind == Kind::Handle) {
-      d = edit.handles[value.who](mesh.point(value.vertex)) - system.origin;
-    } else if (value.kind == Kind::Feature) {
-      d = scale_of(edit, value.who) *
-          rotated(turn_at(system.feature_dof[value.who]),
-                  (system.rest.row(value.vertex) - system.rest.row(value.reference)).transpose());
-    } else if (value.kind == Kind::Joint) {
-      d = Vec3::Zero();
-    } else {
-      const CombinationRow& row = problem.rows[value.who];
-      d = edit.targets.empty() ? row.target : edit.targets[value.who];
-      if (row.turns_with >= 0) d = rotated(turn_at(system.dof[row.turns_with]), d);
-      double sum = 0;
-      for (const auto& e : row.combination.entries) sum += e.coefficient;
-      d -= sum * system.origin;
-    }
-    right.row(static_cast<long>(k)) = d;
-  }
-  positions.set_right(right);
-}
-
-void FormFeatureDeformer::Data::set_guides(const DeformEdit& edit) {
-  for (size_t k = 0; k < guide_of.size(); ++k) {
-    double reached = guide_directions[k].dot(through(edit, k) - system.origin);
-    for (const auto& e : problem.guided[guide_of[k]].point.entries)
-      reached -= e.coefficient * guide_directions[k].dot(positions.d0().row(system.dof[e.vertex]));
-    g[static_cast<long>(k)] = reached;
-  }
-  const auto [missed, row] = coupling.contradiction(g);
-  if (!(missed > kContradiction * size)) return;
-  // The elimination of all rows together names those that take part.
-  ConstraintSet all = system.positions;
-  for (size_t k = 0; k < guide_of.size(); ++k) add_guide_row(all, k, 0);
-  AffineReduction named(all, AffineReduction::Values::Later);
-  MatX stacked(3 * right.rows() + g.size(), 1);
-  for (long k = 0; k < right.rows(); ++k) stacked.block<3, 1>(3 * k, 0) = right.row(k).transpose();
-  for (size_t k = 0; k < guide_of.size(); ++k)
-    stacked(3 * right.rows() + static_cast<long>(k), 0) =
-        guide_directions[k].dot(through(edit, k) - system.origin);
-  named.set_right(stacked);
-  throw ConflictError({{{problem.guided[guide_of[row]].name}, missed}});
-}
-
 void FormFeatureDeformer::Data::add_guide_row(ConstraintSet& set, size_t k, double value) const {
   const GuidedPoint& guide = problem.guided[guide_of[k]];
   std::vector<ConstraintSet::CoupledEntry> entries;
@@ -290,21 +156,38 @@ const Points& FormFeatureDeformer::deform(const DeformEdit& edit) {
   d.rotations.evaluate(d.system, edit, d.q);
   d.set_hard_values(edit);
   d.set_guides(edit);
-  d.set_targets(edit);
-  d.start_residual();
-  if (d.positions.free_count() > 0) {
-    d.reduce_residual();
-    d.factor.solve_in_place(d.load);
-    d.y = d.y_rest + d.load;
-    d.coupling.apply(d.y, d.g);
+  d.set_targets(edit, nullptr);
+  return d.solve(edit);
+}
+
+const Points& FormFeatureDeformer::deform(const DeformEdit& edit, const ShapeEstimate& estimate) {
+  Data& d = *data_;
+  check(d.problem, edit);
+  d.check_estimate(estimate);
+  d.correctable = false;
+  d.rotations.evaluate(d.system, edit, d.q);
+  d.take_turns(estimate);
+  d.set_hard_values(edit);
+  d.set_guides(edit);
+  d.set_targets(edit, &estimate);
+  return d.solve(edit);
+}
+
+const Points& FormFeatureDeformer::Data::solve(const DeformEdit& edit) {
+  start_residual();
+  if (positions.free_count() > 0) {
+    reduce_residual();
+    factor.solve_in_place(load);
+    y = y_rest + load;
+    coupling.apply(y, g);
   }
-  if (!d.y.allFinite() || !d.positions.d0().allFinite())
+  if (!y.allFinite() || !positions.d0().allFinite())
     throw NoSolutionError("the edit leads to positions that are not finite");
-  d.expand(edit);
-  d.good_q.swap(d.q);
-  d.last = edit;
-  d.solved = d.correctable = true;
-  return d.result;
+  expand(edit);
+  good_q.swap(q);
+  last = edit;
+  solved = correctable = true;
+  return result;
 }
 
 double FormFeatureDeformer::correct() {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -9,6 +10,16 @@
 #include "batten/mesh/deform/deform_problem.h"
 
 namespace batten {
+
+/// A shape that another deformer found for the same edit, without features: it has turned the sheet
+/// where the handles' turns alone do not say how it turns.
+struct ShapeEstimate {
+  Points positions;         ///< n×3
+  std::vector<char> known;  ///< vertices that it knows the places of; empty: all
+  /// The turn of each feature, the same for features that share vertices; none: as the harmonic field
+  /// has it. Those that handles or fixed vertices hold, or that keep their direction, do as these say.
+  std::vector<std::optional<Mat3>> feature_turns;
+};
 
 /// Masuda, Yoshioka, Furukawa 2006: mean-curvature vectors δ_i = L(p_i⁰) are kept in the
 /// least-squares sense while they turn with a smooth field of rotations; handles, fixed vertices
@@ -52,6 +63,11 @@ class FormFeatureDeformer {
   /// InputError (numbers missing, not finite, a scale not above 0) and ConflictError; the positions
   /// then stay as they were.
   const Points& deform(const DeformEdit& edit);
+  /// The same towards an estimate V' of the shape: where it is known curvature comes from it, rows
+  /// are A p = s A V', and its features' turns stand for the field's (Hu, Song, Cao 2012, eq. 5 with the
+  /// estimate's own right side). Without features that is the estimate itself. Throws InputError too
+  /// when sizes do not fit or numbers are not finite.
+  const Points& deform(const DeformEdit& edit, const ShapeEstimate& estimate);
   /// One correction step after deform(), for the moment the mouse is released: the normal equations
   /// square the condition number (correct_least_squares). Costs about one more deform(). Returns
   /// the largest change of a coordinate over the size of the mesh. Throws InputError when there was

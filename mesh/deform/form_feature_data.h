@@ -1,0 +1,69 @@
+// What FormFeatureDeformer consists of. Internal.
+#pragma once
+
+#include "batten/constraints/affine_reduction.h"
+#include "batten/constraints/coupling.h"
+#include "batten/core/sparse_cholesky.h"
+#include "batten/mesh/deform/deform_system.h"
+#include "batten/mesh/deform/form_feature_deformer.h"
+#include "batten/mesh/deform/rotation_field.h"
+
+namespace batten {
+
+struct FormFeatureDeformer::Data {
+  Data(const TriangleMesh& mesh, DeformProblem problem);
+
+  void keep_held_columns();
+  void couple_guides();
+  void set_targets(const DeformEdit& edit, const ShapeEstimate* estimate);
+  /// The target of a CombinationRow's row, before it turns.
+  Vec3 told_target(const DeformEdit& edit, long row) const;
+  /// Curvature in the estimate, where it knows all vertices of the row.
+  bool known_target(const ShapeEstimate& estimate, long row, Vec3& target) const;
+  /// Turns of features, lines and rows in the estimate.
+  void take_turns(const ShapeEstimate& estimate);
+  void check_estimate(const ShapeEstimate& estimate) const;
+  /// Solves with hard values, guides and targets as they are set.
+  const Points& solve(const DeformEdit& edit);
+  void set_hard_values(const DeformEdit& edit);
+  void set_guides(const DeformEdit& edit);
+  void expand(const DeformEdit& edit);
+  double scale_of(const DeformEdit& edit, int scaled_by) const;
+  /// Where coupling row k wants its point.
+  Vec3 through(const DeformEdit& edit, size_t k) const {
+    return edit.guides.empty() ? problem.guided[guide_of[k]].point.at(mesh.points())
+                               : edit.guides[guide_of[k]];
+  }
+  void add_guide_row(ConstraintSet& set, size_t k, double value) const;
+  /// r = b - A x, x the shape with the free unknowns at rest: the solution is then a change of shape,
+  /// and so are its errors.
+  void start_residual();
+  /// load = Bᵀ r.
+  void reduce_residual();
+  Vec3 turn_at(int dof) const { return q.row(dof).transpose(); }
+
+  TriangleMesh mesh;
+  DeformProblem problem;
+  DeformSystem system;
+  AffineReduction positions;
+  RotationField rotations;
+  SparseMatrix B;         // A D
+  RowMatrix A_held_rows;  // the columns of A where d0 may be other than zero
+  SparseCholesky factor;
+  Coupling coupling;
+  std::vector<Vec3> guide_directions;  // of each coupling row
+  std::vector<int> guide_of;           // guided point of each coupling row
+  double size;
+
+  Points q, good_q;           // logarithms, dofs × 3, of this edit and of the last good one
+  MatX right;                 // right-hand sides of the hard rows
+  VecX g;                     // of the coupling rows
+  RowPoints b, r, rest_rows;  // rest_rows = B y_rest
+  MatX y, y_rest, load, x;
+  Points result;
+  DeformEdit last;
+  bool solved = false;       // result is the answer to `last`
+  bool correctable = false;  // and so are y, b, d0
+};
+
+}  // namespace batten
