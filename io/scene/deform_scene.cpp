@@ -202,6 +202,7 @@ EditRule read_edit(const TomlTable& t, size_t index) {
     rule.scales.push_back({word_of(s, "feature"), s.positive("factor")});
   for (const TomlTable& g : t.tables("guide", {"name", "through"}))
     rule.guides.push_back({word_of(g, "name"), g.vector("through")});
+  rule.keep_centres = t.choice("centres", true, {{"kept", true}, {"free", false}});
   return rule;
 }
 
@@ -294,9 +295,30 @@ void read_features(const TomlTable& root, Names& kept, DeformScene& scene) {
   }
 }
 
+RelationRule read_relation(const TomlTable& t) {
+  using Kind = RelationRule::Kind;
+  RelationRule rule;
+  rule.name = t.text("name");
+  rule.place = t.place();
+  rule.kind = t.choice<Kind>("kind", {{"parallel", Kind::Parallel},
+                                      {"coaxial", Kind::Coaxial},
+                                      {"distance", Kind::Distance},
+                                      {"spacing", Kind::Spacing},
+                                      {"symmetric", Kind::Symmetric}});
+  rule.of = t.names("of");
+  if (rule.of.empty()) t.fail("of", "no names", "a list of features");
+  if (t.has("plane") != (rule.kind == Kind::Symmetric))
+    t.fail("plane", t.has("plane") ? "a plane" : "no plane",
+           "a plane { normal, through } with kind = \"symmetric\", and only there");
+  for (const TomlTable& p : t.table("plane", {"normal", "through"}))
+    rule.plane = {p.direction("normal"), p.vector("through")};
+  return rule;
+}
+
 /// Reads guides, lines, curves and pulls: what else the mesh keeps or follows.
 void read_guides_and_lines(const TomlTable& root, Names& kept, DeformScene& scene) {
   kept.read(root, "guide", {"name", "of", "plane", "line"}, scene.guides, read_guide);
+  kept.read(root, "relation", {"name", "kind", "of", "plane"}, scene.relations, read_relation);
   kept.read(root, "line", {"name", "through", "nodes", "closed", "keep", "width"}, scene.lines,
             read_line);
   for (const TomlTable& t : root.tables(
@@ -311,8 +333,8 @@ void read_guides_and_lines(const TomlTable& root, Names& kept, DeformScene& scen
 /// Reads the edits.
 void read_edits(const TomlTable& root, DeformScene& scene) {
   Names edits("edit");
-  edits.read(root, "edit", {"name", "fixed", "region", "handle", "scale", "guide"}, scene.edits,
-             [&](const TomlTable& t) { return read_edit(t, scene.edits.size()); });
+  edits.read(root, "edit", {"name", "fixed", "region", "handle", "scale", "guide", "centres"},
+             scene.edits, [&](const TomlTable& t) { return read_edit(t, scene.edits.size()); });
   if (scene.edits.empty()) root.fail("", "no edits", "at least one [[edit]]");
 }
 
@@ -337,10 +359,10 @@ void read_outputs(const TomlTable& root, DeformScene& scene) {
 
 /// Reads the whole scene from its table.
 DeformScene read(const toml::table& root_table, const std::filesystem::path& file) {
-  const TomlTable root(
-      file.string(), root_table, "the scene",
-      {"name", "unit", "mesh", "weighting", "proposals", "attached", "select", "cut", "feature",
-       "features", "guide", "line", "curve", "pull", "edit", "output", "modes", "picture"});
+  const TomlTable root(file.string(), root_table, "the scene",
+                       {"name", "unit", "mesh", "weighting", "proposals", "attached", "select",
+                        "cut", "feature", "features", "guide", "relation", "line", "curve", "pull",
+                        "edit", "output", "modes", "picture"});
   const std::filesystem::path folder = file.parent_path();
   DeformScene scene;
   scene.file = file;

@@ -76,6 +76,22 @@ struct GuideRule {
   std::optional<Vec3> through;  ///< a point of the plane or line; none: where the point is
 };
 
+/// [[relation]]: what features keep between them.
+struct RelationRule {
+  enum class Kind {
+    Parallel,  ///< they turn alike
+    Coaxial,   ///< and their centres keep their places to each other, along the common axis
+    Distance,  ///< the vector between two centres keeps its length and turns with the first
+    Spacing,   ///< centres that follow each other at even steps keep doing so
+    Symmetric  ///< two centres stay mirror images about a plane
+  };
+  std::string name;
+  FilePlace place;
+  Kind kind = Kind::Parallel;
+  std::vector<PlacedWord> of;                  ///< features; '*' stands for any letters
+  std::optional<std::pair<Vec3, Vec3>> plane;  ///< Symmetric: normal, a point of it
+};
+
 /// [[line]]: a character line that keeps its shape, rigidly or in the soft sense.
 struct LineRule {
   std::string name;
@@ -134,6 +150,7 @@ struct EditRule {
   std::vector<PlacedWord> fixed, region;
   std::vector<MovedHandle> handles;
   std::vector<ScaledFeature> scales;
+  bool keep_centres = true;  ///< features that are not scaled stay where they are without scales
   std::vector<MovedGuide> guides;
 };
 
@@ -167,6 +184,7 @@ struct DeformScene {
   std::vector<CutRule> cuts;
   std::vector<FeatureRule> features;
   std::vector<GuideRule> guides;
+  std::vector<RelationRule> relations;
   std::vector<LineRule> lines;
   std::vector<CurveRule> curves;
   std::vector<PullRule> pulls;

@@ -4,6 +4,7 @@
 #include <set>
 
 #include "batten/core/errors.h"
+#include "batten/core/index.h"
 #include "batten/core/rotations.h"
 
 namespace batten {
@@ -35,6 +36,12 @@ VertexCombination VertexCombination::mean_of(const std::vector<int>& vertices) {
   for (const int v : vertices)
     mean.entries.push_back({v, 1.0 / static_cast<double>(vertices.size())});
   return mean;
+}
+
+double VertexCombination::sum() const {
+  double sum = 0;
+  for (const auto& e : entries) sum += e.coefficient;
+  return sum;
 }
 
 Vec3 VertexCombination::at(const Points& points) const {
@@ -76,14 +83,18 @@ void check(const DeformProblem& problem, int count) {
   for (const auto& g : problem.guided) {
     check_name("guided point", g.name);
     check_combination("guided point '" + g.name + "'", g.point, count);
-    double sum = 0;
-    for (const auto& e : g.point.entries) sum += e.coefficient;
-    if (!(std::abs(sum - 1) < 1e-9))
+    const double sum = g.point.sum();
+    if (!(std::abs(sum - 1) < 1e-9 || std::abs(sum) < 1e-9))
       throw InputError("the coefficients of guided point '" + g.name + "' sum to " + number(sum) +
-                       ", expected 1");
+                       ", expected 1, or 0 for a vector");
     if (!g.direction.allFinite() || !(g.direction.norm() > 0))
       throw InputError("guided point '" + g.name + "' has no direction");
   }
+  for (const auto& alike : problem.same_turns)
+    for (const int f : alike)
+      if (f < 0 || f >= count_of(problem.features))
+        throw InputError("features that turn alike name feature " + std::to_string(f) + " of " +
+                         std::to_string(problem.features.size()));
   for (const auto& c : problem.chains) {
     check_name("chain", c.name);
     check_vertices("chain '" + c.name + "'", c.vertices, count);

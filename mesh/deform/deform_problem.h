@@ -20,6 +20,7 @@ struct VertexCombination {
   /// The mean of vertices: a hole's centre from its rim.
   static VertexCombination mean_of(const std::vector<int>& vertices);
   Vec3 at(const Points& points) const;
+  double sum() const;  ///< Σ a_m
 };
 
 /// Vertices that the user moves by one similarity.
@@ -39,11 +40,12 @@ struct FormFeature {
   Kind kind = Kind::Free;
 };
 
-/// A point of the mesh (a hole's centre) that stays on a plane or a line (eq. 13, 14).
+/// A point of the mesh (a hole's centre) that stays on a plane or a line (eq. 13, 14); or a vector
+/// between such points, which stays on one through the origin.
 struct GuidedPoint {
   enum class Kind { OnPlane, OnLine };
   std::string name;
-  VertexCombination point;  ///< coefficients sum to 1
+  VertexCombination point;  ///< coefficients sum to 1; of a vector to 0
   Kind kind = Kind::OnPlane;
   Vec3 direction = Vec3::UnitZ();  ///< normal of the plane, or direction of the line
 };
@@ -79,6 +81,8 @@ struct DeformProblem {
   std::vector<int> fixed;
   std::vector<Handle> handles;
   std::vector<FormFeature> features;
+  /// Features that turn alike, by their numbers: one rotation for all of a list.
+  std::vector<std::vector<int>> same_turns;
   std::vector<GuidedPoint> guided;
   std::vector<CharacterChain> chains;
   std::vector<CombinationRow> rows;
@@ -101,7 +105,8 @@ struct HandleMove {
 struct DeformEdit {
   std::vector<HandleMove> handles;     ///< one for each handle
   std::vector<double> feature_scales;  ///< s_f, one for each feature, above 0; empty: all 1
-  std::vector<Vec3> guides;   ///< a point of each plane or line; empty: where the points are now
+  std::vector<Vec3> guides;   ///< a point of each plane or line; empty: where the points are now;
+                              ///< of vectors, the vector
   std::vector<Vec3> targets;  ///< right-hand side of each row; empty: as in the problem
 };
 
@@ -111,7 +116,7 @@ DeformProblem with_whole_nodes(DeformProblem problem, const MeshTopology& topolo
 
 /// Throw InputError on what no deformer can take, with the name of the part: vertices out of range,
 /// an empty handle or feature, no name or one twice within its kind, a guided point whose
-/// coefficients do not sum to 1, a direction of length zero, nothing fixed and no handle; numbers
+/// coefficients do not sum to 1 or 0, a number of no feature, a direction of length zero, nothing fixed and no handle; numbers
 /// that are missing, not finite or above 1e100, a scale not above 0.
 void check(const DeformProblem& problem, int vertex_count);
 void check(const DeformProblem& problem, const DeformEdit& edit);

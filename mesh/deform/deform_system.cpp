@@ -364,6 +364,12 @@ void DeformSystem::add_hard_rows(const MeshTopology& topology, const DeformProbl
     }
   }
   feature_rows = static_cast<int>(values.size() - held_rows);
+  for (const auto& alike : problem.same_turns)
+    for (size_t i = 1; i < alike.size(); ++i) {
+      rotations.add(problem.features[alike[i]].name,
+                    {{feature_dof[alike[i]], 1.0}, {feature_dof[alike[0]], -1.0}}, Vec3::Zero());
+      turned_by.push_back(-1);
+    }
   for (int v = topology.node_count(); v < topology.vertex_count(); ++v)
     if (holder[v] == kMoves && feature_of_[v] < 0) {
       const std::vector<ConstraintSet::Entry> one_place{{dof[v], 1.0},

@@ -1,6 +1,8 @@
 // What FormFeatureDeformer consists of. Internal.
 #pragma once
 
+#include <cmath>
+
 #include "batten/constraints/affine_reduction.h"
 #include "batten/constraints/coupling.h"
 #include "batten/core/sparse_cholesky.h"
@@ -29,10 +31,11 @@ struct FormFeatureDeformer::Data {
   void set_guides(const DeformEdit& edit);
   void expand(const DeformEdit& edit);
   double scale_of(const DeformEdit& edit, int scaled_by) const;
-  /// Where coupling row k wants its point.
+  /// Where coupling row k wants its point, relative to the origin; a vector as it is.
   Vec3 through(const DeformEdit& edit, size_t k) const {
-    return edit.guides.empty() ? problem.guided[guide_of[k]].point.at(mesh.points())
-                               : edit.guides[guide_of[k]];
+    const VertexCombination& point = problem.guided[guide_of[k]].point;
+    const Vec3 place = edit.guides.empty() ? point.at(mesh.points()) : edit.guides[guide_of[k]];
+    return std::abs(point.sum()) < 0.5 ? place : Vec3(place - system.origin);
   }
   void add_guide_row(ConstraintSet& set, size_t k, double value) const;
   /// r = b - A x, x the shape with the free unknowns at rest: the solution is then a change of shape,

@@ -257,7 +257,7 @@ FormFeatureDeformer::Statement FormFeatureDeformer::statement(const DeformEdit& 
                         d.right.row(static_cast<long>(k)).transpose());
   for (const int k : d.coupling.independent())
     d.add_guide_row(s.constraints, static_cast<size_t>(k),
-                    d.guide_directions[k].dot(d.through(edit, k) - d.system.origin));
+                    d.guide_directions[k].dot(d.through(edit, k)));
   return s;
 }
 

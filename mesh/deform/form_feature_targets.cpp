@@ -133,7 +133,7 @@ void FormFeatureDeformer::Data::set_hard_values(const DeformEdit& edit) {
 
 void FormFeatureDeformer::Data::set_guides(const DeformEdit& edit) {
   for (size_t k = 0; k < guide_of.size(); ++k) {
-    double reached = guide_directions[k].dot(through(edit, k) - system.origin);
+    double reached = guide_directions[k].dot(through(edit, k));
     for (const auto& e : problem.guided[guide_of[k]].point.entries)
       reached -= e.coefficient * guide_directions[k].dot(positions.d0().row(system.dof[e.vertex]));
     g[static_cast<long>(k)] = reached;
@@ -147,8 +147,7 @@ void FormFeatureDeformer::Data::set_guides(const DeformEdit& edit) {
   MatX stacked(3 * right.rows() + g.size(), 1);
   for (long k = 0; k < right.rows(); ++k) stacked.block<3, 1>(3 * k, 0) = right.row(k).transpose();
   for (size_t k = 0; k < guide_of.size(); ++k)
-    stacked(3 * right.rows() + static_cast<long>(k), 0) =
-        guide_directions[k].dot(through(edit, k) - system.origin);
+    stacked(3 * right.rows() + static_cast<long>(k), 0) = guide_directions[k].dot(through(edit, k));
   named.set_right(stacked);
   throw ConflictError({{{problem.guided[guide_of[row]].name}, missed}});
 }

@@ -4,6 +4,7 @@
 #include <numbers>
 #include <set>
 
+#include "batten/apps/commands/meshes/feature_relations.h"
 #include "batten/apps/commands/runs/run_parts.h"
 #include "batten/constraints/shape/curve_constraints.h"
 #include "batten/core/rotations.h"
@@ -178,9 +179,20 @@ Kept gather(const DeformScene& scene, VertexSelector& select, const AttachedNode
   gather_features(scene, select, kept);
   gather_guides(scene, select, mesh, kept);
   gather_lines(scene, select, mesh, kept);
+  for (const FormFeature& f : kept.features) kept.centres.push_back(centre_of(f, select, mesh));
+  gather_relations(scene, select, mesh, kept);
   gather_curves(scene, select, mesh, kept);
   gather_pulls(scene, select, mesh, kept);
   return kept;
+}
+
+Task with_kept_centres(Task task, const Kept& kept, const Points& unscaled) {
+  for (size_t f = 0; f < kept.features.size(); ++f) {
+    task.problem.rows.push_back({"centre of " + kept.features[f].name, kept.centres[f],
+                                 kept.centres[f].at(unscaled), -1, std::nullopt});
+    if (!task.edit.targets.empty()) task.edit.targets.push_back(task.problem.rows.back().target);
+  }
+  return task;
 }
 
 Task task_of(const DeformScene& scene, const EditRule& rule, const Kept& kept,
@@ -190,6 +202,7 @@ Task task_of(const DeformScene& scene, const EditRule& rule, const Kept& kept,
   const std::vector<FormFeature>& connections = kept.attached->connections();
   task.problem.features = kept.features;
   task.problem.features.insert(task.problem.features.end(), connections.begin(), connections.end());
+  task.problem.same_turns = kept.same_turns;
   task.problem.guided = kept.guided;
   task.problem.chains = kept.chains;
   task.problem.rows = kept.rows;

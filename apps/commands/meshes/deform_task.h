@@ -33,7 +33,9 @@ double distance_from(const MeshCurve& curve, const Points& p);
 /// What all edits of a scene have in common: features, guides, chains and rows.
 struct Kept {
   std::vector<FormFeature> features;
-  const AttachedNodes* attached = nullptr;  ///< its connections are features, too
+  const AttachedNodes* attached = nullptr;   ///< its connections are features, too
+  std::vector<VertexCombination> centres;    ///< of each feature
+  std::vector<std::vector<int>> same_turns;  ///< features that turn alike
   std::vector<GuidedPoint> guided;
   std::vector<std::optional<Vec3>> through;  // GuideRule::through of each guide
   std::vector<CharacterChain> chains;
@@ -53,6 +55,10 @@ struct Task {
   DeformProblem problem;
   DeformEdit edit;
 };
+
+/// The task with the centres of all features where they are at `unscaled`, positions without any
+/// scale of a feature: scaling one then moves no other.
+Task with_kept_centres(Task task, const Kept& kept, const Points& unscaled);
 
 /// Makes the task of one edit. `mesh` is the result of the edit before. Throws InputError with the
 /// place of a name that cannot be found.

@@ -312,8 +312,18 @@ class DeformRun {
     }
   }
 
-  void deform(const EditRule& rule, const TriangleMesh& mesh, const Task& task) {
+  void deform(const EditRule& rule, const TriangleMesh& mesh, Task& task) {
     const auto start = Clock::now();
+    if (rule.keep_centres &&
+        std::any_of(task.edit.feature_scales.begin(), task.edit.feature_scales.end(),
+                    [](double scale) { return scale != 1; })) {
+      DeformEdit unscaled = task.edit;
+      unscaled.feature_scales.clear();
+      FormFeatureDeformer deformer(mesh, task.problem);
+      deformer.deform(unscaled);
+      deformer.correct();
+      task = with_kept_centres(std::move(task), kept_, deformer.positions());
+    }
     FormFeatureDeformer deformer(mesh, task.problem);
     const double set_up = seconds_since(start);
     const auto begin = Clock::now();
