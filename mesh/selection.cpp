@@ -6,6 +6,7 @@
 #include <string>
 
 #include "batten/core/errors.h"
+#include "batten/core/groups.h"
 
 namespace batten {
 namespace {
@@ -232,6 +233,20 @@ Selection without(const Selection& a, const Selection& b) {
   Selection result;
   std::set_difference(a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(result));
   return result;
+}
+
+std::vector<int> parts_of_nodes(const MeshTopology& topology) {
+  Groups groups(topology.node_count());
+  for (const auto& e : topology.edges())
+    groups.join(topology.node_of(e.low), topology.node_of(e.high));
+  std::vector<int> part(topology.node_count(), -1);
+  int count = 0;
+  for (int v = 0; v < topology.node_count(); ++v) {
+    if (topology.neighbours(v).empty()) continue;
+    const int lowest = groups.of(v);
+    part[v] = lowest == v ? count++ : part[lowest];
+  }
+  return part;
 }
 
 int nearest_vertex(const TriangleMesh& mesh, const Vec3& point) {

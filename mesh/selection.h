@@ -69,6 +69,10 @@ Selection united(const Selection& a, const Selection& b);
 Selection common(const Selection& a, const Selection& b);
 Selection without(const Selection& a, const Selection& b);
 
+/// Number of the part of each node, what hangs together by faces; -1 for nodes without. Parts are
+/// numbered by their lowest nodes.
+std::vector<int> parts_of_nodes(const MeshTopology& topology);
+
 /// The vertex nearest to a point in space; of equally near ones the lowest. Throws InputError when
 /// no vertex has triangles. O(n).
 int nearest_vertex(const TriangleMesh& mesh, const Vec3& point);

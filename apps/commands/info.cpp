@@ -7,6 +7,7 @@
 
 #include "batten/apps/commands/lines/line_reading.h"
 #include "batten/apps/commands/lines/mirror_lines.h"
+#include "batten/apps/commands/meshes/mesh_info.h"
 #include "batten/apps/commands/shapes/make_model.h"
 #include "batten/core/errors.h"
 #include "batten/core/words.h"
@@ -19,71 +20,15 @@
 #include "batten/io/files/text.h"
 #include "batten/io/files/whole_file.h"
 #include "batten/io/lines/cad_calls.h"
-#include "batten/io/meshes/mesh_file.h"
 #include "batten/io/pictures/curve_pictures.h"
 #include "batten/io/pictures/display.h"
 #include "batten/io/pictures/loop_pictures.h"
 #include "batten/io/scene/deform_scene.h"
 #include "batten/io/scene/fair_scene.h"
 #include "batten/io/scene/read_scene.h"
-#include "batten/mesh/features/proposals.h"
-#include "batten/mesh/prepare.h"
-#include "batten/mesh/quality.h"
 
 namespace batten {
 namespace {
-
-/// Describes a mesh file: counts, defects, boundary loops and proposed features. `unit` is that of
-/// its lengths. Throws InputError.
-std::string mesh_info(const std::filesystem::path& path, const std::string& unit) {
-  const MeshFile file = MeshFile::read(path);
-  const ShellMesh& shells = file.shells();
-  const MeshDiagnosis d = diagnose(shells);
-  std::string text = file.format() + ": " + std::to_string(shells.node_count()) + " nodes, " +
-                     std::to_string(shells.face_count()) + " faces in " +
-                     std::to_string(d.components) + (d.components == 1 ? " part" : " parts") +
-                     ", lengths in " + unit + "\n";
-  for (const auto& w : file.warnings()) text += "  " + w + "\n";
-  const auto list = [&](const std::string& what, const std::vector<MeshFile::Set>& sets) {
-    for (const auto& s : sets)
-      text += "  " + what + " '" + s.name + "'" + (s.title.empty() ? "" : " (" + s.title + ")") +
-              ": " +
-              (s.faces.empty() ? std::to_string(s.nodes.size()) + " nodes"
-                               : std::to_string(s.faces.size()) + " faces") +
-              "\n";
-  };
-  list("set", file.sets());
-  list("property", file.properties());
-  const auto name = [&](int v) { return std::to_string(file.node_label(v)); };
-  const PreparedMesh prepared = [&] {
-    try {
-      return prepare(shells, name);
-    } catch (const InputError& e) {
-      throw InputError(path.string() + ": " + e.what() + "\n" + text);
-    }
-  }();
-  for (const auto& note : prepared.notes) text += "  " + note + "\n";
-  const Box3 box = prepared.mesh.box();
-  text += "  from " + at(box.min()) + " to " + at(box.max()) + "\n";
-  const QualitySummary q = summarize(shells, shells.points);
-  text += "  worst aspect " + number(q.aspect.worst) + ", warpage " +
-          number(q.warpage_degrees.worst) + " degrees, Jacobian " + number(q.jacobian.worst) + "\n";
-  const auto where = [](const HoleMeasure& m) {
-    return "centre (" + number(m.centre[0]) + ", " + number(m.centre[1]) + ", " +
-           number(m.centre[2]) + ")" +
-           (m.circular ? ", radius " + number(m.radius)
-                       : ", perimeter " + number(m.perimeter) + ", no circle");
-  };
-  const auto& loops = prepared.mesh.topology().boundary_loops();
-  for (size_t l = 0; l < loops.size(); ++l)
-    text += "  loop " + std::to_string(l + 1) + ": " + std::to_string(loops[l].size()) +
-            " nodes, " + where(measure_hole(prepared.mesh.points(), loops[l])) + "\n";
-  for (const auto& p : propose_features(prepared.mesh))
-    text += "  feature '" + p.name +
-            "': " + std::to_string(prepared.mesh.topology().nodes_of(p.vertices).size()) +
-            " nodes, " + where(p.measure) + "\n";
-  return text;
-}
 
 constexpr double kCorner = 20;  // degrees, as in a scene
 

@@ -8,11 +8,18 @@
 
 namespace batten::canvas {
 
-ViewAxes::ViewAxes(double azimuth, double elevation) {
+ViewAxes::ViewAxes(double azimuth, double elevation, int up_axis) {
   const double degree = std::numbers::pi / 180;
   const double a = azimuth * degree, e = elevation * degree;
-  right = {std::cos(a), std::sin(a), 0};
-  towards = {std::sin(a) * std::cos(e), -std::cos(a) * std::cos(e), std::sin(e)};
+  const auto turned = [&](double x, double y, double z) {
+    Vec3 v;
+    v[(up_axis + 1) % 3] = x;
+    v[(up_axis + 2) % 3] = y;
+    v[up_axis] = z;
+    return v;
+  };
+  right = turned(std::cos(a), std::sin(a), 0);
+  towards = turned(std::sin(a) * std::cos(e), -std::cos(a) * std::cos(e), std::sin(e));
   up = towards.cross(right);
 }
 

@@ -10,8 +10,9 @@ namespace batten::canvas {
 /// The camera's axes, orthonormal: to the right, upwards, and towards the camera.
 struct ViewAxes {
   Vec3 right, up, towards;
-  /// Axes of a camera at this azimuth and elevation, in degrees as in PictureScene.
-  ViewAxes(double azimuth, double elevation);
+  /// Axes of a camera at this azimuth and elevation, in degrees as in PictureScene. `up`: the axis
+  /// that points upwards, 0 (x) to 2 (z); the next one, cyclically, then stands for x.
+  ViewAxes(double azimuth, double elevation, int up_axis = 2);
   /// Axes of a camera in this direction from the model. z points upwards in the picture; y does
   /// where the direction is less than 45 degrees away from +z or -z.
   explicit ViewAxes(const Vec3& towards_camera);

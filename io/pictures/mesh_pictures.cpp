@@ -137,7 +137,7 @@ void draw(vtkRenderer& renderer, const MeshPicture& picture, double width, doubl
     const auto points = used_points(*picture.shells, *more);
     in_view.insert(in_view.end(), points.begin(), points.end());
   }
-  const ViewAxes axes(picture.azimuth, picture.elevation);
+  const ViewAxes axes(picture.azimuth, picture.elevation, picture.up);
   const Fit view = fit(in_view, axes, viewport, picture.zoom);
   const Vec3 offset = 3 * view.pixel * axes.towards;
 

@@ -25,6 +25,7 @@ struct MeshPicture {
   std::string title;
   bool mesh = false;  ///< whether element edges are drawn
   double azimuth = -30, elevation = 30, zoom = 1;
+  int up = 2;  ///< axis that points upwards, 0 (x) to 2 (z)
   /// Further positions of the nodes that the view has to hold: with the same ones, several pictures
   /// have the same scale and can be compared.
   std::vector<const Points*> also_in_view;

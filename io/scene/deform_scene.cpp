@@ -44,6 +44,7 @@ SelectRule read_select(const TomlTable& t, const std::filesystem::path& folder) 
   for (const TomlTable& p : t.table("plane", {"through", "normal", "within"}))
     rule.plane = {p.vector("through"), p.direction("normal"), p.positive("within", kInfinity)};
   if (t.has("loop")) rule.loop = t.whole_number("loop", 1, 1);
+  if (t.has("part")) rule.part = t.whole_number("part", 1, 1);
   for (const TomlTable& g : t.table("geodesic", {"node", "point", "of", "distance"})) {
     SelectRule::Geodesic geodesic;
     if (g.has("node")) geodesic.node = label_of(g, "node", g.number("node"));
@@ -233,6 +234,7 @@ MeshPictureRule read_picture(const TomlTable& t, Names& files) {
                         {"displacement", Show::Displacement}});
   rule.mesh = t.boolean("mesh", false);
   read_view(t, rule.azimuth, rule.elevation, rule.size);
+  rule.up = t.choice("up", 2, {{"x", 0}, {"y", 1}, {"z", 2}});
   rule.zoom = t.positive("zoom", 1);
   return rule;
 }
@@ -273,8 +275,8 @@ void read_selections(const TomlTable& root, const std::filesystem::path& folder,
                      DeformScene& scene) {
   Names selections("selection");
   selections.read(root, "select",
-                  {"name", "box", "sphere", "plane", "loop", "geodesic", "nodes", "file", "set",
-                   "property", "any", "except", "grow"},
+                  {"name", "box", "sphere", "plane", "loop", "part", "geodesic", "nodes", "file",
+                   "set", "property", "any", "except", "grow"},
                   scene.selections, [&](const TomlTable& t) { return read_select(t, folder); });
   selections.read(root, "cut", {"name", "band", "inside", "concave", "convex"}, scene.cuts,
                   read_cut);
@@ -353,7 +355,7 @@ void read_outputs(const TomlTable& root, DeformScene& scene) {
                                                  "count", "clamped", "before", "after"}))
     scene.modes = read_modes(t, files);
   for (const TomlTable& t :
-       root.tables("picture", {"file", "title", "show", "mesh", "view", "zoom", "size"}))
+       root.tables("picture", {"file", "title", "show", "mesh", "view", "up", "zoom", "size"}))
     scene.pictures.push_back(read_picture(t, files));
 }
 

@@ -38,6 +38,7 @@ struct SelectRule {
   };
   std::optional<Plane> plane;
   std::optional<int> loop;  ///< number of a boundary loop, from 1
+  std::optional<int> part;  ///< number of a part of the mesh, from 1
   std::optional<Geodesic> geodesic;
   std::vector<long> nodes;         ///< numbers of nodes in the mesh file
   std::filesystem::path file;      ///< a file with such numbers
@@ -169,6 +170,7 @@ struct MeshPictureRule {
   Show show = Show::BeforeAfter;
   bool mesh = false;
   double azimuth = -30, elevation = 30, zoom = 1;
+  int up = 2;  ///< axis that points upwards, 0 (x) to 2 (z)
   PictureSize size;
 };
 

@@ -130,6 +130,7 @@ void draw_all(DeformReport& report, const DeformScene& scene, const MeshFile& fi
     look.mesh = rule.mesh;
     look.azimuth = rule.azimuth;
     look.elevation = rule.elevation;
+    look.up = rule.up;
     look.zoom = rule.zoom;
     for (const Points& state : places) look.also_in_view.push_back(&state);
     std::vector<MeshPicture> pictures;

@@ -155,6 +155,18 @@ std::vector<int> VertexSelector::loop_of(const SelectRule& rule) const {
   return loops[*rule.loop - 1];
 }
 
+std::vector<int> VertexSelector::part_of(const SelectRule& rule) const {
+  const std::vector<int> parts = parts_of_nodes(mesh_.topology());
+  std::vector<int> vertices;
+  for (int v = 0; v < count_of(parts); ++v)
+    if (parts[v] == *rule.part - 1) vertices.push_back(v);
+  if (vertices.empty())
+    throw InputError(scene_.at(rule.place) + "found part " + std::to_string(*rule.part) +
+                     ", expected 1 to " +
+                     std::to_string(*std::max_element(parts.begin(), parts.end()) + 1));
+  return vertices;
+}
+
 std::vector<int> VertexSelector::within_distance(const SelectRule& rule) {
   const auto& g = *rule.geodesic;
   const std::vector<int> from = g.node    ? std::vector<int>{vertex_of_label(*g.node, rule.place)}
@@ -186,6 +198,7 @@ std::vector<int> VertexSelector::select(const SelectRule& rule) {
   if (rule.plane)
     meet(vertices_beyond_plane(mesh_, rule.plane->through, rule.plane->normal, rule.plane->within));
   if (rule.loop) meet(loop_of(rule));
+  if (rule.part) meet(part_of(rule));
   if (rule.geodesic) meet(within_distance(rule));
   if (!rule.nodes.empty() || !rule.file.empty()) meet(listed_vertices(rule));
   if (!rule.set.text.empty())

@@ -37,6 +37,7 @@ class VertexSelector {
   // Vertices that meet all conditions of a rule; the next three find those of one condition.
   std::vector<int> select(const SelectRule& rule);
   std::vector<int> loop_of(const SelectRule& rule) const;
+  std::vector<int> part_of(const SelectRule& rule) const;
   std::vector<int> within_distance(const SelectRule& rule);
   std::vector<int> listed_vertices(const SelectRule& rule) const;
   std::vector<int> cut(const CutRule& rule);

@@ -1,0 +1,117 @@
+#include "batten/apps/commands/meshes/mesh_info.h"
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include "batten/core/errors.h"
+#include "batten/core/index.h"
+#include "batten/io/meshes/mesh_file.h"
+#include "batten/mesh/features/proposals.h"
+#include "batten/mesh/prepare.h"
+#include "batten/mesh/quality.h"
+#include "batten/mesh/selection.h"
+
+namespace batten {
+namespace {
+
+std::string place(const Vec3& p) {
+  return "(" + number(p.x()) + ", " + number(p.y()) + ", " + number(p.z()) + ")";
+}
+
+std::string box_words(const Box3& box) {
+  return "from " + place(box.min()) + " to " + place(box.max());
+}
+
+std::string sets_text(const std::string& what, const std::vector<MeshFile::Set>& sets) {
+  std::string text;
+  for (const auto& s : sets)
+    text += "  " + what + " '" + s.name + "'" + (s.title.empty() ? "" : " (" + s.title + ")") +
+            ": " +
+            (s.faces.empty() ? std::to_string(s.nodes.size()) + " nodes"
+                             : std::to_string(s.faces.size()) + " faces") +
+            "\n";
+  return text;
+}
+
+/// Parts with their boxes, and what elements that are no shells connect.
+std::string parts_text(const MeshFile& file, const TriangleMesh& mesh) {
+  const std::vector<int> part = parts_of_nodes(mesh.topology());
+  const int count = part.empty() ? 0 : *std::max_element(part.begin(), part.end()) + 1;
+  if (count < 2 && file.others().empty()) return "";
+  std::vector<Box3> boxes(count);
+  std::vector<int> nodes(count, 0), lowest(count, -1);
+  for (int v = 0; v < count_of(part); ++v) {
+    if (part[v] < 0) continue;
+    boxes[part[v]].extend(mesh.point(v));
+    ++nodes[part[v]];
+    if (lowest[part[v]] < 0) lowest[part[v]] = v;
+  }
+  std::string text;
+  for (int p = 0; p < count && count > 1; ++p)
+    text += "  part " + std::to_string(p + 1) + ": " + std::to_string(nodes[p]) + " nodes, node " +
+            std::to_string(file.node_label(lowest[p])) + " …, " + box_words(boxes[p]) + "\n";
+  std::map<std::set<int>, std::map<std::string, int>> between;  // parts, elements
+  for (const OtherElement& e : file.others()) {
+    std::set<int> parts;
+    for (const int v : e.nodes)
+      if (part[v] >= 0) parts.insert(part[v]);
+    ++between[parts][e.name];
+  }
+  for (const auto& [parts, elements] : between) {
+    std::string where = parts.size() > 1 ? "between parts"
+                        : parts.empty()  ? "on no part"
+                                         : "on part";
+    for (const int p : parts) where += " " + std::to_string(p + 1);
+    text += "  " + where + ":";
+    for (const auto& [name, n] : elements)
+      text += (name == elements.begin()->first ? " " : ", ") + std::to_string(n) + " " + name;
+    text += "\n";
+  }
+  return text;
+}
+
+std::string hole_words(const HoleMeasure& m) {
+  return "centre " + place(m.centre) +
+         (m.circular ? ", radius " + number(m.radius)
+                     : ", perimeter " + number(m.perimeter) + ", no circle");
+}
+
+}  // namespace
+
+std::string mesh_info(const std::filesystem::path& path, const std::string& unit) {
+  const MeshFile file = MeshFile::read(path);
+  const ShellMesh& shells = file.shells();
+  const MeshDiagnosis d = diagnose(shells);
+  std::string text = file.format() + ": " + std::to_string(shells.node_count()) + " nodes, " +
+                     std::to_string(shells.face_count()) + " faces in " +
+                     std::to_string(d.components) + (d.components == 1 ? " part" : " parts") +
+                     ", lengths in " + unit + "\n";
+  for (const auto& w : file.warnings()) text += "  " + w + "\n";
+  text += sets_text("set", file.sets()) + sets_text("property", file.properties());
+  const auto name = [&](int v) { return std::to_string(file.node_label(v)); };
+  const PreparedMesh prepared = [&] {
+    try {
+      return prepare(shells, name);
+    } catch (const InputError& e) {
+      throw InputError(path.string() + ": " + e.what() + "\n" + text);
+    }
+  }();
+  const TriangleMesh& mesh = prepared.mesh;
+  for (const auto& note : prepared.notes) text += "  " + note + "\n";
+  text += "  " + box_words(mesh.box()) + "\n" + parts_text(file, mesh);
+  const QualitySummary q = summarize(shells, shells.points);
+  text += "  worst aspect " + number(q.aspect.worst) + ", warpage " +
+          number(q.warpage_degrees.worst) + " degrees, Jacobian " + number(q.jacobian.worst) + "\n";
+  const auto& loops = mesh.topology().boundary_loops();
+  for (size_t l = 0; l < loops.size(); ++l)
+    text += "  loop " + std::to_string(l + 1) + ": " + std::to_string(loops[l].size()) +
+            " nodes, " + hole_words(measure_hole(mesh.points(), loops[l])) + "\n";
+  for (const auto& p : propose_features(mesh))
+    text += "  feature '" + p.name +
+            "': " + std::to_string(mesh.topology().nodes_of(p.vertices).size()) + " nodes, " +
+            hole_words(p.measure) + "\n";
+  return text;
+}
+
+}  // namespace batten
