@@ -262,6 +262,18 @@ std::vector<fs::path> TextMesh::files_beside() const {
   return names;
 }
 
+void TextMesh::warn_of_files_elsewhere() {
+  std::vector<fs::path> said;
+  for (const auto& source : file.sources()) {
+    if (!source->beside.empty() || std::find(said.begin(), said.end(), source->path) != said.end())
+      continue;
+    said.push_back(source->path);
+    warnings.push_back(source->path.string() +
+                       " lies outside of the deck's folder or is included by a whole path: it is "
+                       "not written, and a deck that is written looks for it under the same name");
+  }
+}
+
 void place_nodes(TextMesh& mesh, NodeSystems systems) {
   Points& points = mesh.shells.points;
   systems.numbers = points;

@@ -121,3 +121,76 @@ TEST_CASE("Nastran: nodes of other elements that are not there are named with th
         "5:6: found an RBE3 without its reference node, expected one");
   CHECK(says("RBE2,10,1,123,2,THRU,1000000000\n") == "5:22: found more nodes than an element has");
 }
+
+namespace {
+
+std::string abaqus_nodes(int count) {
+  std::string text = "*NODE, NSET=ALL\n";
+  for (int i = 1; i <= count; ++i)
+    text +=
+        std::to_string(i) + "," + std::to_string(i % 5) + ".," + std::to_string(i / 5) + ".,0.\n";
+  return text + "*ELEMENT,TYPE=S4,ELSET=SHEET\n1,1,2,7,6\n2,2,3,8,7\n";
+}
+
+Lines abaqus(const std::string& text) {
+  return told(MeshFile::read(file_with("others.inp", abaqus_nodes(30) + text)));
+}
+
+}  // namespace
+
+TEST_CASE("Abaqus: solids, beams, springs and masses by their nodes", "[io][decks]") {
+  CHECK(abaqus("*ELEMENT,TYPE=C3D8R\n10,1,2,3,4,5,6,7,8\n*ELEMENT,TYPE=C3D10\n11,1,2,3,4,5,\n"
+               "6,7,8,9,10\n*ELEMENT,TYPE=C3D20\n12,1,2,3,4,5,6,7,8,9,10,11,12,13,14,15,\n"
+               "16,17,18,19,20\n*ELEMENT,TYPE=C3D6\n13,1,2,3,4,5,6\n") ==
+        Lines{"solid C3D8R 10: 1 2 3 4 5 6 7 8", "solid C3D10 11: 1 2 3 4 5 6 7 8 9 10",
+              "solid C3D20 12: 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20",
+              "solid C3D6 13: 1 2 3 4 5 6"});
+  CHECK(abaqus("*ELEMENT,TYPE=B31\n10,1,2\n11,2,3,9\n*ELEMENT,TYPE=B32R\n12,1,2,3\n"
+               "*ELEMENT,TYPE=T3D2\n13,4,5\n*ELEMENT,TYPE=SPRINGA\n14,4,5\n"
+               "*ELEMENT,TYPE=SPRING1\n15,4\n*ELEMENT,TYPE=MASS\n16,9\n"
+               "*ELEMENT,TYPE=CONN3D2\n17,,9\n*ELEMENT,TYPE=UNKNOWN\n18,77,\n78\n") ==
+        Lines{"beam B31 10: 1 2", "beam B31 11: 2 3 9", "beam B32R 12: 1 2 3", "beam T3D2 13: 4 5",
+              "bush SPRINGA 14: 4 5", "bush SPRING1 15: 4", "mass MASS 16: 9",
+              "bush CONN3D2 17: 9"});
+  CHECK(MeshFile::read(mesh_scratch() / "others.inp").warnings() ==
+        Lines{"2 B31, 1 B32R, 1 CONN3D2, 1 MASS, 1 SPRING1, 1 SPRINGA, 1 T3D2, 1 UNKNOWN; 24 nodes "
+              "that no shell uses"});
+}
+
+TEST_CASE("Abaqus: connections by nodes, sets and surfaces", "[io][decks]") {
+  const std::string sets =
+      "*NSET,NSET=RIM\n11,12,13\n*NSET,NSET=CENTRE\n20\n"
+      "*SURFACE,NAME=TOP\nSHEET,SPOS\n*SURFACE,NAME=SIDE\n1,E2\n2,E3\n"
+      "*SURFACE,TYPE=NODE,NAME=NODES\nRIM,1.\n14\n";
+  CHECK(abaqus(sets + "*RIGID BODY,NSET=RIM,REF NODE=20\n*RIGID BODY,ELSET=SHEET,REF NODE=CENTRE\n"
+                      "*MPC\nBEAM,RIM,20\nSLIDER,1,2,3\n*EQUATION\n3\n1,1,1.,2,1,-1.,3,2,.5\n"
+                      "5\n1,1,1.,2,1,-1.,3,2,.5,4,1,1.\n5,1,1.\n") ==
+        Lines{"rigid *RIGID BODY 0: 20 11 12 13", "rigid *RIGID BODY 0: 20 1 2 3 6 7 8",
+              "rigid *MPC 0: 20 11 12 13", "other *MPC 0: 1 2 3", "other *EQUATION 0: 1 2 3",
+              "other *EQUATION 0: 1 2 3 4 5"});
+  CHECK(abaqus(sets + "*COUPLING,CONSTRAINT NAME=C,REF NODE=20,SURFACE=TOP\n*KINEMATIC\n1,6\n"
+                      "*COUPLING,CONSTRAINT NAME=D,REF NODE=20,SURFACE=SIDE\n*DISTRIBUTING\n1,3\n"
+                      "*COUPLING,CONSTRAINT NAME=E,REF NODE=21,SURFACE=NODES\n*KINEMATIC\n"
+                      "*KINEMATIC COUPLING,REF NODE=9\nRIM,1,3\n10,1\n"
+                      "*ELEMENT,TYPE=DCOUP3D,ELSET=REF\n30,25\n"
+                      "*DISTRIBUTING COUPLING,ELSET=REF\n1,2.\nRIM,.5\n") ==
+        Lines{"other DCOUP3D 30: 25", "rigid *KINEMATIC 0: 20 1 2 3 6 7 8",
+              "mean *DISTRIBUTING 0: 20 2 7 8; 1 1 1", "rigid *KINEMATIC 0: 21 11 12 13 14",
+              "rigid *KINEMATIC COUPLING 0: 9 11 12 13 10",
+              "mean *DISTRIBUTING COUPLING 0: 25 1 11 12 13; 2 0.5 0.5 0.5"});
+}
+
+TEST_CASE("Abaqus: nodes of other elements that are not there are named with their place",
+          "[io][decks]") {
+  const auto says = [](const std::string& text) {
+    return mistake("others_wrong.inp",
+                   "*NODE\n1,0,0,0\n2,1,0,0\n3,0,1,0\n*ELEMENT,TYPE=S3\n1,1,2,3\n" + text);
+  };
+  CHECK(says("*ELEMENT,TYPE=B31\n7,1,99\n") ==
+        "8:1: found node 99 in B31 7, expected the number of a node");
+  CHECK(says("*ELEMENT,TYPE=C3D4\n7,1,2,3\n") ==
+        "8:1: found 3 nodes of an element of type C3D4, expected 4");
+  CHECK(says("*MPC\nBEAM,1,9\n") ==
+        "8:1: found *MPC with nodes that are not there, expected nodes and sets of the deck");
+  CHECK(says("*EQUATION\n3\n1,1,1.\n") == "8:1: found an equation that ends before its last term");
+}

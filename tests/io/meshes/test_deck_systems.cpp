@@ -219,3 +219,79 @@ TEST_CASE("Nastran: systems that cannot be followed are named with their place",
             .shells()
             .node_count() == 3);
 }
+
+namespace {
+
+const std::string kSheet = "*ELEMENT,TYPE=S3\n1,1,2,3\n";
+
+Vec3 at(const MeshFile& file, long label) {
+  return file.shells().points.row(*file.node_of_label(label)).transpose();
+}
+
+}  // namespace
+
+TEST_CASE("Abaqus: nodes of local systems have their global place and are written in their own",
+          "[io][decks]") {
+  const std::string text =
+      "*SYSTEM\n10.,0.,0.,10.,1.,0.\n9.,0.,0.\n*NODE\n1,1.,2.,3.\n"
+      "*NODE,SYSTEM=C\n2,2.,90.,1.\n*NODE,SYSTEM=S\n3,2.,90.,30.\n"
+      "*SYSTEM\n5.,0.,0.\n*NODE\n4,1.,2.,3.\n*SYSTEM\n0.,0.,0.,0.,1.,0.\n*NODE\n5,1.,2.,3.\n"
+      "*SYSTEM\n*NODE\n6,1.,2.,3.\n*NODE,SYSTEM=S\n7,2.,0.,-90.\n" +
+      kSheet;
+  const auto path = file_with("system.inp", text);
+  check_identity(path);
+  const MeshFile file = MeshFile::read(path);
+  // Its x axis is the global y, its y axis the global -x.
+  CHECK((at(file, 1) - Vec3(8, 1, 3)).norm() < 1e-14);
+  CHECK((at(file, 2) - Vec3(8, 0, 1)).norm() < 1e-14);
+  CHECK((at(file, 3) - Vec3(10 - std::sqrt(3), 0, 1)).norm() < 1e-14);
+  CHECK((at(file, 4) - Vec3(6, 2, 3)).norm() < 1e-14);
+  CHECK((at(file, 5) - Vec3(-2, 1, 3)).norm() < 1e-14);
+  CHECK((at(file, 6) - Vec3(1, 2, 3)).norm() < 1e-14);
+  CHECK((at(file, 7) - Vec3(0, 0, -2)).norm() < 1e-14);
+  check_round_trip(path, moved(file, 0.3, 1), 1e-14);
+  Points points = file.shells().points;
+  points(0, 1) += 0.5;
+  points(1, 2) += 0.5;
+  const std::string written = bytes_of(check_round_trip(path, points, 1e-14));
+  CHECK_THAT(written, Contains("\n1,1.5,2.,3.\n") && Contains("\n2,2.,90.,1.5\n"));
+  CHECK_THAT(written, Contains("\n3,2.,90.,30.\n") && Contains("\n5,1.,2.,3.\n"));
+}
+
+TEST_CASE("Abaqus: an instance that is moved and turned has global nodes, its part is written",
+          "[io][decks]") {
+  const std::string text =
+      "*PART,NAME=P\n*NODE\n1,0.,0.,0.\n2,1.,0.,0.\n3,0.,1.,0.\n" + kSheet +
+      "*END PART\n*ASSEMBLY,NAME=A\n*INSTANCE,NAME=P-1,PART=P\n10.,0.,0.\n"
+      "10.,0.,0.,10.,0.,1.,90.\n*END INSTANCE\n*NODE\n1,0.,0.,0.\n*END ASSEMBLY\n";
+  const auto path = file_with("instance.inp", text);
+  check_identity(path);
+  const MeshFile file = MeshFile::read(path);
+  CHECK((at(file, 1) - Vec3(10, 0, 0)).norm() < 1e-14);
+  CHECK((at(file, 2) - Vec3(10, 1, 0)).norm() < 1e-14);
+  CHECK((at(file, 3) - Vec3(9, 0, 0)).norm() < 1e-14);
+  Points points = file.shells().points;
+  points(1, 1) += 0.5;
+  CHECK_THAT(bytes_of(check_round_trip(path, points, 1e-14)),
+             Contains("\n1,0.,0.,0.\n2,1.5,0.,0.\n3,0.,1.,0.\n"));
+}
+
+TEST_CASE("Abaqus: nodes with parameters are read, and refused when they move", "[io][decks]") {
+  const auto path = file_with("parameters.inp",
+                              "*PARAMETER\nw = 2.5 # wide\nv=w\n*NODE\n1,0.,0.,0.\n"
+                              "2,<v>,0.,0.\n3,0., <w> ,0.\n" +
+                                  kSheet);
+  check_identity(path);
+  const MeshFile file = MeshFile::read(path);
+  CHECK(at(file, 2) == Vec3(2.5, 0, 0));
+  CHECK(at(file, 3) == Vec3(0, 2.5, 0));
+  Points points = file.shells().points;
+  points(0, 0) += 1;
+  check_round_trip(path, points, 0);
+  points(1, 2) += 1;
+  const auto target = mesh_scratch() / "refused.inp";
+  CHECK_THROWS_WITH(file.write(target, points),
+                    Contains("parameters.inp:6:3: node 2 cannot be moved: it has a coordinate that "
+                             "is the parameter <v>"));
+  CHECK_FALSE(std::filesystem::exists(target));
+}
