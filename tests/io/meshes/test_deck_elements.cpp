@@ -194,3 +194,66 @@ TEST_CASE("Abaqus: nodes of other elements that are not there are named with the
         "8:1: found *MPC with nodes that are not there, expected nodes and sets of the deck");
   CHECK(says("*EQUATION\n3\n1,1,1.\n") == "8:1: found an equation that ends before its last term");
 }
+
+namespace {
+
+Lines dyna(const std::string& keyword, const std::string& text) {
+  std::string deck = keyword + "\n*NODE\n";
+  for (int i = 1; i <= 30; ++i)
+    deck +=
+        std::to_string(i) + "," + std::to_string(i % 5) + ".," + std::to_string(i / 5) + ".,0.\n";
+  return told(MeshFile::read(
+      file_with("others.k", deck + "*ELEMENT_SHELL\n1,1,1,2,7,6\n" + text + "*END\n")));
+}
+
+}  // namespace
+
+TEST_CASE("LS-DYNA: solids on one card or two, of fewer corners too", "[io][decks]") {
+  CHECK(dyna("*KEYWORD",
+             "*ELEMENT_SOLID\n"
+             "      10       1       1       2       3       4       5       6       7       8\n"
+             "      11       1\n"
+             "       1       2       3       4       5       5       5       5       0       0\n"
+             "12,1\n1,2,3,4,5,6,7,8,9,10\n13,1,1,2,3,4,5,5,6,6\n"
+             "*ELEMENT_SOLID_ORTHO\n14,1\n1,2,3,4,5,6,7,8\n1.,0.,0.\n0.,1.,0.\n"
+             "15,1,1,2,3,4,5,6,7,8\n1.,0.,0.\n0.,1.,0.\n"
+             "*ELEMENT_SOLID_H20\n16,1\n1,2,3,4,5,6,7,8,9,10\n11,12,13,14,15,16,17,18,19,20\n"
+             "*ELEMENT_SOLID_H27\n17,1\n1,2,3\n") ==
+        Lines{"solid *ELEMENT_SOLID 10: 1 2 3 4 5 6 7 8", "solid *ELEMENT_SOLID 11: 1 2 3 4 5",
+              "solid *ELEMENT_SOLID 12: 1 2 3 4 5 6 7 8 9 10",
+              "solid *ELEMENT_SOLID 13: 1 2 3 4 5 6", "solid *ELEMENT_SOLID 14: 1 2 3 4 5 6 7 8",
+              "solid *ELEMENT_SOLID 15: 1 2 3 4 5 6 7 8",
+              "solid *ELEMENT_SOLID 16: 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20"});
+}
+
+TEST_CASE("LS-DYNA: beams, springs, masses and connections", "[io][decks]") {
+  CHECK(dyna("*KEYWORD",
+             "*ELEMENT_BEAM\n      10       1       1       2       9\n11,1,2,3\n"
+             "*ELEMENT_BEAM_THICKNESS_OFFSET\n12,1,2,3,9\n1.,1.,1.\n.5,.5\n13,1,4,5,9\n1.\n.5\n"
+             "*ELEMENT_DISCRETE\n      14       1       3       4       0\n15,1,5,0\n"
+             "*ELEMENT_MASS\n      16       7            2.50\n*ELEMENT_PLOTEL\n17,1,2\n"
+             "*ELEMENT_INERTIA\n18,8\n1.,1.,1.\n*ELEMENT_SEATBELT\n19,1,3,4\n"
+             "*ELEMENT_MASS_NODE_SET\n20,1,2.\n") ==
+        Lines{"beam *ELEMENT_BEAM 10: 1 2 9", "beam *ELEMENT_BEAM 11: 2 3",
+              "beam *ELEMENT_BEAM 12: 2 3 9", "beam *ELEMENT_BEAM 13: 4 5 9",
+              "bush *ELEMENT_DISCRETE 14: 3 4", "bush *ELEMENT_DISCRETE 15: 5",
+              "mass *ELEMENT_MASS 16: 7", "other *ELEMENT_PLOTEL 17: 1 2",
+              "mass *ELEMENT_INERTIA 18: 8", "beam *ELEMENT_SEATBELT 19: 3 4"});
+  CHECK(dyna("*KEYWORD",
+             "*SET_NODE_LIST\n5\n1,2,3\n"
+             "*CONSTRAINED_NODAL_RIGID_BODY\n         9         0         5        20\n5\n"
+             "*CONSTRAINED_NODAL_RIGID_BODY_SPC_TITLE\na body\n9,0,5,2\n1,1,1\n"
+             "*CONSTRAINED_SPOTWELD\n1,2,1.,1.\n*CONSTRAINED_SPOTWELD_ID\n77\n3,4\n"
+             "*CONSTRAINED_INTERPOLATION\n8,20,123456\n1,123,.5\n2,123\n") ==
+        Lines{"rigid *CONSTRAINED_SPOTWELD 0: 1 2", "rigid *CONSTRAINED_SPOTWELD 77: 3 4",
+              "mean *CONSTRAINED_INTERPOLATION 8: 20 1 2; 0.5 1",
+              "rigid *CONSTRAINED_NODAL_RIGID_BODY 9: 20 1 2 3",
+              "rigid *CONSTRAINED_NODAL_RIGID_BODY 5: 1 2 3",
+              "rigid *CONSTRAINED_NODAL_RIGID_BODY 9: 2 1 3"});
+  CHECK(dyna("*KEYWORD I10=Y", "*ELEMENT_BEAM\n        10         1         1         2\n") ==
+        Lines{"beam *ELEMENT_BEAM 10: 1 2"});
+  CHECK(mistake("wrong.k",
+                "*NODE\n1,0,0,0\n2,1,0,0\n3,0,1,0\n*ELEMENT_SHELL\n1,1,1,2,3\n"
+                "*ELEMENT_BEAM\n7,1,1,99\n") ==
+        "8:1: found node 99 in *ELEMENT_BEAM 7, expected the number of a node");
+}

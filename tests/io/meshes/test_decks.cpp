@@ -656,9 +656,10 @@ TEST_CASE("LS-DYNA: mistakes are named with line and column", "[io][decks]") {
   const std::string nodes = "*KEYWORD\n*NODE\n1,0,0,0\n2,1,0,0\n3,0,1,0\n";
   CHECK(says(nodes + "*ELEMENT_SHELL\n1,1,1,2,9,9\n") ==
         "7:1: found node 9 in element 1, expected the number of a node");
-  CHECK(says(nodes + "*INCLUDE\nx.k\n*ELEMENT_SHELL\n1,1,1,2,9,9\n") ==
-        "9:1: found node 9 in element 1, expected the number of a node (included files are not "
-        "followed)");
+  CHECK(
+      says(nodes + "*INCLUDE_NASTRAN\nx.nas\n*ELEMENT_SHELL\n1,1,1,2,9,9\n") ==
+      "9:1: found node 9 in element 1, expected the number of a node (some included files are not "
+      "followed)");
   CHECK(says(nodes + "*ELEMENT_SHELL_THICKNESS\n1,1,1,2,3,3\n*END\n") ==
         "7:1: found element 1 without its 1 more card of *ELEMENT_SHELL_THICKNESS");
   CHECK_THAT(says(nodes + "*ELEMENT_SHELL_COMPOSITE\n1,1,1,2,3,3\n"), Contains("6:1: found"));
