@@ -110,7 +110,9 @@ class MeshText {
   size_t offset(std::string_view part) const;
   /// `length` bytes from an offset.
   std::string_view part(size_t offset, size_t length) const;
-  const Source& source_of(size_t offset) const;
+  /// The index in sources() of the file in which an offset lies.
+  size_t source_index(size_t offset) const;
+  const Source& source_of(size_t offset) const { return *sources_[source_index(offset)]; }
   /// Throws InputError: "file:line:column: message".
   [[noreturn]] void fail(size_t offset, const std::string& message) const;
   [[noreturn]] void fail(std::string_view where, const std::string& message) const {

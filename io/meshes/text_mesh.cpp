@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 #include <ostream>
+#include <set>
 
 #include "batten/core/errors.h"
 #include "batten/core/index.h"
@@ -47,7 +48,7 @@ class Rewriting {
     measure(node);
     if (!node.changes()) return;
     refuse_held(i);
-    Output& output = output_of(node.fields[0].begin);
+    Output& output = outputs_[mesh_.file.source_index(node.fields[0].begin)];
     output.node = i;
     if (node.wide)
       widen(node, output);
@@ -137,14 +138,6 @@ class Rewriting {
                           held->second);
   }
 
-  Output& output_of(size_t offset) {
-    size_t k = 0;
-    for (const MeshText::Source* source = &mesh_.file.source_of(offset);
-         outputs_[k].source != source;)
-      ++k;
-    return outputs_[k];
-  }
-
   std::string_view old_text(const Node& node, int c) const {
     return mesh_.file.part(node.fields[c].begin, node.fields[c].length);
   }
@@ -220,14 +213,15 @@ std::map<fs::path, const Output*> targets_of(const TextMesh& mesh, const fs::pat
       throw InputError(target.string() + ": found the name of an included file, expected another");
     if (there == targets.end() || output.node >= 0) targets[target] = &output;
   }
-  if (outputs.size() > 1)
-    for (const auto& [target, output] : targets)
-      for (const Output& input : outputs) {
-        std::error_code error;
-        if (fs::equivalent(target, input.source->path, error) && !error)
-          throw InputError(target.string() +
-                           ": found a file of the deck that was read, expected another folder");
-      }
+  if (outputs.size() == 1) return targets;
+  std::set<fs::path> inputs;
+  std::error_code error;
+  for (const Output& output : outputs)
+    inputs.insert(fs::weakly_canonical(output.source->path, error));
+  for (const auto& [target, output] : targets)
+    if (inputs.contains(fs::weakly_canonical(target, error)))
+      throw InputError(target.string() +
+                       ": found a file of the deck that was read, expected another folder");
   return targets;
 }
 
