@@ -74,7 +74,9 @@ class MeshFile {
   /// whole or not at all; where there are several, none takes the place of one that was read.
   ///
   /// In text and in binary PLY and STL only the coordinates of nodes that moved are replaced: all
-  /// other bytes stay, and a coordinate that equals the one that was read keeps its digits. A
+  /// other bytes stay, and a coordinate that equals the one that was read keeps its digits. In decks
+  /// it does so, too, where it is as near as its field allows, or has moved by less than 1e-13 of the
+  /// largest coordinate: an edit that moves nothing leaves the rounding of its sums behind. A
   /// replaced coordinate has the fewest digits that give back the double or, where the field is too
   /// narrow for them, is the nearest number that fits: Nastran 8 or 16 columns and 16 characters
   /// between commas (of which solvers keep 8 unless the GRID has a star), LS-DYNA 16 or 20, Abaqus

@@ -38,6 +38,7 @@ class Rewriting {
       : mesh_(mesh),
         points_(points),
         wide_nodes_(wide_nodes),
+        size_(mesh.shells.points.size() ? mesh.shells.points.cwiseAbs().maxCoeff() : 0),
         frames_(mesh.systems, mesh.file, [this](int node) { return written_place(node); }) {
     for (const auto& source : mesh.file.sources()) outputs_.push_back({source.get(), "", 0, -1});
   }
@@ -92,10 +93,10 @@ class Rewriting {
     const int system = mesh_.systems.of(i);
     node.numbers = old;
     if ((system < 0 ? old : frames_.of(system).place(old)) == place) return node;
-    Vec3 wanted = place, rounding = Vec3::Zero();
+    Vec3 wanted = place, rounding = Vec3::Constant(noise_of(node.fields[0].kind));
     if (system >= 0) {
       wanted = frames_.of(system).numbers(place, old);
-      rounding = frames_.of(system).rounding(place);
+      rounding = frames_.of(system).rounding(place, rounding[0]);
     }
     node.wide = wide_nodes_ && is_small_grid(node);
     for (int c = 0; c < 3; ++c) {
@@ -114,6 +115,12 @@ class Rewriting {
       node.text[c] = text;
     }
     return node;
+  }
+
+  /// A deck keeps its text where an edit leaves nothing but the rounding of its sums behind.
+  double noise_of(FieldKind kind) const {
+    constexpr double kNoise = 1e-13;
+    return of_deck(kind) ? kNoise * size_ : 0;
   }
 
   Vec3 written_place(int i) {
@@ -187,6 +194,7 @@ class Rewriting {
   const TextMesh& mesh_;
   const Points& points_;
   bool wide_nodes_;
+  double size_;        // largest coordinate
   NodeFrames frames_;  // as they will be read
   std::vector<Output> outputs_;
   MeshRounding rounding_;
