@@ -257,3 +257,81 @@ TEST_CASE("LS-DYNA: beams, springs, masses and connections", "[io][decks]") {
                 "*ELEMENT_BEAM\n7,1,1,99\n") ==
         "8:1: found node 99 in *ELEMENT_BEAM 7, expected the number of a node");
 }
+
+namespace {
+
+const std::string kRadioss =
+    "#RADIOSS STARTER\n/BEGIN\nplate\n      2022         0\n/UNIT\nkg mm ms\n"
+    "/NODE\n#  node_ID                  Xc                  Yc                  Zc\n"
+    "         1                 0.0                 0.0                 0.0\n"
+    "         2                 1.0                 0.0\n"
+    "         3               1.000                 1.0                 0.0\n"
+    "         4                 0.0                 1.0                 0.0\n"
+    "        20                 0.5                 0.5                 1.0\n"
+    "/SHELL/7\n         1         1         2         3         4\n"
+    "/SH3N/8\n         2         1         2        20\n"
+    "/PART/7\nskin\n         1         1\n"
+    "/BRICK/9\n        10         1         2         3         4        20        20        20"
+    "        20\n"
+    "/BEAM/9\n        11         1         2        20\n/SPRING/9\n        12         1         0\n"
+    "/TETRA10/9\n        13\n         1         2         3        20         0         0         0"
+    "         0         0         0\n"
+    "/GRNOD/NODE/5\nrim\n         1         2\n         3\n"
+    "/RBODY/6\n\n        20         0         0         0                           5         0\n"
+    "/ADMAS/5/3\nm\n                 1.0         1\n/END\nwhat follows\n";
+
+}  // namespace
+
+TEST_CASE("Radioss: nodes, shells, parts, groups and what is beside them", "[io][decks]") {
+  const auto path = file_with("plate_0000.rad", kRadioss);
+  const MeshFile file = MeshFile::read(path);
+  CHECK(file.format() == "Radioss starter");
+  REQUIRE(file.shells().node_count() == 5);
+  CHECK(file.shells().points.row(2) == Vec3(1, 1, 0).transpose());
+  REQUIRE(file.shells().face_count() == 2);
+  CHECK(file.shells().face(0).size() == 4);
+  CHECK(file.shells().face(1).size() == 3);
+  REQUIRE(file.properties().size() == 2);
+  CHECK(file.properties()[0].title == "skin");
+  REQUIRE(file.sets().size() == 1);
+  CHECK(file.sets()[0].title == "rim");
+  CHECK(file.sets()[0].nodes == std::vector<int>{0, 1, 2});
+  CHECK(told(file) == Lines{"solid /BRICK 10: 1 2 3 4 20", "beam /BEAM 11: 1 2 20",
+                            "bush /SPRING 12: 1", "solid /TETRA10 13: 1 2 3 20",
+                            "rigid /RBODY 6: 20 1 2 3"});
+  CHECK(file.warnings() == Lines{"/ADMAS, 1 /BEAM, 1 /BRICK, 1 /RBODY, 1 /SPRING, 1 /TETRA10"});
+}
+
+TEST_CASE("Radioss: only columns of coordinates change", "[io][decks]") {
+  const auto path = file_with("plate_0000.rad", kRadioss);
+  check_identity(path);
+  check_identity(file_with("cr_0000.rad", with_carriage_returns(kRadioss)));
+  const MeshFile file = MeshFile::read(path);
+  check_round_trip(path, moved(file, 0.3, 1), 2e-16);
+  Points points = file.shells().points;
+  points(1, 2) = 0.25;
+  points(2, 0) = 1.0 / 3;
+  std::string wanted = kRadioss;
+  const auto put = [&](const std::string& old, const std::string& by) {
+    wanted.replace(wanted.find(old), old.size(), by);
+  };
+  put("         2                 1.0                 0.0\n",
+      "         2                 1.0                 0.0                 .25\n");
+  put("         3               1.000 ", "         3   .3333333333333333 ");
+  CHECK(bytes_of(check_round_trip(path, points, 0)) == wanted);
+  check_damage(".rad", kRadioss, 500);
+}
+
+TEST_CASE("Radioss: what is not one model in its place is named", "[io][decks]") {
+  const auto says = [](const std::string& text) {
+    return mistake("e.rad", "/NODE\n         1\n         2                 1.0\n" + text);
+  };
+  CHECK(says("/TRANSFORM/TRA/1\n") ==
+        "4:1: found '/TRANSFORM/TRA/1', expected one model with its nodes in their place");
+  CHECK_THAT(says("//SUBMODEL/1\n"), Contains("4:1: found '//SUBMODEL/1'"));
+  CHECK(says("/BEGIN\nx\n        44\n") ==
+        "6:9: found input of version 44, expected 51 or later, whose fields have 10 columns");
+  CHECK(says("/SH3N/1\n         1         1         2         9\n") ==
+        "5:10: found node 9 in element 1, expected the number of a node");
+  CHECK_THAT(says("#include none.rad\n"), Contains("none.rad: found no such file"));
+}
