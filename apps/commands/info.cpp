@@ -189,11 +189,13 @@ bool is_mesh_file(const std::filesystem::path& file) {
   if (ending == ".obj" || ending == ".dat") {
     std::ifstream in(file);
     for (std::string row; std::getline(in, row);)
-      if (row.starts_with(ending == ".obj" ? "f " : "GRID")) return true;
+      if (ending == ".obj" ? row.starts_with("f ")
+                           : row.starts_with("GRID") || row.starts_with("BEGIN BULK"))
+        return true;
     return false;
   }
   static const std::vector<std::string> endings = {".off", ".ply", ".stl", ".vtp", ".vtu", ".bdf",
-                                                   ".nas", ".inp", ".k",   ".key", ".dyn"};
+                                                   ".nas", ".inp", ".k",   ".key", ".dyn", ".rad"};
   return std::find(endings.begin(), endings.end(), ending) != endings.end();
 }
 
@@ -222,7 +224,7 @@ std::string file_info(const std::filesystem::path& file, const std::string& unit
                      "', expected a scene (.toml), lines (.csv, .txt, .xyz, .dat, .obj, .curves, "
                      ".iges, .step, .dxf, .svg, .json) or a "
                      "mesh (.obj, .off, .ply, .stl, .vtp, .vtu, .bdf, .nas, .dat, .inp, .k, .key, "
-                     ".dyn)");
+                     ".dyn, .rad)");
   const std::string ending = file.extension().string();
   if (ending == ".step" || ending == ".stp")
     if (const std::string text =

@@ -1,47 +1,17 @@
-// Abaqus and CalculiX input: nodes and shells of one flat part; everything else stays text.
+// Abaqus and CalculiX input: nodes, elements and connections of one part; everything else stays
+// text.
 #include <algorithm>
-#include <optional>
 #include <set>
 
 #include "batten/core/errors.h"
+#include "batten/io/meshes/abaqus_connections.h"
+#include "batten/io/meshes/abaqus_elements.h"
+#include "batten/io/meshes/abaqus_lines.h"
+#include "batten/io/meshes/abaqus_places.h"
 #include "batten/io/meshes/deck_mesh.h"
 
 namespace batten {
 namespace {
-
-/// Corners and middle nodes of an element type; nothing for those that are not faces.
-struct FaceType {
-  int corners, middle;
-};
-std::optional<FaceType> face_type(const std::string& type) {
-  static const std::map<std::string, FaceType> types{
-      {"S3", {3, 0}},    {"S3R", {3, 0}},   {"S3RS", {3, 0}},   {"STRI3", {3, 0}},
-      {"S4", {4, 0}},    {"S4R", {4, 0}},   {"S4RS", {4, 0}},   {"S4RSW", {4, 0}},
-      {"S4R5", {4, 0}},  {"S6", {3, 3}},    {"STRI65", {3, 3}}, {"S8", {4, 4}},
-      {"S8R", {4, 4}},   {"S8R5", {4, 4}},  {"M3D3", {3, 0}},   {"M3D4", {4, 0}},
-      {"M3D4R", {4, 0}}, {"M3D6", {3, 3}},  {"M3D8", {4, 4}},   {"M3D8R", {4, 4}},
-      {"CPS3", {3, 0}},  {"CPS4", {4, 0}},  {"CPS4R", {4, 0}},  {"CPS4I", {4, 0}},
-      {"CPS6", {3, 3}},  {"CPS6M", {3, 3}}, {"CPS8", {4, 4}},   {"CPS8R", {4, 4}}};
-  const auto found = types.find(type);
-  return found == types.end() ? std::nullopt : std::optional(found->second);
-}
-
-std::string_view unquoted(std::string_view text) {
-  const bool quotes = text.size() > 1 && text.front() == '"' && text.back() == '"';
-  return quotes ? text.substr(1, text.size() - 2) : text;
-}
-
-/// A keyword line, which goes on in the next one after a comma.
-struct Keyword {
-  std::string name;
-  std::map<std::string, std::string_view> parameters;
-  std::string_view line;
-  bool has(const std::string& key) const { return parameters.contains(key); }
-  std::string_view value(const std::string& key) const {
-    const auto found = parameters.find(key);
-    return found == parameters.end() ? std::string_view() : found->second;
-  }
-};
 
 /// A set as it is written: numbers and names of sets before it.
 struct RawSet {
@@ -53,174 +23,147 @@ struct RawSet {
 
 class AbaqusReader {
  public:
-  explicit AbaqusReader(TextMesh& mesh) : mesh_(mesh), file_(mesh.file), deck_(mesh) {}
+  explicit AbaqusReader(TextMesh& mesh)
+      : mesh_(mesh),
+        file_(mesh.file),
+        lines_(mesh.file),
+        deck_(mesh),
+        places_(mesh.file),
+        connections_(mesh.file, deck_) {}
 
   void read() {
-    while (next(line_)) {
-      if (!line_.starts_with('*')) continue;
-      while (const auto keyword = read_keyword()) handle(*keyword);
+    while (const auto keyword = lines_.next_keyword()) {
+      handle(*keyword);
+      while (lines_.next_data()) {
+      }
     }
     finish();
   }
 
  private:
-  /// The next line that is not a comment.
-  bool next(std::string_view& line) {
-    while (file_.next(line))
-      if (!line.starts_with("**")) return true;
-    line = {};
-    return false;
-  }
-  /// The next line of data; line_ is the keyword that ends them.
-  bool next_data() {
-    while (next(line_)) {
-      if (line_.starts_with('*')) return false;
-      if (!trimmed(line_).empty()) return true;
-    }
-    return false;
-  }
-
-  /// Reads the keyword in line_, if it is one.
-  std::optional<Keyword> read_keyword() {
-    if (!line_.starts_with('*')) return {};
-    Keyword keyword;
-    keyword.line = line_;
-    std::string_view rest = line_.substr(1);
-    bool first = true;
-    for (;;) {
-      const size_t comma = rest.find(',');
-      const std::string_view part = trimmed(rest.substr(0, comma));
-      const size_t equals = part.find('=');
-      if (first) {
-        std::string_view words = part;
-        for (auto word = next_word(words); !word.empty(); word = next_word(words))
-          keyword.name += (keyword.name.empty() ? "" : " ") + upper(word);
-      } else if (!part.empty()) {
-        const std::string_view value = equals == part.npos ? "" : trimmed(part.substr(equals + 1));
-        keyword.parameters[upper(trimmed(part.substr(0, equals)))] = unquoted(value);
-      }
-      first = false;
-      if (comma == rest.npos) break;
-      rest.remove_prefix(comma + 1);
-      if (!trimmed(rest).empty()) continue;
-      if (!next(line_)) break;
-      rest = line_;
-    }
-    line_ = {};
-    return keyword;
-  }
-
   void handle(const Keyword& keyword) {
     const std::string& name = keyword.name;
-    static const std::set<std::string> generators{"NGEN",  "NFILL",  "NCOPY",  "NMAP",
-                                                  "ELGEN", "ELCOPY", "SYSTEM", "INCLUDE"};
+    static const std::set<std::string> generators{"NGEN", "NFILL", "NCOPY",
+                                                  "NMAP", "ELGEN", "ELCOPY"};
     if (generators.contains(name))
-      file_.fail(keyword.line, "found *" + name + ", expected " +
-                                   (name == "INCLUDE"  ? "everything in one file"
-                                    : name == "SYSTEM" ? "nodes in global coordinates"
-                                                       : "nodes and elements written out"));
-    if (name == "PART" && ++parts_ > 1)
-      file_.fail(keyword.line, "found a second *PART, expected one flat part");
-    if (name == "INSTANCE") {
+      file_.fail(keyword.line, "found *" + name + ", expected nodes and elements written out");
+    // In an assembly, nodes and sets are those of the assembly, or say of which instance they are.
+    const bool here = !in_assembly_ || parts_ == 0;
+    if (name == "PART") {
+      if (++parts_ > 1) file_.fail(keyword.line, "found a second *PART, expected one flat part");
+    } else if (name == "INSTANCE") {
       if (++instances_ > 1)
-        file_.fail(keyword.line, "found a second *INSTANCE, expected one flat part");
-      if (next_data())
-        file_.fail(line_, "found an instance that is moved, expected it in its place");
-    } else if (name == "ASSEMBLY") {
-      in_assembly_ = true;
-      next_data();
-    } else if (name == "END ASSEMBLY") {
-      in_assembly_ = false;
-      next_data();
-    } else if (name == "NODE" && (!in_assembly_ || parts_ == 0)) {
+        file_.fail(keyword.line,
+                   "found a second *INSTANCE, expected one: nodes would be in two places");
+      places_.read_instance(lines_);
+    } else if (name == "ASSEMBLY" || name == "END ASSEMBLY") {
+      in_assembly_ = name == "ASSEMBLY";
+    } else if (name == "NODE" && here) {
       nodes(keyword);
-    } else if (name == "ELEMENT" && (!in_assembly_ || parts_ == 0)) {
+    } else if (name == "ELEMENT" && here) {
       elements(keyword);
-    } else if ((name == "NSET" || name == "ELSET") &&
-               (!in_assembly_ || parts_ == 0 || keyword.has("INSTANCE"))) {
+    } else if (name == "SYSTEM" && here) {
+      places_.read_system(keyword, lines_);
+    } else if (name == "PARAMETER") {
+      places_.read_parameters(lines_);
+    } else if ((name == "NSET" || name == "ELSET") && (here || keyword.has("INSTANCE"))) {
       set(keyword, name == "NSET");
+    } else if (name == "SHELL SECTION" || name == "SHELL GENERAL SECTION" ||
+               name == "MEMBRANE SECTION" || name == "SOLID SECTION") {
+      sections_.push_back(keyword.value("ELSET"));
+    } else if (name == "NODE" || name == "ELEMENT") {
+      ++assembly_blocks_;
     } else {
-      if (name == "SHELL SECTION" || name == "SHELL GENERAL SECTION" ||
-          name == "MEMBRANE SECTION" || name == "SOLID SECTION")
-        sections_.push_back(keyword.value("ELSET"));
-      if (name == "NODE" || name == "ELEMENT") ++assembly_blocks_;
-      while (next_data()) {
-      }
+      connections_.read(keyword, lines_);
     }
-  }
-
-  void refuse_other_file(const Keyword& keyword) const {
-    if (keyword.has("INPUT"))
-      file_.fail(keyword.line, "found INPUT=, expected everything in one file");
   }
 
   void nodes(const Keyword& keyword) {
-    refuse_other_file(keyword);
-    const std::string system = upper(keyword.value("SYSTEM"));
-    if (!system.empty() && system != "R")
-      file_.fail(keyword.line,
-                 "found SYSTEM=" + system + ", expected nodes in rectangular coordinates");
+    lines_.follow_input(keyword);
+    const int system = places_.system_of(keyword);
     RawSet* const set = new_set(keyword.value("NSET"), true);
-    while (next_data()) {
+    while (lines_.next_data()) {
+      const std::string_view data = lines_.line();
       std::array<Field, 3> fields;
-      const DeckLine line(line_);
-      const std::string_view label = line.free() ? line.value(0, 0, 0) : trimmed(line_);
+      const DeckLine line(data);
+      const std::string_view label = line.free() ? line.value(0, 0, 0) : trimmed(data);
       const long number = file_.integer(label, "a node number");
       line.fields(file_, 1, 0, FieldKind::Abaqus, FieldKind::Abaqus, fields);
       if (!line.free())  // nothing but the number
         for (int c = 0; c < 3; ++c)
-          fields[c] = {file_.offset(line_) + line_.size(), 0, FieldKind::Abaqus, true, 1};
+          fields[c] = {file_.offset(data) + data.size(), 0, FieldKind::Abaqus, true, 1};
       std::array<double, 3> xyz{};
-      for (int c = 0; c < 3; ++c)
-        xyz[c] = line.free() ? file_.real(line.value(c + 1, 0, 0), true) : 0;
+      for (int c = 0; c < 3 && line.free(); ++c) {
+        bool parameter = false;
+        xyz[c] = places_.real(line.value(c + 1, 0, 0), parameter);
+        if (parameter)
+          mesh_.held.push_back({count_of(systems_), "has a coordinate that is the parameter " +
+                                                        std::string(line.value(c + 1, 0, 0))});
+      }
       deck_.add_node(number, label, xyz, fields);
+      systems_.push_back(system);
       if (set) set->ranges.push_back({number, number});
     }
   }
 
   void elements(const Keyword& keyword) {
-    refuse_other_file(keyword);
+    lines_.follow_input(keyword);
     const std::string type = upper(keyword.value("TYPE"));
     if (type.empty()) file_.fail(keyword.line, "found *ELEMENT without TYPE=, expected one");
     RawSet* const set = new_set(keyword.value("ELSET"), false);
-    const auto face = face_type(type);
-    bool more = false;
-    while (next_data()) {
-      const std::string_view start = line_;
-      if (!face) {
-        if (!more) deck_.add_other(type);
-        more = trimmed(line_).ends_with(',');
-        continue;
-      }
-      const auto count = static_cast<size_t>(1 + face->corners + face->middle);
-      std::array<long, 9> numbers{};
-      std::string_view label;
-      size_t found = 0;
-      for (std::string_view rest = line_; found < count;) {
-        const size_t comma = rest.find(',');
-        const std::string_view value = trimmed(rest.substr(0, comma));
-        if (!value.empty() || comma != rest.npos) {
-          if (found == 0) label = value;
-          numbers[found] = file_.integer(value, found == 0 ? "an element number" : "a node number");
-          ++found;
+    const AbaqusElement element = abaqus_element(type);
+    while (lines_.next_data()) {
+      if (element.face) {
+        const std::vector<std::string_view> values = record(type, element.count);
+        face(element, values);
+        if (set) set->ranges.push_back({face_label_, face_label_});
+      } else if (element.count > 0) {
+        other(element, type, record(type, element.count), keyword.value("ELSET"));
+      } else {
+        deck_.add_other(type);
+        while (trimmed(lines_.line()).ends_with(',') && lines_.next_data()) {
         }
-        if (found == count) break;
-        if (comma != rest.npos) {
-          rest.remove_prefix(comma + 1);
-          continue;
-        }
-        // A line goes on when it ends with a comma, whatever blanks follow.
-        if (!value.empty() || !next_data())
-          file_.fail(start, "found " + counted(static_cast<long>(found) - 1, "node") +
-                                " of an element of type " + type + ", expected " +
-                                std::to_string(count - 1));
-        rest = line_;
       }
-      const auto corners = static_cast<size_t>(face->corners);
-      deck_.add_shell(numbers[0], label, "", {numbers.data() + 1, corners},
-                      {numbers.data() + 1 + corners, static_cast<size_t>(face->middle)});
-      if (set) set->ranges.push_back({numbers[0], numbers[0]});
     }
+  }
+
+  /// The number of an element and its nodes, `count` at least. A line goes on when it ends with a
+  /// comma, whatever blanks follow.
+  std::vector<std::string_view> record(const std::string& type, int count) {
+    const std::string_view start = lines_.line();
+    std::vector<std::string_view> values;
+    for (;;) {
+      for (const std::string_view value : comma_values(lines_.line())) values.push_back(value);
+      if (count_of(values) > count) return values;
+      const bool goes_on = values.back().empty();
+      if (goes_on) values.pop_back();
+      if (!goes_on || !lines_.next_data())
+        file_.fail(start, "found " + counted(count_of(values) - 1, "node") +
+                              " of an element of type " + type + ", expected " +
+                              std::to_string(count));
+    }
+  }
+
+  void face(const AbaqusElement& element, const std::vector<std::string_view>& values) {
+    face_label_ = file_.integer(values[0], "an element number");
+    std::array<long, 8> nodes{};
+    for (int i = 0; i < element.count; ++i)
+      nodes[i] = file_.integer(values[i + 1], "a node number");
+    const auto corners = static_cast<size_t>(element.corners);
+    deck_.add_shell(face_label_, values[0], "", {nodes.data(), corners},
+                    {nodes.data() + corners, static_cast<size_t>(element.middle)});
+  }
+
+  void other(const AbaqusElement& element, const std::string& type,
+             const std::vector<std::string_view>& values, std::string_view elset) {
+    DeckElement read{element.kind, type, file_.integer(values[0], "an element number"),
+                     values[0],    {},   {}};
+    const int count = element.count + (element.direction ? 1 : 0);
+    for (int i = 1; i <= count && i < count_of(values); ++i)
+      if (!values[i].empty()) read.nodes.push_back(file_.integer(values[i], "a node number"));
+    if (type == "DCOUP3D" && !read.nodes.empty())
+      connections_.add_coupling_node(elset, read.nodes[0]);
+    deck_.add_element(std::move(read));
   }
 
   RawSet* new_set(std::string_view name, bool of_nodes) {
@@ -237,15 +180,9 @@ class AbaqusReader {
       // The nodes of a set of elements.
       set.names.push_back({"E" + upper(keyword.value("ELSET")), keyword.line});
     }
-    while (next_data()) {
-      std::vector<std::string_view> values;
-      for (std::string_view rest = line_;;) {
-        const size_t comma = rest.find(',');
-        const std::string_view value = unquoted(trimmed(rest.substr(0, comma)));
-        if (!value.empty()) values.push_back(value);
-        if (comma == rest.npos) break;
-        rest.remove_prefix(comma + 1);
-      }
+    while (lines_.next_data()) {
+      std::vector<std::string_view> values = comma_values(lines_.line());
+      std::erase_if(values, [](std::string_view value) { return value.empty(); });
       if (values.empty()) continue;
       if (keyword.has("GENERATE")) {
         LabelRange range{file_.integer(values[0], "a number"), 0};
@@ -270,6 +207,7 @@ class AbaqusReader {
 
   void finish() {
     deck_.finish();
+    places_.place(mesh_, systems_);
     std::map<std::string, std::vector<int>> known;
     std::map<std::string, size_t> position;
     std::vector<MeshSet> sets;
@@ -302,6 +240,13 @@ class AbaqusReader {
     for (MeshSet& set : sets)
       if (!set.nodes.empty() || !set.faces.empty()) mesh_.sets.push_back(std::move(set));
     properties(known);
+    connections_.finish(
+        mesh_,
+        [&](const std::string& name, bool faces) -> std::optional<std::vector<int>> {
+          const auto found = known.find((faces ? "E" : "N") + name);
+          return found == known.end() ? std::nullopt : std::optional(found->second);
+        },
+        parts_ == 0);
     warn();
   }
 
@@ -317,19 +262,23 @@ class AbaqusReader {
 
   void warn() {
     deck_.warn_of_others();
+    mesh_.warn_of_files_elsewhere();
     if (file_.ends_in_mid_line())
       mesh_.warnings.push_back("the file ends in mid-line: it may be cut short");
     if (assembly_blocks_ > 0)
-      mesh_.warnings.push_back(
-          "nodes and elements of the assembly itself are carried along as text");
+      mesh_.warnings.push_back("nodes and elements of the assembly itself are not read");
   }
 
   TextMesh& mesh_;
   MeshText& file_;
+  AbaqusLines lines_;
   DeckMesh deck_;
-  std::string_view line_;
+  AbaqusPlaces places_;
+  AbaqusConnections connections_;
+  std::vector<int> systems_;  // of each node
   std::vector<std::unique_ptr<RawSet>> raw_sets_;
   std::vector<std::string_view> sections_;
+  long face_label_ = 0;
   int parts_ = 0, instances_ = 0, assembly_blocks_ = 0;
   bool in_assembly_ = false;
 };

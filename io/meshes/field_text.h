@@ -11,6 +11,8 @@ namespace batten {
 
 /// Whether fields of this kind fill columns.
 bool fixed_columns(FieldKind kind);
+/// Whether it is a field of a deck, whose width is bounded.
+inline bool of_deck(FieldKind kind) { return width_of(kind) > 0; }
 /// The characters that stand for `value`, and what a reader will make of them; empty where none do.
 std::string text_of(double value, FieldKind kind, double& written);
 /// `text` where the old field has its own: at the left, or in the last column.

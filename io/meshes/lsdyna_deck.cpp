@@ -1,61 +1,33 @@
-// LS-DYNA keyword decks: nodes and shells; everything else stays text.
+// LS-DYNA keyword decks: nodes, elements and sets; everything else stays text.
 #include <algorithm>
 #include <optional>
 #include <set>
 
 #include "batten/core/errors.h"
 #include "batten/io/meshes/deck_mesh.h"
+#include "batten/io/meshes/lsdyna_elements.h"
+#include "batten/io/meshes/lsdyna_lines.h"
 
 namespace batten {
 namespace {
 
-/// Columns of numbers, coordinates, and the fields of all other cards.
-struct Widths {
-  int integer = 8, real = 16, card = 10;
-  FieldKind kind = FieldKind::Dyna16, free_kind = FieldKind::DynaFree16;
-};
-constexpr Widths kStandard;
-constexpr Widths kI10{10, 16, 10, FieldKind::Dyna16, FieldKind::DynaFree16};
-constexpr Widths kLong{20, 20, 20, FieldKind::Dyna20, FieldKind::DynaFree20};
-
-struct Keyword {
-  std::string name;
-  Widths widths;
-  std::string_view line;
-};
-
-/// Parts of "A_B_C" after `first`; nothing when the name does not start with it.
-std::optional<std::set<std::string>> options_after(const std::string& name,
-                                                   const std::string& first) {
-  if (!name.starts_with(first)) return {};
-  std::set<std::string> options;
-  std::string_view rest = std::string_view(name).substr(first.size());
-  if (!rest.empty() && rest[0] != '_') return {};
-  while (!rest.empty()) {
-    rest.remove_prefix(1);
-    options.emplace(rest.substr(0, rest.find('_')));
-    rest.remove_prefix(std::min(rest.find('_'), rest.size()));
-  }
-  return options;
-}
-
 class DynaReader {
  public:
-  explicit DynaReader(TextMesh& mesh) : mesh_(mesh), file_(mesh.file), deck_(mesh) {}
+  explicit DynaReader(TextMesh& mesh)
+      : mesh_(mesh),
+        file_(mesh.file),
+        lines_(mesh.file),
+        deck_(mesh),
+        elements_(mesh.file, lines_, deck_) {}
 
   void read() {
-    bool more = next(line_);
-    while (more && !line_.starts_with('*')) more = next(line_);
-    bool ended = false;
-    while (line_.starts_with('*')) {
-      const Keyword keyword = read_keyword();
-      if (ended = keyword.name == "END"; ended) break;
-      handle(keyword);
-      while (next_card()) {
+    while (const auto keyword = lines_.next_keyword()) {
+      handle(*keyword);
+      while (lines_.next_card()) {
       }
     }
     finish();
-    if (!ended) mesh_.warnings.push_back("the deck has no *END: it may be cut short");
+    if (!lines_.ended()) mesh_.warnings.push_back("the deck has no *END: it may be cut short");
   }
 
  private:
@@ -65,66 +37,21 @@ class DynaReader {
     std::vector<LabelRange> ranges;
   };
 
-  /// The next line that is not a comment; empty at the end.
-  bool next(std::string_view& line) {
-    while (file_.next(line))
-      if (!line.starts_with('$')) return true;
-    line = {};
-    return false;
-  }
-  /// The next card; line_ is the keyword that ends them, and stays it.
-  bool next_card() {
-    if (line_.starts_with('*') && in_block_) return false;
-    in_block_ = next(line_);
-    return in_block_ && !line_.starts_with('*');
-  }
-  /// The same, passing over blank lines.
-  bool next_record() {
-    while (next_card())
-      if (!trimmed(line_).empty()) return true;
-    return false;
-  }
-
-  Keyword read_keyword() {
-    std::string_view rest = line_.substr(1);
-    Keyword keyword{upper(next_word(rest)), widths_, line_};
-    keyword.name = keyword.name.substr(0, keyword.name.find(','));
-    char suffix = keyword.name.empty() ? ' ' : keyword.name.back();
-    if (suffix == '+' || suffix == '-' || suffix == '%')
-      keyword.name.pop_back();
-    else
-      suffix = trimmed(rest).size() == 1 ? trimmed(rest)[0] : ' ';
-    if (suffix == '+') keyword.widths = kLong;
-    if (suffix == '-') keyword.widths = kStandard;
-    if (suffix == '%') keyword.widths = kI10;
-    if (keyword.name == "KEYWORD") {
-      // LONG=S reads standard cards.
-      std::string text = upper(rest);
-      std::erase_if(text, blank);
-      if (text.find("I10=Y") != text.npos) widths_ = kI10;
-      if (text.find("LONG=Y") != text.npos || text.find("LONG=K") != text.npos) widths_ = kLong;
-    }
-    in_block_ = false;
-    return keyword;
-  }
-
-  void handle(const Keyword& keyword) {
+  void handle(const DynaKeyword& keyword) {
     const std::string& name = keyword.name;
     if (name == "NODE") return nodes(keyword.widths);
     if (const auto options = options_after(name, "ELEMENT_SHELL")) return shells(keyword, *options);
     if (name == "PART" || name.starts_with("PART_")) return parts(keyword);
     if (const auto options = options_after(name, "SET_NODE")) return set(keyword, *options, true);
     if (const auto options = options_after(name, "SET_SHELL")) return set(keyword, *options, false);
-    if (name.starts_with("INCLUDE") && name != "INCLUDE_PATH") ++includes_;
-    if (name.starts_with("ELEMENT_") || name.starts_with("CONSTRAINED_NODAL_RIGID_BODY"))
-      deck_.add_other("*" + name, 0);
     if (name.starts_with("NODE_TRANSFORM"))
       mesh_.warnings.push_back("*NODE_TRANSFORM is not applied");
+    elements_.read(keyword);
   }
 
-  void nodes(const Widths& w) {
-    while (next_record()) {
-      const DeckLine line(line_);
+  void nodes(const DynaWidths& w) {
+    while (lines_.next_record()) {
+      const DeckLine line(lines_.line());
       const std::string_view label = line.value(0, 0, w.integer);
       const long number = file_.integer(label, "a node number");
       std::array<double, 3> xyz;
@@ -136,7 +63,7 @@ class DynaReader {
     }
   }
 
-  void shells(const Keyword& keyword, const std::set<std::string>& options) {
+  void shells(const DynaKeyword& keyword, const std::set<std::string>& options) {
     static const std::set<std::string> known{"THICKNESS", "BETA", "MCID", "OFFSET",
                                              "DOF",       "SHL4", "TO",   "SHL8"};
     if (options.contains("COMPOSITE"))
@@ -147,8 +74,8 @@ class DynaReader {
     const bool thickness =
         options.contains("THICKNESS") || options.contains("BETA") || options.contains("MCID");
     const int w = keyword.widths.integer;
-    while (next_record()) {
-      const DeckLine line(line_);
+    while (lines_.next_record()) {
+      const DeckLine line(lines_.line());
       const std::string_view label = line.value(0, 0, w), property = line.value(1, w, w);
       std::array<long, 8> n{};
       for (int i = 0; i < 8; ++i) {
@@ -160,7 +87,7 @@ class DynaReader {
       int cards = options.contains("OFFSET") + options.contains("DOF");
       if (thickness) cards += 1 + middle;
       for (; cards > 0; --cards)
-        if (!next_card())
+        if (!lines_.next_card())
           file_.fail(label, "found element " + std::string(label) + " without its " +
                                 counted(cards, "more card") + " of *" + keyword.name);
     }
@@ -185,19 +112,19 @@ class DynaReader {
     }
   }
 
-  void parts(const Keyword& keyword) {
+  void parts(const DynaKeyword& keyword) {
     const int w = keyword.widths.card;
-    while (next_card()) {
-      const std::string title(trimmed(line_));
-      if (!next_card()) return;
-      const std::string_view number = DeckLine(line_).value(0, 0, w);
+    while (lines_.next_card()) {
+      const std::string title(trimmed(lines_.line()));
+      if (!lines_.next_card()) return;
+      const std::string_view number = DeckLine(lines_.line()).value(0, 0, w);
       titles_[std::string(number)] = title;
       // Options have cards of their own.
       if (keyword.name != "PART") return;
     }
   }
 
-  void set(const Keyword& keyword, std::set<std::string> options, bool of_nodes) {
+  void set(const DynaKeyword& keyword, std::set<std::string> options, bool of_nodes) {
     const bool titled = options.erase("TITLE") > 0;
     options.erase("LIST");
     options.erase("COLLECT");
@@ -207,13 +134,13 @@ class DynaReader {
       return;
     }
     DynaSet set{of_nodes, "", "", {}};
-    if (titled && next_card()) set.title = trimmed(line_);
-    if (!next_record()) return;
+    if (titled && lines_.next_card()) set.title = trimmed(lines_.line());
+    if (!lines_.next_record()) return;
     const int w = keyword.widths.card;
-    set.name = DeckLine(line_).value(0, 0, w);
+    set.name = DeckLine(lines_.line()).value(0, 0, w);
     std::vector<long> numbers;
-    while (next_record()) {
-      const DeckLine line(line_);
+    while (lines_.next_record()) {
+      const DeckLine line(lines_.line());
       for (int i = 0; i < 8; ++i) {
         const std::string_view value = line.value(i, i * w, w);
         const long number = value.empty() ? 0 : file_.integer(value, "a number");
@@ -226,30 +153,34 @@ class DynaReader {
   }
 
   void finish() {
-    deck_.finish(includes_ > 0 ? " (included files are not followed)" : "");
+    deck_.finish(lines_.not_followed() > 0 ? " (some included files are not followed)" : "");
     for (MeshSet& property : mesh_.properties)
       if (const auto title = titles_.find(property.name); title != titles_.end())
         property.title = title->second;
+    elements_.finish(mesh_, [&](long number) -> std::optional<std::vector<int>> {
+      for (const DynaSet& set : sets_)
+        if (set.of_nodes && set.name == std::to_string(number)) return deck_.nodes_of(set.ranges);
+      return {};
+    });
     for (const DynaSet& set : sets_) {
       MeshSet found{set.name, set.title, {}, {}};
       (set.of_nodes ? found.nodes : found.faces) =
           set.of_nodes ? deck_.nodes_of(set.ranges) : deck_.faces_of(set.ranges);
       if (!found.nodes.empty() || !found.faces.empty()) mesh_.sets.push_back(std::move(found));
     }
-    if (includes_ > 0)
-      mesh_.warnings.push_back(counted(includes_, "*INCLUDE") + " is not followed");
+    if (lines_.not_followed() > 0)
+      mesh_.warnings.push_back(counted(lines_.not_followed(), "*INCLUDE_…") + " is not followed");
     deck_.warn_of_others();
+    mesh_.warn_of_files_elsewhere();
   }
 
   TextMesh& mesh_;
   MeshText& file_;
+  DynaLines lines_;
   DeckMesh deck_;
-  Widths widths_;
-  std::string_view line_;
-  bool in_block_ = false;
+  DynaElements elements_;
   std::map<std::string, std::string> titles_;
   std::vector<DynaSet> sets_;
-  long includes_ = 0;
 };
 
 }  // namespace

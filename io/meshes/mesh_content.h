@@ -60,7 +60,7 @@ struct MeshContent {
 
 using MeshContentReader = std::unique_ptr<MeshContent>(const std::filesystem::path&);
 MeshContentReader read_obj_mesh, read_off_mesh, read_ply_mesh, read_stl_mesh, read_vtk_mesh,
-    read_nastran_deck, read_abaqus_deck, read_lsdyna_deck;
+    read_nastran_deck, read_abaqus_deck, read_lsdyna_deck, read_radioss_deck;
 
 /// Each writes a mesh in one format, as write_mesh() says, which has checked the mesh.
 void write_obj_mesh(const std::filesystem::path& path, const ShellMesh& mesh);

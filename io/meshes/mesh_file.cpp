@@ -44,7 +44,7 @@ MeshFile MeshFile::read(const fs::path& path) {
       {".stl", read_stl_mesh},     {".vtp", read_vtk_mesh},     {".vtu", read_vtk_mesh},
       {".bdf", read_nastran_deck}, {".nas", read_nastran_deck}, {".dat", read_nastran_deck},
       {".inp", read_abaqus_deck},  {".k", read_lsdyna_deck},    {".key", read_lsdyna_deck},
-      {".dyn", read_lsdyna_deck}};
+      {".dyn", read_lsdyna_deck},  {".rad", read_radioss_deck}};
   std::unique_ptr<MeshContent> content = by_extension(path, readers)(path);
   if (content->shells.face_count() == 0)
     throw InputError(path.string() + ": found " + counted(content->shells.node_count(), "node") +

@@ -24,19 +24,28 @@ struct MeshContent;
 ///                      `solid`
 ///   .vtp .vtu          VTK XML
 ///   .bdf .nas .dat     Nastran bulk data: GRID, CTRIA3, CTRIAR, CQUAD4, CQUADR, CTRIA6, CQUAD8;
-///                      small, large and free fields; properties by PID, node sets from SET1
-///   .inp               Abaqus and CalculiX: one flat part; shells, membranes, plane elements of 3,
-///                      4, 6 and 8 nodes; sets from *NSET, *ELSET; properties from *… SECTION
-///   .k .key .dyn       LS-DYNA keyword: *NODE, *ELEMENT_SHELL, *PART, *SET_NODE, *SET_SHELL;
-///                      standard, I10 and long format, commas
+///                      small, large and free fields; CORD1R, CORD1C, CORD1S, CORD2R, CORD2C,
+///                      CORD2S; INCLUDE; properties by PID, node sets from SET1
+///   .inp               Abaqus and CalculiX: one part and one instance of it, or none; shells,
+///                      membranes, plane elements of 3, 4, 6 and 8 nodes; *SYSTEM, *NODE with
+///                      SYSTEM=, *PARAMETER, *INCLUDE, INPUT=; sets from *NSET, *ELSET; properties
+///                      from *… SECTION
+///   .k .key .dyn       LS-DYNA keyword: *NODE, *ELEMENT_SHELL, *PART, *SET_NODE, *SET_SHELL,
+///                      *INCLUDE, *INCLUDE_PATH; standard, I10 and long format, commas
+///   .rad               Radioss starter, from version 51 on: /NODE, /SHELL, /SH3N, /PART,
+///                      /GRNOD/NODE, #include
 ///
-/// What is not a node or a shell is kept as it stands, and warnings() counts it. Included files are
-/// not read.
+/// What decks have beside shells comes by its nodes, as others(). All else is kept as it stands,
+/// and warnings() counts the elements that are among it. Points are global: a node in a local system
+/// is put to its place when it is read, and back into its system when it is written. A system that
+/// is defined by nodes follows them.
 class MeshFile {
  public:
   /// Reads a file; its extension says the format. Throws InputError, "file:line:column: found …,
-  /// expected …", for everything that cannot be read or would be read wrongly: local coordinate
-  /// systems at nodes of shells, generated nodes, several parts, a number twice. O(size): text at
+  /// expected …", for everything that cannot be read or would be read wrongly: a system that is not
+  /// there, generated nodes, superelements, several parts or instances, a number twice, a deck that
+  /// ends before its end. In an included file the place is that in it; where one cannot be read, or
+  /// includes itself, the places of all including lines are named. O(size): text at
   /// 60 to 120 MB/s, with three to six times its size in memory.
   static MeshFile read(const std::filesystem::path& path);
 
@@ -74,16 +83,19 @@ class MeshFile {
   /// whole or not at all; where there are several, none takes the place of one that was read.
   ///
   /// In text and in binary PLY and STL only the coordinates of nodes that moved are replaced: all
-  /// other bytes stay, and a coordinate that equals the one that was read keeps its digits. A
+  /// other bytes stay, and a coordinate that equals the one that was read keeps its digits. In decks
+  /// it does so, too, where it is as near as its field allows, or has moved by less than 1e-13 of the
+  /// largest coordinate: an edit that moves nothing leaves the rounding of its sums behind. A
   /// replaced coordinate has the fewest digits that give back the double or, where the field is too
   /// narrow for them, is the nearest number that fits: Nastran 8 or 16 columns and 16 characters
   /// between commas (of which solvers keep 8 unless the GRID has a star), LS-DYNA 16 or 20, Abaqus
-  /// 20, binary files with single precision. STL normals follow; other normals that would be wrong
+  /// and Radioss 20, binary files with single precision. STL normals follow; other normals that would be wrong
   /// are named by warnings(). VTP and VTU are written anew: arrays are kept except normals,
   /// coordinates become doubles where single precision would round.
   ///
   /// Throws InputError: an extension of another format, another number of points, coordinates that
-  /// are not finite or do not fit into their fields, what WholeFile throws.
+  /// are not finite or do not fit into their fields, a node that moves in a file outside of the
+  /// deck's folder or whose coordinate is a parameter, what WholeFile throws.
   Rounding write(const std::filesystem::path& path, const Points& points,
                  const MeshWriteOptions& options = {}) const;
 

@@ -50,12 +50,11 @@ void MeshText::include(const std::string& name, std::string_view where,
                        const std::vector<std::string>& folders) {
   const size_t line = offset(where);
   if (name.empty()) fail(line, "found no name of a file, expected one");
-  const fs::path root = folder_of(path());
+  const fs::path root = folder_of(path()), here = folder_of(source_of(line).path);
   fs::path found;
   bool elsewhere = false;
   for (const fs::path& named : {fs::path(name), fs::path(with_slashes(name))}) {
-    std::vector<std::pair<fs::path, bool>> tries{{folder_of(current().path) / named, false},
-                                                 {root / named, false}};
+    std::vector<std::pair<fs::path, bool>> tries{{here / named, false}, {root / named, false}};
     for (const std::string& folder : folders)
       tries.push_back({root / folder / named, fs::path(folder).is_absolute()});
     for (const auto& [file, absolute] : tries) {
@@ -65,7 +64,7 @@ void MeshText::include(const std::string& name, std::string_view where,
       elsewhere = absolute || named.is_absolute();
     }
   }
-  if (found.empty()) found = folder_of(current().path) / with_slashes(name);
+  if (found.empty()) found = here / with_slashes(name);
   // Beside one another, names come out short: "parts/a.bdf" instead of "parts/../parts/a.bdf".
   found = found.lexically_normal();
   for (size_t at = line; at != std::string::npos; at = source_of(at).included_at)

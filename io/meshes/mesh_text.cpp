@@ -118,11 +118,11 @@ size_t MeshText::offset(std::string_view part) const {
   return 0;
 }
 
-const MeshText::Source& MeshText::source_of(size_t offset) const {
+size_t MeshText::source_index(size_t offset) const {
   const auto behind =
       std::upper_bound(sources_.begin() + 1, sources_.end(), offset,
                        [](size_t at, const auto& source) { return at < source->base; });
-  return **(behind - 1);
+  return static_cast<size_t>(behind - sources_.begin()) - 1;
 }
 
 std::string_view MeshText::part(size_t offset, size_t length) const {

@@ -96,8 +96,8 @@ class MeshText {
   void go_to(size_t position) { at_ = position - current().base; }
 
   /// Goes on with the first line of another file, and after its last one behind the current line.
-  /// `name`, as it stands in the text, is looked for from the current file's folder, from that of
-  /// the first file, then in `folders`. Throws InputError with the places of all including lines:
+  /// `name`, as it stands at `where`, is looked for from the folder of that file, from that of the
+  /// first file, then in `folders`. Throws InputError with the places of all including lines:
   /// a file that cannot be read, one that includes itself.
   void include(const std::string& name, std::string_view where,
                const std::vector<std::string>& folders = {});
@@ -110,7 +110,9 @@ class MeshText {
   size_t offset(std::string_view part) const;
   /// `length` bytes from an offset.
   std::string_view part(size_t offset, size_t length) const;
-  const Source& source_of(size_t offset) const;
+  /// The index in sources() of the file in which an offset lies.
+  size_t source_index(size_t offset) const;
+  const Source& source_of(size_t offset) const { return *sources_[source_index(offset)]; }
   /// Throws InputError: "file:line:column: message".
   [[noreturn]] void fail(size_t offset, const std::string& message) const;
   [[noreturn]] void fail(std::string_view where, const std::string& message) const {

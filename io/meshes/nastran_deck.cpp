@@ -31,12 +31,7 @@ class NastranReader {
           "short");
     finish();
     if (!ended) mesh_.warnings.push_back("the deck has no ENDDATA: it may be cut short");
-    for (const auto& source : file_.sources())
-      if (source->beside.empty())
-        mesh_.warnings.push_back(source->path.string() +
-                                 " lies outside of the deck's folder or is included by a whole "
-                                 "path: it is not written, and the deck that is written looks for "
-                                 "it under the same name");
+    mesh_.warn_of_files_elsewhere();
   }
 
  private:

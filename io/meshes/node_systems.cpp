@@ -83,10 +83,9 @@ Vec3 NodeFrame::numbers(const Vec3& place, const Vec3& near) const {
   }
 }
 
-Vec3 NodeFrame::rounding(const Vec3& place) const {
+Vec3 NodeFrame::rounding(const Vec3& place, double length) const {
   const Vec3 p = axes.transpose() * (place - origin);
-  const double length =
-      16 * kEps * (place.cwiseAbs().maxCoeff() + origin.cwiseAbs().maxCoeff() + p.norm());
+  length += 16 * kEps * (place.cwiseAbs().maxCoeff() + origin.cwiseAbs().maxCoeff() + p.norm());
   const auto angle = [&](double arm) {
     return std::min(360., length / (kDegree * std::max(arm, 1e-300)) + 360 * kEps);
   };

@@ -27,8 +27,9 @@ struct NodeFrame {
   Vec3 place(const Vec3& numbers) const;
   /// The numbers of a place; of all that mean it, those nearest to `near`.
   Vec3 numbers(const Vec3& place, const Vec3& near) const;
-  /// By how much rounding in place() and numbers() can change each of the numbers.
-  Vec3 rounding(const Vec3& place) const;
+  /// By how much each of the numbers of a place can change by rounding in place() and numbers(),
+  /// where the place itself is only known to `length`.
+  Vec3 rounding(const Vec3& place, double length) const;
 };
 
 /// How a system is defined: by three points (its origin, one on its z axis, one in its plane xz), or

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 #include <ostream>
+#include <set>
 
 #include "batten/core/errors.h"
 #include "batten/core/index.h"
@@ -37,6 +38,7 @@ class Rewriting {
       : mesh_(mesh),
         points_(points),
         wide_nodes_(wide_nodes),
+        size_(mesh.shells.points.size() ? mesh.shells.points.cwiseAbs().maxCoeff() : 0),
         frames_(mesh.systems, mesh.file, [this](int node) { return written_place(node); }) {
     for (const auto& source : mesh.file.sources()) outputs_.push_back({source.get(), "", 0, -1});
   }
@@ -47,7 +49,7 @@ class Rewriting {
     measure(node);
     if (!node.changes()) return;
     refuse_held(i);
-    Output& output = output_of(node.fields[0].begin);
+    Output& output = outputs_[mesh_.file.source_index(node.fields[0].begin)];
     output.node = i;
     if (node.wide)
       widen(node, output);
@@ -91,10 +93,10 @@ class Rewriting {
     const int system = mesh_.systems.of(i);
     node.numbers = old;
     if ((system < 0 ? old : frames_.of(system).place(old)) == place) return node;
-    Vec3 wanted = place, rounding = Vec3::Zero();
+    Vec3 wanted = place, rounding = Vec3::Constant(noise_of(node.fields[0].kind));
     if (system >= 0) {
       wanted = frames_.of(system).numbers(place, old);
-      rounding = frames_.of(system).rounding(place);
+      rounding = frames_.of(system).rounding(place, rounding[0]);
     }
     node.wide = wide_nodes_ && is_small_grid(node);
     for (int c = 0; c < 3; ++c) {
@@ -113,6 +115,12 @@ class Rewriting {
       node.text[c] = text;
     }
     return node;
+  }
+
+  /// A deck keeps its text where an edit leaves nothing but the rounding of its sums behind.
+  double noise_of(FieldKind kind) const {
+    constexpr double kNoise = 1e-13;
+    return of_deck(kind) ? kNoise * size_ : 0;
   }
 
   Vec3 written_place(int i) {
@@ -135,14 +143,6 @@ class Rewriting {
       mesh_.file.fail(mesh_.fields[static_cast<size_t>(i)][0].begin,
                       "node " + std::to_string(mesh_.node_labels.of(i)) + " cannot be moved: it " +
                           held->second);
-  }
-
-  Output& output_of(size_t offset) {
-    size_t k = 0;
-    for (const MeshText::Source* source = &mesh_.file.source_of(offset);
-         outputs_[k].source != source;)
-      ++k;
-    return outputs_[k];
   }
 
   std::string_view old_text(const Node& node, int c) const {
@@ -194,6 +194,7 @@ class Rewriting {
   const TextMesh& mesh_;
   const Points& points_;
   bool wide_nodes_;
+  double size_;        // largest coordinate
   NodeFrames frames_;  // as they will be read
   std::vector<Output> outputs_;
   MeshRounding rounding_;
@@ -220,14 +221,15 @@ std::map<fs::path, const Output*> targets_of(const TextMesh& mesh, const fs::pat
       throw InputError(target.string() + ": found the name of an included file, expected another");
     if (there == targets.end() || output.node >= 0) targets[target] = &output;
   }
-  if (outputs.size() > 1)
-    for (const auto& [target, output] : targets)
-      for (const Output& input : outputs) {
-        std::error_code error;
-        if (fs::equivalent(target, input.source->path, error) && !error)
-          throw InputError(target.string() +
-                           ": found a file of the deck that was read, expected another folder");
-      }
+  if (outputs.size() == 1) return targets;
+  std::set<fs::path> inputs;
+  std::error_code error;
+  for (const Output& output : outputs)
+    inputs.insert(fs::weakly_canonical(output.source->path, error));
+  for (const auto& [target, output] : targets)
+    if (inputs.contains(fs::weakly_canonical(target, error)))
+      throw InputError(target.string() +
+                       ": found a file of the deck that was read, expected another folder");
   return targets;
 }
 
@@ -260,6 +262,18 @@ std::vector<fs::path> TextMesh::files_beside() const {
         std::find(names.begin(), names.end(), source->beside) == names.end())
       names.push_back(source->beside);
   return names;
+}
+
+void TextMesh::warn_of_files_elsewhere() {
+  std::vector<fs::path> said;
+  for (const auto& source : file.sources()) {
+    if (!source->beside.empty() || std::find(said.begin(), said.end(), source->path) != said.end())
+      continue;
+    said.push_back(source->path);
+    warnings.push_back(source->path.string() +
+                       " lies outside of the deck's folder or is included by a whole path: it is "
+                       "not written, and a deck that is written looks for it under the same name");
+  }
 }
 
 void place_nodes(TextMesh& mesh, NodeSystems systems) {

@@ -17,6 +17,9 @@ struct TextMesh : MeshContent {
                      const MeshWriteOptions& options) const override;
   std::vector<std::filesystem::path> files_beside() const override;
 
+  /// Adds a warning for each included file that is not written with the deck.
+  void warn_of_files_elsewhere();
+
   MeshText file;
   std::vector<std::array<Field, 3>> fields;  ///< the fields of each node's three numbers
   NodeSystems systems;                       ///< what these numbers mean

@@ -514,18 +514,17 @@ TEST_CASE("CalculiX runs a deck that was written back", "[io][decks]") {
 TEST_CASE("Abaqus: mistakes are named with line and column", "[io][decks]") {
   const auto says = [](const std::string& text) { return mistake("e.inp", text); };
   const std::string nodes = "*NODE\n1,0,0,0\n2,1,0,0\n3,0,1,0\n";
-  CHECK(says("*NODE,SYSTEM=C\n1,0,0,0\n") ==
-        "1:1: found SYSTEM=C, expected nodes in rectangular coordinates");
+  CHECK(says("*NODE,SYSTEM=X\n1,0,0,0\n") == "1:1: found SYSTEM=X, expected R, C or S");
   CHECK(says(nodes + "*NGEN\n1,3,1\n") ==
         "5:1: found *NGEN, expected nodes and elements written out");
-  CHECK(says(nodes + "*INCLUDE,INPUT=x.inp\n") ==
-        "5:1: found *INCLUDE, expected everything in one file");
-  CHECK(says(nodes + "*System\n0,0,0\n") ==
-        "5:1: found *SYSTEM, expected nodes in global coordinates");
+  CHECK(says(nodes + "*System\n0,0,0,1,0,0\n2,0,0\n") ==
+        "5:1: found a *SYSTEM whose points lie on a line");
+  CHECK(says("*NODE\n1,<a>,0,0\n") ==
+        "2:3: found '<a>', expected a number or a parameter before it that is given as a number");
   CHECK(says("*PART,NAME=A\n*END PART\n*PART,NAME=B\n") ==
         "3:1: found a second *PART, expected one flat part");
-  CHECK(says("*ASSEMBLY\n*INSTANCE,NAME=A,PART=B\n1.,0.,0.\n") ==
-        "3:1: found an instance that is moved, expected it in its place");
+  CHECK(says("*ASSEMBLY\n*INSTANCE,NAME=A,PART=B\n*END INSTANCE\n*INSTANCE,NAME=C,PART=B\n") ==
+        "4:1: found a second *INSTANCE, expected one: nodes would be in two places");
   CHECK(says(nodes + "*ELEMENT,TYPE=S4\n1,1,2,3\n") ==
         "6:1: found 3 nodes of an element of type S4, expected 4");
   CHECK(says(nodes + "*ELEMENT,TYPE=S3\n1,1,2,5\n") ==
@@ -657,9 +656,10 @@ TEST_CASE("LS-DYNA: mistakes are named with line and column", "[io][decks]") {
   const std::string nodes = "*KEYWORD\n*NODE\n1,0,0,0\n2,1,0,0\n3,0,1,0\n";
   CHECK(says(nodes + "*ELEMENT_SHELL\n1,1,1,2,9,9\n") ==
         "7:1: found node 9 in element 1, expected the number of a node");
-  CHECK(says(nodes + "*INCLUDE\nx.k\n*ELEMENT_SHELL\n1,1,1,2,9,9\n") ==
-        "9:1: found node 9 in element 1, expected the number of a node (included files are not "
-        "followed)");
+  CHECK(
+      says(nodes + "*INCLUDE_NASTRAN\nx.nas\n*ELEMENT_SHELL\n1,1,1,2,9,9\n") ==
+      "9:1: found node 9 in element 1, expected the number of a node (some included files are not "
+      "followed)");
   CHECK(says(nodes + "*ELEMENT_SHELL_THICKNESS\n1,1,1,2,3,3\n*END\n") ==
         "7:1: found element 1 without its 1 more card of *ELEMENT_SHELL_THICKNESS");
   CHECK_THAT(says(nodes + "*ELEMENT_SHELL_COMPOSITE\n1,1,1,2,3,3\n"), Contains("6:1: found"));
