@@ -11,9 +11,10 @@ namespace batten {
 namespace {
 
 Json hole_json(const HoleMeasure& m) {
-  return {{"radius", m.radius},       {"centre", json_of(m.centre)}, {"axis", json_of(m.axis)},
-          {"roundness", m.roundness}, {"flatness", m.flatness},      {"perimeter", m.perimeter},
-          {"circular", m.circular}};
+  return {{"radius", m.radius},          {"equivalent_radius", m.equivalent_radius},
+          {"centre", json_of(m.centre)}, {"axis", json_of(m.axis)},
+          {"roundness", m.roundness},    {"flatness", m.flatness},
+          {"perimeter", m.perimeter},    {"circular", m.circular}};
 }
 
 Json measure_json(const MeasureSummary& m) {

@@ -201,6 +201,12 @@ EditRule read_edit(const TomlTable& t, size_t index) {
   }
   for (const TomlTable& s : t.tables("scale", {"feature", "factor"}))
     rule.scales.push_back({word_of(s, "feature"), s.positive("factor")});
+  for (const TomlTable& s : t.tables("turn_feature", {"feature", "axis", "degrees"}))
+    rule.turns.push_back({word_of(s, "feature"), s.direction("axis"), s.number("degrees")});
+  rule.turn = t.choice("turn", EditRule::Turn::Found,
+                       {{"found", EditRule::Turn::Found},
+                        {"nonlinear", EditRule::Turn::Nonlinear},
+                        {"harmonic", EditRule::Turn::Harmonic}});
   for (const TomlTable& g : t.tables("guide", {"name", "through"}))
     rule.guides.push_back({word_of(g, "name"), g.vector("through")});
   rule.keep_centres = t.choice("centres", true, {{"kept", true}, {"free", false}});
@@ -335,8 +341,10 @@ void read_guides_and_lines(const TomlTable& root, Names& kept, DeformScene& scen
 /// Reads the edits.
 void read_edits(const TomlTable& root, DeformScene& scene) {
   Names edits("edit");
-  edits.read(root, "edit", {"name", "fixed", "region", "handle", "scale", "guide", "centres"},
-             scene.edits, [&](const TomlTable& t) { return read_edit(t, scene.edits.size()); });
+  edits.read(
+      root, "edit",
+      {"name", "fixed", "region", "handle", "scale", "guide", "centres", "turn", "turn_feature"},
+      scene.edits, [&](const TomlTable& t) { return read_edit(t, scene.edits.size()); });
   if (scene.edits.empty()) root.fail("", "no edits", "at least one [[edit]]");
 }
 

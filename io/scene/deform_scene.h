@@ -142,6 +142,17 @@ struct EditRule {
     PlacedWord feature;
     double factor = 1;
   };
+  struct TurnedFeature {
+    PlacedWord feature;
+    Vec3 axis = Vec3::UnitZ();
+    double degrees = 0;
+  };
+  /// Where the sheet turns that no handle says how: what features and curvature turn with.
+  enum class Turn {
+    Found,      ///< an estimate of the deformed shape: its dual Laplacian vectors find their turns
+    Nonlinear,  ///< an estimate as rigid as possible piece by piece: for large turns
+    Harmonic    ///< the turns of the handles, spread
+  };
   struct MovedGuide {
     PlacedWord guide;
     Vec3 through;
@@ -151,6 +162,8 @@ struct EditRule {
   std::vector<PlacedWord> fixed, region;
   std::vector<MovedHandle> handles;
   std::vector<ScaledFeature> scales;
+  std::vector<TurnedFeature> turns;
+  Turn turn = Turn::Found;
   bool keep_centres = true;  ///< features that are not scaled stay where they are without scales
   std::vector<MovedGuide> guides;
 };

@@ -100,6 +100,7 @@ HoleMeasure measure_hole(const Points& points, const std::vector<int>& loop,
   hole.radius = scale * circle.radius;
   hole.roundness = scale * (radii(x, circle.centre).array() - circle.radius).abs().maxCoeff();
   const double enclosed = 0.5 * std::abs(hole.axis.dot(turn));
+  hole.equivalent_radius = std::sqrt(enclosed / std::numbers::pi);
   hole.circular = n >= 5 && enclosed >= 0.5 * std::numbers::pi * hole.radius * hole.radius &&
                   hole.radius > 0 && hole.roundness <= circular_share * hole.radius;
   return hole;

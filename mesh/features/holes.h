@@ -15,6 +15,9 @@ struct HoleMeasure {
   double roundness;  ///< largest | |x_i - centre| - radius | in the plane
   double flatness;   ///< largest distance of a vertex from the plane
   double perimeter;  ///< length of the closed polygon
+  /// Radius of the circle of the same area as the polygon in the plane: what a slotted or hexagonal
+  /// hole is as large as.
+  double equivalent_radius;
   /// Whether it has five vertices or more, roundness up to the given share of the radius, and
   /// encloses half of the circle's area or more. Four vertices never tell: every rectangle has a
   /// circle through its corners; a slender loop lies on a short arc of a large circle.

@@ -122,6 +122,7 @@ TEST_CASE("loops that are no circles say so") {
   square << 0, 0, 0, 0, 1, 0, 1, 1, 0, 1, 0, 0;
   CHECK_FALSE(measure_hole(square, counted(4)).circular);
   CHECK(measure_hole(square, counted(4)).radius == Approx(std::sqrt(0.5)));
+  CHECK(measure_hole(square, counted(4)).equivalent_radius == Approx(std::sqrt(1 / std::numbers::pi)));
   // Along a short arc of a large circle and back.
   for (int i = 0; i < 40; ++i) {
     const double angle = 0.01 * (i < 20 ? i : 39 - i), r = i < 20 ? 100 : 100.5;

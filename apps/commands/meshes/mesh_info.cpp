@@ -74,7 +74,8 @@ std::string parts_text(const MeshFile& file, const TriangleMesh& mesh) {
 std::string hole_words(const HoleMeasure& m) {
   return "centre " + place(m.centre) +
          (m.circular ? ", radius " + number(m.radius)
-                     : ", perimeter " + number(m.perimeter) + ", no circle");
+                     : ", no circle, perimeter " + number(m.perimeter) + ", equivalent radius " +
+                           number(m.equivalent_radius));
 }
 
 }  // namespace

@@ -1,0 +1,179 @@
+#include "batten/apps/commands/meshes/turn_estimate.h"
+
+#include <algorithm>
+#include <memory>
+#include <numbers>
+
+#include "batten/apps/commands/runs/run_parts.h"
+#include "batten/core/groups.h"
+#include "batten/core/index.h"
+#include "batten/mesh/regions/dual_laplacian_deformer.h"
+#include "batten/mesh/regions/nonlinear_deformer.h"
+#include "batten/mesh/regions/rotation_of_faces.h"
+#include "batten/mesh/selection.h"
+
+namespace batten {
+namespace {
+
+using Turn = EditRule::Turn;
+
+bool moves(const HandleMove& move) {
+  return !move.turn.isZero(0) || !move.shift.isZero(0) || move.scale != 1;
+}
+
+/// Fixed vertices, and those outside of the region of interest.
+std::vector<int> held_of(const DeformProblem& problem, const TriangleMesh& mesh) {
+  std::vector<int> fixed = problem.fixed;
+  if (!problem.region) return fixed;
+  const MeshTopology& topology = mesh.topology();
+  std::vector<char> free(mesh.vertex_count(), 0);
+  for (const int v : topology.whole_nodes(*problem.region)) free[v] = 1;
+  for (const Handle& h : problem.handles)
+    for (const int v : topology.whole_nodes(h.vertices)) free[v] = 1;
+  for (int v = 0; v < mesh.vertex_count(); ++v)
+    if (!free[v] && !topology.neighbours(v).empty()) fixed.push_back(v);
+  return fixed;
+}
+
+/// Vertices of the parts that something holds: of the others the estimate knows nothing.
+std::vector<char> known_vertices(const std::vector<int>& fixed, const std::vector<Handle>& handles,
+                                 const TriangleMesh& mesh) {
+  const MeshTopology& topology = mesh.topology();
+  const std::vector<int> part = parts_of_nodes(topology);
+  std::vector<char> held(mesh.vertex_count(), 0);  // of parts
+  const auto hold = [&](int v) {
+    if (const int p = part[topology.node_of(v)]; p >= 0) held[p] = 1;
+  };
+  for (const int v : fixed) hold(v);
+  for (const Handle& h : handles)
+    for (const int v : h.vertices) hold(v);
+  std::vector<char> known(mesh.vertex_count(), 0);
+  for (int v = 0; v < mesh.vertex_count(); ++v)
+    if (const int p = part[topology.node_of(v)]; p >= 0) known[v] = held[p];
+  return known;
+}
+
+/// Features that turn as one, because they share vertices or are told to.
+std::vector<int> turning_groups(const DeformProblem& problem, int vertices) {
+  Groups groups(problem.features.size());
+  std::vector<int> owner(vertices, -1);
+  for (int f = 0; f < count_of(problem.features); ++f)
+    for (const int v : problem.features[f].vertices) {
+      if (owner[v] >= 0) groups.join(owner[v], f);
+      owner[v] = f;
+    }
+  for (const auto& alike : problem.same_turns)
+    for (const int f : alike) groups.join(alike[0], f);
+  std::vector<int> group;
+  for (int f = 0; f < count_of(problem.features); ++f) group.push_back(groups.of(f));
+  return group;
+}
+
+class FeatureTurns {
+ public:
+  FeatureTurns(const Task& task, const TriangleMesh& mesh, const ShapeEstimate& estimate)
+      : problem_(task.problem),
+        edit_(task.edit),
+        mesh_(mesh),
+        estimate_(estimate),
+        group_(turning_groups(problem_, mesh.vertex_count())) {}
+
+  std::vector<std::optional<Mat3>> found() const {
+    const auto count = problem_.features.size();
+    std::vector<std::vector<Mat3>> rotations(count);
+    std::vector<std::vector<double>> areas(count);
+    for (size_t f = 0; f < count; ++f) gather_faces(f, rotations[group_[f]], areas[group_[f]]);
+    std::vector<std::optional<Mat3>> turns(count);
+    for (size_t f = 0; f < count; ++f) {
+      const auto g = static_cast<size_t>(group_[f]);
+      if (!rotations[g].empty()) turns[f] = mean_rotation(rotations[g], areas[g]);
+    }
+    hold(turns);
+    return turns;
+  }
+
+  void set(std::vector<std::optional<Mat3>>& turns, size_t feature, const Mat3& turn) const {
+    for (size_t f = 0; f < turns.size(); ++f)
+      if (group_[f] == group_[feature]) turns[f] = turn;
+  }
+
+ private:
+  void gather_faces(size_t f, std::vector<Mat3>& rotations, std::vector<double>& areas) const {
+    const MeshTopology& topology = mesh_.topology();
+    const auto& vertices = problem_.features[f].vertices;
+    for (const int t : triangles_touching(topology, topology.whole_nodes(vertices))) {
+      const auto& corners = topology.triangles()[t];
+      if (!std::all_of(corners.begin(), corners.end(), [&](int v) { return estimate_.known[v]; }))
+        continue;
+      rotations.push_back(rotation_of_face(corners, mesh_.points(), estimate_.positions));
+      areas.push_back(mesh_.area_vector(t).norm());
+    }
+  }
+
+  /// What is held turns as it is told, with all that turns as it does.
+  void hold(std::vector<std::optional<Mat3>>& turns) const {
+    std::vector<int> handle(mesh_.vertex_count(), -1);
+    std::vector<char> fixed(mesh_.vertex_count(), 0);
+    for (const int v : held_of(problem_, mesh_)) fixed[v] = 1;
+    for (int h = 0; h < count_of(problem_.handles); ++h)
+      for (const int v : problem_.handles[h].vertices) handle[v] = h;
+    for (size_t f = 0; f < turns.size(); ++f) {
+      const FormFeature& feature = problem_.features[f];
+      for (const int v : feature.vertices)
+        if (handle[v] >= 0) {
+          Mat3 turn;
+          for (int c = 0; c < 3; ++c)
+            turn.col(c) = rotated(edit_.handles[handle[v]].turn, Vec3::Unit(c));
+          set(turns, f, turn);
+        } else if (fixed[v]) {
+          set(turns, f, Mat3::Identity());
+        }
+      if (feature.kind == FormFeature::Kind::KeepsDirection) set(turns, f, Mat3::Identity());
+    }
+  }
+
+  const DeformProblem& problem_;
+  const DeformEdit& edit_;
+  const TriangleMesh& mesh_;
+  const ShapeEstimate& estimate_;
+  std::vector<int> group_;
+};
+
+std::unique_ptr<DeformEstimate> deformer_of(Turn turn, const TriangleMesh& mesh,
+                                            const std::vector<int>& fixed,
+                                            const std::vector<Handle>& handles) {
+  if (turn == Turn::Nonlinear) return std::make_unique<NonlinearDeformer>(mesh, fixed, handles);
+  return std::make_unique<DualLaplacianDeformer>(mesh, std::vector<std::vector<int>>{}, fixed,
+                                                 handles);
+}
+
+}  // namespace
+
+std::optional<ShapeEstimate> estimate_for(const EditRule& rule, const Task& task,
+                                          const TriangleMesh& mesh, DeformReport::Edit& edit) {
+  const DeformProblem& problem = task.problem;
+  const bool moving = std::any_of(task.edit.handles.begin(), task.edit.handles.end(), moves);
+  const bool finds = moving && rule.turn != Turn::Harmonic;
+  if (!finds && rule.turns.empty()) return std::nullopt;
+  const std::vector<int> fixed = held_of(problem, mesh);
+  ShapeEstimate estimate;
+  estimate.positions = mesh.points();
+  estimate.known.assign(mesh.vertex_count(), 0);
+  if (finds) {
+    const auto deformer = deformer_of(rule.turn, mesh, fixed, problem.handles);
+    estimate.positions = deformer->deform(task.edit.handles);
+    estimate.known = known_vertices(fixed, problem.handles, mesh);
+    edit.rounds = deformer->report().rounds;
+    edit.found = deformer->report().converged;
+  }
+  const FeatureTurns turns(task, mesh, estimate);
+  estimate.feature_turns = turns.found();
+  for (const auto& told : rule.turns)
+    for (size_t f = 0; f < problem.features.size(); ++f)
+      if (matches(told.feature.text, problem.features[f].name))
+        turns.set(estimate.feature_turns, f,
+                  Eigen::AngleAxisd(told.degrees * std::numbers::pi / 180, told.axis).matrix());
+  return estimate;
+}
+
+}  // namespace batten
