@@ -23,7 +23,7 @@ struct FeatureRegionOptions {
     Squared,  ///< mean_rotation: min Σ A_f ‖R' - R_f‖²
     Robust    ///< median_rotation: min Σ A_f ‖R' - R_f‖, equation (10)
   } mean = Mean::Squared;
-  double weight = 1e4;  ///< Soft: see below; without unit
+  double weight = 1e5;  ///< Soft: see below; without unit
 };
 
 /// Hu, Song, Cao: an estimate V' of the deformed mesh, from any deformer, tells how each region has

@@ -1,6 +1,7 @@
 // Shapes for feature regions and for the deformers that work in rounds.
 #pragma once
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -19,8 +20,13 @@ std::vector<int> vertices_where(const TriangleMesh& mesh, const Inside& inside) 
   return found;
 }
 
-/// A flat sheet over [0, 4]² with a square boss on the middle of the right half of the way up: top
-/// over |x - 2|, |y - 2| ≤ 0.4, walls out to 0.5. n divisible by 40 puts vertices on its edges.
+inline std::vector<int> disc_of(const TriangleMesh& mesh, double x, double y, double radius) {
+  return vertices_where(
+      mesh, [&](const Vec3& p) { return std::hypot(p.x() - x, p.y() - y) < radius; });
+}
+
+/// A flat sheet over [0, 4]² with a square boss in the middle: top over |x - 2|, |y - 2| ≤ 0.4,
+/// walls out to 0.5. n divisible by 40 puts vertices on its edges.
 /// Fixed: x ≤ 0.4; handle: x ≥ 3.6.
 struct BossPanel {
   TriangleMesh mesh;
