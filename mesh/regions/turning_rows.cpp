@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "batten/core/chunks.h"
 #include "batten/core/errors.h"
@@ -91,7 +92,8 @@ TurningSolver::TurningSolver(const TriangleMesh& mesh, DeformProblem problem, Tu
       points_(mesh.points()),
       held_vertex_(std::move(held.vertex)),
       held_handle_(std::move(held.handle)),
-      positions_(held.rows, AffineReduction::Values::Later) {
+      positions_(held.rows, AffineReduction::Values::Later),
+      mixing_(rows_.links.empty() ? positions_.free_count() : 3L * cell_count()) {
   const RowMatrix reduced = reduced_rows(rows_.A, positions_);
   B_ = reduced;
   if (positions_.free_count() > 0) {
@@ -104,10 +106,12 @@ TurningSolver::TurningSolver(const TriangleMesh& mesh, DeformProblem problem, Tu
   spread_turns();
   const long count = rows_.A.rows();
   right_ = MatX::Zero(count_of(held_vertex_), 3);
-  load_ = MatX::Zero(positions_.free_count(), 3);
+  y_ = load_ = mixed_ = MatX::Zero(positions_.free_count(), 3);
+  if (!rows_.links.empty()) turns_before_ = turns_ = mixed_ = MatX::Zero(3L * cell_count(), 3);
   now_ = held_part_ = residual_ = RowPoints::Zero(count, 3);
   seen_.assign(element_count(), Mat3::Zero());
   G_.assign(cell_count(), Mat3::Identity());
+  G_before_ = G_;
   parts_.assign(std::max(element_count(), cell_count()) / kChunk + 1, 0);
   p_ = points_.rowwise() - origin_.transpose();
   result_ = points_;
@@ -189,6 +193,8 @@ void TurningSolver::start(const Points* guess) {
     p_.row(v) = (guess ? *guess : points_).row(v) - origin_.transpose();
   for (size_t k = 0; k < held_vertex_.size(); ++k)
     p_.row(held_vertex_[k]) = right_.row(static_cast<long>(k));
+  const auto& free = positions_.free_dofs();
+  for (size_t k = 0; k < free.size(); ++k) y_.row(static_cast<long>(k)) = p_.row(free[k]);
   for_each_in_chunks<kChunk>(cell_count(), [&](int c) {
     Vec3 log = Vec3::Zero();
     for (size_t h = 0; h < edit_.handles.size(); ++h)
@@ -286,14 +292,54 @@ void TurningSolver::solve_positions() {
   });
   if (B_.cols() > 0) factor_.solve_in_place(load_);
   if (!load_.allFinite()) throw NoSolutionError(who_ + ": positions are not finite");
-  double change = 0;
+  report_.last_change =
+      size_ > 0 && B_.cols() > 0 ? (load_ - y_).rowwise().norm().maxCoeff() / size_ : 0;
+}
+
+double TurningSolver::settle() {
   const auto& free = positions_.free_dofs();
-  for (size_t k = 0; k < free.size(); ++k) {
-    const auto row = load_.row(static_cast<long>(k));
-    change = std::max(change, (p_.row(free[k]) - row).squaredNorm());
-    p_.row(free[k]) = row;
+  for (size_t k = 0; k < free.size(); ++k) p_.row(free[k]) = y_.row(static_cast<long>(k));
+  measure_rows();
+  turn_cells();
+  return energy();
+}
+
+double TurningSolver::go_on_with_links(double energy_before) {
+  const auto round = [&] {
+    for (int c = 0; c < cell_count(); ++c) turns_before_.middleRows<3>(3L * c) = G_[c];
+    solve_positions();
+    y_.swap(load_);
+    return settle();
+  };
+  double now = round();
+  if (!(now <= energy_before)) {  // mixed turns led astray
+    G_ = G_before_;
+    mixing_.reset();
+    now = round();
   }
-  report_.last_change = size_ > 0 ? std::sqrt(change) / size_ : 0;
+  for (int c = 0; c < cell_count(); ++c) turns_.middleRows<3>(3L * c) = G_[c];
+  G_before_ = G_;
+  if (mixing_.mix(turns_before_, turns_, mixed_))
+    for_each_in_chunks<kChunk>(cell_count(), [&](int c) {
+      G_[c] = rotation_part(mixed_.middleRows<3>(3L * c));
+    });
+  return now;
+}
+
+double TurningSolver::go_on(double energy_before) {
+  if (!rows_.links.empty()) return go_on_with_links(energy_before);
+  solve_positions();
+  const bool mixed = mixing_.mix(y_, load_, mixed_);
+  G_before_ = G_;
+  y_.swap(mixed ? mixed_ : load_);
+  double now = settle();
+  if (mixed && !(now <= energy_before)) {
+    G_ = G_before_;
+    y_.swap(load_);
+    mixing_.reset();
+    now = settle();
+  }
+  return now;
 }
 
 const Points& TurningSolver::deform(std::span<const HandleMove> moves, const Points* guess,
@@ -305,17 +351,17 @@ const Points& TurningSolver::deform(std::span<const HandleMove> moves, const Poi
                      " points, expected " + std::to_string(points_.rows()) + " finite ones");
   set_held();
   start(guess);
+  mixing_.reset();
   report_.energies.clear();
   report_.energies.reserve(most_rounds);
   report_.converged = false;
   for (report_.rounds = 0; report_.rounds < most_rounds && !report_.converged;) {
-    solve_positions();
-    measure_rows();
-    turn_cells();
-    report_.energies.push_back(energy());
-    ++report_.rounds;
+    report_.energies.push_back(go_on(
+        report_.energies.empty() ? std::numeric_limits<double>::infinity() : report_.energies.back()));
+    if (++report_.rounds == 1) mixing_.reset();  // its turns came from elsewhere
     report_.converged = report_.last_change < tolerance;
   }
+  if (!rows_.links.empty()) G_ = G_before_;  // those that belong to the positions
   result_ = p_.rowwise() + origin_.transpose();
   // What is held is where it was told to be, to the last bit.
   for (size_t k = 0; k < held_vertex_.size(); ++k) {

@@ -10,6 +10,7 @@
 #include "batten/mesh/deform/deform_problem.h"
 #include "batten/mesh/deform/deform_system.h"
 #include "batten/mesh/regions/deform_estimate.h"
+#include "batten/mesh/regions/mixing.h"
 
 namespace batten {
 
@@ -39,8 +40,9 @@ struct TurningRows {
 DeformProblem held_by(std::vector<int> fixed, std::vector<Handle> handles);
 
 /// Minimises E by turns: over G with p as it is, cell by cell, then over p with G as it is, one
-/// solve with the factor of AᵀA. Both are exact minima of the same energy, so it cannot rise. Cells
-/// that links join are taken colour by colour, so that each sees the newest rotations of the
+/// solve with the factor of AᵀA. Both are exact minima of the same energy, so it cannot rise. Rounds
+/// are mixed (mixing.h) as long as that leads lower than they stood, otherwise the plain one is
+/// taken. Cells that links join are taken colour by colour, so that each sees the newest rotations of the
 /// others and threads change nothing.
 ///
 /// Start: the logarithms of the handles' turns spread by min |A q|², with the same factor.
@@ -73,6 +75,12 @@ class TurningSolver {
   void set_held();
   void start(const Points* guess);
   void solve_positions();
+  /// One round to the next y_ and G_; returns the energy there, which is not above the one before.
+  double go_on(double energy_before);
+  /// The same where links let turns see each other: then turns are mixed, and not positions.
+  double go_on_with_links(double energy_before);
+  /// Positions from y_, what the rows see of them, the best turns; returns the energy.
+  double settle();
   void measure_rows();
   void turn_cells();
   void turn_cell(int c);
@@ -99,9 +107,11 @@ class TurningSolver {
   std::vector<int> colour_start_, coloured_;  // cells by colour; empty without links
   std::vector<double> base_square_;           // Σ |b|² of each element
 
-  MatX right_, load_;
+  MatX right_, y_, load_, mixed_;  // load_: right side, then the solution
+  MatX turns_before_, turns_;      // with links: G_ as it went into a round and came out
+  Mixing mixing_;
   RowPoints now_, held_part_, residual_;  // A p, A d0, what is left for the free vertices
-  std::vector<Mat3> seen_, G_;            // of elements: Σ (A p) bᵀ; of cells
+  std::vector<Mat3> seen_, G_, G_before_;  // of elements: Σ (A p) bᵀ; of cells
   std::vector<double> parts_;             // of the energy, chunk by chunk
   Points p_, result_;                     // p_ relative to origin_
   EstimateReport report_;
