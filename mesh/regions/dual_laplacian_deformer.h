@@ -11,37 +11,47 @@ namespace batten {
 struct DualLaplacianOptions {
   int most_rounds = 100;
   double tolerance = 1e-6;  ///< of the mesh's size: rounds end when no vertex moves by more
-  /// Faces on the border: the middle of a border edge stands in for the neighbour that is not there,
-  /// or the face has no Laplacian row.
-  enum class Border { EdgeMiddles, LeftOut } border = Border::EdgeMiddles;
+  /// Faces on the border have no Laplacian row, or the middle of a border edge stands in for the
+  /// neighbour that is not there: measured, angles along free borders are kept a little worse then.
+  enum class Border { LeftOut, EdgeMiddles } border = Border::LeftOut;
   /// Length of the turned vectors: that of the original, or fitted together with the direction, as
   /// Au et al. re-estimate it: faces then grow and shrink freely.
   enum class Lengths { Original, Fitted } lengths = Lengths::Original;
   /// μ, how much faces resist to be stretched and sheared.
   double membrane = 1;
+  double primal = 0.1;  ///< η, how much primal vertices resist to go to and fro; 0: not at all
 };
 
 /// The dual vertex of a face f of k corners is their mean d_f; its neighbours n_j are the dual
 /// vertices across the k edges. The primal positions p are the unknowns: d = M p. Each face turns by
 /// a rotation R_f of its own and should keep its Laplacian vector l_f and, weakly, its edges:
 ///
-///     E = ½ Σ_f A_f | (Σ_j w_fj n_j - d_f - R_f l_f) / c_f |²
-///       + ½ Σ_f μ_f A_f Σ_e |e - R_f e⁰|² / Σ_e |e⁰|²
+///     E = ½ Σ_f A_f | (Σ_j w_fj n_j - d_f - R_f l_f) / c_f |²                   Laplacian
+///       + ½ Σ_f η/k A_f Σ_h | (h(p) - R_f h(p⁰)) / q_h |²                        primal
+///       + ½ Σ_f μ_f A_f Σ_e |e - R_f e⁰|² / Σ_e |e⁰|²                            membrane
 ///
 ///     w_fj  Σ_j w_fj = 1, chosen so that l_f = Σ_j w_fj n_j⁰ - d_f⁰ stands upright on the plane of
 ///           the neighbours: l_f = h_f n_f without tangential part (of all such weights those nearest
 ///           to 1/k; 1/k where the neighbours are on one line)
 ///     c_f   mean of |n_j⁰ - d_f⁰|² / 4, so that |l_f| / c_f is a curvature (for three even
 ///           neighbours twice the mean of the principal ones)
-///     μ_f   μ (1/size² + |l_f|² / c_f²), size the mesh's
+///     h     for each neighbour its corners beyond the edge, less where the plane of the face has
+///           them; for k > 3 also the k - 3 ways in which corners leave a plane. q_h: what curvature
+///           1 makes of h
+///     μ_f   μ (1/size² + what the vectors of the face are together as a curvature, squared)
 ///
 /// Rounds alternate the exact minimum over all R_f and over all p, so E never rises; one Cholesky
 /// factor for all rounds and all edits. Differences from the paper: it takes the direction of the
 /// turned vector from the neighbours' plane, which is no minimum of anything that was measured;
-/// here R_f follows the edges of the face and the vector together. And dual positions alone do not
-/// determine primal ones (moving vertices by +1, -1 in turn leaves every d_f of a quad mesh): the
-/// second sum does. Where a surface is flat it only has to tell such modes apart, where it bends it
-/// keeps the vector from leaning over. What was measured: docs/theory/deformers.md.
+/// here R_f follows the edges of the face and the vectors together. And dual positions alone do not
+/// determine primal ones: vertices that move by +1, -1 in turn leave every d_f where it is, and a
+/// sheet that is compressed takes that way out. The membrane tells such modes apart, the primal
+/// rows keep them down: on squares, 0.08 of an edge without them, 0.002 with η = 0.1. Where the
+/// surface bends the membrane keeps vectors from leaning over. docs/theory/deformers.md has what
+/// was measured.
+///
+/// Not for thin solids that are twisted far: where faces are flat the membrane is weak, and a bar
+/// turned by 180° is strangled in the middle (NonlinearDeformer keeps it).
 ///
 /// A patch that is lifted without a turn gives a slope whose faces have turned. First rotations: the
 /// handles' turns, spread as logarithms that are not reduced. Handles and fixed vertices hold

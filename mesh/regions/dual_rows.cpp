@@ -32,8 +32,7 @@ void check_faces(const Faces& faces, int vertex_count) {
 }
 
 void add_mean(Terms& terms, const std::vector<int>& vertices, double factor) {
-  for (const int v : vertices)
-    terms.emplace_back(v, factor / static_cast<double>(vertices.size()));
+  for (const int v : vertices) terms.emplace_back(v, factor / static_cast<double>(vertices.size()));
 }
 
 /// Appends a row to A and its base; terms in any order.
@@ -67,15 +66,17 @@ class DualRows {
     TurningRows rows;
     long count = 0;
     for (size_t f = 0; f < faces_.size(); ++f)
-      count += static_cast<long>(faces_[f].size()) + (has_laplacian(f) ? 1 : 0);
+      count += static_cast<long>(faces_[f].size()) + (has_laplacian(f) ? 1 : 0) + primal_count(f);
     rows.A.resize(count, n_);
     rows.base.resize(count, 3);
     rows.mean.resize(static_cast<long>(faces_.size()), n_);
     rows.fits_scale = options_.lengths == DualLaplacianOptions::Lengths::Fitted;
     long r = 0;
     for (size_t f = 0; f < faces_.size(); ++f) {
-      const double curvature = has_laplacian(f) ? add_laplacian(rows, r, f) : 0;
-      add_edges(rows, r, f, curvature);
+      const long first = r;
+      if (has_laplacian(f)) add_laplacian(rows, r, f);
+      if (options_.primal > 0) add_primal(rows, r, f);
+      add_edges(rows, r, f, rows.base.middleRows(first, r - first).squaredNorm());
       rows.row_start.push_back(static_cast<int>(r));
       rows.cells.push_back(static_cast<int>(f));
       auto corners = faces_[f];
@@ -103,8 +104,7 @@ class DualRows {
 
   double area(size_t f) const { return area_vector(faces_[f], rest_).norm() / 2; }
 
-  /// Returns |l| / c.
-  double add_laplacian(TurningRows& rows, long& r, size_t f) {
+  void add_laplacian(TurningRows& rows, long& r, size_t f) {
     const auto k = faces_[f].size();
     const Vec3 own = centres_.row(static_cast<long>(f)).transpose();
     Eigen::Matrix3Xd to(3, k);
@@ -129,23 +129,83 @@ class DualRows {
     }
     add_mean(terms_, faces_[f], -scale);
     append(rows, r++, terms_, rest_);
-    return c > 0 ? (to * w).norm() / c : 0;
   }
 
-  void add_edges(TurningRows& rows, long& r, size_t f, double curvature) {
+  /// `pulled`: Σ |b|² of the other rows of the face.
+  void add_edges(TurningRows& rows, long& r, size_t f, double pulled) {
     const auto k = faces_[f].size();
-    double square = 0;
-    for (size_t j = 0; j < k; ++j)
-      square += (rest_.row(faces_[f][(j + 1) % k]) - rest_.row(faces_[f][j])).squaredNorm();
+    const double square = square_of_edges(f);
     // A face of next to no area still holds its vertices together.
     const double share = square > 0 ? std::max(area(f) / square, 1e-3) : 1e-3;
-    const double mu =
-        options_.membrane * (1 / (size_ > 0 ? size_ * size_ : 1) + curvature * curvature);
+    const double curvature = area(f) > 0 ? pulled / area(f) : 0;
+    const double mu = options_.membrane * (1 / (size_ > 0 ? size_ * size_ : 1) + curvature);
     const double weight = std::sqrt(mu * share);
     for (size_t j = 0; j < k; ++j) {
       terms_ = {{faces_[f][j], -weight}, {faces_[f][(j + 1) % k], weight}};
       append(rows, r++, terms_, rest_);
     }
+  }
+
+  /// Neighbours, and the ways in which k corners can leave a plane.
+  long primal_count(size_t f) const {
+    if (!(options_.primal > 0)) return 0;
+    return std::count_if(across_[f].begin(), across_[f].end(), [](int g) { return g >= 0; }) +
+           static_cast<long>(faces_[f].size()) - 3;
+  }
+
+  /// A row in units of curvature: `residual` is what a paraboloid of curvature 1 leaves of it.
+  void add_curvature_row(TurningRows& rows, long& r, size_t f, double residual) {
+    const double least = square_of_edges(f) / (100.0 * static_cast<double>(faces_[f].size()));
+    const double share = options_.primal / static_cast<double>(faces_[f].size());
+    const double most = std::max(std::abs(residual), least);
+    const double scale = most > 0 ? std::sqrt(share * area(f)) / most : 0;
+    for (auto& [vertex, coefficient] : terms_) coefficient *= scale;
+    append(rows, r++, terms_, rest_);
+  }
+
+  void add_primal(TurningRows& rows, long& r, size_t f) {
+    const auto k = static_cast<long>(faces_[f].size());
+    const Vec3 n = area_vector(faces_[f], rest_).normalized();
+    const Vec3 own = centres_.row(static_cast<long>(f)).transpose();
+    const Vec3 e1 = n.unitOrthogonal(), e2 = n.cross(e1);
+    const auto flat = [&](const Vec3& p) { return Vec3(1, e1.dot(p - own), e2.dot(p - own)); };
+    MatX X(k, 3);
+    for (long j = 0; j < k; ++j) X.row(j) = flat(rest_.row(faces_[f][j]).transpose()).transpose();
+    const Eigen::JacobiSVD<MatX> svd(X, Eigen::ComputeFullU | Eigen::ComputeFullV);
+    // Beyond the plane: the rest of the mesh's vertices as the face's own plane would have them.
+    for (long j = 0; j < k; ++j) {
+      const int other = across_[f][j];
+      if (other < 0) continue;
+      std::vector<int> beyond;
+      for (const int v : faces_[other])
+        if (v != faces_[f][j] && v != faces_[f][(j + 1) % k]) beyond.push_back(v);
+      const Vec3 at = flat(mean_of(beyond));
+      const VecX share = svd.solve(MatX::Identity(k, k)).transpose() * at;
+      terms_.clear();
+      add_mean(terms_, beyond, 1);
+      double residual = 0;
+      for (const int v : beyond)
+        residual +=
+            (rest_.row(v).transpose() - own).squaredNorm() / static_cast<double>(beyond.size());
+      for (long i = 0; i < k; ++i) {
+        terms_.emplace_back(faces_[f][i], -share[i]);
+        residual -= share[i] * (rest_.row(faces_[f][i]).transpose() - own).squaredNorm();
+      }
+      add_curvature_row(rows, r, f, residual / 2);
+    }
+    for (long d = 3; d < k; ++d) {
+      terms_.clear();
+      for (long i = 0; i < k; ++i) terms_.emplace_back(faces_[f][i], svd.matrixU()(i, d));
+      add_curvature_row(rows, r, f, area(f) / 2);
+    }
+  }
+
+  double square_of_edges(size_t f) const {
+    double sum = 0;
+    for (size_t j = 0; j < faces_[f].size(); ++j)
+      sum += (rest_.row(faces_[f][(j + 1) % faces_[f].size()]) - rest_.row(faces_[f][j]))
+                 .squaredNorm();
+    return sum;
   }
 
   const Faces& faces_;
@@ -198,8 +258,8 @@ Vec3 area_vector(const std::vector<int>& face, const Points& points) {
   const Vec3 from = points.row(face[0]).transpose();
   Vec3 sum = Vec3::Zero();
   for (size_t k = 1; k + 1 < face.size(); ++k)
-    sum += (points.row(face[k]).transpose() - from)
-               .cross(points.row(face[k + 1]).transpose() - from);
+    sum +=
+        (points.row(face[k]).transpose() - from).cross(points.row(face[k + 1]).transpose() - from);
   return sum;
 }
 

@@ -125,13 +125,12 @@ void FeatureRegionDeformer::Data::find_holders() {
         holder[group_of[r]] = std::max(holder[group_of[r]], system->holder(v));
 }
 
-void FeatureRegionDeformer::Data::take(const Points& estimate,
-                                       std::span<const HandleMove> moves) {
+void FeatureRegionDeformer::Data::take(const Points& estimate, std::span<const HandleMove> moves) {
   edit.handles.assign(moves.begin(), moves.end());
   check(problem, edit);
   if (estimate.rows() != mesh.vertex_count() || !estimate.allFinite())
-    throw InputError("the estimate has " + std::to_string(estimate.rows()) +
-                     " points, expected " + std::to_string(mesh.vertex_count()) + " finite ones");
+    throw InputError("the estimate has " + std::to_string(estimate.rows()) + " points, expected " +
+                     std::to_string(mesh.vertex_count()) + " finite ones");
   turn_faces(estimate);
   turn_regions();
 }
@@ -194,8 +193,9 @@ const Points& FeatureRegionDeformer::deform(const Points& estimate,
                                             std::span<const HandleMove> moves) {
   Data& d = *data_;
   d.take(estimate, moves);
-  d.system->solve(estimate, d.edit, d.scales, d.scaled,
-                  [&](int region, int) -> const Mat3& { return d.scaled[region]; }, d.result);
+  d.system->solve(
+      estimate, d.edit, d.scales, d.scaled,
+      [&](int region, int) -> const Mat3& { return d.scaled[region]; }, d.result);
   return d.result;
 }
 
@@ -210,9 +210,10 @@ const Points& FeatureRegionDeformer::rough(const Points& estimate,
     if (!d.soft) d.soft.emplace(d.mesh, d.problem, d.names, d.faces, d.corners, soft);
     system = &*d.soft;
   }
-  system->solve(estimate, d.edit, d.scales, d.scaled,
-                [&](int region, int k) -> Mat3 { return d.scales[region] * d.face_turns[region][k]; },
-                d.result);
+  system->solve(
+      estimate, d.edit, d.scales, d.scaled,
+      [&](int region, int k) -> Mat3 { return d.scales[region] * d.face_turns[region][k]; },
+      d.result);
   return d.result;
 }
 

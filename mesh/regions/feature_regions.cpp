@@ -11,8 +11,8 @@ std::vector<std::vector<int>> components_of_mask(const TriangleMesh& mesh,
                                                  const std::vector<char>& mask) {
   const int n = mesh.vertex_count();
   if (count_of(mask) != n)
-    throw InputError("the mask has " + std::to_string(mask.size()) + " marks, expected one for each of " +
-                     std::to_string(n) + " vertices");
+    throw InputError("the mask has " + std::to_string(mask.size()) +
+                     " marks, expected one for each of " + std::to_string(n) + " vertices");
   std::vector<std::vector<int>> components;
   std::vector<char> seen(n, 0);
   for (int seed = 0; seed < n; ++seed) {
@@ -41,9 +41,8 @@ std::vector<int> faces_of(const TriangleMesh& mesh, const FeatureRegion& region)
   };
   in_range(region.faces, "triangle", mesh.triangle_count());
   if (region.faces.empty()) in_range(region.vertices, "vertex", mesh.vertex_count());
-  std::vector<int> faces = region.faces.empty()
-                               ? triangles_touching(mesh.topology(), region.vertices)
-                               : region.faces;
+  std::vector<int> faces =
+      region.faces.empty() ? triangles_touching(mesh.topology(), region.vertices) : region.faces;
   std::sort(faces.begin(), faces.end());
   faces.erase(std::unique(faces.begin(), faces.end()), faces.end());
   if (faces.empty()) throw InputError(name + " has no triangles, expected at least one");

@@ -28,7 +28,7 @@ class Mixing {
  private:
   using Small = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMemory, kMemory>;
   long seen_ = 0;
-  MatX f_, g_;                        // of the last round
+  MatX f_, g_;                         // of the last round
   std::vector<MatX> step_f_, step_g_;  // Δf, Δg in a ring
   Eigen::Matrix<double, kMemory, kMemory> products_;
 };

@@ -84,8 +84,7 @@ NonlinearDeformer::NonlinearDeformer(NonlinearDeformer&&) noexcept = default;
 NonlinearDeformer& NonlinearDeformer::operator=(NonlinearDeformer&&) noexcept = default;
 
 const Points& NonlinearDeformer::deform(std::span<const HandleMove> moves) {
-  return data_->solver.deform(moves, nullptr, data_->options.most_rounds,
-                              data_->options.tolerance);
+  return data_->solver.deform(moves, nullptr, data_->options.most_rounds, data_->options.tolerance);
 }
 const Points& NonlinearDeformer::deform(std::span<const HandleMove> moves, const Points& guess) {
   return data_->solver.deform(moves, &guess, data_->options.most_rounds, data_->options.tolerance);

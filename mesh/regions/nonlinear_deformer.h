@@ -13,7 +13,7 @@ struct NonlinearOptions {
   double tolerance = 1e-6;  ///< of the mesh's size: rounds end when no vertex moves by more
   /// α: how much neighbouring rotations resist to differ. It acts like a bending stiffness of the
   /// thickness √(α · area); 0 leaves the surface without any but its own edges'.
-  double smoothing = 0.002;
+  double smoothing = 0.001;
 };
 
 /// Each vertex has a rotation R_i of its own, and each triangle should be its original turned by the

@@ -111,8 +111,7 @@ void RegionSystem::set_curvature_targets(const Points& estimate,
       if (options_.right == FeatureRegionOptions::Right::Estimate) {
         sum.setZero();
         for (RowMatrix::InnerIterator a(system_.A, r); a; ++a)
-          sum += a.value() *
-                 (estimate.row(system_.vertex[a.col()]) - system_.origin.transpose());
+          sum += a.value() * (estimate.row(system_.vertex[a.col()]) - system_.origin.transpose());
       }
       const int region = region_of_row_[r];
       target_.row(r) = region < 0 ? sum : scales[region] * sum;
@@ -124,8 +123,7 @@ void RegionSystem::solve_positions(const DeformEdit& edit, Points& result) {
   const MatX& d0 = positions_.d0();
   in_chunks(A_.rows(), [&](long first, long last) {
     for (long r = first; r < last; ++r)
-      for (RowMatrix::InnerIterator a(A_, r); a; ++a)
-        target_.row(r) -= a.value() * d0.row(a.col());
+      for (RowMatrix::InnerIterator a(A_, r); a; ++a) target_.row(r) -= a.value() * d0.row(a.col());
   });
   in_chunks(B_.cols(), [&](long first, long last) {
     for (long c = first; c < last; ++c) {
@@ -135,8 +133,7 @@ void RegionSystem::solve_positions(const DeformEdit& edit, Points& result) {
     }
   });
   if (B_.cols() > 0) factor_.solve_in_place(load_);
-  if (!load_.allFinite())
-    throw NoSolutionError("the feature regions: positions are not finite");
+  if (!load_.allFinite()) throw NoSolutionError("the feature regions: positions are not finite");
   x_.noalias() = positions_.D() * load_;
   x_ += d0;
   for (long v = 0; v < points_.rows(); ++v) {

@@ -81,8 +81,9 @@ Mat3 rotation_of_face(std::span<const int> corners, const Points& before, const 
 std::vector<Mat3> rotations_of_faces(const std::vector<std::vector<int>>& faces,
                                      const Points& before, const Points& after) {
   std::vector<Mat3> rotations(faces.size());
-  for_each_in_chunks<1024>(static_cast<int>(faces.size()),
-                           [&](int f) { rotations[f] = rotation_of_face(faces[f], before, after); });
+  for_each_in_chunks<1024>(static_cast<int>(faces.size()), [&](int f) {
+    rotations[f] = rotation_of_face(faces[f], before, after);
+  });
   return rotations;
 }
 

@@ -81,10 +81,9 @@ double promotion(const TriangleMesh& mesh, const VecX& map) {
   int count = 0;
   for (int v = 0; v < map.size(); ++v) {
     const auto ring = mesh.topology().neighbours(v);
-    const bool peak =
-        !ring.empty() && std::all_of(ring.begin(), ring.end(), [&](int u) {
-          return map[v] > map[u] || (map[v] == map[u] && v < u);
-        });
+    const bool peak = !ring.empty() && std::all_of(ring.begin(), ring.end(), [&](int u) {
+      return map[v] > map[u] || (map[v] == map[u] && v < u);
+    });
     if (!peak || !(map[v] > 0)) continue;
     sum += map[v];
     ++count;
@@ -117,7 +116,8 @@ VecX mesh_saliency(const TriangleMesh& mesh) {
       }
     });
     for (int s = 0; s < kScales; ++s)
-      maps(i, s) = std::abs(sum[kNarrow[s]] / weight[kNarrow[s]] - sum[kWide[s]] / weight[kWide[s]]);
+      maps(i, s) =
+          std::abs(sum[kNarrow[s]] / weight[kNarrow[s]] - sum[kWide[s]] / weight[kWide[s]]);
   });
   VecX saliency = VecX::Zero(n);
   for (int s = 0; s < kScales; ++s) {

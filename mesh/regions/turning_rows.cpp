@@ -120,8 +120,7 @@ TurningSolver::TurningSolver(const TriangleMesh& mesh, DeformProblem problem, Tu
 void TurningSolver::gather_cells() {
   const int m = rows_.cells_of_element;
   list_by_owner(cell_count(), element_start_, elements_, [&](const auto& visit) {
-    for (size_t k = 0; k < rows_.cells.size(); ++k)
-      visit(rows_.cells[k], static_cast<int>(k) / m);
+    for (size_t k = 0; k < rows_.cells.size(); ++k) visit(rows_.cells[k], static_cast<int>(k) / m);
   });
   base_square_.assign(element_count(), 0);
   for (int e = 0; e < element_count(); ++e)
@@ -230,8 +229,7 @@ void TurningSolver::turn_cell(int c) {
   M /= rows_.cells_of_element;
   for (int k = link_start_[c]; k < link_start_[c + 1]; ++k) M += link_weight_[k] * G_[linked_[k]];
   G_[c] = rotation_part(M);
-  if (rows_.fits_scale && square > 0)
-    G_[c] *= std::max(0.0, G_[c].cwiseProduct(M).sum() / square);
+  if (rows_.fits_scale && square > 0) G_[c] *= std::max(0.0, G_[c].cwiseProduct(M).sum() / square);
 }
 
 void TurningSolver::turn_cells() {
@@ -279,8 +277,7 @@ void TurningSolver::solve_positions() {
       Mat3 G = G_[rows_.cells[e * m]];
       for (int k = 1; k < m; ++k) G += G_[rows_.cells[e * m + k]];
       for (int r = rows_.row_start[e]; r < rows_.row_start[e + 1]; ++r)
-        residual_.row(r) =
-            (G * rows_.base.row(r).transpose()).transpose() / m - held_part_.row(r);
+        residual_.row(r) = (G * rows_.base.row(r).transpose()).transpose() / m - held_part_.row(r);
     }
   });
   in_chunks(B_.cols(), [&](long first, long last) {
@@ -320,9 +317,8 @@ double TurningSolver::go_on_with_links(double energy_before) {
   for (int c = 0; c < cell_count(); ++c) turns_.middleRows<3>(3L * c) = G_[c];
   G_before_ = G_;
   if (mixing_.mix(turns_before_, turns_, mixed_))
-    for_each_in_chunks<kChunk>(cell_count(), [&](int c) {
-      G_[c] = rotation_part(mixed_.middleRows<3>(3L * c));
-    });
+    for_each_in_chunks<kChunk>(cell_count(),
+                               [&](int c) { G_[c] = rotation_part(mixed_.middleRows<3>(3L * c)); });
   return now;
 }
 
@@ -356,8 +352,9 @@ const Points& TurningSolver::deform(std::span<const HandleMove> moves, const Poi
   report_.energies.reserve(most_rounds);
   report_.converged = false;
   for (report_.rounds = 0; report_.rounds < most_rounds && !report_.converged;) {
-    report_.energies.push_back(go_on(
-        report_.energies.empty() ? std::numeric_limits<double>::infinity() : report_.energies.back()));
+    report_.energies.push_back(go_on(report_.energies.empty()
+                                         ? std::numeric_limits<double>::infinity()
+                                         : report_.energies.back()));
     if (++report_.rounds == 1) mixing_.reset();  // its turns came from elsewhere
     report_.converged = report_.last_change < tolerance;
   }
@@ -366,8 +363,7 @@ const Points& TurningSolver::deform(std::span<const HandleMove> moves, const Poi
   // What is held is where it was told to be, to the last bit.
   for (size_t k = 0; k < held_vertex_.size(); ++k) {
     const Vec3 at = points_.row(held_vertex_[k]).transpose();
-    result_.row(held_vertex_[k]) =
-        held_handle_[k] < 0 ? at : edit_.handles[held_handle_[k]](at);
+    result_.row(held_vertex_[k]) = held_handle_[k] < 0 ? at : edit_.handles[held_handle_[k]](at);
   }
   return result_;
 }

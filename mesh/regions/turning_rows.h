@@ -22,8 +22,8 @@ namespace batten {
 /// e: elements, each with a run of rows and m cells; G_c: the rotation of a cell, or with
 /// `fits_scale` a rotation times a scale of 0 or more (then m = 1 and no links).
 struct TurningRows {
-  RowMatrix A;     ///< rows × vertices
-  RowPoints base;  ///< b
+  RowMatrix A;                       ///< rows × vertices
+  RowPoints base;                    ///< b
   std::vector<int> row_start = {0};  ///< the rows of element e: row_start[e] … row_start[e+1]
   int cells_of_element = 1;
   std::vector<int> cells;  ///< of each element, cells_of_element each
@@ -110,10 +110,10 @@ class TurningSolver {
   MatX right_, y_, load_, mixed_;  // load_: right side, then the solution
   MatX turns_before_, turns_;      // with links: G_ as it went into a round and came out
   Mixing mixing_;
-  RowPoints now_, held_part_, residual_;  // A p, A d0, what is left for the free vertices
+  RowPoints now_, held_part_, residual_;   // A p, A d0, what is left for the free vertices
   std::vector<Mat3> seen_, G_, G_before_;  // of elements: Σ (A p) bᵀ; of cells
-  std::vector<double> parts_;             // of the energy, chunk by chunk
-  Points p_, result_;                     // p_ relative to origin_
+  std::vector<double> parts_;              // of the energy, chunk by chunk
+  Points p_, result_;                      // p_ relative to origin_
   EstimateReport report_;
 };
 

@@ -21,8 +21,8 @@ std::vector<int> vertices_where(const TriangleMesh& mesh, const Inside& inside) 
 }
 
 inline std::vector<int> disc_of(const TriangleMesh& mesh, double x, double y, double radius) {
-  return vertices_where(
-      mesh, [&](const Vec3& p) { return std::hypot(p.x() - x, p.y() - y) < radius; });
+  return vertices_where(mesh,
+                        [&](const Vec3& p) { return std::hypot(p.x() - x, p.y() - y) < radius; });
 }
 
 /// A flat sheet over [0, 4]² with a square boss in the middle: top over |x - 2|, |y - 2| ≤ 0.4,
@@ -75,7 +75,8 @@ struct Bar {
     std::vector<Vec3> points;
     std::map<std::tuple<int, int, int>, int> number;
     const auto at = [&](int i, int j, int k) {
-      const auto [it, is_new] = number.emplace(std::tuple(i, j, k), static_cast<int>(points.size()));
+      const auto [it, is_new] =
+          number.emplace(std::tuple(i, j, k), static_cast<int>(points.size()));
       if (is_new) points.emplace_back(i, j - across / 2.0, k - across / 2.0);
       return it->second;
     };

@@ -46,14 +46,14 @@ struct Held {
 std::vector<std::unique_ptr<DeformEstimate>> all_kinds(const TriangleMesh& mesh, const Faces& quads,
                                                        const std::vector<int>& fixed,
                                                        const std::vector<Handle>& handles) {
-  DualLaplacianOptions out, fitted;
-  out.border = DualLaplacianOptions::Border::LeftOut;
+  DualLaplacianOptions middles, fitted;
+  middles.border = DualLaplacianOptions::Border::EdgeMiddles;
   fitted.lengths = DualLaplacianOptions::Lengths::Fitted;
   NonlinearOptions plain;
   plain.smoothing = 0;
   std::vector<std::unique_ptr<DeformEstimate>> all;
   all.push_back(std::make_unique<DualLaplacianDeformer>(mesh, Faces{}, fixed, handles));
-  all.push_back(std::make_unique<DualLaplacianDeformer>(mesh, Faces{}, fixed, handles, out));
+  all.push_back(std::make_unique<DualLaplacianDeformer>(mesh, Faces{}, fixed, handles, middles));
   all.push_back(std::make_unique<DualLaplacianDeformer>(mesh, Faces{}, fixed, handles, fitted));
   if (!quads.empty())
     all.push_back(std::make_unique<DualLaplacianDeformer>(mesh, quads, fixed, handles));
@@ -96,8 +96,7 @@ TEST_CASE("estimates: a rigid motion of all handles moves the mesh rigidly") {
 
 TEST_CASE("estimates: the energy falls from round to round and what is reported is true") {
   const Held c(16);
-  for (const auto& deformer :
-       all_kinds(c.mesh, quads_of_sheet(16), c.left, {{"right", c.right}})) {
+  for (const auto& deformer : all_kinds(c.mesh, quads_of_sheet(16), c.left, {{"right", c.right}})) {
     const Points before = deformer->positions();
     CHECK(before == c.mesh.points());
     deformer->deform(std::vector{some_move()});
@@ -148,7 +147,8 @@ TEST_CASE("estimates: one factor for all rounds and edits, and rounds allocate n
     }
     const std::int64_t allocations = work.of(Work::Allocation);
     CHECK(work.of(Work::Factorization) == 0);
-    CHECK(work.of(Work::Solve) == rounds);
+    CHECK(work.of(Work::Solve) >= rounds);  // a mixed round that led upwards is solved again
+    CHECK(work.of(Work::Solve) <= rounds + rounds / 4);
     if (counts_allocations()) CHECK(allocations == 0);
   }
 }
@@ -168,23 +168,27 @@ TEST_CASE("the nonlinear energy is that of spokes and rims with cotangents") {
     for (int k = 0; k < 3; ++k) {
       const int a = v[(k + 1) % 3], b = v[(k + 2) % 3];
       for (const int owner : v)
-        energy += half(k, t) / 3 *
-                  ((p.row(b) - p.row(a)).transpose() -
-                   R[owner] * (c.mesh.point(b) - c.mesh.point(a)))
-                      .squaredNorm();
+        energy +=
+            half(k, t) / 3 *
+            ((p.row(b) - p.row(a)).transpose() - R[owner] * (c.mesh.point(b) - c.mesh.point(a)))
+                .squaredNorm();
     }
   }
   const auto w = edge_cotangents(c.mesh);
   for (size_t e = 0; e < w.size(); ++e) {
     const auto& edge = c.mesh.topology().edges()[e];
-    energy += options.smoothing * area * std::max(0.0, w[e]) * (R[edge.low] - R[edge.high]).squaredNorm();
+    energy +=
+        options.smoothing * area * std::max(0.0, w[e]) * (R[edge.low] - R[edge.high]).squaredNorm();
   }
   CHECK(deformer.report().energies.back() == Approx(energy / 2).epsilon(1e-10));
 }
 
 TEST_CASE("the dual energy is that of its header, and Laplacian vectors stand upright") {
   const Held c(8);
-  DualLaplacianDeformer deformer(c.mesh, {}, c.left, {{"right", c.right}});
+  DualLaplacianOptions options;
+  options.border = DualLaplacianOptions::Border::EdgeMiddles;
+  options.primal = 0;
+  DualLaplacianDeformer deformer(c.mesh, {}, c.left, {{"right", c.right}}, options);
   const Points p = deformer.deform(std::vector{some_move()});
   const MeshTopology& topology = c.mesh.topology();
   const auto centre = [&](const Points& x, int t) {
@@ -215,9 +219,11 @@ TEST_CASE("the dual energy is that of its header, and Laplacian vectors stand up
     const Eigen::Vector4d solved = conditions.fullPivLu().solve(Eigen::Vector4d::Unit(3));
     const Vec3 weights = solved.head<3>(), l = to * weights;
     CHECK((l - height * n).norm() < 1e-12);
-    const double size = c.mesh.size(), curvature = l.norm() / (to.colwise().squaredNorm().mean() / 4);
+    const double size = c.mesh.size(),
+                 curvature = l.norm() / (to.colwise().squaredNorm().mean() / 4);
     const double area = c.mesh.area_vector(t).norm() / 2;
-    energy += area * ((after * weights - R * l) / (to.colwise().squaredNorm().mean() / 4)).squaredNorm();
+    energy +=
+        area * ((after * weights - R * l) / (to.colwise().squaredNorm().mean() / 4)).squaredNorm();
     double edges = 0, squares = 0;
     for (int k = 0; k < 3; ++k) {
       const Vec3 e = c.mesh.point(v[(k + 1) % 3]) - c.mesh.point(v[k]);
@@ -238,20 +244,20 @@ TEST_CASE("a patch lifted without a turn gives a slope whose faces have turned")
     const Points p = deformer->deform(lift);
     const double boss = tilt_degrees(p, panel.boss), ring = tilt_degrees(p, panel.ring);
     CHECK(ring > 20);
-    CHECK(std::abs(boss - ring) < 1.5);
+    CHECK(std::abs(boss - ring) < 1.2);
   }
 }
 
-TEST_CASE("squares: the membrane keeps vertices from moving to and fro") {
+TEST_CASE("squares: primal rows keep vertices from moving to and fro") {
   const int n = 20;
   const TriangleMesh mesh = sheet(n, 0.4, 0);
   const auto fixed = vertices_where(mesh, [](const Vec3& p) { return p.x() < 0.3; });
   const std::vector<Handle> handles = {
       {"right", vertices_where(mesh, [](const Vec3& p) { return p.x() > 3.7; })}};
   // Share of the pattern + - + - in the move of the vertices, over an edge: largest place.
-  const auto to_and_fro = [&](double membrane) {
+  const auto to_and_fro = [&](double primal) {
     DualLaplacianOptions options;
-    options.membrane = membrane;
+    options.primal = primal;
     DualLaplacianDeformer deformer(mesh, quads_of_sheet(n), fixed, handles, options);
     HandleMove move;
     move.shift = {0, 0, 0.8};
@@ -268,8 +274,9 @@ TEST_CASE("squares: the membrane keeps vertices from moving to and fro") {
       }
     return most;
   };
-  CHECK(to_and_fro(1) < 0.02);
-  CHECK(to_and_fro(1e-13) > 5 * to_and_fro(1));
+  const double kept = to_and_fro(DualLaplacianOptions().primal);
+  CHECK(kept < 0.005);
+  CHECK(to_and_fro(0) > 5 * kept);
 }
 
 TEST_CASE("a bar twisted by half a turn keeps its section and its edges") {
@@ -322,7 +329,7 @@ TEST_CASE("estimates: same bits on one thread and on several, and again after an
         deformer = std::make_unique<NonlinearDeformer>(c.mesh, c.left, handles);
       const Points first = deformer->deform(std::vector{some_move()});
       deformer->deform(std::vector{HandleMove{}});
-      CHECK(relative(deformer->positions(), c.mesh.points()) < 1e-12);
+      CHECK(relative(deformer->positions(), c.mesh.points()) < 1e-10);
       CHECK(deformer->deform(std::vector{some_move()}) == first);
       return first;
     };
@@ -337,12 +344,15 @@ TEST_CASE("estimates: from a guess to the same shape") {
   for (const auto& deformer : all_kinds(c.mesh, {}, c.left, {{"right", c.right}})) {
     const Points p = deformer->deform(std::vector{some_move()});
     const double energy = deformer->report().energies.back();
+    const int rounds = deformer->report().rounds;
+    CHECK(deformer->report().converged);
     const Points again = deformer->deform(std::vector{some_move()}, p);
-    CHECK(deformer->report().rounds <= 3);
-    CHECK(deformer->report().energies.back() <= energy * (1 + 1e-12));
-    CHECK(relative(again, p) < 1e-5);
-    CHECK(refusal([&] { deformer->deform(std::vector{some_move()}, p.topRows(3)); })
-              .find("has 3 points, expected 225") != std::string::npos);
+    CHECK(deformer->report().rounds < rounds);
+    CHECK(deformer->report().energies.back() <= energy * (1 + 1e-6));
+    CHECK(relative(again, p) < 1e-4);
+    CHECK(refusal([&] {
+            deformer->deform(std::vector{some_move()}, p.topRows(3));
+          }).find("has 3 points, expected 225") != std::string::npos);
   }
 }
 
@@ -376,16 +386,19 @@ TEST_CASE("estimates: bad input is refused with what was found") {
         "the fixed region names vertex 77 of 25");
   NonlinearOptions negative;
   negative.smoothing = -1;
-  CHECK(refusal([&] { NonlinearDeformer(c.mesh, c.left, handles, negative); }).find("smoothing -1") !=
-        std::string::npos);
+  CHECK(refusal([&] {
+          NonlinearDeformer(c.mesh, c.left, handles, negative);
+        }).find("smoothing -1") != std::string::npos);
   DualLaplacianOptions none;
   none.membrane = 0;
-  CHECK(refusal([&] { DualLaplacianDeformer(c.mesh, {}, c.left, handles, none); })
-            .find("membrane 0") != std::string::npos);
+  CHECK(refusal([&] {
+          DualLaplacianDeformer(c.mesh, {}, c.left, handles, none);
+        }).find("membrane 0") != std::string::npos);
   Points flat = c.mesh.points();
   flat.row(c.mesh.triangles()[3][0]) = flat.row(c.mesh.triangles()[3][1]);
-  CHECK(refusal([&] { NonlinearDeformer(c.mesh.with_points(flat), c.left, handles); })
-            .find("has no area") != std::string::npos);
+  CHECK(refusal([&] {
+          NonlinearDeformer(c.mesh.with_points(flat), c.left, handles);
+        }).find("has no area") != std::string::npos);
   NonlinearDeformer deformer(c.mesh, c.left, handles);
   CHECK(refusal([&] { deformer.deform({}); }) == "the edit has 0 moves of handles, expected 1");
   HandleMove move;
