@@ -94,6 +94,31 @@ TEST_CASE("estimates: a rigid motion of all handles moves the mesh rigidly") {
     }
 }
 
+TEST_CASE("fitted lengths follow a scale, original ones resist it") {
+  const Held c(12);
+  HandleMove move;
+  move.about = {1, 2, 3};
+  move.turn = rotation_log({1, 2, -0.5}, 0.5);
+  move.scale = 1.3;
+  Points moved(c.mesh.vertex_count(), 3);
+  for (int v = 0; v < c.mesh.vertex_count(); ++v) moved.row(v) = move(c.mesh.point(v));
+  for (const auto lengths :
+       {DualLaplacianOptions::Lengths::Fitted, DualLaplacianOptions::Lengths::Original}) {
+    DualLaplacianOptions options;
+    options.lengths = lengths;
+    options.tolerance = 1e-12;
+    DualLaplacianDeformer deformer(c.mesh, {}, {}, {{"left", c.left}, {"right", c.right}}, options);
+    const double off = relative(deformer.deform(std::vector{move, move}), moved);
+    if (lengths == DualLaplacianOptions::Lengths::Fitted) {
+      CHECK(off < 1e-9);
+      CHECK(deformer.face_turns()[0].determinant() == Approx(1.3 * 1.3 * 1.3));
+    } else {
+      CHECK(off > 1e-3);
+      CHECK(deformer.face_turns()[0].determinant() == Approx(1));
+    }
+  }
+}
+
 TEST_CASE("estimates: the energy falls from round to round and what is reported is true") {
   const Held c(16);
   for (const auto& deformer : all_kinds(c.mesh, quads_of_sheet(16), c.left, {{"right", c.right}})) {
