@@ -76,7 +76,8 @@ class DualRows {
       const long first = r;
       if (has_laplacian(f)) add_laplacian(rows, r, f);
       if (options_.primal > 0) add_primal(rows, r, f);
-      add_edges(rows, r, f, rows.base.middleRows(first, r - first).squaredNorm());
+      bends_.push_back({r, area(f), rows.base.middleRows(first, r - first).norm()});
+      add_edges(rows, r, f);
       rows.row_start.push_back(static_cast<int>(r));
       rows.cells.push_back(static_cast<int>(f));
       auto corners = faces_[f];
@@ -87,6 +88,7 @@ class DualRows {
     }
     rows.A.finalize();
     rows.mean.finalize();
+    weigh_membrane(rows);
     return rows;
   }
 
@@ -131,18 +133,32 @@ class DualRows {
     append(rows, r++, terms_, rest_);
   }
 
-  /// `pulled`: Σ |b|² of the other rows of the face.
-  void add_edges(TurningRows& rows, long& r, size_t f, double pulled) {
+  /// With the weight of μ_f = 1.
+  void add_edges(TurningRows& rows, long& r, size_t f) {
     const auto k = faces_[f].size();
     const double square = square_of_edges(f);
     // A face of next to no area still holds its vertices together.
-    const double share = square > 0 ? std::max(area(f) / square, 1e-3) : 1e-3;
-    const double curvature = area(f) > 0 ? pulled / area(f) : 0;
-    const double mu = options_.membrane * (1 / (size_ > 0 ? size_ * size_ : 1) + curvature);
-    const double weight = std::sqrt(mu * share);
+    const double weight = std::sqrt(square > 0 ? std::max(area(f) / square, 1e-3) : 1e-3);
     for (size_t j = 0; j < k; ++j) {
       terms_ = {{faces_[f][j], -weight}, {faces_[f][(j + 1) % k], weight}};
       append(rows, r++, terms_, rest_);
+    }
+  }
+
+  void weigh_membrane(TurningRows& rows) const {
+    double area = 0, bent = 0;
+    for (const Bend& b : bends_) {
+      area += b.area;
+      bent += std::sqrt(b.area) * b.pull;
+    }
+    const double mean = area > 0 ? bent / area : 0, far = size_ > 0 ? 1 / size_ : 1;
+    for (size_t f = 0; f < bends_.size(); ++f) {
+      const double own = bends_[f].area > 0 ? bends_[f].pull / std::sqrt(bends_[f].area) : 0;
+      const double weight = std::sqrt(options_.membrane * (far * far + mean * mean + own * own));
+      for (long r = bends_[f].edges; r < rows.row_start[f + 1]; ++r) {
+        rows.base.row(r) *= weight;
+        for (RowMatrix::InnerIterator a(rows.A, r); a; ++a) a.valueRef() *= weight;
+      }
     }
   }
 
@@ -153,12 +169,15 @@ class DualRows {
            static_cast<long>(faces_[f].size()) - 3;
   }
 
-  /// A row in units of curvature: `residual` is what a paraboloid of curvature 1 leaves of it.
-  void add_curvature_row(TurningRows& rows, long& r, size_t f, double residual) {
-    const double least = square_of_edges(f) / (100.0 * static_cast<double>(faces_[f].size()));
+  /// The row of terms_ in units of curvature: over what a second derivative of 1 makes of it.
+  void add_curvature_row(TurningRows& rows, long& r, size_t f) {
+    Mat3 made = Mat3::Zero();
+    for (const auto& [vertex, coefficient] : terms_) {
+      const Vec3 u = (rest_.row(vertex) - centres_.row(static_cast<long>(f))).transpose();
+      made += coefficient / 2 * u * u.transpose();
+    }
     const double share = options_.primal / static_cast<double>(faces_[f].size());
-    const double most = std::max(std::abs(residual), least);
-    const double scale = most > 0 ? std::sqrt(share * area(f)) / most : 0;
+    const double scale = made.norm() > 0 ? std::sqrt(share * area(f)) / made.norm() : 0;
     for (auto& [vertex, coefficient] : terms_) coefficient *= scale;
     append(rows, r++, terms_, rest_);
   }
@@ -183,20 +202,13 @@ class DualRows {
       const VecX share = svd.solve(MatX::Identity(k, k)).transpose() * at;
       terms_.clear();
       add_mean(terms_, beyond, 1);
-      double residual = 0;
-      for (const int v : beyond)
-        residual +=
-            (rest_.row(v).transpose() - own).squaredNorm() / static_cast<double>(beyond.size());
-      for (long i = 0; i < k; ++i) {
-        terms_.emplace_back(faces_[f][i], -share[i]);
-        residual -= share[i] * (rest_.row(faces_[f][i]).transpose() - own).squaredNorm();
-      }
-      add_curvature_row(rows, r, f, residual / 2);
+      for (long i = 0; i < k; ++i) terms_.emplace_back(faces_[f][i], -share[i]);
+      add_curvature_row(rows, r, f);
     }
     for (long d = 3; d < k; ++d) {
       terms_.clear();
       for (long i = 0; i < k; ++i) terms_.emplace_back(faces_[f][i], svd.matrixU()(i, d));
-      add_curvature_row(rows, r, f, area(f) / 2);
+      add_curvature_row(rows, r, f);
     }
   }
 
@@ -208,6 +220,12 @@ class DualRows {
     return sum;
   }
 
+  /// The first edge row of a face, its area, and its curvature times the root of that.
+  struct Bend {
+    long edges;
+    double area, pull;
+  };
+
   const Faces& faces_;
   const DualLaplacianOptions& options_;
   double size_;
@@ -215,6 +233,7 @@ class DualRows {
   Faces across_;
   Points rest_, centres_;
   Terms terms_;
+  std::vector<Bend> bends_;
 };
 
 }  // namespace

@@ -147,6 +147,25 @@ TEST_CASE("estimates: the energy falls from round to round and what is reported 
   CHECK(deformer.report().last_change > 1e-6);
 }
 
+TEST_CASE("estimates: the energy falls for any moves") {
+  const Held c(8);
+  Random random(21);
+  for (const auto& deformer :
+       all_kinds(c.mesh, quads_of_sheet(8), c.left, {{"right", c.right}, {"one", {40}}})) {
+    for (int edit = 0; edit < 12; ++edit) {
+      std::vector<HandleMove> moves(2);
+      for (HandleMove& move : moves) {
+        move.about = {2, 2, 0};
+        move.turn = 2 * random.point();
+        move.shift = 3 * random.point();
+      }
+      deformer->deform(moves);
+      const std::vector<double>& E = deformer->report().energies;
+      for (size_t k = 1; k < E.size(); ++k) CHECK(E[k] <= E[k - 1] + 1e-12 * E[0]);
+    }
+  }
+}
+
 TEST_CASE("estimates: one factor for all rounds and edits, and rounds allocate nothing") {
   const Held c(20);
   const auto make = [&](int kind) -> std::unique_ptr<DeformEstimate> {
@@ -182,6 +201,7 @@ TEST_CASE("the nonlinear energy is that of spokes and rims with cotangents") {
   const Held c(10);
   NonlinearOptions options;
   options.smoothing = 0.003;
+  options.most_rounds = 5;
   NonlinearDeformer deformer(c.mesh, c.left, {{"right", c.right}}, options);
   const Points p = deformer.deform(std::vector{some_move()});
   const auto& R = deformer.vertex_rotations();
@@ -220,7 +240,7 @@ TEST_CASE("the dual energy is that of its header, and Laplacian vectors stand up
     const auto& v = topology.triangles()[t];
     return Vec3((x.row(v[0]) + x.row(v[1]) + x.row(v[2])).transpose() / 3);
   };
-  double energy = 0;
+  double energy = 0, membrane = 0, bent_membrane = 0, all_area = 0, bent = 0;
   for (int t = 0; t < c.mesh.triangle_count(); ++t) {
     const auto& v = topology.triangles()[t];
     const Mat3& R = deformer.face_turns()[t];
@@ -244,19 +264,22 @@ TEST_CASE("the dual energy is that of its header, and Laplacian vectors stand up
     const Eigen::Vector4d solved = conditions.fullPivLu().solve(Eigen::Vector4d::Unit(3));
     const Vec3 weights = solved.head<3>(), l = to * weights;
     CHECK((l - height * n).norm() < 1e-12);
-    const double size = c.mesh.size(),
-                 curvature = l.norm() / (to.colwise().squaredNorm().mean() / 4);
+    const double scale = to.colwise().squaredNorm().mean() / 4, curvature = l.norm() / scale;
     const double area = c.mesh.area_vector(t).norm() / 2;
-    energy +=
-        area * ((after * weights - R * l) / (to.colwise().squaredNorm().mean() / 4)).squaredNorm();
+    energy += area * ((after * weights - R * l) / scale).squaredNorm();
     double edges = 0, squares = 0;
     for (int k = 0; k < 3; ++k) {
       const Vec3 e = c.mesh.point(v[(k + 1) % 3]) - c.mesh.point(v[k]);
       edges += ((p.row(v[(k + 1) % 3]) - p.row(v[k])).transpose() - R * e).squaredNorm();
       squares += e.squaredNorm();
     }
-    energy += (1 / (size * size) + curvature * curvature) * area * edges / squares;
+    membrane += area * edges / squares;
+    bent_membrane += curvature * curvature * area * edges / squares;
+    all_area += area;
+    bent += area * curvature;
   }
+  const double mean = bent / all_area, size = c.mesh.size();
+  energy += (1 / (size * size) + mean * mean) * membrane + bent_membrane;
   CHECK(deformer.report().energies.back() == Approx(energy / 2).epsilon(1e-9));
 }
 
@@ -269,7 +292,7 @@ TEST_CASE("a patch lifted without a turn gives a slope whose faces have turned")
     const Points p = deformer->deform(lift);
     const double boss = tilt_degrees(p, panel.boss), ring = tilt_degrees(p, panel.ring);
     CHECK(ring > 20);
-    CHECK(std::abs(boss - ring) < 1.2);
+    CHECK(std::abs(boss - ring) < 1.5);
   }
 }
 
@@ -366,17 +389,19 @@ TEST_CASE("estimates: same bits on one thread and on several, and again after an
 
 TEST_CASE("estimates: from a guess to the same shape") {
   const Held c(14);
+  HandleMove move;
+  move.shift = {0, 0, 0.8};
   for (const auto& deformer : all_kinds(c.mesh, {}, c.left, {{"right", c.right}})) {
-    const Points p = deformer->deform(std::vector{some_move()});
+    const Points p = deformer->deform(std::vector{move});
     const double energy = deformer->report().energies.back();
     const int rounds = deformer->report().rounds;
     CHECK(deformer->report().converged);
-    const Points again = deformer->deform(std::vector{some_move()}, p);
+    const Points again = deformer->deform(std::vector{move}, p);
     CHECK(deformer->report().rounds < rounds);
     CHECK(deformer->report().energies.back() <= energy * (1 + 1e-6));
-    CHECK(relative(again, p) < 1e-4);
+    CHECK(relative(again, p) < 2e-5);
     CHECK(refusal([&] {
-            deformer->deform(std::vector{some_move()}, p.topRows(3));
+            deformer->deform(std::vector{move}, p.topRows(3));
           }).find("has 3 points, expected 225") != std::string::npos);
   }
 }

@@ -150,6 +150,8 @@ TEST_CASE("means of rotations: outliers carry the squared one away, not the othe
   CHECK((median_rotation(rotations, weights) - truth).norm() < 1e-9);
   // Weights count: with most of it on the others, the median is theirs.
   for (int k = 70; k < 100; ++k) weights[k] = 5;
+  CHECK(angle_between(mean_rotation(rotations, weights), wrong) <
+        angle_between(mean_rotation(rotations, weights), truth));
   CHECK((median_rotation(rotations, weights) - wrong).norm() < 1e-9);
   // Scattered: no other rotation near it has a smaller sum.
   std::fill(weights.begin(), weights.end(), 1.0);
