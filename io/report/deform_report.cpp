@@ -43,6 +43,8 @@ Json edits_json(const std::vector<DeformReport::Edit>& edits) {
                     {"largest_displacement", e.largest_displacement},
                     {"hard_residual", e.hard_residual},
                     {"last_correction", e.last_correction},
+                    {"rounds", e.rounds},
+                    {"found", e.found},
                     {"set_up_s", e.set_up_s},
                     {"edit_s", e.edit_s}});
   return json;

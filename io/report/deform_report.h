@@ -26,6 +26,8 @@ struct DeformReport : RunReport {
     double largest_displacement = 0, hard_residual = 0;
     double last_correction = 0;  ///< largest change of a coordinate in the last correction step,
                                  ///< over the mesh's size
+    int rounds = 0;              ///< of the estimate of the shape; 0 without one
+    bool found = true;           ///< whether the estimate settled
     double set_up_s = 0, edit_s = 0;
   };
   std::vector<Edit> edits;

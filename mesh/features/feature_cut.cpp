@@ -1,72 +1,15 @@
 #include "batten/mesh/features/feature_cut.h"
 
 #include <algorithm>
-#include <boost/graph/adjacency_list.hpp>
-#include <boost/graph/boykov_kolmogorov_max_flow.hpp>
-#include <cmath>
-#include <cstdint>
 #include <string>
 
 #include "batten/core/errors.h"
 #include "batten/core/index.h"
+#include "batten/mesh/features/minimum_cut.h"
 #include "batten/mesh/selection.h"
 
 namespace batten {
 namespace {
-
-// An undirected edge of the dual graph.
-struct Arc {
-  int a, b;
-  double capacity;
-};
-
-// The nodes on the source's side of the minimum cut, as few as possible: those that residual
-// capacity reaches from the source.
-std::vector<char> source_side(int nodes, int source, int sink, const std::vector<Arc>& arcs) {
-  using Traits = boost::adjacency_list_traits<boost::vecS, boost::vecS, boost::directedS>;
-  using Amount = std::int64_t;
-  struct Node {
-    boost::default_color_type color = boost::white_color;
-    Amount distance = 0;
-    Traits::edge_descriptor predecessor;
-  };
-  struct Edge {
-    Amount capacity = 0, residual = 0;
-    Traits::edge_descriptor reverse;
-  };
-  using Graph = boost::adjacency_list<boost::vecS, boost::vecS, boost::directedS, Node, Edge>;
-
-  double sum = 0;
-  for (const Arc& arc : arcs) sum += arc.capacity;
-  const double unit = sum > 0 ? 0x1p52 / sum : 0;
-  Graph graph(nodes);
-  for (const Arc& arc : arcs) {
-    const auto there = add_edge(arc.a, arc.b, graph).first;
-    const auto back = add_edge(arc.b, arc.a, graph).first;
-    graph[there].capacity = graph[back].capacity = std::llround(arc.capacity * unit);
-    graph[there].reverse = back;
-    graph[back].reverse = there;
-  }
-  boykov_kolmogorov_max_flow(graph, get(&Edge::capacity, graph), get(&Edge::residual, graph),
-                             get(&Edge::reverse, graph), get(&Node::predecessor, graph),
-                             get(&Node::color, graph), get(&Node::distance, graph),
-                             get(boost::vertex_index, graph), source, sink);
-  std::vector<char> reached(nodes, 0);
-  std::vector<int> stack = {source};
-  reached[source] = 1;
-  while (!stack.empty()) {
-    const int node = stack.back();
-    stack.pop_back();
-    for (auto [edge, end] = out_edges(node, graph); edge != end; ++edge) {
-      const int other = static_cast<int>(target(*edge, graph));
-      if (graph[*edge].residual > 0 && !reached[other]) {
-        reached[other] = 1;
-        stack.push_back(other);
-      }
-    }
-  }
-  return reached;
-}
 
 constexpr int kBand = 0;  // parts are 1, 2, …; -1 in other parts of the mesh
 
@@ -74,16 +17,14 @@ class FeatureCutter {
  public:
   FeatureCutter(const TriangleMesh& mesh, const std::vector<int>& band, const CutOptions& options)
       : mesh_(mesh), topology_(mesh.topology()), options_(options) {
-    for (const double eta : {options.concave, options.convex})
-      if (!(eta >= 0) || !std::isfinite(eta))
-        throw InputError("weight " + number(eta) + " of a bend, expected 0 or more");
+    check(options);
     mark_band(band);
     find_parts();
     feature_part_ = options.feature_vertex < 0 ? smaller_part() : part_with(options.feature_vertex);
   }
 
   FeatureCut cut() {
-    const std::vector<Arc> arcs = dual_arcs();
+    const std::vector<DualArc> arcs = dual_arcs();
     // Nodes: the source, the sink, then the band.
     const std::vector<char> near = source_side(2 + count_of(band_), 0, 1, arcs);
     FeatureCut result{{}, {}, {}, 0};
@@ -92,7 +33,7 @@ class FeatureCutter {
       inside[t] = part_[t] >= 0 && near[node_of(t)];
       if (inside[t]) result.triangles.push_back(t);
     }
-    for (const Arc& arc : arcs)
+    for (const DualArc& arc : arcs)
       if (near[arc.a] != near[arc.b]) result.cost += arc.capacity;
     result.vertices = vertices_of_triangles(topology_, result.triangles);
     result.chains = border_chains(topology_, inside);
@@ -190,33 +131,18 @@ class FeatureCutter {
     return part == kBand ? 2 + band_number_[triangle] : part == feature_part_ ? 0 : 1;
   }
 
-  double distance(const MeshTopology::Edge& e) const {
-    const Vec3 left = mesh_.area_vector(e.left), right = mesh_.area_vector(e.right);
-    const double norms = left.norm() * right.norm();
-    if (!(norms > 0)) return 0;
-    // The tip of the right triangle above the left one: the surface bends towards its normal.
-    const auto& corners = topology_.triangles()[e.right];
-    const int tip = *std::find_if(corners.begin(), corners.end(),
-                                  [&](int v) { return v != e.low && v != e.high; });
-    const bool concave = left.dot(mesh_.point(tip) - mesh_.point(e.low)) > 0;
-    return (concave ? options_.concave : options_.convex) * (1 - left.dot(right) / norms);
-  }
-
-  std::vector<Arc> dual_arcs() const {
-    std::vector<Arc> arcs;
-    std::vector<double> d;
-    double sum = 0;
-    for (const auto& e : topology_.edges()) {
+  std::vector<DualArc> dual_arcs() const {
+    std::vector<DualArc> arcs;
+    std::vector<int> edges;
+    for (int i = 0; i < count_of(topology_.edges()); ++i) {
+      const auto& e = topology_.edges()[i];
       if (e.left < 0 || e.right < 0 || (part_[e.left] != kBand && part_[e.right] != kBand))
         continue;
-      arcs.push_back(
-          {node_of(e.left), node_of(e.right), (mesh_.point(e.high) - mesh_.point(e.low)).norm()});
-      d.push_back(distance(e));
-      sum += d.back();
+      arcs.push_back({node_of(e.left), node_of(e.right), 0});
+      edges.push_back(i);
     }
-    constexpr double tenth_of_a_degree = 1.523e-6;  // 1 - cos
-    const double mean = std::max(sum / static_cast<double>(d.size()), tenth_of_a_degree);
-    for (size_t i = 0; i < arcs.size(); ++i) arcs[i].capacity /= 1 + d[i] / mean;
+    const std::vector<double> capacities = cut_capacities(mesh_, edges, options_);
+    for (size_t i = 0; i < arcs.size(); ++i) arcs[i].capacity = capacities[i];
     return arcs;
   }
 

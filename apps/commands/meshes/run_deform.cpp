@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "batten/apps/commands/meshes/deform_task.h"
+#include "batten/apps/commands/meshes/turn_estimate.h"
 #include "batten/apps/commands/runs/run_parts.h"
 #include "batten/core/box.h"
 #include "batten/core/index.h"
@@ -197,6 +198,23 @@ void write_result(const std::filesystem::path& path, const MeshFile& file, const
   write_deformed_vtp(path, shells, data);
 }
 
+bool scales_features(const DeformEdit& edit) {
+  return std::any_of(edit.feature_scales.begin(), edit.feature_scales.end(),
+                     [](double scale) { return scale != 1; });
+}
+
+void count_into(DeformReport::Edit& report, const FormFeatureDeformer& deformer) {
+  const auto c = deformer.counts();
+  report.moving = c.moving;
+  report.unknowns = c.unknowns;
+  report.soft_rows = c.soft_rows;
+  report.hard_rows = c.hard_rows;
+  report.feature_rows = c.feature_rows;
+  report.dropped_rows = c.dropped_rows;
+  report.guide_rows = c.guide_rows;
+  report.hard_residual = deformer.hard_residual();
+}
+
 /// One run of `batten deform`: the constructor reads, the other steps follow in their order.
 class DeformRun {
  public:
@@ -314,29 +332,33 @@ class DeformRun {
   }
 
   void deform(const EditRule& rule, const TriangleMesh& mesh, Task& task) {
+    DeformReport::Edit report;
+    report.name = rule.name;
     const auto start = Clock::now();
-    if (rule.keep_centres &&
-        std::any_of(task.edit.feature_scales.begin(), task.edit.feature_scales.end(),
-                    [](double scale) { return scale != 1; })) {
+    const std::optional<ShapeEstimate> estimate = estimate_for(rule, task, mesh, report);
+    const auto solve = [&](FormFeatureDeformer& deformer, const DeformEdit& edit) {
+      estimate ? deformer.deform(edit, *estimate) : deformer.deform(edit);
+      deformer.correct();
+    };
+    if (rule.keep_centres && scales_features(task.edit)) {
       DeformEdit unscaled = task.edit;
       unscaled.feature_scales.clear();
       FormFeatureDeformer deformer(mesh, task.problem);
-      deformer.deform(unscaled);
-      deformer.correct();
+      solve(deformer, unscaled);
       task = with_kept_centres(std::move(task), kept_, deformer.positions());
     }
     FormFeatureDeformer deformer(mesh, task.problem);
-    const double set_up = seconds_since(start);
+    report.set_up_s = seconds_since(start);
     const auto begin = Clock::now();
-    deformer.deform(task.edit);
-    const double edit = seconds_since(begin);
-    deformer.correct();
-    const double change = deformer.correct();
-    const auto c = deformer.counts();
-    report_.edits.push_back({rule.name, c.moving, c.unknowns, c.soft_rows, c.hard_rows,
-                             c.feature_rows, c.dropped_rows, c.guide_rows,
-                             largest_move(states_.back(), deformer.positions()),
-                             deformer.hard_residual(), change, set_up, edit});
+    solve(deformer, task.edit);
+    report.edit_s = seconds_since(begin);
+    report.last_correction = deformer.correct();
+    count_into(report, deformer);
+    report.largest_displacement = largest_move(states_.back(), deformer.positions());
+    report_.edits.push_back(report);
+    if (!report.found)
+      report_.warnings.push_back(rule.name + ": how the sheet turns did not settle in " +
+                                 std::to_string(report.rounds) + " rounds");
     for (const auto& note : deformer.notes()) report_.warnings.push_back(rule.name + ": " + note);
     states_.push_back(unmoved_as_before(mesh.points(), deformer.positions()));
     attached_.follow(mesh.points(), states_.back(), task.problem.features);

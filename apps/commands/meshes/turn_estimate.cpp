@@ -7,6 +7,7 @@
 #include "batten/apps/commands/runs/run_parts.h"
 #include "batten/core/groups.h"
 #include "batten/core/index.h"
+#include "batten/core/rotations.h"
 #include "batten/mesh/regions/dual_laplacian_deformer.h"
 #include "batten/mesh/regions/nonlinear_deformer.h"
 #include "batten/mesh/regions/rotation_of_faces.h"

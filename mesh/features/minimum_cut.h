@@ -1,0 +1,27 @@
+// The minimum cut between triangles and what its edges cost. Internal.
+#pragma once
+
+#include <vector>
+
+#include "batten/mesh/features/feature_cut.h"
+
+namespace batten {
+
+/// An undirected edge of the dual graph.
+struct DualArc {
+  int a, b;
+  double capacity;
+};
+
+/// The nodes on the source's side of the minimum cut, as few as possible: those that residual
+/// capacity reaches from the source.
+std::vector<char> source_side(int nodes, int source, int sink, const std::vector<DualArc>& arcs);
+
+/// Cost of each of these edges of the topology, which have two triangles: cut_feature() says how.
+std::vector<double> cut_capacities(const TriangleMesh& mesh, const std::vector<int>& edges,
+                                   const CutOptions& options);
+
+/// Throws InputError when an η is negative or not finite.
+void check(const CutOptions& options);
+
+}  // namespace batten

@@ -1,0 +1,247 @@
+#include "batten/mesh/regions/feature_region_deformer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <set>
+
+#include "batten/core/chunks.h"
+#include "batten/core/errors.h"
+#include "batten/core/groups.h"
+#include "batten/core/rotations.h"
+#include "batten/mesh/regions/region_system.h"
+#include "batten/mesh/regions/rotation_of_faces.h"
+#include "batten/mesh/selection.h"
+
+namespace batten {
+namespace {
+
+using Lists = std::vector<std::vector<int>>;
+
+void check_rotation(const std::string& name, const Mat3& R) {
+  if (!((R.transpose() * R - Mat3::Identity()).norm() < 1e-9) || !(R.determinant() > 0))
+    throw InputError("the rotation of region '" + name + "' is none, expected RᵀR = 1, det R = 1");
+}
+
+void check_scale(const std::string& name, double scale) {
+  if (!(scale > 0) || !(scale < 1e100))
+    throw InputError("the scale of region '" + name + "' is " + number(scale) +
+                     ", expected a number above 0");
+}
+
+std::vector<std::string> checked_names(const std::vector<FeatureRegion>& regions) {
+  std::set<std::string> names;
+  std::vector<std::string> list;
+  for (const auto& region : regions) {
+    if (region.name.empty()) throw InputError("found a region without name");
+    if (!names.insert(region.name).second)
+      throw InputError("the region '" + region.name + "' is there twice, expected different names");
+    if (region.rotation) check_rotation(region.name, *region.rotation);
+    check_scale(region.name, region.scale);
+    list.push_back(region.name);
+  }
+  return list;
+}
+
+const FeatureRegionOptions& checked(const FeatureRegionOptions& options) {
+  if (!(options.weight > 0) || !std::isfinite(options.weight))
+    throw InputError("the weight of feature regions is " + number(options.weight) +
+                     ", expected a number above 0");
+  return options;
+}
+
+}  // namespace
+
+struct FeatureRegionDeformer::Data {
+  Data(const TriangleMesh& given, std::vector<FeatureRegion> stated, DeformProblem held,
+       const FeatureRegionOptions& wanted);
+  void find_holders();
+  void group();
+  void take(const Points& estimate, std::span<const HandleMove> moves);
+  void turn_faces(const Points& estimate);
+  void turn_regions();
+  Mat3 mean_of_group(int group) const;
+
+  TriangleMesh mesh;
+  std::vector<FeatureRegion> regions;
+  DeformProblem problem;
+  FeatureRegionOptions options;
+  std::vector<std::string> names;
+  Lists faces, corners;
+  std::optional<RegionSystem> system, soft;  // soft: for rough() of hard regions
+  std::vector<int> group_of;                 // lowest region of those that turn as one
+  std::vector<int> holder;  // of each group's lowest region: handle, kFixed, or kMoves
+
+  DeformEdit edit;
+  std::vector<std::vector<Mat3>> face_turns;
+  std::vector<std::vector<double>> areas;
+  std::vector<Mat3> turns, scaled;  // R', s R'
+  std::vector<double> scales;
+  Points result;
+};
+
+FeatureRegionDeformer::Data::Data(const TriangleMesh& given, std::vector<FeatureRegion> stated,
+                                  DeformProblem held, const FeatureRegionOptions& wanted)
+    : mesh(given),
+      regions(std::move(stated)),
+      problem(std::move(held)),
+      options(checked(wanted)),
+      names(checked_names(regions)),
+      result(given.points()) {
+  for (const auto& region : regions) {
+    faces.push_back(faces_of(mesh, region));
+    corners.push_back(vertices_of_triangles(mesh.topology(), faces.back()));
+    face_turns.emplace_back(faces.back().size(), Mat3::Identity());
+    areas.emplace_back();
+    for (const int f : faces.back()) areas.back().push_back(mesh.area_vector(f).norm() / 2);
+    scales.push_back(region.scale);
+  }
+  turns.assign(regions.size(), Mat3::Identity());
+  scaled = turns;
+  system.emplace(mesh, problem, names, faces, corners, options);
+  group();
+  find_holders();
+}
+
+void FeatureRegionDeformer::Data::group() {
+  Groups groups(regions.size());
+  if (options.kind == FeatureRegionOptions::Kind::Hard) {
+    std::vector<int> first(mesh.vertex_count(), -1);
+    for (size_t r = 0; r < regions.size(); ++r)
+      for (const int v : corners[r])
+        if (first[v] < 0)
+          first[v] = static_cast<int>(r);
+        else
+          groups.join(first[v], static_cast<int>(r));
+  }
+  for (size_t r = 0; r < regions.size(); ++r) group_of.push_back(groups.of(static_cast<int>(r)));
+}
+
+void FeatureRegionDeformer::Data::find_holders() {
+  holder.assign(regions.size(), DeformSystem::kMoves);
+  for (size_t r = 0; r < regions.size(); ++r)
+    for (const int v : corners[r])
+      if (system->holder(v) != DeformSystem::kMoves)
+        holder[group_of[r]] = std::max(holder[group_of[r]], system->holder(v));
+}
+
+void FeatureRegionDeformer::Data::take(const Points& estimate, std::span<const HandleMove> moves) {
+  edit.handles.assign(moves.begin(), moves.end());
+  check(problem, edit);
+  if (estimate.rows() != mesh.vertex_count() || !estimate.allFinite())
+    throw InputError("the estimate has " + std::to_string(estimate.rows()) + " points, expected " +
+                     std::to_string(mesh.vertex_count()) + " finite ones");
+  turn_faces(estimate);
+  turn_regions();
+}
+
+void FeatureRegionDeformer::Data::turn_faces(const Points& estimate) {
+  for (size_t r = 0; r < regions.size(); ++r)
+    for_each_in_chunks<256>(count_of(faces[r]), [&](int k) {
+      face_turns[r][k] = rotation_of_face(mesh.triangles()[faces[r][k]], mesh.points(), estimate);
+    });
+}
+
+Mat3 FeatureRegionDeformer::Data::mean_of_group(int group) const {
+  std::vector<Mat3> all;
+  std::vector<double> weights;
+  for (size_t r = 0; r < regions.size(); ++r)
+    if (group_of[r] == group) {
+      all.insert(all.end(), face_turns[r].begin(), face_turns[r].end());
+      weights.insert(weights.end(), areas[r].begin(), areas[r].end());
+    }
+  return options.mean == FeatureRegionOptions::Mean::Squared ? mean_rotation(all, weights)
+                                                             : median_rotation(all, weights);
+}
+
+void FeatureRegionDeformer::Data::turn_regions() {
+  std::vector<const Mat3*> told(regions.size(), nullptr);  // of each group
+  for (size_t r = 0; r < regions.size(); ++r)
+    if (regions[r].rotation && !told[group_of[r]]) told[group_of[r]] = &*regions[r].rotation;
+  for (size_t r = 0; r < regions.size(); ++r) {
+    const int group = group_of[r], by = holder[group];
+    scales[r] = by >= 0 ? edit.handles[by].scale : regions[r].scale;
+    if (regions[r].rotation) {
+      turns[r] = *regions[r].rotation;
+    } else if (told[group]) {
+      turns[r] = *told[group];
+    } else if (by >= 0) {
+      for (int c = 0; c < 3; ++c) turns[r].col(c) = rotated(edit.handles[by].turn, Vec3::Unit(c));
+    } else if (by != DeformSystem::kMoves) {
+      turns[r].setIdentity();
+    } else {
+      turns[r] = group == static_cast<int>(r) ? mean_of_group(group) : turns[group];
+    }
+    scaled[r] = scales[r] * turns[r];
+  }
+}
+
+FeatureRegionDeformer::FeatureRegionDeformer(const TriangleMesh& mesh,
+                                             std::vector<FeatureRegion> regions,
+                                             std::vector<int> fixed, std::vector<Handle> handles,
+                                             const FeatureRegionOptions& options) {
+  DeformProblem held;
+  held.fixed = std::move(fixed);
+  held.handles = std::move(handles);
+  data_ = std::make_unique<Data>(mesh, std::move(regions), std::move(held), options);
+}
+FeatureRegionDeformer::~FeatureRegionDeformer() = default;
+FeatureRegionDeformer::FeatureRegionDeformer(FeatureRegionDeformer&&) noexcept = default;
+FeatureRegionDeformer& FeatureRegionDeformer::operator=(FeatureRegionDeformer&&) noexcept = default;
+
+const Points& FeatureRegionDeformer::deform(const Points& estimate,
+                                            std::span<const HandleMove> moves) {
+  Data& d = *data_;
+  d.take(estimate, moves);
+  d.system->solve(
+      estimate, d.edit, d.scales, d.scaled,
+      [&](int region, int) -> const Mat3& { return d.scaled[region]; }, d.result);
+  return d.result;
+}
+
+const Points& FeatureRegionDeformer::rough(const Points& estimate,
+                                           std::span<const HandleMove> moves) {
+  Data& d = *data_;
+  d.take(estimate, moves);
+  RegionSystem* system = &*d.system;
+  if (d.options.kind == FeatureRegionOptions::Kind::Hard) {
+    FeatureRegionOptions soft = d.options;
+    soft.kind = FeatureRegionOptions::Kind::Soft;
+    if (!d.soft) d.soft.emplace(d.mesh, d.problem, d.names, d.faces, d.corners, soft);
+    system = &*d.soft;
+  }
+  system->solve(
+      estimate, d.edit, d.scales, d.scaled,
+      [&](int region, int k) -> Mat3 { return d.scales[region] * d.face_turns[region][k]; },
+      d.result);
+  return d.result;
+}
+
+void FeatureRegionDeformer::set_rotation(int region, const std::optional<Mat3>& rotation) {
+  FeatureRegion& r = data_->regions.at(region);
+  if (rotation) check_rotation(r.name, *rotation);
+  r.rotation = rotation;
+}
+
+void FeatureRegionDeformer::set_scale(int region, double scale) {
+  FeatureRegion& r = data_->regions.at(region);
+  check_scale(r.name, scale);
+  r.scale = scale;
+}
+
+const Points& FeatureRegionDeformer::positions() const { return data_->result; }
+const std::vector<Mat3>& FeatureRegionDeformer::region_rotations() const { return data_->turns; }
+const std::vector<double>& FeatureRegionDeformer::region_scales() const { return data_->scales; }
+const std::vector<Mat3>& FeatureRegionDeformer::face_rotations(int region) const {
+  return data_->face_turns.at(region);
+}
+const std::vector<int>& FeatureRegionDeformer::faces(int region) const {
+  return data_->faces.at(region);
+}
+const std::vector<int>& FeatureRegionDeformer::vertices(int region) const {
+  return data_->corners.at(region);
+}
+const std::vector<FeatureRegion>& FeatureRegionDeformer::regions() const { return data_->regions; }
+int FeatureRegionDeformer::unknowns() const { return data_->system->unknowns(); }
+
+}  // namespace batten

@@ -1,0 +1,390 @@
+#include "batten/mesh/regions/turning_rows.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "batten/core/chunks.h"
+#include "batten/core/errors.h"
+#include "batten/core/groups.h"
+#include "batten/core/rotations.h"
+#include "batten/mesh/deform/normal_equations.h"
+#include "batten/mesh/regions/rotation_of_faces.h"
+
+namespace batten {
+namespace {
+
+constexpr int kChunk = 512;
+
+Mat3 turn_of(const Vec3& log) {
+  Mat3 R;
+  for (int c = 0; c < 3; ++c) R.col(c) = rotated(log, Vec3::Unit(c));
+  return R;
+}
+
+/// Lists of things by owner: those of owner o are item[start[o]] … item[start[o+1] - 1].
+template <class ForEach>
+void list_by_owner(int owners, std::vector<int>& start, std::vector<int>& item,
+                   const ForEach& for_each) {
+  start.assign(owners + 1, 0);
+  for_each([&](int owner, int) { ++start[owner + 1]; });
+  for (int o = 0; o < owners; ++o) start[o + 1] += start[o];
+  item.resize(start.back());
+  std::vector<int> next(start.begin(), start.end() - 1);
+  for_each([&](int owner, int i) { item[next[owner]++] = i; });
+}
+
+}  // namespace
+
+DeformProblem held_by(std::vector<int> fixed, std::vector<Handle> handles) {
+  DeformProblem problem;
+  problem.fixed = std::move(fixed);
+  problem.handles = std::move(handles);
+  return problem;
+}
+
+TurningSolver::Held TurningSolver::held_vertices(const MeshTopology& topology,
+                                                 const DeformProblem& given,
+                                                 const TurningRows& rows) {
+  const auto n = static_cast<int>(rows.A.cols());
+  check(given, n);
+  const DeformProblem problem = with_whole_nodes(given, topology);
+  Held held{ConstraintSet(n), {}, {}};
+  Groups parts(n);
+  for (long r = 0; r < rows.A.rows(); ++r) {
+    int first = -1;
+    for (RowMatrix::InnerIterator a(rows.A, r); a; ++a)
+      if (first < 0)
+        first = static_cast<int>(a.col());
+      else
+        parts.join(first, static_cast<int>(a.col()));
+  }
+  for (int v = topology.node_count(); v < n; ++v) parts.join(topology.node_of(v), v);
+  std::vector<char> told(n, 0);
+  const auto add = [&](const std::string& name, std::vector<int> vertices, int handle) {
+    std::sort(vertices.begin(), vertices.end());
+    vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+    for (const int v : vertices) {
+      held.rows.fix(name, v, Vec3::Zero());
+      held.vertex.push_back(v);
+      held.handle.push_back(handle);
+      told[parts.of(v)] = 1;
+    }
+  };
+  add("fixed", problem.fixed, -1);
+  for (size_t h = 0; h < problem.handles.size(); ++h)
+    add(problem.handles[h].name, problem.handles[h].vertices, static_cast<int>(h));
+  std::vector<int> alone;
+  for (int v = 0; v < n; ++v)
+    if (!told[parts.of(v)]) alone.push_back(v);
+  add("a part that nothing holds", alone, -1);
+  std::vector<char> is_held(n, 0);
+  for (const int v : held.vertex) is_held[v] = 1;
+  for (int v = topology.node_count(); v < n; ++v)
+    if (!is_held[v])
+      held.rows.add("sheets at a joint", {{v, 1.0}, {topology.node_of(v), -1.0}}, Vec3::Zero());
+  return held;
+}
+
+TurningSolver::TurningSolver(const TriangleMesh& mesh, DeformProblem problem, TurningRows rows,
+                             const std::string& who)
+    : TurningSolver(mesh, problem, rows, who, held_vertices(mesh.topology(), problem, rows)) {}
+
+TurningSolver::TurningSolver(const TriangleMesh& mesh, DeformProblem problem, TurningRows rows,
+                             const std::string& who, Held held)
+    : problem_(std::move(problem)),
+      rows_(std::move(rows)),
+      who_(who),
+      size_(mesh.size()),
+      origin_(mesh.triangle_count() > 0 ? Vec3(mesh.box().center()) : Vec3(Vec3::Zero())),
+      points_(mesh.points()),
+      held_vertex_(std::move(held.vertex)),
+      held_handle_(std::move(held.handle)),
+      positions_(held.rows, AffineReduction::Values::Later),
+      mixing_(rows_.links.empty() ? positions_.free_count() : 3L * cell_count()) {
+  const RowMatrix reduced = reduced_rows(rows_.A, positions_);
+  B_ = reduced;
+  if (positions_.free_count() > 0) {
+    const SparseMatrix N = normal_matrix(B_, reduced);
+    factor_.analyze(N);
+    if (!factor_.factorize(N)) throw NoSolutionError(who_ + ": " + factor_.message());
+  }
+  right_ = MatX::Zero(count_of(held.rows.rows()), 3);
+  gather_cells();
+  colour_cells();
+  spread_turns();
+  find_copies(mesh.topology());
+  const long count = rows_.A.rows();
+  y_ = load_ = mixed_ = MatX::Zero(positions_.free_count(), 3);
+  if (!rows_.links.empty()) turns_before_ = turns_ = mixed_ = MatX::Zero(3L * cell_count(), 3);
+  now_ = held_part_ = residual_ = RowPoints::Zero(count, 3);
+  seen_.assign(element_count(), Mat3::Zero());
+  G_.assign(cell_count(), Mat3::Identity());
+  G_before_ = G_;
+  parts_.assign(std::max(element_count(), cell_count()) / kChunk + 1, 0);
+  p_ = points_.rowwise() - origin_.transpose();
+  result_ = points_;
+}
+
+void TurningSolver::find_copies(const MeshTopology& topology) {
+  std::vector<char> is_free(topology.vertex_count(), 0);
+  for (const int v : positions_.free_dofs()) is_free[v] = 1;
+  for (int v = 0; v < topology.vertex_count(); ++v)
+    if (!is_free[v])
+      for (const int other : topology.together(v))
+        if (is_free[other]) copies_.emplace_back(v, other);
+}
+
+void TurningSolver::gather_cells() {
+  const int m = rows_.cells_of_element;
+  list_by_owner(cell_count(), element_start_, elements_, [&](const auto& visit) {
+    for (size_t k = 0; k < rows_.cells.size(); ++k) visit(rows_.cells[k], static_cast<int>(k) / m);
+  });
+  base_square_.assign(element_count(), 0);
+  for (int e = 0; e < element_count(); ++e)
+    for (int r = rows_.row_start[e]; r < rows_.row_start[e + 1]; ++r)
+      base_square_[e] += rows_.base.row(r).squaredNorm();
+}
+
+void TurningSolver::colour_cells() {
+  std::vector<int> link;  // of each cell
+  list_by_owner(cell_count(), link_start_, link, [&](const auto& visit) {
+    for (size_t k = 0; k < rows_.links.size(); ++k) {
+      visit(rows_.links[k].a, static_cast<int>(k));
+      visit(rows_.links[k].b, static_cast<int>(k));
+    }
+  });
+  if (rows_.links.empty()) return;
+  std::vector<int> colour(cell_count(), -1), taken;  // taken: by which cell last
+  for (int c = 0; c < cell_count(); ++c) {
+    for (int k = link_start_[c]; k < link_start_[c + 1]; ++k) {
+      const auto& l = rows_.links[link[k]];
+      linked_.push_back(l.a == c ? l.b : l.a);
+      link_weight_.push_back(l.weight);
+      const int other = colour[linked_.back()];
+      if (other >= 0) taken[other] = c;
+    }
+    const auto free = std::find_if(taken.begin(), taken.end(), [&](int by) { return by != c; });
+    colour[c] = static_cast<int>(free - taken.begin());
+    if (free == taken.end()) taken.push_back(-1);
+  }
+  list_by_owner(count_of(taken), colour_start_, coloured_, [&](const auto& visit) {
+    for (int c = 0; c < cell_count(); ++c) visit(colour[c], c);
+  });
+}
+
+// 1 on a handle's own vertices, 0 on everything else that is held, min |A q|² between.
+void TurningSolver::spread_turns() {
+  const auto handles = static_cast<long>(problem_.handles.size());
+  MatX indicator = MatX::Zero(right_.rows(), handles);
+  for (size_t k = 0; k < held_handle_.size(); ++k)
+    if (held_handle_[k] >= 0) indicator(static_cast<long>(k), held_handle_[k]) = 1;
+  MatX field = positions_.particular(indicator);
+  if (positions_.free_count() > 0 && handles > 0) {
+    MatX load = B_.transpose() * MatX(rows_.A * -field);
+    factor_.solve_in_place(load);
+    field += positions_.D() * load;
+  }
+  weights_ = rows_.mean * field;
+}
+
+void TurningSolver::set_held() {
+  for (size_t k = 0; k < held_vertex_.size(); ++k) {
+    const Vec3 at = points_.row(held_vertex_[k]).transpose();
+    right_.row(static_cast<long>(k)) =
+        (held_handle_[k] < 0 ? at : edit_.handles[held_handle_[k]](at)) - origin_;
+  }
+  positions_.set_right(right_);
+  const MatX& d0 = positions_.d0();
+  in_chunks(held_part_.rows(), [&](long first, long last) {
+    for (long r = first; r < last; ++r) {
+      Eigen::RowVector3d sum = Eigen::RowVector3d::Zero();
+      for (RowMatrix::InnerIterator a(rows_.A, r); a; ++a) sum += a.value() * d0.row(a.col());
+      held_part_.row(r) = sum;
+    }
+  });
+}
+
+void TurningSolver::start(const Points* guess) {
+  for (long v = 0; v < p_.rows(); ++v)
+    p_.row(v) = (guess ? *guess : points_).row(v) - origin_.transpose();
+  for (size_t k = 0; k < held_vertex_.size(); ++k)
+    p_.row(held_vertex_[k]) = right_.row(static_cast<long>(k));
+  const auto& free = positions_.free_dofs();
+  for (size_t k = 0; k < free.size(); ++k) y_.row(static_cast<long>(k)) = p_.row(free[k]);
+  for_each_in_chunks<kChunk>(cell_count(), [&](int c) {
+    Vec3 log = Vec3::Zero();
+    for (size_t h = 0; h < edit_.handles.size(); ++h)
+      log += weights_(c, static_cast<long>(h)) * edit_.handles[h].turn;
+    G_[c] = turn_of(log);
+  });
+  if (!guess) return;
+  measure_rows();
+  turn_cells();
+}
+
+void TurningSolver::measure_rows() {
+  in_chunks<kChunk>(element_count(), [&](long first, long last) {
+    for (long e = first; e < last; ++e) {
+      seen_[e].setZero();
+      for (int r = rows_.row_start[e]; r < rows_.row_start[e + 1]; ++r) {
+        Eigen::RowVector3d sum = Eigen::RowVector3d::Zero();
+        for (RowMatrix::InnerIterator a(rows_.A, r); a; ++a) sum += a.value() * p_.row(a.col());
+        now_.row(r) = sum;
+        seen_[e] += sum.transpose() * rows_.base.row(r);
+      }
+    }
+  });
+}
+
+void TurningSolver::turn_cell(int c) {
+  Mat3 M = Mat3::Zero();
+  double square = 0;
+  for (int k = element_start_[c]; k < element_start_[c + 1]; ++k) {
+    M += seen_[elements_[k]];
+    square += base_square_[elements_[k]];
+  }
+  M /= rows_.cells_of_element;
+  for (int k = link_start_[c]; k < link_start_[c + 1]; ++k) M += link_weight_[k] * G_[linked_[k]];
+  G_[c] = rotation_part(M);
+  if (rows_.fits_scale && square > 0) G_[c] *= std::max(0.0, G_[c].cwiseProduct(M).sum() / square);
+}
+
+void TurningSolver::turn_cells() {
+  if (colour_start_.empty()) {
+    for_each_in_chunks<kChunk>(cell_count(), [&](int c) { turn_cell(c); });
+    return;
+  }
+  for (size_t colour = 0; colour + 1 < colour_start_.size(); ++colour) {
+    const int first = colour_start_[colour];
+    for_each_in_chunks<kChunk>(colour_start_[colour + 1] - first,
+                               [&](int k) { turn_cell(coloured_[first + k]); });
+  }
+}
+
+double TurningSolver::energy() {
+  const int m = rows_.cells_of_element;
+  std::fill(parts_.begin(), parts_.end(), 0.0);
+  in_chunks<kChunk>(element_count(), [&](long first, long last) {
+    double sum = 0;
+    for (long e = first; e < last; ++e)
+      for (int k = 0; k < m; ++k) {
+        const Mat3& G = G_[rows_.cells[e * m + k]];
+        for (int r = rows_.row_start[e]; r < rows_.row_start[e + 1]; ++r)
+          sum += (now_.row(r).transpose() - G * rows_.base.row(r).transpose()).squaredNorm() / m;
+      }
+    parts_[first / kChunk] += sum;
+  });
+  if (!rows_.links.empty())
+    in_chunks<kChunk>(cell_count(), [&](long first, long last) {
+      double sum = 0;
+      for (long c = first; c < last; ++c)
+        for (int k = link_start_[c]; k < link_start_[c + 1]; ++k)
+          sum += link_weight_[k] * (G_[c] - G_[linked_[k]]).squaredNorm() / 2;  // seen twice
+      parts_[first / kChunk] += sum;
+    });
+  double total = 0;
+  for (const double part : parts_) total += part;
+  return total / 2;
+}
+
+void TurningSolver::solve_positions() {
+  const int m = rows_.cells_of_element;
+  in_chunks<kChunk>(element_count(), [&](long first, long last) {
+    for (long e = first; e < last; ++e) {
+      Mat3 G = G_[rows_.cells[e * m]];
+      for (int k = 1; k < m; ++k) G += G_[rows_.cells[e * m + k]];
+      for (int r = rows_.row_start[e]; r < rows_.row_start[e + 1]; ++r)
+        residual_.row(r) = (G * rows_.base.row(r).transpose()).transpose() / m - held_part_.row(r);
+    }
+  });
+  in_chunks(B_.cols(), [&](long first, long last) {
+    for (long c = first; c < last; ++c) {
+      Eigen::RowVector3d sum = Eigen::RowVector3d::Zero();
+      for (SparseMatrix::InnerIterator b(B_, c); b; ++b) sum += b.value() * residual_.row(b.row());
+      load_.row(c) = sum;
+    }
+  });
+  if (B_.cols() > 0) factor_.solve_in_place(load_);
+  if (!load_.allFinite()) throw NoSolutionError(who_ + ": positions are not finite");
+  report_.last_change =
+      size_ > 0 && B_.cols() > 0 ? (load_ - y_).rowwise().norm().maxCoeff() / size_ : 0;
+}
+
+double TurningSolver::settle() {
+  const auto& free = positions_.free_dofs();
+  for (size_t k = 0; k < free.size(); ++k) p_.row(free[k]) = y_.row(static_cast<long>(k));
+  for (const auto& [vertex, of] : copies_) p_.row(vertex) = p_.row(of);
+  measure_rows();
+  turn_cells();
+  return energy();
+}
+
+double TurningSolver::go_on_with_links(double energy_before) {
+  const auto round = [&] {
+    for (int c = 0; c < cell_count(); ++c) turns_before_.middleRows<3>(3L * c) = G_[c];
+    solve_positions();
+    y_.swap(load_);
+    return settle();
+  };
+  double now = round();
+  if (!(now <= energy_before)) {  // mixed turns led astray
+    G_ = G_before_;
+    mixing_.reset();
+    now = round();
+  }
+  for (int c = 0; c < cell_count(); ++c) turns_.middleRows<3>(3L * c) = G_[c];
+  G_before_ = G_;
+  if (mixing_.mix(turns_before_, turns_, mixed_))
+    for_each_in_chunks<kChunk>(cell_count(),
+                               [&](int c) { G_[c] = rotation_part(mixed_.middleRows<3>(3L * c)); });
+  return now;
+}
+
+double TurningSolver::go_on(double energy_before) {
+  if (!rows_.links.empty()) return go_on_with_links(energy_before);
+  solve_positions();
+  const bool mixed = mixing_.mix(y_, load_, mixed_);
+  G_before_ = G_;
+  y_.swap(mixed ? mixed_ : load_);
+  double now = settle();
+  if (mixed && !(now <= energy_before)) {
+    G_ = G_before_;
+    y_.swap(load_);
+    mixing_.reset();
+    now = settle();
+  }
+  return now;
+}
+
+const Points& TurningSolver::deform(std::span<const HandleMove> moves, const Points* guess,
+                                    int most_rounds, double tolerance) {
+  edit_.handles.assign(moves.begin(), moves.end());
+  check(problem_, edit_);
+  if (guess && (guess->rows() != points_.rows() || !guess->allFinite()))
+    throw InputError(who_ + ": the first guess has " + std::to_string(guess->rows()) +
+                     " points, expected " + std::to_string(points_.rows()) + " finite ones");
+  set_held();
+  start(guess);
+  mixing_.reset();
+  report_.energies.clear();
+  report_.energies.reserve(most_rounds);
+  report_.converged = false;
+  for (report_.rounds = 0; report_.rounds < most_rounds && !report_.converged;) {
+    report_.energies.push_back(go_on(report_.energies.empty()
+                                         ? std::numeric_limits<double>::infinity()
+                                         : report_.energies.back()));
+    if (++report_.rounds == 1) mixing_.reset();  // its turns came from elsewhere
+    report_.converged = report_.last_change < tolerance;
+  }
+  if (!rows_.links.empty()) G_ = G_before_;  // those that belong to the positions
+  result_ = p_.rowwise() + origin_.transpose();
+  // What is held is where it was told to be, to the last bit.
+  for (size_t k = 0; k < held_vertex_.size(); ++k) {
+    const Vec3 at = points_.row(held_vertex_[k]).transpose();
+    result_.row(held_vertex_[k]) = held_handle_[k] < 0 ? at : edit_.handles[held_handle_[k]](at);
+  }
+  return result_;
+}
+
+}  // namespace batten
