@@ -205,6 +205,7 @@ EditRule read_edit(const TomlTable& t, size_t index) {
     rule.turns.push_back({word_of(s, "feature"), s.direction("axis"), s.number("degrees")});
   rule.turn = t.choice("turn", EditRule::Turn::Found,
                        {{"found", EditRule::Turn::Found},
+                        {"dual", EditRule::Turn::Dual},
                         {"nonlinear", EditRule::Turn::Nonlinear},
                         {"harmonic", EditRule::Turn::Harmonic}});
   for (const TomlTable& g : t.tables("guide", {"name", "through"}))

@@ -149,8 +149,9 @@ struct EditRule {
   };
   /// Where the sheet turns that no handle says how: what features and curvature turn with.
   enum class Turn {
-    Found,      ///< an estimate of the deformed shape: its dual Laplacian vectors find their turns
-    Nonlinear,  ///< an estimate as rigid as possible piece by piece: for large turns
+    Found,  ///< features turn as the sheet does where they are, when it is deformed without them
+    Dual,   ///< the shape that dual Laplacian vectors find
+    Nonlinear,  ///< the shape that is as rigid as possible piece by piece: for large turns
     Harmonic    ///< the turns of the handles, spread
   };
   struct MovedGuide {

@@ -1,6 +1,5 @@
 #include "batten/mesh/attached/follow.h"
 
-#include <Eigen/SVD>
 #include <algorithm>
 #include <map>
 #include <set>
@@ -11,19 +10,12 @@
 #include "batten/core/rotations.h"
 #include "batten/core/sparse_cholesky.h"
 #include "batten/mesh/deform/similarity.h"
+#include "batten/mesh/rotation_of_faces.h"
 
 namespace batten {
 namespace {
 
 using Kind = OtherElement::Kind;
-
-/// The rotation nearest to a sum of rotations.
-Mat3 nearest_rotation(const Mat3& sum) {
-  const Eigen::JacobiSVD<Mat3> svd(sum, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  Vec3 sign = Vec3::Ones();
-  if ((svd.matrixU() * svd.matrixV().transpose()).determinant() < 0) sign[2] = -1;
-  return svd.matrixU() * sign.asDiagonal() * svd.matrixV().transpose();
-}
 
 class Follower {
  public:
@@ -62,7 +54,7 @@ class Follower {
     Mat3 sum = Mat3::Zero();
     for (size_t i = 0; i < nodes.size(); ++i)
       sum += (weights.empty() ? 1.0 : weights[i]) * turns_[nodes[i]];
-    const Mat3 mean = nearest_rotation(sum);
+    const Mat3 mean = rotation_part(sum);
     Points from(static_cast<long>(nodes.size()), 3), to = from;
     std::vector<int> all;
     for (int i = 0; i < count_of(nodes); ++i) {

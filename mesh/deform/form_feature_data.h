@@ -22,7 +22,8 @@ struct FormFeatureDeformer::Data {
   Vec3 told_target(const DeformEdit& edit, long row) const;
   /// Curvature in the estimate, where it knows all vertices of the row.
   bool known_target(const ShapeEstimate& estimate, long row, Vec3& target) const;
-  /// Turns of features, lines and rows in the estimate.
+  /// Turns of features, curvature, lines and rows in the estimate.
+  Vec3 turn_of_ring(const ShapeEstimate& estimate, int dof) const;
   void take_turns(const ShapeEstimate& estimate);
   void check_estimate(const ShapeEstimate& estimate) const;
   /// Solves with hard values, guides and targets as they are set.

@@ -16,6 +16,11 @@ namespace batten {
 struct ShapeEstimate {
   Points positions;         ///< n×3
   std::vector<char> known;  ///< vertices that it knows the places of; empty: all
+  enum class Use {
+    Turns,  ///< only its features' turns count: the field is harmonic between them, the handles and
+            ///< what is fixed, and turns the curvature of the rest shape
+    Shape   ///< curvature is the estimate's own: without features the result is the estimate
+  } use = Use::Turns;
   /// The turn of each feature, the same for features that share vertices; none: as the harmonic field
   /// has it. Those that handles or fixed vertices hold, or that keep their direction, do as these say.
   std::vector<std::optional<Mat3>> feature_turns;
@@ -63,10 +68,10 @@ class FormFeatureDeformer {
   /// InputError (numbers missing, not finite, a scale not above 0) and ConflictError; the positions
   /// then stay as they were.
   const Points& deform(const DeformEdit& edit);
-  /// The same towards an estimate V' of the shape: where it is known curvature comes from it, rows
-  /// are A p = s A V', and its features' turns stand for the field's (Hu, Song, Cao 2012, eq. 5 with the
-  /// estimate's own right side). Without features that is the estimate itself. Throws InputError too
-  /// when sizes do not fit or numbers are not finite.
+  /// The same with an estimate V' of the shape: its features' turns stand for the field's, which
+  /// costs a factor of the Laplacian; with Use::Shape, where it is known, rows are A p = s A V' (Hu,
+  /// Song, Cao 2012, eq. 5 with the estimate's own right side). Throws InputError too when sizes do
+  /// not fit or numbers are not finite, NoSolutionError.
   const Points& deform(const DeformEdit& edit, const ShapeEstimate& estimate);
   /// One correction step after deform(), for the moment the mouse is released: the normal equations
   /// square the condition number (correct_least_squares). Costs about one more deform(). Returns

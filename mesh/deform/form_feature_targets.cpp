@@ -6,7 +6,7 @@
 #include "batten/core/index.h"
 #include "batten/core/rotations.h"
 #include "batten/mesh/deform/form_feature_data.h"
-#include "batten/mesh/deform/similarity.h"
+#include "batten/mesh/rotation_of_faces.h"
 
 namespace batten {
 namespace {
@@ -35,7 +35,7 @@ Vec3 FormFeatureDeformer::Data::told_target(const DeformEdit& edit, long row) co
 
 bool FormFeatureDeformer::Data::known_target(const ShapeEstimate& estimate, long row,
                                              Vec3& target) const {
-  if (row >= system.curvature_rows) return false;
+  if (row >= system.curvature_rows || estimate.use != ShapeEstimate::Use::Shape) return false;
   Vec3 sum = Vec3::Zero();
   for (RowMatrix::InnerIterator a(system.A, row); a; ++a) {
     const int v = system.vertex[a.col()];
@@ -85,22 +85,26 @@ void FormFeatureDeformer::Data::check_estimate(const ShapeEstimate& e) const {
   if (!e.positions.allFinite()) throw InputError("the estimate has a position that is not finite");
 }
 
+Vec3 FormFeatureDeformer::Data::turn_of_ring(const ShapeEstimate& estimate, int dof) const {
+  const MeshTopology& topology = mesh.topology();
+  std::vector<int> ring{system.vertex[dof]};
+  for (const int v : topology.together(system.vertex[dof]))
+    ring.insert(ring.end(), topology.neighbours(v).begin(), topology.neighbours(v).end());
+  return rotation_log(rotation_of_face(ring, mesh.points(), estimate.positions));
+}
+
 void FormFeatureDeformer::Data::take_turns(const ShapeEstimate& estimate) {
-  for (size_t f = 0; f < estimate.feature_turns.size(); ++f) {
-    if (!estimate.feature_turns[f]) continue;
-    const Vec3 log = rotation_log(*estimate.feature_turns[f]);
-    for (const int v : problem.features[f].vertices) q.row(system.dof[v]) = log;
-  }
-  // Lines keep their own curvature, and rows their targets: these turn with the ring around them.
-  for (long i = system.curvature_rows; i < b.rows(); ++i) {
-    const int v = system.turns_with[i] < 0 ? -1 : system.vertex[system.turns_with[i]];
-    if (v < 0 || !knows(estimate, v)) continue;
-    const auto around = mesh.topology().neighbours(v);
-    std::vector<int> ring(around.begin(), around.end());
-    ring.push_back(v);
-    q.row(system.turns_with[i]) =
-        rotation_log(fit_similarity(mesh.points(), estimate.positions, ring, 1).R);
-  }
+  std::vector<std::pair<int, Vec3>> given;
+  for (size_t f = 0; f < estimate.feature_turns.size(); ++f)
+    if (estimate.feature_turns[f])
+      given.emplace_back(system.feature_dof[f], rotation_log(*estimate.feature_turns[f]));
+  rotations.pass_through(system, mesh, given, q);
+  if (estimate.use == ShapeEstimate::Use::Turns) return;
+  // Lines and rows turn with the shape that all else has.
+  for (long i = system.curvature_rows; i < b.rows(); ++i)
+    if (const int d = system.turns_with[i]; d >= 0 && knows(estimate, system.vertex[d]) &&
+                                            system.holder[system.vertex[d]] == DeformSystem::kMoves)
+      q.row(d) = turn_of_ring(estimate, d);
 }
 
 void FormFeatureDeformer::Data::set_hard_values(const DeformEdit& edit) {

@@ -62,4 +62,45 @@ void RotationField::evaluate(const DeformSystem& system, const DeformEdit& edit,
   });
 }
 
+void RotationField::pass_through(const DeformSystem& system, const TriangleMesh& mesh,
+                                 const std::vector<std::pair<int, Vec3>>& given,
+                                 Points& logs) const {
+  const SparseMatrix& D = reduction_.D();
+  const RowMatrix by_rows = D;
+  MatX change = MatX::Zero(D.cols(), 3);
+  std::vector<char> told(D.cols(), 0);
+  for (const auto& [dof, log] : given)
+    for (RowMatrix::InnerIterator e(by_rows, dof); e; ++e) {  // one at most: turns are only equal
+      if (told[e.col()]) continue;
+      told[e.col()] = 1;
+      change.row(e.col()) = log.transpose() - logs.row(dof);
+    }
+  std::vector<int> number(D.cols(), -1);
+  int open = 0;
+  for (int c = 0; c < D.cols(); ++c)
+    if (!told[c]) number[c] = open++;
+  const SparseMatrix K = reduction_.reduce(laplacian_of(system, mesh));
+  std::vector<Triplet> entries;
+  MatX load = MatX::Zero(open, 3);
+  for (int c = 0; c < K.cols(); ++c)
+    for (SparseMatrix::InnerIterator e(K, c); e; ++e) {
+      const int i = number[e.row()], j = number[c];
+      if (i >= 0 && j >= 0) entries.emplace_back(i, j, e.value());
+      if (i >= 0 && j < 0) load.row(i) -= e.value() * change.row(c);
+      if (i < 0 && j >= 0) load.row(j) -= e.value() * change.row(e.row());
+    }
+  if (open > 0) {
+    SparseMatrix rest(open, open);
+    rest.setFromTriplets(entries.begin(), entries.end());
+    SparseCholesky factor;
+    factor.analyze(rest);
+    if (!factor.factorize(rest))
+      throw NoSolutionError("the field of rotations: " + factor.message());
+    factor.solve_in_place(load);
+    for (int c = 0; c < D.cols(); ++c)
+      if (!told[c]) change.row(c) = load.row(number[c]);
+  }
+  logs += D * change;
+}
+
 }  // namespace batten

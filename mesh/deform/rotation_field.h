@@ -1,6 +1,9 @@
 // Inside of FormFeatureDeformer: the smooth field of rotations that curvature turns with.
 #pragma once
 
+#include <utility>
+#include <vector>
+
 #include "batten/constraints/affine_reduction.h"
 #include "batten/mesh/deform/deform_system.h"
 
@@ -18,6 +21,12 @@ class RotationField {
   /// The logarithms of an edit (dofs × 3), Σ weights · turns. Allocates nothing. Throws
   /// ConflictError when rows that are implied by others are contradicted.
   void evaluate(const DeformSystem& system, const DeformEdit& edit, Points& logs);
+
+  /// Changes logs of evaluate() so that given dofs have their own, with all that turns as they do, and
+  /// the rest is harmonic between: one factor. What handles and fixed vertices say stays. Throws
+  /// NoSolutionError.
+  void pass_through(const DeformSystem& system, const TriangleMesh& mesh,
+                    const std::vector<std::pair<int, Vec3>>& given, Points& logs) const;
 
   /// Whether no handle turned in the last edit.
   bool still() const { return turns_.isZero(0); }

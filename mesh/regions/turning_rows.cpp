@@ -9,7 +9,7 @@
 #include "batten/core/groups.h"
 #include "batten/core/rotations.h"
 #include "batten/mesh/deform/normal_equations.h"
-#include "batten/mesh/regions/rotation_of_faces.h"
+#include "batten/mesh/rotation_of_faces.h"
 
 namespace batten {
 namespace {

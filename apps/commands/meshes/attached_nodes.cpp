@@ -6,6 +6,7 @@
 #include "batten/core/index.h"
 #include "batten/mesh/attached/solids.h"
 #include "batten/mesh/deform/similarity.h"
+#include "batten/mesh/rotation_of_faces.h"
 
 namespace batten {
 
@@ -57,7 +58,7 @@ std::vector<Mat3> AttachedNodes::turns(const Points& before, const Points& after
       std::vector<int> ring{node};
       for (const int v : topology.together(node))
         ring.insert(ring.end(), topology.neighbours(v).begin(), topology.neighbours(v).end());
-      turns[node] = fit_similarity(before, after, ring, 1).R;
+      turns[node] = rotation_of_face(ring, before, after);
     }
   return turns;
 }

@@ -10,7 +10,7 @@
 #include "batten/core/rotations.h"
 #include "batten/mesh/regions/dual_laplacian_deformer.h"
 #include "batten/mesh/regions/nonlinear_deformer.h"
-#include "batten/mesh/regions/rotation_of_faces.h"
+#include "batten/mesh/rotation_of_faces.h"
 #include "batten/mesh/selection.h"
 
 namespace batten {
@@ -140,6 +140,28 @@ class FeatureTurns {
   std::vector<int> group_;
 };
 
+/// The same edit without features, but for connections between parts.
+ShapeEstimate featureless(const Task& task, const TriangleMesh& mesh) {
+  Task plain = task;
+  const std::vector<int> part = parts_of_nodes(mesh.topology());
+  std::erase_if(plain.problem.features, [&](const FormFeature& f) {
+    const int first = part[f.vertices[0]];
+    return std::all_of(f.vertices.begin(), f.vertices.end(),
+                       [&](int v) { return part[v] < 0 || part[v] == first; });
+  });
+  plain.problem.same_turns.clear();
+  plain.problem.guided.clear();
+  plain.problem.rows.clear();
+  plain.edit.feature_scales.clear();
+  plain.edit.guides.clear();
+  plain.edit.targets.clear();
+  FormFeatureDeformer deformer(mesh, plain.problem);
+  ShapeEstimate estimate;
+  estimate.known = known_vertices(held_of(task.problem, mesh), task.problem.handles, mesh);
+  estimate.positions = deformer.deform(plain.edit);
+  return estimate;
+}
+
 std::unique_ptr<DeformEstimate> deformer_of(Turn turn, const TriangleMesh& mesh,
                                             const std::vector<int>& fixed,
                                             const std::vector<Handle>& handles) {
@@ -160,7 +182,10 @@ std::optional<ShapeEstimate> estimate_for(const EditRule& rule, const Task& task
   ShapeEstimate estimate;
   estimate.positions = mesh.points();
   estimate.known.assign(mesh.vertex_count(), 0);
-  if (finds) {
+  if (finds && rule.turn == Turn::Found) {
+    estimate = featureless(task, mesh);
+  } else if (finds) {
+    estimate.use = ShapeEstimate::Use::Shape;
     const auto deformer = deformer_of(rule.turn, mesh, fixed, problem.handles);
     estimate.positions = deformer->deform(task.edit.handles);
     estimate.known = known_vertices(fixed, problem.handles, mesh);

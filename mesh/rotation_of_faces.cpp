@@ -1,4 +1,4 @@
-#include "batten/mesh/regions/rotation_of_faces.h"
+#include "batten/mesh/rotation_of_faces.h"
 
 #include <Eigen/LU>
 #include <Eigen/SVD>
