@@ -3,7 +3,8 @@
 
 #include <vector>
 
-#include "batten/mesh/features/feature_cut.h"
+#include "batten/mesh/features/cut_options.h"
+#include "batten/mesh/triangle_mesh.h"
 
 namespace batten {
 

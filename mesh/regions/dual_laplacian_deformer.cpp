@@ -18,6 +18,12 @@ const DualLaplacianOptions& checked(const DualLaplacianOptions& options) {
   return options;
 }
 
+DualRowOptions row_options(const DualLaplacianOptions& options) {
+  return {options.border == DualLaplacianOptions::Border::EdgeMiddles,
+          options.lengths == DualLaplacianOptions::Lengths::Fitted, options.membrane,
+          options.primal};
+}
+
 }  // namespace
 
 struct DualLaplacianDeformer::Data {
@@ -31,7 +37,8 @@ DualLaplacianDeformer::DualLaplacianDeformer(const TriangleMesh& mesh,
                                              const DualLaplacianOptions& options)
     : data_(new Data{checked(options),
                      TurningSolver(mesh, held_by(std::move(fixed), std::move(handles)),
-                                   dual_rows(mesh, faces.empty() ? faces_of(mesh) : faces, options),
+                                   dual_rows(mesh, faces.empty() ? faces_of(mesh) : faces,
+                                             row_options(options)),
                                    "the dual Laplacian")}) {}
 DualLaplacianDeformer::~DualLaplacianDeformer() = default;
 DualLaplacianDeformer::DualLaplacianDeformer(DualLaplacianDeformer&&) noexcept = default;

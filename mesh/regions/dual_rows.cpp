@@ -53,7 +53,7 @@ void append(TurningRows& rows, long r, Terms& terms, const Points& rest) {
 
 class DualRows {
  public:
-  DualRows(const TriangleMesh& mesh, const Faces& faces, const DualLaplacianOptions& options)
+  DualRows(const TriangleMesh& mesh, const Faces& faces, const DualRowOptions& options)
       : faces_(faces), options_(options), size_(mesh.size()), n_(mesh.vertex_count()) {
     across_ = faces_across(faces, n_);
     rest_ = mesh.points().rowwise() - mesh.points().colwise().mean();
@@ -70,7 +70,7 @@ class DualRows {
     rows.A.resize(count, n_);
     rows.base.resize(count, 3);
     rows.mean.resize(static_cast<long>(faces_.size()), n_);
-    rows.fits_scale = options_.lengths == DualLaplacianOptions::Lengths::Fitted;
+    rows.fits_scale = options_.fits_scale;
     long r = 0;
     for (size_t f = 0; f < faces_.size(); ++f) {
       const long first = r;
@@ -100,7 +100,7 @@ class DualRows {
   }
 
   bool has_laplacian(size_t f) const {
-    return options_.border == DualLaplacianOptions::Border::EdgeMiddles ||
+    return options_.edge_middles ||
            std::find(across_[f].begin(), across_[f].end(), -1) == across_[f].end();
   }
 
@@ -227,7 +227,7 @@ class DualRows {
   };
 
   const Faces& faces_;
-  const DualLaplacianOptions& options_;
+  const DualRowOptions& options_;
   double size_;
   int n_;
   Faces across_;
@@ -316,11 +316,9 @@ void link_joints(const MeshTopology& topology, const Faces& faces, TurningRows& 
   }
 }
 
-TurningRows dual_rows(const TriangleMesh& mesh, const Faces& faces,
-                      const DualLaplacianOptions& options) {
+TurningRows dual_rows(const TriangleMesh& mesh, const Faces& faces, const DualRowOptions& options) {
   TurningRows rows = DualRows(mesh, faces, options).rows();
-  if (options.lengths == DualLaplacianOptions::Lengths::Original)
-    link_joints(mesh.topology(), faces, rows);
+  if (!rows.fits_scale) link_joints(mesh.topology(), faces, rows);
   return rows;
 }
 

@@ -3,10 +3,15 @@
 
 #include <vector>
 
-#include "batten/mesh/regions/dual_laplacian_deformer.h"
 #include "batten/mesh/regions/turning_rows.h"
 
 namespace batten {
+
+/// As in DualLaplacianOptions.
+struct DualRowOptions {
+  bool edge_middles, fits_scale;
+  double membrane, primal;
+};
 
 /// Face across each edge of each face (edge k: corner k to k+1), or -1. Throws InputError, see
 /// DualLaplacianDeformer.
@@ -24,6 +29,6 @@ VecX upright_weights(const Eigen::Matrix3Xd& r);
 
 /// The rows of the energy of DualLaplacianDeformer, one element and one cell a face.
 TurningRows dual_rows(const TriangleMesh& mesh, const std::vector<std::vector<int>>& faces,
-                      const DualLaplacianOptions& options);
+                      const DualRowOptions& options);
 
 }  // namespace batten

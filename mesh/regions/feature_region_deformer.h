@@ -10,22 +10,6 @@
 
 namespace batten {
 
-struct FeatureRegionOptions {
-  enum class Kind {
-    Soft,  ///< rows (6) with `weight`: regions keep their shape nearly, and join softly
-    Hard   ///< p = s R' p⁰ + t exactly, eliminated: three unknowns a region
-  } kind = Kind::Hard;
-  enum class Right {
-    Estimate,  ///< L V', the Laplacian vectors of the estimate
-    Original   ///< L V, as the paper has it: they do not turn, and resist large bends
-  } right = Right::Estimate;
-  enum class Mean {
-    Squared,  ///< mean_rotation: min Σ A_f ‖R' - R_f‖²
-    Robust    ///< median_rotation: min Σ A_f ‖R' - R_f‖, equation (10)
-  } mean = Mean::Squared;
-  double weight = 1e5;  ///< Soft: see below; without unit
-};
-
 /// Hu, Song, Cao: an estimate V' of the deformed mesh, from any deformer, tells how each region has
 /// turned; the mesh is then solved for once more with every region kept rigid:
 ///

@@ -17,6 +17,23 @@ struct FeatureRegion {
   double scale = 1;                   ///< above 0
 };
 
+/// How FeatureRegionDeformer keeps them; (5), (6), (10): its equations.
+struct FeatureRegionOptions {
+  enum class Kind {
+    Soft,  ///< rows (6) with `weight`: regions keep their shape nearly, and join softly
+    Hard   ///< p = s R' p⁰ + t exactly, eliminated: three unknowns a region
+  } kind = Kind::Hard;
+  enum class Right {
+    Estimate,  ///< L V', the Laplacian vectors of the estimate
+    Original   ///< L V, as the paper has it: they do not turn, and resist large bends
+  } right = Right::Estimate;
+  enum class Mean {
+    Squared,  ///< mean_rotation: min Σ A_f ‖R' - R_f‖²
+    Robust    ///< median_rotation: min Σ A_f ‖R' - R_f‖, equation (10)
+  } mean = Mean::Squared;
+  double weight = 1e5;  ///< Soft: see below; without unit
+};
+
 /// The connected components (along edges) of the vertices whose mask is not 0, each ascending,
 /// sorted by their lowest vertices. Throws InputError when the mask has another size than the mesh.
 /// O(mesh).

@@ -7,7 +7,7 @@
 #include "batten/constraints/affine_reduction.h"
 #include "batten/core/sparse_cholesky.h"
 #include "batten/mesh/deform/deform_system.h"
-#include "batten/mesh/regions/feature_region_deformer.h"
+#include "batten/mesh/regions/feature_regions.h"
 
 namespace batten {
 

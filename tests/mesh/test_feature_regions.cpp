@@ -2,6 +2,7 @@
 #include <Eigen/Dense>
 #include <numbers>
 
+#include "batten/core/errors.h"
 #include "batten/core/rotations.h"
 #include "batten/core/work.h"
 #include "batten/mesh/deform/form_feature_deformer.h"
@@ -260,7 +261,8 @@ TEST_CASE("soft regions of a large weight are hard ones") {
 }
 
 TEST_CASE("hard regions are the dense least-squares problem with three unknowns a region") {
-  const Lifted c(20, 0.8);
+  Lifted c(20, 0.8);
+  const double scale = c.regions[0].scale = 1.25;
   FeatureRegionOptions options = options_of(Kind::Hard);
   for (const auto right :
        {FeatureRegionOptions::Right::Estimate, FeatureRegionOptions::Right::Original}) {
@@ -281,7 +283,7 @@ TEST_CASE("hard regions are the dense least-squares problem with three unknowns 
     for (int v = 0; v < n; ++v) {
       if (column[v] >= 0) T(v, column[v]) = 1;
       if (column[v] == 0)
-        known.row(v) = (deformer.region_rotations()[0] * mesh.point(v)).transpose();
+        known.row(v) = scale * (deformer.region_rotations()[0] * mesh.point(v)).transpose();
     }
     for (const int v : c.panel.fixed) known.row(v) = mesh.points().row(v);
     for (const int v : c.panel.handles[0].vertices)
@@ -290,8 +292,9 @@ TEST_CASE("hard regions are the dense least-squares problem with three unknowns 
     const VecX area = mixed_areas(mesh);
     MatX A = lower.selfadjointView<Eigen::Lower>() * MatX::Identity(n, n);
     for (int v = 0; v < n; ++v) A.row(v) /= 2 * std::sqrt(area[v]);
-    const MatX b = A * (right == FeatureRegionOptions::Right::Estimate ? MatX(c.estimate)
-                                                                       : MatX(mesh.points()));
+    MatX b = A * (right == FeatureRegionOptions::Right::Estimate ? MatX(c.estimate)
+                                                                 : MatX(mesh.points()));
+    for (const int v : deformer.vertices(0)) b.row(v) *= scale;
     const MatX AT = A * T;
     const MatX u = (AT.transpose() * AT).ldlt().solve(AT.transpose() * (b - A * known));
     CHECK(relative(p, Points(T * u + known)) < 1e-8);
@@ -362,6 +365,13 @@ TEST_CASE("hard regions go with what holds them, and those that share vertices t
   CHECK(deformer.region_rotations()[2] == deformer.region_rotations()[3]);
   CHECK(fit_similarity(mesh.points(), p, united(deformer.vertices(2), deformer.vertices(3)))
             .max_error < 1e-12);
+  // Two regions that share vertices, and the user turns both in different ways.
+  deformer.set_rotation(2, Mat3(Mat3::Identity()));
+  deformer.deform(c.estimate, c.moves);
+  CHECK(deformer.region_rotations()[3] == Mat3::Identity());
+  deformer.set_rotation(3, Mat3(Eigen::AngleAxisd(0.3, Vec3::UnitZ())));
+  CHECK_THROWS_AS(deformer.deform(c.estimate, c.moves), ConflictError);
+  deformer.set_rotation(3, {});
   // Turned against what holds it: the conflict names the region.
   deformer.set_rotation(1, Mat3(Eigen::AngleAxisd(0.3, Vec3::UnitZ())));
   try {
