@@ -1,6 +1,7 @@
 // Sets of mesh files, options for writing these files, and what rounding cost.
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -21,6 +22,9 @@ struct MeshWriteOptions {
   /// In Nastran decks, small-field GRIDs (8 columns a number) that moved become large-field ones
   /// (GRID*, 16 columns, two lines). Other formats are not changed by it.
   bool wide_nodes = false;
+  /// The folder into which a program moves the files in the end; empty: they stay where they are
+  /// written. A deck of several files is not written where it would replace one that was read.
+  std::filesystem::path appears_in = {};
 };
 
 /// What rounding to the file's fields cost.

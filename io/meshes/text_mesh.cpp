@@ -203,6 +203,7 @@ class Rewriting {
 /// Where each file is written: the first one to `path`, the others beside it; a file that was read
 /// twice once. Throws InputError for one that changes where it cannot be written.
 std::map<fs::path, const Output*> targets_of(const TextMesh& mesh, const fs::path& path,
+                                             const fs::path& appears_in,
                                              const std::vector<Output>& outputs) {
   std::map<fs::path, const Output*> targets;
   for (const Output& output : outputs) {
@@ -226,10 +227,13 @@ std::map<fs::path, const Output*> targets_of(const TextMesh& mesh, const fs::pat
   std::error_code error;
   for (const Output& output : outputs)
     inputs.insert(fs::weakly_canonical(output.source->path, error));
-  for (const auto& [target, output] : targets)
-    if (inputs.contains(fs::weakly_canonical(target, error)))
-      throw InputError(target.string() +
+  const fs::path folder = appears_in.empty() ? path.parent_path() : appears_in;
+  for (const auto& [target, output] : targets) {
+    const fs::path last = folder / target.lexically_relative(path.parent_path());
+    if (inputs.contains(fs::weakly_canonical(last, error)))
+      throw InputError(last.string() +
                        ": found a file of the deck that was read, expected another folder");
+  }
   return targets;
 }
 
@@ -251,7 +255,7 @@ MeshRounding TextMesh::write(const fs::path& path, const Points& points,
                              const MeshWriteOptions& options) const {
   Rewriting rewriting(*this, points, options.wide_nodes);
   for (int i = 0; i < count_of(fields); ++i) rewriting.rewrite(i);
-  write_files(targets_of(*this, path, rewriting.finish()));
+  write_files(targets_of(*this, path, options.appears_in, rewriting.finish()));
   return rewriting.rounding();
 }
 

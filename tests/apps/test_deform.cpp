@@ -107,7 +107,7 @@ TEST_CASE("the panel's deck comes back with other coordinates and nothing else",
     const auto m = batten::measure_hole(mesh.points(),
                                         mesh.topology().boundary_loops()[h["loop"].get<int>() - 1]);
     CHECK(m.radius == Approx(h["before"]["radius"].get<double>()).epsilon(1e-5));
-    CHECK(m.roundness < 1e-4);
+    CHECK(m.roundness < 2e-4);
   }
   CHECK(round == 4);
   CHECK(j["edits"].size() == 2);
@@ -228,8 +228,8 @@ TEST_CASE("bad scenes of edits: exit 1, the place, what was expected", "[deform]
   c.fails(kHead + kMove, 1, {"'edit-1.right.w'", "edit-1.right.x"}, {"--set", "edit-1.right.w=3"},
           "deform");
   // A mesh that no deformation can stand on.
-  c.file("grid.off", "OFF\n5 3 0\n0 0 0\n1 0 0\n0 1 0\n0 -1 0\n0 0 1\n3 0 1 2\n3 1 0 3\n3 0 1 4\n");
-  fails(kHead + kMove, {"grid.off", "more than two faces"});
+  c.file("grid.off", "OFF\n5 2 0\n0 0 0\n4 0 0\n0 1 0\n0 -1 0\n2 0 0\n3 0 1 2\n3 0 1 4\n");
+  fails(kHead + kMove, {"grid.off", "without area"});
   put_grid(c);
   std::string nan = contents(c / "grid.off");
   nan.replace(nan.find("2 2 0"), 5, "2 nan 0");

@@ -51,7 +51,7 @@ ENDINGS = {
     "lines": {".csv", ".txt", ".dat", ".xyz", ".json", ".curves"},
     "cad": {".step", ".stp", ".igs", ".iges"},
     "drawings": {".dxf", ".svg"},
-    "meshes": {".obj", ".off", ".ply", ".stl", ".bdf", ".dat", ".inp", ".k", ".vtp", ".vtu"},
+    "meshes": {".obj", ".off", ".ply", ".stl", ".bdf", ".dat", ".inp", ".k", ".rad", ".vtp", ".vtu"},
     "networks": {".csv", ".txt", ".json", ".curves"},
     "scenes": {".toml"},
     "edits": {".toml"},

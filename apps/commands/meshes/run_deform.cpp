@@ -7,13 +7,13 @@
 #include <numbers>
 #include <utility>
 
+#include "batten/apps/commands/meshes/deform_pictures.h"
 #include "batten/apps/commands/meshes/deform_task.h"
 #include "batten/apps/commands/meshes/turn_estimate.h"
 #include "batten/apps/commands/runs/run_parts.h"
 #include "batten/core/box.h"
 #include "batten/core/index.h"
 #include "batten/io/decks/shell_deck.h"
-#include "batten/io/pictures/mesh_pictures.h"
 #include "batten/io/vtk/shell_vtk.h"
 #include "batten/mesh/deform/form_feature_deformer.h"
 #include "batten/mesh/deform/similarity.h"
@@ -31,11 +31,6 @@ double largest_move(const Points& before, const Points& after, int* where = null
   const double largest = before.rows() > 0 ? (after - before).rowwise().norm().maxCoeff(&row) : 0;
   if (where) *where = static_cast<int>(row);
   return largest;
-}
-
-/// Places of the file's nodes: the mesh has more vertices where sheets meet.
-Points of_nodes(const Points& vertices, const MeshFile& file) {
-  return vertices.topRows(file.shells().node_count());
 }
 
 /// Coordinates that change by roundings only are as they were, so that their text stays.
@@ -93,74 +88,6 @@ void measure_into(DeformReport& report, const MeshFile& file, const TriangleMesh
   int where = 0;
   report.largest_displacement = largest_move(before, after, &where);
   report.largest_displacement_node = file.node_label(where);
-}
-
-std::vector<MeshPicture::Part> parts_of(const ShellMesh& shells, const Kept& kept,
-                                        const Task& task) {
-  std::vector<MeshPicture::Part> vertex(shells.node_count(), MeshPicture::Part::Body);
-  for (const int v : task.problem.fixed) vertex[v] = MeshPicture::Part::Fixed;
-  for (const auto& h : task.problem.handles)
-    for (const int v : h.vertices) vertex[v] = MeshPicture::Part::Handle;
-  for (const auto& f : kept.features)
-    for (const int v : f.vertices) vertex[v] = MeshPicture::Part::Feature;
-  std::vector<MeshPicture::Part> parts;
-  for (int f = 0; f < shells.face_count(); ++f) {
-    const auto face = shells.face(f);
-    const auto part = vertex[face[0]];
-    const bool same =
-        std::all_of(face.begin(), face.end(), [&](int v) { return vertex[v] == part; });
-    parts.push_back(same ? part : MeshPicture::Part::Body);
-  }
-  return parts;
-}
-
-void draw_all(DeformReport& report, const DeformScene& scene, const MeshFile& file,
-              const std::vector<Points>& states, const std::vector<Task>& tasks, const Kept& kept,
-              const OutputFolder& out) {
-  if (scene.pictures.empty()) return;
-  using Show = MeshPictureRule::Show;
-  const auto parts = parts_of(file.shells(), kept, tasks.front());
-  std::vector<Points> places;
-  for (const Points& state : states) places.push_back(of_nodes(state, file));
-  for (const MeshPictureRule& rule : scene.pictures) {
-    if (!can_draw(report, rule.file)) continue;
-    MeshPicture look;
-    look.shells = &file.shells();
-    look.parts = parts;
-    look.lines = kept.lines;
-    look.mesh = rule.mesh;
-    look.azimuth = rule.azimuth;
-    look.elevation = rule.elevation;
-    look.up = rule.up;
-    look.zoom = rule.zoom;
-    for (const Points& state : places) look.also_in_view.push_back(&state);
-    std::vector<MeshPicture> pictures;
-    const auto add = [&](size_t state, const std::string& title) {
-      look.points = places[state];
-      look.title = title;
-      pictures.push_back(look);
-    };
-    const std::string name = rule.title.empty() ? scene.name : rule.title;
-    int columns = 1;
-    if (rule.show == Show::BeforeAfter) {
-      add(0, name + ", before");
-      add(states.size() - 1, name + ", after");
-      columns = 2;
-    } else if (rule.show == Show::Steps) {
-      add(0, name + ", before");
-      for (size_t k = 1; k < states.size(); ++k) add(k, scene.edits[k - 1].name);
-      columns = static_cast<int>(std::ceil(std::sqrt(static_cast<double>(states.size()))));
-    } else {
-      if (rule.show == Show::Displacement) {
-        look.field = (places.back() - places.front()).rowwise().norm();
-        look.field_title = "Displacement, " + scene.unit;
-      }
-      look.also_in_view.clear();
-      add(states.size() - 1, name);
-    }
-    draw_meshes(out.file(rule.file), pictures, columns, rule.size);
-    report.files.push_back(rule.file);
-  }
 }
 
 void write_modes(DeformReport& report, const DeformScene& scene, const MeshFile& file,
@@ -261,7 +188,7 @@ class DeformRun {
   }
 
   void draw() {
-    draw_all(report_, scene_, file_, states_, tasks_, kept_, out_);
+    draw_deformed(report_, scene_, file_, states_, tasks_, kept_, out_);
     watch_.lap("pictures");
   }
 
@@ -366,11 +293,11 @@ class DeformRun {
 
   /// The mesh in the format of its file.
   void write_mesh() {
-    report_.rounding =
-        file_
-            .write(out_.file(scene_.mesh_out), of_nodes(states_.back(), file_), {scene_.wide_nodes})
-            .largest;
+    const MeshWriteOptions options{scene_.wide_nodes, out_.folder()};
+    const Points places = of_nodes(states_.back(), file_);
+    report_.rounding = file_.write(out_.file(scene_.mesh_out), places, options).largest;
     report_.files.push_back(scene_.mesh_out);
+    for (const auto& beside : file_.files_beside()) report_.files.push_back(beside.string());
     if (report_.rounding > 1e-9 * original().size())
       report_.warnings.push_back(scene_.mesh_out +
                                  ": the file's number fields round coordinates by up to " +
@@ -405,66 +332,6 @@ DeformReport run_deform(const DeformScene& scene, const std::filesystem::path& f
   run.write();
   run.draw();
   return run.finish();
-}
-
-std::string summary(const DeformReport& report, const std::filesystem::path& folder) {
-  const std::string unit = " " + report.unit;
-  std::string text = report.name + "\n";
-  text += result_line("mesh", std::to_string(report.nodes) + " nodes, " +
-                                  std::to_string(report.faces) + " faces, " + report.format);
-  for (const auto& e : report.edits)
-    text += result_line("edit", e.name + ": " + std::to_string(e.unknowns) +
-                                    " unknowns a coordinate, largest displacement " +
-                                    number(e.largest_displacement) + unit + ", set-up " +
-                                    number(1000 * e.set_up_s) + " ms, edit " +
-                                    number(1000 * e.edit_s) + " ms");
-  double residual = 0, rigid = 0;
-  for (const auto& e : report.edits) residual = std::max(residual, e.hard_residual);
-  for (const auto& f : report.features) rigid = std::max(rigid, f.max_rigid_error);
-  text += result_line("held", "residual " + number(residual) + " of the size");
-  if (!report.features.empty())
-    text += result_line("features", std::to_string(report.features.size()) + ", rigid to " +
-                                        number(rigid) + " of their size");
-  if (const auto& a = report.attached; !a.elements.empty()) {
-    std::string words;
-    for (const auto& [name, count] : a.elements)
-      words += (words.empty() ? "" : ", ") + std::to_string(count) + " " + name;
-    text +=
-        result_line("attached", words + "; " + std::to_string(a.connections) +
-                                    " connections rigid to " + number(a.max_rigid_error) + unit +
-                                    ", " + std::to_string(a.followed) + " nodes followed");
-  }
-  for (const auto& c : report.curves)
-    text += result_line("curve", c.name + ": " + std::to_string(c.vertices) + " nodes, faired by " +
-                                     number(c.fairing.max) + unit + ", curvature extrema " +
-                                     std::to_string(c.before.extrema) + " -> " +
-                                     std::to_string(c.after.extrema) + ", moved by " +
-                                     number(c.largest_shift) + unit + ", held to " +
-                                     number(c.max_residual));
-  if (!report.holes.empty()) {
-    int kept = 0, round = 0;
-    double radius = 0;
-    for (const auto& h : report.holes) {
-      if (h.feature.empty()) continue;
-      ++kept;
-      round += h.before.circular;
-      radius = std::max(radius, std::abs(h.after.radius - h.before.radius) / h.before.radius);
-    }
-    text += result_line(
-        "holes", std::to_string(report.holes.size()) + " loops, " + std::to_string(kept) +
-                     " in features" +
-                     (kept == 0 ? ""
-                                : " (" + std::to_string(round) + " round), radii changed by " +
-                                      number(radius) + " of themselves at most"));
-  }
-  text += result_line("quality", "aspect " + number(report.before.aspect.worst) + " -> " +
-                                     number(report.after.aspect.worst) + ", warpage " +
-                                     number(report.before.warpage_degrees.worst) + " -> " +
-                                     number(report.after.warpage_degrees.worst) +
-                                     " degrees, Jacobian " + number(report.before.jacobian.worst) +
-                                     " -> " + number(report.after.jacobian.worst) + ", inverted " +
-                                     std::to_string(report.inverted.size()));
-  return text + result_ending(report, folder);
 }
 
 }  // namespace batten

@@ -75,11 +75,12 @@ OutputFolder::~OutputFolder() {
 }
 
 void OutputFolder::commit() {
+  // Files in folders, too, one by one: those of an earlier run may be there already.
   std::vector<fs::path> names;
   std::error_code unread;
-  for (fs::directory_iterator entry(hidden_, unread), end; !unread && entry != end;
+  for (fs::recursive_directory_iterator entry(hidden_, unread), end; !unread && entry != end;
        entry.increment(unread))
-    names.push_back(entry->path().filename());
+    if (!entry->is_directory(unread)) names.push_back(entry->path().lexically_relative(hidden_));
   if (unread) throw InputError(hidden_.string() + ": cannot read this folder: " + unread.message());
   for (const auto& name : names)
     if (fs::is_directory(folder_ / name, unread))
@@ -90,6 +91,7 @@ void OutputFolder::commit() {
     std::string failure;
     for (const auto& name : names) {
       std::error_code error;
+      if (name.has_parent_path()) fs::create_directories((folder_ / name).parent_path(), error);
       fs::rename(hidden_ / name, folder_ / name, error);
       if (error && failure.empty())
         failure = (folder_ / name).string() + ": cannot write this file: " + error.message();

@@ -31,7 +31,8 @@ class OutputFolder {
   OutputFolder(const OutputFolder&) = delete;
   OutputFolder& operator=(const OutputFolder&) = delete;
 
-  /// The path at which to write the file of this name before commit().
+  /// The path at which to write the file of this name before commit(). Folders may be made beside it:
+  /// what is in them comes into folders of the same names.
   std::filesystem::path file(const std::string& name) const { return hidden_ / name; }
   const std::filesystem::path& folder() const { return folder_; }
   /// Moves all files to their names. Call it once. Throws InputError, before anything is moved,

@@ -205,6 +205,11 @@ TEST_CASE("a deck of several files is never written over one that was read", "[i
   CHECK_THROWS_WITH(file.write(folder / "other.bdf", points),
                     Contains("found a file of the deck that was read, expected another folder"));
   CHECK(files_in(folder) == kNastran);
+  // Nor where a program would move it there.
+  const fs::path hidden = scratch("includes_over_hidden");
+  CHECK_THROWS_WITH(file.write(hidden / "other.bdf", points, {false, folder}),
+                    Contains("found a file of the deck that was read, expected another folder"));
+  CHECK(files_in(hidden).empty());
   // Nor is the deck written under the name of a file that it includes.
   const fs::path out = scratch("includes_over_out");
   Files renamed{{"main.bdf", "GRID,1\nGRID,2,,1.\nGRID,3,,,1.\nINCLUDE 'shells.bdf'\n"},

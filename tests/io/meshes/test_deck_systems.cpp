@@ -295,3 +295,14 @@ TEST_CASE("Abaqus: nodes with parameters are read, and refused when they move", 
                              "is the parameter <v>"));
   CHECK_FALSE(std::filesystem::exists(target));
 }
+
+TEST_CASE("damaged decks of systems, elements and connections give an answer or an error",
+          "[io][decks]") {
+  const auto seeds = std::filesystem::path(BATTEN_SOURCE_DIR) / "tests/fuzz/seeds/meshes";
+  for (const char* name : {"systems.bdf", "parts.inp", "beside.k", "plate.rad"}) {
+    INFO(name);
+    check_identity(seeds / name);
+    check_round_trip(seeds / name, moved(MeshFile::read(seeds / name), 0.1, 2), 1e-4);
+    check_damage(std::filesystem::path(name).extension().string(), bytes_of(seeds / name), 700);
+  }
+}

@@ -1,0 +1,85 @@
+#include "batten/apps/commands/meshes/deform_pictures.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "batten/io/pictures/mesh_pictures.h"
+
+namespace batten {
+namespace {
+
+std::vector<MeshPicture::Part> parts_of(const ShellMesh& shells, const Kept& kept,
+                                        const Task& task) {
+  std::vector<MeshPicture::Part> vertex(shells.node_count(), MeshPicture::Part::Body);
+  for (const int v : task.problem.fixed) vertex[v] = MeshPicture::Part::Fixed;
+  for (const auto& h : task.problem.handles)
+    for (const int v : h.vertices) vertex[v] = MeshPicture::Part::Handle;
+  for (const auto& f : kept.features)
+    for (const int v : f.vertices) vertex[v] = MeshPicture::Part::Feature;
+  std::vector<MeshPicture::Part> parts;
+  for (int f = 0; f < shells.face_count(); ++f) {
+    const auto face = shells.face(f);
+    const auto part = vertex[face[0]];
+    const bool same =
+        std::all_of(face.begin(), face.end(), [&](int v) { return vertex[v] == part; });
+    parts.push_back(same ? part : MeshPicture::Part::Body);
+  }
+  return parts;
+}
+
+}  // namespace
+
+Points of_nodes(const Points& vertices, const MeshFile& file) {
+  return vertices.topRows(file.shells().node_count());
+}
+
+void draw_deformed(DeformReport& report, const DeformScene& scene, const MeshFile& file,
+                   const std::vector<Points>& states, const std::vector<Task>& tasks,
+                   const Kept& kept, const OutputFolder& out) {
+  if (scene.pictures.empty()) return;
+  using Show = MeshPictureRule::Show;
+  const auto parts = parts_of(file.shells(), kept, tasks.front());
+  std::vector<Points> places;
+  for (const Points& state : states) places.push_back(of_nodes(state, file));
+  for (const MeshPictureRule& rule : scene.pictures) {
+    if (!can_draw(report, rule.file)) continue;
+    MeshPicture look;
+    look.shells = &file.shells();
+    look.parts = parts;
+    look.lines = kept.lines;
+    look.mesh = rule.mesh;
+    look.azimuth = rule.azimuth;
+    look.elevation = rule.elevation;
+    look.up = rule.up;
+    look.zoom = rule.zoom;
+    for (const Points& state : places) look.also_in_view.push_back(&state);
+    std::vector<MeshPicture> pictures;
+    const auto add = [&](size_t state, const std::string& title) {
+      look.points = places[state];
+      look.title = title;
+      pictures.push_back(look);
+    };
+    const std::string name = rule.title.empty() ? scene.name : rule.title;
+    int columns = 1;
+    if (rule.show == Show::BeforeAfter) {
+      add(0, name + ", before");
+      add(states.size() - 1, name + ", after");
+      columns = 2;
+    } else if (rule.show == Show::Steps) {
+      add(0, name + ", before");
+      for (size_t k = 1; k < states.size(); ++k) add(k, scene.edits[k - 1].name);
+      columns = static_cast<int>(std::ceil(std::sqrt(static_cast<double>(states.size()))));
+    } else {
+      if (rule.show == Show::Displacement) {
+        look.field = (places.back() - places.front()).rowwise().norm();
+        look.field_title = "Displacement, " + scene.unit;
+      }
+      look.also_in_view.clear();
+      add(states.size() - 1, name);
+    }
+    draw_meshes(out.file(rule.file), pictures, columns, rule.size);
+    report.files.push_back(rule.file);
+  }
+}
+
+}  // namespace batten
