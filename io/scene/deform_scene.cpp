@@ -45,6 +45,15 @@ SelectRule read_select(const TomlTable& t, const std::filesystem::path& folder) 
     rule.plane = {p.vector("through"), p.direction("normal"), p.positive("within", kInfinity)};
   if (t.has("loop")) rule.loop = t.whole_number("loop", 1, 1);
   if (t.has("part")) rule.part = t.whole_number("part", 1, 1);
+  for (const TomlTable& g : t.table("salient", {"node", "point", "threshold"})) {
+    SelectRule::Salient salient;
+    if (g.has("node") == g.has("point"))
+      g.fail("", "a start that is not one", "one of node, point");
+    if (g.has("node")) salient.node = label_of(g, "node", g.number("node"));
+    if (g.has("point")) salient.point = g.vector("point");
+    salient.threshold = g.positive("threshold");
+    rule.salient = salient;
+  }
   for (const TomlTable& g : t.table("geodesic", {"node", "point", "of", "distance"})) {
     SelectRule::Geodesic geodesic;
     if (g.has("node")) geodesic.node = label_of(g, "node", g.number("node"));
@@ -70,7 +79,12 @@ CutRule read_cut(const TomlTable& t) {
   rule.name = t.text("name");
   rule.place = t.place();
   rule.band = t.names("band");
-  if (rule.band.empty()) t.fail("band", "no band", "the selection that holds the feature's border");
+  rule.on = t.names("on");
+  rule.beside = t.names("beside");
+  if (rule.on.empty() != rule.beside.empty() || rule.band.empty() == rule.on.empty())
+    t.fail("", "a cut without band or strokes",
+           "band, which holds the feature's border, or on and beside, strokes that tell the two "
+           "sides");
   if (t.has("inside")) rule.inside = t.vector("inside");
   rule.options.concave = t.positive("concave", rule.options.concave);
   rule.options.convex = t.positive("convex", rule.options.convex);
@@ -282,11 +296,11 @@ void read_selections(const TomlTable& root, const std::filesystem::path& folder,
                      DeformScene& scene) {
   Names selections("selection");
   selections.read(root, "select",
-                  {"name", "box", "sphere", "plane", "loop", "part", "geodesic", "nodes", "file",
-                   "set", "property", "any", "except", "grow"},
+                  {"name", "box", "sphere", "plane", "loop", "part", "salient", "geodesic", "nodes",
+                   "file", "set", "property", "any", "except", "grow"},
                   scene.selections, [&](const TomlTable& t) { return read_select(t, folder); });
-  selections.read(root, "cut", {"name", "band", "inside", "concave", "convex"}, scene.cuts,
-                  read_cut);
+  selections.read(root, "cut", {"name", "band", "on", "beside", "inside", "concave", "convex"},
+                  scene.cuts, read_cut);
 }
 
 /// Reads form features: one by one, and many of a kind.

@@ -40,6 +40,12 @@ struct SelectRule {
   std::optional<int> loop;  ///< number of a boundary loop, from 1
   std::optional<int> part;  ///< number of a part of the mesh, from 1
   std::optional<Geodesic> geodesic;
+  struct Salient {
+    std::optional<long> node;   ///< start: the node with this number in the mesh file
+    std::optional<Vec3> point;  ///< or the vertex nearest to this point
+    double threshold = 0;       ///< grown while the saliency of vertices is not below this
+  };
+  std::optional<Salient> salient;
   std::vector<long> nodes;         ///< numbers of nodes in the mesh file
   std::filesystem::path file;      ///< a file with such numbers
   PlacedWord set, property;        ///< names of a set and a property of a deck
@@ -52,9 +58,10 @@ struct SelectRule {
 struct CutRule {
   std::string name;
   FilePlace place;
-  std::vector<PlacedWord> band;  ///< selections that hold the feature's border
-  std::optional<Vec3> inside;    ///< point whose nearest vertex is in the feature; none: the
-                                 ///< feature is the smaller side
+  std::vector<PlacedWord> band;        ///< selections that hold the feature's border
+  std::vector<PlacedWord> on, beside;  ///< or strokes on the feature and beside it
+  std::optional<Vec3> inside;          ///< point whose nearest vertex is in the feature; none: the
+                                       ///< feature is the smaller side
   CutOptions options;
 };
 

@@ -10,6 +10,8 @@
 #include "batten/apps/commands/runs/run_parts.h"
 #include "batten/core/index.h"
 #include "batten/io/files/input_file.h"
+#include "batten/mesh/features/stroke_cut.h"
+#include "batten/mesh/regions/saliency.h"
 #include "batten/mesh/selection.h"
 
 namespace batten {
@@ -155,6 +157,18 @@ std::vector<int> VertexSelector::loop_of(const SelectRule& rule) const {
   return loops[*rule.loop - 1];
 }
 
+std::vector<int> VertexSelector::salient_region(const SelectRule& rule) {
+  if (saliency_.size() == 0) saliency_ = mesh_saliency(mesh_);
+  const auto& s = *rule.salient;
+  const int picked =
+      s.node ? vertex_of_label(*s.node, rule.place) : nearest_vertex(mesh_, *s.point);
+  try {
+    return grown_region(mesh_, saliency_, picked, s.threshold);
+  } catch (const InputError& e) {
+    throw InputError(scene_.at(rule.place) + "the selection '" + rule.name + "': " + e.what());
+  }
+}
+
 std::vector<int> VertexSelector::part_of(const SelectRule& rule) const {
   const std::vector<int> parts = parts_of_nodes(mesh_.topology());
   std::vector<int> vertices;
@@ -199,6 +213,7 @@ std::vector<int> VertexSelector::select(const SelectRule& rule) {
     meet(vertices_beyond_plane(mesh_, rule.plane->through, rule.plane->normal, rule.plane->within));
   if (rule.loop) meet(loop_of(rule));
   if (rule.part) meet(part_of(rule));
+  if (rule.salient) meet(salient_region(rule));
   if (rule.geodesic) meet(within_distance(rule));
   if (!rule.nodes.empty() || !rule.file.empty()) meet(listed_vertices(rule));
   if (!rule.set.text.empty())
@@ -216,6 +231,7 @@ std::vector<int> VertexSelector::select(const SelectRule& rule) {
 }
 
 std::vector<int> VertexSelector::cut(const CutRule& rule) {
+  if (!rule.on.empty()) return stroke(rule);
   const std::vector<int> vertices = mesh_.topology().whole_nodes(of(rule.band));
   std::vector<char> in(mesh_.vertex_count(), 0);
   for (const int v : vertices) in[v] = 1;
@@ -228,6 +244,16 @@ std::vector<int> VertexSelector::cut(const CutRule& rule) {
   if (rule.inside) options.feature_vertex = nearest_vertex(mesh_, *rule.inside);
   try {
     return cut_feature(mesh_, band, options).vertices;
+  } catch (const InputError& e) {
+    throw InputError(scene_.at(rule.place) + "the cut '" + rule.name + "': " + e.what());
+  }
+}
+
+std::vector<int> VertexSelector::stroke(const CutRule& rule) {
+  const MeshTopology& topology = mesh_.topology();
+  const auto on = topology.whole_nodes(of(rule.on)), beside = topology.whole_nodes(of(rule.beside));
+  try {
+    return stroke_cut(mesh_, on, beside, rule.options).vertices;
   } catch (const InputError& e) {
     throw InputError(scene_.at(rule.place) + "the cut '" + rule.name + "': " + e.what());
   }

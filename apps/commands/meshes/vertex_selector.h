@@ -41,6 +41,8 @@ class VertexSelector {
   std::vector<int> within_distance(const SelectRule& rule);
   std::vector<int> listed_vertices(const SelectRule& rule) const;
   std::vector<int> cut(const CutRule& rule);
+  std::vector<int> stroke(const CutRule& rule);
+  std::vector<int> salient_region(const SelectRule& rule);
   std::vector<std::string> names();
 
   const DeformScene& scene_;
@@ -50,6 +52,7 @@ class VertexSelector {
   std::vector<std::string> under_way_;
   std::vector<FeatureProposal> proposals_;
   bool proposed_ = false;
+  VecX saliency_;  // once asked for
 };
 
 }  // namespace batten
