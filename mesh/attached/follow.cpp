@@ -1,5 +1,6 @@
 #include "batten/mesh/attached/follow.h"
 
+#include <Eigen/IterativeLinearSolvers>
 #include <algorithm>
 #include <map>
 #include <set>
@@ -16,6 +17,38 @@ namespace batten {
 namespace {
 
 using Kind = OtherElement::Kind;
+
+/// K x = b, by a factor; where that of a large solid would fill the memory, by conjugate gradients.
+class Solver {
+ public:
+  explicit Solver(const SparseMatrix& K) : K_(K) {
+    constexpr int most_factored = 100'000;
+    if (K.rows() > most_factored) {
+      gradients_.setTolerance(1e-13);
+      gradients_.compute(K);
+    } else {
+      factor_.analyze(K);
+      if (!factor_.factorize(K)) fail(factor_.message());
+    }
+    factored_ = K.rows() <= most_factored;
+  }
+  void solve_in_place(MatX& b, const MatX& guess) const {
+    if (factored_) return factor_.solve_in_place(b);
+    const MatX x = gradients_.solveWithGuess(b, guess);
+    if (gradients_.info() != Eigen::Success) fail("the iteration did not settle");
+    b = x;
+  }
+
+ private:
+  [[noreturn]] static void fail(const std::string& why) {
+    throw NoSolutionError("what hangs on the shells: " + why);
+  }
+  const SparseMatrix& K_;
+  SparseCholesky factor_;
+  Eigen::ConjugateGradient<SparseMatrix, Eigen::Lower, Eigen::IncompleteCholesky<double>>
+      gradients_;
+  bool factored_ = true;
+};
 
 class Follower {
  public:
@@ -205,10 +238,7 @@ class Follower {
     const auto n = static_cast<long>(nodes.size());
     SparseMatrix K(n, n);
     K.setFromTriplets(entries.begin(), entries.end());
-    SparseCholesky factor;
-    factor.analyze(K);
-    if (!factor.factorize(K))
-      throw NoSolutionError("what hangs on the shells: " + factor.message());
+    const Solver solver(K);
 
     const auto motion_at = [&](const Edge& e) -> const Motion& {
       return bodies_[body_of_[row[e.a] >= 0 ? e.a : e.b]].motion;
@@ -221,7 +251,7 @@ class Follower {
     for_open_ends(edges, row, [&](const Edge& e, int open, int other) {
       if (row[other] < 0) q.row(row[open]) += e.weight * log_at(e, other).transpose();
     });
-    factor.solve_in_place(q);
+    solver.solve_in_place(q, MatX::Zero(n, 3));
     // Places relative to it.
     MatX y = MatX::Zero(n, 3);
     for_open_ends(edges, row, [&](const Edge& e, int open, int other) {
@@ -236,7 +266,9 @@ class Follower {
         pull += motion.R.transpose() * (after_.row(other).transpose() - motion.shift);
       y.row(row[open]) += e.weight * pull.transpose();
     });
-    factor.solve_in_place(y);
+    MatX rest(n, 3);
+    for (int i = 0; i < n; ++i) rest.row(i) = before_.row(nodes[i]);
+    solver.solve_in_place(y, rest);
     for (int i = 0; i < n; ++i) {
       const Motion& motion = bodies_[body_of_[nodes[i]]].motion;
       after_.row(nodes[i]) = motion(y.row(i).transpose()).transpose();

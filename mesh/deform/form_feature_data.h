@@ -7,13 +7,13 @@
 #include "batten/constraints/coupling.h"
 #include "batten/core/sparse_cholesky.h"
 #include "batten/mesh/deform/deform_system.h"
-#include "batten/mesh/deform/form_feature_deformer.h"
 #include "batten/mesh/deform/rotation_field.h"
+#include "batten/mesh/deform/shape_estimate.h"
 
 namespace batten {
 
-struct FormFeatureDeformer::Data {
-  Data(const TriangleMesh& mesh, DeformProblem problem);
+struct FormFeatureData {
+  FormFeatureData(const TriangleMesh& mesh, DeformProblem problem);
 
   void keep_held_columns();
   void couple_guides();

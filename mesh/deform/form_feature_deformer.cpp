@@ -19,7 +19,7 @@ DeformProblem checked(DeformProblem problem, const TriangleMesh& mesh) {
 
 }  // namespace
 
-FormFeatureDeformer::Data::Data(const TriangleMesh& given, DeformProblem stated)
+FormFeatureData::FormFeatureData(const TriangleMesh& given, DeformProblem stated)
     : mesh(given),
       problem(checked(std::move(stated), mesh)),
       system(mesh, problem),
@@ -56,7 +56,7 @@ FormFeatureDeformer::Data::Data(const TriangleMesh& given, DeformProblem stated)
   result = mesh.points();
 }
 
-void FormFeatureDeformer::Data::keep_held_columns() {
+void FormFeatureData::keep_held_columns() {
   const auto dofs = static_cast<long>(system.vertex.size());
   // d0 vanishes on dofs that stay free.
   std::vector<char> held(dofs, 1);
@@ -70,7 +70,7 @@ void FormFeatureDeformer::Data::keep_held_columns() {
   A_held_rows.finalize();
 }
 
-void FormFeatureDeformer::Data::couple_guides() {
+void FormFeatureData::couple_guides() {
   const auto dofs = static_cast<long>(system.vertex.size());
   std::vector<Coupling::Row> coupled;
   std::vector<Triplet> combination;
@@ -102,7 +102,7 @@ void FormFeatureDeformer::Data::couple_guides() {
   }
 }
 
-void FormFeatureDeformer::Data::add_guide_row(ConstraintSet& set, size_t k, double value) const {
+void FormFeatureData::add_guide_row(ConstraintSet& set, size_t k, double value) const {
   const GuidedPoint& guide = problem.guided[guide_of[k]];
   std::vector<ConstraintSet::CoupledEntry> entries;
   for (const auto& e : guide.point.entries)
@@ -110,7 +110,7 @@ void FormFeatureDeformer::Data::add_guide_row(ConstraintSet& set, size_t k, doub
   set.add_coupled(guide.name, std::move(entries), value);
 }
 
-void FormFeatureDeformer::Data::start_residual() {
+void FormFeatureData::start_residual() {
   const MatX& d0 = positions.d0();
   in_chunks(b.rows(), [&](long first, long last) {
     for (long i = first; i < last; ++i) {
@@ -121,7 +121,7 @@ void FormFeatureDeformer::Data::start_residual() {
   });
 }
 
-void FormFeatureDeformer::Data::reduce_residual() {
+void FormFeatureData::reduce_residual() {
   in_chunks(B.cols(), [&](long first, long last) {
     for (long c = first; c < last; ++c) {
       Eigen::RowVector3d sum = Eigen::RowVector3d::Zero();
@@ -131,7 +131,7 @@ void FormFeatureDeformer::Data::reduce_residual() {
   });
 }
 
-void FormFeatureDeformer::Data::expand(const DeformEdit& edit) {
+void FormFeatureData::expand(const DeformEdit& edit) {
   x.noalias() = positions.D() * y;
   x += positions.d0();
   for (int v = 0; v < mesh.vertex_count(); ++v) {
@@ -144,13 +144,13 @@ void FormFeatureDeformer::Data::expand(const DeformEdit& edit) {
 }
 
 FormFeatureDeformer::FormFeatureDeformer(const TriangleMesh& mesh, DeformProblem problem)
-    : data_(std::make_unique<Data>(mesh, std::move(problem))) {}
+    : data_(std::make_unique<FormFeatureData>(mesh, std::move(problem))) {}
 FormFeatureDeformer::~FormFeatureDeformer() = default;
 FormFeatureDeformer::FormFeatureDeformer(FormFeatureDeformer&&) noexcept = default;
 FormFeatureDeformer& FormFeatureDeformer::operator=(FormFeatureDeformer&&) noexcept = default;
 
 const Points& FormFeatureDeformer::deform(const DeformEdit& edit) {
-  Data& d = *data_;
+  FormFeatureData& d = *data_;
   check(d.problem, edit);
   d.correctable = false;
   d.rotations.evaluate(d.system, edit, d.q);
@@ -161,7 +161,7 @@ const Points& FormFeatureDeformer::deform(const DeformEdit& edit) {
 }
 
 const Points& FormFeatureDeformer::deform(const DeformEdit& edit, const ShapeEstimate& estimate) {
-  Data& d = *data_;
+  FormFeatureData& d = *data_;
   check(d.problem, edit);
   d.check_estimate(estimate);
   d.correctable = false;
@@ -173,7 +173,7 @@ const Points& FormFeatureDeformer::deform(const DeformEdit& edit, const ShapeEst
   return d.solve(edit);
 }
 
-const Points& FormFeatureDeformer::Data::solve(const DeformEdit& edit) {
+const Points& FormFeatureData::solve(const DeformEdit& edit) {
   start_residual();
   if (positions.free_count() > 0) {
     reduce_residual();
@@ -191,7 +191,7 @@ const Points& FormFeatureDeformer::Data::solve(const DeformEdit& edit) {
 }
 
 double FormFeatureDeformer::correct() {
-  Data& d = *data_;
+  FormFeatureData& d = *data_;
   if (!d.correctable) throw InputError("there is no edit to correct, expected deform() before");
   if (d.positions.free_count() == 0 || d.size == 0) return 0;
   // What is left of b - A x, in the rows' own accuracy.
@@ -214,7 +214,7 @@ const DeformProblem& FormFeatureDeformer::problem() const { return data_->proble
 const std::vector<std::string>& FormFeatureDeformer::notes() const { return data_->system.notes; }
 
 Points FormFeatureDeformer::rotation_logs() const {
-  const Data& d = *data_;
+  const FormFeatureData& d = *data_;
   Points q = Points::Zero(d.mesh.vertex_count(), 3);
   for (int v = 0; v < d.mesh.vertex_count(); ++v)
     if (const int dof = d.system.dof[v]; dof >= 0)
@@ -225,12 +225,12 @@ Points FormFeatureDeformer::rotation_logs() const {
 }
 
 double FormFeatureDeformer::hard_residual() const {
-  const Data& d = *data_;
+  const FormFeatureData& d = *data_;
   return d.solved ? batten::hard_residual(d.mesh, d.problem, d.last, d.result, rotation_logs()) : 0;
 }
 
 FormFeatureDeformer::Counts FormFeatureDeformer::counts() const {
-  const Data& d = *data_;
+  const FormFeatureData& d = *data_;
   Counts c;
   c.moving = d.system.moving;
   c.unknowns = d.positions.free_count();
@@ -245,7 +245,7 @@ FormFeatureDeformer::Counts FormFeatureDeformer::counts() const {
 
 FormFeatureDeformer::Statement FormFeatureDeformer::statement(const DeformEdit& edit) {
   deform(edit);
-  const Data& d = *data_;
+  const FormFeatureData& d = *data_;
   Statement s{d.system.vertex, d.system.origin, d.system.A, d.b,
               ConstraintSet(count_of(d.system.vertex))};
   const auto& rows = d.system.positions.rows();

@@ -2,29 +2,16 @@
 #pragma once
 
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "batten/constraints/constraint_set.h"
 #include "batten/mesh/deform/deform_problem.h"
+#include "batten/mesh/deform/shape_estimate.h"
 
 namespace batten {
 
-/// A shape that another deformer found for the same edit, without features: it has turned the sheet
-/// where the handles' turns alone do not say how it turns.
-struct ShapeEstimate {
-  Points positions;         ///< n×3
-  std::vector<char> known;  ///< vertices that it knows the places of; empty: all
-  enum class Use {
-    Turns,  ///< only its features' turns count: the field is harmonic between them, the handles and
-            ///< what is fixed, and turns the curvature of the rest shape
-    Shape   ///< curvature is the estimate's own: without features the result is the estimate
-  } use = Use::Turns;
-  /// The turn of each feature, the same for features that share vertices; none: as the harmonic field
-  /// has it. Those that handles or fixed vertices hold, or that keep their direction, do as these say.
-  std::vector<std::optional<Mat3>> feature_turns;
-};
+struct FormFeatureData;
 
 /// Masuda, Yoshioka, Furukawa 2006: mean-curvature vectors δ_i = L(p_i⁰) are kept in the
 /// least-squares sense while they turn with a smooth field of rotations; handles, fixed vertices
@@ -116,8 +103,7 @@ class FormFeatureDeformer {
   Statement statement(const DeformEdit& edit);
 
  private:
-  struct Data;
-  std::unique_ptr<Data> data_;
+  std::unique_ptr<FormFeatureData> data_;
 };
 
 /// Largest violation of what the problem states at positions p (n×3) with the field's logarithms

@@ -20,21 +20,20 @@ bool knows(const ShapeEstimate& estimate, int vertex) {
 
 }  // namespace
 
-double FormFeatureDeformer::Data::scale_of(const DeformEdit& edit, int scaled_by) const {
+double FormFeatureData::scale_of(const DeformEdit& edit, int scaled_by) const {
   if (scaled_by < 0) return 1;
   const auto features = count_of(problem.features);
   if (scaled_by >= features) return edit.handles[scaled_by - features].scale;
   return edit.feature_scales.empty() ? 1 : edit.feature_scales[scaled_by];
 }
 
-Vec3 FormFeatureDeformer::Data::told_target(const DeformEdit& edit, long row) const {
+Vec3 FormFeatureData::told_target(const DeformEdit& edit, long row) const {
   const CombinationRow& told = problem.rows[system.target_row[row]];
   const Vec3 target = edit.targets.empty() ? told.target : edit.targets[system.target_row[row]];
   return std::sqrt(*told.weight) * target;
 }
 
-bool FormFeatureDeformer::Data::known_target(const ShapeEstimate& estimate, long row,
-                                             Vec3& target) const {
+bool FormFeatureData::known_target(const ShapeEstimate& estimate, long row, Vec3& target) const {
   if (row >= system.curvature_rows || estimate.use != ShapeEstimate::Use::Shape) return false;
   Vec3 sum = Vec3::Zero();
   for (RowMatrix::InnerIterator a(system.A, row); a; ++a) {
@@ -46,7 +45,7 @@ bool FormFeatureDeformer::Data::known_target(const ShapeEstimate& estimate, long
   return true;
 }
 
-void FormFeatureDeformer::Data::set_targets(const DeformEdit& edit, const ShapeEstimate* estimate) {
+void FormFeatureData::set_targets(const DeformEdit& edit, const ShapeEstimate* estimate) {
   const bool still = rotations.still() && !estimate;
   in_chunks(b.rows(), [&](long first, long last) {
     for (long i = first; i < last; ++i) {
@@ -70,7 +69,7 @@ void FormFeatureDeformer::Data::set_targets(const DeformEdit& edit, const ShapeE
   });
 }
 
-void FormFeatureDeformer::Data::check_estimate(const ShapeEstimate& e) const {
+void FormFeatureData::check_estimate(const ShapeEstimate& e) const {
   const auto fits = [](const char* what, size_t found, size_t expected) {
     if (found != expected)
       throw InputError("the estimate has " + std::to_string(found) + " " + what + ", expected " +
@@ -85,7 +84,7 @@ void FormFeatureDeformer::Data::check_estimate(const ShapeEstimate& e) const {
   if (!e.positions.allFinite()) throw InputError("the estimate has a position that is not finite");
 }
 
-Vec3 FormFeatureDeformer::Data::turn_of_ring(const ShapeEstimate& estimate, int dof) const {
+Vec3 FormFeatureData::turn_of_ring(const ShapeEstimate& estimate, int dof) const {
   const MeshTopology& topology = mesh.topology();
   std::vector<int> ring{system.vertex[dof]};
   for (const int v : topology.together(system.vertex[dof]))
@@ -93,7 +92,7 @@ Vec3 FormFeatureDeformer::Data::turn_of_ring(const ShapeEstimate& estimate, int 
   return rotation_log(rotation_of_face(ring, mesh.points(), estimate.positions));
 }
 
-void FormFeatureDeformer::Data::take_turns(const ShapeEstimate& estimate) {
+void FormFeatureData::take_turns(const ShapeEstimate& estimate) {
   std::vector<std::pair<int, Vec3>> given;
   for (size_t f = 0; f < estimate.feature_turns.size(); ++f)
     if (estimate.feature_turns[f])
@@ -107,7 +106,7 @@ void FormFeatureDeformer::Data::take_turns(const ShapeEstimate& estimate) {
       q.row(d) = turn_of_ring(estimate, d);
 }
 
-void FormFeatureDeformer::Data::set_hard_values(const DeformEdit& edit) {
+void FormFeatureData::set_hard_values(const DeformEdit& edit) {
   using Kind = DeformSystem::Value::Kind;
   for (size_t k = 0; k < system.values.size(); ++k) {
     const auto& value = system.values[k];
@@ -135,7 +134,7 @@ void FormFeatureDeformer::Data::set_hard_values(const DeformEdit& edit) {
   positions.set_right(right);
 }
 
-void FormFeatureDeformer::Data::set_guides(const DeformEdit& edit) {
+void FormFeatureData::set_guides(const DeformEdit& edit) {
   for (size_t k = 0; k < guide_of.size(); ++k) {
     double reached = guide_directions[k].dot(through(edit, k));
     for (const auto& e : problem.guided[guide_of[k]].point.entries)

@@ -1,7 +1,8 @@
 // What features of a deform scene keep between them, as rows and shared turns.
 #pragma once
 
-#include "batten/apps/commands/meshes/deform_task.h"
+#include "batten/apps/commands/meshes/kept.h"
+#include "batten/apps/commands/meshes/vertex_selector.h"
 
 namespace batten {
 
