@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <set>
 
 #include "batten/core/errors.h"
 #include "batten/core/index.h"
@@ -248,6 +250,26 @@ Work examine(const ShellMesh& shells) {
 }
 
 }  // namespace
+
+std::vector<std::vector<int>> polygons_of(const PreparedMesh& prepared) {
+  const auto& triangles = prepared.mesh.triangles();
+  std::vector<std::vector<int>> polygons;
+  for (size_t first = 0, end = 0; first < triangles.size(); first = end) {
+    std::map<int, int> after;  // along the outline: what runs both ways is inside
+    std::set<std::pair<int, int>> sides;
+    for (; end < triangles.size() &&
+           prepared.face_of_triangle[end] == prepared.face_of_triangle[first];
+         ++end)
+      for (int c = 0; c < 3; ++c) sides.insert({triangles[end][c], triangles[end][(c + 1) % 3]});
+    for (const auto& [a, b] : sides)
+      if (!sides.count({b, a})) after[a] = b;
+    std::vector<int> polygon{after.begin()->first};
+    while (after[polygon.back()] != polygon.front() && polygon.size() <= after.size())
+      polygon.push_back(after[polygon.back()]);
+    polygons.push_back(std::move(polygon));
+  }
+  return polygons;
+}
 
 MeshDiagnosis diagnose(const ShellMesh& shells) { return examine(shells).found; }
 

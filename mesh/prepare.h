@@ -48,6 +48,10 @@ struct PreparedMesh {
   std::vector<std::string> notes;
 };
 
+/// The faces as polygons of the mesh's vertices, wound as their triangles; of second-order faces the
+/// outline with the middle nodes. O(triangles).
+std::vector<std::vector<int>> polygons_of(const PreparedMesh& prepared);
+
 /// Throws InputError only for indices out of range and faces of more than 10,000 corners. O(faces ·
 /// log faces), for a face of n corners O(n²).
 MeshDiagnosis diagnose(const ShellMesh& shells);

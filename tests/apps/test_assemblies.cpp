@@ -240,6 +240,49 @@ TEST_CASE("relations between features", "[deform]") {
         std::string::npos);
 }
 
+TEST_CASE("features tilt with the sheet that is lifted without a turn", "[deform]") {
+  const Case c("tilt");
+  c.file("plate.obj", contents(BATTEN_SOURCE_DIR "/examples/10-plate-with-holes/plate.obj"));
+  const std::string scene =
+      "unit = \"mm\"\nmesh = \"plate.obj\"\n"
+      "[[select]]\nname = \"left\"\nbox = [[0, 0, -1], [0, 300, 1]]\ngrow = 1\n"
+      "[[select]]\nname = \"right\"\nbox = [[300, 0, -1], [300, 300, 1]]\ngrow = 1\n"
+      "[[features]]\nof = \"hole-*\"\n"
+      "[[edit]]\nfixed = \"left\"\n";
+  const std::string lift = "[[edit.handle]]\nname = \"right\"\ntranslate = [0, 0, 120]\n";
+  const auto turned = [&](const std::string& keys, const std::string& more = "") {
+    c.file("s.toml", scene + keys + lift + more);
+    const Result r = c.run({"deform", "s.toml", "--out", "out"});
+    INFO(r.err);
+    REQUIRE(r.code == 0);
+    std::map<std::string, double> degrees;
+    const auto json = report(c, "out");
+    CHECK(json["missed_promises"].empty());
+    for (const auto& f : json["features"])
+      degrees[f["name"].get<std::string>()] = f["turned_deg"].get<double>();
+    return degrees;
+  };
+  for (const auto& [name, degrees] : turned("turn = \"harmonic\"\n")) CHECK(degrees < 1e-6);
+  // The middle of an S of 120 over 280: 3/2 of 120/280, a little less for the hole.
+  for (const std::string way : {"found", "dual", "nonlinear"}) {
+    INFO(way);
+    const auto degrees = turned("turn = \"" + way + "\"\n");
+    CHECK(degrees.at("hole-3") > 20);
+    CHECK(degrees.at("hole-3") < 36);
+    CHECK(degrees.at("hole-1") == Approx(degrees.at("hole-2")).epsilon(0.02));
+  }
+  const auto told =
+      turned("", "[[edit.turn_feature]]\nfeature = \"hole-3\"\naxis = [0, 0, 1]\ndegrees = 12\n");
+  CHECK(told.at("hole-3") == Approx(12));
+  CHECK(told.at("hole-1") > 5);
+  c.file("s.toml",
+         scene + lift +
+             "[[edit.turn_feature]]\nfeature = \"hole-9\"\naxis = [0, 0, 1]\ndegrees = 12\n");
+  const Result bad = c.run({"deform", "s.toml", "--out", "out"});
+  CHECK(bad.code == 1);
+  CHECK(bad.err.find("'hole-9'") != std::string::npos);
+}
+
 TEST_CASE("public decks are edited whole, and come back to the byte where nothing moves",
           "[data]") {
   const auto folder = optional_data("decks-public");

@@ -164,6 +164,11 @@ TEST_CASE("preparation splits elements and repairs what is safe") {
   CHECK(two.mesh.area_vector(2).z() > 0);
   CHECK(two.face_of_triangle == std::vector<int>{0, 0, 1, 1});
   CHECK(!two.notes.empty());
+  // The second quad as its triangles run, however they were cut.
+  const auto polygons = polygons_of(two);
+  REQUIRE(polygons.size() == 2);
+  CHECK(polygons[0] == std::vector<int>{0, 1, 2, 3});
+  CHECK(polygons[1] == std::vector<int>{1, 4, 5, 2});
 }
 
 TEST_CASE("preparation refuses what it cannot repair, and names the place") {

@@ -238,6 +238,12 @@ Task task_of(const DeformScene& scene, const EditRule& rule, const Kept& kept,
                        "', expected a feature: " + listed(names) +
                        did_you_mean(s.feature.text, names));
   }
+  for (const auto& t : rule.turns)
+    if (std::none_of(names.begin(), names.end(),
+                     [&](const auto& name) { return matches(t.feature.text, name); }))
+      throw InputError(scene.at(t.feature.place) + "found a turn of '" + t.feature.text +
+                       "', expected a feature: " + listed(names) +
+                       did_you_mean(t.feature.text, names));
   names.clear();
   for (size_t k = 0; k < kept.guided.size(); ++k) {
     names.push_back(kept.guided[k].name);

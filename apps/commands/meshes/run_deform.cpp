@@ -262,7 +262,7 @@ class DeformRun {
     DeformReport::Edit report;
     report.name = rule.name;
     const auto start = Clock::now();
-    const std::optional<ShapeEstimate> estimate = estimate_for(rule, task, mesh, report);
+    const std::optional<ShapeEstimate> estimate = estimate_for(rule, task, prepared_, mesh, report);
     const auto solve = [&](FormFeatureDeformer& deformer, const DeformEdit& edit) {
       estimate ? deformer.deform(edit, *estimate) : deformer.deform(edit);
       deformer.correct();

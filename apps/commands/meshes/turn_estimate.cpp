@@ -36,21 +36,32 @@ std::vector<int> held_of(const DeformProblem& problem, const TriangleMesh& mesh)
   return fixed;
 }
 
-/// Vertices of the parts that something holds: of the others the estimate knows nothing.
+/// Vertices of the parts that something holds, or that `connecting` features hold to these: of the
+/// others the estimate knows nothing.
 std::vector<char> known_vertices(const std::vector<int>& fixed, const std::vector<Handle>& handles,
+                                 const std::vector<FormFeature>& connecting,
                                  const TriangleMesh& mesh) {
   const MeshTopology& topology = mesh.topology();
   const std::vector<int> part = parts_of_nodes(topology);
-  std::vector<char> held(mesh.vertex_count(), 0);  // of parts
+  Groups together(mesh.vertex_count());  // of parts
+  for (const FormFeature& f : connecting) {
+    int first = -1;
+    for (const int v : f.vertices) {
+      const int p = part[topology.node_of(v)];
+      if (p >= 0 && first >= 0) together.join(first, p);
+      if (p >= 0) first = p;
+    }
+  }
+  std::vector<char> held(mesh.vertex_count(), 0);
   const auto hold = [&](int v) {
-    if (const int p = part[topology.node_of(v)]; p >= 0) held[p] = 1;
+    if (const int p = part[topology.node_of(v)]; p >= 0) held[together.of(p)] = 1;
   };
   for (const int v : fixed) hold(v);
   for (const Handle& h : handles)
     for (const int v : h.vertices) hold(v);
   std::vector<char> known(mesh.vertex_count(), 0);
   for (int v = 0; v < mesh.vertex_count(); ++v)
-    if (const int p = part[topology.node_of(v)]; p >= 0) known[v] = held[p];
+    if (const int p = part[topology.node_of(v)]; p >= 0) known[v] = held[together.of(p)];
   return known;
 }
 
@@ -157,23 +168,24 @@ ShapeEstimate featureless(const Task& task, const TriangleMesh& mesh) {
   plain.edit.targets.clear();
   FormFeatureDeformer deformer(mesh, plain.problem);
   ShapeEstimate estimate;
-  estimate.known = known_vertices(held_of(task.problem, mesh), task.problem.handles, mesh);
+  estimate.known = known_vertices(held_of(task.problem, mesh), task.problem.handles,
+                                  plain.problem.features, mesh);
   estimate.positions = deformer.deform(plain.edit);
   return estimate;
 }
 
-std::unique_ptr<DeformEstimate> deformer_of(Turn turn, const TriangleMesh& mesh,
-                                            const std::vector<int>& fixed,
+std::unique_ptr<DeformEstimate> deformer_of(Turn turn, const PreparedMesh& prepared,
+                                            const TriangleMesh& mesh, const std::vector<int>& fixed,
                                             const std::vector<Handle>& handles) {
   if (turn == Turn::Nonlinear) return std::make_unique<NonlinearDeformer>(mesh, fixed, handles);
-  return std::make_unique<DualLaplacianDeformer>(mesh, std::vector<std::vector<int>>{}, fixed,
-                                                 handles);
+  return std::make_unique<DualLaplacianDeformer>(mesh, polygons_of(prepared), fixed, handles);
 }
 
 }  // namespace
 
 std::optional<ShapeEstimate> estimate_for(const EditRule& rule, const Task& task,
-                                          const TriangleMesh& mesh, DeformReport::Edit& edit) {
+                                          const PreparedMesh& prepared, const TriangleMesh& mesh,
+                                          DeformReport::Edit& edit) {
   const DeformProblem& problem = task.problem;
   const bool moving = std::any_of(task.edit.handles.begin(), task.edit.handles.end(), moves);
   const bool finds = moving && rule.turn != Turn::Harmonic;
@@ -186,9 +198,9 @@ std::optional<ShapeEstimate> estimate_for(const EditRule& rule, const Task& task
     estimate = featureless(task, mesh);
   } else if (finds) {
     estimate.use = ShapeEstimate::Use::Shape;
-    const auto deformer = deformer_of(rule.turn, mesh, fixed, problem.handles);
+    const auto deformer = deformer_of(rule.turn, prepared, mesh, fixed, problem.handles);
     estimate.positions = deformer->deform(task.edit.handles);
-    estimate.known = known_vertices(fixed, problem.handles, mesh);
+    estimate.known = known_vertices(fixed, problem.handles, {}, mesh);
     edit.rounds = deformer->report().rounds;
     edit.found = deformer->report().converged;
   }

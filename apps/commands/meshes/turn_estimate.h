@@ -11,8 +11,10 @@ namespace batten {
 
 /// An estimate of the deformed shape, with a turn for each feature: the user's, otherwise the mean of
 /// its faces' rotations; features that share vertices or turn alike have one. None where the rule asks
-/// for the harmonic field and turns no feature, or where no handle moves. `edit` gets what it took.
+/// for the harmonic field and turns no feature, or where no handle moves. `mesh` is
+/// the prepared one in its present shape. `edit` gets what it took.
 std::optional<ShapeEstimate> estimate_for(const EditRule& rule, const Task& task,
-                                          const TriangleMesh& mesh, DeformReport::Edit& edit);
+                                          const PreparedMesh& prepared, const TriangleMesh& mesh,
+                                          DeformReport::Edit& edit);
 
 }  // namespace batten
