@@ -262,9 +262,11 @@ class DeformRun {
     DeformReport::Edit report;
     report.name = rule.name;
     const auto start = Clock::now();
-    const std::optional<ShapeEstimate> estimate = estimate_for(rule, task, prepared_, mesh, report);
+    std::optional<ShapeEstimate> estimate = estimate_for(rule, task, prepared_, mesh, report);
     const auto solve = [&](FormFeatureDeformer& deformer, const DeformEdit& edit) {
       estimate ? deformer.deform(edit, *estimate) : deformer.deform(edit);
+      if (estimate && rule.turn == EditRule::Turn::Found)
+        settle(rule, task, mesh, deformer, *estimate, report);
       deformer.correct();
     };
     if (rule.keep_centres && scales_features(task.edit)) {
@@ -289,6 +291,20 @@ class DeformRun {
     for (const auto& note : deformer.notes()) report_.warnings.push_back(rule.name + ": " + note);
     states_.push_back(unmoved_as_before(mesh.points(), deformer.positions()));
     attached_.follow(mesh.points(), states_.back(), task.problem.features);
+  }
+
+  /// Features lean on the sheet beside them, which they bend themselves.
+  void settle(const EditRule& rule, const Task& task, const TriangleMesh& mesh,
+              FormFeatureDeformer& deformer, ShapeEstimate& estimate,
+              DeformReport::Edit& report) const {
+    constexpr int most_rounds = 20;
+    constexpr double settled = 0.05;  // degrees
+    report.found = false;
+    for (report.rounds = 1; report.rounds < most_rounds && !report.found; ++report.rounds) {
+      report.found = lean_on(rule, task, kept_.features.size(), mesh, deformer.positions(),
+                             estimate) < settled;
+      deformer.deform(task.edit, estimate);
+    }
   }
 
   /// The mesh in the format of its file.

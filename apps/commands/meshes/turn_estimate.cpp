@@ -83,11 +83,16 @@ std::vector<int> turning_groups(const DeformProblem& problem, int vertices) {
 
 class FeatureTurns {
  public:
-  FeatureTurns(const Task& task, const TriangleMesh& mesh, const ShapeEstimate& estimate)
+  /// Which faces tell how a feature turns: those of its own vertices, or those beside it.
+  enum class Faces { Own, Beside };
+  FeatureTurns(const Task& task, const TriangleMesh& mesh, const ShapeEstimate& estimate,
+               const Points& positions, Faces faces = Faces::Own)
       : problem_(task.problem),
         edit_(task.edit),
         mesh_(mesh),
         estimate_(estimate),
+        positions_(positions),
+        faces_(faces),
         group_(turning_groups(problem_, mesh.vertex_count())) {}
 
   std::vector<std::optional<Mat3>> found() const {
@@ -112,12 +117,17 @@ class FeatureTurns {
  private:
   void gather_faces(size_t f, std::vector<Mat3>& rotations, std::vector<double>& areas) const {
     const MeshTopology& topology = mesh_.topology();
-    const auto& vertices = problem_.features[f].vertices;
-    for (const int t : triangles_touching(topology, topology.whole_nodes(vertices))) {
+    const Selection own = topology.whole_nodes(problem_.features[f].vertices);
+    const bool beside = faces_ == Faces::Beside;
+    for (const int t : triangles_touching(topology, beside ? grown(topology, own, 1) : own)) {
       const auto& corners = topology.triangles()[t];
-      if (!std::all_of(corners.begin(), corners.end(), [&](int v) { return estimate_.known[v]; }))
+      const auto all = [&](const auto& condition) {
+        return std::all_of(corners.begin(), corners.end(), condition);
+      };
+      if (!all([&](int v) { return estimate_.known[v] != 0; })) continue;
+      if (beside && all([&](int v) { return std::binary_search(own.begin(), own.end(), v); }))
         continue;
-      rotations.push_back(rotation_of_face(corners, mesh_.points(), estimate_.positions));
+      rotations.push_back(rotation_of_face(corners, mesh_.points(), positions_));
       areas.push_back(mesh_.area_vector(t).norm());
     }
   }
@@ -148,6 +158,8 @@ class FeatureTurns {
   const DeformEdit& edit_;
   const TriangleMesh& mesh_;
   const ShapeEstimate& estimate_;
+  const Points& positions_;
+  Faces faces_;
   std::vector<int> group_;
 };
 
@@ -172,6 +184,15 @@ ShapeEstimate featureless(const Task& task, const TriangleMesh& mesh) {
                                   plain.problem.features, mesh);
   estimate.positions = deformer.deform(plain.edit);
   return estimate;
+}
+
+void set_told(const EditRule& rule, const Task& task, const FeatureTurns& turns,
+              std::vector<std::optional<Mat3>>& of) {
+  for (const auto& told : rule.turns)
+    for (size_t f = 0; f < task.problem.features.size(); ++f)
+      if (matches(told.feature.text, task.problem.features[f].name))
+        turns.set(of, f,
+                  Eigen::AngleAxisd(told.degrees * std::numbers::pi / 180, told.axis).matrix());
 }
 
 std::unique_ptr<DeformEstimate> deformer_of(Turn turn, const PreparedMesh& prepared,
@@ -204,14 +225,27 @@ std::optional<ShapeEstimate> estimate_for(const EditRule& rule, const Task& task
     edit.rounds = deformer->report().rounds;
     edit.found = deformer->report().converged;
   }
-  const FeatureTurns turns(task, mesh, estimate);
+  const FeatureTurns turns(task, mesh, estimate, estimate.positions);
   estimate.feature_turns = turns.found();
-  for (const auto& told : rule.turns)
-    for (size_t f = 0; f < problem.features.size(); ++f)
-      if (matches(told.feature.text, problem.features[f].name))
-        turns.set(estimate.feature_turns, f,
-                  Eigen::AngleAxisd(told.degrees * std::numbers::pi / 180, told.axis).matrix());
+  set_told(rule, task, turns, estimate.feature_turns);
   return estimate;
+}
+
+double lean_on(const EditRule& rule, const Task& task, size_t leaning, const TriangleMesh& mesh,
+               const Points& positions, ShapeEstimate& estimate) {
+  ShapeEstimate held;
+  held.known = known_vertices(held_of(task.problem, mesh), task.problem.handles, {}, mesh);
+  const FeatureTurns turns(task, mesh, held, positions, FeatureTurns::Faces::Beside);
+  auto found = turns.found();
+  set_told(rule, task, turns, found);
+  double largest = 0;
+  for (size_t f = 0; f < leaning; ++f) {
+    auto& turn = estimate.feature_turns[f];
+    if (!found[f] || !turn) continue;
+    largest = std::max(largest, Eigen::AngleAxisd(turn->transpose() * *found[f]).angle());
+    turn = found[f];
+  }
+  return largest * 180 / std::numbers::pi;
 }
 
 }  // namespace batten

@@ -17,4 +17,10 @@ std::optional<ShapeEstimate> estimate_for(const EditRule& rule, const Task& task
                                           const PreparedMesh& prepared, const TriangleMesh& mesh,
                                           DeformReport::Edit& edit);
 
+/// Turns the first `leaning` features by the mean rotation of the two rings of faces beside them in the
+/// shape `positions` that was found with the estimate's turns; those that are told how to turn, have no
+/// faces beside them, or lie in parts that only connections hold (these would swing) stay. Returns the largest change, degrees: it settles in a few rounds.
+double lean_on(const EditRule& rule, const Task& task, size_t leaning, const TriangleMesh& mesh,
+               const Points& positions, ShapeEstimate& estimate);
+
 }  // namespace batten
