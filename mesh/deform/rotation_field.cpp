@@ -1,10 +1,10 @@
 #include "batten/mesh/deform/rotation_field.h"
 
+#include <algorithm>
 #include <numbers>
 
 #include "batten/core/chunks.h"
 #include "batten/core/errors.h"
-#include "batten/core/sparse_cholesky.h"
 
 namespace batten {
 
@@ -62,9 +62,32 @@ void RotationField::evaluate(const DeformSystem& system, const DeformEdit& edit,
   });
 }
 
+void RotationField::factor_around(const DeformSystem& system, const TriangleMesh& mesh,
+                                  std::vector<char> told) {
+  if (told == told_) return;
+  told_.clear();  // until the factor is there
+  number_.assign(told.size(), -1);
+  int open = 0;
+  for (size_t c = 0; c < told.size(); ++c)
+    if (!told[c]) number_[c] = open++;
+  reduced_ = reduction_.reduce(laplacian_of(system, mesh));
+  std::vector<Triplet> entries;
+  for (int c = 0; c < reduced_.cols(); ++c)
+    for (SparseMatrix::InnerIterator e(reduced_, c); e; ++e)
+      if (number_[e.row()] >= 0 && number_[c] >= 0)
+        entries.emplace_back(number_[e.row()], number_[c], e.value());
+  if (open > 0) {
+    SparseMatrix rest(open, open);
+    rest.setFromTriplets(entries.begin(), entries.end());
+    around_.analyze(rest);
+    if (!around_.factorize(rest))
+      throw NoSolutionError("the field of rotations: " + around_.message());
+  }
+  told_ = std::move(told);
+}
+
 void RotationField::pass_through(const DeformSystem& system, const TriangleMesh& mesh,
-                                 const std::vector<std::pair<int, Vec3>>& given,
-                                 Points& logs) const {
+                                 const std::vector<std::pair<int, Vec3>>& given, Points& logs) {
   const SparseMatrix& D = reduction_.D();
   const RowMatrix by_rows = D;
   MatX change = MatX::Zero(D.cols(), 3);
@@ -75,31 +98,18 @@ void RotationField::pass_through(const DeformSystem& system, const TriangleMesh&
       told[e.col()] = 1;
       change.row(e.col()) = log.transpose() - logs.row(dof);
     }
-  std::vector<int> number(D.cols(), -1);
-  int open = 0;
-  for (int c = 0; c < D.cols(); ++c)
-    if (!told[c]) number[c] = open++;
-  const SparseMatrix K = reduction_.reduce(laplacian_of(system, mesh));
-  std::vector<Triplet> entries;
+  factor_around(system, mesh, std::move(told));
+  const auto open = std::count(told_.begin(), told_.end(), 0);
   MatX load = MatX::Zero(open, 3);
-  for (int c = 0; c < K.cols(); ++c)
-    for (SparseMatrix::InnerIterator e(K, c); e; ++e) {
-      const int i = number[e.row()], j = number[c];
-      if (i >= 0 && j >= 0) entries.emplace_back(i, j, e.value());
+  for (int c = 0; c < reduced_.cols(); ++c)
+    for (SparseMatrix::InnerIterator e(reduced_, c); e; ++e) {
+      const int i = number_[e.row()], j = number_[c];
       if (i >= 0 && j < 0) load.row(i) -= e.value() * change.row(c);
       if (i < 0 && j >= 0) load.row(j) -= e.value() * change.row(e.row());
     }
-  if (open > 0) {
-    SparseMatrix rest(open, open);
-    rest.setFromTriplets(entries.begin(), entries.end());
-    SparseCholesky factor;
-    factor.analyze(rest);
-    if (!factor.factorize(rest))
-      throw NoSolutionError("the field of rotations: " + factor.message());
-    factor.solve_in_place(load);
-    for (int c = 0; c < D.cols(); ++c)
-      if (!told[c]) change.row(c) = load.row(number[c]);
-  }
+  if (open > 0) around_.solve_in_place(load);
+  for (int c = 0; c < D.cols(); ++c)
+    if (number_[c] >= 0) change.row(c) = load.row(number_[c]);
   logs += D * change;
 }
 

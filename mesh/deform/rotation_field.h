@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "batten/constraints/affine_reduction.h"
+#include "batten/core/sparse_cholesky.h"
 #include "batten/mesh/deform/deform_system.h"
 
 namespace batten {
@@ -23,19 +24,27 @@ class RotationField {
   void evaluate(const DeformSystem& system, const DeformEdit& edit, Points& logs);
 
   /// Changes logs of evaluate() so that given dofs have their own, with all that turns as they do, and
-  /// the rest is harmonic between: one factor. What handles and fixed vertices say stays. Throws
-  /// NoSolutionError.
+  /// the rest is harmonic between: one factor for one set of dofs. What handles and fixed vertices say
+  /// stays. Throws NoSolutionError.
   void pass_through(const DeformSystem& system, const TriangleMesh& mesh,
-                    const std::vector<std::pair<int, Vec3>>& given, Points& logs) const;
+                    const std::vector<std::pair<int, Vec3>>& given, Points& logs);
 
   /// Whether no handle turned in the last edit.
   bool still() const { return turns_.isZero(0); }
 
  private:
+  void factor_around(const DeformSystem& system, const TriangleMesh& mesh, std::vector<char> told);
+
   AffineReduction reduction_;
   MatX weights_;  // dofs × handles
   MatX turns_;    // handles × 3
   MatX right_;    // right-hand sides of the rows
+  // What passes through given logarithms: which free unknowns are told, the numbers of the others, the
+  // reduced Laplacian, the factor of its rest.
+  std::vector<char> told_;
+  std::vector<int> number_;
+  SparseMatrix reduced_;
+  SparseCholesky around_;
 };
 
 }  // namespace batten

@@ -266,7 +266,7 @@ class DeformRun {
     const auto solve = [&](FormFeatureDeformer& deformer, const DeformEdit& edit) {
       estimate ? deformer.deform(edit, *estimate) : deformer.deform(edit);
       if (estimate && rule.turn == EditRule::Turn::Found)
-        settle(rule, task, mesh, deformer, *estimate, report);
+        settle(rule, task, edit, mesh, deformer, *estimate, report);
       deformer.correct();
     };
     if (rule.keep_centres && scales_features(task.edit)) {
@@ -294,8 +294,8 @@ class DeformRun {
   }
 
   /// Features lean on the sheet beside them, which they bend themselves.
-  void settle(const EditRule& rule, const Task& task, const TriangleMesh& mesh,
-              FormFeatureDeformer& deformer, ShapeEstimate& estimate,
+  void settle(const EditRule& rule, const Task& task, const DeformEdit& edit,
+              const TriangleMesh& mesh, FormFeatureDeformer& deformer, ShapeEstimate& estimate,
               DeformReport::Edit& report) const {
     constexpr int most_rounds = 20;
     constexpr double settled = 0.05;  // degrees
@@ -303,7 +303,7 @@ class DeformRun {
     for (report.rounds = 1; report.rounds < most_rounds && !report.found; ++report.rounds) {
       report.found = lean_on(rule, task, kept_.features.size(), mesh, deformer.positions(),
                              estimate) < settled;
-      deformer.deform(task.edit, estimate);
+      deformer.deform(edit, estimate);
     }
   }
 
