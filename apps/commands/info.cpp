@@ -180,7 +180,7 @@ std::string fairing_text(const FairScene& scene) {
 
 std::string edits_text(const DeformScene& scene) {
   return "edits '" + scene.name + "', unit " + scene.unit + "\n" +
-         mesh_info(scene.mesh, scene.unit) + parameters_text(scene.parameters());
+         mesh_info(scene.mesh, scene.unit, scene.proposals) + parameters_text(scene.parameters());
 }
 
 /// Lines and meshes share endings: a mesh has faces, a Nastran deck grid points.

@@ -93,13 +93,12 @@ TEST_CASE("letters lean with the wall, or stay level where they are told to", "[
   // The chord of the lift rises by 25.6 degrees.
   for (size_t k = 0; k < 3; ++k) {
     CHECK(level[k] < 1e-6);
-    CHECK(found[k] > 10);
+    CHECK(found[k] == Approx(28).margin(5));
     CHECK(nonlinear[k] == Approx(28).margin(5));
-    CHECK(bent[k] == Approx(45 + 26 * (k - 1.0)).margin(3));
+    CHECK(bent[k] == Approx(45 + 26 * (k - 1.0)).margin(5));
   }
   CHECK(wall.stretch("nonlinear/wall-deformed.obj").first < 0.2);
-  CHECK(wall.stretch("nonlinear/wall-deformed.obj").second <
-        wall.stretch("found/wall-deformed.obj").second);
+  CHECK(wall.stretch("found/wall-deformed.obj").first < 0.2);
   CHECK(wall.stretch("found/wall-deformed.obj").second <
         wall.stretch("harmonic/wall-deformed.obj").second);
   wall.run("bent-free");

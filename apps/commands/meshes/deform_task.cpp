@@ -7,6 +7,7 @@
 #include "batten/apps/commands/meshes/feature_relations.h"
 #include "batten/apps/commands/runs/run_parts.h"
 #include "batten/constraints/shape/curve_constraints.h"
+#include "batten/core/index.h"
 #include "batten/core/rotations.h"
 #include "batten/mesh/selection.h"
 
@@ -118,6 +119,20 @@ void gather_pulls(const DeformScene& scene, VertexSelector& select, const Triang
   }
 }
 
+/// Features that share a vertex become one.
+void note_merged(Kept& kept, int vertices) {
+  std::vector<int> owner(vertices, -1);
+  std::set<std::pair<int, int>> pairs;
+  for (int f = 0; f < count_of(kept.features); ++f)
+    for (const int v : kept.features[f].vertices) {
+      if (owner[v] >= 0 && owner[v] != f) pairs.insert({owner[v], f});
+      owner[v] = f;
+    }
+  for (const auto& [a, b] : pairs)
+    kept.notes.push_back("the features '" + kept.features[a].name + "' and '" +
+                         kept.features[b].name + "' share vertices and move as one");
+}
+
 }  // namespace
 
 MeshCurve shape_curve(const DeformScene& scene, const CurveRule& rule, VertexSelector& select,
@@ -181,6 +196,7 @@ Kept gather(const DeformScene& scene, VertexSelector& select, const AttachedNode
   gather_lines(scene, select, mesh, kept);
   for (const FormFeature& f : kept.features) kept.centres.push_back(centre_of(f, select, mesh));
   gather_relations(scene, select, mesh, kept);
+  note_merged(kept, mesh.vertex_count());
   gather_curves(scene, select, mesh, kept);
   gather_pulls(scene, select, mesh, kept);
   return kept;

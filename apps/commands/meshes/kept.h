@@ -35,6 +35,7 @@ struct Kept {
   std::vector<CharacterChain> chains;
   std::vector<CombinationRow> rows;
   std::vector<MeshCurve> curves;
+  std::vector<std::string> notes;       // what the user should know
   std::vector<std::vector<int>> lines;  // vertices of chains and curves, for pictures; a closed
                                         // line ends with its first vertex
 };

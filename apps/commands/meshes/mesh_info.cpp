@@ -5,6 +5,7 @@
 #include <set>
 
 #include "batten/core/errors.h"
+#include "batten/core/groups.h"
 #include "batten/core/index.h"
 #include "batten/io/meshes/mesh_file.h"
 #include "batten/mesh/features/proposals.h"
@@ -51,11 +52,29 @@ std::string parts_text(const MeshFile& file, const TriangleMesh& mesh) {
   for (int p = 0; p < count && count > 1; ++p)
     text += "  part " + std::to_string(p + 1) + ": " + std::to_string(nodes[p]) + " nodes, node " +
             std::to_string(file.node_label(lowest[p])) + " …, " + box_words(boxes[p]) + "\n";
+  // Nodes of no shell hang together by their elements, and on all parts that these reach.
+  Groups hanging(part.size());
+  for (const OtherElement& e : file.others()) {
+    int first = -1;
+    for (const int v : e.nodes)
+      if (part[v] < 0) {
+        if (first >= 0) hanging.join(first, v);
+        first = v;
+      }
+  }
+  std::map<int, std::set<int>> reached;  // parts, by the lowest node of what hangs together
+  for (const OtherElement& e : file.others())
+    for (const int v : e.nodes)
+      for (const int u : e.nodes)
+        if (part[v] < 0 && part[u] >= 0) reached[hanging.of(v)].insert(part[u]);
   std::map<std::set<int>, std::map<std::string, int>> between;  // parts, elements
   for (const OtherElement& e : file.others()) {
     std::set<int> parts;
     for (const int v : e.nodes)
-      if (part[v] >= 0) parts.insert(part[v]);
+      if (part[v] >= 0)
+        parts.insert(part[v]);
+      else
+        parts.insert(reached[hanging.of(v)].begin(), reached[hanging.of(v)].end());
     ++between[parts][e.name];
   }
   for (const auto& [parts, elements] : between) {
@@ -80,7 +99,8 @@ std::string hole_words(const HoleMeasure& m) {
 
 }  // namespace
 
-std::string mesh_info(const std::filesystem::path& path, const std::string& unit) {
+std::string mesh_info(const std::filesystem::path& path, const std::string& unit,
+                      const ProposalOptions& proposals) {
   const MeshFile file = MeshFile::read(path);
   const ShellMesh& shells = file.shells();
   const MeshDiagnosis d = diagnose(shells);
@@ -108,7 +128,7 @@ std::string mesh_info(const std::filesystem::path& path, const std::string& unit
   for (size_t l = 0; l < loops.size(); ++l)
     text += "  loop " + std::to_string(l + 1) + ": " + std::to_string(loops[l].size()) +
             " nodes, " + hole_words(measure_hole(mesh.points(), loops[l])) + "\n";
-  for (const auto& p : propose_features(mesh))
+  for (const auto& p : propose_features(mesh, proposals))
     text += "  feature '" + p.name +
             "': " + std::to_string(mesh.topology().nodes_of(p.vertices).size()) + " nodes, " +
             hole_words(p.measure) + "\n";

@@ -236,6 +236,7 @@ class DeformRun {
 
   Kept gather_kept() {
     Kept kept = gather(scene_, select_, attached_, original());
+    report_.warnings.insert(report_.warnings.end(), kept.notes.begin(), kept.notes.end());
     watch_.lap("features");
     return kept;
   }
