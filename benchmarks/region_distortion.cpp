@@ -183,7 +183,7 @@ Kept distortion_of(const FeaturedModel& m) {
   const double of_estimate =
       rows.add("dual Laplacian", estimate, rounds_of(dual.report())).edges_outside.mean;
   rows.add("rough", soft.rough(estimate, m.moves));
-  kept.soft = rows.add("soft, weight 1e5", soft.deform(estimate, m.moves)).edges_inside.most;
+  kept.soft = rows.add("soft", soft.deform(estimate, m.moves)).edges_inside.most;
   const Points final_hard = hard.deform(estimate, m.moves);
   Distortion d = rows.add("hard", final_hard);
   kept.hard = d.edges_inside.most;

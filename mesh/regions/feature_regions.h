@@ -31,7 +31,7 @@ struct FeatureRegionOptions {
     Squared,  ///< mean_rotation: min Σ A_f ‖R' - R_f‖²
     Robust    ///< median_rotation: min Σ A_f ‖R' - R_f‖, equation (10)
   } mean = Mean::Squared;
-  double weight = 1e5;  ///< Soft: see below; without unit
+  double weight = 2e7;  ///< Soft: see below; without unit
 };
 
 /// The connected components (along edges) of the vertices whose mask is not 0, each ascending,
