@@ -70,7 +70,7 @@ Mat3 rotation_of_face(std::span<const int> corners, const Points& before, const 
     u.row(static_cast<long>(j)) = before.row(corners[j]) - (from + mean_before).transpose();
     moved.row(static_cast<long>(j)) = after.row(corners[j]) - (to + mean_after).transpose();
   }
-  const Eigen::JacobiSVD<Rows> svd(u, Eigen::ComputeThinU | Eigen::ComputeThinV);
+  const Eigen::JacobiSVD<MatX> svd(u, Eigen::ComputeThinU | Eigen::ComputeThinV);
   Mat3 H = Mat3::Zero();
   const auto& lengths = svd.singularValues();
   for (long d = 0; d < lengths.size() && lengths[d] > 1e-12 * lengths[0]; ++d)
