@@ -28,4 +28,11 @@ inline Vec3 rotated(const Vec3& q, const Vec3& x) {
   return x + 2 * (std::cos(half) * t + v.cross(t));
 }
 
+/// The matrix R(q).
+inline Mat3 rotation_matrix(const Vec3& q) {
+  Mat3 R;
+  for (int c = 0; c < 3; ++c) R.col(c) = rotated(q, Vec3::Unit(c));
+  return R;
+}
+
 }  // namespace batten

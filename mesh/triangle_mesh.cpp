@@ -5,18 +5,13 @@
 #include <string>
 #include <utility>
 
+#include "batten/core/each_once.h"
 #include "batten/core/errors.h"
 
 namespace batten {
 namespace {
 
 std::string named(int vertex) { return std::to_string(vertex); }
-
-std::vector<int> each_once(std::vector<int> vertices) {
-  std::sort(vertices.begin(), vertices.end());
-  vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
-  return vertices;
-}
 
 }  // namespace
 

@@ -5,6 +5,7 @@
 #include <map>
 #include <set>
 
+#include "batten/core/each_once.h"
 #include "batten/core/errors.h"
 #include "batten/core/groups.h"
 #include "batten/core/index.h"
@@ -192,8 +193,7 @@ class Follower {
     for (auto& [lowest, body] : found) {
       if (body.held.empty()) continue;
       for (auto* list : {&body.nodes, &body.held}) {
-        std::sort(list->begin(), list->end());
-        list->erase(std::unique(list->begin(), list->end()), list->end());
+        *list = each_once(std::move(*list));
       }
       for (const int v : body.nodes) body_of_[v] = count_of(bodies_);
       bodies_.push_back(std::move(body));
@@ -272,10 +272,7 @@ class Follower {
     for (int i = 0; i < n; ++i) {
       const Motion& motion = bodies_[body_of_[nodes[i]]].motion;
       after_.row(nodes[i]) = motion(y.row(i).transpose()).transpose();
-      const Vec3 log = q.row(i).transpose();
-      Mat3 R;
-      for (int c = 0; c < 3; ++c) R.col(c) = motion.R * rotated(log, Vec3::Unit(c));
-      turns_[nodes[i]] = R;
+      turns_[nodes[i]] = motion.R * rotation_matrix(q.row(i).transpose());
       placed_[nodes[i]] = 1;
       result_.push_back(nodes[i]);
     }
@@ -325,9 +322,7 @@ std::vector<FormFeature> connections(std::span<const OtherElement> elements,
   std::set<std::string> names;
   for (const OtherElement& e : elements) {
     if (!keeps_shape(e)) continue;
-    std::vector<int> nodes = e.nodes;
-    std::sort(nodes.begin(), nodes.end());
-    nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+    std::vector<int> nodes = each_once(e.nodes);
     if (nodes.size() < 2 || !known.insert(nodes).second) continue;
     std::string name = e.name + " " + std::to_string(e.label);
     while (!names.insert(name).second) name += "'";

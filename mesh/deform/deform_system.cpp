@@ -5,6 +5,7 @@
 #include <map>
 #include <numeric>
 
+#include "batten/core/each_once.h"
 #include "batten/core/errors.h"
 #include "batten/core/groups.h"
 #include "batten/core/index.h"
@@ -12,12 +13,6 @@
 
 namespace batten {
 namespace {
-
-std::vector<int> sorted(std::vector<int> vertices) {
-  std::sort(vertices.begin(), vertices.end());
-  vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
-  return vertices;
-}
 
 /// Visits the vertices of all rows that the user wrote.
 template <class Visit>
@@ -62,7 +57,7 @@ class RingWeights {
 DeformSystem::DeformSystem(const TriangleMesh& mesh, const DeformProblem& problem)
     : positions(0), rotations(0) {
   const MeshTopology& topology = mesh.topology();
-  for (const auto& f : problem.features) feature_vertices_.push_back(sorted(f.vertices));
+  for (const auto& f : problem.features) feature_vertices_.push_back(each_once(f.vertices));
   find_parts(topology);
   order_features();
   hold(topology, problem);
@@ -181,9 +176,9 @@ void DeformSystem::number(const MeshTopology& topology, const DeformProblem& pro
   for_row_vertices(problem, [&](int v) { part[v] = 1; });
   // Held twice: the reduction finds out whether that is a conflict.
   std::vector<int> times(n, 0);
-  for (const int v : sorted(problem.fixed)) times[v] = 1;
+  for (const int v : each_once(problem.fixed)) times[v] = 1;
   for (const auto& h : problem.handles)
-    for (const int v : sorted(h.vertices))
+    for (const int v : each_once(h.vertices))
       if (++times[v] > 1) part[v] = 1;
   dof.assign(n, -1);
   for (int v = 0; v < n; ++v)
@@ -332,14 +327,14 @@ void DeformSystem::add_hard_rows(const MeshTopology& topology, const DeformProbl
     rotations.fix(name, dof[v], Vec3::Zero());
     turned_by.push_back(kind == Value::Kind::Handle ? who : -1);
   };
-  for (const int v : sorted(problem.fixed))
+  for (const int v : each_once(problem.fixed))
     if (dof[v] >= 0) hold_row("fixed", v, Value::Kind::Fixed, -1);
   for (const int v : vertex)
     if (holder[v] == kOutside || holder[v] == kLeftAlone)
       hold_row(holder[v] == kOutside ? "outside the region" : "a part that nothing holds", v,
                Value::Kind::Fixed, -1);
   for (size_t h = 0; h < problem.handles.size(); ++h)
-    for (const int v : sorted(problem.handles[h].vertices))
+    for (const int v : each_once(problem.handles[h].vertices))
       if (dof[v] >= 0)
         hold_row(problem.handles[h].name, v, Value::Kind::Handle, static_cast<int>(h));
   const size_t held_rows = values.size();

@@ -166,7 +166,7 @@ void FeatureRegionDeformer::Data::turn_regions() {
     } else if (told[group]) {
       turns[r] = *told[group];
     } else if (by >= 0) {
-      for (int c = 0; c < 3; ++c) turns[r].col(c) = rotated(edit.handles[by].turn, Vec3::Unit(c));
+      turns[r] = rotation_matrix(edit.handles[by].turn);
     } else if (by != DeformSystem::kMoves) {
       turns[r].setIdentity();
     } else {

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "batten/core/chunks.h"
+#include "batten/core/each_once.h"
 #include "batten/core/errors.h"
 #include "batten/core/groups.h"
 #include "batten/core/rotations.h"
@@ -15,12 +16,6 @@ namespace batten {
 namespace {
 
 constexpr int kChunk = 512;
-
-Mat3 turn_of(const Vec3& log) {
-  Mat3 R;
-  for (int c = 0; c < 3; ++c) R.col(c) = rotated(log, Vec3::Unit(c));
-  return R;
-}
 
 /// Lists of things by owner: those of owner o are item[start[o]] … item[start[o+1] - 1].
 template <class ForEach>
@@ -62,9 +57,7 @@ TurningSolver::Held TurningSolver::held_vertices(const MeshTopology& topology,
   for (int v = topology.node_count(); v < n; ++v) parts.join(topology.node_of(v), v);
   std::vector<char> told(n, 0);
   const auto add = [&](const std::string& name, std::vector<int> vertices, int handle) {
-    std::sort(vertices.begin(), vertices.end());
-    vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
-    for (const int v : vertices) {
+    for (const int v : each_once(std::move(vertices))) {
       held.rows.fix(name, v, Vec3::Zero());
       held.vertex.push_back(v);
       held.handle.push_back(handle);
@@ -216,7 +209,7 @@ void TurningSolver::start(const Points* guess) {
     Vec3 log = Vec3::Zero();
     for (size_t h = 0; h < edit_.handles.size(); ++h)
       log += weights_(c, static_cast<long>(h)) * edit_.handles[h].turn;
-    G_[c] = turn_of(log);
+    G_[c] = rotation_matrix(log);
   });
   if (!guess) return;
   measure_rows();

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 
+#include "batten/core/each_once.h"
 #include "batten/core/index.h"
 #include "batten/mesh/attached/solids.h"
 #include "batten/mesh/deform/similarity.h"
@@ -23,8 +24,7 @@ AttachedNodes::AttachedNodes(const MeshFile& file, const TriangleMesh& mesh,
   for (const OtherElement& e : file.others())
     for (const int v : e.nodes)
       if (!taken[v]) open_.push_back(v);
-  std::sort(open_.begin(), open_.end());
-  open_.erase(std::unique(open_.begin(), open_.end()), open_.end());
+  open_ = each_once(std::move(open_));
 }
 
 void AttachedNodes::widen(std::vector<int>& region, const std::vector<Handle>& handles) const {

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "batten/apps/commands/runs/run_parts.h"
+#include "batten/core/each_once.h"
 #include "batten/core/groups.h"
 #include "batten/core/index.h"
 #include "batten/core/rotations.h"
@@ -115,11 +116,26 @@ class FeatureTurns {
   }
 
  private:
+  /// Triangles of a feature's vertices, and of the ring around it. O(feature): there may be many.
+  std::vector<int> triangles_near(const std::vector<int>& own) const {
+    const MeshTopology& topology = mesh_.topology();
+    std::vector<int> vertices = own, triangles;
+    for (size_t i = 0; i < own.size() && faces_ == Faces::Beside; ++i) {
+      const auto ring = topology.neighbours(own[i]);
+      vertices.insert(vertices.end(), ring.begin(), ring.end());
+    }
+    for (const int v : topology.whole_nodes(std::move(vertices))) {
+      const auto around = topology.triangles_of(v);
+      triangles.insert(triangles.end(), around.begin(), around.end());
+    }
+    return each_once(std::move(triangles));
+  }
+
   void gather_faces(size_t f, std::vector<Mat3>& rotations, std::vector<double>& areas) const {
     const MeshTopology& topology = mesh_.topology();
-    const Selection own = topology.whole_nodes(problem_.features[f].vertices);
+    const std::vector<int> own = topology.whole_nodes(problem_.features[f].vertices);
     const bool beside = faces_ == Faces::Beside;
-    for (const int t : triangles_touching(topology, beside ? grown(topology, own, 1) : own)) {
+    for (const int t : triangles_near(own)) {
       const auto& corners = topology.triangles()[t];
       const auto all = [&](const auto& condition) {
         return std::all_of(corners.begin(), corners.end(), condition);
@@ -141,16 +157,14 @@ class FeatureTurns {
       for (const int v : problem_.handles[h].vertices) handle[v] = h;
     for (size_t f = 0; f < turns.size(); ++f) {
       const FormFeature& feature = problem_.features[f];
+      std::optional<Mat3> told;
       for (const int v : feature.vertices)
-        if (handle[v] >= 0) {
-          Mat3 turn;
-          for (int c = 0; c < 3; ++c)
-            turn.col(c) = rotated(edit_.handles[handle[v]].turn, Vec3::Unit(c));
-          set(turns, f, turn);
-        } else if (fixed[v]) {
-          set(turns, f, Mat3::Identity());
-        }
-      if (feature.kind == FormFeature::Kind::KeepsDirection) set(turns, f, Mat3::Identity());
+        if (handle[v] >= 0)
+          told = rotation_matrix(edit_.handles[handle[v]].turn);
+        else if (fixed[v])
+          told = Mat3::Identity();
+      if (feature.kind == FormFeature::Kind::KeepsDirection) told = Mat3::Identity();
+      if (told) set(turns, f, *told);
     }
   }
 
