@@ -86,12 +86,12 @@ class FeatureTurns {
  public:
   /// Which faces tell how a feature turns: those of its own vertices, or those beside it.
   enum class Faces { Own, Beside };
-  FeatureTurns(const Task& task, const TriangleMesh& mesh, const ShapeEstimate& estimate,
-               const Points& positions, Faces faces = Faces::Own)
+  FeatureTurns(const Task& task, const TriangleMesh& mesh, const std::vector<char>& known,
+               const Points& positions, Faces faces)
       : problem_(task.problem),
         edit_(task.edit),
         mesh_(mesh),
-        estimate_(estimate),
+        known_(known),
         positions_(positions),
         faces_(faces),
         group_(turning_groups(problem_, mesh.vertex_count())) {}
@@ -140,7 +140,7 @@ class FeatureTurns {
       const auto all = [&](const auto& condition) {
         return std::all_of(corners.begin(), corners.end(), condition);
       };
-      if (!all([&](int v) { return estimate_.known[v] != 0; })) continue;
+      if (!all([&](int v) { return known_[v] != 0; })) continue;
       if (beside && all([&](int v) { return std::binary_search(own.begin(), own.end(), v); }))
         continue;
       rotations.push_back(rotation_of_face(corners, mesh_.points(), positions_));
@@ -171,7 +171,7 @@ class FeatureTurns {
   const DeformProblem& problem_;
   const DeformEdit& edit_;
   const TriangleMesh& mesh_;
-  const ShapeEstimate& estimate_;
+  const std::vector<char>& known_;
   const Points& positions_;
   Faces faces_;
   std::vector<int> group_;
@@ -239,7 +239,8 @@ std::optional<ShapeEstimate> estimate_for(const EditRule& rule, const Task& task
     edit.rounds = deformer->report().rounds;
     edit.found = deformer->report().converged;
   }
-  const FeatureTurns turns(task, mesh, estimate, estimate.positions);
+  const FeatureTurns turns(task, mesh, estimate.known, estimate.positions,
+                           FeatureTurns::Faces::Own);
   estimate.feature_turns = turns.found();
   set_told(rule, task, turns, estimate.feature_turns);
   return estimate;
@@ -247,8 +248,8 @@ std::optional<ShapeEstimate> estimate_for(const EditRule& rule, const Task& task
 
 double lean_on(const EditRule& rule, const Task& task, size_t leaning, const TriangleMesh& mesh,
                const Points& positions, ShapeEstimate& estimate) {
-  ShapeEstimate held;
-  held.known = known_vertices(held_of(task.problem, mesh), task.problem.handles, {}, mesh);
+  const std::vector<char> held =
+      known_vertices(held_of(task.problem, mesh), task.problem.handles, {}, mesh);
   const FeatureTurns turns(task, mesh, held, positions, FeatureTurns::Faces::Beside);
   auto found = turns.found();
   set_told(rule, task, turns, found);
