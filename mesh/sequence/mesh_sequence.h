@@ -1,0 +1,34 @@
+// A deforming mesh: frames of one connectivity.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "batten/mesh/prepare.h"
+
+namespace batten {
+
+/// Frames of one mesh: the faces stay, the nodes move. A value; positions are its only large part,
+/// 24 bytes a node and frame.
+struct MeshSequence {
+  ShellMesh shells;            ///< faces, with the points of the first frame
+  std::vector<Points> frames;  ///< of each frame, one point a node
+  std::vector<double> times;   ///< of each frame, ascending: seconds, or the numbers of the frames
+
+  int node_count() const { return shells.node_count(); }
+  int frame_count() const { return count_of(frames); }
+};
+
+/// Throws InputError, beginning with `name`, on what is no sequence: no frames, a frame with
+/// another number of nodes (its number is named), a coordinate that is not finite (frame and node),
+/// times that are missing or do not ascend.
+void check(const MeshSequence& sequence, const std::string& name);
+
+/// Diagonal of the box around the first frame: lengths are compared with it.
+double size_of(const MeshSequence& sequence);
+
+/// Largest second difference |p_{k+1} - 2 p_k + p_{k-1}| of any vertex, of each frame but the first
+/// and the last (0 there): jerks of an edit show in it.
+std::vector<double> second_differences(const std::vector<Points>& frames);
+
+}  // namespace batten
