@@ -1,0 +1,111 @@
+// One frame of a sequence, deformed as rigidly as possible ring by ring.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "batten/mesh/deform/deform_problem.h"
+#include "batten/mesh/regions/deform_estimate.h"
+#include "batten/mesh/sequence/rigid_motion.h"
+
+namespace batten {
+
+/// What all frames of an edit hold. Numbers are nodes of the mesh, in every frame the same.
+struct FrameHolds {
+  std::vector<int> fixed;             ///< nodes that stay where the frame has them
+  std::vector<Handle> handles;        ///< parts whose places are told, frame by frame
+  std::vector<FormFeature> features;  ///< parts that keep their shape exactly and go along
+  std::optional<double> softness;     ///< λ: handles are drawn to their places by this weight
+                                      ///< instead of being held there; above 0
+  /// Places of single nodes: on a plane, or on a line such as a screen ray. Held exactly. The points
+  /// of a plane or line are told frame by frame.
+  std::vector<GuidedPoint> guided;
+  bool keeps_volume = false;  ///< the closed surface encloses as much as in the frame
+};
+
+struct FrameOptions {
+  enum class Weights {
+    Uniform,   ///< w_ij = 1, as in the paper: one matrix for all frames
+    Cotangent  ///< of the first frame, at least a tenth of their mean
+  } weights = Weights::Uniform;
+  int most_rounds = 100;
+  double tolerance = 1e-5;  ///< of the mesh's size: rounds end when no node moves by more
+};
+
+/// Where a handle is in one frame.
+struct HandlePlace {
+  RigidMotion motion;         ///< from where the frame has it to where it should be
+  bool turns_freely = false;  ///< only the place of its centroid counts; the turn is found, from
+                              ///< that of the motion on
+};
+
+/// What is told of one frame.
+struct FramePlaces {
+  std::vector<HandlePlace> handles;  ///< one for each handle
+  std::vector<Vec3> guides;          ///< a point of each plane or line
+};
+
+/// A frame after an edit.
+struct FrameShape {
+  Points positions;         ///< nodes × 3
+  std::vector<Mat3> turns;  ///< R_i of every node
+};
+
+/// With p the positions of a frame and v those after an edit,
+///
+///     E = Σ_i Σ_{j∈N(i)} w_ij |(v_j - v_i) - R_i (p_j - p_i)|²  (+ λ Σ_{handles} |v_h - u_h|²)
+///
+/// is minimised by turns over the rotations, R_i = rotation_part(Σ_j w_ij (v_j - v_i)(p_j - p_i)ᵀ),
+/// and over the positions, a linear system whose matrix depends on w_ij and on what is held only. So
+/// it is factored once, here, for all rounds and frames. Nothing raises E; a round may be mixed with
+/// those before it where that leads lower (Anderson). Rings count edges between nodes: sheets
+/// that meet are one there, and joints of any kind do no harm.
+///
+/// A feature is one rigid part: its rotation is the exact minimum over all edges that leave it, its
+/// centre three unknowns. Handles that turn freely find their rotation in the same way. Features that
+/// share nodes are one part; those that share nodes with a handle go with it, those with a fixed
+/// node stay. What hangs on nothing that is held stays.
+///
+/// `keeps_volume`: after each linear step one multiplier along the gradient of the volume, by
+/// Newton's method; E may rise while the volume is not yet reached.
+///
+/// Cost: a factor of the nodes at construction; 2 to 3 ms for a round on 10,000 nodes. Memory: the
+/// factor, some 50 numbers a node. One thread at a time per solver; it uses several itself.
+/// Source: Xu et al. 2007, eq. 1 to 3; Sorkine and Alexa 2007.
+class FrameSolver {
+ public:
+  /// `mesh`: topology, and positions where weights come from them. Throws InputError (check() in
+  /// deform_problem.h; a softness not above 0, a volume of a surface that is not closed; a guided
+  /// point that is no single node), NoSolutionError.
+  FrameSolver(const TriangleMesh& mesh, FrameHolds holds, const FrameOptions& options = {});
+  ~FrameSolver();
+  FrameSolver(FrameSolver&&) noexcept;
+  FrameSolver& operator=(FrameSolver&&) noexcept;
+
+  /// Alternates from the rest shape turned along with the handles (their turns' logarithms spread
+  /// harmonically) until it is at rest; result() then. Throws InputError: numbers missing or not
+  /// finite, another number of points; ConflictError: a node that two handles hold in two places.
+  void alternate(const Points& frame, const FramePlaces& places);
+  /// The same from positions: of a neighbour, of a coarser solution, or those of the drag so far.
+  void alternate(const Points& frame, const FramePlaces& places, const Points& start);
+  /// The linear step alone: rotations as given, one a node; then `rounds` rounds. Parts that turn
+  /// freely start with the mean of their nodes' rotations.
+  void reconstruct(const Points& frame, const FramePlaces& places, const std::vector<Mat3>& turns,
+                   int rounds = 0);
+
+  const FrameShape& result() const;
+  const EstimateReport& report() const;
+  int unknowns() const;  ///< of one coordinate
+  long factor_entries() const;
+  /// Sentences about parts of the mesh that nothing holds.
+  const std::vector<std::string>& notes() const;
+
+ private:
+  struct Data;
+  std::unique_ptr<Data> data_;
+};
+
+}  // namespace batten

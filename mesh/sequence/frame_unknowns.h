@@ -1,0 +1,46 @@
+// What is solved for in a frame: nodes, rigid parts, and what is held. Internal.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "batten/mesh/sequence/frame_solver.h"
+#include "batten/mesh/sequence/ring_graph.h"
+
+namespace batten {
+
+/// Displacements of all nodes are x_i = y_u(i) + o_i: y the unknowns, o an offset that only nodes of
+/// rigid parts (the turn about their centre) and held ones (where they are) have.
+struct FrameUnknowns {
+  /// Nodes that move as one rigid body: a feature, or a handle that is held.
+  struct Part {
+    std::string name;
+    std::vector<int> nodes;
+    int handle = -1;         ///< whose place is told, or -1
+    int unknown = -1;        ///< of its centre's displacement; -1: held
+    bool may_turn = true;    ///< false: a feature that keeps its direction
+    std::vector<int> edges;  ///< of the graph, that leave it
+  };
+  /// A node of a handle that is drawn to its place, not held there.
+  struct Drawn {
+    int node, handle;
+  };
+  std::vector<int> of_node;  ///< u(i), or -1
+  int count = 0;
+  std::vector<Part> parts;
+  std::vector<int> part_of_node;  ///< or -1
+  std::vector<Drawn> drawn;       ///< empty without softness
+  std::vector<int> special;  ///< edges of the graph with an offset at an end and an unknown at one
+  std::vector<std::string> notes;  ///< about what nothing holds
+  struct Shared {
+    int node, one, other;  ///< a node of two handles
+  };
+  std::vector<Shared> shared;
+};
+
+FrameUnknowns frame_unknowns(const RingGraph& graph, const FrameHolds& holds);
+
+/// The matrix of the linear step, lower triangle: Σ w_ij (x_i - x_j)² + λ Σ x_h² over the unknowns.
+SparseMatrix frame_matrix(const RingGraph& graph, const FrameUnknowns& unknowns, double softness);
+
+}  // namespace batten
