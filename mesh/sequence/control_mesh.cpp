@@ -1,0 +1,122 @@
+#include "batten/mesh/sequence/control_mesh.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "batten/core/chunks.h"
+#include "batten/core/each_once.h"
+#include "batten/core/errors.h"
+#include "batten/mesh/rotation_of_faces.h"
+
+namespace batten {
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+
+/// Adds the shares of one triangle's corners. Returns whether x lies on it: then `w` is whole.
+bool add_triangle(const Eigen::Matrix<double, Eigen::Dynamic, 3>& u, const VecX& d,
+                  const std::array<int, 3>& t, double size, VecX& w) {
+  double angle[3], half = 0;
+  for (int i = 0; i < 3; ++i) {
+    const double chord = (u.row(t[(i + 1) % 3]) - u.row(t[(i + 2) % 3])).norm();
+    angle[i] = 2 * std::asin(std::min(1.0, chord / 2));
+    half += angle[i] / 2;
+  }
+  if (kPi - half < 1e-9) {  // on the triangle: barycentric coordinates
+    w.setZero();
+    for (int i = 0; i < 3; ++i)
+      w[t[i]] = std::sin(angle[i]) * d[t[(i + 1) % 3]] * d[t[(i + 2) % 3]];
+    return true;
+  }
+  double sine[3], c[3], s[3];
+  for (int i = 0; i < 3; ++i) sine[i] = std::sin(angle[i]);
+  const Vec3 a = u.row(t[0]), b = u.row(t[1]), e = u.row(t[2]);
+  const double side = a.dot(b.cross(e)) < 0 ? -1 : 1;
+  for (int i = 0; i < 3; ++i) {
+    c[i] =
+        2 * std::sin(half) * std::sin(half - angle[i]) / (sine[(i + 1) % 3] * sine[(i + 2) % 3]) -
+        1;
+    s[i] = side * std::sqrt(std::max(0.0, 1 - c[i] * c[i]));
+    if (!(std::abs(s[i]) > 1e-9)) return false;  // in the triangle's plane, beside it: no share
+  }
+  for (int i = 0; i < 3; ++i) {
+    const int j = (i + 1) % 3, k = (i + 2) % 3;
+    w[t[i]] += (angle[i] - c[j] * angle[k] - c[k] * angle[j]) / (d[t[i]] * sine[j] * s[k]) * size;
+  }
+  return false;
+}
+
+}  // namespace
+
+MatX mean_value_coordinates(const TriangleMesh& control, const Points& points) {
+  if (!control.topology().boundary_loops().empty() || control.triangle_count() == 0)
+    throw InputError("a control mesh has to be closed");
+  const int m = control.vertex_count();
+  const double size = control.size();
+  MatX W(points.rows(), m);
+  in_chunks<64>(points.rows(), [&](long first, long last) {
+    Eigen::Matrix<double, Eigen::Dynamic, 3> u(m, 3);
+    VecX d(m), w(m);
+    for (long x = first; x < last; ++x) {
+      u = control.points().rowwise() - points.row(x);
+      d = u.rowwise().norm();
+      int nearest;
+      w.setZero();
+      if (d.minCoeff(&nearest) < 1e-12 * size) {
+        w[nearest] = 1;
+      } else {
+        for (int j = 0; j < m; ++j) u.row(j) /= d[j];
+        for (const auto& t : control.triangles())
+          if (add_triangle(u, d, t, size, w)) break;
+      }
+      W.row(x) = w.transpose() / w.sum();
+    }
+  });
+  return W;
+}
+
+ControlFollower::ControlFollower(const TriangleMesh& mesh, const Points& control, const MatX& W,
+                                 int near)
+    : mesh_(mesh), links_(control.rows()) {
+  const auto n = static_cast<int>(W.rows());
+  if (W.cols() != control.rows() || n > mesh.vertex_count() || near < 1)
+    throw InputError("coordinates of another control mesh");
+  std::vector<int> order(n);
+  for (int d = 0; d < W.cols(); ++d) {
+    std::iota(order.begin(), order.end(), 0);
+    const int count = std::min(near, n);
+    std::partial_sort(order.begin(), order.begin() + count, order.end(),
+                      [&](int a, int b) { return W(a, d) != W(b, d) ? W(a, d) > W(b, d) : a < b; });
+    for (int k = 0; k < count; ++k) {
+      links_[d].push_back({order[k], (control.row(d) - mesh.points().row(order[k])).transpose()});
+      nodes_.push_back(order[k]);
+    }
+  }
+  nodes_ = each_once(std::move(nodes_));
+}
+
+Points ControlFollower::at(const Points& frame) const {
+  std::vector<Mat3> turns(frame.rows());
+  for (const int v : nodes_) {
+    Mat3 M = Mat3::Zero();
+    const MeshTopology& topology = mesh_.topology();
+    for (const int same : topology.together(v))
+      for (const int vertex : topology.neighbours(same)) {
+        const int j = topology.node_of(vertex);
+        M += (frame.row(j) - frame.row(v)).transpose() *
+             (mesh_.points().row(j) - mesh_.points().row(v));
+      }
+    turns[v] = rotation_part(M);
+  }
+  Points result(count_of(links_), 3);
+  for (size_t d = 0; d < links_.size(); ++d) {
+    Vec3 sum = Vec3::Zero();
+    for (const Link& link : links_[d])
+      sum += frame.row(link.node).transpose() + turns[link.node] * link.arm;
+    result.row(static_cast<long>(d)) = sum.transpose() / static_cast<double>(links_[d].size());
+  }
+  return result;
+}
+
+}  // namespace batten

@@ -1,0 +1,48 @@
+// A first shape of a frame from a few control vertices.
+#pragma once
+
+#include <memory>
+
+#include "batten/mesh/sequence/control_mesh.h"
+#include "batten/mesh/sequence/frame_solver.h"
+
+namespace batten {
+
+struct SubspaceOptions {
+  int rounds = 8;
+  double softness = 100;  ///< λ of handles and fixed nodes, in the mean weight at a node
+};
+
+/// The energy of FrameSolver (w_ij = 1), minimised over the vertices d of a control mesh with v = W
+/// d, W their mean value coordinates in the frame:
+///
+///     min_d E(W d) + λ Σ_h |(W d)_h - u_h|²
+///
+/// Few unknowns move the whole mesh smoothly, so a few rounds get where the alternation over all
+/// nodes needs hundreds. Handles are only drawn to their places, features are not rigid: a start for
+/// FrameSolver::alternate, or a shape to be shown while that runs.
+///
+/// Cost: W (mean_value_coordinates) and a dense m×m factor a frame; a round is two products with W.
+/// Memory: W, nodes × m. Source: Huang et al. 2006; Xu et al. 2007, eq. 6.
+class SubspaceSolver {
+ public:
+  /// Throws InputError: a control mesh that is not closed, options out of range, nothing held.
+  SubspaceSolver(const TriangleMesh& mesh, FrameHolds holds, TriangleMesh control,
+                 const SubspaceOptions& options = {});
+  ~SubspaceSolver();
+  SubspaceSolver(SubspaceSolver&&) noexcept;
+  SubspaceSolver& operator=(SubspaceSolver&&) noexcept;
+
+  /// The frame that is edited, and the control vertices there. NoSolutionError.
+  void set_frame(const Points& frame, const Points& control);
+  /// All nodes for these places. Needs a frame. Throws InputError on another number of places.
+  const Points& solve(const FramePlaces& places);
+  /// Control vertices of the last answer.
+  const Points& control() const;
+
+ private:
+  struct Data;
+  std::unique_ptr<Data> data_;
+};
+
+}  // namespace batten
