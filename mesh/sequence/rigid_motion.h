@@ -1,30 +1,58 @@
-// Motions that keep every distance.
+// Rigid motions, and how a group of vertices moves through the frames of a sequence.
 #pragma once
+
+#include <vector>
 
 #include "batten/core/eigen.h"
 
 namespace batten {
 
-/// p → turn p + shift.
+/// p → turn · p + shift, det turn = +1.
 struct RigidMotion {
   Mat3 turn = Mat3::Identity();
   Vec3 shift = Vec3::Zero();
 
   Vec3 operator()(const Vec3& p) const { return turn * p + shift; }
-  /// First the other one, then this.
-  RigidMotion operator*(const RigidMotion& first) const {
-    return {turn * first.turn, turn * first.shift + shift};
-  }
+  /// p → turnᵀ (p - shift).
   RigidMotion inverse() const { return {turn.transpose(), -(turn.transpose() * shift)}; }
-  /// Turns about `from` and takes it to `to`.
-  static RigidMotion about(const Vec3& from, const Mat3& turn, const Vec3& to) {
-    return {turn, to - turn * from};
+  /// Turns by `turn` about `about`, which goes to `to`.
+  static RigidMotion about(const Vec3& about, const Mat3& turn, const Vec3& to) {
+    return {turn, to - turn * about};
   }
 };
 
-/// All points moved.
-inline Points moved(const Points& points, const RigidMotion& motion) {
-  return (points * motion.turn.transpose()).rowwise() + motion.shift.transpose();
+/// First `b`, then `a`.
+inline RigidMotion operator*(const RigidMotion& a, const RigidMotion& b) {
+  return {a.turn * b.turn, a.turn * b.shift + a.shift};
 }
+
+/// All points moved. O(points).
+inline Points moved(const RigidMotion& motion, const Points& points) {
+  Points result = points * motion.turn.transpose();
+  result.rowwise() += motion.shift.transpose();
+  return result;
+}
+
+/// Where a group of vertices is in each of F frames: its centroid, and its rotation.
+struct Trajectory {
+  Points centres;           ///< F×3
+  std::vector<Mat3> turns;  ///< F; from the first frame, where it is the identity
+
+  int frame_count() const { return static_cast<int>(centres.rows()); }
+};
+
+/// Centroids of some vertices and their best rotations (least squares, `fit_similarity` with scale
+/// 1) from the first frame. Vertices on one line turn by the smallest rotation that fits, one vertex
+/// not at all. Throws InputError: no vertices, a vertex that a frame does not have. O(frames ·
+/// vertices).
+Trajectory trajectory_of(const std::vector<Points>& frames, const std::vector<int>& vertices);
+
+/// Trajectories of a motion M_k of each frame: centres M_k c_k, turns M_k R_k. Throws InputError on
+/// another number of motions than frames.
+Trajectory moved(const std::vector<RigidMotion>& motions, const Trajectory& trajectory);
+
+/// Of each frame the rigid motion that takes a group from where it was to where it shall be:
+/// R = R'_k R_kᵀ about c_k, which goes to c'_k. Throws InputError on different numbers of frames.
+std::vector<RigidMotion> motions_between(const Trajectory& from, const Trajectory& to);
 
 }  // namespace batten

@@ -121,8 +121,7 @@ struct SequenceEditor::Data {
     if (options.start != SequenceEditOptions::Start::Subspace) return;
     const TriangleMesh control = control_mesh(mesh, options.control);
     const Points& first = sequence->frames.front();
-    const ControlFollower follower(mesh, control.points(),
-                                   mean_value_coordinates(control, first));
+    const ControlFollower follower(mesh, control.points(), mean_value_coordinates(control, first));
     std::map<std::vector<char>, std::unique_ptr<SubspaceSolver>> solvers;
     for (size_t k = 0; k < keyframes.size(); ++k) {
       progress.at("control meshes", static_cast<double>(k) / static_cast<double>(keyframes.size()));
@@ -229,7 +228,8 @@ void SequenceEditor::set_keyframes(std::vector<SequenceKeyframe> keyframes,
   d.follow_turns();
 }
 
-void SequenceEditor::frames(int first, int last, const std::function<void(int, const Points&)>& take,
+void SequenceEditor::frames(int first, int last,
+                            const std::function<void(int, const Points&)>& take,
                             const Progress& progress) const {
   const Data& d = *data_;
   if (first < 0 || last >= d.sequence->frame_count() || first > last)
@@ -251,8 +251,9 @@ void SequenceEditor::frames(int first, int last, const std::function<void(int, c
 
 std::vector<Points> SequenceEditor::frames(const Progress& progress) const {
   std::vector<Points> result;
-  frames(0, data_->sequence->frame_count() - 1,
-         [&](int, const Points& p) { result.push_back(p); }, progress);
+  frames(
+      0, data_->sequence->frame_count() - 1, [&](int, const Points& p) { result.push_back(p); },
+      progress);
   return result;
 }
 

@@ -1,0 +1,56 @@
+// Where a handle goes in all frames when keyframes say where it is in some.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "batten/mesh/sequence/interpolated_turns.h"
+#include "batten/mesh/sequence/rigid_motion.h"
+
+namespace batten {
+
+struct TrajectoryOptions {
+  enum class Smoothness {
+    Paper,  ///< first differences (5): the change has a kink at keyframes
+    Smooth  ///< ∫ |x''|²: it has none
+  };
+  Smoothness smoothness = Smoothness::Smooth;
+  InfluenceInterval influence;
+  KeyframeEnds ends = KeyframeEnds::None;  ///< of the rotations
+  std::vector<double> times;               ///< of the frames, ascending; none: their numbers
+};
+
+/// New centroids c' of a handle in all F frames, equal to given ones at keyframes, whose differences
+/// in time are those of c, turned:
+///
+///     min Σ_k Σ_{j=k±1} ‖ (c'_j - c'_k) - R_k (c_j - c_k) ‖²                                     (5)
+///
+/// R_k: the change of rotation in frame k, of all frames. With g the sum of (R_k + R_{k+1})/2
+/// (c_{k+1} - c_k), the rest x = c' - g is what (5) makes as even as it can: straight over the
+/// frames between two keyframes, without a system to solve. Smooth: the spline of least ∫ |x''|²
+/// through keyframes, which begins and ends with slope zero. Outside of the keyframes x is constant;
+/// with an influence c' = c outside of that, and c' - c begins and ends there, with slope zero in the
+/// smooth case.
+///
+/// Nothing changed gives c to the last bit; one rigid motion of all keyframes moves all of c by it;
+/// one keyframe that is shifted shifts the whole. With times differences count per time.
+///
+/// Throws InputError: no keyframes, keyframes or times that do not ascend, frames that are not
+/// there, an influence that does not hold all keyframes, other numbers of rotations, centroids or
+/// times. O(F). Source: Xu et al. 2007, section 5.
+Points edited_centres(const Points& centres, const std::vector<Mat3>& turns,
+                      const std::vector<int>& keyframes, const Points& centres_at_keyframes,
+                      const TrajectoryOptions& options = {});
+
+/// What an edit does to a handle in one frame: p → motion(p).
+struct HandleKeyframe {
+  int frame = 0;
+  RigidMotion motion;
+};
+
+/// The trajectory of a handle after an edit: changes of rotation by `interpolated_turns`, centroids
+/// by `edited_centres`. Keyframes ascend. Throws what these throw. O(F).
+Trajectory edited(const Trajectory& trajectory, const std::vector<HandleKeyframe>& keyframes,
+                  const TrajectoryOptions& options = {});
+
+}  // namespace batten
