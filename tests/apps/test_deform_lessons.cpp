@@ -6,6 +6,7 @@
 
 #include "batten/io/meshes/mesh_file.h"
 #include "batten/tests/apps/cli_case.h"
+#include "batten/tests/independent/nastran.h"
 
 using namespace batten_test;
 using batten::Vec3;
@@ -62,6 +63,8 @@ class Lesson {
     }
     return {largest, sum / edges};
   }
+
+  fs::path file(const std::string& name) const { return case_ / name; }
 
   std::map<long, Vec3> nodes(const std::string& file) const {
     const auto m = batten::MeshFile::read(case_ / file);
@@ -150,6 +153,10 @@ TEST_CASE("a built-up structure becomes longer with all that hangs on it", "[def
     CHECK(round == 5);
     const auto before = deck.nodes("assembly.bdf"),
                after = deck.nodes(scene + "/assembly-" + scene + ".bdf");
+    // Small fields round "longer" to 5e-4, wide ones "block" hardly.
+    const auto original = deck.file("assembly.bdf"),
+               edited = deck.file(scene + "/assembly-" + scene + ".bdf");
+    check_deck_changes(original, edited, scene == "block" ? 1e-9 : 1e-3);
     // Bolts, the bush, and the motor above the middle of its hole: upright and as long as before.
     for (const auto& [a, b] : {std::pair{477L, 478L}, {479L, 480L}, {104L, 425L}})
       CHECK((after.at(b) - after.at(a) - Vec3(0, 0, 5)).norm() < 2e-3);
@@ -168,4 +175,32 @@ TEST_CASE("a built-up structure becomes longer with all that hangs on it", "[def
     if (scene == "block") CHECK(length == Approx(as_it_was).epsilon(1e-9));
     if (scene == "longer") CHECK(length > as_it_was + 2);
   }
+}
+
+TEST_CASE("the other reader of decks sees what an edit must not touch", "[deform]") {
+  const Case c("other_reader");
+  const std::string deck = contents(BATTEN_SOURCE_DIR "/examples/23-assembly/assembly.bdf");
+  c.file("a.bdf", deck);
+  const auto changes = [&](const std::string& from, const std::string& to) {
+    std::string edited = deck;
+    const size_t at = edited.find(from);
+    REQUIRE(at != std::string::npos);
+    c.file("b.bdf", edited.replace(at, from.size(), to));
+    return deck_changes(c / "a.bdf", c / "b.bdf");
+  };
+  const auto same = changes("SOL 103", "SOL 103");
+  if (same.is_null()) return;
+  CHECK(same["other"] == "");
+  CHECK(same["moved"] == 0);
+  CHECK(same["spiders"] == 5);
+  CHECK(same["bent"].get<double>() < 1e-12);
+  CHECK(changes("SOL 103", "SOL 101")["other"] == "SOL 101\n");
+  CHECK(changes("+       57", "+       58")["other"] != "");
+  CHECK(changes("GRID    5   ", "GRID    5005")["other"] != "");
+  CHECK(changes("ENDDATA\n", "")["other"] != "");
+  // A centre 1 above the eight nodes around it: their mean rises by 1/9.
+  const auto bent = changes("60.0000 30.0000 0.0000", "60.0000 30.0000 1.0000");
+  CHECK(bent["other"] == "");
+  CHECK(bent["moved"] == 1);
+  CHECK(bent["bent"].get<double>() == Approx(8.0 / 9));
 }
