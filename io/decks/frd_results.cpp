@@ -1,11 +1,13 @@
 #include "batten/io/decks/frd_results.h"
 
+#include <algorithm>
 #include <charconv>
 #include <fstream>
 #include <map>
 #include <string>
 
 #include "batten/core/errors.h"
+#include "batten/core/index.h"
 #include "batten/io/files/input_file.h"
 #include "batten/io/files/toml_table.h"
 
@@ -14,6 +16,8 @@ namespace {
 
 // A line is " -1", ten columns of a number, twelve for each value.
 constexpr size_t kKey = 3, kNumber = 10, kValue = 12;
+// Columns of a step's head, "  100CL", and of an element's, " -1".
+constexpr size_t kStepValue = 12, kType = 13, kTypeWidth = 5;
 
 // Trimmed, in any locale.
 template <class Value>
@@ -27,49 +31,264 @@ Value parsed(std::string_view text, const std::string& at) {
   return value;
 }
 
+/// Walks through a .frd file; who reads it derives from this.
+class FrdWalk {
+ public:
+  explicit FrdWalk(const std::filesystem::path& path) : path_(path) {}
+  virtual ~FrdWalk() = default;
+
+  void run() {
+    require_input_file(path_, "results of CalculiX (.frd)");
+    std::ifstream in(path_);
+    bool any = false;
+    row_ = 0;
+    for (std::string line; std::getline(in, line);) {
+      ++row_;
+      const std::string key = line.substr(0, std::min<size_t>(line.size(), 6));
+      if (key.starts_with(" -1") || key.starts_with(" -2")) {
+        data_line(line);
+      } else if (key.starts_with(" -3")) {
+        end_block();
+      } else if (key == "    2C" || key == "    3C") {
+        require_text(line);
+        block_ = key == "    2C" ? Block::Nodes : Block::Elements;
+      } else if (key == "  100C") {
+        require_text(line);
+        value_ = parsed<double>(part(line, kStepValue, kValue), at());
+      } else if (key.starts_with(" -4")) {
+        const std::string name = line.substr(std::min<size_t>(line.size(), 5), 8);
+        block_ = name.starts_with("DISP")     ? Block::Displacement
+                 : name.starts_with("STRESS") ? Block::Stress
+                                              : Block::None;
+        any = any || block_ == Block::Displacement;
+      }
+    }
+    if (block_ != Block::None)
+      throw InputError(at() + "found the end of the file, expected the end of a block (-3)");
+    if (!any)
+      throw InputError(path_.string() + ": found no displacements, expected those of a step");
+  }
+
+ protected:
+  virtual void node(int label, const Vec3& x) = 0;
+  virtual void element(int, int) {}
+  virtual void element_node(int) {}
+  virtual void displacement(int label, const Vec3& u) = 0;
+  virtual void stress(int, const double*) {}
+  virtual void nodes_end() {}
+  virtual void elements_end() {}
+  virtual void step_end(double) {}
+  /// The place in the file, as messages begin.
+  std::string at() const { return place_prefix(path_.string(), {row_, 1}); }
+
+ private:
+  enum class Block { None, Nodes, Elements, Displacement, Stress };
+
+  static std::string_view part(const std::string& line, size_t begin, size_t length) {
+    return std::string_view(line).substr(std::min(begin, line.size()), length);
+  }
+
+  /// The last number of a block's head says how it is written: 0 and 1 are text.
+  void require_text(const std::string& line) const {
+    const size_t last = line.find_last_not_of(" \r");
+    if (last != line.npos && last >= 72 && (line[last] == '2' || line[last] == '3'))
+      throw InputError(at() + "found a binary block, expected text");
+  }
+
+  void data_line(const std::string& line) {
+    if (block_ == Block::None) return;
+    if (block_ == Block::Elements) {
+      const bool head = line[2] == '1';
+      if (head) {
+        element(parsed<int>(part(line, kKey, kNumber), at()),
+                parsed<int>(part(line, kType, kTypeWidth), at()));
+        return;
+      }
+      const size_t end = line.find_last_not_of(" \r");
+      for (size_t from = kKey; from <= end && end != line.npos; from += kNumber)
+        element_node(parsed<int>(part(line, from, kNumber), at()));
+      return;
+    }
+    if (line[2] != '1') return;
+    const size_t count = block_ == Block::Stress ? 6 : 3;
+    if (line.size() < kKey + kNumber + count * kValue)
+      throw InputError(at() + "found a short line, expected a node and " + std::to_string(count) +
+                       " numbers");
+    const int label = parsed<int>(part(line, kKey, kNumber), at());
+    double v[6] = {};
+    for (size_t k = 0; k < count; ++k)
+      v[k] = parsed<double>(part(line, kKey + kNumber + k * kValue, kValue), at());
+    if (block_ == Block::Nodes) node(label, {v[0], v[1], v[2]});
+    if (block_ == Block::Displacement) displacement(label, {v[0], v[1], v[2]});
+    if (block_ == Block::Stress) stress(label, v);
+  }
+
+  void end_block() {
+    if (block_ == Block::Nodes) nodes_end();
+    if (block_ == Block::Elements) elements_end();
+    if (block_ == Block::Displacement) step_end(value_);
+    block_ = Block::None;
+  }
+
+  std::filesystem::path path_;
+  Block block_ = Block::None;
+  double value_ = 0;
+  int row_ = 0;
+};
+
+class ResultsWalk : public FrdWalk {
+ public:
+  using FrdWalk::FrdWalk;
+  std::map<int, FrdResults::Node> nodes;
+
+ private:
+  void node(int label, const Vec3& x) override { nodes[label].x = x; }
+  void displacement(int label, const Vec3& u) override { nodes[label].displacement = u; }
+  void stress(int label, const double* s) override {
+    nodes[label].stress << s[0], s[3], s[5], s[3], s[1], s[4], s[5], s[4], s[2];
+  }
+};
+
+using FrdStep = std::function<void(const FrdMesh&, double, const Points&)>;
+
+class StepsWalk : public FrdWalk {
+ public:
+  StepsWalk(const std::filesystem::path& path, const FrdStep& step) : FrdWalk(path), step_(step) {}
+  FrdMesh mesh;
+
+ private:
+  void node(int label, const Vec3& x) override { places_[label] = x; }
+  void nodes_end() override {
+    mesh.labels.clear();
+    mesh.points.resize(count_of(places_), 3);
+    for (const auto& [label, x] : places_) {
+      mesh.points.row(count_of(mesh.labels)) = x.transpose();
+      mesh.labels.push_back(label);
+    }
+    displacements_ = Points::Zero(mesh.points.rows(), 3);
+  }
+  void element(int label, int type) override { mesh.elements.push_back({label, type, {}}); }
+  void element_node(int label) override {
+    if (mesh.elements.empty())
+      throw InputError(at() + "found nodes before the element that has them");
+    mesh.elements.back().nodes.push_back(index_of(label));
+  }
+  void displacement(int label, const Vec3& u) override {
+    displacements_.row(index_of(label)) = u.transpose();
+  }
+  void step_end(double value) override {
+    step_(mesh, value, displacements_);
+    displacements_.setZero();
+  }
+  int index_of(int label) const {
+    const auto found = std::lower_bound(mesh.labels.begin(), mesh.labels.end(), label);
+    if (found == mesh.labels.end() || *found != label)
+      throw InputError(at() + "found node " + std::to_string(label) +
+                       ", expected one of the nodes of the file");
+    return static_cast<int>(found - mesh.labels.begin());
+  }
+
+  const FrdStep& step_;
+  std::map<int, Vec3> places_;
+  Points displacements_;
+};
+
+/// Faces of an element type, as local nodes: corners, then middle nodes; seen from outside they run
+/// counter-clockwise. `nodes`: how many the element has.
+struct ElementFaces {
+  size_t nodes;
+  bool second_order, solid;
+  std::vector<std::vector<int>> faces;
+};
+
+/// In .frd the middle nodes of the edges from below to above come before those above.
+const ElementFaces* faces_of(int type) {
+  static const std::map<int, ElementFaces> all{
+      {1,
+       {8,
+        false,
+        true,
+        {{0, 3, 2, 1}, {4, 5, 6, 7}, {0, 1, 5, 4}, {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}}}},
+      {2, {6, false, true, {{0, 2, 1}, {3, 4, 5}, {0, 1, 4, 3}, {1, 2, 5, 4}, {2, 0, 3, 5}}}},
+      {3, {4, false, true, {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}}}},
+      {4,
+       {20,
+        true,
+        true,
+        {{0, 3, 2, 1, 11, 10, 9, 8},
+         {4, 5, 6, 7, 16, 17, 18, 19},
+         {0, 1, 5, 4, 8, 13, 16, 12},
+         {1, 2, 6, 5, 9, 14, 17, 13},
+         {2, 3, 7, 6, 10, 15, 18, 14},
+         {3, 0, 4, 7, 11, 12, 19, 15}}}},
+      {5,
+       {15,
+        true,
+        true,
+        {{0, 2, 1, 8, 7, 6},
+         {3, 4, 5, 12, 13, 14},
+         {0, 1, 4, 3, 6, 10, 12, 9},
+         {1, 2, 5, 4, 7, 11, 13, 10},
+         {2, 0, 3, 5, 8, 9, 14, 11}}}},
+      {6,
+       {10,
+        true,
+        true,
+        {{0, 2, 1, 6, 5, 4}, {0, 1, 3, 4, 8, 7}, {1, 2, 3, 5, 9, 8}, {2, 0, 3, 6, 7, 9}}}},
+      {7, {3, false, false, {{0, 1, 2}}}},
+      {8, {6, true, false, {{0, 1, 2, 3, 4, 5}}}},
+      {9, {4, false, false, {{0, 1, 2, 3}}}},
+      {10, {8, true, false, {{0, 1, 2, 3, 4, 5, 6, 7}}}}};
+  const auto found = all.find(type);
+  return found == all.end() ? nullptr : &found->second;
+}
+
 }  // namespace
 
 FrdResults read_frd(const std::filesystem::path& path) {
-  require_input_file(path, "results of CalculiX (.frd)");
-  std::ifstream in(path);
-  std::map<int, FrdResults::Node> nodes;
-  enum class Block { None, Nodes, Displacement, Stress } block = Block::None;
-  bool any = false;
-  int row = 0;
-  for (std::string line; std::getline(in, line);) {
-    ++row;
-    const std::string key = line.substr(0, std::min<size_t>(line.size(), 6));
-    if (key == "    2C") {
-      block = Block::Nodes;
-    } else if (key.starts_with(" -4")) {
-      const std::string name = line.substr(std::min<size_t>(line.size(), 5), 8);
-      block = name.starts_with("DISP")     ? Block::Displacement
-              : name.starts_with("STRESS") ? Block::Stress
-                                           : Block::None;
-    } else if (key.starts_with(" -3")) {
-      block = Block::None;
-    } else if (key.starts_with(" -1") && block != Block::None) {
-      const std::string at = place_prefix(path.string(), {row, 1});
-      const size_t count = block == Block::Stress ? 6 : 3;
-      if (line.size() < kKey + kNumber + count * kValue)
-        throw InputError(at + "found a short line, expected a node and " + std::to_string(count) +
-                         " numbers");
-      FrdResults::Node& node = nodes[parsed<int>(std::string_view(line).substr(kKey, kNumber), at)];
-      double v[6] = {};
-      for (size_t k = 0; k < count; ++k)
-        v[k] =
-            parsed<double>(std::string_view(line).substr(kKey + kNumber + k * kValue, kValue), at);
-      if (block == Block::Nodes) node.x = {v[0], v[1], v[2]};
-      if (block == Block::Displacement) node.displacement = {v[0], v[1], v[2]};
-      if (block == Block::Stress)
-        node.stress << v[0], v[3], v[5], v[3], v[1], v[4], v[5], v[4], v[2];
-      any = any || block == Block::Displacement;
+  ResultsWalk walk(path);
+  walk.run();
+  FrdResults results;
+  for (const auto& [number, node] : walk.nodes) results.nodes.push_back(node);
+  return results;
+}
+
+FrdMesh read_frd_steps(const std::filesystem::path& path, const FrdStep& step) {
+  StepsWalk walk(path, step);
+  walk.run();
+  return std::move(walk.mesh);
+}
+
+std::vector<FrdFace> outer_faces(const FrdMesh& mesh) {
+  std::vector<FrdFace> faces;
+  std::map<std::vector<int>, int> times;  // by sorted corners: how many solids have the face
+  const auto corners_of = [](const FrdFace& face) {
+    const auto count = static_cast<long>(face.nodes.size()) / (face.second_order ? 2 : 1);
+    std::vector<int> corners(face.nodes.begin(), face.nodes.begin() + count);
+    std::sort(corners.begin(), corners.end());
+    return corners;
+  };
+  for (int e = 0; e < count_of(mesh.elements); ++e) {
+    const FrdMesh::Element& element = mesh.elements[e];
+    const ElementFaces* const type = faces_of(element.type);
+    if (!type) continue;
+    if (element.nodes.size() != type->nodes)
+      throw InputError("element " + std::to_string(element.label) + " has " +
+                       std::to_string(element.nodes.size()) + " nodes, expected " +
+                       std::to_string(type->nodes));
+    for (const std::vector<int>& local : type->faces) {
+      FrdFace face{e, {}, type->second_order};
+      for (const int node : local) face.nodes.push_back(element.nodes[node]);
+      if (type->solid) ++times[corners_of(face)];
+      faces.push_back(std::move(face));
     }
   }
-  if (!any) throw InputError(path.string() + ": found no displacements, expected those of a step");
-  FrdResults results;
-  for (const auto& [number, node] : nodes) results.nodes.push_back(node);
-  return results;
+  std::erase_if(faces, [&](const FrdFace& face) {
+    const auto found = times.find(corners_of(face));
+    return found != times.end() && found->second > 1 &&
+           faces_of(mesh.elements[face.element].type)->solid;
+  });
+  return faces;
 }
 
 }  // namespace batten

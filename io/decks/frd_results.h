@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <vector>
 
 #include "batten/core/eigen.h"
@@ -21,5 +22,34 @@ struct FrdResults {
 /// Reads a .frd file in text form (ccx writes it for *NODE FILE, U and *EL FILE, S). Throws
 /// InputError: no such file, no results in it, a line that cannot be read.
 FrdResults read_frd(const std::filesystem::path& path);
+
+/// Nodes and elements of a .frd file.
+struct FrdMesh {
+  struct Element {
+    int label = 0, type = 0;  ///< types as .frd has them: 1 is C3D8, 7 is S3
+    std::vector<int> nodes;   ///< indices, in the order of .frd
+  };
+  std::vector<int> labels;  ///< of nodes, ascending
+  Points points;
+  std::vector<Element> elements;
+};
+
+/// Reads the mesh, then each step's displacements (n×3; zero at nodes that have none) as it comes:
+/// `step` is called with the value of the step (a time, a frequency, a factor of buckling). Memory:
+/// the mesh and one step. Throws as read_frd(), and for an element whose nodes are not there.
+FrdMesh read_frd_steps(
+    const std::filesystem::path& path,
+    const std::function<void(const FrdMesh&, double value, const Points& displacements)>& step);
+
+/// A face: corners, then middle nodes if it has any.
+struct FrdFace {
+  int element = 0;
+  std::vector<int> nodes;
+  bool second_order = false;
+};
+
+/// The skin: faces of solids that no other solid has, pointing outwards, and the shells themselves
+/// (types 1 to 10; beams have no faces). O(faces).
+std::vector<FrdFace> outer_faces(const FrdMesh& mesh);
 
 }  // namespace batten

@@ -69,4 +69,23 @@ std::vector<int> outline_of(const ShellMesh& mesh, int face) {
   return outline;
 }
 
+std::vector<std::array<int, 3>> triangles_of(const ShellMesh& mesh, int face) {
+  const auto n = mesh.face(face);
+  if (mesh.second_order(face) && n.size() == 6)
+    return {{n[0], n[3], n[5]}, {n[3], n[1], n[4]}, {n[4], n[2], n[5]}, {n[3], n[4], n[5]}};
+  std::vector<std::array<int, 3>> triangles;
+  std::vector<int> rest(n.begin(), n.end());
+  if (mesh.second_order(face)) {
+    for (size_t i = 0; i < 4; ++i) triangles.push_back({n[i], n[4 + i], n[4 + (i + 3) % 4]});
+    rest.assign(n.begin() + 4, n.end());
+  }
+  const auto length = [&](int a, int b) {
+    return (mesh.points.row(a) - mesh.points.row(b)).squaredNorm();
+  };
+  if (rest.size() == 4 && length(rest[1], rest[3]) < length(rest[0], rest[2]))
+    std::rotate(rest.begin(), rest.begin() + 1, rest.end());
+  for (size_t i = 2; i < rest.size(); ++i) triangles.push_back({rest[0], rest[i - 1], rest[i]});
+  return triangles;
+}
+
 }  // namespace batten

@@ -1,6 +1,7 @@
 // The content of a mesh file, as its reader returns it. Not installed.
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -71,6 +72,9 @@ void write_vtk_mesh(const std::filesystem::path& path, const ShellMesh& mesh);
 
 /// The nodes of a face, middle nodes too, in the order in which they lie around it.
 std::vector<int> outline_of(const ShellMesh& mesh, int face);
+/// The triangles of a face for formats that have no other faces: a quad along its shorter diagonal,
+/// larger polygons as a fan; of second-order faces the corners are cut off at the middle nodes.
+std::vector<std::array<int, 3>> triangles_of(const ShellMesh& mesh, int face);
 /// The count of nodes that no face has.
 int unused_nodes(const ShellMesh& mesh);
 

@@ -34,23 +34,29 @@ Function* by_extension(const fs::path& path, const std::map<std::string, Functio
   refuse_extension(path, listed(known));
 }
 
-}  // namespace
-
-MeshFile::MeshFile(std::shared_ptr<const MeshContent> content) : content_(std::move(content)) {}
-
-MeshFile MeshFile::read(const fs::path& path) {
-  static const std::map<std::string, MeshContentReader*> readers{
+const std::map<std::string, MeshContentReader*>& readers() {
+  static const std::map<std::string, MeshContentReader*> all{
       {".obj", read_obj_mesh},     {".off", read_off_mesh},     {".ply", read_ply_mesh},
       {".stl", read_stl_mesh},     {".vtp", read_vtk_mesh},     {".vtu", read_vtk_mesh},
       {".bdf", read_nastran_deck}, {".nas", read_nastran_deck}, {".dat", read_nastran_deck},
       {".inp", read_abaqus_deck},  {".k", read_lsdyna_deck},    {".key", read_lsdyna_deck},
       {".dyn", read_lsdyna_deck},  {".rad", read_radioss_deck}};
-  std::unique_ptr<MeshContent> content = by_extension(path, readers)(path);
+  return all;
+}
+
+}  // namespace
+
+MeshFile::MeshFile(std::shared_ptr<const MeshContent> content) : content_(std::move(content)) {}
+
+MeshFile MeshFile::read(const fs::path& path) {
+  std::unique_ptr<MeshContent> content = by_extension(path, readers())(path);
   if (content->shells.face_count() == 0)
     throw InputError(path.string() + ": found " + counted(content->shells.node_count(), "node") +
                      " but no faces, expected some");
   return MeshFile(std::move(content));
 }
+
+bool MeshFile::reads(const fs::path& path) { return readers().contains(lower_extension(path)); }
 
 const ShellMesh& MeshFile::shells() const { return content_->shells; }
 long MeshFile::node_label(int node) const { return content_->node_labels.of(node); }

@@ -48,6 +48,8 @@ class MeshFile {
   /// includes itself, the places of all including lines are named. O(size): text at
   /// 60 to 120 MB/s, with three to six times its size in memory.
   static MeshFile read(const std::filesystem::path& path);
+  /// Whether read() knows the extension.
+  static bool reads(const std::filesystem::path& path);
 
   const ShellMesh& shells() const;
   /// The file's own number of a node: its id in a deck; counted from 1 in OBJ, from 0 in OFF, PLY,

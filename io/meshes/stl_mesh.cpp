@@ -287,28 +287,8 @@ void write_stl_mesh(const std::filesystem::path& path, const ShellMesh& mesh) {
     body.append(record, kRecord);
     ++count;
   };
-  for (int f = 0; f < mesh.face_count(); ++f) {
-    const auto n = mesh.face(f);
-    const auto length = [&](int a, int b) {
-      return (mesh.points.row(a) - mesh.points.row(b)).squaredNorm();
-    };
-    if (mesh.second_order(f) && n.size() == 6) {
-      triangle(n[0], n[3], n[5]);
-      triangle(n[3], n[1], n[4]);
-      triangle(n[4], n[2], n[5]);
-      triangle(n[3], n[4], n[5]);
-      continue;
-    }
-    std::vector<int> rest(n.begin(), n.end());
-    if (mesh.second_order(f)) {
-      for (size_t i = 0; i < 4; ++i) triangle(n[i], n[4 + i], n[4 + (i + 3) % 4]);
-      rest.assign(n.begin() + 4, n.end());
-    }
-    // A quad along its shorter diagonal, larger polygons as a fan.
-    if (rest.size() == 4 && length(rest[1], rest[3]) < length(rest[0], rest[2]))
-      std::rotate(rest.begin(), rest.begin() + 1, rest.end());
-    for (size_t i = 2; i < rest.size(); ++i) triangle(rest[0], rest[i - 1], rest[i]);
-  }
+  for (int f = 0; f < mesh.face_count(); ++f)
+    for (const auto& [a, b, c] : triangles_of(mesh, f)) triangle(a, b, c);
   write_whole_file(path, [&](std::ostream& out) {
     char header[kHeader] = "Batten";
     for (int i = 0; i < 4; ++i) header[80 + i] = static_cast<char>(count >> (8 * i) & 255);

@@ -1,0 +1,221 @@
+#include "batten/io/sequences/point_cache.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "batten/core/errors.h"
+#include "batten/core/index.h"
+#include "batten/io/files/input_file.h"
+#include "batten/io/files/text.h"
+#include "batten/io/files/toml_table.h"
+#include "batten/io/meshes/mesh_file.h"
+#include "batten/io/sequences/number_bytes.h"
+#include "batten/io/sequences/numbered_files.h"
+#include "batten/io/sequences/sequence_readers.h"
+
+namespace batten {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr std::string_view kMagic{"POINTCACHE2\0", 12};
+
+/// The file with the faces of a cache: the one with its stem, the first of the numbered files that
+/// begin with its stem, the only mesh of the folder.
+fs::path mesh_beside(const fs::path& cache) {
+  const std::string stem = cache.stem().string();
+  std::vector<fs::path> meshes;
+  std::error_code error;
+  const fs::path folder = cache.has_parent_path() ? cache.parent_path() : fs::path(".");
+  for (fs::directory_iterator entry(folder, error), end; !error && entry != end;
+       entry.increment(error))
+    if (MeshFile::reads(entry->path()))
+      meshes.push_back(cache.parent_path() / entry->path().filename());
+  std::sort(meshes.begin(), meshes.end());
+  for (const fs::path& mesh : meshes)
+    if (mesh.stem() == stem) return mesh;
+  std::optional<NumberedFile> first;
+  for (const fs::path& mesh : meshes)
+    for (const std::string between : {"", "_", "-", "."}) {
+      const NumberedName name{mesh.parent_path(), stem + between, mesh.extension().string()};
+      const auto number = name.number_of(mesh.filename().string());
+      if (number && (!first || *number < first->number)) first = {mesh, *number};
+    }
+  if (first) return first->path;
+  if (meshes.size() == 1) return meshes.front();
+  throw InputError(cache.string() + ": found " + counted(count_of(meshes), "mesh file") +
+                   " beside this point cache and none named " + stem +
+                   ", expected a mesh with its faces");
+}
+
+struct CacheHeader {
+  long points = 0, frames = 0;
+  std::vector<double> times;
+  std::uintmax_t first_byte = 0;
+};
+
+/// The first `count` bytes of a file, or fewer where it has no more.
+std::string head_of(std::ifstream& in, size_t count) {
+  std::string bytes(count, '\0');
+  in.read(bytes.data(), static_cast<std::streamsize>(count));
+  bytes.resize(static_cast<size_t>(in.gcount()));
+  in.clear();
+  return bytes;
+}
+
+void require_size(const fs::path& path, const CacheHeader& header, std::uintmax_t size) {
+  const auto expected = header.first_byte + static_cast<std::uintmax_t>(header.points) *
+                                                static_cast<std::uintmax_t>(header.frames) * 12;
+  if (header.points < 1 || header.frames < 1)
+    throw InputError(path.string() + ": found " + std::to_string(header.frames) + " frames of " +
+                     std::to_string(header.points) + " points, expected some");
+  if (size != expected || static_cast<std::uintmax_t>(header.points) > size ||
+      static_cast<std::uintmax_t>(header.frames) > size)
+    throw InputError(path.string() + ": found " + std::to_string(size) + " bytes, expected " +
+                     std::to_string(expected) + " for " + counted(header.frames, "frame") + " of " +
+                     counted(header.points, "point"));
+}
+
+CacheHeader read_pc2_header(const fs::path& path, std::ifstream& in, std::uintmax_t size) {
+  const std::string bytes = head_of(in, 32);
+  if (!std::string_view(bytes).starts_with(kMagic.substr(0, std::min<size_t>(12, bytes.size()))) ||
+      bytes.empty())
+    throw InputError(path.string() + ": found " + in_quotes(bytes.substr(0, 12)) +
+                     ", expected 'POINTCACHE2'");
+  if (bytes.size() < 32)
+    throw InputError(path.string() + ": found " + std::to_string(bytes.size()) +
+                     " bytes, expected 32 of a header and the frames");
+  const auto whole = [&](size_t at) {
+    return static_cast<long>(static_cast<std::int32_t>(load_unsigned<std::uint32_t>(&bytes[at])));
+  };
+  if (whole(12) != 1)
+    throw InputError(path.string() + ": found version " + std::to_string(whole(12)) +
+                     " of POINTCACHE2, expected 1");
+  CacheHeader header{whole(16), whole(28), {}, 32};
+  require_size(path, header, size);
+  const double start = load_single(&bytes[20]), rate = load_single(&bytes[24]);
+  if (!std::isfinite(start) || !std::isfinite(rate) || (header.frames > 1 && !(rate > 0)))
+    throw InputError(path.string() + ": found the start " + number(start) + " and the rate " +
+                     number(rate) + ", expected a rate above 0");
+  for (long k = 0; k < header.frames; ++k)
+    header.times.push_back(start + static_cast<double>(k) * rate);
+  return header;
+}
+
+CacheHeader read_mdd_header(const fs::path& path, std::ifstream& in, std::uintmax_t size) {
+  std::string bytes = head_of(in, 8);
+  if (bytes.size() < 8)
+    throw InputError(path.string() + ": found " + std::to_string(bytes.size()) +
+                     " bytes, expected 8 of a header, times and frames");
+  const auto whole = [&](size_t at) {
+    return static_cast<long>(
+        static_cast<std::int32_t>(load_unsigned<std::uint32_t>(&bytes[at], true)));
+  };
+  CacheHeader header{whole(4), whole(0), {}, 0};
+  header.first_byte = 8 + 4 * static_cast<std::uintmax_t>(std::max(header.frames, 0L));
+  require_size(path, header, size);
+  bytes = head_of(in, static_cast<size_t>(header.frames) * 4);
+  if (bytes.size() < static_cast<size_t>(header.frames) * 4)
+    throw InputError(path.string() + ": the times of the frames cannot be read");
+  for (long k = 0; k < header.frames; ++k)
+    header.times.push_back(load_single(&bytes[static_cast<size_t>(4 * k)], true));
+  return header;
+}
+
+MeshSequence read_cache(const fs::path& path, PointCacheFormat format,
+                        const SequenceOptions& options, const Progress& progress) {
+  require_input_file(path, "a point cache");
+  progress.at("reading frames", 0);
+  std::ifstream in(path, std::ios::binary);
+  const bool big = format == PointCacheFormat::Mdd;
+  const CacheHeader header = (big ? read_mdd_header : read_pc2_header)(path, in, input_size(path));
+  const FrameRange range = frame_range(options, header.frames, path.string());
+  const fs::path mesh = options.mesh.empty() ? mesh_beside(path) : options.mesh;
+  MeshSequence sequence;
+  sequence.shells = MeshFile::read(mesh).shells();
+  if (sequence.node_count() != header.points)
+    throw InputError(path.string() + ": found " + counted(header.points, "point") +
+                     " in each frame, expected " + std::to_string(sequence.node_count()) +
+                     " as the mesh " + mesh.string() + " has nodes");
+  const size_t bytes_a_frame = static_cast<size_t>(header.points) * 12;
+  in.seekg(static_cast<std::streamoff>(header.first_byte +
+                                       static_cast<std::uintmax_t>(range.first) * bytes_a_frame));
+  for (int k = 0; k < range.count; ++k) {
+    progress.at("reading frames", static_cast<double>(k) / range.count);
+    const std::string bytes = head_of(in, bytes_a_frame);
+    if (bytes.size() < bytes_a_frame)
+      throw InputError(path.string() + ": frame " + std::to_string(range.first + k + 1) +
+                       " cannot be read");
+    Points& points = sequence.frames.emplace_back(header.points, 3);
+    for (Eigen::Index i = 0; i < points.rows(); ++i)
+      for (Eigen::Index c = 0; c < 3; ++c)
+        points(i, c) = load_single(&bytes[static_cast<size_t>(12 * i + 4 * c)], big);
+    for (Eigen::Index i = 0; i < points.rows(); ++i)
+      if (!points.row(i).allFinite())
+        throw InputError(path.string() + ": frame " + std::to_string(range.first + k + 1) +
+                         ": a coordinate of point " + std::to_string(i) + " is not finite");
+    sequence.times.push_back(header.times[static_cast<size_t>(range.first + k)]);
+  }
+  return sequence;
+}
+
+}  // namespace
+
+MeshSequence read_pc2_sequence(const fs::path& path, const SequenceOptions& options,
+                               const Progress& progress) {
+  return read_cache(path, PointCacheFormat::Pc2, options, progress);
+}
+
+MeshSequence read_mdd_sequence(const fs::path& path, const SequenceOptions& options,
+                               const Progress& progress) {
+  return read_cache(path, PointCacheFormat::Mdd, options, progress);
+}
+
+PointCacheWriter::PointCacheWriter(const fs::path& path, PointCacheFormat format, int points,
+                                   const std::vector<double>& times)
+    : file_(path), format_(format), out_(file_.temporary(), std::ios::binary) {
+  const auto frames = static_cast<std::uint32_t>(times.size());
+  if (format == PointCacheFormat::Mdd) {
+    append_unsigned(bytes_, frames, true);
+    append_unsigned(bytes_, static_cast<std::uint32_t>(points), true);
+    for (const double time : times) append_single(bytes_, static_cast<float>(time), true);
+  } else {
+    const double rate =
+        frames < 2 ? 1 : (times.back() - times.front()) / static_cast<double>(frames - 1);
+    for (size_t k = 0; k < times.size(); ++k)
+      if (std::abs(times[k] - (times.front() + static_cast<double>(k) * rate)) > 1e-3 * rate)
+        throw InputError(path.string() + ": found the time " + number(times[k]) + " of frame " +
+                         std::to_string(k + 1) +
+                         ", expected evenly spaced times, as PC2 has no others (MDD has)");
+    bytes_ = kMagic;
+    append_unsigned(bytes_, 1);
+    append_unsigned(bytes_, static_cast<std::uint32_t>(points));
+    append_single(bytes_, static_cast<float>(times.front()));
+    append_single(bytes_, static_cast<float>(rate));
+    append_unsigned(bytes_, frames);
+  }
+  out_ << bytes_;
+}
+
+void PointCacheWriter::write(const Points& points) {
+  const bool big = format_ == PointCacheFormat::Mdd;
+  bytes_.clear();
+  for (Eigen::Index i = 0; i < points.rows(); ++i)
+    for (Eigen::Index c = 0; c < 3; ++c) {
+      const auto value = static_cast<float>(points(i, c));
+      if (!std::isfinite(value))
+        throw InputError(file_.path().string() + ": a coordinate of node " + std::to_string(i) +
+                         " is too large for single precision");
+      append_single(bytes_, value, big);
+    }
+  out_ << bytes_;
+  if (!out_) throw FileError(file_.path().string() + ": cannot write this file: writing failed");
+}
+
+void PointCacheWriter::finish() {
+  out_.close();
+  if (!out_) throw FileError(file_.path().string() + ": cannot write this file: writing failed");
+  file_.commit();
+}
+
+}  // namespace batten

@@ -1,0 +1,38 @@
+// Point caches, PC2 and MDD: all positions of a mesh, frame after frame, in single precision.
+// Internal.
+//
+//   PC2  little-endian: "POINTCACHE2\0", int32 version = 1, int32 points, float start, float rate,
+//        int32 frames; then x y z of each point, frame after frame
+//   MDD  big-endian: int32 frames, int32 points, float time of each frame; then the same
+#pragma once
+
+#include <filesystem>
+#include <fstream>
+#include <vector>
+
+#include "batten/core/eigen.h"
+#include "batten/io/files/whole_file.h"
+
+namespace batten {
+
+enum class PointCacheFormat { Pc2, Mdd };
+
+/// Writes a point cache frame by frame. Throws FileError as WholeFile does.
+class PointCacheWriter {
+ public:
+  /// Throws InputError for times that are not evenly spaced in a PC2.
+  PointCacheWriter(const std::filesystem::path& path, PointCacheFormat format, int points,
+                   const std::vector<double>& times);
+  /// Appends a frame. Throws InputError for a coordinate too large for single precision.
+  void write(const Points& points);
+  /// Gives the file its name.
+  void finish();
+
+ private:
+  WholeFile file_;
+  PointCacheFormat format_;
+  std::ofstream out_;
+  std::string bytes_;  // of one frame
+};
+
+}  // namespace batten

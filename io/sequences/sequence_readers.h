@@ -1,0 +1,22 @@
+// The readers of sequences, one for each kind of file. Internal.
+#pragma once
+
+#include "batten/io/sequences/sequence_files.h"
+
+namespace batten {
+
+/// Frames that are read, counted from 0.
+struct FrameRange {
+  int first = 0, count = 0;
+  bool has(int frame) const { return frame >= first && frame < first + count; }
+};
+
+/// The frames of `all` that the options ask for. Throws InputError when they are not there.
+FrameRange frame_range(const SequenceOptions& options, long all, const std::string& name);
+
+using SequenceReader = MeshSequence(const std::filesystem::path&, const SequenceOptions&,
+                                    const Progress&);
+SequenceReader read_numbered_sequence, read_pvd_sequence, read_pc2_sequence, read_mdd_sequence,
+    read_gltf_sequence, read_frd_sequence;
+
+}  // namespace batten
