@@ -44,9 +44,25 @@ const std::map<std::string, MeshContentReader*>& readers() {
   return all;
 }
 
+/// A mesh without a file.
+struct CountedMesh : MeshContent {
+  MeshRounding write(const fs::path& path, const Points&, const MeshWriteOptions&) const override {
+    throw InputError(path.string() + ": this mesh was not read from one file");
+  }
+};
+
 }  // namespace
 
 MeshFile::MeshFile(std::shared_ptr<const MeshContent> content) : content_(std::move(content)) {}
+
+MeshFile MeshFile::counted_from_1(ShellMesh shells) {
+  auto content = std::make_unique<CountedMesh>();
+  content->format = "frames";
+  content->node_labels = Labels::counted_from(1, shells.node_count());
+  content->face_labels = Labels::counted_from(1, shells.face_count());
+  content->shells = std::move(shells);
+  return MeshFile(std::move(content));
+}
 
 MeshFile MeshFile::read(const fs::path& path) {
   std::unique_ptr<MeshContent> content = by_extension(path, readers())(path);

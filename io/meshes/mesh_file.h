@@ -51,6 +51,9 @@ class MeshFile {
   /// Whether read() knows the extension.
   static bool reads(const std::filesystem::path& path);
 
+  /// A mesh that no file holds: nodes and faces counted from 1, no sets. write() refuses it.
+  static MeshFile counted_from_1(ShellMesh shells);
+
   const ShellMesh& shells() const;
   /// The file's own number of a node: its id in a deck; counted from 1 in OBJ, from 0 in OFF, PLY,
   /// STL, VTK. O(1).

@@ -176,20 +176,36 @@ void draw(vtkRenderer& renderer, const MeshPicture& picture, double width, doubl
   set_camera(renderer, axes, view, width, height);
 }
 
-}  // namespace
-
-void draw_meshes(const std::filesystem::path& path, const std::vector<MeshPicture>& pictures,
-                 int columns, const PictureSize& size) {
+/// Calls sheet(count, columns, captions below, draw) for the pictures.
+template <class Sheet>
+Image with_sheet(const std::vector<MeshPicture>& pictures, int columns, const Sheet& sheet) {
   if (pictures.empty()) throw InputError("there is no picture to draw");
   if (columns < 1)
     throw InputError("found " + std::to_string(columns) + " columns, expected 1 or more");
   for (const auto& picture : pictures) check(picture);
   const auto count = count_of(pictures);
   const bool below = count > 1;
-  draw_sheet(path, count, std::min(columns, count), below, size,
-             [&](vtkRenderer& renderer, int i, double width, double height) {
-               draw(renderer, pictures[i], width, height, below);
-             });
+  return sheet(count, std::min(columns, count), below,
+               [&](vtkRenderer& renderer, int i, double width, double height) {
+                 draw(renderer, pictures[i], width, height, below);
+               });
+}
+
+}  // namespace
+
+void draw_meshes(const std::filesystem::path& path, const std::vector<MeshPicture>& pictures,
+                 int columns, const PictureSize& size) {
+  with_sheet(pictures, columns, [&](int count, int across, bool below, const auto& draw_one) {
+    draw_sheet(path, count, across, below, size, draw_one);
+    return Image();
+  });
+}
+
+Image mesh_image(const std::vector<MeshPicture>& pictures, int columns, const PictureSize& size) {
+  return with_sheet(pictures, columns,
+                    [&](int count, int across, bool below, const auto& draw_one) {
+                      return sheet_image(count, across, below, size, draw_one);
+                    });
 }
 
 }  // namespace batten

@@ -39,4 +39,8 @@ struct MeshPicture {
 void draw_meshes(const std::filesystem::path& path, const std::vector<MeshPicture>& pictures,
                  int columns, const PictureSize& size = {});
 
+/// The same in memory, for animations.
+Image mesh_image(const std::vector<MeshPicture>& pictures, int columns,
+                 const PictureSize& size = {});
+
 }  // namespace batten

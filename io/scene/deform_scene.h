@@ -12,66 +12,12 @@
 #include "batten/io/pictures/image.h"
 #include "batten/io/pictures/pictures.h"
 #include "batten/io/scene/scene.h"
+#include "batten/io/scene/scene_selections.h"
 #include "batten/mesh/attached/follow.h"
 #include "batten/mesh/deform/deform_problem.h"
-#include "batten/mesh/features/feature_cut.h"
-#include "batten/mesh/features/proposals.h"
 #include "batten/sculpting/curves/deformable_curve.h"
 
 namespace batten {
-
-/// [[select]]: vertices of the mesh as it was read that meet all the conditions given.
-struct SelectRule {
-  struct Geodesic {
-    std::optional<long> node;   ///< start: the node with this number in the mesh file
-    std::optional<Vec3> point;  ///< or the vertex nearest to this point
-    PlacedWord of;              ///< or this selection
-    double distance = 0;        ///< largest distance from the start over the mesh, model units
-  };
-  std::string name;
-  FilePlace place;
-  std::optional<std::pair<Vec3, Vec3>> box;
-  std::optional<std::pair<Vec3, double>> sphere;
-  struct Plane {
-    Vec3 through, normal;
-    double within;
-  };
-  std::optional<Plane> plane;
-  std::optional<int> loop;  ///< number of a boundary loop, from 1
-  std::optional<int> part;  ///< number of a part of the mesh, from 1
-  std::optional<Geodesic> geodesic;
-  struct Salient {
-    std::optional<long> node;   ///< start: the node with this number in the mesh file
-    std::optional<Vec3> point;  ///< or the vertex nearest to this point
-    double threshold = 0;       ///< grown while the saliency of vertices is not below this
-  };
-  std::optional<Salient> salient;
-  std::vector<long> nodes;         ///< numbers of nodes in the mesh file
-  std::filesystem::path file;      ///< a file with such numbers
-  PlacedWord set, property;        ///< names of a set and a property of a deck
-  std::vector<PlacedWord> any;     ///< selections: the vertex is in one of them
-  std::vector<PlacedWord> except;  ///< selections: the vertex is in none of them
-  int grow = 0;                    ///< rings of neighbours that are added in the end
-};
-
-/// [[cut]]: a feature that is found by a minimum cut; its vertices are a selection of this name.
-struct CutRule {
-  std::string name;
-  FilePlace place;
-  std::vector<PlacedWord> band;        ///< selections that hold the feature's border
-  std::vector<PlacedWord> on, beside;  ///< or strokes on the feature and beside it
-  std::optional<Vec3> inside;          ///< point whose nearest vertex is in the feature; none: the
-                                       ///< feature is the smaller side
-  CutOptions options;
-};
-
-/// [[feature]]: one form feature; or [[features]]: one for each of its names.
-struct FeatureRule {
-  std::string name;  ///< "" for [[features]]
-  FilePlace place;
-  std::vector<PlacedWord> vertices;  ///< selections and proposals; '*' stands for any letters
-  FormFeature::Kind kind = FormFeature::Kind::Free;
-};
 
 /// [[guide]]: a point that stays on a plane or on a line.
 struct GuideRule {
@@ -195,16 +141,11 @@ struct MeshPictureRule {
   PictureSize size;
 };
 
-/// A deform scene as data. Names and numbers of nodes are looked up later (VertexSelector).
-struct DeformScene {
-  std::filesystem::path file;
-  std::string name, unit = "mm";
+/// A deform scene as data.
+struct DeformScene : SceneSelections {
   std::filesystem::path mesh;
   DeformProblem::Weighting weighting = DeformProblem::Weighting::Area;
-  ProposalOptions proposals;
   FollowOptions following;
-  std::vector<SelectRule> selections;
-  std::vector<CutRule> cuts;
   std::vector<FeatureRule> features;
   std::vector<GuideRule> guides;
   std::vector<RelationRule> relations;
@@ -222,8 +163,6 @@ struct DeformScene {
   /// Sets one of these numbers. Throws InputError, beginning with `where`: an unknown name (the
   /// nearest is offered), a number that is not finite, a scale not above 0.
   void set(const std::string& parameter, double value, const std::string& where);
-  /// The place as "FILE:LINE:COLUMN: ", with which messages begin.
-  std::string at(const FilePlace& place) const { return place_prefix(file.string(), place); }
 };
 
 /// Whether a scene edits a mesh: it names a mesh or has an edit. Throws InputError when the file

@@ -18,7 +18,7 @@ namespace batten {
 namespace {
 
 const MeshFile::Set& set_named(const std::vector<MeshFile::Set>& sets, const PlacedWord& word,
-                               const std::string& kind, const DeformScene& scene) {
+                               const std::string& kind, const SceneSelections& scene) {
   std::vector<std::string> names;
   for (const auto& set : sets) {
     if (set.name == word.text || (!set.title.empty() && set.title == word.text)) return set;
@@ -64,7 +64,7 @@ std::vector<int> vertices_of_file(const std::filesystem::path& file, const std::
 
 }  // namespace
 
-VertexSelector::VertexSelector(const DeformScene& scene, const MeshFile& file,
+VertexSelector::VertexSelector(const SceneSelections& scene, const MeshFile& file,
                                const TriangleMesh& mesh)
     : scene_(scene), file_(file), mesh_(mesh) {}
 

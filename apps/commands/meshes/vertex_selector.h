@@ -17,7 +17,7 @@ namespace batten {
 /// other.
 class VertexSelector {
  public:
-  VertexSelector(const DeformScene& scene, const MeshFile& file, const TriangleMesh& mesh);
+  VertexSelector(const SceneSelections& scene, const MeshFile& file, const TriangleMesh& mesh);
 
   /// The vertices of a selection, cut or proposal by its name, ascending: nodes of the file.
   std::vector<int> of(const PlacedWord& name);
@@ -45,7 +45,7 @@ class VertexSelector {
   std::vector<int> salient_region(const SelectRule& rule);
   std::vector<std::string> names();
 
-  const DeformScene& scene_;
+  const SceneSelections& scene_;
   const MeshFile& file_;
   const TriangleMesh& mesh_;
   std::map<std::string, std::vector<int>> found_;
