@@ -20,17 +20,17 @@ struct TrajectoryOptions {
   std::vector<double> times;               ///< of the frames, ascending; none: their numbers
 };
 
-/// New centroids c' of a handle in all F frames, equal to given ones at keyframes, whose differences
-/// in time are those of c, turned:
+/// New centroids c' of a handle in all F frames, equal to given ones at keyframes, whose
+/// differences in time are those of c, turned:
 ///
-///     min Σ_k Σ_{j=k±1} ‖ (c'_j - c'_k) - R_k (c_j - c_k) ‖²                                     (5)
+///     min Σ_k Σ_{j=k±1} ‖ (c'_j - c'_k) - R_k (c_j - c_k) ‖²     (5)
 ///
 /// R_k: the change of rotation in frame k, of all frames. With g the sum of (R_k + R_{k+1})/2
 /// (c_{k+1} - c_k), the rest x = c' - g is what (5) makes as even as it can: straight over the
 /// frames between two keyframes, without a system to solve. Smooth: the spline of least ∫ |x''|²
-/// through keyframes, which begins and ends with slope zero. Outside of the keyframes x is constant;
-/// with an influence c' = c outside of that, and c' - c begins and ends there, with slope zero in the
-/// smooth case.
+/// through keyframes, which begins and ends with slope zero. Outside of the keyframes x is
+/// constant; with an influence c' = c outside of that, and c' - c begins and ends there, with slope
+/// zero in the smooth case.
 ///
 /// Nothing changed gives c to the last bit; one rigid motion of all keyframes moves all of c by it;
 /// one keyframe that is shifted shifts the whole. With times differences count per time.

@@ -1,7 +1,7 @@
 // Rotations of all frames from those of keyframes.
 //
-// A rotation is interpolated by its logarithm (core/rotations.h), so that what a frame gets is linear
-// in the keyframes' logarithms:
+// A rotation is interpolated by its logarithm (core/rotations.h), so that what a frame gets is
+// linear in the keyframes' logarithms:
 //
 //     log R(t_k) = Σ_m w_km log R_m
 //
@@ -69,16 +69,16 @@ class KeyframeWeights {
 std::vector<double> frame_numbers(int frames);
 
 /// Of all logarithms h n + k π n of a rotation (k whole: the signs of its quaternion, and full
-/// turns) the one nearest to `previous`; of two, the one with the smaller k. A rotation by less than
-/// 1e-12 has no axis of its own and takes that of `previous`.
+/// turns) the one nearest to `previous`; of two, the one with the smaller k. A rotation by less
+/// than 1e-12 has no axis of its own and takes that of `previous`.
 Vec3 nearest_log(const Mat3& turn, const Vec3& previous);
 
 /// Logarithms of rotations in their order, each the nearest to the one before; the first to 0. F×3.
 /// Two in a row must be less than half a turn apart to be followed.
 Points followed_logs(std::span<const Mat3> turns);
 
-/// Rotations of n vertices at K keyframes → K matrices n×3 of their logarithms, each vertex followed
-/// through the keyframes. Throws InputError on different numbers of vertices. O(n K).
+/// Rotations of n vertices at K keyframes → K matrices n×3 of their logarithms, each vertex
+/// followed through the keyframes. Throws InputError on different numbers of vertices. O(n K).
 std::vector<Points> followed_logs(const std::vector<std::vector<Mat3>>& turns_at_keyframes);
 
 /// result = Σ w_m logs_m: the logarithms at one frame, n×3. `result` keeps its memory when it has n

@@ -21,8 +21,8 @@ class PiecewiseCubic {
   };
   /// The curve through one value a knot of least ∫ |x''|² du, which is C2. O(knots).
   static PiecewiseCubic through(std::vector<double> knots, const Points& values, Ends ends);
-  /// The C2 curve of `spans` even pieces over [u_first, u_last] that comes nearest to values at u in
-  /// the least-squares sense: uniform cubic B-splines. `u` ascends, at least once in every piece
+  /// The C2 curve of `spans` even pieces over [u_first, u_last] that comes nearest to values at u
+  /// in the least-squares sense: uniform cubic B-splines. `u` ascends, at least once in every piece
   /// and spans + 3 times in all, first < last. O(values + spans).
   static PiecewiseCubic fitted(const std::vector<double>& u, const Points& values, int spans);
 

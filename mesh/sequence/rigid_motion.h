@@ -42,9 +42,9 @@ struct Trajectory {
 };
 
 /// Centroids of some vertices and their best rotations (least squares, `fit_similarity` with scale
-/// 1) from the first frame. Vertices on one line turn by the smallest rotation that fits, one vertex
-/// not at all. Throws InputError: no vertices, a vertex that a frame does not have. O(frames ·
-/// vertices).
+/// 1) from the first frame. Vertices on one line turn by the smallest rotation that fits, one
+/// vertex not at all. Throws InputError: no vertices, a vertex that a frame does not have. O(frames
+/// · vertices).
 Trajectory trajectory_of(const std::vector<Points>& frames, const std::vector<int>& vertices);
 
 /// Trajectories of a motion M_k of each frame: centres M_k c_k, turns M_k R_k. Throws InputError on

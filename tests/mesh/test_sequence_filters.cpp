@@ -1,0 +1,316 @@
+// Filters of trajectories, and one trajectory laid over another: laws of mesh/sequence.
+#include <cmath>
+#include <numbers>
+
+#include "batten/mesh/sequence/trajectory_alignment.h"
+#include "batten/mesh/sequence/trajectory_filters.h"
+#include "batten/tests/catch.h"
+#include "batten/tests/mesh/sequence_laws.h"
+#include "batten/tests/refusal.h"
+
+using namespace batten;
+using namespace batten_test;
+
+namespace {
+
+constexpr double pi = std::numbers::pi;
+
+std::vector<SignalFilter> all_filters() {
+  return {SignalFilter::low_pass(2), SignalFilter::high_pass(3), SignalFilter::cartoon(1.5, 0.8)};
+}
+
+Points straight(int frames) {
+  Points p(frames, 3);
+  for (int k = 0; k < frames; ++k) p.row(k) = Vec3(1, 2, 3) + k * Vec3(0.1, -0.2, 0.3);
+  return p;
+}
+
+/// A root, a body that hangs on it, an arm on the body.
+std::vector<FilteredHandle> body_and_arm(int frames) {
+  return {{"arm", {wandering(frames, 2), winding(frames, 3)}, 1, {}},
+          {"body", {wandering(frames, 4), winding(frames, 5)}, -1, {}}};
+}
+
+}  // namespace
+
+TEST_CASE("filters multiply sinusoids by their response") {
+  const int F = 200;
+  for (const SignalFilter& filter : all_filters())
+    for (const double omega : {0.0, 0.05, 0.4, 1.1, 2.9, pi}) {
+      Points x(F, 3);
+      for (int k = 0; k < F; ++k)
+        x.row(k) << std::cos(omega * k), std::cos(omega * k + 1), -3 * std::sin(omega * k);
+      for (const Padding padding : {Padding::Mirrored, Padding::Turned}) {
+        const Points away =
+            (filter(x, padding) - filter.response(omega) * x).middleRows(40, F - 80);
+        CHECK(away.cwiseAbs().maxCoeff() < 1e-10);
+      }
+    }
+}
+
+TEST_CASE("responses are those of the continuous kernels") {
+  for (const double sigma : {1.0, 2.0, 7.5})
+    for (double omega = 0; omega < 1.5; omega += 0.1) {
+      const double s = sigma * omega, gauss = std::exp(-s * s / 2);
+      CHECK(std::abs(SignalFilter::low_pass(sigma).response(omega) - gauss) <
+            2e-4 * (sigma < 2) + 1e-9);
+      CHECK(std::abs(SignalFilter::high_pass(sigma).response(omega) - 1 + gauss) <
+            2e-4 * (sigma < 2) + 1e-9);
+      CHECK(std::abs(SignalFilter::cartoon(sigma, 0.7).response(omega) - 1 - 0.7 * s * s * gauss) <
+            2e-2 * (sigma < 2) + 1e-7);
+    }
+  CHECK(std::abs(SignalFilter::cartoon(4, 1).response(std::sqrt(2.0) / 4) - 1 -
+                 2 / std::numbers::e) < 1e-7);
+  CHECK(refusal([] { SignalFilter::low_pass(0); }) ==
+        "filter: sigma is 0, expected above 0, up to 1e5 frames");
+}
+
+TEST_CASE("filters keep constants, and even motion where the ends are turned over") {
+  for (const int F : {1, 2, 3, 50}) {
+    const Points constant = Points::Constant(F, 3, 0.1 + 1e3), line = straight(F);
+    for (const Padding padding : {Padding::Mirrored, Padding::Turned}) {
+      CHECK(distance(SignalFilter::low_pass(3)(constant, padding), constant) < 1e-14);
+      CHECK(distance(SignalFilter::cartoon(3, 2)(constant, padding), constant) < 1e-14);
+      CHECK(SignalFilter::high_pass(3)(constant, padding).norm() < 1e-14);
+    }
+    CHECK(distance(SignalFilter::low_pass(3)(line, Padding::Turned), line) < 1e-12);
+    CHECK(distance(SignalFilter::cartoon(3, 2)(line, Padding::Turned), line) < 1e-12);
+  }
+}
+
+TEST_CASE("ends are mirrored as often as the kernel is long") {
+  // Mirrored, a signal is cosines of whole half waves: those are multiplied to the very ends.
+  const int F = 6;
+  for (const SignalFilter& filter : {SignalFilter::low_pass(4), SignalFilter::cartoon(3, 1)})
+    for (int wave = 0; wave < F; ++wave) {
+      const double omega = pi * wave / (F - 1);
+      Points x(F, 3);
+      for (int k = 0; k < F; ++k) x.row(k).setConstant(std::cos(omega * k));
+      CHECK(distance(filter(x), filter.response(omega) * x) < 1e-13);
+    }
+  // Turned over, sines of whole half waves.
+  for (int wave = 1; wave < F; ++wave) {
+    const SignalFilter filter = SignalFilter::low_pass(4);
+    const double omega = pi * wave / (F - 1);
+    Points x(F, 3);
+    for (int k = 0; k < F; ++k) x.row(k).setConstant(std::sin(omega * k));
+    CHECK(distance(filter(x, Padding::Turned), filter.response(omega) * x) < 1e-13);
+  }
+}
+
+TEST_CASE("rotations about one axis are filtered as their angles") {
+  const int F = 60;
+  const Vec3 axis = Vec3(1, -2, 0.5).normalized();
+  std::vector<Mat3> turns;
+  Points angles = Points::Zero(F, 3);
+  for (int k = 0; k < F; ++k) {
+    angles(k, 0) = 0.4 * k + std::sin(0.3 * k);
+    turns.push_back(rotation_matrix(rotation_log(axis, angles(k, 0))));
+  }
+  const SignalFilter filter = SignalFilter::cartoon(2);
+  const std::vector<Mat3> found = filter(turns, Padding::Turned);
+  const Points expected = filter(angles, Padding::Turned);
+  for (int k = 0; k < F; ++k)
+    CHECK((found[k] - rotation_matrix(rotation_log(axis, expected(k, 0)))).norm() < 1e-12);
+}
+
+TEST_CASE("rotations of many turns about any axes are filtered without jumps") {
+  // A filter that hardly does anything hardly does anything, also where a full turn is passed.
+  const std::vector<Mat3> turns = winding(200, 3);
+  for (const Padding padding : {Padding::Mirrored, Padding::Turned}) {
+    CHECK(distance(SignalFilter(1, {1e-6, -1e-6})(turns, padding), turns) < 1e-5);
+    const std::vector<Mat3> found = SignalFilter::low_pass(0.8)(turns, padding);
+    double farthest = 0;
+    for (int k = 6; k < 194; ++k) farthest = std::max(farthest, (found[k] - turns[k]).norm());
+    CHECK(farthest < 0.1);
+    // From either side.
+    const Mat3 a = winding(9, 1)[8], b = winding(9, 2)[8];
+    std::vector<Mat3> seen;
+    for (const Mat3& R : turns) seen.push_back(a * R * b);
+    const std::vector<Mat3> other = SignalFilter::low_pass(0.8)(seen, padding);
+    for (size_t k = 0; k < turns.size(); ++k) CHECK((other[k] - a * found[k] * b).norm() < 1e-12);
+  }
+}
+
+TEST_CASE("trajectories relative to others come back, and are still where they go along") {
+  const int F = 40;
+  const Trajectory parent{wandering(F, 1), winding(F, 2)}, child{wandering(F, 3), winding(F, 4)};
+  CHECK(distance(composed(relative(child, parent), parent), child) < 1e-14);
+  std::vector<RigidMotion> motions;
+  for (int k = 0; k < F; ++k)
+    motions.push_back({parent.turns[k], parent.centres.row(k).transpose()});
+  Trajectory still{Points::Constant(F, 3, 0.7), std::vector<Mat3>(F, winding(2, 7)[1])};
+  CHECK(distance(relative(moved(motions, still), parent), still) < 1e-13);
+}
+
+TEST_CASE("filtered handles go along with their parents") {
+  const int F = 50;
+  std::vector<FilteredHandle> handles = body_and_arm(F);
+  const Trajectory root{wandering(F, 6), std::vector<Mat3>(F, Mat3::Identity())};
+  const SignalFilter nothing(1, {}), filter = SignalFilter::cartoon(2);
+  const FilteredTrajectories same = filtered(root, handles, nothing);
+  CHECK(distance(same.root, root) < 1e-14);
+  for (int h = 0; h < 2; ++h) CHECK(distance(same.handles[h], handles[h].trajectory) < 1e-13);
+  // What is rigid with its parent stays so, though the parent is filtered.
+  std::vector<RigidMotion> motions;
+  for (int k = 0; k < F; ++k)
+    motions.push_back(
+        {handles[1].trajectory.turns[k], handles[1].trajectory.centres.row(k).transpose()});
+  const Trajectory still{Points::Constant(F, 3, 0.7), std::vector<Mat3>(F, Mat3::Identity())};
+  handles[0].trajectory = moved(motions, still);
+  const FilteredTrajectories found = filtered(root, handles, filter);
+  CHECK(distance(found.handles[1], handles[1].trajectory) > 0.1);
+  CHECK(distance(relative(found.handles[0], found.handles[1]), still) < 1e-13);
+  // The body against the root, by hand.
+  CHECK(distance(relative(found.handles[1], found.root).centres,
+                 filter(relative(handles[1].trajectory, root).centres)) < 1e-13);
+  CHECK(distance(found.root.centres, filter(root.centres)) == 0);
+}
+
+TEST_CASE("filtering does not depend on the frame of reference") {
+  Random random(11);
+  const int F = 40;
+  std::vector<FilteredHandle> handles = body_and_arm(F), seen = handles;
+  const Trajectory root{wandering(F, 6), winding(F, 7)};
+  const Similarity view{1, random_turn(random), random.point()};
+  for (FilteredHandle& handle : seen) handle.trajectory = aligned(handle.trajectory, view);
+  const SignalFilter filter = SignalFilter::low_pass(2);
+  const FilteredTrajectories a = filtered(root, handles, filter),
+                             b = filtered(aligned(root, view), seen, filter);
+  for (int h = 0; h < 2; ++h) CHECK(distance(aligned(a.handles[h], view), b.handles[h]) < 1e-12);
+}
+
+TEST_CASE("footprints are left as they were and blend into what is filtered") {
+  const int F = 60;
+  std::vector<FilteredHandle> handles = body_and_arm(F);
+  const Trajectory root{wandering(F, 6), winding(F, 7)};
+  const SignalFilter filter = SignalFilter::cartoon(2);
+  const FilteredTrajectories plain = filtered(root, handles, filter);
+  handles[0].footprints = {{20, 27, Vec3::Zero()}, {40, 45, Vec3::Zero()}};
+  FilterOptions options;
+  options.blend = 4;
+  const FilteredTrajectories found = filtered(root, handles, filter, options);
+  CHECK(distance(found.handles[1], plain.handles[1]) == 0);
+  for (int k = 0; k < F; ++k) {
+    const Eigen::RowVector3d before = handles[0].trajectory.centres.row(k);
+    const double left = (found.handles[0].centres.row(k) - before).norm(),
+                 whole = (plain.handles[0].centres.row(k) - before).norm();
+    const double turned = (found.handles[0].turns[k] - handles[0].trajectory.turns[k]).norm();
+    const int away = k < 34 ? std::max({20 - k, k - 27, 0}) : std::max({40 - k, k - 45, 0});
+    if (away == 0) {
+      CHECK(left == 0);
+      CHECK(turned == 0);
+    } else if (away > 4) {
+      CHECK(left == whole);
+      CHECK(found.handles[0].turns[k] == plain.handles[0].turns[k]);
+    } else {
+      const double t = away / 5.0;
+      CHECK(std::abs(left - t * t * (3 - 2 * t) * whole) < 1e-13);
+      CHECK(turned < (plain.handles[0].turns[k] - handles[0].trajectory.turns[k]).norm());
+    }
+  }
+}
+
+TEST_CASE("hierarchies that cannot be are refused by the handle's name") {
+  const int F = 10;
+  const Trajectory root{wandering(F, 6), winding(F, 7)};
+  const auto told = [&](auto change) {
+    std::vector<FilteredHandle> handles = body_and_arm(F);
+    change(handles);
+    return refusal([&] { filtered(root, handles, SignalFilter::low_pass(1)); });
+  };
+  CHECK(told([](auto& h) { h[1].parent = 2; }) == "body: its parent is none of the 2 handles");
+  CHECK(told([](auto& h) { h[1].parent = 0; }) ==
+        "arm: hangs on itself, or on handles in a circle");
+  CHECK(told([](auto& h) {
+          h[0].trajectory = {wandering(9, 1), winding(9, 1)};
+        }) == "arm: 9 frames, expected 10 as the root has");
+  CHECK(told([](auto& h) {
+          h[0].footprints = {{3, 10, Vec3::Zero()}};
+        }) == "arm: the footprint of frames 4-11 is not in the frames 1-10");
+}
+
+TEST_CASE("similar trajectories are aligned, rotations with them") {
+  Random random(12);
+  const Trajectory t{wandering(35, 1), winding(35, 2)};
+  for (const bool upright : {false, true}) {
+    const Vec3 axis = random.point().normalized();
+    AlignmentOptions options;
+    if (upright) options.about = 3 * axis;
+    const Similarity s{0.4,
+                       upright ? rotation_matrix(rotation_log(axis, 2.2)) : random_turn(random),
+                       random.point()};
+    const Similarity found = alignment(t, aligned(t, s), options);
+    CHECK(distance(aligned(t, found), aligned(t, s)) < 1e-13);
+    CHECK(std::abs(found.scale - s.scale) < 1e-13);
+    CHECK(found.max_error < 1e-13);
+    // No other similarity of the same kind is nearer to something else.
+    Trajectory other{wandering(35, 9), winding(35, 2)};
+    const auto off = [&](const Similarity& by) {
+      return (aligned(t, by).centres - other.centres).squaredNorm();
+    };
+    const Similarity best = alignment(t, other, options);
+    for (int i = 0; i < 20; ++i) {
+      const Vec3 about = upright ? axis : random.point();
+      const Mat3 R = rotation_matrix(rotation_log(about, i < 10 ? 1e-3 * random() : 3 * random()));
+      Similarity near{best.scale * (1 + 1e-3 * random()), R * best.R, best.shift};
+      near.shift += 1e-3 * random.point();
+      CHECK(off(best) < off(near));
+    }
+    options.scales = false;
+    CHECK(alignment(t, other, options).scale == 1);
+  }
+  // A motion of the one world is the same motion, seen turned, of the other.
+  const Similarity s{2, random_turn(random), random.point()};
+  const Mat3 turn = random_turn(random);
+  const Trajectory turned = moved(std::vector(35, RigidMotion{turn, Vec3::Zero()}), t);
+  CHECK(
+      (aligned(turned, s).turns[9] - s.R * turn * s.R.transpose() * aligned(t, s).turns[9]).norm() <
+      1e-13);
+}
+
+TEST_CASE("trajectories that do not say how to turn are shifted") {
+  const Trajectory still{Points::Constant(5, 3, 2.0), std::vector<Mat3>(5, Mat3::Identity())};
+  const Trajectory t{wandering(8, 1), winding(8, 2)};
+  const Similarity s = alignment(still, t);
+  CHECK(s.R == Mat3::Identity());
+  CHECK(s.scale == 1);
+  CHECK((s.shift - (t.centres.colwise().mean().transpose() - Vec3(2, 2, 2))).norm() < 1e-14);
+}
+
+TEST_CASE("resampled trajectories keep their ends and even motion") {
+  const int F = 12;
+  std::vector<Mat3> turns;
+  for (int k = 0; k < F; ++k)
+    turns.push_back(rotation_matrix(rotation_log(Vec3(1, 2, 3), 0.5 * k)));
+  const Trajectory even{straight(F), turns}, t{wandering(F, 1), winding(F, 2)};
+  for (const Resampling how : {Resampling::Linear, Resampling::Hermite}) {
+    CHECK(distance(resampled(t, F, how), t) == 0);
+    for (const int frames : {1, 2, 5, 23, 34}) {
+      const Trajectory found = resampled(even, frames, how), other = resampled(t, frames, how);
+      for (int k = 0; k < frames; ++k) {
+        const double at = frames > 1 ? 11.0 * k / (frames - 1) : 0;
+        CHECK(
+            (found.centres.row(k).transpose() - Vec3(1, 2, 3) - at * Vec3(0.1, -0.2, 0.3)).norm() <
+            1e-13);
+        CHECK((found.turns[k] - rotation_matrix(rotation_log(Vec3(1, 2, 3), 0.5 * at))).norm() <
+              1e-13);
+      }
+      CHECK((other.centres.row(0) - t.centres.row(0)).norm() < 1e-14);
+      if (frames > 1) CHECK((other.centres.row(frames - 1) - t.centres.row(F - 1)).norm() < 1e-13);
+    }
+  }
+  // Twice as many intervals pass through every frame.
+  const Trajectory finer = resampled(t, 2 * F - 1);
+  for (int k = 0; k < F; ++k) CHECK((finer.centres.row(2 * k) - t.centres.row(k)).norm() < 1e-13);
+  // Hermite is the better of the two for smooth motion.
+  const Trajectory fine{wandering(23, 1), winding(23, 2)};
+  Trajectory coarse;
+  coarse.centres.resize(12, 3);
+  for (int k = 0; k < 12; ++k) {
+    coarse.centres.row(k) = fine.centres.row(2 * k);
+    coarse.turns.push_back(fine.turns[2 * k]);
+  }
+  CHECK(distance(resampled(coarse, 23), fine) <
+        0.5 * distance(resampled(coarse, 23, Resampling::Linear), fine));
+}

@@ -1,0 +1,338 @@
+// Footprints, terrain and paths over the ground: laws of mesh/sequence.
+#include <cmath>
+#include <numbers>
+
+#include "batten/mesh/sequence/footprints.h"
+#include "batten/mesh/sequence/path.h"
+#include "batten/tests/catch.h"
+#include "batten/tests/mesh/sample_meshes.h"
+#include "batten/tests/mesh/sequence_laws.h"
+#include "batten/tests/refusal.h"
+
+using namespace batten;
+using namespace batten_test;
+
+namespace {
+
+constexpr double pi = std::numbers::pi;
+
+/// Frames of steps: still in [5, 14], [25, 31], [40, 49], with noise of at most `noise`, else on
+/// the way.
+Trajectory steps(double noise) {
+  Random random(21);
+  Trajectory t{Points(50, 3), std::vector<Mat3>(50, Mat3::Identity())};
+  double x = 0;
+  for (int k = 0; k < 50; ++k) {
+    const bool still = (k > 5 && k <= 14) || (k > 25 && k <= 31) || (k > 40);
+    if (!still) x += 0.3;
+    t.centres.row(k) = Vec3(x, 0, 0) + noise / std::sqrt(3.0) * random.point();
+  }
+  return t;
+}
+
+/// Centroids along a curve of the ground with sway beside it and bob above it.
+Points walk(int frames, const RigidMotion& world = {}) {
+  Points p(frames, 3);
+  for (int k = 0; k < frames; ++k) {
+    const double t = k / (frames - 1.0);
+    p.row(k) = world(
+        Vec3(8 * t, 2 * std::sin(2 * t) + 0.05 * std::sin(1.3 * k), 1 + 0.1 * std::cos(1.1 * k)));
+  }
+  return p;
+}
+
+Points straight_walk(int frames, const Vec3& step) {
+  Points p(frames, 3);
+  for (int k = 0; k < frames; ++k) p.row(k) = Vec3(3, -2, 1) + (k + 0.4 * std::sin(0.5 * k)) * step;
+  return p;
+}
+
+}  // namespace
+
+TEST_CASE("footprints are the intervals in which a handle stays put") {
+  for (const double noise : {0.0, 0.01}) {
+    FootprintOptions options;
+    options.within = 0.021;
+    const std::vector<Footprint> found = find_footprints(steps(noise), options);
+    REQUIRE(found.size() == 3);
+    const int first[] = {5, 25, 40}, last[] = {14, 31, 49};
+    for (int i = 0; i < 3; ++i) {
+      CHECK(found[i].first == first[i]);
+      CHECK(found[i].last == last[i]);
+      CHECK((found[i].at - steps(0).centres.row(first[i]).transpose()).norm() <= noise + 1e-14);
+      CHECK((found[i].turn - Mat3::Identity()).norm() < 1e-14);
+    }
+    options.frames = 8;
+    CHECK(find_footprints(steps(noise), options).size() == 2);
+    options.within = 100;
+    CHECK(find_footprints(steps(noise), options).size() == 1);
+    options.speed = 0.1;
+    CHECK(find_footprints(steps(noise), options).size() == 2);
+  }
+  // No two centroids of a footprint are farther apart, however slowly it slides.
+  Trajectory slow{straight_walk(60, Vec3(0.01, 0, 0)), std::vector<Mat3>(60, Mat3::Identity())};
+  FootprintOptions options;
+  options.within = 0.05;
+  int last = -1;
+  for (const Footprint& f : find_footprints(slow, options)) {
+    CHECK(f.first > last);
+    last = f.last;
+    for (int k = f.first; k <= f.last; ++k)
+      CHECK((slow.centres.row(k) - slow.centres.row(f.first)).norm() <= 0.05);
+  }
+  CHECK(last > 0);
+  CHECK(!refusal([&] { find_footprints(slow, {}); }).empty());
+}
+
+TEST_CASE("the lowest vertices of a handle are its sole in the mean") {
+  Points low(5, 3), high(5, 3);
+  low << 0, 0, 3, 0, 0, 1, 0, 0, 5, 0, 0, 2, 0, 0, 0;
+  high = low.array() + 1;
+  high(4, 2) = 100;
+  CHECK(lowest_vertices({low}, {0, 1, 2, 3, 4}, Vec3::UnitZ(), 0.4) == std::vector<int>{1, 4});
+  CHECK(lowest_vertices({low, high}, {0, 1, 2, 3, 4}, Vec3::UnitZ(), 0.4) ==
+        std::vector<int>{1, 3});
+  CHECK(lowest_vertices({low}, {0, 2}, -Vec3::UnitZ(), 0.01) == std::vector<int>{2});
+  CHECK(!refusal([&] { lowest_vertices({low}, {5}, Vec3::UnitZ()); }).empty());
+}
+
+TEST_CASE("all frames of a moved footprint become keyframes that move the same way") {
+  Random random(22);
+  const Trajectory t = steps(0.01);
+  FootprintOptions options;
+  options.within = 0.021;
+  const std::vector<Footprint> before = find_footprints(t, options);
+  std::vector<Footprint> after = before;
+  std::vector<RigidMotion> motions;
+  for (Footprint& f : after) {
+    motions.push_back(random_motion(random));
+    f = moved(motions.back(), f);
+  }
+  const std::vector<HandleKeyframe> keyframes = keyframes_of(before, after, 50, "foot");
+  CHECK(keyframes.size() == 27);
+  const Trajectory found = edited(t, keyframes);
+  for (int i = 0; i < 3; ++i)
+    for (int k = before[i].first; k <= before[i].last; ++k)
+      CHECK((found.centres.row(k).transpose() - motions[i](t.centres.row(k).transpose())).norm() <
+            1e-13);
+  CHECK(distance(edited(t, keyframes_of(before, before, 50, "foot")), t) < 1e-14);
+}
+
+TEST_CASE("footprints that cannot be are refused by name and frames") {
+  const Vec3 a(1, 2, 3), b(1, 2, 3.5);
+  const auto told = [](const std::vector<Footprint>& all) {
+    return refusal([&] { check(all, 10, "left foot"); });
+  };
+  CHECK(told({{2, 5, a}, {6, 9, b}}).empty());
+  CHECK(told({{2, 6, a}, {5, 9, a}}).empty());
+  CHECK(told({{2, 6, a}, {6, 9, b}}) ==
+        "left foot: the footprints of frames 3-7 and frames 7-10 overlap at places that are 0.5 "
+        "apart");
+  CHECK(told({{2, 6, a}, {6, 10, a}}) ==
+        "left foot: the footprint of frames 7-11 is not in the frames 1-10");
+  CHECK(told({{6, 2, a}}) == "left foot: the footprint of frames 7-3 ends before it begins");
+  CHECK(
+      told({{2, 6, a}, {6, 9, a, rotation_matrix(Vec3(0, 0, 0.1))}}).find("different rotations") !=
+      std::string::npos);
+  CHECK(!refusal([&] { keyframes_of({{2, 5, a}}, {{2, 6, a}}, 10, "left foot"); }).empty());
+}
+
+TEST_CASE("a terrain is the highest of all triangles on a vertical line") {
+  Random random(23);
+  const TriangleMesh low = sheet(12), shell = sphere(2);
+  Points lifted = shell.points() * 0.8;
+  lifted.rowwise() += Eigen::RowVector3d(2, 2, 1);
+  const TriangleMesh both = beside(low, shell.with_points(lifted));
+  const RigidMotion world = random_motion(random);
+  const Vec3 up = world.turn.col(2);
+  const Terrain terrain(both.with_points(moved(world, both.points())), 2 * up);
+  for (int i = 0; i < 300; ++i) {
+    const Vec3 p(random.between(-0.2, 4.2), random.between(-0.2, 4.2), 3 * random());
+    // All triangles, by the plane of each.
+    std::optional<double> height;
+    for (int t = 0; t < both.triangle_count(); ++t) {
+      const auto& [a, b, c] = both.triangles()[t];
+      Mat3 M;
+      M << both.point(a), both.point(b), both.point(c);
+      Mat3 flat = M;
+      flat.row(2).setOnes();
+      const Vec3 L = flat.inverse() * Vec3(p.x(), p.y(), 1);
+      if (L.minCoeff() > 0 && (!height || M.row(2) * L > *height)) height = M.row(2) * L;
+    }
+    const auto found = terrain.place(world(p));
+    CHECK(found.has_value() == height.has_value());
+    if (!found || !height) continue;
+    CHECK((found->at - world(Vec3(p.x(), p.y(), *height))).norm() < 1e-12);
+    CHECK(found->normal.dot(up) > 0);
+  }
+  CHECK(!refusal([&] { Terrain(low, Vec3::Zero()); }).empty());
+}
+
+TEST_CASE(
+    "normals of a terrain come near to those of the surface, whichever way its triangles run") {
+  const TriangleMesh shell = sphere(4);
+  auto turned_over = shell.triangles();
+  for (auto& t : turned_over) std::swap(t[0], t[1]);
+  const Terrain terrain(shell), other(TriangleMesh(shell.points(), turned_over));
+  Random random(24);
+  for (int i = 0; i < 100; ++i) {
+    const Vec3 p(0.6 * random(), 0.6 * random(), random());
+    const auto found = terrain.place(p);
+    REQUIRE(found);
+    CHECK((found->normal - found->at.normalized()).norm() < 8e-3);
+    CHECK((found->normal - other.place(p)->normal).norm() < 1e-14);
+  }
+}
+
+TEST_CASE("footprints stand on a terrain upright or along its normal") {
+  // A slope z = 0.5 x + 0.1 y + 1.
+  Points p(4, 3);
+  p << -5, -5, -2, 5, -5, 3, 5, 5, 4, -5, 5, -1;
+  const Terrain slope(TriangleMesh(p, {{0, 1, 2}, {0, 2, 3}}));
+  const Vec3 normal = Vec3(-0.5, -0.1, 1).normalized();
+  const Footprint f{3, 8, Vec3(1, 2, 7), rotation_matrix(Vec3(0.1, 0.2, 0.3))};
+  const Footprint upright = projected(f, slope, {0.3, false}, "foot");
+  CHECK((upright.at - Vec3(1, 2, 1.7 + 0.3)).norm() < 1e-14);
+  CHECK((upright.turn - f.turn).norm() < 1e-15);
+  const Footprint turned = projected(f, slope, {0.3, true}, "foot");
+  CHECK((turned.at - Vec3(1, 2, 1.7) - 0.3 * normal).norm() < 1e-14);
+  const Mat3 R = turned.turn * f.turn.transpose();
+  CHECK((R * Vec3::UnitZ() - normal).norm() < 1e-14);
+  CHECK((R * Vec3::UnitZ().cross(normal) - Vec3::UnitZ().cross(normal)).norm() < 1e-14);
+  CHECK(turned.first == 3);
+  CHECK(turned.last == 8);
+  CHECK(refusal([&] {
+          projected({3, 8, Vec3(9, 0, 0)}, slope, {}, "left foot");
+        }) == "left foot: the footprint of frames 4-9 has no terrain above or below it");
+}
+
+TEST_CASE("images of a footprint are averaged to one") {
+  Random random(25);
+  const Footprint f{2, 5, random.point(), random_turn(random)};
+  const RigidMotion motion = random_motion(random);
+  const Footprint same = averaged({f}, std::vector(8, motion))[0];
+  CHECK((same.at - moved(motion, f).at).norm() < 1e-14);
+  CHECK((same.turn - moved(motion, f).turn).norm() < 1e-14);
+  // Motions that differ evenly about one: that one; frames outside do not count.
+  std::vector<RigidMotion> motions(8, random_motion(random));
+  const Vec3 log(0.1, 0.2, -0.1), shift(1, 2, 3);
+  for (int k = 2; k <= 5; ++k)
+    motions[k] = RigidMotion::about(f.at, rotation_matrix((k - 3.5) * log) * motion.turn,
+                                    motion(f.at) + (k - 3.5) * shift);
+  const Footprint mean = averaged({f}, motions)[0];
+  CHECK((mean.at - moved(motion, f).at).norm() < 1e-13);
+  CHECK((mean.turn - moved(motion, f).turn).norm() < 1e-13);
+  CHECK(!refusal([&] { averaged({f}, std::vector(5, motion)); }).empty());
+}
+
+TEST_CASE("one straight path on the line of another moves nothing") {
+  for (const Vec3& step : {Vec3(0.1, 0, 0), Vec3(-0.3, 0.2, 0)})
+    for (const int spans : {0, 1, 7}) {
+      const Points c = straight_walk(64, step);
+      const FittedPath path = fit_path(c, {Vec3::UnitZ(), spans});
+      const Vec3 start = c.row(0);
+      for (const double far : {5.0, 63.0, 100.0})
+        for (const RigidMotion& motion : path_motions(
+                 path, GroundPath::through({start, start + far / 3 * step, start + far * step})))
+          CHECK(distance(motion, RigidMotion{}) < 1e-12);
+    }
+}
+
+TEST_CASE("curves by their length: circles, ends that go straight on") {
+  std::vector<Vec3> points;
+  for (int i = 0; i <= 64; ++i)
+    points.push_back(3 * Vec3(std::cos(i * pi / 64), std::sin(i * pi / 64), i));
+  const GroundPath half = GroundPath::through(points);
+  CHECK(std::abs(half.length() - 3 * pi) < 1e-4);
+  for (double s = 0.5; s < 9; s += 0.37) {
+    CHECK((half.at(s) - 3 * Vec3(std::cos(s / 3), std::sin(s / 3), 0)).norm() < 1e-4);
+    CHECK((half.frame(s).turn.col(0) - Vec3(-std::sin(s / 3), std::cos(s / 3), 0)).norm() < 1e-3);
+    CHECK(std::abs(half.length_to(half.parameter(s)) - s) < 1e-14 * 9);
+    // By length: steps are as long as they say.
+    CHECK(std::abs((half.at(s + 1e-4) - half.at(s - 1e-4)).norm() - 2e-4) < 1e-11);
+  }
+  for (const double s : {-2.0, half.length() + 2}) {
+    const double end = s < 0 ? 0 : half.length();
+    const RigidMotion at_end = half.frame(end), beyond = half.frame(s);
+    CHECK((beyond.shift - at_end.shift - (s - end) * at_end.turn.col(0)).norm() < 1e-13);
+    CHECK((beyond.turn - at_end.turn).norm() < 1e-13);
+  }
+  CHECK(refusal([] {
+          GroundPath::through({Vec3(1, 2, 3), Vec3(0, 0, 0), Vec3(0, 0, 1)});
+        }) == "path: points 2 and 3 are in one place of the ground");
+  CHECK(!refusal([] { GroundPath::through({Vec3(1, 2, 3)}); }).empty());
+  CHECK(!refusal([] { fit_path(Points::Ones(9, 3)); }).empty());
+}
+
+TEST_CASE("curves through points are the smoothest") {
+  const std::vector<Vec3> points = {{0, 0, 0}, {2, 1, 0}, {3, 3, 0}, {7, 2, 0}};
+  const GroundPath path = GroundPath::through(points);
+  double u = 0;
+  for (size_t i = 0; i < points.size(); ++i) {
+    if (i > 0) u += (points[i] - points[i - 1]).norm();
+    CHECK((path.at(path.length_to(u)) - points[i]).norm() < 1e-13);
+    // Curvature goes on through inner points, and is zero at the ends.
+    const double s = path.length_to(u), h = 1e-4;
+    const Vec3 left = (path.frame(s).turn.col(0) - path.frame(s - h).turn.col(0)) / h,
+               right = (path.frame(s + h).turn.col(0) - path.frame(s).turn.col(0)) / h;
+    CHECK((left - right).norm() < 1e-3);
+  }
+}
+
+TEST_CASE("frames keep what they were beside and above their path") {
+  Random random(26);
+  const RigidMotion tilt = random_motion(random);
+  const Vec3 up = tilt.turn.col(2);
+  const Points c = walk(120, tilt);
+  const FittedPath from = fit_path(c, {up, 3});
+  std::vector<Vec3> points;
+  for (int i = 0; i < 5; ++i) points.push_back(tilt(Vec3(i, std::sin(i), 0)));
+  const GroundPath to = GroundPath::through(points, up);
+  for (const PathLengths lengths : {PathLengths::Absolute, PathLengths::Normalised}) {
+    const std::vector<RigidMotion> motions = path_motions(from, to, lengths);
+    const double scale = lengths == PathLengths::Absolute ? 1 : to.length() / from.path.length();
+    REQUIRE(motions.size() == 120);
+    for (int k = 0; k < 120; ++k) {
+      const double s = from.lengths[k];
+      const Vec3 at = c.row(k);
+      CHECK((to.frame(scale * s).inverse()(motions[k](at)) - from.path.frame(s).inverse()(at))
+                .norm() < 1e-12);
+      CHECK((motions[k].turn * up - up).norm() < 1e-13);
+      CHECK(std::abs((motions[k](at) - at).dot(up)) < 1e-12);
+    }
+    CHECK((scale * from.lengths.back() > to.length() + 1) == (lengths == PathLengths::Absolute));
+  }
+  CHECK(from.lengths.front() == 0);
+  CHECK(std::abs(from.lengths.back() - from.path.length()) < 1e-12);
+}
+
+TEST_CASE("a path that is moved over the ground moves its frames as it was moved") {
+  const RigidMotion world{rotation_matrix(rotation_log(Vec3::UnitZ(), 2)), Vec3(5, -3, 0)};
+  const FittedPath from = fit_path(walk(120)), to = fit_path(walk(120, world));
+  for (const RigidMotion& motion : path_motions(from, to.path))
+    CHECK(distance(motion, world) < 1e-10);
+}
+
+TEST_CASE("fitted paths leave sway in the frames and come near with more pieces") {
+  // Sway of 0.05 beside a straight way: with few pieces none of it is left in the path.
+  const int F = 200;
+  Points c(F, 3);
+  for (int k = 0; k < F; ++k) c.row(k) << 0.1 * k, 0.05 * std::sin(2 * pi * k / 10), 1;
+  const FittedPath few = fit_path(c, {Vec3::UnitZ(), 4}), many = fit_path(c, {Vec3::UnitZ(), 80});
+  double beside = 0, near = 0;
+  for (int k = 0; k < F; ++k) {
+    beside = std::max(beside, std::abs(few.path.at(few.lengths[k]).y()));
+    near = std::max(near, (many.path.at(many.lengths[k]) - Vec3(c(k, 0), c(k, 1), 0)).norm());
+  }
+  CHECK(beside < 0.02);
+  CHECK(near < 0.01);
+  // Frames that stand still have one length, and do not draw the path.
+  Points waiting(F + 100, 3);
+  waiting << c.topRows(100), c.row(99).replicate(100, 1), c.bottomRows(100);
+  const FittedPath waits = fit_path(waiting, {Vec3::UnitZ(), 4});
+  for (int k = 0; k < F; ++k)
+    CHECK(
+        (waits.path.at(waits.lengths[k < 100 ? k : k + 100]) - few.path.at(few.lengths[k])).norm() <
+        2e-3);
+  for (int k = 100; k < 200; ++k) CHECK(waits.lengths[k] == waits.lengths[99]);
+}
