@@ -11,6 +11,7 @@
 #include "batten/apps/commands/meshes/run_deform.h"
 #include "batten/apps/commands/runs/distributed.h"
 #include "batten/apps/commands/runs/run_parts.h"
+#include "batten/apps/commands/sequences/run_sequence.h"
 #include "batten/apps/commands/shapes/run_scene.h"
 #include "batten/apps/commands/shapes/run_sculpt.h"
 #include "batten/core/memory.h"
@@ -61,6 +62,7 @@ Examples:
   batten sculpt bowl.toml --out result --sweep swell=0:250:9
   batten fair sketch.csv --out fair.step        drawn lines, as smooth as they were meant
   batten deform edit.toml --out result          a mesh moved, its holes and beads exactly kept
+  batten sequence edit.toml --out result        a deforming mesh: paths, footprints, keyframes
   batten info hood.toml                         its lines and its parameters
   batten info panel.bdf                         a mesh: its holes and creases, what is wrong
   batten view hood.toml --screenshot hood.png   a picture (needs a display, or xvfb-run)
@@ -86,6 +88,7 @@ struct Arguments {
   std::vector<std::string> files, inner, settings, only;
   SculptTask sculpt;
   StressTask stress;
+  SequenceTask sequence;
   std::vector<double> angles;
   double edge_length = 0, tolerance = 0, meet = 0, pressure = 0;
   double noise = 0, deviation = 0, wavelength = 0, corner_angle = FairOptions{}.corner_angle,
@@ -120,6 +123,11 @@ int deform(const Arguments& a) {
   return finish(run_deform(scene, a.out, terminal_progress(a.quiet)), a);
 }
 
+int sequence(const Arguments& a) {
+  return finish(
+      run_sequence(read_sequence_scene(a.file), a.out, a.sequence, terminal_progress(a.quiet)), a);
+}
+
 int fair(const Arguments& a) {
   FairScene scene;
   scene.unit = a.unit;
@@ -152,6 +160,7 @@ int fair(const Arguments& a) {
 }
 
 int run(const Arguments& a) {
+  if (edits_a_sequence(a.file)) return sequence(a);
   if (edits_a_mesh(a.file)) return deform(a);
   if (only_fairs(a.file)) {
     FairScene scene = read_fair_scene(a.file);
@@ -323,6 +332,28 @@ CLI::App* add_deform(CLI::App& app, Arguments& a) {
   return sub;
 }
 
+/// Adds "batten sequence" and its options.
+CLI::App* add_sequence(CLI::App& app, Arguments& a) {
+  auto* sub = app.add_subcommand(
+      "sequence", "Edit a deforming mesh: keyframes, footprints, paths; mix, filter, morph");
+  sub->add_option("edits", a.file, "Edits of a sequence (.toml)")->required();
+  sub->add_option("--out", a.out, "Folder for all files, report.json too")->required();
+  sub->add_option_function<std::string>(
+      "--frames",
+      [&a](const std::string& text) {
+        const size_t colon = text.find(':');
+        const auto first = stated_number(text.substr(0, colon)),
+                   last =
+                       colon == std::string::npos ? first : stated_number(text.substr(colon + 1));
+        if (!first || !last || !(*first >= 1) || !(*last >= *first) || *last > 1e9)
+          throw CLI::ValidationError("--frames", "found " + text + ", expected FIRST:LAST");
+        a.sequence.frames = {static_cast<int>(*first), static_cast<int>(*last)};
+      },
+      "Make these frames only, FIRST:LAST from 1: runs of a job array share the work");
+  add_common(sub, a);
+  return sub;
+}
+
 /// Adds "batten fair" and its options.
 CLI::App* add_fair(CLI::App& app, Arguments& a) {
   auto* sub =
@@ -452,6 +483,7 @@ int command(int argc, char** argv) {
       ->check(kPositive);
   const CLI::App* sculpt_command = add_sculpt(app, a);
   const CLI::App* deform_command = add_deform(app, a);
+  const CLI::App* sequence_command = add_sequence(app, a);
   const CLI::App* fair_command = add_fair(app, a);
   const CLI::App* skin_command = add_skin(app, a);
   const CLI::App* info_command = add_info(app, a);
@@ -470,6 +502,7 @@ int command(int argc, char** argv) {
   if (*stress_command) return stress(a);
   if (*sculpt_command) return sculpt(a);
   if (*deform_command) return deform(a);
+  if (*sequence_command) return sequence(a);
   if (*fair_command) return fair(a);
   if (*skin_command) return skin(a);
   if (*info_command) return info(a);

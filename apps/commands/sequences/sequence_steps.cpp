@@ -1,0 +1,293 @@
+#include "batten/apps/commands/sequences/sequence_steps.h"
+
+#include <algorithm>
+#include <numeric>
+
+#include "batten/apps/commands/meshes/vertex_selector.h"
+#include "batten/apps/commands/sequences/told_handles.h"
+#include "batten/core/errors.h"
+#include "batten/mesh/sequence/trajectory_alignment.h"
+#include "batten/mesh/sequence/trajectory_filters.h"
+
+namespace batten {
+
+int SequenceParts::handle(const SequenceScene& scene, const PlacedWord& name) const {
+  std::vector<std::string> names;
+  for (size_t h = 0; h < handles.size(); ++h) {
+    if (handles[h].name == name.text) return static_cast<int>(h);
+    names.push_back(handles[h].name);
+  }
+  throw InputError(scene.at(name.place) + "found the handle '" + name.text + "', expected " +
+                   (names.empty() ? "one of [[handle]]: there is none" : one_of(name.text, names)));
+}
+
+namespace {
+
+/// One step; what all kinds of them need.
+class Step {
+ public:
+  Step(const SequenceScene& scene, const SequenceStep& step, const PreparedSequence& from,
+       const SequenceParts& parts, const VerticesOf& vertices_of, const Progress& progress)
+      : scene_(scene),
+        step_(step),
+        from_(from),
+        parts_(parts),
+        progress_(progress),
+        fixed_(vertices_of(step.fixed)) {}
+
+  StepResult operator()(const SequenceStep::Keyframes& what) const {
+    std::vector<int> handles;
+    for (const auto& key : what.keys)
+      for (const auto& move : key.moves) {
+        const int h = parts_.handle(scene_, move.handle);
+        if (std::find(handles.begin(), handles.end(), h) == handles.end()) handles.push_back(h);
+      }
+    const auto editor = editor_for(step_, from_, parts_, handles, fixed_);
+    std::vector<SequenceKeyframe> keys;
+    for (const KeyframeRule& rule : what.keys) {
+      SequenceKeyframe key{rule.frame - 1, {}};
+      if (rule.frame > sequence().frame_count())
+        throw InputError(scene_.at(rule.place) + "found frame " + std::to_string(rule.frame) +
+                         ", expected one of 1 to " + std::to_string(sequence().frame_count()));
+      key.handles.resize(handles.size());
+      for (const auto& move : rule.moves) {
+        const auto h = static_cast<size_t>(
+            std::find(handles.begin(), handles.end(), parts_.handle(scene_, move.handle)) -
+            handles.begin());
+        const Vec3 centre = editor->trajectories_before()[h].centres.row(key.frame).transpose();
+        const Vec3 about = move.about.value_or(centre);
+        key.handles[h] = HandlePlace{
+            RigidMotion::about(
+                about,
+                Eigen::AngleAxisd(move.degrees * EIGEN_PI / 180, move.axis).toRotationMatrix(),
+                about + move.translate),
+            move.turns_freely};
+      }
+      keys.push_back(std::move(key));
+    }
+    editor->set_keyframes(std::move(keys), progress_);
+    return result_of(from_, editor);
+  }
+
+  StepResult operator()(const SequenceStep::Footprints& what) const {
+    std::vector<std::string> warnings;
+    const FootTracks tracks =
+        find_feet(scene_, sequence(), parts_, what.feet, what.search, warnings);
+    auto to = tracks.prints;
+    std::optional<Terrain> terrain;
+    if (!what.terrain.empty()) terrain.emplace(read_terrain(what));
+    for (size_t f = 0; f < to.size(); ++f)
+      for (Footprint& print : to[f]) {
+        print = moved({Mat3::Identity(), what.shift}, print);
+        if (!terrain) continue;
+        const double height = print.at.dot(scene_.upwards()) - what.ground;
+        print = projected(print, *terrain, {what.clearance.value_or(height), what.turns},
+                          scene_.at(step_.place) + scene_.handles[tracks.handles[f]].name);
+      }
+    std::vector<SequenceReport::Foot> feet;
+    const ToldHandles told = planted(scene_, step_, tracks, tracks.before, to, sequence().times,
+                                     size_of(sequence()), feet);
+    StepResult result = follow_told(step_, from_, parts_, told, fixed_, progress_);
+    result.feet = std::move(feet);
+    result.warnings.insert(result.warnings.end(), warnings.begin(), warnings.end());
+    return result;
+  }
+
+  StepResult operator()(const SequenceStep::Path& what) const {
+    std::vector<std::string> warnings;
+    Points centres(sequence().frame_count(), 3);
+    for (int k = 0; k < sequence().frame_count(); ++k)
+      centres.row(k) = sequence().frames[k].colwise().mean();
+    const FittedPath old = fit_path(centres, {scene_.upwards(), what.spans});
+    const auto motions =
+        path_motions(old, GroundPath::through(what.through, scene_.upwards()), what.lengths);
+    auto along = std::make_shared<PreparedSequence>(from_);
+    for (size_t k = 0; k < motions.size(); ++k)
+      along->sequence.frames[k] = moved(motions[k], along->sequence.frames[k]);
+    if (what.feet.empty()) return kept_as_it_is(along);
+    const FootTracks tracks =
+        find_feet(scene_, sequence(), parts_, what.feet, what.search, warnings);
+    std::vector<Trajectory> there;
+    std::vector<std::vector<Footprint>> to;
+    for (size_t f = 0; f < tracks.handles.size(); ++f) {
+      there.push_back(moved(motions, tracks.before[f]));
+      to.push_back(averaged(tracks.prints[f], motions));
+    }
+    std::vector<SequenceReport::Foot> feet;
+    ToldHandles told =
+        planted(scene_, step_, tracks, there, to, sequence().times, size_of(sequence()), feet);
+    // The editor measures turns from its own first frame, which has turned with the path.
+    for (auto& wanted : told.wanted)
+      for (Mat3& turn : wanted.turns) turn = turn * motions.front().turn.transpose();
+    StepResult result = follow_told(step_, *along, parts_, told, fixed_, progress_);
+    keep_alive(result, along);
+    result.feet = std::move(feet);
+    result.warnings.insert(result.warnings.end(), warnings.begin(), warnings.end());
+    return result;
+  }
+
+  StepResult operator()(const SequenceStep::Filter& what) const {
+    using Kind = SequenceStep::Filter::Kind;
+    const SignalFilter filter = what.kind == Kind::Low ? SignalFilter::low_pass(what.sigma)
+                                : what.kind == Kind::High
+                                    ? SignalFilter::high_pass(what.sigma)
+                                    : SignalFilter::cartoon(what.sigma, what.amount);
+    std::vector<std::string> warnings;
+    std::vector<int> numbers;
+    for (const auto& name : what.handles) numbers.push_back(parts_.handle(scene_, name));
+    const FootTracks tracks =
+        find_feet(scene_, sequence(), parts_, what.feet, what.search, warnings);
+    std::vector<FilteredHandle> handles;
+    for (const int h : numbers) {
+      FilteredHandle handle{parts_.handles[h].name,
+                            trajectory_of(sequence().frames, parts_.handles[h].vertices),
+                            -1,
+                            {}};
+      const auto parent = std::find(numbers.begin(), numbers.end(), parts_.parents[h]);
+      if (parent != numbers.end()) handle.parent = static_cast<int>(parent - numbers.begin());
+      for (size_t f = 0; f < tracks.handles.size(); ++f)
+        if (tracks.handles[f] == h) handle.footprints = tracks.prints[f];
+      handles.push_back(std::move(handle));
+    }
+    Trajectory root;
+    root.centres.resize(sequence().frame_count(), 3);
+    root.turns.assign(sequence().frame_count(), Mat3::Identity());
+    for (int k = 0; k < sequence().frame_count(); ++k)
+      root.centres.row(k) = sequence().frames[k].colwise().mean();
+    const ToldHandles told{numbers, filtered(root, handles, filter).handles,
+                           told_frames(sequence().frame_count(), step_.every, {})};
+    StepResult result = follow_told(step_, from_, parts_, told, fixed_, progress_);
+    result.warnings.insert(result.warnings.end(), warnings.begin(), warnings.end());
+    return result;
+  }
+
+  StepResult operator()(const SequenceStep::Mix& what) const {
+    const MeshSequence source = read(what.source);
+    const PreparedMesh prepared = prepare(source.shells);
+    SceneSelections selections = scene_;
+    selections.selections = what.selections;
+    selections.cuts.clear();
+    const MeshFile file = MeshFile::counted_from_1(source.shells);
+    VertexSelector select(selections, file, prepared.mesh);
+    ToldHandles told;
+    for (const auto& pair : what.pairs) {
+      const int h = parts_.handle(scene_, pair.handle);
+      const Trajectory own = trajectory_of(sequence().frames, parts_.handles[h].vertices);
+      const Trajectory other = trajectory_of(source.frames, select.of(pair.from));
+      AlignmentOptions options;
+      options.about = scene_.upwards();
+      Trajectory wanted =
+          aligned(resampled(other, own.frame_count()), alignment(other, own, options));
+      if (!what.turns) wanted.turns = own.turns;
+      told.handles.push_back(h);
+      told.wanted.push_back(std::move(wanted));
+    }
+    told.told = told_frames(sequence().frame_count(), step_.every, {});
+    return follow_told(step_, from_, parts_, told, fixed_, progress_);
+  }
+
+  StepResult operator()(const SequenceStep::Morph& what) const {
+    MeshSequence target = read(what.target);
+    MorphOptions options = what.options;
+    options.up = scene_.upwards();
+    if (options.source.last < 0) options.source.last = sequence().frame_count() - 1;
+    if (options.target.last < 0) options.target.last = target.frame_count() - 1;
+    StepResult result;
+    if (!what.landmarks.empty()) target = taken_on(what, options, target, result.warnings);
+    auto made = std::make_shared<PreparedSequence>(
+        PreparedSequence{morph(sequence(), target, from_.mesh, options, progress_), from_.mesh});
+    auto warnings = std::move(result.warnings);
+    result = kept_as_it_is(made);
+    result.warnings = std::move(warnings);
+    return result;
+  }
+
+ private:
+  const MeshSequence& sequence() const { return from_.sequence; }
+
+  /// A sequence with other faces as one with ours.
+  MeshSequence taken_on(const SequenceStep::Morph& what, const MorphOptions& options,
+                        const MeshSequence& target, std::vector<std::string>& warnings) const {
+    const Points& ours = sequence().frames[options.source.first];
+    const Points& theirs = target.frames.at(options.target.first);
+    ShellMesh shells = target.shells;
+    shells.points = theirs;
+    const TriangleMesh target_mesh = prepare(shells).mesh;
+    Points vertices(from_.mesh.vertex_count(), 3);
+    for (int v = 0; v < vertices.rows(); ++v)
+      vertices.row(v) = ours.row(from_.mesh.topology().node_of(v));
+    std::vector<LandmarkPair> landmarks;
+    for (const auto& l : what.landmarks) {
+      int node = 0;
+      (ours.rowwise() - l.from.transpose()).rowwise().squaredNorm().minCoeff(&node);
+      landmarks.push_back({node, l.to});
+    }
+    const TargetFit fit = fit_to_target(from_.mesh.with_points(std::move(vertices)), target_mesh,
+                                        landmarks, what.fit, progress_);
+    const double size = target_mesh.size();
+    warnings.push_back("fitted to the target: nodes " + number(fit.mean_distance / size) +
+                       " of its size from it in the mean, " + number(fit.largest_distance / size) +
+                       " at most; landmarks " + number(fit.landmark_distance / size) +
+                       "; triangles turned over " + std::to_string(fit.turned_over));
+    return followed_target(sequence().shells, fit.positions, target, target_mesh,
+                           options.target.first);
+  }
+
+  MeshSequence read(const SequenceSource& source) const {
+    try {
+      MeshSequence sequence = read_sequence(source.path, source.options, progress_);
+      check(sequence, source.path.string());
+      return sequence;
+    } catch (const InputError& e) {
+      throw InputError(scene_.at(source.place) + e.what());
+    }
+  }
+
+  TriangleMesh read_terrain(const SequenceStep::Footprints& what) const {
+    try {
+      return prepare(MeshFile::read(what.terrain).shells()).mesh;
+    } catch (const InputError& e) {
+      throw InputError(scene_.at(what.terrain_place) + e.what());
+    }
+  }
+
+  static StepResult kept_as_it_is(const std::shared_ptr<PreparedSequence>& made) {
+    StepResult result;
+    result.shells = made->sequence.shells;
+    result.times = made->sequence.times;
+    result.frames = [made](int first, int last, const auto& take, const Progress&) {
+      for (int k = first; k <= last; ++k) take(k, made->sequence.frames[k]);
+    };
+    return result;
+  }
+
+  static void keep_alive(StepResult& result, const std::shared_ptr<PreparedSequence>& made) {
+    result.frames = [made, frames = result.frames](int first, int last, const auto& take,
+                                                   const Progress& progress) {
+      frames(first, last, take, progress);
+    };
+  }
+
+  const SequenceScene& scene_;
+  const SequenceStep& step_;
+  const PreparedSequence& from_;
+  const SequenceParts& parts_;
+  const Progress& progress_;
+  std::vector<int> fixed_;
+};
+
+}  // namespace
+
+StepResult do_step(const SequenceScene& scene, const SequenceStep& step,
+                   const PreparedSequence& from, const SequenceParts& parts,
+                   const VerticesOf& vertices_of, const Progress& progress) {
+  const Step doing(scene, step, from, parts, vertices_of, progress);
+  StepResult result = std::visit(doing, step.what);
+  static const char* const kinds[] = {"keyframes", "footprints", "path", "filter", "mix", "morph"};
+  result.report.name = step.name;
+  result.report.kind = kinds[step.what.index()];
+  result.report.frames = count_of(result.times);
+  return result;
+}
+
+}  // namespace batten

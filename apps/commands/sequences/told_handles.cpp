@@ -1,0 +1,133 @@
+#include "batten/apps/commands/sequences/told_handles.h"
+
+#include <algorithm>
+
+#include "batten/core/errors.h"
+
+namespace batten {
+namespace {
+
+double slip_of(const Points& centres, int first, int last) {
+  const auto rows = centres.middleRows(first, last - first + 1);
+  const Eigen::RowVector3d mean = rows.colwise().mean();
+  return (rows.rowwise() - mean).rowwise().norm().maxCoeff();
+}
+
+}  // namespace
+
+std::vector<char> told_frames(int frames, int every, const std::vector<char>& needed) {
+  std::vector<char> told(frames, 0);
+  for (int k = 0; k < frames; k += every) told[k] = 1;
+  if (frames > 0) told.back() = 1;
+  for (int k = 0; k < frames && !needed.empty(); ++k)
+    if (needed[k] && (k == 0 || k + 1 == frames || !needed[k - 1] || !needed[k + 1])) told[k] = 1;
+  return told;
+}
+
+std::shared_ptr<SequenceEditor> editor_for(const SequenceStep& step, const PreparedSequence& from,
+                                           const SequenceParts& parts,
+                                           const std::vector<int>& handles,
+                                           const std::vector<int>& fixed) {
+  FrameHolds holds;
+  holds.fixed = fixed;
+  for (const int h : handles) holds.handles.push_back(parts.handles[h]);
+  holds.features = parts.features;
+  holds.softness = step.softness;
+  holds.keeps_volume = step.keeps_volume;
+  return std::make_shared<SequenceEditor>(from.sequence, from.mesh, std::move(holds), step.options);
+}
+
+StepResult result_of(const PreparedSequence& from, std::shared_ptr<SequenceEditor> editor) {
+  StepResult result;
+  result.shells = from.sequence.shells;
+  result.times = from.sequence.times;
+  result.warnings = editor->notes();
+  result.report.keyframes = count_of(editor->keyframes());
+  for (const auto& r : editor->keyframe_reports()) {
+    result.report.rounds = std::max(result.report.rounds, r.rounds);
+    if (r.converged) continue;
+    ++result.report.not_at_rest;
+    result.report.last_change = std::max(result.report.last_change, r.last_change);
+  }
+  result.frames = [editor](int first, int last, const auto& take, const Progress& progress) {
+    editor->frames(first, last, take, progress);
+  };
+  return result;
+}
+
+StepResult follow_told(const SequenceStep& step, const PreparedSequence& from,
+                       const SequenceParts& parts, const ToldHandles& told,
+                       const std::vector<int>& fixed, const Progress& progress) {
+  const auto editor = editor_for(step, from, parts, told.handles, fixed);
+  std::vector<std::vector<RigidMotion>> motions;
+  for (size_t h = 0; h < told.handles.size(); ++h)
+    motions.push_back(motions_between(editor->trajectories_before()[h], told.wanted[h]));
+  std::vector<SequenceKeyframe> keys;
+  for (int k = 0; k < from.sequence.frame_count(); ++k) {
+    if (!told.told.empty() && !told.told[k]) continue;
+    SequenceKeyframe key{k, {}};
+    for (const auto& of_handle : motions) key.handles.push_back(HandlePlace{of_handle[k], false});
+    keys.push_back(std::move(key));
+  }
+  editor->set_keyframes(std::move(keys), progress);
+  return result_of(from, editor);
+}
+
+FootTracks find_feet(const SequenceScene& scene, const MeshSequence& before,
+                     const SequenceParts& parts, const std::vector<PlacedWord>& feet,
+                     const FootprintSearch& search, std::vector<std::string>& warnings) {
+  FootTracks tracks;
+  FootprintOptions options;
+  options.within = search.within > 0 ? search.within : 0.01 * size_of(before);
+  options.frames = search.frames;
+  for (const PlacedWord& foot : feet) {
+    const int h = parts.handle(scene, foot);
+    tracks.handles.push_back(h);
+    tracks.before.push_back(trajectory_of(before.frames, parts.handles[h].vertices));
+    tracks.prints.push_back(find_footprints(tracks.before.back(), options));
+    if (tracks.prints.back().empty())
+      warnings.push_back("'" + foot.text + "' stands still nowhere: no " +
+                         std::to_string(options.frames) + " frames within " +
+                         number(options.within) + " " + scene.unit);
+  }
+  return tracks;
+}
+
+ToldHandles planted(const SequenceScene& scene, const SequenceStep& step, const FootTracks& tracks,
+                    const std::vector<Trajectory>& moved,
+                    const std::vector<std::vector<Footprint>>& to, const std::vector<double>& times,
+                    double size, std::vector<SequenceReport::Foot>& feet) {
+  ToldHandles told;
+  std::vector<char> needed(times.size(), 0);
+  TrajectoryOptions options;
+  options.smoothness = step.options.trajectories;
+  options.times = times;
+  for (size_t f = 0; f < tracks.handles.size(); ++f) {
+    if (tracks.prints[f].empty()) continue;
+    check(to[f], static_cast<int>(times.size()), scene.handles[tracks.handles[f]].name);
+    std::vector<HandleKeyframe> keys;
+    for (size_t j = 0; j < to[f].size(); ++j) {
+      const Footprint &now = tracks.prints[f][j], &then = to[f][j];
+      for (int k = now.first; k <= now.last; ++k) {
+        needed[k] = 1;
+        const Mat3 turn = then.turn * now.turn.transpose() * tracks.before[f].turns[k];
+        keys.push_back({k, RigidMotion::about(moved[f].centres.row(k).transpose(),
+                                              turn * moved[f].turns[k].transpose(), then.at)});
+      }
+      feet.push_back({step.name, scene.handles[tracks.handles[f]].name, now.first + 1, now.last + 1,
+                      slip_of(tracks.before[f].centres, now.first, now.last) / size, 0});
+    }
+    std::sort(keys.begin(), keys.end(),
+              [](const auto& a, const auto& b) { return a.frame < b.frame; });
+    told.handles.push_back(tracks.handles[f]);
+    told.wanted.push_back(edited(moved[f], keys, options));
+  }
+  if (told.handles.empty())
+    throw InputError(scene.at(step.place) +
+                     "no foot stands still anywhere: found = { within = …, "
+                     "frames = … } says what counts");
+  told.told = told_frames(static_cast<int>(times.size()), step.every, needed);
+  return told;
+}
+
+}  // namespace batten

@@ -1,0 +1,52 @@
+// Handles that are told where to be in many frames, and what the rest of the mesh does then.
+#pragma once
+
+#include <vector>
+
+#include "batten/apps/commands/sequences/sequence_steps.h"
+
+namespace batten {
+
+/// Trajectories that some handles shall have.
+struct ToldHandles {
+  std::vector<int> handles;  ///< of the parts
+  std::vector<Trajectory> wanted;
+  std::vector<char> told;  ///< of each frame, whether it is a keyframe; empty: every one
+};
+
+/// Every so many frames, and the first and last of each run where `needed` is set.
+std::vector<char> told_frames(int frames, int every, const std::vector<char>& needed);
+
+/// The editor of a step with the handles of these numbers.
+std::shared_ptr<SequenceEditor> editor_for(const SequenceStep& step, const PreparedSequence& from,
+                                           const SequenceParts& parts,
+                                           const std::vector<int>& handles,
+                                           const std::vector<int>& fixed);
+
+/// Frames by an editor whose keyframes are set.
+StepResult result_of(const PreparedSequence& from, std::shared_ptr<SequenceEditor> editor);
+
+/// Both for handles that are told.
+StepResult follow_told(const SequenceStep& step, const PreparedSequence& from,
+                       const SequenceParts& parts, const ToldHandles& told,
+                       const std::vector<int>& fixed, const Progress& progress);
+
+/// Feet of a step: where they stand, found on `before`.
+struct FootTracks {
+  std::vector<int> handles;
+  std::vector<Trajectory> before;
+  std::vector<std::vector<Footprint>> prints;  ///< of each foot
+};
+FootTracks find_feet(const SequenceScene& scene, const MeshSequence& before,
+                     const SequenceParts& parts, const std::vector<PlacedWord>& feet,
+                     const FootprintSearch& search, std::vector<std::string>& warnings);
+
+/// Feet planted: in each frame of print j of foot f the centroid is exactly at to[f][j].at, turned
+/// as it was, and as the print was; in between the change goes over smoothly. `moved`: trajectories
+/// in the sequence that the step begins with. Fills `feet` of the report.
+ToldHandles planted(const SequenceScene& scene, const SequenceStep& step, const FootTracks& tracks,
+                    const std::vector<Trajectory>& moved,
+                    const std::vector<std::vector<Footprint>>& to, const std::vector<double>& times,
+                    double size, std::vector<SequenceReport::Foot>& feet);
+
+}  // namespace batten

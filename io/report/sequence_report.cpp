@@ -1,0 +1,60 @@
+#include "batten/io/report/sequence_report.h"
+
+#include "batten/io/report/report_json.h"
+
+namespace batten {
+namespace {
+
+Json steps_json(const std::vector<SequenceReport::Step>& steps) {
+  Json json = Json::array();
+  for (const auto& s : steps)
+    json.push_back({{"name", s.name},
+                    {"kind", s.kind},
+                    {"frames", s.frames},
+                    {"keyframes", s.keyframes},
+                    {"rounds", s.rounds},
+                    {"not_at_rest", s.not_at_rest},
+                    {"last_change", s.last_change},
+                    {"seconds", s.seconds}});
+  return json;
+}
+
+Json parts_json(const std::vector<SequenceReport::Handle>& parts) {
+  Json json = Json::array();
+  for (const auto& p : parts)
+    json.push_back(
+        {{"name", p.name}, {"nodes", p.vertices}, {"max_rigid_error", p.max_rigid_error}});
+  return json;
+}
+
+Json feet_json(const std::vector<SequenceReport::Foot>& feet) {
+  Json json = Json::array();
+  for (const auto& f : feet)
+    json.push_back({{"step", f.step},
+                    {"handle", f.handle},
+                    {"frames", {f.first, f.last}},
+                    {"slip_before", f.slip_before},
+                    {"slip", f.slip}});
+  return json;
+}
+
+}  // namespace
+
+std::string to_json(const SequenceReport& report) {
+  Json json = beginning_of(report);
+  json["sequence"] = {{"file", report.file},     {"frames_before", report.frames_before},
+                      {"frames", report.frames}, {"made", {report.first, report.last}},
+                      {"found", report.found},   {"nodes", report.nodes},
+                      {"faces", report.faces},   {"size", report.size}};
+  json["steps"] = steps_json(report.steps);
+  json["handles"] = parts_json(report.handles);
+  json["features"] = parts_json(report.features);
+  json["footprints"] = feet_json(report.feet);
+  json["smoothness"] = {{"second_difference_before", report.second_difference_before},
+                        {"second_difference", report.second_difference}};
+  json["turned_over"] = {{"before", report.turned_over_before}, {"after", report.turned_over}};
+  add_ending(json, report);
+  return report_text(std::move(json), report);
+}
+
+}  // namespace batten

@@ -1,0 +1,320 @@
+#include "batten/io/scene/sequence_scene.h"
+
+#include "batten/core/errors.h"
+#include "batten/io/files/input_file.h"
+#include "batten/io/scene/selection_words.h"
+
+namespace batten {
+namespace {
+
+const std::vector<std::string> kSourceKeys{
+    "file", "mesh", "frames", "gaps", "animation", "frames_per_second", "weld"};
+
+std::vector<std::string> with(std::vector<std::string> keys, const std::vector<std::string>& more) {
+  keys.insert(keys.end(), more.begin(), more.end());
+  return keys;
+}
+
+std::pair<int, int> frame_range(const TomlTable& t, const std::string& key) {
+  const VecX range = t.numbers(key, "first, last");
+  if (range[0] < 1 || range[1] < range[0] || range[0] != std::floor(range[0]) ||
+      range[1] != std::floor(range[1]))
+    t.fail(key, "[" + number(range[0]) + ", " + number(range[1]) + "]",
+           "two frames, the first one not after the last one, counted from 1");
+  return {static_cast<int>(range[0]), static_cast<int>(range[1])};
+}
+
+SequenceSource read_source(const TomlTable& t, const std::filesystem::path& folder) {
+  SequenceSource source;
+  source.place = t.place("file");
+  source.path = folder / t.text("file");
+  if (t.has("mesh")) source.options.mesh = folder / t.text("mesh");
+  if (t.has("frames"))
+    std::tie(source.options.first, source.options.last) = frame_range(t, "frames");
+  source.options.allow_gaps = t.boolean("gaps", false);
+  source.options.animation = t.text("animation", "");
+  source.options.frames_per_second =
+      t.positive("frames_per_second", source.options.frames_per_second);
+  source.options.weld_seams = t.boolean("weld", true);
+  return source;
+}
+
+SequenceHandle read_handle(const TomlTable& t) {
+  SequenceHandle handle;
+  handle.name = t.text("name");
+  handle.place = t.place();
+  handle.vertices = t.names("vertices");
+  if (handle.vertices.empty()) handle.vertices = {{handle.name, t.place("name")}};
+  if (t.has("parent")) handle.parent = word_of(t, "parent");
+  return handle;
+}
+
+KeyframeRule read_keyframe(const TomlTable& t) {
+  KeyframeRule rule;
+  rule.frame = t.whole_number("frame", 1, 1);
+  rule.place = t.place();
+  for (const TomlTable& h : t.tables("handle", {"name", "translate", "rotate", "about", "turn"})) {
+    KeyframeRule::Move move;
+    move.handle = word_of(h, "name");
+    if (h.has("translate")) move.translate = h.vector("translate");
+    for (const TomlTable& r : h.table("rotate", {"axis", "degrees"})) {
+      move.axis = r.direction("axis");
+      move.degrees = r.number("degrees");
+    }
+    if (h.has("about")) move.about = h.vector("about");
+    move.turns_freely = h.choice("turn", false, {{"told", false}, {"free", true}});
+    rule.moves.push_back(std::move(move));
+  }
+  if (rule.moves.empty()) t.fail("", "a keyframe without handles", "handle = [{ name = …, … }]");
+  return rule;
+}
+
+FootprintSearch read_search(const TomlTable& t) {
+  FootprintSearch search;
+  for (const TomlTable& s : t.table("found", {"within", "frames"})) {
+    search.within = s.positive("within", search.within);
+    search.frames = s.whole_number("frames", 1, search.frames);
+  }
+  return search;
+}
+
+SequenceStep::Footprints read_footprints(const TomlTable& t, const std::filesystem::path& folder) {
+  SequenceStep::Footprints step;
+  step.feet = t.names("feet");
+  if (step.feet.empty()) t.fail("feet", "no names", "handles that stand on the ground");
+  step.search = read_search(t);
+  if (t.has("shift")) step.shift = t.vector("shift");
+  for (const TomlTable& g : t.table("terrain", {"file", "clearance", "ground", "turns"})) {
+    step.terrain = folder / g.text("file");
+    step.terrain_place = g.place("file");
+    if (g.has("clearance")) step.clearance = g.number("clearance");
+    step.ground = g.number("ground", 0);
+    step.turns = g.boolean("turns", false);
+  }
+  return step;
+}
+
+SequenceStep::Path read_path(const TomlTable& t) {
+  SequenceStep::Path step;
+  step.through = t.points("through");
+  if (step.through.size() < 2)
+    t.fail("through", std::to_string(step.through.size()) + " points", "two or more");
+  step.spans = t.whole_number("spans", 0, 0);
+  step.lengths =
+      t.choice("lengths", PathLengths::Absolute,
+               {{"absolute", PathLengths::Absolute}, {"normalised", PathLengths::Normalised}});
+  step.feet = t.names("feet");
+  step.search = read_search(t);
+  return step;
+}
+
+SequenceStep::Filter read_filter(const TomlTable& t) {
+  using Kind = SequenceStep::Filter::Kind;
+  SequenceStep::Filter step;
+  step.kind = t.choice<Kind>(
+      "filter", {{"low", Kind::Low}, {"high", Kind::High}, {"cartoon", Kind::Cartoon}});
+  step.handles = t.names("handles");
+  if (step.handles.empty()) t.fail("handles", "no names", "handles whose motion is filtered");
+  step.sigma = t.positive("sigma", step.sigma);
+  step.amount = t.positive("amount", step.amount);
+  step.feet = t.names("feet");
+  step.search = read_search(t);
+  return step;
+}
+
+SequenceStep::Mix read_mix(const TomlTable& t, const std::filesystem::path& folder) {
+  SequenceStep::Mix step;
+  for (const TomlTable& s : t.table("source", with(kSourceKeys, {"select"}))) {
+    step.source = read_source(s, folder);
+    SceneSelections named;
+    read_selections(s, folder, named);
+    step.selections = std::move(named.selections);
+  }
+  if (step.source.path.empty())
+    t.fail("source", "no source", "source = { file = …, select = […] }");
+  for (const TomlTable& p : t.tables("pair", {"handle", "from"}))
+    step.pairs.push_back({word_of(p, "handle"), word_of(p, "from")});
+  if (step.pairs.empty()) t.fail("pair", "no pairs", "pair = [{ handle = …, from = … }]");
+  step.turns = t.boolean("turns", true);
+  return step;
+}
+
+SequenceStep::Morph read_morph(const TomlTable& t, const std::filesystem::path& folder) {
+  SequenceStep::Morph step;
+  const auto zero_based = [](std::pair<int, int> range) {
+    return MorphInterval{range.first - 1, range.second - 1};
+  };
+  for (const TomlTable& s : t.table("target", with(kSourceKeys, {"interval"}))) {
+    step.target = read_source(s, folder);
+    step.options.target =
+        s.has("interval") ? zero_based(frame_range(s, "interval")) : MorphInterval{0, -1};
+  }
+  if (step.target.path.empty())
+    t.fail("target", "no target", "target = { file = …, interval = […] }");
+  step.options.source =
+      t.has("interval") ? zero_based(frame_range(t, "interval")) : MorphInterval{0, -1};
+  step.options.frames = t.whole_number("frames", 2, 0);
+  for (const TomlTable& a : t.table("align", {"translate", "rotate"})) {
+    RigidMotion motion;
+    if (a.has("translate")) motion.shift = a.vector("translate");
+    for (const TomlTable& r : a.table("rotate", {"axis", "degrees"}))
+      motion.turn = Eigen::AngleAxisd(r.number("degrees") * EIGEN_PI / 180, r.direction("axis"))
+                        .toRotationMatrix();
+    step.options.alignment = motion;
+  }
+  for (const TomlTable& l : t.tables("landmark", {"from", "to"}))
+    step.landmarks.push_back({l.vector("from"), l.vector("to")});
+  return step;
+}
+
+/// Keys of each kind of step beside those of all.
+const std::vector<std::pair<std::string, std::vector<std::string>>> kKinds{
+    {"keyframes", {"keyframe"}},
+    {"footprints", {"feet", "found", "shift", "terrain"}},
+    {"path", {"through", "spans", "lengths", "feet", "found"}},
+    {"filter", {"filter", "handles", "sigma", "amount", "feet", "found"}},
+    {"mix", {"source", "pair", "turns"}},
+    {"morph", {"target", "interval", "frames", "align", "landmark"}}};
+
+void read_step_options(const TomlTable& t, SequenceStep& step) {
+  SequenceEditOptions& o = step.options;
+  step.fixed = t.names("fixed");
+  using Weights = FrameOptions::Weights;
+  o.frames.weights = t.choice("weights", Weights::Uniform,
+                              {{"uniform", Weights::Uniform}, {"cotangent", Weights::Cotangent}});
+  o.frames.most_rounds = t.whole_number("rounds", 1, o.frames.most_rounds);
+  o.frames.tolerance = t.positive("tolerance", o.frames.tolerance);
+  using Start = SequenceEditOptions::Start;
+  o.start = t.choice("start", Start::Handles,
+                     {{"handles", Start::Handles},
+                      {"subspace", Start::Subspace},
+                      {"neighbour", Start::Neighbour}});
+  using Smoothness = TrajectoryOptions::Smoothness;
+  o.trajectories = t.choice("trajectories", Smoothness::Smooth,
+                            {{"smooth", Smoothness::Smooth}, {"paper", Smoothness::Paper}});
+  o.ends = t.choice("ends", KeyframeEnds::None,
+                    {{"none", KeyframeEnds::None}, {"linear", KeyframeEnds::Linear}});
+  o.rounds_between = t.whole_number("rounds_between", 0, 0);
+  if (t.has("influence")) {
+    const auto [from, to] = frame_range(t, "influence");
+    o.influence = {from - 1, to - 1};
+  }
+  if (t.has("softness")) step.softness = t.positive("softness");
+  step.keeps_volume = t.boolean("volume", false);
+  step.every = t.whole_number("every", 1, 1);
+}
+
+SequenceStep read_step(const std::string& kind, const TomlTable& t,
+                       const std::filesystem::path& folder, size_t index) {
+  SequenceStep step;
+  step.name = t.text("name", "step-" + std::to_string(index + 1));
+  step.place = t.place();
+  read_step_options(t, step);
+  if (kind == "keyframes") {
+    SequenceStep::Keyframes what;
+    for (const TomlTable& k : t.tables("keyframe", {"frame", "handle"}))
+      what.keys.push_back(read_keyframe(k));
+    if (what.keys.empty()) t.fail("", "no keyframes", "[[step.keyframe]]");
+    step.what = std::move(what);
+  } else if (kind == "footprints") {
+    step.what = read_footprints(t, folder);
+  } else if (kind == "path") {
+    step.what = read_path(t);
+  } else if (kind == "filter") {
+    step.what = read_filter(t);
+  } else if (kind == "mix") {
+    step.what = read_mix(t, folder);
+  } else {
+    step.what = read_morph(t, folder);
+  }
+  return step;
+}
+
+void read_steps(const TomlTable& root, const std::filesystem::path& folder, SequenceScene& scene) {
+  const std::vector<std::string> common{
+      "name",         "kind", "fixed",          "weights",   "rounds",   "tolerance", "start",
+      "trajectories", "ends", "rounds_between", "influence", "softness", "volume",    "every"};
+  std::vector<std::string> all = common, names;
+  for (const auto& [kind, keys] : kKinds) {
+    names.push_back(kind);
+    for (const auto& key : keys)
+      if (std::find(all.begin(), all.end(), key) == all.end()) all.push_back(key);
+  }
+  Names steps("step");
+  for (const TomlTable& t : root.tables("step", all)) {
+    const std::string kind = t.text("kind");
+    const auto known = std::find(names.begin(), names.end(), kind);
+    if (known == names.end()) t.fail("kind", in_quotes(kind), one_of(kind, names));
+    const auto& own = kKinds[known - names.begin()].second;
+    for (const auto& key : all)
+      if (t.has(key) && std::find(common.begin(), common.end(), key) == common.end() &&
+          std::find(own.begin(), own.end(), key) == own.end())
+        t.fail(key, "key '" + key + "' in a step of the kind '" + kind + "'",
+               "one of: " + listed(with(common, own)));
+    scene.steps.push_back(read_step(kind, t, folder, scene.steps.size()));
+    steps.add(t, "name", scene.steps.back().name);
+  }
+}
+
+SequencePicture read_picture(const TomlTable& t, Names& files) {
+  using Show = SequencePicture::Show;
+  SequencePicture picture;
+  picture.file = output_file(t, "file", files, {".png", ".gif"});
+  picture.title = t.text("title", "");
+  picture.show = t.choice("show", Show::Both,
+                          {{"both", Show::Both}, {"before", Show::Before}, {"after", Show::After}});
+  const bool animated = picture.file.ends_with(".gif");
+  picture.frames = t.whole_number("frames", 1, animated ? 0 : picture.frames);
+  picture.mesh = t.boolean("mesh", false);
+  picture.seconds = t.positive("seconds", picture.seconds);
+  picture.zoom = t.positive("zoom", 1);
+  if (animated) picture.size = {640, 400};
+  read_view(t, picture.azimuth, picture.elevation, picture.size);
+  return picture;
+}
+
+SequenceScene read(const toml::table& root_table, const std::filesystem::path& file) {
+  const TomlTable root(file.string(), root_table, "the scene",
+                       {"name", "unit", "sequence", "up", "proposals", "select", "cut", "handle",
+                        "feature", "features", "step", "output", "picture"});
+  const std::filesystem::path folder = file.parent_path();
+  SequenceScene scene;
+  scene.file = file;
+  scene.name = root.text("name", file.stem().string());
+  scene.unit = unit_word(root, "unit");
+  for (const TomlTable& t : root.table("sequence", kSourceKeys))
+    scene.source = read_source(t, folder);
+  if (scene.source.path.empty()) root.fail("", "no sequence", "[sequence] with file = …");
+  scene.up = root.choice("up", 2, {{"x", 0}, {"y", 1}, {"z", 2}});
+  read_proposals(root, scene.proposals);
+  read_selections(root, folder, scene);
+  Names kept("name");
+  kept.read(root, "handle", {"name", "vertices", "parent"}, scene.handles, read_handle);
+  scene.features = read_features(root, kept);
+  read_steps(root, folder, scene);
+  scene.frames_out = "frames/frame_*.obj";
+  for (const TomlTable& t : root.table("output", {"frames"}))
+    scene.frames_out = t.text("frames", scene.frames_out);
+  Names files("file name");
+  for (const TomlTable& t : root.tables("picture", {"file", "title", "show", "frames", "mesh",
+                                                    "view", "zoom", "seconds", "size"}))
+    scene.pictures.push_back(read_picture(t, files));
+  return scene;
+}
+
+}  // namespace
+
+bool edits_a_sequence(const std::filesystem::path& file) {
+  return parse_toml(input_bytes(file, "a scene (.toml)"), file, "a scene or edits of a sequence")
+      .contains("sequence");
+}
+
+SequenceScene parse_sequence_scene(const std::string& text, const std::filesystem::path& file) {
+  return read(parse_toml(text, file, "edits of a sequence ([sequence], [[step]] …)"), file);
+}
+
+SequenceScene read_sequence_scene(const std::filesystem::path& file) {
+  return parse_sequence_scene(input_bytes(file, "edits of a sequence (.toml)"), file);
+}
+
+}  // namespace batten
