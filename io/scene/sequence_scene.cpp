@@ -78,6 +78,17 @@ FootprintSearch read_search(const TomlTable& t) {
   return search;
 }
 
+SequenceStep::Travel read_travel(const TomlTable& t) {
+  SequenceStep::Travel step;
+  step.cycles = t.whole_number("cycles", 1, 1);
+  step.along = t.direction("along");
+  if (t.has("speed")) step.speed = t.number("speed");
+  step.feet = t.names("feet");
+  if (step.speed.has_value() != step.feet.empty())
+    t.fail("", "a walk whose speed is told twice or not at all", "one of speed, feet");
+  return step;
+}
+
 SequenceStep::Footprints read_footprints(const TomlTable& t, const std::filesystem::path& folder) {
   SequenceStep::Footprints step;
   step.feet = t.names("feet");
@@ -170,6 +181,7 @@ SequenceStep::Morph read_morph(const TomlTable& t, const std::filesystem::path& 
 /// Keys of each kind of step beside those of all.
 const std::vector<std::pair<std::string, std::vector<std::string>>> kKinds{
     {"keyframes", {"keyframe"}},
+    {"travel", {"cycles", "along", "speed", "feet"}},
     {"footprints", {"feet", "found", "shift", "terrain"}},
     {"path", {"through", "spans", "lengths", "feet", "found"}},
     {"filter", {"filter", "handles", "sigma", "amount", "feet", "found"}},
@@ -216,6 +228,8 @@ SequenceStep read_step(const std::string& kind, const TomlTable& t,
       what.keys.push_back(read_keyframe(k));
     if (what.keys.empty()) t.fail("", "no keyframes", "[[step.keyframe]]");
     step.what = std::move(what);
+  } else if (kind == "travel") {
+    step.what = read_travel(t);
   } else if (kind == "footprints") {
     step.what = read_footprints(t, folder);
   } else if (kind == "path") {
@@ -265,6 +279,8 @@ SequencePicture read_picture(const TomlTable& t, Names& files) {
                           {{"both", Show::Both}, {"before", Show::Before}, {"after", Show::After}});
   const bool animated = picture.file.ends_with(".gif");
   picture.frames = t.whole_number("frames", 1, animated ? 0 : picture.frames);
+  picture.together = t.boolean("together", false);
+  if (picture.together && animated) t.fail("together", "an animation of frames together", "a .png");
   picture.mesh = t.boolean("mesh", false);
   picture.seconds = t.positive("seconds", picture.seconds);
   picture.zoom = t.positive("zoom", 1);
@@ -296,8 +312,8 @@ SequenceScene read(const toml::table& root_table, const std::filesystem::path& f
   for (const TomlTable& t : root.table("output", {"frames"}))
     scene.frames_out = t.text("frames", scene.frames_out);
   Names files("file name");
-  for (const TomlTable& t : root.tables("picture", {"file", "title", "show", "frames", "mesh",
-                                                    "view", "zoom", "seconds", "size"}))
+  for (const TomlTable& t : root.tables("picture", {"file", "title", "show", "frames", "together",
+                                                    "mesh", "view", "zoom", "seconds", "size"}))
     scene.pictures.push_back(read_picture(t, files));
   return scene;
 }

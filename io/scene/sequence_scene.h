@@ -68,6 +68,12 @@ struct SequenceStep {
   struct Keyframes {
     std::vector<KeyframeRule> keys;
   };
+  struct Travel {
+    int cycles = 1;
+    Vec3 along = Vec3::UnitX();
+    std::optional<double> speed;   ///< model units a frame; none: that of the foot that stands
+    std::vector<PlacedWord> feet;  ///< for that
+  };
   struct Footprints {
     std::vector<PlacedWord> feet;
     FootprintSearch search;
@@ -112,14 +118,15 @@ struct SequenceStep {
     std::vector<Landmark> landmarks;  ///< none: the meshes have the same faces
     TargetFitOptions fit;
   };
-  std::variant<Keyframes, Footprints, Path, Filter, Mix, Morph> what;
+  std::variant<Keyframes, Travel, Footprints, Path, Filter, Mix, Morph> what;
 };
 
 /// [[picture]]: some frames side by side, or all of them as an animation.
 struct SequencePicture {
   std::string file, title;
   enum class Show { Before, After, Both } show = Show::Both;
-  int frames = 6;  ///< of a sheet; 0: all, of an animation
+  int frames = 6;         ///< of a sheet; 0: all, of an animation
+  bool together = false;  ///< all of them in one picture, where they are
   bool mesh = false;
   double azimuth = -30, elevation = 20, zoom = 1;
   double seconds = 0.05;  ///< a frame of an animation

@@ -27,7 +27,8 @@ std::vector<int> spread(int first, int last, int count) {
 struct Stage {
   ShellMesh shells;
   std::vector<MeshPicture::Part> parts;
-  Points ground;  // further nodes
+  Points ground;      // further nodes
+  int own_faces = 0;  // those before the ground's
 
   Points with_ground(const Points& frame) const {
     Points all(frame.rows() + ground.rows(), 3);
@@ -50,6 +51,7 @@ Stage stage_for(const SequenceScene& scene, const ShellMesh& shells, const Seque
     const bool same = std::all_of(face.begin(), face.end(), [&](int v) { return node[v] == part; });
     stage.parts.push_back(same ? part : MeshPicture::Part::Body);
   }
+  stage.own_faces = shells.face_count();
   stage.ground.resize(0, 3);
   for (const auto& step : scene.steps) {
     const auto* feet = std::get_if<SequenceStep::Footprints>(&step.what);
@@ -87,65 +89,148 @@ ShownFrames shown_frames(const SequenceScene& scene, int before, int first, int 
   return shown;
 }
 
+namespace {
+
+/// What all pictures of one run are drawn from.
+struct Drawing {
+  const SequenceReport& report;
+  const SequenceScene& scene;
+  const Stage& stage;
+  const ShownFrames& shown;
+  std::vector<Points> before, after;  // nodes of the sequence only
+
+  const Points& at(bool is_after, int frame) const {
+    const auto& list = is_after ? shown.after : shown.before;
+    return (is_after ? after
+                     : before)[std::lower_bound(list.begin(), list.end(), frame) - list.begin()];
+  }
+  std::vector<int> frames(const SequencePicture& rule, bool is_after) const {
+    return is_after ? spread(report.first - 1, report.last - 1, rule.frames)
+                    : spread(0, report.frames_before - 1, rule.frames);
+  }
+};
+
+MeshPicture look_of(const SequenceScene& scene, const SequencePicture& rule) {
+  MeshPicture look;
+  look.mesh = rule.mesh;
+  look.azimuth = rule.azimuth;
+  look.elevation = rule.elevation;
+  look.zoom = rule.zoom;
+  look.up = scene.up;
+  look.title = rule.title.empty() ? scene.name : rule.title;
+  return look;
+}
+
+/// One picture for each frame, all of one scale.
+std::vector<MeshPicture> one_by_one(const Drawing& d, const SequencePicture& rule, bool is_after,
+                                    bool numbered) {
+  std::vector<MeshPicture> pictures;
+  for (const int k : d.frames(rule, is_after)) {
+    MeshPicture look = look_of(d.scene, rule);
+    look.shells = &d.stage.shells;
+    look.parts = d.stage.parts;
+    look.points = d.stage.with_ground(d.at(is_after, k));
+    if (numbered) look.title = (is_after ? "after, " : "before, ") + std::to_string(k + 1);
+    pictures.push_back(std::move(look));
+  }
+  return pictures;
+}
+
+/// All frames in one picture. `shells`: where its mesh is kept.
+MeshPicture all_together(const Drawing& d, const SequencePicture& rule, bool is_after,
+                         ShellMesh& shells) {
+  MeshPicture look = look_of(d.scene, rule);
+  if (rule.show == SequencePicture::Show::Both) look.title = is_after ? "after" : "before";
+  const auto nodes = static_cast<int>(d.at(is_after, d.frames(rule, is_after)[0]).rows());
+  std::vector<Points> places;
+  for (const int k : d.frames(rule, is_after)) {
+    const int shift = nodes * count_of(places);
+    places.push_back(d.at(is_after, k));
+    for (int f = 0; f < d.stage.own_faces; ++f) {
+      std::vector<int> face(d.stage.shells.corners(f).begin(), d.stage.shells.corners(f).end());
+      for (int& v : face) v += shift;
+      shells.add_face(face);
+      look.parts.push_back(d.stage.parts[f]);
+    }
+  }
+  const int shift = nodes * (count_of(places) - 1);  // of the ground, which is there once
+  for (int f = d.stage.own_faces; f < d.stage.shells.face_count(); ++f) {
+    std::vector<int> face(d.stage.shells.corners(f).begin(), d.stage.shells.corners(f).end());
+    for (int& v : face) v += shift;
+    shells.add_face(face);
+    look.parts.push_back(d.stage.parts[f]);
+  }
+  look.points.resize(static_cast<long>(nodes) * count_of(places) + d.stage.ground.rows(), 3);
+  for (size_t k = 0; k < places.size(); ++k)
+    look.points.middleRows(static_cast<long>(k) * nodes, nodes) = places[k];
+  look.points.bottomRows(d.stage.ground.rows()) = d.stage.ground;
+  shells.points = look.points;
+  look.shells = &shells;
+  return look;
+}
+
+void animate(const Drawing& d, const SequencePicture& rule, const std::filesystem::path& path) {
+  using Show = SequencePicture::Show;
+  std::vector<MeshPicture> left, right;
+  if (rule.show != Show::After) left = one_by_one(d, rule, false, false);
+  if (rule.show != Show::Before) right = one_by_one(d, rule, true, false);
+  std::vector<const Points*> in_view;
+  for (const auto* list : {&left, &right})
+    for (const auto& picture : *list) in_view.push_back(&picture.points);
+  std::vector<Image> images;
+  for (size_t k = 0; k < std::max(left.size(), right.size()); ++k) {
+    std::vector<MeshPicture> one;
+    if (!left.empty()) one.push_back(left[std::min(k, left.size() - 1)]);
+    if (!right.empty()) one.push_back(right[std::min(k, right.size() - 1)]);
+    for (auto& picture : one) picture.also_in_view = in_view;
+    images.push_back(mesh_image(one, count_of(one), rule.size));
+  }
+  write_gif(path, images, rule.seconds, rule.seconds);
+}
+
+void draw_sheet(const Drawing& d, const SequencePicture& rule, const std::filesystem::path& path) {
+  using Show = SequencePicture::Show;
+  std::vector<MeshPicture> pictures;
+  ShellMesh shells[2];
+  int columns = 1;
+  for (const bool is_after : {false, true}) {
+    if (rule.show == (is_after ? Show::Before : Show::After)) continue;
+    if (rule.together) {
+      pictures.push_back(all_together(d, rule, is_after, shells[is_after]));
+      continue;
+    }
+    auto row = one_by_one(d, rule, is_after, true);
+    columns = rule.show == Show::Both ? std::max(columns, count_of(row))
+                                      : static_cast<int>(std::ceil(std::sqrt(row.size())));
+    std::move(row.begin(), row.end(), std::back_inserter(pictures));
+  }
+  if (!rule.together) {
+    std::vector<Points> places;
+    for (const auto& picture : pictures) places.push_back(picture.points);
+    for (auto& picture : pictures)
+      for (const Points& p : places) picture.also_in_view.push_back(&p);
+    draw_meshes(path, pictures, columns, rule.size);
+  } else {
+    draw_meshes(path, pictures, columns, rule.size);
+  }
+}
+
+}  // namespace
+
 void draw_sequence(SequenceReport& report, const SequenceScene& scene,
                    const PreparedSequence& before, const SequenceParts& parts,
                    const ShellMesh& shells, const ShownFrames& shown,
                    const std::vector<Points>& after, const OutputFolder& out) {
   if (scene.pictures.empty()) return;
-  using Show = SequencePicture::Show;
   const Stage stage = stage_for(scene, shells, parts);
-  std::vector<Points> places_before, places_after;
-  for (const int k : shown.before)
-    places_before.push_back(stage.with_ground(before.sequence.frames[k]));
-  for (const Points& p : after) places_after.push_back(stage.with_ground(p));
-  const auto place_of = [](const std::vector<int>& list, int frame) {
-    return std::lower_bound(list.begin(), list.end(), frame) - list.begin();
-  };
+  Drawing drawing{report, scene, stage, shown, {}, after};
+  for (const int k : shown.before) drawing.before.push_back(before.sequence.frames[k]);
   for (const SequencePicture& rule : scene.pictures) {
     if (!can_draw(report, rule.file)) continue;
-    MeshPicture look;
-    look.shells = &stage.shells;
-    look.parts = stage.parts;
-    look.mesh = rule.mesh;
-    look.azimuth = rule.azimuth;
-    look.elevation = rule.elevation;
-    look.zoom = rule.zoom;
-    look.up = scene.up;
-    if (rule.show != Show::After)
-      for (const Points& p : places_before) look.also_in_view.push_back(&p);
-    if (rule.show != Show::Before)
-      for (const Points& p : places_after) look.also_in_view.push_back(&p);
-    const std::string name = rule.title.empty() ? scene.name : rule.title;
-    const bool animated = rule.file.ends_with(".gif");
-    const auto row = [&](bool is_after) {
-      std::vector<MeshPicture> pictures;
-      const auto frames = is_after ? spread(report.first - 1, report.last - 1, rule.frames)
-                                   : spread(0, report.frames_before - 1, rule.frames);
-      for (const int k : frames) {
-        look.points = is_after ? places_after[place_of(shown.after, k)]
-                               : places_before[place_of(shown.before, k)];
-        look.title = animated ? name : (is_after ? "after, " : "before, ") + std::to_string(k + 1);
-        pictures.push_back(look);
-      }
-      return pictures;
-    };
-    std::vector<MeshPicture> top, bottom;
-    if (rule.show != Show::After) top = row(false);
-    if (rule.show != Show::Before) bottom = row(true);
-    if (animated) {
-      std::vector<Image> images;
-      for (size_t k = 0; k < std::max(top.size(), bottom.size()); ++k) {
-        std::vector<MeshPicture> one;
-        if (!top.empty()) one.push_back(top[std::min(k, top.size() - 1)]);
-        if (!bottom.empty()) one.push_back(bottom[std::min(k, bottom.size() - 1)]);
-        images.push_back(mesh_image(one, 2, rule.size));
-      }
-      write_gif(out.file(rule.file), images, rule.seconds, rule.seconds);
-    } else {
-      const int columns = count_of(top.empty() ? bottom : top);
-      top.insert(top.end(), bottom.begin(), bottom.end());
-      draw_meshes(out.file(rule.file), top, columns, rule.size);
-    }
+    if (rule.file.ends_with(".gif"))
+      animate(drawing, rule, out.file(rule.file));
+    else
+      draw_sheet(drawing, rule, out.file(rule.file));
     report.files.push_back(rule.file);
   }
 }

@@ -8,6 +8,7 @@
 #include "batten/core/errors.h"
 #include "batten/mesh/sequence/trajectory_alignment.h"
 #include "batten/mesh/sequence/trajectory_filters.h"
+#include "batten/mesh/sequence/travel.h"
 
 namespace batten {
 
@@ -69,13 +70,24 @@ class Step {
     return result_of(from_, editor);
   }
 
+  StepResult operator()(const SequenceStep::Travel& what) const {
+    std::vector<std::vector<int>> feet;
+    for (const auto& foot : what.feet)
+      feet.push_back(parts_.handles[parts_.handle(scene_, foot)].vertices);
+    const double speed = what.speed
+                             ? *what.speed
+                             : stance_speed(sequence().frames, feet, what.along, scene_.upwards());
+    return kept_as_it_is(std::make_shared<PreparedSequence>(
+        PreparedSequence{travelled(sequence(), what.cycles, what.along, speed), from_.mesh}));
+  }
+
   StepResult operator()(const SequenceStep::Footprints& what) const {
     std::vector<std::string> warnings;
     const FootTracks tracks =
         find_feet(scene_, sequence(), parts_, what.feet, what.search, warnings);
     auto to = tracks.prints;
     std::optional<Terrain> terrain;
-    if (!what.terrain.empty()) terrain.emplace(read_terrain(what));
+    if (!what.terrain.empty()) terrain.emplace(read_terrain(what), scene_.upwards());
     for (size_t f = 0; f < to.size(); ++f)
       for (Footprint& print : to[f]) {
         print = moved({Mat3::Identity(), what.shift}, print);
@@ -283,7 +295,8 @@ StepResult do_step(const SequenceScene& scene, const SequenceStep& step,
                    const VerticesOf& vertices_of, const Progress& progress) {
   const Step doing(scene, step, from, parts, vertices_of, progress);
   StepResult result = std::visit(doing, step.what);
-  static const char* const kinds[] = {"keyframes", "footprints", "path", "filter", "mix", "morph"};
+  static const char* const kinds[] = {"keyframes", "travel", "footprints", "path",
+                                      "filter",    "mix",    "morph"};
   result.report.name = step.name;
   result.report.kind = kinds[step.what.index()];
   result.report.frames = count_of(result.times);
