@@ -267,9 +267,16 @@ TEST_CASE("damaged scenes are refused and named") {
   CHECK_THAT(refused([](Scene& s) { s.root["bufferViews"][0]["byteLength"] = 40; }),
              Contains("buffer view 0 ends at byte 40 of buffer 0, which has 36"));
   CHECK_THAT(refused([](Scene& s) { s.root["accessors"][0]["count"] = 4; }),
-             Contains("accessor 0 ends at byte 48 of its buffer view, which has 36"));
+             Contains("accessor 0 has 4 elements, more than there is room for in the 36 bytes of "
+                      "its buffer view"));
   CHECK_THAT(refused([](Scene& s) { s.root["accessors"][0]["count"] = 4e9; }),
              Contains("accessor 0"));
+  CHECK_THAT(refused([](Scene& s) { s.root["accessors"][0]["byteOffset"] = 4; }),
+             Contains("accessor 0 ends at byte 40 of its buffer view, which has 36"));
+  CHECK_THAT(refused([](Scene& s) { s.root["bufferViews"][0]["byteStride"] = 4; }),
+             Contains("found a stride of 4 bytes for accessor 0, expected 12 or more"));
+  CHECK_THAT(refused([](Scene& s) { s.root["nodes"][0]["mesh"] = 4294967296; }),
+             Contains("found 4294967296 as mesh"));
   CHECK_THAT(refused([](Scene& s) { s.root["accessors"][0]["type"] = "VEC2"; }),
              Contains("found 'VEC2' elements in accessor 0, expected 3 numbers"));
   CHECK_THAT(refused([](Scene& s) { s.root["accessors"][0]["componentType"] = 1; }),
