@@ -27,8 +27,8 @@ Mat4 local(const GltfNode& node) {
 GltfNode read_node(const GltfDocument& document, int n) {
   const auto& json = document.item("nodes", n);
   GltfNode node;
-  node.mesh = static_cast<int>(document.whole(json, "mesh", -1L));
-  node.skin = static_cast<int>(document.whole(json, "skin", -1L));
+  node.mesh = document.index(json, "mesh");
+  node.skin = document.index(json, "skin");
   node.by_matrix = json.contains("matrix");
   const VecX matrix = document.numbers(json, "matrix", node.matrix.reshaped());
   node.matrix = matrix.reshaped(4, 4);
@@ -86,8 +86,7 @@ std::vector<Mat4> GltfNodes::places(const std::vector<GltfNode>& at) const {
   return result;
 }
 
-GltfAnimation::GltfAnimation(const GltfDocument& document, const std::string& name,
-                             const GltfNodes& nodes) {
+GltfAnimation::GltfAnimation(const GltfDocument& document, const std::string& name) {
   const int count = document.count("animations");
   int chosen = name.empty() ? 0 : -1;
   std::vector<std::string> known;
@@ -109,7 +108,7 @@ GltfAnimation::GltfAnimation(const GltfDocument& document, const std::string& na
     const std::string what = "animation " + std::to_string(chosen + 1);
     if (animation.contains("channels"))
       for (const auto& channel : animation["channels"])
-        add_channel(document, animation, channel, nodes, what);
+        add_channel(document, animation, channel, what);
   }
   for (const Channel& channel : channels_)
     keys_.insert(keys_.end(), channel.times.begin(), channel.times.end());
@@ -119,13 +118,12 @@ GltfAnimation::GltfAnimation(const GltfDocument& document, const std::string& na
 }
 
 void GltfAnimation::add_channel(const GltfDocument& document, const GltfDocument::Json& animation,
-                                const GltfDocument::Json& json, const GltfNodes& nodes,
-                                const std::string& what) {
+                                const GltfDocument::Json& json, const std::string& what) {
   if (!json.is_object() || !json.contains("target") || !animation.contains("samplers"))
     document.fail("found a channel without target or sampler in " + what);
   const std::string path = document.text(json["target"], "path", "");
   Channel channel;
-  channel.node = static_cast<int>(document.whole(json["target"], "node", -1L));
+  channel.node = document.index(json["target"], "node");
   if (channel.node < 0) return;  // of an extension
   document.item("nodes", channel.node);
   const long which = document.whole(json, "sampler", what);
@@ -172,7 +170,6 @@ void GltfAnimation::add_channel(const GltfDocument& document, const GltfDocument
                   std::to_string(rows));
   }
   if (!channel.values.allFinite()) document.fail("found a value that is not finite in " + what);
-  (void)nodes;
   channels_.push_back(std::move(channel));
 }
 

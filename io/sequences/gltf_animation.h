@@ -38,7 +38,7 @@ class GltfAnimation {
  public:
   /// `name`: a name or a number counted from 1; empty: the first. Throws InputError: no such
   /// animation, keys that are not ascending or finite, other numbers of values than of keys.
-  GltfAnimation(const GltfDocument& document, const std::string& name, const GltfNodes& nodes);
+  GltfAnimation(const GltfDocument& document, const std::string& name);
 
   /// The times of all keys, ascending, each once; one time where nothing moves.
   const std::vector<double>& keys() const { return keys_; }
@@ -56,8 +56,7 @@ class GltfAnimation {
     MatX values;  // a row for each key; cubic: three, in-tangent, value, out-tangent
   };
   void add_channel(const GltfDocument& document, const GltfDocument::Json& animation,
-                   const GltfDocument::Json& channel, const GltfNodes& nodes,
-                   const std::string& what);
+                   const GltfDocument::Json& channel, const std::string& what);
   static VecX value_at(const Channel& channel, double time);
 
   std::vector<Channel> channels_;

@@ -19,6 +19,10 @@ using Json = nlohmann::json;
 
 constexpr std::uint32_t kMagic = 0x46546C67, kJsonChunk = 0x4E4F534A, kBinaryChunk = 0x004E4942;
 
+constexpr long kMostThings = 1000000000;
+/// Numbers of an accessor that has no data, or few: this many are zero at most.
+constexpr long kMostZeros = 1L << 25;
+
 /// Bytes of a number of a component type; 0 for an unknown one.
 size_t size_of_type(long type) {
   switch (type) {
@@ -231,6 +235,13 @@ long GltfDocument::whole(const Json& object, const char* key, const std::string&
   return whole(object, key, 0);
 }
 
+int GltfDocument::index(const Json& object, const char* key) const {
+  const long found = whole(object, key, -1L);
+  if (found > kMostThings || (found < 0 && object.is_object() && object.contains(key)))
+    fail("found " + std::to_string(found) + " as " + key + ", expected the number of a thing");
+  return static_cast<int>(found);
+}
+
 VecX GltfDocument::numbers(const Json& object, const char* key, const VecX& fallback) const {
   const auto found = object.find(key);
   if (found == object.end()) return fallback;
@@ -254,7 +265,7 @@ std::vector<int> GltfDocument::indices(const Json& object, const char* key) cons
   if (!found->is_array())
     fail("found " + in_quotes(found->dump()) + " as " + key + ", expected a list");
   for (const Json& index : *found) {
-    if (!index.is_number_integer() || index.get<double>() < 0 || index.get<double>() > 1e9)
+    if (!index.is_number_integer() || index.get<double>() < 0 || index.get<double>() > kMostThings)
       fail("found " + in_quotes(index.dump()) + " in " + key + ", expected a number of a thing");
     result.push_back(index.get<int>());
   }
@@ -289,6 +300,9 @@ void GltfDocument::read_elements(const Slice& slice, size_t offset, long type, b
                stride = slice.stride > 0 ? slice.stride : element,
                count = static_cast<size_t>(into.rows());
   if (count == 0) return;
+  if (stride < element)
+    fail("found a stride of " + std::to_string(stride) + " bytes for " + what + ", expected " +
+         std::to_string(element) + " or more");
   if (offset > slice.size || element > slice.size - offset ||
       (count - 1) > (slice.size - offset - element) / stride)
     fail(what + " ends at byte " + std::to_string(offset + (count - 1) * stride + element) +
@@ -326,9 +340,9 @@ void GltfDocument::read_sparse(const Json& sparse, long type, bool normalized, M
   }
 }
 
-MatX GltfDocument::accessor(long index, int components) const {
-  const std::string what = "accessor " + std::to_string(index);
-  const Json& accessor = item("accessors", index);
+MatX GltfDocument::accessor(long number, int components) const {
+  const std::string what = "accessor " + std::to_string(number);
+  const Json& accessor = item("accessors", number);
   const long count = whole(accessor, "count", what), type = whole(accessor, "componentType", what),
              offset = whole(accessor, "byteOffset", 0L);
   const std::string shape = text(accessor, "type", "");
@@ -338,19 +352,14 @@ MatX GltfDocument::accessor(long index, int components) const {
   if (size_of_type(type) == 0)
     fail("found the componentType " + std::to_string(type) + " in " + what +
          ", expected 5120 to 5126");
-  if (count < 0 || offset < 0 ||
-      static_cast<std::uintmax_t>(count) >
-          largest_input_file / 8 / static_cast<std::uintmax_t>(components))
-    fail("found " + std::to_string(count) + " elements in " + what + ", which is too many");
+  if (count < 0 || offset < 0) fail("found a negative count or offset in " + what);
   const bool normalized = accessor.contains("normalized") && accessor["normalized"] == true;
-  const long from = whole(accessor, "bufferView", -1L);
-  if (from >= 0) {
-    // Before room is made for what the file may not have.
-    const Slice slice = view(from);
-    if (static_cast<size_t>(count) > slice.size + 1)
-      fail(what + " has " + std::to_string(count) + " elements in a buffer view of " +
-           std::to_string(slice.size) + " bytes");
-  }
+  const int from = index(accessor, "bufferView");
+  // Before room is made for what the file does not have.
+  const size_t room = from < 0 ? kMostZeros * size_of_type(type) : view(from).size;
+  if (static_cast<size_t>(count) > room / (size_of_type(type) * static_cast<size_t>(components)))
+    fail(what + " has " + std::to_string(count) + " elements, more than there is room for in " +
+         (from < 0 ? "any scene" : "the " + std::to_string(room) + " bytes of its buffer view"));
   MatX values = MatX::Zero(count, components);
   if (from >= 0)
     read_elements(view(from), static_cast<size_t>(offset), type, normalized, values, what);

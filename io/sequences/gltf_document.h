@@ -28,7 +28,10 @@ class GltfDocument {
   long whole(const Json& object, const char* key, long fallback) const;
   /// The same, which has to be there. `what` is said in messages: "accessor 3".
   long whole(const Json& object, const char* key, const std::string& what) const;
-  /// The member `key` as a list of `size` numbers; `fallback` where it is missing.
+  /// The member `key` as the number of a thing; -1 where it is missing.
+  int index(const Json& object, const char* key) const;
+  /// The member `key` as a list of as many numbers as `fallback` has, or `fallback` where it is
+  /// missing.
   VecX numbers(const Json& object, const char* key, const VecX& fallback) const;
   /// The member `key` as a list of indices; empty where it is missing.
   std::vector<int> indices(const Json& object, const char* key) const;

@@ -98,7 +98,7 @@ MeshSequence read_gltf_sequence(const std::filesystem::path& path, const Sequenc
   const GltfDocument document(path);
   const GltfNodes nodes(document);
   const GltfSurface surface(document, nodes);
-  const GltfAnimation animation(document, options.animation, nodes);
+  const GltfAnimation animation(document, options.animation);
   const std::vector<double> times =
       sample_times(animation.keys(), options.frames_per_second, document);
   const FrameRange range = frame_range(options, count_of(times), path.string());

@@ -82,7 +82,7 @@ void GltfSurface::add_primitive(const Json& primitive, Part part, const std::str
   const long mode = document_.whole(primitive, "mode", kTriangles);
   if (mode < kTriangles || mode > kFan) return;  // points and lines
   const Json& attributes = member(primitive, "attributes");
-  const long position = document_.whole(attributes, "POSITION", -1L);
+  const long position = document_.index(attributes, "POSITION");
   const Json& extensions = member(primitive, "extensions");
   for (const auto& [name, data] : extensions.items())
     if (name == "KHR_draco_mesh_compression" &&
@@ -93,7 +93,7 @@ void GltfSurface::add_primitive(const Json& primitive, Part part, const std::str
   part.base = points_of(document_, position, -1, what);
   if (primitive.contains("targets"))
     for (const Json& target : primitive["targets"]) {
-      const long accessor = target.is_object() ? document_.whole(target, "POSITION", -1L) : -1L;
+      const long accessor = document_.index(target, "POSITION");
       // Read once to know that it can be.
       if (accessor >= 0) points_of(document_, accessor, part.base.rows(), what);
       part.targets.push_back(accessor);

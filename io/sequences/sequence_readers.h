@@ -1,7 +1,12 @@
 // The readers of sequences, one for each kind of file. Internal.
 #pragma once
 
-#include "batten/io/sequences/sequence_files.h"
+#include <filesystem>
+#include <string>
+
+#include "batten/core/progress.h"
+#include "batten/io/sequences/sequence_options.h"
+#include "batten/mesh/sequence/mesh_sequence.h"
 
 namespace batten {
 
