@@ -98,7 +98,8 @@ TEST_CASE("the lowest vertices of a handle are its sole in the mean") {
 
 TEST_CASE("all frames of a moved footprint become keyframes that move the same way") {
   Random random(22);
-  const Trajectory t = steps(0.01);
+  Trajectory t = steps(0.01);
+  t.turns.assign(50, random_turn(random));
   FootprintOptions options;
   options.within = 0.021;
   const std::vector<Footprint> before = find_footprints(t, options);
@@ -247,6 +248,9 @@ TEST_CASE("curves by their length: circles, ends that go straight on") {
   for (double s = 0.5; s < 9; s += 0.37) {
     CHECK((half.at(s) - 3 * Vec3(std::cos(s / 3), std::sin(s / 3), 0)).norm() < 1e-4);
     CHECK((half.frame(s).turn.col(0) - Vec3(-std::sin(s / 3), std::cos(s / 3), 0)).norm() < 1e-3);
+    CHECK((half.frame(s).turn * Vec3(1, 1, 1) - half.frame(s).turn.col(0) - Vec3::UnitZ() -
+           Vec3::UnitZ().cross(half.frame(s).turn.col(0)))
+              .norm() < 1e-14);
     CHECK(std::abs(half.length_to(half.parameter(s)) - s) < 1e-14 * 9);
     // By length: steps are as long as they say.
     CHECK(std::abs((half.at(s + 1e-4) - half.at(s - 1e-4)).norm() - 2e-4) < 1e-11);
