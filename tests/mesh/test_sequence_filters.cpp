@@ -260,13 +260,17 @@ TEST_CASE("similar trajectories are aligned, rotations with them") {
     options.scales = false;
     CHECK(alignment(t, other, options).scale == 1);
   }
-  // A motion of the one world is the same motion, seen turned, of the other.
+  // Frames that are all seen turned and scaled have the aligned trajectory.
   const Similarity s{2, random_turn(random), random.point()};
-  const Mat3 turn = random_turn(random);
-  const Trajectory turned = moved(std::vector(35, RigidMotion{turn, Vec3::Zero()}), t);
-  CHECK(
-      (aligned(turned, s).turns[9] - s.R * turn * s.R.transpose() * aligned(t, s).turns[9]).norm() <
-      1e-13);
+  std::vector<Points> frames, seen;
+  Points group(6, 3);
+  for (int v = 0; v < 6; ++v) group.row(v) = random.point();
+  for (int k = 0; k < 35; ++k) {
+    frames.push_back(moved({t.turns[k], t.centres.row(k).transpose()}, group));
+    seen.push_back(moved({s.R, s.shift}, Points(s.scale * frames.back())));
+  }
+  const std::vector<int> all = {0, 1, 2, 3, 4, 5};
+  CHECK(distance(trajectory_of(seen, all), aligned(trajectory_of(frames, all), s)) < 1e-13);
 }
 
 TEST_CASE("trajectories that do not say how to turn are shifted") {

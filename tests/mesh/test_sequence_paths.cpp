@@ -98,7 +98,8 @@ TEST_CASE("the lowest vertices of a handle are its sole in the mean") {
 
 TEST_CASE("all frames of a moved footprint become keyframes that move the same way") {
   Random random(22);
-  const Trajectory t = steps(0.01);
+  Trajectory t = steps(0.01);
+  t.turns.assign(50, random_turn(random));
   FootprintOptions options;
   options.within = 0.021;
   const std::vector<Footprint> before = find_footprints(t, options);
@@ -247,6 +248,9 @@ TEST_CASE("curves by their length: circles, ends that go straight on") {
   for (double s = 0.5; s < 9; s += 0.37) {
     CHECK((half.at(s) - 3 * Vec3(std::cos(s / 3), std::sin(s / 3), 0)).norm() < 1e-4);
     CHECK((half.frame(s).turn.col(0) - Vec3(-std::sin(s / 3), std::cos(s / 3), 0)).norm() < 1e-3);
+    CHECK((half.frame(s).turn * Vec3(1, 1, 1) - half.frame(s).turn.col(0) - Vec3::UnitZ() -
+           Vec3::UnitZ().cross(half.frame(s).turn.col(0)))
+              .norm() < 1e-14);
     CHECK(std::abs(half.length_to(half.parameter(s)) - s) < 1e-14 * 9);
     // By length: steps are as long as they say.
     CHECK(std::abs((half.at(s + 1e-4) - half.at(s - 1e-4)).norm() - 2e-4) < 1e-11);
@@ -264,18 +268,45 @@ TEST_CASE("curves by their length: circles, ends that go straight on") {
   CHECK(!refusal([] { fit_path(Points::Ones(9, 3)); }).empty());
 }
 
-TEST_CASE("curves through points are the smoothest") {
-  const std::vector<Vec3> points = {{0, 0, 0}, {2, 1, 0}, {3, 3, 0}, {7, 2, 0}};
-  const GroundPath path = GroundPath::through(points);
-  double u = 0;
-  for (size_t i = 0; i < points.size(); ++i) {
-    if (i > 0) u += (points[i] - points[i - 1]).norm();
-    CHECK((path.at(path.length_to(u)) - points[i]).norm() < 1e-13);
-    // Curvature goes on through inner points, and is zero at the ends.
-    const double s = path.length_to(u), h = 1e-4;
-    const Vec3 left = (path.frame(s).turn.col(0) - path.frame(s - h).turn.col(0)) / h,
-               right = (path.frame(s + h).turn.col(0) - path.frame(s).turn.col(0)) / h;
-    CHECK((left - right).norm() < 1e-3);
+TEST_CASE("curves through points bend evenly, and not at their ends") {
+  Random random(27);
+  const std::vector<double> knots = {0, 0.3, 1.9, 2, 5};
+  Points values(5, 3);
+  for (int i = 0; i < 5; ++i) values.row(i) = random.point();
+  // Slopes are parabolas in each piece: three of them give the second derivative at its ends.
+  const auto bend = [](const PiecewiseCubic& curve, double at, double to) {
+    const double h = (to - at) / 2, near = at + 1e-9 * h;
+    return Vec3((4 * curve.slope(at + h) - 3 * curve.slope(near) - curve.slope(to)) / (2 * h));
+  };
+  for (const auto ends : {PiecewiseCubic::Ends::Natural, PiecewiseCubic::Ends::Flat}) {
+    const PiecewiseCubic curve = PiecewiseCubic::through(knots, values, ends);
+    for (int i = 0; i < 5; ++i) CHECK((curve.at(knots[i]) - values.row(i).transpose()).norm() == 0);
+    for (int i = 1; i < 4; ++i)
+      CHECK((bend(curve, knots[i], knots[i - 1]) - bend(curve, knots[i], knots[i + 1])).norm() <
+            1e-6);
+    const bool flat = ends == PiecewiseCubic::Ends::Flat;
+    CHECK((flat ? curve.slope(0) : bend(curve, 0, 0.3)).norm() < 1e-6);
+    CHECK((flat ? curve.slope(5) : bend(curve, 5, 2)).norm() < 1e-6);
+    for (const double u : {0.1, 1.0, 4.4})
+      CHECK((curve.slope(u) - (curve.at(u + 1e-6) - curve.at(u - 1e-6)) / 2e-6).norm() < 1e-7);
+  }
+}
+
+TEST_CASE("fitted curves give cubics back") {
+  Random random(28);
+  const Vec3 a = random.point(), b = random.point(), c = random.point(), d = random.point();
+  std::vector<double> u;
+  Points values(41, 3);
+  for (int i = 0; i <= 40; ++i) {
+    u.push_back(2 + 0.1 * i);
+    values.row(i) = a + u[i] * (b + u[i] * (c + u[i] * d));
+  }
+  for (const int spans : {1, 2, 7}) {
+    const PiecewiseCubic curve = PiecewiseCubic::fitted(u, values, spans);
+    for (double t = 2; t <= 6; t += 0.13) {
+      CHECK((curve.at(t) - a - t * (b + t * (c + t * d))).norm() < 1e-10);
+      CHECK((curve.slope(t) - b - t * (2 * c + 3 * t * d)).norm() < 1e-10);
+    }
   }
 }
 

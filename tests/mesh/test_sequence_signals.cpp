@@ -77,6 +77,8 @@ TEST_CASE("rigid motions compose, turn back, and are found again in trajectories
   CHECK(refusal([&] {
           trajectory_of(frames, {3, 30});
         }) == "trajectory of vertex 31, frame 1 has 30");
+  const std::vector<RigidMotion> again = motions_between(t, moved(motions, t));
+  for (int k = 0; k < 8; ++k) CHECK((again[k].turn - motions[k].turn).norm() < 1e-14);
   CHECK(!refusal([&] { trajectory_of(frames, {}); }).empty());
 }
 
@@ -120,6 +122,13 @@ TEST_CASE("values between keyframes have no kinks and are constant outside or ze
   }
   CHECK(sample(uneven, values, {-2.1, 7}, KeyframeEnds::None, -2, 6).value ==
         std::vector<double>{0, 0});
+}
+
+TEST_CASE("an influence ends flat also where the other end goes straight on") {
+  const Sampled s = sample(uneven, values, {-2, 4.5, 5, 7}, KeyframeEnds::Linear, -2);
+  CHECK(s.value[0] == 0);
+  CHECK(std::abs(s.left[0]) + std::abs(s.right[0]) < 1e-4);
+  for (const size_t i : {1, 2, 3}) CHECK(std::abs(s.right[i] + 3.7 / 1.5) < 1e-4);
 }
 
 TEST_CASE("keyframes that cannot be are refused by name") {
