@@ -216,6 +216,19 @@ TEST_CASE("strips, fans and several parts are one mesh") {
         std::vector<std::vector<int>>{{0, 1, 2}, {3, 4, 5}, {5, 4, 6}, {7, 8, 10}, {7, 10, 9}});
 }
 
+TEST_CASE("whole numbers stand for fractions where they are normalized") {
+  Scene scene = triangle();
+  scene.root["extensionsRequired"] = {"KHR_mesh_quantization"};
+  // Rows of eight bytes, of which six are used.
+  const int position = scene.add(
+      std::vector<std::int16_t>{0, 0, 0, 9, 32767, 0, 0, 9, -32768, 32767, 0, 9}, "VEC3", 4, 5122);
+  scene.root["accessors"][position]["normalized"] = true;
+  scene.root["bufferViews"][position]["byteStride"] = 8;
+  scene.primitive()["attributes"]["POSITION"] = position;
+  const MeshSequence s = read_sequence(scene.write(folder_of("quantized") / "a.gltf"));
+  CHECK(s.frames[0] == (Points(3, 3) << 0, 0, 0, 1, 0, 0, -1, 1, 0).finished());
+}
+
 TEST_CASE("clips are chosen by name or number") {
   Scene scene = triangle();
   const int times = scene.scalars({0, 1});
