@@ -85,8 +85,8 @@ std::vector<Points> followed_logs(const std::vector<std::vector<Mat3>>& turns_at
 /// The same where vertices far from each other turn by more than half a turn against each other, as
 /// in a twisted bar: in each sheet of the mesh the vertex that turns least at the first keyframe is
 /// followed through the keyframes, the others from neighbour to neighbour, breadth first. A whole
-/// sheet may be off by full turns: rotations do not tell. Vertices without triangles are followed by
-/// themselves. Also throws InputError on another number of rotations than vertices. O(n K).
+/// sheet may be off by full turns: rotations do not tell. Vertices without triangles are followed
+/// by themselves. Also throws InputError on another number of rotations than vertices. O(n K).
 std::vector<Points> followed_logs(const std::vector<std::vector<Mat3>>& turns_at_keyframes,
                                   const MeshTopology& topology);
 
