@@ -97,6 +97,32 @@ KeyframeWeights::Row row_of(const std::vector<Knot>& knots, const Combination& s
   return row;
 }
 
+/// Vertices and the neighbours that they are reached from, in each sheet from the vertex with the
+/// smallest logarithm on, which is not among them.
+std::vector<std::pair<int, int>> breadth_first(const MeshTopology& topology, const Points& logs) {
+  std::vector<int> least(topology.component_count(), -1);
+  for (int v = 0; v < topology.vertex_count(); ++v) {
+    if (topology.component()[v] < 0) continue;
+    int& best = least[topology.component()[v]];
+    if (best < 0 || logs.row(v).norm() < logs.row(best).norm()) best = v;
+  }
+  std::vector<std::pair<int, int>> order;
+  std::vector<char> reached(topology.vertex_count(), 0);
+  const auto reach_from = [&](int v) {
+    for (const int next : topology.neighbours(v))
+      if (!reached[next]) {
+        reached[next] = 1;
+        order.emplace_back(next, v);
+      }
+  };
+  for (const int seed : least) {
+    size_t at = order.size();
+    reached[seed] = 1;
+    for (reach_from(seed); at < order.size(); ++at) reach_from(order[at].first);
+  }
+  return order;
+}
+
 }  // namespace
 
 KeyframeWeights::KeyframeWeights(std::span<const double> times,
@@ -169,6 +195,21 @@ std::vector<Points> followed_logs(const std::vector<std::vector<Mat3>>& turns_at
           turns[v], logs.empty() ? Vec3(Vec3::Zero()) : Vec3(logs.back().row(v).transpose()));
     logs.push_back(std::move(of_keyframe));
   }
+  return logs;
+}
+
+std::vector<Points> followed_logs(const std::vector<std::vector<Mat3>>& turns_at_keyframes,
+                                  const MeshTopology& topology) {
+  // Every vertex by itself first: what is right for those that the others begin at.
+  std::vector<Points> logs = followed_logs(turns_at_keyframes);
+  if (logs.empty()) return logs;
+  if (logs.front().rows() != topology.vertex_count())
+    throw InputError(std::to_string(logs.front().rows()) + " rotations for " +
+                     std::to_string(topology.vertex_count()) + " vertices");
+  for (const auto& [vertex, from] : breadth_first(topology, logs.front()))
+    for (size_t m = 0; m < logs.size(); ++m)
+      logs[m].row(vertex) =
+          nearest_log(turns_at_keyframes[m][vertex], logs[m].row(from).transpose());
   return logs;
 }
 

@@ -15,6 +15,7 @@
 
 #include "batten/core/eigen.h"
 #include "batten/core/index.h"
+#include "batten/mesh/triangle_mesh.h"
 
 namespace batten {
 
@@ -80,6 +81,14 @@ Points followed_logs(std::span<const Mat3> turns);
 /// Rotations of n vertices at K keyframes → K matrices n×3 of their logarithms, each vertex
 /// followed through the keyframes. Throws InputError on different numbers of vertices. O(n K).
 std::vector<Points> followed_logs(const std::vector<std::vector<Mat3>>& turns_at_keyframes);
+
+/// The same where vertices far from each other turn by more than half a turn against each other, as
+/// in a twisted bar: in each sheet of the mesh the vertex that turns least at the first keyframe is
+/// followed through the keyframes, the others from neighbour to neighbour, breadth first. A whole
+/// sheet may be off by full turns: rotations do not tell. Vertices without triangles are followed
+/// by themselves. Also throws InputError on another number of rotations than vertices. O(n K).
+std::vector<Points> followed_logs(const std::vector<std::vector<Mat3>>& turns_at_keyframes,
+                                  const MeshTopology& topology);
 
 /// result = Σ w_m logs_m: the logarithms at one frame, n×3. `result` keeps its memory when it has n
 /// rows. O(n).

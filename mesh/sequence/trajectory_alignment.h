@@ -16,9 +16,9 @@ enum class Resampling {
 };
 
 /// The same motion in another number of frames, from the first frame to the last: frame k of n is
-/// at k (F - 1)/(n - 1) of F. Rotations by logarithms relative to the frame before, of
-/// less than half a turn for two frames. As many frames as before come back to
-/// the last bit. Throws InputError: no frames, fewer than 1 asked for. O(F + n).
+/// at k (F - 1)/(n - 1) of F. Rotations by logarithms relative to the frame before: two frames turn
+/// by less than half a turn. As many frames as before come back to the last bit. Throws InputError:
+/// no frames, fewer than 1 asked for. O(F + n).
 Trajectory resampled(const Trajectory& trajectory, int frames,
                      Resampling how = Resampling::Hermite);
 

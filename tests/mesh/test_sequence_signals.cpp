@@ -6,6 +6,7 @@
 #include "batten/mesh/sequence/handle_trajectory.h"
 #include "batten/tests/allocations.h"
 #include "batten/tests/catch.h"
+#include "batten/tests/mesh/sample_meshes.h"
 #include "batten/tests/mesh/sequence_laws.h"
 #include "batten/tests/refusal.h"
 
@@ -173,6 +174,31 @@ TEST_CASE("logarithms follow rotations through many turns") {
       CHECK((followed.row(m) - followed.row(m - 1)).norm() <
             std::hypot(std::numbers::pi / 2, 2 * std::numbers::pi));
   }
+}
+
+TEST_CASE("a twist of more than a turn is followed over the mesh") {
+  const TriangleMesh mesh = beside(sheet(30), sheet(9));
+  const Vec3 axis = Vec3(1, 2, -1).normalized();
+  std::vector<std::vector<Mat3>> at(3);
+  const auto angle = [&](int m, int v) {
+    return (m + 1) * 1.5 * (mesh.point(v).x() - 1) + 0.3 * mesh.point(v).y();
+  };
+  for (int m = 0; m < 3; ++m)
+    for (int v = 0; v < mesh.vertex_count(); ++v)
+      at[m].push_back(rotation_matrix(rotation_log(axis, angle(m, v))));
+  const std::vector<Points> logs = followed_logs(at, mesh.topology());
+  for (int m = 0; m < 3; ++m)
+    for (int v = 0; v < mesh.vertex_count(); ++v)
+      CHECK((logs[m].row(v).transpose() - rotation_log(axis, angle(m, v))).norm() < 1e-12);
+  CHECK(refusal([&] { followed_logs(at, sheet(2).topology()); }) ==
+        "1061 rotations for 9 vertices");
+}
+
+TEST_CASE("a sequence of one frame is edited too") {
+  const Trajectory t{Points::Ones(1, 3), {Mat3::Identity()}};
+  Random random(31);
+  const RigidMotion motion = random_motion(random);
+  CHECK(distance(edited(t, {{0, motion}}), moved({motion}, t)) < 1e-15);
 }
 
 TEST_CASE("interpolated rotations are exact at keyframes and the same in any frame of reference") {
