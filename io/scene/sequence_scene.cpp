@@ -309,8 +309,15 @@ SequenceScene read(const toml::table& root_table, const std::filesystem::path& f
   scene.features = read_features(root, kept);
   read_steps(root, folder, scene);
   scene.frames_out = "frames/frame_*.obj";
-  for (const TomlTable& t : root.table("output", {"frames"}))
+  for (const TomlTable& t : root.table("output", {"frames", "frames_per_second"})) {
     scene.frames_out = t.text("frames", scene.frames_out);
+    const std::filesystem::path path = scene.frames_out;
+    if (path.is_absolute() || std::distance(path.begin(), path.end()) > 2 ||
+        std::find(path.begin(), path.end(), "..") != path.end())
+      t.fail("frames", in_quotes(scene.frames_out),
+             "a name in the output folder, or one folder and a name: frames/walk_*.obj");
+    scene.frames_per_second = t.positive("frames_per_second", scene.frames_per_second);
+  }
   Names files("file name");
   for (const TomlTable& t : root.tables("picture", {"file", "title", "show", "frames", "together",
                                                     "mesh", "view", "zoom", "seconds", "size"}))

@@ -139,7 +139,8 @@ struct SequenceScene : SceneSelections {
   std::vector<SequenceHandle> handles;
   std::vector<FeatureRule> features;
   std::vector<SequenceStep> steps;
-  std::string frames_out;  ///< path in the output folder, SequenceWriter's
+  std::string frames_out;         ///< path in the output folder, SequenceWriter's
+  double frames_per_second = 24;  ///< of a .glb whose frames have numbers instead of times
   std::vector<SequencePicture> pictures;
 
   Vec3 upwards() const { return Vec3::Unit(up); }

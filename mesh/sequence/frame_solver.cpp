@@ -165,6 +165,8 @@ struct FrameSolver::Data {
     volume = holds.keeps_volume ? enclosed_volume(triangles, rest) : 0;
     set_guides();
     report = {};
+    mixing.reset();
+    begun = true;
   }
 
   static Vec3 centre_of(const std::vector<int>& nodes, const RowPoints& p) {
@@ -356,7 +358,6 @@ struct FrameSolver::Data {
   }
 
   void rounds(int most) {
-    mixing.reset();
     while (report.rounds < most && !report.converged) {
       report.energies.push_back(go_on(report.energies.empty()
                                           ? std::numeric_limits<double>::infinity()
@@ -431,6 +432,7 @@ struct FrameSolver::Data {
   std::vector<Vec3> part_rest, part_place, handle_rest;
   std::vector<char> keeps_turn;  // nodes whose R_i is that of their part
   std::vector<double> chunk_sums;
+  bool begun = false;
   FrameShape shape;
   EstimateReport report;
 };
@@ -453,6 +455,13 @@ void FrameSolver::alternate(const Points& frame, const FramePlaces& places, cons
   data_->start_from(start);
   data_->rounds(data_->options.most_rounds);
   data_->finish();
+}
+
+bool FrameSolver::go_on(int rounds) {
+  if (!data_->begun) throw InputError("a frame that was not begun cannot go on");
+  data_->rounds(data_->report.rounds + rounds);
+  data_->finish();
+  return data_->report.converged;
 }
 
 void FrameSolver::reconstruct(const Points& frame, const FramePlaces& places,

@@ -91,6 +91,9 @@ class FrameSolver {
   void alternate(const Points& frame, const FramePlaces& places);
   /// The same from positions: of a neighbour, of a coarser solution, or those of the drag so far.
   void alternate(const Points& frame, const FramePlaces& places, const Points& start);
+  /// Goes on from where it stands, for so many rounds at most: a drag shows a shape in between. Needs
+  /// a shape. Returns whether it is at rest.
+  bool go_on(int rounds);
   /// The linear step alone: rotations as given, one a node; then `rounds` rounds. Parts that turn
   /// freely start with the mean of their nodes' rotations.
   void reconstruct(const Points& frame, const FramePlaces& places, const std::vector<Mat3>& turns,

@@ -169,7 +169,10 @@ struct SequenceEditor::Data {
     std::vector<int> at;
     for (const auto& key : keyframes) at.push_back(key.frame);
     weights = KeyframeWeights::of_frames(sequence->times, at, options.ends, options.influence);
-    logs = followed_logs(turns);
+    // Rotations are of nodes; where sheets meet the topology has more vertices than these.
+    const MeshTopology& topology = mesh.topology();
+    logs = topology.node_count() == topology.vertex_count() ? followed_logs(turns, topology)
+                                                            : followed_logs(turns);
     turns.clear();
   }
 

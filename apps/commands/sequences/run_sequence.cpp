@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <deque>
 
 #include "batten/apps/commands/meshes/vertex_selector.h"
@@ -251,6 +252,16 @@ class SequenceRun {
         PreparedSequence{std::move(sequence), input_->mesh.with_points(std::move(vertices))});
   }
 
+  /// glTF wants seconds.
+  std::vector<double> written_times() const {
+    std::vector<double> times = last_.times;
+    const bool numbered =
+        std::all_of(times.begin(), times.end(), [](double t) { return t == std::floor(t); });
+    if (scene_.frames_out.ends_with(".glb") && numbered)
+      for (double& t : times) t = (t - last_.times.front()) / scene_.frames_per_second;
+    return times;
+  }
+
   void write_frames() {
     const int count = count_of(last_.times);
     const auto [first, last] = task_.frames.value_or(std::pair(1, count));
@@ -261,7 +272,7 @@ class SequenceRun {
     report_.first = first;
     report_.last = last;
     FrameStore store(out_.folder() / scene_.frames_out, out_.file(scene_.frames_out), last_.shells,
-                     last_.times, first - 1, last - 1, fingerprint_.text());
+                     written_times(), first - 1, last - 1, fingerprint_.text());
     shown_ = shown_frames(scene_, report_.frames_before, first - 1, last - 1);
     FrameMeasures measures(input_->mesh, parts_, last_.feet);
     const auto look = [&](int k, const Points& p) {

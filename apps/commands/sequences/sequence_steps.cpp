@@ -166,7 +166,9 @@ class Step {
     root.turns.assign(sequence().frame_count(), Mat3::Identity());
     for (int k = 0; k < sequence().frame_count(); ++k)
       root.centres.row(k) = sequence().frames[k].colwise().mean();
-    const ToldHandles told{numbers, filtered(root, handles, filter).handles,
+    FilterOptions even_ends;
+    even_ends.padding = Padding::Turned;  // a walk does not slow down where the frames end
+    const ToldHandles told{numbers, filtered(root, handles, filter, even_ends).handles,
                            told_frames(sequence().frame_count(), step_.every, {})};
     StepResult result = follow_told(step_, from_, parts_, told, fixed_, progress_);
     result.warnings.insert(result.warnings.end(), warnings.begin(), warnings.end());
