@@ -144,9 +144,11 @@ SequenceStep::Mix read_mix(const TomlTable& t, const std::filesystem::path& fold
   if (step.source.path.empty())
     t.fail("source", "no source", "source = { file = …, select = […] }");
   for (const TomlTable& p : t.tables("pair", {"handle", "from"}))
-    step.pairs.push_back({word_of(p, "handle"), word_of(p, "from")});
+    step.pairs.push_back(
+        {word_of(p, "handle"), p.has("from") ? word_of(p, "from") : PlacedWord{"", p.place()}});
   if (step.pairs.empty()) t.fail("pair", "no pairs", "pair = [{ handle = …, from = … }]");
   step.turns = t.boolean("turns", true);
+  step.each = t.choice("align", false, {{"all", false}, {"each", true}});
   return step;
 }
 
@@ -185,7 +187,7 @@ const std::vector<std::pair<std::string, std::vector<std::string>>> kKinds{
     {"footprints", {"feet", "found", "shift", "terrain"}},
     {"path", {"through", "spans", "lengths", "feet", "found"}},
     {"filter", {"filter", "handles", "sigma", "amount", "feet", "found"}},
-    {"mix", {"source", "pair", "turns"}},
+    {"mix", {"source", "pair", "turns", "align"}},
     {"morph", {"target", "interval", "frames", "align", "landmark"}}};
 
 void read_step_options(const TomlTable& t, SequenceStep& step) {

@@ -104,10 +104,11 @@ struct SequenceStep {
     std::vector<SelectRule> selections;  ///< on the mesh of the source
     struct Pair {
       PlacedWord handle;  ///< of this sequence
-      PlacedWord from;    ///< a selection of the source
+      PlacedWord from;    ///< a selection of the source; "": nodes of the same numbers
     };
     std::vector<Pair> pairs;
     bool turns = true;  ///< rotations carried along; false: places only
+    bool each = false;  ///< each pair is laid over by a similarity of its own; else one for all
   };
   struct Morph {
     SequenceSource target;

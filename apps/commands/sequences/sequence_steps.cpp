@@ -6,6 +6,7 @@
 #include "batten/apps/commands/meshes/vertex_selector.h"
 #include "batten/apps/commands/sequences/told_handles.h"
 #include "batten/core/errors.h"
+#include "batten/mesh/rotation_of_faces.h"
 #include "batten/mesh/sequence/trajectory_alignment.h"
 #include "batten/mesh/sequence/trajectory_filters.h"
 #include "batten/mesh/sequence/travel.h"
@@ -184,16 +185,28 @@ class Step {
     const MeshFile file = MeshFile::counted_from_1(source.shells);
     VertexSelector select(selections, file, prepared.mesh);
     ToldHandles told;
+    std::vector<Trajectory> own, other;
     for (const auto& pair : what.pairs) {
       const int h = parts_.handle(scene_, pair.handle);
-      const Trajectory own = trajectory_of(sequence().frames, parts_.handles[h].vertices);
-      const Trajectory other = trajectory_of(source.frames, select.of(pair.from));
-      AlignmentOptions options;
-      options.about = scene_.upwards();
-      Trajectory wanted =
-          aligned(resampled(other, own.frame_count()), alignment(other, own, options));
-      if (!what.turns) wanted.turns = own.turns;
+      const bool same = pair.from.text.empty();
+      if (same && source.node_count() != sequence().node_count())
+        throw InputError(scene_.at(pair.from.place) + "found a source of " +
+                         std::to_string(source.node_count()) + " nodes, expected from = … or " +
+                         std::to_string(sequence().node_count()) + " nodes as here");
       told.handles.push_back(h);
+      own.push_back(trajectory_of(sequence().frames, parts_.handles[h].vertices));
+      other.push_back(resampled(
+          trajectory_of(source.frames, same ? parts_.handles[h].vertices : select.of(pair.from)),
+          sequence().frame_count()));
+    }
+    for (size_t p = 0; p < own.size(); ++p) {
+      // Alike or not, parts of one body go together: one similarity for all, unless each has its own.
+      const Similarity fit = what.each ? fitted({other[p]}, {own[p]}) : fitted(other, own);
+      Trajectory wanted = aligned(other[p], fit);
+      if (what.turns)
+        turn_as(wanted, own[p]);
+      else
+        wanted.turns = own[p].turns;
       told.wanted.push_back(std::move(wanted));
     }
     told.told = told_frames(sequence().frame_count(), step_.every, {});
@@ -218,6 +231,32 @@ class Step {
 
  private:
   const MeshSequence& sequence() const { return from_.sequence; }
+
+  /// The similarity that lays all these trajectories over those.
+  Similarity fitted(const std::vector<Trajectory>& from, const std::vector<Trajectory>& to) const {
+    const auto stacked = [](const std::vector<Trajectory>& all) {
+      Trajectory one;
+      one.centres.resize(all.front().frame_count() * count_of(all), 3);
+      for (size_t p = 0; p < all.size(); ++p) {
+        one.centres.middleRows(static_cast<long>(p) * all[p].frame_count(), all[p].frame_count()) =
+            all[p].centres;
+        one.turns.insert(one.turns.end(), all[p].turns.begin(), all[p].turns.end());
+      }
+      return one;
+    };
+    AlignmentOptions options;
+    options.about = scene_.upwards();
+    return alignment(stacked(from), stacked(to), options);
+  }
+
+  // Turns count from the first frame, in which the two handles need not stand alike: in the mean over
+  // the frames they do.
+  static void turn_as(Trajectory& wanted, const Trajectory& own) {
+    Mat3 sum = Mat3::Zero();
+    for (size_t k = 0; k < own.turns.size(); ++k) sum += wanted.turns[k].transpose() * own.turns[k];
+    const Mat3 between = rotation_part(sum);
+    for (Mat3& turn : wanted.turns) turn = turn * between;
+  }
 
   /// A sequence with other faces as one with ours.
   MeshSequence taken_on(const SequenceStep::Morph& what, const MorphOptions& options,
