@@ -10,6 +10,7 @@
 #include "batten/core/groups.h"
 #include "batten/core/rotations.h"
 #include "batten/mesh/deform/normal_equations.h"
+#include "batten/mesh/rotation_batch.h"
 #include "batten/mesh/rotation_of_faces.h"
 
 namespace batten {
@@ -230,28 +231,49 @@ void TurningSolver::measure_rows() {
   });
 }
 
-void TurningSolver::turn_cell(int c) {
+Mat3 TurningSolver::seen_by(int c) const {
   Mat3 M = Mat3::Zero();
-  double square = 0;
-  for (int k = element_start_[c]; k < element_start_[c + 1]; ++k) {
-    M += seen_[elements_[k]];
-    square += base_square_[elements_[k]];
-  }
+  for (int k = element_start_[c]; k < element_start_[c + 1]; ++k) M += seen_[elements_[k]];
   M /= rows_.cells_of_element;
   for (int k = link_start_[c]; k < link_start_[c + 1]; ++k) M += link_weight_[k] * G_[linked_[k]];
-  G_[c] = rotation_part(M);
-  if (rows_.fits_scale && square > 0) G_[c] *= std::max(0.0, G_[c].cwiseProduct(M).sum() / square);
+  return M;
+}
+
+// A few cells at a time; none of them sees another.
+template <class CellOf>
+void TurningSolver::turn_together(int count, const CellOf& cell_of) {
+  RotationBatch M, R;
+  for (int l = 0; l < RotationBatch::kLanes; ++l)
+    M.set(l, l < count ? seen_by(cell_of(l)) : Mat3::Identity());
+  rotation_parts(M, R);
+  for (int l = 0; l < count; ++l) {
+    const int c = cell_of(l);
+    G_[c] = R.get(l);
+    if (!rows_.fits_scale) continue;
+    double square = 0;
+    for (int k = element_start_[c]; k < element_start_[c + 1]; ++k)
+      square += base_square_[elements_[k]];
+    if (square > 0) G_[c] *= std::max(0.0, G_[c].cwiseProduct(M.get(l)).sum() / square);
+  }
+}
+
+template <class CellOf>
+void TurningSolver::turn_apart(int count, const CellOf& cell_of) {
+  constexpr int lanes = RotationBatch::kLanes;
+  for_each_in_chunks<kChunk / lanes>((count + lanes - 1) / lanes, [&](int batch) {
+    const int first = batch * lanes;
+    turn_together(std::min(lanes, count - first), [&](int l) { return cell_of(first + l); });
+  });
 }
 
 void TurningSolver::turn_cells() {
   if (colour_start_.empty()) {
-    for_each_in_chunks<kChunk>(cell_count(), [&](int c) { turn_cell(c); });
+    turn_apart(cell_count(), [](int c) { return c; });
     return;
   }
   for (size_t colour = 0; colour + 1 < colour_start_.size(); ++colour) {
     const int first = colour_start_[colour];
-    for_each_in_chunks<kChunk>(colour_start_[colour + 1] - first,
-                               [&](int k) { turn_cell(coloured_[first + k]); });
+    turn_apart(colour_start_[colour + 1] - first, [&](int k) { return coloured_[first + k]; });
   }
 }
 

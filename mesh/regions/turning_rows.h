@@ -86,7 +86,11 @@ class TurningSolver {
   double settle();
   void measure_rows();
   void turn_cells();
-  void turn_cell(int c);
+  Mat3 seen_by(int cell) const;
+  template <class CellOf>
+  void turn_apart(int count, const CellOf& cell_of);
+  template <class CellOf>
+  void turn_together(int count, const CellOf& cell_of);
   double energy();
   int cell_count() const { return static_cast<int>(rows_.mean.rows()); }
   int element_count() const { return count_of(rows_.row_start) - 1; }
