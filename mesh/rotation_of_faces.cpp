@@ -3,6 +3,7 @@
 #include <Eigen/LU>
 #include <Eigen/SVD>
 #include <cmath>
+#include <optional>
 
 #include "batten/core/chunks.h"
 #include "batten/core/errors.h"
@@ -54,8 +55,29 @@ Mat3 rotation_part(const Mat3& M) {
   return 0.5 * (X + cofactors(X) / X.col(0).dot(X.col(1).cross(X.col(2))));
 }
 
+namespace {
+
+/// H of a triangle that is not nearly a line: edges go to edges, E and F their columns, so H = F (Eᵀ
+/// E)⁻¹ Eᵀ. None for others.
+std::optional<Mat3> map_of_triangle(std::span<const int> corners, const Points& before,
+                                    const Points& after) {
+  if (corners.size() != 3) return std::nullopt;
+  Eigen::Matrix<double, 3, 2> E, F;
+  for (int k = 0; k < 2; ++k) {
+    E.col(k) = (before.row(corners[k + 1]) - before.row(corners[0])).transpose();
+    F.col(k) = (after.row(corners[k + 1]) - after.row(corners[0])).transpose();
+  }
+  const Mat2 G = E.transpose() * E;
+  const double det = G.determinant(), trace = G.trace();
+  if (!(det > 1e-6 * trace * trace)) return std::nullopt;
+  return F * (G.inverse() * E.transpose());
+}
+
+}  // namespace
+
 Mat3 rotation_of_face(std::span<const int> corners, const Points& before, const Points& after) {
   if (corners.empty()) return Mat3::Identity();
+  if (const auto H = map_of_triangle(corners, before, after)) return rotation_part(*H);
   const auto count = static_cast<double>(corners.size());
   // Relative to the first corner: far from the origin the means would lose digits.
   const Vec3 from = before.row(corners[0]), to = after.row(corners[0]);

@@ -121,7 +121,8 @@ class TurningSolver {
   RowPoints now_, held_part_, residual_;   // A p, A d0, what is left for the free vertices
   std::vector<Mat3> seen_, G_, G_before_;  // of elements: Σ (A p) bᵀ; of cells
   std::vector<double> parts_;              // of the energy, chunk by chunk
-  Points p_, result_;                      // p_ relative to origin_
+  RowPoints p_;                            // relative to origin_
+  Points result_;
   EstimateReport report_;
 };
 
