@@ -430,8 +430,8 @@ CLI::App* add_skin(CLI::App& app, Arguments& a) {
 
 /// Adds "batten info" and its options.
 CLI::App* add_info(CLI::App& app, Arguments& a) {
-  auto* sub =
-      app.add_subcommand("info", "What is in a scene, a file of lines, a mesh, a STEP file");
+  auto* sub = app.add_subcommand(
+      "info", "What is in a scene, a file of lines, a mesh, a deforming mesh, a STEP file");
   sub->add_option("file", a.file, "The file")->required();
   sub->add_option("--picture", a.picture, "Draw its lines with their curvature, to a .png");
   sub->add_option("--choices", a.choices,

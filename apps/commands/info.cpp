@@ -8,6 +8,7 @@
 #include "batten/apps/commands/lines/line_reading.h"
 #include "batten/apps/commands/lines/mirror_lines.h"
 #include "batten/apps/commands/meshes/mesh_info.h"
+#include "batten/apps/commands/sequences/sequence_info.h"
 #include "batten/apps/commands/shapes/make_model.h"
 #include "batten/core/errors.h"
 #include "batten/core/words.h"
@@ -215,16 +216,18 @@ std::string step_text(const std::filesystem::path& file, const std::string& unit
 std::string file_info(const std::filesystem::path& file, const std::string& unit) {
   require_input_file(file, "a scene, a mesh or a file of lines");
   if (file.extension() == ".toml")
-    return edits_a_mesh(file) ? edits_text(read_deform_scene(file))
-           : only_fairs(file) ? fairing_text(read_fair_scene(file))
-                              : scene_text(read_scene(file));
+    return edits_a_sequence(file) ? sequence_info(read_sequence_scene(file))
+           : edits_a_mesh(file)   ? edits_text(read_deform_scene(file))
+           : only_fairs(file)     ? fairing_text(read_fair_scene(file))
+                                  : scene_text(read_scene(file));
   if (is_mesh_file(file)) return mesh_info(file, unit);
+  if (is_sequence_file(file)) return sequence_info(SequenceSource{file, {}, {}}, unit);
   if (line_file_kind(file) == LineFileKind::None)
     throw InputError(file.string() + ": found the ending '" + file.extension().string() +
                      "', expected a scene (.toml), lines (.csv, .txt, .xyz, .dat, .obj, .curves, "
                      ".iges, .step, .dxf, .svg, .json) or a "
                      "mesh (.obj, .off, .ply, .stl, .vtp, .vtu, .bdf, .nas, .dat, .inp, .k, .key, "
-                     ".dyn, .rad)");
+                     ".dyn, .rad) or a deforming one (.glb, .gltf, .pc2, .mdd, .pvd, .frd)");
   const std::string ending = file.extension().string();
   if (ending == ".step" || ending == ".stp")
     if (const std::string text =
@@ -237,7 +240,7 @@ std::string file_info(const std::filesystem::path& file, const std::string& unit
 void draw_lines(const std::filesystem::path& picture, const std::filesystem::path& file,
                 const std::string& unit) {
   if (file.extension() == ".toml") {
-    if (edits_a_mesh(file))
+    if (edits_a_mesh(file) || edits_a_sequence(file))
       throw InputError(file.string() + ": found edits of a mesh, expected lines to draw");
     if (only_fairs(file)) {
       const FairScene scene = read_fair_scene(file);
