@@ -75,9 +75,12 @@ struct FrameSolver::Data {
     }
   }
 
+  // In the linear step: there each edge counts once, in E twice.
+  double half_softness() const { return 0.5 * holds.softness.value_or(0); }
+
   void factorize() {
     if (unknowns.count == 0) return;
-    const SparseMatrix K = frame_matrix(graph, unknowns, holds.softness.value_or(0));
+    const SparseMatrix K = frame_matrix(graph, unknowns, half_softness());
     factor.analyze(K, Expected::one_factor);
     if (!factor.factorize(K)) throw NoSolutionError("frames: " + factor.message());
   }
@@ -96,7 +99,7 @@ struct FrameSolver::Data {
       if (b >= 0 && a < 0) loads_of.row(b) += e.weight * share.row(e.a);
     }
     for (const auto& d : unknowns.drawn)
-      if (const int a = unknowns.of_node[d.node]; a >= 0) loads_of(a, d.handle) += *holds.softness;
+      if (const int a = unknowns.of_node[d.node]; a >= 0) loads_of(a, d.handle) += half_softness();
     if (unknowns.count > 0 && handles > 0) factor.solve_in_place(loads_of);
     for (int v = 0; v < graph.nodes; ++v)
       if (unknowns.of_node[v] >= 0) share.row(v) = loads_of.row(unknowns.of_node[v]);
@@ -297,7 +300,7 @@ struct FrameSolver::Data {
     }
     for (const auto& d : unknowns.drawn)
       loads.row(d.node) +=
-          *holds.softness * (target(d).transpose() - rest.row(d.node) - offset.row(d.node));
+          half_softness() * (target(d).transpose() - rest.row(d.node) - offset.row(d.node));
     right.setZero();
     for (int v = 0; v < graph.nodes; ++v)
       if (const int a = unknowns.of_node[v]; a >= 0) right.row(a) += loads.row(v);
@@ -312,28 +315,31 @@ struct FrameSolver::Data {
         size > 0 && unknowns.count > 0 ? (right - y).rowwise().norm().maxCoeff() / size : 0;
   }
 
-  // Along z = K⁻¹ ∂V, with ∂V where the linear step went: the least change of E that has the volume.
+  // Along z = K⁻¹ ∂V, with ∂V of the shape before, so that at rest E has its least value among the
+  // shapes of this volume; in the first round of where the linear step went.
   void reach_volume() {
-    y.swap(right);
-    place_nodes();
-    y.swap(right);
+    if (report.rounds == 0) place_at(right);
     volume_gradient(triangles, now, gradient);
     along.setZero(unknowns.count, 3);
     for (int v = 0; v < graph.nodes; ++v)
       if (const int a = unknowns.of_node[v]; a >= 0) along.row(a) += gradient.row(v);
     if (unknowns.count > 0) factor.solve_in_place(along);
-    for (int step = 0; step < 4; ++step) {
+    for (int step = 0; step < 5; ++step) {
+      place_at(right);
+      volume_gradient(triangles, now, gradient);
       double slope = 0;
       for (int v = 0; v < graph.nodes; ++v)
         if (const int a = unknowns.of_node[v]; a >= 0) slope += gradient.row(v).dot(along.row(a));
       const double missing = volume - enclosed_volume(triangles, now);
       if (!(slope > 0) || std::abs(missing) < 1e-15 * std::abs(volume)) return;
       right += missing / slope * along;
-      y.swap(right);
-      place_nodes();
-      y.swap(right);
-      volume_gradient(triangles, now, gradient);
     }
+  }
+
+  void place_at(MatX& other) {
+    y.swap(other);
+    place_nodes();
+    y.swap(other);
   }
 
   /// One round; returns the energy, which is not above the one before.

@@ -184,7 +184,7 @@ TEST_CASE("a few vertices carry no edit and rigid motions exactly, others about"
     CHECK(distance(solver.control(), moved(m, control.points())) < 1e-6);
   }
   INFO("rigid " << rigid);
-  CHECK(rigid < 1e-7);
+  CHECK(rigid < 1e-6);
   // The answer is W d, with handles near their places.
   const RigidMotion up{Mat3::Identity(), Vec3(-0.2, 0, 0.5)};
   const Points bent_up = solver.solve(told({{}, up}));
@@ -242,5 +242,5 @@ TEST_CASE("a session answers at once and refines to where the solver comes") {
           Approx(solver.report().energies.back()).epsilon(1e-9));
     CHECK(apart < 1e-6);
   }
-  CHECK(!refusal([&] { session.set_frame(p.topRows(4)); }).empty());
+  CHECK(refusal([&] { session.set_frame(p.topRows(4)); }).find("4 nodes") != std::string::npos);
 }
