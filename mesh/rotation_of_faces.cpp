@@ -25,7 +25,7 @@ Mat3 rotation_by_svd(const Mat3& M) {
   const Eigen::JacobiSVD<Mat3> svd(M / size, Eigen::ComputeFullU | Eigen::ComputeFullV);
   const Mat3 &P = svd.matrixU(), &Q = svd.matrixV();
   if (svd.singularValues()[1] <= 1e-12 * svd.singularValues()[0])
-    return Eigen::Quaterniond::FromTwoVectors(Q.col(0), P.col(0)).matrix();
+    return Eigen::Quaterniond::FromTwoVectors(Q.col(0), P.col(0)).normalized().matrix();
   Vec3 sign = Vec3::Ones();
   if (P.determinant() * Q.determinant() < 0) sign[2] = -1;
   return P * sign.asDiagonal() * Q.transpose();

@@ -19,8 +19,8 @@ bool add_triangle(const Eigen::Matrix<double, Eigen::Dynamic, 3>& u, const VecX&
                   const std::array<int, 3>& t, double size, VecX& w) {
   double angle[3], half = 0;
   for (int i = 0; i < 3; ++i) {
-    const double chord = (u.row(t[(i + 1) % 3]) - u.row(t[(i + 2) % 3])).norm();
-    angle[i] = 2 * std::asin(std::min(1.0, chord / 2));
+    const auto &p = u.row(t[(i + 1) % 3]), &q = u.row(t[(i + 2) % 3]);
+    angle[i] = 2 * std::atan2((p - q).norm(), (p + q).norm());  // to the last digit near π too
     half += angle[i] / 2;
   }
   if (kPi - half < 1e-9) {  // on the triangle: barycentric coordinates
@@ -97,6 +97,9 @@ ControlFollower::ControlFollower(const TriangleMesh& mesh, const Points& control
 }
 
 Points ControlFollower::at(const Points& frame) const {
+  if (frame.rows() != mesh_.topology().node_count())
+    throw InputError("a frame of " + std::to_string(frame.rows()) + " nodes, expected " +
+                     std::to_string(mesh_.topology().node_count()));
   std::vector<Mat3> turns(frame.rows());
   for (const int v : nodes_) {
     Mat3 M = Mat3::Zero();

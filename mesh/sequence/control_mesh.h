@@ -38,7 +38,7 @@ MatX mean_value_coordinates(const TriangleMesh& control, const Points& points);
 class ControlFollower {
  public:
   ControlFollower(const TriangleMesh& mesh, const Points& control, const MatX& W, int near = 4);
-  /// Control vertices at a frame (nodes × 3).
+  /// Control vertices at a frame (nodes × 3). Throws InputError on another number of nodes.
   Points at(const Points& frame) const;
 
  private:

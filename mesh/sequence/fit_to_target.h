@@ -30,7 +30,7 @@ struct TargetFit {
 /// The nodes of `mesh` onto the surface of `target`: first the similarity that fits the landmarks
 /// best, then
 ///
-///     min Σ_i Σ_j |(v_j - v_i) - R_i (p_j - p_i)|² + μ Σ_i |v_i - c_i|² + Λ Σ_landmarks |v - u|²
+///     min ½ Σ_i Σ_j |(v_j - v_i) - R_i (p_j - p_i)|² + μ Σ_i |v_i - c_i|² + Λ Σ_landmarks |v - u|²
 ///
 /// c_i: the nearest point of the target whose normal is within 90° of the node's. μ grows stage by
 /// stage; each stage starts with the shape before as p. Rounds find R_i, then c_i, then v. Landmarks

@@ -125,7 +125,7 @@ void FrameSolver::Data::solve_positions() {
   }
   for (const auto& d : unknowns.drawn)
     loads.row(d.node) +=
-        *holds.softness * (target(d).transpose() - rest.row(d.node) - offset.row(d.node));
+        half_softness() * (target(d).transpose() - rest.row(d.node) - offset.row(d.node));
   right.setZero();
   for (int v = 0; v < graph.nodes; ++v)
     if (const int a = unknowns.of_node[v]; a >= 0) right.row(a) += loads.row(v);
@@ -141,26 +141,28 @@ void FrameSolver::Data::solve_positions() {
 }
 
 void FrameSolver::Data::reach_volume() {
-  y.swap(right);
-  place_nodes();
-  y.swap(right);
+  if (report.rounds == 0) place_at(right);
   volume_gradient(triangles, now, gradient);
   along.setZero(unknowns.count, 3);
   for (int v = 0; v < graph.nodes; ++v)
     if (const int a = unknowns.of_node[v]; a >= 0) along.row(a) += gradient.row(v);
   if (unknowns.count > 0) factor.solve_in_place(along);
-  for (int step = 0; step < 4; ++step) {
+  for (int step = 0; step < 5; ++step) {
+    place_at(right);
+    volume_gradient(triangles, now, gradient);
     double slope = 0;
     for (int v = 0; v < graph.nodes; ++v)
       if (const int a = unknowns.of_node[v]; a >= 0) slope += gradient.row(v).dot(along.row(a));
     const double missing = volume - enclosed_volume(triangles, now);
     if (!(slope > 0) || std::abs(missing) < 1e-15 * std::abs(volume)) return;
     right += missing / slope * along;
-    y.swap(right);
-    place_nodes();
-    y.swap(right);
-    volume_gradient(triangles, now, gradient);
   }
+}
+
+void FrameSolver::Data::place_at(MatX& other) {
+  y.swap(other);
+  place_nodes();
+  y.swap(other);
 }
 
 double FrameSolver::Data::go_on(double before) {

@@ -66,7 +66,7 @@ void FrameSolver::Data::set_triangles(const TriangleMesh& mesh) {
 
 void FrameSolver::Data::factorize() {
   if (unknowns.count == 0) return;
-  const SparseMatrix K = frame_matrix(graph, unknowns, holds.softness.value_or(0));
+  const SparseMatrix K = frame_matrix(graph, unknowns, half_softness());
   factor.analyze(K, Expected::one_factor);
   if (!factor.factorize(K)) throw NoSolutionError("frames: " + factor.message());
 }
@@ -84,7 +84,7 @@ void FrameSolver::Data::spread_turns() {
     if (b >= 0 && a < 0) loads_of.row(b) += e.weight * share.row(e.a);
   }
   for (const auto& d : unknowns.drawn)
-    if (const int a = unknowns.of_node[d.node]; a >= 0) loads_of(a, d.handle) += *holds.softness;
+    if (const int a = unknowns.of_node[d.node]; a >= 0) loads_of(a, d.handle) += half_softness();
   if (unknowns.count > 0 && handles > 0) factor.solve_in_place(loads_of);
   for (int v = 0; v < graph.nodes; ++v)
     if (unknowns.of_node[v] >= 0) share.row(v) = loads_of.row(unknowns.of_node[v]);

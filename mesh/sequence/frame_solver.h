@@ -20,7 +20,7 @@ struct FrameHolds {
   std::vector<FormFeature> features;  ///< parts that keep their shape exactly and go along
   std::optional<double> softness;     ///< λ: handles are drawn to their places by this weight
                                       ///< instead of being held there; above 0
-  /// Places of single nodes: on a plane, or on a line such as a screen ray. Held exactly. The points
+  /// Nodes or means of nodes on a plane, or on a line such as a screen ray. Held exactly. The points
   /// of a plane or line are told frame by frame.
   std::vector<GuidedPoint> guided;
   bool keeps_volume = false;  ///< the closed surface encloses as much as in the frame
@@ -78,8 +78,8 @@ struct FrameShape {
 class FrameSolver {
  public:
   /// `mesh`: topology, and positions where weights come from them. Throws InputError (check() in
-  /// deform_problem.h; a softness not above 0, a volume of a surface that is not closed; a guided
-  /// point that is no single node), NoSolutionError.
+  /// deform_problem.h; a softness not above 0, a volume of a surface that is not closed),
+  /// NoSolutionError.
   FrameSolver(const TriangleMesh& mesh, FrameHolds holds, const FrameOptions& options = {});
   ~FrameSolver();
   FrameSolver(FrameSolver&&) noexcept;

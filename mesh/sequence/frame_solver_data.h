@@ -32,11 +32,14 @@ struct FrameSolver::Data {
   void take_part_turns();
 
   // Rounds (frame_rounds.cpp).
+  // In the linear step: there each edge counts once, in E twice.
+  double half_softness() const { return 0.5 * holds.softness.value_or(0); }
   bool turns_by_itself(size_t part) const;
   // How far the nodes of a part stand from where its unknown alone, or the frame, has them.
   void set_offsets(size_t k);
   void set_guides();
   void place_nodes();
+  void place_at(MatX& other);
   // The exact minimum over the rotation of a part whose centre and surroundings stand still.
   void turn_part(size_t k);
   Vec3 target(const FrameUnknowns::Drawn& d) const;
@@ -46,7 +49,8 @@ struct FrameSolver::Data {
   void give_parts_turns();
   /// The best positions for the turns, into `right`.
   void solve_positions();
-  // Along z = K⁻¹ ∂V, with ∂V where the linear step went: the least change of E that has the volume.
+  // Along z = K⁻¹ ∂V, with ∂V of the shape before, so that at rest E has its least value among the
+  // shapes of this volume; in the first round of where the linear step went.
   void reach_volume();
   /// One round; returns the energy, which is not above the one before.
   double go_on(double before);

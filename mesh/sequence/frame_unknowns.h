@@ -40,7 +40,8 @@ struct FrameUnknowns {
 
 FrameUnknowns frame_unknowns(const RingGraph& graph, const FrameHolds& holds);
 
-/// The matrix of the linear step, lower triangle: Σ w_ij (x_i - x_j)² + λ Σ x_h² over the unknowns.
+/// The matrix of the linear step, lower triangle: Σ w_ij (x_i - x_j)² + s Σ x_h² over the unknowns,
+/// each edge once.
 SparseMatrix frame_matrix(const RingGraph& graph, const FrameUnknowns& unknowns, double softness);
 
 }  // namespace batten

@@ -34,6 +34,13 @@ struct SequenceEditor::Data {
     after = before;
   }
 
+  void forget() {
+    keyframes.clear();
+    positions.clear();
+    reports.clear();
+    after = before;
+  }
+
   void check_keyframes() const {
     const int last = sequence->frame_count() - 1;
     for (size_t k = 0; k < keyframes.size(); ++k) {
@@ -219,16 +226,19 @@ void SequenceEditor::set_keyframes(std::vector<SequenceKeyframe> keyframes,
   Data& d = *data_;
   std::sort(keyframes.begin(), keyframes.end(),
             [](const auto& a, const auto& b) { return a.frame < b.frame; });
+  d.forget();
+  if (keyframes.empty()) return;
   d.keyframes = std::move(keyframes);
-  d.check_keyframes();
-  d.after = d.before;
-  d.positions.clear();
-  d.reports.clear();
-  if (d.keyframes.empty()) return;
-  d.start_from_control_mesh(progress);
-  d.solve_keyframes(progress);
-  d.follow_handles();
-  d.follow_turns();
+  try {
+    d.check_keyframes();
+    d.start_from_control_mesh(progress);
+    d.solve_keyframes(progress);
+    d.follow_handles();
+    d.follow_turns();
+  } catch (...) {
+    d.forget();
+    throw;
+  }
 }
 
 void SequenceEditor::frames(int first, int last,

@@ -63,8 +63,8 @@ class SequenceEditor {
   SequenceEditor& operator=(SequenceEditor&&) noexcept;
 
   /// Steps 1 to 4. Keyframes in any order. Throws InputError: a frame that is not there or twice, a
-  /// keyframe that tells no handle or another number of them, one outside of the influence;
-  /// CancelledError.
+  /// keyframe that tells no handle or another number of them, one outside of the influence; what
+  /// FrameSolver throws; CancelledError. Then there are no keyframes.
   void set_keyframes(std::vector<SequenceKeyframe> keyframes, const Progress& progress = {});
   /// Step 5 for frames first … last: calls take(frame, positions) in order. Throws what take throws,
   /// CancelledError.

@@ -16,7 +16,7 @@ struct SubspaceOptions {
 /// The energy of FrameSolver (w_ij = 1), minimised over the vertices d of a control mesh with v = W
 /// d, W their mean value coordinates in the frame:
 ///
-///     min_d E(W d) + λ Σ_h |(W d)_h - u_h|²
+///     min_d ½ E(W d) + λ Σ_h |(W d)_h - u_h|²
 ///
 /// Few unknowns move the whole mesh smoothly, so a few rounds get where the alternation over all
 /// nodes needs hundreds. Handles are only drawn to their places, features are not rigid: a start for

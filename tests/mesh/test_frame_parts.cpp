@@ -1,0 +1,285 @@
+// One frame with features, free turns, guides and a volume; and what a frame solver refuses.
+#include <functional>
+#include <limits>
+
+#include "batten/core/errors.h"
+#include "batten/mesh/sequence/frame_solver.h"
+#include "batten/mesh/sequence/mesh_sequence.h"
+#include "batten/tests/catch.h"
+#include "batten/tests/mesh/frame_twin.h"
+#include "batten/tests/refusal.h"
+
+using namespace batten;
+using namespace batten_test;
+
+namespace {
+
+const FrameOptions kFine{FrameOptions::Weights::Uniform, 4000, 1e-12};
+
+struct Bar {
+  TriangleMesh mesh = bar(12, 3, 3, 0.6);
+  Points p = mesh.points();
+  std::vector<int> left = nodes_where(p, [](const Vec3&x) { return x.x() < 0.01; }),
+                   right = nodes_where(p, [](const Vec3&x) { return x.x() > 2.99; }),
+                   middle =
+                       nodes_where(p, [](const Vec3&x) { return std::abs(x.x() - 1.5) < 0.3; });
+
+  FrameHolds holds() const {
+    FrameHolds h;
+    h.fixed = left;
+    h.handles = {{"end", right}};
+    return h;
+  }
+  FramePlaces places(const Vec3& shift, double angle = 0) const {
+    const Vec3 c = centroid(p, right);
+    FramePlaces told;
+    told.handles = {
+        {RigidMotion::about(c, rotation_matrix(rotation_log(Vec3(0.2, 1, 0.1), angle)), c + shift),
+         false}};
+    return told;
+  }
+};
+
+double volume(const TriangleMesh& mesh, const Points& p) {
+  double six = 0;
+  for (const auto& [a, b, c] : mesh.triangles())
+    six += Vec3(p.row(a)).dot(Vec3(p.row(b)).cross(Vec3(p.row(c))));
+  return six / 6;
+}
+
+}  // namespace
+
+namespace {
+
+/// The energy with a rigid part turned about its centre, all else as it stands.
+double with_turn(const TriangleMesh& mesh, const Points& p, FrameShape at,
+                 const std::vector<int>& part, const Mat3& turn) {
+  const Vec3 c0 = centroid(p, part), c = centroid(at.positions, part);
+  for (const int v : part) {
+    at.positions.row(v) = c + turn * (Vec3(p.row(v)) - c0);
+    at.turns[v] = turn;
+  }
+  return ring_energy(mesh, p, at.positions, at.turns);
+}
+
+/// Steps about three axes from many turns, halved where none is better: the best turn there is.
+Mat3 searched_turn(const std::function<double(const Mat3&)>& energy) {
+  Random random(45);
+  Mat3 best = Mat3::Identity();
+  double least = energy(best);
+  for (int k = 0; k < 12; ++k) {
+    Mat3 turn = random_turn(random);
+    double e = energy(turn);
+    for (double step = 0.5; step > 1e-7;) {
+      bool better = false;
+      for (int d = 0; d < 6 && !better; ++d) {
+        const Mat3 next = rotation_matrix((d % 2 ? -step : step) * Vec3::Unit(d / 2)) * turn;
+        const double there = energy(next);
+        if (there < e) turn = next, e = there, better = true;
+      }
+      if (!better) step /= 2;
+    }
+    if (e < least) least = e, best = turn;
+  }
+  return best;
+}
+
+}  // namespace
+
+TEST_CASE("features and handles that turn freely are rigid, turned as a search would turn them") {
+  const Bar b;
+  for (const bool handle : {false, true}) {
+    FrameHolds holds = b.holds();
+    if (!handle) holds.features = {{"middle", b.middle}};
+    const std::vector<int>& part = handle ? b.right : b.middle;
+    FramePlaces places = b.places(Vec3(-0.4, 0.2, 0.8), 0.7);
+    places.handles[0].turns_freely = handle;
+    FrameSolver solver(b.mesh, holds, kFine);
+    solver.alternate(b.p, places);
+    REQUIRE(solver.report().converged);
+    const FrameShape& at = solver.result();
+    CHECK(bent(b.p, at.positions, part) < 1e-12);
+    const Mat3 turn = at.turns[part[0]];
+    CHECK((turn - Mat3::Identity()).norm() > 0.1);
+    for (const int v : part) CHECK(at.turns[v] == turn);
+    if (handle)
+      CHECK((centroid(at.positions, part) - places.handles[0].motion(centroid(b.p, part))).norm() <
+            1e-13);
+    const Mat3 best =
+        searched_turn([&](const Mat3& R) { return with_turn(b.mesh, b.p, at, part, R); });
+    INFO((handle ? "handle: " : "feature: ") << (best - turn).norm());
+    CHECK((best - turn).norm() < 1e-6);
+  }
+}
+
+TEST_CASE("guided points are on their plane and line") {
+  const Bar b;
+  FrameHolds holds = b.holds();
+  const Vec3 normal(1, 0.3, 2), along(0.1, -0.4, 1);
+  holds.guided = {
+      {"plane", VertexCombination::mean_of({b.middle[0]}), GuidedPoint::Kind::OnPlane, normal},
+      {"line", VertexCombination::mean_of({b.middle[9]}), GuidedPoint::Kind::OnLine, along}};
+  FramePlaces places = b.places(Vec3(-0.3, 0, 0.4), 0.5);
+  places.guides = {Vec3(1.4, 0.1, 0.5), Vec3(1.5, 0.4, -0.3)};
+  FrameSolver solver(b.mesh, holds, {FrameOptions::Weights::Cotangent});
+  solver.alternate(b.p, places);
+  const Points v = solver.result().positions;
+  CHECK(std::abs((Vec3(v.row(b.middle[0])) - places.guides[0]).dot(normal.normalized())) < 1e-13);
+  CHECK((Vec3(v.row(b.middle[9])) - places.guides[1]).cross(along.normalized()).norm() < 1e-13);
+  // A mean of nodes, of which one is held.
+  FrameHolds mean = b.holds();
+  const std::vector<int> some{b.middle[0], b.middle[5], b.right[0]};
+  mean.guided = {{"mean", VertexCombination::mean_of(some), GuidedPoint::Kind::OnLine, along}};
+  FramePlaces of_mean = b.places(Vec3(-0.3, 0, 0.4), 0.5);
+  of_mean.guides = {Vec3(2, 0.4, 0.3)};
+  FrameSolver of_some(b.mesh, mean);
+  of_some.alternate(b.p, of_mean);
+  CHECK((centroid(of_some.result().positions, some) - of_mean.guides[0])
+            .cross(along.normalized())
+            .norm() < 1e-13);
+  // Without points they stay on what goes through them in the frame.
+  places.guides.clear();
+  solver.alternate(b.p, places);
+  CHECK(std::abs((solver.result().positions.row(b.middle[0]) - b.p.row(b.middle[0]))
+                     .dot(normal.normalized())) < 1e-13);
+}
+
+TEST_CASE("a closed surface keeps its volume, with the least energy") {
+  const Bar b;
+  FrameHolds holds = b.holds();
+  for (const bool soft : {false, true}) {
+    holds.keeps_volume = true;
+    if (soft) holds.softness = 1;
+    FrameSolver solver(b.mesh, holds, {FrameOptions::Weights::Uniform, 3000, 1e-12});
+    const FramePlaces places = b.places(Vec3(-0.7, 0.1, 0.2), 0.4);
+    solver.alternate(b.p, places);
+    const Points v = solver.result().positions;
+    CHECK(solver.report().converged);
+    CHECK(std::abs(volume(b.mesh, v) / volume(b.mesh, b.p) - 1) < 1e-12);
+    if (soft) continue;
+    // ∂E = μ ∂V where nodes are free.
+    Points slope = Points::Zero(v.rows(), 3), gradient = slope;
+    const auto& R = solver.result().turns;
+    for (const auto& [i, j] : node_edges(b.mesh)) {
+      const Eigen::RowVector3d e =
+          2 * (v.row(j) - v.row(i)) -
+          ((R[i] + R[j]) * (b.p.row(j) - b.p.row(i)).transpose()).transpose();
+      slope.row(j) += e, slope.row(i) -= e;
+    }
+    for (const auto& [a, c, d] : b.mesh.triangles()) {
+      const auto add = [&](int x, int y, int z) {
+        gradient.row(x) += Vec3(v.row(y)).cross(Vec3(v.row(z))) / 6;
+      };
+      add(a, c, d), add(c, d, a), add(d, a, c);
+    }
+    for (const auto* held : {&b.left, &b.right})
+      for (const int n : *held) slope.row(n).setZero(), gradient.row(n).setZero();
+    const double mu = slope.cwiseProduct(gradient).sum() / gradient.squaredNorm();
+    INFO("mu " << mu << ", rest " << (slope - mu * gradient).norm() / slope.norm());
+    CHECK(std::abs(mu) > 1e-3);
+    CHECK((slope - mu * gradient).norm() < 1e-8 * slope.norm());
+  }
+}
+
+TEST_CASE("what hangs on nothing stays, and is told") {
+  const TriangleMesh two =
+      beside(bar(6, 2, 2, 0.5), sphere(1).with_points(sphere(1).points().array() + 5));
+  FrameHolds holds;
+  holds.handles = {{"end", {0, 1, 2}}};
+  FrameSolver solver(two, holds);
+  REQUIRE(solver.notes().size() == 1);
+  CHECK(solver.notes()[0].find("42 nodes") != std::string::npos);
+  FramePlaces places;
+  places.handles = {{{Mat3::Identity(), Vec3(0, 1, 0)}, false}};
+  solver.alternate(two.points(), places);
+  const Points moved_by = solver.result().positions - two.points();
+  CHECK(moved_by.bottomRows(42).norm() == 0);
+  CHECK((moved_by.topRows(two.vertex_count() - 42).rowwise() - Eigen::RowVector3d(0, 1, 0)).norm() <
+        1e-10);
+}
+
+TEST_CASE("a frame solver refuses what it cannot take") {
+  const Bar b;
+  const auto refused = [&](const FrameHolds& holds, const TriangleMesh& mesh) {
+    return refusal([&] { FrameSolver solver(mesh, holds); });
+  };
+  FrameHolds holds = b.holds();
+  CHECK(refused(holds, b.mesh).empty());
+  for (const double softness : {0.0, -1.0, std::numeric_limits<double>::quiet_NaN(),
+                                std::numeric_limits<double>::infinity()}) {
+    holds.softness = softness;
+    CHECK(refused(holds, b.mesh).find("softness") != std::string::npos);
+  }
+  holds = b.holds();
+  holds.handles[0].vertices.clear();
+  CHECK(refused(holds, b.mesh).find("end") != std::string::npos);
+  holds.handles[0].vertices = {9999};
+  CHECK(!refused(holds, b.mesh).empty());
+  CHECK(!refused({}, b.mesh).empty());
+  holds = {};
+  holds.fixed = {0};
+  holds.keeps_volume = true;
+  CHECK(refused(holds, sheet(4)).find("not closed") != std::string::npos);
+  holds = b.holds();
+  holds.guided = {{"point", {{{b.middle[0], 2.0}}}}};
+  CHECK(refused(holds, b.mesh).find("point") != std::string::npos);
+
+  holds = b.holds();
+  FrameSolver solver(b.mesh, holds);
+  const FramePlaces places = b.places(Vec3::Zero());
+  const auto refused_frame = [&](const Points& p, const FramePlaces& told) {
+    return refusal([&] { solver.alternate(p, told); });
+  };
+  CHECK(refusal([&] { solver.go_on(1); }).find("not begun") != std::string::npos);
+  CHECK(refused_frame(b.p, places).empty());
+  CHECK(!refused_frame(b.p.topRows(5), places).empty());
+  Points bad = b.p;
+  bad(3, 1) = std::numeric_limits<double>::quiet_NaN();
+  CHECK(refused_frame(bad, places).find("finite") != std::string::npos);
+  CHECK(refusal([&] { solver.alternate(b.p, places, bad); }).find("finite") != std::string::npos);
+  CHECK(!refused_frame(b.p, {}).empty());
+  FramePlaces wrong = places;
+  wrong.handles[0].motion.shift.x() = std::numeric_limits<double>::infinity();
+  CHECK(refused_frame(b.p, wrong).find("finite") != std::string::npos);
+  wrong = places;
+  wrong.guides = {Vec3::Zero()};
+  CHECK(refused_frame(b.p, wrong).find("guides") != std::string::npos);
+  CHECK(!refusal([&] { solver.reconstruct(b.p, places, {Mat3::Identity()}); }).empty());
+
+  holds.handles.push_back({"same", {b.right[0], b.middle[0]}});
+  FrameSolver both(b.mesh, holds);
+  FramePlaces apart = places;
+  apart.handles.push_back({{Mat3::Identity(), Vec3(0, 0.1, 0)}, false});
+  CHECK_THROWS_AS(both.alternate(b.p, apart), ConflictError);
+  apart.handles[0].motion = apart.handles[1].motion;
+  CHECK_NOTHROW(both.alternate(b.p, apart));
+}
+
+TEST_CASE("sequences are checked before they are edited") {
+  const TriangleMesh mesh = sphere(0);
+  MeshSequence s;
+  s.shells.points = mesh.points();
+  for (const auto& t : mesh.triangles()) s.shells.add_face(t);
+  const auto refused = [&] { return refusal([&] { check(s, "walk"); }); };
+  CHECK(refused() == "walk: no frames");
+  s.frames = {mesh.points(), mesh.points()};
+  CHECK(refused().find("times") != std::string::npos);
+  s.times = {0, 0};
+  CHECK(refused().starts_with("walk"));
+  s.times = {0, 0.5};
+  CHECK(refused().empty());
+  CHECK(size_of(s) == Approx(mesh.size()));
+  s.frames[1](3, 2) = std::numeric_limits<double>::quiet_NaN();
+  CHECK(refused() == "walk: frame 2: node 4 has a coordinate that is not finite");
+  s.frames[1] = mesh.points().topRows(5);
+  CHECK(refused().find("frame 2 has 5 nodes, expected 12") != std::string::npos);
+  // Second differences: of a motion that speeds up evenly they are its acceleration.
+  std::vector<Points> frames;
+  for (int k = 0; k < 5; ++k)
+    frames.push_back(mesh.points().rowwise() + Eigen::RowVector3d(0, 0.5 * k * k, 0));
+  const std::vector<double> second = second_differences(frames);
+  REQUIRE(second.size() == 5);
+  CHECK(second[0] == 0);
+  CHECK(second[4] == 0);
+  for (int k = 1; k < 4; ++k) CHECK(second[k] == Approx(1));
+}

@@ -1,0 +1,273 @@
+// One frame, ring by ring as rigid as possible: what the alternation keeps, and what it reaches.
+#include "batten/mesh/sequence/frame_solver.h"
+
+#include "batten/tests/catch.h"
+#include "batten/tests/mesh/frame_twin.h"
+#include "batten/tests/refusal.h"
+#include "batten/tests/threads.h"
+
+using namespace batten;
+using namespace batten_test;
+
+namespace {
+
+/// A mesh and two ends of it: one is fixed or a handle, the other one a handle.
+struct Sample {
+  std::string name;
+  TriangleMesh mesh;
+  std::vector<int> one, other;
+  Points frame() const { return mesh.points().topRows(mesh.topology().node_count()); }
+};
+
+Sample sample(const std::string& name, const TriangleMesh& mesh, double low, double high) {
+  const Points p = mesh.points().topRows(mesh.topology().node_count());
+  return {name, mesh, nodes_where(p, [&](const Vec3& x) { return x.x() <= low; }),
+          nodes_where(p, [&](const Vec3& x) { return x.x() >= high; })};
+}
+
+std::vector<Sample> samples() {
+  return {sample("open", sheet(40), 0.05, 3.95), sample("closed", bar(40, 6, 4, 0.6), 0.01, 3.9),
+          sample("sphere", sphere(4), -0.9, 0.9),
+          sample("joint", plate_with_wall(20).mesh, 0.01, 1.99)};
+}
+
+FrameHolds two_handles(const Sample& s) {
+  FrameHolds holds;
+  holds.handles = {{"one", s.one}, {"other", s.other}};
+  return holds;
+}
+
+FramePlaces told(const std::vector<RigidMotion>& motions) {
+  FramePlaces places;
+  for (const auto& m : motions) places.handles.push_back({m, false});
+  return places;
+}
+
+/// The other end lifted and turned about its centroid.
+RigidMotion bending(const Sample& s, double angle = 0.9) {
+  const Vec3 c = centroid(s.frame(), s.other);
+  return RigidMotion::about(c, rotation_matrix(rotation_log(Vec3(0.3, 1, 0.2), angle)),
+                            c + s.mesh.size() * Vec3(-0.1, 0.05, 0.2));
+}
+
+double highest_rise(const std::vector<double>& energies) {
+  double rise = 0;
+  for (size_t k = 1; k < energies.size(); ++k)
+    rise = std::max(rise, (energies[k] - energies[k - 1]) / energies[0]);
+  return rise;
+}
+
+}  // namespace
+
+TEST_CASE("a frame without an edit stays, and one rigid motion moves all of it") {
+  Random random(41);
+  for (const Sample& s : samples())
+    for (const auto weights : {FrameOptions::Weights::Uniform, FrameOptions::Weights::Cotangent}) {
+      FrameSolver solver(s.mesh, two_handles(s), {weights});
+      const Points p = s.frame();
+      const double size = s.mesh.size();
+      solver.alternate(p, told({{}, {}}));
+      const double still = distance(solver.result().positions, p) / size;
+      double rigid = 0;
+      for (int k = 0; k < 3; ++k) {
+        const RigidMotion m = random_motion(random);
+        solver.alternate(p, told({m, m}));
+        rigid = std::max(rigid, distance(solver.result().positions, moved(m, p)) / size);
+        CHECK(solver.report().converged);
+        for (const Mat3& turn : solver.result().turns)
+          rigid = std::max(rigid, (turn - m.turn).norm());
+      }
+      INFO(s.name << ": still " << still << ", rigid " << rigid);
+      CHECK(still < 1e-13);
+      CHECK(rigid < 1e-12);
+    }
+}
+
+TEST_CASE("no round raises the energy, whatever is held") {
+  for (const Sample& s : samples())
+    for (const auto weights : {FrameOptions::Weights::Uniform, FrameOptions::Weights::Cotangent})
+      for (int kind = 0; kind < 4; ++kind) {
+        FrameHolds holds;
+        holds.fixed = s.one;
+        holds.handles = {{"other", s.other}};
+        if (kind == 1) holds.softness = 3;
+        if (kind >= 2)
+          holds.features = {{"middle", nodes_where(s.frame(), [&](const Vec3& x) {
+                               return std::abs(x.x() - 0.5 * s.mesh.box().max().x()) <
+                                      0.1 * s.mesh.size();
+                             })}};
+        FrameSolver solver(s.mesh, holds, {weights, 60, 1e-9});
+        FramePlaces places = told({bending(s)});
+        places.handles[0].turns_freely = kind == 3;
+        solver.alternate(s.frame(), places);
+        const auto& energies = solver.report().energies;
+        INFO(s.name << ", kind " << kind << ", rise " << highest_rise(energies));
+        REQUIRE(energies.size() > 5);
+        CHECK(highest_rise(energies) <= 1e-12);
+        double drawn = 0;
+        for (const int v : s.other)
+          drawn +=
+              (Vec3(solver.result().positions.row(v)) - bending(s)(s.frame().row(v))).squaredNorm();
+        if (weights == FrameOptions::Weights::Uniform)
+          CHECK(energies.back() - (kind == 1 ? 3 * drawn : 0) ==
+                Approx(ring_energy(s.mesh, s.frame(), solver.result().positions,
+                                   solver.result().turns))
+                    .epsilon(1e-9));
+      }
+}
+
+TEST_CASE("the linear step is the least-squares solution of a dense twin") {
+  Random random(42);
+  const Sample s = sample("bar", bar(7, 2, 2, 0.5), 0.01, 1.99);
+  const Points p = s.frame();
+  std::vector<Mat3> turns;
+  for (int v = 0; v < p.rows(); ++v) turns.push_back(random_turn(random));
+  const RigidMotion m = bending(s);
+  const std::vector<int> left = nodes_where(
+                             p, [](const Vec3&x) { return std::abs(x.x() - 0.6) < 0.2; }),
+                         right = nodes_where(
+                             p, [](const Vec3&x) { return std::abs(x.x() - 1.4) < 0.2; });
+  const auto mean_turn = [&](const std::vector<int>& nodes) {
+    Mat3 sum = Mat3::Zero();
+    for (const int v : nodes) sum += turns[v];
+    return rotation_part(sum);
+  };
+  for (int kind = 0; kind < 6; ++kind) {
+    FrameHolds holds;
+    holds.fixed = s.one;
+    holds.handles = {{"end", s.other}};
+    FramePlaces places = told({m});
+    std::vector<Mat3> all = turns;
+    std::optional<FrameTwin> twin;
+    const auto rigid_turn = [&](const std::vector<int>& nodes) {
+      const Mat3 R = mean_turn(nodes);
+      for (const int v : nodes) all[v] = R;
+    };
+    if (kind == 2) {
+      holds.features = {{"left", left}, {"right", right, FormFeature::Kind::KeepsDirection}};
+      rigid_turn(left);
+      for (const int v : right) all[v] = Mat3::Identity();
+    }
+    if (kind == 3) {
+      places.handles[0].turns_freely = true;
+      rigid_turn(s.other);
+    }
+    if (kind == 1) holds.softness = 0.7;
+    if (kind == 4) {
+      holds.guided = {{"plane", VertexCombination::mean_of({left[0]}), GuidedPoint::Kind::OnPlane,
+                       Vec3(1, 2, 0.5)},
+                      {"line", VertexCombination::mean_of({right[1]}), GuidedPoint::Kind::OnLine,
+                       Vec3(-0.2, 0.4, 1)}};
+      places.guides = {Vec3(0.5, 0.3, 0.1), Vec3(1.4, -0.2, 0.3)};
+    }
+    if (kind == 5) {
+      // Features that share nodes are one; with a fixed node they stay; with a handle they follow.
+      holds.features = {{"a", {left[0], left[1], left[2]}},
+                        {"b", {left[2], left[3]}},
+                        {"stays", {s.one[0], left.back()}},
+                        {"goes", {s.other[0], right[0]}}};
+      const std::vector<int> both(left.begin(), left.begin() + 4);
+      rigid_turn(both);
+    }
+    twin.emplace(s.mesh, p, all);
+    for (const int v : s.one) twin->hold(v, p.row(v));
+    if (kind == 1)
+      for (const int v : s.other) twin->draw(v, m(p.row(v)), 0.7);
+    else if (kind == 3)
+      twin->rigid(s.other, mean_turn(s.other)), twin->mean(s.other, m(centroid(p, s.other)));
+    else
+      for (const int v : s.other) twin->hold(v, m(p.row(v)));
+    if (kind == 2) twin->rigid(left, mean_turn(left)), twin->rigid(right, Mat3::Identity());
+    if (kind == 4) {
+      twin->on_plane(left[0], Vec3(1, 2, 0.5).normalized(), places.guides[0]);
+      const Vec3 d = Vec3(-0.2, 0.4, 1).normalized(), a = d.unitOrthogonal();
+      twin->on_plane(right[1], a, places.guides[1]);
+      twin->on_plane(right[1], a.cross(d), places.guides[1]);
+    }
+    if (kind == 5) {
+      const std::vector<int> both(left.begin(), left.begin() + 4);
+      twin->rigid(both, mean_turn(both));
+      twin->hold(left.back(), p.row(left.back()));
+      twin->hold(right[0], m(p.row(right[0])));
+    }
+    FrameSolver solver(s.mesh, holds);
+    solver.reconstruct(p, places, turns);
+    const double apart = distance(solver.result().positions, twin->solve());
+    INFO("kind " << kind << ": " << apart);
+    CHECK(apart < 1e-12);
+  }
+}
+
+TEST_CASE("at rest no ring and no node has anywhere better to go") {
+  const Sample s = sample("bar", bar(12, 3, 3, 0.6), 0.01, 2.99);
+  const Points p = s.frame();
+  FrameHolds holds;
+  holds.fixed = s.one;
+  holds.handles = {{"end", s.other}};
+  FrameSolver solver(s.mesh, holds, {FrameOptions::Weights::Uniform, 5000, 1e-13});
+  solver.alternate(p, told({bending(s)}));
+  REQUIRE(solver.report().converged);
+  const FrameShape& at = solver.result();
+  std::vector<Mat3> turns = ring_turns(s.mesh, p, at.positions);
+  for (const auto* held : {&s.one, &s.other})
+    for (const int v : *held) turns[v] = at.turns[v];
+  CHECK(distance(turns, at.turns) < 1e-10);
+  FrameTwin twin(s.mesh, p, at.turns);
+  for (const int v : s.one) twin.hold(v, p.row(v));
+  for (const int v : s.other) twin.hold(v, bending(s)(p.row(v)));
+  CHECK(distance(twin.solve(), at.positions) < 1e-11);
+}
+
+TEST_CASE("softness tends to hard handles") {
+  const Sample s = sample("sheet", sheet(12), 0.05, 3.95);
+  FrameHolds holds = two_handles(s);
+  const FramePlaces places = told({{}, bending(s)});
+  const FrameOptions options{FrameOptions::Weights::Uniform, 3000, 1e-11};
+  FrameSolver hard(s.mesh, holds, options);
+  hard.alternate(s.frame(), places);
+  double before = 1e300;
+  for (const double softness : {1e1, 1e3, 1e5, 1e7}) {
+    holds.softness = softness;
+    FrameSolver soft(s.mesh, holds, options);
+    soft.alternate(s.frame(), places);
+    const double apart = distance(soft.result().positions, hard.result().positions);
+    INFO("softness " << softness << ": " << apart);
+    CHECK(apart < 0.05 * before);
+    before = apart;
+  }
+  CHECK(before < 1e-6);
+}
+
+TEST_CASE("frames are the same bits on one thread and two, and go on where they stopped") {
+  const Sample s = sample("sheet", sheet(40), 0.05, 3.95);
+  FrameHolds holds = two_handles(s);
+  holds.features = {{"middle", nodes_where(s.frame(), [](const Vec3& x) {
+                       return (x - Vec3(2, 2, x.z())).norm() < 0.5;
+                     })}};
+  const FramePlaces places = told({{}, bending(s)});
+  const auto solved = [&](int threads, int rounds, int more) {
+    const ThreadGuard guard(threads);
+    FrameSolver solver(s.mesh, holds, {FrameOptions::Weights::Uniform, rounds, 1e-12});
+    solver.alternate(s.frame(), places);
+    if (more > 0) CHECK_FALSE(solver.go_on(more));
+    return solver.result().positions;
+  };
+  const Points one = solved(1, 12, 0);
+  CHECK(solved(2, 12, 0) == one);
+  CHECK(solved(1, 5, 7) == one);
+}
+
+TEST_CASE("the rotations of a shape at rest give it back in one linear step") {
+  for (const Sample& s : samples()) {
+    FrameSolver solver(s.mesh, two_handles(s), {FrameOptions::Weights::Cotangent, 300, 1e-7});
+    const FramePlaces places = told({{}, bending(s, 0.4)});
+    solver.alternate(s.frame(), places);
+    const FrameShape at = solver.result();
+    solver.reconstruct(s.frame(), places, at.turns);
+    CHECK(distance(solver.result().positions, at.positions) < 3e-7 * s.mesh.size());
+    // From another start it comes to the same shape.
+    solver.alternate(s.frame(), places, at.positions);
+    CHECK(solver.report().rounds <= 3);
+    CHECK(distance(solver.result().positions, at.positions) < 1e-6 * s.mesh.size());
+  }
+}
