@@ -147,6 +147,7 @@ SequenceStep::Mix read_mix(const TomlTable& t, const std::filesystem::path& fold
     step.pairs.push_back({word_of(p, "handle"), word_of(p, "from")});
   if (step.pairs.empty()) t.fail("pair", "no pairs", "pair = [{ handle = …, from = … }]");
   step.turns = t.boolean("turns", true);
+  step.shift_only = t.boolean("shift_only", false);
   return step;
 }
 
@@ -185,7 +186,7 @@ const std::vector<std::pair<std::string, std::vector<std::string>>> kKinds{
     {"footprints", {"feet", "found", "shift", "terrain"}},
     {"path", {"through", "spans", "lengths", "feet", "found"}},
     {"filter", {"filter", "handles", "sigma", "amount", "feet", "found"}},
-    {"mix", {"source", "pair", "turns"}},
+    {"mix", {"source", "pair", "turns", "shift_only"}},
     {"morph", {"target", "interval", "frames", "align", "landmark"}}};
 
 void read_step_options(const TomlTable& t, SequenceStep& step) {

@@ -108,6 +108,9 @@ struct SequenceStep {
     };
     std::vector<Pair> pairs;
     bool turns = true;  ///< rotations carried along; false: places only
+    /// A pair's trajectories are laid over each other by a shift alone, not by the similarity that
+    /// fits best: for handles that hardly move by themselves.
+    bool shift_only = false;
   };
   struct Morph {
     SequenceSource target;

@@ -96,11 +96,10 @@ class Step {
         print = projected(print, *terrain, {what.clearance.value_or(height), what.turns},
                           scene_.at(step_.place) + scene_.handles[tracks.handles[f]].name);
       }
-    std::vector<SequenceReport::Foot> feet;
-    const ToldHandles told = planted(scene_, step_, tracks, tracks.before, to, sequence().times,
-                                     size_of(sequence()), feet);
+    const ToldHandles told =
+        planted(scene_, step_, tracks, tracks.before, to, sequence().times);
     StepResult result = follow_told(step_, from_, parts_, told, fixed_, progress_);
-    result.feet = std::move(feet);
+    result.feet = feet_of(scene_, step_, tracks, size_of(sequence()));
     result.warnings.insert(result.warnings.end(), warnings.begin(), warnings.end());
     return result;
   }
@@ -125,15 +124,13 @@ class Step {
       there.push_back(moved(motions, tracks.before[f]));
       to.push_back(averaged(tracks.prints[f], motions));
     }
-    std::vector<SequenceReport::Foot> feet;
-    ToldHandles told =
-        planted(scene_, step_, tracks, there, to, sequence().times, size_of(sequence()), feet);
+    ToldHandles told = planted(scene_, step_, tracks, there, to, sequence().times);
     // The editor measures turns from its own first frame, which has turned with the path.
     for (auto& wanted : told.wanted)
       for (Mat3& turn : wanted.turns) turn = turn * motions.front().turn.transpose();
     StepResult result = follow_told(step_, *along, parts_, told, fixed_, progress_);
     keep_alive(result, along);
-    result.feet = std::move(feet);
+    result.feet = feet_of(scene_, step_, tracks, size_of(sequence()));
     result.warnings.insert(result.warnings.end(), warnings.begin(), warnings.end());
     return result;
   }
@@ -147,6 +144,10 @@ class Step {
     std::vector<std::string> warnings;
     std::vector<int> numbers;
     for (const auto& name : what.handles) numbers.push_back(parts_.handle(scene_, name));
+    for (const auto& foot : what.feet)
+      if (std::find(numbers.begin(), numbers.end(), parts_.handle(scene_, foot)) == numbers.end())
+        throw InputError(scene_.at(foot.place) + "found the foot '" + foot.text +
+                         "', expected one of the step's handles");
     const FootTracks tracks =
         find_feet(scene_, sequence(), parts_, what.feet, what.search, warnings);
     std::vector<FilteredHandle> handles;
@@ -171,6 +172,9 @@ class Step {
     const ToldHandles told{numbers, filtered(root, handles, filter, even_ends).handles,
                            told_frames(sequence().frame_count(), step_.every, {})};
     StepResult result = follow_told(step_, from_, parts_, told, fixed_, progress_);
+    result.feet = feet_of(scene_, step_, tracks, size_of(sequence()));
+    for (auto& foot : result.feet)  // they are where they were
+      foot.promised = std::max(foot.promised, 1.001 * foot.slip_before);
     result.warnings.insert(result.warnings.end(), warnings.begin(), warnings.end());
     return result;
   }
@@ -190,8 +194,11 @@ class Step {
       const Trajectory other = trajectory_of(source.frames, select.of(pair.from));
       AlignmentOptions options;
       options.about = scene_.upwards();
-      Trajectory wanted =
-          aligned(resampled(other, own.frame_count()), alignment(other, own, options));
+      Trajectory wanted = resampled(other, own.frame_count());
+      if (what.shift_only)
+        wanted.centres.rowwise() += (own.centres - wanted.centres).colwise().mean();
+      else
+        wanted = aligned(wanted, alignment(other, own, options));
       if (!what.turns) wanted.turns = own.turns;
       told.handles.push_back(h);
       told.wanted.push_back(std::move(wanted));

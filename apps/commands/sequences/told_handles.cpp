@@ -93,10 +93,21 @@ FootTracks find_feet(const SequenceScene& scene, const MeshSequence& before,
   return tracks;
 }
 
+std::vector<SequenceReport::Foot> feet_of(const SequenceScene& scene, const SequenceStep& step,
+                                          const FootTracks& tracks, double size) {
+  std::vector<SequenceReport::Foot> feet;
+  for (size_t f = 0; f < tracks.handles.size(); ++f)
+    for (const Footprint& print : tracks.prints[f])
+      feet.push_back({step.name, scene.handles[tracks.handles[f]].name, print.first + 1,
+                      print.last + 1,
+                      slip_of(tracks.before[f].centres, print.first, print.last) / size, 0, 1e-3});
+  return feet;
+}
+
 ToldHandles planted(const SequenceScene& scene, const SequenceStep& step, const FootTracks& tracks,
                     const std::vector<Trajectory>& moved,
-                    const std::vector<std::vector<Footprint>>& to, const std::vector<double>& times,
-                    double size, std::vector<SequenceReport::Foot>& feet) {
+                    const std::vector<std::vector<Footprint>>& to,
+                    const std::vector<double>& times) {
   ToldHandles told;
   std::vector<char> needed(times.size(), 0);
   TrajectoryOptions options;
@@ -114,8 +125,6 @@ ToldHandles planted(const SequenceScene& scene, const SequenceStep& step, const 
         keys.push_back({k, RigidMotion::about(moved[f].centres.row(k).transpose(),
                                               turn * moved[f].turns[k].transpose(), then.at)});
       }
-      feet.push_back({step.name, scene.handles[tracks.handles[f]].name, now.first + 1, now.last + 1,
-                      slip_of(tracks.before[f].centres, now.first, now.last) / size, 0});
     }
     std::sort(keys.begin(), keys.end(),
               [](const auto& a, const auto& b) { return a.frame < b.frame; });

@@ -41,12 +41,16 @@ FootTracks find_feet(const SequenceScene& scene, const MeshSequence& before,
                      const SequenceParts& parts, const std::vector<PlacedWord>& feet,
                      const FootprintSearch& search, std::vector<std::string>& warnings);
 
+/// For the report; how they slip afterwards is measured on the finished frames.
+std::vector<SequenceReport::Foot> feet_of(const SequenceScene& scene, const SequenceStep& step,
+                                          const FootTracks& tracks, double size);
+
 /// Feet planted: in each frame of print j of foot f the centroid is exactly at to[f][j].at, turned
 /// as it was, and as the print was; in between the change goes over smoothly. `moved`: trajectories
-/// in the sequence that the step begins with. Fills `feet` of the report.
+/// in the sequence that the step begins with.
 ToldHandles planted(const SequenceScene& scene, const SequenceStep& step, const FootTracks& tracks,
                     const std::vector<Trajectory>& moved,
-                    const std::vector<std::vector<Footprint>>& to, const std::vector<double>& times,
-                    double size, std::vector<SequenceReport::Foot>& feet);
+                    const std::vector<std::vector<Footprint>>& to,
+                    const std::vector<double>& times);
 
 }  // namespace batten
