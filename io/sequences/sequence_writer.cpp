@@ -234,7 +234,8 @@ void SequenceWriter::write(int frame, const Points& points) {
 
 void SequenceWriter::finish() {
   for (int k = output_->has_a_file_for_each() ? 0 : next_; k < frame_count(); ++k)
-    if (!have(k)) throw std::logic_error("SequenceWriter: frame " + std::to_string(k) + " is missing");
+    if (!have(k))
+      throw std::logic_error("SequenceWriter: frame " + std::to_string(k) + " is missing");
   output_->finish();
 }
 

@@ -321,11 +321,10 @@ class SequenceRun {
                                                     " of its size, promised at most 1e-10"});
     for (const auto& f : report_.feet)
       if (!(f.slip <= f.promised))
-        missed.push_back(
-            {"footprints." + f.handle, "slips by " + number(f.slip) + " of the size in frames " +
-                                           std::to_string(f.first) + " to " +
-                                           std::to_string(f.last) + ", promised at most " +
-                                           number(f.promised)});
+        missed.push_back({"footprints." + f.handle,
+                          "slips by " + number(f.slip) + " of the size in frames " +
+                              std::to_string(f.first) + " to " + std::to_string(f.last) +
+                              ", promised at most " + number(f.promised)});
     return missed;
   }
 

@@ -43,7 +43,9 @@ class Step {
         const int h = parts_.handle(scene_, move.handle);
         if (std::find(handles.begin(), handles.end(), h) == handles.end()) handles.push_back(h);
       }
-    const auto editor = editor_for(step_, from_, parts_, handles, fixed_);
+    const auto [first, last] = std::ranges::minmax(what.keys, {}, &KeyframeRule::frame);
+    const auto editor =
+        editor_for(step_, from_, parts_, handles, fixed_, first.frame - 1, last.frame - 1);
     std::vector<SequenceKeyframe> keys;
     for (const KeyframeRule& rule : what.keys) {
       SequenceKeyframe key{rule.frame - 1, {}};
@@ -96,8 +98,7 @@ class Step {
         print = projected(print, *terrain, {what.clearance.value_or(height), what.turns},
                           scene_.at(step_.place) + scene_.handles[tracks.handles[f]].name);
       }
-    const ToldHandles told =
-        planted(scene_, step_, tracks, tracks.before, to, sequence().times);
+    const ToldHandles told = planted(scene_, step_, tracks, tracks.before, to, sequence().times);
     StepResult result = follow_told(step_, from_, parts_, told, fixed_, progress_);
     result.feet = feet_of(scene_, step_, tracks, size_of(sequence()));
     result.warnings.insert(result.warnings.end(), warnings.begin(), warnings.end());

@@ -17,11 +17,13 @@ struct ToldHandles {
 /// Every so many frames, and the first and last of each run where `needed` is set.
 std::vector<char> told_frames(int frames, int every, const std::vector<char>& needed);
 
-/// The editor of a step with the handles of these numbers.
+/// The editor of a step with the handles of these numbers, whose first and last keyframes are in
+/// these frames, counted from 0. An influence that ends with the sequence at a keyframe is open.
 std::shared_ptr<SequenceEditor> editor_for(const SequenceStep& step, const PreparedSequence& from,
                                            const SequenceParts& parts,
                                            const std::vector<int>& handles,
-                                           const std::vector<int>& fixed);
+                                           const std::vector<int>& fixed, int first_key,
+                                           int last_key);
 
 /// Frames by an editor whose keyframes are set.
 StepResult result_of(const PreparedSequence& from, std::shared_ptr<SequenceEditor> editor);
