@@ -41,6 +41,7 @@ struct SequenceReport : RunReport {
     std::string step, handle;
     int first = 0, last = 0;
     double slip_before = 0, slip = 0;  ///< largest distance of its centroid from its mean, a share
+    double promised = 1e-3;
   };
   std::vector<Foot> feet;
 

@@ -148,7 +148,9 @@ SequenceStep::Mix read_mix(const TomlTable& t, const std::filesystem::path& fold
         {word_of(p, "handle"), p.has("from") ? word_of(p, "from") : PlacedWord{"", p.place()}});
   if (step.pairs.empty()) t.fail("pair", "no pairs", "pair = [{ handle = …, from = … }]");
   step.turns = t.boolean("turns", true);
-  step.each = t.choice("align", false, {{"all", false}, {"each", true}});
+  using Align = SequenceStep::Mix::Align;
+  step.align = t.choice("align", Align::All,
+                        {{"all", Align::All}, {"each", Align::Each}, {"shift", Align::Shift}});
   return step;
 }
 

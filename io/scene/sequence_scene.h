@@ -108,7 +108,12 @@ struct SequenceStep {
     };
     std::vector<Pair> pairs;
     bool turns = true;  ///< rotations carried along; false: places only
-    bool each = false;  ///< each pair is laid over by a similarity of its own; else one for all
+    /// How the source's trajectories are laid over those of the handles.
+    enum class Align {
+      All,   ///< by one similarity for all pairs, about up
+      Each,  ///< each pair by one of its own
+      Shift  ///< each pair by a shift alone: for handles that hardly move by themselves
+    } align = Align::All;
   };
   struct Morph {
     SequenceSource target;

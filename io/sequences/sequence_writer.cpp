@@ -66,6 +66,7 @@ class SequenceWriter::Output {
   virtual ~Output() = default;
   virtual fs::path file(int frame) const = 0;
   virtual bool have(int) const { return false; }
+  virtual bool has_a_file_for_each() const { return false; }
   virtual void write(int frame, const Points& points) = 0;
   virtual void finish() {}
   virtual std::vector<fs::path> files() const = 0;
@@ -96,6 +97,7 @@ class SequenceWriter::Numbered : public Output {
     std::error_code ignored;
     return fs::is_regular_file(file(frame), ignored);
   }
+  bool has_a_file_for_each() const override { return true; }
   void write(int frame, const Points& points) override {
     shells.points = points;
     write_mesh(file(frame), shells);
@@ -216,7 +218,7 @@ void SequenceWriter::write(int frame, const Points& points) {
     throw std::logic_error("SequenceWriter: frame " + std::to_string(frame) + " after " +
                            std::to_string(next_) + " of " + std::to_string(frame_count()));
   for (; next_ < frame; ++next_)
-    if (!have(next_))
+    if (!output_->has_a_file_for_each())
       throw std::logic_error("SequenceWriter: frame " + std::to_string(next_) + " is left out");
   const std::string name = file(frame).string();
   if (points.rows() != output_->shells.node_count())
@@ -231,9 +233,9 @@ void SequenceWriter::write(int frame, const Points& points) {
 }
 
 void SequenceWriter::finish() {
-  for (; next_ < frame_count(); ++next_)
-    if (!have(next_))
-      throw std::logic_error("SequenceWriter: frame " + std::to_string(next_) + " is missing");
+  for (int k = output_->has_a_file_for_each() ? 0 : next_; k < frame_count(); ++k)
+    if (!have(k))
+      throw std::logic_error("SequenceWriter: frame " + std::to_string(k) + " is missing");
   output_->finish();
 }
 

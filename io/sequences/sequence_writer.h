@@ -45,7 +45,8 @@ class SequenceWriter {
   /// by passing over these. Never in single files. It is for the caller to know that the file is of
   /// the same run.
   bool have(int frame) const;
-  /// Writes a frame (n×3). Frames come in ascending order; only those that have() may be left out.
+  /// Writes a frame (n×3). Frames come in ascending order; of numbered files some may be left out
+  /// until finish(), as where several runs share the work.
   /// Throws InputError: another number of points, a coordinate that is not finite or too large for
   /// the format, what WholeFile throws. Throws std::logic_error for frames in another order.
   void write(int frame, const Points& points);

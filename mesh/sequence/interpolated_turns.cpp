@@ -148,6 +148,14 @@ KeyframeWeights KeyframeWeights::of_frames(std::span<const double> times,
     if (keyframes[m] <= keyframes[m - 1])
       throw InputError("keyframe " + std::to_string(keyframes[m] + 1) + " comes after keyframe " +
                        std::to_string(keyframes[m - 1] + 1));
+  if (!keyframes.empty() && influence.from && *influence.from >= keyframes.front())
+    throw InputError("an influence from frame " + std::to_string(*influence.from + 1) +
+                     " on, where nothing changes yet, is not before the first keyframe, " +
+                     std::to_string(keyframes.front() + 1));
+  if (!keyframes.empty() && influence.to && *influence.to <= keyframes.back())
+    throw InputError("an influence to frame " + std::to_string(*influence.to + 1) +
+                     ", where nothing changes any more, is not after the last keyframe, " +
+                     std::to_string(keyframes.back() + 1));
   const auto end = [&](std::optional<int> frame) {
     return frame ? std::optional<double>(time(*frame, "end of the influence")) : std::nullopt;
   };

@@ -320,11 +320,11 @@ class SequenceRun {
         missed.push_back({"features." + f.name, "is bent by " + number(f.max_rigid_error) +
                                                     " of its size, promised at most 1e-10"});
     for (const auto& f : report_.feet)
-      if (!(f.slip <= 1e-3))
-        missed.push_back(
-            {"footprints." + f.handle, "slips by " + number(f.slip) + " of the size in frames " +
-                                           std::to_string(f.first) + " to " +
-                                           std::to_string(f.last) + ", promised at most 0.001"});
+      if (!(f.slip <= f.promised))
+        missed.push_back({"footprints." + f.handle,
+                          "slips by " + number(f.slip) + " of the size in frames " +
+                              std::to_string(f.first) + " to " + std::to_string(f.last) +
+                              ", promised at most " + number(f.promised)});
     return missed;
   }
 

@@ -44,7 +44,9 @@ class Step {
         const int h = parts_.handle(scene_, move.handle);
         if (std::find(handles.begin(), handles.end(), h) == handles.end()) handles.push_back(h);
       }
-    const auto editor = editor_for(step_, from_, parts_, handles, fixed_);
+    const auto [first, last] = std::ranges::minmax(what.keys, {}, &KeyframeRule::frame);
+    const auto editor =
+        editor_for(step_, from_, parts_, handles, fixed_, first.frame - 1, last.frame - 1);
     std::vector<SequenceKeyframe> keys;
     for (const KeyframeRule& rule : what.keys) {
       SequenceKeyframe key{rule.frame - 1, {}};
@@ -97,11 +99,9 @@ class Step {
         print = projected(print, *terrain, {what.clearance.value_or(height), what.turns},
                           scene_.at(step_.place) + scene_.handles[tracks.handles[f]].name);
       }
-    std::vector<SequenceReport::Foot> feet;
-    const ToldHandles told = planted(scene_, step_, tracks, tracks.before, to, sequence().times,
-                                     size_of(sequence()), feet);
+    const ToldHandles told = planted(scene_, step_, tracks, tracks.before, to, sequence().times);
     StepResult result = follow_told(step_, from_, parts_, told, fixed_, progress_);
-    result.feet = std::move(feet);
+    result.feet = feet_of(scene_, step_, tracks, size_of(sequence()));
     result.warnings.insert(result.warnings.end(), warnings.begin(), warnings.end());
     return result;
   }
@@ -126,15 +126,13 @@ class Step {
       there.push_back(moved(motions, tracks.before[f]));
       to.push_back(averaged(tracks.prints[f], motions));
     }
-    std::vector<SequenceReport::Foot> feet;
-    ToldHandles told =
-        planted(scene_, step_, tracks, there, to, sequence().times, size_of(sequence()), feet);
+    ToldHandles told = planted(scene_, step_, tracks, there, to, sequence().times);
     // The editor measures turns from its own first frame, which has turned with the path.
     for (auto& wanted : told.wanted)
       for (Mat3& turn : wanted.turns) turn = turn * motions.front().turn.transpose();
     StepResult result = follow_told(step_, *along, parts_, told, fixed_, progress_);
     keep_alive(result, along);
-    result.feet = std::move(feet);
+    result.feet = feet_of(scene_, step_, tracks, size_of(sequence()));
     result.warnings.insert(result.warnings.end(), warnings.begin(), warnings.end());
     return result;
   }
@@ -148,6 +146,10 @@ class Step {
     std::vector<std::string> warnings;
     std::vector<int> numbers;
     for (const auto& name : what.handles) numbers.push_back(parts_.handle(scene_, name));
+    for (const auto& foot : what.feet)
+      if (std::find(numbers.begin(), numbers.end(), parts_.handle(scene_, foot)) == numbers.end())
+        throw InputError(scene_.at(foot.place) + "found the foot '" + foot.text +
+                         "', expected one of the step's handles");
     const FootTracks tracks =
         find_feet(scene_, sequence(), parts_, what.feet, what.search, warnings);
     std::vector<FilteredHandle> handles;
@@ -172,6 +174,9 @@ class Step {
     const ToldHandles told{numbers, filtered(root, handles, filter, even_ends).handles,
                            told_frames(sequence().frame_count(), step_.every, {})};
     StepResult result = follow_told(step_, from_, parts_, told, fixed_, progress_);
+    result.feet = feet_of(scene_, step_, tracks, size_of(sequence()));
+    for (auto& foot : result.feet)  // they are where they were
+      foot.promised = std::max(foot.promised, 1.001 * foot.slip_before);
     result.warnings.insert(result.warnings.end(), warnings.begin(), warnings.end());
     return result;
   }
@@ -185,6 +190,7 @@ class Step {
     const MeshFile file = MeshFile::counted_from_1(source.shells);
     VertexSelector select(selections, file, prepared.mesh);
     ToldHandles told;
+    using Align = SequenceStep::Mix::Align;
     std::vector<Trajectory> own, other;
     for (const auto& pair : what.pairs) {
       const int h = parts_.handle(scene_, pair.handle);
@@ -200,9 +206,13 @@ class Step {
           sequence().frame_count()));
     }
     for (size_t p = 0; p < own.size(); ++p) {
-      // Alike or not, parts of one body go together: one similarity for all, unless each has its own.
-      const Similarity fit = what.each ? fitted({other[p]}, {own[p]}) : fitted(other, own);
-      Trajectory wanted = aligned(other[p], fit);
+      Trajectory wanted = other[p];
+      if (what.align == Align::Shift)
+        wanted.centres.rowwise() += (own[p].centres - wanted.centres).colwise().mean();
+      else if (what.align == Align::Each)
+        wanted = aligned(wanted, fitted({other[p]}, {own[p]}));
+      else
+        wanted = aligned(wanted, fitted(other, own));
       if (what.turns)
         turn_as(wanted, own[p]);
       else

@@ -27,14 +27,20 @@ std::vector<char> told_frames(int frames, int every, const std::vector<char>& ne
 std::shared_ptr<SequenceEditor> editor_for(const SequenceStep& step, const PreparedSequence& from,
                                            const SequenceParts& parts,
                                            const std::vector<int>& handles,
-                                           const std::vector<int>& fixed) {
+                                           const std::vector<int>& fixed, int first_key,
+                                           int last_key) {
   FrameHolds holds;
   holds.fixed = fixed;
   for (const int h : handles) holds.handles.push_back(parts.handles[h]);
   holds.features = parts.features;
   holds.softness = step.softness;
   holds.keeps_volume = step.keeps_volume;
-  return std::make_shared<SequenceEditor>(from.sequence, from.mesh, std::move(holds), step.options);
+  SequenceEditOptions options = step.options;
+  // Where the sequence ends at a keyframe there is nothing to come back to.
+  if (first_key == 0 && options.influence.from == 0) options.influence.from.reset();
+  const int last = from.sequence.frame_count() - 1;
+  if (last_key == last && options.influence.to == last) options.influence.to.reset();
+  return std::make_shared<SequenceEditor>(from.sequence, from.mesh, std::move(holds), options);
 }
 
 StepResult result_of(const PreparedSequence& from, std::shared_ptr<SequenceEditor> editor) {
@@ -58,7 +64,8 @@ StepResult result_of(const PreparedSequence& from, std::shared_ptr<SequenceEdito
 StepResult follow_told(const SequenceStep& step, const PreparedSequence& from,
                        const SequenceParts& parts, const ToldHandles& told,
                        const std::vector<int>& fixed, const Progress& progress) {
-  const auto editor = editor_for(step, from, parts, told.handles, fixed);
+  const auto editor =
+      editor_for(step, from, parts, told.handles, fixed, 0, from.sequence.frame_count() - 1);
   std::vector<std::vector<RigidMotion>> motions;
   for (size_t h = 0; h < told.handles.size(); ++h)
     motions.push_back(motions_between(editor->trajectories_before()[h], told.wanted[h]));
@@ -93,10 +100,21 @@ FootTracks find_feet(const SequenceScene& scene, const MeshSequence& before,
   return tracks;
 }
 
+std::vector<SequenceReport::Foot> feet_of(const SequenceScene& scene, const SequenceStep& step,
+                                          const FootTracks& tracks, double size) {
+  std::vector<SequenceReport::Foot> feet;
+  for (size_t f = 0; f < tracks.handles.size(); ++f)
+    for (const Footprint& print : tracks.prints[f])
+      feet.push_back({step.name, scene.handles[tracks.handles[f]].name, print.first + 1,
+                      print.last + 1,
+                      slip_of(tracks.before[f].centres, print.first, print.last) / size, 0, 1e-3});
+  return feet;
+}
+
 ToldHandles planted(const SequenceScene& scene, const SequenceStep& step, const FootTracks& tracks,
                     const std::vector<Trajectory>& moved,
-                    const std::vector<std::vector<Footprint>>& to, const std::vector<double>& times,
-                    double size, std::vector<SequenceReport::Foot>& feet) {
+                    const std::vector<std::vector<Footprint>>& to,
+                    const std::vector<double>& times) {
   ToldHandles told;
   std::vector<char> needed(times.size(), 0);
   TrajectoryOptions options;
@@ -114,8 +132,6 @@ ToldHandles planted(const SequenceScene& scene, const SequenceStep& step, const 
         keys.push_back({k, RigidMotion::about(moved[f].centres.row(k).transpose(),
                                               turn * moved[f].turns[k].transpose(), then.at)});
       }
-      feet.push_back({step.name, scene.handles[tracks.handles[f]].name, now.first + 1, now.last + 1,
-                      slip_of(tracks.before[f].centres, now.first, now.last) / size, 0});
     }
     std::sort(keys.begin(), keys.end(),
               [](const auto& a, const auto& b) { return a.frame < b.frame; });

@@ -17,11 +17,13 @@ struct ToldHandles {
 /// Every so many frames, and the first and last of each run where `needed` is set.
 std::vector<char> told_frames(int frames, int every, const std::vector<char>& needed);
 
-/// The editor of a step with the handles of these numbers.
+/// The editor of a step with the handles of these numbers, whose first and last keyframes are in
+/// these frames, counted from 0. An influence that ends with the sequence at a keyframe is open.
 std::shared_ptr<SequenceEditor> editor_for(const SequenceStep& step, const PreparedSequence& from,
                                            const SequenceParts& parts,
                                            const std::vector<int>& handles,
-                                           const std::vector<int>& fixed);
+                                           const std::vector<int>& fixed, int first_key,
+                                           int last_key);
 
 /// Frames by an editor whose keyframes are set.
 StepResult result_of(const PreparedSequence& from, std::shared_ptr<SequenceEditor> editor);
@@ -41,12 +43,16 @@ FootTracks find_feet(const SequenceScene& scene, const MeshSequence& before,
                      const SequenceParts& parts, const std::vector<PlacedWord>& feet,
                      const FootprintSearch& search, std::vector<std::string>& warnings);
 
+/// For the report; how they slip afterwards is measured on the finished frames.
+std::vector<SequenceReport::Foot> feet_of(const SequenceScene& scene, const SequenceStep& step,
+                                          const FootTracks& tracks, double size);
+
 /// Feet planted: in each frame of print j of foot f the centroid is exactly at to[f][j].at, turned
 /// as it was, and as the print was; in between the change goes over smoothly. `moved`: trajectories
-/// in the sequence that the step begins with. Fills `feet` of the report.
+/// in the sequence that the step begins with.
 ToldHandles planted(const SequenceScene& scene, const SequenceStep& step, const FootTracks& tracks,
                     const std::vector<Trajectory>& moved,
-                    const std::vector<std::vector<Footprint>>& to, const std::vector<double>& times,
-                    double size, std::vector<SequenceReport::Foot>& feet);
+                    const std::vector<std::vector<Footprint>>& to,
+                    const std::vector<double>& times);
 
 }  // namespace batten

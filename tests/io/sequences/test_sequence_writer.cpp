@@ -233,6 +233,18 @@ TEST_CASE("a run that was stopped goes on where it was") {
   CHECK(again.files().size() == 4);
 }
 
+TEST_CASE("several runs share the frames of numbered files") {
+  const MeshSequence s = wave(4);
+  const fs::path folder = folder_of("shared");
+  SequenceWriter second(folder / "a_*.off", s.shells, s.times);
+  for (int k = 2; k < 4; ++k) second.write(k, s.frames[k]);
+  CHECK_THROWS_AS(second.finish(), std::logic_error);
+  SequenceWriter first(folder / "a_*.off", s.shells, s.times);
+  for (int k = 0; k < 2; ++k) first.write(k, s.frames[k]);
+  second.finish();
+  CHECK(apart(read_sequence(folder), s) == 0);
+}
+
 TEST_CASE("writers refuse what they cannot write") {
   const MeshSequence s = wave(2);
   const fs::path folder = folder_of("refused");
