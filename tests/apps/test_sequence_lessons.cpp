@@ -16,7 +16,7 @@ namespace {
 class Lessons {
  public:
   explicit Lessons(const std::string& folder) : case_(folder), folder_(folder) {
-    for (const std::string name : {std::string("24-stairs"), folder}) {
+    for (const std::string& name : {std::string("24-stairs"), folder}) {
       fs::create_directories(case_ / name);
       for (const auto& file : fs::directory_iterator(source(name)))
         if (has_input(file.path()) && !fs::exists(case_ / name / file.path().filename()))
