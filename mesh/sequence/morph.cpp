@@ -139,14 +139,6 @@ RigidMotion ground_alignment(const Points& q, const Points& p, const Vec3& up) {
 
 namespace {
 
-void check_interval(const MorphInterval& interval, const MeshSequence& s, const char* which) {
-  if (interval.first < 0 || interval.last <= interval.first || interval.last >= s.frame_count())
-    throw InputError(std::string("the interval of the ") + which + " is frames " +
-                     std::to_string(interval.first + 1) + " to " +
-                     std::to_string(interval.last + 1) + ", expected two of 1 to " +
-                     std::to_string(s.frame_count()));
-}
-
 /// Positions and time at t of an interval.
 Points sample(const MeshSequence& s, const MorphInterval& interval, double t) {
   const double from = s.times[interval.first], to = s.times[interval.last];
@@ -169,14 +161,23 @@ bool same_faces(const ShellMesh& a, const ShellMesh& b) {
 
 }  // namespace
 
+void check(const MorphInterval& interval, const MeshSequence& sequence, const char* which) {
+  if (interval.first < 0 || interval.last <= interval.first ||
+      interval.last >= sequence.frame_count())
+    throw InputError(std::string("the interval of the ") + which + " is frames " +
+                     std::to_string(interval.first + 1) + " to " +
+                     std::to_string(interval.last + 1) + ", expected two of 1 to " +
+                     std::to_string(sequence.frame_count()));
+}
+
 MeshSequence morph(const MeshSequence& source, const MeshSequence& target, const TriangleMesh& mesh,
                    const MorphOptions& options, const Progress& progress) {
   if (!same_faces(source.shells, target.shells))
     throw InputError("source and target of a morph have other faces: " +
                      std::to_string(source.shells.face_count()) + " and " +
                      std::to_string(target.shells.face_count()) + "; fit one to the other first");
-  check_interval(options.source, source, "source");
-  check_interval(options.target, target, "target");
+  check(options.source, source, "source");
+  check(options.target, target, "target");
   const RigidMotion align = options.alignment
                                 ? *options.alignment
                                 : ground_alignment(target.frames[options.target.first],

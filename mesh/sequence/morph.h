@@ -40,6 +40,9 @@ struct MorphInterval {
   int first = 0, last = 0;  ///< frames of a sequence, from 0; last after first
 };
 
+/// Throws InputError, with `which` in it, on an interval that is not in the sequence.
+void check(const MorphInterval& interval, const MeshSequence& sequence, const char* which);
+
 struct MorphOptions {
   MorphInterval source, target;
   int frames = 0;  ///< of the morph, its ends included; 0: the mean of both intervals

@@ -25,6 +25,31 @@ int SequenceParts::handle(const SequenceScene& scene, const PlacedWord& name) co
 
 namespace {
 
+/// Of what a closed mesh encloses; below 0 where its faces look inwards; 0 of an open one.
+double six_times_volume(const TriangleMesh& mesh) {
+  if (!mesh.topology().boundary_loops().empty()) return 0;
+  const Eigen::RowVector3d middle = mesh.points().colwise().mean();
+  double sum = 0;
+  for (const auto& [a, b, c] : mesh.triangles()) {
+    const Vec3 p = mesh.points().row(a) - middle, q = mesh.points().row(b) - middle,
+               r = mesh.points().row(c) - middle;
+    sum += p.dot(q.cross(r));
+  }
+  return sum;
+}
+
+/// All faces the other way round.
+ShellMesh turned_over(const ShellMesh& shells) {
+  ShellMesh result;
+  result.points = shells.points;
+  for (int f = 0; f < shells.face_count(); ++f) {
+    std::vector<int> face(shells.corners(f).begin(), shells.corners(f).end());
+    std::ranges::reverse(face);
+    result.add_face(face);
+  }
+  return result;
+}
+
 /// One step; what all kinds of them need.
 class Step {
  public:
@@ -229,6 +254,8 @@ class Step {
     options.up = scene_.upwards();
     if (options.source.last < 0) options.source.last = sequence().frame_count() - 1;
     if (options.target.last < 0) options.target.last = target.frame_count() - 1;
+    check(options.source, sequence(), "source");
+    check(options.target, target, "target");
     StepResult result;
     if (!what.landmarks.empty()) target = taken_on(what, options, target, result.warnings);
     auto made = std::make_shared<PreparedSequence>(
@@ -275,18 +302,20 @@ class Step {
     const Points& theirs = target.frames.at(options.target.first);
     ShellMesh shells = target.shells;
     shells.points = theirs;
-    const TriangleMesh target_mesh = prepare(shells).mesh;
+    TriangleMesh target_mesh = prepare(shells).mesh;
     Points vertices(from_.mesh.vertex_count(), 3);
     for (int v = 0; v < vertices.rows(); ++v)
       vertices.row(v) = ours.row(from_.mesh.topology().node_of(v));
+    const TriangleMesh our_mesh = from_.mesh.with_points(std::move(vertices));
+    if (six_times_volume(our_mesh) * six_times_volume(target_mesh) < 0)
+      target_mesh = prepare(turned_over(shells)).mesh;
     std::vector<LandmarkPair> landmarks;
     for (const auto& l : what.landmarks) {
       int node = 0;
       (ours.rowwise() - l.from.transpose()).rowwise().squaredNorm().minCoeff(&node);
       landmarks.push_back({node, l.to});
     }
-    const TargetFit fit = fit_to_target(from_.mesh.with_points(std::move(vertices)), target_mesh,
-                                        landmarks, what.fit, progress_);
+    const TargetFit fit = fit_to_target(our_mesh, target_mesh, landmarks, what.fit, progress_);
     const double size = target_mesh.size();
     warnings.push_back("fitted to the target: nodes " + number(fit.mean_distance / size) +
                        " of its size from it in the mean, " + number(fit.largest_distance / size) +
