@@ -206,9 +206,19 @@ std::string step_text(const std::filesystem::path& file, const std::string& unit
   if (step.faces == 0) return "";
   return std::to_string(step.faces) + " faces in " + std::to_string(step.shells) +
          " shells, lengths in " + unit + "\n  " + (step.valid ? "valid" : "NOT valid") + ", area " +
-         number(step.area) + ", largest gap " + number(step.max_gap) + ", largest normal jump " +
-         number(step.max_normal_jump_deg) + " degrees, " + std::to_string(step.free_edges) +
-         " rim edges\n";
+         number(step.area) + "\n";
+}
+
+// What the faces of a STEP or IGES file are, and how they meet; "" for a file without faces.
+std::string faces_text(const std::filesystem::path& file, const std::string& unit) {
+  if (cad_calls().read_cad_surfaces(file, unit_in_metres(unit)).empty()) return "";
+  const std::string ending = lower_extension(file);
+  const bool step = ending == ".step" || ending == ".stp";
+  const ContinuityReport report =
+      cad_calls().measure_continuity(file, unit_in_metres(unit), ContinuityOptions{});
+  return (step ? bytes_from_child(file, "OpenCASCADE", [&] { return step_text(file, unit); })
+               : std::to_string(report.faces) + " faces, lengths in " + unit + "\n") +
+         continuity_text(report, ContinuityOptions{}, unit);
 }
 
 }  // namespace
@@ -228,12 +238,12 @@ std::string file_info(const std::filesystem::path& file, const std::string& unit
                      ".iges, .step, .dxf, .svg, .json) or a "
                      "mesh (.obj, .off, .ply, .stl, .vtp, .vtu, .bdf, .nas, .dat, .inp, .k, .key, "
                      ".dyn, .rad) or a deforming one (.glb, .gltf, .pc2, .mdd, .pvd, .frd)");
-  const std::string ending = file.extension().string();
-  if (ending == ".step" || ending == ".stp")
-    if (const std::string text =
-            bytes_from_child(file, "OpenCASCADE", [&] { return step_text(file, unit); });
-        !text.empty())
-      return text;
+  const std::string ending = lower_extension(file);
+  if (ending == ".step" || ending == ".stp" || ending == ".iges" || ending == ".igs")
+    if (const std::string text = faces_text(file, unit); !text.empty())
+      return ending[1] == 's'
+                 ? text
+                 : text + lines_text(read_source_file(file, unit, unit), unit, kCorner);
   return lines_text(read_source_file(file, unit, unit), unit, kCorner);
 }
 

@@ -2,6 +2,7 @@
 // the first call. Internal.
 #pragma once
 
+#include "batten/io/cad/continuity.h"
 #include "batten/io/cad/step.h"
 #include "batten/io/cad/step_face.h"
 #include "batten/io/lines/cad_lines.h"
@@ -14,6 +15,7 @@ struct CadCalls {
   decltype(&batten::write_step_faces) write_step_faces;
   decltype(&batten::step_size_warning) step_size_warning;
   decltype(&batten::check_step) check_step;
+  decltype(&batten::measure_continuity) measure_continuity;
   decltype(&batten::read_cad_lines) read_cad_lines;
   decltype(&batten::read_cad_surfaces) read_cad_surfaces;
   decltype(&batten::write_cad_curves) write_cad_curves;

@@ -25,7 +25,7 @@
 
 #include "batten/core/box.h"
 #include "batten/core/errors.h"
-#include "batten/io/lines/cad_file.h"
+#include "batten/io/cad/cad_file.h"
 
 namespace batten {
 namespace {

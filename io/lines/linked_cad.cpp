@@ -3,8 +3,9 @@
 namespace batten {
 
 const CadCalls& linked_cad() {
-  static const CadCalls calls{&write_step,     &write_step_faces,  &step_size_warning, &check_step,
-                              &read_cad_lines, &read_cad_surfaces, &write_cad_curves,  &distance};
+  static const CadCalls calls{&write_step,        &write_step_faces,   &step_size_warning,
+                              &check_step,        &measure_continuity, &read_cad_lines,
+                              &read_cad_surfaces, &write_cad_curves,   &distance};
   return calls;
 }
 

@@ -1,4 +1,4 @@
-#include "batten/io/lines/cad_file.h"
+#include "batten/io/cad/cad_file.h"
 
 #include <BRep_Builder.hxx>
 #include <BinTools.hxx>
