@@ -147,26 +147,25 @@ TEST_CASE("sequences that cannot be are refused by file and place, and leave not
               "\"hand\"\nvertices = \"none\"\n" +
               kKeyframes,
           {"s.toml:", "none"});
-  refused("[sequence]\nfile = \"gone_*.obj\"\n", {"s.toml:2:8: "});
+  refused("unit = \"mm\"\n[sequence]\nfile = \"gone_*.obj\"\n", {"s.toml:3:8: ", "gone_"});
   refused("unit = \"mm\"\n", {"s.toml"});
 
-  c.file("in/walk_5.obj.kept", contents(c / "in/walk_5.obj"));
-  fs::remove(c / "in/walk_5.obj");
+  const std::string five = contents(c / "in/walk_0005.obj");
+  fs::remove(c / "in/walk_0005.obj");
   refused(kHead + kKeyframes, {"s.toml:3:8: ", "5"});
-  const std::string five = contents(c / "in/walk_5.obj.kept");
-  c.file("in/walk_5.obj", five.substr(0, five.rfind("f ")));
-  refused(kHead + kKeyframes, {"s.toml:3:8: ", "walk_5.obj"});
+  c.file("in/walk_0005.obj", five.substr(0, five.rfind("f ")));
+  refused(kHead + kKeyframes, {"s.toml:3:8: ", "walk_0005.obj"});
   std::string nan = five;
   nan.replace(nan.find("v ") + 2, 1, "nan ");
-  c.file("in/walk_5.obj", nan);
-  refused(kHead + kKeyframes, {"s.toml:3:8: ", "walk_5.obj"});
-  c.file("in/walk_5.obj", five);
+  c.file("in/walk_0005.obj", nan);
+  refused(kHead + kKeyframes, {"s.toml:3:8: ", "walk_0005.obj"});
+  c.file("in/walk_0005.obj", five);
 
   put(c / "cache.pc2", walk_on_the_spot());
   const std::string cache = contents(c / "cache.pc2");
   c.file("short.pc2", cache.substr(0, cache.size() - 10));
-  refused("[sequence]\nfile = \"short.pc2\"\nmesh = \"cache.obj\"\n",
-          {"s.toml:2:8: ", "short.pc2"});
+  refused("unit = \"mm\"\n[sequence]\nfile = \"short.pc2\"\nmesh = \"cache.obj\"\n",
+          {"s.toml:3:8: ", "short.pc2"});
   for (const std::string file : {"one.pc2", "all.pvd"}) {
     c.file("s.toml", kHead + kKeyframes + "[output]\nframes = \"" + file + "\"\n");
     const Result r = c.run({"sequence", "s.toml", "--out", "out", "--frames", "1:4"});
@@ -189,8 +188,8 @@ TEST_CASE("parts of the frames are the whole's, and a run goes on where it was s
   }
   CHECK(files_in(c / "parts/frames") == whole);
   // Some are there, others not.
-  fs::remove(c / "parts/frames/frame_3.obj");
-  fs::remove(c / "parts/frames/frame_9.obj");
+  fs::remove(c / "parts/frames/frame_0003.obj");
+  fs::remove(c / "parts/frames/frame_0009.obj");
   CHECK(done(c, scene, "parts")["sequence"]["found"].get<int>() == 15);
   CHECK(files_in(c / "parts/frames") == whole);
   // Another scene, other input: all anew.
@@ -260,7 +259,7 @@ TEST_CASE("the fox walks over a hill and along a path, and starts to run", "[seq
   const auto looked_at = [&](const nlohmann::json& j, const std::string& what) {
     const double before = j["smoothness"]["second_difference_before"].get<double>(),
                  after = j["smoothness"]["second_difference"].get<double>();
-    WARN(what << ": feet " << j["footprints"].size() << ", second difference " << before << " -> "
+    INFO(what << ": feet " << j["footprints"].size() << ", second difference " << before << " -> "
               << after);
     CHECK(j["footprints"].size() >= 3);
     for (const auto& foot : j["footprints"]) CHECK(foot["slip"].get<double>() <= 1e-12);
@@ -281,4 +280,16 @@ TEST_CASE("the fox walks over a hill and along a path, and starts to run", "[seq
   const auto j = done(c, head + "[[step]]\nname = \"run\"\nkind = \"morph\"\ntarget = { file = \"" +
                              run + "\", interval = [1, 12] }\ninterval = [30, 40]\n");
   CHECK(j["sequence"]["frames"].get<int>() > 40);
+  CHECK(j["turned_over"]["after"].get<int>() <= 3 * j["turned_over"]["before"].get<int>() + 20);
+  // The head of the running fox on the walking one.
+  const std::string box = "box = [[-25,30,40],[25,90,80]]";
+  const auto mixed = done(
+      c, "unit = \"cm\"\nup = \"y\"\n[sequence]\nfile = \"" +
+             (fox / "walk/fox_walk_000.obj").string() +
+             "\"\nframes = [1, 24]\n[[select]]\nname = \"head\"\n" + box +
+             "\n[[handle]]\nname = \"head\"\n[[step]]\nname = \"mixed\"\nkind = \"mix\"\nevery "
+             "= 2\nsource = { file = \"" +
+             run + "\", select = [{ name = \"there\", " + box +
+             " }] }\npair = [{ handle = \"head\", from = \"there\" }]\n");
+  CHECK(mixed["handles"][0]["max_rigid_error"].get<double>() < 1e-10);
 }
