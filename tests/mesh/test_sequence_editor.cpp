@@ -230,6 +230,17 @@ TEST_CASE("handles that a keyframe does not tell go along, features stay rigid i
   // Told alone, a handle carries the whole bar along.
   const RigidMotion motion = key.handles[1]->motion;
   CHECK(distance(editor.keyframe_positions()[0], moved(motion, m.sequence.frames[6])) < 1e-9);
+  CHECK(distance(frames[6], editor.keyframe_positions()[0]) < 1e-9);
+  // A turn that is found at a keyframe is the handle's there.
+  SequenceKeyframe free = m.lifted(6);
+  free.handles[1]->turns_freely = true;
+  SequenceEditor finds(m.sequence, m.mesh, holds);
+  finds.set_keyframes({free});
+  std::vector<Points> at_key;
+  finds.frames(6, 6, [&](int, const Points& p) { at_key.push_back(p); });
+  for (const int v : m.right)
+    CHECK((at_key[0].row(v) - finds.keyframe_positions()[0].row(v)).norm() < 1e-12);
+  CHECK(distance(at_key[0], finds.keyframe_positions()[0]) < 1e-4);
   for (int k = 0; k < 12; ++k) {
     CHECK(bent(m.sequence.frames[k], frames[k], holds.features[0].vertices) < 1e-12);
     for (size_t h = 0; h < 2; ++h)

@@ -137,6 +137,8 @@ TEST_CASE("a morph is the source, then the blend, then the target") {
   // b[0] is a[0]'s bar elsewhere; a[3] is wound a little more.
   CHECK(distance(ground_alignment(b[0], a[0], Vec3::UnitZ()), apart.inverse()) < 1e-12);
   CHECK(std::abs(align.turn(2, 2) - 1) < 1e-14);
+  const Points raised = b[0].rowwise() + Eigen::RowVector3d(0, 0, 0.7);
+  CHECK(std::abs(ground_alignment(raised, a[0], Vec3::UnitZ()).shift.z()) < 1e-13);
   REQUIRE(result.frame_count() == 3 + 8 + 3);
   check(result, "morph");
   for (int k = 0; k <= 3; ++k) {
@@ -228,7 +230,9 @@ TEST_CASE("a mesh takes the shape of another one and follows it") {
         .rowwise()
         .squaredNorm()
         .minCoeff(&node);
-    landmarks.push_back({node, there(search.nearest(Vec3(2, 1.2, 1.2).cwiseProduct(d))->at)});
+    // One of them elsewhere than the shape alone would have it.
+    const Vec3 to = d.y() > 0 ? Vec3(0.4, 1, 0.3) : d;
+    landmarks.push_back({node, there(search.nearest(Vec3(2, 1.2, 1.2).cwiseProduct(to))->at)});
   }
   const TargetFit fit = fit_to_target(mesh, target, landmarks);
   const double size = target.size();
