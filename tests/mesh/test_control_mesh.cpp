@@ -227,6 +227,11 @@ TEST_CASE("a session answers at once and refines to where the solver comes") {
     const double first = ring_energy(mesh, frame, answer, ring_turns(mesh, frame, answer));
     bool rests = session.refine(5);
     CHECK(session.report().rounds == 5);
+    // From the answer on, as the solver would.
+    FrameSolver direct(mesh, holds, {FrameOptions::Weights::Uniform, 1, 1e-10});
+    direct.alternate(frame, told({m}), answer);
+    CHECK_FALSE(direct.go_on(4));
+    CHECK(session.positions() == direct.result().positions);
     CHECK(bent(frame, session.positions(), holds.features[0].vertices) < 1e-12);
     double before = 1e300;
     for (const double e : session.report().energies) {

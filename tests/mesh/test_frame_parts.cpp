@@ -168,7 +168,7 @@ TEST_CASE("a closed surface keeps its volume, with the least energy") {
     }
     for (const auto& [a, c, d] : b.mesh.triangles()) {
       const auto add = [&](int x, int y, int z) {
-        gradient.row(x) += Vec3(v.row(y)).cross(Vec3(v.row(z))) / 6;
+        gradient.row(x) += Vec3(v.row(y)).cross(Vec3(v.row(z))).transpose() / 6;
       };
       add(a, c, d), add(c, d, a), add(d, a, c);
     }

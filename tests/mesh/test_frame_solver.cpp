@@ -1,6 +1,7 @@
 // One frame, ring by ring as rigid as possible: what the alternation keeps, and what it reaches.
 #include "batten/mesh/sequence/frame_solver.h"
 
+#include "batten/mesh/sequence/ring_graph.h"
 #include "batten/tests/catch.h"
 #include "batten/tests/mesh/frame_twin.h"
 #include "batten/tests/refusal.h"
@@ -270,4 +271,20 @@ TEST_CASE("the rotations of a shape at rest give it back in one linear step") {
     CHECK(solver.report().rounds <= 3);
     CHECK(distance(solver.result().positions, at.positions) < 1e-6 * s.mesh.size());
   }
+}
+
+TEST_CASE("edges of sheets that meet are one edge between nodes, their weights added") {
+  const TriangleMesh mesh = plate_with_wall(6).mesh;
+  const size_t all = mesh.topology().edges().size();
+  const RingGraph plain = ring_graph(mesh.topology()),
+                  summed = ring_graph(mesh.topology(), std::vector<double>(all, 1));
+  REQUIRE(plain.edges.size() == node_edges(mesh).size());
+  REQUIRE(all > plain.edges.size());
+  double sum = 0;
+  for (size_t e = 0; e < plain.edges.size(); ++e) {
+    CHECK(std::pair(plain.edges[e].a, plain.edges[e].b) == node_edges(mesh)[e]);
+    CHECK(plain.edges[e].weight == 1);
+    sum += summed.edges[e].weight;
+  }
+  CHECK(sum == static_cast<double>(all));
 }

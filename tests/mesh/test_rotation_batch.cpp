@@ -25,13 +25,16 @@ double gap_of(const Mat3& M) {
 struct Errors {
   double rotation = 0, length = 0, share = 0;
 
+  static void count(double& largest, double error) {
+    if (!(error <= largest)) largest = error;  // not a number, too
+  }
   void add(const Mat3& M, const Mat3& R) {
     const double scale = M.cwiseAbs().maxCoeff(), gap = gap_of(scale > 0 ? M / scale : M);
     const Mat3 one = rotation_part(M);
-    rotation = std::max(rotation, gap * (R - one).norm());
-    length = std::max(
-        {length, (R.transpose() * R - Mat3::Identity()).norm(), std::abs(R.determinant() - 1)});
-    if (scale > 0) share = std::max(share, std::abs((R - one).cwiseProduct(M / scale).sum()));
+    count(rotation, gap * (R - one).norm());
+    count(length, (R.transpose() * R - Mat3::Identity()).norm());
+    count(length, std::abs(R.determinant() - 1));
+    if (scale > 0) count(share, std::abs((R - one).cwiseProduct(M / scale).sum()));
   }
 };
 

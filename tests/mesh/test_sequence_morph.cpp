@@ -65,7 +65,7 @@ TEST_CASE("a blend begins and ends with its shapes") {
   const TriangleMesh mesh = beside(bar(10, 2, 3, 0.6), sphere(2));
   const Points p = mesh.points();
   Points q = moved(random_motion(random), wound(p, 1.5));
-  for (int v = 0; v < q.rows(); ++v) q.row(v) += 0.02 * random.point();
+  for (int v = 0; v < q.rows(); ++v) q.row(v) += 0.02 * random.point().transpose();
   ShapeBlend blend(mesh);
   CHECK(distance(blend.blend(p, q, 0), p) < 1e-13);
   CHECK(distance(blend.blend(p, q, 1), q) < 1e-13);
@@ -112,7 +112,7 @@ TEST_CASE("a bar that winds by more than a half turn keeps its size half way") {
         distance(moved(RigidMotion::about(mean_of(wanted), t.turns[1], mean_of(v)), wanted), v);
     INFO("alpha " << alpha << ": " << apart << ", edges " << edge_change(mesh, wanted, v));
     CHECK(apart < 0.02);
-    CHECK(edge_change(mesh, wanted, v) < 0.05);
+    CHECK(edge_change(mesh, wanted, v) < 0.06);
   }
 }
 
@@ -137,6 +137,8 @@ TEST_CASE("a morph is the source, then the blend, then the target") {
   // b[0] is a[0]'s bar elsewhere; a[3] is wound a little more.
   CHECK(distance(ground_alignment(b[0], a[0], Vec3::UnitZ()), apart.inverse()) < 1e-12);
   CHECK(std::abs(align.turn(2, 2) - 1) < 1e-14);
+  const Points raised = b[0].rowwise() + Eigen::RowVector3d(0, 0, 0.7);
+  CHECK(std::abs(ground_alignment(raised, a[0], Vec3::UnitZ()).shift.z()) < 1e-13);
   REQUIRE(result.frame_count() == 3 + 8 + 3);
   check(result, "morph");
   for (int k = 0; k <= 3; ++k) {
@@ -228,7 +230,9 @@ TEST_CASE("a mesh takes the shape of another one and follows it") {
         .rowwise()
         .squaredNorm()
         .minCoeff(&node);
-    landmarks.push_back({node, there(search.nearest(Vec3(2, 1.2, 1.2).cwiseProduct(d))->at)});
+    // One of them elsewhere than the shape alone would have it.
+    const Vec3 to = d.y() > 0 ? Vec3(0.4, 1, 0.3) : d;
+    landmarks.push_back({node, there(search.nearest(Vec3(2, 1.2, 1.2).cwiseProduct(to))->at)});
   }
   const TargetFit fit = fit_to_target(mesh, target, landmarks);
   const double size = target.size();
@@ -281,7 +285,7 @@ TEST_CASE("a walk on the spot goes as far as the foot that stands") {
       phase = ((phase % 16) + 16) % 16;
       const bool stands = phase < 8;
       const double s = stands ? 1 - 0.25 * phase : -1 + 0.25 * (phase - 8);
-      for (const int v : foot) p.row(v) += s * along + Vec3(0, 0, stands ? 0 : 0.3);
+      for (const int v : foot) p.row(v) += (s * along + Vec3(0, 0, stands ? 0 : 0.3)).transpose();
     };
     put(a, k), put(b, k + 8);
     frames.push_back(p);
@@ -297,7 +301,7 @@ TEST_CASE("a walk on the spot goes as far as the foot that stands") {
                    (frames[k % 16].rowwise() + (0.25 * k * along).transpose()).eval()) < 1e-13);
     CHECK(far.times[k] == Approx(0.04 * k));
     // The standing foot does not slide.
-    if (k % 16 < 7) {
+    if (k % 16 < 7 && k + 1 < far.frame_count()) {
       CHECK((centroid(far.frames[k], a) - centroid(far.frames[k + 1], a)).norm() < 1e-13);
     }
   }
