@@ -153,6 +153,16 @@ TEST_CASE("corners of a banner go where hands go", "[sequence]") {
   Lessons lesson("26-flag");
   const auto j = lesson.run("flag");
   CHECK(j["turned_over"]["after"] == 0);
+  // Frames that are there are of the same hands, or are made again.
+  CHECK(lesson.run("flag")["sequence"]["found"] == 25);
+  const fs::path walker_file = lesson.file("24-stairs/walker.pc2");
+  const std::string walking = contents(walker_file);
+  std::string still_walking = walking;
+  std::fill(still_walking.end() - 400, still_walking.end(), '\0');
+  write(walker_file, still_walking);
+  CHECK(lesson.run("flag")["sequence"]["found"] == 0);
+  write(walker_file, walking);
+  CHECK(lesson.run("flag")["sequence"]["found"] == 0);
   const MeshSequence banner = lesson.sequence("out/frames/banner_*.obj"),
                      still = lesson.sequence("26-flag/banner.pc2"),
                      walker = lesson.sequence("24-stairs/walker.pc2");

@@ -12,6 +12,7 @@
 #include "batten/apps/commands/sequences/sequence_steps.h"
 #include "batten/core/errors.h"
 #include "batten/io/files/input_file.h"
+#include "batten/io/files/text.h"
 #include "batten/mesh/deform/similarity.h"
 
 namespace batten {
@@ -152,11 +153,20 @@ class SequenceRun {
       if (const auto* feet = std::get_if<SequenceStep::Footprints>(&step.what))
         fingerprint_.add_file(feet->terrain);
       if (const auto* mix = std::get_if<SequenceStep::Mix>(&step.what))
-        fingerprint_.add_file(mix->source.path);
+        fingerprint_.add(read(mix->source));
       if (const auto* morph = std::get_if<SequenceStep::Morph>(&step.what))
-        fingerprint_.add_file(morph->target.path);
+        fingerprint_.add(read(morph->target));
     }
     watch_.lap("read");
+  }
+
+  /// Of many files, or of one with others beside it: the frames themselves say what has changed.
+  MeshSequence read(const SequenceSource& source) const {
+    try {
+      return read_sequence(source.path, source.options, progress_);
+    } catch (const InputError& e) {
+      throw InputError(scene_.at(source.place) + e.what());
+    }
   }
 
   PreparedSequence prepared_input() {
@@ -364,7 +374,7 @@ std::string summary(const SequenceReport& report, const std::filesystem::path& f
                                       std::to_string(report.faces) + " faces");
   for (const auto& s : report.steps)
     text += result_line("step", s.name + " (" + s.kind + "): " + std::to_string(s.frames) +
-                                    " frames, " + std::to_string(s.keyframes) + " keyframes, " +
+                                    " frames, " + counted(s.keyframes, "keyframe") + ", " +
                                     number(s.seconds) + " s");
   text += result_line(
       "frames",
