@@ -8,12 +8,12 @@
 
 namespace batten {
 
-bool FrameSolver::Data::turns_by_itself(size_t part) const {
+bool FrameSolverData::turns_by_itself(size_t part) const {
   const auto& p = unknowns.parts[part];
   return p.handle >= 0 ? places.handles[p.handle].turns_freely : p.may_turn;
 }
 
-void FrameSolver::Data::set_offsets(size_t k) {
+void FrameSolverData::set_offsets(size_t k) {
   const auto& part = unknowns.parts[k];
   const bool exact = part.handle >= 0 && !places.handles[part.handle].turns_freely;
   for (const int v : part.nodes) {
@@ -25,7 +25,7 @@ void FrameSolver::Data::set_offsets(size_t k) {
   }
 }
 
-void FrameSolver::Data::set_guides() {
+void FrameSolverData::set_guides() {
   if (guides.empty()) return;
   for (int r = 0; r < guides.rows(); ++r) {
     const auto& row = guide_rows[r];
@@ -40,7 +40,7 @@ void FrameSolver::Data::set_guides() {
   }
 }
 
-void FrameSolver::Data::place_nodes() {
+void FrameSolverData::place_nodes() {
   for (int v = 0; v < graph.nodes; ++v) {
     const int a = unknowns.of_node[v];
     now.row(v) = rest.row(v) + offset.row(v);
@@ -51,7 +51,7 @@ void FrameSolver::Data::place_nodes() {
       part_place[k] = part_rest[k] + y.row(a).transpose();
 }
 
-void FrameSolver::Data::turn_part(size_t k) {
+void FrameSolverData::turn_part(size_t k) {
   const auto& part = unknowns.parts[k];
   const Vec3 &c = part_place[k], &c0 = part_rest[k];
   Mat3 M = Mat3::Zero();
@@ -78,14 +78,14 @@ void FrameSolver::Data::turn_part(size_t k) {
   }
 }
 
-Vec3 FrameSolver::Data::target(const FrameUnknowns::Drawn& d) const {
+Vec3 FrameSolverData::target(const FrameUnknowns::Drawn& d) const {
   const Vec3 p = rest.row(d.node).transpose();
   const HandlePlace& place = places.handles[d.handle];
   if (!place.turns_freely) return place.motion(p);
   return place.motion(handle_rest[d.handle]) + handle_turns[d.handle] * (p - handle_rest[d.handle]);
 }
 
-void FrameSolver::Data::turn_drawn_handles() {
+void FrameSolverData::turn_drawn_handles() {
   if (!holds.softness) return;
   for (size_t h = 0; h < holds.handles.size(); ++h) {
     if (!places.handles[h].turns_freely) continue;
@@ -97,7 +97,7 @@ void FrameSolver::Data::turn_drawn_handles() {
   }
 }
 
-double FrameSolver::Data::settle() {
+double FrameSolverData::settle() {
   place_nodes();
   turn_drawn_handles();
   for (size_t k = 0; k < unknowns.parts.size(); ++k)
@@ -109,13 +109,13 @@ double FrameSolver::Data::settle() {
   return energy;
 }
 
-void FrameSolver::Data::give_parts_turns() {
+void FrameSolverData::give_parts_turns() {
   for (size_t k = 0; k < unknowns.parts.size(); ++k)
     for (const int v : unknowns.parts[k].nodes)
       if (keeps_turn[v]) shape.turns[v] = part_turns[k];
 }
 
-void FrameSolver::Data::solve_positions() {
+void FrameSolverData::solve_positions() {
   ring_loads(graph, rest, shape.turns, loads);
   for (const int e : unknowns.special) {
     const auto& edge = graph.edges[e];
@@ -140,7 +140,7 @@ void FrameSolver::Data::solve_positions() {
       size > 0 && unknowns.count > 0 ? (right - y).rowwise().norm().maxCoeff() / size : 0;
 }
 
-void FrameSolver::Data::reach_volume() {
+void FrameSolverData::reach_volume() {
   if (report.rounds == 0) place_at(right);
   volume_gradient(triangles, now, gradient);
   along.setZero(unknowns.count, 3);
@@ -159,13 +159,13 @@ void FrameSolver::Data::reach_volume() {
   }
 }
 
-void FrameSolver::Data::place_at(MatX& other) {
+void FrameSolverData::place_at(MatX& other) {
   y.swap(other);
   place_nodes();
   y.swap(other);
 }
 
-double FrameSolver::Data::go_on(double before) {
+double FrameSolverData::go_on(double before) {
   solve_positions();
   const bool mix = !holds.keeps_volume && mixing.mix(y, right, mixed);
   turns_before = shape.turns;
@@ -185,7 +185,7 @@ double FrameSolver::Data::go_on(double before) {
   return energy;
 }
 
-void FrameSolver::Data::rounds(int most) {
+void FrameSolverData::rounds(int most) {
   while (report.rounds < most && !report.converged) {
     report.energies.push_back(go_on(report.energies.empty()
                                         ? std::numeric_limits<double>::infinity()

@@ -30,7 +30,8 @@ void check_holds(const FrameHolds& holds, int nodes) {
 
 }  // namespace
 
-FrameSolver::Data::Data(const TriangleMesh& mesh, FrameHolds given, const FrameOptions& opts)
+FrameSolverData::FrameSolverData(const TriangleMesh& mesh, FrameHolds given,
+                                 const FrameOptions& opts)
     : holds(std::move(given)),
       options(opts),
       size(mesh.size()),
@@ -54,7 +55,7 @@ FrameSolver::Data::Data(const TriangleMesh& mesh, FrameHolds given, const FrameO
   keeps_turn.assign(n, 0);
 }
 
-void FrameSolver::Data::set_triangles(const TriangleMesh& mesh) {
+void FrameSolverData::set_triangles(const TriangleMesh& mesh) {
   const MeshTopology& topology = mesh.topology();
   if (!topology.boundary_loops().empty() || !topology.joint_loops().empty())
     throw InputError("the volume cannot be kept: the surface is not closed");
@@ -64,14 +65,14 @@ void FrameSolver::Data::set_triangles(const TriangleMesh& mesh) {
   }
 }
 
-void FrameSolver::Data::factorize() {
+void FrameSolverData::factorize() {
   if (unknowns.count == 0) return;
   const SparseMatrix K = frame_matrix(graph, unknowns, half_softness());
   factor.analyze(K, Expected::one_factor);
   if (!factor.factorize(K)) throw NoSolutionError("frames: " + factor.message());
 }
 
-void FrameSolver::Data::spread_turns() {
+void FrameSolverData::spread_turns() {
   const auto handles = static_cast<long>(holds.handles.size());
   share = MatX::Zero(graph.nodes, handles);
   MatX loads_of = MatX::Zero(unknowns.count, handles);
@@ -90,7 +91,7 @@ void FrameSolver::Data::spread_turns() {
     if (unknowns.of_node[v] >= 0) share.row(v) = loads_of.row(unknowns.of_node[v]);
 }
 
-void FrameSolver::Data::couple_guides() {
+void FrameSolverData::couple_guides() {
   std::vector<Coupling::Row> rows;
   std::vector<Triplet> entries;
   for (int k = 0; k < count_of(holds.guided); ++k) {

@@ -11,7 +11,7 @@
 
 namespace batten {
 
-void FrameSolver::Data::begin(const Points& frame, const FramePlaces& given) {
+void FrameSolverData::begin(const Points& frame, const FramePlaces& given) {
   if (frame.rows() != graph.nodes || !frame.allFinite())
     throw InputError("a frame of " + std::to_string(frame.rows()) + " nodes, expected " +
                      std::to_string(graph.nodes) + " with finite coordinates");
@@ -53,13 +53,13 @@ void FrameSolver::Data::begin(const Points& frame, const FramePlaces& given) {
   begun = true;
 }
 
-Vec3 FrameSolver::Data::centre_of(const std::vector<int>& nodes, const RowPoints& p) {
+Vec3 FrameSolverData::centre_of(const std::vector<int>& nodes, const RowPoints& p) {
   Vec3 sum = Vec3::Zero();
   for (const int v : nodes) sum += p.row(v).transpose();
   return nodes.empty() ? sum : sum / static_cast<double>(nodes.size());
 }
 
-void FrameSolver::Data::start_from_handles() {
+void FrameSolverData::start_from_handles() {
   std::vector<Vec3> logs;
   for (const auto& place : places.handles) logs.push_back(rotation_log(place.motion.turn));
   for_each_in_chunks<512>(graph.nodes, [&](int v) {
@@ -71,7 +71,7 @@ void FrameSolver::Data::start_from_handles() {
   y.setZero();
 }
 
-void FrameSolver::Data::take_part_turns() {
+void FrameSolverData::take_part_turns() {
   for (size_t k = 0; k < unknowns.parts.size(); ++k) {
     if (turns_by_itself(k)) {
       Mat3 sum = Mat3::Zero();
@@ -83,7 +83,7 @@ void FrameSolver::Data::take_part_turns() {
   give_parts_turns();
 }
 
-void FrameSolver::Data::start_from(const Points& start) {
+void FrameSolverData::start_from(const Points& start) {
   if (start.rows() != graph.nodes || !start.allFinite())
     throw InputError("the start has " + std::to_string(start.rows()) + " points, expected " +
                      std::to_string(graph.nodes) + " finite ones");
@@ -100,7 +100,7 @@ void FrameSolver::Data::start_from(const Points& start) {
 }
 
 FrameSolver::FrameSolver(const TriangleMesh& mesh, FrameHolds holds, const FrameOptions& options)
-    : data_(std::make_unique<Data>(mesh, std::move(holds), options)) {}
+    : data_(std::make_unique<FrameSolverData>(mesh, std::move(holds), options)) {}
 FrameSolver::~FrameSolver() = default;
 FrameSolver::FrameSolver(FrameSolver&&) noexcept = default;
 FrameSolver& FrameSolver::operator=(FrameSolver&&) noexcept = default;

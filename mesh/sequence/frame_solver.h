@@ -2,57 +2,15 @@
 #pragma once
 
 #include <memory>
-#include <optional>
-#include <span>
 #include <string>
 #include <vector>
 
-#include "batten/mesh/deform/deform_problem.h"
 #include "batten/mesh/regions/deform_estimate.h"
-#include "batten/mesh/sequence/rigid_motion.h"
+#include "batten/mesh/sequence/frame_problem.h"
 
 namespace batten {
 
-/// What all frames of an edit hold. Numbers are nodes of the mesh, in every frame the same.
-struct FrameHolds {
-  std::vector<int> fixed;             ///< nodes that stay where the frame has them
-  std::vector<Handle> handles;        ///< parts whose places are told, frame by frame
-  std::vector<FormFeature> features;  ///< parts that keep their shape exactly and go along
-  std::optional<double> softness;     ///< λ: handles are drawn to their places by this weight
-                                      ///< instead of being held there; above 0
-  /// Nodes or means of nodes on a plane, or on a line such as a screen ray. Held exactly. The points
-  /// of a plane or line are told frame by frame.
-  std::vector<GuidedPoint> guided;
-  bool keeps_volume = false;  ///< the closed surface encloses as much as in the frame
-};
-
-struct FrameOptions {
-  enum class Weights {
-    Uniform,   ///< w_ij = 1, as in the paper: one matrix for all frames
-    Cotangent  ///< of the first frame, at least a tenth of their mean
-  } weights = Weights::Uniform;
-  int most_rounds = 100;
-  double tolerance = 1e-5;  ///< of the mesh's size: rounds end when no node moves by more
-};
-
-/// Where a handle is in one frame.
-struct HandlePlace {
-  RigidMotion motion;         ///< from where the frame has it to where it should be
-  bool turns_freely = false;  ///< only the place of its centroid counts; the turn is found, from
-                              ///< that of the motion on
-};
-
-/// What is told of one frame.
-struct FramePlaces {
-  std::vector<HandlePlace> handles;  ///< one for each handle
-  std::vector<Vec3> guides;          ///< a point of each plane or line
-};
-
-/// A frame after an edit.
-struct FrameShape {
-  Points positions;         ///< nodes × 3
-  std::vector<Mat3> turns;  ///< R_i of every node
-};
+struct FrameSolverData;
 
 /// With p the positions of a frame and v those after an edit,
 ///
@@ -107,8 +65,7 @@ class FrameSolver {
   const std::vector<std::string>& notes() const;
 
  private:
-  struct Data;
-  std::unique_ptr<Data> data_;
+  std::unique_ptr<FrameSolverData> data_;
 };
 
 }  // namespace batten

@@ -6,15 +6,16 @@
 
 #include "batten/constraints/coupling.h"
 #include "batten/core/sparse_cholesky.h"
+#include "batten/mesh/regions/deform_estimate.h"
 #include "batten/mesh/regions/mixing.h"
-#include "batten/mesh/sequence/frame_solver.h"
+#include "batten/mesh/sequence/frame_problem.h"
 #include "batten/mesh/sequence/frame_unknowns.h"
 #include "batten/mesh/sequence/ring_steps.h"
 
 namespace batten {
 
-struct FrameSolver::Data {
-  Data(const TriangleMesh& mesh, FrameHolds given, const FrameOptions& opts);
+struct FrameSolverData {
+  FrameSolverData(const TriangleMesh& mesh, FrameHolds given, const FrameOptions& opts);
 
   // Once (frame_set_up.cpp).
   void set_triangles(const TriangleMesh& mesh);

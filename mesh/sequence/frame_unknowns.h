@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "batten/mesh/sequence/frame_solver.h"
+#include "batten/mesh/sequence/frame_problem.h"
 #include "batten/mesh/sequence/ring_graph.h"
 
 namespace batten {

@@ -1,9 +1,10 @@
 // Handles that are told where to be in many frames, and what the rest of the mesh does then.
 #pragma once
 
+#include <memory>
 #include <vector>
 
-#include "batten/apps/commands/sequences/sequence_steps.h"
+#include "batten/apps/commands/sequences/step_result.h"
 
 namespace batten {
 

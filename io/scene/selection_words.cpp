@@ -1,10 +1,9 @@
-#include "batten/io/scene/scene_selections.h"
+#include "batten/io/scene/selection_words.h"
 
 #include <cmath>
 #include <limits>
 
 #include "batten/core/errors.h"
-#include "batten/io/scene/selection_words.h"
 
 namespace batten {
 namespace {
