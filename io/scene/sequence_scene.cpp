@@ -93,6 +93,7 @@ SequenceStep::Footprints read_footprints(const TomlTable& t, const std::filesyst
   SequenceStep::Footprints step;
   step.feet = t.names("feet");
   if (step.feet.empty()) t.fail("feet", "no names", "handles that stand on the ground");
+  step.upright = t.names("upright");
   step.search = read_search(t);
   if (t.has("shift")) step.shift = t.vector("shift");
   for (const TomlTable& g : t.table("terrain", {"file", "clearance", "ground", "turns"})) {
@@ -115,6 +116,10 @@ SequenceStep::Path read_path(const TomlTable& t) {
       t.choice("lengths", PathLengths::Absolute,
                {{"absolute", PathLengths::Absolute}, {"normalised", PathLengths::Normalised}});
   step.feet = t.names("feet");
+  step.upright = t.names("upright");
+  if (step.feet.empty() && !step.upright.empty())
+    t.fail("upright", "handles without feet",
+           "feet = […] too: without these all goes along as it is");
   step.search = read_search(t);
   return step;
 }
@@ -186,8 +191,8 @@ SequenceStep::Morph read_morph(const TomlTable& t, const std::filesystem::path& 
 const std::vector<std::pair<std::string, std::vector<std::string>>> kKinds{
     {"keyframes", {"keyframe"}},
     {"travel", {"cycles", "along", "speed", "feet"}},
-    {"footprints", {"feet", "found", "shift", "terrain"}},
-    {"path", {"through", "spans", "lengths", "feet", "found"}},
+    {"footprints", {"feet", "found", "upright", "shift", "terrain"}},
+    {"path", {"through", "spans", "lengths", "feet", "found", "upright"}},
     {"filter", {"filter", "handles", "sigma", "amount", "feet", "found"}},
     {"mix", {"source", "pair", "turns", "align"}},
     {"morph", {"target", "interval", "frames", "align", "landmark"}}};

@@ -80,6 +80,7 @@ struct SequenceStep {
     Vec3 shift = Vec3::Zero();
     std::filesystem::path terrain;  ///< a mesh; "": none
     FilePlace terrain_place;
+    std::vector<PlacedWord> upright;  ///< handles that go with the mean of the feet and do not turn
     std::optional<double> clearance;  ///< none: as high above the ground as before
     double ground = 0;                ///< height of the ground before, along up
     bool turns = false;
@@ -89,6 +90,7 @@ struct SequenceStep {
     int spans = 0;
     PathLengths lengths = PathLengths::Absolute;
     std::vector<PlacedWord> feet;
+    std::vector<PlacedWord> upright;  ///< handles that stay on their way, whatever the feet do
     FootprintSearch search;
   };
   struct Filter {

@@ -120,6 +120,39 @@ TEST_CASE("every kind of step goes over a walk", "[sequence]") {
   CHECK(j["steps"][0]["keyframes"].get<int>() == 1);
 }
 
+TEST_CASE("an upright trunk stays on the path, and on a slope goes with the mean of the feet",
+          "[sequence]") {
+  const Case c("sequence_upright");
+  put_walk(c);
+  c.file("hill.obj", "v -20 -20 0\nv 40 -20 6\nv 40 20 6\nv -20 20 0\nf 1 2 3\nf 1 3 4\n");
+  const std::string feet = "feet = [\"front\", \"back\"]\n", found = "found = { within = 0.02 }\n";
+  const std::string head =
+      "[[handle]]\nname = \"trunk\"\nvertices = \"t\"\n[[select]]\nname = \"t\"\nbox = "
+      "[[0.49,-1,-1],[0.51,1,1]]\n[[step]]\nkind = \"travel\"\nalong = [1,0,0]\n" +
+      feet + "[[step]]\n";
+  const std::vector<int> trunk = nodes_where(
+      walk_on_the_spot().frames[0], [](const Vec3& p) { return std::abs(p.x() - 0.5) < 0.011; });
+  REQUIRE(!trunk.empty());
+  const auto frames = [&](const std::string& step) {
+    done(c, kHead + head + step);
+    return read_sequence(c / "out/frames").frames;
+  };
+  const std::string bend = "kind = \"path\"\nthrough = [[0,0,0],[1,0.3,0],[2,1.2,0]]\n";
+  const auto along = trajectory_of(frames(bend), trunk),
+             held = trajectory_of(frames(bend + feet + found + "upright = \"trunk\"\n"), trunk);
+  CHECK(distance(along.centres, held.centres) < 1e-12);
+  const auto flat = frames("kind = \"footprints\"\n" + feet + found),
+             hill = frames("kind = \"footprints\"\n" + feet + found +
+                           "upright = \"trunk\"\nterrain = { file = \"hill.obj\" }\n");
+  const auto before = trajectory_of(flat, trunk), after = trajectory_of(hill, trunk);
+  const auto told = trajectory_of(
+      frames("kind = \"footprints\"\n" + feet + found + "upright = \"trunk\"\n"), trunk);
+  for (int k = 0; k < after.frame_count(); ++k) {
+    CHECK((after.turns[k] - told.turns[k]).norm() < 1e-9);  // as on the level: it does not lean
+    CHECK(after.centres(k, 2) > before.centres(k, 2) + 1);  // the hill is two high where it begins
+  }
+}
+
 TEST_CASE("sequences that cannot be are refused by file and place, and leave nothing",
           "[sequence]") {
   const Case c("sequence_refused");

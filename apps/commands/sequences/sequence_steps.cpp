@@ -114,7 +114,8 @@ class Step {
         print = projected(print, *terrain, {what.clearance.value_or(height), what.turns},
                           scene_.at(step_.place) + scene_.handles[tracks.handles[f]].name);
       }
-    const ToldHandles told = planted(scene_, step_, tracks, tracks.before, to, sequence().times);
+    ToldHandles told = planted(scene_, step_, tracks, tracks.before, to, sequence().times);
+    add_upright(scene_, from_, parts_, what.upright, mean_shift(from_, parts_, told), told);
     StepResult result = follow_told(step_, from_, parts_, told, fixed_, progress_);
     result.feet = feet_of(scene_, step_, tracks, size_of(sequence()));
     result.warnings.insert(result.warnings.end(), warnings.begin(), warnings.end());
@@ -145,6 +146,8 @@ class Step {
     // The editor measures turns from its own first frame, which has turned with the path.
     for (auto& wanted : told.wanted)
       for (Mat3& turn : wanted.turns) turn = turn * motions.front().turn.transpose();
+    add_upright(scene_, *along, parts_, what.upright, Points::Zero(sequence().frame_count(), 3),
+                told);
     StepResult result = follow_told(step_, *along, parts_, told, fixed_, progress_);
     keep_alive(result, along);
     result.feet = feet_of(scene_, step_, tracks, size_of(sequence()));

@@ -146,4 +146,30 @@ ToldHandles planted(const SequenceScene& scene, const SequenceStep& step, const 
   return told;
 }
 
+void add_upright(const SequenceScene& scene, const PreparedSequence& from,
+                 const SequenceParts& parts, const std::vector<PlacedWord>& names,
+                 const Points& shifts, ToldHandles& told) {
+  for (const PlacedWord& name : names) {
+    const int h = parts.handle(scene, name);
+    if (std::find(told.handles.begin(), told.handles.end(), h) != told.handles.end())
+      throw InputError(scene.at(name.place) + "found '" + name.text +
+                       "' as a foot too, expected another handle");
+    Trajectory wanted = trajectory_of(from.sequence.frames, parts.handles[h].vertices);
+    wanted.centres += shifts;
+    told.handles.push_back(h);
+    told.wanted.push_back(std::move(wanted));
+  }
+}
+
+Points mean_shift(const PreparedSequence& from, const SequenceParts& parts,
+                  const ToldHandles& told) {
+  Points sum = Points::Zero(from.sequence.frame_count(), 3);
+  for (size_t h = 0; h < told.handles.size(); ++h) {
+    const Trajectory before =
+        trajectory_of(from.sequence.frames, parts.handles[told.handles[h]].vertices);
+    sum += (told.wanted[h].centres - before.centres) / static_cast<double>(told.handles.size());
+  }
+  return sum;
+}
+
 }  // namespace batten

@@ -56,4 +56,14 @@ ToldHandles planted(const SequenceScene& scene, const SequenceStep& step, const 
                     const std::vector<std::vector<Footprint>>& to,
                     const std::vector<double>& times);
 
+/// Adds handles that keep their turns and go where they go in `from`, each frame shifted by the row of
+/// `shifts` (F×3). A body whose feet alone are told leans to the foot that stands higher.
+void add_upright(const SequenceScene& scene, const PreparedSequence& from,
+                 const SequenceParts& parts, const std::vector<PlacedWord>& names,
+                 const Points& shifts, ToldHandles& told);
+
+/// By how much the told handles are elsewhere than in `from`, in the mean: F×3.
+Points mean_shift(const PreparedSequence& from, const SequenceParts& parts,
+                  const ToldHandles& told);
+
 }  // namespace batten
