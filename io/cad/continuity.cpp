@@ -177,11 +177,9 @@ ContinuityReport measured_shape(const TopoDS_Shape& shape, double size,
                                 const ContinuityOptions& options) {
   ContinuityReport report;
   report.size = size;
-  TopTools_IndexedMapOfShape edges, solids, shells;
+  TopTools_IndexedMapOfShape edges, shells;
   TopExp::MapShapes(shape, TopAbs_EDGE, edges);
-  TopExp::MapShapes(shape, TopAbs_SOLID, solids);
   TopExp::MapShapes(shape, TopAbs_SHELL, shells);
-  report.solids = solids.Extent();
   report.shells = shells.Extent();
   const auto sides = sides_of(edges, shape, report);
   for (int e = 1; e <= edges.Extent(); ++e) {
@@ -217,6 +215,9 @@ ContinuityReport measure_continuity(const std::filesystem::path& file, double mo
     ContinuityReport report = measured_shape(
         options.sewing > 0 ? sewn(cad.shape, options.sewing * size) : TopoDS_Shape(cad.shape), size,
         options);
+    TopTools_IndexedMapOfShape solids;  // sewing leaves shells of them
+    TopExp::MapShapes(cad.shape, TopAbs_SOLID, solids);
+    report.solids = solids.Extent();
     const double unit = 1e-3 / model_unit_in_metres;  // a millimetre in model units
     report.size *= unit;
     for (auto& edge : report.inner) {
