@@ -12,6 +12,7 @@
 #include "batten/apps/commands/sequences/sequence_steps.h"
 #include "batten/core/errors.h"
 #include "batten/io/files/input_file.h"
+#include "batten/io/files/text.h"
 #include "batten/mesh/deform/similarity.h"
 
 namespace batten {
@@ -133,11 +134,7 @@ class SequenceRun {
   void read() {
     report_.name = scene_.name;
     report_.unit = scene_.unit;
-    try {
-      current_ = std::make_shared<PreparedSequence>(prepared_input());
-    } catch (const InputError& e) {
-      throw InputError(scene_.at(scene_.source.place) + e.what());
-    }
+    current_ = std::make_shared<PreparedSequence>(prepared_input());
     input_ = current_;
     const MeshSequence& s = current_->sequence;
     report_.file = scene_.source.path.filename().string();
@@ -148,23 +145,34 @@ class SequenceRun {
     fingerprint_.add("batten sequence 1\n" +
                      input_bytes(scene_.file, "edits of a sequence (.toml)"));
     fingerprint_.add(s);
+    add_files(scene_.selections);
     for (const auto& step : scene_.steps) {
       if (const auto* feet = std::get_if<SequenceStep::Footprints>(&step.what))
         fingerprint_.add_file(feet->terrain);
-      if (const auto* mix = std::get_if<SequenceStep::Mix>(&step.what))
-        fingerprint_.add_file(mix->source.path);
+      if (const auto* mix = std::get_if<SequenceStep::Mix>(&step.what)) {
+        fingerprint_.add(read_frames(scene_, mix->source, progress_));
+        add_files(mix->selections);
+      }
       if (const auto* morph = std::get_if<SequenceStep::Morph>(&step.what))
-        fingerprint_.add_file(morph->target.path);
+        fingerprint_.add(read_frames(scene_, morph->target, progress_));
     }
     watch_.lap("read");
   }
 
+  void add_files(const std::vector<SelectRule>& selections) {
+    for (const SelectRule& rule : selections)
+      if (!rule.file.empty()) fingerprint_.add_file(rule.file);
+  }
+
   PreparedSequence prepared_input() {
-    MeshSequence sequence = read_sequence(scene_.source.path, scene_.source.options, progress_);
-    check(sequence, scene_.source.path.string());
-    PreparedMesh prepared = prepare(sequence.shells);
-    report_.warnings.insert(report_.warnings.end(), prepared.notes.begin(), prepared.notes.end());
-    return {std::move(sequence), std::move(prepared.mesh)};
+    MeshSequence sequence = read_frames(scene_, scene_.source, progress_);
+    try {
+      PreparedMesh prepared = prepare(sequence.shells);
+      report_.warnings.insert(report_.warnings.end(), prepared.notes.begin(), prepared.notes.end());
+      return {std::move(sequence), std::move(prepared.mesh)};
+    } catch (const InputError& e) {
+      throw InputError(scene_.at(scene_.source.place) + e.what());
+    }
   }
 
   void find_parts() {
@@ -257,7 +265,7 @@ class SequenceRun {
     std::vector<double> times = last_.times;
     const bool numbered =
         std::all_of(times.begin(), times.end(), [](double t) { return t == std::floor(t); });
-    if (scene_.frames_out.ends_with(".glb") && numbered)
+    if (lower_extension(scene_.frames_out) == ".glb" && numbered)
       for (double& t : times) t = (t - last_.times.front()) / scene_.frames_per_second;
     return times;
   }
@@ -271,7 +279,7 @@ class SequenceRun {
     report_.frames = count;
     report_.first = first;
     report_.last = last;
-    FrameStore store(out_.folder() / scene_.frames_out, out_.file(scene_.frames_out), last_.shells,
+    FrameStore store(out_.folder(), out_.file(scene_.frames_out), scene_.frames_out, last_.shells,
                      written_times(), first - 1, last - 1, fingerprint_.text());
     shown_ = shown_frames(scene_, report_.frames_before, first - 1, last - 1);
     FrameMeasures measures(input_->mesh, parts_, last_.feet);

@@ -207,7 +207,7 @@ class Step {
   }
 
   StepResult operator()(const SequenceStep::Mix& what) const {
-    const MeshSequence source = read(what.source);
+    const MeshSequence source = read_frames(scene_, what.source, progress_);
     const PreparedMesh prepared = prepare(source.shells);
     SceneSelections selections = scene_;
     selections.selections = what.selections;
@@ -249,7 +249,7 @@ class Step {
   }
 
   StepResult operator()(const SequenceStep::Morph& what) const {
-    MeshSequence target = read(what.target);
+    MeshSequence target = read_frames(scene_, what.target, progress_);
     MorphOptions options = what.options;
     options.up = scene_.upwards();
     if (options.source.last < 0) options.source.last = sequence().frame_count() - 1;
@@ -325,16 +325,6 @@ class Step {
                            options.target.first);
   }
 
-  MeshSequence read(const SequenceSource& source) const {
-    try {
-      MeshSequence sequence = read_sequence(source.path, source.options, progress_);
-      check(sequence, source.path.string());
-      return sequence;
-    } catch (const InputError& e) {
-      throw InputError(scene_.at(source.place) + e.what());
-    }
-  }
-
   TriangleMesh read_terrain(const SequenceStep::Footprints& what) const {
     try {
       return prepare(MeshFile::read(what.terrain).shells()).mesh;
@@ -369,6 +359,15 @@ class Step {
 };
 
 }  // namespace
+
+MeshSequence read_frames(const SequenceScene& scene, const SequenceSource& source,
+                         const Progress& progress) {
+  try {
+    return read_sequence(source.path, source.options, progress);
+  } catch (const InputError& e) {
+    throw InputError(scene.at(source.place) + e.what());
+  }
+}
 
 StepResult do_step(const SequenceScene& scene, const SequenceStep& step,
                    const PreparedSequence& from, const SequenceParts& parts,
