@@ -3,6 +3,7 @@
 #include "batten/core/errors.h"
 #include "batten/io/files/input_file.h"
 #include "batten/io/scene/selection_words.h"
+#include "batten/io/sequences/sequence_writer.h"
 
 namespace batten {
 namespace {
@@ -320,6 +321,11 @@ SequenceScene read(const toml::table& root_table, const std::filesystem::path& f
         std::find(path.begin(), path.end(), "..") != path.end())
       t.fail("frames", in_quotes(scene.frames_out),
              "a name in the output folder, or one folder and a name: frames/walk_*.obj");
+    try {
+      SequenceWriter::check_name(path);  // before the steps, which may take hours
+    } catch (const InputError& e) {
+      throw InputError(scene.at(t.place("frames")) + e.what());
+    }
     scene.frames_per_second = t.positive("frames_per_second", scene.frames_per_second);
   }
   Names files("file name");
