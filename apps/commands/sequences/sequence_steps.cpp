@@ -5,6 +5,7 @@
 
 #include "batten/apps/commands/meshes/vertex_selector.h"
 #include "batten/apps/commands/sequences/told_handles.h"
+#include "batten/core/each_once.h"
 #include "batten/core/errors.h"
 #include "batten/mesh/rotation_of_faces.h"
 #include "batten/mesh/sequence/trajectory_alignment.h"
@@ -63,12 +64,14 @@ class Step {
         fixed_(vertices_of(step.fixed)) {}
 
   StepResult operator()(const SequenceStep::Keyframes& what) const {
-    std::vector<int> handles;
+    std::vector<int> handles, moved;
     for (const auto& key : what.keys)
       for (const auto& move : key.moves) {
         const int h = parts_.handle(scene_, move.handle);
         if (std::find(handles.begin(), handles.end(), h) == handles.end()) handles.push_back(h);
+        if (!move.translate.isZero(0) || move.degrees != 0) moved.push_back(h);
       }
+    const auto warnings = fixed_in_handles(parts_, each_once(std::move(moved)), fixed_);
     const auto [first, last] = std::ranges::minmax(what.keys, {}, &KeyframeRule::frame);
     const auto editor =
         editor_for(step_, from_, parts_, handles, fixed_, first.frame - 1, last.frame - 1);
@@ -95,7 +98,9 @@ class Step {
       keys.push_back(std::move(key));
     }
     editor->set_keyframes(std::move(keys), progress_);
-    return result_of(from_, editor);
+    StepResult result = result_of(from_, editor);
+    result.warnings.insert(result.warnings.end(), warnings.begin(), warnings.end());
+    return result;
   }
 
   StepResult operator()(const SequenceStep::Travel& what) const {
@@ -136,13 +141,22 @@ class Step {
     Points centres(sequence().frame_count(), 3);
     for (int k = 0; k < sequence().frame_count(); ++k)
       centres.row(k) = sequence().frames[k].colwise().mean();
+    const double way = (centres.rowwise() - centres.row(0)).rowwise().norm().maxCoeff();
+    if (way < 0.1 * size_of(sequence()))
+      warnings.push_back("the mesh goes no farther than " + number(way) + " " + scene_.unit +
+                         " from where it starts: what moves on the spot has no path; a step of the "
+                         "kind 'travel' before this one gives it one");
     const FittedPath old = fit_path(centres, {scene_.upwards(), what.spans});
     const auto motions =
         path_motions(old, GroundPath::through(what.through, scene_.upwards()), what.lengths);
     auto along = std::make_shared<PreparedSequence>(from_);
     for (size_t k = 0; k < motions.size(); ++k)
       along->sequence.frames[k] = moved(motions[k], along->sequence.frames[k]);
-    if (what.feet.empty()) return kept_as_it_is(along);
+    if (what.feet.empty()) {
+      StepResult result = kept_as_it_is(along);
+      result.warnings = std::move(warnings);
+      return result;
+    }
     const FootTracks tracks =
         find_feet(scene_, sequence(), parts_, what.feet, what.search, warnings);
     std::vector<Trajectory> there;
