@@ -96,6 +96,7 @@ StepResult follow_told(const SequenceStep& step, const PreparedSequence& from,
     keys.push_back(std::move(key));
   }
   editor->set_keyframes(std::move(keys), progress);
+  if (!step.softness) editor->set_motions(std::move(motions));  // they do not stray in between
   StepResult result = result_of(from, editor);
   result.warnings.insert(result.warnings.end(), warnings.begin(), warnings.end());
   return result;
