@@ -7,6 +7,7 @@
 #include "batten/apps/commands/sequences/told_handles.h"
 #include "batten/core/each_once.h"
 #include "batten/core/errors.h"
+#include "batten/core/memory.h"
 #include "batten/mesh/rotation_of_faces.h"
 #include "batten/mesh/sequence/trajectory_alignment.h"
 #include "batten/mesh/sequence/trajectory_filters.h"
@@ -110,6 +111,7 @@ class Step {
     const double speed = what.speed
                              ? *what.speed
                              : stance_speed(sequence().frames, feet, what.along, scene_.upwards());
+    require_room(static_cast<double>(what.cycles) * sequence().frame_count());
     return kept_as_it_is(std::make_shared<PreparedSequence>(
         PreparedSequence{travelled(sequence(), what.cycles, what.along, speed), from_.mesh}));
   }
@@ -270,6 +272,7 @@ class Step {
     if (options.target.last < 0) options.target.last = target.frame_count() - 1;
     check(options.source, sequence(), "source");
     check(options.target, target, "target");
+    require_room(options.frames);
     StepResult result;
     if (!what.landmarks.empty()) target = taken_on(what, options, target, result.warnings);
     auto made = std::make_shared<PreparedSequence>(
@@ -282,6 +285,12 @@ class Step {
 
  private:
   const MeshSequence& sequence() const { return from_.sequence; }
+
+  void require_room(double frames) const {
+    require_memory(
+        24.0 * sequence().node_count() * frames,
+        number(frames) + " frames of " + std::to_string(sequence().node_count()) + " nodes");
+  }
 
   /// The similarity that lays all these trajectories over those.
   Similarity fitted(const std::vector<Trajectory>& from, const std::vector<Trajectory>& to) const {
