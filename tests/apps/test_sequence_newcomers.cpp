@@ -208,3 +208,48 @@ TEST_CASE("glTF is read at its keys with 0 frames a second", "[sequence]") {
   REQUIRE(r.code == 0);
   CHECK(report(c, "out")["sequence"]["frames"] == 5);
 }
+
+TEST_CASE("a morph is no bend of features, and every other step is", "[sequence]") {
+  const Case c("sequence_morphed_features");
+  make_flag(c, "flag", 5);
+  make_flag(c, "other", 5, 0.1);
+  const std::string morph =
+      "unit = \"m\"\n[sequence]\nfile = \"flag\"\n"
+      "[[select]]\nname = \"end\"\nbox = [[7.5, -9, -1], [9, 9, 9]]\n[[handle]]\nname = \"end\"\n"
+      "[[select]]\nname = \"spot\"\nbox = [[2.5, -9, 0.5], [4.5, 9, 2.5]]\n"
+      "[[feature]]\nname = \"spot\"\n"
+      "[[step]]\nkind = \"morph\"\ntarget = { file = \"other\" }\n";
+  REQUIRE(edit(c, morph).code == 0);
+  // What bends a handle shows, also in a step that others follow.
+  const std::string bend =
+      "[[step]]\nkind = \"keyframes\"\n[[step.keyframe]]\nframe = 2\n"
+      "handle = [{ name = \"end\", translate = [0, 3, 0] }]\n"
+      "[[step]]\nkind = \"travel\"\nalong = [1, 0, 0]\nspeed = 1\ncycles = 2\n";
+  REQUIRE(edit(c, morph + bend).code == 0);
+  const auto j = report(c, "out");
+  CHECK(j["sequence"]["frames"] == 10);
+  CHECK(j["features"][0]["max_rigid_error"].get<double>() > 0);
+  CHECK(j["features"][0]["max_rigid_error"].get<double>() < 1e-12);
+}
+
+TEST_CASE("steps that would need more memory than there is are refused", "[sequence]") {
+  const Case c("sequence_memory");
+  make_flag(c, "flag", 4);
+  c.fails(scene() + "[[step]]\nkind = \"travel\"\nalong = [1, 0, 0]\nspeed = 1\ncycles = 1000000\n",
+          1, {"the step 'step-2'", "of memory"}, {"--memory", "1"}, "sequence");
+}
+
+TEST_CASE("feet do not slip between keyframes that are far apart", "[sequence]") {
+  const Case c("sequence_every");
+  for (const std::string name : {"walker.obj", "walker.pc2", "stairs.obj"})
+    fs::copy(fs::path(BATTEN_SOURCE_DIR "/examples/24-stairs") / name, c / name);
+  std::string text = contents(fs::path(BATTEN_SOURCE_DIR "/examples/24-stairs/stairs.toml"));
+  text = text.substr(0, text.find("[[picture]]"));
+  text.replace(text.find("rounds = 200"), 12, "every = 4");
+  const Result r = edit(c, text);
+  INFO(r.err);
+  REQUIRE(r.code == 0);
+  const auto j = report(c, "out");
+  CHECK(j["steps"][1]["keyframes"].get<int>() < 60);
+  for (const auto& f : j["footprints"]) CHECK(f["slip"].get<double>() < 1e-9);
+}
