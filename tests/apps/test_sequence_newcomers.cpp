@@ -253,3 +253,26 @@ TEST_CASE("feet do not slip between keyframes that are far apart", "[sequence]")
   CHECK(j["steps"][1]["keyframes"].get<int>() < 60);
   for (const auto& f : j["footprints"]) CHECK(f["slip"].get<double>() < 1e-9);
 }
+
+TEST_CASE("the input is not overwritten", "[sequence]") {
+  const Case c("sequence_input");
+  make_flag(c, "flag", 4);
+  const std::string before = contents(c / "flag/flag_3.obj");
+  Result r = edit(c, scene("", "", "flag/flag_%d.obj"), {}, ".");
+  CHECK(r.code == 1);
+  CHECK_THAT(r.err, Contains("flag_1.obj: found a file that no run"));
+  CHECK(contents(c / "flag/flag_3.obj") == before);
+  REQUIRE(edit(c, scene("", "", "f.pc2")).code == 0);
+  const std::string cache = contents(c / "out/f.pc2");
+  r = edit(c, "unit = \"m\"\n[sequence]\nfile = \"out/f.pc2\"\n[output]\nframes = \"f.pc2\"\n");
+  CHECK(r.code == 1);
+  CHECK_THAT(r.err, Contains("would overwrite the input"));
+  CHECK(contents(c / "out/f.pc2") == cache);
+  // Frames of two names side by side are known again.
+  REQUIRE(edit(c, scene("", "", "f_*.obj")).code == 0);
+  REQUIRE(edit(c, scene("", "", "g_*.obj")).code == 0);
+  REQUIRE(edit(c, scene("", "", "f_*.obj")).code == 0);
+  REQUIRE(edit(c, scene("frames = [1, 3]", "", "f_*.obj")).code == 0);
+  CHECK(fs::exists(c / "out/g_0004.obj"));
+  CHECK_FALSE(fs::exists(c / "out/f_0004.obj"));
+}

@@ -1,5 +1,6 @@
 #include "batten/apps/commands/sequences/frame_store.h"
 
+#include <algorithm>
 #include <fstream>
 #include <sstream>
 
@@ -83,14 +84,21 @@ FrameStore::FrameStore(const fs::path& folder, const fs::path& hidden, const std
     for (std::string file; std::getline(in, file);) left.push_back(file);
   }
   if (before == fingerprint) return;
+  for (int k = 0; k < count_of(times); ++k)
+    if (fs::exists(writer_->file(k)) &&
+        std::ranges::find(left, writer_->file(k).filename().string()) == left.end())
+      throw InputError(writer_->file(k).string() +
+                       ": found a file that no run of batten sequence made, and it would be "
+                       "overwritten: expected another folder or name");
   const fs::path of_frames = writer_->file(0).parent_path();
   const std::string like = without_number(writer_->file(0));
   for (const std::string& file : left)  // there may be more of them than frames now
     if (without_number(file) == like) fs::remove(of_frames / fs::path(file).filename());
-  for (int k = 0; k < count_of(times); ++k) fs::remove(writer_->file(k));
+  std::erase_if(left, [&](const std::string& file) { return without_number(file) == like; });
   write_whole_file(stamp, [&](std::ostream& out) {
     out << fingerprint << "\n";
     for (int k = 0; k < count_of(times); ++k) out << writer_->file(k).filename().string() << "\n";
+    for (const std::string& file : left) out << file << "\n";  // of other names
   });
 }
 

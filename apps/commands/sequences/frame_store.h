@@ -32,7 +32,8 @@ class FrameStore {
  public:
   /// `folder` and `name`: where the frames appear. `hidden`: where single files are written
   /// meanwhile. Numbered files of this name that a run with another fingerprint made are removed.
-  /// Throws InputError: what SequenceWriter throws; a part of the frames into a single file.
+  /// Throws InputError: what SequenceWriter throws; a part of the frames into a single file; numbered
+  /// files that no such run made, as the input itself.
   FrameStore(const std::filesystem::path& folder, const std::filesystem::path& hidden,
              const std::string& name, const ShellMesh& shells, const std::vector<double>& times,
              int first, int last, const std::string& fingerprint);

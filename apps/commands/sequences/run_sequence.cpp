@@ -138,6 +138,7 @@ class SequenceRun {
   SequenceReport operator()() {
     read();
     find_parts();
+    spare_input();
     do_steps();
     write_frames();
     draw();
@@ -210,6 +211,21 @@ class SequenceRun {
           parts_.features.push_back({name.text, select_->of(name), rule.kind});
     }
     watch_.lap("parts");
+  }
+
+  /// A single file replaces what has its name.
+  void spare_input() const {
+    std::filesystem::path out = out_.folder() / scene_.frames_out;
+    const auto& source = scene_.source;
+    std::error_code ignored;
+    for (const auto& file : {out, std::filesystem::path(out).replace_extension(".obj")})
+      for (const auto& input : {source.path, source.options.mesh,
+                                std::filesystem::path(source.path).replace_extension(".obj")})
+        if (std::filesystem::is_regular_file(file, ignored) &&
+            std::filesystem::equivalent(file, input, ignored))
+          throw InputError(
+              file.string() +
+              ": the frames would overwrite the input, expected another folder or name");
   }
 
   void do_steps() {
