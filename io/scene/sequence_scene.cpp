@@ -3,6 +3,7 @@
 #include "batten/core/errors.h"
 #include "batten/io/files/input_file.h"
 #include "batten/io/scene/selection_words.h"
+#include "batten/io/sequences/sequence_writer.h"
 
 namespace batten {
 namespace {
@@ -33,8 +34,11 @@ SequenceSource read_source(const TomlTable& t, const std::filesystem::path& fold
     std::tie(source.options.first, source.options.last) = frame_range(t, "frames");
   source.options.allow_gaps = t.boolean("gaps", false);
   source.options.animation = t.text("animation", "");
-  source.options.frames_per_second =
-      t.positive("frames_per_second", source.options.frames_per_second);
+  if (t.has("frames_per_second") && t.number("frames_per_second") == 0)
+    source.options.frames_per_second = 0;
+  else
+    source.options.frames_per_second =
+        t.positive("frames_per_second", source.options.frames_per_second);
   source.options.weld_seams = t.boolean("weld", true);
   return source;
 }
@@ -63,6 +67,12 @@ KeyframeRule read_keyframe(const TomlTable& t) {
     }
     if (h.has("about")) move.about = h.vector("about");
     move.turns_freely = h.choice("turn", false, {{"told", false}, {"free", true}});
+    if (move.turns_freely && h.has("rotate"))
+      h.fail("rotate", "a rotation of a handle that turns freely", "turn = \"told\" or no rotate");
+    for (const auto& other : rule.moves)
+      if (other.handle.text == move.handle.text)
+        h.fail("name", "the handle " + in_quotes(move.handle.text) + " twice in a keyframe",
+               "once");
     rule.moves.push_back(std::move(move));
   }
   if (rule.moves.empty()) t.fail("", "a keyframe without handles", "handle = [{ name = …, … }]");
@@ -197,6 +207,11 @@ const std::vector<std::pair<std::string, std::vector<std::string>>> kKinds{
     {"mix", {"source", "pair", "turns", "align"}},
     {"morph", {"target", "interval", "frames", "align", "landmark"}}};
 
+/// Keys of steps that hold handles.
+const std::vector<std::string> kHoldingKeys{"fixed",     "weights",      "rounds", "tolerance",
+                                            "start",     "trajectories", "ends",   "rounds_between",
+                                            "influence", "softness",     "volume", "every"};
+
 void read_step_options(const TomlTable& t, SequenceStep& step) {
   SequenceEditOptions& o = step.options;
   step.fixed = t.names("fixed");
@@ -225,6 +240,21 @@ void read_step_options(const TomlTable& t, SequenceStep& step) {
   step.every = t.whole_number("every", 1, 1);
 }
 
+/// What only steps that hold handles use is refused in others: it would do nothing.
+void refuse_options(const TomlTable& t, const std::string& kind, const SequenceStep& step) {
+  const auto* path = std::get_if<SequenceStep::Path>(&step.what);
+  const bool holds = !(kind == "travel" || kind == "morph" || (path && path->feet.empty()));
+  for (const auto& key : kHoldingKeys)
+    if (t.has(key) && !holds)
+      t.fail(key,
+             "key '" + key + "' in a step that holds no handles" +
+                 (path ? ": a path without feet" : " ('" + kind + "')"),
+             "it in steps that do");
+  if (t.has("every") && kind == "keyframes")
+    t.fail("every", "key 'every' in a step of the kind 'keyframes'",
+           "it where all frames say where handles are");
+}
+
 SequenceStep read_step(const std::string& kind, const TomlTable& t,
                        const std::filesystem::path& folder, size_t index) {
   SequenceStep step;
@@ -250,13 +280,12 @@ SequenceStep read_step(const std::string& kind, const TomlTable& t,
   } else {
     step.what = read_morph(t, folder);
   }
+  refuse_options(t, kind, step);
   return step;
 }
 
 void read_steps(const TomlTable& root, const std::filesystem::path& folder, SequenceScene& scene) {
-  const std::vector<std::string> common{
-      "name",         "kind", "fixed",          "weights",   "rounds",   "tolerance", "start",
-      "trajectories", "ends", "rounds_between", "influence", "softness", "volume",    "every"};
+  const std::vector<std::string> common = with({"name", "kind"}, kHoldingKeys);
   std::vector<std::string> all = common, names;
   for (const auto& [kind, keys] : kKinds) {
     names.push_back(kind);
@@ -325,6 +354,11 @@ SequenceScene read(const toml::table& root_table, const std::filesystem::path& f
         std::find(path.begin(), path.end(), "..") != path.end())
       t.fail("frames", in_quotes(scene.frames_out),
              "a name in the output folder, or one folder and a name: frames/walk_*.obj");
+    try {
+      SequenceWriter::check_name(path);  // before the steps, which may take hours
+    } catch (const InputError& e) {
+      throw InputError(scene.at(t.place("frames")) + e.what());
+    }
     scene.frames_per_second = t.positive("frames_per_second", scene.frames_per_second);
   }
   Names files("file name");

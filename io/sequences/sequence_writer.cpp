@@ -165,23 +165,40 @@ class SequenceWriter::Glb : public Output {
   GlbWriter writer_;
 };
 
+void SequenceWriter::check_name(const fs::path& path) {
+  static const std::set<std::string> numbered{".obj", ".off", ".ply", ".stl", ".vtp", ".vtu"};
+  static const std::set<std::string> single{"", ".pvd", ".pc2", ".mdd", ".glb"};
+  const std::string extension = lower_extension(path);
+  if (pattern_of(path)) {
+    if (!numbered.contains(extension))
+      throw InputError(path.string() + ": found numbered files '" + extension +
+                       "', expected .obj, .off, .ply, .stl, .vtp or .vtu");
+  } else if (numbered.contains(extension)) {
+    throw InputError(path.string() +
+                     ": found one file for all frames, expected a place for their numbers, as " +
+                     path.stem().string() + "_*" + extension);
+  } else if (!single.contains(extension)) {
+    throw InputError(
+        path.string() + ": found the extension '" + path.extension().string() +
+        "', expected numbered files as walk_*.obj, a folder, .pvd, .pc2, .mdd or .glb");
+  }
+}
+
 SequenceWriter::SequenceWriter(const fs::path& path, const ShellMesh& shells,
                                std::vector<double> times) {
   require_times(path, times);
   const std::string extension = lower_extension(path);
-  static const std::set<std::string> written{".obj", ".off", ".ply", ".stl", ".vtp", ".vtu"};
   std::error_code ignored;
-  if (const auto name = pattern_of(path)) {
-    if (!written.contains(extension))
-      throw InputError(path.string() + ": found numbered files '" + extension +
-                       "', expected .obj, .off, .ply, .stl, .vtp or .vtu");
-    output_ = std::make_unique<Numbered>(*name, shells, std::move(times));
-    return;
-  }
-  if (!path.has_filename() || extension.empty() || fs::is_directory(path, ignored)) {
+  if (!path.has_filename() || fs::is_directory(path, ignored) ||
+      (extension.empty() && !pattern_of(path))) {
     const fs::path folder = path.has_filename() ? path : path.parent_path();
     output_ = std::make_unique<Numbered>(NumberedName{folder, "frame_", ".obj", 4}, shells,
                                          std::move(times));
+    return;
+  }
+  check_name(path);
+  if (const auto name = pattern_of(path)) {
+    output_ = std::make_unique<Numbered>(*name, shells, std::move(times));
     return;
   }
   make_folder(path.parent_path());
@@ -190,19 +207,11 @@ SequenceWriter::SequenceWriter(const fs::path& path, const ShellMesh& shells,
     output_ =
         std::make_unique<Numbered>(NumberedName{folder, path.stem().string() + "_", ".vtp", 4},
                                    shells, std::move(times), path);
-  } else if (extension == ".pc2" || extension == ".mdd") {
-    const auto format = extension == ".pc2" ? PointCacheFormat::Pc2 : PointCacheFormat::Mdd;
-    output_ = std::make_unique<Cache>(path, format, shells, std::move(times));
   } else if (extension == ".glb") {
     output_ = std::make_unique<Glb>(path, shells, std::move(times));
-  } else if (written.contains(extension)) {
-    throw InputError(path.string() + ": found one file for " + counted(count_of(times), "frame") +
-                     ", expected a place for their numbers, as " + path.stem().string() + "_*" +
-                     extension);
   } else {
-    throw InputError(
-        path.string() + ": found the extension '" + path.extension().string() +
-        "', expected numbered files as walk_*.obj, a folder, .pvd, .pc2, .mdd or .glb");
+    const auto format = extension == ".pc2" ? PointCacheFormat::Pc2 : PointCacheFormat::Mdd;
+    output_ = std::make_unique<Cache>(path, format, shells, std::move(times));
   }
 }
 

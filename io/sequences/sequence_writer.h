@@ -28,10 +28,12 @@ namespace batten {
 /// everything is. The folder of the path is made where it is missing, but none above it.
 class SequenceWriter {
  public:
+  /// Whether frames can be written to files of this name. Throws InputError: an extension that is
+  /// none of the above, a mesh file's name without a place for a number.
+  static void check_name(const std::filesystem::path& path);
   /// Nothing is written yet, except the head of a temporary file. `times` has one for each frame,
-  /// ascending. Throws InputError: no times, times that do not ascend, an extension that is none of
-  /// the above, a mesh file's name without a place for a number, PC2 with uneven times, a GLB above
-  /// 4 GB; what WholeFile throws.
+  /// ascending. Throws InputError: no times, times that do not ascend, a name that check_name refuses,
+  /// PC2 with uneven times, a GLB above 4 GB; what WholeFile throws.
   SequenceWriter(const std::filesystem::path& path, const ShellMesh& shells,
                  std::vector<double> times);
   ~SequenceWriter();

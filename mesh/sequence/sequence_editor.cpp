@@ -241,6 +241,24 @@ void SequenceEditor::set_keyframes(std::vector<SequenceKeyframe> keyframes,
   }
 }
 
+void SequenceEditor::set_motions(std::vector<std::vector<RigidMotion>> motions) {
+  Data& d = *data_;
+  if (motions.size() != d.motions.size())
+    throw InputError("motions of " + std::to_string(motions.size()) + " handles, expected " +
+                     std::to_string(d.motions.size()));
+  for (const auto& of_handle : motions)
+    if (count_of(of_handle) != d.sequence->frame_count())
+      throw InputError("motions in " + std::to_string(of_handle.size()) + " frames, expected " +
+                       std::to_string(d.sequence->frame_count()));
+  d.motions = std::move(motions);
+  for (size_t h = 0; h < d.motions.size(); ++h)
+    for (int k = 0; k < d.sequence->frame_count(); ++k) {
+      const RigidMotion& motion = d.motions[h][k];
+      d.after[h].centres.row(k) = motion(d.before[h].centres.row(k).transpose()).transpose();
+      d.after[h].turns[k] = motion.turn * d.before[h].turns[k];
+    }
+}
+
 void SequenceEditor::frames(int first, int last,
                             const std::function<void(int, const Points&)>& take,
                             const Progress& progress) const {

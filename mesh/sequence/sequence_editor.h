@@ -66,6 +66,10 @@ class SequenceEditor {
   /// keyframe that tells no handle or another number of them, one outside of the influence; what
   /// FrameSolver throws; CancelledError. Then there are no keyframes.
   void set_keyframes(std::vector<SequenceKeyframe> keyframes, const Progress& progress = {});
+  /// Motions of each handle in each frame, for step 5 instead of what step 4 interpolates: handles
+  /// that are told where to be in all frames do not stray between keyframes. After set_keyframes(),
+  /// until the next one. Throws InputError: another number of handles or frames.
+  void set_motions(std::vector<std::vector<RigidMotion>> motions);
   /// Step 5 for frames first … last: calls take(frame, positions) in order. Throws what take throws,
   /// CancelledError.
   void frames(int first, int last, const std::function<void(int, const Points&)>& take,

@@ -1,14 +1,29 @@
 #include "batten/apps/commands/sequences/frame_store.h"
 
+#include <algorithm>
 #include <fstream>
 #include <sstream>
 
 #include "batten/core/errors.h"
+#include "batten/io/files/text.h"
 #include "batten/io/files/whole_file.h"
 #include "batten/io/meshes/mesh_file.h"
 
 namespace batten {
 namespace fs = std::filesystem;
+namespace {
+
+/// A file's name with * for the last number in it.
+std::string without_number(const fs::path& file) {
+  std::string name = file.filename().string();
+  const size_t last = name.find_last_of("0123456789", name.rfind('.'));
+  if (last == name.npos) return name;
+  const size_t before = name.find_last_not_of("0123456789", last);
+  const size_t first = before == name.npos ? 0 : before + 1;
+  return name.replace(first, last + 1 - first, "*");
+}
+
+}  // namespace
 
 void Fingerprint::add(const void* bytes, size_t count) {
   const auto* byte = static_cast<const unsigned char*>(bytes);
@@ -37,33 +52,57 @@ std::string Fingerprint::text() const {
   return out.str();
 }
 
-FrameStore::FrameStore(const fs::path& path, const fs::path& hidden, const ShellMesh& shells,
-                       const std::vector<double>& times, int first, int last,
-                       const std::string& fingerprint)
-    : first_(first), last_(last), folder_(path.parent_path()) {
-  const std::string ending = path.extension().string();
-  numbered_ = ending != ".pc2" && ending != ".mdd" && ending != ".glb" && ending != ".gltf";
+FrameStore::FrameStore(const fs::path& folder, const fs::path& hidden, const std::string& name,
+                       const ShellMesh& shells, const std::vector<double>& times, int first,
+                       int last, const std::string& fingerprint)
+    : first_(first), last_(last) {
+  const std::string ending = lower_extension(name);
+  numbered_ = ending != ".pc2" && ending != ".mdd" && ending != ".glb";
+  read_again_ = numbered_ && ending != ".stl";  // which has no nodes, only corners
   whole_ = first == 0 && last + 1 == count_of(times);
+  const fs::path path = folder / name;
   if (!whole_ && (!numbered_ || ending == ".pvd"))
     throw InputError(path.string() + ": frames " + std::to_string(first + 1) + " to " +
                      std::to_string(last + 1) + " of " + std::to_string(times.size()) +
                      " alone can be written as numbered files only, as frames/frame_*.obj");
+  root_ = folder;
   if (!numbered_) {
+    root_ = hidden;
+    for ([[maybe_unused]] const auto& part : fs::path(name)) root_ = root_.parent_path();
     writer_ = std::make_unique<SequenceWriter>(hidden, shells, times);
     return;
   }
-  if (ending.empty()) folder_ = path;
-  make_output_folder(folder_);
+  const fs::path place = ending.empty() ? path : path.parent_path();
+  make_output_folder(place);
   writer_ = std::make_unique<SequenceWriter>(path, shells, times);
-  const fs::path stamp = folder_ / ".batten-frames";
+  const fs::path stamp = place / ".batten-frames";
   std::string before;
-  std::getline(std::ifstream(stamp) >> std::ws, before);
+  std::vector<std::string> left;
+  {
+    std::ifstream in(stamp);
+    std::getline(in, before);
+    for (std::string file; std::getline(in, file);) left.push_back(file);
+  }
   if (before == fingerprint) return;
-  for (int k = 0; k < count_of(times); ++k) fs::remove(writer_->file(k));
-  write_whole_file(stamp, [&](std::ostream& out) { out << fingerprint << "\n"; });
+  for (int k = 0; k < count_of(times); ++k)
+    if (fs::exists(writer_->file(k)) &&
+        std::ranges::find(left, writer_->file(k).filename().string()) == left.end())
+      throw InputError(writer_->file(k).string() +
+                       ": found a file that no run of batten sequence made, and it would be "
+                       "overwritten: expected another folder or name");
+  const fs::path of_frames = writer_->file(0).parent_path();
+  const std::string like = without_number(writer_->file(0));
+  for (const std::string& file : left)  // there may be more of them than frames now
+    if (without_number(file) == like) fs::remove(of_frames / fs::path(file).filename());
+  std::erase_if(left, [&](const std::string& file) { return without_number(file) == like; });
+  write_whole_file(stamp, [&](std::ostream& out) {
+    out << fingerprint << "\n";
+    for (int k = 0; k < count_of(times); ++k) out << writer_->file(k).filename().string() << "\n";
+    for (const std::string& file : left) out << file << "\n";  // of other names
+  });
 }
 
-bool FrameStore::have(int frame) const { return numbered_ && writer_->have(frame); }
+bool FrameStore::have(int frame) const { return read_again_ && writer_->have(frame); }
 
 Points FrameStore::read(int frame) const {
   return MeshFile::read(writer_->file(frame)).shells().points;
@@ -72,12 +111,16 @@ Points FrameStore::read(int frame) const {
 void FrameStore::write(int frame, const Points& points) { writer_->write(frame, points); }
 
 std::vector<std::string> FrameStore::finish() {
-  if (!whole_)
-    return {writer_->file(first_).filename().string() + " … " +
-            writer_->file(last_).filename().string()};
-  writer_->finish();
   std::vector<std::string> names;
-  for (const auto& file : writer_->files()) names.push_back(file.filename().string());
+  const auto add = [&](const fs::path& file) {
+    names.push_back(file.lexically_relative(root_).string());
+  };
+  if (!whole_) {
+    for (int k = first_; k <= last_; ++k) add(writer_->file(k));
+    return names;
+  }
+  writer_->finish();
+  for (const auto& file : writer_->files()) add(file);
   return names;
 }
 

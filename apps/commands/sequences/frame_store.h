@@ -30,23 +30,25 @@ class Fingerprint {
 /// kept, those of another one are written anew.
 class FrameStore {
  public:
-  /// `path`: where the frames appear. `hidden`: where single files are written meanwhile. Throws
-  /// InputError: what SequenceWriter throws; a part of the frames into a single file.
-  FrameStore(const std::filesystem::path& path, const std::filesystem::path& hidden,
-             const ShellMesh& shells, const std::vector<double>& times, int first, int last,
-             const std::string& fingerprint);
+  /// `folder` and `name`: where the frames appear. `hidden`: where single files are written
+  /// meanwhile. Numbered files of this name that a run with another fingerprint made are removed.
+  /// Throws InputError: what SequenceWriter throws; a part of the frames into a single file; numbered
+  /// files that no such run made, as the input itself.
+  FrameStore(const std::filesystem::path& folder, const std::filesystem::path& hidden,
+             const std::string& name, const ShellMesh& shells, const std::vector<double>& times,
+             int first, int last, const std::string& fingerprint);
 
   bool have(int frame) const;
   /// A frame that is there.
   Points read(int frame) const;
   void write(int frame, const Points& points);
-  /// Ends the files; their names for the report.
+  /// Ends the files; their names in the folder, those that this run was to make.
   std::vector<std::string> finish();
 
  private:
-  bool numbered_ = false, whole_ = true;
+  bool numbered_ = false, read_again_ = false, whole_ = true;
   int first_, last_;
-  std::filesystem::path folder_;
+  std::filesystem::path root_;  // what names are relative to
   std::unique_ptr<SequenceWriter> writer_;
 };
 

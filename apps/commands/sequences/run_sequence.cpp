@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <deque>
+#include <utility>
 
 #include "batten/apps/commands/meshes/vertex_selector.h"
 #include "batten/apps/commands/runs/run_parts.h"
@@ -22,42 +23,64 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
+/// How far parts are from what they were before a step, in any frame.
+struct Bent {
+  explicit Bent(const SequenceParts& parts)
+      : features(parts.features.size(), 0), handles(parts.handles.size(), 0) {}
+
+  void measure(const SequenceParts& parts, const Points& before, const Points& after) {
+    measure(parts.features, before, after, features);
+    measure(parts.handles, before, after, handles);
+  }
+
+  std::vector<double> features, handles;  // largest errors
+
+ private:
+  template <class Part>
+  static void measure(const std::vector<Part>& parts, const Points& before, const Points& after,
+                      std::vector<double>& largest) {
+    for (size_t k = 0; k < parts.size(); ++k)
+      largest[k] =
+          std::max(largest[k], fit_similarity(before, after, parts[k].vertices, 1.0).max_error);
+  }
+};
+
+/// Whether each frame after a step comes from the one of its number. Of the others travel bends
+/// nothing, and a morph everything.
+bool keeps_frames(const SequenceStep& step) {
+  return !std::holds_alternative<SequenceStep::Travel>(step.what) &&
+         !std::holds_alternative<SequenceStep::Morph>(step.what);
+}
+
 /// What is measured on frames that come one after the other and are not kept.
 class FrameMeasures {
  public:
   FrameMeasures(const TriangleMesh& mesh, const SequenceParts& parts,
                 std::vector<SequenceReport::Foot> feet)
       : mesh_(mesh), parts_(parts), feet_(std::move(feet)) {
-    rigid_.assign(parts.features.size(), 0);
-    rigid_handles_.assign(parts.handles.size(), 0);
     centres_.resize(feet_.size());
   }
 
-  /// `rest`: the frame before the edit, where there is one of this number.
-  void add(int frame, const Points& p, const Points* rest) {
+  void add(int frame, const Points& p) {
     last_.push_back(p);
     if (last_.size() > 3) last_.pop_front();
     if (last_.size() == 3 && p.rows() > 0)
       second_ = std::max(second_, (last_[2] - 2 * last_[1] + last_[0]).rowwise().norm().maxCoeff());
     turned_over_ += folds(p);
-    if (rest) {
-      measure_rigid(p, *rest, parts_.features, rigid_);
-      measure_rigid(p, *rest, parts_.handles, rigid_handles_);
-    }
     for (size_t f = 0; f < feet_.size(); ++f)
       if (frame + 1 >= feet_[f].first && frame + 1 <= feet_[f].last)
         centres_[f].push_back(VertexCombination::mean_of(handle_vertices(feet_[f].handle)).at(p));
   }
 
-  void fill(SequenceReport& report, double size) {
+  void fill(SequenceReport& report, const Bent& bent, double size) {
     report.second_difference = second_;
     report.turned_over = turned_over_;
     for (size_t h = 0; h < parts_.handles.size(); ++h)
       report.handles.push_back(
-          {parts_.handles[h].name, count_of(parts_.handles[h].vertices), rigid_handles_[h]});
+          {parts_.handles[h].name, count_of(parts_.handles[h].vertices), bent.handles[h]});
     for (size_t f = 0; f < parts_.features.size(); ++f)
       report.features.push_back(
-          {parts_.features[f].name, count_of(parts_.features[f].vertices), rigid_[f]});
+          {parts_.features[f].name, count_of(parts_.features[f].vertices), bent.features[f]});
     for (size_t f = 0; f < feet_.size(); ++f) {
       Vec3 mean = Vec3::Zero();
       for (const Vec3& c : centres_[f]) mean += c / static_cast<double>(centres_[f].size());
@@ -71,13 +94,6 @@ class FrameMeasures {
   long turned_over() const { return turned_over_; }
 
  private:
-  template <class Part>
-  static void measure_rigid(const Points& p, const Points& rest, const std::vector<Part>& parts,
-                            std::vector<double>& largest) {
-    for (size_t k = 0; k < parts.size(); ++k)
-      largest[k] = std::max(largest[k], fit_similarity(rest, p, parts[k].vertices, 1.0).max_error);
-  }
-
   const std::vector<int>& handle_vertices(const std::string& name) const {
     for (const auto& h : parts_.handles)
       if (h.name == name) return h.vertices;
@@ -107,7 +123,6 @@ class FrameMeasures {
   const SequenceParts& parts_;
   std::vector<SequenceReport::Foot> feet_;
   std::vector<std::vector<Vec3>> centres_;
-  std::vector<double> rigid_, rigid_handles_;
   std::deque<Points> last_;
   double second_ = 0;
   long turned_over_ = 0;
@@ -123,6 +138,7 @@ class SequenceRun {
   SequenceReport operator()() {
     read();
     find_parts();
+    spare_input();
     do_steps();
     write_frames();
     draw();
@@ -134,11 +150,7 @@ class SequenceRun {
   void read() {
     report_.name = scene_.name;
     report_.unit = scene_.unit;
-    try {
-      current_ = std::make_shared<PreparedSequence>(prepared_input());
-    } catch (const InputError& e) {
-      throw InputError(scene_.at(scene_.source.place) + e.what());
-    }
+    current_ = std::make_shared<PreparedSequence>(prepared_input());
     input_ = current_;
     const MeshSequence& s = current_->sequence;
     report_.file = scene_.source.path.filename().string();
@@ -149,32 +161,34 @@ class SequenceRun {
     fingerprint_.add("batten sequence 1\n" +
                      input_bytes(scene_.file, "edits of a sequence (.toml)"));
     fingerprint_.add(s);
+    add_files(scene_.selections);
     for (const auto& step : scene_.steps) {
       if (const auto* feet = std::get_if<SequenceStep::Footprints>(&step.what))
         fingerprint_.add_file(feet->terrain);
-      if (const auto* mix = std::get_if<SequenceStep::Mix>(&step.what))
-        fingerprint_.add(read(mix->source));
+      if (const auto* mix = std::get_if<SequenceStep::Mix>(&step.what)) {
+        fingerprint_.add(read_frames(scene_, mix->source, progress_));
+        add_files(mix->selections);
+      }
       if (const auto* morph = std::get_if<SequenceStep::Morph>(&step.what))
-        fingerprint_.add(read(morph->target));
+        fingerprint_.add(read_frames(scene_, morph->target, progress_));
     }
     watch_.lap("read");
   }
 
-  /// Of many files, or of one with others beside it: the frames themselves say what has changed.
-  MeshSequence read(const SequenceSource& source) const {
-    try {
-      return read_sequence(source.path, source.options, progress_);
-    } catch (const InputError& e) {
-      throw InputError(scene_.at(source.place) + e.what());
-    }
+  void add_files(const std::vector<SelectRule>& selections) {
+    for (const SelectRule& rule : selections)
+      if (!rule.file.empty()) fingerprint_.add_file(rule.file);
   }
 
   PreparedSequence prepared_input() {
-    MeshSequence sequence = read_sequence(scene_.source.path, scene_.source.options, progress_);
-    check(sequence, scene_.source.path.string());
-    PreparedMesh prepared = prepare(sequence.shells);
-    report_.warnings.insert(report_.warnings.end(), prepared.notes.begin(), prepared.notes.end());
-    return {std::move(sequence), std::move(prepared.mesh)};
+    MeshSequence sequence = read_frames(scene_, scene_.source, progress_);
+    try {
+      PreparedMesh prepared = prepare(sequence.shells);
+      report_.warnings.insert(report_.warnings.end(), prepared.notes.begin(), prepared.notes.end());
+      return {std::move(sequence), std::move(prepared.mesh)};
+    } catch (const InputError& e) {
+      throw InputError(scene_.at(scene_.source.place) + e.what());
+    }
   }
 
   void find_parts() {
@@ -199,13 +213,34 @@ class SequenceRun {
     watch_.lap("parts");
   }
 
+  /// A single file replaces what has its name.
+  void spare_input() const {
+    std::filesystem::path out = out_.folder() / scene_.frames_out;
+    const auto& source = scene_.source;
+    std::error_code ignored;
+    for (const auto& file : {out, std::filesystem::path(out).replace_extension(".obj")})
+      for (const auto& input : {source.path, source.options.mesh,
+                                std::filesystem::path(source.path).replace_extension(".obj")})
+        if (std::filesystem::is_regular_file(file, ignored) &&
+            std::filesystem::equivalent(file, input, ignored))
+          throw InputError(
+              file.string() +
+              ": the frames would overwrite the input, expected another folder or name");
+  }
+
   void do_steps() {
     const VerticesOf vertices_of = [&](const std::vector<PlacedWord>& names) {
       return select_->of(names);
     };
     last_ = as_it_is(current_);
+    bent_.emplace(parts_);
     for (size_t k = 0; k < scene_.steps.size(); ++k) {
-      if (k > 0) current_ = collected(last_);
+      if (k > 0) {
+        const auto before = std::exchange(current_, collected(last_));
+        for (size_t f = 0; keeps_frames(scene_.steps[k - 1]) && f < before->sequence.frames.size();
+             ++f)
+          bent_->measure(parts_, before->sequence.frames[f], current_->sequence.frames[f]);
+      }
       const auto start = std::chrono::steady_clock::now();
       last_ = step(scene_.steps[k], vertices_of);
       last_.report.seconds = seconds_since(start);
@@ -267,7 +302,7 @@ class SequenceRun {
     std::vector<double> times = last_.times;
     const bool numbered =
         std::all_of(times.begin(), times.end(), [](double t) { return t == std::floor(t); });
-    if (scene_.frames_out.ends_with(".glb") && numbered)
+    if (lower_extension(scene_.frames_out) == ".glb" && numbered)
       for (double& t : times) t = (t - last_.times.front()) / scene_.frames_per_second;
     return times;
   }
@@ -281,13 +316,14 @@ class SequenceRun {
     report_.frames = count;
     report_.first = first;
     report_.last = last;
-    FrameStore store(out_.folder() / scene_.frames_out, out_.file(scene_.frames_out), last_.shells,
+    FrameStore store(out_.folder(), out_.file(scene_.frames_out), scene_.frames_out, last_.shells,
                      written_times(), first - 1, last - 1, fingerprint_.text());
     shown_ = shown_frames(scene_, report_.frames_before, first - 1, last - 1);
     FrameMeasures measures(input_->mesh, parts_, last_.feet);
     const auto look = [&](int k, const Points& p) {
-      const bool pair = count == report_.frames_before;
-      measures.add(k, p, pair ? &input_->sequence.frames[k] : nullptr);
+      measures.add(k, p);
+      if (!scene_.steps.empty() && keeps_frames(scene_.steps.back()))
+        bent_->measure(parts_, current_->sequence.frames[k], p);
       if (std::binary_search(shown_.after.begin(), shown_.after.end(), k)) kept_.push_back(p);
     };
     for (int k = first - 1; k < last;) {
@@ -309,10 +345,9 @@ class SequenceRun {
       k = end + 1;
     }
     report_.files = store.finish();
-    measures.fill(report_, report_.size);
+    measures.fill(report_, *bent_, report_.size);
     FrameMeasures before(input_->mesh, parts_, {});
-    for (int k = 0; k < report_.frames_before; ++k)
-      before.add(k, input_->sequence.frames[k], nullptr);
+    for (int k = 0; k < report_.frames_before; ++k) before.add(k, input_->sequence.frames[k]);
     report_.second_difference_before = before.second();
     report_.turned_over_before = before.turned_over();
     watch_.lap("frames");
@@ -355,6 +390,7 @@ class SequenceRun {
   std::optional<MeshFile> file_;
   std::optional<VertexSelector> select_;
   SequenceParts parts_;
+  std::optional<Bent> bent_;
   StepResult last_;
   ShownFrames shown_;
   std::vector<Points> kept_;

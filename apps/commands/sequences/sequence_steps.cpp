@@ -5,7 +5,9 @@
 
 #include "batten/apps/commands/meshes/vertex_selector.h"
 #include "batten/apps/commands/sequences/told_handles.h"
+#include "batten/core/each_once.h"
 #include "batten/core/errors.h"
+#include "batten/core/memory.h"
 #include "batten/mesh/rotation_of_faces.h"
 #include "batten/mesh/sequence/trajectory_alignment.h"
 #include "batten/mesh/sequence/trajectory_filters.h"
@@ -53,12 +55,14 @@ class Step {
         fixed_(vertices_of(step.fixed)) {}
 
   StepResult operator()(const SequenceStep::Keyframes& what) const {
-    std::vector<int> handles;
+    std::vector<int> handles, moved;
     for (const auto& key : what.keys)
       for (const auto& move : key.moves) {
         const int h = parts_.handle(scene_, move.handle);
         if (std::find(handles.begin(), handles.end(), h) == handles.end()) handles.push_back(h);
+        if (!move.translate.isZero(0) || move.degrees != 0) moved.push_back(h);
       }
+    const auto warnings = fixed_in_handles(parts_, each_once(std::move(moved)), fixed_);
     const auto [first, last] = std::ranges::minmax(what.keys, {}, &KeyframeRule::frame);
     const auto editor =
         editor_for(step_, from_, parts_, handles, fixed_, first.frame - 1, last.frame - 1);
@@ -85,7 +89,9 @@ class Step {
       keys.push_back(std::move(key));
     }
     editor->set_keyframes(std::move(keys), progress_);
-    return result_of(from_, editor);
+    StepResult result = result_of(from_, editor);
+    result.warnings.insert(result.warnings.end(), warnings.begin(), warnings.end());
+    return result;
   }
 
   StepResult operator()(const SequenceStep::Travel& what) const {
@@ -95,6 +101,7 @@ class Step {
     const double speed = what.speed
                              ? *what.speed
                              : stance_speed(sequence().frames, feet, what.along, scene_.upwards());
+    require_room(static_cast<double>(what.cycles) * sequence().frame_count());
     return kept_as_it_is(std::make_shared<PreparedSequence>(
         PreparedSequence{travelled(sequence(), what.cycles, what.along, speed), from_.mesh}));
   }
@@ -127,13 +134,22 @@ class Step {
     Points centres(sequence().frame_count(), 3);
     for (int k = 0; k < sequence().frame_count(); ++k)
       centres.row(k) = sequence().frames[k].colwise().mean();
+    const double way = (centres.rowwise() - centres.row(0)).rowwise().norm().maxCoeff();
+    if (way < 0.1 * size_of(sequence()))
+      warnings.push_back("the mesh goes no farther than " + number(way) + " " + scene_.unit +
+                         " from where it starts: what moves on the spot has no path; a step of the "
+                         "kind 'travel' before this one gives it one");
     const FittedPath old = fit_path(centres, {scene_.upwards(), what.spans});
     const auto motions =
         path_motions(old, GroundPath::through(what.through, scene_.upwards()), what.lengths);
     auto along = std::make_shared<PreparedSequence>(from_);
     for (size_t k = 0; k < motions.size(); ++k)
       along->sequence.frames[k] = moved(motions[k], along->sequence.frames[k]);
-    if (what.feet.empty()) return kept_as_it_is(along);
+    if (what.feet.empty()) {
+      StepResult result = kept_as_it_is(along);
+      result.warnings = std::move(warnings);
+      return result;
+    }
     const FootTracks tracks =
         find_feet(scene_, sequence(), parts_, what.feet, what.search, warnings);
     std::vector<Trajectory> there;
@@ -200,7 +216,7 @@ class Step {
   }
 
   StepResult operator()(const SequenceStep::Mix& what) const {
-    const MeshSequence source = read(what.source);
+    const MeshSequence source = read_frames(scene_, what.source, progress_);
     const PreparedMesh prepared = prepare(source.shells);
     SceneSelections selections = scene_;
     selections.selections = what.selections;
@@ -242,13 +258,14 @@ class Step {
   }
 
   StepResult operator()(const SequenceStep::Morph& what) const {
-    MeshSequence target = read(what.target);
+    MeshSequence target = read_frames(scene_, what.target, progress_);
     MorphOptions options = what.options;
     options.up = scene_.upwards();
     if (options.source.last < 0) options.source.last = sequence().frame_count() - 1;
     if (options.target.last < 0) options.target.last = target.frame_count() - 1;
     check(options.source, sequence(), "source");
     check(options.target, target, "target");
+    require_room(options.frames);
     StepResult result;
     if (!what.landmarks.empty()) target = taken_on(what, options, target, result.warnings);
     auto made = std::make_shared<PreparedSequence>(
@@ -261,6 +278,12 @@ class Step {
 
  private:
   const MeshSequence& sequence() const { return from_.sequence; }
+
+  void require_room(double frames) const {
+    require_memory(
+        24.0 * sequence().node_count() * frames,
+        number(frames) + " frames of " + std::to_string(sequence().node_count()) + " nodes");
+  }
 
   /// The similarity that lays all these trajectories over those.
   Similarity fitted(const std::vector<Trajectory>& from, const std::vector<Trajectory>& to) const {
@@ -318,16 +341,6 @@ class Step {
                            options.target.first);
   }
 
-  MeshSequence read(const SequenceSource& source) const {
-    try {
-      MeshSequence sequence = read_sequence(source.path, source.options, progress_);
-      check(sequence, source.path.string());
-      return sequence;
-    } catch (const InputError& e) {
-      throw InputError(scene_.at(source.place) + e.what());
-    }
-  }
-
   TriangleMesh read_terrain(const SequenceStep::Footprints& what) const {
     try {
       return prepare(MeshFile::read(what.terrain).shells()).mesh;
@@ -362,6 +375,15 @@ class Step {
 };
 
 }  // namespace
+
+MeshSequence read_frames(const SequenceScene& scene, const SequenceSource& source,
+                         const Progress& progress) {
+  try {
+    return read_sequence(source.path, source.options, progress);
+  } catch (const InputError& e) {
+    throw InputError(scene.at(source.place) + e.what());
+  }
+}
 
 StepResult do_step(const SequenceScene& scene, const SequenceStep& step,
                    const PreparedSequence& from, const SequenceParts& parts,

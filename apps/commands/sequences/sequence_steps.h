@@ -9,6 +9,10 @@
 namespace batten {
 
 /// What finds vertices of names such as `fixed`, on the first frame.
+/// The frames of a source. Errors name its place in the scene.
+MeshSequence read_frames(const SequenceScene& scene, const SequenceSource& source,
+                         const Progress& progress);
+
 using VerticesOf = std::function<std::vector<int>(const std::vector<PlacedWord>&)>;
 
 /// Does one step up to the point where frames can be made. Keeps references to `from` and `scene`.

@@ -1,6 +1,7 @@
 #include "batten/apps/commands/sequences/told_handles.h"
 
 #include <algorithm>
+#include <set>
 
 #include "batten/core/errors.h"
 
@@ -14,6 +15,23 @@ double slip_of(const Points& centres, int first, int last) {
 }
 
 }  // namespace
+
+std::vector<std::string> fixed_in_handles(const SequenceParts& parts,
+                                          const std::vector<int>& handles,
+                                          const std::vector<int>& fixed) {
+  const std::set<int> stay(fixed.begin(), fixed.end());
+  std::vector<std::string> warnings;
+  for (const int h : handles) {
+    const std::set<int> nodes(parts.handles[h].vertices.begin(), parts.handles[h].vertices.end());
+    const auto count = std::ranges::count_if(nodes, [&](int v) { return stay.contains(v); });
+    if (count == 0) continue;
+    const std::string name = "the handle '" + parts.handles[h].name + "' is told to move, and ";
+    if (count == count_of(nodes)) throw InputError(name + "all its nodes are in fixed = […]");
+    warnings.push_back(name + std::to_string(count) + " of its " + std::to_string(nodes.size()) +
+                       " nodes are fixed: these stay");
+  }
+  return warnings;
+}
 
 std::vector<char> told_frames(int frames, int every, const std::vector<char>& needed) {
   std::vector<char> told(frames, 0);
@@ -64,6 +82,7 @@ StepResult result_of(const PreparedSequence& from, std::shared_ptr<SequenceEdito
 StepResult follow_told(const SequenceStep& step, const PreparedSequence& from,
                        const SequenceParts& parts, const ToldHandles& told,
                        const std::vector<int>& fixed, const Progress& progress) {
+  const auto warnings = fixed_in_handles(parts, told.handles, fixed);
   const auto editor =
       editor_for(step, from, parts, told.handles, fixed, 0, from.sequence.frame_count() - 1);
   std::vector<std::vector<RigidMotion>> motions;
@@ -77,7 +96,10 @@ StepResult follow_told(const SequenceStep& step, const PreparedSequence& from,
     keys.push_back(std::move(key));
   }
   editor->set_keyframes(std::move(keys), progress);
-  return result_of(from, editor);
+  if (!step.softness) editor->set_motions(std::move(motions));  // they do not stray in between
+  StepResult result = result_of(from, editor);
+  result.warnings.insert(result.warnings.end(), warnings.begin(), warnings.end());
+  return result;
 }
 
 FootTracks find_feet(const SequenceScene& scene, const MeshSequence& before,

@@ -15,6 +15,12 @@ struct ToldHandles {
   std::vector<char> told;  ///< of each frame, whether it is a keyframe; empty: every one
 };
 
+/// Warnings about handles some of whose nodes are fixed: these stay. Throws InputError for a handle
+/// that has no others, which is told to move and cannot.
+std::vector<std::string> fixed_in_handles(const SequenceParts& parts,
+                                          const std::vector<int>& handles,
+                                          const std::vector<int>& fixed);
+
 /// Every so many frames, and the first and last of each run where `needed` is set.
 std::vector<char> told_frames(int frames, int every, const std::vector<char>& needed);
 
