@@ -3,18 +3,17 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <deque>
 #include <utility>
 
 #include "batten/apps/commands/meshes/vertex_selector.h"
 #include "batten/apps/commands/runs/run_parts.h"
+#include "batten/apps/commands/sequences/frame_measures.h"
 #include "batten/apps/commands/sequences/frame_store.h"
 #include "batten/apps/commands/sequences/sequence_pictures.h"
 #include "batten/apps/commands/sequences/sequence_steps.h"
 #include "batten/core/errors.h"
 #include "batten/io/files/input_file.h"
 #include "batten/io/files/text.h"
-#include "batten/mesh/deform/similarity.h"
 
 namespace batten {
 namespace {
@@ -23,110 +22,12 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-/// How far parts are from what they were before a step, in any frame.
-struct Bent {
-  explicit Bent(const SequenceParts& parts)
-      : features(parts.features.size(), 0), handles(parts.handles.size(), 0) {}
-
-  void measure(const SequenceParts& parts, const Points& before, const Points& after) {
-    measure(parts.features, before, after, features);
-    measure(parts.handles, before, after, handles);
-  }
-
-  std::vector<double> features, handles;  // largest errors
-
- private:
-  template <class Part>
-  static void measure(const std::vector<Part>& parts, const Points& before, const Points& after,
-                      std::vector<double>& largest) {
-    for (size_t k = 0; k < parts.size(); ++k)
-      largest[k] =
-          std::max(largest[k], fit_similarity(before, after, parts[k].vertices, 1.0).max_error);
-  }
-};
-
 /// Whether each frame after a step comes from the one of its number. Of the others travel bends
 /// nothing, and a morph everything.
 bool keeps_frames(const SequenceStep& step) {
   return !std::holds_alternative<SequenceStep::Travel>(step.what) &&
          !std::holds_alternative<SequenceStep::Morph>(step.what);
 }
-
-/// What is measured on frames that come one after the other and are not kept.
-class FrameMeasures {
- public:
-  FrameMeasures(const TriangleMesh& mesh, const SequenceParts& parts,
-                std::vector<SequenceReport::Foot> feet)
-      : mesh_(mesh), parts_(parts), feet_(std::move(feet)) {
-    centres_.resize(feet_.size());
-  }
-
-  void add(int frame, const Points& p) {
-    last_.push_back(p);
-    if (last_.size() > 3) last_.pop_front();
-    if (last_.size() == 3 && p.rows() > 0)
-      second_ = std::max(second_, (last_[2] - 2 * last_[1] + last_[0]).rowwise().norm().maxCoeff());
-    turned_over_ += folds(p);
-    for (size_t f = 0; f < feet_.size(); ++f)
-      if (frame + 1 >= feet_[f].first && frame + 1 <= feet_[f].last)
-        centres_[f].push_back(VertexCombination::mean_of(handle_vertices(feet_[f].handle)).at(p));
-  }
-
-  void fill(SequenceReport& report, const Bent& bent, double size) {
-    report.second_difference = second_;
-    report.turned_over = turned_over_;
-    for (size_t h = 0; h < parts_.handles.size(); ++h)
-      report.handles.push_back(
-          {parts_.handles[h].name, count_of(parts_.handles[h].vertices), bent.handles[h]});
-    for (size_t f = 0; f < parts_.features.size(); ++f)
-      report.features.push_back(
-          {parts_.features[f].name, count_of(parts_.features[f].vertices), bent.features[f]});
-    for (size_t f = 0; f < feet_.size(); ++f) {
-      Vec3 mean = Vec3::Zero();
-      for (const Vec3& c : centres_[f]) mean += c / static_cast<double>(centres_[f].size());
-      for (const Vec3& c : centres_[f])
-        feet_[f].slip = std::max(feet_[f].slip, (c - mean).norm() / size);
-    }
-    report.feet = feet_;
-  }
-
-  double second() const { return second_; }
-  long turned_over() const { return turned_over_; }
-
- private:
-  const std::vector<int>& handle_vertices(const std::string& name) const {
-    for (const auto& h : parts_.handles)
-      if (h.name == name) return h.vertices;
-    throw std::logic_error("a foot that is no handle");
-  }
-
-  // Triangles that look against the mean of their neighbours.
-  long folds(const Points& p) const {
-    const MeshTopology& topology = mesh_.topology();
-    const auto normal = [&](int t) -> Vec3 {
-      const auto& corners = topology.triangles()[t];
-      const Vec3 a = p.row(topology.node_of(corners[0])), b = p.row(topology.node_of(corners[1])),
-                 c = p.row(topology.node_of(corners[2]));
-      return (b - a).cross(c - a);
-    };
-    long count = 0;
-    for (int t = 0; t < topology.triangle_count(); ++t) {
-      Vec3 around = Vec3::Zero();
-      for (int corner = 0; corner < 3; ++corner)
-        if (const int other = topology.across(t, corner); other >= 0) around += normal(other);
-      count += normal(t).dot(around) < 0;
-    }
-    return count;
-  }
-
-  const TriangleMesh& mesh_;
-  const SequenceParts& parts_;
-  std::vector<SequenceReport::Foot> feet_;
-  std::vector<std::vector<Vec3>> centres_;
-  std::deque<Points> last_;
-  double second_ = 0;
-  long turned_over_ = 0;
-};
 
 /// One run of `batten sequence`.
 class SequenceRun {
@@ -401,42 +302,6 @@ class SequenceRun {
 SequenceReport run_sequence(const SequenceScene& scene, const std::filesystem::path& folder,
                             const SequenceTask& task, const Progress& progress) {
   return SequenceRun(scene, folder, task, progress)();
-}
-
-std::string summary(const SequenceReport& report, const std::filesystem::path& folder) {
-  std::string text = report.name + "\n";
-  text += result_line("sequence", std::to_string(report.frames_before) + " frames, " +
-                                      std::to_string(report.nodes) + " nodes, " +
-                                      std::to_string(report.faces) + " faces");
-  for (const auto& s : report.steps)
-    text += result_line("step", s.name + " (" + s.kind + "): " + std::to_string(s.frames) +
-                                    " frames, " + counted(s.keyframes, "keyframe") + ", " +
-                                    number(s.seconds) + " s");
-  text += result_line(
-      "frames",
-      std::to_string(report.first) + " to " + std::to_string(report.last) + " of " +
-          std::to_string(report.frames) +
-          (report.found > 0 ? ", " + std::to_string(report.found) + " of them were there" : ""));
-  if (!report.feet.empty()) {
-    double before = 0, after = 0;
-    for (const auto& f : report.feet) {
-      before = std::max(before, f.slip_before);
-      after = std::max(after, f.slip);
-    }
-    text += result_line("footprints", std::to_string(report.feet.size()) + ", slip " +
-                                          number(before) + " -> " + number(after) + " of the size");
-  }
-  double rigid = 0;
-  for (const auto& f : report.features) rigid = std::max(rigid, f.max_rigid_error);
-  if (!report.features.empty())
-    text += result_line("features", std::to_string(report.features.size()) + ", rigid to " +
-                                        number(rigid) + " of their size");
-  text += result_line("smoothness",
-                      "largest second difference " + number(report.second_difference_before) +
-                          " -> " + number(report.second_difference) + " " + report.unit +
-                          ", triangles turned over " + std::to_string(report.turned_over_before) +
-                          " -> " + std::to_string(report.turned_over));
-  return text + result_ending(report, folder);
 }
 
 }  // namespace batten
