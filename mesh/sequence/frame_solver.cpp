@@ -22,8 +22,8 @@ void FrameSolverData::begin(const Points& frame, const FramePlaces& given) {
     throw InputError(std::to_string(given.guides.size()) + " points of guides, expected " +
                      std::to_string(holds.guided.size()));
   for (const auto& place : given.handles)
-    if (!place.motion.turn.allFinite() || !place.motion.shift.allFinite())
-      throw InputError("a place of a handle is not finite");
+    if (!place.motion.turn.allFinite() || !(place.motion.shift.cwiseAbs().maxCoeff() < 1e100))
+      throw InputError("a place of a handle is not finite, or above 1e100");
   rest = frame;
   places = given;
   for (const auto& s : unknowns.shared) {

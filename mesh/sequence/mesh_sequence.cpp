@@ -14,11 +14,10 @@ void check(const MeshSequence& sequence, const std::string& name) {
     if (p.rows() != sequence.node_count())
       throw InputError(frame(k) + " has " + std::to_string(p.rows()) + " nodes, expected " +
                        std::to_string(sequence.node_count()) + " as in the first");
-    if (p.allFinite()) continue;
     for (long v = 0; v < p.rows(); ++v)
-      if (!p.row(v).allFinite())
+      if (!p.row(v).allFinite() || !(p.row(v).cwiseAbs().maxCoeff() < 1e100))
         throw InputError(frame(k) + ": node " + std::to_string(v + 1) +
-                         " has a coordinate that is not finite");
+                         " has a coordinate that is not finite, or above 1e100");
   }
   if (sequence.times.size() != sequence.frames.size())
     throw InputError(name + ": " + std::to_string(sequence.times.size()) + " times for " +

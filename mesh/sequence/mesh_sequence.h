@@ -20,7 +20,7 @@ struct MeshSequence {
 };
 
 /// Throws InputError, beginning with `name`, on what is no sequence: no frames, a frame with
-/// another number of nodes (its number is named), a coordinate that is not finite (frame and node),
+/// another number of nodes (its number is named), a coordinate that is not finite or above 1e100 (frame and node),
 /// times that are missing or do not ascend.
 void check(const MeshSequence& sequence, const std::string& name);
 

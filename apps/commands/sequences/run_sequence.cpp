@@ -147,6 +147,13 @@ class SequenceRun {
       last_.report.seconds = seconds_since(start);
       report_.steps.push_back(last_.report);
       for (const auto& w : last_.warnings) report_.warnings.push_back(last_.report.name + ": " + w);
+      for (const auto& foot : last_.feet)
+        if (foot.slip_before > 0.05)
+          report_.warnings.push_back(
+              last_.report.name + ": '" + foot.handle + "' counts as standing in frames " +
+              std::to_string(foot.first) + " to " + std::to_string(foot.last) +
+              ", in which it moves by " + number(foot.slip_before) +
+              " of the size: is found = { within = … } too large?");
       if (last_.report.not_at_rest > 0)
         report_.warnings.push_back(
             last_.report.name + ": " + std::to_string(last_.report.not_at_rest) + " of " +

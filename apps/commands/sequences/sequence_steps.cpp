@@ -62,7 +62,7 @@ class Step {
         if (std::find(handles.begin(), handles.end(), h) == handles.end()) handles.push_back(h);
         if (!move.translate.isZero(0) || move.degrees != 0) moved.push_back(h);
       }
-    const auto warnings = fixed_in_handles(parts_, each_once(std::move(moved)), fixed_);
+    auto warnings = fixed_in_handles(parts_, each_once(std::move(moved)), fixed_);
     const auto [first, last] = std::ranges::minmax(what.keys, {}, &KeyframeRule::frame);
     const auto editor =
         editor_for(step_, from_, parts_, handles, fixed_, first.frame - 1, last.frame - 1);
@@ -88,6 +88,9 @@ class Step {
       }
       keys.push_back(std::move(key));
     }
+    if (handles.size() == 1 && fixed_.empty())
+      warnings.push_back(
+          "one handle is told and nothing is fixed: all that hangs on it just goes along");
     editor->set_keyframes(std::move(keys), progress_);
     StepResult result = result_of(from_, editor);
     result.warnings.insert(result.warnings.end(), warnings.begin(), warnings.end());
