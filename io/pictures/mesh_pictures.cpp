@@ -193,6 +193,19 @@ Image with_sheet(const std::vector<MeshPicture>& pictures, int columns, const Sh
 
 }  // namespace
 
+std::vector<MeshPicture::Part> parts_of_faces(const ShellMesh& shells,
+                                              const std::vector<MeshPicture::Part>& of_node) {
+  std::vector<MeshPicture::Part> parts;
+  for (int f = 0; f < shells.face_count(); ++f) {
+    const auto face = shells.face(f);
+    const auto part = of_node[face[0]];
+    const bool same =
+        std::all_of(face.begin(), face.end(), [&](int v) { return of_node[v] == part; });
+    parts.push_back(same ? part : MeshPicture::Part::Body);
+  }
+  return parts;
+}
+
 void draw_meshes(const std::filesystem::path& path, const std::vector<MeshPicture>& pictures,
                  int columns, const PictureSize& size) {
   with_sheet(pictures, columns, [&](int count, int across, bool below, const auto& draw_one) {

@@ -31,6 +31,10 @@ struct MeshPicture {
   std::vector<const Points*> also_in_view;
 };
 
+/// Parts of faces from those of nodes: that of all its nodes, Body where they differ.
+std::vector<MeshPicture::Part> parts_of_faces(const ShellMesh& shells,
+                                              const std::vector<MeshPicture::Part>& of_node);
+
 /// Draws the pictures into one PNG, row by row, with titles as captions below them (above a single
 /// one). Normals are smoothed where neighbouring faces differ by less than 30 degrees. The file
 /// appears whole or not at all. To be called on the main thread; needs a display (require_display).

@@ -105,12 +105,7 @@ class Fit {
 
  private:
   void factorize(const VecX& at_node) {
-    std::vector<Triplet> entries;
-    for (const auto& e : graph_.edges) {
-      entries.emplace_back(e.a, e.a, e.weight);
-      entries.emplace_back(e.b, e.b, e.weight);
-      entries.emplace_back(e.b, e.a, -e.weight);
-    }
+    std::vector<Triplet> entries = laplacian_entries(graph_);
     for (int v = 0; v < graph_.nodes; ++v) entries.emplace_back(v, v, at_node[v]);
     SparseMatrix K(graph_.nodes, graph_.nodes);
     K.setFromTriplets(entries.begin(), entries.end());

@@ -5,6 +5,7 @@
 #include "batten/mesh/rotation_of_faces.h"
 #include "batten/mesh/sequence/enclosed_volume.h"
 #include "batten/mesh/sequence/frame_solver_data.h"
+#include "batten/mesh/sequence/handle_turns.h"
 
 namespace batten {
 
@@ -90,10 +91,8 @@ void FrameSolverData::turn_drawn_handles() {
   for (size_t h = 0; h < holds.handles.size(); ++h) {
     if (!places.handles[h].turns_freely) continue;
     const Vec3 c = places.handles[h].motion(handle_rest[h]);
-    Mat3 M = Mat3::Zero();
-    for (const int v : holds.handles[h].vertices)
-      M += (now.row(v).transpose() - c) * (rest.row(v).transpose() - handle_rest[h]).transpose();
-    handle_turns[h] = rotation_part(M * handle_turns[h].transpose()) * handle_turns[h];
+    handle_turns[h] =
+        best_turn(holds.handles[h].vertices, rest, handle_rest[h], now, c, handle_turns[h]);
   }
 }
 

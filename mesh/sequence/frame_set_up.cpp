@@ -40,7 +40,7 @@ FrameSolverData::FrameSolverData(const TriangleMesh& mesh, FrameHolds given,
       mixing(unknowns.count) {
   if (holds.keeps_volume) set_triangles(mesh);
   factorize();
-  spread_turns();
+  share_turns();
   couple_guides();
   const int n = graph.nodes;
   rest.setZero(n, 3), now.setZero(n, 3), offset.setZero(n, 3), loads.setZero(n, 3);
@@ -72,7 +72,7 @@ void FrameSolverData::factorize() {
   if (!factor.factorize(K)) throw NoSolutionError("frames: " + factor.message());
 }
 
-void FrameSolverData::spread_turns() {
+void FrameSolverData::share_turns() {
   const auto handles = static_cast<long>(holds.handles.size());
   share = MatX::Zero(graph.nodes, handles);
   MatX loads_of = MatX::Zero(unknowns.count, handles);

@@ -2,12 +2,11 @@
 
 #include <algorithm>
 
-#include "batten/core/chunks.h"
 #include "batten/core/errors.h"
-#include "batten/core/rotations.h"
 #include "batten/mesh/rotation_of_faces.h"
 #include "batten/mesh/sequence/enclosed_volume.h"
 #include "batten/mesh/sequence/frame_solver_data.h"
+#include "batten/mesh/sequence/handle_turns.h"
 
 namespace batten {
 
@@ -53,20 +52,8 @@ void FrameSolverData::begin(const Points& frame, const FramePlaces& given) {
   begun = true;
 }
 
-Vec3 FrameSolverData::centre_of(const std::vector<int>& nodes, const RowPoints& p) {
-  Vec3 sum = Vec3::Zero();
-  for (const int v : nodes) sum += p.row(v).transpose();
-  return nodes.empty() ? sum : sum / static_cast<double>(nodes.size());
-}
-
 void FrameSolverData::start_from_handles() {
-  std::vector<Vec3> logs;
-  for (const auto& place : places.handles) logs.push_back(rotation_log(place.motion.turn));
-  for_each_in_chunks<512>(graph.nodes, [&](int v) {
-    Vec3 log = Vec3::Zero();
-    for (size_t h = 0; h < logs.size(); ++h) log += share(v, static_cast<long>(h)) * logs[h];
-    shape.turns[v] = rotation_matrix(log);
-  });
+  spread_turns(share, places.handles, shape.turns);
   take_part_turns();
   y.setZero();
 }

@@ -21,12 +21,11 @@ struct FrameSolverData {
   void set_triangles(const TriangleMesh& mesh);
   void factorize();
   // 1 on a handle, 0 on what else is held, harmonic between: how much of its turn a node takes.
-  void spread_turns();
+  void share_turns();
   void couple_guides();
 
   // A frame's beginning (frame_solver.cpp).
   void begin(const Points& frame, const FramePlaces& given);
-  static Vec3 centre_of(const std::vector<int>& nodes, const RowPoints& p);
   void start_from_handles();
   void start_from(const Points& start);
   // Of parts that turn by themselves the mean of their nodes' turns; then where the parts stand.

@@ -22,12 +22,7 @@ struct ShapeBlend::Data {
     component.resize(n);
     for (int v = 0; v < n; ++v) component[v] = groups.of(v);
     plan_walk();
-    std::vector<Triplet> entries;
-    for (const auto& e : graph.edges) {
-      entries.emplace_back(e.a, e.a, e.weight);
-      entries.emplace_back(e.b, e.b, e.weight);
-      entries.emplace_back(e.b, e.a, -e.weight);
-    }
+    std::vector<Triplet> entries = laplacian_entries(graph);
     // One node of each component is tied to its place, which the centroid then overrides.
     for (int v = 0; v < n; ++v)
       if (component[v] == v) entries.emplace_back(v, v, 1.0);

@@ -40,4 +40,15 @@ RingGraph ring_graph(const MeshTopology& topology, const std::vector<double>& we
   return graph;
 }
 
+std::vector<Triplet> laplacian_entries(const RingGraph& graph) {
+  std::vector<Triplet> entries;
+  entries.reserve(3 * graph.edges.size());
+  for (const auto& e : graph.edges) {
+    entries.emplace_back(e.a, e.a, e.weight);
+    entries.emplace_back(e.b, e.b, e.weight);
+    entries.emplace_back(e.b, e.a, -e.weight);
+  }
+  return entries;
+}
+
 }  // namespace batten

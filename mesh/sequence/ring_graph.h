@@ -28,4 +28,7 @@ struct RingGraph {
 /// add up.
 RingGraph ring_graph(const MeshTopology& topology, const std::vector<double>& weights = {});
 
+/// Entries of the lower triangle of Σ w_ij (x_i - x_j)² over the nodes, each edge once.
+std::vector<Triplet> laplacian_entries(const RingGraph& graph);
+
 }  // namespace batten

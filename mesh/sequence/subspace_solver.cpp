@@ -5,8 +5,7 @@
 
 #include "batten/core/chunks.h"
 #include "batten/core/errors.h"
-#include "batten/core/rotations.h"
-#include "batten/mesh/rotation_of_faces.h"
+#include "batten/mesh/sequence/handle_turns.h"
 #include "batten/mesh/sequence/ring_steps.h"
 
 namespace batten {
@@ -86,19 +85,11 @@ struct SubspaceSolver::Data {
     turns.assign(graph.nodes, Mat3::Identity());
     handle_turns.clear();
     handle_rest.clear();
-    std::vector<Vec3> logs;
     for (size_t h = 0; h < holds.handles.size(); ++h) {
       handle_turns.push_back(places.handles[h].motion.turn);
-      logs.push_back(rotation_log(handle_turns[h]));
-      Vec3 sum = Vec3::Zero();
-      for (const int v : holds.handles[h].vertices) sum += rest.row(v).transpose();
-      handle_rest.push_back(sum / static_cast<double>(holds.handles[h].vertices.size()));
+      handle_rest.push_back(centre_of(holds.handles[h].vertices, rest));
     }
-    for_each_in_chunks<512>(graph.nodes, [&](int v) {
-      Vec3 log = Vec3::Zero();
-      for (size_t h = 0; h < logs.size(); ++h) log += share(v, static_cast<long>(h)) * logs[h];
-      turns[v] = rotation_matrix(log);
-    });
+    spread_turns(share, places.handles, turns);
   }
 
   Vec3 target(const FramePlaces& places, int v, int h) const {
@@ -111,10 +102,8 @@ struct SubspaceSolver::Data {
     for (size_t h = 0; h < holds.handles.size(); ++h) {
       if (!places.handles[h].turns_freely) continue;
       const Vec3 c = places.handles[h].motion(handle_rest[h]);
-      Mat3 M = Mat3::Zero();
-      for (const int v : holds.handles[h].vertices)
-        M += (now.row(v).transpose() - c) * (rest.row(v).transpose() - handle_rest[h]).transpose();
-      handle_turns[h] = rotation_part(M * handle_turns[h].transpose()) * handle_turns[h];
+      handle_turns[h] =
+          best_turn(holds.handles[h].vertices, rest, handle_rest[h], now, c, handle_turns[h]);
     }
   }
 

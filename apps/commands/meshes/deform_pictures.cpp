@@ -1,6 +1,5 @@
 #include "batten/apps/commands/meshes/deform_pictures.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include "batten/io/pictures/mesh_pictures.h"
@@ -16,15 +15,7 @@ std::vector<MeshPicture::Part> parts_of(const ShellMesh& shells, const Kept& kep
     for (const int v : h.vertices) vertex[v] = MeshPicture::Part::Handle;
   for (const auto& f : kept.features)
     for (const int v : f.vertices) vertex[v] = MeshPicture::Part::Feature;
-  std::vector<MeshPicture::Part> parts;
-  for (int f = 0; f < shells.face_count(); ++f) {
-    const auto face = shells.face(f);
-    const auto part = vertex[face[0]];
-    const bool same =
-        std::all_of(face.begin(), face.end(), [&](int v) { return vertex[v] == part; });
-    parts.push_back(same ? part : MeshPicture::Part::Body);
-  }
-  return parts;
+  return parts_of_faces(shells, vertex);
 }
 
 }  // namespace

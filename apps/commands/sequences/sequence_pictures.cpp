@@ -45,12 +45,7 @@ Stage stage_for(const SequenceScene& scene, const ShellMesh& shells, const Seque
     for (const int v : h.vertices) node[v] = MeshPicture::Part::Handle;
   for (const auto& f : parts.features)
     for (const int v : f.vertices) node[v] = MeshPicture::Part::Feature;
-  for (int f = 0; f < shells.face_count(); ++f) {
-    const auto face = shells.face(f);
-    const auto part = node[face[0]];
-    const bool same = std::all_of(face.begin(), face.end(), [&](int v) { return node[v] == part; });
-    stage.parts.push_back(same ? part : MeshPicture::Part::Body);
-  }
+  stage.parts = parts_of_faces(shells, node);
   stage.own_faces = shells.face_count();
   stage.ground.resize(0, 3);
   for (const auto& step : scene.steps) {
