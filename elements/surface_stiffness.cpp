@@ -1,8 +1,8 @@
 #include "batten/elements/surface_stiffness.h"
 
-#include <Eigen/Eigenvalues>
 #include <cmath>
 
+#include "batten/core/dense.h"
 #include "batten/core/errors.h"
 
 namespace batten {
@@ -45,10 +45,8 @@ bool SurfaceStiffness::is_valid() const {
   constexpr double rounding = 1e-12;
   const Mat3 B = bending();
   return alpha.isApprox(alpha.transpose()) &&
-         Eigen::SelfAdjointEigenSolver<Mat2>(alpha, Eigen::EigenvaluesOnly).eigenvalues()[0] >=
-             -rounding * alpha.norm() &&
-         Eigen::SelfAdjointEigenSolver<Mat3>(B, Eigen::EigenvaluesOnly).eigenvalues()[0] >=
-             -rounding * B.norm();
+         symmetric_eigenvalues(alpha)[0] >= -rounding * alpha.norm() &&
+         symmetric_eigenvalues(B)[0] >= -rounding * B.norm();
 }
 
 }  // namespace batten

@@ -1,6 +1,5 @@
 #include "batten/fairing/outliers.h"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
 #include <array>
@@ -8,6 +7,7 @@
 #include <numbers>
 
 #include "batten/core/box.h"
+#include "batten/core/dense.h"
 #include "batten/core/index.h"
 #include "batten/core/words.h"
 #include "batten/fairing/noise.h"
@@ -71,7 +71,7 @@ class OutlierSearch {
     };
     // Medians of the sizes of one and of two Gaussian numbers.
     constexpr double in_plane = 0.6745, in_space = 1.1774, flat = 0.02;
-    const Vec3 shares = Eigen::SelfAdjointEigenSolver<Mat3>(spread, false).eigenvalues();
+    const Vec3 shares = symmetric_eigen(spread).values;
     const bool plane = shares[0] <= flat * shares.sum();
     noise_ = median(sizes) / (plane ? in_plane : in_space);
     along_ = median(along) / in_plane;

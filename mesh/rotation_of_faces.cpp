@@ -1,11 +1,11 @@
 #include "batten/mesh/rotation_of_faces.h"
 
 #include <Eigen/LU>
-#include <Eigen/SVD>
 #include <cmath>
 #include <optional>
 
 #include "batten/core/chunks.h"
+#include "batten/core/dense.h"
 #include "batten/core/errors.h"
 
 namespace batten {
@@ -22,9 +22,8 @@ Mat3 cofactors(const Mat3& M) {
 Mat3 rotation_by_svd(const Mat3& M) {
   const double size = M.cwiseAbs().maxCoeff();
   if (!(size > 0) || !std::isfinite(size)) return Mat3::Identity();
-  const Eigen::JacobiSVD<Mat3> svd(M / size, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  const Mat3 &P = svd.matrixU(), &Q = svd.matrixV();
-  if (svd.singularValues()[1] <= 1e-12 * svd.singularValues()[0])
+  const auto [P, values, Q] = svd(Mat3(M / size));
+  if (values[1] <= 1e-12 * values[0])
     return Eigen::Quaterniond::FromTwoVectors(Q.col(0), P.col(0)).normalized().matrix();
   Vec3 sign = Vec3::Ones();
   if (P.determinant() * Q.determinant() < 0) sign[2] = -1;
@@ -92,11 +91,10 @@ Mat3 rotation_of_face(std::span<const int> corners, const Points& before, const 
     u.row(static_cast<long>(j)) = before.row(corners[j]) - (from + mean_before).transpose();
     moved.row(static_cast<long>(j)) = after.row(corners[j]) - (to + mean_after).transpose();
   }
-  const Eigen::JacobiSVD<MatX> svd(u, Eigen::ComputeThinU | Eigen::ComputeThinV);
+  const auto [U, lengths, V] = thin_svd(u);
   Mat3 H = Mat3::Zero();
-  const auto& lengths = svd.singularValues();
   for (long d = 0; d < lengths.size() && lengths[d] > 1e-12 * lengths[0]; ++d)
-    H += (moved.transpose() * svd.matrixU().col(d) / lengths[d]) * svd.matrixV().col(d).transpose();
+    H += (moved.transpose() * U.col(d) / lengths[d]) * V.col(d).transpose();
   return rotation_part(H);
 }
 

@@ -1,12 +1,12 @@
 #include "batten/tests/static_twin.h"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <deque>
 #include <optional>
 
 #include "batten/constraints/constrained_solver.h"
+#include "batten/core/dense.h"
 #include "batten/core/errors.h"
 #include "batten/fem/assembly.h"
 #include "batten/fem/dissection.h"
@@ -179,7 +179,7 @@ class Anderson {
     if (!f_.empty()) {
       MatX dF(f.size(), static_cast<long>(f_.size()));
       for (size_t k = 0; k < f_.size(); ++k) dF.col(static_cast<long>(k)) = (f - f_[k]).reshaped();
-      const VecX theta = dF.colPivHouseholderQr().solve(VecX(f.reshaped()));
+      const VecX theta = least_squares(dF, VecX(f.reshaped()));
       if (theta.allFinite() && theta.cwiseAbs().maxCoeff() < 1e4)
         for (size_t k = 0; k < f_.size(); ++k) guess -= theta[static_cast<long>(k)] * (g - g_[k]);
     }

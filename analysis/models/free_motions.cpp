@@ -1,12 +1,11 @@
 #include "batten/analysis/models/free_motions.h"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <map>
 
+#include "batten/core/dense.h"
 #include "batten/core/errors.h"
 
 namespace batten {
@@ -94,8 +93,7 @@ std::string in_words(const Motion& motion, const Vec3& centre, double size) {
 // An orthonormal basis of `space` without the direction `gone`, which lies in it.
 MatX without(const MatX& space, const VecX& gone) {
   const MatX rest = space - gone * (gone.transpose() * space);
-  const Eigen::JacobiSVD<MatX> svd(rest, Eigen::ComputeThinU);
-  return svd.matrixU().leftCols(space.cols() - 1);
+  return thin_svd(rest).U.leftCols(space.cols() - 1);
 }
 
 // Unit vectors of all bodies moving as one.
@@ -118,11 +116,10 @@ std::vector<std::string> named(const ModelLayout& model, const RigidBodies& bodi
     }
   // Further motions of all as one: where the two spaces meet.
   while (space.cols() > 0) {
-    const Eigen::JacobiSVD<MatX> svd(space.transpose() * all,
-                                     Eigen::ComputeThinU | Eigen::ComputeThinV);
-    const VecX v = all * svd.matrixV().col(0);
+    const VecX shared = thin_svd(space.transpose() * all).V.col(0);
+    const VecX v = all * shared;
     if (!holds(v)) break;
-    found.push_back("all of it " + in_words(svd.matrixV().col(0), bodies.centre(), bodies.size()));
+    found.push_back("all of it " + in_words(shared, bodies.centre(), bodies.size()));
     space = without(space, v);
   }
   for (long k = 0; k < space.cols(); ++k) {
@@ -153,8 +150,8 @@ FreeMotions free_motions(const ModelLayout& model, const Points& shape, const Sh
   for (const auto& row : ties.rows.coupled_rows()) bodies.add_row(row.entries, AtA);
   for (const auto& spring : ties.springs.springs()) bodies.add_row(spring.entries, AtA);
 
-  const Eigen::SelfAdjointEigenSolver<MatX> eigen(AtA);
-  const VecX& values = eigen.eigenvalues();
+  const SymmetricEigen eigen = symmetric_eigen(AtA);
+  const VecX& values = eigen.values;
   constexpr double none = 1e-10, little = 1e-4;  // squares of what resists
   const auto below = [&](double limit) {
     return std::lower_bound(values.begin(), values.end(), limit) - values.begin();
@@ -162,8 +159,8 @@ FreeMotions free_motions(const ModelLayout& model, const Points& shape, const Sh
   const long free = below(none * std::max(1.0, values[values.size() - 1])),
              weak = std::max(free, below(little));
   FreeMotions motions;
-  motions.free = named(model, bodies, eigen.eigenvectors().leftCols(free));
-  motions.weak = named(model, bodies, eigen.eigenvectors().middleCols(free, weak - free));
+  motions.free = named(model, bodies, eigen.vectors.leftCols(free));
+  motions.weak = named(model, bodies, eigen.vectors.middleCols(free, weak - free));
   if (weak > free) motions.resisted = std::sqrt(values[free]);
   return motions;
 }

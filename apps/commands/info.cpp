@@ -1,6 +1,5 @@
 #include "batten/apps/commands/info.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <fstream>
@@ -10,6 +9,7 @@
 #include "batten/apps/commands/meshes/mesh_info.h"
 #include "batten/apps/commands/sequences/sequence_info.h"
 #include "batten/apps/commands/shapes/make_model.h"
+#include "batten/core/dense.h"
 #include "batten/core/errors.h"
 #include "batten/core/words.h"
 #include "batten/fairing/arc_length.h"
@@ -41,15 +41,11 @@ std::string flatness(const InputCurve& curve) {
     for (int k = 0; k < 8; ++k)
       points.push_back(curve.evaluate(breaks[i] + (breaks[i + 1] - breaks[i]) * k / 8));
   points.push_back(curve.evaluate(curve.end()));
-  Vec3 mean = Vec3::Zero();
-  for (const Vec3& p : points) mean += p / static_cast<double>(points.size());
-  Mat3 spread = Mat3::Zero();
-  for (const Vec3& p : points) spread += (p - mean) * (p - mean).transpose();
-  const Eigen::SelfAdjointEigenSolver<Mat3> axes(spread);
+  const PrincipalAxes spread = principal_axes(points);
   constexpr double flat = 1e-12;  // of the spread, a square
-  if (axes.eigenvalues()[1] <= flat * axes.eigenvalues()[2]) return "  straight";
-  if (axes.eigenvalues()[0] > flat * axes.eigenvalues()[2]) return "";
-  Vec3 normal = axes.eigenvectors().col(0);
+  if (spread.values[1] <= flat * spread.values[2]) return "  straight";
+  if (spread.values[0] > flat * spread.values[2]) return "";
+  Vec3 normal = spread.axes.col(0);
   for (int i = 2; i >= 0; --i)
     if (std::abs(normal[i]) > 1e-6) {
       normal *= normal[i] < 0 ? -1 : 1;

@@ -1,6 +1,6 @@
 #include "batten/io/pictures/camera.h"
+#include "batten/core/dense.h"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -30,15 +30,11 @@ ViewAxes::ViewAxes(const Vec3& towards_camera) : towards(towards_camera.normaliz
 }
 
 ViewAxes best_view(const std::vector<Vec3>& points) {
-  Vec3 middle = Vec3::Zero();
-  for (const Vec3& p : points) middle += p / static_cast<double>(points.size());
-  Mat3 moments = Mat3::Zero();
-  for (const Vec3& p : points) moments += (p - middle) * (p - middle).transpose();
-  const Eigen::SelfAdjointEigenSolver<Mat3> plane(moments);
-  Vec3 normal = plane.eigenvectors().col(0);
+  const PrincipalAxes plane = principal_axes(points);
+  Vec3 normal = plane.axes.col(0);
   // A straight line has no plane of its own: the usual view, as far as it allows.
-  if (plane.eigenvalues()[1] <= 1e-9 * plane.eigenvalues()[2]) {
-    const Vec3 along = plane.eigenvectors().col(2), usual = ViewAxes(-30, 30).towards;
+  if (plane.values[1] <= 1e-9 * plane.values[2]) {
+    const Vec3 along = plane.axes.col(2), usual = ViewAxes(-30, 30).towards;
     normal = usual - usual.dot(along) * along;
     if (normal.norm() < 1e-6) normal = along.unitOrthogonal();
   }

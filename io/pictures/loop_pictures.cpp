@@ -9,13 +9,13 @@
 #include <vtkProperty.h>
 #include <vtkRenderer.h>
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "batten/core/box.h"
+#include "batten/core/dense.h"
 #include "batten/core/errors.h"
 #include "batten/core/index.h"
 #include "batten/io/pictures/canvas.h"
@@ -148,12 +148,7 @@ std::vector<Vec3> near(const std::vector<Vec3>& loops) {
 /// Looks at right angles onto loops that are nearly flat, from afar's direction onto others.
 ViewAxes near_axes(const std::vector<Vec3>& loops, const ViewAxes& afar) {
   constexpr double flat = 0.05;  // of the largest spread, a square
-  Vec3 mean = Vec3::Zero();
-  for (const Vec3& p : loops) mean += p / static_cast<double>(loops.size());
-  Mat3 spread = Mat3::Zero();
-  for (const Vec3& p : loops) spread += (p - mean) * (p - mean).transpose();
-  const Vec3 sizes =
-      Eigen::SelfAdjointEigenSolver<Mat3>(spread, Eigen::EigenvaluesOnly).eigenvalues();
+  const Vec3 sizes = principal_axes(loops).values;
   return sizes[0] <= flat * sizes[2] ? best_view(loops) : afar;
 }
 

@@ -1,9 +1,9 @@
 #include "batten/io/scene/scene.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
+#include "batten/core/dense.h"
 #include "batten/io/scene/scene_words.h"
 
 namespace batten {
@@ -51,7 +51,7 @@ void for_each_parameter(AnyScene& scene, const Function& f) {
 
 std::string expected_of(const SurfaceStiffness& material) {
   const double scale = material.alpha.norm();
-  const Vec2 eigenvalues = Eigen::SelfAdjointEigenSolver<Mat2>(material.alpha).eigenvalues();
+  const Vec2 eigenvalues = symmetric_eigenvalues(material.alpha);
   if (eigenvalues[0] < -1e-12 * scale)
     return "alpha ≥ 0: alpha_uu ≥ 0, alpha_vv ≥ 0, alpha_uv² ≤ alpha_uu·alpha_vv";
   if (material.beta.minCoeff() < 0) return "beta ≥ 0";

@@ -1,6 +1,6 @@
 #include "batten/mesh/deform/similarity.h"
+#include "batten/core/dense.h"
 
-#include <Eigen/SVD>
 #include <cmath>
 #include <optional>
 
@@ -33,15 +33,14 @@ Similarity fit(const Points& before, const Points& after, const std::vector<int>
     covariance += weight(i) * (after.row(v).transpose() - to - mean_after) * x.transpose();
     spread += weight(i) * x.squaredNorm();
   }
-  const Eigen::JacobiSVD<Mat3> svd(covariance, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const auto [U, values, V] = svd(covariance);
   Vec3 sign = Vec3::Ones();
-  if ((svd.matrixU() * svd.matrixV().transpose()).determinant() < 0) sign[2] = -1;
-  best.R = svd.matrixU() * sign.asDiagonal() * svd.matrixV().transpose();
+  if ((U * V.transpose()).determinant() < 0) sign[2] = -1;
+  best.R = U * sign.asDiagonal() * V.transpose();
   // Points on one line: of all rotations that fit the smallest.
-  if (svd.singularValues()[1] <= 1e-12 * svd.singularValues()[0])
-    best.R =
-        Eigen::Quaterniond::FromTwoVectors(svd.matrixV().col(0), svd.matrixU().col(0)).matrix();
-  best.scale = scale ? *scale : spread > 0 ? svd.singularValues().dot(sign) / spread : 1;
+  if (values[1] <= 1e-12 * values[0])
+    best.R = Eigen::Quaterniond::FromTwoVectors(V.col(0), U.col(0)).matrix();
+  best.scale = scale ? *scale : spread > 0 ? values.dot(sign) / spread : 1;
   for (const int v : vertices) {
     const Vec3 x = before.row(v).transpose() - from - mean_before;
     const double off =

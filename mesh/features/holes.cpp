@@ -1,12 +1,11 @@
 #include "batten/mesh/features/holes.h"
 
-#include <Eigen/QR>
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <string>
 
+#include "batten/core/dense.h"
 #include "batten/core/errors.h"
 #include "batten/core/index.h"
 
@@ -25,7 +24,7 @@ Circle algebraic_circle(const PlanePoints& x) {
   MatX A(x.rows(), 3);
   A << 2 * x, VecX::Ones(x.rows());
   const VecX squares = x.rowwise().squaredNorm();
-  const Vec3 s = A.colPivHouseholderQr().solve(squares);
+  const Vec3 s = least_squares(A, squares);
   return {s.head<2>(), std::sqrt(std::max(0.0, s[2] + s.head<2>().squaredNorm()))};
 }
 
@@ -45,7 +44,7 @@ Circle geometric_circle(const PlanePoints& x, Circle circle) {
     MatX A(x.rows(), 3);
     A.leftCols<2>() = (x.rowwise() - circle.centre.transpose()).array().colwise() / r.array();
     A.col(2).setOnes();
-    const Vec3 step = A.colPivHouseholderQr().solve((r.array() - circle.radius).matrix());
+    const Vec3 step = least_squares(A, (r.array() - circle.radius).matrix());
     double length = 1;
     Circle next;
     double next_cost;
@@ -88,9 +87,7 @@ HoleMeasure measure_hole(const Points& points, const std::vector<int>& loop,
     turn += a.cross(b);
   }
   const double scale = p.cwiseAbs().maxCoeff();
-  const Eigen::JacobiSVD<MatX> svd(p / (scale > 0 ? scale : 1),
-                                   Eigen::ComputeThinU | Eigen::ComputeFullV);
-  const Mat3 frame = svd.matrixV();
+  const Mat3 frame = thin_svd(p / (scale > 0 ? scale : 1)).V;
   hole.axis = frame.col(2).dot(turn) > 0 ? Vec3(-frame.col(2)) : Vec3(frame.col(2));
   hole.flatness = (p * hole.axis).cwiseAbs().maxCoeff();
 

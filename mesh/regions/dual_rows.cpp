@@ -1,10 +1,10 @@
 #include "batten/mesh/regions/dual_rows.h"
 
-#include <Eigen/SVD>
 #include <algorithm>
 #include <array>
 #include <cmath>
 
+#include "batten/core/dense.h"
 #include "batten/core/errors.h"
 
 namespace batten {
@@ -190,7 +190,8 @@ class DualRows {
     const auto flat = [&](const Vec3& p) { return Vec3(1, e1.dot(p - own), e2.dot(p - own)); };
     MatX X(k, 3);
     for (long j = 0; j < k; ++j) X.row(j) = flat(rest_.row(faces_[f][j]).transpose()).transpose();
-    const Eigen::JacobiSVD<MatX> svd(X, Eigen::ComputeFullU | Eigen::ComputeFullV);
+    const Svd svd = full_svd(X);
+    const MatX from_corners = least_squares(X, MatX::Identity(k, k));
     // Beyond the plane: the rest of the mesh's vertices as the face's own plane would have them.
     for (long j = 0; j < k; ++j) {
       const int other = across_[f][j];
@@ -199,7 +200,7 @@ class DualRows {
       for (const int v : faces_[other])
         if (v != faces_[f][j] && v != faces_[f][(j + 1) % k]) beyond.push_back(v);
       const Vec3 at = flat(mean_of(beyond));
-      const VecX share = svd.solve(MatX::Identity(k, k)).transpose() * at;
+      const VecX share = from_corners.transpose() * at;
       terms_.clear();
       add_mean(terms_, beyond, 1);
       for (long i = 0; i < k; ++i) terms_.emplace_back(faces_[f][i], -share[i]);
@@ -207,7 +208,7 @@ class DualRows {
     }
     for (long d = 3; d < k; ++d) {
       terms_.clear();
-      for (long i = 0; i < k; ++i) terms_.emplace_back(faces_[f][i], svd.matrixU()(i, d));
+      for (long i = 0; i < k; ++i) terms_.emplace_back(faces_[f][i], svd.U(i, d));
       add_curvature_row(rows, r, f);
     }
   }
@@ -287,13 +288,13 @@ VecX upright_weights(const Eigen::Matrix3Xd& r) {
   const VecX even = VecX::Constant(k, 1.0 / static_cast<double>(k));
   const Vec3 mean = r.rowwise().mean();
   const Eigen::Matrix3Xd centred = r.colwise() - mean;
-  const Eigen::JacobiSVD<MatX> svd(centred, Eigen::ComputeThinU | Eigen::ComputeThinV);
+  const Svd svd = thin_svd(centred);
   // The plane of the two largest directions; changes of w along the rows of V sum to 0.
   VecX w = even;
   for (int d = 0; d < 2; ++d) {
-    if (!(svd.singularValues()[d] > 1e-3 * svd.singularValues()[0])) return even;
-    const double off = svd.matrixU().col(d).dot(mean);
-    w -= svd.matrixV().col(d) * (off / svd.singularValues()[d]);
+    if (!(svd.values[d] > 1e-3 * svd.values[0])) return even;
+    const double off = svd.U.col(d).dot(mean);
+    w -= svd.V.col(d) * (off / svd.values[d]);
   }
   return w;
 }

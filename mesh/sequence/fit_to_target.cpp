@@ -8,7 +8,7 @@
 #include "batten/core/sparse_cholesky.h"
 #include "batten/mesh/deform/similarity.h"
 #include "batten/mesh/sequence/ring_steps.h"
-#include "batten/mesh/sequence/surface_search.h"
+#include "batten/mesh/surface_search.h"
 
 namespace batten {
 namespace {

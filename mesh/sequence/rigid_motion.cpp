@@ -9,14 +9,6 @@
 namespace batten {
 namespace {
 
-// Relative to the first vertex: far from the origin sums lose digits.
-Vec3 centroid(const Points& p, const std::vector<int>& vertices) {
-  const Vec3 from = p.row(vertices.front());
-  Vec3 sum = Vec3::Zero();
-  for (const int v : vertices) sum += p.row(v).transpose() - from;
-  return from + sum / static_cast<double>(vertices.size());
-}
-
 void need_frames(size_t found, int expected, const char* what) {
   if (found != static_cast<size_t>(expected))
     throw InputError(std::to_string(found) + " " + what + " for a trajectory of " +
@@ -24,6 +16,14 @@ void need_frames(size_t found, int expected, const char* what) {
 }
 
 }  // namespace
+
+Vec3 centroid(const Points& p, const std::vector<int>& vertices) {
+  if (vertices.empty()) return Vec3::Zero();
+  const Vec3 from = p.row(vertices.front());
+  Vec3 sum = Vec3::Zero();
+  for (const int v : vertices) sum += p.row(v).transpose() - from;
+  return from + sum / static_cast<double>(vertices.size());
+}
 
 Trajectory trajectory_of(const std::vector<Points>& frames, const std::vector<int>& vertices) {
   if (vertices.empty()) throw InputError("trajectory of no vertices");

@@ -33,6 +33,10 @@ inline Points moved(const RigidMotion& motion, const Points& points) {
   return result;
 }
 
+/// The mean of some vertices of a frame; zero of none. Summed relative to the first of them: far from the
+/// origin sums lose digits.
+Vec3 centroid(const Points& p, const std::vector<int>& vertices);
+
 /// Where a group of vertices is in each of F frames: its centroid, and its rotation.
 struct Trajectory {
   Points centres;           ///< F×3

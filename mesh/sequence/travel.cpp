@@ -3,18 +3,9 @@
 #include <algorithm>
 
 #include "batten/core/errors.h"
+#include "batten/mesh/sequence/rigid_motion.h"
 
 namespace batten {
-namespace {
-
-Vec3 centroid(const Points& p, const std::vector<int>& nodes) {
-  Vec3 sum = Vec3::Zero();
-  for (const int v : nodes) sum += p.row(v).transpose();
-  return sum / static_cast<double>(nodes.size());
-}
-
-}  // namespace
-
 double stance_speed(const std::vector<Points>& frames, const std::vector<std::vector<int>>& feet,
                     const Vec3& direction, const Vec3& up) {
   if (frames.size() < 2) throw InputError("a walk of fewer than two frames");

@@ -1,11 +1,11 @@
 #include "batten/skinning/domains/outline.h"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
 
+#include "batten/core/dense.h"
 #include "batten/core/errors.h"
 #include "batten/core/index.h"
 #include "batten/core/words.h"
@@ -20,13 +20,8 @@ void require_not_on_one_line(const std::vector<Stretch>& stretches, double size)
   std::vector<Vec3> points;
   for (const auto& s : stretches)
     for (const Vec3& p : polyline(*s.curve)) points.push_back(p);
-  Vec3 mean = Vec3::Zero();
-  for (const Vec3& p : points) mean += p / static_cast<double>(points.size());
-  Mat3 covariance = Mat3::Zero();
-  for (const Vec3& p : points)
-    covariance += (p - mean) * (p - mean).transpose() / static_cast<double>(points.size());
-  const Vec3 spread = Eigen::SelfAdjointEigenSolver<Mat3>(covariance).eigenvalues();
-  if (std::sqrt(std::max(0.0, spread[1])) < 1e-7 * size)
+  const double across = principal_axes(points).values[1] / static_cast<double>(points.size());
+  if (std::sqrt(std::max(0.0, across)) < 1e-7 * size)
     throw InputError("all outline lines lie on one straight line: they enclose no surface");
 }
 

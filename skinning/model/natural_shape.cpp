@@ -1,11 +1,11 @@
 #include "batten/skinning/model/natural_shape.h"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <optional>
 
+#include "batten/core/dense.h"
 #include "batten/core/parallel.h"
 #include "batten/core/words.h"
 #include "batten/skinning/model/section_surface.h"
@@ -22,11 +22,8 @@ struct Plane {
 };
 
 Plane plane_through(const std::vector<Vec3>& points) {
-  Vec3 mean = Vec3::Zero();
-  for (const Vec3& p : points) mean += p / static_cast<double>(points.size());
-  Mat3 spread = Mat3::Zero();
-  for (const Vec3& p : points) spread += (p - mean) * (p - mean).transpose();
-  return {mean, Eigen::SelfAdjointEigenSolver<Mat3>(spread).eigenvectors().col(0)};
+  const PrincipalAxes axes = principal_axes(points);
+  return {axes.mean, axes.axes.col(0)};
 }
 
 std::vector<Vec3> points_of(const HermiteCurve& curve) {

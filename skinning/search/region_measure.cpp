@@ -1,10 +1,10 @@
 // What a loop costs, and where its surface lies.
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <numbers>
 
+#include "batten/core/dense.h"
 #include "batten/core/index.h"
 #include "batten/skinning/search/plane_loops.h"
 #include "batten/skinning/search/region_loops.h"
@@ -162,13 +162,7 @@ int jumps(const Normals& around) {
 
 double plane_distance(const RegionGraph& graph, const ArcLoop& loop) {
   const std::vector<Vec3> points = graph.sampled(loop, 8);
-  Vec3 mean = Vec3::Zero();
-  for (const Vec3& p : points) mean += p / static_cast<double>(points.size());
-  Mat3 spread = Mat3::Zero();
-  for (const Vec3& p : points) spread += (p - mean) * (p - mean).transpose();
-  const double least =
-      Eigen::SelfAdjointEigenSolver<Mat3>(spread, Eigen::EigenvaluesOnly).eigenvalues()[0] /
-      static_cast<double>(points.size());
+  const double least = principal_axes(points).values[0] / static_cast<double>(points.size());
   return std::sqrt(std::max(least, 0.0));
 }
 

@@ -1,11 +1,11 @@
 // The obstacle course on models: in one region, cut into two, and as a trimmed one.
 #include <Eigen/LU>
-#include <Eigen/QR>
 #include <cmath>
 #include <functional>
 #include <numbers>
 
 #include "batten/analysis/models/shell_stresses.h"
+#include "batten/core/dense.h"
 #include "batten/skinning/model/natural_shape.h"
 #include "batten/tests/catch.h"
 #include "batten/tests/patchwork.h"
@@ -70,7 +70,7 @@ Points over_plane(const RegionLayout& layout, const Piece& piece) {
       x.bottomRows(1) << line.fitted.evaluate(t).transpose(), 1;
       uv.bottomRows(1) << line.image.evaluate(t).head<2>().transpose();
     }
-  const MatX projection = x.colPivHouseholderQr().solve(uv);  // 4×2
+  const MatX projection = least_squares(x, uv);  // 4×2
   return interpolated(
              layout.mesh(), layout.element(),
              [&](const Vec2& p) {

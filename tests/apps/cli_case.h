@@ -87,8 +87,9 @@ class Case {
   fs::path folder_;
 };
 
-inline nlohmann::json report(const Case& c, const std::string& folder) {
-  return nlohmann::json::parse(contents(c / (folder + "/report.json")));
+inline nlohmann::json report(const Case& c, const std::string& folder,
+                             const std::string& name = "report.json") {
+  return nlohmann::json::parse(contents(c / (folder + "/" + name)));
 }
 
 }  // namespace batten_test

@@ -61,6 +61,15 @@ void put_walk(const Case& c) { put(c / "in/walk_*.obj", walk_on_the_spot()); }
 std::string with_step(const std::string& step) { return kHead + "[[step]]\n" + step; }
 
 /// A run that is done, with its report.
+/// Each part of the frames has a report of its own.
+std::string report_name(const std::vector<std::string>& words) {
+  const auto at = std::find(words.begin(), words.end(), "--frames");
+  if (at == words.end()) return "report.json";
+  std::string part = *(at + 1);
+  std::replace(part.begin(), part.end(), ':', '-');
+  return "report_" + part + ".json";
+}
+
 nlohmann::json done(const Case& c, const std::string& scene, const std::string& out = "out",
                     const std::vector<std::string>& more = {}) {
   c.file("s.toml", scene);
@@ -69,7 +78,7 @@ nlohmann::json done(const Case& c, const std::string& scene, const std::string& 
   const Result r = c.run(words);
   INFO(scene << "\n" << r.out << r.err);
   CHECK(r.code == 0);
-  return r.code == 0 ? report(c, out) : nlohmann::json();
+  return r.code == 0 ? report(c, out, report_name(more)) : nlohmann::json();
 }
 
 std::map<std::string, std::string> files_in(const fs::path& folder) {

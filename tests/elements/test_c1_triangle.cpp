@@ -1,6 +1,6 @@
+#include "batten/core/dense.h"
 #include "batten/elements/c1_triangle.h"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -565,8 +565,7 @@ TEST_CASE("stretching costs nothing for constants only, bending for linear funct
       INFO(name(kind) << ", triangle " << trial);
       const C1Triangle element(kind, shape);
       const auto check = [&](const Mat12& K, int zero_modes) {
-        const Eigen::SelfAdjointEigenSolver<Mat12> eigen(K, Eigen::EigenvaluesOnly);
-        const VecX values = eigen.eigenvalues();
+        const VecX values = symmetric_eigenvalues(K);
         CHECK(std::abs(values[0]) < 1e-13 * values[11]);
         if (zero_modes > 0) CHECK(std::abs(values[zero_modes - 1]) < 1e-13 * values[11]);
         CHECK(values[zero_modes] > 1e-6 * values[11]);
@@ -580,8 +579,7 @@ TEST_CASE("stretching costs nothing for constants only, bending for linear funct
       CHECK((bending * monomial_dofs(shape, 0, 0)).norm() < 1e-12 * size);
       CHECK((bending * monomial_dofs(shape, 1, 0)).norm() < 1e-12 * size);
       CHECK((bending * monomial_dofs(shape, 0, 1)).norm() < 1e-12 * size);
-      const Eigen::SelfAdjointEigenSolver<Mat12> mass(element.mass(), Eigen::EigenvaluesOnly);
-      CHECK(mass.eigenvalues()[0] > 0);
+      CHECK(symmetric_eigenvalues(element.mass())[0] > 0);
     }
   }
 }

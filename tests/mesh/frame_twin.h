@@ -1,9 +1,9 @@
 // Frames of sequences by dense matrices, and the shapes they are compared on.
 #pragma once
 
-#include <Eigen/QR>
 #include <map>
 
+#include "batten/core/dense.h"
 #include "batten/mesh/prepare.h"
 #include "batten/mesh/rotation_of_faces.h"
 #include "batten/mesh/sequence/frame_solver.h"
@@ -166,7 +166,7 @@ class FrameTwin {
       for (const auto& [c, x] : rows_[r]) K(n + r, c) = K(c, n + r) = x;
       right[n + r] = d_[r];
     }
-    const VecX x = K.completeOrthogonalDecomposition().solve(right);
+    const VecX x = least_squares(K, right);
     Points v(n_, 3);
     for (int i = 0; i < n_; ++i) v.row(i) = x.segment<3>(3 * i);
     return v;

@@ -1,12 +1,12 @@
 // Shapes for feature regions and for the deformers that work in rounds.
 #pragma once
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <tuple>
 
+#include "batten/core/dense.h"
 #include "batten/mesh/deform/deform_problem.h"
 #include "batten/tests/mesh/sample_meshes.h"
 
@@ -126,8 +126,7 @@ inline double tilt_degrees(const Points& points, const std::vector<int>& vertice
     const Vec3 u = points.row(v).transpose() - mean;
     spread += u * u.transpose();
   }
-  const Eigen::SelfAdjointEigenSolver<Mat3> eigen(spread);
-  const Vec3 n = eigen.eigenvectors().col(0);
+  const Vec3 n = symmetric_eigen(Mat3(spread)).vectors.col(0);
   return std::atan2(std::hypot(n.x(), n.y()), std::abs(n.z())) * 180 / std::numbers::pi;
 }
 

@@ -1,8 +1,8 @@
 // The deformer against the formulas, dense: every kind of row, alone and together.
-#include <Eigen/Dense>
 #include <algorithm>
 #include <numbers>
 
+#include "batten/core/dense.h"
 #include "batten/core/errors.h"
 #include "batten/core/rotations.h"
 #include "batten/mesh/deform/form_feature_deformer.h"
@@ -36,7 +36,7 @@ VecX least_squares(const MatX& A, const VecX& b, const MatX& C, const VecX& d, d
   if (free.cols() == 0) return particular;
   const MatX reduced = A * free;
   const VecX rest = b - A * particular;
-  return particular + free * reduced.colPivHouseholderQr().solve(rest);
+  return particular + free * least_squares(reduced, rest);
 }
 
 struct Rows {
@@ -89,9 +89,8 @@ Points dense(const TriangleMesh& mesh, const DeformProblem& problem, const Defor
       else
         turning.add(n, {{v, 1}, {f.vertices[0], -1}}, Vec3::Zero());
   if (turning.left.empty()) turning.add(n, {{0, 1}}, Vec3::Zero());
-  const Eigen::SelfAdjointEigenSolver<MatX> eigen(L);
-  const MatX root =
-      eigen.eigenvalues().cwiseMax(0).cwiseSqrt().asDiagonal() * eigen.eigenvectors().transpose();
+  const SymmetricEigen eigen = symmetric_eigen(L);
+  const MatX root = eigen.values.cwiseMax(0).cwiseSqrt().asDiagonal() * eigen.vectors.transpose();
   MatX G(static_cast<long>(turning.left.size()), n), values(G.rows(), 3);
   for (long r = 0; r < G.rows(); ++r) {
     G.row(r) = turning.left[r].transpose();

@@ -1,9 +1,9 @@
 // Form features in mesh deformation: the laws of mesh/deform.
-#include <Eigen/Dense>
 #include <algorithm>
 #include <numbers>
 
 #include "batten/constraints/constrained_solver.h"
+#include "batten/core/dense.h"
 #include "batten/core/errors.h"
 #include "batten/core/rotations.h"
 #include "batten/mesh/deform/form_feature_deformer.h"
@@ -130,7 +130,7 @@ TEST_CASE("without features the deformer solves the dense least-squares problem"
     MatX known = MatX::Zero(n, 3);
     known(held, Eigen::all) = x(held, Eigen::all);
     const MatX columns = A(Eigen::all, moving), target = b - A * known;
-    const MatX free = columns.colPivHouseholderQr().solve(target);
+    const MatX free = least_squares(columns, target);
     x(moving, Eigen::all) = free;
     CHECK(relative(p, x) < 1e-10);
     CHECK(relative(deformer.positions(), x) < 1e-12);
@@ -265,7 +265,7 @@ TEST_CASE(
     b.row(v) = s * rotated(log, delta).transpose();
   }
   const MatX AT = A * T, rest = b - A * x0;
-  const MatX u = AT.colPivHouseholderQr().solve(rest);
+  const MatX u = least_squares(AT, rest);
   const Points x = T * u + x0;
   CHECK(relative(deformer.positions(), x) < 1e-11);
   CHECK((deformer.rotation_logs() - q).cwiseAbs().maxCoeff() < 1e-12);

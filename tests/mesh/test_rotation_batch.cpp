@@ -1,6 +1,6 @@
 // Rotation parts of many matrices at once: the same as one by one.
-#include <Eigen/SVD>
 
+#include "batten/core/dense.h"
 #include "batten/mesh/rotation_batch.h"
 #include "batten/mesh/rotation_of_faces.h"
 #include "batten/tests/catch.h"
@@ -18,7 +18,7 @@ Mat3 with_singular_values(Random& random, const Vec3& s) {
 
 /// σ2 + σ3, or σ2 - σ3 of a mirrored matrix, over |M|: how sharply M tells its rotation.
 double gap_of(const Mat3& M) {
-  const Vec3 s = Eigen::JacobiSVD<Mat3>(M).singularValues();
+  const Vec3 s = svd(M).values;
   return M.norm() > 0 ? (s[1] + (M.determinant() < 0 ? -s[2] : s[2])) / M.norm() : 0;
 }
 

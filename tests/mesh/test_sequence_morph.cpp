@@ -1,7 +1,7 @@
 // Shapes that turn into others: blends, morphs, fits to other meshes; walks over the ground.
 #include "batten/mesh/sequence/fit_to_target.h"
 #include "batten/mesh/sequence/morph.h"
-#include "batten/mesh/sequence/surface_search.h"
+#include "batten/mesh/surface_search.h"
 #include "batten/mesh/sequence/travel.h"
 #include "batten/tests/catch.h"
 #include "batten/tests/mesh/frame_twin.h"

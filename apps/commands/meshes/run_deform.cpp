@@ -22,9 +22,6 @@ namespace batten {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 double largest_move(const Points& before, const Points& after, int* where = nullptr) {
   long row = 0;

@@ -47,18 +47,20 @@ class OutputFolder {
   bool committed_ = false;
 };
 
+/// Seconds since a moment.
+inline double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
 /// Measures the seconds of each stage of a run: lap() ends a stage, total() the run.
 class Stopwatch {
  public:
   explicit Stopwatch(std::vector<std::pair<std::string, double>>& timings) : timings_(timings) {}
   void lap(const std::string& stage) {
-    const auto now = Clock::now();
-    timings_.emplace_back(stage, std::chrono::duration<double>(now - last_).count());
-    last_ = now;
+    timings_.emplace_back(stage, seconds_since(last_));
+    last_ = Clock::now();
   }
-  void total() {
-    timings_.emplace_back("total", std::chrono::duration<double>(Clock::now() - start_).count());
-  }
+  void total() { timings_.emplace_back("total", seconds_since(start_)); }
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -87,13 +89,14 @@ void apply_settings(AnyScene& scene, const std::vector<std::string>& settings) {
 /// report.missed: the result is kept.
 bool can_draw(RunReport& report, const std::string& what);
 
-/// Adds the broken promises to any kind of report, and writes report.json into the folder.
+/// Adds the broken promises to any kind of report, and writes it as JSON into the folder.
 template <class AnyReport>
 void write_report(AnyReport& report, const std::vector<MissedPromise>& broken,
-                  const OutputFolder& out, const Progress& progress) {
+                  const OutputFolder& out, const Progress& progress,
+                  const std::string& name = "report.json") {
   report.missed.insert(report.missed.end(), broken.begin(), broken.end());
-  report.files.push_back("report.json");
-  write_whole_file(out.file("report.json"), [&](std::ostream& text) { text << to_json(report); });
+  report.files.push_back(name);
+  write_whole_file(out.file(name), [&](std::ostream& text) { text << to_json(report); });
   progress.at("files", 1);
 }
 

@@ -18,10 +18,6 @@
 namespace batten {
 namespace {
 
-double seconds_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
 /// Whether each frame after a step comes from the one of its number. Of the others travel bends
 /// nothing, and a morph everything.
 bool keeps_frames(const SequenceStep& step) {
@@ -59,19 +55,13 @@ class SequenceRun {
     report_.nodes = s.node_count();
     report_.faces = s.shells.face_count();
     report_.size = size_of(s);
-    fingerprint_.add("batten sequence 1\n" +
+    fingerprint_.add("batten " BATTEN_VERSION "\n" +
                      input_bytes(scene_.file, "edits of a sequence (.toml)"));
-    fingerprint_.add(s);
     add_files(scene_.selections);
     for (const auto& step : scene_.steps) {
       if (const auto* feet = std::get_if<SequenceStep::Footprints>(&step.what))
         fingerprint_.add_file(feet->terrain);
-      if (const auto* mix = std::get_if<SequenceStep::Mix>(&step.what)) {
-        fingerprint_.add(read_frames(scene_, mix->source, progress_));
-        add_files(mix->selections);
-      }
-      if (const auto* morph = std::get_if<SequenceStep::Morph>(&step.what))
-        fingerprint_.add(read_frames(scene_, morph->target, progress_));
+      if (const auto* mix = std::get_if<SequenceStep::Mix>(&step.what)) add_files(mix->selections);
     }
     watch_.lap("read");
   }
@@ -81,8 +71,19 @@ class SequenceRun {
       if (!rule.file.empty()) fingerprint_.add_file(rule.file);
   }
 
+  /// The frames of a source. They count for the fingerprint; errors name their place in the scene.
+  MeshSequence read_frames(const SequenceSource& source) {
+    try {
+      MeshSequence frames = read_sequence(source.path, source.options, progress_);
+      fingerprint_.add(frames);
+      return frames;
+    } catch (const InputError& e) {
+      throw InputError(scene_.at(source.place) + e.what());
+    }
+  }
+
   PreparedSequence prepared_input() {
-    MeshSequence sequence = read_frames(scene_, scene_.source, progress_);
+    MeshSequence sequence = read_frames(scene_.source);
     try {
       PreparedMesh prepared = prepare(sequence.shells);
       report_.warnings.insert(report_.warnings.end(), prepared.notes.begin(), prepared.notes.end());
@@ -164,11 +165,12 @@ class SequenceRun {
     watch_.lap("steps");
   }
 
-  /// Errors name the step and its place.
-  StepResult step(const SequenceStep& rule, const VerticesOf& vertices_of) {
+  /// What `work` gives. Its errors name the step and its place.
+  template <class Work>
+  auto named(const SequenceStep& rule, const Work& work) const {
     const std::string where = scene_.at(rule.place) + "the step '" + rule.name + "': ";
     try {
-      return do_step(scene_, rule, *current_, parts_, vertices_of, progress_);
+      return work();
     } catch (const ConflictError& e) {
       throw ConflictError(e.conflicts(), where);
     } catch (const InputError& e) {
@@ -177,6 +179,13 @@ class SequenceRun {
     } catch (const NoSolutionError& e) {
       throw NoSolutionError(where + e.what());
     }
+  }
+
+  StepResult step(const SequenceStep& rule, const VerticesOf& vertices_of) {
+    const ReadFrames read = [&](const SequenceSource& source) { return read_frames(source); };
+    return named(rule, [&] {
+      return do_step(scene_, rule, *current_, parts_, vertices_of, read, progress_);
+    });
   }
 
   static StepResult as_it_is(const std::shared_ptr<PreparedSequence>& s) {
@@ -215,6 +224,14 @@ class SequenceRun {
     return times;
   }
 
+  /// Makes frames of the last step.
+  void make_frames(int first, int last, const std::function<void(int, const Points&)>& take) const {
+    if (scene_.steps.empty())
+      last_.frames(first, last, take, progress_);
+    else
+      named(scene_.steps.back(), [&] { last_.frames(first, last, take, progress_); });
+  }
+
   void write_frames() {
     const int count = count_of(last_.times);
     const auto [first, last] = task_.frames.value_or(std::pair(1, count));
@@ -243,13 +260,10 @@ class SequenceRun {
       }
       int end = k;
       while (end + 1 < last && !store.have(end + 1)) ++end;
-      last_.frames(
-          k, end,
-          [&](int frame, const Points& p) {
-            store.write(frame, p);
-            look(frame, p);
-          },
-          progress_);
+      make_frames(k, end, [&](int frame, const Points& p) {
+        store.write(frame, p);
+        look(frame, p);
+      });
       k = end + 1;
     }
     report_.files = store.finish();
@@ -262,7 +276,7 @@ class SequenceRun {
   }
 
   void draw() {
-    draw_sequence(report_, scene_, *input_, parts_, last_.shells, shown_, kept_, out_);
+    draw_sequence(report_, scene_, *input_, parts_, last_.shells, shown_, kept_, task_, out_);
     watch_.lap("pictures");
   }
 
@@ -283,7 +297,7 @@ class SequenceRun {
 
   void finish() {
     watch_.total();
-    write_report(report_, broken(), out_, progress_);
+    write_report(report_, broken(), out_, progress_, task_.name_of("report.json"));
     out_.commit();
   }
 
@@ -305,6 +319,14 @@ class SequenceRun {
 };
 
 }  // namespace
+
+std::string SequenceTask::name_of(const std::filesystem::path& file) const {
+  if (!frames) return file.string();
+  std::filesystem::path name = file;
+  name.replace_filename(file.stem().string() + "_" + std::to_string(frames->first) + "-" +
+                        std::to_string(frames->second) + file.extension().string());
+  return name.string();
+}
 
 SequenceReport run_sequence(const SequenceScene& scene, const std::filesystem::path& folder,
                             const SequenceTask& task, const Progress& progress) {

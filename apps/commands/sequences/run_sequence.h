@@ -15,6 +15,9 @@ namespace batten {
 struct SequenceTask {
   /// Frames that this run makes, counted from 1: so that several runs share the work. None: all.
   std::optional<std::pair<int, int>> frames;
+
+  /// The name of a file that each run of a part has for itself: "walk.png", or "walk_3-7.png".
+  std::string name_of(const std::filesystem::path& file) const;
 };
 
 /// Does the steps one after the other and writes the frames, report.json and pictures into the

@@ -215,18 +215,20 @@ void draw_sheet(const Drawing& d, const SequencePicture& rule, const std::filesy
 void draw_sequence(SequenceReport& report, const SequenceScene& scene,
                    const PreparedSequence& before, const SequenceParts& parts,
                    const ShellMesh& shells, const ShownFrames& shown,
-                   const std::vector<Points>& after, const OutputFolder& out) {
+                   const std::vector<Points>& after, const SequenceTask& task,
+                   const OutputFolder& out) {
   if (scene.pictures.empty()) return;
   const Stage stage = stage_for(scene, shells, parts);
   Drawing drawing{report, scene, stage, shown, {}, after};
   for (const int k : shown.before) drawing.before.push_back(before.sequence.frames[k]);
   for (const SequencePicture& rule : scene.pictures) {
-    if (!can_draw(report, rule.file)) continue;
-    if (rule.file.ends_with(".gif"))
-      animate(drawing, rule, out.file(rule.file));
+    const std::string file = task.name_of(rule.file);
+    if (!can_draw(report, file)) continue;
+    if (file.ends_with(".gif"))
+      animate(drawing, rule, out.file(file));
     else
-      draw_sheet(drawing, rule, out.file(rule.file));
-    report.files.push_back(rule.file);
+      draw_sheet(drawing, rule, out.file(file));
+    report.files.push_back(file);
   }
 }
 

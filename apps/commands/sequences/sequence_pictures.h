@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "batten/apps/commands/runs/run_parts.h"
+#include "batten/apps/commands/sequences/run_sequence.h"
 #include "batten/apps/commands/sequences/step_result.h"
 
 namespace batten {
@@ -20,6 +21,7 @@ ShownFrames shown_frames(const SequenceScene& scene, int before, int first, int 
 void draw_sequence(SequenceReport& report, const SequenceScene& scene,
                    const PreparedSequence& before, const SequenceParts& parts,
                    const ShellMesh& shells, const ShownFrames& shown,
-                   const std::vector<Points>& after, const OutputFolder& out);
+                   const std::vector<Points>& after, const SequenceTask& task,
+                   const OutputFolder& out);
 
 }  // namespace batten

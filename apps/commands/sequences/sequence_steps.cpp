@@ -46,11 +46,13 @@ ShellMesh turned_over(const ShellMesh& shells) {
 class Step {
  public:
   Step(const SequenceScene& scene, const SequenceStep& step, const PreparedSequence& from,
-       const SequenceParts& parts, const VerticesOf& vertices_of, const Progress& progress)
+       const SequenceParts& parts, const VerticesOf& vertices_of, const ReadFrames& read,
+       const Progress& progress)
       : scene_(scene),
         step_(step),
         from_(from),
         parts_(parts),
+        read_(read),
         progress_(progress),
         fixed_(vertices_of(step.fixed)) {}
 
@@ -219,7 +221,7 @@ class Step {
   }
 
   StepResult operator()(const SequenceStep::Mix& what) const {
-    const MeshSequence source = read_frames(scene_, what.source, progress_);
+    const MeshSequence source = read_(what.source);
     const PreparedMesh prepared = prepare(source.shells);
     SceneSelections selections = scene_;
     selections.selections = what.selections;
@@ -261,7 +263,7 @@ class Step {
   }
 
   StepResult operator()(const SequenceStep::Morph& what) const {
-    MeshSequence target = read_frames(scene_, what.target, progress_);
+    MeshSequence target = read_(what.target);
     MorphOptions options = what.options;
     options.up = scene_.upwards();
     if (options.source.last < 0) options.source.last = sequence().frame_count() - 1;
@@ -373,25 +375,18 @@ class Step {
   const SequenceStep& step_;
   const PreparedSequence& from_;
   const SequenceParts& parts_;
+  const ReadFrames& read_;
   const Progress& progress_;
   std::vector<int> fixed_;
 };
 
 }  // namespace
 
-MeshSequence read_frames(const SequenceScene& scene, const SequenceSource& source,
-                         const Progress& progress) {
-  try {
-    return read_sequence(source.path, source.options, progress);
-  } catch (const InputError& e) {
-    throw InputError(scene.at(source.place) + e.what());
-  }
-}
-
 StepResult do_step(const SequenceScene& scene, const SequenceStep& step,
                    const PreparedSequence& from, const SequenceParts& parts,
-                   const VerticesOf& vertices_of, const Progress& progress) {
-  const Step doing(scene, step, from, parts, vertices_of, progress);
+                   const VerticesOf& vertices_of, const ReadFrames& read,
+                   const Progress& progress) {
+  const Step doing(scene, step, from, parts, vertices_of, read, progress);
   StepResult result = std::visit(doing, step.what);
   static const char* const kinds[] = {"keyframes", "travel", "footprints", "path",
                                       "filter",    "mix",    "morph"};

@@ -1,4 +1,4 @@
-#include "batten/mesh/sequence/surface_search.h"
+#include "batten/mesh/surface_search.h"
 
 #include <boost/geometry.hpp>
 #include <boost/geometry/geometries/box.hpp>

@@ -1,0 +1,218 @@
+#include "batten/skinning/target/fit_model.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <string>
+
+#include "batten/constraints/constrained_solver.h"
+#include "batten/core/errors.h"
+#include "batten/fem/assembly.h"
+#include "batten/skinning/surfaces/embedded_joins.h"
+
+namespace batten {
+namespace {
+
+constexpr double kFirstSoftness = 100, kLastSoftness = 1e-3;
+
+/// One mesh: its matrices, and rounds on it.
+class FitRounds {
+ public:
+  FitRounds(std::shared_ptr<const ModelLayout> layout, const TargetSurface& target)
+      : layout_(std::move(layout)),
+        target_(target),
+        // What lies outside of a trim has no springs: bending alone shapes it.
+        assembler_(*layout_->mesh(), layout_->element(), layout_->trim(), 1),
+        scale_(layout_->domain_scale()),
+        ones_(layout_->position_dofs()),
+        mass_(assembler_.mass(scale_)) {
+    about_origin_ = ones_ * layout_->origin().transpose();
+  }
+
+  /// Other rows or another ε: a factor.
+  void prepare(double epsilon) {
+    bending_ = assembler_.pattern();
+    std::vector<SurfaceStiffness> materials;
+    double mean = 0;
+    const int count = layout_->mesh()->triangle_count();
+    for (int t = 0; t < count; ++t) {
+      const double h2 = 2 * layout_->mesh()->shape(t).area * scale_of(t);
+      materials.push_back(SurfaceStiffness::isotropic(0, epsilon * h2 * h2));
+      mean += epsilon * h2 * h2 / count;
+    }
+    assembler_.stiffness(layout_->on_regions(std::move(materials)), bending_);
+    bending_ += mean * layout_->join_stiffness();
+    const ConstraintSet rows = layout_->line_constraints().moved(ones_, layout_->origin());
+    if (solver_)
+      solver_->update(rows, mass_ + bending_);
+    else
+      solver_.emplace(rows, mass_ + bending_, layout_->dof_order());
+  }
+
+  /// One round from absolute dofs. The largest move of any vertex is noted.
+  Points round(const Points& dofs, const std::vector<double>& sides) {
+    const Surface surface = layout_->surface(dofs);
+    const Points pull = assembler_.load(
+        [&](const Location& where, const Vec2&) -> Vec3 {
+          return scale_of(where.triangle) *
+                 slide(surface.jet(where), side_of(sides, where.triangle));
+        },
+        4);
+    const Points own = dofs - about_origin_;
+    const Points F = pull + Points(solver_->K().selfadjointView<Eigen::Lower>() * own);
+    const Points moved = solver_->solve(F);
+    largest_move_ = 0;
+    for (int v = 0; v < layout_->mesh()->vertex_count(); ++v)
+      largest_move_ = std::max(largest_move_, (moved.row(3 * v) - own.row(3 * v)).norm());
+    return moved + about_origin_;
+  }
+  double largest_move() const { return largest_move_; }
+
+ private:
+  double scale_of(int triangle) const { return scale_.size() > 0 ? scale_[triangle] : 1; }
+  double side_of(const std::vector<double>& sides, int triangle) const {
+    return sides[layout_->region_of(triangle)];
+  }
+
+  /// g: along the surface's normal to the plane that touches the target.
+  Vec3 slide(const SurfaceJet& jet, double side) const {
+    const Vec3 n = jet.normal();
+    const auto there = target_.nearest(jet.x, side * n);
+    if (!there) return Vec3::Zero();
+    const Vec3 way = there->at - jet.x;
+    const double along = n.dot(way), length = way.norm();
+    constexpr double sideways = 0.5;  // of the way
+    if (there->at_rim && (way - along * n).norm() > sideways * length) return Vec3::Zero();
+    // Where normals differ much the plane is no guide: straight towards the point.
+    constexpr double most_apart = 0.5;
+    const double cosine = n.dot(there->normal);
+    if (std::abs(cosine) < most_apart) return along * n;
+    return std::clamp(way.dot(there->normal) / cosine, -2 * length, 2 * length) * n;
+  }
+
+  std::shared_ptr<const ModelLayout> layout_;
+  const TargetSurface& target_;
+  SurfaceAssembler assembler_;
+  VecX scale_, ones_;
+  Points about_origin_;
+  SparseMatrix mass_, bending_;
+  std::optional<ConstrainedSolver> solver_;
+  double largest_move_ = 0;
+};
+
+class Fitting {
+ public:
+  Fitting(std::shared_ptr<const ModelLayout> layout, const Points& start,
+          const TargetSurface& target, const ModelFitOptions& options, const Progress& progress)
+      : target_(target), options_(options), progress_(progress) {
+    if (!(options.tolerance >= 0))
+      throw InputError("tolerance of the target " + std::to_string(options.tolerance) +
+                       ", expected 0 or more");
+    fit_.layout = std::move(layout);
+    fit_.dofs = start;
+    tolerance_ = options.tolerance > 0 ? options.tolerance : 1e-4 * fit_.layout->size();
+  }
+
+  ModelFit run() {
+    fit_.before = fit_.after = target_distances(*fit_.layout, fit_.dofs, target_, &largest_of_);
+    int points = 0;
+    for (const Distances& region : fit_.before.regions) points += region.points;
+    if (points == 0) throw InputError("no point of the target is near to the surface");
+    sides_ = target_sides(*fit_.layout, fit_.dofs, target_);
+    on_this_mesh(kFirstSoftness);
+    while (fit_.after.largest() > tolerance_ && fit_.halvings < options_.most_halvings)
+      if (!halve()) break;
+    fit_.reached = fit_.after.largest() <= tolerance_;
+    return std::move(fit_);
+  }
+
+ private:
+  void on_this_mesh(double epsilon) {
+    FitRounds rounds(fit_.layout, target_);
+    rounds.prepare(epsilon);
+    for (int round = 0; round < options_.most_rounds; ++round) {
+      progress_.at("fit to the target", double(round) / options_.most_rounds);
+      fit_.dofs = rounds.round(fit_.dofs, sides_);
+      ++fit_.rounds;
+      if (epsilon > kLastSoftness) {
+        epsilon = std::max(kLastSoftness, epsilon / 10);
+        rounds.prepare(epsilon);
+      } else if (rounds.largest_move() < 0.1 * tolerance_) {
+        break;
+      }
+    }
+    replan_joins();
+    fit_.after = target_distances(*fit_.layout, fit_.dofs, target_, &largest_of_);
+  }
+
+  /// Smooth joins hold the tangent planes that a shape had: they are planned again from the fitted one.
+  void replan_joins() {
+    constexpr int most = 4;
+    for (int again = 0; again < most && !fit_.layout->join_plans().empty(); ++again) {
+      auto planned = std::make_shared<ModelLayout>(*fit_.layout);
+      planned->plan_joins(fit_.dofs);
+      fit_.layout = std::move(planned);
+      FitRounds rounds(fit_.layout, target_);
+      rounds.prepare(kLastSoftness);
+      for (int round = 0; round < 3; ++round, ++fit_.rounds)
+        fit_.dofs = rounds.round(fit_.dofs, sides_);
+      if (fit_.layout->join_misfit(fit_.dofs) < 1e-3) break;
+    }
+  }
+
+  /// False where there is nothing to gain.
+  bool halve() {
+    const ModelLayout& layout = *fit_.layout;
+    std::vector<char> marks(layout.mesh()->triangle_count(), 0);
+    int count = 0;
+    const std::vector<double> off = off_lines();
+    for (int t = 0; t < count_of(marks); ++t) {
+      const double floor = std::max(tolerance_, 1.2 * off[layout.region_of(t)]);
+      marks[t] = largest_of_[t] > floor;
+      count += marks[t];
+    }
+    if (count == 0 || layout.mesh()->triangle_count() + count > options_.most_triangles)
+      return false;
+    const ModelFit last = fit_;
+    auto finer = std::make_shared<ModelLayout>(layout);
+    if (!finer->refine(marks)) return false;
+    fit_.dofs = carried_over(layout, fit_.dofs, *finer);
+    finer->plan_joins(fit_.dofs);
+    fit_.layout = std::move(finer);
+    ++fit_.halvings;
+    on_this_mesh(kLastSoftness);
+    constexpr double least_gain = 0.9;
+    if (fit_.after.largest() <= last.after.largest())
+      return fit_.after.largest() < least_gain * last.after.largest();
+    fit_ = last;
+    return false;
+  }
+
+  /// How far the lines of each region are from the target.
+  std::vector<double> off_lines() const {
+    std::vector<double> off(fit_.layout->region_count(), 0.0);
+    const auto& lines = fit_.layout->lines();
+    for (size_t l = 0; l < lines.size(); ++l)
+      for (const LineSide& side : lines[l].sides)
+        off[side.region] = std::max(off[side.region], fit_.after.lines[l].largest);
+    return off;
+  }
+
+  const TargetSurface& target_;
+  const ModelFitOptions& options_;
+  const Progress& progress_;
+  double tolerance_ = 0;
+  ModelFit fit_;
+  std::vector<double> sides_;
+  VecX largest_of_;
+};
+
+}  // namespace
+
+ModelFit fit_model(std::shared_ptr<const ModelLayout> layout, const Points& start,
+                   const TargetSurface& target, const ModelFitOptions& options,
+                   const Progress& progress) {
+  return Fitting(std::move(layout), start, target, options, progress).run();
+}
+
+}  // namespace batten

@@ -1,0 +1,50 @@
+// Fits the shape of a model to a given surface; its lines are kept.
+#pragma once
+
+#include <memory>
+
+#include "batten/core/progress.h"
+#include "batten/skinning/target/target_distances.h"
+
+namespace batten {
+
+struct ModelFitOptions {
+  double tolerance = 0;  ///< wanted distance, model units; 0: 1e-4 of the model's size
+  int most_rounds = 30;  ///< on one mesh
+  int most_halvings = 5;
+  int most_triangles = 60'000;
+};
+
+/// A model at its target, and how near it came.
+struct ModelFit {
+  std::shared_ptr<const ModelLayout> layout;  ///< the one given, or a finer one
+  Points dofs;
+  int rounds = 0;
+  int halvings = 0;
+  TargetDistances before, after;
+  bool reached = false;  ///< whether after.largest() ≤ tolerance
+};
+
+/// The shape that has the model's lines (rows C x = c, and those of smooth joins) and is nearest to the
+/// target. In each round springs reach from every point of the surface, along its normal n, to the plane
+/// that touches the target at the nearest point t with normal m, so that it may slide:
+///
+///     g = n ((t - x)·m) / (n·m)
+///     minimise ∫ |x' - x - g|² + ε h⁴ ∫ |∂²(x' - x)|²   under the rows,
+///
+/// h the size of a triangle on the model scaled to size 1. The second term holds back what triangles cannot
+/// follow; it is zero at the end, so that the fit is not drawn to any other shape. ε falls from 100 to 1e-3
+/// from round to round. The matrix, mass + ε h⁴ bending, stays the same while ε and rows do: one factor, many
+/// rounds. Beyond the target's rim springs have no pull. Where the target is still farther than the tolerance
+/// triangles are halved, smooth joins planned anew, and rounds go on, as long as that helps; not
+/// where lines themselves are that far away.
+///
+/// `start`: absolute dofs on the layout that have its lines, near enough to the target that nearest points
+/// are the right ones. Throws InputError: a tolerance below 0, or a target without any point near;
+/// ConflictError, NoSolutionError, CancelledError. Costs a factor a halving, and for each round and triangle
+/// 18 nearest points.
+ModelFit fit_model(std::shared_ptr<const ModelLayout> layout, const Points& start,
+                   const TargetSurface& target, const ModelFitOptions& options = {},
+                   const Progress& progress = {});
+
+}  // namespace batten

@@ -1,0 +1,42 @@
+// How far a model and its target are apart, both ways.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "batten/skinning/model/model_layout.h"
+#include "batten/skinning/target/target_surface.h"
+
+namespace batten {
+
+/// Distances at many points, model units.
+struct Distances {
+  int points = 0;
+  int beyond = 0;  ///< points that lie beyond a rim of the other one: they do not count
+  double rms = 0, largest = 0;
+  Vec3 where = Vec3::Zero();  ///< the point of the largest one
+};
+
+struct TargetDistances {
+  /// From each region of the layout: at 15 points of each triangle inside of the trim, to the target's
+  /// nearest points.
+  std::vector<Distances> regions;
+  /// From the target's samples to the nearest points of the model. Samples beyond the model's rims (the line
+  /// to the nearest point is not normal to the surface there) do not count.
+  Distances back;
+  /// From each line of the layout, at 8 points a segment: no fit is nearer to the target than its lines.
+  std::vector<Distances> lines;
+  double largest() const;  ///< of the regions and of the way back
+};
+
+/// Which side of the target each region looks to: 1 where its normals are the target's, -1 where they are
+/// opposite, by most of its points.
+std::vector<double> target_sides(const ModelLayout& layout, const Points& dofs,
+                                 const TargetSurface& target);
+
+/// Measures all of it. `largest_of`, unless null, gets the largest distance in each triangle of the layout's
+/// mesh. O(points · log target).
+TargetDistances target_distances(const ModelLayout& layout, const Points& dofs,
+                                 const TargetSurface& target, VecX* largest_of = nullptr);
+
+}  // namespace batten

@@ -1,0 +1,26 @@
+// A given surface that a model is fitted to, known by its nearest points.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "batten/core/eigen.h"
+
+namespace batten {
+
+/// A face of a CAD file, a scan, the limit of a subdivision cage: whatever can say where it is nearest.
+class TargetSurface {
+ public:
+  struct Nearest {
+    Vec3 at = Vec3::Zero(), normal = Vec3::UnitZ();  ///< the normal has unit length
+    bool at_rim = false;  ///< the target ends there: further on there is none
+  };
+  virtual ~TargetSurface() = default;
+  /// The nearest point to `p` of all whose normal has a positive share of `along`; of all points where
+  /// `along` is zero. None where there is no such point. Called from several threads.
+  virtual std::optional<Nearest> nearest(const Vec3& p, const Vec3& along) const = 0;
+  /// Points of the target from which the way back is measured, dense and even enough for that.
+  virtual std::vector<Vec3> samples() const = 0;
+};
+
+}  // namespace batten
