@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 
+#include "batten/apps/commands/exchange/cad_words.h"
+#include "batten/apps/commands/exchange/file_kinds.h"
 #include "batten/apps/commands/lines/line_reading.h"
 #include "batten/apps/commands/lines/mirror_lines.h"
 #include "batten/apps/commands/meshes/mesh_info.h"
@@ -15,6 +16,7 @@
 #include "batten/fairing/arc_length.h"
 #include "batten/fairing/curve_fit.h"
 #include "batten/fairing/fair_curve.h"
+#include "batten/io/cad/cad_text.h"
 #include "batten/io/files/in_child.h"
 #include "batten/io/files/input_file.h"
 #include "batten/io/files/length_units.h"
@@ -180,22 +182,6 @@ std::string edits_text(const DeformScene& scene) {
          mesh_info(scene.mesh, scene.unit, scene.proposals) + parameters_text(scene.parameters());
 }
 
-/// Lines and meshes share endings: a mesh has faces, a Nastran deck grid points.
-bool is_mesh_file(const std::filesystem::path& file) {
-  const std::string ending = lower_extension(file);
-  if (ending == ".obj" || ending == ".dat") {
-    std::ifstream in(file);
-    for (std::string row; std::getline(in, row);)
-      if (ending == ".obj" ? row.starts_with("f ")
-                           : row.starts_with("GRID") || row.starts_with("BEGIN BULK"))
-        return true;
-    return false;
-  }
-  static const std::vector<std::string> endings = {".off", ".ply", ".stl", ".vtp", ".vtu", ".bdf",
-                                                   ".nas", ".inp", ".k",   ".key", ".dyn", ".rad"};
-  return std::find(endings.begin(), endings.end(), ending) != endings.end();
-}
-
 // "" for a file without faces.
 std::string step_text(const std::filesystem::path& file, const std::string& unit) {
   const StepReport step = cad_calls().check_step(file, unit_in_metres(unit), {});
@@ -205,42 +191,48 @@ std::string step_text(const std::filesystem::path& file, const std::string& unit
          number(step.area) + "\n";
 }
 
-// What the faces of a STEP or IGES file are, and how they meet; "" for a file without faces.
-std::string faces_text(const std::filesystem::path& file, const std::string& unit) {
-  if (cad_calls().read_cad_surfaces(file, unit_in_metres(unit)).empty()) return "";
-  const std::string ending = lower_extension(file);
-  const bool step = ending == ".step" || ending == ".stp";
+// What a CAD file holds, and how its faces meet; its lines too where they are few or all that there is.
+std::string cad_text(const std::filesystem::path& file, const std::string& unit) {
+  const CadContents contents = cad_calls().read_cad_contents(file);
+  std::string text = contents_text(contents);
+  const auto lines = [&] { return lines_text(read_source_file(file, unit, unit), unit, kCorner); };
+  if (contents.faces == 0) return text + lines();
+  const CadFormat format = cad_format(file);
   const ContinuityReport report =
       cad_calls().measure_continuity(file, unit_in_metres(unit), ContinuityOptions{});
-  return (step ? bytes_from_child(file, "OpenCASCADE", [&] { return step_text(file, unit); })
-               : std::to_string(report.faces) + " faces, lengths in " + unit + "\n") +
-         continuity_text(report, ContinuityOptions{}, unit);
+  text += format == CadFormat::Step
+              ? bytes_from_child(file, "OpenCASCADE", [&] { return step_text(file, unit); })
+              : std::to_string(report.faces) + " faces, lengths in " + unit + "\n";
+  text += continuity_text(report, ContinuityOptions{}, unit);
+  return format == CadFormat::Iges ? text + lines() : text;
 }
 
 }  // namespace
 
 std::string file_info(const std::filesystem::path& file, const std::string& unit) {
   require_input_file(file, "a scene, a mesh or a file of lines");
-  if (file.extension() == ".toml")
-    return edits_a_sequence(file) ? sequence_info(read_sequence_scene(file))
-           : edits_a_mesh(file)   ? edits_text(read_deform_scene(file))
-           : only_fairs(file)     ? fairing_text(read_fair_scene(file))
-                                  : scene_text(read_scene(file));
-  if (is_mesh_file(file)) return mesh_info(file, unit);
-  if (is_sequence_file(file)) return sequence_info(SequenceSource{file, {}, {}}, unit);
-  if (line_file_kind(file) == LineFileKind::None)
-    throw InputError(file.string() + ": found the ending '" + file.extension().string() +
-                     "', expected a scene (.toml), lines (.csv, .txt, .xyz, .dat, .obj, .curves, "
-                     ".iges, .step, .dxf, .svg, .json) or a "
-                     "mesh (.obj, .off, .ply, .stl, .vtp, .vtu, .bdf, .nas, .dat, .inp, .k, .key, "
-                     ".dyn, .rad) or a deforming one (.glb, .gltf, .pc2, .mdd, .pvd, .frd)");
-  const std::string ending = lower_extension(file);
-  if (ending == ".step" || ending == ".stp" || ending == ".iges" || ending == ".igs")
-    if (const std::string text = faces_text(file, unit); !text.empty())
-      return ending[1] == 's'
-                 ? text
-                 : text + lines_text(read_source_file(file, unit, unit), unit, kCorner);
-  return lines_text(read_source_file(file, unit, unit), unit, kCorner);
+  switch (file_kind(file)) {
+    case FileKind::Scene:
+      return edits_a_sequence(file) ? sequence_info(read_sequence_scene(file))
+             : edits_a_mesh(file)   ? edits_text(read_deform_scene(file))
+             : only_fairs(file)     ? fairing_text(read_fair_scene(file))
+                                    : scene_text(read_scene(file));
+    case FileKind::Mesh:
+      return mesh_info(file, unit);
+    case FileKind::Sequence:
+      return sequence_info(SequenceSource{file, {}, {}}, unit);
+    case FileKind::Cad:
+      return cad_text(file, unit);
+    case FileKind::Lines:
+      return lines_text(read_source_file(file, unit, unit), unit, kCorner);
+    case FileKind::None:
+      break;
+  }
+  throw InputError(file.string() + ": found the ending '" + file.extension().string() +
+                   "', expected a scene (.toml), lines (.csv, .txt, .xyz, .dat, .obj, .curves, "
+                   ".iges, .step, .brep, .dxf, .svg, .json) or a "
+                   "mesh (.obj, .off, .ply, .stl, .vtp, .vtu, .bdf, .nas, .dat, .inp, .k, .key, "
+                   ".dyn, .rad) or a deforming one (.glb, .gltf, .pc2, .mdd, .pvd, .frd)");
 }
 
 void draw_lines(const std::filesystem::path& picture, const std::filesystem::path& file,

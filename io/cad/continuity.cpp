@@ -1,6 +1,5 @@
 #include "batten/io/cad/continuity.h"
 
-#include <BRepBuilderAPI_Sewing.hxx>
 #include <BRepGProp.hxx>
 #include <BRep_Tool.hxx>
 #include <GProp_GProps.hxx>
@@ -23,6 +22,7 @@
 #include "batten/core/errors.h"
 #include "batten/core/index.h"
 #include "batten/io/cad/cad_file.h"
+#include "batten/io/cad/cad_rims.h"
 #include "batten/io/cad/occ_settings.h"
 
 namespace batten {
@@ -145,13 +145,6 @@ bool is_sliver(const TopoDS_Face& face) {
   BRepGProp::LinearProperties(face, length);
   const double half = length.Mass() / 2;
   return half > 0 && std::abs(area.Mass()) < 1e-3 * half * half;
-}
-
-TopoDS_Shape sewn(const TopoDS_Shape& shape, double tolerance) {
-  BRepBuilderAPI_Sewing sewing(tolerance);
-  sewing.Add(shape);
-  sewing.Perform();
-  return sewing.SewedShape().IsNull() ? shape : sewing.SewedShape();
 }
 
 std::vector<std::vector<Side>> sides_of(const TopTools_IndexedMapOfShape& edges,

@@ -4,7 +4,7 @@
 #include <Interface_Static.hxx>
 #include <Message.hxx>
 #include <Message_Messenger.hxx>
-#include <STEPControl_Controller.hxx>
+#include <STEPCAFControl_Controller.hxx>
 #include <UnitsMethods.hxx>
 #include <cmath>
 #include <stdexcept>
@@ -25,7 +25,7 @@ void demand(bool done, const char* name) {
 
 OccSettings::OccSettings() : lock_(process_mutex()) {
   // The settings exist from here on.
-  STEPControl_Controller::Init();
+  STEPCAFControl_Controller::Init();
   IGESControl_Controller::Init();
   cascade_unit_ = UnitsMethods::GetCasCadeLengthUnit();
   auto& printers = Message::DefaultMessenger()->ChangePrinters();

@@ -24,8 +24,7 @@ std::string cad_unit(double model_unit_in_metres) {
   return name;
 }
 
-void save_step(STEPControl_Writer& writer, const std::filesystem::path& path,
-               const StepHeader& header) {
+void put_step(STEPControl_Writer& writer, const StepHeader& header, std::ostream& out) {
   APIHeaderSection_MakeHeader made(writer.Model());
   const auto text_of = [](const std::string& s) { return new TCollection_HAsciiString(s.c_str()); };
   made.SetName(text_of(header.name));
@@ -38,7 +37,12 @@ void save_step(STEPControl_Writer& writer, const std::filesystem::path& path,
   // smaller, cuts exponents off numbers as long as these.)
   text.FloatWriter().SetFormat("%#.17G");
   text.SendModel(Handle(StepData_Protocol)::DownCast(writer.WS()->Protocol()));
-  write_whole_file(path, [&](std::ostream& out) { text.Print(out); });
+  text.Print(out);
+}
+
+void save_step(STEPControl_Writer& writer, const std::filesystem::path& path,
+               const StepHeader& header) {
+  write_whole_file(path, [&](std::ostream& out) { put_step(writer, header, out); });
 }
 
 void write_shape(const std::filesystem::path& path, const TopoDS_Shape& shape, double tolerance,

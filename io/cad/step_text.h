@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <iosfwd>
 #include <string>
 
 class STEPControl_Writer;
@@ -23,6 +24,9 @@ std::string cad_unit(double model_unit_in_metres);
 inline double reader_coincidence(double model_unit_in_metres) {
   return 1e-10 / model_unit_in_metres;
 }
+
+/// Puts the file's text, with this header and with all digits of its numbers, into a stream.
+void put_step(STEPControl_Writer& writer, const StepHeader& header, std::ostream& out);
 
 /// Writes the file with this header and with all digits of its numbers. It appears whole or not at
 /// all. Throws InputError when it cannot be written.

@@ -38,9 +38,9 @@ struct Limits {
   rlim_t by_the_clock() const { return 4 * seconds; }
 };
 
-Limits limits_for(const std::filesystem::path& file) {
+Limits limits_for(const std::filesystem::path& file, int times) {
   const double megabytes = static_cast<double>(input_size(file)) / 1048576;
-  return {static_cast<rlim_t>(6 + std::ceil(4 * megabytes)),
+  return {static_cast<rlim_t>(times * (6 + std::ceil(4 * megabytes))),
           (rlim_t{1} << 30) + static_cast<rlim_t>(200 * 1048576 * megabytes)};
 }
 
@@ -95,6 +95,7 @@ bool write_all(int to, const char* bytes, size_t count) {
   }
   Outcome outcome = Outcome::Bytes;
   std::string bytes;
+  in_child = false;  // what it calls reads here
   try {
     bytes = read();
   } catch (const InputError& error) {
@@ -136,12 +137,12 @@ void read_in_child(bool yes) { in_child = yes; }
 bool reads_in_child() { return in_child; }
 
 std::string bytes_from_child(const std::filesystem::path& file, const std::string& library,
-                             const std::function<std::string()>& read) {
+                             const std::function<std::string()>& read, int times) {
   if (!reads_in_child()) return read();
   const auto fail = [&](const std::string& what) -> void {
     throw InputError(file.string() + ": " + library + " " + what);
   };
-  const Limits limits = limits_for(file);
+  const Limits limits = limits_for(file, times);
   int ends[2];
   if (::pipe2(ends, O_CLOEXEC) != 0)
     throw Error(std::string("no pipe for a child process: ") + std::strerror(errno));

@@ -2,6 +2,9 @@
 // the first call. Internal.
 #pragma once
 
+#include "batten/io/cad/cad_contents.h"
+#include "batten/io/cad/cad_convert.h"
+#include "batten/io/cad/cad_facets.h"
 #include "batten/io/cad/continuity.h"
 #include "batten/io/cad/step.h"
 #include "batten/io/cad/step_face.h"
@@ -19,6 +22,9 @@ struct CadCalls {
   decltype(&batten::read_cad_lines) read_cad_lines;
   decltype(&batten::read_cad_surfaces) read_cad_surfaces;
   decltype(&batten::write_cad_curves) write_cad_curves;
+  decltype(&batten::read_cad_contents) read_cad_contents;
+  decltype(&batten::convert_cad) convert_cad;
+  decltype(&batten::facets_of_cad) facets_of_cad;
   double (*distance)(const std::vector<StoredSurface>& faces, const Vec3& p, size_t& first);
 };
 

@@ -1,5 +1,8 @@
 #include "batten/io/meshes/mesh_content.h"
 
+#include "batten/core/errors.h"
+#include "batten/core/index.h"
+
 #include <algorithm>
 #include <cctype>
 
@@ -86,6 +89,19 @@ std::vector<std::array<int, 3>> triangles_of(const ShellMesh& mesh, int face) {
     std::rotate(rest.begin(), rest.begin() + 1, rest.end());
   for (size_t i = 2; i < rest.size(); ++i) triangles.push_back({rest[0], rest[i - 1], rest[i]});
   return triangles;
+}
+
+std::vector<int> set_of_faces(const ShellMesh& mesh, const std::vector<MeshSet>& sets) {
+  std::vector<int> result(static_cast<size_t>(mesh.face_count()), -1);
+  for (int s = 0; s < count_of(sets); ++s)
+    for (const int face : sets[static_cast<size_t>(s)].faces) {
+      if (face < 0 || face >= mesh.face_count())
+        throw InputError("the set '" + sets[static_cast<size_t>(s)].name + "' has face " +
+                         std::to_string(face) + ", expected 0 to " +
+                         std::to_string(mesh.face_count() - 1));
+      result[static_cast<size_t>(face)] = s;
+    }
+  return result;
 }
 
 }  // namespace batten

@@ -64,11 +64,16 @@ MeshContentReader read_obj_mesh, read_off_mesh, read_ply_mesh, read_stl_mesh, re
     read_nastran_deck, read_abaqus_deck, read_lsdyna_deck, read_radioss_deck;
 
 /// Each writes a mesh in one format, as write_mesh() says, which has checked the mesh.
-void write_obj_mesh(const std::filesystem::path& path, const ShellMesh& mesh);
+void write_obj_mesh(const std::filesystem::path& path, const ShellMesh& mesh,
+                    const std::vector<MeshSet>& sets);
 void write_off_mesh(const std::filesystem::path& path, const ShellMesh& mesh);
 void write_ply_mesh(const std::filesystem::path& path, const ShellMesh& mesh);
 void write_stl_mesh(const std::filesystem::path& path, const ShellMesh& mesh);
-void write_vtk_mesh(const std::filesystem::path& path, const ShellMesh& mesh);
+void write_vtk_mesh(const std::filesystem::path& path, const ShellMesh& mesh,
+                    const std::vector<MeshSet>& sets);
+/// The set of each face, -1 for none; the last one where several have it. Throws InputError for a face
+/// out of range.
+std::vector<int> set_of_faces(const ShellMesh& mesh, const std::vector<MeshSet>& sets);
 
 /// The nodes of a face, middle nodes too, in the order in which they lie around it.
 std::vector<int> outline_of(const ShellMesh& mesh, int face);

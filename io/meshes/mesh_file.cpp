@@ -106,11 +106,15 @@ MeshFile::Rounding MeshFile::write(const fs::path& path, const Points& points,
   return content_->write(path, points, options);
 }
 
-void write_mesh(const fs::path& path, const ShellMesh& mesh) {
-  using Writer = void(const fs::path&, const ShellMesh&);
+void write_mesh(const fs::path& path, const ShellMesh& mesh, const std::vector<MeshSet>& sets) {
+  using Writer = void(const fs::path&, const ShellMesh&, const std::vector<MeshSet>&);
   static const std::map<std::string, Writer*> writers{
-      {".obj", write_obj_mesh}, {".off", write_off_mesh}, {".ply", write_ply_mesh},
-      {".stl", write_stl_mesh}, {".vtp", write_vtk_mesh}, {".vtu", write_vtk_mesh}};
+      {".obj", write_obj_mesh},
+      {".off", [](const auto& to, const auto& m, const auto&) { write_off_mesh(to, m); }},
+      {".ply", [](const auto& to, const auto& m, const auto&) { write_ply_mesh(to, m); }},
+      {".stl", [](const auto& to, const auto& m, const auto&) { write_stl_mesh(to, m); }},
+      {".vtp", write_vtk_mesh},
+      {".vtu", write_vtk_mesh}};
   Writer* const write = by_extension(path, writers);
   const auto refuse = [&](const std::string& what) {
     throw InputError(path.string() + ": " + what);
@@ -128,7 +132,7 @@ void write_mesh(const fs::path& path, const ShellMesh& mesh) {
         refuse("face " + std::to_string(f) + " has node " + std::to_string(node) +
                ", expected 0 to " + std::to_string(mesh.node_count() - 1));
   }
-  write(path, mesh);
+  write(path, mesh, sets);
 }
 
 }  // namespace batten

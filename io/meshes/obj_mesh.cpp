@@ -161,6 +161,16 @@ class ObjReader {
   std::string_view highest_word_;
 };
 
+/// A group's name is one word; "default" is the group of faces in none.
+std::string group_name(const std::vector<MeshSet>& sets, int set) {
+  if (set < 0) return "default";
+  std::string name = sets[static_cast<size_t>(set)].name;
+  std::replace_if(
+      name.begin(), name.end(), [](unsigned char c) { return c <= 32 || c == 127 || c == '#' || c == '\\'; },
+      '_');
+  return name.empty() ? "_" : name;
+}
+
 }  // namespace
 
 std::unique_ptr<MeshContent> read_obj_mesh(const std::filesystem::path& path) {
@@ -171,7 +181,9 @@ std::unique_ptr<MeshContent> read_obj_mesh(const std::filesystem::path& path) {
   return mesh;
 }
 
-void write_obj_mesh(const std::filesystem::path& path, const ShellMesh& mesh) {
+void write_obj_mesh(const std::filesystem::path& path, const ShellMesh& mesh,
+                    const std::vector<MeshSet>& sets) {
+  const std::vector<int> set = set_of_faces(mesh, sets);
   write_whole_file(path, [&](std::ostream& out) {
     char text[32];
     for (int i = 0; i < mesh.node_count(); ++i) {
@@ -182,7 +194,9 @@ void write_obj_mesh(const std::filesystem::path& path, const ShellMesh& mesh) {
       }
       out << '\n';
     }
+    int group = -1;
     for (int f = 0; f < mesh.face_count(); ++f) {
+      if (set[f] != group) out << "g " << group_name(sets, group = set[f]) << '\n';
       out << 'f';
       for (const int node : outline_of(mesh, f)) out << ' ' << node + 1;
       out << '\n';

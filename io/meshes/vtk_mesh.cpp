@@ -5,11 +5,14 @@
 #include <vtkCellTypes.h>
 #include <vtkDoubleArray.h>
 #include <vtkErrorCode.h>
+#include <vtkFieldData.h>
+#include <vtkIntArray.h>
 #include <vtkNew.h>
 #include <vtkPointData.h>
 #include <vtkPoints.h>
 #include <vtkPolyData.h>
 #include <vtkSmartPointer.h>
+#include <vtkStringArray.h>
 #include <vtkUnsignedCharArray.h>
 #include <vtkUnstructuredGrid.h>
 #include <vtkXMLPolyDataReader.h>
@@ -272,7 +275,23 @@ std::unique_ptr<MeshContent> read_vtk_mesh(const fs::path& path) {
   return std::make_unique<VtkMesh>(path, lower_extension(path) == ".vtp");
 }
 
-void write_vtk_mesh(const fs::path& path, const ShellMesh& mesh) {
+namespace {
+
+void add_sets(vtkDataSet& data, const ShellMesh& mesh, const std::vector<MeshSet>& sets) {
+  vtkNew<vtkIntArray> numbers;
+  numbers->SetName("Set");
+  for (const int set : set_of_faces(mesh, sets)) numbers->InsertNextValue(set);
+  data.GetCellData()->AddArray(numbers);
+  vtkNew<vtkStringArray> names;
+  names->SetName("Set_names");
+  for (const MeshSet& set : sets) names->InsertNextValue(set.name.c_str());
+  data.GetFieldData()->AddArray(names);
+}
+
+}  // namespace
+
+void write_vtk_mesh(const fs::path& path, const ShellMesh& mesh,
+                    const std::vector<MeshSet>& sets) {
   const bool surface = lower_extension(path) == ".vtp";
   vtkNew<vtkPolyData> polygons;
   vtkNew<vtkUnstructuredGrid> grid;
@@ -298,6 +317,7 @@ void write_vtk_mesh(const fs::path& path, const ShellMesh& mesh) {
   polygons->SetPoints(points);
   polygons->SetPolys(cells);
   grid->SetPoints(points);
+  if (!sets.empty()) add_sets(surface ? static_cast<vtkDataSet&>(*polygons) : *grid, mesh, sets);
   write_data(surface ? static_cast<vtkDataObject*>(polygons) : grid, path);
 }
 

@@ -7,6 +7,7 @@
 #include "batten/core/words.h"
 #include "batten/fairing/arc_length.h"
 #include "batten/fairing/curve_shapes.h"
+#include "batten/io/cad/cad_text.h"
 #include "batten/io/files/input_file.h"
 #include "batten/io/files/length_units.h"
 #include "batten/io/files/text.h"
@@ -20,12 +21,11 @@ namespace batten {
 namespace {
 
 const std::vector<std::string> kPointEndings = {".csv", ".txt", ".xyz", ".dat", ".obj", ".curves"};
-const std::vector<std::string> kCadEndings = {".iges", ".igs", ".step", ".stp"};
 const std::vector<std::string> kDrawingEndings = {".dxf", ".svg"};
 const std::vector<std::string> kSketchEndings = {".json"};
 
 std::string all_endings() {
-  return listed(kPointEndings) + ", " + listed(kCadEndings) + ", " + listed(kDrawingEndings) +
+  return listed(kPointEndings) + ", " + listed(cad_endings()) + ", " + listed(kDrawingEndings) +
          ", " + listed(kSketchEndings);
 }
 
@@ -191,7 +191,7 @@ LineFileKind line_file_kind(const std::filesystem::path& file) {
     return std::find(endings.begin(), endings.end(), ending) != endings.end();
   };
   return has(kPointEndings)     ? LineFileKind::Points
-         : has(kCadEndings)     ? LineFileKind::Cad
+         : has(cad_endings())     ? LineFileKind::Cad
          : has(kDrawingEndings) ? LineFileKind::Drawing
          : has(kSketchEndings)  ? LineFileKind::Sketch
                                 : LineFileKind::None;

@@ -1,0 +1,153 @@
+// The words of `batten skin`, `batten info` and `batten view`, which take files of lines.
+#include "batten/apps/cli/command_words.h"
+#include "batten/apps/cli/terminal.h"
+#include <iostream>
+
+#include "batten/apps/commands/info.h"
+#include "batten/apps/commands/runs/run_parts.h"
+#include "batten/apps/commands/shapes/run_scene.h"
+#include "batten/io/scene/read_scene.h"
+
+namespace batten {
+namespace {
+
+struct LineWords {
+  std::string file, out, unit = "mm", screenshot, compare, show = "shaded", picture, choices;
+  std::vector<std::string> files, inner, settings;
+  std::vector<double> angles;
+  double edge_length = 0, tolerance = 0, meet = 0, pressure = 0;
+  int contours = 0;
+  bool network = false, exact_step = false;
+};
+
+Scene lines_scene(const LineWords& a) {
+  Scene scene = a.network ? scene_of_network({a.files.begin(), a.files.end()}, a.unit)
+                          : scene_of_lines({a.files.begin(), a.files.end()},
+                                           {a.inner.begin(), a.inner.end()}, a.unit);
+  scene.skin.options.edge_length = a.edge_length;
+  scene.skin.options.tolerance = a.tolerance;
+  if (a.meet > 0) {
+    if (!scene.network) throw InputError("--meet is for lines of a --network");
+    scene.network->tolerance = a.meet;
+  }
+  scene.compare = a.compare;
+  if (a.exact_step) scene.step_form = Scene::StepForm::Exact;
+  if (a.pressure != 0) {
+    SceneLoad load;
+    load.name = "pressure";
+    load.value = a.pressure;
+    scene.loads.push_back(load);
+  }
+  return scene;
+}
+
+int info(LineWords a) {
+  if (!a.choices.empty()) {
+    a.files = {a.file};
+    a.network = true;
+    std::cout << draw_choices(a.choices,
+                              a.file.ends_with(".toml") ? read_scene(a.file) : lines_scene(a));
+    return kDone;
+  }
+  std::cout << file_info(a.file, a.unit);
+  if (!a.picture.empty()) draw_lines(a.picture, a.file, a.unit);
+  return kDone;
+}
+
+int view(LineWords a, const CommonWords& common) {
+  Scene scene;
+  if (a.file.ends_with(".toml")) {
+    scene = read_scene(a.file);
+    apply_settings(scene, a.settings);
+  } else {
+    a.files = {a.file};
+    scene = lines_scene(a);
+  }
+  PictureScene look;
+  using Field = PictureScene::Field;
+  look.title = scene.name;
+  look.field = a.show == "shaded"           ? Field::None
+               : a.show == "mean_curvature" ? Field::Mean
+               : a.show == "regions"        ? Field::Regions
+                                            : Field::Gauss;
+  look.contours = a.contours;
+  if (!a.angles.empty()) {
+    look.azimuth = a.angles[0];
+    look.elevation = a.angles[1];
+  }
+  view_scene(scene, look, a.screenshot, terminal_progress(common.quiet));
+  end_progress();
+  if (!common.quiet) std::cout << a.screenshot << "\n";
+  return kDone;
+}
+
+}  // namespace
+
+Command add_skin(CLI::App& app, CommonWords& common) {
+  const auto words = std::make_shared<LineWords>();
+  LineWords& a = *words;
+  auto* sub =
+      app.add_subcommand("skin", "From files of lines straight to a surface: STEP, VTK, report");
+  sub->add_option("lines", a.files,
+                  "Outline: .csv .txt .xyz .dat .obj .curves .iges .step .dxf .svg; a network: "
+                  ".json too")
+      ->required();
+  auto* inner =
+      sub->add_option("--inner", a.inner, "A file of inner lines")->allow_extra_args(false);
+  auto* network = sub->add_flag("--network", a.network,
+                                "The lines are a network: all surfaces between them, joined");
+  network->excludes(inner);
+  sub->add_option("--out", a.out, "Folder for all files")->required();
+  add_unit(sub, a.unit);
+  sub->add_option("--edge-length", a.edge_length, "Target length of element edges")
+      ->check(kPositive);
+  sub->add_option("--tolerance", a.tolerance, "Largest distance of fitted lines")->check(kPositive);
+  sub->add_option("--meet", a.meet,
+                  "Distance within which lines of a network meet; found unless given")
+      ->check(kPositive);
+  sub->add_option("--compare", a.compare, "CAD file: measure the distance from its faces");
+  sub->add_flag("--exact-step", a.exact_step,
+                "STEP to rounding, three faces a triangle, instead of one face a region");
+  sub->add_option("--pressure", a.pressure, "Pressure along the normal, relative units")
+      ->excludes(network);
+  add_common(sub, common);
+  return {sub, [words, &common] {
+            const auto report =
+                run_scene(lines_scene(*words), words->out, terminal_progress(common.quiet));
+            return finish(report, summary(report, words->out), common);
+          }};
+}
+
+Command add_info(CLI::App& app) {
+  const auto words = std::make_shared<LineWords>();
+  LineWords& a = *words;
+  auto* sub = app.add_subcommand(
+      "info", "What is in a scene, a file of lines, a mesh, a deforming mesh, a STEP file");
+  sub->add_option("file", a.file, "The file")->required();
+  sub->add_option("--picture", a.picture, "Draw its lines with their curvature, to a .png");
+  sub->add_option("--choices", a.choices,
+                  "Network: draw surfaces that could as well be others, into this folder, and say "
+                  "what to write");
+  add_unit(sub, a.unit);
+  return {sub, [words] { return info(*words); }};
+}
+
+Command add_view(CLI::App& app, CommonWords& common) {
+  const auto words = std::make_shared<LineWords>();
+  LineWords& a = *words;
+  auto* sub = app.add_subcommand("view", "A picture of a scene's or a line file's surface");
+  sub->add_option("file", a.file, "Scene (.toml) or file of lines")->required();
+  sub->add_option("--screenshot", a.screenshot, "The picture to write (.png)")->required();
+  repeated(sub->add_option("--set", a.settings, "Set a parameter of the scene: name=value"));
+  sub->add_option("--show", a.show, "What to show")
+      ->check(CLI::IsMember({"shaded", "mean_curvature", "gauss_curvature", "regions"}))
+      ->capture_default_str();
+  sub->add_flag("--network", a.network, "The lines of the file are a network");
+  sub->add_option("--contours", a.contours, "Number of contour lines")->check(CLI::Range(0, 1000));
+  sub->add_option("--view", a.angles, "Azimuth and elevation, degrees")->expected(2);
+  add_unit(sub, a.unit);
+  add_common(sub, common);
+  return {sub, [words, &common] { return view(*words, common); }};
+}
+
+}  // namespace batten

@@ -1,0 +1,95 @@
+// The words of `batten run` and `batten stress`.
+#include "batten/apps/cli/command_words.h"
+#include "batten/apps/cli/terminal.h"
+#include "batten/apps/commands/lines/run_fair.h"
+#include "batten/apps/commands/meshes/run_deform.h"
+#include "batten/apps/commands/runs/distributed.h"
+#include "batten/apps/commands/runs/run_parts.h"
+#include "batten/apps/commands/sequences/run_sequence.h"
+#include "batten/apps/commands/shapes/run_scene.h"
+#include "batten/io/scene/read_scene.h"
+
+namespace batten {
+namespace {
+
+struct SceneWords {
+  std::string file, out;
+  std::vector<std::string> settings;
+  StressTask stress;
+};
+
+CLI::App* add_scene(CLI::App& app, const char* name, const char* what, SceneWords& a,
+                    CommonWords& common) {
+  auto* sub = app.add_subcommand(name, what);
+  sub->add_option("scene", a.file, "Scene (.toml)")->required();
+  sub->add_option("--out", a.out, "Folder for all files, report.json too")->required();
+  repeated(sub->add_option("--set", a.settings, "Set a parameter of the scene: name=value"));
+  add_common(sub, common);
+  return sub;
+}
+
+int run(const SceneWords& a, const CommonWords& common) {
+  const auto done = [&](const auto& report) {
+    return finish(report, summary(report, a.out), common);
+  };
+  const Progress progress = terminal_progress(common.quiet);
+  if (edits_a_sequence(a.file))
+    return done(run_sequence(read_sequence_scene(a.file), a.out, {}, progress));
+  if (edits_a_mesh(a.file)) {
+    DeformScene scene = read_deform_scene(a.file);
+    apply_settings(scene, a.settings);
+    return done(run_deform(scene, a.out, progress));
+  }
+  if (only_fairs(a.file)) {
+    FairScene scene = read_fair_scene(a.file);
+    apply_settings(scene, a.settings);
+    return done(run_fair(scene, std::filesystem::path(a.out), progress));
+  }
+  Scene scene = read_scene(a.file);
+  apply_settings(scene, a.settings);
+  return done(run_scene(scene, a.out, progress));
+}
+
+int stress(const SceneWords& a, const CommonWords& common) {
+  const auto processes = Distributed::of_this_run();
+  if (processes && processes->helps()) {
+    processes->serve();
+    return kDone;
+  }
+  StressTask task = a.stress;
+  if (processes) task.factors = processes->factors();
+  Scene scene = read_scene(a.file);
+  apply_settings(scene, a.settings);
+  const auto report = run_stress(scene, a.out, task, terminal_progress(common.quiet));
+  return finish(report, summary(report, a.out), common);
+}
+
+}  // namespace
+
+Command add_run(CLI::App& app, CommonWords& common) {
+  const auto a = std::make_shared<SceneWords>();
+  CLI::App* sub = add_scene(app, "run", "Do everything a scene asks for", *a, common);
+  return {sub, [a, &common] { return run(*a, common); }};
+}
+
+Command add_stress(CLI::App& app, CommonWords& common) {
+  const auto a = std::make_shared<SceneWords>();
+  CLI::App* sub =
+      add_scene(app, "stress", "The same, and the stresses of the shape as the shell of [stress]",
+                *a, common);
+  sub->add_flag("--with-ccx", a->stress.with_calculix,
+                "Run CalculiX on the same shell, and print what it finds");
+  sub->add_option("--ccx-elements", a->stress.element, "Its elements: S6, S3 or S8R")
+      ->transform(CLI::CheckedTransformer(
+          std::map<std::string, ShellDeck::Element>{{"S6", ShellDeck::Element::S6},
+                                                    {"S3", ShellDeck::Element::S3},
+                                                    {"S8R", ShellDeck::Element::S8R}},
+          CLI::ignore_case))
+      ->needs("--with-ccx");
+  sub->add_option("--accuracy", a->stress.accuracy,
+                  "Make elements smaller until displacements are this exact: 0.01 is a percent")
+      ->check(kPositive);
+  return {sub, [a, &common] { return stress(*a, common); }};
+}
+
+}  // namespace batten

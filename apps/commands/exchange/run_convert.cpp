@@ -1,0 +1,236 @@
+#include "batten/apps/commands/exchange/run_convert.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "batten/apps/commands/exchange/cad_words.h"
+#include "batten/apps/commands/exchange/file_kinds.h"
+#include "batten/apps/commands/lines/fair_lines.h"
+#include "batten/apps/commands/runs/run_parts.h"
+#include "batten/core/index.h"
+#include "batten/core/words.h"
+#include "batten/io/cad/cad_text.h"
+#include "batten/io/files/input_file.h"
+#include "batten/io/files/length_units.h"
+#include "batten/io/files/text.h"
+#include "batten/io/files/toml_table.h"
+#include "batten/io/lines/cad_calls.h"
+#include "batten/io/meshes/mesh_file.h"
+
+namespace batten {
+namespace fs = std::filesystem;
+namespace {
+
+const std::vector<std::string> kMeshEndings = {".stl", ".obj", ".ply", ".off", ".vtp", ".vtu"};
+
+bool has(const std::vector<std::string>& endings, const fs::path& file) {
+  return std::find(endings.begin(), endings.end(), lower_extension(file)) != endings.end();
+}
+
+std::string name_of(const fs::path& file) { return file.filename().string(); }
+
+/// Metres of a unit; 0 for "".
+double metres(const std::string& unit) { return unit.empty() ? 0 : unit_in_metres(unit); }
+
+void row(ConvertReport& report, const std::string& label, const std::string& text) {
+  report.text += result_line(label, text);
+}
+
+void miss(ConvertReport& report, const std::string& what, const std::string& detail) {
+  report.missed.push_back({what, detail});
+}
+
+// ---- CAD ------------------------------------------------------------------------------------
+
+void check_facets(ConvertReport& report, double chord, double deviation, int cracks, int unmeshed) {
+  if (!(deviation <= chord))
+    miss(report, "convert.chord",
+         "is " + number(deviation) + ", promised at most " + number(chord));
+  if (cracks)
+    miss(report, "convert.cracks",
+         "are " + counted(cracks, "edge") + " between triangles, promised none");
+  if (unmeshed) miss(report, "convert.faces", counted(unmeshed, "face") + " got no triangle");
+}
+
+std::string chord_words(double deviation, double chord, double size, const std::string& unit) {
+  return "triangles within " + number(deviation) + " " + unit + " of the faces, chord " +
+         number(chord) + " " + unit + " (" + number(chord / size) + " of the size)";
+}
+
+/// Whether the file that was written is what was read.
+void compare(ConvertReport& report, const CadConversion& c, bool keeps_names) {
+  const CadContents &a = c.before, &b = c.after;
+  const double scale = a.unit_in_metres / b.unit_in_metres;
+  const auto same = [&](const std::string& what, int before, int after) {
+    if (before != after)
+      miss(report, "convert." + what,
+           "are " + std::to_string(after) + ", promised " + std::to_string(before));
+  };
+  same("faces", a.faces, b.faces);
+  same("solids", a.solids, b.solids);
+  same("closed_shells", a.closed_shells, b.closed_shells);
+  const auto near = [&](const std::string& what, double before, double after) {
+    if (!(std::abs(before - after) <= 1e-6 * std::abs(before)))
+      miss(report, "convert." + what,
+           "is " + number(after) + ", promised " + number(before) + " within a millionth");
+  };
+  near("area", a.area * scale * scale, b.area);
+  near("volume", a.volume * std::pow(scale, 3), b.volume);
+  if (!keeps_names) return;
+  for (const auto& [what, before, after] :
+       {std::tuple("names", &a.names, &b.names), std::tuple("colours", &a.colours, &b.colours)})
+    if (const std::string lost = lost_words(*before, *after); !lost.empty())
+      miss(report, std::string("convert.") + what, "are lost: " + lost);
+}
+
+void cad_to_cad(const ConvertTask& task, ConvertReport& report) {
+  CadConvertOptions options;
+  options.unit_in_metres = metres(task.unit);
+  options.ap242 = task.ap242;
+  options.chord = task.chord;
+  const CadConversion c = cad_calls().convert_cad(task.from, task.to, options);
+  const std::string unit = unit_words(c.unit_in_metres);
+  const std::string ending = lower_extension(task.to);
+  row(report, "read", name_of(task.from) + ": " + contents_words(c.before));
+  if (ending == ".glb") {
+    row(report, "written", name_of(task.to) + ": " + std::to_string(c.triangles) +
+                               " triangles, in metres as glTF has it");
+    row(report, "", chord_words(c.deviation, c.chord, c.size, unit));
+    check_facets(report, c.chord, c.deviation, c.cracks, c.unmeshed);
+    return;
+  }
+  row(report, "written", name_of(task.to) + ": " + contents_words(c.after));
+  const bool brep = ending.starts_with(".br");
+  if (brep) row(report, "", "BREP states no unit: its numbers are in " + unit + (unit == "mm" ? "" : ", programs take them for mm"));
+  compare(report, c, !brep);
+  report.warnings = c.before.notes;
+  report.warnings.insert(report.warnings.end(), c.notes.begin(), c.notes.end());
+}
+
+void cad_to_mesh(const ConvertTask& task, ConvertReport& report) {
+  CadFacetOptions options;
+  options.unit_in_metres = metres(task.unit);
+  options.chord = task.chord;
+  const CadFacets f = cad_calls().facets_of_cad(task.from, options);
+  std::vector<MeshSet> sets;
+  for (const FacetGroup& group : f.groups) sets.push_back({group.name, "", {}, group.triangles});
+  write_mesh(task.to, f.mesh, sets);
+  const std::string unit = unit_words(f.unit_in_metres);
+  row(report, "read", name_of(task.from) + ": " + contents_words(f.contents));
+  row(report, "written", name_of(task.to) + ": " + counted(f.mesh.face_count(), "triangle") +
+                             ", " + counted(f.mesh.node_count(), "node") + ", in " + unit + ", " +
+                             (f.free_edges ? counted(f.free_edges, "free edge") : "closed"));
+  row(report, "", chord_words(f.deviation, f.chord, f.size, unit));
+  check_facets(report, f.chord, f.deviation, f.cracks, f.unmeshed);
+  report.warnings = f.contents.notes;
+}
+
+// ---- meshes and lines -----------------------------------------------------------------------
+
+/// The factor from the unit of a file that states none to the one that is asked for.
+double factor_of(const ConvertTask& task) {
+  if (task.unit.empty() || task.unit == task.from_unit) return 1;
+  if (task.from_unit.empty())
+    throw InputError(task.from.string() +
+                     ": files of this kind state no unit of length, expected --from-unit beside "
+                     "--unit " +
+                     task.unit);
+  return unit_in_metres(task.from_unit) / unit_in_metres(task.unit);
+}
+
+void mesh_to_mesh(const ConvertTask& task, ConvertReport& report) {
+  const double factor = factor_of(task);
+  const MeshFile file = MeshFile::read(task.from);
+  ShellMesh mesh = file.shells();
+  mesh.points *= factor;
+  std::vector<MeshSet> sets;
+  for (const MeshSet& set : file.sets())
+    if (!set.faces.empty()) sets.push_back(set);
+  write_mesh(task.to, mesh, sets);
+  const auto counts = counted(mesh.node_count(), "node") + ", " + counted(mesh.face_count(), "face");
+  row(report, "read", name_of(task.from) + ": " + file.format() + ", " + counts);
+  row(report, "written",
+      name_of(task.to) + ": " + counts +
+          (factor == 1 ? ", coordinates as they were" : ", " + task.from_unit + " to " + task.unit));
+  report.warnings = file.warnings();
+  if (!file.others().empty())
+    report.warnings.push_back(counted(count_of(file.others()), "element") +
+                              " beside shells are left out");
+}
+
+void lines_to_lines(const ConvertTask& task, ConvertReport& report, const Progress& progress) {
+  const bool cad = file_kind(task.from) == FileKind::Cad;
+  std::string unit = task.unit;
+  if (unit.empty()) unit = cad ? unit_words(cad_calls().read_cad_contents(task.from).unit_in_metres)
+                               : task.from_unit.empty() ? "mm" : task.from_unit;
+  const auto lines = read_source_file(task.from, task.from_unit, unit);
+  std::vector<NamedCurve> curves;
+  for (const FairedResult& line : fair_lines(lines, {}, progress)) curves.push_back(line.named());
+  report.warnings = write_curves(task.to, curves, unit_in_metres(unit));
+  row(report, "read", name_of(task.from) + ": " + counted(count_of(lines), "line"));
+  row(report, "written", name_of(task.to) + ": " + counted(count_of(curves), "line") + ", in " + unit +
+          (cad || !task.from_unit.empty() ? "" : ", the unit of points that say none"));
+}
+
+[[noreturn]] void refuse(const ConvertTask& task, const std::string& what,
+                         const std::vector<std::string>& endings, const std::string& more = "") {
+  throw InputError(task.to.string() + ": found the ending '" + task.to.extension().string() +
+                   "' for " + what + ", expected one of: " + listed(endings) + more);
+}
+
+std::vector<std::string> joined(std::vector<std::string> a, const std::vector<std::string>& b) {
+  for (const std::string& ending : b)
+    if (std::find(a.begin(), a.end(), ending) == a.end()) a.push_back(ending);
+  return a;
+}
+
+void convert_cad_file(const ConvertTask& task, ConvertReport& report, const Progress& progress) {
+  const auto cad = joined(cad_endings(), {".glb"});
+  if (has(cad, task.to)) return cad_to_cad(task, report);
+  const bool lines = has(curve_file_endings(), task.to), mesh = has(kMeshEndings, task.to);
+  if (!lines && !mesh)
+    refuse(task, "a CAD file", joined(joined(cad, kMeshEndings), curve_file_endings()));
+  // Endings that lines and meshes share go by what is in the file.
+  if (mesh && !(lines && cad_calls().read_cad_contents(task.from).faces == 0))
+    return cad_to_mesh(task, report);
+  lines_to_lines(task, report, progress);
+}
+
+}  // namespace
+
+ConvertReport run_convert(const ConvertTask& task, const Progress& progress) {
+  require_input_file(task.from, "a CAD file, a mesh or lines");
+  if (fs::exists(task.to) && fs::equivalent(task.from, task.to))
+    throw InputError(task.to.string() + ": is the file that is read, expected another one");
+  ConvertReport report;
+  report.name = name_of(task.from);
+  report.files = {task.to.string()};
+  switch (file_kind(task.from)) {
+    case FileKind::Cad:
+      if (!task.from_unit.empty())
+        throw InputError(task.from.string() + ": found --from-unit " + task.from_unit +
+                         ", expected none: CAD files say their unit themselves");
+      convert_cad_file(task, report, progress);
+      break;
+    case FileKind::Mesh:
+      if (has(cad_endings(), task.to))
+        throw InputError(task.to.string() +
+                         ": a mesh is not made into CAD faces by `convert`: each triangle would be a "
+                         "face, which no CAD system has a use for; expected `batten fit`, which fits "
+                         "smooth faces to it");
+      if (!has(kMeshEndings, task.to)) refuse(task, "a mesh", kMeshEndings);
+      mesh_to_mesh(task, report);
+      break;
+    case FileKind::Lines:
+      if (!has(curve_file_endings(), task.to)) refuse(task, "lines", curve_file_endings());
+      lines_to_lines(task, report, progress);
+      break;
+    default:
+      throw InputError(task.from.string() + ": found the ending '" + task.from.extension().string() +
+                       "', expected a CAD file (" + listed(cad_endings()) +
+                       "), a mesh or lines");
+  }
+  return report;
+}
+
+}  // namespace batten

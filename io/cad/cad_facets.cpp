@@ -1,0 +1,150 @@
+#include "batten/io/cad/cad_facets.h"
+
+#include <Standard_Failure.hxx>
+#include <cmath>
+#include <cstring>
+
+#include "batten/core/errors.h"
+#include "batten/core/index.h"
+#include "batten/io/cad/cad_contents_bytes.h"
+#include "batten/io/cad/cad_mesher.h"
+#include "batten/io/cad/occ_settings.h"
+#include "batten/io/files/in_child.h"
+
+namespace batten {
+namespace {
+
+// ---- out of a child process -----------------------------------------------------------------
+
+class Bytes {
+ public:
+  template <class T>
+  Bytes& add(const T* data, size_t count) {
+    put(count);
+    text_.append(reinterpret_cast<const char*>(data), count * sizeof(T));
+    return *this;
+  }
+  Bytes& add(const std::string& text) { return add(text.data(), text.size()); }
+  template <class T>
+  Bytes& put(T value) {
+    text_.append(reinterpret_cast<const char*>(&value), sizeof value);
+    return *this;
+  }
+  std::string take() { return std::move(text_); }
+
+ private:
+  std::string text_;
+};
+
+class BytesReader {
+ public:
+  explicit BytesReader(const std::string& text) : text_(text) {}
+  template <class T>
+  T get() {
+    T value;
+    std::memcpy(&value, take(sizeof value), sizeof value);
+    return value;
+  }
+  template <class T>
+  std::vector<T> list() {
+    std::vector<T> result(get<size_t>());
+    if (!result.empty())
+      std::memcpy(result.data(), take(result.size() * sizeof(T)), result.size() * sizeof(T));
+    return result;
+  }
+  std::string text() {
+    const auto letters = list<char>();
+    return {letters.begin(), letters.end()};
+  }
+
+ private:
+  const char* take(size_t count) {
+    if (count > text_.size() - at_) throw Error("what a child process meshed is not whole");
+    at_ += count;
+    return text_.data() + at_ - count;
+  }
+  const std::string& text_;
+  size_t at_ = 0;
+};
+
+std::string to_bytes(const CadFacets& f) {
+  Bytes out;
+  out.add(to_bytes(f.contents));
+  std::vector<int> corners;
+  for (int t = 0; t < f.mesh.face_count(); ++t)
+    corners.insert(corners.end(), f.mesh.face(t).begin(), f.mesh.face(t).end());
+  out.add(f.mesh.points.data(), static_cast<size_t>(f.mesh.points.size()));
+  out.add(corners.data(), corners.size()).put(f.groups.size());
+  for (const FacetGroup& group : f.groups)
+    out.add(group.name).add(group.colour).add(group.triangles.data(), group.triangles.size());
+  out.put(f.size).put(f.chord).put(f.deviation);
+  out.put(f.shells).put(f.free_edges).put(f.cracks).put(f.unmeshed);
+  return out.take();
+}
+
+CadFacets from_bytes(const std::string& bytes) {
+  BytesReader in(bytes);
+  CadFacets f;
+  f.contents = contents_from_bytes(in.text());
+  const auto numbers = in.list<double>();
+  f.mesh.points = Eigen::Map<const Points>(numbers.data(), count_of(numbers) / 3, 3);
+  const auto corners = in.list<int>();
+  for (size_t c = 0; c + 2 < corners.size(); c += 3)
+    f.mesh.add_face(std::span<const int>(corners.data() + c, 3));
+  f.groups.resize(in.get<size_t>());
+  for (FacetGroup& group : f.groups) {
+    group.name = in.text();
+    group.colour = in.text();
+    group.triangles = in.list<int>();
+  }
+  for (double* number : {&f.size, &f.chord, &f.deviation}) *number = in.get<double>();
+  for (int* number : {&f.shells, &f.free_edges, &f.cracks, &f.unmeshed}) *number = in.get<int>();
+  return f;
+}
+
+void scale(CadFacets& f, double factor) {
+  f.mesh.points *= factor;
+  for (double* length : {&f.size, &f.chord, &f.deviation}) *length *= factor;
+}
+
+/// In millimetres.
+CadFacets facets_of_file(const std::filesystem::path& file, const CadFile& cad, double chord) {
+  const JoinedParts joined = joined_parts(cad);
+  int faces = 0;
+  for (const CadPart& part : joined.parts) faces += count_of(part.faces);
+  if (faces == 0)
+    throw InputError(file.string() + ": found " + cad.found + " and no face, expected some to mesh");
+  if (chord != 0 && !(chord >= 1e-7 * joined.size))
+    throw InputError(file.string() + ": found a chord of " + number(chord) +
+                     " mm, expected 1e-7 of the size or more: " + number(1e-7 * joined.size) +
+                     " mm");
+  CadFacets facets = mesh_parts(joined.parts, joined.size, chord);
+  facets.contents = contents_of(cad);
+  return facets;
+}
+
+}  // namespace
+
+CadFacets facets_of_cad(const std::filesystem::path& file, const CadFacetOptions& options) {
+  CadFacets facets = from_bytes(bytes_from_child(
+      file, "OpenCASCADE",
+      [&] {
+        const CadFile cad = read_cad_here(file);
+        const OccSettings occ;
+        const double unit =
+            options.unit_in_metres > 0 ? options.unit_in_metres : cad.header.unit_in_metres;
+        try {
+          return to_bytes(facets_of_file(file, cad, options.chord * unit / 1e-3));
+        } catch (const Standard_Failure& failure) {
+          throw InputError(file.string() + ": OpenCASCADE cannot mesh it: " +
+                           failure.GetMessageString());
+        }
+      },
+      20));
+  facets.unit_in_metres =
+      options.unit_in_metres > 0 ? options.unit_in_metres : facets.contents.unit_in_metres;
+  scale(facets, 1e-3 / facets.unit_in_metres);
+  return facets;
+}
+
+}  // namespace batten

@@ -1,0 +1,98 @@
+#include "batten/io/cad/cad_mesher.h"
+
+#include <BRepBndLib.hxx>
+#include <BRepMesh_IncrementalMesh.hxx>
+#include <BRepTools.hxx>
+#include <BRep_Builder.hxx>
+#include <BRep_Tool.hxx>
+#include <Bnd_Box.hxx>
+#include <IMeshTools_Parameters.hxx>
+#include <TopoDS.hxx>
+#include <TopoDS_Compound.hxx>
+#include <cmath>
+
+#include "batten/io/cad/cad_rims.h"
+#include "batten/io/cad/continuity.h"
+#include "batten/io/cad/facet_numbers.h"
+
+namespace batten {
+namespace {
+
+TopoDS_Compound together(const std::vector<CadPart>& parts) {
+  TopoDS_Compound all;
+  BRep_Builder builder;
+  builder.MakeCompound(all);
+  for (const CadPart& part : parts)
+    if (!part.faces.empty()) builder.Add(all, part.shape);
+  return all;
+}
+
+double size_of(const TopoDS_Shape& shape) {
+  Bnd_Box box;
+  BRepBndLib::AddOptimal(shape, box, false, false);
+  return box.IsVoid() ? 0 : std::sqrt(box.SquareExtent());
+}
+
+/// Faces of IGES files are parts of their own: they become one, with faces that have the parts' names.
+void make_one(std::vector<CadPart>& parts) {
+  CadPart all;
+  all.shape = together(parts);
+  for (CadPart& part : parts) {
+    for (CadFace& face : part.faces) {
+      if (face.name.empty()) face.name = part.name;
+      all.faces.push_back(face);
+    }
+    all.curves.insert(all.curves.end(), part.curves.begin(), part.curves.end());
+  }
+  parts = {all};
+}
+
+void mesh_faces(const TopoDS_Shape& shape, double deflection) {
+  BRepTools::Clean(shape);
+  IMeshTools_Parameters how;
+  how.Deflection = deflection;
+  how.Angle = 0.5;
+  BRepMesh_IncrementalMesh(shape, how);
+}
+
+}  // namespace
+
+JoinedParts joined_parts(const CadFile& cad) {
+  JoinedParts result{tree_of(cad.document).parts, false, size_of(cad.shape)};
+  if (cad.header.format == CadFormat::Iges && result.parts.size() > 1) {
+    make_one(result.parts);
+    result.sewn = true;
+  }
+  for (CadPart& part : result.parts) {
+    const int rims = rims_of(part.shape).Extent();
+    if (part.faces.size() < 2 || rims == 0) continue;
+    std::vector<CadFace> faces = part.faces;
+    const TopoDS_Shape shape = sewn(part.shape, ContinuityOptions{}.sewing * result.size, &faces);
+    if (rims_of(shape).Extent() >= rims) continue;  // nothing lies on anything else
+    part.shape = shape;
+    part.faces = std::move(faces);
+    result.sewn = true;
+  }
+  return result;
+}
+
+CadFacets mesh_parts(const std::vector<CadPart>& parts, double size, double chord) {
+  const TopoDS_Compound all = together(parts);
+  if (!(chord > 0)) chord = 1e-3 * size;
+  CadFacets facets;
+  double deflection = chord;
+  for (int round = 0; round < 5; ++round) {
+    mesh_faces(all, deflection);
+    CadFacets made = numbered_facets(parts, all);
+    const bool better = round == 0 || made.deviation < facets.deviation;
+    if (better) facets = std::move(made);
+    if (facets.deviation <= chord) break;
+    if (!better && round > 1) break;
+    deflection *= std::clamp(0.9 * chord / facets.deviation, 0.1, 0.7);
+  }
+  facets.size = size;
+  facets.chord = chord;
+  return facets;
+}
+
+}  // namespace batten

@@ -1,0 +1,215 @@
+#include "batten/io/cad/cad_parts.h"
+
+#include <BRep_Tool.hxx>
+#include <NCollection_DataMap.hxx>
+#include <Quantity_Color.hxx>
+#include <TDF_ChildIterator.hxx>
+#include <TDF_Tool.hxx>
+#include <TColStd_HSequenceOfExtendedString.hxx>
+#include <TCollection_AsciiString.hxx>
+#include <TDataStd_Name.hxx>
+#include <TopExp_Explorer.hxx>
+#include <TopLoc_Location.hxx>
+#include <TopTools_MapOfShape.hxx>
+#include <TopTools_ShapeMapHasher.hxx>
+#include <TopoDS.hxx>
+#include <TopoDS_Iterator.hxx>
+#include <XCAFDoc_ColorTool.hxx>
+#include <XCAFDoc_DocumentTool.hxx>
+#include <XCAFDoc_LayerTool.hxx>
+#include <XCAFDoc_ShapeTool.hxx>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "batten/io/cad/cad_file.h"
+
+namespace batten {
+namespace {
+
+std::string utf8(const TCollection_ExtendedString& text) {
+  std::vector<char> bytes(static_cast<size_t>(text.LengthOfCString()) + 1, '\0');
+  Standard_PCharacter data = bytes.data();
+  text.ToUTF8CString(data);
+  return bytes.data();
+}
+
+std::string name_of(const TDF_Label& label) {
+  Handle(TDataStd_Name) name;
+  if (!label.FindAttribute(TDataStd_Name::GetID(), name)) return "";
+  return utf8(name->Get());
+}
+
+/// The colours of a shape: of its faces and of its curves.
+struct Colours {
+  std::string surface, curve;
+  Colours over(const Colours& inherited) const {
+    return {surface.empty() ? inherited.surface : surface, curve.empty() ? inherited.curve : curve};
+  }
+};
+
+std::string hex(const Quantity_Color& colour) {
+  std::string text = Quantity_Color::ColorToHex(colour).ToCString();
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return text;
+}
+
+/// What the document says of a shape within a part.
+struct Attributes {
+  std::string name;
+  Colours colours;
+};
+
+class Walker {
+ public:
+  explicit Walker(const Handle(TDocStd_Document) & document)
+      : shapes_(XCAFDoc_DocumentTool::ShapeTool(document->Main())),
+        colours_(XCAFDoc_DocumentTool::ColorTool(document->Main())),
+        layers_(XCAFDoc_DocumentTool::LayerTool(document->Main())) {}
+
+  CadTree walk() {
+    TDF_LabelSequence roots;
+    shapes_->GetFreeShapes(roots);
+    for (const TDF_Label& root : roots) visit(root, TopLoc_Location(), {}, 0);
+    return std::move(tree_);
+  }
+
+ private:
+  Colours colours_of(const TDF_Label& label) const {
+    Quantity_Color colour;
+    Colours result;
+    if (colours_->GetColor(label, XCAFDoc_ColorGen, colour))
+      result.surface = result.curve = hex(colour);
+    if (colours_->GetColor(label, XCAFDoc_ColorSurf, colour)) result.surface = hex(colour);
+    if (colours_->GetColor(label, XCAFDoc_ColorCurv, colour)) result.curve = hex(colour);
+    return result;
+  }
+
+  void count_layers(const TDF_Label& label, int CadUse::*what) {
+    Handle(TColStd_HSequenceOfExtendedString) names;
+    if (!layers_->GetLayers(label, names) || names.IsNull()) return;
+    for (const TCollection_ExtendedString& text : names->Sequence()) {
+      const std::string name = utf8(text);
+      auto at = std::find_if(tree_.layers.begin(), tree_.layers.end(),
+                             [&](const CadUse& use) { return use.name == name; });
+      if (at == tree_.layers.end()) at = tree_.layers.insert(at, CadUse{name, 0, 0, 0});
+      ++((*at).*what);
+    }
+  }
+
+  /// A label that is an instance, an assembly or a shape; `place`: of what it is in.
+  void visit(TDF_Label label, TopLoc_Location place, Colours inherited, int level) {
+    CadProduct product;
+    product.level = level;
+    Colours own = colours_of(label);
+    if (XCAFDoc_ShapeTool::IsReference(label)) {
+      product.place = name_of(label);
+      place = place * XCAFDoc_ShapeTool::GetLocation(label);
+      TDF_Label referred;
+      XCAFDoc_ShapeTool::GetReferredShape(label, referred);
+      label = referred;
+      own = own.over(colours_of(label));
+    }
+    product.name = name_of(label);
+    if (product.place == product.name) product.place.clear();
+    product.colour = own.surface.empty() ? own.curve : own.surface;
+    product.assembly = XCAFDoc_ShapeTool::IsAssembly(label);
+    const gp_Trsf move = place.Transformation();
+    product.shift = {move.TranslationPart().X(), move.TranslationPart().Y(),
+                     move.TranslationPart().Z()};
+    gp_XYZ axis;
+    double turn = 0;
+    if (move.GetRotation(axis, turn)) product.turn_deg = std::abs(turn) * 180 / std::numbers::pi;
+    count_layers(label, &CadUse::products);
+    const size_t at = tree_.products.size();
+    tree_.products.push_back(product);
+    const Colours colours = own.over(inherited);
+    if (product.assembly) {
+      TDF_LabelSequence components;
+      XCAFDoc_ShapeTool::GetComponents(label, components);
+      for (const TDF_Label& component : components) visit(component, place, colours, level + 1);
+    } else {
+      add_part(label, place, colours, at);
+    }
+  }
+
+  void add_part(const TDF_Label& label, const TopLoc_Location& place, const Colours& colours,
+                size_t product) {
+    const TopoDS_Shape shape = XCAFDoc_ShapeTool::GetShape(label);
+    CadProduct& of = tree_.products[product];
+    if (shape.IsNull()) return;
+    TDF_LabelSequence parts;
+    XCAFDoc_ShapeTool::GetSubShapes(label, parts);
+    Within within;
+    for (const TDF_Label& part : parts) {
+      const TopoDS_Shape inner = XCAFDoc_ShapeTool::GetShape(part);
+      if (inner.IsNull()) continue;
+      within.Bind(inner, {name_of(part), colours_of(part)});
+      count_layers(part, inner.ShapeType() == TopAbs_EDGE ? &CadUse::curves : &CadUse::faces);
+    }
+    CadPart result;
+    result.name = of.name.empty() ? of.place : of.name;
+    result.shape = shape.Moved(place);
+    // A face or an edge that is a product of its own has the product's name.
+    const bool single = shape.ShapeType() == TopAbs_FACE || shape.ShapeType() == TopAbs_EDGE;
+    if (single && !within.IsBound(shape)) within.Bind(shape, {result.name, {}});
+    collect(shape, place, within, colours, result);
+    for (TopExp_Explorer s(shape, TopAbs_SOLID); s.More(); s.Next()) ++of.solids;
+    of.faces = static_cast<int>(result.faces.size());
+    tree_.parts.push_back(std::move(result));
+  }
+
+  using Within = NCollection_DataMap<TopoDS_Shape, Attributes, TopTools_ShapeMapHasher>;
+
+  /// Adds the faces and lone curves of a shape; edges below faces are not looked at.
+  void collect(const TopoDS_Shape& shape, const TopLoc_Location& place, const Within& within,
+               const Colours& inherited, CadPart& part) const {
+    const Attributes* own = within.Seek(shape);
+    const Colours colours = own ? own->colours.over(inherited) : inherited;
+    const std::string name = own ? own->name : "";
+    if (shape.ShapeType() == TopAbs_FACE)
+      part.faces.push_back({TopoDS::Face(shape.Moved(place)), name, colours.surface});
+    else if (shape.ShapeType() == TopAbs_EDGE)
+      part.curves.push_back({TopoDS::Edge(shape.Moved(place)), name, colours.curve});
+    else
+      for (TopoDS_Iterator it(shape); it.More(); it.Next())
+        collect(it.Value(), place, within, colours, part);
+  }
+
+  Handle(XCAFDoc_ShapeTool) shapes_;
+  Handle(XCAFDoc_ColorTool) colours_;
+  Handle(XCAFDoc_LayerTool) layers_;
+  CadTree tree_;
+};
+
+}  // namespace
+
+CadTree tree_of(const Handle(TDocStd_Document) & document) { return Walker(document).walk(); }
+
+Handle(TDocStd_Document) document_of(const std::vector<CadPart>& parts) {
+  const Handle(TDocStd_Document) document = new_document();
+  const auto shapes = XCAFDoc_DocumentTool::ShapeTool(document->Main());
+  const auto colours = XCAFDoc_DocumentTool::ColorTool(document->Main());
+  const auto text = [](const std::string& s) { return TCollection_ExtendedString(s.c_str(), true); };
+  const auto describe = [&](const TDF_Label& label, const std::string& name,
+                            const std::string& hex_colour, XCAFDoc_ColorType type) {
+    if (label.IsNull()) return;
+    if (!name.empty()) TDataStd_Name::Set(label, text(name));
+    Quantity_Color colour;
+    if (!hex_colour.empty() && Quantity_Color::ColorFromHex(hex_colour.c_str(), colour))
+      colours->SetColor(label, colour, type);
+  };
+  for (const CadPart& part : parts) {
+    const TDF_Label product = shapes->AddShape(part.shape, false);
+    describe(product, part.name, "", XCAFDoc_ColorSurf);
+    for (const CadFace& face : part.faces)
+      describe(shapes->AddSubShape(product, face.face), face.name, face.colour, XCAFDoc_ColorSurf);
+    for (const CadCurveItem& curve : part.curves)
+      describe(shapes->AddSubShape(product, curve.edge), curve.name, curve.colour,
+               XCAFDoc_ColorCurv);
+  }
+  return document;
+}
+
+}  // namespace batten

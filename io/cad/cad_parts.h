@@ -1,0 +1,47 @@
+// The parts of a CAD document at their places, with names and colours of their faces. Internal.
+#pragma once
+
+#include <TDocStd_Document.hxx>
+#include <TopoDS_Edge.hxx>
+#include <TopoDS_Face.hxx>
+#include <TopoDS_Shape.hxx>
+#include <string>
+#include <vector>
+
+#include "batten/io/cad/cad_contents.h"
+
+namespace batten {
+
+/// A face at its place. Name and colour are "" for none; a colour may be inherited.
+struct CadFace {
+  TopoDS_Face face;
+  std::string name, colour;
+};
+
+/// A curve that belongs to no face.
+struct CadCurveItem {
+  TopoDS_Edge edge;
+  std::string name, colour;
+};
+
+/// One instance of a shape that is no assembly.
+struct CadPart {
+  std::string name;    ///< of its product, or of its instance where that says more; "" for none
+  TopoDS_Shape shape;  ///< at its place
+  std::vector<CadFace> faces;
+  std::vector<CadCurveItem> curves;
+};
+
+struct CadTree {
+  std::vector<CadProduct> products;  ///< all, assemblies too, from the top down; shifts in mm
+  std::vector<CadPart> parts;
+  std::vector<CadUse> layers;
+};
+
+/// All instances of a document. O(shapes).
+CadTree tree_of(const Handle(TDocStd_Document) & document);
+
+/// A document with a product for each part: faces have the names and colours that are given.
+Handle(TDocStd_Document) document_of(const std::vector<CadPart>& parts);
+
+}  // namespace batten

@@ -1,0 +1,23 @@
+// The kinds of CAD files, and whether one is whole. Internal; needs no OpenCASCADE.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace batten {
+
+/// The formats of CAD files.
+enum class CadFormat { Step, Iges, Brep };
+
+/// Endings of CAD files, with their dots.
+const std::vector<std::string>& cad_endings();
+
+/// The format that a file's ending says. Throws InputError for another ending.
+CadFormat cad_format(const std::filesystem::path& file);
+
+/// Throws InputError, with the line, for a file that is not of this format or is cut short where its
+/// text shows that: OpenCASCADE reads what it can of one, and says nothing. O(size).
+void check_cad_text(const std::filesystem::path& file, CadFormat format);
+
+}  // namespace batten

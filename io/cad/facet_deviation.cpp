@@ -1,0 +1,103 @@
+#include "batten/io/cad/facet_deviation.h"
+
+#include <BRep_Tool.hxx>
+#include <GeomAdaptor_Surface.hxx>
+#include <Geom_Curve.hxx>
+#include <Geom_Surface.hxx>
+#include <Poly_PolygonOnTriangulation.hxx>
+#include <Poly_Triangulation.hxx>
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace batten {
+namespace {
+
+Vec3 from_occ(const gp_XYZ& p) { return {p.X(), p.Y(), p.Z()}; }
+
+/// A surface within its own range of parameters.
+struct Sheet {
+  Handle(Geom_Surface) surface;
+  double u0 = 0, u1 = 0, v0 = 0, v1 = 0;
+
+  explicit Sheet(const TopoDS_Face& face) : surface(BRep_Tool::Surface(face)) {
+    if (!surface.IsNull()) surface->Bounds(u0, u1, v0, v1);
+  }
+
+  /// Distance from `p` to the surface near (u, v).
+  double distance(double u, double v, const Vec3& p) const {
+    double best = std::numeric_limits<double>::infinity();
+    gp_Pnt at;
+    gp_Vec du, dv;
+    for (int step = 0; step < 8; ++step) {
+      surface->D1(u, v, at, du, dv);
+      const Vec3 miss = p - from_occ(at.XYZ()), a = from_occ(du.XYZ()), b = from_occ(dv.XYZ());
+      const double distance = miss.norm();
+      if (!(distance < best)) return best;
+      const bool settled = distance > best * (1 - 1e-3);
+      best = distance;
+      Mat2 I;
+      I << a.dot(a), a.dot(b), a.dot(b), b.dot(b);
+      if (settled || !(I.determinant() > 1e-20 * I.trace() * I.trace())) return best;
+      const Vec2 move = I.inverse() * Vec2(a.dot(miss), b.dot(miss));
+      u = std::clamp(u + move[0], u0, u1);
+      v = std::clamp(v + move[1], v0, v1);
+    }
+    return best;
+  }
+};
+
+/// Barycentric coordinates of the points that are looked at.
+constexpr std::array<std::array<double, 3>, 7> kPoints = {{{1 / 3.0, 1 / 3.0, 1 / 3.0},
+                                                           {0.5, 0.5, 0},
+                                                           {0, 0.5, 0.5},
+                                                           {0.5, 0, 0.5},
+                                                           {2 / 3.0, 1 / 6.0, 1 / 6.0},
+                                                           {1 / 6.0, 2 / 3.0, 1 / 6.0},
+                                                           {1 / 6.0, 1 / 6.0, 2 / 3.0}}};
+
+}  // namespace
+
+double surface_deviation(const TopoDS_Face& face, const Poly_Triangulation& mesh,
+                         const std::vector<Vec3>& at) {
+  const Sheet sheet(face);
+  if (sheet.surface.IsNull() || !mesh.HasUVNodes()) return 0;
+  if (GeomAdaptor_Surface(sheet.surface).GetType() == GeomAbs_Plane) return 0;
+  double largest = 0;
+  for (int t = 1; t <= mesh.NbTriangles(); ++t) {
+    std::array<int, 3> n{};
+    mesh.Triangle(t).Get(n[0], n[1], n[2]);
+    for (const auto& w : kPoints) {
+      Vec3 p = Vec3::Zero();
+      Vec2 uv = Vec2::Zero();
+      for (size_t c = 0; c < 3; ++c) {
+        p += w[c] * at[static_cast<size_t>(n[c]) - 1];
+        const gp_Pnt2d corner = mesh.UVNode(n[c]);
+        uv += w[c] * Vec2(corner.X(), corner.Y());
+      }
+      largest = std::max(largest, sheet.distance(uv[0], uv[1], p));
+    }
+  }
+  return largest;
+}
+
+double chord_deviation(const TopoDS_Edge& edge, const Poly_PolygonOnTriangulation& chain,
+                       const std::vector<Vec3>& at) {
+  double first = 0, last = 0, largest = 0;
+  const Handle(Geom_Curve) curve = BRep_Tool::Curve(edge, first, last);
+  if (curve.IsNull() || !chain.HasParameters()) return 0;
+  for (int k = 1; k < chain.NbNodes(); ++k) {
+    const Vec3 &a = at[static_cast<size_t>(chain.Node(k)) - 1],
+               &b = at[static_cast<size_t>(chain.Node(k + 1)) - 1];
+    const double from = chain.Parameter(k), to = chain.Parameter(k + 1);
+    const double length = (b - a).squaredNorm();
+    for (int i = 1; i <= 3; ++i) {
+      const Vec3 p = from_occ(curve->Value(from + (to - from) * i / 4).XYZ());
+      const double share = length > 0 ? std::clamp((p - a).dot(b - a) / length, 0.0, 1.0) : 0;
+      largest = std::max(largest, (a + share * (b - a) - p).norm());
+    }
+  }
+  return largest;
+}
+
+}  // namespace batten
