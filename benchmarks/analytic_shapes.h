@@ -46,7 +46,7 @@ struct Formula {
 
   struct Foot {
     double distance = 0;
-    Vec3 normal = Vec3::Zero();
+    Vec3 at = Vec3::Zero(), normal = Vec3::Zero();
   };
   /// The nearest point: samples, then Gauss and Newton's steps.
   Foot closest(const Vec3& p) const {
@@ -68,7 +68,8 @@ struct Formula {
       t += dt;
       if (std::abs(ds) + std::abs(dt) < 1e-13) break;
     }
-    return {((*this)(s, t) - p).norm(), along_s(s, t).cross(along_t(s, t)).normalized()};
+    const Vec3 at = (*this)(s, t);
+    return {(at - p).norm(), at, along_s(s, t).cross(along_t(s, t)).normalized()};
   }
 
   static Vec3 of(const Space& x, int order) {

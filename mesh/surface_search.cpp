@@ -1,17 +1,13 @@
 #include "batten/mesh/surface_search.h"
 
-#include <boost/geometry.hpp>
-#include <boost/geometry/geometries/box.hpp>
-#include <boost/geometry/geometries/point.hpp>
-#include <boost/geometry/index/rtree.hpp>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numeric>
 
 namespace batten {
 namespace {
-
-namespace bg = boost::geometry;
-using Point = bg::model::point<double, 3, bg::cs::cartesian>;
-using Box = bg::model::box<Point>;
-using Entry = std::pair<Box, int>;
 
 /// Barycentric coordinates of the nearest point of a triangle. Source: Ericson 2005, 5.1.5.
 Vec3 nearest_in_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
@@ -37,43 +33,82 @@ Vec3 nearest_in_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3
   return {va / sum, vb / sum, vc / sum};
 }
 
+constexpr int kLeaf = 4;      // triangles
+constexpr int kDeepest = 64;  // halves of more triangles than there can be
+
 }  // namespace
 
-struct SurfaceSearch::Data {
-  TriangleMesh mesh;
-  bg::index::rtree<Entry, bg::index::quadratic<8>> tree;
-};
-
-SurfaceSearch::SurfaceSearch(const TriangleMesh& mesh) {
-  std::vector<Entry> boxes;
-  for (int t = 0; t < mesh.triangle_count(); ++t) {
-    const auto& [a, b, c] = mesh.triangles()[t];
-    const Vec3 low = mesh.point(a).cwiseMin(mesh.point(b)).cwiseMin(mesh.point(c)),
-               high = mesh.point(a).cwiseMax(mesh.point(b)).cwiseMax(mesh.point(c));
-    boxes.emplace_back(Box(Point(low[0], low[1], low[2]), Point(high[0], high[1], high[2])), t);
-  }
-  data_ = std::make_unique<Data>(
-      Data{mesh, bg::index::rtree<Entry, bg::index::quadratic<8>>(boxes.begin(), boxes.end())});
+SurfaceSearch::SurfaceSearch(const TriangleMesh& mesh)
+    : mesh_(mesh), order_(mesh.triangle_count()) {
+  std::iota(order_.begin(), order_.end(), 0);
+  std::vector<Vec3> middles;
+  for (const auto& [a, b, c] : mesh.triangles())
+    middles.push_back((mesh.point(a) + mesh.point(b) + mesh.point(c)) / 3);
+  if (!order_.empty()) halve(0, count_of(order_), middles);
 }
-SurfaceSearch::~SurfaceSearch() = default;
+
+int SurfaceSearch::halve(int first, int last, const std::vector<Vec3>& middles) {
+  Node node;
+  node.first = first;
+  node.last = last;
+  node.low.setConstant(std::numeric_limits<double>::infinity());
+  node.high = -node.low;
+  for (int i = first; i < last; ++i)
+    for (const int v : mesh_.triangles()[order_[i]]) {
+      node.low = node.low.cwiseMin(mesh_.point(v));
+      node.high = node.high.cwiseMax(mesh_.point(v));
+    }
+  const int own = count_of(nodes_);
+  nodes_.push_back(node);
+  if (last - first <= kLeaf) return own;
+  int axis = 0;
+  (node.high - node.low).maxCoeff(&axis);
+  const int middle = (first + last) / 2;
+  const auto before = [&](int s, int t) {
+    return middles[s][axis] != middles[t][axis] ? middles[s][axis] < middles[t][axis] : s < t;
+  };
+  std::nth_element(order_.begin() + first, order_.begin() + middle, order_.begin() + last, before);
+  halve(first, middle, middles);
+  const int right = halve(middle, last, middles);
+  nodes_[own].right = right;
+  return own;
+}
 
 std::optional<SurfaceSearch::Found> SurfaceSearch::nearest(
     const Vec3& p, const std::optional<Vec3>& normal) const {
-  const TriangleMesh& mesh = data_->mesh;
-  const Point at(p[0], p[1], p[2]);
-  std::optional<Found> best;
-  // Boxes come in the order of their distance: none behind the best point can hold a nearer one.
-  for (auto it =
-           data_->tree.qbegin(bg::index::nearest(at, static_cast<unsigned>(mesh.triangle_count())));
-       it != data_->tree.qend(); ++it) {
-    if (best && bg::distance(at, it->first) > best->distance) break;
-    const auto& [a, b, c] = mesh.triangles()[it->second];
-    if (normal && mesh.area_vector(it->second).dot(*normal) <= 0) continue;
-    const Vec3 w = nearest_in_triangle(p, mesh.point(a), mesh.point(b), mesh.point(c));
-    const Vec3 q = w[0] * mesh.point(a) + w[1] * mesh.point(b) + w[2] * mesh.point(c);
-    const double distance = (q - p).norm();
-    if (!best || distance < best->distance) best = Found{it->second, q, w, distance};
+  if (nodes_.empty()) return {};
+  Found best;
+  double least = std::numeric_limits<double>::infinity();
+  const auto look_at = [&](int t) {
+    if (normal && mesh_.area_vector(t).dot(*normal) <= 0) return;
+    const auto& [a, b, c] = mesh_.triangles()[t];
+    const Vec3 w = nearest_in_triangle(p, mesh_.point(a), mesh_.point(b), mesh_.point(c));
+    const Vec3 q = w[0] * mesh_.point(a) + w[1] * mesh_.point(b) + w[2] * mesh_.point(c);
+    const double distance2 = (q - p).squaredNorm();
+    if (distance2 > least || (distance2 == least && t > best.triangle)) return;
+    least = distance2;
+    best = {t, q, w, 0};
+  };
+  // The nearer half first; what is farther than the best point is passed over when its turn comes.
+  std::array<std::pair<double, int>, kDeepest> later;
+  size_t count = 0;
+  later[count++] = {nodes_[0].distance2(p), 0};
+  while (count > 0) {
+    const auto [distance2, n] = later[--count];
+    if (distance2 > least) continue;
+    const Node& node = nodes_[n];
+    if (node.right < 0) {
+      for (int i = node.first; i < node.last; ++i) look_at(order_[i]);
+      continue;
+    }
+    const std::pair<double, int> left{nodes_[n + 1].distance2(p), n + 1},
+        right{nodes_[node.right].distance2(p), node.right};
+    const bool left_first = left.first <= right.first;
+    later[count++] = left_first ? right : left;
+    later[count++] = left_first ? left : right;
   }
+  if (best.triangle < 0) return {};
+  best.distance = std::sqrt(least);
   return best;
 }
 

@@ -41,6 +41,7 @@ Command add_sequence(CLI::App& app, CommonWords& common);
 Command add_fair(CLI::App& app, CommonWords& common);
 Command add_skin(CLI::App& app, CommonWords& common);
 Command add_convert(CLI::App& app, CommonWords& common);
+Command add_fit(CLI::App& app, CommonWords& common);
 Command add_info(CLI::App& app);
 Command add_view(CLI::App& app, CommonWords& common);
 

@@ -219,6 +219,32 @@ Json json_of(const Report::Surface& s) {
   return json;
 }
 
+Json json_of(const Report::Target& t) {
+  Json json = {{"files", t.files},
+               {"tolerance", t.tolerance},
+               {"reached", t.reached},
+               {"before", {{"rms", t.before_rms}, {"max", t.before_max}}},
+               {"to_target",
+                {{"rms", t.rms},
+                 {"max", t.max},
+                 {"at", {t.where.x(), t.where.y(), t.where.z()}},
+                 {"points", t.points},
+                 {"beyond", t.beyond}}},
+               {"from_target",
+                {{"rms", t.back_rms},
+                 {"max", t.back_max},
+                 {"points", t.back_points},
+                 {"beyond", t.back_beyond}}},
+               {"rounds", t.rounds},
+               {"halvings", t.halvings},
+               {"off_lines", Json::array()},
+               {"regions", Json::object()}};
+  for (const auto& line : t.off_lines)
+    json["off_lines"].push_back({{"line", line.name}, {"distance", line.off}});
+  for (const auto& [name, largest] : t.regions) json["regions"][name] = largest;
+  return json;
+}
+
 Json json_of(const Report::Step& s, bool of_network) {
   Json json = {{"file", s.file},
                {"form", s.form},
@@ -325,6 +351,7 @@ Json contents(const Report& r) {
   if (r.network) add_network(json, *r.network);
   if (r.step) json["step"] = json_of(*r.step, r.network.has_value());
   if (r.comparison) json["comparison"] = json_of(*r.comparison);
+  if (r.target) json["target"] = json_of(*r.target);
   for (const auto& scan : r.scans) json["scans"].push_back(json_of(scan));
   if (r.sculpting) json["sculpting"] = json_of(*r.sculpting);
   if (r.stress) json["stress"] = json_of(*r.stress);

@@ -60,6 +60,27 @@ struct Report : RunReport {
   std::vector<FlawReport> flaws;         ///< of the surface
   std::optional<NetworkReport> network;  ///< set for a scene with [network]
 
+  /// How near the shape is to [[target]], both ways; model units.
+  struct Target {
+    std::vector<std::string> files;
+    double tolerance = 0, size = 0;
+    double before_rms = 0, before_max = 0;  ///< of the shape that bends least, to the target
+    double rms = 0, max = 0;                ///< of the fitted one
+    double back_rms = 0, back_max = 0;      ///< from the target to the fitted one
+    int points = 0, back_points = 0;        ///< that were measured
+    int beyond = 0, back_beyond = 0;        ///< beyond a rim of the other one: they do not count
+    Vec3 where = Vec3::Zero();              ///< where the fitted one is farthest from it
+    int rounds = 0, halvings = 0;
+    bool reached = false;
+    struct Line {
+      std::string name;
+      double off = 0;
+    };
+    std::vector<Line> off_lines;  ///< lines that are themselves farther from it than the tolerance
+    std::vector<std::pair<std::string, double>> regions;  ///< each one's largest distance
+  };
+  std::optional<Target> target;
+
   struct Step {
     std::string file, form;
     int faces = 0;

@@ -220,6 +220,20 @@ void read_skin(const TomlTable& table, SceneSkin& skin) {
   }
 }
 
+SceneTarget read_target(const TomlTable& table, const std::filesystem::path& folder,
+                        const SceneSkin& skin) {
+  SceneTarget target;
+  target.place = table.place("file");
+  target.file = folder / table.text("file");
+  if (table.has("unit")) target.unit = unit_word(table, "unit");
+  target.cage = table.choice<bool>("cage", {{"catmull-clark", true}, {"none", false}});
+  target.tolerance = table.positive("tolerance", 0);
+  if (skin.fair != SceneSkin::Fair::Bending || skin.hold != SceneSkin::Hold::Lines)
+    table.fail("file", "a target beside [skin] fair or hold = \"corners\"",
+               "one of them: the shape is that of the target within its lines");
+  return target;
+}
+
 // What [skin] fair makes impossible or leaves without effect.
 void refuse_what_fair_decides(const TomlTable& root, const SceneSkin& skin) {
   using Fair = SceneSkin::Fair;
@@ -300,11 +314,11 @@ SceneSweep read_sweep(const TomlTable& table, const Scene& scene, Names& files) 
 }
 
 Scene read(const toml::table& root_table, const std::filesystem::path& file) {
-  const TomlTable root(
-      file.string(), root_table, "the scene",
-      {"name",   "unit",   "tolerance", "corner_angle", "line",    "lines",  "fair", "network",
-       "region", "join",   "skin",      "constraint",   "load",    "weight", "move", "parameter",
-       "motion", "stress", "output",    "compare",      "picture", "sweep"});
+  const TomlTable root(file.string(), root_table, "the scene",
+                       {"name",       "unit",    "tolerance", "corner_angle", "line",      "lines",
+                        "fair",       "network", "region",    "join",         "skin",      "target",
+                        "constraint", "load",    "weight",    "move",         "parameter", "motion",
+                        "stress",     "output",  "compare",   "picture",      "sweep"});
   const std::filesystem::path folder = file.parent_path();
   Scene scene;
   scene.file = file;
@@ -320,6 +334,9 @@ Scene read(const toml::table& root_table, const std::filesystem::path& file) {
   scene.fairing = read_fair_stages(root);
 
   for (const TomlTable& t : root.table("skin", skin_keys())) read_skin(t, scene.skin);
+
+  for (const TomlTable& t : root.tables("target", {"file", "unit", "cage", "tolerance"}))
+    scene.targets.push_back(read_target(t, folder, scene.skin));
 
   read_sculpting(root, folder, scene);
   refuse_what_fair_decides(root, scene.skin);

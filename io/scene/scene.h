@@ -55,6 +55,16 @@ struct SceneSkin {
   std::string fair_word() const;
 };
 
+/// [[target]]: a given surface that the shape of the lines is fitted to, in the place of the one that bends
+/// least. Several are one target.
+struct SceneTarget {
+  FilePlace place;
+  std::filesystem::path file;  ///< a CAD file or a mesh
+  std::string unit;            ///< of a mesh's lengths; "": the scene's
+  bool cage = false;           ///< the mesh is a cage; its Catmull-Clark limit is the target
+  double tolerance = 0;        ///< model units; 0: 1e-4 of the model's size
+};
+
 /// [[constraint]]: at the place of the unloaded surface that is nearest to `at` (Point, Normal,
 /// Tangent), or along a line (LineNormal).
 struct SceneConstraint {
@@ -150,7 +160,7 @@ struct SceneNetwork {
   FilePlace place;
   double tolerance = 0;  ///< distance within which lines meet, model units; 0: NetworkOptions'
   double straight_angle = NetworkOptions{}.straight_angle;    ///< degrees
-  int most_at_line = RegionOptions{}.most_at_line;             ///< most regions at one line
+  int most_at_line = RegionOptions{}.most_at_line;            ///< most regions at one line
   double smooth_below = ModelOptions{}.smooth_below_deg;      ///< degrees
   double join_tolerance = ModelOptions{}.join_tolerance_deg;  ///< degrees
   /// The lines are those of one half: the model is mirrored in the plane through the origin at right
@@ -175,6 +185,7 @@ struct Scene {
   std::vector<FairStage> fairing;       ///< [[fair]]: how lines are faired before they are skinned
   std::optional<SceneNetwork> network;  ///< without it, the lines bound one region
   SceneSkin skin;
+  std::vector<SceneTarget> targets;
   std::vector<SceneConstraint> constraints;
   std::vector<SceneLoad> loads;
   std::vector<SceneWeight> weights;

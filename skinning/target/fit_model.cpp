@@ -74,10 +74,21 @@ class FitRounds {
     return sides[layout_->region_of(triangle)];
   }
 
+  /// The nearest point whose normal is not against `along`, unless it is much farther than the nearest of
+  /// all: at the edges of thin walls that is on the other side.
+  std::optional<TargetSurface::Nearest> same_side_as(const Vec3& x, const Vec3& along) const {
+    const auto any = target_.nearest(x, Vec3::Zero());
+    if (!any || any->normal.dot(along) > 0) return any;
+    constexpr double most_times = 3;
+    const auto there = target_.nearest(x, along);
+    if (there && (there->at - x).norm() > most_times * (any->at - x).norm()) return {};
+    return there;
+  }
+
   /// g: along the surface's normal to the plane that touches the target.
   Vec3 slide(const SurfaceJet& jet, double side) const {
     const Vec3 n = jet.normal();
-    const auto there = target_.nearest(jet.x, side * n);
+    const auto there = same_side_as(jet.x, side * n);
     if (!there) return Vec3::Zero();
     const Vec3 way = there->at - jet.x;
     const double along = n.dot(way), length = way.norm();
@@ -108,8 +119,8 @@ class Fitting {
     if (!(options.tolerance >= 0))
       throw InputError("tolerance of the target " + std::to_string(options.tolerance) +
                        ", expected 0 or more");
-    fit_.layout = std::move(layout);
-    fit_.dofs = start;
+    fit_.layout = start_layout_ = std::move(layout);
+    fit_.dofs = start_ = start;
     tolerance_ = options.tolerance > 0 ? options.tolerance : 1e-4 * fit_.layout->size();
   }
 
@@ -122,6 +133,9 @@ class Fitting {
     on_this_mesh(kFirstSoftness);
     while (fit_.after.largest() > tolerance_ && fit_.halvings < options_.most_halvings)
       if (!halve()) break;
+    if (fit_.after.largest() > fit_.before.largest()) go_back();
+    progress_.at("measure the fit", 0);
+    fit_.after.back = way_back(*fit_.layout, fit_.dofs, target_);
     fit_.reached = fit_.after.largest() <= tolerance_;
     return std::move(fit_);
   }
@@ -158,6 +172,14 @@ class Fitting {
         fit_.dofs = rounds.round(fit_.dofs, sides_);
       if (fit_.layout->join_misfit(fit_.dofs) < 1e-3) break;
     }
+  }
+
+  /// What came out worse than the start is not kept.
+  void go_back() {
+    fit_.layout = start_layout_;
+    fit_.dofs = start_;
+    fit_.after = fit_.before;
+    fit_.halvings = 0;
   }
 
   /// False where there is nothing to gain.
@@ -202,6 +224,8 @@ class Fitting {
   const ModelFitOptions& options_;
   const Progress& progress_;
   double tolerance_ = 0;
+  std::shared_ptr<const ModelLayout> start_layout_;
+  Points start_;
   ModelFit fit_;
   std::vector<double> sides_;
   VecX largest_of_;

@@ -65,7 +65,6 @@ class Measuring {
       : layout_(layout),
         surface_(layout.surface(dofs)),
         target_(target),
-        sides_(target_sides(layout, dofs, target)),
         hair_(1e-12 * layout.size()),
         points_(fifteen_points()) {}
 
@@ -106,10 +105,9 @@ class Measuring {
     const bool cut = trim && trim->side(t) == Trim::Side::Cut;
     const TriangleRule inside = cut ? trim->rule(t, degree) : TriangleRule();
     const TriangleRule& points = cut ? inside : points_;
-    const double side = sides_[layout_.region_of(t)];
     for (long i = 0; i < points.L.rows(); ++i) {
       const SurfaceJet jet = surface_.jet({t, points.L.row(i).transpose()});
-      const auto there = target_.nearest(jet.x, side * jet.normal());
+      const auto there = target_.nearest(jet.x, Vec3::Zero());
       if (!there || (there->at_rim && leaves_sideways(there->at - jet.x, there->normal, hair_)))
         sum.beyond();
       else
@@ -121,26 +119,9 @@ class Measuring {
   const ModelLayout& layout_;
   const Surface surface_;
   const TargetSurface& target_;
-  const std::vector<double> sides_;
   const double hair_;
   const TriangleRule points_;
 };
-
-Distances way_back(const ModelLayout& layout, const Points& dofs, const TargetSurface& target) {
-  const std::vector<Vec3> samples = target.samples();
-  const ModelProjector projector(layout, dofs);
-  const double hair = 1e-12 * layout.size();
-  Sum sum;
-  for (const Vec3& p : samples) {
-    const auto there = projector.nearest_inside(p);
-    const SurfaceJet jet = projector.surface(there.at.region).jet(there.where);
-    if (leaves_sideways(p - jet.x, jet.normal(), hair))
-      sum.beyond();
-    else
-      sum.add(there.distance, p);
-  }
-  return sum.get();
-}
 
 }  // namespace
 
@@ -166,13 +147,28 @@ std::vector<double> target_sides(const ModelLayout& layout, const Points& dofs,
   return sides;
 }
 
+Distances way_back(const ModelLayout& layout, const Points& dofs, const TargetSurface& target) {
+  const std::vector<Vec3> samples = target.samples();
+  const ModelProjector projector(layout, dofs);
+  const double hair = 1e-12 * layout.size();
+  Sum sum;
+  for (const Vec3& p : samples) {
+    const auto there = projector.nearest(p);
+    const SurfaceJet jet = projector.surface(there.at.region).jet(there.where);
+    if (!there.inside || leaves_sideways(p - jet.x, jet.normal(), hair))
+      sum.beyond();
+    else
+      sum.add(there.distance, p);
+  }
+  return sum.get();
+}
+
 TargetDistances target_distances(const ModelLayout& layout, const Points& dofs,
                                  const TargetSurface& target, VecX* largest_of) {
   TargetDistances result;
   const Measuring measuring(layout, dofs, target);
   measuring.regions(result, largest_of);
   measuring.lines(result);
-  result.back = way_back(layout, dofs, target);
   return result;
 }
 

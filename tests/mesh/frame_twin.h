@@ -7,6 +7,7 @@
 #include "batten/mesh/prepare.h"
 #include "batten/mesh/rotation_of_faces.h"
 #include "batten/mesh/sequence/frame_solver.h"
+#include "batten/mesh/sequence/rigid_motion.h"
 #include "batten/tests/mesh/sample_meshes.h"
 #include "batten/tests/mesh/sequence_laws.h"
 
@@ -72,10 +73,6 @@ std::vector<int> nodes_where(const Points& points, const Wanted& wanted) {
   for (int v = 0; v < points.rows(); ++v)
     if (wanted(Vec3(points.row(v)))) nodes.push_back(v);
   return nodes;
-}
-
-inline Vec3 centroid(const Points& points, const std::vector<int>& nodes) {
-  return VertexCombination::mean_of(nodes).at(points);
 }
 
 /// Edges between nodes, each once.

@@ -36,7 +36,7 @@ VecX least_squares(const MatX& A, const VecX& b, const MatX& C, const VecX& d, d
   if (free.cols() == 0) return particular;
   const MatX reduced = A * free;
   const VecX rest = b - A * particular;
-  return particular + free * least_squares(reduced, rest);
+  return particular + free * batten::least_squares(reduced, rest);
 }
 
 struct Rows {

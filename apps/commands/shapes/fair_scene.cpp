@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "batten/apps/commands/shapes/scene_target.h"
 #include "batten/core/errors.h"
 #include "batten/sculpting/statics/static_sculpt.h"
 #include "batten/skinning/model/loft_shape.h"
@@ -31,6 +32,25 @@ FairShape lofted(const Scene& scene, std::shared_ptr<const ModelLayout> layout) 
     throw InputError(scene.at(scene.skin.sections.front().place) + e.what());
   }
   shape.rest = [sections](const RestTask& task) { return loft_shape(task.layout, sections); };
+  return shape;
+}
+
+/// The first rest shape of a session is the fitted one; under other rows, what bends least from it.
+FairShape fitted(const Scene& scene, std::shared_ptr<const ModelLayout> layout, const Points& bent,
+                 const Progress& progress) {
+  FairShape shape;
+  shape.fairing = std::make_shared<ShapeFairing>();
+  const double size = layout->size();
+  ModelFitOptions options;
+  options.tolerance = target_tolerance(scene, size);
+  const auto target = target_of(scene, size, progress);
+  ModelFit fit = fit_model(std::move(layout), bent, *target, options, progress);
+  shape.layout = fit.layout;
+  shape.dofs = fit.dofs;
+  shape.rest = [first = fit.dofs](const RestTask& task) -> Points {
+    return task.near.rows() > 0 || task.bent.rows() != first.rows() ? task.near : first;
+  };
+  shape.fairing->fit = std::move(fit);
   return shape;
 }
 
@@ -103,9 +123,14 @@ FairShape varied(const Scene& scene, const MadeModel& made,
 
 }  // namespace
 
+bool asks_for_shape(const Scene& scene) {
+  return scene.skin.fair != SceneSkin::Fair::Bending || !scene.targets.empty();
+}
+
 FairShape fair_scene(const Scene& scene, const MadeModel& made,
                      std::shared_ptr<const ModelLayout> layout, const Points& bent,
                      const Progress& progress) {
+  if (!scene.targets.empty()) return fitted(scene, std::move(layout), bent, progress);
   if (scene.skin.fair == SceneSkin::Fair::Loft) return lofted(scene, std::move(layout));
   return varied(scene, made, std::move(layout), bent, progress);
 }

@@ -9,6 +9,7 @@
 #include "batten/apps/commands/shapes/make_model.h"
 #include "batten/sculpting/session/session_options.h"
 #include "batten/skinning/surfaces/fair_model.h"
+#include "batten/skinning/target/fit_model.h"
 
 namespace batten {
 
@@ -16,6 +17,7 @@ namespace batten {
 struct ShapeFairing {
   std::optional<VariationSurface> surface;  ///< set where the change of curvature was made least
   bool lofted = false;                      ///< set where the scene asked for a loft
+  std::optional<ModelFit> fit;              ///< set where the scene has a [[target]]
   std::vector<KeptRegion> kept;             ///< regions that were not faired
   std::string not_faired;  ///< why it could not be: the shape is then that of least bending
 };
@@ -30,7 +32,11 @@ struct FairShape {
   RestShape rest;
 };
 
-/// The shape that fair = "variation" or "loft" asks for, from `bent`, the dofs that bend least on
+/// Whether a scene asks for another shape of its lines than the one that bends least: by [skin] fair, or by
+/// a [[target]].
+bool asks_for_shape(const Scene& scene);
+
+/// The shape that fair = "variation" or "loft" asks for, or that is fitted to [[target]], from `bent`, the dofs that bend least on
 /// `layout`. The rest shape of a session is this one, and under other rows of lines, moves and
 /// constraints the one that fair_shape() or loft_shape() makes for them. Throws InputError with the
 /// place in the scene, CancelledError.

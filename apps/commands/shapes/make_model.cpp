@@ -3,6 +3,8 @@
 #include <algorithm>
 
 #include "batten/apps/commands/lines/mirror_lines.h"
+#include "batten/apps/commands/shapes/scene_target.h"
+#include "batten/core/box.h"
 #include "batten/skinning/layout/section_region.h"
 #include "batten/skinning/search/find_regions.h"
 #include "batten/skinning/surfaces/skin_network.h"
@@ -11,8 +13,19 @@ namespace batten {
 namespace {
 
 double fit_tolerance(const Scene& scene, double size) {
-  constexpr double usual = 1e-4;
-  return scene.skin.options.tolerance > 0 ? scene.skin.options.tolerance : usual * size;
+  constexpr double usual = 1e-4, of_target = 0.1;
+  if (scene.skin.options.tolerance > 0) return scene.skin.options.tolerance;
+  return scene.targets.empty() ? usual * size : of_target * target_tolerance(scene, size);
+}
+
+double size_of(const std::vector<CharacterLine>& lines) {
+  constexpr int samples = 16;  // of a line
+  std::vector<Vec3> points;
+  for (const CharacterLine& line : lines)
+    for (int i = 0; i <= samples; ++i)
+      points.push_back(line.curve->evaluate(
+          line.curve->start() + (line.curve->end() - line.curve->start()) * i / samples));
+  return box_around(points).diagonal().norm();
 }
 
 // The lines of a scene that is a stack of sections and nothing else, in their order; or none.
@@ -63,7 +76,8 @@ CharacterLineNetwork network_of(const Scene& scene, const std::vector<CharacterL
                                 const Progress& progress) {
   NetworkOptions options;
   options.tolerance = scene.network->tolerance;
-  options.fit_tolerance = scene.skin.options.tolerance;
+  options.fit_tolerance =
+      scene.targets.empty() ? scene.skin.options.tolerance : fit_tolerance(scene, size_of(lines));
   options.corner_angle = scene.skin.options.corner_angle;
   options.straight_angle = scene.network->straight_angle;
   try {
@@ -110,6 +124,7 @@ MadeModel make_model(const Scene& scene, const std::vector<CharacterLine>& lines
   ModelOptions options;
   options.name = scene.name;
   options.skin = scene.skin.options;
+  if (!scene.targets.empty()) options.skin.tolerance = fit_tolerance(scene, size_of(lines));
   options.material = scene.skin.material;
   options.joins = mirrored_joins(scene, lines);
   options.natural = scene.skin.natural;

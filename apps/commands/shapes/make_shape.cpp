@@ -73,7 +73,7 @@ void take_dofs(MadeShape& shape, const Points& dofs, const Scene& scene) {
 // Makes the shape fair where the scene asks for that: the whole shape, or where something acts what
 // a session bends.
 void fair(MadeShape& shape, const Scene& scene, const MadeModel& made, const Progress& progress) {
-  if (scene.skin.fair == SceneSkin::Fair::Bending || !shape.layout) return;
+  if (!asks_for_shape(scene) || !shape.layout) return;
   FairShape faired = fair_scene(scene, made, shape.layout, shape.unloaded, progress);
   if (faired.rest && scene.is_sculpted()) {
     SculptingSession session = make_session(*faired.layout, scene, made, Expected::one_factor,
@@ -203,7 +203,7 @@ void take_shape(MadeModel& made, const MadeShape& shape, const Progress& progres
   if (!shape.layout) return;
   // A network at rest was measured when it was skinned.
   if (!made.network || shape.layout != made.model.layout || shape.fairing.surface ||
-      shape.fairing.lofted)
+      shape.fairing.lofted || shape.fairing.fit)
     reshape(made.model, shape.layout, shape.dofs, shape.regions, progress);
 }
 

@@ -181,6 +181,17 @@ std::string fairing_result(const Report::Surface& s, const std::string& unit) {
                                    number(s.fairing->max_move) + unit);
 }
 
+/// Says how near the shape came to [[target]].
+std::string target_result(const Report& report, const std::string& unit) {
+  if (!report.target) return "";
+  const auto& t = *report.target;
+  return result_line("target", "rms " + number(t.before_rms) + " -> " + number(t.rms) + unit +
+                                   ", largest " + number(t.max) + " there and " +
+                                   number(t.back_max) + unit + " back (" +
+                                   number(std::max(t.max, t.back_max) / t.size) +
+                                   " of the size), tolerance " + number(t.tolerance) + unit);
+}
+
 /// Says what the STEP file holds.
 std::string step_result(const Report::Step& step, const std::string& unit) {
   return result_line(
@@ -255,7 +266,8 @@ std::string network_summary(const Report& report, const std::filesystem::path& f
   if (!n.bare.empty())
     text += result_line("left over", counted(n.bare.size(), "line", "lines") +
                                          " without a surface: " + some(n.bare));
-  if (skinned) text += fairing_result(s, unit) + quality_result(s, unit);
+  if (skinned)
+    text += fairing_result(s, unit) + target_result(report, unit) + quality_result(s, unit);
   if (report.step) text += step_result(*report.step, unit);
   if (report.stress) text += stress_results(*report.stress, report.unit);
   text += choice_results(n);
@@ -399,7 +411,7 @@ std::string summary(const Report& report, const std::filesystem::path& folder) {
   if (report.is_sculpted && s.moved > 0)
     text +=
         result_line("moved", "by up to " + number(s.moved) + unit + " from the lines' own shape");
-  text += fairing_result(s, unit) + flaw_results(report);
+  text += fairing_result(s, unit) + target_result(report, unit) + flaw_results(report);
   text += result_line("normals", "point " + direction_of(s));
   text += result_line("quality", "Jacobian " + number(q.min_jacobian_ratio) +
                                      " of its median, normal jump " +

@@ -129,7 +129,7 @@ class SculptRun {
     made_ = model_of(run_, scene_, progress_);
     if (!made_.model.layout) throw InputError(scene_.at({}) + "no region could be skinned");
     auto layout = std::make_shared<const ModelLayout>(refined_for_lines(made_, scene_, progress_));
-    if (scene_.skin.fair != SceneSkin::Fair::Bending)
+    if (asks_for_shape(scene_))
       fair_ = fair_scene(scene_, made_, layout, bent_shape(*layout, scene_, progress_), progress_);
     if (fair_.layout) layout = fair_.layout;
     watch.lap("layout");

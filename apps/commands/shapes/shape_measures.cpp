@@ -3,9 +3,11 @@
 #include <cmath>
 #include <map>
 
+#include "batten/apps/commands/shapes/scene_target.h"
 #include "batten/apps/commands/shapes/shape_files.h"
 #include "batten/core/errors.h"
 #include "batten/core/index.h"
+#include "batten/io/files/text.h"
 #include "batten/fairing/arc_length.h"
 #include "batten/fem/surface.h"
 #include "batten/skinning/lines/line_fit.h"
@@ -168,6 +170,54 @@ void measure_sides(Report::Surface& s, const MadeShape& shape) {
     raise(s.moved, (shape.dofs.row(dofs.vertex(v)) - shape.unloaded.row(dofs.vertex(v))).norm());
 }
 
+void add_distances(const Distances& more, Report::Target& to) {
+  const double squares = to.rms * to.rms * to.points + more.rms * more.rms * more.points;
+  to.points += more.points;
+  to.beyond += more.beyond;
+  to.rms = to.points > 0 ? std::sqrt(squares / to.points) : 0;
+  if (more.largest > to.max) {
+    to.max = more.largest;
+    to.where = more.where;
+  }
+}
+
+// How near the fitted shape is to its target.
+void measure_target(Report& report, const ModelFit& fit, const Scene& scene) {
+  Report::Target before, t;
+  for (const Distances& region : fit.before.regions) add_distances(region, before);
+  for (const Distances& region : fit.after.regions) add_distances(region, t);
+  for (const SceneTarget& target : scene.targets)
+    t.files.push_back(target.file.filename().string());
+  t.size = fit.layout->size();
+  t.tolerance = target_tolerance(scene, t.size);
+  t.before_rms = before.rms;
+  t.before_max = before.max;
+  t.back_rms = fit.after.back.rms;
+  t.back_max = fit.after.back.largest;
+  t.back_points = fit.after.back.points;
+  t.back_beyond = fit.after.back.beyond;
+  t.rounds = fit.rounds;
+  t.halvings = fit.halvings;
+  t.reached = fit.reached;
+  const auto& lines = fit.layout->lines();
+  for (size_t l = 0; l < lines.size(); ++l)
+    if (fit.after.lines[l].largest > t.tolerance)
+      t.off_lines.push_back({lines[l].name, fit.after.lines[l].largest});
+  std::sort(t.off_lines.begin(), t.off_lines.end(),
+            [](const auto& a, const auto& b) { return a.off > b.off; });
+  for (int r = 0; r < fit.layout->region_count(); ++r)
+    t.regions.emplace_back(fit.layout->region(r).name(), fit.after.regions[r].largest);
+  if (!t.reached) {
+    std::string why;
+    if (!t.off_lines.empty())
+      why = "; " + counted(count_of(t.off_lines), "line") + " are farther from it themselves, '" +
+            t.off_lines.front().name + "' by " + number(t.off_lines.front().off);
+    report.missed.push_back({"target", "is off by " + number(std::max(t.max, t.back_max)) +
+                                           ", promised at most " + number(t.tolerance) + why});
+  }
+  report.target = std::move(t);
+}
+
 }  // namespace
 
 void measure_into(ShapeRun& run, MadeModel& made, const MadeShape& shape, const Scene& scene,
@@ -214,6 +264,7 @@ void measure_into(ShapeRun& run, MadeModel& made, const MadeShape& shape, const 
       report.warnings.push_back("fairing moved the surface by " + number(f.max_move / s.size) +
                                 " of the size: its lines leave much of the shape open");
   }
+  if (shape.fairing.fit) measure_target(report, *shape.fairing.fit, scene);
   report.scans = shape.scans;
   report.reactions = shape.reactions;
   if (shape.joins_planned)

@@ -1,0 +1,58 @@
+// The words of `batten fit`.
+#include "batten/apps/cli/command_words.h"
+#include "batten/apps/cli/terminal.h"
+#include "batten/apps/commands/shapes/fit_scene.h"
+#include "batten/apps/commands/shapes/run_scene.h"
+
+namespace batten {
+namespace {
+
+struct FitWords {
+  std::string target, out, unit = "mm";
+  std::vector<std::string> lines;
+  double tolerance = 0, edge_length = 0, meet = 0;
+  bool cage = false;
+};
+
+Scene scene_of(const FitWords& a) {
+  Scene scene = scene_of_target(a.target, {a.lines.begin(), a.lines.end()}, a.unit);
+  scene.targets.front().tolerance = a.tolerance;
+  scene.targets.front().cage = a.cage;
+  scene.skin.options.edge_length = a.edge_length;
+  scene.network->tolerance = a.meet;
+  return scene;
+}
+
+}  // namespace
+
+Command add_fit(CLI::App& app, CommonWords& common) {
+  const auto words = std::make_shared<FitWords>();
+  FitWords& a = *words;
+  auto* sub = app.add_subcommand(
+      "fit",
+      "Skin the lines of a given surface again, so that it can be sculpted: STEP, VTK, report");
+  sub->add_option("target", a.target,
+                  "The surface: .step .iges .brep, or a mesh (.stl .obj .ply …)")
+      ->required();
+  repeated(sub->add_option("--lines", a.lines,
+                           "Lines to keep; unless given, the edges of the CAD file, or the creases "
+                           "and rims of the mesh"));
+  sub->add_option("--out", a.out, "Folder for all files")->required();
+  add_unit(sub, a.unit);
+  sub->add_option("--tolerance", a.tolerance, "Largest distance from the surface; 1e-4 of the size")
+      ->check(kPositive);
+  sub->add_flag("--cage", a.cage,
+                "The mesh is a cage of polygons: fit to its Catmull-Clark limit surface");
+  sub->add_option("--edge-length", a.edge_length, "Target length of element edges at the start")
+      ->check(kPositive);
+  sub->add_option("--meet", a.meet, "Distance within which lines meet; found unless given")
+      ->check(kPositive);
+  add_common(sub, common);
+  return {sub, [words, &common] {
+            const auto report =
+                run_scene(scene_of(*words), words->out, terminal_progress(common.quiet));
+            return finish(report, summary(report, words->out), common);
+          }};
+}
+
+}  // namespace batten

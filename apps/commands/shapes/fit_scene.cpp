@@ -1,0 +1,76 @@
+#include "batten/apps/commands/shapes/fit_scene.h"
+
+#include <optional>
+#include <set>
+
+#include "batten/apps/commands/shapes/run_scene.h"
+#include "batten/core/errors.h"
+#include "batten/io/meshes/mesh_file.h"
+#include "batten/mesh/features/feature_lines.h"
+#include "batten/mesh/prepare.h"
+
+namespace batten {
+
+namespace {
+
+/// Patches without a border, or around which a line runs twice, are left to the search for regions.
+std::optional<RegionWord> word_of(const FeaturePatch& patch, const std::vector<SceneLine>& lines) {
+  RegionWord word;
+  std::set<int> used;
+  for (const auto& loop : patch.loops) {
+    auto& names = word.loops.emplace_back();
+    for (const int l : loop) {
+      if (!used.insert(l).second) return {};
+      names.push_back(lines[l].name);
+    }
+  }
+  if (word.loops.empty()) return {};
+  for (const int l : patch.inner) word.inner.push_back(lines[l].name);
+  word.ring = patch.loops.size() == 2 && !patch.flat && patch.loops[0].size() == 1 &&
+              patch.loops[1].size() == 1;
+  return word;
+}
+
+}  // namespace
+
+void add_mesh_lines(Scene& scene, const TriangleMesh& mesh) {
+  const FeatureLines found = feature_lines(mesh);
+  int creases = 0, rims = 0;
+  for (const FeatureLine& feature : found.lines) {
+    SceneLine line;
+    line.name =
+        feature.rim ? "rim " + std::to_string(++rims) : "crease " + std::to_string(++creases);
+    for (const int v : feature.vertices) line.points.push_back(mesh.point(v));
+    if (feature.closed) line.points.push_back(line.points.front());
+    line.corners.emplace();  // they end where they have corners
+    scene.lines.push_back(std::move(line));
+  }
+  if (found.lines.empty())
+    throw InputError("found no crease and no rim in the mesh, expected --lines with lines to keep");
+  for (int p = 0; p < count_of(found.patches); ++p)
+    if (auto word = word_of(found.patches[p], scene.lines)) {
+      word->name = "patch " + std::to_string(p + 1);
+      scene.network->regions.push_back(std::move(*word));
+    }
+}
+
+Scene scene_of_target(const std::filesystem::path& target,
+                      const std::vector<std::filesystem::path>& lines, const std::string& unit) {
+  const bool mesh = MeshFile::reads(target);
+  Scene scene;
+  if (lines.empty() && mesh) {
+    scene.unit = unit;
+    scene.network.emplace();
+    add_mesh_lines(scene, prepare(MeshFile::read(target).shells()).mesh);
+  } else {
+    scene = scene_of_network(lines.empty() ? std::vector{target} : lines, unit);
+  }
+  scene.network->fair_trembling = false;  // the lines are the target's own
+  scene.name = target.stem().string();
+  scene.step = scene.name + ".step";
+  scene.vtp = scene.name + ".vtp";
+  scene.targets.push_back({{}, target, "", 0});
+  return scene;
+}
+
+}  // namespace batten

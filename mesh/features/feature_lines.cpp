@@ -1,0 +1,191 @@
+#include "batten/mesh/features/feature_lines.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+
+#include "batten/core/each_once.h"
+#include "batten/core/errors.h"
+#include "batten/core/index.h"
+
+namespace batten {
+namespace {
+
+void check_angle(double degrees, const char* what) {
+  if (!(degrees > 0) || !(degrees < 180))
+    throw InputError(std::string(what) + " of " + std::to_string(degrees) +
+                     ", expected degrees between 0 and 180");
+}
+
+double cosine(double degrees) { return std::cos(degrees * std::numbers::pi / 180); }
+
+class LineFinder {
+ public:
+  LineFinder(const TriangleMesh& mesh, const FeatureLineOptions& options)
+      : mesh_(mesh), options_(options), edges_(mesh.topology().edges()) {
+    check_angle(options.crease_degrees, "a crease angle");
+    check_angle(options.corner_degrees, "a corner angle");
+    at_.resize(mesh.topology().vertex_count());
+    used_.assign(edges_.size(), 1);
+    const double crease = cosine(options.crease_degrees);
+    for (int e = 0; e < count_of(edges_); ++e) {
+      const auto& edge = edges_[e];
+      if (!is_rim(edge) && normal(edge.left).dot(normal(edge.right)) >= crease) continue;
+      used_[e] = 0;
+      at_[edge.low].push_back(e);
+      at_[edge.high].push_back(e);
+    }
+  }
+
+  FeatureLines find() {
+    FeatureLines result;
+    result.lines = lines();
+    line_of_.assign(edges_.size(), -1);
+    for (int l = 0; l < count_of(result.lines); ++l)
+      for (const int e : result.lines[l].edges) line_of_[e] = l;
+    result.patches = patches();
+    return result;
+  }
+
+ private:
+  std::vector<FeatureLine> lines() {
+    std::vector<FeatureLine> lines;
+    for (int v = 0; v < count_of(at_); ++v)
+      if (!at_[v].empty() && ends_at(v))
+        for (const int e : at_[v])
+          if (!used_[e]) lines.push_back(along(v, e));
+    for (int e = 0; e < count_of(edges_); ++e)  // loops without a corner
+      if (!used_[e]) {
+        lines.push_back(along(edges_[e].low, e));
+        lines.back().closed = true;
+        lines.back().vertices.pop_back();
+      }
+    std::erase_if(lines, [&](const FeatureLine& line) { return is_noise(line); });
+    return lines;
+  }
+
+  static bool is_rim(const MeshTopology::Edge& edge) { return edge.left < 0 || edge.right < 0; }
+  Vec3 normal(int triangle) const { return mesh_.area_vector(triangle).normalized(); }
+  int other(int e, int v) const { return edges_[e].low == v ? edges_[e].high : edges_[e].low; }
+
+  /// A vertex where lines begin and end: not two edges, a rim and a crease, or a corner.
+  bool ends_at(int v) const {
+    if (at_[v].size() != 2) return true;
+    const int a = at_[v][0], b = at_[v][1];
+    if (is_rim(edges_[a]) != is_rim(edges_[b])) return true;
+    const Vec3 in = (mesh_.point(v) - mesh_.point(other(a, v))).normalized(),
+               out = (mesh_.point(other(b, v)) - mesh_.point(v)).normalized();
+    return in.dot(out) < cosine(options_.corner_degrees);
+  }
+
+  FeatureLine along(int v, int e) {
+    FeatureLine line;
+    line.rim = is_rim(edges_[e]);
+    line.vertices = {v};
+    for (;;) {
+      used_[e] = 1;
+      line.edges.push_back(e);
+      v = other(e, v);
+      line.vertices.push_back(v);
+      if (v == line.vertices.front() || ends_at(v)) break;
+      e = at_[v][0] == e ? at_[v][1] : at_[v][0];
+      if (used_[e]) break;
+    }
+    return line;
+  }
+
+  bool is_noise(const FeatureLine& line) const {
+    if (line.rim || line.closed) return false;
+    if (at_[line.vertices.front()].size() > 1 && at_[line.vertices.back()].size() > 1) return false;
+    double length = 0;
+    for (size_t i = 1; i < line.vertices.size(); ++i)
+      length += (mesh_.point(line.vertices[i]) - mesh_.point(line.vertices[i - 1])).norm();
+    return length < options_.shortest * mesh_.size();
+  }
+
+  /// Triangles that hang together without crossing a line.
+  std::vector<FeaturePatch> patches() {
+    const MeshTopology& topology = mesh_.topology();
+    patch_of_.assign(topology.triangle_count(), -1);
+    std::vector<FeaturePatch> result;
+    for (int first = 0; first < topology.triangle_count(); ++first) {
+      if (patch_of_[first] >= 0) continue;
+      FeaturePatch patch;
+      patch.triangles = {first};
+      patch_of_[first] = count_of(result);
+      for (size_t i = 0; i < patch.triangles.size(); ++i)
+        for (const int e : topology.edges_of(patch.triangles[i])) {
+          const int t = across(e, patch.triangles[i]);
+          if (line_of_[e] >= 0 || t < 0 || patch_of_[t] >= 0) continue;
+          patch_of_[t] = count_of(result);
+          patch.triangles.push_back(t);
+        }
+      std::sort(patch.triangles.begin(), patch.triangles.end());
+      patch.flat = is_flat(patch);
+      result.push_back(std::move(patch));
+    }
+    for (int p = 0; p < count_of(result); ++p) find_loops(result[p], p);
+    return result;
+  }
+
+  int across(int e, int t) const { return edges_[e].left == t ? edges_[e].right : edges_[e].left; }
+
+  bool is_flat(const FeaturePatch& patch) const {
+    constexpr double straight = 1e-6;
+    const Vec3 n = normal(patch.triangles.front());
+    return std::all_of(patch.triangles.begin(), patch.triangles.end(),
+                       [&](int t) { return (normal(t) - n).norm() < straight; });
+  }
+
+  /// Follows the border with the patch on its left.
+  void find_loops(FeaturePatch& patch, int own) {
+    std::map<int, std::vector<std::pair<int, int>>> from;  // vertex → ends and edges
+    for (const int t : patch.triangles)
+      for (int i = 0; i < 3; ++i) {
+        const int e = mesh_.topology().edges_of(t)[i];
+        if (line_of_[e] < 0) continue;
+        const int t2 = across(e, t);
+        if (t2 >= 0 && patch_of_[t2] == own) {
+          patch.inner.push_back(line_of_[e]);
+          continue;
+        }
+        const auto& corners = mesh_.triangles()[t];
+        from[corners[(i + 1) % 3]].emplace_back(corners[(i + 2) % 3], e);
+      }
+    patch.inner = each_once(std::move(patch.inner));
+    std::vector<std::pair<double, std::vector<int>>> loops;
+    for (auto& [start, ways] : from)
+      while (!ways.empty()) {
+        double length = 0;
+        std::vector<int> loop;
+        for (int v = start; !from[v].empty();) {
+          const auto [next, e] = from[v].back();
+          from[v].pop_back();
+          length += (mesh_.point(next) - mesh_.point(v)).norm();
+          if (loop.empty() || loop.back() != line_of_[e]) loop.push_back(line_of_[e]);
+          v = next;
+        }
+        if (loop.size() > 1 && loop.front() == loop.back()) loop.pop_back();
+        loops.emplace_back(-length, std::move(loop));
+      }
+    std::stable_sort(loops.begin(), loops.end(),
+                     [](const auto& a, const auto& b) { return a.first < b.first; });
+    for (auto& [length, loop] : loops) patch.loops.push_back(std::move(loop));
+  }
+
+  const TriangleMesh& mesh_;
+  const FeatureLineOptions& options_;
+  const std::vector<MeshTopology::Edge>& edges_;
+  std::vector<std::vector<int>> at_;  // feature edges of each vertex
+  std::vector<char> used_;
+  std::vector<int> line_of_, patch_of_;  // of edges, of triangles; -1 for none
+};
+
+}  // namespace
+
+FeatureLines feature_lines(const TriangleMesh& mesh, const FeatureLineOptions& options) {
+  return LineFinder(mesh, options).find();
+}
+
+}  // namespace batten

@@ -1,0 +1,159 @@
+// Models fitted to given surfaces: as near as triangles allow, with their lines kept.
+#include "batten/skinning/target/fit_model.h"
+
+#include <cmath>
+
+#include "batten/benchmarks/analytic_shapes.h"
+#include "batten/core/errors.h"
+#include "batten/core/parallel.h"
+#include "batten/tests/catch.h"
+#include "batten/tests/skinning/shapes.h"
+
+using namespace batten;
+using namespace batten_test;
+using Catch::Matchers::Contains;
+
+namespace {
+
+/// A formula, which ends nowhere.
+class FormulaTarget : public TargetSurface {
+ public:
+  explicit FormulaTarget(const bench::Formula& formula) : formula_(formula) {
+    formula_.closest(Vec3::Zero());  // makes its samples, once
+  }
+  std::optional<Nearest> nearest(const Vec3& p, const Vec3& along) const override {
+    const auto foot = formula_.closest(p);
+    if (!along.isZero(0) && foot.normal.dot(along) <= 0) return {};
+    return Nearest{foot.at, foot.normal, false};
+  }
+  std::vector<Vec3> samples() const override {
+    std::vector<Vec3> points;
+    for (int i = 0; i < 20; ++i)
+      for (int j = 0; j < 20; ++j) points.push_back(formula_((i + 0.5) / 20, (j + 0.5) / 20));
+    return points;
+  }
+
+ private:
+  const bench::Formula& formula_;
+};
+
+/// The plane z = 0.05 as far as x = 0.5.
+class HalfPlane : public TargetSurface {
+ public:
+  std::optional<Nearest> nearest(const Vec3& p, const Vec3&) const override {
+    return Nearest{{std::min(p.x(), 0.5), p.y(), 0.05}, Vec3::UnitZ(), p.x() >= 0.5};
+  }
+  std::vector<Vec3> samples() const override { return {{0.25, 0.5, 0.05}}; }
+};
+
+bench::AnalyticShape shape_named(const std::string& name) {
+  for (const bench::AnalyticShape& shape : bench::analytic_shapes())
+    if (shape.name == name) return shape;
+  throw InputError("no shape '" + name + "'");
+}
+
+std::shared_ptr<const ModelLayout> layout_of(const bench::AnalyticShape& shape, double edge) {
+  SkinOptions options;
+  options.edge_length = edge;
+  options.tolerance = 1e-3 * std::pow(edge, 4);
+  return std::make_shared<const ModelLayout>(RegionLayout(shape.name, shape.boundary(), options));
+}
+
+std::shared_ptr<const ModelLayout> unit_square() {
+  SkinOptions options;
+  options.edge_length = 0.1;
+  return std::make_shared<const ModelLayout>(
+      RegionLayout("square", polygon_lines({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}), options));
+}
+
+double residual(const ModelFit& fit) {
+  return fit.layout->line_constraints().max_residual(fit.dofs) / fit.layout->size();
+}
+
+}  // namespace
+
+TEST_CASE("a fit comes nearer by four where triangles are halved, and keeps its lines") {
+  for (const std::string name : {"cylinder 90", "sphere octant", "torus quarter"}) {
+    INFO(name);
+    const bench::AnalyticShape shape = shape_named(name);
+    const FormulaTarget target(shape.surface);
+    ModelFitOptions options;
+    options.tolerance = 1e-12;
+    options.most_halvings = 0;
+    double off[2];
+    for (const int k : {0, 1}) {
+      const auto layout = layout_of(shape, shape.coarse / (1 + k));
+      const Points bent = layout->least_energy(SurfaceStiffness::isotropic(0, 1));
+      const ModelFit fit = fit_model(layout, bent, target, options);
+      CHECK(residual(fit) < 1e-12);
+      CHECK(fit.after.largest() < 0.05 * fit.before.largest());
+      CHECK_FALSE(fit.reached);
+      off[k] = fit.after.largest() / layout->size();
+    }
+    CAPTURE(off[0], off[1]);
+    CHECK(off[1] < off[0] / 3.5);
+    CHECK(off[1] < 1e-5);
+  }
+}
+
+TEST_CASE("triangles are halved until the tolerance is reached") {
+  const bench::AnalyticShape shape = shape_named("torus quarter");
+  const FormulaTarget target(shape.surface);
+  const auto layout = layout_of(shape, shape.coarse);
+  const Points bent = layout->least_energy(SurfaceStiffness::isotropic(0, 1));
+  ModelFitOptions options;
+  options.tolerance = 1e-5 * layout->size();
+  const ModelFit fit = fit_model(layout, bent, target, options);
+  CHECK(fit.reached);
+  CHECK(fit.halvings > 0);
+  CHECK(fit.after.largest() <= options.tolerance);
+  CHECK(fit.after.back.points == 400);
+  CHECK(residual(fit) < 1e-12);
+}
+
+TEST_CASE("a fit has the same bits on one thread or two") {
+  const bench::AnalyticShape shape = shape_named("sphere octant");
+  const FormulaTarget target(shape.surface);
+  const auto layout = layout_of(shape, shape.coarse);
+  const Points bent = layout->least_energy(SurfaceStiffness::isotropic(0, 1));
+  ModelFitOptions options;
+  options.most_halvings = 1;
+  options.tolerance = 1e-7;
+  Points found[2];
+  for (const int threads : {1, 2}) {
+    set_thread_count(threads);
+    found[threads - 1] = fit_model(layout, bent, target, options).dofs;
+  }
+  set_thread_count(0);
+  CHECK(found[0] == found[1]);
+}
+
+TEST_CASE("where a target ends the shape stays, and points there do not count") {
+  const auto layout = unit_square();
+  const Points flat = layout->least_energy(SurfaceStiffness::isotropic(0, 1));
+  ModelFitOptions options;
+  options.most_halvings = 0;
+  const ModelFit fit = fit_model(layout, flat, HalfPlane(), options);
+  double near = 1, far = 0;
+  for (int v = 0; v < layout->mesh()->vertex_count(); ++v) {
+    const Vec3 x = fit.dofs.row(3 * v);
+    if ((x - Vec3(0.25, 0.5, 0.05)).norm() < 0.12) near = std::min(near, x.z());
+    if (x.x() > 0.8) far = std::max(far, std::abs(x.z()));
+  }
+  CHECK(near > 0.045);
+  CHECK(far < 0.01);
+  CHECK(fit.before.regions[0].beyond > fit.before.regions[0].points / 2);
+}
+
+TEST_CASE("targets and tolerances that cannot be are refused") {
+  class Nothing : public TargetSurface {
+    std::optional<Nearest> nearest(const Vec3&, const Vec3&) const override { return {}; }
+    std::vector<Vec3> samples() const override { return {}; }
+  };
+  const auto layout = unit_square();
+  const Points flat = layout->least_energy(SurfaceStiffness::isotropic(0, 1));
+  CHECK_THROWS_WITH(fit_model(layout, flat, Nothing()), Contains("no point of the target"));
+  ModelFitOptions options;
+  options.tolerance = std::nan("");
+  CHECK_THROWS_WITH(fit_model(layout, flat, HalfPlane(), options), Contains("tolerance"));
+}
