@@ -148,14 +148,18 @@ std::vector<double> target_sides(const ModelLayout& layout, const Points& dofs,
 }
 
 Distances way_back(const ModelLayout& layout, const Points& dofs, const TargetSurface& target) {
-  const std::vector<Vec3> samples = target.samples();
+  const auto samples = target.samples();
+  const std::vector<double> sides = target_sides(layout, dofs, target);
   const ModelProjector projector(layout, dofs);
   const double hair = 1e-12 * layout.size();
   Sum sum;
-  for (const Vec3& p : samples) {
+  constexpr double alike = 0.5;  // of the normals, a cosine
+  for (const auto& sample : samples) {
+    const Vec3& p = sample.at;
     const auto there = projector.nearest(p);
     const SurfaceJet jet = projector.surface(there.at.region).jet(there.where);
-    if (!there.inside || leaves_sideways(p - jet.x, jet.normal(), hair))
+    if (!there.inside || leaves_sideways(p - jet.x, jet.normal(), hair) ||
+        sides[there.at.region] * jet.normal().dot(sample.normal) < alike)
       sum.beyond();
     else
       sum.add(there.distance, p);

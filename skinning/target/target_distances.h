@@ -34,7 +34,8 @@ std::vector<double> target_sides(const ModelLayout& layout, const Points& dofs,
                                  const TargetSurface& target);
 
 /// From the target's samples to the nearest points of the model. Samples beyond the model's rims do not count:
-/// those whose nearest point lies outside of a trim, or from which the way to it is not normal to the surface.
+/// those whose nearest point lies outside of a trim, from which the way to it is not normal to the surface, or
+/// where the two normals differ by more than 60° (another side of a body).
 /// O(samples); some ten microseconds each.
 Distances way_back(const ModelLayout& layout, const Points& dofs, const TargetSurface& target);
 

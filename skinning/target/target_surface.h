@@ -20,7 +20,7 @@ class TargetSurface {
   /// `along` is zero. None where there is no such point. Called from several threads.
   virtual std::optional<Nearest> nearest(const Vec3& p, const Vec3& along) const = 0;
   /// Points of the target from which the way back is measured, dense and even enough for that.
-  virtual std::vector<Vec3> samples() const = 0;
+  virtual std::vector<Nearest> samples() const = 0;
 };
 
 }  // namespace batten

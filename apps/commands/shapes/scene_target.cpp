@@ -26,18 +26,19 @@ class MeshTarget : public TargetSurface {
                    is_at_rim(found->triangle, found->weights)};
   }
 
-  std::vector<Vec3> samples() const override {
+  std::vector<Nearest> samples() const override {
     constexpr double spacing = 0.01;  // of the size
     constexpr int most = 64;
     const double step = spacing * mesh_.size();
-    std::vector<Vec3> points;
+    std::vector<Nearest> points;
     for (const auto& [a, b, c] : mesh_.triangles()) {
       const Vec3 p = mesh_.point(a), u = mesh_.point(b) - p, v = mesh_.point(c) - p;
       const double longest = std::max({u.norm(), v.norm(), (v - u).norm()});
+      const Vec3 normal = u.cross(v).normalized();
       const int n = std::clamp(static_cast<int>(std::ceil(longest / step)), 1, most);
       for (int i = 0; i < n; ++i)
         for (int j = 0; i + j < n; ++j)
-          points.push_back(p + ((i + 1.0 / 3) * u + (j + 1.0 / 3) * v) / n);
+          points.push_back({p + ((i + 1.0 / 3) * u + (j + 1.0 / 3) * v) / n, normal, false});
     }
     return points;
   }

@@ -1,0 +1,124 @@
+// batten fit: surfaces that are there already become models.
+#include <cmath>
+
+#include "batten/tests/apps/cli_case.h"
+#include "batten/tests/catch.h"
+
+using namespace batten_test;
+using Catch::Matchers::Contains;
+
+namespace {
+
+/// A block of 40 × 30 × 20 whose upper face is a hill of `n` × `n` quads.
+std::string block(int n, double hill, double unit = 1) {
+  std::string text;
+  const auto put = [&](double x, double y, double z) {
+    text += "v " + std::to_string(unit * x) + " " + std::to_string(unit * y) + " " +
+            std::to_string(unit * z) + "\n";
+  };
+  for (int j = 0; j <= n; ++j)
+    for (int i = 0; i <= n; ++i) {
+      const double s = 1.0 * i / n, t = 1.0 * j / n;
+      put(40 * s, 30 * t, 20 + hill * 16 * s * (1 - s) * t * (1 - t));
+    }
+  const int up = (n + 1) * (n + 1);
+  for (const auto& [x, y] : {std::pair{0, 0}, {40, 0}, {40, 30}, {0, 30}}) put(x, y, 0);
+  const auto v = [n](int i, int j) { return std::to_string(j * (n + 1) + i + 1) + " "; };
+  for (int j = 0; j < n; ++j)
+    for (int i = 0; i < n; ++i)
+      text += "f " + v(i, j) + v(i + 1, j) + v(i + 1, j + 1) + v(i, j + 1) + "\n";
+  const auto low = [&](int k) { return std::to_string(up + k) + " "; };
+  text += "f " + low(4) + low(3) + low(2) + low(1) + "\n";
+  std::string sides[4];
+  for (int i = n; i >= 0; --i) {
+    sides[0] += v(i, 0);
+    sides[1] += v(n, i);
+    sides[2] += v(n - i, n);
+    sides[3] += v(0, n - i);
+  }
+  const int ends[4][2] = {{1, 2}, {2, 3}, {3, 4}, {4, 1}};
+  for (int k = 0; k < 4; ++k) text += "f " + low(ends[k][0]) + low(ends[k][1]) + sides[k] + "\n";
+  return text;
+}
+
+}  // namespace
+
+TEST_CASE("a mesh's creases and patches become a model at the mesh", "[fit]") {
+  const Case c("fit_mesh");
+  c.file("block.obj", block(24, 3));
+  const Result r = c.run({"fit", "block.obj", "--out", "out", "--tolerance", "0.03"});
+  INFO(r.out << r.err);
+  REQUIRE(r.code == 0);
+  const auto j = report(c, "out");
+  CHECK(j["regions"].size() == 6);
+  const auto& target = j["target"];
+  CHECK(target["reached"].get<bool>());
+  CHECK(target["before"]["max"].get<double>() > 1);
+  CHECK(target["to_target"]["max"].get<double>() <= 0.03);
+  CHECK(target["from_target"]["max"].get<double>() <= 0.03);
+  CHECK(target["off_lines"].empty());
+  CHECK(j["step"]["faces"].get<int>() == 6);
+  // Back through STEP: the edges of its faces, fitted to its faces.
+  const Result again = c.run({"fit", "out/block.step", "--out", "again", "--tolerance", "0.03"});
+  INFO(again.out << again.err);
+  CHECK(again.code == 0);
+  CHECK(report(c, "again")["target"]["from_target"]["max"].get<double>() <= 0.03);
+}
+
+TEST_CASE("what acts bends the fitted shape, in any unit", "[fit]") {
+  const Case c("fit_scene");
+  c.file("block.obj", block(16, 3, 1e-3));
+  const std::string lines =
+      "unit = \"mm\"\n[[line]]\nname = \"a\"\npoints = [[0,0,20],[40,0,20]]\n"
+      "[[line]]\nname = \"b\"\npoints = [[40,0,20],[40,30,20]]\n"
+      "[[line]]\nname = \"c\"\npoints = [[40,30,20],[0,30,20]]\n"
+      "[[line]]\nname = \"d\"\npoints = [[0,30,20],[0,0,20]]\n";
+  const std::string target = "[[target]]\nfile = \"block.obj\"\nunit = \"m\"\ntolerance = 0.1\n";
+  const auto moved = [&](const std::string& more) {
+    c.file("s.toml", lines + target + more);
+    const Result r = c.run({"run", "s.toml", "--out", "out"});
+    INFO(r.out << r.err);
+    // The way back is long: the block has five faces more. That is said.
+    CHECK(r.code == 0);
+    const auto j = report(c, "out");
+    CHECK(j["target"]["to_target"]["max"].get<double>() <= 0.1);
+    return j["surface"]["moved"].get<double>();
+  };
+  CHECK(moved("") == Approx(0).margin(0.2));
+  CHECK(moved("[[load]]\nname = \"p\"\ntype = \"pressure\"\nvalue = 50\n") > 0.3);
+}
+
+TEST_CASE("a cage is fitted by its limit", "[fit]") {
+  const Case c("fit_cage");
+  c.file("cage.obj",
+         "v 0 0 0\nv 10 0 0\nv 20 0 0\nv 0 10 0\nv 10 10 9\nv 20 10 0\nv 0 20 0\n"
+         "v 10 20 0\nv 20 20 0\nf 1 2 5 4\nf 2 3 6 5\nf 4 5 8 7\nf 5 6 9 8\n");
+  c.file("rim.csv",
+         "x,y,z\n0,0,0\n20,0,0\n\n20,0,0\n20,20,0\n\n20,20,0\n0,20,0\n\n0,20,0\n0,0,0\n");
+  const Result r = c.run(
+      {"fit", "cage.obj", "--cage", "--lines", "rim.csv", "--out", "out", "--tolerance", "0.01"});
+  INFO(r.out << r.err);
+  CHECK(r.code == 0);
+  CHECK(report(c, "out")["target"]["before"]["max"].get<double>() > 1);
+}
+
+TEST_CASE("targets that cannot be are refused with their place", "[fit]") {
+  const Case c("fit_errors");
+  const std::string lines =
+      "unit = \"mm\"\n[[line]]\nname = \"a\"\npoints = [[0,0,0],[4,0,0],[4,3,0],[0,3,0],[0,0,0]]\n";
+  c.file("flat.obj", "v 0 0 0\nv 4 0 0\nv 4 3 0\nf 1 2 3\n");
+  c.file("empty.obj", "v 0 0 0\n");
+  const auto refused = [&](const std::string& target, const std::vector<std::string>& words) {
+    c.fails(lines + "[[target]]\n" + target, 1, words);
+  };
+  refused("file = \"none.stl\"\n", {"none.stl"});
+  refused("file = \"empty.obj\"\n", {"in.toml:6:8: ", "empty.obj"});
+  refused("file = \"flat.obj\"\ntolerance = -1\n", {"tolerance"});
+  refused("file = \"flat.obj\"\nunit = \"parsec\"\n", {"parsec"});
+  refused("file = \"flat.obj\"\ncage = \"loop\"\n", {"catmull-clark"});
+  refused("file = \"flat.obj\"\n[skin]\nfair = \"variation\"\n", {"target"});
+  const Result r = c.run({"fit", "empty.obj", "--out", "out"});
+  CHECK(r.code == 1);
+  CHECK_FALSE(fs::exists(c / "out"));
+  c.file("ball.obj", "v 1 0 0\nv 0 1 0\nv -1 0 0\nv 0 -1 0\nv 0 0 9\nf 1 2 5\nf 2 3 5\nf 3 4 5\n");
+}
