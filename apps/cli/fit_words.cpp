@@ -16,7 +16,7 @@ struct FitWords {
 
 Scene scene_of(const FitWords& a) {
   Scene scene = scene_of_target(a.target, {a.lines.begin(), a.lines.end()}, a.unit);
-  scene.targets.front().tolerance = a.tolerance;
+  scene.targets.front().tolerance = scene.step_tolerance = a.tolerance;
   scene.targets.front().cage = a.cage;
   scene.skin.options.edge_length = a.edge_length;
   scene.network->tolerance = a.meet;
