@@ -8,6 +8,7 @@
 #include <Standard_Failure.hxx>
 #include <TopExp.hxx>
 #include <TopTools_IndexedMapOfShape.hxx>
+#include <TopoDS.hxx>
 #include <TopoDS_Edge.hxx>
 #include <algorithm>
 #include <cmath>
@@ -36,13 +37,13 @@ void count(std::vector<CadUse>& uses, const std::string& name, int CadUse::*what
   if (name.empty()) return;
   auto at = std::find_if(uses.begin(), uses.end(),
                          [&](const CadUse& use) { return use.name == name; });
-  if (at == uses.end()) at = uses.insert(at, CadUse{name, 0, 0, 0});
+  if (at == uses.end()) at = uses.insert(at, CadUse{name});
   ++((*at).*what);
 }
 
 void measure(const CadPart& part, CadContents& c) {
   GProp_GProps area, volume;
-  BRepGProp::SurfaceProperties(part.shape, area);
+  BRepGProp::SurfaceProperties(part.shape, area, 1e-6);
   c.area += area.Mass();
   TopTools_IndexedMapOfShape solids, shells, edges;
   TopExp::MapShapes(part.shape, TopAbs_SOLID, solids);
@@ -51,6 +52,11 @@ void measure(const CadPart& part, CadContents& c) {
   for (int s = 1; s <= solids.Extent(); ++s) {
     BRepGProp::VolumeProperties(solids(s), volume);
     c.volume += std::abs(volume.Mass());
+  }
+  for (int e = 1; e <= edges.Extent(); ++e) {
+    GProp_GProps length;
+    BRepGProp::LinearProperties(edges(e), length);
+    c.loose_area += length.Mass() * BRep_Tool::Tolerance(TopoDS::Edge(edges(e)));
   }
   c.solids += solids.Extent();
   c.shells += shells.Extent();
@@ -71,6 +77,7 @@ CadContents contents_of(const CadFile& cad) {
     measure(part, c);
     c.faces += static_cast<int>(part.faces.size());
     c.curves += static_cast<int>(part.curves.size());
+    for (const CadBody& body : part.bodies) count(c.names, body.name, &CadUse::solids);
     for (const CadFace& face : part.faces) {
       count(c.names, face.name, &CadUse::faces);
       count(c.colours, face.colour, &CadUse::faces);
@@ -79,12 +86,16 @@ CadContents contents_of(const CadFile& cad) {
       count(c.names, curve.name, &CadUse::curves);
       count(c.colours, curve.colour, &CadUse::curves);
     }
+    for (const CadCurveItem& edge : part.edges) {
+      count(c.names, edge.name, &CadUse::edges);
+      count(c.colours, edge.colour, &CadUse::edges);
+    }
   }
   Bnd_Box box;
   BRepBndLib::AddOptimal(cad.shape, box, false, false);
   const double unit = 1e-3 / c.unit_in_metres;  // a millimetre in the file's unit
   c.size = box.IsVoid() ? 0 : std::sqrt(box.SquareExtent()) * unit;
-  c.area *= unit * unit;
+  for (double* area : {&c.area, &c.loose_area}) *area *= unit * unit;
   c.volume *= unit * unit * unit;
   c.products = std::move(tree.products);
   for (CadProduct& product : c.products) product.shift *= unit;

@@ -23,10 +23,14 @@ struct CadProduct {
   int solids = 0, faces = 0;  ///< 0 of an assembly
 };
 
-/// A name, colour or layer, and how many faces and curves have it; of a layer also products.
+/// A name, colour or layer, and what has it.
 struct CadUse {
   std::string name;
-  int products = 0, faces = 0, curves = 0;
+  int products = 0;  ///< of a layer
+  int solids = 0;    ///< solids and shells within a product
+  int faces = 0;
+  int edges = 0;   ///< edges of faces
+  int curves = 0;  ///< edges that belong to no face
 };
 
 /// What is in a CAD file. Lengths are in the file's own unit; instances count each.
@@ -36,13 +40,14 @@ struct CadContents {
   bool unit_stated = false;      ///< whether the file says it
   std::vector<std::string> notes;
   std::vector<CadProduct> products;
-  std::vector<CadUse> names;    ///< of faces and curves, in the file's order
+  std::vector<CadUse> names;    ///< of all but products, in the file's order
   std::vector<CadUse> colours;  ///< "#rrggbb" as faces and curves have it, own or inherited
   std::vector<CadUse> layers;
   int solids = 0, shells = 0, faces = 0, edges = 0;
   int closed_shells = 0;  ///< shells without a rim
   int curves = 0;         ///< edges that belong to no face
   double area = 0;
+  double loose_area = 0;  ///< lengths of edges times their tolerances: by so much trims are not known
   double volume = 0;  ///< of all solids, unit³
   double size = 0;    ///< diagonal of the box around all
 };

@@ -10,7 +10,7 @@
 namespace batten {
 
 struct CadConvertOptions {
-  double unit_in_metres = 0;  ///< of the file that is written; 0: that of the file that is read
+  double unit_in_metres = 0;  ///< of the file that is written; 0: that of the file read, of BREP mm
   bool ap242 = false;         ///< STEP AP242 instead of AP214
   double chord = 0;  ///< glTF: largest distance of triangles from faces, that unit; 0: 1e-3 of the size
 };

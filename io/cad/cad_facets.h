@@ -12,7 +12,7 @@ namespace batten {
 
 /// The triangles of the faces that have this name and colour.
 struct FacetGroup {
-  std::string name;    ///< of the faces, else of their part, else "part 1" …
+  std::string name;    ///< of the faces, else of their solid, of their part, "part 1" …
   std::string colour;  ///< "#rrggbb"; "" for none
   std::vector<int> triangles;
 };

@@ -37,7 +37,8 @@ std::string product_row(const CadProduct& product) {
 std::string use_words(const CadUse& use) {
   std::string text;
   for (const auto& [count, noun] :
-       {std::pair(use.products, "product"), std::pair(use.faces, "face"),
+       {std::pair(use.products, "product"), std::pair(use.solids, "solid"),
+        std::pair(use.faces, "face"), std::pair(use.edges, "edge"),
         std::pair(use.curves, "curve")})
     if (count > 0) text += (text.empty() ? "" : ", ") + counted(count, noun);
   return text;
@@ -82,14 +83,17 @@ std::string contents_text(const CadContents& c) {
          uses_text("layer", c.layers);
 }
 
-std::string lost_words(const std::vector<CadUse>& before, const std::vector<CadUse>& after) {
+std::string lost_words(const std::vector<CadUse>& before, const std::vector<CadUse>& after,
+                       bool edges) {
   std::string text;
   size_t lost = 0;
   for (const CadUse& use : before) {
     const auto at = std::find_if(after.begin(), after.end(),
                                  [&](const CadUse& other) { return other.name == use.name; });
-    const int all = use.faces + use.curves,
-              kept = at == after.end() ? 0 : at->faces + at->curves;
+    const auto count = [&](const CadUse& one) {
+      return one.solids + one.faces + one.curves + (edges ? one.edges : 0);
+    };
+    const int all = count(use), kept = at == after.end() ? 0 : count(*at);
     if (kept >= all) continue;
     if (++lost <= 5)
       text += (text.empty() ? "'" : ", '") + use.name + "' (" + std::to_string(kept) + " of " +

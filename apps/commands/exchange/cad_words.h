@@ -15,7 +15,9 @@ std::string contents_words(const CadContents& contents);
 /// each. Lengths are in the file's unit.
 std::string contents_text(const CadContents& contents);
 
-/// Names that `before` has more often than `after`: "'hull' (3 of 4)", the first few; "" for none.
-std::string lost_words(const std::vector<CadUse>& before, const std::vector<CadUse>& after);
+/// Names that `before` has more often than `after`: "'hull' (3 of 4)", the first few; "" for none. `edges`:
+/// whether edges of faces count.
+std::string lost_words(const std::vector<CadUse>& before, const std::vector<CadUse>& after,
+                       bool edges);
 
 }  // namespace batten
