@@ -1,7 +1,6 @@
 // What is in a CAD file: products and their places, names, colours, layers, unit, counts.
 #pragma once
 
-#include <filesystem>
 #include <string>
 #include <utility>
 #include <vector>
@@ -51,13 +50,5 @@ struct CadContents {
   double volume = 0;  ///< of all solids, unit³
   double size = 0;    ///< diagonal of the box around all
 };
-
-/// Reads a STEP, IGES or BREP file with its attributes. Colours of products come down to their faces
-/// and curves unless these have their own. Throws InputError as read_cad_lines() does of files and
-/// entities. Costs a reading of the file, 0.1 s a MB, and twice as long for areas and volumes.
-CadContents read_cad_contents(const std::filesystem::path& file);
-
-/// The unit's name, "mm", "in"; "0.002 m" for one without a name.
-std::string unit_words(double unit_in_metres);
 
 }  // namespace batten

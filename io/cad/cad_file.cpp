@@ -28,7 +28,6 @@
 #include <unordered_map>
 
 #include "batten/core/errors.h"
-#include "batten/io/cad/cad_unit.h"
 #include "batten/io/cad/occ_settings.h"
 #include "batten/io/files/in_child.h"
 #include "batten/io/files/input_file.h"

@@ -8,18 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "batten/io/cad/cad_text.h"
+#include "batten/io/cad/cad_unit.h"
 
 namespace batten {
-
-/// What a file says of itself.
-struct CadHeader {
-  CadFormat format = CadFormat::Step;
-  std::string schema;           ///< of STEP, as the file names it; of IGES the version; else ""
-  double unit_in_metres = 1e-3;  ///< of its lengths
-  bool unit_stated = false;     ///< false where the unit is only what such files mostly have
-  std::string note;             ///< what is odd about its unit; "" for nothing
-};
 
 /// The shapes of a file, in millimetres, and the labels of its edges.
 struct CadFile {

@@ -4,6 +4,7 @@
 
 #include "batten/core/index.h"
 #include "batten/core/words.h"
+#include "batten/io/files/length_units.h"
 #include "batten/io/files/text.h"
 
 namespace batten {

@@ -2,8 +2,9 @@
 #include <random>
 
 #include "batten/core/errors.h"
+#include "batten/io/cad/read_cad_contents.h"
 #include "batten/io/cad/cad_convert.h"
-#include "batten/io/cad/cad_facets.h"
+#include "batten/io/cad/facets_of_cad.h"
 #include "batten/tests/io/cad/cad_files.h"
 #include "batten/tests/refusal.h"
 

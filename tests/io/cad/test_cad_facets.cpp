@@ -1,5 +1,5 @@
 // Triangles of CAD faces: closed where shapes are, as near as they are said to be, in groups by name.
-#include "batten/io/cad/cad_facets.h"
+#include "batten/io/cad/facets_of_cad.h"
 
 #include <BRepBuilderAPI_MakeFace.hxx>
 #include <BRepFilletAPI_MakeFillet.hxx>
@@ -12,6 +12,7 @@
 #include <numbers>
 
 #include "batten/core/errors.h"
+#include "batten/io/cad/read_cad_contents.h"
 #include "batten/io/cad/cad_convert.h"
 #include "batten/io/cad/occ_settings.h"
 #include "batten/tests/io/cad/cad_files.h"
@@ -216,6 +217,7 @@ TEST_CASE("glTF has a mesh for each product, its colours, metres, and no cracks"
         for (size_t i = 0; i < points["count"]; ++i) {
           std::array<float, 3> p;
           std::memcpy(p.data(), text.data() + at(points) + 12 * i, 12);
+          for (float& x : p) x = std::round(x * 1e8f) / 1e8f;  // 0 is 1e-18 on one side
           number.push_back(nodes.try_emplace(p, static_cast<int>(nodes.size())).first->second);
         }
         const size_t width = indices["componentType"] == 5123 ? 2 : 4;

@@ -1,4 +1,4 @@
-#include "batten/io/cad/cad_facets.h"
+#include "batten/io/cad/facets_of_cad.h"
 
 #include <Standard_Failure.hxx>
 #include <cmath>
@@ -8,6 +8,7 @@
 #include "batten/core/index.h"
 #include "batten/io/cad/cad_contents_bytes.h"
 #include "batten/io/cad/cad_mesher.h"
+#include "batten/io/cad/measure_contents.h"
 #include "batten/io/cad/occ_settings.h"
 #include "batten/io/files/in_child.h"
 

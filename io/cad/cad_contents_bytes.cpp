@@ -1,9 +1,8 @@
-// Nothing of OpenCASCADE is here, so that programs that load it as a module have these words without it.
-#include <cmath>
+#include "batten/io/cad/cad_contents_bytes.h"
+
 #include <nlohmann/json.hpp>
 
 #include "batten/core/errors.h"
-#include "batten/io/cad/cad_contents_bytes.h"
 
 namespace Eigen {
 
@@ -36,15 +35,6 @@ CadContents contents_from_bytes(const std::string& bytes) {
   } catch (const nlohmann::json::exception&) {  // numbers that are not finite become null
     throw InputError("OpenCASCADE measures sizes that are not finite");
   }
-}
-
-std::string unit_words(double unit_in_metres) {
-  static constexpr std::pair<const char*, double> units[] = {
-      {"mm", 1e-3},     {"cm", 1e-2},   {"m", 1},         {"in", 0.0254},   {"ft", 0.3048},
-      {"um", 1e-6},     {"km", 1e3},    {"mi", 1609.344}, {"mil", 2.54e-5}, {"uin", 2.54e-8}};
-  for (const auto& [name, metres] : units)
-    if (std::abs(unit_in_metres - metres) <= 1e-9 * metres) return name;
-  return number(unit_in_metres) + " m";
 }
 
 }  // namespace batten

@@ -1,11 +1,10 @@
-#include "batten/io/cad/cad_contents.h"
+#include "batten/io/cad/measure_contents.h"
 
 #include <BRepBndLib.hxx>
 #include <BRepGProp.hxx>
 #include <BRep_Tool.hxx>
 #include <Bnd_Box.hxx>
 #include <GProp_GProps.hxx>
-#include <Standard_Failure.hxx>
 #include <TopExp.hxx>
 #include <TopTools_IndexedMapOfShape.hxx>
 #include <TopoDS.hxx>
@@ -13,12 +12,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "batten/core/errors.h"
-#include "batten/io/cad/cad_contents_bytes.h"
 #include "batten/io/cad/cad_parts.h"
 #include "batten/io/cad/cad_rims.h"
-#include "batten/io/cad/occ_settings.h"
-#include "batten/io/files/in_child.h"
 
 namespace batten {
 namespace {
@@ -101,19 +96,6 @@ CadContents contents_of(const CadFile& cad) {
   for (CadProduct& product : c.products) product.shift *= unit;
   c.layers = std::move(tree.layers);
   return c;
-}
-
-CadContents read_cad_contents(const std::filesystem::path& file) {
-  return contents_from_bytes(bytes_from_child(file, "OpenCASCADE", [&] {
-    const CadFile cad = read_cad_here(file);
-    const OccSettings occ;
-    try {
-      return to_bytes(contents_of(cad));
-    } catch (const Standard_Failure& failure) {
-      throw InputError(file.string() + ": OpenCASCADE cannot measure it: " +
-                       failure.GetMessageString());
-    }
-  }));
 }
 
 }  // namespace batten
