@@ -19,7 +19,7 @@ struct CadProduct {
   Vec3 shift = Vec3::Zero();  ///< where its origin lies in the whole, the file's unit
   double turn_deg = 0;        ///< by how much it is turned in the whole
   std::string colour;         ///< its own, "#rrggbb"; "" for none
-  int solids = 0, faces = 0;  ///< 0 of an assembly
+  int solids = 0, faces = 0, curves = 0;  ///< 0 of an assembly
 };
 
 /// A name, colour or layer, and what has it.

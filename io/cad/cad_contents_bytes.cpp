@@ -16,7 +16,7 @@ void from_json(const nlohmann::json& json, Eigen::Vector3d& p) {
 namespace batten {
 
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(CadProduct, name, place, level, assembly, shift, turn_deg,
-                                   colour, solids, faces)
+                                   colour, solids, faces, curves)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(CadUse, name, products, solids, faces, edges, curves)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(CadContents, format, unit_in_metres, unit_stated, notes,
                                    products, names, colours, layers, solids, shells, faces, edges,

@@ -21,6 +21,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "batten/core/index.h"
 #include "batten/io/cad/cad_file.h"
 
 namespace batten {
@@ -156,7 +157,8 @@ class Walker {
     collect(shape, place, within, colours, "", result);
     add_named_edges(shape, place, within, result);
     for (TopExp_Explorer s(shape, TopAbs_SOLID); s.More(); s.Next()) ++of.solids;
-    of.faces = static_cast<int>(result.faces.size());
+    of.faces = count_of(result.faces);
+    of.curves = count_of(result.curves);
     tree_.parts.push_back(std::move(result));
   }
 

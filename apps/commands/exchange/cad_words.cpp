@@ -26,7 +26,8 @@ std::string product_row(const CadProduct& product) {
   if (!product.place.empty()) text += " as '" + product.place + "'";
   if (!product.assembly) {
     if (product.solids) text += ", " + counted(product.solids, "solid");
-    text += ", " + counted(product.faces, "face");
+    if (product.faces || !product.curves) text += ", " + counted(product.faces, "face");
+    if (product.curves) text += ", " + counted(product.curves, "curve");
   }
   if (!product.shift.isZero()) text += ", at " + at(product.shift);
   if (product.turn_deg > 1e-9) text += ", turned by " + number(product.turn_deg) + " degrees";
