@@ -59,9 +59,9 @@ int command(int argc, char** argv) {
   app.set_version_flag("--version", kVersion);
   app.require_subcommand(1);
   const std::vector<Command> commands = {
-      add_run(app, common),      add_stress(app, common), add_sculpt(app, common),
-      add_deform(app, common),   add_sequence(app, common), add_fair(app, common),
-      add_skin(app, common),     add_convert(app, common),  add_info(app),
+      add_run(app, common),    add_stress(app, common),   add_sculpt(app, common),
+      add_deform(app, common), add_sequence(app, common), add_fair(app, common),
+      add_skin(app, common),   add_convert(app, common),  add_info(app),
       add_view(app, common)};
   try {
     app.parse(argc, argv);

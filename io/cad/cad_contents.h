@@ -9,16 +9,16 @@
 
 namespace batten {
 
-/// One place of a product: an assembly, a part of it, or a shape that stands alone. A product that is
-/// used three times is there three times.
+/// One place of a product: an assembly, a part of it, or a shape that stands alone. A product that
+/// is used three times is there three times.
 struct CadProduct {
   std::string name;   ///< of the product; "" for none
   std::string place;  ///< the name of this instance where it has another one
   int level = 0;      ///< how deep it is in the assembly, 0 at the top
   bool assembly = false;
-  Vec3 shift = Vec3::Zero();  ///< where its origin lies in the whole, the file's unit
-  double turn_deg = 0;        ///< by how much it is turned in the whole
-  std::string colour;         ///< its own, "#rrggbb"; "" for none
+  Vec3 shift = Vec3::Zero();              ///< where its origin lies in the whole, the file's unit
+  double turn_deg = 0;                    ///< by how much it is turned in the whole
+  std::string colour;                     ///< its own, "#rrggbb"; "" for none
   int solids = 0, faces = 0, curves = 0;  ///< 0 of an assembly
 };
 
@@ -46,7 +46,8 @@ struct CadContents {
   int closed_shells = 0;  ///< shells without a rim
   int curves = 0;         ///< edges that belong to no face
   double area = 0;
-  double loose_area = 0;  ///< lengths of edges times their tolerances: by so much trims are not known
+  double loose_area =
+      0;              ///< lengths of edges times their tolerances: by so much trims are not known
   double volume = 0;  ///< of all solids, unit³
   double size = 0;    ///< diagonal of the box around all
 };

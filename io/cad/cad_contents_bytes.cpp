@@ -20,13 +20,11 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(CadProduct, name, place, level, assembly, shi
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(CadUse, name, products, solids, faces, edges, curves)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(CadContents, format, unit_in_metres, unit_stated, notes,
                                    products, names, colours, layers, solids, shells, faces, edges,
-                                   closed_shells, curves, area, loose_area, volume,
-                                   size)
+                                   closed_shells, curves, area, loose_area, volume, size)
 
 std::string to_bytes(const CadContents& contents) {
   // Names of damaged files may be no UTF-8.
-  return nlohmann::json(contents).dump(-1, ' ', false,
-                                       nlohmann::json::error_handler_t::replace);
+  return nlohmann::json(contents).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
 CadContents contents_from_bytes(const std::string& bytes) {

@@ -24,7 +24,8 @@ namespace batten {
 namespace fs = std::filesystem;
 namespace {
 
-/// The unit of the file that is written. BREP states none: programs take its numbers for millimetres.
+/// The unit of the file that is written. BREP states none: programs take its numbers for
+/// millimetres.
 double unit_of(const CadConvertOptions& options, const fs::path& to, double unit_of_source) {
   if (options.unit_in_metres > 0) return options.unit_in_metres;
   return lower_extension(to).starts_with(".br") ? 1e-3 : unit_of_source;
@@ -42,8 +43,8 @@ std::string in_child(const fs::path& from, const Work& work) {
           const std::string contents = to_bytes(contents_of(cad));
           return std::to_string(contents.size()) + "\n" + contents + work(cad);
         } catch (const Standard_Failure& failure) {
-          throw InputError(from.string() + ": OpenCASCADE cannot convert it: " +
-                           failure.GetMessageString());
+          throw InputError(from.string() +
+                           ": OpenCASCADE cannot convert it: " + failure.GetMessageString());
         }
       },
       20);
@@ -86,7 +87,8 @@ CadConversion to_cad(const fs::path& from, const fs::path& to, const CadConvertO
   if (how.format == CadFormat::Brep) {
     if (!result.before.names.empty() || !result.before.colours.empty() ||
         result.before.products.size() > 1 || !result.before.layers.empty())
-      result.notes.push_back("BREP holds shapes only: names, colours, layers and products are lost");
+      result.notes.push_back(
+          "BREP holds shapes only: names, colours, layers and products are lost");
     // It is read back as millimetres whatever its numbers are.
     result.after.unit_in_metres = result.unit_in_metres;
     result.after.notes.clear();
@@ -110,8 +112,9 @@ CadConversion to_glb(const fs::path& from, const fs::path& to, const CadConvertO
   const Unfinished beside(file.temporary().string() + ".bin.tmp");  // the writer's own
   std::string bytes = in_child(from, [&](const CadFile& cad) {
     const JoinedParts joined = joined_parts(cad);
-    const CadFacets facets = mesh_parts(joined.parts, joined.size,
-                                        options.chord * unit_of(options, to, cad.header.unit_in_metres) / 1e-3);
+    const CadFacets facets =
+        mesh_parts(joined.parts, joined.size,
+                   options.chord * unit_of(options, to, cad.header.unit_in_metres) / 1e-3);
     if (facets.mesh.face_count() == 0)
       throw InputError(from.string() + ": found " + cad.found +
                        " and no face, expected some to mesh");

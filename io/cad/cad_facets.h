@@ -16,7 +16,8 @@ struct FacetGroup {
   std::vector<int> triangles;
 };
 
-/// Triangles of all faces of a file, and what was measured on them. Lengths are in the unit asked for.
+/// Triangles of all faces of a file, and what was measured on them. Lengths are in the unit asked
+/// for.
 struct CadFacets {
   ShellMesh mesh;  ///< triangles; normals outwards where the file's faces have them so
   std::vector<FacetGroup> groups;

@@ -1,16 +1,16 @@
 #include "batten/io/cad/cad_file.h"
 
+#include <BRepTools.hxx>
 #include <BRep_Builder.hxx>
 #include <BinTools.hxx>
-#include <BRepTools.hxx>
 #include <IGESCAFControl_Reader.hxx>
 #include <IGESData_IGESEntity.hxx>
 #include <IGESData_IGESModel.hxx>
 #include <IGESGeom_Line.hxx>
 #include <STEPCAFControl_Reader.hxx>
 #include <STEPControl_Reader.hxx>
-#include <StepData_StepModel.hxx>
 #include <Standard_Failure.hxx>
+#include <StepData_StepModel.hxx>
 #include <StepRepr_RepresentationItem.hxx>
 #include <TCollection_HAsciiString.hxx>
 #include <TDataStd_Name.hxx>
@@ -68,8 +68,9 @@ Labels labels_of(const Handle(Transfer_TransientProcess) & made) {
   return labels;
 }
 
-/// Gives the faces, edges, shells and solids of all products the names of the entities that they were made
-/// of. (OpenCASCADE's own way, read.stepcaf.subshapes.name, breaks down over sound files.)
+/// Gives the faces, edges, shells and solids of all products the names of the entities that they
+/// were made of. (OpenCASCADE's own way, read.stepcaf.subshapes.name, breaks down over sound
+/// files.)
 void name_parts(const Handle(TDocStd_Document) & document, const Labels& labels) {
   const auto shapes = XCAFDoc_DocumentTool::ShapeTool(document->Main());
   TDF_LabelSequence products;
@@ -193,8 +194,7 @@ void read_brep(const std::filesystem::path& file, CadFile& cad) {
   TopoDS_Shape shape;
   BRepTools::Read(shape, in, BRep_Builder());
   if (!in || shape.IsNull())
-    throw InputError(file.string() +
-                     ": OpenCASCADE cannot read it; expected a sound BREP file");
+    throw InputError(file.string() + ": OpenCASCADE cannot read it; expected a sound BREP file");
   cad.found = "a BREP shape";
   BRep_Builder().Add(cad.shape, shape);
   XCAFDoc_DocumentTool::ShapeTool(cad.document->Main())->AddShape(shape, false);
@@ -258,11 +258,11 @@ CadFile from_bytes(const std::string& bytes) {
 
 }  // namespace
 
-Handle(TDocStd_Document) new_document() {
+Handle(TDocStd_Document) new_document(double unit_in_metres) {
   const Handle(TDocStd_Document) document = new TDocStd_Document("BinXCAF");
   XCAFDoc_DocumentTool::Set(document->Main());
   XCAFDoc_ShapeTool::SetAutoNaming(false);  // no names that nobody gave
-  XCAFDoc_DocumentTool::SetLengthUnit(document, 1e-3);
+  XCAFDoc_DocumentTool::SetLengthUnit(document, unit_in_metres);
   return document;
 }
 
@@ -276,8 +276,8 @@ CadFile read_cad(const std::filesystem::path& file) {
   if (!reads_in_child()) return read_cad_here(file);
   const CadFormat format = cad_format(file);
   check_cad_text(file, format);
-  return from_bytes(bytes_from_child(
-      file, "OpenCASCADE", [&] { return to_bytes(read_with_occ(file, format)); }));
+  return from_bytes(
+      bytes_from_child(file, "OpenCASCADE", [&] { return to_bytes(read_with_occ(file, format)); }));
 }
 
 }  // namespace batten

@@ -18,7 +18,8 @@ struct CadFile {
   TopTools_IndexedMapOfShape edges, faces;
   std::vector<std::string> labels;  // label of each edge; "" for none
   std::string found;                // kinds of entities in the file, for messages
-  /// Products with their places, names, colours and layers; and the header. Of read_cad_here() only.
+  /// Products with their places, names, colours and layers; and the header. Of read_cad_here()
+  /// only.
   Handle(TDocStd_Document) document;
   CadHeader header;
 };
@@ -31,7 +32,7 @@ CadFile read_cad(const std::filesystem::path& file);
 /// Throws as read_cad().
 CadFile read_cad_here(const std::filesystem::path& file);
 
-/// An empty document for products and their attributes; its lengths are millimetres.
-Handle(TDocStd_Document) new_document();
+/// An empty document for products and their attributes, with lengths in this unit.
+Handle(TDocStd_Document) new_document(double unit_in_metres = 1e-3);
 
 }  // namespace batten

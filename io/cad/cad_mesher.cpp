@@ -35,7 +35,8 @@ double size_of(const TopoDS_Shape& shape) {
   return box.IsVoid() ? 0 : std::sqrt(box.SquareExtent());
 }
 
-/// Faces of IGES files are parts of their own: they become one, with faces that have the parts' names.
+/// Faces of IGES files are parts of their own: they become one, with faces that have the parts'
+/// names.
 void make_one(std::vector<CadPart>& parts) {
   CadPart all;
   all.shape = together(parts);
@@ -58,7 +59,9 @@ void mesh_faces(const TopoDS_Shape& shape, double deflection) {
 }
 
 /// Meshes with holes are worse than rough ones.
-std::tuple<int, int, double> worth(const CadFacets& f) { return {f.unmeshed, f.cracks, f.deviation}; }
+std::tuple<int, int, double> worth(const CadFacets& f) {
+  return {f.unmeshed, f.cracks, f.deviation};
+}
 
 }  // namespace
 
@@ -98,7 +101,8 @@ CadFacets mesh_parts(const std::vector<CadPart>& parts, double size, double chor
     }
     if (whole && deviation <= chord) break;
     if (whole && !better && round > 1) break;
-    // Faces whose borders cross each other in the plane of parameters may do so no more when these are finer.
+    // Faces whose borders cross each other in the plane of parameters may do so no more when these
+    // are finer.
     deflection *= whole ? std::clamp(0.9 * chord / deviation, 0.1, 0.7) : 0.7;
   }
   if (best != last) mesh_faces(all, best);

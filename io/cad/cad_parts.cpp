@@ -164,8 +164,8 @@ class Walker {
 
   using Within = NCollection_DataMap<TopoDS_Shape, Attributes, TopTools_ShapeMapHasher>;
 
-  /// Adds the faces and lone curves of a shape; edges below faces are not looked at. `solid`: the name of
-  /// what it is in.
+  /// Adds the faces and lone curves of a shape; edges below faces are not looked at. `solid`: the
+  /// name of what it is in.
   void collect(const TopoDS_Shape& shape, const TopLoc_Location& place, const Within& within,
                const Colours& inherited, const std::string& solid, CadPart& part) const {
     const Attributes* own = within.Seek(shape);
@@ -202,11 +202,13 @@ class Walker {
 
 CadTree tree_of(const Handle(TDocStd_Document) & document) { return Walker(document).walk(); }
 
-Handle(TDocStd_Document) document_of(const std::vector<CadPart>& parts) {
-  const Handle(TDocStd_Document) document = new_document();
+Handle(TDocStd_Document) document_of(const std::vector<CadPart>& parts, double unit_in_metres) {
+  const Handle(TDocStd_Document) document = new_document(unit_in_metres);
   const auto shapes = XCAFDoc_DocumentTool::ShapeTool(document->Main());
   const auto colours = XCAFDoc_DocumentTool::ColorTool(document->Main());
-  const auto text = [](const std::string& s) { return TCollection_ExtendedString(s.c_str(), true); };
+  const auto text = [](const std::string& s) {
+    return TCollection_ExtendedString(s.c_str(), true);
+  };
   const auto describe = [&](const TDF_Label& label, const std::string& name,
                             const std::string& hex_colour, XCAFDoc_ColorType type) {
     if (label.IsNull()) return;

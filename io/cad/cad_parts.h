@@ -36,7 +36,7 @@ struct CadPart {
   std::string name;    ///< of its product, or of its instance where that says more; "" for none
   TopoDS_Shape shape;  ///< at its place
   std::vector<CadFace> faces;
-  std::vector<CadBody> bodies;      ///< those within it that have a name
+  std::vector<CadBody> bodies;       ///< those within it that have a name
   std::vector<CadCurveItem> curves;  ///< those that belong to no face
   std::vector<CadCurveItem> edges;   ///< those of faces that have a name, each once
 };
@@ -50,7 +50,9 @@ struct CadTree {
 /// All instances of a document. O(shapes).
 CadTree tree_of(const Handle(TDocStd_Document) & document);
 
-/// A document with a product for each part: faces have the names and colours that are given.
-Handle(TDocStd_Document) document_of(const std::vector<CadPart>& parts);
+/// A document with a product for each part: faces have the names and colours that are given,
+/// coordinates are in this unit.
+Handle(TDocStd_Document)
+    document_of(const std::vector<CadPart>& parts, double unit_in_metres = 1e-3);
 
 }  // namespace batten

@@ -24,8 +24,8 @@ struct Sheet {
     if (!surface.IsNull()) surface->Bounds(u0, u1, v0, v1);
   }
 
-  /// Distance from `p` to the surface near (u, v): Gauss-Newton steps, shorter and steeper ones where
-  /// they lead away (the parameters of many CAD surfaces are far from even).
+  /// Distance from `p` to the surface near (u, v): Gauss-Newton steps, shorter and steeper ones
+  /// where they lead away (the parameters of many CAD surfaces are far from even).
   double distance(Vec2 uv, const Vec3& p) const {
     gp_Pnt at;
     gp_Vec du, dv;
@@ -36,7 +36,8 @@ struct Sheet {
       Mat2 I;
       I << a.dot(a), a.dot(b), a.dot(b), b.dot(b);
       I.diagonal() *= 1 + damping;
-      if (!(I.determinant() > 1e-20 * I.trace() * I.trace())) I.diagonal().array() += 1e-8 * I.trace();
+      if (!(I.determinant() > 1e-20 * I.trace() * I.trace()))
+        I.diagonal().array() += 1e-8 * I.trace();
       if (!(I.determinant() > 0)) return best;
       const Vec2 move = I.inverse() * Vec2(a.dot(miss), b.dot(miss));
       const Vec2 next(std::clamp(uv[0] + move[0], u0, u1), std::clamp(uv[1] + move[1], v0, v1));

@@ -146,7 +146,7 @@ class Numbering {
       TopExp::Vertices(TopoDS::Edge(edge.Oriented(TopAbs_FORWARD)), first, last);
       const bool point = BRep_Tool::Degenerated(edge);
       for (int k = 0; k < count; ++k)
-        nodes.push_back(k == 0 || point     ? vertex_node(first, at[local(k)])
+        nodes.push_back(k == 0 || point  ? vertex_node(first, at[local(k)])
                         : k == count - 1 ? vertex_node(last, at[local(k)])
                                          : new_node(at[local(k)]));
       if (!point) deviation_ = std::max(deviation_, chord_deviation(edge, *chain, at));
@@ -203,8 +203,7 @@ CadFacets numbered_facets(const std::vector<CadPart>& parts, const TopoDS_Shape&
   for (size_t p = 0; p < parts.size(); ++p) {
     const CadPart& part = parts[p];
     for (TopExp_Explorer s(part.shape, TopAbs_SHELL); s.More(); s.Next()) ++shells;
-    const std::string plain =
-        part.name.empty() ? "part " + std::to_string(p + 1) : part.name;
+    const std::string plain = part.name.empty() ? "part " + std::to_string(p + 1) : part.name;
     for (const CadFace& face : part.faces) {
       if (!numbering.add(face.face)) {
         ++unmeshed;

@@ -23,15 +23,15 @@ std::string format_words(const CadHeader& header) {
   if (header.format == CadFormat::Brep) return "BREP";
   const auto has = [&](const char* word) { return header.schema.find(word) != std::string::npos; };
   return has("AP242") || has("MANAGED_MODEL_BASED_3D") ? "STEP AP242"
-         : has("AUTOMOTIVE_DESIGN")                     ? "STEP AP214"
-         : has("CONFIG_CONTROL_DESIGN")                 ? "STEP AP203"
-                                                        : "STEP " + header.schema;
+         : has("AUTOMOTIVE_DESIGN")                    ? "STEP AP214"
+         : has("CONFIG_CONTROL_DESIGN")                ? "STEP AP203"
+                                                       : "STEP " + header.schema;
 }
 
 void count(std::vector<CadUse>& uses, const std::string& name, int CadUse::*what) {
   if (name.empty()) return;
-  auto at = std::find_if(uses.begin(), uses.end(),
-                         [&](const CadUse& use) { return use.name == name; });
+  auto at =
+      std::find_if(uses.begin(), uses.end(), [&](const CadUse& use) { return use.name == name; });
   if (at == uses.end()) at = uses.insert(at, CadUse{name});
   ++((*at).*what);
 }

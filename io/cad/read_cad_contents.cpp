@@ -17,8 +17,8 @@ CadContents read_cad_contents(const std::filesystem::path& file) {
     try {
       return to_bytes(contents_of(cad));
     } catch (const Standard_Failure& failure) {
-      throw InputError(file.string() + ": OpenCASCADE cannot measure it: " +
-                       failure.GetMessageString());
+      throw InputError(file.string() +
+                       ": OpenCASCADE cannot measure it: " + failure.GetMessageString());
     }
   }));
 }

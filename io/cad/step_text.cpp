@@ -62,7 +62,7 @@ void write_part(const std::filesystem::path& path, const CadPart& part, double t
   occ.set("write.precision.mode", 2);  // the value given next
   occ.set("write.precision.val", tolerance);
   STEPCAFControl_Writer writer;
-  if (!writer.Transfer(document_of({part}), STEPControl_AsIs))
+  if (!writer.Transfer(document_of({part}, occ.unit_in_metres()), STEPControl_AsIs))
     throw Error(path.string() + ": OpenCASCADE cannot turn the surface into STEP");
   // OpenCASCADE counts the products of a process in their names.
   const auto name = text_of(part.name);

@@ -34,9 +34,9 @@ void put_step(STEPControl_Writer& writer, const StepHeader& header, std::ostream
 void save_step(STEPControl_Writer& writer, const std::filesystem::path& path,
                const StepHeader& header);
 
-/// Writes a part as one product (AP214) in the unit of `occ`, with the names and colours of its faces and the
-/// names of their edges. The file declares `tolerance`. Throws Error when OpenCASCADE fails, InputError when the
-/// file cannot be written.
+/// Writes a part as one product (AP214) in the unit of `occ`, with the names and colours of its
+/// faces and the names of their edges. The file declares `tolerance`. Throws Error when OpenCASCADE
+/// fails, InputError when the file cannot be written.
 void write_part(const std::filesystem::path& path, const CadPart& part, double tolerance,
                 const StepHeader& header, OccSettings& occ);
 

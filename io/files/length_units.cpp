@@ -31,8 +31,8 @@ double unit_in_metres(const std::string& unit) {
 
 std::string unit_words(double unit_in_metres) {
   static constexpr std::pair<const char*, double> units[] = {
-      {"mm", 1e-3},     {"cm", 1e-2},   {"m", 1},         {"in", 0.0254},   {"ft", 0.3048},
-      {"um", 1e-6},     {"km", 1e3},    {"mi", 1609.344}, {"mil", 2.54e-5}, {"uin", 2.54e-8}};
+      {"mm", 1e-3}, {"cm", 1e-2}, {"m", 1},         {"in", 0.0254},   {"ft", 0.3048},
+      {"um", 1e-6}, {"km", 1e3},  {"mi", 1609.344}, {"mil", 2.54e-5}, {"uin", 2.54e-8}};
   for (const auto& [name, metres] : units)
     if (std::abs(unit_in_metres - metres) <= 1e-9 * metres) return name;
   return number(unit_in_metres) + " m";

@@ -10,12 +10,13 @@ namespace {
 
 const fs::path kSeeds = fs::path(BATTEN_SOURCE_DIR) / "tests/fuzz/seeds";
 
-const char* const kSquare = "unit = \"mm\"\nname = \"square\"\n"
-                            "[[line]]\nname = \"a\"\npoints = [[0,0,0],[100,0,0]]\n"
-                            "[[line]]\nname = \"b\"\npoints = [[100,0,0],[100,100,0]]\n"
-                            "[[line]]\nname = \"c\"\npoints = [[100,100,0],[0,100,0]]\n"
-                            "[[line]]\nname = \"d\"\npoints = [[0,100,0],[0,0,0]]\n"
-                            "[output]\nstep = \"s.step\"\n";
+const char* const kSquare =
+    "unit = \"mm\"\nname = \"square\"\n"
+    "[[line]]\nname = \"a\"\npoints = [[0,0,0],[100,0,0]]\n"
+    "[[line]]\nname = \"b\"\npoints = [[100,0,0],[100,100,0]]\n"
+    "[[line]]\nname = \"c\"\npoints = [[100,100,0],[0,100,0]]\n"
+    "[[line]]\nname = \"d\"\npoints = [[0,100,0],[0,0,0]]\n"
+    "[output]\nstep = \"s.step\"\n";
 
 bool says(const std::string& text, const std::string& part) {
   INFO(text << "\nexpected: " << part);
@@ -25,8 +26,9 @@ bool says(const std::string& text, const std::string& part) {
 }
 
 /// The text of a tetrahedron with groups, as OBJ.
-const char* const kTetrahedron = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\ng base\nf 1 3 2\n"
-                                 "g sides\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
+const char* const kTetrahedron =
+    "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\ng base\nf 1 3 2\n"
+    "g sides\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
 
 }  // namespace
 
@@ -36,11 +38,12 @@ TEST_CASE("what a scene writes is told by info and converted with its names", "[
   REQUIRE(c.run({"run", "s.toml", "--out", "out"}).code == 0);
   const Result info = c.run({"info", "out/s.step"});
   CHECK(info.code == 0);
-  for (const char* part : {"STEP AP214, in mm: 1 product, 1 face", "part 'square', 1 face",
-                           "name 'square': 1 face", "name 'a': 1 edge", "area 10000 mm²",
-                           "valid, area 10000"})
+  for (const char* part :
+       {"STEP AP214, in mm: 1 product, 1 face", "part 'square', 1 face", "name 'square': 1 face",
+        "name 'a': 1 edge", "area 10000 mm²", "valid, area 10000"})
     says(info.out, part);
-  const Result step = c.run({"convert", "out/s.step", "t.stp", "--schema", "ap242", "--unit", "inch"});
+  const Result step =
+      c.run({"convert", "out/s.step", "t.stp", "--schema", "ap242", "--unit", "inch"});
   INFO(step.err);
   CHECK(step.code == 0);
   says(step.out, "written     t.stp: STEP AP242, in in: 1 product, 1 face");
@@ -49,6 +52,14 @@ TEST_CASE("what a scene writes is told by info and converted with its names", "[
   CHECK(iges.code == 0);
   says(iges.err, "IGES has no names of edges between faces: 4 are lost");
   says(c.run({"info", "t.igs"}).out, "name 'square': 1 face");
+  // A scene in metres is one in the file too.
+  std::string metres = kSquare;
+  metres.replace(metres.find("mm"), 2, "m");
+  c.file("m.toml", metres);
+  REQUIRE(c.run({"run", "m.toml", "--out", "m"}).code == 0);
+  const std::string large = c.run({"info", "m/s.step"}).out;
+  says(large, "STEP AP214, in m: 1 product, 1 face");
+  says(large, "area 10000 m²");
   // Lines of the file, by their names; and the same surface again from them.
   const Result lines = c.run({"convert", "out/s.step", "lines.csv"});
   CHECK(lines.code == 0);
@@ -104,7 +115,8 @@ TEST_CASE("meshes are converted into each other, with their groups", "[cli][conv
 
 TEST_CASE("lines are converted into each other and into CAD", "[cli][convert]") {
   const Case c("convert_lines");
-  c.file("l.csv", "name,x,y,z\nrail,0,0,0\nrail,10,0,0\nrail,20,5,0\nrail,30,5,1\nrib,0,0,0\nrib,0,7,0\n");
+  c.file("l.csv",
+         "name,x,y,z\nrail,0,0,0\nrail,10,0,0\nrail,20,5,0\nrail,30,5,1\nrib,0,0,0\nrib,0,7,0\n");
   const Result step = c.run({"convert", "l.csv", "l.step", "--from-unit", "cm", "--unit", "mm"});
   INFO(step.err);
   CHECK(step.code == 0);
@@ -155,8 +167,9 @@ TEST_CASE("real CAD files keep their contents in every format", "[cli][convert]"
   const Case c("convert_real");
   const Result info = c.run({"info", (data / "dm1-id-214.stp").string()});
   says(info.out, "STEP AP214, in in: 8 products, 7 solids, 48 faces, closed");
-  says(info.out, "    part 'bolt' as 'bolt_4', 1 solid, 5 faces, at (0.39587, -0.334646, 1.37795), "
-                 "#ffa800");
+  says(info.out,
+       "    part 'bolt' as 'bolt_4', 1 solid, 5 faces, at (0.39587, -0.334646, 1.37795), "
+       "#ffa800");
   for (const std::string part : {"dm1-id-214", "io1-cm-214"})
     for (const std::string to : {"a.step", "a.iges", "a.brep", "a.stl", "a.glb"}) {
       INFO(part << " to " << to);

@@ -40,8 +40,7 @@ std::string use_words(const CadUse& use) {
   std::string text;
   for (const auto& [count, noun] :
        {std::pair(use.products, "product"), std::pair(use.solids, "solid"),
-        std::pair(use.faces, "face"), std::pair(use.edges, "edge"),
-        std::pair(use.curves, "curve")})
+        std::pair(use.faces, "face"), std::pair(use.edges, "edge"), std::pair(use.curves, "curve")})
     if (count > 0) text += (text.empty() ? "" : ", ") + counted(count, noun);
   return text;
 }
@@ -58,8 +57,7 @@ std::string uses_text(const std::string& what, const std::vector<CadUse>& uses) 
 
 std::string contents_words(const CadContents& c) {
   std::string text = c.format + ", " + (c.unit_stated ? "in " : "taken as ") +
-                     unit_words(c.unit_in_metres) + ": " +
-                     counted(count_of(c.products), "product");
+                     unit_words(c.unit_in_metres) + ": " + counted(count_of(c.products), "product");
   if (c.solids) text += ", " + counted(c.solids, "solid");
   if (c.faces) text += ", " + counted(c.faces, "face") + closed_words(c);
   if (c.curves) text += ", " + counted(c.curves, "curve");

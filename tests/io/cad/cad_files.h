@@ -70,9 +70,9 @@ inline fs::path written(const fs::path& file, const CadPart& part, double unit_i
 
 /// A block of 40 x 30 x 20 mm with a hole of radius 5.
 inline TopoDS_Shape drilled_block() {
-  return BRepAlgoAPI_Cut(BRepPrimAPI_MakeBox(40, 30, 20).Shape(),
-                         BRepPrimAPI_MakeCylinder(gp_Ax2(gp_Pnt(20, 15, -1), gp_Dir(0, 0, 1)), 5, 30)
-                             .Shape())
+  return BRepAlgoAPI_Cut(
+             BRepPrimAPI_MakeBox(40, 30, 20).Shape(),
+             BRepPrimAPI_MakeCylinder(gp_Ax2(gp_Pnt(20, 15, -1), gp_Dir(0, 0, 1)), 5, 30).Shape())
       .Shape();
 }
 

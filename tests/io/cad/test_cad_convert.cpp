@@ -5,8 +5,8 @@
 #include <map>
 
 #include "batten/core/errors.h"
-#include "batten/io/cad/read_cad_contents.h"
 #include "batten/io/cad/continuity.h"
+#include "batten/io/cad/read_cad_contents.h"
 #include "batten/io/files/length_units.h"
 #include "batten/io/lines/cad_lines.h"
 #include "batten/tests/io/cad/cad_files.h"
@@ -34,8 +34,8 @@ void check_same(const CadContents& a, const CadContents& b) {
   CHECK(b.volume * std::pow(unit, 3) == Approx(a.volume).epsilon(1e-7));
 }
 
-/// Two blocks, one of them moved and turned, as an assembly "pair" of instances "left" and "right"; the block
-/// is on the layer "metal".
+/// Two blocks, one of them moved and turned, as an assembly "pair" of instances "left" and "right";
+/// the block is on the layer "metal".
 Handle(TDocStd_Document) pair_of_blocks(TopoDS_Shape& whole) {
   const Handle(TDocStd_Document) document = document_of({painted("block", drilled_block())});
   const auto shapes = XCAFDoc_DocumentTool::ShapeTool(document->Main());
@@ -97,7 +97,8 @@ TEST_CASE("names in other alphabets survive in STEP") {
   CHECK(faces_by_name(read.names).count("Größe 山") == 1);
 }
 
-TEST_CASE("an assembly keeps its instances, their places and layers in STEP, and its solids in IGES") {
+TEST_CASE(
+    "an assembly keeps its instances, their places and layers in STEP, and its solids in IGES") {
   const fs::path folder = scratch("cad_assembly");
   TopoDS_Shape whole;
   const auto document = pair_of_blocks(whole);
@@ -156,8 +157,8 @@ TEST_CASE("the same part in mm, m and inches has the same geometry, and files de
       }
       CHECK(largest < 1e-7);
       // And written in that unit at once.
-      const CadContents direct =
-          read_cad_contents(written(folder / (std::string("direct_") + word + ending), part, metres));
+      const CadContents direct = read_cad_contents(
+          written(folder / (std::string("direct_") + word + ending), part, metres));
       CHECK(direct.size == Approx(c.after.size).epsilon(1e-9));
     }
 }

@@ -2,9 +2,9 @@
 #include <random>
 
 #include "batten/core/errors.h"
-#include "batten/io/cad/read_cad_contents.h"
 #include "batten/io/cad/cad_convert.h"
 #include "batten/io/cad/facets_of_cad.h"
+#include "batten/io/cad/read_cad_contents.h"
 #include "batten/tests/io/cad/cad_files.h"
 #include "batten/tests/refusal.h"
 
@@ -62,9 +62,9 @@ TEST_CASE("bytes at random, renamed text and impossible counts are refused as CA
       check_refused(file, bytes);
     }
   }
-  const std::string brep =
-      bytes_of(written(folder / "b.brep", painted("block", drilled_block())));
-  for (const std::string section : {"Locations ", "Curve2ds ", "Curves ", "Surfaces ", "TShapes "}) {
+  const std::string brep = bytes_of(written(folder / "b.brep", painted("block", drilled_block())));
+  for (const std::string section :
+       {"Locations ", "Curve2ds ", "Curves ", "Surfaces ", "TShapes "}) {
     const size_t at = brep.find("\n" + section) + 1 + section.size();
     std::string huge = brep;
     huge.replace(at, brep.find('\n', at) - at, "2000000000");
@@ -82,7 +82,8 @@ TEST_CASE("damaged bytes in sound CAD files are read or refused, and bring nothi
         bytes_of(written(folder / ("a" + ending), painted("block", drilled_block())));
     for (int k = 0; k < 15; ++k) {
       std::string bytes = whole;
-      for (int i = 0; i < 3; ++i) bytes[random() % bytes.size()] = static_cast<char>('0' + random() % 10);
+      for (int i = 0; i < 3; ++i)
+        bytes[random() % bytes.size()] = static_cast<char>('0' + random() % 10);
       const fs::path file = folder / ("bad" + ending);
       std::ofstream(file, std::ios::binary) << bytes;
       try {

@@ -1,4 +1,5 @@
-// Triangles of CAD faces: closed where shapes are, as near as they are said to be, in groups by name.
+// Triangles of CAD faces: closed where shapes are, as near as they are said to be, in groups by
+// name.
 #include "batten/io/cad/facets_of_cad.h"
 
 #include <BRepBuilderAPI_MakeFace.hxx>
@@ -12,9 +13,9 @@
 #include <numbers>
 
 #include "batten/core/errors.h"
-#include "batten/io/cad/read_cad_contents.h"
 #include "batten/io/cad/cad_convert.h"
 #include "batten/io/cad/occ_settings.h"
+#include "batten/io/cad/read_cad_contents.h"
 #include "batten/tests/io/cad/cad_files.h"
 #include "batten/tests/refusal.h"
 
@@ -77,9 +78,9 @@ TEST_CASE("triangles of closed solids have no free edge and the solid's volume")
       {"cone", BRepPrimAPI_MakeCone(8, 0, 20).Shape()},
       {"torus", BRepPrimAPI_MakeTorus(20, 6).Shape()},
       {"filleted", filleted_block()},
-      {"fused", BRepAlgoAPI_Fuse(BRepPrimAPI_MakeSphere(10).Shape(),
-                                 BRepPrimAPI_MakeCylinder(4, 25).Shape())
-                    .Shape()}};
+      {"fused",
+       BRepAlgoAPI_Fuse(BRepPrimAPI_MakeSphere(10).Shape(), BRepPrimAPI_MakeCylinder(4, 25).Shape())
+           .Shape()}};
   for (const auto& [name, shape] : solids)
     for (const std::string ending : {".step", ".iges"}) {
       const fs::path file = folder / (name + ending);
@@ -97,7 +98,8 @@ TEST_CASE("triangles of closed solids have no free edge and the solid's volume")
 
 TEST_CASE("the deviation that is told is that of the sphere, and follows the chord") {
   const fs::path folder = scratch("facets_sphere");
-  const fs::path file = written(folder / "a.step", painted("ball", BRepPrimAPI_MakeSphere(10).Shape()));
+  const fs::path file =
+      written(folder / "a.step", painted("ball", BRepPrimAPI_MakeSphere(10).Shape()));
   double last = 1;
   for (const double chord : {0.3, 0.1, 0.03}) {
     CadFacetOptions options;
@@ -110,7 +112,8 @@ TEST_CASE("the deviation that is told is that of the sphere, and follows the cho
                  c = facets.mesh.points.row(n[2]);
       for (int i = 0; i <= 12; ++i)
         for (int j = 0; i + j <= 12; ++j)
-          largest = std::max(largest, std::abs(10 - ((i * a + j * b + (12 - i - j) * c) / 12).norm()));
+          largest =
+              std::max(largest, std::abs(10 - ((i * a + j * b + (12 - i - j) * c) / 12).norm()));
     }
     INFO(chord);
     CHECK(facets.deviation <= chord);
@@ -146,7 +149,8 @@ TEST_CASE("an open shell is free along its rims only, and faces apart are not jo
   BRep_Builder builder;
   builder.MakeCompound(two);
   builder.Add(two, BRepPrimAPI_MakeCylinder(10, 20).Face());
-  builder.Add(two, BRepBuilderAPI_MakeFace(gp_Pln(gp_Pnt(100, 0, 0), gp_Dir(0, 0, 1)), 0, 5, 0, 5).Face());
+  builder.Add(
+      two, BRepBuilderAPI_MakeFace(gp_Pln(gp_Pnt(100, 0, 0), gp_Dir(0, 0, 1)), 0, 5, 0, 5).Face());
   const CadFacets facets = facets_of_cad(written(folder / "a.step", painted("two", two)));
   CHECK(facets.cracks == 0);
   CHECK(facets.free_edges > 20);
