@@ -11,7 +11,7 @@ const CadCalls& cad_calls() {
     const auto file = module_file(name);
     if (file.empty())
       throw InputError(name + ": not found beside the program or in " BATTEN_LIBDIR
-                              "/batten, expected for STEP and IGES files");
+                              "/batten, expected for CAD files");
     return *reinterpret_cast<const CadCalls* (*)()>(module_entry(file, "batten_cad"))();
   }();
   return calls;

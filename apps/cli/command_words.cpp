@@ -19,8 +19,7 @@ const CLI::Validator kPositive(
     "POSITIVE");
 
 void add_common(CLI::App* sub, CommonWords& common) {
-  sub->add_option("--threads", common.threads,
-                  "Threads to use; the number of cores unless given")
+  sub->add_option("--threads", common.threads, "Threads to use; the number of cores unless given")
       ->check(CLI::Range(1, 1024));
   sub->add_option("--memory", common.memory,
                   "GB that may be used; what is there unless given. More is refused beforehand")

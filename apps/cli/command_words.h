@@ -55,7 +55,8 @@ CLI::Option* repeated(CLI::Option* option);
 /// Adds the unit of lengths.
 void add_unit(CLI::App* sub, std::string& unit);
 
-/// Prints the text of a result, its warnings and the promises that it missed; returns the exit code.
+/// Prints the text of a result, its warnings and the promises that it missed; returns the exit
+/// code.
 int finish(const RunReport& report, const std::string& text, const CommonWords& common);
 
 }  // namespace batten

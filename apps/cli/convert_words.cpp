@@ -9,7 +9,8 @@ namespace batten {
 Command add_convert(CLI::App& app, CommonWords& common) {
   const auto task = std::make_shared<ConvertTask>();
   auto* sub = app.add_subcommand(
-      "convert", "A file of another kind: CAD to CAD or to triangles, meshes to meshes, lines to lines");
+      "convert",
+      "A file of another kind: CAD to CAD or to triangles, meshes to meshes, lines to lines");
   const auto unit = [&](const char* name, std::string& value, const char* what) {
     sub->add_option(name, value, what)
         ->transform(CLI::Transformer({{"inch", "in"}}))

@@ -54,9 +54,8 @@ Command add_sequence(CLI::App& app, CommonWords& common) {
       "Make these frames only, FIRST:LAST from 1: runs of a job array share the work");
   add_common(sub, common);
   return {sub, [words, &common] {
-            const auto report =
-                run_sequence(read_sequence_scene(words->file), words->out, words->sequence,
-                             terminal_progress(common.quiet));
+            const auto report = run_sequence(read_sequence_scene(words->file), words->out,
+                                             words->sequence, terminal_progress(common.quiet));
             return finish(report, summary(report, words->out), common);
           }};
 }

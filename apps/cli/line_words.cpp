@@ -1,7 +1,7 @@
 // The words of `batten skin`, `batten info` and `batten view`, which take files of lines.
+#include <iostream>
 #include "batten/apps/cli/command_words.h"
 #include "batten/apps/cli/terminal.h"
-#include <iostream>
 
 #include "batten/apps/commands/info.h"
 #include "batten/apps/commands/runs/run_parts.h"

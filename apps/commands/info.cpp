@@ -191,7 +191,8 @@ std::string step_text(const std::filesystem::path& file, const std::string& unit
          number(step.area) + "\n";
 }
 
-// What a CAD file holds, and how its faces meet; its lines too where they are few or all that there is.
+// What a CAD file holds, and how its faces meet; its lines too where they are few or all that there
+// is.
 std::string cad_text(const std::filesystem::path& file, const std::string& unit) {
   const CadContents contents = cad_calls().read_cad_contents(file);
   std::string text = contents_text(contents);

@@ -9,9 +9,10 @@
 namespace batten {
 
 /// Describes a scene (.toml) by its lines and parameters; a file of points, CAD, drawings or
-/// sketches by its lines with lengths, ends, planes and how they were read; a STEP file with faces
-/// also by its contents and whether it is valid; a mesh, or a deforming one, by what is in it. `unit` is that of lengths in the text, and of
-/// files of points; a scene has its own. Throws InputError.
+/// sketches by its lines with lengths, ends, planes and how they were read; a CAD file by its unit,
+/// products, names, colours and layers, and how its faces meet; a STEP file also by whether it is
+/// valid; a mesh, or a deforming one, by what is in it. `unit` is that of lengths in the text, and
+/// of files of points; a scene has its own. Throws InputError.
 std::string file_info(const std::filesystem::path& file, const std::string& unit);
 
 /// Draws the lines of a scene or a file as they were read, with their points and curvature combs,

@@ -1,7 +1,6 @@
 // What is in a CAD file: products and their places, names, colours, layers, unit, counts.
 #pragma once
 
-#include <filesystem>
 #include <string>
 #include <utility>
 #include <vector>
@@ -10,23 +9,27 @@
 
 namespace batten {
 
-/// One place of a product: an assembly, a part of it, or a shape that stands alone. A product that is
-/// used three times is there three times.
+/// One place of a product: an assembly, a part of it, or a shape that stands alone. A product that
+/// is used three times is there three times.
 struct CadProduct {
   std::string name;   ///< of the product; "" for none
   std::string place;  ///< the name of this instance where it has another one
   int level = 0;      ///< how deep it is in the assembly, 0 at the top
   bool assembly = false;
-  Vec3 shift = Vec3::Zero();  ///< where its origin lies in the whole, the file's unit
-  double turn_deg = 0;        ///< by how much it is turned in the whole
-  std::string colour;         ///< its own, "#rrggbb"; "" for none
-  int solids = 0, faces = 0;  ///< 0 of an assembly
+  Vec3 shift = Vec3::Zero();              ///< where its origin lies in the whole, the file's unit
+  double turn_deg = 0;                    ///< by how much it is turned in the whole
+  std::string colour;                     ///< its own, "#rrggbb"; "" for none
+  int solids = 0, faces = 0, curves = 0;  ///< 0 of an assembly
 };
 
-/// A name, colour or layer, and how many faces and curves have it; of a layer also products.
+/// A name, colour or layer, and what has it.
 struct CadUse {
   std::string name;
-  int products = 0, faces = 0, curves = 0;
+  int products = 0;  ///< of a layer
+  int solids = 0;    ///< solids and shells within a product
+  int faces = 0;
+  int edges = 0;   ///< edges of faces
+  int curves = 0;  ///< edges that belong to no face
 };
 
 /// What is in a CAD file. Lengths are in the file's own unit; instances count each.
@@ -36,23 +39,17 @@ struct CadContents {
   bool unit_stated = false;      ///< whether the file says it
   std::vector<std::string> notes;
   std::vector<CadProduct> products;
-  std::vector<CadUse> names;    ///< of faces and curves, in the file's order
+  std::vector<CadUse> names;    ///< of all but products, in the file's order
   std::vector<CadUse> colours;  ///< "#rrggbb" as faces and curves have it, own or inherited
   std::vector<CadUse> layers;
   int solids = 0, shells = 0, faces = 0, edges = 0;
   int closed_shells = 0;  ///< shells without a rim
   int curves = 0;         ///< edges that belong to no face
   double area = 0;
+  double loose_area =
+      0;              ///< lengths of edges times their tolerances: by so much trims are not known
   double volume = 0;  ///< of all solids, unit³
   double size = 0;    ///< diagonal of the box around all
 };
-
-/// Reads a STEP, IGES or BREP file with its attributes. Colours of products come down to their faces
-/// and curves unless these have their own. Throws InputError as read_cad_lines() does of files and
-/// entities. Costs a reading of the file, 0.1 s a MB, and twice as long for areas and volumes.
-CadContents read_cad_contents(const std::filesystem::path& file);
-
-/// The unit's name, "mm", "in"; "0.002 m" for one without a name.
-std::string unit_words(double unit_in_metres);
 
 }  // namespace batten

@@ -5,13 +5,16 @@
 #include <RWGltf_CafWriter.hxx>
 #include <Standard_Failure.hxx>
 #include <TColStd_IndexedDataMapOfStringString.hxx>
+#include <algorithm>
 #include <sstream>
 
 #include "batten/core/errors.h"
 #include "batten/io/cad/cad_contents_bytes.h"
 #include "batten/io/cad/cad_mesher.h"
 #include "batten/io/cad/cad_writer.h"
+#include "batten/io/cad/measure_contents.h"
 #include "batten/io/cad/occ_settings.h"
+#include "batten/io/cad/read_cad_contents.h"
 #include "batten/io/cad/step_text.h"
 #include "batten/io/files/in_child.h"
 #include "batten/io/files/text.h"
@@ -21,8 +24,11 @@ namespace batten {
 namespace fs = std::filesystem;
 namespace {
 
-double unit_of(const CadConvertOptions& options, const CadHeader& header) {
-  return options.unit_in_metres > 0 ? options.unit_in_metres : header.unit_in_metres;
+/// The unit of the file that is written. BREP states none: programs take its numbers for
+/// millimetres.
+double unit_of(const CadConvertOptions& options, const fs::path& to, double unit_of_source) {
+  if (options.unit_in_metres > 0) return options.unit_in_metres;
+  return lower_extension(to).starts_with(".br") ? 1e-3 : unit_of_source;
 }
 
 /// What `work` makes of a file, in a child: it sends the contents and what else is asked for.
@@ -37,8 +43,8 @@ std::string in_child(const fs::path& from, const Work& work) {
           const std::string contents = to_bytes(contents_of(cad));
           return std::to_string(contents.size()) + "\n" + contents + work(cad);
         } catch (const Standard_Failure& failure) {
-          throw InputError(from.string() + ": OpenCASCADE cannot convert it: " +
-                           failure.GetMessageString());
+          throw InputError(from.string() +
+                           ": OpenCASCADE cannot convert it: " + failure.GetMessageString());
         }
       },
       20);
@@ -52,26 +58,40 @@ CadContents take_contents(std::string& bytes) {
   return contents;
 }
 
+/// What IGES cannot hold.
+void add_iges_notes(CadConversion& c) {
+  int edges = 0;
+  for (const CadUse& use : c.before.names) edges += use.edges;
+  if (edges > 0)
+    c.notes.push_back("IGES has no names of edges between faces: " + std::to_string(edges) +
+                      " are lost");
+  if (std::any_of(c.before.products.begin(), c.before.products.end(),
+                  [](const CadProduct& product) { return product.assembly; }))
+    c.notes.push_back("IGES has no assemblies: parts are solids at their places, by their names");
+}
+
 CadConversion to_cad(const fs::path& from, const fs::path& to, const CadConvertOptions& options) {
   CadWriteOptions how{cad_format(to), options.ap242, 1e-3, to.stem().string()};
   std::string bytes = in_child(from, [&](const CadFile& cad) {
-    how.unit_in_metres = unit_of(options, cad.header);
+    how.unit_in_metres = unit_of(options, to, cad.header.unit_in_metres);
     return cad_text(cad.document, cad.shape, how);
   });
   CadConversion result;
   result.before = take_contents(bytes);
-  result.unit_in_metres =
-      options.unit_in_metres > 0 ? options.unit_in_metres : result.before.unit_in_metres;
+  result.unit_in_metres = unit_of(options, to, result.before.unit_in_metres);
   WholeFile file(to);
   write_whole_file(file.temporary(), [&](std::ostream& out) { out << bytes; });
   result.after = read_cad_contents(file.temporary());
   file.commit();
+  if (how.format == CadFormat::Iges) add_iges_notes(result);
   if (how.format == CadFormat::Brep) {
     if (!result.before.names.empty() || !result.before.colours.empty() ||
         result.before.products.size() > 1 || !result.before.layers.empty())
-      result.notes.push_back("BREP holds shapes only: names, colours, layers and products are lost");
+      result.notes.push_back(
+          "BREP holds shapes only: names, colours, layers and products are lost");
     // It is read back as millimetres whatever its numbers are.
     result.after.unit_in_metres = result.unit_in_metres;
+    result.after.notes.clear();
   }
   return result;
 }
@@ -92,8 +112,9 @@ CadConversion to_glb(const fs::path& from, const fs::path& to, const CadConvertO
   const Unfinished beside(file.temporary().string() + ".bin.tmp");  // the writer's own
   std::string bytes = in_child(from, [&](const CadFile& cad) {
     const JoinedParts joined = joined_parts(cad);
-    const CadFacets facets = mesh_parts(joined.parts, joined.size,
-                                        options.chord * unit_of(options, cad.header) / 1e-3);
+    const CadFacets facets =
+        mesh_parts(joined.parts, joined.size,
+                   options.chord * unit_of(options, to, cad.header.unit_in_metres) / 1e-3);
     if (facets.mesh.face_count() == 0)
       throw InputError(from.string() + ": found " + cad.found +
                        " and no face, expected some to mesh");
@@ -106,8 +127,7 @@ CadConversion to_glb(const fs::path& from, const fs::path& to, const CadConvertO
   });
   CadConversion result;
   result.before = take_contents(bytes);
-  result.unit_in_metres =
-      options.unit_in_metres > 0 ? options.unit_in_metres : result.before.unit_in_metres;
+  result.unit_in_metres = unit_of(options, to, result.before.unit_in_metres);
   std::istringstream in(bytes);
   in >> result.size >> result.chord >> result.deviation >> result.triangles >> result.cracks >>
       result.unmeshed;

@@ -10,9 +10,10 @@
 namespace batten {
 
 struct CadConvertOptions {
-  double unit_in_metres = 0;  ///< of the file that is written; 0: that of the file that is read
+  double unit_in_metres = 0;  ///< of the file that is written; 0: that of the file read, of BREP mm
   bool ap242 = false;         ///< STEP AP242 instead of AP214
-  double chord = 0;  ///< glTF: largest distance of triangles from faces, that unit; 0: 1e-3 of the size
+  double chord =
+      0;  ///< glTF: largest distance of triangles from faces, that unit; 0: 1e-3 of the size
 };
 
 /// What was read, and what the file that was written is when it is read back.
@@ -27,16 +28,17 @@ struct CadConversion {
 
 /// Reads a STEP, IGES or BREP file and writes it by the ending of `to`:
 ///
-///   .step .stp    AP214, or AP242: exact; products, instances, names and colours of faces, curves and
-///                 products, layers; coordinates with all digits; the unit is declared
-///   .iges .igs    boundary representation (5.3); names, colours, layers; instances become shapes of
-///                 their own; the unit is declared
+///   .step .stp    AP214, or AP242: exact; products, instances, names and colours of faces, curves
+///                 and products, layers; coordinates with all digits; the unit is declared
+///   .iges .igs    boundary representation (5.3); names, colours, layers; instances become shapes
+///                 of their own; the unit is declared
 ///   .brep .brp    shapes only: no names, no colours, and no unit, which programs take for mm
-///   .glb          triangles by products with their names and colours of faces; glTF is in metres, y up
+///   .glb          triangles by products with their names, in the colours of the faces; glTF is in
+///                 metres, y up
 ///
-/// The file appears whole or not at all. Throws InputError as read_cad_lines() does of the file that is
-/// read, another ending, a unit that CAD files cannot have, what WholeFile throws; Error when
-/// OpenCASCADE cannot write it. Takes about 0.3 s a MB.
+/// The file appears whole or not at all. Throws InputError as read_cad_lines() does of the file
+/// that is read, another ending, a unit that CAD files cannot have, what WholeFile throws; Error
+/// when OpenCASCADE cannot write it. Takes about 0.3 s a MB.
 CadConversion convert_cad(const std::filesystem::path& from, const std::filesystem::path& to,
                           const CadConvertOptions& options = {});
 

@@ -1,7 +1,6 @@
-// Meshes of CAD shapes: triangles that are within a chord tolerance of the faces and hang together.
+// Triangles of CAD faces, and what was measured on them.
 #pragma once
 
-#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -12,17 +11,13 @@ namespace batten {
 
 /// The triangles of the faces that have this name and colour.
 struct FacetGroup {
-  std::string name;    ///< of the faces, else of their part, else "part 1" …
+  std::string name;    ///< of the faces, else of their solid, of their part, "part 1" …
   std::string colour;  ///< "#rrggbb"; "" for none
   std::vector<int> triangles;
 };
 
-struct CadFacetOptions {
-  double unit_in_metres = 0;  ///< of the mesh; 0: the file's own
-  double chord = 0;           ///< largest distance from the faces, that unit; 0: 1e-3 of the size
-};
-
-/// Triangles of all faces of a file, and what was measured on them. Lengths are in the unit asked for.
+/// Triangles of all faces of a file, and what was measured on them. Lengths are in the unit asked
+/// for.
 struct CadFacets {
   ShellMesh mesh;  ///< triangles; normals outwards where the file's faces have them so
   std::vector<FacetGroup> groups;
@@ -37,12 +32,5 @@ struct CadFacets {
   int cracks = 0;      ///< those elsewhere: there should be none
   int unmeshed = 0;    ///< faces that got no triangle
 };
-
-/// Reads a STEP, IGES or BREP file and meshes its faces. Faces that share an edge share its nodes; where
-/// edges with one face lie within 1e-5 of the size of each other (all do in IGES), they are made one
-/// before. Finer deflections are tried, four times at most, until `deviation` is below the chord.
-/// Throws InputError as read_cad_lines() does of files and entities, for a file without faces, and
-/// for a chord that is below 1e-7 of the size or not a length.
-CadFacets facets_of_cad(const std::filesystem::path& file, const CadFacetOptions& options = {});
 
 }  // namespace batten

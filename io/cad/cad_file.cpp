@@ -1,18 +1,19 @@
 #include "batten/io/cad/cad_file.h"
 
+#include <BRepTools.hxx>
 #include <BRep_Builder.hxx>
 #include <BinTools.hxx>
-#include <BRepTools.hxx>
 #include <IGESCAFControl_Reader.hxx>
 #include <IGESData_IGESEntity.hxx>
 #include <IGESData_IGESModel.hxx>
 #include <IGESGeom_Line.hxx>
 #include <STEPCAFControl_Reader.hxx>
 #include <STEPControl_Reader.hxx>
-#include <StepData_StepModel.hxx>
 #include <Standard_Failure.hxx>
+#include <StepData_StepModel.hxx>
 #include <StepRepr_RepresentationItem.hxx>
 #include <TCollection_HAsciiString.hxx>
+#include <TDataStd_Name.hxx>
 #include <TopExp.hxx>
 #include <TopoDS.hxx>
 #include <TransferBRep.hxx>
@@ -24,10 +25,9 @@
 #include <algorithm>
 #include <sstream>
 #include <stdexcept>
-#include <utility>
+#include <unordered_map>
 
 #include "batten/core/errors.h"
-#include "batten/io/cad/cad_unit.h"
 #include "batten/io/cad/occ_settings.h"
 #include "batten/io/files/in_child.h"
 #include "batten/io/files/input_file.h"
@@ -53,18 +53,42 @@ std::string label_of(const Handle(Standard_Transient) & entity) {
   return "";
 }
 
-// What every edge is made from, in one pass: TransferReader looks through all entities for each.
-std::vector<std::string> labels_of(const TopTools_IndexedMapOfShape& edges,
-                                   const Handle(Transfer_TransientProcess) & made) {
-  std::vector<std::string> labels(static_cast<size_t>(edges.Extent()));
-  std::vector<char> known(labels.size(), 0);
+/// The labels of entities, by the shapes that were made of them. A shape may lie in several places.
+using Labels = std::unordered_map<const Standard_Transient*, std::string>;
+
+// In one pass: TransferReader looks through all entities for each shape.
+Labels labels_of(const Handle(Transfer_TransientProcess) & made) {
+  Labels labels;
   for (int i = 1; i <= made->NbMapped(); ++i) {
     const TopoDS_Shape shape = TransferBRep::ShapeResult(made, made->Mapped(i));
-    const int edge = shape.IsNull() ? 0 : edges.FindIndex(shape);
-    if (edge == 0 || std::exchange(known[static_cast<size_t>(edge) - 1], 1)) continue;
-    labels[static_cast<size_t>(edge) - 1] = label_of(made->Mapped(i));
+    if (shape.IsNull()) continue;
+    const std::string label = label_of(made->Mapped(i));
+    if (!label.empty() && label != "NONE") labels.try_emplace(shape.TShape().get(), label);
   }
   return labels;
+}
+
+/// Gives the faces, edges, shells and solids of all products the names of the entities that they
+/// were made of. (OpenCASCADE's own way, read.stepcaf.subshapes.name, breaks down over sound
+/// files.)
+void name_parts(const Handle(TDocStd_Document) & document, const Labels& labels) {
+  const auto shapes = XCAFDoc_DocumentTool::ShapeTool(document->Main());
+  TDF_LabelSequence products;
+  shapes->GetShapes(products);
+  for (const TDF_Label& product : products) {
+    if (!XCAFDoc_ShapeTool::IsSimpleShape(product)) continue;
+    const TopoDS_Shape whole = XCAFDoc_ShapeTool::GetShape(product);
+    TopTools_IndexedMapOfShape parts;
+    for (const auto type : {TopAbs_SOLID, TopAbs_SHELL, TopAbs_FACE, TopAbs_EDGE})
+      TopExp::MapShapes(whole, type, parts);
+    for (int p = 1; p <= parts.Extent(); ++p) {
+      const auto label = labels.find(parts(p).TShape().get());
+      if (label == labels.end() || parts(p).IsSame(whole)) continue;
+      const TDF_Label part = shapes->AddSubShape(product, parts(p));
+      if (!part.IsNull())
+        TDataStd_Name::Set(part, TCollection_ExtendedString(label->second.c_str(), true));
+    }
+  }
 }
 
 bool is_geometry(const IGESData_IGESEntity& entity) {
@@ -138,7 +162,12 @@ void transfer_step(STEPCAFControl_Reader& reader, const std::filesystem::path& f
 
 void finish(XSControl_Reader& reader, CadFile& cad) {
   map_shapes(cad);
-  cad.labels = labels_of(cad.edges, reader.WS()->TransferReader()->TransientProcess());
+  const Labels labels = labels_of(reader.WS()->TransferReader()->TransientProcess());
+  for (int e = 1; e <= cad.edges.Extent(); ++e) {
+    const auto label = labels.find(cad.edges(e).TShape().get());
+    cad.labels.push_back(label == labels.end() ? "" : label->second);
+  }
+  name_parts(cad.document, labels);
 }
 
 void read_step(const std::filesystem::path& file, CadFile& cad) {
@@ -163,13 +192,9 @@ void read_brep(const std::filesystem::path& file, CadFile& cad) {
   std::istringstream in(input_bytes(file, "a BREP file"));
   in.imbue(std::locale::classic());
   TopoDS_Shape shape;
-  if (in.str().substr(0, 300).find("Open CASCADE Topology V") != std::string::npos)
-    BinTools::Read(shape, in);
-  else
-    BRepTools::Read(shape, in, BRep_Builder());
+  BRepTools::Read(shape, in, BRep_Builder());
   if (!in || shape.IsNull())
-    throw InputError(file.string() +
-                     ": OpenCASCADE cannot read it; expected a whole BREP file: is it cut short?");
+    throw InputError(file.string() + ": OpenCASCADE cannot read it; expected a sound BREP file");
   cad.found = "a BREP shape";
   BRep_Builder().Add(cad.shape, shape);
   XCAFDoc_DocumentTool::ShapeTool(cad.document->Main())->AddShape(shape, false);
@@ -184,7 +209,6 @@ CadFile read_with_occ(const std::filesystem::path& file, CadFormat format) {
   occ.set_unit("MM");
   // One line an entity, corners in it or not; the default cuts splines at their corners.
   occ.set("read.iges.bspline.continuity", 0);
-  occ.set("read.stepcaf.subshapes.name", 1);
   CadFile cad;
   BRep_Builder().MakeCompound(cad.shape);
   cad.document = new_document();
@@ -234,11 +258,11 @@ CadFile from_bytes(const std::string& bytes) {
 
 }  // namespace
 
-Handle(TDocStd_Document) new_document() {
+Handle(TDocStd_Document) new_document(double unit_in_metres) {
   const Handle(TDocStd_Document) document = new TDocStd_Document("BinXCAF");
   XCAFDoc_DocumentTool::Set(document->Main());
   XCAFDoc_ShapeTool::SetAutoNaming(false);  // no names that nobody gave
-  XCAFDoc_DocumentTool::SetLengthUnit(document, 1e-3);
+  XCAFDoc_DocumentTool::SetLengthUnit(document, unit_in_metres);
   return document;
 }
 
@@ -252,8 +276,8 @@ CadFile read_cad(const std::filesystem::path& file) {
   if (!reads_in_child()) return read_cad_here(file);
   const CadFormat format = cad_format(file);
   check_cad_text(file, format);
-  return from_bytes(bytes_from_child(
-      file, "OpenCASCADE", [&] { return to_bytes(read_with_occ(file, format)); }));
+  return from_bytes(
+      bytes_from_child(file, "OpenCASCADE", [&] { return to_bytes(read_with_occ(file, format)); }));
 }
 
 }  // namespace batten

@@ -8,18 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "batten/io/cad/cad_text.h"
+#include "batten/io/cad/cad_unit.h"
 
 namespace batten {
-
-/// What a file says of itself.
-struct CadHeader {
-  CadFormat format = CadFormat::Step;
-  std::string schema;           ///< of STEP, as the file names it; of IGES the version; else ""
-  double unit_in_metres = 1e-3;  ///< of its lengths
-  bool unit_stated = false;     ///< false where the unit is only what such files mostly have
-  std::string note;             ///< what is odd about its unit; "" for nothing
-};
 
 /// The shapes of a file, in millimetres, and the labels of its edges.
 struct CadFile {
@@ -27,7 +18,8 @@ struct CadFile {
   TopTools_IndexedMapOfShape edges, faces;
   std::vector<std::string> labels;  // label of each edge; "" for none
   std::string found;                // kinds of entities in the file, for messages
-  /// Products with their places, names, colours and layers; and the header. Of read_cad_here() only.
+  /// Products with their places, names, colours and layers; and the header. Of read_cad_here()
+  /// only.
   Handle(TDocStd_Document) document;
   CadHeader header;
 };
@@ -40,7 +32,7 @@ CadFile read_cad(const std::filesystem::path& file);
 /// Throws as read_cad().
 CadFile read_cad_here(const std::filesystem::path& file);
 
-/// An empty document for products and their attributes; its lengths are millimetres.
-Handle(TDocStd_Document) new_document();
+/// An empty document for products and their attributes, with lengths in this unit.
+Handle(TDocStd_Document) new_document(double unit_in_metres = 1e-3);
 
 }  // namespace batten

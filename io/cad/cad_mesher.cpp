@@ -9,7 +9,9 @@
 #include <IMeshTools_Parameters.hxx>
 #include <TopoDS.hxx>
 #include <TopoDS_Compound.hxx>
+#include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include "batten/io/cad/cad_rims.h"
 #include "batten/io/cad/continuity.h"
@@ -33,7 +35,8 @@ double size_of(const TopoDS_Shape& shape) {
   return box.IsVoid() ? 0 : std::sqrt(box.SquareExtent());
 }
 
-/// Faces of IGES files are parts of their own: they become one, with faces that have the parts' names.
+/// Faces of IGES files are parts of their own: they become one, with faces that have the parts'
+/// names.
 void make_one(std::vector<CadPart>& parts) {
   CadPart all;
   all.shape = together(parts);
@@ -55,6 +58,11 @@ void mesh_faces(const TopoDS_Shape& shape, double deflection) {
   BRepMesh_IncrementalMesh(shape, how);
 }
 
+/// Meshes with holes are worse than rough ones.
+std::tuple<int, int, double> worth(const CadFacets& f) {
+  return {f.unmeshed, f.cracks, f.deviation};
+}
+
 }  // namespace
 
 JoinedParts joined_parts(const CadFile& cad) {
@@ -65,7 +73,7 @@ JoinedParts joined_parts(const CadFile& cad) {
   }
   for (CadPart& part : result.parts) {
     const int rims = rims_of(part.shape).Extent();
-    if (part.faces.size() < 2 || rims == 0) continue;
+    if (rims == 0) continue;
     std::vector<CadFace> faces = part.faces;
     const TopoDS_Shape shape = sewn(part.shape, ContinuityOptions{}.sewing * result.size, &faces);
     if (rims_of(shape).Extent() >= rims) continue;  // nothing lies on anything else
@@ -80,16 +88,24 @@ CadFacets mesh_parts(const std::vector<CadPart>& parts, double size, double chor
   const TopoDS_Compound all = together(parts);
   if (!(chord > 0)) chord = 1e-3 * size;
   CadFacets facets;
-  double deflection = chord;
+  double deflection = chord, last = 0, best = 0;
   for (int round = 0; round < 5; ++round) {
-    mesh_faces(all, deflection);
+    mesh_faces(all, last = deflection);
     CadFacets made = numbered_facets(parts, all);
-    const bool better = round == 0 || made.deviation < facets.deviation;
-    if (better) facets = std::move(made);
-    if (facets.deviation <= chord) break;
-    if (!better && round > 1) break;
-    deflection *= std::clamp(0.9 * chord / facets.deviation, 0.1, 0.7);
+    const bool whole = made.unmeshed == 0 && made.cracks == 0;
+    const bool better = round == 0 || worth(made) < worth(facets);
+    const double deviation = made.deviation;
+    if (better) {
+      facets = std::move(made);
+      best = deflection;
+    }
+    if (whole && deviation <= chord) break;
+    if (whole && !better && round > 1) break;
+    // Faces whose borders cross each other in the plane of parameters may do so no more when these
+    // are finer.
+    deflection *= whole ? std::clamp(0.9 * chord / deviation, 0.1, 0.7) : 0.7;
   }
+  if (best != last) mesh_faces(all, best);
   facets.size = size;
   facets.chord = chord;
   return facets;

@@ -17,8 +17,8 @@ struct JoinedParts {
 };
 JoinedParts joined_parts(const CadFile& cad);
 
-/// Meshes the parts, in millimetres, and leaves the triangulations on their shapes; `chord` 0: 1e-3 of
-/// the size. The result lacks contents.
+/// Meshes the parts, in millimetres, and leaves the triangulations on their shapes; `chord` 0: 1e-3
+/// of the size. The result lacks contents.
 CadFacets mesh_parts(const std::vector<CadPart>& parts, double size, double chord);
 
 }  // namespace batten

@@ -3,14 +3,13 @@
 #include <BRep_Tool.hxx>
 #include <NCollection_DataMap.hxx>
 #include <Quantity_Color.hxx>
-#include <TDF_ChildIterator.hxx>
-#include <TDF_Tool.hxx>
 #include <TColStd_HSequenceOfExtendedString.hxx>
 #include <TCollection_AsciiString.hxx>
 #include <TDataStd_Name.hxx>
+#include <TopExp.hxx>
 #include <TopExp_Explorer.hxx>
 #include <TopLoc_Location.hxx>
-#include <TopTools_MapOfShape.hxx>
+#include <TopTools_IndexedMapOfShape.hxx>
 #include <TopTools_ShapeMapHasher.hxx>
 #include <TopoDS.hxx>
 #include <TopoDS_Iterator.hxx>
@@ -22,6 +21,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "batten/core/index.h"
 #include "batten/io/cad/cad_file.h"
 
 namespace batten {
@@ -93,7 +93,7 @@ class Walker {
       const std::string name = utf8(text);
       auto at = std::find_if(tree_.layers.begin(), tree_.layers.end(),
                              [&](const CadUse& use) { return use.name == name; });
-      if (at == tree_.layers.end()) at = tree_.layers.insert(at, CadUse{name, 0, 0, 0});
+      if (at == tree_.layers.end()) at = tree_.layers.insert(at, CadUse{name});
       ++((*at).*what);
     }
   }
@@ -154,27 +154,42 @@ class Walker {
     // A face or an edge that is a product of its own has the product's name.
     const bool single = shape.ShapeType() == TopAbs_FACE || shape.ShapeType() == TopAbs_EDGE;
     if (single && !within.IsBound(shape)) within.Bind(shape, {result.name, {}});
-    collect(shape, place, within, colours, result);
+    collect(shape, place, within, colours, "", result);
+    add_named_edges(shape, place, within, result);
     for (TopExp_Explorer s(shape, TopAbs_SOLID); s.More(); s.Next()) ++of.solids;
-    of.faces = static_cast<int>(result.faces.size());
+    of.faces = count_of(result.faces);
+    of.curves = count_of(result.curves);
     tree_.parts.push_back(std::move(result));
   }
 
   using Within = NCollection_DataMap<TopoDS_Shape, Attributes, TopTools_ShapeMapHasher>;
 
-  /// Adds the faces and lone curves of a shape; edges below faces are not looked at.
+  /// Adds the faces and lone curves of a shape; edges below faces are not looked at. `solid`: the
+  /// name of what it is in.
   void collect(const TopoDS_Shape& shape, const TopLoc_Location& place, const Within& within,
-               const Colours& inherited, CadPart& part) const {
+               const Colours& inherited, const std::string& solid, CadPart& part) const {
     const Attributes* own = within.Seek(shape);
     const Colours colours = own ? own->colours.over(inherited) : inherited;
     const std::string name = own ? own->name : "";
-    if (shape.ShapeType() == TopAbs_FACE)
-      part.faces.push_back({TopoDS::Face(shape.Moved(place)), name, colours.surface});
-    else if (shape.ShapeType() == TopAbs_EDGE)
+    if (shape.ShapeType() == TopAbs_FACE) {
+      part.faces.push_back({TopoDS::Face(shape.Moved(place)), name, colours.surface, solid});
+    } else if (shape.ShapeType() == TopAbs_EDGE) {
       part.curves.push_back({TopoDS::Edge(shape.Moved(place)), name, colours.curve});
-    else
+    } else {
+      if (!name.empty()) part.bodies.push_back({shape.Moved(place), name});
       for (TopoDS_Iterator it(shape); it.More(); it.Next())
-        collect(it.Value(), place, within, colours, part);
+        collect(it.Value(), place, within, colours, name.empty() ? solid : name, part);
+    }
+  }
+
+  static void add_named_edges(const TopoDS_Shape& shape, const TopLoc_Location& place,
+                              const Within& within, CadPart& part) {
+    TopTools_IndexedMapOfShape edges;
+    for (TopExp_Explorer face(shape, TopAbs_FACE); face.More(); face.Next())
+      TopExp::MapShapes(face.Current(), TopAbs_EDGE, edges);
+    for (int e = 1; e <= edges.Extent(); ++e)
+      if (const Attributes* own = within.Seek(edges(e)); own && !own->name.empty())
+        part.edges.push_back({TopoDS::Edge(edges(e).Moved(place)), own->name, own->colours.curve});
   }
 
   Handle(XCAFDoc_ShapeTool) shapes_;
@@ -187,11 +202,13 @@ class Walker {
 
 CadTree tree_of(const Handle(TDocStd_Document) & document) { return Walker(document).walk(); }
 
-Handle(TDocStd_Document) document_of(const std::vector<CadPart>& parts) {
-  const Handle(TDocStd_Document) document = new_document();
+Handle(TDocStd_Document) document_of(const std::vector<CadPart>& parts, double unit_in_metres) {
+  const Handle(TDocStd_Document) document = new_document(unit_in_metres);
   const auto shapes = XCAFDoc_DocumentTool::ShapeTool(document->Main());
   const auto colours = XCAFDoc_DocumentTool::ColorTool(document->Main());
-  const auto text = [](const std::string& s) { return TCollection_ExtendedString(s.c_str(), true); };
+  const auto text = [](const std::string& s) {
+    return TCollection_ExtendedString(s.c_str(), true);
+  };
   const auto describe = [&](const TDF_Label& label, const std::string& name,
                             const std::string& hex_colour, XCAFDoc_ColorType type) {
     if (label.IsNull()) return;
@@ -203,11 +220,15 @@ Handle(TDocStd_Document) document_of(const std::vector<CadPart>& parts) {
   for (const CadPart& part : parts) {
     const TDF_Label product = shapes->AddShape(part.shape, false);
     describe(product, part.name, "", XCAFDoc_ColorSurf);
+    for (const CadBody& body : part.bodies)
+      describe(shapes->AddSubShape(product, body.shape), body.name, "", XCAFDoc_ColorSurf);
     for (const CadFace& face : part.faces)
       describe(shapes->AddSubShape(product, face.face), face.name, face.colour, XCAFDoc_ColorSurf);
     for (const CadCurveItem& curve : part.curves)
       describe(shapes->AddSubShape(product, curve.edge), curve.name, curve.colour,
                XCAFDoc_ColorCurv);
+    for (const CadCurveItem& edge : part.edges)
+      describe(shapes->AddSubShape(product, edge.edge), edge.name, edge.colour, XCAFDoc_ColorCurv);
   }
   return document;
 }

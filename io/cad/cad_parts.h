@@ -12,16 +12,23 @@
 
 namespace batten {
 
-/// A face at its place. Name and colour are "" for none; a colour may be inherited.
+/// A face at its place. Names and colour are "" for none; a colour may be inherited.
 struct CadFace {
   TopoDS_Face face;
   std::string name, colour;
+  std::string solid = {};  ///< the name of the solid or shell that it is in
 };
 
-/// A curve that belongs to no face.
+/// A curve: an edge at its place.
 struct CadCurveItem {
   TopoDS_Edge edge;
   std::string name, colour;
+};
+
+/// A solid or shell within a part, at its place.
+struct CadBody {
+  TopoDS_Shape shape;
+  std::string name;
 };
 
 /// One instance of a shape that is no assembly.
@@ -29,7 +36,9 @@ struct CadPart {
   std::string name;    ///< of its product, or of its instance where that says more; "" for none
   TopoDS_Shape shape;  ///< at its place
   std::vector<CadFace> faces;
-  std::vector<CadCurveItem> curves;
+  std::vector<CadBody> bodies;       ///< those within it that have a name
+  std::vector<CadCurveItem> curves;  ///< those that belong to no face
+  std::vector<CadCurveItem> edges;   ///< those of faces that have a name, each once
 };
 
 struct CadTree {
@@ -41,7 +50,9 @@ struct CadTree {
 /// All instances of a document. O(shapes).
 CadTree tree_of(const Handle(TDocStd_Document) & document);
 
-/// A document with a product for each part: faces have the names and colours that are given.
-Handle(TDocStd_Document) document_of(const std::vector<CadPart>& parts);
+/// A document with a product for each part: faces have the names and colours that are given,
+/// coordinates are in this unit.
+Handle(TDocStd_Document)
+    document_of(const std::vector<CadPart>& parts, double unit_in_metres = 1e-3);
 
 }  // namespace batten

@@ -62,10 +62,10 @@ TopoDS_Shape sewn(const TopoDS_Shape& shape, double tolerance, std::vector<CadFa
   TopExp::MapShapes(result, TopAbs_FACE, found);
   std::vector<CadFace> kept;
   for (const CadFace& face : *faces) {
-    const int at = found.FindIndex(sewing.IsModifiedSubShape(face.face)
-                                       ? sewing.ModifiedSubShape(face.face)
-                                       : TopoDS_Shape(face.face));
-    if (at > 0) kept.push_back({TopoDS::Face(found(at)), face.name, face.colour});
+    const int at =
+        found.FindIndex(sewing.IsModifiedSubShape(face.face) ? sewing.ModifiedSubShape(face.face)
+                                                             : TopoDS_Shape(face.face));
+    if (at > 0) kept.push_back({TopoDS::Face(found(at)), face.name, face.colour, face.solid});
   }
   *faces = std::move(kept);
   return result;

@@ -13,8 +13,9 @@ namespace batten {
 TopTools_IndexedMapOfShape rims_of(const TopoDS_Shape& shape);
 
 /// The shape with edges within `tolerance` of each other made one; faces in `faces` become those of
-/// the result and keep their names; those that sewing drops are left out. Solids become shells, and closed
-/// shells look outwards.
-TopoDS_Shape sewn(const TopoDS_Shape& shape, double tolerance, std::vector<CadFace>* faces = nullptr);
+/// the result and keep their names; those that sewing drops are left out. Solids become shells, and
+/// closed shells look outwards.
+TopoDS_Shape sewn(const TopoDS_Shape& shape, double tolerance,
+                  std::vector<CadFace>* faces = nullptr);
 
 }  // namespace batten

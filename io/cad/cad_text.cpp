@@ -97,12 +97,53 @@ void check_step_text(const std::filesystem::path& file, const std::vector<std::s
                "'; expected 'END-ISO-10303-21;': the file is cut short");
 }
 
-/// The first line that says something names the format: the text one, or one of two binary ones.
+/// A section "NAME COUNT", from line `from` on; its line.
+size_t brep_section(const std::filesystem::path& file, const std::vector<std::string>& lines,
+                    size_t from, const std::string& name, long& count) {
+  for (size_t i = from; i < lines.size(); ++i) {
+    if (!lines[i].starts_with(name + " ")) continue;
+    char* end = nullptr;
+    const std::string text = lines[i].substr(name.size() + 1);
+    count = std::strtol(text.c_str(), &end, 10);
+    // Each item takes a line or more.
+    if (end == text.c_str() || count < 0 || count > static_cast<long>(lines.size() - i))
+      refuse(
+          file, i + 1,
+          "found '" + lines[i].substr(0, 40) + "' before " + std::to_string(lines.size() - i - 1) +
+              " lines; expected a count that they have room for: the file is damaged or cut short");
+    return i;
+  }
+  refuse(file, lines.size(),
+         "the file ends without its section " + name + "; expected one: it is cut short");
+}
+
+/// The first lines name the format. Sections follow each other, each with a count; the list of each
+/// shape ends with '*', and the whole shape stands behind the last.
 void check_brep_text(const std::filesystem::path& file, const std::vector<std::string>& lines) {
-  for (size_t i = 0; i < std::min<size_t>(lines.size(), 4); ++i)
-    if (lines[i].find("CASCADE Topology V") != std::string::npos) return;
-  refuse(file, 1,
-         "found '" + lines[0].substr(0, 40) + "'; expected 'CASCADE Topology V…' of a BREP file");
+  const auto first = std::find_if(
+      lines.begin(), lines.begin() + std::min<long>(4, lines.size()),
+      [](const auto& line) { return line.find("CASCADE Topology V") != std::string::npos; });
+  if (first == lines.begin() + std::min<long>(4, lines.size()))
+    refuse(file, 1,
+           "found '" + lines[0].substr(0, 40) + "'; expected 'CASCADE Topology V…' of a BREP file");
+  if (first->starts_with("Open CASCADE")) refuse(file, 1, "binary BREP; expected the text form");
+  size_t at = 0;
+  long count = 0;
+  for (const char* name : {"Locations", "Curve2ds", "Curves", "Polygon3D",
+                           "PolygonOnTriangulations", "Surfaces", "Triangulations", "TShapes"})
+    at = brep_section(file, lines, at, name, count);
+  long shapes = 0;
+  bool whole = false;  // something stands behind the last '*'
+  for (size_t i = at + 1; i < lines.size(); ++i)
+    for (const char c : lines[i]) {
+      shapes += c == '*';
+      whole = c != '*' && (whole || !std::isspace(static_cast<unsigned char>(c)));
+    }
+  if (shapes != count || count == 0 || !whole)
+    refuse(file, lines.size(),
+           "found " + std::to_string(shapes) + " of " + std::to_string(count) + " shapes" +
+               (whole || shapes != count ? "" : " and not the whole one") +
+               "; expected all: the file is cut short");
 }
 
 }  // namespace

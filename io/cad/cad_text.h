@@ -16,8 +16,8 @@ const std::vector<std::string>& cad_endings();
 /// The format that a file's ending says. Throws InputError for another ending.
 CadFormat cad_format(const std::filesystem::path& file);
 
-/// Throws InputError, with the line, for a file that is not of this format or is cut short where its
-/// text shows that: OpenCASCADE reads what it can of one, and says nothing. O(size).
+/// Throws InputError, with the line, for a file that is not of this format or is cut short where
+/// its text shows that: OpenCASCADE reads what it can of one, and says nothing. O(size).
 void check_cad_text(const std::filesystem::path& file, CadFormat format);
 
 }  // namespace batten

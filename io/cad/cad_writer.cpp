@@ -4,25 +4,46 @@
 #include <BRepBuilderAPI_Transform.hxx>
 #include <BRepTools.hxx>
 #include <Bnd_Box.hxx>
+#include <IGESBasic_Name.hxx>
 #include <IGESCAFControl_Writer.hxx>
 #include <IGESData_GlobalSection.hxx>
+#include <IGESData_IGESEntity.hxx>
 #include <IGESData_IGESModel.hxx>
 #include <IGESData_IGESWriter.hxx>
 #include <IGESSelect_WorkLibrary.hxx>
 #include <STEPCAFControl_Writer.hxx>
 #include <TCollection_HAsciiString.hxx>
+#include <TDataStd_Name.hxx>
 #include <TopoDS_Iterator.hxx>
+#include <TransferBRep.hxx>
+#include <TransferBRep_ShapeMapper.hxx>
+#include <Transfer_FinderProcess.hxx>
+#include <XCAFDoc_DocumentTool.hxx>
+#include <XCAFDoc_ShapeTool.hxx>
 #include <algorithm>
 #include <cmath>
 #include <locale>
 #include <sstream>
 
 #include "batten/core/errors.h"
+#include "batten/io/cad/cad_parts.h"
 #include "batten/io/cad/occ_settings.h"
 #include "batten/io/cad/step_text.h"
 
 namespace batten {
 namespace {
+
+/// Products without a name get the file's: OpenCASCADE would give them its own.
+void name_products(const Handle(TDocStd_Document) & document, const std::string& name) {
+  const auto shapes = XCAFDoc_DocumentTool::ShapeTool(document->Main());
+  TDF_LabelSequence products;
+  shapes->GetShapes(products);
+  for (const TDF_Label& product : products) {
+    Handle(TDataStd_Name) given;
+    if (!product.FindAttribute(TDataStd_Name::GetID(), given) || given->Get().IsEmpty())
+      TDataStd_Name::Set(product, TCollection_ExtendedString(name.c_str(), true));
+  }
+}
 
 std::string step_of(const Handle(TDocStd_Document) & document, const CadWriteOptions& options,
                     OccSettings& occ) {
@@ -30,6 +51,7 @@ std::string step_of(const Handle(TDocStd_Document) & document, const CadWriteOpt
   occ.set("write.step.schema", options.ap242 ? "AP242DIS" : "AP214IS");
   occ.set("write.stepcaf.subshapes.name", 1);
   occ.set("write.surfacecurve.mode", 1);
+  name_products(document, options.name);
   STEPCAFControl_Writer writer;
   if (!writer.Transfer(document, STEPControl_AsIs))
     throw Error("OpenCASCADE cannot turn the shapes into STEP");
@@ -38,19 +60,44 @@ std::string step_of(const Handle(TDocStd_Document) & document, const CadWriteOpt
   return out.str();
 }
 
+Handle(TCollection_HAsciiString) text_of(const std::string& text) {
+  return new TCollection_HAsciiString(text.c_str());
+}
+
+/// The directory has room for eight letters; the property for all of them.
+void name_iges(IGESCAFControl_Writer& writer, const TopoDS_Shape& shape, const std::string& name) {
+  if (name.empty()) return;
+  const auto finder = TransferBRep::ShapeMapper(writer.TransferProcess(), shape);
+  Handle(IGESData_IGESEntity) entity;
+  if (!writer.TransferProcess()->FindTypedTransient(finder, STANDARD_TYPE(IGESData_IGESEntity),
+                                                    entity))
+    return;
+  entity->SetLabel(text_of(name.substr(0, 8)));
+  const Handle(IGESBasic_Name) property = new IGESBasic_Name;
+  property->Init(1, text_of(name));
+  entity->AddProperty(property);
+  writer.AddEntity(property);
+}
+
 std::string iges_of(const Handle(TDocStd_Document) & document, const TopoDS_Shape& shape,
                     const CadWriteOptions& options, OccSettings& occ) {
   occ.set("write.iges.unit", cad_unit(options.unit_in_metres).c_str());
   occ.set("write.iges.brep.mode", 1);
   IGESCAFControl_Writer writer;
+  writer.SetNameMode(false);  // it knows those of products only
   if (!writer.Transfer(document)) throw Error("OpenCASCADE cannot turn the shapes into IGES");
+  for (const CadPart& part : tree_of(document).parts) {
+    name_iges(writer, part.shape, part.name);
+    for (const CadBody& body : part.bodies) name_iges(writer, body.shape, body.name);
+    for (const CadFace& face : part.faces) name_iges(writer, face.face, face.name);
+    for (const CadCurveItem& curve : part.curves) name_iges(writer, curve.edge, curve.name);
+  }
   Bnd_Box box;
   BRepBndLib::Add(shape, box, false);
   double largest = 1;
   if (!box.IsVoid())
     for (const gp_Pnt& p : {box.CornerMin(), box.CornerMax()})
       largest = std::max({largest, std::abs(p.X()), std::abs(p.Y()), std::abs(p.Z())});
-  const auto text_of = [](const std::string& s) { return new TCollection_HAsciiString(s.c_str()); };
   IGESData_GlobalSection header = writer.Model()->GlobalSection();
   header.SetMaxCoord(largest * 1e-3 / options.unit_in_metres);
   header.SetAuthorName(text_of(""));

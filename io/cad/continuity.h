@@ -47,10 +47,10 @@ struct ContinuityReport {
   const EdgeContinuity* worst(EdgeContinuity::Kind kind) const;
 };
 
-/// Reads a STEP or IGES file and measures it. At a point of an edge each face is taken at its nearest
-/// point (Newton's method on the surface); curvature is II/I in the direction across the edge. Throws
-/// InputError as read_cad_lines() does, on options out of range, and for a file without faces. About 0.1 ms
-/// an edge.
+/// Reads a STEP, IGES or BREP file and measures it. At a point of an edge each face is taken at its
+/// nearest point (Newton's method on the surface); curvature is II/I in the direction across the
+/// edge. Throws InputError as read_cad_lines() does, on options out of range, and for a file
+/// without faces. About 0.1 ms an edge.
 ContinuityReport measure_continuity(const std::filesystem::path& file, double model_unit_in_metres,
                                     const ContinuityOptions& options = {});
 

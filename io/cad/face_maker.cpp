@@ -132,6 +132,13 @@ TopoDS_Edge& SharedEdges::edge(const FaceStretch& stretch) {
   return edge(stretch.line, std::max(cut_of(stretch, false), cut_of(stretch, true)));
 }
 
+std::vector<CadCurveItem> SharedEdges::along_lines() const {
+  std::vector<CadCurveItem> result;
+  for (const auto& [place, edge] : edges_)
+    if (!edge.IsNull()) result.push_back({edge, place.first, ""});
+  return result;
+}
+
 // ---- one region -----------------------------------------------------------------------------
 
 FaceMaker::FaceMaker(const SkinnedRegion& region, const StepFaceOptions& options,
@@ -174,6 +181,7 @@ TopoDS_Face FaceMaker::make(double coincidence, SharedEdges* shared) {
   coincidence_ = coincidence;
   shared_ = shared;
   used_.clear();
+  along_lines_.clear();
   const BicubicPatch& patch = fit_.patch;
   const auto [u, u_times] = knots(patch.u);
   const auto [v, v_times] = knots(patch.v);
@@ -303,6 +311,7 @@ TopoDS_Edge FaceMaker::edge(const FaceStretch& stretch, const TopoDS_Vertex& a,
   builder_.SameRange(*result, true);
   builder_.SameParameter(*result, true);
   used_.insert(result->TShape().get());
+  along_lines_.push_back({*result, stretch.line, ""});
   return TopoDS::Edge(result->Oriented(reversed ? TopAbs_REVERSED : TopAbs_FORWARD));
 }
 

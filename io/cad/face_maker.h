@@ -17,6 +17,7 @@
 #include "batten/core/box.h"
 #include "batten/fem/bicubic_patch.h"
 #include "batten/fem/triangle_locator.h"
+#include "batten/io/cad/cad_parts.h"
 #include "batten/io/cad/face_boundary.h"
 #include "batten/io/cad/step_face_options.h"
 
@@ -38,6 +39,8 @@ class SharedEdges {
   /// The edge that ends at this cut, or at the line's end. Its orientation says whether it runs
   /// along the line.
   TopoDS_Edge& edge(const std::string& line, int cut) { return edges_[{line, cut}]; }
+  /// All edges, with the names of their lines.
+  std::vector<CadCurveItem> along_lines() const;
 
  private:
   int cut_of(const FaceStretch& stretch, bool end) const;
@@ -72,6 +75,9 @@ class FaceMaker {
   /// Returns false, and keeps the last fit, when none reaches its goal.
   bool refine(double deviation);
 
+  /// The edges of the last face along lines, with the names of these.
+  const std::vector<CadCurveItem>& along_lines() const { return along_lines_; }
+
   /// Makes the face of the last fit. Its edges along lines with another side are those of `shared`,
   /// or its own when that is null: they are the lines. All others are curves of the face itself,
   /// within `coincidence` of it, model units.
@@ -103,6 +109,7 @@ class FaceMaker {
   TopoDS_Face face_;
   SharedEdges* shared_ = nullptr;
   std::set<const void*> used_;  // edges that the face has
+  std::vector<CadCurveItem> along_lines_;
 };
 
 }  // namespace batten

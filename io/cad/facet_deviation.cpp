@@ -24,24 +24,41 @@ struct Sheet {
     if (!surface.IsNull()) surface->Bounds(u0, u1, v0, v1);
   }
 
-  /// Distance from `p` to the surface near (u, v).
-  double distance(double u, double v, const Vec3& p) const {
-    double best = std::numeric_limits<double>::infinity();
+  /// Distance from `p` to the surface near (u, v): Gauss-Newton steps, shorter and steeper ones
+  /// where they lead away (the parameters of many CAD surfaces are far from even).
+  double distance(Vec2 uv, const Vec3& p) const {
     gp_Pnt at;
     gp_Vec du, dv;
-    for (int step = 0; step < 8; ++step) {
-      surface->D1(u, v, at, du, dv);
+    surface->D1(uv[0], uv[1], at, du, dv);
+    double best = (p - from_occ(at.XYZ())).norm(), damping = 0;
+    for (int step = 0; step < 30; ++step) {
       const Vec3 miss = p - from_occ(at.XYZ()), a = from_occ(du.XYZ()), b = from_occ(dv.XYZ());
-      const double distance = miss.norm();
-      if (!(distance < best)) return best;
-      const bool settled = distance > best * (1 - 1e-3);
-      best = distance;
       Mat2 I;
       I << a.dot(a), a.dot(b), a.dot(b), b.dot(b);
-      if (settled || !(I.determinant() > 1e-20 * I.trace() * I.trace())) return best;
+      I.diagonal() *= 1 + damping;
+      if (!(I.determinant() > 1e-20 * I.trace() * I.trace()))
+        I.diagonal().array() += 1e-8 * I.trace();
+      if (!(I.determinant() > 0)) return best;
       const Vec2 move = I.inverse() * Vec2(a.dot(miss), b.dot(miss));
-      u = std::clamp(u + move[0], u0, u1);
-      v = std::clamp(v + move[1], v0, v1);
+      const Vec2 next(std::clamp(uv[0] + move[0], u0, u1), std::clamp(uv[1] + move[1], v0, v1));
+      gp_Pnt there;
+      gp_Vec there_u, there_v;
+      surface->D1(next[0], next[1], there, there_u, there_v);
+      const double distance = (p - from_occ(there.XYZ())).norm();
+      if (distance < best) {
+        const bool settled = distance > best * (1 - 1e-3);
+        best = distance;
+        uv = next;
+        at = there;
+        du = there_u;
+        dv = there_v;
+        damping /= 10;
+        if (settled) return best;
+      } else if (damping < 1e4 && next != uv) {
+        damping = std::max(10 * damping, 1e-2);
+      } else {
+        return best;
+      }
     }
     return best;
   }
@@ -67,15 +84,23 @@ double surface_deviation(const TopoDS_Face& face, const Poly_Triangulation& mesh
   for (int t = 1; t <= mesh.NbTriangles(); ++t) {
     std::array<int, 3> n{};
     mesh.Triangle(t).Get(n[0], n[1], n[2]);
+    std::array<Vec2, 3> corner;
+    for (size_t c = 0; c < 3; ++c) {
+      const gp_Pnt2d uv = mesh.UVNode(n[c]);
+      corner[c] = {uv.X(), uv.Y()};
+    }
     for (const auto& w : kPoints) {
       Vec3 p = Vec3::Zero();
       Vec2 uv = Vec2::Zero();
       for (size_t c = 0; c < 3; ++c) {
         p += w[c] * at[static_cast<size_t>(n[c]) - 1];
-        const gp_Pnt2d corner = mesh.UVNode(n[c]);
-        uv += w[c] * Vec2(corner.X(), corner.Y());
+        uv += w[c] * corner[c];
       }
-      largest = std::max(largest, sheet.distance(uv[0], uv[1], p));
+      double distance = sheet.distance(uv, p);
+      // A search may end where the surface comes near only there: corners lead elsewhere.
+      for (size_t c = 0; c < 3 && distance > largest; ++c)
+        distance = std::min(distance, sheet.distance(corner[c], p));
+      largest = std::max(largest, distance);
     }
   }
   return largest;

@@ -12,8 +12,8 @@ class Poly_Triangulation;
 
 namespace batten {
 
-/// Largest distance of seven points of each triangle from the face's surface: Gauss-Newton steps from
-/// the parameters of the corners on. `at`: the nodes at their places. 0 for a plane.
+/// Largest distance of seven points of each triangle from the face's surface: Gauss-Newton steps
+/// from the parameters of the corners on. `at`: the nodes at their places. 0 for a plane.
 double surface_deviation(const TopoDS_Face& face, const Poly_Triangulation& mesh,
                          const std::vector<Vec3>& at);
 

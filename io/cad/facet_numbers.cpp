@@ -55,8 +55,15 @@ class Numbering {
       at[i] = from_occ(mesh->Node(static_cast<int>(i) + 1).Transformed(move));
     for (TopExp_Explorer e(face, TopAbs_EDGE); e.More(); e.Next())
       number_edge(TopoDS::Edge(e.Current()), mesh, place, ids, at);
-    for (size_t i = 0; i < ids.size(); ++i)
+    for (size_t i = 0; i < ids.size(); ++i) {
       if (ids[i] < 0) ids[i] = new_node(at[i]);
+      const Vec3& place_of_node = points_[static_cast<size_t>(ids[i])];
+      if (at[i] == place_of_node) continue;
+      // Where faces differ by their tolerances, the first one says where the common node is.
+      at[i] = place_of_node;
+      mesh->SetNode(static_cast<int>(i) + 1,
+                    gp_Pnt(at[i].x(), at[i].y(), at[i].z()).Transformed(move.Inverted()));
+    }
     const bool flip = (face.Orientation() == TopAbs_REVERSED) != move.IsNegative();
     for (int t = 1; t <= mesh->NbTriangles(); ++t) {
       std::array<int, 3> corner{};
@@ -139,7 +146,7 @@ class Numbering {
       TopExp::Vertices(TopoDS::Edge(edge.Oriented(TopAbs_FORWARD)), first, last);
       const bool point = BRep_Tool::Degenerated(edge);
       for (int k = 0; k < count; ++k)
-        nodes.push_back(k == 0 || point     ? vertex_node(first, at[local(k)])
+        nodes.push_back(k == 0 || point  ? vertex_node(first, at[local(k)])
                         : k == count - 1 ? vertex_node(last, at[local(k)])
                                          : new_node(at[local(k)]));
       if (!point) deviation_ = std::max(deviation_, chord_deviation(edge, *chain, at));
@@ -196,14 +203,15 @@ CadFacets numbered_facets(const std::vector<CadPart>& parts, const TopoDS_Shape&
   for (size_t p = 0; p < parts.size(); ++p) {
     const CadPart& part = parts[p];
     for (TopExp_Explorer s(part.shape, TopAbs_SHELL); s.More(); s.Next()) ++shells;
-    const std::string plain =
-        part.name.empty() ? "part " + std::to_string(p + 1) : part.name;
+    const std::string plain = part.name.empty() ? "part " + std::to_string(p + 1) : part.name;
     for (const CadFace& face : part.faces) {
       if (!numbering.add(face.face)) {
         ++unmeshed;
         continue;
       }
-      const std::string name = face.name.empty() ? plain : face.name;
+      const std::string name = !face.name.empty()    ? face.name
+                               : !face.solid.empty() ? face.solid
+                                                     : plain;
       const auto [at, added] = known.try_emplace({name, face.colour}, count_of(groups));
       if (added) groups.push_back({name, face.colour, {}});
       group_of_face.push_back(at->second);

@@ -1,4 +1,5 @@
-// Numbers the nodes of triangulated faces, one on each place of common edges, and measures them. Internal.
+// Numbers the nodes of triangulated faces, one on each place of common edges, and measures them.
+// Internal.
 #pragma once
 
 #include <TopoDS_Shape.hxx>
@@ -10,7 +11,8 @@
 namespace batten {
 
 /// The triangles on the faces of `parts`, which are those of `shape`, as one mesh in millimetres:
-/// triangles without area at poles are left out. Sets all numbers but size, chord and contents.
+/// triangles without area at poles are left out. Nodes on common edges come to one place in the
+/// triangulations too. Sets all numbers but size, chord and contents.
 CadFacets numbered_facets(const std::vector<CadPart>& parts, const TopoDS_Shape& shape);
 
 }  // namespace batten

@@ -8,9 +8,14 @@
 #include <UnitsMethods.hxx>
 #include <cmath>
 #include <stdexcept>
+#include <string_view>
 
 namespace batten {
 namespace {
+
+constexpr std::pair<std::string_view, double> kUnits[] = {
+    {"MM", 1e-3},     {"CM", 1e-2},   {"M", 1},         {"KM", 1e3},      {"UM", 1e-6},
+    {"INCH", 0.0254}, {"FT", 0.3048}, {"MI", 1609.344}, {"MIL", 2.54e-5}, {"UIN", 2.54e-8}};
 
 std::recursive_mutex& process_mutex() {
   static std::recursive_mutex mutex;
@@ -78,14 +83,13 @@ void OccSettings::set(const char* name, double value) {
 void OccSettings::set_unit(const std::string& name) {
   set("xstep.cascade.unit", name.c_str());
   set("write.step.unit", name.c_str());
+  for (const auto& [known, metres] : kUnits)
+    if (known == name) unit_in_metres_ = metres;
 }
 
 std::string OccSettings::unit_name(double unit_in_metres) {
-  static constexpr std::pair<const char*, double> units[] = {
-      {"MM", 1e-3},     {"CM", 1e-2},   {"M", 1},         {"KM", 1e3},      {"UM", 1e-6},
-      {"INCH", 0.0254}, {"FT", 0.3048}, {"MI", 1609.344}, {"MIL", 2.54e-5}, {"UIN", 2.54e-8}};
-  for (const auto& [name, metres] : units)
-    if (std::abs(unit_in_metres - metres) <= 1e-9 * metres) return name;
+  for (const auto& [name, metres] : kUnits)
+    if (std::abs(unit_in_metres - metres) <= 1e-9 * metres) return std::string(name);
   return "";
 }
 

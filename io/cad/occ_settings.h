@@ -32,6 +32,8 @@ class OccSettings {
   /// Sets the unit ("MM", "M", "INCH" …) of the coordinates that OpenCASCADE reads into and writes
   /// from. Files that are written have the same unit, so that coordinates are not converted.
   void set_unit(const std::string& name);
+  /// The unit that was set; a millimetre before.
+  double unit_in_metres() const { return unit_in_metres_; }
 
   /// OpenCASCADE's name of a length unit, or "" for a unit that STEP files of OpenCASCADE cannot
   /// have. Known: UM, MM, CM, M, KM, INCH, FT, MI, MIL, UIN.
@@ -45,6 +47,7 @@ class OccSettings {
   std::vector<std::pair<std::string, int>> integers_;
   std::vector<std::pair<std::string, double>> reals_;
   double cascade_unit_;  // millimetres
+  double unit_in_metres_ = 1e-3;
   Message_SequenceOfPrinters printers_;
 };
 

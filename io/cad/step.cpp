@@ -116,7 +116,7 @@ class ModelFile {
   bool save(const std::filesystem::path& path, OccSettings& occ) const {
     SharedEdges shared(plan_);
     SharedEdges* common = plan_.joined && !cut_.empty() ? &shared : nullptr;
-    RegionFaces faces = exact_faces(plan_, size_, common);
+    RegionFaces faces = exact_faces(plan_, size_, &shared);
     double tolerance = 1e-9 * size_;
     auto maker = fitted_.begin();
     for (size_t r = 0; r < faces.size(); ++r) {
@@ -128,8 +128,11 @@ class ModelFile {
       for (const TopoDS_Face& face : faces[region]) BRep_Builder().Add(shell, face);
     });
     if (!cut_.empty()) show_largest_gaps(shape, coincidence_);
-    write_shape(path, shape, tolerance, options_.name + " 1",
-                {options_.name, options_.author, "surfaces"}, occ);
+    CadPart part{options_.name + " 1", shape, {}, {}, {}, shared.along_lines()};
+    for (size_t r = 0; r < faces.size(); ++r)
+      for (const TopoDS_Face& face : faces[r])
+        part.faces.push_back(face_of_region(face, plan_.regions[r]->name, r, faces.size()));
+    write_part(path, part, tolerance, {options_.name, options_.author, "surfaces"}, occ);
     return cut_.empty() || BRepCheck_Analyzer(shape).IsValid();
   }
 

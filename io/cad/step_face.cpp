@@ -20,14 +20,21 @@ namespace {
 bool save(const std::filesystem::path& path, const StepPlan& plan, const FittedFaces& made,
           double coincidence, const StepFaceOptions& options, OccSettings& occ) {
   SharedEdges shared(plan);
-  const TopoDS_Shape shape = assembled(plan, [&](int region, TopoDS_Shell& shell) {
-    BRep_Builder().Add(shell, made[region]->make(coincidence, plan.joined ? &shared : nullptr));
+  CadPart part;
+  part.name = options.name;
+  part.shape = assembled(plan, [&](int region, TopoDS_Shell& shell) {
+    const TopoDS_Face face = made[region]->make(coincidence, plan.joined ? &shared : nullptr);
+    BRep_Builder().Add(shell, face);
+    part.faces.push_back(
+        face_of_region(face, plan.regions[region]->name, region, plan.regions.size()));
+    const auto& edges = made[region]->along_lines();
+    part.edges.insert(part.edges.end(), edges.begin(), edges.end());
   });
+  const TopoDS_Shape& shape = part.shape;
   show_largest_gaps(shape, coincidence);
   double tolerance = 0;
   for (const auto& maker : made) tolerance = std::max(tolerance, maker->tolerance());
-  write_shape(path, shape, tolerance, options.name, {options.name, options.author, "surfaces"},
-              occ);
+  write_part(path, part, tolerance, {options.name, options.author, "surfaces"}, occ);
   return BRepCheck_Analyzer(shape).IsValid();
 }
 

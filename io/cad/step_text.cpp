@@ -1,20 +1,28 @@
 #include "batten/io/cad/step_text.h"
 
 #include <APIHeaderSection_MakeHeader.hxx>
+#include <STEPCAFControl_Writer.hxx>
 #include <STEPControl_Writer.hxx>
 #include <StepBasic_Product.hxx>
 #include <StepData_Protocol.hxx>
 #include <StepData_StepModel.hxx>
 #include <StepData_StepWriter.hxx>
 #include <TCollection_HAsciiString.hxx>
-#include <TopoDS_Shape.hxx>
 #include <XSControl_WorkSession.hxx>
+#include <array>
 
 #include "batten/core/errors.h"
 #include "batten/io/cad/occ_settings.h"
 #include "batten/io/files/whole_file.h"
 
 namespace batten {
+namespace {
+
+Handle(TCollection_HAsciiString) text_of(const std::string& text) {
+  return new TCollection_HAsciiString(text.c_str());
+}
+
+}  // namespace
 
 std::string cad_unit(double model_unit_in_metres) {
   const std::string name = OccSettings::unit_name(model_unit_in_metres);
@@ -26,7 +34,6 @@ std::string cad_unit(double model_unit_in_metres) {
 
 void put_step(STEPControl_Writer& writer, const StepHeader& header, std::ostream& out) {
   APIHeaderSection_MakeHeader made(writer.Model());
-  const auto text_of = [](const std::string& s) { return new TCollection_HAsciiString(s.c_str()); };
   made.SetName(text_of(header.name));
   made.SetAuthorValue(1, text_of(header.author));
   made.SetOrganizationValue(1, text_of(""));
@@ -45,26 +52,34 @@ void save_step(STEPControl_Writer& writer, const std::filesystem::path& path,
   write_whole_file(path, [&](std::ostream& out) { put_step(writer, header, out); });
 }
 
-void write_shape(const std::filesystem::path& path, const TopoDS_Shape& shape, double tolerance,
-                 const std::string& product, const StepHeader& header, OccSettings& occ) {
+void write_part(const std::filesystem::path& path, const CadPart& part, double tolerance,
+                const StepHeader& header, OccSettings& occ) {
   occ.set("write.step.schema", "AP214IS");
-  occ.set("write.step.product.name", product.c_str());
+  occ.set("write.step.product.name", part.name.c_str());
   occ.set("write.step.assembly", 0);  // one product, not one for each shell
+  occ.set("write.stepcaf.subshapes.name", 1);
   occ.set("write.surfacecurve.mode", 1);
   occ.set("write.precision.mode", 2);  // the value given next
   occ.set("write.precision.val", tolerance);
-  STEPControl_Writer writer;
-  if (writer.Transfer(shape, STEPControl_AsIs) != IFSelect_RetDone)
+  STEPCAFControl_Writer writer;
+  if (!writer.Transfer(document_of({part}, occ.unit_in_metres()), STEPControl_AsIs))
     throw Error(path.string() + ": OpenCASCADE cannot turn the surface into STEP");
   // OpenCASCADE counts the products of a process in their names.
-  const Handle(TCollection_HAsciiString) name = new TCollection_HAsciiString(product.c_str());
-  const auto& model = *writer.Model();
+  const auto name = text_of(part.name);
+  const auto& model = *writer.ChangeWriter().Model();
   for (int e = 1; e <= model.NbEntities(); ++e)
     if (const auto found = Handle(StepBasic_Product)::DownCast(model.Value(e)); !found.IsNull()) {
       found->SetId(name);
       found->SetName(name);
     }
-  save_step(writer, path, header);
+  save_step(writer.ChangeWriter(), path, header);
+}
+
+CadFace face_of_region(const TopoDS_Face& face, const std::string& region, size_t number,
+                       size_t regions) {
+  static constexpr std::array colours = {"#8cb4d9", "#e6b46e", "#96c896", "#d98c8c", "#b4a0d2",
+                                         "#d2cd82", "#82c8c8", "#dca0c8", "#a0a0a0", "#b4825a"};
+  return {face, region, regions > 1 ? colours[number % colours.size()] : ""};
 }
 
 }  // namespace batten

@@ -5,8 +5,9 @@
 #include <iosfwd>
 #include <string>
 
+#include "batten/io/cad/cad_parts.h"
+
 class STEPControl_Writer;
-class TopoDS_Shape;
 
 namespace batten {
 
@@ -33,9 +34,14 @@ void put_step(STEPControl_Writer& writer, const StepHeader& header, std::ostream
 void save_step(STEPControl_Writer& writer, const std::filesystem::path& path,
                const StepHeader& header);
 
-/// Writes a shape as one product (AP214) in the unit of `occ`. The file declares `tolerance`.
-/// Throws Error when OpenCASCADE fails, InputError when the file cannot be written.
-void write_shape(const std::filesystem::path& path, const TopoDS_Shape& shape, double tolerance,
-                 const std::string& product, const StepHeader& header, OccSettings& occ);
+/// Writes a part as one product (AP214) in the unit of `occ`, with the names and colours of its
+/// faces and the names of their edges. The file declares `tolerance`. Throws Error when OpenCASCADE
+/// fails, InputError when the file cannot be written.
+void write_part(const std::filesystem::path& path, const CadPart& part, double tolerance,
+                const StepHeader& header, OccSettings& occ);
+
+/// The name and colour of the faces of a region: colours only tell regions apart.
+CadFace face_of_region(const TopoDS_Face& face, const std::string& region, size_t number,
+                       size_t regions);
 
 }  // namespace batten

@@ -16,9 +16,10 @@ void read_in_child(bool yes);
 bool reads_in_child();
 
 /// Runs `read` in a copy of this process, if reads_in_child(), and returns the bytes that it
-/// returned. The child may use processor time and memory in proportion to the size of `file`:
-/// 6 s + 4 s a MB, four times as long by the clock, and 1 GB + 200 times the size; `times` as much time
-/// where it does more than read. It writes nothing to the terminal. In the child, reads_in_child() is false.
+/// returned. The child may use processor time and memory in proportion to the size of `file`: 6 s +
+/// 4 s a MB, four times as long by the clock, and 1 GB + 200 times the size; `times` as much time
+/// where it does more than read. It writes nothing to the terminal. In the child, reads_in_child()
+/// is false.
 ///
 /// Throws what `read` throws, as InputError; InputError "FILE: LIBRARY …" when the child died, by
 /// which signal, or used up its time or memory; CancelledError when somebody stopped it. Costs 1 to

@@ -2,10 +2,10 @@
 // the first call. Internal.
 #pragma once
 
-#include "batten/io/cad/cad_contents.h"
 #include "batten/io/cad/cad_convert.h"
-#include "batten/io/cad/cad_facets.h"
 #include "batten/io/cad/continuity.h"
+#include "batten/io/cad/facets_of_cad.h"
+#include "batten/io/cad/read_cad_contents.h"
 #include "batten/io/cad/step.h"
 #include "batten/io/cad/step_face.h"
 #include "batten/io/lines/cad_lines.h"

@@ -1,4 +1,4 @@
-// Readers of lines and surfaces in IGES and STEP files.
+// Readers of lines and surfaces in IGES, STEP and BREP files.
 #pragma once
 
 #include <filesystem>
@@ -9,10 +9,10 @@
 
 namespace batten {
 
-/// Reads every curve of an IGES (.igs, .iges) or STEP (.stp, .step) file: the edges of its shapes
-/// (an edge that faces share once) and the curves that stand alone. Coordinates are converted from
-/// the unit that the file declares into the model's. Curves in the parameter plane of a face and
-/// edges without length are left out.
+/// Reads every curve of an IGES (.igs, .iges), STEP (.stp, .step) or BREP (.brep, .brp; in mm)
+/// file: the edges of its shapes (an edge that faces share once) and the curves that stand alone.
+/// Coordinates are converted from the unit that the file declares into the model's. Curves in the
+/// parameter plane of a face and edges without length are left out.
 ///
 /// A line has the label that the file gives the curve as its name (numbered from the second on when
 /// several have the same), otherwise "edge1", "edge2" … by its place in the file. It keeps the

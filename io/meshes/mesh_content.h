@@ -71,8 +71,8 @@ void write_ply_mesh(const std::filesystem::path& path, const ShellMesh& mesh);
 void write_stl_mesh(const std::filesystem::path& path, const ShellMesh& mesh);
 void write_vtk_mesh(const std::filesystem::path& path, const ShellMesh& mesh,
                     const std::vector<MeshSet>& sets);
-/// The set of each face, -1 for none; the last one where several have it. Throws InputError for a face
-/// out of range.
+/// The set of each face, -1 for none; the last one where several have it. Throws InputError for a
+/// face out of range.
 std::vector<int> set_of_faces(const ShellMesh& mesh, const std::vector<MeshSet>& sets);
 
 /// The nodes of a face, middle nodes too, in the order in which they lie around it.

@@ -111,11 +111,11 @@ class MeshFile {
 
 /// Writes a mesh that was not read from a file: .obj, .off (text, exact), .ply, .stl (binary; STL
 /// in single precision), .vtp, .vtu (doubles). Second-order faces become quadratic cells in VTU and
-/// polygons through all their nodes in the others; STL gets triangles. Face sets, of which each face is
-/// in one at most, become groups (`g`) in OBJ, the cell data Set (-1: in none) and the field data
-/// Set_names in VTP and VTU; the other formats have no place for them. The file appears whole or not at
-/// all. Throws InputError: another extension, an index out of range, a face of fewer than 3
-/// nodes, a coordinate that is not finite, what WholeFile throws.
+/// polygons through all their nodes in the others; STL gets triangles. Face sets, of which each
+/// face is in one at most, become groups (`g`) in OBJ, the cell data Set (-1: in none) and the
+/// field data Set_names in VTP and VTU; the other formats have no place for them. The file appears
+/// whole or not at all. Throws InputError: another extension, an index out of range, a face of
+/// fewer than 3 nodes, a coordinate that is not finite, what WholeFile throws.
 void write_mesh(const std::filesystem::path& path, const ShellMesh& mesh,
                 const std::vector<MeshSet>& sets = {});
 

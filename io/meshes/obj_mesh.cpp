@@ -166,8 +166,8 @@ std::string group_name(const std::vector<MeshSet>& sets, int set) {
   if (set < 0) return "default";
   std::string name = sets[static_cast<size_t>(set)].name;
   std::replace_if(
-      name.begin(), name.end(), [](unsigned char c) { return c <= 32 || c == 127 || c == '#' || c == '\\'; },
-      '_');
+      name.begin(), name.end(),
+      [](unsigned char c) { return c <= 32 || c == 127 || c == '#' || c == '\\'; }, '_');
   return name.empty() ? "_" : name;
 }
 

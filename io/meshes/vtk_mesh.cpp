@@ -290,8 +290,7 @@ void add_sets(vtkDataSet& data, const ShellMesh& mesh, const std::vector<MeshSet
 
 }  // namespace
 
-void write_vtk_mesh(const fs::path& path, const ShellMesh& mesh,
-                    const std::vector<MeshSet>& sets) {
+void write_vtk_mesh(const fs::path& path, const ShellMesh& mesh, const std::vector<MeshSet>& sets) {
   const bool surface = lower_extension(path) == ".vtp";
   vtkNew<vtkPolyData> polygons;
   vtkNew<vtkUnstructuredGrid> grid;

@@ -36,10 +36,11 @@ EXIT_CODES = {0, 1, 2, 3, 4, 130}
 COMMANDS = {
     "lines": [["info", "@"], ["fair", "@", "--out", "OUT.csv"], ["skin", "@", "--out", "OUT"]],
     "cad": [["info", "@"], ["fair", "@", "--out", "OUT.csv"],
-            ["skin", "--network", "@", "--out", "OUT"]],
+            ["skin", "--network", "@", "--out", "OUT"], ["convert", "@", "OUT.iges"],
+            ["convert", "@", "OUT.step"], ["convert", "@", "OUT.obj"]],
     "drawings": [["info", "@"], ["fair", "@", "--out", "OUT.csv"],
                  ["skin", "--network", "@", "--out", "OUT"]],
-    "meshes": [["info", "@"]],
+    "meshes": [["info", "@"], ["convert", "@", "OUT.vtp"]],
     "networks": [["skin", "--network", "@", "--unit", "m", "--out", "OUT"]],
     "scenes": [["run", "@", "--out", "OUT"], ["info", "@"]],
     "edits": [["deform", "@", "--out", "OUT"], ["info", "@"]],
@@ -49,7 +50,7 @@ COMMANDS = {
 # Endings of further seeds.
 ENDINGS = {
     "lines": {".csv", ".txt", ".dat", ".xyz", ".json", ".curves"},
-    "cad": {".step", ".stp", ".igs", ".iges"},
+    "cad": {".step", ".stp", ".igs", ".iges", ".brep"},
     "drawings": {".dxf", ".svg"},
     "meshes": {".obj", ".off", ".ply", ".stl", ".bdf", ".dat", ".inp", ".k", ".rad", ".vtp", ".vtu"},
     "networks": {".csv", ".txt", ".json", ".curves"},
@@ -208,7 +209,9 @@ def wrong(code, text, seconds, megabytes, folder, names):
     if megabytes > MOST_MEGABYTES and "Sanitizer" not in os.environ.get("BATTEN_FUZZ_BUILD", ""):
         return f"memory: {megabytes:.0f} MB"
     out = folder / "OUT"
-    left = [p.name for p in folder.iterdir() if p.name not in names | {"OUT", "OUT.csv", "printed"}]
+    results = [p for p in folder.iterdir() if p.name.startswith("OUT.")]
+    left = [p.name for p in folder.iterdir()
+            if p.name not in names | {"OUT", "printed"} and p not in results]
     if left or (out.is_dir() and any(p.name.startswith(".") for p in out.iterdir())):
         return f"left behind: {left}"
     if code in (0, 4):
@@ -219,10 +222,10 @@ def wrong(code, text, seconds, megabytes, folder, names):
                 return f"report: {error}"
             if not finite(report):
                 return "report: numbers that are not finite"
-        for result in (out, folder / "OUT.csv"):
+        for result in (out, *results):
             if name := not_finite(result):
                 return f"{name}: numbers that are not finite"
-    elif out.exists() or (folder / "OUT.csv").exists():
+    elif out.exists() or results:
         return "files beside a refusal"
     return LONG if code == 130 else ""
 

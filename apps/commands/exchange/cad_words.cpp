@@ -4,6 +4,7 @@
 
 #include "batten/core/index.h"
 #include "batten/core/words.h"
+#include "batten/io/files/length_units.h"
 #include "batten/io/files/text.h"
 
 namespace batten {
@@ -25,7 +26,8 @@ std::string product_row(const CadProduct& product) {
   if (!product.place.empty()) text += " as '" + product.place + "'";
   if (!product.assembly) {
     if (product.solids) text += ", " + counted(product.solids, "solid");
-    text += ", " + counted(product.faces, "face");
+    if (product.faces || !product.curves) text += ", " + counted(product.faces, "face");
+    if (product.curves) text += ", " + counted(product.curves, "curve");
   }
   if (!product.shift.isZero()) text += ", at " + at(product.shift);
   if (product.turn_deg > 1e-9) text += ", turned by " + number(product.turn_deg) + " degrees";
@@ -37,8 +39,8 @@ std::string product_row(const CadProduct& product) {
 std::string use_words(const CadUse& use) {
   std::string text;
   for (const auto& [count, noun] :
-       {std::pair(use.products, "product"), std::pair(use.faces, "face"),
-        std::pair(use.curves, "curve")})
+       {std::pair(use.products, "product"), std::pair(use.solids, "solid"),
+        std::pair(use.faces, "face"), std::pair(use.edges, "edge"), std::pair(use.curves, "curve")})
     if (count > 0) text += (text.empty() ? "" : ", ") + counted(count, noun);
   return text;
 }
@@ -55,8 +57,7 @@ std::string uses_text(const std::string& what, const std::vector<CadUse>& uses) 
 
 std::string contents_words(const CadContents& c) {
   std::string text = c.format + ", " + (c.unit_stated ? "in " : "taken as ") +
-                     unit_words(c.unit_in_metres) + ": " +
-                     counted(count_of(c.products), "product");
+                     unit_words(c.unit_in_metres) + ": " + counted(count_of(c.products), "product");
   if (c.solids) text += ", " + counted(c.solids, "solid");
   if (c.faces) text += ", " + counted(c.faces, "face") + closed_words(c);
   if (c.curves) text += ", " + counted(c.curves, "curve");
@@ -82,14 +83,17 @@ std::string contents_text(const CadContents& c) {
          uses_text("layer", c.layers);
 }
 
-std::string lost_words(const std::vector<CadUse>& before, const std::vector<CadUse>& after) {
+std::string lost_words(const std::vector<CadUse>& before, const std::vector<CadUse>& after,
+                       bool edges) {
   std::string text;
   size_t lost = 0;
   for (const CadUse& use : before) {
     const auto at = std::find_if(after.begin(), after.end(),
                                  [&](const CadUse& other) { return other.name == use.name; });
-    const int all = use.faces + use.curves,
-              kept = at == after.end() ? 0 : at->faces + at->curves;
+    const auto count = [&](const CadUse& one) {
+      return one.solids + one.faces + one.curves + (edges ? one.edges : 0);
+    };
+    const int all = count(use), kept = at == after.end() ? 0 : count(*at);
     if (kept >= all) continue;
     if (++lost <= 5)
       text += (text.empty() ? "'" : ", '") + use.name + "' (" + std::to_string(kept) + " of " +

@@ -11,11 +11,13 @@ namespace batten {
 /// One row: "STEP AP214, in mm, 3 products, 1 solid, 12 faces, closed; 5 names, 2 colours".
 std::string contents_words(const CadContents& contents);
 
-/// All of it, for `batten info`: products with their places, names, colours, layers; the first twenty of
-/// each. Lengths are in the file's unit.
+/// All of it, for `batten info`: products with their places, names, colours, layers; the first
+/// twenty of each. Lengths are in the file's unit.
 std::string contents_text(const CadContents& contents);
 
 /// Names that `before` has more often than `after`: "'hull' (3 of 4)", the first few; "" for none.
-std::string lost_words(const std::vector<CadUse>& before, const std::vector<CadUse>& after);
+/// `edges`: whether edges of faces count.
+std::string lost_words(const std::vector<CadUse>& before, const std::vector<CadUse>& after,
+                       bool edges);
 
 }  // namespace batten

@@ -5,8 +5,8 @@
 
 namespace batten {
 
-/// What the program takes a file for: by its ending, and where lines and meshes share one, by what is in
-/// it. `.obj` with faces is a mesh, `.dat` with grid points a Nastran deck.
+/// What the program takes a file for: by its ending, and where lines and meshes share one, by what
+/// is in it. `.obj` with faces is a mesh, `.dat` with grid points a Nastran deck.
 enum class FileKind { None, Scene, Mesh, Sequence, Cad, Lines };
 FileKind file_kind(const std::filesystem::path& file);
 

@@ -191,7 +191,7 @@ LineFileKind line_file_kind(const std::filesystem::path& file) {
     return std::find(endings.begin(), endings.end(), ending) != endings.end();
   };
   return has(kPointEndings)     ? LineFileKind::Points
-         : has(cad_endings())     ? LineFileKind::Cad
+         : has(cad_endings())   ? LineFileKind::Cad
          : has(kDrawingEndings) ? LineFileKind::Drawing
          : has(kSketchEndings)  ? LineFileKind::Sketch
                                 : LineFileKind::None;

@@ -1,23 +1,19 @@
-#include "batten/io/cad/cad_contents.h"
+#include "batten/io/cad/measure_contents.h"
 
 #include <BRepBndLib.hxx>
 #include <BRepGProp.hxx>
 #include <BRep_Tool.hxx>
 #include <Bnd_Box.hxx>
 #include <GProp_GProps.hxx>
-#include <Standard_Failure.hxx>
 #include <TopExp.hxx>
 #include <TopTools_IndexedMapOfShape.hxx>
+#include <TopoDS.hxx>
 #include <TopoDS_Edge.hxx>
 #include <algorithm>
 #include <cmath>
 
-#include "batten/core/errors.h"
-#include "batten/io/cad/cad_contents_bytes.h"
 #include "batten/io/cad/cad_parts.h"
 #include "batten/io/cad/cad_rims.h"
-#include "batten/io/cad/occ_settings.h"
-#include "batten/io/files/in_child.h"
 
 namespace batten {
 namespace {
@@ -27,22 +23,22 @@ std::string format_words(const CadHeader& header) {
   if (header.format == CadFormat::Brep) return "BREP";
   const auto has = [&](const char* word) { return header.schema.find(word) != std::string::npos; };
   return has("AP242") || has("MANAGED_MODEL_BASED_3D") ? "STEP AP242"
-         : has("AUTOMOTIVE_DESIGN")                     ? "STEP AP214"
-         : has("CONFIG_CONTROL_DESIGN")                 ? "STEP AP203"
-                                                        : "STEP " + header.schema;
+         : has("AUTOMOTIVE_DESIGN")                    ? "STEP AP214"
+         : has("CONFIG_CONTROL_DESIGN")                ? "STEP AP203"
+                                                       : "STEP " + header.schema;
 }
 
 void count(std::vector<CadUse>& uses, const std::string& name, int CadUse::*what) {
   if (name.empty()) return;
-  auto at = std::find_if(uses.begin(), uses.end(),
-                         [&](const CadUse& use) { return use.name == name; });
-  if (at == uses.end()) at = uses.insert(at, CadUse{name, 0, 0, 0});
+  auto at =
+      std::find_if(uses.begin(), uses.end(), [&](const CadUse& use) { return use.name == name; });
+  if (at == uses.end()) at = uses.insert(at, CadUse{name});
   ++((*at).*what);
 }
 
 void measure(const CadPart& part, CadContents& c) {
   GProp_GProps area, volume;
-  BRepGProp::SurfaceProperties(part.shape, area);
+  BRepGProp::SurfaceProperties(part.shape, area, 1e-6);
   c.area += area.Mass();
   TopTools_IndexedMapOfShape solids, shells, edges;
   TopExp::MapShapes(part.shape, TopAbs_SOLID, solids);
@@ -51,6 +47,11 @@ void measure(const CadPart& part, CadContents& c) {
   for (int s = 1; s <= solids.Extent(); ++s) {
     BRepGProp::VolumeProperties(solids(s), volume);
     c.volume += std::abs(volume.Mass());
+  }
+  for (int e = 1; e <= edges.Extent(); ++e) {
+    GProp_GProps length;
+    BRepGProp::LinearProperties(edges(e), length);
+    c.loose_area += length.Mass() * BRep_Tool::Tolerance(TopoDS::Edge(edges(e)));
   }
   c.solids += solids.Extent();
   c.shells += shells.Extent();
@@ -71,6 +72,7 @@ CadContents contents_of(const CadFile& cad) {
     measure(part, c);
     c.faces += static_cast<int>(part.faces.size());
     c.curves += static_cast<int>(part.curves.size());
+    for (const CadBody& body : part.bodies) count(c.names, body.name, &CadUse::solids);
     for (const CadFace& face : part.faces) {
       count(c.names, face.name, &CadUse::faces);
       count(c.colours, face.colour, &CadUse::faces);
@@ -79,30 +81,21 @@ CadContents contents_of(const CadFile& cad) {
       count(c.names, curve.name, &CadUse::curves);
       count(c.colours, curve.colour, &CadUse::curves);
     }
+    for (const CadCurveItem& edge : part.edges) {
+      count(c.names, edge.name, &CadUse::edges);
+      count(c.colours, edge.colour, &CadUse::edges);
+    }
   }
   Bnd_Box box;
   BRepBndLib::AddOptimal(cad.shape, box, false, false);
   const double unit = 1e-3 / c.unit_in_metres;  // a millimetre in the file's unit
   c.size = box.IsVoid() ? 0 : std::sqrt(box.SquareExtent()) * unit;
-  c.area *= unit * unit;
+  for (double* area : {&c.area, &c.loose_area}) *area *= unit * unit;
   c.volume *= unit * unit * unit;
   c.products = std::move(tree.products);
   for (CadProduct& product : c.products) product.shift *= unit;
   c.layers = std::move(tree.layers);
   return c;
-}
-
-CadContents read_cad_contents(const std::filesystem::path& file) {
-  return contents_from_bytes(bytes_from_child(file, "OpenCASCADE", [&] {
-    const CadFile cad = read_cad_here(file);
-    const OccSettings occ;
-    try {
-      return to_bytes(contents_of(cad));
-    } catch (const Standard_Failure& failure) {
-      throw InputError(file.string() + ": OpenCASCADE cannot measure it: " +
-                       failure.GetMessageString());
-    }
-  }));
 }
 
 }  // namespace batten

@@ -1,4 +1,4 @@
-#include "batten/io/cad/cad_facets.h"
+#include "batten/io/cad/facets_of_cad.h"
 
 #include <Standard_Failure.hxx>
 #include <cmath>
@@ -8,6 +8,7 @@
 #include "batten/core/index.h"
 #include "batten/io/cad/cad_contents_bytes.h"
 #include "batten/io/cad/cad_mesher.h"
+#include "batten/io/cad/measure_contents.h"
 #include "batten/io/cad/occ_settings.h"
 #include "batten/io/files/in_child.h"
 
@@ -113,7 +114,8 @@ CadFacets facets_of_file(const std::filesystem::path& file, const CadFile& cad, 
   int faces = 0;
   for (const CadPart& part : joined.parts) faces += count_of(part.faces);
   if (faces == 0)
-    throw InputError(file.string() + ": found " + cad.found + " and no face, expected some to mesh");
+    throw InputError(file.string() + ": found " + cad.found +
+                     " and no face, expected some to mesh");
   if (chord != 0 && !(chord >= 1e-7 * joined.size))
     throw InputError(file.string() + ": found a chord of " + number(chord) +
                      " mm, expected 1e-7 of the size or more: " + number(1e-7 * joined.size) +
@@ -136,8 +138,8 @@ CadFacets facets_of_cad(const std::filesystem::path& file, const CadFacetOptions
         try {
           return to_bytes(facets_of_file(file, cad, options.chord * unit / 1e-3));
         } catch (const Standard_Failure& failure) {
-          throw InputError(file.string() + ": OpenCASCADE cannot mesh it: " +
-                           failure.GetMessageString());
+          throw InputError(file.string() +
+                           ": OpenCASCADE cannot mesh it: " + failure.GetMessageString());
         }
       },
       20));

@@ -1,0 +1,197 @@
+// batten convert and batten info of CAD files, as users meet them.
+#include <cmath>
+
+#include "batten/io/meshes/mesh_file.h"
+#include "batten/tests/apps/cli_case.h"
+
+using namespace batten_test;
+
+namespace {
+
+const fs::path kSeeds = fs::path(BATTEN_SOURCE_DIR) / "tests/fuzz/seeds";
+
+const char* const kSquare =
+    "unit = \"mm\"\nname = \"square\"\n"
+    "[[line]]\nname = \"a\"\npoints = [[0,0,0],[100,0,0]]\n"
+    "[[line]]\nname = \"b\"\npoints = [[100,0,0],[100,100,0]]\n"
+    "[[line]]\nname = \"c\"\npoints = [[100,100,0],[0,100,0]]\n"
+    "[[line]]\nname = \"d\"\npoints = [[0,100,0],[0,0,0]]\n"
+    "[output]\nstep = \"s.step\"\n";
+
+bool says(const std::string& text, const std::string& part) {
+  INFO(text << "\nexpected: " << part);
+  const bool found = text.find(part) != std::string::npos;
+  CHECK(found);
+  return found;
+}
+
+/// The text of a tetrahedron with groups, as OBJ.
+const char* const kTetrahedron =
+    "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\ng base\nf 1 3 2\n"
+    "g sides\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
+
+}  // namespace
+
+TEST_CASE("what a scene writes is told by info and converted with its names", "[cli][convert]") {
+  const Case c("convert_own");
+  c.file("s.toml", kSquare);
+  REQUIRE(c.run({"run", "s.toml", "--out", "out"}).code == 0);
+  const Result info = c.run({"info", "out/s.step"});
+  CHECK(info.code == 0);
+  for (const char* part :
+       {"STEP AP214, in mm: 1 product, 1 face", "part 'square', 1 face", "name 'square': 1 face",
+        "name 'a': 1 edge", "area 10000 mm²", "valid, area 10000"})
+    says(info.out, part);
+  const Result step =
+      c.run({"convert", "out/s.step", "t.stp", "--schema", "ap242", "--unit", "inch"});
+  INFO(step.err);
+  CHECK(step.code == 0);
+  says(step.out, "written     t.stp: STEP AP242, in in: 1 product, 1 face");
+  says(contents(c / "t.stp"), "ADVANCED_FACE('square'");
+  const Result iges = c.run({"convert", "t.stp", "t.igs", "--unit", "mm"});
+  CHECK(iges.code == 0);
+  says(iges.err, "IGES has no names of edges between faces: 4 are lost");
+  says(c.run({"info", "t.igs"}).out, "name 'square': 1 face");
+  // A scene in metres is one in the file too.
+  std::string metres = kSquare;
+  metres.replace(metres.find("mm"), 2, "m");
+  c.file("m.toml", metres);
+  REQUIRE(c.run({"run", "m.toml", "--out", "m"}).code == 0);
+  const std::string large = c.run({"info", "m/s.step"}).out;
+  says(large, "STEP AP214, in m: 1 product, 1 face");
+  says(large, "area 10000 m²");
+  // Lines of the file, by their names; and the same surface again from them.
+  const Result lines = c.run({"convert", "out/s.step", "lines.csv"});
+  CHECK(lines.code == 0);
+  says(contents(c / "lines.csv"), "# a\n");
+  CHECK(c.run({"skin", "t.stp", "--unit", "mm", "--out", "again"}).code == 0);
+}
+
+TEST_CASE("triangles of CAD faces say their chord and their deviation", "[cli][convert]") {
+  const Case c("convert_mesh");
+  c.file("s.toml", kSquare);
+  REQUIRE(c.run({"run", "s.toml", "--out", "out"}).code == 0);
+  for (const std::string ending : {"stl", "obj", "ply", "off", "vtp", "vtu"}) {
+    INFO(ending);
+    const Result r = c.run({"convert", "out/s.step", "t." + ending, "--unit", "m"});
+    INFO(r.err);
+    CHECK(r.code == 0);
+    says(r.out, "in m, ");
+    says(r.out, "of the faces, chord 0.000141421 m (0.001 of the size)");
+    const auto mesh = batten::MeshFile::read(c / ("t." + ending)).shells();
+    CHECK(mesh.points.maxCoeff() == Approx(0.1).epsilon(1e-6));
+  }
+  says(contents(c / "t.obj"), "g square\n");
+  CHECK(c.run({"convert", "out/s.step", "t.glb"}).code == 0);
+  const Result fine = c.run({"convert", "out/s.step", "u.obj", "--chord", "1e-9"});
+  CHECK(fine.code == 1);
+  says(fine.err, "expected 1e-7 of the size or more");
+  CHECK_FALSE(fs::exists(c / "u.obj"));
+}
+
+TEST_CASE("meshes are converted into each other, with their groups", "[cli][convert]") {
+  const Case c("convert_meshes");
+  c.file("t.obj", kTetrahedron);
+  std::string last = "t.obj";
+  for (const std::string ending : {"vtp", "stl", "ply", "off", "vtu", "obj"}) {
+    const std::string next = "u." + ending;
+    const Result r = c.run({"convert", last, next});
+    INFO(r.err);
+    CHECK(r.code == 0);
+    says(r.out, "coordinates as they were");
+    const auto mesh = batten::MeshFile::read(c / next);
+    CHECK(mesh.shells().face_count() == 4);
+    CHECK(mesh.shells().node_count() == 4);
+    last = next;
+  }
+  CHECK(c.run({"convert", "t.obj", "v.obj", "--from-unit", "in", "--unit", "mm"}).code == 0);
+  const auto mesh = batten::MeshFile::read(c / "v.obj");
+  CHECK(mesh.shells().points.maxCoeff() == 25.4);
+  REQUIRE(mesh.sets().size() == 2);
+  CHECK(mesh.sets()[1].name == "sides");
+  CHECK(mesh.sets()[1].faces == std::vector<int>{1, 2, 3});
+  CHECK(c.run({"convert", (kSeeds / "meshes/sheet.bdf").string(), "deck.stl"}).code == 0);
+}
+
+TEST_CASE("lines are converted into each other and into CAD", "[cli][convert]") {
+  const Case c("convert_lines");
+  c.file("l.csv",
+         "name,x,y,z\nrail,0,0,0\nrail,10,0,0\nrail,20,5,0\nrail,30,5,1\nrib,0,0,0\nrib,0,7,0\n");
+  const Result step = c.run({"convert", "l.csv", "l.step", "--from-unit", "cm", "--unit", "mm"});
+  INFO(step.err);
+  CHECK(step.code == 0);
+  says(c.run({"info", "l.step"}).out, "rib   length 70  from (0, 0, 0) to (0, 70, 0)");
+  CHECK(c.run({"convert", "l.step", "l.iges"}).code == 0);
+  CHECK(c.run({"convert", "l.iges", "back.csv", "--unit", "cm"}).code == 0);
+  says(contents(c / "back.csv"), "# rib");
+  CHECK(c.run({"convert", "l.step", "l.obj"}).code == 0);  // without faces it is lines
+  says(contents(c / "l.obj"), "\nl 1 2 ");
+  CHECK(c.run({"convert", (kSeeds / "drawings/plate.svg").string(), "plate.step"}).code == 0);
+}
+
+TEST_CASE("what convert does not do, it says", "[cli][convert]") {
+  const Case c("convert_refused");
+  c.file("t.obj", kTetrahedron);
+  c.file("s.toml", kSquare);
+  c.file("l.csv", "0,0,0\n10,0,0\n20,5,0\n");
+  c.file("old.step", "old");
+  const auto refused = [&](const std::vector<std::string>& words, const std::string& part) {
+    std::vector<std::string> all = {"convert"};
+    all.insert(all.end(), words.begin(), words.end());
+    const Result r = c.run(all);
+    INFO(r.err);
+    CHECK(r.code == 1);
+    says(r.err, part);
+  };
+  refused({"t.obj", "old.step"}, "expected `batten fit`");
+  CHECK(contents(c / "old.step") == "old");
+  refused({"t.obj", "t.obj"}, "is the file that is read");
+  refused({"t.obj", "t.inp"}, "expected one of: .stl, .obj");
+  refused({"t.obj", "t.stl", "--unit", "m"}, "expected --from-unit beside --unit m");
+  refused({"l.csv", "l.stl"}, "for lines, expected one of: .curves");
+  refused({"s.toml", "s.step"}, "expected a CAD file");
+  refused({"none.step", "s.iges"}, "no such file");
+  refused({(kSeeds / "cad/square.step").string(), "s.pdf"}, "for a CAD file, expected one of");
+  refused({(kSeeds / "cad/square.step").string(), "s.iges", "--from-unit", "m"},
+          "CAD files say their unit themselves");
+  refused({"t.obj", "s.stl", "--schema", "ap203"}, "ap203");
+  CHECK_FALSE(fs::exists(c / "t.inp"));
+}
+
+TEST_CASE("real CAD files keep their contents in every format", "[cli][convert]") {
+  const fs::path data = optional_data("step-parts");
+  if (data.empty()) {
+    WARN("no step-parts beside the project: skipped");
+    return;
+  }
+  const Case c("convert_real");
+  const Result info = c.run({"info", (data / "dm1-id-214.stp").string()});
+  says(info.out, "STEP AP214, in in: 8 products, 7 solids, 48 faces, closed");
+  says(info.out,
+       "    part 'bolt' as 'bolt_4', 1 solid, 5 faces, at (0.39587, -0.334646, 1.37795), "
+       "#ffa800");
+  for (const std::string part : {"dm1-id-214", "io1-cm-214"})
+    for (const std::string to : {"a.step", "a.iges", "a.brep", "a.stl", "a.glb"}) {
+      INFO(part << " to " << to);
+      const Result r = c.run({"convert", (data / (part + ".stp")).string(), to});
+      INFO(r.out << r.err);
+      CHECK(r.code == 0);
+      if (to == "a.stl") says(r.out, ", closed");
+    }
+}
+
+TEST_CASE("hulls of IGES files are meshed without cracks", "[cli][convert]") {
+  const fs::path data = optional_data("lines-ship-iges");
+  if (data.empty()) {
+    WARN("no lines-ship-iges beside the project: skipped");
+    return;
+  }
+  const Case c("convert_hulls");
+  for (const char* hull : {"kvlcc2m", "series_60", "singolo", "wigley"}) {
+    INFO(hull);
+    const Result r = c.run({"convert", (data / (std::string(hull) + ".iges")).string(), "h.stl"});
+    INFO(r.out << r.err);
+    CHECK(r.code == 0);
+    says(r.out, "in m, ");
+  }
+}

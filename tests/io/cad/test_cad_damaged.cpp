@@ -1,0 +1,97 @@
+// Damaged CAD files: an error each time, from each reader, and nothing written.
+#include <random>
+
+#include "batten/core/errors.h"
+#include "batten/io/cad/cad_convert.h"
+#include "batten/io/cad/facets_of_cad.h"
+#include "batten/io/cad/read_cad_contents.h"
+#include "batten/tests/io/cad/cad_files.h"
+#include "batten/tests/refusal.h"
+
+using namespace batten_test;
+
+namespace {
+
+std::string bytes_of(const fs::path& file) {
+  std::ostringstream out;
+  out << std::ifstream(file, std::ios::binary).rdbuf();
+  return out.str();
+}
+
+/// Every reader refuses the file, with its name.
+void check_refused(const fs::path& file, const std::string& bytes) {
+  std::ofstream(file, std::ios::binary) << bytes;
+  const fs::path out = file.parent_path() / "out.step";
+  for (const std::string& message :
+       {refusal([&] { read_cad_contents(file); }), refusal([&] { facets_of_cad(file); }),
+        refusal([&] { convert_cad(file, out); })}) {
+    CHECK(message.find(file.filename().string()) != std::string::npos);
+  }
+  CHECK_FALSE(fs::exists(out));
+}
+
+}  // namespace
+
+TEST_CASE("CAD files that are cut short at fifty places are refused") {
+  const ReadInChild child;
+  const fs::path folder = scratch("cad_cut");
+  for (const std::string ending : {".step", ".iges", ".brep"}) {
+    const std::string whole =
+        bytes_of(written(folder / ("a" + ending), painted("block", drilled_block())));
+    for (size_t k = 0; k < 50; ++k) {
+      const size_t length = whole.size() * k / 50;
+      INFO(ending << " cut after " << length << " of " << whole.size());
+      check_refused(folder / ("cut" + ending), whole.substr(0, length));
+    }
+  }
+}
+
+TEST_CASE("bytes at random, renamed text and impossible counts are refused as CAD") {
+  const ReadInChild child;
+  const fs::path folder = scratch("cad_random");
+  std::mt19937 random(7);
+  for (const std::string ending : {".step", ".stp", ".iges", ".igs", ".brep", ".brp"}) {
+    INFO(ending);
+    const fs::path file = folder / ("a" + ending);
+    check_refused(file, "");
+    check_refused(file, "solid a\nendsolid a\n");
+    check_refused(file, "x,y,z\n0,0,0\n1,0,0\n");
+    for (int k = 0; k < 5; ++k) {
+      std::string bytes(2000, ' ');
+      for (char& c : bytes) c = static_cast<char>(random());
+      check_refused(file, bytes);
+    }
+  }
+  const std::string brep = bytes_of(written(folder / "b.brep", painted("block", drilled_block())));
+  for (const std::string section :
+       {"Locations ", "Curve2ds ", "Curves ", "Surfaces ", "TShapes "}) {
+    const size_t at = brep.find("\n" + section) + 1 + section.size();
+    std::string huge = brep;
+    huge.replace(at, brep.find('\n', at) - at, "2000000000");
+    INFO(section);
+    check_refused(folder / "huge.brep", huge);
+  }
+}
+
+TEST_CASE("damaged bytes in sound CAD files are read or refused, and bring nothing down") {
+  const ReadInChild child;
+  const fs::path folder = scratch("cad_damaged");
+  std::mt19937 random(11);
+  for (const std::string ending : {".step", ".iges", ".brep"}) {
+    const std::string whole =
+        bytes_of(written(folder / ("a" + ending), painted("block", drilled_block())));
+    for (int k = 0; k < 15; ++k) {
+      std::string bytes = whole;
+      for (int i = 0; i < 3; ++i)
+        bytes[random() % bytes.size()] = static_cast<char>('0' + random() % 10);
+      const fs::path file = folder / ("bad" + ending);
+      std::ofstream(file, std::ios::binary) << bytes;
+      try {
+        const CadFacets facets = facets_of_cad(file);
+        CHECK(facets.mesh.points.allFinite());
+      } catch (const InputError& error) {
+        CHECK(std::string(error.what()).find("bad" + ending) != std::string::npos);
+      }
+    }
+  }
+}
