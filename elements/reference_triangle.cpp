@@ -38,9 +38,10 @@ std::array<Eigen::Matrix<double, 10, 12>, 3> make_hct_ordinates() {
   return ordinates;
 }
 
-// sum = ordinatesᵀ (12 × 10) times cubics (10 × 6), all column-major.
-BATTEN_CLONES void combine_cubics(const double* ordinates, const double* cubics, double* sum) {
-  for (int c = 0; c < 6; ++c) {
+// sum = ordinatesᵀ (12 × 10) times cubics (10 × columns), all column-major.
+BATTEN_CLONES void combine_cubics(const double* ordinates, const double* cubics, int columns,
+                                  double* sum) {
+  for (int c = 0; c < columns; ++c) {
     double column[12] = {};
     for (int m = 0; m < 10; ++m)
       for (int a = 0; a < 12; ++a) column[a] += ordinates[12 * m + a] * cubics[10 * c + m];
@@ -48,12 +49,16 @@ BATTEN_CLONES void combine_cubics(const double* ordinates, const double* cubics,
   }
 }
 
-ReferenceTabulation hct_functions(const Vec3& L) {
+const double* transposed_ordinates(int sub) {
   static const auto ordinates = [] {
     std::array<Eigen::Matrix<double, 12, 10>, 3> transposed;
     for (int s = 0; s < 3; ++s) transposed[s] = hct_ordinates(s).transpose();
     return transposed;
   }();
+  return ordinates[sub].data();
+}
+
+ReferenceTabulation hct_functions(const Vec3& L) {
   const HctPlace at(L);
   const Vec3 d1 = at.within({1, 0, -1}), d2 = at.within({0, 1, -1});
   Eigen::Matrix<double, 10, 6> table;
@@ -64,7 +69,7 @@ ReferenceTabulation hct_functions(const Vec3& L) {
   table.col(4) = cubics_along(at.local, d1, d2);
   table.col(5) = cubics_along(at.local, d2, d2);
   ReferenceTabulation functions;
-  combine_cubics(ordinates[at.sub].data(), table.data(), functions.data());
+  combine_cubics(transposed_ordinates(at.sub), table.data(), 6, functions.data());
   return functions;
 }
 
@@ -184,6 +189,17 @@ ReferenceTabulation reference_functions(TriangleElement kind, const Vec3& L) {
   return kind == TriangleElement::HCT ? hct_functions(L) : z12_functions(L);
 }
 
+Eigen::Matrix<double, 12, 2> reference_slopes(TriangleElement kind, const Vec3& L) {
+  if (kind != TriangleElement::HCT) return z12_functions(L).middleCols<2>(1);
+  const HctPlace at(L);
+  Eigen::Matrix<double, 10, 2> table;
+  table.col(0) = cubics_along(at.local, at.within({1, 0, -1}));
+  table.col(1) = cubics_along(at.local, at.within({0, 1, -1}));
+  Eigen::Matrix<double, 12, 2> slopes;
+  combine_cubics(transposed_ordinates(at.sub), table.data(), 2, slopes.data());
+  return slopes;
+}
+
 const ReferenceTensors& reference_tensors(TriangleElement kind) {
   static const ReferenceTensors hct = make_tensors(TriangleElement::HCT);
   static const ReferenceTensors z12 = make_tensors(TriangleElement::Z12);
@@ -200,10 +216,11 @@ DerivativeMap::DerivativeMap(const TriangleShape& t) {
 }
 
 TabulatedRule::TabulatedRule(TriangleElement kind, TriangleRule r) : rule(std::move(r)) {
+  functions.reserve(static_cast<size_t>(rule.weights.size()));
+  rows.reserve(60 * functions.capacity());
   for (long p = 0; p < rule.weights.size(); ++p)
     functions.push_back(reference_functions(kind, rule.L.row(p).transpose()));
-  for (const auto& f : functions)
-    for (int d = 1; d < 6; ++d) rows.insert(rows.end(), f.col(d).data(), f.col(d).data() + 12);
+  for (const auto& f : functions) rows.insert(rows.end(), f.col(1).data(), f.col(1).data() + 60);
 }
 
 DofMapNumbers::DofMapNumbers(const TriangleShape& t) {

@@ -12,6 +12,8 @@
 namespace batten {
 
 ReferenceTabulation reference_functions(TriangleElement kind, const Vec3& L);
+/// The two columns of first derivatives of the same, in a third of the time.
+Eigen::Matrix<double, 12, 2> reference_slopes(TriangleElement kind, const Vec3& L);
 
 /// Rows of the ten Bézier ordinates of HCT sub-triangle `sub` over the reference dofs.
 const Eigen::Matrix<double, 10, 12>& hct_ordinates(int sub);

@@ -148,9 +148,11 @@ class PatchSearch {
       : target_(target), goal_(goal), limits_(limits), given_start_(start) {
     const Vec2 extent = target.high - target.low;
     const auto first = [&](double length) {
-      return std::max(4, static_cast<int>(std::lround(8 * length / extent.maxCoeff())));
+      const double share = limits.first * length / extent.maxCoeff();
+      return std::max(std::min(4, limits.first), static_cast<int>(std::lround(share)));
     };
-    u_ = uniform(target.low.x(), target.high.x(), first(extent.x()), target.periodic);
+    const int in_u = target.periodic ? std::max(4, first(extent.x())) : first(extent.x());
+    u_ = uniform(target.low.x(), target.high.x(), in_u, target.periodic);
     v_ = uniform(target.low.y(), target.high.y(), first(extent.y()), false);
     if (start) {
       u_ = start->u;

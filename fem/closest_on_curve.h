@@ -18,11 +18,13 @@ struct CurvePoint {
 /// The nearest point of a curve. It is looked for from each parameter of `u` (ascending; the curve
 /// is smooth between neighbours) at which the distance is a local minimum: by Newton's method on
 /// (X - p)·X' = 0, by bisection where it leaves the two neighbours. `evaluate(u, order)` takes
-/// orders 0 to 2. A minimum narrower than the samples is missed.
+/// orders 0 to 2. A minimum narrower than the samples is missed. `at_u`: the points there, for
+/// many calls.
 template <class Evaluate>
-CurvePoint closest_on_curve(const Evaluate& evaluate, const std::vector<double>& u, const Vec3& p) {
+CurvePoint closest_on_curve(const Evaluate& evaluate, const std::vector<double>& u,
+                            const std::vector<Vec3>& at_u, const Vec3& p) {
   std::vector<double> distance(u.size());
-  for (size_t i = 0; i < u.size(); ++i) distance[i] = (evaluate(u[i], 0) - p).norm();
+  for (size_t i = 0; i < u.size(); ++i) distance[i] = (at_u[i] - p).norm();
   CurvePoint best{u.front(), std::numeric_limits<double>::infinity()};
   const size_t last = u.size() - 1;
   for (size_t i = 0; i <= last; ++i) {
@@ -44,6 +46,13 @@ CurvePoint closest_on_curve(const Evaluate& evaluate, const std::vector<double>&
     }
   }
   return best;
+}
+template <class Evaluate>
+CurvePoint closest_on_curve(const Evaluate& evaluate, const std::vector<double>& u, const Vec3& p) {
+  std::vector<Vec3> at_u;
+  at_u.reserve(u.size());
+  for (const double t : u) at_u.push_back(evaluate(t, 0));
+  return closest_on_curve(evaluate, u, at_u, p);
 }
 
 }  // namespace batten

@@ -52,6 +52,8 @@ class Surface {
 
   Vec3 position(const Location& where) const;
   SurfaceJet jet(const Location& where) const;
+  /// x_u × x_v, in a third of the time of a jet.
+  Vec3 area_vector(const Location& where) const;
 
   /// The triangle that holds (u, v), or the nearest one with L clamped into it when (u, v) is
   /// outside the domain. O(triangles).

@@ -362,8 +362,12 @@ void measure_patches(StepReport& report, const std::vector<TopoDS_Face>& faces,
 }
 
 StepReport measured_faces(const std::filesystem::path& path, const FittedFaces& made,
-                          double tolerance) {
-  const TopoDS_Shape shape = read_step(path);
+                          double tolerance, const std::function<void()>& beside) {
+  TopoDS_Shape shape;
+  parallel_parts(2, [&](int part) {
+    if (part == 1) return beside();
+    shape = read_step(path);
+  });
   std::vector<TopoDS_Face> faces;
   for (TopExp_Explorer it(shape, TopAbs_FACE); it.More(); it.Next())
     faces.push_back(TopoDS::Face(it.Current()));

@@ -29,9 +29,10 @@ void measure_patches(StepReport& report, const std::vector<TopoDS_Face>& faces,
                      const std::function<void()>& rest = {});
 
 /// Reads the file back and measures each face, in the order of `made`, against its region: all of a
-/// StepReport but file and warnings. Throws Error when the file has another number of faces.
+/// StepReport but file and warnings. `beside` is work for another thread while the file is read.
+/// Throws Error when the file has another number of faces.
 StepReport measured_faces(const std::filesystem::path& path, const FittedFaces& made,
-                          double tolerance);
+                          double tolerance, const std::function<void()>& beside);
 
 /// Throws InputError for a tolerance or a limit of poles out of its range.
 void check_options(const std::filesystem::path& path, const StepFaceOptions& options);

@@ -233,12 +233,14 @@ void FaceMaker::fit(const BicubicPatch* start) {
     target.low.x() = boundary_.seam;
     target.high.x() = boundary_.seam + boundary_.period;
   }
+  const int triangles = region_.surface.mesh().triangle_count();
   constexpr int few = 2'000;
-  const int in_proportion =
-      std::max(few, options_.most_poles_a_triangle * region_.surface.mesh().triangle_count());
+  const int in_proportion = std::max(few, options_.most_poles_a_triangle * triangles);
+  // A cell of the first fit holds up to eight triangles.
+  const int first = std::clamp(static_cast<int>(std::lround(std::sqrt(triangles / 8.0))), 2, 8);
   fit_ = fit_bicubic_patch(
-      target, goal_, {options_.most_poles, std::min(options_.most_poles_in_all, in_proportion)},
-      start);
+      target, goal_,
+      {options_.most_poles, std::min(options_.most_poles_in_all, in_proportion), first}, start);
 }
 
 double FaceMaker::widened(double distance) {

@@ -169,15 +169,19 @@ std::optional<HermiteCurve> kept_as_given(const Stretch& stretch, double shortes
   return HermiteCurve(exact->mesh(), dofs);
 }
 
-double distance_to(const InputCurve& curve, const Vec3& p) {
+DistanceTo::DistanceTo(const InputCurve& curve) : curve_(curve) {
   const auto breaks = curve.breaks();
   const int samples = std::clamp<int>(512 / count_of(breaks), 4, 128);
-  std::vector<double> t;
   for (size_t i = 0; i + 1 < breaks.size(); ++i)
     for (int k = 0; k < samples; ++k)
-      t.push_back(breaks[i] + (breaks[i + 1] - breaks[i]) * k / samples);
-  t.push_back(curve.end());
-  return closest_on_curve([&](double at, int order) { return curve.evaluate(at, order); }, t, p)
+      t_.push_back(breaks[i] + (breaks[i + 1] - breaks[i]) * k / samples);
+  t_.push_back(curve.end());
+  for (const double t : t_) x_.push_back(curve.evaluate(t, 0));
+}
+
+double DistanceTo::operator()(const Vec3& p) const {
+  return closest_on_curve([&](double at, int order) { return curve_.evaluate(at, order); }, t_, x_,
+                          p)
       .distance;
 }
 

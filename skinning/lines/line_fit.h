@@ -49,7 +49,17 @@ HermiteCurve closed_curve(const HermiteCurve& curve);
 std::optional<HermiteCurve> kept_as_given(const Stretch& stretch, double shortest,
                                           const Vec3& start, const Vec3& end);
 
-/// Returns the smallest distance from p to the curve, by samples and Newton's method.
-double distance_to(const InputCurve& curve, const Vec3& p);
+/// The smallest distances of points from one curve, by samples, which are taken once, and Newton's
+/// method. It keeps a reference to the curve.
+class DistanceTo {
+ public:
+  explicit DistanceTo(const InputCurve& curve);
+  double operator()(const Vec3& p) const;
+
+ private:
+  const InputCurve& curve_;
+  std::vector<double> t_;
+  std::vector<Vec3> x_;
+};
 
 }  // namespace batten

@@ -182,11 +182,17 @@ double curvature_across(const SurfaceJet& jet, const Vec3& n, const Vec3& way) {
 
 JoinQuality measure_join(const std::vector<const SkinnedRegion*>& regions,
                          const JoinLine& join_line, const std::array<bool, 2>& open, int samples) {
-  JoinEdges sides(regions);
-  const JoinEdge side[2] = {sides(join_line.sides[0]), sides(join_line.sides[1])};
-  const auto jet = [&](int s, double f) {
-    return regions[join_line.sides[s].region]->surface.jet(side[s].where(f));
+  // Of these two regions only: a model measures thousands of joins.
+  const std::vector<const SkinnedRegion*> two{regions[join_line.sides[0].region],
+                                              regions[join_line.sides[1].region]};
+  JoinEdges sides(two);
+  const auto side_of = [&](int s) {
+    JoinSide own = join_line.sides[s];
+    own.region = s;
+    return sides(own);
   };
+  const JoinEdge side[2] = {side_of(0), side_of(1)};
+  const auto jet = [&](int s, double f) { return two[s]->surface.jet(side[s].where(f)); };
   std::vector<double> at = side[side[0].embedded() ? 1 : 0].stations();
   if (at.back() < 1) at.push_back(1);
   JoinQuality quality;

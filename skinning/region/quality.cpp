@@ -83,6 +83,7 @@ constexpr int edge_samples = 6;
 void measure_run(const SkinnedRegion& region, const LineRun& run, SkinQuality& q) {
   const Surface& surface = region.surface;
   const ParametricMesh& mesh = surface.mesh();
+  const DistanceTo distance_to(*run.line.curve);
   for (size_t i = 0; i < run.edges.size(); ++i) {
     const bool from_low = mesh.edges()[run.edges[i]].low == run.vertices[i];
     for (int k = 0; k <= edge_samples; ++k) {
@@ -90,7 +91,7 @@ void measure_run(const SkinnedRegion& region, const LineRun& run, SkinQuality& q
       const Vec3 x = surface.position(on_edge(mesh, run.edges[i], 0, from_low ? f : 1 - f));
       const double u = run.parameters[i] + f * (run.parameters[i + 1] - run.parameters[i]);
       raise(q.max_line_residual, (x - run.fitted.evaluate(u)).norm() / region.size);
-      raise(q.max_line_deviation, distance_to(*run.line.curve, x));
+      raise(q.max_line_deviation, distance_to(x));
     }
   }
   const HermiteCurve edge = surface_edge(surface, run);
@@ -114,10 +115,11 @@ void measure_embedded(const Surface& surface, const TriangleLocator& locator,
     return surface.position(locator.locate(flat(line.image.evaluate(u))));
   };
   const InputCurve& input = *line.line.curve;
+  const DistanceTo distance_to(input);
   for (int k = 0; k <= count; ++k)
     raise(q.max_line_deviation,
-          distance_to(input, on_surface(line.image.start() +
-                                        (line.image.end() - line.image.start()) * k / count)));
+          distance_to(on_surface(line.image.start() +
+                                 (line.image.end() - line.image.start()) * k / count)));
   const HermiteCurve& fitted = line.fitted;
   for (int k = 0; k <= count; ++k) {
     const Vec3 p = input.evaluate(input.start() + (input.end() - input.start()) * k / count);
@@ -199,7 +201,7 @@ class ElementMeasures {
     if (cut) {
       const TriangleRule rule = trim_->rule(t, 2);
       for (long p = 0; p < rule.weights.size(); ++p) {
-        const Vec3 area = surface_.jet({t, rule.L.row(p).transpose()}).area_vector();
+        const Vec3 area = surface_.area_vector({t, rule.L.row(p).transpose()});
         mean += rule.weights[p] * area;
         // Points of a cone that counts negative lie outside.
         if (rule.weights[p] > 0) areas_.push_back(area);

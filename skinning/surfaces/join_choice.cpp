@@ -8,6 +8,7 @@
 #include "batten/core/errors.h"
 #include "batten/core/groups.h"
 #include "batten/core/index.h"
+#include "batten/core/parallel.h"
 #include "batten/core/words.h"
 
 namespace batten {
@@ -70,11 +71,15 @@ std::vector<double> estimate_chains(const CharacterLineNetwork& network, const R
         continue;
       chains.join(s, other->second);
     }
+  std::vector<double> estimates(join_lines.size());
+  parallel_parts(count_of(estimates), [&](int s) {
+    estimates[s] = estimate(network, regions, choice.joins[choice.join_of[s]], join_lines[s]);
+  });
   std::vector<double> sum(join_lines.size(), 0), length(join_lines.size(), 0), result;
   for (const auto& [arc, s] : join_line_of) {
     const auto r = static_cast<size_t>(chains.of(s));
     const double l = network.arcs()[arc].length;
-    sum[r] += l * estimate(network, regions, choice.joins[choice.join_of[s]], join_lines[s]);
+    sum[r] += l * estimates[s];
     length[r] += l;
   }
   for (size_t s = 0; s < join_lines.size(); ++s) {

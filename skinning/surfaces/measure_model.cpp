@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <map>
 #include <optional>
+#include <string>
 
 #include "batten/core/index.h"
 #include "batten/core/parallel.h"
@@ -32,23 +34,27 @@ void take_quality(ModelJoin& join, const JoinQuality& quality) {
 }
 
 void measure_joins(SurfaceModel& model, const std::vector<const SkinnedRegion*>& made) {
-  model.max_join_deg = 0;
-  for (ModelJoin& join : model.joins) {
+  std::map<std::string, const JoinPlan*> plans;  // by line; of two the one that is not given up
+  for (const JoinPlan& plan : model.layout->join_plans()) {
+    const JoinPlan*& of_line = plans[plan.join_line.name];
+    if (!of_line || of_line->given_up()) of_line = &plan;
+  }
+  parallel_parts(count_of(model.joins), [&](int j) {
+    ModelJoin& join = model.joins[j];
     if (join.kind == ModelJoin::Kind::Smooth) {
-      const JoinPlan* plan = model.layout->join_plan(join.line);
-      if (plan) {
+      const auto found = plans.find(join.line);
+      const JoinPlan* plan = found == plans.end() ? nullptr : found->second;
+      if (plan && !plan->given_up()) {
         take_quality(join,
                      measure_join(made, plan->join_line, {plan->ends[0].open, plan->ends[1].open}));
         join.open = {plan->ends[0].open, plan->ends[1].open};
         join.curvature = curvature_goes_on(*model.layout, *plan);
-        model.max_join_deg = std::max(model.max_join_deg, join.max_inside_deg);
-        continue;
+        return;
       }
       join.kind = ModelJoin::Kind::Crease;
-      for (const JoinPlan& given_up : model.layout->join_plans())
-        if (given_up.join_line.name == join.line) join.why = given_up.why_not;
+      if (plan) join.why = plan->why_not;
     }
-    if (join.kind != ModelJoin::Kind::Crease) continue;
+    if (join.kind != ModelJoin::Kind::Crease) return;
     std::array<std::optional<JoinSide>, 2> sides;
     for (size_t k = 0; k < 2; ++k) {
       const int r = model.regions[join.regions[k]].in_layout;
@@ -58,7 +64,27 @@ void measure_joins(SurfaceModel& model, const std::vector<const SkinnedRegion*>&
                            ? measure_join(made, {join.line, {*sides[0], *sides[1]}})
                            : JoinQuality{});
     join.max_inside_deg = 0;
+  });
+  model.max_join_deg = 0;
+  for (const ModelJoin& join : model.joins)
+    if (join.kind == ModelJoin::Kind::Smooth)
+      model.max_join_deg = std::max(model.max_join_deg, join.max_inside_deg);
+}
+
+// Area and volume of a shell; the volume of one that is closed with all its regions.
+void measure_shell(const SurfaceModel& model, ModelShell& shell) {
+  shell.area = shell.volume = 0;
+  for (const int r : shell.regions) {
+    const ModelRegion& region = model.regions[r];
+    shell.closed = shell.closed && region.skinned;
+    if (region.skinned) shell.area += region.quality.area;
   }
+  if (!shell.closed || !shell.orientable) return;
+  std::vector<double> under(shell.regions.size());
+  parallel_parts(count_of(under), [&](int k) {
+    under[k] = enclosed(*model.regions[shell.regions[k]].skinned, model.layout->origin());
+  });
+  for (const double volume : under) shell.volume += volume;
 }
 
 // Whether two regions meet at a line that the user asked to be a crease: a knife's edge may be.
@@ -99,21 +125,7 @@ void measure(SurfaceModel& model, const Progress& progress) {
   }
   const std::vector<const SkinnedRegion*> made = model.skinned();
   measure_joins(model, made);
-  for (ModelShell& shell : model.shells) {
-    bool whole = true;
-    shell.area = shell.volume = 0;
-    for (const int r : shell.regions) {
-      const ModelRegion& region = model.regions[r];
-      if (!region.skinned) {
-        whole = false;
-        continue;
-      }
-      shell.area += region.quality.area;
-      shell.volume += enclosed(*region.skinned, model.layout->origin());
-    }
-    shell.closed = shell.closed && whole;
-    if (!shell.closed || !shell.orientable) shell.volume = 0;
-  }
+  for (ModelShell& shell : model.shells) measure_shell(model, shell);
   progress.at("measuring", 0.5);
   model.flaws = find_flaws(made, qualities, plain);
   for (SurfaceFlaw& flaw : model.flaws)

@@ -55,12 +55,12 @@ bool suspicious(const SkinnedRegion& region, double plain_area) {
   double least = std::numeric_limits<double>::infinity(), area = 0;
   for (int t = 0; t < mesh.triangle_count(); ++t) {
     if (trim && trim->side(t) == Trim::Side::Outside) continue;
-    middle[t] = surface.jet({t, Vec3::Constant(1.0 / 3)}).area_vector();
+    middle[t] = surface.area_vector({t, Vec3::Constant(1.0 / 3)});
     const double size = middle[t].norm();
     sizes.push_back(size);
     area += size * mesh.shape(t).area;
     for (int k = 0; k < 3; ++k) {
-      const Vec3 corner = surface.jet({t, Vec3::Unit(k)}).area_vector();
+      const Vec3 corner = surface.area_vector({t, Vec3::Unit(k)});
       least = std::min(least, corner.dot(middle[t]) / size);
     }
   }

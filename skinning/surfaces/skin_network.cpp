@@ -42,6 +42,7 @@ class ModelMaker {
     model_.joins = std::move(choice.joins);
     join_lines_ = std::move(choice.join_lines);
     join_of_ = std::move(choice.join_of);
+    has_facets_.resize(model_.regions.size());
     // 4. and 5. Solve joined regions together, and measure.
     join();
     return std::move(model_);
@@ -100,11 +101,16 @@ class ModelMaker {
 
   Round look_at(const std::vector<JoinPlan>& plans, bool may_halve) {
     Round left;
+    std::vector<JoinQuality> angles(join_lines_.size());
+    parallel_parts(count_of(angles), [&](int s) {
+      if (!plans[s].given_up())
+        angles[s] = angle_of(model_.regions, join_lines_[s],
+                             {plans[s].ends[0].open, plans[s].ends[1].open});
+    });
     for (size_t s = 0; s < join_lines_.size(); ++s) {
       if (plans[s].given_up()) continue;
       ModelJoin& join = join_of(s);
-      const JoinQuality angle =
-          angle_of(model_.regions, join_lines_[s], {plans[s].ends[0].open, plans[s].ends[1].open});
+      const JoinQuality& angle = angles[s];
       join.max_deg = angle.max_deg;
       join.max_inside_deg = angle.max_inside_deg;
       if (angle.max_inside_deg <= options_.join_tolerance_deg) continue;
@@ -239,7 +245,10 @@ class ModelMaker {
     bool any = false;
     std::vector<std::string> why(model_.regions.size());
     parallel_parts(count_of(why), [&](int r) {
-      if (model_.regions[r].skinned) why[r] = why_no_facets(*model_.regions[r].skinned);
+      const auto& made = model_.regions[r].skinned;
+      if (!made || made->surface.shared_mesh() == has_facets_[r]) return;
+      why[r] = why_no_facets(*made);
+      if (why[r].empty()) has_facets_[r] = made->surface.shared_mesh();
     });
     for (size_t r = 0; r < why.size(); ++r) {
       if (why[r].empty()) continue;
@@ -330,7 +339,8 @@ class ModelMaker {
   const Progress& progress_;
   SurfaceModel model_;
   RegionMaker regions_;
-  std::vector<Points> dofs_;  // of the regions
+  std::vector<Points> dofs_;                                       // of the regions
+  std::vector<std::shared_ptr<const ParametricMesh>> has_facets_;  // of each region: has some
   // Groups that were solved and their shapes, by their first region, to be taken again where nothing
   // has changed.
   std::map<int, std::pair<RegionGroup, std::vector<Points>>> solved_;

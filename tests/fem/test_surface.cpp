@@ -108,6 +108,18 @@ TEST_CASE("a jet is the derivative of positions, by central differences") {
   }
 }
 
+TEST_CASE("an area vector is that of the jet") {
+  for (const auto kind : {TriangleElement::HCT, TriangleElement::Z12}) {
+    const Surface surface = random_surface(4, kind, 7);
+    Draws random(8);
+    for (int i = 0; i < 200; ++i) {
+      const Location where = random.location(surface.mesh());
+      const Vec3 area = surface.jet(where).area_vector();
+      CHECK((surface.area_vector(where) - area).norm() <= 1e-13 * area.norm());
+    }
+  }
+}
+
 TEST_CASE("a surface is C1 across every edge of its mesh") {
   for (const auto kind : both_kinds) {
     INFO(name(kind));

@@ -8,7 +8,9 @@ SERVER is what server.cpp was built to. TARGET is one of the folders in seeds/, 
 then for each); more files to begin with come from the FOLDERs. Run K of a target always makes the
 same file: a seed is damaged or, now and then, a file that it names. What counts as a finding: an end by a signal, an exit code outside the
 list of docs/conventions.md, an error that nobody expected, more than 2 GB, a report that is no JSON or
-holds numbers that are not finite, files beside a refusal, hidden files that are left. A run of more
+holds numbers that are not finite, files beside a refusal, hidden files that are left. "sketches" are
+damaged as a hand would: strokes are dropped, moved, drawn twice, cut, and tremble; what turns over and
+is not named is a finding there, and so is no model at all. A run of more
 than 10 s is asked to stop: it is a finding unless it does within 2 s, with exit code 130 and nothing
 left; then it is counted and told as a long one, since much work may have been asked for. What is
 found and what was long is kept, and the exit code is 1 after findings. Needs Python 3 only.
@@ -42,6 +44,7 @@ COMMANDS = {
                  ["skin", "--network", "@", "--out", "OUT"]],
     "meshes": [["info", "@"], ["convert", "@", "OUT.vtp"]],
     "networks": [["skin", "--network", "@", "--unit", "m", "--out", "OUT"]],
+    "sketches": [["skin", "--network", "@", "--unit", "m", "--out", "OUT"]],
     "scenes": [["run", "@", "--out", "OUT"], ["info", "@"]],
     "edits": [["deform", "@", "--out", "OUT"], ["info", "@"]],
     "sculpting": [["sculpt", "@", "--out", "OUT"]],
@@ -54,6 +57,7 @@ ENDINGS = {
     "drawings": {".dxf", ".svg"},
     "meshes": {".obj", ".off", ".ply", ".stl", ".bdf", ".dat", ".inp", ".k", ".rad", ".vtp", ".vtu"},
     "networks": {".csv", ".txt", ".json", ".curves"},
+    "sketches": {".json"},
     "scenes": {".toml"},
     "edits": {".toml"},
     "sculpting": {".toml"},
@@ -157,6 +161,51 @@ def splice(data, rng, others):
     return data[:rng.randrange(len(data) + 1)] + other[rng.randrange(len(other) + 1):]
 
 
+def sketched(data, rng):
+    """The strokes of a sketch graph as another hand might have drawn them."""
+    graph = json.loads(data)
+    segments = {s["id"]: s for s in graph["segments"]}
+    points = [p for s in segments.values() for piece in s["ctrl_pts"] for p in piece]
+    size = math.dist([min(c) for c in zip(*points)], [max(c) for c in zip(*points)])
+
+    def by(length):
+        way = [rng.gauss(0, 1) for _ in range(3)]
+        return [length * w / (math.hypot(*way) or 1) for w in way]
+
+    def moved(segment, shift):
+        return {**segment, "ctrl_pts": [[[x + d for x, d in zip(p, shift(tuple(p)))] for p in piece]
+                                        for piece in segment["ctrl_pts"]]}
+
+    for _ in range(rng.choice([1, 2, 4, 8])):
+        kind = rng.randrange(5)
+        stroke = rng.choice(graph["strokes"])
+        ids = stroke["segments"]
+        if kind == 0 and len(graph["strokes"]) > 1:
+            graph["strokes"].remove(stroke)
+        elif kind == 1:
+            whole = by(size * rng.uniform(0.002, 0.03))
+            for i in ids:
+                segments[i] = moved(segments[i], lambda _: whole)
+        elif kind == 2:
+            length, places = size * rng.uniform(0.0005, 0.003), {}
+            for i in ids:
+                segments[i] = moved(segments[i], lambda p: places.setdefault(p, by(length)))
+        elif kind == 3:
+            whole, first = by(size * rng.uniform(0.0005, 0.01)), max(segments) + 1
+            for k, i in enumerate(ids):
+                segments[first + k] = {**moved(segments[i], lambda _: whole), "id": first + k}
+            graph["strokes"].append({"id": max(s["id"] for s in graph["strokes"]) + 1,
+                                     "segments": list(range(first, first + len(ids)))})
+        elif len(ids) > 1:
+            at = rng.randrange(1, len(ids))
+            graph["strokes"].append({"id": max(s["id"] for s in graph["strokes"]) + 1,
+                                     "segments": ids[at:]})
+            stroke["segments"] = ids[:at]
+    used = {i for s in graph["strokes"] for i in s["segments"]}
+    return json.dumps({"segments": [s for i, s in segments.items() if i in used],
+                       "strokes": graph["strokes"]}).encode()
+
+
 GENTLE = [other_number, other_number, other_number, number, lines]
 MUTATIONS = [cut, flip, set_bytes, number, number, number, drop, double, lines, nest, splice]
 
@@ -169,6 +218,15 @@ def finite(value):
     if isinstance(value, list):
         return all(finite(v) for v in value)
     return True
+
+
+def not_named(report):
+    """A region that turns over, of which no flaw tells."""
+    said = {name for flaw in report["flaws"] for name in flaw["regions"]}
+    for region in report.get("regions", []):
+        if region["skinned"] and not region["min_jacobian_ratio"] > 0 and region["name"] not in said:
+            return region["name"]
+    return ""
 
 
 class Server:
@@ -222,6 +280,8 @@ def wrong(code, text, seconds, megabytes, folder, names):
                 return f"report: {error}"
             if not finite(report):
                 return "report: numbers that are not finite"
+            if name := not_named(report) if "network" in report else "":
+                return f"{name} turns over and is not named"
         for result in (out, *results):
             if name := not_finite(result):
                 return f"{name}: numbers that are not finite"
@@ -246,13 +306,16 @@ class Seed:
 class Target:
     def __init__(self, name, keep, folders):
         self.name, self.keep = name, keep
-        own = HERE / "seeds" / name
-        self.seeds = [Seed(p, own / "beside") for p in sorted(own.iterdir()) if p.is_file()]
+        own = HERE / "seeds" / ("networks" if name == "sketches" else name)
+        self.seeds = [Seed(p, own / "beside") for p in sorted(own.iterdir())
+                      if p.is_file() and (name != "sketches" or p.suffix in ENDINGS[name])]
         self.seeds += [Seed(p, p.parent) for f in folders for p in sorted(f.rglob("*"))
                        if p.suffix in ENDINGS[name] and p.is_file() and
                        p.stat().st_size <= MOST_BYTES]
 
     def damage(self, name, data, rng):
+        if self.name == "sketches":
+            return sketched(data, rng)
         alike = [s.data for s in self.seeds if s.path.suffix == Path(name).suffix]
         kinds = rng.choice([GENTLE, MUTATIONS])
         for _ in range(rng.choice([1, 1, 2, 3])):
@@ -277,6 +340,8 @@ class Target:
             code, text, seconds, megabytes = server.run(words, folder)
             names = {path.parts[0] for path in files}
             what = wrong(code, text, seconds, megabytes, folder, names)
+            if self.name == "sketches" and code == 1 and "found no loop" not in text:
+                what = what or "no model"
             if what:
                 kept = self.keep / f"{self.name}-{k}"
                 shutil.rmtree(kept, ignore_errors=True)

@@ -414,6 +414,43 @@ TEST_CASE("A square of four runs is one face with four edges", "[step-face]") {
   }
 }
 
+TEST_CASE("A calm face of few triangles has few poles, more triangles are looked at more closely",
+          "[step-face]") {
+  const auto poles = [](const SkinnedRegion& region) {
+    const StepReport r = write_step_faces(scratch("step_face") / "calm.step", {&region}, 1,
+                                          {.tolerance = 1e-3 * region.size});
+    CHECK(r.reached);
+    CHECK(*r.max_deviation <= 1e-3 * region.size);
+    return r.patches[0].poles_u * r.patches[0].poles_v;
+  };
+  CHECK(poles(square(paraboloid, 3)) == 5 * 5);
+  // A ripple as long as three triangles of many: between the samples of two by two cells.
+  const Formula ripple = [](const Vec2& p) {
+    const double k = 8 * pi, c = std::cos(k * p.x()) * 0.02 * k;
+    SurfaceJet j{};
+    j.x = {p.x(), p.y(), 0.02 * std::sin(k * p.x())};
+    j.x_u = {1, 0, c};
+    j.x_v = {0, 1, 0};
+    return j;
+  };
+  CHECK(poles(square(ripple, 24)) > 100);
+}
+
+TEST_CASE("A file claims no more than readers see, who would compute its borders anew",
+          "[step-face]") {
+  const fs::path file = scratch("step_face") / "claim.step";
+  const auto claimed = [&](double scale) {
+    const SkinnedRegion region = square(placed(paraboloid, scale), 4);
+    write_step_faces(file, {&region}, 1, {.tolerance = 1e-8 * scale});
+    std::ifstream in(file);
+    std::string all{std::istreambuf_iterator<char>(in), {}};
+    const std::string word = "LENGTH_MEASURE(";
+    return std::stod(all.substr(all.find(word) + word.size()));
+  };
+  CHECK(claimed(1) >= 1e-7);
+  CHECK(claimed(1e-3) <= 2e-8);  // a tiny model: 1e-5 of its size
+}
+
 TEST_CASE("Far away, in metres and on Z12 elements the face is the same", "[step-face]") {
   const fs::path folder = scratch("step_face");
   const Vec3 far(1e7, -2e7, 5e6);
