@@ -72,6 +72,7 @@ class PatchEquations {
         const size_t cell = static_cast<size_t>(i) * v.intervals() + j;
         set_to_bending(near[cell] ? bending : bending_outside, gram_u, gram_v[j]);
         add_samples(cell, i, j);
+        add_tangents(cell, i, j);
         add_cell(i, j);
       }
     }
@@ -111,6 +112,22 @@ class PatchEquations {
       for (int a = 0; a < 4; ++a) N.segment<4>(4 * a) = Nu[a] * Nv;
       A_.noalias() += sample_weight * N * N.transpose();
       b_.noalias() += sample_weight * N * sample.x.transpose();
+    }
+  }
+
+  void add_tangents(size_t cell, int i, int j) {
+    // An error that changes its sign from cell to cell has a derivative three times as large.
+    constexpr double weight = 4.0 / 16;
+    Eigen::Matrix<double, 16, 1> N_s, N_t;
+    for (const CellSamples::Tangent& tangent : samples_.tangents(cell)) {
+      const Vec4 Nu = u_.basis(i, tangent.s), Nv = v_.basis(j, tangent.t),
+                 Nu_s = u_.basis(i, tangent.s, 1), Nv_t = v_.basis(j, tangent.t, 1);
+      for (int a = 0; a < 4; ++a) {
+        N_s.segment<4>(4 * a) = Nu_s[a] * Nv;
+        N_t.segment<4>(4 * a) = Nu[a] * Nv_t;
+      }
+      A_.noalias() += weight * (N_s * N_s.transpose() + N_t * N_t.transpose());
+      b_.noalias() += weight * (N_s * tangent.x_s.transpose() + N_t * tangent.x_t.transpose());
     }
   }
 
@@ -155,8 +172,10 @@ class PatchEquations {
 }  // namespace
 
 CellSamples::CellSamples(const PatchTarget& target, const SplineAxis& u, const SplineAxis& v,
-                         const std::vector<double>& places, const std::vector<Vec2>& rim)
-    : cells_(static_cast<size_t>(u.intervals()) * v.intervals()), full_(cells_.size()) {
+                         const std::vector<double>& places, double spacing)
+    : cells_(static_cast<size_t>(u.intervals()) * v.intervals()),
+      tangents_(cells_.size()),
+      full_(cells_.size()) {
   parallel_parts(u.intervals(), [&](int i) {
     for (int j = 0; j < v.intervals(); ++j) {
       const size_t cell = static_cast<size_t>(i) * v.intervals() + j;
@@ -168,6 +187,19 @@ CellSamples::CellSamples(const PatchTarget& target, const SplineAxis& u, const S
       full_[cell] = cells_[cell].size() == places.size() * places.size();
     }
   });
+  add_rim(target, u, v, target.rim(spacing));
+  if (!target.tangents) return;
+  for (const PatchTangent& tangent : target.tangents(spacing)) {
+    const double a = u.wrapped(tangent.uv.x()), b = v.wrapped(tangent.uv.y());
+    const int i = u.interval(a), j = v.interval(b);
+    tangents_[static_cast<size_t>(i) * v.intervals() + j].push_back(
+        {(a - u.knots()[i]) / u.length(i), (b - v.knots()[j]) / v.length(j),
+         u.length(i) * tangent.x_u, v.length(j) * tangent.x_v});
+  }
+}
+
+void CellSamples::add_rim(const PatchTarget& target, const SplineAxis& u, const SplineAxis& v,
+                          const std::vector<Vec2>& rim) {
   std::vector<Vec3> x(rim.size());
   const int parts = static_cast<int>(std::min<size_t>(rim.size(), 64));
   parallel_parts(parts, [&](int part) {

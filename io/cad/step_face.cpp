@@ -48,7 +48,7 @@ StepReport write_step_faces(const std::filesystem::path& path,
     StepReport report = refined(made, [&] {
       const bool valid = save(file.temporary(), plan, made,
                               reader_coincidence(model_unit_in_metres), options, occ);
-      StepReport measured = measured_faces(file.temporary(), made, options.tolerance);
+      StepReport measured = measured_faces(file.temporary(), made, plan, options);
       measured.valid = measured.valid && valid;
       return measured;
     });
