@@ -87,9 +87,9 @@ void raise_errors(const BicubicPatch& patch, const CellSamples& samples, CellErr
       for (const CellSamples::Tangent& tangent : samples.tangents(cell)) {
         const Vec3 normal = normal_in(patch, i, j, tangent.s, tangent.t);
         const Vec3 wanted = tangent.x_s.cross(tangent.x_t);
-        errors.angle_deg[cell] =
-            std::max(errors.angle_deg[cell],
-                     std::atan2(normal.cross(wanted).norm(), normal.dot(wanted)) * 180 / std::numbers::pi);
+        errors.angle_deg[cell] = std::max(
+            errors.angle_deg[cell],
+            std::atan2(normal.cross(wanted).norm(), normal.dot(wanted)) * 180 / std::numbers::pi);
       }
     }
   });
@@ -199,15 +199,27 @@ class PatchSearch {
       find_wanted_knots(round);
       if (!move_knots()) break;
     }
-    return best_;
+    return best_.reached ? best_ : sparest();
   }
 
  private:
+  /// Of the fits that reach the deviation and not the angle, the one with the fewest poles that comes
+  /// within half of the way to the smallest angle: more poles would buy little.
+  PatchFit sparest() const {
+    PatchFit found = best_;
+    if (best_.deviation > goal_.deviation || best_.angle_deg < 2 * goal_.angle_deg) return found;
+    for (const PatchFit& fit : near_)
+      if (fit.angle_deg <= 1.5 * best_.angle_deg &&
+          fit.patch.poles.rows() < found.patch.poles.rows())
+        found = fit;
+    return found;
+  }
+
   void fit() {
     const double spacing = std::min(shortest_interval(u_), shortest_interval(v_)) / 4;
     const CellSamples fitted(target_, u_, v_, {0.125, 0.375, 0.625, 0.875}, spacing);
     const CellSamples others(target_, u_, v_, {0, 0.5}, 0.7 * spacing);
-    patch_ = fit_to_samples(u_, v_, fitted, goal_.deviation);
+    patch_ = fit_to_samples(u_, v_, fitted, goal_);
     pass_through_fixed(patch_, target_);
 
     const size_t cells = static_cast<size_t>(u_.intervals()) * v_.intervals();
@@ -227,6 +239,7 @@ class PatchSearch {
       lowest_ = miss_;
       progress_ = patch_.poles.rows();
     }
+    if (deviation_ <= goal_.deviation) near_.push_back({patch_, deviation_, angle_deg_, false});
     if (best_.reached ? reached_ && fewer : reached_ || miss_ < best_miss_) {
       best_ = {patch_, deviation_, angle_deg_, reached_};
       best_miss_ = miss_;
@@ -236,8 +249,8 @@ class PatchSearch {
   bool no_better_to_come() {
     if (best_.reached) return !reached_ || miss_ > 0.3 || ++sparer_ > 2;
     // Angles that finer knots do not lower are those of the surface's own kinks.
-    const int patience = deviation_ <= goal_.deviation ? 4 : 12;
-    return patch_.poles.rows() > patience * progress_;
+    const double patience = deviation_ <= goal_.deviation ? 2.5 : 12;
+    return static_cast<double>(patch_.poles.rows()) > patience * static_cast<double>(progress_);
   }
 
   // Where, and in which direction, the next knots go.
@@ -292,6 +305,7 @@ class PatchSearch {
   SplineAxis u_, v_;
   PatchFit best_;
   double best_miss_ = 0;
+  std::vector<PatchFit> near_;  // those that reach the deviation
   double lowest_ = 0;
   long progress_ = 1;  // poles when the miss last fell
   int sparer_ = 0;

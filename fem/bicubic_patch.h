@@ -2,7 +2,8 @@
 // Internal.
 //
 //   min  Σ |S(u_k, v_k) - x_k|² / 16  +  ε ∑ over cells of the bending of S in the cell's own units
-//        + Σ (|S_s - x_s|² + |S_t - x_t|²) / 4   where tangent planes count; s, t in the cell's units
+//        + Σ w (|S_s - x_s|² + |S_t - x_t|²) / 16   where tangent planes count; s, t in the cell's units;
+//          w = (goal of the deviation / (goal of the angle · |x_s|))², 4 to 1000: both miss as much of theirs
 //
 // Samples: 16 in each cell of the knots as far as they are inside, and the region's rim. The
 // bending carries the spline across the part of the rectangle that is outside of the region; ε is
@@ -23,11 +24,6 @@ struct PatchFit {
   double deviation = 0;
   double angle_deg = 0;  ///< largest angle from the target's tangent planes, at such places
   bool reached = false;  ///< deviation and angle are at most their goals
-};
-
-struct PatchGoal {
-  double deviation = 0;
-  double angle_deg = 180;  ///< where tangent planes count
 };
 
 struct PatchLimits {

@@ -14,6 +14,7 @@ class CellSamples {
   struct Sample {
     double s, t;  // in its cell
     Vec3 x;
+    double weight = 1;
   };
   struct Tangent {
     double s, t;    // in its cell
@@ -42,6 +43,6 @@ class CellSamples {
 /// With the strongest bending that costs no more than a hundredth of the goal. Throws
 /// NoSolutionError: numbers that are not finite.
 BicubicPatch fit_to_samples(const SplineAxis& u, const SplineAxis& v, const CellSamples& samples,
-                            double goal);
+                            const PatchGoal& goal);
 
 }  // namespace batten

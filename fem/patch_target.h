@@ -17,6 +17,12 @@ struct BicubicPatch {
   Vec3 position(const Vec2& uv) const;
 };
 
+/// What a fit may miss.
+struct PatchGoal {
+  double deviation = 0;
+  double angle_deg = 180;  ///< where tangent planes count
+};
+
 /// A place on the rim, and derivatives that span the tangent plane which the spline is to have there.
 struct PatchTangent {
   Vec2 uv;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <fstream>
 
+#include "batten/apps/commands/cad_info.h"
 #include "batten/apps/commands/lines/line_reading.h"
 #include "batten/apps/commands/lines/mirror_lines.h"
 #include "batten/apps/commands/meshes/mesh_info.h"
@@ -15,7 +16,6 @@
 #include "batten/fairing/arc_length.h"
 #include "batten/fairing/curve_fit.h"
 #include "batten/fairing/fair_curve.h"
-#include "batten/io/files/in_child.h"
 #include "batten/io/files/input_file.h"
 #include "batten/io/files/length_units.h"
 #include "batten/io/files/text.h"
@@ -200,27 +200,6 @@ bool is_mesh_file(const std::filesystem::path& file) {
   return std::find(endings.begin(), endings.end(), ending) != endings.end();
 }
 
-// "" for a file without faces.
-std::string step_text(const std::filesystem::path& file, const std::string& unit) {
-  const StepReport step = cad_calls().check_step(file, unit_in_metres(unit), {});
-  if (step.faces == 0) return "";
-  return std::to_string(step.faces) + " faces in " + std::to_string(step.shells) +
-         " shells, lengths in " + unit + "\n  " + (step.valid ? "valid" : "NOT valid") + ", area " +
-         number(step.area) + "\n";
-}
-
-// What the faces of a STEP or IGES file are, and how they meet; "" for a file without faces.
-std::string faces_text(const std::filesystem::path& file, const std::string& unit) {
-  if (cad_calls().read_cad_surfaces(file, unit_in_metres(unit)).empty()) return "";
-  const std::string ending = lower_extension(file);
-  const bool step = ending == ".step" || ending == ".stp";
-  const ContinuityReport report =
-      cad_calls().measure_continuity(file, unit_in_metres(unit), ContinuityOptions{});
-  return (step ? bytes_from_child(file, "OpenCASCADE", [&] { return step_text(file, unit); })
-               : std::to_string(report.faces) + " faces, lengths in " + unit + "\n") +
-         continuity_text(report, ContinuityOptions{}, unit);
-}
-
 }  // namespace
 
 std::string file_info(const std::filesystem::path& file, const std::string& unit) {
@@ -238,10 +217,9 @@ std::string file_info(const std::filesystem::path& file, const std::string& unit
                      ".iges, .step, .dxf, .svg, .json) or a "
                      "mesh (.obj, .off, .ply, .stl, .vtp, .vtu, .bdf, .nas, .dat, .inp, .k, .key, "
                      ".dyn, .rad) or a deforming one (.glb, .gltf, .pc2, .mdd, .pvd, .frd)");
-  const std::string ending = lower_extension(file);
-  if (ending == ".step" || ending == ".stp" || ending == ".iges" || ending == ".igs")
+  if (is_cad_file(file))
     if (const std::string text = faces_text(file, unit); !text.empty())
-      return ending[1] == 's'
+      return is_step_file(file)
                  ? text
                  : text + lines_text(read_source_file(file, unit, unit), unit, kCorner);
   return lines_text(read_source_file(file, unit, unit), unit, kCorner);
@@ -263,6 +241,7 @@ void draw_lines(const std::filesystem::path& picture, const std::filesystem::pat
   }
   if (line_file_kind(file) == LineFileKind::None)
     throw InputError(file.string() + ": found no scene or file of lines, expected one to draw");
+  if (draw_face_edges(picture, file, unit)) return;
   draw_lines(picture, read_source_file(file, unit, unit), unit, kCorner);
 }
 

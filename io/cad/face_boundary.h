@@ -17,8 +17,8 @@ struct FaceStretch {
   bool reversed = false;        ///< whether the loop runs against the line
   double shift = 0, scale = 1;  ///< t of the line = shift + scale · t of the stretch
   bool shared = false;          ///< whether the line has another side
-  /// Half of the way from the surface's unit normal to that of the other side, at even shares of the
-  /// parameter; none where the two meet at an angle. Empty until find_tangent_joins() sets it.
+  /// From the surface's unit normal to the one that the faces on both sides are to have, at even shares
+  /// of the parameter; none where the surfaces meet at an angle. Empty until find_tangent_joins() sets it.
   std::vector<std::optional<Vec3>> turns = {};
 
   Vec2 uv(double t) const { return flat(image.evaluate(t)); }

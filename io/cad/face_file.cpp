@@ -11,6 +11,7 @@
 #include "batten/core/errors.h"
 #include "batten/core/index.h"
 #include "batten/core/parallel.h"
+#include "batten/io/cad/continuity_shape.h"
 #include "batten/io/cad/face_measure.h"
 #include "batten/io/cad/face_samples.h"
 #include "batten/io/cad/step_check.h"
@@ -107,12 +108,14 @@ FittedFaces fitted_faces(const std::vector<const SkinnedRegion*>& regions, const
 
 StepReport refined(const FittedFaces& made, const std::function<StepReport()>& written) {
   StepReport report;
-  for (int round = 0; round < 6; ++round) {
+  constexpr int most_rounds = 6, most_for_angles = 2;
+  for (int round = 0; round < most_rounds; ++round) {
     report = written();
     bool again = false;
     for (size_t k = 0; k < made.size(); ++k)
-      if (!report.patches[k].reached || report.patches[k].join_deg > 0)
-        again = made[k]->refine(report.patches[k].deviation, report.patches[k].join_deg) || again;
+      if (const StepPatch& patch = report.patches[k]; !patch.reached || patch.join_deg > 0)
+        again =
+            made[k]->refine(patch.deviation, round < most_for_angles ? patch.join_deg : 0) || again;
     if (!again) break;
   }
   return report;
@@ -168,6 +171,7 @@ StepReport measured_faces(const std::filesystem::path& path, const FittedFaces& 
   measure_patches(report, faces, made, plan, options,
                   [&] { report = measured_shape(shape, region_of_face); });
   report.bytes = input_size(path);
+  report.continuity = shape_continuity(shape, report.size);
   report.max_deviation = 0;
   for (const StepPatch& patch : report.patches)
     report.max_deviation = std::max(*report.max_deviation, patch.deviation);

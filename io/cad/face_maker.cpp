@@ -282,8 +282,14 @@ void FaceMaker::fit(const BicubicPatch* start) {
   for (const FaceLoop& loop : boundary_.loops)
     for (const FaceStretch& stretch : loop) tangent = tangent || !stretch.turns.empty();
   if (tangent) {
+    // A few poles a triangle follow what a surface's elements mean; more of them follow their kinks.
+    constexpr int fewest = 900, a_triangle = 8;
+    PatchLimits for_angle = limits;
+    for_angle.in_all = std::min(
+        limits.in_all, std::max({fewest, a_triangle * region_.surface.mesh().triangle_count(),
+                                 start ? static_cast<int>(2 * start->poles.rows()) : 0}));
     target.tangents = [&](double spacing) { return tangents(spacing); };
-    fit_ = fit_bicubic_patch(target, goal_, limits, start);
+    fit_ = fit_bicubic_patch(target, goal_, for_angle, start);
     // Where an angle cannot be reached, the faces come as near to it as their deviation allows.
     if (!fit_.reached && fit_.deviation > goal_.deviation)
       fit_ = fit_bicubic_patch(target, {goal_.deviation}, limits, start);

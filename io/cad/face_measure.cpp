@@ -156,7 +156,7 @@ JoinNormals normals_along(const FaceStretch& stretch, const FileEdge& edge,
     const double t = start + share * (end - start);
     const auto turn = stretch.turn(t);
     const Vec3 n = turn ? made.normal(share < 1 ? stretch.uv(t) : stretch.last()) : Vec3::Zero();
-    Vec3 of_face = Vec3::Zero(), other = Vec3::Zero();
+    Vec3 of_face = Vec3::Zero(), wanted = Vec3::Zero();
     if (!n.isZero()) {
       const gp_Pnt2d uv = edge.line->Value(edge.at(share));
       gp_Pnt p;
@@ -165,11 +165,11 @@ JoinNormals normals_along(const FaceStretch& stretch, const FileEdge& edge,
       const gp_Vec across = du.Crossed(dv);
       of_face = {across.X(), across.Y(), across.Z()};
       if (!(of_face.norm() > 1e-3 * du.Magnitude() * dv.Magnitude())) of_face.setZero();
-      other = n + 2 * *turn;
+      wanted = n + *turn;
     }
     found.of_face.push_back(of_face);
     found.of_surface.push_back(n);
-    found.of_other_side.push_back(other);
+    found.wanted.push_back(wanted);
   }
   return found;
 }
@@ -230,12 +230,13 @@ std::vector<StepJoin> joins_between(const std::vector<FaceNormals>& faces, doubl
     StepJoin join{piece.first, {one.region, beside.size() > 1 ? beside[1]->region : ""}};
     bool tangent = false;
     for (size_t k = 0; k < one.of_face.size(); ++k) {
-      const Vec3& other = beside.size() > 1 ? beside[1]->of_face[k] : one.of_other_side[k];
+      const Vec3& other = beside.size() > 1 ? beside[1]->of_face[k] : one.wanted[k];
       if (one.of_face[k].isZero() || other.isZero()) continue;
       tangent = true;
       join.angle_deg = std::max(join.angle_deg, angle_between_planes(one.of_face[k], other));
-      join.surface_deg =
-          std::max(join.surface_deg, angle_between_planes(one.of_surface[k], one.of_other_side[k]));
+      if (beside.size() > 1)
+        join.surface_deg = std::max(
+            join.surface_deg, angle_between_planes(one.of_surface[k], beside[1]->of_surface[k]));
     }
     if (!tangent) continue;
     StepJoin& all = joins.emplace(piece.first, join).first->second;

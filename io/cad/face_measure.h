@@ -16,7 +16,8 @@ namespace batten {
 struct JoinNormals {
   std::string region;
   std::vector<Vec3> of_face;  ///< not normalised; zero where the surfaces meet at an angle
-  std::vector<Vec3> of_surface, of_other_side;  ///< unit normals of the surfaces beside the line
+  std::vector<Vec3> of_surface,
+      wanted;  ///< normals of the surface, and those that both faces are to have
 };
 using FaceNormals = std::map<LinePiece, JoinNormals>;
 
@@ -25,7 +26,8 @@ using FaceNormals = std::map<LinePiece, JoinNormals>;
 FaceNormals measure_face(const TopoDS_Face& face, const FaceMaker& made, const StepPlan& plan,
                          StepPatch& patch);
 
-/// The joins between faces, by line. A side that is no fitted face counts with its surface's normals.
+/// The joins between faces, by line. Where a side is no fitted face, the angle is
+/// that from the normals that were wanted.
 std::vector<StepJoin> joins_between(const std::vector<FaceNormals>& faces, double join_deg);
 
 }  // namespace batten

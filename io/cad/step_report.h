@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "batten/io/cad/continuity.h"
+
 namespace batten {
 
 /// The fitted face of one region. Lengths are in model units. check_step() sets region and
@@ -71,6 +73,8 @@ struct StepReport {
   /// Count of places where one of these could not be measured: an edge without a parameter line on
   /// its face, a point where the surface is singular.
   int unmeasured = 0;
+  /// How faces meet along every edge of the file, in model units; set by the writers only.
+  std::optional<ContinuityReport> continuity;
   std::vector<std::string> warnings;
 
   // For fitted faces only:
