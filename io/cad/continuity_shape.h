@@ -3,7 +3,7 @@
 
 #include <TopoDS_Shape.hxx>
 
-#include "batten/io/cad/continuity.h"
+#include "batten/io/cad/continuity_report.h"
 
 namespace batten {
 

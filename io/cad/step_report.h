@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "batten/io/cad/continuity.h"
+#include "batten/io/cad/continuity_report.h"
 
 namespace batten {
 

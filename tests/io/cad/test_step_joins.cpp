@@ -84,7 +84,7 @@ TEST_CASE("two faces keep tolerance and tangent plane across a smooth join, at f
   }
 }
 
-TEST_CASE("creases stay creases and are no joins; eleven regions are eleven faces") {
+TEST_CASE("creases stay creases and are no joins, and eleven regions are eleven faces") {
   const MadeModel made = mouse(6, false);
   const fs::path file = scratch("mouse_joins") / "mouse.step";
   const StepReport report = written(file, made, 1e-3 * made.network.size());
