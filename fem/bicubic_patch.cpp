@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "batten/core/parallel.h"
 #include "batten/fem/patch_equations.h"
@@ -22,6 +23,19 @@ Vec3 position_in(const BicubicPatch& patch, int i, int j, double s, double t) {
     x += Nu[a] * (patch.poles.middleRows<4>(row).transpose() * Nv);
   }
   return x;
+}
+
+/// Normal of the patch at a place of a cell, of any length.
+Vec3 normal_in(const BicubicPatch& patch, int i, int j, double s, double t) {
+  const Vec4 Nu = patch.u.basis(i, s), Nv = patch.v.basis(j, t), Nu_s = patch.u.basis(i, s, 1),
+             Nv_t = patch.v.basis(j, t, 1);
+  Vec3 x_s = Vec3::Zero(), x_t = Vec3::Zero();
+  for (int a = 0; a < 4; ++a) {
+    const long row = static_cast<long>(patch.u.function(i, a)) * patch.v.functions() + j;
+    x_s += Nu_s[a] * (patch.poles.middleRows<4>(row).transpose() * Nv);
+    x_t += Nu[a] * (patch.poles.middleRows<4>(row).transpose() * Nv_t);
+  }
+  return x_s.cross(x_t);
 }
 
 /// Changes the poles as little as possible so that the patch passes through its fixed points.
@@ -50,16 +64,33 @@ void pass_through_fixed(BicubicPatch& patch, const PatchTarget& target) {
                  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd>(square).solve(missing);
 }
 
-/// Largest |S - x| in each cell; raises what is there.
-void raise_errors(const BicubicPatch& patch, const CellSamples& samples,
-                  std::vector<double>& errors) {
+/// Errors of each cell.
+struct CellErrors {
+  std::vector<double> distance;   // |S - x|
+  std::vector<double> angle_deg;  // between normals, where tangent planes count
+
+  double most(const std::vector<double>& of) const {
+    return *std::max_element(of.begin(), of.end());
+  }
+};
+
+/// Raises what is there to the largest errors at the samples.
+void raise_errors(const BicubicPatch& patch, const CellSamples& samples, CellErrors& errors) {
   const int n = patch.v.intervals();
   parallel_parts(patch.u.intervals(), [&](int i) {
     for (int j = 0; j < n; ++j) {
       const size_t cell = static_cast<size_t>(i) * n + j;
       for (const CellSamples::Sample& sample : samples.of(cell))
-        errors[cell] = std::max(errors[cell],
-                                (position_in(patch, i, j, sample.s, sample.t) - sample.x).norm());
+        errors.distance[cell] =
+            std::max(errors.distance[cell],
+                     (position_in(patch, i, j, sample.s, sample.t) - sample.x).norm());
+      for (const CellSamples::Tangent& tangent : samples.tangents(cell)) {
+        const Vec3 normal = normal_in(patch, i, j, tangent.s, tangent.t);
+        const Vec3 wanted = tangent.x_s.cross(tangent.x_t);
+        errors.angle_deg[cell] = std::max(
+            errors.angle_deg[cell],
+            std::atan2(normal.cross(wanted).norm(), normal.dot(wanted)) * 180 / std::numbers::pi);
+      }
     }
   });
 }
@@ -143,7 +174,7 @@ double shortest_interval(const SplineAxis& axis) {
 /// Fits round by round, each on the knots that the errors of the one before ask for.
 class PatchSearch {
  public:
-  PatchSearch(const PatchTarget& target, double goal, const PatchLimits& limits,
+  PatchSearch(const PatchTarget& target, const PatchGoal& goal, const PatchLimits& limits,
               const BicubicPatch* start)
       : target_(target), goal_(goal), limits_(limits), given_start_(start) {
     const Vec2 extent = target.high - target.low;
@@ -158,8 +189,7 @@ class PatchSearch {
       u_ = start->u;
       v_ = start->v;
     }
-    best_.deviation = std::numeric_limits<double>::infinity();
-    lowest_ = best_.deviation;
+    best_.deviation = best_miss_ = lowest_ = std::numeric_limits<double>::infinity();
   }
 
   PatchFit run() {
@@ -171,43 +201,63 @@ class PatchSearch {
       find_wanted_knots(round);
       if (!move_knots()) break;
     }
-    return best_;
+    return best_.reached ? best_ : sparest();
   }
 
  private:
+  /// Of the fits that reach the deviation and not the angle, the one with the fewest poles that comes
+  /// within half of the way to the smallest angle: more poles would buy little.
+  PatchFit sparest() const {
+    PatchFit found = best_;
+    if (best_.deviation > goal_.deviation || best_.angle_deg < 2 * goal_.angle_deg) return found;
+    for (const PatchFit& fit : near_)
+      if (fit.angle_deg <= 1.5 * best_.angle_deg &&
+          fit.patch.poles.rows() < found.patch.poles.rows())
+        found = fit;
+    return found;
+  }
+
   void fit() {
     const double spacing = std::min(shortest_interval(u_), shortest_interval(v_)) / 4;
-    const CellSamples fitted(target_, u_, v_, {0.125, 0.375, 0.625, 0.875}, target_.rim(spacing));
-    const CellSamples others(target_, u_, v_, {0, 0.5}, target_.rim(0.7 * spacing));
+    const CellSamples fitted(target_, u_, v_, {0.125, 0.375, 0.625, 0.875}, spacing);
+    const CellSamples others(target_, u_, v_, {0, 0.5}, 0.7 * spacing);
     patch_ = fit_to_samples(u_, v_, fitted, goal_);
     pass_through_fixed(patch_, target_);
 
-    errors_.assign(static_cast<size_t>(u_.intervals()) * v_.intervals(), 0.0);
+    const size_t cells = static_cast<size_t>(u_.intervals()) * v_.intervals();
+    errors_ = {std::vector<double>(cells, 0.0), std::vector<double>(cells, 0.0)};
     raise_errors(patch_, others, errors_);
-    deviation_ = *std::max_element(errors_.begin(), errors_.end());
+    deviation_ = errors_.most(errors_.distance);
+    angle_deg_ = errors_.most(errors_.angle_deg);
     raise_errors(patch_, fitted, errors_);
-    reached_ = deviation_ <= goal_;
+    miss_ = std::max(deviation_ / goal_.deviation, angle_deg_ / goal_.angle_deg);
+    reached_ = miss_ <= 1;
   }
 
   void keep_if_best() {
     const bool fewer = patch_.poles.rows() < best_.patch.poles.rows();
-    progressed_ = deviation_ <= 0.8 * lowest_;
+    progressed_ = miss_ <= 0.8 * lowest_;
     if (progressed_) {
-      lowest_ = deviation_;
+      lowest_ = miss_;
       progress_ = patch_.poles.rows();
     }
-    if (best_.reached ? reached_ && fewer : reached_ || deviation_ < best_.deviation)
-      best_ = {patch_, deviation_, reached_};
+    if (deviation_ <= goal_.deviation) near_.push_back({patch_, deviation_, angle_deg_, false});
+    if (best_.reached ? reached_ && fewer : reached_ || miss_ < best_miss_) {
+      best_ = {patch_, deviation_, angle_deg_, reached_};
+      best_miss_ = miss_;
+    }
   }
 
   bool no_better_to_come() {
-    if (best_.reached) return !reached_ || deviation_ > 0.3 * goal_ || ++sparer_ > 2;
-    return patch_.poles.rows() > 12 * progress_;
+    if (best_.reached) return !reached_ || miss_ > 0.3 || ++sparer_ > 2;
+    // Angles that finer knots do not lower are those of the surface's own kinks.
+    const double patience = deviation_ <= goal_.deviation ? 2.5 : 12;
+    return static_cast<double>(patch_.poles.rows()) > patience * static_cast<double>(progress_);
   }
 
   // Where, and in which direction, the next knots go.
   void find_wanted_knots(int round) {
-    const double aim = 0.6 * goal_;
+    constexpr double aim = 0.6;  // of the goal
     const auto in_u = fourth_differences(patch_, 0), in_v = fourth_differences(patch_, 1);
     const double least = reached_ || (round <= 4 && !given_start_) ? 0.6 : 1.0;
     factor_u_.assign(static_cast<size_t>(u_.intervals()), least);
@@ -216,9 +266,12 @@ class PatchSearch {
       for (int j = 0; j < v_.intervals(); ++j) {
         const size_t cell = static_cast<size_t>(i) * v_.intervals() + j;
         const double both = std::max(in_u[cell], in_v[cell]);
-        if (!(both > 0) || errors_[cell] == 0) continue;
+        const double far = errors_.distance[cell] / goal_.deviation / aim,
+                     askew = errors_.angle_deg[cell] / goal_.angle_deg / aim;
+        if (!(both > 0) || std::max(far, askew) == 0) continue;
         const auto wanted = [&](double part) {
-          return std::min(2.0, std::pow(errors_[cell] * part / both / aim, 0.25));
+          return std::min(
+              2.0, std::max(std::pow(far * part / both, 0.25), std::cbrt(askew * part / both)));
         };
         factor_u_[i] = std::max(factor_u_[i], wanted(in_u[cell]));
         factor_v_[j] = std::max(factor_v_[j], wanted(in_v[cell]));
@@ -248,18 +301,21 @@ class PatchSearch {
   }
 
   const PatchTarget& target_;
-  double goal_;
+  const PatchGoal& goal_;
   const PatchLimits& limits_;
   bool given_start_;
   SplineAxis u_, v_;
   PatchFit best_;
+  double best_miss_ = 0;
+  std::vector<PatchFit> near_;  // those that reach the deviation
   double lowest_ = 0;
-  long progress_ = 1;  // poles when the deviation last fell
+  long progress_ = 1;  // poles when the miss last fell
   int sparer_ = 0;
   // Of the round.
   BicubicPatch patch_;
-  std::vector<double> errors_;  // of each cell
-  double deviation_ = 0;
+  CellErrors errors_;
+  double deviation_ = 0, angle_deg_ = 0;
+  double miss_ = 0;  // the larger of the two over its goal
   bool reached_ = false, progressed_ = false;
   std::vector<double> factor_u_, factor_v_;
 };
@@ -273,8 +329,8 @@ Vec3 BicubicPatch::position(const Vec2& uv) const {
                      (b - v.knots()[j]) / v.length(j));
 }
 
-PatchFit fit_bicubic_patch(const PatchTarget& target, double goal, const PatchLimits& limits,
-                           const BicubicPatch* start) {
+PatchFit fit_bicubic_patch(const PatchTarget& target, const PatchGoal& goal,
+                           const PatchLimits& limits, const BicubicPatch* start) {
   return PatchSearch(target, goal, limits, start).run();
 }
 

@@ -2,6 +2,8 @@
 // Internal.
 //
 //   min  Σ |S(u_k, v_k) - x_k|² / 16  +  ε ∑ over cells of the bending of S in the cell's own units
+//        + Σ w (|S_s - x_s|² + |S_t - x_t|²) / 16   where tangent planes count; s, t in the cell's units;
+//          w = (goal of the deviation / (goal of the angle · |x_s|))², 4 to 1000: both miss as much of theirs
 //
 // Samples: 16 in each cell of the knots as far as they are inside, and the region's rim. The
 // bending carries the spline across the part of the rectangle that is outside of the region; ε is
@@ -20,7 +22,8 @@ struct PatchFit {
   BicubicPatch patch;
   /// Largest |S - x| at points inside and on the rim that were not fitted.
   double deviation = 0;
-  bool reached = false;  ///< deviation ≤ goal
+  double angle_deg = 0;  ///< largest angle from the target's tangent planes, at such places
+  bool reached = false;  ///< deviation and angle are at most their goals
 };
 
 struct PatchLimits {
@@ -31,11 +34,12 @@ struct PatchLimits {
   int first = 8;
 };
 
-/// The fit with the fewest poles that was found for a deviation of at most `goal` > 0; where none
-/// reaches it, within the limits or because finer knots no longer help, the one that comes nearest.
+/// The fit with the fewest poles that was found for a deviation and an angle of at most `goal`, both
+/// > 0; where none reaches it, within the limits or because finer knots no longer help, the one
+/// that comes nearest.
 /// x near the origin keeps the digits. About 3 µs a cell and round, and one sparse factor each.
 /// With `start`, its knots are the first.
-PatchFit fit_bicubic_patch(const PatchTarget& target, double goal, const PatchLimits& limits = {},
-                           const BicubicPatch* start = nullptr);
+PatchFit fit_bicubic_patch(const PatchTarget& target, const PatchGoal& goal,
+                           const PatchLimits& limits = {}, const BicubicPatch* start = nullptr);
 
 }  // namespace batten

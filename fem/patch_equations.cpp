@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <numbers>
 #include <optional>
 
 #include "batten/core/errors.h"
@@ -52,10 +53,11 @@ std::vector<char> near_samples(const CellSamples& samples, const SplineAxis& u,
 class PatchEquations {
  public:
   PatchEquations(const SplineAxis& u, const SplineAxis& v, const CellSamples& samples,
-                 double bending)
+                 double bending, const PatchGoal& goal)
       : u_(u),
         v_(v),
         samples_(samples),
+        goal_(goal),
         columns_(v.functions()),
         unknowns_(u.functions() * columns_),
         entries_(static_cast<size_t>(unknowns_)),
@@ -72,6 +74,7 @@ class PatchEquations {
         const size_t cell = static_cast<size_t>(i) * v.intervals() + j;
         set_to_bending(near[cell] ? bending : bending_outside, gram_u, gram_v[j]);
         add_samples(cell, i, j);
+        add_tangents(cell, i, j);
         add_cell(i, j);
       }
     }
@@ -109,8 +112,27 @@ class PatchEquations {
     for (const CellSamples::Sample& sample : samples_.of(cell)) {
       const Vec4 Nu = u_.basis(i, sample.s), Nv = v_.basis(j, sample.t);
       for (int a = 0; a < 4; ++a) N.segment<4>(4 * a) = Nu[a] * Nv;
-      A_.noalias() += sample_weight * N * N.transpose();
-      b_.noalias() += sample_weight * N * sample.x.transpose();
+      const double weight = sample_weight * sample.weight;
+      A_.noalias() += weight * N * N.transpose();
+      b_.noalias() += weight * N * sample.x.transpose();
+    }
+  }
+
+  void add_tangents(size_t cell, int i, int j) {
+    const double askew = goal_.angle_deg * std::numbers::pi / 180;
+    Eigen::Matrix<double, 16, 1> N_s, N_t;
+    for (const CellSamples::Tangent& tangent : samples_.tangents(cell)) {
+      const Vec4 Nu = u_.basis(i, tangent.s), Nv = v_.basis(j, tangent.t),
+                 Nu_s = u_.basis(i, tangent.s, 1), Nv_t = v_.basis(j, tangent.t, 1);
+      for (int a = 0; a < 4; ++a) {
+        N_s.segment<4>(4 * a) = Nu_s[a] * Nv;
+        N_t.segment<4>(4 * a) = Nu[a] * Nv_t;
+      }
+      const double length = (tangent.x_s.norm() + tangent.x_t.norm()) / 2;
+      const double ratio = goal_.deviation / (askew * length);
+      const double weight = std::clamp(ratio * ratio, 4.0, 1000.0) / 16;
+      A_.noalias() += weight * (N_s * N_s.transpose() + N_t * N_t.transpose());
+      b_.noalias() += weight * (N_s * tangent.x_s.transpose() + N_t * tangent.x_t.transpose());
     }
   }
 
@@ -143,6 +165,7 @@ class PatchEquations {
 
   const SplineAxis &u_, &v_;
   const CellSamples& samples_;
+  const PatchGoal& goal_;
   int columns_, unknowns_;
   // The symmetric matrix by functions' distance: (i, j) with (i + di, j + dj), di, dj in -3 … 3.
   std::vector<std::array<double, 49>> entries_;
@@ -155,8 +178,10 @@ class PatchEquations {
 }  // namespace
 
 CellSamples::CellSamples(const PatchTarget& target, const SplineAxis& u, const SplineAxis& v,
-                         const std::vector<double>& places, const std::vector<Vec2>& rim)
-    : cells_(static_cast<size_t>(u.intervals()) * v.intervals()), full_(cells_.size()) {
+                         const std::vector<double>& places, double spacing)
+    : cells_(static_cast<size_t>(u.intervals()) * v.intervals()),
+      tangents_(cells_.size()),
+      full_(cells_.size()) {
   parallel_parts(u.intervals(), [&](int i) {
     for (int j = 0; j < v.intervals(); ++j) {
       const size_t cell = static_cast<size_t>(i) * v.intervals() + j;
@@ -168,6 +193,28 @@ CellSamples::CellSamples(const PatchTarget& target, const SplineAxis& u, const S
       full_[cell] = cells_[cell].size() == places.size() * places.size();
     }
   });
+  add_rim(target, u, v, target.rim(spacing));
+  if (!target.tangents) return;
+  // What is moved to its fixed points afterwards turns: here the fit passes through them by itself.
+  constexpr double fixed_weight = 1e4;
+  for (const Vec2& uv : target.fixed) {
+    const double a = u.wrapped(uv.x()), b = v.wrapped(uv.y());
+    const int i = u.interval(a), j = v.interval(b);
+    cells_[static_cast<size_t>(i) * v.intervals() + j].push_back(
+        {(a - u.knots()[i]) / u.length(i), (b - v.knots()[j]) / v.length(j), target.position(uv),
+         fixed_weight});
+  }
+  for (const PatchTangent& tangent : target.tangents(spacing)) {
+    const double a = u.wrapped(tangent.uv.x()), b = v.wrapped(tangent.uv.y());
+    const int i = u.interval(a), j = v.interval(b);
+    tangents_[static_cast<size_t>(i) * v.intervals() + j].push_back(
+        {(a - u.knots()[i]) / u.length(i), (b - v.knots()[j]) / v.length(j),
+         u.length(i) * tangent.x_u, v.length(j) * tangent.x_v});
+  }
+}
+
+void CellSamples::add_rim(const PatchTarget& target, const SplineAxis& u, const SplineAxis& v,
+                          const std::vector<Vec2>& rim) {
   std::vector<Vec3> x(rim.size());
   const int parts = static_cast<int>(std::min<size_t>(rim.size(), 64));
   parallel_parts(parts, [&](int part) {
@@ -198,11 +245,11 @@ double CellSamples::bending() const {
 }
 
 BicubicPatch fit_to_samples(const SplineAxis& u, const SplineAxis& v, const CellSamples& samples,
-                            double goal) {
-  const double unit = samples.bending(), misfit = 0.01 * goal;
+                            const PatchGoal& goal) {
+  const double unit = samples.bending(), misfit = 0.01 * goal.deviation;
   const double calm = unit > 0 ? misfit * misfit / unit : 1;
   for (double bending = std::clamp(calm, 1e-10, 1e-6); bending < 1; bending *= 100)
-    if (auto patch = PatchEquations(u, v, samples, bending).solve()) return *patch;
+    if (auto patch = PatchEquations(u, v, samples, bending, goal).solve()) return *patch;
   throw NoSolutionError("a B-spline surface cannot be fitted: numbers that are not finite?");
 }
 

@@ -14,25 +14,35 @@ class CellSamples {
   struct Sample {
     double s, t;  // in its cell
     Vec3 x;
+    double weight = 1;
+  };
+  struct Tangent {
+    double s, t;    // in its cell
+    Vec3 x_s, x_t;  // derivatives by s and t
   };
 
-  /// n×n in each cell, at the given places of [0, 1], and points of the rim.
+  /// n×n in each cell, at the given places of [0, 1], points of the rim, and tangents at `spacing`.
   CellSamples(const PatchTarget& target, const SplineAxis& u, const SplineAxis& v,
-              const std::vector<double>& places, const std::vector<Vec2>& rim);
+              const std::vector<double>& places, double spacing);
   const std::vector<Sample>& of(size_t cell) const { return cells_[cell]; }
+  const std::vector<Tangent>& tangents(size_t cell) const { return tangents_[cell]; }
 
   /// Mean square of the second derivatives in units of the cells, by differences; of samples at
   /// four even places a quarter apart.
   double bending() const;
 
  private:
+  void add_rim(const PatchTarget& target, const SplineAxis& u, const SplineAxis& v,
+               const std::vector<Vec2>& rim);
+
   std::vector<std::vector<Sample>> cells_;
+  std::vector<std::vector<Tangent>> tangents_;
   std::vector<char> full_;  // all places of the cell are inside
 };
 
 /// With the strongest bending that costs no more than a hundredth of the goal. Throws
 /// NoSolutionError: numbers that are not finite.
 BicubicPatch fit_to_samples(const SplineAxis& u, const SplineAxis& v, const CellSamples& samples,
-                            double goal);
+                            const PatchGoal& goal);
 
 }  // namespace batten

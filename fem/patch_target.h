@@ -17,6 +17,18 @@ struct BicubicPatch {
   Vec3 position(const Vec2& uv) const;
 };
 
+/// What a fit may miss.
+struct PatchGoal {
+  double deviation = 0;
+  double angle_deg = 180;  ///< where tangent planes count
+};
+
+/// A place on the rim, and derivatives that span the tangent plane which the spline is to have there.
+struct PatchTangent {
+  Vec2 uv;
+  Vec3 x_u, x_v;
+};
+
 /// A surface that is known inside a region of (u, v).
 struct PatchTarget {
   std::function<bool(const Vec2&)> inside;    ///< called from several threads, as is the next
@@ -26,6 +38,9 @@ struct PatchTarget {
   Vec2 low, high;  ///< box around the region; of a periodic one high - low in u is the period
   bool periodic = false;         ///< in u
   std::vector<Vec2> fixed = {};  ///< where the spline passes through the surface: corners
+  /// Places along those parts of the rim where tangent planes count, not farther apart than the
+  /// given length; null: nowhere.
+  std::function<std::vector<PatchTangent>(double spacing)> tangents = {};
 };
 
 }  // namespace batten

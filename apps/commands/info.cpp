@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "batten/apps/commands/exchange/cad_words.h"
+#include "batten/apps/commands/cad_info.h"
 #include "batten/apps/commands/exchange/file_kinds.h"
 #include "batten/apps/commands/lines/line_reading.h"
 #include "batten/apps/commands/lines/mirror_lines.h"
@@ -16,8 +16,6 @@
 #include "batten/fairing/arc_length.h"
 #include "batten/fairing/curve_fit.h"
 #include "batten/fairing/fair_curve.h"
-#include "batten/io/cad/cad_text.h"
-#include "batten/io/files/in_child.h"
 #include "batten/io/files/input_file.h"
 #include "batten/io/files/length_units.h"
 #include "batten/io/files/text.h"
@@ -182,32 +180,6 @@ std::string edits_text(const DeformScene& scene) {
          mesh_info(scene.mesh, scene.unit, scene.proposals) + parameters_text(scene.parameters());
 }
 
-// "" for a file without faces.
-std::string step_text(const std::filesystem::path& file, const std::string& unit) {
-  const StepReport step = cad_calls().check_step(file, unit_in_metres(unit), {});
-  if (step.faces == 0) return "";
-  return std::to_string(step.faces) + " faces in " + std::to_string(step.shells) +
-         " shells, lengths in " + unit + "\n  " + (step.valid ? "valid" : "NOT valid") + ", area " +
-         number(step.area) + "\n";
-}
-
-// What a CAD file holds, and how its faces meet; its lines too where they are few or all that there
-// is.
-std::string cad_text(const std::filesystem::path& file, const std::string& unit) {
-  const CadContents contents = cad_calls().read_cad_contents(file);
-  std::string text = contents_text(contents);
-  const auto lines = [&] { return lines_text(read_source_file(file, unit, unit), unit, kCorner); };
-  if (contents.faces == 0) return text + lines();
-  const CadFormat format = cad_format(file);
-  const ContinuityReport report =
-      cad_calls().measure_continuity(file, unit_in_metres(unit), ContinuityOptions{});
-  text += format == CadFormat::Step
-              ? bytes_from_child(file, "OpenCASCADE", [&] { return step_text(file, unit); })
-              : std::to_string(report.faces) + " faces, lengths in " + unit + "\n";
-  text += continuity_text(report, ContinuityOptions{}, unit);
-  return format == CadFormat::Iges ? text + lines() : text;
-}
-
 }  // namespace
 
 std::string file_info(const std::filesystem::path& file, const std::string& unit) {
@@ -223,7 +195,9 @@ std::string file_info(const std::filesystem::path& file, const std::string& unit
     case FileKind::Sequence:
       return sequence_info(SequenceSource{file, {}, {}}, unit);
     case FileKind::Cad:
-      return cad_text(file, unit);
+      return cad_info(file, unit, [&] {
+        return lines_text(read_source_file(file, unit, unit), unit, kCorner);
+      });
     case FileKind::Lines:
       return lines_text(read_source_file(file, unit, unit), unit, kCorner);
     case FileKind::None:
@@ -252,6 +226,7 @@ void draw_lines(const std::filesystem::path& picture, const std::filesystem::pat
   }
   if (line_file_kind(file) == LineFileKind::None)
     throw InputError(file.string() + ": found no scene or file of lines, expected one to draw");
+  if (draw_face_edges(picture, file, unit)) return;
   draw_lines(picture, read_source_file(file, unit, unit), unit, kCorner);
 }
 

@@ -16,7 +16,7 @@ namespace batten {
 std::string file_info(const std::filesystem::path& file, const std::string& unit);
 
 /// Draws the lines of a scene or a file as they were read, with their points and curvature combs,
-/// to a PNG. Throws InputError: no lines, no display.
+/// to a PNG; of a CAD file with faces their edges (draw_face_edges). Throws InputError: no lines, no display.
 void draw_lines(const std::filesystem::path& picture, const std::filesystem::path& file,
                 const std::string& unit);
 

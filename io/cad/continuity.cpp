@@ -4,6 +4,7 @@
 #include <BRep_Tool.hxx>
 #include <GProp_GProps.hxx>
 #include <GeomLProp_CLProps.hxx>
+#include <Geom_BSplineSurface.hxx>
 #include <Geom_Curve.hxx>
 #include <Geom_Surface.hxx>
 #include <Standard_Failure.hxx>
@@ -21,14 +22,16 @@
 #include "batten/core/box.h"
 #include "batten/core/errors.h"
 #include "batten/core/index.h"
+#include "batten/core/parallel.h"
 #include "batten/io/cad/cad_file.h"
 #include "batten/io/cad/cad_rims.h"
+#include "batten/io/cad/continuity_shape.h"
 #include "batten/io/cad/occ_settings.h"
 
 namespace batten {
 namespace {
 
-constexpr int kPoints = 17;
+constexpr int kFewPoints = 17, kMostPoints = 401;
 
 Vec3 from_occ(const gp_XYZ& p) { return {p.X(), p.Y(), p.Z()}; }
 
@@ -77,6 +80,15 @@ std::optional<Jet> jet_of(const Side& side, double parameter, const Vec3& p, con
   return jet;
 }
 
+/// Between the knots of splines angles go up and down: four points for each that an edge may cross.
+int points_along(const Side& a, const Side& b) {
+  int knots = 0;
+  for (const Side* side : {&a, &b})
+    if (const auto spline = Handle(Geom_BSplineSurface)::DownCast(side->surface); !spline.IsNull())
+      knots = std::max(knots, std::max(spline->NbUKnots(), spline->NbVKnots()) - 2);
+  return std::clamp(4 * knots, kFewPoints, kMostPoints);
+}
+
 /// One edge with two sides; none where it cannot be measured.
 std::optional<EdgeContinuity> measured(const TopoDS_Edge& edge, const Side& a, const Side& b,
                                        double size, const ContinuityOptions& options) {
@@ -89,8 +101,9 @@ std::optional<EdgeContinuity> measured(const TopoDS_Edge& edge, const Side& a, c
   BRepGProp::LinearProperties(edge, length);
   result.length = length.Mass();
   Vec3 at_jump = Vec3::Zero();
-  for (int k = 0; k < kPoints; ++k) {
-    const double f = 0.01 + 0.98 * k / (kPoints - 1), t = first + f * (last - first);
+  const int points = std::max(points_along(a, b), options.teeth);
+  for (int k = 0; k < points; ++k) {
+    const double f = 0.01 + 0.98 * k / (points - 1), t = first + f * (last - first);
     gp_Pnt p;
     gp_Vec tangent;
     curve->D1(t, p, tangent);
@@ -108,6 +121,9 @@ std::optional<EdgeContinuity> measured(const TopoDS_Edge& edge, const Side& a, c
       result.angle_deg = angle;
       result.at = at;
     }
+    if (options.teeth > 0 && k % std::max(1, points / options.teeth) == 0)
+      result.teeth.push_back(
+          {at, {one->curvature * one->normal, other->curvature * other->normal}});
     const double jump = std::abs(one->curvature - same * other->curvature);
     const double largest =
         std::max({std::abs(one->curvature), std::abs(other->curvature), 1 / size});
@@ -123,6 +139,16 @@ std::optional<EdgeContinuity> measured(const TopoDS_Edge& edge, const Side& a, c
                                                            : Kind::Curvature;
   if (result.kind != Kind::Crease) result.at = at_jump;
   return result;
+}
+
+std::vector<Vec3> points_of(const TopoDS_Edge& edge) {
+  std::vector<Vec3> points;
+  double first, last;
+  const Handle(Geom_Curve) curve = BRep_Tool::Curve(edge, first, last);
+  constexpr int pieces = 64;
+  for (int k = 0; !curve.IsNull() && k <= pieces; ++k)
+    points.push_back(from_occ(curve->Value(first + (last - first) * k / pieces).XYZ()));
+  return points;
 }
 
 Box3 box_of(const TopTools_IndexedMapOfShape& edges) {
@@ -165,9 +191,10 @@ std::vector<std::vector<Side>> sides_of(const TopTools_IndexedMapOfShape& edges,
   return sides;
 }
 
-/// In millimetres, as read_cad() has the file.
-ContinuityReport measured_shape(const TopoDS_Shape& shape, double size,
-                                const ContinuityOptions& options) {
+}  // namespace
+
+ContinuityReport shape_continuity(const TopoDS_Shape& shape, double size,
+                                  const ContinuityOptions& options) {
   ContinuityReport report;
   report.size = size;
   TopTools_IndexedMapOfShape edges, shells;
@@ -175,25 +202,34 @@ ContinuityReport measured_shape(const TopoDS_Shape& shape, double size,
   TopExp::MapShapes(shape, TopAbs_SHELL, shells);
   report.shells = shells.Extent();
   const auto sides = sides_of(edges, shape, report);
+  std::vector<int> pairs;  // edges with two faces
   for (int e = 1; e <= edges.Extent(); ++e) {
     const TopoDS_Edge& edge = TopoDS::Edge(edges(e));
     const auto& beside = sides[e - 1];
     if (BRep_Tool::Degenerated(edge) || beside.empty()) continue;
     ++report.edges;
-    if (beside.size() == 1) ++report.rims;
-    if (beside.size() > 2) ++report.crowded;
-    if (beside.size() != 2) continue;
-    if (auto one = measured(edge, beside[0], beside[1], size, options)) {
-      one->edge = e;
-      report.inner.push_back(*one);
-    } else {
-      ++report.unmeasured;
+    if (beside.size() == 1) {
+      ++report.rims;
+      if (options.teeth > 0) report.rim_lines.push_back(points_of(edge));
     }
+    if (beside.size() > 2) ++report.crowded;
+    if (beside.size() == 2) pairs.push_back(e);
+  }
+  std::vector<std::optional<EdgeContinuity>> found(pairs.size());
+  const int parts = std::min(count_of(pairs), 64);
+  parallel_parts(parts, [&](int part) {
+    for (size_t k = pairs.size() * part / parts; k < pairs.size() * (part + 1) / parts; ++k) {
+      const auto& beside = sides[pairs[k] - 1];
+      found[k] = measured(TopoDS::Edge(edges(pairs[k])), beside[0], beside[1], size, options);
+      if (found[k]) found[k]->edge = pairs[k];
+    }
+  });
+  for (const auto& one : found) {
+    if (one) report.inner.push_back(*one);
+    report.unmeasured += !one;
   }
   return report;
 }
-
-}  // namespace
 
 ContinuityReport measure_continuity(const std::filesystem::path& file, double model_unit_in_metres,
                                     const ContinuityOptions& options) {
@@ -205,7 +241,7 @@ ContinuityReport measure_continuity(const std::filesystem::path& file, double mo
   const OccSettings occ;  // after a child that may have read the file
   try {
     const double size = box_of(cad.edges).diagonal().norm();
-    ContinuityReport report = measured_shape(
+    ContinuityReport report = shape_continuity(
         options.sewing > 0 ? sewn(cad.shape, options.sewing * size) : TopoDS_Shape(cad.shape), size,
         options);
     TopTools_IndexedMapOfShape solids;  // sewing leaves shells of them
@@ -218,7 +254,13 @@ ContinuityReport measure_continuity(const std::filesystem::path& file, double mo
       edge.gap *= unit;
       edge.curvature_jump /= unit;
       edge.at *= unit;
+      for (EdgeTooth& tooth : edge.teeth) {
+        tooth.at *= unit;
+        for (Vec3& bend : tooth.bend) bend /= unit;
+      }
     }
+    for (auto& line : report.rim_lines)
+      for (Vec3& p : line) p *= unit;
     return report;
   } catch (const Standard_Failure& e) {
     throw InputError(file.string() + ": OpenCASCADE cannot measure it: " +

@@ -29,6 +29,13 @@ const EdgeContinuity* ContinuityReport::worst(EdgeContinuity::Kind kind) const {
   return found;
 }
 
+double ContinuityReport::max_smooth_deg() const {
+  double largest = 0;
+  for (const auto& edge : inner)
+    if (edge.kind != EdgeContinuity::Kind::Crease) largest = std::max(largest, edge.angle_deg);
+  return largest;
+}
+
 std::string continuity_text(const ContinuityReport& r, const ContinuityOptions& options,
                             const std::string& unit) {
   using Kind = EdgeContinuity::Kind;

@@ -182,6 +182,16 @@ HermiteCurve straight(const Vec2& a, const Vec2& b) {
 
 }  // namespace
 
+std::optional<Vec3> FaceStretch::turn(double t) const {
+  if (turns.empty()) return std::nullopt;
+  const double at =
+      (t - curve.start()) / (curve.end() - curve.start()) * static_cast<double>(turns.size() - 1);
+  const auto k = static_cast<size_t>(std::clamp(at, 0.0, static_cast<double>(turns.size() - 2)));
+  if (!turns[k] || !turns[k + 1]) return std::nullopt;
+  const double s = std::clamp(at - static_cast<double>(k), 0.0, 1.0);
+  return (1 - s) * *turns[k] + s * *turns[k + 1];
+}
+
 FaceBoundary::FaceBoundary(const SkinnedRegion& region, const StepPlan* common)
     : period(region.surface.mesh().period()) {
   if (region.boundary.empty() || (period > 0 && region.boundary.size() < 2))

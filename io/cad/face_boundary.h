@@ -1,6 +1,7 @@
 // The boundary of a region, in the pieces that a CAD face has as edges. Internal.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,11 +17,16 @@ struct FaceStretch {
   bool reversed = false;        ///< whether the loop runs against the line
   double shift = 0, scale = 1;  ///< t of the line = shift + scale · t of the stretch
   bool shared = false;          ///< whether the line has another side
+  /// From the surface's unit normal to the one that the faces on both sides are to have, at even shares
+  /// of the parameter; none where the surfaces meet at an angle. Empty until find_tangent_joins() sets it.
+  std::vector<std::optional<Vec3>> turns = {};
 
   Vec2 uv(double t) const { return flat(image.evaluate(t)); }
   Vec2 first() const { return flat(image.position(0)); }
   Vec2 last() const { return flat(image.evaluate({image.segment_count() - 1, 1.0})); }
   double line_parameter(double t) const { return shift + scale * t; }
+  /// Between the nearest of `turns`; none where one of them is none.
+  std::optional<Vec3> turn(double t) const;
 };
 using FaceLoop = std::vector<FaceStretch>;
 

@@ -152,30 +152,19 @@ FaceMaker::FaceMaker(const SkinnedRegion& region, const StepFaceOptions& options
   for (const FaceLoop& loop : boundary_.loops)
     for (const FaceStretch& stretch : loop) box_.extend(box_of(stretch.curve));
   size_ = box_.diagonal().norm();
-  goal_ = 0.9 * options.tolerance;
-  fit(nullptr);
+  // The faces on both sides may miss the common plane, in any direction.
+  goal_ = {0.9 * options.tolerance, 0.4 * options.join_deg};
 }
 
 Vec3 FaceMaker::position(const Vec2& uv) const {
   return near_origin_.position(locator_.locate(uv)) + middle_;
 }
 
-Vec3 FaceMaker::fitted_position(const Vec2& uv) const { return fit_.patch.position(uv) + middle_; }
-
-bool FaceMaker::refine(double deviation) {
-  if (!fit_.reached || !std::isfinite(deviation)) return false;
-  goal_ *= 0.9 * options_.tolerance / deviation;
-  const PatchFit before = fit_;
-  constexpr int most_steps = 6;
-  for (int i = 0; i < most_steps; ++i) {
-    fit(&before.patch);
-    if (!fit_.reached) break;
-    if (poles_u() * poles_v() > before.patch.poles.rows()) return true;
-    goal_ *= 0.8;  // what is missed by a hair lies where the fit has no samples
-  }
-  fit_ = before;
-  return false;
+Vec3 FaceMaker::normal(const Vec2& uv) const {
+  return near_origin_.jet(locator_.locate(uv)).normal();
 }
+
+Vec3 FaceMaker::fitted_position(const Vec2& uv) const { return fit_.patch.position(uv) + middle_; }
 
 TopoDS_Face FaceMaker::make(double coincidence, SharedEdges* shared) {
   coincidence_ = coincidence;
@@ -205,42 +194,6 @@ TopoDS_Face FaceMaker::make(double coincidence, SharedEdges* shared) {
   for (size_t k = boundary_.period > 0 ? 2 : 1; k < boundary_.loops.size(); ++k)
     add_wire(boundary_.loops[k]);
   return face_;
-}
-
-void FaceMaker::fit(const BicubicPatch* start) {
-  PatchTarget target;
-  target.inside = [&](const Vec2& uv) { return boundary_.contains(uv); };
-  target.position = [&](const Vec2& uv) { return near_origin_.position(locator_.locate(uv)); };
-  target.rim = [&](double spacing) {
-    std::vector<Vec2> points;
-    for (const FaceLoop& loop : boundary_.loops)
-      for (const FaceStretch& stretch : loop)
-        for (const PlanarCubic& arc : planar_arcs(stretch.image)) {
-          const double length = (arc.b[1] - arc.b[0]).norm() + (arc.b[2] - arc.b[1]).norm() +
-                                (arc.b[3] - arc.b[2]).norm();
-          const int n = 1 + static_cast<int>(length / spacing);
-          for (int k = 0; k < n; ++k) points.push_back(arc.at((k + 0.5) / n));
-          points.push_back(arc.b[3]);
-        }
-    return points;
-  };
-  for (const FaceLoop& loop : boundary_.loops)
-    for (const FaceStretch& stretch : loop) target.fixed.push_back(stretch.first());
-  target.low = boundary_.domain.low();
-  target.high = boundary_.domain.high();
-  target.periodic = boundary_.period > 0;
-  if (target.periodic) {
-    target.low.x() = boundary_.seam;
-    target.high.x() = boundary_.seam + boundary_.period;
-  }
-  const int triangles = region_.surface.mesh().triangle_count();
-  constexpr int few = 2'000;
-  const int in_proportion = std::max(few, options_.most_poles_a_triangle * triangles);
-  // A cell of the first fit holds up to eight triangles.
-  const int first = std::clamp(static_cast<int>(std::lround(std::sqrt(triangles / 8.0))), 2, 8);
-  fit_ = fit_bicubic_patch(
-      target, goal_,
-      {options_.most_poles, std::min(options_.most_poles_in_all, in_proportion), first}, start);
 }
 
 double FaceMaker::widened(double distance) {

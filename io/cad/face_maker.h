@@ -53,27 +53,34 @@ class SharedEdges {
 /// Fits a B-spline surface to a region and makes a face of it.
 class FaceMaker {
  public:
-  /// Fits the surface and keeps references to region and options. O(poles); seconds for large
-  /// regions. Throws InputError as FaceBoundary.
+  /// Keeps references to region and options. Throws InputError as FaceBoundary.
   FaceMaker(const SkinnedRegion& region, const StepFaceOptions& options,
             const StepPlan* common = nullptr);
 
   const SkinnedRegion& region() const { return region_; }
   const FaceBoundary& boundary() const { return boundary_; }
+  FaceBoundary& boundary() { return boundary_; }
   double size() const { return size_; }
   /// The largest tolerance of edges and vertices, once the face is made; model units.
   double tolerance() const { return widest_; }
   int cells() const { return fit_.patch.u.intervals() * fit_.patch.v.intervals(); }
   Vec3 position(const Vec2& uv) const;
+  Vec3 normal(const Vec2& uv) const;  ///< zero where the surface is singular
   /// Returns the last fit, moved to the origin; and a point of it, model units.
   const BicubicPatch& patch() const { return fit_.patch; }
   Vec3 fitted_position(const Vec2& uv) const;
   int poles_u() const { return fit_.patch.u.functions(); }
   int poles_v() const { return fit_.patch.v.functions(); }
+  double fitted_angle_deg() const { return fit_.angle_deg; }  ///< PatchFit::angle_deg
 
-  /// Fits anew, with more poles, after the face of a file was measured at this deviation from the region.
-  /// Returns false, and keeps the last fit, when none reaches its goal.
-  bool refine(double deviation);
+  /// Fits the surface, with its tangent planes where the boundary has turns; where these cannot be
+  /// reached, as near as they come. O(poles); seconds for large regions.
+  void fit();
+
+  /// Fits anew, with more poles, after the face of a file was measured at this deviation from the region,
+  /// and at this angle across its smooth joins. Returns false, and keeps the last fit, when none
+  /// reaches its goal.
+  bool refine(double deviation, double angle_deg);
 
   /// The edges of the last face along lines, with the names of these.
   const std::vector<CadCurveItem>& along_lines() const { return along_lines_; }
@@ -84,6 +91,8 @@ class FaceMaker {
   TopoDS_Face make(double coincidence, SharedEdges* shared = nullptr);
 
  private:
+  PatchTarget target() const;
+  std::vector<PatchTangent> tangents(double spacing) const;
   void fit(const BicubicPatch* start);
   double widened(double distance);
   TopoDS_Vertex vertex(const FaceStretch& before, const FaceStretch& after);
@@ -101,7 +110,8 @@ class FaceMaker {
   Surface near_origin_;
   TriangleLocator locator_;
   Box3 box_;
-  double size_ = 0, goal_ = 0, widest_ = 0;
+  double size_ = 0, widest_ = 0;
+  PatchGoal goal_;
   double coincidence_ = 0;
   PatchFit fit_;
   BRep_Builder builder_;

@@ -105,7 +105,7 @@ class ModelFile {
       StepReport report = measured_file(path, plan_.regions, faces);
       if (faces.size() != fitted_.size())
         throw Error(path.string() + ": OpenCASCADE reads other faces than were written");
-      if (!faces.empty()) measure_patches(report, faces, fitted_, face_options_.tolerance);
+      if (!faces.empty()) measure_patches(report, faces, fitted_, plan_, face_options_);
       report.valid = report.valid && valid;
       return report;
     });

@@ -22,6 +22,7 @@
 
 #include "batten/core/errors.h"
 #include "batten/core/index.h"
+#include "batten/io/cad/continuity_shape.h"
 #include "batten/io/cad/occ_settings.h"
 #include "batten/io/cad/step_text.h"
 #include "batten/io/files/input_file.h"
@@ -289,7 +290,10 @@ StepReport measured_file(const std::filesystem::path& path,
   StepReport report = measured_shape(shape, region_of_face);
   report.file = path;
   report.bytes = input_size(path);
-  if (!regions.empty()) report.max_deviation = deviation(shape, regions, expected, report.size);
+  if (!regions.empty()) {
+    report.max_deviation = deviation(shape, regions, expected, report.size);
+    report.continuity = shape_continuity(shape, report.size);
+  }
   fitted.clear();
   size_t f = 0;
   for (TopExp_Explorer it(shape, TopAbs_FACE); it.More(); it.Next(), ++f)

@@ -63,7 +63,7 @@ StepReport write_step_faces(const std::filesystem::path& path,
                                       reader_coincidence(model_unit_in_metres), options, occ);
       // The file read back would not tell of all that is wrong: readers repair silently.
       bool valid = false;
-      StepReport measured = measured_faces(file.temporary(), made, options.tolerance,
+      StepReport measured = measured_faces(file.temporary(), made, plan, options,
                                            [&] { valid = BRepCheck_Analyzer(shape).IsValid(); });
       measured.valid = measured.valid && valid;
       return measured;

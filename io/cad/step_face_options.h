@@ -7,7 +7,9 @@ namespace batten {
 
 /// How near a fitted face must be to its surface, and how large it may become.
 struct StepFaceOptions {
-  double tolerance = 0;          ///< largest distance from the surface, model units; above 0
+  double tolerance = 0;  ///< largest distance from the surface, model units; above 0
+  /// Largest angle between neighbouring faces where their surfaces are tangent, degrees; above 0.
+  double join_deg = 0.1;
   std::string name = "surface";  ///< name of the product
   std::string author = "";
   int most_poles = 400;            ///< most poles in one direction, 16 or more

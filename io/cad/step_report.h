@@ -1,11 +1,14 @@
 // The numbers measured on a STEP file.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
+
+#include "batten/io/cad/continuity_report.h"
 
 namespace batten {
 
@@ -18,6 +21,7 @@ struct StepPatch {
   /// (u, v), so the nearest points are never farther apart.
   double deviation = 0;
   bool reached = false;  ///< whether deviation ≤ tolerance
+  double join_deg = 0;   ///< the largest angle_deg of its joins
   /// Largest distance between the face and an edge or vertex of the file. Edges whose line no other
   /// region has lie on the face within what readers take for one point (1e-7 mm). Others are the
   /// lines themselves; they are off by line_gap and the fit.
@@ -28,6 +32,15 @@ struct StepPatch {
   /// region's own rim elsewhere (the fit).
   double edge_deviation = 0;
   int poles_u = 0, poles_v = 0;
+};
+
+/// A line along which the surfaces of two regions are tangent, and their faces in the file.
+struct StepJoin {
+  std::string line;
+  std::array<std::string, 2> regions;
+  double surface_deg = 0;  ///< largest angle between the surfaces, where they are tangent
+  double angle_deg = 0;    ///< largest angle between the faces there
+  bool reached = false;    ///< whether angle_deg is at most StepFaceOptions::join_deg
 };
 
 /// What is in a STEP file, measured on the file that OpenCASCADE reads back from disk (it silently
@@ -60,13 +73,17 @@ struct StepReport {
   /// Count of places where one of these could not be measured: an edge without a parameter line on
   /// its face, a point where the surface is singular.
   int unmeasured = 0;
+  /// How faces meet along every edge of the file, in model units; set by the writers only.
+  std::optional<ContinuityReport> continuity;
   std::vector<std::string> warnings;
 
   // For fitted faces only:
-  double tolerance = 0;                     ///< the tolerance asked for
-  bool reached = true;                      ///< whether every face reaches it
+  double tolerance = 0;  ///< the tolerance asked for
+  bool reached = true;   ///< whether every face reaches it, and every join its angle
   double line_gap = 0, edge_deviation = 0;  ///< the largest of the faces
   std::vector<StepPatch> patches;           ///< each fitted face, in the order of the file
+  std::vector<StepJoin> joins;  ///< smooth joins that have a fitted face on one side or on both
+  double max_join_deg = 0;      ///< the largest angle_deg of these
 };
 
 }  // namespace batten

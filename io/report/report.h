@@ -1,6 +1,7 @@
 // report.json of a surface: what was made, measured on the finished result.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -89,6 +90,19 @@ struct Report : RunReport {
     std::uintmax_t bytes = 0;
     double max_deviation = 0, max_gap = 0, max_normal_jump_deg = 0;
     bool valid = false;
+    /// Edges of the file with two faces, by how these meet, and the largest angle of those that are no
+    /// creases.
+    int creases = 0, tangent = 0, curvature = 0;
+    double max_smooth_deg = 0;
+    /// Smooth joins of fitted faces, by line; the largest angle between faces and between surfaces.
+    struct Join {
+      std::string line;
+      std::array<std::string, 2> regions;
+      double angle_deg = 0, surface_deg = 0;
+      bool missed = false;
+    };
+    std::vector<Join> joins;
+    double max_join_deg = 0;
     // Written for a network only.
     int shells = 0, solids = 0, free_edges = 0;
     double volume = 0;

@@ -192,6 +192,18 @@ std::string target_result(const Report& report, const std::string& unit) {
                                    " of the size), tolerance " + number(t.tolerance) + unit);
 }
 
+/// Says how the faces of a STEP file meet.
+std::string edges_of(const Report::Step& step) {
+  const int smooth = step.tangent + step.curvature;
+  if (smooth + step.creases == 0) return "";
+  const auto missed = std::count_if(step.joins.begin(), step.joins.end(),
+                                    [](const auto& join) { return join.missed; });
+  return "; " + counted(static_cast<size_t>(step.creases), "crease", "creases") + ", " +
+         counted(static_cast<size_t>(smooth), "smooth edge", "smooth edges") +
+         (smooth ? " within " + number(step.max_smooth_deg) + " degrees" : "") +
+         (missed ? ", " + std::to_string(missed) + " missed" : "");
+}
+
 /// Says what the STEP file holds.
 std::string step_result(const Report::Step& step, const std::string& unit) {
   return result_line(
@@ -200,7 +212,7 @@ std::string step_result(const Report::Step& step, const std::string& unit) {
                                : counted(static_cast<size_t>(step.shells), "shell", "shells")) +
                   ", " + (step.valid ? "valid" : "NOT valid") + ", within " +
                   number(step.max_deviation) + unit + ", edges within " + number(step.max_gap) +
-                  unit);
+                  unit + edges_of(step));
 }
 
 /// Says what else could be, and with which words.
@@ -425,7 +437,8 @@ std::string summary(const Report& report, const std::filesystem::path& folder) {
                                     : "one face of " + std::to_string(step.poles_u) + " × " +
                                           std::to_string(step.poles_v) + " poles, " + valid +
                                           ", within " + number(step.max_deviation) + unit +
-                                          ", edges within " + number(step.max_gap) + unit);
+                                          ", edges within " + number(step.max_gap) + unit +
+                                          edges_of(step));
   }
   for (const auto& scan : report.scans)
     text += result_line("scan", std::to_string(scan.points - scan.left_out) + " of " +

@@ -225,6 +225,17 @@ void write_step_into(Report& report, const Scene& scene, const MadeModel& made,
   s.max_gap = step.max_gap;
   s.max_normal_jump_deg = s.form == "face" ? 0 : step.max_normal_jump_deg;
   s.valid = step.valid;
+  if (const auto& edges = step.continuity) {
+    using Kind = EdgeContinuity::Kind;
+    s.creases = edges->count(Kind::Crease);
+    s.tangent = edges->count(Kind::Tangent);
+    s.curvature = edges->count(Kind::Curvature);
+    s.max_smooth_deg = edges->max_smooth_deg();
+  }
+  s.joins.clear();
+  for (const StepJoin& join : step.joins)
+    s.joins.push_back({join.line, join.regions, join.angle_deg, join.surface_deg, !join.reached});
+  s.max_join_deg = step.max_join_deg;
   s.shells = step.shells;
   s.solids = step.solids;
   s.free_edges = step.free_edges;

@@ -344,7 +344,7 @@ TEST_CASE("A fitted patch of few poles is a bicubic surface exactly", "[step-fac
   };
   const PatchTarget target{
       [](const Vec2& p) { return p.norm() < 0.9; }, x, rim, {-1, -1}, {1, 1}, false};
-  const PatchFit fit = fit_bicubic_patch(target, 1e-5);
+  const PatchFit fit = fit_bicubic_patch(target, {1e-5});
   CHECK(fit.reached);
   CHECK(fit.deviation <= 1e-5);
   CHECK(fit.patch.poles.rows() <= 11 * 11);

@@ -1,6 +1,7 @@
 // Pictures show what the scene says: everything inside the frame, the right colours, or a plain
 // sentence where there is no display.
 #include "batten/io/pictures/display.h"
+#include "batten/io/pictures/edge_pictures.h"
 #include "batten/io/pictures/loop_pictures.h"
 #include "batten/io/pictures/pictures.h"
 
@@ -417,4 +418,34 @@ TEST_CASE("pictures of a series share camera, heights and colours", "[io][pictur
   CHECK(a.second < b.second);
   CHECK(b.first > 0);
   CHECK(b.second < size.height - 1);
+}
+
+TEST_CASE("edges of one kind have its colour, their combs stand out by the curvature",
+          "[io][pictures]") {
+  const fs::path file = scratch("edge_combs") / "a.png";
+  EdgePicture picture;
+  picture.title = "edges";
+  picture.unit = "mm";
+  CHECK_THAT(refusal([&] { draw_edge_combs(file, picture); }),
+             Catch::Matchers::Contains("no edges"));
+  EdgeComb edge;
+  for (int k = 0; k <= 20; ++k) {
+    edge.line.emplace_back(k, 0, 0);
+    for (auto& bends : edge.bends) bends.emplace_back(0, 0, -0.1);
+  }
+  picture.edges = {edge};
+  if (!have_display()) return;
+  const auto count = [&](const EdgePicture& drawn, bool (*wanted)(const Vec3&)) {
+    draw_edge_combs(file, drawn, {400, 300});
+    return Picture(file).count(wanted);
+  };
+  const long with_comb = count(picture, red);
+  CHECK(with_comb > 100);
+  CHECK(count(picture, blue) == 0);
+  EdgePicture flat = picture;
+  for (auto& bends : flat.edges[0].bends) bends.assign(21, Vec3::Zero());
+  CHECK(count(flat, red) < with_comb);
+  picture.edges[0].kind = EdgeComb::Kind::Tangent;
+  CHECK(count(picture, red) == 0);
+  CHECK(count(picture, blue) > 100);
 }

@@ -1,0 +1,325 @@
+// STEP files that keep their promises: one face a region, and three exact ones a triangle, of the
+// examples and of sketches, measured by another reading of the file; beside a facetted file of the same
+// shape at the same tolerance, OpenCASCADE's filling, and the conversions of Gmsh and OpenCASCADE.
+#include <unistd.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <map>
+
+#include "batten/apps/commands/lines/scene_lines.h"
+#include "batten/apps/commands/shapes/make_shape.h"
+#include "batten/apps/commands/shapes/run_scene.h"
+#include "batten/core/errors.h"
+#include "batten/fem/surface_projector.h"
+#include "batten/io/cad/continuity.h"
+#include "batten/io/cad/step.h"
+#include "batten/io/cad/step_face.h"
+#include "batten/io/files/length_units.h"
+#include "batten/io/lines/cad_lines.h"
+#include "batten/io/scene/read_scene.h"
+#include "batten/tests/reference.h"
+#include "bench.h"
+#include "occ_filling.h"
+#include "occ_step_file.h"
+
+namespace {
+
+using namespace batten;
+using namespace batten::bench;
+namespace fs = std::filesystem;
+
+struct Model {
+  std::string name;
+  Scene scene;
+  std::optional<MadeModel> made;
+  MadeShape shape;
+  double size = 0, unit = 1e-3;
+  std::vector<const SkinnedRegion*> regions() const { return shape.all(); }
+};
+
+std::unique_ptr<Model> model_of(const std::string& name, Scene scene) {
+  auto model = std::make_unique<Model>();
+  model->name = name;
+  model->scene = std::move(scene);
+  model->made = make_model(model->scene, faired_lines(model->scene, {}).lines);
+  model->shape = make_refined_shape(*model->made, model->scene);
+  model->unit = unit_in_metres(model->scene.unit);
+  Box3 box;
+  for (const SkinnedRegion* region : model->regions())
+    for (const auto& loop : region->boundary)
+      for (const BoundaryPiece& piece : loop) {
+        const HermiteCurve curve = boundary_curve(*region, piece);
+        for (int i = 0; i < curve.node_count(); ++i) box.extend(curve.position(i));
+      }
+  model->size = box.diagonal().norm();
+  return model;
+}
+
+std::vector<std::unique_ptr<Model>> all_models() {
+  std::vector<std::unique_ptr<Model>> models;
+  const std::string examples = std::string(BATTEN_SOURCE_DIR) + "/examples/";
+  for (const auto& [name, folder] : std::vector<std::pair<std::string, std::string>>{
+           {"door", "05-door"}, {"goblet", "08-goblet"}, {"mouse", "09-mouse"}})
+    models.push_back(model_of(name, read_scene(examples + folder + "/scene.toml")));
+  const fs::path sketches = batten_test::optional_data("sketch-cassie/sketch_graph");
+  if (sketches.empty())
+    std::printf("sketch-cassie is not there: no sketches (set BATTEN_TEST_DATA)\n");
+  else
+    for (const char* name : {"teapot", "computer-mouse"})
+      models.push_back(model_of(std::string("sketch ") + name,
+                                scene_of_network({sketches / (std::string(name) + ".json")}, "m")));
+  return models;
+}
+
+/// Points of the surfaces, about `count` in all, evenly over triangles.
+std::vector<Vec3> points_of(const Model& model, int count) {
+  int triangles = 0;
+  for (const SkinnedRegion* region : model.regions())
+    triangles += region->surface.mesh().triangle_count();
+  const int n = std::max(2, static_cast<int>(std::sqrt(2.0 * count / triangles)));
+  std::vector<Vec3> points;
+  for (const SkinnedRegion* region : model.regions()) {
+    const Surface& s = region->surface;
+    for (int t = 0; t < s.mesh().triangle_count(); ++t)
+      for (int i = 0; i < n; ++i)
+        for (int j = 0; i + j < n; ++j) {
+          const double a = (i + 0.31) / n, b = (j + 0.28) / n;
+          const Vec3 L(a, b, 1 - a - b);
+          if (s.trim() && !s.trim()->loops().contains(s.mesh().shape(t).point(L))) continue;
+          points.push_back(s.position({t, L}));
+        }
+  }
+  return points;
+}
+
+/// What another reading of the file finds, in model units.
+struct Witness {
+  double from_surface = 0, from_file = 0;  ///< largest distance of points of one from the other
+  long points = 0;
+  double angle_deg = 0;  ///< largest between faces that should be tangent
+  int tangent = 0, creases = 0;
+  double worst() const { return std::max(from_surface, from_file); }
+};
+
+Witness witness_of(const Model& model, const fs::path& file, const StepReport& report, int count) {
+  Witness found;
+  const auto faces = read_cad_surfaces(file, model.unit);
+  size_t first = 0;
+  for (const Vec3& p : points_of(model, count)) {
+    found.from_surface = std::max(found.from_surface, distance(faces, p, first));
+    ++found.points;
+  }
+  std::map<std::string, std::unique_ptr<SurfaceProjector>> projectors;
+  for (const SkinnedRegion* region : model.regions())
+    projectors[region->name] = std::make_unique<SurfaceProjector>(region->surface);
+  const StepFile step(file.string(), model.unit);
+  const int faces_read = std::min(step.faces(), static_cast<int>(report.patches.size()));
+  const int n = std::max(4, static_cast<int>(std::sqrt(count / std::max(1, faces_read))));
+  for (int f = 0; f < faces_read; ++f) {
+    std::vector<Vec3> points = step.points(f, n);
+    for (const Vec3& p : step.rim(f, n)) points.push_back(p);
+    const SurfaceProjector& onto = *projectors.at(report.patches[static_cast<size_t>(f)].region);
+    for (const Vec3& p : points)
+      found.from_file = std::max(found.from_file, onto.nearest(p).distance);
+    found.points += static_cast<long>(points.size());
+  }
+  return found;
+}
+
+/// Counts edges of the file by what they are; `smooth`: a join that the surfaces have tangent.
+void add_edges(const ContinuityReport& edges, Witness& found) {
+  using Kind = EdgeContinuity::Kind;
+  found.creases = edges.count(Kind::Crease);
+  found.tangent = edges.count(Kind::Tangent) + edges.count(Kind::Curvature);
+}
+
+struct Options {
+  int points = 20'000;
+  fs::path folder;
+};
+
+double megabytes(const fs::path& file) { return 1e-6 * static_cast<double>(fs::file_size(file)); }
+std::string short_text(double x) { return text("%.2g", x); }
+
+void few_faces(const Model& model, const Options& options, Promises& promises, Table& table,
+               Table& facetted) {
+  const auto regions = model.regions();
+  for (const double share : {1e-2, 1e-3, 1e-4, 1e-5}) {
+    StepFaceOptions o;
+    o.tolerance = share * model.size;
+    const fs::path file = options.folder / (model.name + text("_%g.step", share));
+    StepReport report;
+    const double write =
+        median({time_of([&] { report = write_step_faces(file, regions, model.unit, o); }),
+                time_of([&] { write_step_faces(file, regions, model.unit, o); }),
+                time_of([&] { write_step_faces(file, regions, model.unit, o); })});
+    const double read = time_of([&] { StepFile(file.string(), model.unit); });
+    Witness seen = witness_of(model, file, report, options.points);
+    add_edges(measure_continuity(file, model.unit), seen);
+    long poles = 0;
+    for (const StepPatch& patch : report.patches) poles += long{patch.poles_u} * patch.poles_v;
+    double surface_deg = 0;
+    for (const StepJoin& join : report.joins) surface_deg = std::max(surface_deg, join.surface_deg);
+    const double worst = std::max(*report.max_deviation, seen.worst());
+    table.add({model.name, short_text(share), std::to_string(report.faces),
+               text("%.2g", *report.max_deviation / o.tolerance),
+               text("%.2g", seen.worst() / o.tolerance), std::to_string(report.joins.size()),
+               short_text(report.max_join_deg), short_text(surface_deg), std::to_string(poles),
+               text("%.2f", megabytes(file)), text("%.2f", write), text("%.2f", read),
+               report.valid ? "yes" : "no"});
+    const std::string name = model.name + text(" at %g of the size: ", share);
+    promises.at_most(name + "deviation over asked", worst / o.tolerance, 1);
+    promises.at_most(name + "degrees across smooth joins", report.max_join_deg, 0.1);
+    promises.at_most(name + "faces that are no region",
+                     std::abs(report.faces - static_cast<int>(regions.size())), 0);
+    // Finer ones take OpenCASCADE's mesher minutes, and files a hundred megabytes.
+    if (share < 1e-4) continue;
+    const StepFile::Facets facets =
+        StepFile(file.string(), model.unit).facets(std::max(0.0, o.tolerance - worst / 2));
+    const fs::path flat = options.folder / "facets.step";
+    constexpr size_t most = 20'000;
+    const size_t count = facets.triangles.size();
+    if (count == 0) continue;
+    double flat_write = 0, flat_read = 0, mb = 0;
+    if (count <= most) {
+      flat_write = time_of([&] { write_facetted(flat.string(), facets, model.unit); });
+      flat_read = time_of([&] { StepFile(flat.string(), model.unit); });
+      mb = megabytes(flat);
+    }
+    facetted.add({model.name, short_text(share), std::to_string(count),
+                  mb > 0 ? text("%.2f", mb) : "too many", text("%.2f", megabytes(file)),
+                  text("%.2f", flat_write), text("%.2f", write), text("%.2f", flat_read),
+                  text("%.2f", read)});
+    if (mb == 0) continue;
+    promises.at_most(name + "megabytes over those of facets", megabytes(file) / mb, 1);
+    promises.at_most(name + "seconds to write and read over those of facets",
+                     (write + read) / (flat_write + flat_read), 1);
+  }
+}
+
+void exact_form(const Model& model, const Options& options, Promises& promises, Table& table) {
+  const fs::path file = options.folder / (model.name + "_exact.step");
+  StepOptions o;
+  StepReport report;
+  double write = 0;
+  try {
+    write = time_of([&] { report = write_step(file, model.regions(), model.unit, o); });
+  } catch (const InputError&) {
+    table.add({model.name, "none: embedded lines cut it"});
+    return;
+  }
+  const double read = time_of([&] { StepFile(file.string(), model.unit); });
+  double fitted = 0;
+  for (const StepPatch& patch : report.patches) fitted = std::max(fitted, patch.deviation);
+  table.add({model.name, std::to_string(report.faces), std::to_string(report.patches.size()),
+             short_text(*report.max_deviation / model.size), short_text(fitted / model.size),
+             short_text(report.max_normal_jump_deg), short_text(report.max_join_deg),
+             text("%.1f", megabytes(file)), text("%.2f", write), text("%.2f", read),
+             text("%.0f", report.faces / write), text("%.0f", report.faces / read)});
+  promises.at_most(model.name + ", exact: deviation over the size",
+                   *report.max_deviation / model.size, 1e-12);
+}
+
+/// A few faces, converted by Gmsh and by OpenCASCADE.
+void conversions(const Model& model, const Options& options, Promises& promises, Table& table) {
+  const fs::path file = options.folder / (model.name + "_0.0001.step");
+  const fs::path other = options.folder / "converted.step", said = options.folder / "gmsh.txt";
+  double read = 0, write = 0;
+  std::unique_ptr<StepFile> step;
+  read = time_of([&] { step = std::make_unique<StepFile>(file.string(), model.unit); });
+  if (step->faces() > 0) {
+    write = time_of([&] { step->write(other.string()); });
+    table.add({model.name, "OpenCASCADE", std::to_string(step->faces()), text("%.2f", read),
+               text("%.2f", write), text("%.2f", megabytes(other)),
+               step->valid() ? "valid" : "not valid"});
+  }
+  fs::remove(other);
+  const std::string command = "/usr/bin/python3 " BATTEN_BENCH_GMSH_PY " '" + file.string() +
+                              "' '" + other.string() + "' 2> /dev/null | tail -1 > '" +
+                              said.string() + "'";
+  double faces = 0, triangles = 0, warnings = 0;
+  if (std::system(command.c_str()) != 0 ||
+      !(std::ifstream(said) >> read >> write >> faces >> triangles >> warnings)) {
+    table.add({model.name, "Gmsh", "none (python3-gmsh)"});
+    return;
+  }
+  table.add({model.name, "Gmsh", text("%.0f", faces), text("%.2f", read), text("%.2f", write),
+             fs::exists(other) ? text("%.2f", megabytes(other)) : "-",
+             text("meshed, %.0f warnings", warnings)});
+  promises.at_most(model.name + ": warnings of Gmsh", warnings, 0);
+}
+
+/// OpenCASCADE's filling of the same boundary curves, region by region: how far it says that it may be
+/// from them, and how far it is.
+void fillings(const Model& model, Table& table) {
+  for (const double share : {1e-4}) {
+    double worst = 0, seconds_taken = 0;
+    int done = 0, all = 0;
+    long poles = 0;
+    for (const SkinnedRegion* region : model.regions()) {
+      std::vector<std::vector<HermiteCurve>> loops;
+      for (const auto& pieces : region->boundary) {
+        loops.emplace_back();
+        for (const BoundaryPiece& piece : pieces)
+          loops.back().push_back(boundary_curve(*region, piece));
+      }
+      ++all;
+      std::unique_ptr<Filling> filling;
+      const bool closed = std::any_of(loops.begin(), loops.end(), [](const auto& loop) {
+        return loop.size() == 1 && loop[0].closed();
+      });
+      if (closed) continue;  // one edge around is none that it takes
+      seconds_taken += time_of([&] {
+        filling = std::make_unique<Filling>(loops, std::vector<HermiteCurve>{},
+                                            FillingSettings{"", share * model.size, 15, 9});
+      });
+      if (!filling->done()) continue;
+      ++done;
+      poles += long{filling->poles()[0]} * filling->poles()[1];
+      for (const auto& loop : loops)
+        for (const HermiteCurve& c : loop)
+          for (int k = 0; k <= 40; ++k)
+            worst = std::max(
+                worst, filling->distance(c.evaluate(c.start() + (c.end() - c.start()) * k / 40.0)));
+    }
+    table.add({model.name, short_text(share), text("%d of %d", done, all),
+               done ? text("%.3g", worst / model.size / share) : "-", std::to_string(poles),
+               text("%.2f", seconds_taken)});
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  one_thread();
+  Options options;
+  if (argc > 1) options.points = std::atoi(argv[1]);
+  const std::string only = argc > 2 ? argv[2] : "";
+  options.folder = fs::temp_directory_path() / ("batten_bench_step_" + std::to_string(::getpid()));
+  fs::create_directories(options.folder);
+  Promises promises;
+  Table few, facetted, exact, converted, filled;
+  few.add({"one face a region", "asked", "faces", "deviation over asked", "seen otherwise", "joins",
+           "degrees", "of surfaces", "poles", "MB", "write s", "read s", "valid"});
+  facetted.add(
+      {"facetted", "asked", "triangles", "MB", "ours", "write s", "ours", "read s", "ours"});
+  exact.add({"exact", "faces", "fitted", "deviation", "of fitted", "degrees inside",
+             "degrees, joins", "MB", "write s", "read s", "faces/s", "read/s"});
+  converted.add({"converted", "by", "faces", "read s", "write s", "MB", ""});
+  filled.add({"filling", "asked", "done", "off its curves over asked", "poles", "seconds"});
+  std::printf("Processor time on one thread; writing reads the file back and measures it.\n\n");
+  for (const auto& model : all_models()) {
+    if (model->name.find(only) == std::string::npos) continue;
+    std::fprintf(stderr, "%s\n", model->name.c_str());
+    few_faces(*model, options, promises, few, facetted);
+    exact_form(*model, options, promises, exact);
+    conversions(*model, options, promises, converted);
+    if (!occ_version().empty()) fillings(*model, filled);
+  }
+  for (const Table* table : {&few, &exact, &facetted, &converted, &filled}) table->print();
+  fs::remove_all(options.folder);
+  promises.print("step");
+}

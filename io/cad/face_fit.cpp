@@ -1,0 +1,131 @@
+// The fit of a FaceMaker: its target, tangent planes along joins, and how far it goes for them.
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "batten/io/cad/face_maker.h"
+
+namespace batten {
+namespace {
+
+/// Into how many pieces an arc is cut so that none is longer than the spacing.
+int pieces_of(const PlanarCubic& arc, double spacing) {
+  const double length =
+      (arc.b[1] - arc.b[0]).norm() + (arc.b[2] - arc.b[1]).norm() + (arc.b[3] - arc.b[2]).norm();
+  return 1 + static_cast<int>(length / spacing);
+}
+
+}  // namespace
+
+bool FaceMaker::refine(double deviation, double angle_deg) {
+  if (!fit_.reached || !std::isfinite(deviation)) return false;
+  const bool far = deviation > options_.tolerance;
+  const bool askew = angle_deg > options_.join_deg && goal_.angle_deg < options_.join_deg;
+  if (far) goal_.deviation *= 0.9 * options_.tolerance / deviation;
+  if (askew) goal_.angle_deg *= 0.9 * options_.join_deg / angle_deg;
+  if (!far && !askew) return false;
+  const PatchFit before = fit_;
+  constexpr int most_steps = 6;
+  for (int i = 0; i < most_steps; ++i) {
+    fit(&before.patch);
+    if (!fit_.reached) break;
+    if (poles_u() * poles_v() > before.patch.poles.rows()) return true;
+    // What is missed by a hair lies where the fit has no samples.
+    if (far) goal_.deviation *= 0.8;
+    if (askew) goal_.angle_deg *= 0.8;
+  }
+  fit_ = before;
+  return false;
+}
+
+std::vector<PatchTangent> FaceMaker::tangents(double spacing) const {
+  std::vector<PatchTangent> found;
+  for (const FaceLoop& loop : boundary_.loops)
+    for (const FaceStretch& stretch : loop) {
+      if (stretch.turns.empty()) continue;
+      const auto arcs = planar_arcs(stretch.image);
+      for (size_t k = 0; k < arcs.size(); ++k) {
+        const int n = pieces_of(arcs[k], spacing);
+        for (int i = 0; i < n; ++i) {
+          const double t = stretch.image.parameters()[k] +
+                           (i + 0.5) / n * stretch.image.mesh().length(static_cast<int>(k));
+          const auto turn = stretch.turn(t);
+          if (!turn) continue;
+          const Vec2 uv = arcs[k].at((i + 0.5) / n);
+          const SurfaceJet jet = near_origin_.jet(locator_.locate(uv));
+          // Where the surface comes to a point its planes turn without end.
+          if (!(jet.area_vector().norm() > 1e-3 * jet.x_u.norm() * jet.x_v.norm())) continue;
+          const Vec3 n_both = (jet.normal() + *turn).normalized();
+          found.push_back(
+              {uv, jet.x_u - n_both.dot(jet.x_u) * n_both, jet.x_v - n_both.dot(jet.x_v) * n_both});
+        }
+      }
+    }
+  return found;
+}
+
+PatchTarget FaceMaker::target() const {
+  PatchTarget target;
+  target.inside = [&](const Vec2& uv) { return boundary_.contains(uv); };
+  target.position = [&](const Vec2& uv) { return near_origin_.position(locator_.locate(uv)); };
+  target.rim = [&](double spacing) {
+    std::vector<Vec2> points;
+    for (const FaceLoop& loop : boundary_.loops)
+      for (const FaceStretch& stretch : loop)
+        for (const PlanarCubic& arc : planar_arcs(stretch.image)) {
+          const int n = pieces_of(arc, spacing);
+          for (int k = 0; k < n; ++k) points.push_back(arc.at((k + 0.5) / n));
+          points.push_back(arc.b[3]);
+        }
+    return points;
+  };
+  for (const FaceLoop& loop : boundary_.loops)
+    for (const FaceStretch& stretch : loop) target.fixed.push_back(stretch.first());
+  target.low = boundary_.domain.low();
+  target.high = boundary_.domain.high();
+  target.periodic = boundary_.period > 0;
+  if (target.periodic) {
+    target.low.x() = boundary_.seam;
+    target.high.x() = boundary_.seam + boundary_.period;
+  }
+  return target;
+}
+
+void FaceMaker::fit() { fit(nullptr); }
+
+void FaceMaker::fit(const BicubicPatch* start) {
+  PatchTarget target = this->target();
+  constexpr int few = 2'000;
+  const int in_proportion =
+      std::max(few, options_.most_poles_a_triangle * region_.surface.mesh().triangle_count());
+  // A cell of the first fit holds up to eight triangles.
+  const int triangles = region_.surface.mesh().triangle_count();
+  const int first = std::clamp(static_cast<int>(std::lround(std::sqrt(triangles / 8.0))), 2, 8);
+  const PatchLimits limits{options_.most_poles, std::min(options_.most_poles_in_all, in_proportion),
+                           first};
+  bool tangent = false;
+  for (const FaceLoop& loop : boundary_.loops)
+    for (const FaceStretch& stretch : loop) tangent = tangent || !stretch.turns.empty();
+  if (tangent) {
+    // A few poles a triangle follow what a surface's elements mean; more of them follow their kinks.
+    constexpr int fewest = 900, a_triangle = 8;
+    PatchLimits for_angle = limits;
+    for_angle.in_all = std::min(
+        limits.in_all, std::max({fewest, a_triangle * region_.surface.mesh().triangle_count(),
+                                 start ? static_cast<int>(2 * start->poles.rows()) : 0}));
+    target.tangents = [&](double spacing) { return tangents(spacing); };
+    fit_ = fit_bicubic_patch(target, goal_, for_angle, start);
+    // Where an angle cannot be reached, the faces come as near to it as their deviation allows.
+    if (!fit_.reached && fit_.deviation > goal_.deviation)
+      fit_ = fit_bicubic_patch(target, {goal_.deviation}, limits, start);
+    if (fit_.deviation <= goal_.deviation) {
+      goal_.angle_deg = std::max(goal_.angle_deg, 1.05 * fit_.angle_deg);
+      fit_.reached = true;
+      return;
+    }
+    target.tangents = nullptr;
+  }
+  fit_ = fit_bicubic_patch(target, {goal_.deviation}, limits, start);
+}
+
+}  // namespace batten

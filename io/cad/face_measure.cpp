@@ -1,0 +1,254 @@
+#include "batten/io/cad/face_measure.h"
+
+#include <BRepTopAdaptor_FClass2d.hxx>
+#include <BRep_Tool.hxx>
+#include <Geom2d_Curve.hxx>
+#include <TopExp.hxx>
+#include <TopExp_Explorer.hxx>
+#include <TopoDS.hxx>
+#include <TopoDS_Edge.hxx>
+#include <TopoDS_Face.hxx>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "batten/io/cad/edge_parameter.h"
+#include "batten/io/cad/face_samples.h"
+
+namespace batten {
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+Vec3 from_occ(const gp_Pnt& p) { return {p.X(), p.Y(), p.Z()}; }
+
+/// An edge of the file, along the loop.
+struct FileEdge {
+  Handle(Geom_Curve) curve;
+  Handle(Geom2d_Curve) line;
+  double first, last;
+  bool backwards;     // against the loop
+  double weight = 1;  // of its parameter
+  /// The parameter at a share of the parameter that the edge was made with.
+  double at(double share) const {
+    return first + new_share(backwards ? 1 - share : share, weight) * (last - first);
+  }
+};
+
+/// Edges of the file's face that are no seam, and how far any edge is from the face and from its
+/// vertices.
+struct FileEdges {
+  std::vector<FileEdge> edges;
+  double gap = 0;
+};
+
+/// Reads the edges of a face; none if one of them lacks its curve.
+std::optional<FileEdges> edges_of_face(const TopoDS_Face& face,
+                                       const Geom_BSplineSurface& surface) {
+  FileEdges found;
+  double& gap = found.gap;
+  for (TopExp_Explorer it(face.Oriented(TopAbs_FORWARD), TopAbs_EDGE); it.More(); it.Next()) {
+    const TopoDS_Edge& edge = TopoDS::Edge(it.Current());
+    FileEdge e{};
+    e.backwards = edge.Orientation() == TopAbs_REVERSED;
+    double first, last;
+    e.curve = BRep_Tool::Curve(edge, e.first, e.last);
+    e.line = BRep_Tool::CurveOnSurface(edge, face, first, last);
+    // Readers put edges without length where lines meet at a tangent.
+    if (BRep_Tool::Degenerated(edge)) continue;
+    if (e.curve.IsNull() || e.line.IsNull()) return std::nullopt;
+    e.weight = parameter_weight(*e.curve);
+    const int n = 4 * (surface.NbUKnots() + surface.NbVKnots());
+    for (int i = 0; i <= n; ++i) {
+      const double t = e.at(double(i) / n);
+      const gp_Pnt2d uv = e.line->Value(t);
+      gap = std::max(gap, e.curve->Value(t).Distance(surface.Value(uv.X(), uv.Y())));
+    }
+    TopoDS_Vertex a, b;
+    TopExp::Vertices(edge, a, b);
+    if (!a.IsNull()) gap = std::max(gap, BRep_Tool::Pnt(a).Distance(e.curve->Value(e.first)));
+    if (!b.IsNull()) gap = std::max(gap, BRep_Tool::Pnt(b).Distance(e.curve->Value(e.last)));
+    if (!BRep_Tool::IsClosed(edge, face)) found.edges.push_back(e);
+  }
+  return found;
+}
+
+/// Points of the file's face, by the cells of its knots, that are inside of its trim. (Close to the
+/// border the region's own loops decide: they are far quicker, and how near the two borders are is
+/// measured elsewhere.)
+std::vector<Vec2> points_of_face(const TopoDS_Face& face, const Geom_BSplineSurface& surface,
+                                 const std::vector<FileEdge>& edges, const FaceMaker& made) {
+  std::vector<double> u, v;
+  for (int i = 1; i <= surface.NbUKnots(); ++i) u.push_back(surface.UKnot(i));
+  for (int j = 1; j <= surface.NbVKnots(); ++j) v.push_back(surface.VKnot(j));
+  KnotCells cells(u, v);
+  for (const FileEdge& e : edges) {
+    const int n = 8 * (surface.NbUKnots() + surface.NbVKnots());
+    gp_Pnt2d before = e.line->Value(e.at(0));
+    for (int i = 1; i <= n; ++i) {
+      const gp_Pnt2d here = e.line->Value(e.at(double(i) / n));
+      cells.pass({before.X(), before.Y()}, {here.X(), here.Y()});
+      before = here;
+    }
+  }
+  BRepTopAdaptor_FClass2d classifier(face, 1e-9);
+  return cells.points([&](const Vec2& uv) { return made.boundary().contains(uv); },
+                      [&](const Vec2& uv) {
+                        return classifier.Perform({uv.x(), uv.y()}) == TopAbs_IN;
+                      });
+}
+
+/// How far an edge of the file is from the line, or from the region's rim where no other region has
+/// the line, at the same share of the parameter.
+double apart(const FileEdge& e, const FaceStretch& stretch, double share, const FaceMaker& made) {
+  const double start = stretch.curve.start(), end = stretch.curve.end();
+  const double t = share < 1 ? start + share * (end - start) : end;
+  const Vec3 p = from_occ(e.curve->Value(e.at(share)));
+  return (p - (stretch.shared ? stretch.curve.evaluate(t) : made.position(stretch.uv(t)))).norm();
+}
+
+/// Finds the unused edge of the file that is nearest to a boundary curve; their count if all are
+/// used.
+size_t nearest_edge(const std::vector<FileEdge>& edges, const std::vector<char>& used,
+                    const FaceStretch& stretch, const FaceMaker& made) {
+  size_t mine = edges.size();
+  double nearest = infinity;
+  for (size_t k = 0; k < edges.size(); ++k) {
+    double distance = 0;
+    for (const double share : {0.1, 0.3, 0.5, 0.7, 0.9})
+      distance = std::max(distance, apart(edges[k], stretch, share, made));
+    if (used[k] || distance >= nearest) continue;
+    nearest = distance;
+    mine = k;
+  }
+  return mine;
+}
+
+/// Measures a boundary curve against its edge of the file at n + 1 places, and adds them to
+/// `points`.
+void measure_stretch(const FaceStretch& stretch, const FileEdge& edge, int n, const FaceMaker& made,
+                     StepPatch& report, std::vector<Vec2>& points) {
+  const double start = stretch.curve.start(), end = stretch.curve.end();
+  for (int i = 0; i <= n; ++i) {
+    const double share = double(i) / n, t = start + share * (end - start);
+    report.edge_deviation = std::max(report.edge_deviation, apart(edge, stretch, share, made));
+    const Vec2 uv = i < n ? stretch.uv(t) : stretch.last();
+    points.push_back(uv);
+    const Vec3 x = i < n ? stretch.curve.evaluate(t)
+                         : stretch.curve.evaluate({stretch.curve.segment_count() - 1, 1.0});
+    report.line_gap = std::max(report.line_gap, (made.position(uv) - x).norm());
+    const gp_Pnt2d of_file = edge.line->Value(edge.at(share));
+    points.emplace_back(of_file.X(), of_file.Y());
+  }
+}
+
+/// Normals of the face and of the surfaces on both sides along a stretch with turns.
+JoinNormals normals_along(const FaceStretch& stretch, const FileEdge& edge,
+                          const Geom_BSplineSurface& surface, const FaceMaker& made) {
+  JoinNormals found;
+  found.region = made.region().name;
+  constexpr int pieces = 400;  // a face has no more knots in a direction
+  const double start = stretch.curve.start(), end = stretch.curve.end();
+  for (int k = 0; k <= pieces; ++k) {
+    const double share = double(stretch.reversed ? pieces - k : k) / pieces;
+    const double t = start + share * (end - start);
+    const auto turn = stretch.turn(t);
+    const Vec3 n = turn ? made.normal(share < 1 ? stretch.uv(t) : stretch.last()) : Vec3::Zero();
+    Vec3 of_face = Vec3::Zero(), wanted = Vec3::Zero();
+    if (!n.isZero()) {
+      const gp_Pnt2d uv = edge.line->Value(edge.at(share));
+      gp_Pnt p;
+      gp_Vec du, dv;
+      surface.D1(uv.X(), uv.Y(), p, du, dv);
+      const gp_Vec across = du.Crossed(dv);
+      of_face = {across.X(), across.Y(), across.Z()};
+      if (!(of_face.norm() > 1e-3 * du.Magnitude() * dv.Magnitude())) of_face.setZero();
+      wanted = n + *turn;
+    }
+    found.of_face.push_back(of_face);
+    found.of_surface.push_back(n);
+    found.wanted.push_back(wanted);
+  }
+  return found;
+}
+
+}  // namespace
+
+FaceNormals measure_face(const TopoDS_Face& face, const FaceMaker& made, const StepPlan& plan,
+                         StepPatch& report) {
+  FaceNormals normals;
+  const Handle(Geom_BSplineSurface) surface =
+      Handle(Geom_BSplineSurface)::DownCast(BRep_Tool::Surface(face));
+  report.deviation = report.edge_gap = report.edge_deviation = infinity;
+  if (surface.IsNull()) return normals;
+  const double begin = made.boundary().seam, period = made.boundary().period;
+  const auto on_file = [&](const Vec2& uv) {
+    const double u = period > 0 ? uv.x() - std::floor((uv.x() - begin) / period) * period : uv.x();
+    return from_occ(surface->Value(u, uv.y()));
+  };
+  std::vector<Vec2> points = points_of_region(made);
+
+  // Boundary curves, each with the edge of the file that is nearest to it at the same share of the
+  // parameter.
+  const auto found = edges_of_face(face, *surface);
+  if (!found) return normals;
+  const std::vector<FileEdge>& edges = found->edges;
+  for (const Vec2& uv : points_of_face(face, *surface, edges, made)) points.push_back(uv);
+  report.edge_deviation = 0;
+  std::vector<char> used(edges.size());
+  for (const FaceLoop& loop : made.boundary().loops)
+    for (const FaceStretch& stretch : loop) {
+      const size_t mine = nearest_edge(edges, used, stretch, made);
+      if (mine == edges.size()) {
+        report.edge_deviation = infinity;
+        continue;
+      }
+      used[mine] = 1;
+      const int n = 8 * (stretch.curve.segment_count() + stretch.image.segment_count() +
+                         surface->NbUKnots() + surface->NbVKnots());
+      measure_stretch(stretch, edges[mine], n, made, report, points);
+      if (!stretch.turns.empty())
+        normals[piece_of(plan, stretch)] = normals_along(stretch, edges[mine], *surface, made);
+    }
+  if (std::find(used.begin(), used.end(), 0) != used.end()) report.edge_deviation = infinity;
+  report.edge_gap = found->gap;
+  report.deviation = largest(points.size(), [&](size_t i) {
+    return (on_file(points[i]) - made.position(points[i])).norm();
+  });
+  return normals;
+}
+
+std::vector<StepJoin> joins_between(const std::vector<FaceNormals>& faces, double join_deg) {
+  std::map<LinePiece, std::vector<const JoinNormals*>> sides;
+  for (const FaceNormals& face : faces)
+    for (const auto& [piece, normals] : face) sides[piece].push_back(&normals);
+  std::map<std::string, StepJoin> joins;
+  for (const auto& [piece, beside] : sides) {
+    const JoinNormals& one = *beside[0];
+    StepJoin join{piece.first, {one.region, beside.size() > 1 ? beside[1]->region : ""}};
+    bool tangent = false;
+    for (size_t k = 0; k < one.of_face.size(); ++k) {
+      const Vec3& other = beside.size() > 1 ? beside[1]->of_face[k] : one.wanted[k];
+      if (one.of_face[k].isZero() || other.isZero()) continue;
+      tangent = true;
+      join.angle_deg = std::max(join.angle_deg, angle_between_planes(one.of_face[k], other));
+      if (beside.size() > 1)
+        join.surface_deg = std::max(
+            join.surface_deg, angle_between_planes(one.of_surface[k], beside[1]->of_surface[k]));
+    }
+    if (!tangent) continue;
+    StepJoin& all = joins.emplace(piece.first, join).first->second;
+    all.angle_deg = std::max(all.angle_deg, join.angle_deg);
+    all.surface_deg = std::max(all.surface_deg, join.surface_deg);
+  }
+  std::vector<StepJoin> found;
+  for (auto& [line, join] : joins) {
+    join.reached = join.angle_deg <= join_deg;
+    found.push_back(join);
+  }
+  return found;
+}
+
+}  // namespace batten

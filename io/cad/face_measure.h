@@ -1,0 +1,33 @@
+// Measures faces of a STEP file that was read back against their regions. Internal.
+#pragma once
+
+#include <TopoDS_Face.hxx>
+
+#include <map>
+#include <vector>
+
+#include "batten/io/cad/face_maker.h"
+#include "batten/io/cad/step_report.h"
+#include "batten/io/cad/tangent_joins.h"
+
+namespace batten {
+
+/// A face beside a piece of a line, at even places along it.
+struct JoinNormals {
+  std::string region;
+  std::vector<Vec3> of_face;  ///< not normalised; zero where the surfaces meet at an angle
+  std::vector<Vec3> of_surface,
+      wanted;  ///< normals of the surface, and those that both faces are to have
+};
+using FaceNormals = std::map<LinePiece, JoinNormals>;
+
+/// Measures a face of the file against the region that it was made of, all of `patch` but its names
+/// and poles. Returns its normals along smooth joins; the plan says which piece of a line a stretch is.
+FaceNormals measure_face(const TopoDS_Face& face, const FaceMaker& made, const StepPlan& plan,
+                         StepPatch& patch);
+
+/// The joins between faces, by line. Where a side is no fitted face, the angle is
+/// that from the normals that were wanted.
+std::vector<StepJoin> joins_between(const std::vector<FaceNormals>& faces, double join_deg);
+
+}  // namespace batten

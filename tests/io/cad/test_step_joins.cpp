@@ -1,0 +1,120 @@
+// Faces in a STEP file meet as their surfaces do: tangent across smooth joins, at any tolerance, by
+// another reading of the file.
+#include <map>
+
+#include "batten/core/errors.h"
+#include "batten/fem/surface_projector.h"
+#include "batten/io/cad/continuity.h"
+#include "batten/io/cad/step_face.h"
+#include "batten/io/lines/cad_lines.h"
+#include "batten/tests/catch.h"
+#include "batten/tests/io/cad/step_models.h"
+#include "batten/tests/reference.h"
+
+using namespace batten_test;
+namespace fs = std::filesystem;
+using Kind = EdgeContinuity::Kind;
+
+namespace {
+
+/// A vault of two regions: four sides and a ridge between, over which it is smooth; 20 long.
+MadeModel vault() {
+  const auto arch = [](const std::string& name, double y, double from, double to) {
+    return CharacterLine{name, curve_from_formula(from, to, [y](double x, int order) {
+                           const double k = 0.25, h = 3 + 0.05 * y;
+                           return order == 0   ? Vec3(x, y, h * std::cos(k * x))
+                                  : order == 1 ? Vec3(1, 0, -h * k * std::sin(k * x))
+                                               : Vec3(0, 0, -h * k * k * std::cos(k * x));
+                         })};
+  };
+  const auto along = [](const std::string& name, double x) {
+    return straight(name, {x, 0, 3 * std::cos(0.25 * x)}, {x, 12, 3.6 * std::cos(0.25 * x)});
+  };
+  return make_model({arch("front left", 0, -8, 1), arch("front right", 0, 1, 8),
+                     arch("back left", 12, -8, 1), arch("back right", 12, 1, 8), along("left", -8),
+                     along("ridge", 1), along("right", 8)});
+}
+
+StepReport written(const fs::path& file, const MadeModel& made, double tolerance,
+                   double join_deg = 0.1) {
+  StepFaceOptions options;
+  options.tolerance = tolerance;
+  options.join_deg = join_deg;
+  return write_step_faces(file, made.model.skinned(), 1e-3, options);
+}
+
+/// Largest distance of points of the surfaces from the nearest face of the file.
+double distance_from_file(const MadeModel& made, const fs::path& file) {
+  const auto faces = read_cad_surfaces(file, 1e-3);
+  double largest = 0;
+  size_t first = 0;
+  for (const SkinnedRegion* region : made.model.skinned())
+    for (const Location& where : tessellate(region->surface.mesh(), 3).points)
+      largest = std::max(largest, distance(faces, region->surface.position(where), first));
+  return largest;
+}
+
+}  // namespace
+
+TEST_CASE("two faces keep tolerance and tangent plane across a smooth join, at four tolerances") {
+  const MadeModel made = vault();
+  REQUIRE(made.model.skinned().size() == 2);
+  for (const double share : {1e-2, 1e-3, 1e-4, 1e-5}) {
+    INFO("tolerance " << share << " of the size");
+    const fs::path file = scratch("vault") / "vault.step";
+    const double tolerance = share * made.network.size();
+    const StepReport report = written(file, made, tolerance);
+    CHECK(report.valid);
+    CHECK(report.reached);
+    CHECK(report.faces == 2);
+    CHECK(*report.max_deviation <= tolerance);
+    CHECK(distance_from_file(made, file) <= tolerance);
+    REQUIRE(report.joins.size() == 1);
+    CHECK(report.joins[0].line == "ridge");
+    CHECK(report.joins[0].reached);
+    CHECK(report.max_join_deg <= 0.1);
+    // Another way to the same numbers: nearest points on the faces that are read.
+    const ContinuityReport edges = measure_continuity(file, 1e-3);
+    CHECK(edges.rims == 6);
+    CHECK(edges.count(Kind::Crease) == 0);
+    CHECK(edges.max_smooth_deg() <= 0.1);
+    CHECK(edges.max_smooth_deg() <= report.max_join_deg + 0.01);
+    REQUIRE(report.continuity);
+    CHECK(report.continuity->max_smooth_deg() == Approx(edges.max_smooth_deg()).epsilon(0.05));
+  }
+}
+
+TEST_CASE("creases stay creases and are no joins, and eleven regions are eleven faces") {
+  const MadeModel made = mouse(6, false);
+  const fs::path file = scratch("mouse_joins") / "mouse.step";
+  const StepReport report = written(file, made, 1e-3 * made.network.size());
+  CHECK(report.faces == 11);
+  CHECK(report.joins.size() == 9);
+  CHECK(report.max_join_deg <= 0.1);
+  REQUIRE(report.continuity);
+  CHECK(report.continuity->count(Kind::Crease) == 12);
+  CHECK(report.continuity->max_smooth_deg() <= 0.1);
+}
+
+TEST_CASE("an angle that cannot be reached is said to be missed, within the limits of poles") {
+  const MadeModel made = mouse(6, false);
+  const fs::path file = scratch("mouse_missed") / "mouse.step";
+  const double tolerance = 1e-3 * made.network.size();
+  const StepReport report = written(file, made, tolerance, 1e-6);
+  CHECK_FALSE(report.reached);
+  CHECK(*report.max_deviation <= tolerance);
+  int missed = 0;
+  for (const StepJoin& join : report.joins) {
+    CHECK(join.reached == (join.angle_deg <= 1e-6));
+    missed += !join.reached;
+  }
+  CHECK(missed > 0);
+  std::map<std::string, int> triangles;
+  for (const SkinnedRegion* region : made.model.skinned())
+    triangles[region->name] = region->surface.mesh().triangle_count();
+  for (const StepPatch& patch : report.patches) {
+    INFO(patch.region);
+    CHECK(patch.poles_u * patch.poles_v <= std::max(2000, 8 * triangles.at(patch.region)));
+  }
+  CHECK_THROWS_AS(written(file, made, tolerance, 0), InputError);
+}
