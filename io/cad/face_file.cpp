@@ -106,16 +106,21 @@ FittedFaces fitted_faces(const std::vector<const SkinnedRegion*>& regions, const
   return made;
 }
 
-StepReport refined(const FittedFaces& made, const std::function<StepReport()>& written) {
+StepReport refined(const FittedFaces& made, const StepFaceOptions& options,
+                   const std::function<StepReport()>& written) {
   StepReport report;
   constexpr int most_rounds = 6, most_for_angles = 2;
+  constexpr double far_off = 3;
   for (int round = 0; round < most_rounds; ++round) {
     report = written();
     bool again = false;
+    // Finer knots mend what lies between samples, not an angle that is the surface's own: a file that misses
+    // one of those is not made three times as large for the others.
+    const bool angles =
+        round < most_for_angles && report.max_join_deg <= far_off * options.join_deg;
     for (size_t k = 0; k < made.size(); ++k)
       if (const StepPatch& patch = report.patches[k]; !patch.reached || patch.join_deg > 0)
-        again =
-            made[k]->refine(patch.deviation, round < most_for_angles ? patch.join_deg : 0) || again;
+        again = made[k]->refine(patch.deviation, angles ? patch.join_deg : 0) || again;
     if (!again) break;
   }
   return report;

@@ -20,7 +20,8 @@ FittedFaces fitted_faces(const std::vector<const SkinnedRegion*>& regions, const
 /// Writes a file and measures it, and again with finer fits of the faces that miss the tolerance or
 /// an angle, as long as that helps: six times at most. `written` makes all faces, writes them and returns
 /// the report with patches in the order of `made`.
-StepReport refined(const FittedFaces& made, const std::function<StepReport()>& written);
+StepReport refined(const FittedFaces& made, const StepFaceOptions& options,
+                   const std::function<StepReport()>& written);
 
 /// Measures the `faces` of the file read back against the regions of `made`, on all threads, and
 /// adds the patches to the report. `rest` measures the rest of the report meanwhile.

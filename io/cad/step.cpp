@@ -99,7 +99,7 @@ class ModelFile {
 
   /// The report lacks the plan's warnings.
   StepReport write(const std::filesystem::path& path, OccSettings& occ) const {
-    return refined(fitted_, [&] {
+    return refined(fitted_, face_options_, [&] {
       const bool valid = save(path, occ);
       std::vector<TopoDS_Face> faces;
       StepReport report = measured_file(path, plan_.regions, faces);

@@ -58,7 +58,7 @@ StepReport write_step_faces(const std::filesystem::path& path,
   try {
     if (plan.joined) cut_lines(plan, plan.regions);
     const FittedFaces made = fitted_faces(plan.regions, plan, options);
-    StepReport report = refined(made, [&] {
+    StepReport report = refined(made, options, [&] {
       const TopoDS_Shape shape = save(file.temporary(), plan, made,
                                       reader_coincidence(model_unit_in_metres), options, occ);
       // The file read back would not tell of all that is wrong: readers repair silently.

@@ -226,7 +226,7 @@ SceneTarget read_target(const TomlTable& table, const std::filesystem::path& fol
   target.place = table.place("file");
   target.file = folder / table.text("file");
   if (table.has("unit")) target.unit = unit_word(table, "unit");
-  target.cage = table.choice<bool>("cage", {{"catmull-clark", true}, {"none", false}});
+  target.cage = table.choice("cage", false, {{"catmull-clark", true}, {"none", false}});
   target.tolerance = table.positive("tolerance", 0);
   if (skin.fair != SceneSkin::Fair::Bending || skin.hold != SceneSkin::Hold::Lines)
     table.fail("file", "a target beside [skin] fair or hold = \"corners\"",

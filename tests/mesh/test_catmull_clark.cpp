@@ -63,7 +63,7 @@ TEST_CASE("a regular part is a bicubic B-spline: cubics come back moved, planes 
   CHECK(plane.points.topRows(1).norm() < 1e-15);  // corners stay
 }
 
-TEST_CASE("a cube's limit is closed and round; sharp edges stay where they are") {
+TEST_CASE("a cube's limit is closed and round, and sharp edges stay where they are") {
   const PreparedMesh smooth = prepare(catmull_clark(cube(), {4}));
   for (const auto& edge : smooth.mesh.topology().edges())
     CHECK((edge.left >= 0 && edge.right >= 0));

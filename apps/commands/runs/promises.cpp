@@ -58,11 +58,6 @@ class Promises {
     const auto& step = *report.step;
     if (!step.valid) missed.push_back({"step.valid", "is false, promised true"});
     const double size = report.surface.size;
-    for (const auto& join : step.joins)
-      if (join.missed)
-        missed.push_back({"step.joins." + join.line + ".angle_deg",
-                          "is " + number(join.angle_deg) + ", promised at most " +
-                              number(StepFaceOptions{}.join_deg)});
     if (step.form == "face") {
       at_most("step.max_deviation", step.max_deviation, step.tolerance);
       if (lines) at_most("step.max_gap", step.max_gap, step.tolerance + on_line);

@@ -320,14 +320,6 @@ class SequenceRun {
 
 }  // namespace
 
-std::string SequenceTask::name_of(const std::filesystem::path& file) const {
-  if (!frames) return file.string();
-  std::filesystem::path name = file;
-  name.replace_filename(file.stem().string() + "_" + std::to_string(frames->first) + "-" +
-                        std::to_string(frames->second) + file.extension().string());
-  return name.string();
-}
-
 SequenceReport run_sequence(const SequenceScene& scene, const std::filesystem::path& folder,
                             const SequenceTask& task, const Progress& progress) {
   return SequenceRun(scene, folder, task, progress)();

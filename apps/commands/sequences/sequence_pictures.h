@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "batten/apps/commands/runs/run_parts.h"
-#include "batten/apps/commands/sequences/run_sequence.h"
+#include "batten/apps/commands/sequences/sequence_task.h"
 #include "batten/apps/commands/sequences/step_result.h"
 
 namespace batten {

@@ -14,6 +14,7 @@
 #include "batten/core/index.h"
 #include "batten/io/decks/calculix.h"
 #include "batten/io/files/length_units.h"
+#include "batten/io/files/text.h"
 #include "batten/io/lines/cad_calls.h"
 #include "batten/io/vtk/vtk_files.h"
 
@@ -195,6 +196,26 @@ StepReport face_step(Report& report, const Scene& scene,
   return step;
 }
 
+// Smooth joins whose faces meet at an angle in the file.
+void warn_of_joins(Report& report, const Scene& scene) {
+  const Report::Step& step = *report.step;
+  const Report::Step::Join* worst = nullptr;
+  long missed = 0;
+  for (const auto& join : step.joins) {
+    if (!join.missed) continue;
+    ++missed;
+    if (!worst || join.angle_deg > worst->angle_deg) worst = &join;
+  }
+  if (!worst) return;
+  report.warnings.push_back(scene.step + ": " + std::to_string(missed) + " of " +
+                            counted(count_of(step.joins), "smooth join") +
+                            (missed == 1 ? " meets" : " meet") + " at more than " +
+                            number(StepFaceOptions{}.join_deg) + " degrees in the file, '" +
+                            worst->line + "' at " + number(worst->angle_deg) +
+                            " (report.json has all; step_form = \"exact\" has the surfaces' own " +
+                            number(worst->surface_deg) + ")");
+}
+
 void write_step_into(Report& report, const Scene& scene, const MadeModel& made,
                      const Regions& regions, const OutputFolder& out) {
   using Form = Scene::StepForm;
@@ -236,6 +257,7 @@ void write_step_into(Report& report, const Scene& scene, const MadeModel& made,
   for (const StepJoin& join : step.joins)
     s.joins.push_back({join.line, join.regions, join.angle_deg, join.surface_deg, !join.reached});
   s.max_join_deg = step.max_join_deg;
+  warn_of_joins(report, scene);
   s.shells = step.shells;
   s.solids = step.solids;
   s.free_edges = step.free_edges;

@@ -143,7 +143,7 @@ RegionOptions surfaces(const std::vector<std::vector<std::string>>& loops) {
 
 TEST_CASE("the whole mouse is one solid on its flat side too, which Gmsh opens",
           "[step_cut][mouse]") {
-  const MadeModel made = mouse(8, false);
+  const MadeModel made = mouse(12, false);
   const fs::path file = file_of("mouse");
   const StepReport r = write_step(file, made.model.skinned(), kMm, {.name = "mouse"});
   expect_solid(r, made, 1e-6);
@@ -161,7 +161,7 @@ TEST_CASE("the whole mouse is one solid on its flat side too, which Gmsh opens",
 }
 
 TEST_CASE("a curved side that is cut keeps its tolerance, whatever that is", "[step_cut]") {
-  const MadeModel made = make_model(house(3), surfaces({{"base"}}), 5);
+  const MadeModel made = make_model(house(3), surfaces({{"base"}}), 7);
   const auto regions = made.model.skinned();
   REQUIRE(regions.size() == 9);
   REQUIRE(std::count_if(regions.begin(), regions.end(), is_cut) == 1);
@@ -212,7 +212,7 @@ TEST_CASE("a box with a hole through it is exact but for the two sides with the 
     word.loops = {outline, {hole}};
     words.words.push_back(word);
   }
-  const MadeModel made = make_model(lines, words, 2);
+  const MadeModel made = make_model(lines, words, 4);
   for (const ModelRegion& region : made.model.regions) {
     INFO(region.plan.name << ": " << region.why_not);
     REQUIRE(region.skinned);

@@ -118,7 +118,7 @@ SurfaceJet strip(const Vec2& p, int half_turns) {
 }  // namespace
 
 TEST_CASE("a box is one exact solid, and its creases are no jumps of normals", "[step_exact]") {
-  const MadeModel made = make_model(box({40, 30, 20}));
+  const MadeModel made = make_model(box({40, 30, 20}), {}, 12);
   const StepReport r = write_step(file_of("box"), made.model.skinned(), kMm, {.name = "box"});
   expect_solid(r, made, 2);
   CHECK(r.volume == Approx(24000.0).epsilon(1e-12));
@@ -130,7 +130,7 @@ TEST_CASE("rings hang together along closed lines that begin at different angles
   const MadeModel made =
       make_model({circle_line("a", 10, 0), circle_line("b", 10, 15, 1), circle_line("c", 6, 0, 2),
                   circle_line("d", 6, 15, 3)},
-                 region_words({{{"a"}, {"b"}}, {{"a"}, {"c"}}, {{"b"}, {"d"}}, {{"c"}, {"d"}}}), 4);
+                 region_words({{{"a"}, {"b"}}, {{"a"}, {"c"}}, {{"b"}, {"d"}}, {{"c"}, {"d"}}}), 6);
   for (const ModelRegion& region : made.model.regions) {
     INFO(region.plan.name << ": " << region.why_not);
     REQUIRE(region.skinned);
@@ -184,7 +184,7 @@ TEST_CASE("a region meets itself along a line, with an outside or without", "[st
 TEST_CASE("where three regions meet each is a shell of its own", "[step_exact]") {
   RegionOptions regions;
   regions.most_at_line = 3;
-  const MadeModel made = make_model(two_boxes(), regions);
+  const MadeModel made = make_model(two_boxes(), regions, 5);
   REQUIRE(made.model.regions.size() == 11);
   const StepReport r = write_step(file_of("two_boxes"), made.model.skinned(), kMm);
   CHECK(r.valid);
@@ -197,7 +197,7 @@ TEST_CASE("where three regions meet each is a shell of its own", "[step_exact]")
 }
 
 TEST_CASE("the mouse is one exact solid, which Gmsh opens", "[step_exact][mouse]") {
-  const MadeModel made = mouse(8, true);
+  const MadeModel made = mouse(12, true);
   REQUIRE(made.model.skinned().size() == 14);
   const fs::path file = file_of("mouse");
   expect_solid(write_step(file, made.model.skinned(), kMm, {.name = "mouse"}), made, 2);
