@@ -72,6 +72,10 @@ void add_iges_notes(CadConversion& c) {
 
 CadConversion to_cad(const fs::path& from, const fs::path& to, const CadConvertOptions& options) {
   CadWriteOptions how{cad_format(to), options.ap242, 1e-3, to.stem().string()};
+  if (how.format == CadFormat::Patches)
+    throw InputError(to.string() +
+                     ": sets of patches are only read, expected .step, .iges, .brep "
+                     "or .glb");
   std::string bytes = in_child(from, [&](const CadFile& cad) {
     how.unit_in_metres = unit_of(options, to, cad.header.unit_in_metres);
     return cad_text(cad.document, cad.shape, how);

@@ -29,6 +29,7 @@
 
 #include "batten/core/errors.h"
 #include "batten/io/cad/occ_settings.h"
+#include "batten/io/cad/patch_file.h"
 #include "batten/io/files/in_child.h"
 #include "batten/io/files/input_file.h"
 #include "batten/io/files/text.h"
@@ -203,6 +204,16 @@ void read_brep(const std::filesystem::path& file, CadFile& cad) {
   cad.labels.resize(static_cast<size_t>(cad.edges.Extent()));
 }
 
+void read_patch_set(const std::filesystem::path& file, CadFile& cad) {
+  const TopoDS_Shape shape = read_patches(file, input_bytes(file, "a set of patches"));
+  cad.found = "patches";
+  BRep_Builder().Add(cad.shape, shape);
+  XCAFDoc_DocumentTool::ShapeTool(cad.document->Main())->AddShape(shape, false);
+  cad.header = patches_header();
+  map_shapes(cad);
+  cad.labels.resize(static_cast<size_t>(cad.edges.Extent()));
+}
+
 // The shapes and labels of a file whose text was looked at.
 CadFile read_with_occ(const std::filesystem::path& file, CadFormat format) {
   OccSettings occ;
@@ -215,7 +226,8 @@ CadFile read_with_occ(const std::filesystem::path& file, CadFormat format) {
   try {
     format == CadFormat::Step   ? read_step(file, cad)
     : format == CadFormat::Iges ? read_iges(file, cad)
-                                : read_brep(file, cad);
+    : format == CadFormat::Brep ? read_brep(file, cad)
+                                : read_patch_set(file, cad);
   } catch (const Standard_Failure& failure) {
     throw InputError(file.string() +
                      ": OpenCASCADE failed to read it: " + failure.GetMessageString());

@@ -8,7 +8,7 @@
 namespace batten {
 
 /// The formats of CAD files.
-enum class CadFormat { Step, Iges, Brep };
+enum class CadFormat { Step, Iges, Brep, Patches };
 
 /// Endings of CAD files, with their dots.
 const std::vector<std::string>& cad_endings();

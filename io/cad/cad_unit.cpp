@@ -78,4 +78,11 @@ CadHeader brep_header() {
   return header;
 }
 
+CadHeader patches_header() {
+  CadHeader header;
+  header.format = CadFormat::Patches;
+  header.note = "sets of patches have no unit of length: taken as mm";
+  return header;
+}
+
 }  // namespace batten

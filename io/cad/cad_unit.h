@@ -28,5 +28,7 @@ CadHeader iges_header(const IGESData_IGESModel& model);
 
 /// BREP has no unit: programs take it for millimetres.
 CadHeader brep_header();
+/// Nor have sets of patches.
+CadHeader patches_header();
 
 }  // namespace batten

@@ -21,6 +21,7 @@ namespace {
 std::string format_words(const CadHeader& header) {
   if (header.format == CadFormat::Iges) return "IGES";
   if (header.format == CadFormat::Brep) return "BREP";
+  if (header.format == CadFormat::Patches) return "patches";
   const auto has = [&](const char* word) { return header.schema.find(word) != std::string::npos; };
   return has("AP242") || has("MANAGED_MODEL_BASED_3D") ? "STEP AP242"
          : has("AUTOMOTIVE_DESIGN")                    ? "STEP AP214"
