@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdlib>
 #include <sstream>
+#include <utility>
 
 #include "batten/core/errors.h"
 #include "batten/io/files/input_file.h"
@@ -146,6 +147,27 @@ void check_brep_text(const std::filesystem::path& file, const std::vector<std::s
                "; expected all: the file is cut short");
 }
 
+/// OpenCASCADE reads 'nan' as a number. Words in quotes are text, in IGES those between blanks, too.
+void refuse_not_finite(const std::filesystem::path& file, const std::vector<std::string>& lines,
+                       CadFormat format) {
+  const std::string between = format == CadFormat::Iges ? "(,);" : "(,); \t\r";
+  bool quoted = false;
+  for (size_t i = 0; i < lines.size(); ++i) {
+    std::string word;
+    for (const char c : lines[i] + between[0]) {
+      if (format == CadFormat::Step && c == '\'') quoted = !quoted;
+      if (between.find(c) == std::string::npos) {
+        word += c;
+        continue;
+      }
+      std::string letters = lower_case(std::exchange(word, {}));
+      if (!letters.empty() && (letters[0] == '-' || letters[0] == '+')) letters.erase(0, 1);
+      if (!quoted && (letters == "nan" || letters == "inf" || letters == "infinity"))
+        refuse(file, i + 1, "found '" + letters + "'; expected a finite number");
+    }
+  }
+}
+
 }  // namespace
 
 const std::vector<std::string>& cad_endings() {
@@ -167,6 +189,7 @@ CadFormat cad_format(const std::filesystem::path& file) {
 void check_cad_text(const std::filesystem::path& file, CadFormat format) {
   if (format == CadFormat::Patches) return;  // an XML reader sees what is cut short
   const auto lines = lines_of(file);
+  refuse_not_finite(file, lines, format);
   format == CadFormat::Iges   ? check_iges(file, lines)
   : format == CadFormat::Step ? check_step_text(file, lines)
                               : check_brep_text(file, lines);
