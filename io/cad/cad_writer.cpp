@@ -9,8 +9,6 @@
 #include <IGESData_GlobalSection.hxx>
 #include <IGESData_IGESEntity.hxx>
 #include <IGESData_IGESModel.hxx>
-#include <IGESData_IGESWriter.hxx>
-#include <IGESSelect_WorkLibrary.hxx>
 #include <STEPCAFControl_Writer.hxx>
 #include <TCollection_HAsciiString.hxx>
 #include <TDataStd_Name.hxx>
@@ -27,6 +25,7 @@
 
 #include "batten/core/errors.h"
 #include "batten/io/cad/cad_parts.h"
+#include "batten/io/cad/iges_text.h"
 #include "batten/io/cad/occ_settings.h"
 #include "batten/io/cad/step_text.h"
 
@@ -104,14 +103,9 @@ std::string iges_of(const Handle(TDocStd_Document) & document, const TopoDS_Shap
   header.SetSendName(text_of(options.name));
   header.SetFileName(text_of(options.name));
   writer.Model()->SetGlobalSection(header);
-  writer.ComputeModel();
-  IGESData_IGESWriter text(writer.Model());
-  text.FloatWriter().SetFormat("%#.17G");
-  text.FloatWriter().SetZeroSuppress(false);
-  text.SendModel(IGESSelect_WorkLibrary::DefineProtocol());
   std::ostringstream out;
   out.imbue(std::locale::classic());
-  if (!text.Print(out)) throw Error("OpenCASCADE cannot write IGES");
+  if (!print_iges(writer, out)) throw Error("OpenCASCADE cannot write IGES");
   return out.str();
 }
 

@@ -5,9 +5,7 @@
 #include <IGESBasic_Name.hxx>
 #include <IGESControl_Writer.hxx>
 #include <IGESData_IGESModel.hxx>
-#include <IGESData_IGESWriter.hxx>
 #include <IGESGeom_BSplineCurve.hxx>
-#include <IGESSelect_WorkLibrary.hxx>
 #include <STEPControl_Writer.hxx>
 #include <Standard_Failure.hxx>
 #include <StepData_StepModel.hxx>
@@ -27,6 +25,7 @@
 #include "batten/core/errors.h"
 #include "batten/core/index.h"
 #include "batten/fem/cubic_splines.h"
+#include "batten/io/cad/iges_text.h"
 #include "batten/io/cad/occ_settings.h"
 #include "batten/io/cad/step_text.h"
 #include "batten/io/files/whole_file.h"
@@ -139,14 +138,8 @@ void write_iges_curves(const fs::path& path, const std::vector<CubicSpline>& spl
   header.SetSendName(text_of(path.stem().string()));
   header.SetFileName(text_of(path.filename().string()));
   writer.Model()->SetGlobalSection(header);
-  writer.ComputeModel();
-  IGESData_IGESWriter text(writer.Model());
-  // As in STEP: digits that come back as the same numbers.
-  text.FloatWriter().SetFormat("%#.17G");
-  text.FloatWriter().SetZeroSuppress(false);
-  text.SendModel(IGESSelect_WorkLibrary::DefineProtocol());
   write_whole_file(path, [&](std::ostream& out) {
-    if (!text.Print(out)) throw Error(path.string() + ": OpenCASCADE cannot write it");
+    if (!print_iges(writer, out)) throw Error(path.string() + ": OpenCASCADE cannot write it");
   });
 }
 
