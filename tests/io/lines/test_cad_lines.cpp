@@ -257,7 +257,7 @@ TEST_CASE("A CAD file that is not whole is refused with the line where that show
   refused("a.step", "", "empty");
   refused("a.step", step.substr(0, step.size() / 2), "cut short");
   refused("a.step", step.substr(0, step.find("DATA;")) + "DATA;\nENDSEC;\nEND-ISO-10303-21;\n", "");
-  refused("a.dxf", "0\nSECTION\n", "expected .igs, .iges, .stp, .step, .brep or .brp");
+  refused("a.dxf", "0\nSECTION\n", "expected .igs, .iges, .stp, .step, .brep, .brp or .xml");
   CHECK_THROWS_WITH(read_cad_lines(folder / "none.igs", 1), Catch::Contains("no such file"));
   CHECK_THROWS_WITH(read_cad_lines(folder / "box.igs", 0), Catch::Contains("unit"));
 
