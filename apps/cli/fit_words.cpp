@@ -19,7 +19,7 @@ Scene scene_of(const FitWords& a) {
   scene.targets.front().tolerance = scene.step_tolerance = a.tolerance;
   scene.targets.front().cage = a.cage;
   scene.skin.options.edge_length = a.edge_length;
-  scene.network->tolerance = a.meet;
+  if (a.meet > 0) scene.network->tolerance = a.meet;
   return scene;
 }
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "batten/io/cad/cad_contents.h"
+#include "batten/mesh/curved_triangle.h"
 #include "batten/mesh/shell_mesh.h"
 
 namespace batten {
@@ -20,12 +21,14 @@ struct FacetGroup {
 /// for.
 struct CadFacets {
   ShellMesh mesh;  ///< triangles; normals outwards where the file's faces have them so
+  /// Where curved ones were asked for: the faces' unit normals at the corners of each triangle.
+  std::vector<CurvedTriangle::Corners> normals;
   std::vector<FacetGroup> groups;
   CadContents contents;  ///< of the file, in its own unit
   double unit_in_metres = 1e-3;
   double size = 0, chord = 0;
-  /// Largest distance found: of seven points of each triangle from its face's surface, and of three
-  /// points of an edge's curve from each chord along it.
+  /// Largest distance found: of seven points of each triangle, curved where these were asked for, from
+  /// its face's surface, and of three points of an edge's curve from each chord along it.
   double deviation = 0;
   int shells = 0;      ///< what hangs together by edges, in the file once its faces are sewn
   int free_edges = 0;  ///< edges of one triangle: along the rims of open shapes

@@ -50,10 +50,16 @@ void make_one(std::vector<CadPart>& parts) {
   parts = {all};
 }
 
-void mesh_faces(const TopoDS_Shape& shape, double deflection) {
+/// Largest distances of chords from edges, and of flat triangles from faces.
+struct Deflection {
+  double edges, faces;
+};
+
+void mesh_faces(const TopoDS_Shape& shape, const Deflection& deflection) {
   BRepTools::Clean(shape);
   IMeshTools_Parameters how;
-  how.Deflection = deflection;
+  how.Deflection = deflection.edges;
+  how.DeflectionInterior = deflection.faces;
   how.Angle = 0.5;
   BRepMesh_IncrementalMesh(shape, how);
 }
@@ -84,14 +90,16 @@ JoinedParts joined_parts(const CadFile& cad) {
   return result;
 }
 
-CadFacets mesh_parts(const std::vector<CadPart>& parts, double size, double chord) {
+CadFacets mesh_parts(const std::vector<CadPart>& parts, double size, double chord, bool curved) {
   const TopoDS_Compound all = together(parts);
   if (!(chord > 0)) chord = 1e-3 * size;
   CadFacets facets;
-  double deflection = chord, last = 0, best = 0;
+  // Flat triangles are off by h², curved ones by h⁴.
+  Deflection deflection = {chord, curved ? std::max(chord, 0.1 * std::sqrt(chord * size)) : chord};
+  Deflection last = deflection, best = deflection;
   for (int round = 0; round < 5; ++round) {
     mesh_faces(all, last = deflection);
-    CadFacets made = numbered_facets(parts, all);
+    CadFacets made = numbered_facets(parts, all, curved);
     const bool whole = made.unmeshed == 0 && made.cracks == 0;
     const bool better = round == 0 || worth(made) < worth(facets);
     const double deviation = made.deviation;
@@ -103,9 +111,11 @@ CadFacets mesh_parts(const std::vector<CadPart>& parts, double size, double chor
     if (whole && !better && round > 1) break;
     // Faces whose borders cross each other in the plane of parameters may do so no more when these
     // are finer.
-    deflection *= whole ? std::clamp(0.9 * chord / deviation, 0.1, 0.7) : 0.7;
+    const double finer = whole ? std::clamp(0.9 * chord / deviation, 0.1, 0.7) : 0.7;
+    deflection.edges *= std::max(finer, curved ? 0.7 : 0.1);
+    deflection.faces *= curved ? std::sqrt(finer) : finer;
   }
-  if (best != last) mesh_faces(all, best);
+  if (best.faces != last.faces) mesh_faces(all, best);
   facets.size = size;
   facets.chord = chord;
   return facets;

@@ -18,7 +18,8 @@ struct JoinedParts {
 JoinedParts joined_parts(const CadFile& cad);
 
 /// Meshes the parts, in millimetres, and leaves the triangulations on their shapes; `chord` 0: 1e-3
-/// of the size. The result lacks contents.
-CadFacets mesh_parts(const std::vector<CadPart>& parts, double size, double chord);
+/// of the size; `curved`: with normals. The result lacks contents.
+CadFacets mesh_parts(const std::vector<CadPart>& parts, double size, double chord,
+                     bool curved = false);
 
 }  // namespace batten

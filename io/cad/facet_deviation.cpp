@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 
 namespace batten {
 namespace {
@@ -22,6 +23,14 @@ struct Sheet {
 
   explicit Sheet(const TopoDS_Face& face) : surface(BRep_Tool::Surface(face)) {
     if (!surface.IsNull()) surface->Bounds(u0, u1, v0, v1);
+  }
+
+  /// Of unit length; zero where the surface is singular.
+  Vec3 normal(const Vec2& uv) const {
+    gp_Pnt at;
+    gp_Vec du, dv;
+    surface->D1(uv[0], uv[1], at, du, dv);
+    return from_occ(du.XYZ()).cross(from_occ(dv.XYZ())).normalized();
   }
 
   /// Distance from `p` to the surface near (u, v): Gauss-Newton steps, shorter and steeper ones
@@ -64,6 +73,22 @@ struct Sheet {
   }
 };
 
+/// The corners of a triangle.
+struct Facet {
+  std::array<Vec3, 3> point;
+  std::array<Vec2, 3> uv;
+
+  Facet(const Poly_Triangulation& mesh, int t, const std::vector<Vec3>& at) {
+    std::array<int, 3> n{};
+    mesh.Triangle(t).Get(n[0], n[1], n[2]);
+    for (size_t c = 0; c < 3; ++c) {
+      point[c] = at[static_cast<size_t>(n[c]) - 1];
+      uv[c].setZero();
+      if (mesh.HasUVNodes()) uv[c] = {mesh.UVNode(n[c]).X(), mesh.UVNode(n[c]).Y()};
+    }
+  }
+};
+
 /// Barycentric coordinates of the points that are looked at.
 constexpr std::array<std::array<double, 3>, 7> kPoints = {{{1 / 3.0, 1 / 3.0, 1 / 3.0},
                                                            {0.5, 0.5, 0},
@@ -75,31 +100,55 @@ constexpr std::array<std::array<double, 3>, 7> kPoints = {{{1 / 3.0, 1 / 3.0, 1 
 
 }  // namespace
 
+std::vector<CurvedTriangle::Corners> corner_normals(const TopoDS_Face& face,
+                                                    const Poly_Triangulation& mesh,
+                                                    const std::vector<Vec3>& at) {
+  constexpr double inwards = 1e-6;  // of the way to the triangle's middle
+  const Sheet sheet(face);
+  const bool known = !sheet.surface.IsNull() && mesh.HasUVNodes();
+  std::vector<CurvedTriangle::Corners> normals;
+  for (int t = 1; t <= mesh.NbTriangles(); ++t) {
+    const Facet facet(mesh, t, at);
+    const Vec3 flat =
+        (facet.point[1] - facet.point[0]).cross(facet.point[2] - facet.point[0]).normalized();
+    CurvedTriangle::Corners& corners = normals.emplace_back();
+    for (size_t c = 0; c < 3; ++c) {
+      Vec3 n = flat;
+      if (known) {
+        const Vec2 middle = (facet.uv[0] + facet.uv[1] + facet.uv[2]) / 3;
+        n = sheet.normal(facet.uv[c] + inwards * (middle - facet.uv[c]));
+        if (n.dot(flat) < 0) n = -n;
+        if (!(n.squaredNorm() > 0.5)) n = flat;
+      }
+      corners[c] = n;
+    }
+  }
+  return normals;
+}
+
 double surface_deviation(const TopoDS_Face& face, const Poly_Triangulation& mesh,
-                         const std::vector<Vec3>& at) {
+                         const std::vector<Vec3>& at,
+                         const std::vector<CurvedTriangle::Corners>& normals) {
   const Sheet sheet(face);
   if (sheet.surface.IsNull() || !mesh.HasUVNodes()) return 0;
   if (GeomAdaptor_Surface(sheet.surface).GetType() == GeomAbs_Plane) return 0;
   double largest = 0;
   for (int t = 1; t <= mesh.NbTriangles(); ++t) {
-    std::array<int, 3> n{};
-    mesh.Triangle(t).Get(n[0], n[1], n[2]);
-    std::array<Vec2, 3> corner;
-    for (size_t c = 0; c < 3; ++c) {
-      const gp_Pnt2d uv = mesh.UVNode(n[c]);
-      corner[c] = {uv.X(), uv.Y()};
-    }
+    const Facet facet(mesh, t, at);
+    std::optional<CurvedTriangle> curved;
+    if (!normals.empty()) curved.emplace(facet.point, normals[static_cast<size_t>(t) - 1]);
     for (const auto& w : kPoints) {
       Vec3 p = Vec3::Zero();
       Vec2 uv = Vec2::Zero();
       for (size_t c = 0; c < 3; ++c) {
-        p += w[c] * at[static_cast<size_t>(n[c]) - 1];
-        uv += w[c] * corner[c];
+        p += w[c] * facet.point[c];
+        uv += w[c] * facet.uv[c];
       }
+      if (curved) p = curved->at({w[0], w[1], w[2]});
       double distance = sheet.distance(uv, p);
       // A search may end where the surface comes near only there: corners lead elsewhere.
       for (size_t c = 0; c < 3 && distance > largest; ++c)
-        distance = std::min(distance, sheet.distance(corner[c], p));
+        distance = std::min(distance, sheet.distance(facet.uv[c], p));
       largest = std::max(largest, distance);
     }
   }

@@ -36,7 +36,7 @@ Link link(int a, int b) { return {std::min(a, b), std::max(a, b)}; }
 
 class Numbering {
  public:
-  explicit Numbering(const TopoDS_Shape& shape) {
+  Numbering(const TopoDS_Shape& shape, bool curved) : curved_(curved) {
     TopExp::MapShapes(shape, TopAbs_EDGE, edges_);
     TopExp::MapShapes(shape, TopAbs_VERTEX, vertices_);
     of_edge_.resize(static_cast<size_t>(edges_.Extent()));
@@ -64,16 +64,23 @@ class Numbering {
       mesh->SetNode(static_cast<int>(i) + 1,
                     gp_Pnt(at[i].x(), at[i].y(), at[i].z()).Transformed(move.Inverted()));
     }
+    std::vector<CurvedTriangle::Corners> normals;
+    if (curved_) normals = corner_normals(face, *mesh, at);
     const bool flip = (face.Orientation() == TopAbs_REVERSED) != move.IsNegative();
     for (int t = 1; t <= mesh->NbTriangles(); ++t) {
       std::array<int, 3> corner{};
       mesh->Triangle(t).Get(corner[0], corner[1], corner[2]);
       for (int& c : corner) c = ids[static_cast<size_t>(c) - 1];
       if (flip) std::swap(corner[1], corner[2]);
+      if (curved_) {
+        const auto& [a, b, c] = normals[static_cast<size_t>(t) - 1];
+        normals_.push_back(flip ? CurvedTriangle::Corners{-a, -c, -b}
+                                : CurvedTriangle::Corners{a, b, c});
+      }
       triangles_.push_back(corner);
       faces_.push_back(face_count_);
     }
-    deviation_ = std::max(deviation_, surface_deviation(face, *mesh, at));
+    deviation_ = std::max(deviation_, surface_deviation(face, *mesh, at, normals));
     ++face_count_;
     return true;
   }
@@ -102,6 +109,7 @@ class Numbering {
       if (corner[0] == corner[1] || corner[1] == corner[2] || corner[2] == corner[0]) continue;
       for (int& c : corner) c = numbered(c);
       facets.mesh.add_face(corner);
+      if (curved_) facets.normals.push_back(normals_[t]);
       faces.push_back(faces_[t]);
     }
     facets.mesh.points.resize(count_of(used), 3);
@@ -186,16 +194,19 @@ class Numbering {
   std::vector<int> of_vertex_;
   std::vector<Vec3> points_;
   std::vector<std::array<int, 3>> triangles_;
+  std::vector<CurvedTriangle::Corners> normals_;
   std::vector<int> faces_, rims_;
   std::vector<std::pair<int, int>> equal_;  // nodes in one place
+  bool curved_;
   int face_count_ = 0;
   double deviation_ = 0;
 };
 
 }  // namespace
 
-CadFacets numbered_facets(const std::vector<CadPart>& parts, const TopoDS_Shape& shape) {
-  Numbering numbering(shape);
+CadFacets numbered_facets(const std::vector<CadPart>& parts, const TopoDS_Shape& shape,
+                          bool curved) {
+  Numbering numbering(shape, curved);
   std::map<std::pair<std::string, std::string>, int> known;
   std::vector<FacetGroup> groups;
   std::vector<int> group_of_face;

@@ -12,7 +12,8 @@ namespace batten {
 
 /// The triangles on the faces of `parts`, which are those of `shape`, as one mesh in millimetres:
 /// triangles without area at poles are left out. Nodes on common edges come to one place in the
-/// triangulations too. Sets all numbers but size, chord and contents.
-CadFacets numbered_facets(const std::vector<CadPart>& parts, const TopoDS_Shape& shape);
+/// triangulations too. `curved`: with normals. Sets all numbers but size, chord and contents.
+CadFacets numbered_facets(const std::vector<CadPart>& parts, const TopoDS_Shape& shape,
+                          bool curved);
 
 }  // namespace batten

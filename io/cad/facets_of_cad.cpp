@@ -78,6 +78,10 @@ std::string to_bytes(const CadFacets& f) {
   out.add(corners.data(), corners.size()).put(f.groups.size());
   for (const FacetGroup& group : f.groups)
     out.add(group.name).add(group.colour).add(group.triangles.data(), group.triangles.size());
+  std::vector<double> normals;
+  for (const auto& triple : f.normals)
+    for (const Vec3& n : triple) normals.insert(normals.end(), {n[0], n[1], n[2]});
+  out.add(normals.data(), normals.size());
   out.put(f.size).put(f.chord).put(f.deviation);
   out.put(f.shells).put(f.free_edges).put(f.cracks).put(f.unmeshed);
   return out.take();
@@ -98,6 +102,11 @@ CadFacets from_bytes(const std::string& bytes) {
     group.colour = in.text();
     group.triangles = in.list<int>();
   }
+  const auto normals = in.list<double>();
+  for (size_t t = 0; t + 8 < normals.size(); t += 9) {
+    const Eigen::Map<const Mat3> n(normals.data() + t);
+    f.normals.push_back({n.col(0), n.col(1), n.col(2)});
+  }
   for (double* number : {&f.size, &f.chord, &f.deviation}) *number = in.get<double>();
   for (int* number : {&f.shells, &f.free_edges, &f.cracks, &f.unmeshed}) *number = in.get<int>();
   return f;
@@ -109,7 +118,8 @@ void scale(CadFacets& f, double factor) {
 }
 
 /// In millimetres.
-CadFacets facets_of_file(const std::filesystem::path& file, const CadFile& cad, double chord) {
+CadFacets facets_of_file(const std::filesystem::path& file, const CadFile& cad, double chord,
+                         bool curved) {
   const JoinedParts joined = joined_parts(cad);
   int faces = 0;
   for (const CadPart& part : joined.parts) faces += count_of(part.faces);
@@ -120,7 +130,7 @@ CadFacets facets_of_file(const std::filesystem::path& file, const CadFile& cad, 
     throw InputError(file.string() + ": found a chord of " + number(chord) +
                      " mm, expected 1e-7 of the size or more: " + number(1e-7 * joined.size) +
                      " mm");
-  CadFacets facets = mesh_parts(joined.parts, joined.size, chord);
+  CadFacets facets = mesh_parts(joined.parts, joined.size, chord, curved);
   facets.contents = contents_of(cad);
   return facets;
 }
@@ -136,7 +146,7 @@ CadFacets facets_of_cad(const std::filesystem::path& file, const CadFacetOptions
         const double unit =
             options.unit_in_metres > 0 ? options.unit_in_metres : cad.header.unit_in_metres;
         try {
-          return to_bytes(facets_of_file(file, cad, options.chord * unit / 1e-3));
+          return to_bytes(facets_of_file(file, cad, options.chord * unit / 1e-3, options.curved));
         } catch (const Standard_Failure& failure) {
           throw InputError(file.string() +
                            ": OpenCASCADE cannot mesh it: " + failure.GetMessageString());

@@ -10,6 +10,8 @@ namespace batten {
 struct CadFacetOptions {
   double unit_in_metres = 0;  ///< of the mesh; 0: the file's own
   double chord = 0;           ///< largest distance from the faces, that unit; 0: 1e-3 of the size
+  /// Triangles that bulge as CurvedTriangle says: far fewer keep the chord, but chords along edges are straight.
+  bool curved = false;
 };
 
 /// Reads a STEP, IGES or BREP file and meshes its faces. Faces that share an edge share its nodes;

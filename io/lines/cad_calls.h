@@ -9,6 +9,7 @@
 #include "batten/io/cad/step.h"
 #include "batten/io/cad/step_face.h"
 #include "batten/io/lines/cad_lines.h"
+#include "batten/io/lines/cad_loops.h"
 #include "batten/io/lines/curve_cad.h"
 
 namespace batten {
@@ -21,6 +22,7 @@ struct CadCalls {
   decltype(&batten::measure_continuity) measure_continuity;
   decltype(&batten::read_cad_lines) read_cad_lines;
   decltype(&batten::read_cad_surfaces) read_cad_surfaces;
+  decltype(&batten::read_cad_loops) read_cad_loops;
   decltype(&batten::write_cad_curves) write_cad_curves;
   decltype(&batten::read_cad_contents) read_cad_contents;
   decltype(&batten::convert_cad) convert_cad;

@@ -1,7 +1,6 @@
 #include "batten/io/lines/cad_lines.h"
 
 #include <BRepBndLib.hxx>
-#include <BRepLib.hxx>
 #include <BRepTools.hxx>
 #include <BRepTopAdaptor_FClass2d.hxx>
 #include <BRep_Tool.hxx>
@@ -21,11 +20,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <set>
 
 #include "batten/core/box.h"
 #include "batten/core/errors.h"
-#include "batten/io/cad/cad_file.h"
+#include "batten/io/lines/cad_edges.h"
 
 namespace batten {
 namespace {
@@ -114,25 +112,6 @@ class CadCurve : public InputCurve {
   bool cubic_ = false;
 };
 
-/// The edge's curve where it lies in space, or null for an edge without length.
-Handle(Geom_Curve) curve_of(const TopoDS_Edge& edge, double& start, double& end) {
-  if (BRep_Tool::Degenerated(edge)) return {};
-  Handle(Geom_Curve) curve = BRep_Tool::Curve(edge, start, end);
-  if (curve.IsNull()) {
-    // An edge that is stored as a parameter curve only.
-    if (!BRepLib::BuildCurve3d(edge)) return {};
-    curve = BRep_Tool::Curve(edge, start, end);
-  }
-  if (curve.IsNull() || !(end > start)) return {};
-  constexpr int samples = 16;
-  const gp_Pnt first = curve->Value(start);
-  double reach = 0;
-  for (int i = 1; i <= samples; ++i)
-    reach = std::max(reach, first.Distance(curve->Value(start + (end - start) * i / samples)));
-  if (reach <= 1e-12 * (1 + first.XYZ().Modulus())) return {};
-  return curve;
-}
-
 }  // namespace
 
 std::vector<CharacterLine> read_cad_lines(const std::filesystem::path& file,
@@ -140,16 +119,13 @@ std::vector<CharacterLine> read_cad_lines(const std::filesystem::path& file,
   const double scale = scale_to(model_unit_in_metres);
   const CadFile cad = read_cad(file);
   std::vector<CharacterLine> lines;
-  std::set<std::string> names;
+  const std::vector<std::string> names = edge_names(cad);
   for (int e = 1; e <= cad.edges.Extent(); ++e) {
+    if (names[e - 1].empty()) continue;
     double start, end;
     const Handle(Geom_Curve) curve = curve_of(TopoDS::Edge(cad.edges(e)), start, end);
-    if (curve.IsNull()) continue;
-    const std::string& label = cad.labels[e - 1];
-    std::string name = label.empty() ? "edge" + std::to_string(lines.size() + 1) : label;
-    for (int n = 2; !names.insert(name).second; ++n) name = label + "_" + std::to_string(n);
-    lines.push_back(
-        {name, std::make_shared<CadCurve>(curve, start, end, scale), CharacterLine::Role::Outline});
+    lines.push_back({names[e - 1], std::make_shared<CadCurve>(curve, start, end, scale),
+                     CharacterLine::Role::Outline});
   }
   if (lines.empty())
     throw InputError(file.string() + ": found " + cad.found +

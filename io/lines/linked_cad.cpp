@@ -5,8 +5,9 @@ namespace batten {
 const CadCalls& linked_cad() {
   static const CadCalls calls{&write_step,        &write_step_faces,   &step_size_warning,
                               &check_step,        &measure_continuity, &read_cad_lines,
-                              &read_cad_surfaces, &write_cad_curves,   &read_cad_contents,
-                              &convert_cad,       &facets_of_cad,      &distance};
+                              &read_cad_surfaces, &read_cad_loops,     &write_cad_curves,
+                              &read_cad_contents, &convert_cad,        &facets_of_cad,
+                              &distance};
   return calls;
 }
 

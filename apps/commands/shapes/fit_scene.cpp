@@ -5,6 +5,8 @@
 
 #include "batten/apps/commands/shapes/run_scene.h"
 #include "batten/core/errors.h"
+#include "batten/io/files/length_units.h"
+#include "batten/io/lines/cad_calls.h"
 #include "batten/io/meshes/mesh_file.h"
 #include "batten/mesh/features/feature_lines.h"
 #include "batten/mesh/prepare.h"
@@ -54,6 +56,33 @@ void add_mesh_lines(Scene& scene, const TriangleMesh& mesh) {
     }
 }
 
+namespace {
+
+constexpr double kMeet = 1e-5;  // of the size: exact lines need no repair
+
+/// What each face of a CAD file encloses; a face around which a line runs twice is left to the search.
+void add_cad_regions(Scene& scene, const std::filesystem::path& file) {
+  const CadFaceLoops found = cad_calls().read_cad_loops(file, unit_in_metres(scene.unit));
+  constexpr double straight = 1;  // degrees: edges that turn by more have a corner
+  scene.network->tolerance = kMeet * found.size;
+  scene.network->straight_angle = straight;
+  for (const CadLoops& face : found.faces) {
+    RegionWord word;
+    std::set<std::string> used;
+    bool once = !face.loops.empty();
+    for (const auto& loop : face.loops)
+      for (const std::string& line : loop) once = once && used.insert(line).second;
+    if (!once) continue;
+    word.name = face.name;
+    word.loops = face.loops;
+    word.inner = face.inner;
+    word.ring = face.ring();
+    scene.network->regions.push_back(std::move(word));
+  }
+}
+
+}  // namespace
+
 Scene scene_of_target(const std::filesystem::path& target,
                       const std::vector<std::filesystem::path>& lines, const std::string& unit) {
   const bool mesh = MeshFile::reads(target);
@@ -61,9 +90,12 @@ Scene scene_of_target(const std::filesystem::path& target,
   if (lines.empty() && mesh) {
     scene.unit = unit;
     scene.network.emplace();
-    add_mesh_lines(scene, prepare(MeshFile::read(target).shells()).mesh);
+    const TriangleMesh surface = prepare(MeshFile::read(target).shells()).mesh;
+    add_mesh_lines(scene, surface);
+    scene.network->tolerance = kMeet * surface.size();
   } else {
     scene = scene_of_network(lines.empty() ? std::vector{target} : lines, unit);
+    if (lines.empty()) add_cad_regions(scene, target);
   }
   scene.network->fair_trembling = false;  // the lines are the target's own
   scene.name = target.stem().string();

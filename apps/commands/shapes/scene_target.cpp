@@ -8,58 +8,58 @@
 #include "batten/io/lines/cad_calls.h"
 #include "batten/io/meshes/mesh_file.h"
 #include "batten/mesh/catmull_clark.h"
+#include "batten/mesh/curved_mesh.h"
 #include "batten/mesh/prepare.h"
-#include "batten/mesh/surface_search.h"
 
 namespace batten {
 namespace {
 
 class MeshTarget : public TargetSurface {
  public:
-  explicit MeshTarget(TriangleMesh mesh) : mesh_(std::move(mesh)), search_(mesh_) {}
+  explicit MeshTarget(CurvedMesh mesh) : mesh_(std::move(mesh)) {}
 
   std::optional<Nearest> nearest(const Vec3& p, const Vec3& along) const override {
     const auto found =
-        search_.nearest(p, along.isZero(0) ? std::optional<Vec3>() : std::optional<Vec3>(along));
+        mesh_.nearest(p, along.isZero(0) ? std::optional<Vec3>() : std::optional<Vec3>(along));
     if (!found) return {};
-    return Nearest{found->at, mesh_.area_vector(found->triangle).normalized(),
-                   is_at_rim(found->triangle, found->weights)};
+    return Nearest{found->at, found->normal, found->at_rim};
   }
 
   std::vector<Nearest> samples() const override {
     constexpr double spacing = 0.01;  // of the size
     constexpr int most = 64;
-    const double step = spacing * mesh_.size();
+    const TriangleMesh& flat = mesh_.mesh();
+    const double step = spacing * flat.size();
     std::vector<Nearest> points;
-    for (const auto& [a, b, c] : mesh_.triangles()) {
-      const Vec3 p = mesh_.point(a), u = mesh_.point(b) - p, v = mesh_.point(c) - p;
+    for (int t = 0; t < flat.triangle_count(); ++t) {
+      const auto& [a, b, c] = flat.triangles()[t];
+      const Vec3 u = flat.point(b) - flat.point(a), v = flat.point(c) - flat.point(a);
       const double longest = std::max({u.norm(), v.norm(), (v - u).norm()});
       const Vec3 normal = u.cross(v).normalized();
+      const CurvedTriangle triangle = mesh_.triangle(t);
       const int n = std::clamp(static_cast<int>(std::ceil(longest / step)), 1, most);
       for (int i = 0; i < n; ++i)
-        for (int j = 0; i + j < n; ++j)
-          points.push_back({p + ((i + 1.0 / 3) * u + (j + 1.0 / 3) * v) / n, normal, false});
+        for (int j = 0; i + j < n; ++j) {
+          const double s = (i + 1.0 / 3) / n, r = (j + 1.0 / 3) / n;
+          points.push_back({triangle.at({1 - s - r, s, r}), normal, false});
+        }
     }
     return points;
   }
 
  private:
-  bool is_at_rim(int triangle, const Vec3& weights) const {
-    constexpr double hair = 1e-9;
-    const MeshTopology& topology = mesh_.topology();
-    for (int corner = 0; corner < 3; ++corner)
-      if (weights[corner] < hair) {
-        const auto& edge = topology.edges()[topology.edges_of(triangle)[corner]];
-        if (edge.left < 0 || edge.right < 0) return true;
-      }
-    return false;
-  }
-
-  TriangleMesh mesh_;
-  SurfaceSearch search_;
+  CurvedMesh mesh_;
 };
 
-void append(ShellMesh& all, const ShellMesh& more, double scale) {
+/// Faces of all targets; of those that bulge the normals at their corners.
+struct TargetFaces {
+  ShellMesh shells;
+  std::vector<std::optional<CurvedTriangle::Corners>> normals;
+};
+
+void append(TargetFaces& faces, const ShellMesh& more, double scale,
+            const std::vector<CurvedTriangle::Corners>& normals = {}) {
+  ShellMesh& all = faces.shells;
   const int first = all.node_count();
   Points points(first + more.node_count(), 3);
   points << all.points, scale * more.points;
@@ -68,6 +68,8 @@ void append(ShellMesh& all, const ShellMesh& more, double scale) {
     std::vector<int> nodes(more.face(f).begin(), more.face(f).end());
     for (int& node : nodes) node += first;
     all.add_face(nodes, more.second_order(f));
+    faces.normals.emplace_back();
+    if (!normals.empty()) faces.normals.back() = normals[f];
   }
 }
 
@@ -91,7 +93,31 @@ ShellMesh limit_of(const ShellMesh& cage, double chord) {
   return fine;
 }
 
-void append_target(ShellMesh& all, const Scene& scene, const SceneTarget& target, double chord) {
+/// The normals of curved faces at the corners of the triangles that they became.
+CurvedMesh curved_mesh(const TargetFaces& faces) {
+  const PreparedMesh prepared = prepare(faces.shells);
+  if (std::none_of(faces.normals.begin(), faces.normals.end(), [](const auto& n) { return !!n; }))
+    return CurvedMesh(prepared.mesh);
+  std::vector<CurvedTriangle::Corners> normals;
+  for (int t = 0; t < prepared.mesh.triangle_count(); ++t) {
+    const Vec3 flat = prepared.mesh.area_vector(t).normalized();
+    const int f = prepared.face_of_triangle[t];
+    CurvedTriangle::Corners& corners =
+        normals.emplace_back(CurvedTriangle::Corners{flat, flat, flat});
+    if (!faces.normals[f]) continue;
+    for (size_t c = 0; c < 3; ++c) {
+      const int node = prepared.mesh.topology().node_of(prepared.mesh.triangles()[t][c]);
+      for (size_t k = 0; k < 3; ++k) {
+        if (faces.shells.face(f)[k] != node) continue;
+        const Vec3& n = (*faces.normals[f])[k];
+        corners[c] = n.dot(flat) < 0 ? Vec3(-n) : n;
+      }
+    }
+  }
+  return CurvedMesh(prepared.mesh, std::move(normals));
+}
+
+void append_target(TargetFaces& all, const Scene& scene, const SceneTarget& target, double chord) {
   const double unit = unit_in_metres(scene.unit);
   if (MeshFile::reads(target.file)) {
     const double own = target.unit.empty() ? unit : unit_in_metres(target.unit);
@@ -106,15 +132,12 @@ void append_target(ShellMesh& all, const Scene& scene, const SceneTarget& target
   CadFacetOptions options;
   options.unit_in_metres = unit;
   options.chord = chord;
+  options.curved = true;
   const CadFacets facets = cad_calls().facets_of_cad(target.file, options);
-  append(all, facets.mesh, 1);
+  append(all, facets.mesh, 1, facets.normals);
 }
 
 }  // namespace
-
-std::shared_ptr<const TargetSurface> mesh_target(TriangleMesh mesh) {
-  return std::make_shared<MeshTarget>(std::move(mesh));
-}
 
 double target_tolerance(const Scene& scene, double size) {
   double least = 0;
@@ -129,8 +152,8 @@ std::shared_ptr<const TargetSurface> target_of(const Scene& scene, double size,
                                                const Progress& progress) {
   constexpr double share = 0.25;  // of the tolerance
   const double chord = share * target_tolerance(scene, size);
-  ShellMesh all;
-  all.points.resize(0, 3);
+  TargetFaces all;
+  all.shells.points.resize(0, 3);
   for (const SceneTarget& target : scene.targets) {
     progress.at("read the target", 0);
     try {
@@ -140,7 +163,7 @@ std::shared_ptr<const TargetSurface> target_of(const Scene& scene, double size,
     }
   }
   try {
-    return mesh_target(prepare(all).mesh);
+    return std::make_shared<MeshTarget>(curved_mesh(all));
   } catch (const InputError& e) {
     throw InputError(scene.at(scene.targets.front().place) + e.what());
   }

@@ -1,0 +1,87 @@
+#include "batten/io/lines/cad_loops.h"
+
+#include <BRepBndLib.hxx>
+#include <BRepTools.hxx>
+#include <BRep_Tool.hxx>
+#include <Bnd_Box.hxx>
+#include <TopExp.hxx>
+#include <TopExp_Explorer.hxx>
+#include <TopTools_IndexedMapOfShape.hxx>
+#include <TopoDS.hxx>
+#include <TopoDS_Edge.hxx>
+#include <TopoDS_Face.hxx>
+#include <TopoDS_Vertex.hxx>
+#include <TopoDS_Wire.hxx>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "batten/core/groups.h"
+#include "batten/io/lines/cad_edges.h"
+
+namespace batten {
+namespace {
+
+/// The edges of a wire, those without length and seams left out, as chains that hang together.
+std::vector<std::vector<int>> chains_of(const TopoDS_Wire& wire, const TopoDS_Face& face,
+                                        const CadFile& cad, const std::vector<std::string>& names,
+                                        std::set<int>& seams) {
+  std::vector<int> edges;
+  TopTools_IndexedMapOfShape vertices;
+  std::vector<std::pair<int, int>> ends;
+  for (TopExp_Explorer e(wire, TopAbs_EDGE); e.More(); e.Next()) {
+    const TopoDS_Edge edge = TopoDS::Edge(e.Current());
+    const int index = cad.edges.FindIndex(edge) - 1;
+    if (index < 0 || names[index].empty()) continue;
+    if (BRep_Tool::IsClosed(edge, face)) {
+      seams.insert(index);
+      continue;
+    }
+    edges.push_back(index);
+    ends.emplace_back(vertices.Add(TopExp::FirstVertex(edge)) - 1,
+                      vertices.Add(TopExp::LastVertex(edge)) - 1);
+  }
+  Groups together(static_cast<size_t>(vertices.Extent()));
+  for (const auto& [a, b] : ends) together.join(a, b);
+  std::map<int, std::vector<int>> chains;
+  for (size_t i = 0; i < edges.size(); ++i) chains[together.of(ends[i].first)].push_back(edges[i]);
+  std::vector<std::vector<int>> result;
+  for (auto& [group, chain] : chains) result.push_back(std::move(chain));
+  return result;
+}
+
+CadLoops loops_of(const TopoDS_Face& face, const CadFile& cad,
+                  const std::vector<std::string>& names) {
+  CadLoops result;
+  const TopoDS_Wire outer = BRepTools::OuterWire(face);
+  std::set<int> seams;
+  for (TopExp_Explorer w(face, TopAbs_WIRE); w.More(); w.Next()) {
+    const TopoDS_Wire wire = TopoDS::Wire(w.Current());
+    for (const auto& chain : chains_of(wire, face, cad, names, seams)) {
+      std::vector<std::string> loop;
+      for (const int e : chain) loop.push_back(names[e]);
+      result.loops.insert(wire.IsSame(outer) ? result.loops.begin() : result.loops.end(),
+                          std::move(loop));
+    }
+  }
+  for (const int e : seams) result.inner.push_back(names[e]);
+  return result;
+}
+
+}  // namespace
+
+CadFaceLoops read_cad_loops(const std::filesystem::path& file, double model_unit_in_metres) {
+  const CadFile cad = read_cad(file);
+  const std::vector<std::string> names = edge_names(cad);
+  CadFaceLoops result;
+  Bnd_Box box;
+  for (int f = 1; f <= cad.faces.Extent(); ++f) {
+    result.faces.push_back(loops_of(TopoDS::Face(cad.faces(f)), cad, names));
+    result.faces.back().name = "face " + std::to_string(f);
+  }
+  for (int e = 1; e <= cad.edges.Extent(); ++e) BRepBndLib::Add(cad.edges(e), box, false);
+  if (!box.IsVoid()) result.size = 1e-3 / model_unit_in_metres * std::sqrt(box.SquareExtent());
+  return result;
+}
+
+}  // namespace batten

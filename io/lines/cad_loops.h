@@ -1,0 +1,29 @@
+// The loops of lines around the faces of CAD files.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace batten {
+
+/// The lines around a face, by the names that read_cad_lines() gives them.
+struct CadLoops {
+  std::string name;                             ///< "face 1" … by its place in the file
+  std::vector<std::vector<std::string>> loops;  ///< the outer one first
+  std::vector<std::string> inner;               ///< lines on which a face meets itself: seams
+  bool ring() const { return !inner.empty() && loops.size() == 2; }  ///< a tube's two rims
+};
+
+/// All faces of a file, in its order.
+struct CadFaceLoops {
+  std::vector<CadLoops> faces;
+  double size = 0;  ///< diagonal of the box around their lines, model units
+};
+
+/// The loops of all faces of a file. A closed face (a sphere, a torus) has none. Where faces
+/// that meet have edges of their own, as trimmed surfaces of IGES files do, the loops have different lines in
+/// one place. Throws InputError as read_cad_lines() does of files and entities.
+CadFaceLoops read_cad_loops(const std::filesystem::path& file, double model_unit_in_metres);
+
+}  // namespace batten
