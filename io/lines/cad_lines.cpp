@@ -23,6 +23,7 @@
 
 #include "batten/core/box.h"
 #include "batten/core/errors.h"
+#include "batten/io/lines/cad_creases.h"
 #include "batten/io/lines/cad_edges.h"
 
 namespace batten {
@@ -117,7 +118,8 @@ class CadCurve : public InputCurve {
 std::vector<CharacterLine> read_cad_lines(const std::filesystem::path& file,
                                           double model_unit_in_metres) {
   const double scale = scale_to(model_unit_in_metres);
-  const CadFile cad = read_cad(file);
+  CadFile cad = read_cad(file);
+  divide_at_creases(cad);
   std::vector<CharacterLine> lines;
   const std::vector<std::string> names = edge_names(cad);
   for (int e = 1; e <= cad.edges.Extent(); ++e) {

@@ -10,7 +10,8 @@
 namespace batten {
 
 /// Reads every curve of an IGES (.igs, .iges), STEP (.stp, .step) or BREP (.brep, .brp; in mm)
-/// file: the edges of its shapes (an edge that faces share once) and the curves that stand alone.
+/// file: the edges of its shapes (an edge that faces share once), the creases inside of its faces, and the
+/// curves that stand alone.
 /// Coordinates are converted from the unit that the file declares into the model's. Curves in the
 /// parameter plane of a face and edges without length are left out.
 ///

@@ -12,11 +12,13 @@
 #include <TopoDS_Face.hxx>
 #include <TopoDS_Vertex.hxx>
 #include <TopoDS_Wire.hxx>
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <set>
 
 #include "batten/core/groups.h"
+#include "batten/io/lines/cad_creases.h"
 #include "batten/io/lines/cad_edges.h"
 
 namespace batten {
@@ -68,10 +70,33 @@ CadLoops loops_of(const TopoDS_Face& face, const CadFile& cad,
   return result;
 }
 
+/// Between the ends of curves at a common vertex.
+double largest_gap(const CadFile& cad) {
+  TopTools_IndexedMapOfShape vertices;
+  TopExp::MapShapes(cad.shape, TopAbs_VERTEX, vertices);
+  std::vector<std::vector<gp_Pnt>> ends(static_cast<size_t>(vertices.Extent()) + 1);
+  for (int e = 1; e <= cad.edges.Extent(); ++e) {
+    const TopoDS_Edge edge = TopoDS::Edge(cad.edges(e).Oriented(TopAbs_FORWARD));
+    double start, end;
+    const Handle(Geom_Curve) curve = curve_of(edge, start, end);
+    if (curve.IsNull()) continue;
+    ends[static_cast<size_t>(vertices.FindIndex(TopExp::FirstVertex(edge)))].push_back(
+        curve->Value(start));
+    ends[static_cast<size_t>(vertices.FindIndex(TopExp::LastVertex(edge)))].push_back(
+        curve->Value(end));
+  }
+  double gap = 0;
+  for (size_t v = 1; v < ends.size(); ++v)
+    for (const gp_Pnt& p : ends[v])
+      for (const gp_Pnt& q : ends[v]) gap = std::max(gap, p.Distance(q));
+  return gap;
+}
+
 }  // namespace
 
 CadFaceLoops read_cad_loops(const std::filesystem::path& file, double model_unit_in_metres) {
-  const CadFile cad = read_cad(file);
+  CadFile cad = read_cad(file);
+  divide_at_creases(cad);
   const std::vector<std::string> names = edge_names(cad);
   CadFaceLoops result;
   Bnd_Box box;
@@ -80,7 +105,9 @@ CadFaceLoops read_cad_loops(const std::filesystem::path& file, double model_unit
     result.faces.back().name = "face " + std::to_string(f);
   }
   for (int e = 1; e <= cad.edges.Extent(); ++e) BRepBndLib::Add(cad.edges(e), box, false);
-  if (!box.IsVoid()) result.size = 1e-3 / model_unit_in_metres * std::sqrt(box.SquareExtent());
+  const double scale = 1e-3 / model_unit_in_metres;
+  if (!box.IsVoid()) result.size = scale * std::sqrt(box.SquareExtent());
+  result.gap = scale * largest_gap(cad);
   return result;
 }
 

@@ -15,10 +15,11 @@ struct CadLoops {
   bool ring() const { return !inner.empty() && loops.size() == 2; }  ///< a tube's two rims
 };
 
-/// All faces of a file, in its order.
+/// All faces of a file, in its order, those with creases inside as their smooth parts.
 struct CadFaceLoops {
   std::vector<CadLoops> faces;
   double size = 0;  ///< diagonal of the box around their lines, model units
+  double gap = 0;   ///< between ends of lines that meet in one vertex, the largest
 };
 
 /// The loops of all faces of a file. A closed face (a sphere, a torus) has none. Where faces

@@ -9,6 +9,7 @@
 #include "batten/core/errors.h"
 #include "batten/fem/assembly.h"
 #include "batten/skinning/surfaces/embedded_joins.h"
+#include "batten/skinning/target/acceleration.h"
 
 namespace batten {
 namespace {
@@ -66,6 +67,7 @@ class FitRounds {
       largest_move_ = std::max(largest_move_, (moved.row(3 * v) - own.row(3 * v)).norm());
     return moved + about_origin_;
   }
+  const SparseMatrix& mass() const { return mass_; }
   double largest_move() const { return largest_move_; }
 
  private:
@@ -144,10 +146,13 @@ class Fitting {
   void on_this_mesh(double epsilon) {
     FitRounds rounds(fit_.layout, target_);
     rounds.prepare(epsilon);
+    Acceleration faster(rounds.mass());
     for (int round = 0; round < options_.most_rounds; ++round) {
       progress_.at("fit to the target", double(round) / options_.most_rounds);
-      fit_.dofs = rounds.round(fit_.dofs, sides_);
+      Points next = rounds.round(fit_.dofs, sides_);
       ++fit_.rounds;
+      fit_.dofs = epsilon > kLastSoftness || std::getenv("NOACC") ? next : faster.next(fit_.dofs, next);
+      if (std::getenv("DBG")) { auto d = target_distances(*fit_.layout, fit_.dofs, target_, nullptr); fprintf(stderr, "round %d eps %g move %g far %g rms %g\n", round, epsilon, rounds.largest_move()/tolerance_, d.regions[0].largest/tolerance_, d.regions[0].rms/tolerance_); }
       if (epsilon > kLastSoftness) {
         epsilon = std::max(kLastSoftness, epsilon / 10);
         rounds.prepare(epsilon);

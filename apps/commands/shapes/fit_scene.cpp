@@ -1,5 +1,6 @@
 #include "batten/apps/commands/shapes/fit_scene.h"
 
+#include <algorithm>
 #include <optional>
 #include <set>
 
@@ -63,9 +64,7 @@ constexpr double kMeet = 1e-5;  // of the size: exact lines need no repair
 /// What each face of a CAD file encloses; a face around which a line runs twice is left to the search.
 void add_cad_regions(Scene& scene, const std::filesystem::path& file) {
   const CadFaceLoops found = cad_calls().read_cad_loops(file, unit_in_metres(scene.unit));
-  constexpr double straight = 1;  // degrees: edges that turn by more have a corner
-  scene.network->tolerance = kMeet * found.size;
-  scene.network->straight_angle = straight;
+  scene.network->tolerance = std::max(kMeet * found.size, 1.1 * found.gap);
   for (const CadLoops& face : found.faces) {
     RegionWord word;
     std::set<std::string> used;

@@ -57,6 +57,16 @@ struct TargetFaces {
   std::vector<std::optional<CurvedTriangle::Corners>> normals;
 };
 
+/// A triangle of a CAD face whose corners lie on a line: nothing is nearest to its inside.
+bool is_needle(const ShellMesh& mesh, int f) {
+  constexpr double least_height = 1e-9;  // of the longest edge
+  const auto corners = mesh.face(f);
+  const Vec3 a = mesh.points.row(corners[0]), u = mesh.points.row(corners[1]).transpose() - a,
+             v = mesh.points.row(corners[2]).transpose() - a;
+  const double longest = std::max({u.squaredNorm(), v.squaredNorm(), (v - u).squaredNorm()});
+  return u.cross(v).norm() <= least_height * longest;
+}
+
 void append(TargetFaces& faces, const ShellMesh& more, double scale,
             const std::vector<CurvedTriangle::Corners>& normals = {}) {
   ShellMesh& all = faces.shells;
@@ -65,6 +75,7 @@ void append(TargetFaces& faces, const ShellMesh& more, double scale,
   points << all.points, scale * more.points;
   all.points = std::move(points);
   for (int f = 0; f < more.face_count(); ++f) {
+    if (!normals.empty() && is_needle(more, f)) continue;
     std::vector<int> nodes(more.face(f).begin(), more.face(f).end());
     for (int& node : nodes) node += first;
     all.add_face(nodes, more.second_order(f));
