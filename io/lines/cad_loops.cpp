@@ -18,6 +18,7 @@
 #include <set>
 
 #include "batten/core/groups.h"
+#include "batten/io/cad/continuity_shape.h"
 #include "batten/io/lines/cad_creases.h"
 #include "batten/io/lines/cad_edges.h"
 
@@ -107,6 +108,10 @@ CadFaceLoops read_cad_loops(const std::filesystem::path& file, double model_unit
   for (int e = 1; e <= cad.edges.Extent(); ++e) BRepBndLib::Add(cad.edges(e), box, false);
   const double scale = 1e-3 / model_unit_in_metres;
   if (!box.IsVoid()) result.size = scale * std::sqrt(box.SquareExtent());
+  for (const EdgeContinuity& edge : shape_continuity(cad.shape, result.size / scale).inner)
+    if (const std::string& name = names[edge.edge - 1];
+        !name.empty() && edge.faces[0] != edge.faces[1])
+      result.joins.push_back({name, edge.angle_deg});
   result.gap = scale * largest_gap(cad);
   return result;
 }

@@ -15,9 +15,16 @@ struct CadLoops {
   bool ring() const { return !inner.empty() && loops.size() == 2; }  ///< a tube's two rims
 };
 
+/// A line between two faces.
+struct CadJoin {
+  std::string line;
+  double angle_deg = 0;  ///< largest angle between the faces along it, as EdgeContinuity's
+};
+
 /// All faces of a file, in its order, those with creases inside as their smooth parts.
 struct CadFaceLoops {
   std::vector<CadLoops> faces;
+  std::vector<CadJoin> joins;
   double size = 0;  ///< diagonal of the box around their lines, model units
   double gap = 0;   ///< between ends of lines that meet in one vertex, the largest
 };

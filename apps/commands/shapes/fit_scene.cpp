@@ -46,6 +46,7 @@ void add_mesh_lines(Scene& scene, const TriangleMesh& mesh) {
     for (const int v : feature.vertices) line.points.push_back(mesh.point(v));
     if (feature.closed) line.points.push_back(line.points.front());
     line.corners.emplace();  // they end where they have corners
+    if (!feature.rim) scene.network->joins.push_back({line.name, JoinWord::Kind::Crease, ""});
     scene.lines.push_back(std::move(line));
   }
   if (found.lines.empty())
@@ -65,6 +66,10 @@ constexpr double kMeet = 1e-5;  // of the size: exact lines need no repair
 void add_cad_regions(Scene& scene, const std::filesystem::path& file) {
   const CadFaceLoops found = cad_calls().read_cad_loops(file, unit_in_metres(scene.unit));
   scene.network->tolerance = std::max(kMeet * found.size, 1.1 * found.gap);
+  constexpr double smooth = 0.5;  // degrees: faces that meet by more are no one surface
+  for (const CadJoin& join : found.joins)
+    scene.network->joins.push_back(
+        {join.line, join.angle_deg < smooth ? JoinWord::Kind::Smooth : JoinWord::Kind::Crease, ""});
   for (const CadLoops& face : found.faces) {
     RegionWord word;
     std::set<std::string> used;
