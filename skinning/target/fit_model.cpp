@@ -14,7 +14,8 @@
 namespace batten {
 namespace {
 
-constexpr double kFirstSoftness = 100, kLastSoftness = 1e-3;
+// ε: from the first one by tens to the one that spreads parameters evenly, at last so little that it pulls nothing.
+constexpr double kFirst = 100, kSpreading = 1e-3, kLast = 1e-5;
 
 /// One mesh: its matrices, and rounds on it.
 class FitRounds {
@@ -60,8 +61,7 @@ class FitRounds {
         },
         4);
     const Points own = dofs - about_origin_;
-    const Points F = pull + Points(solver_->K().selfadjointView<Eigen::Lower>() * own);
-    const Points moved = solver_->solve(F);
+    const Points moved = solver_->solve(pull + mass_.selfadjointView<Eigen::Lower>() * own);
     largest_move_ = 0;
     for (int v = 0; v < layout_->mesh()->vertex_count(); ++v)
       largest_move_ = std::max(largest_move_, (moved.row(3 * v) - own.row(3 * v)).norm());
@@ -132,9 +132,18 @@ class Fitting {
     for (const Distances& region : fit_.before.regions) points += region.points;
     if (points == 0) throw InputError("no point of the target is near to the surface");
     sides_ = target_sides(*fit_.layout, fit_.dofs, target_);
-    on_this_mesh(kFirstSoftness);
-    while (fit_.after.largest() > tolerance_ && fit_.halvings < options_.most_halvings)
+    on_this_mesh(kFirst);
+    // The largest distance may stay for a while where others fall.
+    constexpr int most_idle = 2;
+    ModelFit best = fit_;
+    for (int idle = 0; idle < most_idle && fit_.after.largest() > tolerance_ &&
+                       fit_.halvings < options_.most_halvings;) {
       if (!halve()) break;
+      constexpr double least_gain = 0.9;
+      idle = fit_.after.largest() < least_gain * best.after.largest() ? 0 : idle + 1;
+      if (fit_.after.largest() < best.after.largest()) best = fit_;
+    }
+    fit_ = std::move(best);
     if (fit_.after.largest() > fit_.before.largest()) go_back();
     progress_.at("measure the fit", 0);
     fit_.after.back = way_back(*fit_.layout, fit_.dofs, target_);
@@ -145,23 +154,26 @@ class Fitting {
  private:
   void on_this_mesh(double epsilon) {
     FitRounds rounds(fit_.layout, target_);
-    rounds.prepare(epsilon);
-    Acceleration faster(rounds.mass());
-    for (int round = 0; round < options_.most_rounds; ++round) {
-      progress_.at("fit to the target", double(round) / options_.most_rounds);
-      Points next = rounds.round(fit_.dofs, sides_);
+    for (; epsilon > 2 * kSpreading; epsilon /= 10) {
+      rounds.prepare(epsilon);
+      fit_.dofs = rounds.round(fit_.dofs, sides_);
       ++fit_.rounds;
-      fit_.dofs = epsilon > kLastSoftness || std::getenv("NOACC") ? next : faster.next(fit_.dofs, next);
-      if (std::getenv("DBG")) { auto d = target_distances(*fit_.layout, fit_.dofs, target_, nullptr); fprintf(stderr, "round %d eps %g move %g far %g rms %g\n", round, epsilon, rounds.largest_move()/tolerance_, d.regions[0].largest/tolerance_, d.regions[0].rms/tolerance_); }
-      if (epsilon > kLastSoftness) {
-        epsilon = std::max(kLastSoftness, epsilon / 10);
-        rounds.prepare(epsilon);
-      } else if (rounds.largest_move() < 0.1 * tolerance_) {
-        break;
-      }
     }
+    settle(rounds, kSpreading, options_.most_rounds);
+    settle(rounds, kLast, 5);
     replan_joins();
     fit_.after = target_distances(*fit_.layout, fit_.dofs, target_, &largest_of_);
+  }
+
+  void settle(FitRounds& rounds, double epsilon, int most_rounds) {
+    rounds.prepare(epsilon);
+    Acceleration faster(rounds.mass());
+    for (int round = 0; round < most_rounds; ++round) {
+      progress_.at("fit to the target", double(round) / most_rounds);
+      fit_.dofs = faster.next(fit_.dofs, rounds.round(fit_.dofs, sides_));
+      ++fit_.rounds;
+      if (rounds.largest_move() < 0.1 * tolerance_) break;
+    }
   }
 
   /// Smooth joins hold the tangent planes that a shape had: they are planned again from the fitted one.
@@ -172,7 +184,7 @@ class Fitting {
       planned->plan_joins(fit_.dofs);
       fit_.layout = std::move(planned);
       FitRounds rounds(fit_.layout, target_);
-      rounds.prepare(kLastSoftness);
+      rounds.prepare(kLast);
       for (int round = 0; round < 3; ++round, ++fit_.rounds)
         fit_.dofs = rounds.round(fit_.dofs, sides_);
       if (fit_.layout->join_misfit(fit_.dofs) < 1e-3) break;
@@ -200,19 +212,14 @@ class Fitting {
     }
     if (count == 0 || layout.mesh()->triangle_count() + count > options_.most_triangles)
       return false;
-    const ModelFit last = fit_;
     auto finer = std::make_shared<ModelLayout>(layout);
     if (!finer->refine(marks)) return false;
     fit_.dofs = carried_over(layout, fit_.dofs, *finer);
     finer->plan_joins(fit_.dofs);
     fit_.layout = std::move(finer);
     ++fit_.halvings;
-    on_this_mesh(kLastSoftness);
-    constexpr double least_gain = 0.9;
-    if (fit_.after.largest() <= last.after.largest())
-      return fit_.after.largest() < least_gain * last.after.largest();
-    fit_ = last;
-    return false;
+    on_this_mesh(kSpreading);
+    return true;
   }
 
   /// How far the lines of each region are from the target.
