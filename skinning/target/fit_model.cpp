@@ -159,8 +159,8 @@ class Fitting {
       fit_.dofs = rounds.round(fit_.dofs, sides_);
       ++fit_.rounds;
     }
-    settle(rounds, kSpreading, options_.most_rounds);
-    settle(rounds, kLast, 5);
+    if (epsilon > kLast) settle(rounds, kSpreading, options_.most_rounds);
+    settle(rounds, kLast, options_.most_rounds);
     replan_joins();
     fit_.after = target_distances(*fit_.layout, fit_.dofs, target_, &largest_of_);
   }
@@ -172,6 +172,7 @@ class Fitting {
       progress_.at("fit to the target", double(round) / most_rounds);
       fit_.dofs = faster.next(fit_.dofs, rounds.round(fit_.dofs, sides_));
       ++fit_.rounds;
+      if (std::getenv("DBG") && round%3==0) { auto d = target_distances(*fit_.layout, fit_.dofs, target_, nullptr); double l=0,r=0; for (auto& x: d.regions) {l=std::max(l,x.largest); r=std::max(r,x.rms);} fprintf(stderr, "tri %d round %d eps %g move %g far %g rms %g\n", fit_.layout->mesh()->triangle_count(), round, epsilon, rounds.largest_move()/tolerance_, l/tolerance_, r/tolerance_); }
       if (rounds.largest_move() < 0.1 * tolerance_) break;
     }
   }
@@ -204,9 +205,10 @@ class Fitting {
     const ModelLayout& layout = *fit_.layout;
     std::vector<char> marks(layout.mesh()->triangle_count(), 0);
     int count = 0;
+    const double margin = std::getenv("MARG") ? std::atof(std::getenv("MARG")) : 0.5;  // of the tolerance: what lies near it comes near it again elsewhere
     const std::vector<double> off = off_lines();
     for (int t = 0; t < count_of(marks); ++t) {
-      const double floor = std::max(tolerance_, 1.2 * off[layout.region_of(t)]);
+      const double floor = std::max(margin * tolerance_, 1.2 * off[layout.region_of(t)]);
       marks[t] = largest_of_[t] > floor;
       count += marks[t];
     }
@@ -218,7 +220,7 @@ class Fitting {
     finer->plan_joins(fit_.dofs);
     fit_.layout = std::move(finer);
     ++fit_.halvings;
-    on_this_mesh(kSpreading);
+    on_this_mesh(kLast);
     return true;
   }
 
