@@ -6,6 +6,7 @@
 #include <string>
 
 #include "batten/constraints/constrained_solver.h"
+#include "batten/core/chunks.h"
 #include "batten/core/errors.h"
 #include "batten/fem/assembly.h"
 #include "batten/skinning/surfaces/embedded_joins.h"
@@ -27,6 +28,7 @@ class FitRounds {
         assembler_(*layout_->mesh(), layout_->element(), layout_->trim(), 1),
         scale_(layout_->domain_scale()),
         ones_(layout_->position_dofs()),
+        held_(layout_->mesh()->triangle_count(), 1.0),
         mass_(assembler_.mass(scale_)) {
     about_origin_ = ones_ * layout_->origin().transpose();
   }
@@ -39,7 +41,7 @@ class FitRounds {
     const int count = layout_->mesh()->triangle_count();
     for (int t = 0; t < count; ++t) {
       const double h2 = 2 * layout_->mesh()->shape(t).area * scale_of(t);
-      materials.push_back(SurfaceStiffness::isotropic(0, epsilon * h2 * h2));
+      materials.push_back(SurfaceStiffness::isotropic(0, held_[t] * epsilon * h2 * h2));
       mean += epsilon * h2 * h2 / count;
     }
     assembler_.stiffness(layout_->on_regions(std::move(materials)), bending_);
@@ -68,12 +70,48 @@ class FitRounds {
     return moved + about_origin_;
   }
   const SparseMatrix& mass() const { return mass_; }
+  /// Triangles that turned over, and those around them, are held more firmly from the next prepare() on.
+  bool hold_folds(const Points& dofs) {
+    const auto& mesh = *layout_->mesh();
+    const Surface surface = layout_->surface(dofs);
+    std::vector<char> marks(mesh.triangle_count(), 0);
+    for_each_in_chunks<64>(mesh.triangle_count(), [&](int t) { marks[t] = folds(surface, t); });
+    if (std::none_of(marks.begin(), marks.end(), [](char m) { return m; })) return false;
+    constexpr int rings = 2;
+    constexpr double firmer = 100;
+    for (int ring = 0; ring < rings; ++ring) {
+      std::vector<char> touched(mesh.vertex_count(), 0);
+      for (int t = 0; t < mesh.triangle_count(); ++t)
+        for (const int v : mesh.triangles()[t]) touched[v] |= marks[t];
+      for (int t = 0; t < mesh.triangle_count(); ++t)
+        for (const int v : mesh.triangles()[t]) marks[t] |= touched[v];
+    }
+    for (int t = 0; t < mesh.triangle_count(); ++t)
+      if (marks[t]) held_[t] *= firmer;
+    return true;
+  }
   double largest_move() const { return largest_move_; }
 
  private:
   double scale_of(int triangle) const { return scale_.size() > 0 ? scale_[triangle] : 1; }
   double side_of(const std::vector<double>& sides, int triangle) const {
     return sides[layout_->region_of(triangle)];
+  }
+
+  static bool folds(const Surface& surface, int t) {
+    constexpr double least = 0.05;  // of the mean area
+    constexpr int n = 4;
+    std::vector<Vec3> areas;
+    Vec3 sum = Vec3::Zero();
+    for (int i = 0; i <= n; ++i)
+      for (int j = 0; i + j <= n; ++j) {
+        const Vec3 L(double(i) / n, double(j) / n, double(n - i - j) / n);
+        areas.push_back(surface.jet({t, L}).area_vector());
+        sum += areas.back();
+      }
+    const double bound = least * sum.squaredNorm() / count_of(areas);
+    return std::any_of(areas.begin(), areas.end(),
+                       [&](const Vec3& area) { return area.dot(sum) < bound; });
   }
 
   /// The nearest point whose normal is not against `along`, unless it is much farther than the nearest of
@@ -107,6 +145,7 @@ class FitRounds {
   const TargetSurface& target_;
   SurfaceAssembler assembler_;
   VecX scale_, ones_;
+  std::vector<double> held_;  // of each triangle, times ε
   Points about_origin_;
   SparseMatrix mass_, bending_;
   std::optional<ConstrainedSolver> solver_;
@@ -127,7 +166,7 @@ class Fitting {
   }
 
   ModelFit run() {
-    fit_.before = fit_.after = target_distances(*fit_.layout, fit_.dofs, target_, &largest_of_);
+    fit_.before = fit_.after = measured();
     int points = 0;
     for (const Distances& region : fit_.before.regions) points += region.points;
     if (points == 0) throw InputError("no point of the target is near to the surface");
@@ -145,8 +184,6 @@ class Fitting {
     }
     fit_ = std::move(best);
     if (fit_.after.largest() > fit_.before.largest()) go_back();
-    progress_.at("measure the fit", 0);
-    fit_.after.back = way_back(*fit_.layout, fit_.dofs, target_);
     fit_.reached = fit_.after.largest() <= tolerance_;
     return std::move(fit_);
   }
@@ -160,9 +197,23 @@ class Fitting {
       ++fit_.rounds;
     }
     if (epsilon > kLast) settle(rounds, kSpreading, options_.most_rounds);
+    const Points even = fit_.dofs;
     settle(rounds, kLast, options_.most_rounds);
+    constexpr int most_holds = 2;
+    for (int hold = 0; hold < most_holds && rounds.hold_folds(fit_.dofs); ++hold) {
+      fit_.dofs = even;
+      settle(rounds, kLast, options_.most_rounds);
+    }
     replan_joins();
-    fit_.after = target_distances(*fit_.layout, fit_.dofs, target_, &largest_of_);
+    fit_.after = measured();
+  }
+
+  /// Both ways; the largest distance of each triangle is kept.
+  TargetDistances measured() {
+    progress_.at("measure the fit", 0);
+    TargetDistances result = target_distances(*fit_.layout, fit_.dofs, target_, &largest_of_);
+    result.back = way_back(*fit_.layout, fit_.dofs, target_, &largest_of_);
+    return result;
   }
 
   void settle(FitRounds& rounds, double epsilon, int most_rounds) {
@@ -172,7 +223,6 @@ class Fitting {
       progress_.at("fit to the target", double(round) / most_rounds);
       fit_.dofs = faster.next(fit_.dofs, rounds.round(fit_.dofs, sides_));
       ++fit_.rounds;
-      if (std::getenv("DBG") && round%3==0) { auto d = target_distances(*fit_.layout, fit_.dofs, target_, nullptr); double l=0,r=0; for (auto& x: d.regions) {l=std::max(l,x.largest); r=std::max(r,x.rms);} fprintf(stderr, "tri %d round %d eps %g move %g far %g rms %g\n", fit_.layout->mesh()->triangle_count(), round, epsilon, rounds.largest_move()/tolerance_, l/tolerance_, r/tolerance_); }
       if (rounds.largest_move() < 0.1 * tolerance_) break;
     }
   }
@@ -205,7 +255,7 @@ class Fitting {
     const ModelLayout& layout = *fit_.layout;
     std::vector<char> marks(layout.mesh()->triangle_count(), 0);
     int count = 0;
-    const double margin = std::getenv("MARG") ? std::atof(std::getenv("MARG")) : 0.5;  // of the tolerance: what lies near it comes near it again elsewhere
+    constexpr double margin = 0.5;  // of the tolerance: next time the largest distance is elsewhere
     const std::vector<double> off = off_lines();
     for (int t = 0; t < count_of(marks); ++t) {
       const double floor = std::max(margin * tolerance_, 1.2 * off[layout.region_of(t)]);

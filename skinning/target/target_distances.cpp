@@ -147,7 +147,8 @@ std::vector<double> target_sides(const ModelLayout& layout, const Points& dofs,
   return sides;
 }
 
-Distances way_back(const ModelLayout& layout, const Points& dofs, const TargetSurface& target) {
+Distances way_back(const ModelLayout& layout, const Points& dofs, const TargetSurface& target,
+                   VecX* largest_of) {
   const auto samples = target.samples();
   const std::vector<double> sides = target_sides(layout, dofs, target);
   const ModelProjector projector(layout, dofs);
@@ -161,8 +162,13 @@ Distances way_back(const ModelLayout& layout, const Points& dofs, const TargetSu
     if (!there.inside || leaves_sideways(p - jet.x, jet.normal(), hair) ||
         sides[there.at.region] * jet.normal().dot(sample.normal) < alike)
       sum.beyond();
-    else
+    else {
       sum.add(there.distance, p);
+      if (!largest_of) continue;
+      double& largest =
+          (*largest_of)[layout.first_triangle(there.at.region) + there.where.triangle];
+      largest = std::max(largest, there.distance);
+    }
   }
   return sum.get();
 }

@@ -36,8 +36,10 @@ std::vector<double> target_sides(const ModelLayout& layout, const Points& dofs,
 /// From the target's samples to the nearest points of the model. Samples beyond the model's rims do not count:
 /// those whose nearest point lies outside of a trim, from which the way to it is not normal to the surface, or
 /// where the two normals differ by more than 60° (another side of a body).
-/// O(samples); some ten microseconds each.
-Distances way_back(const ModelLayout& layout, const Points& dofs, const TargetSurface& target);
+/// O(samples); some ten microseconds each. `largest_of`, unless null, has a number for each triangle of the
+/// layout's mesh; those of triangles that are nearest to a sample farther away become that distance.
+Distances way_back(const ModelLayout& layout, const Points& dofs, const TargetSurface& target,
+                   VecX* largest_of = nullptr);
 
 /// Measures all but the way back. `largest_of`, unless null, gets the largest distance in each triangle of the layout's
 /// mesh. O(points · log target).
