@@ -23,6 +23,8 @@ class CurvedMesh {
   /// Whether a triangle bulges.
   bool curved(int t) const { return !normals_.empty() && curved_[t] != 0; }
 
+  const CurvedTriangle::Corners& normals(int t) const { return normals_[t]; }  ///< where curved
+
   struct Found {
     int triangle = -1;
     Vec3 weights = Vec3::Zero();  ///< barycentric

@@ -23,6 +23,7 @@ struct CadFacets {
   ShellMesh mesh;  ///< triangles; normals outwards where the file's faces have them so
   /// Where curved ones were asked for: the faces' unit normals at the corners of each triangle.
   std::vector<CurvedTriangle::Corners> normals;
+  std::vector<int> faces;  ///< the face of each triangle, numbered from 0
   std::vector<FacetGroup> groups;
   CadContents contents;  ///< of the file, in its own unit
   double unit_in_metres = 1e-3;

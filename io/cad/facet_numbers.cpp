@@ -234,6 +234,7 @@ CadFacets numbered_facets(const std::vector<CadPart>& parts, const TopoDS_Shape&
   for (int t = 0; t < count_of(face_of_triangle); ++t)
     groups[static_cast<size_t>(group_of_face[static_cast<size_t>(face_of_triangle[t])])]
         .triangles.push_back(t);
+  facets.faces = std::move(face_of_triangle);
   facets.groups = std::move(groups);
   facets.unmeshed = unmeshed;
   facets.shells = shells;

@@ -82,6 +82,7 @@ std::string to_bytes(const CadFacets& f) {
   for (const auto& triple : f.normals)
     for (const Vec3& n : triple) normals.insert(normals.end(), {n[0], n[1], n[2]});
   out.add(normals.data(), normals.size());
+  out.add(f.faces.data(), f.faces.size());
   out.put(f.size).put(f.chord).put(f.deviation);
   out.put(f.shells).put(f.free_edges).put(f.cracks).put(f.unmeshed);
   return out.take();
@@ -107,6 +108,7 @@ CadFacets from_bytes(const std::string& bytes) {
     const Eigen::Map<const Mat3> n(normals.data() + t);
     f.normals.push_back({n.col(0), n.col(1), n.col(2)});
   }
+  f.faces = in.list<int>();
   for (double* number : {&f.size, &f.chord, &f.deviation}) *number = in.get<double>();
   for (int* number : {&f.shells, &f.free_edges, &f.cracks, &f.unmeshed}) *number = in.get<int>();
   return f;

@@ -11,6 +11,7 @@
 #include "batten/fem/assembly.h"
 #include "batten/skinning/surfaces/embedded_joins.h"
 #include "batten/skinning/target/acceleration.h"
+#include "batten/skinning/target/region_parts.h"
 
 namespace batten {
 namespace {
@@ -21,9 +22,9 @@ constexpr double kFirst = 100, kSpreading = 1e-3, kLast = 1e-5;
 /// One mesh: its matrices, and rounds on it.
 class FitRounds {
  public:
-  FitRounds(std::shared_ptr<const ModelLayout> layout, const TargetSurface& target)
+  FitRounds(std::shared_ptr<const ModelLayout> layout, std::vector<const TargetSurface*> targets)
       : layout_(std::move(layout)),
-        target_(target),
+        targets_(std::move(targets)),
         // What lies outside of a trim has no springs: bending alone shapes it.
         assembler_(*layout_->mesh(), layout_->element(), layout_->trim(), 1),
         scale_(layout_->domain_scale()),
@@ -58,8 +59,9 @@ class FitRounds {
     const Surface surface = layout_->surface(dofs);
     const Points pull = assembler_.load(
         [&](const Location& where, const Vec2&) -> Vec3 {
-          return scale_of(where.triangle) *
-                 slide(surface.jet(where), side_of(sides, where.triangle));
+          return scale_of(where.triangle) * slide(surface.jet(where),
+                                                  *targets_[layout_->region_of(where.triangle)],
+                                                  side_of(sides, where.triangle));
         },
         4);
     const Points own = dofs - about_origin_;
@@ -116,19 +118,20 @@ class FitRounds {
 
   /// The nearest point whose normal is not against `along`, unless it is much farther than the nearest of
   /// all: at the edges of thin walls that is on the other side.
-  std::optional<TargetSurface::Nearest> same_side_as(const Vec3& x, const Vec3& along) const {
-    const auto any = target_.nearest(x, Vec3::Zero());
+  static std::optional<TargetSurface::Nearest> same_side_as(const TargetSurface& target,
+                                                            const Vec3& x, const Vec3& along) {
+    const auto any = target.nearest(x, Vec3::Zero());
     if (!any || any->normal.dot(along) > 0) return any;
     constexpr double most_times = 3;
-    const auto there = target_.nearest(x, along);
+    const auto there = target.nearest(x, along);
     if (there && (there->at - x).norm() > most_times * (any->at - x).norm()) return {};
     return there;
   }
 
   /// g: along the surface's normal to the plane that touches the target.
-  Vec3 slide(const SurfaceJet& jet, double side) const {
+  static Vec3 slide(const SurfaceJet& jet, const TargetSurface& target, double side) {
     const Vec3 n = jet.normal();
-    const auto there = same_side_as(jet.x, side * n);
+    const auto there = same_side_as(target, jet.x, side * n);
     if (!there) return Vec3::Zero();
     const Vec3 way = there->at - jet.x;
     const double along = n.dot(way), length = way.norm();
@@ -142,7 +145,7 @@ class FitRounds {
   }
 
   std::shared_ptr<const ModelLayout> layout_;
-  const TargetSurface& target_;
+  std::vector<const TargetSurface*> targets_;  // of each region
   SurfaceAssembler assembler_;
   VecX scale_, ones_;
   std::vector<double> held_;  // of each triangle, times ε
@@ -170,7 +173,10 @@ class Fitting {
     int points = 0;
     for (const Distances& region : fit_.before.regions) points += region.points;
     if (points == 0) throw InputError("no point of the target is near to the surface");
-    sides_ = target_sides(*fit_.layout, fit_.dofs, target_);
+    of_region_ = parts_of_regions(*fit_.layout, options_.parts, tolerance_);
+    for (auto& part : of_region_)
+      if (!part) part = &target_;
+    sides_ = target_sides(*fit_.layout, fit_.dofs, of_region_);
     on_this_mesh(kFirst);
     // The largest distance may stay for a while where others fall.
     constexpr int most_idle = 2;
@@ -190,7 +196,7 @@ class Fitting {
 
  private:
   void on_this_mesh(double epsilon) {
-    FitRounds rounds(fit_.layout, target_);
+    FitRounds rounds(fit_.layout, of_region_);
     for (; epsilon > 2 * kSpreading; epsilon /= 10) {
       rounds.prepare(epsilon);
       fit_.dofs = rounds.round(fit_.dofs, sides_);
@@ -234,7 +240,7 @@ class Fitting {
       auto planned = std::make_shared<ModelLayout>(*fit_.layout);
       planned->plan_joins(fit_.dofs);
       fit_.layout = std::move(planned);
-      FitRounds rounds(fit_.layout, target_);
+      FitRounds rounds(fit_.layout, of_region_);
       rounds.prepare(kLast);
       for (int round = 0; round < 3; ++round, ++fit_.rounds)
         fit_.dofs = rounds.round(fit_.dofs, sides_);
@@ -285,6 +291,7 @@ class Fitting {
   }
 
   const TargetSurface& target_;
+  std::vector<const TargetSurface*> of_region_;
   const ModelFitOptions& options_;
   const Progress& progress_;
   double tolerance_ = 0;

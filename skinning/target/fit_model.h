@@ -13,6 +13,8 @@ struct ModelFitOptions {
   int most_rounds = 30;  ///< on one mesh
   int most_halvings = 5;
   int most_triangles = 60'000;
+  /// Parts of the target: a region whose lines all lie on one of them is drawn to that part alone.
+  std::vector<std::shared_ptr<const TargetSurface>> parts = {};
 };
 
 /// A model at its target, and how near it came.

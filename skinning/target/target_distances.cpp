@@ -132,13 +132,13 @@ double TargetDistances::largest() const {
 }
 
 std::vector<double> target_sides(const ModelLayout& layout, const Points& dofs,
-                                 const TargetSurface& target) {
+                                 const std::vector<const TargetSurface*>& targets) {
   const Surface surface = layout.surface(dofs);
   std::vector<double> shares(layout.mesh()->triangle_count(), 0.0);
   for_each_in_chunks<256>(count_of(shares), [&](int t) {
     if (layout.trim() && layout.trim()->side(t) == Trim::Side::Outside) return;
     const SurfaceJet jet = surface.jet({t, Vec3::Constant(1.0 / 3)});
-    if (const auto there = target.nearest(jet.x, Vec3::Zero()))
+    if (const auto there = targets[layout.region_of(t)]->nearest(jet.x, Vec3::Zero()))
       shares[t] = there->normal.dot(jet.area_vector());
   });
   std::vector<double> sides(layout.region_count(), 0.0);
@@ -150,7 +150,8 @@ std::vector<double> target_sides(const ModelLayout& layout, const Points& dofs,
 Distances way_back(const ModelLayout& layout, const Points& dofs, const TargetSurface& target,
                    VecX* largest_of) {
   const auto samples = target.samples();
-  const std::vector<double> sides = target_sides(layout, dofs, target);
+  const std::vector<double> sides =
+      target_sides(layout, dofs, std::vector<const TargetSurface*>(layout.region_count(), &target));
   const ModelProjector projector(layout, dofs);
   const double hair = 1e-12 * layout.size();
   Sum sum;

@@ -29,9 +29,9 @@ struct TargetDistances {
 };
 
 /// Which side of the target each region looks to: 1 where its normals are the target's, -1 where they are
-/// opposite, by most of its points.
+/// opposite, by most of its points. `targets`: one a region.
 std::vector<double> target_sides(const ModelLayout& layout, const Points& dofs,
-                                 const TargetSurface& target);
+                                 const std::vector<const TargetSurface*>& targets);
 
 /// From the target's samples to the nearest points of the model. Samples beyond the model's rims do not count:
 /// those whose nearest point lies outside of a trim, from which the way to it is not normal to the surface, or

@@ -43,8 +43,9 @@ FairShape fitted(const Scene& scene, std::shared_ptr<const ModelLayout> layout, 
   const double size = layout->size();
   ModelFitOptions options;
   options.tolerance = target_tolerance(scene, size);
-  const auto target = target_of(scene, size, progress);
-  ModelFit fit = fit_model(std::move(layout), bent, *target, options, progress);
+  const TargetParts target = target_of(scene, size, progress);
+  options.parts = target.parts;
+  ModelFit fit = fit_model(std::move(layout), bent, *target.whole, options, progress);
   shape.layout = fit.layout;
   shape.dofs = fit.dofs;
   shape.rest = [first = fit.dofs](const RestTask& task) -> Points {

@@ -68,8 +68,8 @@ void add_cad_regions(Scene& scene, const std::filesystem::path& file) {
   scene.network->tolerance = std::max(kMeet * found.size, 1.1 * found.gap);
   constexpr double smooth = 0.5;  // degrees: faces that meet by more are no one surface
   for (const CadJoin& join : found.joins)
-    scene.network->joins.push_back(
-        {join.line, join.angle_deg < smooth ? JoinWord::Kind::Smooth : JoinWord::Kind::Crease, ""});
+    if (join.angle_deg > smooth)
+      scene.network->joins.push_back({join.line, JoinWord::Kind::Crease, ""});
   for (const CadLoops& face : found.faces) {
     RegionWord word;
     std::set<std::string> used;

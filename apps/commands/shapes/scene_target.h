@@ -1,11 +1,9 @@
 // The surfaces of [[target]].
 #pragma once
 
-#include <memory>
-
+#include "batten/apps/commands/shapes/target_faces.h"
 #include "batten/core/progress.h"
 #include "batten/io/scene/scene.h"
-#include "batten/skinning/target/target_surface.h"
 
 namespace batten {
 
@@ -13,8 +11,7 @@ namespace batten {
 double target_tolerance(const Scene& scene, double size);
 
 /// All targets of a scene as one surface, in the scene's unit: meshes as they are, faces of CAD files as
-/// curved triangles within a quarter of the tolerance. Samples are not farther apart than 1/100 of the size. Throws InputError that begins with the place in the scene.
-std::shared_ptr<const TargetSurface> target_of(const Scene& scene, double size,
-                                               const Progress& progress = {});
+/// curved triangles within a quarter of the tolerance. Throws InputError that begins with the place in the scene.
+TargetParts target_of(const Scene& scene, double size, const Progress& progress = {});
 
 }  // namespace batten

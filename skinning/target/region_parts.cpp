@@ -1,0 +1,75 @@
+#include "batten/skinning/target/region_parts.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "batten/core/chunks.h"
+#include "batten/core/index.h"
+
+namespace batten {
+namespace {
+
+std::vector<std::vector<Vec3>> points_on_lines(const ModelLayout& layout) {
+  constexpr int samples = 4;  // of a segment
+  std::vector<std::vector<Vec3>> points(layout.region_count());
+  for (const ModelLine& line : layout.lines()) {
+    const HermiteCurve& curve = layout.curve(line.sides.front());
+    const auto& breaks = curve.parameters();
+    for (size_t s = 0; s + 1 < breaks.size(); ++s)
+      for (int i = 0; i <= samples; ++i) {
+        const Vec3 x = curve.evaluate(breaks[s] + (breaks[s + 1] - breaks[s]) * i / samples);
+        for (const LineSide& side : line.sides) points[side.region].push_back(x);
+      }
+  }
+  return points;
+}
+
+/// The largest distance of points from a part; infinite as soon as one is farther away than `near`.
+double distance(const std::vector<Vec3>& points, const TargetSurface& part, double near) {
+  double largest = 0;
+  // From both ends, since lines of neighbours often have their beginning in common.
+  for (size_t i = 0; i < points.size(); ++i) {
+    const Vec3& p = points[i % 2 == 0 ? i / 2 : points.size() - 1 - i / 2];
+    const auto there = part.nearest(p, Vec3::Zero());
+    if (!there || !((there->at - p).norm() <= near)) return std::numeric_limits<double>::infinity();
+    largest = std::max(largest, (there->at - p).norm());
+  }
+  return largest;
+}
+
+}  // namespace
+
+std::vector<const TargetSurface*> parts_of_regions(
+    const ModelLayout& layout, const std::vector<std::shared_ptr<const TargetSurface>>& parts,
+    double near) {
+  const auto points = points_on_lines(layout);
+  struct Candidate {
+    int part;
+    double distance;
+  };
+  std::vector<std::vector<Candidate>> candidates(points.size());
+  for_each_in_chunks<1>(count_of(points), [&](int r) {
+    for (int p = 0; p < count_of(parts) && !points[r].empty(); ++p) {
+      const double far = distance(points[r], *parts[p], near);
+      if (far <= near) candidates[r].push_back({p, far});
+    }
+  });
+  std::vector<int> order(points.size());
+  for (int r = 0; r < count_of(order); ++r) order[r] = r;
+  std::stable_sort(order.begin(), order.end(),
+                   [&](int a, int b) { return candidates[a].size() < candidates[b].size(); });
+  std::vector<const TargetSurface*> result(points.size(), nullptr);
+  std::vector<char> taken(parts.size(), 0);
+  for (const int r : order) {
+    const auto best = std::min_element(
+        candidates[r].begin(), candidates[r].end(), [&](const Candidate& a, const Candidate& b) {
+          return std::pair(taken[a.part], a.distance) < std::pair(taken[b.part], b.distance);
+        });
+    if (best == candidates[r].end()) continue;
+    taken[best->part] = 1;
+    result[r] = parts[best->part].get();
+  }
+  return result;
+}
+
+}  // namespace batten
