@@ -22,8 +22,10 @@ constexpr double kFirst = 100, kSpreading = 1e-3, kLast = 1e-5;
 /// One mesh: its matrices, and rounds on it.
 class FitRounds {
  public:
-  FitRounds(std::shared_ptr<const ModelLayout> layout, std::vector<const TargetSurface*> targets)
+  FitRounds(std::shared_ptr<const ModelLayout> layout,
+            std::vector<const TargetSurface*> targets, const TargetSurface& whole)
       : layout_(std::move(layout)),
+        whole_(whole),
         targets_(std::move(targets)),
         // What lies outside of a trim has no springs: bending alone shapes it.
         assembler_(*layout_->mesh(), layout_->element(), layout_->trim(), 1),
@@ -129,9 +131,11 @@ class FitRounds {
   }
 
   /// g: along the surface's normal to the plane that touches the target.
-  static Vec3 slide(const SurfaceJet& jet, const TargetSurface& target, double side) {
+  Vec3 slide(const SurfaceJet& jet, const TargetSurface& target, double side) const {
     const Vec3 n = jet.normal();
-    const auto there = same_side_as(target, jet.x, side * n);
+    // Among the points of a region's own part none is on another side.
+    const auto there = &target == &whole_ ? same_side_as(target, jet.x, side * n)
+                                          : target.nearest(jet.x, Vec3::Zero());
     if (!there) return Vec3::Zero();
     const Vec3 way = there->at - jet.x;
     const double along = n.dot(way), length = way.norm();
@@ -145,6 +149,7 @@ class FitRounds {
   }
 
   std::shared_ptr<const ModelLayout> layout_;
+  const TargetSurface& whole_;
   std::vector<const TargetSurface*> targets_;  // of each region
   SurfaceAssembler assembler_;
   VecX scale_, ones_;
@@ -169,7 +174,7 @@ class Fitting {
   }
 
   ModelFit run() {
-    fit_.before = fit_.after = measured();
+    fit_.before = fit_.after = measured(true);
     int points = 0;
     for (const Distances& region : fit_.before.regions) points += region.points;
     if (points == 0) throw InputError("no point of the target is near to the surface");
@@ -196,13 +201,14 @@ class Fitting {
 
  private:
   void on_this_mesh(double epsilon) {
-    FitRounds rounds(fit_.layout, of_region_);
+    FitRounds rounds(fit_.layout, of_region_, target_);
     for (; epsilon > 2 * kSpreading; epsilon /= 10) {
       rounds.prepare(epsilon);
       fit_.dofs = rounds.round(fit_.dofs, sides_);
       ++fit_.rounds;
     }
-    if (epsilon > kLast) settle(rounds, kSpreading, options_.most_rounds);
+    constexpr int spreading = 8;  // rounds: more of them draw narrow features flat
+    if (epsilon > kLast) settle(rounds, kSpreading, spreading);
     const Points even = fit_.dofs;
     settle(rounds, kLast, options_.most_rounds);
     constexpr int most_holds = 2;
@@ -211,14 +217,15 @@ class Fitting {
       settle(rounds, kLast, options_.most_rounds);
     }
     replan_joins();
-    fit_.after = measured();
+    fit_.after = measured(true);
   }
 
-  /// Both ways; the largest distance of each triangle is kept.
-  TargetDistances measured() {
+  /// To the target and back, or there only, which is faster far away from it; the largest distance of each
+  /// triangle is kept.
+  TargetDistances measured(bool both) {
     progress_.at("measure the fit", 0);
     TargetDistances result = target_distances(*fit_.layout, fit_.dofs, target_, &largest_of_);
-    result.back = way_back(*fit_.layout, fit_.dofs, target_, &largest_of_);
+    if (both) result.back = way_back(*fit_.layout, fit_.dofs, target_, &largest_of_);
     return result;
   }
 
@@ -240,7 +247,7 @@ class Fitting {
       auto planned = std::make_shared<ModelLayout>(*fit_.layout);
       planned->plan_joins(fit_.dofs);
       fit_.layout = std::move(planned);
-      FitRounds rounds(fit_.layout, of_region_);
+      FitRounds rounds(fit_.layout, of_region_, target_);
       rounds.prepare(kLast);
       for (int round = 0; round < 3; ++round, ++fit_.rounds)
         fit_.dofs = rounds.round(fit_.dofs, sides_);

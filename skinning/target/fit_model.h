@@ -10,7 +10,7 @@ namespace batten {
 
 struct ModelFitOptions {
   double tolerance = 0;  ///< wanted distance, model units; 0: 1e-4 of the model's size
-  int most_rounds = 30;  ///< on one mesh
+  int most_rounds = 12;  ///< on one mesh, once its first shape is near
   int most_halvings = 5;
   int most_triangles = 60'000;
   /// Parts of the target: a region whose lines all lie on one of them is drawn to that part alone.
