@@ -194,7 +194,7 @@ class Fitting {
       if (fit_.after.largest() < best.after.largest()) best = fit_;
     }
     fit_ = std::move(best);
-    if (fit_.after.largest() > fit_.before.largest()) go_back();
+    if (fit_.after.there() > fit_.before.there()) go_back();
     fit_.reached = fit_.after.largest() <= tolerance_;
     return std::move(fit_);
   }

@@ -32,18 +32,19 @@ struct ModelFit {
 /// that touches the target at the nearest point t with normal m, so that it may slide:
 ///
 ///     g = n ((t - x)·m) / (n·m)
-///     minimise ∫ |x' - x - g|² + ε h⁴ ∫ |∂²(x' - x)|²   under the rows,
+///     minimise ∫ |x' - x - g|² + ε h⁴ ∫ |∂²x'|²   under the rows,
 ///
-/// h the size of a triangle on the model scaled to size 1. The second term holds back what triangles cannot
-/// follow; it is zero at the end, so that the fit is not drawn to any other shape. ε falls from 100 to 1e-3
-/// from round to round. The matrix, mass + ε h⁴ bending, stays the same while ε and rows do: one factor, many
-/// rounds. Beyond the target's rim springs have no pull. Where the target is still farther than the tolerance
-/// triangles are halved, smooth joins planned anew, and rounds go on, as long as that helps; not
-/// where lines themselves are that far away.
+/// h the size of a triangle on the model scaled to size 1. The second term spreads the parameters over the
+/// surface, so that it does not fold. ε falls from 100 to 1e-3, stays there for some rounds, and is 1e-5 at
+/// the end, where it draws the shape aside by less than triangles miss it anyway; triangles that turn over nevertheless, and those
+/// around them, keep a hundred times as much. The matrix, mass + ε h⁴ bending, stays the same while ε and
+/// rows do: one factor, many rounds, which Acceleration makes fewer. Beyond the target's rim springs have
+/// no pull. Where the target is still farther than the tolerance, either way, triangles are halved, smooth joins planned
+/// anew, and rounds go on, as long as that helps; not where lines themselves are that far away.
 ///
 /// `start`: absolute dofs on the layout that have its lines, near enough to the target that nearest points
 /// are the right ones. Throws InputError: a tolerance below 0, or a target without any point near;
-/// ConflictError, NoSolutionError, CancelledError. Costs a factor a halving, and for each round and triangle
+/// ConflictError, NoSolutionError, CancelledError. Costs two factors a halving, and for each round and triangle
 /// 18 nearest points.
 ModelFit fit_model(std::shared_ptr<const ModelLayout> layout, const Points& start,
                    const TargetSurface& target, const ModelFitOptions& options = {},

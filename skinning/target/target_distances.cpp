@@ -125,11 +125,13 @@ class Measuring {
 
 }  // namespace
 
-double TargetDistances::largest() const {
-  double result = back.largest;
+double TargetDistances::there() const {
+  double result = 0;
   for (const Distances& region : regions) result = std::max(result, region.largest);
   return result;
 }
+
+double TargetDistances::largest() const { return std::max(there(), back.largest); }
 
 std::vector<double> target_sides(const ModelLayout& layout, const Points& dofs,
                                  const std::vector<const TargetSurface*>& targets) {

@@ -25,6 +25,7 @@ struct TargetDistances {
   Distances back;
   /// From each line of the layout, at 8 points a segment: no fit is nearer to the target than its lines.
   std::vector<Distances> lines;
+  double there() const;    ///< the largest one of the regions
   double largest() const;  ///< of the regions and of the way back
 };
 

@@ -256,3 +256,35 @@ TEST_CASE("a chord that is no length, or far too small, is refused") {
   options.chord = std::nan("");
   CHECK_THAT(refusal([&] { facets_of_cad(file, options); }), Contains("chord"));
 }
+
+TEST_CASE("curved triangles keep a chord with fewer, and bulge as the face does") {
+  const fs::path folder = scratch("facets_curved");
+  const fs::path file =
+      written(folder / "a.step", painted("tube", BRepPrimAPI_MakeTorus(20, 6).Shape()));
+  CadFacetOptions options;
+  options.chord = 2e-3;
+  const CadFacets flat = facets_of_cad(file, options);
+  options.curved = true;
+  const CadFacets curved = facets_of_cad(file, options);
+  CHECK(flat.normals.empty());
+  REQUIRE(count_of(curved.normals) == curved.mesh.face_count());
+  REQUIRE(count_of(curved.faces) == curved.mesh.face_count());
+  CHECK(curved.mesh.face_count() < flat.mesh.face_count() / 2);
+  CHECK(curved.deviation <= options.chord);
+  double off = 0, flat_off = 0;
+  const auto distance = [](const Vec3& p) {
+    return std::abs(Vec2(p.head<2>().norm() - 20, p.z()).norm() - 6);
+  };
+  for (int f = 0; f < curved.mesh.face_count(); ++f) {
+    CurvedTriangle::Corners p;
+    for (size_t c = 0; c < 3; ++c) p[c] = curved.mesh.points.row(curved.mesh.face(f)[c]);
+    const CurvedTriangle triangle(p, curved.normals[f]);
+    for (const Vec3& w :
+         {Vec3(1, 1, 1), Vec3(1, 1, 0), Vec3(0, 1, 1), Vec3(1, 0, 1), Vec3(3, 1, 1)}) {
+      off = std::max(off, distance(triangle.at(w / w.sum())));
+      flat_off = std::max(flat_off, distance((w[0] * p[0] + w[1] * p[1] + w[2] * p[2]) / w.sum()));
+    }
+  }
+  CHECK(off <= options.chord);
+  CHECK(flat_off > 3 * options.chord);
+}

@@ -6,6 +6,7 @@
 #include "batten/benchmarks/analytic_shapes.h"
 #include "batten/core/errors.h"
 #include "batten/core/parallel.h"
+#include "batten/mesh/curved_mesh.h"
 #include "batten/tests/catch.h"
 #include "batten/tests/skinning/shapes.h"
 
@@ -49,6 +50,58 @@ class HalfPlane : public TargetSurface {
   std::vector<Nearest> samples() const override {
     return {{{0.25, 0.5, 0.05}, Vec3::UnitZ(), false}};
   }
+};
+
+/// z = 16 h x (1 - x) y (1 - y) over the unit square, as flat triangles.
+class Hill : public TargetSurface {
+ public:
+  explicit Hill(double height) : mesh_(grid(height)) {}
+  std::optional<Nearest> nearest(const Vec3& p, const Vec3& along) const override {
+    const auto found =
+        mesh_.nearest(p, along.isZero(0) ? std::optional<Vec3>() : std::optional<Vec3>(along));
+    if (!found) return {};
+    return Nearest{found->at, found->normal, found->at_rim};
+  }
+  std::vector<Nearest> samples() const override {
+    std::vector<Nearest> points;
+    for (int t = 0; t < mesh_.mesh().triangle_count(); t += 7)
+      points.push_back({mesh_.triangle(t).at(Vec3::Constant(1.0 / 3)),
+                        mesh_.mesh().area_vector(t).normalized(), false});
+    return points;
+  }
+
+ private:
+  static CurvedMesh grid(double height) {
+    constexpr int n = 40;
+    Points points((n + 1) * (n + 1), 3);
+    std::vector<std::array<int, 3>> triangles;
+    for (int j = 0; j <= n; ++j)
+      for (int i = 0; i <= n; ++i) {
+        const double x = double(i) / n, y = double(j) / n;
+        const int a = j * (n + 1) + i;
+        points.row(a) << x, y, 16 * height * x * (1 - x) * y * (1 - y);
+        if (i == n || j == n) continue;
+        triangles.push_back({a, a + 1, a + n + 2});
+        triangles.push_back({a, a + n + 2, a + n + 1});
+      }
+    return CurvedMesh(TriangleMesh(points, triangles));
+  }
+  CurvedMesh mesh_;
+};
+
+/// Of two surfaces the nearer one.
+class NearerOf : public TargetSurface {
+ public:
+  NearerOf(const TargetSurface& a, const TargetSurface& b) : a_(a), b_(b) {}
+  std::optional<Nearest> nearest(const Vec3& p, const Vec3& along) const override {
+    const auto a = a_.nearest(p, along), b = b_.nearest(p, along);
+    if (!a || !b) return a ? a : b;
+    return (a->at - p).norm() <= (b->at - p).norm() ? a : b;
+  }
+  std::vector<Nearest> samples() const override { return a_.samples(); }
+
+ private:
+  const TargetSurface &a_, &b_;
 };
 
 bench::AnalyticShape shape_named(const std::string& name) {
@@ -148,6 +201,27 @@ TEST_CASE("where a target ends the shape stays, and points there do not count") 
   CHECK(near > 0.045);
   CHECK(far < 0.01);
   CHECK(fit.before.regions[0].beyond > fit.before.regions[0].points / 2);
+}
+
+TEST_CASE("a region whose lines lie on one part of the target is fitted to that part") {
+  // Two hills on one outline, up and down: a flat region lies between them.
+  const Hill up(0.2), down(-0.2);
+  const auto both = std::make_shared<NearerOf>(up, down);
+  const auto layout = unit_square();
+  const Points flat = layout->least_energy(SurfaceStiffness::isotropic(0, 1));
+  for (const auto& [part, height] : {std::pair(&up, 0.2), std::pair(&down, -0.2)}) {
+    ModelFitOptions options;
+    options.tolerance = 2e-3;
+    // A part on which no line lies is no part of the region.
+    options.parts = {std::make_shared<HalfPlane>(), std::make_shared<Hill>(*part)};
+    const ModelFit fit = fit_model(layout, flat, *both, options);
+    double extreme = 0;
+    for (int v = 0; v < fit.layout->mesh()->vertex_count(); ++v) {
+      const double z = fit.dofs(3 * v, 2);
+      if (std::abs(z) > std::abs(extreme)) extreme = z;
+    }
+    CHECK(extreme == Approx(height).epsilon(0.05));
+  }
 }
 
 TEST_CASE("targets and tolerances that cannot be are refused") {

@@ -1,0 +1,122 @@
+// The lines around the faces of CAD files, and creases inside of faces.
+#include "batten/io/lines/cad_loops.h"
+
+#include <BRepBuilderAPI_MakeFace.hxx>
+#include <Geom_BSplineSurface.hxx>
+#include <TColStd_Array1OfInteger.hxx>
+#include <TColStd_Array1OfReal.hxx>
+#include <TColgp_Array2OfPnt.hxx>
+
+#include <cmath>
+#include <numbers>
+
+#include "batten/io/lines/cad_lines.h"
+#include "batten/tests/io/cad/cad_files.h"
+
+using namespace batten_test;
+
+namespace {
+
+/// Two flat strips that meet along y = x = 0 … by `degrees`, as one surface of degree 2 in u with a double knot.
+TopoDS_Shape folded(double degrees) {
+  const double turn = degrees * std::numbers::pi / 180;
+  TColgp_Array2OfPnt poles(1, 5, 1, 2);
+  for (int i = 0; i < 5; ++i)
+    for (int j = 0; j < 2; ++j) {
+      const double s = 5.0 * (i - 2);
+      const double x = s < 0 ? s : s * std::cos(turn), z = s < 0 ? 0 : s * std::sin(turn);
+      poles(i + 1, j + 1) = gp_Pnt(x, 30.0 * j, z);
+    }
+  TColStd_Array1OfReal u(1, 3), v(1, 2);
+  TColStd_Array1OfInteger in_u(1, 3), in_v(1, 2);
+  for (int k = 0; k < 3; ++k) u(k + 1) = k;
+  in_u(1) = in_u(3) = 3;
+  in_u(2) = 2;
+  v(1) = 0;
+  v(2) = 1;
+  in_v(1) = in_v(2) = 2;
+  return BRepBuilderAPI_MakeFace(new Geom_BSplineSurface(poles, u, v, in_u, in_v, 2, 1), 1e-7)
+      .Shape();
+}
+
+fs::path file_of(const std::string& name, const TopoDS_Shape& shape) {
+  return written(scratch("loops") / (name + ".step"), painted(name, shape));
+}
+
+}  // namespace
+
+TEST_CASE("the loops of a block are the edges of its faces, which meet at right angles") {
+  const fs::path file = file_of("block", BRepPrimAPI_MakeBox(10, 20, 30).Shape());
+  const CadFaceLoops found = read_cad_loops(file, 1e-3);
+  REQUIRE(found.faces.size() == 6);
+  std::map<std::string, int> uses;
+  for (const CadLoops& face : found.faces) {
+    REQUIRE(face.loops.size() == 1);
+    CHECK(face.loops[0].size() == 4);
+    CHECK(face.inner.empty());
+    CHECK_FALSE(face.ring());
+    for (const std::string& line : face.loops[0]) ++uses[line];
+  }
+  const auto lines = read_cad_lines(file, 1e-3);
+  REQUIRE(uses.size() == lines.size());
+  for (const auto& line : lines) CHECK(uses[line.name] == 2);
+  REQUIRE(found.joins.size() == 12);
+  for (const CadJoin& join : found.joins) CHECK(join.angle_deg == Approx(90));
+  CHECK(found.size == Approx(std::sqrt(1400)).epsilon(1e-3));
+  CHECK(found.gap < 1e-9);
+  // In metres.
+  CHECK(read_cad_loops(file, 1).size == Approx(1e-3 * found.size));
+}
+
+TEST_CASE("a tube has two rims and a seam, a plate with a hole two loops, a ball none") {
+  const auto tube = read_cad_loops(file_of("tube", BRepPrimAPI_MakeCylinder(4, 25).Shape()), 1e-3);
+  REQUIRE(tube.faces.size() == 3);
+  int rings = 0;
+  for (const CadLoops& face : tube.faces) {
+    rings += face.ring();
+    CHECK(face.loops.size() == (face.ring() ? 2 : 1));
+    CHECK(face.inner.size() == (face.ring() ? 1 : 0));
+    for (const auto& loop : face.loops) CHECK(loop.size() == 1);
+  }
+  CHECK(rings == 1);
+  const TopoDS_Shape hole =
+      BRepPrimAPI_MakeCylinder(gp_Ax2(gp_Pnt(20, 20, -5), gp_Dir(0, 0, 1)), 6, 30).Shape();
+  const auto plate = read_cad_loops(
+      file_of("plate", BRepAlgoAPI_Cut(BRepPrimAPI_MakeBox(50, 40, 10).Shape(), hole).Shape()),
+      1e-3);
+  int holed = 0;
+  for (const CadLoops& face : plate.faces)
+    if (face.loops.size() == 2 && !face.ring()) {
+      ++holed;
+      CHECK(face.loops[0].size() == 4);  // the outer one first
+      CHECK(face.loops[1].size() == 1);
+    }
+  CHECK(holed == 2);
+  const auto ball = read_cad_loops(file_of("ball", BRepPrimAPI_MakeSphere(10).Shape()), 1e-3);
+  REQUIRE(ball.faces.size() == 1);
+  CHECK(ball.faces[0].loops.empty());
+}
+
+TEST_CASE("a crease inside of a face is a line, with the angle by which the surface turns") {
+  const fs::path file = file_of("fold", folded(40));
+  const auto lines = read_cad_lines(file, 1e-3);
+  CHECK(lines.size() == 7);  // two edges are cut, and the crease
+  const CadFaceLoops found = read_cad_loops(file, 1e-3);
+  REQUIRE(found.faces.size() == 2);
+  for (const CadLoops& face : found.faces) {
+    REQUIRE(face.loops.size() == 1);
+    CHECK(face.loops[0].size() == 4);
+  }
+  REQUIRE(found.joins.size() == 1);
+  CHECK(found.joins[0].angle_deg == Approx(40).epsilon(1e-6));
+  int creases = 0;
+  for (const auto& line : lines)
+    if (line.name == found.joins[0].line) {
+      ++creases;
+      for (const double t : {line.curve->start(), line.curve->end()}) {
+        CHECK(std::abs(line.curve->evaluate(t).x()) < 1e-9);
+        CHECK(std::abs(line.curve->evaluate(t).z()) < 1e-9);
+      }
+    }
+  CHECK(creases == 1);
+}
