@@ -14,16 +14,15 @@
 #include "batten/apps/commands/shapes/run_scene.h"
 #include "batten/core/errors.h"
 #include "batten/fem/surface_projector.h"
-#include "batten/io/cad/continuity.h"
 #include "batten/io/cad/step.h"
 #include "batten/io/cad/step_face.h"
 #include "batten/io/files/length_units.h"
-#include "batten/io/lines/cad_lines.h"
 #include "batten/io/scene/read_scene.h"
 #include "batten/tests/reference.h"
 #include "bench.h"
 #include "occ_filling.h"
 #include "occ_step_file.h"
+#include "step_witness.h"
 
 namespace {
 
@@ -74,70 +73,27 @@ std::vector<std::unique_ptr<Model>> all_models() {
   return models;
 }
 
-/// Points of the surfaces, about `count` in all, evenly over triangles.
-std::vector<Vec3> points_of(const Model& model, int count) {
-  int triangles = 0;
-  for (const SkinnedRegion* region : model.regions())
-    triangles += region->surface.mesh().triangle_count();
-  const int n = std::max(2, static_cast<int>(std::sqrt(2.0 * count / triangles)));
-  std::vector<Vec3> points;
-  for (const SkinnedRegion* region : model.regions()) {
-    const Surface& s = region->surface;
-    for (int t = 0; t < s.mesh().triangle_count(); ++t)
-      for (int i = 0; i < n; ++i)
-        for (int j = 0; i + j < n; ++j) {
-          const double a = (i + 0.31) / n, b = (j + 0.28) / n;
-          const Vec3 L(a, b, 1 - a - b);
-          if (s.trim() && !s.trim()->loops().contains(s.mesh().shape(t).point(L))) continue;
-          points.push_back(s.position({t, L}));
-        }
-  }
-  return points;
-}
-
-/// What another reading of the file finds, in model units.
-struct Witness {
-  double from_surface = 0, from_file = 0;  ///< largest distance of points of one from the other
-  long points = 0;
-  double angle_deg = 0;  ///< largest between faces that should be tangent
-  int tangent = 0, creases = 0;
-  double worst() const { return std::max(from_surface, from_file); }
-};
-
-Witness witness_of(const Model& model, const fs::path& file, const StepReport& report, int count) {
-  Witness found;
-  const auto faces = read_cad_surfaces(file, model.unit);
-  size_t first = 0;
-  for (const Vec3& p : points_of(model, count)) {
-    found.from_surface = std::max(found.from_surface, distance(faces, p, first));
-    ++found.points;
-  }
+/// Largest distance of points of the file's faces from the surfaces, model units.
+double beyond_surfaces(const Model& model, const fs::path& file, const StepReport& report,
+                       int count) {
   std::map<std::string, std::unique_ptr<SurfaceProjector>> projectors;
   for (const SkinnedRegion* region : model.regions())
     projectors[region->name] = std::make_unique<SurfaceProjector>(region->surface);
   const StepFile step(file.string(), model.unit);
   const int faces_read = std::min(step.faces(), static_cast<int>(report.patches.size()));
   const int n = std::max(4, static_cast<int>(std::sqrt(count / std::max(1, faces_read))));
+  double most = 0;
   for (int f = 0; f < faces_read; ++f) {
     std::vector<Vec3> points = step.points(f, n);
     for (const Vec3& p : step.rim(f, n)) points.push_back(p);
     const SurfaceProjector& onto = *projectors.at(report.patches[static_cast<size_t>(f)].region);
-    for (const Vec3& p : points)
-      found.from_file = std::max(found.from_file, onto.nearest(p).distance);
-    found.points += static_cast<long>(points.size());
+    for (const Vec3& p : points) most = std::max(most, onto.nearest(p).distance);
   }
-  return found;
-}
-
-/// Counts edges of the file by what they are; `smooth`: a join that the surfaces have tangent.
-void add_edges(const ContinuityReport& edges, Witness& found) {
-  using Kind = EdgeContinuity::Kind;
-  found.creases = edges.count(Kind::Crease);
-  found.tangent = edges.count(Kind::Tangent) + edges.count(Kind::Curvature);
+  return most;
 }
 
 struct Options {
-  int points = 20'000;
+  int points = 100'000;
   fs::path folder;
 };
 
@@ -147,6 +103,7 @@ std::string short_text(double x) { return text("%.2g", x); }
 void few_faces(const Model& model, const Options& options, Promises& promises, Table& table,
                Table& facetted) {
   const auto regions = model.regions();
+  std::optional<StepWitness> witness;
   for (const double share : {1e-2, 1e-3, 1e-4, 1e-5}) {
     StepFaceOptions o;
     o.tolerance = share * model.size;
@@ -157,19 +114,24 @@ void few_faces(const Model& model, const Options& options, Promises& promises, T
                 time_of([&] { write_step_faces(file, regions, model.unit, o); }),
                 time_of([&] { write_step_faces(file, regions, model.unit, o); })});
     const double read = time_of([&] { StepFile(file.string(), model.unit); });
-    Witness seen = witness_of(model, file, report, options.points);
-    add_edges(measure_continuity(file, model.unit), seen);
+    if (!witness) witness.emplace(regions, report.joins, options.points, options.folder);
+    const auto seen = witness->seen(file);
+    const double back = beyond_surfaces(model, file, report, options.points / 5);
     long poles = 0;
     for (const StepPatch& patch : report.patches) poles += long{patch.poles_u} * patch.poles_v;
     double surface_deg = 0;
     for (const StepJoin& join : report.joins) surface_deg = std::max(surface_deg, join.surface_deg);
-    const double worst = std::max(*report.max_deviation, seen.worst());
+    const double worst = std::max({*report.max_deviation, back, seen ? seen->distance : 0.0});
+    long missed = std::count_if(report.joins.begin(), report.joins.end(),
+                                [](const StepJoin& join) { return !join.reached; });
     table.add({model.name, short_text(share), std::to_string(report.faces),
-               text("%.2g", *report.max_deviation / o.tolerance),
-               text("%.2g", seen.worst() / o.tolerance), std::to_string(report.joins.size()),
-               short_text(report.max_join_deg), short_text(surface_deg), std::to_string(poles),
-               text("%.2f", megabytes(file)), text("%.2f", write), text("%.2f", read),
-               report.valid ? "yes" : "no"});
+               text("%.2g", *report.max_deviation / o.tolerance), text("%.2g", back / o.tolerance),
+               seen ? text("%.2g", seen->distance / o.tolerance) : "-",
+               std::to_string(report.joins.size()), std::to_string(missed),
+               short_text(report.max_join_deg), seen ? std::to_string(seen->above) : "-",
+               seen ? short_text(seen->degrees) : "-", short_text(surface_deg),
+               std::to_string(poles), text("%.2f", megabytes(file)), text("%.2f", write),
+               text("%.2f", read), report.valid ? "yes" : "no"});
     const std::string name = model.name + text(" at %g of the size: ", share);
     promises.at_most(name + "deviation over asked", worst / o.tolerance, 1);
     promises.at_most(name + "degrees across smooth joins", report.max_join_deg, 0.1);
@@ -302,8 +264,9 @@ int main(int argc, char** argv) {
   fs::create_directories(options.folder);
   Promises promises;
   Table few, facetted, exact, converted, filled;
-  few.add({"one face a region", "asked", "faces", "deviation over asked", "seen otherwise", "joins",
-           "degrees", "of surfaces", "poles", "MB", "write s", "read s", "valid"});
+  few.add({"one face a region", "asked", "faces", "deviation over asked", "back", "witness",
+           "joins", "missed", "degrees", "witness", "degrees", "of surfaces", "poles", "MB",
+           "write s", "read s", "valid"});
   facetted.add(
       {"facetted", "asked", "triangles", "MB", "ours", "write s", "ours", "read s", "ours"});
   exact.add({"exact", "faces", "fitted", "deviation", "of fitted", "degrees inside",
