@@ -10,8 +10,8 @@ Coordinates are in the file's unit. Prints one JSON object:
 faces, edges     of the file
 points, distance the largest distance of a point from the nearest point of its face's spline
 joins, places    lines in JOINS.csv with an edge between two faces of the file; their places
-creased          places where the surfaces themselves meet by more than 0.1 degrees
-degrees, worst   the largest angle between the faces' normals at their nearest points elsewhere; its line
+creased          places where the surfaces themselves meet by more than 0.1 degrees, or by less in passing
+degrees, worst   the largest angle between the faces' normals along the edge elsewhere; its line
 above            lines with an angle above 0.1 degrees there
 beyond           the largest angle of faces less that of surfaces, all places
 """
@@ -22,6 +22,7 @@ import sys
 from collections import defaultdict
 
 import numpy as np
+from scipy.interpolate import BSpline
 from scipy.spatial import cKDTree
 
 LIMIT = 0.1   # degrees: above it surfaces are not tangent
@@ -47,6 +48,8 @@ def arguments(text):
         elif token == ")":
             done = stack.pop()
             stack[-1].append(done)
+            if len(stack) == 1:
+                break
         elif token != ",":
             stack[-1].append(token)
     return stack[0][0]
@@ -69,22 +72,53 @@ class StepFile:
         for n, body in self.text.items():
             if body.startswith("CARTESIAN_POINT"):
                 self.points[n] = [float(x) for x in arguments(body)[1]]
-        self.faces, self.edges_of = [], []
+        self.faces = []
         edges = set()
         for n, body in self.text.items():
             if not body.startswith("ADVANCED_FACE"):
                 continue
             name, bounds, surface, _ = arguments(body)
-            names = set()
+            rims = []
             for bound in bounds:
                 loop = arguments(self.text[number(arguments(self.text[number(bound)])[1])])
                 for oriented in loop[1]:
                     edge = number(arguments(self.text[number(oriented)])[3])
                     edges.add(edge)
-                    names.add(arguments(self.text[edge])[0].strip("'"))
+                    line = arguments(self.text[edge])[0].strip("'")
+                    rims += [(line, rim) for rim in self.rims(edge, surface)]
             self.faces.append((name.strip("'"), self.spline(number(surface))))
-            self.edges_of.append(names)
+            self.faces[-1][1].rims = [rim for _, rim in rims]
+            self.faces[-1][1].lines = rims
         self.edges = len(edges)
+
+    def rims(self, edge, surface):
+        """Polygons along an edge in the parameters of a surface; straight seams are left out."""
+        curve = self.text[number(arguments(self.text[edge])[3])]
+        found = []
+        for reference in arguments(curve)[2] if "SURFACE_CURVE" in curve or "SEAM_CURVE" in curve else []:
+            on, flat = arguments(self.text[number(reference)])[1:3]
+            if on == surface:
+                line = self.flat_spline(number(arguments(self.text[number(flat)])[1][0]))
+                found += [line] if line is not None else []
+        return found
+
+    def flat_spline(self, n):
+        body = self.text[n]
+        if "B_SPLINE_CURVE_WITH_KNOTS" not in body:
+            return None
+        plain = body.startswith("B_SPLINE_CURVE_WITH_KNOTS")
+        knots = part(body, "B_SPLINE_CURVE_WITH_KNOTS")
+        degree, poles = knots[1:3] if plain else part(body, "B_SPLINE_CURVE")[:2]
+        times, values = knots[6:8] if plain else knots[:2]
+        weights = part(body, "RATIONAL_B_SPLINE_CURVE")
+        w = np.array([float(x) for x in weights[0]])[:, None] if weights else np.ones((len(poles), 1))
+        p = np.array([self.points[number(q)] for q in poles]) * w
+        all_knots = np.repeat([float(x) for x in values], [int(t) for t in times])
+        spline = BSpline(all_knots, np.hstack([p, w]), int(degree))
+        ends = np.unique(all_knots)
+        t = np.append((ends[:-1, None] + np.arange(32) / 32 * np.diff(ends)[:, None]).ravel(), ends[-1])
+        x = spline(t)
+        return x[:, :2] / x[:, 2:]
 
     def spline(self, n):
         body = self.text[n]
@@ -143,7 +177,7 @@ class Spline:
             inner = self.knots[k][self.degrees[k]:len(self.knots[k]) - self.degrees[k]]
             at = np.searchsorted(inner, uv[:, k], side="right") - 1
             last = np.searchsorted(inner, inner[-1], side="left") - 1
-            spans.append(np.minimum(at, last) + self.degrees[k])
+            spans.append(np.clip(at, 0, last) + self.degrees[k])
         rows, columns = (spans[k][:, None] - self.degrees[k] + np.arange(self.degrees[k] + 1)
                          for k in (0, 1))
         near = self.poles[rows[:, :, None], columns[:, None, :]]
@@ -162,10 +196,24 @@ class Spline:
                 shares = np.arange(SAMPLES) / SAMPLES
                 inner = ends[:-1, None] + shares * np.diff(ends)[:, None]
                 lines.append(np.append(inner.ravel(), ends[-1]))
-            u, v = np.meshgrid(*lines, indexing="ij")
-            self.uv = np.column_stack([u.ravel(), v.ravel()])
+            self.uv = np.clip(np.vstack(self.inside(*lines) + self.rims), self.low, self.high)
             self.tree = cKDTree(self.derivatives(self.uv, [(0, 0)])[0])
         return self.tree
+
+    def inside(self, u, v):
+        """Pairs of the values of u and v that the rims leave: lines of constant u cross these. (What the
+        spline does beyond its rims is no part of the face, and may come near to anything.)"""
+        a = np.vstack([rim[:-1] for rim in self.rims])
+        b = np.vstack([rim[1:] for rim in self.rims])
+        found = []
+        for at in u:
+            crossed = (a[:, 0] <= at) != (b[:, 0] <= at)
+            p, q = a[crossed], b[crossed]
+            share = (at - p[:, 0]) / (q[:, 0] - p[:, 0])
+            above = np.sort(p[:, 1] + share * (q[:, 1] - p[:, 1]))
+            kept = v[np.searchsorted(above, v) % 2 == 1]
+            found.append(np.column_stack([np.full(len(kept), at), kept]))
+        return found
 
     def descend(self, points, uv):
         """Newton's steps to the nearest points, each halved until it comes nearer."""
@@ -206,6 +254,22 @@ class Spline:
             uv[nearer], best[nearer] = other[nearer], far[nearer]
         return uv, best
 
+    def along(self, line, points):
+        """Parameters on the spline's own image of a line, where that is nearest to points."""
+        best, uv = np.full(len(points), np.inf), np.zeros((len(points), 2))
+        for rim in (np.clip(rim, self.low, self.high) for name, rim in self.lines if name == line):
+            x = self.derivatives(rim, [(0, 0)])[0]
+            near = cKDTree(x).query(points)[1]
+            for first in (np.maximum(near - 1, 0), np.minimum(near, len(x) - 2)):
+                step = x[first + 1] - x[first]
+                dot = np.einsum("nc,nc->n", points - x[first], step)
+                s = np.clip(dot / (np.einsum("nc,nc->n", step, step) + 1e-300), 0, 1)[:, None]
+                far = np.linalg.norm(x[first] + s * step - points, axis=1)
+                nearer = far < best
+                best[nearer] = far[nearer]
+                uv[nearer] = (rim[first] + s * (rim[first + 1] - rim[first]))[nearer]
+        return uv
+
     def normals(self, uv):
         xu, xv = self.derivatives(uv, [(1, 0), (0, 1)])
         return np.cross(xu, xv)
@@ -233,17 +297,27 @@ def measure_points(step, path):
     return {"points": count, "distance": most}
 
 
+def tangent_runs(smooth):
+    """Without what is shorter than a sixteenth of the line: a crease that passes a common plane."""
+    kept, first = smooth.copy(), 0
+    for k in np.append(np.flatnonzero(~smooth), len(smooth)):
+        if k - first < len(smooth) // 16:
+            kept[first:k] = False
+        first = k + 1
+    return kept
+
+
 def measure_joins(step, path):
     found = {"joins": 0, "places": 0, "degrees": 0.0, "worst": "", "above": 0, "beyond": 0.0,
              "creased": 0}
     for line, places in rows(path).items():
-        beside = [s for (_, s), names in zip(step.faces, step.edges_of) if line in names]
+        beside = [s for _, s in step.faces if any(name == line for name, _ in s.lines)]
         if len(beside) != 2:
             continue
-        one, other = (s.normals(s.nearest(places[:, :3], 1)[0]) for s in beside)
+        one, other = (s.normals(s.along(line, places[:, :3])) for s in beside)
         across = np.linalg.norm(np.cross(one, other), axis=1)
         angles = np.degrees(np.arctan2(across, np.abs(np.einsum("nc,nc->n", one, other))))
-        smooth = places[:, 3] <= LIMIT
+        smooth = tangent_runs(places[:, 3] <= LIMIT)
         found["joins"] += 1
         found["places"] += len(places)
         found["creased"] += int(np.sum(~smooth))
