@@ -208,11 +208,15 @@ class PatchSearch {
   /// Of the fits that reach the deviation and not the angle, the one with the fewest poles that comes
   /// within half of the way to the smallest angle: more poles would buy little.
   PatchFit sparest() const {
-    PatchFit found = best_;
-    if (best_.deviation > goal_.deviation || best_.angle_deg < 2 * goal_.angle_deg) return found;
+    if (near_.empty()) return best_;
+    const auto less = [](const PatchFit& a, const PatchFit& b) {
+      return a.angle_deg < b.angle_deg;
+    };
+    PatchFit found = *std::min_element(near_.begin(), near_.end(), less);
+    const double least = found.angle_deg;
+    if (least < 2 * goal_.angle_deg) return found;
     for (const PatchFit& fit : near_)
-      if (fit.angle_deg <= 1.5 * best_.angle_deg &&
-          fit.patch.poles.rows() < found.patch.poles.rows())
+      if (fit.angle_deg <= 1.5 * least && fit.patch.poles.rows() < found.patch.poles.rows())
         found = fit;
     return found;
   }
@@ -327,6 +331,12 @@ Vec3 BicubicPatch::position(const Vec2& uv) const {
   const int i = u.interval(a), j = v.interval(b);
   return position_in(*this, i, j, (a - u.knots()[i]) / u.length(i),
                      (b - v.knots()[j]) / v.length(j));
+}
+
+Vec3 BicubicPatch::normal(const Vec2& uv) const {
+  const double a = u.wrapped(uv.x()), b = v.wrapped(uv.y());
+  const int i = u.interval(a), j = v.interval(b);
+  return normal_in(*this, i, j, (a - u.knots()[i]) / u.length(i), (b - v.knots()[j]) / v.length(j));
 }
 
 PatchFit fit_bicubic_patch(const PatchTarget& target, const PatchGoal& goal,

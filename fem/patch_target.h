@@ -15,6 +15,7 @@ struct BicubicPatch {
   Points poles;  ///< of function i of u and j of v: row i · v.functions() + j
 
   Vec3 position(const Vec2& uv) const;
+  Vec3 normal(const Vec2& uv) const;  ///< along S_u × S_v, of any length
 };
 
 /// What a fit may miss.

@@ -20,21 +20,26 @@ int pieces_of(const PlanarCubic& arc, double spacing) {
 bool FaceMaker::refine(double deviation, double angle_deg) {
   if (!fit_.reached || !std::isfinite(deviation)) return false;
   const bool far = deviation > options_.tolerance;
-  const bool askew = angle_deg > options_.join_deg && goal_.angle_deg < options_.join_deg;
+  constexpr int most_failures = 2;
+  const bool askew = angle_deg > options_.join_deg && goal_.angle_deg < options_.join_deg &&
+                     failed_angles_ < most_failures;
   if (far) goal_.deviation *= 0.9 * options_.tolerance / deviation;
   if (askew) goal_.angle_deg *= 0.9 * options_.join_deg / angle_deg;
   if (!far && !askew) return false;
   const PatchFit before = fit_;
   constexpr int most_steps = 6;
+  long poles = 0;
   for (int i = 0; i < most_steps; ++i) {
     fit(&before.patch);
-    if (!fit_.reached) break;
-    if (poles_u() * poles_v() > before.patch.poles.rows()) return true;
+    if (!fit_.reached || fit_.patch.poles.rows() == poles) break;
+    poles = fit_.patch.poles.rows();
+    if (poles > before.patch.poles.rows()) return true;
     // What is missed by a hair lies where the fit has no samples.
     if (far) goal_.deviation *= 0.8;
     if (askew) goal_.angle_deg *= 0.8;
   }
   fit_ = before;
+  if (askew) ++failed_angles_;
   return false;
 }
 
@@ -95,11 +100,10 @@ void FaceMaker::fit() { fit(nullptr); }
 
 void FaceMaker::fit(const BicubicPatch* start) {
   PatchTarget target = this->target();
-  constexpr int few = 2'000;
-  const int in_proportion =
-      std::max(few, options_.most_poles_a_triangle * region_.surface.mesh().triangle_count());
-  // A cell of the first fit holds up to eight triangles.
+  constexpr int few = 6'000;
   const int triangles = region_.surface.mesh().triangle_count();
+  const int in_proportion = std::max(few, options_.most_poles_a_triangle * triangles);
+  // A cell of the first fit holds up to eight triangles.
   const int first = std::clamp(static_cast<int>(std::lround(std::sqrt(triangles / 8.0))), 2, 8);
   const PatchLimits limits{options_.most_poles, std::min(options_.most_poles_in_all, in_proportion),
                            first};
@@ -108,16 +112,20 @@ void FaceMaker::fit(const BicubicPatch* start) {
     for (const FaceStretch& stretch : loop) tangent = tangent || !stretch.turns.empty();
   if (tangent) {
     // A few poles a triangle follow what a surface's elements mean; more of them follow their kinks.
-    constexpr int fewest = 900, a_triangle = 8;
+    constexpr int fewest = 3'000, a_triangle = 8;
     PatchLimits for_angle = limits;
-    for_angle.in_all = std::min(
-        limits.in_all, std::max({fewest, a_triangle * region_.surface.mesh().triangle_count(),
-                                 start ? static_cast<int>(2 * start->poles.rows()) : 0}));
+    for_angle.in_all =
+        std::min(limits.in_all, std::max({fewest, a_triangle * triangles,
+                                          start ? static_cast<int>(2 * start->poles.rows()) : 0}));
     target.tangents = [&](double spacing) { return tangents(spacing); };
     fit_ = fit_bicubic_patch(target, goal_, for_angle, start);
-    // Where an angle cannot be reached, the faces come as near to it as their deviation allows.
-    if (!fit_.reached && fit_.deviation > goal_.deviation)
+    if (!fit_.reached && fit_.deviation > goal_.deviation) {
+      // The deviation alone tells which knots it needs: from these on the angle may be within reach.
       fit_ = fit_bicubic_patch(target, {goal_.deviation}, limits, start);
+      for_angle.in_all = std::max(for_angle.in_all, static_cast<int>(4 * fit_.patch.poles.rows()));
+      const PatchFit nearer = fit_bicubic_patch(target, goal_, for_angle, &fit_.patch);
+      if (nearer.deviation <= goal_.deviation && nearer.angle_deg < fit_.angle_deg) fit_ = nearer;
+    }
     if (fit_.deviation <= goal_.deviation) {
       goal_.angle_deg = std::max(goal_.angle_deg, 1.05 * fit_.angle_deg);
       fit_.reached = true;

@@ -112,6 +112,7 @@ class FaceMaker {
   Box3 box_;
   double size_ = 0, widest_ = 0;
   PatchGoal goal_;
+  int failed_angles_ = 0;  // refinements that did not reach one
   double coincidence_ = 0;
   PatchFit fit_;
   BRep_Builder builder_;

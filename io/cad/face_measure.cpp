@@ -144,9 +144,11 @@ void measure_stretch(const FaceStretch& stretch, const FileEdge& edge, int n, co
   }
 }
 
-/// Normals of the face and of the surfaces on both sides along a stretch with turns.
-JoinNormals normals_along(const FaceStretch& stretch, const FileEdge& edge,
-                          const Geom_BSplineSurface& surface, const FaceMaker& made) {
+/// Normals along a stretch with turns, from one end of its line to the other; `of_face` tells that of the
+/// face at a share of the stretch and at its place in (u, v).
+template <class Function>
+JoinNormals normals_along(const FaceStretch& stretch, const FaceMaker& made,
+                          const Function& of_face) {
   JoinNormals found;
   found.region = made.region().name;
   constexpr int pieces = 400;  // a face has no more knots in a direction
@@ -155,23 +157,24 @@ JoinNormals normals_along(const FaceStretch& stretch, const FileEdge& edge,
     const double share = double(stretch.reversed ? pieces - k : k) / pieces;
     const double t = start + share * (end - start);
     const auto turn = stretch.turn(t);
-    const Vec3 n = turn ? made.normal(share < 1 ? stretch.uv(t) : stretch.last()) : Vec3::Zero();
-    Vec3 of_face = Vec3::Zero(), wanted = Vec3::Zero();
-    if (!n.isZero()) {
-      const gp_Pnt2d uv = edge.line->Value(edge.at(share));
-      gp_Pnt p;
-      gp_Vec du, dv;
-      surface.D1(uv.X(), uv.Y(), p, du, dv);
-      const gp_Vec across = du.Crossed(dv);
-      of_face = {across.X(), across.Y(), across.Z()};
-      if (!(of_face.norm() > 1e-3 * du.Magnitude() * dv.Magnitude())) of_face.setZero();
-      wanted = n + *turn;
-    }
-    found.of_face.push_back(of_face);
+    const Vec2 uv = share < 1 ? stretch.uv(t) : stretch.last();
+    const Vec3 n = turn ? made.normal(uv) : Vec3::Zero();
+    found.of_face.push_back(n.isZero() ? n : of_face(share, uv));
     found.of_surface.push_back(n);
-    found.wanted.push_back(wanted);
+    found.wanted.push_back(n.isZero() ? n : n + *turn);
   }
   return found;
+}
+
+/// The normal of the file's face; zero where it comes to a point.
+Vec3 normal_of_file(const FileEdge& edge, const Geom_BSplineSurface& surface, double share) {
+  const gp_Pnt2d uv = edge.line->Value(edge.at(share));
+  gp_Pnt p;
+  gp_Vec du, dv;
+  surface.D1(uv.X(), uv.Y(), p, du, dv);
+  const gp_Vec across = du.Crossed(dv);
+  const bool flat = across.Magnitude() > 1e-3 * du.Magnitude() * dv.Magnitude();
+  return flat ? Vec3(across.X(), across.Y(), across.Z()) : Vec3(Vec3::Zero());
 }
 
 }  // namespace
@@ -210,13 +213,26 @@ FaceNormals measure_face(const TopoDS_Face& face, const FaceMaker& made, const S
                          surface->NbUKnots() + surface->NbVKnots());
       measure_stretch(stretch, edges[mine], n, made, report, points);
       if (!stretch.turns.empty())
-        normals[piece_of(plan, stretch)] = normals_along(stretch, edges[mine], *surface, made);
+        normals[piece_of(plan, stretch)] =
+            normals_along(stretch, made, [&](double share, const Vec2&) {
+              return normal_of_file(edges[mine], *surface, share);
+            });
     }
   if (std::find(used.begin(), used.end(), 0) != used.end()) report.edge_deviation = infinity;
   report.edge_gap = found->gap;
   report.deviation = largest(points.size(), [&](size_t i) {
     return (on_file(points[i]) - made.position(points[i])).norm();
   });
+  return normals;
+}
+
+FaceNormals normals_of_fit(const FaceMaker& made, const StepPlan& plan) {
+  FaceNormals normals;
+  for (const FaceLoop& loop : made.boundary().loops)
+    for (const FaceStretch& stretch : loop)
+      if (!stretch.turns.empty())
+        normals[piece_of(plan, stretch)] = normals_along(
+            stretch, made, [&](double, const Vec2& uv) { return made.patch().normal(uv); });
   return normals;
 }
 
@@ -228,26 +244,27 @@ std::vector<StepJoin> joins_between(const std::vector<FaceNormals>& faces, doubl
   for (const auto& [piece, beside] : sides) {
     const JoinNormals& one = *beside[0];
     StepJoin join{piece.first, {one.region, beside.size() > 1 ? beside[1]->region : ""}};
+    join.reached = true;
     bool tangent = false;
     for (size_t k = 0; k < one.of_face.size(); ++k) {
       const Vec3& other = beside.size() > 1 ? beside[1]->of_face[k] : one.wanted[k];
       if (one.of_face[k].isZero() || other.isZero()) continue;
       tangent = true;
-      join.angle_deg = std::max(join.angle_deg, angle_between_planes(one.of_face[k], other));
-      if (beside.size() > 1)
-        join.surface_deg = std::max(
-            join.surface_deg, angle_between_planes(one.of_surface[k], beside[1]->of_surface[k]));
+      const double angle = angle_between_planes(one.of_face[k], other);
+      const double own =
+          beside.size() > 1 ? angle_between_planes(one.of_surface[k], beside[1]->of_surface[k]) : 0;
+      join.angle_deg = std::max(join.angle_deg, angle);
+      join.surface_deg = std::max(join.surface_deg, own);
+      join.reached = join.reached && (angle <= join_deg || own > join_deg);
     }
     if (!tangent) continue;
     StepJoin& all = joins.emplace(piece.first, join).first->second;
     all.angle_deg = std::max(all.angle_deg, join.angle_deg);
     all.surface_deg = std::max(all.surface_deg, join.surface_deg);
+    all.reached = all.reached && join.reached;
   }
   std::vector<StepJoin> found;
-  for (auto& [line, join] : joins) {
-    join.reached = join.angle_deg <= join_deg;
-    found.push_back(join);
-  }
+  for (auto& [line, join] : joins) found.push_back(join);
   return found;
 }
 

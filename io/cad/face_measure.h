@@ -26,6 +26,9 @@ using FaceNormals = std::map<LinePiece, JoinNormals>;
 FaceNormals measure_face(const TopoDS_Face& face, const FaceMaker& made, const StepPlan& plan,
                          StepPatch& patch);
 
+/// The same normals of the last fit, before there is a file.
+FaceNormals normals_of_fit(const FaceMaker& made, const StepPlan& plan);
+
 /// The joins between faces, by line. Where a side is no fitted face, the angle is
 /// that from the normals that were wanted.
 std::vector<StepJoin> joins_between(const std::vector<FaceNormals>& faces, double join_deg);

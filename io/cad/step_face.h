@@ -15,8 +15,8 @@
 //
 // Where the surfaces of two regions are tangent along at least half of a line, their faces are too:
 // both are fitted to normals that are common to them, smooth along the line (what is shorter than 3 %
-// of it is smoothed away), and one normal for all joins that meet in a place. StepReport::joins has the
-// angle of each in the file.
+// of it is smoothed away), and one normal for all joins that meet in a place, where they turn so that each
+// face has one twist in its corner (corner_twists.h). StepReport::joins has the angle of each in the file.
 //
 // The report does not use the fit's own numbers: OpenCASCADE reads the file back from disk, it is
 // sampled, and knots are refined until the file keeps the tolerance.
@@ -32,8 +32,8 @@ namespace batten {
 /// write_step). `max_deviation` and `max_gap` are the largest of the faces. When the tolerance
 /// cannot be reached, because of the limits of poles or because finer knots no longer help (the
 /// elements' own jumps of curvature are too many), the best file found is written and the report
-/// says so; so it does of angles across joins, for which a face gets 900 poles, or 8 a triangle, at most
-/// beyond what its deviation needs. The file is written whole or not at all. Takes seconds for 10,000 triangles, and about
+/// says so; so it does of angles across joins, for which a face gets 3,000 poles, 8 a triangle, or four times what
+/// its deviation needs, at most. The file is written whole or not at all. Takes seconds for 10,000 triangles, and about
 /// 90 bytes for each pole.
 ///
 /// Throws InputError: no region; a region without boundary, or whose boundary curve and image have

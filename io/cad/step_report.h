@@ -21,7 +21,7 @@ struct StepPatch {
   /// (u, v), so the nearest points are never farther apart.
   double deviation = 0;
   bool reached = false;  ///< whether deviation ≤ tolerance
-  double join_deg = 0;   ///< the largest angle_deg of its joins
+  double join_deg = 0;   ///< the largest angle_deg of its joins that miss theirs
   /// Largest distance between the face and an edge or vertex of the file. Edges whose line no other
   /// region has lie on the face within what readers take for one point (1e-7 mm). Others are the
   /// lines themselves; they are off by line_gap and the fit.
@@ -40,7 +40,9 @@ struct StepJoin {
   std::array<std::string, 2> regions;
   double surface_deg = 0;  ///< largest angle between the surfaces, where they are tangent
   double angle_deg = 0;    ///< largest angle between the faces there
-  bool reached = false;    ///< whether angle_deg is at most StepFaceOptions::join_deg
+  /// Whether the angle is at most StepFaceOptions::join_deg wherever that between the surfaces is: where
+  /// these meet by more than that, faces near to both can do no better.
+  bool reached = false;
 };
 
 /// What is in a STEP file, measured on the file that OpenCASCADE reads back from disk (it silently

@@ -5,9 +5,11 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <optional>
 #include <utility>
 
 #include "batten/core/index.h"
+#include "batten/io/cad/corner_twists.h"
 
 namespace batten {
 namespace {
@@ -26,6 +28,15 @@ struct Join {
   /// Of a place along the line: its number along the stretch.
   int index(int side, int k) const {
     return stretches[static_cast<size_t>(side)]->reversed ? kPieces - k : k;
+  }
+  double sign(int side) const { return side == 0 ? 1 : same; }  // of a side's normal
+  /// Of the line, at a place along it.
+  Vec3 position(int k) const {
+    const HermiteCurve& curve = stretches[0]->curve;
+    const int i = index(0, k);
+    return i == kPieces
+               ? curve.evaluate({curve.segment_count() - 1, 1.0})
+               : curve.evaluate(curve.start() + (curve.end() - curve.start()) * i / kPieces);
   }
   bool tangent(int k) const { return !of_surfaces[static_cast<size_t>(k)][0].isZero(); }
 };
@@ -46,6 +57,18 @@ void compare_sides(Join& join) {
         !one.isZero() && !other.isZero() && angle_between_planes(one, other) <= kTangentDeg;
     join.of_surfaces.push_back({tangent ? one : Vec3::Zero(), tangent ? other : Vec3::Zero()});
     if (tangent) join.same = one.dot(other) < 0 ? -1 : 1;  // shells need not be orientable
+  }
+}
+
+/// Surfaces that meet at a crease may pass a common plane on the way from one angle to another: that is
+/// no tangent stretch.
+void drop_crossings(Join& join) {
+  constexpr int shortest = kPieces / 16;
+  for (int k = 0, first = 0; k <= kPieces + 1; ++k) {
+    if (k <= kPieces && join.tangent(k)) continue;
+    if (k - first < shortest)
+      for (int i = first; i < k; ++i) join.of_surfaces[static_cast<size_t>(i)][0].setZero();
+    first = k + 1;
   }
 }
 
@@ -118,6 +141,74 @@ void agree_at_corners(const StepPlan& plan, std::map<LinePiece, Join>& joins) {
     for (const Corner& corner : here) agree(corner);
 }
 
+/// The end of a join at its first place, or at its last one, with derivatives of parabolas; none where
+/// the surfaces are not tangent there.
+std::optional<JoinEnd> end_of(const Join& join, bool last) {
+  constexpr int step = 4;
+  const auto at = [&](int i) { return last ? kPieces - i : i; };
+  for (const int i : {0, step, 2 * step})
+    if (!join.tangent(at(i))) return std::nullopt;
+  const auto normal = [&](int i) { return join.common[static_cast<size_t>(at(i))].normalized(); };
+  const Vec3 x = join.position(at(0)), a = join.position(at(step)) - x,
+             b = join.position(at(2 * step)) - x, n = normal(0);
+  const double s = a.norm(), t = b.norm(), of_a = t / (s * (t - s)), of_b = -s / (t * (t - s));
+  const Vec3 along = of_a * a + of_b * b,
+             slope = of_a * (normal(step) - n) + of_b * (normal(2 * step) - n);
+  return JoinEnd{(along - along.dot(n) * n).normalized(), n, slope - slope.dot(n) * n};
+}
+
+/// Turns the normals near an end about the line, by rate · s (1 - s/S)² at the length s from there. The
+/// face is off its surface by about rate S² / 25 then, which may be a third of the tolerance.
+void twist(Join& join, bool last, double rate, double tolerance) {
+  constexpr double part = 8, longest = 0.4;  // of the join
+  const double reach = std::min(longest * (join.position(0) - join.position(kPieces)).norm(),
+                                std::sqrt(part * tolerance / std::abs(rate)));
+  const auto at = [&](int i) { return last ? kPieces - i : i; };
+  double s = 0;
+  for (int i = 1; i < kPieces && join.tangent(at(i)); ++i) {
+    const Vec3 step = join.position(at(i)) - join.position(at(i - 1));
+    s += step.norm();
+    if (s >= reach) return;
+    Vec3& n = join.common[static_cast<size_t>(at(i))];
+    n = n.normalized() + rate * s * std::pow(1 - s / reach, 2) * n.cross(step.normalized());
+  }
+}
+
+/// Makes normals turn along joins so that faces can have one twist in a corner.
+void match_twists(const std::vector<TangentSide>& sides, std::map<LinePiece, Join>& joins,
+                  double tolerance) {
+  std::map<const FaceStretch*, std::pair<Join*, int>> join_of;
+  std::map<std::pair<const Join*, bool>, int> number;
+  std::vector<JoinEnd> ends;
+  for (auto& [piece, join] : joins) {
+    for (const int side : {0, 1})
+      join_of[join.stretches[static_cast<size_t>(side)]] = {&join, side};
+    for (const bool last : {false, true})
+      if (const auto end = end_of(join, last)) {
+        number[{&join, last}] = count_of(ends);
+        ends.push_back(*end);
+      }
+  }
+  std::vector<TwistCorner> corners;
+  for (const TangentSide& side : sides)
+    for (const FaceLoop& loop : side.boundary->loops)
+      for (size_t k = 0; k < loop.size(); ++k) {
+        const auto one = join_of.find(&loop[k]), other = join_of.find(&loop[(k + 1) % loop.size()]);
+        if (one == join_of.end() || other == join_of.end()) continue;
+        const auto& [join, of] = one->second;
+        const auto& [next, of_next] = other->second;
+        const auto a = number.find({join, join->index(of, kPieces) > 0}),
+                   b = number.find({next, next->index(of_next, 0) > 0});
+        if (a == number.end() || b == number.end()) continue;
+        corners.push_back({{a->second, b->second}, {join->sign(of), next->sign(of_next)}});
+      }
+  const std::vector<double> rates = matching_twists(ends, corners);
+  for (auto& [piece, join] : joins)
+    for (const bool last : {false, true})
+      if (const auto found = number.find({&join, last}); found != number.end())
+        twist(join, last, rates[static_cast<size_t>(found->second)], tolerance);
+}
+
 void set_turns(Join& join) {
   for (const size_t side : {0, 1}) {
     auto& turns = join.stretches[side]->turns;
@@ -125,7 +216,7 @@ void set_turns(Join& join) {
     for (int k = 0; k <= kPieces; ++k) {
       if (!join.tangent(k)) continue;
       const auto at = static_cast<size_t>(k);
-      const Vec3 common = (side == 0 ? 1 : join.same) * join.common[at].normalized();
+      const Vec3 common = join.sign(static_cast<int>(side)) * join.common[at].normalized();
       turns[static_cast<size_t>(join.index(static_cast<int>(side), k))] =
           common - join.of_surfaces[at][side];
     }
@@ -145,7 +236,8 @@ double angle_between_planes(const Vec3& a, const Vec3& b) {
   return std::atan2(a.cross(b).norm(), std::abs(a.dot(b))) * 180 / std::numbers::pi;
 }
 
-void find_tangent_joins(const StepPlan& plan, const std::vector<TangentSide>& sides) {
+void find_tangent_joins(const StepPlan& plan, const std::vector<TangentSide>& sides,
+                        double tolerance) {
   std::map<LinePiece, std::vector<std::pair<FaceStretch*, const TangentSide*>>> beside;
   for (const TangentSide& side : sides)
     for (FaceLoop& loop : side.boundary->loops)
@@ -158,6 +250,7 @@ void find_tangent_joins(const StepPlan& plan, const std::vector<TangentSide>& si
     join.stretches = {two[0].first, two[1].first};
     join.sides = {two[0].second, two[1].second};
     compare_sides(join);
+    drop_crossings(join);
     int tangent = 0;
     for (int k = 0; k <= kPieces; ++k) tangent += join.tangent(k);
     if (2 * tangent < kPieces) continue;  // a crease that begins or ends as a tangent
@@ -165,6 +258,7 @@ void find_tangent_joins(const StepPlan& plan, const std::vector<TangentSide>& si
     joins.emplace(piece, std::move(join));
   }
   agree_at_corners(plan, joins);
+  match_twists(sides, joins, tolerance);
   for (auto& [piece, join] : joins) set_turns(join);
 }
 

@@ -25,7 +25,8 @@ LinePiece piece_of(const StepPlan& plan, const FaceStretch& stretch);
 
 /// Sets the turns of all stretches that two sides have in common: to normals between those of the two
 /// surfaces, smooth along the line and one for all joins that meet in a place. O(stretches).
-void find_tangent_joins(const StepPlan& plan, const std::vector<TangentSide>& sides);
+void find_tangent_joins(const StepPlan& plan, const std::vector<TangentSide>& sides,
+                        double tolerance);
 
 /// The angle between two planes by their normals, degrees in [0, 90]: a plane has no side.
 double angle_between_planes(const Vec3& a, const Vec3& b);

@@ -263,12 +263,14 @@ Json json_of(const Report::Step& s, bool of_network) {
                    {"curvature", s.curvature},
                    {"max_smooth_deg", s.max_smooth_deg}};
   if (!s.joins.empty()) json["max_join_deg"] = s.max_join_deg;
-  for (const auto& j : s.joins)
+  for (const auto& j : s.joins) {
     json["joins"].push_back({{"line", j.line},
                              {"regions", j.regions},
                              {"angle_deg", j.angle_deg},
                              {"surface_deg", j.surface_deg},
                              {"missed", j.missed}});
+    if (!j.why.empty()) json["joins"].back()["why"] = j.why;
+  }
   if (of_network)
     json.update({{"shells", s.shells},
                  {"solids", s.solids},

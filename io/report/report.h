@@ -100,6 +100,7 @@ struct Report : RunReport {
       std::array<std::string, 2> regions;
       double angle_deg = 0, surface_deg = 0;
       bool missed = false;
+      std::string why;  ///< of an angle that is no miss of the file; else ""
     };
     std::vector<Join> joins;
     double max_join_deg = 0;

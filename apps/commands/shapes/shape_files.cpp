@@ -254,8 +254,13 @@ void write_step_into(Report& report, const Scene& scene, const MadeModel& made,
     s.max_smooth_deg = edges->max_smooth_deg();
   }
   s.joins.clear();
-  for (const StepJoin& join : step.joins)
-    s.joins.push_back({join.line, join.regions, join.angle_deg, join.surface_deg, !join.reached});
+  for (const StepJoin& join : step.joins) {
+    const bool of_surfaces = join.reached && join.angle_deg > StepFaceOptions{}.join_deg;
+    s.joins.push_back({join.line, join.regions, join.angle_deg, join.surface_deg, !join.reached,
+                       of_surfaces ? "its surfaces meet at up to " + number(join.surface_deg) +
+                                         " degrees there"
+                                   : ""});
+  }
   s.max_join_deg = step.max_join_deg;
   warn_of_joins(report, scene);
   s.shells = step.shells;
