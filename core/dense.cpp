@@ -1,6 +1,5 @@
 #include "batten/core/dense.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <Eigen/QR>
 #include <Eigen/SVD>
@@ -35,10 +34,6 @@ SymmetricEigen3 symmetric_eigen(const Mat3& A) {
   const Eigen::SelfAdjointEigenSolver<Mat3> eigen(A);
   return {eigen.eigenvalues(), eigen.eigenvectors()};
 }
-
-MatX symmetric_solve(const MatX& A, const MatX& b) { return A.ldlt().solve(b); }
-
-Vec2 symmetric_solve(const Mat2& A, const Vec2& b) { return A.ldlt().solve(b); }
 
 MatX least_squares(const MatX& A, const MatX& b) {
   return A.completeOrthogonalDecomposition().solve(b);

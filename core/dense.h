@@ -39,10 +39,6 @@ struct SymmetricEigen3 {
 };
 SymmetricEigen3 symmetric_eigen(const Mat3& A);
 
-/// x of A x = b with a symmetric A, of which the lower triangle is read, by LDLᵀ. O(n³).
-MatX symmetric_solve(const MatX& A, const MatX& b);
-Vec2 symmetric_solve(const Mat2& A, const Vec2& b);  ///< allocates nothing
-
 /// x of least norm among those of least |A x - b|, column by column. O(m n²).
 MatX least_squares(const MatX& A, const MatX& b);
 

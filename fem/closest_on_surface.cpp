@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <limits>
 
-#include "batten/core/dense.h"
 #include "batten/fem/closest_on_curve.h"
 #include "batten/fem/curve.h"
 #include "batten/fem/surface.h"
@@ -65,7 +64,7 @@ void descend(const Surface& surface, const Location& from, const Vec3& p, const 
     const Vec2 g(j.x_u.dot(d), j.x_v.dot(d));
     const Mat2 full = G + H;
     const bool convex = full(0, 0) > 0 && full.determinant() > 1e-3 * G.determinant();
-    const Vec2 move = -symmetric_solve(convex ? full : G, g);
+    const Vec2 move = -(convex ? full : G).ldlt().solve(g);
     if (!move.allFinite()) return;
     // A step that leads farther away is halved.
     Vec3 next = L;

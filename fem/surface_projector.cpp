@@ -1,8 +1,7 @@
 #include "batten/fem/surface_projector.h"
 
+#include <Eigen/Cholesky>
 #include <Eigen/LU>
-
-#include "batten/core/dense.h"
 
 namespace batten {
 
@@ -39,7 +38,7 @@ Surface::Closest SurfaceProjector::nearest(const Vec3& p, const Location& start)
     H += G;
     // Newton's step where the distance is convex, otherwise Gauss-Newton's.
     const bool convex = H(0, 0) > 0 && H.determinant() > 1e-2 * G.determinant();
-    const Vec2 move = -symmetric_solve(convex ? H : G, Vec2(jet.x_u.dot(d), jet.x_v.dot(d)));
+    const Vec2 move = -(convex ? H : G).ldlt().solve(Vec2(jet.x_u.dot(d), jet.x_v.dot(d)));
     if (!move.allFinite()) break;
     const Vec2 uv = mesh.shape(where.triangle).point(where.L);
     // A step that leads farther away is halved; at the rim of the mesh it ends on the rim.

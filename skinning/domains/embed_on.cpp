@@ -1,9 +1,9 @@
 // Embeds holes and inner lines on a surface that is there already.
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <optional>
 
-#include "batten/core/dense.h"
 #include "batten/core/errors.h"
 #include "batten/core/index.h"
 #include "batten/core/words.h"
@@ -136,7 +136,7 @@ class Embedder {
       Eigen::Matrix<double, 3, 2> J;
       J << jet.x_u, jet.x_v;
       const auto pull = [&](const Vec3& slope) -> Vec3 {
-        const Vec2 d = symmetric_solve(Mat2(J.transpose() * J), J.transpose() * slope);
+        const Vec2 d = (J.transpose() * J).ldlt().solve(J.transpose() * slope);
         return rounded_slope({d.x(), d.y(), 0}, span);
       };
       dofs.row(nodes.mesh().position_dof(i)) << rounded(uv.x()), rounded(uv.y()), 0;

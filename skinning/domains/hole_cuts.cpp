@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "batten/core/dense.h"
 #include "batten/core/errors.h"
 #include "batten/core/index.h"
 #include "batten/core/plane.h"
@@ -97,9 +96,9 @@ void to_nearest(const InputCurve& a, double& t, const InputCurve& b, double& s) 
   constexpr int steps = 20;
   for (int k = 0; k < steps; ++k) {
     const Vec3 da = a.evaluate(t, 1), db = b.evaluate(s, 1), gap = b.evaluate(s) - a.evaluate(t);
-    Mat2 m;
+    Eigen::Matrix2d m;
     m << da.dot(da), -da.dot(db), -da.dot(db), db.dot(db);
-    const Vec2 step = symmetric_solve(m, Vec2(da.dot(gap), -db.dot(gap)));
+    const Vec2 step = m.ldlt().solve(Vec2(da.dot(gap), -db.dot(gap)));
     if (!step.allFinite()) return;
     t = std::clamp(t + step[0], a.start(), a.end());
     s = std::clamp(s + step[1], b.start(), b.end());

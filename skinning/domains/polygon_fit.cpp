@@ -1,7 +1,7 @@
 // Levenberg-Marquardt over the corners of a polygon.
 #include "batten/skinning/domains/polygon_fit.h"
 
-#include <Eigen/Geometry>
+#include <Eigen/Dense>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -9,7 +9,6 @@
 #include <numbers>
 #include <numeric>
 
-#include "batten/core/dense.h"
 #include "batten/core/plane.h"
 
 namespace batten {
@@ -72,7 +71,7 @@ class PolygonFit {
     for (int step = 0; step < 200 && damping < 1e8; ++step) {
       MatX H = H_;
       H.diagonal().array() += damping * H_.diagonal().maxCoeff();
-      const VecX move = -symmetric_solve(H, g_);
+      const VecX move = -H.ldlt().solve(g_);
       Polygon q = p;
       for (size_t i = 0; i < n_; ++i) q[i] += move.segment<2>(2 * static_cast<long>(i));
       // A step that folds the polygon is refused.

@@ -3,7 +3,8 @@
 #include <cmath>
 #include <optional>
 
-#include "batten/core/dense.h"
+#include <Eigen/Cholesky>
+
 #include "batten/core/errors.h"
 #include "batten/core/plane.h"
 #include "batten/fem/surface_projector.h"
@@ -51,7 +52,7 @@ class Walk {
     H += G;
     constexpr double far = 0.1;  // near a centre of curvature nearest points run away
     const bool near = H(0, 0) > 0 && H.determinant() > far * G.determinant();
-    const Vec2 d = symmetric_solve(near ? H : G, J.transpose() * slope);
+    const Vec2 d = (near ? H : G).ldlt().solve(J.transpose() * slope);
     return speed ? Vec2(*speed / std::max((J * d).norm(), 1e-300) * d) : d;
   }
 

@@ -1,12 +1,11 @@
 // Unfolds outlines that have no polygon and do not project simply.
-#include <Eigen/Geometry>
+#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <numbers>
 #include <numeric>
 
-#include "batten/core/dense.h"
 #include "batten/core/errors.h"
 #include "batten/core/index.h"
 #include "batten/core/plane.h"
@@ -213,7 +212,7 @@ class ImageFit {
       for (size_t k = 1; k < last; ++k) keep_curvature(s, k - 1, k, H);
       if (sides_[s].curve.closed()) keep_curvature(s, last - 1, 0, H);
     }
-    const VecX q = symmetric_solve(H, g);
+    const VecX q = H.ldlt().solve(g);
     std::vector<HermiteCurve> images;
     for (size_t s = 0; s < sides_.size(); ++s) images.push_back(image(s, q));
     return images;

@@ -1,13 +1,11 @@
 #include "batten/skinning/region/flatten.h"
 
-#include <Eigen/Geometry>
-#include <Eigen/LU>
+#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "batten/core/box.h"
-#include "batten/core/dense.h"
 #include "batten/core/errors.h"
 #include "batten/core/plane.h"
 
@@ -259,7 +257,7 @@ Flattened flatten(const Surface& surface, const std::vector<Vec2>& polygon) {
     const MatX J = sheet.slopes_of_residual(D);
     MatX H = J.transpose() * J;
     H.diagonal().array() += damping * H.diagonal().maxCoeff();
-    const VecX move = -symmetric_solve(H, J.transpose() * r);
+    const VecX move = -H.ldlt().solve(J.transpose() * r);
     const Eigen::Matrix2Xd next = q + Eigen::Map<const Eigen::Matrix2Xd>(move.data(), 2, n);
     std::vector<Mat2> changed = sheet.changes(next);
     VecX there;

@@ -2,7 +2,6 @@
 #include <Eigen/Geometry>
 #include <numbers>
 
-#include "batten/core/dense.h"
 #include "batten/core/errors.h"
 #include "batten/core/rotations.h"
 #include "batten/core/work.h"
@@ -17,6 +16,7 @@
 #include "batten/mesh/rotation_of_faces.h"
 #include "batten/mesh/selection.h"
 #include "batten/tests/catch.h"
+#include "batten/tests/dense_twin.h"
 #include "batten/tests/mesh/region_meshes.h"
 #include "batten/tests/refusal.h"
 #include "batten/tests/threads.h"
@@ -297,7 +297,7 @@ TEST_CASE("hard regions are the dense least-squares problem with three unknowns 
                                                                  : MatX(mesh.points()));
     for (const int v : deformer.vertices(0)) b.row(v) *= scale;
     const MatX AT = A * T;
-    const MatX u = symmetric_solve(MatX(AT.transpose() * AT), AT.transpose() * (b - A * known));
+    const MatX u = solve_symmetric(AT.transpose() * AT, AT.transpose() * (b - A * known));
     CHECK(relative(p, Points(T * u + known)) < 1e-8);
   }
 }
