@@ -1,7 +1,6 @@
 #include "batten/apps/cli/command_words.h"
 
 #include <algorithm>
-#include <cmath>
 #include <iostream>
 
 #include "batten/apps/cli/terminal.h"
@@ -9,30 +8,17 @@
 
 namespace batten {
 
-const CLI::Validator kPositive(
-    [](std::string& text) {
-      double value = 0;
-      return CLI::detail::lexical_cast(text, value) && value > 0 && std::isfinite(value)
-                 ? std::string()
-                 : "found " + text + ", expected a number above 0";
-    },
-    "POSITIVE");
-
-void add_common(CLI::App* sub, CommonWords& common) {
-  sub->add_option("--threads", common.threads, "Threads to use; the number of cores unless given")
-      ->check(CLI::Range(1, 1024));
-  sub->add_option("--memory", common.memory,
-                  "GB that may be used; what is there unless given. More is refused beforehand")
-      ->check(kPositive);
-  sub->add_flag("--quiet", common.quiet, "Print errors only");
+void add_common(const Words& sub, CommonWords& common) {
+  sub.option("--threads", common.threads, "Threads to use; the number of cores unless given")
+      .within(1, 1024);
+  sub.option("--memory", common.memory,
+             "GB that may be used; what is there unless given. More is refused beforehand")
+      .positive();
+  sub.flag("--quiet", common.quiet, "Print errors only");
 }
 
-CLI::Option* repeated(CLI::Option* option) { return option->take_all()->allow_extra_args(false); }
-
-void add_unit(CLI::App* sub, std::string& unit) {
-  sub->add_option("--unit", unit, "Unit of lengths")
-      ->check(CLI::IsMember(length_units()))
-      ->capture_default_str();
+void add_unit(const Words& sub, std::string& unit) {
+  sub.option("--unit", unit, "Unit of lengths").one_of(length_units()).with_default();
 }
 
 int finish(const RunReport& report, const std::string& text, const CommonWords& common) {

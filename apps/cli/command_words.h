@@ -1,10 +1,10 @@
 // The words of the program's commands: each in a file of its own, what they share here.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <functional>
 #include <string>
 
+#include "batten/apps/cli/words.h"
 #include "batten/io/report/report_parts.h"
 
 namespace batten {
@@ -28,32 +28,27 @@ struct CommonWords {
 
 /// A command: its words, and what it does once they are read. It returns the exit code.
 struct Command {
-  CLI::App* words;
+  Words words;
   std::function<int()> run;
 };
 
 /// Each adds one command to the program, or two that share their words. `common` must outlive it.
-Command add_run(CLI::App& app, CommonWords& common);
-Command add_stress(CLI::App& app, CommonWords& common);
-Command add_sculpt(CLI::App& app, CommonWords& common);
-Command add_deform(CLI::App& app, CommonWords& common);
-Command add_sequence(CLI::App& app, CommonWords& common);
-Command add_fair(CLI::App& app, CommonWords& common);
-Command add_skin(CLI::App& app, CommonWords& common);
-Command add_convert(CLI::App& app, CommonWords& common);
-Command add_fit(CLI::App& app, CommonWords& common);
-Command add_info(CLI::App& app);
-Command add_view(CLI::App& app, CommonWords& common);
-
-/// CLI::PositiveNumber, in words.
-extern const CLI::Validator kPositive;
+Command add_run(ProgramWords& program, CommonWords& common);
+Command add_stress(ProgramWords& program, CommonWords& common);
+Command add_sculpt(ProgramWords& program, CommonWords& common);
+Command add_deform(ProgramWords& program, CommonWords& common);
+Command add_sequence(ProgramWords& program, CommonWords& common);
+Command add_fair(ProgramWords& program, CommonWords& common);
+Command add_skin(ProgramWords& program, CommonWords& common);
+Command add_convert(ProgramWords& program, CommonWords& common);
+Command add_fit(ProgramWords& program, CommonWords& common);
+Command add_info(ProgramWords& program);
+Command add_view(ProgramWords& program, CommonWords& common);
 
 /// Adds the options of CommonWords.
-void add_common(CLI::App* sub, CommonWords& common);
-/// An option that may be there several times, each with one value.
-CLI::Option* repeated(CLI::Option* option);
+void add_common(const Words& sub, CommonWords& common);
 /// Adds the unit of lengths.
-void add_unit(CLI::App* sub, std::string& unit);
+void add_unit(const Words& sub, std::string& unit);
 
 /// Prints the text of a result, its warnings and the promises that it missed; returns the exit
 /// code.

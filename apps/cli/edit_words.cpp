@@ -16,14 +16,14 @@ struct EditWords {
 
 }  // namespace
 
-Command add_deform(CLI::App& app, CommonWords& common) {
+Command add_deform(ProgramWords& program, CommonWords& common) {
   const auto words = std::make_shared<EditWords>();
   EditWords& a = *words;
-  auto* sub =
-      app.add_subcommand("deform", "Edit a mesh; its form features keep their shape exactly");
-  sub->add_option("edits", a.file, "Edits of a mesh (.toml)")->required();
-  sub->add_option("--out", a.out, "Folder for all files, report.json too")->required();
-  repeated(sub->add_option("--set", a.settings, "Set a parameter of the edits: name=value"));
+  const Words sub =
+      program.command("deform", "Edit a mesh; its form features keep their shape exactly");
+  sub.option("edits", a.file, "Edits of a mesh (.toml)").required();
+  sub.option("--out", a.out, "Folder for all files, report.json too").required();
+  sub.option("--set", a.settings, "Set a parameter of the edits: name=value").repeated();
   add_common(sub, common);
   return {sub, [words, &common] {
             DeformScene scene = read_deform_scene(words->file);
@@ -33,14 +33,14 @@ Command add_deform(CLI::App& app, CommonWords& common) {
           }};
 }
 
-Command add_sequence(CLI::App& app, CommonWords& common) {
+Command add_sequence(ProgramWords& program, CommonWords& common) {
   const auto words = std::make_shared<EditWords>();
   EditWords& a = *words;
-  auto* sub = app.add_subcommand(
+  const Words sub = program.command(
       "sequence", "Edit a deforming mesh: keyframes, footprints, paths; mix, filter, morph");
-  sub->add_option("edits", a.file, "Edits of a sequence (.toml)")->required();
-  sub->add_option("--out", a.out, "Folder for all files, report.json too")->required();
-  sub->add_option_function<std::string>(
+  sub.option("edits", a.file, "Edits of a sequence (.toml)").required();
+  sub.option("--out", a.out, "Folder for all files, report.json too").required();
+  sub.form(
       "--frames",
       [words](const std::string& text) {
         const size_t colon = text.find(':');
@@ -48,8 +48,9 @@ Command add_sequence(CLI::App& app, CommonWords& common) {
                    last =
                        colon == std::string::npos ? first : stated_number(text.substr(colon + 1));
         if (!first || !last || !(*first >= 1) || !(*last >= *first) || *last > 1e9)
-          throw CLI::ValidationError("--frames", "found " + text + ", expected FIRST:LAST");
+          return "found " + text + ", expected FIRST:LAST";
         words->sequence.frames = {static_cast<int>(*first), static_cast<int>(*last)};
+        return std::string();
       },
       "Make these frames only, FIRST:LAST from 1: runs of a job array share the work");
   add_common(sub, common);

@@ -49,46 +49,46 @@ int fair(const FairWords& a, const CommonWords& common) {
 
 }  // namespace
 
-Command add_fair(CLI::App& app, CommonWords& common) {
+Command add_fair(ProgramWords& program, CommonWords& common) {
   const auto words = std::make_shared<FairWords>();
   FairWords& a = *words;
-  auto* sub =
-      app.add_subcommand("fair", "Fair drawn or measured lines; the ending of OUT says the kind");
-  sub->add_option("lines", a.file, "Lines: .curves .csv .txt .xyz .dat .obj .iges .step .dxf .svg")
-      ->required();
-  sub->add_option("--out", a.out, "File to write: " + listed(curve_file_endings()))->required();
-  auto* noise = sub->add_option("--noise", a.noise,
+  const Words sub =
+      program.command("fair", "Fair drawn or measured lines; the ending of OUT says the kind");
+  sub.option("lines", a.file, "Lines: .curves .csv .txt .xyz .dat .obj .iges .step .dxf .svg")
+      .required();
+  sub.option("--out", a.out, "File to write: " + listed(curve_file_endings())).required();
+  const Word noise = sub.option("--noise", a.noise,
                                 "The fairest curve that the points are off by this, root mean "
                                 "square: where the noise is known");
-  auto* deviation = sub->add_option("--deviation", a.deviation,
+  const Word deviation = sub.option("--deviation", a.deviation,
                                     "The fairest curve not farther than this from any point");
-  auto* wavelength = sub->add_option("--wavelength", a.wavelength,
+  const Word wavelength = sub.option("--wavelength", a.wavelength,
                                      "Smooth what is shorter than this (default: found by itself)");
-  noise->check(kPositive)->excludes(deviation)->excludes(wavelength);
-  deviation->check(kPositive)->excludes(wavelength);
-  wavelength->check(kPositive);
-  sub->add_option("--minimum", a.minimum,
-                  "Instead: the curve through all points (a few) of least curvature, or of least "
-                  "change of it")
-      ->check(CLI::IsMember({"energy", "variation"}))
-      ->excludes(noise)
-      ->excludes(deviation)
-      ->excludes(wavelength);
-  sub->add_option("--corner-angle", a.corner_angle,
-                  "A corner is where a line turns by more than this, degrees (180: none)")
-      ->check(CLI::Range(1e-3, 180.0))
-      ->capture_default_str();
-  sub->add_flag("--hold-ends", a.hold_ends, "First and last points stay where they are");
-  auto* closed = sub->add_flag("--closed", a.closed, "All lines come back to their start");
-  sub->add_flag("--open", a.open, "No line does")->excludes(closed);
-  sub->add_flag("--keep-outliers", a.keep_outliers,
-                "Points that lie off a noisy line are not passed over");
-  sub->add_option("--segments", a.segments,
-                  "In the end: as few segments as stay this near to the fair curve")
-      ->check(kPositive);
-  repeated(sub->add_option("--only", a.only, "A line to take, by its name (may be repeated)"));
-  sub->add_option("--picture", a.picture, "Curvature combs before and after (.png)");
-  sub->add_option("--report", a.report, "All numbers (.json)");
+  noise.positive().excludes(deviation).excludes(wavelength);
+  deviation.positive().excludes(wavelength);
+  wavelength.positive();
+  sub.option("--minimum", a.minimum,
+             "Instead: the curve through all points (a few) of least curvature, or of least "
+             "change of it")
+      .one_of({"energy", "variation"})
+      .excludes(noise)
+      .excludes(deviation)
+      .excludes(wavelength);
+  sub.option("--corner-angle", a.corner_angle,
+             "A corner is where a line turns by more than this, degrees (180: none)")
+      .within(1e-3, 180.0)
+      .with_default();
+  sub.flag("--hold-ends", a.hold_ends, "First and last points stay where they are");
+  const Word closed = sub.flag("--closed", a.closed, "All lines come back to their start");
+  sub.flag("--open", a.open, "No line does").excludes(closed);
+  sub.flag("--keep-outliers", a.keep_outliers,
+           "Points that lie off a noisy line are not passed over");
+  sub.option("--segments", a.segments,
+             "In the end: as few segments as stay this near to the fair curve")
+      .positive();
+  sub.option("--only", a.only, "A line to take, by its name (may be repeated)").repeated();
+  sub.option("--picture", a.picture, "Curvature combs before and after (.png)");
+  sub.option("--report", a.report, "All numbers (.json)");
   add_unit(sub, a.unit);
   add_common(sub, common);
   return {sub, [words, &common] { return fair(*words, common); }};

@@ -25,28 +25,27 @@ Scene scene_of(const FitWords& a) {
 
 }  // namespace
 
-Command add_fit(CLI::App& app, CommonWords& common) {
+Command add_fit(ProgramWords& program, CommonWords& common) {
   const auto words = std::make_shared<FitWords>();
   FitWords& a = *words;
-  auto* sub = app.add_subcommand(
+  const Words sub = program.command(
       "fit",
       "Skin the lines of a given surface again, so that it can be sculpted: STEP, VTK, report");
-  sub->add_option("target", a.target,
-                  "The surface: .step .iges .brep, or a mesh (.stl .obj .ply …)")
-      ->required();
-  repeated(sub->add_option("--lines", a.lines,
-                           "Lines to keep; unless given, the edges of the CAD file, or the creases "
-                           "and rims of the mesh"));
-  sub->add_option("--out", a.out, "Folder for all files")->required();
+  sub.option("target", a.target, "The surface: .step .iges .brep, or a mesh (.stl .obj .ply …)")
+      .required();
+  sub.option("--lines", a.lines,
+             "Lines to keep; unless given, the edges of the CAD file, or the creases "
+             "and rims of the mesh")
+      .repeated();
+  sub.option("--out", a.out, "Folder for all files").required();
   add_unit(sub, a.unit);
-  sub->add_option("--tolerance", a.tolerance, "Largest distance from the surface; 1e-4 of the size")
-      ->check(kPositive);
-  sub->add_flag("--cage", a.cage,
-                "The mesh is a cage of polygons: fit to its Catmull-Clark limit surface");
-  sub->add_option("--edge-length", a.edge_length, "Target length of element edges at the start")
-      ->check(kPositive);
-  sub->add_option("--meet", a.meet, "Distance within which lines meet; found unless given")
-      ->check(kPositive);
+  sub.option("--tolerance", a.tolerance, "Largest distance from the surface; 1e-4 of the size")
+      .positive();
+  sub.flag("--cage", a.cage,
+           "The mesh is a cage of polygons: fit to its Catmull-Clark limit surface");
+  sub.option("--edge-length", a.edge_length, "Target length of element edges at the start")
+      .positive();
+  sub.option("--meet", a.meet, "Distance within which lines meet; found unless given").positive();
   add_common(sub, common);
   return {sub, [words, &common] {
             const auto report =

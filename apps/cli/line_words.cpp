@@ -83,33 +83,30 @@ int view(LineWords a, const CommonWords& common) {
 
 }  // namespace
 
-Command add_skin(CLI::App& app, CommonWords& common) {
+Command add_skin(ProgramWords& program, CommonWords& common) {
   const auto words = std::make_shared<LineWords>();
   LineWords& a = *words;
-  auto* sub =
-      app.add_subcommand("skin", "From files of lines straight to a surface: STEP, VTK, report");
-  sub->add_option("lines", a.files,
-                  "Outline: .csv .txt .xyz .dat .obj .curves .iges .step .dxf .svg; a network: "
-                  ".json too")
-      ->required();
-  auto* inner =
-      sub->add_option("--inner", a.inner, "A file of inner lines")->allow_extra_args(false);
-  auto* network = sub->add_flag("--network", a.network,
+  const Words sub =
+      program.command("skin", "From files of lines straight to a surface: STEP, VTK, report");
+  sub.option("lines", a.files,
+             "Outline: .csv .txt .xyz .dat .obj .curves .iges .step .dxf .svg; a network: "
+             ".json too")
+      .required();
+  const Word inner = sub.option("--inner", a.inner, "A file of inner lines").repeated();
+  const Word network = sub.flag("--network", a.network,
                                 "The lines are a network: all surfaces between them, joined");
-  network->excludes(inner);
-  sub->add_option("--out", a.out, "Folder for all files")->required();
+  network.excludes(inner);
+  sub.option("--out", a.out, "Folder for all files").required();
   add_unit(sub, a.unit);
-  sub->add_option("--edge-length", a.edge_length, "Target length of element edges")
-      ->check(kPositive);
-  sub->add_option("--tolerance", a.tolerance, "Largest distance of fitted lines")->check(kPositive);
-  sub->add_option("--meet", a.meet,
-                  "Distance within which lines of a network meet; found unless given")
-      ->check(kPositive);
-  sub->add_option("--compare", a.compare, "CAD file: measure the distance from its faces");
-  sub->add_flag("--exact-step", a.exact_step,
-                "STEP to rounding, three faces a triangle, instead of one face a region");
-  sub->add_option("--pressure", a.pressure, "Pressure along the normal, relative units")
-      ->excludes(network);
+  sub.option("--edge-length", a.edge_length, "Target length of element edges").positive();
+  sub.option("--tolerance", a.tolerance, "Largest distance of fitted lines").positive();
+  sub.option("--meet", a.meet, "Distance within which lines of a network meet; found unless given")
+      .positive();
+  sub.option("--compare", a.compare, "CAD file: measure the distance from its faces");
+  sub.flag("--exact-step", a.exact_step,
+           "STEP to rounding, three faces a triangle, instead of one face a region");
+  sub.option("--pressure", a.pressure, "Pressure along the normal, relative units")
+      .excludes(network);
   add_common(sub, common);
   return {sub, [words, &common] {
             const auto report =
@@ -118,33 +115,33 @@ Command add_skin(CLI::App& app, CommonWords& common) {
           }};
 }
 
-Command add_info(CLI::App& app) {
+Command add_info(ProgramWords& program) {
   const auto words = std::make_shared<LineWords>();
   LineWords& a = *words;
-  auto* sub = app.add_subcommand(
+  const Words sub = program.command(
       "info", "What is in a scene, a file of lines, a mesh, a deforming mesh, a STEP file");
-  sub->add_option("file", a.file, "The file")->required();
-  sub->add_option("--picture", a.picture, "Draw its lines with their curvature, to a .png");
-  sub->add_option("--choices", a.choices,
-                  "Network: draw surfaces that could as well be others, into this folder, and say "
-                  "what to write");
+  sub.option("file", a.file, "The file").required();
+  sub.option("--picture", a.picture, "Draw its lines with their curvature, to a .png");
+  sub.option("--choices", a.choices,
+             "Network: draw surfaces that could as well be others, into this folder, and say "
+             "what to write");
   add_unit(sub, a.unit);
   return {sub, [words] { return info(*words); }};
 }
 
-Command add_view(CLI::App& app, CommonWords& common) {
+Command add_view(ProgramWords& program, CommonWords& common) {
   const auto words = std::make_shared<LineWords>();
   LineWords& a = *words;
-  auto* sub = app.add_subcommand("view", "A picture of a scene's or a line file's surface");
-  sub->add_option("file", a.file, "Scene (.toml) or file of lines")->required();
-  sub->add_option("--screenshot", a.screenshot, "The picture to write (.png)")->required();
-  repeated(sub->add_option("--set", a.settings, "Set a parameter of the scene: name=value"));
-  sub->add_option("--show", a.show, "What to show")
-      ->check(CLI::IsMember({"shaded", "mean_curvature", "gauss_curvature", "regions"}))
-      ->capture_default_str();
-  sub->add_flag("--network", a.network, "The lines of the file are a network");
-  sub->add_option("--contours", a.contours, "Number of contour lines")->check(CLI::Range(0, 1000));
-  sub->add_option("--view", a.angles, "Azimuth and elevation, degrees")->expected(2);
+  const Words sub = program.command("view", "A picture of a scene's or a line file's surface");
+  sub.option("file", a.file, "Scene (.toml) or file of lines").required();
+  sub.option("--screenshot", a.screenshot, "The picture to write (.png)").required();
+  sub.option("--set", a.settings, "Set a parameter of the scene: name=value").repeated();
+  sub.option("--show", a.show, "What to show")
+      .one_of({"shaded", "mean_curvature", "gauss_curvature", "regions"})
+      .with_default();
+  sub.flag("--network", a.network, "The lines of the file are a network");
+  sub.option("--contours", a.contours, "Number of contour lines").within(0, 1000);
+  sub.option("--view", a.angles, "Azimuth and elevation, degrees").count(2);
   add_unit(sub, a.unit);
   add_common(sub, common);
   return {sub, [words, &common] { return view(*words, common); }};

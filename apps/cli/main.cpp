@@ -54,27 +54,23 @@ Exit codes:
 /// Reads the command line and does what it says.
 int command(int argc, char** argv) {
   CommonWords common;
-  CLI::App app("Batten: continuous surfaces that shape themselves", "batten");
-  app.footer(kExamples);
-  app.set_version_flag("--version", kVersion);
-  app.require_subcommand(1);
+  ProgramWords program("batten", "Batten: continuous surfaces that shape themselves", kVersion,
+                       kExamples);
   const std::vector<Command> commands = {
-      add_run(app, common),    add_stress(app, common),   add_sculpt(app, common),
-      add_deform(app, common), add_sequence(app, common), add_fair(app, common),
-      add_skin(app, common),   add_convert(app, common),  add_fit(app, common),
-      add_info(app),           add_view(app, common)};
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& e) {
-    return app.exit(e) == 0 ? kDone : kBadInput;
-  }
+      add_run(program, common),    add_stress(program, common),   add_sculpt(program, common),
+      add_deform(program, common), add_sequence(program, common), add_fair(program, common),
+      add_skin(program, common),   add_convert(program, common),  add_fit(program, common),
+      add_info(program),           add_view(program, common)};
+  const ProgramWords::Read read = program.read(argc, argv);
+  if (read != ProgramWords::Read::Command)
+    return read == ProgramWords::Read::Answer ? kDone : kBadInput;
   catch_interrupts(kCancelled);
   std::signal(SIGXFSZ, SIG_IGN);  // writers tell of a file that may not grow
   read_in_child(true);
   set_thread_count(common.threads);
   limit_memory(1e9 * common.memory);
   for (const Command& one : commands)
-    if (*one.words) return one.run();
+    if (one.words.given()) return one.run();
   return kBadInput;  // not reached: a command is required
 }
 

@@ -18,12 +18,12 @@ struct SceneWords {
   StressTask stress;
 };
 
-CLI::App* add_scene(CLI::App& app, const char* name, const char* what, SceneWords& a,
-                    CommonWords& common) {
-  auto* sub = app.add_subcommand(name, what);
-  sub->add_option("scene", a.file, "Scene (.toml)")->required();
-  sub->add_option("--out", a.out, "Folder for all files, report.json too")->required();
-  repeated(sub->add_option("--set", a.settings, "Set a parameter of the scene: name=value"));
+Words add_scene(ProgramWords& program, const char* name, const char* what, SceneWords& a,
+                CommonWords& common) {
+  const Words sub = program.command(name, what);
+  sub.option("scene", a.file, "Scene (.toml)").required();
+  sub.option("--out", a.out, "Folder for all files, report.json too").required();
+  sub.option("--set", a.settings, "Set a parameter of the scene: name=value").repeated();
   add_common(sub, common);
   return sub;
 }
@@ -66,29 +66,28 @@ int stress(const SceneWords& a, const CommonWords& common) {
 
 }  // namespace
 
-Command add_run(CLI::App& app, CommonWords& common) {
+Command add_run(ProgramWords& program, CommonWords& common) {
   const auto a = std::make_shared<SceneWords>();
-  CLI::App* sub = add_scene(app, "run", "Do everything a scene asks for", *a, common);
+  const Words sub = add_scene(program, "run", "Do everything a scene asks for", *a, common);
   return {sub, [a, &common] { return run(*a, common); }};
 }
 
-Command add_stress(CLI::App& app, CommonWords& common) {
+Command add_stress(ProgramWords& program, CommonWords& common) {
   const auto a = std::make_shared<SceneWords>();
-  CLI::App* sub =
-      add_scene(app, "stress", "The same, and the stresses of the shape as the shell of [stress]",
-                *a, common);
-  sub->add_flag("--with-ccx", a->stress.with_calculix,
-                "Run CalculiX on the same shell, and print what it finds");
-  sub->add_option("--ccx-elements", a->stress.element, "Its elements: S6, S3 or S8R")
-      ->transform(CLI::CheckedTransformer(
-          std::map<std::string, ShellDeck::Element>{{"S6", ShellDeck::Element::S6},
-                                                    {"S3", ShellDeck::Element::S3},
-                                                    {"S8R", ShellDeck::Element::S8R}},
-          CLI::ignore_case))
-      ->needs("--with-ccx");
-  sub->add_option("--accuracy", a->stress.accuracy,
-                  "Make elements smaller until displacements are this exact: 0.01 is a percent")
-      ->check(kPositive);
+  const Words sub =
+      add_scene(program, "stress",
+                "The same, and the stresses of the shape as the shell of [stress]", *a, common);
+  const Word with_ccx = sub.flag("--with-ccx", a->stress.with_calculix,
+                                 "Run CalculiX on the same shell, and print what it finds");
+  using Element = ShellDeck::Element;
+  sub.numbered_choice(
+         "--ccx-elements",
+         {{"S6", int(Element::S6)}, {"S3", int(Element::S3)}, {"S8R", int(Element::S8R)}},
+         [a](int element) { a->stress.element = Element(element); }, "Its elements: S6, S3 or S8R")
+      .needs(with_ccx);
+  sub.option("--accuracy", a->stress.accuracy,
+             "Make elements smaller until displacements are this exact: 0.01 is a percent")
+      .positive();
   return {sub, [a, &common] { return stress(*a, common); }};
 }
 

@@ -11,6 +11,7 @@
 #include "batten/fairing/variation_surface.h"
 #include "batten/fairing/variation_terms.h"
 #include "batten/tests/catch.h"
+#include "batten/tests/dense_twin.h"
 #include "batten/tests/refusal.h"
 
 using namespace batten;
@@ -323,7 +324,7 @@ TEST_CASE("multipliers find the minimum under rows, rows that follow from others
   MatX kkt = MatX::Zero(n + 4, n + 4), right(n + 4, 2);
   kkt << H, B.topRows(4).transpose(), B.topRows(4), MatX::Zero(4, 4);
   right << -g, -miss.topRows(4);
-  const MatX exact = kkt.fullPivLu().solve(right).topRows(n);
+  const MatX exact = solve_dense(kkt, right).topRows(n);
 
   const RowMatrix rows = B.sparseView();
   const VecX weights = multiplier_weights(rows, H.diagonal(), 1e4);

@@ -9,6 +9,7 @@
 #include "batten/mesh/operators.h"
 #include "batten/tests/catch.h"
 #include "batten/tests/deform_twin.h"
+#include "batten/tests/dense_twin.h"
 #include "batten/tests/mesh/sample_meshes.h"
 #include "batten/tests/refusal.h"
 #include "batten/tests/sampling.h"
@@ -27,12 +28,9 @@ std::vector<int> box(int n, int i0, int i1, int j0, int j1) {
 
 /// Least squares under constraints by the null space, all unknowns at once.
 VecX least_squares(const MatX& A, const VecX& b, const MatX& C, const VecX& d, double* conflict) {
-  const Eigen::CompleteOrthogonalDecomposition<MatX> c(C);
-  const VecX particular = c.solve(d);
+  const VecX particular = batten::least_squares(C, d);
   *conflict = (C * particular - d).norm();
-  const Eigen::ColPivHouseholderQR<MatX> qr(C.transpose());
-  const MatX Q = qr.householderQ() * MatX::Identity(C.cols(), C.cols());
-  const MatX free = Q.rightCols(C.cols() - qr.rank());
+  const MatX free = null_space(C);
   if (free.cols() == 0) return particular;
   const MatX reduced = A * free;
   const VecX rest = b - A * particular;

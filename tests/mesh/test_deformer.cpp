@@ -12,6 +12,7 @@
 #include "batten/tests/allocations.h"
 #include "batten/tests/catch.h"
 #include "batten/tests/deform_twin.h"
+#include "batten/tests/dense_twin.h"
 #include "batten/tests/mesh/sample_meshes.h"
 #include "batten/tests/sampling.h"
 #include "batten/tests/threads.h"
@@ -116,7 +117,7 @@ TEST_CASE("without features the deformer solves the dense least-squares problem"
       if (std::find(held.begin(), held.end(), v) == held.end()) moving.push_back(v);
     MatX q = q_held;
     const MatX L_free = L(moving, moving), pull = -L * q_held;
-    const MatX q_free = L_free.ldlt().solve(MatX(pull(moving, Eigen::all)));
+    const MatX q_free = solve_symmetric(L_free, pull(moving, Eigen::all));
     q(moving, Eigen::all) = q_free;
     MatX A(n, n), b(n, 3);
     for (int i = 0; i < n; ++i) {
@@ -253,7 +254,7 @@ TEST_CASE(
   const MatX L = lower.selfadjointView<Eigen::Lower>() * MatX::Identity(n, n);
   const VecX area = mixed_areas(mesh);
   const MatX TLT = T.transpose() * L * T, pull = -T.transpose() * (L * q0);
-  const MatX q = T * TLT.ldlt().solve(pull).eval() + q0;
+  const MatX q = T * solve_symmetric(TLT, pull) + q0;
   MatX A(n, n), b(n, 3);
   for (int v = 0; v < n; ++v) {
     const Vec3 log = q.row(v).transpose();

@@ -1,5 +1,5 @@
 // Deformers that work in rounds: the laws of mesh/regions.
-#include <Eigen/Dense>
+#include <Eigen/Geometry>
 #include <numbers>
 
 #include "batten/core/errors.h"
@@ -11,6 +11,7 @@
 #include "batten/mesh/regions/nonlinear_deformer.h"
 #include "batten/tests/allocations.h"
 #include "batten/tests/catch.h"
+#include "batten/tests/dense_twin.h"
 #include "batten/tests/mesh/region_meshes.h"
 #include "batten/tests/refusal.h"
 #include "batten/tests/threads.h"
@@ -261,7 +262,7 @@ TEST_CASE("the dual energy is that of its header, and Laplacian vectors stand up
     conditions.topLeftCorner<3, 3>() = to;
     conditions.topRightCorner<3, 1>() = -n;
     conditions.row(3).head<3>().setOnes();
-    const Eigen::Vector4d solved = conditions.fullPivLu().solve(Eigen::Vector4d::Unit(3));
+    const Eigen::Vector4d solved = solve_dense(conditions, Eigen::Vector4d::Unit(3));
     const Vec3 weights = solved.head<3>(), l = to * weights;
     CHECK((l - height * n).norm() < 1e-12);
     const double scale = to.colwise().squaredNorm().mean() / 4, curvature = l.norm() / scale;

@@ -1,5 +1,5 @@
 // Feature regions: rotations of faces, regions that keep their shape, how they are chosen.
-#include <Eigen/Dense>
+#include <Eigen/Geometry>
 #include <numbers>
 
 #include "batten/core/errors.h"
@@ -12,10 +12,11 @@
 #include "batten/mesh/regions/dual_laplacian_deformer.h"
 #include "batten/mesh/regions/feature_region_deformer.h"
 #include "batten/mesh/regions/nonlinear_deformer.h"
-#include "batten/mesh/rotation_of_faces.h"
 #include "batten/mesh/regions/saliency.h"
+#include "batten/mesh/rotation_of_faces.h"
 #include "batten/mesh/selection.h"
 #include "batten/tests/catch.h"
+#include "batten/tests/dense_twin.h"
 #include "batten/tests/mesh/region_meshes.h"
 #include "batten/tests/refusal.h"
 #include "batten/tests/threads.h"
@@ -296,7 +297,7 @@ TEST_CASE("hard regions are the dense least-squares problem with three unknowns 
                                                                  : MatX(mesh.points()));
     for (const int v : deformer.vertices(0)) b.row(v) *= scale;
     const MatX AT = A * T;
-    const MatX u = (AT.transpose() * AT).ldlt().solve(AT.transpose() * (b - A * known));
+    const MatX u = solve_symmetric(AT.transpose() * AT, AT.transpose() * (b - A * known));
     CHECK(relative(p, Points(T * u + known)) < 1e-8);
   }
 }
