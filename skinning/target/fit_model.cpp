@@ -22,8 +22,8 @@ constexpr double kFirst = 100, kSpreading = 1e-3, kLast = 1e-5;
 /// One mesh: its matrices, and rounds on it.
 class FitRounds {
  public:
-  FitRounds(std::shared_ptr<const ModelLayout> layout,
-            std::vector<const TargetSurface*> targets, const TargetSurface& whole)
+  FitRounds(std::shared_ptr<const ModelLayout> layout, std::vector<const TargetSurface*> targets,
+            const TargetSurface& whole)
       : layout_(std::move(layout)),
         whole_(whole),
         targets_(std::move(targets)),
@@ -182,7 +182,7 @@ class Fitting {
     for (auto& part : of_region_)
       if (!part) part = &target_;
     sides_ = target_sides(*fit_.layout, fit_.dofs, of_region_);
-    on_this_mesh(kFirst);
+    on_first_mesh();
     // The largest distance may stay for a while where others fall.
     constexpr int most_idle = 2;
     ModelFit best = fit_;
@@ -200,15 +200,32 @@ class Fitting {
   }
 
  private:
-  void on_this_mesh(double epsilon) {
+  /// The first shape: the fairest one that is clearly within the tolerance, or the nearest one.
+  void on_first_mesh() {
     FitRounds rounds(fit_.layout, of_region_, target_);
-    for (; epsilon > 2 * kSpreading; epsilon /= 10) {
-      rounds.prepare(epsilon);
-      fit_.dofs = rounds.round(fit_.dofs, sides_);
-      ++fit_.rounds;
+    for (double epsilon = kFirst; epsilon > 2; epsilon /= 10) settle(rounds, epsilon, 1);
+    constexpr std::pair<double, int> fair[] = {{1, 4}, {0.03, 4}, {kSpreading, 8}};  // ε, rounds
+    for (const auto& [epsilon, most] : fair) {
+      settle(rounds, epsilon, most);
+      if (clearly_near(rounds)) return finish();
     }
-    constexpr int spreading = 8;  // rounds: more of them draw narrow features flat
-    if (epsilon > kLast) settle(rounds, kSpreading, spreading);
+    settle_firmly(rounds);
+    finish();
+  }
+
+  bool clearly_near(FitRounds& rounds) {
+    constexpr double clearly = 0.5;  // of the tolerance
+    return measured(false).there() <= clearly * tolerance_ && !rounds.hold_folds(fit_.dofs);
+  }
+
+  void on_finer_mesh() {
+    FitRounds rounds(fit_.layout, of_region_, target_);
+    settle_firmly(rounds);
+    finish();
+  }
+
+  /// Without bending but where the surface would turn over.
+  void settle_firmly(FitRounds& rounds) {
     const Points even = fit_.dofs;
     settle(rounds, kLast, options_.most_rounds);
     constexpr int most_holds = 2;
@@ -216,6 +233,9 @@ class Fitting {
       fit_.dofs = even;
       settle(rounds, kLast, options_.most_rounds);
     }
+  }
+
+  void finish() {
     replan_joins();
     fit_.after = measured(true);
   }
@@ -230,7 +250,7 @@ class Fitting {
   }
 
   void settle(FitRounds& rounds, double epsilon, int most_rounds) {
-    rounds.prepare(epsilon);
+    rounds.prepare(epsilon_ = epsilon);
     Acceleration faster(rounds.mass());
     for (int round = 0; round < most_rounds; ++round) {
       progress_.at("fit to the target", double(round) / most_rounds);
@@ -248,7 +268,7 @@ class Fitting {
       planned->plan_joins(fit_.dofs);
       fit_.layout = std::move(planned);
       FitRounds rounds(fit_.layout, of_region_, target_);
-      rounds.prepare(kLast);
+      rounds.prepare(epsilon_);
       for (int round = 0; round < 3; ++round, ++fit_.rounds)
         fit_.dofs = rounds.round(fit_.dofs, sides_);
       if (fit_.layout->join_misfit(fit_.dofs) < 1e-3) break;
@@ -283,7 +303,7 @@ class Fitting {
     finer->plan_joins(fit_.dofs);
     fit_.layout = std::move(finer);
     ++fit_.halvings;
-    on_this_mesh(kLast);
+    on_finer_mesh();
     return true;
   }
 
@@ -302,6 +322,7 @@ class Fitting {
   const ModelFitOptions& options_;
   const Progress& progress_;
   double tolerance_ = 0;
+  double epsilon_ = kFirst;  // the last one
   std::shared_ptr<const ModelLayout> start_layout_;
   Points start_;
   ModelFit fit_;

@@ -35,9 +35,10 @@ struct ModelFit {
 ///     minimise ∫ |x' - x - g|² + ε h⁴ ∫ |∂²x'|²   under the rows,
 ///
 /// h the size of a triangle on the model scaled to size 1. The second term spreads the parameters over the
-/// surface, so that it does not fold. ε falls from 100 to 1e-3, stays there for some rounds, and is 1e-5 at
-/// the end, where it draws the shape aside by less than triangles miss it anyway; triangles that turn over nevertheless, and those
-/// around them, keep a hundred times as much. The matrix, mass + ε h⁴ bending, stays the same while ε and
+/// surface, so that it does not fold, and makes it fair: ε falls from 100 to 1, 0.03 and 1e-3, some rounds
+/// each, until the surface is within half the tolerance; where none of these is, it is 1e-5 at the end, which
+/// draws the shape aside by less than triangles miss it anyway. Triangles that turn over nevertheless, and
+/// those around them, keep a hundred times as much. The matrix, mass + ε h⁴ bending, stays the same while ε and
 /// rows do: one factor, many rounds, which Acceleration makes fewer. Beyond the target's rim springs have
 /// no pull. Where the target is still farther than the tolerance, either way, triangles are halved, smooth joins planned
 /// anew, and rounds go on, as long as that helps; not where lines themselves are that far away.

@@ -533,6 +533,19 @@ TEST_CASE("published hulls are skinned and compared with the surfaces in their f
   }
 }
 
+TEST_CASE("a scan becomes a model that can be pushed", "[examples]") {
+  const Ran still = run(kExamples + "30-refit/scene.toml", "example_refit");
+  CHECK(still.code == kDone);
+  const auto& target = still.report["target"];
+  CHECK(target["reached"].get<bool>());
+  CHECK(target["before"]["max"].get<double>() > 20);
+  CHECK(target["to_target"]["max"].get<double>() < 0.25);  // half the tolerance
+  CHECK(target["from_target"]["max"].get<double>() < 0.25);
+  CHECK(still.report["step"]["faces"].get<int>() == 1);
+  const Ran pushed = run(kExamples + "30-refit/scene.toml", "example_refit_dent", "--set dent=-40");
+  CHECK(pushed.report["surface"]["moved"].get<double>() == Approx(17.3).epsilon(0.02));
+}
+
 TEST_CASE("a roof finds its form and stands, and a door is leaned on", "[examples]") {
   const Ran roof = run(kExamples + "19-roof/scene.toml", "example_roof", "", "stress");
   CHECK(roof.code == kDone);
