@@ -9,6 +9,7 @@
 #include "batten/core/chunks.h"
 #include "batten/core/errors.h"
 #include "batten/fem/assembly.h"
+#include "batten/skinning/region/quality.h"
 #include "batten/skinning/surfaces/embedded_joins.h"
 #include "batten/skinning/target/acceleration.h"
 #include "batten/skinning/target/region_parts.h"
@@ -186,12 +187,16 @@ class Fitting {
     // The largest distance may stay for a while where others fall.
     constexpr int most_idle = 2;
     ModelFit best = fit_;
-    for (int idle = 0; idle < most_idle && fit_.after.largest() > tolerance_ &&
-                       fit_.halvings < options_.most_halvings;) {
+    double least = misses();
+    for (int idle = 0;
+         idle < most_idle && misses() > 1 && fit_.halvings < options_.most_halvings;) {
       if (!halve()) break;
       constexpr double least_gain = 0.9;
-      idle = fit_.after.largest() < least_gain * best.after.largest() ? 0 : idle + 1;
-      if (fit_.after.largest() < best.after.largest()) best = fit_;
+      const double now = misses();
+      idle = now < least_gain * least ? 0 : idle + 1;
+      if (now >= least) continue;
+      least = now;
+      best = fit_;
     }
     fit_ = std::move(best);
     if (fit_.after.there() > fit_.before.there()) go_back();
@@ -275,6 +280,18 @@ class Fitting {
     }
   }
 
+  /// Over what is promised: the distance, and the widest gap at an embedded line.
+  double misses() const {
+    double gap = 0;
+    for (int r = 0; r < fit_.layout->region_count(); ++r) {
+      if (fit_.layout->region(r).embedded().empty()) continue;
+      const SkinnedRegion region = fit_.layout->skinned(r, fit_.dofs);
+      for (const EmbeddedLine& line : region.embedded)
+        gap = std::max(gap, line_gap(region.surface, line));
+    }
+    return std::max(fit_.after.largest() / tolerance_, gap / fit_.layout->tolerance());
+  }
+
   /// What came out worse than the start is not kept.
   void go_back() {
     fit_.layout = start_layout_;
@@ -290,9 +307,12 @@ class Fitting {
     int count = 0;
     constexpr double margin = 0.5;  // of the tolerance: next time the largest distance is elsewhere
     const std::vector<double> off = off_lines();
+    for (int r = 0; r < layout.region_count(); ++r)
+      mark_gaps(layout.skinned(r, fit_.dofs), 0.5 * layout.tolerance(),
+                marks.data() + layout.first_triangle(r));
     for (int t = 0; t < count_of(marks); ++t) {
       const double floor = std::max(margin * tolerance_, 1.2 * off[layout.region_of(t)]);
-      marks[t] = largest_of_[t] > floor;
+      marks[t] |= largest_of_[t] > floor;
       count += marks[t];
     }
     if (count == 0 || layout.mesh()->triangle_count() + count > options_.most_triangles)

@@ -40,7 +40,8 @@ struct ModelFit {
 /// draws the shape aside by less than triangles miss it anyway. Triangles that turn over nevertheless, and
 /// those around them, keep a hundred times as much. The matrix, mass + ε h⁴ bending, stays the same while ε and
 /// rows do: one factor, many rounds, which Acceleration makes fewer. Beyond the target's rim springs have
-/// no pull. Where the target is still farther than the tolerance, either way, triangles are halved, smooth joins planned
+/// no pull. Where the target is still farther than the tolerance, either way, or an
+/// embedded line has a gap above its own, triangles are halved, smooth joins planned
 /// anew, and rounds go on, as long as that helps; not where lines themselves are that far away.
 ///
 /// `start`: absolute dofs on the layout that have its lines, near enough to the target that nearest points

@@ -186,7 +186,7 @@ TEST_CASE("a fit has the same bits on one thread or two") {
   CHECK(found[0] == found[1]);
 }
 
-TEST_CASE("where a target ends the shape stays, and points there do not count") {
+TEST_CASE("where a target ends nothing pulls, and points there do not count") {
   const auto layout = unit_square();
   const Points flat = layout->least_energy(SurfaceStiffness::isotropic(0, 1));
   ModelFitOptions options;
@@ -199,7 +199,7 @@ TEST_CASE("where a target ends the shape stays, and points there do not count") 
     if (x.x() > 0.8) far = std::max(far, std::abs(x.z()));
   }
   CHECK(near > 0.045);
-  CHECK(far < 0.01);
+  CHECK(far < 0.02);  // of the 0.05: bending fades out there
   CHECK(fit.before.regions[0].beyond > fit.before.regions[0].points / 2);
 }
 
