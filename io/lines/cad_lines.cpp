@@ -116,10 +116,10 @@ class CadCurve : public InputCurve {
 }  // namespace
 
 std::vector<CharacterLine> read_cad_lines(const std::filesystem::path& file,
-                                          double model_unit_in_metres) {
+                                          double model_unit_in_metres, bool creases) {
   const double scale = scale_to(model_unit_in_metres);
   CadFile cad = read_cad(file);
-  divide_at_creases(cad);
+  if (creases) divide_at_creases(cad);
   std::vector<CharacterLine> lines;
   const std::vector<std::string> names = edge_names(cad);
   for (int e = 1; e <= cad.edges.Extent(); ++e) {

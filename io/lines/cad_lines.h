@@ -10,8 +10,8 @@
 namespace batten {
 
 /// Reads every curve of an IGES (.igs, .iges), STEP (.stp, .step) or BREP (.brep, .brp; in mm)
-/// file: the edges of its shapes (an edge that faces share once), the creases inside of its faces, and the
-/// curves that stand alone.
+/// file: the edges of its shapes (an edge that faces share once) and the curves that stand alone; with
+/// `creases` those inside of its faces, too, which cut the edges where they end.
 /// Coordinates are converted from the unit that the file declares into the model's. Curves in the
 /// parameter plane of a face and edges without length are left out.
 ///
@@ -25,7 +25,7 @@ namespace batten {
 /// format or cut short (with the line where that shows), an entity that OpenCASCADE cannot convert,
 /// a file without curves, a unit that is not positive.
 std::vector<CharacterLine> read_cad_lines(const std::filesystem::path& file,
-                                          double model_unit_in_metres);
+                                          double model_unit_in_metres, bool creases = false);
 
 /// A trimmed face of a CAD file, from which distances are measured. Copies share the data.
 class StoredSurface {

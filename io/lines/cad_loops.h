@@ -7,7 +7,7 @@
 
 namespace batten {
 
-/// The lines around a face, by the names that read_cad_lines() gives them.
+/// The lines around a face, by the names that read_cad_lines() gives them with creases.
 struct CadLoops {
   std::string name;                             ///< "face 1" … by its place in the file
   std::vector<std::vector<std::string>> loops;  ///< the outer one first

@@ -34,6 +34,7 @@ struct SceneLine {
   CharacterLine::Treatment treatment = CharacterLine::Treatment::Auto;
   bool holds = true;                                 ///< false, of holes: they only trim
   std::vector<PlacedWord> only, skip, inner, holes;  ///< names of curves of a [[lines]]
+  bool creases = false;  ///< of a CAD file: those inside of its faces are lines, too
 };
 
 /// [skin]: how the surface is made, its material, and what holds it.

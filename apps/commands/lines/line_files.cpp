@@ -48,7 +48,7 @@ std::vector<SourceLine> read_file(const SceneFile& scene, const SceneLine& sourc
   if (line_file_kind(source.file) == LineFileKind::Cad && !source.unit.empty())
     throw InputError(at + "found a unit for '" + source.file.string() +
                      "', expected none: files of this kind say their unit themselves");
-  return read_source_file(source.file, source.unit, scene.unit);
+  return read_source_file(source.file, source.unit, scene.unit, source.creases);
 }
 
 void check_names(const SceneFile& scene, const SceneLine& source,
@@ -229,7 +229,7 @@ std::vector<SourceLine> read_drawn(const std::filesystem::path& file, const std:
 }  // namespace
 
 std::vector<SourceLine> read_source_file(const std::filesystem::path& file, const std::string& unit,
-                                         const std::string& model_unit) {
+                                         const std::string& model_unit, bool creases) {
   const double model = unit_in_metres(model_unit);
   std::vector<SourceLine> lines;
   if (line_file_kind(file) == LineFileKind::Sketch) {
@@ -238,7 +238,7 @@ std::vector<SourceLine> read_source_file(const std::filesystem::path& file, cons
     return lines;
   }
   if (line_file_kind(file) == LineFileKind::Cad) {
-    for (const CharacterLine& line : cad_calls().read_cad_lines(file, model))
+    for (const CharacterLine& line : cad_calls().read_cad_lines(file, model, creases))
       lines.push_back({line.name, file.string() + ": ", {}, line.curve});
     return lines;
   }

@@ -35,8 +35,9 @@ struct SourceLine {
 /// Reads all lines of a file, in model units. `unit` is that of a file of points ("": the model's)
 /// or of a drawing ("": its own, where it states one). CAD files state their unit, and sketches are
 /// in the model's. Throws InputError.
+/// `creases`: of a CAD file also those inside of its faces.
 std::vector<SourceLine> read_source_file(const std::filesystem::path& file, const std::string& unit,
-                                         const std::string& model_unit);
+                                         const std::string& model_unit, bool creases = false);
 
 /// Reads all lines of a scene, in its order. `file` is the scene's, for messages. Throws InputError
 /// with the place in the scene: a file that is missing or of an unknown kind, a file of several

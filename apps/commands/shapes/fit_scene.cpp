@@ -99,7 +99,10 @@ Scene scene_of_target(const std::filesystem::path& target,
     scene.network->tolerance = kMeet * surface.size();
   } else {
     scene = scene_of_network(lines.empty() ? std::vector{target} : lines, unit);
-    if (lines.empty()) add_cad_regions(scene, target);
+    if (lines.empty()) {
+      scene.lines.front().creases = true;
+      add_cad_regions(scene, target);
+    }
   }
   scene.network->fair_trembling = false;  // the lines are the target's own
   scene.name = target.stem().string();

@@ -99,7 +99,8 @@ TEST_CASE("a tube has two rims and a seam, a plate with a hole two loops, a ball
 
 TEST_CASE("a crease inside of a face is a line, with the angle by which the surface turns") {
   const fs::path file = file_of("fold", folded(40));
-  const auto lines = read_cad_lines(file, 1e-3);
+  CHECK(read_cad_lines(file, 1e-3).size() == 4);
+  const auto lines = read_cad_lines(file, 1e-3, true);
   CHECK(lines.size() == 7);  // two edges are cut, and the crease
   const CadFaceLoops found = read_cad_loops(file, 1e-3);
   REQUIRE(found.faces.size() == 2);
