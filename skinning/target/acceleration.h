@@ -44,11 +44,6 @@ class Acceleration {
     for (long i = 0; i < n; ++i) result -= gamma[i] * steps_[i];
     return result;
   }
-  void forget() {
-    residuals_.clear();
-    steps_.clear();
-    last_residual_.resize(0, 3);
-  }
 
  private:
   const SparseMatrix& mass_;

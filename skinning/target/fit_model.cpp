@@ -175,7 +175,7 @@ class Fitting {
   }
 
   ModelFit run() {
-    fit_.before = fit_.after = measured(true);
+    fit_.before = measured(false);
     int points = 0;
     for (const Distances& region : fit_.before.regions) points += region.points;
     if (points == 0) throw InputError("no point of the target is near to the surface");
@@ -187,12 +187,11 @@ class Fitting {
     // The largest distance may stay for a while where others fall.
     constexpr int most_idle = 2;
     ModelFit best = fit_;
-    double least = misses();
-    for (int idle = 0;
-         idle < most_idle && misses() > 1 && fit_.halvings < options_.most_halvings;) {
+    double least = misses(), now = least;
+    for (int idle = 0; idle < most_idle && now > 1 && fit_.halvings < options_.most_halvings;) {
       if (!halve()) break;
       constexpr double least_gain = 0.9;
-      const double now = misses();
+      now = misses();
       idle = now < least_gain * least ? 0 : idle + 1;
       if (now >= least) continue;
       least = now;
@@ -296,8 +295,8 @@ class Fitting {
   void go_back() {
     fit_.layout = start_layout_;
     fit_.dofs = start_;
-    fit_.after = fit_.before;
     fit_.halvings = 0;
+    fit_.after = measured(true);
   }
 
   /// False where there is nothing to gain.
