@@ -85,7 +85,8 @@ std::optional<SurfaceSearch::Found> SurfaceSearch::nearest(
     const Vec3 w = nearest_in_triangle(p, mesh_.point(a), mesh_.point(b), mesh_.point(c));
     const Vec3 q = w[0] * mesh_.point(a) + w[1] * mesh_.point(b) + w[2] * mesh_.point(c);
     const double distance2 = (q - p).squaredNorm();
-    if (distance2 > least || (distance2 == least && t > best.triangle)) return;
+    // One without area may have no nearest point.
+    if (!(distance2 < least || (distance2 == least && t < best.triangle))) return;
     least = distance2;
     best = {t, q, w, 0};
   };

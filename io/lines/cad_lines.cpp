@@ -23,7 +23,7 @@
 
 #include "batten/core/box.h"
 #include "batten/core/errors.h"
-#include "batten/io/lines/cad_creases.h"
+#include "batten/io/lines/cad_for_fits.h"
 #include "batten/io/lines/cad_edges.h"
 
 namespace batten {
@@ -119,7 +119,7 @@ std::vector<CharacterLine> read_cad_lines(const std::filesystem::path& file,
                                           double model_unit_in_metres, bool creases) {
   const double scale = scale_to(model_unit_in_metres);
   CadFile cad = read_cad(file);
-  if (creases) divide_at_creases(cad);
+  if (creases) prepare_for_fits(cad);
   std::vector<CharacterLine> lines;
   const std::vector<std::string> names = edge_names(cad);
   for (int e = 1; e <= cad.edges.Extent(); ++e) {

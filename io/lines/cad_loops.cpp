@@ -1,9 +1,13 @@
 #include "batten/io/lines/cad_loops.h"
 
+#include <BRepAdaptor_Curve.hxx>
 #include <BRepBndLib.hxx>
+#include <BRepGProp_Face.hxx>
 #include <BRepTools.hxx>
+#include <BRepTools_WireExplorer.hxx>
 #include <BRep_Tool.hxx>
 #include <Bnd_Box.hxx>
+#include <Geom2d_Curve.hxx>
 #include <TopExp.hxx>
 #include <TopExp_Explorer.hxx>
 #include <TopTools_IndexedMapOfShape.hxx>
@@ -19,8 +23,8 @@
 
 #include "batten/core/groups.h"
 #include "batten/io/cad/continuity_shape.h"
-#include "batten/io/lines/cad_creases.h"
 #include "batten/io/lines/cad_edges.h"
+#include "batten/io/lines/cad_for_fits.h"
 
 namespace batten {
 namespace {
@@ -53,6 +57,49 @@ std::vector<std::vector<int>> chains_of(const TopoDS_Wire& wire, const TopoDS_Fa
   return result;
 }
 
+/// By how much the wire turns from one edge to the next, seen from the face's side, radians.
+double turn_between(const BRepAdaptor_Curve& from, bool from_reversed, const BRepAdaptor_Curve& to,
+                    bool to_reversed, const gp_Vec& normal) {
+  gp_Pnt at;
+  gp_Vec in, out;
+  from.D1(from_reversed ? from.FirstParameter() : from.LastParameter(), at, in);
+  to.D1(to_reversed ? to.LastParameter() : to.FirstParameter(), at, out);
+  if (from_reversed) in.Reverse();
+  if (to_reversed) out.Reverse();
+  return std::atan2(normal.Dot(in.Crossed(out)), in.Dot(out));
+}
+
+/// The face's normal near the end of an edge, not on it: at poles it has none.
+gp_Vec normal_near_end(const TopoDS_Edge& edge, const TopoDS_Face& face) {
+  constexpr double back = 0.01;  // of the edge
+  double start, end;
+  const Handle(Geom2d_Curve) curve = BRep_Tool::CurveOnSurface(edge, face, start, end);
+  if (curve.IsNull()) return {0, 0, 0};
+  const bool reversed = edge.Orientation() == TopAbs_REVERSED;
+  const gp_Pnt2d uv =
+      curve->Value(reversed ? start + back * (end - start) : end - back * (end - start));
+  gp_Pnt at;
+  gp_Vec normal;
+  BRepGProp_Face(face).Normal(uv.X(), uv.Y(), at, normal);
+  return normal;
+}
+
+bool turns_left_everywhere(const TopoDS_Face& any_face) {
+  const TopoDS_Face face = TopoDS::Face(any_face.Oriented(TopAbs_FORWARD));
+  std::vector<TopoDS_Edge> edges;
+  for (BRepTools_WireExplorer e(BRepTools::OuterWire(face), face); e.More(); e.Next())
+    if (!BRep_Tool::Degenerated(e.Current())) edges.push_back(e.Current());
+  constexpr double straight = 0.1;  // radians
+  for (size_t i = 0; i < edges.size(); ++i) {
+    const TopoDS_Edge &from = edges[i], &to = edges[(i + 1) % edges.size()];
+    const double turn = turn_between(BRepAdaptor_Curve(from), from.Orientation() == TopAbs_REVERSED,
+                                     BRepAdaptor_Curve(to), to.Orientation() == TopAbs_REVERSED,
+                                     normal_near_end(from, face));
+    if (!(turn > -straight)) return false;
+  }
+  return !edges.empty();
+}
+
 CadLoops loops_of(const TopoDS_Face& face, const CadFile& cad,
                   const std::vector<std::string>& names) {
   CadLoops result;
@@ -68,6 +115,7 @@ CadLoops loops_of(const TopoDS_Face& face, const CadFile& cad,
     }
   }
   for (const int e : seams) result.inner.push_back(names[e]);
+  result.convex = result.loops.size() == 1 && seams.empty() && turns_left_everywhere(face);
   return result;
 }
 
@@ -97,7 +145,7 @@ double largest_gap(const CadFile& cad) {
 
 CadFaceLoops read_cad_loops(const std::filesystem::path& file, double model_unit_in_metres) {
   CadFile cad = read_cad(file);
-  divide_at_creases(cad);
+  prepare_for_fits(cad);
   const std::vector<std::string> names = edge_names(cad);
   CadFaceLoops result;
   Bnd_Box box;

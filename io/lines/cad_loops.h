@@ -12,6 +12,7 @@ struct CadLoops {
   std::string name;                             ///< "face 1" … by its place in the file
   std::vector<std::vector<std::string>> loops;  ///< the outer one first
   std::vector<std::string> inner;               ///< lines on which a face meets itself: seams
+  bool convex = false;  ///< one loop, all of whose corners turn the face's own way
   bool ring() const { return !inner.empty() && loops.size() == 2; }  ///< a tube's two rims
 };
 

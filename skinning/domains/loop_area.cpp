@@ -99,9 +99,10 @@ bool encloses_area(const Outline& outline) {
 
 double enclosed_area(const Outline& outline) { return area_vector(outline).norm(); }
 
-std::vector<double> corner_angles(const Outline& outline) {
+std::vector<double> corner_angles(const Outline& outline, bool convex) {
   constexpr double pi = std::numbers::pi;
-  const std::vector<char> left = left_at_corners(outline);
+  const std::vector<char> left =
+      convex ? std::vector<char>(outline.corners.size(), 1) : left_at_corners(outline);
   std::vector<double> angles;
   for (size_t i = 0; i < left.size(); ++i) {
     const Joint joint = joint_at(outline, static_cast<size_t>(outline.corners[i]));

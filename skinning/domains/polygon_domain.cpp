@@ -60,7 +60,7 @@ void turn_to_first_line(PolygonPlan& plan) {
 // From the lengths of the sides and the angles between them, unless it is given.
 void choose_polygon(PolygonPlan& plan, const std::vector<Vec2>* given) {
   const Outline& loop = plan.outline;
-  plan.line_angles = corner_angles(loop);
+  plan.line_angles = corner_angles(loop, plan.task.options.convex);
   // The polygon is fitted to rounded numbers of the region scaled to size 1.
   std::vector<double> lengths, angles;
   std::vector<Vec3> corners;

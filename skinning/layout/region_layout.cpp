@@ -200,7 +200,8 @@ std::optional<RegionParts> polygon_mesh(const JoinedLines& joined, const DomainT
     return std::nullopt;
   }
   // Sides that bend much while corners hardly turn leave no room in a polygon.
-  if (automatic && strained(loop, parts) && overturned(parts, task.options.element))
+  if (automatic && !task.options.convex && strained(loop, parts) &&
+      overturned(parts, task.options.element))
     return std::nullopt;
   if (task.options.settle) settle(joined, task, parts, others);
   return parts;

@@ -62,6 +62,7 @@ class RegionLayout {
   const std::vector<std::string>& warnings() const { return parts_.warnings; }
   const std::vector<DomainCorner>& corners() const { return parts_.corners; }
   SkinOptions::Domain domain() const { return options_.domain; }
+  bool convex() const { return options_.convex; }  ///< SkinOptions::convex
   /// Returns the start of the first line.
   Vec3 origin() const;
 

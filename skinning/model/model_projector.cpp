@@ -6,19 +6,23 @@
 
 namespace batten {
 
-ModelProjector::ModelProjector(const ModelLayout& layout, const Points& dofs) {
+ModelProjector::ModelProjector(const ModelLayout& layout, const Points& dofs)
+    : projectors_made_(static_cast<size_t>(layout.region_count())) {
   regions_.reserve(static_cast<size_t>(layout.region_count()));
   for (int r = 0; r < layout.region_count(); ++r) {
     const RegionLayout& of = layout.region(r);
     Region region{
         Surface(of.mesh(), of.element(), layout.region_dofs(r, dofs), of.trim()), Box3(), {}};
-    for (int v = 0; v < of.mesh()->vertex_count(); ++v)
-      region.box.extend(region.surface.dofs().row(region.surface.dof_map().vertex(v)).transpose());
-    // Between its vertices it may bulge beyond their box.
-    constexpr double bulge = 0.25;
-    const double margin = bulge * region.box.diagonal().norm();
-    region.box.min().array() -= margin;
-    region.box.max().array() += margin;
+    for (const auto& corners : of.mesh()->triangles()) {
+      Box3 box;
+      for (const int v : corners)
+        box.extend(region.surface.dofs().row(region.surface.dof_map().vertex(v)).transpose());
+      // Between its corners a triangle may bulge beyond their box.
+      constexpr double bulge = 0.5;
+      const Vec3 margin = Vec3::Constant(bulge * box.diagonal().norm());
+      region.box.extend(box.min() - margin);
+      region.box.extend(box.max() + margin);
+    }
     regions_.push_back(std::move(region));
   }
 }
@@ -29,7 +33,8 @@ double ModelProjector::Region::distance_to_box(const Vec3& p) const {
 
 ModelProjector::Nearest ModelProjector::in_region(int r, const Vec3& p) const {
   const Region& region = regions_[r];
-  if (!region.projector) region.projector = std::make_unique<SurfaceProjector>(region.surface);
+  std::call_once(projectors_made_[r],
+                 [&] { region.projector = std::make_unique<SurfaceProjector>(region.surface); });
   const auto closest = region.projector->nearest(p);
   const ParametricMesh& mesh = region.surface.mesh();
   const Vec2 uv = mesh.shape(closest.where.triangle).point(closest.where.L);

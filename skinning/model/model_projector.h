@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <mutex>
 #include <vector>
 
 #include "batten/core/box.h"
@@ -11,7 +12,8 @@
 namespace batten {
 
 /// It has one SurfaceProjector for each region, made when it is needed; regions that are too far
-/// away to matter are passed over by their boxes. It keeps copies of the regions' surfaces.
+/// away to matter are passed over by their boxes. It keeps copies of the regions' surfaces, and may be
+/// asked from several threads.
 class ModelProjector {
  public:
   /// `dofs` are those of a shape on the layout.
@@ -40,6 +42,7 @@ class ModelProjector {
   };
   Nearest in_region(int r, const Vec3& p) const;
   std::vector<Region> regions_;
+  mutable std::vector<std::once_flag> projectors_made_;
 };
 
 }  // namespace batten

@@ -22,6 +22,7 @@ using ArcLoop = std::vector<ArcUse>;
 struct RegionSkin {
   SkinOptions::Domain domain = SkinOptions::Domain::Auto;
   double edge_length = 0;  ///< model units; 0: that of the model
+  bool convex = false;     ///< SkinOptions::convex
 };
 
 /// One surface to be: where it ends, and what lies on it.

@@ -194,6 +194,7 @@ RegionWish RegionMaker::wish_of(size_t r) const {
   skin.edge_length = element_edge(static_cast<int>(r));
   skin.tolerance = tolerance_;
   skin.domain = plan.ring ? SkinOptions::Domain::Ring : plan.skin.domain;
+  skin.convex = plan.skin.convex;
   skin.against_first = plan.loops[0][0].reversed;
   // Triangles that trials may take: of large regions and of large models fewer are made.
   constexpr int least = 1'000, most = 8'000;
@@ -219,6 +220,7 @@ void RegionMaker::lay_out_one(size_t r) {
 
 bool RegionMaker::lay_out_otherwise(int region) {
   const auto r = static_cast<size_t>(region);
+  if (ways_[r]->skin.convex) return false;  // how it turns there means nothing
   auto trial = try_other(wish_of(r), layouts_[r]->domain(), frame(), options_.material);
   if (!trial) return false;
   model_.regions[r].warnings = trial->warnings;

@@ -25,6 +25,7 @@ struct Way {
   Domain domain;
   bool settle = false;
   double edge = 1;  // times the edge length that was asked for
+  bool convex = false;
 };
 
 std::vector<Way> ways_after(const RegionWish& wish, Domain first) {
@@ -84,9 +85,10 @@ std::pair<int, const char*> evil_of(SurfaceFlaw::Kind kind) {
   return {1, "it sags"};
 }
 
-// What is wrong with a region by itself.
+// What is wrong with a region by itself. The first shape of one that will be drawn to a face says nothing.
 void judge(Made& made, double plain_area) {
   const RegionLayout& layout = *made.trial.layout;
+  if (made.trial.way.skin.convex && layout.domain() == Domain::Polygon) return;
   const SkinnedRegion region = layout.region(made.trial.shape);
   if (layout.embedded().empty() && !suspicious(region, plain_area)) return;
   SkinQuality quality = measure(region.surface);
@@ -127,6 +129,8 @@ class Trials {
     for (const bool inner : {true, false}) {
       if (!inner && wish_.inner == 0) break;
       if (attempt({"", wish_.skin.domain}, inner)) return taken();
+      const Way convex{"with corners as its face has them", wish_.skin.domain, false, 1, true};
+      if (wish_.skin.convex && attempt(convex, inner)) return taken();
       const Domain first =
           best_ && best_->trial.way.inner == inner ? best_->trial.layout->domain() : Domain::Auto;
       for (const Way& way : ways_after(wish_, first))
@@ -146,6 +150,7 @@ class Trials {
       SkinOptions skin = wish_.skin;
       skin.domain = way.domain;
       skin.settle = way.settle;
+      skin.convex = way.convex;
       skin.edge_length *= way.edge;
       Made made{laid_out(wish_, skin, inner, frame_, material_), 0, ""};
       judge(made, wish_.plain_area);
@@ -213,6 +218,7 @@ std::optional<RegionTrial> try_other(const RegionWish& wish, Domain was, const M
     if (was != Domain::Polygon && !(was == Domain::Plane && next == Domain::Sheet)) continue;
     SkinOptions skin = wish.skin;
     skin.domain = next;
+    skin.convex = false;
     try {
       Made made{laid_out(wish, skin, true, frame, material), 0, ""};
       judge(made, wish.plain_area);

@@ -1,17 +1,13 @@
 #include "batten/skinning/target/fit_model.h"
 
 #include <algorithm>
-#include <cmath>
-#include <optional>
 #include <string>
 
-#include "batten/constraints/constrained_solver.h"
-#include "batten/core/chunks.h"
 #include "batten/core/errors.h"
-#include "batten/fem/assembly.h"
 #include "batten/skinning/region/quality.h"
 #include "batten/skinning/surfaces/embedded_joins.h"
 #include "batten/skinning/target/acceleration.h"
+#include "batten/skinning/target/fit_rounds.h"
 #include "batten/skinning/target/region_parts.h"
 
 namespace batten {
@@ -19,147 +15,6 @@ namespace {
 
 // ε: from the first one by tens to the one that spreads parameters evenly, at last so little that it pulls nothing.
 constexpr double kFirst = 100, kSpreading = 1e-3, kLast = 1e-5;
-
-/// One mesh: its matrices, and rounds on it.
-class FitRounds {
- public:
-  FitRounds(std::shared_ptr<const ModelLayout> layout, std::vector<const TargetSurface*> targets,
-            const TargetSurface& whole)
-      : layout_(std::move(layout)),
-        whole_(whole),
-        targets_(std::move(targets)),
-        // What lies outside of a trim has no springs: bending alone shapes it.
-        assembler_(*layout_->mesh(), layout_->element(), layout_->trim(), 1),
-        scale_(layout_->domain_scale()),
-        ones_(layout_->position_dofs()),
-        held_(layout_->mesh()->triangle_count(), 1.0),
-        mass_(assembler_.mass(scale_)) {
-    about_origin_ = ones_ * layout_->origin().transpose();
-  }
-
-  /// Other rows or another ε: a factor.
-  void prepare(double epsilon) {
-    bending_ = assembler_.pattern();
-    std::vector<SurfaceStiffness> materials;
-    double mean = 0;
-    const int count = layout_->mesh()->triangle_count();
-    for (int t = 0; t < count; ++t) {
-      const double h2 = 2 * layout_->mesh()->shape(t).area * scale_of(t);
-      materials.push_back(SurfaceStiffness::isotropic(0, held_[t] * epsilon * h2 * h2));
-      mean += epsilon * h2 * h2 / count;
-    }
-    assembler_.stiffness(layout_->on_regions(std::move(materials)), bending_);
-    bending_ += mean * layout_->join_stiffness();
-    const ConstraintSet rows = layout_->line_constraints().moved(ones_, layout_->origin());
-    if (solver_)
-      solver_->update(rows, mass_ + bending_);
-    else
-      solver_.emplace(rows, mass_ + bending_, layout_->dof_order());
-  }
-
-  /// One round from absolute dofs. The largest move of any vertex is noted.
-  Points round(const Points& dofs, const std::vector<double>& sides) {
-    const Surface surface = layout_->surface(dofs);
-    const Points pull = assembler_.load(
-        [&](const Location& where, const Vec2&) -> Vec3 {
-          return scale_of(where.triangle) * slide(surface.jet(where),
-                                                  *targets_[layout_->region_of(where.triangle)],
-                                                  side_of(sides, where.triangle));
-        },
-        4);
-    const Points own = dofs - about_origin_;
-    const Points moved = solver_->solve(pull + mass_.selfadjointView<Eigen::Lower>() * own);
-    largest_move_ = 0;
-    for (int v = 0; v < layout_->mesh()->vertex_count(); ++v)
-      largest_move_ = std::max(largest_move_, (moved.row(3 * v) - own.row(3 * v)).norm());
-    return moved + about_origin_;
-  }
-  const SparseMatrix& mass() const { return mass_; }
-  /// Triangles that turned over, and those around them, are held more firmly from the next prepare() on.
-  bool hold_folds(const Points& dofs) {
-    const auto& mesh = *layout_->mesh();
-    const Surface surface = layout_->surface(dofs);
-    std::vector<char> marks(mesh.triangle_count(), 0);
-    for_each_in_chunks<64>(mesh.triangle_count(), [&](int t) { marks[t] = folds(surface, t); });
-    if (std::none_of(marks.begin(), marks.end(), [](char m) { return m; })) return false;
-    constexpr int rings = 2;
-    constexpr double firmer = 100;
-    for (int ring = 0; ring < rings; ++ring) {
-      std::vector<char> touched(mesh.vertex_count(), 0);
-      for (int t = 0; t < mesh.triangle_count(); ++t)
-        for (const int v : mesh.triangles()[t]) touched[v] |= marks[t];
-      for (int t = 0; t < mesh.triangle_count(); ++t)
-        for (const int v : mesh.triangles()[t]) marks[t] |= touched[v];
-    }
-    for (int t = 0; t < mesh.triangle_count(); ++t)
-      if (marks[t]) held_[t] *= firmer;
-    return true;
-  }
-  double largest_move() const { return largest_move_; }
-
- private:
-  double scale_of(int triangle) const { return scale_.size() > 0 ? scale_[triangle] : 1; }
-  double side_of(const std::vector<double>& sides, int triangle) const {
-    return sides[layout_->region_of(triangle)];
-  }
-
-  static bool folds(const Surface& surface, int t) {
-    constexpr double least = 0.05;  // of the mean area
-    constexpr int n = 4;
-    std::vector<Vec3> areas;
-    Vec3 sum = Vec3::Zero();
-    for (int i = 0; i <= n; ++i)
-      for (int j = 0; i + j <= n; ++j) {
-        const Vec3 L(double(i) / n, double(j) / n, double(n - i - j) / n);
-        areas.push_back(surface.jet({t, L}).area_vector());
-        sum += areas.back();
-      }
-    const double bound = least * sum.squaredNorm() / count_of(areas);
-    return std::any_of(areas.begin(), areas.end(),
-                       [&](const Vec3& area) { return area.dot(sum) < bound; });
-  }
-
-  /// The nearest point whose normal is not against `along`, unless it is much farther than the nearest of
-  /// all: at the edges of thin walls that is on the other side.
-  static std::optional<TargetSurface::Nearest> same_side_as(const TargetSurface& target,
-                                                            const Vec3& x, const Vec3& along) {
-    const auto any = target.nearest(x, Vec3::Zero());
-    if (!any || any->normal.dot(along) > 0) return any;
-    constexpr double most_times = 3;
-    const auto there = target.nearest(x, along);
-    if (there && (there->at - x).norm() > most_times * (any->at - x).norm()) return {};
-    return there;
-  }
-
-  /// g: along the surface's normal to the plane that touches the target.
-  Vec3 slide(const SurfaceJet& jet, const TargetSurface& target, double side) const {
-    const Vec3 n = jet.normal();
-    // Among the points of a region's own part none is on another side.
-    const auto there = &target == &whole_ ? same_side_as(target, jet.x, side * n)
-                                          : target.nearest(jet.x, Vec3::Zero());
-    if (!there) return Vec3::Zero();
-    const Vec3 way = there->at - jet.x;
-    const double along = n.dot(way), length = way.norm();
-    constexpr double sideways = 0.5;  // of the way
-    if (there->at_rim && (way - along * n).norm() > sideways * length) return Vec3::Zero();
-    // Where normals differ much the plane is no guide: straight towards the point.
-    constexpr double most_apart = 0.5;
-    const double cosine = n.dot(there->normal);
-    if (std::abs(cosine) < most_apart) return along * n;
-    return std::clamp(way.dot(there->normal) / cosine, -2 * length, 2 * length) * n;
-  }
-
-  std::shared_ptr<const ModelLayout> layout_;
-  const TargetSurface& whole_;
-  std::vector<const TargetSurface*> targets_;  // of each region
-  SurfaceAssembler assembler_;
-  VecX scale_, ones_;
-  std::vector<double> held_;  // of each triangle, times ε
-  Points about_origin_;
-  SparseMatrix mass_, bending_;
-  std::optional<ConstrainedSolver> solver_;
-  double largest_move_ = 0;
-};
 
 class Fitting {
  public:
@@ -180,6 +35,7 @@ class Fitting {
     for (const Distances& region : fit_.before.regions) points += region.points;
     if (points == 0) throw InputError("no point of the target is near to the surface");
     of_region_ = parts_of_regions(*fit_.layout, options_.parts, tolerance_);
+    choose_maps();
     for (auto& part : of_region_)
       if (!part) part = &target_;
     sides_ = target_sides(*fit_.layout, fit_.dofs, of_region_);
@@ -199,33 +55,53 @@ class Fitting {
     }
     fit_ = std::move(best);
     if (fit_.after.there() > fit_.before.there()) go_back();
+    if (fit_.after.back.points == 0) fit_.after.back = way_back(*fit_.layout, fit_.dofs, target_);
     fit_.reached = fit_.after.largest() <= tolerance_;
     return std::move(fit_);
   }
 
  private:
+  /// Nearest points lead to what is near, and spread better where corners are sharp: maps are for regions that
+  /// their lines say little of.
+  void choose_maps() {
+    maps_ = maps_of_regions(*fit_.layout, fit_.dofs, of_region_, tolerance_);
+    constexpr double far = 0.1;  // of the region's size
+    for (int r = 0; r < count_of(maps_); ++r) {
+      const RegionLayout& region = fit_.layout->region(r);
+      if (!region.convex() && fit_.before.regions[r].largest < far * region.size()) maps_[r] = {};
+    }
+  }
+
   /// The first shape: the fairest one that is clearly within the tolerance, or the nearest one.
   void on_first_mesh() {
     FitRounds rounds(fit_.layout, of_region_, target_);
-    for (double epsilon = kFirst; epsilon > 2; epsilon /= 10) settle(rounds, epsilon, 1);
+    const bool all = std::all_of(maps_.begin(), maps_.end(), [](const auto& map) { return !!map; });
+    for (double epsilon = all ? 1 : kFirst; epsilon > 0.5; epsilon /= 10) {
+      rounds.prepare(epsilon);
+      fit_.dofs = rounds.round(fit_.dofs, sides_, maps_);
+      ++fit_.rounds;
+    }
+    const auto sides = target_sides(*fit_.layout, fit_.dofs, of_region_);
+    for (size_t r = 0; r < maps_.size(); ++r)
+      if (maps_[r]) sides_[r] = sides[r];
     constexpr std::pair<double, int> fair[] = {{1, 4}, {0.03, 4}, {kSpreading, 8}};  // ε, rounds
     for (const auto& [epsilon, most] : fair) {
       settle(rounds, epsilon, most);
-      if (clearly_near(rounds)) return finish();
+      if (clearly_near(rounds)) return finish(rounds);
     }
     settle_firmly(rounds);
-    finish();
+    finish(rounds);
   }
 
   bool clearly_near(FitRounds& rounds) {
     constexpr double clearly = 0.5;  // of the tolerance
-    return measured(false).there() <= clearly * tolerance_ && !rounds.hold_folds(fit_.dofs);
+    return measured(false).there() <= clearly * tolerance_ && !rounds.hold_folds(fit_.dofs, sides_);
   }
 
   void on_finer_mesh() {
     FitRounds rounds(fit_.layout, of_region_, target_);
     settle_firmly(rounds);
-    finish();
+    finish(rounds);
   }
 
   /// Without bending but where the surface would turn over.
@@ -233,14 +109,14 @@ class Fitting {
     const Points even = fit_.dofs;
     settle(rounds, kLast, options_.most_rounds);
     constexpr int most_holds = 2;
-    for (int hold = 0; hold < most_holds && rounds.hold_folds(fit_.dofs); ++hold) {
+    for (int hold = 0; hold < most_holds && rounds.hold_folds(fit_.dofs, sides_); ++hold) {
       fit_.dofs = even;
       settle(rounds, kLast, options_.most_rounds);
     }
   }
 
-  void finish() {
-    replan_joins();
+  void finish(FitRounds& rounds) {
+    replan_joins(rounds);
     fit_.after = measured(true);
   }
 
@@ -249,7 +125,10 @@ class Fitting {
   TargetDistances measured(bool both) {
     progress_.at("measure the fit", 0);
     TargetDistances result = target_distances(*fit_.layout, fit_.dofs, target_, &largest_of_);
-    if (both) result.back = way_back(*fit_.layout, fit_.dofs, target_, &largest_of_);
+    // What is much too far away one way needs no other one.
+    constexpr double near = 4;  // times the tolerance
+    if (both && result.there() <= near * tolerance_)
+      result.back = way_back(*fit_.layout, fit_.dofs, target_, &largest_of_);
     return result;
   }
 
@@ -265,13 +144,13 @@ class Fitting {
   }
 
   /// Smooth joins hold the tangent planes that a shape had: they are planned again from the fitted one.
-  void replan_joins() {
+  void replan_joins(FitRounds& rounds) {
     constexpr int most = 4;
     for (int again = 0; again < most && !fit_.layout->join_plans().empty(); ++again) {
       auto planned = std::make_shared<ModelLayout>(*fit_.layout);
       planned->plan_joins(fit_.dofs);
       fit_.layout = std::move(planned);
-      FitRounds rounds(fit_.layout, of_region_, target_);
+      rounds.take(fit_.layout);
       rounds.prepare(epsilon_);
       for (int round = 0; round < 3; ++round, ++fit_.rounds)
         fit_.dofs = rounds.round(fit_.dofs, sides_);
@@ -309,6 +188,7 @@ class Fitting {
     for (int r = 0; r < layout.region_count(); ++r)
       mark_gaps(layout.skinned(r, fit_.dofs), 0.5 * layout.tolerance(),
                 marks.data() + layout.first_triangle(r));
+    FitRounds::mark_turns(layout, fit_.dofs, marks);
     for (int t = 0; t < count_of(marks); ++t) {
       const double floor = std::max(margin * tolerance_, 1.2 * off[layout.region_of(t)]);
       marks[t] |= largest_of_[t] > floor;
@@ -338,6 +218,7 @@ class Fitting {
 
   const TargetSurface& target_;
   std::vector<const TargetSurface*> of_region_;
+  std::vector<TargetSurface::Map> maps_;
   const ModelFitOptions& options_;
   const Progress& progress_;
   double tolerance_ = 0;

@@ -72,4 +72,72 @@ std::vector<const TargetSurface*> parts_of_regions(
   return result;
 }
 
+namespace {
+
+/// The boundary of a region in space and in its domain, as short chords.
+class BoundaryPlaces {
+ public:
+  explicit BoundaryPlaces(const SkinnedRegion& region) {
+    constexpr int samples = 8;  // of a segment
+    for (const auto& loop : region.boundary)
+      for (const BoundaryPiece& piece : loop) {
+        const HermiteCurve image = boundary_image(region, piece),
+                           curve = boundary_curve(region, piece);
+        const auto& breaks = curve.parameters();
+        for (size_t s = 0; s + 1 < breaks.size(); ++s)
+          for (int i = 0; i < samples; ++i)
+            add(image, curve, breaks[s] + (breaks[s + 1] - breaks[s]) * i / samples,
+                breaks[s] + (breaks[s + 1] - breaks[s]) * (i + 1) / samples);
+      }
+  }
+
+  struct Found {
+    Vec2 place;
+    double distance;
+  };
+  Found nearest(const Vec3& p) const {
+    Found best{Vec2::Zero(), std::numeric_limits<double>::infinity()};
+    for (const Chord& chord : chords_) {
+      const Vec3 way = chord.to - chord.from;
+      const double along =
+          std::clamp((p - chord.from).dot(way) / std::max(way.squaredNorm(), 1e-300), 0.0, 1.0);
+      const double distance = (chord.from + along * way - p).norm();
+      if (distance >= best.distance) continue;
+      best = {chord.from_place + along * (chord.to_place - chord.from_place), distance};
+    }
+    return best;
+  }
+
+ private:
+  struct Chord {
+    Vec3 from, to;
+    Vec2 from_place, to_place;
+  };
+  void add(const HermiteCurve& image, const HermiteCurve& curve, double t, double next) {
+    chords_.push_back({curve.evaluate(t), curve.evaluate(next), image.evaluate(t).head<2>(),
+                       image.evaluate(next).head<2>()});
+  }
+  std::vector<Chord> chords_;
+};
+
+}  // namespace
+
+std::vector<TargetSurface::Map> maps_of_regions(const ModelLayout& layout, const Points& dofs,
+                                                const std::vector<const TargetSurface*>& parts,
+                                                double near) {
+  std::vector<TargetSurface::Map> maps(parts.size());
+  for_each_in_chunks<1>(count_of(parts), [&](int r) {
+    if (!parts[r] || layout.region(r).mesh()->period() > 0) return;
+    const BoundaryPlaces boundary(layout.skinned(r, dofs));
+    double farthest = 0;
+    auto map = parts[r]->over_plane([&](const Vec3& x) {
+      const auto found = boundary.nearest(x);
+      farthest = std::max(farthest, found.distance);
+      return found.place;
+    });
+    if (farthest <= near) maps[r] = std::move(map);
+  });
+  return maps;
+}
+
 }  // namespace batten

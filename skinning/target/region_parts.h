@@ -16,4 +16,10 @@ std::vector<const TargetSurface*> parts_of_regions(
     const ModelLayout& layout, const std::vector<std::shared_ptr<const TargetSurface>>& parts,
     double near);
 
+/// For each region with a part of its own the part's points over the region's domain, their rims on each other; none
+/// for rings, and where a rim of the part is farther than `near` from the region's. `dofs`: a shape that has the lines.
+std::vector<TargetSurface::Map> maps_of_regions(const ModelLayout& layout, const Points& dofs,
+                                                const std::vector<const TargetSurface*>& parts,
+                                                double near);
+
 }  // namespace batten

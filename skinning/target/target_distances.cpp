@@ -156,22 +156,30 @@ Distances way_back(const ModelLayout& layout, const Points& dofs, const TargetSu
       target_sides(layout, dofs, std::vector<const TargetSurface*>(layout.region_count(), &target));
   const ModelProjector projector(layout, dofs);
   const double hair = 1e-12 * layout.size();
-  Sum sum;
   constexpr double alike = 0.5;  // of the normals, a cosine
-  for (const auto& sample : samples) {
-    const Vec3& p = sample.at;
+  struct Way {
+    double distance = 0;
+    int triangle = -1;  // of the layout's mesh; none: beyond
+  };
+  std::vector<Way> ways(samples.size());
+  for_each_in_chunks<256>(count_of(samples), [&](int i) {
+    const Vec3& p = samples[i].at;
     const auto there = projector.nearest(p);
-    const SurfaceJet jet = projector.surface(there.at.region).jet(there.where);
-    if (!there.inside || leaves_sideways(p - jet.x, jet.normal(), hair) ||
-        sides[there.at.region] * jet.normal().dot(sample.normal) < alike)
+    const int region = there.at.region;
+    const SurfaceJet jet = projector.surface(region).jet(there.where);
+    if (there.inside && !leaves_sideways(p - jet.x, jet.normal(), hair) &&
+        sides[region] * jet.normal().dot(samples[i].normal) >= alike)
+      ways[i] = {there.distance, layout.first_triangle(region) + there.where.triangle};
+  });
+  Sum sum;
+  for (int i = 0; i < count_of(ways); ++i) {
+    const auto& [distance, triangle] = ways[i];
+    if (triangle < 0) {
       sum.beyond();
-    else {
-      sum.add(there.distance, p);
-      if (!largest_of) continue;
-      double& largest =
-          (*largest_of)[layout.first_triangle(there.at.region) + there.where.triangle];
-      largest = std::max(largest, there.distance);
+      continue;
     }
+    sum.add(distance, samples[i].at);
+    if (largest_of) (*largest_of)[triangle] = std::max((*largest_of)[triangle], distance);
   }
   return sum.get();
 }

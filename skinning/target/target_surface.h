@@ -1,6 +1,7 @@
 // A given surface that a model is fitted to, known by its nearest points.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -21,6 +22,13 @@ class TargetSurface {
   virtual std::optional<Nearest> nearest(const Vec3& p, const Vec3& along) const = 0;
   /// Points of the target from which the way back is measured, dense and even enough for that.
   virtual std::vector<Nearest> samples() const = 0;
+  /// The target's point over each place of a plane: its rim lies over the places that `rim` gives to points on
+  /// it, the rest is spread between them. None where that cannot be. Called from several threads.
+  using Map = std::function<Vec3(const Vec2& place)>;
+  virtual Map over_plane(const std::function<Vec2(const Vec3&)>& rim) const {
+    (void)rim;
+    return {};
+  }
 };
 
 }  // namespace batten

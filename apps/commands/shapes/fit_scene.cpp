@@ -81,6 +81,7 @@ void add_cad_regions(Scene& scene, const std::filesystem::path& file) {
     word.loops = face.loops;
     word.inner = face.inner;
     word.ring = face.ring();
+    word.skin.convex = face.convex;
     scene.network->regions.push_back(std::move(word));
   }
 }

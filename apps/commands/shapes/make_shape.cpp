@@ -204,7 +204,10 @@ void take_shape(MadeModel& made, const MadeShape& shape, const Progress& progres
   // A network at rest was measured when it was skinned.
   if (!made.network || shape.layout != made.model.layout || shape.fairing.surface ||
       shape.fairing.lofted || shape.fairing.fit)
-    reshape(made.model, shape.layout, shape.dofs, shape.regions, progress);
+    // A shape that was given may be larger than what its lines mean.
+    if (shape.fairing.fit)
+      for (ModelRegion& region : made.model.regions) region.plain_area = 0;
+  reshape(made.model, shape.layout, shape.dofs, shape.regions, progress);
 }
 
 }  // namespace batten

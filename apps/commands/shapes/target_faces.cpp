@@ -4,8 +4,10 @@
 #include <cmath>
 #include <map>
 
+#include "batten/core/errors.h"
 #include "batten/mesh/curved_mesh.h"
 #include "batten/mesh/features/feature_lines.h"
+#include "batten/mesh/flat_map.h"
 #include "batten/mesh/prepare.h"
 
 namespace batten {
@@ -42,6 +44,16 @@ class MeshTarget : public TargetSurface {
         }
     }
     return points;
+  }
+
+  Map over_plane(const std::function<Vec2(const Vec3&)>& rim) const override {
+    try {
+      return [map = std::make_shared<FlatMap>(mesh_, rim)](const Vec2& place) {
+        return map->over(place);
+      };
+    } catch (const InputError&) {
+      return {};  // closed, or in pieces
+    }
   }
 
  private:

@@ -2,12 +2,15 @@
 #include "batten/skinning/target/fit_model.h"
 
 #include <cmath>
+#include <numbers>
 
 #include "batten/benchmarks/analytic_shapes.h"
 #include "batten/core/errors.h"
 #include "batten/core/parallel.h"
 #include "batten/mesh/curved_mesh.h"
+#include "batten/mesh/flat_map.h"
 #include "batten/tests/catch.h"
+#include "batten/tests/embedded_grid.h"
 #include "batten/tests/skinning/shapes.h"
 
 using namespace batten;
@@ -86,6 +89,49 @@ class Hill : public TargetSurface {
       }
     return CurvedMesh(TriangleMesh(points, triangles));
   }
+  CurvedMesh mesh_;
+};
+
+/// Most of the unit sphere, above a circle of radius 0.5 in the plane z = 0.
+class Balloon : public TargetSurface {
+ public:
+  explicit Balloon(bool mapped) : mapped_(mapped), mesh_(sphere()) {}
+  std::optional<Nearest> nearest(const Vec3& p, const Vec3& along) const override {
+    const auto found =
+        mesh_.nearest(p, along.isZero(0) ? std::optional<Vec3>() : std::optional<Vec3>(along));
+    if (!found) return {};
+    return Nearest{found->at, found->normal, found->at_rim};
+  }
+  std::vector<Nearest> samples() const override { return {*nearest({0, 0, 3}, Vec3::Zero())}; }
+  Map over_plane(const std::function<Vec2(const Vec3&)>& rim) const override {
+    if (!mapped_) return {};
+    return [map = std::make_shared<FlatMap>(mesh_, rim)](const Vec2& p) { return map->over(p); };
+  }
+
+ private:
+  static CurvedMesh sphere() {
+    constexpr int rings = 60, around = 60;
+    const double last = std::numbers::pi - std::asin(0.5), below = std::cos(last);
+    Points points(1 + rings * around, 3);
+    points.row(0) << 0, 0, 1 - below;
+    std::vector<std::array<int, 3>> triangles;
+    std::vector<CurvedTriangle::Corners> normals;
+    for (int r = 1; r <= rings; ++r)
+      for (int i = 0; i < around; ++i) {
+        const double down = last * r / rings, turn = 2 * std::numbers::pi * i / around;
+        const int c = 1 + (r - 1) * around + i, d = 1 + (r - 1) * around + (i + 1) % around;
+        points.row(c) << std::sin(down) * std::cos(turn), std::sin(down) * std::sin(turn),
+            std::cos(down) - below;
+        const int a = r == 1 ? 0 : c - around, b = r == 1 ? 0 : d - around;
+        triangles.push_back({a, c, d});
+        if (r > 1) triangles.push_back({a, d, b});
+      }
+    for (const auto& t : triangles)
+      for (auto& corners = normals.emplace_back(); size_t k : {0, 1, 2})
+        corners[k] = (Vec3(points.row(t[k])) + below * Vec3::UnitZ()).normalized();
+    return CurvedMesh(TriangleMesh(points, triangles), normals);
+  }
+  bool mapped_;
   CurvedMesh mesh_;
 };
 
@@ -221,6 +267,27 @@ TEST_CASE("a region whose lines lie on one part of the target is fitted to that 
       if (std::abs(z) > std::abs(extreme)) extreme = z;
     }
     CHECK(extreme == Approx(height).epsilon(0.05));
+  }
+}
+
+TEST_CASE("a target deeper than it is wide is reached by its map") {
+  SkinOptions skin;
+  skin.edge_length = 0.06;
+  const auto layout = std::make_shared<const ModelLayout>(
+      RegionLayout("disc", {{"rim", curve_from_hermite(circle({0, 0}, 0.5, 24))}}, skin));
+  const Points flat = layout->least_energy(SurfaceStiffness::isotropic(0, 1));
+  for (const bool mapped : {true, false}) {
+    const auto balloon = std::make_shared<Balloon>(mapped);
+    ModelFitOptions options;
+    options.tolerance = 5e-3;
+    options.parts = {balloon};
+    const ModelFit fit = fit_model(layout, flat, *balloon, options);
+    double top = 0;
+    for (int v = 0; v < fit.layout->mesh()->vertex_count(); ++v)
+      top = std::max(top, fit.dofs(3 * v, 2));
+    CAPTURE(fit.after.there(), fit.after.back.largest, top);
+    CHECK(fit.reached == mapped);
+    if (mapped) CHECK(top == Approx(1 + std::sqrt(0.75)).epsilon(0.01));
   }
 }
 

@@ -1,0 +1,92 @@
+// Surfaces laid flat: nothing turns over, and what is flat stays as it is.
+#include "batten/mesh/flat_map.h"
+
+#include <cmath>
+#include <numbers>
+
+#include "batten/core/errors.h"
+#include "batten/tests/catch.h"
+
+using namespace batten;
+
+namespace {
+
+constexpr int kRings = 6, kAround = 24;
+
+/// A cap of the unit sphere as far as the colatitude `last`, in rings of triangles around its pole.
+CurvedMesh cap(double last) {
+  Points points(1 + kRings * kAround, 3);
+  points.row(0) = Vec3::UnitZ();
+  std::vector<std::array<int, 3>> triangles;
+  const auto number = [](int ring, int i) { return 1 + (ring - 1) * kAround + i % kAround; };
+  for (int ring = 1; ring <= kRings; ++ring)
+    for (int i = 0; i < kAround; ++i) {
+      const double down = last * ring / kRings, around = 2 * std::numbers::pi * i / kAround;
+      points.row(number(ring, i)) << std::sin(down) * std::cos(around),
+          std::sin(down) * std::sin(around), std::cos(down);
+      if (ring == 1) {
+        triangles.push_back({0, number(1, i), number(1, i + 1)});
+        continue;
+      }
+      const int a = number(ring - 1, i), b = number(ring - 1, i + 1), c = number(ring, i),
+                d = number(ring, i + 1);
+      triangles.push_back({a, c, d});
+      triangles.push_back({a, d, b});
+    }
+  std::vector<CurvedTriangle::Corners> normals;
+  for (const auto& t : triangles)
+    normals.push_back({points.row(t[0]).normalized(), points.row(t[1]).normalized(),
+                       points.row(t[2]).normalized()});
+  return CurvedMesh(TriangleMesh(points, triangles), normals);
+}
+
+/// From the circle around the z axis to the square of side 2: along the same ray.
+Vec2 on_square(const Vec3& p) { return p.head<2>() / std::max(std::abs(p.x()), std::abs(p.y())); }
+
+double twice_area(const FlatMap& map, const std::array<int, 3>& t) {
+  const Vec2 u = map.place(t[1]) - map.place(t[0]), v = map.place(t[2]) - map.place(t[0]);
+  return u.x() * v.y() - u.y() * v.x();
+}
+
+}  // namespace
+
+TEST_CASE("No triangle of a deep cap turns over where its rim lies on a square") {
+  const CurvedMesh mesh = cap(2.6);  // most of the sphere: its rim is the smaller part of it
+  const FlatMap map(mesh, on_square);
+  double sum = 0;
+  for (const auto& t : mesh.mesh().triangles()) {
+    CHECK(twice_area(map, t) > 0);
+    sum += twice_area(map, t) / 2;
+  }
+  CHECK(sum == Approx(4).epsilon(0.05));  // but for the square's corners, which no vertex has
+  for (int v = 0; v < mesh.mesh().vertex_count(); ++v)
+    CHECK((map.over(map.place(v)) - mesh.mesh().point(v)).norm() < 1e-12);
+  // Between the vertices there is the sphere, not a chord.
+  CHECK(std::abs(map.over({0.31, 0.17}).norm() - 1) < 2e-3);
+}
+
+TEST_CASE("A flat piece in its own place stays there when it is laid flat") {
+  const CurvedMesh round = cap(1);
+  Points points = round.mesh().points();
+  for (int v = 0; v < points.rows(); ++v) {
+    points(v, 0) += 0.3 * points(v, 1);
+    points(v, 2) = 0;
+  }
+  const CurvedMesh mesh(round.mesh().with_points(points));
+  const FlatMap map(mesh, [](const Vec3& p) { return Vec2(2 * p.x() + 1, p.y() - p.x()); });
+  for (int v = 0; v < points.rows(); ++v) {
+    const Vec2 wanted(2 * points(v, 0) + 1, points(v, 1) - points(v, 0));
+    CHECK((map.place(v) - wanted).norm() < 1e-12);
+  }
+}
+
+TEST_CASE("A closed surface, or two, cannot be laid flat") {
+  Points points(4, 3);
+  points << 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1;
+  const CurvedMesh closed(TriangleMesh(points, {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}}));
+  CHECK_THROWS_AS(FlatMap(closed, on_square), InputError);
+  Points six(6, 3);
+  six << 0, 0, 0, 1, 0, 0, 0, 1, 0, 5, 0, 0, 6, 0, 0, 5, 1, 0;
+  const CurvedMesh two(TriangleMesh(six, {{0, 1, 2}, {3, 4, 5}}));
+  CHECK_THROWS_AS(FlatMap(two, on_square), InputError);
+}
