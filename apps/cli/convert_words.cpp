@@ -21,10 +21,7 @@ Command add_convert(ProgramWords& program, CommonWords& common) {
       .required();
   unit("--unit", task->unit, "Unit of the file that is written: it is scaled, and declares it");
   unit("--from-unit", task->from_unit, "Unit of a mesh or of points, which state none");
-  sub.choice(
-      "--schema", {"ap214", "ap242"},
-      [task](const std::string& word) { task->ap242 = word == "ap242"; },
-      "Of STEP: ap214 or ap242");
+  add_schema(sub, task->ap242);
   sub.option("--chord", task->chord,
              "Triangles of CAD faces: their largest distance from the faces; a thousandth of "
              "the size unless given")

@@ -121,6 +121,8 @@ TEST_CASE("lines are converted into each other and into CAD", "[cli][convert]") 
   INFO(step.err);
   CHECK(step.code == 0);
   says(c.run({"info", "l.step"}).out, "rib   length 70  from (0, 0, 0) to (0, 70, 0)");
+  CHECK(c.run({"convert", "l.csv", "n.step", "--schema", "ap242"}).code == 0);
+  says(c.run({"info", "n.step"}).out, "STEP AP242, in mm: 1 product, 2 curves");
   CHECK(c.run({"convert", "l.step", "l.iges"}).code == 0);
   CHECK(c.run({"convert", "l.iges", "back.csv", "--unit", "cm"}).code == 0);
   says(contents(c / "back.csv"), "# rib");

@@ -180,7 +180,7 @@ void lines_to_lines(const ConvertTask& task, ConvertReport& report, const Progre
   const auto lines = read_source_file(task.from, task.from_unit, unit);
   std::vector<NamedCurve> curves;
   for (const FairedResult& line : fair_lines(lines, {}, progress)) curves.push_back(line.named());
-  report.warnings = write_curves(task.to, curves, unit_in_metres(unit));
+  report.warnings = write_curves(task.to, curves, {unit_in_metres(unit), task.ap242});
   row(report, "read", name_of(task.from) + ": " + counted(count_of(lines), "line"));
   row(report, "written",
       name_of(task.to) + ": " + counted(count_of(curves), "line") + ", in " + unit +
