@@ -11,6 +11,7 @@
 
 #include "batten/io/files/text.h"
 #include "batten/io/meshes/mesh_file_types.h"
+#include "batten/mesh/catmull_clark.h"
 #include "batten/mesh/shell_mesh.h"
 
 namespace batten {
@@ -57,6 +58,9 @@ struct MeshContent {
   std::vector<MeshSet> sets, properties;
   std::vector<OtherElement> others;
   std::vector<std::string> warnings;
+  CageTags cage_tags;
+  std::string
+      cage_problem;  ///< why these are not all that the file says of its cage; "" for nothing
 };
 
 using MeshContentReader = std::unique_ptr<MeshContent>(const std::filesystem::path&);

@@ -86,6 +86,10 @@ std::optional<int> MeshFile::face_of_label(long label) const {
 const std::vector<MeshFile::Set>& MeshFile::sets() const { return content_->sets; }
 const std::vector<MeshFile::Set>& MeshFile::properties() const { return content_->properties; }
 const std::vector<OtherElement>& MeshFile::others() const { return content_->others; }
+const CageTags& MeshFile::cage_tags() const {
+  if (!content_->cage_problem.empty()) throw InputError(content_->cage_problem);
+  return content_->cage_tags;
+}
 const std::vector<std::string>& MeshFile::warnings() const { return content_->warnings; }
 const std::string& MeshFile::format() const { return content_->format; }
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "batten/io/meshes/mesh_file_types.h"
+#include "batten/mesh/catmull_clark.h"
 #include "batten/mesh/shell_mesh.h"
 
 namespace batten {
@@ -18,7 +19,7 @@ struct MeshContent;
 /// The formats:
 ///
 ///   .obj               polygons; sets from `g` and `o`, properties from `usemtl`, in the colours of the
-///                      .mtl file where that is there
+///                      .mtl file where that is there; cage_tags() from `t`
 ///   .off               OFF, COFF, NOFF, STOFF and their mixtures; as text
 ///   .ply               as text or binary of either byte order
 ///   .stl               as text or binary; corners at the same place are one node; sets from
@@ -74,6 +75,11 @@ class MeshFile {
   const std::vector<Set>& properties() const;
   /// What is in a deck beside shells and has nodes, in the file's order; none in other formats.
   const std::vector<OtherElement>& others() const;
+  /// What is sharp of the mesh as a cage: in OBJ `t crease 2/1/0 a b s` and `t corner n/n/0 …`, whose
+  /// nodes count from 0; none in other formats. `t interpolateboundary` is known where it means what
+  /// catmull_clark() does, `t facevarying…` is of no matter. Throws InputError, "file:line:column: …", for
+  /// the first other tag: a hole, another method of creases, a crease that is no edge, a number that is none.
+  const CageTags& cage_tags() const;
   /// Sentences about what is in the file and is not part of the mesh.
   const std::vector<std::string>& warnings() const;
   /// The format's name for messages: "Nastran bulk data", …

@@ -13,6 +13,7 @@
 #include "batten/core/index.h"
 #include "batten/io/files/whole_file.h"
 #include "batten/io/meshes/mesh_colour.h"
+#include "batten/io/meshes/obj_tags.h"
 #include "batten/io/meshes/text_mesh.h"
 
 namespace batten {
@@ -84,6 +85,10 @@ class ObjReader {
         material_ = words.rest();
       } else if (record == "mtllib") {
         libraries_.emplace_back(words.rest());
+      } else if (record == "t") {
+        std::vector<std::string_view> tag;
+        for (auto word = words.next(); !word.empty(); word = words.next()) tag.push_back(word);
+        tags_.add(std::move(tag));
       } else if (record == "vn") {
         ++normals_;
       } else if (record == "l" || record == "p" || record == "curv" || record == "surf") {
@@ -99,6 +104,7 @@ class ObjReader {
     mesh_.node_labels = Labels::counted_from(1, count);
     mesh_.face_labels = Labels::counted_from(1, mesh_.shells.face_count());
     for (const std::string& library : libraries_) read_colours(library);
+    tags_.finish(mesh_);
     if (normals_ > 0)
       mesh_.warnings.push_back(counted(normals_, "normal") + " (vn) of the file stay as they are");
     if (others_ > 0)
@@ -196,6 +202,7 @@ class ObjReader {
   std::vector<int> nodes_;
   std::vector<std::string> groups_, libraries_;
   std::string object_, material_;
+  ObjTags tags_;
   long highest_ = 0, normals_ = 0, others_ = 0;
   std::string_view highest_word_;
 };
