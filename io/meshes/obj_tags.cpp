@@ -66,7 +66,8 @@ class TagReader {
     for (int part = 0; part < 3; ++part) {
       const size_t end = rest.find('/');
       counts[part] = file_.integer(rest.substr(0, end), "counts as 2/1/0");
-      if ((end == std::string_view::npos) != (part == 2) || counts[part] < 0)
+      if ((end == std::string_view::npos) != (part == 2) || counts[part] < 0 ||
+          counts[part] > static_cast<long>(words.size()))
         file_.fail(words[1], "found '" + std::string(words[1]) + "', expected counts as 2/1/0");
       rest.remove_prefix(std::min(end + 1, rest.size()));
     }

@@ -38,8 +38,14 @@ void miss(ConvertReport& report, const std::string& what, const std::string& det
   report.missed.push_back({what, detail});
 }
 
-void add_files(ConvertReport& report, const std::vector<fs::path>& beside) {
-  for (const fs::path& file : beside) report.files.push_back(file.string());
+/// Adds files that were written beside the one that was asked for; returns what to say of them.
+std::string add_files(ConvertReport& report, const std::vector<fs::path>& beside) {
+  std::string words;
+  for (const fs::path& file : beside) {
+    report.files.push_back(file.string());
+    words += ", colours in " + name_of(file);
+  }
+  return words;
 }
 
 /// The unit that all files of a kind are in; "" for other kinds.
@@ -137,13 +143,13 @@ void cad_to_mesh(const ConvertTask& task, ConvertReport& report) {
   std::vector<MeshSet> sets;
   for (const FacetGroup& group : f.groups)
     sets.push_back({group.name, "", {}, group.triangles, group.colour});
-  add_files(report, write_mesh(task.to, f.mesh, sets, f.unit_in_metres));
+  const std::string beside = add_files(report, write_mesh(task.to, f.mesh, sets, f.unit_in_metres));
   const std::string unit = unit_words(f.unit_in_metres);
   row(report, "read", name_of(task.from) + ": " + contents_words(f.contents));
   row(report, "written",
       name_of(task.to) + ": " + counted(f.mesh.face_count(), "triangle") + ", " +
           counted(f.mesh.node_count(), "node") + ", in " + unit_in_file(task.to, unit) + ", " +
-          (f.free_edges ? counted(f.free_edges, "free edge") : "closed"));
+          (f.free_edges ? counted(f.free_edges, "free edge") : "closed") + beside);
   row(report, "", chord_words(f.deviation, f.chord, f.size, unit));
   check_facets(report, f.chord, f.deviation, f.cracks, f.unmeshed);
   report.warnings = f.contents.notes;
@@ -202,7 +208,7 @@ void mesh_to_mesh(const ConvertTask& task, ConvertReport& report) {
   const MeshFile file = MeshFile::read(task.from);
   ShellMesh mesh = file.shells();
   mesh.points *= factor;
-  add_files(report, write_mesh(task.to, mesh, groups_of(file), stated));
+  const std::string beside = add_files(report, write_mesh(task.to, mesh, groups_of(file), stated));
   const auto counts =
       counted(mesh.node_count(), "node") + ", " + counted(mesh.face_count(), "face");
   row(report, "read", name_of(task.from) + ": " + file.format() + ", " + counts);
@@ -210,7 +216,8 @@ void mesh_to_mesh(const ConvertTask& task, ConvertReport& report) {
   row(report, "written",
       name_of(task.to) + ": " + counts +
           (to.empty() || to == task.from_unit ? ", coordinates as they were"
-                                              : ", " + task.from_unit + " to " + to));
+                                              : ", " + task.from_unit + " to " + to) +
+          beside);
   report.warnings = file.warnings();
   if (!file.others().empty())
     report.warnings.push_back(counted(count_of(file.others()), "element") +

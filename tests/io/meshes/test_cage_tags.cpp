@@ -42,6 +42,25 @@ TEST_CASE("creases and corners count their nodes from 0", "[cage]") {
   CHECK(cage("").cage_tags().creases.empty());
 }
 
+TEST_CASE("the creases of OpenSubdiv's car are edges of its cage, and its limit keeps them",
+          "[cage]") {
+  const fs::path data = optional_data("cage-opensubdiv-car");
+  if (data.empty()) {
+    WARN("no cage-opensubdiv-car beside the project: skipped");
+    return;
+  }
+  const MeshFile file = MeshFile::read(data / "catmark_car.obj");
+  const CageTags& tags = file.cage_tags();  // each is an edge: counted from 1 most would be none
+  CHECK(tags.creases.size() == 314);
+  const ShellMesh once = catmull_clark(file.shells(), {1, tags}),
+                  twice = catmull_clark(file.shells(), {2, tags}),
+                  smooth = catmull_clark(file.shells(), {1});
+  const double size = (once.points.colwise().maxCoeff() - once.points.colwise().minCoeff()).norm();
+  CHECK((once.points - twice.points.topRows(once.node_count())).cwiseAbs().maxCoeff() <
+        1e-13 * size);
+  CHECK((once.points - smooth.points).cwiseAbs().maxCoeff() > 1e-3 * size);
+}
+
 TEST_CASE("tags that cannot be followed are named with file and line, and only of cages",
           "[cage]") {
   const std::vector<std::pair<std::string, std::string>> wrong = {
@@ -53,6 +72,7 @@ TEST_CASE("tags that cannot be followed are named with file and line, and only o
       {"t crease 2/1/0 1 4 sharp", "sharp"},
       {"t crease 2/1 1 4 1", "counts as 2/1/0"},
       {"t crease", "counts"},
+      {"t crease 2/1/9223372036854775807 1 4 1", "counts as 2/1/0"},
       {"t corner 0/1/0 1", "a sharpness for each or for all"},
       {"t hole 1/0/0 1", "the tag 'hole'"},
       {"t creasemethod 0/0/1 chaikin", "chaikin"},
