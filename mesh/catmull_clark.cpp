@@ -22,6 +22,15 @@ double sharpness_of(double given) { return given >= kInfinitelySharp ? kForGood 
 /// The sharpness that is left after a round.
 double left(double sharpness) { return std::max(sharpness - 1, 0.0); }
 
+/// Where a round moves a smooth node of n edges; `sum`: of the far ends and of the means of the faces.
+Vec3 smooth_moved(const Vec3& at, double n, const Vec3& sum) {
+  return at * (n - 2) / n + sum / (n * n);
+}
+/// Its limit among quads; sums of the far ends and of the corners across.
+Vec3 smooth_limit(const Vec3& at, double n, const Vec3& ends, const Vec3& across) {
+  return (n * n * at + 4 * ends + across) / (n * (n + 5));
+}
+
 /// An edge at a node: its far end.
 struct Spoke {
   Vec3 end;
@@ -72,7 +81,7 @@ struct Hub {
     const double n = static_cast<double>(spokes.size());
     Vec3 sum = centres;
     for (const Spoke& spoke : spokes) sum += spoke.end;
-    const Vec3 smooth = at * (n - 2) / n + sum / (n * n);
+    const Vec3 smooth = smooth_moved(at, n, sum);
     const Hub next = after_a_round();
     if (next.rule() == rule()) return by_rule(6, smooth);
     return ending() * by_rule(6, smooth) + (1 - ending()) * next.by_rule(6, smooth);
@@ -125,11 +134,11 @@ struct Ring {
   Vec3 limit() {
     constexpr int most = 60;  // halves its size each time
     for (int round = 0; round < most && !settled(); ++round) subdivide();
-    const double n = static_cast<double>(hub.spokes.size());
-    Vec3 sum = n * n * hub.at;
-    for (const Spoke& spoke : hub.spokes) sum += 4 * spoke.end;
-    for (const Sector& sector : sectors) sum += sector.across;
-    return hub.by_rule(4, sum / (n * (n + 5)));
+    Vec3 ends = Vec3::Zero(), across = Vec3::Zero();
+    for (const Spoke& spoke : hub.spokes) ends += spoke.end;
+    for (const Sector& sector : sectors) across += sector.across;
+    return hub.by_rule(4,
+                       smooth_limit(hub.at, static_cast<double>(hub.spokes.size()), ends, across));
   }
 };
 
@@ -181,8 +190,7 @@ class Cage {
   ShellMesh limit() const {
     ShellMesh mesh;
     mesh.points.resize(points_.rows(), 3);
-    for (int v = 0; v < points_.rows(); ++v)
-      mesh.points.row(v) = (edges_at_[v].empty() ? at(v) : ring(v).limit()).transpose();
+    for (int v = 0; v < points_.rows(); ++v) mesh.points.row(v) = limit_of(v).transpose();
     for (const auto& face : faces_) mesh.add_face(face);
     return mesh;
   }
@@ -236,18 +244,41 @@ class Cage {
     return sum / static_cast<double>(faces_[f].size());
   }
 
+  bool sharp_at(int v) const {
+    return corners_[v] > 0 || std::any_of(edges_at_[v].begin(), edges_at_[v].end(),
+                                          [&](int e) { return edges_[e].sharp > 0; });
+  }
+  Vec3 far_end(int e, int v) const {
+    return at(edges_[e].low == v ? edges_[e].high : edges_[e].low);
+  }
+  Vec3 far_ends(int v) const {
+    Vec3 sum = Vec3::Zero();
+    for (const int e : edges_at_[v]) sum += far_end(e, v);
+    return sum;
+  }
+  /// The place of a node in one of its faces.
+  long place(int f, int v) const {
+    return std::find(faces_[f].begin(), faces_[f].end(), v) - faces_[f].begin();
+  }
+
   Hub hub(int v) const {
     Hub hub{at(v), corners_[v], {}};
-    for (const int e : edges_at_[v])
-      hub.spokes.push_back(
-          {at(edges_[e].low == v ? edges_[e].high : edges_[e].low), edges_[e].sharp});
+    for (const int e : edges_at_[v]) hub.spokes.push_back({far_end(e, v), edges_[e].sharp});
     return hub;
   }
   Vec3 moved(int v) const {
     if (edges_at_[v].empty()) return at(v);
     Vec3 centres = Vec3::Zero();
     for (const int f : faces_at_[v]) centres += centre(f);
-    return hub(v).moved(centres);
+    if (sharp_at(v)) return hub(v).moved(centres);
+    return smooth_moved(at(v), static_cast<double>(edges_at_[v].size()), far_ends(v) + centres);
+  }
+  Vec3 limit_of(int v) const {
+    if (edges_at_[v].empty()) return at(v);
+    if (sharp_at(v)) return ring(v).limit();
+    Vec3 across = Vec3::Zero();
+    for (const int f : faces_at_[v]) across += at(faces_[f][(place(f, v) + 2) % 4]);
+    return smooth_limit(at(v), static_cast<double>(edges_at_[v].size()), far_ends(v), across);
   }
   Ring ring(int v) const {
     Ring ring{hub(v), {}};
@@ -258,7 +289,7 @@ class Cage {
     };
     for (const int f : faces_at_[v]) {
       const auto& quad = faces_[f];
-      const long i = std::find(quad.begin(), quad.end(), v) - quad.begin();
+      const long i = place(f, v);
       ring.sectors.push_back(
           {{spoke(quad[(i + 1) % 4]), spoke(quad[(i + 3) % 4])}, at(quad[(i + 2) % 4])});
     }
