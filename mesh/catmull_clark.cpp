@@ -22,7 +22,8 @@ double sharpness_of(double given) { return given >= kInfinitelySharp ? kForGood 
 /// The sharpness that is left after a round.
 double left(double sharpness) { return std::max(sharpness - 1, 0.0); }
 
-/// Where a round moves a smooth node of n edges; `sum`: of the far ends and of the means of the faces.
+/// Where a round moves a smooth node of n edges; `sum`: of the far ends and of the means of the
+/// faces.
 Vec3 smooth_moved(const Vec3& at, double n, const Vec3& sum) {
   return at * (n - 2) / n + sum / (n * n);
 }

@@ -20,7 +20,8 @@ Command add_convert(ProgramWords& program, CommonWords& common) {
              ".csv .curves")
       .required();
   unit("--unit", task->unit, "Unit of the file that is written: it is scaled, and declares it");
-  unit("--from-unit", task->from_unit, "Unit of a mesh or of points, which state none; .glb and .3mf need it");
+  unit("--from-unit", task->from_unit,
+       "Unit of a mesh or of points, which state none; .glb and .3mf need it");
   add_schema(sub, task->ap242);
   sub.option("--chord", task->chord,
              "Triangles of CAD faces: their largest distance from the faces; a thousandth of "

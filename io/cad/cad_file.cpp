@@ -198,7 +198,8 @@ bool is_finite(const gp_Pnt& p) {
   return std::isfinite(p.X()) && std::isfinite(p.Y()) && std::isfinite(p.Z());
 }
 
-/// Whether vertices, and curves and surfaces at a few places, are at finite points: bytes may be any numbers.
+/// Whether vertices, and curves and surfaces at a few places, are at finite points: bytes may be
+/// any numbers.
 bool is_finite(const TopoDS_Shape& shape) {
   TopTools_IndexedMapOfShape parts;
   for (const auto type : {TopAbs_VERTEX, TopAbs_EDGE, TopAbs_FACE})

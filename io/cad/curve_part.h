@@ -9,8 +9,9 @@
 
 namespace batten {
 
-/// A part of edges without faces: one for each spline, in their order and by their names, closed ones with one vertex.
-/// STEP has it as a product with a set of curves, which programs show as wires.
+/// A part of edges without faces: one for each spline, in their order and by their names, closed
+/// ones with one vertex. STEP has it as a product with a set of curves, which programs show as
+/// wires.
 CadPart part_of_curves(const std::string& name, const std::vector<CubicSpline>& splines);
 
 }  // namespace batten

@@ -26,7 +26,8 @@ Handle(TCollection_HAsciiString) text_of(const std::string& text) {
   return new TCollection_HAsciiString(text.c_str());
 }
 
-/// OpenCASCADE makes a set of each curve that belongs to no face, and names that: readers take a curve's name.
+/// OpenCASCADE makes a set of each curve that belongs to no face, and names that: readers take a
+/// curve's name.
 void name_curves(const StepData_StepModel& model) {
   for (int e = 1; e <= model.NbEntities(); ++e) {
     const auto set = Handle(StepShape_GeometricCurveSet)::DownCast(model.Value(e));

@@ -27,7 +27,8 @@ inline double reader_coincidence(double model_unit_in_metres) {
   return 1e-10 / model_unit_in_metres;
 }
 
-/// Puts the file's text, with this header, with all digits of its numbers and with the names of curves, into a stream.
+/// Puts the file's text, with this header, with all digits of its numbers and with the names of
+/// curves, into a stream.
 void put_step(STEPControl_Writer& writer, const StepHeader& header, std::ostream& out);
 
 /// What a STEP file says of itself.
@@ -43,7 +44,8 @@ struct StepFileWords {
 void write_parts(const std::filesystem::path& path, const std::vector<CadPart>& parts,
                  const StepFileWords& words, OccSettings& occ);
 
-/// Writes a part with faces and, where there are any, the lines as a part of their own, as write_parts() does.
+/// Writes a part with faces and, where there are any, the lines as a part of their own, as
+/// write_parts() does.
 void write_surfaces(const std::filesystem::path& path, const CadPart& part,
                     const StepFileOptions& options, double tolerance, OccSettings& occ);
 

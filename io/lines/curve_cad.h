@@ -9,8 +9,8 @@
 
 namespace batten {
 
-/// Writes CAD files, by their ending, for write_curves(). All lines have curves. Throws InputError: a unit that CAD
-/// files cannot have, a file that cannot be written; Error when OpenCASCADE fails.
+/// Writes CAD files, by their ending, for write_curves(). All lines have curves. Throws InputError:
+/// a unit that CAD files cannot have, a file that cannot be written; Error when OpenCASCADE fails.
 void write_cad_curves(const std::filesystem::path& path, const std::vector<NamedCurve>& curves,
                       const CurveFileOptions& options);
 

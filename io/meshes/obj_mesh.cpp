@@ -159,7 +159,8 @@ class ObjReader {
     if (!material_.empty()) materials_.add(material_, number);
   }
 
-  /// The colours of the materials, where their file is there. What else is in it does not matter, nor does damage.
+  /// The colours of the materials, where their file is there. What else is in it does not matter,
+  /// nor does damage.
   void read_colours(const std::string& library) {
     const std::filesystem::path path = path_.parent_path() / library;
     std::error_code none;
@@ -235,7 +236,8 @@ void put_number(std::ostream& out, double value) {
   out << ' ' << std::string_view(text, static_cast<size_t>(end.ptr - text));
 }
 
-/// The colours of the sets, by the names of their materials; where there are any, also that of faces without.
+/// The colours of the sets, by the names of their materials; where there are any, also that of
+/// faces without.
 std::map<std::string, std::array<int, 3>> materials_of(const std::vector<MeshSet>& sets) {
   std::map<std::string, std::array<int, 3>> all;
   for (const MeshSet& set : sets)

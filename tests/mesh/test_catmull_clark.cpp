@@ -83,8 +83,8 @@ TEST_CASE("a cube's limit is closed and round, and sharp edges stay where they a
 }
 
 TEST_CASE("a roof's ridge of sharpness s goes down as cubic splines say") {
-  // Across the ridge it is the subdivision of -|x|: s rounds keep it and halve its neighbours, then it is smooth, so
-  // it ends at -2^-k (2 - f)/6 for s = k + f.
+  // Across the ridge it is the subdivision of -|x|: s rounds keep it and halve its neighbours, then
+  // it is smooth, so it ends at -2^-k (2 - f)/6 for s = k + f.
   constexpr int n = 12;
   const ShellMesh roof = grid(n, [](double x, double) { return -std::abs(x - n / 2); });
   for (const double s : {0.0, 0.25, 1.0, 1.5, 2.0, 3.75, 6.0, 9.5}) {

@@ -27,8 +27,8 @@ struct ConvertReport : RunReport {
 ///   CAD (.step .stp .iges .igs .brep .brp)  to CAD and .glb: convert_cad(); to .stl .obj .ply .off
 ///                                           .vtp .vtu .3mf: facets_of_cad(); to .csv .curves: its
 ///                                           curves
-///   a mesh, or a deck's shells              to .stl .obj .ply .off .vtp .vtu .glb .3mf, the latter two
-///                                           with `from_unit` only: they are in one unit always
+///   a mesh, or a deck's shells              to .stl .obj .ply .off .vtp .vtu, and with
+///                                           `from_unit` to .glb .3mf, which are in one unit
 ///   lines                                   to what write_curves() writes
 ///
 /// report.missed has what the written file lacks of the one that was read: faces, area, closedness,

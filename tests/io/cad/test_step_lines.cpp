@@ -1,4 +1,5 @@
-// Lines beside the faces of a STEP file: curves of their own, and the faces as they are without them.
+// Lines beside the faces of a STEP file: curves of their own, and the faces as they are without
+// them.
 #include <cstdlib>
 
 #include "batten/core/errors.h"
