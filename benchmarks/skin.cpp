@@ -312,7 +312,7 @@ void compare_steps(const Door& door, const std::filesystem::path& folder, Promis
   for (const double share : {1e-3, 1e-4, 1e-5}) {
     StepFaceOptions options;
     options.tolerance = share * size;
-    options.name = "door";
+    options.file.name = "door";
     const auto file = folder / "door.step";
     std::vector<double> times;
     StepReport report;

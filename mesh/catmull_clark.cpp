@@ -1,6 +1,8 @@
 #include "batten/mesh/catmull_clark.h"
 
 #include <algorithm>
+#include <array>
+#include <limits>
 #include <map>
 #include <string>
 #include <utility>
@@ -14,50 +16,165 @@ namespace {
 using Key = std::pair<int, int>;
 Key key(int a, int b) { return std::minmax(a, b); }
 
+constexpr double kForGood = std::numeric_limits<double>::infinity();
+
+double sharpness_of(double given) { return given >= kInfinitelySharp ? kForGood : given; }
+/// The sharpness that is left after a round.
+double left(double sharpness) { return std::max(sharpness - 1, 0.0); }
+
+/// Where a round moves a smooth node of n edges; `sum`: of the far ends and of the means of the
+/// faces.
+Vec3 smooth_moved(const Vec3& at, double n, const Vec3& sum) {
+  return at * (n - 2) / n + sum / (n * n);
+}
+/// Its limit among quads; sums of the far ends and of the corners across.
+Vec3 smooth_limit(const Vec3& at, double n, const Vec3& ends, const Vec3& across) {
+  return (n * n * at + 4 * ends + across) / (n * (n + 5));
+}
+
+/// An edge at a node: its far end.
+struct Spoke {
+  Vec3 end;
+  double sharp = 0;
+};
+
+/// A node and the edges at it.
+struct Hub {
+  Vec3 at;
+  double corner = 0;  // its own sharpness
+  std::vector<Spoke> spokes;
+
+  enum class Rule { Smooth, Crease, Corner };
+  Rule rule() const {
+    const auto sharp =
+        std::count_if(spokes.begin(), spokes.end(), [](const Spoke& s) { return s.sharp > 0; });
+    return corner > 0 || sharp > 2 ? Rule::Corner : sharp == 2 ? Rule::Crease : Rule::Smooth;
+  }
+  Hub after_a_round() const {
+    Hub next = *this;
+    next.corner = left(corner);
+    for (Spoke& spoke : next.spokes) spoke.sharp = left(spoke.sharp);
+    return next;
+  }
+  /// By its rule: itself, (a + m v + b)/(m + 2) along its crease, or `smooth`.
+  Vec3 by_rule(double m, const Vec3& smooth) const {
+    if (rule() != Rule::Crease) return rule() == Rule::Corner ? at : smooth;
+    Vec3 ends = Vec3::Zero();
+    for (const Spoke& spoke : spokes)
+      if (spoke.sharp > 0) ends += spoke.end;
+    return (ends + m * at) / (m + 2);
+  }
+  /// The mean of all sharpness that a round ends, at most 1.
+  double ending() const {
+    double sum = 0;
+    int count = 0;
+    const auto add = [&](double sharp) {
+      if (!(sharp > 0) || left(sharp) > 0) return;
+      sum += sharp;
+      ++count;
+    };
+    add(corner);
+    for (const Spoke& spoke : spokes) add(spoke.sharp);
+    return count == 0 ? 1 : std::min(sum / count, 1.0);
+  }
+  /// Where a round moves it; `centres`: the sum of the means of its faces.
+  Vec3 moved(const Vec3& centres) const {
+    const double n = static_cast<double>(spokes.size());
+    Vec3 sum = centres;
+    for (const Spoke& spoke : spokes) sum += spoke.end;
+    const Vec3 smooth = smooth_moved(at, n, sum);
+    const Hub next = after_a_round();
+    if (next.rule() == rule()) return by_rule(6, smooth);
+    return ending() * by_rule(6, smooth) + (1 - ending()) * next.by_rule(6, smooth);
+  }
+};
+
+/// The new node on an edge; `smooth`: where it is without any sharpness.
+Vec3 on_edge(const Vec3& a, const Vec3& b, double sharp, const Vec3& smooth) {
+  const double share = std::min(sharp, 1.0);
+  return share * (a + b) / 2 + (1 - share) * smooth;
+}
+
+/// A node with the quads around it, which are all that its limit depends on.
+struct Ring {
+  struct Sector {
+    std::array<int, 2> spokes;
+    Vec3 across;
+  };
+  Hub hub;
+  std::vector<Sector> sectors;
+
+  bool settled() const {
+    const auto lasts = [](double sharp) { return sharp == 0 || sharp == kForGood; };
+    const auto sharp = std::count_if(hub.spokes.begin(), hub.spokes.end(),
+                                     [](const Spoke& s) { return s.sharp > 0; });
+    return lasts(hub.corner) && (sharp != 1 || hub.corner > 0) &&
+           std::all_of(hub.spokes.begin(), hub.spokes.end(),
+                       [&](const Spoke& s) { return lasts(s.sharp); });
+  }
+
+  void subdivide() {
+    std::vector<Vec3> beside(hub.spokes.size(), Vec3::Zero());  // means of the faces, summed
+    Vec3 all = Vec3::Zero();
+    for (Sector& sector : sectors) {
+      const auto& [a, b] = sector.spokes;
+      sector.across = Vec3((hub.at + hub.spokes[a].end + hub.spokes[b].end + sector.across) / 4);
+      for (const int s : sector.spokes) beside[s] += sector.across;
+      all += sector.across;
+    }
+    Hub next = hub.after_a_round();
+    next.at = hub.moved(all);
+    for (size_t s = 0; s < hub.spokes.size(); ++s) {
+      const Spoke& spoke = hub.spokes[s];
+      next.spokes[s].end =
+          on_edge(hub.at, spoke.end, spoke.sharp, (hub.at + spoke.end + beside[s]) / 4);
+    }
+    hub = std::move(next);
+  }
+
+  Vec3 limit() {
+    constexpr int most = 60;  // halves its size each time
+    for (int round = 0; round < most && !settled(); ++round) subdivide();
+    Vec3 ends = Vec3::Zero(), across = Vec3::Zero();
+    for (const Spoke& spoke : hub.spokes) ends += spoke.end;
+    for (const Sector& sector : sectors) across += sector.across;
+    return hub.by_rule(4,
+                       smooth_limit(hub.at, static_cast<double>(hub.spokes.size()), ends, across));
+  }
+};
+
 /// A polygon mesh with its edges.
 class Cage {
  public:
-  struct Edge {
-    int low, high;
-    std::vector<int> faces;
-    bool sharp = false;
-  };
-
-  Cage(Points points, std::vector<std::vector<int>> faces, const std::vector<Key>& creases)
+  Cage(Points points, std::vector<std::vector<int>> faces, const CageTags& tags)
       : points_(std::move(points)), faces_(std::move(faces)), edges_at_(points_.rows()) {
     for (int f = 0; f < count_of(faces_); ++f)
       for (size_t i = 0; i < faces_[f].size(); ++i) edge_of(f, i).faces.push_back(f);
-    for (const Key& crease : creases) {
-      const auto found = number_.find(crease);
-      if (found == number_.end())
-        throw InputError("the crease from node " + std::to_string(crease.first + 1) + " to " +
-                         std::to_string(crease.second + 1) + " is no edge of the cage");
-      edges_[found->second].sharp = true;
-    }
-    for (Edge& edge : edges_) edge.sharp = edge.sharp || edge.faces.size() != 2;
     faces_at_.resize(points_.rows());
     for (int f = 0; f < count_of(faces_); ++f)
       for (const int v : faces_[f]) faces_at_[v].push_back(f);
+    corners_.resize(points_.rows(), 0.0);
+    take(tags);
   }
 
   Cage subdivided() const {
     const long v0 = points_.rows(), e0 = v0 + count_of(faces_);
     Points points(e0 + count_of(edges_), 3);
     for (int f = 0; f < count_of(faces_); ++f) points.row(v0 + f) = centre(f).transpose();
-    std::vector<Key> creases;
+    CageTags tags;
     for (int e = 0; e < count_of(edges_); ++e) {
       const Edge& edge = edges_[e];
-      const Vec3 ends = at(edge.low) + at(edge.high);
       const int own = static_cast<int>(e0) + e;
-      if (edge.sharp) {
-        points.row(own) = ends.transpose() / 2;
-        creases.emplace_back(key(edge.low, own));
-        creases.emplace_back(key(edge.high, own));
-      } else {
-        points.row(own) = (ends + centre(edge.faces[0]) + centre(edge.faces[1])).transpose() / 4;
-      }
+      Vec3 smooth = at(edge.low) + at(edge.high);
+      for (const int f : edge.faces) smooth += centre(f);
+      points.row(own) = on_edge(at(edge.low), at(edge.high), edge.sharp, smooth / 4).transpose();
+      if (const double sharp = left(edge.sharp); sharp > 0)
+        for (const int end : {edge.low, edge.high}) tags.creases.push_back({end, own, sharp});
     }
-    for (int v = 0; v < v0; ++v) points.row(v) = moved(v).transpose();
+    for (int v = 0; v < v0; ++v) {
+      points.row(v) = moved(v).transpose();
+      if (const double sharp = left(corners_[v]); sharp > 0) tags.corners.push_back({v, sharp});
+    }
     std::vector<std::vector<int>> quads;
     for (int f = 0; f < count_of(faces_); ++f) {
       const auto& face = faces_[f];
@@ -67,7 +184,7 @@ class Cage {
                          static_cast<int>(v0) + f,
                          static_cast<int>(e0) + number(face[(i + n - 1) % n], face[i])});
     }
-    return Cage(std::move(points), std::move(quads), creases);
+    return Cage(std::move(points), std::move(quads), tags);
   }
 
   /// Of quads.
@@ -80,11 +197,41 @@ class Cage {
   }
 
  private:
+  struct Edge {
+    int low, high;
+    std::vector<int> faces;
+    double sharp = 0;
+  };
+
+  void take(const CageTags& tags) {
+    for (const auto& [a, b, sharp] : tags.creases) {
+      const auto found = number_.find(key(a, b));
+      if (found == number_.end())
+        throw InputError("the crease from node " + std::to_string(a + 1) + " to " +
+                         std::to_string(b + 1) + " is no edge of the cage");
+      edges_[found->second].sharp = sharpness_of(sharp);
+    }
+    for (const auto& [node, sharp] : tags.corners) {
+      if (node < 0 || node >= points_.rows())
+        throw InputError("the corner " + std::to_string(node + 1) + " is no node of the cage");
+      corners_[node] = sharpness_of(sharp);
+    }
+    for (Edge& edge : edges_)
+      if (edge.faces.size() != 2) edge.sharp = kForGood;
+    for (size_t v = 0; v < corners_.size(); ++v)
+      if (faces_at_[v].size() == 1 || ends_joint(v)) corners_[v] = kForGood;
+  }
+  /// Whether the one edge at a node that has other than two faces ends there.
+  bool ends_joint(size_t v) const {
+    return std::count_if(edges_at_[v].begin(), edges_at_[v].end(),
+                         [&](int e) { return edges_[e].faces.size() != 2; }) == 1;
+  }
+
   Edge& edge_of(int f, size_t i) {
     const Key k = key(faces_[f][i], faces_[f][(i + 1) % faces_[f].size()]);
     const auto [found, is_new] = number_.emplace(k, count_of(edges_));
     if (is_new) {
-      edges_.push_back({k.first, k.second, {}, false});
+      edges_.push_back({k.first, k.second, {}, 0});
       edges_at_[k.first].push_back(found->second);
       edges_at_[k.second].push_back(found->second);
     }
@@ -97,46 +244,57 @@ class Cage {
     for (const int v : faces_[f]) sum += at(v);
     return sum / static_cast<double>(faces_[f].size());
   }
+
+  bool sharp_at(int v) const {
+    return corners_[v] > 0 || std::any_of(edges_at_[v].begin(), edges_at_[v].end(),
+                                          [&](int e) { return edges_[e].sharp > 0; });
+  }
   Vec3 far_end(int e, int v) const {
     return at(edges_[e].low == v ? edges_[e].high : edges_[e].low);
   }
-
-  /// (a + m v + b)/(m + 2) along sharp edges; nothing where a node has none.
-  bool along_crease(int v, double m, Vec3& result) const {
-    Vec3 ends = Vec3::Zero();
-    int sharp = 0;
-    for (const int e : edges_at_[v])
-      if (edges_[e].sharp) {
-        ends += far_end(e, v);
-        ++sharp;
-      }
-    if (sharp == 0) return edges_at_[v].empty() && (result = at(v), true);
-    const bool stays = sharp != 2 || faces_at_[v].size() == 1;
-    result = stays ? at(v) : Vec3((ends + m * at(v)) / (m + 2));
-    return true;
-  }
-
-  Vec3 moved(int v) const {
-    Vec3 result;
-    if (along_crease(v, 6, result)) return result;
-    const double n = static_cast<double>(edges_at_[v].size());
+  Vec3 far_ends(int v) const {
     Vec3 sum = Vec3::Zero();
     for (const int e : edges_at_[v]) sum += far_end(e, v);
-    for (const int f : faces_at_[v]) sum += centre(f);
-    return at(v) * (n - 2) / n + sum / (n * n);
+    return sum;
+  }
+  /// The place of a node in one of its faces.
+  long place(int f, int v) const {
+    return std::find(faces_[f].begin(), faces_[f].end(), v) - faces_[f].begin();
   }
 
+  Hub hub(int v) const {
+    Hub hub{at(v), corners_[v], {}};
+    for (const int e : edges_at_[v]) hub.spokes.push_back({far_end(e, v), edges_[e].sharp});
+    return hub;
+  }
+  Vec3 moved(int v) const {
+    if (edges_at_[v].empty()) return at(v);
+    Vec3 centres = Vec3::Zero();
+    for (const int f : faces_at_[v]) centres += centre(f);
+    if (sharp_at(v)) return hub(v).moved(centres);
+    return smooth_moved(at(v), static_cast<double>(edges_at_[v].size()), far_ends(v) + centres);
+  }
   Vec3 limit_of(int v) const {
-    Vec3 result;
-    if (along_crease(v, 4, result)) return result;
-    const double n = static_cast<double>(edges_at_[v].size());
-    Vec3 sum = n * n * at(v);
-    for (const int e : edges_at_[v]) sum += 4 * far_end(e, v);
+    if (edges_at_[v].empty()) return at(v);
+    if (sharp_at(v)) return ring(v).limit();
+    Vec3 across = Vec3::Zero();
+    for (const int f : faces_at_[v]) across += at(faces_[f][(place(f, v) + 2) % 4]);
+    return smooth_limit(at(v), static_cast<double>(edges_at_[v].size()), far_ends(v), across);
+  }
+  Ring ring(int v) const {
+    Ring ring{hub(v), {}};
+    const auto spoke = [&](int other) {
+      const auto& edges = edges_at_[v];
+      return static_cast<int>(std::find(edges.begin(), edges.end(), number(v, other)) -
+                              edges.begin());
+    };
     for (const int f : faces_at_[v]) {
       const auto& quad = faces_[f];
-      sum += at(quad[(std::find(quad.begin(), quad.end(), v) - quad.begin() + 2) % 4]);
+      const long i = place(f, v);
+      ring.sectors.push_back(
+          {{spoke(quad[(i + 1) % 4]), spoke(quad[(i + 3) % 4])}, at(quad[(i + 2) % 4])});
     }
-    return sum / (n * (n + 5));
+    return ring;
   }
 
   Points points_;
@@ -144,12 +302,20 @@ class Cage {
   std::vector<Edge> edges_;
   std::map<Key, int> number_;
   std::vector<std::vector<int>> edges_at_, faces_at_;
+  std::vector<double> corners_;  // sharpness of the nodes
 };
+
+void check_sharpness(double sharpness) {
+  if (!(sharpness >= 0))
+    throw InputError("found a sharpness of " + batten::number(sharpness) + ", expected 0 or more");
+}
 
 void check(const ShellMesh& cage, const CatmullClarkOptions& options) {
   constexpr double most = 4e6;
   if (options.rounds < 1)
     throw InputError(std::to_string(options.rounds) + " rounds of subdivision, expected 1 or more");
+  for (const CageCrease& crease : options.tags.creases) check_sharpness(crease.sharpness);
+  for (const CageCorner& corner : options.tags.corners) check_sharpness(corner.sharpness);
   double quads = 0;
   for (int f = 0; f < cage.face_count(); ++f) quads += static_cast<double>(cage.corners(f).size());
   for (int k = 1; k < options.rounds && quads <= most; ++k) quads *= 4;
@@ -166,9 +332,7 @@ ShellMesh catmull_clark(const ShellMesh& cage, const CatmullClarkOptions& option
   std::vector<std::vector<int>> faces;
   for (int f = 0; f < cage.face_count(); ++f)
     faces.emplace_back(cage.corners(f).begin(), cage.corners(f).end());
-  std::vector<Key> creases;
-  for (const auto& [a, b] : options.creases) creases.push_back(key(a, b));
-  Cage fine = Cage(cage.points, std::move(faces), creases).subdivided();
+  Cage fine = Cage(cage.points, std::move(faces), options.tags).subdivided();
   for (int round = 1; round < options.rounds; ++round) fine = fine.subdivided();
   return fine.limit();
 }

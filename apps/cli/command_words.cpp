@@ -21,6 +21,18 @@ void add_unit(const Words& sub, std::string& unit) {
   sub.option("--unit", unit, "Unit of lengths").one_of(length_units()).with_default();
 }
 
+void add_schema(const Words& sub, bool& ap242) {
+  sub.choice(
+      "--schema", {"ap214", "ap242"},
+      [&ap242](const std::string& word) { ap242 = word == "ap242"; }, "Of STEP: ap214 or ap242");
+}
+
+void add_step_words(const Words& sub, StepWords& step) {
+  sub.flag("--step-lines", step.lines,
+           "The STEP file holds the lines too, as curves in a product 'lines'");
+  add_schema(sub, step.ap242);
+}
+
 int finish(const RunReport& report, const std::string& text, const CommonWords& common) {
   end_progress();
   if (!common.quiet) std::cout << text;

@@ -50,6 +50,15 @@ void add_common(const Words& sub, CommonWords& common);
 /// Adds the unit of lengths.
 void add_unit(const Words& sub, std::string& unit);
 
+/// What the STEP file of a surface holds and says.
+struct StepWords {
+  bool lines = false, ap242 = false;
+};
+/// Adds the options of StepWords.
+void add_step_words(const Words& sub, StepWords& step);
+/// Adds the schema of STEP files.
+void add_schema(const Words& sub, bool& ap242);
+
 /// Prints the text of a result, its warnings and the promises that it missed; returns the exit
 /// code.
 int finish(const RunReport& report, const std::string& text, const CommonWords& common);

@@ -16,15 +16,13 @@ Command add_convert(ProgramWords& program, CommonWords& common) {
   };
   sub.option("from", task->from, "STEP, IGES, BREP, a mesh, lines").required();
   sub.option("to", task->to,
-             "Its ending says the kind: .step .iges .brep .glb .stl .obj .ply .off .vtp .vtu "
+             "Its ending says the kind: .step .iges .brep .glb .3mf .stl .obj .ply .off .vtp .vtu "
              ".csv .curves")
       .required();
   unit("--unit", task->unit, "Unit of the file that is written: it is scaled, and declares it");
-  unit("--from-unit", task->from_unit, "Unit of a mesh or of points, which state none");
-  sub.choice(
-      "--schema", {"ap214", "ap242"},
-      [task](const std::string& word) { task->ap242 = word == "ap242"; },
-      "Of STEP: ap214 or ap242");
+  unit("--from-unit", task->from_unit,
+       "Unit of a mesh or of points, which state none; .glb and .3mf need it");
+  add_schema(sub, task->ap242);
   sub.option("--chord", task->chord,
              "Triangles of CAD faces: their largest distance from the faces; a thousandth of "
              "the size unless given")

@@ -12,6 +12,7 @@ struct FitWords {
   std::vector<std::string> lines;
   double tolerance = 0, edge_length = 0, meet = 0;
   bool cage = false;
+  StepWords step;
 };
 
 Scene scene_of(const FitWords& a) {
@@ -19,6 +20,8 @@ Scene scene_of(const FitWords& a) {
   scene.targets.front().tolerance = scene.step_tolerance = a.tolerance;
   scene.targets.front().cage = a.cage;
   scene.skin.options.edge_length = a.edge_length;
+  scene.step_lines = a.step.lines;
+  scene.step_ap242 = a.step.ap242;
   if (a.meet > 0) scene.network->tolerance = a.meet;
   return scene;
 }
@@ -46,6 +49,7 @@ Command add_fit(ProgramWords& program, CommonWords& common) {
   sub.option("--edge-length", a.edge_length, "Target length of element edges at the start")
       .positive();
   sub.option("--meet", a.meet, "Distance within which lines meet; found unless given").positive();
+  add_step_words(sub, a.step);
   add_common(sub, common);
   return {sub, [words, &common] {
             const auto report =

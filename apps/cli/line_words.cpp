@@ -18,6 +18,7 @@ struct LineWords {
   double edge_length = 0, tolerance = 0, meet = 0, pressure = 0;
   int contours = 0;
   bool network = false, exact_step = false;
+  StepWords step;
 };
 
 Scene lines_scene(const LineWords& a) {
@@ -31,6 +32,8 @@ Scene lines_scene(const LineWords& a) {
     scene.network->tolerance = a.meet;
   }
   scene.compare = a.compare;
+  scene.step_lines = a.step.lines;
+  scene.step_ap242 = a.step.ap242;
   if (a.exact_step) scene.step_form = Scene::StepForm::Exact;
   if (a.pressure != 0) {
     SceneLoad load;
@@ -105,6 +108,7 @@ Command add_skin(ProgramWords& program, CommonWords& common) {
   sub.option("--compare", a.compare, "CAD file: measure the distance from its faces");
   sub.flag("--exact-step", a.exact_step,
            "STEP to rounding, three faces a triangle, instead of one face a region");
+  add_step_words(sub, a.step);
   sub.option("--pressure", a.pressure, "Pressure along the normal, relative units")
       .excludes(network);
   add_common(sub, common);

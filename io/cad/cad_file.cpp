@@ -2,7 +2,10 @@
 
 #include <BRepTools.hxx>
 #include <BRep_Builder.hxx>
+#include <BRep_Tool.hxx>
 #include <BinTools.hxx>
+#include <Geom_Curve.hxx>
+#include <Geom_Surface.hxx>
 #include <IGESCAFControl_Reader.hxx>
 #include <IGESData_IGESEntity.hxx>
 #include <IGESData_IGESModel.hxx>
@@ -16,6 +19,7 @@
 #include <TDataStd_Name.hxx>
 #include <TopExp.hxx>
 #include <TopoDS.hxx>
+#include <TopoDS_Vertex.hxx>
 #include <TransferBRep.hxx>
 #include <Transfer_TransientProcess.hxx>
 #include <XCAFDoc_DocumentTool.hxx>
@@ -23,6 +27,7 @@
 #include <XSControl_TransferReader.hxx>
 #include <XSControl_WorkSession.hxx>
 #include <algorithm>
+#include <cmath>
 #include <sstream>
 #include <stdexcept>
 #include <unordered_map>
@@ -189,12 +194,49 @@ void read_iges(const std::filesystem::path& file, CadFile& cad) {
   finish(reader, cad);
 }
 
+bool is_finite(const gp_Pnt& p) {
+  return std::isfinite(p.X()) && std::isfinite(p.Y()) && std::isfinite(p.Z());
+}
+
+/// Whether vertices, and curves and surfaces at a few places, are at finite points: bytes may be
+/// any numbers.
+bool is_finite(const TopoDS_Shape& shape) {
+  TopTools_IndexedMapOfShape parts;
+  for (const auto type : {TopAbs_VERTEX, TopAbs_EDGE, TopAbs_FACE})
+    TopExp::MapShapes(shape, type, parts);
+  for (int p = 1; p <= parts.Extent(); ++p) {
+    const TopoDS_Shape& part = parts(p);
+    if (part.ShapeType() == TopAbs_VERTEX) {
+      const TopoDS_Vertex& vertex = TopoDS::Vertex(part);
+      if (!is_finite(BRep_Tool::Pnt(vertex)) || !std::isfinite(BRep_Tool::Tolerance(vertex)))
+        return false;
+    } else if (part.ShapeType() == TopAbs_EDGE) {
+      double a = 0, b = 0;
+      const Handle(Geom_Curve) curve = BRep_Tool::Curve(TopoDS::Edge(part), a, b);
+      for (const double t : {a, (a + b) / 2, b})
+        if (!curve.IsNull() && !is_finite(curve->Value(t))) return false;
+    } else {
+      const Handle(Geom_Surface) surface = BRep_Tool::Surface(TopoDS::Face(part));
+      double u0, u1, v0, v1;
+      BRepTools::UVBounds(TopoDS::Face(part), u0, u1, v0, v1);
+      for (const double s : {0.0, 0.5, 1.0})
+        if (surface.IsNull() || !is_finite(surface->Value(u0 + s * (u1 - u0), v0 + s * (v1 - v0))))
+          return false;
+    }
+  }
+  return true;
+}
+
 void read_brep(const std::filesystem::path& file, CadFile& cad) {
-  std::istringstream in(input_bytes(file, "a BREP file"));
+  const std::string bytes = input_bytes(file, "a BREP file");
+  std::istringstream in(bytes);
   in.imbue(std::locale::classic());
   TopoDS_Shape shape;
-  BRepTools::Read(shape, in, BRep_Builder());
-  if (!in || shape.IsNull())
+  if (is_binary_brep(bytes))
+    BinTools::Read(shape, in);
+  else
+    BRepTools::Read(shape, in, BRep_Builder());
+  if (!in || shape.IsNull() || !is_finite(shape))
     throw InputError(file.string() + ": OpenCASCADE cannot read it; expected a sound BREP file");
   cad.found = "a BREP shape";
   BRep_Builder().Add(cad.shape, shape);

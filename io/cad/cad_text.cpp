@@ -98,6 +98,31 @@ void check_step_text(const std::filesystem::path& file, const std::vector<std::s
                "'; expected 'END-ISO-10303-21;': the file is cut short");
 }
 
+constexpr const char* kBrepSections[] = {
+    "Locations", "Curve2ds",       "Curves", "Polygon3D", "PolygonOnTriangulations",
+    "Surfaces",  "Triangulations", "TShapes"};
+
+/// The same sections are in the binary form; numbers and shapes are bytes between them.
+void check_binary_brep(const std::filesystem::path& file, const std::string& bytes) {
+  size_t at = 0;
+  for (const std::string name : kBrepSections) {
+    const size_t found = bytes.find(name + " ", at);
+    if (found == std::string::npos)
+      throw InputError(file.string() + ": binary BREP without its section " + name +
+                       " behind byte " + std::to_string(at) +
+                       "; expected one: it is damaged or cut short");
+    at = found + name.size() + 1;
+    char* end = nullptr;
+    const long count = std::strtol(bytes.c_str() + at, &end, 10);
+    // Each item takes a byte or more.
+    if (end == bytes.c_str() + at || count < 0 || count > static_cast<long>(bytes.size() - at))
+      throw InputError(file.string() + ": found '" + bytes.substr(at, end - bytes.c_str() - at) +
+                       "' as the count of " + name + " at byte " + std::to_string(at) +
+                       ", before " + std::to_string(bytes.size() - at) +
+                       " bytes; expected a count that they have room for");
+  }
+}
+
 /// A section "NAME COUNT", from line `from` on; its line.
 size_t brep_section(const std::filesystem::path& file, const std::vector<std::string>& lines,
                     size_t from, const std::string& name, long& count) {
@@ -127,12 +152,9 @@ void check_brep_text(const std::filesystem::path& file, const std::vector<std::s
   if (first == lines.begin() + std::min<long>(4, lines.size()))
     refuse(file, 1,
            "found '" + lines[0].substr(0, 40) + "'; expected 'CASCADE Topology V…' of a BREP file");
-  if (first->starts_with("Open CASCADE")) refuse(file, 1, "binary BREP; expected the text form");
   size_t at = 0;
   long count = 0;
-  for (const char* name : {"Locations", "Curve2ds", "Curves", "Polygon3D",
-                           "PolygonOnTriangulations", "Surfaces", "Triangulations", "TShapes"})
-    at = brep_section(file, lines, at, name, count);
+  for (const char* name : kBrepSections) at = brep_section(file, lines, at, name, count);
   long shapes = 0;
   bool whole = false;  // something stands behind the last '*'
   for (size_t i = at + 1; i < lines.size(); ++i)
@@ -186,8 +208,16 @@ CadFormat cad_format(const std::filesystem::path& file) {
                    "'; expected .igs, .iges, .stp, .step, .brep, .brp or .xml");
 }
 
+bool is_binary_brep(const std::string& bytes) {
+  constexpr size_t head = 100;
+  return bytes.substr(0, head).find("Open CASCADE Topology V") != std::string::npos;
+}
+
 void check_cad_text(const std::filesystem::path& file, CadFormat format) {
   if (format == CadFormat::Patches) return;  // an XML reader sees what is cut short
+  if (format == CadFormat::Brep)
+    if (const std::string bytes = input_bytes(file, "a BREP file"); is_binary_brep(bytes))
+      return check_binary_brep(file, bytes);
   const auto lines = lines_of(file);
   refuse_not_finite(file, lines, format);
   format == CadFormat::Iges   ? check_iges(file, lines)

@@ -16,8 +16,12 @@ const std::vector<std::string>& cad_endings();
 /// The format that a file's ending says. Throws InputError for another ending.
 CadFormat cad_format(const std::filesystem::path& file);
 
-/// Throws InputError, with the line, for a file that is not of this format or is cut short where
-/// its text shows that: OpenCASCADE reads what it can of one, and says nothing. O(size).
+/// Whether the bytes of a BREP file are its binary form.
+bool is_binary_brep(const std::string& bytes);
+
+/// Throws InputError, with the line (of binary files the byte), for a file that is not of this
+/// format or is cut short where its text shows that: OpenCASCADE reads what it can of one, and says
+/// nothing. O(size).
 void check_cad_text(const std::filesystem::path& file, CadFormat format);
 
 }  // namespace batten

@@ -128,11 +128,11 @@ class ModelFile {
       for (const TopoDS_Face& face : faces[region]) BRep_Builder().Add(shell, face);
     });
     if (!cut_.empty()) show_largest_gaps(shape, coincidence_);
-    CadPart part{options_.name + " 1", shape, {}, {}, {}, shared.along_lines()};
+    CadPart part{options_.file.name + " 1", shape, {}, {}, {}, shared.along_lines()};
     for (size_t r = 0; r < faces.size(); ++r)
       for (const TopoDS_Face& face : faces[r])
         part.faces.push_back(face_of_region(face, plan_.regions[r]->name, r, faces.size()));
-    write_part(path, part, tolerance, {options_.name, options_.author, "surfaces"}, occ);
+    write_surfaces(path, part, options_.file, tolerance, occ);
     return cut_.empty() || BRepCheck_Analyzer(shape).IsValid();
   }
 

@@ -27,6 +27,7 @@
 #include <string>
 #include <vector>
 
+#include "batten/io/cad/step_file_options.h"
 #include "batten/io/cad/step_report.h"
 #include "batten/skinning/region/region.h"
 
@@ -34,8 +35,7 @@ namespace batten {
 
 /// How write_step() writes a file.
 struct StepOptions {
-  std::string name = "surface";  ///< name of the product
-  std::string author = "";
+  StepFileOptions file = {};
   /// Whether Z12 surfaces are written by the HCT functions of the same dofs. Values and gradients
   /// on all element edges are the same; inside they differ by O(h⁴), which
   /// StepReport::max_deviation measures.
@@ -49,7 +49,7 @@ struct StepOptions {
 /// 10,000 triangles in exact faces): how many faces, and about how many megabytes. Otherwise "".
 std::string step_size_warning(const std::vector<const SkinnedRegion*>& regions);
 
-/// Writes all regions (AP214) and returns check_step of the file. Regions meet where their lines
+/// Writes all regions and returns check_step of the file. Regions meet where their lines
 /// have the same name: the same curve, in either direction, in two regions or twice in one. Where
 /// the vertices of one side are not those of the other, edges end at both. Ends of lines that
 /// coincide are one vertex. The coordinates are the model's own and the file declares the model's

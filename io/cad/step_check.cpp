@@ -262,8 +262,10 @@ StepReport measured_shape(const TopoDS_Shape& shape, const std::vector<int>& reg
   StepReport report;
   report.faces = count(shape, TopAbs_FACE);
   TopTools_IndexedMapOfShape edges;
-  TopExp::MapShapes(shape, TopAbs_EDGE, edges);
+  for (TopExp_Explorer f(shape, TopAbs_FACE); f.More(); f.Next())
+    TopExp::MapShapes(f.Current(), TopAbs_EDGE, edges);
   report.edges = edges.Extent();
+  report.curves = count(shape, TopAbs_EDGE) - report.edges;
   const auto sides = sides_of(edges, shape, region_of_face);
   Bnd_Box box;
   for (int e = 0; e < edges.Extent(); ++e)

@@ -20,7 +20,7 @@ TopoDS_Shape save(const std::filesystem::path& path, const StepPlan& plan, const
                   double coincidence, const StepFaceOptions& options, OccSettings& occ) {
   SharedEdges shared(plan);
   CadPart part;
-  part.name = options.name;
+  part.name = options.file.name;
   part.shape = assembled(plan, [&](int region, TopoDS_Shell& shell) {
     const TopoDS_Face face = made[region]->make(coincidence, plan.joined ? &shared : nullptr);
     BRep_Builder().Add(shell, face);
@@ -40,7 +40,7 @@ TopoDS_Shape save(const std::filesystem::path& path, const StepPlan& plan, const
     least = std::min(least, little * maker->size());
   }
   tolerance = std::max(tolerance, least);
-  write_part(path, part, tolerance, {options.name, options.author, "surfaces"}, occ);
+  write_surfaces(path, part, options.file, tolerance, occ);
   return shape;
 }
 

@@ -28,7 +28,7 @@
 
 namespace batten {
 
-/// Writes one face for each region and measures the file (AP214, coordinates and unit as in
+/// Writes one face for each region and measures the file (coordinates and unit as in
 /// write_step). `max_deviation` and `max_gap` are the largest of the faces. When the tolerance
 /// cannot be reached, because of the limits of poles or because finer knots no longer help (the
 /// elements' own jumps of curvature are too many), the best file found is written and the report

@@ -1,7 +1,7 @@
 // Options of fitted faces in STEP files.
 #pragma once
 
-#include <string>
+#include "batten/io/cad/step_file_options.h"
 
 namespace batten {
 
@@ -10,8 +10,7 @@ struct StepFaceOptions {
   double tolerance = 0;  ///< largest distance from the surface, model units; above 0
   /// Largest angle between neighbouring faces where their surfaces are tangent, degrees; above 0.
   double join_deg = 0.1;
-  std::string name = "surface";  ///< name of the product
-  std::string author = "";
+  StepFileOptions file = {};
   int most_poles = 400;            ///< most poles in one direction, 16 or more
   int most_poles_in_all = 60'000;  ///< most poles of one face, 256 or more; 60,000 are about 6 MB
   /// Most poles of a face for each triangle of its surface, beyond 2,000 in all. A surface that

@@ -53,7 +53,8 @@ struct StepReport {
   int shells = 0, solids = 0;
   int closed_shells = 0;  ///< shells without a free edge
   int faces = 0;
-  int edges = 0;
+  int edges = 0;       ///< of faces
+  int curves = 0;      ///< edges without a face: lines that the file holds beside the faces
   int free_edges = 0;  ///< edges with one face only: the rims, but not seams
   /// Whether OpenCASCADE's checks passed (BRepCheck_Analyzer). They also pass at a gap, because
   /// reading widens the edge's tolerance over it; max_gap shows it.

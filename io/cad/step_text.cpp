@@ -7,11 +7,15 @@
 #include <StepData_Protocol.hxx>
 #include <StepData_StepModel.hxx>
 #include <StepData_StepWriter.hxx>
+#include <StepGeom_TrimmedCurve.hxx>
+#include <StepShape_GeometricCurveSet.hxx>
+#include <StepShape_GeometricSetSelect.hxx>
 #include <TCollection_HAsciiString.hxx>
 #include <XSControl_WorkSession.hxx>
 #include <array>
 
 #include "batten/core/errors.h"
+#include "batten/io/cad/curve_part.h"
 #include "batten/io/cad/occ_settings.h"
 #include "batten/io/files/whole_file.h"
 
@@ -20,6 +24,20 @@ namespace {
 
 Handle(TCollection_HAsciiString) text_of(const std::string& text) {
   return new TCollection_HAsciiString(text.c_str());
+}
+
+/// OpenCASCADE makes a set of each curve that belongs to no face, and names that: readers take a
+/// curve's name.
+void name_curves(const StepData_StepModel& model) {
+  for (int e = 1; e <= model.NbEntities(); ++e) {
+    const auto set = Handle(StepShape_GeometricCurveSet)::DownCast(model.Value(e));
+    if (set.IsNull() || set->NbElements() != 1) continue;
+    const auto curve = set->ElementsValue(1).Curve();
+    if (curve.IsNull()) continue;
+    curve->SetName(set->Name());
+    if (const auto cut = Handle(StepGeom_TrimmedCurve)::DownCast(curve); !cut.IsNull())
+      cut->BasisCurve()->SetName(set->Name());
+  }
 }
 
 }  // namespace
@@ -33,6 +51,7 @@ std::string cad_unit(double model_unit_in_metres) {
 }
 
 void put_step(STEPControl_Writer& writer, const StepHeader& header, std::ostream& out) {
+  name_curves(*writer.Model());
   APIHeaderSection_MakeHeader made(writer.Model());
   made.SetName(text_of(header.name));
   made.SetAuthorValue(1, text_of(header.author));
@@ -47,32 +66,37 @@ void put_step(STEPControl_Writer& writer, const StepHeader& header, std::ostream
   text.Print(out);
 }
 
-void save_step(STEPControl_Writer& writer, const std::filesystem::path& path,
-               const StepHeader& header) {
-  write_whole_file(path, [&](std::ostream& out) { put_step(writer, header, out); });
-}
-
-void write_part(const std::filesystem::path& path, const CadPart& part, double tolerance,
-                const StepHeader& header, OccSettings& occ) {
-  occ.set("write.step.schema", "AP214IS");
-  occ.set("write.step.product.name", part.name.c_str());
-  occ.set("write.step.assembly", 0);  // one product, not one for each shell
+void write_parts(const std::filesystem::path& path, const std::vector<CadPart>& parts,
+                 const StepFileWords& words, OccSettings& occ) {
+  occ.set("write.step.schema", words.ap242 ? "AP242DIS" : "AP214IS");
+  occ.set("write.step.assembly", 0);  // one product a part, not one for each shell or curve
   occ.set("write.stepcaf.subshapes.name", 1);
   occ.set("write.surfacecurve.mode", 1);
   occ.set("write.precision.mode", 2);  // the value given next
-  occ.set("write.precision.val", tolerance);
+  occ.set("write.precision.val", words.tolerance);
   STEPCAFControl_Writer writer;
-  if (!writer.Transfer(document_of({part}, occ.unit_in_metres()), STEPControl_AsIs))
-    throw Error(path.string() + ": OpenCASCADE cannot turn the surface into STEP");
+  if (!writer.Transfer(document_of(parts, occ.unit_in_metres()), STEPControl_AsIs))
+    throw Error(path.string() + ": OpenCASCADE cannot turn the shapes into STEP");
   // OpenCASCADE counts the products of a process in their names.
-  const auto name = text_of(part.name);
   const auto& model = *writer.ChangeWriter().Model();
+  size_t next = 0;
   for (int e = 1; e <= model.NbEntities(); ++e)
     if (const auto found = Handle(StepBasic_Product)::DownCast(model.Value(e)); !found.IsNull()) {
+      if (next == parts.size()) throw Error(path.string() + ": more products than parts");
+      const auto name = text_of(parts[next++].name);
       found->SetId(name);
       found->SetName(name);
     }
-  save_step(writer.ChangeWriter(), path, header);
+  write_whole_file(path,
+                   [&](std::ostream& out) { put_step(writer.ChangeWriter(), words.header, out); });
+}
+
+void write_surfaces(const std::filesystem::path& path, const CadPart& part,
+                    const StepFileOptions& options, double tolerance, OccSettings& occ) {
+  std::vector<CadPart> parts = {part};
+  if (!options.lines.empty()) parts.push_back(part_of_curves("lines", options.lines));
+  write_parts(path, parts, {{options.name, options.author, "surfaces"}, options.ap242, tolerance},
+              occ);
 }
 
 CadFace face_of_region(const TopoDS_Face& face, const std::string& region, size_t number,

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "batten/io/cad/cad_parts.h"
+#include "batten/io/cad/step_file_options.h"
 
 class STEPControl_Writer;
 
@@ -26,19 +27,27 @@ inline double reader_coincidence(double model_unit_in_metres) {
   return 1e-10 / model_unit_in_metres;
 }
 
-/// Puts the file's text, with this header and with all digits of its numbers, into a stream.
+/// Puts the file's text, with this header, with all digits of its numbers and with the names of
+/// curves, into a stream.
 void put_step(STEPControl_Writer& writer, const StepHeader& header, std::ostream& out);
 
-/// Writes the file with this header and with all digits of its numbers. It appears whole or not at
-/// all. Throws InputError when it cannot be written.
-void save_step(STEPControl_Writer& writer, const std::filesystem::path& path,
-               const StepHeader& header);
+/// What a STEP file says of itself.
+struct StepFileWords {
+  StepHeader header;
+  bool ap242 = false;    ///< instead of AP214
+  double tolerance = 0;  ///< that it declares, model units
+};
 
-/// Writes a part as one product (AP214) in the unit of `occ`, with the names and colours of its
-/// faces and the names of their edges. The file declares `tolerance`. Throws Error when OpenCASCADE
-/// fails, InputError when the file cannot be written.
-void write_part(const std::filesystem::path& path, const CadPart& part, double tolerance,
-                const StepHeader& header, OccSettings& occ);
+/// Writes each part as a product in the unit of `occ`, with the names and colours of its faces, the
+/// names of their edges, and its curves. The file appears whole or not at all. Throws Error when
+/// OpenCASCADE fails, InputError when the file cannot be written.
+void write_parts(const std::filesystem::path& path, const std::vector<CadPart>& parts,
+                 const StepFileWords& words, OccSettings& occ);
+
+/// Writes a part with faces and, where there are any, the lines as a part of their own, as
+/// write_parts() does.
+void write_surfaces(const std::filesystem::path& path, const CadPart& part,
+                    const StepFileOptions& options, double tolerance, OccSettings& occ);
 
 /// The name and colour of the faces of a region: colours only tell regions apart.
 CadFace face_of_region(const TopoDS_Face& face, const std::string& region, size_t number,

@@ -120,10 +120,13 @@ std::vector<CharacterLine> read_cad_lines(const std::filesystem::path& file,
   const double scale = scale_to(model_unit_in_metres);
   CadFile cad = read_cad(file);
   if (creases) prepare_for_fits(cad);
+  TopTools_IndexedMapOfShape of_faces;
+  for (int f = 1; f <= cad.faces.Extent(); ++f)
+    TopExp::MapShapes(cad.faces(f), TopAbs_EDGE, of_faces);
   std::vector<CharacterLine> lines;
   const std::vector<std::string> names = edge_names(cad);
   for (int e = 1; e <= cad.edges.Extent(); ++e) {
-    if (names[e - 1].empty()) continue;
+    if (names[e - 1].empty() || (creases && !of_faces.Contains(cad.edges(e)))) continue;
     double start, end;
     const Handle(Geom_Curve) curve = curve_of(TopoDS::Edge(cad.edges(e)), start, end);
     lines.push_back({names[e - 1], std::make_shared<CadCurve>(curve, start, end, scale),

@@ -10,10 +10,10 @@
 namespace batten {
 
 /// Reads every curve of an IGES (.igs, .iges), STEP (.stp, .step) or BREP (.brep, .brp; in mm)
-/// file: the edges of its shapes (an edge that faces share once) and the curves that stand alone; with
-/// `creases` those inside of its faces, too, which cut the edges where they end.
-/// Coordinates are converted from the unit that the file declares into the model's. Curves in the
-/// parameter plane of a face and edges without length are left out.
+/// file: the edges of its shapes (an edge that faces share once) and the curves that stand alone;
+/// with `creases` the edges of its faces only, and the creases inside of these, which cut the edges
+/// where they end. Coordinates are converted from the unit that the file declares into the model's.
+/// Curves in the parameter plane of a face and edges without length are left out.
 ///
 /// A line has the label that the file gives the curve as its name (numbered from the second on when
 /// several have the same), otherwise "edge1", "edge2" … by its place in the file. It keeps the

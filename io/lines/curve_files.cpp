@@ -193,7 +193,7 @@ const std::vector<std::string>& curve_file_endings() {
 }
 
 std::vector<std::string> write_curves(const fs::path& path, const std::vector<NamedCurve>& curves,
-                                      double model_unit_in_metres) {
+                                      const CurveFileOptions& options) {
   const std::string ending = lower_extension(path);
   const auto& endings = curve_file_endings();
   if (std::find(endings.begin(), endings.end(), ending) == endings.end())
@@ -220,7 +220,7 @@ std::vector<std::string> write_curves(const fs::path& path, const std::vector<Na
                                : least == 2 ? "lines of two points or more"
                                             : "lines with points");
   if (cad)
-    cad_calls().write_cad_curves(path, lines, model_unit_in_metres, ending.starts_with(".ig"));
+    cad_calls().write_cad_curves(path, lines, options);
   else
     write_whole_file(path, [&](std::ostream& out) {
       ending == ".csv"   ? write_csv(out, lines)

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "batten/io/lines/curve_file_options.h"
 #include "batten/io/lines/named_curve.h"
 
 namespace batten {
@@ -36,6 +37,6 @@ const std::vector<std::string>& curve_file_endings();
 /// Error when OpenCASCADE fails.
 std::vector<std::string> write_curves(const std::filesystem::path& path,
                                       const std::vector<NamedCurve>& curves,
-                                      double model_unit_in_metres = 1e-3);
+                                      const CurveFileOptions& options = {});
 
 }  // namespace batten

@@ -11,6 +11,7 @@
 
 #include "batten/io/files/text.h"
 #include "batten/io/meshes/mesh_file_types.h"
+#include "batten/mesh/catmull_clark.h"
 #include "batten/mesh/shell_mesh.h"
 
 namespace batten {
@@ -57,20 +58,31 @@ struct MeshContent {
   std::vector<MeshSet> sets, properties;
   std::vector<OtherElement> others;
   std::vector<std::string> warnings;
+  CageTags cage_tags;
+  std::string
+      cage_problem;  ///< why these are not all that the file says of its cage; "" for nothing
 };
 
 using MeshContentReader = std::unique_ptr<MeshContent>(const std::filesystem::path&);
 MeshContentReader read_obj_mesh, read_off_mesh, read_ply_mesh, read_stl_mesh, read_vtk_mesh,
     read_nastran_deck, read_abaqus_deck, read_lsdyna_deck, read_radioss_deck;
 
-/// Each writes a mesh in one format, as write_mesh() says, which has checked the mesh.
-void write_obj_mesh(const std::filesystem::path& path, const ShellMesh& mesh,
-                    const std::vector<MeshSet>& sets);
-void write_off_mesh(const std::filesystem::path& path, const ShellMesh& mesh);
-void write_ply_mesh(const std::filesystem::path& path, const ShellMesh& mesh);
-void write_stl_mesh(const std::filesystem::path& path, const ShellMesh& mesh);
-void write_vtk_mesh(const std::filesystem::path& path, const ShellMesh& mesh,
-                    const std::vector<MeshSet>& sets);
+/// A mesh that write_mesh() was given, and has checked.
+struct MeshOutput {
+  const std::filesystem::path& path;
+  const ShellMesh& mesh;
+  const std::vector<MeshSet>& sets;
+  double unit_in_metres = 0;
+};
+/// Each writes a mesh in one format, as write_mesh() says.
+void write_off_mesh(const MeshOutput& output);
+void write_ply_mesh(const MeshOutput& output);
+void write_stl_mesh(const MeshOutput& output);
+void write_vtk_mesh(const MeshOutput& output);
+void write_glb_mesh(const MeshOutput& output);
+void write_3mf_mesh(const MeshOutput& output);
+/// Returns the file of materials where there is one.
+std::vector<std::filesystem::path> write_obj_mesh(const MeshOutput& output);
 /// The set of each face, -1 for none; the last one where several have it. Throws InputError for a
 /// face out of range.
 std::vector<int> set_of_faces(const ShellMesh& mesh, const std::vector<MeshSet>& sets);

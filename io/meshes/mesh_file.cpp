@@ -86,6 +86,10 @@ std::optional<int> MeshFile::face_of_label(long label) const {
 const std::vector<MeshFile::Set>& MeshFile::sets() const { return content_->sets; }
 const std::vector<MeshFile::Set>& MeshFile::properties() const { return content_->properties; }
 const std::vector<OtherElement>& MeshFile::others() const { return content_->others; }
+const CageTags& MeshFile::cage_tags() const {
+  if (!content_->cage_problem.empty()) throw InputError(content_->cage_problem);
+  return content_->cage_tags;
+}
 const std::vector<std::string>& MeshFile::warnings() const { return content_->warnings; }
 const std::string& MeshFile::format() const { return content_->format; }
 
@@ -106,16 +110,40 @@ MeshFile::Rounding MeshFile::write(const fs::path& path, const Points& points,
   return content_->write(path, points, options);
 }
 
-void write_mesh(const fs::path& path, const ShellMesh& mesh, const std::vector<MeshSet>& sets) {
-  using Writer = void(const fs::path&, const ShellMesh&, const std::vector<MeshSet>&);
-  static const std::map<std::string, Writer*> writers{
-      {".obj", write_obj_mesh},
-      {".off", [](const auto& to, const auto& m, const auto&) { write_off_mesh(to, m); }},
-      {".ply", [](const auto& to, const auto& m, const auto&) { write_ply_mesh(to, m); }},
-      {".stl", [](const auto& to, const auto& m, const auto&) { write_stl_mesh(to, m); }},
-      {".vtp", write_vtk_mesh},
-      {".vtu", write_vtk_mesh}};
-  Writer* const write = by_extension(path, writers);
+namespace {
+
+using MeshWriter = std::vector<fs::path>(const MeshOutput&);
+
+/// The writer of a format that is one file.
+template <void (*write)(const MeshOutput&)>
+std::vector<fs::path> alone(const MeshOutput& output) {
+  write(output);
+  return {};
+}
+
+const std::map<std::string, MeshWriter*>& writers() {
+  static const std::map<std::string, MeshWriter*> all{
+      {".obj", write_obj_mesh},        {".off", alone<write_off_mesh>},
+      {".ply", alone<write_ply_mesh>}, {".stl", alone<write_stl_mesh>},
+      {".vtp", alone<write_vtk_mesh>}, {".vtu", alone<write_vtk_mesh>},
+      {".glb", alone<write_glb_mesh>}, {".3mf", alone<write_3mf_mesh>}};
+  return all;
+}
+
+}  // namespace
+
+const std::vector<std::string>& mesh_file_endings() {
+  static const std::vector<std::string> endings = [] {
+    std::vector<std::string> all;
+    for (const auto& [ending, writer] : writers()) all.push_back(ending);
+    return all;
+  }();
+  return endings;
+}
+
+std::vector<fs::path> write_mesh(const fs::path& path, const ShellMesh& mesh,
+                                 const std::vector<MeshSet>& sets, double unit_in_metres) {
+  MeshWriter* const write = by_extension(path, writers());
   const auto refuse = [&](const std::string& what) {
     throw InputError(path.string() + ": " + what);
   };
@@ -132,7 +160,10 @@ void write_mesh(const fs::path& path, const ShellMesh& mesh, const std::vector<M
         refuse("face " + std::to_string(f) + " has node " + std::to_string(node) +
                ", expected 0 to " + std::to_string(mesh.node_count() - 1));
   }
-  write(path, mesh, sets);
+  const std::string ending = lower_extension(path);
+  if ((ending == ".glb" || ending == ".3mf") && !(unit_in_metres > 0))
+    refuse("found no unit of length, expected one: files of this kind state it");
+  return write({path, mesh, sets, unit_in_metres});
 }
 
 }  // namespace batten

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "batten/io/meshes/mesh_file_types.h"
+#include "batten/mesh/catmull_clark.h"
 #include "batten/mesh/shell_mesh.h"
 
 namespace batten {
@@ -17,7 +18,8 @@ struct MeshContent;
 /// A mesh together with the file that it was read from. It is a value; copies share everything.
 /// The formats:
 ///
-///   .obj               polygons; sets from `g` and `o`, properties from `usemtl`
+///   .obj               polygons; sets from `g` and `o`, properties from `usemtl`, in the
+///                      colours of the .mtl file where that is there; cage_tags() from `t`
 ///   .off               OFF, COFF, NOFF, STOFF and their mixtures; as text
 ///   .ply               as text or binary of either byte order
 ///   .stl               as text or binary; corners at the same place are one node; sets from
@@ -73,6 +75,12 @@ class MeshFile {
   const std::vector<Set>& properties() const;
   /// What is in a deck beside shells and has nodes, in the file's order; none in other formats.
   const std::vector<OtherElement>& others() const;
+  /// What is sharp of the mesh as a cage: in OBJ `t crease 2/1/0 a b s` and `t corner n/n/0 …`,
+  /// whose nodes count from 0; none in other formats. `t interpolateboundary` is known where it
+  /// means what catmull_clark() does, `t facevarying…` is of no matter. Throws InputError,
+  /// "file:line:column: …", for the first other tag: a hole, another method of creases, a crease
+  /// that is no edge, a number that is none.
+  const CageTags& cage_tags() const;
   /// Sentences about what is in the file and is not part of the mesh.
   const std::vector<std::string>& warnings() const;
   /// The format's name for messages: "Nastran bulk data", …
@@ -110,13 +118,29 @@ class MeshFile {
 };
 
 /// Writes a mesh that was not read from a file: .obj, .off (text, exact), .ply, .stl (binary; STL
-/// in single precision), .vtp, .vtu (doubles). Second-order faces become quadratic cells in VTU and
-/// polygons through all their nodes in the others; STL gets triangles. Face sets, of which each
-/// face is in one at most, become groups (`g`) in OBJ, the cell data Set (-1: in none) and the
-/// field data Set_names in VTP and VTU; the other formats have no place for them. The file appears
-/// whole or not at all. Throws InputError: another extension, an index out of range, a face of
-/// fewer than 3 nodes, a coordinate that is not finite, what WholeFile throws.
-void write_mesh(const std::filesystem::path& path, const ShellMesh& mesh,
-                const std::vector<MeshSet>& sets = {});
+/// in single precision), .vtp, .vtu (doubles), .glb, .3mf (single precision). Second-order faces
+/// become quadratic cells in VTU and polygons through all their nodes in OBJ, PLY, OFF and VTP;
+/// STL, GLB and 3MF get triangles. Face sets, of which each face is in one at most, become
+///
+///   .obj         groups (`g`), and in their colours materials (`usemtl`) of a file .mtl beside it
+///   .ply         colours of faces (red, green, blue), where any set has one
+///   .vtp .vtu    the cell data Set (-1: in none) and the field data Set_names
+///   .glb         a mesh and a node each, by its name, in its colour, with normals that break where
+///                faces turn by 30 degrees; coordinates are in metres, y up, as glTF has it
+///   .3mf         materials of the triangles, by name and colour, of one object, so that what is
+///                closed stays so; coordinates are in millimetres, with six decimals
+///   .stl .off    nothing: they have no place for them
+///
+/// `unit_in_metres`: of the coordinates, which .glb and .3mf need; other files state none. Returns
+/// the files that it wrote beside `path`. All appear whole or not at all. Throws InputError:
+/// another extension, an index out of range, a face of fewer than 3 nodes, a coordinate that is not
+/// finite or (GLB, 3MF) too large for single precision, a colour that is not "#rrggbb", no unit
+/// where one is needed, what WholeFile throws.
+std::vector<std::filesystem::path> write_mesh(const std::filesystem::path& path,
+                                              const ShellMesh& mesh,
+                                              const std::vector<MeshSet>& sets = {},
+                                              double unit_in_metres = 0);
+/// Endings of files, with their dots, that write_mesh() knows.
+const std::vector<std::string>& mesh_file_endings();
 
 }  // namespace batten

@@ -15,6 +15,7 @@ struct MeshSet {
   std::string name;   ///< its name; in LS-DYNA and Nastran its id
   std::string title;  ///< its title; in LS-DYNA only
   std::vector<int> nodes, faces;
+  std::string colour = {};  ///< of the faces, "#rrggbb"; "" for none
 };
 
 /// How a mesh file is written.

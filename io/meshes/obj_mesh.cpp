@@ -1,12 +1,19 @@
 // Wavefront OBJ.
+#include <algorithm>
 #include <charconv>
+#include <cmath>
+#include <fstream>
 #include <limits>
+#include <map>
+#include <optional>
 #include <ostream>
 #include <unordered_map>
 
 #include "batten/core/errors.h"
 #include "batten/core/index.h"
 #include "batten/io/files/whole_file.h"
+#include "batten/io/meshes/mesh_colour.h"
+#include "batten/io/meshes/obj_tags.h"
 #include "batten/io/meshes/text_mesh.h"
 
 namespace batten {
@@ -56,7 +63,8 @@ class NamedFaces {
 
 class ObjReader {
  public:
-  explicit ObjReader(TextMesh& mesh) : mesh_(mesh), file_(mesh.file) {}
+  ObjReader(TextMesh& mesh, const std::filesystem::path& path)
+      : mesh_(mesh), file_(mesh.file), path_(path) {}
 
   void read() {
     std::string_view line;
@@ -75,6 +83,12 @@ class ObjReader {
         object_ = words.rest();
       } else if (record == "usemtl") {
         material_ = words.rest();
+      } else if (record == "mtllib") {
+        libraries_.emplace_back(words.rest());
+      } else if (record == "t") {
+        std::vector<std::string_view> tag;
+        for (auto word = words.next(); !word.empty(); word = words.next()) tag.push_back(word);
+        tags_.add(std::move(tag));
       } else if (record == "vn") {
         ++normals_;
       } else if (record == "l" || record == "p" || record == "curv" || record == "surf") {
@@ -89,6 +103,8 @@ class ObjReader {
             coordinates_.data(), count, 3);
     mesh_.node_labels = Labels::counted_from(1, count);
     mesh_.face_labels = Labels::counted_from(1, mesh_.shells.face_count());
+    for (const std::string& library : libraries_) read_colours(library);
+    tags_.finish(mesh_);
     if (normals_ > 0)
       mesh_.warnings.push_back(counted(normals_, "normal") + " (vn) of the file stay as they are");
     if (others_ > 0)
@@ -143,6 +159,35 @@ class ObjReader {
     if (!material_.empty()) materials_.add(material_, number);
   }
 
+  /// The colours of the materials, where their file is there. What else is in it does not matter,
+  /// nor does damage.
+  void read_colours(const std::string& library) {
+    const std::filesystem::path path = path_.parent_path() / library;
+    std::error_code none;
+    if (!std::filesystem::is_regular_file(path, none)) return;
+    std::ifstream in(path);
+    MeshSet* material = nullptr;
+    for (std::string line; std::getline(in, line);) {
+      std::string_view rest = line;
+      const std::string_view record = next_word(rest);
+      if (record == "newmtl") {
+        const auto named =
+            std::find_if(mesh_.properties.begin(), mesh_.properties.end(),
+                         [&](const MeshSet& set) { return set.name == trimmed(rest); });
+        material = named == mesh_.properties.end() ? nullptr : &*named;
+      } else if (record == "Kd" && material) {
+        std::array<int, 3> colour{};
+        bool sound = true;
+        for (int& c : colour) {
+          double share = 0;
+          sound = parse_real(next_word(rest), share) && sound;
+          c = static_cast<int>(std::lround(255 * std::clamp(share, 0.0, 1.0)));
+        }
+        if (sound) material->colour = hex_of(colour);
+      }
+    }
+  }
+
   [[noreturn]] void refuse(std::string_view word, long index) const {
     const std::string count = std::to_string(mesh_.fields.size());
     file_.fail(word, "found node number " + std::to_string(index) + ", expected " +
@@ -152,11 +197,13 @@ class ObjReader {
 
   TextMesh& mesh_;
   MeshText& file_;
+  const std::filesystem::path& path_;
   NamedFaces sets_{mesh_.sets}, materials_{mesh_.properties};
   std::vector<double> coordinates_;
   std::vector<int> nodes_;
-  std::vector<std::string> groups_;
+  std::vector<std::string> groups_, libraries_;
   std::string object_, material_;
+  ObjTags tags_;
   long highest_ = 0, normals_ = 0, others_ = 0;
   std::string_view highest_word_;
 };
@@ -177,31 +224,80 @@ std::unique_ptr<MeshContent> read_obj_mesh(const std::filesystem::path& path) {
   auto mesh = std::make_unique<TextMesh>(MeshText(path));
   mesh->format = "Wavefront OBJ";
   mesh->extensions = {".obj"};
-  ObjReader(*mesh).read();
+  ObjReader(*mesh, path).read();
   return mesh;
 }
 
-void write_obj_mesh(const std::filesystem::path& path, const ShellMesh& mesh,
-                    const std::vector<MeshSet>& sets) {
+namespace {
+
+void put_number(std::ostream& out, double value) {
+  char text[32];
+  const auto end = std::to_chars(text, text + sizeof text, value);
+  out << ' ' << std::string_view(text, static_cast<size_t>(end.ptr - text));
+}
+
+/// The colours of the sets, by the names of their materials; where there are any, also that of
+/// faces without.
+std::map<std::string, std::array<int, 3>> materials_of(const std::vector<MeshSet>& sets) {
+  std::map<std::string, std::array<int, 3>> all;
+  for (const MeshSet& set : sets)
+    if (const auto colour = mesh_colour(set.colour)) all.emplace(set.colour.substr(1), *colour);
+  if (!all.empty()) all.emplace("none", std::array{204, 204, 204});
+  return all;
+}
+
+void put_materials(std::ostream& out, const std::map<std::string, std::array<int, 3>>& materials) {
+  for (const auto& [name, colour] : materials) {
+    out << "newmtl " << name << "\nKd";
+    for (const int c : colour) put_number(out, c / 255.0);
+    out << "\n";
+  }
+}
+
+}  // namespace
+
+std::vector<std::filesystem::path> write_obj_mesh(const MeshOutput& output) {
+  const std::filesystem::path& path = output.path;
+  const ShellMesh& mesh = output.mesh;
+  const std::vector<MeshSet>& sets = output.sets;
   const std::vector<int> set = set_of_faces(mesh, sets);
-  write_whole_file(path, [&](std::ostream& out) {
-    char text[32];
+  const auto materials = materials_of(sets);
+  std::optional<WholeFile> beside;
+  WholeFile file(path);
+  if (!materials.empty()) {
+    // Readers take a blank for the end of the name.
+    std::string name = path.stem().string() + ".mtl";
+    std::replace(name.begin(), name.end(), ' ', '_');
+    beside.emplace(path.parent_path() / name);
+    write_whole_file(beside->temporary(),
+                     [&](std::ostream& out) { put_materials(out, materials); });
+  }
+  write_whole_file(file.temporary(), [&](std::ostream& out) {
+    if (beside) out << "mtllib " << beside->path().filename().string() << '\n';
     for (int i = 0; i < mesh.node_count(); ++i) {
       out << 'v';
-      for (int c = 0; c < 3; ++c) {
-        const auto end = std::to_chars(text, text + sizeof text, mesh.points(i, c));
-        out << ' ' << std::string_view(text, static_cast<size_t>(end.ptr - text));
-      }
+      for (int c = 0; c < 3; ++c) put_number(out, mesh.points(i, c));
       out << '\n';
     }
     int group = -1;
+    std::string material;
     for (int f = 0; f < mesh.face_count(); ++f) {
       if (set[f] != group) out << "g " << group_name(sets, group = set[f]) << '\n';
+      if (beside) {
+        const std::string& colour = set[f] < 0 ? "" : sets[set[f]].colour;
+        const std::string own = colour.empty() ? "none" : colour.substr(1);
+        if (own != material) out << "usemtl " << (material = own) << '\n';
+      }
       out << 'f';
       for (const int node : outline_of(mesh, f)) out << ' ' << node + 1;
       out << '\n';
     }
   });
+  if (!beside) return file.commit(), std::vector<std::filesystem::path>{};
+  const std::filesystem::path written = beside->path();
+  beside->commit();
+  file.commit();
+  return {written};
 }
 
 }  // namespace batten

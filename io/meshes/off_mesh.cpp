@@ -144,8 +144,9 @@ std::unique_ptr<MeshContent> read_off_mesh(const std::filesystem::path& path) {
   return mesh;
 }
 
-void write_off_mesh(const std::filesystem::path& path, const ShellMesh& mesh) {
-  write_whole_file(path, [&](std::ostream& out) {
+void write_off_mesh(const MeshOutput& output) {
+  const ShellMesh& mesh = output.mesh;
+  write_whole_file(output.path, [&](std::ostream& out) {
     char text[32];
     out << "OFF\n" << mesh.node_count() << ' ' << mesh.face_count() << " 0\n";
     for (int i = 0; i < mesh.node_count(); ++i)

@@ -10,6 +10,7 @@
 #include "batten/core/errors.h"
 #include "batten/core/index.h"
 #include "batten/io/files/whole_file.h"
+#include "batten/io/meshes/mesh_colour.h"
 #include "batten/io/meshes/text_mesh.h"
 
 namespace batten {
@@ -277,7 +278,8 @@ std::unique_ptr<MeshContent> read_ply_mesh(const std::filesystem::path& path) {
   return mesh;
 }
 
-void write_ply_mesh(const std::filesystem::path& path, const ShellMesh& mesh) {
+void write_ply_mesh(const MeshOutput& output) {
+  const ShellMesh& mesh = output.mesh;
   std::string body;
   const auto put = [&](auto value) {
     char bytes[sizeof value];
@@ -287,15 +289,26 @@ void write_ply_mesh(const std::filesystem::path& path, const ShellMesh& mesh) {
   };
   for (int i = 0; i < mesh.node_count(); ++i)
     for (int c = 0; c < 3; ++c) put(mesh.points(i, c));
+  const std::vector<int> set = set_of_faces(mesh, output.sets);
+  std::vector<std::optional<std::array<int, 3>>> colours;
+  for (const MeshSet& one : output.sets) colours.push_back(mesh_colour(one.colour));
+  const bool coloured = std::any_of(colours.begin(), colours.end(),
+                                    [](const auto& colour) { return colour.has_value(); });
+  constexpr std::array without{204, 204, 204};
   for (int f = 0; f < mesh.face_count(); ++f) {
     const std::vector<int> nodes = outline_of(mesh, f);
     put(static_cast<std::uint32_t>(nodes.size()));
     for (const int node : nodes) put(static_cast<std::int32_t>(node));
+    if (coloured)
+      for (const int c : set[f] < 0 ? without : colours[set[f]].value_or(without))
+        put(static_cast<std::uint8_t>(c));
   }
-  write_whole_file(path, [&](std::ostream& out) {
+  write_whole_file(output.path, [&](std::ostream& out) {
     out << "ply\nformat binary_little_endian 1.0\nelement vertex " << mesh.node_count()
         << "\nproperty double x\nproperty double y\nproperty double z\nelement face "
-        << mesh.face_count() << "\nproperty list uint int vertex_indices\nend_header\n"
+        << mesh.face_count() << "\nproperty list uint int vertex_indices\n"
+        << (coloured ? "property uchar red\nproperty uchar green\nproperty uchar blue\n" : "")
+        << "end_header\n"
         << body;
   });
 }

@@ -268,7 +268,8 @@ std::unique_ptr<MeshContent> read_stl_mesh(const std::filesystem::path& path) {
   return std::make_unique<StlMesh>(MeshText(path, true));
 }
 
-void write_stl_mesh(const std::filesystem::path& path, const ShellMesh& mesh) {
+void write_stl_mesh(const MeshOutput& output) {
+  const ShellMesh& mesh = output.mesh;
   std::string body;
   std::uint32_t count = 0;
   const auto triangle = [&](int a, int b, int c) {
@@ -280,8 +281,8 @@ void write_stl_mesh(const std::filesystem::path& path, const ShellMesh& mesh) {
       for (int i = 0; i < 3; ++i) {
         const auto value = static_cast<float>(mesh.points(nodes[k], i));
         if (!std::isfinite(value))
-          throw InputError(path.string() + ": a coordinate of node " + std::to_string(nodes[k]) +
-                           " is too large for single precision");
+          throw InputError(output.path.string() + ": a coordinate of node " +
+                           std::to_string(nodes[k]) + " is too large for single precision");
         store_float(record + 12 + 12 * k + 4 * i, value);
       }
     body.append(record, kRecord);
@@ -289,7 +290,7 @@ void write_stl_mesh(const std::filesystem::path& path, const ShellMesh& mesh) {
   };
   for (int f = 0; f < mesh.face_count(); ++f)
     for (const auto& [a, b, c] : triangles_of(mesh, f)) triangle(a, b, c);
-  write_whole_file(path, [&](std::ostream& out) {
+  write_whole_file(output.path, [&](std::ostream& out) {
     char header[kHeader] = "Batten";
     for (int i = 0; i < 4; ++i) header[80 + i] = static_cast<char>(count >> (8 * i) & 255);
     out.write(header, kHeader);

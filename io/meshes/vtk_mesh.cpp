@@ -290,8 +290,9 @@ void add_sets(vtkDataSet& data, const ShellMesh& mesh, const std::vector<MeshSet
 
 }  // namespace
 
-void write_vtk_mesh(const fs::path& path, const ShellMesh& mesh, const std::vector<MeshSet>& sets) {
-  const bool surface = lower_extension(path) == ".vtp";
+void write_vtk_mesh(const MeshOutput& output) {
+  const ShellMesh& mesh = output.mesh;
+  const bool surface = lower_extension(output.path) == ".vtp";
   vtkNew<vtkPolyData> polygons;
   vtkNew<vtkUnstructuredGrid> grid;
   vtkNew<vtkCellArray> cells;
@@ -316,8 +317,9 @@ void write_vtk_mesh(const fs::path& path, const ShellMesh& mesh, const std::vect
   polygons->SetPoints(points);
   polygons->SetPolys(cells);
   grid->SetPoints(points);
-  if (!sets.empty()) add_sets(surface ? static_cast<vtkDataSet&>(*polygons) : *grid, mesh, sets);
-  write_data(surface ? static_cast<vtkDataObject*>(polygons) : grid, path);
+  if (!output.sets.empty())
+    add_sets(surface ? static_cast<vtkDataSet&>(*polygons) : *grid, mesh, output.sets);
+  write_data(surface ? static_cast<vtkDataObject*>(polygons) : grid, output.path);
 }
 
 }  // namespace batten

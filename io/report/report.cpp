@@ -246,13 +246,10 @@ Json json_of(const Report::Target& t) {
 }
 
 Json json_of(const Report::Step& s, bool of_network) {
-  Json json = {{"file", s.file},
-               {"form", s.form},
-               {"bytes", s.bytes},
-               {"faces", s.faces},
-               {"max_deviation", s.max_deviation},
-               {"max_gap", s.max_gap},
-               {"max_normal_jump_deg", s.max_normal_jump_deg},
+  Json json = {{"file", s.file},       {"form", s.form},
+               {"bytes", s.bytes},     {"faces", s.faces},
+               {"lines", s.lines},     {"max_deviation", s.max_deviation},
+               {"max_gap", s.max_gap}, {"max_normal_jump_deg", s.max_normal_jump_deg},
                {"valid", s.valid}};
   if (s.form == "face") {
     json["tolerance"] = s.tolerance;

@@ -354,7 +354,9 @@ Scene read(const toml::table& root_table, const std::filesystem::path& file) {
         t.choice("step_form", Form::Auto,
                  {{"auto", Form::Auto}, {"face", Form::Face}, {"exact", Form::Exact}});
     scene.step_tolerance = t.positive("step_tolerance", 0);
-    for (const char* key : {"step_form", "step_tolerance"})
+    scene.step_lines = t.boolean("step_lines", false);
+    scene.step_ap242 = t.choice("step_schema", false, {{"ap214", false}, {"ap242", true}});
+    for (const char* key : {"step_form", "step_tolerance", "step_lines", "step_schema"})
       if (t.has(key) && scene.step.empty())
         t.fail(key, "'" + std::string(key) + "' without 'step'", "both");
     if (t.has("vtu")) scene.vtu = output_file(t, "vtu", files, {".vtu"});

@@ -202,6 +202,8 @@ struct Scene {
     Face,  ///< one B-spline face for each region, within step_tolerance
     Exact  ///< three faces for each triangle
   } step_form = StepForm::Auto;
+  bool step_lines = false;        ///< the STEP file holds the lines as curves beside the faces
+  bool step_ap242 = false;        ///< it is AP242 instead of AP214
   double step_tolerance = 0;      ///< model units; 0: 1e-4 of the region's size
   std::filesystem::path compare;  ///< [compare]: a CAD file; distances from its faces are measured
   std::vector<ScenePicture> pictures;

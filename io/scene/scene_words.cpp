@@ -17,8 +17,8 @@ const std::vector<std::string>& skin_keys() {
   return keys;
 }
 const std::vector<std::string>& output_keys() {
-  static const std::vector<std::string> keys = {"step", "step_form", "step_tolerance",
-                                                "vtu",  "vtp",       "calculix"};
+  static const std::vector<std::string> keys = {
+      "step", "step_form", "step_tolerance", "step_lines", "step_schema", "vtu", "vtp", "calculix"};
   return keys;
 }
 

@@ -6,17 +6,14 @@
 #include <nlohmann/json.hpp>
 
 #include "batten/core/errors.h"
-#include "batten/io/sequences/number_bytes.h"
+#include "batten/io/files/glb_file.h"
+#include "batten/io/files/number_bytes.h"
 
 namespace batten {
 namespace {
 
-// Numbers of glTF and GLB.
-constexpr std::uint32_t kMagic = 0x46546C67, kJsonChunk = 0x4E4F534A, kBinaryChunk = 0x004E4942;
+// Numbers of glTF.
 constexpr int kFloat = 5126, kUnsignedInt = 5125, kVertexBuffer = 34962, kIndexBuffer = 34963;
-constexpr size_t kHead = 20;  // of the file and of its first part
-
-size_t in_fours(size_t size) { return (size + 3) / 4 * 4; }
 
 }  // namespace
 
@@ -36,14 +33,12 @@ GlbWriter::GlbWriter(const std::filesystem::path& path, std::vector<std::array<i
   binary_size_ = 12 * (triangles_ + frames * static_cast<size_t>(points_)) +
                  (frames > 1 ? 4 * frames + 4 * frames * (frames - 1) : 0);
   const std::string longest_json = json(std::vector<Bounds>(frames, longest));
-  json_room_ = in_fours(longest_json.size() + 16 * frames * 6);
-  if (kHead + json_room_ + 8 + binary_size_ > std::numeric_limits<std::uint32_t>::max())
+  json_room_ = longest_json.size() + 16 * frames * 6;
+  if (glb_head_size(json_room_) + binary_size_ > std::numeric_limits<std::uint32_t>::max())
     throw InputError(path.string() + ": this file would have " +
                      std::to_string((json_room_ + binary_size_) >> 20) +
                      " MB, expected less than the 4096 MB of GLB: choose fewer frames");
-  std::string begin(kHead + json_room_, ' ');
-  append_unsigned(begin, static_cast<std::uint32_t>(binary_size_));
-  append_unsigned(begin, kBinaryChunk);
+  std::string begin(glb_head_size(json_room_), ' ');
   for (const auto& triangle : triangles)
     for (const int node : triangle) append_unsigned(begin, static_cast<std::uint32_t>(node));
   put(begin);
@@ -84,14 +79,8 @@ void GlbWriter::finish() {
   put(bytes);
   std::string text = json(bounds_);
   text.resize(json_room_, ' ');
-  std::string head;
-  append_unsigned(head, kMagic);
-  append_unsigned(head, 2);
-  append_unsigned(head, static_cast<std::uint32_t>(kHead + json_room_ + 8 + binary_size_));
-  append_unsigned(head, static_cast<std::uint32_t>(json_room_));
-  append_unsigned(head, kJsonChunk);
   out_.seekp(0);
-  put(head + text);
+  put(glb_head(std::move(text), binary_size_));
   out_.close();
   if (!out_) throw FileError(file_.path().string() + ": cannot write this file: writing failed");
   file_.commit();

@@ -9,8 +9,8 @@
 #include "batten/core/index.h"
 #include "batten/io/files/input_file.h"
 #include "batten/io/files/nesting.h"
+#include "batten/io/files/number_bytes.h"
 #include "batten/io/files/toml_table.h"
-#include "batten/io/sequences/number_bytes.h"
 
 namespace batten {
 namespace {

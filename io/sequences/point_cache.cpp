@@ -7,10 +7,10 @@
 #include "batten/core/errors.h"
 #include "batten/core/index.h"
 #include "batten/io/files/input_file.h"
+#include "batten/io/files/number_bytes.h"
 #include "batten/io/files/text.h"
 #include "batten/io/files/toml_table.h"
 #include "batten/io/meshes/mesh_file.h"
-#include "batten/io/sequences/number_bytes.h"
 #include "batten/io/sequences/numbered_files.h"
 #include "batten/io/sequences/sequence_readers.h"
 

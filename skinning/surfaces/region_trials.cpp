@@ -129,10 +129,10 @@ class Trials {
     for (const bool inner : {true, false}) {
       if (!inner && wish_.inner == 0) break;
       if (attempt({"", wish_.skin.domain}, inner)) return taken();
-      const Way convex{"with corners as its face has them", wish_.skin.domain, false, 1, true};
-      if (wish_.skin.convex && attempt(convex, inner)) return taken();
       const Domain first =
           best_ && best_->trial.way.inner == inner ? best_->trial.layout->domain() : Domain::Auto;
+      const Way convex{"with corners as its face has them", wish_.skin.domain, false, 1, true};
+      if (wish_.skin.convex && first != Domain::Polygon && attempt(convex, inner)) return taken();
       for (const Way& way : ways_after(wish_, first))
         if (attempt(way, inner)) return taken();
     }

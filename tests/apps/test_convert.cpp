@@ -113,6 +113,38 @@ TEST_CASE("meshes are converted into each other, with their groups", "[cli][conv
   CHECK(c.run({"convert", (kSeeds / "meshes/sheet.bdf").string(), "deck.stl"}).code == 0);
 }
 
+TEST_CASE("meshes become GLB and 3MF in their units, with colours on the way", "[cli][convert]") {
+  const Case c("convert_glb");
+  c.file("t.mtl", "newmtl red\nKd 1 0 0\nnewmtl blue\nKd 0 0 1\n");
+  c.file("t.obj", "mtllib t.mtl\nusemtl blue\n" + std::string(kTetrahedron) +
+                      "usemtl red\ng sides\nf 1 2 3\n");
+  const Result glb = c.run({"convert", "t.obj", "t.glb", "--from-unit", "cm"});
+  INFO(glb.err);
+  CHECK(glb.code == 0);
+  says(glb.out, "t.glb: 4 nodes, 5 faces, cm to m");
+  const std::string text = contents(c / "t.glb");
+  says(text, "\"name\":\"base\"");
+  says(text, "\"max\":[0.009999999776482582,0.009999999776482582,0.0]");
+  says(text, "\"name\":\"#ff0000\"");
+  says(text, "\"name\":\"#0000ff\"");
+  CHECK(c.run({"convert", "t.obj", "t.3mf", "--from-unit", "in"}).code == 0);
+  // The colours of faces of a CAD file are those of its triangles; two files are made of OBJ.
+  c.file("two.toml",
+         "unit = \"mm\"\nname = \"two\"\n[network]\n"
+         "[[line]]\nname = \"a\"\npoints = [[0,0,0],[10,0,0],[10,10,0],[0,10,0],[0,0,0]]\n"
+         "[[line]]\nname = \"b\"\npoints = [[0,0,0],[10,10,0]]\n[output]\nstep = \"s.step\"\n");
+  REQUIRE(c.run({"run", "two.toml", "--out", "two"}).code == 0);
+  says(c.run({"convert", "two/s.step", "s.obj"}).out, ", colours in s.mtl");
+  says(contents(c / "s.mtl"), "newmtl 8cb4d9\n");
+  says(contents(c / "s.obj"), "usemtl e6b46e\n");
+  CHECK(c.run({"convert", "two/s.step", "s.ply"}).code == 0);
+  says(contents(c / "s.ply"), "property uchar red\n");
+  const Result printed = c.run({"convert", "two/s.step", "s.3mf"});
+  INFO(printed.err);
+  CHECK(printed.code == 0);
+  says(printed.out, "in mm, ");
+}
+
 TEST_CASE("lines are converted into each other and into CAD", "[cli][convert]") {
   const Case c("convert_lines");
   c.file("l.csv",
@@ -121,6 +153,8 @@ TEST_CASE("lines are converted into each other and into CAD", "[cli][convert]") 
   INFO(step.err);
   CHECK(step.code == 0);
   says(c.run({"info", "l.step"}).out, "rib   length 70  from (0, 0, 0) to (0, 70, 0)");
+  CHECK(c.run({"convert", "l.csv", "n.step", "--schema", "ap242"}).code == 0);
+  says(c.run({"info", "n.step"}).out, "STEP AP242, in mm: 1 product, 2 curves");
   CHECK(c.run({"convert", "l.step", "l.iges"}).code == 0);
   CHECK(c.run({"convert", "l.iges", "back.csv", "--unit", "cm"}).code == 0);
   says(contents(c / "back.csv"), "# rib");
@@ -146,7 +180,9 @@ TEST_CASE("what convert does not do, it says", "[cli][convert]") {
   refused({"t.obj", "old.step"}, "expected `batten fit`");
   CHECK(contents(c / "old.step") == "old");
   refused({"t.obj", "t.obj"}, "is the file that is read");
-  refused({"t.obj", "t.inp"}, "expected one of: .stl, .obj");
+  refused({"t.obj", "t.inp"}, "expected one of: .3mf, .glb, .obj");
+  refused({"t.obj", "t.glb"}, "expected --from-unit, the unit of these numbers");
+  refused({"t.obj", "t.3mf", "--from-unit", "in", "--unit", "in"}, ".3mf is in mm");
   refused({"t.obj", "t.stl", "--unit", "m"}, "expected --from-unit beside --unit m");
   refused({"l.csv", "l.stl"}, "for lines, expected one of: .curves");
   refused({"s.toml", "s.step"}, "expected a CAD file");

@@ -102,6 +102,35 @@ TEST_CASE("a cage is fitted by its limit", "[fit]") {
   CHECK(report(c, "out")["target"]["before"]["max"].get<double>() > 1);
 }
 
+TEST_CASE("creases of a cage are in its limit, and a tag that is not known is named", "[fit]") {
+  const Case c("fit_creases");
+  // A roof of two by two quads: its ridge is sharp for good.
+  const std::string roof =
+      "v 0 0 0\nv 10 0 6\nv 20 0 0\nv 0 10 0\nv 10 10 6\nv 20 10 0\nv 0 20 0\nv 10 20 6\n"
+      "v 20 20 0\nf 1 2 5 4\nf 2 3 6 5\nf 4 5 8 7\nf 5 6 9 8\n";
+  c.file("smooth.obj", roof);
+  c.file("sharp.obj", roof +
+                          "t crease 2/1/0 1 4 10\nt crease 2/1/0 4 7 10\n"
+                          "t corner 2/1/0 1 7 10\n");
+  c.file("hole.obj", roof + "t hole 1/0/0 2\n");
+  c.file("lines.csv",
+         "x,y,z\n0,0,0\n10,0,6\n\n10,0,6\n20,0,0\n\n20,0,0\n20,20,0\n\n20,20,0\n10,20,6\n\n"
+         "10,20,6\n0,20,0\n\n0,20,0\n0,0,0\n\n10,0,6\n10,20,6\n");
+  const auto fit = [&](const std::string& cage) {
+    return c.run({"fit", cage, "--cage", "--lines", "lines.csv", "--out", cage + ".out",
+                  "--tolerance", "0.01"});
+  };
+  const Result sharp = fit("sharp.obj");
+  INFO(sharp.out << sharp.err);
+  CHECK(sharp.code == 0);  // two planes
+  CHECK(fit("smooth.obj").code == 4);
+  CHECK(report(c, "smooth.obj.out")["target"]["from_target"]["max"].get<double>() > 0.1);
+  const Result hole = fit("hole.obj");
+  CHECK(hole.code == 1);
+  CHECK(hole.err.find("hole.obj:14:") != std::string::npos);
+  CHECK(hole.err.find("the tag 'hole'") != std::string::npos);
+}
+
 TEST_CASE("targets that cannot be are refused with their place", "[fit]") {
   const Case c("fit_errors");
   const std::string lines =

@@ -341,3 +341,40 @@ TEST_CASE("skin --network takes curves from files, in any order", "[cli][network
   const Result twice = c.run({"skin", "square.csv", "--network", "--inner", "x.csv", "--out", "o"});
   CHECK(twice.code == 1);
 }
+
+TEST_CASE("lines leave as whole curves although others cut them", "[cli][network]") {
+  const Case c("network_lines");
+  // A wave across a square, cut by a straight line in its middle, and a line with a corner.
+  std::string wave = "[[line]]\nname = \"wave\"\npoints = [";
+  for (int i = 0; i <= 40; ++i)
+    wave += std::string(i ? "," : "") + "[" + std::to_string(i) + ",20," +
+            std::to_string(4 * std::sin(i * std::acos(-1.0) / 40)) + "]";
+  c.file("s.toml",
+         kHead +
+             "[[line]]\nname = \"rim\"\npoints = [[0,0,0],[40,0,0],[40,40,0],[0,40,0],[0,0,0]]\n" +
+             wave + "]\n[[line]]\nname = \"spar\"\npoints = [[20,0,0],[20,20,4],[20,40,0]]\n" +
+             "corners = \"none\"\n" + kCoarse +
+             "[output]\nstep = \"s.step\"\nstep_lines = true\nstep_schema = \"ap242\"\n");
+  const Result r = c.run({"run", "s.toml", "--out", "first"});
+  INFO(r.out << r.err);
+  REQUIRE(r.code == 0);
+  CHECK(report(c, "first")["step"]["faces"] == 4);
+  CHECK(report(c, "first")["step"]["lines"] == 6);
+  const std::string info = c.run({"info", "first/s.step"}).out;
+  INFO(info);
+  for (const char* part :
+       {"STEP AP242, in mm: 2 products", "part 's', 4 faces", "part 'lines', 6 curves"})
+    CHECK(info.find(part) != std::string::npos);
+  REQUIRE(c.run({"convert", "first/s.step", "names.csv"}).code == 0);
+  const std::string names = contents(c / "names.csv");
+  for (const char* name : {"# wave\n", "# wave.1\n", "# spar\n", "# rim.1-2\n", "# rim.7-8\n"})
+    CHECK(names.find(name) != std::string::npos);
+  // The faces of such a file are skinned and fitted again as those of others.
+  const Result again =
+      c.run({"fit", "first/s.step", "--out", "again", "--tolerance", "0.02", "--step-lines"});
+  INFO(again.out << again.err);
+  CHECK(again.code == 0);
+  CHECK(report(c, "again")["step"]["faces"] == 4);
+  CHECK(report(c, "again")["step"]["lines"].get<int>() > 0);
+  c.fails(kHead + box() + "[output]\nstep_lines = true\n", 1, {"'step_lines' without 'step'"});
+}

@@ -75,15 +75,78 @@ TEST_CASE("a cube's limit is closed and round, and sharp edges stay where they a
   CHECK(high < 0.9);
   CHECK(high / low < 1.1);
   CatmullClarkOptions sharp;
-  sharp.creases = {{4, 5}, {5, 7}, {7, 6}, {6, 4}};
+  sharp.tags.creases = {{4, 5}, {5, 7}, {7, 6}, {6, 4}};
   const ShellMesh lid = catmull_clark(cube(), sharp);
   int on_top = 0;
   for (int v = 0; v < lid.node_count(); ++v) on_top += std::abs(lid.points(v, 2) - 1) < 1e-14;
   CHECK(on_top == 17 * 17);  // the face with its edges is a plane
 }
 
+TEST_CASE("a roof's ridge of sharpness s goes down as cubic splines say") {
+  // Across the ridge it is the subdivision of -|x|: s rounds keep it and halve its neighbours, then
+  // it is smooth, so it ends at -2^-k (2 - f)/6 for s = k + f.
+  constexpr int n = 12;
+  const ShellMesh roof = grid(n, [](double x, double) { return -std::abs(x - n / 2); });
+  for (const double s : {0.0, 0.25, 1.0, 1.5, 2.0, 3.75, 6.0, 9.5}) {
+    INFO(s);
+    CatmullClarkOptions options;
+    options.rounds = 2;
+    for (int j = 0; j < n; ++j)
+      options.tags.creases.push_back({j * (n + 1) + n / 2, (j + 1) * (n + 1) + n / 2, s});
+    const double k = std::floor(s);
+    const ShellMesh limit = catmull_clark(roof, options);
+    CHECK(limit.points(6 * (n + 1) + n / 2, 2) ==
+          Approx(-std::pow(2, -k) * (2 - (s - k)) / 6).epsilon(1e-12));
+    CHECK(std::abs(limit.points(6 * (n + 1) + n / 2, 0) - n / 2) < 1e-14);
+  }
+  CatmullClarkOptions for_good;
+  for (int j = 0; j < n; ++j)
+    for_good.tags.creases.push_back({j * (n + 1) + n / 2, (j + 1) * (n + 1) + n / 2});
+  CHECK(std::abs(catmull_clark(roof, for_good).points(6 * (n + 1) + n / 2, 2)) < 1e-15);
+}
+
+TEST_CASE("limits do not depend on the rounds, whatever is sharp and by how much") {
+  ShellMesh cage = cube();
+  cage.points(7, 2) = 1.7;
+  cage.points(2, 0) = -1.4;
+  CatmullClarkOptions options;
+  options.tags.creases = {{0, 1, 0.5}, {1, 3, 2.3}, {3, 7, 10}, {5, 7, 1}, {6, 7, 4.7}, {4, 6, 10}};
+  options.tags.corners = {{2, 1.4}, {5, 10}};
+  std::vector<ShellMesh> limits;
+  for (const int rounds : {1, 2, 4, 6}) {
+    options.rounds = rounds;
+    limits.push_back(catmull_clark(cage, options));
+  }
+  for (size_t k = 1; k < limits.size(); ++k)
+    CHECK((limits[0].points - limits[k].points.topRows(limits[0].node_count()))
+              .cwiseAbs()
+              .maxCoeff() < 1e-13);
+  CHECK((limits[0].points.row(5) - cage.points.row(5)).norm() == 0);
+}
+
+TEST_CASE("no sharpness is smooth, and more is nearer to the cage") {
+  const auto top = [](double s) {
+    CatmullClarkOptions options;
+    options.tags.corners = {{7, s}};
+    return catmull_clark(cube(), options).points.row(7).norm();
+  };
+  CHECK(top(0) == catmull_clark(cube()).points.row(7).norm());
+  double before = top(0);
+  for (const double s : {0.3, 1.0, 1.7, 2.0, 3.3, 6.0, 9.9}) {
+    CHECK(top(s) > before);
+    before = top(s);
+  }
+  CHECK(top(10) == std::sqrt(3.0));
+}
+
 TEST_CASE("cages and options that cannot be are refused") {
   CHECK_THROWS_WITH(catmull_clark(cube(), {0}), Contains("1 or more"));
   CHECK_THROWS_WITH(catmull_clark(cube(), {12}), Contains("4,000,000"));
-  CHECK_THROWS_WITH(catmull_clark(cube(), {1, {{0, 7}}}), Contains("node 1 to 8 is no edge"));
+  CatmullClarkOptions wrong;
+  wrong.tags.creases = {{0, 7}};
+  CHECK_THROWS_WITH(catmull_clark(cube(), wrong), Contains("node 1 to 8 is no edge"));
+  wrong.tags = {{{0, 1, -2}}, {}};
+  CHECK_THROWS_WITH(catmull_clark(cube(), wrong), Contains("sharpness of -2"));
+  wrong.tags = {{}, {{8}}};
+  CHECK_THROWS_WITH(catmull_clark(cube(), wrong), Contains("corner 9 is no node"));
 }

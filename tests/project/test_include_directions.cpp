@@ -65,6 +65,7 @@ const std::map<std::string, std::string> kForeign = {
     {"toml++", "toml"},
     {"nlohmann-json", "nlohmann"},
     {"giflib", "gif_lib"},
+    {"lib3mf", "Model/COM/NMR"},
     {"OpenCASCADE", "(BRep|Geom|Topo|STEP|IGES|Standard_|gp_|TCol|XS|Interface_|Shape)"},
 };
 

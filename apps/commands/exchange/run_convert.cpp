@@ -21,8 +21,6 @@ namespace batten {
 namespace fs = std::filesystem;
 namespace {
 
-const std::vector<std::string> kMeshEndings = {".stl", ".obj", ".ply", ".off", ".vtp", ".vtu"};
-
 bool has(const std::vector<std::string>& endings, const fs::path& file) {
   return std::find(endings.begin(), endings.end(), lower_extension(file)) != endings.end();
 }
@@ -38,6 +36,27 @@ void row(ConvertReport& report, const std::string& label, const std::string& tex
 
 void miss(ConvertReport& report, const std::string& what, const std::string& detail) {
   report.missed.push_back({what, detail});
+}
+
+/// Adds files that were written beside the one that was asked for; returns what to say of them.
+std::string add_files(ConvertReport& report, const std::vector<fs::path>& beside) {
+  std::string words;
+  for (const fs::path& file : beside) {
+    report.files.push_back(file.string());
+    words += ", colours in " + name_of(file);
+  }
+  return words;
+}
+
+/// The unit that all files of a kind are in; "" for other kinds.
+std::string fixed_unit(const fs::path& file) {
+  const std::string ending = lower_extension(file);
+  return ending == ".glb" ? "m" : ending == ".3mf" ? "mm" : "";
+}
+
+std::string unit_in_file(const fs::path& file, const std::string& unit) {
+  const std::string fixed = fixed_unit(file);
+  return fixed.empty() ? unit : fixed;
 }
 
 // ---- CAD ------------------------------------------------------------------------------------
@@ -122,14 +141,15 @@ void cad_to_mesh(const ConvertTask& task, ConvertReport& report) {
   options.chord = task.chord;
   const CadFacets f = cad_calls().facets_of_cad(task.from, options);
   std::vector<MeshSet> sets;
-  for (const FacetGroup& group : f.groups) sets.push_back({group.name, "", {}, group.triangles});
-  write_mesh(task.to, f.mesh, sets);
+  for (const FacetGroup& group : f.groups)
+    sets.push_back({group.name, "", {}, group.triangles, group.colour});
+  const std::string beside = add_files(report, write_mesh(task.to, f.mesh, sets, f.unit_in_metres));
   const std::string unit = unit_words(f.unit_in_metres);
   row(report, "read", name_of(task.from) + ": " + contents_words(f.contents));
   row(report, "written",
       name_of(task.to) + ": " + counted(f.mesh.face_count(), "triangle") + ", " +
-          counted(f.mesh.node_count(), "node") + ", in " + unit + ", " +
-          (f.free_edges ? counted(f.free_edges, "free edge") : "closed"));
+          counted(f.mesh.node_count(), "node") + ", in " + unit_in_file(task.to, unit) + ", " +
+          (f.free_edges ? counted(f.free_edges, "free edge") : "closed") + beside);
   row(report, "", chord_words(f.deviation, f.chord, f.size, unit));
   check_facets(report, f.chord, f.deviation, f.cracks, f.unmeshed);
   report.warnings = f.contents.notes;
@@ -148,22 +168,56 @@ double factor_of(const ConvertTask& task) {
   return unit_in_metres(task.from_unit) / unit_in_metres(task.unit);
 }
 
+/// The unit of a mesh that goes to a kind of file that is in one unit always; 0 for other kinds.
+double stated_unit(const ConvertTask& task) {
+  const std::string fixed = fixed_unit(task.to);
+  if (fixed.empty()) return 0;
+  const std::string kind = lower_extension(task.to) + " is in " + fixed;
+  if (!task.unit.empty() && task.unit != fixed)
+    throw InputError(task.to.string() + ": found --unit " + task.unit + ", expected none: " + kind);
+  if (task.from_unit.empty())
+    throw InputError(task.from.string() + ": files of this kind state no unit of length, and " +
+                     kind + ", expected --from-unit, the unit of these numbers");
+  return unit_in_metres(task.from_unit);
+}
+
+/// The face sets of a file, where it has none its properties, one for each colour in them.
+std::vector<MeshSet> groups_of(const MeshFile& file) {
+  std::vector<std::string> colours(static_cast<size_t>(file.shells().face_count()));
+  for (const MeshSet& property : file.properties())
+    for (const int f : property.faces) colours[f] = property.colour;
+  const bool sets = std::any_of(file.sets().begin(), file.sets().end(),
+                                [](const MeshSet& set) { return !set.faces.empty(); });
+  std::vector<MeshSet> groups;
+  for (const MeshSet& set : sets ? file.sets() : file.properties()) {
+    const size_t first = groups.size();
+    for (const int f : set.faces) {
+      auto at = std::find_if(groups.begin() + static_cast<long>(first), groups.end(),
+                             [&](const MeshSet& group) { return group.colour == colours[f]; });
+      if (at == groups.end())
+        at = groups.insert(at, MeshSet{set.name, set.title, {}, {}, colours[f]});
+      at->faces.push_back(f);
+    }
+  }
+  return groups;
+}
+
 void mesh_to_mesh(const ConvertTask& task, ConvertReport& report) {
-  const double factor = factor_of(task);
+  const double stated = stated_unit(task);
+  const double factor = stated > 0 ? 1 : factor_of(task);
   const MeshFile file = MeshFile::read(task.from);
   ShellMesh mesh = file.shells();
   mesh.points *= factor;
-  std::vector<MeshSet> sets;
-  for (const MeshSet& set : file.sets())
-    if (!set.faces.empty()) sets.push_back(set);
-  write_mesh(task.to, mesh, sets);
+  const std::string beside = add_files(report, write_mesh(task.to, mesh, groups_of(file), stated));
   const auto counts =
       counted(mesh.node_count(), "node") + ", " + counted(mesh.face_count(), "face");
   row(report, "read", name_of(task.from) + ": " + file.format() + ", " + counts);
+  const std::string to = stated > 0 ? fixed_unit(task.to) : task.unit;
   row(report, "written",
       name_of(task.to) + ": " + counts +
-          (factor == 1 ? ", coordinates as they were"
-                       : ", " + task.from_unit + " to " + task.unit));
+          (to.empty() || to == task.from_unit ? ", coordinates as they were"
+                                              : ", " + task.from_unit + " to " + to) +
+          beside);
   report.warnings = file.warnings();
   if (!file.others().empty())
     report.warnings.push_back(counted(count_of(file.others()), "element") +
@@ -180,7 +234,7 @@ void lines_to_lines(const ConvertTask& task, ConvertReport& report, const Progre
   const auto lines = read_source_file(task.from, task.from_unit, unit);
   std::vector<NamedCurve> curves;
   for (const FairedResult& line : fair_lines(lines, {}, progress)) curves.push_back(line.named());
-  report.warnings = write_curves(task.to, curves, unit_in_metres(unit));
+  report.warnings = write_curves(task.to, curves, {unit_in_metres(unit), task.ap242});
   row(report, "read", name_of(task.from) + ": " + counted(count_of(lines), "line"));
   row(report, "written",
       name_of(task.to) + ": " + counted(count_of(curves), "line") + ", in " + unit +
@@ -202,9 +256,9 @@ std::vector<std::string> joined(std::vector<std::string> a, const std::vector<st
 void convert_cad_file(const ConvertTask& task, ConvertReport& report, const Progress& progress) {
   const auto cad = joined(cad_endings(), {".glb"});
   if (has(cad, task.to)) return cad_to_cad(task, report);
-  const bool lines = has(curve_file_endings(), task.to), mesh = has(kMeshEndings, task.to);
+  const bool lines = has(curve_file_endings(), task.to), mesh = has(mesh_file_endings(), task.to);
   if (!lines && !mesh)
-    refuse(task, "a CAD file", joined(joined(cad, kMeshEndings), curve_file_endings()));
+    refuse(task, "a CAD file", joined(joined(cad, mesh_file_endings()), curve_file_endings()));
   // Endings that lines and meshes share go by what is in the file.
   if (mesh && !(lines && cad_calls().read_cad_contents(task.from).faces == 0))
     return cad_to_mesh(task, report);
@@ -234,7 +288,7 @@ ConvertReport run_convert(const ConvertTask& task, const Progress& progress) {
             ": a mesh is not made into CAD faces by `convert`: each triangle would be a "
             "face, which no CAD system has a use for; expected `batten fit`, which fits "
             "smooth faces to it");
-      if (!has(kMeshEndings, task.to)) refuse(task, "a mesh", kMeshEndings);
+      if (!has(mesh_file_endings(), task.to)) refuse(task, "a mesh", mesh_file_endings());
       mesh_to_mesh(task, report);
       break;
     case FileKind::Lines:

@@ -25,8 +25,10 @@ struct ConvertReport : RunReport {
 /// Converts
 ///
 ///   CAD (.step .stp .iges .igs .brep .brp)  to CAD and .glb: convert_cad(); to .stl .obj .ply .off
-///                                           .vtp .vtu: facets_of_cad(); to .csv .curves: its curves
-///   a mesh, or a deck's shells              to .stl .obj .ply .off .vtp .vtu
+///                                           .vtp .vtu .3mf: facets_of_cad(); to .csv .curves: its
+///                                           curves
+///   a mesh, or a deck's shells              to .stl .obj .ply .off .vtp .vtu, and with
+///                                           `from_unit` to .glb .3mf, which are in one unit
 ///   lines                                   to what write_curves() writes
 ///
 /// report.missed has what the written file lacks of the one that was read: faces, area, closedness,

@@ -165,7 +165,7 @@ void write(const std::filesystem::path& path, const std::vector<FairedResult>& r
            const FairScene& scene, FairReport& report, const std::string& name) {
   std::vector<NamedCurve> curves;
   for (const FairedResult& result : results) curves.push_back(result.named());
-  const auto notes = write_curves(path, curves, unit_in_metres(scene.unit));
+  const auto notes = write_curves(path, curves, {unit_in_metres(scene.unit)});
   report.warnings.insert(report.warnings.end(), notes.begin(), notes.end());
   report.files.push_back(name);
 }

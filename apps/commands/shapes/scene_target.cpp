@@ -13,12 +13,14 @@ namespace batten {
 namespace {
 
 /// As many rounds as make the chords of the limit's quads short enough, or as 200,000 quads allow.
-ShellMesh limit_of(const ShellMesh& cage, double chord) {
+ShellMesh limit_of(const MeshFile& file, double chord) {
   constexpr int most_rounds = 8;
   constexpr double most = 2e5;
-  ShellMesh fine = catmull_clark(cage, {1});
+  const ShellMesh& cage = file.shells();
+  const CageTags& tags = file.cage_tags();
+  ShellMesh fine = catmull_clark(cage, {1, tags});
   for (int rounds = 2; rounds <= most_rounds && 4.0 * fine.face_count() <= most; ++rounds) {
-    ShellMesh next = catmull_clark(cage, {rounds});
+    ShellMesh next = catmull_clark(cage, {rounds, tags});
     // The middles of the faces were made one after the other, behind the nodes that were there.
     double off = 0;
     for (int f = 0; f < fine.face_count(); ++f) {
@@ -38,7 +40,7 @@ void append_target(TargetFaces& all, const Scene& scene, const SceneTarget& targ
     const double own = target.unit.empty() ? unit : unit_in_metres(target.unit);
     const MeshFile mesh = MeshFile::read(target.file);
     const ShellMesh& shells = mesh.shells();
-    all.append(target.cage ? limit_of(shells, chord * unit / own) : shells, own / unit);
+    all.append(target.cage ? limit_of(mesh, chord * unit / own) : shells, own / unit);
     return;
   }
   if (!target.unit.empty())

@@ -8,6 +8,7 @@
 
 #include "batten/apps/commands/lines/scene_lines.h"
 #include "batten/apps/commands/runs/promises.h"
+#include "batten/apps/commands/shapes/line_curves.h"
 #include "batten/apps/commands/shapes/stress_deck.h"
 #include "batten/core/box.h"
 #include "batten/core/errors.h"
@@ -157,14 +158,14 @@ Regions with_faces(Report& report, const SurfaceModel& model) {
   return regions;
 }
 
-StepReport exact_step(Report& report, const Scene& scene,
+StepReport exact_step(Report& report, const Scene& scene, const StepFileOptions& words,
                       const std::vector<const SkinnedRegion*>& regions,
                       const std::filesystem::path& file) {
   const std::string warning = cad_calls().step_size_warning(regions);
   if (!warning.empty())
     report.warnings.push_back(warning + "; step_form = \"face\" makes one face of each region");
   StepOptions options;
-  options.name = scene.name;
+  options.file = words;
   options.z12_as_hct = true;
   const StepReport step =
       cad_calls().write_step(file, regions, unit_in_metres(scene.unit), options);
@@ -179,11 +180,11 @@ StepReport exact_step(Report& report, const Scene& scene,
   return step;
 }
 
-StepReport face_step(Report& report, const Scene& scene,
+StepReport face_step(Report& report, const Scene& scene, const StepFileOptions& words,
                      const std::vector<const SkinnedRegion*>& regions,
                      const std::filesystem::path& file) {
   StepFaceOptions options;
-  options.name = scene.name;
+  options.file = words;
   constexpr double usual = 1e-4;
   options.tolerance = scene.step_tolerance > 0 ? scene.step_tolerance : usual * report.surface.size;
   const StepReport step =
@@ -228,8 +229,12 @@ void write_step_into(Report& report, const Scene& scene, const MadeModel& made,
   Report::Step& s = report.step.emplace(Report::Step{});
   s.form = scene.step_form == Form::Exact ? "exact" : "face";
   s.file = scene.step;
-  StepReport step =
-      (s.form == "face" ? face_step : exact_step)(report, scene, regions, out.file(scene.step));
+  StepFileOptions words;
+  words.name = scene.name;
+  words.ap242 = scene.step_ap242;
+  if (scene.step_lines) words.lines = line_curves(made);
+  StepReport step = (s.form == "face" ? face_step : exact_step)(report, scene, words, regions,
+                                                                out.file(scene.step));
   constexpr int few_triangles = 10'000;
   if (scene.step_form == Form::Auto && !cut && !made.network && !step.reached &&
       regions.front()->surface.mesh().triangle_count() <= few_triangles) {
@@ -238,10 +243,14 @@ void write_step_into(Report& report, const Scene& scene, const MadeModel& made,
                               " off the surface: it has three a triangle");
     s.form = "exact";
     s.tolerance = s.poles_u = s.poles_v = 0;
-    step = exact_step(report, scene, regions, out.file(scene.step));
+    step = exact_step(report, scene, words, regions, out.file(scene.step));
   }
   s.faces = step.faces;
   s.bytes = step.bytes;
+  s.lines = step.curves;
+  if (step.curves != count_of(words.lines))
+    report.missed.push_back({"step.lines", "are " + std::to_string(step.curves) + ", promised " +
+                                               std::to_string(words.lines.size())});
   s.max_deviation = step.max_deviation.value_or(std::nan(""));
   s.max_gap = step.max_gap;
   s.max_normal_jump_deg = s.form == "face" ? 0 : step.max_normal_jump_deg;
@@ -256,10 +265,10 @@ void write_step_into(Report& report, const Scene& scene, const MadeModel& made,
   s.joins.clear();
   for (const StepJoin& join : step.joins) {
     const bool of_surfaces = join.reached && join.angle_deg > StepFaceOptions{}.join_deg;
-    s.joins.push_back({join.line, join.regions, join.angle_deg, join.surface_deg, !join.reached,
-                       of_surfaces ? "its surfaces meet at up to " + number(join.surface_deg) +
-                                         " degrees there"
-                                   : ""});
+    s.joins.push_back(
+        {join.line, join.regions, join.angle_deg, join.surface_deg, !join.reached,
+         of_surfaces ? "its surfaces meet at up to " + number(join.surface_deg) + " degrees there"
+                     : ""});
   }
   s.max_join_deg = step.max_join_deg;
   warn_of_joins(report, scene);

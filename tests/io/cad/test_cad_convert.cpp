@@ -1,6 +1,8 @@
 // CAD files into CAD files: names, colours, layers, places and sizes survive.
 #include "batten/io/cad/cad_convert.h"
 
+#include <BinTools.hxx>
+
 #include <cmath>
 #include <map>
 
@@ -201,6 +203,30 @@ TEST_CASE("BREP is read wherever STEP is, and loses names only") {
   inches.unit_in_metres = 0.0254;
   convert_cad(step, folder / "in.brep", inches);
   CHECK(read_cad_contents(folder / "in.brep").size * 25.4 == Approx(c.before.size).epsilon(1e-9));
+}
+
+TEST_CASE("BREP in binary form is read as its text is") {
+  const ReadInChild child;
+  const fs::path folder = scratch("cad_binary");
+  const TopoDS_Shape shape = drilled_block();
+  written(folder / "text.brep", painted("block", shape));
+  {
+    std::ofstream out(folder / "binary.brep", std::ios::binary);
+    BinTools::Write(shape, out);
+  }
+  const CadContents text = read_cad_contents(folder / "text.brep"),
+                    binary = read_cad_contents(folder / "binary.brep");
+  CHECK(binary.format == text.format);
+  check_same(text, binary);
+  CHECK(binary.volume == Approx(text.volume).epsilon(1e-12));
+  const auto a = read_cad_lines(folder / "text.brep", 1e-3),
+             b = read_cad_lines(folder / "binary.brep", 1e-3);
+  REQUIRE(a.size() == b.size());
+  for (size_t i = 0; i < a.size(); ++i)
+    CHECK((a[i].curve->evaluate(a[i].curve->start()) - b[i].curve->evaluate(b[i].curve->start()))
+              .norm() < 1e-13);
+  const CadConversion c = convert_cad(folder / "binary.brep", folder / "a.step");
+  check_same(c.before, c.after);
 }
 
 TEST_CASE("a conversion that fails leaves nothing, and keeps an older file") {

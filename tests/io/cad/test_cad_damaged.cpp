@@ -1,4 +1,6 @@
 // Damaged CAD files: an error each time, from each reader, and nothing written.
+#include <BinTools.hxx>
+
 #include <random>
 
 #include "batten/core/errors.h"
@@ -18,6 +20,17 @@ std::string bytes_of(const fs::path& file) {
   return out.str();
 }
 
+/// A block with a hole in the form that the ending says; ".brep binary" is BREP's binary form.
+std::string sound_bytes(const fs::path& folder, const std::string& kind) {
+  if (kind != ".brep binary")
+    return bytes_of(written(folder / ("a" + kind), painted("block", drilled_block())));
+  std::ostringstream out;
+  BinTools::Write(drilled_block(), out);
+  return out.str();
+}
+
+std::string ending_of(const std::string& kind) { return kind.substr(0, kind.find(' ')); }
+
 /// Every reader refuses the file, with its name.
 void check_refused(const fs::path& file, const std::string& bytes) {
   std::ofstream(file, std::ios::binary) << bytes;
@@ -35,13 +48,12 @@ void check_refused(const fs::path& file, const std::string& bytes) {
 TEST_CASE("CAD files that are cut short at fifty places are refused") {
   const ReadInChild child;
   const fs::path folder = scratch("cad_cut");
-  for (const std::string ending : {".step", ".iges", ".brep"}) {
-    const std::string whole =
-        bytes_of(written(folder / ("a" + ending), painted("block", drilled_block())));
+  for (const std::string kind : {".step", ".iges", ".brep", ".brep binary"}) {
+    const std::string whole = sound_bytes(folder, kind);
     for (size_t k = 0; k < 50; ++k) {
       const size_t length = whole.size() * k / 50;
-      INFO(ending << " cut after " << length << " of " << whole.size());
-      check_refused(folder / ("cut" + ending), whole.substr(0, length));
+      INFO(kind << " cut after " << length << " of " << whole.size());
+      check_refused(folder / ("cut" + ending_of(kind)), whole.substr(0, length));
     }
   }
 }
@@ -77,13 +89,13 @@ TEST_CASE("damaged bytes in sound CAD files are read or refused, and bring nothi
   const ReadInChild child;
   const fs::path folder = scratch("cad_damaged");
   std::mt19937 random(11);
-  for (const std::string ending : {".step", ".iges", ".brep"}) {
-    const std::string whole =
-        bytes_of(written(folder / ("a" + ending), painted("block", drilled_block())));
-    for (int k = 0; k < 15; ++k) {
+  for (const std::string kind : {".step", ".iges", ".brep", ".brep binary"}) {
+    const std::string whole = sound_bytes(folder, kind), ending = ending_of(kind);
+    const bool binary = kind != ending;
+    for (int k = 0; k < (binary ? 60 : 15); ++k) {
       std::string bytes = whole;
       for (int i = 0; i < 3; ++i)
-        bytes[random() % bytes.size()] = static_cast<char>('0' + random() % 10);
+        bytes[random() % bytes.size()] = static_cast<char>(binary ? random() : '0' + random() % 10);
       const fs::path file = folder / ("bad" + ending);
       std::ofstream(file, std::ios::binary) << bytes;
       try {

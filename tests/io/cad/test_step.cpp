@@ -102,7 +102,7 @@ TEST_CASE("A STEP file read back is the HCT surface, in millimetres, metres and 
     CAPTURE(c.unit);
     const Surface surface = sheet(4, c.scale);
     const fs::path file = folder / "sheet.step";
-    expect_exact(write(file, {&surface}, c.unit, {.name = "sheet"}), surface);
+    expect_exact(write(file, {&surface}, c.unit, {.file = {.name = "sheet"}}), surface);
     CHECK(text_of(file).find(c.declared) != std::string::npos);
     // The same file read in another unit is as large as it is in the world.
     const StepReport in_centimetres = check_step(file, 1e-2);

@@ -145,7 +145,7 @@ TEST_CASE("the whole mouse is one solid on its flat side too, which Gmsh opens",
           "[step_cut][mouse]") {
   const MadeModel made = mouse(12, false);
   const fs::path file = file_of("mouse");
-  const StepReport r = write_step(file, made.model.skinned(), kMm, {.name = "mouse"});
+  const StepReport r = write_step(file, made.model.skinned(), kMm, {.file = {.name = "mouse"}});
   expect_solid(r, made, 1e-6);
   REQUIRE(r.patches.size() == 1);
   CHECK(r.patches[0].region == "bottom");

@@ -119,7 +119,8 @@ SurfaceJet strip(const Vec2& p, int half_turns) {
 
 TEST_CASE("a box is one exact solid, and its creases are no jumps of normals", "[step_exact]") {
   const MadeModel made = make_model(box({40, 30, 20}), {}, 12);
-  const StepReport r = write_step(file_of("box"), made.model.skinned(), kMm, {.name = "box"});
+  const StepReport r =
+      write_step(file_of("box"), made.model.skinned(), kMm, {.file = {.name = "box"}});
   expect_solid(r, made, 2);
   CHECK(r.volume == Approx(24000.0).epsilon(1e-12));
   // Without its regions the file has edges like any other.
@@ -200,7 +201,7 @@ TEST_CASE("the mouse is one exact solid, which Gmsh opens", "[step_exact][mouse]
   const MadeModel made = mouse(12, true);
   REQUIRE(made.model.skinned().size() == 14);
   const fs::path file = file_of("mouse");
-  expect_solid(write_step(file, made.model.skinned(), kMm, {.name = "mouse"}), made, 2);
+  expect_solid(write_step(file, made.model.skinned(), kMm, {.file = {.name = "mouse"}}), made, 2);
   if (std::system("/usr/bin/python3 -c 'import gmsh' > /dev/null 2>&1") != 0) {
     WARN("skipped: Gmsh's Python module is not installed");
     return;

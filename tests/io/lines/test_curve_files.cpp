@@ -143,7 +143,7 @@ TEST_CASE("CAD files hold exactly the curves, named, in the model's unit", "[io]
   const std::string ending = GENERATE(".step", ".stp", ".iges", ".igs");
   const double metres = GENERATE(1e-3, 1.0, 0.0254);
   const auto curves = many();
-  write_curves(folder / ("a" + ending), curves, metres);
+  write_curves(folder / ("a" + ending), curves, {metres});
   const auto lines = read_cad_lines(folder / ("a" + ending), metres);
   const std::vector<std::string> names = {
       "open",          "cornered rail.1", "cornered rail.2",  "cornered rail.3", "loop",
@@ -268,7 +268,7 @@ TEST_CASE("curve files are written whole or not at all", "[io][curves]") {
   CHECK_THAT(refusal([&] { write_curves(folder / "a.stp2", curves); }),
              Contains("'.stp2'") && Contains("did you mean '.stp'"));
   CHECK_THAT(refusal([&] { write_curves(folder / "a", curves); }), Contains("no ending"));
-  CHECK_THAT(refusal([&] { write_curves(folder / "a.step", curves, 0.123); }), Contains("unit"));
+  CHECK_THAT(refusal([&] { write_curves(folder / "a.step", curves, {0.123}); }), Contains("unit"));
   auto broken = curves;
   broken[1].parameters[3] = std::nan("");
   broken.push_back({"far", {}, {}, {{INFINITY, 0, 0}}});

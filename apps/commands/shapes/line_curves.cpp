@@ -1,0 +1,130 @@
+#include "batten/apps/commands/shapes/line_curves.h"
+
+#include <array>
+#include <cmath>
+#include <map>
+#include <string>
+
+#include "batten/core/index.h"
+
+namespace batten {
+namespace {
+
+using Curves = std::map<std::string, HermiteCurve>;
+
+/// The curves of all lines of the regions, by their names.
+Curves curves_of_regions(const MadeModel& made) {
+  Curves curves;
+  for (const SkinnedRegion* region : made.model.skinned()) {
+    for (const LineRun& run : region->runs) curves.try_emplace(run.line.name, run.fitted);
+    for (const EmbeddedLine& line : region->embedded)
+      curves.try_emplace(line.line.name, line.fitted);
+  }
+  return curves;
+}
+
+Vec3 start_of(const HermiteCurve& curve) { return curve.position(0); }
+Vec3 end_of(const HermiteCurve& curve) { return curve.evaluate(curve.end()); }
+Vec3 last_slope(const HermiteCurve& curve) {
+  return curve.slope_in(curve.closed() ? 0 : curve.node_count() - 1);
+}
+
+bool parallel(const Vec3& a, const Vec3& b) {
+  constexpr double radians = 1e-6;
+  return a.dot(b) > 0 && a.cross(b).norm() <= radians * a.norm() * b.norm();
+}
+
+/// Several curves, each of which begins where the one before ends, as one; C1 but for what their
+/// slopes differ by rounding.
+class Chain {
+ public:
+  explicit Chain(const HermiteCurve& first) { add(first); }
+
+  /// Whether the curve goes on where the chain ends, in its direction.
+  bool goes_on(const HermiteCurve& next) const {
+    return (start_of(next) - points_.back()).norm() <= one_place() &&
+           parallel(slopes_.back(), next.slope_out(0));
+  }
+  void add(const HermiteCurve& next) {
+    const double factor = points_.empty() ? 1 : next.slope_out(0).norm() / slopes_.back().norm();
+    const double shift = points_.empty() ? next.start() : u_.back() - factor * next.start();
+    const int nodes = next.closed() ? next.node_count() + 1 : next.node_count();
+    for (int i = points_.empty() ? 0 : 1; i < nodes; ++i) {
+      u_.push_back(shift + factor * next.parameters()[i]);
+      points_.push_back(next.position(i % next.node_count()));
+      slopes_.push_back(next.slope_out(i % next.node_count()) / factor);
+    }
+    if (!next.closed()) slopes_.back() = last_slope(next) / factor;
+  }
+  /// One that comes back to its beginning in its direction is closed.
+  HermiteCurve curve() const {
+    const bool closed = u_.size() > 2 && (points_.back() - points_.front()).norm() <= one_place() &&
+                        parallel(slopes_.back(), slopes_.front()) &&
+                        std::abs(slopes_.back().norm() / slopes_.front().norm() - 1) < 1e-6;
+    const CurveMesh mesh(u_, closed);
+    Points dofs(mesh.dof_count(), 3);
+    for (int i = 0; i < mesh.node_count(); ++i) {
+      dofs.row(mesh.position_dof(i)) = points_[i].transpose();
+      dofs.row(mesh.slope_out(i)) = slopes_[i].transpose();
+    }
+    return {mesh, dofs};
+  }
+
+ private:
+  double one_place() const { return 1e-9 * (u_.back() - u_.front()) * slopes_.front().norm(); }
+  std::vector<double> u_;
+  std::vector<Vec3> points_, slopes_;
+};
+
+/// An arc in the direction of its line, from a region where one has it.
+HermiteCurve along_line(const NetworkArc& arc, const Curves& of_regions) {
+  const auto found = of_regions.find(arc.name);
+  if (found == of_regions.end()) return arc.reversed ? arc.curve.backwards() : arc.curve;
+  // Regions have it in the direction of their loops; that of a closed one is nobody's.
+  const HermiteCurve& own = found->second;
+  const bool turned =
+      (start_of(own) - start_of(arc.curve)).norm() > (start_of(own) - end_of(arc.curve)).norm();
+  return turned != arc.reversed ? own.backwards() : own;
+}
+
+}  // namespace
+
+std::vector<CubicSpline> line_curves(const MadeModel& made) {
+  const Curves of_regions = curves_of_regions(made);
+  std::vector<CubicSpline> splines;
+  const auto add = [&](const std::string& name, const HermiteCurve& curve) {
+    for (CubicSpline& spline : cubic_splines(name, curve)) splines.push_back(std::move(spline));
+  };
+  if (!made.network) {
+    for (const auto& [name, curve] : of_regions) add(name, curve);
+    return splines;
+  }
+  for (int l = 0; l < count_of(made.network->lines()); ++l) {
+    const std::string& name = made.network->lines()[l].name;
+    std::vector<Chain> chains;
+    std::vector<std::array<int, 2>> numbers;  // of the first and the last arc of each
+    int number = 0;
+    for (const int a : made.network->arcs_of(name)) {
+      const NetworkArc& arc = made.network->arcs()[a];
+      ++number;
+      if (arc.line != l) continue;  // of another line, which has it
+      const HermiteCurve curve = along_line(arc, of_regions);
+      if (!chains.empty() && chains.back().goes_on(curve)) {
+        chains.back().add(curve);
+        numbers.back()[1] = number;
+      } else {
+        chains.emplace_back(curve);
+        numbers.push_back({number, number});
+      }
+    }
+    for (size_t k = 0; k < chains.size(); ++k) {
+      const auto [first, last] = numbers[k];
+      const std::string part =
+          "." + std::to_string(first) + (last > first ? "-" + std::to_string(last) : std::string());
+      add(name + (chains.size() > 1 ? part : std::string()), chains[k].curve());
+    }
+  }
+  return splines;
+}
+
+}  // namespace batten

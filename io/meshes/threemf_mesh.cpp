@@ -1,0 +1,159 @@
+// 3MF, the format of printers: one object, whose triangles have materials.
+#include <Model/COM/NMR_DLLInterfaces.h>
+
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <string>
+
+#include "batten/core/errors.h"
+#include "batten/core/index.h"
+#include "batten/io/files/whole_file.h"
+#include "batten/io/meshes/mesh_colour.h"
+#include "batten/io/meshes/mesh_content.h"
+
+namespace batten {
+namespace {
+
+/// lib3mf writes six decimals: less than a nanometre in this unit.
+constexpr double kMillimetre = 1e-3;
+
+/// An object of lib3mf, released with this.
+class Owned {
+ public:
+  Owned() = default;
+  ~Owned() {
+    if (object_) NMR::lib3mf_release(object_);
+  }
+  Owned(const Owned&) = delete;
+  Owned& operator=(const Owned&) = delete;
+  operator void**() const { return object_; }
+  void*** address() { return &object_; }
+
+ private:
+  void** object_ = nullptr;
+};
+
+class ThreeMfFile {
+ public:
+  explicit ThreeMfFile(const MeshOutput& output) : output_(output), file_(output.path) {
+    demand(NMR::lib3mf_createmodel(model_.address()), nullptr);
+    demand(NMR::lib3mf_model_setunit(model_, NMR::MODELUNIT_MILLIMETER), model_);
+    demand(NMR::lib3mf_model_addmeshobject(model_, object_.address()), model_);
+    add_geometry();
+    if (!output.sets.empty()) add_materials();
+    Owned item;
+    demand(NMR::lib3mf_model_addbuilditem(model_, object_, nullptr, item.address()), model_);
+    // The same mesh is to give the same bytes, so identifiers are made of it.
+    demand(NMR::lib3mf_object_setuuidutf8(object_, identifier(1).c_str()), object_);
+    demand(NMR::lib3mf_builditem_setuuidutf8(item, identifier(2).c_str()), item);
+    demand(NMR::lib3mf_model_setbuilduuidutf8(model_, identifier(3).c_str()), model_);
+  }
+
+  void write() {
+    Owned writer;
+    demand(NMR::lib3mf_model_querywriter(model_, "3mf", writer.address()), model_);
+    demand(NMR::lib3mf_writer_writetofileutf8(writer, file_.temporary().c_str()), writer);
+    file_.commit();
+  }
+
+ private:
+  void demand(LIB3MFRESULT result, void** of) const {
+    if (result == LIB3MF_OK) return;
+    DWORD code = 0;
+    LPCSTR why = nullptr;
+    if (of) NMR::lib3mf_getlasterror(of, &code, &why);
+    throw InputError(output_.path.string() +
+                     ": lib3mf cannot write it: " + (why ? why : "no reason given"));
+  }
+
+  void add_geometry() {
+    const ShellMesh& mesh = output_.mesh;
+    std::vector<NMR::MODELMESHVERTEX> vertices(static_cast<size_t>(mesh.node_count()));
+    const double factor = output_.unit_in_metres / kMillimetre;
+    for (int i = 0; i < mesh.node_count(); ++i)
+      for (int c = 0; c < 3; ++c) {
+        const auto value = static_cast<float>(factor * mesh.points(i, c));
+        if (!std::isfinite(value))
+          throw InputError(output_.path.string() + ": a coordinate of node " + std::to_string(i) +
+                           " is too large for single precision");
+        vertices[i].m_fPosition[c] = value;
+        mix(value);
+      }
+    std::vector<NMR::MODELMESHTRIANGLE> triangles;
+    for (int f = 0; f < mesh.face_count(); ++f)
+      for (const auto& [a, b, c] : triangles_of(mesh, f)) {
+        if (a == b || b == c || c == a) continue;  // 3MF has no such triangles
+        triangles.push_back(
+            {{static_cast<DWORD>(a), static_cast<DWORD>(b), static_cast<DWORD>(c)}});
+        faces_.push_back(f);
+      }
+    demand(NMR::lib3mf_meshobject_setgeometry(object_, vertices.data(),
+                                              static_cast<DWORD>(vertices.size()), triangles.data(),
+                                              static_cast<DWORD>(triangles.size())),
+           object_);
+    BOOL closed = false;
+    demand(NMR::lib3mf_meshobject_ismanifoldandoriented(object_, &closed), object_);
+    // A model is what has an inside.
+    demand(NMR::lib3mf_object_settype(
+               object_, closed ? NMR::MODELOBJECTTYPE_MODEL : NMR::MODELOBJECTTYPE_SURFACE),
+           object_);
+  }
+
+  /// A material for each set, and one for faces in none.
+  void add_materials() {
+    Owned group;
+    demand(NMR::lib3mf_model_addbasematerialgroup(model_, group.address()), model_);
+    DWORD id = 0;
+    demand(NMR::lib3mf_basematerial_getresourceid(group, &id), group);
+    constexpr std::array grey{204, 204, 204};
+    const auto add = [&](const std::string& name, const std::array<int, 3>& colour) {
+      DWORD index = 0;
+      const auto share = [&](size_t c) { return static_cast<BYTE>(colour[c]); };
+      demand(NMR::lib3mf_basematerial_addmaterialutf8(group, name.c_str(), share(0), share(1),
+                                                      share(2), &index),
+             group);
+      demand(NMR::lib3mf_basematerial_setdisplaycolorrgba(group, index, share(0), share(1),
+                                                          share(2), 255),
+             group);
+    };
+    for (const MeshSet& set : output_.sets)
+      add(set.name.empty() ? "none" : set.name, mesh_colour(set.colour).value_or(grey));
+    add("none", grey);
+    const std::vector<int> set = set_of_faces(output_.mesh, output_.sets);
+    const auto without = static_cast<DWORD>(output_.sets.size());
+    std::vector<DWORD> groups(faces_.size(), id), indices;
+    for (const int f : faces_) indices.push_back(set[f] < 0 ? without : static_cast<DWORD>(set[f]));
+    Owned triangles, whole;
+    demand(NMR::lib3mf_meshobject_createpropertyhandler(object_, triangles.address()), object_);
+    demand(
+        NMR::lib3mf_propertyhandler_setbasematerialarray(triangles, groups.data(), indices.data()),
+        triangles);
+    demand(NMR::lib3mf_object_createdefaultpropertyhandler(object_, whole.address()), object_);
+    demand(NMR::lib3mf_defaultpropertyhandler_setbasematerial(whole, id, without), whole);
+  }
+
+  void mix(float value) {
+    constexpr std::uint64_t prime = 1099511628211u;
+    hash_ = (hash_ ^ std::bit_cast<std::uint32_t>(value)) * prime;
+  }
+  std::string identifier(unsigned number) const {
+    char text[37];
+    std::snprintf(text, sizeof text, "%08x-%04x-8000-8000-%08x%04x",
+                  static_cast<unsigned>(hash_ >> 32), static_cast<unsigned>(hash_ >> 16 & 0xffff),
+                  static_cast<unsigned>(hash_ & 0xffffffff), number);
+    return text;
+  }
+
+  const MeshOutput& output_;
+  WholeFile file_;
+  Owned model_, object_;
+  std::vector<int> faces_;  // of the triangles
+  std::uint64_t hash_ = 14695981039346656037u;
+};
+
+}  // namespace
+
+void write_3mf_mesh(const MeshOutput& output) { ThreeMfFile(output).write(); }
+
+}  // namespace batten
