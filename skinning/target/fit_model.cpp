@@ -68,7 +68,10 @@ class Fitting {
     constexpr double far = 0.1;  // of the region's size
     for (int r = 0; r < count_of(maps_); ++r) {
       const RegionLayout& region = fit_.layout->region(r);
-      if (!region.convex() && fit_.before.regions[r].largest < far * region.size()) maps_[r] = {};
+      const Distances& before = fit_.before.regions[r];
+      if (!region.convex() && before.largest < far * region.size() &&
+          before.beyond <= before.points)
+        maps_[r] = {};
     }
   }
 

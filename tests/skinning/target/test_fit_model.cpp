@@ -286,8 +286,12 @@ TEST_CASE("a target deeper than it is wide is reached by its map") {
     for (int v = 0; v < fit.layout->mesh()->vertex_count(); ++v)
       top = std::max(top, fit.dofs(3 * v, 2));
     CAPTURE(fit.after.there(), fit.after.back.largest, top);
-    CHECK(fit.reached == mapped);
-    if (mapped) CHECK(top == Approx(1 + std::sqrt(0.75)).epsilon(0.01));
+    if (mapped) {
+      CHECK(fit.reached);
+      CHECK(top == Approx(1 + std::sqrt(0.75)).epsilon(0.01));
+    } else {
+      CHECK(top < 0.5);
+    }
   }
 }
 
