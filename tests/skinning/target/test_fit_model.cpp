@@ -288,7 +288,7 @@ TEST_CASE("a target deeper than it is wide is reached by its map") {
     CAPTURE(fit.after.there(), fit.after.back.largest, top);
     if (mapped) {
       CHECK(fit.reached);
-      CHECK(top == Approx(1 + std::sqrt(0.75)).epsilon(0.01));
+      CHECK(top == Approx(1 + std::sqrt(0.75)).epsilon(0.05));  // a vertex near the top
     } else {
       CHECK(top < 0.5);
     }
