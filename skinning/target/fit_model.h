@@ -38,13 +38,14 @@ struct ModelFit {
 /// surface, so that it does not fold, and makes it fair: ε falls from 100 to 1, 0.03 and 1e-3, some rounds
 /// each, until the surface is within half the tolerance; where none of these is, it is 1e-5 at the end, which
 /// draws the shape aside by less than triangles miss it anyway. A region that has a part of its own begins with
-/// g = t(u, v) - x, t the part's points over its domain (TargetSurface::over_plane), one round with ε = 1: nearest
-/// points would not lead into what is deeper than wide. Triangles that look away from the target nevertheless, and
-/// those around them, keep a hundred times as much bending. The matrix, mass + ε h⁴ bending, stays the same while ε and
-/// rows do: one factor, many rounds, which Acceleration makes fewer. Beyond the target's rim springs have
-/// no pull. Where the target is still farther than the tolerance, either way, or an
-/// embedded line has a gap above its own, triangles are halved, smooth joins planned
-/// anew, and rounds go on, as long as that helps; those that turn by more than 75° within themselves, too; not where lines themselves are that far away.
+/// g = t(u, v) - x, t the part's points over its domain (TargetSurface::over_plane), if it is far away or its
+/// lines made no good domain: nearest points would not lead into what is deeper than wide. Triangles that look
+/// away from the target nevertheless, and those around them, keep a hundred times as much bending. The matrix,
+/// mass + ε h⁴ bending, stays the same while ε and rows do: one factor, many rounds, which Acceleration makes
+/// fewer. Beyond the target's rim springs have no pull. Where the target is still farther than the tolerance,
+/// either way, or an embedded line has a gap above its own, triangles there are halved, and those that turn by
+/// more than 75° within themselves; smooth joins are planned anew, and rounds go on, as long as that helps; not
+/// where lines themselves are that far away.
 ///
 /// `start`: absolute dofs on the layout that have its lines, near enough to the target that nearest points
 /// are the right ones. Throws InputError: a tolerance below 0, or a target without any point near;

@@ -202,11 +202,12 @@ ModelLayout refined_for_lines(const MadeModel& made, const Scene& scene, const P
 void take_shape(MadeModel& made, const MadeShape& shape, const Progress& progress) {
   if (!shape.layout) return;
   // A network at rest was measured when it was skinned.
-  if (!made.network || shape.layout != made.model.layout || shape.fairing.surface ||
-      shape.fairing.lofted || shape.fairing.fit)
-    // A shape that was given may be larger than what its lines mean.
-    if (shape.fairing.fit)
-      for (ModelRegion& region : made.model.regions) region.plain_area = 0;
+  if (made.network && shape.layout == made.model.layout && !shape.fairing.surface &&
+      !shape.fairing.lofted && !shape.fairing.fit)
+    return;
+  // A shape that was given may be larger than what its lines mean.
+  if (shape.fairing.fit)
+    for (ModelRegion& region : made.model.regions) region.plain_area = 0;
   reshape(made.model, shape.layout, shape.dofs, shape.regions, progress);
 }
 
