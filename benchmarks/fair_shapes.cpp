@@ -16,7 +16,7 @@
 namespace batten::bench {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 // Calls visit(point) for some points of each triangle.
 template <class Visit>

@@ -1,6 +1,7 @@
 // What fairing makes of lines as people have them: waves of curvature, outliers, tremor, airfoils.
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <random>
 
 #include "batten/fairing/fair_curve.h"
@@ -14,7 +15,7 @@ using namespace batten;
 using namespace batten::bench;
 
 using Random = std::mt19937_64;
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 const std::vector<double> parts = {0.001, 0.003, 0.01};  // noise over the size
 
 Stroke points_on(const TrueCurve& curve) {

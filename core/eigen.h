@@ -1,9 +1,10 @@
-// Eigen types under one set of names.
+// Eigen types under one set of names, and infinity.
 #pragma once
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <Eigen/SparseCore>
+#include <limits>
 #include <vector>
 
 namespace batten {
@@ -23,5 +24,8 @@ using Points = Eigen::Matrix<double, Eigen::Dynamic, 3>;
 /// and every function that takes one says so.
 using SparseMatrix = Eigen::SparseMatrix<double, Eigen::ColMajor, int>;
 using Triplet = Eigen::Triplet<double, int>;
+
+/// Larger than every number.
+inline constexpr double infinity = std::numeric_limits<double>::infinity();
 
 }  // namespace batten

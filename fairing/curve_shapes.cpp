@@ -12,7 +12,7 @@
 namespace batten {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 void require_positive(const char* what, double value) {
   if (!(value > 0) || !std::isfinite(value))

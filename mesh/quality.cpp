@@ -12,7 +12,6 @@
 namespace batten {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kNotANumber = std::numeric_limits<double>::quiet_NaN();
 constexpr double kFlattened = 1e-12;
 
@@ -90,7 +89,7 @@ const std::vector<ShapeDerivatives>& derivatives_at_nodes(size_t nodes) {
 double second_order_jacobian(const ShellMesh& shells, const Points& points, int face,
                              const Vec3& n) {
   const auto nodes = shells.face(face);
-  double smallest = kInfinity, largest = -kInfinity;
+  double smallest = infinity, largest = -infinity;
   for (const ShapeDerivatives& d : derivatives_at_nodes(nodes.size())) {
     Vec3 x_xi = Vec3::Zero(), x_eta = Vec3::Zero();
     for (size_t i = 0; i < nodes.size(); ++i) {
@@ -112,12 +111,12 @@ ElementQuality measure(const ShellMesh& shells, const Points& points, int face,
     if (!points.row(node).allFinite())
       return {kNotANumber, kNotANumber, kNotANumber, kNotANumber, kNotANumber};
   const size_t k = p.size();
-  if (k < 3) return {kInfinity, 0, 0, 0, 0};
+  if (k < 3) return {infinity, 0, 0, 0, 0};
 
   const Vec3 area = area_vector(p);
   const Vec3 n = area / std::max(area.norm(), std::numeric_limits<double>::min());
-  double longest = 0, narrowest = kInfinity, smallest_J = kInfinity, largest_J = -kInfinity,
-         smallest = kInfinity, largest = 0, warpage = 0;
+  double longest = 0, narrowest = infinity, smallest_J = infinity, largest_J = -infinity,
+         smallest = infinity, largest = 0, warpage = 0;
   std::vector<Vec3> normal(k);
   for (size_t i = 0; i < k; ++i) {
     const Vec3 next = p[(i + 1) % k] - p[i], previous = p[(i + k - 1) % k] - p[i];
@@ -146,7 +145,7 @@ ElementQuality measure(const ShellMesh& shells, const Points& points, int face,
   const double regular = k % 2 == 0 ? 1 / std::tan(std::numbers::pi / static_cast<double>(k))
                                     : 0.5 / std::tan(std::numbers::pi / static_cast<double>(2 * k));
   ElementQuality q;
-  q.aspect = narrowest > 0 ? regular * longest / narrowest : kInfinity;
+  q.aspect = narrowest > 0 ? regular * longest / narrowest : infinity;
   q.warpage_degrees = degrees(warpage);
   q.smallest_angle_degrees = degrees(smallest);
   q.largest_angle_degrees = degrees(largest);

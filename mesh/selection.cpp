@@ -11,8 +11,6 @@
 namespace batten {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
 // One flag for each of `count` things; refuses numbers out of range.
 std::vector<char> flags(int count, const std::vector<int>& numbers, const char* what) {
   std::vector<char> result(count, 0);
@@ -53,7 +51,7 @@ class Fronts {
         source_(vertex_flags(mesh.topology(), sources)),
         straight_(mesh.vertex_count(), 0),
         taken_(mesh.vertex_count(), 0),
-        distance_(VecX::Constant(mesh.vertex_count(), kInfinity)) {
+        distance_(VecX::Constant(mesh.vertex_count(), infinity)) {
     for (const int source : sources)
       for (const int v : mesh.topology().together(source)) {
         source_[v] = 1;
@@ -72,7 +70,7 @@ class Fronts {
       if (d == distance_[v] && ++taken_[v] <= kMostTimes) pass_on(v);
     }
     for (double& d : distance_)
-      if (d > farthest) d = kInfinity;
+      if (d > farthest) d = infinity;
   }
 
   VecX take() { return std::move(distance_); }
@@ -251,7 +249,7 @@ std::vector<int> parts_of_nodes(const MeshTopology& topology) {
 
 int nearest_vertex(const TriangleMesh& mesh, const Vec3& point) {
   int nearest = -1;
-  double least = kInfinity;
+  double least = infinity;
   for (int v = 0; v < mesh.vertex_count(); ++v) {
     const double d = (mesh.point(v) - point).squaredNorm();
     if (mesh.topology().component()[v] >= 0 && d < least) {

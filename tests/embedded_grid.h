@@ -15,7 +15,7 @@ namespace batten_test {
 
 using namespace batten;
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 /// The C1 cubic through a formula t → (position, order 0, or derivative, order 1) with n segments.
 inline HermiteCurve hermite(double start, double end, int n, bool closed,

@@ -28,6 +28,11 @@ struct Random {
   }
 };
 
+/// Largest difference of an entry, over the largest entry.
+inline double relative_error(const MatX& found, const MatX& expected) {
+  return (found - expected).cwiseAbs().maxCoeff() / expected.cwiseAbs().maxCoeff();
+}
+
 /// n×n×2 triangles of the unit square, inner vertices moved by up to 20 % of the spacing.
 inline ParametricMesh perturbed_square(int n, unsigned seed) {
   const ParametricMesh square = ParametricMesh::unit_square(n);

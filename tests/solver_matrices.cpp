@@ -133,7 +133,7 @@ SparseMatrix dense(int n) {
   return SparseMatrix(MatX(A.triangularView<Eigen::Lower>()).sparseView());
 }
 
-SparseMatrix diagonal(int n) {
+SparseMatrix random_diagonal(int n) {
   const VecX d = random_columns(n, 1).col(0).array() + 1.5;
   return SparseMatrix(d.asDiagonal());
 }
@@ -181,7 +181,7 @@ std::vector<NamedMatrix> twenty_matrices() {
     return disconnected(holed_sheet(3300).normal, holed_sheet(2000).normal);
   }));
   all.push_back(alone("500 small parts", crowd));
-  all.push_back(alone("diagonal", [] { return diagonal(20000); }));
+  all.push_back(alone("diagonal", [] { return random_diagonal(20000); }));
   all.push_back(alone("chain", [] { return chain(50000); }));
   all.push_back(alone("dense", [] { return dense(400); }));
   return all;

@@ -27,6 +27,7 @@
 #include "batten/io/cad/cad_parts.h"
 #include "batten/io/cad/iges_text.h"
 #include "batten/io/cad/occ_settings.h"
+#include "batten/io/cad/occ_values.h"
 #include "batten/io/cad/step_text.h"
 
 namespace batten {
@@ -59,10 +60,6 @@ std::string step_of(const Handle(TDocStd_Document) & document, const CadWriteOpt
   return out.str();
 }
 
-Handle(TCollection_HAsciiString) text_of(const std::string& text) {
-  return new TCollection_HAsciiString(text.c_str());
-}
-
 /// The directory has room for eight letters; the property for all of them.
 void name_iges(IGESCAFControl_Writer& writer, const TopoDS_Shape& shape, const std::string& name) {
   if (name.empty()) return;
@@ -71,9 +68,9 @@ void name_iges(IGESCAFControl_Writer& writer, const TopoDS_Shape& shape, const s
   if (!writer.TransferProcess()->FindTypedTransient(finder, STANDARD_TYPE(IGESData_IGESEntity),
                                                     entity))
     return;
-  entity->SetLabel(text_of(name.substr(0, 8)));
+  entity->SetLabel(occ_text(name.substr(0, 8)));
   const Handle(IGESBasic_Name) property = new IGESBasic_Name;
-  property->Init(1, text_of(name));
+  property->Init(1, occ_text(name));
   entity->AddProperty(property);
   writer.AddEntity(property);
 }
@@ -99,9 +96,9 @@ std::string iges_of(const Handle(TDocStd_Document) & document, const TopoDS_Shap
       largest = std::max({largest, std::abs(p.X()), std::abs(p.Y()), std::abs(p.Z())});
   IGESData_GlobalSection header = writer.Model()->GlobalSection();
   header.SetMaxCoord(largest * 1e-3 / options.unit_in_metres);
-  header.SetAuthorName(text_of(""));
-  header.SetSendName(text_of(options.name));
-  header.SetFileName(text_of(options.name));
+  header.SetAuthorName(occ_text(""));
+  header.SetSendName(occ_text(options.name));
+  header.SetFileName(occ_text(options.name));
   writer.Model()->SetGlobalSection(header);
   std::ostringstream out;
   out.imbue(std::locale::classic());

@@ -27,13 +27,12 @@
 #include "batten/io/cad/cad_rims.h"
 #include "batten/io/cad/continuity_shape.h"
 #include "batten/io/cad/occ_settings.h"
+#include "batten/io/cad/occ_values.h"
 
 namespace batten {
 namespace {
 
 constexpr int kFewPoints = 17, kMostPoints = 401;
-
-Vec3 from_occ(const gp_XYZ& p) { return {p.X(), p.Y(), p.Z()}; }
 
 /// A face beside an edge.
 struct Side {

@@ -8,11 +8,10 @@
 #include <algorithm>
 
 #include "batten/core/index.h"
+#include "batten/io/cad/occ_values.h"
 
 namespace batten {
 namespace {
-
-gp_Pnt to_occ(const Vec3& p) { return {p.x(), p.y(), p.z()}; }
 
 TopoDS_Edge edge_of(const CubicSpline& spline, double tolerance) {
   const int knots = count_of(spline.knots);

@@ -11,11 +11,10 @@
 #include "batten/core/errors.h"
 #include "batten/core/index.h"
 #include "batten/io/cad/exact_numbers.h"
+#include "batten/io/cad/occ_values.h"
 
 namespace batten {
 namespace {
-
-gp_Pnt to_occ(const Vec3& p) { return {p.x(), p.y(), p.z()}; }
 
 using Ordinates = Eigen::Matrix<double, 10, 3>;
 enum { kJ = 0, kK = 1, kC = 2, kJJK = 3, kJKK = 4, kKKC = 5, kKCC = 6, kJCC = 7, kJJC = 8 };

@@ -9,7 +9,6 @@
 namespace batten {
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double kHair = 1e-9;  // of a parameter interval
 
 const std::string& line_name(const SkinnedRegion& region, const BoundaryPiece& piece) {

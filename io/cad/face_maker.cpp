@@ -17,12 +17,10 @@
 #include "batten/core/index.h"
 #include "batten/fem/cubic_splines.h"
 #include "batten/fem/spline_axis.h"
+#include "batten/io/cad/occ_values.h"
 
 namespace batten {
 namespace {
-
-gp_Pnt to_occ(const Vec3& p) { return {p.x(), p.y(), p.z()}; }
-Vec3 from_occ(const gp_Pnt& p) { return {p.X(), p.Y(), p.Z()}; }
 
 Box3 box_of(const HermiteCurve& curve) {
   Box3 box;
@@ -64,7 +62,7 @@ std::pair<TColStd_Array1OfReal, TColStd_Array1OfInteger> knots(const CubicSpline
   return {values, times};
 }
 
-Handle(Geom_BSplineCurve) to_occ(const CubicSpline& spline) {
+Handle(Geom_BSplineCurve) curve_of(const CubicSpline& spline) {
   TColgp_Array1OfPnt poles(1, count_of(spline.poles));
   for (int i = 1; i <= poles.Length(); ++i) poles(i) = to_occ(spline.poles[i - 1]);
   const auto [t, times] = knots(spline);
@@ -242,7 +240,7 @@ TopoDS_Edge FaceMaker::edge(const FaceStretch& stretch, const TopoDS_Vertex& a,
   const CubicSpline plane = along(stretch.image);
   if (result->IsNull()) {
     const Handle(Geom_BSplineCurve) curve =
-        stretch.shared ? to_occ(along(stretch.curve))
+        stretch.shared ? curve_of(along(stretch.curve))
                        : curve_on_surface(surface_near_origin_, to_flat_occ(plane),
                                           0.3 * coincidence_, to_occ(middle_));
     builder_.MakeEdge(*result, curve, widened(0));

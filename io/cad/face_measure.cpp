@@ -11,18 +11,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <optional>
 
 #include "batten/io/cad/edge_parameter.h"
 #include "batten/io/cad/face_samples.h"
+#include "batten/io/cad/occ_values.h"
 
 namespace batten {
 namespace {
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
-
-Vec3 from_occ(const gp_Pnt& p) { return {p.X(), p.Y(), p.Z()}; }
 
 /// An edge of the file, along the loop.
 struct FileEdge {

@@ -1,4 +1,5 @@
 #include "batten/io/cad/facet_deviation.h"
+#include "batten/io/cad/occ_values.h"
 
 #include <BRep_Tool.hxx>
 #include <GeomAdaptor_Surface.hxx>
@@ -13,8 +14,6 @@
 
 namespace batten {
 namespace {
-
-Vec3 from_occ(const gp_XYZ& p) { return {p.X(), p.Y(), p.Z()}; }
 
 /// A surface within its own range of parameters.
 struct Sheet {

@@ -19,11 +19,10 @@
 #include "batten/core/index.h"
 #include "batten/io/cad/cad_rims.h"
 #include "batten/io/cad/facet_deviation.h"
+#include "batten/io/cad/occ_values.h"
 
 namespace batten {
 namespace {
-
-Vec3 from_occ(const gp_Pnt& p) { return {p.X(), p.Y(), p.Z()}; }
 
 /// An edge of the mesh, by its nodes.
 using Link = std::pair<int, int>;

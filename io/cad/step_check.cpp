@@ -24,13 +24,12 @@
 #include "batten/core/index.h"
 #include "batten/io/cad/continuity_shape.h"
 #include "batten/io/cad/occ_settings.h"
+#include "batten/io/cad/occ_values.h"
 #include "batten/io/cad/step_text.h"
 #include "batten/io/files/input_file.h"
 
 namespace batten {
 namespace {
-
-Vec3 from_occ(const gp_XYZ& p) { return {p.X(), p.Y(), p.Z()}; }
 
 constexpr int kEdgePoints = 9;
 

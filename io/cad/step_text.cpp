@@ -17,14 +17,11 @@
 #include "batten/core/errors.h"
 #include "batten/io/cad/curve_part.h"
 #include "batten/io/cad/occ_settings.h"
+#include "batten/io/cad/occ_values.h"
 #include "batten/io/files/whole_file.h"
 
 namespace batten {
 namespace {
-
-Handle(TCollection_HAsciiString) text_of(const std::string& text) {
-  return new TCollection_HAsciiString(text.c_str());
-}
 
 /// OpenCASCADE makes a set of each curve that belongs to no face, and names that: readers take a
 /// curve's name.
@@ -53,11 +50,11 @@ std::string cad_unit(double model_unit_in_metres) {
 void put_step(STEPControl_Writer& writer, const StepHeader& header, std::ostream& out) {
   name_curves(*writer.Model());
   APIHeaderSection_MakeHeader made(writer.Model());
-  made.SetName(text_of(header.name));
-  made.SetAuthorValue(1, text_of(header.author));
-  made.SetOrganizationValue(1, text_of(""));
-  made.SetDescriptionValue(1, text_of(header.description));
-  made.SetOriginatingSystem(text_of("Batten"));
+  made.SetName(occ_text(header.name));
+  made.SetAuthorValue(1, occ_text(header.author));
+  made.SetOrganizationValue(1, occ_text(""));
+  made.SetDescriptionValue(1, occ_text(header.description));
+  made.SetOriginatingSystem(occ_text("Batten"));
   StepData_StepWriter text(writer.Model());
   // Enough digits to read the same number back. (Its zero suppression, which would make the file
   // smaller, cuts exponents off numbers as long as these.)
@@ -83,7 +80,7 @@ void write_parts(const std::filesystem::path& path, const std::vector<CadPart>& 
   for (int e = 1; e <= model.NbEntities(); ++e)
     if (const auto found = Handle(StepBasic_Product)::DownCast(model.Value(e)); !found.IsNull()) {
       if (next == parts.size()) throw Error(path.string() + ": more products than parts");
-      const auto name = text_of(parts[next++].name);
+      const auto name = occ_text(parts[next++].name);
       found->SetId(name);
       found->SetName(name);
     }

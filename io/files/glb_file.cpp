@@ -5,7 +5,6 @@
 namespace batten {
 namespace {
 
-constexpr std::uint32_t kMagic = 0x46546C67, kJsonChunk = 0x4E4F534A, kBinaryChunk = 0x004E4942;
 constexpr size_t kHead = 20, kBinaryHead = 8;
 
 size_t in_fours(size_t size) { return (size + 3) / 4 * 4; }
@@ -17,7 +16,7 @@ size_t glb_head_size(size_t json_size) { return kHead + in_fours(json_size) + kB
 std::string glb_head(std::string json, size_t binary_size) {
   json.resize(in_fours(json.size()), ' ');
   std::string head;
-  append_unsigned(head, kMagic);
+  append_unsigned(head, kGlbMagic);
   append_unsigned(head, 2);
   append_unsigned(head, static_cast<std::uint32_t>(glb_head_size(json.size()) + binary_size));
   append_unsigned(head, static_cast<std::uint32_t>(json.size()));

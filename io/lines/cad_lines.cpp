@@ -23,15 +23,14 @@
 
 #include "batten/core/box.h"
 #include "batten/core/errors.h"
-#include "batten/io/lines/cad_for_fits.h"
+#include "batten/io/cad/occ_values.h"
 #include "batten/io/lines/cad_edges.h"
+#include "batten/io/lines/cad_for_fits.h"
 
 namespace batten {
 namespace {
 
 constexpr double kMillimetre = 1e-3;
-
-Vec3 from_occ(const gp_XYZ& p) { return {p.X(), p.Y(), p.Z()}; }
 
 double scale_to(double model_unit_in_metres) {
   if (!(model_unit_in_metres > 0) || !std::isfinite(model_unit_in_metres))

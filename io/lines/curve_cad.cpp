@@ -16,6 +16,7 @@
 #include "batten/io/cad/curve_part.h"
 #include "batten/io/cad/iges_text.h"
 #include "batten/io/cad/occ_settings.h"
+#include "batten/io/cad/occ_values.h"
 #include "batten/io/cad/step_text.h"
 #include "batten/io/files/text.h"
 #include "batten/io/files/whole_file.h"
@@ -23,12 +24,6 @@
 namespace batten {
 namespace fs = std::filesystem;
 namespace {
-
-gp_Pnt to_occ(const Vec3& p) { return {p.x(), p.y(), p.z()}; }
-
-Handle(TCollection_HAsciiString) text_of(const std::string& text) {
-  return new TCollection_HAsciiString(text.c_str());
-}
 
 Handle(IGESGeom_BSplineCurve) iges_curve(const CubicSpline& spline) {
   std::vector<double> all;
@@ -55,9 +50,9 @@ void write_iges_curves(const fs::path& path, const std::vector<CubicSpline>& spl
     for (const Vec3& p : spline.poles) largest = std::max(largest, p.cwiseAbs().maxCoeff());
     const auto curve = iges_curve(spline);
     // The directory has room for eight letters; the property for all of them.
-    curve->SetLabel(text_of(spline.name.substr(0, 8)));
+    curve->SetLabel(occ_text(spline.name.substr(0, 8)));
     const Handle(IGESBasic_Name) name = new IGESBasic_Name;
-    name->Init(1, text_of(spline.name));
+    name->Init(1, occ_text(spline.name));
     curve->AddProperty(name);
     if (!writer.AddEntity(name) || !writer.AddEntity(curve))
       throw Error(path.string() + ": OpenCASCADE cannot turn the curves into IGES");
@@ -65,9 +60,9 @@ void write_iges_curves(const fs::path& path, const std::vector<CubicSpline>& spl
   IGESData_GlobalSection header = writer.Model()->GlobalSection();
   header.SetMaxCoord(largest);
   header.SetResolution(1e-9 * largest);
-  header.SetAuthorName(text_of(""));
-  header.SetSendName(text_of(path.stem().string()));
-  header.SetFileName(text_of(path.filename().string()));
+  header.SetAuthorName(occ_text(""));
+  header.SetSendName(occ_text(path.stem().string()));
+  header.SetFileName(occ_text(path.filename().string()));
   writer.Model()->SetGlobalSection(header);
   write_whole_file(path, [&](std::ostream& out) {
     if (!print_iges(writer, out)) throw Error(path.string() + ": OpenCASCADE cannot write it");

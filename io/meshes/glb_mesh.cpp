@@ -17,7 +17,6 @@
 namespace batten {
 namespace {
 
-constexpr int kFloat = 5126, kUnsignedInt = 5125, kVertexBuffer = 34962, kIndexBuffer = 34963;
 using Json = nlohmann::ordered_json;
 
 /// glTF's y is our z. (0 - 0 has no sign.)

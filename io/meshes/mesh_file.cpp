@@ -18,7 +18,7 @@ namespace {
                    ", expected " + expected);
 }
 
-std::string listed(const std::vector<std::string>& words) {
+std::string either_of(const std::vector<std::string>& words) {
   std::string text;
   for (size_t i = 0; i < words.size(); ++i)
     text += (i == 0 ? "" : i + 1 == words.size() ? " or " : ", ") + words[i];
@@ -31,7 +31,7 @@ Function* by_extension(const fs::path& path, const std::map<std::string, Functio
   if (found != functions.end()) return found->second;
   std::vector<std::string> known;
   for (const auto& [extension, function] : functions) known.push_back(extension);
-  refuse_extension(path, listed(known));
+  refuse_extension(path, either_of(known));
 }
 
 const std::map<std::string, MeshContentReader*>& readers() {
@@ -99,7 +99,7 @@ MeshFile::Rounding MeshFile::write(const fs::path& path, const Points& points,
                                    const MeshWriteOptions& options) const {
   const auto& extensions = content_->extensions;
   if (std::find(extensions.begin(), extensions.end(), lower_extension(path)) == extensions.end())
-    refuse_extension(path, listed(extensions) + ": the mesh was read as " + content_->format);
+    refuse_extension(path, either_of(extensions) + ": the mesh was read as " + content_->format);
   if (points.rows() != shells().node_count())
     throw InputError(path.string() + ": found " + counted(points.rows(), "point") + ", expected " +
                      std::to_string(shells().node_count()) + " as in the file that was read");

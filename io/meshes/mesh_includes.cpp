@@ -11,7 +11,7 @@ namespace {
 
 // Files that include others twice, which do the same, would be read without end.
 constexpr size_t kMostFiles = 10000;
-constexpr int kDeepest = 64;
+constexpr int kDeepestInclude = 64;
 
 fs::path folder_of(const fs::path& file) {
   return file.has_parent_path() ? file.parent_path() : fs::path(".");
@@ -71,9 +71,10 @@ void MeshText::include(const std::string& name, std::string_view where,
     if (true_path(source_of(at).path) == true_path(found))
       throw InputError(places(line) + "found " + found.string() +
                        ", which includes itself, expected files that end");
-  if (depth() >= kDeepest || sources_.size() >= kMostFiles)
+  if (depth() >= kDeepestInclude || sources_.size() >= kMostFiles)
     throw InputError(places(line) + "found more files than are followed (" +
-                     std::to_string(kMostFiles) + ", " + std::to_string(kDeepest) + " deep)");
+                     std::to_string(kMostFiles) + ", " + std::to_string(kDeepestInclude) +
+                     " deep)");
   Source source{found, input_bytes(found, "an included file", places(line)), 0, line, {}};
   if (position() + source.text.size() > largest_input_file)
     throw InputError(places(line) + "found more text than is read");

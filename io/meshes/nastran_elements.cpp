@@ -13,7 +13,7 @@ using Kind = OtherElement::Kind;
 /// Where the nodes of a card stand among its values, which count from its number: 0. `nodes` are in
 /// the order in which an element has them; at `direction` there may be a node, or the first of three
 /// components of a vector.
-struct Layout {
+struct CardLayout {
   Kind kind = Kind::Other;
   std::vector<int> nodes;
   int direction = -1;
@@ -25,8 +25,8 @@ std::vector<int> run(int first, int count) {
   return places;
 }
 
-const std::map<std::string, Layout>& layouts() {
-  static const std::map<std::string, Layout> all{
+const std::map<std::string, CardLayout>& card_layouts() {
+  static const std::map<std::string, CardLayout> all{
       {"CHEXA", {Kind::Solid, run(2, 20)}},   {"CPENTA", {Kind::Solid, run(2, 15)}},
       {"CTETRA", {Kind::Solid, run(2, 10)}},  {"CPYRAM", {Kind::Solid, run(2, 13)}},
       {"CPYRA", {Kind::Solid, run(2, 13)}},   {"CBAR", {Kind::Beam, {2, 3}, 4}},
@@ -68,7 +68,7 @@ class Card {
 
   DeckElement read() {
     const std::string& name = element_.name;
-    if (const auto layout = layouts().find(name); layout != layouts().end()) {
+    if (const auto layout = card_layouts().find(name); layout != card_layouts().end()) {
       read(layout->second);
     } else if (name == "RBAR" || name == "RROD") {
       rigid_bar(name == "RROD");
@@ -101,7 +101,7 @@ class Card {
     if (!at(i).empty()) element_.nodes.push_back(file_.integer(at(i), "a node number"));
   }
 
-  void read(const Layout& layout) {
+  void read(const CardLayout& layout) {
     element_.kind = layout.kind;
     for (const int i : layout.nodes) add(i);
     const int d = layout.direction;
@@ -184,7 +184,7 @@ class Card {
 }  // namespace
 
 bool is_other_element(const std::string& name) {
-  return layouts().contains(name) || counted_only(name) || name == "RBAR" || name == "RROD" ||
+  return card_layouts().contains(name) || counted_only(name) || name == "RBAR" || name == "RROD" ||
          name == "RBE1" || name == "RBE2" || name == "RBE3" || name == "RSPLINE" || name == "MPC";
 }
 

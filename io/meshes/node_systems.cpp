@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kEps = std::numeric_limits<double>::epsilon();
-constexpr int kDeepest = 200;
+constexpr int kDeepestSystem = 200;
 
 /// Cosine and sine, exact at the multiples of 90 degrees.
 std::array<double, 2> direction(double degrees) {
@@ -110,8 +110,8 @@ const NodeFrame& NodeFrames::of(int system) {
     file_.fail(plan.where, "found nodes in " + name + ", a " + plan.refused +
                                ", expected rectangular, cylindrical or spherical systems");
   if (state_[system] == 1) file_.fail(plan.where, "found " + name + ", which is defined by itself");
-  if (depth_ > kDeepest)
-    file_.fail(plan.where, "found more than " + std::to_string(kDeepest) +
+  if (depth_ > kDeepestSystem)
+    file_.fail(plan.where, "found more than " + std::to_string(kDeepestSystem) +
                                " coordinate systems that are defined by one another");
   state_[system] = 1;
   ++depth_;

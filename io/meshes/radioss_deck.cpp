@@ -14,12 +14,12 @@ using Kind = OtherElement::Kind;
 constexpr int kWidth = 10;  // of all fields but real numbers
 
 /// Elements by their keyword: the nodes behind the number in its line, or in `more` further lines.
-struct Layout {
+struct BlockLayout {
   Kind kind;
   int nodes, more = 0;
 };
-const std::map<std::string, Layout>& layouts() {
-  static const std::map<std::string, Layout> all{
+const std::map<std::string, BlockLayout>& block_layouts() {
+  static const std::map<std::string, BlockLayout> all{
       {"BRICK", {Kind::Solid, 8}},     {"TETRA4", {Kind::Solid, 4}}, {"PENTA6", {Kind::Solid, 6}},
       {"BEAM", {Kind::Beam, 3}},       {"TRUSS", {Kind::Beam, 2}},   {"SPRING", {Kind::Bush, 3}},
       {"TETRA10", {Kind::Solid, 0, 1}}};
@@ -109,7 +109,7 @@ class RadiossReader {
     if (name == "TRANSFORM" || name.empty())
       file_.fail(keyword_, "found " + in_quotes(keyword_) +
                                ", expected one model with its nodes in their place");
-    if (const auto layout = layouts().find(name); layout != layouts().end())
+    if (const auto layout = block_layouts().find(name); layout != block_layouts().end())
       return elements(name, layout->second);
     static const std::set<std::string> counted{"BRIC20", "SHEL16", "QUAD",  "TRIA",
                                                "XELEM",  "SPHCEL", "ADMAS", "RBE3"};
@@ -164,7 +164,7 @@ class RadiossReader {
     }
   }
 
-  void elements(const std::string& name, const Layout& layout) {
+  void elements(const std::string& name, const BlockLayout& layout) {
     while (next_data()) {
       DeckElement element{layout.kind, "/" + name, 0, field(0), {}, {}};
       element.label = file_.integer(field(0), "an element number");

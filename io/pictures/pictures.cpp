@@ -19,7 +19,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "batten/core/errors.h"
 #include "batten/core/index.h"
@@ -261,7 +260,6 @@ Image picture_image(const PictureScene& scene, const PictureSize& size) {
 void hold_view(std::vector<PictureScene>& scenes) {
   if (scenes.empty()) return;
   const ViewAxes axes(scenes.front().azimuth, scenes.front().elevation);
-  constexpr double infinity = std::numeric_limits<double>::infinity();
   Vec3 low = Vec3::Constant(infinity), high = -low;
   Range range{infinity, -infinity};
   double limit = 0;

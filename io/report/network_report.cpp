@@ -66,7 +66,7 @@ const char* word(NetworkFinding::Kind kind) {
 namespace {
 
 /// The names of what is reported.
-struct Names {
+struct ReportNames {
   const CharacterLineNetwork& network;
   const SurfaceModel& model;
 
@@ -91,7 +91,7 @@ struct Names {
   }
 };
 
-NetworkReport::Region describe_region(const ModelRegion& r, const Names& names) {
+NetworkReport::Region describe_region(const ModelRegion& r, const ReportNames& names) {
   NetworkReport::Region region;
   region.name = r.plan.name;
   region.loops = names.loops(r.plan.loops);
@@ -115,7 +115,7 @@ NetworkReport::Region describe_region(const ModelRegion& r, const Names& names) 
   return region;
 }
 
-NetworkReport::Choice describe_choice(const RegionChoice& c, const Names& names) {
+NetworkReport::Choice describe_choice(const RegionChoice& c, const ReportNames& names) {
   NetworkReport::Choice choice{c.text, c.where, c.arcs, names.loops(c.chosen), {}, c.margins};
   for (const auto& alternative : c.alternatives)
     choice.alternatives.push_back(names.loops(alternative));
@@ -153,7 +153,7 @@ std::vector<NetworkFinding> findings_that_stand(const CharacterLineNetwork& netw
 NetworkReport network_report(const CharacterLineNetwork& network, const FoundRegions& found,
                              const SurfaceModel& model, double fit_tolerance,
                              double join_tolerance_deg) {
-  const Names names{network, model};
+  const ReportNames names{network, model};
   NetworkReport report;
   report.lines = count_of(network.lines());
   report.arcs = count_of(network.arcs());

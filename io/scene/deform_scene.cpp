@@ -9,8 +9,6 @@
 namespace batten {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
 GuideRule read_guide(const TomlTable& t) {
   GuideRule rule;
   rule.name = t.text("name");
@@ -157,7 +155,7 @@ ModesRule read_modes(const TomlTable& t, Names& files) {
   return rule;
 }
 
-MeshPictureRule read_picture(const TomlTable& t, Names& files) {
+MeshPictureRule mesh_picture(const TomlTable& t, Names& files) {
   using Show = MeshPictureRule::Show;
   MeshPictureRule rule;
   rule.file = output_file(t, "file", files, {".png"});
@@ -252,11 +250,11 @@ void read_outputs(const TomlTable& root, DeformScene& scene) {
     scene.modes = read_modes(t, files);
   for (const TomlTable& t :
        root.tables("picture", {"file", "title", "show", "mesh", "view", "up", "zoom", "size"}))
-    scene.pictures.push_back(read_picture(t, files));
+    scene.pictures.push_back(mesh_picture(t, files));
 }
 
 /// Reads the whole scene from its table.
-DeformScene read(const toml::table& root_table, const std::filesystem::path& file) {
+DeformScene deform_scene(const toml::table& root_table, const std::filesystem::path& file) {
   const TomlTable root(file.string(), root_table, "the scene",
                        {"name", "unit", "mesh", "weighting", "proposals", "attached", "select",
                         "cut", "feature", "features", "guide", "relation", "line", "curve", "pull",
@@ -283,7 +281,7 @@ DeformScene read(const toml::table& root_table, const std::filesystem::path& fil
 
 /// The one list of what can be set.
 template <class AnyScene, class Function>
-void for_each_parameter(AnyScene& scene, const Function& f) {
+void for_each_edit_parameter(AnyScene& scene, const Function& f) {
   for (auto& curve : scene.curves)
     for (auto& load : curve.loads)
       f(curve.line.name + "." + load.name, load.value,
@@ -304,8 +302,8 @@ void for_each_parameter(AnyScene& scene, const Function& f) {
 
 std::vector<Parameter> DeformScene::parameters() const {
   std::vector<Parameter> list;
-  for_each_parameter(*this, [&](const std::string& n, double value, bool positive) {
-    list.push_back({n, value, positive ? 0 : -kInfinity, kInfinity});
+  for_each_edit_parameter(*this, [&](const std::string& n, double value, bool positive) {
+    list.push_back({n, value, positive ? 0 : -infinity, infinity});
   });
   return list;
 }
@@ -313,7 +311,7 @@ std::vector<Parameter> DeformScene::parameters() const {
 void DeformScene::set(const std::string& parameter, double value, const std::string& where) {
   std::vector<std::string> names;
   bool known = false;
-  for_each_parameter(*this, [&](const std::string& n, double& slot, bool positive) {
+  for_each_edit_parameter(*this, [&](const std::string& n, double& slot, bool positive) {
     names.push_back(n);
     if (n != parameter) return;
     known = true;
@@ -334,7 +332,7 @@ bool edits_a_mesh(const std::filesystem::path& file) {
 }
 
 DeformScene parse_deform_scene(const std::string& text, const std::filesystem::path& file) {
-  return read(parse_toml(text, file, "edits of a mesh (unit, mesh, [[edit]] …)"), file);
+  return deform_scene(parse_toml(text, file, "edits of a mesh (unit, mesh, [[edit]] …)"), file);
 }
 
 DeformScene read_deform_scene(const std::filesystem::path& file) {

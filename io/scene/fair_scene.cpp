@@ -10,7 +10,7 @@
 namespace batten {
 namespace {
 
-CombPictureRule read_picture(const TomlTable& t, Names& files) {
+CombPictureRule comb_picture(const TomlTable& t, Names& files) {
   using Show = CombPictureRule::Show;
   CombPictureRule rule;
   rule.file = output_file(t, "file", files, {".png"});
@@ -25,7 +25,7 @@ CombPictureRule read_picture(const TomlTable& t, Names& files) {
   return rule;
 }
 
-FairScene read(const toml::table& root_table, const std::filesystem::path& file) {
+FairScene fair_scene(const toml::table& root_table, const std::filesystem::path& file) {
   const TomlTable root(file.string(), root_table, "the scene",
                        {"name", "unit", "segments", "line", "lines", "fair", "output", "picture"});
   FairScene scene;
@@ -46,7 +46,7 @@ FairScene read(const toml::table& root_table, const std::filesystem::path& file)
       if (t.has(key)) scene.outputs.push_back(output_file(t, key, files, endings));
   for (const TomlTable& t :
        root.tables("picture", {"file", "title", "show", "points", "view", "size"}))
-    scene.pictures.push_back(read_picture(t, files));
+    scene.pictures.push_back(comb_picture(t, files));
   return scene;
 }
 
@@ -86,7 +86,7 @@ bool only_fairs(const std::filesystem::path& file) {
 }
 
 FairScene parse_fair_scene(const std::string& text, const std::filesystem::path& file) {
-  return read(parse_toml(text, file, "a fairing scene (unit, [[line]], [[fair]] …)"), file);
+  return fair_scene(parse_toml(text, file, "a fairing scene (unit, [[line]], [[fair]] …)"), file);
 }
 
 FairScene read_fair_scene(const std::filesystem::path& file) {

@@ -261,7 +261,7 @@ const std::vector<std::string> kPictureKeys = {"file",
                                                "view",
                                                "size"};
 
-ScenePicture read_picture(const TomlTable& table, Names& files) {
+ScenePicture scene_picture(const TomlTable& table, Names& files) {
   using Field = PictureScene::Field;
   ScenePicture picture;
   PictureScene& look = picture.look;
@@ -297,7 +297,7 @@ SceneSweep read_sweep(const TomlTable& table, const Scene& scene, Names& files) 
   sweep.parameter = table.text("parameter");
   sweep.values = table.list("values");
   sweep.columns = table.whole_number("columns", 1, 0);
-  sweep.picture = read_picture(table, files);
+  sweep.picture = scene_picture(table, files);
   // The panels of a sheet share their lines.
   for_each_fair_parameter(scene.fairing, [&](const std::string& name, double) {
     if (name == sweep.parameter)
@@ -313,7 +313,7 @@ SceneSweep read_sweep(const TomlTable& table, const Scene& scene, Names& files) 
   return sweep;
 }
 
-Scene read(const toml::table& root_table, const std::filesystem::path& file) {
+Scene scene_of(const toml::table& root_table, const std::filesystem::path& file) {
   const TomlTable root(file.string(), root_table, "the scene",
                        {"name",       "unit",    "tolerance", "corner_angle", "line",      "lines",
                         "fair",       "network", "region",    "join",         "skin",      "target",
@@ -366,7 +366,7 @@ Scene read(const toml::table& root_table, const std::filesystem::path& file) {
       t.fail("calculix", "a CalculiX deck", "a section [stress] with material and supports for it");
   }
   for (const TomlTable& t : root.tables("picture", kPictureKeys))
-    scene.pictures.push_back(read_picture(t, files));
+    scene.pictures.push_back(scene_picture(t, files));
   std::vector<std::string> sweep_keys = {"parameter", "values", "columns"};
   sweep_keys.insert(sweep_keys.end(), kPictureKeys.begin(), kPictureKeys.end());
   for (const TomlTable& t : root.tables("sweep", sweep_keys))
@@ -377,7 +377,7 @@ Scene read(const toml::table& root_table, const std::filesystem::path& file) {
 }  // namespace
 
 Scene parse_scene(const std::string& text, const std::filesystem::path& file) {
-  return read(parse_toml(text, file, "a scene (unit, [[line]] …)"), file);
+  return scene_of(parse_toml(text, file, "a scene (unit, [[line]] …)"), file);
 }
 
 Scene read_scene(const std::filesystem::path& file) {

@@ -9,8 +9,6 @@
 namespace batten {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
 /// Calls f with a reference to each named value that has a table of its own.
 template <class AnyScene, class Function>
 void for_each_named(AnyScene& scene, const Function& f) {
@@ -30,21 +28,21 @@ void for_each_parameter(AnyScene& scene, const Function& f) {
   auto& alpha = scene.skin.material.alpha;
   auto& beta = scene.skin.material.beta;
   if (scene.skin.isotropic_alpha) {
-    f("alpha", alpha(0, 0), 0.0, kInfinity);
+    f("alpha", alpha(0, 0), 0.0, infinity);
   } else {
-    f("alpha_uu", alpha(0, 0), 0.0, kInfinity);
-    f("alpha_uv", alpha(0, 1), -kInfinity, kInfinity);
-    f("alpha_vv", alpha(1, 1), 0.0, kInfinity);
+    f("alpha_uu", alpha(0, 0), 0.0, infinity);
+    f("alpha_uv", alpha(0, 1), -infinity, infinity);
+    f("alpha_vv", alpha(1, 1), 0.0, infinity);
   }
   if (scene.skin.isotropic_beta) {
-    f("beta", beta[0], 0.0, kInfinity);
+    f("beta", beta[0], 0.0, infinity);
   } else {
-    f("beta_uu", beta[0], 0.0, kInfinity);
-    f("beta_uv", beta[1], 0.0, kInfinity);
-    f("beta_vv", beta[2], 0.0, kInfinity);
+    f("beta_uu", beta[0], 0.0, infinity);
+    f("beta_uv", beta[1], 0.0, infinity);
+    f("beta_vv", beta[2], 0.0, infinity);
   }
   for_each_fair_parameter(
-      scene.fairing, [&](const std::string& name, auto& value) { f(name, value, 0.0, kInfinity); });
+      scene.fairing, [&](const std::string& name, auto& value) { f(name, value, 0.0, infinity); });
 }
 
 }  // namespace
@@ -110,7 +108,7 @@ void Scene::set(const std::string& parameter, double value, const std::string& w
     known = true;
     if (!(value >= min && value <= max) || !std::isfinite(value))
       throw InputError(where + "found " + number(value) + " for '" + n + "', expected a number " +
-                       (min == -kInfinity && max == kInfinity ? "" : range_text(min, max)));
+                       (min == -infinity && max == infinity ? "" : range_text(min, max)));
     slot = value;
   });
   if (!known)

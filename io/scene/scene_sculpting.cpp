@@ -8,8 +8,6 @@
 namespace batten {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
 PlacedWord placed(const TomlTable& table, const std::string& key) {
   return {table.text(key), table.place(key)};
 }
@@ -17,8 +15,8 @@ PlacedWord placed(const TomlTable& table, const std::string& key) {
 /// name, value (a number, or over time), min, max.
 void read_named_value(const TomlTable& table, NamedValue& p) {
   p.name = table.text("name");
-  p.min = table.number("min", -kInfinity);
-  p.max = table.number("max", kInfinity);
+  p.min = table.number("min", -infinity);
+  p.max = table.number("max", infinity);
   if (p.min > p.max) table.fail("max", number(p.max), "not less than min = " + number(p.min));
   const auto expect_in_range = [&](double value) {
     if (value < p.min || value > p.max)

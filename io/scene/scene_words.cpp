@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "batten/core/errors.h"
 #include "batten/io/files/length_units.h"
@@ -57,7 +56,6 @@ void read_view(const TomlTable& table, double& azimuth, double& elevation, Pictu
 }
 
 std::string range_text(double min, double max) {
-  constexpr double infinity = std::numeric_limits<double>::infinity();
   if (min > -infinity && max < infinity) return "from " + number(min) + " to " + number(max);
   if (min > -infinity) return "from " + number(min) + " up";
   return "up to " + number(max);

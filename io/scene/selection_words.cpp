@@ -1,14 +1,11 @@
 #include "batten/io/scene/selection_words.h"
 
 #include <cmath>
-#include <limits>
 
 #include "batten/core/errors.h"
 
 namespace batten {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 SelectRule read_select(const TomlTable& t, const std::filesystem::path& folder) {
   SelectRule rule;
@@ -24,7 +21,7 @@ SelectRule read_select(const TomlTable& t, const std::filesystem::path& folder) 
   for (const TomlTable& s : t.table("sphere", {"centre", "radius"}))
     rule.sphere = {s.vector("centre"), s.positive("radius")};
   for (const TomlTable& p : t.table("plane", {"through", "normal", "within"}))
-    rule.plane = {p.vector("through"), p.direction("normal"), p.positive("within", kInfinity)};
+    rule.plane = {p.vector("through"), p.direction("normal"), p.positive("within", infinity)};
   if (t.has("loop")) rule.loop = t.whole_number("loop", 1, 1);
   if (t.has("part")) rule.part = t.whole_number("part", 1, 1);
   for (const TomlTable& g : t.table("salient", {"node", "point", "threshold"})) {

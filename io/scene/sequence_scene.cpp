@@ -308,7 +308,7 @@ void read_steps(const TomlTable& root, const std::filesystem::path& folder, Sequ
   }
 }
 
-SequencePicture read_picture(const TomlTable& t, Names& files) {
+SequencePicture sequence_picture(const TomlTable& t, Names& files) {
   using Show = SequencePicture::Show;
   SequencePicture picture;
   picture.file = output_file(t, "file", files, {".png", ".gif"});
@@ -327,7 +327,7 @@ SequencePicture read_picture(const TomlTable& t, Names& files) {
   return picture;
 }
 
-SequenceScene read(const toml::table& root_table, const std::filesystem::path& file) {
+SequenceScene sequence_scene(const toml::table& root_table, const std::filesystem::path& file) {
   const TomlTable root(file.string(), root_table, "the scene",
                        {"name", "unit", "sequence", "up", "proposals", "select", "cut", "handle",
                         "feature", "features", "step", "output", "picture"});
@@ -364,7 +364,7 @@ SequenceScene read(const toml::table& root_table, const std::filesystem::path& f
   Names files("file name");
   for (const TomlTable& t : root.tables("picture", {"file", "title", "show", "frames", "together",
                                                     "mesh", "view", "zoom", "seconds", "size"}))
-    scene.pictures.push_back(read_picture(t, files));
+    scene.pictures.push_back(sequence_picture(t, files));
   return scene;
 }
 
@@ -376,7 +376,8 @@ bool edits_a_sequence(const std::filesystem::path& file) {
 }
 
 SequenceScene parse_sequence_scene(const std::string& text, const std::filesystem::path& file) {
-  return read(parse_toml(text, file, "edits of a sequence ([sequence], [[step]] …)"), file);
+  return sequence_scene(parse_toml(text, file, "edits of a sequence ([sequence], [[step]] …)"),
+                        file);
 }
 
 SequenceScene read_sequence_scene(const std::filesystem::path& file) {

@@ -10,13 +10,6 @@
 #include "batten/io/files/number_bytes.h"
 
 namespace batten {
-namespace {
-
-// Numbers of glTF.
-constexpr int kFloat = 5126, kUnsignedInt = 5125, kVertexBuffer = 34962, kIndexBuffer = 34963;
-
-}  // namespace
-
 GlbWriter::GlbWriter(const std::filesystem::path& path, std::vector<std::array<int, 3>> triangles,
                      int points, std::vector<double> times)
     : file_(path),

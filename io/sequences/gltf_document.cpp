@@ -7,6 +7,7 @@
 
 #include "batten/core/errors.h"
 #include "batten/core/index.h"
+#include "batten/io/files/glb_file.h"
 #include "batten/io/files/input_file.h"
 #include "batten/io/files/nesting.h"
 #include "batten/io/files/number_bytes.h"
@@ -17,7 +18,6 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr std::uint32_t kMagic = 0x46546C67, kJsonChunk = 0x4E4F534A, kBinaryChunk = 0x004E4942;
 
 constexpr long kMostThings = 1000000000;
 /// Numbers of an accessor that has no data, or few: this many are zero at most.
@@ -124,7 +124,7 @@ bool harmless(const std::string& extension) {
 
 GltfDocument::GltfDocument(const std::filesystem::path& path) : path_(path) {
   std::string bytes = input_bytes(path, "a glTF scene");
-  if (bytes.size() >= 4 && load_unsigned<std::uint32_t>(bytes.data()) == kMagic) {
+  if (bytes.size() >= 4 && load_unsigned<std::uint32_t>(bytes.data()) == kGlbMagic) {
     read_glb(bytes);
   } else {
     require_shallow(bytes, path.string());

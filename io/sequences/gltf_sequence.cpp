@@ -12,7 +12,6 @@
 namespace batten {
 namespace {
 
-constexpr double kWeld = 1e-6;
 constexpr double kMostFrames = 1e6;
 
 /// Classes of vertices that lie at one place in all frames that were seen.

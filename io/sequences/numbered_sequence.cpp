@@ -14,8 +14,6 @@ namespace batten {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr double kWeld = 1e-6;
-
 [[noreturn]] void differs(const fs::path& file, const std::string& found, const fs::path& first,
                           const std::string& expected) {
   throw InputError(file.string() + ": found " + found + ", expected " + expected + " as in " +

@@ -19,6 +19,9 @@ struct FrameRange {
 /// The frames of `all` that the options ask for. Throws InputError when they are not there.
 FrameRange frame_range(const SequenceOptions& options, long all, const std::string& name);
 
+/// Points of a frame are one vertex where they lie this near to each other, over the size.
+inline constexpr double kWeld = 1e-6;
+
 using SequenceReader = MeshSequence(const std::filesystem::path&, const SequenceOptions&,
                                     const Progress&);
 SequenceReader read_numbered_sequence, read_pvd_sequence, read_pc2_sequence, read_mdd_sequence,

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <numeric>
 
 #include "batten/core/chunks.h"
@@ -12,7 +13,7 @@
 namespace batten {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
+using std::numbers::pi;
 
 /// Adds the shares of one triangle's corners. Returns whether x lies on it: then `w` is whole.
 bool add_triangle(const Eigen::Matrix<double, Eigen::Dynamic, 3>& u, const VecX& d,
@@ -23,7 +24,7 @@ bool add_triangle(const Eigen::Matrix<double, Eigen::Dynamic, 3>& u, const VecX&
     angle[i] = 2 * std::atan2((p - q).norm(), (p + q).norm());  // to the last digit near π too
     half += angle[i] / 2;
   }
-  if (kPi - half < 1e-9) {  // on the triangle: barycentric coordinates
+  if (pi - half < 1e-9) {  // on the triangle: barycentric coordinates
     w.setZero();
     for (int i = 0; i < 3; ++i)
       w[t[i]] = std::sin(angle[i]) * d[t[(i + 1) % 3]] * d[t[(i + 2) % 3]];

@@ -1,7 +1,6 @@
 #include "batten/sculpting/session/session.h"
 
 #include <cmath>
-#include <limits>
 
 #include "batten/core/errors.h"
 #include "batten/sculpting/session/session_data.h"
@@ -22,7 +21,6 @@ SculptingSession::SculptingSession(ModelLayout layout, const SessionOptions& opt
     throw InputError("a session needs a tolerance above 0, and 1 or more iterations and facets");
   Parameters& p = d.now.parameters;
   const auto material = [&](const std::string& name, bool one, double uu, double uv, double vv) {
-    constexpr double infinity = std::numeric_limits<double>::infinity();
     const double least = name == "alpha" ? -infinity : 0;
     if (one) {
       p.add({.name = name, .value = uu, .min = 0});

@@ -14,7 +14,7 @@
 namespace batten {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
+using std::numbers::pi;
 
 void require_not_on_one_line(const std::vector<Stretch>& stretches, double size) {
   std::vector<Vec3> points;
@@ -204,7 +204,7 @@ std::vector<Outline> make_loops(const std::vector<Stretch>& stretches, double si
     Outline outline = builder.loop(begin, partner, used);
     for (size_t i = 0; i < outline.pieces.size(); ++i)
       if (outline.pieces[i].stretch.given ? !goes_on(outline, i)
-                                          : turn_at(outline, i) > corner_angle * kPi / 180)
+                                          : turn_at(outline, i) > corner_angle * pi / 180)
         outline.corners.push_back(static_cast<int>(i));
     loops.push_back(std::move(outline));
   }
@@ -243,7 +243,7 @@ void warn_of_smoothed_joints(const Outline& outline, double corner_angle,
   const size_t n = outline.pieces.size();
   for (size_t p = 0; p < n; ++p) {
     if (outline.is_corner(p)) continue;
-    const double turn = turn_at(outline, p) * 180 / kPi;
+    const double turn = turn_at(outline, p) * 180 / pi;
     constexpr double noticeable = 1;
     if (turn > noticeable)
       warnings.push_back("lines '" + outline.pieces[(p + n - 1) % n].stretch.name + "' and '" +

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 
 #include "batten/core/box.h"
@@ -114,7 +113,6 @@ struct Part {
 std::optional<PlainFill> developable_fill(const std::vector<Vec3>& loop) {
   check(loop);
   count(Work::PlainFilling);
-  constexpr double infinity = std::numeric_limits<double>::infinity();
   constexpr double bending = 0.03, flat = 1e-6;
   const int n = count_of(loop);
   const double stiffness = bending * box_around(loop).diagonal().squaredNorm();

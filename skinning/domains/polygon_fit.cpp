@@ -14,7 +14,7 @@
 namespace batten {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
+using std::numbers::pi;
 constexpr double kLengthWeight = 1, kAngleWeight = 0.7, kWallWeight = 0.7, kDistanceWeight = 0.25;
 constexpr size_t kMostDistances = 24;  // with more corners, lengths and angles say enough
 
@@ -124,7 +124,7 @@ class PolygonFit {
       add(kLengthWeight * std::log(std::max(b.norm(), 1e-12 * around_) / lengths_[i]),
           std::array{i, after}, Two{-stretch, stretch});
 
-      const double angle = kPi - std::atan2(cross(a, b), a.dot(b));
+      const double angle = pi - std::atan2(cross(a, b), a.dot(b));
       const Three turn{-turned(a), turned(a) + turned(b), -turned(b)};
       const auto by_angle = [&](double r, double slope) {
         add(r, std::array{before, i, after},
@@ -161,8 +161,8 @@ Polygon circle(const std::vector<double>& lengths) {
   const double around = std::accumulate(lengths.begin(), lengths.end(), 0.0);
   double along = 0;
   for (const double l : lengths) {
-    const double t = 2 * kPi * along / around;
-    p.push_back(around / (2 * kPi) * Vec2(std::cos(t), std::sin(t)));
+    const double t = 2 * pi * along / around;
+    p.push_back(around / (2 * pi) * Vec2(std::cos(t), std::sin(t)));
     along += l;
   }
   return p;

@@ -17,7 +17,7 @@
 namespace batten {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
+using std::numbers::pi;
 constexpr int kPerSegment = 4;     // samples of each segment of the image
 constexpr int kMostSegments = 44;  // of the whole outline: 176 samples
 
@@ -37,7 +37,7 @@ struct Sample {
 // How much an image must bend, and how long it is: segments share that evenly.
 std::vector<double> monitor(const HermiteCurve& curve, double around, std::vector<double>& t) {
   constexpr int samples = 24;  // a segment of the curve
-  constexpr double turn_of_segment = kPi / 9, length_of_segment = 1.0 / 14;  // of the way around
+  constexpr double turn_of_segment = pi / 9, length_of_segment = 1.0 / 14;  // of the way around
   std::vector<double> sum{0};
   t = {curve.start()};
   Vec3 before = curve.evaluate({0, 0.0}, 1).normalized();
@@ -163,8 +163,8 @@ Flat flat_samples(const std::vector<Sample>& samples) {
     // The turning around the point, half way to its neighbours.
     const size_t half = stride / 2;
     double turn = 0;
-    for (size_t j = 0; j < stride; ++j) turn += kPi - of_fill[(kept[k] + n + j - half) % n].angle;
-    turns.push_back(kPi - turn);
+    for (size_t j = 0; j < stride; ++j) turn += pi - of_fill[(kept[k] + n + j - half) % n].angle;
+    turns.push_back(pi - turn);
   }
   const std::vector<Vec2> corners = relax_polygon(lengths, turns);
   for (size_t k = 0; k < kept.size(); ++k) {
@@ -370,8 +370,8 @@ RegionParts sheet_parts(const Outline& loop, const DomainTask& task) {
     parts.embedded[s].image = images[s];
     parts.boundary[0].push_back({BoundaryPiece::Kind::Embedded, static_cast<int>(s)});
     if (!loop.is_corner(s)) continue;
-    constexpr double degrees = 180 / kPi;
-    const double angle = degrees * (kPi - turn[s]);
+    constexpr double degrees = 180 / pi;
+    const double angle = degrees * (pi - turn[s]);
     const Vec3 c = images[s].position(0);
     parts.corners.push_back({Vec2(c.x(), c.y()), angle, angle});
   }

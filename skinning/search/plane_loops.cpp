@@ -9,7 +9,7 @@
 namespace batten {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
+using std::numbers::pi;
 constexpr double near = 3e-4;  // of the network's size
 
 struct Plane {
@@ -25,13 +25,13 @@ struct Plane {
 std::optional<ArcUse> next_in(const Plane& plane, const RegionGraph& graph, const ArcUse& use) {
   const Vec3 in = graph.arriving(use), inwards = plane.normal.cross(in);
   std::optional<ArcUse> best;
-  double least = 2 * kPi;
+  double least = 2 * pi;
   for (const ArcEnd& e : graph.ends[graph.node_after(use)]) {
     if (!graph.core[e.arc] || e == ArcEnd{use.arc, !use.reversed}) continue;
     const RegionArc& arc = graph.arcs[e.arc];
     const Vec3 out = arc.out(e.end);
     double angle = std::atan2(out.dot(inwards), -out.dot(in));
-    if (angle < 0) angle += 2 * kPi;
+    if (angle < 0) angle += 2 * pi;
     if (angle >= least || !plane.holds(arc)) continue;
     least = angle;
     best = {e.arc, e.end};
@@ -72,7 +72,7 @@ bool PlaneFace::holds(const std::vector<Vec3>& points) const {
       around += std::atan2(a.cross(b).dot(normal), a.dot(b));
       nearest = std::min(nearest, a.norm());
     }
-    return nearest > tolerance && around > kPi;
+    return nearest > tolerance && around > pi;
   });
 }
 

@@ -7,6 +7,9 @@
 
 namespace batten {
 
+/// Sine of 15 degrees: corners nearer to straight have no plane.
+inline constexpr double kCorner = 0.2588;
+
 /// A loop in one plane, but for 3e-4 of the network's size.
 struct PlaneFace {
   Vec3 at, normal;

@@ -16,10 +16,9 @@
 namespace batten {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-constexpr double kCorner = 0.2588;  // sin 15°
-constexpr double kSide = 0.05;      // of each further arc: shorter loops come first
-constexpr double kWorst = 1.25;     // ways that are worse by more are given up
+using std::numbers::pi;
+constexpr double kSide = 0.05;   // of each further arc: shorter loops come first
+constexpr double kWorst = 1.25;  // ways that are worse by more are given up
 constexpr int kLoops = 3, kMostArcs = 200, kMostWays = 600, kSameArc = 3;
 
 // A set of arcs that may answer yes for one that is not in it.
@@ -160,7 +159,7 @@ class Tracer {
           // Home: what is missing between the normal that comes along and that of the start.
           const Vec3 end = graph_.arcs[in.arc].carried(in.reversed, turn.normal);
           const double twist = std::atan2(end.cross(normal).norm(), end.dot(normal));
-          cost += prices_.twist * twist * twist / (kPi * kPi / 4);
+          cost += prices_.twist * twist * twist / (pi * pi / 4);
         }
         if (cost <= kWorst + kSide * way.length) add(cost, turn.next, turn.normal, w);
       }
@@ -186,19 +185,19 @@ class Tracer {
         // Nearly upright to the surface so far: a corner turns inwards rather than outwards.
         if (normal.dot(way.normal) < -0.15) {
           normal = -normal;
-          angle = 2 * kPi - angle;
+          angle = 2 * pi - angle;
         }
         twist = std::acos(std::clamp(normal.dot(way.normal), -1.0, 1.0));
       } else if (in.dot(out) > 0) {
         normal = Eigen::Quaterniond::FromTwoVectors(in, out) * way.normal;
         const double along = std::atan2(out.dot(inwards), out.dot(back));
-        angle = along < 0 ? along + 2 * kPi : along;
+        angle = along < 0 ? along + 2 * pi : along;
       } else {
         normal = -way.normal;  // around a cusp
       }
       normal = (normal - normal.dot(out) * out).normalized();
       turns_.push_back(
-          {{e.arc, e.end}, angle / kPi + prices_.twist * twist * twist / (kPi * kPi / 4), normal});
+          {{e.arc, e.end}, angle / pi + prices_.twist * twist * twist / (pi * pi / 4), normal});
       angles_.push_back({angle, std::abs(out.dot(way.normal))});
     }
     // Arcs that lie in the surface between.

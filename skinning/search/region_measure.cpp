@@ -12,10 +12,9 @@
 namespace batten {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-constexpr double kCorner = 0.2588;  // sin 15°: corners nearer to straight have no plane
+using std::numbers::pi;
 
-double wrapped(double angle) { return std::remainder(angle, 2 * kPi); }
+double wrapped(double angle) { return std::remainder(angle, 2 * pi); }
 
 // A loop with its normal at both ends of each use, by the angle in the arc's frame.
 struct Normals {
@@ -25,7 +24,7 @@ struct Normals {
   struct Corner {
     Vec3 axis;        // of the turn from the arc before to the arc after
     double sine = 0;  // of the angle between them
-    double inside = kPi;
+    double inside = pi;
     bool plain = false;  // has a plane
   };
   std::vector<Corner> corners;                  // before use i
@@ -115,7 +114,7 @@ struct Normals {
 
   // Directions into the surface: a quarter turn from the normal, to the left of travel.
   std::array<double, 2> side(int i) const {
-    const double quarter = loop[i].reversed ? kPi / 2 : -kPi / 2;
+    const double quarter = loop[i].reversed ? pi / 2 : -pi / 2;
     return {angles[i][0] + quarter, angles[i][1] + quarter};
   }
 
@@ -123,7 +122,7 @@ struct Normals {
     std::vector<int> convex(n, 1);
     for (int i = 0; i < n; ++i) {
       if (corners[i].axis.dot(normal(i, false)) < 0) convex[i] = -1;
-      turning += convex[i] * (kPi - corners[i].inside);
+      turning += convex[i] * (pi - corners[i].inside);
       const auto [a, b] = side(i);
       const double middle = a + wrapped(b - a) / 2;
       turning += arc(i).turn_u * std::cos(middle) + arc(i).turn_v * std::sin(middle);
@@ -131,11 +130,11 @@ struct Normals {
     const bool flip = turning < 0;
     if (flip) {
       turning = -turning;
-      for (auto& [a, b] : angles) a += kPi, b += kPi;
+      for (auto& [a, b] : angles) a += pi, b += pi;
     }
     for (int i = 0; i < n; ++i)
       if (corners[i].plain && (convex[i] < 0) != flip)
-        corners[i].inside = 2 * kPi - corners[i].inside;
+        corners[i].inside = 2 * pi - corners[i].inside;
   }
 };
 
@@ -148,7 +147,7 @@ bool leaves_into(const Normals& around, int i, const ArcEnd& e) {
   const Vec3 d = around.graph.arcs[e.arc].out(e.end);
   if (std::abs(d.dot(normal)) > 0.5) return false;
   double angle = std::atan2(d.dot(normal.cross(in)), -d.dot(in));
-  if (angle < 0) angle += 2 * kPi;
+  if (angle < 0) angle += 2 * pi;
   return angle > 0.15 && angle < around.corners[i].inside - 0.15;
 }
 
@@ -184,13 +183,13 @@ LoopCandidate measured(const RegionGraph& graph, const ArcLoop& given, const Loo
     if (c.loop[i].reversed) std::swap(side[0], side[1]);
     c.side.push_back(side);
   }
-  const double quarter = kPi / 2;
-  c.inside_deg = inside / around.n * 180 / kPi;
+  const double quarter = pi / 2;
+  c.inside_deg = inside / around.n * 180 / pi;
   if (const int ends = fillet_ends(graph, c.loop); ends > 0)
-    inside = (around.n - 2 - prices.fillet_end * ends) * kPi;
+    inside = (around.n - 2 - prices.fillet_end * ends) * pi;
   c.again = std::max(c.again, 0);
-  c.bend = plane_distance(graph, c.loop) / (length / (2 * kPi));
-  c.cost = inside / kPi + prices.twist * around.twist_squares / (quarter * quarter) +
+  c.bend = plane_distance(graph, c.loop) / (length / (2 * pi));
+  c.cost = inside / pi + prices.twist * around.twist_squares / (quarter * quarter) +
            prices.bend * c.bend * c.bend + prices.jump * jumps(around) + prices.again * c.again;
   return c;
 }
@@ -208,10 +207,10 @@ double fold_deg(const LoopCandidate& a, size_t i, const LoopCandidate& b, size_t
   const double turn = wrapped(a.side[i][1] - a.side[i][0]) - wrapped(b.side[j][1] - b.side[j][0]);
   double squares = 0;
   for (const double s : {0.0, 0.25, 0.5, 0.75, 1.0}) {
-    const double fold = kPi - std::abs(wrapped(start + s * turn));
+    const double fold = pi - std::abs(wrapped(start + s * turn));
     squares += fold * fold / 5;
   }
-  return std::sqrt(squares) * 180 / kPi;
+  return std::sqrt(squares) * 180 / pi;
 }
 
 }  // namespace batten

@@ -128,7 +128,7 @@ RegionSearch make_problem(const RegionGraph& graph, const SettledRegions& settle
 }
 
 // Uses of each arc that are still free.
-std::vector<int> free_sides(const RegionSearch& search) {
+std::vector<int> arcs_with_a_free_side(const RegionSearch& search) {
   std::vector<int> left = search.problem.room;
   for (size_t i = 0; i < search.loops.size(); ++i)
     if (search.selected.chosen[i])
@@ -137,7 +137,7 @@ std::vector<int> free_sides(const RegionSearch& search) {
 }
 
 bool has_rims(const RegionSearch& search) {
-  const std::vector<int> left = free_sides(search);
+  const std::vector<int> left = arcs_with_a_free_side(search);
   return std::any_of(left.begin(), left.end(), [](int sides) { return sides == 1; });
 }
 
@@ -147,7 +147,7 @@ bool may_close(const RegionSearch& search, const std::vector<bool>& core) {
   constexpr size_t most_arcs = 2000;
   std::vector<int> left = search.problem.room;
   if (left.size() > most_arcs) return false;
-  const std::vector<int> free = free_sides(search);
+  const std::vector<int> free = arcs_with_a_free_side(search);
   for (size_t a = 0; a < free.size(); ++a)
     if (!core[a])
       left[a] = 0;

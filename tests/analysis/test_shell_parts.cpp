@@ -41,7 +41,7 @@ struct Strip {
 constexpr double kLong = 10;
 Box3 between(double x0, double x1) { return {Vec3(x0, -kLong, -kLong), Vec3(x1, kLong, kLong)}; }
 
-Vec3 downwards(const Vec3&, const Vec3&) { return {0, 0, -Plates::q}; }
+Vec3 weight_down(const Vec3&, const Vec3&) { return {0, 0, -Plates::q}; }
 
 }  // namespace
 
@@ -51,7 +51,7 @@ TEST_CASE("loads in a box are those of its part of the surface, or of a line") {
   for (const auto& [from, to] : {std::pair(0.237, 0.681), {0.51, 0.532}}) {
     const Resultant sum =
         resultant(strip.layout, strip.shape,
-                  area_force(strip.layout, strip.shape, downwards, {{}, between(from, to)}));
+                  area_force(strip.layout, strip.shape, weight_down, {{}, between(from, to)}));
     CHECK(sum.force.z() == Approx(-Plates::q * Strip::W * (to - from)).margin(1e-3 * Plates::q));
     CHECK(sum.moment.y() ==
           Approx(Plates::q * Strip::W * (to * to - from * from) / 2).margin(1e-3 * Plates::q));
@@ -63,7 +63,7 @@ TEST_CASE("loads in a box are those of its part of the surface, or of a line") {
   CHECK(force(line_moment(strip.layout, strip.shape, "tip", 3, half)).moment.y() ==
         Approx(3 * 0.25).epsilon(0.02));
   const Box3 away(Vec3(3, 3, 3), Vec3(4, 4, 4));
-  CHECK_THROWS_WITH(area_force(strip.layout, strip.shape, downwards, {{}, away}),
+  CHECK_THROWS_WITH(area_force(strip.layout, strip.shape, weight_down, {{}, away}),
                     Contains("nothing in the box from [3, 3, 3] to [4, 4, 4]"));
   CHECK_THROWS_WITH(line_force(strip.layout, strip.shape, "tip", {0, 0, 1}, away),
                     Contains("nothing in the box"));
@@ -78,7 +78,7 @@ TEST_CASE("a part that is held is a clamp for the rest, and is moved as told") {
   const double EI = Strip::E * std::pow(Strip::t, 3) / 12, free = Strip::L - held;
   {
     const ShellModel shell(strip.layout, strip.shape, definition);
-    const Points F = area_force(strip.layout, strip.shape, downwards, {{}, between(held, 2)});
+    const Points F = area_force(strip.layout, strip.shape, weight_down, {{}, between(held, 2)});
     const Points q = shell.solve(F);
     // Elements that the border cuts follow what is held of them.
     CHECK(strip.moved(q, {Strip::L, 0.25, 0}).z() ==
@@ -100,7 +100,7 @@ TEST_CASE("half of a line is held as all of it is") {
   const Strip strip;
   ShellDefinition definition = strip.definition();
   definition.lines = {LineSupport::clamped("foot")};
-  const Points F = area_force(strip.layout, strip.shape, downwards);
+  const Points F = area_force(strip.layout, strip.shape, weight_down);
   const auto tip = [&] {
     return strip
         .moved(ShellModel(strip.layout, strip.shape, definition).solve(F), {Strip::L, 0.25, 0})
@@ -110,7 +110,7 @@ TEST_CASE("half of a line is held as all of it is") {
   definition.lines[0].box = between(-1, 2);  // all of it: springs in place of rows
   CHECK(tip() == Approx(rows).epsilon(2e-3));
   definition.lines[0].box = Box3(Vec3(-1, 0.1, -1), Vec3(1, 0.4, 1));
-  CHECK(tip() < 1.02 * rows);  // more, downwards
+  CHECK(tip() < 1.02 * rows);  // more, weight_down
   CHECK(tip() > 2 * rows);
 }
 

@@ -97,8 +97,8 @@ name = "right"
 translate = [0, 0, 1]
 )";
 
-struct Ran {
-  Ran(const Case& c, const std::string& scene) {
+struct RanAssembly {
+  RanAssembly(const Case& c, const std::string& scene) {
     c.file("a.bdf", assembly());
     c.file("s.toml", scene);
     result = c.run({"deform", "s.toml", "--out", "out"});
@@ -122,7 +122,7 @@ struct Ran {
 
 TEST_CASE("everything goes with the plate that it hangs on", "[deform]") {
   const Case c("assembly");
-  const Ran ran(c, kScene + kLift);
+  const RanAssembly ran(c, kScene + kLift);
   INFO(ran.result.err);
   REQUIRE(ran.result.code == 0);
   const auto& attached = ran.json["attached"];
@@ -149,7 +149,7 @@ TEST_CASE("everything goes with the plate that it hangs on", "[deform]") {
 
 TEST_CASE("what is told to stay stays, and ruined solids are said", "[deform]") {
   const Case c("assembly_stay");
-  const Ran ran(
+  const RanAssembly ran(
       c, kScene + "[attached]\nsolids = \"stay\"\nbushes = \"stay\"\nrigid = \"stay\"\n" + kLift +
              "[[edit.handle]]\nname = \"push\"\ntranslate = [0, 0, -1.5]\n[[select]]\nname = "
              "\"push\"\nbox = [[9.9, 5.9, -0.1], [10.1, 6.1, 0.1]]\n");
@@ -169,7 +169,7 @@ TEST_CASE("an edit that moves nothing changes no byte of an assembly", "[deform]
   const Case c("assembly_null");
   std::string still = kScene + kLift;
   still.replace(still.find("[0, 0, 1]"), 9, "[0, 0, 0]");
-  const Ran ran(c, still);
+  const RanAssembly ran(c, still);
   REQUIRE(ran.result.code == 0);
   CHECK(contents(c / "out/a-deformed.bdf") == assembly());
 }

@@ -9,7 +9,7 @@ using namespace batten_test;
 
 namespace {
 
-std::string line(const std::string& name, const std::string& points) {
+std::string line_through(const std::string& name, const std::string& points) {
   return "[[line]]\nname = \"" + name + "\"\npoints = [" + points + "]\n";
 }
 
@@ -22,17 +22,13 @@ std::string arc(const std::string& name, double y, bool reversed) {
     points += "[" + std::to_string(50 * std::cos(a)) + ", " + std::to_string(y) + ", " +
               std::to_string(50 * std::sin(a)) + "],";
   }
-  return line(name, points);
+  return line_through(name, points);
 }
 
 std::string half_cylinder(const std::string& skin) {
   return "unit = \"mm\"\nname = \"half cylinder\"\n" + arc("front", 0, false) +
-         line("left", "[-50,0,0], [-50,120,0]") + arc("back", 120, true) +
-         line("right", "[50,120,0], [50,0,0]") + "[skin]\nedge_length = 10\n" + skin;
-}
-
-nlohmann::json report_of(const Case& c) {
-  return nlohmann::json::parse(contents(c / "out/report.json"));
+         line_through("left", "[-50,0,0], [-50,120,0]") + arc("back", 120, true) +
+         line_through("right", "[50,120,0], [50,0,0]") + "[skin]\nedge_length = 10\n" + skin;
 }
 
 }  // namespace
@@ -42,8 +38,8 @@ TEST_CASE("a half cylinder comes back from its four lines", "[cli][fair]") {
   const double area = std::numbers::pi * 50 * 120;
   c.file("s.toml", half_cylinder(""));
   REQUIRE(c.run({"run", "s.toml", "--out", "out"}).code == 0);
-  CHECK(report_of(c)["surface"]["area"].get<double>() < 0.95 * area);
-  CHECK_FALSE(report_of(c)["surface"].contains("fairing"));
+  CHECK(report(c, "out")["surface"]["area"].get<double>() < 0.95 * area);
+  CHECK_FALSE(report(c, "out")["surface"].contains("fairing"));
   fs::remove_all(c / "out");
 
   c.file("s.toml", half_cylinder("fair = \"variation\"\n"));
@@ -51,7 +47,7 @@ TEST_CASE("a half cylinder comes back from its four lines", "[cli][fair]") {
   INFO(r.err);
   REQUIRE(r.code == 0);
   CHECK(r.out.find("faired") != std::string::npos);
-  const auto surface = report_of(c)["surface"];
+  const auto surface = batten_test::report(c, "out")["surface"];
   CHECK(surface["area"].get<double>() == Approx(area).epsilon(0.003));
   CHECK(surface["fairing"]["converged"] == true);
   CHECK(surface["fairing"]["functional"] < surface["fairing"]["start_functional"]);
@@ -93,9 +89,9 @@ TEST_CASE("loads bend a fair shape, and a live session comes back to it", "[cli]
                                "--sweep", "swell=-100:0:2"});
     INFO(live.err);
     REQUIRE(live.code == 4);  // the two contact sheets, for want of a display
-    const auto sweeps = report_of(c)["sculpting"]["sweeps"];
+    const auto sweeps = batten_test::report(c, "out")["sculpting"]["sweeps"];
     // Back where it began, the surface is what `run` makes.
-    CHECK(report_of(c)["surface"]["area"].get<double>() ==
+    CHECK(report(c, "out")["surface"]["area"].get<double>() ==
           Approx(still["area"].get<double>()).epsilon(1e-7));
     CHECK(sweeps[0]["rows"][2]["area"].get<double>() > area);
     CHECK(sweeps[0]["rows"][2]["residual"].get<double>() < 1e-10);
@@ -113,7 +109,7 @@ TEST_CASE("a loft runs straight between sections, and names what is no section",
   INFO(r.err);
   REQUIRE(r.code == 0);
   CHECK(r.out.find("lofted") != std::string::npos);
-  const auto surface = report_of(c)["surface"];
+  const auto surface = batten_test::report(c, "out")["surface"];
   CHECK(surface["fair"] == "loft");
   CHECK(surface["area"].get<double>() == Approx(area).epsilon(0.002));
   CHECK(surface["max_line_residual"].get<double>() < 1e-10);
@@ -142,14 +138,14 @@ TEST_CASE("a surface of one region that passes through itself says so", "[cli][f
       points += "[" + std::to_string(50 * (t * t - 1)) + ", " + std::to_string(y + 5 * t) + ", " +
                 std::to_string(50 * t * (t * t - 1)) + "],";
     }
-    return line(name, points);
+    return line_through(name, points);
   };
   const auto side = [](const std::string& name, double t, bool reversed) {
     const std::string end = ", " + std::to_string(50 * t * (t * t - 1)) + "]",
                       start = "[" + std::to_string(50 * (t * t - 1)) + ", ";
     const std::string near = start + std::to_string(5 * t) + end,
                       far = start + std::to_string(40 + 5 * t) + end;
-    return line(name, reversed ? far + "," + near : near + "," + far);
+    return line_through(name, reversed ? far + "," + near : near + "," + far);
   };
   c.file("s.toml", "unit = \"mm\"\nname = \"alpha\"\n" + loop("front", 0, false) +
                        side("right", 1.5, false) + loop("back", 40, true) +
@@ -157,7 +153,7 @@ TEST_CASE("a surface of one region that passes through itself says so", "[cli][f
   const Result r = c.run({"run", "s.toml", "--out", "out"});
   CHECK(r.code == 4);
   CHECK(r.out.find("passes through itself") != std::string::npos);
-  const auto flaws = report_of(c)["flaws"];
+  const auto flaws = batten_test::report(c, "out")["flaws"];
   REQUIRE(flaws.size() == 1);
   CHECK(flaws[0]["kind"] == "crossing");
 }
@@ -172,7 +168,7 @@ TEST_CASE("sections alone make a surface: their rails are found", "[cli][fair]")
       points += "[" + std::to_string(50 * x) + ", " + std::to_string(y) + ", " +
                 std::to_string(height * (1 - x * x)) + "],";
     }
-    return line(name, points);
+    return line_through(name, points);
   };
   const std::string sections =
       arch("b", 60, 30, true) + arch("a", 0, 20, false) + arch("c", 130, 25, false);
@@ -184,7 +180,7 @@ TEST_CASE("sections alone make a surface: their rails are found", "[cli][fair]")
   const Result r = c.run({"run", "s.toml", "--out", "out"});
   INFO(r.err);
   REQUIRE(r.code == 0);
-  const auto report = report_of(c);
+  const auto report = batten_test::report(c, "out");
   CHECK(report["lines"]["count"] == 5);
   CHECK(report["surface"]["max_line_residual"].get<double>() < 1e-10);
   CHECK(report["flaws"].empty());

@@ -8,11 +8,7 @@ using namespace batten_test;
 
 namespace {
 
-constexpr double pi = std::numbers::pi;
-
-nlohmann::json report_of(const Case& c) {
-  return nlohmann::json::parse(contents(c / "out/report.json"));
-}
+using std::numbers::pi;
 
 std::string arc_points(int count, double y, bool backwards) {
   std::string text = "points = [";
@@ -44,7 +40,7 @@ TEST_CASE("arcs of five, nine and seventeen points are one half cylinder", "[cli
     const Result r = c.run({"run", "s.toml", "--out", "out"});
     INFO(r.err);
     REQUIRE(r.code == 0);
-    const auto report = report_of(c);
+    const auto report = batten_test::report(c, "out");
     CHECK(report["lines"]["count"] == 4);
     CHECK(report["surface"]["area"].get<double>() == Approx(area).epsilon(3e-4));
     CHECK(report["surface"]["max_line_deviation"].get<double>() < 0.02);
@@ -70,7 +66,7 @@ TEST_CASE("words for curves make the same half cylinder, and copies of its arc",
     const Result r = c.run({"run", "s.toml", "--out", "out"});
     INFO(r.err);
     REQUIRE(r.code == 0);
-    CHECK(report_of(c)["surface"]["area"].get<double>() == Approx(pi * 50 * 120).epsilon(3e-4));
+    CHECK(report(c, "out")["surface"]["area"].get<double>() == Approx(pi * 50 * 120).epsilon(3e-4));
     fs::remove_all(c / "out");
   }
 }
@@ -87,7 +83,7 @@ TEST_CASE("a lid with a circular hole, a rectangle with round corners", "[cli][l
   INFO(r.err);
   REQUIRE(r.code == 0);
   const double area = 100 * 60 - (4 - pi) * 64 - pi * 144;
-  CHECK(report_of(c)["surface"]["area"].get<double>() == Approx(area).epsilon(3e-4));
+  CHECK(report(c, "out")["surface"]["area"].get<double>() == Approx(area).epsilon(3e-4));
 }
 
 TEST_CASE("corners are stated by the numbers of points", "[cli][lines]") {
@@ -108,7 +104,7 @@ TEST_CASE("corners are stated by the numbers of points", "[cli][lines]") {
     const Result r = c.run({"run", "s.toml", "--out", "out"});
     INFO(r.err);
     REQUIRE(r.code == 0);
-    CHECK(report_of(c)["lines"]["count"] == lines);
+    CHECK(report(c, "out")["lines"]["count"] == lines);
     fs::remove_all(c / "out");
   }
   c.fails(keel + "corners = [6]\n" + rest, 1, {"s.toml:5:", "found 6", "1 to 5"});

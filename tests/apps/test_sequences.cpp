@@ -81,7 +81,7 @@ nlohmann::json done(const Case& c, const std::string& scene, const std::string& 
   return r.code == 0 ? report(c, out, report_name(more)) : nlohmann::json();
 }
 
-std::map<std::string, std::string> files_in(const fs::path& folder) {
+std::map<std::string, std::string> contents_in(const fs::path& folder) {
   std::map<std::string, std::string> all;
   for (const auto& entry : fs::directory_iterator(folder))
     all[entry.path().filename().string()] = contents(entry.path());
@@ -223,22 +223,22 @@ TEST_CASE("parts of the frames are the whole's, and a run goes on where it was s
   put_walk(c);
   const std::string scene = kHead + kKeyframes;
   done(c, scene, "whole");
-  const auto whole = files_in(c / "whole/frames");
+  const auto whole = contents_in(c / "whole/frames");
   for (const std::string part : {"1:5", "6:6", "7:17"}) {
     const auto j = done(c, scene, "parts", {"--frames", part});
     CHECK(j["sequence"]["found"].get<int>() == 0);
   }
-  CHECK(files_in(c / "parts/frames") == whole);
+  CHECK(contents_in(c / "parts/frames") == whole);
   // Some are there, others not.
   fs::remove(c / "parts/frames/frame_0003.obj");
   fs::remove(c / "parts/frames/frame_0009.obj");
   CHECK(done(c, scene, "parts")["sequence"]["found"].get<int>() == 15);
-  CHECK(files_in(c / "parts/frames") == whole);
+  CHECK(contents_in(c / "parts/frames") == whole);
   // Another scene, other input: all anew.
   std::string other = scene;
   other.replace(other.find("0.3]"), 3, "0.2");
   CHECK(done(c, other, "parts")["sequence"]["found"].get<int>() == 0);
-  CHECK(files_in(c / "parts/frames") != whole);
+  CHECK(contents_in(c / "parts/frames") != whole);
   MeshSequence moved_walk = walk_on_the_spot();
   for (Points& p : moved_walk.frames) p(7, 2) += 1e-3;
   fs::remove_all(c / "in");

@@ -7,15 +7,16 @@ using namespace batten_test;
 
 namespace {
 
-std::string line(const std::string& name, const std::string& points) {
+std::string line_of(const std::string& name, const std::string& points) {
   return "[[line]]\nname = \"" + name + "\"\npoints = " + points + "\n";
 }
 
 // A plate of 100 by 100, of steel in mm.
 std::string plate(const std::string& stress) {
-  return "name = \"plate\"\nunit = \"mm\"\n" + line("a", "[[0,0,0],[100,0,0]]") +
-         line("b", "[[100,0,0],[100,100,0]]") + line("c", "[[100,100,0],[0,100,0]]") +
-         line("d", "[[0,100,0],[0,0,0]]") + "[skin]\nedge_length = 20\n[stress]\n" + stress + "\n";
+  return "name = \"plate\"\nunit = \"mm\"\n" + line_of("a", "[[0,0,0],[100,0,0]]") +
+         line_of("b", "[[100,0,0],[100,100,0]]") + line_of("c", "[[100,100,0],[0,100,0]]") +
+         line_of("d", "[[0,100,0],[0,0,0]]") + "[skin]\nedge_length = 20\n[stress]\n" + stress +
+         "\n";
 }
 
 const std::string kSteel = "thickness = 1\nmaterial = \"steel\"\n";
@@ -230,8 +231,8 @@ TEST_CASE("what a stress analysis cannot be made of is refused by its place") {
 TEST_CASE("a region that hangs free is named") {
   const Case c("stress_free");
   const std::string far =
-      line("e", "[[300,0,0],[400,0,0]]") + line("f", "[[400,0,0],[400,100,0]]") +
-      line("g", "[[400,100,0],[300,100,0]]") + line("h", "[[300,100,0],[300,0,0]]");
+      line_of("e", "[[300,0,0],[400,0,0]]") + line_of("f", "[[400,0,0],[400,100,0]]") +
+      line_of("g", "[[400,100,0],[300,100,0]]") + line_of("h", "[[300,100,0],[300,0,0]]");
   std::string scene = plate(kSteel + kClamped + "pressure = 1");
   scene.insert(scene.find("[skin]"), far + "[network]\n");
   c.file("s.toml", scene);

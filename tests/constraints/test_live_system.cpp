@@ -17,7 +17,7 @@ using namespace batten_test;
 namespace {
 
 // A clamped plate with random functionals on its dofs.
-struct Plate {
+struct LivePlate {
   ParametricMesh mesh = perturbed_square(6, 3);
   SurfaceAssembler assembler{mesh, TriangleElement::HCT};
   SparseMatrix K = assembler.stiffness(SurfaceStiffness::isotropic(1, 0.1));
@@ -67,7 +67,7 @@ double size_of(const SparseMatrix& A, int k) { return A.col(k).norm(); }
 }  // namespace
 
 TEST_CASE("hard rows on a kept factor equal the saddle point system") {
-  Plate p;
+  LivePlate p;
   const SparseMatrix A = p.functionals(9);
   std::vector<Coupling::Row> rows;
   ConstraintSet all = p.rim;
@@ -97,7 +97,7 @@ TEST_CASE("hard rows on a kept factor equal the saddle point system") {
 }
 
 TEST_CASE("soft rows equal springs in the matrix, whatever their stiffness") {
-  Plate p;
+  LivePlate p;
   const SparseMatrix A = p.functionals(3);
   const VecX g = VecX::Random(9);
   for (const double k : {0.0, 1e-3, 1.0, 1e6}) {
@@ -119,7 +119,7 @@ TEST_CASE("soft rows equal springs in the matrix, whatever their stiffness") {
 }
 
 TEST_CASE("hard and soft rows together equal springs under constraints") {
-  Plate p;
+  LivePlate p;
   const SparseMatrix A = p.functionals(4);
   std::vector<Coupling::Row> rows;
   VecX g = VecX::Random(6);
@@ -146,7 +146,7 @@ TEST_CASE("hard and soft rows together equal springs under constraints") {
 }
 
 TEST_CASE("solves that are known already are taken over, bit for bit") {
-  Plate p;
+  LivePlate p;
   const SparseMatrix A = p.functionals(5), first = A.leftCols(3);
   std::vector<Coupling::Row> rows;
   for (int k = 0; k < 5; ++k) rows.push_back({k, p.direction(), size_of(A, k)});
@@ -158,7 +158,7 @@ TEST_CASE("solves that are known already are taken over, bit for bit") {
 }
 
 TEST_CASE("a hard row that others imply is left out, and contradicted when it does not fit") {
-  Plate p;
+  LivePlate p;
   SparseMatrix A = p.functionals(2);
   std::vector<Coupling::Row> rows{{0, Vec3::UnitZ(), size_of(A, 0)},
                                   {1, Vec3::UnitZ(), size_of(A, 1)},
@@ -172,7 +172,7 @@ TEST_CASE("a hard row that others imply is left out, and contradicted when it do
 }
 
 TEST_CASE("rows that follow from those before are left out wherever they stand") {
-  Plate p;
+  LivePlate p;
   constexpr int points = 12;
   const SparseMatrix A = p.functionals(points);
   std::vector<Coupling::Row> rows;
@@ -233,7 +233,7 @@ TEST_CASE("more rows than unknowns: those that fit are kept") {
 }
 
 TEST_CASE("a live system takes other numbers, and stays as it was when they are no material") {
-  Plate p;
+  LivePlate p;
   const SparseMatrix softer = p.assembler.stiffness(SurfaceStiffness::isotropic(0.5, 0.05));
   const auto solved = [&] {
     MatX y(p.system.free_count(), 3);

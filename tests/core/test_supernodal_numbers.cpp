@@ -69,15 +69,15 @@ SparseMatrix arrow(int n, int heads) {
   return A;
 }
 
-SparseMatrix diagonal(int n) {
+SparseMatrix halves(int n) {
   SparseMatrix A(n, n);
   for (int i = 0; i < n; ++i) A.insert(i, i) = i + 0.5;
   return A;
 }
 
 std::vector<SparseMatrix> matrices() {
-  std::vector<SparseMatrix> all = {diagonal(1),
-                                   diagonal(77),
+  std::vector<SparseMatrix> all = {halves(1),
+                                   halves(77),
                                    arrow(300, 1),
                                    arrow(500, 37),
                                    scattered(50, 2),

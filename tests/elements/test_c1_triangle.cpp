@@ -92,10 +92,6 @@ Eigen::Matrix<double, 6, 1> surface_at(const C1Triangle& element, const Vec12& q
   return element.evaluate(L).transpose() * q;
 }
 
-double relative_error(const MatX& found, const MatX& expected) {
-  return (found - expected).cwiseAbs().maxCoeff() / expected.cwiseAbs().maxCoeff();
-}
-
 MatX matrix(const nlohmann::json& rows) {
   MatX m(rows.size(), rows[0].size());
   for (long i = 0; i < m.rows(); ++i)

@@ -8,6 +8,7 @@
 #include "batten/elements/quadrature.h"
 #include "batten/tests/catch.h"
 #include "batten/tests/reference.h"
+#include "batten/tests/sampling.h"
 
 using namespace batten;
 
@@ -17,15 +18,11 @@ using Linear = HermiteSegment::Linear;
 using Matrix = HermiteSegment::Matrix;
 using Vector = HermiteSegment::Vector;
 
-Matrix matrix(const nlohmann::json& rows) {
+Matrix matrix_of(const nlohmann::json& rows) {
   Matrix m;
   for (int i = 0; i < 4; ++i)
     for (int j = 0; j < 4; ++j) m(i, j) = rows[i][j];
   return m;
-}
-
-double relative_error(const MatX& found, const MatX& expected) {
-  return (found - expected).cwiseAbs().maxCoeff() / expected.cwiseAbs().maxCoeff();
 }
 
 // Dofs of u^e on a segment from u0 to u0 + h.
@@ -46,7 +43,7 @@ TEST_CASE("segment matrices are the reference matrices for every length") {
     CHECK(segment.length() == h);
     const auto check = [&](const Matrix& found, const char* name) {
       INFO(name);
-      CHECK(relative_error(found, matrix(expected[name])) < 1e-12);
+      CHECK(relative_error(found, matrix_of(expected[name])) < 1e-12);
     };
     check(segment.stretching(), "K_alpha1");
     check(segment.bending(), "K_beta1");

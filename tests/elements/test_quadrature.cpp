@@ -16,7 +16,7 @@ double monomial_integral(int a, int b, int c) {
   return 2 * factorial(a) * factorial(b) * factorial(c) / factorial(a + b + c + 2);
 }
 
-double power(double x, int e) { return e == 0 ? 1 : x * power(x, e - 1); }
+double whole_power(double x, int e) { return e == 0 ? 1 : x * whole_power(x, e - 1); }
 
 // Largest error over all monomials L1^a L2^b L3^c with a + b + c = degree.
 double error_at_degree(const TriangleRule& rule, int degree) {
@@ -26,8 +26,8 @@ double error_at_degree(const TriangleRule& rule, int degree) {
       const int c = degree - a - b;
       double sum = 0;
       for (long p = 0; p < rule.weights.size(); ++p)
-        sum += rule.weights[p] * power(rule.L(p, 0), a) * power(rule.L(p, 1), b) *
-               power(rule.L(p, 2), c);
+        sum += rule.weights[p] * whole_power(rule.L(p, 0), a) * whole_power(rule.L(p, 1), b) *
+               whole_power(rule.L(p, 2), c);
       worst = std::max(worst, std::abs(sum - monomial_integral(a, b, c)));
     }
   return worst;
@@ -90,13 +90,14 @@ TEST_CASE("Gauss-Legendre with n points is exact to degree 2n-1") {
     }
     const auto integral = [&](int degree) {
       double sum = 0;
-      for (int i = 0; i < n; ++i) sum += rule.weights[i] * power(rule.s[i], degree);
+      for (int i = 0; i < n; ++i) sum += rule.weights[i] * whole_power(rule.s[i], degree);
       return sum;
     };
     for (int degree = 0; degree < 2 * n; ++degree)
       CHECK(std::abs(integral(degree) - 1.0 / (degree + 1)) < 1e-15);
     // The error at degree 2n is known: (n!)^4 / ((2n+1) ((2n)!)²).
-    const double missing = power(factorial(n), 4) / ((2 * n + 1) * power(factorial(2 * n), 2));
+    const double missing =
+        whole_power(factorial(n), 4) / ((2 * n + 1) * whole_power(factorial(2 * n), 2));
     CHECK(std::abs(1.0 / (2 * n + 1) - integral(2 * n) - missing) < 1e-6 * missing + 1e-15);
   }
 }
@@ -127,8 +128,8 @@ TEST_CASE("split rules integrate piecewise polynomials on the three sub-triangle
               L.minCoeff(&sub);
               REQUIRE(sub == p / n);  // ordered by sub-triangle
               if (sub != s) continue;
-              sum += rule.weights[p] * power(L[(s + 1) % 3] - L[s], a) *
-                     power(L[(s + 2) % 3] - L[s], b) * power(3 * L[s], c);
+              sum += rule.weights[p] * whole_power(L[(s + 1) % 3] - L[s], a) *
+                     whole_power(L[(s + 2) % 3] - L[s], b) * whole_power(3 * L[s], c);
             }
             CHECK(std::abs(sum - monomial_integral(a, b, c) / 3) < 1e-15);
           }
@@ -152,7 +153,7 @@ TEST_CASE("the six-Duffy rule is exact to degree 2m-2 and resolves the rational 
     double sum = 0;
     for (long p = 0; p < rule.weights.size(); ++p) {
       const double x = rule.L(p, 0), y = rule.L(p, 1), z = rule.L(p, 2);
-      sum += rule.weights[p] * power(y / (x + y), 4) * power(z / (x + z), 2);
+      sum += rule.weights[p] * whole_power(y / (x + y), 4) * whole_power(z / (x + z), 2);
     }
     return std::abs(sum - 1.0 / 9);
   };

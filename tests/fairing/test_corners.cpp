@@ -11,7 +11,7 @@ namespace {
 
 using Numbers = std::vector<int>;
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 std::vector<Vec3> arc(int points, double degrees) {
   std::vector<Vec3> all;

@@ -23,7 +23,7 @@ using Catch::Matchers::Contains;
 
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 CurvatureOptions options_of(CurveFunctional functional, int segments, double tolerance = 1e-7) {
   CurvatureOptions options;

@@ -18,7 +18,7 @@ using Catch::Matchers::Contains;
 
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 std::vector<Vec3> points_of(int n, const std::function<Vec3(double)>& x, bool closed = false) {
   std::vector<Vec3> points;

@@ -11,7 +11,7 @@ using Catch::Matchers::Contains;
 
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 // Largest difference between the derivatives and differences of the curve.
 double error_of_derivatives(const InputCurve& curve) {

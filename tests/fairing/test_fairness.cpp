@@ -13,7 +13,7 @@ using namespace batten_test;
 
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 HermiteCurve sampled(int segments, double from, double to,
                      const std::function<Vec3(double, int)>& x, bool closed = false) {

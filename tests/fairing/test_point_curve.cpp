@@ -13,9 +13,9 @@ using Catch::Matchers::Contains;
 
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
-std::vector<Vec3> arc(int points, double degrees) {
+std::vector<Vec3> arc_at_seven(int points, double degrees) {
   std::vector<Vec3> all;
   for (int i = 0; i < points; ++i) {
     const double t = degrees * pi / 180 * i / (points - 1);
@@ -65,12 +65,12 @@ TEST_CASE("points of an arc give the arc") {
   const auto off = [](const Vec3& p) { return Vec2(p.x(), p.z()).norm() - 50; };
   for (const auto& [points, within] : {std::pair(4, 1e-4), {5, 1e-5}, {9, 1e-7}, {17, 2e-9}}) {
     INFO(points);
-    const auto curve = curve_through_points("arc", arc(points, 180));
+    const auto curve = curve_through_points("arc", arc_at_seven(points, 180));
     CHECK(farthest(*curve, off) < 50 * within);
     CHECK(jumps(*curve).first < 1e-6);
     CHECK(jumps(*curve).second < 1e-6);
   }
-  const auto circle = curve_through_points("circle", arc(9, 360));
+  const auto circle = curve_through_points("circle", arc_at_seven(9, 360));
   CHECK(farthest(*circle, off) < 5e-4);
   CHECK(degrees_between(circle->evaluate(circle->start(), 1), circle->evaluate(circle->end(), 1)) <
         1e-6);

@@ -46,10 +46,6 @@ double energy(const SparseMatrix& lower, const VecX& q) {
   return q.dot(VecX(lower.selfadjointView<Eigen::Lower>() * q));
 }
 
-double relative_error(const MatX& found, const MatX& expected) {
-  return (found - expected).cwiseAbs().maxCoeff() / expected.cwiseAbs().maxCoeff();
-}
-
 bool same_bits(const SparseMatrix& a, const SparseMatrix& b) {
   return a.nonZeros() == b.nonZeros() &&
          std::memcmp(a.valuePtr(), b.valuePtr(), sizeof(double) * a.nonZeros()) == 0;

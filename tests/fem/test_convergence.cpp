@@ -12,7 +12,7 @@ using namespace batten_test;
 
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 // Dofs of the boundary: all of them (clamped), or w and the slope along the sides of the square.
 std::vector<char> held_dofs(const ParametricMesh& mesh, bool clamped) {
   const DofMap dofs(mesh);

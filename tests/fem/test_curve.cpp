@@ -13,7 +13,7 @@ using namespace batten_test;
 
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 // Nodes on a function u → (X, X').
 template <class Function>

@@ -34,7 +34,7 @@ HermiteCurve random_curve(const CurveMesh& mesh, unsigned seed) {
   return {mesh, dofs};
 }
 
-MatX dense(const SparseMatrix& lower) {
+MatX whole(const SparseMatrix& lower) {
   return MatX(SparseMatrix(lower.selfadjointView<Eigen::Lower>()));
 }
 
@@ -104,7 +104,7 @@ TEST_CASE("energies of any mesh equal quadrature of the curve, with weights line
         mass += du * weight[s] * curve.evaluate({s, x}).squaredNorm();
       }
     const auto energy = [&](const SparseMatrix& K) {
-      return curve.dofs().cwiseProduct(dense(K) * curve.dofs()).sum();
+      return curve.dofs().cwiseProduct(whole(K) * curve.dofs()).sum();
     };
     CHECK(energy(assembler.stiffness(alpha, {0})) == Approx(stretching).epsilon(1e-13));
     CHECK(energy(assembler.stiffness({0}, beta)) == Approx(bending).epsilon(1e-13));

@@ -16,6 +16,12 @@
 
 namespace batten_test {
 
+/// Largest difference of a coordinate, over the size of the expected points.
+inline double relative(const Points& found, const Points& expected) {
+  return (found - expected).cwiseAbs().maxCoeff() /
+         (expected.colwise().maxCoeff() - expected.colwise().minCoeff()).norm();
+}
+
 /// n×n×2 triangles of the unit square, diagonals either way, inner vertices moved by up to `jitter`
 /// of the spacing. Vertex (i, j) has the number j (n+1) + i.
 inline TriangleMesh flat_square(int n, double jitter, unsigned seed) {

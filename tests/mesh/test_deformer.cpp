@@ -75,10 +75,6 @@ struct Case {
   }
 };
 
-double relative(const Points& a, const Points& b) {
-  return (a - b).cwiseAbs().maxCoeff() / (b.colwise().maxCoeff() - b.colwise().minCoeff()).norm();
-}
-
 }  // namespace
 
 TEST_CASE("without features the deformer solves the dense least-squares problem") {

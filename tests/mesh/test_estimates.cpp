@@ -63,16 +63,12 @@ std::vector<std::unique_ptr<DeformEstimate>> all_kinds(const TriangleMesh& mesh,
   return all;
 }
 
-HandleMove some_move() {
+HandleMove other_move() {
   HandleMove move;
   move.about = {4, 2, 0};
   move.turn = rotation_log({0.3, 1, 0.2}, 0.6);
   move.shift = {-0.2, 0.1, 0.9};
   return move;
-}
-
-double relative(const Points& a, const Points& b) {
-  return (a - b).cwiseAbs().maxCoeff() / (b.colwise().maxCoeff() - b.colwise().minCoeff()).norm();
 }
 
 }  // namespace
@@ -125,7 +121,7 @@ TEST_CASE("estimates: the energy falls from round to round and what is reported 
   for (const auto& deformer : all_kinds(c.mesh, quads_of_sheet(16), c.left, {{"right", c.right}})) {
     const Points before = deformer->positions();
     CHECK(before == c.mesh.points());
-    deformer->deform(std::vector{some_move()});
+    deformer->deform(std::vector{other_move()});
     const EstimateReport report = deformer->report();
     CHECK(report.rounds > 3);
     REQUIRE(report.energies.size() == static_cast<size_t>(report.rounds));
@@ -137,12 +133,12 @@ TEST_CASE("estimates: the energy falls from round to round and what is reported 
     // What is held is there to the last bit.
     for (const int v : c.left) CHECK(deformer->positions().row(v) == c.mesh.points().row(v));
     for (const int v : c.right)
-      CHECK(deformer->positions().row(v).transpose() == some_move()(c.mesh.point(v)));
+      CHECK(deformer->positions().row(v).transpose() == other_move()(c.mesh.point(v)));
   }
   NonlinearOptions few;
   few.most_rounds = 3;
   NonlinearDeformer deformer(c.mesh, c.left, {{"right", c.right}}, few);
-  deformer.deform(std::vector{some_move()});
+  deformer.deform(std::vector{other_move()});
   CHECK(deformer.report().rounds == 3);
   CHECK_FALSE(deformer.report().converged);
   CHECK(deformer.report().last_change > 1e-6);
@@ -181,7 +177,7 @@ TEST_CASE("estimates: one factor for all rounds and edits, and rounds allocate n
     const auto deformer = make(kind);
     CHECK(making.of(Work::Factorization) == 1);
     CHECK(making.of(Work::Analysis) == 1);
-    std::vector<HandleMove> moves = {some_move()};
+    std::vector<HandleMove> moves = {other_move()};
     deformer->deform(moves);
     const WorkCount work;
     std::int64_t rounds = 0;
@@ -204,7 +200,7 @@ TEST_CASE("the nonlinear energy is that of spokes and rims with cotangents") {
   options.smoothing = 0.003;
   options.most_rounds = 5;
   NonlinearDeformer deformer(c.mesh, c.left, {{"right", c.right}}, options);
-  const Points p = deformer.deform(std::vector{some_move()});
+  const Points p = deformer.deform(std::vector{other_move()});
   const auto& R = deformer.vertex_rotations();
   const Eigen::Matrix3Xd half = half_cotangents(c.mesh);
   double energy = 0, area = 0;
@@ -235,7 +231,7 @@ TEST_CASE("the dual energy is that of its header, and Laplacian vectors stand up
   options.border = DualLaplacianOptions::Border::EdgeMiddles;
   options.primal = 0;
   DualLaplacianDeformer deformer(c.mesh, {}, c.left, {{"right", c.right}}, options);
-  const Points p = deformer.deform(std::vector{some_move()});
+  const Points p = deformer.deform(std::vector{other_move()});
   const MeshTopology& topology = c.mesh.topology();
   const auto centre = [&](const Points& x, int t) {
     const auto& v = topology.triangles()[t];
@@ -376,10 +372,10 @@ TEST_CASE("estimates: same bits on one thread and on several, and again after an
         deformer = std::make_unique<DualLaplacianDeformer>(c.mesh, Faces{}, c.left, handles);
       else
         deformer = std::make_unique<NonlinearDeformer>(c.mesh, c.left, handles);
-      const Points first = deformer->deform(std::vector{some_move()});
+      const Points first = deformer->deform(std::vector{other_move()});
       deformer->deform(std::vector{HandleMove{}});
       CHECK(relative(deformer->positions(), c.mesh.points()) < 1e-10);
-      CHECK(deformer->deform(std::vector{some_move()}) == first);
+      CHECK(deformer->deform(std::vector{other_move()}) == first);
       return first;
     };
     const Points many = answer();
@@ -459,5 +455,5 @@ TEST_CASE("estimates: bad input is refused with what was found") {
   // A vertex held twice: no conflict while both agree.
   NonlinearDeformer twice(c.mesh, c.left, {{"right", c.right}, {"both", {c.left[0], c.right[0]}}});
   twice.deform(std::vector<HandleMove>(2));
-  CHECK_THROWS_AS(twice.deform(std::vector{some_move(), HandleMove{}}), ConflictError);
+  CHECK_THROWS_AS(twice.deform(std::vector{other_move(), HandleMove{}}), ConflictError);
 }

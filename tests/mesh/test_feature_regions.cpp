@@ -41,10 +41,6 @@ double angle_between(const Mat3& a, const Mat3& b) {
   return Eigen::AngleAxisd(a.transpose() * b).angle();
 }
 
-double relative(const Points& a, const Points& b) {
-  return (a - b).cwiseAbs().maxCoeff() / (b.colwise().maxCoeff() - b.colwise().minCoeff()).norm();
-}
-
 FeatureRegionOptions options_of(Kind kind) {
   FeatureRegionOptions options;
   options.kind = kind;

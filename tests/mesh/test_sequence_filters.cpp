@@ -13,7 +13,7 @@ using namespace batten_test;
 
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 std::vector<SignalFilter> all_filters() {
   return {SignalFilter::low_pass(2), SignalFilter::high_pass(3), SignalFilter::cartoon(1.5, 0.8)};

@@ -14,7 +14,7 @@ using namespace batten_test;
 
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 /// Frames of steps: still in [5, 14], [25, 31], [40, 49], with noise of at most `noise`, else on
 /// the way.

@@ -197,8 +197,8 @@ HermiteCurve with_few_segments(const std::string& name, const HermiteCurve& curv
   return fit_curve(name, std::make_shared<AsFormula>(curve), options);
 }
 
-std::vector<double> scaled(std::vector<double> u, const HermiteCurve& from,
-                           const HermiteCurve& to) {
+std::vector<double> to_the_new_length(std::vector<double> u, const HermiteCurve& from,
+                                      const HermiteCurve& to) {
   for (double& t : u)
     t = to.start() + (t - from.start()) / (from.end() - from.start()) * (to.end() - to.start());
   return u;
@@ -296,7 +296,7 @@ void Fairing::run_stages(size_t line, FairedResult& result) {
       report.faired = true;
     } else if (work_[line][s].acts && settings_.stages[s].minimum) {
       const CurvatureCurve least = least_curvature(line, s, curve, at(curve, u));
-      u = scaled(std::move(u), curve, least.curve);
+      u = to_the_new_length(std::move(u), curve, least.curve);
       curve = least.curve;
       report.faired = true;
       report.rounds = least.rounds;
@@ -329,7 +329,7 @@ void Fairing::run_stages(size_t line, FairedResult& result) {
   }
   if (settings_.segments > 0) {
     HermiteCurve few = with_few_segments(names_[line], curve, settings_.segments);
-    u = scaled(std::move(u), curve, few);
+    u = to_the_new_length(std::move(u), curve, few);
     result.states.back() = std::move(few);
   }
   result.parameters = nearest_in_order(result.states.back(), points, u);

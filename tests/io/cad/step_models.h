@@ -17,6 +17,8 @@ namespace batten_test {
 
 using namespace batten;
 
+constexpr double kMm = 0.001;
+
 inline CharacterLine straight(const std::string& name, const Vec3& a, const Vec3& b) {
   return {name, curve_through_points(name, {a, b})};
 }

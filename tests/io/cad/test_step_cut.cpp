@@ -19,9 +19,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr double kMm = 0.001;
-
-fs::path file_of(const std::string& name) { return scratch("step_cut") / (name + ".step"); }
+fs::path cut_file(const std::string& name) { return scratch("step_cut") / (name + ".step"); }
 
 bool is_cut(const SkinnedRegion* region) { return region->surface.trim() != nullptr; }
 
@@ -70,7 +68,8 @@ Count expected(const std::vector<const SkinnedRegion*>& regions) {
 
 /// `within`: of the volume, relative; `apart`: of the curves that two regions have of one line,
 /// over the size.
-void expect_solid(const StepReport& r, const MadeModel& made, double within, double apart = 1e-9) {
+void expect_cut_solid(const StepReport& r, const MadeModel& made, double within,
+                      double apart = 1e-9) {
   REQUIRE(made.model.shells.size() == 1);
   const auto regions = made.model.skinned();
   const Count count = expected(regions);
@@ -144,9 +143,9 @@ RegionOptions surfaces(const std::vector<std::vector<std::string>>& loops) {
 TEST_CASE("the whole mouse is one solid on its flat side too, which Gmsh opens",
           "[step_cut][mouse]") {
   const MadeModel made = mouse(12, false);
-  const fs::path file = file_of("mouse");
+  const fs::path file = cut_file("mouse");
   const StepReport r = write_step(file, made.model.skinned(), kMm, {.file = {.name = "mouse"}});
-  expect_solid(r, made, 1e-6);
+  expect_cut_solid(r, made, 1e-6);
   REQUIRE(r.patches.size() == 1);
   CHECK(r.patches[0].region == "bottom");
   CHECK(r.tolerance == Approx(1e-4 * r.size).epsilon(0.05));
@@ -167,8 +166,8 @@ TEST_CASE("a curved side that is cut keeps its tolerance, whatever that is", "[s
   REQUIRE(std::count_if(regions.begin(), regions.end(), is_cut) == 1);
   for (const double tolerance : {0.0, 1e-3}) {
     CAPTURE(tolerance);
-    const StepReport r = write_step(file_of("house"), regions, kMm, {.tolerance = tolerance});
-    expect_solid(r, made, 1e-4);
+    const StepReport r = write_step(cut_file("house"), regions, kMm, {.tolerance = tolerance});
+    expect_cut_solid(r, made, 1e-4);
     if (tolerance > 0) CHECK(r.tolerance == tolerance);
   }
 }
@@ -186,8 +185,8 @@ TEST_CASE("two cut sides have the closed line between them in common as two edge
   const auto regions = made.model.skinned();
   REQUIRE(regions.size() == 10);
   REQUIRE(std::count_if(regions.begin(), regions.end(), is_cut) == 2);
-  const StepReport r = write_step(file_of("drain"), regions, kMm);
-  expect_solid(r, made, 1e-4);
+  const StepReport r = write_step(cut_file("drain"), regions, kMm);
+  expect_cut_solid(r, made, 1e-4);
 }
 
 TEST_CASE("a ring ends in discs that are cut along closed lines", "[step_cut]") {
@@ -196,7 +195,8 @@ TEST_CASE("a ring ends in discs that are cut along closed lines", "[step_cut]") 
   const auto regions = made.model.skinned();
   REQUIRE(regions.size() == 3);
   REQUIRE(std::count_if(regions.begin(), regions.end(), is_cut) == 2);
-  expect_solid(write_step(file_of("can"), regions, kMm), made, 1e-4, 1e-6);  // rings fit their rims
+  expect_cut_solid(write_step(cut_file("can"), regions, kMm), made, 1e-4,
+                   1e-6);  // rings fit their rims
 }
 
 TEST_CASE("a box with a hole through it is exact but for the two sides with the hole",
@@ -220,12 +220,12 @@ TEST_CASE("a box with a hole through it is exact but for the two sides with the 
   const auto regions = made.model.skinned();
   REQUIRE(regions.size() == 7);
   REQUIRE(std::count_if(regions.begin(), regions.end(), is_cut) == 2);
-  const StepReport r = write_step(file_of("hole"), regions, kMm);
-  expect_solid(r, made, 1e-6, 1e-6);
+  const StepReport r = write_step(cut_file("hole"), regions, kMm);
+  expect_cut_solid(r, made, 1e-6, 1e-6);
 }
 
 TEST_CASE("cut regions that cannot share edges with exact ones are refused", "[step_cut]") {
-  const fs::path file = file_of("refused");
+  const fs::path file = cut_file("refused");
   const auto told = [&](const std::vector<const SkinnedRegion*>& regions,
                         const StepOptions& options = {}) {
     return refusal([&] { write_step(file, regions, kMm, options); });

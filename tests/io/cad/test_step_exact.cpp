@@ -18,9 +18,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr double kMm = 0.001;
-
-fs::path file_of(const std::string& name) { return scratch("step_exact") / (name + ".step"); }
+fs::path exact_file(const std::string& name) { return scratch("step_exact") / (name + ".step"); }
 
 int triangles_of(const std::vector<const SkinnedRegion*>& regions) {
   int count = 0;
@@ -120,7 +118,7 @@ SurfaceJet strip(const Vec2& p, int half_turns) {
 TEST_CASE("a box is one exact solid, and its creases are no jumps of normals", "[step_exact]") {
   const MadeModel made = make_model(box({40, 30, 20}), {}, 12);
   const StepReport r =
-      write_step(file_of("box"), made.model.skinned(), kMm, {.file = {.name = "box"}});
+      write_step(exact_file("box"), made.model.skinned(), kMm, {.file = {.name = "box"}});
   expect_solid(r, made, 2);
   CHECK(r.volume == Approx(24000.0).epsilon(1e-12));
   // Without its regions the file has edges like any other.
@@ -137,7 +135,7 @@ TEST_CASE("rings hang together along closed lines that begin at different angles
     REQUIRE(region.skinned);
   }
   // Rings fit their rims themselves.
-  expect_solid(write_step(file_of("pipe"), made.model.skinned(), kMm), made, 0, 1e-9);
+  expect_solid(write_step(exact_file("pipe"), made.model.skinned(), kMm), made, 0, 1e-9);
 }
 
 TEST_CASE("two regions of a plate with a smooth line between them are one open shell",
@@ -151,7 +149,7 @@ TEST_CASE("two regions of a plate with a smooth line between them are one open s
        straight("end 1", {20, 0, 3}, {20, 10, 3}), straight("end 2", {20, 10, 3}, {20, 20, 3})});
   const auto regions = made.model.skinned();
   REQUIRE(regions.size() == 2);
-  const StepReport r = write_step(file_of("plate"), regions, kMm);
+  const StepReport r = write_step(exact_file("plate"), regions, kMm);
   expect_exact(r, regions);
   CHECK(r.solids == 0);
   CHECK(r.closed_shells == 0);
@@ -172,7 +170,7 @@ TEST_CASE("a region meets itself along a line, with an outside or without", "[st
     const auto formula = [=](const Vec2& p) { return strip(p, half_turns); };
     // A Möbius strip has one rim, of two lines that go on in each other.
     const SkinnedRegion region = patch(formula, n, {"low", "seam", "high", "seam"});
-    const StepReport r = write_step(file_of("strip"), {&region}, 1);
+    const StepReport r = write_step(exact_file("strip"), {&region}, 1);
     CHECK(r.valid);
     CHECK(r.shells == 1);
     CHECK(r.solids == 0);
@@ -187,7 +185,7 @@ TEST_CASE("where three regions meet each is a shell of its own", "[step_exact]")
   regions.most_at_line = 3;
   const MadeModel made = make_model(two_boxes(), regions, 5);
   REQUIRE(made.model.regions.size() == 11);
-  const StepReport r = write_step(file_of("two_boxes"), made.model.skinned(), kMm);
+  const StepReport r = write_step(exact_file("two_boxes"), made.model.skinned(), kMm);
   CHECK(r.valid);
   CHECK(r.shells == 11);
   CHECK(r.solids == 0);
@@ -200,7 +198,7 @@ TEST_CASE("where three regions meet each is a shell of its own", "[step_exact]")
 TEST_CASE("the mouse is one exact solid, which Gmsh opens", "[step_exact][mouse]") {
   const MadeModel made = mouse(12, true);
   REQUIRE(made.model.skinned().size() == 14);
-  const fs::path file = file_of("mouse");
+  const fs::path file = exact_file("mouse");
   expect_solid(write_step(file, made.model.skinned(), kMm, {.file = {.name = "mouse"}}), made, 2);
   if (std::system("/usr/bin/python3 -c 'import gmsh' > /dev/null 2>&1") != 0) {
     WARN("skipped: Gmsh's Python module is not installed");
@@ -217,7 +215,7 @@ TEST_CASE("where two meshes meet on a line, vertices of each cut the edges of th
   const MadeModel finer = make_model(box({40, 30, 20}), {}, 4);
   auto regions = made.model.skinned();
   regions[2] = finer.model.skinned()[2];
-  const StepReport r = write_step(file_of("two_meshes"), regions, kMm);
+  const StepReport r = write_step(exact_file("two_meshes"), regions, kMm);
   expect_exact(r, regions);
   CHECK(r.solids == 1);
   CHECK(r.free_edges == 0);
@@ -226,7 +224,7 @@ TEST_CASE("where two meshes meet on a line, vertices of each cut the edges of th
 }
 
 TEST_CASE("regions that have no exact form are refused by name", "[step_exact]") {
-  const fs::path file = file_of("refused");
+  const fs::path file = exact_file("refused");
   const auto told = [&](const std::vector<const SkinnedRegion*>& regions) {
     return refusal([&] { write_step(file, regions, kMm); });
   };

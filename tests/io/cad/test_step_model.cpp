@@ -17,8 +17,6 @@ using namespace batten_test;
 
 namespace {
 
-constexpr double kMm = 0.001;
-
 StepReport written(const MadeModel& made, const std::string& name, double tolerance) {
   StepFaceOptions options;
   options.tolerance = tolerance;

@@ -56,7 +56,7 @@ std::string refusal(const fs::path& path) {
   return "";
 }
 
-constexpr double kPi = std::numbers::pi;
+using std::numbers::pi;
 
 }  // namespace
 
@@ -75,8 +75,8 @@ TEST_CASE("DXF: lines, arcs and circles keep layer, place and unit", "[io][drawi
   CHECK(near(first(d.lines[1]), Vec3(1, -2, 5)));
   CHECK(near(last(d.lines[1]), Vec3(1, 2, 5)));
   CHECK(off_circle(d.lines[1], Vec3(1, 0, 5), 2) < 1e-7);
-  CHECK(std::abs(length(d.lines[1]) - 2 * kPi) < 1e-6);
-  CHECK(std::abs(length(d.lines[2]) - 6 * kPi) < 1e-6);
+  CHECK(std::abs(length(d.lines[1]) - 2 * pi) < 1e-6);
+  CHECK(std::abs(length(d.lines[2]) - 6 * pi) < 1e-6);
   CHECK(d.notes == std::vector<std::string>{"passed over: 1 TEXT"});
 }
 
@@ -93,7 +93,7 @@ TEST_CASE("DXF: bulges are arcs to the left, polylines without them are points",
           "0 LWPOLYLINE 8 open 90 3 70 0 10 0 20 0 10 1 20 0 10 1 20 1");
   REQUIRE(d.lines.size() == 2);
   REQUIRE(d.lines[0].curve);
-  CHECK(std::abs(length(d.lines[0]) - (20 + 4 * kPi)) < 1e-6);
+  CHECK(std::abs(length(d.lines[0]) - (20 + 4 * pi)) < 1e-6);
   CHECK(near(first(d.lines[0]), Vec3(0, 0, 7)));
   double right = 0;
   for (int i = 0; i <= 1000; ++i) {
@@ -139,7 +139,7 @@ TEST_CASE("SVG: shapes stand upright in the page's unit", "[io][drawings]") {
   CHECK(d.lines[0].name == "l");
   CHECK(d.lines[0].points == std::vector<Vec3>{{0, 0, 0}, {10, 0, 0}});
   CHECK(off_circle(d.lines[1], Vec3(10, 175, 0), 3) < 1e-7);
-  CHECK(std::abs(length(d.lines[2]) - (2 * 6 + 2 * 2 + 4 * kPi)) < 1e-6);
+  CHECK(std::abs(length(d.lines[2]) - (2 * 6 + 2 * 2 + 4 * pi)) < 1e-6);
   REQUIRE(d.lines[3].points.size() == 4);
   CHECK(near(d.lines[3].points[2], Vec3(4, 197, 0)));
   CHECK(d.lines[3].points.front() == d.lines[3].points.back());
@@ -153,7 +153,7 @@ TEST_CASE("SVG: paths keep their curves, straight ones are points", "[io][drawin
           "<path id='q' d='M 0 0 Q 1 2 2 0 M 5 5 C 5 6 6 7 7 7'/>");
   CHECK(std::abs(d.unit_in_metres - 0.0254 / 96) < 1e-15);
   REQUIRE(d.lines.size() == 4);
-  CHECK(std::abs(length(d.lines[0]) - (20 + 4 * kPi)) < 1e-6);
+  CHECK(std::abs(length(d.lines[0]) - (20 + 4 * pi)) < 1e-6);
   CHECK(d.lines[1].points == std::vector<Vec3>{{1, -1, 0}, {3, -1, 0}, {3, -3, 0}, {1, -1, 0}});
   CHECK(d.lines[2].name == "q_1");
   const auto& c = *d.lines[2].curve;

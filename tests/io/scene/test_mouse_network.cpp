@@ -129,10 +129,10 @@ double apart(const SurfaceModel& a, const SurfaceModel& b) {
   return most;
 }
 
-using Kind = NetworkFinding::Kind;
+using FindingKind = NetworkFinding::Kind;
 
 // Whether a finding of one of these kinds is about these lines.
-bool named(const Made& made, const std::vector<Kind>& kinds,
+bool named(const Made& made, const std::vector<FindingKind>& kinds,
            const std::vector<std::string>& lines) {
   return std::any_of(
       made.network.findings().begin(), made.network.findings().end(), [&](const auto& finding) {
@@ -231,7 +231,8 @@ void check_changes(int count, unsigned seed) {
         INFO("line '" << line.name << "'");
         // An end that went along another line meets it still.
         const bool meets = plan_of(made, first) == plan && whole(made);
-        REQUIRE((meets || named(made, {Kind::NearMiss, Kind::Dangling}, {line.name})));
+        REQUIRE(
+            (meets || named(made, {FindingKind::NearMiss, FindingKind::Dangling}, {line.name})));
         loose += !meets;
         break;
       }
@@ -245,7 +246,7 @@ void check_changes(int count, unsigned seed) {
         change.shuffle(lines);
         const Made made = mouse.make(lines, name);
         INFO("line '" << name << "'");
-        REQUIRE(named(made, {Kind::Duplicate, Kind::Overlap}, {name, copy.name}));
+        REQUIRE(named(made, {FindingKind::Duplicate, FindingKind::Overlap}, {name, copy.name}));
         break;
       }
       default: {  // missing

@@ -20,6 +20,11 @@
 namespace batten_test {
 using namespace batten;
 
+/// What reading a file is told, or "".
+inline std::string reading(const std::filesystem::path& path, const SequenceOptions& options = {}) {
+  return refusal([&] { read_sequence(path, options); });
+}
+
 /// A strip of quads that waves; its last faces are a triangle and a pentagon.
 inline MeshSequence wave(int frames, double step = 0.25) {
   constexpr int length = 5;

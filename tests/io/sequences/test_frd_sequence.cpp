@@ -42,10 +42,6 @@ std::string step(const std::string& value, const std::string& up) {
          " -3\n";
 }
 
-std::string reading(const fs::path& path, const SequenceOptions& options = {}) {
-  return refusal([&] { read_sequence(path, options); });
-}
-
 /// Volume that a skin of triangles and quads bounds; middle nodes are passed over.
 double volume(const ShellMesh& mesh, const Points& p) {
   double six = 0;

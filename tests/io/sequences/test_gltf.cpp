@@ -11,7 +11,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-fs::path folder_of(const std::string& name) { return scratch("gltf/" + name); }
+fs::path gltf_folder(const std::string& name) { return scratch("gltf/" + name); }
 
 std::string base64(const std::string& bytes) {
   const std::string letters = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
@@ -79,14 +79,10 @@ MeshSequence read_at(const fs::path& path, double rate, const std::string& anima
   return read_sequence(path, options);
 }
 
-std::string reading(const fs::path& path) {
-  return refusal([&] { read_sequence(path); });
-}
-
 }  // namespace
 
 TEST_CASE("nodes of a scene move by their keys") {
-  const fs::path folder = folder_of("nodes");
+  const fs::path folder = gltf_folder("nodes");
   Scene scene = triangle();
   // The mesh hangs on a node that turns by 90 degrees, below one that steps and one that is scaled.
   scene.root["nodes"] = Json::parse(
@@ -113,7 +109,7 @@ TEST_CASE("cubic splines follow their tangents") {
   scene.move(0, "translation", times,
              scene.vectors({9, 9, 9, 0, 0, 0, -1, 1, 0, 11, 1, 0, 6, 2, 0, 9, 9, 9}),
              "CUBICSPLINE");
-  const MeshSequence s = read_at(scene.write(folder_of("cubic") / "a.gltf"), 4);
+  const MeshSequence s = read_at(scene.write(gltf_folder("cubic") / "a.gltf"), 4);
   REQUIRE(s.frame_count() == 9);
   for (int k = 0; k < 9; ++k) {
     const double t = s.times[k];
@@ -141,7 +137,7 @@ TEST_CASE("skins blend joints and forget the node's own place") {
   scene.primitive()["attributes"]["WEIGHTS_0"] = weights;
   const int times = scene.scalars({0, 1});
   scene.move(1, "translation", times, scene.vectors({1, 0, 0, 1, 0, 10}), "LINEAR");
-  const fs::path file = scene.write(folder_of("skin") / "a.gltf");
+  const fs::path file = scene.write(gltf_folder("skin") / "a.gltf");
   const MeshSequence s = read_at(file, 1);
   REQUIRE(s.frame_count() == 2);
   CHECK((s.frames[0] - (Points(3, 3) << 0, 0, 0, 1, 0, 0, 0, 1, 0).finished()).norm() < 1e-6);
@@ -165,7 +161,7 @@ TEST_CASE("morph targets, sparse ones too, add up") {
   scene.root["meshes"][0]["weights"] = {0.5, 0};
   const int times = scene.scalars({1, 2});
   scene.move(0, "weights", times, scene.scalars({0, 0, 1, 0.5f}), "LINEAR");
-  const fs::path folder = folder_of("morph");
+  const fs::path folder = gltf_folder("morph");
   const MeshSequence s = read_at(scene.write(folder / "a.gltf"), 2);
   CHECK(s.times == std::vector<double>{1, 1.5, 2});
   CHECK((s.frames[0].row(2) - Vec3(0, 1, 0).transpose()).norm() < 1e-6);
@@ -178,7 +174,7 @@ TEST_CASE("morph targets, sparse ones too, add up") {
 }
 
 TEST_CASE("seams are one line of nodes while their sides stay together") {
-  const fs::path folder = folder_of("seams");
+  const fs::path folder = gltf_folder("seams");
   Scene scene;
   // Two triangles with an edge at one place, as four plus two vertices.
   scene.primitive()["attributes"]["POSITION"] =
@@ -210,7 +206,7 @@ TEST_CASE("strips, fans and several parts are one mesh") {
   primitives.push_back({{"attributes", {{"POSITION", square}}}, {"mode", 1}});
   SequenceOptions apart;
   apart.weld_seams = false;
-  const fs::path file = scene.write(folder_of("strips") / "a.gltf");
+  const fs::path file = scene.write(gltf_folder("strips") / "a.gltf");
   const MeshSequence s = read_sequence(file, apart);
   CHECK(faces_of(s.shells) ==
         std::vector<std::vector<int>>{{0, 1, 2}, {3, 4, 5}, {5, 4, 6}, {7, 8, 10}, {7, 10, 9}});
@@ -225,7 +221,7 @@ TEST_CASE("whole numbers stand for fractions where they are normalized") {
   scene.root["accessors"][position]["normalized"] = true;
   scene.root["bufferViews"][position]["byteStride"] = 8;
   scene.primitive()["attributes"]["POSITION"] = position;
-  const MeshSequence s = read_sequence(scene.write(folder_of("quantized") / "a.gltf"));
+  const MeshSequence s = read_sequence(scene.write(gltf_folder("quantized") / "a.gltf"));
   CHECK(s.frames[0] == (Points(3, 3) << 0, 0, 0, 1, 0, 0, -1, 1, 0).finished());
 }
 
@@ -237,7 +233,7 @@ TEST_CASE("clips are chosen by name or number") {
   scene.root["animations"][0]["name"] = "Run";
   scene.root["animations"][1]["name"] = "1";
   scene.root["animations"][1]["samplers"][0]["output"] = scene.vectors({0, 0, 0, 2, 0, 0});
-  const fs::path file = scene.write(folder_of("clips") / "a.gltf");
+  const fs::path file = scene.write(gltf_folder("clips") / "a.gltf");
   CHECK(read_at(file, 1).frames[1](0, 0) == 1);
   CHECK(read_at(file, 1, "Run").frames[1](0, 0) == 1);
   CHECK(read_at(file, 1, "2").frames[1](0, 0) == 2);
@@ -249,7 +245,7 @@ TEST_CASE("clips are chosen by name or number") {
 }
 
 TEST_CASE("buffers are found in files, URIs and GLB") {
-  const fs::path folder = folder_of("buffers");
+  const fs::path folder = gltf_folder("buffers");
   Scene scene = triangle();
   scene.write(folder / "a.gltf");
   CHECK(read_sequence(folder / "a.gltf").node_count() == 3);
@@ -270,7 +266,7 @@ TEST_CASE("buffers are found in files, URIs and GLB") {
 }
 
 TEST_CASE("damaged scenes are refused and named") {
-  const fs::path folder = folder_of("damaged");
+  const fs::path folder = gltf_folder("damaged");
   const auto refused = [&](auto change) {
     Scene scene = triangle();
     change(scene);
@@ -347,7 +343,7 @@ TEST_CASE("damaged scenes are refused and named") {
 }
 
 TEST_CASE("no damage to a GLB brings the reader down") {
-  const fs::path folder = folder_of("fuzz");
+  const fs::path folder = gltf_folder("fuzz");
   Scene scene = triangle();
   write_sequence(folder / "a.glb", wave(3));
   const fs::path fox = optional_data("seq-fox/Fox.glb");

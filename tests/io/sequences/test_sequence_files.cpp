@@ -11,10 +11,6 @@ namespace {
 
 fs::path folder_of(const std::string& name) { return scratch("sequence_files/" + name); }
 
-std::string reading(const fs::path& path, const SequenceOptions& options = {}) {
-  return refusal([&] { read_sequence(path, options); });
-}
-
 /// One triangle at height z.
 std::string triangle(double z) {
   return "v 0 0 " + std::to_string(z) + "\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";

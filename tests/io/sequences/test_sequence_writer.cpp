@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-fs::path folder_of(const std::string& name) { return scratch("sequence_writer/" + name); }
+fs::path writer_folder(const std::string& name) { return scratch("sequence_writer/" + name); }
 
 Points points_of(vtkPointSet* data) {
   Points points(data->GetNumberOfPoints(), 3);
@@ -32,7 +32,7 @@ TEST_CASE("numbered files come back bit by bit") {
   const MeshSequence s = wave(4, 1);
   for (const std::string extension : {".obj", ".ply", ".off", ".vtp", ".vtu"}) {
     INFO(extension);
-    const fs::path folder = folder_of("numbered");
+    const fs::path folder = writer_folder("numbered");
     write_sequence(folder / ("a_*" + extension), s);
     CHECK(names_in(folder) == std::set<std::string>{"a_0000" + extension, "a_0001" + extension,
                                                     "a_0002" + extension, "a_0003" + extension});
@@ -49,7 +49,7 @@ TEST_CASE("STL frames keep their triangles") {
   MeshSequence s = wave(3);
   for (int k = 0; k < 3; ++k)
     for (int i = 0; i < s.node_count(); ++i) s.frames[k](i, 0) += (k - 1) * s.frames[k](i, 1);
-  const fs::path folder = folder_of("stl");
+  const fs::path folder = writer_folder("stl");
   write_sequence(folder / "a_%02d.stl", s);
   const MeshSequence back = read_sequence(folder);
   REQUIRE(back.node_count() == s.node_count());
@@ -75,7 +75,7 @@ TEST_CASE("STL frames keep their triangles") {
 
 TEST_CASE("a folder gets numbered OBJ files that VTK reads") {
   const MeshSequence s = wave(3);
-  const fs::path folder = folder_of("plain") / "new";
+  const fs::path folder = writer_folder("plain") / "new";
   write_sequence(folder, s);
   CHECK(names_in(folder) ==
         std::set<std::string>{"frame_0001.obj", "frame_0002.obj", "frame_0003.obj"});
@@ -92,7 +92,7 @@ TEST_CASE("a folder gets numbered OBJ files that VTK reads") {
 
 TEST_CASE("ParaView's list has the times") {
   const MeshSequence s = wave(3, 0.04);
-  const fs::path folder = folder_of("pvd");
+  const fs::path folder = writer_folder("pvd");
   write_sequence(folder / "run.pvd", s);
   CHECK(names_in(folder) == std::set<std::string>{"run", "run.pvd"});
   CHECK(names_in(folder / "run") ==
@@ -109,7 +109,7 @@ TEST_CASE("ParaView's list has the times") {
 
 TEST_CASE("point caches are what their formats say") {
   const MeshSequence s = wave(3, 0.25);
-  const fs::path folder = folder_of("caches");
+  const fs::path folder = writer_folder("caches");
   const int n = s.node_count();
   write_sequence(folder / "a.pc2", s);
   const std::string pc2 = bytes_in(folder / "a.pc2");
@@ -148,7 +148,7 @@ TEST_CASE("point caches are what their formats say") {
 
 TEST_CASE("GLB files come back and move in VTK") {
   const MeshSequence s = wave(5, 0.5);
-  const fs::path file = folder_of("glb") / "a.glb";
+  const fs::path file = writer_folder("glb") / "a.glb";
   write_sequence(file, s);
   SequenceOptions keys;
   keys.frames_per_second = 0;
@@ -188,7 +188,7 @@ TEST_CASE("GLB files come back and move in VTK") {
 
 TEST_CASE("one frame is a scene that stands still") {
   const MeshSequence s = wave(1);
-  const fs::path folder = folder_of("one");
+  const fs::path folder = writer_folder("one");
   for (const std::string name : {"a.glb", "a.pc2", "a.mdd", "a.pvd", "a_*.obj"}) {
     write_sequence(folder / name, s);
     CHECK(apart(read_sequence(folder / name), s) < 1e-6);
@@ -198,7 +198,7 @@ TEST_CASE("one frame is a scene that stands still") {
 TEST_CASE("single files appear whole or not at all") {
   const MeshSequence s = wave(3);
   for (const std::string name : {"a.glb", "a.pc2", "a.mdd"}) {
-    const fs::path folder = folder_of("whole");
+    const fs::path folder = writer_folder("whole");
     {
       SequenceWriter writer(folder / name, s.shells, s.times);
       writer.write(0, s.frames[0]);
@@ -214,7 +214,7 @@ TEST_CASE("single files appear whole or not at all") {
 
 TEST_CASE("a run that was stopped goes on where it was") {
   const MeshSequence s = wave(4);
-  const fs::path folder = folder_of("resume");
+  const fs::path folder = writer_folder("resume");
   {
     SequenceWriter writer(folder / "a_*.off", s.shells, s.times);
     writer.write(0, s.frames[0]);
@@ -235,7 +235,7 @@ TEST_CASE("a run that was stopped goes on where it was") {
 
 TEST_CASE("several runs share the frames of numbered files") {
   const MeshSequence s = wave(4);
-  const fs::path folder = folder_of("shared");
+  const fs::path folder = writer_folder("shared");
   SequenceWriter second(folder / "a_*.off", s.shells, s.times);
   for (int k = 2; k < 4; ++k) second.write(k, s.frames[k]);
   CHECK_THROWS_AS(second.finish(), std::logic_error);
@@ -247,7 +247,7 @@ TEST_CASE("several runs share the frames of numbered files") {
 
 TEST_CASE("writers refuse what they cannot write") {
   const MeshSequence s = wave(2);
-  const fs::path folder = folder_of("refused");
+  const fs::path folder = writer_folder("refused");
   const auto writing = [&](const std::string& name) {
     return refusal([&] { write_sequence(folder / name, s); });
   };

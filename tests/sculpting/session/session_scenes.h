@@ -17,7 +17,7 @@
 
 namespace batten_test {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 inline SkinOptions skin(double edge, double tolerance = 0) {
   SkinOptions options;

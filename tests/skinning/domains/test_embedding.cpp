@@ -1,4 +1,5 @@
 #include <catch2/catch.hpp>
+#include <numbers>
 
 #include "batten/skinning/domains/mesher.h"
 #include "batten/skinning/layout/region_layout.h"
@@ -12,7 +13,7 @@ using Catch::Matchers::Contains;
 
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 using Treatment = CharacterLine::Treatment;
 
 CharacterLine ellipse(const std::string& name, Role role, const Vec3& centre, double a, double b,

@@ -20,7 +20,7 @@ using Catch::Matchers::Contains;
 
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 using Role = CharacterLine::Role;
 
 // radius (cos t, sin t), height + rise t, from `from` to `to`, turned by `turn` and scaled.

@@ -4,6 +4,7 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <numbers>
 #include <set>
 
 #include "batten/constraints/constrained_solver.h"
@@ -22,7 +23,7 @@ using Catch::Matchers::Contains;
 
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 // radius(t) (cos t, sin t) at height(t), t from `start` once around, turned by Q and moved to
 // `origin`.

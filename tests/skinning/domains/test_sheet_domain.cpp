@@ -14,7 +14,7 @@ using Catch::Matchers::Contains;
 
 namespace {
 
-constexpr double kPi = std::numbers::pi;
+using std::numbers::pi;
 using Domain = SkinOptions::Domain;
 
 SkinnedRegion solved(const RegionLayout& layout) {
@@ -36,15 +36,15 @@ std::shared_ptr<const InputCurve> formula(double a, double b, std::function<Vec3
 
 std::vector<Vec3> sampled(const std::function<Vec3(double)>& f, int n) {
   std::vector<Vec3> points;
-  for (int i = 0; i < n; ++i) points.push_back(f(2 * kPi * i / n));
+  for (int i = 0; i < n; ++i) points.push_back(f(2 * pi * i / n));
   return points;
 }
 
 // Two meridians of the unit sphere, so far apart.
 std::vector<CharacterLine> lune(double degrees) {
-  const double a = degrees * kPi / 180;
-  return {{"a", formula(0, kPi, [](double t) { return Vec3(std::sin(t), 0, -std::cos(t)); })},
-          {"b", formula(0, kPi, [a](double t) {
+  const double a = degrees * pi / 180;
+  return {{"a", formula(0, pi, [](double t) { return Vec3(std::sin(t), 0, -std::cos(t)); })},
+          {"b", formula(0, pi, [a](double t) {
              return Vec3(std::sin(t) * std::cos(a), std::sin(t) * std::sin(a), -std::cos(t));
            })}};
 }
@@ -58,13 +58,13 @@ std::vector<CharacterLine> stadium(double length, double radius, double bend) {
                     : Vec3(x, 0, y);
   };
   const auto round = [=](double x0, double from) {
-    return formula(from, from + kPi,
+    return formula(from, from + pi,
                    [=](double t) { return onto(x0 + r * std::cos(t), r * std::sin(t)); });
   };
   return {{"lower", formula(0, L, [=](double x) { return onto(x, -r); })},
-          {"end", round(L, -kPi / 2)},
+          {"end", round(L, -pi / 2)},
           {"upper", formula(0, L, [=](double x) { return onto(L - x, r); })},
-          {"start", round(0, kPi / 2)}};
+          {"start", round(0, pi / 2)}};
 }
 
 // Of ½ ∮ c × c' over the images of the outline.
@@ -109,7 +109,7 @@ TEST_CASE("fillings of plane loops have the loop's area and side") {
 TEST_CASE("a developable filling of a strip around a cylinder is the cylinder") {
   for (const double degrees : {60.0, 180.0, 320.0}) {
     INFO(degrees);
-    const double a = degrees * kPi / 180;
+    const double a = degrees * pi / 180;
     std::vector<Vec3> loop;
     constexpr int n = 40;
     for (int i = 0; i <= n; ++i) loop.emplace_back(std::cos(a * i / n), std::sin(a * i / n), -0.4);
@@ -138,7 +138,7 @@ TEST_CASE("fillings refuse what is no loop") {
 TEST_CASE("a plane loop is its own sheet") {
   // Turned out of the axes; the image is congruent to the loop over its size.
   const Vec3 e1 = Vec3(1, 2, -1).normalized(), e2 = e1.unitOrthogonal();
-  const auto heart = formula(0, 2 * kPi, [&](double t) {
+  const auto heart = formula(0, 2 * pi, [&](double t) {
     const double r = 1 + 0.3 * std::cos(2 * t) + 0.2 * std::sin(3 * t);
     return Vec3(r * std::cos(t) * e1 + r * std::sin(t) * e2);
   });
@@ -159,14 +159,14 @@ TEST_CASE("developable strips unfold to their own outline, however far they are 
   // A strip bent around a cylinder has the area and the length that it had before.
   for (const double degrees : {0.0, 120.0, 200.0, 270.0}) {
     INFO(degrees);
-    const double length = 4, bend = degrees * kPi / 180 / length;
+    const double length = 4, bend = degrees * pi / 180 / length;
     // Flat ones and those that are bent a little project simply.
     CHECK(RegionLayout("r", stadium(length, 0.4, bend), {}).domain() ==
           (degrees > 150 ? Domain::Sheet : Domain::Plane));
     SkinOptions options;
     options.domain = Domain::Sheet;
     const RegionLayout layout("r", stadium(length, 0.4, bend), options);
-    const double expected = 0.8 * length + kPi * 0.16;
+    const double expected = 0.8 * length + pi * 0.16;
     CHECK(domain_area(layout) * layout.size() * layout.size() == Approx(expected).epsilon(2e-3));
     const SkinQuality quality = measure(solved(layout));
     CHECK(quality.area == Approx(expected).epsilon(0.015));
@@ -206,13 +206,13 @@ TEST_CASE("loops that no plane takes get a sheet: chips, tennis balls, a rim wit
   for (const auto& f : std::vector<std::function<Vec3(double)>>{chip, ball, bump}) {
     SkinOptions options;
     options.domain = Domain::Sheet;
-    const RegionLayout layout("r", {{"line", formula(0, 2 * kPi, f)}}, options);
+    const RegionLayout layout("r", {{"line", formula(0, 2 * pi, f)}}, options);
     const SkinQuality quality = measure(solved(layout));
     CHECK(quality.min_jacobian_ratio > 0.1);
     CHECK(quality.max_line_gap < layout.tolerance());
   }
   // The ball's seam has no area seen from any side.
-  CHECK(RegionLayout("r", {{"seam", formula(0, 2 * kPi, ball)}}, {}).domain() == Domain::Sheet);
+  CHECK(RegionLayout("r", {{"seam", formula(0, 2 * pi, ball)}}, {}).domain() == Domain::Sheet);
 }
 
 TEST_CASE("a corner where two lines leave in one direction is a cusp of the sheet") {
@@ -235,10 +235,10 @@ TEST_CASE("a corner where two lines leave in one direction is a cusp of the shee
 TEST_CASE("a polygon that is squashed by bulging sides gives way to a domain that embeds") {
   // Three corners of 10 degrees on a circle: no triangle has such angles.
   const auto point = [](double t) { return Vec3(std::cos(t), std::sin(t), 0); };
-  const double k = 4.0 / 3 * std::tan(kPi / 6 * 0.95);
+  const double k = 4.0 / 3 * std::tan(pi / 6 * 0.95);
   std::vector<CharacterLine> lines;
   for (int i = 0; i < 3; ++i) {
-    const double t0 = 2 * kPi * i / 3 + 0.04, t1 = 2 * kPi * (i + 1) / 3 + 0.04;
+    const double t0 = 2 * pi * i / 3 + 0.04, t1 = 2 * pi * (i + 1) / 3 + 0.04;
     const Vec3 a = point(t0), b = point(t1), da(-a.y(), a.x(), 0), db(-b.y(), b.x(), 0);
     const Vec3 out0 = da + 0.2 * a, in1 = db - 0.2 * b;
     lines.push_back({std::to_string(i), bezier_curve(a, a + k * out0, b - k * in1, b)});
@@ -256,21 +256,21 @@ TEST_CASE("holes and inner lines lie on a sheet") {
   };
   lines.push_back(
       {"hole",
-       formula(0, 2 * kPi, [&](double t) { return on(1 + 0.2 * std::cos(t), 0.2 * std::sin(t)); }),
+       formula(0, 2 * pi, [&](double t) { return on(1 + 0.2 * std::cos(t), 0.2 * std::sin(t)); }),
        CharacterLine::Role::Hole});
   lines.push_back(
       {"rib", formula(-0.3, 0.3, [&](double y) { return on(3, y); }), CharacterLine::Role::Inner});
   const RegionLayout layout("r", lines, {});
   CHECK(layout.domain() == Domain::Sheet);
   const SkinQuality quality = measure(solved(layout));
-  CHECK(quality.area == Approx(0.8 * 4 + kPi * 0.16 - kPi * 0.04).epsilon(0.01));
+  CHECK(quality.area == Approx(0.8 * 4 + pi * 0.16 - pi * 0.04).epsilon(0.01));
   CHECK(quality.max_line_gap < layout.tolerance());
   CHECK(quality.min_jacobian_ratio > 0.8);
 }
 
 TEST_CASE("sheets do not know their unit") {
   const auto seam = [](double unit) {
-    return formula(0, 2 * kPi, [unit](double t) {
+    return formula(0, 2 * pi, [unit](double t) {
       return Vec3(unit * Vec3(std::cos(t), std::sin(t), 1.5 * std::cos(2 * t + 0.3)));
     });
   };
@@ -288,7 +288,7 @@ TEST_CASE("a knot is refused in words") {
   // Some fillings of it can be laid flat: surfaces on those pass through themselves, and say so.
   std::vector<Vec3> knot;
   for (int i = 0; i < 120; ++i) {
-    const double t = 2 * kPi * i / 120;
+    const double t = 2 * pi * i / 120;
     knot.emplace_back(std::sin(t) + 2 * std::sin(2 * t), std::cos(t) - 2 * std::cos(2 * t),
                       -std::sin(3 * t));
   }

@@ -14,10 +14,10 @@ using Catch::Matchers::Contains;
 
 namespace {
 
-constexpr double kPi = std::numbers::pi;
+using std::numbers::pi;
 constexpr double kSize = 2.5;  // of a network around the regions
 
-SkinnedRegion solved(const RegionLayout& layout) {
+SkinnedRegion skinned(const RegionLayout& layout) {
   const SurfaceAssembler assembler(*layout.mesh(), layout.element(), layout.trim());
   const ConstrainedSolver solver(layout.line_constraints(),
                                  assembler.stiffness(SurfaceStiffness{}));
@@ -52,7 +52,7 @@ std::vector<CharacterLine> kinked_loop(unsigned seed, double bulge) {
   const int sides = 3 + static_cast<int>(engine() % 4);
   std::vector<Vec3> corner;
   for (int i = 0; i < sides; ++i) {
-    const double t = 2 * kPi * (i + random(-0.2, 0.2)) / sides, r = random(0.7, 1.3);
+    const double t = 2 * pi * (i + random(-0.2, 0.2)) / sides, r = random(0.7, 1.3);
     corner.emplace_back(r * std::cos(t), r * std::sin(t), random(-0.2, 0.2));
   }
   std::vector<CharacterLine> lines;
@@ -69,7 +69,7 @@ std::vector<CharacterLine> kinked_loop(unsigned seed, double bulge) {
       x.push_back(whole->evaluate(s));
       const Vec3 d = whole->evaluate(s, 1).normalized();
       const Vec3 side = (Vec3::UnitZ() - d.z() * d).normalized().cross(d);
-      const double turn = (engine() % 2 ? 1 : -1) * random(1, 20) * kPi / 180;
+      const double turn = (engine() % 2 ? 1 : -1) * random(1, 20) * pi / 180;
       in.push_back((d - std::tan(turn / 2) * side).normalized());
       leaving.push_back((d + std::tan(turn / 2) * side).normalized());
     }
@@ -92,7 +92,7 @@ TEST_CASE("a given curve is the run, bit for bit, with its vertices and no other
     options.against_first = against;
     const RegionLayout layout("r", lines, options);
     REQUIRE(layout.runs().size() == lines.size());
-    const SkinnedRegion region = solved(layout);
+    const SkinnedRegion region = skinned(layout);
     for (const CharacterLine& line : lines) {
       const LineRun& run = run_of(region, line.name);
       CHECK(run.fitted.parameters() == line.given->curve.parameters());
@@ -114,12 +114,12 @@ TEST_CASE("regions on both sides of given curves share positions along them") {
   const auto side = [&](const std::string& name, const Vec3& a, const Vec3& b) {
     return given_line(name, curve_through_points(name, {a, b}), kSize, 0.15);
   };
-  const SkinnedRegion left = solved(
+  const SkinnedRegion left = skinned(
       RegionLayout("left",
                    {shared, side("a", p(0, 1, 0), p(-1, 1.2, 0.3)),
                     side("b", p(-1, 1.2, 0.3), p(-1, 0, 0)), side("c", p(-1, 0, 0), p(0, 0, 0))},
                    with_edge(0.1)));
-  const SkinnedRegion right = solved(RegionLayout(
+  const SkinnedRegion right = skinned(RegionLayout(
       "right", {side("d", p(0, 0, 0), p(2, -0.5, 0)), side("e", p(2, -0.5, 0), p(0, 1, 0)), shared},
       with_edge(0.3)));
   const LineRun &a = run_of(left, "shared"), &b = run_of(right, "shared");
@@ -160,7 +160,7 @@ TEST_CASE("given curves that go on share a side, others turn a corner however li
   const auto straight = [&](const std::string& name, const Vec3& a, const Vec3& b) {
     return given_line(name, curve_through_points(name, {a, b}), kSize, 0.2);
   };
-  const double degree = kPi / 180;
+  const double degree = pi / 180;
   const Vec3 middle = p(1, 1, 0) + 0.5 * p(-1, std::sin(degree), 0);
   const std::vector<CharacterLine> lines = {part("first", 0, node),
                                             part("second", node, cut.node_count() - 1),
@@ -171,7 +171,7 @@ TEST_CASE("given curves that go on share a side, others turn a corner however li
   const RegionLayout layout("r", lines, with_edge(0.15));
   CHECK(layout.domain() == SkinOptions::Domain::Polygon);
   REQUIRE(layout.corners().size() == 5);
-  const SkinnedRegion region = solved(layout);
+  const SkinnedRegion region = skinned(layout);
   CHECK(measure(region).min_jacobian_ratio > 0.3);
   // C1 across the joint: the two runs lie on one straight line and run on at one speed.
   const LineRun &a = run_of(region, "first"), &b = run_of(region, "second");
@@ -191,13 +191,13 @@ TEST_CASE("loops with many corners of a few degrees keep their Jacobian") {
     const RegionLayout layout("r", lines, with_edge(0.15));
     if (layout.domain() == SkinOptions::Domain::Polygon)
       for (const DomainCorner& corner : layout.corners()) {
-        const double degree = kPi / 180;
+        const double degree = pi / 180;
         const double ratio =
             std::sin(corner.line_degrees * degree) / std::sin(corner.domain_degrees * degree);
         CHECK(ratio > 0.3);
         CHECK(ratio < 3);
       }
-    const SkinQuality quality = measure(solved(layout));
+    const SkinQuality quality = measure(skinned(layout));
     CHECK(quality.min_jacobian_ratio > 0.1);
     CHECK(quality.max_line_residual < 1e-11);
   }
@@ -206,9 +206,9 @@ TEST_CASE("loops with many corners of a few degrees keep their Jacobian") {
 TEST_CASE("the outline against its first line turns the normal and nothing else") {
   const auto lines = given(curved_polygon(4, 0.2, 0.1), 0.15);
   SkinOptions options = with_edge(0.15);
-  const SkinnedRegion along = solved(RegionLayout("r", lines, options));
+  const SkinnedRegion along = skinned(RegionLayout("r", lines, options));
   options.against_first = true;
-  const SkinnedRegion against = solved(RegionLayout("r", lines, options));
+  const SkinnedRegion against = skinned(RegionLayout("r", lines, options));
   const Location middle = along.surface.locate(Vec2::Zero());
   const auto foot = against.surface.closest_point(along.surface.position(middle));
   CHECK(foot.distance < 1e-3);
@@ -218,7 +218,7 @@ TEST_CASE("the outline against its first line turns the normal and nothing else"
   for (const bool turned : {false, true}) {
     SkinOptions plain;
     plain.against_first = turned;
-    const SkinnedRegion flat = solved(
+    const SkinnedRegion flat = skinned(
         RegionLayout("r", polygon_lines({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}), plain));
     CHECK(flat.surface.jet({0, Vec3::Constant(1.0 / 3)}).normal().z() == Approx(turned ? -1 : 1));
   }
@@ -237,13 +237,13 @@ TEST_CASE("given curves in mm and in m make one mesh") {
 TEST_CASE("given curves around a loop without corners enough are embedded as they are") {
   // Two arcs that meet smoothly, in the plane's and in the sheet's domain.
   const auto half = [](double from) {
-    return curve_from_formula(from, from + kPi, [](double t, int order) -> Vec3 {
+    return curve_from_formula(from, from + pi, [](double t, int order) -> Vec3 {
       if (order == 0) return {std::cos(t), std::sin(t), 0.2 * std::cos(2 * t)};
       if (order == 1) return {-std::sin(t), std::cos(t), -0.4 * std::sin(2 * t)};
       return {-std::cos(t), -std::sin(t), -0.8 * std::cos(2 * t)};
     });
   };
-  const std::vector<CharacterLine> lines = given({{"a", half(0)}, {"b", half(kPi)}}, 0.2);
+  const std::vector<CharacterLine> lines = given({{"a", half(0)}, {"b", half(pi)}}, 0.2);
   for (const auto domain : {SkinOptions::Domain::Plane, SkinOptions::Domain::Sheet}) {
     SkinOptions options = with_edge(0.2);
     options.domain = domain;
@@ -254,7 +254,7 @@ TEST_CASE("given curves around a loop without corners enough are embedded as the
       CHECK(layout.embedded()[i].image.start() == layout.embedded()[i].fitted.start());
       CHECK(layout.embedded()[i].image.end() == layout.embedded()[i].fitted.end());
     }
-    const SkinQuality quality = measure(solved(layout));
+    const SkinQuality quality = measure(skinned(layout));
     CHECK(quality.max_line_gap < layout.tolerance());
     CHECK(quality.min_jacobian_ratio > 0.5);
   }

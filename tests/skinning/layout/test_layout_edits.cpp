@@ -1,4 +1,6 @@
 // Edits of a layout: refined anywhere, lines of another shape, inner lines that come and go.
+#include <numbers>
+
 #include "batten/core/errors.h"
 #include "batten/skinning/domains/mesher.h"
 #include "batten/skinning/region/quality.h"
@@ -14,10 +16,11 @@ using Catch::Matchers::Contains;
 
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 using Role = CharacterLine::Role;
 
-CharacterLine ellipse(const std::string& name, Role role, const Vec3& centre, double a, double b) {
+CharacterLine flat_ellipse(const std::string& name, Role role, const Vec3& centre, double a,
+                           double b) {
   return {name,
           curve_from_formula(0, 2 * pi,
                              [=](double t, int order) -> Vec3 {
@@ -42,23 +45,23 @@ SkinOptions coarse(double edge = 0.25, double tolerance = 2e-3) {
 // A door in small: a cornered outline on runs, a hole and a closed hollow, both embedded.
 std::vector<CharacterLine> panel() {
   auto lines = polygon_lines({{0, 0, 0}, {2, 0, 0.2}, {2, 1.4, 0}, {0, 1.4, 0.2}});
-  lines.push_back(ellipse("hole", Role::Hole, {0.5, 0.7, 0.1}, 0.2, 0.25));
-  lines.push_back(ellipse("hollow", Role::Inner, {1.4, 0.7, 0.1}, 0.3, 0.2));
+  lines.push_back(flat_ellipse("hole", Role::Hole, {0.5, 0.7, 0.1}, 0.2, 0.25));
+  lines.push_back(flat_ellipse("hollow", Role::Inner, {1.4, 0.7, 0.1}, 0.3, 0.2));
   return lines;
 }
 
 std::vector<CharacterLine> disc() {
-  return {ellipse("rim", Role::Outline, {0, 0, 0}, 1, 0.8),
-          ellipse("hole", Role::Hole, {0.4, 0, 0}, 0.2, 0.15),
+  return {flat_ellipse("rim", Role::Outline, {0, 0, 0}, 1, 0.8),
+          flat_ellipse("hole", Role::Hole, {0.4, 0, 0}, 0.2, 0.15),
           straight("rib", {-0.6, -0.3, 0}, {-0.1, 0.4, 0})};
 }
 
 std::vector<CharacterLine> ring() {
-  return {ellipse("lower", Role::Outline, {0, 0, 0}, 1, 1),
-          ellipse("upper", Role::Outline, {0, 0, 1.2}, 0.8, 0.7)};
+  return {flat_ellipse("lower", Role::Outline, {0, 0, 0}, 1, 1),
+          flat_ellipse("upper", Role::Outline, {0, 0, 1.2}, 0.8, 0.7)};
 }
 
-Surface solved(const RegionLayout& layout) {
+Surface surface_of(const RegionLayout& layout) {
   return layout.region(sculpt(layout, layout.line_constraints(), {}, {}).dofs).surface;
 }
 
@@ -118,7 +121,7 @@ TEST_CASE("wherever a layout is refined, its lines stay where they are") {
       REQUIRE(layout.refine(random_marks(layout, random, 0.2)));
       CHECK(layout.mesh()->triangle_count() > before);
       check_runs(layout);
-      const Surface shape = solved(layout);
+      const Surface shape = surface_of(layout);
       CHECK(layout.line_constraints().max_residual(shape.dofs()) <= 1e-12 * layout.size());
       const SkinQuality quality = measure(layout.region(shape.dofs()));
       CHECK(quality.max_line_residual <= 1e-10);
@@ -173,7 +176,7 @@ TEST_CASE("a surface is on a line that was lifted, before and after refinement")
   layout.set_line("hollow", lifted(layout.line("hollow"), 0.1));
   Random random(5);
   for (int round = 0; round < 2; ++round) {
-    const Surface shape = solved(layout);
+    const Surface shape = surface_of(layout);
     CHECK(layout.line_constraints().max_residual(shape.dofs()) <= 1e-12);
     const SkinQuality quality = measure(layout.region(shape.dofs()));
     CHECK(quality.max_line_gap < 0.01);
@@ -186,7 +189,7 @@ TEST_CASE("an inner line that comes and goes leaves the layout as it was") {
   if (!have_delaunay_mesher()) return;
   for (const auto& lines : {panel(), disc(), curved_polygon(5, 0.1, 0.02)}) {
     RegionLayout layout("region", lines, coarse());
-    const Surface shape = solved(layout);
+    const Surface shape = surface_of(layout);
     const ConstraintSet before = layout.line_constraints();
     const bool flat = lines[0].name == "rim";
     // On the shape itself, from one of its points to another.
@@ -199,7 +202,7 @@ TEST_CASE("an inner line that comes and goes leaves the layout as it was") {
     CHECK(layout.has_line("new"));
     const ConstraintSet with = layout.line_constraints();
     CHECK(with.rows().size() > before.rows().size());
-    const Surface ribbed = solved(layout);
+    const Surface ribbed = surface_of(layout);
     CHECK(with.max_residual(ribbed.dofs()) <= 1e-12);
     double off = 0;
     const HermiteCurve& curve = layout.line("new");
@@ -217,10 +220,10 @@ TEST_CASE("an inner line that comes and goes leaves the layout as it was") {
 TEST_CASE("an inner line that is taken out from between others leaves the boundary in order") {
   if (!have_delaunay_mesher()) return;
   RegionLayout layout("region", disc(), coarse());
-  layout.add_inner(straight("second", {-0.7, 0.2, 0}, {-0.4, 0.45, 0}), solved(layout));
+  layout.add_inner(straight("second", {-0.7, 0.2, 0}, {-0.4, 0.45, 0}), surface_of(layout));
   layout.remove_inner("rib");
   CHECK(layout.has_line("second"));
-  const SkinnedRegion region = layout.region(solved(layout).dofs());
+  const SkinnedRegion region = layout.region(surface_of(layout).dofs());
   for (const auto& loop : region.boundary)
     for (const BoundaryPiece& piece : loop)
       CHECK(region.embedded[static_cast<size_t>(piece.index)].line.role != Role::Inner);
@@ -237,10 +240,10 @@ TEST_CASE("a line with corners comes and goes by its own name") {
   const CharacterLine bent{"bent",
                            curve_through_points("bent", {{-0.3, 0, 0}, {0.1, 0.3, 0}, {0.4, 0, 0}}),
                            Role::Inner};
-  layout.add_inner(bent, solved(layout));
+  layout.add_inner(bent, surface_of(layout));
   CHECK(layout.has_line("bent.1"));
   CHECK(layout.has_line("bent.2"));
-  CHECK_THAT(refusal([&] { layout.add_inner(bent, solved(layout)); }),
+  CHECK_THAT(refusal([&] { layout.add_inner(bent, surface_of(layout)); }),
              Contains("two lines have the name 'bent.1'"));
   layout.remove_inner("bent");
   CHECK(same_rows(layout.line_constraints(), before, 1e-13, true));
@@ -249,7 +252,7 @@ TEST_CASE("a line with corners comes and goes by its own name") {
 TEST_CASE("what edits refuse is said in words, and leaves the layout as it was") {
   if (!have_delaunay_mesher()) return;
   RegionLayout layout("region", panel(), coarse());
-  const Surface shape = solved(layout);
+  const Surface shape = surface_of(layout);
   const ConstraintSet before = layout.line_constraints();
   const auto mesh = layout.mesh();
   const auto trim = layout.trim();
@@ -271,7 +274,7 @@ TEST_CASE("what edits refuse is said in words, and leaves the layout as it was")
   CHECK_THAT(add({"new", nowhere, Role::Inner}), Contains("not finite"));
   const RegionLayout other("other", panel(), coarse(0.4));
   CHECK_THAT(refusal([&] {
-               layout.add_inner(line({1, 1, 0.1}, {1.2, 1, 0.1}), solved(other));
+               layout.add_inner(line({1, 1, 0.1}, {1.2, 1, 0.1}), surface_of(other));
              }),
              Contains("another mesh"));
 
@@ -291,7 +294,7 @@ TEST_CASE("what edits refuse is said in words, and leaves the layout as it was")
 
   RegionLayout tube("tube", ring(), coarse());
   CHECK_THAT(refusal([&] {
-               tube.add_inner(straight("new", {1, 0, 0.4}, {1, 0, 9}), solved(tube));
+               tube.add_inner(straight("new", {1, 0, 0.4}, {1, 0, 9}), surface_of(tube));
              }),
              Contains("'new'"));
   CHECK_FALSE(tube.has_line("new"));

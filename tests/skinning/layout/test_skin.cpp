@@ -21,7 +21,7 @@ SkinnedRegion skinned(const std::vector<CharacterLine>& lines, SkinOptions optio
   return layout.region(sculpt(layout, layout.line_constraints(), loads, {}).dofs);
 }
 
-void check_exact(const SkinnedRegion& region, double tolerance) {
+void check_skin(const SkinnedRegion& region, double tolerance) {
   const SkinQuality q = measure(region);
   CHECK(q.max_line_residual <= 1e-12);
   CHECK(q.max_line_deviation <= tolerance);
@@ -39,16 +39,16 @@ TEST_CASE("regions of 3, 4, 5 and 11 sides hold their lines to rounding") {
       SkinOptions options;
       options.element = element;
       options.edge_length = 0.2;
-      check_exact(skinned(curved_polygon(sides, 0.2, 0.3 / sides / sides), options), 1e-12);
-      check_exact(skinned(curved_polygon(sides, 0.2, 0.3 / sides / sides), options,
-                          {{"p", PressureLoad{20}}}),
-                  1e-12);
+      check_skin(skinned(curved_polygon(sides, 0.2, 0.3 / sides / sides), options), 1e-12);
+      check_skin(skinned(curved_polygon(sides, 0.2, 0.3 / sides / sides), options,
+                         {{"p", PressureLoad{20}}}),
+                 1e-12);
     }
 }
 
 TEST_CASE("an L-shaped region with a reflex corner") {
   if (!have_delaunay_mesher()) return;
-  check_exact(
+  check_skin(
       skinned(polygon_lines({{0, 0, 0}, {3, 0, 0}, {3, 1, 0}, {1, 1, 0}, {1, 2, 0.4}, {0, 2, 0}})),
       1e-12);
 }
@@ -72,7 +72,7 @@ TEST_CASE("an inner line is held as exactly as the outline") {
   if (!have_delaunay_mesher()) return;
   const auto lines = patch_with_inner_line();
   const SkinnedRegion region = skinned(lines, {}, {{"p", PressureLoad{30}}});
-  check_exact(region, 1e-12);
+  check_skin(region, 1e-12);
   // The rib is inside: both its sides carry triangles.
   for (const int e : region.runs.back().edges)
     CHECK_FALSE(region.surface.mesh().edges()[e].boundary());
@@ -142,7 +142,7 @@ TEST_CASE("lines that are not cubic come within the tolerance, both ways") {
     SkinOptions options;
     options.tolerance = tolerance;
     const SkinnedRegion region = skinned(lines, options);
-    check_exact(region, tolerance);
+    check_skin(region, tolerance);
     CHECK(measure(region).max_line_deviation > 1e-4 * tolerance);
   }
 }
@@ -162,7 +162,7 @@ TEST_CASE("lines that continue each other smoothly share one side") {
   CHECK(layout.corners().size() == 4);
   CHECK(layout.runs().size() == 5);
   const auto region = layout.region(sculpt(layout, layout.line_constraints(), {}, {}).dofs);
-  check_exact(region, 1e-4);
+  check_skin(region, 1e-4);
 }
 
 TEST_CASE("the same region in mm and in m is the same shape") {

@@ -16,7 +16,7 @@ using namespace batten_test;
 
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 using Kind = NaturalShape::Kind;
 using Lines = std::vector<CharacterLine>;
 

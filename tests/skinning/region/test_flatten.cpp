@@ -2,6 +2,7 @@
 #include "batten/skinning/region/flatten.h"
 
 #include <Eigen/Dense>
+#include <numbers>
 
 #include "batten/core/errors.h"
 #include "batten/skinning/domains/mesher.h"
@@ -17,7 +18,7 @@ using Catch::Matchers::Contains;
 
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 // x = A (u, v, 1), over a mesh of the polygon.
 Surface plane_over(const std::vector<Vec2>& polygon, const Mat3& A, double edge = 0.15) {

@@ -28,7 +28,7 @@ using Catch::Matchers::Contains;
 
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 using Lines = std::vector<CharacterLine>;
 using Names = std::vector<std::string>;
 

@@ -17,7 +17,7 @@ using Kind = SurfaceFlaw::Kind;
 
 namespace {
 
-constexpr double kPi = std::numbers::pi;
+using std::numbers::pi;
 
 SkinnedRegion solved(const std::string& name, const std::vector<CharacterLine>& lines,
                      double edge = 0.1) {
@@ -86,7 +86,7 @@ std::vector<SurfaceFlaw> flaws_of(const std::vector<SkinnedRegion>& regions,
 
 // Two squares along the y axis, with this wedge between them.
 std::vector<SkinnedRegion> wedge(double degrees, double second_edge = 0.1) {
-  const double a = degrees * kPi / 180;
+  const double a = degrees * pi / 180;
   const Vec3 side(std::cos(a), 0, std::sin(a)), y = Vec3::UnitY();
   return {quad("flat", {0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}),
           quad("leaning", Vec3::Zero(), side, side + y, y, second_edge)};
@@ -108,7 +108,7 @@ TEST_CASE("a box, flat sheets side by side and strongly curved sheets have no fl
                   quad("b", p(1, 0, 0), p(2, 0, 0), p(2, 1, 0), p(1, 1, 0), 0.07)})
             .empty());
   CHECK(flaws_of({shaped("tube", [](double u, double v) {
-          const double t = 0.95 * 2 * kPi * u;
+          const double t = 0.95 * 2 * pi * u;
           return Vec3(std::cos(t), v, std::sin(t));
         })}).empty());
 }
@@ -132,7 +132,7 @@ TEST_CASE("a sharp fold inside is named, a round one of the same angle is not") 
   const auto folded = [](double radius) {
     // A half turn of this radius between two flat parts.
     return [radius](double u, double v) {
-      const double s = 2 * (u - 0.5), half = 0.5 * kPi * radius;
+      const double s = 2 * (u - 0.5), half = 0.5 * pi * radius;
       if (s < -half) return Vec3(s + half, v, -radius);
       if (s > half) return Vec3(half - s, v, radius);
       return Vec3(radius * std::cos(s / radius), v, radius * std::sin(s / radius));
@@ -148,7 +148,7 @@ TEST_CASE("a sharp fold inside is named, a round one of the same angle is not") 
 TEST_CASE("an area above twice the plain one is named, with the ratio") {
   const auto bump = [](double height) {
     return [height](double u, double v) {
-      return Vec3(u, v, height * std::sin(kPi * u) * std::sin(kPi * v));
+      return Vec3(u, v, height * std::sin(pi * u) * std::sin(pi * v));
     };
   };
   CHECK(flaws_of({shaped("low", bump(0.5))}, {1}).empty());
@@ -207,7 +207,7 @@ TEST_CASE("regions that pass through each other, or themselves, are named") {
 
 TEST_CASE("regions that share a curved line within a gap, or in other steps, only touch") {
   // Both embedded, on either side of a circle, with triangles of different sizes.
-  const auto circle = curve_from_formula(0, 2 * kPi, [](double t, int order) -> Vec3 {
+  const auto circle = curve_from_formula(0, 2 * pi, [](double t, int order) -> Vec3 {
     if (order == 0) return {std::cos(t), std::sin(t), 0.2 * std::cos(2 * t)};
     if (order == 1) return {-std::sin(t), std::cos(t), -0.4 * std::sin(2 * t)};
     return {-std::cos(t), -std::sin(t), -0.8 * std::cos(2 * t)};
@@ -222,7 +222,7 @@ TEST_CASE("regions that share a curved line within a gap, or in other steps, onl
   around.push_back({"hole", circle, CharacterLine::Role::Hole});
   CHECK(flaws_of({solved("disc", {{"rim", circle}}, 0.17), solved("plate", around, 0.11)}).empty());
   // The same disc, a third of its height lower, is through the plate's hole no more.
-  const auto lowered = curve_from_formula(0, 2 * kPi, [&](double t, int order) {
+  const auto lowered = curve_from_formula(0, 2 * pi, [&](double t, int order) {
     const Vec3 x = 1.2 * circle->evaluate(t, order);
     return order == 0 ? Vec3(x - Vec3(0, 0, 0.05)) : x;
   });
