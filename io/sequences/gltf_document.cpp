@@ -18,7 +18,6 @@ namespace {
 
 using Json = nlohmann::json;
 
-
 constexpr long kMostThings = 1000000000;
 /// Numbers of an accessor that has no data, or few: this many are zero at most.
 constexpr long kMostZeros = 1L << 25;
