@@ -292,7 +292,11 @@ def measure_points(step, path):
         own = [s for n, s in step.faces if n == name] or [s for _, s in step.faces if len(step.faces) == 1]
         if not own:
             raise SystemExit(f"{path}: found points of '{name}', expected the name of a face")
-        most = max(most, np.min([s.nearest(points, 2)[1] for s in own], axis=0).max())
+        far = np.min([s.nearest(points, 2)[1] for s in own], axis=0)
+        # A search that began on the wrong side of a bend begins again from more places.
+        again = far > 5 * np.median(far)
+        far[again] = np.min([s.nearest(points[again], min(50, len(s.uv)))[1] for s in own], axis=0)
+        most = max(most, far.max())
         count += len(points)
     return {"points": count, "distance": most}
 
