@@ -43,7 +43,7 @@ TEST_CASE("segment matrices are the reference matrices for every length") {
     CHECK(segment.length() == h);
     const auto check = [&](const Matrix& found, const char* name) {
       INFO(name);
-      CHECK(relative_error(found, matrix_of(expected[name])) < 1e-12);
+      CHECK(batten_test::relative_error(found, matrix_of(expected[name])) < 1e-12);
     };
     check(segment.stretching(), "K_alpha1");
     check(segment.bending(), "K_beta1");
@@ -55,7 +55,7 @@ TEST_CASE("segment matrices are the reference matrices for every length") {
     for (int end = 0; end < 2; ++end) {
       Vector load;
       for (int i = 0; i < 4; ++i) load[i] = expected["F_matrix_f0_f1"][i][end];
-      CHECK(relative_error(segment.load({1.0 - end, 1.0 * end}), load) < 1e-12);
+      CHECK(batten_test::relative_error(segment.load({1.0 - end, 1.0 * end}), load) < 1e-12);
     }
   }
 }
@@ -115,10 +115,10 @@ TEST_CASE("segment matrices are the integrals they stand for") {
     mass += w * H * H.transpose();
     load += w * c * H;
   }
-  CHECK(relative_error(segment.stretching(weight), stretching) < 1e-14);
-  CHECK(relative_error(segment.bending(weight), bending) < 1e-14);
-  CHECK(relative_error(segment.mass(), mass) < 1e-14);
-  CHECK(relative_error(segment.load(weight), load) < 1e-14);
+  CHECK(batten_test::relative_error(segment.stretching(weight), stretching) < 1e-14);
+  CHECK(batten_test::relative_error(segment.bending(weight), bending) < 1e-14);
+  CHECK(batten_test::relative_error(segment.mass(), mass) < 1e-14);
+  CHECK(batten_test::relative_error(segment.load(weight), load) < 1e-14);
 }
 
 TEST_CASE("a segment stretches for all but constants and bends for all but linear functions") {
