@@ -10,6 +10,7 @@
 #include "batten/io/files/number_bytes.h"
 
 namespace batten {
+
 GlbWriter::GlbWriter(const std::filesystem::path& path, std::vector<std::array<int, 3>> triangles,
                      int points, std::vector<double> times)
     : file_(path),

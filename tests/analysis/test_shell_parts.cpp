@@ -110,7 +110,7 @@ TEST_CASE("half of a line is held as all of it is") {
   definition.lines[0].box = between(-1, 2);  // all of it: springs in place of rows
   CHECK(tip() == Approx(rows).epsilon(2e-3));
   definition.lines[0].box = Box3(Vec3(-1, 0.1, -1), Vec3(1, 0.4, 1));
-  CHECK(tip() < 1.02 * rows);  // more, weight_down
+  CHECK(tip() < 1.02 * rows);  // more, downwards
   CHECK(tip() > 2 * rows);
 }
 
