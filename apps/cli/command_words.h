@@ -36,6 +36,7 @@ struct Command {
 Command add_run(ProgramWords& program, CommonWords& common);
 Command add_stress(ProgramWords& program, CommonWords& common);
 Command add_sculpt(ProgramWords& program, CommonWords& common);
+Command add_run_script(ProgramWords& program, CommonWords& common);
 Command add_deform(ProgramWords& program, CommonWords& common);
 Command add_sequence(ProgramWords& program, CommonWords& common);
 Command add_fair(ProgramWords& program, CommonWords& common);

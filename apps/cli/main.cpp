@@ -60,7 +60,7 @@ int command(int argc, char** argv) {
       add_run(program, common),    add_stress(program, common),   add_sculpt(program, common),
       add_deform(program, common), add_sequence(program, common), add_fair(program, common),
       add_skin(program, common),   add_convert(program, common),  add_fit(program, common),
-      add_info(program),           add_view(program, common)};
+      add_info(program),           add_view(program, common),     add_run_script(program, common)};
   const ProgramWords::Read read = program.read(argc, argv);
   if (read != ProgramWords::Read::Command)
     return read == ProgramWords::Read::Answer ? kDone : kBadInput;

@@ -313,7 +313,7 @@ SceneSweep read_sweep(const TomlTable& table, const Scene& scene, Names& files) 
   return sweep;
 }
 
-Scene scene_of(const toml::table& root_table, const std::filesystem::path& file) {
+Scene scene_of(const toml::table& root_table, const std::filesystem::path& file, bool lines_required) {
   const TomlTable root(file.string(), root_table, "the scene",
                        {"name",       "unit",    "tolerance", "corner_angle", "line",      "lines",
                         "fair",       "network", "region",    "join",         "skin",      "target",
@@ -330,7 +330,7 @@ Scene scene_of(const toml::table& root_table, const std::filesystem::path& file)
     root.fail("corner_angle", number(scene.skin.options.corner_angle), "less than 180 degrees");
 
   read_network(root, scene);
-  scene.lines = read_scene_lines(root, folder, true);
+  scene.lines = read_scene_lines(root, folder, true, lines_required);
   scene.fairing = read_fair_stages(root);
 
   for (const TomlTable& t : root.table("skin", skin_keys())) read_skin(t, scene.skin);
@@ -376,8 +376,9 @@ Scene scene_of(const toml::table& root_table, const std::filesystem::path& file)
 
 }  // namespace
 
-Scene parse_scene(const std::string& text, const std::filesystem::path& file) {
-  return scene_of(parse_toml(text, file, "a scene (unit, [[line]] …)"), file);
+Scene parse_scene(const std::string& text, const std::filesystem::path& file,
+                  bool lines_required) {
+  return scene_of(parse_toml(text, file, "a scene (unit, [[line]] …)"), file, lines_required);
 }
 
 Scene read_scene(const std::filesystem::path& file) {

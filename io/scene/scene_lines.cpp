@@ -139,14 +139,14 @@ std::vector<std::string> lines_keys(bool roles) {
 }
 
 std::vector<SceneLine> read_scene_lines(const TomlTable& root, const std::filesystem::path& folder,
-                                        bool roles) {
+                                        bool roles, bool required) {
   std::vector<SceneLine> lines;
   Names names("line name");
   names.read(root, "line", line_keys(roles), lines,
              [&](const TomlTable& t) { return read_line(t, folder, roles); });
   for (const TomlTable& t : root.tables("lines", lines_keys(roles)))
     lines.push_back(read_lines(t, folder, roles));
-  if (lines.empty()) root.fail("", "no lines", "[[line]] or [[lines]]");
+  if (required && lines.empty()) root.fail("", "no lines", "[[line]] or [[lines]]");
   return lines;
 }
 

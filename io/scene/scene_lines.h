@@ -14,8 +14,8 @@ std::vector<std::string> lines_keys(bool roles);
 
 /// Reads all lines of a scene. `roles`: whether lines of this kind of scene have a role (outline,
 /// hole, inner) and a treatment. `folder`: where paths begin. Throws InputError, also when there is
-/// no line.
+/// no line and one is required.
 std::vector<SceneLine> read_scene_lines(const TomlTable& root, const std::filesystem::path& folder,
-                                        bool roles);
+                                        bool roles, bool required = true);
 
 }  // namespace batten

@@ -11,7 +11,9 @@ namespace batten {
 /// The facets and lines that connect display points. It changes with the mesh only.
 struct DisplayPattern {
   std::vector<std::array<int, 3>> facets;
-  std::vector<std::vector<std::vector<int>>> lines;  ///< DisplayFacets::lines
+  std::vector<std::vector<std::vector<int>>> lines;  ///< DisplayFacets::lines, region after region
+  /// The number of each region's first facet and first line, and behind the last region.
+  std::vector<int> first_facet, first_line;
 };
 
 /// A frame holds the display points of one moment for a viewer.

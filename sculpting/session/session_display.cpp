@@ -35,6 +35,8 @@ void SculptingSession::Data::draw(Frame& to) {
     for (int r = 0; r < layout().region_count(); ++r) {
       DisplayFacets own = facets(made(r), options.facets_per_edge);
       const int first = count_of(places);
+      pattern->first_facet.push_back(count_of(pattern->facets));
+      pattern->first_line.push_back(count_of(pattern->lines));
       for (const Location& where : own.tessellation.points)
         places.push_back(layout().in_model(r, where));
       for (auto facet : own.tessellation.facets) {
@@ -47,6 +49,8 @@ void SculptingSession::Data::draw(Frame& to) {
         pattern->lines.push_back(std::move(line));
       }
     }
+    pattern->first_facet.push_back(count_of(pattern->facets));
+    pattern->first_line.push_back(count_of(pattern->lines));
     display.pattern = pattern;
     display.points = std::make_unique<DisplayPoints>(*layout().mesh(), layout().element(), places);
     display.mesh = layout().mesh();

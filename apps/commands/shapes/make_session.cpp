@@ -178,6 +178,7 @@ class Maker {
       for (const auto& [name, value] : goals_) session_.set(name, value);
       session_.settle();
     }
+    held_ = session_.dofs();
     for (const SceneLoad& load : scene_.loads)
       add(load.named, on_layout_.load(load), {values_.at(load.name)});
     for (const SceneWeight& weight : scene_.weights)
@@ -188,7 +189,7 @@ class Maker {
       if (!p.follows.empty()) session_.drive(p.name, p.follows, p.offset);
     return std::move(session_);
   }
-  const Points& unloaded() const { return unloaded_; }
+  SessionStart start() && { return {std::move(unloaded_), std::move(held_)}; }
 
  private:
   static SessionOptions options(const Scene& scene, Expected expected, RestShape rest) {
@@ -286,7 +287,7 @@ class Maker {
   SceneOnLayout on_layout_;
   std::map<std::string, NamedValue> values_;
   SculptingSession session_;
-  Points unloaded_;
+  Points unloaded_, held_;
   ModelProjector unloaded_places_;
   // Set last, because what is added before refers to the surface without them.
   std::vector<std::pair<std::string, double>> goals_, moves_;
@@ -295,7 +296,7 @@ class Maker {
 }  // namespace
 
 SculptingSession make_session(const ModelLayout& layout, const Scene& scene, const MadeModel& made,
-                              Expected expected, const Progress& progress, Points* unloaded,
+                              Expected expected, const Progress& progress, SessionStart* start,
                               RestShape rest) {
   const std::string where = scene.at({});
   // Regions of a network that are cylinders and the like are bent from that.
@@ -303,12 +304,33 @@ SculptingSession make_session(const ModelLayout& layout, const Scene& scene, con
     rest = [](const RestTask& task) { return natural_dofs(task.layout); };
   try {
     Maker maker(layout, scene, made, expected, progress, std::move(rest));
-    if (unloaded) *unloaded = maker.unloaded();
-    return maker.made();
+    SculptingSession session = maker.made();
+    if (start) *start = std::move(maker).start();
+    return session;
   } catch (const InputError& e) {
     const std::string message = e.what();
     const std::string file = scene.file.string();
     throw InputError(!file.empty() && message.starts_with(file) ? message : where + message);
+  }
+}
+
+void add_load(SculptingSession& session, const Scene& scene, const MadeModel& made,
+              const SceneLoad& load, const Points& held) {
+  const ModelLayout& layout = session.layout();
+  const ModelProjector places(layout, held);
+  const Surface present = layout.surface(session.dofs());
+  const auto now = [&](const Vec3& at) {
+    const ModelProjector::Nearest was = places.nearest_inside(at);
+    return present.position(layout.in_model(was.at.region, was.where));
+  };
+  Load added = SceneOnLayout(scene, layout, made).load(load);
+  if (auto* point = std::get_if<Load::Point>(&added.kind)) point->at = now(point->at);
+  if (auto* pulls = std::get_if<Load::Pulls>(&added.kind))
+    for (Vec3& at : pulls->at) at = now(at);
+  try {
+    session.add(added, {values_of(scene).at(load.name)});
+  } catch (const InputError& e) {
+    throw InputError(scene.at(load.named) + e.what());
   }
 }
 

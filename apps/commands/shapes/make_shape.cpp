@@ -76,10 +76,11 @@ void fair(MadeShape& shape, const Scene& scene, const MadeModel& made, const Pro
   if (!asks_for_shape(scene) || !shape.layout) return;
   FairShape faired = fair_scene(scene, made, shape.layout, shape.unloaded, progress);
   if (faired.rest && scene.is_sculpted()) {
+    SessionStart start;
     SculptingSession session = make_session(*faired.layout, scene, made, Expected::one_factor,
-                                            progress, &shape.unloaded, faired.rest);
+                                            progress, &start, faired.rest);
     const Answer answer = session.settle();
-    shape = shape_of(session, scene, shape.unloaded, answer);
+    shape = shape_of(session, scene, start.unloaded, answer);
   } else if (faired.dofs.rows() > 0) {
     shape.layout = faired.layout;
     take_dofs(shape, faired.dofs, scene);
@@ -140,11 +141,11 @@ namespace {
 // The shape that a session settles in.
 MadeShape settled_shape(const ModelLayout& layout, const Scene& scene, const MadeModel& made,
                         const Progress& progress) {
-  Points unloaded;
+  SessionStart start;
   SculptingSession session =
-      make_session(layout, scene, made, Expected::one_factor, progress, &unloaded);
+      make_session(layout, scene, made, Expected::one_factor, progress, &start);
   const Answer answer = session.settle();
-  return shape_of(session, scene, unloaded, answer);
+  return shape_of(session, scene, start.unloaded, answer);
 }
 
 // The same where triangles are halved until gaps are closed.
@@ -197,6 +198,19 @@ ModelLayout refined_for_lines(const MadeModel& made, const Scene& scene, const P
     if (!halve_at_gaps(layout, regions, most)) return layout;
   }
   return layout;
+}
+
+SculptModel sculpt_model(MadeModel made, const Scene& scene, const Progress& progress) {
+  if (!made.model.layout) throw InputError(scene.at({}) + "no region could be skinned");
+  SculptModel model;
+  model.layout = std::make_shared<const ModelLayout>(refined_for_lines(made, scene, progress));
+  if (asks_for_shape(scene)) {
+    const Points bent = bent_shape(*model.layout, scene, progress);
+    model.fair = fair_scene(scene, made, model.layout, bent, progress);
+  }
+  if (model.fair.layout) model.layout = model.fair.layout;
+  model.made = std::move(made);
+  return model;
 }
 
 void take_shape(MadeModel& made, const MadeShape& shape, const Progress& progress) {

@@ -53,6 +53,15 @@ MadeShape make_refined_shape(const MadeModel& made, const Scene& scene,
 ModelLayout refined_for_lines(const MadeModel& made, const Scene& scene,
                               const Progress& progress = {});
 
+/// A model and what its sessions are made on.
+struct SculptModel {
+  MadeModel made;
+  std::shared_ptr<const ModelLayout> layout;  ///< refined_for_lines(), or that of the fair shape
+  FairShape fair;                             ///< where the scene asks for one
+};
+/// Throws as make_refined_shape(), and InputError where no region is skinned.
+SculptModel sculpt_model(MadeModel made, const Scene& scene, const Progress& progress = {});
+
 /// Puts the shape into the model and measures its quality.
 void take_shape(MadeModel& made, const MadeShape& shape, const Progress& progress = {});
 

@@ -126,16 +126,11 @@ class SculptRun {
     const std::vector<Operation> log =
         task_.replay.empty() ? std::vector<Operation>{} : read_session_log(task_.replay);
 
-    made_ = model_of(run_, scene_, progress_);
-    if (!made_.model.layout) throw InputError(scene_.at({}) + "no region could be skinned");
-    auto layout = std::make_shared<const ModelLayout>(refined_for_lines(made_, scene_, progress_));
-    if (asks_for_shape(scene_))
-      fair_ = fair_scene(scene_, made_, layout, bent_shape(*layout, scene_, progress_), progress_);
-    if (fair_.layout) layout = fair_.layout;
+    model_ = sculpt_model(model_of(run_, scene_, progress_), scene_, progress_);
     watch.lap("layout");
     progress_.at("session", 0);
-    session_.emplace(make_session(*layout, scene_, made_, Expected::many_factors, progress_,
-                                  &unloaded_, fair_.rest));
+    session_.emplace(make_session(*model_.layout, scene_, model_.made, Expected::many_factors,
+                                  progress_, &start_, model_.fair.rest));
     check_sweeps();
     watch.lap("session");
 
@@ -281,11 +276,11 @@ class SculptRun {
 
   /// Dofs of what the lines alone make, on the mesh as it is now.
   Points unloaded_now() const {
-    if (unloaded_.rows() == session_->dofs().rows()) return unloaded_;
+    if (start_.unloaded.rows() == session_->dofs().rows()) return start_.unloaded;
     const Points bent = bent_shape(session_->layout(), scene_, progress_);
-    if (!fair_.rest) return bent;
+    if (!model_.fair.rest) return bent;
     const ConstraintSet rows = session_->layout().line_constraints();
-    const Points fair = RestShape(fair_.rest)({session_->layout(), rows, bent, {}, progress_});
+    const Points fair = RestShape(model_.fair.rest)({session_->layout(), rows, bent, {}, progress_});
     return fair.rows() > 0 ? fair : bent;
   }
 
@@ -294,14 +289,14 @@ class SculptRun {
     for (const NamedValue& p : session_->parameters().all())
       report_.parameters.push_back({p.name, session_->parameters().value(p.name), p.min, p.max});
     report_.sculpting->shape = shape_now(*session_);
-    const ShapeFairing fairing = fair_.fairing ? *fair_.fairing : ShapeFairing{};
+    const ShapeFairing fairing = model_.fair.fairing ? *model_.fair.fairing : ShapeFairing{};
     MadeShape shape = shape_of(*session_, scene_, unloaded_now(), answer_);
     shape.fairing = fairing;
-    measure_into(run_, made_, shape, scene_, progress_);
-    write_files(run_, scene_, made_, shape, progress_);
-    draw_pictures(run_, scene_, made_, shape, progress_);
+    measure_into(run_, model_.made, shape, scene_, progress_);
+    write_files(run_, scene_, model_.made, shape, progress_);
+    draw_pictures(run_, scene_, model_.made, shape, progress_);
     if (!scene_.pictures.empty()) run_.watch.lap("pictures");
-    write_step_file(run_, scene_, made_, progress_);
+    write_step_file(run_, scene_, model_.made, progress_);
     run_.finish(progress_);
     if (!task_.record.empty()) write_session_log(task_.record, session_->recorded());
     run_.out.commit();
@@ -312,12 +307,11 @@ class SculptRun {
   const Progress& progress_;
   ShapeRun run_;
   Report& report_ = run_.report;
-  MadeModel made_;
+  SculptModel model_;
   std::vector<SweepTask> sweeps_;
   std::optional<SculptingSession> session_;
   MovingStress stress_{scene_};
-  FairShape fair_;  // where the scene asks for one
-  Points unloaded_;
+  SessionStart start_;
   Answer answer_;
 };
 

@@ -1,0 +1,207 @@
+#include "batten/apps/commands/documents/document_command.h"
+
+#include <algorithm>
+#include <optional>
+#include <sstream>
+
+#include "batten/apps/commands/runs/run_parts.h"
+#include "batten/io/files/input_file.h"
+#include "batten/io/files/text.h"
+#include "batten/io/files/toml_table.h"
+
+namespace batten {
+namespace {
+
+using Verb = DocumentCommand::Verb;
+
+/// The words of a command, one letter each: k kind, n name, y key, v the rest of the line, p
+/// parameter, x number, u unit, f file, F file that may be missing.
+struct Form {
+  Verb verb;
+  const char* word;
+  const char* words;
+};
+constexpr Form kForms[] = {
+    {Verb::Open, "open", "f"},   {Verb::Recover, "recover", "f"}, {Verb::New, "new", "u"},       {Verb::Add, "add", "kv"},
+    {Verb::Set, "set", "knyv"},  {Verb::Erase, "erase", "kny"}, {Verb::Remove, "remove", "kn"},
+    {Verb::Slide, "slide", "px"}, {Verb::Answer, "answer", ""}, {Verb::Settle, "settle", ""},
+    {Verb::Undo, "undo", ""},    {Verb::Redo, "redo", ""},      {Verb::Save, "save", "F"},
+    {Verb::Run, "run", "f"},     {Verb::Export, "export", "f"}};
+
+const char* meaning(char word) {
+  switch (word) {
+    case 'k':
+      return "a kind of table, as load";
+    case 'n':
+      return "a name, or - for none";
+    case 'y':
+      return "a key";
+    case 'v':
+      return "a value";
+    case 'p':
+      return "a parameter";
+    case 'x':
+      return "a number";
+    case 'u':
+      return "a unit of length";
+    default:
+      return "a file";
+  }
+}
+
+/// A word as a script has it: in quotes where it would not be one word else.
+std::string quoted(const std::string& word) {
+  const bool plain = !word.empty() && word != "-" && word.find_first_of(" \t\"#\\") == word.npos;
+  return plain ? word : SceneText::word(word);
+}
+std::string name_word(const std::string& name) { return name.empty() ? "-" : quoted(name); }
+
+/// Takes words from the front of a line.
+class Line {
+ public:
+  Line(const std::string& text, std::string where) : text_(text), where_(std::move(where)) {}
+
+  std::optional<std::string> next() {
+    skip();
+    if (at_ >= text_.size() || text_[at_] == '#') return std::nullopt;
+    if (text_[at_] == '"') return in_quotes_word();
+    const size_t end = std::min(text_.find_first_of(" \t", at_), text_.size());
+    std::string word = text_.substr(at_, end - at_);
+    at_ = end;
+    return word;
+  }
+  std::string rest() {
+    skip();
+    std::string rest(trimmed(std::string_view(text_).substr(at_)));
+    at_ = text_.size();
+    return rest;
+  }
+  [[noreturn]] void fail(const std::string& found, const std::string& expected) const {
+    throw InputError(where_ + "found " + found + ", expected " + expected);
+  }
+
+ private:
+  void skip() {
+    while (at_ < text_.size() && blank(text_[at_])) ++at_;
+  }
+  std::string in_quotes_word() {
+    std::string word;
+    for (++at_; at_ < text_.size() && text_[at_] != '"'; ++at_) {
+      if (text_[at_] == '\\' && at_ + 1 < text_.size()) ++at_;
+      word += text_[at_];
+    }
+    if (at_ >= text_.size()) fail("a word in quotes that does not end", "'\"' behind it");
+    ++at_;
+    return word;
+  }
+
+  const std::string& text_;
+  std::string where_;
+  size_t at_ = 0;
+};
+
+void take(DocumentCommand& command, char kind, const std::string& word, const Line& line) {
+  switch (kind) {
+    case 'k':
+      command.table.kind = word == "-" ? "" : word;
+      break;
+    case 'n':
+      command.table.name = word == "-" ? "" : word;
+      break;
+    case 'y':
+    case 'p':
+    case 'u':
+      command.key = word;
+      break;
+    case 'v':
+      command.text = word;
+      break;
+    case 'x': {
+      const std::optional<double> value = stated_number(word);
+      if (!value) line.fail(in_quotes(word), "a number");
+      command.value = *value;
+      break;
+    }
+    default:
+      command.file = word;
+  }
+}
+
+}  // namespace
+
+std::string script_line(const DocumentCommand& command) {
+  std::string line;
+  for (const Form& form : kForms) {
+    if (form.verb != command.verb) continue;
+    line = form.word;
+    for (const char* word = form.words; *word; ++word) {
+      if (*word == 'F' && command.file.empty()) break;
+      line += ' ';
+      switch (*word) {
+        case 'k':
+          line += name_word(command.table.kind);
+          break;
+        case 'n':
+          line += name_word(command.table.name);
+          break;
+        case 'y':
+        case 'p':
+        case 'u':
+          line += quoted(command.key);
+          break;
+        case 'v':
+          line += command.text;
+          break;
+        case 'x':
+          line += SceneText::word(command.value);
+          break;
+        default:
+          line += quoted(command.file.string());
+      }
+    }
+  }
+  std::replace(line.begin(), line.end(), '\n', ' ');
+  return line;
+}
+
+DocumentCommand parse_command(const std::string& text, const std::string& where) {
+  Line line(text, where);
+  const std::optional<std::string> verb = line.next();
+  std::vector<std::string> verbs;
+  for (const Form& form : kForms) verbs.emplace_back(form.word);
+  if (!verb) line.fail("nothing", one_of("", verbs));
+  for (const Form& form : kForms) {
+    if (*verb != form.word) continue;
+    DocumentCommand command;
+    command.verb = form.verb;
+    for (const char* word = form.words; *word; ++word) {
+      const std::optional<std::string> found = *word == 'v' ? line.rest() : line.next();
+      if (found && !found->empty())
+        take(command, *word, *found, line);
+      else if (*word != 'F')
+        line.fail("'" + *verb + "' without " + meaning(*word), meaning(*word));
+    }
+    if (const auto more = line.next())
+      line.fail(in_quotes(*more) + " behind '" + *verb + "'", "the end of the line");
+    return command;
+  }
+  line.fail("the command " + in_quotes(*verb), one_of(*verb, verbs));
+}
+
+std::vector<PlacedCommand> read_script(const std::filesystem::path& file) {
+  std::istringstream lines(input_bytes(file, "a script"));
+  std::vector<PlacedCommand> commands;
+  std::string line;
+  for (int number = 1; std::getline(lines, line); ++number) {
+    const std::string_view words = trimmed(line);
+    if (words.empty() || words.front() == '#') continue;
+    const std::string where = place_prefix(file.string(), {number, 1});
+    commands.push_back({parse_command(line, where), where});
+    DocumentCommand& command = commands.back().command;
+    if (!command.file.empty() && command.file.is_relative())
+      command.file = file.parent_path() / command.file;
+  }
+  return commands;
+}
+
+}  // namespace batten

@@ -1,0 +1,76 @@
+// What can be done to a document, as data and as a line of a script.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "batten/io/scene/scene_text.h"
+
+namespace batten {
+
+/// One command on a Document. Scripts have one a line, words apart by blanks; a word with blanks is
+/// in quotes ("rib height"), a value or table of TOML goes on to the end of the line, `#` begins a
+/// comment:
+///
+///     open FILE                    a scene, or a file of lines as a new network
+///     new UNIT                     an empty network
+///     add KIND { name = "…", … }   adds a table [[KIND]]
+///     set KIND NAME KEY VALUE      a key of a table; `-` for no name, `- -` for the top
+///     erase KIND NAME KEY          removes a key
+///     remove KIND NAME             removes a table
+///     slide PARAMETER VALUE        moves a slider; the shape follows by `answer` or `settle`
+///     answer                       a quick answer, as in a drag
+///     settle                       the shape at rest; ends a drag, which is one step to undo
+///     undo, redo
+///     save [FILE]                  the scene
+///     recover FILE                 changes that a killed window left (Document::recovery_text())
+///     run FOLDER                   makes everything that the scene asks for: `batten run`
+///     export FILE                  the present shape: .step, .iges, .vtp, .stl, .obj, .ply, .glb
+///
+/// Paths are relative to the script's folder.
+struct DocumentCommand {
+  enum class Verb {
+    Open,
+    Recover,
+    New,
+    Add,
+    Set,
+    Erase,
+    Remove,
+    Slide,
+    Answer,
+    Settle,
+    Undo,
+    Redo,
+    Save,
+    Run,
+    Export
+  };
+  Verb verb = Verb::Settle;
+  SceneTable table = {};            ///< Add (its kind), Set, Erase, Remove
+  std::string key = {};             ///< Set, Erase; Slide: the parameter; New: the unit
+  std::string text = {};            ///< Add: the table in braces; Set: the value
+  double value = 0;                 ///< Slide
+  std::filesystem::path file = {};  ///< Open, Recover, Save, Run, Export
+
+  /// Whether it changes the scene's text, and so can be undone.
+  bool edits() const {
+    return verb == Verb::Add || verb == Verb::Set || verb == Verb::Erase || verb == Verb::Remove;
+  }
+};
+
+/// The command as a line of a script, without the line's end. Numbers read back as they were.
+std::string script_line(const DocumentCommand& command);
+/// Reads a line. `where` begins the messages. Throws InputError: an unknown word (the nearest is
+/// offered), words that are missing or too many, a number that is not finite.
+DocumentCommand parse_command(const std::string& line, const std::string& where);
+
+struct PlacedCommand {
+  DocumentCommand command;
+  std::string where;  ///< "FILE:LINE:1: "
+};
+/// Reads a script; empty lines and comments are left out. Throws InputError with the line.
+std::vector<PlacedCommand> read_script(const std::filesystem::path& file);
+
+}  // namespace batten

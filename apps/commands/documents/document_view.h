@@ -1,0 +1,61 @@
+// What a window shows of a document: plain data that any thread may read.
+#pragma once
+
+#include <array>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "batten/apps/commands/documents/document.h"
+#include "batten/io/report/network_report.h"
+
+namespace batten {
+
+/// A document at one moment. Points of the surface are in frames (sculpting/session/frame.h).
+struct DocumentView {
+  std::string title;  ///< the file's name, "untitled" before the first save
+  std::string unit, text;
+  bool changed = false, can_undo = false, can_redo = false;
+  std::string problem;  ///< why there is no surface, ""
+
+  struct Table {
+    SceneTable name;
+    std::vector<std::pair<std::string, std::string>> values;  ///< keys and values as TOML
+  };
+  std::vector<Table> tables;  ///< as in the file, the top first
+
+  struct Slider {
+    std::string name;
+    double value = 0, min = 0, max = 0;  ///< the range may be infinite
+    bool driven = false;                 ///< by a [[parameter]]: it cannot be moved
+  };
+  std::vector<Slider> sliders;
+
+  struct Polyline {
+    std::string line;
+    std::vector<Vec3> points;
+  };
+  std::vector<Polyline> lines;  ///< the lines alone, as they are read and made fair
+
+  // Of the surface, where there is one:
+  bool surface = false;
+  int triangles = 0;
+  double size = 0;
+  std::vector<std::string> regions;                    ///< of DisplayPattern::first_facet
+  std::vector<std::string> shown_lines;                ///< of DisplayPattern::lines
+  std::optional<NetworkReport> network;                ///< of a network: joins, choices, shells
+  std::vector<FlawReport> flaws;
+
+  /// The smallest box around lines, low and high corner; both 0 where there are none.
+  std::array<Vec3, 2> box() const;
+  const Table* table(const SceneTable& name) const;
+  /// A name with this beginning that no table has yet: "push 1", "push 2", …
+  std::string free_name(const std::string& beginning) const;
+};
+
+/// Looks at a document. O(facets' lines + tables · bytes).
+DocumentView view_of(const Document& document);
+
+}  // namespace batten

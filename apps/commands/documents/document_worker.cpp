@@ -1,0 +1,227 @@
+#include "batten/apps/commands/documents/document_worker.h"
+
+#include <chrono>
+#include <fstream>
+#include <new>
+
+#include "batten/apps/commands/runs/run_parts.h"
+#include "batten/io/files/whole_file.h"
+
+namespace batten {
+namespace {
+
+using Verb = DocumentCommand::Verb;
+
+}  // namespace
+
+DocumentWorker::DocumentWorker(std::function<void()> wake, std::filesystem::path recovery)
+    : wake_(std::move(wake)), recovery_(std::move(recovery)) {
+  view_ = std::make_shared<const DocumentView>(view_of(document_));
+  thread_ = std::thread([this] { work(); });
+}
+
+DocumentWorker::~DocumentWorker() {
+  {
+    const std::lock_guard lock(mutex_);
+    stopping_ = cancelled_ = true;
+    tasks_.clear();
+  }
+  waiting_.notify_all();
+  thread_.join();
+}
+
+void DocumentWorker::post(DocumentCommand command) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (command.verb == Verb::Slide)
+      for (auto it = tasks_.rbegin(); it != tasks_.rend(); ++it) {
+        if (it->question || it->command.verb != Verb::Slide) break;
+        if (it->command.key != command.key) continue;
+        it->command.value = command.value;
+        return;
+      }
+    tasks_.push_back({std::move(command), nullptr});
+  }
+  waiting_.notify_all();
+}
+
+void DocumentWorker::ask_place(const Vec3& near,
+                               std::function<void(const Document::Place&)> found) {
+  {
+    const std::lock_guard lock(mutex_);
+    tasks_.push_back({{}, std::make_shared<Question>(Question{near, std::move(found)})});
+  }
+  waiting_.notify_all();
+}
+
+void DocumentWorker::cancel() {
+  const std::lock_guard lock(mutex_);
+  tasks_.clear();
+  if (busy_) cancelled_ = true;
+}
+
+void DocumentWorker::forget_changes() {
+  cancel();
+  std::error_code none;
+  if (!recovery_.empty()) std::filesystem::remove(recovery_, none);
+}
+
+DocumentWorker::News DocumentWorker::take_news() {
+  News news;
+  std::vector<std::function<void()>> answers;
+  {
+    const std::lock_guard lock(mutex_);
+    news.view = std::move(view_);
+    view_ = nullptr;
+    news.messages.swap(messages_);
+    answers.swap(answers_);
+    news.busy = busy_ || !tasks_.empty();
+    news.stage = stage_;
+    news.fraction = fraction_;
+    news.answer_ms = answer_ms_;
+  }
+  news.frame = frames_.latest();
+  for (const auto& answer : answers) answer();
+  return news;
+}
+
+std::vector<std::string> DocumentWorker::script() const {
+  const std::lock_guard lock(mutex_);
+  return script_;
+}
+
+Progress DocumentWorker::progress() {
+  Progress progress;
+  progress.cancelled = [this] { return cancelled_.load(); };
+  progress.report = [this](std::string_view stage, double fraction) {
+    {
+      const std::lock_guard lock(mutex_);
+      stage_ = stage;
+      fraction_ = fraction;
+    }
+    wake_();
+  };
+  return progress;
+}
+
+bool DocumentWorker::next(Task& task) {
+  std::unique_lock lock(mutex_);
+  busy_ = false;
+  stage_.clear();
+  fraction_ = 0;
+  if (tasks_.empty()) {
+    lock.unlock();
+    wake_();
+    lock.lock();
+  }
+  waiting_.wait(lock, [&] { return stopping_ || !tasks_.empty(); });
+  if (stopping_) return false;
+  task = std::move(tasks_.front());
+  tasks_.pop_front();
+  busy_ = true;
+  cancelled_ = false;
+  return true;
+}
+
+void DocumentWorker::work() {
+  for (Task task; next(task);) {
+    if (task.question) {
+      answer_question(task.question);
+      continue;
+    }
+    if (task.command.verb != Verb::Slide) {
+      do_command(task.command);
+      publish_frame();
+      publish_view();
+      continue;
+    }
+    const auto start = std::chrono::steady_clock::now();
+    do_command(task.command);
+    answer_until_rest();
+    const double ms = 1e3 * seconds_since(start);
+    const std::lock_guard lock(mutex_);
+    answer_ms_ = answer_ms_ > 0 ? 0.8 * answer_ms_ + 0.2 * ms : ms;
+  }
+}
+
+// A drag's answer, and more while nothing else waits and it has not converged.
+void DocumentWorker::answer_until_rest() {
+  constexpr int most = 20;
+  const DocumentCommand answer{.verb = Verb::Answer};
+  for (int i = 0; i < most; ++i) {
+    do_command(answer);
+    publish_frame();
+    wake_();
+    if (document_.at_rest()) return;
+    const std::lock_guard lock(mutex_);
+    if (!tasks_.empty() || stopping_) return;
+  }
+}
+
+void DocumentWorker::do_command(const DocumentCommand& command) {
+  try {
+    document_.apply(command, progress());
+    if (!document_.told().empty()) tell(command, document_.told(), false);
+  } catch (const NoSolutionError& e) {
+    tell(command, e.what(), true);  // and it is recorded: the shape went back
+  } catch (const std::bad_alloc&) {
+    return tell(command, "not enough memory", true);
+  } catch (const std::exception& e) {
+    return tell(command, e.what(), true);
+  }
+  const std::lock_guard lock(mutex_);
+  script_.push_back(script_line(command));
+}
+
+void DocumentWorker::answer_question(const std::shared_ptr<Question>& question) {
+  try {
+    const Document::Place place = document_.place(question->near);
+    const std::lock_guard lock(mutex_);
+    answers_.push_back([question, place] { question->found(place); });
+  } catch (const Error&) {
+    return;  // no surface there: nothing to find
+  }
+  wake_();
+}
+
+void DocumentWorker::tell(const DocumentCommand& command, const std::string& text, bool refused) {
+  const std::lock_guard lock(mutex_);
+  messages_.push_back({script_line(command), text, refused});
+}
+
+void DocumentWorker::publish_frame() {
+  if (!document_.session()) return;
+  try {
+    document_.session()->draw(frames_.writing());
+    frames_.publish();
+  } catch (const std::exception& e) {
+    tell({}, e.what(), true);
+  }
+}
+
+void DocumentWorker::publish_view() {
+  auto view = std::make_shared<const DocumentView>(view_of(document_));
+  keep(*view);
+  {
+    const std::lock_guard lock(mutex_);
+    view_ = std::move(view);
+  }
+  wake_();
+}
+
+void DocumentWorker::keep(const DocumentView& view) {
+  if (recovery_.empty()) return;
+  const std::string now = view.changed ? document_.recovery_text(recovery_.parent_path()) : "";
+  if (now == kept_) return;
+  try {
+    if (now.empty())
+      std::filesystem::remove(recovery_);
+    else
+      write_whole_file(recovery_, [&](std::ostream& out) { out << now; });
+    kept_ = now;
+  } catch (const std::exception& e) {
+    tell({}, std::string("the recovery file could not be written: ") + e.what(), true);
+  }
+}
+
+}  // namespace batten

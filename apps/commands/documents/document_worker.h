@@ -1,0 +1,100 @@
+// A document on a thread of its own, so that a window never waits for it.
+#pragma once
+
+#include <atomic>
+#include <condition_variable>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "batten/apps/commands/documents/document_view.h"
+
+namespace batten {
+
+/// Does commands on a document in their order, on its own thread, and tells what came of them.
+///
+/// While a slider is dragged its moves come faster than answers: of those that wait for one
+/// parameter only the newest is done, and the shape follows each (`answer`). After every command
+/// there is a new view, and where the shape moved a new frame; during a drag, frames only. What was
+/// done is recorded as a script that gives the same bits again (run_script()).
+///
+/// All calls are from one thread, the window's. `wake` is called from the worker's thread when there
+/// is something new; it must only pass that on. The last state is kept in `recovery` while there
+/// are changes, written whole or not at all, and removed when it is not needed any more.
+class DocumentWorker {
+ public:
+  explicit DocumentWorker(std::function<void()> wake, std::filesystem::path recovery = {});
+  /// Stops what is being done, and waits for that.
+  ~DocumentWorker();
+  DocumentWorker(const DocumentWorker&) = delete;
+  DocumentWorker& operator=(const DocumentWorker&) = delete;
+
+  void post(DocumentCommand command);
+  /// Asks for the place of the surface nearest to a point; `found` is called by take_news().
+  void ask_place(const Vec3& near, std::function<void(const Document::Place&)> found);
+  /// The user does not want the changes: the recovery file goes.
+  void forget_changes();
+  /// Stops the command that is being done, and forgets those that wait.
+  void cancel();
+
+  /// Something that was refused or missed, in words.
+  struct Message {
+    std::string command, text;
+    bool refused = true;  ///< false: done, but a promise was missed
+  };
+  struct News {
+    std::shared_ptr<const DocumentView> view;  ///< null: as before
+    const Frame* frame = nullptr;              ///< null: as before; valid until the next take_news()
+    std::vector<Message> messages;
+    bool busy = false;
+    std::string stage;  ///< of what is being done
+    double fraction = 0;
+    double answer_ms = 0;  ///< mean time of an answer and its frame in the last drag; 0: none yet
+  };
+  News take_news();
+  /// What was done, one command a line.
+  std::vector<std::string> script() const;
+
+ private:
+  struct Question {
+    Vec3 near;
+    std::function<void(const Document::Place&)> found;
+  };
+  struct Task {
+    DocumentCommand command;
+    std::shared_ptr<Question> question;  // instead of a command
+  };
+  void work();
+  bool next(Task& task);
+  void do_command(const DocumentCommand& command);
+  void answer_until_rest();
+  void answer_question(const std::shared_ptr<Question>& question);
+  void publish_frame();
+  void publish_view();
+  void tell(const DocumentCommand& command, const std::string& text, bool refused);
+  void keep(const DocumentView& view);
+  Progress progress();
+
+  std::function<void()> wake_;
+  std::filesystem::path recovery_;
+  Document document_;    // of the worker's thread
+  FrameExchange frames_;
+  mutable std::mutex mutex_;
+  std::condition_variable waiting_;
+  std::deque<Task> tasks_;
+  std::shared_ptr<const DocumentView> view_;
+  std::vector<Message> messages_;
+  std::vector<std::function<void()>> answers_;
+  std::vector<std::string> script_;
+  std::string stage_, kept_;
+  double fraction_ = 0, answer_ms_ = 0;
+  bool busy_ = false;
+  std::atomic<bool> cancelled_ = false, stopping_ = false;
+  std::thread thread_;
+};
+
+}  // namespace batten

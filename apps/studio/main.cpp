@@ -1,0 +1,86 @@
+// batten-studio: the window in which shapes are made.
+#include <QApplication>
+#include <QDir>
+#include <QLockFile>
+#include <QMessageBox>
+#include <QStandardPaths>
+#include <QVTKOpenGLNativeWidget.h>
+
+#include <fstream>
+#include <iostream>
+#include <memory>
+
+#include "batten/apps/studio/texts.h"
+#include "batten/apps/studio/window/main_window.h"
+#include "batten/core/errors.h"
+#include "batten/io/pictures/display.h"
+
+namespace {
+
+using namespace batten::studio;
+
+/// The file that keeps changes of this window, and the lock that says the window lives. Changes that
+/// windows which were killed left are offered once.
+struct Recovery {
+  QString file;
+  std::unique_ptr<QLockFile> lock;
+  QString left;  // by a window that is no more
+};
+
+Recovery recovery() {
+  Recovery found;
+  QDir folder(QStandardPaths::writableLocation(QStandardPaths::AppDataLocation));
+  if (!folder.mkpath(".")) return found;
+  for (int number = 1; number < 100; ++number) {
+    const QString file = folder.filePath(QString("changes-%1.toml").arg(number));
+    auto lock = std::make_unique<QLockFile>(file + ".lock");
+    lock->setStaleLockTime(0);
+    if (!lock->tryLock(0)) continue;  // of a window that is open
+    if (QFile::exists(file) && found.left.isEmpty()) found.left = file;
+    found.file = file;
+    found.lock = std::move(lock);
+    break;
+  }
+  return found;
+}
+
+QString name_in(const QString& left) {
+  std::ifstream file(left.toStdString());
+  std::string line;
+  std::getline(file, line);
+  const size_t slash = line.rfind('/');
+  return slash == std::string::npos ? text(kUntitled)
+                                    : QString::fromStdString(line.substr(slash + 1));
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc > 1 && std::string(argv[1]) == "--help") {
+    std::cout << "batten-studio [FILE]: the window in which shapes are made; FILE is a scene or a "
+                 "file of lines\n";
+    return 0;
+  }
+  try {
+    batten::require_display();
+  } catch (const batten::Error& e) {
+    std::cerr << "batten-studio: " << e.what() << "\n";
+    return 1;
+  }
+  QSurfaceFormat::setDefaultFormat(QVTKOpenGLNativeWidget::defaultFormat());
+  QCoreApplication::setAttribute(Qt::AA_EnableHighDpiScaling);
+  QCoreApplication::setAttribute(Qt::AA_UseHighDpiPixmaps);
+  QApplication application(argc, argv);
+  QApplication::setOrganizationName("batten");
+  QApplication::setApplicationName("studio");
+  const Recovery kept = recovery();
+  MainWindow window(kept.file.toStdString());
+  window.show();
+  if (!kept.left.isEmpty() &&
+      QMessageBox::question(&window, text(kProgram), text(kRecover).arg(name_in(kept.left))) ==
+          QMessageBox::Yes)
+    window.recover(kept.left.toStdString());
+  else if (argc > 1)
+    window.open(argv[1]);
+  return QApplication::exec();
+}

@@ -1,0 +1,100 @@
+// All texts of the window, ready to be translated.
+#pragma once
+
+#include <QCoreApplication>
+#include <QString>
+
+#include <string>
+
+namespace batten::studio {
+
+/// A text in the user's language.
+inline QString text(const char* english) { return QCoreApplication::translate("studio", english); }
+
+/// A name, or words of the kernel, as the window shows them.
+inline QString shown(const std::string& words) { return QString::fromStdString(words); }
+
+inline constexpr const char* kProgram = QT_TRANSLATE_NOOP("studio", "batten-studio");
+inline constexpr const char* kHintSelect = QT_TRANSLATE_NOOP(
+    "studio", "Click a line or a surface to choose it. Drag to turn the view, wheel to zoom.");
+inline constexpr const char* kHintPush = QT_TRANSLATE_NOOP(
+    "studio", "Press on the surface and drag: it follows your hand. Drag beside it to turn the view.");
+inline constexpr const char* kHintDraw = QT_TRANSLATE_NOOP(
+    "studio", "Click points of a line; near the end of another line it snaps to that.");
+inline constexpr const char* kHintDrawing = QT_TRANSLATE_NOOP(
+    "studio", "Enter or a double click ends the line, Backspace takes a point back, Esc forgets it.");
+
+inline constexpr const char* kFile = QT_TRANSLATE_NOOP("studio", "&File");
+inline constexpr const char* kEdit = QT_TRANSLATE_NOOP("studio", "&Edit");
+inline constexpr const char* kLook = QT_TRANSLATE_NOOP("studio", "&View");
+inline constexpr const char* kTools = QT_TRANSLATE_NOOP("studio", "&Tools");
+inline constexpr const char* kHelp = QT_TRANSLATE_NOOP("studio", "&Help");
+inline constexpr const char* kNew = QT_TRANSLATE_NOOP("studio", "&New");
+inline constexpr const char* kOpen = QT_TRANSLATE_NOOP("studio", "&Open…");
+inline constexpr const char* kRecent = QT_TRANSLATE_NOOP("studio", "Open &recent");
+inline constexpr const char* kSave = QT_TRANSLATE_NOOP("studio", "&Save");
+inline constexpr const char* kSaveAs = QT_TRANSLATE_NOOP("studio", "Save &as…");
+inline constexpr const char* kExport = QT_TRANSLATE_NOOP("studio", "&Export the shape…");
+inline constexpr const char* kRun = QT_TRANSLATE_NOOP("studio", "&Make all files of the scene…");
+inline constexpr const char* kSaveScript = QT_TRANSLATE_NOOP("studio", "Save what was done as a s&cript…");
+inline constexpr const char* kQuit = QT_TRANSLATE_NOOP("studio", "&Quit");
+inline constexpr const char* kUndo = QT_TRANSLATE_NOOP("studio", "&Undo");
+inline constexpr const char* kRedo = QT_TRANSLATE_NOOP("studio", "&Redo");
+inline constexpr const char* kRemove = QT_TRANSLATE_NOOP("studio", "&Delete what is chosen");
+inline constexpr const char* kSelect = QT_TRANSLATE_NOOP("studio", "Select");
+inline constexpr const char* kPush = QT_TRANSLATE_NOOP("studio", "Push");
+inline constexpr const char* kDraw = QT_TRANSLATE_NOOP("studio", "Draw a line");
+inline constexpr const char* kFit = QT_TRANSLATE_NOOP("studio", "Show &all");
+inline constexpr const char* kFront = QT_TRANSLATE_NOOP("studio", "From the &front");
+inline constexpr const char* kSide = QT_TRANSLATE_NOOP("studio", "From the &right");
+inline constexpr const char* kTop = QT_TRANSLATE_NOOP("studio", "From a&bove");
+inline constexpr const char* kCorner = QT_TRANSLATE_NOOP("studio", "From a &corner");
+inline constexpr const char* kPerspective = QT_TRANSLATE_NOOP("studio", "&Perspective");
+inline constexpr const char* kMesh = QT_TRANSLATE_NOOP("studio", "Facet &edges");
+inline constexpr const char* kDark = QT_TRANSLATE_NOOP("studio", "&Dark look");
+inline constexpr const char* kShadings[] = {
+    QT_TRANSLATE_NOOP("studio", "Plain"), QT_TRANSLATE_NOOP("studio", "Regions"),
+    QT_TRANSLATE_NOOP("studio", "Zebra"), QT_TRANSLATE_NOOP("studio", "Heights"),
+    QT_TRANSLATE_NOOP("studio", "Moved by")};
+inline constexpr const char* kPlanes[] = {
+    QT_TRANSLATE_NOOP("studio", "Draw on the ground (xy)"),
+    QT_TRANSLATE_NOOP("studio", "Draw upright (xz)"),
+    QT_TRANSLATE_NOOP("studio", "Draw upright (yz)"),
+    QT_TRANSLATE_NOOP("studio", "Draw facing me")};
+
+inline constexpr const char* kModel = QT_TRANSLATE_NOOP("studio", "Model");
+inline constexpr const char* kSliders = QT_TRANSLATE_NOOP("studio", "Sliders");
+inline constexpr const char* kChosen = QT_TRANSLATE_NOOP("studio", "What is chosen");
+inline constexpr const char* kMessages = QT_TRANSLATE_NOOP("studio", "Messages");
+inline constexpr const char* kLines = QT_TRANSLATE_NOOP("studio", "Lines");
+inline constexpr const char* kRegions = QT_TRANSLATE_NOOP("studio", "Surfaces");
+inline constexpr const char* kJoins = QT_TRANSLATE_NOOP("studio", "Joins");
+inline constexpr const char* kActing = QT_TRANSLATE_NOOP("studio", "What acts");
+inline constexpr const char* kChoices = QT_TRANSLATE_NOOP("studio", "Close choices");
+inline constexpr const char* kScene = QT_TRANSLATE_NOOP("studio", "Scene");
+inline constexpr const char* kCrease = QT_TRANSLATE_NOOP("studio", "Crease");
+inline constexpr const char* kSmooth = QT_TRANSLATE_NOOP("studio", "Smooth");
+inline constexpr const char* kAsFound = QT_TRANSLATE_NOOP("studio", "As found");
+inline constexpr const char* kTakeInstead = QT_TRANSLATE_NOOP("studio", "Take this instead");
+inline constexpr const char* kKey = QT_TRANSLATE_NOOP("studio", "Key");
+inline constexpr const char* kValue = QT_TRANSLATE_NOOP("studio", "Value");
+inline constexpr const char* kStop = QT_TRANSLATE_NOOP("studio", "Stop");
+inline constexpr const char* kNoSliders = QT_TRANSLATE_NOOP(
+    "studio", "Loads, weights and moves have a slider each. Push the surface to make one.");
+inline constexpr const char* kUnsaved = QT_TRANSLATE_NOOP("studio", "%1 has changes that are not saved.");
+inline constexpr const char* kRecover = QT_TRANSLATE_NOOP(
+    "studio", "Changes of %1 were not saved when the program ended. Take them up again?");
+inline constexpr const char* kUntitled = QT_TRANSLATE_NOOP("studio", "a new scene");
+inline constexpr const char* kSceneFiles = QT_TRANSLATE_NOOP(
+    "studio", "Scenes and lines (*.toml *.json *.csv *.txt *.xyz *.dat *.obj *.curves *.dxf *.svg "
+              "*.iges *.igs *.step *.stp *.brep);;All files (*)");
+inline constexpr const char* kSavedFiles = QT_TRANSLATE_NOOP("studio", "Scenes (*.toml)");
+inline constexpr const char* kExportFiles = QT_TRANSLATE_NOOP(
+    "studio", "STEP (*.step);;IGES (*.iges);;STL (*.stl);;OBJ (*.obj);;PLY (*.ply);;glTF (*.glb);;"
+              "ParaView (*.vtp)");
+inline constexpr const char* kScriptFiles = QT_TRANSLATE_NOOP("studio", "Scripts (*.batten)");
+inline constexpr const char* kState = QT_TRANSLATE_NOOP("studio", "%1 surfaces, %2 elements");
+inline constexpr const char* kNoSurface = QT_TRANSLATE_NOOP("studio", "No surface yet");
+inline constexpr const char* kAnswers = QT_TRANSLATE_NOOP("studio", "%1 answers a second");
+
+}  // namespace batten::studio

@@ -1,0 +1,88 @@
+// Draws a document: its moving surface, its lines, and what the hand is about to do.
+#pragma once
+
+#include <vtkSmartPointer.h>
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "batten/apps/commands/documents/document_view.h"
+
+class vtkActor;
+class vtkCellArray;
+class vtkFloatArray;
+class vtkLookupTable;
+class vtkPolyData;
+class vtkPolyDataMapper;
+class vtkRenderer;
+
+namespace batten::studio {
+
+/// What the colours of the surface say.
+enum class Shading {
+  Plain,
+  Regions,
+  Zebra,     ///< stripes of equal angle between the normal and a direction
+  Contours,  ///< bands of equal height
+  Deviation  ///< distance from where the surface was when its mesh was made
+};
+
+/// Colours of everything, light or dark.
+struct Palette {
+  std::array<double, 3> low, high, body, line, chosen, draft, text;
+  static Palette light();
+  static Palette dark();
+};
+
+/// The actors of one renderer. A frame costs one copy of its points and normals and, with a shading
+/// that needs it, one number for each point; facets and lines are made anew only where the mesh is.
+class ShapeActors {
+ public:
+  explicit ShapeActors(vtkRenderer* renderer);
+  ~ShapeActors();
+
+  void take(const DocumentView& view);
+  void take(const Frame& frame);
+  void set_shading(Shading shading);
+  void set_palette(const Palette& palette);
+  void set_mesh(bool shown);  ///< the edges of the facets
+  /// A name of a line or region: it is drawn in the colour of what is chosen. "": none.
+  void choose(const std::string& name);
+  /// The points of a line that is being drawn; with one more where the hand is.
+  void set_draft(const std::vector<Vec3>& points);
+  /// An arrow of a load that is being pushed.
+  void set_push(const std::optional<std::pair<Vec3, Vec3>>& from_to);
+
+  // What a point of the window shows; the renderer's coordinates, from the lower left corner.
+  std::optional<Vec3> surface_at(double x, double y) const;
+  std::string line_at(double x, double y) const;  ///< "" where there is none near
+  std::string region_at(double x, double y) const;
+  /// Number of the display point nearest to a place, and its position in the last frame.
+  int point_near(const Vec3& p) const;
+  Vec3 point(int number) const;
+  bool has_surface() const { return pattern_ != nullptr; }
+  std::array<Vec3, 2> box() const;
+
+ private:
+  struct Layer;
+  void make_facets();
+  void make_lines();
+  void shade();
+  void colour();
+  std::unique_ptr<Layer> facets_, lines_, chosen_, draft_, push_;
+  vtkSmartPointer<vtkFloatArray> points_, normals_, scalars_;
+  vtkRenderer* renderer_;
+  std::shared_ptr<const DisplayPattern> pattern_;
+  std::vector<float> reference_;           // points when the mesh was made
+  std::vector<std::string> line_names_;    // of each cell of lines_
+  std::vector<DocumentView::Polyline> loose_;
+  std::vector<std::string> regions_, shown_lines_;
+  bool surface_ = false;
+  Shading shading_ = Shading::Plain;
+  Palette palette_;
+  std::string choice_;
+};
+
+}  // namespace batten::studio

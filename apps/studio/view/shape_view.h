@@ -1,0 +1,108 @@
+// The 3-D view and what the mouse does in it.
+#pragma once
+
+#include <QVTKOpenGLNativeWidget.h>
+#include <vtkNew.h>
+
+#include <functional>
+#include <memory>
+#include <optional>
+
+#include "batten/apps/commands/documents/document_worker.h"
+#include "batten/apps/studio/view/shape_actors.h"
+
+class QMouseEvent;
+class vtkGenericOpenGLRenderWindow;
+class vtkRenderer;
+class vtkCameraOrientationWidget;
+
+namespace batten::studio {
+
+/// What the left button does.
+enum class Tool {
+  Select,  ///< a click chooses a line or region, a drag turns the view
+  Push,    ///< a press on the surface is a point load along the normal: the surface follows the hand
+  Draw     ///< clicks are points of a line; a double click or Enter ends it
+};
+
+/// The plane that lines are drawn on, through the first point of the line or the origin.
+enum class DrawPlane { Xy, Xz, Yz, View };
+
+/// Draws a document and turns the mouse into commands. Everything that it does to the document goes
+/// through `Hooks::post`.
+class ShapeView : public QVTKOpenGLNativeWidget {
+ public:
+  struct Hooks {
+    std::function<void(DocumentCommand)> post;
+    std::function<void(const Vec3&, std::function<void(const Document::Place&)>)> ask_place;
+    std::function<void(const std::string& line, const std::string& region)> chosen;
+    std::function<void(const QString&)> hint;  ///< what can be done next, for the status bar
+  };
+  ShapeView(QWidget* parent, Hooks hooks);
+  ~ShapeView() override;
+
+  void take(const DocumentWorker::News& news);
+  void set_tool(Tool tool);
+  Tool tool() const { return tool_; }
+  void set_plane(DrawPlane plane);
+  void set_shading(Shading shading);
+  void set_dark(bool dark);
+  void set_mesh(bool shown);
+  void set_perspective(bool on);
+  void choose(const std::string& line);
+  /// Shows all, from the direction in which the camera looks.
+  void fit();
+  void look(const Vec3& direction, const Vec3& up);
+  void finish_line();
+  void cancel_tool();
+
+  /// The point of the window, Qt's logical pixels, that shows a place: for tests and tours.
+  QPoint pixel_of(const Vec3& p) const;
+  const ShapeActors& actors() const { return *actors_; }
+
+ protected:
+  bool event(QEvent* event) override;
+
+ private:
+  struct Push {
+    std::string name;
+    Vec3 held, normal, start;
+    int point = -1;        // of the display
+    double value = 0;      // that the load has
+    double compliance = 0; // of the point along the normal; 0: not known yet
+    double wanted = 0;     // displacement
+    QPoint from;
+    bool placed = false;
+  };
+  bool press(QMouseEvent* event);
+  bool move(QMouseEvent* event);
+  bool release(QMouseEvent* event);
+  bool key(int key);
+  void click(const QPoint& at);
+  void start_push(const QPoint& at);
+  void place_push(const Document::Place& place);
+  void follow_push();
+  void end_push();
+  void draw_point(const QPoint& at);
+  Vec3 point_at(const QPoint& at) const;
+  std::optional<Vec3> snapped(const QPoint& at) const;
+  Vec3 to_window(const Vec3& p) const;  // renderer's pixels and depth
+  Vec3 display(const QPoint& at) const;
+  void redraw();
+
+  Hooks hooks_;
+  vtkNew<vtkGenericOpenGLRenderWindow> window_;
+  vtkNew<vtkRenderer> renderer_;
+  vtkNew<vtkCameraOrientationWidget> cube_;
+  std::unique_ptr<ShapeActors> actors_;
+  std::shared_ptr<const DocumentView> view_;
+  Tool tool_ = Tool::Select;
+  DrawPlane plane_ = DrawPlane::Xy;
+  std::vector<Vec3> draft_;
+  std::vector<bool> snapped_;
+  std::shared_ptr<Push> push_;
+  QPoint pressed_;
+  bool left_ = false, moved_ = false, fitted_ = false;
+};
+
+}  // namespace batten::studio

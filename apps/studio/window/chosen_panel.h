@@ -1,0 +1,41 @@
+// What is chosen: its keys in the scene, and what can be done with it.
+#pragma once
+
+#include <QWidget>
+#include <functional>
+#include <memory>
+
+#include "batten/apps/commands/documents/document_view.h"
+#include "batten/apps/studio/window/model_tree.h"
+
+class QLabel;
+class QPushButton;
+class QTableWidget;
+class QVBoxLayout;
+
+namespace batten::studio {
+
+/// The table of a chosen item, key by key as the scene has it, to be changed in place; buttons that
+/// make a line a crease or smooth, or take the other way of a close choice.
+class ChosenPanel : public QWidget {
+ public:
+  ChosenPanel(QWidget* parent, std::function<void(DocumentCommand)> post);
+
+  void take(std::shared_ptr<const DocumentView> view, const ModelTree::Item& item);
+  QPushButton* button(const char* text) const;  ///< by its English text; null: not shown
+
+ private:
+  void fill_table();
+  void fill_words();
+  void add_button(const char* what, std::function<std::vector<DocumentCommand>()> edits);
+  std::function<void(DocumentCommand)> post_;
+  std::shared_ptr<const DocumentView> view_;
+  ModelTree::Item item_;
+  QLabel* title_;
+  QLabel* words_;
+  QWidget* buttons_;
+  QTableWidget* keys_;
+  bool filling_ = false;
+};
+
+}  // namespace batten::studio

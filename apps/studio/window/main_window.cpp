@@ -1,0 +1,392 @@
+#include "batten/apps/studio/window/main_window.h"
+
+#include <QActionGroup>
+#include <QApplication>
+#include <QCloseEvent>
+#include <QComboBox>
+#include <QDockWidget>
+#include <QElapsedTimer>
+#include <QFileDialog>
+#include <QLabel>
+#include <QListWidget>
+#include <QMenuBar>
+#include <QMessageBox>
+#include <QMimeData>
+#include <QProgressBar>
+#include <QPushButton>
+#include <QSettings>
+#include <QStatusBar>
+#include <QToolBar>
+#include <cmath>
+
+#include "batten/apps/studio/texts.h"
+#include "batten/apps/studio/window/looks.h"
+
+namespace batten::studio {
+namespace {
+
+using Verb = DocumentCommand::Verb;
+
+QDockWidget* dock(QMainWindow* window, const char* title, QWidget* content,
+                  Qt::DockWidgetArea area) {
+  auto* dock = new QDockWidget(text(title), window);
+  dock->setObjectName(title);
+  dock->setWidget(content);
+  window->addDockWidget(area, dock);
+  return dock;
+}
+
+}  // namespace
+
+MainWindow::MainWindow(std::filesystem::path recovery) {
+  // News come from the worker's thread; the window looks at them when it gets to it, once for all
+  // that came meanwhile.
+  worker_ = std::make_unique<DocumentWorker>(
+      [this] {
+        if (!woken_.exchange(true))
+          QMetaObject::invokeMethod(this, [this] { take_news(); }, Qt::QueuedConnection);
+      },
+      std::move(recovery));
+  setAcceptDrops(true);
+  setDockNestingEnabled(true);
+  make_panels();
+  make_menus();
+  make_tools();
+  make_status();
+  resize(1360, 860);
+  set_dark(QSettings().value("dark", false).toBool());
+  view_->set_tool(Tool::Select);
+  show_title();
+}
+
+MainWindow::~MainWindow() {
+  worker_.reset();  // before the widgets that its news go to
+}
+
+void MainWindow::make_panels() {
+  const auto post = [this](DocumentCommand command) { this->post(std::move(command)); };
+  view_ = new ShapeView(
+      this, {post,
+             [this](const Vec3& near, std::function<void(const Document::Place&)> found) {
+               worker_->ask_place(near, std::move(found));
+             },
+             [this](const std::string& line, const std::string& region) {
+               if (!line.empty())
+                 tree_->choose_line(line);
+               else if (!region.empty())
+                 tree_->choose_region(region);
+             },
+             [this](const QString& hint) { statusBar()->showMessage(hint); }});
+  setCentralWidget(view_);
+  tree_ = new ModelTree(this, [this](const ModelTree::Item& item) {
+    chosen_->take(shown_, item);
+    const bool line = item.kind == ModelTree::Item::Kind::Line ||
+                      item.kind == ModelTree::Item::Kind::Join;
+    view_->choose(line ? item.name : "");
+  });
+  chosen_ = new ChosenPanel(this, post);
+  sliders_ = new SliderPanel(this, post);
+  messages_ = new QListWidget;
+  messages_->setWordWrap(true);
+  messages_->setMaximumHeight(110);
+  dock(this, kModel, tree_, Qt::LeftDockWidgetArea);
+  dock(this, kChosen, chosen_, Qt::LeftDockWidgetArea);
+  dock(this, kSliders, sliders_, Qt::RightDockWidgetArea);
+  dock(this, kMessages, messages_, Qt::BottomDockWidgetArea);
+}
+
+QAction* MainWindow::add(QMenu* menu, const char* what, const QKeySequence& key,
+                         std::function<void()> act) {
+  QAction* action = menu->addAction(text(what));
+  action->setObjectName(what);
+  action->setShortcut(key);
+  QObject::connect(action, &QAction::triggered, this, [act = std::move(act)] { act(); });
+  return action;
+}
+
+void MainWindow::make_menus() {
+  QMenu* file = menuBar()->addMenu(text(kFile));
+  add(file, kNew, QKeySequence::New, [this] {
+    if (may_leave()) post({.verb = Verb::New, .key = "mm"});
+  });
+  add(file, kOpen, QKeySequence::Open, [this] { ask_open(); });
+  recent_ = file->addMenu(text(kRecent));
+  fill_recent();
+  add(file, kSave, QKeySequence::Save, [this] { save(false); });
+  add(file, kSaveAs, QKeySequence::SaveAs, [this] { save(true); });
+  file->addSeparator();
+  add(file, kExport, QKeySequence("Ctrl+E"), [this] { ask_export(); });
+  add(file, kRun, {}, [this] {
+    const QString folder = QFileDialog::getExistingDirectory(this, text(kRun));
+    if (!folder.isEmpty()) post({.verb = Verb::Run, .file = folder.toStdString()});
+  });
+  add(file, kSaveScript, {}, [this] { save_script(); });
+  file->addSeparator();
+  add(file, kQuit, QKeySequence::Quit, [this] { close(); });
+  QMenu* edit = menuBar()->addMenu(text(kEdit));
+  undo_ = add(edit, kUndo, QKeySequence::Undo, [this] { post({.verb = Verb::Undo}); });
+  redo_ = add(edit, kRedo, QKeySequence::Redo, [this] { post({.verb = Verb::Redo}); });
+  add(edit, kRemove, QKeySequence::Delete, [this] { remove_chosen(); });
+  look_ = menuBar()->addMenu(text(kLook));
+  add(look_, kFit, QKeySequence("F"), [this] { view_->fit(); });
+  add(look_, kFront, QKeySequence("1"), [this] { view_->look(Vec3::UnitY(), Vec3::UnitZ()); });
+  add(look_, kSide, QKeySequence("2"), [this] { view_->look(-Vec3::UnitX(), Vec3::UnitZ()); });
+  add(look_, kTop, QKeySequence("3"), [this] { view_->look(-Vec3::UnitZ(), Vec3::UnitY()); });
+  add(look_, kCorner, QKeySequence("4"), [this] { view_->look({1, 1.6, -0.9}, Vec3::UnitZ()); });
+  look_->addSeparator();
+  const auto check = [this](const char* what, const QKeySequence& key,
+                            std::function<void(bool)> act) {
+    QAction* action = look_->addAction(text(what));
+    action->setObjectName(what);
+    action->setCheckable(true);
+    action->setShortcut(key);
+    QObject::connect(action, &QAction::toggled, this, std::move(act));
+    return action;
+  };
+  check(kPerspective, QKeySequence("5"), [this](bool on) { view_->set_perspective(on); });
+  check(kMesh, QKeySequence("M"), [this](bool on) { view_->set_mesh(on); });
+  check(kDark, {}, [this](bool on) { set_dark(on); })
+      ->setChecked(QSettings().value("dark", false).toBool());
+}
+
+void MainWindow::make_tools() {
+  QToolBar* bar = addToolBar(text(kTools));
+  bar->setObjectName(kTools);
+  bar->setMovable(false);
+  auto* group = new QActionGroup(this);
+  const auto tool = [&](const char* what, const char* key, Tool which) {
+    QAction* action = bar->addAction(text(what));
+    action->setObjectName(what);
+    action->setCheckable(true);
+    action->setShortcut(QKeySequence(key));
+    action->setToolTip(text(what) + " (" + key + ")");
+    group->addAction(action);
+    QObject::connect(action, &QAction::triggered, this, [this, which] {
+      view_->set_tool(which);
+      plane_->setEnabled(which == Tool::Draw);
+    });
+    return action;
+  };
+  tool(kSelect, "S", Tool::Select)->setChecked(true);
+  tool(kPush, "P", Tool::Push);
+  tool(kDraw, "D", Tool::Draw);
+  plane_ = new QComboBox;
+  for (const char* plane : kPlanes) plane_->addItem(text(plane));
+  plane_->setEnabled(false);
+  QObject::connect(plane_, QOverload<int>::of(&QComboBox::currentIndexChanged), this,
+                   [this](int index) { view_->set_plane(static_cast<DrawPlane>(index)); });
+  bar->addWidget(plane_);
+  bar->addSeparator();
+  bar->addAction(undo_);
+  bar->addAction(redo_);
+  bar->addSeparator();
+  shading_ = new QComboBox;
+  for (const char* shading : kShadings) shading_->addItem(text(shading));
+  QObject::connect(shading_, QOverload<int>::of(&QComboBox::currentIndexChanged), this,
+                   [this](int index) { view_->set_shading(static_cast<Shading>(index)); });
+  bar->addWidget(shading_);
+}
+
+void MainWindow::make_status() {
+  state_ = new QLabel;
+  answers_ = new QLabel;
+  progress_ = new QProgressBar;
+  progress_->setMaximumWidth(220);
+  progress_->setRange(0, 100);
+  stop_ = new QPushButton(text(kStop));
+  stop_->setObjectName(kStop);
+  QObject::connect(stop_, &QPushButton::clicked, this, [this] { worker_->cancel(); });
+  for (QWidget* part : std::initializer_list<QWidget*>{answers_, state_, progress_, stop_})
+    statusBar()->addPermanentWidget(part);
+  progress_->hide();
+  stop_->hide();
+}
+
+void MainWindow::open(const std::filesystem::path& file) {
+  note_recent(QString::fromStdString(std::filesystem::absolute(file).string()));
+  post({.verb = Verb::Open, .file = std::filesystem::absolute(file)});
+}
+
+void MainWindow::recover(const std::filesystem::path& file) {
+  post({.verb = Verb::Recover, .file = file});
+}
+
+void MainWindow::post(DocumentCommand command) {
+  busy_ = true;
+  worker_->post(std::move(command));
+}
+
+// -- what came of it --------------------------------------------------------------------------------
+
+void MainWindow::take_news() {
+  woken_ = false;
+  if (!worker_) return;
+  const DocumentWorker::News news = worker_->take_news();
+  busy_ = news.busy;
+  for (const auto& message : news.messages) {
+    auto* item = new QListWidgetItem(shown(message.text), messages_);
+    item->setToolTip(QString::fromStdString(message.command));
+    item->setIcon(style()->standardIcon(message.refused ? QStyle::SP_MessageBoxCritical
+                                                        : QStyle::SP_MessageBoxWarning));
+    messages_->scrollToBottom();
+  }
+  if (news.view) {
+    shown_ = news.view;
+    show_problem();
+    view_->take(news);
+    tree_->take(*shown_);
+    sliders_->take(*shown_);
+    chosen_->take(shown_, tree_->current());
+    undo_->setEnabled(shown_->can_undo);
+    redo_->setEnabled(shown_->can_redo);
+    show_title();
+  } else {
+    view_->take(news);
+  }
+  show_state(news);
+}
+
+// What keeps the lines from a surface stands there as long as it is so.
+void MainWindow::show_problem() {
+  delete problem_;
+  problem_ = nullptr;
+  if (shown_->problem.empty()) return;
+  problem_ = new QListWidgetItem(shown(shown_->problem), messages_);
+  problem_->setIcon(style()->standardIcon(QStyle::SP_MessageBoxInformation));
+  messages_->scrollToBottom();
+}
+
+void MainWindow::show_title() {
+  setWindowTitle(QString::fromStdString(shown_->title.empty() ? "untitled" : shown_->title) +
+                 "[*] — " + text(kProgram));
+  setWindowModified(shown_->changed);
+}
+
+void MainWindow::show_state(const DocumentWorker::News& news) {
+  state_->setText(shown_->surface
+                      ? text(kState).arg(shown_->regions.size()).arg(shown_->triangles)
+                      : text(kNoSurface));
+  if (news.answer_ms > 0)
+    answers_->setText(text(kAnswers).arg(std::lround(1000 / news.answer_ms)));
+  const bool long_work = news.busy && !news.stage.empty();
+  progress_->setVisible(long_work);
+  stop_->setVisible(long_work);
+  progress_->setFormat(QString::fromStdString(news.stage) + " %p%");
+  progress_->setValue(static_cast<int>(100 * news.fraction));
+}
+
+QStringList MainWindow::messages() const {
+  QStringList list;
+  for (int i = 0; i < messages_->count(); ++i) list << messages_->item(i)->text();
+  return list;
+}
+
+QAction* MainWindow::action(const char* what) const { return findChild<QAction*>(what); }
+
+bool MainWindow::wait(double seconds) {
+  QElapsedTimer timer;
+  timer.start();
+  int idle = 0;
+  while (idle < 3) {
+    QApplication::processEvents(QEventLoop::AllEvents, 20);
+    take_news();
+    idle = busy_ ? 0 : idle + 1;
+    if (timer.elapsed() > 1000 * seconds) return false;
+  }
+  return true;
+}
+
+// -- files ------------------------------------------------------------------------------------------
+
+void MainWindow::ask_open() {
+  if (!may_leave()) return;
+  const QString file = QFileDialog::getOpenFileName(this, text(kOpen), {}, text(kSceneFiles));
+  if (!file.isEmpty()) open(file.toStdString());
+}
+
+void MainWindow::save(bool as) {
+  if (!as && shown_->title != "untitled") return post({.verb = Verb::Save});
+  QString file = QFileDialog::getSaveFileName(this, text(kSaveAs), {}, text(kSavedFiles));
+  if (file.isEmpty()) return;
+  if (!file.endsWith(".toml")) file += ".toml";
+  note_recent(file);
+  post({.verb = Verb::Save, .file = file.toStdString()});
+}
+
+void MainWindow::ask_export() {
+  QString filter;
+  QString file = QFileDialog::getSaveFileName(this, text(kExport), {}, text(kExportFiles), &filter);
+  if (file.isEmpty()) return;
+  const int star = filter.indexOf("*.");
+  if (!file.contains('.') && star >= 0) file += filter.mid(star + 1, filter.indexOf(')') - star - 1);
+  post({.verb = Verb::Export, .file = file.toStdString()});
+}
+
+void MainWindow::save_script() {
+  const QString name = QFileDialog::getSaveFileName(this, text(kSaveScript), {}, text(kScriptFiles));
+  if (name.isEmpty()) return;
+  QFile file(name);
+  if (!file.open(QIODevice::WriteOnly)) {
+    messages_->addItem(name + ": " + file.errorString());
+    return;
+  }
+  for (const std::string& line : worker_->script()) file.write((line + "\n").c_str());
+}
+
+void MainWindow::remove_chosen() {
+  const ModelTree::Item item = tree_->current();
+  if (!item.table.kind.empty()) post({.verb = Verb::Remove, .table = item.table});
+}
+
+void MainWindow::note_recent(const QString& file) {
+  QStringList files = QSettings().value("recent").toStringList();
+  files.removeAll(file);
+  files.prepend(file);
+  while (files.size() > 10) files.removeLast();
+  QSettings().setValue("recent", files);
+  fill_recent();
+}
+
+void MainWindow::fill_recent() {
+  recent_->clear();
+  for (const QString& file : QSettings().value("recent").toStringList())
+    QObject::connect(recent_->addAction(file), &QAction::triggered, this, [this, file] {
+      if (may_leave()) open(file.toStdString());
+    });
+  recent_->setEnabled(!recent_->isEmpty());
+}
+
+bool MainWindow::may_leave() {
+  if (!shown_->changed) return true;
+  const auto answer = QMessageBox::question(
+      this, text(kProgram), text(kUnsaved).arg(QString::fromStdString(shown_->title)),
+      QMessageBox::Save | QMessageBox::Discard | QMessageBox::Cancel, QMessageBox::Save);
+  if (answer == QMessageBox::Cancel) return false;
+  if (answer == QMessageBox::Discard) return true;
+  save(false);
+  wait();
+  return !shown_->changed;
+}
+
+void MainWindow::closeEvent(QCloseEvent* event) {
+  if (!may_leave()) return event->ignore();
+  worker_->forget_changes();
+  event->accept();
+}
+
+void MainWindow::dragEnterEvent(QDragEnterEvent* event) {
+  if (event->mimeData()->hasUrls()) event->acceptProposedAction();
+}
+
+void MainWindow::dropEvent(QDropEvent* event) {
+  const QString file = event->mimeData()->urls().value(0).toLocalFile();
+  if (!file.isEmpty() && may_leave()) open(file.toStdString());
+}
+
+void MainWindow::set_dark(bool dark) {
+  QSettings().setValue("dark", dark);
+  use_look(*qApp, dark);
+  view_->set_dark(dark);
+}
+
+}  // namespace batten::studio

@@ -1,0 +1,95 @@
+// The window of batten-studio.
+#pragma once
+
+#include <QMainWindow>
+#include <atomic>
+#include <filesystem>
+#include <functional>
+#include <memory>
+
+#include "batten/apps/commands/documents/document_worker.h"
+#include "batten/apps/studio/view/shape_view.h"
+#include "batten/apps/studio/window/chosen_panel.h"
+#include "batten/apps/studio/window/model_tree.h"
+#include "batten/apps/studio/window/slider_panel.h"
+
+class QAction;
+class QActionGroup;
+class QComboBox;
+class QLabel;
+class QListWidget;
+class QListWidgetItem;
+class QProgressBar;
+class QPushButton;
+
+namespace batten::studio {
+
+/// Menus, panels and the view around one document, which lives on a worker's thread. Everything
+/// that is done is a DocumentCommand: posted, recorded, undone and replayed alike.
+class MainWindow : public QMainWindow {
+ public:
+  /// `recovery`: the file that keeps changes until they are saved; empty: none.
+  explicit MainWindow(std::filesystem::path recovery = {});
+  ~MainWindow() override;
+
+  void open(const std::filesystem::path& file);
+  /// Takes up changes that a window which was killed left in this file.
+  void recover(const std::filesystem::path& file);
+  void post(DocumentCommand command);
+
+  // For tests and tours: what the hand can reach.
+  ShapeView& view() { return *view_; }
+  SliderPanel& sliders() { return *sliders_; }
+  ChosenPanel& chosen() { return *chosen_; }
+  ModelTree& tree() { return *tree_; }
+  QAction* action(const char* text) const;  ///< by its English text
+  const DocumentView& document() const { return *shown_; }
+  DocumentWorker& worker() { return *worker_; }
+  QStringList messages() const;
+  /// Works off events until the worker has nothing to do; false after so many seconds.
+  bool wait(double seconds = 60);
+
+ protected:
+  void closeEvent(QCloseEvent* event) override;
+  void dragEnterEvent(QDragEnterEvent* event) override;
+  void dropEvent(QDropEvent* event) override;
+
+ private:
+  QAction* add(QMenu* menu, const char* what, const QKeySequence& key, std::function<void()> act);
+  void make_menus();
+  void make_tools();
+  void make_panels();
+  void make_status();
+  void take_news();
+  void show_title();
+  void show_problem();
+  void show_state(const DocumentWorker::News& news);
+  void save(bool as);
+  void ask_export();
+  void ask_open();
+  void save_script();
+  void remove_chosen();
+  void note_recent(const QString& file);
+  void fill_recent();
+  void set_dark(bool dark);
+  bool may_leave();
+
+  std::unique_ptr<DocumentWorker> worker_;
+  std::shared_ptr<const DocumentView> shown_ = std::make_shared<DocumentView>();
+  ShapeView* view_ = nullptr;
+  SliderPanel* sliders_ = nullptr;
+  ChosenPanel* chosen_ = nullptr;
+  ModelTree* tree_ = nullptr;
+  QListWidget* messages_ = nullptr;
+  QListWidgetItem* problem_ = nullptr;
+  QMenu *recent_ = nullptr, *look_ = nullptr;
+  QAction *undo_ = nullptr, *redo_ = nullptr;
+  QLabel *state_ = nullptr, *answers_ = nullptr;
+  QProgressBar* progress_ = nullptr;
+  QPushButton* stop_ = nullptr;
+  QComboBox *shading_ = nullptr, *plane_ = nullptr;
+  bool busy_ = false;
+  std::atomic<bool> woken_ = false;
+};
+
+}  // namespace batten::studio

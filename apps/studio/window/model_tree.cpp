@@ -1,0 +1,161 @@
+#include "batten/apps/studio/window/model_tree.h"
+
+#include <QHeaderView>
+#include <QStyle>
+
+#include "batten/apps/studio/texts.h"
+
+namespace batten::studio {
+namespace {
+
+using Kind = ModelTree::Item::Kind;
+
+/// The value of a table's key without its quotes.
+std::string plain(const DocumentView::Table& table, const char* key) {
+  for (const auto& [name, value] : table.values)
+    if (name == key)
+      return value.size() > 1 && value.front() == '"' ? value.substr(1, value.size() - 2) : value;
+  return "";
+}
+
+bool acts(const std::string& kind) {
+  return kind == "load" || kind == "weight" || kind == "constraint" || kind == "move" ||
+         kind == "parameter";
+}
+
+QString degrees(double value) { return QString::number(value, 'g', 2) + "°"; }
+
+}  // namespace
+
+ModelTree::ModelTree(QWidget* parent, std::function<void(const Item&)> chosen)
+    : QTreeWidget(parent), chosen_(std::move(chosen)) {
+  setColumnCount(2);
+  setHeaderHidden(true);
+  setUniformRowHeights(true);
+  header()->setSectionResizeMode(0, QHeaderView::ResizeToContents);
+  setMinimumWidth(250);
+  QObject::connect(this, &QTreeWidget::currentItemChanged, this, [this](QTreeWidgetItem* item) {
+    if (!filling_ && item) chosen_(current());
+  });
+}
+
+QTreeWidgetItem* ModelTree::group(const char* title, int count) {
+  auto* item = new QTreeWidgetItem(this, {text(title), QString::number(count)});
+  QFont bold = item->font(0);
+  bold.setBold(true);
+  item->setFont(0, bold);
+  item->setData(0, Qt::UserRole, -1);
+  return item;
+}
+
+void ModelTree::add(QTreeWidgetItem* group, const QString& name, const QString& detail, Item item,
+                    const QString& wrong) {
+  auto* row = new QTreeWidgetItem(group, {name, detail});
+  row->setData(0, Qt::UserRole, static_cast<int>(items_.size()));
+  items_.push_back(std::move(item));
+  if (wrong.isEmpty()) return;
+  row->setIcon(0, style()->standardIcon(QStyle::SP_MessageBoxWarning));
+  row->setToolTip(0, wrong);
+  row->setToolTip(1, wrong);
+}
+
+void ModelTree::take(const DocumentView& view) {
+  const Item before = current();
+  filling_ = true;
+  std::vector<bool> open;
+  for (int i = 0; i < topLevelItemCount(); ++i) open.push_back(topLevelItem(i)->isExpanded());
+  clear();
+  items_.clear();
+  auto* lines = group(kLines, static_cast<int>(view.lines.size()));
+  for (const auto& line : view.lines) {
+    const SceneTable table{"line", line.line};
+    add(lines, shown(line.line), "", {Kind::Line, line.line, view.table(table) ? table : SceneTable{}});
+  }
+  auto* surfaces = group(kRegions, static_cast<int>(view.regions.size()));
+  if (view.network)
+    for (const auto& region : view.network->regions) {
+      QStringList wrong;
+      if (!region.why_not.empty()) wrong << shown(region.why_not);
+      for (const std::string& flaw : region.flaws) wrong << shown(flaw);
+      const SceneTable table{"region", region.name};
+      add(surfaces, shown(region.name), shown(region.shape.empty() ? region.domain : region.shape),
+          {Kind::Region, region.name, view.table(table) ? table : SceneTable{}}, wrong.join("\n"));
+    }
+  else
+    for (const std::string& region : view.regions) add(surfaces, shown(region), "", {Kind::Region, region, {}});
+  if (view.network) {
+    auto* joins = group(kJoins, static_cast<int>(view.network->joins.size()));
+    for (const auto& join : view.network->joins) {
+      QString detail = shown(join.kind);
+      if (join.kind == "smooth") detail += " " + degrees(join.max_inside_deg);
+      if (join.kind == "crease") detail += " " + degrees(join.max_deg);
+      add(joins, shown(join.line), detail, {Kind::Join, join.line, {}}, shown(join.why));
+    }
+    if (!view.network->choices.empty()) {
+      auto* choices = group(kChoices, static_cast<int>(view.network->choices.size()));
+      int number = 0;
+      for (const auto& choice : view.network->choices) {
+        Item item{Kind::Choice, "", {}, number};
+        add(choices, shown(choice.text), "", std::move(item));
+        choices->child(number++)->setToolTip(0, shown(choice.text));
+      }
+    }
+  }
+  auto* acting = group(kActing, 0);
+  auto* scene = group(kScene, 0);
+  for (const auto& table : view.tables) {
+    const std::string& kind = table.name.kind;
+    if (kind == "line" || (kind == "region" && !table.name.name.empty())) continue;
+    const bool act = acts(kind);
+    const QString name = kind.empty() ? shown(view.title) : shown(table.name.name.empty() ? kind : table.name.name);
+    add(act ? acting : scene, name, act ? shown(plain(table, "type").empty() ? kind : plain(table, "type")) : shown(kind == table.name.name ? "" : kind),
+        {Kind::Table, table.name.name, table.name});
+  }
+  acting->setText(1, QString::number(acting->childCount()));
+  scene->setText(1, "");
+  for (int i = 0; i < topLevelItemCount(); ++i)
+    topLevelItem(i)->setExpanded(i < static_cast<int>(open.size())
+                                     ? open[static_cast<size_t>(i)]
+                                     : topLevelItem(i) != scene && topLevelItem(i)->childCount() <= 12);
+  if (before.kind == Kind::Table) {
+    for (QTreeWidgetItemIterator it(this); *it; ++it) {
+      const int number = (*it)->data(0, Qt::UserRole).toInt();
+      if (number >= 0 && items_[static_cast<size_t>(number)].table == before.table)
+        setCurrentItem(*it);
+    }
+  } else if (before.kind != Kind::None) {
+    choose(before.kind, before.name);
+  }
+  filling_ = false;
+}
+
+void ModelTree::choose(Item::Kind kind, const std::string& name) {
+  for (QTreeWidgetItemIterator it(this); *it; ++it) {
+    const int number = (*it)->data(0, Qt::UserRole).toInt();
+    if (number < 0) continue;
+    const Item& item = items_[static_cast<size_t>(number)];
+    if (item.kind != kind || item.name != name) continue;
+    setCurrentItem(*it);
+    scrollToItem(*it);
+    return;
+  }
+}
+
+void ModelTree::choose_line(const std::string& line) {
+  const Item before = current();
+  choose(Item::Kind::Join, line);
+  if (current().name != line) choose(Item::Kind::Line, line);
+  if (current().name == before.name && current().kind == before.kind) chosen_(current());
+}
+
+void ModelTree::choose_region(const std::string& region) { choose(Item::Kind::Region, region); }
+
+ModelTree::Item ModelTree::current() const {
+  const QTreeWidgetItem* item = currentItem();
+  const int number = item ? item->data(0, Qt::UserRole).toInt() : -1;
+  return number >= 0 && static_cast<size_t>(number) < items_.size()
+             ? items_[static_cast<size_t>(number)]
+             : Item{};
+}
+
+}  // namespace batten::studio

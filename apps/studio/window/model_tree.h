@@ -1,0 +1,39 @@
+// What the document is made of, as a tree.
+#pragma once
+
+#include <QTreeWidget>
+#include <functional>
+#include <string>
+
+#include "batten/apps/commands/documents/document_view.h"
+
+namespace batten::studio {
+
+/// Lines, surfaces, joins, what acts, close choices and the other tables of the scene.
+class ModelTree : public QTreeWidget {
+ public:
+  /// Something in the tree.
+  struct Item {
+    enum class Kind { None, Line, Region, Join, Table, Choice } kind = Kind::None;
+    std::string name;  ///< of a line, region or join's line
+    SceneTable table;  ///< where the scene says it; of a line or region it may have none
+    int choice = -1;
+  };
+  ModelTree(QWidget* parent, std::function<void(const Item&)> chosen);
+
+  void take(const DocumentView& view);
+  void choose_line(const std::string& line);
+  void choose_region(const std::string& region);
+  Item current() const;
+
+ private:
+  QTreeWidgetItem* group(const char* title, int count);
+  void add(QTreeWidgetItem* group, const QString& name, const QString& detail, Item item,
+           const QString& wrong = {});
+  void choose(Item::Kind kind, const std::string& name);
+  std::function<void(const Item&)> chosen_;
+  std::vector<Item> items_;
+  bool filling_ = false;
+};
+
+}  // namespace batten::studio

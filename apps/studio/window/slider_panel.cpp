@@ -1,0 +1,139 @@
+#include "batten/apps/studio/window/slider_panel.h"
+
+#include <QDoubleSpinBox>
+#include <QFormLayout>
+#include <QLabel>
+#include <QSlider>
+#include <QVBoxLayout>
+#include <algorithm>
+#include <cmath>
+
+#include "batten/apps/studio/texts.h"
+
+namespace batten::studio {
+namespace {
+
+using Verb = DocumentCommand::Verb;
+constexpr int kSteps = 2000;
+
+bool same_rows(const DocumentView::Slider& a, const DocumentView::Slider& b) {
+  return a.name == b.name && a.min == b.min && a.max == b.max && a.driven == b.driven;
+}
+
+}  // namespace
+
+SliderPanel::SliderPanel(QWidget* parent, std::function<void(DocumentCommand)> post)
+    : QScrollArea(parent), post_(std::move(post)) {
+  setWidgetResizable(true);
+  setFrameShape(QFrame::NoFrame);
+  setMinimumWidth(260);
+  rebuild();
+}
+
+void SliderPanel::take(const DocumentView& view) {
+  const bool same = view.sliders.size() == rows_.size() &&
+                    std::equal(rows_.begin(), rows_.end(), view.sliders.begin(),
+                               [](const Row& row, const auto& s) { return same_rows(row.of, s); });
+  if (!same) {
+    rows_.clear();
+    size_ = view.size;
+    for (const auto& slider : view.sliders) rows_.push_back({slider});
+    rebuild();
+  }
+  for (size_t i = 0; i < rows_.size(); ++i)
+    if (!rows_[i].slider->isSliderDown()) show_value(rows_[i], view.sliders[i].value);
+}
+
+void SliderPanel::rebuild() {
+  auto* content = new QWidget;
+  auto* column = new QVBoxLayout(content);
+  column->setSpacing(10);
+  if (rows_.empty()) {
+    auto* none = new QLabel(text(kNoSliders));
+    none->setWordWrap(true);
+    column->addWidget(none);
+  }
+  setWidget(content);
+  for (size_t i = 0; i < rows_.size(); ++i) add_row(i);
+  column->addStretch();
+}
+
+void SliderPanel::add_row(size_t i) {
+  auto* column = static_cast<QVBoxLayout*>(widget()->layout());
+  auto* top = new QHBoxLayout;
+  auto* label = new QLabel(QString::fromStdString(rows_[i].of.name));
+  auto* number = new QDoubleSpinBox;
+  number->setDecimals(4);
+  number->setRange(std::max(rows_[i].of.min, -1e12), std::min(rows_[i].of.max, 1e12));
+  number->setKeyboardTracking(false);
+  number->setEnabled(!rows_[i].of.driven);
+  number->setMinimumWidth(110);
+  top->addWidget(label, 1);
+  top->addWidget(number);
+  auto* slider = new QSlider(Qt::Horizontal);
+  slider->setRange(0, kSteps);
+  slider->setEnabled(!rows_[i].of.driven);
+  slider->setObjectName("slider " + label->text());
+  column->addLayout(top);
+  column->addWidget(slider);
+  rows_[i].slider = slider;
+  rows_[i].number = number;
+  span(rows_[i], rows_[i].of.value);
+  const std::string name = rows_[i].of.name;
+  QObject::connect(slider, &QSlider::valueChanged, this, [this, i, name](int step) {
+    if (showing_) return;
+    Row& row = rows_[i];
+    const double value = row.low + (row.high - row.low) * step / kSteps;
+    post_({.verb = Verb::Slide, .key = name, .value = value});
+    showing_ = true;
+    row.number->setValue(value);
+    showing_ = false;
+    if (!row.slider->isSliderDown()) post_({.verb = Verb::Settle});
+  });
+  QObject::connect(slider, &QSlider::sliderReleased, this, [this, i] {
+    span(rows_[i], rows_[i].number->value());
+    post_({.verb = Verb::Settle});
+  });
+  QObject::connect(number, QOverload<double>::of(&QDoubleSpinBox::valueChanged), this,
+                   [this, name](double value) {
+                     if (showing_) return;
+                     post_({.verb = Verb::Slide, .key = name, .value = value});
+                     post_({.verb = Verb::Settle});
+                   });
+}
+
+// The range of the slider: that of the parameter. Where it is open, as far again as the value is from 0, or for a
+// coordinate a quarter of the surface's size around it.
+void SliderPanel::span(Row& row, double value) {
+  constexpr double usual = 10;
+  const std::string& name = row.of.name;
+  const bool coordinate = name.size() > 2 && name[name.size() - 2] == '.' && name.back() >= 'x';
+  const double reach = coordinate && size_ > 0 ? size_ / 4 : std::max(usual, 2 * std::abs(value));
+  const double middle = coordinate ? value : 0;
+  row.low = std::isfinite(row.of.min) ? row.of.min : middle - reach;
+  row.high = std::isfinite(row.of.max) ? row.of.max : middle + reach;
+}
+
+void SliderPanel::show_value(Row& row, double value) {
+  showing_ = true;
+  if (value < row.low || value > row.high) span(row, value);
+  row.slider->setValue(static_cast<int>(
+      std::lround(kSteps * (value - row.low) / std::max(row.high - row.low, 1e-300))));
+  row.number->setSingleStep((row.high - row.low) / 100);
+  row.number->setValue(value);
+  showing_ = false;
+}
+
+QSlider* SliderPanel::slider(const std::string& parameter) const {
+  for (const Row& row : rows_)
+    if (row.of.name == parameter) return row.slider;
+  return nullptr;
+}
+
+QDoubleSpinBox* SliderPanel::number(const std::string& parameter) const {
+  for (const Row& row : rows_)
+    if (row.of.name == parameter) return row.number;
+  return nullptr;
+}
+
+}  // namespace batten::studio

@@ -1,0 +1,57 @@
+#include "batten/io/scene/scene_parts.h"
+
+#include <sstream>
+
+#include "batten/io/scene/scene_words.h"
+
+namespace batten {
+namespace {
+
+constexpr const char* kActing[] = {"load", "weight", "move", "constraint", "parameter"};
+/// What is made of a shape, and does not change it.
+constexpr const char* kMadeOf[] = {"motion", "picture", "sweep",  "output",
+                                   "stress", "compare", "name"};
+
+std::string written(const toml::table& table) {
+  std::ostringstream text;
+  text.imbue(std::locale::classic());
+  text.precision(17);
+  text << table;
+  return text.str();
+}
+
+void erase_number(toml::table& table, const char* key) {
+  if (table.contains(key) && table.get(key)->is_number()) table.erase(key);
+}
+
+}  // namespace
+
+SceneParts parts_of(const SceneText& scene) {
+  SceneParts parts;
+  toml::table root = parse_toml(scene.text(), {}, "a scene");
+  for (const char* kind : kActing) {
+    int number = 0;
+    if (toml::array* list = root[kind].as_array())
+      for (toml::node& node : *list) {
+        toml::table* table = node.as_table();
+        if (!table) continue;
+        ++number;
+        const std::string name =
+            (*table)["name"].value_or(std::string("#") + std::to_string(number));
+        erase_number(*table, "value");
+        table->erase("to");
+        parts.acting[std::string(kind) + " " + name] = written(*table);
+      }
+    root.erase(kind);
+  }
+  for (const char* kind : kMadeOf) root.erase(kind);
+  if (toml::table* skin = root["skin"].as_table()) {
+    for (const char* key : {"alpha", "beta"}) erase_number(*skin, key);
+    if (const auto hold = (*skin)["hold"].value<std::string>())
+      parts.acting["skin hold"] = *hold;  // a session's own
+  }
+  parts.model = written(root);
+  return parts;
+}
+
+}  // namespace batten

@@ -1,0 +1,369 @@
+#include "batten/io/scene/scene_text.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <optional>
+
+#include "batten/core/errors.h"
+#include "batten/io/scene/scene_words.h"
+
+namespace batten {
+namespace {
+
+bool is_header(const toml::node& node, const std::string& text, size_t at) {
+  return node.is_table() && !node.as_table()->is_inline() && at < text.size() && text[at] == '[';
+}
+
+/// Throws InputError unless `key = value` says one thing and no more.
+void require_one(const std::string& key, const std::string& value,
+                 const std::filesystem::path& file) {
+  const toml::table one = parse_toml(key + " = " + value, file, "a value");
+  if (one.size() != 1 || !one.contains(key))
+    throw InputError("found " + in_quotes(key + " = " + value) + ", expected one key and its value");
+}
+
+/// The length of a character of UTF-8 by its first byte.
+size_t bytes_of_character(unsigned char first) {
+  return first < 0x80 ? 1 : first < 0xE0 ? 2 : first < 0xF0 ? 3 : 4;
+}
+
+}  // namespace
+
+/// A part of the text, in bytes.
+struct SceneText::Span {
+  size_t from = 0, to = 0;
+};
+
+/// The text as toml++ reads it, and where things are in it.
+struct SceneText::Parsed {
+  Parsed(const std::string& scene_text, const std::filesystem::path& file)
+      : text(scene_text), root(parse_toml(text, file, "a scene")) {
+    lines.push_back(text.starts_with("\xEF\xBB\xBF") ? 3 : 0);
+    for (size_t i = 0; i < text.size(); ++i)
+      if (text[i] == '\n') lines.push_back(i + 1);
+    for (const auto& [key, node] : root) {
+      const std::string kind(key.str());
+      if (const toml::array* list = tables_in(node)) {
+        int count = 0;
+        for (const toml::node& one : *list) add(kind, "#" + std::to_string(++count), one);
+      } else if (node.is_table()) {
+        add(kind, "", node);
+      }
+    }
+    std::stable_sort(tables.begin(), tables.end(),
+                     [](const Table& a, const Table& b) { return a.span.from < b.span.from; });
+  }
+
+  struct Table {
+    SceneTable name;
+    const toml::table* node;
+    Span span;      // of its header, or of all of a table in braces
+    bool header{};  // [KIND] or [[KIND]]
+  };
+
+  static const toml::array* tables_in(const toml::node& node) {
+    const toml::array* list = node.as_array();
+    return list && !list->empty() && list->is_homogeneous(toml::node_type::table) ? list : nullptr;
+  }
+
+  void add(const std::string& kind, const std::string& number, const toml::node& node) {
+    const toml::table& table = *node.as_table();
+    const auto name = table["name"].value<std::string>();
+    const Span span = span_of(node);
+    tables.push_back({{kind, number.empty() ? "" : name && !name->empty() ? *name : number},
+                      &table,
+                      span,
+                      is_header(node, text, span.from)});
+  }
+
+  size_t offset(const toml::source_position& at) const {
+    size_t i = lines.at(std::min<size_t>(at.line, lines.size()) - 1);
+    for (unsigned column = 1; column < at.column && i < text.size(); ++column)
+      i += bytes_of_character(static_cast<unsigned char>(text[i]));
+    return std::min(i, text.size());
+  }
+  Span span_of(const toml::node& node) const {
+    return {offset(node.source().begin), offset(node.source().end)};
+  }
+  Span span_of(const toml::key& key) const {
+    return {offset(key.source().begin), offset(key.source().end)};
+  }
+  size_t line_start(size_t at) const {
+    const size_t end = text.rfind('\n', at == 0 ? 0 : at - 1);
+    return at == 0 || end == std::string::npos ? 0 : end + 1;
+  }
+  /// Behind the end of the line.
+  size_t line_end(size_t at) const {
+    const size_t end = text.find('\n', at);
+    return end == std::string::npos ? text.size() : end + 1;
+  }
+  std::string end_of_line() const {
+    const size_t end = text.find('\n');
+    return end != std::string::npos && end > 0 && text[end - 1] == '\r' ? "\r\n" : "\n";
+  }
+
+  const Table* find(const SceneTable& name) const {
+    for (const Table& table : tables)
+      if (table.name == name) return &table;
+    return nullptr;
+  }
+  const toml::table& node_of(const SceneTable& name) const {
+    if (name == SceneTable{}) return root;
+    if (const Table* table = find(name)) return *table->node;
+    std::vector<std::string> names;
+    for (const Table& table : tables)
+      if (table.name.kind == name.kind) names.push_back(table.name.name);
+    throw InputError("found no " +
+                     (name.name.empty() ? "[" + name.kind + "]"
+                                        : "[[" + name.kind + "]] '" + name.name + "'") +
+                     ", expected " +
+                     (names.empty() ? "a table of the scene" : one_of(name.name, names)));
+  }
+
+  /// The last place that belongs to a table: behind its last value, and those of tables inside it.
+  size_t content_end(const toml::table& table, size_t at) const {
+    for (const auto& [key, node] : table) {
+      at = std::max(at, span_of(node).to);
+      if (const toml::table* inner = node.as_table()) at = content_end(*inner, at);
+      if (const toml::array* list = tables_in(node))
+        for (const toml::node& one : *list) at = content_end(*one.as_table(), span_of(one).to);
+    }
+    return at;
+  }
+  /// Behind the last value of the table's own; `at` when there is none.
+  size_t own_end(const toml::table& table, size_t at) const {
+    for (const auto& [key, node] : table) {
+      const Span span = span_of(node);
+      const toml::array* list = tables_in(node);
+      const bool elsewhere =
+          is_header(node, text, span.from) ||
+          (list && is_header(*list->get(0), text, span_of(*list->get(0)).from));
+      if (!elsewhere) at = std::max(at, span.to);
+    }
+    return at;
+  }
+  /// A key and its value.
+  std::optional<std::pair<Span, Span>> entry(const toml::table& table,
+                                             const std::string& key) const {
+    const auto found = table.find(key);
+    if (found == table.end()) return std::nullopt;
+    return std::pair(span_of(found->first), span_of(found->second));
+  }
+
+  const std::string& text;
+  toml::table root;
+  std::vector<size_t> lines;  // where they begin
+  std::vector<Table> tables;
+};
+
+SceneText::SceneText(std::string text, std::filesystem::path file)
+    : file_(std::move(file)), text_(std::move(text)) {
+  read();
+}
+
+void SceneText::read() {
+  const Parsed parsed(text_, file_);
+  names_.clear();
+  for (const Parsed::Table& table : parsed.tables) names_.push_back(table.name);
+}
+
+void SceneText::splice(size_t from, size_t to, const std::string& with) {
+  SceneText changed = *this;
+  changed.text_.replace(from, to - from, with);
+  changed.read();
+  *this = std::move(changed);
+}
+
+bool SceneText::has(const SceneTable& table) const {
+  return table == SceneTable{} || std::find(names_.begin(), names_.end(), table) != names_.end();
+}
+
+std::vector<std::string> SceneText::keys(const SceneTable& table) const {
+  const Parsed parsed(text_, file_);
+  std::vector<std::pair<size_t, std::string>> found;
+  for (const auto& [key, node] : parsed.node_of(table)) {
+    const size_t at = parsed.span_of(node).from;
+    if (!is_header(node, text_, at) && !(table == SceneTable{} && Parsed::tables_in(node)))
+      found.emplace_back(parsed.span_of(key).from, std::string(key.str()));
+  }
+  std::sort(found.begin(), found.end());
+  std::vector<std::string> keys;
+  for (auto& [at, key] : found) keys.push_back(std::move(key));
+  return keys;
+}
+
+std::string SceneText::value(const SceneTable& table, const std::string& key) const {
+  const Parsed parsed(text_, file_);
+  const auto entry = parsed.entry(parsed.node_of(table), key);
+  return entry ? text_.substr(entry->second.from, entry->second.to - entry->second.from) : "";
+}
+
+std::vector<std::string> SceneText::words(const SceneTable& table, const std::string& key) const {
+  const Parsed parsed(text_, file_);
+  const auto value = parsed.node_of(table)[key];
+  std::vector<std::string> words;
+  if (const auto one = value.value<std::string>()) words.push_back(*one);
+  if (const toml::array* list = value.as_array())
+    for (const toml::node& item : *list)
+      if (const auto word = item.value<std::string>()) words.push_back(*word);
+  return words;
+}
+
+void SceneText::set(const SceneTable& table, const std::string& key, const std::string& value) {
+  require_one(key, value, file_);
+  const Parsed parsed(text_, file_);
+  const std::string eol = parsed.end_of_line();
+  const std::string line = key + " = " + value;
+  if (!parsed.find(table) && table.name.empty() && !table.kind.empty()) {
+    const std::string gap = text_.ends_with('\n') ? eol : eol + eol;
+    return splice(text_.size(), text_.size(), gap + "[" + table.kind + "]" + eol + line + eol);
+  }
+  const toml::table& node = parsed.node_of(table);
+  if (const auto entry = parsed.entry(node, key))
+    return splice(entry->second.from, entry->second.to, value);
+  if (table == SceneTable{}) {
+    const size_t last = parsed.own_end(node, 0);
+    const size_t at = last == 0 ? parsed.lines.front() : parsed.line_end(last);
+    return splice(at, at, (at > 0 && text_[at - 1] != '\n' ? eol : "") + line + eol);
+  }
+  const Parsed::Table& found = *parsed.find(table);
+  const size_t last = parsed.own_end(node, found.span.to);
+  if (node.is_inline()) {
+    const size_t brace = found.span.to - 1;
+    return splice(brace, brace, node.empty() ? " " + line + " " : ", " + line + " ");
+  }
+  if (!found.header)
+    throw InputError("found '" + table.kind + "' in keys with dots, expected a table [" +
+                     table.kind + "] to add '" + key + "' to");
+  const size_t at = parsed.line_end(last);
+  splice(at, at, (text_[at - 1] != '\n' ? eol : "") + line + eol);
+}
+
+void SceneText::set_item(const SceneTable& table, const std::string& key, int item,
+                         const std::string& value) {
+  require_one(key, value, file_);
+  const Parsed parsed(text_, file_);
+  const toml::array* list = parsed.node_of(table)[key].as_array();
+  if (!list || item < 0 || static_cast<size_t>(item) >= list->size())
+    throw InputError("found no value " + std::to_string(item + 1) + " of '" + key +
+                     "', expected a list that has it");
+  const Span span = parsed.span_of(*list->get(static_cast<size_t>(item)));
+  splice(span.from, span.to, value);
+}
+
+void SceneText::erase(const SceneTable& table, const std::string& key) {
+  const Parsed parsed(text_, file_);
+  const toml::table& node = parsed.node_of(table);
+  const auto entry = parsed.entry(node, key);
+  if (!entry) throw InputError("found no key '" + key + "', expected one that is there");
+  size_t from = entry->first.from, to = entry->second.to;
+  if (node.is_inline()) {
+    const auto skip = [&] {
+      while (to < text_.size() && (text_[to] == ' ' || text_[to] == '\t')) ++to;
+    };
+    skip();
+    if (text_[to] == ',') {
+      ++to;
+      skip();
+    } else {  // the last one: the comma before it goes
+      const size_t comma = text_.find_last_not_of(" \t", from - 1);
+      if (text_[comma] == ',') from = comma;
+    }
+    return splice(from, to, from < entry->first.from ? " " : "");
+  }
+  splice(parsed.line_start(from), parsed.line_end(to), "");
+}
+
+SceneTable SceneText::add(const std::string& kind, const std::string& table) {
+  const std::string inline_text = "t = " + table;
+  const Parsed inner(inline_text, file_);
+  const Parsed::Table* given = inner.tables.empty() ? nullptr : &inner.tables.front();
+  if (inner.root.size() != 1 || inner.tables.size() != 1 || given->name.kind != "t" || !given->node->is_inline())
+    throw InputError("found '" + table.substr(0, 32) + "' for [[" + kind +
+                     "]], expected a table in braces: { name = \"…\", … }");
+  const Parsed parsed(text_, file_);
+  const std::string eol = parsed.end_of_line();
+  std::vector<std::pair<size_t, std::string>> lines;
+  for (const auto& [key, node] : *given->node) {
+    const Span span = inner.span_of(node);
+    lines.emplace_back(span.from, std::string(key.str()) + " = " +
+                                      inline_text.substr(span.from, span.to - span.from) + eol);
+  }
+  std::sort(lines.begin(), lines.end());
+  std::string block = "[[" + kind + "]]" + eol;
+  for (const auto& [at, line] : lines) block += line;
+
+  size_t at = text_.size();
+  for (const Parsed::Table& other : parsed.tables)
+    if (other.name.kind == kind && other.header)
+      at = parsed.line_end(parsed.content_end(*other.node, other.span.to));
+  const bool broken = at > 0 && text_[at - 1] != '\n';
+  splice(at, at, (broken ? eol + eol : eol) + block);
+  SceneTable added;
+  for (const SceneTable& name : names_)
+    if (name.kind == kind) added = name;
+  return added;
+}
+
+void SceneText::remove(const SceneTable& table) {
+  const Parsed parsed(text_, file_);
+  const toml::table& node = parsed.node_of(table);
+  const Parsed::Table* found = parsed.find(table);
+  if (!found || !found->header)
+    throw InputError("found '" + table.kind + "' in braces, expected [[" + table.kind +
+                     "]] to remove");
+  size_t from = parsed.line_start(found->span.from);
+  while (from > parsed.lines.front() && text_[parsed.line_start(from - 1)] == '#')
+    from = parsed.line_start(from - 1);
+  size_t to = parsed.line_end(parsed.content_end(node, found->span.to));
+  while (to < text_.size() && text_.find_first_not_of(" \t\r", to) != std::string::npos &&
+         text_[text_.find_first_not_of(" \t\r", to)] == '\n')
+    to = parsed.line_end(to);
+  if (to == text_.size())  // the last one: no blank lines at the end
+    while (from > 0 && parsed.line_start(from - 1) == from - 1) --from;
+  splice(from, to, "");
+}
+
+void SceneText::set_parameter(const std::string& parameter, double value) {
+  for (const SceneTable& table : names_)
+    if (table.name == parameter && (table.kind == "load" || table.kind == "weight" ||
+                                    table.kind == "move" || table.kind == "parameter"))
+      return set(table, "value", word(value));
+  const size_t dot = parameter.rfind('.');
+  for (const SceneTable& table : names_) {
+    if (dot == std::string::npos || table.name != parameter.substr(0, dot)) continue;
+    const std::string last = parameter.substr(dot + 1);
+    if (table.kind == "fair") return set(table, last, word(value));
+    if (table.kind == "constraint")
+      return set_item(table, this->value(table, "to").empty() ? "direction" : "to", last[0] - 'x', word(value));
+  }
+  constexpr const char* three[] = {"_uu", "_uv", "_vv"};
+  for (const std::string key : {"alpha", "beta"}) {
+    if (parameter == key) return set({"skin", ""}, key, word(value));
+    for (int i = 0; i < 3; ++i)
+      if (parameter == key + three[i]) return set_item({"skin", ""}, key, i, word(value));
+  }
+  throw InputError("found no parameter '" + parameter + "' in the scene");
+}
+
+std::string SceneText::word(double value) {
+  if (!std::isfinite(value)) throw InputError("found " + batten::number(value) + ", expected a finite number");
+  char digits[32];
+  const auto end = std::to_chars(digits, digits + sizeof digits, value).ptr;
+  return std::string(digits, end);
+}
+
+std::string SceneText::word(const std::string& text) {
+  std::string quoted = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') quoted += '\\';
+    if (c == '\n')
+      quoted += "\\n";
+    else if (static_cast<unsigned char>(c) >= 32)
+      quoted += c;
+  }
+  return quoted + "\"";
+}
+
+}  // namespace batten

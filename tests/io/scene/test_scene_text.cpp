@@ -1,0 +1,220 @@
+// Scenes changed in their text: what is edited changes, and not a letter of anything else.
+#include "batten/io/scene/read_scene.h"
+#include "batten/io/scene/scene_parts.h"
+#include "batten/io/scene/scene_text.h"
+#include "batten/tests/catch.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <sstream>
+
+using namespace batten;
+
+namespace {
+
+const std::string kScene = R"(# A panel with an ü.
+unit = "mm"   # as drawn
+name = "pänel"
+
+[[line]]
+name = "rim"
+points = [ # in any direction
+  [0,0,0], [1,0,0],   # front
+  [1,1,0], [0,0,0],
+]
+
+# The skin.
+[skin]
+alpha = 0     # no stretching
+beta = [1, 2, 3]
+
+# It swells.
+[[load]]
+name = "swell"
+type = "pressure"
+value = 3.0   # try 5
+paint = [{ at = [1, 2, 3], radius = 2 }]
+
+[[constraint]]
+name = "pin"
+type = "point"
+at = [0.5, 0.5, 0]
+to = [0.5, 0.5, 1]
+)";
+
+
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  const size_t at = text.find(from);
+  REQUIRE(at != std::string::npos);
+  return text.replace(at, from.size(), to);
+}
+
+}  // namespace
+
+TEST_CASE("a value in a scene's text is replaced and nothing else", "[scene_text]") {
+  SceneText scene(kScene, "s.toml");
+  scene.set({"load", "swell"}, "value", "5");
+  CHECK(scene.text() == replaced(kScene, "value = 3.0 ", "value = 5 "));
+  scene = SceneText(kScene);
+  scene.set({}, "name", "\"x\"");
+  CHECK(scene.text() == replaced(kScene, "\"pänel\"", "\"x\""));
+  scene = SceneText(kScene);
+  scene.set({"line", "rim"}, "points", "[[0, 0, 0], [2, 0, 0]]");
+  CHECK(scene.value({"line", "rim"}, "points") == "[[0, 0, 0], [2, 0, 0]]");
+  CHECK(scene.text().ends_with(kScene.substr(kScene.find("\n\n# The skin."))));
+  scene = SceneText(kScene);
+  scene.set_item({"constraint", "pin"}, "to", 2, "-4.5");
+  CHECK(scene.text() == replaced(kScene, "to = [0.5, 0.5, 1]", "to = [0.5, 0.5, -4.5]"));
+}
+
+TEST_CASE("a key is added behind the last of its table, and taken out again", "[scene_text]") {
+  for (const SceneTable table : {SceneTable{}, SceneTable{"skin", ""}, SceneTable{"load", "swell"},
+                                 SceneTable{"line", "rim"}, SceneTable{"constraint", "pin"}}) {
+    SceneText scene(kScene);
+    scene.set(table, "extra", "[1, 2]");
+    CHECK(scene.value(table, "extra") == "[1, 2]");
+    CHECK(scene.text() != kScene);
+    scene.erase(table, "extra");
+    CHECK(scene.text() == kScene);
+  }
+  SceneText scene(kScene);
+  scene.set({"network", ""}, "tolerance", "0.5");
+  CHECK(scene.text() == kScene + "\n[network]\ntolerance = 0.5\n");
+}
+
+TEST_CASE("a table is added behind its kind, and removed with its comment", "[scene_text]") {
+  SceneText scene(kScene);
+  const SceneTable added =
+      scene.add("load", "{ name = \"push\", type = \"point\", at = [1, 2, 3], value = -1e-3 }");
+  CHECK(added == SceneTable{"load", "push"});
+  CHECK(scene.text() ==
+        replaced(kScene, "radius = 2 }]\n",
+                 "radius = 2 }]\n\n[[load]]\nname = \"push\"\ntype = \"point\"\nat = [1, 2, 3]\n"
+                 "value = -1e-3\n"));
+  scene.remove(added);
+  CHECK(scene.text() == kScene);
+  scene.remove({"load", "swell"});
+  CHECK(scene.text().find("swells") == std::string::npos);
+  CHECK(scene.text().find("# The skin.") != std::string::npos);
+  CHECK_FALSE(scene.has({"load", "swell"}));
+  scene.remove({"constraint", "pin"});
+  CHECK(scene.text().ends_with("beta = [1, 2, 3]\n"));
+  CHECK(scene.add("join", "{ lines = [\"rim\"], kind = \"crease\" }") == SceneTable{"join", "#1"});
+}
+
+TEST_CASE("a parameter's value reads back with the same bits", "[scene_text]") {
+  for (const double value : {0.1, -1.0 / 3, 5e-324, 1.7976931348623157e308, 123456789.123456789}) {
+    SceneText scene(kScene);
+    scene.set_parameter("swell", value);
+    const Scene read = parse_scene(scene.text(), "s.toml");
+    CHECK(read.loads.front().value == value);
+  }
+  SceneText scene(kScene);
+  scene.set_parameter("pin.z", 7);
+  scene.set_parameter("alpha", 0.25);
+  scene.set_parameter("beta_uv", 9);
+  const Scene read = parse_scene(scene.text(), "s.toml");
+  CHECK(read.constraints.front().goal.z() == 7);
+  CHECK(read.skin.material.alpha(0, 0) == 0.25);
+  CHECK(read.skin.material.beta[1] == 9);
+  CHECK_THROWS_AS(scene.set_parameter("swel", 1), InputError);
+  CHECK_THROWS_AS(SceneText::word(std::numeric_limits<double>::quiet_NaN()), InputError);
+}
+
+TEST_CASE("tables in braces are edited in place", "[scene_text]") {
+  const std::string braces = "unit = \"mm\"\nload = [{ name = \"a\", value = 1 }, { name = \"b\" }]\n";
+  SceneText scene(braces);
+  scene.set({"load", "a"}, "value", "2");
+  scene.set({"load", "b"}, "value", "3");
+  CHECK(scene.text() ==
+        "unit = \"mm\"\nload = [{ name = \"a\", value = 2 }, { name = \"b\" , value = 3 }]\n");
+  scene.erase({"load", "a"}, "value");
+  CHECK(scene.value({"load", "a"}, "value").empty());
+  CHECK(scene.value({"load", "b"}, "value") == "3");
+  CHECK_THROWS_AS(scene.remove({"load", "a"}), InputError);
+}
+
+TEST_CASE("an edit that is refused leaves the text as it was", "[scene_text]") {
+  SceneText scene(kScene);
+  CHECK_THROWS_AS(scene.set({"load", "swell"}, "value", "1\nother = 2"), InputError);
+  CHECK_THROWS_AS(scene.set({"load", "swell"}, "value", "[1, 2"), InputError);
+  CHECK_THROWS_AS(scene.set({"load", "swel"}, "value", "1"), InputError);
+  CHECK_THROWS_AS(scene.set({"load", "swell"}, "a b", "1"), InputError);
+  CHECK_THROWS_AS(scene.add("load", "{ name = 1 }\n[skin]"), InputError);
+  CHECK_THROWS_AS(scene.add("load", "3"), InputError);
+  CHECK_THROWS_AS(scene.erase({"skin", ""}, "gamma"), InputError);
+  CHECK_THROWS_AS(scene.set_item({"skin", ""}, "beta", 3, "1"), InputError);
+  CHECK(scene.text() == kScene);
+  CHECK_THROWS_AS(SceneText("a = [", "s.toml"), InputError);
+}
+
+TEST_CASE("line ends, byte-order marks and missing last line ends are kept", "[scene_text]") {
+  std::string windows;
+  for (const char c : kScene) windows += c == '\n' ? std::string("\r\n") : std::string(1, c);
+  SceneText scene("\xEF\xBB\xBF" + windows);
+  scene.set({"skin", ""}, "edge_length", "4");
+  CHECK(std::count(scene.text().begin(), scene.text().end(), '\n') ==
+        std::count(scene.text().begin(), scene.text().end(), '\r'));
+  scene.set({}, "unit", "\"cm\"");
+  CHECK(scene.text().starts_with("\xEF\xBB\xBF# A panel"));
+  scene.erase({"skin", ""}, "edge_length");
+  scene.set({}, "unit", "\"mm\"");
+  CHECK(scene.text() == "\xEF\xBB\xBF" + windows);
+  SceneText open("unit = \"mm\"");
+  open.set({}, "name", "\"x\"");
+  open.add("load", "{ name = \"a\" }");
+  CHECK(open.text() == "unit = \"mm\"\nname = \"x\"\n\n[[load]]\nname = \"a\"\n");
+}
+
+TEST_CASE("the parts of a scene tell values, what acts and the model apart", "[scene_text]") {
+  const auto changed = [](const auto& edit) {
+    SceneText scene(kScene);
+    edit(scene);
+    return parts_of(scene);
+  };
+  const SceneParts before = parts_of(SceneText(kScene));
+  const SceneParts value = changed([](SceneText& s) { s.set_parameter("swell", 9); });
+  CHECK(value.model == before.model);
+  CHECK(value.acting == before.acting);
+  const SceneParts goal = changed([](SceneText& s) { s.set_parameter("pin.x", 9); });
+  CHECK(goal.acting == before.acting);
+  const SceneParts type =
+      changed([](SceneText& s) { s.set({"load", "swell"}, "type", "\"gravity\""); });
+  CHECK(type.model == before.model);
+  CHECK(type.acting != before.acting);
+  const SceneParts line =
+      changed([](SceneText& s) { s.set_item({"line", "rim"}, "points", 0, "[0, 0, 5]"); });
+  CHECK(line.model != before.model);
+  CHECK(line.acting == before.acting);
+  const SceneParts output =
+      changed([](SceneText& s) { s.set({"output", ""}, "step", "\"a.step\""); });
+  CHECK(output.model == before.model);
+  CHECK(output.acting == before.acting);
+}
+
+TEST_CASE("every example can be edited and comes back as it was", "[scene_text]") {
+  namespace fs = std::filesystem;
+  int scenes = 0;
+  for (const auto& entry : fs::recursive_directory_iterator(BATTEN_SOURCE_DIR "/examples")) {
+    if (entry.path().extension() != ".toml") continue;
+    ++scenes;
+    std::ostringstream text;
+    text << std::ifstream(entry.path(), std::ios::binary).rdbuf();
+    SceneText scene(text.str(), entry.path());
+    for (const SceneTable& table : std::vector<SceneTable>(scene.tables())) {
+      scene.set(table, "extra_key", "1");
+      scene.erase(table, "extra_key");
+      for (const std::string& key : scene.keys(table)) {
+        const std::string value = scene.value(table, key);
+        scene.set(table, key, "0");
+        scene.set(table, key, value);
+      }
+    }
+    INFO(entry.path());
+    CHECK(scene.text() == text.str());
+  }
+  CHECK(scenes > 40);
+}

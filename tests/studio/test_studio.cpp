@@ -1,0 +1,203 @@
+// The stories of the window: each ends in a state that is checked, and a picture.
+#include <QAction>
+#include <QDoubleSpinBox>
+#include <QPushButton>
+#include <QSlider>
+#include <fstream>
+#include <sstream>
+
+#include "batten/apps/commands/documents/run_script.h"
+#include "batten/apps/studio/texts.h"
+#include "batten/tests/studio/window_case.h"
+
+using namespace batten;
+using namespace batten::studio;
+using namespace batten_test;
+
+namespace {
+
+const std::filesystem::path kExamples = BATTEN_SOURCE_DIR "/examples";
+
+std::string contents_of(const std::filesystem::path& file) {
+  std::ostringstream text;
+  text << std::ifstream(file, std::ios::binary).rdbuf();
+  return text.str();
+}
+
+Vec3 middle_of(const ShapeActors& actors) {
+  REQUIRE(actors.has_surface());
+  const auto [low, high] = actors.box();
+  return actors.point(actors.point_near(0.5 * (low + high)));
+}
+
+}  // namespace
+
+TEST_CASE("a loop that is drawn becomes a surface, is pushed, undone, exported and opened again",
+          "[studio]") {
+  WindowCase hand;
+  MainWindow& window = *hand.window;
+  hand.act(kTop);
+  hand.act(kDraw);
+  const std::vector<Vec3> corners = {{-80, -60, 0}, {80, -60, 0}, {80, 60, 0}, {-80, 60, 0}};
+  for (int side = 0; side < 4; ++side) {
+    hand.click(corners[static_cast<size_t>(side)]);
+    hand.click(corners[static_cast<size_t>((side + 1) % 4)]);
+    if (hand.document().lines.size() < static_cast<size_t>(side + 1)) hand.key(Qt::Key_Return);
+  }
+  CHECK(hand.document().lines.size() == 4);
+  REQUIRE(hand.document().surface);
+  CHECK(hand.document().regions.size() == 1);
+  CHECK(hand.document().problem.empty());
+
+  hand.act(kCorner);
+  hand.act(kPush);
+  const Vec3 middle = middle_of(hand.view().actors());
+  const int point = hand.view().actors().point_near(middle);
+  hand.drag(middle, {0, -60});
+  const Vec3 pushed = hand.view().actors().point(point);
+  CHECK(pushed.z() - middle.z() > 5);
+  REQUIRE(window.sliders().slider("push 1"));
+  hand.picture("drawn");
+
+  // The number beside the slider says the same as the scene.
+  window.sliders().number("push 1")->setValue(0);
+  REQUIRE(window.wait());
+  CHECK((hand.view().actors().point(point) - middle).norm() < 1e-3);
+  hand.act(kUndo);
+  CHECK((hand.view().actors().point(point) - pushed).norm() < 1e-3);
+
+  const auto folder = scratch("studio_drawn");
+  window.post({.verb = DocumentCommand::Verb::Export, .file = folder / "shape.step"});
+  window.post({.verb = DocumentCommand::Verb::Save, .file = folder / "shape.toml"});
+  REQUIRE(window.wait(120));
+  CHECK(std::filesystem::file_size(folder / "shape.step") > 1000);
+  CHECK_FALSE(hand.document().changed);
+  const std::string saved = hand.document().text;
+  hand.open(folder / "shape.toml");
+  CHECK(hand.document().text == saved);
+  CHECK(hand.document().surface);
+  CHECK(hand.document().title == "shape.toml");
+  CHECK((hand.view().actors().point(hand.view().actors().point_near(pushed)) - pushed).norm() < 1);
+  INFO(window.messages().join("; ").toStdString());
+  CHECK(window.messages().isEmpty());
+}
+
+TEST_CASE("a line of the mouse is clicked and becomes a crease, a region is pushed, all is saved",
+          "[studio]") {
+  WindowCase hand;
+  MainWindow& window = *hand.window;
+  hand.open(kExamples / "09-mouse/scene.toml");
+  REQUIRE(hand.document().surface);
+  REQUIRE(hand.document().network);
+  const auto kind_of = [&](const std::string& line) {
+    for (const auto& join : hand.document().network->joins)
+      if (join.line == line) return join.kind;
+    return std::string();
+  };
+  std::string spine;
+  for (const auto& join : hand.document().network->joins)
+    if (join.line.starts_with("spine") && join.kind == "smooth") spine = join.line;
+  REQUIRE_FALSE(spine.empty());
+
+  hand.act(kCorner);
+  // A point of the line that the eye sees.
+  std::vector<Vec3> points;
+  const auto& shown = hand.document().shown_lines;
+  for (const auto& line : hand.document().lines)
+    if (line.line == "spine") points = line.points;
+  REQUIRE_FALSE(points.empty());
+  for (size_t i = 4; i + 4 < points.size() && window.tree().current().name != spine; i += 2)
+    hand.click(points[i]);
+  CHECK(std::find(shown.begin(), shown.end(), spine) != shown.end());
+  REQUIRE(window.tree().current().name == spine);
+  QPushButton* crease = window.chosen().button(kCrease);
+  REQUIRE(crease);
+  QTest::mouseClick(crease, Qt::LeftButton);
+  REQUIRE(window.wait(120));
+  CHECK(kind_of(spine) == "crease");
+  hand.picture("mouse_crease");
+
+  hand.act(kPush);
+  const Vec3 top = hand.view().actors().point(hand.view().actors().point_near({12, 20, 34}));
+  hand.drag(top, {0, -25});
+  const int point = hand.view().actors().point_near(top);
+  CHECK((hand.view().actors().point(point) - top).norm() > 0.5);
+  hand.picture("mouse_pushed");
+
+  const auto folder = scratch("studio_mouse");
+  window.post({.verb = DocumentCommand::Verb::Save, .file = folder / "mouse.toml"});
+  REQUIRE(window.wait());
+  const std::string saved = contents_of(folder / "mouse.toml"),
+                    before = contents_of(kExamples / "09-mouse/scene.toml");
+  CHECK(saved == hand.document().text);
+  // All that was there still is, comments too.
+  CHECK(saved.starts_with(before.substr(0, before.find("[[join]]"))));
+  CHECK(saved.find("# where the mouse has an edge") != std::string::npos);
+  hand.act(kUndo);
+  hand.act(kUndo);
+  hand.act(kUndo);
+  CHECK(kind_of(spine) == "smooth");
+  CHECK(hand.document().text == before);
+}
+
+TEST_CASE("what was done in the window gives the same bits as a script", "[studio]") {
+  const auto folder = scratch("studio_script");
+  WindowCase hand;
+  MainWindow& window = *hand.window;
+  hand.open(kExamples / "05-door/scene.toml");
+  QSlider* slider = window.sliders().slider("swell");
+  REQUIRE(slider);
+  // A hand that goes to and fro faster than answers come.
+  slider->setSliderDown(true);
+  for (int i = 0; i < 60; ++i) {
+    slider->setValue(1000 + 15 * (i % 40));
+    QTest::qWait(i % 7);
+  }
+  slider->setSliderDown(false);
+  REQUIRE(window.wait());
+  hand.act(kPush);
+  hand.drag(middle_of(hand.view().actors()), {0, -30});
+  hand.act(kUndo);
+  hand.act(kRedo);
+  hand.picture("door_script");
+  window.post({.verb = DocumentCommand::Verb::Export, .file = folder / "window.vtp"});
+  REQUIRE(window.wait());
+  {
+    std::ofstream script(folder / "door.batten");
+    for (const std::string& line : window.worker().script()) script << line << "\n";
+    script << "export script.vtp\n";
+  }
+  CHECK(window.worker().script().size() > 20);
+  const ScriptReport report = run_script(folder / "door.batten");
+  CHECK(report.commands == static_cast<int>(window.worker().script().size()) + 1);
+  const std::string by_hand = contents_of(folder / "window.vtp");
+  CHECK(by_hand.size() > 1000);
+  CHECK(by_hand == contents_of(folder / "script.vtp"));
+}
+
+TEST_CASE("constraints in conflict are told, and the shape stays", "[studio]") {
+  WindowCase hand;
+  MainWindow& window = *hand.window;
+  hand.open(kExamples / "05-door/scene.toml");
+  const std::string before = hand.document().text;
+  const Vec3 middle = middle_of(hand.view().actors());
+  const auto pin = [&](const char* name, const char* to) {
+    window.post({.verb = DocumentCommand::Verb::Add,
+                 .table = {"constraint", ""},
+                 .text = std::string("{ name = \"") + name +
+                         "\", type = \"point\", at = [500, 0, 300], to = " + to + " }"});
+    REQUIRE(window.wait());
+  };
+  pin("here", "[500, 20, 300]");
+  CHECK(window.messages().isEmpty());
+  pin("there", "[500, 40, 300]");
+  REQUIRE(window.messages().size() == 1);
+  CHECK(window.messages().front().contains("here"));
+  CHECK(window.messages().front().contains("there"));
+  CHECK(hand.document().text.find("\"there\"") == std::string::npos);
+  CHECK(hand.document().surface);
+  hand.picture("conflict");
+  hand.act(kUndo);
+  CHECK(hand.document().text == before);
+  CHECK((middle_of(hand.view().actors()) - middle).norm() < 1e-3);
+}

@@ -1,0 +1,109 @@
+// The window as a hand meets it, with synthetic mouse and keys, under a virtual display.
+#pragma once
+
+#include <QApplication>
+#include <QImage>
+#include <QSurfaceFormat>
+#include <QVTKOpenGLNativeWidget.h>
+#include <QtTest/QTest>
+
+#include <cstdlib>
+
+#include "batten/apps/studio/window/main_window.h"
+#include "batten/tests/catch.h"
+#include "batten/tests/reference.h"
+
+namespace batten_test {
+
+/// The one QApplication of the program, with settings of its own.
+inline QApplication& application() {
+  static const std::filesystem::path folder = [] {
+    const auto path = scratch("studio_settings");
+    setenv("XDG_CONFIG_HOME", path.c_str(), 1);
+    setenv("XDG_DATA_HOME", path.c_str(), 1);
+    setenv("XDG_RUNTIME_DIR", path.c_str(), 1);
+    QSurfaceFormat::setDefaultFormat(QVTKOpenGLNativeWidget::defaultFormat());
+    return path;
+  }();
+  static int argc = 1;
+  static char name[] = "test_studio";
+  static char* argv[] = {name, nullptr};
+  static QApplication* const application = [] {
+    auto* made = new QApplication(argc, argv);  // stays: it must go before nothing else
+    QApplication::setOrganizationName("batten");
+    QApplication::setApplicationName("studio-test");
+    return made;
+  }();
+  return *application;
+}
+
+/// A window that is shown, and what a hand does in it.
+class WindowCase {
+ public:
+  WindowCase() {
+    application();
+    window = std::make_unique<batten::studio::MainWindow>();
+    window->show();
+    REQUIRE(QTest::qWaitForWindowExposed(window.get()));
+    REQUIRE(window->wait());
+  }
+
+  batten::studio::ShapeView& view() { return window->view(); }
+  const batten::DocumentView& document() { return window->document(); }
+  void open(const std::filesystem::path& file) {
+    window->open(file);
+    REQUIRE(window->wait(300));
+  }
+  /// Triggers a menu's or a tool's action by its text.
+  void act(const char* what) {
+    QAction* action = window->action(what);
+    REQUIRE(action);
+    action->trigger();
+    REQUIRE(window->wait());
+  }
+  void click(const batten::Vec3& p) { click(view().pixel_of(p)); }
+  void click(const QPoint& at) {
+    QTest::mouseMove(&view(), at);
+    QTest::mouseClick(&view(), Qt::LeftButton, {}, at);
+    REQUIRE(window->wait());
+  }
+  /// Presses at a place, moves the hand by so many pixels in small steps, and lets go.
+  void drag(const batten::Vec3& from, const QPoint& by, int steps = 12) {
+    const QPoint at = view().pixel_of(from);
+    QTest::mousePress(&view(), Qt::LeftButton, {}, at);
+    REQUIRE(window->wait());
+    for (int i = 1; i <= steps; ++i) {
+      move(at + by * i / steps);
+      QTest::qWait(15);
+    }
+    REQUIRE(window->wait());
+    move(at + by);
+    REQUIRE(window->wait());
+    QTest::mouseRelease(&view(), Qt::LeftButton, {}, at + by);
+    REQUIRE(window->wait());
+  }
+  void key(int key) {
+    QTest::keyClick(&view(), static_cast<Qt::Key>(key));
+    REQUIRE(window->wait());
+  }
+  /// Writes what is on the screen to studio-pictures in the build folder.
+  QImage picture(const std::string& name) {
+    QTest::qWait(50);
+    const QImage image = window->grab().toImage();
+    const std::filesystem::path folder = BATTEN_BINARY_DIR "/studio-pictures";
+    std::filesystem::create_directories(folder);
+    REQUIRE(image.save(QString::fromStdString((folder / (name + ".png")).string())));
+    return image;
+  }
+
+  std::unique_ptr<batten::studio::MainWindow> window;
+
+ private:
+  void move(const QPoint& at) {
+    QMouseEvent event(QEvent::MouseMove, at, view().mapToGlobal(at), Qt::NoButton, Qt::LeftButton,
+                      {});
+    QApplication::sendEvent(&view(), &event);
+  }
+};
+
+}  // namespace batten_test
