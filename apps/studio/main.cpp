@@ -1,10 +1,10 @@
 // batten-studio: the window in which shapes are made.
+#include <QVTKOpenGLNativeWidget.h>
 #include <QApplication>
 #include <QDir>
 #include <QLockFile>
 #include <QMessageBox>
 #include <QStandardPaths>
-#include <QVTKOpenGLNativeWidget.h>
 
 #include <fstream>
 #include <iostream>

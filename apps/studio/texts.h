@@ -18,11 +18,13 @@ inline constexpr const char* kProgram = QT_TRANSLATE_NOOP("studio", "batten-stud
 inline constexpr const char* kHintSelect = QT_TRANSLATE_NOOP(
     "studio", "Click a line or a surface to choose it. Drag to turn the view, wheel to zoom.");
 inline constexpr const char* kHintPush = QT_TRANSLATE_NOOP(
-    "studio", "Press on the surface and drag: it follows your hand. Drag beside it to turn the view.");
+    "studio",
+    "Press on the surface and drag: it follows your hand. Drag beside it to turn the view.");
 inline constexpr const char* kHintDraw = QT_TRANSLATE_NOOP(
     "studio", "Click points of a line; near the end of another line it snaps to that.");
 inline constexpr const char* kHintDrawing = QT_TRANSLATE_NOOP(
-    "studio", "Enter or a double click ends the line, Backspace takes a point back, Esc forgets it.");
+    "studio",
+    "Enter or a double click ends the line, Backspace takes a point back, Esc forgets it.");
 
 inline constexpr const char* kFile = QT_TRANSLATE_NOOP("studio", "&File");
 inline constexpr const char* kEdit = QT_TRANSLATE_NOOP("studio", "&Edit");
@@ -36,7 +38,8 @@ inline constexpr const char* kSave = QT_TRANSLATE_NOOP("studio", "&Save");
 inline constexpr const char* kSaveAs = QT_TRANSLATE_NOOP("studio", "Save &as…");
 inline constexpr const char* kExport = QT_TRANSLATE_NOOP("studio", "&Export the shape…");
 inline constexpr const char* kRun = QT_TRANSLATE_NOOP("studio", "&Make all files of the scene…");
-inline constexpr const char* kSaveScript = QT_TRANSLATE_NOOP("studio", "Save what was done as a s&cript…");
+inline constexpr const char* kSaveScript =
+    QT_TRANSLATE_NOOP("studio", "Save what was done as a s&cript…");
 inline constexpr const char* kQuit = QT_TRANSLATE_NOOP("studio", "&Quit");
 inline constexpr const char* kUndo = QT_TRANSLATE_NOOP("studio", "&Undo");
 inline constexpr const char* kRedo = QT_TRANSLATE_NOOP("studio", "&Redo");
@@ -56,11 +59,10 @@ inline constexpr const char* kShadings[] = {
     QT_TRANSLATE_NOOP("studio", "Plain"), QT_TRANSLATE_NOOP("studio", "Regions"),
     QT_TRANSLATE_NOOP("studio", "Zebra"), QT_TRANSLATE_NOOP("studio", "Heights"),
     QT_TRANSLATE_NOOP("studio", "Moved by")};
-inline constexpr const char* kPlanes[] = {
-    QT_TRANSLATE_NOOP("studio", "Draw on the ground (xy)"),
-    QT_TRANSLATE_NOOP("studio", "Draw upright (xz)"),
-    QT_TRANSLATE_NOOP("studio", "Draw upright (yz)"),
-    QT_TRANSLATE_NOOP("studio", "Draw facing me")};
+inline constexpr const char* kPlanes[] = {QT_TRANSLATE_NOOP("studio", "Draw on the ground (xy)"),
+                                          QT_TRANSLATE_NOOP("studio", "Draw upright (xz)"),
+                                          QT_TRANSLATE_NOOP("studio", "Draw upright (yz)"),
+                                          QT_TRANSLATE_NOOP("studio", "Draw facing me")};
 
 inline constexpr const char* kModel = QT_TRANSLATE_NOOP("studio", "Model");
 inline constexpr const char* kSliders = QT_TRANSLATE_NOOP("studio", "Sliders");
@@ -81,17 +83,20 @@ inline constexpr const char* kValue = QT_TRANSLATE_NOOP("studio", "Value");
 inline constexpr const char* kStop = QT_TRANSLATE_NOOP("studio", "Stop");
 inline constexpr const char* kNoSliders = QT_TRANSLATE_NOOP(
     "studio", "Loads, weights and moves have a slider each. Push the surface to make one.");
-inline constexpr const char* kUnsaved = QT_TRANSLATE_NOOP("studio", "%1 has changes that are not saved.");
+inline constexpr const char* kUnsaved =
+    QT_TRANSLATE_NOOP("studio", "%1 has changes that are not saved.");
 inline constexpr const char* kRecover = QT_TRANSLATE_NOOP(
     "studio", "Changes of %1 were not saved when the program ended. Take them up again?");
 inline constexpr const char* kUntitled = QT_TRANSLATE_NOOP("studio", "a new scene");
 inline constexpr const char* kSceneFiles = QT_TRANSLATE_NOOP(
-    "studio", "Scenes and lines (*.toml *.json *.csv *.txt *.xyz *.dat *.obj *.curves *.dxf *.svg "
-              "*.iges *.igs *.step *.stp *.brep);;All files (*)");
+    "studio",
+    "Scenes and lines (*.toml *.json *.csv *.txt *.xyz *.dat *.obj *.curves *.dxf *.svg "
+    "*.iges *.igs *.step *.stp *.brep);;All files (*)");
 inline constexpr const char* kSavedFiles = QT_TRANSLATE_NOOP("studio", "Scenes (*.toml)");
 inline constexpr const char* kExportFiles = QT_TRANSLATE_NOOP(
-    "studio", "STEP (*.step);;IGES (*.iges);;STL (*.stl);;OBJ (*.obj);;PLY (*.ply);;glTF (*.glb);;"
-              "ParaView (*.vtp)");
+    "studio",
+    "STEP (*.step);;IGES (*.iges);;STL (*.stl);;OBJ (*.obj);;PLY (*.ply);;glTF (*.glb);;"
+    "ParaView (*.vtp)");
 inline constexpr const char* kScriptFiles = QT_TRANSLATE_NOOP("studio", "Scripts (*.batten)");
 inline constexpr const char* kState = QT_TRANSLATE_NOOP("studio", "%1 surfaces, %2 elements");
 inline constexpr const char* kNoSurface = QT_TRANSLATE_NOOP("studio", "No surface yet");

@@ -313,7 +313,8 @@ SceneSweep read_sweep(const TomlTable& table, const Scene& scene, Names& files) 
   return sweep;
 }
 
-Scene scene_of(const toml::table& root_table, const std::filesystem::path& file, bool lines_required) {
+Scene scene_of(const toml::table& root_table, const std::filesystem::path& file,
+               bool lines_required) {
   const TomlTable root(file.string(), root_table, "the scene",
                        {"name",       "unit",    "tolerance", "corner_angle", "line",      "lines",
                         "fair",       "network", "region",    "join",         "skin",      "target",
@@ -376,8 +377,7 @@ Scene scene_of(const toml::table& root_table, const std::filesystem::path& file,
 
 }  // namespace
 
-Scene parse_scene(const std::string& text, const std::filesystem::path& file,
-                  bool lines_required) {
+Scene parse_scene(const std::string& text, const std::filesystem::path& file, bool lines_required) {
   return scene_of(parse_toml(text, file, "a scene (unit, [[line]] …)"), file, lines_required);
 }
 

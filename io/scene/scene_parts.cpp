@@ -9,7 +9,7 @@ namespace {
 
 constexpr const char* kActing[] = {"load", "weight", "move", "constraint", "parameter"};
 /// What is made of a shape, and does not change it.
-constexpr const char* kMadeOf[] = {"motion", "picture", "sweep",  "output",
+constexpr const char* kMadeOf[] = {"motion", "picture", "sweep", "output",
                                    "stress", "compare", "name"};
 
 std::string written(const toml::table& table) {

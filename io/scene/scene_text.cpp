@@ -20,7 +20,8 @@ void require_one(const std::string& key, const std::string& value,
                  const std::filesystem::path& file) {
   const toml::table one = parse_toml(key + " = " + value, file, "a value");
   if (one.size() != 1 || !one.contains(key))
-    throw InputError("found " + in_quotes(key + " = " + value) + ", expected one key and its value");
+    throw InputError("found " + in_quotes(key + " = " + value) +
+                     ", expected one key and its value");
 }
 
 /// The length of a character of UTF-8 by its first byte.
@@ -71,7 +72,9 @@ struct SceneText::Parsed {
     const toml::table& table = *node.as_table();
     const auto name = table["name"].value<std::string>();
     const Span span = span_of(node);
-    tables.push_back({{kind, number.empty() ? "" : name && !name->empty() ? *name : number},
+    tables.push_back({{kind, number.empty()           ? ""
+                             : name && !name->empty() ? *name
+                                                      : number},
                       &table,
                       span,
                       is_header(node, text, span.from)});
@@ -114,11 +117,10 @@ struct SceneText::Parsed {
     std::vector<std::string> names;
     for (const Table& table : tables)
       if (table.name.kind == name.kind) names.push_back(table.name.name);
-    throw InputError("found no " +
-                     (name.name.empty() ? "[" + name.kind + "]"
-                                        : "[[" + name.kind + "]] '" + name.name + "'") +
-                     ", expected " +
-                     (names.empty() ? "a table of the scene" : one_of(name.name, names)));
+    throw InputError(
+        "found no " +
+        (name.name.empty() ? "[" + name.kind + "]" : "[[" + name.kind + "]] '" + name.name + "'") +
+        ", expected " + (names.empty() ? "a table of the scene" : one_of(name.name, names)));
   }
 
   /// The last place that belongs to a table: behind its last value, and those of tables inside it.
@@ -136,9 +138,8 @@ struct SceneText::Parsed {
     for (const auto& [key, node] : table) {
       const Span span = span_of(node);
       const toml::array* list = tables_in(node);
-      const bool elsewhere =
-          is_header(node, text, span.from) ||
-          (list && is_header(*list->get(0), text, span_of(*list->get(0)).from));
+      const bool elsewhere = is_header(node, text, span.from) ||
+                             (list && is_header(*list->get(0), text, span_of(*list->get(0)).from));
       if (!elsewhere) at = std::max(at, span.to);
     }
     return at;
@@ -279,7 +280,8 @@ SceneTable SceneText::add(const std::string& kind, const std::string& table) {
   const std::string inline_text = "t = " + table;
   const Parsed inner(inline_text, file_);
   const Parsed::Table* given = inner.tables.empty() ? nullptr : &inner.tables.front();
-  if (inner.root.size() != 1 || inner.tables.size() != 1 || given->name.kind != "t" || !given->node->is_inline())
+  if (inner.root.size() != 1 || inner.tables.size() != 1 || given->name.kind != "t" ||
+      !given->node->is_inline())
     throw InputError("found '" + table.substr(0, 32) + "' for [[" + kind +
                      "]], expected a table in braces: { name = \"…\", … }");
   const Parsed parsed(text_, file_);
@@ -336,7 +338,8 @@ void SceneText::set_parameter(const std::string& parameter, double value) {
     const std::string last = parameter.substr(dot + 1);
     if (table.kind == "fair") return set(table, last, word(value));
     if (table.kind == "constraint")
-      return set_item(table, this->value(table, "to").empty() ? "direction" : "to", last[0] - 'x', word(value));
+      return set_item(table, this->value(table, "to").empty() ? "direction" : "to", last[0] - 'x',
+                      word(value));
   }
   constexpr const char* three[] = {"_uu", "_uv", "_vv"};
   for (const std::string key : {"alpha", "beta"}) {
@@ -348,7 +351,8 @@ void SceneText::set_parameter(const std::string& parameter, double value) {
 }
 
 std::string SceneText::word(double value) {
-  if (!std::isfinite(value)) throw InputError("found " + batten::number(value) + ", expected a finite number");
+  if (!std::isfinite(value))
+    throw InputError("found " + batten::number(value) + ", expected a finite number");
   char digits[32];
   const auto end = std::to_chars(digits, digits + sizeof digits, value).ptr;
   return std::string(digits, end);

@@ -1,10 +1,10 @@
 // The window as a hand meets it, with synthetic mouse and keys, under a virtual display.
 #pragma once
 
+#include <QVTKOpenGLNativeWidget.h>
 #include <QApplication>
 #include <QImage>
 #include <QSurfaceFormat>
-#include <QVTKOpenGLNativeWidget.h>
 #include <QtTest/QTest>
 
 #include <cstdlib>

@@ -90,8 +90,7 @@ class Document {
   void commit_values();
   void go(std::vector<std::string>& from, std::vector<std::string>& to, const Progress& progress);
   void become(SceneText text, const Progress& progress);
-  void remake(const Scene& scene, const SceneParts& parts, bool may_fail,
-              const Progress& progress);
+  void remake(const Scene& scene, const SceneParts& parts, bool may_fail, const Progress& progress);
   bool go_on(const Scene& scene, const SceneParts& parts);
   void take_values(const Scene& scene);
   std::shared_ptr<const DocumentModel> model_for(const Scene& scene, const std::string& of,

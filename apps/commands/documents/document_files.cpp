@@ -37,8 +37,7 @@ SceneText moved(SceneText text, const std::filesystem::path& from,
       if (file.is_absolute()) continue;
       const std::filesystem::path full = (from / file).lexically_normal();
       const std::filesystem::path relative = full.lexically_relative(to);
-      text.set(table, "file",
-               SceneText::word((far(relative) ? full : relative).string()));
+      text.set(table, "file", SceneText::word((far(relative) ? full : relative).string()));
     }
   return text;
 }

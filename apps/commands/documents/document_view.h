@@ -43,9 +43,9 @@ struct DocumentView {
   bool surface = false;
   int triangles = 0;
   double size = 0;
-  std::vector<std::string> regions;                    ///< of DisplayPattern::first_facet
-  std::vector<std::string> shown_lines;                ///< of DisplayPattern::lines
-  std::optional<NetworkReport> network;                ///< of a network: joins, choices, shells
+  std::vector<std::string> regions;      ///< of DisplayPattern::first_facet
+  std::vector<std::string> shown_lines;  ///< of DisplayPattern::lines
+  std::optional<NetworkReport> network;  ///< of a network: joins, choices, shells
   std::vector<FlawReport> flaws;
 
   /// The smallest box around lines, low and high corner; both 0 where there are none.

@@ -48,7 +48,7 @@ class DocumentWorker {
   };
   struct News {
     std::shared_ptr<const DocumentView> view;  ///< null: as before
-    const Frame* frame = nullptr;              ///< null: as before; valid until the next take_news()
+    const Frame* frame = nullptr;  ///< null: as before; valid until the next take_news()
     std::vector<Message> messages;
     bool busy = false;
     std::string stage;  ///< of what is being done
@@ -81,7 +81,7 @@ class DocumentWorker {
 
   std::function<void()> wake_;
   std::filesystem::path recovery_;
-  Document document_;    // of the worker's thread
+  Document document_;  // of the worker's thread
   FrameExchange frames_;
   mutable std::mutex mutex_;
   std::condition_variable waiting_;

@@ -16,10 +16,10 @@ std::string rows_of(const Document& document) {
     return result_line("surface", "none: " + why);
   }
   const ModelLayout& layout = session->layout();
-  std::string text = result_line(
-      "surface", counted(layout.region_count(), "region") + ", " +
-                     counted(layout.mesh()->triangle_count(), "element") + ", energy " +
-                     number(session->energy().stretching + session->energy().bending));
+  std::string text =
+      result_line("surface", counted(layout.region_count(), "region") + ", " +
+                                 counted(layout.mesh()->triangle_count(), "element") + ", energy " +
+                                 number(session->energy().stretching + session->energy().bending));
   for (const NamedValue& p : session->parameters().all())
     text += result_line("", p.name + " = " + number(session->parameters().value(p.name)));
   return text;

@@ -31,7 +31,8 @@ std::vector<DocumentCommand> join_edits(const SceneText& scene, const std::strin
     if (kind && !kinds.empty() && kinds.front() == *kind && !said) {
       said = true;
     } else if (lines.size() == 1 && kind && !said) {
-      edits.push_back({.verb = Verb::Set, .table = table, .key = "kind", .text = SceneText::word(*kind)});
+      edits.push_back(
+          {.verb = Verb::Set, .table = table, .key = "kind", .text = SceneText::word(*kind)});
       said = true;
     } else if (lines.size() == 1) {
       edits.push_back({.verb = Verb::Remove, .table = table});
@@ -41,10 +42,10 @@ std::vector<DocumentCommand> join_edits(const SceneText& scene, const std::strin
     }
   }
   if (kind && !said)
-    edits.push_back({.verb = Verb::Add,
-                     .table = {"join", ""},
-                     .text = "{ lines = " + list_of({line}) +
-                             ", kind = " + SceneText::word(*kind) + " }"});
+    edits.push_back(
+        {.verb = Verb::Add,
+         .table = {"join", ""},
+         .text = "{ lines = " + list_of({line}) + ", kind = " + SceneText::word(*kind) + " }"});
   return edits;
 }
 

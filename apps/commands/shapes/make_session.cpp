@@ -15,6 +15,9 @@
 namespace batten {
 namespace {
 
+/// Places farther from the surface, over its size, are a mistake and no rounding.
+constexpr double kFar = 0.5;
+
 /// What the scene's words mean on one layout.
 class SceneOnLayout {
  public:
@@ -208,9 +211,8 @@ class Maker {
   /// before have moved it.
   Vec3 now(const SceneConstraint& c) const {
     const auto was = unloaded_places_.nearest_inside(c.at);
-    constexpr double far = 0.5;  // of the size: no rounding, a mistake
     const double size = session_.layout().size();
-    if (!(was.distance <= far * size))
+    if (!(was.distance <= kFar * size))
       throw InputError(
           scene_.at(c.place) + "found the constraint '" + c.name + "' " + number(was.distance) +
           " away from the surface, expected a place on it (its size is " + number(size) + ")");
@@ -321,6 +323,7 @@ void add_load(SculptingSession& session, const Scene& scene, const MadeModel& ma
   const Surface present = layout.surface(session.dofs());
   const auto now = [&](const Vec3& at) {
     const ModelProjector::Nearest was = places.nearest_inside(at);
+    if (!(was.distance <= kFar * layout.size())) return at;  // which the session refuses
     return present.position(layout.in_model(was.at.region, was.where));
   };
   Load added = SceneOnLayout(scene, layout, made).load(load);

@@ -280,7 +280,8 @@ class SculptRun {
     const Points bent = bent_shape(session_->layout(), scene_, progress_);
     if (!model_.fair.rest) return bent;
     const ConstraintSet rows = session_->layout().line_constraints();
-    const Points fair = RestShape(model_.fair.rest)({session_->layout(), rows, bent, {}, progress_});
+    const Points fair =
+        RestShape(model_.fair.rest)({session_->layout(), rows, bent, {}, progress_});
     return fair.rows() > 0 ? fair : bent;
   }
 

@@ -186,8 +186,7 @@ void ShapeActors::make_facets() {
   size_t region = 0;
   int number = 0;
   for (const auto& facet : pattern_->facets) {
-    while (region + 2 < pattern_->first_facet.size() &&
-           number >= pattern_->first_facet[region + 1])
+    while (region + 2 < pattern_->first_facet.size() && number >= pattern_->first_facet[region + 1])
       ++region;
     const vtkIdType corners[3] = {facet[0], facet[1], facet[2]};
     cells->InsertNextCell(3, corners);
@@ -314,9 +313,7 @@ void ShapeActors::colour() {
   push_->set_colour(palette_.chosen);
 }
 
-void ShapeActors::set_mesh(bool shown) {
-  facets_->actor->GetProperty()->SetEdgeVisibility(shown);
-}
+void ShapeActors::set_mesh(bool shown) { facets_->actor->GetProperty()->SetEdgeVisibility(shown); }
 
 void ShapeActors::set_draft(const std::vector<Vec3>& points) {
   draft_->set_polylines(points.size() > 1 ? std::vector<std::vector<Vec3>>{points}

@@ -75,8 +75,8 @@ class ShapeActors {
   vtkSmartPointer<vtkFloatArray> points_, normals_, scalars_;
   vtkRenderer* renderer_;
   std::shared_ptr<const DisplayPattern> pattern_;
-  std::vector<float> reference_;           // points when the mesh was made
-  std::vector<std::string> line_names_;    // of each cell of lines_
+  std::vector<float> reference_;         // points when the mesh was made
+  std::vector<std::string> line_names_;  // of each cell of lines_
   std::vector<DocumentView::Polyline> loose_;
   std::vector<std::string> regions_, shown_lines_;
   bool surface_ = false;

@@ -21,8 +21,8 @@ namespace batten::studio {
 /// What the left button does.
 enum class Tool {
   Select,  ///< a click chooses a line or region, a drag turns the view
-  Push,    ///< a press on the surface is a point load along the normal: the surface follows the hand
-  Draw     ///< clicks are points of a line; a double click or Enter ends it
+  Push,  ///< a press on the surface is a point load along the normal: the surface follows the hand
+  Draw   ///< clicks are points of a line; a double click or Enter ends it
 };
 
 /// The plane that lines are drawn on, through the first point of the line or the origin.
@@ -67,10 +67,10 @@ class ShapeView : public QVTKOpenGLNativeWidget {
   struct Push {
     std::string name;
     Vec3 held, normal, start;
-    int point = -1;        // of the display
-    double value = 0;      // that the load has
-    double compliance = 0; // of the point along the normal; 0: not known yet
-    double wanted = 0;     // displacement
+    int point = -1;         // of the display
+    double value = 0;       // that the load has
+    double compliance = 0;  // of the point along the normal; 0: not known yet
+    double wanted = 0;      // displacement
     QPoint from;
     bool placed = false;
   };

@@ -97,7 +97,8 @@ void ChosenPanel::fill_words() {
   for (const auto& join : network.joins) {
     const bool this_line = item_.kind == Kind::Join || item_.kind == Kind::Line;
     if (!this_line || join.line != item_.name || join.kind == "rim") continue;
-    words << shown(join.kind + (join.asked ? " (asked for)" : "") + ": the normals differ by up to " +
+    words << shown(join.kind + (join.asked ? " (asked for)" : "") +
+                   ": the normals differ by up to " +
                    number(join.kind == "crease" ? join.max_deg : join.max_inside_deg) + "°");
     if (!join.why.empty()) words << shown(join.why);
     const auto edits = [this, line = join.line](std::optional<std::string> kind) {

@@ -44,7 +44,8 @@ MainWindow::MainWindow(std::filesystem::path recovery) {
   worker_ = std::make_unique<DocumentWorker>(
       [this] {
         if (!woken_.exchange(true))
-          QMetaObject::invokeMethod(this, [this] { take_news(); }, Qt::QueuedConnection);
+          QMetaObject::invokeMethod(
+              this, [this] { take_news(); }, Qt::QueuedConnection);
       },
       std::move(recovery));
   setAcceptDrops(true);
@@ -80,8 +81,8 @@ void MainWindow::make_panels() {
   setCentralWidget(view_);
   tree_ = new ModelTree(this, [this](const ModelTree::Item& item) {
     chosen_->take(shown_, item);
-    const bool line = item.kind == ModelTree::Item::Kind::Line ||
-                      item.kind == ModelTree::Item::Kind::Join;
+    const bool line =
+        item.kind == ModelTree::Item::Kind::Line || item.kind == ModelTree::Item::Kind::Join;
     view_->choose(line ? item.name : "");
   });
   chosen_ = new ChosenPanel(this, post);
@@ -145,8 +146,9 @@ void MainWindow::make_menus() {
   };
   check(kPerspective, QKeySequence("5"), [this](bool on) { view_->set_perspective(on); });
   check(kMesh, QKeySequence("M"), [this](bool on) { view_->set_mesh(on); });
-  check(kDark, {}, [this](bool on) { set_dark(on); })
-      ->setChecked(QSettings().value("dark", false).toBool());
+  check(kDark, {}, [this](bool on) {
+    set_dark(on);
+  })->setChecked(QSettings().value("dark", false).toBool());
 }
 
 void MainWindow::make_tools() {
@@ -263,11 +265,9 @@ void MainWindow::show_title() {
 }
 
 void MainWindow::show_state(const DocumentWorker::News& news) {
-  state_->setText(shown_->surface
-                      ? text(kState).arg(shown_->regions.size()).arg(shown_->triangles)
-                      : text(kNoSurface));
-  if (news.answer_ms > 0)
-    answers_->setText(text(kAnswers).arg(std::lround(1000 / news.answer_ms)));
+  state_->setText(shown_->surface ? text(kState).arg(shown_->regions.size()).arg(shown_->triangles)
+                                  : text(kNoSurface));
+  if (news.answer_ms > 0) answers_->setText(text(kAnswers).arg(std::lround(1000 / news.answer_ms)));
   const bool long_work = news.busy && !news.stage.empty();
   progress_->setVisible(long_work);
   stop_->setVisible(long_work);
@@ -318,12 +318,14 @@ void MainWindow::ask_export() {
   QString file = QFileDialog::getSaveFileName(this, text(kExport), {}, text(kExportFiles), &filter);
   if (file.isEmpty()) return;
   const int star = filter.indexOf("*.");
-  if (!file.contains('.') && star >= 0) file += filter.mid(star + 1, filter.indexOf(')') - star - 1);
+  if (!file.contains('.') && star >= 0)
+    file += filter.mid(star + 1, filter.indexOf(')') - star - 1);
   post({.verb = Verb::Export, .file = file.toStdString()});
 }
 
 void MainWindow::save_script() {
-  const QString name = QFileDialog::getSaveFileName(this, text(kSaveScript), {}, text(kScriptFiles));
+  const QString name =
+      QFileDialog::getSaveFileName(this, text(kSaveScript), {}, text(kScriptFiles));
   if (name.isEmpty()) return;
   QFile file(name);
   if (!file.open(QIODevice::WriteOnly)) {

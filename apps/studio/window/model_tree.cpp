@@ -69,7 +69,8 @@ void ModelTree::take(const DocumentView& view) {
   auto* lines = group(kLines, static_cast<int>(view.lines.size()));
   for (const auto& line : view.lines) {
     const SceneTable table{"line", line.line};
-    add(lines, shown(line.line), "", {Kind::Line, line.line, view.table(table) ? table : SceneTable{}});
+    add(lines, shown(line.line), "",
+        {Kind::Line, line.line, view.table(table) ? table : SceneTable{}});
   }
   auto* surfaces = group(kRegions, static_cast<int>(view.regions.size()));
   if (view.network)
@@ -82,7 +83,8 @@ void ModelTree::take(const DocumentView& view) {
           {Kind::Region, region.name, view.table(table) ? table : SceneTable{}}, wrong.join("\n"));
     }
   else
-    for (const std::string& region : view.regions) add(surfaces, shown(region), "", {Kind::Region, region, {}});
+    for (const std::string& region : view.regions)
+      add(surfaces, shown(region), "", {Kind::Region, region, {}});
   if (view.network) {
     auto* joins = group(kJoins, static_cast<int>(view.network->joins.size()));
     for (const auto& join : view.network->joins) {
@@ -107,8 +109,11 @@ void ModelTree::take(const DocumentView& view) {
     const std::string& kind = table.name.kind;
     if (kind == "line" || (kind == "region" && !table.name.name.empty())) continue;
     const bool act = acts(kind);
-    const QString name = kind.empty() ? shown(view.title) : shown(table.name.name.empty() ? kind : table.name.name);
-    add(act ? acting : scene, name, act ? shown(plain(table, "type").empty() ? kind : plain(table, "type")) : shown(kind == table.name.name ? "" : kind),
+    const QString name =
+        kind.empty() ? shown(view.title) : shown(table.name.name.empty() ? kind : table.name.name);
+    add(act ? acting : scene, name,
+        act ? shown(plain(table, "type").empty() ? kind : plain(table, "type"))
+            : shown(kind == table.name.name ? "" : kind),
         {Kind::Table, table.name.name, table.name});
   }
   acting->setText(1, QString::number(acting->childCount()));
@@ -116,7 +121,8 @@ void ModelTree::take(const DocumentView& view) {
   for (int i = 0; i < topLevelItemCount(); ++i)
     topLevelItem(i)->setExpanded(i < static_cast<int>(open.size())
                                      ? open[static_cast<size_t>(i)]
-                                     : topLevelItem(i) != scene && topLevelItem(i)->childCount() <= 12);
+                                     : topLevelItem(i) != scene &&
+                                           topLevelItem(i)->childCount() <= 12);
   if (before.kind == Kind::Table) {
     for (QTreeWidgetItemIterator it(this); *it; ++it) {
       const int number = (*it)->data(0, Qt::UserRole).toInt();

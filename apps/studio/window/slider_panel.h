@@ -22,7 +22,7 @@ class SliderPanel : public QScrollArea {
   SliderPanel(QWidget* parent, std::function<void(DocumentCommand)> post);
 
   void take(const DocumentView& view);
-  QSlider* slider(const std::string& parameter) const;      ///< null: none of this name
+  QSlider* slider(const std::string& parameter) const;  ///< null: none of this name
   QDoubleSpinBox* number(const std::string& parameter) const;
 
  private:

@@ -45,7 +45,6 @@ at = [0.5, 0.5, 0]
 to = [0.5, 0.5, 1]
 )";
 
-
 std::string replaced(std::string text, const std::string& from, const std::string& to) {
   const size_t at = text.find(from);
   REQUIRE(at != std::string::npos);
@@ -71,8 +70,9 @@ TEST_CASE("a value in a scene's text is replaced and nothing else", "[scene_text
 }
 
 TEST_CASE("a key is added behind the last of its table, and taken out again", "[scene_text]") {
-  for (const SceneTable table : {SceneTable{}, SceneTable{"skin", ""}, SceneTable{"load", "swell"},
-                                 SceneTable{"line", "rim"}, SceneTable{"constraint", "pin"}}) {
+  const std::vector<SceneTable> tables = {
+      {}, {"skin", ""}, {"load", "swell"}, {"line", "rim"}, {"constraint", "pin"}};
+  for (const SceneTable& table : tables) {
     SceneText scene(kScene);
     scene.set(table, "extra", "[1, 2]");
     CHECK(scene.value(table, "extra") == "[1, 2]");
@@ -125,7 +125,8 @@ TEST_CASE("a parameter's value reads back with the same bits", "[scene_text]") {
 }
 
 TEST_CASE("tables in braces are edited in place", "[scene_text]") {
-  const std::string braces = "unit = \"mm\"\nload = [{ name = \"a\", value = 1 }, { name = \"b\" }]\n";
+  const std::string braces =
+      "unit = \"mm\"\nload = [{ name = \"a\", value = 1 }, { name = \"b\" }]\n";
   SceneText scene(braces);
   scene.set({"load", "a"}, "value", "2");
   scene.set({"load", "b"}, "value", "3");
@@ -181,16 +182,19 @@ TEST_CASE("the parts of a scene tell values, what acts and the model apart", "[s
   CHECK(value.acting == before.acting);
   const SceneParts goal = changed([](SceneText& s) { s.set_parameter("pin.x", 9); });
   CHECK(goal.acting == before.acting);
-  const SceneParts type =
-      changed([](SceneText& s) { s.set({"load", "swell"}, "type", "\"gravity\""); });
+  const SceneParts type = changed([](SceneText& s) {
+    s.set({"load", "swell"}, "type", "\"gravity\"");
+  });
   CHECK(type.model == before.model);
   CHECK(type.acting != before.acting);
-  const SceneParts line =
-      changed([](SceneText& s) { s.set_item({"line", "rim"}, "points", 0, "[0, 0, 5]"); });
+  const SceneParts line = changed([](SceneText& s) {
+    s.set_item({"line", "rim"}, "points", 0, "[0, 0, 5]");
+  });
   CHECK(line.model != before.model);
   CHECK(line.acting == before.acting);
-  const SceneParts output =
-      changed([](SceneText& s) { s.set({"output", ""}, "step", "\"a.step\""); });
+  const SceneParts output = changed([](SceneText& s) {
+    s.set({"output", ""}, "step", "\"a.step\"");
+  });
   CHECK(output.model == before.model);
   CHECK(output.acting == before.acting);
 }
@@ -208,6 +212,7 @@ TEST_CASE("every example can be edited and comes back as it was", "[scene_text]"
       scene.set(table, "extra_key", "1");
       scene.erase(table, "extra_key");
       for (const std::string& key : scene.keys(table)) {
+        if (key == "name") continue;  // another name is another table
         const std::string value = scene.value(table, key);
         scene.set(table, key, "0");
         scene.set(table, key, value);

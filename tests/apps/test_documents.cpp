@@ -1,0 +1,312 @@
+// Documents: a scene's text, what is made of it, and commands that change both.
+#include <chrono>
+#include <thread>
+
+#include "batten/apps/commands/documents/document_worker.h"
+#include "batten/apps/commands/documents/run_script.h"
+#include "batten/apps/commands/documents/word_edits.h"
+#include "batten/io/scene/read_scene.h"
+#include "batten/tests/apps/cli_case.h"
+
+using namespace batten;
+using namespace batten_test;
+using Verb = DocumentCommand::Verb;
+
+namespace {
+
+const std::string kSwelling = R"(# A panel that swells.
+unit = "mm"
+[[line]]
+name = "rim"
+points = [[0,0,0], [400,0,0], [400,300,0], [0,300,0], [0,0,0]]
+
+[skin]
+edge_length = 40
+
+[[load]]
+name = "crown"
+type = "pressure"
+value = 3
+)";
+const std::string kPush =
+    R"({ name = "push", type = "point", at = [120, 100, 0], direction = [0, 0, 1], value = 5 })";
+
+Document opened(const Case& folder, const std::string& text) {
+  folder.file("s.toml", text);
+  Document document;
+  document.apply({.verb = Verb::Open, .file = folder / "s.toml"});
+  return document;
+}
+
+DocumentCommand add(const std::string& kind, const std::string& table) {
+  return {.verb = Verb::Add, .table = {kind, ""}, .text = table};
+}
+DocumentCommand slide(const std::string& name, double value) {
+  return {.verb = Verb::Slide, .key = name, .value = value};
+}
+
+double apart(const Points& a, const Points& b) { return (a - b).cwiseAbs().maxCoeff() / 400; }
+
+}  // namespace
+
+TEST_CASE("what is added live is what the saved scene makes", "[document]") {
+  const Case folder("document_live");
+  Document document = opened(folder, kSwelling);
+  REQUIRE(document.session());
+  document.apply(add("load", kPush));
+  document.apply(slide("push", 40));
+  document.apply({.verb = Verb::Answer});
+  document.apply({.verb = Verb::Settle});
+  document.apply(add(
+      "load", R"({ name = "side", type = "pressure", value = 4, near = "rim.2", radius = 90 })"));
+  document.apply(add(
+      "constraint", R"({ name = "pin", type = "point", at = [300, 200, 0], to = [300, 200, 9] })"));
+  document.apply({.verb = Verb::Remove, .table = {"load", "crown"}});
+  fs::create_directory(folder / "other");
+  document.apply({.verb = Verb::Save, .file = folder / "other/saved.toml"});
+  CHECK_FALSE(document.changed());
+  Document again;
+  again.apply({.verb = Verb::Open, .file = folder / "other/saved.toml"});
+  REQUIRE(again.session());
+  CHECK(apart(document.session()->dofs(), again.session()->dofs()) < 1e-9);
+  CHECK(again.session()->parameters().value("push") == 40);
+  CHECK(document.text().text().starts_with("# A panel that swells.\n"));
+}
+
+TEST_CASE("undo goes back to the text and the shape, and redo forth", "[document]") {
+  const Case folder("document_undo");
+  Document document = opened(folder, kSwelling);
+  std::vector<std::string> texts = {document.text().text()};
+  std::vector<Points> shapes = {document.session()->dofs()};
+  const auto step = [&](const std::vector<DocumentCommand>& commands) {
+    for (const DocumentCommand& command : commands) document.apply(command);
+    texts.push_back(document.text().text());
+    shapes.push_back(document.session()->dofs());
+  };
+  step({slide("crown", 5), slide("crown", 7), {.verb = Verb::Settle}});
+  step({add("load", kPush)});
+  step({slide("push", -20), {.verb = Verb::Settle}});
+  step({{.verb = Verb::Set, .table = {"skin", ""}, .key = "edge_length", .text = "60"}});
+  step({slide("beta", 2), {.verb = Verb::Settle}});
+  step({{.verb = Verb::Remove, .table = {"load", "crown"}}});
+  for (size_t i = texts.size() - 1; i-- > 0;) {
+    document.apply({.verb = Verb::Undo});
+    INFO("back at " << i);
+    CHECK(document.text().text() == texts[i]);
+    REQUIRE(document.session()->dofs().rows() == shapes[i].rows());
+    CHECK(apart(document.session()->dofs(), shapes[i]) < 1e-9);
+  }
+  CHECK_FALSE(document.can_undo());
+  CHECK_FALSE(document.changed());
+  for (size_t i = 1; i < texts.size(); ++i) {
+    document.apply({.verb = Verb::Redo});
+    CHECK(document.text().text() == texts[i]);
+    CHECK(apart(document.session()->dofs(), shapes[i]) < 1e-9);
+  }
+  CHECK_FALSE(document.can_redo());
+}
+
+TEST_CASE("a command that is refused leaves text and shape as they were", "[document]") {
+  const Case folder("document_refused");
+  Document document = opened(folder, kSwelling);
+  document.apply(add("constraint",
+                     R"({ name = "a", type = "point", at = [200, 150, 0], to = [200, 150, 9] })"));
+  const std::string text = document.text().text();
+  const Points shape = document.session()->dofs();
+  const auto same = [&] {
+    CHECK(document.text().text() == text);
+    CHECK(apart(document.session()->dofs(), shape) < 1e-9);
+  };
+  CHECK_THROWS_AS(document.apply(add(
+                      "constraint",
+                      R"({ name = "b", type = "point", at = [200, 150, 0], to = [200, 150, 4] })")),
+                  ConflictError);
+  same();
+  CHECK_THROWS_AS(document.apply(add("load", R"({ name = "crown", type = "gravity", value = 1 })")),
+                  InputError);
+  same();
+  CHECK_THROWS_AS(
+      document.apply(add(
+          "load",
+          R"({ name = "far", type = "point", at = [9000, 0, 0], direction = [0, 0, 1], value = 1 })")),
+      InputError);
+  same();
+  CHECK_THROWS_AS(document.apply(slide("nothing", 1)), InputError);
+  CHECK_THROWS_AS(document.apply(slide("crown", std::nan(""))), InputError);
+  same();
+  CHECK_THROWS_AS(document.apply({.verb = Verb::Open, .file = folder / "missing.toml"}),
+                  InputError);
+  folder.file("bad.toml", "unit = 3");
+  CHECK_THROWS_AS(document.apply({.verb = Verb::Open, .file = folder / "bad.toml"}), InputError);
+  same();
+  // Pressure past its limit: the last values that had a solution stay.
+  CHECK_THROWS_AS(
+      [&] {
+        document.apply(slide("crown", 1e7));
+        document.apply({.verb = Verb::Settle});
+      }(),
+      NoSolutionError);
+  CHECK(document.session()->dofs().allFinite());
+  CHECK(document.session()->parameters().value("crown") < 1e7);
+}
+
+TEST_CASE("lines become a surface as soon as they close, and say what is missing before",
+          "[document]") {
+  Document document;
+  CHECK(document.session() == nullptr);
+  CHECK(document.problem().empty());
+  const char* const sides[] = {"[[0, 0, 0], [100, 0, 0]]", "[[100, 0, 0], [100, 80, 0]]",
+                               "[[100, 80, 0], [0, 80, 20]]", "[[0, 80, 20], [0, 0, 0]]"};
+  for (int i = 0; i < 4; ++i) {
+    CHECK(document.session() == nullptr);
+    document.apply(
+        add("line", "{ name = \"side " + std::to_string(i) + "\", points = " + sides[i] + " }"));
+    CHECK(document.lines().size() == static_cast<size_t>(i + 1));
+    CHECK(document.problem().empty() == (i == 3));
+  }
+  REQUIRE(document.session());
+  document.apply({.verb = Verb::Undo});
+  CHECK(document.session() == nullptr);
+  CHECK(document.problem().find("meets nothing") != std::string::npos);
+  document.apply({.verb = Verb::Redo});
+  CHECK(document.session() != nullptr);
+}
+
+TEST_CASE("changes of a killed window are taken up from any folder", "[document]") {
+  const Case folder("document_recovery");
+  folder.file("line.csv", "0,0,0\n400,0,0\n400,300,0\n0,300,0\n0,0,0\n");
+  Document document =
+      opened(folder, "unit = \"mm\"\n[[line]]\nname = \"rim\"\nfile = \"line.csv\"\n");
+  document.apply(add("load", kPush));
+  folder.file("state/changes.toml", document.recovery_text(folder / "state"));
+  Document again;
+  again.apply({.verb = Verb::Recover, .file = folder / "state/changes.toml"});
+  CHECK(again.text().text() == document.text().text());
+  CHECK(again.file() == document.file());
+  CHECK(again.changed());
+  CHECK(apart(again.session()->dofs(), document.session()->dofs()) < 1e-9);
+  Document untitled;
+  untitled.apply(add("line", "{ name = \"a\", points = [[0, 0, 0], [1, 0, 0]] }"));
+  folder.file("state/changes.toml", untitled.recovery_text(folder / "state"));
+  again.apply({.verb = Verb::Recover, .file = folder / "state/changes.toml"});
+  CHECK(again.text().text() == untitled.text().text());
+  CHECK(again.file().empty());
+  CHECK_THROWS_AS(again.apply({.verb = Verb::Recover, .file = folder / "s.toml"}), InputError);
+}
+
+TEST_CASE("a command and its line of a script say the same", "[document]") {
+  const std::vector<DocumentCommand> commands = {
+      {.verb = Verb::Open, .file = "a folder/b\"c.toml"},
+      {.verb = Verb::New, .key = "in"},
+      add("load", kPush),
+      {.verb = Verb::Set, .table = {"join", "#2"}, .key = "lines", .text = "[\"a b\", \"c\"]"},
+      {.verb = Verb::Set, .table = {}, .key = "name", .text = "\"x # y\""},
+      {.verb = Verb::Erase, .table = {"skin", ""}, .key = "alpha"},
+      {.verb = Verb::Remove, .table = {"load", "the \"big\" one"}},
+      slide("rib height", -1.0 / 3),
+      {.verb = Verb::Save},
+      {.verb = Verb::Undo}};
+  for (const DocumentCommand& command : commands) {
+    const std::string line = script_line(command);
+    INFO(line);
+    const DocumentCommand read = parse_command(line, "");
+    CHECK(script_line(read) == line);
+    CHECK(read.verb == command.verb);
+    CHECK(read.table == command.table);
+    CHECK(read.key == command.key);
+    CHECK(read.text == command.text);
+    CHECK(read.value == command.value);
+    CHECK(read.file == command.file);
+  }
+  for (const char* const wrong :
+       {"slidee a 1", "slide a", "slide a b", "undo now", "set skin -", "add load", "open \"a"}) {
+    INFO(wrong);
+    CHECK_THROWS_AS(parse_command(wrong, "x:1:1: "), InputError);
+  }
+}
+
+TEST_CASE("a script gives the same bits each time, and says where it stopped", "[document]") {
+  const Case folder("document_script");
+  folder.file("s.toml", kSwelling);
+  folder.file("a.batten",
+              "# as recorded\nopen s.toml\nslide crown 2\nanswer\nslide crown "
+              "9\nanswer\nsettle\n\nadd load " +
+                  kPush + "\nundo\nredo\nexport one.vtp\n");
+  const Result one = folder.run({"run-script", "a.batten"});
+  CHECK(one.code == 0);
+  CHECK(one.out.find("push = 5") != std::string::npos);
+  const std::string bits = contents(folder / "one.vtp");
+  CHECK(bits.size() > 1000);
+  CHECK(folder.run({"run-script", "a.batten", "--threads", "1"}).code == 0);
+  CHECK(contents(folder / "one.vtp") == bits);
+  folder.file("b.batten", "open s.toml\nslide crwn 2\n");
+  const Result two = folder.run({"run-script", "b.batten"});
+  CHECK(two.code == 1);
+  CHECK(two.err.find("b.batten:2:1: ") != std::string::npos);
+  CHECK(two.err.find("did you mean 'crown'") != std::string::npos);
+}
+
+TEST_CASE("words about a line's join are changed where they stand", "[document]") {
+  const SceneText scene(
+      "unit = \"mm\"\n[network]\n[[join]]\nlines = [\"a\", \"b\"]\nkind = "
+      "\"crease\"\n[[join]]\nlines = [\"c\"]\nkind = \"smooth\"\n");
+  const auto after = [&](const char* line, const std::optional<std::string>& kind) {
+    SceneText text = scene;
+    for (const DocumentCommand& edit : join_edits(scene, line, kind)) {
+      if (edit.verb == Verb::Set) text.set(edit.table, edit.key, edit.text);
+      if (edit.verb == Verb::Add) text.add(edit.table.kind, edit.text);
+      if (edit.verb == Verb::Remove) text.remove(edit.table);
+    }
+    return text;
+  };
+  CHECK(join_edits(scene, "a", "crease").empty());
+  CHECK(join_edits(scene, "d", {}).empty());
+  CHECK(after("a", "smooth").words({"join", "#1"}, "lines") == std::vector<std::string>{"b"});
+  CHECK(after("a", "smooth").words({"join", "#3"}, "kind") == std::vector<std::string>{"smooth"});
+  CHECK(after("c", "tangent").words({"join", "#2"}, "kind") == std::vector<std::string>{"tangent"});
+  CHECK_FALSE(after("c", {}).has({"join", "#2"}));
+  CHECK(after("d", "crease").words({"join", "#3"}, "lines") == std::vector<std::string>{"d"});
+}
+
+TEST_CASE("a worker passes over slides that are old, and stops when asked", "[document]") {
+  const Case folder("document_worker");
+  folder.file("s.toml", kSwelling);
+  DocumentWorker worker([] {}, folder / "changes.toml");
+  const auto until_idle = [&] {
+    std::vector<DocumentWorker::Message> messages;
+    std::shared_ptr<const DocumentView> view;
+    for (bool busy = true; busy;) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+      DocumentWorker::News news = worker.take_news();
+      if (news.view) view = news.view;
+      messages.insert(messages.end(), news.messages.begin(), news.messages.end());
+      busy = news.busy;
+    }
+    for (const auto& message : messages) UNSCOPED_INFO(message.text);
+    return std::pair(view, messages);
+  };
+  worker.post({.verb = Verb::Open, .file = folder / "s.toml"});
+  CHECK(until_idle().first->surface);
+  constexpr int moves = 500;
+  for (int i = 1; i <= moves; ++i) worker.post(slide("crown", 3 + 0.01 * i));
+  worker.post({.verb = Verb::Settle});
+  const auto [view, messages] = until_idle();
+  CHECK(messages.empty());
+  REQUIRE(view);
+  CHECK(view->sliders.front().value == 3 + 0.01 * moves);
+  CHECK(worker.script().size() < 2 * moves);
+  CHECK(view->changed);
+  CHECK(contents(folder / "changes.toml").find("value = 8") != std::string::npos);
+
+  // 60,000 elements take some seconds.
+  worker.post({.verb = Verb::Set, .table = {"skin", ""}, .key = "edge_length", .text = "2"});
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  worker.cancel();
+  const auto [after, told] = until_idle();
+  REQUIRE(told.size() == 1);
+  CHECK(told.front().text == "cancelled");
+  REQUIRE(after);
+  CHECK(after->text.find("edge_length = 40") != std::string::npos);
+  worker.forget_changes();
+  CHECK_FALSE(fs::exists(folder / "changes.toml"));
+}
