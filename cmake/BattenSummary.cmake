@@ -12,3 +12,4 @@ batten_say("CGAL" CGAL_FOUND "only the fan mesher: star-shaped regions without i
 batten_say("Ceres" Ceres_FOUND "no curves of least curvature")
 batten_say("PETSc" BATTEN_HAS_PETSC "no systems over several processes")
 batten_say("files and pictures" BATTEN_WITH_IO "no STEP, IGES, VTK, scenes, program")
+batten_say("batten-studio" BATTEN_HAS_STUDIO "no window: qtbase5-dev and libvtk9-qt-dev")

@@ -10,7 +10,7 @@
 #include <iostream>
 #include <memory>
 
-#include "batten/apps/studio/texts.h"
+#include "batten/apps/studio/view/texts.h"
 #include "batten/apps/studio/window/main_window.h"
 #include "batten/core/errors.h"
 #include "batten/io/pictures/display.h"

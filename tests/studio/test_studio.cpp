@@ -7,7 +7,7 @@
 #include <sstream>
 
 #include "batten/apps/commands/documents/run_script.h"
-#include "batten/apps/studio/texts.h"
+#include "batten/apps/studio/view/texts.h"
 #include "batten/tests/studio/window_case.h"
 
 using namespace batten;
@@ -181,16 +181,20 @@ TEST_CASE("constraints in conflict are told, and the shape stays", "[studio]") {
   hand.open(kExamples / "05-door/scene.toml");
   const std::string before = hand.document().text;
   const Vec3 middle = middle_of(hand.view().actors());
-  const auto pin = [&](const char* name, const char* to) {
+  const auto place = [&](double out) {
+    return "[" + SceneText::word(middle.x()) + ", " + SceneText::word(middle.y() + out) + ", " +
+           SceneText::word(middle.z()) + "]";
+  };
+  const auto pin = [&](const char* name, double out) {
     window.post({.verb = DocumentCommand::Verb::Add,
                  .table = {"constraint", ""},
                  .text = std::string("{ name = \"") + name +
-                         "\", type = \"point\", at = [500, 0, 300], to = " + to + " }"});
+                         "\", type = \"point\", at = " + place(0) + ", to = " + place(out) + " }"});
     REQUIRE(window.wait());
   };
-  pin("here", "[500, 20, 300]");
+  pin("here", 20);
   CHECK(window.messages().isEmpty());
-  pin("there", "[500, 40, 300]");
+  pin("there", 40);
   REQUIRE(window.messages().size() == 1);
   CHECK(window.messages().front().contains("here"));
   CHECK(window.messages().front().contains("there"));

@@ -88,7 +88,7 @@ class WindowCase {
   }
   /// Writes what is on the screen to studio-pictures in the build folder.
   QImage picture(const std::string& name) {
-    QTest::qWait(50);
+    QTest::qWait(300);  // what stands still gets smooth edges
     const QImage image = window->grab().toImage();
     const std::filesystem::path folder = BATTEN_BINARY_DIR "/studio-pictures";
     std::filesystem::create_directories(folder);

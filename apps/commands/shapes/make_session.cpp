@@ -15,6 +15,9 @@
 namespace batten {
 namespace {
 
+/// Elements of which each is one facet of a frame: they are smaller than what an eye sees.
+constexpr int kManyTriangles = 40'000;
+
 /// Places farther from the surface, over its size, are a mistake and no rounding.
 constexpr double kFar = 0.5;
 
@@ -152,7 +155,8 @@ class Maker {
       : scene_(scene),
         on_layout_(scene, layout, made),
         values_(values_of(scene)),
-        session_(layout, options(scene, expected, std::move(rest)), progress),
+        session_(layout, options(scene, layout.mesh()->triangle_count(), expected, std::move(rest)),
+                 progress),
         unloaded_(session_.dofs()),
         unloaded_places_(layout, unloaded_) {}
 
@@ -195,7 +199,8 @@ class Maker {
   SessionStart start() && { return {std::move(unloaded_), std::move(held_)}; }
 
  private:
-  static SessionOptions options(const Scene& scene, Expected expected, RestShape rest) {
+  static SessionOptions options(const Scene& scene, int triangles, Expected expected,
+                                RestShape rest) {
     SessionOptions options;
     options.rest = std::move(rest);
     options.expected = expected;
@@ -204,6 +209,7 @@ class Maker {
     options.isotropic_beta = scene.skin.isotropic_beta;
     options.units = scene.skin.units;
     options.hold_corners = scene.skin.hold == SceneSkin::Hold::Corners;
+    options.facets_per_edge = triangles > kManyTriangles ? 1 : 2;
     return options;
   }
 

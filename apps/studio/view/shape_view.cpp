@@ -10,17 +10,20 @@
 
 #include <QKeyEvent>
 #include <QMouseEvent>
+#include <QOpenGLContext>
+#include <QOpenGLFunctions>
+#include <QTimer>
 #include <algorithm>
 #include <cmath>
+#include <string>
 
-#include "batten/apps/studio/texts.h"
+#include "batten/apps/studio/view/texts.h"
 
 namespace batten::studio {
 namespace {
 
-using Verb = DocumentCommand::Verb;
-constexpr int kClick = 4;     // a press that moves by fewer pixels is a click
-constexpr double kSnap = 12;  // pixels
+constexpr int kClick = 4;                       // a press that moves by fewer pixels is a click
+constexpr int kSamples = 4, kStillAfter = 150;  // ms
 
 void add_light(vtkRenderer& renderer, double x, double y, double z, double intensity) {
   vtkNew<vtkLight> light;
@@ -30,26 +33,13 @@ void add_light(vtkRenderer& renderer, double x, double y, double z, double inten
   renderer.AddLight(light);
 }
 
-std::string vector_word(const Vec3& v) {
-  return "[" + SceneText::word(v.x()) + ", " + SceneText::word(v.y()) + ", " +
-         SceneText::word(v.z()) + "]";
-}
-
-/// As many digits as the hand can mean: a millionth of the size.
-Vec3 rounded(const Vec3& p, double size) {
-  const double step = std::pow(10, std::floor(std::log10(std::max(size, 1e-12))) - 5);
-  Vec3 r;
-  for (int i = 0; i < 3; ++i) r[i] = std::stod(number(std::round(p[i] / step) * step));
-  return r;
-}
-
 }  // namespace
 
 ShapeView::ShapeView(QWidget* parent, Hooks hooks)
     : QVTKOpenGLNativeWidget(parent), hooks_(std::move(hooks)) {
   setRenderWindow(window_);
   window_->AddRenderer(renderer_);
-  window_->SetMultiSamples(4);
+  window_->SetMultiSamples(kSamples);
   renderer_->AutomaticLightCreationOff();
   add_light(*renderer_, -0.6, 0.8, 1, 0.8);
   add_light(*renderer_, 0, 0, 1, 0.45);
@@ -60,6 +50,10 @@ ShapeView::ShapeView(QWidget* parent, Hooks hooks)
   vtkNew<vtkInteractorStyleTrackballCamera> style;
   window_->GetInteractor()->SetInteractorStyle(style);
   actors_ = std::make_unique<ShapeActors>(renderer_);
+  still_ = new QTimer(this);
+  still_->setSingleShot(true);
+  still_->setInterval(kStillAfter);
+  QObject::connect(still_, &QTimer::timeout, this, [this] { redraw_still(); });
   cube_->SetParentRenderer(renderer_);
   cube_->On();
   look({1, 1.6, -0.9}, Vec3::UnitZ());
@@ -70,7 +64,28 @@ ShapeView::ShapeView(QWidget* parent, Hooks hooks)
 
 ShapeView::~ShapeView() = default;
 
-void ShapeView::redraw() { window_->Render(); }
+// Mesa draws on the processor, where samples cost three times the picture.
+void ShapeView::initializeGL() {
+  QVTKOpenGLNativeWidget::initializeGL();
+  const auto* name = context()->functions()->glGetString(GL_RENDERER);
+  software_ =
+      name && std::string(reinterpret_cast<const char*>(name)).find("pipe") != std::string::npos;
+  if (software_) window_->SetMultiSamples(0);
+}
+
+// What moves is drawn fast; what stands still gets smooth edges.
+void ShapeView::redraw() {
+  if (software_) {
+    renderer_->UseFXAAOff();
+    still_->start();
+  }
+  window_->Render();
+}
+
+void ShapeView::redraw_still() {
+  renderer_->UseFXAAOn();
+  window_->Render();
+}
 
 void ShapeView::take(const DocumentWorker::News& news) {
   if (news.view) {
@@ -268,141 +283,6 @@ bool ShapeView::key(int key) {
     return true;
   }
   return false;
-}
-
-// -- pushing ----------------------------------------------------------------------------------------
-
-void ShapeView::start_push(const QPoint& at) {
-  const Vec3 window = display(at);
-  const std::optional<Vec3> p = actors_->surface_at(window.x(), window.y());
-  auto push = std::make_shared<Push>();
-  push->from = at;
-  push->start = *p;
-  push->normal = Vec3::UnitZ();
-  push->name = view_->free_name("push");
-  push_ = push;
-  const std::weak_ptr<Push> waiting = push;
-  hooks_.ask_place(*p, [this, waiting](const Document::Place& place) {
-    if (waiting.lock()) place_push(place);
-  });
-}
-
-// The load is there, at 0; one unit of it then shows how far the surface gives way.
-void ShapeView::place_push(const Document::Place& place) {
-  Push& push = *push_;
-  push.start = place.present;
-  push.normal = place.normal;
-  push.held = place.held;
-  push.point = actors_->point_near(place.present);
-  push.start = actors_->point(push.point);
-  push.placed = true;
-  push.value = 1;
-  hooks_.post({.verb = Verb::Add,
-               .table = {"load", ""},
-               .text = "{ name = " + SceneText::word(push.name) +
-                       ", type = \"point\", at = " + vector_word(rounded(place.held, view_->size)) +
-                       ", direction = " + vector_word(rounded(place.normal, 1)) + ", value = 0 }"});
-  hooks_.post({.verb = Verb::Slide, .key = push.name, .value = push.value});
-}
-
-void ShapeView::follow_push() {
-  if (!push_ || !push_->placed) return;
-  Push& push = *push_;
-  const Vec3 now = actors_->point(push.point);
-  const double gone = (now - push.start).dot(push.normal);
-  actors_->set_push(std::pair(push.start, now));
-  if (push.compliance == 0 && std::abs(gone) > 1e-9 * view_->size)
-    push.compliance = gone / push.value;
-  if (push.compliance == 0) return;
-  const double value = std::stod(number(push.wanted / push.compliance));
-  if (value == push.value) return;
-  push.value = value;
-  hooks_.post({.verb = Verb::Slide, .key = push.name, .value = value});
-}
-
-void ShapeView::end_push() {
-  const bool placed = push_->placed;
-  push_.reset();
-  actors_->set_push(std::nullopt);
-  if (placed) hooks_.post({.verb = Verb::Settle});
-}
-
-// -- drawing ----------------------------------------------------------------------------------------
-
-std::optional<Vec3> ShapeView::snapped(const QPoint& at) const {
-  const Vec3 hand = display(at);
-  double least = kSnap * devicePixelRatioF();
-  std::optional<Vec3> best;
-  const auto offer = [&](const Vec3& p) {
-    const double d = (to_window(p) - hand).head<2>().norm();
-    if (d >= least) return;
-    least = d;
-    best = p;
-  };
-  if (view_)
-    for (const auto& line : view_->lines) {
-      offer(line.points.front());
-      offer(line.points.back());
-    }
-  if (draft_.size() > 1) offer(draft_.front());
-  return best;
-}
-
-Vec3 ShapeView::point_at(const QPoint& at) const {
-  if (const auto end = snapped(at)) return *end;
-  const Vec3 hand = display(at);
-  if (const auto p = actors_->surface_at(hand.x(), hand.y())) return *p;
-  const auto world = [&](double depth) {
-    double w[4];
-    renderer_->SetDisplayPoint(hand.x(), hand.y(), depth);
-    renderer_->DisplayToWorld();
-    renderer_->GetWorldPoint(w);
-    return Vec3(w[0] / w[3], w[1] / w[3], w[2] / w[3]);
-  };
-  const Vec3 near = world(0), along = (world(1) - near).normalized();
-  Vec3 normal = plane_ == DrawPlane::Xy   ? Vec3::UnitZ()
-                : plane_ == DrawPlane::Xz ? Vec3::UnitY()
-                : plane_ == DrawPlane::Yz ? Vec3::UnitX()
-                                          : along;
-  constexpr double grazing = 0.05;
-  if (std::abs(normal.dot(along)) < grazing) normal = along;
-  const Vec3 through = draft_.empty() ? Vec3(Vec3::Zero()) : draft_.front();
-  const Vec3 p = near + along * ((through - near).dot(normal) / along.dot(normal));
-  const auto [low, high] = actors_->box();
-  return rounded(p, (high - low).norm());
-}
-
-void ShapeView::draw_point(const QPoint& at) {
-  const Vec3 p = point_at(at);
-  if (!draft_.empty() && p == draft_.back()) return;
-  const bool ends = !draft_.empty() && snapped(at).has_value();
-  draft_.push_back(p);
-  actors_->set_draft(draft_);
-  redraw();
-  if (ends) return finish_line();
-  hooks_.hint(text(kHintDrawing));
-}
-
-void ShapeView::finish_line() {
-  std::vector<Vec3> points = std::move(draft_);
-  draft_.clear();
-  actors_->set_draft({});
-  redraw();
-  if (points.size() < 2) return;
-  std::string list;
-  for (const Vec3& p : points) list += (list.empty() ? "" : ", ") + vector_word(p);
-  hooks_.post({.verb = Verb::Add,
-               .table = {"line", ""},
-               .text = "{ name = " + SceneText::word(view_->free_name("line")) + ", points = [" +
-                       list + "] }"});
-  hooks_.hint(text(kHintDraw));
-}
-
-void ShapeView::cancel_tool() {
-  draft_.clear();
-  actors_->set_draft({});
-  if (push_) end_push();
-  redraw();
 }
 
 }  // namespace batten::studio

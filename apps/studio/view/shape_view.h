@@ -12,6 +12,7 @@
 #include "batten/apps/studio/view/shape_actors.h"
 
 class QMouseEvent;
+class QTimer;
 class vtkGenericOpenGLRenderWindow;
 class vtkRenderer;
 class vtkCameraOrientationWidget;
@@ -62,6 +63,7 @@ class ShapeView : public QVTKOpenGLNativeWidget {
 
  protected:
   bool event(QEvent* event) override;
+  void initializeGL() override;
 
  private:
   struct Push {
@@ -89,6 +91,7 @@ class ShapeView : public QVTKOpenGLNativeWidget {
   Vec3 to_window(const Vec3& p) const;  // renderer's pixels and depth
   Vec3 display(const QPoint& at) const;
   void redraw();
+  void redraw_still();
 
   Hooks hooks_;
   vtkNew<vtkGenericOpenGLRenderWindow> window_;
@@ -102,6 +105,8 @@ class ShapeView : public QVTKOpenGLNativeWidget {
   std::vector<bool> snapped_;
   std::shared_ptr<Push> push_;
   QPoint pressed_;
+  QTimer* still_ = nullptr;
+  bool software_ = false;  // OpenGL on the processor
   bool left_ = false, moved_ = false, fitted_ = false;
 };
 

@@ -8,7 +8,7 @@
 #include <QVBoxLayout>
 
 #include "batten/apps/commands/documents/word_edits.h"
-#include "batten/apps/studio/texts.h"
+#include "batten/apps/studio/view/texts.h"
 
 namespace batten::studio {
 namespace {

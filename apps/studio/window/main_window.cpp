@@ -19,8 +19,9 @@
 #include <QToolBar>
 #include <cmath>
 
-#include "batten/apps/studio/texts.h"
+#include "batten/apps/studio/view/texts.h"
 #include "batten/apps/studio/window/looks.h"
+#include "batten/io/files/text.h"
 
 namespace batten::studio {
 namespace {
@@ -265,7 +266,8 @@ void MainWindow::show_title() {
 }
 
 void MainWindow::show_state(const DocumentWorker::News& news) {
-  state_->setText(shown_->surface ? text(kState).arg(shown_->regions.size()).arg(shown_->triangles)
+  state_->setText(shown_->surface ? shown(counted(static_cast<long>(shown_->regions.size()), "surface") + ", " +
+                                counted(shown_->triangles, "element"))
                                   : text(kNoSurface));
   if (news.answer_ms > 0) answers_->setText(text(kAnswers).arg(std::lround(1000 / news.answer_ms)));
   const bool long_work = news.busy && !news.stage.empty();

@@ -3,7 +3,7 @@
 #include <QHeaderView>
 #include <QStyle>
 
-#include "batten/apps/studio/texts.h"
+#include "batten/apps/studio/view/texts.h"
 
 namespace batten::studio {
 namespace {

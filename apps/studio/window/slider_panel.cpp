@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "batten/apps/studio/texts.h"
+#include "batten/apps/studio/view/texts.h"
 
 namespace batten::studio {
 namespace {

@@ -98,7 +98,6 @@ inline constexpr const char* kExportFiles = QT_TRANSLATE_NOOP(
     "STEP (*.step);;IGES (*.iges);;STL (*.stl);;OBJ (*.obj);;PLY (*.ply);;glTF (*.glb);;"
     "ParaView (*.vtp)");
 inline constexpr const char* kScriptFiles = QT_TRANSLATE_NOOP("studio", "Scripts (*.batten)");
-inline constexpr const char* kState = QT_TRANSLATE_NOOP("studio", "%1 surfaces, %2 elements");
 inline constexpr const char* kNoSurface = QT_TRANSLATE_NOOP("studio", "No surface yet");
 inline constexpr const char* kAnswers = QT_TRANSLATE_NOOP("studio", "%1 answers a second");
 

@@ -1,0 +1,167 @@
+// A drag in the window: the time of an answer beside that of a bare session, and the time to draw it.
+//
+// The window's view is drawn with whatever OpenGL there is (in tests and here: Mesa on the processor). All times are
+// on the clock: the answer is on the worker's thread, drawing on this one.
+#include <QVTKOpenGLNativeWidget.h>
+#include <vtkRenderWindow.h>
+#include <QApplication>
+#include <QElapsedTimer>
+#include <QSurfaceFormat>
+
+#include <filesystem>
+#include <fstream>
+#include <thread>
+
+#include "batten/apps/commands/documents/document_worker.h"
+#include "batten/apps/studio/view/shape_view.h"
+#include "batten/benchmarks/bench.h"
+#include "batten/io/scene/scene_text.h"
+
+using namespace batten;
+using namespace batten::studio;
+
+namespace {
+
+constexpr int kMoves = 40;
+
+std::filesystem::path panel(const std::filesystem::path& folder, double edge) {
+  const auto file = folder / "panel.toml";
+  std::ofstream(file) << "unit = \"mm\"\n[[line]]\nname = \"rim\"\npoints = [[0,0,0], [400,0,0], "
+                         "[400,300,0], [0,300,0], [0,0,0]]\n[skin]\nedge_length = "
+                      << edge << "\n[[load]]\nname = \"swell\"\ntype = \"pressure\"\nvalue = 1\n";
+  return file;
+}
+
+double value_at(int move) { return 2 + std::sin(0.3 * move); }
+
+struct Times {
+  int triangles = 0;
+  double bare_ms = 0;    // an answer and its frame of a session alone
+  double answer_ms = 0;  // the same on the worker, from its post to its frame
+  double draw_ms = 0;    // taking the frame and drawing it
+  long most_behind = 0;  // answers between the newest and the one that is drawn, when it is taken
+  double frames = 0;     // pictures a second while a hand drags as fast as it can
+};
+
+// The bare session, as `drag` measures it.
+double bare_answers(const std::filesystem::path& file) {
+  Document document;
+  document.apply({.verb = DocumentCommand::Verb::Open, .file = file});
+  SculptingSession& session = *document.session();
+  Frame frame;
+  session.draw(frame);
+  std::vector<double> times;
+  for (int i = 0; i < kMoves; ++i)
+    times.push_back(bench::clock_of([&] {
+      session.set("swell", value_at(i));
+      session.answer();
+      session.draw(frame);
+    }));
+  return 1e3 * bench::median(times);
+}
+
+class Drag {
+ public:
+  explicit Drag(const std::filesystem::path& file)
+      : worker_([] {}), view_(nullptr, {[](DocumentCommand) {}, {}, {}, [](const QString&) {}}) {
+    view_.resize(1000, 700);
+    view_.show();
+    QApplication::processEvents();
+    worker_.post({.verb = DocumentCommand::Verb::Open, .file = file});
+    while (true) {
+      const auto news = worker_.take_news();
+      view_.take(news);
+      if (news.view && news.view->surface) {
+        times.triangles = news.view->triangles;
+        break;
+      }
+      std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    }
+  }
+
+  void one_by_one() {
+    std::vector<double> answers, draws;
+    for (int i = 0; i < kMoves; ++i) {
+      DocumentWorker::News news;
+      answers.push_back(bench::clock_of([&] {
+        worker_.post({.verb = DocumentCommand::Verb::Slide, .key = "swell", .value = value_at(i)});
+        for (news = worker_.take_news(); !news.frame; news = worker_.take_news())
+          std::this_thread::sleep_for(std::chrono::microseconds(50));
+      }));
+      draws.push_back(draw(news));
+      while (worker_.take_news().busy) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    times.answer_ms = 1e3 * bench::median(answers);
+    times.draw_ms = 1e3 * bench::median(draws);
+  }
+
+  // A hand that never waits: each turn posts a move and draws what there is.
+  void at_once() {
+    QElapsedTimer clock;
+    clock.start();
+    int pictures = 0;
+    long drawn = 0;
+    for (int i = 0; clock.elapsed() < 3000; ++i) {
+      worker_.post({.verb = DocumentCommand::Verb::Slide, .key = "swell", .value = value_at(i)});
+      const auto news = worker_.take_news();
+      if (!news.frame) continue;
+      // Frames that were made meanwhile and are passed over are not behind: the newest is drawn.
+      const auto newer = worker_.take_news();
+      if (newer.frame) {
+        times.most_behind = std::max(times.most_behind, newer.frame->number - news.frame->number);
+        draw(newer);
+      } else {
+        draw(news);
+      }
+      ++pictures;
+      drawn = std::max(drawn, times.most_behind);
+    }
+    times.frames = 1e3 * pictures / static_cast<double>(clock.elapsed());
+  }
+
+  Times times;
+
+ private:
+  double draw(const DocumentWorker::News& news) {
+    return bench::clock_of([&] {
+      view_.take(news);
+      view_.renderWindow()->WaitForCompletion();
+      QApplication::processEvents();
+    });
+  }
+  DocumentWorker worker_;
+  ShapeView view_;
+};
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  QSurfaceFormat::setDefaultFormat(QVTKOpenGLNativeWidget::defaultFormat());
+  QApplication application(argc, argv);
+  const auto folder = std::filesystem::temp_directory_path() / "batten_bench_studio";
+  std::filesystem::create_directories(folder);
+  bench::Table table;
+  table.add({"triangles", "bare answer ms", "answer ms", "draw ms", "pictures/s", "behind"});
+  bench::Promises promises;
+  for (const auto& [name, edge] :
+       {std::pair("5k", 7.44), std::pair("20k", 3.72), std::pair("100k", 1.665)}) {
+    if (argc > 1 && std::string(argv[1]) != name) continue;
+    const auto file = panel(folder, edge);
+    const double bare = bare_answers(file);
+    Drag drag(file);
+    drag.one_by_one();
+    drag.at_once();
+    Times& t = drag.times;
+    t.bare_ms = bare;
+    table.add({std::to_string(t.triangles), bench::text("%.2f", t.bare_ms),
+               bench::text("%.2f", t.answer_ms), bench::text("%.2f", t.draw_ms),
+               bench::text("%.1f", t.frames), std::to_string(t.most_behind)});
+    promises.at_most(std::string("answer over bare session, ") + name, t.answer_ms / t.bare_ms,
+                     1.1);
+    promises.at_most(std::string("answers behind, ") + name, static_cast<double>(t.most_behind), 1);
+  }
+  std::filesystem::remove_all(folder);
+  table.print();
+  promises.print("studio");
+  return 0;
+}
