@@ -45,6 +45,7 @@ TEST_CASE("a loop that is drawn becomes a surface, is pushed, undone, exported a
     if (hand.document().lines.size() < static_cast<size_t>(side + 1)) hand.key(Qt::Key_Return);
   }
   CHECK(hand.document().lines.size() == 4);
+  CHECK(hand.document().can_undo);
   REQUIRE(hand.document().surface);
   CHECK(hand.document().regions.size() == 1);
   CHECK(hand.document().problem.empty());
@@ -204,4 +205,26 @@ TEST_CASE("constraints in conflict are told, and the shape stays", "[studio]") {
   hand.act(kUndo);
   CHECK(hand.document().text == before);
   CHECK((middle_of(hand.view().actors()) - middle).norm() < 1e-3);
+}
+
+TEST_CASE("a double click ends a line and begins no other", "[studio]") {
+  WindowCase hand;
+  hand.act(kTop);
+  hand.act(kDraw);
+  hand.click({-80, -60, 0});
+  hand.click({0, 40, 0});
+  const QPoint last = hand.view().pixel_of({80, -60, 0});
+  QTest::mouseClick(&hand.view(), Qt::LeftButton, {}, last);
+  QTest::mouseDClick(&hand.view(), Qt::LeftButton, {}, last);
+  REQUIRE(hand.window->wait());
+  REQUIRE(hand.document().lines.size() == 1);
+  const auto* line = hand.document().table({"line", "line 1"});
+  REQUIRE(line);
+  const std::string points = line->values.back().second;
+  CHECK(std::count(points.begin(), points.end(), '[') == 4);  // of the list, and three points
+  CHECK_FALSE(hand.document().surface);
+  CHECK(hand.window->messages().size() == 1);
+  hand.key(Qt::Key_Return);
+  CHECK(hand.document().lines.size() == 1);
+  hand.picture("one_line");
 }

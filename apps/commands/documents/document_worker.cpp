@@ -62,6 +62,7 @@ void DocumentWorker::cancel() {
 
 void DocumentWorker::forget_changes() {
   cancel();
+  forgotten_ = true;
   std::error_code none;
   if (!recovery_.empty()) std::filesystem::remove(recovery_, none);
 }
@@ -210,7 +211,7 @@ void DocumentWorker::publish_view() {
 }
 
 void DocumentWorker::keep(const DocumentView& view) {
-  if (recovery_.empty()) return;
+  if (recovery_.empty() || forgotten_) return;
   const std::string now = view.changed ? document_.recovery_text(recovery_.parent_path()) : "";
   if (now == kept_) return;
   try {

@@ -36,7 +36,7 @@ class DocumentWorker {
   void post(DocumentCommand command);
   /// Asks for the place of the surface nearest to a point; `found` is called by take_news().
   void ask_place(const Vec3& near, std::function<void(const Document::Place&)> found);
-  /// The user does not want the changes: the recovery file goes.
+  /// The user does not want the changes: the recovery file goes, and there is none any more.
   void forget_changes();
   /// Stops the command that is being done, and forgets those that wait.
   void cancel();
@@ -93,7 +93,7 @@ class DocumentWorker {
   std::string stage_, kept_;
   double fraction_ = 0, answer_ms_ = 0;
   bool busy_ = false;
-  std::atomic<bool> cancelled_ = false, stopping_ = false;
+  std::atomic<bool> cancelled_ = false, stopping_ = false, forgotten_ = false;
   std::thread thread_;
 };
 

@@ -21,6 +21,8 @@
 #include <limits>
 #include <numbers>
 
+#include "batten/apps/studio/view/shape_colours.h"
+
 namespace batten::studio {
 namespace {
 
@@ -39,54 +41,7 @@ void copy_into(vtkFloatArray& array, const std::vector<float>& values) {
   array.Modified();
 }
 
-vtkSmartPointer<vtkLookupTable> stripes(double low, double high, int count,
-                                        const std::array<double, 3>& a,
-                                        const std::array<double, 3>& b) {
-  vtkNew<vtkLookupTable> table;
-  table->SetNumberOfTableValues(count);
-  table->SetTableRange(low, high);
-  for (int i = 0; i < count; ++i) {
-    const auto& c = i % 2 == 0 ? a : b;
-    table->SetTableValue(i, c[0], c[1], c[2]);
-  }
-  return table.Get();
-}
-
-/// Colours of regions that neighbours tell apart: hues by the golden angle.
-vtkSmartPointer<vtkLookupTable> region_colours(int count) {
-  vtkNew<vtkLookupTable> table;
-  table->SetNumberOfTableValues(std::max(1, count));
-  table->SetTableRange(0, std::max(1, count) - 1);
-  for (int i = 0; i < std::max(1, count); ++i) {
-    const double hue = std::fmod(0.58 + i * 0.381966, 1.0);
-    double rgb[3];
-    const double hsv[3] = {hue, 0.32, 0.88};
-    vtkMath::HSVToRGB(hsv, rgb);
-    table->SetTableValue(i, rgb[0], rgb[1], rgb[2]);
-  }
-  return table.Get();
-}
-
-vtkSmartPointer<vtkLookupTable> distances(double limit) {
-  vtkNew<vtkLookupTable> table;
-  table->SetHueRange(0.62, 0.0);
-  table->SetSaturationRange(0.55, 0.75);
-  table->SetValueRange(0.92, 0.95);
-  table->SetTableRange(0, limit);
-  table->Build();
-  return table.Get();
-}
-
 }  // namespace
-
-Palette Palette::light() {
-  return {{0.86, 0.89, 0.93}, {0.97, 0.98, 0.99}, {0.70, 0.775, 0.86}, {0.16, 0.20, 0.28},
-          {0.90, 0.36, 0.06}, {0.06, 0.46, 0.82}, {0.14, 0.16, 0.20}};
-}
-Palette Palette::dark() {
-  return {{0.10, 0.11, 0.13}, {0.20, 0.22, 0.26}, {0.56, 0.64, 0.74}, {0.86, 0.89, 0.94},
-          {1.00, 0.58, 0.20}, {0.38, 0.74, 1.00}, {0.90, 0.92, 0.95}};
-}
 
 /// One set of cells and the actor that draws them.
 struct ShapeActors::Layer {
@@ -126,6 +81,7 @@ ShapeActors::ShapeActors(vtkRenderer* renderer)
       chosen_(std::make_unique<Layer>(renderer, -6, 5)),
       draft_(std::make_unique<Layer>(renderer, -8, 3)),
       push_(std::make_unique<Layer>(renderer, -8, 3)),
+      grid_(std::make_unique<Layer>(renderer, 4, 1)),
       points_(vtkSmartPointer<vtkFloatArray>::New()),
       normals_(vtkSmartPointer<vtkFloatArray>::New()),
       scalars_(vtkSmartPointer<vtkFloatArray>::New()),
@@ -311,6 +267,9 @@ void ShapeActors::colour() {
   chosen_->set_colour(palette_.chosen);
   draft_->set_colour(palette_.draft);
   push_->set_colour(palette_.chosen);
+  std::array<double, 3> grid{};
+  for (size_t i = 0; i < 3; ++i) grid[i] = 0.8 * palette_.low[i] + 0.2 * palette_.line[i];
+  grid_->set_colour(grid);
 }
 
 void ShapeActors::set_mesh(bool shown) { facets_->actor->GetProperty()->SetEdgeVisibility(shown); }
@@ -327,6 +286,20 @@ void ShapeActors::set_draft(const std::vector<Vec3>& points) {
   draft_->data->SetPoints(dots);
   draft_->data->SetVerts(vertices);
   draft_->data->Modified();
+}
+
+void ShapeActors::set_grid(const std::optional<std::pair<Vec3, Vec3>>& axes) {
+  std::vector<std::vector<Vec3>> lines;
+  if (axes) {
+    const auto [low, high] = box();
+    const double reach = std::max(low.cwiseAbs().maxCoeff(), high.cwiseAbs().maxCoeff());
+    constexpr int cells = 10;  // from the origin on
+    const double step = std::pow(10, std::ceil(std::log10(reach / cells)));
+    for (int i = -cells; i <= cells; ++i)
+      for (const auto& [a, b] : {*axes, std::pair(axes->second, axes->first)})
+        lines.push_back({step * (i * a - cells * b), step * (i * a + cells * b)});
+  }
+  grid_->set_polylines(lines);
 }
 
 void ShapeActors::set_push(const std::optional<std::pair<Vec3, Vec3>>& from_to) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "batten/apps/commands/documents/document_view.h"
+#include "batten/apps/studio/view/shape_colours.h"
 
 class vtkActor;
 class vtkCellArray;
@@ -29,13 +30,6 @@ enum class Shading {
   Deviation  ///< distance from where the surface was when its mesh was made
 };
 
-/// Colours of everything, light or dark.
-struct Palette {
-  std::array<double, 3> low, high, body, line, chosen, draft, text;
-  static Palette light();
-  static Palette dark();
-};
-
 /// The actors of one renderer. A frame costs one copy of its points and normals and, with a shading
 /// that needs it, one number for each point; facets and lines are made anew only where the mesh is.
 class ShapeActors {
@@ -52,6 +46,8 @@ class ShapeActors {
   void choose(const std::string& name);
   /// The points of a line that is being drawn; with one more where the hand is.
   void set_draft(const std::vector<Vec3>& points);
+  /// A grid through the origin along two axes, in round steps.
+  void set_grid(const std::optional<std::pair<Vec3, Vec3>>& axes);
   /// An arrow of a load that is being pushed.
   void set_push(const std::optional<std::pair<Vec3, Vec3>>& from_to);
 
@@ -71,7 +67,7 @@ class ShapeActors {
   void make_lines();
   void shade();
   void colour();
-  std::unique_ptr<Layer> facets_, lines_, chosen_, draft_, push_;
+  std::unique_ptr<Layer> facets_, lines_, chosen_, draft_, push_, grid_;
   vtkSmartPointer<vtkFloatArray> points_, normals_, scalars_;
   vtkRenderer* renderer_;
   std::shared_ptr<const DisplayPattern> pattern_;

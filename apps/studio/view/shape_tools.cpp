@@ -148,6 +148,7 @@ void ShapeView::finish_line() {
   actors_->set_draft({});
   redraw();
   if (points.size() < 2) return;
+  fitted_ = true;  // the view stays while a hand draws
   std::string list;
   for (const Vec3& p : points) list += (list.empty() ? "" : ", ") + vector_word(p);
   hooks_.post({.verb = Verb::Add,

@@ -96,6 +96,7 @@ void ShapeView::take(const DocumentWorker::News& news) {
   }
   if (news.frame) actors_->take(*news.frame);
   if (!news.view && !news.frame) return;
+  if (view_ && view_->lines.empty()) fitted_ = false;
   if (!fitted_ && view_ && !view_->lines.empty() && draft_.empty()) {
     fitted_ = true;
     fit();
@@ -109,11 +110,26 @@ void ShapeView::set_tool(Tool tool) {
   tool_ = tool;
   const QCursor cursors[] = {Qt::ArrowCursor, Qt::PointingHandCursor, Qt::CrossCursor};
   setCursor(cursors[static_cast<int>(tool)]);
+  show_grid();
   const char* const hints[] = {kHintSelect, kHintPush, kHintDraw};
   hooks_.hint(text(hints[static_cast<int>(tool)]));
 }
 
-void ShapeView::set_plane(DrawPlane plane) { plane_ = plane; }
+void ShapeView::set_plane(DrawPlane plane) {
+  plane_ = plane;
+  show_grid();
+}
+
+// The plane that lines are drawn on.
+void ShapeView::show_grid() {
+  const Vec3 axes[] = {Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ()};
+  const int first = plane_ == DrawPlane::Yz ? 1 : 0, second = plane_ == DrawPlane::Xy ? 1 : 2;
+  if (tool_ == Tool::Draw && plane_ != DrawPlane::View)
+    actors_->set_grid(std::pair(axes[first], axes[second]));
+  else
+    actors_->set_grid(std::nullopt);
+  redraw();
+}
 
 void ShapeView::set_shading(Shading shading) {
   actors_->set_shading(shading);
@@ -201,8 +217,10 @@ bool ShapeView::event(QEvent* event) {
       }
       break;
     case QEvent::KeyPress:
-      taken = key(static_cast<QKeyEvent*>(event)->key());
-      break;
+      if (key(static_cast<QKeyEvent*>(event)->key())) return true;
+      return QOpenGLWidget::event(event);  // letters mean other things to VTK
+    case QEvent::KeyRelease:
+      return QOpenGLWidget::event(event);
     default:
       break;
   }
@@ -247,7 +265,8 @@ bool ShapeView::move(QMouseEvent* event) {
 }
 
 bool ShapeView::release(QMouseEvent* event) {
-  if (event->button() != Qt::LeftButton) return false;
+  // The second release of a double click has no press of its own.
+  if (event->button() != Qt::LeftButton || !left_) return false;
   left_ = false;
   if (push_) {
     end_push();

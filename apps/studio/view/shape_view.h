@@ -90,6 +90,7 @@ class ShapeView : public QVTKOpenGLNativeWidget {
   std::optional<Vec3> snapped(const QPoint& at) const;
   Vec3 to_window(const Vec3& p) const;  // renderer's pixels and depth
   Vec3 display(const QPoint& at) const;
+  void show_grid();
   void redraw();
   void redraw_still();
 

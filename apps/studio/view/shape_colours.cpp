@@ -1,0 +1,57 @@
+#include "batten/apps/studio/view/shape_colours.h"
+
+#include <vtkLookupTable.h>
+#include <vtkMath.h>
+#include <vtkNew.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace batten::studio {
+
+vtkSmartPointer<vtkLookupTable> stripes(double low, double high, int count, const Rgb& a,
+                                        const Rgb& b) {
+  vtkNew<vtkLookupTable> table;
+  table->SetNumberOfTableValues(count);
+  table->SetTableRange(low, high);
+  for (int i = 0; i < count; ++i) {
+    const auto& c = i % 2 == 0 ? a : b;
+    table->SetTableValue(i, c[0], c[1], c[2]);
+  }
+  return table.Get();
+}
+
+vtkSmartPointer<vtkLookupTable> region_colours(int count) {
+  vtkNew<vtkLookupTable> table;
+  table->SetNumberOfTableValues(std::max(1, count));
+  table->SetTableRange(0, std::max(1, count) - 1);
+  for (int i = 0; i < std::max(1, count); ++i) {
+    const double hue = std::fmod(0.58 + i * 0.381966, 1.0);
+    double rgb[3];
+    const double hsv[3] = {hue, 0.32, 0.88};
+    vtkMath::HSVToRGB(hsv, rgb);
+    table->SetTableValue(i, rgb[0], rgb[1], rgb[2]);
+  }
+  return table.Get();
+}
+
+vtkSmartPointer<vtkLookupTable> distances(double limit) {
+  vtkNew<vtkLookupTable> table;
+  table->SetHueRange(0.62, 0.0);
+  table->SetSaturationRange(0.55, 0.75);
+  table->SetValueRange(0.92, 0.95);
+  table->SetTableRange(0, limit);
+  table->Build();
+  return table.Get();
+}
+
+Palette Palette::light() {
+  return {{0.86, 0.89, 0.93}, {0.97, 0.98, 0.99}, {0.70, 0.775, 0.86}, {0.16, 0.20, 0.28},
+          {0.90, 0.36, 0.06}, {0.06, 0.46, 0.82}, {0.14, 0.16, 0.20}};
+}
+Palette Palette::dark() {
+  return {{0.10, 0.11, 0.13}, {0.20, 0.22, 0.26}, {0.56, 0.64, 0.74}, {0.86, 0.89, 0.94},
+          {1.00, 0.58, 0.20}, {0.38, 0.74, 1.00}, {0.90, 0.92, 0.95}};
+}
+
+}  // namespace batten::studio

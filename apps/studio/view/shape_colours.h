@@ -1,0 +1,29 @@
+// The colours of the view.
+#pragma once
+
+#include <vtkSmartPointer.h>
+
+#include <array>
+
+class vtkLookupTable;
+
+namespace batten::studio {
+
+using Rgb = std::array<double, 3>;
+
+/// Colours of everything, light or dark.
+struct Palette {
+  Rgb low, high, body, line, chosen, draft, text;
+  static Palette light();
+  static Palette dark();
+};
+
+/// A table from `low` to `high` of `count` stripes in two colours.
+vtkSmartPointer<vtkLookupTable> stripes(double low, double high, int count, const Rgb& a,
+                                        const Rgb& b);
+/// Colours that neighbours tell apart: hues by the golden angle.
+vtkSmartPointer<vtkLookupTable> region_colours(int count);
+/// A table from 0 to the limit: from blue to red.
+vtkSmartPointer<vtkLookupTable> distances(double limit);
+
+}  // namespace batten::studio
