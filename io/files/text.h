@@ -15,7 +15,7 @@ std::string_view trimmed(std::string_view text);
 std::string lower_case(std::string text);
 /// ".obj" for "a.OBJ".
 std::string lower_extension(const std::filesystem::path& path);
-/// "1 point", "2 points".
-std::string counted(long count, const std::string& noun);
+/// "1 point", "2 points"; "3 tori" with `many`.
+std::string counted(long count, const std::string& noun, const std::string& many = "");
 
 }  // namespace batten

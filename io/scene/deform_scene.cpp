@@ -225,13 +225,13 @@ void read_guides_and_lines(const TomlTable& root, Names& kept, DeformScene& scen
 }
 
 /// Reads the edits.
-void read_edits(const TomlTable& root, DeformScene& scene) {
+void read_edits(const TomlTable& root, bool required, DeformScene& scene) {
   Names edits("edit");
   edits.read(
       root, "edit",
       {"name", "fixed", "region", "handle", "scale", "guide", "centres", "turn", "turn_feature"},
       scene.edits, [&](const TomlTable& t) { return read_edit(t, scene.edits.size()); });
-  if (scene.edits.empty()) root.fail("", "no edits", "at least one [[edit]]");
+  if (scene.edits.empty() && required) root.fail("", "no edits", "at least one [[edit]]");
 }
 
 /// Reads what files are written: meshes, models of modes, pictures.
@@ -254,7 +254,8 @@ void read_outputs(const TomlTable& root, DeformScene& scene) {
 }
 
 /// Reads the whole scene from its table.
-DeformScene deform_scene(const toml::table& root_table, const std::filesystem::path& file) {
+DeformScene deform_scene(const toml::table& root_table, const std::filesystem::path& file,
+                         bool edits_required) {
   const TomlTable root(file.string(), root_table, "the scene",
                        {"name", "unit", "mesh", "weighting", "proposals", "attached", "select",
                         "cut", "feature", "features", "guide", "relation", "line", "curve", "pull",
@@ -274,7 +275,7 @@ DeformScene deform_scene(const toml::table& root_table, const std::filesystem::p
   Names kept("name");
   scene.features = read_features(root, kept);
   read_guides_and_lines(root, kept, scene);
-  read_edits(root, scene);
+  read_edits(root, edits_required, scene);
   read_outputs(root, scene);
   return scene;
 }
@@ -298,7 +299,30 @@ void for_each_edit_parameter(AnyScene& scene, const Function& f) {
   }
 }
 
+/// Sets EDIT.HANDLE.turn.x, .y or .z; false for other names.
+bool set_turn(DeformScene& scene, const std::string& parameter, double value,
+              const std::string& where) {
+  for (auto& edit : scene.edits)
+    for (auto& handle : edit.handles)
+      for (int i = 0; i < 3; ++i) {
+        if (parameter != edit.name + "." + handle.name + ".turn." + "xyz"[i]) continue;
+        if (!std::isfinite(value))
+          throw InputError(where + "found " + number(value) + " for '" + parameter +
+                           "', expected a finite number");
+        turn_about(i, value, handle.axis, handle.degrees);
+        return true;
+      }
+  return false;
+}
+
 }  // namespace
+
+void turn_about(int coordinate, double value, Vec3& axis, double& degrees) {
+  Vec3 turn = degrees * axis;
+  turn[coordinate] = value;
+  degrees = turn.norm();
+  if (degrees > 0) axis = turn / degrees;
+}
 
 std::vector<Parameter> DeformScene::parameters() const {
   std::vector<Parameter> list;
@@ -310,7 +334,7 @@ std::vector<Parameter> DeformScene::parameters() const {
 
 void DeformScene::set(const std::string& parameter, double value, const std::string& where) {
   std::vector<std::string> names;
-  bool known = false;
+  bool known = set_turn(*this, parameter, value, where);
   for_each_edit_parameter(*this, [&](const std::string& n, double& slot, bool positive) {
     names.push_back(n);
     if (n != parameter) return;
@@ -331,8 +355,15 @@ bool edits_a_mesh(const std::filesystem::path& file) {
   return root.contains("mesh") || root.contains("edit");
 }
 
-DeformScene parse_deform_scene(const std::string& text, const std::filesystem::path& file) {
-  return deform_scene(parse_toml(text, file, "edits of a mesh (unit, mesh, [[edit]] …)"), file);
+bool is_of_a_mesh(const std::string& text) {
+  const toml::table root = parse_toml(text, {}, "a scene or edits of a mesh");
+  return root.contains("mesh") || root.contains("edit");
+}
+
+DeformScene parse_deform_scene(const std::string& text, const std::filesystem::path& file,
+                               bool edits_required) {
+  return deform_scene(parse_toml(text, file, "edits of a mesh (unit, mesh, [[edit]] …)"), file,
+                      edits_required);
 }
 
 DeformScene read_deform_scene(const std::filesystem::path& file) {

@@ -160,7 +160,8 @@ struct DeformScene : SceneSelections {
 
   /// What can be set: EDIT.HANDLE.x, .y, .z, .degrees, .scale, EDIT.FEATURE.scale and CURVE.LOAD.
   std::vector<Parameter> parameters() const;
-  /// Sets one of these numbers. Throws InputError, beginning with `where`: an unknown name (the
+  /// Sets one of these numbers, or EDIT.HANDLE.turn.x, .y, .z: the turn as a vector along its axis, as
+  /// long as its angle in degrees. Throws InputError, beginning with `where`: an unknown name (the
   /// nearest is offered), a number that is not finite, a scale not above 0.
   void set(const std::string& parameter, double value, const std::string& where);
 };
@@ -168,11 +169,18 @@ struct DeformScene : SceneSelections {
 /// Whether a scene edits a mesh: it names a mesh or has an edit. Throws InputError when the file
 /// cannot be read or is not TOML.
 bool edits_a_mesh(const std::filesystem::path& file);
+/// The same of a scene's text.
+bool is_of_a_mesh(const std::string& text);
+
+/// Sets one coordinate of a turn as a vector along its axis, as long as its angle in degrees.
+void turn_about(int coordinate, double value, Vec3& axis, double& degrees);
 
 /// Reads a deform scene. Throws InputError: "FILE:LINE:COLUMN: found …, expected …; did you mean
 /// …?"
 DeformScene read_deform_scene(const std::filesystem::path& file);
 /// Reads the same from a text. Messages name `file`; paths in the scene are relative to its folder.
-DeformScene parse_deform_scene(const std::string& text, const std::filesystem::path& file);
+/// A scene that is being made may have no edit yet.
+DeformScene parse_deform_scene(const std::string& text, const std::filesystem::path& file,
+                               bool edits_required = true);
 
 }  // namespace batten

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "batten/core/errors.h"
+#include "batten/io/scene/deform_scene.h"
 #include "batten/io/scene/scene_words.h"
 
 namespace batten {
@@ -68,16 +69,22 @@ struct SceneText::Parsed {
     return list && !list->empty() && list->is_homogeneous(toml::node_type::table) ? list : nullptr;
   }
 
-  void add(const std::string& kind, const std::string& number, const toml::node& node) {
+  /// Adds a table; `number` stands for the name of one without, "" where there is one of its kind.
+  /// Those of lists inside, [[edit.handle]], follow with its name before theirs.
+  void add(const std::string& kind, const std::string& number, const toml::node& node,
+           const std::string& outer = "") {
     const toml::table& table = *node.as_table();
-    const auto name = table["name"].value<std::string>();
+    const std::string stated = table["name"].value_or(std::string());
+    const std::string own = number.empty() ? "" : stated.empty() ? number : stated;
     const Span span = span_of(node);
-    tables.push_back({{kind, number.empty()           ? ""
-                             : name && !name->empty() ? *name
-                                                      : number},
-                      &table,
-                      span,
-                      is_header(node, text, span.from)});
+    tables.push_back({{kind, outer + own}, &table, span, is_header(node, text, span.from)});
+    if (number.empty()) return;
+    for (const auto& [key, inner] : table) {
+      const toml::array* list = tables_in(inner);
+      for (size_t i = 0; list && i < list->size(); ++i)
+        add(kind + "." + std::string(key.str()), "#" + std::to_string(i + 1), *list->get(i),
+            outer + own + ".");
+    }
   }
 
   size_t offset(const toml::source_position& at) const {
@@ -123,6 +130,10 @@ struct SceneText::Parsed {
         ", expected " + (names.empty() ? "a table of the scene" : one_of(name.name, names)));
   }
 
+  bool starts_with_header(const toml::array& list) const {
+    return is_header(*list.get(0), text, span_of(*list.get(0)).from);
+  }
+
   /// The last place that belongs to a table: behind its last value, and those of tables inside it.
   size_t content_end(const toml::table& table, size_t at) const {
     for (const auto& [key, node] : table) {
@@ -138,8 +149,8 @@ struct SceneText::Parsed {
     for (const auto& [key, node] : table) {
       const Span span = span_of(node);
       const toml::array* list = tables_in(node);
-      const bool elsewhere = is_header(node, text, span.from) ||
-                             (list && is_header(*list->get(0), text, span_of(*list->get(0)).from));
+      const bool elsewhere =
+          is_header(node, text, span.from) || (list && starts_with_header(*list));
       if (!elsewhere) at = std::max(at, span.to);
     }
     return at;
@@ -151,6 +162,8 @@ struct SceneText::Parsed {
     if (found == table.end()) return std::nullopt;
     return std::pair(span_of(found->first), span_of(found->second));
   }
+
+  std::vector<Value> values_of(const SceneTable& table) const;
 
   const std::string& text;
   toml::table root;
@@ -180,18 +193,32 @@ bool SceneText::has(const SceneTable& table) const {
   return table == SceneTable{} || std::find(names_.begin(), names_.end(), table) != names_.end();
 }
 
-std::vector<std::string> SceneText::keys(const SceneTable& table) const {
-  const Parsed parsed(text_, file_);
-  std::vector<std::pair<size_t, std::string>> found;
-  for (const auto& [key, node] : parsed.node_of(table)) {
-    const size_t at = parsed.span_of(node).from;
-    if (!is_header(node, text_, at) && !(table == SceneTable{} && Parsed::tables_in(node)))
-      found.emplace_back(parsed.span_of(key).from, std::string(key.str()));
+std::vector<SceneText::Value> SceneText::Parsed::values_of(const SceneTable& table) const {
+  std::vector<std::pair<size_t, Value>> found;
+  for (const auto& [key, node] : node_of(table)) {
+    const Span span = span_of(node);
+    const toml::array* list = tables_in(node);
+    const bool listed = list && (table == SceneTable{} || starts_with_header(*list));
+    if (!is_header(node, text, span.from) && !listed)
+      found.emplace_back(span_of(key).from,
+                         Value(key.str(), text.substr(span.from, span.to - span.from)));
   }
   std::sort(found.begin(), found.end());
-  std::vector<std::string> keys;
-  for (auto& [at, key] : found) keys.push_back(std::move(key));
-  return keys;
+  std::vector<Value> values;
+  for (auto& [at, value] : found) values.push_back(std::move(value));
+  return values;
+}
+
+std::vector<SceneText::Value> SceneText::values(const SceneTable& table) const {
+  return Parsed(text_, file_).values_of(table);
+}
+
+std::vector<std::pair<SceneTable, std::vector<SceneText::Value>>> SceneText::all_values() const {
+  const Parsed parsed(text_, file_);
+  std::vector<std::pair<SceneTable, std::vector<Value>>> all;
+  all.emplace_back(SceneTable{}, parsed.values_of({}));
+  for (const SceneTable& table : names_) all.emplace_back(table, parsed.values_of(table));
+  return all;
 }
 
 std::string SceneText::value(const SceneTable& table, const std::string& key) const {
@@ -229,10 +256,11 @@ void SceneText::set(const SceneTable& table, const std::string& key, const std::
     return splice(at, at, (at > 0 && text_[at - 1] != '\n' ? eol : "") + line + eol);
   }
   const Parsed::Table& found = *parsed.find(table);
-  const size_t last = parsed.own_end(node, found.span.to);
+  const size_t last = parsed.own_end(node, node.is_inline() ? found.span.from : found.span.to);
   if (node.is_inline()) {
     const size_t brace = found.span.to - 1;
-    return splice(brace, brace, node.empty() ? " " + line + " " : ", " + line + " ");
+    if (node.empty()) return splice(brace, brace, " " + line + " ");
+    return splice(last, last, ", " + line);
   }
   if (!found.header)
     throw InputError("found '" + table.kind + "' in keys with dots, expected a table [" +
@@ -260,18 +288,16 @@ void SceneText::erase(const SceneTable& table, const std::string& key) {
   if (!entry) throw InputError("found no key '" + key + "', expected one that is there");
   size_t from = entry->first.from, to = entry->second.to;
   if (node.is_inline()) {
-    const auto skip = [&] {
-      while (to < text_.size() && (text_[to] == ' ' || text_[to] == '\t')) ++to;
+    const auto behind_blanks = [&](size_t at) {
+      while (at < text_.size() && (text_[at] == ' ' || text_[at] == '\t')) ++at;
+      return at;
     };
-    skip();
-    if (text_[to] == ',') {
-      ++to;
-      skip();
-    } else {  // the last one: the comma before it goes
-      const size_t comma = text_.find_last_not_of(" \t", from - 1);
-      if (text_[comma] == ',') from = comma;
-    }
-    return splice(from, to, from < entry->first.from ? " " : "");
+    const size_t comma = text_.find_last_not_of(" \t", from - 1);
+    if (const size_t next = behind_blanks(to); text_[next] == ',')
+      to = behind_blanks(next + 1);
+    else if (text_[comma] == ',')  // the last one
+      from = comma;
+    return splice(from, to, "");
   }
   splice(parsed.line_start(from), parsed.line_end(to), "");
 }
@@ -297,8 +323,9 @@ SceneTable SceneText::add(const std::string& kind, const std::string& table) {
   for (const auto& [at, line] : lines) block += line;
 
   size_t at = text_.size();
+  const std::string outer = kind.substr(0, std::min(kind.size(), kind.rfind('.')));
   for (const Parsed::Table& other : parsed.tables)
-    if (other.name.kind == kind && other.header)
+    if ((other.name.kind == kind || other.name.kind == outer) && other.header)
       at = parsed.line_end(parsed.content_end(*other.node, other.span.to));
   const bool broken = at > 0 && text_[at - 1] != '\n';
   splice(at, at, (broken ? eol + eol : eol) + block);
@@ -327,12 +354,59 @@ void SceneText::remove(const SceneTable& table) {
   splice(from, to, "");
 }
 
+void SceneText::set_rotation(const SceneTable& handle, const std::string& number, double value) {
+  const std::string rotate = this->value(handle, "rotate");
+  const toml::table stated = parse_toml("rotate = " + (rotate.empty() ? "{}" : rotate), file_, "");
+  Vec3 axis = Vec3::UnitZ();
+  for (int i = 0; i < 3; ++i)
+    axis[i] = stated["rotate"]["axis"][static_cast<size_t>(i)].value_or(axis[i]);
+  double degrees = stated["rotate"]["degrees"].value_or(0.0);
+  axis.normalize();
+  if (number == "degrees")
+    degrees = value;
+  else
+    turn_about(number.back() - 'x', value, axis, degrees);
+  if (rotate.empty() && degrees == 0) return;
+  set(handle, "rotate",
+      "{ axis = [" + word(axis.x()) + ", " + word(axis.y()) + ", " + word(axis.z()) +
+          "], degrees = " + word(degrees) + " }");
+}
+
+// A handle moves by a list and a table in braces, which may both be missing.
+bool SceneText::set_of_handle(const std::string& handle, const std::string& number, double value) {
+  for (const SceneTable& name : names_) {
+    const SceneTable table = name;                     // names_ changes with the text
+    const bool unnamed = table.name.starts_with('#');  // edit-1 is the name that it goes by
+    if (table.kind != "edit.handle" ||
+        (unnamed ? "edit-" + table.name.substr(1) : table.name) != handle)
+      continue;
+    // What a handle does without being told is not written.
+    if (number == "scale") {
+      if (value != 1 || !this->value(table, number).empty()) set(table, number, word(value));
+    } else if (number.size() == 1) {
+      const bool stated = !this->value(table, "translate").empty();
+      if (!stated && value == 0) return true;
+      if (!stated) set(table, "translate", "[0, 0, 0]");
+      set_item(table, "translate", number[0] - 'x', word(value));
+    } else {
+      set_rotation(table, number, value);
+    }
+    return true;
+  }
+  return false;
+}
+
 void SceneText::set_parameter(const std::string& parameter, double value) {
   for (const SceneTable& table : names_)
     if (table.name == parameter && (table.kind == "load" || table.kind == "weight" ||
                                     table.kind == "move" || table.kind == "parameter"))
       return set(table, "value", word(value));
   const size_t dot = parameter.rfind('.');
+  const size_t turn = parameter.rfind(".turn.");
+  const size_t last_word = turn == std::string::npos ? dot : turn;
+  if (dot != std::string::npos &&
+      set_of_handle(parameter.substr(0, last_word), parameter.substr(last_word + 1), value))
+    return;
   for (const SceneTable& table : names_) {
     if (dot == std::string::npos || table.name != parameter.substr(0, dot)) continue;
     const std::string last = parameter.substr(dot + 1);

@@ -3,13 +3,15 @@
 
 #include <filesystem>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace batten {
 
 /// Names one table of a scene. [skin] is {"skin", ""}; of [[load]] the one named "push" is {"load",
 /// "push"}; those without a name go by their number among their kind, {"join", "#2"} is the second.
-/// {} is the top of the file.
+/// {} is the top of the file. A table in a list of another one, [[edit.handle]], has the names of
+/// both: {"edit.handle", "edit 1.right"}.
 struct SceneTable {
   std::string kind = {}, name = {};
   bool operator==(const SceneTable&) const = default;
@@ -28,11 +30,15 @@ class SceneText {
   explicit SceneText(std::string text, std::filesystem::path file = {});
 
   const std::string& text() const { return text_; }
-  /// The tables in the order of the file, without those inside of others.
+  /// The tables in the order of the file, and those of lists inside of others, [[edit.handle]].
   const std::vector<SceneTable>& tables() const { return names_; }
   bool has(const SceneTable& table) const;
+  /// A key and its value as it stands in the text.
+  using Value = std::pair<std::string, std::string>;
   /// The keys of a table as the file has them.
-  std::vector<std::string> keys(const SceneTable& table) const;
+  std::vector<Value> values(const SceneTable& table) const;
+  /// Those of all tables, the top first.
+  std::vector<std::pair<SceneTable, std::vector<Value>>> all_values() const;
   /// A value as it stands in the text; "" for a key that is not there.
   std::string value(const SceneTable& table, const std::string& key) const;
 
@@ -48,7 +54,8 @@ class SceneText {
   /// Removes a key with its value.
   void erase(const SceneTable& table, const std::string& key);
   /// Adds a table [[KIND]] behind the last of its kind, or at the end, from the text of a table in
-  /// braces: `{ name = "push", type = "point", … }`. Returns the name it goes by.
+  /// braces: `{ name = "push", type = "point", … }`; [[edit.handle]] belongs to the last [[edit]].
+  /// Returns the name it goes by.
   SceneTable add(const std::string& kind, const std::string& table);
   /// Removes a table and the comments right above it.
   void remove(const SceneTable& table);
@@ -64,6 +71,8 @@ class SceneText {
   struct Span;
   struct Parsed;
   void read();
+  bool set_of_handle(const std::string& handle, const std::string& number, double value);
+  void set_rotation(const SceneTable& handle, const std::string& number, double value);
   void splice(size_t from, size_t to, const std::string& with);
   std::filesystem::path file_;
   std::string text_;

@@ -3,7 +3,9 @@
 #include <thread>
 
 #include "batten/apps/commands/documents/document_worker.h"
+#include "batten/apps/commands/documents/edited_mesh.h"
 #include "batten/apps/commands/documents/run_script.h"
+#include "batten/apps/commands/documents/edited_shape.h"
 #include "batten/apps/commands/documents/word_edits.h"
 #include "batten/io/scene/read_scene.h"
 #include "batten/tests/apps/cli_case.h"
@@ -154,20 +156,20 @@ TEST_CASE("lines become a surface as soon as they close, and say what is missing
           "[document]") {
   Document document;
   CHECK(document.session() == nullptr);
-  CHECK(document.problem().empty());
+  CHECK(document.content().problem().empty());
   const char* const sides[] = {"[[0, 0, 0], [100, 0, 0]]", "[[100, 0, 0], [100, 80, 0]]",
                                "[[100, 80, 0], [0, 80, 20]]", "[[0, 80, 20], [0, 0, 0]]"};
   for (int i = 0; i < 4; ++i) {
     CHECK(document.session() == nullptr);
     document.apply(
         add("line", "{ name = \"side " + std::to_string(i) + "\", points = " + sides[i] + " }"));
-    CHECK(document.lines().size() == static_cast<size_t>(i + 1));
-    CHECK(document.problem().empty() == (i == 3));
+    CHECK(document.shape()->lines().size() == static_cast<size_t>(i + 1));
+    CHECK(document.content().problem().empty() == (i == 3));
   }
   REQUIRE(document.session());
   document.apply({.verb = Verb::Undo});
   CHECK(document.session() == nullptr);
-  CHECK(document.problem().find("meets nothing") != std::string::npos);
+  CHECK(document.content().problem().find("meets nothing") != std::string::npos);
   document.apply({.verb = Verb::Redo});
   CHECK(document.session() != nullptr);
 }

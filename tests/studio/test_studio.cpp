@@ -16,8 +16,6 @@ using namespace batten_test;
 
 namespace {
 
-const std::filesystem::path kExamples = BATTEN_SOURCE_DIR "/examples";
-
 std::string contents_of(const std::filesystem::path& file) {
   std::ostringstream text;
   text << std::ifstream(file, std::ios::binary).rdbuf();

@@ -15,6 +15,8 @@
 
 namespace batten_test {
 
+inline const std::filesystem::path kExamples = BATTEN_SOURCE_DIR "/examples";
+
 /// The one QApplication of the program, with settings of its own.
 inline QApplication& application() {
   static const std::filesystem::path folder = [] {
@@ -82,6 +84,16 @@ class WindowCase {
     QTest::mouseRelease(&view(), Qt::LeftButton, {}, at + by);
     REQUIRE(window->wait());
   }
+  /// Presses at the first of these points, goes along them, and lets go at the last.
+  void stroke(const std::vector<QPoint>& points, Qt::KeyboardModifiers keys = {}) {
+    QTest::mousePress(&view(), Qt::LeftButton, keys, points.front());
+    constexpr int steps = 8;
+    for (size_t i = 0; i + 1 < points.size(); ++i)
+      for (int k = 1; k <= steps; ++k)
+        move(points[i] + (points[i + 1] - points[i]) * k / steps, keys);
+    QTest::mouseRelease(&view(), Qt::LeftButton, keys, points.back());
+    REQUIRE(window->wait());
+  }
   void key(int key) {
     QTest::keyClick(&view(), static_cast<Qt::Key>(key));
     REQUIRE(window->wait());
@@ -99,9 +111,9 @@ class WindowCase {
   std::unique_ptr<batten::studio::MainWindow> window;
 
  private:
-  void move(const QPoint& at) {
+  void move(const QPoint& at, Qt::KeyboardModifiers keys = {}) {
     QMouseEvent event(QEvent::MouseMove, at, view().mapToGlobal(at), Qt::NoButton, Qt::LeftButton,
-                      {});
+                      keys);
     QApplication::sendEvent(&view(), &event);
   }
 };

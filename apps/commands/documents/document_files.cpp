@@ -1,13 +1,9 @@
 // What a document writes.
 #include <algorithm>
-#include <cstdlib>
 #include <fstream>
 
 #include "batten/apps/commands/documents/document.h"
-#include "batten/apps/commands/exchange/run_convert.h"
-#include "batten/apps/commands/shapes/shape_files.h"
 #include "batten/io/files/input_file.h"
-#include "batten/io/files/text.h"
 #include "batten/io/files/whole_file.h"
 
 namespace batten {
@@ -17,7 +13,7 @@ namespace {
 constexpr const char* kChangesOf = "# batten-studio: changes of ";
 
 /// Files that a scene names, by the tables that name them.
-constexpr const char* kFileTables[] = {"line", "lines", "load", "target", "compare"};
+constexpr const char* kFileTables[] = {"line", "lines", "load", "target", "compare", "select"};
 
 /// Whether a path goes up so far that nobody would write it.
 bool far(const std::filesystem::path& relative) {
@@ -28,47 +24,25 @@ bool far(const std::filesystem::path& relative) {
 /// The scene with its paths, which are relative to `from`, relative to `to`.
 SceneText moved(SceneText text, const std::filesystem::path& from,
                 const std::filesystem::path& to) {
+  const auto move = [&](const SceneTable& table, const std::string& key) {
+    const std::string value = text.value(table, key);
+    if (value.size() < 2) return;
+    const std::filesystem::path file = value.substr(1, value.size() - 2);
+    if (file.is_absolute()) return;
+    const std::filesystem::path full = (from / file).lexically_normal();
+    const std::filesystem::path relative = full.lexically_relative(to);
+    text.set(table, key, SceneText::word((far(relative) ? full : relative).string()));
+  };
   const std::vector<SceneTable> tables = text.tables();
+  move({}, "mesh");
   for (const SceneTable& table : tables)
-    for (const char* kind : kFileTables) {
-      const std::string value = table.kind == kind ? text.value(table, "file") : "";
-      if (value.size() < 2) continue;
-      const std::filesystem::path file = value.substr(1, value.size() - 2);
-      if (file.is_absolute()) continue;
-      const std::filesystem::path full = (from / file).lexically_normal();
-      const std::filesystem::path relative = full.lexically_relative(to);
-      text.set(table, "file", SceneText::word((far(relative) ? full : relative).string()));
-    }
+    for (const char* kind : kFileTables)
+      if (table.kind == kind) move(table, "file");
   return text;
 }
 
 std::filesystem::path folder_of(const std::filesystem::path& file) {
   return std::filesystem::absolute(file).parent_path().lexically_normal();
-}
-
-/// A folder for a while.
-class PrivateFolder {
- public:
-  PrivateFolder() {
-    std::string name = (std::filesystem::temp_directory_path() / "batten_export_XXXXXX").string();
-    if (!mkdtemp(name.data())) throw FileError(name + ": cannot be made");
-    path_ = name;
-  }
-  ~PrivateFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
-
-void copy_whole(const std::filesystem::path& from, const std::filesystem::path& to) {
-  WholeFile file(to);
-  std::filesystem::copy_file(from, file.temporary(),
-                             std::filesystem::copy_options::overwrite_existing);
-  file.commit();
 }
 
 }  // namespace
@@ -84,7 +58,7 @@ void Document::save(const std::filesystem::path& to) {
   file_ = file;
   text_ = std::move(text);
   saved_ = text_.text();
-  scene_.file = file_;
+  content_->restate(text_, file_);
 }
 
 std::string Document::recovery_text(const std::filesystem::path& folder) const {
@@ -105,38 +79,6 @@ void Document::recover(const std::filesystem::path& from, const Progress& progre
   start(std::move(text), file, progress);
   std::error_code none;
   saved_ = !file.empty() && std::filesystem::exists(file, none) ? input_bytes(file, "a scene") : "";
-}
-
-void Document::export_shape(const std::filesystem::path& file, const Progress& progress) {
-  if (!session_) throw InputError("found no surface, expected one to export");
-  if (!slid_.empty()) settle();
-  const PrivateFolder folder;
-  const std::string ending = lower_extension(file);
-  const bool facets = ending == ".vtp", step = ending == ".step" || ending == ".stp";
-  Scene scene = scene_;
-  scene.step = facets ? "" : "shape.step";
-  scene.vtp = facets ? "shape.vtp" : "";
-  scene.vtu = scene.calculix = "";
-  scene.compare.clear();
-  ShapeRun run(scene, folder.path());
-  MadeModel made = model_->model.made;
-  run.tolerance = made.fit_tolerance;
-  MadeShape shape = shape_of(*session_, scene, start_.unloaded, answer_);
-  measure_into(run, made, shape, scene, progress);
-  write_files(run, scene, made, shape, progress);
-  write_step_file(run, scene, made, progress);
-  run.finish(progress);
-  run.out.commit();
-  for (const MissedPromise& missed : run.report.missed)
-    told_ += missed.what + ": " + missed.detail + "\n";
-  const std::filesystem::path written = folder.path() / (facets ? scene.vtp : scene.step);
-  if (facets || step) return copy_whole(written, file);
-  ConvertTask task;
-  task.from = written;
-  task.to = file;
-  const ConvertReport converted = run_convert(task, progress);
-  for (const MissedPromise& missed : converted.missed)
-    told_ += missed.what + ": " + missed.detail + "\n";
 }
 
 }  // namespace batten

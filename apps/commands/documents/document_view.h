@@ -8,10 +8,29 @@
 #include <utility>
 #include <vector>
 
-#include "batten/apps/commands/documents/document.h"
+#include "batten/core/eigen.h"
 #include "batten/io/report/network_report.h"
+#include "batten/io/scene/scene_text.h"
 
 namespace batten {
+
+class Document;
+
+/// A mesh that is edited: what a window shows of it beside its facets. Vertices are display points.
+struct MeshView {
+  /// What vertices are for.
+  enum class Role { Free, Fixed, Handle, Feature };
+  /// Vertices that go by a name.
+  struct Part {
+    enum class Kind { Proposal, Selection, Set };
+    Kind kind = Kind::Proposal;
+    std::string name, detail;  ///< detail of a set: "set" or "property", the key of [[select]]
+    std::vector<int> points;
+  };
+  std::vector<Part> parts;
+  std::vector<Role> roles;   ///< of each display point
+  std::vector<long> labels;  ///< the number in the mesh file of each display point's node
+};
 
 /// A document at one moment. Points of the surface are in frames (sculpting/session/frame.h).
 struct DocumentView {
@@ -47,6 +66,16 @@ struct DocumentView {
   std::vector<std::string> shown_lines;  ///< of DisplayPattern::lines
   std::optional<NetworkReport> network;  ///< of a network: joins, choices, shells
   std::vector<FlawReport> flaws;
+
+  // Of a mesh:
+  std::shared_ptr<const MeshView> mesh;  ///< the same object as long as it says the same
+  struct Handle {
+    std::string name;            ///< EDIT.HANDLE: what its parameters begin with
+    Vec3 centre = Vec3::Zero();  ///< where its centre is now
+    Vec3 shift = Vec3::Zero(), turn = Vec3::Zero();  ///< turn: along its axis, degrees long
+    bool moves = false;  ///< it is of the last edit, whose answers are quick
+  };
+  std::vector<Handle> handles;
 
   /// The smallest box around lines, low and high corner; both 0 where there are none.
   std::array<Vec3, 2> box() const;

@@ -45,8 +45,7 @@ void DocumentWorker::post(DocumentCommand command) {
   waiting_.notify_all();
 }
 
-void DocumentWorker::ask_place(const Vec3& near,
-                               std::function<void(const Document::Place&)> found) {
+void DocumentWorker::ask_place(const Vec3& near, std::function<void(const DocumentPlace&)> found) {
   {
     const std::lock_guard lock(mutex_);
     tasks_.push_back({{}, std::make_shared<Question>(Question{near, std::move(found)})});
@@ -138,11 +137,23 @@ void DocumentWorker::work() {
     }
     const auto start = std::chrono::steady_clock::now();
     do_command(task.command);
+    if (another_slides(task.command.key)) continue;
     answer_until_rest();
     const double ms = 1e3 * seconds_since(start);
     const std::lock_guard lock(mutex_);
     answer_ms_ = answer_ms_ > 0 ? 0.8 * answer_ms_ + 0.2 * ms : ms;
   }
+}
+
+// A hand may move several parameters at once: the shape follows when all have moved.
+bool DocumentWorker::another_slides(const std::string& parameter) {
+  slid_.insert(parameter);
+  const std::lock_guard lock(mutex_);
+  if (!tasks_.empty() && !tasks_.front().question && tasks_.front().command.verb == Verb::Slide &&
+      !slid_.contains(tasks_.front().command.key))
+    return true;
+  slid_.clear();
+  return false;
 }
 
 // A drag's answer, and more while nothing else waits and it has not converged.
@@ -176,7 +187,7 @@ void DocumentWorker::do_command(const DocumentCommand& command) {
 
 void DocumentWorker::answer_question(const std::shared_ptr<Question>& question) {
   try {
-    const Document::Place place = document_.place(question->near);
+    const DocumentPlace place = document_.content().place(question->near);
     const std::lock_guard lock(mutex_);
     answers_.push_back([question, place] { question->found(place); });
   } catch (const Error&) {
@@ -191,10 +202,8 @@ void DocumentWorker::tell(const DocumentCommand& command, const std::string& tex
 }
 
 void DocumentWorker::publish_frame() {
-  if (!document_.session()) return;
   try {
-    document_.session()->draw(frames_.writing());
-    frames_.publish();
+    if (document_.draw(frames_.writing())) frames_.publish();
   } catch (const std::exception& e) {
     tell({}, e.what(), true);
   }

@@ -7,18 +7,20 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <set>
 #include <string>
 #include <thread>
 #include <vector>
 
-#include "batten/apps/commands/documents/document_view.h"
+#include "batten/apps/commands/documents/document.h"
 
 namespace batten {
 
 /// Does commands on a document in their order, on its own thread, and tells what came of them.
 ///
 /// While a slider is dragged its moves come faster than answers: of those that wait for one
-/// parameter only the newest is done, and the shape follows each (`answer`). After every command
+/// parameter only the newest is done, and the shape follows each (`answer`), or all that move at
+/// once. After every command
 /// there is a new view, and where the shape moved a new frame; during a drag, frames only. What was
 /// done is recorded as a script that gives the same bits again (run_script()).
 ///
@@ -35,7 +37,7 @@ class DocumentWorker {
 
   void post(DocumentCommand command);
   /// Asks for the place of the surface nearest to a point; `found` is called by take_news().
-  void ask_place(const Vec3& near, std::function<void(const Document::Place&)> found);
+  void ask_place(const Vec3& near, std::function<void(const DocumentPlace&)> found);
   /// The user does not want the changes: the recovery file goes, and there is none any more.
   void forget_changes();
   /// Stops the command that is being done, and forgets those that wait.
@@ -62,7 +64,7 @@ class DocumentWorker {
  private:
   struct Question {
     Vec3 near;
-    std::function<void(const Document::Place&)> found;
+    std::function<void(const DocumentPlace&)> found;
   };
   struct Task {
     DocumentCommand command;
@@ -72,6 +74,7 @@ class DocumentWorker {
   bool next(Task& task);
   void do_command(const DocumentCommand& command);
   void answer_until_rest();
+  bool another_slides(const std::string& parameter);
   void answer_question(const std::shared_ptr<Question>& question);
   void publish_frame();
   void publish_view();
@@ -81,7 +84,8 @@ class DocumentWorker {
 
   std::function<void()> wake_;
   std::filesystem::path recovery_;
-  Document document_;  // of the worker's thread
+  Document document_;           // of the worker's thread
+  std::set<std::string> slid_;  // since the last answer; of the worker's thread
   FrameExchange frames_;
   mutable std::mutex mutex_;
   std::condition_variable waiting_;

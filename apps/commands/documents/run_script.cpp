@@ -4,29 +4,8 @@
 
 #include "batten/apps/commands/documents/document.h"
 #include "batten/apps/commands/runs/run_parts.h"
-#include "batten/io/files/text.h"
 
 namespace batten {
-namespace {
-
-std::string rows_of(const Document& document) {
-  const SculptingSession* session = document.session();
-  if (!session) {
-    const std::string why = document.problem().empty() ? "no lines" : document.problem();
-    return result_line("surface", "none: " + why);
-  }
-  const ModelLayout& layout = session->layout();
-  std::string text =
-      result_line("surface", counted(layout.region_count(), "region") + ", " +
-                                 counted(layout.mesh()->triangle_count(), "element") + ", energy " +
-                                 number(session->energy().stretching + session->energy().bending));
-  for (const NamedValue& p : session->parameters().all())
-    text += result_line("", p.name + " = " + number(session->parameters().value(p.name)));
-  return text;
-}
-
-}  // namespace
-
 ScriptReport run_script(const std::filesystem::path& script, const Progress& progress) {
   ScriptReport report;
   report.name = script.filename().string();
@@ -48,7 +27,7 @@ ScriptReport run_script(const std::filesystem::path& script, const Progress& pro
     for (const auto verb : {DocumentCommand::Verb::Save, DocumentCommand::Verb::Export})
       if (one.command.verb == verb) report.files.push_back(one.command.file.string());
   }
-  report.shape = rows_of(document);
+  report.shape = document.content().rows();
   return report;
 }
 

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "batten/apps/commands/meshes/mesh_source.h"
 #include "batten/io/pictures/mesh_pictures.h"
 
 namespace batten {
@@ -19,10 +20,6 @@ std::vector<MeshPicture::Part> parts_of(const ShellMesh& shells, const Kept& kep
 }
 
 }  // namespace
-
-Points of_nodes(const Points& vertices, const MeshFile& file) {
-  return vertices.topRows(file.shells().node_count());
-}
 
 void draw_deformed(DeformReport& report, const DeformScene& scene, const MeshFile& file,
                    const std::vector<Points>& states, const std::vector<Task>& tasks,

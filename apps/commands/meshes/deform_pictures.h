@@ -9,9 +9,6 @@
 
 namespace batten {
 
-/// Places of the file's nodes: the mesh has more vertices where sheets meet.
-Points of_nodes(const Points& vertices, const MeshFile& file);
-
 /// Draws the pictures of a scene. `states`: places of all vertices before the first edit and after each.
 void draw_deformed(DeformReport& report, const DeformScene& scene, const MeshFile& file,
                    const std::vector<Points>& states, const std::vector<Task>& tasks,

@@ -133,6 +133,56 @@ void note_merged(Kept& kept, int vertices) {
                          kept.features[b].name + "' share vertices and move as one");
 }
 
+HandleMove move_of(const EditRule::MovedHandle& h, const std::vector<int>& vertices,
+                   const TriangleMesh& mesh) {
+  HandleMove move;
+  move.about = h.about ? *h.about : VertexCombination::mean_of(vertices).at(mesh.points());
+  move.turn = rotation_log(h.axis, h.degrees * std::numbers::pi / 180);
+  move.shift = h.translate;
+  move.scale = h.scale;
+  return move;
+}
+
+/// The scales of all features; turns are looked at, too: whether their features are there.
+std::vector<double> feature_scales(const DeformScene& scene, const EditRule& rule, const Kept& kept,
+                                   size_t features) {
+  std::vector<std::string> names;
+  for (const auto& f : kept.features) names.push_back(f.name);
+  const auto require = [&](const PlacedWord& word, const std::string& what) {
+    if (std::none_of(names.begin(), names.end(),
+                     [&](const auto& name) { return matches(word.text, name); }))
+      throw InputError(scene.at(word.place) + "found a " + what + " of '" + word.text +
+                       "', expected a feature: " + listed(names) + did_you_mean(word.text, names));
+  };
+  std::vector<double> scales(features, 1.0);
+  for (const auto& s : rule.scales) {
+    require(s.feature, "scale");
+    for (size_t f = 0; f < names.size(); ++f)
+      if (matches(s.feature.text, names[f])) scales[f] = s.factor;
+  }
+  for (const auto& t : rule.turns) require(t.feature, "turn");
+  return scales;
+}
+
+/// A point of the plane or line of each guide.
+std::vector<Vec3> guide_points(const DeformScene& scene, const EditRule& rule, const Kept& kept,
+                               const TriangleMesh& mesh) {
+  std::vector<std::string> names;
+  std::vector<Vec3> points;
+  for (size_t k = 0; k < kept.guided.size(); ++k) {
+    names.push_back(kept.guided[k].name);
+    points.push_back(kept.through[k] ? *kept.through[k] : kept.guided[k].point.at(mesh.points()));
+  }
+  for (const auto& g : rule.guides) {
+    const auto it = std::find(names.begin(), names.end(), g.guide.text);
+    if (it == names.end())
+      throw InputError(scene.at(g.guide.place) + "found a move of the guide '" + g.guide.text +
+                       "', expected " + one_of(g.guide.text, names));
+    points[it - names.begin()] = g.through;
+  }
+  return points;
+}
+
 }  // namespace
 
 MeshCurve shape_curve(const DeformScene& scene, const CurveRule& rule, VertexSelector& select,
@@ -211,6 +261,16 @@ Task with_kept_centres(Task task, const Kept& kept, const Points& unscaled) {
   return task;
 }
 
+DeformEdit edit_of(const DeformScene& scene, const EditRule& rule, const Kept& kept,
+                   const DeformProblem& problem, const TriangleMesh& mesh) {
+  DeformEdit edit;
+  for (size_t i = 0; i < rule.handles.size(); ++i)
+    edit.handles.push_back(move_of(rule.handles[i], problem.handles[i].vertices, mesh));
+  edit.feature_scales = feature_scales(scene, rule, kept, problem.features.size());
+  edit.guides = guide_points(scene, rule, kept, mesh);
+  return edit;
+}
+
 Task task_of(const DeformScene& scene, const EditRule& rule, const Kept& kept,
              VertexSelector& select, const TriangleMesh& mesh) {
   Task task;
@@ -223,56 +283,13 @@ Task task_of(const DeformScene& scene, const EditRule& rule, const Kept& kept,
   task.problem.chains = kept.chains;
   task.problem.rows = kept.rows;
   task.problem.weighting = scene.weighting;
-  for (const auto& h : rule.handles) {
+  for (const auto& h : rule.handles)
     task.problem.handles.push_back({h.name, select.of(h.vertices)});
-    HandleMove move;
-    move.about =
-        h.about
-            ? *h.about
-            : VertexCombination::mean_of(task.problem.handles.back().vertices).at(mesh.points());
-    move.turn = rotation_log(h.axis, h.degrees * std::numbers::pi / 180);
-    move.shift = h.translate;
-    move.scale = h.scale;
-    task.edit.handles.push_back(move);
-  }
   if (!rule.region.empty()) {
     task.problem.region = select.of(rule.region);
     kept.attached->widen(*task.problem.region, task.problem.handles);
   }
-  std::vector<std::string> names;
-  for (const auto& f : kept.features) names.push_back(f.name);
-  task.edit.feature_scales.assign(task.problem.features.size(), 1.0);
-  for (const auto& s : rule.scales) {
-    bool any = false;
-    for (size_t f = 0; f < names.size(); ++f)
-      if (matches(s.feature.text, names[f])) {
-        task.edit.feature_scales[f] = s.factor;
-        any = true;
-      }
-    if (!any)
-      throw InputError(scene.at(s.feature.place) + "found a scale of '" + s.feature.text +
-                       "', expected a feature: " + listed(names) +
-                       did_you_mean(s.feature.text, names));
-  }
-  for (const auto& t : rule.turns)
-    if (std::none_of(names.begin(), names.end(),
-                     [&](const auto& name) { return matches(t.feature.text, name); }))
-      throw InputError(scene.at(t.feature.place) + "found a turn of '" + t.feature.text +
-                       "', expected a feature: " + listed(names) +
-                       did_you_mean(t.feature.text, names));
-  names.clear();
-  for (size_t k = 0; k < kept.guided.size(); ++k) {
-    names.push_back(kept.guided[k].name);
-    task.edit.guides.push_back(kept.through[k] ? *kept.through[k]
-                                               : kept.guided[k].point.at(mesh.points()));
-  }
-  for (const auto& g : rule.guides) {
-    const auto it = std::find(names.begin(), names.end(), g.guide.text);
-    if (it == names.end())
-      throw InputError(scene.at(g.guide.place) + "found a move of the guide '" + g.guide.text +
-                       "', expected " + one_of(g.guide.text, names));
-    task.edit.guides[it - names.begin()] = g.through;
-  }
+  task.edit = edit_of(scene, rule, kept, task.problem, mesh);
   return task;
 }
 

@@ -26,6 +26,11 @@ struct Task {
   DeformEdit edit;
 };
 
+/// How one edit moves what its problem has: the numbers of the rule. `mesh` is the result of the edit
+/// before. Throws InputError with the place of a feature or guide that is not there.
+DeformEdit edit_of(const DeformScene& scene, const EditRule& rule, const Kept& kept,
+                   const DeformProblem& problem, const TriangleMesh& mesh);
+
 /// The task with the centres of all features where they are at `unscaled`, positions without any
 /// scale of a feature: scaling one then moves no other.
 Task with_kept_centres(Task task, const Kept& kept, const Points& unscaled);

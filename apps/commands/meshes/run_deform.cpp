@@ -8,33 +8,22 @@
 #include <utility>
 
 #include "batten/apps/commands/meshes/deform_pictures.h"
-#include "batten/apps/commands/meshes/deform_task.h"
-#include "batten/apps/commands/meshes/turn_estimate.h"
+#include "batten/apps/commands/meshes/edit_session.h"
 #include "batten/apps/commands/runs/run_parts.h"
 #include "batten/core/box.h"
 #include "batten/core/index.h"
 #include "batten/io/decks/shell_deck.h"
 #include "batten/io/vtk/shell_vtk.h"
-#include "batten/mesh/deform/form_feature_deformer.h"
 #include "batten/mesh/deform/similarity.h"
 
 namespace batten {
 namespace {
-
-using Clock = std::chrono::steady_clock;
 
 double largest_move(const Points& before, const Points& after, int* where = nullptr) {
   long row = 0;
   const double largest = before.rows() > 0 ? (after - before).rowwise().norm().maxCoeff(&row) : 0;
   if (where) *where = static_cast<int>(row);
   return largest;
-}
-
-/// Coordinates that change by roundings only are as they were, so that their text stays.
-Points unmoved_as_before(const Points& before, const Points& after) {
-  const double rounding =
-      16 * std::numeric_limits<double>::epsilon() * before.cwiseAbs().maxCoeff();
-  return ((after - before).array().abs() <= rounding).select(before, after);
 }
 
 void measure_into(DeformReport& report, const MeshFile& file, const TriangleMesh& original,
@@ -122,23 +111,6 @@ void write_result(const std::filesystem::path& path, const MeshFile& file, const
   write_deformed_vtp(path, shells, data);
 }
 
-bool scales_features(const DeformEdit& edit) {
-  return std::any_of(edit.feature_scales.begin(), edit.feature_scales.end(),
-                     [](double scale) { return scale != 1; });
-}
-
-void count_into(DeformReport::Edit& report, const FormFeatureDeformer& deformer) {
-  const auto c = deformer.counts();
-  report.moving = c.moving;
-  report.unknowns = c.unknowns;
-  report.soft_rows = c.soft_rows;
-  report.hard_rows = c.hard_rows;
-  report.feature_rows = c.feature_rows;
-  report.dropped_rows = c.dropped_rows;
-  report.guide_rows = c.guide_rows;
-  report.hard_residual = deformer.hard_residual();
-}
-
 /// One run of `batten deform`: the constructor reads, the other steps follow in their order.
 class DeformRun {
  public:
@@ -147,8 +119,9 @@ class DeformRun {
         progress_(progress),
         out_(folder),
         watch_(report_.timings),
-        file_(read_mesh()),
-        prepared_(prepare_mesh()),
+        source_(read_mesh()),
+        file_(source_.file),
+        prepared_(source_.prepared),
         select_(make_selector()),
         attached_(file_, original(), scene.following),
         kept_(gather_kept()) {}
@@ -200,30 +173,21 @@ class DeformRun {
  private:
   const TriangleMesh& original() const { return prepared_.mesh; }
 
-  MeshFile read_mesh() {
+  MeshSource read_mesh() {
     report_.name = scene_.name;
     report_.unit = scene_.unit;
     report_.parameters = scene_.parameters();
     progress_.at("mesh", 0);
-    MeshFile file = MeshFile::read(scene_.mesh);
-    report_.warnings = file.warnings();
+    MeshSource source = read_source(scene_.mesh);
+    report_.warnings = source.file.warnings();
+    const std::vector<std::string>& notes = source.prepared.notes;
+    report_.warnings.insert(report_.warnings.end(), notes.begin(), notes.end());
     report_.mesh_file = scene_.mesh.filename().string();
-    report_.format = file.format();
-    report_.nodes = file.shells().node_count();
-    report_.faces = file.shells().face_count();
-    return file;
-  }
-
-  PreparedMesh prepare_mesh() {
-    try {
-      PreparedMesh prepared =
-          prepare(file_.shells(), [&](int v) { return std::to_string(file_.node_label(v)); });
-      report_.warnings.insert(report_.warnings.end(), prepared.notes.begin(), prepared.notes.end());
-      watch_.lap("mesh");
-      return prepared;
-    } catch (const InputError& e) {
-      throw InputError(scene_.mesh.string() + ": " + e.what());
-    }
+    report_.format = source.file.format();
+    report_.nodes = source.file.shells().node_count();
+    report_.faces = source.file.shells().face_count();
+    watch_.lap("mesh");
+    return source;
   }
 
   VertexSelector make_selector() {
@@ -238,71 +202,16 @@ class DeformRun {
     return kept;
   }
 
-  /// Errors name the edit and its place in the scene.
   void edit_once(const EditRule& rule) {
-    const TriangleMesh mesh = original().with_points(states_.back());
-    tasks_.push_back(task_of(scene_, rule, kept_, select_, mesh));
-    const auto fail = [&](const std::string& why) {
-      return scene_.at(rule.place) + "the edit '" + rule.name + "': " + why;
-    };
-    try {
-      deform(rule, mesh, tasks_.back());
-    } catch (const ConflictError& e) {
-      throw ConflictError(e.conflicts(), fail(""));
-    } catch (const InputError& e) {
-      throw InputError(fail(e.what()));
-    } catch (const NoSolutionError& e) {
-      throw NoSolutionError(fail(e.what()));
-    }
-  }
-
-  void deform(const EditRule& rule, const TriangleMesh& mesh, Task& task) {
+    EditSession session(scene_, rule, kept_, select_, prepared_, states_.back());
     DeformReport::Edit report;
-    report.name = rule.name;
-    const auto start = Clock::now();
-    std::optional<ShapeEstimate> estimate = estimate_for(rule, task, prepared_, mesh, report);
-    const auto solve = [&](FormFeatureDeformer& deformer, const DeformEdit& edit) {
-      estimate ? deformer.deform(edit, *estimate) : deformer.deform(edit);
-      if (estimate && rule.turn == EditRule::Turn::Found)
-        settle(rule, task, edit, mesh, deformer, *estimate, report);
-      deformer.correct();
-    };
-    if (rule.keep_centres && scales_features(task.edit)) {
-      DeformEdit unscaled = task.edit;
-      unscaled.feature_scales.clear();
-      FormFeatureDeformer deformer(mesh, task.problem);
-      solve(deformer, unscaled);
-      task = with_kept_centres(std::move(task), kept_, deformer.positions());
-    }
-    FormFeatureDeformer deformer(mesh, task.problem);
-    report.set_up_s = seconds_since(start);
-    const auto begin = Clock::now();
-    solve(deformer, task.edit);
-    report.edit_s = seconds_since(begin);
-    report.last_correction = deformer.correct();
-    count_into(report, deformer);
-    report.largest_displacement = largest_move(states_.back(), deformer.positions());
+    states_.push_back(session.settle(report));
+    tasks_.push_back(session.task());
     report_.edits.push_back(report);
     if (!report.found)
       report_.warnings.push_back(rule.name + ": how the sheet turns did not settle in " +
                                  std::to_string(report.rounds) + " rounds");
-    for (const auto& note : deformer.notes()) report_.warnings.push_back(rule.name + ": " + note);
-    states_.push_back(unmoved_as_before(mesh.points(), deformer.positions()));
-    attached_.follow(mesh.points(), states_.back(), task.problem.features);
-  }
-
-  /// Features lean on the sheet beside them, which they bend themselves.
-  void settle(const EditRule& rule, const Task& task, const DeformEdit& edit,
-              const TriangleMesh& mesh, FormFeatureDeformer& deformer, ShapeEstimate& estimate,
-              DeformReport::Edit& report) const {
-    constexpr int most_rounds = 20;
-    constexpr double settled = 0.05;  // degrees
-    report.found = false;
-    for (report.rounds = 1; report.rounds < most_rounds && !report.found; ++report.rounds) {
-      report.found = lean_on(rule, task, kept_.features.size(), mesh, deformer.positions(),
-                             estimate) < settled;
-      deformer.deform(edit, estimate);
-    }
+    for (const auto& note : session.notes()) report_.warnings.push_back(rule.name + ": " + note);
   }
 
   /// The mesh in the format of its file.
@@ -327,8 +236,9 @@ class DeformRun {
   OutputFolder out_;
   DeformReport report_;
   Stopwatch watch_;
-  const MeshFile file_;
-  const PreparedMesh prepared_;
+  const MeshSource source_;
+  const MeshFile& file_;
+  const PreparedMesh& prepared_;
   VertexSelector select_;
   const AttachedNodes attached_;
   const Kept kept_;

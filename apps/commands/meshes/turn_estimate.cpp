@@ -178,7 +178,7 @@ class FeatureTurns {
 };
 
 /// The same edit without features, but for connections between parts.
-ShapeEstimate featureless(const Task& task, const TriangleMesh& mesh) {
+Task without_features(const Task& task, const TriangleMesh& mesh) {
   Task plain = task;
   const std::vector<int> part = parts_of_nodes(mesh.topology());
   std::erase_if(plain.problem.features, [&](const FormFeature& f) {
@@ -189,15 +189,7 @@ ShapeEstimate featureless(const Task& task, const TriangleMesh& mesh) {
   plain.problem.same_turns.clear();
   plain.problem.guided.clear();
   plain.problem.rows.clear();
-  plain.edit.feature_scales.clear();
-  plain.edit.guides.clear();
-  plain.edit.targets.clear();
-  FormFeatureDeformer deformer(mesh, plain.problem);
-  ShapeEstimate estimate;
-  estimate.known = known_vertices(held_of(task.problem, mesh), task.problem.handles,
-                                  plain.problem.features, mesh);
-  estimate.positions = deformer.deform(plain.edit);
-  return estimate;
+  return plain;
 }
 
 void set_told(const EditRule& rule, const Task& task, const FeatureTurns& turns,
@@ -218,39 +210,53 @@ std::unique_ptr<DeformEstimate> deformer_of(Turn turn, const PreparedMesh& prepa
 
 }  // namespace
 
-std::optional<ShapeEstimate> estimate_for(const EditRule& rule, const Task& task,
-                                          const PreparedMesh& prepared, const TriangleMesh& mesh,
-                                          DeformReport::Edit& edit) {
+TurnFinder::TurnFinder(const PreparedMesh& prepared, const TriangleMesh& mesh)
+    : prepared_(prepared), mesh_(mesh) {}
+
+ShapeEstimate TurnFinder::featureless(const Task& task) {
+  if (!plain_) {
+    const DeformProblem problem = without_features(task, mesh_).problem;
+    plain_ = std::make_unique<FormFeatureDeformer>(mesh_, problem);
+    known_ =
+        known_vertices(held_of(task.problem, mesh_), task.problem.handles, problem.features, mesh_);
+  }
+  DeformEdit edit;
+  edit.handles = task.edit.handles;
+  return {.positions = plain_->deform(edit), .known = known_, .feature_turns = {}};
+}
+
+std::optional<ShapeEstimate> TurnFinder::estimate(const EditRule& rule, const Task& task,
+                                                  DeformReport::Edit& edit) {
   const DeformProblem& problem = task.problem;
   const bool moving = std::any_of(task.edit.handles.begin(), task.edit.handles.end(), moves);
   const bool finds = moving && rule.turn != Turn::Harmonic;
   if (!finds && rule.turns.empty()) return std::nullopt;
-  const std::vector<int> fixed = held_of(problem, mesh);
   ShapeEstimate estimate;
-  estimate.positions = mesh.points();
-  estimate.known.assign(mesh.vertex_count(), 0);
+  estimate.positions = mesh_.points();
+  estimate.known.assign(mesh_.vertex_count(), 0);
   if (finds && rule.turn == Turn::Found) {
-    estimate = featureless(task, mesh);
+    estimate = featureless(task);
   } else if (finds) {
+    const std::vector<int> fixed = held_of(problem, mesh_);
     estimate.use = ShapeEstimate::Use::Shape;
-    const auto deformer = deformer_of(rule.turn, prepared, mesh, fixed, problem.handles);
-    estimate.positions = deformer->deform(task.edit.handles);
-    estimate.known = known_vertices(fixed, problem.handles, {}, mesh);
-    edit.rounds = deformer->report().rounds;
-    edit.found = deformer->report().converged;
+    if (!in_rounds_) in_rounds_ = deformer_of(rule.turn, prepared_, mesh_, fixed, problem.handles);
+    estimate.positions = in_rounds_->deform(task.edit.handles);
+    estimate.known = known_vertices(fixed, problem.handles, {}, mesh_);
+    edit.rounds = in_rounds_->report().rounds;
+    edit.found = in_rounds_->report().converged;
   }
-  const FeatureTurns turns(task, mesh, estimate.known, estimate.positions,
+  const FeatureTurns turns(task, mesh_, estimate.known, estimate.positions,
                            FeatureTurns::Faces::Own);
   estimate.feature_turns = turns.found();
   set_told(rule, task, turns, estimate.feature_turns);
   return estimate;
 }
 
-double lean_on(const EditRule& rule, const Task& task, size_t leaning, const TriangleMesh& mesh,
-               const Points& positions, ShapeEstimate& estimate) {
+double TurnFinder::lean_on(const EditRule& rule, const Task& task, size_t leaning,
+                           const Points& positions, ShapeEstimate& estimate) const {
   const std::vector<char> held =
-      known_vertices(held_of(task.problem, mesh), task.problem.handles, {}, mesh);
-  const FeatureTurns turns(task, mesh, held, positions, FeatureTurns::Faces::Beside);
+      known_vertices(held_of(task.problem, mesh_), task.problem.handles, {}, mesh_);
+  const FeatureTurns turns(task, mesh_, held, positions, FeatureTurns::Faces::Beside);
   auto found = turns.found();
   set_told(rule, task, turns, found);
   double largest = 0;

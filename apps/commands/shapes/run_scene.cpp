@@ -16,16 +16,13 @@
 #include "batten/core/errors.h"
 #include "batten/core/index.h"
 #include "batten/core/words.h"
+#include "batten/io/files/text.h"
 #include "batten/io/pictures/display.h"
 
 namespace batten {
 namespace {
 
 constexpr size_t kMost = 3;  // of a kind that are spelled out
-
-std::string counted(size_t count, const std::string& one, const std::string& many) {
-  return std::to_string(count) + " " + (count == 1 ? one : many);
-}
 
 std::string some(const std::vector<std::string>& names, size_t most = 8) {
   std::string text;
@@ -60,7 +57,7 @@ std::string repairs(const NetworkReport& n) {
 }
 
 std::string joins(const NetworkReport& n) {
-  std::map<std::string, size_t> counts;
+  std::map<std::string, long> counts;
   double angle = 0;
   size_t open = 0;
   for (const auto& j : n.joins) {
@@ -69,22 +66,21 @@ std::string joins(const NetworkReport& n) {
     open += j.open[0] || j.open[1];
     angle = std::max(angle, j.max_inside_deg);
   }
-  std::string text = counted(counts["crease"], "crease", "creases") + ", " +
-                     std::to_string(counts["smooth"]) + " smooth";
+  std::string text =
+      counted(counts["crease"], "crease") + ", " + std::to_string(counts["smooth"]) + " smooth";
   if (counts["smooth"]) text += " within " + number(angle) + " degrees";
   if (open) text += " (" + std::to_string(open) + " of them with an end that is a crease)";
-  text += ", " + counted(counts["rim"], "rim", "rims");
+  text += ", " + counted(counts["rim"], "rim");
   if (counts["branching"]) text += ", " + std::to_string(counts["branching"]) + " branching";
   return text;
 }
 
 /// Says how many lines meet where, what was repaired and what was not.
 std::string line_results(const NetworkReport& n, const std::string& unit) {
-  std::string text = result_line(
-      "lines", std::to_string(n.lines) + ", in " +
-                   counted(static_cast<size_t>(n.arcs), "piece", "pieces") + " between " +
-                   counted(static_cast<size_t>(n.nodes), "place", "places") +
-                   " where they meet within " + number(n.tolerance) + unit);
+  std::string text =
+      result_line("lines", std::to_string(n.lines) + ", in " + counted(n.arcs, "piece") +
+                               " between " + counted(n.nodes, "place") +
+                               " where they meet within " + number(n.tolerance) + unit);
   if (constexpr double prepared = 0.5; n.usual_share < prepared) {
     const bool found = n.tolerance > 1.1e-3 * n.size;
     text += result_line("by hand", "within 1e-3 of their size only " + number(100 * n.usual_share) +
@@ -129,7 +125,7 @@ std::string shape_results(const NetworkReport& n) {
   std::string text;
   for (const auto& [shape, of] : shapes) {
     text += (text.empty() ? "" : ", ") +
-            counted(static_cast<size_t>(of.first), shape, shape == "torus" ? "tori" : shape + "s");
+            counted(of.first, shape, shape == "torus" ? "tori" : shape + "s");
     std::string radii;
     for (const std::string& radius : of.second) radii += (radii.empty() ? "" : ", ") + radius;
     constexpr size_t few = 4;
@@ -143,13 +139,12 @@ std::string shell_results(const NetworkReport& n, const std::string& unit) {
   std::string text;
   for (const auto& shell : n.shells) {
     if (n.shells.size() > kMost && &shell >= &n.shells[kMost]) continue;
-    text +=
-        result_line(&shell == &n.shells.front() ? "shells" : "",
-                    counted(shell.regions.size(), "region", "regions") + ", " +
-                        (shell.closed ? "closed" : "open") +
-                        (shell.orientable ? "" : ", one-sided or branching") + ", area " +
-                        number(shell.area) + unit + "²" +
-                        (shell.volume != 0 ? ", volume " + number(shell.volume) + unit + "³" : ""));
+    text += result_line(
+        &shell == &n.shells.front() ? "shells" : "",
+        counted(shell.regions.size(), "region") + ", " + (shell.closed ? "closed" : "open") +
+            (shell.orientable ? "" : ", one-sided or branching") + ", area " + number(shell.area) +
+            unit + "²" +
+            (shell.volume != 0 ? ", volume " + number(shell.volume) + unit + "³" : ""));
   }
   if (n.shells.size() > kMost)
     text += result_line("", "and " + std::to_string(n.shells.size() - kMost) + " more shells");
@@ -198,8 +193,8 @@ std::string edges_of(const Report::Step& step) {
   if (smooth + step.creases == 0) return "";
   const auto missed = std::count_if(step.joins.begin(), step.joins.end(),
                                     [](const auto& join) { return join.missed; });
-  return "; " + counted(static_cast<size_t>(step.creases), "crease", "creases") + ", " +
-         counted(static_cast<size_t>(smooth), "smooth edge", "smooth edges") +
+  return "; " + counted(step.creases, "crease") + ", " +
+         counted(smooth, "smooth edge", "smooth edges") +
          (smooth ? " within " + number(step.max_smooth_deg) + " degrees" : "") +
          (missed ? ", " + std::to_string(missed) + " missed" : "");
 }
@@ -207,9 +202,8 @@ std::string edges_of(const Report::Step& step) {
 /// Says what the STEP file holds.
 std::string step_result(const Report::Step& step, const std::string& unit) {
   return result_line(
-      "STEP", counted(static_cast<size_t>(step.faces), "face", "faces") + " in " +
-                  (step.solids ? counted(static_cast<size_t>(step.solids), "solid", "solids")
-                               : counted(static_cast<size_t>(step.shells), "shell", "shells")) +
+      "STEP", counted(step.faces, "face") + " in " +
+                  (step.solids ? counted(step.solids, "solid") : counted(step.shells, "shell")) +
                   ", " + (step.valid ? "valid" : "NOT valid") + ", within " +
                   number(step.max_deviation) + unit + ", edges within " + number(step.max_gap) +
                   unit + edges_of(step));
@@ -276,8 +270,8 @@ std::string network_summary(const Report& report, const std::filesystem::path& f
   text += shell_results(n, unit);
   text += flaw_results(report);
   if (!n.bare.empty())
-    text += result_line("left over", counted(n.bare.size(), "line", "lines") +
-                                         " without a surface: " + some(n.bare));
+    text += result_line("left over",
+                        counted(n.bare.size(), "line") + " without a surface: " + some(n.bare));
   if (skinned)
     text += fairing_result(s, unit) + target_result(report, unit) + quality_result(s, unit);
   if (report.step) text += step_result(*report.step, unit);

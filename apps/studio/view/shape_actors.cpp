@@ -2,11 +2,8 @@
 
 #include <vtkActor.h>
 #include <vtkCellArray.h>
-#include <vtkCellData.h>
-#include <vtkCellPicker.h>
 #include <vtkFloatArray.h>
 #include <vtkIntArray.h>
-#include <vtkLookupTable.h>
 #include <vtkNew.h>
 #include <vtkPointData.h>
 #include <vtkPoints.h>
@@ -21,13 +18,12 @@
 #include <limits>
 #include <numbers>
 
-#include "batten/apps/studio/view/shape_colours.h"
+#include "batten/apps/studio/view/layer.h"
 
 namespace batten::studio {
 namespace {
 
-constexpr double kStripes = 28;  // of a zebra, over half a turn
-constexpr int kBands = 24;
+constexpr double kDot = 9;       // pixels
 
 vtkIdType count_of_triples(const std::vector<float>& values) {
   return static_cast<vtkIdType>(values.size() / 3);
@@ -43,38 +39,6 @@ void copy_into(vtkFloatArray& array, const std::vector<float>& values) {
 
 }  // namespace
 
-/// One set of cells and the actor that draws them.
-struct ShapeActors::Layer {
-  Layer(vtkRenderer* renderer, double order, double width) {
-    mapper->SetInputData(data);
-    mapper->SetResolveCoincidentTopologyToPolygonOffset();
-    mapper->SetRelativeCoincidentTopologyPolygonOffsetParameters(0, order);
-    mapper->SetRelativeCoincidentTopologyLineOffsetParameters(0, order);
-    mapper->ScalarVisibilityOff();
-    actor->SetMapper(mapper);
-    actor->GetProperty()->SetLineWidth(static_cast<float>(width));
-    if (width > 0) actor->GetProperty()->LightingOff();
-    renderer->AddActor(actor);
-  }
-  void set_colour(const std::array<double, 3>& c) {
-    actor->GetProperty()->SetColor(c[0], c[1], c[2]);
-  }
-  void set_polylines(const std::vector<std::vector<Vec3>>& lines) {
-    vtkNew<vtkPoints> points;
-    vtkNew<vtkCellArray> cells;
-    for (const auto& line : lines) {
-      cells->InsertNextCell(static_cast<int>(line.size()));
-      for (const Vec3& p : line) cells->InsertCellPoint(points->InsertNextPoint(p.data()));
-    }
-    data->SetPoints(points);
-    data->SetLines(cells);
-    data->Modified();
-  }
-  vtkNew<vtkPolyData> data;
-  vtkNew<vtkPolyDataMapper> mapper;
-  vtkNew<vtkActor> actor;
-};
-
 ShapeActors::ShapeActors(vtkRenderer* renderer)
     : facets_(std::make_unique<Layer>(renderer, 2, 0)),
       lines_(std::make_unique<Layer>(renderer, -2, 2.5)),
@@ -85,6 +49,8 @@ ShapeActors::ShapeActors(vtkRenderer* renderer)
       points_(vtkSmartPointer<vtkFloatArray>::New()),
       normals_(vtkSmartPointer<vtkFloatArray>::New()),
       scalars_(vtkSmartPointer<vtkFloatArray>::New()),
+      facet_regions_(vtkSmartPointer<vtkIntArray>::New()),
+      roles_(vtkSmartPointer<vtkIntArray>::New()),
       renderer_(renderer),
       palette_(Palette::light()) {
   points_->SetNumberOfComponents(3);
@@ -98,8 +64,6 @@ ShapeActors::ShapeActors(vtkRenderer* renderer)
   property->SetDiffuse(0.82);
   property->SetSpecular(0.22);
   property->SetSpecularPower(28);
-  draft_->actor->GetProperty()->SetPointSize(9);
-  draft_->actor->GetProperty()->SetRenderPointsAsSpheres(true);
   colour();
 }
 
@@ -110,13 +74,13 @@ void ShapeActors::take(const DocumentView& view) {
   regions_ = view.regions;
   shown_lines_ = view.shown_lines;
   loose_ = view.lines;
+  mesh_ = view.mesh;
   if (!surface_) {
     pattern_ = nullptr;
     facets_->data->SetPolys(nullptr);
     facets_->data->Modified();
   }
   make_lines();
-  shade();
 }
 
 void ShapeActors::take(const Frame& frame) {
@@ -129,16 +93,17 @@ void ShapeActors::take(const Frame& frame) {
     reference_ = frame.points;
     make_facets();
     make_lines();
+  } else {
+    shade();
   }
   lines_->data->GetPoints()->Modified();
   facets_->data->Modified();
   lines_->data->Modified();
-  shade();
 }
 
 void ShapeActors::make_facets() {
   vtkNew<vtkCellArray> cells;
-  vtkNew<vtkIntArray> regions;
+  facet_regions_->SetNumberOfTuples(0);
   size_t region = 0;
   int number = 0;
   for (const auto& facet : pattern_->facets) {
@@ -146,11 +111,10 @@ void ShapeActors::make_facets() {
       ++region;
     const vtkIdType corners[3] = {facet[0], facet[1], facet[2]};
     cells->InsertNextCell(3, corners);
-    regions->InsertNextValue(static_cast<int>(region));
+    facet_regions_->InsertNextValue(static_cast<int>(region));
     ++number;
   }
   facets_->data->SetPolys(cells);
-  facets_->data->GetCellData()->SetScalars(regions);
 }
 
 // Lines on the surface move with its points; without one they are drawn as they were read.
@@ -193,62 +157,42 @@ void ShapeActors::choose(const std::string& name) {
   chosen_->data->SetPoints(lines_->data->GetPoints());
   chosen_->data->SetLines(cells);
   chosen_->data->Modified();
-}
-
-void ShapeActors::set_shading(Shading shading) {
-  shading_ = shading;
+  choose_facets();
+  make_roles();
   shade();
 }
 
-void ShapeActors::shade() {
-  vtkPolyDataMapper& mapper = *facets_->mapper;
-  const vtkIdType n = points_->GetNumberOfTuples();
-  if (shading_ == Shading::Plain || !pattern_ || n == 0) {
-    mapper.ScalarVisibilityOff();
-    return;
+// Those of a region, or of a part of a mesh.
+void ShapeActors::choose_facets() {
+  chosen_facets_.clear();
+  if (!pattern_ || choice_.empty()) return;
+  for (size_t r = 0; r < regions_.size() && r + 1 < pattern_->first_facet.size(); ++r)
+    for (int f = pattern_->first_facet[r];
+         regions_[r] == choice_ && f < pattern_->first_facet[r + 1]; ++f)
+      chosen_facets_.push_back(f);
+  if (!mesh_) return;
+  std::vector<char> chosen(mesh_->roles.size(), 0);
+  for (const MeshView::Part& part : mesh_->parts)
+    if (part.name == choice_)
+      for (const int p : part.points) chosen[static_cast<size_t>(p)] = 1;
+  choose_within(chosen);
+}
+
+void ShapeActors::choose_within(const std::vector<char>& points) {
+  for (size_t f = 0; f < pattern_->facets.size(); ++f) {
+    const auto& facet = pattern_->facets[f];
+    if (std::all_of(facet.begin(), facet.end(),
+                    [&](int p) { return points[static_cast<size_t>(p)] != 0; }))
+      chosen_facets_.push_back(static_cast<int>(f));
   }
-  mapper.ScalarVisibilityOn();
-  if (shading_ == Shading::Regions) {
-    const auto table = region_colours(static_cast<int>(regions_.size()));
-    mapper.SetScalarModeToUseCellData();
-    mapper.InterpolateScalarsBeforeMappingOff();
-    mapper.SetLookupTable(table);
-    mapper.SetScalarRange(table->GetTableRange());
-    return;
-  }
-  scalars_->SetNumberOfComponents(1);
-  scalars_->SetNumberOfTuples(n);
-  float* value = scalars_->GetPointer(0);
-  const float *x = points_->GetPointer(0), *normal = normals_->GetPointer(0);
-  const Vec3 along = Vec3(1, 0.6, 0).normalized();
-  float low = std::numeric_limits<float>::max(), high = -low;
-  for (vtkIdType i = 0; i < n; ++i, x += 3, normal += 3) {
-    if (shading_ == Shading::Zebra) {
-      const double c = normal[0] * along.x() + normal[1] * along.y() + normal[2] * along.z();
-      value[i] = static_cast<float>(std::acos(std::clamp(c, -1.0, 1.0)) * 180 / std::numbers::pi);
-    } else if (shading_ == Shading::Contours) {
-      value[i] = x[2];
-    } else {
-      const float* r = reference_.data() + 3 * i;
-      value[i] = std::hypot(x[0] - r[0], x[1] - r[1], x[2] - r[2]);
-    }
-    low = std::min(low, value[i]);
-    high = std::max(high, value[i]);
-  }
-  scalars_->Modified();
-  facets_->data->GetPointData()->SetScalars(scalars_);
-  const std::array<double, 3> light{0.97, 0.97, 0.97}, ink{0.13, 0.15, 0.19};
-  vtkSmartPointer<vtkLookupTable> table;
-  if (shading_ == Shading::Zebra)
-    table = stripes(0, 180, static_cast<int>(2 * kStripes), light, ink);
-  else if (shading_ == Shading::Contours)
-    table = stripes(low, high > low ? high : low + 1, kBands, palette_.body, light);
-  else
-    table = distances(std::max(high, 1e-30f));
-  mapper.SetScalarModeToUsePointData();
-  mapper.InterpolateScalarsBeforeMappingOn();
-  mapper.SetLookupTable(table);
-  mapper.SetScalarRange(table->GetTableRange());
+}
+
+void ShapeActors::show_painted(const std::vector<char>& points) {
+  chosen_facets_.clear();
+  if (pattern_ && points.size() == static_cast<size_t>(points_->GetNumberOfTuples()))
+    choose_within(points);
+  make_roles();
+  shade();
 }
 
 void ShapeActors::set_palette(const Palette& palette) {
@@ -275,17 +219,7 @@ void ShapeActors::colour() {
 void ShapeActors::set_mesh(bool shown) { facets_->actor->GetProperty()->SetEdgeVisibility(shown); }
 
 void ShapeActors::set_draft(const std::vector<Vec3>& points) {
-  draft_->set_polylines(points.size() > 1 ? std::vector<std::vector<Vec3>>{points}
-                                          : std::vector<std::vector<Vec3>>{});
-  vtkNew<vtkPoints> dots;
-  vtkNew<vtkCellArray> vertices;
-  for (const Vec3& p : points) {
-    const vtkIdType id = dots->InsertNextPoint(p.data());
-    vertices->InsertNextCell(1, &id);
-  }
-  draft_->data->SetPoints(dots);
-  draft_->data->SetVerts(vertices);
-  draft_->data->Modified();
+  draft_->set_dots(points, true, kDot);
 }
 
 void ShapeActors::set_grid(const std::optional<std::pair<Vec3, Vec3>>& axes) {
@@ -310,77 +244,6 @@ void ShapeActors::set_push(const std::optional<std::pair<Vec3, Vec3>>& from_to) 
     lines = {{from, to}, {to, to - 0.3 * along + side}, {to, to - 0.3 * along - side}};
   }
   push_->set_polylines(lines);
-}
-
-std::optional<Vec3> ShapeActors::surface_at(double x, double y) const {
-  if (!pattern_) return std::nullopt;
-  vtkNew<vtkCellPicker> picker;
-  picker->SetTolerance(0);
-  picker->PickFromListOn();
-  picker->AddPickList(facets_->actor);
-  if (!picker->Pick(x, y, 0, renderer_)) return std::nullopt;
-  Vec3 p;
-  picker->GetPickPosition(p.data());
-  return p;
-}
-
-std::string ShapeActors::line_at(double x, double y) const {
-  vtkNew<vtkCellPicker> picker;
-  picker->SetTolerance(0.006);
-  picker->PickFromListOn();
-  picker->AddPickList(lines_->actor);
-  if (pattern_) picker->AddPickList(facets_->actor);  // what lies in front hides lines
-  if (!picker->Pick(x, y, 0, renderer_) || picker->GetActor() != lines_->actor.Get()) return "";
-  const vtkIdType cell = picker->GetCellId();
-  const auto count = static_cast<vtkIdType>(line_names_.size());
-  return cell >= 0 && cell < count ? line_names_[static_cast<size_t>(cell)] : "";
-}
-
-std::string ShapeActors::region_at(double x, double y) const {
-  if (!pattern_) return "";
-  vtkNew<vtkCellPicker> picker;
-  picker->SetTolerance(0);
-  picker->PickFromListOn();
-  picker->AddPickList(facets_->actor);
-  if (!picker->Pick(x, y, 0, renderer_)) return "";
-  const auto& first = pattern_->first_facet;
-  const auto behind = std::upper_bound(first.begin(), first.end(), picker->GetCellId());
-  const auto region = static_cast<size_t>(behind - first.begin());
-  return region > 0 && region <= regions_.size() ? regions_[region - 1] : "";
-}
-
-int ShapeActors::point_near(const Vec3& p) const {
-  int best = -1;
-  double least = std::numeric_limits<double>::max();
-  for (vtkIdType i = 0; i < points_->GetNumberOfTuples(); ++i) {
-    const double d = (point(static_cast<int>(i)) - p).squaredNorm();
-    if (d < least) {
-      least = d;
-      best = static_cast<int>(i);
-    }
-  }
-  return best;
-}
-
-Vec3 ShapeActors::point(int number) const {
-  const float* x = points_->GetPointer(3 * static_cast<vtkIdType>(number));
-  return {x[0], x[1], x[2]};
-}
-
-std::array<Vec3, 2> ShapeActors::box() const {
-  std::array<Vec3, 2> box{Vec3::Constant(1e300), Vec3::Constant(-1e300)};
-  for (const auto& line : loose_)
-    for (const Vec3& p : line.points) {
-      box[0] = box[0].cwiseMin(p);
-      box[1] = box[1].cwiseMax(p);
-    }
-  for (vtkIdType i = 0; pattern_ && i < points_->GetNumberOfTuples(); ++i) {
-    const Vec3 p = point(static_cast<int>(i));
-    box[0] = box[0].cwiseMin(p);
-    box[1] = box[1].cwiseMax(p);
-  }
-  if (box[0].x() > box[1].x()) return {Vec3::Constant(-100), Vec3::Constant(100)};
-  return box;
 }
 
 }  // namespace batten::studio

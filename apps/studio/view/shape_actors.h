@@ -10,24 +10,25 @@
 
 #include "batten/apps/commands/documents/document_view.h"
 #include "batten/apps/studio/view/shape_colours.h"
+#include "batten/sculpting/session/frame.h"
 
-class vtkActor;
-class vtkCellArray;
 class vtkFloatArray;
-class vtkLookupTable;
-class vtkPolyData;
-class vtkPolyDataMapper;
+class vtkIntArray;
 class vtkRenderer;
 
 namespace batten::studio {
+
+struct Layer;
 
 /// What the colours of the surface say.
 enum class Shading {
   Plain,
   Regions,
-  Zebra,     ///< stripes of equal angle between the normal and a direction
-  Contours,  ///< bands of equal height
-  Deviation  ///< distance from where the surface was when its mesh was made
+  Zebra,      ///< stripes of equal angle between the normal and a direction
+  Contours,   ///< bands of equal height
+  Deviation,  ///< distance from where the surface was when its mesh was made
+  Curvature,  ///< mean curvature, positive where the normal's side is hollow
+  Stretch     ///< largest strain since the mesh was made
 };
 
 /// The actors of one renderer. A frame costs one copy of its points and normals and, with a shading
@@ -42,8 +43,10 @@ class ShapeActors {
   void set_shading(Shading shading);
   void set_palette(const Palette& palette);
   void set_mesh(bool shown);  ///< the edges of the facets
-  /// A name of a line or region: it is drawn in the colour of what is chosen. "": none.
+  /// A name of a line, region or part of a mesh: it is drawn in the colour of what is chosen. "": none.
   void choose(const std::string& name);
+  /// Facets whose points are all marked are drawn so until the next choice.
+  void show_painted(const std::vector<char>& points);
   /// The points of a line that is being drawn; with one more where the hand is.
   void set_draft(const std::vector<Vec3>& points);
   /// A grid through the origin along two axes, in round steps.
@@ -53,8 +56,12 @@ class ShapeActors {
 
   // What a point of the window shows; the renderer's coordinates, from the lower left corner.
   std::optional<Vec3> surface_at(double x, double y) const;
-  std::string line_at(double x, double y) const;  ///< "" where there is none near
-  std::string region_at(double x, double y) const;
+  std::string line_at(double x, double y) const;    ///< "" where there is none near
+  std::string region_at(double x, double y) const;  ///< or the part of a mesh
+  std::vector<int> points_within(const Vec3& centre, double radius) const;
+  int point_count() const;
+  /// What the colours run from and to; both 0 where they say no number.
+  std::array<double, 2> range() const { return range_; }
   /// Number of the display point nearest to a place, and its position in the last frame.
   int point_near(const Vec3& p) const;
   Vec3 point(int number) const;
@@ -62,19 +69,32 @@ class ShapeActors {
   std::array<Vec3, 2> box() const;
 
  private:
-  struct Layer;
   void make_facets();
   void make_lines();
+  void make_roles();
+  void choose_facets();
+  void choose_within(const std::vector<char>& points);
   void shade();
+  void shade_facets(vtkIntArray* values, vtkLookupTable* table);
+  void shade_points();
+  vtkSmartPointer<vtkLookupTable> table_of(const float* value, size_t n);
+  void measure_curvature(float* value) const;
+  void measure_stretch(float* value) const;
   void colour();
+  int facet_at(double x, double y) const;
+  std::string part_of(int facet) const;
   std::unique_ptr<Layer> facets_, lines_, chosen_, draft_, push_, grid_;
   vtkSmartPointer<vtkFloatArray> points_, normals_, scalars_;
+  vtkSmartPointer<vtkIntArray> facet_regions_, roles_;
   vtkRenderer* renderer_;
   std::shared_ptr<const DisplayPattern> pattern_;
   std::vector<float> reference_;         // points when the mesh was made
   std::vector<std::string> line_names_;  // of each cell of lines_
   std::vector<DocumentView::Polyline> loose_;
   std::vector<std::string> regions_, shown_lines_;
+  std::shared_ptr<const MeshView> mesh_;
+  std::vector<int> chosen_facets_;
+  std::array<double, 2> range_{};
   bool surface_ = false;
   Shading shading_ = Shading::Plain;
   Palette palette_;

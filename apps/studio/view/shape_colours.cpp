@@ -54,4 +54,31 @@ Palette Palette::dark() {
           {1.00, 0.58, 0.20}, {0.38, 0.74, 1.00}, {0.90, 0.92, 0.95}};
 }
 
+vtkSmartPointer<vtkLookupTable> role_colours(const Palette& palette) {
+  const Rgb colours[] = {
+      palette.body, {0.45, 0.48, 0.53}, {0.93, 0.62, 0.26}, {0.36, 0.66, 0.62}, palette.chosen};
+  vtkNew<vtkLookupTable> table;
+  table->SetNumberOfTableValues(kChosenRole + 1);
+  table->SetTableRange(0, kChosenRole);
+  for (int i = 0; i <= kChosenRole; ++i)
+    table->SetTableValue(i, colours[i][0], colours[i][1], colours[i][2]);
+  return table.Get();
+}
+
+vtkSmartPointer<vtkLookupTable> two_sided(double limit) {
+  constexpr int steps = 255;
+  const Rgb low{0.16, 0.36, 0.76}, middle{0.95, 0.95, 0.94}, high{0.80, 0.20, 0.16};
+  vtkNew<vtkLookupTable> table;
+  table->SetNumberOfTableValues(steps);
+  table->SetTableRange(-limit, limit);
+  for (int i = 0; i < steps; ++i) {
+    const double t = 2.0 * i / (steps - 1) - 1;
+    const Rgb& end = t < 0 ? low : high;
+    Rgb c;
+    for (size_t k = 0; k < 3; ++k) c[k] = middle[k] + std::abs(t) * (end[k] - middle[k]);
+    table->SetTableValue(i, c[0], c[1], c[2]);
+  }
+  return table.Get();
+}
+
 }  // namespace batten::studio

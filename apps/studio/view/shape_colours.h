@@ -23,6 +23,11 @@ vtkSmartPointer<vtkLookupTable> stripes(double low, double high, int count, cons
                                         const Rgb& b);
 /// Colours that neighbours tell apart: hues by the golden angle.
 vtkSmartPointer<vtkLookupTable> region_colours(int count);
+/// The colours of facets by MeshView::Role, and behind them of what is chosen.
+inline constexpr int kChosenRole = 4;
+vtkSmartPointer<vtkLookupTable> role_colours(const Palette& palette);
+/// A table from -limit to the limit: from blue over white to red.
+vtkSmartPointer<vtkLookupTable> two_sided(double limit);
 /// A table from 0 to the limit: from blue to red.
 vtkSmartPointer<vtkLookupTable> distances(double limit);
 

@@ -41,13 +41,13 @@ void ShapeView::start_push(const QPoint& at) {
   push->name = view_->free_name("push");
   push_ = push;
   const std::weak_ptr<Push> waiting = push;
-  hooks_.ask_place(*p, [this, waiting](const Document::Place& place) {
+  hooks_.ask_place(*p, [this, waiting](const DocumentPlace& place) {
     if (waiting.lock()) place_push(place);
   });
 }
 
 // The load is there, at 0; one unit of it then shows how far the surface gives way.
-void ShapeView::place_push(const Document::Place& place) {
+void ShapeView::place_push(const DocumentPlace& place) {
   Push& push = *push_;
   push.start = place.present;
   push.normal = place.normal;
@@ -111,14 +111,8 @@ Vec3 ShapeView::point_at(const QPoint& at) const {
   if (const auto end = snapped(at)) return *end;
   const Vec3 hand = display(at);
   if (const auto p = actors_->surface_at(hand.x(), hand.y())) return *p;
-  const auto world = [&](double depth) {
-    double w[4];
-    renderer_->SetDisplayPoint(hand.x(), hand.y(), depth);
-    renderer_->DisplayToWorld();
-    renderer_->GetWorldPoint(w);
-    return Vec3(w[0] / w[3], w[1] / w[3], w[2] / w[3]);
-  };
-  const Vec3 near = world(0), along = (world(1) - near).normalized();
+  const Vec3 near = from_window(hand);
+  const Vec3 along = (from_window(hand + Vec3::UnitZ()) - near).normalized();
   Vec3 normal = plane_ == DrawPlane::Xy   ? Vec3::UnitZ()
                 : plane_ == DrawPlane::Xz ? Vec3::UnitY()
                 : plane_ == DrawPlane::Yz ? Vec3::UnitX()

@@ -17,6 +17,7 @@
 #include <cmath>
 #include <string>
 
+#include "batten/apps/studio/view/gizmo.h"
 #include "batten/apps/studio/view/texts.h"
 
 namespace batten::studio {
@@ -50,6 +51,7 @@ ShapeView::ShapeView(QWidget* parent, Hooks hooks)
   vtkNew<vtkInteractorStyleTrackballCamera> style;
   window_->GetInteractor()->SetInteractorStyle(style);
   actors_ = std::make_unique<ShapeActors>(renderer_);
+  gizmo_ = std::make_unique<Gizmo>(renderer_);
   still_ = new QTimer(this);
   still_->setSingleShot(true);
   still_->setInterval(kStillAfter);
@@ -93,25 +95,35 @@ void ShapeView::take(const DocumentWorker::News& news) {
     view_ = news.view;
     actors_->take(*view_);
     if (other) fitted_ = false;
+    const bool gone = !painted_name_.empty() && !view_->table({"select", painted_name_});
+    if (!view_->mesh || (gone && !news.busy)) painted_.clear();
   }
   if (news.frame) actors_->take(*news.frame);
   if (!news.view && !news.frame) return;
-  if (view_ && view_->lines.empty()) fitted_ = false;
-  if (!fitted_ && view_ && !view_->lines.empty() && draft_.empty()) {
+  const bool anything = view_ && (view_->surface || !view_->lines.empty());
+  if (!anything) fitted_ = false;
+  if (!fitted_ && anything && draft_.empty()) {
     fitted_ = true;
     fit();
   }
   if (news.frame) follow_push();
+  if (news.view) show_handle();
   redraw();
 }
 
 void ShapeView::set_tool(Tool tool) {
   cancel_tool();
   tool_ = tool;
-  const QCursor cursors[] = {Qt::ArrowCursor, Qt::PointingHandCursor, Qt::CrossCursor};
+  painted_name_.clear();
+  painted_.clear();
+  const QCursor cursors[] = {Qt::ArrowCursor, Qt::PointingHandCursor, Qt::CrossCursor,
+                             Qt::CrossCursor, Qt::CrossCursor};
   setCursor(cursors[static_cast<int>(tool)]);
   show_grid();
-  const char* const hints[] = {kHintSelect, kHintPush, kHintDraw};
+  show_handle();
+  const bool mesh = view_ && view_->mesh;
+  const char* const hints[] = {mesh ? kHintSelectMesh : kHintSelect, kHintPush, kHintDraw,
+                               kHintPaint, kHintLasso};
   hooks_.hint(text(hints[static_cast<int>(tool)]));
 }
 
@@ -137,7 +149,9 @@ void ShapeView::set_shading(Shading shading) {
 }
 
 void ShapeView::set_dark(bool dark) {
-  actors_->set_palette(dark ? Palette::dark() : Palette::light());
+  const Palette palette = dark ? Palette::dark() : Palette::light();
+  actors_->set_palette(palette);
+  gizmo_->set_palette(palette);
   redraw();
 }
 
@@ -151,8 +165,10 @@ void ShapeView::set_perspective(bool on) {
   fit();
 }
 
-void ShapeView::choose(const std::string& line) {
-  actors_->choose(line);
+void ShapeView::choose(const std::string& name) {
+  chosen_ = name;
+  actors_->choose(name);
+  show_handle();
   redraw();
 }
 
@@ -190,6 +206,14 @@ Vec3 ShapeView::to_window(const Vec3& p) const {
   Vec3 window;
   renderer_->GetDisplayPoint(window.data());
   return window;
+}
+
+Vec3 ShapeView::from_window(const Vec3& window) const {
+  double world[4];
+  renderer_->SetDisplayPoint(window.data());
+  renderer_->DisplayToWorld();
+  renderer_->GetWorldPoint(world);
+  return Vec3(world[0], world[1], world[2]) / world[3];
 }
 
 QPoint ShapeView::pixel_of(const Vec3& p) const {
@@ -233,6 +257,8 @@ bool ShapeView::press(QMouseEvent* event) {
   pressed_ = event->pos();
   left_ = true;
   moved_ = false;
+  if (press_handle(event->pos())) return true;
+  if (tool_ == Tool::Paint || tool_ == Tool::Lasso) return press_brush(event);
   if (tool_ != Tool::Push) return false;
   const Vec3 at = display(event->pos());
   if (!actors_->surface_at(at.x(), at.y())) return false;
@@ -240,8 +266,31 @@ bool ShapeView::press(QMouseEvent* event) {
   return true;
 }
 
+// Beside the surface a brush turns the view; a lasso begins anywhere.
+bool ShapeView::press_brush(QMouseEvent* event) {
+  const Vec3 at = display(event->pos());
+  if (!view_ || !view_->mesh) return false;
+  if (tool_ == Tool::Paint && !actors_->surface_at(at.x(), at.y())) return false;
+  start_painting();
+  brushing_ = true;
+  if (tool_ == Tool::Paint)
+    paint(event->pos(), event->modifiers().testFlag(Qt::ShiftModifier));
+  else
+    draw_lasso(event->pos());
+  return true;
+}
+
 bool ShapeView::move(QMouseEvent* event) {
   if (left_ && (event->pos() - pressed_).manhattanLength() > kClick) moved_ = true;
+  if (left_ && gizmo_->pressed()) {
+    drag_handle(event->pos());
+    return true;
+  }
+  if (left_ && brushing_) {
+    const bool erases = event->modifiers().testFlag(Qt::ShiftModifier);
+    tool_ == Tool::Paint ? paint(event->pos(), erases) : draw_lasso(event->pos());
+    return true;
+  }
   if (push_) {
     const Vec3 from = to_window(push_->start);
     const Vec3 along = to_window(push_->start + push_->normal) - from;
@@ -268,6 +317,16 @@ bool ShapeView::release(QMouseEvent* event) {
   // The second release of a double click has no press of its own.
   if (event->button() != Qt::LeftButton || !left_) return false;
   left_ = false;
+  if (gizmo_->pressed()) {
+    release_handle();
+    return true;
+  }
+  if (brushing_) {
+    brushing_ = false;
+    if (tool_ == Tool::Lasso) close_lasso(event->modifiers().testFlag(Qt::ShiftModifier));
+    finish_stroke();
+    return true;
+  }
   if (push_) {
     end_push();
     return true;
@@ -281,7 +340,7 @@ void ShapeView::click(const QPoint& at) {
   const Vec3 p = display(at);
   const std::string line = actors_->line_at(p.x(), p.y());
   const std::string region = line.empty() ? actors_->region_at(p.x(), p.y()) : "";
-  choose(line);
+  choose(line.empty() ? region : line);
   hooks_.chosen(line, region);
 }
 

@@ -19,11 +19,15 @@ class vtkCameraOrientationWidget;
 
 namespace batten::studio {
 
+class Gizmo;
+
 /// What the left button does.
 enum class Tool {
   Select,  ///< a click chooses a line or region, a drag turns the view
-  Push,  ///< a press on the surface is a point load along the normal: the surface follows the hand
-  Draw   ///< clicks are points of a line; a double click or Enter ends it
+  Push,   ///< a press on the surface is a point load along the normal: the surface follows the hand
+  Draw,   ///< clicks are points of a line; a double click or Enter ends it
+  Paint,  ///< of a mesh: a brush that marks nodes, with Shift one that unmarks them
+  Lasso   ///< the same with a line around them
 };
 
 /// The plane that lines are drawn on, through the first point of the line or the origin.
@@ -35,7 +39,7 @@ class ShapeView : public QVTKOpenGLNativeWidget {
  public:
   struct Hooks {
     std::function<void(DocumentCommand)> post;
-    std::function<void(const Vec3&, std::function<void(const Document::Place&)>)> ask_place;
+    std::function<void(const Vec3&, std::function<void(const DocumentPlace&)>)> ask_place;
     std::function<void(const std::string& line, const std::string& region)> chosen;
     std::function<void(const QString&)> hint;  ///< what can be done next, for the status bar
   };
@@ -50,7 +54,8 @@ class ShapeView : public QVTKOpenGLNativeWidget {
   void set_dark(bool dark);
   void set_mesh(bool shown);
   void set_perspective(bool on);
-  void choose(const std::string& line);
+  /// A line, region or part of a mesh.
+  void choose(const std::string& name);
   /// Shows all, from the direction in which the camera looks.
   void fit();
   void look(const Vec3& direction, const Vec3& up);
@@ -60,6 +65,7 @@ class ShapeView : public QVTKOpenGLNativeWidget {
   /// The point of the window, Qt's logical pixels, that shows a place: for tests and tours.
   QPoint pixel_of(const Vec3& p) const;
   const ShapeActors& actors() const { return *actors_; }
+  const Gizmo& gizmo() const { return *gizmo_; }
 
  protected:
   bool event(QEvent* event) override;
@@ -79,16 +85,28 @@ class ShapeView : public QVTKOpenGLNativeWidget {
   bool press(QMouseEvent* event);
   bool move(QMouseEvent* event);
   bool release(QMouseEvent* event);
+  bool press_brush(QMouseEvent* event);
   bool key(int key);
   void click(const QPoint& at);
   void start_push(const QPoint& at);
-  void place_push(const Document::Place& place);
+  void place_push(const DocumentPlace& place);
   void follow_push();
   void end_push();
   void draw_point(const QPoint& at);
   Vec3 point_at(const QPoint& at) const;
   std::optional<Vec3> snapped(const QPoint& at) const;
+  const DocumentView::Handle* shown_handle() const;
+  void show_handle();
+  bool press_handle(const QPoint& at);
+  void drag_handle(const QPoint& at);
+  void release_handle();
+  void start_painting();
+  void paint(const QPoint& at, bool erases);
+  void draw_lasso(const QPoint& at);
+  void close_lasso(bool erases);
+  void finish_stroke();
   Vec3 to_window(const Vec3& p) const;  // renderer's pixels and depth
+  Vec3 from_window(const Vec3& window) const;
   Vec3 display(const QPoint& at) const;
   void show_grid();
   void redraw();
@@ -105,10 +123,16 @@ class ShapeView : public QVTKOpenGLNativeWidget {
   std::vector<Vec3> draft_;
   std::vector<bool> snapped_;
   std::shared_ptr<Push> push_;
+  std::unique_ptr<Gizmo> gizmo_;
+  DocumentView::Handle held_;  // what the hand has moved the shown handle to
+  std::vector<char> painted_;  // of each display point
+  std::string painted_name_;   // of the selection that strokes add to
+  std::vector<QPoint> lasso_;
+  std::string chosen_;
   QPoint pressed_;
   QTimer* still_ = nullptr;
   bool software_ = false;  // OpenGL on the processor
-  bool left_ = false, moved_ = false, fitted_ = false;
+  bool left_ = false, moved_ = false, fitted_ = false, brushing_ = false;
 };
 
 }  // namespace batten::studio

@@ -26,6 +26,18 @@ inline constexpr const char* kHintDrawing = QT_TRANSLATE_NOOP(
     "studio",
     "Enter or a double click ends the line, Backspace takes a point back, Esc forgets it.");
 
+inline constexpr const char* kHintSelectMesh =
+    QT_TRANSLATE_NOOP("studio",
+                      "Click an opening or a painted part, then say on the left what it is for. "
+                      "Arrows and rings move "
+                      "the handle.");
+inline constexpr const char* kHintPaint = QT_TRANSLATE_NOOP(
+    "studio", "Paint over nodes, with Shift to take some away. Drag beside the mesh to turn it.");
+inline constexpr const char* kHintLasso = QT_TRANSLATE_NOOP(
+    "studio",
+    "Draw around nodes, with Shift to take some away. All that the line encloses counts, the back, "
+    "too.");
+
 inline constexpr const char* kFile = QT_TRANSLATE_NOOP("studio", "&File");
 inline constexpr const char* kEdit = QT_TRANSLATE_NOOP("studio", "&Edit");
 inline constexpr const char* kLook = QT_TRANSLATE_NOOP("studio", "&View");
@@ -47,6 +59,8 @@ inline constexpr const char* kRemove = QT_TRANSLATE_NOOP("studio", "&Delete what
 inline constexpr const char* kSelect = QT_TRANSLATE_NOOP("studio", "Select");
 inline constexpr const char* kPush = QT_TRANSLATE_NOOP("studio", "Push");
 inline constexpr const char* kDraw = QT_TRANSLATE_NOOP("studio", "Draw a line");
+inline constexpr const char* kPaint = QT_TRANSLATE_NOOP("studio", "Paint");
+inline constexpr const char* kLasso = QT_TRANSLATE_NOOP("studio", "Lasso");
 inline constexpr const char* kFit = QT_TRANSLATE_NOOP("studio", "Show &all");
 inline constexpr const char* kFront = QT_TRANSLATE_NOOP("studio", "From the &front");
 inline constexpr const char* kSide = QT_TRANSLATE_NOOP("studio", "From the &right");
@@ -56,9 +70,10 @@ inline constexpr const char* kPerspective = QT_TRANSLATE_NOOP("studio", "&Perspe
 inline constexpr const char* kMesh = QT_TRANSLATE_NOOP("studio", "Facet &edges");
 inline constexpr const char* kDark = QT_TRANSLATE_NOOP("studio", "&Dark look");
 inline constexpr const char* kShadings[] = {
-    QT_TRANSLATE_NOOP("studio", "Plain"), QT_TRANSLATE_NOOP("studio", "Regions"),
-    QT_TRANSLATE_NOOP("studio", "Zebra"), QT_TRANSLATE_NOOP("studio", "Heights"),
-    QT_TRANSLATE_NOOP("studio", "Moved by")};
+    QT_TRANSLATE_NOOP("studio", "Plain"),    QT_TRANSLATE_NOOP("studio", "Regions"),
+    QT_TRANSLATE_NOOP("studio", "Zebra"),    QT_TRANSLATE_NOOP("studio", "Heights"),
+    QT_TRANSLATE_NOOP("studio", "Moved by"), QT_TRANSLATE_NOOP("studio", "Curvature"),
+    QT_TRANSLATE_NOOP("studio", "Stretch")};
 inline constexpr const char* kPlanes[] = {QT_TRANSLATE_NOOP("studio", "Draw on the ground (xy)"),
                                           QT_TRANSLATE_NOOP("studio", "Draw upright (xz)"),
                                           QT_TRANSLATE_NOOP("studio", "Draw upright (yz)"),
@@ -78,6 +93,21 @@ inline constexpr const char* kCrease = QT_TRANSLATE_NOOP("studio", "Crease");
 inline constexpr const char* kSmooth = QT_TRANSLATE_NOOP("studio", "Smooth");
 inline constexpr const char* kAsFound = QT_TRANSLATE_NOOP("studio", "As found");
 inline constexpr const char* kTakeInstead = QT_TRANSLATE_NOOP("studio", "Take this instead");
+inline constexpr const char* kParts = QT_TRANSLATE_NOOP("studio", "Openings and creases");
+inline constexpr const char* kSelections = QT_TRANSLATE_NOOP("studio", "Selections and sets");
+inline constexpr const char* kKept = QT_TRANSLATE_NOOP("studio", "What is kept");
+inline constexpr const char* kEdits = QT_TRANSLATE_NOOP("studio", "Edits");
+inline constexpr const char* kUses[] = {
+    QT_TRANSLATE_NOOP("studio", "Let go"), QT_TRANSLATE_NOOP("studio", "Hold fixed"),
+    QT_TRANSLATE_NOOP("studio", "Make it a handle"), QT_TRANSLATE_NOOP("studio", "Keep its shape"),
+    QT_TRANSLATE_NOOP("studio", "Keep shape and direction")};
+inline constexpr const char* kUsed[] = {
+    QT_TRANSLATE_NOOP("studio", ""), QT_TRANSLATE_NOOP("studio", "fixed"),
+    QT_TRANSLATE_NOOP("studio", "handle"), QT_TRANSLATE_NOOP("studio", "keeps its shape"),
+    QT_TRANSLATE_NOOP("studio", "keeps shape and direction")};
+inline constexpr const char* kKeepAll =
+    QT_TRANSLATE_NOOP("studio", "Keep the shape of all openings");
+inline constexpr const char* kNewEdit = QT_TRANSLATE_NOOP("studio", "Go on with a new edit");
 inline constexpr const char* kKey = QT_TRANSLATE_NOOP("studio", "Key");
 inline constexpr const char* kValue = QT_TRANSLATE_NOOP("studio", "Value");
 inline constexpr const char* kStop = QT_TRANSLATE_NOOP("studio", "Stop");
@@ -90,8 +120,10 @@ inline constexpr const char* kRecover = QT_TRANSLATE_NOOP(
 inline constexpr const char* kUntitled = QT_TRANSLATE_NOOP("studio", "a new scene");
 inline constexpr const char* kSceneFiles = QT_TRANSLATE_NOOP(
     "studio",
-    "Scenes and lines (*.toml *.json *.csv *.txt *.xyz *.dat *.obj *.curves *.dxf *.svg "
-    "*.iges *.igs *.step *.stp *.brep);;All files (*)");
+    "Scenes, lines and meshes (*.toml *.json *.csv *.txt *.xyz *.dat *.obj *.curves *.dxf *.svg "
+    "*.iges *.igs *.step *.stp *.brep *.off *.ply *.stl *.vtp *.vtu *.bdf *.nas *.inp *.k *.key "
+    "*.dyn "
+    "*.rad);;All files (*)");
 inline constexpr const char* kSavedFiles = QT_TRANSLATE_NOOP("studio", "Scenes (*.toml)");
 inline constexpr const char* kExportFiles = QT_TRANSLATE_NOOP(
     "studio",

@@ -1,12 +1,12 @@
 #include "batten/apps/studio/window/chosen_panel.h"
 
-#include <QHBoxLayout>
 #include <QHeaderView>
 #include <QLabel>
 #include <QPushButton>
 #include <QTableWidget>
 #include <QVBoxLayout>
 
+#include "batten/apps/commands/documents/mesh_edits.h"
 #include "batten/apps/commands/documents/word_edits.h"
 #include "batten/apps/studio/view/texts.h"
 
@@ -30,7 +30,7 @@ ChosenPanel::ChosenPanel(QWidget* parent, std::function<void(DocumentCommand)> p
   bold.setBold(true);
   title_->setFont(bold);
   words_->setWordWrap(true);
-  new QHBoxLayout(buttons_);
+  new QVBoxLayout(buttons_);
   buttons_->layout()->setContentsMargins(0, 0, 0, 0);
   keys_->setHorizontalHeaderLabels({text(kKey), text(kValue)});
   keys_->verticalHeader()->hide();
@@ -57,6 +57,7 @@ void ChosenPanel::take(std::shared_ptr<const DocumentView> view, const ModelTree
   words_->clear();
   fill_table();
   fill_words();
+  fill_mesh();
   words_->setVisible(!words_->text().isEmpty());
 }
 
@@ -109,6 +110,36 @@ void ChosenPanel::fill_words() {
     add_button(kAsFound, [edits] { return edits({}); });
   }
   words_->setText(words.join("\n"));
+}
+
+void ChosenPanel::fill_mesh() {
+  if (!view_->mesh) return;
+  const std::string part = item_.name;
+  const SceneText scene(view_->text);
+  if (item_.kind == Kind::Part) {
+    const PartUse now = use_of(scene, part);
+    for (const PartUse use :
+         {PartUse::Rigid, PartUse::KeepsDirection, PartUse::Handle, PartUse::Fixed, PartUse::Free})
+      if (use != now)
+        add_button(kUses[static_cast<int>(use)], [this, part, use] {
+          return use_edits(SceneText(view_->text), *view_->mesh, part, use);
+        });
+    if (now != PartUse::Free) words_->setText(text(kUsed[static_cast<int>(now)]));
+  }
+  if (item_.kind == Kind::Parts)
+    add_button(kKeepAll, [] {
+      return std::vector<DocumentCommand>{
+          {.verb = Verb::Add, .table = {"features", ""}, .text = "{ of = [\"hole-*\"] }"}};
+    });
+  if (item_.kind == Kind::Table && item_.table.kind == "edit")
+    add_button(kNewEdit, [this] {
+      const std::string fixed = SceneText(view_->text).value(item_.table, "fixed");
+      return std::vector<DocumentCommand>{
+          {.verb = Verb::Add,
+           .table = {"edit", ""},
+           .text = "{ name = " + SceneText::word(view_->free_name("edit")) +
+                   (fixed.empty() ? "" : ", fixed = " + fixed) + " }"}};
+    });
 }
 
 void ChosenPanel::add_button(const char* what,

@@ -5,6 +5,7 @@
 #include <functional>
 #include <memory>
 
+#include "batten/apps/commands/documents/document_command.h"
 #include "batten/apps/commands/documents/document_view.h"
 #include "batten/apps/studio/window/model_tree.h"
 
@@ -16,7 +17,8 @@ class QVBoxLayout;
 namespace batten::studio {
 
 /// The table of a chosen item, key by key as the scene has it, to be changed in place; buttons that
-/// make a line a crease or smooth, or take the other way of a close choice.
+/// make a line a crease or smooth, take the other way of a close choice, or say what a part of a mesh
+/// is for.
 class ChosenPanel : public QWidget {
  public:
   ChosenPanel(QWidget* parent, std::function<void(DocumentCommand)> post);
@@ -27,6 +29,7 @@ class ChosenPanel : public QWidget {
  private:
   void fill_table();
   void fill_words();
+  void fill_mesh();
   void add_button(const char* what, std::function<std::vector<DocumentCommand>()> edits);
   std::function<void(DocumentCommand)> post_;
   std::shared_ptr<const DocumentView> view_;

@@ -67,24 +67,25 @@ MainWindow::~MainWindow() {
 
 void MainWindow::make_panels() {
   const auto post = [this](DocumentCommand command) { this->post(std::move(command)); };
-  view_ = new ShapeView(
-      this, {post,
-             [this](const Vec3& near, std::function<void(const Document::Place&)> found) {
-               worker_->ask_place(near, std::move(found));
-             },
-             [this](const std::string& line, const std::string& region) {
-               if (!line.empty())
-                 tree_->choose_line(line);
-               else if (!region.empty())
-                 tree_->choose_region(region);
-             },
-             [this](const QString& hint) { statusBar()->showMessage(hint); }});
+  view_ = new ShapeView(this,
+                        {post,
+                         [this](const Vec3& near, std::function<void(const DocumentPlace&)> found) {
+                           worker_->ask_place(near, std::move(found));
+                         },
+                         [this](const std::string& line, const std::string& region) {
+                           if (!line.empty())
+                             tree_->choose_line(line);
+                           else if (!region.empty())
+                             tree_->choose_region(region);
+                         },
+                         [this](const QString& hint) { statusBar()->showMessage(hint); }});
   setCentralWidget(view_);
   tree_ = new ModelTree(this, [this](const ModelTree::Item& item) {
     chosen_->take(shown_, item);
-    const bool line =
-        item.kind == ModelTree::Item::Kind::Line || item.kind == ModelTree::Item::Kind::Join;
-    view_->choose(line ? item.name : "");
+    using Kind = ModelTree::Item::Kind;
+    std::string name = item.kind == Kind::Table || item.kind == Kind::Choice ? "" : item.name;
+    if (item.table.kind == "edit.handle") name = item.name.substr(item.name.rfind('.') + 1);
+    view_->choose(name);
   });
   chosen_ = new ChosenPanel(this, post);
   sliders_ = new SliderPanel(this, post);
@@ -173,6 +174,8 @@ void MainWindow::make_tools() {
   tool(kSelect, "S", Tool::Select)->setChecked(true);
   tool(kPush, "P", Tool::Push);
   tool(kDraw, "D", Tool::Draw);
+  tool(kPaint, "B", Tool::Paint);
+  tool(kLasso, "L", Tool::Lasso);
   plane_ = new QComboBox;
   for (const char* plane : kPlanes) plane_->addItem(text(plane));
   plane_->setEnabled(false);
@@ -240,6 +243,7 @@ void MainWindow::take_news() {
     tree_->take(*shown_);
     sliders_->take(*shown_);
     chosen_->take(shown_, tree_->current());
+    show_tools();
     undo_->setEnabled(shown_->can_undo);
     redo_->setEnabled(shown_->can_redo);
     show_title();
@@ -247,6 +251,15 @@ void MainWindow::take_news() {
     view_->take(news);
   }
   show_state(news);
+}
+
+// Shapes are pushed and drawn, meshes are painted.
+void MainWindow::show_tools() {
+  const bool mesh = shown_->mesh != nullptr;
+  for (const char* what : {kPush, kDraw}) action(what)->setEnabled(!mesh);
+  for (const char* what : {kPaint, kLasso}) action(what)->setEnabled(mesh);
+  for (const char* what : {kPush, kDraw, kPaint, kLasso})
+    if (action(what)->isChecked() && !action(what)->isEnabled()) action(kSelect)->trigger();
 }
 
 // What keeps the lines from a surface stands there as long as it is so.
@@ -266,9 +279,10 @@ void MainWindow::show_title() {
 }
 
 void MainWindow::show_state(const DocumentWorker::News& news) {
-  state_->setText(shown_->surface ? shown(counted(static_cast<long>(shown_->regions.size()), "surface") + ", " +
-                                counted(shown_->triangles, "element"))
-                                  : text(kNoSurface));
+  state_->setText(shown_->surface
+                      ? shown(counted(static_cast<long>(shown_->regions.size()), "surface") + ", " +
+                              counted(shown_->triangles, "element"))
+                      : text(kNoSurface));
   if (news.answer_ms > 0) answers_->setText(text(kAnswers).arg(std::lround(1000 / news.answer_ms)));
   const bool long_work = news.busy && !news.stage.empty();
   progress_->setVisible(long_work);

@@ -62,6 +62,7 @@ class MainWindow : public QMainWindow {
   void make_status();
   void take_news();
   void show_title();
+  void show_tools();
   void show_problem();
   void show_state(const DocumentWorker::News& news);
   void save(bool as);

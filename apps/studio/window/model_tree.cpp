@@ -2,7 +2,9 @@
 
 #include <QHeaderView>
 #include <QStyle>
+#include <algorithm>
 
+#include "batten/apps/commands/documents/mesh_edits.h"
 #include "batten/apps/studio/view/texts.h"
 
 namespace batten::studio {
@@ -21,6 +23,14 @@ std::string plain(const DocumentView::Table& table, const char* key) {
 bool acts(const std::string& kind) {
   return kind == "load" || kind == "weight" || kind == "constraint" || kind == "move" ||
          kind == "parameter";
+}
+
+/// Tables that a mesh has groups for.
+bool is_of_mesh(const std::string& kind) {
+  constexpr const char* kinds[] = {"select",   "cut",  "feature", "features", "guide",
+                                   "relation", "line", "curve",   "pull",     "edit"};
+  return std::find(std::begin(kinds), std::end(kinds), kind.substr(0, kind.find('.'))) !=
+         std::end(kinds);
 }
 
 QString degrees(double value) { return QString::number(value, 'g', 2) + "°"; }
@@ -64,8 +74,30 @@ void ModelTree::take(const DocumentView& view) {
   filling_ = true;
   std::vector<bool> open;
   for (int i = 0; i < topLevelItemCount(); ++i) open.push_back(topLevelItem(i)->isExpanded());
+  const int groups = topLevelItemCount();
   clear();
   items_.clear();
+  view.mesh ? fill_mesh(view) : fill_shape(view);
+  fill_tables(view);
+  if (groups != topLevelItemCount()) open.clear();  // another kind of document
+  for (int i = 0; i < topLevelItemCount(); ++i)
+    topLevelItem(i)->setExpanded(i < static_cast<int>(open.size())
+                                     ? open[static_cast<size_t>(i)]
+                                     : i + 1 < topLevelItemCount() &&
+                                           topLevelItem(i)->childCount() <= 12);
+  if (before.kind == Kind::Table) {
+    for (QTreeWidgetItemIterator it(this); *it; ++it) {
+      const int number = (*it)->data(0, Qt::UserRole).toInt();
+      if (number >= 0 && items_[static_cast<size_t>(number)].table == before.table)
+        setCurrentItem(*it);
+    }
+  } else if (before.kind != Kind::None) {
+    choose(before.kind, before.name);
+  }
+  filling_ = false;
+}
+
+void ModelTree::fill_shape(const DocumentView& view) {
   auto* lines = group(kLines, static_cast<int>(view.lines.size()));
   for (const auto& line : view.lines) {
     const SceneTable table{"line", line.line};
@@ -103,11 +135,45 @@ void ModelTree::take(const DocumentView& view) {
       }
     }
   }
+}
+
+void ModelTree::fill_mesh(const DocumentView& view) {
+  const SceneText scene(view.text);
+  auto* proposals = group(kParts, 0);
+  auto* selections = group(kSelections, 0);
+  proposals->setData(0, Qt::UserRole, static_cast<int>(items_.size()));
+  items_.push_back({Item::Kind::Parts, "", {}});
+  for (const MeshView::Part& part : view.mesh->parts) {
+    const bool proposal = part.kind == MeshView::Part::Kind::Proposal;
+    const SceneTable table{"select", part.name};
+    const char* use = kUsed[static_cast<int>(use_of(scene, part.name))];
+    QString detail = *use ? text(use) : proposal ? shown(part.detail) : QString();
+    add(proposal ? proposals : selections, shown(part.name), detail,
+        {Item::Kind::Part, part.name, view.table(table) ? table : SceneTable{}});
+  }
+  auto* kept = group(kKept, 0);
+  auto* edits = group(kEdits, 0);
+  for (const auto& table : view.tables) {
+    const std::string& kind = table.name.kind;
+    if (!is_of_mesh(kind) || kind == "select") continue;
+    const bool edit = kind.starts_with("edit");
+    QString name = shown(table.name.name);
+    if (kind == "edit.handle") name = "    " + shown(plain(table, "name"));
+    if (kind == "features") name = shown(plain(table, "of"));
+    add(edit ? edits : kept, name, shown(kind.substr(kind.find('.') + 1)),
+        {Item::Kind::Table, table.name.name, table.name});
+  }
+  for (QTreeWidgetItem* one : {proposals, selections, kept, edits})
+    one->setText(1, QString::number(one->childCount()));
+}
+
+void ModelTree::fill_tables(const DocumentView& view) {
   auto* acting = group(kActing, 0);
   auto* scene = group(kScene, 0);
   for (const auto& table : view.tables) {
     const std::string& kind = table.name.kind;
-    if (kind == "line" || (kind == "region" && !table.name.name.empty())) continue;
+    const bool shape = kind == "line" || (kind == "region" && !table.name.name.empty());
+    if (view.mesh ? is_of_mesh(kind) : shape || kind.find('.') != std::string::npos) continue;
     const bool act = acts(kind);
     const QString name =
         kind.empty() ? shown(view.title) : shown(table.name.name.empty() ? kind : table.name.name);
@@ -118,21 +184,6 @@ void ModelTree::take(const DocumentView& view) {
   }
   acting->setText(1, QString::number(acting->childCount()));
   scene->setText(1, "");
-  for (int i = 0; i < topLevelItemCount(); ++i)
-    topLevelItem(i)->setExpanded(i < static_cast<int>(open.size())
-                                     ? open[static_cast<size_t>(i)]
-                                     : topLevelItem(i) != scene &&
-                                           topLevelItem(i)->childCount() <= 12);
-  if (before.kind == Kind::Table) {
-    for (QTreeWidgetItemIterator it(this); *it; ++it) {
-      const int number = (*it)->data(0, Qt::UserRole).toInt();
-      if (number >= 0 && items_[static_cast<size_t>(number)].table == before.table)
-        setCurrentItem(*it);
-    }
-  } else if (before.kind != Kind::None) {
-    choose(before.kind, before.name);
-  }
-  filling_ = false;
 }
 
 void ModelTree::choose(Item::Kind kind, const std::string& name) {
@@ -154,7 +205,12 @@ void ModelTree::choose_line(const std::string& line) {
   if (current().name == before.name && current().kind == before.kind) chosen_(current());
 }
 
-void ModelTree::choose_region(const std::string& region) { choose(Item::Kind::Region, region); }
+void ModelTree::choose_region(const std::string& region) {
+  const Item before = current();
+  choose(Item::Kind::Region, region);
+  if (current().name != region) choose(Item::Kind::Part, region);
+  if (current().name == before.name && current().kind == before.kind) chosen_(current());
+}
 
 ModelTree::Item ModelTree::current() const {
   const QTreeWidgetItem* item = currentItem();

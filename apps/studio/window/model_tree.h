@@ -9,13 +9,14 @@
 
 namespace batten::studio {
 
-/// Lines, surfaces, joins, what acts, close choices and the other tables of the scene.
+/// Of a shape its lines, surfaces, joins, close choices and what acts; of a mesh its openings,
+/// selections, what is kept and the edits; and the other tables of the scene.
 class ModelTree : public QTreeWidget {
  public:
   /// Something in the tree.
   struct Item {
-    enum class Kind { None, Line, Region, Join, Table, Choice } kind = Kind::None;
-    std::string name;  ///< of a line, region or join's line
+    enum class Kind { None, Line, Region, Join, Table, Choice, Part, Parts } kind = Kind::None;
+    std::string name;  ///< of a line, region, join's line or part of a mesh
     SceneTable table;  ///< where the scene says it; of a line or region it may have none
     int choice = -1;
   };
@@ -23,7 +24,7 @@ class ModelTree : public QTreeWidget {
 
   void take(const DocumentView& view);
   void choose_line(const std::string& line);
-  void choose_region(const std::string& region);
+  void choose_region(const std::string& region);  ///< or a part of a mesh
   Item current() const;
 
  private:
@@ -31,6 +32,9 @@ class ModelTree : public QTreeWidget {
   void add(QTreeWidgetItem* group, const QString& name, const QString& detail, Item item,
            const QString& wrong = {});
   void choose(Item::Kind kind, const std::string& name);
+  void fill_shape(const DocumentView& view);
+  void fill_mesh(const DocumentView& view);
+  void fill_tables(const DocumentView& view);
   std::function<void(const Item&)> chosen_;
   std::vector<Item> items_;
   bool filling_ = false;

@@ -131,7 +131,7 @@ TEST_CASE("tables in braces are edited in place", "[scene_text]") {
   scene.set({"load", "a"}, "value", "2");
   scene.set({"load", "b"}, "value", "3");
   CHECK(scene.text() ==
-        "unit = \"mm\"\nload = [{ name = \"a\", value = 2 }, { name = \"b\" , value = 3 }]\n");
+        "unit = \"mm\"\nload = [{ name = \"a\", value = 2 }, { name = \"b\", value = 3 }]\n");
   scene.erase({"load", "a"}, "value");
   CHECK(scene.value({"load", "a"}, "value").empty());
   CHECK(scene.value({"load", "b"}, "value") == "3");
@@ -211,9 +211,9 @@ TEST_CASE("every example can be edited and comes back as it was", "[scene_text]"
     for (const SceneTable& table : std::vector<SceneTable>(scene.tables())) {
       scene.set(table, "extra_key", "1");
       scene.erase(table, "extra_key");
-      for (const std::string& key : scene.keys(table)) {
+      for (const auto& [key, value] : scene.values(table)) {
         if (key == "name") continue;  // another name is another table
-        const std::string value = scene.value(table, key);
+        CHECK(value == scene.value(table, key));
         scene.set(table, key, "0");
         scene.set(table, key, value);
       }
@@ -222,4 +222,43 @@ TEST_CASE("every example can be edited and comes back as it was", "[scene_text]"
     CHECK(scene.text() == text.str());
   }
   CHECK(scenes > 40);
+}
+
+TEST_CASE("tables of a list in a table go by both names, and are changed where they are",
+          "[scene_text]") {
+  const std::string edits = R"(mesh = "a.obj"
+[[edit]]
+name = "first"
+fixed = "left"
+[[edit.handle]]   # the end
+name = "right"
+translate = [0, 0, 1]
+
+[[edit]]
+name = "second"
+
+[output]
+mesh = "b.obj"
+)";
+  SceneText scene(edits);
+  CHECK(scene.has({"edit.handle", "first.right"}));
+  CHECK(scene.values({"edit", "first"}) ==
+        std::vector<SceneText::Value>{{"name", "\"first\""}, {"fixed", "\"left\""}});
+  scene.set_parameter("first.right.y", 2.5);
+  CHECK(scene.text() == replaced(edits, "[0, 0, 1]", "[0, 2.5, 1]"));
+  scene.set_parameter("first.right.turn.y", -30);
+  CHECK(scene.value({"edit.handle", "first.right"}, "rotate") ==
+        "{ axis = [0, -1, 0], degrees = 30 }");
+  scene.set_parameter("first.right.degrees", 12);
+  CHECK(scene.value({"edit.handle", "first.right"}, "rotate") ==
+        "{ axis = [0, -1, 0], degrees = 12 }");
+  // A new one belongs to the last edit, before what stands behind it.
+  SceneText more(edits);
+  CHECK(more.add("edit.handle", R"({ name = "nose" })") ==
+        SceneTable{"edit.handle", "second.nose"});
+  CHECK(more.text().find("nose") < more.text().find("[output]"));
+  more.set_parameter("second.nose.scale", 1.2);
+  CHECK(more.value({"edit.handle", "second.nose"}, "scale") == "1.2");
+  more.remove({"edit.handle", "second.nose"});
+  CHECK(more.text() == edits);
 }

@@ -1,0 +1,360 @@
+#include "batten/apps/commands/documents/edited_mesh.h"
+
+#include <algorithm>
+#include <sstream>
+
+#include "batten/apps/commands/meshes/run_deform.h"
+#include "batten/apps/commands/runs/run_parts.h"
+#include "batten/core/each_once.h"
+#include "batten/core/index.h"
+#include "batten/io/files/length_units.h"
+#include "batten/io/files/text.h"
+#include "batten/io/scene/scene_words.h"
+
+namespace batten {
+namespace {
+
+/// What is made of a shape, and does not change it.
+constexpr const char* kMadeOf[] = {"name", "output", "modes", "picture"};
+
+/// A scene's text without layout, numbers of handles, and what files are made.
+std::string words_of(const std::string& text) {
+  toml::table root = parse_toml(text, {}, "edits of a mesh");
+  for (const char* kind : kMadeOf) root.erase(kind);
+  if (toml::array* edits = root["edit"].as_array())
+    for (toml::node& edit : *edits)
+      for (const char* kind : {"handle", "scale"})
+        if (toml::array* moved = edit.is_table() ? (*edit.as_table())[kind].as_array() : nullptr)
+          for (toml::node& one : *moved)
+            if (toml::table* table = one.as_table())
+              for (const char* number : {"translate", "rotate", "scale", "factor"})
+                table->erase(number);
+  std::ostringstream words;
+  words << root;
+  return words.str();
+}
+
+bool acts(const EditRule& edit) { return !edit.handles.empty() || !edit.fixed.empty(); }
+
+/// Numbers of an edit, to see whether any changed.
+std::vector<double> numbers_of(const EditRule& edit) {
+  std::vector<double> numbers;
+  for (const auto& h : edit.handles) {
+    for (const Vec3& v : {h.translate, h.axis}) numbers.insert(numbers.end(), v.begin(), v.end());
+    numbers.push_back(h.degrees);
+    numbers.push_back(h.scale);
+  }
+  for (const auto& s : edit.scales) numbers.push_back(s.factor);
+  return numbers;
+}
+
+using Part = MeshView::Part;
+using Role = MeshView::Role;
+
+}  // namespace
+
+/// All that is made of one scene. Sessions refer to what stands above them.
+struct EditedMesh::Made {
+  Made(const DeformScene& s, std::shared_ptr<const MeshSource> mesh)
+      : scene(s),
+        source(std::move(mesh)),
+        select(scene, source->file, source->prepared.mesh),
+        attached(source->file, source->prepared.mesh, scene.following) {}
+
+  const TriangleMesh& mesh() const { return source->prepared.mesh; }
+  const Points& shape() const { return edits.empty() ? mesh().points() : edits.back()->shape(); }
+  /// Makes the edits from the first that is not there on, and does them.
+  void edit(const DeformScene& now, const Progress& progress) {
+    size_t number = 0;
+    for (const EditRule& rule : now.edits) {
+      if (!acts(rule)) continue;
+      if (number++ < edits.size()) continue;
+      progress.at(rule.name, 0);
+      auto session =
+          std::make_unique<EditSession>(scene, rule, kept, select, source->prepared, shape());
+      DeformReport::Edit none;
+      session->settle(none);
+      edits.push_back(std::move(session));
+    }
+  }
+  void show();
+
+  DeformScene scene;
+  std::shared_ptr<const MeshSource> source;
+  VertexSelector select;
+  AttachedNodes attached;
+  Kept kept;
+  std::vector<std::unique_ptr<EditSession>> edits;
+  std::unique_ptr<const MeshDisplay> display;
+  std::vector<std::string> line_names;
+  std::shared_ptr<const MeshView> view;
+};
+
+EditedMesh::~EditedMesh() = default;
+
+void EditedMesh::become(const SceneText& text, const std::filesystem::path& file,
+                        const Progress& progress) {
+  const DeformScene scene = parse_deform_scene(text.text(), named_file(file), false);
+  const std::string words = words_of(text.text());
+  if (made_ && problem_.empty() && words == words_ && scene.mesh == scene_.mesh)
+    set_numbers(scene);
+  else
+    make(scene, words, !made_ || !problem_.empty(), progress);
+}
+
+void EditedMesh::restate(const SceneText& text, const std::filesystem::path& file) {
+  scene_ = parse_deform_scene(text.text(), named_file(file), false);
+  words_ = words_of(text.text());
+}
+
+void EditedMesh::make(const DeformScene& scene, const std::string& words, bool may_fail,
+                      const Progress& progress) {
+  progress.at("mesh", 0);
+  const bool same_mesh = made_ && scene.mesh == scene_.mesh;
+  auto made = std::make_unique<Made>(
+      scene,
+      same_mesh ? made_->source : std::make_shared<const MeshSource>(read_source(scene.mesh)));
+  std::string problem;
+  try {
+    progress.at("features", 0);
+    made->select.proposals();
+    made->kept = gather(made->scene, made->select, made->attached, made->mesh());
+    made->edit(made->scene, progress);
+  } catch (const CancelledError&) {
+    throw;
+  } catch (const Error& e) {
+    if (!may_fail) throw;
+    problem = e.what();
+    made->edits.clear();
+  }
+  made->show();
+  made_ = std::move(made);
+  scene_ = scene;
+  words_ = words;
+  problem_ = problem;
+}
+
+// Sessions stay up to the first edit whose numbers changed; that one goes on, all behind it begin
+// from another shape.
+void EditedMesh::set_numbers(const DeformScene& scene) {
+  auto& edits = made_->edits;
+  std::vector<const EditRule*> rules;
+  for (const EditRule& rule : scene.edits)
+    if (acts(rule)) rules.push_back(&rule);
+  size_t first = 0;
+  while (first < edits.size() && numbers_of(*rules[first]) == numbers_of(edits[first]->rule()))
+    ++first;
+  if (first < edits.size()) {
+    const EditRule before = edits[first]->rule();
+    std::vector<std::unique_ptr<EditSession>> behind;
+    try {
+      DeformReport::Edit none;
+      edits[first]->set(*rules[first]);
+      edits[first]->settle(none);
+      std::move(edits.begin() + static_cast<long>(first) + 1, edits.end(),
+                std::back_inserter(behind));
+      edits.resize(first + 1);
+      made_->edit(scene, {});
+    } catch (const Error&) {  // as it was
+      DeformReport::Edit none;
+      edits.resize(first + 1);
+      edits[first]->set(before);
+      edits[first]->settle(none);
+      std::move(behind.begin(), behind.end(), std::back_inserter(edits));
+      throw;
+    }
+  }
+  scene_ = scene;
+}
+
+bool EditedMesh::moves(const std::string& parameter) const {
+  if (!made_ || made_->edits.empty()) return false;
+  const EditRule& last = made_->edits.back()->rule();
+  return std::any_of(last.handles.begin(), last.handles.end(), [&](const auto& handle) {
+    return parameter.starts_with(last.name + "." + handle.name + ".");
+  });
+}
+
+void EditedMesh::check(const std::string& parameter, double value) const {
+  DeformScene(scene_).set(parameter, value, "");
+}
+
+void EditedMesh::set(const std::string& parameter, double value) {
+  scene_.set(parameter, value, "");
+}
+
+double EditedMesh::value(const std::string& parameter) const {
+  for (const Parameter& p : scene_.parameters())
+    if (p.name == parameter) return p.value;
+  for (const EditRule& edit : scene_.edits)
+    for (const auto& handle : edit.handles)
+      for (int i = 0; i < 3; ++i)
+        if (parameter == edit.name + "." + handle.name + ".turn." + "xyz"[i])
+          return handle.degrees * handle.axis[i];
+  throw InputError("found no parameter '" + parameter + "'");
+}
+
+bool EditedMesh::answer() {
+  go_to_numbers([](EditSession& last) { last.answer(); });
+  return true;
+}
+
+void EditedMesh::settle() {
+  go_to_numbers([](EditSession& last) {
+    DeformReport::Edit none;
+    last.settle(none);
+  });
+}
+
+// Numbers without a shape go back to the last that had one.
+template <class Function>
+void EditedMesh::go_to_numbers(const Function& go) {
+  if (!made_ || made_->edits.empty()) return;
+  EditSession& last = *made_->edits.back();
+  const auto now = std::find_if(scene_.edits.begin(), scene_.edits.end(),
+                                [&](const auto& rule) { return rule.name == last.rule().name; });
+  const EditRule before = last.rule();
+  try {
+    last.set(*now);
+    go(last);
+  } catch (const Error&) {
+    last.set(before);
+    *now = before;
+    throw;
+  }
+}
+
+bool EditedMesh::draw(Frame& frame) {
+  if (!made_) return false;
+  made_->display->draw(made_->shape(), frame);
+  return true;
+}
+
+DocumentPlace EditedMesh::place(const Vec3&) const {
+  throw InputError("found a mesh, expected a surface on lines");
+}
+
+const Points& EditedMesh::shape() const { return made_->shape(); }
+const MeshSource& EditedMesh::source() const { return *made_->source; }
+
+std::string EditedMesh::rows() const {
+  if (!problem_.empty()) return result_line("mesh", "without edits: " + problem_);
+  const ShellMesh& shells = made_->source->file.shells();
+  return result_line(
+      "mesh", counted(shells.node_count(), "node") + ", " + counted(shells.face_count(), "face") +
+                  ", " + counted(made_->kept.features.size(), "feature") + ", moved by " +
+                  number((shape() - made_->mesh().points()).rowwise().norm().maxCoeff()) + " " +
+                  scene_.unit + " at most");
+}
+
+std::string EditedMesh::run(const std::filesystem::path& folder, const Progress& progress) {
+  const DeformReport report = run_deform(scene_, folder, progress);
+  std::string text;
+  for (const MissedPromise& one : report.missed) text += one.what + ": " + one.detail + "\n";
+  return text;
+}
+
+std::string EditedMesh::export_shape(const std::filesystem::path& file, const Progress&) {
+  const MeshFile& read = made_->source->file;
+  const Points places = of_nodes(shape(), read);
+  if (lower_extension(file) == lower_extension(scene_.mesh)) {
+    const double rounding = read.write(file, places).largest;
+    return rounding <= 1e-9 * made_->mesh().size()
+               ? ""
+               : "the file's number fields round coordinates by up to " + number(rounding) + " " +
+                     scene_.unit + "\n";
+  }
+  ShellMesh shells = read.shells();
+  shells.points = places;
+  write_mesh(file, shells, {}, unit_in_metres(scene_.unit));
+  return "";
+}
+
+// -- what a window shows ----------------------------------------------------------------------------
+
+void EditedMesh::Made::show() {
+  std::vector<std::vector<int>> lines;
+  const auto add_line = [&](std::vector<int> vertices, bool closed, const std::string& name) {
+    if (closed && !vertices.empty()) vertices.push_back(vertices.front());
+    lines.push_back(std::move(vertices));
+    line_names.push_back(name);
+  };
+  for (const FeatureProposal& p : select.proposals()) add_line(p.loop, true, p.name);
+  for (const auto& loop : mesh().topology().boundary_loops())
+    if (std::none_of(lines.begin(), lines.end(),
+                     [&](const auto& line) { return line.front() == loop.front(); }))
+      add_line(loop, true, "");
+  for (const auto& line : kept.lines) add_line(line, false, "");
+  display = std::make_unique<const MeshDisplay>(mesh(), lines);
+
+  auto seen = std::make_shared<MeshView>();
+  const MeshTopology& topology = mesh().topology();
+  std::vector<std::vector<int>> points_of(topology.node_count());
+  const std::vector<int>& vertices = display->vertices();
+  for (int p = 0; p < count_of(vertices); ++p) {
+    const int node = topology.node_of(vertices[p]);
+    points_of[node].push_back(p);
+    seen->labels.push_back(source->file.node_label(node));
+  }
+  const auto points = [&](const std::vector<int>& nodes) {
+    std::vector<int> all;
+    for (const int v : nodes) {
+      const auto& some = points_of[topology.node_of(v)];
+      all.insert(all.end(), some.begin(), some.end());
+    }
+    return all;
+  };
+  for (const FeatureProposal& p : select.proposals())
+    seen->parts.push_back({Part::Kind::Proposal, p.name,
+                           number(2 * p.measure.equivalent_radius) + " across",
+                           points(p.vertices)});
+  for (const SelectRule& rule : scene.selections) try {
+      seen->parts.push_back(
+          {Part::Kind::Selection, rule.name, "", points(select.of({rule.name, rule.place}))});
+    } catch (const InputError&) {
+      continue;  // the problem names it
+    }
+  for (const bool property : {false, true})
+    for (const MeshSet& set : property ? source->file.properties() : source->file.sets()) {
+      std::vector<int> nodes = set.nodes;
+      for (const int f : set.faces) {
+        const auto face = source->file.shells().face(f);
+        nodes.insert(nodes.end(), face.begin(), face.end());
+      }
+      seen->parts.push_back({Part::Kind::Set, set.name, property ? "property" : "set",
+                             points(each_once(std::move(nodes)))});
+    }
+  seen->roles.assign(vertices.size(), Role::Free);
+  const auto mark = [&](const std::vector<int>& nodes, Role role) {
+    for (const int p : points(nodes)) seen->roles[p] = role;
+  };
+  for (const FormFeature& f : kept.features) mark(f.vertices, Role::Feature);
+  if (!edits.empty()) {
+    mark(edits.back()->task().problem.fixed, Role::Fixed);
+    for (const Handle& h : edits.back()->task().problem.handles) mark(h.vertices, Role::Handle);
+  }
+  view = std::move(seen);
+}
+
+void EditedMesh::look_at(DocumentView& view) const {
+  view.unit = scene_.unit;
+  for (const Parameter& p : scene_.parameters())
+    view.sliders.push_back({p.name, p.value, p.min, p.max, false});
+  if (!made_) return;
+  view.surface = true;
+  view.triangles = made_->mesh().triangle_count();
+  view.size = made_->mesh().size();
+  view.regions = {scene_.mesh.filename().string()};
+  view.shown_lines = made_->line_names;
+  view.mesh = made_->view;
+  for (const auto& edit : made_->edits)
+    for (size_t h = 0; h < edit->rule().handles.size(); ++h) {
+      const auto& rule = edit->rule().handles[h];
+      const Vec3 about = edit->task().edit.handles[h].about;
+      view.handles.push_back({edit->rule().name + "." + rule.name, about + rule.translate,
+                              rule.translate, rule.degrees * rule.axis,
+                              edit == made_->edits.back()});
+    }
+}
+
+}  // namespace batten

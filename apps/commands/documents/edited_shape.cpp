@@ -1,0 +1,229 @@
+#include "batten/apps/commands/documents/edited_shape.h"
+
+#include <algorithm>
+
+#include "batten/apps/commands/lines/scene_lines.h"
+#include "batten/apps/commands/runs/run_parts.h"
+#include "batten/apps/commands/shapes/run_scene.h"
+#include "batten/io/files/text.h"
+#include "batten/io/scene/read_scene.h"
+#include "batten/skinning/model/model_projector.h"
+
+namespace batten {
+namespace {
+
+/// Models that are kept for undo.
+constexpr size_t kLately = 4;
+
+std::vector<Vec3> points_of(const InputCurve& curve) {
+  constexpr int pieces = 96;
+  std::vector<Vec3> points;
+  for (int i = 0; i <= pieces; ++i)
+    points.push_back(curve.evaluate(curve.start() + (curve.end() - curve.start()) * i / pieces));
+  return points;
+}
+
+}  // namespace
+
+void EditedShape::become(const SceneText& text, const std::filesystem::path& file,
+                         const Progress& progress) {
+  const Scene scene = parse_scene(text.text(), named_file(file), false);
+  const SceneParts parts = parts_of(text);
+  const bool same_model = model_ && parts.model == parts_.model;
+  bool made = false;
+  if (session_ && same_model) try {
+      made = go_on(scene, parts);
+    } catch (const Error&) {
+      remake(scene_, parts_, true, progress);  // as it was
+      throw;
+    }
+  if (!made) remake(scene, parts, !(same_model && session_), progress);
+  scene_ = scene;
+  parts_ = parts;
+}
+
+void EditedShape::restate(const SceneText& text, const std::filesystem::path& file) {
+  scene_ = parse_scene(text.text(), named_file(file), false);
+  parts_ = parts_of(text);
+}
+
+bool EditedShape::go_on(const Scene& scene, const SceneParts& parts) {
+  std::vector<std::string> less, more;
+  for (const auto& [name, words] : parts_.acting) {
+    const auto found = parts.acting.find(name);
+    if (found == parts.acting.end() || found->second != words) less.push_back(name);
+  }
+  for (const auto& [name, words] : parts.acting) {
+    const auto found = parts_.acting.find(name);
+    if (found == parts_.acting.end() || found->second != words) more.push_back(name);
+  }
+  // One change alone: it happens or the session is as it was.
+  if (less.size() + more.size() > 1) return false;
+  if (!more.empty()) {
+    for (const SceneLoad& load : scene.loads)
+      if (more.front() == "load " + load.name && load.over_time.empty() &&
+          (load.type == SceneLoad::Type::Point || load.type == SceneLoad::Type::Pulls)) {
+        add_load(*session_, scene, model_->model.made, load, start_.held);
+        take_values(scene);
+        return true;
+      }
+    return false;
+  }
+  if (!less.empty()) {
+    const size_t blank = less.front().find(' ');
+    const std::string kind = less.front().substr(0, blank);
+    if (kind != "load" && kind != "weight") return false;
+    session_->remove(less.front().substr(blank + 1));
+  }
+  take_values(scene);
+  return true;
+}
+
+void EditedShape::take_values(const Scene& scene) {
+  for (const NamedValue& p : scene.named_values()) {
+    if (!p.follows.empty() || !p.over_time.empty() || !session_->parameters().has(p.name)) continue;
+    if (session_->parameters().value(p.name) != p.value) session_->set(p.name, p.value);
+  }
+  answer_ = session_->settle();
+}
+
+std::shared_ptr<const DocumentModel> EditedShape::model_for(const Scene& scene,
+                                                            const std::string& of,
+                                                            const Progress& progress) {
+  for (auto it = lately_.begin(); it != lately_.end(); ++it)
+    if ((*it)->of == of) {
+      lately_.splice(lately_.begin(), lately_, it);
+      lines_ = lately_.front()->lines;
+      return lately_.front();
+    }
+  progress.at("lines", 0);
+  auto made = std::make_shared<DocumentModel>();
+  made->of = of;
+  made->lines = faired_lines(scene, progress).lines;
+  lines_ = made->lines;
+  made->model = sculpt_model(make_model(scene, made->lines, progress), scene, progress);
+  lately_.push_front(made);
+  if (lately_.size() > kLately) lately_.pop_back();
+  return made;
+}
+
+void EditedShape::remake(const Scene& scene, const SceneParts& parts, bool may_fail,
+                         const Progress& progress) {
+  const std::vector<CharacterLine> lines_before = lines_;
+  std::shared_ptr<const DocumentModel> model;
+  std::unique_ptr<SculptingSession> session;
+  SessionStart start;
+  Answer answer;
+  std::string problem;
+  try {
+    lines_.clear();
+    if (!scene.lines.empty()) {
+      model = model_for(scene, parts.model, progress);
+      progress.at("session", 0);
+      session = std::make_unique<SculptingSession>(
+          make_session(*model->model.layout, scene, model->model.made, Expected::many_factors,
+                       progress, &start, model->model.fair.rest));
+      answer = session->settle();
+    }
+  } catch (const CancelledError&) {
+    lines_ = lines_before;
+    throw;
+  } catch (const Error& e) {
+    if (!may_fail) {
+      lines_ = lines_before;
+      throw;
+    }
+    problem = e.what();
+    session.reset();
+  }
+  model_ = std::move(model);
+  session_ = std::move(session);
+  start_ = std::move(start);
+  answer_ = answer;
+  problem_ = std::move(problem);
+}
+
+bool EditedShape::moves(const std::string& parameter) const {
+  return session_ && is_live(scene_, parameter);
+}
+
+void EditedShape::check(const std::string& parameter, double value) const {
+  Scene(scene_).set(parameter, value, "");
+}
+
+void EditedShape::set(const std::string& parameter, double value) {
+  session_->set(parameter, value);
+}
+
+double EditedShape::value(const std::string& parameter) const {
+  return session_->parameters().value(parameter);
+}
+
+bool EditedShape::answer() {
+  if (session_) answer_ = session_->answer();
+  return answer_.converged;
+}
+
+void EditedShape::settle() {
+  if (session_) answer_ = session_->settle();
+}
+
+bool EditedShape::draw(Frame& frame) {
+  if (session_) session_->draw(frame);
+  return session_ != nullptr;
+}
+
+DocumentPlace EditedShape::place(const Vec3& near) const {
+  if (!session_) throw InputError("found no surface, expected one to act on");
+  const ModelLayout& layout = session_->layout();
+  const ModelProjector present(layout, session_->dofs());
+  const ModelProjector::Nearest found = present.nearest_inside(near);
+  const Location where = layout.in_model(found.at.region, found.where);
+  const SurfaceJet jet = layout.surface(session_->dofs()).jet(where);
+  return {layout.region(found.at.region).name(), jet.x, jet.normal(),
+          layout.surface(start_.held).position(where)};
+}
+
+void EditedShape::look_at(DocumentView& view) const {
+  view.unit = scene_.unit;
+  for (const NamedValue& p : scene_.named_values()) {
+    DocumentView::Slider slider{p.name, p.value, p.min, p.max, !p.follows.empty()};
+    if (session_ && session_->parameters().has(p.name))
+      slider.value = session_->parameters().value(p.name);
+    view.sliders.push_back(slider);
+  }
+  for (const CharacterLine& line : lines_)
+    view.lines.push_back({line.name, points_of(*line.curve)});
+  if (!session_) return;
+  const SculptingSession& session = *session_;
+  const ModelLayout& layout = session.layout();
+  view.surface = true;
+  view.triangles = layout.mesh()->triangle_count();
+  view.size = layout.size();
+  for (const SkinnedRegion& region : session.regions()) {
+    view.regions.push_back(region.name);
+    for (const LineRun& run : region.runs) view.shown_lines.push_back(run.line.name);
+    for (const EmbeddedLine& line : region.embedded) view.shown_lines.push_back(line.line.name);
+  }
+  const SculptModel& model = model_->model;
+  const MadeModel& made = model.made;
+  if (made.network)
+    view.network = network_report(*made.network, *made.found, made.model, made.fit_tolerance,
+                                  scene_.network->join_tolerance);
+  view.flaws = flaw_reports(made.model);
+}
+
+std::string EditedShape::rows() const {
+  if (!session_)
+    return result_line("surface", "none: " + (problem_.empty() ? "no lines" : problem_));
+  const ModelLayout& layout = session_->layout();
+  std::string text = result_line(
+      "surface", counted(layout.region_count(), "region") + ", " +
+                     counted(layout.mesh()->triangle_count(), "element") + ", energy " +
+                     number(session_->energy().stretching + session_->energy().bending));
+  for (const NamedValue& p : session_->parameters().all())
+    text += result_line("", p.name + " = " + number(session_->parameters().value(p.name)));
+  return text;
+}
+
+}  // namespace batten

@@ -1,0 +1,69 @@
+// A shape on character lines that is worked on.
+#pragma once
+
+#include <list>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "batten/apps/commands/documents/document_content.h"
+#include "batten/apps/commands/shapes/make_session.h"
+#include "batten/apps/commands/shapes/make_shape.h"
+#include "batten/io/scene/scene_parts.h"
+
+namespace batten {
+
+/// What the lines of a scene make, before anything acts on it.
+struct DocumentModel {
+  std::string of;  ///< SceneParts::model
+  std::vector<CharacterLine> lines;
+  SculptModel model;
+};
+
+/// Lines, their skin and a session on it. A change of the text makes anew what it asks for:
+///
+///     a value                        the session goes on: a pair of triangular solves or a few
+///     a point load or pull more,     the session goes on
+///       a load or weight less
+///     other loads, constraints, …    a new session on the same model
+///     lines, joins, [skin]           a new model; those that were made lately are kept
+class EditedShape : public DocumentContent {
+ public:
+  void become(const SceneText& text, const std::filesystem::path& file,
+              const Progress& progress) override;
+  void restate(const SceneText& text, const std::filesystem::path& file) override;
+  bool moves(const std::string& parameter) const override;
+  void check(const std::string& parameter, double value) const override;
+  void set(const std::string& parameter, double value) override;
+  double value(const std::string& parameter) const override;
+  bool answer() override;
+  void settle() override;
+  bool draw(Frame& frame) override;
+  DocumentPlace place(const Vec3& near) const override;
+  void look_at(DocumentView& view) const override;
+  std::string rows() const override;
+  std::string run(const std::filesystem::path& folder, const Progress& progress) override;
+  std::string export_shape(const std::filesystem::path& file, const Progress& progress) override;
+
+  /// The lines, fair ones where [[fair]] asks for it; those of the text as far as they can be read.
+  const std::vector<CharacterLine>& lines() const { return lines_; }
+  SculptingSession* session() const { return session_.get(); }
+
+ private:
+  void remake(const Scene& scene, const SceneParts& parts, bool may_fail, const Progress& progress);
+  bool go_on(const Scene& scene, const SceneParts& parts);
+  void take_values(const Scene& scene);
+  std::shared_ptr<const DocumentModel> model_for(const Scene& scene, const std::string& of,
+                                                 const Progress& progress);
+
+  Scene scene_;
+  SceneParts parts_;
+  std::vector<CharacterLine> lines_;
+  std::shared_ptr<const DocumentModel> model_;
+  std::unique_ptr<SculptingSession> session_;
+  SessionStart start_;
+  Answer answer_;
+  std::list<std::shared_ptr<const DocumentModel>> lately_;
+};
+
+}  // namespace batten

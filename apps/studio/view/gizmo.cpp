@@ -1,0 +1,180 @@
+#include "batten/apps/studio/view/gizmo.h"
+
+#include <vtkCamera.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "batten/apps/studio/view/layer.h"
+
+namespace batten::studio {
+namespace {
+
+constexpr int kBall = 6;
+constexpr int kRingPieces = 64;
+constexpr double kInFront = -66000, kBallSize = 14;
+constexpr double kNear = 9;         // pixels
+constexpr double kShortArrow = 14;  // pixels: it points at the eye
+constexpr double kRing = 0.72;      // radius, of the reach
+constexpr double kFlatRing = 0.3;   // cosine to the eye below which a ring is a line
+constexpr double kDegrees = 180 / std::numbers::pi;
+
+double distance_to_piece(const Vec2& p, const Vec2& a, const Vec2& b) {
+  const Vec2 along = b - a;
+  const double length = along.squaredNorm();
+  const double t = length > 0 ? std::clamp((p - a).dot(along) / length, 0.0, 1.0) : 0;
+  return (p - a - t * along).norm();
+}
+
+}  // namespace
+
+Gizmo::Gizmo(vtkRenderer* renderer) : renderer_(renderer) {
+  for (int part = 0; part < static_cast<int>(layers_.size()); ++part)
+    layers_[static_cast<size_t>(part)] =
+        std::make_unique<Layer>(renderer, kInFront, part < 3 ? 4 : 2.5);
+  hide();
+}
+
+Gizmo::~Gizmo() = default;
+
+void Gizmo::set_palette(const Palette& palette) {
+  const Rgb axes[] = {{0.86, 0.22, 0.20}, {0.20, 0.62, 0.24}, {0.16, 0.40, 0.86}};
+  for (size_t part = 0; part < layers_.size(); ++part)
+    layers_[part]->set_colour(part < 6 ? axes[part % 3] : palette.chosen);
+}
+
+void Gizmo::show(const Vec3& centre, double reach, bool turns) {
+  centre_ = centre;
+  reach_ = reach;
+  turns_ = turns;
+  shown_ = true;
+  draw();
+}
+
+void Gizmo::hide() {
+  shown_ = false;
+  part_ = -1;
+  draw();
+}
+
+void Gizmo::draw() {
+  for (int part = 0; part < static_cast<int>(layers_.size()); ++part) {
+    Layer& layer = *layers_[static_cast<size_t>(part)];
+    const bool ring = part >= 3 && part < kBall;
+    layer.actor->SetVisibility(shown_ && (turns_ || !ring));
+    layer.actor->PickableOff();
+    if (part == kBall)
+      layer.set_dots({centre_}, false, kBallSize);
+    else if (shown_)
+      layer.set_polylines({outline(part)});
+  }
+}
+
+std::vector<Vec3> Gizmo::outline(int part) const {
+  const Vec3 along = Vec3::Unit(part % 3);
+  if (part < 3) {
+    const Vec3 tip = centre_ + reach_ * along;
+    const Vec3 side = 0.06 * reach_ * Vec3::Unit((part + 1) % 3), back = 0.14 * reach_ * along;
+    return {centre_, tip, tip - back + side, tip - back - side, tip};
+  }
+  std::vector<Vec3> ring;
+  for (int i = 0; i <= kRingPieces; ++i) {
+    const double t = 2 * std::numbers::pi * i / kRingPieces;
+    ring.push_back(centre_ + kRing * reach_ *
+                                 (std::cos(t) * Vec3::Unit((part + 1) % 3) +
+                                  std::sin(t) * Vec3::Unit((part + 2) % 3)));
+  }
+  return ring;
+}
+
+Vec3 Gizmo::on_part(int part) const {
+  const std::vector<Vec3> line = outline(part);
+  return part < 3 ? Vec3(0.5 * (line[0] + line[1])) : line[kRingPieces / 8];
+}
+
+Vec2 Gizmo::in_window(const Vec3& p) const {
+  renderer_->SetWorldPoint(p.x(), p.y(), p.z(), 1);
+  renderer_->WorldToDisplay();
+  double window[3];
+  renderer_->GetDisplayPoint(window);
+  return {window[0], window[1]};
+}
+
+Vec3 Gizmo::in_world(const Vec2& hand) const {
+  renderer_->SetWorldPoint(start_.x(), start_.y(), start_.z(), 1);
+  renderer_->WorldToDisplay();
+  double window[3], world[4];
+  renderer_->GetDisplayPoint(window);
+  renderer_->SetDisplayPoint(hand.x(), hand.y(), window[2]);
+  renderer_->DisplayToWorld();
+  renderer_->GetWorldPoint(world);
+  return Vec3(world[0], world[1], world[2]) / world[3];
+}
+
+Vec3 Gizmo::to_eye() const {
+  vtkCamera* camera = renderer_->GetActiveCamera();
+  return -Vec3::Map(camera->GetDirectionOfProjection());
+}
+
+Vec3 Gizmo::axis() const { return Vec3::Unit(part_ % 3); }
+
+bool Gizmo::press(const Vec2& hand) {
+  part_ = -1;
+  if (!shown_) return false;
+  double least = kNear;
+  if ((in_window(centre_) - hand).norm() < kNear) {
+    part_ = kBall;
+    least = 0;
+  }
+  for (int part = 0; part < kBall; ++part) {
+    if (part >= 3 && !turns_) break;
+    const std::vector<Vec3> line = outline(part);
+    if (part < 3 && (in_window(line[1]) - in_window(line[0])).norm() < kShortArrow) continue;
+    for (size_t i = 0; i + 1 < line.size(); ++i) {
+      const double d = distance_to_piece(hand, in_window(line[i]), in_window(line[i + 1]));
+      if (d >= least) continue;
+      least = d;
+      part_ = part;
+    }
+  }
+  start_ = centre_;
+  from_ = hand;
+  angle_ = 0;
+  last_angle_ = part_ >= 3 && part_ < kBall ? angle_of(hand) : 0;
+  return part_ >= 0;
+}
+
+// A ring that is seen as a line turns by how far the hand goes along it.
+double Gizmo::angle_of(const Vec2& hand) const {
+  const double facing = axis().dot(to_eye());
+  const Vec2 arm = hand - in_window(start_);
+  if (std::abs(facing) > kFlatRing)
+    return std::atan2(arm.y(), arm.x()) * kDegrees * (facing > 0 ? 1 : -1);
+  const Vec3 tangent = axis().cross(to_eye()).normalized();
+  const Vec2 along = in_window(start_ + kRing * reach_ * tangent) - in_window(start_);
+  return (hand - in_window(start_)).dot(along) / along.squaredNorm() * kDegrees;
+}
+
+Gizmo::Motion Gizmo::move(const Vec2& hand) {
+  Motion motion;
+  if (part_ == kBall) {
+    motion.shift = in_world(hand) - in_world(from_);
+  } else if (part_ < 3) {
+    const Vec2 along = (in_window(start_ + reach_ * axis()) - in_window(start_)) / reach_;
+    motion.shift = (hand - from_).dot(along) / along.squaredNorm() * axis();
+  } else {
+    const double now = angle_of(hand);
+    angle_ += std::remainder(now - last_angle_, 360.0);
+    last_angle_ = now;
+    motion.turn = angle_ * axis();
+  }
+  centre_ = start_ + motion.shift;
+  draw();
+  return motion;
+}
+
+void Gizmo::release() { part_ = -1; }
+
+}  // namespace batten::studio

@@ -1,0 +1,68 @@
+// One set of cells and the actor that draws them. Internal.
+#pragma once
+
+#include <vtkActor.h>
+#include <vtkCellArray.h>
+#include <vtkNew.h>
+#include <vtkPoints.h>
+#include <vtkPolyData.h>
+#include <vtkPolyDataMapper.h>
+#include <vtkProperty.h>
+#include <vtkRenderer.h>
+
+#include <vector>
+
+#include "batten/apps/studio/view/shape_colours.h"
+#include "batten/core/eigen.h"
+
+namespace batten::studio {
+
+struct Layer {
+  /// `order`: what is lower is drawn in front where both are at one place. `width` of lines, pixels; 0:
+  /// facets, which have light.
+  Layer(vtkRenderer* renderer, double order, double width) {
+    mapper->SetInputData(data);
+    mapper->SetResolveCoincidentTopologyToPolygonOffset();
+    mapper->SetRelativeCoincidentTopologyPolygonOffsetParameters(0, order);
+    mapper->SetRelativeCoincidentTopologyLineOffsetParameters(0, order);
+    mapper->SetRelativeCoincidentTopologyPointOffsetParameter(order);
+    mapper->ScalarVisibilityOff();
+    actor->SetMapper(mapper);
+    actor->GetProperty()->SetLineWidth(static_cast<float>(width));
+    actor->GetProperty()->SetRenderPointsAsSpheres(true);
+    if (width > 0) actor->GetProperty()->LightingOff();
+    renderer->AddActor(actor);
+  }
+  void set_colour(const Rgb& c) { actor->GetProperty()->SetColor(c[0], c[1], c[2]); }
+  void set_polylines(const std::vector<std::vector<Vec3>>& lines) {
+    vtkNew<vtkPoints> points;
+    vtkNew<vtkCellArray> cells;
+    for (const auto& line : lines) {
+      cells->InsertNextCell(static_cast<int>(line.size()));
+      for (const Vec3& p : line) cells->InsertCellPoint(points->InsertNextPoint(p.data()));
+    }
+    data->SetPoints(points);
+    data->SetLines(cells);
+    data->Modified();
+  }
+  /// A line with a dot at each of its points, or dots alone.
+  void set_dots(const std::vector<Vec3>& points, bool joined, double size) {
+    set_polylines(joined && points.size() > 1 ? std::vector<std::vector<Vec3>>{points}
+                                              : std::vector<std::vector<Vec3>>{});
+    vtkNew<vtkPoints> dots;
+    vtkNew<vtkCellArray> vertices;
+    for (const Vec3& p : points) {
+      const vtkIdType id = dots->InsertNextPoint(p.data());
+      vertices->InsertNextCell(1, &id);
+    }
+    data->SetPoints(dots);
+    data->SetVerts(vertices);
+    data->Modified();
+    actor->GetProperty()->SetPointSize(static_cast<float>(size));
+  }
+  vtkNew<vtkPolyData> data;
+  vtkNew<vtkPolyDataMapper> mapper;
+  vtkNew<vtkActor> actor;
+};
+
+}  // namespace batten::studio

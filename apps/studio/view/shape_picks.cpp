@@ -1,0 +1,113 @@
+// What a point of the window shows.
+#include <vtkCellPicker.h>
+#include <vtkFloatArray.h>
+
+#include <algorithm>
+#include <limits>
+
+#include "batten/apps/studio/view/layer.h"
+#include "batten/apps/studio/view/shape_actors.h"
+
+namespace batten::studio {
+
+std::optional<Vec3> ShapeActors::surface_at(double x, double y) const {
+  if (!pattern_) return std::nullopt;
+  vtkNew<vtkCellPicker> picker;
+  picker->SetTolerance(0);
+  picker->PickFromListOn();
+  picker->AddPickList(facets_->actor);
+  if (!picker->Pick(x, y, 0, renderer_)) return std::nullopt;
+  Vec3 p;
+  picker->GetPickPosition(p.data());
+  return p;
+}
+
+std::string ShapeActors::line_at(double x, double y) const {
+  vtkNew<vtkCellPicker> picker;
+  picker->SetTolerance(0.006);
+  picker->PickFromListOn();
+  picker->AddPickList(lines_->actor);
+  if (pattern_) picker->AddPickList(facets_->actor);  // what lies in front hides lines
+  if (!picker->Pick(x, y, 0, renderer_) || picker->GetActor() != lines_->actor.Get()) return "";
+  const vtkIdType cell = picker->GetCellId();
+  const auto count = static_cast<vtkIdType>(line_names_.size());
+  return cell >= 0 && cell < count ? line_names_[static_cast<size_t>(cell)] : "";
+}
+
+int ShapeActors::facet_at(double x, double y) const {
+  if (!pattern_) return -1;
+  vtkNew<vtkCellPicker> picker;
+  picker->SetTolerance(0);
+  picker->PickFromListOn();
+  picker->AddPickList(facets_->actor);
+  return picker->Pick(x, y, 0, renderer_) ? static_cast<int>(picker->GetCellId()) : -1;
+}
+
+std::string ShapeActors::region_at(double x, double y) const {
+  const int facet = facet_at(x, y);
+  if (facet < 0) return "";
+  if (mesh_) return part_of(facet);
+  const auto& first = pattern_->first_facet;
+  const auto behind = std::upper_bound(first.begin(), first.end(), facet);
+  const auto region = static_cast<size_t>(behind - first.begin());
+  return region > 0 && region <= regions_.size() ? regions_[region - 1] : "";
+}
+
+// The smallest part that has all corners.
+std::string ShapeActors::part_of(int facet) const {
+  const auto& corners = pattern_->facets[static_cast<size_t>(facet)];
+  const MeshView::Part* best = nullptr;
+  for (const MeshView::Part& part : mesh_->parts) {
+    if (best && best->points.size() <= part.points.size()) continue;
+    if (std::all_of(corners.begin(), corners.end(), [&](int p) {
+          return std::find(part.points.begin(), part.points.end(), p) != part.points.end();
+        }))
+      best = &part;
+  }
+  return best ? best->name : "";
+}
+
+std::vector<int> ShapeActors::points_within(const Vec3& centre, double radius) const {
+  std::vector<int> found;
+  for (int i = 0; i < static_cast<int>(points_->GetNumberOfTuples()); ++i)
+    if ((point(i) - centre).squaredNorm() <= radius * radius) found.push_back(i);
+  return found;
+}
+
+int ShapeActors::point_near(const Vec3& p) const {
+  int best = -1;
+  double least = std::numeric_limits<double>::max();
+  for (vtkIdType i = 0; i < points_->GetNumberOfTuples(); ++i) {
+    const double d = (point(static_cast<int>(i)) - p).squaredNorm();
+    if (d < least) {
+      least = d;
+      best = static_cast<int>(i);
+    }
+  }
+  return best;
+}
+
+int ShapeActors::point_count() const { return static_cast<int>(points_->GetNumberOfTuples()); }
+
+Vec3 ShapeActors::point(int number) const {
+  const float* x = points_->GetPointer(3 * static_cast<vtkIdType>(number));
+  return {x[0], x[1], x[2]};
+}
+
+std::array<Vec3, 2> ShapeActors::box() const {
+  std::array<Vec3, 2> box{Vec3::Constant(1e300), Vec3::Constant(-1e300)};
+  for (const auto& line : loose_)
+    for (const Vec3& p : line.points) {
+      box[0] = box[0].cwiseMin(p);
+      box[1] = box[1].cwiseMax(p);
+    }
+  for (vtkIdType i = 0; pattern_ && i < points_->GetNumberOfTuples(); ++i) {
+    const Vec3 p = point(static_cast<int>(i));
+    box[0] = box[0].cwiseMin(p);
+    box[1] = box[1].cwiseMax(p);
+  }
+  if (box[0].x() > box[1].x()) return {Vec3::Constant(-100), Vec3::Constant(100)};
+  return box;
+}
+
+}  // namespace batten::studio

@@ -1,0 +1,196 @@
+// What the colours of the surface say.
+#include <vtkCellData.h>
+#include <vtkFloatArray.h>
+#include <vtkIntArray.h>
+#include <vtkLookupTable.h>
+#include <vtkPointData.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "batten/apps/studio/view/layer.h"
+#include "batten/apps/studio/view/shape_actors.h"
+
+namespace batten::studio {
+namespace {
+
+constexpr double kStripes = 28;  // of a zebra, over half a turn
+constexpr int kBands = 24;
+
+Vec3 triple(const float* values, int number) {
+  const float* v = values + 3 * static_cast<long>(number);
+  return {v[0], v[1], v[2]};
+}
+
+/// The value that so large a share of the magnitudes does not exceed.
+double quantile(std::vector<float> values, double share) {
+  for (float& v : values) v = std::abs(v);
+  const auto at =
+      values.begin() + static_cast<long>(share * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
+}
+
+}  // namespace
+
+void ShapeActors::set_shading(Shading shading) {
+  shading_ = shading;
+  shade();
+}
+
+void ShapeActors::shade() {
+  const bool anything = pattern_ && points_->GetNumberOfTuples() > 0;
+  if (!anything || (shading_ == Shading::Plain && !mesh_ && chosen_facets_.empty()))
+    facets_->mapper->ScalarVisibilityOff();
+  else if (shading_ == Shading::Plain)
+    shade_facets(roles_, role_colours(palette_));
+  else if (shading_ == Shading::Regions)
+    shade_facets(facet_regions_, region_colours(static_cast<int>(regions_.size())));
+  else
+    shade_points();
+}
+
+void ShapeActors::shade_facets(vtkIntArray* values, vtkLookupTable* table) {
+  vtkPolyDataMapper& mapper = *facets_->mapper;
+  facets_->data->GetCellData()->SetScalars(values);
+  mapper.ScalarVisibilityOn();
+  mapper.SetScalarModeToUseCellData();
+  mapper.InterpolateScalarsBeforeMappingOff();
+  mapper.SetLookupTable(table);
+  mapper.SetScalarRange(table->GetTableRange());
+}
+
+// Facets whose corners are all for the same thing have its colour; those of what is chosen another one.
+void ShapeActors::make_roles() {
+  roles_->SetNumberOfTuples(0);
+  if (!pattern_) return;
+  const auto n = static_cast<vtkIdType>(pattern_->facets.size());
+  roles_->SetNumberOfTuples(n);
+  for (vtkIdType i = 0; i < n; ++i) {
+    const auto& facet = pattern_->facets[static_cast<size_t>(i)];
+    int role = 0;
+    if (mesh_) {
+      const auto of = [&](int corner) {
+        return static_cast<int>(
+            mesh_->roles[static_cast<size_t>(facet[static_cast<size_t>(corner)])]);
+      };
+      if (of(0) == of(1) && of(1) == of(2)) role = of(0);
+    }
+    roles_->SetValue(i, role);
+  }
+  for (const int facet : chosen_facets_) roles_->SetValue(facet, kChosenRole);
+  roles_->Modified();
+}
+
+void ShapeActors::shade_points() {
+  const vtkIdType n = points_->GetNumberOfTuples();
+  scalars_->SetNumberOfComponents(1);
+  scalars_->SetNumberOfTuples(n);
+  float* value = scalars_->GetPointer(0);
+  const float *x = points_->GetPointer(0), *normal = normals_->GetPointer(0);
+  const Vec3 along = Vec3(1, 0.6, 0).normalized();
+  if (shading_ == Shading::Curvature)
+    measure_curvature(value);
+  else if (shading_ == Shading::Stretch)
+    measure_stretch(value);
+  else
+    for (vtkIdType i = 0; i < n; ++i) {
+      const int p = static_cast<int>(i);
+      if (shading_ == Shading::Zebra)
+        value[i] =
+            static_cast<float>(std::acos(std::clamp(triple(normal, p).dot(along), -1.0, 1.0)) *
+                               180 / std::numbers::pi);
+      else if (shading_ == Shading::Contours)
+        value[i] = x[3 * i + 2];
+      else
+        value[i] = static_cast<float>((triple(x, p) - triple(reference_.data(), p)).norm());
+    }
+  scalars_->Modified();
+  facets_->data->GetPointData()->SetScalars(scalars_);
+  const auto table = table_of(value, static_cast<size_t>(n));
+  vtkPolyDataMapper& mapper = *facets_->mapper;
+  mapper.ScalarVisibilityOn();
+  mapper.SetScalarModeToUsePointData();
+  mapper.InterpolateScalarsBeforeMappingOn();
+  mapper.SetLookupTable(table);
+  mapper.SetScalarRange(table->GetTableRange());
+}
+
+vtkSmartPointer<vtkLookupTable> ShapeActors::table_of(const float* value, size_t n) {
+  const auto [low, high] = std::minmax_element(value, value + n);
+  const Rgb light{0.97, 0.97, 0.97}, ink{0.13, 0.15, 0.19};
+  range_ = {*low, *high};
+  switch (shading_) {
+    case Shading::Zebra:
+      range_ = {0, 0};
+      return stripes(0, 180, static_cast<int>(2 * kStripes), light, ink);
+    case Shading::Contours:
+      return stripes(*low, *high > *low ? *high : *low + 1, kBands, palette_.body, light);
+    case Shading::Curvature:
+    case Shading::Stretch: {
+      // Ends and corners have values that would leave one colour for all the rest.
+      const double limit = std::max(quantile(std::vector<float>(value, value + n), 0.98), 1e-30);
+      range_ = {-limit, limit};
+      return two_sided(limit);
+    }
+    default:
+      return distances(std::max<double>(*high, 1e-30));
+  }
+}
+
+// The mean over the edges at a point of the normal curvature along each: positive where the normal's
+// side is hollow.
+void ShapeActors::measure_curvature(float* value) const {
+  const auto n = static_cast<size_t>(points_->GetNumberOfTuples());
+  const float *x = points_->GetPointer(0), *normal = normals_->GetPointer(0);
+  std::vector<int> count(n, 0);
+  std::fill(value, value + n, 0.0F);
+  for (const auto& facet : pattern_->facets)
+    for (size_t k = 0; k < 3; ++k) {
+      const int a = facet[k], b = facet[(k + 1) % 3];
+      const Vec3 along = triple(x, b) - triple(x, a);
+      const double length = along.squaredNorm();
+      if (length == 0) continue;
+      const double c = (triple(normal, a) - triple(normal, b)).dot(along) / length;
+      for (const int p : {a, b}) {
+        value[p] += static_cast<float>(c);
+        ++count[static_cast<size_t>(p)];
+      }
+    }
+  for (size_t i = 0; i < n; ++i)
+    if (count[i] > 0) value[i] /= static_cast<float>(count[i]);
+}
+
+// The largest strain of the facets at a point since the mesh was made, with its sign.
+void ShapeActors::measure_stretch(float* value) const {
+  std::fill(value, value + points_->GetNumberOfTuples(), 0.0F);
+  for (const auto& facet : pattern_->facets) {
+    const auto frame_of = [&](const float* points) {
+      Eigen::Matrix<double, 3, 2> sides;
+      sides << triple(points, facet[1]) - triple(points, facet[0]),
+          triple(points, facet[2]) - triple(points, facet[0]);
+      return sides;
+    };
+    const auto before = frame_of(reference_.data()), after = frame_of(points_->GetPointer(0));
+    // The metric after, in a frame that is orthonormal before: (RᵀR = before's metric).
+    const Eigen::Matrix2d metric = before.transpose() * before;
+    const Eigen::LLT<Eigen::Matrix2d> factor(metric);
+    if (factor.info() != Eigen::Success) continue;
+    Eigen::Matrix2d strain = after.transpose() * after;
+    factor.matrixL().solveInPlace(strain);
+    strain = factor.matrixL().solve(strain.transpose().eval()).eval();
+    const Eigen::Vector2d squares =
+        Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(strain, Eigen::EigenvaluesOnly)
+            .eigenvalues();
+    const double low = std::sqrt(std::max(squares[0], 0.0)) - 1,
+                 high = std::sqrt(std::max(squares[1], 0.0)) - 1;
+    const auto worst = static_cast<float>(std::abs(low) > std::abs(high) ? low : high);
+    for (const int p : facet)
+      if (std::abs(worst) > std::abs(value[p])) value[p] = worst;
+  }
+}
+
+}  // namespace batten::studio

@@ -1,0 +1,189 @@
+// Documents of meshes: edits one after the other, live, undone, and the same as `batten deform` gives.
+#include "batten/apps/commands/documents/document.h"
+#include "batten/apps/commands/documents/edited_mesh.h"
+#include "batten/apps/commands/documents/mesh_edits.h"
+#include "batten/apps/commands/documents/run_script.h"
+#include "batten/apps/commands/meshes/run_deform.h"
+#include "batten/tests/apps/cli_case.h"
+
+#include <algorithm>
+
+using namespace batten;
+using namespace batten_test;
+using Verb = DocumentCommand::Verb;
+
+namespace {
+
+const fs::path kPanel = BATTEN_SOURCE_DIR "/examples/11-panel";
+
+DocumentCommand slid(const std::string& name, double value) {
+  return {.verb = Verb::Slide, .key = name, .value = value};
+}
+DocumentCommand added(const std::string& kind, const std::string& table) {
+  return {.verb = Verb::Add, .table = {kind, ""}, .text = table};
+}
+void act(Document& document, const std::vector<DocumentCommand>& commands) {
+  for (const DocumentCommand& command : commands) document.apply(command);
+}
+
+/// The panel with its holes kept, its left end fixed and its right end a handle.
+Document panel() {
+  Document document;
+  document.apply({.verb = Verb::Open, .file = kPanel / "panel.bdf"});
+  act(document,
+      {added("select", R"({ name = "left", box = [[-1, -1, -100], [1, 401, 100]] })"),
+       added("select", R"({ name = "right", box = [[599, -1, -100], [601, 401, 100]] })"),
+       added("features", R"({ of = ["hole-*"] })"),
+       {.verb = Verb::Set, .table = {"edit", "edit 1"}, .key = "fixed", .text = "[\"left\"]"},
+       added("edit.handle", R"({ name = "right" })")});
+  return document;
+}
+
+/// What `batten deform` makes of a document's text.
+std::string deformed(const Document& document, const Case& folder) {
+  const DeformScene scene = parse_deform_scene(document.text().text(), folder / "s.toml");
+  run_deform(scene, folder / "out");
+  return contents(folder / "out" / scene.mesh_out);
+}
+
+std::string exported(Document& document, const Case& folder) {
+  document.apply({.verb = Verb::Export, .file = folder / "shape.bdf"});
+  return contents(folder / "shape.bdf");
+}
+
+}  // namespace
+
+TEST_CASE("a mesh that is edited live is what batten deform makes of its scene", "[document]") {
+  const Case folder("mesh_live");
+  Document document = panel();
+  REQUIRE(document.mesh());
+  const Points rest = document.mesh()->shape();
+  CHECK((rest - document.mesh()->source().prepared.mesh.points()).isZero(0));
+  for (const double lift : {5.0, 20.0, 40.0}) {
+    act(document, {slid("edit 1.right.z", lift), {.verb = Verb::Answer}});
+    CHECK(document.mesh()->shape().col(2).maxCoeff() > rest.col(2).maxCoeff());
+  }
+  act(document, {slid("edit 1.right.turn.y", -30),
+                 slid("edit 1.right.turn.x", 4),
+                 {.verb = Verb::Answer},
+                 {.verb = Verb::Settle}});
+  const std::string text = document.text().text();
+  CHECK(text.find("translate = [0, 0, 40]") != std::string::npos);
+  CHECK(text.find("degrees = 30.26") != std::string::npos);
+  const std::string deck = exported(document, folder);
+  CHECK(deck == deformed(document, folder));
+  CHECK(deck != contents(kPanel / "panel.bdf"));
+
+  const Points shape = document.mesh()->shape();
+  document.apply({.verb = Verb::Undo});
+  CHECK((document.mesh()->shape() - rest).isZero(0));
+  document.apply({.verb = Verb::Redo});
+  CHECK((document.mesh()->shape() - shape).isZero(0));
+  document.apply({.verb = Verb::Save, .file = folder / "panel.toml"});
+  Document again;
+  again.apply({.verb = Verb::Open, .file = folder / "panel.toml"});
+  CHECK(again.content().problem().empty());
+  CHECK((again.mesh()->shape() - shape).isZero(0));
+}
+
+TEST_CASE("numbers of an edit change the edits behind it", "[document]") {
+  const Case folder("mesh_edits");
+  Document document = panel();
+  act(document, {slid("edit 1.right.z", 25),
+                 {.verb = Verb::Settle},
+                 added("edit", R"({ name = "edit 2", fixed = ["left"] })"),
+                 added("edit.handle", R"({ name = "hole-3" })"),
+                 slid("edit 2.hole-3.z", 4),
+                 {.verb = Verb::Settle}});
+  CHECK_FALSE(document.content().moves("edit 1.right.z"));
+  CHECK(document.content().moves("edit 2.hole-3.z"));
+  CHECK(exported(document, folder) == deformed(document, folder));
+  const Points before = document.mesh()->shape();
+  document.apply(slid("edit 1.right.z", 30));
+  CHECK((document.mesh()->shape() - before).col(2).maxCoeff() > 4);
+  CHECK(exported(document, folder) == deformed(document, folder));
+  document.apply({.verb = Verb::Undo});
+  CHECK((document.mesh()->shape() - before).isZero(0));
+}
+
+TEST_CASE("what a mesh cannot do is refused and leaves all as it was", "[document]") {
+  Document document = panel();
+  act(document, {slid("edit 1.right.z", 10), {.verb = Verb::Settle}});
+  const std::string text = document.text().text();
+  const Points shape = document.mesh()->shape();
+  CHECK_THROWS_AS(document.apply(added("feature", R"({ name = "no such thing" })")), InputError);
+  CHECK_THROWS_AS(document.apply(slid("edit 1.right.scale", 0)), InputError);
+  CHECK_THROWS_AS(document.apply(slid("edit 1.left.z", 1)), InputError);
+  // A handle on fixed nodes contradicts them as soon as it moves.
+  document.apply(added("edit.handle", R"({ name = "left" })"));
+  document.apply(slid("edit 1.left.z", 1));
+  CHECK_THROWS_AS(document.apply({.verb = Verb::Settle}), ConflictError);
+  document.apply({.verb = Verb::Undo});
+  CHECK(document.text().text() == text);
+  CHECK((document.mesh()->shape() - shape).isZero(0));
+  CHECK_THROWS_AS(document.apply({.verb = Verb::Open, .file = kPanel / "README.md"}), InputError);
+  CHECK(document.mesh());
+}
+
+TEST_CASE("parts of a mesh are made features, handles, fixed, and let go again", "[document]") {
+  Document document;
+  document.apply({.verb = Verb::Open, .file = kPanel / "panel.bdf"});
+  const std::string opened = document.text().text();
+  document.apply(added("features", R"({ of = ["hole-*"] })"));
+  const auto mesh = [&] { return *view_of(document).mesh; };
+  const auto use = [&](const std::string& part, PartUse what) {
+    act(document, use_edits(document.text(), mesh(), part, what));
+    CHECK(use_of(document.text(), part) == what);
+  };
+  CHECK(use_of(document.text(), "hole-2") == PartUse::Rigid);
+  use("hole-2", PartUse::Free);
+  CHECK(use_of(document.text(), "hole-3") == PartUse::Rigid);
+  use("hole-2", PartUse::KeepsDirection);
+  use("hole-1", PartUse::Fixed);
+  use("hole-2", PartUse::Handle);
+  const auto roles = mesh().roles;
+  for (const auto role : {MeshView::Role::Fixed, MeshView::Role::Handle, MeshView::Role::Feature})
+    CHECK(std::count(roles.begin(), roles.end(), role) > 100);
+  for (int hole = 1; hole <= 6; ++hole) use("hole-" + std::to_string(hole), PartUse::Free);
+  CHECK(document.text().text() == opened);
+  // A property of the deck becomes a selection.
+  use("3", PartUse::Rigid);
+  CHECK(document.text().has({"select", "3"}));
+  CHECK(document.content().problem().empty());
+}
+
+TEST_CASE("a scene whose edit cannot be done shows its mesh and says why", "[document]") {
+  const Case folder("mesh_problem");
+  folder.file("s.toml", "unit = \"mm\"\nmesh = \"" + (kPanel / "panel.bdf").string() +
+                            "\"\n[[edit]]\nname = \"e\"\nfixed = \"nowhere\"\n");
+  Document document;
+  document.apply({.verb = Verb::Open, .file = folder / "s.toml"});
+  CHECK(document.content().problem().find("nowhere") != std::string::npos);
+  CHECK(view_of(document).surface);
+  document.apply({.verb = Verb::Set, .table = {"edit", "e"}, .key = "fixed", .text = "\"hole-1\""});
+  CHECK(document.content().problem().empty());
+}
+
+TEST_CASE("a script of a mesh gives the bits of the document that it came from", "[document]") {
+  const Case folder("mesh_script");
+  std::ofstream(folder / "s.batten") << "open " << (kPanel / "panel.bdf").string() << "\n"
+                                     << R"(add features { of = ["hole-*"] }
+add select { name = "left", box = [[-1, -1, -100], [1, 401, 100]] }
+add select { name = "right", box = [[599, -1, -100], [601, 401, 100]] }
+set edit "edit 1" fixed ["left"]
+add edit.handle { name = "right" }
+slide "edit 1.right.z" 12
+slide "edit 1.right.turn.y" -10
+answer
+settle
+export shape.bdf
+)";
+  run_script(folder / "s.batten");
+  Document document = panel();
+  act(document, {slid("edit 1.right.z", 12),
+                 slid("edit 1.right.turn.y", -10),
+                 {.verb = Verb::Answer},
+                 {.verb = Verb::Settle}});
+  const std::string from_script = contents(folder / "shape.bdf");
+  CHECK(from_script == exported(document, folder));
+}

@@ -1,0 +1,125 @@
+// Stories of the window with meshes.
+#include <QAction>
+#include <QPushButton>
+
+#include "batten/apps/commands/documents/mesh_edits.h"
+#include "batten/apps/studio/view/gizmo.h"
+#include "batten/apps/studio/view/texts.h"
+#include "batten/io/meshes/mesh_file.h"
+#include "batten/mesh/features/holes.h"
+#include "batten/mesh/prepare.h"
+#include "batten/tests/studio/window_case.h"
+
+using namespace batten;
+using namespace batten::studio;
+using namespace batten_test;
+
+namespace {
+
+/// Draws around a rectangle of the ground, as the window shows it from above.
+void lasso(WindowCase& hand, const Vec3& low, const Vec3& high) {
+  const auto pixel = [&](double x, double y) { return hand.view().pixel_of({x, y, 0}); };
+  const std::vector<QPoint> corners = {pixel(low.x(), low.y()), pixel(high.x(), low.y()),
+                                       pixel(high.x(), high.y()), pixel(low.x(), high.y())};
+  hand.stroke(corners);
+}
+
+void press(WindowCase& hand, const char* button) {
+  REQUIRE(hand.window->chosen().button(button));
+  QTest::mouseClick(hand.window->chosen().button(button), Qt::LeftButton);
+  REQUIRE(hand.window->wait());
+}
+
+}  // namespace
+
+TEST_CASE(
+    "openings of a deck keep their shape while its end is bent by hand, and the deck is saved",
+    "[studio]") {
+  WindowCase hand;
+  MainWindow& window = *hand.window;
+  hand.open(kExamples / "11-panel/panel.bdf");
+  REQUIRE(hand.document().mesh);
+  CHECK_FALSE(window.action(kPush)->isEnabled());
+
+  window.tree().setCurrentItem(window.tree().topLevelItem(0));
+  press(hand, kKeepAll);
+  CHECK(hand.document().text.find("hole-*") != std::string::npos);
+
+  hand.act(kTop);
+  hand.act(kLasso);
+  lasso(hand, {-20, -20, 0}, {12, 420, 0});
+  CHECK(window.tree().current().name == "painted 1");
+  press(hand, kUses[static_cast<int>(PartUse::Fixed)]);
+  hand.act(kSelect);
+  hand.act(kLasso);
+  lasso(hand, {588, -20, 0}, {620, 420, 0});
+  CHECK(window.tree().current().name == "painted 2");
+  press(hand, kUses[static_cast<int>(PartUse::Handle)]);
+  REQUIRE(hand.document().handles.size() == 1);
+
+  hand.act(kSelect);
+  hand.act(kCorner);
+  REQUIRE(hand.view().gizmo().shown());
+  const Vec3 centre = hand.view().gizmo().centre();
+  hand.drag(hand.view().gizmo().on_part(2), {0, -70});
+  CHECK(hand.document().handles[0].shift.z() > 20);
+  CHECK(hand.document().handles[0].shift.head<2>().isZero(0));
+  CHECK((hand.view().gizmo().centre() - centre - hand.document().handles[0].shift).norm() < 1e-6);
+  const Vec3 ring = hand.view().gizmo().on_part(4);
+  hand.drag(ring, {0, 30});
+  const Vec3 turn = hand.document().handles[0].turn;
+  CHECK(std::abs(turn.y()) > 3);
+  CHECK(turn.cross(Vec3::UnitY()).norm() < 1e-9);
+  INFO(window.messages().join("; ").toStdString());
+  CHECK(window.messages().isEmpty());
+  hand.picture("panel");
+
+  const auto folder = scratch("studio_panel");
+  window.post({.verb = DocumentCommand::Verb::Export, .file = folder / "panel.bdf"});
+  window.post({.verb = DocumentCommand::Verb::Save, .file = folder / "panel.toml"});
+  REQUIRE(window.wait(120));
+  const MeshFile before = MeshFile::read(kExamples / "11-panel/panel.bdf");
+  const MeshFile after = MeshFile::read(folder / "panel.bdf");
+  REQUIRE(after.shells().node_count() == before.shells().node_count());
+  const PreparedMesh mesh = prepare(before.shells());
+  int round = 0;
+  for (const auto& loop : mesh.mesh.topology().boundary_loops()) {
+    const HoleMeasure was = measure_hole(before.shells().points, loop);
+    const HoleMeasure is = measure_hole(after.shells().points, loop);
+    if (!was.circular) continue;
+    ++round;
+    CHECK(std::abs(is.radius - was.radius) < 1e-6);  // of the deck's fields
+    CHECK(is.flatness < was.flatness + 1e-6);
+  }
+  CHECK(round == 4);
+  hand.act(kUndo);
+  CHECK(hand.document().handles[0].turn.isZero(0));
+  hand.open(folder / "panel.toml");
+  CHECK(hand.document().handles[0].turn == turn);
+  CHECK(hand.document().problem.empty());
+}
+
+TEST_CASE("nodes are painted with a brush, and taken away with Shift", "[studio]") {
+  WindowCase hand;
+  hand.open(kExamples / "10-plate-with-holes/plate.obj");
+  REQUIRE(hand.document().mesh);
+  hand.act(kTop);
+  hand.act(kPaint);
+  const auto painted = [&] {
+    for (const auto& part : hand.document().mesh->parts)
+      if (part.name == "painted 1") return part.points.size();
+    return size_t{0};
+  };
+  const auto pixel = [&](double x, double y) { return hand.view().pixel_of({x, y, 0}); };
+  hand.stroke({pixel(20, 40), pixel(20, 140), pixel(20, 260)});
+  const size_t first = painted();
+  CHECK(first > 20);
+  hand.stroke({pixel(60, 40), pixel(60, 260)});
+  const size_t both = painted();
+  CHECK(both > 1.5 * static_cast<double>(first));
+  hand.picture("painted");
+  hand.stroke({pixel(60, 40), pixel(60, 260)}, Qt::ShiftModifier);
+  CHECK(painted() < both);
+  hand.act(kUndo);
+  CHECK(painted() == both);
+}
