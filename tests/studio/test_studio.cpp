@@ -6,6 +6,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "batten/apps/commands/documents/line_edits.h"
 #include "batten/apps/commands/documents/run_script.h"
 #include "batten/apps/studio/view/texts.h"
 #include "batten/tests/studio/window_case.h"
@@ -225,4 +226,66 @@ TEST_CASE("a double click ends a line and begins no other", "[studio]") {
   hand.key(Qt::Key_Return);
   CHECK(hand.document().lines.size() == 1);
   hand.picture("one_line");
+}
+
+TEST_CASE(
+    "points of a line are moved, added and taken away; it is split, joined, mirrored and faired",
+    "[studio]") {
+  WindowCase hand;
+  MainWindow& window = *hand.window;
+  const auto points = [&](const std::string& line) {
+    return stated_points(SceneText(hand.document().text), line);
+  };
+  hand.act(kTop);
+  hand.act(kDraw);
+  for (const Vec3& p : {Vec3(-80, -40, 0), Vec3(-40, 20, 0), Vec3(0, -20, 0), Vec3(40, 30, 0)})
+    hand.click(p);
+  hand.click({80, 0, 0});
+  hand.key(Qt::Key_Return);
+  REQUIRE(points("line 1").size() == 5);
+  hand.act(kSelect);
+  window.action(kCombs)->setChecked(true);
+  window.tree().choose_line("line 1");
+
+  const std::vector<Vec3> drawn = points("line 1");
+  hand.drag(drawn[2], {0, -60});
+  const std::vector<Vec3> moved = points("line 1");
+  CHECK(moved[2].y() > drawn[2].y() + 10);
+  CHECK(moved[2].z() == drawn[2].z());
+  for (const size_t i : {0U, 1U, 3U, 4U}) CHECK(moved[i] == drawn[i]);
+  CHECK(hand.view().chosen_point() == 2);
+  hand.picture("line_points");
+
+  hand.press(kSplit);
+  CHECK(points("line 1").size() == 3);
+  CHECK(points("line 2").size() == 3);
+  hand.press(kJoinLines);
+  CHECK(points("line 1") == moved);
+  CHECK(points("line 2").empty());
+  hand.press(kMirrors[1]);
+  REQUIRE(points("line 2").size() == 5);
+  for (size_t i = 0; i < 5; ++i)
+    CHECK(points("line 2")[i] == Vec3(moved[i].x(), -moved[i].y(), moved[i].z()));
+
+  // A double click between two points puts one there; Delete takes it out again.
+  Vec3 between = Vec3::Zero();
+  for (const auto& line : hand.document().lines)
+    if (line.line == "line 1") between = line.points[10];
+  const QPoint at = hand.view().pixel_of(between);
+  QTest::mouseClick(&hand.view(), Qt::LeftButton, {}, at);
+  CHECK(window.tree().current().name.starts_with("line 1"));
+  QTest::mouseDClick(&hand.view(), Qt::LeftButton, {}, at);
+  REQUIRE(window.wait());
+  REQUIRE(points("line 1").size() == 6);
+  CHECK((points("line 1")[1] - between).norm() < 3);
+  hand.act(kRemove);
+  CHECK(points("line 1") == moved);
+
+  hand.press(kFair);
+  CHECK(hand.document().text.find("[[fair]]") != std::string::npos);
+  hand.picture("line_faired");
+  CHECK(points("line 1") == moved);  // what is stated stays
+  CHECK(hand.document().lines.size() == 2);
+  while (points("line 1") != drawn && hand.document().can_undo) hand.act(kUndo);
+  CHECK(points("line 1") == drawn);
 }

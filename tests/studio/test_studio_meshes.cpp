@@ -24,12 +24,6 @@ void lasso(WindowCase& hand, const Vec3& low, const Vec3& high) {
   hand.stroke(corners);
 }
 
-void press(WindowCase& hand, const char* button) {
-  REQUIRE(hand.window->chosen().button(button));
-  QTest::mouseClick(hand.window->chosen().button(button), Qt::LeftButton);
-  REQUIRE(hand.window->wait());
-}
-
 }  // namespace
 
 TEST_CASE(
@@ -42,19 +36,19 @@ TEST_CASE(
   CHECK_FALSE(window.action(kPush)->isEnabled());
 
   window.tree().setCurrentItem(window.tree().topLevelItem(0));
-  press(hand, kKeepAll);
+  hand.press(kKeepAll);
   CHECK(hand.document().text.find("hole-*") != std::string::npos);
 
   hand.act(kTop);
   hand.act(kLasso);
   lasso(hand, {-20, -20, 0}, {12, 420, 0});
   CHECK(window.tree().current().name == "painted 1");
-  press(hand, kUses[static_cast<int>(PartUse::Fixed)]);
+  hand.press(kUses[static_cast<int>(PartUse::Fixed)]);
   hand.act(kSelect);
   hand.act(kLasso);
   lasso(hand, {588, -20, 0}, {620, 420, 0});
   CHECK(window.tree().current().name == "painted 2");
-  press(hand, kUses[static_cast<int>(PartUse::Handle)]);
+  hand.press(kUses[static_cast<int>(PartUse::Handle)]);
   REQUIRE(hand.document().handles.size() == 1);
 
   hand.act(kSelect);
@@ -88,8 +82,8 @@ TEST_CASE(
     const HoleMeasure is = measure_hole(after.shells().points, loop);
     if (!was.circular) continue;
     ++round;
-    CHECK(std::abs(is.radius - was.radius) < 1e-6);  // of the deck's fields
-    CHECK(is.flatness < was.flatness + 1e-6);
+    CHECK(std::abs(is.radius - was.radius) < 1e-4);  // what the deck's fields round
+    CHECK(is.flatness < 1e-4);
   }
   CHECK(round == 4);
   hand.act(kUndo);
@@ -101,6 +95,7 @@ TEST_CASE(
 
 TEST_CASE("nodes are painted with a brush, and taken away with Shift", "[studio]") {
   WindowCase hand;
+  MainWindow& window = *hand.window;
   hand.open(kExamples / "10-plate-with-holes/plate.obj");
   REQUIRE(hand.document().mesh);
   hand.act(kTop);
@@ -111,14 +106,15 @@ TEST_CASE("nodes are painted with a brush, and taken away with Shift", "[studio]
     return size_t{0};
   };
   const auto pixel = [&](double x, double y) { return hand.view().pixel_of({x, y, 0}); };
-  hand.stroke({pixel(20, 40), pixel(20, 140), pixel(20, 260)});
+  hand.stroke({pixel(10, 40), pixel(10, 140), pixel(10, 260)});
   const size_t first = painted();
   CHECK(first > 20);
-  hand.stroke({pixel(60, 40), pixel(60, 260)});
+  hand.stroke({pixel(290, 40), pixel(290, 260)});
   const size_t both = painted();
   CHECK(both > 1.5 * static_cast<double>(first));
+  CHECK(window.tree().current().name == "painted 1");
   hand.picture("painted");
-  hand.stroke({pixel(60, 40), pixel(60, 260)}, Qt::ShiftModifier);
+  hand.stroke({pixel(290, 40), pixel(290, 260)}, Qt::ShiftModifier);
   CHECK(painted() < both);
   hand.act(kUndo);
   CHECK(painted() == both);

@@ -63,6 +63,12 @@ class WindowCase {
     action->trigger();
     REQUIRE(window->wait());
   }
+  /// Presses a button of what is chosen, by its text.
+  void press(const char* what) {
+    REQUIRE(window->chosen().button(what));
+    QTest::mouseClick(window->chosen().button(what), Qt::LeftButton);
+    REQUIRE(window->wait());
+  }
   void click(const batten::Vec3& p) { click(view().pixel_of(p)); }
   void click(const QPoint& at) {
     QTest::mouseMove(&view(), at);

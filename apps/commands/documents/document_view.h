@@ -24,7 +24,9 @@ struct MeshView {
   struct Part {
     enum class Kind { Proposal, Selection, Set };
     Kind kind = Kind::Proposal;
-    std::string name, detail;  ///< detail of a set: "set" or "property", the key of [[select]]
+    std::string name;
+    std::string key = {};  ///< of a set: "set" or "property", the key of [[select]]
+    double across = 0;     ///< of a proposal: diameter of the circle of the same area
     std::vector<int> points;
   };
   std::vector<Part> parts;

@@ -305,12 +305,11 @@ void EditedMesh::Made::show() {
     return all;
   };
   for (const FeatureProposal& p : select.proposals())
-    seen->parts.push_back({Part::Kind::Proposal, p.name,
-                           number(2 * p.measure.equivalent_radius) + " across",
-                           points(p.vertices)});
+    seen->parts.push_back(
+        {Part::Kind::Proposal, p.name, "", 2 * p.measure.equivalent_radius, points(p.vertices)});
   for (const SelectRule& rule : scene.selections) try {
       seen->parts.push_back(
-          {Part::Kind::Selection, rule.name, "", points(select.of({rule.name, rule.place}))});
+          {Part::Kind::Selection, rule.name, "", 0, points(select.of({rule.name, rule.place}))});
     } catch (const InputError&) {
       continue;  // the problem names it
     }
@@ -321,7 +320,7 @@ void EditedMesh::Made::show() {
         const auto face = source->file.shells().face(f);
         nodes.insert(nodes.end(), face.begin(), face.end());
       }
-      seen->parts.push_back({Part::Kind::Set, set.name, property ? "property" : "set",
+      seen->parts.push_back({Part::Kind::Set, set.name, property ? "property" : "set", 0,
                              points(each_once(std::move(nodes)))});
     }
   seen->roles.assign(vertices.size(), Role::Free);

@@ -102,7 +102,7 @@ std::vector<DocumentCommand> use_edits(const SceneText& scene, const MeshView& m
     if (one.name == part && one.kind == Part::Kind::Set && !scene.has({"select", part}))
       edits.push_back({.verb = Verb::Add,
                        .table = {"select", ""},
-                       .text = "{ name = " + name + ", " + one.detail + " = " + name + " }"});
+                       .text = "{ name = " + name + ", " + one.key + " = " + name + " }"});
   const auto edit = last_edit(scene);
   const bool moves = use == PartUse::Fixed || use == PartUse::Handle;
   if (!edit && moves)

@@ -9,6 +9,7 @@
 
 #include "batten/apps/commands/meshes/deform_pictures.h"
 #include "batten/apps/commands/meshes/edit_session.h"
+#include "batten/apps/commands/meshes/mesh_source.h"
 #include "batten/apps/commands/runs/run_parts.h"
 #include "batten/core/box.h"
 #include "batten/core/index.h"

@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "batten/apps/studio/view/layer.h"
+#include "batten/apps/studio/view/window_points.h"
 
 namespace batten::studio {
 namespace {
@@ -20,13 +21,6 @@ constexpr double kShortArrow = 14;  // pixels: it points at the eye
 constexpr double kRing = 0.72;      // radius, of the reach
 constexpr double kFlatRing = 0.3;   // cosine to the eye below which a ring is a line
 constexpr double kDegrees = 180 / std::numbers::pi;
-
-double distance_to_piece(const Vec2& p, const Vec2& a, const Vec2& b) {
-  const Vec2 along = b - a;
-  const double length = along.squaredNorm();
-  const double t = length > 0 ? std::clamp((p - a).dot(along) / length, 0.0, 1.0) : 0;
-  return (p - a - t * along).norm();
-}
 
 }  // namespace
 
@@ -94,23 +88,11 @@ Vec3 Gizmo::on_part(int part) const {
   return part < 3 ? Vec3(0.5 * (line[0] + line[1])) : line[kRingPieces / 8];
 }
 
-Vec2 Gizmo::in_window(const Vec3& p) const {
-  renderer_->SetWorldPoint(p.x(), p.y(), p.z(), 1);
-  renderer_->WorldToDisplay();
-  double window[3];
-  renderer_->GetDisplayPoint(window);
-  return {window[0], window[1]};
-}
+Vec2 Gizmo::at(const Vec3& p) const { return in_window(*renderer_, p); }
 
 Vec3 Gizmo::in_world(const Vec2& hand) const {
-  renderer_->SetWorldPoint(start_.x(), start_.y(), start_.z(), 1);
-  renderer_->WorldToDisplay();
-  double window[3], world[4];
-  renderer_->GetDisplayPoint(window);
-  renderer_->SetDisplayPoint(hand.x(), hand.y(), window[2]);
-  renderer_->DisplayToWorld();
-  renderer_->GetWorldPoint(world);
-  return Vec3(world[0], world[1], world[2]) / world[3];
+  const double depth = display_of(*renderer_, start_).z();
+  return world_of(*renderer_, {hand.x(), hand.y(), depth});
 }
 
 Vec3 Gizmo::to_eye() const {
@@ -124,16 +106,16 @@ bool Gizmo::press(const Vec2& hand) {
   part_ = -1;
   if (!shown_) return false;
   double least = kNear;
-  if ((in_window(centre_) - hand).norm() < kNear) {
+  if ((at(centre_) - hand).norm() < kNear) {
     part_ = kBall;
     least = 0;
   }
   for (int part = 0; part < kBall; ++part) {
     if (part >= 3 && !turns_) break;
     const std::vector<Vec3> line = outline(part);
-    if (part < 3 && (in_window(line[1]) - in_window(line[0])).norm() < kShortArrow) continue;
+    if (part < 3 && (at(line[1]) - at(line[0])).norm() < kShortArrow) continue;
     for (size_t i = 0; i + 1 < line.size(); ++i) {
-      const double d = distance_to_piece(hand, in_window(line[i]), in_window(line[i + 1]));
+      const double d = distance_to_piece(hand, at(line[i]), at(line[i + 1])).first;
       if (d >= least) continue;
       least = d;
       part_ = part;
@@ -149,12 +131,12 @@ bool Gizmo::press(const Vec2& hand) {
 // A ring that is seen as a line turns by how far the hand goes along it.
 double Gizmo::angle_of(const Vec2& hand) const {
   const double facing = axis().dot(to_eye());
-  const Vec2 arm = hand - in_window(start_);
+  const Vec2 arm = hand - at(start_);
   if (std::abs(facing) > kFlatRing)
     return std::atan2(arm.y(), arm.x()) * kDegrees * (facing > 0 ? 1 : -1);
   const Vec3 tangent = axis().cross(to_eye()).normalized();
-  const Vec2 along = in_window(start_ + kRing * reach_ * tangent) - in_window(start_);
-  return (hand - in_window(start_)).dot(along) / along.squaredNorm() * kDegrees;
+  const Vec2 along = at(start_ + kRing * reach_ * tangent) - at(start_);
+  return (hand - at(start_)).dot(along) / along.squaredNorm() * kDegrees;
 }
 
 Gizmo::Motion Gizmo::move(const Vec2& hand) {
@@ -162,7 +144,7 @@ Gizmo::Motion Gizmo::move(const Vec2& hand) {
   if (part_ == kBall) {
     motion.shift = in_world(hand) - in_world(from_);
   } else if (part_ < 3) {
-    const Vec2 along = (in_window(start_ + reach_ * axis()) - in_window(start_)) / reach_;
+    const Vec2 along = (at(start_ + reach_ * axis()) - at(start_)) / reach_;
     motion.shift = (hand - from_).dot(along) / along.squaredNorm() * axis();
   } else {
     const double now = angle_of(hand);

@@ -45,7 +45,7 @@ class Gizmo {
  private:
   std::vector<Vec3> outline(int part) const;
   Vec3 axis() const;
-  Vec2 in_window(const Vec3& p) const;
+  Vec2 at(const Vec3& p) const;           // in the window
   Vec3 in_world(const Vec2& hand) const;  // in the plane through the centre that faces the eye
   Vec3 to_eye() const;
   double angle_of(const Vec2& hand) const;

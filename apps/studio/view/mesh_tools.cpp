@@ -3,10 +3,12 @@
 #include <vtkMatrix4x4.h>
 #include <vtkRenderer.h>
 
+#include <QLineF>
 #include <QMouseEvent>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "batten/apps/commands/documents/mesh_edits.h"
 #include "batten/apps/studio/view/gizmo.h"
@@ -108,14 +110,16 @@ void ShapeView::release_handle() {
 
 // -- painting ---------------------------------------------------------------------------------------
 
-// A painted selection that is chosen goes on.
+// A painted selection that is chosen goes on, until it is said what it is for.
 void ShapeView::start_painting() {
   const auto count = static_cast<size_t>(actors_->point_count());
-  if (painted_.size() == count) return;
+  const SceneText scene(view_->text);
+  const bool goes_on = painted_.size() == count && !painted_name_.empty() &&
+                       use_of(scene, painted_name_) == PartUse::Free;
+  if (goes_on) return;
   painted_.assign(count, 0);
   painted_name_.clear();
-  const DocumentView::Table* chosen = view_->table({"select", chosen_});
-  if (!chosen || chosen->values.size() != 2 || chosen->values.back().first != "nodes") return;
+  if (nodes_of(scene, chosen_).empty() || use_of(scene, chosen_) != PartUse::Free) return;
   painted_name_ = chosen_;
   for (const MeshView::Part& part : view_->mesh->parts)
     for (size_t i = 0; part.name == chosen_ && i < part.points.size(); ++i)
@@ -123,14 +127,21 @@ void ShapeView::start_painting() {
 }
 
 void ShapeView::paint(const QPoint& at, bool erases) {
+  const double far = QLineF(brushed_, at).length();
+  const int steps = std::max(1, static_cast<int>(std::ceil(2 * far / kBrush)));
+  for (int i = 1; i <= steps; ++i) dab(brushed_ + (at - brushed_) * i / steps, erases);
+  brushed_ = at;
+  actors_->show_painted(painted_);
+  redraw();
+}
+
+void ShapeView::dab(const QPoint& at, bool erases) {
   const Vec3 hand = display(at);
   const auto p = actors_->surface_at(hand.x(), hand.y());
   if (!p) return;
   const Vec3 side = to_window(*p) + Vec3(kBrush * devicePixelRatioF(), 0, 0);
   for (const int i : actors_->points_within(*p, (from_window(side) - *p).norm()))
     painted_[static_cast<size_t>(i)] = erases ? 0 : 1;
-  actors_->show_painted(painted_);
-  redraw();
 }
 
 // All nodes that the lasso encloses, those behind, too.
@@ -165,8 +176,13 @@ void ShapeView::finish_stroke() {
   if (labels.empty()) return;
   if (painted_name_.empty()) painted_name_ = view_->free_name("painted");
   hooks_.post(nodes_edit(SceneText(view_->text), painted_name_, labels));
-  chosen_ = painted_name_;
-  hooks_.chosen("", painted_name_);
+  awaited_ = painted_name_;
+}
+
+// What was painted is chosen as soon as the scene has it.
+void ShapeView::choose_awaited() {
+  if (awaited_.empty() || !view_->table({"select", awaited_})) return;
+  hooks_.chosen("", std::exchange(awaited_, ""));
 }
 
 }  // namespace batten::studio

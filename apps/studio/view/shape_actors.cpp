@@ -23,7 +23,7 @@
 namespace batten::studio {
 namespace {
 
-constexpr double kDot = 9;       // pixels
+constexpr double kDot = 9;  // pixels
 
 vtkIdType count_of_triples(const std::vector<float>& values) {
   return static_cast<vtkIdType>(values.size() / 3);
@@ -46,6 +46,9 @@ ShapeActors::ShapeActors(vtkRenderer* renderer)
       draft_(std::make_unique<Layer>(renderer, -8, 3)),
       push_(std::make_unique<Layer>(renderer, -8, 3)),
       grid_(std::make_unique<Layer>(renderer, 4, 1)),
+      dots_(std::make_unique<Layer>(renderer, -10, 1)),
+      dot_(std::make_unique<Layer>(renderer, -12, 1)),
+      comb_(std::make_unique<Layer>(renderer, -4, 1.2)),
       points_(vtkSmartPointer<vtkFloatArray>::New()),
       normals_(vtkSmartPointer<vtkFloatArray>::New()),
       scalars_(vtkSmartPointer<vtkFloatArray>::New()),
@@ -211,6 +214,9 @@ void ShapeActors::colour() {
   chosen_->set_colour(palette_.chosen);
   draft_->set_colour(palette_.draft);
   push_->set_colour(palette_.chosen);
+  dots_->set_colour(palette_.draft);
+  dot_->set_colour(palette_.chosen);
+  comb_->set_colour(palette_.draft);
   std::array<double, 3> grid{};
   for (size_t i = 0; i < 3; ++i) grid[i] = 0.8 * palette_.low[i] + 0.2 * palette_.line[i];
   grid_->set_colour(grid);
@@ -220,6 +226,35 @@ void ShapeActors::set_mesh(bool shown) { facets_->actor->GetProperty()->SetEdgeV
 
 void ShapeActors::set_draft(const std::vector<Vec3>& points) {
   draft_->set_dots(points, true, kDot);
+}
+
+void ShapeActors::set_dots(const std::vector<Vec3>& points, int chosen) {
+  dots_->set_dots(points, false, kDot);
+  const bool any = chosen >= 0 && chosen < static_cast<int>(points.size());
+  dot_->set_dots(any ? std::vector<Vec3>{points[static_cast<size_t>(chosen)]} : std::vector<Vec3>{},
+                 false, 1.4 * kDot);
+}
+
+void ShapeActors::set_comb(const std::vector<Vec3>& curve) {
+  std::vector<Vec3> curvature(curve.size(), Vec3::Zero());
+  double largest = 0, length = 0;
+  for (size_t i = 1; i + 1 < curve.size(); ++i) {
+    const Vec3 a = curve[i] - curve[i - 1], b = curve[i + 1] - curve[i];
+    if (a.norm() == 0 || b.norm() == 0) continue;
+    curvature[i] = 2 * (b.normalized() - a.normalized()) / (a.norm() + b.norm());
+    largest = std::max(largest, curvature[i].norm());
+    length += a.norm();
+  }
+  std::vector<std::vector<Vec3>> lines;
+  // Against the curvature, so that the comb stands outside; a straight line has none.
+  const double scale = largest * length > 1e-6 ? 0.15 * length / largest : 0;
+  std::vector<Vec3> edge;
+  for (size_t i = 1; scale > 0 && i + 1 < curve.size(); ++i) {
+    edge.push_back(curve[i] - scale * curvature[i]);
+    lines.push_back({curve[i], edge.back()});
+  }
+  if (!edge.empty()) lines.push_back(std::move(edge));
+  comb_->set_polylines(lines);
 }
 
 void ShapeActors::set_grid(const std::optional<std::pair<Vec3, Vec3>>& axes) {

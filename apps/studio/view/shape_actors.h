@@ -49,6 +49,10 @@ class ShapeActors {
   void show_painted(const std::vector<char>& points);
   /// The points of a line that is being drawn; with one more where the hand is.
   void set_draft(const std::vector<Vec3>& points);
+  /// Dots of points that can be moved, one of them chosen (-1: none).
+  void set_dots(const std::vector<Vec3>& points, int chosen);
+  /// A comb of the curvature along points of a curve; as high as a tenth of the size at most.
+  void set_comb(const std::vector<Vec3>& curve);
   /// A grid through the origin along two axes, in round steps.
   void set_grid(const std::optional<std::pair<Vec3, Vec3>>& axes);
   /// An arrow of a load that is being pushed.
@@ -83,7 +87,7 @@ class ShapeActors {
   void colour();
   int facet_at(double x, double y) const;
   std::string part_of(int facet) const;
-  std::unique_ptr<Layer> facets_, lines_, chosen_, draft_, push_, grid_;
+  std::unique_ptr<Layer> facets_, lines_, chosen_, draft_, push_, grid_, dots_, dot_, comb_;
   vtkSmartPointer<vtkFloatArray> points_, normals_, scalars_;
   vtkSmartPointer<vtkIntArray> facet_regions_, roles_;
   vtkRenderer* renderer_;

@@ -1,4 +1,5 @@
 // What a point of the window shows.
+#include <vtkCamera.h>
 #include <vtkCellPicker.h>
 #include <vtkFloatArray.h>
 
@@ -7,8 +8,15 @@
 
 #include "batten/apps/studio/view/layer.h"
 #include "batten/apps/studio/view/shape_actors.h"
+#include "batten/apps/studio/view/window_points.h"
 
 namespace batten::studio {
+namespace {
+
+constexpr double kNearLine = 7;   // pixels
+constexpr double kBehind = 0.01;  // of the size: what lies so far behind the surface is hidden
+
+}  // namespace
 
 std::optional<Vec3> ShapeActors::surface_at(double x, double y) const {
   if (!pattern_) return std::nullopt;
@@ -22,16 +30,40 @@ std::optional<Vec3> ShapeActors::surface_at(double x, double y) const {
   return p;
 }
 
+// The nearest line in the window, unless the surface hides it there.
 std::string ShapeActors::line_at(double x, double y) const {
-  vtkNew<vtkCellPicker> picker;
-  picker->SetTolerance(0.006);
-  picker->PickFromListOn();
-  picker->AddPickList(lines_->actor);
-  if (pattern_) picker->AddPickList(facets_->actor);  // what lies in front hides lines
-  if (!picker->Pick(x, y, 0, renderer_) || picker->GetActor() != lines_->actor.Get()) return "";
-  const vtkIdType cell = picker->GetCellId();
-  const auto count = static_cast<vtkIdType>(line_names_.size());
-  return cell >= 0 && cell < count ? line_names_[static_cast<size_t>(cell)] : "";
+  const std::optional<Vec3> surface = surface_at(x, y);
+  const Vec3 eye = -Vec3::Map(renderer_->GetActiveCamera()->GetDirectionOfProjection());
+  const auto [low, high] = box();
+  const double behind = kBehind * (high - low).norm();
+  double least = kNearLine;
+  std::string best;
+  vtkCellArray* cells = lines_->data->GetLines();
+  vtkPoints* points = lines_->data->GetPoints();
+  for (size_t i = 0; cells && points && i < line_names_.size(); ++i) {
+    if (line_names_[i].empty()) continue;
+    vtkIdType count = 0;
+    const vtkIdType* of = nullptr;
+    cells->GetCellAtId(static_cast<vtkIdType>(i), count, of);
+    Vec3 before = Vec3::Zero();
+    Vec2 before_at = Vec2::Zero();
+    for (vtkIdType k = 0; k < count; ++k) {
+      const Vec3 p = Vec3::Map(points->GetPoint(of[k]));
+      const Vec2 at = in_window(*renderer_, p);
+      if (k > 0) {
+        const auto [distance, share] = distance_to_piece({x, y}, before_at, at);
+        const bool hidden =
+            surface && (*surface - (before + share * (p - before))).dot(eye) > behind;
+        if (distance < least && !hidden) {
+          least = distance;
+          best = line_names_[i];
+        }
+      }
+      before = p;
+      before_at = at;
+    }
+  }
+  return best;
 }
 
 int ShapeActors::facet_at(double x, double y) const {

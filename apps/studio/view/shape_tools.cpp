@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "batten/apps/commands/documents/line_edits.h"
 #include "batten/apps/studio/view/shape_view.h"
 #include "batten/apps/studio/view/texts.h"
 
@@ -13,19 +14,6 @@ namespace {
 
 using Verb = DocumentCommand::Verb;
 constexpr double kSnap = 12;  // pixels
-
-std::string vector_word(const Vec3& v) {
-  return "[" + SceneText::word(v.x()) + ", " + SceneText::word(v.y()) + ", " +
-         SceneText::word(v.z()) + "]";
-}
-
-/// As many digits as the hand can mean: a millionth of the size.
-Vec3 rounded(const Vec3& p, double size) {
-  const double step = std::pow(10, std::floor(std::log10(std::max(size, 1e-12))) - 5);
-  Vec3 r;
-  for (int i = 0; i < 3; ++i) r[i] = std::stod(number(std::round(p[i] / step) * step));
-  return r;
-}
 
 }  // namespace
 
@@ -58,9 +46,9 @@ void ShapeView::place_push(const DocumentPlace& place) {
   push.value = 1;
   hooks_.post({.verb = Verb::Add,
                .table = {"load", ""},
-               .text = "{ name = " + SceneText::word(push.name) +
-                       ", type = \"point\", at = " + vector_word(rounded(place.held, view_->size)) +
-                       ", direction = " + vector_word(rounded(place.normal, 1)) + ", value = 0 }"});
+               .text = "{ name = " + SceneText::word(push.name) + ", type = \"point\", at = " +
+                       point_word(rounded_point(place.held, view_->size)) + ", direction = " +
+                       point_word(rounded_point(place.normal, 1)) + ", value = 0 }"});
   hooks_.post({.verb = Verb::Slide, .key = push.name, .value = push.value});
 }
 
@@ -100,6 +88,7 @@ std::optional<Vec3> ShapeView::snapped(const QPoint& at) const {
   };
   if (view_)
     for (const auto& line : view_->lines) {
+      if (line.line == stated_ && tool_ == Tool::Select) continue;
       offer(line.points.front());
       offer(line.points.back());
     }
@@ -121,8 +110,7 @@ Vec3 ShapeView::point_at(const QPoint& at) const {
   if (std::abs(normal.dot(along)) < grazing) normal = along;
   const Vec3 through = draft_.empty() ? Vec3(Vec3::Zero()) : draft_.front();
   const Vec3 p = near + along * ((through - near).dot(normal) / along.dot(normal));
-  const auto [low, high] = actors_->box();
-  return rounded(p, (high - low).norm());
+  return rounded_by_hand(p);
 }
 
 void ShapeView::draw_point(const QPoint& at) {
@@ -143,12 +131,7 @@ void ShapeView::finish_line() {
   redraw();
   if (points.size() < 2) return;
   fitted_ = true;  // the view stays while a hand draws
-  std::string list;
-  for (const Vec3& p : points) list += (list.empty() ? "" : ", ") + vector_word(p);
-  hooks_.post({.verb = Verb::Add,
-               .table = {"line", ""},
-               .text = "{ name = " + SceneText::word(view_->free_name("line")) + ", points = [" +
-                       list + "] }"});
+  hooks_.post(line_command(view_->free_name("line"), points));
   hooks_.hint(text(kHintDraw));
 }
 

@@ -19,6 +19,7 @@
 
 #include "batten/apps/studio/view/gizmo.h"
 #include "batten/apps/studio/view/texts.h"
+#include "batten/apps/studio/view/window_points.h"
 
 namespace batten::studio {
 namespace {
@@ -107,7 +108,11 @@ void ShapeView::take(const DocumentWorker::News& news) {
     fit();
   }
   if (news.frame) follow_push();
-  if (news.view) show_handle();
+  if (news.view) {
+    show_handle();
+    show_line();
+    choose_awaited();
+  }
   redraw();
 }
 
@@ -121,6 +126,7 @@ void ShapeView::set_tool(Tool tool) {
   setCursor(cursors[static_cast<int>(tool)]);
   show_grid();
   show_handle();
+  show_line();
   const bool mesh = view_ && view_->mesh;
   const char* const hints[] = {mesh ? kHintSelectMesh : kHintSelect, kHintPush, kHintDraw,
                                kHintPaint, kHintLasso};
@@ -166,9 +172,11 @@ void ShapeView::set_perspective(bool on) {
 }
 
 void ShapeView::choose(const std::string& name) {
+  if (name != chosen_) chosen_point_ = -1;
   chosen_ = name;
   actors_->choose(name);
   show_handle();
+  show_line();
   redraw();
 }
 
@@ -200,21 +208,8 @@ Vec3 ShapeView::display(const QPoint& at) const {
   return {at.x() * ratio, (height() - 1 - at.y()) * ratio, 0};
 }
 
-Vec3 ShapeView::to_window(const Vec3& p) const {
-  renderer_->SetWorldPoint(p.x(), p.y(), p.z(), 1);
-  renderer_->WorldToDisplay();
-  Vec3 window;
-  renderer_->GetDisplayPoint(window.data());
-  return window;
-}
-
-Vec3 ShapeView::from_window(const Vec3& window) const {
-  double world[4];
-  renderer_->SetDisplayPoint(window.data());
-  renderer_->DisplayToWorld();
-  renderer_->GetWorldPoint(world);
-  return Vec3(world[0], world[1], world[2]) / world[3];
-}
+Vec3 ShapeView::to_window(const Vec3& p) const { return display_of(*renderer_, p); }
+Vec3 ShapeView::from_window(const Vec3& window) const { return world_of(*renderer_, window); }
 
 QPoint ShapeView::pixel_of(const Vec3& p) const {
   const Vec3 window = to_window(p) / devicePixelRatioF();
@@ -238,6 +233,8 @@ bool ShapeView::event(QEvent* event) {
       if (tool_ == Tool::Draw) {
         finish_line();
         taken = true;
+      } else {
+        taken = add_point(static_cast<QMouseEvent*>(event)->pos());
       }
       break;
     case QEvent::KeyPress:
@@ -257,7 +254,7 @@ bool ShapeView::press(QMouseEvent* event) {
   pressed_ = event->pos();
   left_ = true;
   moved_ = false;
-  if (press_handle(event->pos())) return true;
+  if (press_handle(event->pos()) || press_point(event->pos())) return true;
   if (tool_ == Tool::Paint || tool_ == Tool::Lasso) return press_brush(event);
   if (tool_ != Tool::Push) return false;
   const Vec3 at = display(event->pos());
@@ -273,6 +270,7 @@ bool ShapeView::press_brush(QMouseEvent* event) {
   if (tool_ == Tool::Paint && !actors_->surface_at(at.x(), at.y())) return false;
   start_painting();
   brushing_ = true;
+  brushed_ = event->pos();
   if (tool_ == Tool::Paint)
     paint(event->pos(), event->modifiers().testFlag(Qt::ShiftModifier));
   else
@@ -284,6 +282,10 @@ bool ShapeView::move(QMouseEvent* event) {
   if (left_ && (event->pos() - pressed_).manhattanLength() > kClick) moved_ = true;
   if (left_ && gizmo_->pressed()) {
     drag_handle(event->pos());
+    return true;
+  }
+  if (left_ && moved_point_ >= 0) {
+    if (moved_) drag_point(event->pos());
     return true;
   }
   if (left_ && brushing_) {
@@ -319,6 +321,10 @@ bool ShapeView::release(QMouseEvent* event) {
   left_ = false;
   if (gizmo_->pressed()) {
     release_handle();
+    return true;
+  }
+  if (moved_point_ >= 0) {
+    release_point();
     return true;
   }
   if (brushing_) {

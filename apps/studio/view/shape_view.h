@@ -54,6 +54,12 @@ class ShapeView : public QVTKOpenGLNativeWidget {
   void set_dark(bool dark);
   void set_mesh(bool shown);
   void set_perspective(bool on);
+  /// The curvature of the chosen line as a comb.
+  void set_combs(bool shown);
+  /// The chosen point of the chosen line, counted from 0; -1: none.
+  int chosen_point() const { return chosen_point_; }
+  /// Takes the chosen point out of its line; false where there is none.
+  bool remove_point();
   /// A line, region or part of a mesh.
   void choose(const std::string& name);
   /// Shows all, from the direction in which the camera looks.
@@ -102,9 +108,18 @@ class ShapeView : public QVTKOpenGLNativeWidget {
   void release_handle();
   void start_painting();
   void paint(const QPoint& at, bool erases);
+  void dab(const QPoint& at, bool erases);
   void draw_lasso(const QPoint& at);
   void close_lasso(bool erases);
   void finish_stroke();
+  void choose_awaited();
+  void show_line();
+  int point_under(const QPoint& at) const;
+  bool press_point(const QPoint& at);
+  void drag_point(const QPoint& at);
+  void release_point();
+  bool add_point(const QPoint& at);
+  Vec3 rounded_by_hand(const Vec3& p) const;
   Vec3 to_window(const Vec3& p) const;  // renderer's pixels and depth
   Vec3 from_window(const Vec3& window) const;
   Vec3 display(const QPoint& at) const;
@@ -128,8 +143,12 @@ class ShapeView : public QVTKOpenGLNativeWidget {
   std::vector<char> painted_;  // of each display point
   std::string painted_name_;   // of the selection that strokes add to
   std::vector<QPoint> lasso_;
-  std::string chosen_;
-  QPoint pressed_;
+  std::vector<Vec3> line_points_;  // that the scene states of the chosen line
+  int chosen_point_ = -1, moved_point_ = -1;
+  bool combs_ = false;
+  std::string chosen_, awaited_;
+  std::string stated_;  // the [[line]] that the chosen one is or is a piece of
+  QPoint pressed_, brushed_;
   QTimer* still_ = nullptr;
   bool software_ = false;  // OpenGL on the processor
   bool left_ = false, moved_ = false, fitted_ = false, brushing_ = false;

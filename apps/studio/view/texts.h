@@ -15,8 +15,11 @@ inline QString text(const char* english) { return QCoreApplication::translate("s
 inline QString shown(const std::string& words) { return QString::fromStdString(words); }
 
 inline constexpr const char* kProgram = QT_TRANSLATE_NOOP("studio", "batten-studio");
-inline constexpr const char* kHintSelect = QT_TRANSLATE_NOOP(
-    "studio", "Click a line or a surface to choose it. Drag to turn the view, wheel to zoom.");
+inline constexpr const char* kHintSelect =
+    QT_TRANSLATE_NOOP("studio",
+                      "Click a line or a surface to choose it. Drag points of a chosen line; a "
+                      "double click adds one. "
+                      "Drag beside to turn the view, wheel to zoom.");
 inline constexpr const char* kHintPush = QT_TRANSLATE_NOOP(
     "studio",
     "Press on the surface and drag: it follows your hand. Drag beside it to turn the view.");
@@ -68,6 +71,7 @@ inline constexpr const char* kTop = QT_TRANSLATE_NOOP("studio", "From a&bove");
 inline constexpr const char* kCorner = QT_TRANSLATE_NOOP("studio", "From a &corner");
 inline constexpr const char* kPerspective = QT_TRANSLATE_NOOP("studio", "&Perspective");
 inline constexpr const char* kMesh = QT_TRANSLATE_NOOP("studio", "Facet &edges");
+inline constexpr const char* kCombs = QT_TRANSLATE_NOOP("studio", "Curvature &combs");
 inline constexpr const char* kDark = QT_TRANSLATE_NOOP("studio", "&Dark look");
 inline constexpr const char* kShadings[] = {
     QT_TRANSLATE_NOOP("studio", "Plain"),    QT_TRANSLATE_NOOP("studio", "Regions"),
@@ -92,21 +96,27 @@ inline constexpr const char* kScene = QT_TRANSLATE_NOOP("studio", "Scene");
 inline constexpr const char* kCrease = QT_TRANSLATE_NOOP("studio", "Crease");
 inline constexpr const char* kSmooth = QT_TRANSLATE_NOOP("studio", "Smooth");
 inline constexpr const char* kAsFound = QT_TRANSLATE_NOOP("studio", "As found");
+inline constexpr const char* kFair = QT_TRANSLATE_NOOP("studio", "Fair it");
+inline constexpr const char* kFairHere = QT_TRANSLATE_NOOP("studio", "Fair at point");
+inline constexpr const char* kSplit = QT_TRANSLATE_NOOP("studio", "Split at point");
+inline constexpr const char* kJoinLines = QT_TRANSLATE_NOOP("studio", "Join neighbour");
+inline constexpr const char* kMirrors[] = {QT_TRANSLATE_NOOP("studio", "Mirror x"),
+                                           QT_TRANSLATE_NOOP("studio", "Mirror y"),
+                                           QT_TRANSLATE_NOOP("studio", "Mirror z")};
 inline constexpr const char* kTakeInstead = QT_TRANSLATE_NOOP("studio", "Take this instead");
 inline constexpr const char* kParts = QT_TRANSLATE_NOOP("studio", "Openings and creases");
 inline constexpr const char* kSelections = QT_TRANSLATE_NOOP("studio", "Selections and sets");
 inline constexpr const char* kKept = QT_TRANSLATE_NOOP("studio", "What is kept");
 inline constexpr const char* kEdits = QT_TRANSLATE_NOOP("studio", "Edits");
 inline constexpr const char* kUses[] = {
-    QT_TRANSLATE_NOOP("studio", "Let go"), QT_TRANSLATE_NOOP("studio", "Hold fixed"),
-    QT_TRANSLATE_NOOP("studio", "Make it a handle"), QT_TRANSLATE_NOOP("studio", "Keep its shape"),
-    QT_TRANSLATE_NOOP("studio", "Keep shape and direction")};
+    QT_TRANSLATE_NOOP("studio", "Let go"), QT_TRANSLATE_NOOP("studio", "Fixed"),
+    QT_TRANSLATE_NOOP("studio", "Handle"), QT_TRANSLATE_NOOP("studio", "Rigid"),
+    QT_TRANSLATE_NOOP("studio", "Rigid, no turn")};
 inline constexpr const char* kUsed[] = {
     QT_TRANSLATE_NOOP("studio", ""), QT_TRANSLATE_NOOP("studio", "fixed"),
-    QT_TRANSLATE_NOOP("studio", "handle"), QT_TRANSLATE_NOOP("studio", "keeps its shape"),
-    QT_TRANSLATE_NOOP("studio", "keeps shape and direction")};
-inline constexpr const char* kKeepAll =
-    QT_TRANSLATE_NOOP("studio", "Keep the shape of all openings");
+    QT_TRANSLATE_NOOP("studio", "handle"), QT_TRANSLATE_NOOP("studio", "rigid"),
+    QT_TRANSLATE_NOOP("studio", "rigid, no turn")};
+inline constexpr const char* kKeepAll = QT_TRANSLATE_NOOP("studio", "Keep all openings");
 inline constexpr const char* kNewEdit = QT_TRANSLATE_NOOP("studio", "Go on with a new edit");
 inline constexpr const char* kKey = QT_TRANSLATE_NOOP("studio", "Key");
 inline constexpr const char* kValue = QT_TRANSLATE_NOOP("studio", "Value");

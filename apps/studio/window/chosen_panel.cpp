@@ -1,11 +1,13 @@
 #include "batten/apps/studio/window/chosen_panel.h"
 
+#include <QGridLayout>
 #include <QHeaderView>
 #include <QLabel>
 #include <QPushButton>
 #include <QTableWidget>
 #include <QVBoxLayout>
 
+#include "batten/apps/commands/documents/line_edits.h"
 #include "batten/apps/commands/documents/mesh_edits.h"
 #include "batten/apps/commands/documents/word_edits.h"
 #include "batten/apps/studio/view/texts.h"
@@ -18,9 +20,11 @@ using Kind = ModelTree::Item::Kind;
 
 }  // namespace
 
-ChosenPanel::ChosenPanel(QWidget* parent, std::function<void(DocumentCommand)> post)
+ChosenPanel::ChosenPanel(QWidget* parent, std::function<void(DocumentCommand)> post,
+                         std::function<int()> point)
     : QWidget(parent),
       post_(std::move(post)),
+      point_(std::move(point)),
       title_(new QLabel),
       words_(new QLabel),
       buttons_(new QWidget),
@@ -30,7 +34,7 @@ ChosenPanel::ChosenPanel(QWidget* parent, std::function<void(DocumentCommand)> p
   bold.setBold(true);
   title_->setFont(bold);
   words_->setWordWrap(true);
-  new QVBoxLayout(buttons_);
+  new QGridLayout(buttons_);
   buttons_->layout()->setContentsMargins(0, 0, 0, 0);
   keys_->setHorizontalHeaderLabels({text(kKey), text(kValue)});
   keys_->verticalHeader()->hide();
@@ -58,6 +62,7 @@ void ChosenPanel::take(std::shared_ptr<const DocumentView> view, const ModelTree
   fill_table();
   fill_words();
   fill_mesh();
+  fill_line();
   words_->setVisible(!words_->text().isEmpty());
 }
 
@@ -112,6 +117,38 @@ void ChosenPanel::fill_words() {
   words_->setText(words.join("\n"));
 }
 
+void ChosenPanel::fill_line() {
+  const bool line = item_.kind == Kind::Line || item_.kind == Kind::Join;
+  const std::string name = stated_line(SceneText(view_->text), item_.name);
+  if (view_->mesh || !line || name.empty()) return;
+  const auto fair = [this, name](const std::string& more) {
+    return std::vector<DocumentCommand>{
+        {.verb = Verb::Add,
+         .table = {"fair", ""},
+         .text = "{ name = " + SceneText::word(view_->free_name("fair")) + ", lines = [" +
+                 SceneText::word(name) + "]" + more + " }"}};
+  };
+  add_button(kFair, [fair] { return fair(""); });
+  const std::vector<Vec3> points = stated_points(SceneText(view_->text), name);
+  if (points.empty()) return;
+  add_button(kFairHere, [this, fair, points] {
+    const int point = point_();
+    if (point < 0) return std::vector<DocumentCommand>{};
+    // As far as the points beside it.
+    double radius = 0;
+    const Vec3& p = points[static_cast<size_t>(point)];
+    for (int i = std::max(0, point - 1); i <= point + 1 && i < static_cast<int>(points.size()); ++i)
+      radius = std::max(radius, (points[static_cast<size_t>(i)] - p).norm());
+    const std::string size = SceneText::word(std::stod(number(radius)));
+    return fair(", brush = { at = " + point_word(p) + ", radius = " + size +
+                " }, wavelength = " + size);
+  });
+  add_button(kSplit, [this, name] { return split_edits(*view_, name, point_()); });
+  add_button(kJoinLines, [this, name] { return join_line_edits(*view_, name); });
+  for (int axis = 0; axis < 3; ++axis)
+    add_button(kMirrors[axis], [this, name, axis] { return mirror_edits(*view_, name, axis); });
+}
+
 void ChosenPanel::fill_mesh() {
   if (!view_->mesh) return;
   const std::string part = item_.name;
@@ -146,7 +183,9 @@ void ChosenPanel::add_button(const char* what,
                              std::function<std::vector<DocumentCommand>()> edits) {
   auto* button = new QPushButton(text(what));
   button->setObjectName(what);
-  buttons_->layout()->addWidget(button);
+  auto* grid = static_cast<QGridLayout*>(buttons_->layout());
+  const int number = grid->count();
+  grid->addWidget(button, number / 2, number % 2);
   QObject::connect(button, &QPushButton::clicked, this, [this, edits] {
     for (DocumentCommand& command : edits()) post_(std::move(command));
   });

@@ -21,7 +21,9 @@ namespace batten::studio {
 /// is for.
 class ChosenPanel : public QWidget {
  public:
-  ChosenPanel(QWidget* parent, std::function<void(DocumentCommand)> post);
+  /// `point`: the chosen point of the chosen line, -1 for none.
+  ChosenPanel(QWidget* parent, std::function<void(DocumentCommand)> post,
+              std::function<int()> point);
 
   void take(std::shared_ptr<const DocumentView> view, const ModelTree::Item& item);
   QPushButton* button(const char* text) const;  ///< by its English text; null: not shown
@@ -30,8 +32,10 @@ class ChosenPanel : public QWidget {
   void fill_table();
   void fill_words();
   void fill_mesh();
+  void fill_line();
   void add_button(const char* what, std::function<std::vector<DocumentCommand>()> edits);
   std::function<void(DocumentCommand)> post_;
+  std::function<int()> point_;
   std::shared_ptr<const DocumentView> view_;
   ModelTree::Item item_;
   QLabel* title_;

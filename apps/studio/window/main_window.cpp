@@ -27,6 +27,7 @@ namespace batten::studio {
 namespace {
 
 using Verb = DocumentCommand::Verb;
+constexpr int kMessageHeight = 84;
 
 QDockWidget* dock(QMainWindow* window, const char* title, QWidget* content,
                   Qt::DockWidgetArea area) {
@@ -87,15 +88,15 @@ void MainWindow::make_panels() {
     if (item.table.kind == "edit.handle") name = item.name.substr(item.name.rfind('.') + 1);
     view_->choose(name);
   });
-  chosen_ = new ChosenPanel(this, post);
+  chosen_ = new ChosenPanel(this, post, [this] { return view_->chosen_point(); });
   sliders_ = new SliderPanel(this, post);
   messages_ = new QListWidget;
   messages_->setWordWrap(true);
-  messages_->setMaximumHeight(110);
   dock(this, kModel, tree_, Qt::LeftDockWidgetArea);
   dock(this, kChosen, chosen_, Qt::LeftDockWidgetArea);
   dock(this, kSliders, sliders_, Qt::RightDockWidgetArea);
-  dock(this, kMessages, messages_, Qt::BottomDockWidgetArea);
+  resizeDocks({dock(this, kMessages, messages_, Qt::BottomDockWidgetArea)}, {kMessageHeight},
+              Qt::Vertical);
 }
 
 QAction* MainWindow::add(QMenu* menu, const char* what, const QKeySequence& key,
@@ -148,6 +149,7 @@ void MainWindow::make_menus() {
   };
   check(kPerspective, QKeySequence("5"), [this](bool on) { view_->set_perspective(on); });
   check(kMesh, QKeySequence("M"), [this](bool on) { view_->set_mesh(on); });
+  check(kCombs, QKeySequence("C"), [this](bool on) { view_->set_combs(on); });
   check(kDark, {}, [this](bool on) {
     set_dark(on);
   })->setChecked(QSettings().value("dark", false).toBool());
@@ -239,10 +241,10 @@ void MainWindow::take_news() {
   if (news.view) {
     shown_ = news.view;
     show_problem();
-    view_->take(news);
     tree_->take(*shown_);
     sliders_->take(*shown_);
     chosen_->take(shown_, tree_->current());
+    view_->take(news);
     show_tools();
     undo_->setEnabled(shown_->can_undo);
     redo_->setEnabled(shown_->can_redo);
@@ -352,6 +354,7 @@ void MainWindow::save_script() {
 }
 
 void MainWindow::remove_chosen() {
+  if (view_->remove_point()) return;
   const ModelTree::Item item = tree_->current();
   if (!item.table.kind.empty()) post({.verb = Verb::Remove, .table = item.table});
 }

@@ -147,7 +147,9 @@ void ModelTree::fill_mesh(const DocumentView& view) {
     const bool proposal = part.kind == MeshView::Part::Kind::Proposal;
     const SceneTable table{"select", part.name};
     const char* use = kUsed[static_cast<int>(use_of(scene, part.name))];
-    QString detail = *use ? text(use) : proposal ? shown(part.detail) : QString();
+    QString detail = *use       ? text(use)
+                     : proposal ? "⌀ " + QString::number(part.across, 'g', 3)
+                                : QString();
     add(proposal ? proposals : selections, shown(part.name), detail,
         {Item::Kind::Part, part.name, view.table(table) ? table : SceneTable{}});
   }
@@ -168,13 +170,13 @@ void ModelTree::fill_mesh(const DocumentView& view) {
 }
 
 void ModelTree::fill_tables(const DocumentView& view) {
-  auto* acting = group(kActing, 0);
+  auto* acting = view.mesh ? nullptr : group(kActing, 0);
   auto* scene = group(kScene, 0);
   for (const auto& table : view.tables) {
     const std::string& kind = table.name.kind;
     const bool shape = kind == "line" || (kind == "region" && !table.name.name.empty());
     if (view.mesh ? is_of_mesh(kind) : shape || kind.find('.') != std::string::npos) continue;
-    const bool act = acts(kind);
+    const bool act = acting && acts(kind);
     const QString name =
         kind.empty() ? shown(view.title) : shown(table.name.name.empty() ? kind : table.name.name);
     add(act ? acting : scene, name,
@@ -182,7 +184,7 @@ void ModelTree::fill_tables(const DocumentView& view) {
             : shown(kind == table.name.name ? "" : kind),
         {Kind::Table, table.name.name, table.name});
   }
-  acting->setText(1, QString::number(acting->childCount()));
+  if (acting) acting->setText(1, QString::number(acting->childCount()));
   scene->setText(1, "");
 }
 

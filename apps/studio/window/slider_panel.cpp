@@ -47,7 +47,7 @@ void SliderPanel::take(const DocumentView& view) {
 void SliderPanel::rebuild() {
   auto* content = new QWidget;
   auto* column = new QVBoxLayout(content);
-  column->setSpacing(10);
+  column->setSpacing(4);
   if (rows_.empty()) {
     auto* none = new QLabel(text(kNoSliders));
     none->setWordWrap(true);
@@ -60,22 +60,22 @@ void SliderPanel::rebuild() {
 
 void SliderPanel::add_row(size_t i) {
   auto* column = static_cast<QVBoxLayout*>(widget()->layout());
-  auto* top = new QHBoxLayout;
+  auto* row = new QHBoxLayout;
   auto* label = new QLabel(QString::fromStdString(rows_[i].of.name));
   auto* number = new QDoubleSpinBox;
   number->setDecimals(4);
   number->setRange(std::max(rows_[i].of.min, -1e12), std::min(rows_[i].of.max, 1e12));
   number->setKeyboardTracking(false);
   number->setEnabled(!rows_[i].of.driven);
-  number->setMinimumWidth(110);
-  top->addWidget(label, 1);
-  top->addWidget(number);
+  number->setMinimumWidth(100);
   auto* slider = new QSlider(Qt::Horizontal);
   slider->setRange(0, kSteps);
   slider->setEnabled(!rows_[i].of.driven);
   slider->setObjectName("slider " + label->text());
-  column->addLayout(top);
-  column->addWidget(slider);
+  row->addWidget(slider, 1);
+  row->addWidget(number);
+  column->addWidget(label);
+  column->addLayout(row);
   rows_[i].slider = slider;
   rows_[i].number = number;
   span(rows_[i], rows_[i].of.value);

@@ -1,0 +1,111 @@
+#include "batten/apps/commands/documents/line_edits.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "batten/io/files/text.h"
+#include "batten/io/scene/scene_words.h"
+
+namespace batten {
+namespace {
+
+using Verb = DocumentCommand::Verb;
+
+std::string list_of(const std::vector<Vec3>& points) {
+  std::string list;
+  for (const Vec3& p : points) list += (list.empty() ? "" : ", ") + point_word(p);
+  return "[" + list + "]";
+}
+
+}  // namespace
+
+std::string stated_line(const SceneText& scene, const std::string& name) {
+  if (scene.has({"line", name})) return name;
+  const std::string whole = name.substr(0, std::min(name.size(), name.rfind('.')));
+  return scene.has({"line", whole}) ? whole : "";
+}
+
+std::vector<Vec3> stated_points(const SceneText& scene, const std::string& line) {
+  const SceneTable table{"line", line};
+  if (!scene.has(table)) return {};
+  const std::string value = scene.value(table, "points");
+  if (value.empty()) return {};
+  const toml::table root = parse_toml("points = " + value, {}, "points");
+  const toml::array* list = root["points"].as_array();
+  std::vector<Vec3> points;
+  for (size_t i = 0; list && i < list->size(); ++i) {
+    const toml::array* one = list->get(i)->as_array();
+    if (!one || one->size() != 3) return {};
+    Vec3 p;
+    for (size_t k = 0; k < 3; ++k) p[static_cast<long>(k)] = one->get(k)->value_or(0.0);
+    points.push_back(p);
+  }
+  return points;
+}
+
+std::string point_word(const Vec3& p) {
+  return "[" + SceneText::word(p.x()) + ", " + SceneText::word(p.y()) + ", " +
+         SceneText::word(p.z()) + "]";
+}
+
+Vec3 rounded_point(const Vec3& p, double size) {
+  const double step = std::pow(10, std::floor(std::log10(std::max(size, 1e-12))) - 5);
+  Vec3 r;
+  for (int i = 0; i < 3; ++i) r[i] = std::stod(number(std::round(p[i] / step) * step));
+  return r;
+}
+
+DocumentCommand line_command(const std::string& name, const std::vector<Vec3>& points) {
+  return {.verb = Verb::Add,
+          .table = {"line", ""},
+          .text = "{ name = " + SceneText::word(name) + ", points = " + list_of(points) + " }"};
+}
+
+DocumentCommand points_edit(const std::string& line, const std::vector<Vec3>& points) {
+  return {.verb = Verb::Set, .table = {"line", line}, .key = "points", .text = list_of(points)};
+}
+
+std::vector<DocumentCommand> split_edits(const DocumentView& view, const std::string& line,
+                                         int point) {
+  const std::vector<Vec3> points = stated_points(SceneText(view.text), line);
+  if (point < 1 || point + 1 >= static_cast<int>(points.size())) return {};
+  const auto at = points.begin() + point;
+  return {points_edit(line, {points.begin(), at + 1}),
+          line_command(view.free_name("line"), {at, points.end()})};
+}
+
+std::vector<DocumentCommand> join_line_edits(const DocumentView& view, const std::string& line) {
+  const SceneText scene(view.text);
+  std::vector<Vec3> points = stated_points(scene, line);
+  if (points.size() < 2) return {};
+  std::string partner;
+  std::vector<Vec3> joined;
+  for (const SceneTable& table : scene.tables()) {
+    if (table.kind != "line" || table.name == line) continue;
+    std::vector<Vec3> other = stated_points(scene, table.name);
+    if (other.size() < 2) continue;
+    for (int way = 0; way < 4; ++way) {
+      if (way == 2) std::reverse(points.begin(), points.end());
+      if (points.back() == other.front()) {
+        if (!partner.empty() && partner != table.name) return {};
+        partner = table.name;
+        joined = points;
+        joined.insert(joined.end(), other.begin() + 1, other.end());
+      }
+      std::reverse(other.begin(), other.end());
+    }
+    std::reverse(points.begin(), points.end());
+  }
+  if (partner.empty()) return {};
+  return {{.verb = Verb::Remove, .table = {"line", partner}}, points_edit(line, joined)};
+}
+
+std::vector<DocumentCommand> mirror_edits(const DocumentView& view, const std::string& line,
+                                          int axis) {
+  std::vector<Vec3> points = stated_points(SceneText(view.text), line);
+  if (points.empty()) return {};
+  for (Vec3& p : points) p[axis] = p[axis] == 0 ? 0 : -p[axis];
+  return {line_command(view.free_name("line"), points)};
+}
+
+}  // namespace batten

@@ -1,0 +1,147 @@
+// What the hand does to a chosen line: its points are moved, added, taken away and faired.
+#include <vtkRenderer.h>
+
+#include <QKeyEvent>
+#include <algorithm>
+#include <cmath>
+
+#include "batten/apps/commands/documents/line_edits.h"
+#include "batten/apps/studio/view/shape_view.h"
+#include "batten/apps/studio/view/texts.h"
+
+namespace batten::studio {
+namespace {
+
+constexpr double kGrab = 10;  // pixels
+
+}  // namespace
+
+// The points of the chosen line that the scene states, as dots; its curvature as a comb.
+void ShapeView::show_line() {
+  if (moved_point_ >= 0) return;
+  line_points_.clear();
+  const bool shape = view_ && !view_->mesh && tool_ == Tool::Select;
+  if (shape) {
+    const SceneText scene(view_->text);
+    stated_ = stated_line(scene, chosen_);
+    line_points_ = stated_points(scene, stated_);
+  }
+  if (line_points_.empty()) chosen_point_ = -1;
+  actors_->set_dots(line_points_, chosen_point_);
+  std::vector<Vec3> line;
+  for (size_t i = 0; shape && combs_ && i < view_->lines.size(); ++i)
+    if (view_->lines[i].line == (stated_.empty() ? chosen_ : stated_))
+      line = view_->lines[i].points;
+  actors_->set_comb(line);
+}
+
+void ShapeView::set_combs(bool shown) {
+  combs_ = shown;
+  show_line();
+  redraw();
+}
+
+// The stated point under the hand, or -1.
+int ShapeView::point_under(const QPoint& at) const {
+  const Vec3 hand = display(at);
+  double least = kGrab * devicePixelRatioF();
+  int best = -1;
+  for (size_t i = 0; i < line_points_.size(); ++i) {
+    const double d = (to_window(line_points_[i]) - hand).head<2>().norm();
+    if (d >= least) continue;
+    least = d;
+    best = static_cast<int>(i);
+  }
+  return best;
+}
+
+bool ShapeView::press_point(const QPoint& at) {
+  if (tool_ != Tool::Select) return false;
+  moved_point_ = point_under(at);
+  if (moved_point_ < 0) return false;
+  chosen_point_ = moved_point_;
+  actors_->set_dots(line_points_, chosen_point_);
+  redraw();
+  return true;
+}
+
+// In the plane that faces the eye, or on the end of another line.
+void ShapeView::drag_point(const QPoint& at) {
+  Vec3& p = line_points_[static_cast<size_t>(moved_point_)];
+  const Vec3 depth = to_window(p);
+  const Vec3 hand = display(at);
+  const auto end = snapped(at);
+  p = end ? *end : rounded_by_hand(from_window({hand.x(), hand.y(), depth.z()}));
+  // What the eye looks along stays as it was.
+  if (!end) {
+    const Vec3 before =
+        stated_points(SceneText(view_->text), stated_)[static_cast<size_t>(moved_point_)];
+    const Vec3 along = (from_window(depth + Vec3::UnitZ()) - from_window(depth)).normalized();
+    for (int i = 0; i < 3; ++i)
+      if (std::abs(along[i]) > 1 - 1e-9) p[i] = before[i];
+  }
+  actors_->set_dots(line_points_, chosen_point_);
+  actors_->set_draft(line_points_);
+  redraw();
+}
+
+void ShapeView::release_point() {
+  moved_point_ = -1;
+  actors_->set_draft({});
+  fitted_ = true;
+  if (line_points_ != stated_points(SceneText(view_->text), stated_))
+    hooks_.post(points_edit(stated_, line_points_));
+}
+
+// A double click on the chosen line puts a point there.
+bool ShapeView::add_point(const QPoint& at) {
+  if (tool_ != Tool::Select || line_points_.size() < 2) return false;
+  const auto found = std::find_if(view_->lines.begin(), view_->lines.end(),
+                                  [&](const auto& line) { return line.line == stated_; });
+  if (found == view_->lines.end()) return false;
+  const Vec3 hand = display(at);
+  const std::vector<Vec3>& curve = found->points;
+  size_t nearest = 0;
+  const auto distance = [&](size_t i) { return (to_window(curve[i]) - hand).head<2>().norm(); };
+  for (size_t i = 0; i < curve.size(); ++i)
+    if (distance(i) < distance(nearest)) nearest = i;
+  if (distance(nearest) > 2 * kGrab) return false;
+  // Between the stated points that come before and after it along the curve.
+  const auto place_of = [&](const Vec3& p, size_t from) {
+    size_t best = from;
+    for (size_t i = from; i < curve.size(); ++i)
+      if ((curve[i] - p).squaredNorm() < (curve[best] - p).squaredNorm()) best = i;
+    return best;
+  };
+  size_t before = 0, place = 0;
+  for (size_t i = 0; i + 1 < line_points_.size(); ++i) {
+    place = place_of(line_points_[i], place);
+    if (place <= nearest) before = i;
+  }
+  chosen_point_ = static_cast<int>(before) + 1;
+  std::vector<Vec3> points = line_points_;
+  points.insert(points.begin() + chosen_point_, rounded_by_hand(curve[nearest]));
+  fitted_ = true;
+  hooks_.post(points_edit(stated_, points));
+  return true;
+}
+
+bool ShapeView::remove_point() {
+  if (chosen_point_ < 0 || line_points_.size() < 3) return false;
+  std::vector<Vec3> points = line_points_;
+  points.erase(points.begin() + chosen_point_);
+  chosen_point_ = -1;
+  fitted_ = true;
+  hooks_.post(points_edit(stated_, points));
+  return true;
+}
+
+// As fine as a pixel.
+Vec3 ShapeView::rounded_by_hand(const Vec3& p) const {
+  const Vec3 at = to_window(p);
+  const double pixel = (from_window(at + Vec3::UnitX()) - from_window(at)).norm();
+  constexpr double digits = 1e5;
+  return rounded_point(p, digits * pixel);
+}
+
+}  // namespace batten::studio
