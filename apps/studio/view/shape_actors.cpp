@@ -42,6 +42,7 @@ void copy_into(vtkFloatArray& array, const std::vector<float>& values) {
 ShapeActors::ShapeActors(vtkRenderer* renderer)
     : facets_(std::make_unique<Layer>(renderer, 2, 0)),
       lines_(std::make_unique<Layer>(renderer, -2, 2.5)),
+      guides_(std::make_unique<Layer>(renderer, -1, 1.2)),
       chosen_(std::make_unique<Layer>(renderer, -6, 5)),
       draft_(std::make_unique<Layer>(renderer, -8, 3)),
       push_(std::make_unique<Layer>(renderer, -8, 3)),
@@ -143,6 +144,10 @@ void ShapeActors::make_lines() {
     lines_->set_polylines(lines);
   }
   lines_->data->Modified();
+  // Those beside the surface, and where its own lines came from.
+  std::vector<std::vector<Vec3>> guides;
+  for (size_t i = 0; on_surface && i < loose_.size(); ++i) guides.push_back(loose_[i].points);
+  guides_->set_polylines(guides);
   choose(choice_);
 }
 
@@ -212,6 +217,9 @@ void ShapeActors::colour() {
   facets_->actor->GetProperty()->SetEdgeColor(palette_.line.data());
   lines_->set_colour(palette_.line);
   chosen_->set_colour(palette_.chosen);
+  Rgb guide{};
+  for (size_t i = 0; i < 3; ++i) guide[i] = 0.5 * (palette_.line[i] + palette_.body[i]);
+  guides_->set_colour(guide);
   draft_->set_colour(palette_.draft);
   push_->set_colour(palette_.chosen);
   dots_->set_colour(palette_.draft);

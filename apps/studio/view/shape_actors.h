@@ -85,9 +85,17 @@ class ShapeActors {
   void measure_curvature(float* value) const;
   void measure_stretch(float* value) const;
   void colour();
+  struct NearLine {
+    Vec2 hand;
+    std::optional<Vec3> surface;  // that the hand is on
+    double least;
+    std::string name;
+  };
+  void look_for(NearLine& near, const Layer& layer, const std::vector<std::string>& names) const;
   int facet_at(double x, double y) const;
   std::string part_of(int facet) const;
-  std::unique_ptr<Layer> facets_, lines_, chosen_, draft_, push_, grid_, dots_, dot_, comb_;
+  std::unique_ptr<Layer> facets_, lines_, guides_, chosen_, draft_, push_, grid_, dots_, dot_,
+      comb_;
   vtkSmartPointer<vtkFloatArray> points_, normals_, scalars_;
   vtkSmartPointer<vtkIntArray> facet_regions_, roles_;
   vtkRenderer* renderer_;

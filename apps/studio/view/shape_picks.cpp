@@ -30,40 +30,48 @@ std::optional<Vec3> ShapeActors::surface_at(double x, double y) const {
   return p;
 }
 
-// The nearest line in the window, unless the surface hides it there.
+// The nearest line in the window, unless the surface hides it there; one on the surface rather than
+// one beside it.
 std::string ShapeActors::line_at(double x, double y) const {
   const std::optional<Vec3> surface = surface_at(x, y);
+  NearLine near{{x, y}, surface, kNearLine, ""};
+  look_for(near, *lines_, line_names_);
+  if (near.name.empty()) {
+    std::vector<std::string> names;
+    for (const auto& line : loose_) names.push_back(line.line);
+    look_for(near, *guides_, names);
+  }
+  return near.name;
+}
+
+void ShapeActors::look_for(NearLine& near, const Layer& layer,
+                           const std::vector<std::string>& names) const {
   const Vec3 eye = -Vec3::Map(renderer_->GetActiveCamera()->GetDirectionOfProjection());
   const auto [low, high] = box();
   const double behind = kBehind * (high - low).norm();
-  double least = kNearLine;
-  std::string best;
-  vtkCellArray* cells = lines_->data->GetLines();
-  vtkPoints* points = lines_->data->GetPoints();
-  for (size_t i = 0; cells && points && i < line_names_.size(); ++i) {
-    if (line_names_[i].empty()) continue;
+  vtkCellArray* cells = layer.data->GetLines();
+  vtkPoints* points = layer.data->GetPoints();
+  const vtkIdType cell_count = cells && points ? cells->GetNumberOfCells() : 0;
+  for (vtkIdType i = 0; i < cell_count && i < static_cast<vtkIdType>(names.size()); ++i) {
+    const std::string& name = names[static_cast<size_t>(i)];
     vtkIdType count = 0;
     const vtkIdType* of = nullptr;
-    cells->GetCellAtId(static_cast<vtkIdType>(i), count, of);
+    cells->GetCellAtId(i, count, of);
     Vec3 before = Vec3::Zero();
     Vec2 before_at = Vec2::Zero();
-    for (vtkIdType k = 0; k < count; ++k) {
+    for (vtkIdType k = 0; k < count && !name.empty(); ++k) {
       const Vec3 p = Vec3::Map(points->GetPoint(of[k]));
       const Vec2 at = in_window(*renderer_, p);
-      if (k > 0) {
-        const auto [distance, share] = distance_to_piece({x, y}, before_at, at);
-        const bool hidden =
-            surface && (*surface - (before + share * (p - before))).dot(eye) > behind;
-        if (distance < least && !hidden) {
-          least = distance;
-          best = line_names_[i];
-        }
+      const auto [distance, share] = distance_to_piece(near.hand, k > 0 ? before_at : at, at);
+      const Vec3 found = k > 0 ? Vec3(before + share * (p - before)) : p;
+      if (distance < near.least && !(near.surface && (*near.surface - found).dot(eye) > behind)) {
+        near.least = distance;
+        near.name = name;
       }
       before = p;
       before_at = at;
     }
   }
-  return best;
 }
 
 int ShapeActors::facet_at(double x, double y) const {
