@@ -319,7 +319,10 @@ SceneTable SceneText::add(const std::string& kind, const std::string& table) {
                                       inline_text.substr(span.from, span.to - span.from) + eol);
   }
   std::sort(lines.begin(), lines.end());
-  std::string block = "[[" + kind + "]]" + eol;
+  const bool single = kind.starts_with('[') && kind.ends_with(']');
+  const SceneTable alone{single ? kind.substr(1, kind.size() - 2) : "", ""};
+  if (single && has(alone)) throw InputError("found " + kind + " already, expected one");
+  std::string block = (single ? kind : "[[" + kind + "]]") + eol;
   for (const auto& [at, line] : lines) block += line;
 
   size_t at = text_.size();
@@ -329,7 +332,7 @@ SceneTable SceneText::add(const std::string& kind, const std::string& table) {
       at = parsed.line_end(parsed.content_end(*other.node, other.span.to));
   const bool broken = at > 0 && text_[at - 1] != '\n';
   splice(at, at, (broken ? eol + eol : eol) + block);
-  SceneTable added;
+  SceneTable added = alone;
   for (const SceneTable& name : names_)
     if (name.kind == kind) added = name;
   return added;

@@ -54,7 +54,8 @@ class SceneText {
   /// Removes a key with its value.
   void erase(const SceneTable& table, const std::string& key);
   /// Adds a table [[KIND]] behind the last of its kind, or at the end, from the text of a table in
-  /// braces: `{ name = "push", type = "point", … }`; [[edit.handle]] belongs to the last [[edit]].
+  /// braces: `{ name = "push", type = "point", … }`; [[edit.handle]] belongs to the last [[edit]];
+  /// "[stress]" as a kind makes the one table [stress].
   /// Returns the name it goes by.
   SceneTable add(const std::string& kind, const std::string& table);
   /// Removes a table and the comments right above it.

@@ -6,12 +6,16 @@
 #include <memory>
 #include <vector>
 
+#include "batten/fem/location.h"
+
 namespace batten {
 
 /// The facets and lines that connect display points. It changes with the mesh only.
 struct DisplayPattern {
   std::vector<std::array<int, 3>> facets;
   std::vector<std::vector<std::vector<int>>> lines;  ///< DisplayFacets::lines, region after region
+  /// The place of each point in the model's mesh; none where no model is behind it.
+  std::vector<Location> places;
   /// The number of each region's first facet and first line, and behind the last region.
   std::vector<int> first_facet, first_line;
 };

@@ -31,7 +31,7 @@ SkinnedRegion SculptingSession::Data::made(int r) {
 void SculptingSession::Data::draw(Frame& to) {
   if (display.mesh != layout().mesh()) {
     auto pattern = std::make_shared<DisplayPattern>();
-    std::vector<Location> places;
+    std::vector<Location>& places = pattern->places;
     for (int r = 0; r < layout().region_count(); ++r) {
       DisplayFacets own = facets(made(r), options.facets_per_edge);
       const int first = count_of(places);

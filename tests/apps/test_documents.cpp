@@ -4,9 +4,10 @@
 
 #include "batten/apps/commands/documents/document_worker.h"
 #include "batten/apps/commands/documents/edited_mesh.h"
-#include "batten/apps/commands/documents/run_script.h"
 #include "batten/apps/commands/documents/edited_shape.h"
+#include "batten/apps/commands/documents/run_script.h"
 #include "batten/apps/commands/documents/word_edits.h"
+#include "batten/apps/commands/shapes/run_scene.h"
 #include "batten/io/scene/read_scene.h"
 #include "batten/tests/apps/cli_case.h"
 
@@ -311,4 +312,30 @@ TEST_CASE("a worker passes over slides that are old, and stops when asked", "[do
   CHECK(after->text.find("edge_length = 40") != std::string::npos);
   worker.forget_changes();
   CHECK_FALSE(fs::exists(folder / "changes.toml"));
+}
+
+TEST_CASE("stresses of a document are those of batten stress", "[document]") {
+  const fs::path scene = BATTEN_SOURCE_DIR "/examples/18-lean/scene.toml";
+  Document document;
+  document.apply({.verb = Verb::Open, .file = scene});
+  CHECK(document.stress() == nullptr);  // nothing is drawn yet
+  Frame frame;
+  REQUIRE(document.draw(frame));
+  const auto stress = document.stress();
+  REQUIRE(stress);
+  INFO(stress->problem);
+  REQUIRE(stress->values.size() == frame.points.size() / 3);
+  CHECK(stress->moved.size() == frame.points.size());
+  const Case folder("document_stress");
+  const Report report = run_stress(read_scene(scene), folder / "out", {});
+  double largest = 0, moved = 0;
+  for (const auto& c : report.stress->cases) {
+    largest = std::max(largest, c.stress);
+    moved = std::max(moved, c.displacement);
+  }
+  CHECK(std::abs(stress->von_mises - largest) < 1e-6 * largest);
+  CHECK(std::abs(stress->displacement - moved) < 1e-6 * moved);
+  const float most = *std::max_element(stress->values.begin(), stress->values.end());
+  CHECK(most <= 1.05F * static_cast<float>(largest));
+  CHECK(most > 0.5F * static_cast<float>(largest));
 }

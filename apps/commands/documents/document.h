@@ -54,6 +54,7 @@ class Document {
 
   const DocumentContent& content() const { return *content_; }
   bool draw(Frame& frame) { return content_->draw(frame); }
+  std::shared_ptr<const StressView> stress() { return content_->stress(); }
   /// The content as what it is, or null.
   const EditedShape* shape() const;
   const EditedMesh* mesh() const;

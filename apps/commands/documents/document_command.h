@@ -15,7 +15,7 @@ namespace batten {
 ///
 ///     open FILE                    a scene, or a file of lines as a new network
 ///     new UNIT                     an empty network
-///     add KIND { name = "…", … }   adds a table [[KIND]]
+///     add KIND { name = "…", … }   adds a table [[KIND]]; KIND [stress]: the one table [stress]
 ///     set KIND NAME KEY VALUE      a key of a table; `-` for no name, `- -` for the top
 ///     erase KIND NAME KEY          removes a key
 ///     remove KIND NAME             removes a table

@@ -51,6 +51,9 @@ class DocumentContent {
   virtual bool draw(Frame& frame) = 0;
   /// Throws InputError where there is no surface.
   virtual DocumentPlace place(const Vec3& near) const = 0;
+  /// Stresses of the present shape; null where the scene asks for none. What cannot be analysed is told
+  /// in words.
+  virtual std::shared_ptr<const StressView> stress() { return nullptr; }
   /// Adds to a view what is there, beside the text.
   virtual void look_at(DocumentView& view) const = 0;
   /// A few rows for a summary.

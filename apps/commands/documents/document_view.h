@@ -34,6 +34,17 @@ struct MeshView {
   std::vector<long> labels;  ///< the number in the mesh file of each display point's node
 };
 
+/// Stresses of a shape, as its scene's [stress] has them: in the case whose stress is largest.
+struct StressView {
+  std::string problem;  ///< why there are none, in words; ""
+  std::string of_case;
+  double von_mises = 0, displacement = 0;  ///< the largest of all cases
+  double yield = 0;                        ///< 0: not said
+  double exaggeration = 1;                 ///< of displacements that are drawn
+  std::vector<float> values;               ///< equivalent stress at each display point
+  std::vector<float> moved;                ///< displacement, x, y, z one after the other
+};
+
 /// A document at one moment. Points of the surface are in frames (sculpting/session/frame.h).
 struct DocumentView {
   std::string title;  ///< the file's name, "untitled" before the first save
@@ -64,6 +75,7 @@ struct DocumentView {
   bool surface = false;
   int triangles = 0;
   double size = 0;
+  bool has_stress = false;               ///< the scene says [stress]
   std::vector<std::string> regions;      ///< of DisplayPattern::first_facet
   std::vector<std::string> shown_lines;  ///< of DisplayPattern::lines
   std::optional<NetworkReport> network;  ///< of a network: joins, choices, shells

@@ -66,6 +66,11 @@ void DocumentWorker::forget_changes() {
   if (!recovery_.empty()) std::filesystem::remove(recovery_, none);
 }
 
+void DocumentWorker::show_stress(bool on) {
+  if (shows_stress_.exchange(on) || !on) return;
+  post({.verb = Verb::Answer});  // so that they are solved for
+}
+
 DocumentWorker::News DocumentWorker::take_news() {
   News news;
   std::vector<std::function<void()>> answers;
@@ -73,6 +78,8 @@ DocumentWorker::News DocumentWorker::take_news() {
     const std::lock_guard lock(mutex_);
     news.view = std::move(view_);
     view_ = nullptr;
+    news.stress = std::move(stress_);
+    stress_ = nullptr;
     news.messages.swap(messages_);
     answers.swap(answers_);
     news.busy = busy_ || !tasks_.empty();
@@ -132,6 +139,7 @@ void DocumentWorker::work() {
     if (task.command.verb != Verb::Slide) {
       do_command(task.command);
       publish_frame();
+      publish_stress();
       publish_view();
       continue;
     }
@@ -139,6 +147,8 @@ void DocumentWorker::work() {
     do_command(task.command);
     if (another_slides(task.command.key)) continue;
     answer_until_rest();
+    constexpr double keeps_up = 0.06;  // s
+    if (stress_s_ < keeps_up) publish_stress();
     const double ms = 1e3 * seconds_since(start);
     const std::lock_guard lock(mutex_);
     answer_ms_ = answer_ms_ > 0 ? 0.8 * answer_ms_ + 0.2 * ms : ms;
@@ -207,6 +217,15 @@ void DocumentWorker::publish_frame() {
   } catch (const std::exception& e) {
     tell({}, e.what(), true);
   }
+}
+
+void DocumentWorker::publish_stress() {
+  if (!shows_stress_) return;
+  const auto start = std::chrono::steady_clock::now();
+  std::shared_ptr<const StressView> stress = document_.stress();
+  stress_s_ = seconds_since(start);
+  const std::lock_guard lock(mutex_);
+  stress_ = std::move(stress);
 }
 
 void DocumentWorker::publish_view() {

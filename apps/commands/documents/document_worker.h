@@ -40,6 +40,9 @@ class DocumentWorker {
   void ask_place(const Vec3& near, std::function<void(const DocumentPlace&)> found);
   /// The user does not want the changes: the recovery file goes, and there is none any more.
   void forget_changes();
+  /// Whether stresses are solved for: after each command, and in a drag as long as that keeps up with
+  /// the hand.
+  void show_stress(bool on);
   /// Stops the command that is being done, and forgets those that wait.
   void cancel();
 
@@ -51,6 +54,7 @@ class DocumentWorker {
   struct News {
     std::shared_ptr<const DocumentView> view;  ///< null: as before
     const Frame* frame = nullptr;  ///< null: as before; valid until the next take_news()
+    std::shared_ptr<const StressView> stress;  ///< null: as before
     std::vector<Message> messages;
     bool busy = false;
     std::string stage;  ///< of what is being done
@@ -78,6 +82,7 @@ class DocumentWorker {
   void answer_question(const std::shared_ptr<Question>& question);
   void publish_frame();
   void publish_view();
+  void publish_stress();
   void tell(const DocumentCommand& command, const std::string& text, bool refused);
   void keep(const DocumentView& view);
   Progress progress();
@@ -91,12 +96,15 @@ class DocumentWorker {
   std::condition_variable waiting_;
   std::deque<Task> tasks_;
   std::shared_ptr<const DocumentView> view_;
+  std::shared_ptr<const StressView> stress_;
   std::vector<Message> messages_;
   std::vector<std::function<void()>> answers_;
   std::vector<std::string> script_;
   std::string stage_, kept_;
   double fraction_ = 0, answer_ms_ = 0;
   bool busy_ = false;
+  double stress_s_ = 0;  // that the last stresses took; of the worker's thread
+  std::atomic<bool> shows_stress_ = false;
   std::atomic<bool> cancelled_ = false, stopping_ = false, forgotten_ = false;
   std::thread thread_;
 };

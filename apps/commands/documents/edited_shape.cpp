@@ -5,6 +5,7 @@
 #include "batten/apps/commands/lines/scene_lines.h"
 #include "batten/apps/commands/runs/run_parts.h"
 #include "batten/apps/commands/shapes/run_scene.h"
+#include "batten/apps/commands/shapes/stress_files.h"
 #include "batten/io/files/text.h"
 #include "batten/io/scene/read_scene.h"
 #include "batten/skinning/model/model_projector.h"
@@ -40,6 +41,7 @@ void EditedShape::become(const SceneText& text, const std::filesystem::path& fil
   if (!made) remake(scene, parts, !(same_model && session_), progress);
   scene_ = scene;
   parts_ = parts;
+  stress_.reset();
 }
 
 void EditedShape::restate(const SceneText& text, const std::filesystem::path& file) {
@@ -169,8 +171,33 @@ void EditedShape::settle() {
 }
 
 bool EditedShape::draw(Frame& frame) {
-  if (session_) session_->draw(frame);
-  return session_ != nullptr;
+  if (!session_) return false;
+  session_->draw(frame);
+  pattern_ = frame.pattern;
+  return true;
+}
+
+std::shared_ptr<const StressView> EditedShape::stress() {
+  if (!session_ || !pattern_ || !scene_.stress) return nullptr;
+  auto view = std::make_shared<StressView>();
+  try {
+    if (!stress_) stress_.emplace(scene_);
+    const MovingStress::Largest largest = stress_->at(session_->layout(), session_->dofs());
+    MovingStress::Field field = stress_->field(pattern_->places);
+    view->of_case = field.of_case;
+    view->von_mises = largest.von_mises;
+    view->displacement = largest.displacement;
+    view->yield = scene_.stress->yield;
+    view->exaggeration = exaggeration(largest.displacement, session_->layout().size());
+    view->values = std::move(field.von_mises);
+    view->moved = std::move(field.displacement);
+  } catch (const CancelledError&) {
+    throw;
+  } catch (const Error& e) {
+    stress_.reset();
+    view->problem = e.what();
+  }
+  return view;
 }
 
 DocumentPlace EditedShape::place(const Vec3& near) const {
@@ -200,6 +227,7 @@ void EditedShape::look_at(DocumentView& view) const {
   view.surface = true;
   view.triangles = layout.mesh()->triangle_count();
   view.size = layout.size();
+  view.has_stress = scene_.stress.has_value();
   for (const SkinnedRegion& region : session.regions()) {
     view.regions.push_back(region.name);
     for (const LineRun& run : region.runs) view.shown_lines.push_back(run.line.name);

@@ -3,12 +3,14 @@
 
 #include <list>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "batten/apps/commands/documents/document_content.h"
 #include "batten/apps/commands/shapes/make_session.h"
 #include "batten/apps/commands/shapes/make_shape.h"
+#include "batten/apps/commands/shapes/stress_shape.h"
 #include "batten/io/scene/scene_parts.h"
 
 namespace batten {
@@ -40,6 +42,7 @@ class EditedShape : public DocumentContent {
   void settle() override;
   bool draw(Frame& frame) override;
   DocumentPlace place(const Vec3& near) const override;
+  std::shared_ptr<const StressView> stress() override;
   void look_at(DocumentView& view) const override;
   std::string rows() const override;
   std::string run(const std::filesystem::path& folder, const Progress& progress) override;
@@ -63,6 +66,8 @@ class EditedShape : public DocumentContent {
   std::unique_ptr<SculptingSession> session_;
   SessionStart start_;
   Answer answer_;
+  std::shared_ptr<const DisplayPattern> pattern_;  // that was drawn
+  std::optional<MovingStress> stress_;
   std::list<std::shared_ptr<const DocumentModel>> lately_;
 };
 

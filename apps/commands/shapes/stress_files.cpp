@@ -43,10 +43,10 @@ PictureScene StressFiles::view() const {
   return picture;
 }
 
-double StressFiles::exaggeration(double largest) const {
+double exaggeration(double largest, double size) {
   constexpr double share = 0.05;
   if (!(largest > 0)) return 1;
-  const double wanted = share * shell_.layout().size() / largest;
+  const double wanted = share * size / largest;
   const double power = std::pow(10, std::floor(std::log10(wanted)));
   for (const double digit : {5.0, 2.0})
     if (wanted >= digit * power) return digit * power;
@@ -94,7 +94,7 @@ void StressFiles::write_case(const std::string& name, const Points& displacement
   run_.report.files.push_back(stress_stem(scene_, name) + ".vtu");
 
   if (!can_draw(run_.report, stress_stem(scene_, name) + ".png")) return;
-  const double times = exaggeration(largest);
+  const double times = exaggeration(largest, shell_.layout().size());
   const std::vector<SkinnedRegion> regions = regions_of(shell_.shape() + times * displacement);
   PictureScene picture = view();
   picture.regions = pointers(regions);

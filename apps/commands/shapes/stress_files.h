@@ -13,6 +13,10 @@ namespace batten {
 /// '-' and '_'.
 std::string stress_stem(const Scene& scene, const std::string& name);
 
+/// How much a displacement is drawn larger in a model of this size: by 1, 2, 5, 10, …, a twentieth of
+/// the model at most.
+double exaggeration(double largest, double size);
+
 /// Writes what a shell does into the folder of a run, NAME_… after the scene, and lists the files in
 /// its report. Pictures are seen as the scene's first picture.
 class StressFiles {
@@ -35,8 +39,6 @@ class StressFiles {
  private:
   std::vector<SkinnedRegion> regions_of(const Points& dofs) const;
   PictureScene view() const;
-  // How much a displacement is drawn larger: by 1, 2, 5, 10, …, a twentieth of the model at most.
-  double exaggeration(double largest) const;
   double largest(const Points& displacement) const;
 
   ShapeRun& run_;

@@ -236,13 +236,32 @@ MovingStress::Largest MovingStress::at(const ModelLayout& layout, const Points& 
     shell_.emplace(layout, dofs, definition_);
   }
   Largest largest;
+  displacement_.resize(0, 3);
   for (CaseAnswer& a : answers_of(scene_, *shell_, definition_)) {
     measure_displacement(*shell_, a);
     largest.displacement = std::max(largest.displacement, a.report.displacement);
-    largest.von_mises =
-        std::max(largest.von_mises, ShellStresses(*shell_, a.displacement).peak().value);
+    const double peak = ShellStresses(*shell_, a.displacement).peak().value;
+    if (displacement_.size() > 0 && peak < largest.von_mises) continue;
+    largest.von_mises = peak;
+    worst_ = a.report.name;
+    displacement_ = std::move(a.displacement);
   }
   return largest;
+}
+
+MovingStress::Field MovingStress::field(const std::vector<Location>& places) const {
+  const ShellStresses stresses(*shell_, displacement_);
+  const Surface moved = shell_->layout().surface(displacement_);
+  Field field;
+  field.of_case = worst_;
+  for (const Location& where : places) {
+    const ShellStress stress = stresses.at(where);
+    const Vec3 u = moved.position(where);
+    field.von_mises.push_back(
+        static_cast<float>(std::max(von_mises(stress.at(1)), von_mises(stress.at(-1)))));
+    for (const double x : u) field.displacement.push_back(static_cast<float>(x));
+  }
+  return field;
 }
 
 StressReport stresses_of(const Scene& scene, const MadeShape& shape, VecX& where,

@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "batten/analysis/models/shell_model.h"
 #include "batten/apps/commands/shapes/shape_files.h"
@@ -33,10 +34,20 @@ class MovingStress {
   /// Throws as stresses_of().
   Largest at(const ModelLayout& layout, const Points& dofs);
 
+  /// What the shell does at places of the mesh in the case whose stress is largest, as of the last at():
+  /// the larger equivalent stress of both sides, and the displacement (x, y, z one after the other).
+  struct Field {
+    std::string of_case;
+    std::vector<float> von_mises, displacement;
+  };
+  Field field(const std::vector<Location>& places) const;
+
  private:
   const Scene& scene_;
   ShellDefinition definition_;
   std::optional<ShellModel> shell_;
+  std::string worst_;  // the case of these
+  Points displacement_;
 };
 
 /// The lines of a summary about it.

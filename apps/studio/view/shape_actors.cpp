@@ -87,10 +87,28 @@ void ShapeActors::take(const DocumentView& view) {
   make_lines();
 }
 
-void ShapeActors::take(const Frame& frame) {
-  copy_into(*points_, frame.points);
-  copy_into(*normals_, frame.normals);
+void ShapeActors::take(std::shared_ptr<const StressView> stress) {
+  stress_ = std::move(stress);
+  place_points();
+  shade();
+}
+
+// Where stresses are shown, loads bend the shape.
+void ShapeActors::place_points() {
+  copy_into(*points_, frame_points_);
+  if (shading_ == Shading::Stress && stress_ && stress_->moved.size() == frame_points_.size()) {
+    float* x = points_->GetPointer(0);
+    for (size_t i = 0; i < frame_points_.size(); ++i)
+      x[i] += static_cast<float>(stress_->exaggeration) * stress_->moved[i];
+  }
   facets_->data->GetPoints()->Modified();
+  lines_->data->Modified();
+}
+
+void ShapeActors::take(const Frame& frame) {
+  frame_points_ = frame.points;
+  place_points();
+  copy_into(*normals_, frame.normals);
   facets_->data->GetPointData()->SetNormals(normals_);
   if (frame.pattern != pattern_) {
     pattern_ = frame.pattern;

@@ -28,7 +28,8 @@ enum class Shading {
   Contours,   ///< bands of equal height
   Deviation,  ///< distance from where the surface was when its mesh was made
   Curvature,  ///< mean curvature, positive where the normal's side is hollow
-  Stretch     ///< largest strain since the mesh was made
+  Stretch,    ///< largest strain since the mesh was made
+  Stress      ///< equivalent stress, on the shape as the loads bend it
 };
 
 /// The actors of one renderer. A frame costs one copy of its points and normals and, with a shading
@@ -40,6 +41,7 @@ class ShapeActors {
 
   void take(const DocumentView& view);
   void take(const Frame& frame);
+  void take(std::shared_ptr<const StressView> stress);
   void set_shading(Shading shading);
   void set_palette(const Palette& palette);
   void set_mesh(bool shown);  ///< the edges of the facets
@@ -64,6 +66,9 @@ class ShapeActors {
   std::string region_at(double x, double y) const;  ///< or the part of a mesh
   std::vector<int> points_within(const Vec3& centre, double radius) const;
   int point_count() const;
+  /// Whether colours stand for numbers, and which one at a place.
+  bool says_numbers() const;
+  std::optional<double> value_at(const Vec3& p) const;
   /// What the colours run from and to; both 0 where they say no number.
   std::array<double, 2> range() const { return range_; }
   /// Number of the display point nearest to a place, and its position in the last frame.
@@ -84,6 +89,8 @@ class ShapeActors {
   vtkSmartPointer<vtkLookupTable> table_of(const float* value, size_t n);
   void measure_curvature(float* value) const;
   void measure_stretch(float* value) const;
+  void place_points();
+  bool shows_stress() const;
   void colour();
   struct NearLine {
     Vec2 hand;
@@ -106,6 +113,8 @@ class ShapeActors {
   std::vector<std::string> regions_, shown_lines_;
   std::shared_ptr<const MeshView> mesh_;
   std::vector<int> chosen_facets_;
+  std::vector<float> frame_points_;  // before loads bend it
+  std::shared_ptr<const StressView> stress_;
   std::array<double, 2> range_{};
   bool surface_ = false;
   Shading shading_ = Shading::Plain;

@@ -38,6 +38,7 @@ double quantile(std::vector<float> values, double share) {
 
 void ShapeActors::set_shading(Shading shading) {
   shading_ = shading;
+  place_points();
   shade();
 }
 
@@ -47,10 +48,27 @@ void ShapeActors::shade() {
     facets_->mapper->ScalarVisibilityOff();
   else if (shading_ == Shading::Plain)
     shade_facets(roles_, role_colours(palette_));
+  else if (shading_ == Shading::Stress && !shows_stress())
+    facets_->mapper->ScalarVisibilityOff();
   else if (shading_ == Shading::Regions)
     shade_facets(facet_regions_, region_colours(static_cast<int>(regions_.size())));
   else
     shade_points();
+}
+
+bool ShapeActors::shows_stress() const {
+  return stress_ && stress_->values.size() == static_cast<size_t>(points_->GetNumberOfTuples());
+}
+
+bool ShapeActors::says_numbers() const {
+  return shading_ == Shading::Deviation || shading_ == Shading::Curvature ||
+         shading_ == Shading::Stretch || (shading_ == Shading::Stress && shows_stress());
+}
+
+std::optional<double> ShapeActors::value_at(const Vec3& p) const {
+  const int point = says_numbers() ? point_near(p) : -1;
+  if (point < 0) return std::nullopt;
+  return scalars_->GetValue(point);
 }
 
 void ShapeActors::shade_facets(vtkIntArray* values, vtkLookupTable* table) {
@@ -96,6 +114,8 @@ void ShapeActors::shade_points() {
     measure_curvature(value);
   else if (shading_ == Shading::Stretch)
     measure_stretch(value);
+  else if (shading_ == Shading::Stress)
+    std::copy(stress_->values.begin(), stress_->values.end(), value);
   else
     for (vtkIdType i = 0; i < n; ++i) {
       const int p = static_cast<int>(i);
@@ -135,6 +155,12 @@ vtkSmartPointer<vtkLookupTable> ShapeActors::table_of(const float* value, size_t
       const double limit = std::max(quantile(std::vector<float>(value, value + n), 0.98), 1e-30);
       range_ = {-limit, limit};
       return two_sided(limit);
+    }
+    case Shading::Stress: {
+      // One place beside a point load would leave one colour for all the rest.
+      const double limit = std::max(quantile(std::vector<float>(value, value + n), 0.995), 1e-30);
+      range_ = {0, limit};
+      return distances(limit);
     }
     default:
       return distances(std::max<double>(*high, 1e-30));

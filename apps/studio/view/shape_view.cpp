@@ -100,7 +100,8 @@ void ShapeView::take(const DocumentWorker::News& news) {
     if (!view_->mesh || (gone && !news.busy)) painted_.clear();
   }
   if (news.frame) actors_->take(*news.frame);
-  if (!news.view && !news.frame) return;
+  if (news.stress) actors_->take(news.stress);
+  if (!news.view && !news.frame && !news.stress) return;
   const bool anything = view_ && (view_->surface || !view_->lines.empty());
   if (!anything) fitted_ = false;
   if (!fitted_ && anything && draft_.empty()) {
@@ -306,6 +307,7 @@ bool ShapeView::move(QMouseEvent* event) {
     follow_push();
     return true;
   }
+  if (tool_ == Tool::Select && event->buttons() == Qt::NoButton) show_value(event->pos());
   if (tool_ == Tool::Draw && !left_ && !draft_.empty()) {
     std::vector<Vec3> shown = draft_;
     shown.push_back(point_at(event->pos()));
@@ -339,6 +341,15 @@ bool ShapeView::release(QMouseEvent* event) {
   }
   if (!moved_) click(event->pos());
   return false;
+}
+
+// What the colour under the hand says.
+void ShapeView::show_value(const QPoint& at) {
+  if (!actors_->says_numbers()) return;
+  const Vec3 hand = display(at);
+  const auto p = actors_->surface_at(hand.x(), hand.y());
+  const auto value = p ? actors_->value_at(*p) : std::nullopt;
+  hooks_.hint(value ? QString::number(*value, 'g', 4) : QString());
 }
 
 void ShapeView::click(const QPoint& at) {

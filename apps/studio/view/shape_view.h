@@ -94,6 +94,7 @@ class ShapeView : public QVTKOpenGLNativeWidget {
   bool press_brush(QMouseEvent* event);
   bool key(int key);
   void click(const QPoint& at);
+  void show_value(const QPoint& at);
   void start_push(const QPoint& at);
   void place_push(const DocumentPlace& place);
   void follow_push();

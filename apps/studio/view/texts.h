@@ -77,7 +77,7 @@ inline constexpr const char* kShadings[] = {
     QT_TRANSLATE_NOOP("studio", "Plain"),    QT_TRANSLATE_NOOP("studio", "Regions"),
     QT_TRANSLATE_NOOP("studio", "Zebra"),    QT_TRANSLATE_NOOP("studio", "Heights"),
     QT_TRANSLATE_NOOP("studio", "Moved by"), QT_TRANSLATE_NOOP("studio", "Curvature"),
-    QT_TRANSLATE_NOOP("studio", "Stretch")};
+    QT_TRANSLATE_NOOP("studio", "Stretch"),  QT_TRANSLATE_NOOP("studio", "Stress")};
 inline constexpr const char* kPlanes[] = {QT_TRANSLATE_NOOP("studio", "Draw on the ground (xy)"),
                                           QT_TRANSLATE_NOOP("studio", "Draw upright (xz)"),
                                           QT_TRANSLATE_NOOP("studio", "Draw upright (yz)"),
@@ -96,6 +96,16 @@ inline constexpr const char* kScene = QT_TRANSLATE_NOOP("studio", "Scene");
 inline constexpr const char* kCrease = QT_TRANSLATE_NOOP("studio", "Crease");
 inline constexpr const char* kSmooth = QT_TRANSLATE_NOOP("studio", "Smooth");
 inline constexpr const char* kAsFound = QT_TRANSLATE_NOOP("studio", "As found");
+inline constexpr const char* kClamp = QT_TRANSLATE_NOOP("studio", "Clamp it");
+inline constexpr const char* kPin = QT_TRANSLATE_NOOP("studio", "Pin it");
+inline constexpr const char* kNoSupport = QT_TRANSLATE_NOOP("studio", "No support");
+inline constexpr const char* kPressOn = QT_TRANSLATE_NOOP("studio", "Load: pressure");
+inline constexpr const char* kWeight = QT_TRANSLATE_NOOP("studio", "Load: its weight");
+inline constexpr const char* kStressWords = QT_TRANSLATE_NOOP(
+    "studio", "Stress: %1 %2 at most (case %3), moves by %4 %5, drawn %6 times larger");
+inline constexpr const char* kSafety = QT_TRANSLATE_NOOP("studio", "; yields at %1 times the load");
+inline constexpr const char* kNoStress =
+    QT_TRANSLATE_NOOP("studio", "Stresses need supports: choose a line, and clamp or pin it.");
 inline constexpr const char* kFair = QT_TRANSLATE_NOOP("studio", "Fair it");
 inline constexpr const char* kFairHere = QT_TRANSLATE_NOOP("studio", "Fair at point");
 inline constexpr const char* kSplit = QT_TRANSLATE_NOOP("studio", "Split at point");

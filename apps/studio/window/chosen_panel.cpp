@@ -9,6 +9,7 @@
 
 #include "batten/apps/commands/documents/line_edits.h"
 #include "batten/apps/commands/documents/mesh_edits.h"
+#include "batten/apps/commands/documents/stress_edits.h"
 #include "batten/apps/commands/documents/word_edits.h"
 #include "batten/apps/studio/view/texts.h"
 
@@ -63,6 +64,7 @@ void ChosenPanel::take(std::shared_ptr<const DocumentView> view, const ModelTree
   fill_words();
   fill_mesh();
   fill_line();
+  fill_stress();
   words_->setVisible(!words_->text().isEmpty());
 }
 
@@ -147,6 +149,32 @@ void ChosenPanel::fill_line() {
   add_button(kJoinLines, [this, name] { return join_line_edits(*view_, name); });
   for (int axis = 0; axis < 3; ++axis)
     add_button(kMirrors[axis], [this, name, axis] { return mirror_edits(*view_, name, axis); });
+}
+
+void ChosenPanel::fill_stress() {
+  if (!view_->surface || view_->mesh) return;
+  const std::string name = item_.name;
+  if (item_.kind == Kind::Line || item_.kind == Kind::Join) {
+    const std::string now = support_of(SceneText(view_->text), name);
+    const auto support = [&](const char* what, const char* kind) {
+      if (now != kind)
+        add_button(
+            what, [this, name, kind] { return support_edits(SceneText(view_->text), name, kind); });
+    };
+    support(kClamp, "clamped");
+    support(kPin, "pinned");
+    support(kNoSupport, "");
+  }
+  if (item_.kind != Kind::Region || !view_->has_stress) return;
+  add_button(kPressOn, [this, name] {
+    return stress_load_edits(SceneText(view_->text),
+                             "{ pressure = 0.001, region = " + SceneText::word(name) + " }");
+  });
+  add_button(kWeight, [this] {
+    const bool metres = view_->unit == "m";
+    return stress_load_edits(SceneText(view_->text), std::string("{ gravity = [0, 0, ") +
+                                                         (metres ? "-9.81" : "-9810") + "] }");
+  });
 }
 
 void ChosenPanel::fill_mesh() {

@@ -190,12 +190,20 @@ void MainWindow::make_tools() {
   bar->addSeparator();
   shading_ = new QComboBox;
   for (const char* shading : kShadings) shading_->addItem(text(shading));
-  QObject::connect(shading_, QOverload<int>::of(&QComboBox::currentIndexChanged), this,
-                   [this](int index) { view_->set_shading(static_cast<Shading>(index)); });
+  QObject::connect(
+      shading_, QOverload<int>::of(&QComboBox::currentIndexChanged), this, [this](int index) {
+        const auto shading = static_cast<Shading>(index);
+        worker_->show_stress(shading == Shading::Stress);
+        view_->set_shading(shading);
+        stress_->clear();
+        stress_->setText(shading == Shading::Stress && !shown_->has_stress ? text(kNoStress)
+                                                                           : QString());
+      });
   bar->addWidget(shading_);
 }
 
 void MainWindow::make_status() {
+  stress_ = new QLabel;
   state_ = new QLabel;
   answers_ = new QLabel;
   progress_ = new QProgressBar;
@@ -204,7 +212,7 @@ void MainWindow::make_status() {
   stop_ = new QPushButton(text(kStop));
   stop_->setObjectName(kStop);
   QObject::connect(stop_, &QPushButton::clicked, this, [this] { worker_->cancel(); });
-  for (QWidget* part : std::initializer_list<QWidget*>{answers_, state_, progress_, stop_})
+  for (QWidget* part : std::initializer_list<QWidget*>{stress_, answers_, state_, progress_, stop_})
     statusBar()->addPermanentWidget(part);
   progress_->hide();
   stop_->hide();
@@ -252,7 +260,21 @@ void MainWindow::take_news() {
   } else {
     view_->take(news);
   }
+  if (news.stress) show_stress(*news.stress);
   show_state(news);
+}
+
+void MainWindow::show_stress(const StressView& stress) {
+  const auto digits = [](double value) { return QString::number(value, 'g', 3); };
+  if (!stress.problem.empty()) return stress_->setText(shown(stress.problem));
+  const QString unit = shown_->unit == "m" ? "Pa" : shown_->unit == "mm" ? "N/mm²" : "";
+  QString words = text(kStressWords)
+                      .arg(digits(stress.von_mises), unit, shown(stress.of_case),
+                           digits(stress.displacement), shown(shown_->unit))
+                      .arg(stress.exaggeration);
+  if (stress.yield > 0 && stress.von_mises > 0)
+    words += text(kSafety).arg(digits(stress.yield / stress.von_mises));
+  stress_->setText(words);
 }
 
 // Shapes are pushed and drawn, meshes are painted.
@@ -298,6 +320,8 @@ QStringList MainWindow::messages() const {
   for (int i = 0; i < messages_->count(); ++i) list << messages_->item(i)->text();
   return list;
 }
+
+QString MainWindow::stress_words() const { return stress_->text(); }
 
 QAction* MainWindow::action(const char* what) const { return findChild<QAction*>(what); }
 

@@ -45,6 +45,8 @@ class MainWindow : public QMainWindow {
   QAction* action(const char* text) const;  ///< by its English text
   const DocumentView& document() const { return *shown_; }
   DocumentWorker& worker() { return *worker_; }
+  QComboBox& shading() { return *shading_; }
+  QString stress_words() const;
   QStringList messages() const;
   /// Works off events until the worker has nothing to do; false after so many seconds.
   bool wait(double seconds = 60);
@@ -63,6 +65,7 @@ class MainWindow : public QMainWindow {
   void take_news();
   void show_title();
   void show_tools();
+  void show_stress(const StressView& stress);
   void show_problem();
   void show_state(const DocumentWorker::News& news);
   void save(bool as);
@@ -85,7 +88,7 @@ class MainWindow : public QMainWindow {
   QListWidgetItem* problem_ = nullptr;
   QMenu *recent_ = nullptr, *look_ = nullptr;
   QAction *undo_ = nullptr, *redo_ = nullptr;
-  QLabel *state_ = nullptr, *answers_ = nullptr;
+  QLabel *state_ = nullptr, *answers_ = nullptr, *stress_ = nullptr;
   QProgressBar* progress_ = nullptr;
   QPushButton* stop_ = nullptr;
   QComboBox *shading_ = nullptr, *plane_ = nullptr;

@@ -1,0 +1,64 @@
+// Stories of the window with stresses.
+#include <QAction>
+#include <QComboBox>
+#include <QLabel>
+#include <QSlider>
+
+#include "batten/apps/commands/documents/line_edits.h"
+#include "batten/apps/commands/documents/stress_edits.h"
+#include "batten/apps/studio/view/texts.h"
+#include "batten/tests/studio/window_case.h"
+
+using namespace batten;
+using namespace batten::studio;
+using namespace batten_test;
+
+TEST_CASE("stresses of the door are seen beside the slider that shapes it", "[studio]") {
+  WindowCase hand;
+  MainWindow& window = *hand.window;
+  hand.open(kExamples / "18-lean/scene.toml");
+  REQUIRE(hand.document().has_stress);
+  window.shading().setCurrentText(text(kShadings[static_cast<int>(Shading::Stress)]));
+  REQUIRE(window.wait(120));
+  INFO(window.stress_words().toStdString());
+  const auto largest = [&] { return hand.view().actors().range()[1]; };
+  const double before = largest();
+  CHECK(before > 0);
+  CHECK(window.stress_words().contains("N/mm²"));
+  hand.picture("stress");
+  QSlider* slider = window.sliders().slider("swell");
+  REQUIRE(slider);
+  slider->setValue(slider->maximum());
+  REQUIRE(window.wait(120));
+  CHECK(std::abs(largest() - before) > 1e-3 * before);
+  hand.act(kUndo);
+  CHECK(std::abs(largest() - before) < 1e-6 * before);
+  CHECK(window.messages().isEmpty());
+}
+
+TEST_CASE("a drawn surface is clamped, loaded and its stress is seen", "[studio]") {
+  WindowCase hand;
+  MainWindow& window = *hand.window;
+  window.post(line_command("rim", {{0, 0, 0}, {200, 0, 0}, {200, 100, 0}, {0, 100, 0}, {0, 0, 0}}));
+  REQUIRE(window.wait());
+  REQUIRE(hand.document().surface);
+  window.shading().setCurrentText(text(kShadings[static_cast<int>(Shading::Stress)]));
+  CHECK(window.stress_words() == text(kNoStress));
+  window.tree().choose_line("rim");
+  const std::string line = window.tree().current().name;
+  hand.press(kClamp);
+  CHECK(support_of(SceneText(hand.document().text), line) == "clamped");
+  window.tree().choose_region(hand.document().regions.front());
+  hand.press(kPressOn);
+  REQUIRE(window.wait(60));
+  INFO(window.messages().join("; ").toStdString() << hand.document().text);
+  CHECK(window.stress_words().contains("N/mm²"));
+  CHECK(hand.view().actors().range()[1] > 0);
+  hand.picture("stress_drawn");
+  window.tree().choose_line("rim");
+  hand.press(kPin);
+  CHECK(support_of(SceneText(hand.document().text), line) == "pinned");
+  hand.press(kNoSupport);  // then it would fly away
+  CHECK(window.messages().join("").contains("supports"));
+  CHECK(support_of(SceneText(hand.document().text), line) == "pinned");
+}
