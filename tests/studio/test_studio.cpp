@@ -1,5 +1,6 @@
 // The stories of the window: each ends in a state that is checked, and a picture.
 #include <QAction>
+#include <QComboBox>
 #include <QDoubleSpinBox>
 #include <QPushButton>
 #include <QSlider>
@@ -288,4 +289,27 @@ TEST_CASE(
   CHECK(hand.document().lines.size() == 2);
   while (points("line 1") != drawn && hand.document().can_undo) hand.act(kUndo);
   CHECK(points("line 1") == drawn);
+}
+
+TEST_CASE("a distance is measured, and a plane cuts the shape open", "[studio]") {
+  WindowCase hand;
+  MainWindow& window = *hand.window;
+  hand.open(kExamples / "14-car-body/scene.toml");
+  REQUIRE(hand.document().surface);
+  hand.act(kMeasure);
+  const auto& lines = hand.document().lines;
+  const Vec3 a = lines.front().points.front(), b = lines.front().points.back();
+  hand.click(a);
+  hand.click(b);
+  CHECK(hand.view().words().contains(QString::number((b - a).norm(), 'g', 6)));
+  hand.key(Qt::Key_Escape);
+  CHECK(hand.view().words().isEmpty());
+  hand.act(kSelect);
+  const QImage whole = hand.picture("car");
+  window.action(kSection)->setChecked(true);
+  const QImage cut = hand.picture("section");
+  CHECK(cut != whole);
+  window.shading().setCurrentText(text(kShadings[static_cast<int>(Shading::Curvature)]));
+  window.action(kSection)->setChecked(false);
+  hand.picture("curvature");
 }

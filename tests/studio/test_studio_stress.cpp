@@ -20,11 +20,11 @@ TEST_CASE("stresses of the door are seen beside the slider that shapes it", "[st
   REQUIRE(hand.document().has_stress);
   window.shading().setCurrentText(text(kShadings[static_cast<int>(Shading::Stress)]));
   REQUIRE(window.wait(120));
-  INFO(window.stress_words().toStdString());
+  INFO(hand.view().words().toStdString());
   const auto largest = [&] { return hand.view().actors().range()[1]; };
   const double before = largest();
   CHECK(before > 0);
-  CHECK(window.stress_words().contains("N/mm²"));
+  CHECK(hand.view().words().contains("N/mm²"));
   hand.picture("stress");
   QSlider* slider = window.sliders().slider("swell");
   REQUIRE(slider);
@@ -43,7 +43,7 @@ TEST_CASE("a drawn surface is clamped, loaded and its stress is seen", "[studio]
   REQUIRE(window.wait());
   REQUIRE(hand.document().surface);
   window.shading().setCurrentText(text(kShadings[static_cast<int>(Shading::Stress)]));
-  CHECK(window.stress_words() == text(kNoStress));
+  CHECK(hand.view().words() == text(kNoStress));
   window.tree().choose_line("rim");
   const std::string line = window.tree().current().name;
   hand.press(kClamp);
@@ -52,7 +52,7 @@ TEST_CASE("a drawn surface is clamped, loaded and its stress is seen", "[studio]
   hand.press(kPressOn);
   REQUIRE(window.wait(60));
   INFO(window.messages().join("; ").toStdString() << hand.document().text);
-  CHECK(window.stress_words().contains("N/mm²"));
+  CHECK(hand.view().words().contains("N/mm²"));
   CHECK(hand.view().actors().range()[1] > 0);
   hand.picture("stress_drawn");
   window.tree().choose_line("rim");

@@ -5,6 +5,7 @@
 #include <vtkFloatArray.h>
 #include <vtkIntArray.h>
 #include <vtkNew.h>
+#include <vtkPlane.h>
 #include <vtkPointData.h>
 #include <vtkPoints.h>
 #include <vtkPolyData.h>
@@ -281,6 +282,13 @@ void ShapeActors::set_comb(const std::vector<Vec3>& curve) {
   }
   if (!edge.empty()) lines.push_back(std::move(edge));
   comb_->set_polylines(lines);
+}
+
+void ShapeActors::set_cut(vtkPlane* plane) {
+  for (Layer* layer : {facets_.get(), lines_.get(), guides_.get(), chosen_.get()}) {
+    layer->mapper->RemoveAllClippingPlanes();
+    if (plane) layer->mapper->AddClippingPlane(plane);
+  }
 }
 
 void ShapeActors::set_grid(const std::optional<std::pair<Vec3, Vec3>>& axes) {

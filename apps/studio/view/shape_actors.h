@@ -14,6 +14,8 @@
 
 class vtkFloatArray;
 class vtkIntArray;
+class vtkPlane;
+class vtkLookupTable;
 class vtkRenderer;
 
 namespace batten::studio {
@@ -55,6 +57,8 @@ class ShapeActors {
   void set_dots(const std::vector<Vec3>& points, int chosen);
   /// A comb of the curvature along points of a curve; as high as a tenth of the size at most.
   void set_comb(const std::vector<Vec3>& curve);
+  /// What lies before a plane is not drawn; null: everything is.
+  void set_cut(vtkPlane* plane);
   /// A grid through the origin along two axes, in round steps.
   void set_grid(const std::optional<std::pair<Vec3, Vec3>>& axes);
   /// An arrow of a load that is being pushed.
@@ -68,6 +72,8 @@ class ShapeActors {
   int point_count() const;
   /// Whether colours stand for numbers, and which one at a place.
   bool says_numbers() const;
+  /// The table of the numbers' colours; null where they say none.
+  vtkLookupTable* scale() const;
   std::optional<double> value_at(const Vec3& p) const;
   /// What the colours run from and to; both 0 where they say no number.
   std::array<double, 2> range() const { return range_; }
@@ -116,6 +122,7 @@ class ShapeActors {
   std::vector<float> frame_points_;  // before loads bend it
   std::shared_ptr<const StressView> stress_;
   std::array<double, 2> range_{};
+  vtkSmartPointer<vtkLookupTable> table_;
   bool surface_ = false;
   Shading shading_ = Shading::Plain;
   Palette palette_;

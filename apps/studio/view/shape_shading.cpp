@@ -65,6 +65,8 @@ bool ShapeActors::says_numbers() const {
          shading_ == Shading::Stretch || (shading_ == Shading::Stress && shows_stress());
 }
 
+vtkLookupTable* ShapeActors::scale() const { return says_numbers() ? table_.Get() : nullptr; }
+
 std::optional<double> ShapeActors::value_at(const Vec3& p) const {
   const int point = says_numbers() ? point_near(p) : -1;
   if (point < 0) return std::nullopt;
@@ -130,13 +132,13 @@ void ShapeActors::shade_points() {
     }
   scalars_->Modified();
   facets_->data->GetPointData()->SetScalars(scalars_);
-  const auto table = table_of(value, static_cast<size_t>(n));
+  table_ = table_of(value, static_cast<size_t>(n));
   vtkPolyDataMapper& mapper = *facets_->mapper;
   mapper.ScalarVisibilityOn();
   mapper.SetScalarModeToUsePointData();
   mapper.InterpolateScalarsBeforeMappingOn();
-  mapper.SetLookupTable(table);
-  mapper.SetScalarRange(table->GetTableRange());
+  mapper.SetLookupTable(table_);
+  mapper.SetScalarRange(table_->GetTableRange());
 }
 
 vtkSmartPointer<vtkLookupTable> ShapeActors::table_of(const float* value, size_t n) {

@@ -124,6 +124,20 @@ void ShapeView::draw_point(const QPoint& at) {
   hooks_.hint(text(kHintDrawing));
 }
 
+// The distance and how far it goes along x, y and z, in words over the view.
+void ShapeView::measure_point(const QPoint& at) {
+  if (draft_.size() > 1) draft_.clear();
+  draft_.push_back(point_at(at));
+  actors_->set_draft(draft_);
+  if (draft_.size() > 1) {
+    const Vec3 way = draft_[1] - draft_[0];
+    const auto digits = [](double x) { return QString::number(x, 'g', 6); };
+    set_words(text(kDistance).arg(digits(way.norm()), shown(view_->unit), digits(way.x()),
+                                  digits(way.y()), digits(way.z())));
+  }
+  redraw();
+}
+
 void ShapeView::finish_line() {
   std::vector<Vec3> points = std::move(draft_);
   draft_.clear();
@@ -138,6 +152,7 @@ void ShapeView::finish_line() {
 void ShapeView::cancel_tool() {
   draft_.clear();
   actors_->set_draft({});
+  if (tool_ == Tool::Measure) set_words("");
   if (push_) end_push();
   redraw();
 }

@@ -1,10 +1,15 @@
 #include "batten/apps/studio/view/shape_view.h"
 
+#include <vtkCallbackCommand.h>
 #include <vtkCamera.h>
 #include <vtkCameraOrientationWidget.h>
 #include <vtkGenericOpenGLRenderWindow.h>
+#include <vtkImplicitPlaneRepresentation.h>
+#include <vtkImplicitPlaneWidget2.h>
 #include <vtkInteractorStyleTrackballCamera.h>
 #include <vtkLight.h>
+#include <vtkPlane.h>
+#include <vtkProperty.h>
 #include <vtkRenderWindowInteractor.h>
 #include <vtkRenderer.h>
 
@@ -18,6 +23,7 @@
 #include <string>
 
 #include "batten/apps/studio/view/gizmo.h"
+#include "batten/apps/studio/view/legend.h"
 #include "batten/apps/studio/view/texts.h"
 #include "batten/apps/studio/view/window_points.h"
 
@@ -53,6 +59,7 @@ ShapeView::ShapeView(QWidget* parent, Hooks hooks)
   window_->GetInteractor()->SetInteractorStyle(style);
   actors_ = std::make_unique<ShapeActors>(renderer_);
   gizmo_ = std::make_unique<Gizmo>(renderer_);
+  legend_ = std::make_unique<Legend>(renderer_);
   still_ = new QTimer(this);
   still_->setSingleShot(true);
   still_->setInterval(kStillAfter);
@@ -78,6 +85,7 @@ void ShapeView::initializeGL() {
 
 // What moves is drawn fast; what stands still gets smooth edges.
 void ShapeView::redraw() {
+  legend_->set_scale(actors_->scale());
   if (software_) {
     renderer_->UseFXAAOff();
     still_->start();
@@ -123,14 +131,18 @@ void ShapeView::set_tool(Tool tool) {
   painted_name_.clear();
   painted_.clear();
   const QCursor cursors[] = {Qt::ArrowCursor, Qt::PointingHandCursor, Qt::CrossCursor,
-                             Qt::CrossCursor, Qt::CrossCursor};
+                             Qt::CrossCursor, Qt::CrossCursor,        Qt::CrossCursor};
   setCursor(cursors[static_cast<int>(tool)]);
   show_grid();
   show_handle();
   show_line();
   const bool mesh = view_ && view_->mesh;
-  const char* const hints[] = {mesh ? kHintSelectMesh : kHintSelect, kHintPush, kHintDraw,
-                               kHintPaint, kHintLasso};
+  const char* const hints[] = {mesh ? kHintSelectMesh : kHintSelect,
+                               kHintPush,
+                               kHintDraw,
+                               kHintPaint,
+                               kHintLasso,
+                               kHintMeasure};
   hooks_.hint(text(hints[static_cast<int>(tool)]));
 }
 
@@ -159,6 +171,49 @@ void ShapeView::set_dark(bool dark) {
   const Palette palette = dark ? Palette::dark() : Palette::light();
   actors_->set_palette(palette);
   gizmo_->set_palette(palette);
+  legend_->set_palette(palette);
+  redraw();
+}
+
+void ShapeView::set_section(bool shown) {
+  actors_->set_cut(shown ? cut_.Get() : nullptr);
+  if (!shown) {
+    section_->Off();
+    return redraw();
+  }
+  vtkNew<vtkImplicitPlaneRepresentation> plane;
+  const auto [low, high] = actors_->box();
+  double bounds[6] = {low.x(), high.x(), low.y(), high.y(), low.z(), high.z()};
+  plane->SetPlaceFactor(1.1);
+  plane->PlaceWidget(bounds);
+  plane->SetOrigin(Vec3(0.5 * (low + high)).data());
+  plane->SetNormal(1, 0, 0);
+  plane->OutlineTranslationOff();
+  plane->ScaleEnabledOff();
+  plane->SetDrawOutline(false);
+  plane->SetDrawPlane(true);
+  plane->GetPlaneProperty()->SetOpacity(0.25);
+  section_->SetInteractor(window_->GetInteractor());
+  section_->SetRepresentation(plane);
+  vtkNew<vtkCallbackCommand> moved;
+  moved->SetClientData(this);
+  moved->SetCallback([](vtkObject*, unsigned long, void* view, void*) {
+    static_cast<ShapeView*>(view)->follow_section();
+  });
+  section_->AddObserver(vtkCommand::InteractionEvent, moved);
+  section_->On();
+  follow_section();
+}
+
+void ShapeView::follow_section() {
+  if (auto* plane = vtkImplicitPlaneRepresentation::SafeDownCast(section_->GetRepresentation()))
+    plane->GetPlane(cut_);
+  redraw();
+}
+
+void ShapeView::set_words(const QString& words) {
+  words_ = words;
+  legend_->set_words(words.toStdString());
   redraw();
 }
 
@@ -354,6 +409,7 @@ void ShapeView::show_value(const QPoint& at) {
 
 void ShapeView::click(const QPoint& at) {
   if (tool_ == Tool::Draw) return draw_point(at);
+  if (tool_ == Tool::Measure) return measure_point(at);
   const Vec3 p = display(at);
   const std::string line = actors_->line_at(p.x(), p.y());
   const std::string region = line.empty() ? actors_->region_at(p.x(), p.y()) : "";

@@ -16,10 +16,13 @@ class QTimer;
 class vtkGenericOpenGLRenderWindow;
 class vtkRenderer;
 class vtkCameraOrientationWidget;
+class vtkImplicitPlaneWidget2;
+class vtkPlane;
 
 namespace batten::studio {
 
 class Gizmo;
+class Legend;
 
 /// What the left button does.
 enum class Tool {
@@ -27,7 +30,8 @@ enum class Tool {
   Push,   ///< a press on the surface is a point load along the normal: the surface follows the hand
   Draw,   ///< clicks are points of a line; a double click or Enter ends it
   Paint,  ///< of a mesh: a brush that marks nodes, with Shift one that unmarks them
-  Lasso   ///< the same with a line around them
+  Lasso,  ///< the same with a line around them
+  Measure  ///< two clicks: how far it is from one to the other
 };
 
 /// The plane that lines are drawn on, through the first point of the line or the origin.
@@ -56,6 +60,11 @@ class ShapeView : public QVTKOpenGLNativeWidget {
   void set_perspective(bool on);
   /// The curvature of the chosen line as a comb.
   void set_combs(bool shown);
+  /// A plane that cuts away what is before it, with an arrow and a face to move it by.
+  void set_section(bool shown);
+  /// Words over the view.
+  void set_words(const QString& words);
+  const QString& words() const { return words_; }
   /// The chosen point of the chosen line, counted from 0; -1: none.
   int chosen_point() const { return chosen_point_; }
   /// Takes the chosen point out of its line; false where there is none.
@@ -100,6 +109,7 @@ class ShapeView : public QVTKOpenGLNativeWidget {
   void follow_push();
   void end_push();
   void draw_point(const QPoint& at);
+  void measure_point(const QPoint& at);
   Vec3 point_at(const QPoint& at) const;
   std::optional<Vec3> snapped(const QPoint& at) const;
   const DocumentView::Handle* shown_handle() const;
@@ -125,6 +135,7 @@ class ShapeView : public QVTKOpenGLNativeWidget {
   Vec3 from_window(const Vec3& window) const;
   Vec3 display(const QPoint& at) const;
   void show_grid();
+  void follow_section();
   void redraw();
   void redraw_still();
 
@@ -132,6 +143,8 @@ class ShapeView : public QVTKOpenGLNativeWidget {
   vtkNew<vtkGenericOpenGLRenderWindow> window_;
   vtkNew<vtkRenderer> renderer_;
   vtkNew<vtkCameraOrientationWidget> cube_;
+  vtkNew<vtkImplicitPlaneWidget2> section_;
+  vtkNew<vtkPlane> cut_;
   std::unique_ptr<ShapeActors> actors_;
   std::shared_ptr<const DocumentView> view_;
   Tool tool_ = Tool::Select;
@@ -140,6 +153,7 @@ class ShapeView : public QVTKOpenGLNativeWidget {
   std::vector<bool> snapped_;
   std::shared_ptr<Push> push_;
   std::unique_ptr<Gizmo> gizmo_;
+  std::unique_ptr<Legend> legend_;
   DocumentView::Handle held_;  // what the hand has moved the shown handle to
   std::vector<char> painted_;  // of each display point
   std::string painted_name_;   // of the selection that strokes add to
@@ -147,6 +161,7 @@ class ShapeView : public QVTKOpenGLNativeWidget {
   std::vector<Vec3> line_points_;  // that the scene states of the chosen line
   int chosen_point_ = -1, moved_point_ = -1;
   bool combs_ = false;
+  QString words_;
   std::string chosen_, awaited_;
   std::string stated_;  // the [[line]] that the chosen one is or is a piece of
   QPoint pressed_, brushed_;

@@ -64,6 +64,12 @@ inline constexpr const char* kPush = QT_TRANSLATE_NOOP("studio", "Push");
 inline constexpr const char* kDraw = QT_TRANSLATE_NOOP("studio", "Draw a line");
 inline constexpr const char* kPaint = QT_TRANSLATE_NOOP("studio", "Paint");
 inline constexpr const char* kLasso = QT_TRANSLATE_NOOP("studio", "Lasso");
+inline constexpr const char* kMeasure = QT_TRANSLATE_NOOP("studio", "Measure");
+inline constexpr const char* kHintMeasure = QT_TRANSLATE_NOOP(
+    "studio", "Click two points: of the surface, ends of lines, or of the plane that you draw on.");
+inline constexpr const char* kDistance =
+    QT_TRANSLATE_NOOP("studio", "%1 %2\nalong x %3, y %4, z %5");
+inline constexpr const char* kSection = QT_TRANSLATE_NOOP("studio", "&Section plane");
 inline constexpr const char* kFit = QT_TRANSLATE_NOOP("studio", "Show &all");
 inline constexpr const char* kFront = QT_TRANSLATE_NOOP("studio", "From the &front");
 inline constexpr const char* kSide = QT_TRANSLATE_NOOP("studio", "From the &right");
@@ -102,8 +108,8 @@ inline constexpr const char* kNoSupport = QT_TRANSLATE_NOOP("studio", "No suppor
 inline constexpr const char* kPressOn = QT_TRANSLATE_NOOP("studio", "Load: pressure");
 inline constexpr const char* kWeight = QT_TRANSLATE_NOOP("studio", "Load: its weight");
 inline constexpr const char* kStressWords = QT_TRANSLATE_NOOP(
-    "studio", "Stress: %1 %2 at most (case %3), moves by %4 %5, drawn %6 times larger");
-inline constexpr const char* kSafety = QT_TRANSLATE_NOOP("studio", "; yields at %1 times the load");
+    "studio", "Stress: %1 %2 at most, case '%3'\nmoves by %4 %5, drawn %6 times larger");
+inline constexpr const char* kSafety = QT_TRANSLATE_NOOP("studio", "\nyields at %1 times the load");
 inline constexpr const char* kNoStress =
     QT_TRANSLATE_NOOP("studio", "Stresses need supports: choose a line, and clamp or pin it.");
 inline constexpr const char* kFair = QT_TRANSLATE_NOOP("studio", "Fair it");

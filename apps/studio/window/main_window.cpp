@@ -149,6 +149,7 @@ void MainWindow::make_menus() {
   };
   check(kPerspective, QKeySequence("5"), [this](bool on) { view_->set_perspective(on); });
   check(kMesh, QKeySequence("M"), [this](bool on) { view_->set_mesh(on); });
+  check(kSection, QKeySequence("X"), [this](bool on) { view_->set_section(on); });
   check(kCombs, QKeySequence("C"), [this](bool on) { view_->set_combs(on); });
   check(kDark, {}, [this](bool on) {
     set_dark(on);
@@ -176,6 +177,7 @@ void MainWindow::make_tools() {
   tool(kSelect, "S", Tool::Select)->setChecked(true);
   tool(kPush, "P", Tool::Push);
   tool(kDraw, "D", Tool::Draw);
+  tool(kMeasure, "K", Tool::Measure);
   tool(kPaint, "B", Tool::Paint);
   tool(kLasso, "L", Tool::Lasso);
   plane_ = new QComboBox;
@@ -195,15 +197,13 @@ void MainWindow::make_tools() {
         const auto shading = static_cast<Shading>(index);
         worker_->show_stress(shading == Shading::Stress);
         view_->set_shading(shading);
-        stress_->clear();
-        stress_->setText(shading == Shading::Stress && !shown_->has_stress ? text(kNoStress)
+        view_->set_words(shading == Shading::Stress && !shown_->has_stress ? text(kNoStress)
                                                                            : QString());
       });
   bar->addWidget(shading_);
 }
 
 void MainWindow::make_status() {
-  stress_ = new QLabel;
   state_ = new QLabel;
   answers_ = new QLabel;
   progress_ = new QProgressBar;
@@ -212,7 +212,7 @@ void MainWindow::make_status() {
   stop_ = new QPushButton(text(kStop));
   stop_->setObjectName(kStop);
   QObject::connect(stop_, &QPushButton::clicked, this, [this] { worker_->cancel(); });
-  for (QWidget* part : std::initializer_list<QWidget*>{stress_, answers_, state_, progress_, stop_})
+  for (QWidget* part : std::initializer_list<QWidget*>{answers_, state_, progress_, stop_})
     statusBar()->addPermanentWidget(part);
   progress_->hide();
   stop_->hide();
@@ -266,7 +266,7 @@ void MainWindow::take_news() {
 
 void MainWindow::show_stress(const StressView& stress) {
   const auto digits = [](double value) { return QString::number(value, 'g', 3); };
-  if (!stress.problem.empty()) return stress_->setText(shown(stress.problem));
+  if (!stress.problem.empty()) return view_->set_words(shown(stress.problem));
   const QString unit = shown_->unit == "m" ? "Pa" : shown_->unit == "mm" ? "N/mm²" : "";
   QString words = text(kStressWords)
                       .arg(digits(stress.von_mises), unit, shown(stress.of_case),
@@ -274,7 +274,7 @@ void MainWindow::show_stress(const StressView& stress) {
                       .arg(stress.exaggeration);
   if (stress.yield > 0 && stress.von_mises > 0)
     words += text(kSafety).arg(digits(stress.yield / stress.von_mises));
-  stress_->setText(words);
+  view_->set_words(words);
 }
 
 // Shapes are pushed and drawn, meshes are painted.
@@ -320,8 +320,6 @@ QStringList MainWindow::messages() const {
   for (int i = 0; i < messages_->count(); ++i) list << messages_->item(i)->text();
   return list;
 }
-
-QString MainWindow::stress_words() const { return stress_->text(); }
 
 QAction* MainWindow::action(const char* what) const { return findChild<QAction*>(what); }
 

@@ -46,7 +46,6 @@ class MainWindow : public QMainWindow {
   const DocumentView& document() const { return *shown_; }
   DocumentWorker& worker() { return *worker_; }
   QComboBox& shading() { return *shading_; }
-  QString stress_words() const;
   QStringList messages() const;
   /// Works off events until the worker has nothing to do; false after so many seconds.
   bool wait(double seconds = 60);
@@ -88,7 +87,7 @@ class MainWindow : public QMainWindow {
   QListWidgetItem* problem_ = nullptr;
   QMenu *recent_ = nullptr, *look_ = nullptr;
   QAction *undo_ = nullptr, *redo_ = nullptr;
-  QLabel *state_ = nullptr, *answers_ = nullptr, *stress_ = nullptr;
+  QLabel *state_ = nullptr, *answers_ = nullptr;
   QProgressBar* progress_ = nullptr;
   QPushButton* stop_ = nullptr;
   QComboBox *shading_ = nullptr, *plane_ = nullptr;
