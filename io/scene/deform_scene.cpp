@@ -355,11 +355,6 @@ bool edits_a_mesh(const std::filesystem::path& file) {
   return root.contains("mesh") || root.contains("edit");
 }
 
-bool is_of_a_mesh(const std::string& text) {
-  const toml::table root = parse_toml(text, {}, "a scene or edits of a mesh");
-  return root.contains("mesh") || root.contains("edit");
-}
-
 DeformScene parse_deform_scene(const std::string& text, const std::filesystem::path& file,
                                bool edits_required) {
   return deform_scene(parse_toml(text, file, "edits of a mesh (unit, mesh, [[edit]] …)"), file,

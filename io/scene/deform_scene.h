@@ -169,9 +169,6 @@ struct DeformScene : SceneSelections {
 /// Whether a scene edits a mesh: it names a mesh or has an edit. Throws InputError when the file
 /// cannot be read or is not TOML.
 bool edits_a_mesh(const std::filesystem::path& file);
-/// The same of a scene's text.
-bool is_of_a_mesh(const std::string& text);
-
 /// Sets one coordinate of a turn as a vector along its axis, as long as its angle in degrees.
 void turn_about(int coordinate, double value, Vec3& axis, double& degrees);
 

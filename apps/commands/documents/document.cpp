@@ -1,13 +1,19 @@
 #include "batten/apps/commands/documents/document.h"
 
 #include "batten/apps/commands/documents/edited_mesh.h"
+#include "batten/apps/commands/documents/edited_sequence.h"
 #include "batten/apps/commands/documents/edited_shape.h"
 #include "batten/apps/commands/exchange/file_kinds.h"
 #include "batten/apps/commands/lines/line_files.h"
 #include "batten/io/files/input_file.h"
-#include "batten/io/scene/deform_scene.h"
+#include "batten/io/scene/scene_words.h"
 
 namespace batten {
+
+std::filesystem::path named_file(const std::filesystem::path& file) {
+  return file.empty() ? std::filesystem::path("untitled") : file;
+}
+
 namespace {
 
 using Verb = DocumentCommand::Verb;
@@ -21,13 +27,23 @@ std::string path_word(const std::filesystem::path& file) {
   return SceneText::word(std::filesystem::absolute(file).string());
 }
 
-/// A scene around a file of lines or a mesh.
+/// What a scene is about: a sequence, a mesh, lines.
+enum class About { Lines, Mesh, Sequence };
+About about(const SceneText& text, const std::filesystem::path& file) {
+  const toml::table root = parse_toml(text.text(), named_file(file), "a scene");
+  if (root.contains("sequence")) return About::Sequence;
+  return root.contains("mesh") || root.contains("edit") ? About::Mesh : About::Lines;
+}
+
+/// A scene around a file of lines, a mesh or a sequence.
 SceneText scene_around(const std::filesystem::path& file) {
   if (file_kind(file) == FileKind::Mesh) {
     SceneText text("unit = \"mm\"\nmesh = " + path_word(file) + "\n");
     text.add("edit", "{ name = \"edit 1\" }");
     return text;
   }
+  if (file_kind(file) == FileKind::Sequence)
+    return SceneText("unit = \"m\"\n\n[sequence]\nfile = " + path_word(file) + "\n");
   require_input_file(file, "a file of lines");
   SceneText text(new_scene("mm"));
   text.add("lines", "{ file = " + path_word(file) + " }");
@@ -35,10 +51,6 @@ SceneText scene_around(const std::filesystem::path& file) {
 }
 
 }  // namespace
-
-std::filesystem::path named_file(const std::filesystem::path& file) {
-  return file.empty() ? std::filesystem::path("untitled") : file;
-}
 
 Document::Document() : text_(new_scene("mm")), saved_(text_.text()) {
   content_ = next_content(text_, {}, {});
@@ -87,7 +99,9 @@ void Document::apply(const DocumentCommand& command, const Progress& progress) {
 
 void Document::open(const std::filesystem::path& file, const Progress& progress) {
   const FileKind kind = file_kind(file);
-  if (kind != FileKind::Mesh && line_file_kind(file) == LineFileKind::None)
+  const bool wrapped = kind == FileKind::Mesh || kind == FileKind::Sequence ||
+                       line_file_kind(file) != LineFileKind::None;
+  if (!wrapped)
     return start(SceneText(input_bytes(file, "a scene, a mesh or a file of lines"), file), file,
                  progress);
   start(scene_around(file), {}, progress);
@@ -169,6 +183,9 @@ void Document::go(std::vector<std::string>& from, std::vector<std::string>& to,
 const EditedShape* Document::shape() const {
   return dynamic_cast<const EditedShape*>(content_.get());
 }
+const EditedSequence* Document::sequence() const {
+  return dynamic_cast<const EditedSequence*>(content_.get());
+}
 const EditedMesh* Document::mesh() const { return dynamic_cast<const EditedMesh*>(content_.get()); }
 SculptingSession* Document::session() const { return shape() ? shape()->session() : nullptr; }
 
@@ -181,11 +198,13 @@ void Document::become(SceneText text, const Progress& progress) {
 std::shared_ptr<DocumentContent> Document::next_content(const SceneText& text,
                                                         const std::filesystem::path& file,
                                                         const Progress& progress) const {
-  const bool mesh = is_of_a_mesh(text.text());
+  const About what = about(text, file);
   std::shared_ptr<DocumentContent> content = content_;
-  if (!content || mesh != (this->mesh() != nullptr))
-    content = mesh ? std::shared_ptr<DocumentContent>(std::make_shared<EditedMesh>())
-                   : std::make_shared<EditedShape>();
+  if (!content || what != about(text_, file_)) {
+    if (what == About::Sequence) content = std::make_shared<EditedSequence>();
+    if (what == About::Mesh) content = std::make_shared<EditedMesh>();
+    if (what == About::Lines) content = std::make_shared<EditedShape>();
+  }
   content->become(text, file, progress);
   return content;
 }

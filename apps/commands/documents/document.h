@@ -13,10 +13,12 @@
 namespace batten {
 
 class EditedMesh;
+class EditedSequence;
 class SculptingSession;
 class EditedShape;
 
-/// A scene that is worked on: lines and their skin, or a mesh that is edited. Its text is all there is
+/// A scene that is worked on: lines and their skin, a mesh that is edited, or a
+/// deforming one. Its text is all there is
 /// to it: everything else is made from the text, again as far as an edit asks for it (edited_shape.h,
 /// edited_mesh.h).
 ///
@@ -55,9 +57,12 @@ class Document {
   const DocumentContent& content() const { return *content_; }
   bool draw(Frame& frame) { return content_->draw(frame); }
   std::shared_ptr<const StressView> stress() { return content_->stress(); }
+  /// Another frame of a sequence, counted from 0: of what is shown, not of the text.
+  void show_frame(int frame) { content_->show_frame(frame); }
   /// The content as what it is, or null.
   const EditedShape* shape() const;
   const EditedMesh* mesh() const;
+  const EditedSequence* sequence() const;
   /// The session of a shape, or null.
   SculptingSession* session() const;
 

@@ -47,6 +47,8 @@ class DocumentContent {
   /// The shape at rest. Throws: then it has the last values that had a shape.
   virtual void settle() = 0;
 
+  /// Shows another frame of a sequence, counted from 0.
+  virtual void show_frame(int) {}
   /// Fills a frame; false where there is nothing to draw.
   virtual bool draw(Frame& frame) = 0;
   /// Throws InputError where there is no surface.

@@ -35,6 +35,7 @@ SceneText moved(SceneText text, const std::filesystem::path& from,
   };
   const std::vector<SceneTable> tables = text.tables();
   move({}, "mesh");
+  if (text.has({"sequence", ""})) move({"sequence", ""}, "file");
   for (const SceneTable& table : tables)
     for (const char* kind : kFileTables)
       if (table.kind == kind) move(table, "file");

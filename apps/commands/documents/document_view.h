@@ -87,9 +87,18 @@ struct DocumentView {
     std::string name;            ///< EDIT.HANDLE: what its parameters begin with
     Vec3 centre = Vec3::Zero();  ///< where its centre is now
     Vec3 shift = Vec3::Zero(), turn = Vec3::Zero();  ///< turn: along its axis, degrees long
-    bool moves = false;  ///< it is of the last edit, whose answers are quick
+    bool moves = false;                              ///< it is of the last edit, or of a sequence
+    std::vector<Vec3> path = {};                     ///< its centre in all frames of a sequence
   };
   std::vector<Handle> handles;
+
+  // Of a sequence:
+  struct Timeline {
+    int frames = 0, frame = 0;     ///< how many, and which is shown, from 0
+    std::vector<int> keyframes;    ///< of the last step, from 0
+    std::vector<Vec3> footprints;  ///< where feet that are planted stand
+  };
+  std::optional<Timeline> timeline;
 
   /// The smallest box around lines, low and high corner; both 0 where there are none.
   std::array<Vec3, 2> box() const;

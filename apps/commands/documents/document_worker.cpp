@@ -35,12 +35,12 @@ void DocumentWorker::post(DocumentCommand command) {
     const std::lock_guard lock(mutex_);
     if (command.verb == Verb::Slide)
       for (auto it = tasks_.rbegin(); it != tasks_.rend(); ++it) {
-        if (it->question || it->command.verb != Verb::Slide) break;
+        if (it->question || it->frame >= 0 || it->command.verb != Verb::Slide) break;
         if (it->command.key != command.key) continue;
         it->command.value = command.value;
         return;
       }
-    tasks_.push_back({std::move(command), nullptr});
+    tasks_.push_back({std::move(command), nullptr, -1});
   }
   waiting_.notify_all();
 }
@@ -48,7 +48,18 @@ void DocumentWorker::post(DocumentCommand command) {
 void DocumentWorker::ask_place(const Vec3& near, std::function<void(const DocumentPlace&)> found) {
   {
     const std::lock_guard lock(mutex_);
-    tasks_.push_back({{}, std::make_shared<Question>(Question{near, std::move(found)})});
+    tasks_.push_back({{}, std::make_shared<Question>(Question{near, std::move(found)}), -1});
+  }
+  waiting_.notify_all();
+}
+
+void DocumentWorker::show_frame(int frame) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (!tasks_.empty() && tasks_.back().frame >= 0)
+      tasks_.back().frame = frame;
+    else
+      tasks_.push_back({{}, nullptr, frame});
   }
   waiting_.notify_all();
 }
@@ -136,6 +147,12 @@ void DocumentWorker::work() {
       answer_question(task.question);
       continue;
     }
+    if (task.frame >= 0) {
+      document_.show_frame(task.frame);
+      publish_frame();
+      publish_view();
+      continue;
+    }
     if (task.command.verb != Verb::Slide) {
       do_command(task.command);
       publish_frame();
@@ -159,8 +176,8 @@ void DocumentWorker::work() {
 bool DocumentWorker::another_slides(const std::string& parameter) {
   slid_.insert(parameter);
   const std::lock_guard lock(mutex_);
-  if (!tasks_.empty() && !tasks_.front().question && tasks_.front().command.verb == Verb::Slide &&
-      !slid_.contains(tasks_.front().command.key))
+  if (!tasks_.empty() && !tasks_.front().question && tasks_.front().frame < 0 &&
+      tasks_.front().command.verb == Verb::Slide && !slid_.contains(tasks_.front().command.key))
     return true;
   slid_.clear();
   return false;

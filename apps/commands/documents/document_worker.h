@@ -38,6 +38,8 @@ class DocumentWorker {
   void post(DocumentCommand command);
   /// Asks for the place of the surface nearest to a point; `found` is called by take_news().
   void ask_place(const Vec3& near, std::function<void(const DocumentPlace&)> found);
+  /// Shows another frame of a sequence, counted from 0; of those that wait only the newest.
+  void show_frame(int frame);
   /// The user does not want the changes: the recovery file goes, and there is none any more.
   void forget_changes();
   /// Whether stresses are solved for: after each command, and in a drag as long as that keeps up with
@@ -73,6 +75,7 @@ class DocumentWorker {
   struct Task {
     DocumentCommand command;
     std::shared_ptr<Question> question;  // instead of a command
+    int frame = -1;                      // to be shown, instead of a command
   };
   void work();
   bool next(Task& task);

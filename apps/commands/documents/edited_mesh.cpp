@@ -90,6 +90,7 @@ struct EditedMesh::Made {
   std::shared_ptr<const MeshView> view;
 };
 
+EditedMesh::EditedMesh() = default;
 EditedMesh::~EditedMesh() = default;
 
 void EditedMesh::become(const SceneText& text, const std::filesystem::path& file,

@@ -22,6 +22,7 @@ namespace batten {
 ///     the mesh                             all
 class EditedMesh : public DocumentContent {
  public:
+  EditedMesh();
   ~EditedMesh() override;
   void become(const SceneText& text, const std::filesystem::path& file,
               const Progress& progress) override;

@@ -5,12 +5,11 @@
 #include <cmath>
 #include <utility>
 
-#include "batten/apps/commands/meshes/vertex_selector.h"
 #include "batten/apps/commands/runs/run_parts.h"
 #include "batten/apps/commands/sequences/frame_measures.h"
 #include "batten/apps/commands/sequences/frame_store.h"
+#include "batten/apps/commands/sequences/sequence_frames.h"
 #include "batten/apps/commands/sequences/sequence_pictures.h"
-#include "batten/apps/commands/sequences/sequence_steps.h"
 #include "batten/core/errors.h"
 #include "batten/io/files/input_file.h"
 #include "batten/io/files/text.h"
@@ -47,7 +46,8 @@ class SequenceRun {
   void read() {
     report_.name = scene_.name;
     report_.unit = scene_.unit;
-    current_ = std::make_shared<PreparedSequence>(prepared_input());
+    current_ = std::make_shared<const PreparedSequence>(prepared_sequence(
+        read_frames(scene_.source), scene_.at(scene_.source.place), report_.warnings));
     input_ = current_;
     const MeshSequence& s = current_->sequence;
     report_.file = scene_.source.path.filename().string();
@@ -82,36 +82,10 @@ class SequenceRun {
     }
   }
 
-  PreparedSequence prepared_input() {
-    MeshSequence sequence = read_frames(scene_.source);
-    try {
-      PreparedMesh prepared = prepare(sequence.shells);
-      report_.warnings.insert(report_.warnings.end(), prepared.notes.begin(), prepared.notes.end());
-      return {std::move(sequence), std::move(prepared.mesh)};
-    } catch (const InputError& e) {
-      throw InputError(scene_.at(scene_.source.place) + e.what());
-    }
-  }
-
   void find_parts() {
     file_.emplace(MeshFile::counted_from_1(input_->sequence.shells));
     select_.emplace(scene_, *file_, input_->mesh);
-    for (const auto& h : scene_.handles) {
-      parts_.handles.push_back({h.name, select_->of(h.vertices)});
-      if (parts_.handles.back().vertices.empty())
-        throw InputError(scene_.at(h.place) + "the handle '" + h.name + "' has no nodes");
-    }
-    for (const auto& h : scene_.handles)
-      parts_.parents.push_back(h.parent.text.empty() ? -1 : parts_.handle(scene_, h.parent));
-    for (const FeatureRule& rule : scene_.features) {
-      if (!rule.name.empty()) {
-        parts_.features.push_back({rule.name, select_->of(rule.vertices), rule.kind});
-        continue;
-      }
-      for (const PlacedWord& word : rule.vertices)
-        for (const PlacedWord& name : select_->matching(word))
-          parts_.features.push_back({name.text, select_->of(name), rule.kind});
-    }
+    parts_ = find_sequence_parts(scene_, *select_);
     watch_.lap("parts");
   }
 
@@ -131,20 +105,17 @@ class SequenceRun {
   }
 
   void do_steps() {
-    const VerticesOf vertices_of = [&](const std::vector<PlacedWord>& names) {
-      return select_->of(names);
-    };
     last_ = as_it_is(current_);
     bent_.emplace(parts_);
     for (size_t k = 0; k < scene_.steps.size(); ++k) {
       if (k > 0) {
-        const auto before = std::exchange(current_, collected(last_));
+        const auto before = std::exchange(current_, collected(last_, input_->mesh, progress_));
         for (size_t f = 0; keeps_frames(scene_.steps[k - 1]) && f < before->sequence.frames.size();
              ++f)
           bent_->measure(parts_, before->sequence.frames[f], current_->sequence.frames[f]);
       }
       const auto start = std::chrono::steady_clock::now();
-      last_ = step(scene_.steps[k], vertices_of);
+      last_ = step(scene_.steps[k]);
       last_.report.seconds = seconds_since(start);
       report_.steps.push_back(last_.report);
       for (const auto& w : last_.warnings) report_.warnings.push_back(last_.report.name + ": " + w);
@@ -165,53 +136,9 @@ class SequenceRun {
     watch_.lap("steps");
   }
 
-  /// What `work` gives. Its errors name the step and its place.
-  template <class Work>
-  auto named(const SequenceStep& rule, const Work& work) const {
-    const std::string where = scene_.at(rule.place) + "the step '" + rule.name + "': ";
-    try {
-      return work();
-    } catch (const ConflictError& e) {
-      throw ConflictError(e.conflicts(), where);
-    } catch (const InputError& e) {
-      throw InputError(std::string(e.what()).starts_with(scene_.file.string()) ? e.what()
-                                                                               : where + e.what());
-    } catch (const NoSolutionError& e) {
-      throw NoSolutionError(where + e.what());
-    }
-  }
-
-  StepResult step(const SequenceStep& rule, const VerticesOf& vertices_of) {
+  StepResult step(const SequenceStep& rule) {
     const ReadFrames read = [&](const SequenceSource& source) { return read_frames(source); };
-    return named(rule, [&] {
-      return do_step(scene_, rule, *current_, parts_, vertices_of, read, progress_);
-    });
-  }
-
-  static StepResult as_it_is(const std::shared_ptr<PreparedSequence>& s) {
-    StepResult result;
-    result.shells = s->sequence.shells;
-    result.times = s->sequence.times;
-    result.frames = [s](int first, int last, const auto& take, const Progress&) {
-      for (int k = first; k <= last; ++k) take(k, s->sequence.frames[k]);
-    };
-    return result;
-  }
-
-  std::shared_ptr<PreparedSequence> collected(const StepResult& result) const {
-    MeshSequence sequence;
-    sequence.shells = result.shells;
-    sequence.times = result.times;
-    result.frames(
-        0, count_of(result.times) - 1, [&](int, const Points& p) { sequence.frames.push_back(p); },
-        progress_);
-    sequence.shells.points = sequence.frames.front();
-    const MeshTopology& topology = input_->mesh.topology();
-    Points vertices(topology.vertex_count(), 3);
-    for (int v = 0; v < topology.vertex_count(); ++v)
-      vertices.row(v) = sequence.frames.front().row(topology.node_of(v));
-    return std::make_shared<PreparedSequence>(
-        PreparedSequence{std::move(sequence), input_->mesh.with_points(std::move(vertices))});
+    return done_step(scene_, rule, *current_, parts_, *select_, read, progress_);
   }
 
   /// glTF wants seconds.
@@ -229,7 +156,7 @@ class SequenceRun {
     if (scene_.steps.empty())
       last_.frames(first, last, take, progress_);
     else
-      named(scene_.steps.back(), [&] { last_.frames(first, last, take, progress_); });
+      naming_step(scene_, scene_.steps.back(), [&] { last_.frames(first, last, take, progress_); });
   }
 
   void write_frames() {
@@ -308,7 +235,7 @@ class SequenceRun {
   SequenceReport report_;
   Stopwatch watch_;
   Fingerprint fingerprint_;
-  std::shared_ptr<PreparedSequence> input_, current_;
+  std::shared_ptr<const PreparedSequence> input_, current_;
   std::optional<MeshFile> file_;
   std::optional<VertexSelector> select_;
   SequenceParts parts_;

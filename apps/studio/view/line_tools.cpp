@@ -33,6 +33,14 @@ void ShapeView::show_line() {
     if (view_->lines[i].line == (stated_.empty() ? chosen_ : stated_))
       line = view_->lines[i].points;
   actors_->set_comb(line);
+  if (view_ && view_->timeline) show_trail();
+}
+
+// Where the shown handle goes in all frames, and where feet stand.
+void ShapeView::show_trail() {
+  actors_->set_dots(view_->timeline->footprints, -1);
+  const auto* handle = shown_handle();
+  actors_->set_trail(handle ? handle->path : std::vector<Vec3>{});
 }
 
 void ShapeView::set_combs(bool shown) {

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "batten/apps/commands/documents/mesh_edits.h"
+#include "batten/apps/commands/documents/sequence_edits.h"
 #include "batten/apps/studio/view/gizmo.h"
 #include "batten/apps/studio/view/shape_view.h"
 #include "batten/apps/studio/view/texts.h"
@@ -62,7 +63,7 @@ const DocumentView::Handle* ShapeView::shown_handle() const {
   for (const auto& handle : view_->handles) {
     if (!handle.moves) continue;
     if (!first) first = &handle;
-    if (handle.name.ends_with("." + chosen_)) return &handle;
+    if (handle.name == chosen_ || handle.name.ends_with("." + chosen_)) return &handle;
   }
   return first;
 }
@@ -94,6 +95,11 @@ void ShapeView::drag_handle(const QPoint& at) {
   const auto* start = shown_handle();
   if (!start) return;
   const Vec3 shift = start->shift + motion.shift, turn = turned_on(start->turn, motion.turn);
+  if (view_->timeline) {  // its frames are made anew when the hand lets go
+    for (int i = 0; i < 3; ++i) held_.shift[i] = to_step(shift[i], step);
+    for (int i = 0; i < 3; ++i) held_.turn[i] = to_step(turn[i], 0.01);
+    return redraw();
+  }
   for (int i = 0; i < 3; ++i) {
     if (motion.shift[i] != 0 || held_.shift[i] != start->shift[i])
       slide(".", i, to_step(shift[i], step), held_.shift[i]);
@@ -105,7 +111,10 @@ void ShapeView::drag_handle(const QPoint& at) {
 
 void ShapeView::release_handle() {
   gizmo_->release();
-  hooks_.post({.verb = Verb::Settle});
+  if (!view_->timeline) return hooks_.post({.verb = Verb::Settle});
+  for (DocumentCommand& edit : keyframe_edits(SceneText(view_->text), view_->timeline->frame + 1,
+                                              held_.name, held_.shift, held_.turn))
+    hooks_.post(std::move(edit));
 }
 
 // -- painting ---------------------------------------------------------------------------------------

@@ -284,6 +284,11 @@ void ShapeActors::set_comb(const std::vector<Vec3>& curve) {
   comb_->set_polylines(lines);
 }
 
+void ShapeActors::set_trail(const std::vector<Vec3>& way) {
+  comb_->set_polylines(way.size() > 1 ? std::vector<std::vector<Vec3>>{way}
+                                      : std::vector<std::vector<Vec3>>{});
+}
+
 void ShapeActors::set_cut(vtkPlane* plane) {
   for (Layer* layer : {facets_.get(), lines_.get(), guides_.get(), chosen_.get()}) {
     layer->mapper->RemoveAllClippingPlanes();

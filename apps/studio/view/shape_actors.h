@@ -57,6 +57,8 @@ class ShapeActors {
   void set_dots(const std::vector<Vec3>& points, int chosen);
   /// A comb of the curvature along points of a curve; as high as a tenth of the size at most.
   void set_comb(const std::vector<Vec3>& curve);
+  /// The way of something through a sequence's frames, in the place of a comb.
+  void set_trail(const std::vector<Vec3>& way);
   /// What lies before a plane is not drawn; null: everything is.
   void set_cut(vtkPlane* plane);
   /// A grid through the origin along two axes, in round steps.

@@ -125,6 +125,7 @@ class ShapeView : public QVTKOpenGLNativeWidget {
   void finish_stroke();
   void choose_awaited();
   void show_line();
+  void show_trail();
   int point_under(const QPoint& at) const;
   bool press_point(const QPoint& at);
   void drag_point(const QPoint& at);

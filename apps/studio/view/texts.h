@@ -134,6 +134,12 @@ inline constexpr const char* kUsed[] = {
     QT_TRANSLATE_NOOP("studio", "rigid, no turn")};
 inline constexpr const char* kKeepAll = QT_TRANSLATE_NOOP("studio", "Keep all openings");
 inline constexpr const char* kNewEdit = QT_TRANSLATE_NOOP("studio", "Go on with a new edit");
+inline constexpr const char* kFrames = QT_TRANSLATE_NOOP("studio", "Frames");
+inline constexpr const char* kPlay = QT_TRANSLATE_NOOP("studio", "Play");
+inline constexpr const char* kKeyBefore = QT_TRANSLATE_NOOP("studio", "◂ key");
+inline constexpr const char* kKeyBehind = QT_TRANSLATE_NOOP("studio", "key ▸");
+inline constexpr const char* kKeyframes = QT_TRANSLATE_NOOP("studio", "keyframes: %1");
+inline constexpr const char* kSequenceSteps = QT_TRANSLATE_NOOP("studio", "Steps");
 inline constexpr const char* kKey = QT_TRANSLATE_NOOP("studio", "Key");
 inline constexpr const char* kValue = QT_TRANSLATE_NOOP("studio", "Value");
 inline constexpr const char* kStop = QT_TRANSLATE_NOOP("studio", "Stop");

@@ -9,6 +9,7 @@
 
 #include "batten/apps/commands/documents/line_edits.h"
 #include "batten/apps/commands/documents/mesh_edits.h"
+#include "batten/apps/commands/documents/sequence_edits.h"
 #include "batten/apps/commands/documents/stress_edits.h"
 #include "batten/apps/commands/documents/word_edits.h"
 #include "batten/apps/studio/view/texts.h"
@@ -181,6 +182,12 @@ void ChosenPanel::fill_mesh() {
   if (!view_->mesh) return;
   const std::string part = item_.name;
   const SceneText scene(view_->text);
+  if (view_->timeline) {
+    if (item_.kind == Kind::Part && !scene.has({"handle", part}))
+      add_button(kUses[static_cast<int>(PartUse::Handle)],
+                 [this, part] { return sequence_handle_edits(SceneText(view_->text), part); });
+    return;
+  }
   if (item_.kind == Kind::Part) {
     const PartUse now = use_of(scene, part);
     for (const PartUse use :

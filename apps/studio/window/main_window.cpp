@@ -92,6 +92,9 @@ void MainWindow::make_panels() {
   sliders_ = new SliderPanel(this, post);
   messages_ = new QListWidget;
   messages_->setWordWrap(true);
+  timeline_ = new TimelinePanel(this, [this](int frame) { worker_->show_frame(frame); });
+  frames_ = dock(this, kFrames, timeline_, Qt::BottomDockWidgetArea);
+  frames_->hide();
   dock(this, kModel, tree_, Qt::LeftDockWidgetArea);
   dock(this, kChosen, chosen_, Qt::LeftDockWidgetArea);
   dock(this, kSliders, sliders_, Qt::RightDockWidgetArea);
@@ -251,6 +254,8 @@ void MainWindow::take_news() {
     show_problem();
     tree_->take(*shown_);
     sliders_->take(*shown_);
+    timeline_->take(*shown_);
+    frames_->setVisible(shown_->timeline.has_value());
     chosen_->take(shown_, tree_->current());
     view_->take(news);
     show_tools();
@@ -261,6 +266,7 @@ void MainWindow::take_news() {
     view_->take(news);
   }
   if (news.stress) show_stress(*news.stress);
+  if (news.frame) timeline_->drawn();
   show_state(news);
 }
 

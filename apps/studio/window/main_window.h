@@ -12,6 +12,7 @@
 #include "batten/apps/studio/window/chosen_panel.h"
 #include "batten/apps/studio/window/model_tree.h"
 #include "batten/apps/studio/window/slider_panel.h"
+#include "batten/apps/studio/window/timeline_panel.h"
 
 class QAction;
 class QActionGroup;
@@ -20,6 +21,7 @@ class QLabel;
 class QListWidget;
 class QListWidgetItem;
 class QProgressBar;
+class QDockWidget;
 class QPushButton;
 
 namespace batten::studio {
@@ -42,6 +44,7 @@ class MainWindow : public QMainWindow {
   SliderPanel& sliders() { return *sliders_; }
   ChosenPanel& chosen() { return *chosen_; }
   ModelTree& tree() { return *tree_; }
+  TimelinePanel& timeline() { return *timeline_; }
   QAction* action(const char* text) const;  ///< by its English text
   const DocumentView& document() const { return *shown_; }
   DocumentWorker& worker() { return *worker_; }
@@ -83,6 +86,8 @@ class MainWindow : public QMainWindow {
   SliderPanel* sliders_ = nullptr;
   ChosenPanel* chosen_ = nullptr;
   ModelTree* tree_ = nullptr;
+  TimelinePanel* timeline_ = nullptr;
+  QDockWidget* frames_ = nullptr;
   QListWidget* messages_ = nullptr;
   QListWidgetItem* problem_ = nullptr;
   QMenu *recent_ = nullptr, *look_ = nullptr;

@@ -27,8 +27,8 @@ bool acts(const std::string& kind) {
 
 /// Tables that a mesh has groups for.
 bool is_of_mesh(const std::string& kind) {
-  constexpr const char* kinds[] = {"select",   "cut",  "feature", "features", "guide",
-                                   "relation", "line", "curve",   "pull",     "edit"};
+  constexpr const char* kinds[] = {"select", "cut",   "feature", "features", "guide",  "relation",
+                                   "line",   "curve", "pull",    "edit",     "handle", "step"};
   return std::find(std::begin(kinds), std::end(kinds), kind.substr(0, kind.find('.'))) !=
          std::end(kinds);
 }
@@ -154,11 +154,11 @@ void ModelTree::fill_mesh(const DocumentView& view) {
         {Item::Kind::Part, part.name, view.table(table) ? table : SceneTable{}});
   }
   auto* kept = group(kKept, 0);
-  auto* edits = group(kEdits, 0);
+  auto* edits = group(view.timeline ? kSequenceSteps : kEdits, 0);
   for (const auto& table : view.tables) {
     const std::string& kind = table.name.kind;
     if (!is_of_mesh(kind) || kind == "select") continue;
-    const bool edit = kind.starts_with("edit");
+    const bool edit = kind.starts_with("edit") || kind.starts_with("step");
     QString name = shown(table.name.name);
     if (kind == "edit.handle") name = "    " + shown(plain(table, "name"));
     if (kind == "features") name = shown(plain(table, "of"));

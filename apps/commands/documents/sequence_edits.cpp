@@ -1,0 +1,80 @@
+#include "batten/apps/commands/documents/sequence_edits.h"
+
+#include <algorithm>
+#include <sstream>
+
+#include "batten/apps/commands/documents/line_edits.h"
+#include "batten/io/scene/scene_words.h"
+
+namespace batten {
+namespace {
+
+using Verb = DocumentCommand::Verb;
+
+std::string move_word(const std::string& handle, const Vec3& shift, const Vec3& turn) {
+  std::string words = "{ name = " + SceneText::word(handle) + ", translate = " + point_word(shift);
+  if (turn.norm() > 0)
+    words += ", rotate = { axis = " + point_word(turn.normalized()) +
+             ", degrees = " + SceneText::word(turn.norm()) + " }";
+  return words + " }";
+}
+
+/// The list of moves of a keyframe with one in the place of the handle's.
+std::string with_move(const std::string& list, const std::string& handle, const std::string& move) {
+  const toml::table root = parse_toml("list = " + list, {}, "moves of handles");
+  std::string words;
+  if (const toml::array* moves = root["list"].as_array())
+    for (const toml::node& one : *moves) {
+      toml::table table = *one.as_table();
+      if (table["name"].value_or(std::string()) == handle) continue;
+      table.is_inline(true);
+      std::ostringstream text;
+      text << table;
+      words += text.str() + ", ";
+    }
+  return "[" + words + move + "]";
+}
+
+}  // namespace
+
+std::vector<DocumentCommand> keyframe_edits(const SceneText& scene, int frame,
+                                            const std::string& handle, const Vec3& shift,
+                                            const Vec3& turn) {
+  const std::string move = move_word(handle, shift, turn);
+  const std::string key = "{ frame = " + std::to_string(frame) + ", handle = [" + move + "] }";
+  SceneTable step;
+  for (const SceneTable& table : scene.tables())
+    if (table.kind == "step") step = table;
+  if (step.kind.empty() || scene.value(step, "kind") != "\"keyframes\"") {
+    int number = 1;
+    while (scene.has({"step", "keys " + std::to_string(number)})) ++number;
+    return {{.verb = Verb::Add,
+             .table = {"step", ""},
+             .text = "{ name = " + SceneText::word("keys " + std::to_string(number)) +
+                     ", kind = \"keyframes\", keyframe = [" + key + "] }"}};
+  }
+  for (const SceneTable& table : scene.tables())
+    if (table.kind == "step.keyframe" && table.name.starts_with(step.name + ".") &&
+        scene.value(table, "frame") == std::to_string(frame))
+      return {{.verb = Verb::Set,
+               .table = table,
+               .key = "handle",
+               .text = with_move(scene.value(table, "handle"), handle, move)}};
+  for (const auto& [name, value] : scene.values(step))
+    if (name == "keyframe")  // a list in braces
+      return {{.verb = Verb::Set,
+               .table = step,
+               .key = name,
+               .text = value.substr(0, value.rfind(']')) + ", " + key + "]"}};
+  return {{.verb = Verb::Add, .table = {"step.keyframe", ""}, .text = key}};
+}
+
+std::vector<DocumentCommand> sequence_handle_edits(const SceneText& scene,
+                                                   const std::string& selection) {
+  if (scene.has({"handle", selection})) return {};
+  return {{.verb = Verb::Add,
+           .table = {"handle", ""},
+           .text = "{ name = " + SceneText::word(selection) + " }"}};
+}
+
+}  // namespace batten

@@ -1,0 +1,93 @@
+// Documents of deforming meshes: what batten sequence gives, edited and undone.
+#include "batten/apps/commands/documents/document.h"
+#include "batten/apps/commands/documents/edited_sequence.h"
+#include "batten/apps/commands/documents/sequence_edits.h"
+#include "batten/apps/commands/sequences/run_sequence.h"
+#include "batten/io/sequences/sequence_files.h"
+#include "batten/tests/apps/cli_case.h"
+
+using namespace batten;
+using namespace batten_test;
+using Verb = DocumentCommand::Verb;
+
+namespace {
+
+const fs::path kForming = BATTEN_SOURCE_DIR "/examples/29-forming/forming.toml";
+
+void act_all(Document& document, const std::vector<DocumentCommand>& commands) {
+  for (const DocumentCommand& command : commands) document.apply(command);
+}
+
+double apart(const MeshSequence& a, const MeshSequence& b) {
+  double most = a.frames.size() == b.frames.size() ? 0 : 1e300;
+  for (size_t k = 0; k < a.frames.size() && k < b.frames.size(); ++k)
+    most = std::max(most, (a.frames[k] - b.frames[k]).cwiseAbs().maxCoeff());
+  return most;
+}
+
+}  // namespace
+
+TEST_CASE("frames of a document are those of batten sequence", "[document]") {
+  const Case folder("sequence_document");
+  Document document;
+  document.apply({.verb = Verb::Open, .file = kForming});
+  REQUIRE(document.sequence());
+  CHECK(document.content().problem().empty());
+  SequenceScene scene = read_sequence_scene(kForming);
+  scene.frames_out = "frames/all_*.obj";
+  scene.pictures.clear();
+  run_sequence(scene, folder / "out");
+  const MeshSequence written = read_sequence(folder / "out/frames/all_*.obj", {}, {});
+  CHECK(apart(document.sequence()->frames(), written) < 1e-9);
+}
+
+TEST_CASE("keyframes of a sequence are added, changed and undone", "[document]") {
+  Document document;
+  document.apply({.verb = Verb::Open, .file = kForming});
+  const MeshSequence opened = document.sequence()->frames();
+  const std::string text = document.text().text();
+  const auto keyed = [&](int frame, const Vec3& shift) {
+    act_all(document, keyframe_edits(document.text(), frame, "left edge", shift, Vec3::Zero()));
+  };
+  keyed(21, {-20, 0, 0});  // the one that is there
+  CHECK(document.text().text().find("translate = [-20, 0, 0]") != std::string::npos);
+  const MeshSequence wider = document.sequence()->frames();
+  CHECK(apart(wider, opened) > 5);
+  keyed(11, {0, 0, 5});  // a new one
+  CHECK(apart(document.sequence()->frames(), wider) > 1);
+  act_all(document, {{.verb = Verb::Undo}, {.verb = Verb::Undo}});
+  CHECK(document.text().text() == text);
+  CHECK(apart(document.sequence()->frames(), opened) == 0);
+
+  // From bare frames: a selection, a handle, a keyframe, and one more beside it.
+  Document bare;
+  bare.apply({.verb = Verb::Open, .file = kForming.parent_path() / "plate.pc2"});
+  bare.apply({.verb = Verb::Add,
+              .table = {"select", ""},
+              .text = "{ name = \"edge\", plane = { through = [7, 0, 0], normal = [-1, 0, 0] } }"});
+  act_all(bare, sequence_handle_edits(bare.text(), "edge"));
+  for (const int frame : {4, 12, 12})
+    act_all(bare, keyframe_edits(bare.text(), frame, "edge", {0, 0, 1.0 * frame}, {0, 10, 0}));
+  CHECK(bare.content().problem().empty());
+  bare.show_frame(11);
+  const DocumentView view = view_of(bare);
+  REQUIRE(view.timeline);
+  CHECK(view.timeline->keyframes == std::vector<int>{3, 11});
+  REQUIRE(view.handles.size() == 1);
+  CHECK((view.handles[0].shift - Vec3(0, 0, 12)).norm() < 1e-12);
+  CHECK((view.handles[0].turn - Vec3(0, 10, 0)).norm() < 1e-9);
+  CHECK(static_cast<int>(view.handles[0].path.size()) == view.timeline->frames);
+}
+
+TEST_CASE("a sequence that cannot be edited so stays as it was", "[document]") {
+  Document document;
+  document.apply({.verb = Verb::Open, .file = kForming});
+  const std::string text = document.text().text();
+  const MeshSequence frames = document.sequence()->frames();
+  CHECK_THROWS_AS(
+      document.apply(
+          {.verb = Verb::Set, .table = {"step", "wider"}, .key = "fixed", .text = "\"nowhere\""}),
+      InputError);
+  CHECK(document.text().text() == text);
+  CHECK(apart(document.sequence()->frames(), frames) == 0);
+}

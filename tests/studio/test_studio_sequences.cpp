@@ -1,0 +1,47 @@
+// A story of the window with a sequence.
+#include <QAction>
+#include <QSlider>
+
+#include "batten/apps/studio/view/gizmo.h"
+#include "batten/apps/studio/view/texts.h"
+#include "batten/tests/studio/window_case.h"
+
+using namespace batten;
+using namespace batten::studio;
+using namespace batten_test;
+
+TEST_CASE("a sequence is scrubbed, played, and bent in one frame by hand", "[studio]") {
+  WindowCase hand;
+  MainWindow& window = *hand.window;
+  hand.open(kExamples / "29-forming/forming.toml");
+  REQUIRE(hand.document().timeline);
+  const int frames = hand.document().timeline->frames;
+  CHECK(window.timeline().isVisible());
+  CHECK(hand.document().timeline->keyframes == std::vector<int>{20});
+  const auto [low, high] = hand.view().actors().box();
+  window.timeline().slider().setValue(frames);
+  REQUIRE(window.wait());
+  CHECK(hand.document().timeline->frame == frames - 1);
+  CHECK(hand.view().actors().box()[1].z() - high.z() > 1);  // it is formed
+  window.timeline().play(true);
+  const int before = window.timeline().slider().value();
+  QTest::qWait(600);
+  window.timeline().play(false);
+  REQUIRE(window.wait());
+  CHECK(window.timeline().slider().value() != before);
+
+  window.timeline().slider().setValue(11);
+  REQUIRE(window.wait());
+  window.tree().choose_region("left edge");
+  REQUIRE(hand.view().gizmo().shown());
+  hand.drag(hand.view().gizmo().on_part(2), {0, -40});
+  REQUIRE(window.wait(120));
+  CHECK(hand.document().timeline->keyframes == std::vector<int>{20, 10});
+  const auto& handle = hand.document().handles[0];
+  CHECK(handle.shift.z() > 5);
+  INFO(window.messages().join("; ").toStdString());
+  CHECK(window.messages().isEmpty());
+  hand.picture("sequence");
+  hand.act(kUndo);
+  CHECK(hand.document().timeline->keyframes == std::vector<int>{20});
+}
