@@ -13,9 +13,14 @@
 #include <thread>
 
 #include "batten/apps/commands/documents/document_worker.h"
+#include "batten/apps/commands/meshes/edit_session.h"
+#include "batten/apps/commands/meshes/mesh_source.h"
 #include "batten/apps/studio/view/shape_view.h"
 #include "batten/benchmarks/bench.h"
+#include "batten/io/scene/deform_scene.h"
 #include "batten/io/scene/scene_text.h"
+#include "batten/sculpting/session/session.h"
+#include "batten/tests/mesh_models.h"
 
 using namespace batten;
 using namespace batten::studio;
@@ -32,16 +37,59 @@ std::filesystem::path panel(const std::filesystem::path& folder, double edge) {
   return file;
 }
 
-double value_at(int move) { return 2 + std::sin(0.3 * move); }
+/// The panel of `deform` as an OBJ file, with a scene that lifts its patch.
+std::filesystem::path mesh_panel(const std::filesystem::path& folder, int vertices) {
+  const batten_test::MeshModel model = batten_test::holed_panel(vertices);
+  write_mesh(folder / "panel.obj", model.shells);
+  const auto nodes = [](const std::vector<int>& of) {
+    std::string list;
+    for (const int v : of) list += (list.empty() ? "" : ", ") + std::to_string(v + 1);
+    return "nodes = [" + list + "]\n";
+  };
+  const auto file = folder / "edit.toml";
+  std::ofstream(file) << "unit = \"mm\"\nmesh = \"panel.obj\"\n"
+                      << "[[select]]\nname = \"strips\"\n"
+                      << nodes(model.fixed) << "[[select]]\nname = \"patch\"\n"
+                      << nodes(model.handle)
+                      << "[[features]]\nof = [\"hole-*\"]\n[[edit]]\nname = \"lift\"\nfixed = "
+                         "\"strips\"\n[[edit.handle]]\nname = \"patch\"\ntranslate = [0, 0, 30]\n"
+                         "rotate = { axis = [1, 2, 0.5], degrees = 20 }\n";
+  return file;
+}
+
+/// What is moved, and to where.
+struct Slider {
+  std::string name;
+  double at(int move) const { return middle + size * std::sin(0.3 * move); }
+  double middle = 2, size = 1;
+};
+const Slider kSwell{"swell"}, kLift{"lift.patch.z", 40, 15};
 
 struct Times {
   int triangles = 0;
-  double bare_ms = 0;    // an answer and its frame of a session alone
   double answer_ms = 0;  // the same on the worker, from its post to its frame
   double draw_ms = 0;    // taking the frame and drawing it
   long most_behind = 0;  // answers between the newest and the one that is drawn, when it is taken
   double frames = 0;     // pictures a second while a hand drags as fast as it can
 };
+
+// An edit as `deform` measures it: all positions, no frame.
+double bare_edits(const std::filesystem::path& file) {
+  const DeformScene scene = read_deform_scene(file);
+  const MeshSource source = read_source(scene.mesh);
+  VertexSelector select(scene, source.file, source.prepared.mesh);
+  const AttachedNodes attached(source.file, source.prepared.mesh, scene.following);
+  const Kept kept = gather(scene, select, attached, source.prepared.mesh);
+  Task task = task_of(scene, scene.edits[0], kept, select, source.prepared.mesh);
+  FormFeatureDeformer deformer(source.prepared.mesh, task.problem);
+  std::vector<double> times;
+  for (int i = 0; i < kMoves; ++i)
+    times.push_back(bench::clock_of([&] {
+      task.edit.handles[0].shift.z() = kLift.at(i);
+      deformer.deform(task.edit);
+    }));
+  return 1e3 * bench::median(times);
+}
 
 // The bare session, as `drag` measures it.
 double bare_answers(const std::filesystem::path& file) {
@@ -53,7 +101,7 @@ double bare_answers(const std::filesystem::path& file) {
   std::vector<double> times;
   for (int i = 0; i < kMoves; ++i)
     times.push_back(bench::clock_of([&] {
-      session.set("swell", value_at(i));
+      session.set(kSwell.name, kSwell.at(i));
       session.answer();
       session.draw(frame);
     }));
@@ -62,8 +110,10 @@ double bare_answers(const std::filesystem::path& file) {
 
 class Drag {
  public:
-  explicit Drag(const std::filesystem::path& file)
-      : worker_([] {}), view_(nullptr, {[](DocumentCommand) {}, {}, {}, [](const QString&) {}}) {
+  Drag(const std::filesystem::path& file, Slider slider)
+      : slider_(std::move(slider)),
+        worker_([] {}),
+        view_(nullptr, {[](DocumentCommand) {}, {}, {}, [](const QString&) {}}) {
     view_.resize(1000, 700);
     view_.show();
     QApplication::processEvents();
@@ -84,7 +134,8 @@ class Drag {
     for (int i = 0; i < kMoves; ++i) {
       DocumentWorker::News news;
       answers.push_back(bench::clock_of([&] {
-        worker_.post({.verb = DocumentCommand::Verb::Slide, .key = "swell", .value = value_at(i)});
+        worker_.post(
+            {.verb = DocumentCommand::Verb::Slide, .key = slider_.name, .value = slider_.at(i)});
         for (news = worker_.take_news(); !news.frame; news = worker_.take_news())
           std::this_thread::sleep_for(std::chrono::microseconds(50));
       }));
@@ -102,7 +153,8 @@ class Drag {
     int pictures = 0;
     long drawn = 0;
     for (int i = 0; clock.elapsed() < 3000; ++i) {
-      worker_.post({.verb = DocumentCommand::Verb::Slide, .key = "swell", .value = value_at(i)});
+      worker_.post(
+          {.verb = DocumentCommand::Verb::Slide, .key = slider_.name, .value = slider_.at(i)});
       const auto news = worker_.take_news();
       if (!news.frame) continue;
       // Frames that were made meanwhile and are passed over are not behind: the newest is drawn.
@@ -129,6 +181,7 @@ class Drag {
       QApplication::processEvents();
     });
   }
+  Slider slider_;
   DocumentWorker worker_;
   ShapeView view_;
 };
@@ -141,24 +194,31 @@ int main(int argc, char** argv) {
   const auto folder = std::filesystem::temp_directory_path() / "batten_bench_studio";
   std::filesystem::create_directories(folder);
   bench::Table table;
-  table.add({"triangles", "bare answer ms", "answer ms", "draw ms", "pictures/s", "behind"});
+  table.add({"", "triangles", "bare answer ms", "answer ms", "draw ms", "pictures/s", "behind"});
   bench::Promises promises;
+  const auto measure = [&](const std::string& name, double bare, const std::filesystem::path& file,
+                           const Slider& slider) {
+    Drag drag(file, slider);
+    drag.one_by_one();
+    drag.at_once();
+    const Times& t = drag.times;
+    table.add({name, std::to_string(t.triangles), bench::text("%.2f", bare),
+               bench::text("%.2f", t.answer_ms), bench::text("%.2f", t.draw_ms),
+               bench::text("%.1f", t.frames), std::to_string(t.most_behind)});
+    promises.at_most("answer over bare, " + name, t.answer_ms / bare, 1.1);
+    promises.at_most("answers behind, " + name, static_cast<double>(t.most_behind), 1);
+  };
   for (const auto& [name, edge] :
        {std::pair("5k", 7.44), std::pair("20k", 3.72), std::pair("100k", 1.665)}) {
     if (argc > 1 && std::string(argv[1]) != name) continue;
     const auto file = panel(folder, edge);
-    const double bare = bare_answers(file);
-    Drag drag(file);
-    drag.one_by_one();
-    drag.at_once();
-    Times& t = drag.times;
-    t.bare_ms = bare;
-    table.add({std::to_string(t.triangles), bench::text("%.2f", t.bare_ms),
-               bench::text("%.2f", t.answer_ms), bench::text("%.2f", t.draw_ms),
-               bench::text("%.1f", t.frames), std::to_string(t.most_behind)});
-    promises.at_most(std::string("answer over bare session, ") + name, t.answer_ms / t.bare_ms,
-                     1.1);
-    promises.at_most(std::string("answers behind, ") + name, static_cast<double>(t.most_behind), 1);
+    measure(name, bare_answers(file), file, kSwell);
+  }
+  for (const auto& [name, vertices] :
+       {std::pair("mesh 14k", 14000), std::pair("mesh 100k", 100000)}) {
+    if (argc > 1 && std::string(argv[1]) != name) continue;
+    const auto file = mesh_panel(folder, vertices);
+    measure(name, bare_edits(file), file, kLift);
   }
   std::filesystem::remove_all(folder);
   table.print();

@@ -36,7 +36,7 @@ TEST_CASE("a sequence is scrubbed, played, and bent in one frame by hand", "[stu
   REQUIRE(hand.view().gizmo().shown());
   hand.drag(hand.view().gizmo().on_part(2), {0, -40});
   REQUIRE(window.wait(120));
-  CHECK(hand.document().timeline->keyframes == std::vector<int>{20, 10});
+  CHECK(hand.document().timeline->keyframes == std::vector<int>{10, 20});
   const auto& handle = hand.document().handles[0];
   CHECK(handle.shift.z() > 5);
   INFO(window.messages().join("; ").toStdString());

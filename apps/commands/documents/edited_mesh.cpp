@@ -196,8 +196,12 @@ double EditedMesh::value(const std::string& parameter) const {
 }
 
 bool EditedMesh::answer() {
-  go_to_numbers([](EditSession& last) { last.answer(); });
-  return true;
+  bool rests = true;
+  go_to_numbers([&](EditSession& last) {
+    last.answer();
+    rests = last.rests();
+  });
+  return rests;
 }
 
 void EditedMesh::settle() {

@@ -146,7 +146,9 @@ void EditedSequence::Made::show() {
       one.points.insert(one.points.end(), points_of[node].begin(), points_of[node].end());
     for (const int p : one.points)
       if (role != Role::Free) seen->roles[p] = role;
-    seen->parts.push_back(std::move(one));
+    if (std::none_of(seen->parts.begin(), seen->parts.end(),
+                     [&](const Part& other) { return other.name == name; }))
+      seen->parts.push_back(std::move(one));
   };
   for (const SelectRule& rule : scene.selections)
     part(rule.name, select.of({rule.name, rule.place}), Role::Free);
@@ -194,6 +196,7 @@ void EditedSequence::look_at(DocumentView& view) const {
   if (!scene_.steps.empty()) keys = std::get_if<SequenceStep::Keyframes>(&scene_.steps.back().what);
   for (size_t k = 0; keys && k < keys->keys.size(); ++k)
     timeline.keyframes.push_back(keys->keys[k].frame - 1);
+  std::sort(timeline.keyframes.begin(), timeline.keyframes.end());
   for (const auto& foot : made_->feet)
     for (const Handle& h : made_->parts.handles)
       if (h.name == foot.handle)

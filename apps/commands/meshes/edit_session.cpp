@@ -10,6 +10,7 @@ namespace batten {
 namespace {
 
 using Clock = std::chrono::steady_clock;
+constexpr double kSettled = 0.05;  // degrees
 
 /// Coordinates that change by roundings only are as they were, so that their text stays.
 Points unmoved_as_before(const Points& before, const Points& after) {
@@ -85,14 +86,20 @@ void EditSession::set(const EditRule& rule) {
 const Points& EditSession::answer() {
   naming([&] {
     DeformReport::Edit none;
-    const auto estimate = turns_.estimate(rule_, task_, none);
-    shape_ = estimate ? deformer_->deform(task_.edit, *estimate) : deformer_->deform(task_.edit);
+    rests_ = true;
+    const bool leans = rule_.turn == EditRule::Turn::Found && kept_.attached->connections().empty();
+    if (live_ && leans)
+      rests_ = turns_.lean_on(rule_, task_, kept_.features.size(), shape_, *live_) < kSettled;
+    else
+      live_ = turns_.estimate(rule_, task_, none);
+    shape_ = live_ ? deformer_->deform(task_.edit, *live_) : deformer_->deform(task_.edit);
   });
   return shape_;
 }
 
 const Points& EditSession::settle(DeformReport::Edit& report) {
   report.name = rule_.name;
+  live_.reset();
   naming([&] {
     auto start = Clock::now();
     std::optional<ShapeEstimate> estimate = turns_.estimate(rule_, task_, report);
@@ -123,12 +130,11 @@ const Points& EditSession::settle(DeformReport::Edit& report) {
 void EditSession::settle_turns(std::optional<ShapeEstimate>& estimate, DeformReport::Edit& report) {
   estimate ? deformer_->deform(task_.edit, *estimate) : deformer_->deform(task_.edit);
   constexpr int most_rounds = 20;
-  constexpr double settled = 0.05;  // degrees
   if (estimate && rule_.turn == EditRule::Turn::Found) {
     report.found = false;
     for (report.rounds = 1; report.rounds < most_rounds && !report.found; ++report.rounds) {
       report.found = turns_.lean_on(rule_, task_, kept_.features.size(), deformer_->positions(),
-                                    *estimate) < settled;
+                                    *estimate) < kSettled;
       deformer_->deform(task_.edit, *estimate);
     }
   }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,8 +15,9 @@ namespace batten {
 
 /// One [[edit]] on the shape that the edit before left. Factors are made once; after that
 ///
-///     answer()   two pairs of triangular solves and a mesh's length of work: how the sheet turns is
-///                found in one round
+///     answer()   a pair of triangular solves and a mesh's length of work: features turn as the sheet
+///                beside them did in the answer before. Answers to the same numbers settle in a few;
+///                `rests()` says when
 ///     settle()   the rounds until that rests, and the correction of roundings: what `batten deform`
 ///                gives
 ///
@@ -34,6 +36,8 @@ class EditSession {
 
   /// The shape in a drag. Throws as settle() does; the shape then stays.
   const Points& answer();
+  /// Whether features turned by less than 0.05 degrees in the last answer.
+  bool rests() const { return rests_; }
   /// The shape at rest: all vertices, with what hangs on them. `report` gets what it took. Throws
   /// InputError, ConflictError, NoSolutionError; the shape then stays.
   const Points& settle(DeformReport::Edit& report);
@@ -63,6 +67,8 @@ class EditSession {
   bool centres_kept_ = false;  // rows of deformer_ hold the features' centres
   Points shape_;
   double set_up_s_ = 0;
+  std::optional<ShapeEstimate> live_;  // of the last answer
+  bool rests_ = true;
 };
 
 }  // namespace batten

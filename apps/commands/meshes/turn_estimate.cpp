@@ -8,6 +8,7 @@
 #include "batten/core/each_once.h"
 #include "batten/core/groups.h"
 #include "batten/core/index.h"
+#include "batten/core/parallel.h"
 #include "batten/core/rotations.h"
 #include "batten/mesh/regions/dual_laplacian_deformer.h"
 #include "batten/mesh/regions/nonlinear_deformer.h"
@@ -82,31 +83,37 @@ std::vector<int> turning_groups(const DeformProblem& problem, int vertices) {
   return group;
 }
 
+}  // namespace
+
+/// How features turn in a shape: the mean of the rotations of faces, those of their own vertices or those
+/// beside them. Which faces these are is found once.
 class FeatureTurns {
  public:
-  /// Which faces tell how a feature turns: those of its own vertices, or those beside it.
   enum class Faces { Own, Beside };
-  FeatureTurns(const Task& task, const TriangleMesh& mesh, const std::vector<char>& known,
-               const Points& positions, Faces faces)
-      : problem_(task.problem),
-        edit_(task.edit),
-        mesh_(mesh),
-        known_(known),
-        positions_(positions),
-        faces_(faces),
-        group_(turning_groups(problem_, mesh.vertex_count())) {}
+  FeatureTurns(const DeformProblem& problem, const TriangleMesh& mesh,
+               const std::vector<char>& known, Faces faces)
+      : mesh_(mesh), group_(turning_groups(problem, mesh.vertex_count())) {
+    triangles_.resize(problem.features.size());
+    for (size_t f = 0; f < problem.features.size(); ++f)
+      gather_faces(problem.features[f], known, faces, triangles_[group_[f]]);
+    find_held(problem);
+  }
 
-  std::vector<std::optional<Mat3>> found() const {
-    const auto count = problem_.features.size();
-    std::vector<std::vector<Mat3>> rotations(count);
-    std::vector<std::vector<double>> areas(count);
-    for (size_t f = 0; f < count; ++f) gather_faces(f, rotations[group_[f]], areas[group_[f]]);
-    std::vector<std::optional<Mat3>> turns(count);
-    for (size_t f = 0; f < count; ++f) {
-      const auto g = static_cast<size_t>(group_[f]);
-      if (!rotations[g].empty()) turns[f] = mean_rotation(rotations[g], areas[g]);
-    }
-    hold(turns);
+  std::vector<std::optional<Mat3>> found(const DeformEdit& edit, const Points& positions) const {
+    std::vector<std::optional<Mat3>> of_group(triangles_.size()), turns(group_.size());
+    parallel_parts(count_of(triangles_), [&](int g) {
+      std::vector<Mat3> rotations;
+      std::vector<double> areas;
+      for (const int t : triangles_[g]) {
+        rotations.push_back(rotation_of_face(mesh_.triangles()[t], mesh_.points(), positions));
+        areas.push_back(mesh_.area_vector(t).norm());
+      }
+      if (!rotations.empty()) of_group[g] = mean_rotation(rotations, areas);
+    });
+    for (size_t f = 0; f < group_.size(); ++f) turns[f] = of_group[group_[f]];
+    for (const auto& [feature, handle] : held_)
+      set(turns, feature,
+          handle >= 0 ? rotation_matrix(edit.handles[handle].turn) : Mat3(Mat3::Identity()));
     return turns;
   }
 
@@ -117,10 +124,10 @@ class FeatureTurns {
 
  private:
   /// Triangles of a feature's vertices, and of the ring around it. O(feature): there may be many.
-  std::vector<int> triangles_near(const std::vector<int>& own) const {
+  std::vector<int> triangles_near(const std::vector<int>& own, Faces faces) const {
     const MeshTopology& topology = mesh_.topology();
     std::vector<int> vertices = own, triangles;
-    for (size_t i = 0; i < own.size() && faces_ == Faces::Beside; ++i) {
+    for (size_t i = 0; i < own.size() && faces == Faces::Beside; ++i) {
       const auto ring = topology.neighbours(own[i]);
       vertices.insert(vertices.end(), ring.begin(), ring.end());
     }
@@ -131,51 +138,50 @@ class FeatureTurns {
     return each_once(std::move(triangles));
   }
 
-  void gather_faces(size_t f, std::vector<Mat3>& rotations, std::vector<double>& areas) const {
+  void gather_faces(const FormFeature& feature, const std::vector<char>& known, Faces faces,
+                    std::vector<int>& triangles) const {
     const MeshTopology& topology = mesh_.topology();
-    const std::vector<int> own = topology.whole_nodes(problem_.features[f].vertices);
-    const bool beside = faces_ == Faces::Beside;
-    for (const int t : triangles_near(own)) {
+    const std::vector<int> own = topology.whole_nodes(feature.vertices);
+    for (const int t : triangles_near(own, faces)) {
       const auto& corners = topology.triangles()[t];
       const auto all = [&](const auto& condition) {
         return std::all_of(corners.begin(), corners.end(), condition);
       };
-      if (!all([&](int v) { return known_[v] != 0; })) continue;
-      if (beside && all([&](int v) { return std::binary_search(own.begin(), own.end(), v); }))
+      if (!all([&](int v) { return known[v] != 0; })) continue;
+      if (faces == Faces::Beside &&
+          all([&](int v) { return std::binary_search(own.begin(), own.end(), v); }))
         continue;
-      rotations.push_back(rotation_of_face(corners, mesh_.points(), positions_));
-      areas.push_back(mesh_.area_vector(t).norm());
+      triangles.push_back(t);
     }
   }
 
   /// What is held turns as it is told, with all that turns as it does.
-  void hold(std::vector<std::optional<Mat3>>& turns) const {
+  void find_held(const DeformProblem& problem) {
     std::vector<int> handle(mesh_.vertex_count(), -1);
     std::vector<char> fixed(mesh_.vertex_count(), 0);
-    for (const int v : held_of(problem_, mesh_)) fixed[v] = 1;
-    for (int h = 0; h < count_of(problem_.handles); ++h)
-      for (const int v : problem_.handles[h].vertices) handle[v] = h;
-    for (size_t f = 0; f < turns.size(); ++f) {
-      const FormFeature& feature = problem_.features[f];
-      std::optional<Mat3> told;
+    for (const int v : held_of(problem, mesh_)) fixed[v] = 1;
+    for (int h = 0; h < count_of(problem.handles); ++h)
+      for (const int v : problem.handles[h].vertices) handle[v] = h;
+    for (size_t f = 0; f < problem.features.size(); ++f) {
+      const FormFeature& feature = problem.features[f];
+      std::optional<int> told;
       for (const int v : feature.vertices)
         if (handle[v] >= 0)
-          told = rotation_matrix(edit_.handles[handle[v]].turn);
+          told = handle[v];
         else if (fixed[v])
-          told = Mat3::Identity();
-      if (feature.kind == FormFeature::Kind::KeepsDirection) told = Mat3::Identity();
-      if (told) set(turns, f, *told);
+          told = -1;
+      if (feature.kind == FormFeature::Kind::KeepsDirection) told = -1;
+      if (told) held_.emplace_back(f, *told);
     }
   }
 
-  const DeformProblem& problem_;
-  const DeformEdit& edit_;
   const TriangleMesh& mesh_;
-  const std::vector<char>& known_;
-  const Points& positions_;
-  Faces faces_;
   std::vector<int> group_;
+  std::vector<std::vector<int>> triangles_;   // of each group
+  std::vector<std::pair<size_t, int>> held_;  // features, and the handle that turns them, -1: none
 };
+
+namespace {
 
 /// The same edit without features, but for connections between parts.
 Task without_features(const Task& task, const TriangleMesh& mesh) {
@@ -212,6 +218,7 @@ std::unique_ptr<DeformEstimate> deformer_of(Turn turn, const PreparedMesh& prepa
 
 TurnFinder::TurnFinder(const PreparedMesh& prepared, const TriangleMesh& mesh)
     : prepared_(prepared), mesh_(mesh) {}
+TurnFinder::~TurnFinder() = default;
 
 ShapeEstimate TurnFinder::featureless(const Task& task) {
   if (!plain_) {
@@ -245,20 +252,24 @@ std::optional<ShapeEstimate> TurnFinder::estimate(const EditRule& rule, const Ta
     edit.rounds = in_rounds_->report().rounds;
     edit.found = in_rounds_->report().converged;
   }
-  const FeatureTurns turns(task, mesh_, estimate.known, estimate.positions,
-                           FeatureTurns::Faces::Own);
-  estimate.feature_turns = turns.found();
-  set_told(rule, task, turns, estimate.feature_turns);
+  if (!own_ || own_finds_ != finds)  // they know other vertices
+    own_ = std::make_unique<FeatureTurns>(problem, mesh_, estimate.known, FeatureTurns::Faces::Own);
+  own_finds_ = finds;
+  estimate.feature_turns = own_->found(task.edit, estimate.positions);
+  set_told(rule, task, *own_, estimate.feature_turns);
   return estimate;
 }
 
 double TurnFinder::lean_on(const EditRule& rule, const Task& task, size_t leaning,
-                           const Points& positions, ShapeEstimate& estimate) const {
-  const std::vector<char> held =
-      known_vertices(held_of(task.problem, mesh_), task.problem.handles, {}, mesh_);
-  const FeatureTurns turns(task, mesh_, held, positions, FeatureTurns::Faces::Beside);
-  auto found = turns.found();
-  set_told(rule, task, turns, found);
+                           const Points& positions, ShapeEstimate& estimate) {
+  if (!beside_) {
+    const DeformProblem& problem = task.problem;
+    const std::vector<char> held =
+        known_vertices(held_of(problem, mesh_), problem.handles, {}, mesh_);
+    beside_ = std::make_unique<FeatureTurns>(problem, mesh_, held, FeatureTurns::Faces::Beside);
+  }
+  auto found = beside_->found(task.edit, positions);
+  set_told(rule, task, *beside_, found);
   double largest = 0;
   for (size_t f = 0; f < leaning; ++f) {
     auto& turn = estimate.feature_turns[f];

@@ -13,6 +13,8 @@
 
 namespace batten {
 
+class FeatureTurns;
+
 /// Finds how the sheet turns in one edit. What it factors on the way is kept, so that other numbers of the
 /// same edit cost solves alone: one and a mesh's length of work for turns that are found, rounds for the
 /// dual and the nonlinear estimate.
@@ -20,6 +22,7 @@ class TurnFinder {
  public:
   /// `prepared` and `mesh`, the prepared one in the shape before the edit, must stay.
   TurnFinder(const PreparedMesh& prepared, const TriangleMesh& mesh);
+  ~TurnFinder();
 
   /// An estimate of the deformed shape, with a turn for each feature: the user's, otherwise the mean of
   /// its faces' rotations; features that share vertices or turn alike have one. None where the rule
@@ -33,7 +36,7 @@ class TurnFinder {
   /// have no faces beside them, or lie in parts that only connections hold (these would swing) stay.
   /// Returns the largest change, degrees: it settles in a few rounds.
   double lean_on(const EditRule& rule, const Task& task, size_t leaning, const Points& positions,
-                 ShapeEstimate& estimate) const;
+                 ShapeEstimate& estimate);
 
  private:
   ShapeEstimate featureless(const Task& task);
@@ -42,6 +45,8 @@ class TurnFinder {
   std::unique_ptr<FormFeatureDeformer> plain_;  // the edit without features
   std::unique_ptr<DeformEstimate> in_rounds_;
   std::vector<char> known_;  // vertices that plain_ knows
+  std::unique_ptr<FeatureTurns> own_, beside_;
+  bool own_finds_ = false;
 };
 
 }  // namespace batten

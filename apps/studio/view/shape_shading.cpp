@@ -169,27 +169,39 @@ vtkSmartPointer<vtkLookupTable> ShapeActors::table_of(const float* value, size_t
   }
 }
 
-// The mean over the edges at a point of the normal curvature along each: positive where the normal's
-// side is hollow.
+// Of each facet the shape operator that its normals' changes along its edges fit best (Rusinkiewicz
+// 2004); of a point the mean of its facets, by their areas. Positive where the normal's side is hollow.
 void ShapeActors::measure_curvature(float* value) const {
   const auto n = static_cast<size_t>(points_->GetNumberOfTuples());
   const float *x = points_->GetPointer(0), *normal = normals_->GetPointer(0);
-  std::vector<int> count(n, 0);
-  std::fill(value, value + n, 0.0F);
-  for (const auto& facet : pattern_->facets)
+  std::vector<double> sum(n, 0), weight(n, 0);
+  for (const auto& facet : pattern_->facets) {
+    const Vec3 first = triple(x, facet[1]) - triple(x, facet[0]);
+    const Vec3 area = first.cross(triple(x, facet[2]) - triple(x, facet[0]));
+    const double size = area.norm();
+    if (!(size > 0)) continue;
+    const Vec3 u = first.normalized(), v = area.cross(first).normalized();
+    Mat3 A = Mat3::Zero();  // of the operator's uu, uv and vv
+    Vec3 b = Vec3::Zero();
     for (size_t k = 0; k < 3; ++k) {
-      const int a = facet[k], b = facet[(k + 1) % 3];
-      const Vec3 along = triple(x, b) - triple(x, a);
-      const double length = along.squaredNorm();
-      if (length == 0) continue;
-      const double c = (triple(normal, a) - triple(normal, b)).dot(along) / length;
-      for (const int p : {a, b}) {
-        value[p] += static_cast<float>(c);
-        ++count[static_cast<size_t>(p)];
+      const Vec3 edge = triple(x, facet[(k + 1) % 3]) - triple(x, facet[k]);
+      const Vec3 turn = triple(normal, facet[(k + 1) % 3]) - triple(normal, facet[k]);
+      const double eu = edge.dot(u), ev = edge.dot(v);
+      const Vec3 rows[] = {{eu, ev, 0}, {0, eu, ev}};
+      const double right[] = {turn.dot(u), turn.dot(v)};
+      for (int i = 0; i < 2; ++i) {
+        A += rows[i] * rows[i].transpose();
+        b += right[i] * rows[i];
       }
     }
+    const Vec3 shape = A.ldlt().solve(b);
+    for (const int p : facet) {
+      sum[static_cast<size_t>(p)] -= 0.5 * size * (shape[0] + shape[2]);
+      weight[static_cast<size_t>(p)] += size;
+    }
+  }
   for (size_t i = 0; i < n; ++i)
-    if (count[i] > 0) value[i] /= static_cast<float>(count[i]);
+    value[i] = static_cast<float>(weight[i] > 0 ? sum[i] / weight[i] : 0);
 }
 
 // The largest strain of the facets at a point since the mesh was made, with its sign.

@@ -93,13 +93,14 @@ void MainWindow::make_panels() {
   messages_ = new QListWidget;
   messages_->setWordWrap(true);
   timeline_ = new TimelinePanel(this, [this](int frame) { worker_->show_frame(frame); });
-  frames_ = dock(this, kFrames, timeline_, Qt::BottomDockWidgetArea);
-  frames_->hide();
   dock(this, kModel, tree_, Qt::LeftDockWidgetArea);
   dock(this, kChosen, chosen_, Qt::LeftDockWidgetArea);
   dock(this, kSliders, sliders_, Qt::RightDockWidgetArea);
-  resizeDocks({dock(this, kMessages, messages_, Qt::BottomDockWidgetArea)}, {kMessageHeight},
-              Qt::Vertical);
+  frames_ = dock(this, kFrames, timeline_, Qt::BottomDockWidgetArea);
+  QDockWidget* below = dock(this, kMessages, messages_, Qt::BottomDockWidgetArea);
+  splitDockWidget(frames_, below, Qt::Vertical);
+  resizeDocks({below}, {kMessageHeight}, Qt::Vertical);
+  frames_->hide();
 }
 
 QAction* MainWindow::add(QMenu* menu, const char* what, const QKeySequence& key,
@@ -340,96 +341,6 @@ bool MainWindow::wait(double seconds) {
     if (timer.elapsed() > 1000 * seconds) return false;
   }
   return true;
-}
-
-// -- files ------------------------------------------------------------------------------------------
-
-void MainWindow::ask_open() {
-  if (!may_leave()) return;
-  const QString file = QFileDialog::getOpenFileName(this, text(kOpen), {}, text(kSceneFiles));
-  if (!file.isEmpty()) open(file.toStdString());
-}
-
-void MainWindow::save(bool as) {
-  if (!as && shown_->title != "untitled") return post({.verb = Verb::Save});
-  QString file = QFileDialog::getSaveFileName(this, text(kSaveAs), {}, text(kSavedFiles));
-  if (file.isEmpty()) return;
-  if (!file.endsWith(".toml")) file += ".toml";
-  note_recent(file);
-  post({.verb = Verb::Save, .file = file.toStdString()});
-}
-
-void MainWindow::ask_export() {
-  QString filter;
-  QString file = QFileDialog::getSaveFileName(this, text(kExport), {}, text(kExportFiles), &filter);
-  if (file.isEmpty()) return;
-  const int star = filter.indexOf("*.");
-  if (!file.contains('.') && star >= 0)
-    file += filter.mid(star + 1, filter.indexOf(')') - star - 1);
-  post({.verb = Verb::Export, .file = file.toStdString()});
-}
-
-void MainWindow::save_script() {
-  const QString name =
-      QFileDialog::getSaveFileName(this, text(kSaveScript), {}, text(kScriptFiles));
-  if (name.isEmpty()) return;
-  QFile file(name);
-  if (!file.open(QIODevice::WriteOnly)) {
-    messages_->addItem(name + ": " + file.errorString());
-    return;
-  }
-  for (const std::string& line : worker_->script()) file.write((line + "\n").c_str());
-}
-
-void MainWindow::remove_chosen() {
-  if (view_->remove_point()) return;
-  const ModelTree::Item item = tree_->current();
-  if (!item.table.kind.empty()) post({.verb = Verb::Remove, .table = item.table});
-}
-
-void MainWindow::note_recent(const QString& file) {
-  QStringList files = QSettings().value("recent").toStringList();
-  files.removeAll(file);
-  files.prepend(file);
-  while (files.size() > 10) files.removeLast();
-  QSettings().setValue("recent", files);
-  fill_recent();
-}
-
-void MainWindow::fill_recent() {
-  recent_->clear();
-  for (const QString& file : QSettings().value("recent").toStringList())
-    QObject::connect(recent_->addAction(file), &QAction::triggered, this, [this, file] {
-      if (may_leave()) open(file.toStdString());
-    });
-  recent_->setEnabled(!recent_->isEmpty());
-}
-
-bool MainWindow::may_leave() {
-  if (!shown_->changed) return true;
-  const auto answer = QMessageBox::question(
-      this, text(kProgram), text(kUnsaved).arg(QString::fromStdString(shown_->title)),
-      QMessageBox::Save | QMessageBox::Discard | QMessageBox::Cancel, QMessageBox::Save);
-  if (answer == QMessageBox::Cancel) return false;
-  if (answer == QMessageBox::Discard) return true;
-  save(false);
-  wait();
-  return !shown_->changed;
-}
-
-void MainWindow::closeEvent(QCloseEvent* event) {
-  if (!may_leave()) return event->ignore();
-  worker_->forget_changes();
-  event->accept();
-}
-
-void MainWindow::dragEnterEvent(QDragEnterEvent* event) {
-  if (event->mimeData()->hasUrls()) event->acceptProposedAction();
-}
-
-void MainWindow::dropEvent(QDropEvent* event) {
-  const QString file = event->mimeData()->urls().value(0).toLocalFile();
-  if (!file.isEmpty() && may_leave()) open(file.toStdString());
 }
 
 void MainWindow::set_dark(bool dark) {

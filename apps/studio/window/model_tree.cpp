@@ -157,10 +157,11 @@ void ModelTree::fill_mesh(const DocumentView& view) {
   auto* edits = group(view.timeline ? kSequenceSteps : kEdits, 0);
   for (const auto& table : view.tables) {
     const std::string& kind = table.name.kind;
-    if (!is_of_mesh(kind) || kind == "select") continue;
+    if (!is_of_mesh(kind) || kind == "select" || kind == "step.keyframe.handle") continue;
     const bool edit = kind.starts_with("edit") || kind.starts_with("step");
     QString name = shown(table.name.name);
     if (kind == "edit.handle") name = "    " + shown(plain(table, "name"));
+    if (kind == "step.keyframe") name = "    " + shown(plain(table, "frame"));
     if (kind == "features") name = shown(plain(table, "of"));
     add(edit ? edits : kept, name, shown(kind.substr(kind.find('.') + 1)),
         {Item::Kind::Table, table.name.name, table.name});

@@ -38,7 +38,8 @@ class SliderPanel : public QScrollArea {
   void span(Row& row, double value);
   std::function<void(DocumentCommand)> post_;
   std::vector<Row> rows_;
-  double size_ = 0;  // of the surface
+  double size_ = 0;
+  bool mesh_ = false;  // of the surface
   bool showing_ = false;
 };
 
