@@ -9,6 +9,7 @@
 
 #include "batten/apps/commands/documents/line_edits.h"
 #include "batten/apps/commands/documents/run_script.h"
+#include "batten/apps/studio/view/gizmo.h"
 #include "batten/apps/studio/view/texts.h"
 #include "batten/tests/studio/window_case.h"
 
@@ -312,4 +313,27 @@ TEST_CASE("a distance is measured, and a plane cuts the shape open", "[studio]")
   window.shading().setCurrentText(text(kShadings[static_cast<int>(Shading::Curvature)]));
   window.action(kSection)->setChecked(false);
   hand.picture("curvature");
+}
+
+TEST_CASE("a place of the surface is held, and moved by its arrows", "[studio]") {
+  WindowCase hand;
+  MainWindow& window = *hand.window;
+  window.post(line_command("rim", {{0, 0, 0}, {200, 0, 0}, {200, 100, 0}, {0, 100, 0}, {0, 0, 0}}));
+  REQUIRE(window.wait());
+  hand.act(kHold);
+  hand.click({100, 50, 0});
+  CHECK(window.tree().current().name == "pin 1");
+  REQUIRE(hand.view().gizmo().shown());
+  const int point = hand.view().actors().point_near({100, 50, 0});
+  const double before = hand.view().actors().point(point).z();
+  hand.drag(hand.view().gizmo().on_part(2), {0, -50});
+  const double lifted = hand.view().actors().point(point).z() - before;
+  CHECK(lifted > 5);
+  const auto& pin = hand.document().handles.front();
+  CHECK(std::abs(pin.centre.z() - lifted) < 0.05 * lifted);
+  INFO(window.messages().join("; ").toStdString());
+  CHECK(window.messages().isEmpty());
+  hand.picture("held");
+  hand.act(kRemove);
+  CHECK(std::abs(hand.view().actors().point(point).z() - before) < 1e-3);
 }

@@ -4,6 +4,7 @@
 #include <QVTKOpenGLNativeWidget.h>
 #include <QApplication>
 #include <QImage>
+#include <QPushButton>
 #include <QSurfaceFormat>
 #include <QtTest/QTest>
 

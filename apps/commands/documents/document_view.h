@@ -81,14 +81,15 @@ struct DocumentView {
   std::optional<NetworkReport> network;  ///< of a network: joins, choices, shells
   std::vector<FlawReport> flaws;
 
-  // Of a mesh:
+  // Of a mesh, and of a shape's constraints at points:
   std::shared_ptr<const MeshView> mesh;  ///< the same object as long as it says the same
   struct Handle {
     std::string name;            ///< EDIT.HANDLE: what its parameters begin with
     Vec3 centre = Vec3::Zero();  ///< where its centre is now
     Vec3 shift = Vec3::Zero(), turn = Vec3::Zero();  ///< turn: along its axis, degrees long
     bool moves = false;                              ///< it is of the last edit, or of a sequence
-    std::vector<Vec3> path = {};                     ///< its centre in all frames of a sequence
+    bool turns = true;            ///< a constraint has no turn, and its shift is where it is
+    std::vector<Vec3> path = {};  ///< its centre in all frames of a sequence
   };
   std::vector<Handle> handles;
 

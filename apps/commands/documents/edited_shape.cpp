@@ -221,6 +221,16 @@ void EditedShape::look_at(DocumentView& view) const {
   }
   for (const CharacterLine& line : lines_)
     view.lines.push_back({line.name, points_of(*line.curve)});
+  for (const SceneConstraint& pin : scene_.constraints)
+    if (session_ && pin.type == SceneConstraint::Type::Point) {
+      DocumentView::Handle handle{pin.name};
+      for (int i = 0; i < 3; ++i)
+        handle.centre[i] = session_->parameters().value(pin.name + "." + "xyz"[i]);
+      handle.shift = handle.centre;
+      handle.turns = false;
+      handle.moves = true;
+      view.handles.push_back(std::move(handle));
+    }
   if (!session_) return;
   const SculptingSession& session = *session_;
   const ModelLayout& layout = session.layout();

@@ -58,11 +58,11 @@ bool inside(const std::vector<Vec2>& polygon, const Vec2& p) {
 
 // The chosen handle's, or the first of the last edit.
 const DocumentView::Handle* ShapeView::shown_handle() const {
-  if (!view_ || tool_ != Tool::Select) return nullptr;
+  if (!view_ || (tool_ != Tool::Select && tool_ != Tool::Pin)) return nullptr;
   const DocumentView::Handle* first = nullptr;
   for (const auto& handle : view_->handles) {
     if (!handle.moves) continue;
-    if (!first) first = &handle;
+    if (!first && handle.turns) first = &handle;
     if (handle.name == chosen_ || handle.name.ends_with("." + chosen_)) return &handle;
   }
   return first;
@@ -72,7 +72,7 @@ void ShapeView::show_handle() {
   if (gizmo_->pressed()) return;
   constexpr double reach = 0.16;  // of the size
   if (const auto* handle = shown_handle())
-    gizmo_->show(handle->centre, reach * view_->size, true);
+    gizmo_->show(handle->centre, reach * view_->size, handle->turns);
   else
     gizmo_->hide();
 }
@@ -188,9 +188,11 @@ void ShapeView::finish_stroke() {
   awaited_ = painted_name_;
 }
 
-// What was painted is chosen as soon as the scene has it.
+// What was painted or pinned is chosen as soon as the scene has it.
 void ShapeView::choose_awaited() {
-  if (awaited_.empty() || !view_->table({"select", awaited_})) return;
+  if (awaited_.empty() ||
+      !(view_->table({"select", awaited_}) || view_->table({"constraint", awaited_})))
+    return;
   hooks_.chosen("", std::exchange(awaited_, ""));
 }
 

@@ -74,6 +74,22 @@ void ShapeView::end_push() {
   if (placed) hooks_.post({.verb = Verb::Settle});
 }
 
+// The place of the surface is held where it is now.
+void ShapeView::pin(const QPoint& at) {
+  const Vec3 window = display(at);
+  const std::optional<Vec3> p = actors_->surface_at(window.x(), window.y());
+  if (!p) return;
+  hooks_.ask_place(*p, [this](const DocumentPlace& place) {
+    awaited_ = view_->free_name("pin");
+    const double size = view_->size;
+    hooks_.post({.verb = Verb::Add,
+                 .table = {"constraint", ""},
+                 .text = "{ name = " + SceneText::word(awaited_) +
+                         ", type = \"point\", at = " + point_word(rounded_point(place.held, size)) +
+                         ", to = " + point_word(rounded_point(place.present, size)) + " }"});
+  });
+}
+
 // -- drawing ----------------------------------------------------------------------------------------
 
 std::optional<Vec3> ShapeView::snapped(const QPoint& at) const {

@@ -130,7 +130,8 @@ void ShapeView::set_tool(Tool tool) {
   painted_name_.clear();
   painted_.clear();
   const QCursor cursors[] = {Qt::ArrowCursor, Qt::PointingHandCursor, Qt::CrossCursor,
-                             Qt::CrossCursor, Qt::CrossCursor,        Qt::CrossCursor};
+                             Qt::CrossCursor, Qt::CrossCursor,        Qt::CrossCursor,
+                             Qt::CrossCursor};
   setCursor(cursors[static_cast<int>(tool)]);
   show_grid();
   show_handle();
@@ -138,6 +139,7 @@ void ShapeView::set_tool(Tool tool) {
   const bool mesh = view_ && view_->mesh;
   const char* const hints[] = {mesh ? kHintSelectMesh : kHintSelect,
                                kHintPush,
+                               kHintPin,
                                kHintDraw,
                                kHintPaint,
                                kHintLasso,

@@ -28,6 +28,7 @@ class Legend;
 enum class Tool {
   Select,  ///< a click chooses a line or region, a drag turns the view
   Push,   ///< a press on the surface is a point load along the normal: the surface follows the hand
+  Pin,    ///< a click on the surface holds it there; arrows then move the place
   Draw,   ///< clicks are points of a line; a double click or Enter ends it
   Paint,  ///< of a mesh: a brush that marks nodes, with Shift one that unmarks them
   Lasso,  ///< the same with a line around them
@@ -107,6 +108,7 @@ class ShapeView : public QVTKOpenGLNativeWidget {
   void start_push(const QPoint& at);
   void place_push(const DocumentPlace& place);
   void follow_push();
+  void pin(const QPoint& at);
   void end_push();
   void draw_point(const QPoint& at);
   void measure_point(const QPoint& at);

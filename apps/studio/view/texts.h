@@ -64,6 +64,9 @@ inline constexpr const char* kPush = QT_TRANSLATE_NOOP("studio", "Push");
 inline constexpr const char* kDraw = QT_TRANSLATE_NOOP("studio", "Draw a line");
 inline constexpr const char* kPaint = QT_TRANSLATE_NOOP("studio", "Paint");
 inline constexpr const char* kLasso = QT_TRANSLATE_NOOP("studio", "Lasso");
+inline constexpr const char* kHold = QT_TRANSLATE_NOOP("studio", "Hold");
+inline constexpr const char* kHintPin = QT_TRANSLATE_NOOP(
+    "studio", "Click on the surface: it is held there. Drag the arrows to move the place.");
 inline constexpr const char* kMeasure = QT_TRANSLATE_NOOP("studio", "Measure");
 inline constexpr const char* kHintMeasure = QT_TRANSLATE_NOOP(
     "studio", "Click two points: of the surface, ends of lines, or of the plane that you draw on.");

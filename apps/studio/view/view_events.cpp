@@ -170,6 +170,7 @@ void ShapeView::show_value(const QPoint& at) {
 void ShapeView::click(const QPoint& at) {
   if (tool_ == Tool::Draw) return draw_point(at);
   if (tool_ == Tool::Measure) return measure_point(at);
+  if (tool_ == Tool::Pin) return pin(at);
   const Vec3 p = display(at);
   const std::string line = actors_->line_at(p.x(), p.y());
   const std::string region = line.empty() ? actors_->region_at(p.x(), p.y()) : "";

@@ -84,7 +84,9 @@ void MainWindow::make_panels() {
   tree_ = new ModelTree(this, [this](const ModelTree::Item& item) {
     chosen_->take(shown_, item);
     using Kind = ModelTree::Item::Kind;
-    std::string name = item.kind == Kind::Table || item.kind == Kind::Choice ? "" : item.name;
+    const bool pin = item.table.kind == "constraint";
+    const bool nothing = (item.kind == Kind::Table && !pin) || item.kind == Kind::Choice;
+    std::string name = nothing ? "" : item.name;
     if (item.table.kind == "edit.handle") name = item.name.substr(item.name.rfind('.') + 1);
     view_->choose(name);
   });
@@ -180,6 +182,7 @@ void MainWindow::make_tools() {
   };
   tool(kSelect, "S", Tool::Select)->setChecked(true);
   tool(kPush, "P", Tool::Push);
+  tool(kHold, "H", Tool::Pin);
   tool(kDraw, "D", Tool::Draw);
   tool(kMeasure, "K", Tool::Measure);
   tool(kPaint, "B", Tool::Paint);
@@ -287,9 +290,9 @@ void MainWindow::show_stress(const StressView& stress) {
 // Shapes are pushed and drawn, meshes are painted.
 void MainWindow::show_tools() {
   const bool mesh = shown_->mesh != nullptr;
-  for (const char* what : {kPush, kDraw}) action(what)->setEnabled(!mesh);
+  for (const char* what : {kPush, kHold, kDraw}) action(what)->setEnabled(!mesh);
   for (const char* what : {kPaint, kLasso}) action(what)->setEnabled(mesh);
-  for (const char* what : {kPush, kDraw, kPaint, kLasso})
+  for (const char* what : {kPush, kHold, kDraw, kPaint, kLasso})
     if (action(what)->isChecked() && !action(what)->isEnabled()) action(kSelect)->trigger();
 }
 

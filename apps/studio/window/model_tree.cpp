@@ -212,6 +212,7 @@ void ModelTree::choose_region(const std::string& region) {
   const Item before = current();
   choose(Item::Kind::Region, region);
   if (current().name != region) choose(Item::Kind::Part, region);
+  if (current().name != region) choose(Item::Kind::Table, region);
   if (current().name == before.name && current().kind == before.kind) chosen_(current());
 }
 

@@ -24,7 +24,7 @@ class ModelTree : public QTreeWidget {
 
   void take(const DocumentView& view);
   void choose_line(const std::string& line);
-  void choose_region(const std::string& region);  ///< or a part of a mesh
+  void choose_region(const std::string& region);  ///< or a part of a mesh, or a table
   Item current() const;
 
  private:

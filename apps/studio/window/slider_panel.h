@@ -5,6 +5,7 @@
 #include <functional>
 #include <vector>
 
+#include "batten/apps/commands/documents/document_command.h"
 #include "batten/apps/commands/documents/document_view.h"
 
 class QDoubleSpinBox;
