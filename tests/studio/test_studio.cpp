@@ -337,3 +337,76 @@ TEST_CASE("a place of the surface is held, and moved by its arrows", "[studio]")
   hand.act(kRemove);
   CHECK(std::abs(hand.view().actors().point(point).z() - before) < 1e-3);
 }
+
+TEST_CASE("what a hand has begun is taken back before what it has done", "[studio]") {
+  WindowCase hand;
+  MainWindow& window = *hand.window;
+  window.post(line_command("rim", {{0, 0, 0}, {200, 0, 0}, {200, 100, 0}, {0, 100, 0}, {0, 0, 0}}));
+  REQUIRE(window.wait());
+  const std::string before = hand.document().text;
+  hand.act(kTop);
+  hand.act(kDraw);
+  hand.click({20, 20, 0});
+  hand.click({60, 40, 0});
+  hand.act(kUndo);  // a point of the line, not the rim
+  hand.act(kUndo);
+  CHECK(hand.document().text == before);
+  hand.act(kUndo);
+  CHECK(hand.document().lines.empty());
+  hand.act(kRedo);
+  CHECK(hand.document().text == before);
+
+  // Escape ends a push, and the load goes.
+  hand.act(kCorner);
+  hand.act(kPush);
+  const int point = hand.view().actors().point_near({100, 50, 0});
+  const QPoint at = hand.view().pixel_of({100, 50, 0});
+  QTest::mousePress(&hand.view(), Qt::LeftButton, {}, at);
+  REQUIRE(window.wait());
+  for (int i = 1; i < 10; ++i) hand.move(at - QPoint(0, 4 * i));
+  REQUIRE(window.wait());
+  CHECK(hand.view().actors().point(point).z() > 1);
+  hand.key(Qt::Key_Escape);
+  QTest::mouseRelease(&hand.view(), Qt::LeftButton, {}, at);
+  REQUIRE(window.wait());
+  CHECK(hand.document().text == before);
+  CHECK(std::abs(hand.view().actors().point(point).z()) < 1e-3);
+
+  // A file without lines leaves all as it is.
+  const auto folder = scratch("studio_note");
+  std::ofstream(folder / "note.txt") << "hello world\n";
+  window.open(folder / "note.txt");
+  REQUIRE(window.wait());
+  CHECK(window.messages().join("").contains("note.txt"));
+  CHECK(hand.document().text == before);
+}
+
+TEST_CASE("lines that meet at a point are moved together, with Shift one alone", "[studio]") {
+  WindowCase hand;
+  MainWindow& window = *hand.window;
+  const std::vector<Vec3> corners = {{0, 0, 0}, {200, 0, 0}, {200, 100, 0}, {0, 100, 0}};
+  for (int side = 0; side < 4; ++side)
+    window.post(line_command(
+        "side " + std::to_string(side + 1),
+        {corners[static_cast<size_t>(side)], corners[static_cast<size_t>((side + 1) % 4)]}));
+  REQUIRE(window.wait());
+  REQUIRE(hand.document().surface);
+  const std::string before = hand.document().text;
+  hand.act(kTop);
+  window.tree().choose_line("side 1");
+  hand.drag(corners[1], {40, 30});
+  CHECK(hand.document().surface);
+  const SceneText scene(hand.document().text);
+  CHECK(stated_points(scene, "side 1").back() == stated_points(scene, "side 2").front());
+  CHECK((stated_points(scene, "side 1").back() - corners[1]).norm() > 10);
+  CHECK(stated_points(scene, "side 1").back().z() == 0);
+  hand.act(kUndo);
+  CHECK(hand.document().text == before);
+  CHECK(window.messages().isEmpty());
+  // Delete takes the line when it was chosen after the point.
+  window.tree().choose_line("side 1");
+  hand.act(kRemove);
+  CHECK(hand.document().lines.size() == 3);
+  REQUIRE(window.messages().size() == 1);
+  CHECK(window.messages().front().contains("2 ends"));
+}

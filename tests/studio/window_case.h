@@ -101,6 +101,11 @@ class WindowCase {
     QTest::mouseRelease(&view(), Qt::LeftButton, keys, points.back());
     REQUIRE(window->wait());
   }
+  void move(const QPoint& at, Qt::KeyboardModifiers keys = {}) {
+    QMouseEvent event(QEvent::MouseMove, at, view().mapToGlobal(at), Qt::NoButton, Qt::LeftButton,
+                      keys);
+    QApplication::sendEvent(&view(), &event);
+  }
   void key(int key) {
     QTest::keyClick(&view(), static_cast<Qt::Key>(key));
     REQUIRE(window->wait());
@@ -116,13 +121,6 @@ class WindowCase {
   }
 
   std::unique_ptr<batten::studio::MainWindow> window;
-
- private:
-  void move(const QPoint& at, Qt::KeyboardModifiers keys = {}) {
-    QMouseEvent event(QEvent::MouseMove, at, view().mapToGlobal(at), Qt::NoButton, Qt::LeftButton,
-                      keys);
-    QApplication::sendEvent(&view(), &event);
-  }
 };
 
 }  // namespace batten_test

@@ -3,6 +3,7 @@
 #include "batten/apps/commands/documents/edited_mesh.h"
 #include "batten/apps/commands/documents/edited_sequence.h"
 #include "batten/apps/commands/documents/edited_shape.h"
+#include "batten/apps/commands/documents/line_edits.h"
 #include "batten/apps/commands/exchange/file_kinds.h"
 #include "batten/apps/commands/lines/line_files.h"
 #include "batten/io/files/input_file.h"
@@ -72,6 +73,7 @@ void Document::apply(const DocumentCommand& command, const Progress& progress) {
     case Verb::Set:
     case Verb::Erase:
     case Verb::Remove:
+    case Verb::Move:
       return edit(command, progress);
     case Verb::Slide:
       return slide(command.key, command.value, progress);
@@ -105,7 +107,6 @@ void Document::open(const std::filesystem::path& file, const Progress& progress)
     return start(SceneText(input_bytes(file, "a scene, a mesh or a file of lines"), file), file,
                  progress);
   start(scene_around(file), {}, progress);
-  saved_ = "";
 }
 
 // A document of its own first, so that this one stays when the file is no scene.
@@ -114,6 +115,9 @@ void Document::start(SceneText text, const std::filesystem::path& file, const Pr
   other.file_ = file;
   other.saved_ = text.text();
   other.become(std::move(text), progress);
+  const EditedShape* shape = other.shape();
+  const bool unread = shape && shape->lines().empty() && !other.content().problem().empty();
+  if (unread) throw InputError(other.content().problem());
   *this = std::move(other);
 }
 
@@ -124,6 +128,7 @@ void Document::edit(const DocumentCommand& command, const Progress& progress) {
   if (command.verb == Verb::Set) next.set(command.table, command.key, command.text);
   if (command.verb == Verb::Erase) next.erase(command.table, command.key);
   if (command.verb == Verb::Remove) next.remove(command.table);
+  if (command.verb == Verb::Move) next = with_moved_point(std::move(next), command.text);
   change(std::move(next), progress);
 }
 

@@ -19,6 +19,8 @@ namespace batten {
 ///     set KIND NAME KEY VALUE      a key of a table; `-` for no name, `- -` for the top
 ///     erase KIND NAME KEY          removes a key
 ///     remove KIND NAME             removes a table
+///     move [[x, y, z], [x, y, z]]  a point from one place to another, of all lines that have it in
+///                                  their points, so that they stay together
 ///     slide PARAMETER VALUE        moves a slider; the shape follows by `answer` or `settle`
 ///     answer                       a quick answer, as in a drag
 ///     settle                       the shape at rest; ends a drag, which is one step to undo
@@ -38,6 +40,7 @@ struct DocumentCommand {
     Set,
     Erase,
     Remove,
+    Move,
     Slide,
     Answer,
     Settle,
@@ -50,13 +53,14 @@ struct DocumentCommand {
   Verb verb = Verb::Settle;
   SceneTable table = {};            ///< Add (its kind), Set, Erase, Remove
   std::string key = {};             ///< Set, Erase; Slide: the parameter; New: the unit
-  std::string text = {};            ///< Add: the table in braces; Set: the value
+  std::string text = {};            ///< Add: the table in braces; Set: the value; Move: both places
   double value = 0;                 ///< Slide
   std::filesystem::path file = {};  ///< Open, Recover, Save, Run, Export
 
   /// Whether it changes the scene's text, and so can be undone.
   bool edits() const {
-    return verb == Verb::Add || verb == Verb::Set || verb == Verb::Erase || verb == Verb::Remove;
+    return verb == Verb::Add || verb == Verb::Set || verb == Verb::Erase || verb == Verb::Remove ||
+           verb == Verb::Move;
   }
 };
 

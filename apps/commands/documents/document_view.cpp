@@ -36,6 +36,8 @@ std::string DocumentView::free_name(const std::string& beginning) const {
 DocumentView view_of(const Document& document) {
   DocumentView view;
   view.title = document.file().empty() ? "untitled" : document.file().filename().string();
+  if (!document.file().empty())
+    view.folder = std::filesystem::absolute(document.file()).parent_path().filename().string();
   view.text = document.text().text();
   view.changed = document.changed();
   view.can_undo = document.can_undo();

@@ -31,6 +31,7 @@ struct MeshView {
   };
   std::vector<Part> parts;
   std::vector<Role> roles;   ///< of each display point
+  std::vector<float> rest;   ///< of each display point, x, y, z: the mesh as it was read
   std::vector<long> labels;  ///< the number in the mesh file of each display point's node
 };
 
@@ -47,7 +48,8 @@ struct StressView {
 
 /// A document at one moment. Points of the surface are in frames (sculpting/session/frame.h).
 struct DocumentView {
-  std::string title;  ///< the file's name, "untitled" before the first save
+  std::string title;   ///< the file's name, "untitled" before the first save
+  std::string folder;  ///< the name of its folder; "" before the first save
   std::string unit, text;
   bool changed = false, can_undo = false, can_redo = false;
   std::string problem;  ///< why there is no surface, ""

@@ -92,6 +92,7 @@ DocumentWorker::News DocumentWorker::take_news() {
     news.stress = std::move(stress_);
     stress_ = nullptr;
     news.messages.swap(messages_);
+    news.written.swap(written_);
     answers.swap(answers_);
     news.busy = busy_ || !tasks_.empty();
     news.stage = stage_;
@@ -210,6 +211,9 @@ void DocumentWorker::do_command(const DocumentCommand& command) {
   }
   const std::lock_guard lock(mutex_);
   script_.push_back(script_line(command));
+  if (command.verb == Verb::Save || command.verb == Verb::Export || command.verb == Verb::Run)
+    written_.push_back(command);
+  if (command.verb == Verb::Open || command.verb == Verb::New) answer_ms_ = 0;
 }
 
 void DocumentWorker::answer_question(const std::shared_ptr<Question>& question) {

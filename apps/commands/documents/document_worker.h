@@ -58,6 +58,7 @@ class DocumentWorker {
     const Frame* frame = nullptr;  ///< null: as before; valid until the next take_news()
     std::shared_ptr<const StressView> stress;  ///< null: as before
     std::vector<Message> messages;
+    std::vector<DocumentCommand> written;  ///< saves, exports and runs that were done
     bool busy = false;
     std::string stage;  ///< of what is being done
     double fraction = 0;
@@ -101,6 +102,7 @@ class DocumentWorker {
   std::shared_ptr<const DocumentView> view_;
   std::shared_ptr<const StressView> stress_;
   std::vector<Message> messages_;
+  std::vector<DocumentCommand> written_;
   std::vector<std::function<void()>> answers_;
   std::vector<std::string> script_;
   std::string stage_, kept_;

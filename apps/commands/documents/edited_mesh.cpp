@@ -301,6 +301,8 @@ void EditedMesh::Made::show() {
     points_of[node].push_back(p);
     seen->labels.push_back(source->file.node_label(node));
   }
+  for (const int v : vertices)
+    for (const double x : mesh().point(v)) seen->rest.push_back(static_cast<float>(x));
   const auto points = [&](const std::vector<int>& nodes) {
     std::vector<int> all;
     for (const int v : nodes) {

@@ -140,6 +140,8 @@ void EditedSequence::Made::show() {
     seen->labels.push_back(node + 1);
   }
   seen->roles.assign(of.size(), Role::Free);
+  for (const int v : of)
+    for (const double x : input->mesh.point(v)) seen->rest.push_back(static_cast<float>(x));
   const auto part = [&](const std::string& name, const std::vector<int>& nodes, Role role) {
     Part one{Part::Kind::Selection, name, "", 0, {}};
     for (const int node : nodes)

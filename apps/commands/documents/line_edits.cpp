@@ -17,18 +17,8 @@ std::string list_of(const std::vector<Vec3>& points) {
   return "[" + list + "]";
 }
 
-}  // namespace
-
-std::string stated_line(const SceneText& scene, const std::string& name) {
-  if (scene.has({"line", name})) return name;
-  const std::string whole = name.substr(0, std::min(name.size(), name.rfind('.')));
-  return scene.has({"line", whole}) ? whole : "";
-}
-
-std::vector<Vec3> stated_points(const SceneText& scene, const std::string& line) {
-  const SceneTable table{"line", line};
-  if (!scene.has(table)) return {};
-  const std::string value = scene.value(table, "points");
+/// The points of a list as TOML writes it; none of anything else.
+std::vector<Vec3> points_in(const std::string& value) {
   if (value.empty()) return {};
   const toml::table root = parse_toml("points = " + value, {}, "points");
   const toml::array* list = root["points"].as_array();
@@ -41,6 +31,46 @@ std::vector<Vec3> stated_points(const SceneText& scene, const std::string& line)
     points.push_back(p);
   }
   return points;
+}
+
+}  // namespace
+
+std::string stated_line(const SceneText& scene, const std::string& name) {
+  if (scene.has({"line", name})) return name;
+  const std::string whole = name.substr(0, std::min(name.size(), name.rfind('.')));
+  return scene.has({"line", whole}) ? whole : "";
+}
+
+DocumentCommand move_command(const Vec3& from, const Vec3& to) {
+  return {.verb = Verb::Move, .text = list_of({from, to})};
+}
+
+SceneText with_moved_point(SceneText scene, const std::string& places) {
+  const std::vector<Vec3> way = points_in(places);
+  if (way.size() != 2)
+    throw InputError("found '" + places + "', expected two places, [[x, y, z], [x, y, z]]");
+  bool any = false;
+  const std::vector<SceneTable> tables = scene.tables();
+  for (const SceneTable& table : tables) {
+    if (table.kind != "line") continue;
+    std::vector<Vec3> points = stated_points(scene, table.name);
+    bool has = false;
+    for (Vec3& p : points)
+      if (p == way[0]) {
+        p = way[1];
+        has = true;
+      }
+    if (has) scene.set(table, "points", list_of(points));
+    any |= has;
+  }
+  if (!any)
+    throw InputError("found no line with the point " + point_word(way[0]) + ", expected one");
+  return scene;
+}
+
+std::vector<Vec3> stated_points(const SceneText& scene, const std::string& line) {
+  const SceneTable table{"line", line};
+  return scene.has(table) ? points_in(scene.value(table, "points")) : std::vector<Vec3>{};
 }
 
 std::string point_word(const Vec3& p) {

@@ -23,6 +23,11 @@ Vec3 rounded_point(const Vec3& p, double size);
 /// A line through points, as a new one or in the place of its points.
 DocumentCommand line_command(const std::string& name, const std::vector<Vec3>& points);
 DocumentCommand points_edit(const std::string& line, const std::vector<Vec3>& points);
+/// Moves a point of all lines that have it.
+DocumentCommand move_command(const Vec3& from, const Vec3& to);
+/// The scene after such a command's text. Throws InputError: not two places, no line that has the
+/// first.
+SceneText with_moved_point(SceneText scene, const std::string& places);
 /// Two lines instead of one, which meet at one of its inner points (counted from 0).
 std::vector<DocumentCommand> split_edits(const DocumentView& view, const std::string& line,
                                          int point);

@@ -15,7 +15,7 @@ namespace {
 
 constexpr int kBall = 6;
 constexpr int kRingPieces = 64;
-constexpr double kInFront = -66000, kBallSize = 14;
+constexpr double kBallSize = 14;
 constexpr double kNear = 9;         // pixels
 constexpr double kShortArrow = 14;  // pixels: it points at the eye
 constexpr double kRing = 0.72;      // radius, of the reach

@@ -17,6 +17,9 @@
 
 namespace batten::studio {
 
+/// An order in front of everything.
+inline constexpr double kInFront = -66000;
+
 struct Layer {
   /// `order`: what is lower is drawn in front where both are at one place. `width` of lines, pixels; 0:
   /// facets, which have light.

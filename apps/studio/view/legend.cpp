@@ -28,6 +28,11 @@ Legend::Legend(vtkRenderer* renderer) {
   scale_->VisibilityOff();
   words_->PickableOff();
   scale_->PickableOff();
+  title_->GetPositionCoordinate()->SetCoordinateSystemToNormalizedViewport();
+  title_->SetPosition(0.015, 0.53);
+  title_->GetTextProperty()->SetFontSize(numbers_size);
+  title_->PickableOff();
+  renderer->AddActor2D(title_);
   renderer->AddActor2D(words_);
   renderer->AddActor2D(scale_);
 }
@@ -37,14 +42,16 @@ Legend::~Legend() = default;
 void Legend::set_palette(const Palette& palette) {
   const Rgb& c = palette.text;
   words_->GetTextProperty()->SetColor(c[0], c[1], c[2]);
+  title_->GetTextProperty()->SetColor(c[0], c[1], c[2]);
   scale_->GetLabelTextProperty()->SetColor(c[0], c[1], c[2]);
 }
 
 void Legend::set_words(const std::string& words) { words_->SetInput(words.c_str()); }
 
-void Legend::set_scale(vtkLookupTable* table) {
+void Legend::set_scale(vtkLookupTable* table, const std::string& title) {
   scale_->SetVisibility(table != nullptr);
   if (table) scale_->SetLookupTable(table);
+  title_->SetInput(table ? title.c_str() : "");
 }
 
 }  // namespace batten::studio

@@ -20,11 +20,11 @@ class Legend {
   ~Legend();
   void set_palette(const Palette& palette);
   void set_words(const std::string& words);
-  /// What the colours of a table stand for; null: no scale.
-  void set_scale(vtkLookupTable* table);
+  /// What the colours of a table stand for, with a title; null: no scale.
+  void set_scale(vtkLookupTable* table, const std::string& title);
 
  private:
-  vtkNew<vtkTextActor> words_;
+  vtkNew<vtkTextActor> words_, title_;
   vtkNew<vtkScalarBarActor> scale_;
 };
 

@@ -4,6 +4,7 @@
 #include <QKeyEvent>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "batten/apps/commands/documents/line_edits.h"
 #include "batten/apps/studio/view/shape_view.h"
@@ -26,7 +27,7 @@ void ShapeView::show_line() {
     stated_ = stated_line(scene, chosen_);
     line_points_ = stated_points(scene, stated_);
   }
-  if (line_points_.empty()) chosen_point_ = -1;
+  if (chosen_point_ >= static_cast<int>(line_points_.size())) chosen_point_ = -1;
   actors_->set_dots(line_points_, chosen_point_);
   std::vector<Vec3> line;
   for (size_t i = 0; shape && combs_ && i < view_->lines.size(); ++i)
@@ -68,37 +69,30 @@ bool ShapeView::press_point(const QPoint& at) {
   moved_point_ = point_under(at);
   if (moved_point_ < 0) return false;
   chosen_point_ = moved_point_;
+  point_before_ = line_points_[static_cast<size_t>(moved_point_)];
   actors_->set_dots(line_points_, chosen_point_);
   redraw();
   return true;
 }
 
-// In the plane that faces the eye, or on the end of another line.
+// In the plane that lines are drawn on, or on the end of another line.
 void ShapeView::drag_point(const QPoint& at) {
   Vec3& p = line_points_[static_cast<size_t>(moved_point_)];
-  const Vec3 depth = to_window(p);
-  const Vec3 hand = display(at);
   const auto end = snapped(at);
-  p = end ? *end : rounded_by_hand(from_window({hand.x(), hand.y(), depth.z()}));
-  // What the eye looks along stays as it was.
-  if (!end) {
-    const Vec3 before =
-        stated_points(SceneText(view_->text), stated_)[static_cast<size_t>(moved_point_)];
-    const Vec3 along = (from_window(depth + Vec3::UnitZ()) - from_window(depth)).normalized();
-    for (int i = 0; i < 3; ++i)
-      if (std::abs(along[i]) > 1 - 1e-9) p[i] = before[i];
-  }
+  p = end ? *end : rounded_by_hand(on_plane(at, point_before_));
   actors_->set_dots(line_points_, chosen_point_);
   actors_->set_draft(line_points_);
+  hooks_.hint(text(kPointAt).arg(p.x()).arg(p.y()).arg(p.z()));
   redraw();
 }
 
-void ShapeView::release_point() {
-  moved_point_ = -1;
+// Lines that meet at the point stay together, but with Shift.
+void ShapeView::release_point(bool alone) {
+  const Vec3 now = line_points_[static_cast<size_t>(std::exchange(moved_point_, -1))];
   actors_->set_draft({});
   fitted_ = true;
-  if (line_points_ != stated_points(SceneText(view_->text), stated_))
-    hooks_.post(points_edit(stated_, line_points_));
+  if (now == point_before_) return;
+  hooks_.post(alone ? points_edit(stated_, line_points_) : move_command(point_before_, now));
 }
 
 // A double click on the chosen line puts a point there.

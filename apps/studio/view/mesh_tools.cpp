@@ -188,12 +188,13 @@ void ShapeView::finish_stroke() {
   awaited_ = painted_name_;
 }
 
-// What was painted or pinned is chosen as soon as the scene has it.
+// What was painted, pinned or drawn is chosen as soon as the scene has it.
 void ShapeView::choose_awaited() {
-  if (awaited_.empty() ||
-      !(view_->table({"select", awaited_}) || view_->table({"constraint", awaited_})))
-    return;
-  hooks_.chosen("", std::exchange(awaited_, ""));
+  for (const char* kind : {"select", "constraint", "line"}) {
+    if (awaited_.empty() || !view_->table({kind, awaited_})) continue;
+    const std::string name = std::exchange(awaited_, "");
+    kind == std::string("line") ? hooks_.chosen(name, "") : hooks_.chosen("", name);
+  }
 }
 
 }  // namespace batten::studio

@@ -45,11 +45,11 @@ ShapeActors::ShapeActors(vtkRenderer* renderer)
       lines_(std::make_unique<Layer>(renderer, -2, 2.5)),
       guides_(std::make_unique<Layer>(renderer, -1, 1.2)),
       chosen_(std::make_unique<Layer>(renderer, -6, 5)),
-      draft_(std::make_unique<Layer>(renderer, -8, 3)),
-      push_(std::make_unique<Layer>(renderer, -8, 3)),
+      draft_(std::make_unique<Layer>(renderer, kInFront, 3)),
+      push_(std::make_unique<Layer>(renderer, kInFront, 3)),
       grid_(std::make_unique<Layer>(renderer, 4, 1)),
-      dots_(std::make_unique<Layer>(renderer, -10, 1)),
-      dot_(std::make_unique<Layer>(renderer, -12, 1)),
+      dots_(std::make_unique<Layer>(renderer, kInFront - 10, 1)),
+      dot_(std::make_unique<Layer>(renderer, kInFront - 20, 1)),
       comb_(std::make_unique<Layer>(renderer, -4, 1.2)),
       points_(vtkSmartPointer<vtkFloatArray>::New()),
       normals_(vtkSmartPointer<vtkFloatArray>::New()),
@@ -113,7 +113,8 @@ void ShapeActors::take(const Frame& frame) {
   facets_->data->GetPointData()->SetNormals(normals_);
   if (frame.pattern != pattern_) {
     pattern_ = frame.pattern;
-    reference_ = frame.points;
+    const bool as_read = mesh_ && mesh_->rest.size() == frame.points.size();
+    reference_ = as_read ? mesh_->rest : frame.points;
     make_facets();
     make_lines();
   } else {

@@ -77,7 +77,8 @@ class ShapeActors {
   /// The table of the numbers' colours; null where they say none.
   vtkLookupTable* scale() const;
   std::optional<double> value_at(const Vec3& p) const;
-  /// What the colours run from and to; both 0 where they say no number.
+  Shading shading() const { return shading_; }
+  /// The number at the end of the colours, and the largest magnitude; both 0 where they say none.
   std::array<double, 2> range() const { return range_; }
   /// Number of the display point nearest to a place, and its position in the last frame.
   int point_near(const Vec3& p) const;

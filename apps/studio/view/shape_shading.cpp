@@ -144,7 +144,7 @@ void ShapeActors::shade_points() {
 vtkSmartPointer<vtkLookupTable> ShapeActors::table_of(const float* value, size_t n) {
   const auto [low, high] = std::minmax_element(value, value + n);
   const Rgb light{0.97, 0.97, 0.97}, ink{0.13, 0.15, 0.19};
-  range_ = {*low, *high};
+  range_ = {*high, std::max(std::abs(*low), std::abs(*high))};
   switch (shading_) {
     case Shading::Zebra:
       range_ = {0, 0};
@@ -155,13 +155,13 @@ vtkSmartPointer<vtkLookupTable> ShapeActors::table_of(const float* value, size_t
     case Shading::Stretch: {
       // Ends and corners have values that would leave one colour for all the rest.
       const double limit = std::max(quantile(std::vector<float>(value, value + n), 0.98), 1e-30);
-      range_ = {-limit, limit};
+      range_[0] = limit;
       return two_sided(limit);
     }
     case Shading::Stress: {
       // One place beside a point load would leave one colour for all the rest.
       const double limit = std::max(quantile(std::vector<float>(value, value + n), 0.995), 1e-30);
-      range_ = {0, limit};
+      range_[0] = limit;
       return distances(limit);
     }
     default:

@@ -67,6 +67,14 @@ void ShapeView::follow_push() {
   hooks_.post({.verb = Verb::Slide, .key = push.name, .value = value});
 }
 
+// The load goes, and with it what it did.
+void ShapeView::cancel_push() {
+  const bool placed = push_->placed;
+  const std::string name = push_->name;
+  end_push();
+  if (placed) hooks_.post({.verb = Verb::Remove, .table = {"load", name}});
+}
+
 void ShapeView::end_push() {
   const bool placed = push_->placed;
   push_.reset();
@@ -116,7 +124,13 @@ Vec3 ShapeView::point_at(const QPoint& at) const {
   if (const auto end = snapped(at)) return *end;
   const Vec3 hand = display(at);
   if (const auto p = actors_->surface_at(hand.x(), hand.y())) return *p;
-  const Vec3 near = from_window(hand);
+  return rounded_by_hand(on_plane(at, draft_.empty() ? Vec3(Vec3::Zero()) : draft_.front()));
+}
+
+// In the plane that lines are drawn on, through a point; where that is seen from its edge, in the one
+// that faces the eye.
+Vec3 ShapeView::on_plane(const QPoint& at, const Vec3& through) const {
+  const Vec3 hand = display(at), near = from_window(hand);
   const Vec3 along = (from_window(hand + Vec3::UnitZ()) - near).normalized();
   Vec3 normal = plane_ == DrawPlane::Xy   ? Vec3::UnitZ()
                 : plane_ == DrawPlane::Xz ? Vec3::UnitY()
@@ -124,9 +138,7 @@ Vec3 ShapeView::point_at(const QPoint& at) const {
                                           : along;
   constexpr double grazing = 0.05;
   if (std::abs(normal.dot(along)) < grazing) normal = along;
-  const Vec3 through = draft_.empty() ? Vec3(Vec3::Zero()) : draft_.front();
-  const Vec3 p = near + along * ((through - near).dot(normal) / along.dot(normal));
-  return rounded_by_hand(p);
+  return near + along * ((through - near).dot(normal) / along.dot(normal));
 }
 
 void ShapeView::draw_point(const QPoint& at) {
@@ -161,7 +173,8 @@ void ShapeView::finish_line() {
   redraw();
   if (points.size() < 2) return;
   fitted_ = true;  // the view stays while a hand draws
-  hooks_.post(line_command(view_->free_name("line"), points));
+  awaited_ = view_->free_name("line");
+  hooks_.post(line_command(awaited_, points));
   hooks_.hint(text(kHintDraw));
 }
 

@@ -84,7 +84,7 @@ void ShapeView::initializeGL() {
 
 // What moves is drawn fast; what stands still gets smooth edges.
 void ShapeView::redraw() {
-  legend_->set_scale(actors_->scale());
+  legend_->set_scale(actors_->scale(), scale_title().toStdString());
   if (software_) {
     renderer_->UseFXAAOff();
     still_->start();
@@ -125,6 +125,7 @@ void ShapeView::take(const DocumentWorker::News& news) {
 }
 
 void ShapeView::set_tool(Tool tool) {
+  if (tool_ == Tool::Draw && draft_.size() > 1) finish_line();
   cancel_tool();
   tool_ = tool;
   painted_name_.clear();
@@ -137,7 +138,10 @@ void ShapeView::set_tool(Tool tool) {
   show_handle();
   show_line();
   const bool mesh = view_ && view_->mesh;
-  const char* const hints[] = {mesh ? kHintSelectMesh : kHintSelect,
+  const bool empty = !view_ || (view_->lines.empty() && !view_->surface);
+  const char* const hints[] = {mesh    ? kHintSelectMesh
+                               : empty ? kHintEmpty
+                                       : kHintSelect,
                                kHintPush,
                                kHintPin,
                                kHintDraw,
@@ -212,6 +216,20 @@ void ShapeView::follow_section() {
   redraw();
 }
 
+// What the colours stand for, and how far beyond their end the largest is.
+QString ShapeView::scale_title() const {
+  const Shading shading = actors_->shading();
+  const auto [end, largest] = actors_->range();
+  const bool mesh = view_ && view_->mesh;
+  QString title;
+  if (shading == Shading::Deviation || shading == Shading::Stretch)
+    title = text(mesh ? kSinceRead : kSinceOpened);
+  if (shading == Shading::Stress || shading == Shading::Curvature || shading == Shading::Stretch)
+    if (largest > 1.02 * end)
+      title += (title.isEmpty() ? "" : "\n") + text(kLargest).arg(largest, 0, 'g', 3);
+  return title;
+}
+
 void ShapeView::set_words(const QString& words) {
   words_ = words;
   legend_->set_words(words.toStdString());
@@ -229,7 +247,7 @@ void ShapeView::set_perspective(bool on) {
 }
 
 void ShapeView::choose(const std::string& name) {
-  if (name != chosen_) chosen_point_ = -1;
+  chosen_point_ = -1;
   chosen_ = name;
   actors_->choose(name);
   show_handle();

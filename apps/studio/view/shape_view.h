@@ -76,6 +76,9 @@ class ShapeView : public QVTKOpenGLNativeWidget {
   void fit();
   void look(const Vec3& direction, const Vec3& up);
   void finish_line();
+  /// Takes back what the hand has begun and not ended: a push, the last point of a line; false where
+  /// there is no such thing.
+  bool take_back();
   void cancel_tool();
 
   /// The point of the window, Qt's logical pixels, that shows a place: for tests and tours.
@@ -110,6 +113,7 @@ class ShapeView : public QVTKOpenGLNativeWidget {
   void follow_push();
   void pin(const QPoint& at);
   void end_push();
+  void cancel_push();
   void draw_point(const QPoint& at);
   void measure_point(const QPoint& at);
   Vec3 point_at(const QPoint& at) const;
@@ -131,13 +135,15 @@ class ShapeView : public QVTKOpenGLNativeWidget {
   int point_under(const QPoint& at) const;
   bool press_point(const QPoint& at);
   void drag_point(const QPoint& at);
-  void release_point();
+  void release_point(bool alone);
+  Vec3 on_plane(const QPoint& at, const Vec3& through) const;
   bool add_point(const QPoint& at);
   Vec3 rounded_by_hand(const Vec3& p) const;
   Vec3 to_window(const Vec3& p) const;  // renderer's pixels and depth
   Vec3 from_window(const Vec3& window) const;
   Vec3 display(const QPoint& at) const;
   void show_grid();
+  QString scale_title() const;
   void follow_section();
   void redraw();
   void redraw_still();
@@ -163,6 +169,7 @@ class ShapeView : public QVTKOpenGLNativeWidget {
   std::vector<QPoint> lasso_;
   std::vector<Vec3> line_points_;  // that the scene states of the chosen line
   int chosen_point_ = -1, moved_point_ = -1;
+  Vec3 point_before_ = Vec3::Zero();  // where the moved one was
   bool combs_ = false;
   QString words_;
   std::string chosen_, awaited_;

@@ -73,6 +73,25 @@ inline constexpr const char* kHintMeasure = QT_TRANSLATE_NOOP(
 inline constexpr const char* kDistance =
     QT_TRANSLATE_NOOP("studio", "%1 %2\nalong x %3, y %4, z %5");
 inline constexpr const char* kSection = QT_TRANSLATE_NOOP("studio", "&Section plane");
+inline constexpr const char* kPointAt = QT_TRANSLATE_NOOP(
+    "studio",
+    "%1, %2, %3. The surface follows when you let go; with Shift lines that meet here part.");
+inline constexpr const char* kSinceRead = QT_TRANSLATE_NOOP("studio", "since the mesh was read");
+inline constexpr const char* kSinceOpened = QT_TRANSLATE_NOOP("studio", "since it was opened");
+inline constexpr const char* kLargest = QT_TRANSLATE_NOOP("studio", "largest: %1");
+inline constexpr const char* kComputing = QT_TRANSLATE_NOOP("studio", "Stress: …");
+inline constexpr const char* kSwell = QT_TRANSLATE_NOOP("studio", "Swell");
+inline constexpr const char* kPanels = QT_TRANSLATE_NOOP("studio", "&Panels");
+inline constexpr const char* kSaved = QT_TRANSLATE_NOOP("studio", "Saved %1");
+inline constexpr const char* kExported = QT_TRANSLATE_NOOP("studio", "Exported %1");
+inline constexpr const char* kMade = QT_TRANSLATE_NOOP("studio", "Made all files in %1");
+inline constexpr const char* kOpenEnds = QT_TRANSLATE_NOOP(
+    "studio", "No surface yet: %1 ends of lines are open. Draw on from one to the next.");
+inline constexpr const char* kHintEmpty =
+    QT_TRANSLATE_NOOP("studio", "Draw a line (D), or open a scene, lines or a mesh.");
+inline constexpr const char* kSameFormat = QT_TRANSLATE_NOOP("studio", "As it was read (*%1)");
+inline constexpr const char* kMeshFiles = QT_TRANSLATE_NOOP(
+    "studio", "STL (*.stl);;OBJ (*.obj);;PLY (*.ply);;OFF (*.off);;ParaView (*.vtp);;glTF (*.glb)");
 inline constexpr const char* kFit = QT_TRANSLATE_NOOP("studio", "Show &all");
 inline constexpr const char* kFront = QT_TRANSLATE_NOOP("studio", "From the &front");
 inline constexpr const char* kSide = QT_TRANSLATE_NOOP("studio", "From the &right");

@@ -141,7 +141,7 @@ bool ShapeView::release(QMouseEvent* event) {
     return true;
   }
   if (moved_point_ >= 0) {
-    release_point();
+    release_point(event->modifiers().testFlag(Qt::ShiftModifier));
     return true;
   }
   if (brushing_) {
@@ -180,6 +180,7 @@ void ShapeView::click(const QPoint& at) {
 
 bool ShapeView::key(int key) {
   if (key == Qt::Key_Escape) {
+    if (push_) cancel_push();
     cancel_tool();
     return true;
   }
@@ -188,13 +189,21 @@ bool ShapeView::key(int key) {
     finish_line();
     return true;
   }
-  if (key == Qt::Key_Backspace && !draft_.empty()) {
+  return key == Qt::Key_Backspace && take_back();
+}
+
+bool ShapeView::take_back() {
+  if (push_) {
+    cancel_push();
+    return true;
+  }
+  if (tool_ == Tool::Draw && !draft_.empty()) {
     draft_.pop_back();
     actors_->set_draft(draft_);
     redraw();
     return true;
   }
-  return false;
+  return gizmo_->pressed() || moved_point_ >= 0;  // first the hand lets go
 }
 
 }  // namespace batten::studio

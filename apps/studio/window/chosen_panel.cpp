@@ -20,6 +20,16 @@ namespace {
 using Verb = DocumentCommand::Verb;
 using Kind = ModelTree::Item::Kind;
 
+/// What was typed as a value of TOML: words that are none are meant as a text.
+std::string as_value(const std::string& typed) {
+  try {
+    SceneText("key = " + typed);
+    return typed;
+  } catch (const Error&) {
+    return SceneText::word(typed);
+  }
+}
+
 }  // namespace
 
 ChosenPanel::ChosenPanel(QWidget* parent, std::function<void(DocumentCommand)> post,
@@ -51,7 +61,7 @@ ChosenPanel::ChosenPanel(QWidget* parent, std::function<void(DocumentCommand)> p
     post_({.verb = Verb::Set,
            .table = item_.table,
            .key = keys_->item(row, 0)->text().toStdString(),
-           .text = keys_->item(row, 1)->text().toStdString()});
+           .text = as_value(keys_->item(row, 1)->text().toStdString())});
   });
 }
 
@@ -104,15 +114,17 @@ void ChosenPanel::fill_words() {
     for (const std::string& warning : region.warnings) words << shown(warning);
   }
   for (const auto& join : network.joins) {
-    const bool this_line = item_.kind == Kind::Join || item_.kind == Kind::Line;
-    if (!this_line || join.line != item_.name || join.kind == "rim") continue;
-    words << shown(join.kind + (join.asked ? " (asked for)" : "") +
-                   ": the normals differ by up to " +
+    const bool line = item_.kind == Kind::Join || item_.kind == Kind::Line;
+    const bool whole = item_.kind == Kind::Line && join.line.starts_with(item_.name + ".");
+    if (!line || (join.line != item_.name && !whole) || join.kind == "rim") continue;
+    words << shown((whole ? join.line + ": " : "") + join.kind +
+                   (join.asked ? " (asked for)" : "") + ": the normals differ by up to " +
                    number(join.kind == "crease" ? join.max_deg : join.max_inside_deg) + "°");
     if (!join.why.empty()) words << shown(join.why);
     const auto edits = [this, line = join.line](std::optional<std::string> kind) {
       return join_edits(SceneText(view_->text), line, kind);
     };
+    if (whole) continue;  // each piece by itself: a click on it chooses it
     add_button(kCrease, [edits] { return edits("crease"); });
     add_button(kSmooth, [edits] { return edits("smooth"); });
     add_button(kAsFound, [edits] { return edits({}); });
@@ -166,7 +178,15 @@ void ChosenPanel::fill_stress() {
     support(kPin, "pinned");
     support(kNoSupport, "");
   }
-  if (item_.kind != Kind::Region || !view_->has_stress) return;
+  if (item_.kind != Kind::Region) return;
+  add_button(kSwell, [this, name] {
+    return std::vector<DocumentCommand>{
+        {.verb = Verb::Add,
+         .table = {"load", ""},
+         .text = "{ name = " + SceneText::word(view_->free_name("swell")) +
+                 ", type = \"pressure\", regions = [" + SceneText::word(name) + "], value = 0 }"}};
+  });
+  if (!view_->has_stress) return;
   add_button(kPressOn, [this, name] {
     return stress_load_edits(SceneText(view_->text),
                              "{ pressure = 0.001, region = " + SceneText::word(name) + " }");
@@ -196,13 +216,10 @@ void ChosenPanel::fill_mesh() {
         add_button(kUses[static_cast<int>(use)], [this, part, use] {
           return use_edits(SceneText(view_->text), *view_->mesh, part, use);
         });
+    if (part.starts_with("hole-") && now == PartUse::Free) add_keep_all();
     if (now != PartUse::Free) words_->setText(text(kUsed[static_cast<int>(now)]));
   }
-  if (item_.kind == Kind::Parts)
-    add_button(kKeepAll, [] {
-      return std::vector<DocumentCommand>{
-          {.verb = Verb::Add, .table = {"features", ""}, .text = "{ of = [\"hole-*\"] }"}};
-    });
+  if (item_.kind == Kind::Parts) add_keep_all();
   if (item_.kind == Kind::Table && item_.table.kind == "edit")
     add_button(kNewEdit, [this] {
       const std::string fixed = SceneText(view_->text).value(item_.table, "fixed");
@@ -212,6 +229,13 @@ void ChosenPanel::fill_mesh() {
            .text = "{ name = " + SceneText::word(view_->free_name("edit")) +
                    (fixed.empty() ? "" : ", fixed = " + fixed) + " }"}};
     });
+}
+
+void ChosenPanel::add_keep_all() {
+  add_button(kKeepAll, [] {
+    return std::vector<DocumentCommand>{
+        {.verb = Verb::Add, .table = {"features", ""}, .text = "{ of = [\"hole-*\"] }"}};
+  });
 }
 
 void ChosenPanel::add_button(const char* what,

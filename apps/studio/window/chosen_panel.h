@@ -34,6 +34,7 @@ class ChosenPanel : public QWidget {
   void fill_mesh();
   void fill_line();
   void fill_stress();
+  void add_keep_all();
   void add_button(const char* what, std::function<std::vector<DocumentCommand>()> edits);
   std::function<void(DocumentCommand)> post_;
   std::function<int()> point_;

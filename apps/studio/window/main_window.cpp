@@ -134,7 +134,9 @@ void MainWindow::make_menus() {
   file->addSeparator();
   add(file, kQuit, QKeySequence::Quit, [this] { close(); });
   QMenu* edit = menuBar()->addMenu(text(kEdit));
-  undo_ = add(edit, kUndo, QKeySequence::Undo, [this] { post({.verb = Verb::Undo}); });
+  undo_ = add(edit, kUndo, QKeySequence::Undo, [this] {
+    if (!view_->take_back()) post({.verb = Verb::Undo});
+  });
   redo_ = add(edit, kRedo, QKeySequence::Redo, [this] { post({.verb = Verb::Redo}); });
   add(edit, kRemove, QKeySequence::Delete, [this] { remove_chosen(); });
   look_ = menuBar()->addMenu(text(kLook));
@@ -153,6 +155,9 @@ void MainWindow::make_menus() {
     QObject::connect(action, &QAction::toggled, this, std::move(act));
     return action;
   };
+  QMenu* panels = look_->addMenu(text(kPanels));
+  for (QDockWidget* one : findChildren<QDockWidget*>())
+    if (one != frames_) panels->addAction(one->toggleViewAction());
   check(kPerspective, QKeySequence("5"), [this](bool on) { view_->set_perspective(on); });
   check(kMesh, QKeySequence("M"), [this](bool on) { view_->set_mesh(on); });
   check(kSection, QKeySequence("X"), [this](bool on) { view_->set_section(on); });
@@ -227,6 +232,8 @@ void MainWindow::make_status() {
 
 void MainWindow::open(const std::filesystem::path& file) {
   note_recent(QString::fromStdString(std::filesystem::absolute(file).string()));
+  messages_->clear();
+  problem_ = nullptr;
   post({.verb = Verb::Open, .file = std::filesystem::absolute(file)});
 }
 
@@ -246,6 +253,13 @@ void MainWindow::take_news() {
   if (!worker_) return;
   const DocumentWorker::News news = worker_->take_news();
   busy_ = news.busy;
+  for (const DocumentCommand& done : news.written) {
+    const char* const what = done.verb == Verb::Save     ? kSaved
+                             : done.verb == Verb::Export ? kExported
+                                                         : kMade;
+    statusBar()->showMessage(
+        text(what).arg(done.file.empty() ? shown(shown_->title) : shown(done.file.string())));
+  }
   for (const auto& message : news.messages) {
     auto* item = new QListWidgetItem(shown(message.text), messages_);
     item->setToolTip(QString::fromStdString(message.command));
@@ -253,8 +267,12 @@ void MainWindow::take_news() {
                                                         : QStyle::SP_MessageBoxWarning));
     messages_->scrollToBottom();
   }
+  const bool computing = news.frame && !news.stress && shown_->has_stress &&
+                         shading_->currentIndex() == static_cast<int>(Shading::Stress);
   if (news.view) {
+    const bool more_handles = news.view->mesh && news.view->handles.size() > shown_->handles.size();
     shown_ = news.view;
+    if (more_handles && !action(kSelect)->isChecked()) action(kSelect)->trigger();
     show_problem();
     tree_->take(*shown_);
     sliders_->take(*shown_);
@@ -269,6 +287,7 @@ void MainWindow::take_news() {
   } else {
     view_->take(news);
   }
+  if (computing) view_->set_words(text(kComputing));
   if (news.stress) show_stress(*news.stress);
   if (news.frame) timeline_->drawn();
   show_state(news);
@@ -301,14 +320,19 @@ void MainWindow::show_problem() {
   delete problem_;
   problem_ = nullptr;
   if (shown_->problem.empty()) return;
-  problem_ = new QListWidgetItem(shown(shown_->problem), messages_);
+  // Ends that meet nothing are what a hand goes on with; all else is told as it is.
+  const QString problem = shown(shown_->problem);
+  const int open = problem.count("meets nothing");
+  problem_ = new QListWidgetItem(open > 0 ? text(kOpenEnds).arg(open) : problem, messages_);
+  problem_->setToolTip(problem);
   problem_->setIcon(style()->standardIcon(QStyle::SP_MessageBoxInformation));
   messages_->scrollToBottom();
 }
 
 void MainWindow::show_title() {
-  setWindowTitle(QString::fromStdString(shown_->title.empty() ? "untitled" : shown_->title) +
-                 "[*] — " + text(kProgram));
+  const std::string folder = shown_->folder.empty() ? "" : shown_->folder + "/";
+  setWindowTitle(shown(folder + (shown_->title.empty() ? "untitled" : shown_->title)) + "[*] — " +
+                 text(kProgram));
   setWindowModified(shown_->changed);
 }
 
@@ -317,6 +341,7 @@ void MainWindow::show_state(const DocumentWorker::News& news) {
                       ? shown(counted(static_cast<long>(shown_->regions.size()), "surface") + ", " +
                               counted(shown_->triangles, "element"))
                       : text(kNoSurface));
+  answers_->clear();
   if (news.answer_ms > 0) answers_->setText(text(kAnswers).arg(std::lround(1000 / news.answer_ms)));
   const bool long_work = news.busy && !news.stage.empty();
   progress_->setVisible(long_work);

@@ -72,6 +72,7 @@ class MainWindow : public QMainWindow {
   void show_state(const DocumentWorker::News& news);
   void save(bool as);
   void ask_export();
+  QString stem() const;
   void ask_open();
   void save_script();
   void remove_chosen();

@@ -2,12 +2,14 @@
 #include <QCloseEvent>
 #include <QFile>
 #include <QFileDialog>
+#include <QFileInfo>
 #include <QListWidget>
 #include <QMenu>
 #include <QMessageBox>
 #include <QMimeData>
 #include <QSettings>
 
+#include "batten/apps/commands/documents/line_edits.h"
 #include "batten/apps/studio/view/texts.h"
 #include "batten/apps/studio/window/main_window.h"
 
@@ -16,26 +18,45 @@ namespace {
 
 using Verb = DocumentCommand::Verb;
 
+/// A menu's text as a title.
+QString title(const char* menu) { return text(menu).remove('&'); }
+
 }  // namespace
 
 void MainWindow::ask_open() {
   if (!may_leave()) return;
-  const QString file = QFileDialog::getOpenFileName(this, text(kOpen), {}, text(kSceneFiles));
+  const QString file = QFileDialog::getOpenFileName(this, title(kOpen), {}, text(kSceneFiles));
   if (!file.isEmpty()) open(file.toStdString());
 }
 
 void MainWindow::save(bool as) {
   if (!as && shown_->title != "untitled") return post({.verb = Verb::Save});
-  QString file = QFileDialog::getSaveFileName(this, text(kSaveAs), {}, text(kSavedFiles));
+  QString file =
+      QFileDialog::getSaveFileName(this, title(kSaveAs), stem() + ".toml", text(kSavedFiles));
   if (file.isEmpty()) return;
   if (!file.endsWith(".toml")) file += ".toml";
   note_recent(file);
   post({.verb = Verb::Save, .file = file.toStdString()});
 }
 
+// A name for what is written, without its ending.
+QString MainWindow::stem() const {
+  const std::string& name = shown_->title == "untitled" && !shown_->regions.empty() && shown_->mesh
+                                ? shown_->regions.front()
+                                : shown_->title;
+  return QFileInfo(shown(name)).completeBaseName();
+}
+
 void MainWindow::ask_export() {
   QString filter;
-  QString file = QFileDialog::getSaveFileName(this, text(kExport), {}, text(kExportFiles), &filter);
+  QString kinds = text(kExportFiles);
+  if (shown_->mesh) {
+    const QString ending = QFileInfo(shown(shown_->regions.front())).suffix();
+    kinds = text(kMeshFiles);
+    if (!shown_->timeline) kinds = text(kSameFormat).arg("." + ending) + ";;" + kinds;
+  }
+  QString file =
+      QFileDialog::getSaveFileName(this, title(kExport), stem() + "-out", kinds, &filter);
   if (file.isEmpty()) return;
   const int star = filter.indexOf("*.");
   if (!file.contains('.') && star >= 0)
@@ -45,7 +66,7 @@ void MainWindow::ask_export() {
 
 void MainWindow::save_script() {
   const QString name =
-      QFileDialog::getSaveFileName(this, text(kSaveScript), {}, text(kScriptFiles));
+      QFileDialog::getSaveFileName(this, title(kSaveScript), {}, text(kScriptFiles));
   if (name.isEmpty()) return;
   QFile file(name);
   if (!file.open(QIODevice::WriteOnly)) {
@@ -57,7 +78,10 @@ void MainWindow::save_script() {
 
 void MainWindow::remove_chosen() {
   if (view_->remove_point()) return;
-  const ModelTree::Item item = tree_->current();
+  ModelTree::Item item = tree_->current();
+  if (item.kind == ModelTree::Item::Kind::Join)
+    item.table = {"line", stated_line(SceneText(shown_->text), item.name)};
+  if (item.table.kind == "line" && item.table.name.empty()) return;  // of a file
   if (!item.table.kind.empty()) post({.verb = Verb::Remove, .table = item.table});
 }
 
