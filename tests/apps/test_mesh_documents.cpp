@@ -99,7 +99,8 @@ TEST_CASE("numbers of an edit change the edits behind it", "[document]") {
   CHECK(document.content().moves("edit 2.hole-3.z"));
   CHECK(exported(document, folder) == deformed(document, folder));
   const Points before = document.mesh()->shape();
-  document.apply(slid("edit 1.right.z", 30));
+  for (const double lift : {27.0, 28.0, 30.0}) document.apply(slid("edit 1.right.z", lift));
+  document.apply({.verb = Verb::Settle});  // one step to undo
   CHECK((document.mesh()->shape() - before).col(2).maxCoeff() > 4);
   CHECK(exported(document, folder) == deformed(document, folder));
   document.apply({.verb = Verb::Undo});

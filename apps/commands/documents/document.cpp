@@ -62,6 +62,7 @@ Document& Document::operator=(Document&&) noexcept = default;
 
 void Document::apply(const DocumentCommand& command, const Progress& progress) {
   told_.clear();
+  if (command.verb != Verb::Slide && command.verb != Verb::Answer) dragged_.clear();
   switch (command.verb) {
     case Verb::Open:
       return open(command.file, progress);
@@ -142,7 +143,9 @@ void Document::slide(const std::string& parameter, double value, const Progress&
   content_->check(parameter, value);
   SceneText next = text_;
   next.set_parameter(parameter, value);
+  if (dragged_ == parameter) return become(std::move(next), progress);  // one step with the last
   change(std::move(next), progress);
+  dragged_ = parameter;
 }
 
 // One step that can be undone.

@@ -89,6 +89,7 @@ class Document {
   std::string told_;
   std::vector<std::string> undo_, redo_;  // texts
   std::set<std::string> slid_;            // parameters that moved since the last settle
+  std::string dragged_;                   // the parameter that the last step's edits were of
   bool rests_ = true;
 };
 

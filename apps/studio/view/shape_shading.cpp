@@ -161,7 +161,7 @@ vtkSmartPointer<vtkLookupTable> ShapeActors::table_of(const float* value, size_t
     case Shading::Stress: {
       // One place beside a point load would leave one colour for all the rest.
       const double limit = std::max(quantile(std::vector<float>(value, value + n), 0.995), 1e-30);
-      range_[0] = limit;
+      range_ = {limit, stress_->von_mises};
       return distances(limit);
     }
     default:

@@ -100,7 +100,9 @@ void ShapeView::redraw_still() {
 void ShapeView::take(const DocumentWorker::News& news) {
   if (news.view) {
     const bool other = !view_ || view_->title != news.view->title;
+    const bool was_empty = is_empty();
     view_ = news.view;
+    if (other || was_empty != is_empty()) say_hint();
     actors_->take(*view_);
     if (other) fitted_ = false;
     const bool gone = !painted_name_.empty() && !view_->table({"select", painted_name_});
@@ -109,7 +111,7 @@ void ShapeView::take(const DocumentWorker::News& news) {
   if (news.frame) actors_->take(*news.frame);
   if (news.stress) actors_->take(news.stress);
   if (!news.view && !news.frame && !news.stress) return;
-  const bool anything = view_ && (view_->surface || !view_->lines.empty());
+  const bool anything = !is_empty();
   if (!anything) fitted_ = false;
   if (!fitted_ && anything && draft_.empty()) {
     fitted_ = true;
@@ -137,8 +139,13 @@ void ShapeView::set_tool(Tool tool) {
   show_grid();
   show_handle();
   show_line();
+  say_hint();
+}
+
+// What can be done next.
+void ShapeView::say_hint() {
   const bool mesh = view_ && view_->mesh;
-  const bool empty = !view_ || (view_->lines.empty() && !view_->surface);
+  const bool empty = is_empty();
   const char* const hints[] = {mesh    ? kHintSelectMesh
                                : empty ? kHintEmpty
                                        : kHintSelect,
@@ -148,7 +155,7 @@ void ShapeView::set_tool(Tool tool) {
                                kHintPaint,
                                kHintLasso,
                                kHintMeasure};
-  hooks_.hint(text(hints[static_cast<int>(tool)]));
+  hooks_.hint(text(hints[static_cast<int>(tool_)]));
 }
 
 void ShapeView::set_plane(DrawPlane plane) {

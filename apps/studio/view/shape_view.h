@@ -144,6 +144,8 @@ class ShapeView : public QVTKOpenGLNativeWidget {
   Vec3 display(const QPoint& at) const;
   void show_grid();
   QString scale_title() const;
+  bool is_empty() const { return !view_ || (view_->lines.empty() && !view_->surface); }
+  void say_hint();
   void follow_section();
   void redraw();
   void redraw_still();

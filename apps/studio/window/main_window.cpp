@@ -27,7 +27,7 @@ namespace batten::studio {
 namespace {
 
 using Verb = DocumentCommand::Verb;
-constexpr int kMessageHeight = 84;
+constexpr int kMessageHeight = 120;
 
 QDockWidget* dock(QMainWindow* window, const char* title, QWidget* content,
                   Qt::DockWidgetArea area) {
@@ -101,7 +101,7 @@ void MainWindow::make_panels() {
   frames_ = dock(this, kFrames, timeline_, Qt::BottomDockWidgetArea);
   QDockWidget* below = dock(this, kMessages, messages_, Qt::BottomDockWidgetArea);
   splitDockWidget(frames_, below, Qt::Vertical);
-  resizeDocks({below}, {kMessageHeight}, Qt::Vertical);
+  below->setMaximumHeight(kMessageHeight);
   frames_->hide();
 }
 
