@@ -57,8 +57,8 @@ QString name_in(const QString& left) {
 
 int main(int argc, char** argv) {
   if (argc > 1 && std::string(argv[1]) == "--help") {
-    std::cout << "batten-studio [FILE]: the window in which shapes are made; FILE is a scene or a "
-                 "file of lines\n";
+    std::cout << "batten-studio [FILE]: the window in which shapes are made; FILE is a scene, "
+                 "a file of lines, a mesh or a deforming one\n";
     return 0;
   }
   try {
