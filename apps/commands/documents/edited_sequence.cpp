@@ -19,10 +19,15 @@ std::string words_of(const toml::node* node) {
   return words.str();
 }
 
+using Role = MeshView::Role;
+using Part = MeshView::Part;
+
+}  // namespace
+
 /// What decides the frames that are read, the parts of the mesh, and each step.
-struct SequenceWords {
-  SequenceWords() = default;
-  explicit SequenceWords(const std::string& text) {
+struct EditedSequence::Words {
+  Words() = default;
+  explicit Words(const std::string& text) {
     toml::table root = parse_toml(text, {}, "edits of a sequence");
     source = words_of(root.get("sequence"));
     if (const toml::array* list = root["step"].as_array())
@@ -33,11 +38,6 @@ struct SequenceWords {
   std::string source, parts;
   std::vector<std::string> steps;
 };
-
-using Role = MeshView::Role;
-using Part = MeshView::Part;
-
-}  // namespace
 
 struct EditedSequence::Made {
   Made(const SequenceScene& s, std::shared_ptr<const PreparedSequence> read)
@@ -56,7 +56,7 @@ struct EditedSequence::Made {
   }
 
   SequenceScene scene;
-  SequenceWords words;
+  Words words;
   std::shared_ptr<const PreparedSequence> input;
   MeshFile file;
   VertexSelector select;
@@ -74,7 +74,7 @@ EditedSequence::~EditedSequence() = default;
 void EditedSequence::become(const SceneText& text, const std::filesystem::path& file,
                             const Progress& progress) {
   const SequenceScene scene = parse_sequence_scene(text.text(), named_file(file));
-  const SequenceWords words(text.text());
+  const Words words(text.text());
   std::vector<std::string> notes;
   progress.at("frames", 0);
   const bool same_source =

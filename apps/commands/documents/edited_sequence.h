@@ -39,6 +39,7 @@ class EditedSequence : public DocumentContent {
   const MeshSequence& frames() const;
 
  private:
+  struct Words;
   struct Made;
   SequenceScene scene_;
   std::unique_ptr<Made> made_;
