@@ -78,6 +78,10 @@ struct EditedMesh::Made {
     }
   }
   void show();
+  void show_parts(MeshView& seen);
+  void show_roles(MeshView& seen) const;
+  /// The display points of nodes.
+  std::vector<int> points(const std::vector<int>& nodes) const;
 
   DeformScene scene;
   std::shared_ptr<const MeshSource> source;
@@ -87,6 +91,7 @@ struct EditedMesh::Made {
   std::vector<std::unique_ptr<EditSession>> edits;
   std::unique_ptr<const MeshDisplay> display;
   std::vector<std::string> line_names;
+  std::vector<std::vector<int>> points_of;  // of each node
   std::shared_ptr<const MeshView> view;
 };
 
@@ -294,28 +299,34 @@ void EditedMesh::Made::show() {
 
   auto seen = std::make_shared<MeshView>();
   const MeshTopology& topology = mesh().topology();
-  std::vector<std::vector<int>> points_of(topology.node_count());
+  points_of.assign(topology.node_count(), {});
   const std::vector<int>& vertices = display->vertices();
   for (int p = 0; p < count_of(vertices); ++p) {
     const int node = topology.node_of(vertices[p]);
     points_of[node].push_back(p);
     seen->labels.push_back(source->file.node_label(node));
+    for (const double x : mesh().point(vertices[p])) seen->rest.push_back(static_cast<float>(x));
   }
-  for (const int v : vertices)
-    for (const double x : mesh().point(v)) seen->rest.push_back(static_cast<float>(x));
-  const auto points = [&](const std::vector<int>& nodes) {
-    std::vector<int> all;
-    for (const int v : nodes) {
-      const auto& some = points_of[topology.node_of(v)];
-      all.insert(all.end(), some.begin(), some.end());
-    }
-    return all;
-  };
+  show_parts(*seen);
+  show_roles(*seen);
+  view = std::move(seen);
+}
+
+std::vector<int> EditedMesh::Made::points(const std::vector<int>& nodes) const {
+  std::vector<int> all;
+  for (const int v : nodes) {
+    const auto& some = points_of[mesh().topology().node_of(v)];
+    all.insert(all.end(), some.begin(), some.end());
+  }
+  return all;
+}
+
+void EditedMesh::Made::show_parts(MeshView& seen) {
   for (const FeatureProposal& p : select.proposals())
-    seen->parts.push_back(
+    seen.parts.push_back(
         {Part::Kind::Proposal, p.name, "", 2 * p.measure.equivalent_radius, points(p.vertices)});
   for (const SelectRule& rule : scene.selections) try {
-      seen->parts.push_back(
+      seen.parts.push_back(
           {Part::Kind::Selection, rule.name, "", 0, points(select.of({rule.name, rule.place}))});
     } catch (const InputError&) {
       continue;  // the problem names it
@@ -327,19 +338,20 @@ void EditedMesh::Made::show() {
         const auto face = source->file.shells().face(f);
         nodes.insert(nodes.end(), face.begin(), face.end());
       }
-      seen->parts.push_back({Part::Kind::Set, set.name, property ? "property" : "set", 0,
-                             points(each_once(std::move(nodes)))});
+      seen.parts.push_back({Part::Kind::Set, set.name, property ? "property" : "set", 0,
+                            points(each_once(std::move(nodes)))});
     }
-  seen->roles.assign(vertices.size(), Role::Free);
+}
+
+void EditedMesh::Made::show_roles(MeshView& seen) const {
+  seen.roles.assign(display->vertices().size(), Role::Free);
   const auto mark = [&](const std::vector<int>& nodes, Role role) {
-    for (const int p : points(nodes)) seen->roles[p] = role;
+    for (const int p : points(nodes)) seen.roles[p] = role;
   };
   for (const FormFeature& f : kept.features) mark(f.vertices, Role::Feature);
-  if (!edits.empty()) {
-    mark(edits.back()->task().problem.fixed, Role::Fixed);
-    for (const Handle& h : edits.back()->task().problem.handles) mark(h.vertices, Role::Handle);
-  }
-  view = std::move(seen);
+  if (edits.empty()) return;
+  mark(edits.back()->task().problem.fixed, Role::Fixed);
+  for (const Handle& h : edits.back()->task().problem.handles) mark(h.vertices, Role::Handle);
 }
 
 void EditedMesh::look_at(DocumentView& view) const {

@@ -42,6 +42,7 @@ void EditedShape::become(const SceneText& text, const std::filesystem::path& fil
   scene_ = scene;
   parts_ = parts;
   stress_.reset();
+  pattern_.reset();  // until it is drawn
 }
 
 void EditedShape::restate(const SceneText& text, const std::filesystem::path& file) {
@@ -222,7 +223,7 @@ void EditedShape::look_at(DocumentView& view) const {
   for (const CharacterLine& line : lines_)
     view.lines.push_back({line.name, points_of(*line.curve)});
   for (const SceneConstraint& pin : scene_.constraints)
-    if (session_ && pin.type == SceneConstraint::Type::Point) {
+    if (session_ && session_->parameters().has(pin.name + ".x")) {
       DocumentView::Handle handle{pin.name};
       for (int i = 0; i < 3; ++i)
         handle.centre[i] = session_->parameters().value(pin.name + "." + "xyz"[i]);

@@ -289,7 +289,7 @@ void MainWindow::take_news() {
   }
   if (computing) view_->set_words(text(kComputing));
   if (news.stress) show_stress(*news.stress);
-  if (news.frame) timeline_->drawn();
+  if (news.frame || !news.busy) timeline_->drawn();
   show_state(news);
 }
 
