@@ -61,7 +61,7 @@ void SliderPanel::rebuild() {
 
 void SliderPanel::add_row(size_t i) {
   auto* column = static_cast<QVBoxLayout*>(widget()->layout());
-  auto* row = new QHBoxLayout;
+  auto* controls = new QHBoxLayout;
   auto* label = new QLabel(QString::fromStdString(rows_[i].of.name));
   auto* number = new QDoubleSpinBox;
   number->setDecimals(4);
@@ -73,10 +73,10 @@ void SliderPanel::add_row(size_t i) {
   slider->setRange(0, kSteps);
   slider->setEnabled(!rows_[i].of.driven);
   slider->setObjectName("slider " + label->text());
-  row->addWidget(slider, 1);
-  row->addWidget(number);
+  controls->addWidget(slider, 1);
+  controls->addWidget(number);
   column->addWidget(label);
-  column->addLayout(row);
+  column->addLayout(controls);
   rows_[i].slider = slider;
   rows_[i].number = number;
   span(rows_[i], rows_[i].of.value);
