@@ -217,4 +217,20 @@ std::shared_ptr<DocumentContent> Document::next_content(const SceneText& text,
   return content;
 }
 
+DocumentView view_of(const Document& document) {
+  DocumentView view;
+  view.title = document.file().empty() ? "untitled" : document.file().filename().string();
+  if (!document.file().empty())
+    view.folder = std::filesystem::absolute(document.file()).parent_path().filename().string();
+  view.text = document.text().text();
+  view.changed = document.changed();
+  view.can_undo = document.can_undo();
+  view.can_redo = document.can_redo();
+  view.problem = document.content().problem();
+  for (auto& [table, values] : document.text().all_values())
+    view.tables.push_back({table, std::move(values)});
+  document.content().look_at(view);
+  return view;
+}
+
 }  // namespace batten

@@ -93,4 +93,7 @@ class Document {
   bool rests_ = true;
 };
 
+/// Looks at a document. O(facets' lines + tables · bytes).
+DocumentView view_of(const Document& document);
+
 }  // namespace batten

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <optional>
 
-#include "batten/apps/commands/documents/document.h"
 #include "batten/core/box.h"
 
 namespace batten {
@@ -31,22 +30,6 @@ std::string DocumentView::free_name(const std::string& beginning) const {
                      [&](const Table& table) { return table.name.name == name; }))
       return name;
   }
-}
-
-DocumentView view_of(const Document& document) {
-  DocumentView view;
-  view.title = document.file().empty() ? "untitled" : document.file().filename().string();
-  if (!document.file().empty())
-    view.folder = std::filesystem::absolute(document.file()).parent_path().filename().string();
-  view.text = document.text().text();
-  view.changed = document.changed();
-  view.can_undo = document.can_undo();
-  view.can_redo = document.can_redo();
-  view.problem = document.content().problem();
-  for (auto& [table, values] : document.text().all_values())
-    view.tables.push_back({table, std::move(values)});
-  document.content().look_at(view);
-  return view;
 }
 
 }  // namespace batten

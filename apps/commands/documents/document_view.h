@@ -14,8 +14,6 @@
 
 namespace batten {
 
-class Document;
-
 /// A mesh that is edited: what a window shows of it beside its facets. Vertices are display points.
 struct MeshView {
   /// What vertices are for.
@@ -109,8 +107,5 @@ struct DocumentView {
   /// A name with this beginning that no table has yet: "push 1", "push 2", …
   std::string free_name(const std::string& beginning) const;
 };
-
-/// Looks at a document. O(facets' lines + tables · bytes).
-DocumentView view_of(const Document& document);
 
 }  // namespace batten
