@@ -1,7 +1,5 @@
 #include "batten/io/scene/scene_parts.h"
 
-#include <sstream>
-
 #include "batten/io/scene/scene_words.h"
 
 namespace batten {
@@ -11,14 +9,6 @@ constexpr const char* kActing[] = {"load", "weight", "move", "constraint", "para
 /// What is made of a shape, and does not change it.
 constexpr const char* kMadeOf[] = {"motion", "picture", "sweep", "output",
                                    "stress", "compare", "name"};
-
-std::string written(const toml::table& table) {
-  std::ostringstream text;
-  text.imbue(std::locale::classic());
-  text.precision(17);
-  text << table;
-  return text.str();
-}
 
 void erase_number(toml::table& table, const char* key) {
   if (table.contains(key) && table.get(key)->is_number()) table.erase(key);
@@ -40,7 +30,7 @@ SceneParts parts_of(const SceneText& scene) {
             (*table)["name"].value_or(std::string("#") + std::to_string(number));
         erase_number(*table, "value");
         table->erase("to");
-        parts.acting[std::string(kind) + " " + name] = written(*table);
+        parts.acting[std::string(kind) + " " + name] = toml_words(*table);
       }
     root.erase(kind);
   }
@@ -50,7 +40,7 @@ SceneParts parts_of(const SceneText& scene) {
     if (const auto hold = (*skin)["hold"].value<std::string>())
       parts.acting["skin hold"] = *hold;  // a session's own
   }
-  parts.model = written(root);
+  parts.model = toml_words(root);
   return parts;
 }
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <locale>
+#include <sstream>
 
 #include "batten/core/errors.h"
 #include "batten/io/files/length_units.h"
@@ -75,6 +77,14 @@ toml::table parse_toml(const std::string& text, const std::filesystem::path& fil
                                   {static_cast<int>(begin.line), static_cast<int>(begin.column)}) +
                      "not TOML: " + std::string(e.description()));
   }
+}
+
+std::string toml_words(const toml::node& part) {
+  std::ostringstream text;
+  text.imbue(std::locale::classic());
+  text.precision(17);
+  part.visit([&](const auto& node) { text << node; });
+  return text.str();
 }
 
 }  // namespace batten

@@ -42,6 +42,10 @@ class Names {
   std::map<std::string, int> lines_;
 };
 
+/// A part of a scene as words that are the same for the same values, to the last digit; a table in
+/// braces in one line.
+std::string toml_words(const toml::node& part);
+
 /// Keys that [skin] and [output] may have.
 const std::vector<std::string>& skin_keys();
 const std::vector<std::string>& output_keys();

@@ -105,6 +105,18 @@ TEST_CASE("numbers of an edit change the edits behind it", "[document]") {
   CHECK(exported(document, folder) == deformed(document, folder));
   document.apply({.verb = Verb::Undo});
   CHECK((document.mesh()->shape() - before).isZero(0));
+
+  // A number that the first edit cannot have leaves the second one as it was.
+  Document both = panel();
+  act(both, {added("edit.handle", R"({ name = "left" })"),
+             added("edit", R"({ name = "edit 2", fixed = ["left"] })"),
+             added("edit.handle", R"({ name = "hole-3" })"),
+             slid("edit 2.hole-3.z", 4),
+             {.verb = Verb::Settle}});
+  const Points shape = both.mesh()->shape();
+  CHECK_THROWS_AS(both.apply(slid("edit 1.left.z", 1)), ConflictError);
+  CHECK((both.mesh()->shape() - shape).isZero(0));
+  CHECK(both.content().moves("edit 2.hole-3.z"));
 }
 
 TEST_CASE("what a mesh cannot do is refused and leaves all as it was", "[document]") {

@@ -1,7 +1,7 @@
 #include "batten/apps/commands/documents/edited_mesh.h"
 
 #include <algorithm>
-#include <sstream>
+#include <iterator>
 
 #include "batten/apps/commands/meshes/run_deform.h"
 #include "batten/apps/commands/runs/run_parts.h"
@@ -29,9 +29,7 @@ std::string words_of(const std::string& text) {
             if (toml::table* table = one.as_table())
               for (const char* number : {"translate", "rotate", "scale", "factor"})
                 table->erase(number);
-  std::ostringstream words;
-  words << root;
-  return words.str();
+  return toml_words(root);
 }
 
 bool acts(const EditRule& edit) { return !edit.handles.empty() || !edit.fixed.empty(); }
@@ -153,13 +151,13 @@ void EditedMesh::set_numbers(const DeformScene& scene) {
   if (first < edits.size()) {
     const EditRule before = edits[first]->rule();
     std::vector<std::unique_ptr<EditSession>> behind;
+    std::move(edits.begin() + static_cast<long>(first) + 1, edits.end(),
+              std::back_inserter(behind));
+    edits.resize(first + 1);
     try {
       DeformReport::Edit none;
       edits[first]->set(*rules[first]);
       edits[first]->settle(none);
-      std::move(edits.begin() + static_cast<long>(first) + 1, edits.end(),
-                std::back_inserter(behind));
-      edits.resize(first + 1);
       made_->edit(scene, {});
     } catch (const Error&) {  // as it was
       DeformReport::Edit none;

@@ -1,7 +1,6 @@
 #include "batten/apps/commands/documents/edited_sequence.h"
 
 #include <algorithm>
-#include <sstream>
 
 #include "batten/apps/commands/runs/run_parts.h"
 #include "batten/apps/commands/sequences/run_sequence.h"
@@ -13,12 +12,6 @@
 namespace batten {
 namespace {
 
-std::string words_of(const toml::node* node) {
-  std::ostringstream words;
-  if (node) node->visit([&](const auto& n) { words << n; });
-  return words.str();
-}
-
 using Role = MeshView::Role;
 using Part = MeshView::Part;
 
@@ -29,11 +22,11 @@ struct EditedSequence::Words {
   Words() = default;
   explicit Words(const std::string& text) {
     toml::table root = parse_toml(text, {}, "edits of a sequence");
-    source = words_of(root.get("sequence"));
+    if (const toml::node* frames = root.get("sequence")) source = toml_words(*frames);
     if (const toml::array* list = root["step"].as_array())
-      for (const toml::node& step : *list) steps.push_back(words_of(&step));
+      for (const toml::node& step : *list) steps.push_back(toml_words(step));
     for (const char* kind : {"sequence", "step", "output", "picture", "name"}) root.erase(kind);
-    parts = words_of(&root);
+    parts = toml_words(root);
   }
   std::string source, parts;
   std::vector<std::string> steps;
@@ -47,7 +40,7 @@ struct EditedSequence::Made {
         select(scene, file, input->mesh),
         parts(find_sequence_parts(scene, select)) {}
 
-  const PreparedSequence& last() const { return after.empty() ? *input : *after.back(); }
+  const PreparedSequence& last() const { return after.empty() ? *input : *after.back().frames; }
   void do_steps(const Progress& progress);
   void show();
   Points vertices(const Points& nodes) const;
@@ -61,9 +54,12 @@ struct EditedSequence::Made {
   MeshFile file;
   VertexSelector select;
   SequenceParts parts;
-  std::vector<std::shared_ptr<const PreparedSequence>> after;  // each step
-  std::vector<SequenceReport::Foot> feet;
-  std::string warnings;
+  /// What a step gave, and the feet that it planted.
+  struct Done {
+    std::shared_ptr<const PreparedSequence> frames;
+    std::vector<SequenceReport::Foot> feet;
+  };
+  std::vector<Done> after;  // each step
   std::unique_ptr<const MeshDisplay> display;
   std::shared_ptr<const MeshView> view;
 };
@@ -114,9 +110,9 @@ void EditedSequence::Made::do_steps(const Progress& progress) {
     progress.at(step.name, static_cast<double>(k) / static_cast<double>(scene.steps.size()));
     const PreparedSequence& from = last();
     const StepResult result = done_step(scene, step, from, parts, select, read, progress);
-    feet = result.feet;
     after.push_back(
-        naming_step(scene, step, [&] { return collected(result, input->mesh, progress); }));
+        {naming_step(scene, step, [&] { return collected(result, input->mesh, progress); }),
+         result.feet});
   }
 }
 
@@ -199,7 +195,8 @@ void EditedSequence::look_at(DocumentView& view) const {
   for (size_t k = 0; keys && k < keys->keys.size(); ++k)
     timeline.keyframes.push_back(keys->keys[k].frame - 1);
   std::sort(timeline.keyframes.begin(), timeline.keyframes.end());
-  for (const auto& foot : made_->feet)
+  static const std::vector<SequenceReport::Foot> kNoFeet;
+  for (const auto& foot : made_->after.empty() ? kNoFeet : made_->after.back().feet)
     for (const Handle& h : made_->parts.handles)
       if (h.name == foot.handle)
         timeline.footprints.push_back(

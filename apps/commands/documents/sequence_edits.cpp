@@ -1,8 +1,5 @@
 #include "batten/apps/commands/documents/sequence_edits.h"
 
-#include <algorithm>
-#include <sstream>
-
 #include "batten/apps/commands/documents/line_edits.h"
 #include "batten/io/scene/scene_words.h"
 
@@ -28,9 +25,7 @@ std::string with_move(const std::string& list, const std::string& handle, const 
       toml::table table = *one.as_table();
       if (table["name"].value_or(std::string()) == handle) continue;
       table.is_inline(true);
-      std::ostringstream text;
-      text << table;
-      words += text.str() + ", ";
+      words += toml_words(table) + ", ";
     }
   return "[" + words + move + "]";
 }

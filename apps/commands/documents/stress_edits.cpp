@@ -1,6 +1,6 @@
 #include "batten/apps/commands/documents/stress_edits.h"
 
-#include <sstream>
+#include <algorithm>
 
 #include "batten/io/scene/scene_words.h"
 
@@ -10,11 +10,19 @@ namespace {
 using Verb = DocumentCommand::Verb;
 const SceneTable kStress{"stress", ""};
 
+/// Whether a list stands as a key of [stress], not in tables [[stress.KEY]] of its own.
+bool in_braces(const SceneText& scene, const std::string& key) {
+  if (!scene.has(kStress)) return false;
+  const auto values = scene.values(kStress);
+  return std::any_of(values.begin(), values.end(),
+                     [&](const auto& value) { return value.first == key; });
+}
+
 /// The tables of a list in braces; none when it has another form.
 std::vector<toml::table> list_of(const SceneText& scene, const std::string& key) {
   std::vector<toml::table> tables;
-  const std::string value = scene.has(kStress) ? scene.value(kStress, key) : "";
-  if (!value.starts_with('[')) return tables;
+  if (!in_braces(scene, key)) return tables;
+  const std::string value = scene.value(kStress, key);
   const toml::table root = parse_toml("list = " + value, {}, "a list");
   if (const toml::array* list = root["list"].as_array())
     for (const toml::node& one : *list)
@@ -24,9 +32,7 @@ std::vector<toml::table> list_of(const SceneText& scene, const std::string& key)
 
 std::string words_of(toml::table table) {
   table.is_inline(true);
-  std::ostringstream words;
-  words << table;
-  return words.str();
+  return toml_words(table);
 }
 
 DocumentCommand list_edit(const std::string& key, const std::vector<std::string>& items) {
@@ -61,14 +67,14 @@ std::vector<DocumentCommand> support_edits(const SceneText& scene, const std::st
   std::vector<std::string> items;
   for (const toml::table& other : list_of(scene, "supports"))
     if (!is_of(other, line)) items.push_back(words_of(other));
-  if (!scene.value(kStress, "supports").starts_with('[')) return {};
+  if (!in_braces(scene, "supports")) return {};
   if (!kind.empty()) items.push_back(support);
   return {list_edit("supports", items)};
 }
 
 std::vector<DocumentCommand> stress_load_edits(const SceneText& scene, const std::string& load) {
-  const std::string stated = scene.has(kStress) ? scene.value(kStress, "loads") : "";
-  if (!scene.has(kStress) || (!stated.empty() && !stated.starts_with('['))) return {};
+  const bool stated = scene.has(kStress) && !scene.value(kStress, "loads").empty();
+  if (!scene.has(kStress) || (stated && !in_braces(scene, "loads"))) return {};
   std::vector<std::string> items;
   for (const toml::table& other : list_of(scene, "loads")) items.push_back(words_of(other));
   items.push_back(load);

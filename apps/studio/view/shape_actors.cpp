@@ -198,7 +198,7 @@ void ShapeActors::choose_facets() {
     for (int f = pattern_->first_facet[r];
          regions_[r] == choice_ && f < pattern_->first_facet[r + 1]; ++f)
       chosen_facets_.push_back(f);
-  if (!mesh_) return;
+  if (!mesh_is_drawn()) return;
   std::vector<char> chosen(mesh_->roles.size(), 0);
   for (const MeshView::Part& part : mesh_->parts)
     if (part.name == choice_)

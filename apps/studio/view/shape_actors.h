@@ -100,6 +100,7 @@ class ShapeActors {
   void measure_stretch(float* value) const;
   void place_points();
   bool shows_stress() const;
+  bool mesh_is_drawn() const;
   void colour();
   struct NearLine {
     Vec2 hand;

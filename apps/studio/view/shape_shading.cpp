@@ -83,16 +83,22 @@ void ShapeActors::shade_facets(vtkIntArray* values, vtkLookupTable* table) {
   mapper.SetScalarRange(table->GetTableRange());
 }
 
+// The words about a mesh come before its points.
+bool ShapeActors::mesh_is_drawn() const {
+  return mesh_ && mesh_->roles.size() == static_cast<size_t>(points_->GetNumberOfTuples());
+}
+
 // Facets whose corners are all for the same thing have its colour; those of what is chosen another one.
 void ShapeActors::make_roles() {
   roles_->SetNumberOfTuples(0);
   if (!pattern_) return;
   const auto n = static_cast<vtkIdType>(pattern_->facets.size());
   roles_->SetNumberOfTuples(n);
+  const bool fits = mesh_is_drawn();
   for (vtkIdType i = 0; i < n; ++i) {
     const auto& facet = pattern_->facets[static_cast<size_t>(i)];
     int role = 0;
-    if (mesh_) {
+    if (fits) {
       const auto of = [&](int corner) {
         return static_cast<int>(
             mesh_->roles[static_cast<size_t>(facet[static_cast<size_t>(corner)])]);
