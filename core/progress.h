@@ -12,12 +12,16 @@ namespace batten {
 struct Progress {
   /// Called with the name of the stage and the fraction of it that is done, 0 to 1.
   std::function<void(std::string_view stage, double fraction)> report;
-  /// Asked now and then; true stops the computation with CancelledError.
+  /// Asked now and then, by several threads at once; true stops the computation with CancelledError.
   std::function<bool()> cancelled;
 
   void at(std::string_view stage, double fraction) const {
-    if (cancelled && cancelled()) throw CancelledError();
+    go_on();
     if (report) report(stage, fraction);
+  }
+  /// Throws CancelledError where the computation is to stop.
+  void go_on() const {
+    if (cancelled && cancelled()) throw CancelledError();
   }
 };
 

@@ -4,6 +4,7 @@
 #include <QDir>
 #include <QLockFile>
 #include <QMessageBox>
+#include <QSettings>
 #include <QStandardPaths>
 
 #include <fstream>
@@ -82,5 +83,9 @@ int main(int argc, char** argv) {
     window.recover(kept.left.toStdString());
   else if (argc > 1)
     window.open(argv[1]);
+  else if (QSettings seen; !seen.value("toured", false).toBool()) {
+    seen.setValue("toured", true);
+    window.start_tour();
+  }
   return QApplication::exec();
 }

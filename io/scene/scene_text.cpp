@@ -447,4 +447,16 @@ std::string SceneText::word(const std::string& text) {
   return quoted + "\"";
 }
 
+std::string SceneText::list(const std::vector<std::string>& values) {
+  std::string list;
+  for (const std::string& value : values) list += (list.empty() ? "" : ", ") + value;
+  return "[" + list + "]";
+}
+
+std::string SceneText::word_list(const std::vector<std::string>& texts) {
+  std::vector<std::string> words;
+  for (const std::string& text : texts) words.push_back(word(text));
+  return list(words);
+}
+
 }  // namespace batten

@@ -67,6 +67,9 @@ class SceneText {
   /// A number as the shortest text that reads back as the same number, and a text in quotes.
   static std::string word(double value);
   static std::string word(const std::string& text);
+  /// Values as a list, and texts as a list of texts.
+  static std::string list(const std::vector<std::string>& values);
+  static std::string word_list(const std::vector<std::string>& texts);
 
  private:
   struct Span;

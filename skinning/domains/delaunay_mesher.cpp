@@ -35,6 +35,8 @@ using Triangulation =
 using Criteria = CGAL::Delaunay_mesh_size_criteria_2<Triangulation>;
 using Point = Triangulation::Point;
 
+constexpr long kOften = 1024;  // rounds between two questions whether to go on
+
 // Along the Z-shaped curve, so that neighbours lie near each other in memory.
 std::vector<int> spatial_order(const std::vector<Point>& points) {
   double low_x = 0, low_y = 0, extent = 0;
@@ -71,7 +73,7 @@ double quality(const Vec2& a, const Vec2& b, const Vec2& c) {
 // worst of these triangles becomes better or stays good (0.8). CGAL's own optimizers add up in the
 // order of addresses, so that their last bits change from run to run.
 void smooth(std::vector<Vec2>& vertices, const std::vector<ParametricMesh::Triangle>& triangles,
-            const std::vector<char>& fixed, int sweeps) {
+            const std::vector<char>& fixed, int sweeps, const Progress& progress) {
   std::vector<std::vector<int>> around(vertices.size());
   for (size_t t = 0; t < triangles.size(); ++t)
     for (const int v : triangles[t]) around[v].push_back(static_cast<int>(t));
@@ -83,7 +85,8 @@ void smooth(std::vector<Vec2>& vertices, const std::vector<ParametricMesh::Trian
     }
     return q;
   };
-  for (int sweep = 0; sweep < sweeps; ++sweep)
+  for (int sweep = 0; sweep < sweeps; ++sweep) {
+    progress.go_on();
     for (size_t v = 0; v < vertices.size(); ++v) {
       if (fixed[v]) continue;
       Vec2 moment = Vec2::Zero();
@@ -100,6 +103,7 @@ void smooth(std::vector<Vec2>& vertices, const std::vector<ParametricMesh::Trian
       vertices[v] = moment / total;
       if (worst(static_cast<int>(v)) < std::min(quality_before, 0.8)) vertices[v] = before;
     }
+  }
 }
 
 // A point inside of a simple polygon: the middle of the largest gap between its segments, along
@@ -152,8 +156,10 @@ void exclude(Triangulation& triangulation, Triangulation::Face_handle start) {
 // distance of √2 times the shortest edge that gave rise to it, so that this ends.
 class Refinement {
  public:
-  Refinement(Triangulation& triangulation, double longest, double least_angle)
+  Refinement(Triangulation& triangulation, double longest, double least_angle,
+             const Progress& progress)
       : triangulation_(triangulation),
+        progress_(progress),
         largest2_(longest * longest / 3),
         least_angle_(least_angle) {}
 
@@ -161,7 +167,8 @@ class Refinement {
     auto& t = triangulation_;
     for (auto f = t.finite_faces_begin(); f != t.finite_faces_end(); ++f)
       if (f->is_in_domain()) look(f);
-    while (!queue_.empty()) {
+    for (long round = 0; !queue_.empty(); ++round) {
+      if (round % kOften == 0) progress_.go_on();
       const Bad bad = queue_.top();
       queue_.pop();
       if (!is_there(bad)) continue;
@@ -239,6 +246,7 @@ class Refinement {
   }
 
   Triangulation& triangulation_;
+  const Progress& progress_;
   double largest2_;  // square of the radius, of an equilateral triangle
   double least_angle_;
   std::priority_queue<Bad> queue_;
@@ -246,12 +254,12 @@ class Refinement {
 };
 
 void refine_between(Triangulation& triangulation, const std::vector<Point>& hole_seeds,
-                    double longest, double least_angle) {
+                    const MeshTask& task, double longest, double least_angle) {
   for (auto f = triangulation.all_faces_begin(); f != triangulation.all_faces_end(); ++f)
     f->set_in_domain(true);
   exclude(triangulation, triangulation.infinite_face());
   for (const Point& seed : hole_seeds) exclude(triangulation, triangulation.locate(seed));
-  Refinement(triangulation, longest, least_angle).run();
+  Refinement(triangulation, longest, least_angle, task.progress).run();
 }
 
 using VertexHandle = Triangulation::Vertex_handle;
@@ -285,7 +293,8 @@ void refine_everywhere(Triangulation& triangulation, const std::vector<Point>& h
       many * (box_around(task.points).sizes().prod() / (task.edge_length * task.edge_length) +
               static_cast<double>(task.points.size()) + 1000);
   mesher.init();
-  while (!mesher.is_refinement_done()) {
+  for (long round = 0; !mesher.is_refinement_done(); ++round) {
+    if (round % kOften == 0) task.progress.go_on();
     mesher.step_by_step_refine_mesh();
     if (static_cast<double>(triangulation.number_of_vertices()) > most)
       throw InputError(
@@ -327,7 +336,7 @@ ParametricMesh smoothed_mesh(const Triangulation& triangulation,
   }
   for (const int i : spatial_order(centres)) triangles.push_back(found[i]);
   constexpr int sweeps = 6;
-  smooth(vertices, triangles, fixed, sweeps);
+  smooth(vertices, triangles, fixed, sweeps, task.progress);
   return {std::move(vertices), std::move(triangles)};
 }
 
@@ -343,7 +352,7 @@ ParametricMesh delaunay_mesh(const MeshTask& task) {
   constexpr double least_angle = 0.125;  // sin² of 20.7 degrees
   const double longest = 1.3 * task.edge_length;
   if (task.keep_segments)
-    refine_between(triangulation, seeds, longest, least_angle);
+    refine_between(triangulation, seeds, task, longest, least_angle);
   else
     refine_everywhere(triangulation, seeds, task, longest, least_angle);
   return smoothed_mesh(triangulation, handle, task);

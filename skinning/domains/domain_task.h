@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "batten/constraints/constraint_set.h"
+#include "batten/core/progress.h"
 #include "batten/skinning/domains/outline.h"
 #include "batten/skinning/region/region_parts.h"
 #include "batten/skinning/region/skin_options.h"
@@ -19,6 +20,7 @@ struct DomainTask {
   double tolerance;  ///< of lines: largest distance from their curves
   double edge;       ///< target length of element edges
   double join;       ///< ends that are nearer than this meet
+  Progress progress{};
 };
 
 /// Rounds a coordinate of the domain to a multiple of 2⁻³⁰, so that lines given in mm and in m,

@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "batten/core/progress.h"
 #include "batten/fem/parametric_mesh.h"
 
 namespace batten {
@@ -19,13 +20,14 @@ struct MeshTask {
   /// Segments stay whole: each is one edge of the mesh. Where they are short, triangles grow from
   /// them to the target; angles are kept only where no segment is in the way.
   bool keep_segments = false;
+  Progress progress{};  ///< asked whether to go on, every thousand vertices
 };
 
 /// Makes a constrained Delaunay triangulation, refined to the target length with angles above 20.7
 /// degrees where the input allows (CGAL's Mesh_2), then smoothed. The result's first vertices are
 /// the task's points in their order; vertices and triangles that follow are in spatial order.
 /// Segments may be split further, unless the task keeps them. Throws InputError: no CGAL, segments
-/// that cross.
+/// that cross; CancelledError.
 ParametricMesh delaunay_mesh(const MeshTask& task);
 /// Returns whether this build has CGAL.
 bool have_delaunay_mesher();

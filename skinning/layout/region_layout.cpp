@@ -276,7 +276,8 @@ RegionLayout::RegionLayout(std::string name, const std::vector<CharacterLine>& l
   require_tolerance(tolerance_, size_);
   edge_ = options.edge_length > 0 ? options.edge_length : size_ / 20;
   join_ = std::max(tolerance_, 1e-6 * size_);
-  const DomainTask task = this->task();
+  DomainTask task = this->task();
+  task.progress = progress;
 
   // 1. Cut and join.
   const JoinedLines joined = cut_and_join(lines, task);

@@ -73,7 +73,7 @@ class Refiner {
   JoinedModel refined(const Progress& progress) {
     constexpr int most_rounds = 3;
     for (int round = 0; round < most_rounds && halve(); ++round)
-      if (progress.cancelled && progress.cancelled()) throw CancelledError();
+      progress.go_on();
     while (make_creases()) {
     }
     return std::move(model_);

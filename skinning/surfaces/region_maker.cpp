@@ -199,8 +199,13 @@ RegionWish RegionMaker::wish_of(size_t r) const {
   // Triangles that trials may take: of large regions and of large models fewer are made.
   constexpr int least = 1'000, most = 8'000;
   const int budget = std::clamp(kMostOfModel / count_of(model_.regions), least, most);
-  return {plan.name, lines_of(plan), count_of(plan.inner), skin, orientation_.plain_areas[r],
-          budget};
+  return {plan.name,
+          lines_of(plan),
+          count_of(plan.inner),
+          skin,
+          orientation_.plain_areas[r],
+          budget,
+          {.report = {}, .cancelled = progress_.cancelled}};
 }
 
 void RegionMaker::take(size_t r, RegionTrial trial) {

@@ -114,7 +114,7 @@ RegionTrial laid_out(const RegionWish& wish, const SkinOptions& skin, bool inner
   std::vector<CharacterLine> lines = wish.lines;
   if (!inner) lines.resize(lines.size() - static_cast<size_t>(wish.inner));
   RegionTrial trial{
-      std::make_shared<const RegionLayout>(wish.name, lines, skin), {}, {skin, inner}, {}};
+      std::make_shared<const RegionLayout>(wish.name, lines, skin, wish.progress), {}, {skin, inner}, {}};
   const ModelLayout alone(frame, {trial.layout}, {});
   trial.shape = alone.least_energy(material, natural_dofs(alone));
   return trial;

@@ -25,6 +25,7 @@ struct RegionWish {
   SkinOptions skin;                  ///< `domain`: the first to be tried
   double plain_area = 0;             ///< of a plain filling; 0: unknown
   int most_triangles = 8'000;        ///< of all trials but the first, about
+  Progress progress{};               ///< asked whether to go on, by several threads at once
 };
 
 /// How a region was laid out.

@@ -318,10 +318,10 @@ TEST_CASE("stresses of a document are those of batten stress", "[document]") {
   const fs::path scene = BATTEN_SOURCE_DIR "/examples/18-lean/scene.toml";
   Document document;
   document.apply({.verb = Verb::Open, .file = scene});
-  CHECK(document.stress() == nullptr);  // nothing is drawn yet
+  CHECK(document.stress(Analysis::Stress) == nullptr);  // nothing is drawn yet
   Frame frame;
   REQUIRE(document.draw(frame));
-  const auto stress = document.stress();
+  const auto stress = document.stress(Analysis::Stress);
   REQUIRE(stress);
   INFO(stress->problem);
   REQUIRE(stress->values.size() == frame.points.size() / 3);

@@ -34,14 +34,14 @@ std::string box() {
   return scene;
 }
 
-const std::string kHead = "unit = \"mm\"\n[network]\n";
+const std::string kNetworkHead = "unit = \"mm\"\n[network]\n";
 const std::string kCoarse = "[skin]\nedge_length = 8\n";
 
 }  // namespace
 
 TEST_CASE("run makes all surfaces of a network, as one solid", "[cli][network]") {
   const Case c("network");
-  c.file("s.toml", kHead + box() + kCoarse +
+  c.file("s.toml", kNetworkHead + box() + kCoarse +
                        "[output]\nstep = \"box.step\"\nvtp = \"box.vtp\"\nvtu = \"box.vtu\"\n");
   const Result r = c.run({"run", "s.toml", "--out", "out"});
   INFO(r.out << r.err);
@@ -84,14 +84,14 @@ TEST_CASE("run makes all surfaces of a network, as one solid", "[cli][network]")
 TEST_CASE("the user's words about regions and joins are followed", "[cli][network]") {
   const Case c("network_words");
   // z = 0 is e1, e2, and the two lines from their far ends.
-  c.file("s.toml", kHead + box() + kCoarse);
+  c.file("s.toml", kNetworkHead + box() + kCoarse);
   const Result info = c.run({"info", "s.toml"});
   INFO(info.out << info.err);
   REQUIRE(info.code == 0);
   CHECK(info.out.find("12 pieces between 8 places") != std::string::npos);
   CHECK(info.out.find("6 regions") != std::string::npos);
 
-  c.file("open.toml", kHead + box() + kCoarse +
+  c.file("open.toml", kNetworkHead + box() + kCoarse +
                           "[[region]]\nloops = [[\"e1\", \"e2\", \"e4\", \"e6\"]]\nsurface = "
                           "false\n");
   const Result r = c.run({"run", "open.toml", "--out", "out"});
@@ -113,10 +113,10 @@ TEST_CASE("a region has its own domain and its own edges", "[cli][network]") {
   const auto words = [](const std::string& more) {
     return "[[region]]\nname = \"fine\"\nloops = [[\"a\"]]\n" + more;
   };
-  c.file("usual.toml", kHead + strip + words("") + kCoarse);
-  c.file("fine.toml", kHead + strip + words("edge_length = 1\n") + kCoarse);
-  c.file("plane.toml", kHead + strip + words("domain = \"plane\"\n") + kCoarse);
-  c.file("ring.toml", kHead + strip + words("domain = \"ring\"\n") + kCoarse);
+  c.file("usual.toml", kNetworkHead + strip + words("") + kCoarse);
+  c.file("fine.toml", kNetworkHead + strip + words("edge_length = 1\n") + kCoarse);
+  c.file("plane.toml", kNetworkHead + strip + words("domain = \"plane\"\n") + kCoarse);
+  c.file("ring.toml", kNetworkHead + strip + words("domain = \"ring\"\n") + kCoarse);
   const auto of = [&](const std::string& name) {
     const Result r = c.run({"run", name + ".toml", "--out", name});
     INFO(r.out << r.err);
@@ -147,7 +147,8 @@ TEST_CASE("what cannot be kept is named, with exit code 4", "[cli][network]") {
   const Case c("network_missed");
   // Two planes at a right angle that should be smooth: corners of a box have no tangent plane along
   // them, which the ends say; what was asked for is not reached all along.
-  c.file("s.toml", kHead + box() + kCoarse + "[[join]]\nlines = [\"e1\"]\nkind = \"smooth\"\n");
+  c.file("s.toml",
+         kNetworkHead + box() + kCoarse + "[[join]]\nlines = [\"e1\"]\nkind = \"smooth\"\n");
   const Result r = c.run({"run", "s.toml", "--out", "out"});
   INFO(r.out << r.err);
   const auto j = report(c, "out");
@@ -238,26 +239,26 @@ TEST_CASE("half a model is enough where it is symmetric", "[cli][network]") {
 
 TEST_CASE("mistakes in a network's words are answered with their place", "[cli][network]") {
   const Case c("network_mistakes");
-  c.fails(kHead + box() + "[[join]]\nlines = [\"e13\"]\nkind = \"smooth\"\n", 1,
+  c.fails(kNetworkHead + box() + "[[join]]\nlines = [\"e13\"]\nkind = \"smooth\"\n", 1,
           {"s.toml:40:10:", "e13", "e3", "meant"});
-  c.fails(kHead + box() + "[[region]]\nloops = [[\"e1\", \"e2\", \"nothing\"]]\n", 1,
+  c.fails(kNetworkHead + box() + "[[region]]\nloops = [[\"e1\", \"e2\", \"nothing\"]]\n", 1,
           {"s.toml:40:9:", "nothing"});
-  c.fails(kHead + box() + "[[region]]\nloops = [[\"e1\", \"e2\"]]\n", 1, {"s.toml:40:9:"});
-  c.fails(kHead +
+  c.fails(kNetworkHead + box() + "[[region]]\nloops = [[\"e1\", \"e2\"]]\n", 1, {"s.toml:40:9:"});
+  c.fails(kNetworkHead +
               "[[line]]\nname = \"a\"\npoints = [[0,0,0], [1,0,0]]\n"
               "[[line]]\nname = \"b\"\npoints = [[1,0,0], [1,1,0]]\n",
           1, {"s.toml:2:1:", "no loop of lines", "one or more"});
   const std::string pressed = "[[load]]\nname = \"p\"\ntype = \"pressure\"\nvalue = 1\n";
-  c.fails(kHead + box() + pressed + "regions = [\"bottom\"]\n", 1,
+  c.fails(kNetworkHead + box() + pressed + "regions = [\"bottom\"]\n", 1,
           {"s.toml:43:12:", "'bottom'", "expected one of", "region 1"});
-  c.fails(kHead + box() + "[[move]]\nname = \"m\"\nline = \"e99\"\nvalue = 1\n", 1,
+  c.fails(kNetworkHead + box() + "[[move]]\nname = \"m\"\nline = \"e99\"\nvalue = 1\n", 1,
           {"s.toml:41:8:", "'e99'", "e9"});
 }
 
 TEST_CASE("sculpt works on a network as on one region: sweep, motion, record and replay",
           "[cli][network]") {
   const Case c("network_sculpt");
-  c.file("s.toml", kHead + box() + kCoarse +
+  c.file("s.toml", kNetworkHead + box() + kCoarse +
                        "[[load]]\nname = \"p\"\ntype = \"pressure\"\nvalue = 0\n"
                        "[output]\nvtp = \"box.vtp\"\n");
   const Result first = c.run({"sculpt", "s.toml", "--out", "out", "--sweep", "p=0:4:3", "--time",
@@ -280,7 +281,7 @@ TEST_CASE("sculpt works on a network as on one region: sweep, motion, record and
 TEST_CASE("the rims of a ring are not told to lie apart, other lines are", "[cli][network]") {
   const Case c("network_apart");
   const std::string line = "[[line]]\nname = ";
-  c.file("s.toml", kHead + kCoarse + line +
+  c.file("s.toml", kNetworkHead + kCoarse + line +
                        "\"low\"\ncircle = { centre = [0,0,0], radius = 10 }\n" + line +
                        "\"high\"\ncircle = { centre = [0,0,15], radius = 10 }\n" + line +
                        "\"far\"\npoints = [[40,0,0],[40,10,0]]\n" +
@@ -308,8 +309,8 @@ TEST_CASE("lines of a network that tremble are faired unless they are to be kept
   const std::string line = "[[line]]\nname = ";
   const std::string lines = line + "\"side\"\npoints = [" + side + "]\n" + line +
                             "\"rest\"\npoints = [[40,0,0],[40,40,0],[0,40,0],[0,0,0]]\n";
-  c.file("fair.toml", kHead + lines + kCoarse);
-  c.file("keep.toml", kHead + "trembling = \"keep\"\n" + lines + kCoarse);
+  c.file("fair.toml", kNetworkHead + lines + kCoarse);
+  c.file("keep.toml", kNetworkHead + "trembling = \"keep\"\n" + lines + kCoarse);
   const Result fair = c.run({"run", "fair.toml", "--out", "fair"});
   INFO(fair.out << fair.err);
   REQUIRE(fair.code == 0);
@@ -350,7 +351,7 @@ TEST_CASE("lines leave as whole curves although others cut them", "[cli][network
     wave += std::string(i ? "," : "") + "[" + std::to_string(i) + ",20," +
             std::to_string(4 * std::sin(i * std::acos(-1.0) / 40)) + "]";
   c.file("s.toml",
-         kHead +
+         kNetworkHead +
              "[[line]]\nname = \"rim\"\npoints = [[0,0,0],[40,0,0],[40,40,0],[0,40,0],[0,0,0]]\n" +
              wave + "]\n[[line]]\nname = \"spar\"\npoints = [[20,0,0],[20,20,4],[20,40,0]]\n" +
              "corners = \"none\"\n" + kCoarse +
@@ -376,5 +377,6 @@ TEST_CASE("lines leave as whole curves although others cut them", "[cli][network
   CHECK(again.code == 0);
   CHECK(report(c, "again")["step"]["faces"] == 4);
   CHECK(report(c, "again")["step"]["lines"].get<int>() > 0);
-  c.fails(kHead + box() + "[output]\nstep_lines = true\n", 1, {"'step_lines' without 'step'"});
+  c.fails(kNetworkHead + box() + "[output]\nstep_lines = true\n", 1,
+          {"'step_lines' without 'step'"});
 }

@@ -44,7 +44,7 @@ void put(const fs::path& path, const MeshSequence& s) {
 }
 
 /// Keys before the steps.
-const std::string kHead =
+const std::string kSequenceHead =
     "unit = \"mm\"\n[sequence]\nfile = \"in/walk_*.obj\"\n"
     "[[select]]\nname = \"a\"\nbox = [[0.74,-1,-1],[0.76,1,1]]\n"
     "[[select]]\nname = \"b\"\nbox = [[0.24,-1,-1],[0.26,1,1]]\n"
@@ -58,7 +58,7 @@ const std::string kKeyframes =
 
 void put_walk(const Case& c) { put(c / "in/walk_*.obj", walk_on_the_spot()); }
 
-std::string with_step(const std::string& step) { return kHead + "[[step]]\n" + step; }
+std::string with_step(const std::string& step) { return kSequenceHead + "[[step]]\n" + step; }
 
 /// A run that is done, with its report.
 /// Each part of the frames has a report of its own.
@@ -125,7 +125,7 @@ TEST_CASE("every kind of step goes over a walk", "[sequence]") {
            with_step("kind = \"morph\"\ntarget = { file = \"in/walk_*.obj\", interval = [3, 10] }\n"
                      "interval = [5, 12]\n"));
   CHECK(j["sequence"]["frames"].get<int>() == 4 + 8 + 7);
-  j = done(c, kHead + kKeyframes);
+  j = done(c, kSequenceHead + kKeyframes);
   CHECK(j["steps"][0]["keyframes"].get<int>() == 1);
 }
 
@@ -143,7 +143,7 @@ TEST_CASE("an upright trunk stays on the path, and on a slope goes with the mean
       walk_on_the_spot().frames[0], [](const Vec3& p) { return std::abs(p.x() - 0.5) < 0.011; });
   REQUIRE(!trunk.empty());
   const auto frames = [&](const std::string& step) {
-    done(c, kHead + head + step);
+    done(c, kSequenceHead + head + step);
     return read_sequence(c / "out/frames").frames;
   };
   const std::string bend = "kind = \"path\"\nthrough = [[0,0,0],[1,0.3,0],[2,1.2,0]]\n";
@@ -170,7 +170,7 @@ TEST_CASE("sequences that cannot be are refused by file and place, and leave not
     c.fails(scene, 1, parts, {}, "sequence");
   };
   const std::string frame = kKeyframes.substr(kKeyframes.find("[[step.keyframe]]"));
-  refused(kHead + "[[step]]\nkind = \"keyframe\"\n",
+  refused(kSequenceHead + "[[step]]\nkind = \"keyframe\"\n",
           {"s.toml:17:8: found 'keyframe'", "keyframes"});
   refused(with_step("kind = \"keyframes\"\nsigma = 2\n" + frame),
           {"s.toml:18:", "key 'sigma' in a step of the kind 'keyframes'"});
@@ -184,7 +184,7 @@ TEST_CASE("sequences that cannot be are refused by file and place, and leave not
           {"s.toml:20:", "found the handle 'frond'", "front"});
   refused(with_step("kind = \"keyframes\"\ninfluence = [4, 8]\n" + frame),
           {"s.toml:16:", "step-1"});
-  refused(kHead +
+  refused(kSequenceHead +
               "[[select]]\nname = \"none\"\nbox = [[9,9,9],[10,10,10]]\n[[handle]]\nname = "
               "\"hand\"\nvertices = \"none\"\n" +
               kKeyframes,
@@ -194,13 +194,13 @@ TEST_CASE("sequences that cannot be are refused by file and place, and leave not
 
   const std::string five = contents(c / "in/walk_0005.obj");
   fs::remove(c / "in/walk_0005.obj");
-  refused(kHead + kKeyframes, {"s.toml:3:8: ", "5"});
+  refused(kSequenceHead + kKeyframes, {"s.toml:3:8: ", "5"});
   c.file("in/walk_0005.obj", five.substr(0, five.rfind("f ")));
-  refused(kHead + kKeyframes, {"s.toml:3:8: ", "walk_0005.obj"});
+  refused(kSequenceHead + kKeyframes, {"s.toml:3:8: ", "walk_0005.obj"});
   std::string nan = five;
   nan.replace(nan.find("v ") + 2, 1, "nan ");
   c.file("in/walk_0005.obj", nan);
-  refused(kHead + kKeyframes, {"s.toml:3:8: ", "walk_0005.obj"});
+  refused(kSequenceHead + kKeyframes, {"s.toml:3:8: ", "walk_0005.obj"});
   c.file("in/walk_0005.obj", five);
 
   put(c / "cache.pc2", walk_on_the_spot());
@@ -209,7 +209,7 @@ TEST_CASE("sequences that cannot be are refused by file and place, and leave not
   refused("unit = \"mm\"\n[sequence]\nfile = \"short.pc2\"\nmesh = \"cache.obj\"\n",
           {"s.toml:3:8: ", "short.pc2"});
   for (const std::string file : {"one.pc2", "all.pvd"}) {
-    c.file("s.toml", kHead + kKeyframes + "[output]\nframes = \"" + file + "\"\n");
+    c.file("s.toml", kSequenceHead + kKeyframes + "[output]\nframes = \"" + file + "\"\n");
     const Result r = c.run({"sequence", "s.toml", "--out", "out", "--frames", "1:4"});
     CHECK(r.code == 1);
     CHECK(r.err.find("numbered files only") != std::string::npos);
@@ -221,7 +221,7 @@ TEST_CASE("parts of the frames are the whole's, and a run goes on where it was s
           "[sequence]") {
   const Case c("sequence_parts");
   put_walk(c);
-  const std::string scene = kHead + kKeyframes;
+  const std::string scene = kSequenceHead + kKeyframes;
   done(c, scene, "whole");
   const auto whole = contents_in(c / "whole/frames");
   for (const std::string part : {"1:5", "6:6", "7:17"}) {
@@ -249,11 +249,11 @@ TEST_CASE("parts of the frames are the whole's, and a run goes on where it was s
 TEST_CASE("frames are written as folders, caches, scenes and lists", "[sequence]") {
   const Case c("sequence_files");
   put_walk(c);
-  done(c, kHead + kKeyframes);
+  done(c, kSequenceHead + kKeyframes);
   const MeshSequence wanted = read_sequence(c / "out/frames");
   for (const std::string file : {"new.pc2", "new.glb", "new.pvd", "new/walk_%03d.ply"}) {
     INFO(file);
-    done(c, kHead + kKeyframes + "[output]\nframes = \"" + file + "\"\n", "as");
+    done(c, kSequenceHead + kKeyframes + "[output]\nframes = \"" + file + "\"\n", "as");
     SequenceOptions options;
     if (file == "new.pc2") options.mesh = c / "as/new.obj";
     const fs::path path = file.starts_with("new/") ? c / "as/new" : c / ("as/" + file);

@@ -62,6 +62,9 @@ Document& Document::operator=(Document&&) noexcept = default;
 
 void Document::apply(const DocumentCommand& command, const Progress& progress) {
   told_.clear();
+  const bool goes_on = command.verb == Verb::Slide || command.verb == Verb::Answer ||
+                       command.verb == Verb::Step || command.verb == Verb::Settle;
+  if (content_->in_motion() && !goes_on) settle();
   if (command.verb != Verb::Slide && command.verb != Verb::Answer) dragged_.clear();
   switch (command.verb) {
     case Verb::Open:
@@ -79,8 +82,10 @@ void Document::apply(const DocumentCommand& command, const Progress& progress) {
     case Verb::Slide:
       return slide(command.key, command.value, progress);
     case Verb::Answer:
-      rests_ = content_->answer();
+      rests_ = content_->in_motion() || content_->answer();
       return;
+    case Verb::Step:
+      return content_->step(command.value);
     case Verb::Settle:
       return settle();
     case Verb::Undo:

@@ -56,7 +56,7 @@ class Document {
 
   const DocumentContent& content() const { return *content_; }
   bool draw(Frame& frame) { return content_->draw(frame); }
-  std::shared_ptr<const StressView> stress() { return content_->stress(); }
+  std::shared_ptr<const StressView> stress(Analysis what) { return content_->stress(what); }
   /// Another frame of a sequence, counted from 0: of what is shown, not of the text.
   void show_frame(int frame) { content_->show_frame(frame); }
   /// The content as what it is, or null.

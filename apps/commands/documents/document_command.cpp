@@ -25,9 +25,9 @@ constexpr Form kForms[] = {
     {Verb::Open, "open", "f"},      {Verb::Recover, "recover", "f"}, {Verb::New, "new", "u"},
     {Verb::Add, "add", "kv"},       {Verb::Set, "set", "knyv"},      {Verb::Erase, "erase", "kny"},
     {Verb::Remove, "remove", "kn"}, {Verb::Move, "move", "v"},       {Verb::Slide, "slide", "px"},
-    {Verb::Answer, "answer", ""},   {Verb::Settle, "settle", ""},    {Verb::Undo, "undo", ""},
-    {Verb::Redo, "redo", ""},       {Verb::Save, "save", "F"},       {Verb::Run, "run", "f"},
-    {Verb::Export, "export", "f"}};
+    {Verb::Answer, "answer", ""},   {Verb::Settle, "settle", ""},    {Verb::Step, "step", "x"},
+    {Verb::Undo, "undo", ""},       {Verb::Redo, "redo", ""},        {Verb::Save, "save", "F"},
+    {Verb::Run, "run", "f"},        {Verb::Export, "export", "f"}};
 
 const char* meaning(char word) {
   switch (word) {

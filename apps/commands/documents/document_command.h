@@ -23,7 +23,8 @@ namespace batten {
 ///                                  their points, so that they stay together
 ///     slide PARAMETER VALUE        moves a slider; the shape follows by `answer` or `settle`
 ///     answer                       a quick answer, as in a drag
-///     settle                       the shape at rest; ends a drag, which is one step to undo
+///     settle                       the shape at rest; ends a drag, which is one step to undo, or a motion
+///     step DT                      one step of so much time of a motion ([motion] of the scene)
 ///     undo, redo
 ///     save [FILE]                  the scene
 ///     recover FILE                 changes that a killed window left (Document::recovery_text())
@@ -44,6 +45,7 @@ struct DocumentCommand {
     Slide,
     Answer,
     Settle,
+    Step,
     Undo,
     Redo,
     Save,
@@ -54,7 +56,7 @@ struct DocumentCommand {
   SceneTable table = {};            ///< Add (its kind), Set, Erase, Remove
   std::string key = {};             ///< Set, Erase; Slide: the parameter; New: the unit
   std::string text = {};            ///< Add: the table in braces; Set: the value; Move: both places
-  double value = 0;                 ///< Slide
+  double value = 0;                 ///< Slide; Step: of time
   std::filesystem::path file = {};  ///< Open, Recover, Save, Run, Export
 
   /// Whether it changes the scene's text, and so can be undone.

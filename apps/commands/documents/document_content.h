@@ -37,25 +37,33 @@ class DocumentContent {
   const std::string& problem() const { return problem_; }
 
   /// Whether a parameter moves what is there, without a change of the text.
-  virtual bool moves(const std::string& parameter) const = 0;
+  virtual bool moves(const std::string&) const { return false; }
   /// Throws InputError when the scene has no such parameter, or not this value for it.
   virtual void check(const std::string& parameter, double value) const = 0;
-  virtual void set(const std::string& parameter, double value) = 0;
-  virtual double value(const std::string& parameter) const = 0;
+  virtual void set(const std::string&, double) {}
+  virtual double value(const std::string&) const { return 0; }
   /// A quick answer to values that were set; whether it is at rest.
-  virtual bool answer() = 0;
-  /// The shape at rest. Throws: then it has the last values that had a shape.
-  virtual void settle() = 0;
+  virtual bool answer() { return true; }
+  /// The shape at rest; a motion ends. Throws: then it has the last values that had a shape.
+  virtual void settle() {}
+  /// One step of a motion from the present shape. One of another length than the last begins a new
+  /// motion, with the velocity 0. Throws InputError where nothing can move, and for no length.
+  virtual void step(double) {
+    throw InputError("found nothing that can move, expected a surface on lines");
+  }
+  virtual bool in_motion() const { return false; }
 
   /// Shows another frame of a sequence, counted from 0.
   virtual void show_frame(int) {}
   /// Fills a frame; false where there is nothing to draw.
   virtual bool draw(Frame& frame) = 0;
   /// Throws InputError where there is no surface.
-  virtual DocumentPlace place(const Vec3& near) const = 0;
-  /// Stresses of the present shape; null where the scene asks for none. What cannot be analysed is told
-  /// in words.
-  virtual std::shared_ptr<const StressView> stress() { return nullptr; }
+  virtual DocumentPlace place(const Vec3&) const {
+    throw InputError("found no surface on lines, expected one to act on");
+  }
+  /// Stresses or modes of the present shape; null where the scene asks for none. What cannot be
+  /// analysed is told in words.
+  virtual std::shared_ptr<const StressView> stress(Analysis) { return nullptr; }
   /// Adds to a view what is there, beside the text.
   virtual void look_at(DocumentView& view) const = 0;
   /// A few rows for a summary.

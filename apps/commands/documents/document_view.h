@@ -33,7 +33,11 @@ struct MeshView {
   std::vector<long> labels;  ///< the number in the mesh file of each display point's node
 };
 
-/// Stresses of a shape, as its scene's [stress] has them: in the case whose stress is largest.
+/// What is solved for of a shape with a [stress].
+enum class Analysis { None, Stress, Modes };
+
+/// Stresses of a shape, as its scene's [stress] has them: in the case whose stress is largest. Or how it
+/// swings.
 struct StressView {
   std::string problem;  ///< why there are none, in words; ""
   std::string of_case;
@@ -42,6 +46,8 @@ struct StressView {
   double exaggeration = 1;                 ///< of displacements that are drawn
   std::vector<float> values;               ///< equivalent stress at each display point
   std::vector<float> moved;                ///< displacement, x, y, z one after the other
+  std::vector<double> hertz;               ///< of natural modes, slowest first
+  std::vector<std::vector<float>> swings;  ///< of each, as `moved`, the largest 1 long
 };
 
 /// A document at one moment. Points of the surface are in frames (sculpting/session/frame.h).
@@ -60,6 +66,7 @@ struct DocumentView {
 
   struct Slider {
     std::string name;
+    std::string unit;                    ///< "": a pure number, or one in relative units
     double value = 0, min = 0, max = 0;  ///< the range may be infinite
     bool driven = false;                 ///< by a [[parameter]]: it cannot be moved
   };
@@ -92,6 +99,16 @@ struct DocumentView {
     std::vector<Vec3> path = {};  ///< its centre in all frames of a sequence
   };
   std::vector<Handle> handles;
+
+  /// A point load of a shape.
+  struct Mark {
+    std::string load;
+    Vec3 at = Vec3::Zero(),
+         along = Vec3::Zero();  ///< on the surface without loads; the way it pushes
+  };
+  std::vector<Mark> marks;
+  /// Each display point on the surface without loads, x, y, z; null until it is drawn.
+  std::shared_ptr<const std::vector<float>> unloaded;
 
   // Of a sequence:
   struct Timeline {

@@ -1,6 +1,5 @@
 #include "batten/apps/commands/documents/document_worker.h"
 
-#include <chrono>
 #include <fstream>
 #include <new>
 
@@ -11,6 +10,8 @@ namespace batten {
 namespace {
 
 using Verb = DocumentCommand::Verb;
+using Clock = std::chrono::steady_clock;
+constexpr double kStep = 0.02;  // of a motion, s
 
 }  // namespace
 
@@ -33,6 +34,7 @@ DocumentWorker::~DocumentWorker() {
 void DocumentWorker::post(DocumentCommand command) {
   {
     const std::lock_guard lock(mutex_);
+    if (command.verb == Verb::Settle && moving_) return;  // it swings on
     if (command.verb == Verb::Slide)
       for (auto it = tasks_.rbegin(); it != tasks_.rend(); ++it) {
         if (it->question || it->frame >= 0 || it->command.verb != Verb::Slide) break;
@@ -77,9 +79,20 @@ void DocumentWorker::forget_changes() {
   if (!recovery_.empty()) std::filesystem::remove(recovery_, none);
 }
 
-void DocumentWorker::show_stress(bool on) {
-  if (shows_stress_.exchange(on) || !on) return;
-  post({.verb = Verb::Answer});  // so that they are solved for
+void DocumentWorker::analyse(Analysis what) {
+  if (analysis_.exchange(what) == what || what == Analysis::None) return;
+  post({.verb = Verb::Answer});  // so that it is solved for
+}
+
+void DocumentWorker::set_moving(bool on) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (moving_ == on) return;
+    moving_ = on;
+    next_step_ = Clock::now();
+    if (!on) tasks_.push_back({{.verb = Verb::Settle}, nullptr, -1});
+  }
+  waiting_.notify_all();
 }
 
 DocumentWorker::News DocumentWorker::take_news() {
@@ -95,6 +108,7 @@ DocumentWorker::News DocumentWorker::take_news() {
     news.written.swap(written_);
     answers.swap(answers_);
     news.busy = busy_ || !tasks_.empty();
+    news.moving = moving_;
     news.stage = stage_;
     news.fraction = fraction_;
     news.answer_ms = answer_ms_;
@@ -133,12 +147,21 @@ bool DocumentWorker::next(Task& task) {
     wake_();
     lock.lock();
   }
-  waiting_.wait(lock, [&] { return stopping_ || !tasks_.empty(); });
+  const auto waits = [&] { return stopping_ || !tasks_.empty(); };
+  if (moving_)
+    waiting_.wait_until(lock, next_step_, waits);
+  else
+    waiting_.wait(lock, [&] { return waits() || moving_; });
   if (stopping_) return false;
+  cancelled_ = false;
+  if (tasks_.empty()) {
+    task = {{.verb = Verb::Step, .value = kStep}, nullptr, -1};
+    next_step_ = std::max(next_step_ + std::chrono::milliseconds(20), Clock::now());
+    return true;
+  }
   task = std::move(tasks_.front());
   tasks_.pop_front();
   busy_ = true;
-  cancelled_ = false;
   return true;
 }
 
@@ -154,6 +177,10 @@ void DocumentWorker::work() {
       publish_view();
       continue;
     }
+    if (task.command.verb == Verb::Step) {
+      do_step(task.command);
+      continue;
+    }
     if (task.command.verb != Verb::Slide) {
       do_command(task.command);
       publish_frame();
@@ -161,7 +188,7 @@ void DocumentWorker::work() {
       publish_view();
       continue;
     }
-    const auto start = std::chrono::steady_clock::now();
+    const auto start = Clock::now();
     do_command(task.command);
     if (another_slides(task.command.key)) continue;
     answer_until_rest();
@@ -198,22 +225,37 @@ void DocumentWorker::answer_until_rest() {
   }
 }
 
-void DocumentWorker::do_command(const DocumentCommand& command) {
+void DocumentWorker::do_step(const DocumentCommand& step) {
+  const bool done = do_command(step);
+  publish_frame();
+  if (!done) {
+    const std::lock_guard lock(mutex_);
+    moving_ = false;
+  }
+  wake_();
+}
+
+bool DocumentWorker::do_command(const DocumentCommand& command) {
+  bool done = true;
   try {
     document_.apply(command, progress());
     if (!document_.told().empty()) tell(command, document_.told(), false);
   } catch (const NoSolutionError& e) {
+    done = false;
     tell(command, e.what(), true);  // and it is recorded: the shape went back
   } catch (const std::bad_alloc&) {
-    return tell(command, "not enough memory", true);
+    tell(command, "not enough memory", true);
+    return false;
   } catch (const std::exception& e) {
-    return tell(command, e.what(), true);
+    tell(command, e.what(), true);
+    return false;
   }
   const std::lock_guard lock(mutex_);
   script_.push_back(script_line(command));
   if (command.verb == Verb::Save || command.verb == Verb::Export || command.verb == Verb::Run)
     written_.push_back(command);
   if (command.verb == Verb::Open || command.verb == Verb::New) answer_ms_ = 0;
+  return done;
 }
 
 void DocumentWorker::answer_question(const std::shared_ptr<Question>& question) {
@@ -241,9 +283,10 @@ void DocumentWorker::publish_frame() {
 }
 
 void DocumentWorker::publish_stress() {
-  if (!shows_stress_) return;
-  const auto start = std::chrono::steady_clock::now();
-  std::shared_ptr<const StressView> stress = document_.stress();
+  const Analysis what = analysis_;
+  if (what == Analysis::None) return;
+  const auto start = Clock::now();
+  std::shared_ptr<const StressView> stress = document_.stress(what);
   stress_s_ = seconds_since(start);
   const std::lock_guard lock(mutex_);
   stress_ = std::move(stress);

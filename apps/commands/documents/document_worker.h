@@ -2,6 +2,7 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <condition_variable>
 #include <deque>
 #include <functional>
@@ -42,9 +43,12 @@ class DocumentWorker {
   void show_frame(int frame);
   /// The user does not want the changes: the recovery file goes, and there is none any more.
   void forget_changes();
-  /// Whether stresses are solved for: after each command, and in a drag as long as that keeps up with
-  /// the hand.
-  void show_stress(bool on);
+  /// What is solved for beside the shape: after each command, and in a drag as long as that keeps up
+  /// with the hand.
+  void analyse(Analysis what);
+  /// Lets the shape move, one second of its time in a second of the clock where steps keep up. Sliders
+  /// act on it; other commands end the motion first, and it begins anew from rest.
+  void set_moving(bool on);
   /// Stops the command that is being done, and forgets those that wait.
   void cancel();
 
@@ -62,6 +66,7 @@ class DocumentWorker {
     bool busy = false;
     std::string stage;  ///< of what is being done
     double fraction = 0;
+    bool moving = false;   ///< steps of a motion are done; they do not count as busy
     double answer_ms = 0;  ///< mean time of an answer and its frame in the last drag; 0: none yet
   };
   News take_news();
@@ -80,7 +85,8 @@ class DocumentWorker {
   };
   void work();
   bool next(Task& task);
-  void do_command(const DocumentCommand& command);
+  bool do_command(const DocumentCommand& command);
+  void do_step(const DocumentCommand& step);
   void answer_until_rest();
   bool another_slides(const std::string& parameter);
   void answer_question(const std::shared_ptr<Question>& question);
@@ -107,9 +113,10 @@ class DocumentWorker {
   std::vector<std::string> script_;
   std::string stage_, kept_;
   double fraction_ = 0, answer_ms_ = 0;
-  bool busy_ = false;
+  bool busy_ = false, moving_ = false;
+  std::chrono::steady_clock::time_point next_step_;
   double stress_s_ = 0;  // that the last stresses took; of the worker's thread
-  std::atomic<bool> shows_stress_ = false;
+  std::atomic<Analysis> analysis_ = Analysis::None;
   std::atomic<bool> cancelled_ = false, stopping_ = false, forgotten_ = false;
   std::thread thread_;
 };

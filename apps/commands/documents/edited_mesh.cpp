@@ -238,10 +238,6 @@ bool EditedMesh::draw(Frame& frame) {
   return true;
 }
 
-DocumentPlace EditedMesh::place(const Vec3&) const {
-  throw InputError("found a mesh, expected a surface on lines");
-}
-
 const Points& EditedMesh::shape() const { return made_->shape(); }
 const MeshSource& EditedMesh::source() const { return *made_->source; }
 
@@ -355,7 +351,8 @@ void EditedMesh::Made::show_roles(MeshView& seen) const {
 void EditedMesh::look_at(DocumentView& view) const {
   view.unit = scene_.unit;
   for (const Parameter& p : scene_.parameters())
-    view.sliders.push_back({p.name, p.value, p.min, p.max, false});
+    view.sliders.push_back({p.name, p.name.find(".turn.") != std::string::npos ? "°" : view.unit,
+                            p.value, p.min, p.max, false});
   if (!made_) return;
   view.surface = true;
   view.triangles = made_->mesh().triangle_count();

@@ -34,7 +34,6 @@ class EditedMesh : public DocumentContent {
   bool answer() override;
   void settle() override;
   bool draw(Frame& frame) override;
-  DocumentPlace place(const Vec3& near) const override;
   void look_at(DocumentView& view) const override;
   std::string rows() const override;
   std::string run(const std::filesystem::path& folder, const Progress& progress) override;

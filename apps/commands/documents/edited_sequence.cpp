@@ -173,10 +173,6 @@ bool EditedSequence::draw(Frame& frame) {
   return true;
 }
 
-DocumentPlace EditedSequence::place(const Vec3&) const {
-  throw InputError("found a mesh, expected a surface on lines");
-}
-
 const MeshSequence& EditedSequence::frames() const { return made_->last().sequence; }
 
 void EditedSequence::look_at(DocumentView& view) const {

@@ -21,15 +21,9 @@ class EditedSequence : public DocumentContent {
   void become(const SceneText& text, const std::filesystem::path& file,
               const Progress& progress) override;
   void restate(const SceneText& text, const std::filesystem::path& file) override;
-  bool moves(const std::string&) const override { return false; }
   void check(const std::string& parameter, double value) const override;
-  void set(const std::string&, double) override {}
-  double value(const std::string&) const override { return 0; }
-  bool answer() override { return true; }
-  void settle() override {}
   void show_frame(int frame) override;
   bool draw(Frame& frame) override;
-  DocumentPlace place(const Vec3& near) const override;
   void look_at(DocumentView& view) const override;
   std::string rows() const override;
   std::string run(const std::filesystem::path& folder, const Progress& progress) override;

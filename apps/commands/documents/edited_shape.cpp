@@ -24,6 +24,18 @@ std::vector<Vec3> points_of(const InputCurve& curve) {
   return points;
 }
 
+/// The unit of a parameter; "" for a pure number, and for loads and weights.
+std::string unit_of(const Scene& scene, const std::string& parameter) {
+  const auto is = [&](const auto& thing) { return thing.name == parameter; };
+  if (std::any_of(scene.moves.begin(), scene.moves.end(), is)) return scene.unit;
+  const size_t dot = parameter.rfind('.');
+  if (dot == std::string::npos) return "";
+  const std::string owner = parameter.substr(0, dot);
+  for (const SceneConstraint& one : scene.constraints)
+    if (one.name == owner) return one.type == SceneConstraint::Type::Point ? scene.unit : "";
+  return scene.unit;  // of a stage of [[fair]]
+}
+
 }  // namespace
 
 void EditedShape::become(const SceneText& text, const std::filesystem::path& file,
@@ -168,22 +180,50 @@ bool EditedShape::answer() {
 }
 
 void EditedShape::settle() {
-  if (session_) answer_ = session_->settle();
+  if (!session_) return;
+  if (session_->in_motion()) {
+    session_->stop_motion();
+    session_->set_time(0);
+  }
+  answer_ = session_->settle();
+}
+
+void EditedShape::step(double dt) {
+  if (!session_) return DocumentContent::step(dt);
+  const SceneMotion& motion = scene_.motion;
+  if (!session_->in_motion() || dt != dt_)
+    session_->start_motion({dt, motion.density, motion.damping, motion.theta});
+  dt_ = dt;
+  answer_ = session_->step();
 }
 
 bool EditedShape::draw(Frame& frame) {
   if (!session_) return false;
   session_->draw(frame);
+  if (pattern_ == frame.pattern) return true;
   pattern_ = frame.pattern;
+  const Surface held = session_->layout().surface(start_.held);
+  std::vector<float> points;
+  for (const Location& where : pattern_->places)
+    for (const double x : Vec3(held.position(where))) points.push_back(static_cast<float>(x));
+  unloaded_ = std::make_shared<const std::vector<float>>(std::move(points));
   return true;
 }
 
-std::shared_ptr<const StressView> EditedShape::stress() {
+std::shared_ptr<const StressView> EditedShape::stress(Analysis what) {
   if (!session_ || !pattern_ || !scene_.stress) return nullptr;
   auto view = std::make_shared<StressView>();
   try {
     if (!stress_) stress_.emplace(scene_);
     const MovingStress::Largest largest = stress_->at(session_->layout(), session_->dofs());
+    if (what == Analysis::Modes) {
+      constexpr int usual = 6;
+      const int count = scene_.stress->modes > 0 ? scene_.stress->modes : usual;
+      MovingStress::Swings swings = stress_->swings(pattern_->places, count);
+      view->hertz = std::move(swings.hertz);
+      view->swings = std::move(swings.moved);
+      return view;
+    }
     MovingStress::Field field = stress_->field(pattern_->places);
     view->of_case = field.of_case;
     view->von_mises = largest.von_mises;
@@ -215,7 +255,8 @@ DocumentPlace EditedShape::place(const Vec3& near) const {
 void EditedShape::look_at(DocumentView& view) const {
   view.unit = scene_.unit;
   for (const NamedValue& p : scene_.named_values()) {
-    DocumentView::Slider slider{p.name, p.value, p.min, p.max, !p.follows.empty()};
+    DocumentView::Slider slider{p.name, unit_of(scene_, p.name), p.value, p.min,
+                                p.max,  !p.follows.empty()};
     if (session_ && session_->parameters().has(p.name))
       slider.value = session_->parameters().value(p.name);
     view.sliders.push_back(slider);
@@ -232,10 +273,14 @@ void EditedShape::look_at(DocumentView& view) const {
       handle.moves = true;
       view.handles.push_back(std::move(handle));
     }
+  for (const SceneLoad& load : scene_.loads)
+    if (load.type == SceneLoad::Type::Point)
+      view.marks.push_back({load.name, load.at, load.direction});
   if (!session_) return;
   const SculptingSession& session = *session_;
   const ModelLayout& layout = session.layout();
   view.surface = true;
+  if (pattern_) view.unloaded = unloaded_;
   view.triangles = layout.mesh()->triangle_count();
   view.size = layout.size();
   view.has_stress = scene_.stress.has_value();

@@ -40,9 +40,11 @@ class EditedShape : public DocumentContent {
   double value(const std::string& parameter) const override;
   bool answer() override;
   void settle() override;
+  void step(double dt) override;
+  bool in_motion() const override { return session_ && session_->in_motion(); }
   bool draw(Frame& frame) override;
   DocumentPlace place(const Vec3& near) const override;
-  std::shared_ptr<const StressView> stress() override;
+  std::shared_ptr<const StressView> stress(Analysis what) override;
   void look_at(DocumentView& view) const override;
   std::string rows() const override;
   std::string run(const std::filesystem::path& folder, const Progress& progress) override;
@@ -66,7 +68,9 @@ class EditedShape : public DocumentContent {
   std::unique_ptr<SculptingSession> session_;
   SessionStart start_;
   Answer answer_;
-  std::shared_ptr<const DisplayPattern> pattern_;  // that was drawn
+  double dt_ = 0;  // of the steps of its motion
+  std::shared_ptr<const DisplayPattern> pattern_;       // that was drawn
+  std::shared_ptr<const std::vector<float>> unloaded_;  // its points without loads
   std::optional<MovingStress> stress_;
   std::list<std::shared_ptr<const DocumentModel>> lately_;
 };

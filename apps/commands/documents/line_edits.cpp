@@ -12,9 +12,9 @@ namespace {
 using Verb = DocumentCommand::Verb;
 
 std::string list_of(const std::vector<Vec3>& points) {
-  std::string list;
-  for (const Vec3& p : points) list += (list.empty() ? "" : ", ") + point_word(p);
-  return "[" + list + "]";
+  std::vector<std::string> words;
+  for (const Vec3& p : points) words.push_back(point_word(p));
+  return SceneText::list(words);
 }
 
 /// The points of a list as TOML writes it; none of anything else.
@@ -74,8 +74,7 @@ std::vector<Vec3> stated_points(const SceneText& scene, const std::string& line)
 }
 
 std::string point_word(const Vec3& p) {
-  return "[" + SceneText::word(p.x()) + ", " + SceneText::word(p.y()) + ", " +
-         SceneText::word(p.z()) + "]";
+  return SceneText::list({SceneText::word(p.x()), SceneText::word(p.y()), SceneText::word(p.z())});
 }
 
 Vec3 rounded_point(const Vec3& p, double size) {

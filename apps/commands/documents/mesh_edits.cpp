@@ -12,12 +12,6 @@ namespace {
 using Verb = DocumentCommand::Verb;
 using Part = MeshView::Part;
 
-std::string list_word(const std::vector<std::string>& words) {
-  std::string list;
-  for (const std::string& word : words) list += (list.empty() ? "" : ", ") + SceneText::word(word);
-  return "[" + list + "]";
-}
-
 std::optional<SceneTable> last_edit(const SceneText& scene) {
   std::optional<SceneTable> last;
   for (const SceneTable& table : scene.tables())
@@ -57,7 +51,8 @@ void let_go(const SceneText& scene, const MeshView& mesh, const std::string& par
     if (left.empty())
       edits.push_back({.verb = Verb::Remove, .table = table});
     else if (left != words)
-      edits.push_back({.verb = Verb::Set, .table = table, .key = "of", .text = list_word(left)});
+      edits.push_back(
+          {.verb = Verb::Set, .table = table, .key = "of", .text = SceneText::word_list(left)});
   }
   if (const SceneTable handle = handle_of(scene, part); scene.has(handle))
     edits.push_back({.verb = Verb::Remove, .table = handle});
@@ -68,7 +63,7 @@ void let_go(const SceneText& scene, const MeshView& mesh, const std::string& par
       edits.push_back({.verb = Verb::Erase, .table = *edit, .key = "fixed"});
     else
       edits.push_back(
-          {.verb = Verb::Set, .table = *edit, .key = "fixed", .text = list_word(fixed)});
+          {.verb = Verb::Set, .table = *edit, .key = "fixed", .text = SceneText::word_list(fixed)});
   }
 }
 
@@ -114,7 +109,7 @@ std::vector<DocumentCommand> use_edits(const SceneText& scene, const MeshView& m
     edits.push_back({.verb = Verb::Set,
                      .table = edit ? *edit : SceneTable{"edit", "edit 1"},
                      .key = "fixed",
-                     .text = list_word(fixed)});
+                     .text = SceneText::word_list(fixed)});
   } else if (use == PartUse::Handle) {
     edits.push_back(
         {.verb = Verb::Add, .table = {"edit.handle", ""}, .text = "{ name = " + name + " }"});
@@ -128,14 +123,14 @@ std::vector<DocumentCommand> use_edits(const SceneText& scene, const MeshView& m
 
 DocumentCommand nodes_edit(const SceneText& scene, const std::string& name,
                            const std::vector<long>& labels) {
-  std::string list;
-  for (const long label : labels) list += (list.empty() ? "" : ", ") + std::to_string(label);
+  std::vector<std::string> numbers;
+  for (const long label : labels) numbers.push_back(std::to_string(label));
+  const std::string list = SceneText::list(numbers);
   const SceneTable table{"select", name};
-  if (scene.has(table))
-    return {.verb = Verb::Set, .table = table, .key = "nodes", .text = "[" + list + "]"};
+  if (scene.has(table)) return {.verb = Verb::Set, .table = table, .key = "nodes", .text = list};
   return {.verb = Verb::Add,
           .table = {"select", ""},
-          .text = "{ name = " + SceneText::word(name) + ", nodes = [" + list + "] }"};
+          .text = "{ name = " + SceneText::word(name) + ", nodes = " + list + " }"};
 }
 
 std::vector<long> nodes_of(const SceneText& scene, const std::string& name) {

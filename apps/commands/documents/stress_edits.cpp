@@ -36,9 +36,7 @@ std::string words_of(toml::table table) {
 }
 
 DocumentCommand list_edit(const std::string& key, const std::vector<std::string>& items) {
-  std::string list;
-  for (const std::string& item : items) list += (list.empty() ? "" : ", ") + item;
-  return {.verb = Verb::Set, .table = kStress, .key = key, .text = "[" + list + "]"};
+  return {.verb = Verb::Set, .table = kStress, .key = key, .text = SceneText::list(items)};
 }
 
 bool is_of(const toml::table& support, const std::string& line) {

@@ -7,12 +7,6 @@ namespace {
 
 using Verb = DocumentCommand::Verb;
 
-std::string list_of(const std::vector<std::string>& words) {
-  std::string list;
-  for (const std::string& word : words) list += (list.empty() ? "" : ", ") + SceneText::word(word);
-  return "[" + list + "]";
-}
-
 }  // namespace
 
 std::vector<DocumentCommand> join_edits(const SceneText& scene, const std::string& line,
@@ -38,25 +32,26 @@ std::vector<DocumentCommand> join_edits(const SceneText& scene, const std::strin
       edits.push_back({.verb = Verb::Remove, .table = table});
     } else {
       lines.erase(found);
-      edits.push_back({.verb = Verb::Set, .table = table, .key = "lines", .text = list_of(lines)});
+      edits.push_back(
+          {.verb = Verb::Set, .table = table, .key = "lines", .text = SceneText::word_list(lines)});
     }
   }
   if (kind && !said)
-    edits.push_back(
-        {.verb = Verb::Add,
-         .table = {"join", ""},
-         .text = "{ lines = " + list_of({line}) + ", kind = " + SceneText::word(*kind) + " }"});
+    edits.push_back({.verb = Verb::Add,
+                     .table = {"join", ""},
+                     .text = "{ lines = " + SceneText::word_list({line}) +
+                             ", kind = " + SceneText::word(*kind) + " }"});
   return edits;
 }
 
 std::vector<DocumentCommand> choice_edits(const NetworkReport::Choice& choice, int alternative) {
   std::vector<DocumentCommand> edits;
   const auto region = [&](const std::vector<NetworkReport::LoopNames>& loops, const char* more) {
-    std::string list;
-    for (const auto& loop : loops) list += (list.empty() ? "" : ", ") + list_of(loop);
+    std::vector<std::string> lists;
+    for (const auto& loop : loops) lists.push_back(SceneText::word_list(loop));
     edits.push_back({.verb = Verb::Add,
                      .table = {"region", ""},
-                     .text = "{ loops = [" + list + "]" + more + " }"});
+                     .text = "{ loops = " + SceneText::list(lists) + more + " }"});
   };
   const auto& wanted = choice.alternatives.at(static_cast<size_t>(alternative));
   for (const auto& loop : choice.chosen)

@@ -264,6 +264,25 @@ MovingStress::Field MovingStress::field(const std::vector<Location>& places) con
   return field;
 }
 
+MovingStress::Swings MovingStress::swings(const std::vector<Location>& places, int count) const {
+  const ShellModes modes = natural_modes(*shell_, std::min(count, shell_->unknowns() / 2 - 1));
+  Swings swings;
+  for (size_t m = 0; m < modes.shapes.size(); ++m) {
+    const Surface shape = shell_->layout().surface(modes.shapes[m]);
+    std::vector<float> moved;
+    double largest = 0;
+    for (const Location& where : places) {
+      const Vec3 u = shape.position(where);
+      largest = std::max(largest, u.norm());
+      for (const double x : u) moved.push_back(static_cast<float>(x));
+    }
+    for (float& x : moved) x = static_cast<float>(x / std::max(largest, 1e-300));
+    swings.hertz.push_back(modes.frequencies[static_cast<long>(m)]);
+    swings.moved.push_back(std::move(moved));
+  }
+  return swings;
+}
+
 StressReport stresses_of(const Scene& scene, const MadeShape& shape, VecX& where,
                          const FactorMaker& factors, const Progress& progress) {
   require_one_system(scene);

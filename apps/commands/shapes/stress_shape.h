@@ -42,6 +42,14 @@ class MovingStress {
   };
   Field field(const std::vector<Location>& places) const;
 
+  /// How the shell swings at places of the mesh, slowest first, as of the last at(): `count` natural
+  /// modes at most. Throws as natural_modes().
+  struct Swings {
+    std::vector<double> hertz;
+    std::vector<std::vector<float>> moved;  ///< x, y, z one after the other, the largest 1 long
+  };
+  Swings swings(const std::vector<Location>& places, int count) const;
+
  private:
   const Scene& scene_;
   ShellDefinition definition_;

@@ -1,7 +1,6 @@
 // What the hand does to a chosen line: its points are moved, added, taken away and faired.
 #include <vtkRenderer.h>
 
-#include <QKeyEvent>
 #include <algorithm>
 #include <cmath>
 #include <utility>

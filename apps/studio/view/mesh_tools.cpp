@@ -1,6 +1,4 @@
 // What the hand does to a mesh: moving its handles, painting and encircling its nodes.
-#include <vtkCamera.h>
-#include <vtkMatrix4x4.h>
 #include <vtkRenderer.h>
 
 #include <QLineF>
@@ -190,7 +188,7 @@ void ShapeView::finish_stroke() {
 
 // What was painted, pinned or drawn is chosen as soon as the scene has it.
 void ShapeView::choose_awaited() {
-  for (const char* kind : {"select", "constraint", "line"}) {
+  for (const char* kind : {"select", "constraint", "load", "weight", "line"}) {
     if (awaited_.empty() || !view_->table({kind, awaited_})) continue;
     const std::string name = std::exchange(awaited_, "");
     kind == std::string("line") ? hooks_.chosen(name, "") : hooks_.chosen("", name);

@@ -24,8 +24,6 @@
 namespace batten::studio {
 namespace {
 
-constexpr double kDot = 9;  // pixels
-
 vtkIdType count_of_triples(const std::vector<float>& values) {
   return static_cast<vtkIdType>(values.size() / 3);
 }
@@ -51,6 +49,8 @@ ShapeActors::ShapeActors(vtkRenderer* renderer)
       dots_(std::make_unique<Layer>(renderer, kInFront - 10, 1)),
       dot_(std::make_unique<Layer>(renderer, kInFront - 20, 1)),
       comb_(std::make_unique<Layer>(renderer, -4, 1.2)),
+      marks_(std::make_unique<Layer>(renderer, kInFront + 20, 2)),
+      pins_(std::make_unique<Layer>(renderer, kInFront + 10, 1)),
       points_(vtkSmartPointer<vtkFloatArray>::New()),
       normals_(vtkSmartPointer<vtkFloatArray>::New()),
       scalars_(vtkSmartPointer<vtkFloatArray>::New()),
@@ -80,6 +80,9 @@ void ShapeActors::take(const DocumentView& view) {
   shown_lines_ = view.shown_lines;
   loose_ = view.lines;
   mesh_ = view.mesh;
+  unloaded_ = view.unloaded;
+  size_ = view.size;
+  take_marks(view);
   if (!surface_) {
     pattern_ = nullptr;
     facets_->data->SetPolys(nullptr);
@@ -102,8 +105,32 @@ void ShapeActors::place_points() {
     for (size_t i = 0; i < frame_points_.size(); ++i)
       x[i] += static_cast<float>(stress_->exaggeration) * stress_->moved[i];
   }
+  if (const auto* shape = swing_shape()) {
+    constexpr double reach = 0.06;  // of the size
+    float* x = points_->GetPointer(0);
+    for (size_t i = 0; i < shape->size(); ++i)
+      x[i] += static_cast<float>(reach * size_ * swing_) * (*shape)[i];
+  }
   facets_->data->GetPoints()->Modified();
   lines_->data->Modified();
+}
+
+// The mode that swings; null where none is shown.
+const std::vector<float>* ShapeActors::swing_shape() const {
+  if (shading_ != Shading::Modes || !stress_ || stress_->swings.empty()) return nullptr;
+  const size_t mode = std::min(static_cast<size_t>(mode_), stress_->swings.size() - 1);
+  const auto& shape = stress_->swings[mode];
+  return shape.size() == frame_points_.size() ? &shape : nullptr;
+}
+
+void ShapeActors::set_mode(int mode) {
+  mode_ = mode;
+  shade();
+}
+
+void ShapeActors::set_swing(double swing) {
+  swing_ = swing;
+  place_points();
 }
 
 void ShapeActors::take(const Frame& frame) {
@@ -123,6 +150,7 @@ void ShapeActors::take(const Frame& frame) {
   lines_->data->GetPoints()->Modified();
   facets_->data->Modified();
   lines_->data->Modified();
+  if (!marked_.empty()) place_marks();
 }
 
 void ShapeActors::make_facets() {
@@ -242,6 +270,8 @@ void ShapeActors::colour() {
   guides_->set_colour(guide);
   draft_->set_colour(palette_.draft);
   push_->set_colour(palette_.chosen);
+  marks_->set_colour(palette_.draft);
+  pins_->set_colour(palette_.line);
   dots_->set_colour(palette_.draft);
   dot_->set_colour(palette_.chosen);
   comb_->set_colour(palette_.draft);
@@ -252,73 +282,11 @@ void ShapeActors::colour() {
 
 void ShapeActors::set_mesh(bool shown) { facets_->actor->GetProperty()->SetEdgeVisibility(shown); }
 
-void ShapeActors::set_draft(const std::vector<Vec3>& points) {
-  draft_->set_dots(points, true, kDot);
-}
-
-void ShapeActors::set_dots(const std::vector<Vec3>& points, int chosen) {
-  dots_->set_dots(points, false, kDot);
-  const bool any = chosen >= 0 && chosen < static_cast<int>(points.size());
-  dot_->set_dots(any ? std::vector<Vec3>{points[static_cast<size_t>(chosen)]} : std::vector<Vec3>{},
-                 false, 1.4 * kDot);
-}
-
-void ShapeActors::set_comb(const std::vector<Vec3>& curve) {
-  std::vector<Vec3> curvature(curve.size(), Vec3::Zero());
-  double largest = 0, length = 0;
-  for (size_t i = 1; i + 1 < curve.size(); ++i) {
-    const Vec3 a = curve[i] - curve[i - 1], b = curve[i + 1] - curve[i];
-    if (a.norm() == 0 || b.norm() == 0) continue;
-    curvature[i] = 2 * (b.normalized() - a.normalized()) / (a.norm() + b.norm());
-    largest = std::max(largest, curvature[i].norm());
-    length += a.norm();
-  }
-  std::vector<std::vector<Vec3>> lines;
-  // Against the curvature, so that the comb stands outside; a straight line has none.
-  const double scale = largest * length > 1e-6 ? 0.15 * length / largest : 0;
-  std::vector<Vec3> edge;
-  for (size_t i = 1; scale > 0 && i + 1 < curve.size(); ++i) {
-    edge.push_back(curve[i] - scale * curvature[i]);
-    lines.push_back({curve[i], edge.back()});
-  }
-  if (!edge.empty()) lines.push_back(std::move(edge));
-  comb_->set_polylines(lines);
-}
-
-void ShapeActors::set_trail(const std::vector<Vec3>& way) {
-  comb_->set_polylines(way.size() > 1 ? std::vector<std::vector<Vec3>>{way}
-                                      : std::vector<std::vector<Vec3>>{});
-}
-
 void ShapeActors::set_cut(vtkPlane* plane) {
   for (Layer* layer : {facets_.get(), lines_.get(), guides_.get(), chosen_.get()}) {
     layer->mapper->RemoveAllClippingPlanes();
     if (plane) layer->mapper->AddClippingPlane(plane);
   }
-}
-
-void ShapeActors::set_grid(const std::optional<std::pair<Vec3, Vec3>>& axes) {
-  std::vector<std::vector<Vec3>> lines;
-  if (axes) {
-    const auto [low, high] = box();
-    const double reach = std::max(low.cwiseAbs().maxCoeff(), high.cwiseAbs().maxCoeff());
-    constexpr int cells = 10;  // from the origin on
-    const double step = std::pow(10, std::ceil(std::log10(reach / cells)));
-    for (int i = -cells; i <= cells; ++i)
-      for (const auto& [a, b] : {*axes, std::pair(axes->second, axes->first)})
-        lines.push_back({step * (i * a - cells * b), step * (i * a + cells * b)});
-  }
-  grid_->set_polylines(lines);
-}
-
-void ShapeActors::set_push(const std::optional<std::pair<Vec3, Vec3>>& from_to) {
-  std::vector<std::vector<Vec3>> lines;
-  if (from_to) {
-    const auto& [from, to] = *from_to;
-    const Vec3 along = to - from, side = 0.18 * along.unitOrthogonal() * along.norm();
-    lines = {{from, to}, {to, to - 0.3 * along + side}, {to, to - 0.3 * along - side}};
-  }
-  push_->set_polylines(lines);
 }
 
 }  // namespace batten::studio

@@ -31,7 +31,8 @@ enum class Shading {
   Deviation,  ///< distance from where the surface was when its mesh was made
   Curvature,  ///< mean curvature, positive where the normal's side is hollow
   Stretch,    ///< largest strain since the mesh was made
-  Stress      ///< equivalent stress, on the shape as the loads bend it
+  Stress,     ///< equivalent stress, on the shape as the loads bend it
+  Modes       ///< how the shell swings: the chosen natural mode, where it moves most
 };
 
 /// The actors of one renderer. A frame costs one copy of its points and normals and, with a shading
@@ -51,6 +52,8 @@ class ShapeActors {
   void choose(const std::string& name);
   /// Facets whose points are all marked are drawn so until the next choice.
   void show_painted(const std::vector<char>& points);
+  /// The points within so far of a place of the surface without loads.
+  std::vector<int> unloaded_within(const Vec3& centre, double radius) const;
   /// The points of a line that is being drawn; with one more where the hand is.
   void set_draft(const std::vector<Vec3>& points);
   /// Dots of points that can be moved, one of them chosen (-1: none).
@@ -63,6 +66,11 @@ class ShapeActors {
   void set_cut(vtkPlane* plane);
   /// A grid through the origin along two axes, in round steps.
   void set_grid(const std::optional<std::pair<Vec3, Vec3>>& axes);
+  /// The natural mode that is shown, counted from 0, and where in its swing it is, -1 to 1.
+  void set_mode(int mode);
+  void set_swing(double swing);
+  int mode() const { return mode_; }
+  const StressView* stress() const { return stress_.get(); }
   /// An arrow of a load that is being pushed.
   void set_push(const std::optional<std::pair<Vec3, Vec3>>& from_to);
 
@@ -100,6 +108,9 @@ class ShapeActors {
   void measure_stretch(float* value) const;
   void place_points();
   bool shows_stress() const;
+  const std::vector<float>* swing_shape() const;
+  void take_marks(const DocumentView& view);
+  void place_marks();
   bool mesh_is_drawn() const;
   void colour();
   struct NearLine {
@@ -112,7 +123,7 @@ class ShapeActors {
   int facet_at(double x, double y) const;
   std::string part_of(int facet) const;
   std::unique_ptr<Layer> facets_, lines_, guides_, chosen_, draft_, push_, grid_, dots_, dot_,
-      comb_;
+      comb_, marks_, pins_;
   vtkSmartPointer<vtkFloatArray> points_, normals_, scalars_;
   vtkSmartPointer<vtkIntArray> facet_regions_, roles_;
   vtkRenderer* renderer_;
@@ -122,6 +133,10 @@ class ShapeActors {
   std::vector<DocumentView::Polyline> loose_;
   std::vector<std::string> regions_, shown_lines_;
   std::shared_ptr<const MeshView> mesh_;
+  std::shared_ptr<const std::vector<float>> unloaded_;
+  std::vector<std::pair<int, Vec3>> marked_;  // display points that loads act on, and their ways
+  double size_ = 0, swing_ = 0;
+  int mode_ = 0;
   std::vector<int> chosen_facets_;
   std::vector<float> frame_points_;  // before loads bend it
   std::shared_ptr<const StressView> stress_;

@@ -48,7 +48,8 @@ void ShapeActors::shade() {
     facets_->mapper->ScalarVisibilityOff();
   else if (shading_ == Shading::Plain)
     shade_facets(roles_, role_colours(palette_));
-  else if (shading_ == Shading::Stress && !shows_stress())
+  else if ((shading_ == Shading::Stress && !shows_stress()) ||
+           (shading_ == Shading::Modes && !swing_shape()))
     facets_->mapper->ScalarVisibilityOff();
   else if (shading_ == Shading::Regions)
     shade_facets(facet_regions_, region_colours(static_cast<int>(regions_.size())));
@@ -62,7 +63,8 @@ bool ShapeActors::shows_stress() const {
 
 bool ShapeActors::says_numbers() const {
   return shading_ == Shading::Deviation || shading_ == Shading::Curvature ||
-         shading_ == Shading::Stretch || (shading_ == Shading::Stress && shows_stress());
+         shading_ == Shading::Stretch || (shading_ == Shading::Stress && shows_stress()) ||
+         swing_shape();
 }
 
 vtkLookupTable* ShapeActors::scale() const { return says_numbers() ? table_.Get() : nullptr; }
@@ -124,6 +126,9 @@ void ShapeActors::shade_points() {
     measure_stretch(value);
   else if (shading_ == Shading::Stress)
     std::copy(stress_->values.begin(), stress_->values.end(), value);
+  else if (shading_ == Shading::Modes)
+    for (vtkIdType i = 0; i < n; ++i)
+      value[i] = static_cast<float>(triple(swing_shape()->data(), static_cast<int>(i)).norm());
   else
     for (vtkIdType i = 0; i < n; ++i) {
       const int p = static_cast<int>(i);

@@ -82,19 +82,21 @@ void ShapeView::end_push() {
   if (placed) hooks_.post({.verb = Verb::Settle});
 }
 
-// The place of the surface is held where it is now.
-void ShapeView::pin(const QPoint& at) {
+// The place of the surface is held where it is now, or its normal as it is.
+void ShapeView::pin(const QPoint& at, bool normal) {
   const Vec3 window = display(at);
   const std::optional<Vec3> p = actors_->surface_at(window.x(), window.y());
   if (!p) return;
-  hooks_.ask_place(*p, [this](const DocumentPlace& place) {
-    awaited_ = view_->free_name("pin");
+  hooks_.ask_place(*p, [this, normal](const DocumentPlace& place) {
+    awaited_ = view_->free_name(normal ? "normal" : "pin");
     const double size = view_->size;
+    const std::string what =
+        normal ? "\"normal\", direction = " + point_word(rounded_point(place.normal, 1))
+               : "\"point\", to = " + point_word(rounded_point(place.present, size));
     hooks_.post({.verb = Verb::Add,
                  .table = {"constraint", ""},
-                 .text = "{ name = " + SceneText::word(awaited_) +
-                         ", type = \"point\", at = " + point_word(rounded_point(place.held, size)) +
-                         ", to = " + point_word(rounded_point(place.present, size)) + " }"});
+                 .text = "{ name = " + SceneText::word(awaited_) + ", type = " + what +
+                         ", at = " + point_word(rounded_point(place.held, size)) + " }"});
   });
 }
 

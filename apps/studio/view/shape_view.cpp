@@ -13,7 +13,6 @@
 #include <vtkRenderWindowInteractor.h>
 #include <vtkRenderer.h>
 
-#include <QKeyEvent>
 #include <QMouseEvent>
 #include <QOpenGLContext>
 #include <QOpenGLFunctions>
@@ -31,6 +30,8 @@ namespace batten::studio {
 namespace {
 
 constexpr int kSamples = 4, kStillAfter = 150;  // ms
+constexpr int kSwingEvery = 33;                 // ms
+constexpr double kSwingStep = 0.13;             // radians of a swing
 
 void add_light(vtkRenderer& renderer, double x, double y, double z, double intensity) {
   vtkNew<vtkLight> light;
@@ -63,6 +64,12 @@ ShapeView::ShapeView(QWidget* parent, Hooks hooks)
   still_->setSingleShot(true);
   still_->setInterval(kStillAfter);
   QObject::connect(still_, &QTimer::timeout, this, [this] { redraw_still(); });
+  swing_ = new QTimer(this);
+  swing_->setInterval(kSwingEvery);
+  QObject::connect(swing_, &QTimer::timeout, this, [this] {
+    actors_->set_swing(std::sin(kSwingStep * ++swung_));
+    redraw();
+  });
   cube_->SetParentRenderer(renderer_);
   cube_->On();
   look({1, 1.6, -0.9}, Vec3::UnitZ());
@@ -106,7 +113,8 @@ void ShapeView::take(const DocumentWorker::News& news) {
     actors_->take(*view_);
     if (other) fitted_ = false;
     const bool gone = !painted_name_.empty() && !view_->table({"select", painted_name_});
-    if (!view_->mesh || (gone && !news.busy)) painted_.clear();
+    if (view_->mesh && gone && !news.busy) painted_.clear();
+    if (other) clicked_.reset();
   }
   if (news.frame) actors_->take(*news.frame);
   if (news.stress) actors_->take(news.stress);
@@ -152,7 +160,7 @@ void ShapeView::say_hint() {
                                kHintPush,
                                kHintPin,
                                kHintDraw,
-                               kHintPaint,
+                               mesh ? kHintPaint : kHintPaintArea,
                                kHintLasso,
                                kHintMeasure};
   hooks_.hint(text(hints[static_cast<int>(tool_)]));
@@ -243,6 +251,18 @@ void ShapeView::set_words(const QString& words) {
   redraw();
 }
 
+void ShapeView::set_swinging(bool on) {
+  swung_ = 0;
+  on ? swing_->start() : swing_->stop();
+  actors_->set_swing(1);
+  redraw();
+}
+
+void ShapeView::set_mode(int mode) {
+  actors_->set_mode(mode);
+  redraw();
+}
+
 void ShapeView::set_mesh(bool shown) {
   actors_->set_mesh(shown);
   redraw();
@@ -257,6 +277,7 @@ void ShapeView::choose(const std::string& name) {
   chosen_point_ = -1;
   chosen_ = name;
   actors_->choose(name);
+  show_painted_area();
   show_handle();
   show_line();
   redraw();

@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "batten/apps/commands/documents/document_worker.h"
+#include "batten/apps/commands/documents/paint_edits.h"
 #include "batten/apps/studio/view/shape_actors.h"
 
 class QMouseEvent;
@@ -27,11 +28,11 @@ class Legend;
 /// What the left button does.
 enum class Tool {
   Select,  ///< a click chooses a line or region, a drag turns the view
-  Push,   ///< a press on the surface is a point load along the normal: the surface follows the hand
-  Pin,    ///< a click on the surface holds it there; arrows then move the place
-  Draw,   ///< clicks are points of a line; a double click or Enter ends it
-  Paint,  ///< of a mesh: a brush that marks nodes, with Shift one that unmarks them
-  Lasso,  ///< the same with a line around them
+  Push,  ///< a press on the surface is a point load along the normal: the surface follows the hand
+  Pin,   ///< a click on the surface holds it there; arrows then move the place
+  Draw,  ///< clicks are points of a line; a double click or Enter ends it
+  Paint,  ///< a brush, with Shift one that takes away: nodes of a mesh, or where a load or weight acts
+  Lasso,   ///< the same with a line around them
   Measure  ///< two clicks: how far it is from one to the other
 };
 
@@ -59,6 +60,11 @@ class ShapeView : public QVTKOpenGLNativeWidget {
   void set_dark(bool dark);
   void set_mesh(bool shown);
   void set_perspective(bool on);
+  /// What a brush makes where no load or weight is chosen: "pressure", "alpha" or "beta".
+  void set_paint(const std::string& kind) { paint_kind_ = kind; }
+  /// Lets the natural mode swing that is shown, or stand at its largest.
+  void set_swinging(bool on);
+  void set_mode(int mode);
   /// The curvature of the chosen line as a comb.
   void set_combs(bool shown);
   /// A plane that cuts away what is before it, with an arrow and a face to move it by.
@@ -68,6 +74,8 @@ class ShapeView : public QVTKOpenGLNativeWidget {
   const QString& words() const { return words_; }
   /// The chosen point of the chosen line, counted from 0; -1: none.
   int chosen_point() const { return chosen_point_; }
+  /// The place of the surface that was clicked last; none before.
+  const std::optional<DocumentPlace>& clicked() const { return clicked_; }
   /// Takes the chosen point out of its line; false where there is none.
   bool remove_point();
   /// A line, region or part of a mesh.
@@ -106,12 +114,12 @@ class ShapeView : public QVTKOpenGLNativeWidget {
   bool release(QMouseEvent* event);
   bool press_brush(QMouseEvent* event);
   bool key(int key);
-  void click(const QPoint& at);
+  void click(const QPoint& at, bool shift);
   void show_value(const QPoint& at);
   void start_push(const QPoint& at);
   void place_push(const DocumentPlace& place);
   void follow_push();
-  void pin(const QPoint& at);
+  void pin(const QPoint& at, bool normal);
   void end_push();
   void cancel_push();
   void draw_point(const QPoint& at);
@@ -130,6 +138,19 @@ class ShapeView : public QVTKOpenGLNativeWidget {
   void close_lasso(bool erases);
   void finish_stroke();
   void choose_awaited();
+  struct Stroke {
+    SceneTable table;  // that it is painted of; none: a new one
+    bool erases = false, ended = false;
+    int asked = 0;  // of dabs
+    std::vector<Dab> dabs;
+  };
+  SceneTable painted_table() const;
+  void show_painted_area();
+  void mark_near(const Vec3& unloaded, double radius, bool on);
+  void start_stroke(bool erases);
+  void paint_area(const QPoint& at);
+  void end_stroke();
+  void take_stroke(const Stroke& stroke);
   void show_line();
   void show_trail();
   int point_under(const QPoint& at) const;
@@ -169,6 +190,11 @@ class ShapeView : public QVTKOpenGLNativeWidget {
   std::vector<char> painted_;  // of each display point
   std::string painted_name_;   // of the selection that strokes add to
   std::vector<QPoint> lasso_;
+  std::shared_ptr<Stroke> stroke_;
+  std::string paint_kind_ = "pressure";
+  std::optional<DocumentPlace> clicked_;
+  QTimer* swing_ = nullptr;
+  int swung_ = 0;                  // pictures since a mode began to swing
   std::vector<Vec3> line_points_;  // that the scene states of the chosen line
   int chosen_point_ = -1, moved_point_ = -1;
   Vec3 point_before_ = Vec3::Zero();  // where the moved one was

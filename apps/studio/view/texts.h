@@ -5,6 +5,7 @@
 #include <QString>
 
 #include <string>
+#include <utility>
 
 namespace batten::studio {
 
@@ -36,6 +37,11 @@ inline constexpr const char* kHintSelectMesh =
                       "the handle.");
 inline constexpr const char* kHintPaint = QT_TRANSLATE_NOOP(
     "studio", "Paint over nodes, with Shift to take some away. Drag beside the mesh to turn it.");
+inline constexpr const char* kHintPaintArea =
+    QT_TRANSLATE_NOOP("studio",
+                      "Paint where the chosen load or weight acts, or a new one; with Shift to "
+                      "take away. Its slider is "
+                      "on the right.");
 inline constexpr const char* kHintLasso = QT_TRANSLATE_NOOP(
     "studio",
     "Draw around nodes, with Shift to take some away. All that the line encloses counts, the back, "
@@ -65,8 +71,11 @@ inline constexpr const char* kDraw = QT_TRANSLATE_NOOP("studio", "Draw a line");
 inline constexpr const char* kPaint = QT_TRANSLATE_NOOP("studio", "Paint");
 inline constexpr const char* kLasso = QT_TRANSLATE_NOOP("studio", "Lasso");
 inline constexpr const char* kHold = QT_TRANSLATE_NOOP("studio", "Hold");
-inline constexpr const char* kHintPin = QT_TRANSLATE_NOOP(
-    "studio", "Click on the surface: it is held there. Drag the arrows to move the place.");
+inline constexpr const char* kHintPin =
+    QT_TRANSLATE_NOOP("studio",
+                      "Click on the surface: it is held there, with Shift only its normal. Drag "
+                      "the arrows to move the "
+                      "place.");
 inline constexpr const char* kMeasure = QT_TRANSLATE_NOOP("studio", "Measure");
 inline constexpr const char* kHintMeasure = QT_TRANSLATE_NOOP(
     "studio", "Click two points: of the surface, ends of lines, or of the plane that you draw on.");
@@ -105,7 +114,55 @@ inline constexpr const char* kShadings[] = {
     QT_TRANSLATE_NOOP("studio", "Plain"),    QT_TRANSLATE_NOOP("studio", "Regions"),
     QT_TRANSLATE_NOOP("studio", "Zebra"),    QT_TRANSLATE_NOOP("studio", "Heights"),
     QT_TRANSLATE_NOOP("studio", "Moved by"), QT_TRANSLATE_NOOP("studio", "Curvature"),
-    QT_TRANSLATE_NOOP("studio", "Stretch"),  QT_TRANSLATE_NOOP("studio", "Stress")};
+    QT_TRANSLATE_NOOP("studio", "Stretch"),  QT_TRANSLATE_NOOP("studio", "Stress"),
+    QT_TRANSLATE_NOOP("studio", "Vibration")};
+/// What a brush makes, and how a scene calls it.
+inline constexpr std::pair<const char*, const char*> kPaints[] = {
+    {QT_TRANSLATE_NOOP("studio", "Paint pressure"), "pressure"},
+    {QT_TRANSLATE_NOOP("studio", "Paint bending (beta)"), "beta"},
+    {QT_TRANSLATE_NOOP("studio", "Paint stretching (alpha)"), "alpha"}};
+inline constexpr const char* kModeOf = QT_TRANSLATE_NOOP("studio", "%1. %2 Hz");
+inline constexpr const char* kModeWords =
+    QT_TRANSLATE_NOOP("studio", "Swings %1 times a second, drawn slower and larger");
+inline constexpr const char* kSwing = QT_TRANSLATE_NOOP("studio", "S&wing");
+inline constexpr const char* kMotion = QT_TRANSLATE_NOOP("studio", "Let it move");
+inline constexpr const char* kMotionTip = QT_TRANSLATE_NOOP(
+    "studio", "The surface swings and comes to rest as [motion] says; sliders act on it (T)");
+inline constexpr const char* kMoves = QT_TRANSLATE_NOOP("studio", "moving");
+inline constexpr const char* kTour = QT_TRANSLATE_NOOP("studio", "&Tour of the door");
+inline constexpr const char* kTourNext = QT_TRANSLATE_NOOP("studio", "Next");
+inline constexpr const char* kTourDone = QT_TRANSLATE_NOOP("studio", "Done");
+inline constexpr const char* kTourClose = QT_TRANSLATE_NOOP("studio", "End the tour");
+inline constexpr const char* kTourStart =
+    QT_TRANSLATE_NOOP("studio",
+                      "This is a door: five lines, and the surface that bends as little as they "
+                      "allow. Drag beside it to "
+                      "turn the view, use the wheel to come nearer, F to see all.");
+inline constexpr const char* kTourSlider = QT_TRANSLATE_NOOP(
+    "studio", "Every number that may move has a slider on the right. Drag <b>swell</b>.");
+inline constexpr const char* kTourPush =
+    QT_TRANSLATE_NOOP("studio",
+                      "Press <b>P</b> for the tool <b>Push</b>. Then press on the surface and "
+                      "drag: it follows your hand.");
+inline constexpr const char* kTourZebra =
+    QT_TRANSLATE_NOOP("studio",
+                      "Is it fair? Choose <b>Zebra</b> in the list of shadings above: stripes that "
+                      "break are creases.");
+inline constexpr const char* kTourStress =
+    QT_TRANSLATE_NOOP("studio", "It is a steel sheet, too. Choose <b>Stress</b> in the same list.");
+inline constexpr const char* kTourUndo =
+    QT_TRANSLATE_NOOP("studio", "<b>Ctrl+Z</b> takes everything back, step by step. Try it.");
+inline constexpr const char* kTourChoose =
+    QT_TRANSLATE_NOOP("studio",
+                      "Press <b>S</b> for <b>Select</b> and click a line: on the left is what the "
+                      "scene says of it, and "
+                      "what can be done with it.");
+inline constexpr const char* kTourEnd =
+    QT_TRANSLATE_NOOP("studio",
+                      "Now your own: <b>Ctrl+N</b> begins a scene, <b>D</b> draws lines, and as "
+                      "soon as they close there "
+                      "is a surface. Ctrl+E exports it for CAD.");
+inline constexpr const char* kForceHere = QT_TRANSLATE_NOOP("studio", "Load: force here");
 inline constexpr const char* kPlanes[] = {QT_TRANSLATE_NOOP("studio", "Draw on the ground (xy)"),
                                           QT_TRANSLATE_NOOP("studio", "Draw upright (xz)"),
                                           QT_TRANSLATE_NOOP("studio", "Draw upright (yz)"),

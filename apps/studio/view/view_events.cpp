@@ -82,11 +82,16 @@ bool ShapeView::press(QMouseEvent* event) {
 // Beside the surface a brush turns the view; a lasso begins anywhere.
 bool ShapeView::press_brush(QMouseEvent* event) {
   const Vec3 at = display(event->pos());
-  if (!view_ || !view_->mesh) return false;
+  if (!view_ || !view_->surface) return false;
   if (tool_ == Tool::Paint && !actors_->surface_at(at.x(), at.y())) return false;
-  start_painting();
   brushing_ = true;
   brushed_ = event->pos();
+  if (!view_->mesh) {
+    start_stroke(event->modifiers().testFlag(Qt::ShiftModifier));
+    paint_area(event->pos());
+    return true;
+  }
+  start_painting();
   if (tool_ == Tool::Paint)
     paint(event->pos(), event->modifiers().testFlag(Qt::ShiftModifier));
   else
@@ -106,7 +111,10 @@ bool ShapeView::move(QMouseEvent* event) {
   }
   if (left_ && brushing_) {
     const bool erases = event->modifiers().testFlag(Qt::ShiftModifier);
-    tool_ == Tool::Paint ? paint(event->pos(), erases) : draw_lasso(event->pos());
+    if (stroke_)
+      paint_area(event->pos());
+    else
+      tool_ == Tool::Paint ? paint(event->pos(), erases) : draw_lasso(event->pos());
     return true;
   }
   if (push_) {
@@ -146,6 +154,10 @@ bool ShapeView::release(QMouseEvent* event) {
   }
   if (brushing_) {
     brushing_ = false;
+    if (stroke_) {
+      end_stroke();
+      return true;
+    }
     if (tool_ == Tool::Lasso) close_lasso(event->modifiers().testFlag(Qt::ShiftModifier));
     finish_stroke();
     return true;
@@ -154,7 +166,7 @@ bool ShapeView::release(QMouseEvent* event) {
     end_push();
     return true;
   }
-  if (!moved_) click(event->pos());
+  if (!moved_) click(event->pos(), event->modifiers().testFlag(Qt::ShiftModifier));
   return false;
 }
 
@@ -167,14 +179,16 @@ void ShapeView::show_value(const QPoint& at) {
   hooks_.hint(value ? QString::number(*value, 'g', 4) : QString());
 }
 
-void ShapeView::click(const QPoint& at) {
+void ShapeView::click(const QPoint& at, bool shift) {
   if (tool_ == Tool::Draw) return draw_point(at);
   if (tool_ == Tool::Measure) return measure_point(at);
-  if (tool_ == Tool::Pin) return pin(at);
+  if (tool_ == Tool::Pin) return pin(at, shift);
   const Vec3 p = display(at);
   const std::string line = actors_->line_at(p.x(), p.y());
   const std::string region = line.empty() ? actors_->region_at(p.x(), p.y()) : "";
   choose(line.empty() ? region : line);
+  if (const auto hit = actors_->surface_at(p.x(), p.y()); hit && !view_->mesh)
+    hooks_.ask_place(*hit, [this](const DocumentPlace& place) { clicked_ = place; });
   hooks_.chosen(line, region);
 }
 

@@ -1,5 +1,6 @@
 #include "batten/apps/studio/window/chosen_panel.h"
 
+#include <QComboBox>
 #include <QGridLayout>
 #include <QHeaderView>
 #include <QLabel>
@@ -13,6 +14,7 @@
 #include "batten/apps/commands/documents/stress_edits.h"
 #include "batten/apps/commands/documents/word_edits.h"
 #include "batten/apps/studio/view/texts.h"
+#include "batten/apps/studio/window/key_words.h"
 
 namespace batten::studio {
 namespace {
@@ -32,11 +34,10 @@ std::string as_value(const std::string& typed) {
 
 }  // namespace
 
-ChosenPanel::ChosenPanel(QWidget* parent, std::function<void(DocumentCommand)> post,
-                         std::function<int()> point)
+ChosenPanel::ChosenPanel(QWidget* parent, std::function<void(DocumentCommand)> post, Hand hand)
     : QWidget(parent),
       post_(std::move(post)),
-      point_(std::move(point)),
+      hand_(std::move(hand)),
       title_(new QLabel),
       words_(new QLabel),
       buttons_(new QWidget),
@@ -85,16 +86,27 @@ void ChosenPanel::fill_table() {
   const bool stated = item_.kind == Kind::Table || item_.table.kind != "";
   const DocumentView::Table* table = stated ? view_->table(item_.table) : nullptr;
   if (table)
-    for (const auto& [key, value] : table->values) {
-      const int row = keys_->rowCount();
-      keys_->insertRow(row);
-      auto* name = new QTableWidgetItem(shown(key));
-      name->setFlags(name->flags() & ~Qt::ItemIsEditable);
-      keys_->setItem(row, 0, name);
-      keys_->setItem(row, 1, new QTableWidgetItem(shown(value)));
-    }
+    for (const auto& [key, value] : table->values) add_key(key, value);
   keys_->setVisible(keys_->rowCount() > 0);
   filling_ = false;
+}
+
+// A key that has a few words gets a list of them.
+void ChosenPanel::add_key(const std::string& key, const std::string& value) {
+  const int row = keys_->rowCount();
+  keys_->insertRow(row);
+  auto* name = new QTableWidgetItem(shown(key));
+  name->setFlags(name->flags() & ~Qt::ItemIsEditable);
+  keys_->setItem(row, 0, name);
+  keys_->setItem(row, 1, new QTableWidgetItem(shown(value)));
+  const QStringList words = words_of_key(item_.table, key, value);
+  if (words.isEmpty()) return;
+  auto* list = new QComboBox;
+  list->addItems(words);
+  list->setCurrentText(shown(value));
+  QObject::connect(list, QOverload<int>::of(&QComboBox::activated), this,
+                   [this, list, row] { keys_->item(row, 1)->setText(list->currentText()); });
+  keys_->setCellWidget(row, 1, list);
 }
 
 void ChosenPanel::fill_words() {
@@ -147,7 +159,7 @@ void ChosenPanel::fill_line() {
   const std::vector<Vec3> points = stated_points(SceneText(view_->text), name);
   if (points.empty()) return;
   add_button(kFairHere, [this, fair, points] {
-    const int point = point_();
+    const int point = hand_.point();
     if (point < 0) return std::vector<DocumentCommand>{};
     // As far as the points beside it.
     double radius = 0;
@@ -158,7 +170,7 @@ void ChosenPanel::fill_line() {
     return fair(", brush = { at = " + point_word(p) + ", radius = " + size +
                 " }, wavelength = " + size);
   });
-  add_button(kSplit, [this, name] { return split_edits(*view_, name, point_()); });
+  add_button(kSplit, [this, name] { return split_edits(*view_, name, hand_.point()); });
   add_button(kJoinLines, [this, name] { return join_line_edits(*view_, name); });
   for (int axis = 0; axis < 3; ++axis)
     add_button(kMirrors[axis], [this, name, axis] { return mirror_edits(*view_, name, axis); });
@@ -190,6 +202,15 @@ void ChosenPanel::fill_stress() {
   add_button(kPressOn, [this, name] {
     return stress_load_edits(SceneText(view_->text),
                              "{ pressure = 0.001, region = " + SceneText::word(name) + " }");
+  });
+  // One unit of force against the normal, where the surface was clicked.
+  add_button(kForceHere, [this]() -> std::vector<DocumentCommand> {
+    const auto place = hand_.place();
+    if (!place) return {};
+    return stress_load_edits(SceneText(view_->text),
+                             "{ point = " + point_word(rounded_point(place->present, view_->size)) +
+                                 ", force = " + point_word(rounded_point(-place->normal, 1)) +
+                                 " }");
   });
   add_button(kWeight, [this] {
     const bool metres = view_->unit == "m";

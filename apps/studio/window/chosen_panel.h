@@ -5,7 +5,7 @@
 #include <functional>
 #include <memory>
 
-#include "batten/apps/commands/documents/document_command.h"
+#include "batten/apps/commands/documents/document_content.h"
 #include "batten/apps/commands/documents/document_view.h"
 #include "batten/apps/studio/window/model_tree.h"
 
@@ -21,15 +21,19 @@ namespace batten::studio {
 /// is for.
 class ChosenPanel : public QWidget {
  public:
-  /// `point`: the chosen point of the chosen line, -1 for none.
-  ChosenPanel(QWidget* parent, std::function<void(DocumentCommand)> post,
-              std::function<int()> point);
+  /// What the hand has chosen in the view.
+  struct Hand {
+    std::function<int()> point;                           ///< of the chosen line, -1 for none
+    std::function<std::optional<DocumentPlace>()> place;  ///< of the surface
+  };
+  ChosenPanel(QWidget* parent, std::function<void(DocumentCommand)> post, Hand hand);
 
   void take(std::shared_ptr<const DocumentView> view, const ModelTree::Item& item);
   QPushButton* button(const char* text) const;  ///< by its English text; null: not shown
 
  private:
   void fill_table();
+  void add_key(const std::string& key, const std::string& value);
   void fill_words();
   void fill_mesh();
   void fill_line();
@@ -37,7 +41,7 @@ class ChosenPanel : public QWidget {
   void add_keep_all();
   void add_button(const char* what, std::function<std::vector<DocumentCommand>()> edits);
   std::function<void(DocumentCommand)> post_;
-  std::function<int()> point_;
+  Hand hand_;
   std::shared_ptr<const DocumentView> view_;
   ModelTree::Item item_;
   QLabel* title_;

@@ -1,11 +1,9 @@
 #include "batten/apps/studio/window/main_window.h"
 
-#include <QActionGroup>
 #include <QApplication>
 #include <QCloseEvent>
 #include <QComboBox>
 #include <QDockWidget>
-#include <QElapsedTimer>
 #include <QFileDialog>
 #include <QLabel>
 #include <QListWidget>
@@ -16,7 +14,6 @@
 #include <QPushButton>
 #include <QSettings>
 #include <QStatusBar>
-#include <QToolBar>
 #include <cmath>
 
 #include "batten/apps/studio/view/texts.h"
@@ -85,12 +82,14 @@ void MainWindow::make_panels() {
     chosen_->take(shown_, item);
     using Kind = ModelTree::Item::Kind;
     const bool pin = item.table.kind == "constraint";
-    const bool nothing = (item.kind == Kind::Table && !pin) || item.kind == Kind::Choice;
+    const bool acts = pin || item.table.kind == "load" || item.table.kind == "weight";
+    const bool nothing = (item.kind == Kind::Table && !acts) || item.kind == Kind::Choice;
     std::string name = nothing ? "" : item.name;
     if (item.table.kind == "edit.handle") name = item.name.substr(item.name.rfind('.') + 1);
     view_->choose(name);
   });
-  chosen_ = new ChosenPanel(this, post, [this] { return view_->chosen_point(); });
+  chosen_ = new ChosenPanel(
+      this, post, {[this] { return view_->chosen_point(); }, [this] { return view_->clicked(); }});
   sliders_ = new SliderPanel(this, post);
   messages_ = new QListWidget;
   messages_->setWordWrap(true);
@@ -162,57 +161,12 @@ void MainWindow::make_menus() {
   check(kMesh, QKeySequence("M"), [this](bool on) { view_->set_mesh(on); });
   check(kSection, QKeySequence("X"), [this](bool on) { view_->set_section(on); });
   check(kCombs, QKeySequence("C"), [this](bool on) { view_->set_combs(on); });
+  add(menuBar()->addMenu(text(kHelp)), kTour, {}, [this] {
+    if (may_leave()) start_tour();
+  });
   check(kDark, {}, [this](bool on) {
     set_dark(on);
   })->setChecked(QSettings().value("dark", false).toBool());
-}
-
-void MainWindow::make_tools() {
-  QToolBar* bar = addToolBar(text(kTools));
-  bar->setObjectName(kTools);
-  bar->setMovable(false);
-  auto* group = new QActionGroup(this);
-  const auto tool = [&](const char* what, const char* key, Tool which) {
-    QAction* action = bar->addAction(text(what));
-    action->setObjectName(what);
-    action->setCheckable(true);
-    action->setShortcut(QKeySequence(key));
-    action->setToolTip(text(what) + " (" + key + ")");
-    group->addAction(action);
-    QObject::connect(action, &QAction::triggered, this, [this, which] {
-      view_->set_tool(which);
-      plane_->setEnabled(which == Tool::Draw);
-    });
-    return action;
-  };
-  tool(kSelect, "S", Tool::Select)->setChecked(true);
-  tool(kPush, "P", Tool::Push);
-  tool(kHold, "H", Tool::Pin);
-  tool(kDraw, "D", Tool::Draw);
-  tool(kMeasure, "K", Tool::Measure);
-  tool(kPaint, "B", Tool::Paint);
-  tool(kLasso, "L", Tool::Lasso);
-  plane_ = new QComboBox;
-  for (const char* plane : kPlanes) plane_->addItem(text(plane));
-  plane_->setEnabled(false);
-  QObject::connect(plane_, QOverload<int>::of(&QComboBox::currentIndexChanged), this,
-                   [this](int index) { view_->set_plane(static_cast<DrawPlane>(index)); });
-  bar->addWidget(plane_);
-  bar->addSeparator();
-  bar->addAction(undo_);
-  bar->addAction(redo_);
-  bar->addSeparator();
-  shading_ = new QComboBox;
-  for (const char* shading : kShadings) shading_->addItem(text(shading));
-  QObject::connect(
-      shading_, QOverload<int>::of(&QComboBox::currentIndexChanged), this, [this](int index) {
-        const auto shading = static_cast<Shading>(index);
-        worker_->show_stress(shading == Shading::Stress);
-        view_->set_shading(shading);
-        view_->set_words(shading == Shading::Stress && !shown_->has_stress ? text(kNoStress)
-                                                                           : QString());
-      });
-  bar->addWidget(shading_);
 }
 
 void MainWindow::make_status() {
@@ -237,6 +191,12 @@ void MainWindow::open(const std::filesystem::path& file) {
   post({.verb = Verb::Open, .file = std::filesystem::absolute(file)});
 }
 
+void MainWindow::start_tour() {
+  delete tour_;
+  open(tour_scene().toStdString());
+  tour_ = new Tour(view_);
+}
+
 void MainWindow::recover(const std::filesystem::path& file) {
   post({.verb = Verb::Recover, .file = file});
 }
@@ -253,6 +213,10 @@ void MainWindow::take_news() {
   if (!worker_) return;
   const DocumentWorker::News news = worker_->take_news();
   busy_ = news.busy;
+  if (motion_->isChecked() != news.moving) {
+    motion_->setChecked(news.moving);
+    show_tools();
+  }
   for (const DocumentCommand& done : news.written) {
     const char* const what = done.verb == Verb::Save     ? kSaved
                              : done.verb == Verb::Export ? kExported
@@ -267,8 +231,10 @@ void MainWindow::take_news() {
                                                         : QStyle::SP_MessageBoxWarning));
     messages_->scrollToBottom();
   }
+  constexpr int soon = 300;  // ms: until then numbers stay
   const bool computing = news.frame && !news.stress && shown_->has_stress &&
-                         shading_->currentIndex() == static_cast<int>(Shading::Stress);
+                         shading_->currentIndex() == static_cast<int>(Shading::Stress) &&
+                         !(stress_shown_.isValid() && stress_shown_.elapsed() < soon);
   if (news.view) {
     const bool more_handles = news.view->mesh && news.view->handles.size() > shown_->handles.size();
     shown_ = news.view;
@@ -288,31 +254,13 @@ void MainWindow::take_news() {
     view_->take(news);
   }
   if (computing) view_->set_words(text(kComputing));
-  if (news.stress) show_stress(*news.stress);
+  if (news.stress) {
+    stress_shown_.start();
+    show_stress(*news.stress);
+  }
+  look_for_tour();
   if (news.frame || !news.busy) timeline_->drawn();
   show_state(news);
-}
-
-void MainWindow::show_stress(const StressView& stress) {
-  const auto digits = [](double value) { return QString::number(value, 'g', 3); };
-  if (!stress.problem.empty()) return view_->set_words(shown(stress.problem));
-  const QString unit = shown_->unit == "m" ? "Pa" : shown_->unit == "mm" ? "N/mm²" : "";
-  QString words = text(kStressWords)
-                      .arg(digits(stress.von_mises), unit, shown(stress.of_case),
-                           digits(stress.displacement), shown(shown_->unit))
-                      .arg(stress.exaggeration);
-  if (stress.yield > 0 && stress.von_mises > 0)
-    words += text(kSafety).arg(digits(stress.yield / stress.von_mises));
-  view_->set_words(words);
-}
-
-// Shapes are pushed and drawn, meshes are painted.
-void MainWindow::show_tools() {
-  const bool mesh = shown_->mesh != nullptr;
-  for (const char* what : {kPush, kHold, kDraw}) action(what)->setEnabled(!mesh);
-  for (const char* what : {kPaint, kLasso}) action(what)->setEnabled(mesh);
-  for (const char* what : {kPush, kHold, kDraw, kPaint, kLasso})
-    if (action(what)->isChecked() && !action(what)->isEnabled()) action(kSelect)->trigger();
 }
 
 // What keeps the lines from a surface stands there as long as it is so.

@@ -1,7 +1,9 @@
 // The window of batten-studio.
 #pragma once
 
+#include <QElapsedTimer>
 #include <QMainWindow>
+#include <QPointer>
 #include <atomic>
 #include <filesystem>
 #include <functional>
@@ -13,6 +15,7 @@
 #include "batten/apps/studio/window/model_tree.h"
 #include "batten/apps/studio/window/slider_panel.h"
 #include "batten/apps/studio/window/timeline_panel.h"
+#include "batten/apps/studio/window/tour.h"
 
 class QAction;
 class QActionGroup;
@@ -38,6 +41,8 @@ class MainWindow : public QMainWindow {
   /// Takes up changes that a window which was killed left in this file.
   void recover(const std::filesystem::path& file);
   void post(DocumentCommand command);
+  /// Opens the door and shows what can be done with it.
+  void start_tour();
 
   // For tests and tours: what the hand can reach.
   ShapeView& view() { return *view_; }
@@ -48,7 +53,10 @@ class MainWindow : public QMainWindow {
   QAction* action(const char* text) const;  ///< by its English text
   const DocumentView& document() const { return *shown_; }
   DocumentWorker& worker() { return *worker_; }
+  Tour* tour() { return tour_; }  ///< null: none
   QComboBox& shading() { return *shading_; }
+  QComboBox& paint() { return *paint_; }
+  QComboBox& modes() { return *modes_; }
   QStringList messages() const;
   /// Works off events until the worker has nothing to do; false after so many seconds.
   bool wait(double seconds = 60);
@@ -67,7 +75,12 @@ class MainWindow : public QMainWindow {
   void take_news();
   void show_title();
   void show_tools();
+  void choose_shading(Shading shading);
+  void choose_mode(int mode);
+  void set_moving(bool on);
+  void look_for_tour();
   void show_stress(const StressView& stress);
+  void show_modes(const StressView& stress);
   void show_problem();
   void show_state(const DocumentWorker::News& news);
   void save(bool as);
@@ -96,7 +109,11 @@ class MainWindow : public QMainWindow {
   QLabel *state_ = nullptr, *answers_ = nullptr;
   QProgressBar* progress_ = nullptr;
   QPushButton* stop_ = nullptr;
-  QComboBox *shading_ = nullptr, *plane_ = nullptr;
+  QComboBox *shading_ = nullptr, *plane_ = nullptr, *paint_ = nullptr, *modes_ = nullptr;
+  QAction *plane_bar_ = nullptr, *paint_bar_ = nullptr, *modes_bar_ = nullptr;  // their places
+  QAction* motion_ = nullptr;
+  QPointer<Tour> tour_;
+  QElapsedTimer stress_shown_;
   bool busy_ = false;
   std::atomic<bool> woken_ = false;
 };

@@ -17,7 +17,8 @@ using Verb = DocumentCommand::Verb;
 constexpr int kSteps = 2000;
 
 bool same_rows(const DocumentView::Slider& a, const DocumentView::Slider& b) {
-  return a.name == b.name && a.min == b.min && a.max == b.max && a.driven == b.driven;
+  return a.name == b.name && a.unit == b.unit && a.min == b.min && a.max == b.max &&
+         a.driven == b.driven;
 }
 
 }  // namespace
@@ -65,6 +66,8 @@ void SliderPanel::add_row(size_t i) {
   auto* label = new QLabel(QString::fromStdString(rows_[i].of.name));
   auto* number = new QDoubleSpinBox;
   number->setDecimals(4);
+  const QString unit = shown(rows_[i].of.unit);
+  number->setSuffix(unit.isEmpty() || unit == "°" ? unit : " " + unit);
   number->setRange(std::max(rows_[i].of.min, -1e12), std::min(rows_[i].of.max, 1e12));
   number->setKeyboardTracking(false);
   number->setEnabled(!rows_[i].of.driven);

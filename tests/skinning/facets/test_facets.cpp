@@ -116,6 +116,19 @@ TEST_CASE("a mesh with holes leaves them empty") {
   CHECK(mesh.triangle_count() < 1500);
 }
 
+TEST_CASE("meshing stops when it is told to") {
+  if (!have_delaunay_mesher()) return;
+  MeshTask task;
+  task.points = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
+  task.outline = {{0, 1}, {1, 2}, {2, 3}, {3, 0}};
+  task.edge_length = 0.003;  // some 250,000 triangles
+  task.keep_segments = GENERATE(false, true);
+  int asked = 0;
+  task.progress.cancelled = [&] { return ++asked == 3; };
+  CHECK_THROWS_AS(delaunay_mesh(task), CancelledError);
+  CHECK(asked == 3);
+}
+
 TEST_CASE("facets of a disc with a hole and a rib fill it and end at its lines") {
   if (!have_delaunay_mesher()) return;
   const SkinnedRegion region = wavy_disc({});

@@ -1,0 +1,158 @@
+// The tools of the window, and what it shows of stresses, vibrations and motions.
+#include <QAction>
+#include <QActionGroup>
+#include <QComboBox>
+#include <QToolBar>
+
+#include "batten/apps/studio/view/texts.h"
+#include "batten/apps/studio/window/main_window.h"
+
+namespace batten::studio {
+namespace {
+
+constexpr int kModeLetters = 12;
+
+Analysis analysis_of(Shading shading) {
+  return shading == Shading::Stress  ? Analysis::Stress
+         : shading == Shading::Modes ? Analysis::Modes
+                                     : Analysis::None;
+}
+
+}  // namespace
+
+void MainWindow::make_tools() {
+  QToolBar* bar = addToolBar(text(kTools));
+  bar->setObjectName(kTools);
+  bar->setMovable(false);
+  auto* group = new QActionGroup(this);
+  const auto tool = [&](const char* what, const char* key, Tool which) {
+    QAction* action = bar->addAction(text(what));
+    action->setObjectName(what);
+    action->setCheckable(true);
+    action->setShortcut(QKeySequence(key));
+    action->setToolTip(text(what) + " (" + key + ")");
+    group->addAction(action);
+    QObject::connect(action, &QAction::triggered, this, [this, which] {
+      view_->set_tool(which);
+      plane_bar_->setVisible(which == Tool::Draw);
+      paint_bar_->setVisible(which == Tool::Paint && !shown_->mesh);
+    });
+    return action;
+  };
+  tool(kSelect, "S", Tool::Select)->setChecked(true);
+  tool(kPush, "P", Tool::Push);
+  tool(kHold, "H", Tool::Pin);
+  tool(kDraw, "D", Tool::Draw);
+  tool(kMeasure, "K", Tool::Measure);
+  tool(kPaint, "B", Tool::Paint);
+  tool(kLasso, "L", Tool::Lasso);
+  plane_ = new QComboBox;
+  for (const char* plane : kPlanes) plane_->addItem(text(plane));
+  QObject::connect(plane_, QOverload<int>::of(&QComboBox::currentIndexChanged), this,
+                   [this](int index) { view_->set_plane(static_cast<DrawPlane>(index)); });
+  plane_bar_ = bar->addWidget(plane_);
+  plane_bar_->setVisible(false);
+  paint_ = new QComboBox;
+  for (const auto& [what, kind] : kPaints) paint_->addItem(text(what), kind);
+  QObject::connect(
+      paint_, QOverload<int>::of(&QComboBox::currentIndexChanged), this,
+      [this](int index) { view_->set_paint(kPaints[static_cast<size_t>(index)].second); });
+  paint_bar_ = bar->addWidget(paint_);
+  paint_bar_->setVisible(false);
+  bar->addSeparator();
+  bar->addAction(undo_);
+  bar->addAction(redo_);
+  bar->addSeparator();
+  shading_ = new QComboBox;
+  for (const char* shading : kShadings) shading_->addItem(text(shading));
+  QObject::connect(shading_, QOverload<int>::of(&QComboBox::currentIndexChanged), this,
+                   [this](int index) { choose_shading(static_cast<Shading>(index)); });
+  bar->addWidget(shading_);
+  modes_ = new QComboBox;
+  modes_->setMinimumContentsLength(kModeLetters);
+  QObject::connect(modes_, QOverload<int>::of(&QComboBox::currentIndexChanged), this,
+                   [this](int mode) { choose_mode(mode); });
+  modes_bar_ = bar->addWidget(modes_);
+  modes_bar_->setVisible(false);
+  bar->addSeparator();
+  motion_ = bar->addAction(text(kMotion));
+  motion_->setObjectName(kMotion);
+  motion_->setCheckable(true);
+  motion_->setShortcut(QKeySequence("T"));
+  motion_->setToolTip(text(kMotionTip));
+  QObject::connect(motion_, &QAction::triggered, this, [this](bool on) { set_moving(on); });
+}
+
+void MainWindow::choose_shading(Shading shading) {
+  const Analysis what = analysis_of(shading);
+  worker_->analyse(what);
+  view_->set_shading(shading);
+  view_->set_swinging(shading == Shading::Modes);
+  modes_bar_->setVisible(shading == Shading::Modes);
+  const bool asked = what != Analysis::None;
+  view_->set_words(asked && !shown_->has_stress ? text(kNoStress) : QString());
+}
+
+void MainWindow::choose_mode(int mode) {
+  if (mode < 0) return;
+  view_->set_mode(mode);
+  view_->set_words(text(kModeWords).arg(modes_->itemData(mode).toDouble(), 0, 'g', 4));
+}
+
+// The list of modes, with the chosen one kept.
+void MainWindow::show_modes(const StressView& stress) {
+  const int before = std::max(0, modes_->currentIndex());
+  modes_->blockSignals(true);
+  modes_->clear();
+  for (size_t i = 0; i < stress.hertz.size(); ++i)
+    modes_->addItem(text(kModeOf).arg(i + 1).arg(stress.hertz[i], 0, 'g', 4), stress.hertz[i]);
+  modes_->setCurrentIndex(std::min(before, modes_->count() - 1));
+  modes_->blockSignals(false);
+  choose_mode(modes_->currentIndex());
+}
+
+void MainWindow::look_for_tour() {
+  if (!tour_) return;
+  Tour::Sight sight;
+  for (const auto& slider : shown_->sliders)
+    if (slider.name == "swell") sight.swell = slider.value;
+  sight.pushes = static_cast<int>(shown_->marks.size());
+  sight.can_redo = shown_->can_redo;
+  sight.line_chosen = tree_->current().kind == ModelTree::Item::Kind::Line;
+  sight.shading = static_cast<Shading>(shading_->currentIndex());
+  tour_->look(sight);
+}
+
+void MainWindow::set_moving(bool on) {
+  worker_->set_moving(on);
+  motion_->setChecked(on);
+  show_tools();
+}
+
+void MainWindow::show_stress(const StressView& stress) {
+  const auto digits = [](double value) { return QString::number(value, 'g', 3); };
+  if (!stress.problem.empty()) return view_->set_words(shown(stress.problem));
+  if (shading_->currentIndex() == static_cast<int>(Shading::Modes)) return show_modes(stress);
+  const QString unit = shown_->unit == "m" ? "Pa" : shown_->unit == "mm" ? "N/mm²" : "";
+  QString words = text(kStressWords)
+                      .arg(digits(stress.von_mises), unit, shown(stress.of_case),
+                           digits(stress.displacement), shown(shown_->unit))
+                      .arg(stress.exaggeration);
+  if (stress.yield > 0 && stress.von_mises > 0)
+    words += text(kSafety).arg(digits(stress.yield / stress.von_mises));
+  view_->set_words(words);
+}
+
+// Shapes are pushed, held and drawn, meshes are encircled.
+void MainWindow::show_tools() {
+  const bool mesh = shown_->mesh != nullptr, moves = motion_->isChecked();
+  for (const char* what : {kPush, kHold}) action(what)->setEnabled(!mesh && !moves);
+  action(kDraw)->setEnabled(!mesh);
+  action(kLasso)->setEnabled(mesh);
+  action(kPaint)->setEnabled(shown_->surface);
+  motion_->setEnabled(moves || (shown_->surface && !mesh));
+  for (const char* what : {kPush, kHold, kDraw, kPaint, kLasso})
+    if (action(what)->isChecked() && !action(what)->isEnabled()) action(kSelect)->trigger();
+}
+
+}  // namespace batten::studio

@@ -1,0 +1,186 @@
+// What acts on a document's surface: what a brush paints, motions, how its shell swings.
+#include <chrono>
+#include <numbers>
+#include <thread>
+
+#include "batten/apps/commands/documents/document_worker.h"
+#include "batten/apps/commands/documents/edited_shape.h"
+#include "batten/apps/commands/documents/paint_edits.h"
+#include "batten/apps/commands/documents/run_script.h"
+#include "batten/tests/apps/cli_case.h"
+
+using namespace batten;
+using namespace batten_test;
+using Verb = DocumentCommand::Verb;
+
+namespace {
+
+const std::string kMovingPanel = R"(unit = "mm"
+[[line]]
+name = "rim"
+points = [[0,0,0], [400,0,0], [400,300,0], [0,300,0], [0,0,0]]
+
+[skin]
+edge_length = 40
+
+[[load]]
+name = "crown"
+type = "pressure"
+value = 3
+
+[motion]
+density = 0.2
+damping = 2
+)";
+
+Document panel(const Case& folder, const std::string& more = "") {
+  folder.file("s.toml", kMovingPanel + more);
+  Document document;
+  document.apply({.verb = Verb::Open, .file = folder / "s.toml"});
+  REQUIRE(document.session());
+  return document;
+}
+
+void apply_all(Document& document, const std::vector<DocumentCommand>& commands) {
+  for (const DocumentCommand& command : commands) document.apply(command);
+}
+
+double height_at(const Document& document, const Vec3& p) {
+  return document.content().place(p).present.z();
+}
+
+}  // namespace
+
+TEST_CASE("what is painted acts there, and is taken away where the brush erases", "[document]") {
+  const Case folder("document_paint");
+  Document document = panel(folder);
+  document.apply({.verb = Verb::Slide, .key = "crown", .value = 0});
+  document.apply({.verb = Verb::Settle});
+  const std::vector<Dab> left = {{{100, 150, 0}, 60}, {{130, 150, 0}, 60}},
+                         right = {{{320, 150, 0}, 50}};
+  document.apply(new_paint("bulge", "pressure", left));
+  const SceneTable bulge{"load", "bulge"};
+  REQUIRE(is_painted(document.text(), bulge));
+  CHECK(dabs_of(document.text(), bulge).size() == 2);
+  apply_all(document, {{.verb = Verb::Slide, .key = "bulge", .value = 40}, {.verb = Verb::Settle}});
+  const double low = height_at(document, {320, 150, 0});
+  CHECK(height_at(document, {110, 150, 0}) > 1.5 * low);
+  apply_all(document, paint_edits(document.text(), bulge, right, false));
+  CHECK(height_at(document, {320, 150, 0}) > 1.5 * low);
+  apply_all(document, paint_edits(document.text(), bulge, left, true));
+  REQUIRE(dabs_of(document.text(), bulge).size() == 1);
+  CHECK(height_at(document, {320, 150, 0}) > height_at(document, {110, 150, 0}));
+  CHECK(paint_edits(document.text(), bulge, left, true).empty());  // nothing there any more
+  apply_all(document, paint_edits(document.text(), bulge, right, true));
+  CHECK_FALSE(document.text().has(bulge));
+  // A stiffness is painted alike; what acts near a line is not.
+  document.apply(new_paint("stiff", "beta", left));
+  CHECK(is_painted(document.text(), {"weight", "stiff"}));
+  document.apply(
+      {.verb = Verb::Add,
+       .table = {"load", ""},
+       .text = R"({ name = "edge", type = "pressure", value = 1, near = "rim.2", radius = 90 })"});
+  CHECK_FALSE(is_painted(document.text(), {"load", "edge"}));
+}
+
+TEST_CASE("a motion swings, takes sliders, and ends in the shape at rest", "[document]") {
+  const Case folder("document_motion");
+  Document document = panel(folder);
+  const Points rest = document.session()->dofs();
+  const Vec3 middle(200, 150, 0);
+  const double height = height_at(document, middle);
+  document.apply({.verb = Verb::Slide, .key = "crown", .value = 12});
+  double highest = 0;
+  for (int i = 0; i < 400; ++i) {
+    document.apply({.verb = Verb::Step, .value = 0.02});
+    if (i == 0) CHECK(document.content().in_motion());
+    highest = std::max(highest, height_at(document, middle));
+  }
+  const double swung = height_at(document, middle);
+  CHECK(highest > 2 * height);
+  document.apply({.verb = Verb::Settle});
+  CHECK_FALSE(document.content().in_motion());
+  CHECK(std::abs(swung - height_at(document, middle)) < 0.02 * height);  // it had come to rest
+  CHECK(document.text().value({"load", "crown"}, "value") == "12");
+  document.apply({.verb = Verb::Undo});
+  CHECK((document.session()->dofs() - rest).cwiseAbs().maxCoeff() < 1e-9 * 400);
+
+  // Another command ends a motion first; a script of steps gives the same bits.
+  folder.file("s.batten",
+              "open s.toml\nslide crown 9\nstep 0.02\nstep 0.02\nstep 0.02\n"
+              "add load { name = \"p\", type = \"point\", at = [100, 100, 0], direction = [0, 0, "
+              "1], value = 2 }\n"
+              "step 0.05\nslide p 8\nstep 0.05\n");
+  Document first, second;
+  for (Document* one : {&first, &second})
+    for (const PlacedCommand& line : read_script(folder / "s.batten")) one->apply(line.command);
+  REQUIRE(first.content().in_motion());
+  CHECK(first.session()->dofs() == second.session()->dofs());
+  CHECK_THROWS_AS(first.apply({.verb = Verb::Step, .value = 0}), InputError);
+  CHECK_THROWS_AS(Document().apply({.verb = Verb::Step, .value = 0.1}), InputError);
+}
+
+TEST_CASE("a worker lets the shape move until it is told to rest", "[document]") {
+  const Case folder("document_moves");
+  folder.file("s.toml", kMovingPanel);
+  DocumentWorker worker([] {});
+  worker.post({.verb = Verb::Open, .file = folder / "s.toml"});
+  const auto wait_for = [&](const auto& done) {
+    for (int i = 0; i < 2000; ++i) {
+      const DocumentWorker::News news = worker.take_news();
+      if (done(news)) return true;
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+    return false;
+  };
+  REQUIRE(wait_for([](const auto& news) { return !news.busy && news.view && news.view->surface; }));
+  worker.set_moving(true);
+  worker.post({.verb = Verb::Slide, .key = "crown", .value = 12});
+  worker.post({.verb = Verb::Settle});  // of a slider that is let go: it swings on
+  int frames = 0;
+  REQUIRE(wait_for([&](const auto& news) {
+    CHECK(news.moving);
+    frames += news.frame ? 1 : 0;
+    return frames > 8;
+  }));
+  worker.set_moving(false);
+  REQUIRE(wait_for([](const auto& news) { return !news.busy && news.view && !news.moving; }));
+  const std::vector<std::string> script = worker.script();
+  CHECK(script.back() == "settle");
+  CHECK(std::count(script.begin(), script.end(), "step 0.02") >= 8);
+  CHECK(std::count(script.begin(), script.end(), "settle") == 1);
+}
+
+TEST_CASE("how a plate swings is what Navier says of it", "[document]") {
+  const Case folder("document_modes");
+  Document document = panel(folder, R"([stress]
+thickness = 2
+young = 210000
+poisson = 0.3
+density = 7.85e-9
+supports = [{ line = "rim.1", kind = "pinned" }, { line = "rim.2", kind = "pinned" },
+            { line = "rim.3", kind = "pinned" }, { line = "rim.4", kind = "pinned" }]
+)");
+  apply_all(document, {{.verb = Verb::Slide, .key = "crown", .value = 0}, {.verb = Verb::Settle}});
+  Frame frame;
+  REQUIRE(document.draw(frame));
+  const auto view = document.stress(Analysis::Modes);
+  REQUIRE(view);
+  INFO(view->problem);
+  REQUIRE(view->hertz.size() == 6);
+  const double D = 210000 * 8 / (12 * (1 - 0.09)), mass = 7.85e-9 * 2;
+  const auto navier = [&](int m, int n) {
+    const double k = m * m / (400.0 * 400) + n * n / (300.0 * 300);
+    return 0.5 * std::numbers::pi * k * std::sqrt(D / mass);
+  };
+  CHECK(std::abs(view->hertz[0] / navier(1, 1) - 1) < 0.01);
+  CHECK(std::abs(view->hertz[1] / navier(2, 1) - 1) < 0.01);
+  for (const auto& swing : view->swings) {
+    REQUIRE(swing.size() == frame.points.size());
+    double largest = 0;
+    for (size_t i = 0; i < swing.size(); i += 3)
+      largest =
+          std::max(largest, static_cast<double>(Vec3(swing[i], swing[i + 1], swing[i + 2]).norm()));
+    CHECK(std::abs(largest - 1) < 1e-5);
+  }
+}

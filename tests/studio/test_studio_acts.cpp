@@ -1,0 +1,205 @@
+// Stories of the window: what acts is painted, held and moved; shells swing; the tour.
+#include <QAction>
+#include <QComboBox>
+#include <QDoubleSpinBox>
+#include <QSlider>
+#include <QTableWidget>
+
+#include "batten/apps/commands/documents/line_edits.h"
+#include "batten/apps/commands/documents/paint_edits.h"
+#include "batten/apps/commands/documents/run_script.h"
+#include "batten/apps/studio/view/texts.h"
+#include "batten/tests/studio/window_case.h"
+
+using namespace batten;
+using namespace batten::studio;
+using namespace batten_test;
+
+namespace {
+
+/// A window with a flat rectangle, seen from above.
+struct Rectangle : WindowCase {
+  Rectangle() {
+    window->post(
+        line_command("rim", {{0, 0, 0}, {200, 0, 0}, {200, 100, 0}, {0, 100, 0}, {0, 0, 0}}));
+    REQUIRE(window->wait());
+    REQUIRE(document().surface);
+    act(kTop);
+    act(kFit);
+  }
+  double height_at(const Vec3& p) {
+    return view().actors().point(view().actors().point_near(p)).z();
+  }
+};
+
+}  // namespace
+
+TEST_CASE("a pressure is painted, its slider lifts what was painted, the brush takes it away",
+          "[studio]") {
+  Rectangle hand;
+  MainWindow& window = *hand.window;
+  hand.act(kPaint);
+  const auto at = [&](double x, double y) { return hand.view().pixel_of({x, y, 0}); };
+  hand.stroke({at(40, 50), at(80, 50)});
+  REQUIRE(window.wait());
+  const SceneTable painted{"load", "painted 1"};
+  REQUIRE(hand.document().table(painted));
+  const size_t dabs = dabs_of(SceneText(hand.document().text), painted).size();
+  CHECK(dabs > 2);
+  CHECK(window.tree().current().name == "painted 1");
+  QSlider* slider = window.sliders().slider("painted 1");
+  REQUIRE(slider);
+  window.sliders().number("painted 1")->setValue(150);
+  REQUIRE(window.wait());
+  CHECK(hand.height_at({60, 50, 0}) > 2 * hand.height_at({150, 50, 0}));
+  hand.act(kCorner);
+  hand.act(kMesh);
+  hand.picture("painted");
+  hand.act(kTop);
+  // The chosen load goes on to be painted, and the brush with Shift takes away.
+  hand.stroke({at(130, 50), at(150, 50)});
+  REQUIRE(window.wait());
+  const size_t more = dabs_of(SceneText(hand.document().text), painted).size();
+  CHECK(more > dabs);
+  hand.stroke({at(130, 50), at(150, 50)}, Qt::ShiftModifier);
+  REQUIRE(window.wait());
+  CHECK(dabs_of(SceneText(hand.document().text), painted).size() < more);
+  // Another kind makes a table of its own.
+  window.tree().choose_line("rim");
+  window.paint().setCurrentIndex(1);
+  hand.stroke({at(100, 20), at(110, 20)});
+  REQUIRE(window.wait());
+  REQUIRE(hand.document().table({"weight", "painted 2"}));
+  CHECK(SceneText(hand.document().text).value({"weight", "painted 2"}, "kind") == "\"beta\"");
+  CHECK(window.messages().isEmpty());
+}
+
+TEST_CASE("the surface swings when it may move, and rests when it is told to", "[studio]") {
+  Rectangle hand;
+  MainWindow& window = *hand.window;
+  window.tree().choose_region(hand.document().regions.front());
+  hand.press(kSwell);
+  const Vec3 middle(100, 50, 0);
+  window.action(kMotion)->trigger();
+  CHECK_FALSE(window.action(kPush)->isEnabled());
+  window.sliders().slider("swell 1")->setValue(1500);
+  double lowest = 1e9, highest = 0;
+  for (int i = 0; i < 60; ++i) {
+    QTest::qWait(20);
+    const double z = hand.height_at(middle);
+    lowest = std::min(lowest, z);
+    highest = std::max(highest, z);
+  }
+  window.action(kMotion)->trigger();
+  REQUIRE(window.wait());
+  const double rest = hand.height_at(middle);
+  CHECK(rest > 0.1);
+  CHECK(highest - lowest > 0.05 * rest);
+  CHECK(window.action(kPush)->isEnabled());
+  // What was done gives the same shape once more.
+  const auto folder = scratch("studio_motion");
+  window.post({.verb = DocumentCommand::Verb::Export, .file = folder / "a.stl"});
+  REQUIRE(window.wait());
+  std::vector<std::string> script = window.worker().script();
+  CHECK(std::count(script.begin(), script.end(), "step 0.02") > 5);
+  Document again;
+  for (std::string& line : script)
+    if (!line.starts_with("export")) again.apply(parse_command(line, ""));
+  Frame frame;
+  REQUIRE(again.draw(frame));
+  for (int i = 0; i < hand.view().actors().point_count(); ++i) {
+    const size_t k = 3 * static_cast<size_t>(i);
+    CHECK(hand.view().actors().point(i) ==
+          Vec3(frame.points[k], frame.points[k + 1], frame.points[k + 2]));
+  }
+}
+
+TEST_CASE("a door swings in its natural modes, one after the other", "[studio]") {
+  WindowCase hand;
+  MainWindow& window = *hand.window;
+  hand.open(kExamples / "05-door/scene.toml");
+  window.shading().setCurrentText(text(kShadings[static_cast<int>(Shading::Modes)]));
+  REQUIRE(window.wait(120));
+  INFO(hand.view().words().toStdString());
+  REQUIRE(window.modes().count() >= 3);
+  CHECK(window.modes().itemData(0).toDouble() < window.modes().itemData(1).toDouble());
+  const QString first = hand.view().words();
+  window.modes().setCurrentIndex(1);
+  CHECK(hand.view().words() != first);
+  const int point = 200;
+  Vec3 low = hand.view().actors().point(point), high = low;
+  for (int i = 0; i < 20; ++i) {
+    QTest::qWait(40);
+    low = low.cwiseMin(hand.view().actors().point(point));
+    high = high.cwiseMax(hand.view().actors().point(point));
+  }
+  CHECK((high - low).norm() > 0);
+  hand.picture("modes");
+  window.shading().setCurrentIndex(0);
+  REQUIRE(window.wait());
+  CHECK(window.messages().isEmpty());
+}
+
+TEST_CASE("a normal is held by a click with Shift, and a force acts where it was clicked",
+          "[studio]") {
+  Rectangle hand;
+  MainWindow& window = *hand.window;
+  window.tree().choose_region(hand.document().regions.front());
+  hand.press(kSwell);
+  window.sliders().number("swell 1")->setValue(60);
+  REQUIRE(window.wait());
+  hand.act(kHold);
+  QTest::mouseClick(&hand.view(), Qt::LeftButton, Qt::ShiftModifier,
+                    hand.view().pixel_of({60, 50, 0}));
+  REQUIRE(window.wait());
+  REQUIRE(hand.document().table({"constraint", "normal 1"}));
+  hand.click(Vec3(140, 50, 0));
+  REQUIRE(hand.document().table({"constraint", "pin 1"}));
+  hand.act(kSelect);
+  window.tree().choose_line("rim");
+  hand.press(kClamp);
+  hand.click(Vec3(100, 30, 0));
+  hand.press(kForceHere);
+  CHECK(hand.document().text.find("force = ") != std::string::npos);
+  // Words that a key may have are a list.
+  window.tree().choose_region("normal 1");
+  CHECK(window.messages().isEmpty());
+  hand.act(kCorner);
+  hand.picture("held");
+}
+
+TEST_CASE("the tour of the door goes on as its steps are done", "[studio]") {
+  WindowCase hand;
+  MainWindow& window = *hand.window;
+  window.start_tour();
+  REQUIRE(window.wait(60));
+  REQUIRE(window.tour());
+  REQUIRE(hand.document().surface);
+  hand.picture("tour");
+  const auto step = [&] { return window.tour() ? window.tour()->step() : -1; };
+  QTest::mouseClick(&window.tour()->next(), Qt::LeftButton);
+  CHECK(step() == 1);
+  window.sliders().number("swell")->setValue(90);
+  REQUIRE(window.wait());
+  CHECK(step() == 2);
+  hand.act(kPush);
+  const auto [low, high] = hand.view().actors().box();
+  hand.drag(hand.view().actors().point(hand.view().actors().point_near(0.5 * (low + high))),
+            {0, -40});
+  CHECK(step() == 3);
+  window.shading().setCurrentIndex(static_cast<int>(Shading::Zebra));
+  REQUIRE(window.wait());
+  CHECK(step() == 4);
+  window.shading().setCurrentIndex(static_cast<int>(Shading::Stress));
+  REQUIRE(window.wait(60));
+  CHECK(step() == 5);
+  hand.act(kUndo);
+  CHECK(step() == 6);
+  hand.act(kSelect);
+  window.tree().choose_line("rib");
+  REQUIRE(window.wait());
+  CHECK(step() == 7);
+  QTest::mouseClick(&window.tour()->next(), Qt::LeftButton);
+  QTest::qWait(50);
+  CHECK(step() == -1);
+}
