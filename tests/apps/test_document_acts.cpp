@@ -5,6 +5,7 @@
 
 #include "batten/apps/commands/documents/document_worker.h"
 #include "batten/apps/commands/documents/edited_shape.h"
+#include "batten/apps/commands/documents/line_edits.h"
 #include "batten/apps/commands/documents/paint_edits.h"
 #include "batten/apps/commands/documents/run_script.h"
 #include "batten/tests/apps/cli_case.h"
@@ -81,6 +82,46 @@ TEST_CASE("what is painted acts there, and is taken away where the brush erases"
        .table = {"load", ""},
        .text = R"({ name = "edge", type = "pressure", value = 1, near = "rim.2", radius = 90 })"});
   CHECK_FALSE(is_painted(document.text(), {"load", "edge"}));
+}
+
+TEST_CASE("tangents of a straight line are moved by hand, and the line stays one thing",
+          "[document]") {
+  const Case folder("document_tangents");
+  folder.file("s.toml", R"(unit = "mm"
+[network]
+[[line]]
+name = "front"
+points = [[0, 0, 0], [90, 0, 0]]
+[[line]]
+name = "back"
+points = [[0, 60, 0], [90, 60, 0]]
+[[line]]
+name = "left"
+points = [[0, 0, 0], [0, 60, 0]]
+[[line]]
+name = "right"
+points = [[90, 0, 0], [90, 60, 0]]
+[skin]
+)");
+  Document document;
+  document.apply({.verb = Verb::Open, .file = folder / "s.toml"});
+  apply_all(document, tangent_edits(document.text(), "front"));
+  CHECK(line_key(document.text(), "front") == LineKey::Bezier);
+  CHECK(document.text().value({"line", "front"}, "points").empty());
+  CHECK(stated_points(document.text(), "front")[1] == Vec3(30, 0, 0));
+  CHECK(height_at(document, {45, 1, 0}) == Approx(0).margin(1e-9));
+  document.apply(move_command({30, 0, 0}, {30, 0, 40}));
+  document.apply(move_command({60, 0, 0}, {60, 0, 40}));
+  CHECK(height_at(document, {45, 1, 29}) == Approx(30).epsilon(0.05));  // 3/4 of 40 at the rim
+  CHECK(tangent_edits(document.text(), "front").empty());
+  // Lines that meet at an end are still moved together, and another shape replaces the tangents.
+  document.apply(move_command({0, 0, 0}, {-10, 0, 0}));
+  CHECK(stated_points(document.text(), "left").front() == Vec3(-10, 0, 0));
+  CHECK(stated_points(document.text(), "front").front() == Vec3(-10, 0, 0));
+  document.apply(points_edit("front", {{-10, 0, 0}, {45, 0, 20}, {90, 0, 0}}, LineKey::Arc));
+  CHECK(line_key(document.text(), "front") == LineKey::Arc);
+  CHECK(document.content().problem().empty());
+  CHECK(split_edits(view_of(document), "front", 1).empty());  // it goes through no given points
 }
 
 TEST_CASE("a motion swings, takes sliders, and ends in the shape at rest", "[document]") {

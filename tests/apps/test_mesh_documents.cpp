@@ -157,6 +157,10 @@ TEST_CASE("parts of a mesh are made features, handles, fixed, and let go again",
   const auto roles = mesh().roles;
   for (const auto role : {MeshView::Role::Fixed, MeshView::Role::Handle, MeshView::Role::Feature})
     CHECK(std::count(roles.begin(), roles.end(), role) > 100);
+  use("hole-3", PartUse::Interest);
+  use("hole-4", PartUse::Interest);
+  CHECK(document.text().words({"edit", "edit 1"}, "region") ==
+        std::vector<std::string>{"hole-3", "hole-4"});
   for (int hole = 1; hole <= 6; ++hole) use("hole-" + std::to_string(hole), PartUse::Free);
   CHECK(document.text().text() == opened);
   // A property of the deck becomes a selection.

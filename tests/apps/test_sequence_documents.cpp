@@ -91,3 +91,18 @@ TEST_CASE("a sequence that cannot be edited so stays as it was", "[document]") {
   CHECK(document.text().text() == text);
   CHECK(apart(document.sequence()->frames(), frames) == 0);
 }
+
+TEST_CASE("a path that is drawn is followed, and drawn anew", "[document]") {
+  Document document;
+  document.apply({.verb = Verb::Open, .file = BATTEN_SOURCE_DIR "/examples/25-path/path.toml"});
+  const std::vector<Vec3> before = path_of(document.text());
+  REQUIRE(before.size() == 5);
+  std::vector<Vec3> through = before;
+  through.back() += Vec3(0.5, 0.3, 0);
+  document.apply(path_edit(document.text(), through));
+  CHECK(path_of(document.text()) == through);
+  CHECK(document.text().has({"step", "bend"}));
+  document.apply({.verb = Verb::Remove, .table = {"step", "bend"}});
+  CHECK(path_of(document.text()).empty());
+  CHECK(path_edit(document.text(), through).verb == Verb::Add);
+}

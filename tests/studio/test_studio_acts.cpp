@@ -53,8 +53,7 @@ TEST_CASE("a pressure is painted, its slider lifts what was painted, the brush t
   REQUIRE(window.wait());
   CHECK(hand.height_at({60, 50, 0}) > 2 * hand.height_at({150, 50, 0}));
   hand.act(kCorner);
-  hand.act(kMesh);
-  hand.picture("painted");
+  hand.picture("brush");
   hand.act(kTop);
   // The chosen load goes on to be painted, and the brush with Shift takes away.
   hand.stroke({at(130, 50), at(150, 50)});
@@ -202,4 +201,27 @@ TEST_CASE("the tour of the door goes on as its steps are done", "[studio]") {
   QTest::mouseClick(&window.tour()->next(), Qt::LeftButton);
   QTest::qWait(50);
   CHECK(step() == -1);
+}
+
+TEST_CASE("tangents of a line are pulled, and the surface follows", "[studio]") {
+  WindowCase hand;
+  MainWindow& window = *hand.window;
+  const std::vector<Vec3> corners = {{0, 0, 0}, {200, 0, 0}, {200, 120, 0}, {0, 120, 0}};
+  for (size_t i = 0; i < 4; ++i)
+    window.post(line_command("side " + std::to_string(i + 1), {corners[i], corners[(i + 1) % 4]}));
+  REQUIRE(window.wait());
+  hand.act(kCorner);
+  window.tree().choose_line("side 1");
+  hand.press(kTangents);
+  hand.view().set_plane(DrawPlane::Xz);
+  const auto control = [&](size_t i) {
+    return stated_points(SceneText(hand.document().text), "side 1").at(i);
+  };
+  hand.drag(control(1), {0, -70});
+  hand.drag(control(2), {0, -70});
+  CHECK(control(1).z() > 10);
+  CHECK(control(2).z() > 10);
+  CHECK(hand.view().actors().box()[1].z() > 8);
+  CHECK(window.messages().isEmpty());
+  hand.picture("tangents");
 }

@@ -2,6 +2,7 @@
 #include <QAction>
 #include <QSlider>
 
+#include "batten/apps/commands/documents/sequence_edits.h"
 #include "batten/apps/studio/view/gizmo.h"
 #include "batten/apps/studio/view/texts.h"
 #include "batten/tests/studio/window_case.h"
@@ -44,4 +45,34 @@ TEST_CASE("a sequence is scrubbed, played, and bent in one frame by hand", "[stu
   hand.picture("sequence");
   hand.act(kUndo);
   CHECK(hand.document().timeline->keyframes == std::vector<int>{20});
+}
+
+TEST_CASE("a walk follows a path that is drawn", "[studio]") {
+  WindowCase hand;
+  MainWindow& window = *hand.window;
+  hand.open(kExamples / "25-path/path.toml");
+  REQUIRE(hand.document().timeline);
+  // Without hills, which are below the old path only.
+  window.post({.verb = DocumentCommand::Verb::Remove, .table = {"step", "hills"}});
+  REQUIRE(window.wait(120));
+  hand.act(kTop);
+  hand.act(kFit);
+  hand.act(kDraw);
+  for (const Vec3& p : {Vec3(0, 0, 0), Vec3(2, 0, 0), Vec3(4, -0.6, 0), Vec3(5, -1.8, 0)})
+    hand.click(p);
+  hand.key(Qt::Key_Return);
+  REQUIRE(window.wait(120));
+  INFO(window.messages().join("; ").toStdString());
+  CHECK(window.messages().isEmpty());
+  const SceneText scene(hand.document().text);
+  CHECK(path_of(scene).size() == 4);
+  CHECK((path_of(scene)[3] - Vec3(5, -1.8, 0)).norm() < 0.1);
+  hand.act(kSelect);
+  hand.act(kCorner);
+  hand.act(kFit);
+  window.timeline().slider().setValue(hand.document().timeline->frames);
+  REQUIRE(window.wait());
+  CHECK(hand.view().actors().box()[0].y() < -1);  // the last frame has gone there
+  hand.act(kFit);
+  hand.picture("path");
 }

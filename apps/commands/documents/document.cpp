@@ -131,7 +131,8 @@ void Document::edit(const DocumentCommand& command, const Progress& progress) {
   if (!slid_.empty()) settle();
   SceneText next = text_;
   if (command.verb == Verb::Add) next.add(command.table.kind, command.text);
-  if (command.verb == Verb::Set) next.set(command.table, command.key, command.text);
+  if (command.verb == Verb::Set)
+    next = with_one_shape(std::move(next), command.table, command.key, command.text);
   if (command.verb == Verb::Erase) next.erase(command.table, command.key);
   if (command.verb == Verb::Remove) next.remove(command.table);
   if (command.verb == Verb::Move) next = with_moved_point(std::move(next), command.text);

@@ -68,7 +68,7 @@ class EditedShape : public DocumentContent {
   std::unique_ptr<SculptingSession> session_;
   SessionStart start_;
   Answer answer_;
-  double dt_ = 0;  // of the steps of its motion
+  double dt_ = 0;                                       // of the steps of its motion
   std::shared_ptr<const DisplayPattern> pattern_;       // that was drawn
   std::shared_ptr<const std::vector<float>> unloaded_;  // its points without loads
   std::optional<MovingStress> stress_;

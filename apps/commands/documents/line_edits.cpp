@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "batten/io/files/text.h"
+#include "batten/io/scene/scene_curves.h"
 #include "batten/io/scene/scene_words.h"
 
 namespace batten {
@@ -17,8 +18,9 @@ std::string list_of(const std::vector<Vec3>& points) {
   return SceneText::list(words);
 }
 
-/// The points of a list as TOML writes it; none of anything else.
-std::vector<Vec3> points_in(const std::string& value) {
+}  // namespace
+
+std::vector<Vec3> listed_points(const std::string& value) {
   if (value.empty()) return {};
   const toml::table root = parse_toml("points = " + value, {}, "points");
   const toml::array* list = root["points"].as_array();
@@ -33,7 +35,49 @@ std::vector<Vec3> points_in(const std::string& value) {
   return points;
 }
 
+namespace {
+
+constexpr std::pair<LineKey, const char*> kLineKeys[] = {
+    {LineKey::Points, "points"}, {LineKey::Bezier, "bezier"}, {LineKey::Arc, "arc"}};
+
+const char* word_of(LineKey key) {
+  for (const auto& [one, word] : kLineKeys)
+    if (one == key) return word;
+  return "points";
+}
+
 }  // namespace
+
+LineKey line_key(const SceneText& scene, const std::string& line) {
+  const SceneTable table{"line", line};
+  if (!scene.has(table)) return LineKey::None;
+  for (const auto& [key, word] : kLineKeys)
+    if (!listed_points(scene.value(table, word)).empty()) return key;
+  return LineKey::None;
+}
+
+SceneText with_one_shape(SceneText scene, const SceneTable& table, const std::string& key,
+                         const std::string& value) {
+  const auto& shapes = shape_words();
+  const bool shape = std::find(shapes.begin(), shapes.end(), key) != shapes.end();
+  if (table.kind == "line" && shape && scene.has(table))
+    for (const auto& [other, words] : scene.values(table))
+      if (other != key && std::find(shapes.begin(), shapes.end(), other) != shapes.end())
+        scene.erase(table, other);
+  scene.set(table, key, value);
+  return scene;
+}
+
+std::vector<DocumentCommand> tangent_edits(const SceneText& scene, const std::string& line) {
+  const std::vector<Vec3> points = stated_points(scene, line);
+  if (line_key(scene, line) != LineKey::Points || points.size() != 2) return {};
+  const Vec3 third = (points[1] - points[0]) / 3;
+  const double size = 3 * third.norm();
+  return {points_edit(line,
+                      {points[0], rounded_point(points[0] + third, size),
+                       rounded_point(points[1] - third, size), points[1]},
+                      LineKey::Bezier)};
+}
 
 std::string stated_line(const SceneText& scene, const std::string& name) {
   if (scene.has({"line", name})) return name;
@@ -46,7 +90,7 @@ DocumentCommand move_command(const Vec3& from, const Vec3& to) {
 }
 
 SceneText with_moved_point(SceneText scene, const std::string& places) {
-  const std::vector<Vec3> way = points_in(places);
+  const std::vector<Vec3> way = listed_points(places);
   if (way.size() != 2)
     throw InputError("found '" + places + "', expected two places, [[x, y, z], [x, y, z]]");
   bool any = false;
@@ -60,7 +104,7 @@ SceneText with_moved_point(SceneText scene, const std::string& places) {
         p = way[1];
         has = true;
       }
-    if (has) scene.set(table, "points", list_of(points));
+    if (has) scene.set(table, word_of(line_key(scene, table.name)), list_of(points));
     any |= has;
   }
   if (!any)
@@ -69,8 +113,9 @@ SceneText with_moved_point(SceneText scene, const std::string& places) {
 }
 
 std::vector<Vec3> stated_points(const SceneText& scene, const std::string& line) {
-  const SceneTable table{"line", line};
-  return scene.has(table) ? points_in(scene.value(table, "points")) : std::vector<Vec3>{};
+  const LineKey key = line_key(scene, line);
+  return key == LineKey::None ? std::vector<Vec3>{}
+                              : listed_points(scene.value({"line", line}, word_of(key)));
 }
 
 std::string point_word(const Vec3& p) {
@@ -84,19 +129,23 @@ Vec3 rounded_point(const Vec3& p, double size) {
   return r;
 }
 
-DocumentCommand line_command(const std::string& name, const std::vector<Vec3>& points) {
+DocumentCommand line_command(const std::string& name, const std::vector<Vec3>& points,
+                             LineKey key) {
   return {.verb = Verb::Add,
           .table = {"line", ""},
-          .text = "{ name = " + SceneText::word(name) + ", points = " + list_of(points) + " }"};
+          .text = "{ name = " + SceneText::word(name) + ", " + word_of(key) + " = " +
+                  list_of(points) + " }"};
 }
 
-DocumentCommand points_edit(const std::string& line, const std::vector<Vec3>& points) {
-  return {.verb = Verb::Set, .table = {"line", line}, .key = "points", .text = list_of(points)};
+DocumentCommand points_edit(const std::string& line, const std::vector<Vec3>& points, LineKey key) {
+  return {.verb = Verb::Set, .table = {"line", line}, .key = word_of(key), .text = list_of(points)};
 }
 
 std::vector<DocumentCommand> split_edits(const DocumentView& view, const std::string& line,
                                          int point) {
-  const std::vector<Vec3> points = stated_points(SceneText(view.text), line);
+  const SceneText scene(view.text);
+  const std::vector<Vec3> points = stated_points(scene, line);
+  if (line_key(scene, line) != LineKey::Points) return {};
   if (point < 1 || point + 1 >= static_cast<int>(points.size())) return {};
   const auto at = points.begin() + point;
   return {points_edit(line, {points.begin(), at + 1}),
@@ -106,11 +155,12 @@ std::vector<DocumentCommand> split_edits(const DocumentView& view, const std::st
 std::vector<DocumentCommand> join_line_edits(const DocumentView& view, const std::string& line) {
   const SceneText scene(view.text);
   std::vector<Vec3> points = stated_points(scene, line);
-  if (points.size() < 2) return {};
+  if (points.size() < 2 || line_key(scene, line) != LineKey::Points) return {};
   std::string partner;
   std::vector<Vec3> joined;
   for (const SceneTable& table : scene.tables()) {
     if (table.kind != "line" || table.name == line) continue;
+    if (line_key(scene, table.name) != LineKey::Points) continue;
     std::vector<Vec3> other = stated_points(scene, table.name);
     if (other.size() < 2) continue;
     for (int way = 0; way < 4; ++way) {
@@ -131,10 +181,11 @@ std::vector<DocumentCommand> join_line_edits(const DocumentView& view, const std
 
 std::vector<DocumentCommand> mirror_edits(const DocumentView& view, const std::string& line,
                                           int axis) {
-  std::vector<Vec3> points = stated_points(SceneText(view.text), line);
+  const SceneText scene(view.text);
+  std::vector<Vec3> points = stated_points(scene, line);
   if (points.empty()) return {};
   for (Vec3& p : points) p[axis] = p[axis] == 0 ? 0 : -p[axis];
-  return {line_command(view.free_name("line"), points)};
+  return {line_command(view.free_name("line"), points, line_key(scene, line))};
 }
 
 }  // namespace batten

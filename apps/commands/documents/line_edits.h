@@ -12,17 +12,34 @@ namespace batten {
 /// The [[line]] that a name of a line or of its piece between nodes ("rim.2") means; "" for none.
 std::string stated_line(const SceneText& scene, const std::string& name);
 
-/// The points of a [[line]] as its scene states them; none where it is stated otherwise (a file, an
-/// arc), for those cannot be moved one by one.
+/// The points of a [[line]] as its scene states them, by the key that has them; none where it is stated
+/// otherwise (a file, a circle), for those cannot be moved one by one.
+enum class LineKey {
+  None,
+  Points,  ///< the curve goes through all of them
+  Bezier,  ///< control points: the second and the third say the tangents at the ends
+  Arc      ///< start, a point between, end
+};
+LineKey line_key(const SceneText& scene, const std::string& line);
 std::vector<Vec3> stated_points(const SceneText& scene, const std::string& line);
+/// The points of a list as TOML writes it; none of anything else.
+std::vector<Vec3> listed_points(const std::string& value);
 
 /// A point as words, with no more digits than a hand can mean in a shape of this size: a millionth.
 std::string point_word(const Vec3& p);
 Vec3 rounded_point(const Vec3& p, double size);
 
 /// A line through points, as a new one or in the place of its points.
-DocumentCommand line_command(const std::string& name, const std::vector<Vec3>& points);
-DocumentCommand points_edit(const std::string& line, const std::vector<Vec3>& points);
+DocumentCommand line_command(const std::string& name, const std::vector<Vec3>& points,
+                             LineKey key = LineKey::Points);
+DocumentCommand points_edit(const std::string& line, const std::vector<Vec3>& points,
+                            LineKey key = LineKey::Points);
+/// A straight line between two points with tangents that a hand can move; none of other lines.
+std::vector<DocumentCommand> tangent_edits(const SceneText& scene, const std::string& line);
+/// The scene after `set` of a key of a line: of what says its shape a line has one key, so that the one
+/// before goes.
+SceneText with_one_shape(SceneText scene, const SceneTable& table, const std::string& key,
+                         const std::string& value);
 /// Moves a point of all lines that have it.
 DocumentCommand move_command(const Vec3& from, const Vec3& to);
 /// The scene after such a command's text. Throws InputError: not two places, no line that has the

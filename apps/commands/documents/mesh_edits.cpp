@@ -19,6 +19,17 @@ std::optional<SceneTable> last_edit(const SceneText& scene) {
   return last;
 }
 
+/// The selections that a key of the last edit names.
+std::vector<std::string> listed(const SceneText& scene, const char* key) {
+  const auto edit = last_edit(scene);
+  return edit ? scene.words(*edit, key) : std::vector<std::string>{};
+}
+
+bool lists(const SceneText& scene, const char* key, const std::string& part) {
+  const std::vector<std::string> words = listed(scene, key);
+  return std::find(words.begin(), words.end(), part) != words.end();
+}
+
 /// The handle of the last edit that has this name.
 SceneTable handle_of(const SceneText& scene, const std::string& part) {
   const auto edit = last_edit(scene);
@@ -56,14 +67,15 @@ void let_go(const SceneText& scene, const MeshView& mesh, const std::string& par
   }
   if (const SceneTable handle = handle_of(scene, part); scene.has(handle))
     edits.push_back({.verb = Verb::Remove, .table = handle});
-  if (const auto edit = last_edit(scene)) {
-    std::vector<std::string> fixed = scene.words(*edit, "fixed");
-    if (std::erase(fixed, part) == 0) return;
-    if (fixed.empty())
-      edits.push_back({.verb = Verb::Erase, .table = *edit, .key = "fixed"});
+  const auto edit = last_edit(scene);
+  for (const char* key : {"fixed", "region"}) {
+    std::vector<std::string> words = listed(scene, key);
+    if (std::erase(words, part) == 0) continue;
+    if (words.empty())
+      edits.push_back({.verb = Verb::Erase, .table = *edit, .key = key});
     else
       edits.push_back(
-          {.verb = Verb::Set, .table = *edit, .key = "fixed", .text = SceneText::word_list(fixed)});
+          {.verb = Verb::Set, .table = *edit, .key = key, .text = SceneText::word_list(words)});
   }
 }
 
@@ -71,15 +83,14 @@ void let_go(const SceneText& scene, const MeshView& mesh, const std::string& par
 
 PartUse use_of(const SceneText& scene, const std::string& part) {
   if (scene.has(handle_of(scene, part))) return PartUse::Handle;
-  const auto fixed =
-      last_edit(scene) ? scene.words(*last_edit(scene), "fixed") : std::vector<std::string>{};
-  if (std::find(fixed.begin(), fixed.end(), part) != fixed.end()) return PartUse::Fixed;
+  if (lists(scene, "fixed", part)) return PartUse::Fixed;
+  if (lists(scene, "region", part)) return PartUse::Interest;
   for (const SceneTable& table : scene.tables()) {
     const std::vector<std::string> of =
         table.kind == "features" ? scene.words(table, "of") : std::vector<std::string>{};
-    const bool listed =
+    const bool named =
         std::any_of(of.begin(), of.end(), [&](const auto& word) { return matches(word, part); });
-    if (listed || table == SceneTable{"feature", part})
+    if (named || table == SceneTable{"feature", part})
       return scene.value(table, "keep") == "\"direction\"" ? PartUse::KeepsDirection
                                                            : PartUse::Rigid;
   }
@@ -99,17 +110,18 @@ std::vector<DocumentCommand> use_edits(const SceneText& scene, const MeshView& m
                        .table = {"select", ""},
                        .text = "{ name = " + name + ", " + one.key + " = " + name + " }"});
   const auto edit = last_edit(scene);
-  const bool moves = use == PartUse::Fixed || use == PartUse::Handle;
+  const bool lists_it = use == PartUse::Fixed || use == PartUse::Interest;
+  const bool moves = lists_it || use == PartUse::Handle;
   if (!edit && moves)
     edits.push_back({.verb = Verb::Add, .table = {"edit", ""}, .text = "{ name = \"edit 1\" }"});
-  if (use == PartUse::Fixed) {
-    std::vector<std::string> fixed =
-        edit ? scene.words(*edit, "fixed") : std::vector<std::string>{};
-    fixed.push_back(part);
+  if (lists_it) {
+    const char* key = use == PartUse::Fixed ? "fixed" : "region";
+    std::vector<std::string> words = listed(scene, key);
+    words.push_back(part);
     edits.push_back({.verb = Verb::Set,
                      .table = edit ? *edit : SceneTable{"edit", "edit 1"},
-                     .key = "fixed",
-                     .text = SceneText::word_list(fixed)});
+                     .key = key,
+                     .text = SceneText::word_list(words)});
   } else if (use == PartUse::Handle) {
     edits.push_back(
         {.verb = Verb::Add, .table = {"edit.handle", ""}, .text = "{ name = " + name + " }"});

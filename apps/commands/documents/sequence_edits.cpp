@@ -30,6 +30,21 @@ std::string with_move(const std::string& list, const std::string& handle, const 
   return "[" + words + move + "]";
 }
 
+/// The last step, or the last of a kind ("\"path\"").
+SceneTable last_step(const SceneText& scene, const std::string& kind = "") {
+  SceneTable step;
+  for (const SceneTable& table : scene.tables())
+    if (table.kind == "step" && (kind.empty() || scene.value(table, "kind") == kind)) step = table;
+  return step;
+}
+
+/// A name that no step has yet, as a word.
+std::string free_step(const SceneText& scene, const std::string& beginning) {
+  int number = 1;
+  while (scene.has({"step", beginning + std::to_string(number)})) ++number;
+  return SceneText::word(beginning + std::to_string(number));
+}
+
 }  // namespace
 
 std::vector<DocumentCommand> keyframe_edits(const SceneText& scene, int frame,
@@ -37,15 +52,11 @@ std::vector<DocumentCommand> keyframe_edits(const SceneText& scene, int frame,
                                             const Vec3& turn) {
   const std::string move = move_word(handle, shift, turn);
   const std::string key = "{ frame = " + std::to_string(frame) + ", handle = [" + move + "] }";
-  SceneTable step;
-  for (const SceneTable& table : scene.tables())
-    if (table.kind == "step") step = table;
+  const SceneTable step = last_step(scene);
   if (step.kind.empty() || scene.value(step, "kind") != "\"keyframes\"") {
-    int number = 1;
-    while (scene.has({"step", "keys " + std::to_string(number)})) ++number;
     return {{.verb = Verb::Add,
              .table = {"step", ""},
-             .text = "{ name = " + SceneText::word("keys " + std::to_string(number)) +
+             .text = "{ name = " + free_step(scene, "keys ") +
                      ", kind = \"keyframes\", keyframe = [" + key + "] }"}};
   }
   for (const SceneTable& table : scene.tables())
@@ -62,6 +73,23 @@ std::vector<DocumentCommand> keyframe_edits(const SceneText& scene, int frame,
                .key = name,
                .text = value.substr(0, value.rfind(']')) + ", " + key + "]"}};
   return {{.verb = Verb::Add, .table = {"step.keyframe", ""}, .text = key}};
+}
+
+DocumentCommand path_edit(const SceneText& scene, const std::vector<Vec3>& through) {
+  std::vector<std::string> points;
+  for (const Vec3& p : through) points.push_back(point_word(p));
+  const SceneTable step = last_step(scene, "\"path\"");
+  if (!step.kind.empty())
+    return {.verb = Verb::Set, .table = step, .key = "through", .text = SceneText::list(points)};
+  return {.verb = Verb::Add,
+          .table = {"step", ""},
+          .text = "{ name = " + free_step(scene, "path ") +
+                  ", kind = \"path\", through = " + SceneText::list(points) + " }"};
+}
+
+std::vector<Vec3> path_of(const SceneText& scene) {
+  const SceneTable step = last_step(scene, "\"path\"");
+  return step.kind.empty() ? std::vector<Vec3>{} : listed_points(scene.value(step, "through"));
 }
 
 std::vector<DocumentCommand> sequence_handle_edits(const SceneText& scene,

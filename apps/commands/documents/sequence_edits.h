@@ -16,6 +16,12 @@ std::vector<DocumentCommand> keyframe_edits(const SceneText& scene, int frame,
                                             const std::string& handle, const Vec3& shift,
                                             const Vec3& turn);
 
+/// What makes the whole sequence go along a curve through these points: a step of the kind `path`, or
+/// another curve for the last one of this kind.
+DocumentCommand path_edit(const SceneText& scene, const std::vector<Vec3>& through);
+/// The points of the last path; none where there is none.
+std::vector<Vec3> path_of(const SceneText& scene);
+
 /// What makes a handle of a selection.
 std::vector<DocumentCommand> sequence_handle_edits(const SceneText& scene,
                                                    const std::string& selection);

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "batten/apps/commands/documents/line_edits.h"
+#include "batten/apps/commands/documents/sequence_edits.h"
 #include "batten/apps/studio/view/shape_view.h"
 #include "batten/apps/studio/view/texts.h"
 
@@ -25,9 +26,10 @@ void ShapeView::show_line() {
     const SceneText scene(view_->text);
     stated_ = stated_line(scene, chosen_);
     line_points_ = stated_points(scene, stated_);
+    line_key_ = line_key(scene, stated_);
   }
   if (chosen_point_ >= static_cast<int>(line_points_.size())) chosen_point_ = -1;
-  actors_->set_dots(line_points_, chosen_point_);
+  show_dots();
   std::vector<Vec3> line;
   for (size_t i = 0; shape && combs_ && i < view_->lines.size(); ++i)
     if (view_->lines[i].line == (stated_.empty() ? chosen_ : stated_))
@@ -36,11 +38,16 @@ void ShapeView::show_line() {
   if (view_ && view_->timeline) show_trail();
 }
 
-// Where the shown handle goes in all frames, and where feet stand.
+// Control points are joined by their polygon.
+void ShapeView::show_dots() {
+  actors_->set_dots(line_points_, chosen_point_, line_key_ == LineKey::Bezier);
+}
+
+// Where the shown handle goes in all frames, or the path that they follow, and where feet stand.
 void ShapeView::show_trail() {
-  actors_->set_dots(view_->timeline->footprints, -1);
+  actors_->set_dots(view_->timeline->footprints, -1, false);
   const auto* handle = shown_handle();
-  actors_->set_trail(handle ? handle->path : std::vector<Vec3>{});
+  actors_->set_trail(handle ? handle->path : path_of(SceneText(view_->text)));
 }
 
 void ShapeView::set_combs(bool shown) {
@@ -69,7 +76,7 @@ bool ShapeView::press_point(const QPoint& at) {
   if (moved_point_ < 0) return false;
   chosen_point_ = moved_point_;
   point_before_ = line_points_[static_cast<size_t>(moved_point_)];
-  actors_->set_dots(line_points_, chosen_point_);
+  show_dots();
   redraw();
   return true;
 }
@@ -79,7 +86,7 @@ void ShapeView::drag_point(const QPoint& at) {
   Vec3& p = line_points_[static_cast<size_t>(moved_point_)];
   const auto end = snapped(at);
   p = end ? *end : rounded_by_hand(on_plane(at, point_before_));
-  actors_->set_dots(line_points_, chosen_point_);
+  show_dots();
   actors_->set_draft(line_points_);
   hooks_.hint(text(kPointAt).arg(p.x()).arg(p.y()).arg(p.z()));
   redraw();
@@ -91,12 +98,14 @@ void ShapeView::release_point(bool alone) {
   actors_->set_draft({});
   fitted_ = true;
   if (now == point_before_) return;
-  hooks_.post(alone ? points_edit(stated_, line_points_) : move_command(point_before_, now));
+  hooks_.post(alone ? points_edit(stated_, line_points_, line_key_)
+                    : move_command(point_before_, now));
 }
 
 // A double click on the chosen line puts a point there.
 bool ShapeView::add_point(const QPoint& at) {
-  if (tool_ != Tool::Select || line_points_.size() < 2) return false;
+  if (tool_ != Tool::Select || line_points_.size() < 2 || line_key_ != LineKey::Points)
+    return false;
   const auto found = std::find_if(view_->lines.begin(), view_->lines.end(),
                                   [&](const auto& line) { return line.line == stated_; });
   if (found == view_->lines.end()) return false;
@@ -128,7 +137,7 @@ bool ShapeView::add_point(const QPoint& at) {
 }
 
 bool ShapeView::remove_point() {
-  if (chosen_point_ < 0 || line_points_.size() < 3) return false;
+  if (chosen_point_ < 0 || line_points_.size() < 3 || line_key_ != LineKey::Points) return false;
   std::vector<Vec3> points = line_points_;
   points.erase(points.begin() + chosen_point_);
   chosen_point_ = -1;

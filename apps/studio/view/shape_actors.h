@@ -56,8 +56,8 @@ class ShapeActors {
   std::vector<int> unloaded_within(const Vec3& centre, double radius) const;
   /// The points of a line that is being drawn; with one more where the hand is.
   void set_draft(const std::vector<Vec3>& points);
-  /// Dots of points that can be moved, one of them chosen (-1: none).
-  void set_dots(const std::vector<Vec3>& points, int chosen);
+  /// Dots of points that can be moved, one of them chosen (-1: none); `joined` by lines.
+  void set_dots(const std::vector<Vec3>& points, int chosen, bool joined);
   /// A comb of the curvature along points of a curve; as high as a tenth of the size at most.
   void set_comb(const std::vector<Vec3>& curve);
   /// The way of something through a sequence's frames, in the place of a comb.

@@ -43,8 +43,8 @@ void ShapeActors::set_draft(const std::vector<Vec3>& points) {
   draft_->set_dots(points, true, kDot);
 }
 
-void ShapeActors::set_dots(const std::vector<Vec3>& points, int chosen) {
-  dots_->set_dots(points, false, kDot);
+void ShapeActors::set_dots(const std::vector<Vec3>& points, int chosen, bool joined) {
+  dots_->set_dots(points, joined, kDot);
   const bool any = chosen >= 0 && chosen < static_cast<int>(points.size());
   dot_->set_dots(any ? std::vector<Vec3>{points[static_cast<size_t>(chosen)]} : std::vector<Vec3>{},
                  false, 1.4 * kDot);

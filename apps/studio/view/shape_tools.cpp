@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "batten/apps/commands/documents/line_edits.h"
+#include "batten/apps/commands/documents/sequence_edits.h"
 #include "batten/apps/studio/view/shape_view.h"
 #include "batten/apps/studio/view/texts.h"
 
@@ -125,6 +126,7 @@ std::optional<Vec3> ShapeView::snapped(const QPoint& at) const {
 Vec3 ShapeView::point_at(const QPoint& at) const {
   if (const auto end = snapped(at)) return *end;
   const Vec3 hand = display(at);
+  if (view_ && view_->timeline) return rounded_by_hand(on_plane(at, Vec3::Zero()));  // the ground
   if (const auto p = actors_->surface_at(hand.x(), hand.y())) return *p;
   return rounded_by_hand(on_plane(at, draft_.empty() ? Vec3(Vec3::Zero()) : draft_.front()));
 }
@@ -175,6 +177,7 @@ void ShapeView::finish_line() {
   redraw();
   if (points.size() < 2) return;
   fitted_ = true;  // the view stays while a hand draws
+  if (view_->timeline) return hooks_.post(path_edit(SceneText(view_->text), points));
   awaited_ = view_->free_name("line");
   hooks_.post(line_command(awaited_, points));
   hooks_.hint(text(kHintDraw));

@@ -130,6 +130,7 @@ void ShapeView::take(const DocumentWorker::News& news) {
     show_handle();
     show_line();
     choose_awaited();
+    if (!stroke_) show_painted_area();
   }
   redraw();
 }
@@ -159,7 +160,7 @@ void ShapeView::say_hint() {
                                        : kHintSelect,
                                kHintPush,
                                kHintPin,
-                               kHintDraw,
+                               view_ && view_->timeline ? kHintPath : kHintDraw,
                                mesh ? kHintPaint : kHintPaintArea,
                                kHintLasso,
                                kHintMeasure};

@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "batten/apps/commands/documents/document_worker.h"
+#include "batten/apps/commands/documents/line_edits.h"
 #include "batten/apps/commands/documents/paint_edits.h"
 #include "batten/apps/studio/view/shape_actors.h"
 
@@ -152,6 +153,7 @@ class ShapeView : public QVTKOpenGLNativeWidget {
   void end_stroke();
   void take_stroke(const Stroke& stroke);
   void show_line();
+  void show_dots();
   void show_trail();
   int point_under(const QPoint& at) const;
   bool press_point(const QPoint& at);
@@ -196,6 +198,7 @@ class ShapeView : public QVTKOpenGLNativeWidget {
   QTimer* swing_ = nullptr;
   int swung_ = 0;                  // pictures since a mode began to swing
   std::vector<Vec3> line_points_;  // that the scene states of the chosen line
+  LineKey line_key_ = LineKey::None;
   int chosen_point_ = -1, moved_point_ = -1;
   Vec3 point_before_ = Vec3::Zero();  // where the moved one was
   bool combs_ = false;

@@ -37,6 +37,11 @@ inline constexpr const char* kHintSelectMesh =
                       "the handle.");
 inline constexpr const char* kHintPaint = QT_TRANSLATE_NOOP(
     "studio", "Paint over nodes, with Shift to take some away. Drag beside the mesh to turn it.");
+inline constexpr const char* kHintPath =
+    QT_TRANSLATE_NOOP("studio",
+                      "Draw the path that all frames are to follow, on the ground; Enter ends it. "
+                      "Another one replaces "
+                      "it.");
 inline constexpr const char* kHintPaintArea =
     QT_TRANSLATE_NOOP("studio",
                       "Paint where the chosen load or weight acts, or a new one; with Shift to "
@@ -193,6 +198,7 @@ inline constexpr const char* kNoStress =
     QT_TRANSLATE_NOOP("studio", "Stresses need supports: choose a line, and clamp or pin it.");
 inline constexpr const char* kFair = QT_TRANSLATE_NOOP("studio", "Fair it");
 inline constexpr const char* kFairHere = QT_TRANSLATE_NOOP("studio", "Fair at point");
+inline constexpr const char* kTangents = QT_TRANSLATE_NOOP("studio", "Tangents by hand");
 inline constexpr const char* kSplit = QT_TRANSLATE_NOOP("studio", "Split at point");
 inline constexpr const char* kJoinLines = QT_TRANSLATE_NOOP("studio", "Join neighbour");
 inline constexpr const char* kMirrors[] = {QT_TRANSLATE_NOOP("studio", "Mirror x"),
@@ -204,13 +210,15 @@ inline constexpr const char* kSelections = QT_TRANSLATE_NOOP("studio", "Selectio
 inline constexpr const char* kKept = QT_TRANSLATE_NOOP("studio", "What is kept");
 inline constexpr const char* kEdits = QT_TRANSLATE_NOOP("studio", "Edits");
 inline constexpr const char* kUses[] = {
-    QT_TRANSLATE_NOOP("studio", "Let go"), QT_TRANSLATE_NOOP("studio", "Fixed"),
-    QT_TRANSLATE_NOOP("studio", "Handle"), QT_TRANSLATE_NOOP("studio", "Rigid"),
-    QT_TRANSLATE_NOOP("studio", "Rigid, no turn")};
-inline constexpr const char* kUsed[] = {
-    QT_TRANSLATE_NOOP("studio", ""), QT_TRANSLATE_NOOP("studio", "fixed"),
-    QT_TRANSLATE_NOOP("studio", "handle"), QT_TRANSLATE_NOOP("studio", "rigid"),
-    QT_TRANSLATE_NOOP("studio", "rigid, no turn")};
+    QT_TRANSLATE_NOOP("studio", "Let go"),         QT_TRANSLATE_NOOP("studio", "Fixed"),
+    QT_TRANSLATE_NOOP("studio", "Handle"),         QT_TRANSLATE_NOOP("studio", "Rigid"),
+    QT_TRANSLATE_NOOP("studio", "Rigid, no turn"), QT_TRANSLATE_NOOP("studio", "Only this moves")};
+inline constexpr const char* kUsed[] = {QT_TRANSLATE_NOOP("studio", ""),
+                                        QT_TRANSLATE_NOOP("studio", "fixed"),
+                                        QT_TRANSLATE_NOOP("studio", "handle"),
+                                        QT_TRANSLATE_NOOP("studio", "rigid"),
+                                        QT_TRANSLATE_NOOP("studio", "rigid, no turn"),
+                                        QT_TRANSLATE_NOOP("studio", "region of interest")};
 inline constexpr const char* kKeepAll = QT_TRANSLATE_NOOP("studio", "Keep all openings");
 inline constexpr const char* kNewEdit = QT_TRANSLATE_NOOP("studio", "Go on with a new edit");
 inline constexpr const char* kFrames = QT_TRANSLATE_NOOP("studio", "Frames");

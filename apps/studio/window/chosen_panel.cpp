@@ -170,6 +170,8 @@ void ChosenPanel::fill_line() {
     return fair(", brush = { at = " + point_word(p) + ", radius = " + size +
                 " }, wavelength = " + size);
   });
+  if (!tangent_edits(SceneText(view_->text), name).empty())
+    add_button(kTangents, [this, name] { return tangent_edits(SceneText(view_->text), name); });
   add_button(kSplit, [this, name] { return split_edits(*view_, name, hand_.point()); });
   add_button(kJoinLines, [this, name] { return join_line_edits(*view_, name); });
   for (int axis = 0; axis < 3; ++axis)
@@ -231,8 +233,8 @@ void ChosenPanel::fill_mesh() {
   }
   if (item_.kind == Kind::Part) {
     const PartUse now = use_of(scene, part);
-    for (const PartUse use :
-         {PartUse::Rigid, PartUse::KeepsDirection, PartUse::Handle, PartUse::Fixed, PartUse::Free})
+    for (const PartUse use : {PartUse::Rigid, PartUse::KeepsDirection, PartUse::Handle,
+                              PartUse::Fixed, PartUse::Interest, PartUse::Free})
       if (use != now)
         add_button(kUses[static_cast<int>(use)], [this, part, use] {
           return use_edits(SceneText(view_->text), *view_->mesh, part, use);

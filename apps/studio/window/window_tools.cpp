@@ -147,7 +147,7 @@ void MainWindow::show_stress(const StressView& stress) {
 void MainWindow::show_tools() {
   const bool mesh = shown_->mesh != nullptr, moves = motion_->isChecked();
   for (const char* what : {kPush, kHold}) action(what)->setEnabled(!mesh && !moves);
-  action(kDraw)->setEnabled(!mesh);
+  action(kDraw)->setEnabled(!mesh || shown_->timeline);
   action(kLasso)->setEnabled(mesh);
   action(kPaint)->setEnabled(shown_->surface);
   motion_->setEnabled(moves || (shown_->surface && !mesh));
