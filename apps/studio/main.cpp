@@ -58,8 +58,10 @@ QString name_in(const QString& left) {
 
 int main(int argc, char** argv) {
   if (argc > 1 && std::string(argv[1]) == "--help") {
-    std::cout << "batten-studio [FILE]: the window in which shapes are made; FILE is a scene, "
-                 "a file of lines, a mesh or a deforming one\n";
+    std::cout
+        << "The window in which shapes are made\nUsage: batten-studio [FILE]\n\nFILE is a scene, a "
+           "file of lines, a mesh or a deforming one; without it there is an empty scene, the "
+           "first time a tour.\n";
     return 0;
   }
   try {
