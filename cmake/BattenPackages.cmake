@@ -1,9 +1,10 @@
 # Debian packages by CPack; scripts/package makes them. What is installed belongs to one component a package: program,
-# dev, studio, python; without a word it is dev (CMakeLists.txt).
+# dev, studio, mpi, python; without a word it is dev (CMakeLists.txt).
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME batten)
 set(CPACK_PACKAGE_VENDOR "Batten")
-set(CPACK_PACKAGE_CONTACT "Batten developers <batten@localhost>")
+set(BATTEN_MAINTAINER "Batten developers <batten@users.noreply.github.com>" CACHE STRING "Who answers for Debian packages")
+set(CPACK_PACKAGE_CONTACT "${BATTEN_MAINTAINER}")
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_PACKAGE_DIRECTORY ${PROJECT_BINARY_DIR}/packages)
 set(CPACK_STRIP_FILES ON)
@@ -35,13 +36,13 @@ string(TIMESTAMP batten_package_date "%a, %d %b %Y %H:%M:%S +0000" UTC)
 
 if(TARGET batten_cli)
   batten_package(program batten "surfaces from character lines: skinned, sculpted, analysed"
-" Batten skins lines that a designer drew with continuous finite-element
- surfaces, sculpts these live by pressures, points and springs while
- constraints hold exactly, computes stresses on the same elements, edits
- meshes whose form features stay rigid, and deforming meshes. It writes STEP,
- VTK and CalculiX files.
- .
- This package holds the command line.")
+"Batten skins lines that a designer drew with continuous finite-element
+surfaces, sculpts these live by pressures, points and springs while
+constraints hold exactly, computes stresses on the same elements, edits
+meshes whose form features stay rigid, and deforming meshes. It writes STEP,
+VTK and CalculiX files.
+
+This package holds the command line.")
   set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS "xvfb, xauth")
   set(CPACK_DEBIAN_PROGRAM_PACKAGE_SUGGESTS "calculix-ccx, batten-studio")
   # Man pages, by scripts/package; the completion of bash; lessons.
@@ -54,9 +55,9 @@ if(TARGET batten_cli)
 endif()
 
 batten_package(dev libbatten-dev "finite-element kernel for continuous surfaces: headers, libraries"
-" Static libraries and headers of Batten for C++20 programs:
- find_package(batten) gives batten::core to batten::sculpting,
- find_package(batten COMPONENTS io) readers and writers, too.")
+"Static libraries and headers of Batten for C++20 programs:
+find_package(batten) gives batten::core to batten::sculpting,
+find_package(batten COMPONENTS io) readers and writers, too.")
 set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "libeigen3-dev, libboost-dev, libsuitesparse-dev, libopenblas-dev, libcgal-dev, libceres-dev, libspectra-dev")
 set(CPACK_DEBIAN_DEV_PACKAGE_RECOMMENDS
@@ -64,9 +65,9 @@ set(CPACK_DEBIAN_DEV_PACKAGE_RECOMMENDS
 
 if(BATTEN_HAS_STUDIO)
   batten_package(studio batten-studio "window in which surfaces are made from lines"
-" Draw lines and see the surface between them, push it, move sliders, watch the
- stress; mark features of a mesh and move its handles; edit deforming meshes.
- What is done is a scene that the command line runs, too.")
+"Draw lines and see the surface between them, push it, move sliders, watch the
+stress; mark features of a mesh and move its handles; edit deforming meshes.
+What is done is a scene that the command line runs, too.")
   set(CPACK_DEBIAN_STUDIO_PACKAGE_DEPENDS "batten (= ${PROJECT_VERSION})")
   file(MAKE_DIRECTORY ${PROJECT_BINARY_DIR}/man/studio)
   install(DIRECTORY ${PROJECT_BINARY_DIR}/man/studio/ DESTINATION ${CMAKE_INSTALL_DATADIR}/man/man1 COMPONENT studio)
@@ -78,10 +79,16 @@ if(BATTEN_HAS_STUDIO)
           DESTINATION ${CMAKE_INSTALL_DATADIR}/mime/packages)
 endif()
 
+if(TARGET batten_petsc)
+  batten_package(mpi batten-mpi "systems of Batten over several processes"
+"A module that batten loads under mpirun: PETSc factors its systems.")
+  set(CPACK_DEBIAN_MPI_PACKAGE_DEPENDS "batten (= ${PROJECT_VERSION}), openmpi-bin")
+endif()
+
 if(TARGET _batten)
   batten_package(python python3-batten "finite-element kernel for continuous surfaces: Python module"
-" import batten: lines, surfaces, live sessions, deformers and readers as
- numpy arrays.")
+"import batten: lines, surfaces, live sessions, deformers and readers as
+numpy arrays.")
   set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
   set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "python3, python3-numpy, batten (= ${PROJECT_VERSION})")
 endif()
