@@ -1,5 +1,5 @@
 # Debian packages by CPack; scripts/package makes them. What is installed belongs to one component a package: program,
-# dev, studio, mpi, python; without a word it is dev (CMakeLists.txt).
+# dev, studio, freecad, mpi, python; without a word it is dev (CMakeLists.txt).
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME batten)
 set(CPACK_PACKAGE_VENDOR "Batten")
@@ -77,6 +77,15 @@ What is done is a scene that the command line runs, too.")
           DESTINATION ${CMAKE_INSTALL_DATADIR}/icons/hicolor/scalable/apps)
   install(FILES ${PROJECT_SOURCE_DIR}/cmake/packages/batten-studio.xml COMPONENT studio
           DESTINATION ${CMAKE_INSTALL_DATADIR}/mime/packages)
+endif()
+
+if(TARGET batten_cli)
+  batten_package(freecad batten-freecad "workbench of Batten for FreeCAD"
+"Surfaces between edges and sketches that follow when these change, pressures
+and pushes by sliders, fair curves, continuity along shared edges.")
+  set(CPACK_DEBIAN_FREECAD_PACKAGE_ARCHITECTURE all)
+  set(CPACK_DEBIAN_FREECAD_PACKAGE_SHLIBDEPS OFF)
+  set(CPACK_DEBIAN_FREECAD_PACKAGE_DEPENDS "freecad, batten (>= ${PROJECT_VERSION})")
 endif()
 
 if(TARGET batten_petsc)

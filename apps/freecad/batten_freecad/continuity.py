@@ -1,0 +1,40 @@
+"""Gaps and angles between faces along the edges that they share."""
+import math
+
+import FreeCAD
+
+SAMPLES = 15  # places along an edge
+
+
+def normal_at(face, point):
+    """The face's normal, oriented, at the place of it that is nearest to a point, and that place."""
+    u, v = face.Surface.parameter(point)
+    return face.normalAt(u, v), face.Surface.value(u, v)
+
+
+def rows_of(shape):
+    """Of every edge that two faces share: (name, the largest distance between the faces there in mm, the largest angle
+    between their normals in degrees). Edges that bound one face only are left out."""
+    rows = []
+    for number, edge in enumerate(shape.Edges, 1):
+        faces = [f for f in shape.Faces if any(e.isSame(edge) for e in f.Edges)]
+        if len(faces) != 2:
+            continue
+        gap = angle = 0.0
+        first, last = edge.ParameterRange
+        for i in range(SAMPLES):
+            p = edge.valueAt(first + (last - first) * (i + 0.5) / SAMPLES)
+            (n1, p1), (n2, p2) = (normal_at(face, p) for face in faces)
+            gap = max(gap, (p1 - p2).Length)
+            angle = max(angle, math.degrees(n1.getAngle(n2)))
+        rows.append((f"Edge{number}", gap, angle))
+    return rows
+
+
+def tell(obj):
+    """Prints the rows of an object's shape, the worst first, and returns them."""
+    rows = sorted(rows_of(obj.Shape), key=lambda row: -row[2])
+    FreeCAD.Console.PrintMessage(f"{obj.Label}: {len(rows)} edges between two faces\n")
+    for name, gap, angle in rows:
+        FreeCAD.Console.PrintMessage(f"  {name}: gap {gap:.3g} mm, normals differ by {angle:.3g}°\n")
+    return rows

@@ -1,0 +1,9 @@
+"""Pictures of the commands."""
+from pathlib import Path
+
+FOLDER = Path(__file__).resolve().parent.parent / "icons"
+
+
+def path(name):
+    """The file of an icon."""
+    return str(FOLDER / f"batten_{name}.svg")

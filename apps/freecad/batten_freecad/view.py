@@ -1,0 +1,42 @@
+"""How a Skin looks in FreeCAD's window: its icon, and the panel that a double click opens."""
+import FreeCADGui
+
+from batten_freecad import icons
+
+
+class SkinView:
+    def __init__(self, view):
+        view.Proxy = self
+
+    def attach(self, view):
+        self.Object = view.Object
+
+    def getIcon(self):
+        return icons.path("skin")
+
+    def claimChildren(self):
+        return []
+
+    def setEdit(self, view, mode=0):
+        from batten_freecad import panel
+
+        FreeCADGui.Control.showDialog(panel.SkinPanel(view.Object))
+        return True
+
+    def unsetEdit(self, view, mode=0):
+        FreeCADGui.Control.closeDialog()
+        return True
+
+    def doubleClicked(self, view):
+        return self.setEdit(view)
+
+    def dumps(self):
+        return None
+
+    def loads(self, state):
+        return None
+
+    __getstate__ = dumps
+
+    def __setstate__(self, state):
+        return None
