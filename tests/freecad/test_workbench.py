@@ -128,7 +128,7 @@ class Workbench(unittest.TestCase):
         skin.Skin(empty)
         with self.assertRaises(scene.BattenError):
             empty.Proxy.execute(empty)
-        before = os.environ.pop("BATTEN_PROGRAM")
+        before = os.environ.get("BATTEN_PROGRAM", "")
         os.environ["BATTEN_PROGRAM"] = "/nowhere/batten"
         try:
             with self.assertRaises(scene.BattenError):
