@@ -74,7 +74,7 @@ def write(folder):
         text = links_of(text, file, known, folder)
         title, _, rest = text.partition("\n")
         if file != ROOT / "README.md":
-            title = f"{title} {{#{identifier(file)}}}"
+            title = f"{title.replace('`', '')} {{#{identifier(file)}}}"
         (folder / page_name(file)).write_text(title + "\n" + rest, encoding="utf-8")
 
 
