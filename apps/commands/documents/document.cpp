@@ -214,7 +214,10 @@ std::shared_ptr<DocumentContent> Document::next_content(const SceneText& text,
                                                         const Progress& progress) const {
   const About what = about(text, file);
   std::shared_ptr<DocumentContent> content = content_;
-  if (!content || what != about(text_, file_)) {
+  const bool goes_on = what == About::Sequence ? sequence() != nullptr
+                       : what == About::Mesh   ? mesh() != nullptr
+                                               : shape() != nullptr;
+  if (!goes_on) {
     if (what == About::Sequence) content = std::make_shared<EditedSequence>();
     if (what == About::Mesh) content = std::make_shared<EditedMesh>();
     if (what == About::Lines) content = std::make_shared<EditedShape>();
